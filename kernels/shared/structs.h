@@ -1,0 +1,37 @@
+/* Structs shared by host and device, made from structs.def. Valid C++20 and OpenCL C 1.2. */
+#ifndef RAYCUBE_KERNELS_SHARED_STRUCTS_H
+#define RAYCUBE_KERNELS_SHARED_STRUCTS_H
+
+#define RC_NONE 0xFFFFFFFFu   /* no instance, no primitive, no surface */
+#define RC_GROUP_WIDTH 4      /* pixels of one line that share a traversal: a constant of the plan, part of the results */
+#define RC_BLOCK 16           /* triangles per leaf block */
+#define RC_MAX_CHANNELS 32    /* channels (source x node) of a term row */
+
+#ifdef __OPENCL_C_VERSION__
+typedef uint rc_uint;
+typedef float rc_float;
+typedef float4 rc_float4;
+#define RC_STRUCT_BEGIN(name, text) typedef struct name {
+#define RC_STRUCT_END(name, bytes) } name;
+#else
+#include <cstdint>
+namespace raycube::shared {
+using rc_uint = std::uint32_t;
+using rc_float = float;
+struct alignas(16) rc_float4 {
+  float x = 0, y = 0, z = 0, w = 0;
+};
+#define RC_STRUCT_BEGIN(name, text) struct alignas(16) name {
+#define RC_STRUCT_END(name, bytes) }; static_assert(sizeof(name) == bytes, #name " has padding the field list does not name");
+#endif
+#define RC_FIELD(type, name, text) type name;
+#define RC_ARRAY(type, name, count, text) type name[count];
+#include "structs.def"
+#undef RC_STRUCT_BEGIN
+#undef RC_STRUCT_END
+#undef RC_FIELD
+#undef RC_ARRAY
+#ifndef __OPENCL_C_VERSION__
+}  /* namespace raycube::shared */
+#endif
+#endif

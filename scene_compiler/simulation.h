@@ -1,0 +1,94 @@
+// What a simulation file says, validated and with every default filled in; the scene itself is compiled apart.
+// Angles in degrees and lengths in metres as typed; azimuth clockwise from north, of the direction towards the thing named.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "scene_compiler/compiled_scene.h"
+
+namespace raycube::scene {
+
+enum class InstrumentKind { framing, whiskbroom, pushbroom };
+enum class SamplerKind { grid, lattice, jittered };
+enum class PoseMotion { held, moving, automatic };
+
+/// One pose of the platform. Position in the scene frame, metres; roll about the flight axis (right wing down positive),
+/// pitch (nose up positive), yaw = heading clockwise from north. Rotation order yaw, pitch, roll (z-y-x, intrinsic).
+struct Pose {
+  double x_m = 0, y_m = 0, z_m = 0;
+  double roll_deg = 0, pitch_deg = 0, heading_deg = 0;
+};
+
+/// One band's relative spectral response. Either Gaussian (centre and FWHM) or tabulated.
+struct Band {
+  double center_um = 0;
+  double fwhm_um = 0;                       ///< 0 when tabulated
+  std::vector<double> wavelength_um;        ///< tabulated response, ascending, vacuum
+  std::vector<double> response;             ///< >= 0
+  std::string name;
+};
+
+struct Instrument {
+  std::string name;
+  InstrumentKind kind = InstrumentKind::framing;
+  int pixels = 0;                 ///< samples of a line
+  int lines = 0;
+  double ifov_along_rad = 0;      ///< image-plane pixel pitch / focal length, across lines (v)
+  double ifov_across_rad = 0;     ///< along a line (u)
+  std::vector<Pose> poses;        ///< one (framing), one per line (pushbroom), or one per pixel in line-sample order (whiskbroom)
+  /// Pushbroom with moving pose: platform velocity while a line is exposed, and the exposure, both zero when held.
+  PoseMotion motion = PoseMotion::held;
+  double nominal_agl_m = 0;       ///< what the file called altitude above ground; 0 when poses were given
+  SamplerKind sampler = SamplerKind::grid;
+  int samples_u = 11, samples_v = 11;   ///< grid and jittered: cells; lattice: total = samples_u * samples_v points
+  double psf_sigma_px = 0;        ///< Gaussian PSF sigma in pixels; 0: box, no blur
+  double psf_support_px = 1;      ///< width of the square the samples cover, pixels; 1 for the box
+  std::vector<Band> bands;
+  std::vector<int> quicklook_bands;     ///< 0-based, red green blue (three) or grey (one)
+  // products
+  std::string interleave = "bip";       ///< bip, bil, bsq
+  bool write_exr = true, write_png = true;
+  bool write_band_transmission = false; ///< path transmission per band as truth
+  std::optional<double> integer_scale;  ///< write uint16 of round(radiance * scale)
+};
+
+/// Where the sun is. Towards the sun, seen from the scene origin.
+struct Sun {
+  double zenith_deg = 0;
+  double azimuth_deg = 0;
+  int day_of_year = 0;            ///< 1..366; 0: earth-sun distance factor 1
+  std::string utc;                ///< empty when angles were given
+};
+
+/// Parameters of the built-in clear-sky model, or the file of an imported table.
+struct AtmosphereSpec {
+  std::string table_file;         ///< absolute path; empty: build
+  double ground_height_m = 0;     ///< above sea level, of the scene's z = 0 (origin height)
+  double pressure_hPa = 1013.25;  ///< at the ground
+  double water_g_cm2 = 1.5;
+  double ozone_atm_cm = 0.32;
+  double aod_550 = 0.1;           ///< aerosol optical depth at 0.55 um, vertical
+  double angstrom = 1.2;
+  double ssa = 0.945;             ///< aerosol single-scattering albedo at 0.4 um (Bird & Riordan's rural)
+  double asymmetry = 0.65;
+  double ground_albedo = 0.0;     ///< for the sky's ground-reflected part
+  bool none = false;              ///< no air: T = 1, no sky, no path radiance (tests, laboratories)
+};
+
+/// A whole simulation as one file describes it.
+struct Simulation {
+  std::string file;               ///< absolute path
+  double tolerance = 0.01;
+  std::uint64_t seed = 1;
+  int sky_directions = 16;        ///< per pixel
+  AtmosphereSpec atmosphere;
+  Sun sun;
+  std::vector<Instrument> instruments;
+  CompiledScene scene;
+  std::string resolved_json;      ///< every option with its value after defaults
+};
+
+}  // namespace raycube::scene
