@@ -1,0 +1,40 @@
+// Rays of an instrument's pixels: computed in double from the poses, rounded once to the groups the kernels read.
+#pragma once
+
+#include <glm/vec3.hpp>
+#include <vector>
+
+#include "kernels/shared/structs.h"
+#include "scene_compiler/simulation.h"
+
+namespace raycube::sensors {
+
+/// Pixels of one line that share an origin and a traversal: RC_GROUP_WIDTH, or 1 for a whiskbroom (one pose per pixel).
+/// Pixel i of a group lies at a = i - (width - 1) / 2.0 from the group's centre.
+int pixels_per_group(const scene::Instrument& instrument);
+
+/// ceil(pixels / pixels_per_group). The last group of a line may reach past the line's end; those pixels are not rendered.
+int groups_per_line(const scene::Instrument& instrument);
+
+/// Groups of lines first_line .. first_line + line_count - 1, line by line. Each depends on its line alone, so any split
+/// of the image into tiles gives the same bits. Throws Error(input) when the poses do not match the image, Error(bug)
+/// when the lines lie outside it.
+std::vector<shared::RayGroup> make_ray_groups(const scene::Instrument& instrument, int first_line, int line_count);
+
+/// A ray o + t d in the scene frame; d lies on the image plane at distance 1 and is not normalised.
+struct Ray {
+  glm::dvec3 origin_m{0};
+  glm::dvec3 direction{0};
+};
+
+/// The ray through a place in a pixel: u along the line and v across lines, pixels from the pixel's centre, -0.5..0.5
+/// inside it. Double, before any rounding: what the groups approximate and what tests and reports may use.
+Ray pixel_ray(const scene::Instrument& instrument, int line, int sample, double u, double v);
+
+/// True when v is time: a pushbroom whose pose moves while a line is exposed. Then the slit is narrow and sweeps: the
+/// pixel's extent across lines is the way flown from line - 1/2 to line + 1/2, and ifov_along_rad is not used. Held: the
+/// pose stands still and the extent is ifov_along_rad. PoseMotion::automatic becomes moving when the two differ on the
+/// ground z = 0 by more than `share_px` pixels at a line's ends or centre; resolve it once when calling per tile.
+bool pose_moves(const scene::Instrument& instrument, double share_px = 0.05);
+
+}  // namespace raycube::sensors
