@@ -1,0 +1,50 @@
+// Traversal in double on the same fp32 rays, vertices and matrices: the judge where Embree and the device disagree.
+#pragma once
+
+#include <string>
+
+#include "host/reference/contact.h"
+
+namespace raycube::reference {
+
+/// What double arithmetic says about one ray.
+struct Trace {
+  Hit hit;                    ///< smallest (t, instance, primitive); edges belong to both their triangles
+  double t = 0;               ///< of that hit; infinite for a miss
+  /// No correct fp32 traversal can report anything beyond this depth: the nearest certain hit's t + bound.
+  double certain_t = 0;
+  Hit certain;                ///< that hit; a miss when no hit is certain
+};
+
+/// Why two first hits of one ray differ.
+enum class Cause { agree, edge_tie, depth_tie, grazing, unexplained };
+const char* cause_name(Cause cause);
+
+/// Can the point be seen along a shadow ray? `uncertain`: some triangle is met or missed within the bounds.
+enum class Visibility { visible, blocked, uncertain };
+
+class DoubleTracer {
+ public:
+  /// Keeps a reference to the scene. Its own walk over scene.nodes, recursive, boxes padded by more than any rounding.
+  explicit DoubleTracer(const scene::CompiledScene& scene) : scene_(scene) {}
+
+  Trace trace(const Ray& ray) const;
+  /// Every triangle of every instance, no tree: the oracle of the walk above.
+  Trace trace_brute_force(const Ray& ray) const;
+
+  /// A hit is admissible when fp32 arithmetic within the bounds of contact.h may report it: not clearly outside its
+  /// triangle and not clearly behind a certain hit; a miss, when no hit is certain. Two different admissible answers are
+  /// explained, and the class names the first bound that applies: grazing, edge tie, depth tie.
+  Cause explain(const Ray& ray, const Hit& a, const Hit& b) const;
+
+  /// For a spawned ray (direction towards the light, infinite); `from` is the surface it leaves and is never its blocker.
+  Visibility visibility(const DoubleRay& ray, const Hit& from) const;
+
+ private:
+  const scene::CompiledScene& scene_;
+};
+
+/// Hit point of the primitive's plane, scene frame, m, in double.
+glm::dvec3 hit_point(const scene::CompiledScene& scene, const Ray& ray, const Hit& hit);
+
+}  // namespace raycube::reference

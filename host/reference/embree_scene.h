@@ -1,0 +1,30 @@
+// The compiled scene in Embree 3, robust mode: the reference's own intersection, sharing nothing with the device but data.
+#pragma once
+
+#include <memory>
+
+#include "host/reference/ray.h"
+#include "scene_compiler/compiled_scene.h"
+
+namespace raycube::reference {
+
+/// One Embree scene per mesh (its blocks' triangles), one Embree instance per placed mesh, with the stored fp32 matrices.
+/// Safe to query from several threads.
+class EmbreeScene {
+ public:
+  /// Reads the scene once; keeps nothing of it. Throws Error(environment) when Embree cannot start or runs out of memory.
+  explicit EmbreeScene(const scene::CompiledScene& scene);
+  ~EmbreeScene();
+  EmbreeScene(const EmbreeScene&) = delete;
+  EmbreeScene& operator=(const EmbreeScene&) = delete;
+
+  Hit intersect(const Ray& ray) const;
+  /// Anything between the origin and infinity, along the direction?
+  bool occluded(const Ray& ray) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace raycube::reference

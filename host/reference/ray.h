@@ -1,0 +1,50 @@
+// The fp32 rays that device and reference share bit for bit, and the hit that both report.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <tuple>
+
+#include <glm/vec3.hpp>
+#include <glm/geometric.hpp>
+
+#include "kernels/shared/structs.h"
+
+namespace raycube::reference {
+
+/// Origin (m, scene frame) and direction as the device holds them: not normalised, so a hit lies at origin + t direction.
+struct Ray {
+  std::array<float, 3> origin{}, direction{};
+};
+
+/// A first hit by name: instance index and primitive = block * 16 + lane. RC_NONE in both: a miss.
+struct Hit {
+  std::uint32_t instance = RC_NONE, primitive = RC_NONE;
+  bool miss() const { return primitive == RC_NONE; }
+  bool operator==(const Hit&) const = default;
+  bool operator<(const Hit& other) const {
+    return std::tie(instance, primitive) < std::tie(other.instance, other.primitive);
+  }
+};
+
+/// Image-plane abscissa of a point u pixels right of the centre of pixel `lane` of a group, in pixels from the group's
+/// centre. Exact for the values met here, and rounded once otherwise.
+inline float group_abscissa(int lane, float u) {
+  return (static_cast<float>(lane) - static_cast<float>(RC_GROUP_WIDTH - 1) * 0.5f) + u;
+}
+
+/// The ray of the point (u, v), in pixels from the centre of pixel `lane` of the group: o + b ov, d0 + a du + b dv, each
+/// component by two fused multiply-adds (structs.def), so that any exact fma gives the same bits.
+inline Ray sample_ray(const shared::RayGroup& group, int lane, float u, float v) {
+  const float a = group_abscissa(lane, u);
+  const auto direction = [&](float d0, float du, float dv) { return std::fma(a, du, std::fma(v, dv, d0)); };
+  return {{std::fma(v, group.ov.x, group.origin.x), std::fma(v, group.ov.y, group.origin.y),
+           std::fma(v, group.ov.z, group.origin.z)},
+          {direction(group.d0.x, group.du.x, group.dv.x), direction(group.d0.y, group.du.y, group.dv.y),
+           direction(group.d0.z, group.du.z, group.dv.z)}};
+}
+
+inline glm::dvec3 to_double(const std::array<float, 3>& v) { return {v[0], v[1], v[2]}; }
+
+}  // namespace raycube::reference
