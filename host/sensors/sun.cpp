@@ -3,6 +3,7 @@
 #include <libnova/dynamical_time.h>
 #include <libnova/julian_day.h>
 #include <libnova/precession.h>
+#include <libnova/sidereal_time.h>
 #include <libnova/solar.h>
 #include <libnova/transform.h>
 
@@ -68,7 +69,7 @@ scene::Sun sun_from_time(const std::string& utc, double latitude_deg, double lon
   ln_get_equ_prec(&sun_j2000, ephemeris_day, &sun);
   ln_lnlat_posn observer{longitude_deg, latitude_deg};
   ln_hrz_posn horizontal{};
-  ln_get_hrz_from_equ(&sun, &observer, julian_day, &horizontal);
+  ln_get_hrz_from_equ_sidereal_time(&sun, &observer, ln_get_apparent_sidereal_time(julian_day), &horizontal);
   scene::Sun result;
   result.zenith_deg = 90.0 - horizontal.alt;
   result.azimuth_deg = azimuth_from_libnova_deg(horizontal.az);

@@ -1,5 +1,5 @@
 // Sun position against published examples; tolerance 0.004 degrees: the published values are topocentric (parallax 0.0024
-// degrees) and rounded to a minute (almanac), and the mean sidereal time adds 3e-4.
+// degrees) and rounded to a minute (almanac).
 #include <doctest/doctest.h>
 
 #include <cmath>
