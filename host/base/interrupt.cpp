@@ -1,0 +1,70 @@
+#include "host/base/interrupt.h"
+
+#include <array>
+#include <atomic>
+#include <csignal>
+#include <cstring>
+
+#include <unistd.h>
+
+#include "host/base/error.h"
+
+namespace raycube::base {
+namespace {
+
+struct Slot {
+  std::atomic<int> state{0};  // 0 free, 1 being filled or emptied, 2 holds a path
+  char path[4096];
+};
+std::array<Slot, 64> slots;
+std::atomic<int> arrived{0};
+static_assert(std::atomic<int>::is_always_lock_free, "the handler needs lock-free flags");
+
+extern "C" void raycube_on_signal(int number) {
+  int none = 0;
+  if (arrived.compare_exchange_strong(none, number)) return;
+  for (auto& slot : slots)
+    if (slot.state.load() == 2) ::unlink(slot.path);
+  ::_exit(static_cast<int>(Fault::interrupted));
+}
+
+}  // namespace
+
+void install_signal_handlers() {
+  struct sigaction action {};
+  action.sa_handler = raycube_on_signal;
+  sigemptyset(&action.sa_mask);
+  action.sa_flags = SA_RESTART;
+  ::sigaction(SIGINT, &action, nullptr);
+  ::sigaction(SIGTERM, &action, nullptr);
+  ::signal(SIGXFSZ, SIG_IGN);
+}
+
+bool interrupted() noexcept { return arrived.load(std::memory_order_relaxed) != 0; }
+
+void throw_if_interrupted() {
+  const int number = arrived.load();
+  if (number == 0) return;
+  throw Error(Fault::interrupted, std::string("interrupted by ") + (number == SIGTERM ? "SIGTERM" : "Ctrl-C") +
+                                      "; unfinished output was removed");
+}
+
+void clear_interrupt() noexcept { arrived = 0; }
+
+TemporaryPath::TemporaryPath(const std::string& path) noexcept {
+  if (path.size() >= sizeof(Slot::path)) return;
+  for (int i = 0; i < static_cast<int>(slots.size()); ++i) {
+    int free = 0;
+    if (!slots[i].state.compare_exchange_strong(free, 1)) continue;
+    std::memcpy(slots[i].path, path.c_str(), path.size() + 1);
+    slots[i].state = 2;
+    slot_ = i;
+    return;
+  }
+}
+
+TemporaryPath::~TemporaryPath() {
+  if (slot_ >= 0) slots[slot_].state = 0;
+}
+
+}  // namespace raycube::base

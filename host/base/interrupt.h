@@ -1,0 +1,34 @@
+// Ctrl-C and SIGTERM: the first one asks the program to stop at its next safe point, where destructors remove what was
+// half written; the second one removes the registered temporaries and leaves at once. This is the only process-wide
+// state of the program: a signal handler can reach nothing else.
+#pragma once
+
+#include <string>
+
+namespace raycube::base {
+
+/// Installs the handlers of SIGINT and SIGTERM, and ignores SIGXFSZ so that a file-size limit is an error of write().
+void install_signal_handlers();
+
+/// True once SIGINT or SIGTERM has arrived.
+bool interrupted() noexcept;
+
+/// Throws Error(interrupted) once a signal has arrived. Call it between tiles, strips and nodes.
+void throw_if_interrupted();
+
+/// Forgets an interrupt (tests).
+void clear_interrupt() noexcept;
+
+/// While it lives, the second signal unlinks `path`. Up to 64 at a time; further ones are left to their owner's destructor.
+class TemporaryPath {
+ public:
+  explicit TemporaryPath(const std::string& path) noexcept;
+  ~TemporaryPath();
+  TemporaryPath(const TemporaryPath&) = delete;
+  TemporaryPath& operator=(const TemporaryPath&) = delete;
+
+ private:
+  int slot_ = -1;
+};
+
+}  // namespace raycube::base

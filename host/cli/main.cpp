@@ -1,0 +1,63 @@
+// raycube: parses the command line, runs one verb, and turns every failure into one message and an exit status.
+#include <exception>
+#include <iostream>
+#include <new>
+
+#include "host/base/error.h"
+#include "host/base/interrupt.h"
+#include "host/cli/parser.h"
+
+namespace {
+
+using raycube::base::Error;
+using raycube::base::Fault;
+
+/// One message, prefixed line by line: to the log when there is one, else to stderr.
+int report(raycube::base::Log* log, int status, const std::string& message) {
+  if (log) {
+    log->error(message);
+  } else {
+    raycube::base::Log plain;
+    plain.error(message);
+  }
+  return status;
+}
+
+int run(int argc, char** argv, std::unique_ptr<raycube::base::Log>& log) {
+  using namespace raycube;
+  const auto verbs = cli::all_verbs();
+  cli::CommonOptions values;
+  const auto parsed = cli::parse_command_line(argc, argv, verbs, values);
+  int status = 0;
+  if (!parsed.verb) {
+    std::cout << parsed.text;
+  } else {
+    log = std::make_unique<base::Log>(base::LogOptions{values.verbose - values.quiet, values.log_file});
+    std::string command_line;
+    for (int i = 0; i < argc; ++i) command_line += (i ? " " : "") + std::string(argv[i]);
+    base::install_signal_handlers();
+    cli::Context context{values, *log, std::cout, command_line};
+    status = parsed.verb->run(context);
+  }
+  if (!std::cout.flush()) throw Error(Fault::environment, "stdout could not be written; is its disk full or its reader gone?");
+  return status;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::unique_ptr<raycube::base::Log> log;
+  try {
+    return run(argc, argv, log);
+  } catch (const Error& error) {
+    return report(log.get(), error.exit_status(), error.what());
+  } catch (const std::bad_alloc&) {
+    return report(log.get(), static_cast<int>(Fault::environment),
+                  "not enough memory; a smaller --memory or image needs less");
+  } catch (const std::exception& failure) {
+    return report(log.get(), static_cast<int>(Fault::bug),
+                  std::string("our bug, please report it with the command and its input: ") + failure.what());
+  } catch (...) {
+    return report(log.get(), static_cast<int>(Fault::bug), "our bug, please report it with the command and its input");
+  }
+}
