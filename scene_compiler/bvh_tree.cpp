@@ -1,0 +1,135 @@
+#include "scene_compiler/bvh_tree.h"
+
+#include <embree3/rtcore.h>
+
+#include <algorithm>
+#include <memory>
+#include <string>
+
+#include "host/base/error.h"
+
+namespace raycube::scene::detail {
+namespace {
+
+using base::Error;
+using base::Fault;
+
+// What the callbacks build: leaves carry their item, inner nodes their children's boxes.
+struct BuildNode {
+  std::uint32_t item = 0;
+  std::uint32_t count = 0;  // 0: leaf
+  std::array<BuildNode*, 8> child{};
+  std::array<Box, 8> box;
+};
+
+void* create_node(RTCThreadLocalAllocator allocator, unsigned, void*) {
+  return new (rtcThreadLocalAlloc(allocator, sizeof(BuildNode), alignof(BuildNode))) BuildNode;
+}
+
+void* create_leaf(RTCThreadLocalAllocator allocator, const RTCBuildPrimitive* primitives, std::size_t, void*) {
+  auto* node = new (rtcThreadLocalAlloc(allocator, sizeof(BuildNode), alignof(BuildNode))) BuildNode;
+  node->item = primitives[0].primID;
+  return node;
+}
+
+void set_children(void* pointer, void** children, unsigned count, void*) {
+  auto* node = static_cast<BuildNode*>(pointer);
+  node->count = count;
+  for (unsigned i = 0; i < count; ++i) node->child[i] = static_cast<BuildNode*>(children[i]);
+}
+
+void set_bounds(void* pointer, const RTCBounds** bounds, unsigned count, void*) {
+  auto* node = static_cast<BuildNode*>(pointer);
+  for (unsigned i = 0; i < count; ++i) {
+    node->box[i].lo = {bounds[i]->lower_x, bounds[i]->lower_y, bounds[i]->lower_z};
+    node->box[i].hi = {bounds[i]->upper_x, bounds[i]->upper_y, bounds[i]->upper_z};
+  }
+}
+
+void set_slot(shared::BvhNode& node, std::uint32_t slot, const Box& box) {
+  node.lo_x[slot] = box.lo[0], node.lo_y[slot] = box.lo[1], node.lo_z[slot] = box.lo[2];
+  node.hi_x[slot] = box.hi[0], node.hi_y[slot] = box.hi[1], node.hi_z[slot] = box.hi[2];
+}
+
+// Depth first; the deeper half of a child list lies right behind its parent, which is what a traversal visits next.
+std::uint32_t flatten(const BuildNode& from, Tree& tree, std::uint32_t level) {
+  tree.depth = std::max(tree.depth, level);
+  const auto index = static_cast<std::uint32_t>(tree.nodes.size());
+  tree.nodes.emplace_back();
+  tree.nodes[index] = {};
+  tree.nodes[index].count = from.count;
+  for (std::uint32_t i = 0; i < from.count; ++i) {
+    const BuildNode& child = *from.child[i];
+    set_slot(tree.nodes[index], i, from.box[i]);
+    if (child.count == 0) {
+      tree.nodes[index].child[i] = child.item;
+      tree.nodes[index].leaf_mask |= 1u << i;
+    } else {
+      const std::uint32_t at = flatten(child, tree, level + 1);
+      tree.nodes[index].child[i] = at;
+    }
+  }
+  return index;
+}
+
+struct DeviceRelease {
+  void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
+};
+struct BvhRelease {
+  void operator()(RTCBVH bvh) const { rtcReleaseBVH(bvh); }
+};
+
+}  // namespace
+
+void Box::grow(const std::array<float, 3>& point) {
+  for (int k = 0; k < 3; ++k) lo[k] = std::min(lo[k], point[k]), hi[k] = std::max(hi[k], point[k]);
+}
+
+void Box::grow(const Box& other) {
+  grow(other.lo);
+  grow(other.hi);
+}
+
+Tree build_tree(const std::vector<Box>& boxes) {
+  Tree tree;
+  if (boxes.size() == 1) {  // rtcBuildBVH would return a bare leaf
+    tree.nodes.emplace_back();
+    tree.nodes[0] = {};
+    tree.nodes[0].count = 1;
+    tree.nodes[0].leaf_mask = 1;
+    set_slot(tree.nodes[0], 0, boxes[0]);
+    tree.depth = 1;
+    return tree;
+  }
+  // One thread: the order in which threads partition equal keys would otherwise reach the tree.
+  std::unique_ptr<RTCDeviceTy, DeviceRelease> device(rtcNewDevice("threads=1"));
+  if (!device) throw Error(Fault::environment, "Embree: no device for the BVH builder (rtcNewDevice failed)");
+  std::unique_ptr<RTCBVHTy, BvhRelease> bvh(rtcNewBVH(device.get()));
+  std::vector<RTCBuildPrimitive> primitives(boxes.size());
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    const Box& box = boxes[i];
+    primitives[i] = {box.lo[0], box.lo[1], box.lo[2], 0, box.hi[0], box.hi[1], box.hi[2], static_cast<unsigned>(i)};
+  }
+  RTCBuildArguments arguments = rtcDefaultBuildArguments();
+  arguments.buildQuality = RTC_BUILD_QUALITY_MEDIUM;
+  arguments.maxBranchingFactor = 8;
+  arguments.maxDepth = 64;
+  arguments.minLeafSize = 1;
+  arguments.maxLeafSize = 1;
+  arguments.bvh = bvh.get();
+  arguments.primitives = primitives.data();
+  arguments.primitiveCount = primitives.size();
+  arguments.primitiveArrayCapacity = primitives.size();
+  arguments.createNode = create_node;
+  arguments.createLeaf = create_leaf;
+  arguments.setNodeChildren = set_children;
+  arguments.setNodeBounds = set_bounds;
+  const auto* root = static_cast<const BuildNode*>(rtcBuildBVH(&arguments));
+  if (!root || root->count == 0)
+    throw Error(Fault::bug, "rtcBuildBVH made no tree over " + std::to_string(boxes.size()) + " boxes (Embree error " +
+                                std::to_string(static_cast<int>(rtcGetDeviceError(device.get()))) + ")");
+  flatten(*root, tree, 1);
+  return tree;
+}
+
+}  // namespace raycube::scene::detail
