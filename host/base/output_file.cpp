@@ -1,0 +1,248 @@
+#include "host/base/output_file.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <optional>
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <sys/statvfs.h>
+#include <unistd.h>
+
+#include "host/base/error.h"
+#include "host/base/interrupt.h"
+#include "host/base/memory.h"
+
+namespace raycube::base {
+namespace fs = std::filesystem;
+namespace {
+
+Error failed(const std::string& path, const std::string& what, int code) {
+  std::string way_out;
+  if (code == ENOSPC || code == EDQUOT) way_out = "; free some space or choose another place with -o";
+  if (code == EACCES || code == EROFS || code == EPERM) way_out = "; choose a folder you may write to with -o";
+  if (code == EFBIG) way_out = "; the file-size limit (ulimit -f) or the file system is too small";
+  return Error(Fault::environment, path + ": " + what + ": " + std::strerror(code) + way_out);
+}
+
+Error exists(const std::string& path) {
+  return Error(Fault::input, path + ": is there already; give --overwrite to replace it, or another -o");
+}
+
+bool present(const std::string& path) {
+  struct stat status {};
+  return ::lstat(path.c_str(), &status) == 0;
+}
+
+/// Makes the folder and its parents.
+void make_folder(const fs::path& folder) {
+  std::error_code code;
+  fs::create_directories(folder, code);
+  if (code) throw failed(folder.string(), "the folder cannot be made", code.value());
+  if (!fs::is_directory(folder, code)) throw failed(folder.string(), "is not a folder", ENOTDIR);
+}
+
+/// Temporaries of the same final name whose writer is gone: nobody holds their lock.
+void remove_stale(const fs::path& folder, const std::string& prefix) {
+  std::error_code code;
+  for (const auto& entry : fs::directory_iterator(folder, code)) {
+    if (entry.path().filename().string().rfind(prefix, 0) != 0) continue;
+    const int fd = ::open(entry.path().c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+    if (fd < 0) continue;
+    if (::flock(fd, LOCK_EX | LOCK_NB) == 0) ::unlink(entry.path().c_str());
+    ::close(fd);
+  }
+}
+
+void sync_folder(const fs::path& folder) {
+  const int fd = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (fd < 0) return;
+  ::fsync(fd);  // some file systems refuse it for folders: the rename itself has succeeded
+  ::close(fd);
+}
+
+}  // namespace
+
+struct OutputFile::State {
+  std::string final_path, temporary_path;
+  fs::path folder;
+  IfExists if_exists = IfExists::refuse;
+  int fd = -1;
+  std::uint64_t appended = 0;
+  std::atomic<std::uint64_t> end{0};
+  std::uint64_t reserved = 0;
+  bool synced = false, published = false, was_new = true;
+  std::optional<TemporaryPath> guard;
+
+  ~State() {
+    if (!published && !temporary_path.empty()) ::unlink(temporary_path.c_str());
+    if (fd >= 0) ::close(fd);
+  }
+};
+
+OutputFile::OutputFile(const std::string& final_path, IfExists if_exists) : state_(std::make_unique<State>()) {
+  State& s = *state_;
+  s.final_path = final_path;
+  s.if_exists = if_exists;
+  const fs::path path(final_path);
+  const std::string name = path.filename().string();
+  if (name.empty() || name == "." || name == "..") throw Error(Fault::input, final_path + ": is not a file name");
+  s.folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  make_folder(s.folder);
+  if (present(final_path)) {
+    std::error_code code;
+    if (fs::is_directory(final_path, code)) throw Error(Fault::input, final_path + ": is a folder; name a file");
+    if (if_exists == IfExists::refuse) throw exists(final_path);
+    s.was_new = false;
+  }
+  const std::string prefix = "." + name + ".raycube-";
+  remove_stale(s.folder, prefix);
+  struct stat status {};
+  do {  // again when another run took the new file for a stale one before it was locked
+    std::string pattern = (s.folder / (prefix + "XXXXXX")).string();
+    if (s.fd >= 0) ::close(s.fd);
+    s.fd = ::mkostemp(pattern.data(), O_CLOEXEC);
+    if (s.fd < 0) throw failed(final_path, "cannot be written", errno);
+    s.temporary_path = pattern;
+    ::flock(s.fd, LOCK_EX);
+    if (::fstat(s.fd, &status) != 0) throw failed(final_path, "cannot be written", errno);
+  } while (status.st_nlink == 0);
+  s.guard.emplace(s.temporary_path);
+  const mode_t mask = ::umask(0);
+  ::umask(mask);
+  ::fchmod(s.fd, 0666 & ~mask);
+}
+
+OutputFile::~OutputFile() = default;
+OutputFile::OutputFile(OutputFile&&) noexcept = default;
+
+const std::string& OutputFile::final_path() const { return state_->final_path; }
+const std::string& OutputFile::temporary_path() const { return state_->temporary_path; }
+std::uint64_t OutputFile::size() const { return state_->end; }
+
+void OutputFile::reserve(std::uint64_t bytes) {
+  State& s = *state_;
+  if (bytes == 0) return;
+  if (::fallocate(s.fd, FALLOC_FL_KEEP_SIZE, 0, static_cast<off_t>(bytes)) == 0) {
+    s.reserved = bytes;
+    return;
+  }
+  const int code = errno;
+  if (code == EOPNOTSUPP || code == ENOSYS || code == EINTR) return;  // then a full disk is met while writing
+  struct statvfs disk {};
+  std::string what = "no room for " + format_bytes(bytes);
+  if (::fstatvfs(s.fd, &disk) == 0)
+    what += " (free: " + format_bytes(std::uint64_t{disk.f_bavail} * disk.f_frsize) + ")";
+  throw failed(s.final_path, what, code);
+}
+
+void OutputFile::append(const void* data, std::size_t bytes) {
+  write_at(state_->appended, data, bytes);
+  state_->appended += bytes;
+}
+
+void OutputFile::write_at(std::uint64_t offset, const void* data, std::size_t bytes) {
+  State& s = *state_;
+  if (s.published) throw Error(Fault::bug, s.final_path + ": written after it was published");
+  auto* next = static_cast<const char*>(data);
+  const std::uint64_t stop = offset + bytes;
+  while (bytes > 0) {
+    const ssize_t written = ::pwrite(s.fd, next, std::min<std::size_t>(bytes, 1u << 30), static_cast<off_t>(offset));
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) throw failed(s.final_path, "writing failed", written < 0 ? errno : ENOSPC);
+    next += written, offset += static_cast<std::uint64_t>(written), bytes -= static_cast<std::size_t>(written);
+  }
+  s.synced = false;
+  for (std::uint64_t end = s.end; end < stop && !s.end.compare_exchange_weak(end, stop);) {
+  }
+}
+
+void OutputFile::read_at(std::uint64_t offset, void* data, std::size_t bytes) const {
+  auto* next = static_cast<char*>(data);
+  while (bytes > 0) {
+    const ssize_t got = ::pread(state_->fd, next, std::min<std::size_t>(bytes, 1u << 30), static_cast<off_t>(offset));
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) throw failed(state_->final_path, "reading back failed", got < 0 ? errno : ENODATA);
+    next += got, offset += static_cast<std::uint64_t>(got), bytes -= static_cast<std::size_t>(got);
+  }
+}
+
+void OutputFile::sync() {
+  State& s = *state_;
+  if (s.synced) return;
+  if (s.reserved > s.end && ::ftruncate(s.fd, static_cast<off_t>(s.end.load())) != 0)
+    throw failed(s.final_path, "giving back unused space failed", errno);
+  if (::fsync(s.fd) != 0) throw failed(s.final_path, "flushing to the disk failed", errno);
+  s.synced = true;
+}
+
+void OutputFile::publish() {
+  State& s = *state_;
+  if (s.published) return;
+  sync();
+  const char *from = s.temporary_path.c_str(), *to = s.final_path.c_str();
+  if (s.if_exists == IfExists::replace) {
+    if (::rename(from, to) != 0) throw failed(s.final_path, "cannot be named", errno);
+  } else if (::renameat2(AT_FDCWD, from, AT_FDCWD, to, RENAME_NOREPLACE) != 0) {
+    const int code = errno;
+    if (code == EEXIST) throw exists(s.final_path);
+    // File systems without RENAME_NOREPLACE: a hard link refuses an existing name just as well.
+    if (code != EINVAL && code != ENOSYS) throw failed(s.final_path, "cannot be named", code);
+    if (::link(from, to) != 0) throw errno == EEXIST ? exists(s.final_path) : failed(s.final_path, "cannot be named", errno);
+    ::unlink(from);
+  }
+  s.published = true;
+  s.guard.reset();
+  sync_folder(s.folder);
+}
+
+void OutputFile::withdraw() {
+  if (state_->published && state_->was_new) ::unlink(state_->final_path.c_str());
+}
+
+OutputSet::OutputSet(const std::string& folder, IfExists if_exists) : folder_(folder), if_exists_(if_exists) {
+  make_folder(folder);
+  lock_ = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (lock_ < 0) throw failed(folder, "the folder cannot be opened", errno);
+  if (::flock(lock_, LOCK_EX | LOCK_NB) == 0) return;
+  const int code = errno;
+  if (code != EWOULDBLOCK) return;  // file systems without locks: the names themselves still refuse each other
+  ::close(lock_);
+  throw Error(Fault::environment, folder + ": another run is writing into this folder; wait for it, or choose another -o");
+}
+
+OutputSet::~OutputSet() {
+  files_.clear();
+  if (lock_ >= 0) ::close(lock_);
+}
+
+OutputFile& OutputSet::add(const std::string& name) {
+  if (name != fs::path(name).filename()) throw Error(Fault::bug, "product name with a folder: " + name);
+  files_.push_back(std::make_unique<OutputFile>((fs::path(folder_) / name).string(), if_exists_));
+  return *files_.back();
+}
+
+void OutputSet::publish() {
+  throw_if_interrupted();
+  for (auto& file : files_) file->sync();
+  std::size_t named = 0;
+  try {
+    for (; named < files_.size(); ++named) files_[named]->publish();
+  } catch (...) {
+    while (named > 0) files_[--named]->withdraw();
+    throw;
+  }
+  files_.clear();
+}
+
+void write_output_file(const std::string& final_path, std::string_view content, IfExists if_exists) {
+  OutputFile file(final_path, if_exists);
+  file.append(content);
+  file.publish();
+}
+
+}  // namespace raycube::base
