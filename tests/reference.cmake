@@ -2,3 +2,4 @@
 raycube_test(double_trace SOURCES oracle/double_trace_test.cpp LIBS raycube_reference LABELS fast)
 raycube_test(reference_includes SOURCES unit/reference_includes_test.cpp LIBS LABELS fast)
 target_compile_definitions(test_reference_includes PRIVATE RAYCUBE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+raycube_test(reference_radiance SOURCES oracle/reference_radiance_test.cpp LIBS raycube_reference raycube_sensors LABELS fast)

@@ -28,16 +28,16 @@ struct Hit {
   }
 };
 
-/// Image-plane abscissa of a point u pixels right of the centre of pixel `lane` of a group, in pixels from the group's
-/// centre. Exact for the values met here, and rounded once otherwise.
-inline float group_abscissa(int lane, float u) {
-  return (static_cast<float>(lane) - static_cast<float>(RC_GROUP_WIDTH - 1) * 0.5f) + u;
+/// Image-plane abscissa of a point u pixels right of the centre of pixel `lane` of a group of `width` pixels, from the
+/// group's centre, in pixels. (width - 1) / 2 and lane are exact; one rounding.
+inline float group_abscissa(int lane, int width, float u) {
+  return (static_cast<float>(lane) - static_cast<float>(width - 1) * 0.5f) + u;
 }
 
 /// The ray of the point (u, v), in pixels from the centre of pixel `lane` of the group: o + b ov, d0 + a du + b dv, each
 /// component by two fused multiply-adds (structs.def), so that any exact fma gives the same bits.
-inline Ray sample_ray(const shared::RayGroup& group, int lane, float u, float v) {
-  const float a = group_abscissa(lane, u);
+inline Ray sample_ray(const shared::RayGroup& group, int lane, int width, float u, float v) {
+  const float a = group_abscissa(lane, width, u);
   const auto direction = [&](float d0, float du, float dv) { return std::fma(a, du, std::fma(v, dv, d0)); };
   return {{std::fma(v, group.ov.x, group.origin.x), std::fma(v, group.ov.y, group.origin.y),
            std::fma(v, group.ov.z, group.origin.z)},

@@ -1,0 +1,171 @@
+#include <algorithm>
+#include <cmath>
+
+#include "host/base/error.h"
+#include "host/reference/radiance.h"
+#include "kernels/sampling/sampler.h"
+
+namespace raycube::reference {
+
+namespace {
+
+/// Linear weights of a value on an axis of the plan: node `low` takes 1 - f, the next one f.
+struct NodeWeight {
+  int low = 0;
+  double f = 0;
+};
+
+NodeWeight locate(const plan::NodeAxis& axis, double value) {
+  if (axis.count < 2) return {};
+  const double last = axis.count - 1;
+  const double t = std::clamp((value - static_cast<double>(axis.first)) / static_cast<double>(axis.step), 0.0, last);
+  const int low = std::min(static_cast<int>(t), axis.count - 2);
+  return {low, t - low};
+}
+
+double weight_of(const NodeWeight& w, int node) { return node == w.low ? 1 - w.f : node == w.low + 1 ? w.f : 0; }
+
+}  // namespace
+
+std::vector<std::vector<double>> reflectance_on(const scene::CompiledScene& scene, const std::vector<double>& wavelength_um) {
+  std::vector<std::vector<double>> out;
+  for (const scene::Material& material : scene.materials) {
+    const std::vector<double>&x = material.reflectance.wavelength_um, &y = material.reflectance.value;
+    std::vector<double>& values = out.emplace_back();
+    for (double wavelength : wavelength_um) {
+      const auto above = static_cast<std::size_t>(std::upper_bound(x.begin(), x.end(), wavelength) - x.begin());
+      if (above == 0) values.push_back(y.front());
+      else if (above == x.size()) values.push_back(y.back());
+      else
+        values.push_back(y[above - 1] + (y[above] - y[above - 1]) * (wavelength - x[above - 1]) / (x[above] - x[above - 1]));
+    }
+  }
+  return out;
+}
+
+std::vector<double> band_values(const plan::Plan& plan, const std::vector<double>& spectrum) {
+  std::vector<double> out;
+  for (const plan::BandQuadrature& band : plan.bands) {
+    double sum = 0;
+    for (std::size_t i = 0; i < band.weight.size(); ++i) sum += band.weight[i] * spectrum[band.first + i];
+    out.push_back(sum);
+  }
+  return out;
+}
+
+std::array<double, 4> unoccluded_irradiance(const plan::IrradianceMap& map, const glm::dvec3& normal) {
+  if (map.size < 3 || map.size % 2 == 0)
+    throw base::Error(base::Fault::bug, "irradiance map of " + std::to_string(map.size) + " nodes a side; an odd number >= 3 is due");
+  const glm::dvec3 p = glm::abs(normal) / (std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z));
+  const int half = (map.size - 1) / 2;
+  // Distances from the map's centre lines, in nodes; the lower half is mirrored at the diamond's sides.
+  const double u = (normal.z < 0 ? 1 - p.y : p.x) * half, v = (normal.z < 0 ? 1 - p.x : p.y) * half;
+  const int i = std::min(static_cast<int>(u), half - 1), j = std::min(static_cast<int>(v), half - 1);
+  const double a = u - i, b = v - j;
+  const auto node = [&](int di, int dj) {
+    const int column = half + (normal.x < 0 ? -(i + di) : i + di), row = half + (normal.y < 0 ? -(j + dj) : j + dj);
+    return map.value[static_cast<std::size_t>(row) * static_cast<std::size_t>(map.size) + static_cast<std::size_t>(column)];
+  };
+  const shared::rc_float4 right = node(1, 0), up = node(0, 1), corner = a + b <= 1 ? node(0, 0) : node(1, 1);
+  const double w_right = a + b <= 1 ? a : 1 - b, w_up = a + b <= 1 ? b : 1 - a, w_corner = std::abs(1 - a - b);
+  const auto mix = [&](float c, float r, float t) {
+    return w_corner * static_cast<double>(c) + w_right * static_cast<double>(r) + w_up * static_cast<double>(t);
+  };
+  return {mix(corner.x, right.x, up.x), mix(corner.y, right.y, up.y), mix(corner.z, right.z, up.z), mix(corner.w, right.w, up.w)};
+}
+
+std::size_t first_direction(const plan::Plan& plan, std::uint64_t seed, std::uint32_t pixel) {
+  if (plan.sky.sets == 0) return 0;
+  const rc_u32 set = rc_hash(static_cast<rc_u32>(seed), pixel, 0, 21) % static_cast<rc_u32>(plan.sky.sets);
+  return static_cast<std::size_t>(set) * static_cast<std::size_t>(plan.sky.directions);
+}
+
+namespace {
+
+glm::dvec3 xyz(const shared::rc_float4& v) { return {v.x, v.y, v.z}; }
+
+}  // namespace
+
+BlockedDirections blocked_directions(const ReferenceScene& scene, const plan::Plan& plan, std::uint64_t seed,
+                                     std::uint32_t pixel, const Sample& sample) {
+  const int count = plan.sky_components > 0 && plan.sky.sets > 0 ? plan.sky.directions : 0;
+  BlockedDirections blocked(static_cast<std::size_t>(count), false);
+  if (sample.hit.miss()) return blocked;
+  const std::size_t first = first_direction(plan, seed, pixel);
+  for (std::size_t k = 0; k < blocked.size(); ++k) {
+    const glm::dvec3 direction = xyz(plan.sky.direction[first + k]);
+    blocked[k] = glm::dot(sample.normal, direction) > 0 && !scene.sees(sample, direction);
+  }
+  return blocked;
+}
+
+ArithmeticModel::ArithmeticModel(const scene::CompiledScene& scene, const plan::Plan& plan, std::uint64_t seed)
+    : scene_(scene), plan_(plan), seed_(seed), reflectance_(reflectance_on(scene, plan.wavelength_um)) {}
+
+void ArithmeticModel::add_source(const SampledPixel& pixel, const Sample& sample, int source, double scalar,
+                                 std::vector<double>& spectrum) const {
+  if (scalar == 0) return;
+  const NodeWeight h = locate(plan_.height, sample.point.z), v = locate(plan_.view, 1 / pixel.to_sensor.z);
+  const shared::Surface& surface =
+      scene_.surfaces[scene_.blocks[sample.hit.primitive / RC_BLOCK].surface[sample.hit.primitive % RC_BLOCK]];
+  for (int ih = 0; ih < plan_.height.count; ++ih)
+    for (int iv = 0; iv < plan_.view.count; ++iv) {
+      const double weight = sample.weight * scalar * weight_of(h, ih) * weight_of(v, iv);
+      if (weight == 0) continue;
+      const std::vector<double>& light =
+          plan_.source_spectrum[static_cast<std::size_t>((source * plan_.height.count + ih) * plan_.view.count + iv)];
+      for (int m = 0; m < 4; ++m) {
+        if (surface.curve[m] == 0) continue;
+        const std::vector<double>& rho = reflectance_[surface.curve[m] - 1];
+        const double w = weight * static_cast<double>(surface.fraction[m]);
+        for (std::size_t i = 0; i < spectrum.size(); ++i) spectrum[i] += w * rho[i] * light[i];
+      }
+    }
+}
+
+BandRadiance ArithmeticModel::radiance(const SampledPixel& pixel, const std::vector<BlockedDirections>& blocked) const {
+  const std::size_t grid = plan_.wavelength_um.size();
+  std::vector<double> sun(grid, 0.0), sky(grid, 0.0), path(grid, 0.0);
+  const std::size_t first = first_direction(plan_, seed_, pixel.number);
+  const NodeWeight x = locate(plan_.path_x, pixel.to_sensor.x), y = locate(plan_.path_y, pixel.to_sensor.y);
+  for (std::size_t s = 0; s < pixel.samples.size(); ++s) {
+    const Sample& sample = pixel.samples[s];
+    const bool hit = !sample.hit.miss();
+    if (hit && sample.sun_visible) add_source(pixel, sample, 0, std::max(0.0, sample.cos_sun), sun);
+    if (hit && plan_.sky_components > 0) {
+      std::array<double, 4> irradiance = unoccluded_irradiance(plan_.irradiance, sample.normal);
+      for (std::size_t k = 0; k < blocked[s].size(); ++k) {
+        if (!blocked[s][k]) continue;
+        const shared::rc_float4 w = plan_.sky.weight[first + k];
+        const double cosine = std::max(0.0, glm::dot(sample.normal, xyz(plan_.sky.direction[first + k])));
+        const double parts[4] = {w.x, w.y, w.z, w.w};
+        for (int m = 0; m < 4; ++m) irradiance[m] -= parts[m] * cosine;
+      }
+      for (int m = 0; m < plan_.sky_components; ++m) add_source(pixel, sample, 1 + m, irradiance[m], sky);
+    }
+    // A ray that meets nothing ends over black ground at the lowest node.
+    const NodeWeight h = locate(plan_.height, hit ? sample.point.z : static_cast<double>(plan_.height.first));
+    for (int ih = 0; ih < plan_.height.count; ++ih)
+      for (int iy = 0; iy < plan_.path_y.count; ++iy)
+        for (int ix = 0; ix < plan_.path_x.count; ++ix) {
+          const double weight = sample.weight * weight_of(h, ih) * weight_of(y, iy) * weight_of(x, ix);
+          if (weight == 0) continue;
+          const std::vector<double>& light =
+              plan_.path_spectrum[static_cast<std::size_t>((ih * plan_.path_y.count + iy) * plan_.path_x.count + ix)];
+          for (std::size_t i = 0; i < grid; ++i) path[i] += weight * light[i];
+        }
+  }
+  return {band_values(plan_, sun), band_values(plan_, sky), band_values(plan_, path)};
+}
+
+std::vector<double> ArithmeticModel::blocking_effect(const SampledPixel& pixel, std::size_t s, std::size_t k) const {
+  const Sample& sample = pixel.samples[s];
+  const std::size_t at = first_direction(plan_, seed_, pixel.number) + k;
+  const double cosine = std::max(0.0, glm::dot(sample.normal, xyz(plan_.sky.direction[at])));
+  const double parts[4] = {plan_.sky.weight[at].x, plan_.sky.weight[at].y, plan_.sky.weight[at].z, plan_.sky.weight[at].w};
+  std::vector<double> change(plan_.wavelength_um.size(), 0.0);
+  for (int m = 0; m < plan_.sky_components; ++m) add_source(pixel, sample, 1 + m, -parts[m] * cosine, change);
+  return band_values(plan_, change);
+}
+
+}  // namespace raycube::reference

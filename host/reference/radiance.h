@@ -1,0 +1,87 @@
+// Radiance at the sensor as the textbook writes it: per sample, per wavelength, in double (S15 without its thermal and
+// background terms):  L(l) = rho(l) [ direct sun + sky seen ] + path.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "atmos_tables/render_table.h"
+#include "host/reference/sampled_pixel.h"
+
+namespace raycube::reference {
+
+/// Band radiances of one pixel, W m-2 sr-1 um-1, by physics block.
+struct BandRadiance {
+  std::vector<double> sun, sky, path;  ///< [band]
+  double total(std::size_t band) const { return sun[band] + sky[band] + path[band]; }
+};
+
+/// Reflectance of each material on a wavelength grid: linear between the curve's nodes, its end values outside.
+std::vector<std::vector<double>> reflectance_on(const scene::CompiledScene& scene, const std::vector<double>& wavelength_um);
+
+/// Quadrature of a spectrum on the plan's grid over every band.
+std::vector<double> band_values(const plan::Plan& plan, const std::vector<double>& spectrum);
+
+/// The plan's irradiance map at a unit normal, components 0..3. Own double form of the documented interpolant: octahedron
+/// |x|+|y|+|z| = 1 unfolded on [-1,1]^2, each cell cut along the diagonal parallel to its quadrant's fold, linear on the
+/// triangles.
+std::array<double, 4> unoccluded_irradiance(const plan::IrradianceMap& map, const glm::dvec3& normal);
+
+/// Directions of a pixel's set that a sample does not see; index k of the set.
+using BlockedDirections = std::vector<bool>;
+
+/// First entry of the pixel's direction set in plan.sky.
+std::size_t first_direction(const plan::Plan& plan, std::uint64_t seed, std::uint32_t pixel);
+
+/// By Embree. A direction below the surface's horizon carries no light and counts as unblocked.
+BlockedDirections blocked_directions(const ReferenceScene& scene, const plan::Plan& plan, std::uint64_t seed,
+                                     std::uint32_t pixel, const Sample& sample);
+
+/// Arithmetic form: the plan's nodes, sky components and direction sets taken as spectra.
+class ArithmeticModel {
+ public:
+  /// Keeps references.
+  ArithmeticModel(const scene::CompiledScene& scene, const plan::Plan& plan, std::uint64_t seed);
+
+  /// blocked[s]: per sample, see blocked_directions.
+  BandRadiance radiance(const SampledPixel& pixel, const std::vector<BlockedDirections>& blocked) const;
+
+  /// What band radiances change by when one direction of one sample turns from seen to blocked: the sky's only unknown.
+  std::vector<double> blocking_effect(const SampledPixel& pixel, std::size_t sample, std::size_t direction) const;
+
+ private:
+  void add_source(const SampledPixel& pixel, const Sample& sample, int source, double scalar,
+                  std::vector<double>& spectrum) const;
+
+  const scene::CompiledScene& scene_;
+  const plan::Plan& plan_;
+  std::uint64_t seed_;
+  std::vector<std::vector<double>> reflectance_;  ///< [material][grid]
+};
+
+/// Model form: the whole table at each pixel's exact view and heights, and a dense set of sky directions.
+class TableModel {
+ public:
+  /// Keeps references. height_lo_m, height_hi_m: heights of every point that will be asked for. `no_air`: transmissions
+  /// 1, no sky, no path.
+  TableModel(const ReferenceScene& scene, const plan::Plan& plan, const atmos::RenderTable& table, bool no_air,
+             double height_lo_m, double height_hi_m, int directions = 1024);
+
+  BandRadiance radiance(const SampledPixel& pixel) const;
+
+ private:
+  std::vector<double> source(double height_m, double zenith_deg, bool sun) const;
+  std::vector<double> on_grid(const std::vector<double>& table_spectrum) const;
+
+  const ReferenceScene& scene_;
+  const plan::Plan& plan_;
+  const atmos::RenderTable& table_;
+  bool no_air_;
+  std::vector<std::vector<double>> reflectance_;
+  std::vector<glm::dvec3> direction_;
+  double solid_angle_ = 0;                 ///< sr, of each direction
+  double height_first_ = 0, height_step_ = 1;
+  std::vector<std::vector<float>> sky_;    ///< [height node][direction * table wavelengths], W m-2 sr-1 um-1
+};
+
+}  // namespace raycube::reference

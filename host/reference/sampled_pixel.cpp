@@ -1,0 +1,118 @@
+#include "host/reference/sampled_pixel.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "host/base/error.h"
+#include "kernels/sampling/sampler.h"
+
+namespace raycube::reference {
+
+namespace {
+
+double phi(double z) { return 0.5 * std::erfc(-z / std::sqrt(2.0)); }
+
+/// Response of the detector's box blurred by a Gaussian at x pixels from the centre.
+double line_response(double x, double sigma) { return phi((x + 0.5) / sigma) - phi((x - 0.5) / sigma); }
+
+/// Its integral over [lo, hi], by Simpson's rule on pieces of sigma / 8 or finer.
+double response_integral(double lo, double hi, double sigma) {
+  if (sigma == 0) return std::max(0.0, std::min(hi, 0.5) - std::max(lo, -0.5));
+  const int n = 2 * std::max(8, static_cast<int>(std::ceil(8 * (hi - lo) / sigma)));
+  double sum = line_response(lo, sigma) + line_response(hi, sigma);
+  for (int i = 1; i < n; ++i) sum += (i % 2 ? 4 : 2) * line_response(lo + (hi - lo) * i / n, sigma);
+  return sum * (hi - lo) / (3.0 * n);
+}
+
+std::vector<double> line_weights(int cells, double support, double sigma) {
+  std::vector<double> out;
+  for (int i = 0; i < cells; ++i)
+    out.push_back(response_integral((static_cast<double>(i) / cells - 0.5) * support,
+                                    (static_cast<double>(i + 1) / cells - 0.5) * support, sigma));
+  return out;
+}
+
+int sampler_code(scene::SamplerKind kind) {
+  switch (kind) {
+    case scene::SamplerKind::lattice: return RC_SAMPLER_LATTICE;
+    case scene::SamplerKind::jittered: return RC_SAMPLER_JITTERED;
+    case scene::SamplerKind::grid: break;
+  }
+  return RC_SAMPLER_GRID;
+}
+
+std::array<float, 3> rounded(const glm::dvec3& v) {
+  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+}
+
+}  // namespace
+
+std::vector<double> sample_weights(const scene::Instrument& instrument) {
+  const std::size_t count = static_cast<std::size_t>(instrument.samples_u) * static_cast<std::size_t>(instrument.samples_v);
+  if (instrument.sampler == scene::SamplerKind::lattice) return std::vector<double>(count, 1.0 / static_cast<double>(count));
+  const auto along = line_weights(instrument.samples_u, instrument.psf_support_px, instrument.psf_sigma_px);
+  const auto across = line_weights(instrument.samples_v, instrument.psf_support_px, instrument.psf_sigma_px);
+  std::vector<double> weights;
+  double sum = 0;
+  for (double v : across)
+    for (double u : along) sum += weights.emplace_back(u * v);
+  for (double& weight : weights) weight /= sum;
+  return weights;
+}
+
+double ReferenceScene::coordinate_ulp_m(const Sample& sample) const {
+  const glm::dvec3 origin = to_double(sample.ray.origin);
+  return kUlp * (glm::length(sample.point) + glm::length(origin) + glm::length(sample.point - origin));
+}
+
+bool ReferenceScene::sees(const Sample& sample, const glm::dvec3& direction) const {
+  const glm::dvec3 origin = sample.point + sample.normal * (kOffsetUlp * coordinate_ulp_m(sample));
+  return !embree.occluded({rounded(origin), rounded(direction)});
+}
+
+Visibility ReferenceScene::sees_in_double(const Sample& sample, const glm::dvec3& direction) const {
+  const double ulp_m = coordinate_ulp_m(sample);
+  return tracer.visibility({sample.point + sample.normal * (kOffsetUlp * ulp_m), direction, kOriginSlackUlp * ulp_m},
+                           sample.hit);
+}
+
+void ReferenceScene::place(Sample& sample, const plan::Plan& plan) const {
+  sample.sun_visible = false;
+  sample.cos_sun = 0;
+  if (sample.hit.miss()) return;
+  sample.point = hit_point(compiled, sample.ray, sample.hit);
+  sample.normal = world_normal(compiled, sample.hit);
+  if (glm::dot(sample.normal, to_double(sample.ray.direction)) > 0) sample.normal = -sample.normal;
+  const glm::dvec3 sun = to_double(plan.sun_direction);
+  sample.cos_sun = glm::dot(sample.normal, sun);
+  sample.sun_visible = plan.sun_up && sample.cos_sun > 0 && sees(sample, sun);
+}
+
+SampledPixel ReferenceScene::sample_pixel(const scene::Instrument& instrument, const plan::Plan& plan, std::uint64_t seed,
+                                          const PixelAddress& address) const {
+  SampledPixel pixel;
+  pixel.number = address.line * static_cast<std::uint32_t>(instrument.pixels) + address.sample;
+  const Ray center = sample_ray(address.group, address.lane, address.group_width, 0, 0);
+  pixel.to_sensor = -glm::normalize(to_double(center.direction));
+  if (!(pixel.to_sensor.z > 0))
+    throw base::Error(base::Fault::input, "instrument '" + instrument.name + "', line " + std::to_string(address.line) +
+                                              ", sample " + std::to_string(address.sample) +
+                                              ": the pixel looks up or along the horizon; point the instrument down");
+  const std::vector<double> weights = sample_weights(instrument);
+  for (std::size_t s = 0; s < weights.size(); ++s) {
+    float u = 0, v = 0;
+    rc_sample_uv(sampler_code(instrument.sampler), instrument.samples_u, instrument.samples_v,
+                 static_cast<float>(instrument.psf_support_px), static_cast<rc_u32>(seed), pixel.number, static_cast<int>(s),
+                 &u, &v);
+    Sample sample;
+    sample.ray = sample_ray(address.group, address.lane, address.group_width, u, v);
+    sample.weight = weights[s];
+    sample.hit = embree.intersect(sample.ray);
+    place(sample, plan);
+    pixel.samples.push_back(sample);
+  }
+  return pixel;
+}
+
+}  // namespace raycube::reference

@@ -1,0 +1,74 @@
+// One pixel traced by the reference: its samples' rays, hits, surface points and visibilities.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "host/plan/plan.h"
+#include "host/reference/double_trace.h"
+#include "host/reference/embree_scene.h"
+#include "scene_compiler/simulation.h"
+
+namespace raycube::reference {
+
+/// Which pixel, and the group whose rays it shares.
+struct PixelAddress {
+  std::uint32_t line = 0, sample = 0;
+  shared::RayGroup group{};
+  int lane = 0;                  ///< place of the pixel in its group
+  int group_width = RC_GROUP_WIDTH;
+};
+
+struct Sample {
+  Ray ray;
+  double weight = 0;             ///< of the point spread; a pixel's weights sum to 1
+  Hit hit;
+  glm::dvec3 point{0};           ///< m, scene frame
+  glm::dvec3 normal{0};          ///< unit, turned to the viewer
+  double cos_sun = 0;            ///< n . s
+  bool sun_visible = false;      ///< meaningful where cos_sun > 0
+};
+
+struct SampledPixel {
+  std::uint32_t number = 0;      ///< line * pixels + sample: the key of its random numbers
+  glm::dvec3 to_sensor{0};       ///< unit vector target -> sensor of the pixel's centre ray
+  std::vector<Sample> samples;
+};
+
+/// Weight of each sample in the order of rc_sample_uv: the detector's box convolved with the optics' Gaussian
+/// (psf_sigma_px), integrated over the sample's cell, normalised. The lattice has no cells: 1/N.
+std::vector<double> sample_weights(const scene::Instrument& instrument);
+
+/// How far a spawned ray starts off its surface, in ulp of the coordinates that made the point (position and range).
+inline constexpr double kOffsetUlp = 16;
+/// How far the origin of another correct fp32 computation of the same spawned ray may lie from the reference's: its rounding,
+/// its own offset and the reference's. Same units.
+inline constexpr double kOriginSlackUlp = 64;
+
+/// The scene in the three forms the reference needs; all const members may be used from several threads.
+class ReferenceScene {
+ public:
+  /// Keeps a reference to the scene.
+  explicit ReferenceScene(const scene::CompiledScene& scene) : compiled(scene), embree(scene), tracer(scene) {}
+
+  const scene::CompiledScene& compiled;
+  const EmbreeScene embree;
+  const DoubleTracer tracer;
+
+  /// Rays of every sample, first hits by Embree, sun by Embree. Throws Error(input) when the pixel looks up.
+  SampledPixel sample_pixel(const scene::Instrument& instrument, const plan::Plan& plan, std::uint64_t seed,
+                            const PixelAddress& address) const;
+
+  /// Point, normal and sun of a sample for the hit it carries (set by Embree, or taken over from the device).
+  void place(Sample& sample, const plan::Plan& plan) const;
+
+  /// Nothing between the sample's surface and infinity, by Embree, from an origin offset along the normal.
+  bool sees(const Sample& sample, const glm::dvec3& direction) const;
+  /// The same question to the double traversal, allowing for another computation's origin.
+  Visibility sees_in_double(const Sample& sample, const glm::dvec3& direction) const;
+
+ private:
+  double coordinate_ulp_m(const Sample& sample) const;
+};
+
+}  // namespace raycube::reference
