@@ -1,0 +1,40 @@
+// The built-in clear sky: fills a render table from published figures. Transmittances and diffuse irradiance of Bird &
+// Riordan (1986), Rayleigh depth of Bodhaine et al. (1999), Angstrom aerosol with a Henyey-Greenstein phase function, layers
+// of air_column.h. Directions come from exact single scattering per layer; multiple scattering is a correction:
+//   sky   scaled per wavelength and height so that its horizontal irradiance equals Bird & Riordan's diffuse irradiance
+//   path  plus the light that the diffuse fluxes down (Bird & Riordan) and up (their energy balance) scatter into it
+// docs/table_format.md states what this is worth against DISORT and MODTRAN. 0.3 to 4 um; no thermal emission.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "atmos_tables/render_table.h"
+#include "scene_compiler/simulation.h"
+
+namespace raycube::atmos {
+
+inline constexpr double kClearSkyFirst_um = 0.3, kClearSkyLast_um = 4.0;
+
+/// Wavelengths ascending within 0.3..4 um. Target heights ascending, m above z = 0, none above the sensor; one height states
+/// that the scene is flat. sensor_height_m may lie on the ground, inside or above the air.
+/// Sun zenith from 90 to below 108 deg is refused (twilight is not modelled); from 108 deg on the sky is dark: the solar
+/// rows are exactly 0. Throws Error(input) with every problem found.
+RenderTable build_clear_sky(const scene::AtmosphereSpec& spec, const scene::Sun& sun, double sensor_height_m,
+                            const std::vector<double>& wavelength_um, const std::vector<double>& target_height_m);
+
+/// No air: every transmission is exactly 1, sky and path radiance exactly 0, which is the physics of vacuum.
+RenderTable vacuum_table(const scene::Sun& sun, double sensor_height_m, const std::vector<double>& wavelength_um,
+                         const std::vector<double>& target_height_m);
+
+/// Default grid of the range: 1 nm to 1 um, 2 nm to 2.5 um, 10 nm beyond; step_um > 0 replaces all three.
+std::vector<double> clear_sky_wavelengths(double first_um, double last_um, double step_um = 0);
+
+/// Heights that keep interpolation within 0.2 % over [low_m, high_m]: both ends and enough between; one when they are equal.
+std::vector<double> clear_sky_heights(double low_m, double high_m);
+
+/// The extraterrestrial spectrum at 1 AU, W m-2 um-1, linear between its nodes; and its name.
+double solar_irradiance_1au(double wavelength_um);
+std::string solar_source_name();
+
+}  // namespace raycube::atmos

@@ -1,0 +1,54 @@
+// Reading a render table between its nodes, in double. Every function returns a spectrum over the table's whole
+// wavelength axis. The rules keep energy and sign (S18 of the requirements; S5 of the atmosphere specification):
+//   transmission    -ln T linear in height; along view zenith -ln T cos(zenith) linear
+//   path radiance   L0/(1 - T) linear in height, zenith and azimuth
+//   sky             divided by its single-scatter shape where the table holds it, then linear
+//   two-way factor  linear;   irradiance over height: ln E linear
+// An axis of one node states that the rows do not vary along it. Outside an axis of several nodes: Error(input).
+// Heights in metres above the scene's z = 0; angles in degrees; azimuths relative to the sun, of any sign, are folded.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "atmos_tables/render_table.h"
+
+namespace raycube::atmos {
+
+const std::vector<double>& wavelengths(const RenderTable& table);
+std::vector<double> solar_irradiance(const RenderTable& table);
+
+/// Top of the air to the target. With k-terms: their weighted sum.
+std::vector<double> sun_transmission(const RenderTable& table, double height_m);
+/// Target to sensor, 0 <= zenith_deg < 90.
+std::vector<double> view_transmission(const RenderTable& table, double height_m, double zenith_deg);
+/// R2; Error(input) when the row is absent (unless the transmissions carry k-terms, which give it exactly).
+std::vector<double> two_way_factor(const RenderTable& table, double height_m, double zenith_deg);
+/// T(sun to target to sensor) = T_sun T_view R2, or the sum over k of products.
+std::vector<double> two_way_transmission(const RenderTable& table, double height_m, double zenith_deg);
+
+/// Solar path radiance from target to sensor over black ground.
+std::vector<double> path_radiance(const RenderTable& table, double height_m, double zenith_deg, double relative_azimuth_deg);
+/// Solar sky radiance, the disc excluded, towards (zenith 0..90, azimuth relative to the sun).
+std::vector<double> sky_radiance(const RenderTable& table, double height_m, double zenith_deg, double relative_azimuth_deg);
+
+/// On a horizontal plane.
+std::vector<double> diffuse_irradiance(const RenderTable& table, double height_m);
+/// On a horizontal plane: the row, or E0 cos(sun zenith) T_sun where it is absent; 0 with the sun at or below the horizon.
+std::vector<double> direct_irradiance(const RenderTable& table, double height_m);
+
+/// Rule for elevated targets when a solver gives upward radiance at levels: L0(z to H) = L_up(H) - T(z to H) L_up(z), both
+/// over black ground in one direction from one run. A result below zero by rounding (1e-5 of L_up(H)) becomes 0.
+double path_radiance_between(double up_at_sensor, double transmission, double up_at_target);
+
+/// Piecewise linear in wavelength onto another grid, which must lie inside the first.
+std::vector<double> resample_linear(const std::vector<double>& from_um, const std::vector<double>& values,
+                                    const std::vector<double>& to_um);
+
+/// Single-scatter shape that divides the sky: P mu0/(mu0 - mu)(exp(-tau/mu0) - exp(-tau/mu)), finite at mu = mu0 and mu = 0.
+double sky_shape(double phase, double depth, double cos_sun, double cos_view);
+
+/// Azimuth difference folded to 0..180.
+double fold_azimuth(double degrees);
+
+}  // namespace raycube::atmos

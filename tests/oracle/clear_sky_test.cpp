@@ -1,0 +1,123 @@
+// The built-in clear sky. Oracles: energy, Beer-Lambert, limits, its own closed forms.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <initializer_list>
+#include <numbers>
+
+#include "atmos_tables/clear_sky.h"
+#include "atmos_tables/interpolate.h"
+#include "atmos_tables/rayleigh.h"
+#include "host/base/error.h"
+
+using namespace raycube;
+using namespace raycube::atmos;
+
+namespace {
+constexpr double kPi = std::numbers::pi;
+scene::Sun sun_at(double zenith) {
+  scene::Sun sun;
+  sun.zenith_deg = zenith;
+  return sun;
+}
+RenderTable usual(double sun_zenith = 40) {
+  return build_clear_sky({}, sun_at(sun_zenith), 610, clear_sky_wavelengths(0.35, 2.5, 0.01), {0, 200});
+}
+/// Horizontal irradiance of the sky as a reader of the table sees it: midpoint rule in sin^2 and azimuth.
+std::vector<double> sky_irradiance(const RenderTable& t, double height) {
+  const int rings = 48, spokes = 48;
+  std::vector<double> sum(wavelengths(t).size(), 0.0);
+  for (int i = 0; i < rings; ++i)
+    for (int j = 0; j < spokes; ++j) {
+      const double zenith = std::asin(std::sqrt((i + 0.5) / rings)) * 180 / kPi;
+      const auto sky = sky_radiance(t, height, zenith, 180 * (j + 0.5) / spokes);
+      for (std::size_t l = 0; l < sum.size(); ++l) sum[l] += sky[l] * kPi / (rings * spokes);
+    }
+  return sum;
+}
+}  // namespace
+
+TEST_CASE("S18 energy: direct plus diffuse never exceed what enters, all values in range") {
+  for (double zenith : {0.0, 40.0, 75.0, 89.0}) {
+    const RenderTable t = usual(zenith);
+    const auto e0 = solar_irradiance(t), direct = direct_irradiance(t, 0), diffuse = diffuse_irradiance(t, 0);
+    for (std::size_t i = 0; i < e0.size(); ++i) {
+      CHECK(direct[i] + diffuse[i] <= e0[i] * std::cos(zenith * kPi / 180));
+      CHECK(diffuse[i] >= 0);
+    }
+  }
+}
+
+TEST_CASE("S18 the sky's radiance integrates to its irradiance row") {
+  const RenderTable t = build_clear_sky({}, sun_at(40), 610, {0.4, 0.55, 0.94, 1.65, 2.2}, {0, 200});
+  const auto sum = sky_irradiance(t, 0), row = diffuse_irradiance(t, 0);
+  // 1 %: 0.5 % rms of 13 x 10 nodes (S5.2 of the atmosphere specification) and 0.3 % of the 48 x 48 midpoint rule.
+  for (std::size_t i = 0; i < row.size(); ++i) CHECK(sum[i] == doctest::Approx(row[i]).epsilon(0.01));
+}
+
+TEST_CASE("S18 Beer-Lambert: without gas and haze the sun's depth is Rayleigh times the spherical airmass") {
+  scene::AtmosphereSpec air;
+  air.water_g_cm2 = air.ozone_atm_cm = air.aod_550 = 0;
+  const RenderTable t = build_clear_sky(air, sun_at(60), 610, {0.45, 0.55}, {0, 200});
+  // LOWTRAN7's refracting spherical airmass of the density at 60 deg is 1.9938 (midlatitude summer); 0.2 %: other profile.
+  CHECK(-std::log(sun_transmission(t, 0)[1]) / rayleigh_depth(0.55, 1013.25) == doctest::Approx(1.9938).epsilon(2e-3));
+  const RenderTable low = build_clear_sky(air, sun_at(80), 610, {0.45, 0.55}, {0, 200});
+  CHECK(-std::log(sun_transmission(low, 0)[1]) / rayleigh_depth(0.55, 1013.25) == doctest::Approx(5.58).epsilon(0.01));
+  // Between target and sensor: the share exp(-z/8 km).
+  const double depth = rayleigh_depth(0.45, 1013.25) * (std::exp(-0.2 / 8) - std::exp(-0.61 / 8));
+  CHECK(-std::log(view_transmission(t, 200, 0)[0]) == doctest::Approx(depth).epsilon(1e-6));
+}
+
+TEST_CASE("S18 the two-way factor is at least 1 and leaves windows alone") {
+  const RenderTable t = usual();
+  const auto factor = two_way_factor(t, 0, 0);
+  const auto& l = wavelengths(t);
+  for (std::size_t i = 0; i < l.size(); ++i) {
+    CHECK(factor[i] >= 1 - 1e-6);
+    // Only ozone absorbs there, by Beer's law: exactly 1 but for the float.
+    if (l[i] < 0.57 && l[i] > 0.42) CHECK(factor[i] < 1 + 1e-6);
+  }
+  double band = 0;
+  int count = 0;
+  for (std::size_t i = 0; i < l.size(); ++i)
+    if (l[i] >= 0.9 && l[i] <= 1.0) band += factor[i], ++count;
+  CHECK(band / count > 1.02);  // S5.3 of the atmosphere specification: 3 to 20 % in the water bands
+}
+
+TEST_CASE("S18 thin air: radiances vanish with the scatterers, transmission goes to 1") {
+  scene::AtmosphereSpec air;
+  air.water_g_cm2 = air.ozone_atm_cm = air.aod_550 = 0;
+  air.pressure_hPa = 200;
+  const RenderTable t = build_clear_sky(air, sun_at(40), 610, {2.0, 2.2}, {0, 200});
+  CHECK(view_transmission(t, 0, 0)[1] == doctest::Approx(1).epsilon(1e-5));
+  CHECK(path_radiance(t, 0, 0, 0)[1] < 1e-6 * solar_irradiance(t)[1]);
+  CHECK(path_radiance(t, 0, 0, 0)[1] > 0);
+}
+
+TEST_CASE("S17 S18 vacuum has exact ones and zeros; sun below the horizon is dark or refused by rule") {
+  const RenderTable v = vacuum_table(sun_at(30), 1000, {0.4, 0.5}, {0, 100});
+  CHECK(view_transmission(v, 50, 60)[0] == 1);
+  CHECK(sky_radiance(v, 0, 10, 0)[0] == 0);
+  CHECK(direct_irradiance(v, 0)[1] == doctest::Approx(solar_irradiance(v)[1] * std::cos(kPi / 6)).epsilon(1e-6));
+  const RenderTable night = build_clear_sky({}, sun_at(120), 610, {0.4, 0.5}, {0, 200});
+  CHECK(direct_irradiance(night, 0)[0] == 0);
+  CHECK(sky_radiance(night, 0, 30, 0)[0] == 0);
+  CHECK(path_radiance(night, 0, 30, 0)[0] == 0);
+  CHECK_THROWS_WITH_AS(build_clear_sky({}, sun_at(95), 610, {0.4, 0.5}, {0}), doctest::Contains("twilight"), base::Error);
+}
+
+TEST_CASE("S18 bad input is reported at once, each with its value") {
+  scene::AtmosphereSpec air;
+  air.aod_550 = -1;
+  air.water_g_cm2 = std::nan("");
+  try {
+    build_clear_sky(air, sun_at(40), 100, {0.2, 5.0}, {0, 200});
+    FAIL("no error");
+  } catch (const base::Error& error) {
+    const std::string text = error.what();
+    for (const char* part : {"aod_550", "water_g_cm2", "ends there", "above the sensor"})
+      CHECK(text.find(part) != std::string::npos);
+    CHECK(error.fault() == base::Fault::input);
+  }
+  CHECK_THROWS_AS(build_clear_sky({}, sun_at(40), 610, {0.5, std::nan(""), 0.6}, {0}), base::Error);
+}
