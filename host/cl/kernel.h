@@ -1,0 +1,41 @@
+// A kernel with typed arguments.
+#pragma once
+
+#include <type_traits>
+
+#include "host/cl/buffer.h"
+#include "host/cl/program.h"
+#include "kernels/shared/structs.h"
+
+namespace raycube::cl {
+
+class Kernel {
+ public:
+  Kernel(const Program& program, const std::string& name);
+  const std::string& name() const { return name_; }
+  cl_kernel operator()() const { return kernel_(); }
+
+  /// Sets all arguments in order: buffers and 32-bit scalars or rc_float4. The number is checked against the kernel's.
+  template <typename... Arguments>
+  Kernel& arguments(const Arguments&... values) {
+    check_count(sizeof...(values));
+    cl_uint index = 0;
+    (set(index++, values), ...);
+    return *this;
+  }
+  void set(cl_uint index, const RawBuffer& buffer);
+  template <typename T>
+    requires(std::is_same_v<T, cl_uint> || std::is_same_v<T, cl_int> || std::is_same_v<T, float> ||
+             std::is_same_v<T, shared::rc_float4>)
+  void set(cl_uint index, T value) {
+    set_bytes(index, &value, sizeof value);
+  }
+
+ private:
+  void set_bytes(cl_uint index, const void* value, std::size_t bytes);
+  void check_count(std::size_t given) const;
+  std::string name_, device_name_;
+  Handle<cl_kernel, clReleaseKernel> kernel_;
+};
+
+}  // namespace raycube::cl

@@ -1,0 +1,29 @@
+// An OpenCL program built from embedded source.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "host/cl/context.h"
+
+namespace raycube::cl {
+
+class Program {
+ public:
+  /// Builds `source` with `options` (language version and exact-arithmetic options are not added here). A failed build
+  /// throws Error(device) with name, device, options and the log, whose lines name the kernel files.
+  Program(const Context& context, const std::string& name, std::string_view source, const std::string& options);
+  const std::string& name() const { return name_; }
+  const std::string& options() const { return options_; }
+  const std::string& device_name() const { return device_name_; }
+  /// What the compiler said; empty when it was silent.
+  const std::string& log() const { return log_; }
+  cl_program operator()() const { return program_(); }
+
+ private:
+  std::string name_, options_, device_name_, log_;
+  Handle<cl_program, clReleaseProgram> program_;
+};
+
+}  // namespace raycube::cl

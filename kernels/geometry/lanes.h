@@ -1,0 +1,36 @@
+/* Lane masks: an int16 of 0 / -1 becomes a 16-bit word, bit i = lane i. */
+#ifndef RAYCUBE_KERNELS_GEOMETRY_LANES_H
+#define RAYCUBE_KERNELS_GEOMETRY_LANES_H
+
+#ifdef __has_builtin
+#if defined(__AVX512DQ__) && __has_builtin(__builtin_ia32_cvtd2mask512)
+#define RC_HAS_MASK512 1
+#endif
+#if defined(__AVX512DQ__) && defined(__AVX512VL__) && __has_builtin(__builtin_ia32_cvtd2mask256)
+#define RC_HAS_MASK256 1
+#endif
+#endif
+
+static inline uint rc_mask8(int8 m) {
+#ifdef RC_HAS_MASK256
+  return (uint)(uchar)__builtin_ia32_cvtd2mask256(m);
+#else
+  const int8 w = m & (int8)(1, 2, 4, 8, 16, 32, 64, 128);
+  const int4 h = w.lo | w.hi;
+  const int2 q = h.lo | h.hi;
+  return (uint)(q.x | q.y);
+#endif
+}
+
+static inline uint rc_mask16(int16 m) {
+#ifdef RC_HAS_MASK512
+  return (uint)(ushort)__builtin_ia32_cvtd2mask512(m);
+#else
+  return rc_mask8(m.lo) | rc_mask8(m.hi) << 8;
+#endif
+}
+
+/* Lowest set bit; bits != 0. */
+static inline uint rc_lowest(uint bits) { return 31u - clz(bits & (0u - bits)); }
+
+#endif

@@ -1,0 +1,44 @@
+/* Where the rays of a group go: samples of its pixels in group coordinates (a, b), in pixels about the group's centre. */
+#ifndef RAYCUBE_KERNELS_GEOMETRY_SAMPLES_H
+#define RAYCUBE_KERNELS_GEOMETRY_SAMPLES_H
+
+#include "kernels/geometry/trace_args.h"
+
+/* Place of a work-item's group in its tile. */
+typedef struct GroupPlace {
+  uint pixel;   /* first pixel: index in the tile */
+  uint number;  /* first pixel: index in the image, for hashes */
+  uint used;    /* pixels that exist, 1 .. RC_GROUP_PIXELS */
+} GroupPlace;
+
+static inline GroupPlace rc_group_place(uint group, uint first_line, uint first_column, uint columns, uint pixels_per_line) {
+  const uint per_line = (columns + RC_GROUP_PIXELS - 1u) / RC_GROUP_PIXELS;
+  const uint line = group / per_line, column = (group - line * per_line) * RC_GROUP_PIXELS;
+  GroupPlace place;
+  place.pixel = line * columns + column;
+  place.number = (first_line + line) * pixels_per_line + first_column + column;
+  place.used = min((uint)RC_GROUP_PIXELS, columns - column);
+  return place;
+}
+
+/* (a, b) of sample s of the group's pixel p, whose number in the image is `number`. */
+static inline void rc_group_sample(uint seed, uint number, uint p, uint s, float* a, float* b) {
+  float u, v;
+  rc_sample_uv(RC_SAMPLER, RC_NU, RC_NV, RC_SUPPORT, seed, number, (int)s, &u, &v);
+  *a = ((float)p - 0.5f * (float)(RC_GROUP_PIXELS - 1)) + u;
+  *b = v;
+}
+
+static inline float4 rc_group_direction(RayGroup g, float a, float b) {
+  return fma((float4)(b), g.dv, fma((float4)(a), g.du, g.d0));
+}
+
+static inline float4 rc_group_origin(RayGroup g, float b) {
+#if RC_MOVING
+  return fma((float4)(b), g.ov, g.origin);
+#else
+  return g.origin;
+#endif
+}
+
+#endif

@@ -1,0 +1,89 @@
+/* How to build and launch the four tracing kernels: trace_primary, make_surface, trace_sun, trace_sky.
+ *
+ * Chain, all in one in-order queue:  trace_primary -> hits -> make_surface -> surface -> trace_sun -> sun_mask
+ *                                                                                    \-> trace_sky -> blocked
+ *
+ * Build options (one set for all four; a -D that is missing here has the default below):
+ *   RC_NU, RC_NV        samples of a pixel along and across the line (whole pixel, not the chunk)
+ *   RC_CHUNK            most samples that one launch handles per pixel; default RC_NU * RC_NV. Smaller for big pixels; with
+ *                       the grid sampler a multiple of RC_NU, so that a chunk is whole rows.
+ *   RC_SAMPLER          0 grid, 1 lattice, 2 jittered (kernels/sampling/sampler.h)
+ *   RC_SUPPORT          width of the square the samples cover, pixels, as a float literal (1.0f)
+ *   RC_GROUP_PIXELS     pixels of a RayGroup: 4 (RC_GROUP_WIDTH), or 1 where every pixel has its own pose (whiskbroom)
+ *   RC_STACK            CompiledScene::stack_bound()
+ *   RC_MOVING           1: RayGroup.ov may differ from zero; single rays, slower. 0: ov is ignored.
+ *   RC_BUNDLE           1 (default): bundles; 0: every ray alone. Both give the same hits; tests compare them.
+ * Samples of a launch: first_sample .. first_sample + sample_count - 1, sample_count <= RC_CHUNK; with the grid sampler both
+ * are multiples of RC_NU. NPAD = RC_CHUNK rounded up to 16; in every buffer sample s lies in slot s - first_sample.
+ *
+ * Rays: pixel p of a group (0 .. RC_GROUP_PIXELS - 1) and sample s with (u, v) = rc_sample_uv(...) have
+ *   a = (p - (RC_GROUP_PIXELS - 1) / 2) + u,  b = v
+ *   origin = origin + b * ov,  direction = fma(b, dv, fma(a, du, d0))
+ * so d0 is the direction of the group's centre (for 4: between pixels 1 and 2), du and dv its change per pixel.
+ * Groups of a tile: line by line, ceil(tile.columns / RC_GROUP_PIXELS) of them per line; the last may hold fewer pixels.
+ *
+ * Every kernel: local size 1, global size = groups of the tile. Common arguments:
+ *   nodes, blocks, instances   the arrays of CompiledScene (at least one element each, even in an empty scene)
+ *   seed                       low 32 bits of Simulation::seed
+ *   first_line, first_column   place of the tile in the image; first_column is a multiple of RC_GROUP_PIXELS
+ *   columns                    pixels of a tile line;  pixels_per_line: of an image line
+ * Pixel i of a tile = (line in tile) * columns + (column in tile); its number in hashes is
+ *   (first_line + line) * pixels_per_line + first_column + column, so results do not depend on tiling.
+ *
+ *   trace_primary(global const BvhNode* nodes, global const TriBlock* blocks, global const Instance* instances,
+ *                 global const RayGroup* groups, global uint* hits, uint seed, uint first_line, uint first_column,
+ *                 uint columns, uint pixels_per_line, uint first_sample, uint sample_count)
+ *     hits[pixel][2][NPAD]: row 0 instance index (RC_NONE: miss), row 1 primitive = block * 16 + lane. Slots at and past
+ *     sample_count hold RC_NONE. The closest hit; of equal distances the lowest instance, then the lowest primitive.
+ *   make_surface(blocks, instances, groups, hits (const), global float* surface, seed, first_line, first_column, columns,
+ *                pixels_per_line, first_sample, sample_count)
+ *     surface[pixel][6][NPAD]: x y z of the point, m, scene frame, moved off the surface to the viewer's side by its error
+ *     bound (the origin of shadow rays); nx ny nz unit geometric normal facing the viewer. Misses: all six are 0.
+ *   trace_sun(nodes, blocks, instances, surface (const), global ushort* sun_mask, float4 sun, uint columns, uint pixels)
+ *     sun: unit vector towards the sun, w = 0. pixels: of the tile.
+ *     sun_mask[pixel][NPAD / 16]: bit s % 16 of word s / 16 = the sun is seen. Clear for misses and where n . sun <= 0.
+ *   trace_sky(nodes, blocks, instances, surface (const), directions (global const float4*), weights (global const float4*),
+ *             global float* blocked, uint sets, uint count, seed, first_line, first_column, columns, pixels_per_line,
+ *             uint pixels)
+ *     directions, weights: [sets][count]; a pixel takes set rc_hash(seed, pixel, 0, 21) % sets.
+ *     blocked[pixel][4][NPAD]: sum over the blocked directions k, in order, of weight[k].c * max(0, n . direction[k]) for
+ *     components c = 0..3 = xyzw. Zero for misses.
+ */
+#ifndef RAYCUBE_KERNELS_GEOMETRY_TRACE_ARGS_H
+#define RAYCUBE_KERNELS_GEOMETRY_TRACE_ARGS_H
+
+#pragma OPENCL FP_CONTRACT OFF
+#include "kernels/shared/structs.h"
+#include "kernels/sampling/sampler.h"
+
+#ifndef RC_NU
+#define RC_NU 11
+#endif
+#ifndef RC_NV
+#define RC_NV 11
+#endif
+#ifndef RC_CHUNK
+#define RC_CHUNK (RC_NU * RC_NV)
+#endif
+#ifndef RC_SAMPLER
+#define RC_SAMPLER RC_SAMPLER_GRID
+#endif
+#ifndef RC_SUPPORT
+#define RC_SUPPORT 1.0f
+#endif
+#ifndef RC_GROUP_PIXELS
+#define RC_GROUP_PIXELS RC_GROUP_WIDTH
+#endif
+#ifndef RC_STACK
+#define RC_STACK 128
+#endif
+#ifndef RC_MOVING
+#define RC_MOVING 0
+#endif
+#ifndef RC_BUNDLE
+#define RC_BUNDLE 1
+#endif
+#define RC_NPAD (((RC_CHUNK) + 15) / 16 * 16)
+#define RC_NWORDS (RC_NPAD / 16)
+
+#endif

@@ -1,0 +1,67 @@
+/* Ray against 16 triangles at once, watertight: Woop, Benthin & Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1),
+ * 2013. Each vertex is moved to the ray's frame by one formula, so triangles that share it see the same point; products are
+ * rounded alone (no contraction), so the sign of an edge function is right or the function is zero, and zero counts as
+ * inside. A ray at an edge or vertex of a closed surface therefore hits at least one of the triangles that meet there. */
+#ifndef RAYCUBE_KERNELS_GEOMETRY_TRIANGLE_H
+#define RAYCUBE_KERNELS_GEOMETRY_TRIANGLE_H
+
+#include "kernels/geometry/trace_args.h"
+#include "kernels/geometry/lanes.h"
+
+/* A ray in one frame, with what the tests need. Axes are numbered x y z = 0 1 2. */
+typedef struct Ray {
+  float4 origin, direction;  /* m; direction of any length, not zero */
+  float4 inverse;            /* 1 / direction, finite: zeros become 1e18 with their sign */
+  int kx, ky, kz;            /* kz: largest direction component */
+  float sx, sy, sz;          /* shear and scale of Woop's transform */
+} Ray;
+
+static inline float rc_component(float4 v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
+
+static inline float rc_safe_inverse(float d) { return 1.0f / (fabs(d) < 1e-18f ? copysign(1e-18f, d) : d); }
+
+static inline Ray rc_make_ray(float4 origin, float4 direction) {
+  Ray ray;
+  ray.origin = origin;
+  ray.direction = direction;
+  ray.inverse = (float4)(rc_safe_inverse(direction.x), rc_safe_inverse(direction.y), rc_safe_inverse(direction.z), 0.0f);
+  const float x = fabs(direction.x), y = fabs(direction.y), z = fabs(direction.z);
+  ray.kz = z >= x && z >= y ? 2 : y >= x ? 1 : 0;
+  ray.kx = ray.kz == 2 ? 0 : ray.kz + 1;
+  ray.ky = 3 - ray.kz - ray.kx;
+  const float dz = rc_component(direction, ray.kz);
+  ray.sx = rc_component(direction, ray.kx) / dz;
+  ray.sy = rc_component(direction, ray.ky) / dz;
+  ray.sz = 1.0f / dz;
+  return ray;
+}
+
+/* Affine map by three rows. */
+static inline float4 rc_map_point(float4 r0, float4 r1, float4 r2, float4 p) {
+  return (float4)(fma(r0.x, p.x, fma(r0.y, p.y, fma(r0.z, p.z, r0.w))), fma(r1.x, p.x, fma(r1.y, p.y, fma(r1.z, p.z, r1.w))),
+                  fma(r2.x, p.x, fma(r2.y, p.y, fma(r2.z, p.z, r2.w))), 0.0f);
+}
+static inline float4 rc_map_vector(float4 r0, float4 r1, float4 r2, float4 v) {
+  return (float4)(fma(r0.x, v.x, fma(r0.y, v.y, r0.z * v.z)), fma(r1.x, v.x, fma(r1.y, v.y, r1.z * v.z)),
+                  fma(r2.x, v.x, fma(r2.y, v.y, r2.z * v.z)), 0.0f);
+}
+
+/* Bit i: lane i of the block is hit at a distance *t (in units of the direction's length) above 0. */
+static inline uint rc_hit_block(Ray ray, global const TriBlock* block, float16* t) {
+  global const float* at = (global const float*)block;
+  const float ox = rc_component(ray.origin, ray.kx), oy = rc_component(ray.origin, ray.ky), oz = rc_component(ray.origin, ray.kz);
+  const int x = 16 * ray.kx, y = 16 * ray.ky, z = 16 * ray.kz;
+  const float16 az = vload16(0, at + z) - oz, bz = vload16(0, at + 48 + z) - oz, cz = vload16(0, at + 96 + z) - oz;
+  const float16 sx = -ray.sx, sy = -ray.sy;
+  const float16 ax = fma(sx, az, vload16(0, at + x) - ox), ay = fma(sy, az, vload16(0, at + y) - oy);
+  const float16 bx = fma(sx, bz, vload16(0, at + 48 + x) - ox), by = fma(sy, bz, vload16(0, at + 48 + y) - oy);
+  const float16 cx = fma(sx, cz, vload16(0, at + 96 + x) - ox), cy = fma(sy, cz, vload16(0, at + 96 + y) - oy);
+  const float16 u = cx * by - cy * bx, v = ax * cy - ay * cx, w = bx * ay - by * ax;
+  const float16 least = fmin(u, fmin(v, w)), most = fmax(u, fmax(v, w));
+  const float16 det = u + (v + w);
+  const float16 distance = fma(u, az, fma(v, bz, w * cz)) * ray.sz / det;
+  *t = distance;
+  return rc_mask16(((least >= 0.0f) | (most <= 0.0f)) & (det != 0.0f) & (distance > 0.0f));
+}
+
+#endif

@@ -1,0 +1,96 @@
+// Surface points, sun and sky visibility against closed forms and double brute force.
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "kernels/sampling/sampler.h"
+#include "tests/support/double_trace.h"
+#include "tests/support/test_scenes.h"
+#include "tests/support/trace_chain.h"
+
+using namespace raycube;
+using test::TraceShape;
+
+namespace {
+
+const cl::Context& context() {
+  static const cl::Context instance{cl::Device(cl::list_devices().front()())};
+  return instance;
+}
+
+}  // namespace
+
+TEST_CASE("S8: surface points lie on the viewer's side of their triangle, within the stated bound; sun and sky match brute force") {
+  scene::CompiledScene scene;
+  const auto ground = scene::append_mesh(scene, "ground", test::terrain(12, 40));
+  const auto ball = scene::append_mesh(scene, "ball", test::sphere(1, 2, 0.1));
+  scene::append_instance(scene, ground, test::kIdentity, 0);
+  for (std::uint32_t i = 0; i < 6; ++i)
+    scene::append_instance(scene, ball, test::placement(i, 0.4 * i, 0.6 + 0.2 * i, 5.0 * i - 12, 3.0 * (i % 3) - 3, 3 + i % 2), i + 1);
+  scene::finish_top_tree(scene);
+  TraceShape shape;
+  shape.nu = shape.nv = 5;
+  shape.columns = shape.pixels_per_line = 18, shape.lines = 10;
+  const auto groups = test::nadir_groups(shape, 0, 0, 300, 1.7, 300, 0.02);
+  test::TraceChain chain(context(), scene, shape);
+  const auto hits = chain.primary(groups);
+  const auto surface = chain.surface();
+  const double zenith = 1.2;
+  const shared::rc_float4 sun{static_cast<float>(std::sin(zenith) * 0.6), static_cast<float>(std::sin(zenith) * 0.8),
+                              static_cast<float>(std::cos(zenith)), 0};
+  const auto mask = chain.sun(sun);
+  std::vector<shared::rc_float4> directions, weights;
+  constexpr std::uint32_t kSets = 3, kCount = 8;
+  for (std::uint32_t k = 0; k < kSets * kCount; ++k) {
+    const double c = (k % kCount + 0.5) / kCount, s = std::sqrt(1 - c * c), phi = 2.4 * k;
+    directions.push_back({static_cast<float>(s * std::cos(phi)), static_cast<float>(s * std::sin(phi)), static_cast<float>(c), 0});
+    weights.push_back({0.5f, 0.1f * static_cast<float>(k), 1.0f / static_cast<float>(k + 1), -0.2f});
+  }
+  const auto blocked = chain.sky(directions, weights, kSets);
+
+  const test::DoubleTracer oracle(scene);
+  const std::uint32_t n = shape.npad();
+  std::size_t lit = 0, dark = 0, wrong_side = 0, far_off = 0, sun_wrong = 0, sky_wrong = 0;
+  for (std::uint32_t pixel = 0; pixel < shape.pixels(); ++pixel) {
+    const std::uint32_t set = rc_hash(shape.seed, pixel, 0, 21) % kSets;
+    for (std::uint32_t s = 0; s < n; ++s) {
+      const float* at = surface.data() + std::size_t{pixel} * 6 * n + s;
+      const float point[3] = {at[0], at[n], at[2 * n]}, normal[3] = {at[3 * n], at[4 * n], at[5 * n]};
+      const bool seen = mask[pixel * n / 16 + s / 16] >> (s % 16) & 1;
+      if (hits[pixel * 2 * n + s] == RC_NONE) {
+        CHECK(normal[2] == 0);
+        CHECK(!seen);
+        continue;
+      }
+      const float to_viewer[3] = {normal[0], normal[1], normal[2]}, back[3] = {-normal[0], -normal[1], -normal[2]};
+      const auto up = oracle.test(hits[pixel * 2 * n + s], hits[(pixel * 2 + 1) * n + s], point, to_viewer);
+      const auto down = oracle.test(hits[pixel * 2 * n + s], hits[(pixel * 2 + 1) * n + s], point, back);
+      wrong_side += up.t > 0;
+      // Coordinates of 20 m: the bound of rc_surface_point is below 100 roundings of 2^-24 of them.
+      far_off += !(std::abs(down.t) < 100 * 0x1p-24 * 60);
+      const double cosine = double(normal[0]) * sun.x + double(normal[1]) * sun.y + double(normal[2]) * sun.z;
+      const float direction[3] = {sun.x, sun.y, sun.z};
+      const bool truth = cosine > 0 && !oracle.blocked(point, direction);
+      (seen ? lit : dark) += 1;
+      sun_wrong += truth != seen;
+      double expected[4] = {0, 0, 0, 0};
+      for (std::uint32_t k = 0; k < kCount; ++k) {
+        const auto& d = directions[set * kCount + k];
+        const auto& w = weights[set * kCount + k];
+        const float way[3] = {d.x, d.y, d.z};
+        const double c = double(normal[0]) * d.x + double(normal[1]) * d.y + double(normal[2]) * d.z;
+        if (c <= 0 || !oracle.blocked(point, way)) continue;
+        expected[0] += w.x * c, expected[1] += w.y * c, expected[2] += w.z * c, expected[3] += w.w * c;
+      }
+      for (int c = 0; c < 4; ++c)
+        sky_wrong += std::abs(expected[c] - blocked[(std::size_t{pixel} * 4 + c) * n + s]) > 1e-5 * (1 + std::abs(expected[c]));
+    }
+  }
+  MESSAGE("lit " << lit << ", dark " << dark);
+  CHECK(lit > 1000);
+  CHECK(dark > 300);
+  CHECK(wrong_side == 0);
+  CHECK(far_off == 0);
+  CHECK(sun_wrong == 0);
+  CHECK(sky_wrong == 0);
+}

@@ -1,0 +1,106 @@
+#include "tests/support/trace_chain.h"
+
+#include <cmath>
+
+#include "kernels/kernel_source.h"
+#include "kernels/sampling/sampler.h"
+
+namespace raycube::test {
+namespace {
+
+std::string options_of(const TraceShape& s, const scene::CompiledScene& scene) {
+  std::string support = std::to_string(s.support);
+  return "-cl-std=CL1.2 -Werror -DRC_NU=" + std::to_string(s.nu) + " -DRC_NV=" + std::to_string(s.nv) +
+         " -DRC_CHUNK=" + std::to_string(s.chunk_samples()) + " -DRC_SAMPLER=" + std::to_string(s.sampler) +
+         " -DRC_SUPPORT=" + support + "f -DRC_GROUP_PIXELS=" + std::to_string(s.group_pixels) +
+         " -DRC_STACK=" + std::to_string(scene.stack_bound()) + " -DRC_MOVING=" + std::to_string(s.moving) +
+         " -DRC_BUNDLE=" + std::to_string(s.bundle);
+}
+
+}  // namespace
+
+HostRay host_ray(const shared::RayGroup& g, const TraceShape& shape, std::uint32_t number, std::uint32_t p, std::uint32_t s) {
+  float u = 0, v = 0;
+  rc_sample_uv(shape.sampler, shape.nu, shape.nv, shape.support, shape.seed, number, static_cast<int>(s), &u, &v);
+  const float a = (static_cast<float>(p) - 0.5f * static_cast<float>(shape.group_pixels - 1)) + u, b = v;
+  const auto direction = [&](float d0, float du, float dv) { return std::fma(b, dv, std::fma(a, du, d0)); };
+  const auto origin = [&](float o, float ov) { return shape.moving ? std::fma(b, ov, o) : o; };
+  return {{origin(g.origin.x, g.ov.x), origin(g.origin.y, g.ov.y), origin(g.origin.z, g.ov.z)},
+          {direction(g.d0.x, g.du.x, g.dv.x), direction(g.d0.y, g.du.y, g.dv.y), direction(g.d0.z, g.du.z, g.dv.z)}};
+}
+
+std::vector<shared::RayGroup> nadir_groups(const TraceShape& shape, double x, double y, double z, double gsd, double distance,
+                                           double tilt) {
+  std::vector<shared::RayGroup> groups;
+  for (std::uint32_t line = 0; line < shape.lines; ++line)
+    for (std::uint32_t g = 0; g < shape.groups_per_line(); ++g) {
+      const double u = shape.first_column + (g + 0.5) * shape.group_pixels - 0.5 * shape.pixels_per_line;
+      const double v = shape.first_line + line + 0.5 - 0.5 * shape.pixels_per_line;
+      shared::RayGroup group{};
+      group.origin = {static_cast<float>(x), static_cast<float>(y), static_cast<float>(z), 0};
+      group.d0 = {static_cast<float>(u * gsd / distance + tilt), static_cast<float>(-v * gsd / distance), -1, 0};
+      group.du = {static_cast<float>(gsd / distance), 0, 0, 0};
+      group.dv = {0, static_cast<float>(-gsd / distance), 0, 0};
+      groups.push_back(group);
+    }
+  return groups;
+}
+
+TraceChain::TraceChain(const cl::Context& context, const scene::CompiledScene& scene, const TraceShape& shape)
+    : context_(context), shape_(shape), options_(options_of(shape, scene)),
+      nodes_(context, scene.nodes, cl::Access::read_only, "BVH nodes"),
+      blocks_(context, scene.blocks, cl::Access::read_only, "triangle blocks"),
+      instances_(context, scene.instances, cl::Access::read_only, "instances"),
+      groups_(context, shape.groups(), cl::Access::read_only, "ray groups"),
+      hits_(context, std::size_t{shape.pixels()} * 2 * shape.npad(), cl::Access::read_write, "hits"),
+      surface_(context, std::size_t{shape.pixels()} * 6 * shape.npad(), cl::Access::read_write, "surface points"),
+      blocked_(context, std::size_t{shape.pixels()} * 4 * shape.npad(), cl::Access::read_write, "blocked sky"),
+      sun_mask_(context, std::size_t{shape.pixels()} * shape.npad() / 16, cl::Access::read_write, "sun masks") {}
+
+cl::Kernel& TraceChain::kernel(const std::string& name) {
+  for (auto& [known, kernel] : kernels_)
+    if (known == name) return kernel;
+  const cl::Program program(context_, name, kernels::kernel_source(name), options_);
+  return kernels_.emplace_back(name, cl::Kernel(program, name)).second;
+}
+
+std::vector<std::uint32_t> TraceChain::primary(std::span<const shared::RayGroup> groups, std::uint32_t first_sample) {
+  groups_.write(groups);
+  first_sample_ = first_sample;
+  count_ = std::min(shape_.chunk_samples(), shape_.samples() - first_sample);
+  kernel("trace_primary").arguments(nodes_, blocks_, instances_, groups_, hits_, shape_.seed, shape_.first_line, shape_.first_column,
+                                    shape_.columns, shape_.pixels_per_line, first_sample_, count_);
+  again("trace_primary");
+  return hits_.read_all();
+}
+
+std::vector<float> TraceChain::surface() {
+  kernel("make_surface").arguments(blocks_, instances_, groups_, hits_, surface_, shape_.seed, shape_.first_line, shape_.first_column,
+                                   shape_.columns, shape_.pixels_per_line, first_sample_, count_);
+  again("make_surface");
+  return surface_.read_all();
+}
+
+std::vector<std::uint16_t> TraceChain::sun(const shared::rc_float4& direction) {
+  kernel("trace_sun").arguments(nodes_, blocks_, instances_, surface_, sun_mask_, direction, shape_.columns, shape_.pixels());
+  again("trace_sun");
+  return sun_mask_.read_all();
+}
+
+std::vector<float> TraceChain::sky(std::span<const shared::rc_float4> directions, std::span<const shared::rc_float4> weights,
+                                   std::uint32_t sets) {
+  directions_ = std::make_unique<cl::Buffer<shared::rc_float4>>(context_, directions, cl::Access::read_only, "sky directions");
+  weights_ = std::make_unique<cl::Buffer<shared::rc_float4>>(context_, weights, cl::Access::read_only, "sky weights");
+  kernel("trace_sky").arguments(nodes_, blocks_, instances_, surface_, *directions_, *weights_, blocked_, sets,
+                                static_cast<std::uint32_t>(directions.size()) / sets, shape_.seed, shape_.first_line,
+                                shape_.first_column, shape_.columns, shape_.pixels_per_line, shape_.pixels());
+  again("trace_sky");
+  return blocked_.read_all();
+}
+
+void TraceChain::again(const std::string& stage) {
+  context_.launch(kernel(stage), shape_.groups());
+  context_.finish();
+}
+
+}  // namespace raycube::test

@@ -1,0 +1,79 @@
+// Launches the tracing kernels on a compiled scene, for tests: one call per stage, results on the host.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "host/cl/kernel.h"
+#include "kernels/shared/structs.h"
+#include "scene_compiler/compiled_scene.h"
+
+namespace raycube::test {
+
+/// Build options and launch shape; see kernels/geometry/trace_args.h.
+struct TraceShape {
+  int nu = 4, nv = 4;
+  int chunk = 0;            ///< 0: nu * nv
+  int sampler = 0;          ///< RC_SAMPLER_*
+  float support = 1;
+  int group_pixels = RC_GROUP_WIDTH;
+  bool moving = false, bundle = true;
+  std::uint32_t seed = 1;
+  std::uint32_t first_line = 0, first_column = 0, columns = 0, pixels_per_line = 0, lines = 0;
+  std::uint32_t page_bytes = 0;  ///< 0: as few pages as the device allows
+
+  std::uint32_t samples() const { return static_cast<std::uint32_t>(nu * nv); }
+  std::uint32_t chunk_samples() const { return chunk ? static_cast<std::uint32_t>(chunk) : samples(); }
+  std::uint32_t npad() const { return (chunk_samples() + 15) / 16 * 16; }
+  std::uint32_t groups_per_line() const { return (columns + group_pixels - 1) / group_pixels; }
+  std::uint32_t groups() const { return groups_per_line() * lines; }
+  std::uint32_t pixels() const { return columns * lines; }
+};
+
+/// (a, b) and the very ray of sample s of pixel p of a group, as trace_args.h defines them.
+struct HostRay {
+  float origin[3], direction[3];
+};
+HostRay host_ray(const shared::RayGroup& group, const TraceShape& shape, std::uint32_t pixel_number, std::uint32_t p, std::uint32_t s);
+
+/// A nadir-like framing camera: groups of a tile of `shape`, looking along -z from (x, y, z), pixel pitch `gsd` at distance
+/// `distance` (m), tilted by `tilt` (m sideways per m of depth) to keep rays off the axes.
+std::vector<shared::RayGroup> nadir_groups(const TraceShape& shape, double x, double y, double z, double gsd, double distance,
+                                           double tilt);
+
+class TraceChain {
+ public:
+  TraceChain(const cl::Context& context, const scene::CompiledScene& scene, const TraceShape& shape);
+  /// hits[pixel][2][npad]
+  std::vector<std::uint32_t> primary(std::span<const shared::RayGroup> groups, std::uint32_t first_sample = 0);
+  /// surface[pixel][6][npad] of the last primary()
+  std::vector<float> surface();
+  /// sun_mask[pixel][npad / 16] of the last surface()
+  std::vector<std::uint16_t> sun(const shared::rc_float4& direction);
+  /// blocked[pixel][4][npad] of the last surface()
+  std::vector<float> sky(std::span<const shared::rc_float4> directions, std::span<const shared::rc_float4> weights,
+                         std::uint32_t sets);
+  /// Enqueue one stage again with the arguments of the last call and wait: for timing.
+  void again(const std::string& stage);
+
+ private:
+  cl::Kernel& kernel(const std::string& name);
+  const cl::Context& context_;
+  TraceShape shape_;
+  std::string options_;
+  std::uint32_t first_sample_ = 0, count_ = 0;
+  cl::Buffer<shared::BvhNode> nodes_;
+  cl::Buffer<shared::TriBlock> blocks_;
+  cl::Buffer<shared::Instance> instances_;
+  cl::Buffer<shared::RayGroup> groups_;
+  cl::Buffer<std::uint32_t> hits_;
+  cl::Buffer<float> surface_, blocked_;
+  cl::Buffer<std::uint16_t> sun_mask_;
+  std::unique_ptr<cl::Buffer<shared::rc_float4>> directions_, weights_;
+  std::vector<std::pair<std::string, cl::Kernel>> kernels_;
+};
+
+}  // namespace raycube::test
