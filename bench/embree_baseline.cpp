@@ -1,0 +1,249 @@
+#include "bench/embree_baseline.h"
+
+#include <embree3/rtcore.h>
+#include <immintrin.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <thread>
+
+#include "host/base/error.h"
+
+namespace raycube::bench {
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+// Work in pieces that threads take in turn, as the OpenCL runtime does.
+template <typename Work>
+void in_parallel(std::size_t count, std::size_t piece, int threads, const Work& work) {
+  std::atomic<std::size_t> next{0};
+  const auto run = [&] {
+    _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);  // as Embree's manual asks
+    _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
+    for (std::size_t begin; (begin = next.fetch_add(piece)) < count;) work(begin, std::min(begin + piece, count));
+  };
+  std::vector<std::jthread> workers;
+  for (int i = 0; i < threads; ++i) workers.emplace_back(run);
+}
+
+void check(RTCDevice device, const char* what) {
+  if (const RTCError error = rtcGetDeviceError(device); error != RTC_ERROR_NONE)
+    throw base::Error(base::Fault::environment, std::string("bench: Embree could not ") + what + " (error " + std::to_string(error) + ")");
+}
+
+bool count_bytes(void* total, ssize_t bytes, bool) {
+  *static_cast<std::atomic<std::int64_t>*>(total) += bytes;
+  return true;
+}
+
+}  // namespace
+
+const char* mode_name(EmbreeMode mode) {
+  switch (mode) {
+    case EmbreeMode::packet16_coherent: return "16 coherent";
+    case EmbreeMode::packet16: return "16";
+    case EmbreeMode::single: return "1";
+  }
+  return "";
+}
+
+struct EmbreeBaseline::Impl {
+  std::atomic<std::int64_t> bytes{0};
+  RTCDevice device = nullptr;
+  RTCScene top = nullptr;
+  std::vector<RTCScene> meshes;
+  bool flat = false;
+  std::vector<std::vector<std::uint32_t>> primitive;  ///< [mesh][Embree's number] = the scene's
+  std::vector<std::uint32_t> mesh_of_instance;
+
+  ~Impl() {
+    if (top) rtcReleaseScene(top);
+    for (RTCScene mesh : meshes)
+      if (mesh) rtcReleaseScene(mesh);
+    if (device) rtcReleaseDevice(device);
+  }
+
+  RTCScene build(const scene::CompiledScene& scene, const scene::Mesh& mesh) {
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    const std::size_t triangles = mesh.triangle_count;
+    auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, 3 * triangles));
+    auto* indices = static_cast<unsigned*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, triangles));
+    check(device, "make a mesh's buffers");
+    std::vector<std::uint32_t>& numbers = primitive.emplace_back();
+    std::size_t n = 0;
+    for (std::uint32_t b = mesh.first_block; b < mesh.first_block + mesh.block_count; ++b) {
+      const shared::TriBlock& t = scene.blocks[b];
+      for (int lane = 0; lane < RC_BLOCK; ++lane) {
+        if (t.surface[lane] == RC_NONE) continue;
+        if (n == triangles) throw base::Error(base::Fault::bug, "bench: mesh '" + mesh.name + "' has more used lanes than triangles");
+        const float corners[9] = {t.v0_x[lane], t.v0_y[lane], t.v0_z[lane], t.v1_x[lane], t.v1_y[lane],
+                                  t.v1_z[lane], t.v2_x[lane], t.v2_y[lane], t.v2_z[lane]};
+        std::copy(corners, corners + 9, vertices + 9 * n);
+        for (unsigned k = 0; k < 3; ++k) indices[3 * n + k] = static_cast<unsigned>(3 * n + k);
+        numbers.push_back(b * RC_BLOCK + lane);
+        ++n;
+      }
+    }
+    if (n != triangles) throw base::Error(base::Fault::bug, "bench: mesh '" + mesh.name + "' has fewer used lanes than triangles");
+    rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_MEDIUM);
+    rtcCommitGeometry(geometry);
+    RTCScene built = rtcNewScene(device);
+    rtcSetSceneBuildQuality(built, RTC_BUILD_QUALITY_MEDIUM);
+    rtcAttachGeometry(built, geometry);
+    rtcReleaseGeometry(geometry);
+    rtcCommitScene(built);
+    check(device, "build a mesh");
+    return built;
+  }
+};
+
+EmbreeBaseline::EmbreeBaseline(const scene::CompiledScene& scene) : impl_(std::make_unique<Impl>()) {
+  Impl& e = *impl_;
+  e.device = rtcNewDevice(nullptr);
+  if (!e.device) throw base::Error(base::Fault::environment, "bench: Embree has no device; is libembree3 whole?");
+  rtcSetDeviceMemoryMonitorFunction(e.device, count_bytes, &e.bytes);
+  for (const scene::Mesh& mesh : scene.meshes) e.meshes.push_back(e.build(scene, mesh));
+  for (const shared::Instance& instance : scene.instances) e.mesh_of_instance.push_back(instance.mesh);
+  e.flat = scene.instances.size() == 1 && (scene.instances[0].flags & 1u);
+  if (e.flat) return;
+  e.top = rtcNewScene(e.device);
+  rtcSetSceneBuildQuality(e.top, RTC_BUILD_QUALITY_MEDIUM);
+  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+    const shared::Instance& instance = scene.instances[i];
+    RTCGeometry geometry = rtcNewGeometry(e.device, RTC_GEOMETRY_TYPE_INSTANCE);
+    rtcSetGeometryInstancedScene(geometry, e.meshes[instance.mesh]);
+    float matrix[12];
+    const shared::rc_float4* rows[] = {&instance.world_from_local_0, &instance.world_from_local_1, &instance.world_from_local_2};
+    for (int r = 0; r < 3; ++r) {
+      matrix[4 * r] = rows[r]->x;
+      matrix[4 * r + 1] = rows[r]->y;
+      matrix[4 * r + 2] = rows[r]->z;
+      matrix[4 * r + 3] = rows[r]->w;
+    }
+    rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, matrix);
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometryByID(e.top, geometry, static_cast<unsigned>(i));
+    rtcReleaseGeometry(geometry);
+  }
+  rtcCommitScene(e.top);
+  check(e.device, "build the top tree");
+}
+
+EmbreeBaseline::~EmbreeBaseline() = default;
+
+std::size_t EmbreeBaseline::memory_bytes() const { return static_cast<std::size_t>(impl_->bytes.load()); }
+
+void EmbreeBaseline::primary(const PrimaryRays& rays, EmbreeMode mode, int threads, RayResult* result) const {
+  const RTCScene scene = impl_->flat ? impl_->meshes[0] : impl_->top;
+  const bool flat = impl_->flat;
+  const std::size_t samples = rays.samples(), width = static_cast<std::size_t>(rays.width);
+  const std::size_t packets = (samples + 15) / 16;
+  std::vector<float> us(packets * 16, 0.0f), vs(packets * 16, 0.0f);
+  std::copy(rays.u.begin(), rays.u.end(), us.begin());
+  std::copy(rays.v.begin(), rays.v.end(), vs.begin());
+  in_parallel(rays.group_count, 16, threads, [&](std::size_t begin, std::size_t end) {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.flags = mode == EmbreeMode::packet16_coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+    alignas(64) RTCRayHit16 packet;
+    alignas(64) int valid[16];
+    for (std::size_t g = begin; g < end; ++g) {
+      const shared::RayGroup& group = rays.groups[g];
+      for (std::size_t i = 0; i < width; ++i) {
+        const float centre = static_cast<float>(i) - 0.5f * static_cast<float>(width - 1);
+        RayResult* out = result + (g * width + i) * samples;
+        for (std::size_t p = 0; p < packets; ++p) {
+          const std::size_t live = std::min<std::size_t>(16, samples - 16 * p);
+          for (int k = 0; k < 16; ++k) {
+            const float a = centre + us[16 * p + k], b = vs[16 * p + k];
+            packet.ray.org_x[k] = group.origin.x + b * group.ov.x;
+            packet.ray.org_y[k] = group.origin.y + b * group.ov.y;
+            packet.ray.org_z[k] = group.origin.z + b * group.ov.z;
+            packet.ray.dir_x[k] = group.d0.x + a * group.du.x + b * group.dv.x;
+            packet.ray.dir_y[k] = group.d0.y + a * group.du.y + b * group.dv.y;
+            packet.ray.dir_z[k] = group.d0.z + a * group.du.z + b * group.dv.z;
+            packet.ray.tnear[k] = 0.0f;
+            packet.ray.tfar[k] = kInfinity;
+            packet.ray.time[k] = 0.0f;
+            packet.ray.mask[k] = 0xFFFFFFFFu;
+            packet.ray.flags[k] = 0;
+            packet.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
+            packet.hit.primID[k] = RTC_INVALID_GEOMETRY_ID;
+            packet.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
+            valid[k] = k < static_cast<int>(live) ? -1 : 0;
+          }
+          if (mode == EmbreeMode::single) {
+            for (std::size_t k = 0; k < live; ++k) {
+              RTCRayHit one;
+              one.ray = rtcGetRayFromRayN(reinterpret_cast<RTCRayN*>(&packet.ray), 16, static_cast<unsigned>(k));
+              one.hit.geomID = one.hit.primID = one.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+              rtcIntersect1(scene, &context, &one);
+              const bool hit = one.hit.geomID != RTC_INVALID_GEOMETRY_ID;
+              out[16 * p + k] = {hit && flat ? 0u : one.hit.instID[0], one.hit.primID};
+            }
+          } else {
+            rtcIntersect16(valid, scene, &context, &packet);
+            for (std::size_t k = 0; k < live; ++k) {
+              const bool hit = packet.hit.geomID[k] != RTC_INVALID_GEOMETRY_ID;
+              out[16 * p + k] = {hit && flat ? 0u : packet.hit.instID[0][k], packet.hit.primID[k]};
+            }
+          }
+        }
+      }
+    }
+  });
+}
+
+void EmbreeBaseline::shadow(const ShadowRays& rays, EmbreeMode mode, int threads, RayResult* result) const {
+  const RTCScene scene = impl_->flat ? impl_->meshes[0] : impl_->top;
+  const std::size_t count = rays.x.size();
+  in_parallel(count, 4096, threads, [&](std::size_t begin, std::size_t end) {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.flags = mode == EmbreeMode::packet16_coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+    alignas(64) RTCRay16 packet;
+    alignas(64) int valid[16];
+    for (std::size_t first = begin; first < end; first += 16) {
+      const std::size_t live = std::min<std::size_t>(16, end - first);
+      for (int k = 0; k < 16; ++k) {
+        const std::size_t i = first + std::min<std::size_t>(k, live - 1);
+        packet.org_x[k] = rays.x[i];
+        packet.org_y[k] = rays.y[i];
+        packet.org_z[k] = rays.z[i];
+        packet.dir_x[k] = rays.direction[0];
+        packet.dir_y[k] = rays.direction[1];
+        packet.dir_z[k] = rays.direction[2];
+        packet.tnear[k] = 0.0f;
+        packet.tfar[k] = kInfinity;
+        packet.time[k] = 0.0f;
+        packet.mask[k] = 0xFFFFFFFFu;
+        packet.flags[k] = 0;
+        valid[k] = k < static_cast<int>(live) && rays.x[i] == rays.x[i] ? -1 : 0;
+      }
+      if (mode == EmbreeMode::single) {
+        for (std::size_t k = 0; k < live; ++k) {
+          if (!valid[k]) {
+            result[first + k] = {0, 0};
+            continue;
+          }
+          RTCRay one = rtcGetRayFromRayN(reinterpret_cast<RTCRayN*>(&packet), 16, static_cast<unsigned>(k));
+          rtcOccluded1(scene, &context, &one);
+          result[first + k] = {one.tfar < 0 ? RC_NONE : 0u, 0};
+        }
+      } else {
+        rtcOccluded16(valid, scene, &context, &packet);
+        for (std::size_t k = 0; k < live; ++k) result[first + k] = {valid[k] && packet.tfar[k] < 0 ? RC_NONE : 0u, 0};
+      }
+    }
+  });
+}
+
+void EmbreeBaseline::to_scene(RayResult* results, std::size_t count) const {
+  for (std::size_t i = 0; i < count; ++i)
+    if (results[i].instance != RC_NONE) results[i].primitive = impl_->primitive[impl_->mesh_of_instance[results[i].instance]][results[i].primitive];
+}
+
+}  // namespace raycube::bench

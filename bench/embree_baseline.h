@@ -1,0 +1,63 @@
+// The opponent: Embree 3 as its authors would use it. Medium quality, default (not robust) flags, -O3 -march=native,
+// native 16-wide packets; ray generation and 8-byte result stores inside the timed call.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "kernels/shared/structs.h"
+#include "scene_compiler/compiled_scene.h"
+
+namespace raycube::bench {
+
+/// Result of one ray, 8 bytes. Primitive as Embree numbers it until EmbreeBaseline::to_scene() translates.
+struct RayResult {
+  std::uint32_t instance = RC_NONE, primitive = RC_NONE;
+};
+
+/// Pixels to trace: groups as render makes them, all `width` pixels of each, samples (u, v) shared by all pixels.
+struct PrimaryRays {
+  const shared::RayGroup* groups = nullptr;
+  std::size_t group_count = 0;
+  int width = RC_GROUP_WIDTH;
+  std::vector<float> u, v;  ///< samples of a pixel
+  std::size_t samples() const { return u.size(); }
+  std::size_t pixels() const { return group_count * static_cast<std::size_t>(width); }
+  std::size_t rays() const { return pixels() * samples(); }
+};
+
+/// Shadow rays: one origin each (x, y, z apart), one direction for all. An origin with x = NaN is a ray that missed: skipped.
+struct ShadowRays {
+  std::vector<float> x, y, z;
+  float direction[3] = {0, 0, 1};
+};
+
+enum class EmbreeMode { packet16_coherent, packet16, single };
+inline constexpr EmbreeMode kEmbreeModes[] = {EmbreeMode::packet16_coherent, EmbreeMode::packet16, EmbreeMode::single};
+const char* mode_name(EmbreeMode mode);
+
+class EmbreeBaseline {
+ public:
+  /// A scene of one instance with the identity becomes one flat Embree scene; any other keeps its two levels.
+  explicit EmbreeBaseline(const scene::CompiledScene& scene);
+  ~EmbreeBaseline();
+  EmbreeBaseline(const EmbreeBaseline&) = delete;
+  EmbreeBaseline& operator=(const EmbreeBaseline&) = delete;
+
+  /// result[pixel * samples + sample], pixel = group * width + i.
+  void primary(const PrimaryRays& rays, EmbreeMode mode, int threads, RayResult* result) const;
+  /// result[i].instance: 0 = lit, RC_NONE = in shadow; rays skipped get 0.
+  void shadow(const ShadowRays& rays, EmbreeMode mode, int threads, RayResult* result) const;
+
+  /// Embree's primitive numbers (which leave out the blocks' unused lanes) to the scene's.
+  void to_scene(RayResult* results, std::size_t count) const;
+  /// Bytes Embree holds for its trees and triangles.
+  std::size_t memory_bytes() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace raycube::bench
