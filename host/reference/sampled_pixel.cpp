@@ -4,6 +4,8 @@
 #include <cmath>
 #include <string>
 
+#include <glm/mat3x3.hpp>
+
 #include "host/base/error.h"
 #include "kernels/sampling/sampler.h"
 
@@ -61,20 +63,32 @@ std::vector<double> sample_weights(const scene::Instrument& instrument) {
   return weights;
 }
 
-double ReferenceScene::coordinate_ulp_m(const Sample& sample) const {
-  const glm::dvec3 origin = to_double(sample.ray.origin);
-  return kUlp * (glm::length(sample.point) + glm::length(origin) + glm::length(sample.point - origin));
+/// One ulp of the sizes that a spawned ray's origin is rounded relative to, m.
+double ReferenceScene::point_ulp_m(const Sample& sample) const {
+  const shared::Instance& placed = compiled.instances[sample.hit.instance];
+  const glm::dvec3 translation(placed.world_from_local_0.w, placed.world_from_local_1.w, placed.world_from_local_2.w);
+  const glm::dmat3 linear(placed.world_from_local_0.x, placed.world_from_local_1.x, placed.world_from_local_2.x,
+                          placed.world_from_local_0.y, placed.world_from_local_1.y, placed.world_from_local_2.y,
+                          placed.world_from_local_0.z, placed.world_from_local_1.z, placed.world_from_local_2.z);
+  double corner = 0;
+  for (int i = 0; i < 3; ++i)
+    corner = std::max(corner, glm::length(linear * vertex(compiled, sample.hit.primitive, i) + translation - sample.point));
+  return kUlp * (glm::length(sample.point) + glm::length(translation) + corner);
 }
 
 bool ReferenceScene::sees(const Sample& sample, const glm::dvec3& direction) const {
-  const glm::dvec3 origin = sample.point + sample.normal * (kOffsetUlp * coordinate_ulp_m(sample));
+  const glm::dvec3 origin = sample.point + sample.normal * (kOffsetUlp * point_ulp_m(sample));
   return !embree.occluded({rounded(origin), rounded(direction)});
 }
 
 Visibility ReferenceScene::sees_in_double(const Sample& sample, const glm::dvec3& direction) const {
-  const double ulp_m = coordinate_ulp_m(sample);
-  return tracer.visibility({sample.point + sample.normal * (kOffsetUlp * ulp_m), direction, kOriginSlackUlp * ulp_m},
-                           sample.hit);
+  const double ulp_m = point_ulp_m(sample);
+  double slack_m = kOriginSlackUlp * ulp_m;
+  if (!(compiled.instances[sample.hit.instance].flags & 1u)) {
+    const glm::dvec3 origin = to_double(sample.ray.origin);
+    slack_m += kSlideUlp * kUlp * (glm::length(origin) + glm::length(sample.point - origin));
+  }
+  return tracer.visibility({sample.point + sample.normal * (kOffsetUlp * ulp_m), direction, slack_m}, sample.hit);
 }
 
 void ReferenceScene::place(Sample& sample, const plan::Plan& plan) const {

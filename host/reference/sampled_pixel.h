@@ -39,11 +39,16 @@ struct SampledPixel {
 /// (psf_sigma_px), integrated over the sample's cell, normalised. The lattice has no cells: 1/N.
 std::vector<double> sample_weights(const scene::Instrument& instrument);
 
-/// How far a spawned ray starts off its surface, in ulp of the coordinates that made the point (position and range).
-inline constexpr double kOffsetUlp = 16;
-/// How far the origin of another correct fp32 computation of the same spawned ray may lie from the reference's: its rounding,
-/// its own offset and the reference's. Same units.
+/// How far a spawned ray starts off its surface, in ulp of the point's size: its distance from the scene's origin plus that
+/// of its instance, plus the distance to its triangle's farthest corner. More than the 16 ulp (contact.h) by which Embree may misplace the ray's origin in the instance's frame.
+inline constexpr double kOffsetUlp = 24;
+/// How far the origin of another correct fp32 computation of the same spawned ray may lie from the reference's. An
+/// error-bounded offset is up to 6 ulp of each of two transforms of either size, times 3 where it is summed over the axes
+/// of an oblique normal: 36, rounded up, and the reference's own.
 inline constexpr double kOriginSlackUlp = 64;
+/// In an instance's frame the primary ray itself is rounded, and its hit slides along the surface: ulp of the ray's origin
+/// and range.
+inline constexpr double kSlideUlp = 16;
 
 /// The scene in the three forms the reference needs; all const members may be used from several threads.
 class ReferenceScene {
@@ -68,7 +73,7 @@ class ReferenceScene {
   Visibility sees_in_double(const Sample& sample, const glm::dvec3& direction) const;
 
  private:
-  double coordinate_ulp_m(const Sample& sample) const;
+  double point_ulp_m(const Sample& sample) const;
 };
 
 }  // namespace raycube::reference

@@ -5,6 +5,7 @@
 
 #include "host/reference/double_trace.h"
 #include "host/reference/embree_scene.h"
+#include "scene_compiler/bvh_builder.h"
 #include "tests/oracle/reference_scene.h"
 
 using namespace raycube;
@@ -167,4 +168,52 @@ TEST_CASE("S61: shadow rays: certain, clear and tied") {
   CHECK(tracer.visibility(up(-5e-5), {0, 1}) == Visibility::uncertain);
   CHECK(tracer.visibility(up(-2e-3), {0, 1}) == Visibility::visible);
   CHECK(tracer.visibility(up(2e-3), {0, 0}) == Visibility::blocked);
+}
+
+TEST_CASE("S4 S7: on a scene of the compiler's own trees the walk equals brute force and Embree differs by ties only") {
+  scene::CompiledScene scene;
+  std::vector<glm::vec3> vertices;
+  const auto mesh_of = [](const std::vector<Triangle>& triangles) {
+    scene::TriangleMesh mesh;
+    for (const Triangle& t : triangles) {
+      const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+      for (const glm::vec3& p : {t.a, t.b, t.c}) mesh.vertices.push_back({p.x, p.y, p.z});
+      mesh.triangles.push_back({first, first + 1, first + 2});
+      mesh.surface.push_back(0);
+      mesh.user_face.push_back(first / 3);
+    }
+    return mesh;
+  };
+  std::mt19937 random(17);
+  std::vector<Triangle> leaves;
+  for (int i = 0; i < 400; ++i) {
+    const glm::vec3 p = random_point(random, 2);
+    leaves.push_back({p, p + random_point(random, 0.2f), p + random_point(random, 0.2f), 0});
+  }
+  scene.surfaces.emplace_back();
+  const std::uint32_t ground = scene::append_mesh(scene, "ground", mesh_of(terrain(16, 2.5f, 0, &vertices)));
+  const std::uint32_t tree = scene::append_mesh(scene, "tree", mesh_of(leaves));
+  scene::append_instance(scene, ground, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}, 0);
+  for (int i = 0; i < 20; ++i) {
+    const glm::dmat3 m = rotation(0.7 * i, 0.1 * i, 0.6 + 0.05 * i);
+    scene::append_instance(scene, tree, {m[0][0], m[1][0], m[2][0], 3.1 * (i % 5) - 8, m[0][1], m[1][1], m[2][1], 4.7 * (i / 5) - 8,
+                                         m[0][2], m[1][2], m[2][2], 4}, static_cast<std::uint32_t>(i + 1));
+  }
+  scene::finish_top_tree(scene);
+  const DoubleTracer tracer(scene);
+  const EmbreeScene embree(scene);
+  int different = 0;
+  std::map<Cause, int> count;
+  const std::vector<Ray> rays = mixed_rays(40000, vertices);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const Trace walk = tracer.trace(rays[i]);
+    if (i % 20 == 0) {
+      const Trace all = tracer.trace_brute_force(rays[i]);
+      different += walk.hit != all.hit || walk.t != all.t || walk.certain_t != all.certain_t;
+    }
+    ++count[tracer.explain(rays[i], embree.intersect(rays[i]), walk.hit)];
+  }
+  CHECK(different == 0);
+  CHECK(count[Cause::unexplained] == 0);
+  CHECK(count[Cause::agree] > 20000);
 }

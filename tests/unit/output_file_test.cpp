@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <csignal>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -16,14 +17,26 @@
 #include "host/base/error.h"
 #include "host/base/interrupt.h"
 #include "host/base/output_file.h"
-#include "tests/unit/test_folder.h"
 
 using namespace raycube::base;
 namespace fs = std::filesystem;
 
 namespace {
 
-using Folder = raycube::testing::TestFolder;
+struct Folder {
+  fs::path path;
+  Folder() {
+    std::string pattern = (fs::temp_directory_path() / "raycube_out_XXXXXX").string();
+    path = ::mkdtemp(pattern.data());
+  }
+  ~Folder() { fs::remove_all(path); }
+  std::string operator/(const std::string& name) const { return (path / name).string(); }
+  std::set<std::string> names() const {
+    std::set<std::string> out;
+    for (const auto& entry : fs::directory_iterator(path)) out.insert(entry.path().filename().string());
+    return out;
+  }
+};
 
 std::string content(const std::string& path) {
   std::ostringstream out;

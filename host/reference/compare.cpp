@@ -1,0 +1,267 @@
+#include "host/reference/compare.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <exception>
+#include <mutex>
+#include <thread>
+
+#include "host/base/error.h"
+
+namespace raycube::reference {
+
+struct Comparison::Result {
+  std::uint32_t number = 0, line = 0, sample = 0;
+  std::uint64_t rays = 0, hit_miss = 0, sun_rays = 0, sun_explained = 0, sun_unexplained = 0, sky_rays = 0;
+  std::array<std::uint64_t, 5> hits{};
+  int sky_flips = 0;
+  bool excluded = false, beyond = false;
+  std::vector<double> device, reference;   ///< [band]
+  std::vector<float> difference;           ///< [band], relative, before any sky ray is turned
+  BandRadiance arithmetic, model;          ///< model empty when it was not asked for
+};
+
+namespace {
+
+/// What each band's difference is relative to.
+std::vector<double> scales(const std::vector<double>& reference, double floor) {
+  double largest = 0;
+  for (double value : reference) largest = std::max(largest, std::abs(value));
+  std::vector<double> out;
+  for (double value : reference) out.push_back(std::max({std::abs(value), floor * largest, 1e-300}));
+  return out;
+}
+
+double worst_of(const std::vector<double>& difference, const std::vector<double>& scale) {
+  double worst = 0;
+  for (std::size_t b = 0; b < difference.size(); ++b) {
+    const double relative = std::abs(difference[b]) / scale[b];
+    worst = std::max(worst, std::isnan(relative) ? INFINITY : relative);
+  }
+  return worst;
+}
+
+}  // namespace
+
+Comparison::Comparison(const scene::CompiledScene& scene, const plan::Plan& plan, const scene::Instrument& instrument,
+                       std::uint64_t seed, const CompareOptions& options)
+    : plan_(plan), instrument_(instrument), seed_(seed), options_(options), scene_(scene), arithmetic_(scene, plan, seed) {
+  if (!options_.table || options_.model_pixels == 0) return;
+  const double floor_m = static_cast<double>(plan.height.first);
+  const double lo = scene.lo[2] <= scene.hi[2] ? std::min(floor_m, static_cast<double>(scene.lo[2])) : floor_m;
+  const double hi = scene.lo[2] <= scene.hi[2] ? static_cast<double>(scene.hi[2]) : floor_m;
+  model_ = std::make_unique<TableModel>(scene_, plan, *options_.table, options_.no_air, lo, std::max(lo, hi),
+                                        options_.model_directions);
+}
+
+Comparison::~Comparison() = default;
+
+/// The device keeps no record of single sky rays. A pixel beyond the limit is explained when turning a few sky rays, each
+/// of them a tie to the double traversal, brings every band within it. Greedy: each step turns the ray that leaves least.
+void Comparison::explain_by_sky(const SampledPixel& pixel, const std::vector<BlockedDirections>& blocked,
+                                Result& result) const {
+  const std::vector<double> scale = scales(result.reference, options_.limits.band_floor);
+  std::vector<double> residual;
+  for (std::size_t b = 0; b < scale.size(); ++b) residual.push_back(result.device[b] - result.reference[b]);
+  const std::size_t first = first_direction(plan_, seed_, pixel.number);
+  std::vector<std::vector<double>> effects;
+  for (std::size_t s = 0; s < pixel.samples.size(); ++s)
+    for (std::size_t k = 0; k < blocked[s].size(); ++k) {
+      const Sample& sample = pixel.samples[s];
+      const shared::rc_float4 d = plan_.sky.direction[first + k];
+      const glm::dvec3 direction(d.x, d.y, d.z);
+      if (sample.hit.miss() || glm::dot(sample.normal, direction) <= 0) continue;
+      if (scene_.sees_in_double(sample, direction) != Visibility::uncertain) continue;
+      effects.push_back(arithmetic_.blocking_effect(pixel, s, k));
+      if (blocked[s][k])
+        for (double& value : effects.back()) value = -value;
+    }
+  double left = worst_of(residual, scale);
+  for (int step = 0; step < options_.limits.sky_flips && left > options_.limits.worst; ++step) {
+    std::size_t best = effects.size();
+    double best_left = left;
+    std::vector<double> trial(residual.size());
+    for (std::size_t i = 0; i < effects.size(); ++i) {
+      for (std::size_t b = 0; b < trial.size(); ++b) trial[b] = residual[b] - effects[i][b];
+      const double after = worst_of(trial, scale);
+      if (after < best_left) best_left = after, best = i;
+    }
+    if (best == effects.size()) break;
+    for (std::size_t b = 0; b < residual.size(); ++b) residual[b] -= effects[best][b];
+    effects.erase(effects.begin() + static_cast<std::ptrdiff_t>(best));
+    left = best_left;
+    ++result.sky_flips;
+  }
+  result.beyond = !(left <= options_.limits.worst);
+}
+
+Comparison::Result Comparison::compare(const DevicePixel& device, bool with_model) const {
+  SampledPixel pixel = scene_.sample_pixel(instrument_, plan_, seed_, device.address);
+  const std::size_t samples = pixel.samples.size();
+  if (device.hits.size() != samples || device.sun_visible.size() != samples || device.radiance.size() != plan_.bands.size())
+    throw base::Error(base::Fault::bug, "check: the device handed over " + std::to_string(device.hits.size()) + " hits and " +
+                                            std::to_string(device.radiance.size()) + " bands of a pixel with " +
+                                            std::to_string(samples) + " samples and " + std::to_string(plan_.bands.size()) +
+                                            " bands");
+  Result result;
+  result.number = pixel.number;
+  result.line = device.address.line, result.sample = device.address.sample;
+  result.rays = samples;
+  const glm::dvec3 sun = to_double(plan_.sun_direction);
+  std::vector<BlockedDirections> blocked;
+  for (std::size_t s = 0; s < samples; ++s) {
+    Sample& sample = pixel.samples[s];
+    const Cause cause = scene_.tracer.explain(sample.ray, device.hits[s], sample.hit);
+    ++result.hits[static_cast<std::size_t>(cause)];
+    if (cause != Cause::agree) {
+      result.hit_miss += device.hits[s].miss() != sample.hit.miss();
+      if (cause == Cause::unexplained) {
+        result.excluded = true;
+      } else {
+        // An explained tie may fall either way: from here on both sides speak of the device's triangle.
+        sample.hit = device.hits[s];
+        scene_.place(sample, plan_);
+      }
+    }
+    if (!sample.hit.miss() && plan_.sun_up && sample.cos_sun > 0) {
+      ++result.sun_rays;
+      if (sample.sun_visible != (device.sun_visible[s] != 0)) {
+        if (scene_.sees_in_double(sample, sun) == Visibility::uncertain) {
+          ++result.sun_explained;
+          sample.sun_visible = device.sun_visible[s] != 0;
+        } else {
+          ++result.sun_unexplained;
+          result.excluded = true;
+        }
+      }
+    }
+    blocked.push_back(blocked_directions(scene_, plan_, seed_, pixel.number, sample));
+    if (!sample.hit.miss()) result.sky_rays += blocked.back().size();
+  }
+  result.arithmetic = arithmetic_.radiance(pixel, blocked);
+  for (std::size_t b = 0; b < plan_.bands.size(); ++b) {
+    result.device.push_back(static_cast<double>(device.radiance[b]));
+    result.reference.push_back(result.arithmetic.total(b));
+  }
+  const std::vector<double> scale = scales(result.reference, options_.limits.band_floor);
+  for (std::size_t b = 0; b < scale.size(); ++b)
+    result.difference.push_back(static_cast<float>(std::abs(result.device[b] - result.reference[b]) / scale[b]));
+  for (float difference : result.difference)
+    if (!(difference <= options_.limits.worst)) result.beyond = true;
+  if (result.beyond && !result.excluded) explain_by_sky(pixel, blocked, result);
+  if (with_model && !result.excluded) result.model = model_->radiance(pixel);
+  return result;
+}
+
+void Comparison::add(const std::vector<DevicePixel>& pixels) {
+  const std::size_t before = results_.size();
+  results_.resize(before + pixels.size());
+  std::atomic<std::size_t> next{0};
+  std::exception_ptr failure;
+  std::mutex failure_mutex;
+  const auto work = [&] {
+    for (std::size_t i; (i = next++) < pixels.size();) {
+      try {
+        results_[before + i] = compare(pixels[i], model_ && before + i < options_.model_pixels);
+      } catch (...) {
+        const std::lock_guard lock(failure_mutex);
+        if (!failure) failure = std::current_exception();
+        next = pixels.size();
+      }
+    }
+  };
+  const std::size_t wanted = options_.threads > 0 ? static_cast<std::size_t>(options_.threads)
+                                                  : std::max(1u, std::thread::hardware_concurrency());
+  std::vector<std::thread> threads;
+  for (std::size_t t = 1; t < std::min(wanted, pixels.size()); ++t) threads.emplace_back(work);
+  work();
+  for (std::thread& thread : threads) thread.join();
+  if (failure) std::rethrow_exception(failure);
+}
+
+namespace {
+
+/// Section 5a: bands whose mean is below 1e-4 of the largest are judged against that floor.
+template <typename Difference>
+ModelDifference model_figure(std::size_t bands, std::size_t pixels, const std::vector<double>& mean, Difference difference) {
+  ModelDifference out;
+  double largest = 0;
+  for (double value : mean) largest = std::max(largest, value);
+  for (std::size_t b = 0; b < bands && largest > 0; ++b) {
+    double squares = 0;
+    for (std::size_t p = 0; p < pixels; ++p) squares += difference(p, b) * difference(p, b);
+    const double figure = std::sqrt(squares / static_cast<double>(pixels)) / std::max(mean[b], 1e-4 * largest);
+    if (figure > out.figure) out = {figure, b};
+  }
+  return out;
+}
+
+}  // namespace
+
+Report Comparison::report() const {
+  Report report;
+  report.limits = options_.limits;
+  report.pixels = results_.size();
+  const std::size_t bands = plan_.bands.size();
+  std::vector<const Result*> agreeing, modelled, ordered;
+  for (const Result& r : results_) {
+    report.rays += r.rays;
+    for (std::size_t c = 0; c < report.hits.size(); ++c) report.hits[c] += r.hits[c];
+    report.hit_miss += r.hit_miss;
+    report.sun_rays += r.sun_rays, report.sun_explained += r.sun_explained, report.sun_unexplained += r.sun_unexplained;
+    report.sky_rays += r.sky_rays;
+    report.excluded_pixels += r.excluded;
+    ordered.push_back(&r);
+    if (r.excluded) continue;
+    report.beyond_pixels += r.beyond;
+    if (!r.model.sun.empty()) modelled.push_back(&r);
+    if (r.sky_flips > 0 && !r.beyond) {
+      report.sky_explained += static_cast<std::uint64_t>(r.sky_flips);
+      ++report.sky_pixels;
+    } else {
+      agreeing.push_back(&r);
+    }
+  }
+  report.bands.resize(bands);
+  std::vector<float> values;
+  for (std::size_t b = 0; b < bands && !agreeing.empty(); ++b) {
+    values.clear();
+    double squares = 0;
+    for (const Result* r : agreeing) {
+      values.push_back(std::isnan(r->difference[b]) ? INFINITY : r->difference[b]);
+      const double difference = static_cast<double>(values.back());
+      squares += difference * difference;
+      if (difference > report.worst) {
+        report.worst = difference, report.worst_band = b, report.worst_line = r->line, report.worst_sample = r->sample;
+      }
+    }
+    BandDifference& out = report.bands[b];
+    std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
+    out.median = static_cast<double>(values[values.size() / 2]);
+    out.max = static_cast<double>(*std::max_element(values.begin(), values.end()));
+    out.rms = std::sqrt(squares / static_cast<double>(agreeing.size()));
+    report.worst_median = std::max(report.worst_median, out.median);
+  }
+  report.model_pixels = modelled.size();
+  if (!modelled.empty()) {
+    std::vector<double> mean(bands, 0.0);
+    for (const Result* r : modelled)
+      for (std::size_t b = 0; b < bands; ++b) mean[b] += r->model.total(b) / static_cast<double>(modelled.size());
+    const auto figure = [&](auto difference) {
+      return model_figure(bands, modelled.size(), mean, [&](std::size_t p, std::size_t b) { return difference(*modelled[p], b); });
+    };
+    report.model_total = figure([](const Result& r, std::size_t b) { return r.device[b] - r.model.total(b); });
+    report.model_sun = figure([](const Result& r, std::size_t b) { return r.arithmetic.sun[b] - r.model.sun[b]; });
+    report.model_sky = figure([](const Result& r, std::size_t b) { return r.arithmetic.sky[b] - r.model.sky[b]; });
+    report.model_path = figure([](const Result& r, std::size_t b) { return r.arithmetic.path[b] - r.model.path[b]; });
+  }
+  std::sort(ordered.begin(), ordered.end(), [](const Result* a, const Result* b) { return a->number < b->number; });
+  for (const Result* r : ordered) {
+    std::vector<float>& row = report.picture.emplace_back();
+    for (float difference : r->difference) row.push_back(std::log10(std::max(difference, 1e-12f)));
+  }
+  return report;
+}
+
+}  // namespace raycube::reference

@@ -1,0 +1,131 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include <nlohmann/json.hpp>
+
+#include "host/reference/compare.h"
+
+namespace raycube::reference {
+
+namespace {
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
+std::uint64_t unexplained(const Report& r) { return r.hits[static_cast<std::size_t>(Cause::unexplained)]; }
+
+/// Black, blue, green, yellow, red at -9, -8, -7, -6, log10(2e-5); linear between.
+std::array<std::uint8_t, 3> colour(float log10_difference) {
+  static constexpr float at[] = {-9, -8, -7, -6, -4.69897f};
+  static constexpr float rgb[][3] = {{0, 0, 0}, {40, 60, 160}, {40, 160, 90}, {250, 220, 60}, {220, 30, 30}};
+  if (!(log10_difference < at[4])) return {220, 30, 30};
+  int i = 0;
+  while (i < 3 && log10_difference > at[i + 1]) ++i;
+  const float f = std::clamp((log10_difference - at[i]) / (at[i + 1] - at[i]), 0.0f, 1.0f);
+  std::array<std::uint8_t, 3> out{};
+  for (std::size_t c = 0; c < 3; ++c) out[c] = static_cast<std::uint8_t>(std::lround(rgb[i][c] + f * (rgb[i + 1][c] - rgb[i][c])));
+  return out;
+}
+
+}  // namespace
+
+std::vector<std::string> Report::failures() const {
+  std::vector<std::string> out;
+  if (pixels == 0) out.push_back("no pixel was compared");
+  if (unexplained(*this) > 0) out.push_back(std::to_string(unexplained(*this)) + " first hits differ without explanation");
+  if (sun_unexplained > 0) out.push_back(std::to_string(sun_unexplained) + " sun rays differ without explanation");
+  if (!(worst_median < limits.median))
+    out.push_back("a band's median difference is " + number(worst_median) + ", limit " + number(limits.median));
+  if (beyond_pixels > 0)
+    out.push_back(std::to_string(beyond_pixels) + " pixels differ by more than " + number(limits.worst) + ", the worst by " +
+                  number(worst) + " in band " + std::to_string(worst_band) + " at line " + std::to_string(worst_line) +
+                  ", sample " + std::to_string(worst_sample));
+  if (model_pixels > 0 && !(model_total.figure <= limits.model))
+    out.push_back("the full tables differ by " + number(model_total.figure) + " in band " + std::to_string(model_total.band) +
+                  ", tolerance " + number(limits.model));
+  return out;
+}
+
+std::string Report::text(const std::vector<std::string>& band_names) const {
+  const auto band = [&](std::size_t b) { return b < band_names.size() ? band_names[b] : std::to_string(b); };
+  std::string out = "pixels " + std::to_string(pixels) + ", rays " + std::to_string(rays) + "\nfirst hits:";
+  for (std::size_t c = 0; c < hits.size(); ++c)
+    out += std::string(c ? ", " : " ") + cause_name(static_cast<Cause>(c)) + " " + std::to_string(hits[c]);
+  out += "; hit against miss " + std::to_string(hit_miss);
+  out += "\nsun rays: " + std::to_string(sun_rays) + ", explained " + std::to_string(sun_explained) + ", unexplained " +
+         std::to_string(sun_unexplained);
+  out += "\nsky rays: " + std::to_string(sky_rays) + ", ties that explain a pixel " + std::to_string(sky_explained) + " in " +
+         std::to_string(sky_pixels) + " pixels";
+  out += "\narithmetic: worst band median " + number(worst_median) + " (limit " + number(limits.median) + "), worst " +
+         number(worst) + " (limit " + number(limits.worst) + ") in band " + band(worst_band) + " at line " +
+         std::to_string(worst_line) + ", sample " + std::to_string(worst_sample) + "; pixels left out " +
+         std::to_string(excluded_pixels + sky_pixels);
+  if (model_pixels > 0)
+    out += "\nmodel (" + std::to_string(model_pixels) + " pixels): " + number(model_total.figure) + " in band " +
+           band(model_total.band) + " (tolerance " + number(limits.model) + "); sun " + number(model_sun.figure) + ", sky " +
+           number(model_sky.figure) + ", path " + number(model_path.figure);
+  for (const std::string& failure : failures()) out += "\nBEYOND LIMITS: " + failure;
+  return out + "\n";
+}
+
+std::string Report::json() const {
+  nlohmann::ordered_json out;
+  out["passed"] = failures().empty();
+  out["failures"] = failures();
+  out["pixels"] = pixels;
+  out["rays"] = rays;
+  for (std::size_t c = 0; c < hits.size(); ++c) {
+    std::string key = cause_name(static_cast<Cause>(c));
+    std::replace(key.begin(), key.end(), ' ', '_');
+    out["hits_" + key] = hits[c];
+  }
+  out["hits_hit_against_miss"] = hit_miss;
+  out["sun_rays"] = sun_rays;
+  out["sun_explained"] = sun_explained;
+  out["sun_unexplained"] = sun_unexplained;
+  out["sky_rays"] = sky_rays;
+  out["sky_explained"] = sky_explained;
+  out["sky_explained_pixels"] = sky_pixels;
+  out["excluded_pixels"] = excluded_pixels;
+  out["beyond_pixels"] = beyond_pixels;
+  out["median_worst_band"] = worst_median;
+  out["median_limit"] = limits.median;
+  out["worst"] = worst;
+  out["worst_limit"] = limits.worst;
+  out["worst_band"] = worst_band;
+  out["worst_line"] = worst_line;
+  out["worst_sample"] = worst_sample;
+  if (model_pixels > 0) {
+    const auto block = [](const ModelDifference& d) { return nlohmann::ordered_json{{"figure", d.figure}, {"band", d.band}}; };
+    out["model"] = {{"pixels", model_pixels},        {"tolerance", limits.model},  {"total", block(model_total)},
+                    {"sun", block(model_sun)},       {"sky", block(model_sky)},    {"path", block(model_path)}};
+  }
+  for (const BandDifference& band : bands) {
+    out["band_median"].push_back(band.median);
+    out["band_rms"].push_back(band.rms);
+    out["band_max"].push_back(band.max);
+  }
+  return out.dump(2);
+}
+
+Picture difference_picture(const Report& report, int rows) {
+  Picture out;
+  if (report.picture.empty() || report.picture[0].empty()) return out;
+  const std::size_t pixels = report.picture.size(), bands = report.picture[0].size();
+  const std::size_t bunch = (pixels + static_cast<std::size_t>(rows) - 1) / static_cast<std::size_t>(rows);
+  out.width = static_cast<int>(bands);
+  for (std::size_t first = 0; first < pixels; first += bunch, ++out.height)
+    for (std::size_t b = 0; b < bands; ++b) {
+      float worst = -12;
+      for (std::size_t p = first; p < std::min(pixels, first + bunch); ++p)
+        if (!(report.picture[p][b] <= worst)) worst = report.picture[p][b];
+      for (std::uint8_t channel : colour(worst)) out.rgb.push_back(channel);
+    }
+  return out;
+}
+
+}  // namespace raycube::reference

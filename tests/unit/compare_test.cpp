@@ -1,0 +1,177 @@
+// The comparison must pass what is right, explain what is a tie, and fail on everything else: a device made from the
+// reference's own numbers, rounded to fp32, then spoiled.
+#include <doctest/doctest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "host/base/error.h"
+#include "host/reference/compare.h"
+#include "tests/oracle/reference_plan.h"
+#include "tests/oracle/reference_scene.h"
+
+using namespace raycube;
+using namespace raycube::reference;
+using namespace raycube::test;
+
+namespace {
+
+struct Fixture {
+  scene::CompiledScene compiled;
+  plan::Plan plan = sun_plan(40, 270);
+  NadirPixel at[3] = {nadir_pixel(1.5, 0, 100, 1), nadir_pixel(2.5, 0, 100, 1), nadir_pixel(-3, 0.3, 100, 1)};
+
+  Fixture() {
+    SceneBuilder builder;
+    const std::uint32_t ground = builder.material("ground", {0.3, 1.0}, {0.2, 0.4}), roof = builder.material("roof", {0.3, 1.0}, {0.5, 0.5});
+    std::vector<Triangle> list;
+    add_quad(list, {-50, -60, 0}, {100, 0, 0}, {0, 100, 0}, ground);
+    add_box(list, {-1, -1, 0}, {1, 1, 2}, roof);
+    builder.instance(builder.mesh(list));
+    compiled = builder.finish();
+    compiled.lo = {-50, -60, 0}, compiled.hi = {50, 40, 2};
+    add_uniform_sky(plan, 33, 16);
+    for (std::size_t i = 0; i < 3; ++i) {
+      at[i].instrument.pixels = 3;
+      at[i].address.sample = static_cast<std::uint32_t>(i);
+    }
+  }
+
+  /// turn: sample and direction whose visibility the "device" sees the other way.
+  DevicePixel device(std::size_t i, int turn_sample = -1, int turn_direction = -1) const {
+    const ReferenceScene scene(compiled);
+    const SampledPixel pixel = scene.sample_pixel(at[i].instrument, plan, 9, at[i].address);
+    DevicePixel out;
+    out.address = at[i].address;
+    std::vector<BlockedDirections> blocked;
+    for (const Sample& sample : pixel.samples) {
+      out.hits.push_back(sample.hit);
+      out.sun_visible.push_back(sample.sun_visible);
+      blocked.push_back(blocked_directions(scene, plan, 9, pixel.number, sample));
+    }
+    if (turn_sample >= 0) {
+      auto&& bit = blocked[static_cast<std::size_t>(turn_sample)][static_cast<std::size_t>(turn_direction)];
+      bit = !bit;
+    }
+    const BandRadiance l = ArithmeticModel(compiled, plan, 9).radiance(pixel, blocked);
+    for (std::size_t b = 0; b < plan.bands.size(); ++b) out.radiance.push_back(static_cast<float>(l.total(b)));
+    return out;
+  }
+
+  Report compare(const std::vector<DevicePixel>& pixels) const {
+    Comparison comparison(compiled, plan, at[0].instrument, 9, {});
+    comparison.add(pixels);
+    return comparison.report();
+  }
+};
+
+}  // namespace
+
+TEST_CASE("S61: equal numbers pass, with the rounding of float and nothing else") {
+  const Fixture f;
+  const Report report = f.compare({f.device(0), f.device(1), f.device(2)});
+  CHECK(report.failures().empty());
+  CHECK(report.pixels == 3);
+  CHECK(report.rays == 300);
+  CHECK(report.hits[0] == 300);
+  CHECK(report.sky_rays == 4800);
+  CHECK(report.sun_rays > 250);
+  CHECK(report.worst < 6e-8);
+  CHECK(report.worst > 0);
+  const auto json = nlohmann::json::parse(report.json());
+  CHECK(json["passed"] == true);
+  CHECK(json["band_median"].size() == 2);
+  const Picture picture = difference_picture(report);
+  CHECK(picture.width == 2);
+  CHECK(picture.height == 3);
+  CHECK(picture.rgb.size() == 18);
+}
+
+TEST_CASE("S61: a spoiled device fails, each in its own line of the report") {
+  const Fixture f;
+  DevicePixel pixel = f.device(0);
+  SUBCASE("radiance off by 1e-4 in one band of one pixel") {
+    pixel.radiance[1] *= 1.0001f;
+    const Report report = f.compare({pixel, f.device(1), f.device(2)});
+    CHECK(report.beyond_pixels == 1);
+    CHECK(report.worst_band == 1);
+    CHECK(report.worst_sample == 0);
+    CHECK(report.failures().size() == 1);
+    CHECK(report.text({"a", "b"}).find("BEYOND LIMITS") != std::string::npos);
+  }
+  SUBCASE("radiance off by 3e-6 everywhere: the median tells") {
+    std::vector<DevicePixel> all = {f.device(0), f.device(1), f.device(2)};
+    for (DevicePixel& p : all)
+      for (float& value : p.radiance) value *= 1.000003f;
+    const Report report = f.compare(all);
+    CHECK(report.beyond_pixels == 0);
+    CHECK(report.failures().size() == 1);
+  }
+  SUBCASE("not a number") {
+    pixel.radiance[0] = NAN;
+    CHECK(f.compare({pixel}).beyond_pixels == 1);
+  }
+  SUBCASE("a hit on another triangle") {
+    pixel.hits[50].primitive ^= 1u;  // the ground's other half
+    const Report report = f.compare({pixel});
+    CHECK(report.hits[static_cast<std::size_t>(Cause::unexplained)] == 1);
+    CHECK(report.excluded_pixels == 1);
+    CHECK(!report.failures().empty());
+  }
+  SUBCASE("a hit lost") {
+    pixel.hits[50] = {};
+    const Report report = f.compare({pixel});
+    CHECK(report.hit_miss == 1);
+    CHECK(!report.failures().empty());
+  }
+  SUBCASE("sun in the shadow") {
+    pixel.sun_visible[50] = !pixel.sun_visible[50];
+    const Report report = f.compare({pixel});
+    CHECK(report.sun_unexplained == 1);
+    CHECK(!report.failures().empty());
+  }
+  SUBCASE("a sky ray turned that is no tie") {
+    const Report report = f.compare({f.device(2, 50, 3)});
+    CHECK(report.sky_pixels == 0);
+    CHECK(report.beyond_pixels == 1);
+  }
+  SUBCASE("no pixels at all") { CHECK(!f.compare({}).failures().empty()); }
+  SUBCASE("rows of the wrong length are our bug") {
+    pixel.radiance.pop_back();
+    CHECK_THROWS_AS(f.compare({pixel}), base::Error);
+  }
+}
+
+TEST_CASE("S61: ties fall either way and are counted: sun on a shadow's edge, a sky ray over a box's edge") {
+  Fixture f;
+  // The box's upper edge x = 1, z = 2 throws its shadow's edge onto the middle column of samples of pixel 0.
+  const double reach = 1 + 2 * std::tan(40 * kPi / 180);
+  f.at[0] = nadir_pixel(reach, 0, 100, 1, 11);
+  f.at[0].instrument.pixels = 3;
+  DevicePixel pixel = f.device(0);
+  const std::size_t edge = 5 * 11 + 5;
+  pixel.sun_visible[edge] = !pixel.sun_visible[edge];
+  const ReferenceScene scene(f.compiled);
+  const SampledPixel traced = scene.sample_pixel(f.at[0].instrument, f.plan, 9, f.at[0].address);
+  std::vector<BlockedDirections> blocked;
+  for (const Sample& sample : traced.samples) blocked.push_back(blocked_directions(scene, f.plan, 9, traced.number, sample));
+  SampledPixel turned = traced;
+  turned.samples[edge].sun_visible = !turned.samples[edge].sun_visible;
+  const BandRadiance l = ArithmeticModel(f.compiled, f.plan, 9).radiance(turned, blocked);
+  for (std::size_t b = 0; b < 2; ++b) pixel.radiance[b] = static_cast<float>(l.total(b));
+  const Report sun = f.compare({pixel});
+  CHECK(sun.sun_explained == 1);
+  CHECK(sun.failures().empty());
+
+  // Point 1 m from the box's foot: a direction of the set is bent so that it passes the upper edge exactly.
+  Fixture g;
+  g.at[0] = nadir_pixel(2, 0, 100, 0.2, 1);
+  g.at[0].instrument.pixels = 3;
+  const double length = std::sqrt(1 + 4.0 + 0.04);
+  g.plan.sky.direction[5] = {static_cast<float>(-1 / length), static_cast<float>(0.2 / length), static_cast<float>(2 / length), 0};
+  const Report tie = g.compare({g.device(0, 0, 5)});
+  CHECK(tie.sky_explained == 1);
+  CHECK(tie.sky_pixels == 1);
+  CHECK(tie.failures().empty());
+  const Report plain = g.compare({g.device(0, 0, 6)});
+  CHECK(plain.beyond_pixels == 1);
+}
