@@ -12,6 +12,12 @@ namespace raycube::reference {
 namespace {
 
 constexpr double kDegree = 180 / std::numbers::pi;
+/// A target above the table's highest node, or below its lowest, is taken at that node (the plan does the same).
+double within_table(const atmos::RenderTable& table, double height_m) {
+  const std::vector<double>& nodes = table.axis("target_height").nodes;
+  return nodes.size() < 2 ? height_m : std::clamp(height_m, nodes.front(), nodes.back());
+}
+
 /// Between sky height nodes this far apart, linear weights are off by (100 m / 8 km scale height)^2 / 8 = 2e-5.
 constexpr double kSkyHeightStep_m = 100;
 
@@ -34,6 +40,7 @@ TableModel::TableModel(const ReferenceScene& scene, const plan::Plan& plan, cons
     direction_.emplace_back(r * std::sin(turn * k), r * std::cos(turn * k), z);
   }
   solid_angle_ = 2 * std::numbers::pi / directions;
+  height_lo_m = within_table(table, height_lo_m), height_hi_m = within_table(table, height_hi_m);
   const int steps = static_cast<int>(std::ceil((height_hi_m - height_lo_m) / kSkyHeightStep_m));
   height_first_ = height_lo_m;
   height_step_ = steps > 0 ? (height_hi_m - height_lo_m) / steps : 1;
@@ -111,7 +118,7 @@ BandRadiance TableModel::radiance(const SampledPixel& pixel) const {
   const double zenith = zenith_deg(pixel.to_sensor);
   std::vector<double> sun(grid, 0.0), sky(grid, 0.0), path(grid, 0.0);
   for (int end = 0; end < 2; ++end) {
-    const double z = end == 0 ? lowest : highest;
+    const double z = no_air_ ? 0 : within_table(table_, end == 0 ? lowest : highest);
     if (path_weight[end] == 0) continue;
     if (!no_air_) {
       const std::vector<double> l = on_grid(

@@ -33,7 +33,9 @@ std::vector<std::string> own_includes(const std::string& text) {
   return out;
 }
 
-bool allowed(const std::string& include) {
+/// sky_basis.h is part of the plan's data; the reference itself has no use for what it declares.
+bool allowed(const std::string& include, const std::string& from = "") {
+  if (include == "host/plan/sky_basis.h") return from == "host/plan/plan.h";
   for (const std::string& prefix : kAllowed)
     if (include.rfind(prefix, 0) == 0) return true;
   return false;
@@ -55,7 +57,7 @@ TEST_CASE("S61: the reference includes the scene, the tables, the plan's data an
     for (std::string include : own_includes(text_of(root / file))) {
       if (!fs::exists(root / include)) include = (fs::path(file).parent_path() / include).lexically_normal();
       CHECK_MESSAGE(fs::exists(root / include), file << " includes " << include << ", which is no file of ours");
-      CHECK_MESSAGE(allowed(include), file << " includes " << include);
+      CHECK_MESSAGE(allowed(include, file), file << " includes " << include);
       if (seen.insert(include).second) queue.push_back(include);
     }
   }
@@ -68,5 +70,6 @@ TEST_CASE("S61: the walk would see a forbidden include") {
   CHECK(!allowed(found[0]));
   CHECK(!allowed(found[1]));
   CHECK(!allowed("host/cl/buffer.h"));
+  CHECK(!allowed("host/plan/sky_basis.h", "host/reference/radiance.h"));
   CHECK(!allowed("kernels/entry/trace.h"));
 }
