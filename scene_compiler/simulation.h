@@ -89,6 +89,7 @@ struct Simulation {
   std::vector<Instrument> instruments;
   CompiledScene scene;
   std::string resolved_json;      ///< every option with its value after defaults
+  std::vector<std::string> notices;  ///< what the user should know though it is no error: dropped faces, sorted bands
 };
 
 }  // namespace raycube::scene

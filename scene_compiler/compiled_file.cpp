@@ -1,0 +1,257 @@
+#include "scene_compiler/compiled_file.h"
+
+#include <bit>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <type_traits>
+
+#include "host/base/error.h"
+#include "host/base/output_file.h"
+#include "host/base/sha256.h"
+
+namespace raycube::scene {
+namespace {
+
+using base::Error;
+using base::Fault;
+
+// File: magic (16 bytes), version, byte-order mark, payload bytes (u64); payload = content, then source
+// texts; SHA-256 of everything before it (32 bytes). A vector is its count (u64) and its elements; structs
+// are those of kernels/shared.
+constexpr char kMagic[16] = "RAYCUBE-SCENE\n\0";
+constexpr std::uint32_t kByteOrderMark = 0x01020304;
+constexpr std::size_t kHeaderBytes = 32, kTrailerBytes = 32;
+
+/// Feeds bytes to a function: the hash, a byte counter or the file.
+template <class Add>
+class Writer {
+ public:
+  explicit Writer(Add add) : add_(std::move(add)) {}
+  void raw(const void* data, std::size_t bytes) {
+    if (bytes > 0) add_(data, bytes);
+  }
+  template <class T>
+  requires std::is_trivially_copyable_v<T>
+  void operator()(const T& value) { raw(&value, sizeof(T)); }
+  template <class T>
+  requires std::is_trivially_copyable_v<T>
+  void operator()(const std::vector<T>& values) {
+    (*this)(static_cast<std::uint64_t>(values.size()));
+    raw(values.data(), values.size() * sizeof(T));
+  }
+  void operator()(const std::string& text) {
+    (*this)(static_cast<std::uint64_t>(text.size()));
+    raw(text.data(), text.size());
+  }
+
+ private:
+  Add add_;
+};
+
+/// Reads from a buffer and refuses to pass its end; counts are checked before anything is allocated.
+class Reader {
+ public:
+  Reader(const char* data, std::size_t bytes, std::string file)
+      : data_(data), left_(bytes), file_(std::move(file)) {}
+  void raw(void* out, std::size_t bytes) {
+    if (bytes > left_) damaged("ends inside a field");
+    if (bytes > 0) std::memcpy(out, data_, bytes);
+    data_ += bytes;
+    left_ -= bytes;
+  }
+  template <class T>
+  requires std::is_trivially_copyable_v<T>
+  void operator()(T& value) { raw(&value, sizeof(T)); }
+  template <class T>
+  requires std::is_trivially_copyable_v<T>
+  void operator()(std::vector<T>& values) {
+    values.resize(count(sizeof(T)));
+    raw(values.data(), values.size() * sizeof(T));
+  }
+  void operator()(std::string& text) {
+    text.resize(count(1));
+    raw(text.data(), text.size());
+  }
+  std::size_t count(std::size_t element_bytes) {
+    std::uint64_t n = 0;
+    (*this)(n);
+    if (n > left_ / element_bytes)
+      damaged("has a count of " + std::to_string(n) + " where " + std::to_string(left_) + " bytes are left");
+    return static_cast<std::size_t>(n);
+  }
+  std::size_t left() const { return left_; }
+  [[noreturn]] void damaged(const std::string& what) const {
+    throw Error(Fault::input, file_ + ": compiled scene is damaged: it " + what +
+                                  "; compile it again with raycube scene compile");
+  }
+
+ private:
+  const char* data_;
+  std::size_t left_;
+  std::string file_;
+};
+
+template <class Archive, class Scene>
+void archive_content(Archive& ar, Scene& scene) {
+  ar(scene.origin.epsg);
+  ar(scene.origin.easting_m);
+  ar(scene.origin.northing_m);
+  ar(scene.origin.height_m);
+  for (auto& material : scene.materials) {
+    ar(material.name);
+    ar(material.reflectance.wavelength_um);
+    ar(material.reflectance.value);
+    ar(material.transmittance.wavelength_um);
+    ar(material.transmittance.value);
+  }
+  ar(scene.surfaces);
+  for (auto& mesh : scene.meshes) {
+    ar(mesh.name);
+    ar(mesh.root);
+    ar(mesh.first_block);
+    ar(mesh.block_count);
+    ar(mesh.triangle_count);
+    ar(mesh.depth);
+    ar(mesh.lo);
+    ar(mesh.hi);
+    ar(mesh.user_face);
+  }
+  ar(scene.instances);
+  ar(scene.nodes);
+  ar(scene.blocks);
+  ar(scene.top_depth);
+  ar(scene.lo);
+  ar(scene.hi);
+}
+
+template <class Add>
+void write_content(const CompiledScene& scene, Add add) {
+  Writer<Add> writer(std::move(add));
+  writer(static_cast<std::uint64_t>(scene.materials.size()));
+  writer(static_cast<std::uint64_t>(scene.meshes.size()));
+  archive_content(writer, scene);
+}
+
+template <class Add>
+void write_payload(const CompiledScene& scene, Add add) {
+  write_content(scene, add);
+  Writer<Add> writer(add);
+  for (const auto& material : scene.materials) writer(material.source);
+}
+
+std::string read_file(const std::string& file) {
+  std::error_code error;
+  const auto bytes = std::filesystem::file_size(file, error);
+  std::ifstream stream(file, std::ios::binary);
+  if (error || !stream) throw Error(Fault::input, file + ": cannot read compiled scene; check the path");
+  std::string data(bytes, '\0');
+  stream.read(data.data(), static_cast<std::streamsize>(bytes));
+  data.resize(static_cast<std::size_t>(stream.gcount()));
+  return data;
+}
+
+/// References inside the arrays; a file whose hash is right was written so, but a foreign writer may have
+/// erred.
+void check_references(const CompiledScene& scene, const Reader& reader) {
+  for (const auto& mesh : scene.meshes)
+    if (mesh.root >= scene.nodes.size() ||
+        std::uint64_t{mesh.first_block} + mesh.block_count > scene.blocks.size())
+      reader.damaged("has a mesh outside its arrays");
+  for (const auto& instance : scene.instances)
+    if (instance.mesh >= scene.meshes.size() || instance.root >= scene.nodes.size())
+      reader.damaged("has an instance outside its arrays");
+  for (const auto& surface : scene.surfaces)
+    for (const auto curve : surface.curve)
+      if (curve > scene.materials.size()) reader.damaged("has a surface of an unknown material");
+  for (const auto& block : scene.blocks)
+    for (const auto surface : block.surface)
+      if (surface != RC_NONE && surface >= scene.surfaces.size())
+        reader.damaged("has a triangle of an unknown surface");
+}
+
+}  // namespace
+
+std::string content_hash(const CompiledScene& scene) {
+  base::Sha256 hash;
+  write_content(scene, [&hash](const void* data, std::size_t bytes) { hash.add(data, bytes); });
+  return hash.hex();
+}
+
+void save_compiled(const CompiledScene& scene, const std::string& file, bool overwrite) {
+  static_assert(std::endian::native == std::endian::little,
+                "the file's byte order is the host's: little endian");
+  std::uint64_t payload_bytes = 0;
+  write_payload(scene, [&](const void*, std::size_t bytes) { payload_bytes += bytes; });
+  base::OutputFile out(file, overwrite ? base::IfExists::replace : base::IfExists::refuse);
+  base::Sha256 hash;
+  std::string buffer;  // small fields are gathered: each append is a system call
+  const auto flush = [&] {
+    out.append(buffer);
+    buffer.clear();
+  };
+  const auto add = [&](const void* data, std::size_t bytes) {
+    hash.add(data, bytes);
+    if (buffer.size() + bytes > (1u << 20)) flush();
+    if (bytes > (1u << 20))
+      out.append(data, bytes);
+    else
+      buffer.append(static_cast<const char*>(data), bytes);
+  };
+  add(kMagic, sizeof kMagic);
+  add(&kCompiledFileVersion, sizeof kCompiledFileVersion);
+  add(&kByteOrderMark, sizeof kByteOrderMark);
+  add(&payload_bytes, sizeof payload_bytes);
+  write_payload(scene, add);
+  const auto digest = hash.digest();
+  buffer.append(reinterpret_cast<const char*>(digest.data()), digest.size());
+  flush();
+  out.publish();
+}
+
+CompiledScene load_compiled(const std::string& file) {
+  const std::string data = read_file(file);
+  if (data.empty())
+    throw Error(Fault::input,
+                file + ": file is empty (0 bytes); compile the scene again with raycube scene compile");
+  if (data.size() < sizeof kMagic || std::memcmp(data.data(), kMagic, sizeof kMagic) != 0)
+    throw Error(Fault::input, file +
+                                  ": not a compiled scene (its first bytes are not RAYCUBE-SCENE); compile "
+                                  "one with raycube scene compile");
+  Reader header(data.data() + sizeof kMagic, data.size() - sizeof kMagic, file);
+  std::uint32_t version = 0, order = 0;
+  std::uint64_t payload_bytes = 0;
+  header(version);
+  header(order);
+  if (order != kByteOrderMark)
+    throw Error(Fault::input, file + ": compiled scene has another byte order; compile it on this machine");
+  if (version != kCompiledFileVersion)
+    throw Error(Fault::input, file + ": compiled scene has version " + std::to_string(version) +
+                                  ", this program reads " + std::to_string(kCompiledFileVersion) +
+                                  "; compile it again with raycube scene compile");
+  header(payload_bytes);
+  if (header.left() < kTrailerBytes || payload_bytes != header.left() - kTrailerBytes)
+    header.damaged("has " + std::to_string(data.size()) + " bytes and should have " +
+                   std::to_string(payload_bytes) + " + " + std::to_string(kHeaderBytes + kTrailerBytes));
+  const auto digest = base::Sha256().add(data.data(), data.size() - kTrailerBytes).digest();
+  if (std::memcmp(digest.data(), data.data() + data.size() - kTrailerBytes, kTrailerBytes) != 0)
+    header.damaged("does not have the SHA-256 it carries");
+
+  CompiledScene scene;
+  Reader reader(data.data() + kHeaderBytes, static_cast<std::size_t>(payload_bytes), file);
+  std::uint64_t materials = 0, meshes = 0;
+  reader(materials);
+  reader(meshes);
+  // Each of them takes at least its counts: no huge allocation from a small file.
+  if (materials > reader.left() / 40 || meshes > reader.left() / 60) reader.damaged("has impossible counts");
+  scene.materials.resize(static_cast<std::size_t>(materials));
+  scene.meshes.resize(static_cast<std::size_t>(meshes));
+  archive_content(reader, scene);
+  for (auto& material : scene.materials) reader(material.source);
+  if (reader.left() != 0) reader.damaged("has bytes left over");
+  check_references(scene, reader);
+  scene.content_hash = content_hash(scene);
+  return scene;
+}
+
+}  // namespace raycube::scene

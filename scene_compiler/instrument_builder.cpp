@@ -1,0 +1,278 @@
+#include "scene_compiler/instrument_builder.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "scene_compiler/band_list.h"
+#include "scene_compiler/csv_file.h"
+#include "scene_compiler/document_values.h"
+
+namespace raycube::scene {
+namespace {
+
+using base::Problems;
+
+constexpr double kMaxPoses = 1e8;
+
+int count_given(const Record& record, std::initializer_list<const char*> keys) {
+  return static_cast<int>(
+      std::count_if(keys.begin(), keys.end(), [&](const char* key) { return record.given(key); }));
+}
+
+std::vector<Pose> read_poses(const Record& record, Problems& problems) {
+  const auto csv = read_csv(record.text("poses"), record.place("poses"), problems);
+  if (!csv) return {};
+  static constexpr std::array<const char*, 6> kNames{"x_m",      "y_m",       "z_m",
+                                                     "roll_deg", "pitch_deg", "heading_deg"};
+  std::array<std::optional<std::size_t>, 6> columns;
+  for (std::size_t i = 0; i < 6; ++i) columns[i] = csv->column(kNames[i]);
+  bool sound = columns[0] && columns[1] && columns[2];
+  if (!sound)
+    problems.add({csv->file, csv->header_line, 0, ""}, "columns x_m, y_m and z_m are needed",
+                 csv->columns_text(), "name them; roll_deg, pitch_deg and heading_deg are optional");
+  for (const auto& name : csv->columns)
+    if (std::find(kNames.begin(), kNames.end(), name) == kNames.end()) {
+      problems.add({csv->file, csv->header_line, 0, ""}, "unknown column", "'" + name + "'",
+                   "columns: x_m, y_m, z_m, roll_deg, pitch_deg, heading_deg");
+      sound = false;
+    }
+  std::vector<Pose> poses;
+  const std::size_t before = problems.lines().size();
+  for (std::size_t row = 0; sound && row < csv->rows.size() && problems.lines().size() < before + 20; ++row) {
+    std::array<double, 6> v{
+        0, 0, 0, record.number("roll_deg"), record.number("pitch_deg"), record.number("heading_deg")};
+    for (std::size_t i = 0; i < 6; ++i)
+      if (columns[i]) v[i] = csv->number(row, *columns[i], problems).value_or(0);
+    poses.push_back({v[0], v[1], v[2], v[3], v[4], v[5]});
+  }
+  return problems.lines().size() == before ? poses : std::vector<Pose>{};
+}
+
+std::vector<Band> read_bands(const Record& record, Problems& problems) {
+  const Record* table = record.table("bands");
+  if (table == nullptr) return read_band_file(record.text("bands"), "", record.place("bands"), problems);
+  const bool file = table->given("file");
+  const int regular = count_given(*table, {"first_nm", "step_nm", "count", "fwhm_nm"});
+  if (file ? regular != 0 : regular != 4) {
+    problems.add(table->where, "bands need either file, or first_nm, step_nm, count and fwhm_nm",
+                 file ? "file and " + std::to_string(regular) + " of the four"
+                      : std::to_string(regular) + " of the four",
+                 "complete one of the two forms");
+    return {};
+  }
+  if (file) return read_band_file(table->text("file"), table->text("medium"), table->place("file"), problems);
+  return regular_bands(table->number("first_nm"), table->number("step_nm"),
+                       static_cast<int>(table->integer("count")), table->number("fwhm_nm"),
+                       table->text("medium"));
+}
+
+void read_samples(const Record& record, Instrument& out, Problems& problems) {
+  if (const Record* samples = record.table("samples")) {
+    if (count_given(*samples, {"grid", "lattice", "jittered"}) != 1) {
+      problems.add(samples->where, "samples needs exactly one of grid, lattice, jittered",
+                   std::to_string(count_given(*samples, {"grid", "lattice", "jittered"})),
+                   "write samples = { grid = [11, 11] }");
+      return;
+    }
+    if (samples->given("lattice")) {
+      out.sampler = SamplerKind::lattice;
+      out.samples_u = static_cast<int>(samples->integer("lattice"));
+      out.samples_v = 1;
+    } else {
+      const bool grid = samples->given("grid");
+      const auto& n = samples->integers(grid ? "grid" : "jittered");
+      out.sampler = grid ? SamplerKind::grid : SamplerKind::jittered;
+      out.samples_u = static_cast<int>(n[0]);
+      out.samples_v = static_cast<int>(n[1]);
+    }
+  }
+  if (const Record* psf = record.table("psf")) {
+    out.psf_sigma_px = psf->number("sigma_px");
+    out.psf_support_px = psf->given("support_px") ? psf->number("support_px") : 1.0 + 6.0 * out.psf_sigma_px;
+    const bool plain = out.psf_sigma_px == 0 && out.psf_support_px == 1;
+    if (!plain && out.sampler == SamplerKind::lattice)
+      problems.add(psf->where, "a point spread needs the grid or jittered sampler", "lattice",
+                   "use samples = { jittered = [n, n] }");
+    if (out.psf_support_px < 1.0 + 5.0 * out.psf_sigma_px)
+      problems.add(psf->where, "support_px cuts the point spread",
+                   number_text(out.psf_support_px) + " for sigma_px " + number_text(out.psf_sigma_px),
+                   "give at least 1 + 5 sigma_px");
+  }
+}
+
+std::vector<int> nearest_bands(const std::vector<Band>& bands, const std::vector<double>& wanted_nm) {
+  std::vector<int> out;
+  for (const double nm : wanted_nm) {
+    const auto nearest = std::min_element(bands.begin(), bands.end(), [nm](const Band& a, const Band& b) {
+      return std::abs(a.center_um * 1e3 - nm) < std::abs(b.center_um * 1e3 - nm);
+    });
+    out.push_back(static_cast<int>(nearest - bands.begin()));
+  }
+  return out;
+}
+
+void choose_quicklook(const Record& record, Instrument& out, Problems& problems) {
+  const auto count = static_cast<std::int64_t>(out.bands.size());
+  if (count == 0) return;
+  if (count_given(record, {"quicklook_bands", "quicklook_nm"}) == 2) {
+    problems.add(record.place("quicklook_nm"), "quicklook_bands and quicklook_nm exclude each other", "both",
+                 "remove one");
+  } else if (record.given("quicklook_bands")) {
+    for (const auto number : record.integers("quicklook_bands")) {
+      if (number > count)
+        problems.add(record.place("quicklook_bands"), "no such band",
+                     std::to_string(number) + " of " + std::to_string(count),
+                     "bands count from 1, in ascending order of wavelength");
+      out.quicklook_bands.push_back(static_cast<int>(number) - 1);
+    }
+  } else if (record.given("quicklook_nm")) {
+    out.quicklook_bands = nearest_bands(out.bands, record.numbers("quicklook_nm"));
+  } else if (out.bands.front().center_um <= 0.475 && out.bands.back().center_um >= 0.625) {
+    out.quicklook_bands = nearest_bands(out.bands, {650, 550, 450});
+  } else {
+    const auto last = static_cast<int>(count) - 1;
+    out.quicklook_bands = count < 3 ? std::vector<int>{0} : std::vector<int>{last, last / 2, 0};
+  }
+}
+
+/// Pixel pitch over focal length. agl_m <= 0: height above ground is not known.
+double read_ifov_rad(const Record& record, double agl_m, Problems& problems) {
+  const bool optics = record.given("focal_length_mm") || record.given("pitch_um");
+  const int ways = count_given(record, {"gsd_m", "ifov_mrad"}) + int(optics);
+  if (ways != 1) {
+    problems.add(record.where,
+                 "instrument needs exactly one of gsd_m, ifov_mrad, focal_length_mm with pitch_um",
+                 std::to_string(ways), "remove or add one");
+    return 0;
+  }
+  if (record.given("ifov_mrad")) return record.number("ifov_mrad") * 1e-3;
+  if (optics) {
+    if (count_given(record, {"focal_length_mm", "pitch_um"}) == 2)
+      return record.number("pitch_um") * 1e-3 / record.number("focal_length_mm");
+    problems.add(record.where, "focal_length_mm and pitch_um go together",
+                 record.given("pitch_um") ? "pitch_um alone" : "focal_length_mm alone", "give both");
+    return 0;
+  }
+  if (agl_m > 0) return record.number("gsd_m") / agl_m;
+  problems.add(record.place("gsd_m"), "gsd_m needs the instrument above the ground",
+               number_text(agl_m) + " m above it", "raise it, or give ifov_mrad");
+  return 0;
+}
+
+/// Height above the terrain, or above z = 0 off it.
+double agl_of(const Pose& pose, const SceneParts& parts) {
+  return pose.z_m - parts.terrain_height_m(pose.x_m, pose.y_m).value_or(0.0);
+}
+
+void read_geometry(const Record& record, const SceneParts& parts, Instrument& out, Problems& problems) {
+  const int ways = count_given(record, {"altitude_agl_m", "position_m", "poses"});
+  if (ways != 1) {
+    problems.add(record.where, "instrument needs exactly one of altitude_agl_m, position_m, poses",
+                 std::to_string(ways), "remove or add one");
+    return;
+  }
+  if (double(out.lines) * (out.kind == InstrumentKind::whiskbroom ? out.pixels : 1) > kMaxPoses) {
+    problems.add(record.place("lines"), "instrument needs more than 1e8 poses",
+                 std::to_string(out.lines) + " lines", "split the image");
+    return;
+  }
+  Pose middle{0, 0, 0, record.number("roll_deg"), record.number("pitch_deg"), record.number("heading_deg")};
+  std::vector<Pose> given;
+  if (record.given("altitude_agl_m")) {
+    const auto& c = record.numbers("center_m");
+    out.nominal_agl_m = record.number("altitude_agl_m");
+    middle.x_m = c[0], middle.y_m = c[1];
+    middle.z_m = parts.terrain_height_m(c[0], c[1]).value_or(0.0) + out.nominal_agl_m;
+  } else if (record.given("position_m")) {
+    const auto& p = record.numbers("position_m");
+    middle.x_m = p[0], middle.y_m = p[1], middle.z_m = p[2];
+  } else {
+    given = read_poses(record, problems);
+    if (given.empty()) return;
+    middle = given[given.size() / 2];
+  }
+  if (record.given("center_m") && !record.given("altitude_agl_m"))
+    problems.add(record.place("center_m"), "'center_m' goes with altitude_agl_m", "", "remove it");
+  const double agl_m = agl_of(middle, parts);
+  out.ifov_across_rad = out.ifov_along_rad = read_ifov_rad(record, agl_m, problems);
+  if (record.given("line_spacing_m") && (!given.empty() || out.kind == InstrumentKind::framing))
+    problems.add(record.place("line_spacing_m"), "'line_spacing_m' is for scanners on a straight flight", "",
+                 "remove it");
+  if (given.empty()) {
+    const double spacing =
+        record.given("line_spacing_m") ? record.number("line_spacing_m") : out.ifov_along_rad * agl_m;
+    if (out.kind != InstrumentKind::framing && !(spacing > 0) && out.ifov_along_rad > 0)
+      problems.add(record.where, "line spacing needs the instrument above the ground",
+                   number_text(agl_m) + " m above it", "raise it, or give line_spacing_m");
+    out.poses = straight_flight(out.kind, out.lines, out.pixels, middle, spacing);
+    return;
+  }
+  const auto lines = static_cast<std::size_t>(out.lines), pixels = static_cast<std::size_t>(out.pixels);
+  const bool per_line = given.size() == lines && out.kind != InstrumentKind::framing,
+             one = given.size() == 1 && out.kind == InstrumentKind::framing;
+  const bool per_pixel = given.size() == lines * pixels && out.kind == InstrumentKind::whiskbroom;
+  if (!per_line && !one && !per_pixel)
+    problems.add(record.place("poses"), "number of poses does not fit the image",
+                 std::to_string(given.size()) + " poses, " + std::to_string(lines) + " lines of " +
+                     std::to_string(pixels) + " pixels",
+                 "framing: 1; pushbroom: one per line; whiskbroom: one per line or per pixel");
+  out.poses = per_line && !per_pixel && out.kind == InstrumentKind::whiskbroom
+                  ? poses_per_pixel(given, out.pixels)
+                  : std::move(given);
+}
+
+Instrument read_instrument(const Record& record, const SceneParts& parts, std::vector<std::string>& notices,
+                           Problems& problems) {
+  Instrument out;
+  out.name = record.text("name");
+  const std::string& kind = record.text("kind");
+  out.kind = kind == "framing"      ? InstrumentKind::framing
+             : kind == "whiskbroom" ? InstrumentKind::whiskbroom
+                                    : InstrumentKind::pushbroom;
+  out.pixels = static_cast<int>(record.integer("pixels"));
+  out.lines = static_cast<int>(record.integer("lines"));
+  const std::string& motion = record.text("motion");
+  out.motion = motion == "held"     ? PoseMotion::held
+               : motion == "moving" ? PoseMotion::moving
+                                    : PoseMotion::automatic;
+  if (out.motion != PoseMotion::held && out.kind != InstrumentKind::pushbroom)
+    problems.add(record.place("motion"), "only a pushbroom moves while it looks at a line", motion,
+                 "remove motion, or set kind = \"pushbroom\"");
+  read_geometry(record, parts, out, problems);
+  read_samples(record, out, problems);
+  out.bands = read_bands(record, problems);
+  if (sort_bands(out.bands))
+    notices.push_back(record.place("bands").text() + ": bands of '" + out.name +
+                      "' were not ascending and have been sorted");
+  choose_quicklook(record, out, problems);
+  out.interleave = record.text("interleave");
+  out.write_exr = record.boolean("exr");
+  out.write_png = record.boolean("png");
+  out.write_band_transmission = record.boolean("band_transmission");
+  if (record.given("integer_scale")) out.integer_scale = record.number("integer_scale");
+  return out;
+}
+
+}  // namespace
+
+std::vector<Instrument> read_instruments(const Record& root, const SceneParts& parts,
+                                         std::vector<std::string>& notices, Problems& problems) {
+  std::vector<Instrument> out;
+  std::map<std::string, base::Where> places;
+  for (const auto& record : root.records("instrument")) {
+    const std::string& name = record.text("name");
+    static constexpr std::string_view kAllowed =
+        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-";
+    if (name.find_first_not_of(kAllowed) != std::string::npos)
+      problems.add(record.place("name"), "an instrument's name is a folder's", "'" + name + "'",
+                   "use letters, digits, _ and -");
+    if (const auto [place, fresh] = places.emplace(name, record.where); !fresh && !name.empty())
+      problems.add(record.where, "instrument '" + name + "' is defined twice",
+                   "first in " + place->second.text(), "rename one");
+    if (record.sound) out.push_back(read_instrument(record, parts, notices, problems));
+  }
+  return out;
+}
+
+}  // namespace raycube::scene

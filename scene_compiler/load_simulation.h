@@ -1,0 +1,26 @@
+// The way in: a simulation file to a validated Simulation with its compiled scene.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "scene_compiler/simulation.h"
+
+namespace raycube::scene {
+
+struct LoadOptions {
+  std::optional<std::uint64_t> seed;  ///< instead of the file's
+  bool compile = true;                ///< false: validate only, Simulation::scene stays empty
+  bool need_instruments = false;      ///< a file without [[instrument]] is an error
+};
+
+/// Reads a file, its includes and all it names. Throws one Error(input) that lists every problem found, each
+/// with its place, the value and the way out.
+Simulation load_simulation(const std::string& file, const LoadOptions& options = {});
+
+/// Atmospheric pressure at a height above sea level, US Standard Atmosphere 1976 below 11 km: 1013.25 hPa at
+/// 0 m, 898.75 hPa at 1000 m.
+double standard_pressure_hPa(double height_m);
+
+}  // namespace raycube::scene

@@ -1,0 +1,119 @@
+#include "scene_compiler/material_table.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "scene_compiler/document_values.h"
+#include "scene_compiler/spectrum_file.h"
+
+namespace raycube::scene {
+namespace {
+
+using base::Problems;
+
+// A constant spectrum holds wherever a sensor may look.
+constexpr double kConstantFirstUm = 0.1, kConstantLastUm = 100.0;
+
+std::optional<Material> constant_material(const Record& record, Problems& problems) {
+  const double r = record.number("reflectance"), t = record.number("transmittance");
+  if (r + t > 1) {
+    problems.add(record.place("transmittance"), "reflectance + transmittance above 1",
+                 number_text(r) + " + " + number_text(t), "energy must not be gained: lower one");
+    return std::nullopt;
+  }
+  Material out;
+  out.reflectance = {{kConstantFirstUm, kConstantLastUm}, {r, r}};
+  if (record.given("transmittance")) out.transmittance = {{kConstantFirstUm, kConstantLastUm}, {t, t}};
+  out.source = "constant";
+  return out;
+}
+
+std::optional<Material> read_material(const Record& record, Problems& problems) {
+  const std::string name = "material '" + record.text("name") + "'";
+  const bool file = record.given("file"), constant = record.given("reflectance");
+  if (file == constant) {
+    problems.add(record.where, name + " needs exactly one of file and reflectance", file ? "both" : "neither",
+                 "remove or add one");
+    return std::nullopt;
+  }
+  for (const char* key : {"spectrum", "reflectance_column", "transmittance_column", "scale", "medium"})
+    if (constant && record.given(key)) {
+      problems.add(record.place(key), std::string("'") + key + "' means nothing for a constant reflectance",
+                   "", "remove it, or give file");
+      return std::nullopt;
+    }
+  if (file && record.given("transmittance")) {
+    problems.add(record.place("transmittance"), "'transmittance' goes with a constant reflectance",
+                 number_text(record.number("transmittance")), "give the file a transmittance column");
+    return std::nullopt;
+  }
+  if (constant) return constant_material(record, problems);
+  SpectrumRequest request;
+  request.file = record.text("file");
+  request.spectrum = record.text("spectrum");
+  request.reflectance_column = record.text("reflectance_column");
+  request.transmittance_column = record.text("transmittance_column");
+  if (record.given("scale")) request.scale = record.number("scale");
+  request.medium = record.text("medium");
+  request.asked_by = record.place(record.given("spectrum") ? "spectrum" : "file");
+  return read_spectrum(request, problems);
+}
+
+}  // namespace
+
+MaterialTable::MaterialTable(const Record& root, Problems& problems) {
+  std::map<std::string, base::Where> places;
+  for (const auto& record : root.records("material")) {
+    const std::string& name = record.text("name");
+    Material material;
+    if (record.sound)
+      if (auto read = read_material(record, problems)) material = std::move(*read);
+    if (name.empty()) continue;
+    if (const auto [place, fresh] = places.emplace(name, record.where); !fresh) {
+      problems.add(record.where, "material '" + name + "' is defined twice",
+                   "first in " + place->second.text(), "rename or remove one");
+      continue;
+    }
+    material.name = name;
+    if (record.given("source")) material.source = record.text("source");
+    index_.emplace(name, static_cast<std::uint32_t>(materials_.size()));
+    shared::Surface surface{};
+    surface.curve[0] = static_cast<std::uint32_t>(materials_.size()) + 1;
+    surface.fraction[0] = 1.0f;
+    materials_.push_back(std::move(material));
+    surfaces_.push_back(surface);
+  }
+}
+
+std::uint32_t MaterialTable::surface(const std::string& name, const base::Where& where,
+                                     Problems& problems) const {
+  if (const auto found = index_.find(name); found != index_.end()) return found->second;
+  std::string known;
+  for (const auto& [other, index] : index_) known += (known.empty() ? "" : ", ") + other;
+  problems.add(
+      where, "unknown material", "'" + name + "'",
+      known.empty() ? "define it with [[material]]" : "define it with [[material]], or use one of: " + known);
+  return 0;
+}
+
+std::uint32_t MaterialTable::mix(const std::vector<std::pair<std::uint32_t, double>>& parts) {
+  if (parts.size() == 1) return parts.front().first;
+  shared::Surface surface{};
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    surface.curve[i] = surfaces_[parts[i].first].curve[0];
+    surface.fraction[i] = static_cast<float>(parts[i].second);
+  }
+  std::array<std::uint32_t, 8> key{};
+  for (std::size_t i = 0; i < 4; ++i)
+    key[i] = surface.curve[i], key[4 + i] = std::bit_cast<std::uint32_t>(surface.fraction[i]);
+  const auto [entry, fresh] = mixes_.emplace(key, static_cast<std::uint32_t>(surfaces_.size()));
+  if (fresh) surfaces_.push_back(surface);
+  return entry->second;
+}
+
+void MaterialTable::move_to(CompiledScene& scene) {
+  scene.materials = std::move(materials_);
+  scene.surfaces = std::move(surfaces_);
+}
+
+}  // namespace raycube::scene

@@ -1,0 +1,38 @@
+// The scene's materials by name, and the surfaces made of them.
+#pragma once
+
+#include <array>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "scene_compiler/compiled_scene.h"
+#include "scene_compiler/document.h"
+
+namespace raycube::scene {
+
+class MaterialTable {
+ public:
+  /// Reads every [[material]]; problems name their places.
+  MaterialTable(const Record& root, base::Problems& problems);
+
+  /// Surface of one pure material. An unknown name is reported with the nearest known one, and 0 returned.
+  std::uint32_t surface(const std::string& name, const base::Where& where, base::Problems& problems) const;
+
+  /// Surface of an area mix of up to four materials (surface index, fraction > 0, sum 1); equal mixes share
+  /// one.
+  std::uint32_t mix(const std::vector<std::pair<std::uint32_t, double>>& parts);
+
+  /// Moves materials and surfaces into the scene; the first surfaces are the pure materials, in order.
+  void move_to(CompiledScene& scene);
+
+ private:
+  std::vector<Material> materials_;
+  std::map<std::string, std::uint32_t> index_;
+  std::vector<shared::Surface> surfaces_;
+  std::map<std::array<std::uint32_t, 8>, std::uint32_t> mixes_;
+};
+
+}  // namespace raycube::scene

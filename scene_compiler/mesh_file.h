@@ -1,0 +1,40 @@
+// Mesh files through Assimp, checked and triangulated.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/base/error.h"
+#include "scene_compiler/bvh_builder.h"
+
+namespace raycube::scene {
+
+/// Faces of one material and one group of a file.
+struct MeshPart {
+  std::string material;  ///< as the file names it; "" when it names none
+  std::string group;
+};
+
+/// A file's triangles. mesh.surface holds the index of the part until materials are assigned.
+struct MeshFile {
+  TriangleMesh mesh;
+  std::vector<MeshPart> parts;
+  std::size_t faces = 0;          ///< polygons in the file
+  std::size_t dropped_faces = 0;  ///< of zero area
+  std::string first_dropped;      ///< "face 12"
+};
+
+/// Reads every mesh of the file with its node transforms applied. unit_m scales; y_up turns (x, y, z) into
+/// (x, -z, y). Refused, with the face or vertex number (OBJ: the line): vertices that are not finite, face
+/// indices out of range, files without faces. Zero-area faces (area below 1e-12 of the squared longest edge)
+/// are dropped and counted, refused when strict. user_face = polygon number from 0, counted part by part as
+/// Assimp delivers them.
+std::optional<MeshFile> read_mesh_file(const std::string& file, double unit_m, bool y_up, bool strict,
+                                       const base::Where& asked_by, base::Problems& problems);
+
+/// Reports numbers that do not parse and face indices out of range in an OBJ text, by line. Assimp reads past
+/// some of these silently ("3.1+e2" becomes 3.1).
+void check_obj_text(const std::string& text, const std::string& file, base::Problems& problems);
+
+}  // namespace raycube::scene

@@ -1,0 +1,191 @@
+// Docs and JSON schema made from the option table.
+#include <nlohmann/json.hpp>
+
+#include "scene_compiler/option_table.h"
+
+namespace raycube::scene {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string_view type_name(KeyType type) {
+  switch (type) {
+    case KeyType::boolean:
+      return "true or false";
+    case KeyType::integer:
+      return "integer";
+    case KeyType::number:
+      return "number";
+    case KeyType::text:
+      return "text";
+    case KeyType::path:
+      return "path";
+    case KeyType::choice:
+      return "choice";
+    case KeyType::integers:
+      return "integers";
+    case KeyType::numbers:
+      return "numbers";
+    case KeyType::points:
+      return "list of [x, y]";
+    case KeyType::texts:
+      return "texts";
+    case KeyType::text_map:
+      return "table of texts";
+    case KeyType::table:
+      return "table";
+    case KeyType::tables:
+      return "tables";
+    case KeyType::path_or_table:
+      return "path or table";
+  }
+  return "";
+}
+
+bool is_array_table(std::string_view path) {
+  const KeySpec* spec = find_key("", path);
+  return spec != nullptr && spec->type == KeyType::tables;
+}
+
+Json number_schema(const KeySpec& spec, const char* type) {
+  Json out = {{"type", type}};
+  const Bound low = parse_bound(spec.low), high = parse_bound(spec.high);
+  if (!low.open) out[low.exclusive ? "exclusiveMinimum" : "minimum"] = low.value;
+  if (!high.open) out[high.exclusive ? "exclusiveMaximum" : "maximum"] = high.value;
+  return out;
+}
+
+Json list_schema(const KeySpec& spec, Json items) {
+  Json out = {{"type", "array"}, {"items", std::move(items)}};
+  if (spec.shape.empty()) return out;
+  Json any = Json::array();
+  for (std::size_t n = 1; n <= 16; ++n)
+    if (shape_allows(spec, n)) any.push_back({{"minItems", n}, {"maxItems", n}});
+  if (any.size() == 1) {
+    out.update(any[0]);
+  } else {
+    out["anyOf"] = any;
+  }
+  return out;
+}
+
+Json table_schema(std::string_view path);
+
+Json key_schema(const KeySpec& spec) {
+  const Json text = {{"type", "string"}};
+  switch (spec.type) {
+    case KeyType::boolean:
+      return {{"type", "boolean"}};
+    case KeyType::integer:
+      return number_schema(spec, "integer");
+    case KeyType::number:
+      return number_schema(spec, "number");
+    case KeyType::text:
+    case KeyType::path:
+      return text;
+    case KeyType::choice: {
+      Json values = Json::array();
+      std::string_view rest = spec.shape;
+      while (!rest.empty()) {
+        const auto bar = rest.find('|');
+        values.push_back(std::string(rest.substr(0, bar)));
+        rest = bar == std::string_view::npos ? std::string_view{} : rest.substr(bar + 1);
+      }
+      return {{"enum", values}};
+    }
+    case KeyType::integers:
+      return list_schema(spec, number_schema(spec, "integer"));
+    case KeyType::numbers:
+      return list_schema(spec, number_schema(spec, "number"));
+    case KeyType::points:
+      return {
+          {"type", "array"},
+          {"items",
+           {{"type", "array"}, {"items", number_schema(spec, "number")}, {"minItems", 2}, {"maxItems", 2}}}};
+    case KeyType::texts:
+      return list_schema(spec, text);
+    case KeyType::text_map:
+      return {{"type", "object"}, {"additionalProperties", text}};
+    case KeyType::table:
+      return table_schema(sub_path(spec));
+    case KeyType::tables:
+      return {{"type", "array"}, {"items", table_schema(sub_path(spec))}};
+    case KeyType::path_or_table:
+      return {{"anyOf", Json::array({text, table_schema(sub_path(spec))})}};
+  }
+  return {};
+}
+
+Json default_value(const KeySpec& spec) {
+  switch (spec.type) {
+    case KeyType::boolean:
+    case KeyType::integer:
+    case KeyType::number:
+      return Json::parse(spec.fallback);
+    case KeyType::integers:
+    case KeyType::numbers:
+      return Json::parse("[" + std::string(spec.fallback) + "]");
+    default:
+      return std::string(spec.fallback);
+  }
+}
+
+Json table_schema(std::string_view path) {
+  Json properties = Json::object(), required = Json::array();
+  for (const auto& spec : option_keys()) {
+    if (spec.table != path) continue;
+    Json one = key_schema(spec);
+    std::string text(spec.text);
+    if (!spec.unit.empty()) text += " Unit: " + std::string(spec.unit) + ".";
+    one["description"] = text;
+    if (spec.has_default()) one["default"] = default_value(spec);
+    properties[std::string(spec.key)] = std::move(one);
+    if (spec.required()) required.push_back(std::string(spec.key));
+  }
+  Json out = {{"type", "object"}, {"properties", properties}, {"additionalProperties", false}};
+  if (!required.empty()) out["required"] = required;
+  return out;
+}
+
+}  // namespace
+
+std::string options_json_schema() {
+  Json out = {{"$schema", "https://json-schema.org/draft/2020-12/schema"},
+              {"title", "raycube simulation file"}};
+  out.update(table_schema(""));
+  return out.dump(2) + "\n";
+}
+
+std::string options_markdown() {
+  std::string out;
+  for (const auto& table : option_tables()) {
+    const std::string path(table.path);
+    std::string title = path.empty()           ? "Top level"
+                        : is_array_table(path) ? "`[[" + path + "]]`"
+                                               : "`[" + path + "]`";
+    if (path.find('.') != std::string::npos && is_array_table(path.substr(0, path.find('.'))))
+      title = "`" + path.substr(path.find('.') + 1) + " = { ... }` of `[[" + path.substr(0, path.find('.')) +
+              "]]`";
+    out += "### " + title + "\n\n" + std::string(table.text) + "\n\n";
+    out += "| key | type | unit | default | range | meaning |\n|---|---|---|---|---|---|\n";
+    for (const auto& spec : option_keys()) {
+      if (spec.table != table.path) continue;
+      std::string range = spec.type == KeyType::choice ? choices_text(spec) : range_text(spec);
+      if (spec.type != KeyType::choice && !spec.shape.empty()) {
+        std::string lengths(spec.shape);
+        if (const auto bar = lengths.find('|'); bar != std::string::npos) lengths.replace(bar, 1, " or ");
+        range += (range.empty() ? "" : "; ") + lengths + " values";
+      }
+      const std::string fallback = spec.required()      ? "required"
+                                   : spec.has_default() ? "`" + std::string(spec.fallback) + "`"
+                                                        : "";
+      out += "| `" + std::string(spec.key) + "` | " + std::string(type_name(spec.type)) + " | " +
+             std::string(spec.unit) + " | " + fallback + " | " + range + " | " + std::string(spec.text) +
+             " |\n";
+    }
+    out += "\n";
+  }
+  return out;
+}
+
+}  // namespace raycube::scene

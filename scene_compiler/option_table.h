@@ -1,0 +1,74 @@
+// The option table of the simulation file (keys.def) as data, and what is made from it: docs and JSON schema.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace raycube::scene {
+
+enum class KeyType {
+  boolean,
+  integer,
+  number,
+  text,
+  path,
+  choice,
+  integers,
+  numbers,
+  points,
+  texts,
+  text_map,
+  table,
+  tables,
+  path_or_table
+};
+
+struct KeySpec {
+  std::string_view table;  ///< "" = top level
+  std::string_view key;
+  KeyType type;
+  std::string_view unit;
+  std::string_view fallback;   ///< "!" required, "" none
+  std::string_view low, high;  ///< "" open, ">x" or "<x" exclusive
+  std::string_view shape;      ///< choices "a|b", or allowed lengths "1|3"
+  std::string_view text;
+
+  bool required() const { return fallback == "!"; }
+  bool has_default() const { return !fallback.empty() && !required(); }
+};
+
+struct TableSpec {
+  std::string_view path;
+  std::string_view text;
+};
+
+/// A bound of a number; value is meaningless when open.
+struct Bound {
+  bool open = true, exclusive = false;
+  double value = 0;
+};
+
+std::span<const KeySpec> option_keys();
+std::span<const TableSpec> option_tables();
+/// The row of a key, or nullptr.
+const KeySpec* find_key(std::string_view table, std::string_view key);
+/// Known key of that table with the smallest edit distance (at most a third of its length, at least 2), or
+/// "".
+std::string nearest_key(std::string_view table, std::string_view key);
+/// Path of the table that a table key opens: "instrument.bands".
+std::string sub_path(const KeySpec& spec);
+Bound parse_bound(std::string_view text);
+/// "0 .. 1", "> 0", "" as docs and messages write a range.
+std::string range_text(const KeySpec& spec);
+/// "a|b" split.
+std::string choices_text(const KeySpec& spec);
+bool shape_allows(const KeySpec& spec, std::size_t length);
+bool is_choice(const KeySpec& spec, std::string_view value);
+
+/// The tables of docs/scene_format.md between its "generated" marks: one Markdown section per table.
+std::string options_markdown();
+/// JSON Schema (draft 2020-12) of a simulation file.
+std::string options_json_schema();
+
+}  // namespace raycube::scene

@@ -1,0 +1,169 @@
+#include "scene_compiler/scene_builder.h"
+
+#include <algorithm>
+
+#include "scene_compiler/compiled_file.h"
+#include "scene_compiler/panels.h"
+
+namespace raycube::scene {
+namespace {
+
+using base::Problems;
+
+std::array<double, 3> position_of(const Record& record, const SceneParts& parts, Problems& problems) {
+  const auto& p = record.numbers("position_m");
+  std::array<double, 3> position{p[0], p[1], p[2]};
+  if (!record.boolean("on_terrain")) return position;
+  if (const auto z = parts.terrain_height_m(p[0], p[1])) {
+    position[2] += *z;
+  } else {
+    problems.add(record.place("position_m"), "on_terrain, but no terrain lies there",
+                 "x " + std::to_string(p[0]) + ", y " + std::to_string(p[1]),
+                 "move it, or set on_terrain = false");
+  }
+  return position;
+}
+
+Checker checker_of(const Record& checker, const MaterialTable& materials, Problems& problems) {
+  const Value& names = checker.value("materials");
+  Checker out;
+  out.cell_m = checker.number("cell_m");
+  for (std::size_t i = 0; i < 2; ++i)
+    out.surface[i] = materials.surface(names.texts[i], names.text_places[i], problems);
+  return out;
+}
+
+bool too_many_cells(double width_m, double length_m, const Checker& checker, const Record& record,
+                    Problems& problems) {
+  if (checker.cell_m <= 0 || (width_m / checker.cell_m) * (length_m / checker.cell_m) <= 1e7) return false;
+  problems.add(record.place("checker"), "checkerboard has more than 1e7 squares",
+               "cell_m " + std::to_string(checker.cell_m), "use larger squares");
+  return true;
+}
+
+void place_once(SceneParts& parts, std::string name, TriangleMesh mesh) {
+  parts.placed.push_back({static_cast<std::uint32_t>(parts.meshes.size()), kIdentity});
+  parts.meshes.push_back({std::move(name), std::move(mesh)});
+}
+
+void add_plane(const Record& record, const std::string& name, const MaterialTable& materials,
+               SceneParts& parts, Problems& problems) {
+  const Record* checker_record = record.table("checker");
+  if (record.given("material") == (checker_record != nullptr)) {
+    problems.add(record.where, "a plane needs exactly one of material and checker",
+                 checker_record ? "both" : "neither", "remove or add one");
+    return;
+  }
+  Checker checker;
+  if (checker_record)
+    checker = checker_of(*checker_record, materials, problems);
+  else
+    checker.surface[0] = materials.surface(record.text("material"), record.place("material"), problems);
+  const auto& size = record.numbers("size_m");
+  if (too_many_cells(size[0], size[1], checker, record, problems)) return;
+  place_once(parts, name,
+             plane_mesh(position_of(record, parts, problems), {size[0], size[1]}, record.number("yaw_deg"),
+                        record.number("tilt_deg"), checker));
+}
+
+void add_box(const Record& record, const std::string& name, const MaterialTable& materials, SceneParts& parts,
+             Problems& problems) {
+  std::array<std::uint32_t, 6> surface{};
+  std::array<bool, 6> known{};
+  if (record.given("material")) {
+    surface.fill(materials.surface(record.text("material"), record.place("material"), problems));
+    known.fill(true);
+  }
+  for (const auto& [face, value] : record.value("materials").map) {
+    const auto found = std::find(kBoxFaceNames.begin(), kBoxFaceNames.end(), face);
+    if (found == kBoxFaceNames.end()) {
+      problems.add(value.where, "a box has no such face", "'" + face + "'",
+                   "faces: top, bottom, north, south, east, west");
+      continue;
+    }
+    const auto index = static_cast<std::size_t>(found - kBoxFaceNames.begin());
+    surface[index] = materials.surface(value.text, value.where, problems);
+    known[index] = true;
+  }
+  Checker top;
+  if (const Record* checker = record.table("checker"))
+    top = checker_of(*checker, materials, problems), known[kTop] = true;
+  else
+    top.surface[0] = surface[kTop];
+  for (std::size_t i = 0; i < known.size(); ++i)
+    if (!known[i])
+      problems.add(record.where, "a face of the box has no material", kBoxFaceNames[i],
+                   "give material, or materials = { " + std::string(kBoxFaceNames[i]) + " = ... }");
+  const auto& size = record.numbers("size_m");
+  if (too_many_cells(size[0], size[1], top, record, problems)) return;
+  place_once(parts, name,
+             box_mesh(position_of(record, parts, problems), {size[0], size[1], size[2]},
+                      record.number("yaw_deg"), surface, top));
+}
+
+}  // namespace
+
+std::optional<double> SceneParts::terrain_height_m(double x_m, double y_m) const {
+  std::optional<double> highest;
+  for (const auto& terrain : terrains)
+    if (const auto z = terrain.height_m(x_m, y_m); z && (!highest || *z > *highest)) highest = z;
+  return highest;
+}
+
+void add_panels(const Record& root, const MaterialTable& materials, SceneParts& parts, Problems& problems) {
+  std::size_t number = 0;
+  for (const auto& record : root.records("plane")) {
+    ++number;
+    if (record.sound)
+      add_plane(record, record.given("name") ? record.text("name") : "plane " + std::to_string(number),
+                materials, parts, problems);
+  }
+  number = 0;
+  for (const auto& record : root.records("box")) {
+    ++number;
+    if (record.sound)
+      add_box(record, record.given("name") ? record.text("name") : "box " + std::to_string(number), materials,
+              parts, problems);
+  }
+}
+
+SceneParts read_scene_parts(const Record& root, MaterialTable& materials, Problems& problems) {
+  SceneParts parts;
+  if (const Record* scene = root.table("scene"))
+    if (const Record* origin = scene->table("origin")) {
+      parts.origin.epsg = static_cast<int>(origin->integer("epsg"));
+      parts.origin.easting_m = origin->number("easting_m");
+      parts.origin.northing_m = origin->number("northing_m");
+      parts.origin.height_m = origin->number("height_m");
+      if (parts.origin.epsg != 0 &&
+          !geographic_place(parts.origin.epsg, parts.origin.easting_m, parts.origin.northing_m))
+        problems.add(
+            origin->place("epsg"), "not a projected system in which the origin lies",
+            "EPSG:" + std::to_string(parts.origin.epsg) + " at " + std::to_string(parts.origin.easting_m) +
+                ", " + std::to_string(parts.origin.northing_m),
+            "use a projected system in metres, like EPSG:32618 (UTM 18N), and its easting and northing");
+    }
+  add_terrains(root, materials, parts, problems);
+  add_panels(root, materials, parts, problems);
+  add_meshes_and_instances(root, materials, parts, problems);
+  return parts;
+}
+
+CompiledScene compile_scene(SceneParts&& parts, MaterialTable&& materials) {
+  CompiledScene scene;
+  scene.origin = parts.origin;
+  materials.move_to(scene);
+  for (auto& mesh : parts.meshes) {
+    append_mesh(scene, mesh.name, mesh.mesh);
+    mesh.mesh = {};
+  }
+  scene.instances.reserve(parts.placed.size());
+  for (std::size_t i = 0; i < parts.placed.size(); ++i)
+    append_instance(scene, parts.placed[i].mesh, parts.placed[i].scene_from_mesh,
+                    static_cast<std::uint32_t>(i));
+  finish_top_tree(scene);
+  scene.content_hash = content_hash(scene);
+  return scene;
+}
+
+}  // namespace raycube::scene

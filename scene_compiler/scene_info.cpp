@@ -1,0 +1,117 @@
+#include "scene_compiler/scene_info.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+namespace raycube::scene {
+
+SceneInfo scene_info(const CompiledScene& scene) {
+  SceneInfo out;
+  out.content_hash = scene.content_hash;
+  out.origin = scene.origin;
+  out.lo = scene.lo;
+  out.hi = scene.hi;
+  out.instances = scene.instances.size();
+  out.surfaces = scene.surfaces.size();
+  out.nodes = scene.nodes.size();
+  out.blocks = scene.blocks.size();
+  out.stack_bound = scene.stack_bound();
+  std::uint32_t first_mesh_node = static_cast<std::uint32_t>(scene.nodes.size());
+  for (const auto& mesh : scene.meshes) {
+    out.meshes.push_back({mesh.name, mesh.triangle_count, 0, mesh.block_count, mesh.depth});
+    out.triangles += mesh.triangle_count;
+    first_mesh_node = std::min(first_mesh_node, mesh.root);
+  }
+  for (const auto& instance : scene.instances) {
+    ++out.meshes[instance.mesh].instances;
+    out.placed_triangles += scene.meshes[instance.mesh].triangle_count;
+  }
+  for (const auto& material : scene.materials) {
+    const auto& w = material.reflectance.wavelength_um;
+    out.materials.push_back({material.name, material.source, w.empty() ? 0 : w.front(),
+                             w.empty() ? 0 : w.back(), w.size(), !material.transmittance.value.empty()});
+  }
+  // The top tree comes first; finish_top_tree moves every mesh tree behind it.
+  const std::uint64_t top_bytes = std::uint64_t{first_mesh_node} * sizeof(shared::BvhNode);
+  const std::uint64_t mesh_bytes =
+      (out.nodes - first_mesh_node) * sizeof(shared::BvhNode) + out.blocks * sizeof(shared::TriBlock);
+  const std::uint64_t instance_bytes = out.instances * sizeof(shared::Instance);
+  out.bytes = top_bytes + mesh_bytes + instance_bytes + out.surfaces * sizeof(shared::Surface);
+  if (out.triangles > 0)
+    out.bytes_per_triangle = static_cast<double>(mesh_bytes) / static_cast<double>(out.triangles);
+  if (out.instances > 0)
+    out.bytes_per_instance =
+        static_cast<double>(top_bytes + instance_bytes) / static_cast<double>(out.instances);
+  if (out.blocks > 0)
+    out.block_fill = static_cast<double>(out.triangles) / (static_cast<double>(out.blocks) * RC_BLOCK);
+  return out;
+}
+
+std::string scene_info_text(const SceneInfo& info) {
+  std::string out = fmt::format("content        {}\n", info.content_hash);
+  out += info.origin.epsg ? fmt::format("origin         EPSG:{} {} {} {} m\n", info.origin.epsg,
+                                        info.origin.easting_m, info.origin.northing_m, info.origin.height_m)
+                          : "origin         local\n";
+  if (info.instances > 0)
+    out += fmt::format("bounds         x {:.3f} .. {:.3f}, y {:.3f} .. {:.3f}, z {:.3f} .. {:.3f} m\n",
+                       info.lo[0], info.hi[0], info.lo[1], info.hi[1], info.lo[2], info.hi[2]);
+  out += fmt::format("triangles      {} stored, {} placed by {} instances\n", info.triangles,
+                     info.placed_triangles, info.instances);
+  out += fmt::format(
+      "memory         {:.1f} MiB: {:.1f} bytes per triangle, {:.1f} bytes per instance, blocks {:.0f} % "
+      "full\n",
+      static_cast<double>(info.bytes) / (1 << 20), info.bytes_per_triangle, info.bytes_per_instance,
+      100 * info.block_fill);
+  out += fmt::format("trees          {} nodes, traversal stack of {}\n", info.nodes, info.stack_bound);
+  out += fmt::format("surfaces       {}\n\nmeshes\n", info.surfaces);
+  for (const auto& mesh : info.meshes)
+    out += fmt::format("  {:<32} {:>9} triangles x {}\n", mesh.name, mesh.triangles, mesh.instances);
+  out += "\nmaterials\n";
+  for (const auto& m : info.materials)
+    out += fmt::format("  {:<32} {:.3f} .. {:.3f} um, {} points{}{}\n", m.name, m.first_um, m.last_um,
+                       m.points, m.transmits ? ", transmits" : "", m.source.empty() ? "" : "; " + m.source);
+  return out;
+}
+
+std::string scene_info_json(const SceneInfo& info) {
+  nlohmann::ordered_json meshes = nlohmann::ordered_json::array(), materials = meshes;
+  for (const auto& m : info.meshes)
+    meshes.push_back({{"name", m.name},
+                      {"triangles", m.triangles},
+                      {"instances", m.instances},
+                      {"blocks", m.blocks},
+                      {"depth", m.depth}});
+  for (const auto& m : info.materials)
+    materials.push_back({{"name", m.name},
+                         {"source", m.source},
+                         {"first_um", m.first_um},
+                         {"last_um", m.last_um},
+                         {"points", m.points},
+                         {"transmits", m.transmits}});
+  const nlohmann::ordered_json out = {{"content_hash", info.content_hash},
+                                      {"origin",
+                                       {{"epsg", info.origin.epsg},
+                                        {"easting_m", info.origin.easting_m},
+                                        {"northing_m", info.origin.northing_m},
+                                        {"height_m", info.origin.height_m}}},
+                                      {"lo_m", info.lo},
+                                      {"hi_m", info.hi},
+                                      {"triangles", info.triangles},
+                                      {"placed_triangles", info.placed_triangles},
+                                      {"instances", info.instances},
+                                      {"surfaces", info.surfaces},
+                                      {"nodes", info.nodes},
+                                      {"blocks", info.blocks},
+                                      {"stack_bound", info.stack_bound},
+                                      {"bytes", info.bytes},
+                                      {"bytes_per_triangle", info.bytes_per_triangle},
+                                      {"bytes_per_instance", info.bytes_per_instance},
+                                      {"block_fill", info.block_fill},
+                                      {"meshes", meshes},
+                                      {"materials", materials}};
+  return out.dump(2) + "\n";
+}
+
+}  // namespace raycube::scene

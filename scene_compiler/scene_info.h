@@ -1,0 +1,44 @@
+// What a compiled scene holds, in numbers.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "scene_compiler/compiled_scene.h"
+
+namespace raycube::scene {
+
+struct MeshInfo {
+  std::string name;
+  std::uint64_t triangles = 0, instances = 0, blocks = 0, depth = 0;
+};
+
+struct MaterialInfo {
+  std::string name, source;
+  double first_um = 0, last_um = 0;  ///< range of the reflectance curve
+  std::size_t points = 0;
+  bool transmits = false;
+};
+
+struct SceneInfo {
+  std::string content_hash;
+  Origin origin;
+  std::array<float, 3> lo{}, hi{};
+  std::uint64_t triangles = 0;         ///< stored
+  std::uint64_t placed_triangles = 0;  ///< counted once per instance
+  std::uint64_t instances = 0, surfaces = 0, nodes = 0, blocks = 0, stack_bound = 0;
+  std::uint64_t bytes = 0;        ///< device buffers: blocks, nodes, instances, surfaces
+  double bytes_per_triangle = 0;  ///< blocks and mesh nodes, per stored triangle
+  double bytes_per_instance = 0;  ///< instances and top-tree nodes, per instance
+  double block_fill = 0;          ///< used lanes over all lanes
+  std::vector<MeshInfo> meshes;
+  std::vector<MaterialInfo> materials;
+};
+
+SceneInfo scene_info(const CompiledScene& scene);
+std::string scene_info_text(const SceneInfo& info);
+std::string scene_info_json(const SceneInfo& info);
+
+}  // namespace raycube::scene

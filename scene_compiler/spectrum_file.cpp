@@ -1,0 +1,175 @@
+#include "scene_compiler/spectrum_file.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "scene_compiler/air_wavelength.h"
+#include "scene_compiler/csv_file.h"
+#include "scene_compiler/document_values.h"
+#include "scene_compiler/envi_library.h"
+
+namespace raycube::scene {
+namespace {
+
+using base::Problems;
+using base::Where;
+
+constexpr double kShortestUm = 0.05, kLongestUm = 1000.0;
+constexpr std::size_t kMaxReports = 20;
+
+bool is_air(const std::string& asked, const std::string& file_says, const std::string& file,
+            Problems& problems) {
+  const std::string medium = lower_case(asked.empty() ? file_says : asked);
+  if (medium == "air") return true;
+  if (!medium.empty() && medium != "vacuum")
+    problems.add({file, 0, 0, ""}, "unknown medium", medium, "write # medium: air or # medium: vacuum");
+  return false;
+}
+
+Material material_of(const std::vector<SpectrumPoint>& points, bool has_transmittance, bool air) {
+  Material out;
+  for (const auto& point : points) {
+    const double wavelength_um = air ? vacuum_from_air_um(point.wavelength_um) : point.wavelength_um;
+    out.reflectance.wavelength_um.push_back(wavelength_um);
+    out.reflectance.value.push_back(point.reflectance);
+    if (!has_transmittance) continue;
+    out.transmittance.wavelength_um.push_back(wavelength_um);
+    out.transmittance.value.push_back(point.transmittance);
+  }
+  return out;
+}
+
+std::optional<Material> read_csv_spectrum(const SpectrumRequest& request, Problems& problems) {
+  const auto csv = read_csv(request.file, request.asked_by, problems);
+  if (!csv) return std::nullopt;
+  std::optional<std::size_t> wavelength;
+  double unit_um = 0;
+  for (std::size_t i = 0; i < csv->columns.size(); ++i)
+    if (const auto unit = wavelength_unit_um(csv->columns[i])) wavelength = i, unit_um = *unit;
+  const auto reflectance = csv->column(request.reflectance_column);
+  const auto transmittance = csv->column(request.transmittance_column);
+  const Where header{csv->file, csv->header_line, 0, ""};
+  if (!wavelength)
+    problems.add(header, "no wavelength column", csv->columns_text(),
+                 "name one wavelength_nm or wavelength_um");
+  if (!reflectance)
+    problems.add(header, "no column '" + request.reflectance_column + "'", csv->columns_text(),
+                 "name it, or give reflectance_column");
+  if (!wavelength || !reflectance) return std::nullopt;
+  const std::size_t before = problems.lines().size();
+  const double scale = request.scale.value_or(1.0);
+  std::vector<SpectrumPoint> points;
+  for (std::size_t row = 0; row < csv->rows.size() && problems.lines().size() < before + kMaxReports; ++row) {
+    const auto w = csv->number(row, *wavelength, problems), r = csv->number(row, *reflectance, problems);
+    const auto t = transmittance ? csv->number(row, *transmittance, problems) : std::optional(0.0);
+    if (w && r && t)
+      points.push_back({*w * unit_um, *r * scale, *t * scale, {csv->file, csv->row_lines[row], 0, ""}});
+  }
+  const bool numbers_sound = problems.lines().size() == before;
+  const bool sound = check_spectrum(points, csv->file, problems);
+  const auto comment = [&](const char* key) {
+    const auto found = csv->comments.find(key);
+    return found == csv->comments.end() ? std::string() : found->second;
+  };
+  const bool air = is_air(request.medium, comment("medium"), csv->file, problems);
+  if (!sound || !numbers_sound) return std::nullopt;
+  Material out = material_of(points, transmittance.has_value(), air);
+  out.source = comment("source");
+  return out;
+}
+
+std::optional<Material> read_library_spectrum(const SpectrumRequest& request, Problems& problems) {
+  const auto library = read_envi_library(request.file, request.asked_by, problems);
+  if (!library) return std::nullopt;
+  std::size_t line = 0;
+  if (!request.spectrum.empty() || library->names.size() != 1) {
+    const auto found = std::find(library->names.begin(), library->names.end(), request.spectrum);
+    line = static_cast<std::size_t>(found - library->names.begin());
+    if (found == library->names.end()) {
+      std::string names;
+      for (std::size_t i = 0; i < library->names.size() && i < 8; ++i)
+        names += (i ? ", " : "") + library->names[i];
+      if (library->names.size() > 8) names += ", ... " + std::to_string(library->names.size()) + " in all";
+      problems.add(request.asked_by, "spectral library has no spectrum of that name",
+                   request.spectrum.empty() ? "no 'spectrum' key" : "'" + request.spectrum + "'",
+                   "it holds: " + names);
+      return std::nullopt;
+    }
+  }
+  const double scale = request.scale.value_or(1.0 / library->scale_factor);
+  std::vector<SpectrumPoint> points;
+  for (std::size_t i = 0; i < library->wavelength_um.size(); ++i)
+    points.push_back(
+        {library->wavelength_um[i],
+         library->spectra[line][i] * scale,
+         0,
+         {request.file, 0, 0, "spectrum '" + library->names[line] + "', sample " + std::to_string(i + 1)}});
+  if (!check_spectrum(points, request.file, problems)) return std::nullopt;
+  Material out = material_of(points, false, is_air(request.medium, "", request.file, problems));
+  out.source =
+      std::filesystem::path(request.file).filename().string() + ", spectrum '" + library->names[line] + "'";
+  return out;
+}
+
+}  // namespace
+
+std::optional<double> wavelength_unit_um(const std::string& column) {
+  if (column == "wavelength_um") return 1.0;
+  if (column == "wavelength_nm") return 1e-3;
+  return std::nullopt;
+}
+
+bool check_spectrum(const std::vector<SpectrumPoint>& points, const std::string& file, Problems& problems) {
+  std::size_t reports = 0;
+  const auto report = [&](const SpectrumPoint& point, const std::string& what, const std::string& found,
+                          const std::string& way_out) {
+    if (++reports <= kMaxReports) problems.add(point.where, what, found, way_out);
+  };
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto& p = points[i];
+    if (!std::isfinite(p.wavelength_um) || p.wavelength_um < kShortestUm || p.wavelength_um > kLongestUm)
+      report(p, "wavelength outside 0.05 .. 1000 um", number_text(p.wavelength_um) + " um",
+             "check the unit in the column's name or header");
+    else if (i > 0 && p.wavelength_um == points[i - 1].wavelength_um)
+      report(p, "wavelength is given twice", number_text(p.wavelength_um) + " um",
+             "keep one of the two values");
+    else if (i > 0 && p.wavelength_um < points[i - 1].wavelength_um)
+      report(p, "wavelengths are not ascending",
+             number_text(p.wavelength_um) + " um after " + number_text(points[i - 1].wavelength_um) + " um",
+             "sort the file by wavelength");
+    if (!(p.reflectance >= 0 && p.reflectance <= 1))
+      report(p, "reflectance outside 0 .. 1", number_text(p.reflectance),
+             "correct it, or give `scale` if the file is in percent");
+    if (!(p.transmittance >= 0 && p.transmittance <= 1))
+      report(p, "transmittance outside 0 .. 1", number_text(p.transmittance),
+             "correct it, or give `scale` if the file is in percent");
+    // Rounded columns may sum to a few 1e-7 above 1.
+    else if (p.reflectance <= 1 && p.reflectance + p.transmittance > 1 + 1e-6)
+      report(p, "reflectance + transmittance above 1",
+             number_text(p.reflectance) + " + " + number_text(p.transmittance),
+             "energy must not be gained: correct the file");
+  }
+  if (reports > kMaxReports)
+    problems.add({file, 0, 0, ""}, "more points like these", std::to_string(reports - kMaxReports) + " more",
+                 "correct the file");
+  if (points.size() < 2) {
+    problems.add({file, 0, 0, ""}, "a spectrum needs at least two points", std::to_string(points.size()),
+                 "give more, or a constant `reflectance`");
+    return false;
+  }
+  return reports == 0;
+}
+
+std::optional<Material> read_spectrum(const SpectrumRequest& request, Problems& problems) {
+  const std::string extension = lower_case(std::filesystem::path(request.file).extension().string());
+  if (extension == ".sli") return read_library_spectrum(request, problems);
+  if (extension == ".hdr") {
+    problems.add(request.asked_by, "a header is not the library", request.file,
+                 "name the .sli file; its .hdr is found beside it");
+    return std::nullopt;
+  }
+  return read_csv_spectrum(request, problems);
+}
+
+}  // namespace raycube::scene

@@ -1,0 +1,40 @@
+// Measured spectra of a material: CSV and ENVI spectral libraries, checked and in vacuum micrometres.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "host/base/error.h"
+#include "scene_compiler/compiled_scene.h"
+
+namespace raycube::scene {
+
+struct SpectrumRequest {
+  std::string file;      ///< .csv, or .sli with its header beside it
+  std::string spectrum;  ///< name in a library; may be empty when it holds one
+  std::string reflectance_column = "reflectance";
+  std::string transmittance_column = "transmittance";
+  std::optional<double> scale;  ///< on the file's values
+  std::string medium;           ///< "air", "vacuum", or "" = as the file says
+  base::Where asked_by;
+};
+
+/// Reads, converts and checks a spectrum; nullopt after reporting every problem. Rules: wavelengths finite,
+/// strictly ascending, 0.05 to 1000 um (catches a wrong unit); at least two points; 0 <= r, t and r + t <= 1.
+/// name is left empty.
+std::optional<Material> read_spectrum(const SpectrumRequest& request, base::Problems& problems);
+
+/// Unit of a wavelength column "wavelength_nm" or "wavelength_um" in um; nullopt for other names.
+std::optional<double> wavelength_unit_um(const std::string& column);
+
+/// A spectrum's value with the place in its file, for messages.
+struct SpectrumPoint {
+  double wavelength_um = 0, reflectance = 0, transmittance = 0;
+  base::Where where;
+};
+
+/// The rules above; true when all points keep them. Reports at most 20 points and counts the rest.
+bool check_spectrum(const std::vector<SpectrumPoint>& points, const std::string& file,
+                    base::Problems& problems);
+
+}  // namespace raycube::scene

@@ -1,0 +1,289 @@
+// [[terrain]] entries: heights, georeferencing, class and mixture maps.
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "scene_compiler/counter_random.h"
+#include "scene_compiler/csv_file.h"
+#include "scene_compiler/document_values.h"
+#include "scene_compiler/scene_builder.h"
+
+namespace raycube::scene {
+namespace {
+
+using base::Problems;
+using base::Where;
+
+std::string post_text(std::size_t index, int columns) {
+  return "row " + std::to_string(index / static_cast<std::size_t>(columns)) + ", column " +
+         std::to_string(index % static_cast<std::size_t>(columns));
+}
+
+/// Raster transform with the scene's origin taken off, in double.
+std::array<double, 6> local_from(const Raster& raster, const Origin& origin) {
+  auto t = raster.transform;
+  t[0] -= origin.easting_m;
+  t[3] -= origin.northing_m;
+  return t;
+}
+
+/// The raster's coordinate system against the scene's; true when its transform can be used.
+bool check_reference(const Raster& raster, const SceneParts& parts, const Where& where, Problems& problems) {
+  const auto& t = raster.transform;
+  const double east = t[0] + 0.5 * (t[1] * raster.columns + t[2] * raster.rows),
+               north = t[3] + 0.5 * (t[4] * raster.columns + t[5] * raster.rows);
+  const std::string origin_line = "origin = { epsg = " + std::to_string(raster.epsg) +
+                                  ", easting_m = " + number_text(std::round(east)) +
+                                  ", northing_m = " + number_text(std::round(north)) + " }";
+  if (raster.geographic) {
+    problems.add(where, "raster is in degrees", raster.file,
+                 "project it first: gdalwarp -t_srs EPSG:326xx in.tif out.tif");
+    return false;
+  }
+  if (raster.epsg != 0 && raster.epsg != parts.origin.epsg) {
+    problems.add(
+        where, "raster and scene.origin are in different systems",
+        "EPSG:" + std::to_string(raster.epsg) + " and " +
+            (parts.origin.epsg == 0 ? std::string("no origin") : "EPSG:" + std::to_string(parts.origin.epsg)),
+        parts.origin.epsg == 0 ? "write in [scene]: " + origin_line
+                               : "gdalwarp -t_srs EPSG:" + std::to_string(parts.origin.epsg) +
+                                     ", or in [scene]: " + origin_line);
+    return false;
+  }
+  if (std::hypot(east - parts.origin.easting_m, north - parts.origin.northing_m) > 1e5) {
+    problems.add(where, "raster lies more than 100 km from scene.origin",
+                 "centre at " + number_text(std::round(east)) + ", " + number_text(std::round(north)),
+                 "write in [scene]: " + origin_line);
+    return false;
+  }
+  return true;
+}
+
+std::optional<std::array<double, 6>> terrain_transform(const Record& record, const Raster& raster,
+                                                       const SceneParts& parts, Problems& problems) {
+  if (raster.georeferenced) {
+    for (const char* key : {"cell_m", "upper_left_m"})
+      if (record.given(key)) {
+        problems.add(record.place(key), std::string("'") + key + "' is for rasters without georeferencing",
+                     raster.file, "remove it");
+        return std::nullopt;
+      }
+    if (!check_reference(raster, parts, record.place("raster"), problems)) return std::nullopt;
+    return local_from(raster, parts.origin);
+  }
+  if (!record.given("cell_m")) {
+    problems.add(record.place("raster"), "raster has no georeferencing", raster.file,
+                 "give cell_m, and upper_left_m unless it is centred on the origin");
+    return std::nullopt;
+  }
+  const double cell = record.number("cell_m");
+  double x = -0.5 * cell * raster.columns, y = 0.5 * cell * raster.rows;
+  if (record.given("upper_left_m"))
+    x = record.numbers("upper_left_m")[0], y = record.numbers("upper_left_m")[1];
+  return std::array<double, 6>{x, cell, 0, y, 0, -cell};
+}
+
+std::optional<std::vector<double>> heights(const Record& record, const Raster& raster, const Origin& origin,
+                                           Problems& problems) {
+  const std::string& rule = record.text("nodata");
+  std::vector<double> z(raster.bands[0].size());
+  std::size_t holes = 0, first = 0;
+  for (std::size_t i = 0; i < z.size(); ++i) {
+    double h = raster.bands[0][i];
+    if (!raster.valid[0][i]) {
+      if (holes++ == 0) first = i;
+      h = record.number("nodata_height_m");
+    } else {
+      h = h * record.number("height_scale") + record.number("height_offset_m");
+    }
+    z[i] = h - origin.height_m;
+    if (raster.valid[0][i] && !(std::abs(z[i]) < 1e6)) {
+      problems.add({raster.file, 0, 0, post_text(i, raster.columns)}, "height is out of range",
+                   number_text(raster.bands[0][i]),
+                   "heights are metres; is this a nodata value that the file does not declare "
+                   "(gdal_translate -a_nodata)?");
+      return std::nullopt;
+    }
+  }
+  if (holes > 0 && rule != "constant") {
+    problems.add({raster.file, 0, 0, post_text(first, raster.columns)}, "terrain has posts without data",
+                 std::to_string(holes) + " of " + std::to_string(z.size()),
+                 rule == "refuse" ? "set nodata = \"interpolate\" or \"constant\" in " + record.where.text()
+                                  : "interpolation found no neighbours; use nodata = \"constant\"");
+    return std::nullopt;
+  }
+  return z;
+}
+
+/// material of each number named in `materials`.
+std::map<long, std::uint32_t> numbered_materials(const Record& record, const MaterialTable& materials,
+                                                 Problems& problems) {
+  std::map<long, std::uint32_t> out;
+  for (const auto& [key, value] : record.value("materials").map) {
+    const auto number = parse_number(key);
+    if (!number || *number != std::round(*number) || std::abs(*number) > 1e9) {
+      problems.add(value.where, "key of 'materials' is not a whole number", "'" + key + "'",
+                   "use the class numbers of the map, or band numbers from 1");
+      continue;
+    }
+    out[static_cast<long>(*number)] = materials.surface(value.text, value.where, problems);
+  }
+  return out;
+}
+
+std::optional<std::vector<std::size_t>> pixels_of(const TerrainGrid& grid, const Raster& map,
+                                                  const SceneParts& parts, const Where& where,
+                                                  Problems& problems) {
+  if (map.georeferenced && !check_reference(map, parts, where, problems)) return std::nullopt;
+  return map_pixels(grid, map, local_from(map, parts.origin), where, problems);
+}
+
+std::vector<std::uint32_t> class_surfaces(const Record& record, const TerrainGrid& grid,
+                                          const MaterialTable& materials, SceneParts& parts,
+                                          std::vector<int>& classes, Problems& problems) {
+  const auto known = numbered_materials(record, materials, problems);
+  std::vector<std::uint32_t> out(grid.cell_count(), 0);
+  const Where where = record.place("class_map");
+  const auto map = read_raster(record.text("class_map"), 1, 1, NoData::mark, where, problems);
+  if (!map) return out;
+  const auto pixel = pixels_of(grid, *map, parts, where, problems);
+  if (!pixel) return out;
+  classes.resize(out.size());
+  std::map<double, std::pair<std::size_t, std::size_t>> missing;  // value: cells, first pixel
+  for (std::size_t cell = 0; cell < out.size(); ++cell) {
+    const double value = map->bands[0][(*pixel)[cell]];
+    const auto found = value == std::round(value) && std::abs(value) < 1e9
+                           ? known.find(static_cast<long>(value))
+                           : known.end();
+    if (found == known.end()) {
+      auto& entry = missing.emplace(value, std::pair{std::size_t{0}, (*pixel)[cell]}).first->second;
+      ++entry.first;
+      continue;
+    }
+    out[cell] = found->second;
+    classes[cell] = static_cast<int>(value);
+  }
+  std::size_t reports = 0;
+  for (const auto& [value, entry] : missing)
+    if (++reports <= 20)
+      problems.add({map->file, 0, 0, post_text(entry.second, map->columns)}, "class has no material",
+                   number_text(value) + " on " + std::to_string(entry.first) + " cells",
+                   "name it in 'materials' of " + record.where.text());
+  return out;
+}
+
+std::vector<std::uint32_t> mixture_surfaces(const Record& record, const TerrainGrid& grid,
+                                            MaterialTable& materials, SceneParts& parts, Problems& problems) {
+  std::vector<std::uint32_t> out(grid.cell_count(), 0);
+  const Where where = record.place("mixture_map");
+  const auto map = read_raster(record.text("mixture_map"), 1, 0, NoData::mark, where, problems);
+  const auto known = numbered_materials(record, materials, problems);
+  if (!map) return out;
+  for (int band = 1; band <= map->band_count; ++band)
+    if (!known.count(band))
+      problems.add(record.place("materials"), "band of the mixture map has no material",
+                   "band " + std::to_string(band) + " of " + std::to_string(map->band_count),
+                   "materials = { " + std::to_string(band) + " = ... }");
+  for (const auto& [band, surface] : known)
+    if (band < 1 || band > map->band_count)
+      problems.add(record.place("materials"), "mixture map has no such band",
+                   std::to_string(band) + " of " + std::to_string(map->band_count), "remove it");
+  const auto pixel = pixels_of(grid, *map, parts, where, problems);
+  if (!pixel || !problems.empty()) return out;
+  const bool linear = record.text("mixture") == "linear";
+  const auto seed = static_cast<std::uint64_t>(record.integer("seed"));
+  const auto stream = static_cast<std::uint64_t>(parts.terrains.size());
+  std::size_t reports = 0;
+  for (std::size_t cell = 0; cell < out.size() && reports < 20; ++cell) {
+    std::vector<std::pair<std::uint32_t, double>> mix;
+    double sum = 0, worst = 0;
+    for (const auto& [band, surface] : known) {
+      const double f = map->bands[static_cast<std::size_t>(band - 1)][(*pixel)[cell]];
+      if (!(f >= 0 && f <= 1)) worst = f;
+      sum += f;
+      if (f > 0) mix.emplace_back(surface, f);
+    }
+    const Where place{map->file, 0, 0, post_text((*pixel)[cell], map->columns)};
+    if (!(worst == 0) || !(std::abs(sum - 1) <= 1e-3)) {
+      ++reports;
+      if (!(worst == 0))
+        problems.add(place, "fraction outside 0 .. 1", number_text(worst), "correct the mixture map");
+      else
+        problems.add(place, "fractions do not sum to 1 within 1e-3", number_text(sum),
+                     "normalise the mixture map");
+      continue;
+    }
+    if (linear && mix.size() > 4) {
+      ++reports;
+      problems.add(place, "more than 4 materials in a cell", std::to_string(mix.size()),
+                   "merge small fractions, or set mixture = \"stochastic\"");
+      continue;
+    }
+    for (auto& [surface, f] : mix) f /= sum;
+    if (linear) {
+      out[cell] = materials.mix(mix);
+      continue;
+    }
+    double left = counter_uniform(seed, stream, cell, 0);
+    std::size_t chosen = 0;
+    while (chosen + 1 < mix.size() && left >= mix[chosen].second) left -= mix[chosen++].second;
+    out[cell] = mix[chosen].first;
+  }
+  return out;
+}
+
+void add_terrain(const Record& record, MaterialTable& materials, SceneParts& parts, Problems& problems) {
+  const int ways =
+      int(record.given("material")) + int(record.given("class_map")) + int(record.given("mixture_map"));
+  if (ways != 1)
+    problems.add(record.where, "a terrain needs exactly one of material, class_map, mixture_map",
+                 std::to_string(ways), "remove or add one");
+  if (ways == 1 && record.given("material") == record.given("materials"))
+    problems.add(record.where,
+                 record.given("material") ? "'materials' goes with class_map or mixture_map"
+                                          : "'materials' is missing",
+                 "", record.given("material") ? "remove it" : "name the material of each class or band");
+  const auto rule = record.text("nodata") == "interpolate" ? NoData::interpolate : NoData::mark;
+  const auto raster = read_raster(record.text("raster"), static_cast<int>(record.integer("band")), 1, rule,
+                                  record.place("raster"), problems);
+  if (!raster) return;
+  if (raster->columns < 2 || raster->rows < 2) {
+    problems.add(record.place("raster"), "a terrain needs at least 2 x 2 posts",
+                 std::to_string(raster->columns) + " x " + std::to_string(raster->rows),
+                 "give a larger raster");
+    return;
+  }
+  const auto transform = terrain_transform(record, *raster, parts, problems);
+  const auto z = heights(record, *raster, parts.origin, problems);
+  if (!transform || !z) return;
+  if (const double det = (*transform)[1] * (*transform)[5] - (*transform)[2] * (*transform)[4];
+      !(std::abs(det) > 0)) {
+    problems.add({raster->file, 0, 0, ""}, "pixels have no area", number_text(det) + " m2",
+                 "correct the raster's geotransform");
+    return;
+  }
+  const TerrainGrid grid(raster->columns, raster->rows, *transform, *z);
+  std::vector<std::uint32_t> surfaces(grid.cell_count(), 0);
+  std::vector<int> classes;
+  if (ways == 1) {
+    if (record.given("material"))
+      std::fill(surfaces.begin(), surfaces.end(),
+                materials.surface(record.text("material"), record.place("material"), problems));
+    if (record.given("class_map"))
+      surfaces = class_surfaces(record, grid, materials, parts, classes, problems);
+    if (record.given("mixture_map")) surfaces = mixture_surfaces(record, grid, materials, parts, problems);
+  }
+  parts.placed.push_back({static_cast<std::uint32_t>(parts.meshes.size()), kIdentity});
+  parts.meshes.push_back({record.text("name"), grid.mesh(surfaces)});
+  parts.terrains.push_back(grid);
+  parts.terrain_classes.push_back(std::move(classes));
+}
+
+}  // namespace
+
+void add_terrains(const Record& root, MaterialTable& materials, SceneParts& parts, Problems& problems) {
+  for (const auto& record : root.records("terrain"))
+    if (record.sound) add_terrain(record, materials, parts, problems);
+}
+
+}  // namespace raycube::scene
