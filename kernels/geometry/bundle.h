@@ -1,0 +1,150 @@
+/* What bundles of rays share: culling planes against the boxes of a node, and 16 triangles set up at once as linear functions
+ * of a plane's coordinates (a, b). The plane is the image plane for primary rays (perspective) and the plane across the sun
+ * or sky direction for shadow rays (parallel).
+ *
+ * Exactness. In floats, a barycentric coordinate l(a, b) near zero has an uncertain sign. Every triangle carries a bound of
+ * that error; a sample beyond it is decided, a sample inside it is decided by the single-ray test of triangle.h. All
+ * decisions are therefore those of the watertight single-ray test, whatever the bundle. */
+#ifndef RAYCUBE_KERNELS_GEOMETRY_BUNDLE_H
+#define RAYCUBE_KERNELS_GEOMETRY_BUNDLE_H
+
+#include "kernels/geometry/surface_point.h"
+#include "kernels/geometry/triangle.h"
+
+#define RC_LEAF 0x80000000u   /* stack entry: a block, not a node */
+#define RC_MAX_PLANES 5
+
+/* A point p of the frame belongs to the region when n . (p - origin) + k >= 0 for every plane (n, k). */
+typedef struct Cull {
+  float ox, oy, oz;
+  float nx[RC_MAX_PLANES], ny[RC_MAX_PLANES], nz[RC_MAX_PLANES], k[RC_MAX_PLANES];
+  uint x_side[RC_MAX_PLANES], y_side[RC_MAX_PLANES], z_side[RC_MAX_PLANES];  /* floats from a node's start to the corner that n points to */
+} Cull;
+
+static inline void rc_set_plane(Cull* cull, int i, float4 n, float k) {
+  cull->nx[i] = n.x;
+  cull->ny[i] = n.y;
+  cull->nz[i] = n.z;
+  cull->k[i] = k;
+  cull->x_side[i] = n.x > 0.0f ? 24u : 0u;
+  cull->y_side[i] = n.y > 0.0f ? 32u : 8u;
+  cull->z_side[i] = n.z > 0.0f ? 40u : 16u;
+}
+
+/* Bit i: box i of the node meets the region, or rounding cannot tell. A box with a point p inside the region has its corner
+ * further along n, so the rounding of the sum is covered by rounding at p, which the region's slack holds. */
+static inline uint rc_cull_boxes(const Cull* cull, int planes, global const BvhNode* node) {
+  global const float* at = (global const float*)node;
+  float8 least = INFINITY;
+  #pragma unroll
+  for (int i = 0; i < planes; ++i) {
+    const float8 x = vload8(0, at + cull->x_side[i]) - cull->ox;
+    const float8 y = vload8(0, at + cull->y_side[i]) - cull->oy;
+    const float8 z = vload8(0, at + cull->z_side[i]) - cull->oz;
+    least = fmin(least, fma(x, (float8)(cull->nx[i]), fma(y, (float8)(cull->ny[i]), fma(z, (float8)(cull->nz[i]), (float8)(cull->k[i])))));
+  }
+  return rc_mask8(least >= 0.0f) & ((1u << node->count) - 1u);
+}
+
+/* A map from a frame to plane coordinates: rows applied to p - origin. */
+typedef struct Projection {
+  float4 origin, a, b, z;
+  float error, error_growth, error_square;  /* with m = max(|a|, |b|): error + error_growth m + error_square m^2, in plane units */
+} Projection;
+
+/* 16 triangles over the plane: l1 = l1a a + l1b b + l1c, l2 likewise, l0 = 1 - l1 - l2, and a depth q = q0 + l1 q1 + l2 q2. */
+typedef struct Setup {
+  float16 l1a, l1b, l1c, l2a, l2b, l2c, q0, q1, q2;
+  float16 band;       /* |l| up to this is uncertain; 2: the triangle is edge-on, every sample is uncertain */
+  float16 lo_a, hi_a, lo_b, hi_b;  /* rectangle, grown by its error */
+  int16 usable;       /* -1: the linear form holds; 0: degenerate, or some vertex behind or far beside the plane */
+  int16 behind;       /* -1 (perspective, not usable): must be tested ray by ray */
+} Setup;
+
+static inline float16 rc_project_row(float4 row, float16 x, float16 y, float16 z) {
+  return fma((float16)(row.x), x, fma((float16)(row.y), y, (float16)(row.z) * z));
+}
+
+/* perspective: a and b are divided by z and the depth is 1 / z; else the depth is z. */
+static inline Setup rc_setup_block(const Projection* map, global const TriBlock* block, bool perspective) {
+  global const float* at = (global const float*)block;
+  float16 a[3], b[3], q[3];
+  int16 front = -1;
+  #pragma unroll
+  for (int i = 0; i < 3; ++i) {
+    const float16 x = vload16(0, at + 48 * i) - map->origin.x, y = vload16(0, at + 48 * i + 16) - map->origin.y;
+    const float16 z = vload16(0, at + 48 * i + 32) - map->origin.z;
+    a[i] = rc_project_row(map->a, x, y, z);
+    b[i] = rc_project_row(map->b, x, y, z);
+    q[i] = rc_project_row(map->z, x, y, z);
+    if (perspective) {
+      front &= q[i] > 0.0f;
+      q[i] = 1.0f / q[i];
+      a[i] *= q[i];
+      b[i] *= q[i];
+    }
+  }
+  Setup s;
+  const float16 lo_a = fmin(a[0], fmin(a[1], a[2])), hi_a = fmax(a[0], fmax(a[1], a[2]));
+  const float16 lo_b = fmin(b[0], fmin(b[1], b[2])), hi_b = fmax(b[0], fmax(b[1], b[2]));
+  const float16 largest = fmax(fmax(hi_a, -lo_a), fmax(hi_b, -lo_b));
+  const float16 error = fma(fma((float16)(map->error_square), largest, (float16)(map->error_growth)), largest, (float16)(map->error));
+  s.lo_a = lo_a - error;
+  s.hi_a = hi_a + error;
+  s.lo_b = lo_b - error;
+  s.hi_b = hi_b + error;
+  const float16 extent = (hi_a - lo_a) + (hi_b - lo_b);
+  const float16 a1 = a[1] - a[0], b1 = b[1] - b[0], a2 = a[2] - a[0], b2 = b[2] - b[0];
+  const float16 det = a1 * b2 - b1 * a2;
+  /* Each coordinate is off by at most `error`: an edge function (two differences times two lengths inside the rectangle, one
+   * vertex times the edge) by 3 error extent; its own rounding is inside error_growth. */
+  const float16 edge_error = 3.0f * error * extent;
+  const int16 edge_on = fabs(det) <= 3.0f * edge_error;
+  const float16 r = select(1.0f / det, (float16)(0.0f), edge_on);
+  s.l1a = b2 * r;
+  s.l1b = -a2 * r;
+  s.l1c = -fma(a[0], s.l1a, b[0] * s.l1b);
+  s.l2a = -b1 * r;
+  s.l2b = a1 * r;
+  s.l2c = -fma(a[0], s.l2a, b[0] * s.l2b);
+  s.band = select(edge_error * fabs(r), (float16)(2.0f), edge_on);
+  s.q0 = q[0];
+  s.q1 = q[1] - q[0];
+  s.q2 = q[2] - q[0];
+  s.usable = extent > 0.0f;
+  s.behind = 0;
+  if (perspective) {
+    const int16 holds = front & (error < fma((float16)(0.01f), largest, (float16)(0.1f)));
+    s.usable &= holds;
+    s.behind = ~holds;
+  }
+  return s;
+}
+
+/* One lane of a block against one ray: the single-ray test, for the samples that a bundle leaves open. Returns the distance,
+ * or -1 for a miss. */
+static inline float rc_hit_lane(Ray ray, global const TriBlock* block, uint lane) {
+  global const float* at = (global const float*)block + lane;
+  const float ox = rc_component(ray.origin, ray.kx), oy = rc_component(ray.origin, ray.ky), oz = rc_component(ray.origin, ray.kz);
+  const int x = 16 * ray.kx, y = 16 * ray.ky, z = 16 * ray.kz;
+  const float az = at[z] - oz, bz = at[48 + z] - oz, cz = at[96 + z] - oz;
+  const float ax = fma(-ray.sx, az, at[x] - ox), ay = fma(-ray.sy, az, at[y] - oy);
+  const float bx = fma(-ray.sx, bz, at[48 + x] - ox), by = fma(-ray.sy, bz, at[48 + y] - oy);
+  const float cx = fma(-ray.sx, cz, at[96 + x] - ox), cy = fma(-ray.sy, cz, at[96 + y] - oy);
+  const float u = cx * by - cy * bx, v = ax * cy - ay * cx, w = bx * ay - by * ax;
+  const float det = u + (v + w);
+  const bool inside = (u >= 0.0f && v >= 0.0f && w >= 0.0f) || (u <= 0.0f && v <= 0.0f && w <= 0.0f);
+  if (!inside || det == 0.0f) return -1.0f;
+  const float distance = fma(u, az, fma(v, bz, w * cz)) * ray.sz / det;
+  return distance > 0.0f ? distance : -1.0f;
+}
+
+static inline void rc_prefetch(global const void* at, uint bytes) {
+#if defined(__has_builtin)
+#if __has_builtin(__builtin_prefetch)
+  for (uint i = 0; i < bytes; i += 64u) __builtin_prefetch((const void*)((uintptr_t)at + i), 0, 3);
+#endif
+#endif
+}
+
+#endif

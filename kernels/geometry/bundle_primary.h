@@ -1,0 +1,294 @@
+/* A group's primary rays, all from one origin, through one traversal. Leaves: 16 triangles are projected to the image plane
+ * at once and dropped unless a sample lies in their rectangle; small ones (at most 3 x 3 samples) are tested with triangles
+ * as lanes, large ones with 16 samples of a row as lanes. A buffer of 1 / t and ids, one slot per sample, keeps the closest. */
+#ifndef RAYCUBE_KERNELS_GEOMETRY_BUNDLE_PRIMARY_H
+#define RAYCUBE_KERNELS_GEOMETRY_BUNDLE_PRIMARY_H
+
+#include "kernels/geometry/bundle.h"
+#include "kernels/geometry/samples.h"
+
+/* Sample grid of a group: the pixels of a line side by side. */
+#define RC_GRID_COLUMNS (RC_GROUP_PIXELS * RC_NU)
+#define RC_GRID_PITCH ((RC_GRID_COLUMNS + 15) / 16 * 16)
+#define RC_GRID_ROWS (RC_CHUNK / RC_NU)
+#define RC_GRID_SLOTS (RC_GRID_ROWS * RC_GRID_PITCH)
+#define RC_SMALL 3
+
+typedef struct Closest {
+  float near[RC_GRID_SLOTS + 16];    /* 1 / t of the closest hit; 0: none */
+  uint instance[RC_GRID_SLOTS + 16], primitive[RC_GRID_SLOTS + 16];
+} Closest;
+
+/* The group in the frame of one instance (or of the scene). */
+typedef struct GroupFrame {
+  RayGroup rays;
+  Projection map;
+  uint first_row, rows;  /* of the chunk */
+  uint columns;          /* of the pixels that exist */
+} GroupFrame;
+
+static inline float4 rc_sum_products(float4 x, float4 y) { return fabs(x) * fabs(y); }
+static inline float rc_sum3(float4 v) { return v.x + v.y + v.z; }
+
+/* Dual basis of (du, dv, d0): p = z (d0 + a du + b dv). Errors, in pixels, of a and b at points inside the group's field, for
+ * this map and for the single-ray test together: rows 3 ulp, sum of products 3 ulp; there the direction 3, its shear 3, the
+ * moved vertex 1, and 3 in reserve: 16 ulp of the sum of absolute products. */
+static inline void rc_frame_group(GroupFrame* frame, Cull* cull) {
+  const float4 du = frame->rays.du, dv = frame->rays.dv, d0 = frame->rays.d0;
+  const float4 a = rc_cross(dv, d0), b = rc_cross(d0, du), z = rc_cross(du, dv);
+  const float scale = 1.0f / rc_dot3(d0, z);
+  frame->map.origin = frame->rays.origin;
+  frame->map.a = a * scale;
+  frame->map.b = b * scale;
+  frame->map.z = z * scale;
+  const float half_a = 0.5f * (float)RC_GROUP_PIXELS, half_b = 0.5f;
+  const float4 field = fabs(d0) + half_a * fabs(du) + half_b * fabs(dv), span = fabs(du) + fabs(dv);
+  const float size = fmax(rc_sum3(rc_sum_products(frame->map.a, field)), rc_sum3(rc_sum_products(frame->map.b, field)));
+  const float depth = rc_sum3(rc_sum_products(frame->map.z, field));
+  const float growth = fmax(rc_sum3(rc_sum_products(frame->map.a, span)), rc_sum3(rc_sum_products(frame->map.b, span))) + depth;
+  frame->map.error = 16.0f * RC_ULP * (size + half_a * depth);
+  frame->map.error_growth = 32.0f * RC_ULP * growth;
+  frame->map.error_square = 32.0f * RC_ULP * rc_sum3(rc_sum_products(frame->map.z, span));
+  const float edge_a = half_a + 2.0f * frame->map.error, edge_b = half_b + 2.0f * frame->map.error;
+  cull->ox = frame->rays.origin.x;
+  cull->oy = frame->rays.origin.y;
+  cull->oz = frame->rays.origin.z;
+  rc_set_plane(cull, 0, edge_a * frame->map.z - frame->map.a, 0.0f);
+  rc_set_plane(cull, 1, edge_a * frame->map.z + frame->map.a, 0.0f);
+  rc_set_plane(cull, 2, edge_b * frame->map.z - frame->map.b, 0.0f);
+  rc_set_plane(cull, 3, edge_b * frame->map.z + frame->map.b, 0.0f);
+}
+
+/* Keeps the larger 1 / t; of equal ones the lower instance, then the lower primitive. */
+static inline void rc_keep(Closest* closest, uint slot, float near, uint instance, uint primitive) {
+  const bool first = near == closest->near[slot] &&
+                     (instance < closest->instance[slot] || (instance == closest->instance[slot] && primitive < closest->primitive[slot]));
+  if (near > closest->near[slot] || first) {
+    closest->near[slot] = near;
+    closest->instance[slot] = instance;
+    closest->primitive[slot] = primitive;
+  }
+}
+
+/* The single ray of a grid slot, in the instance's frame. */
+static inline Ray rc_slot_ray(const GroupFrame* frame, uint row, uint column) {
+  const uint p = column / RC_NU;
+  float a, b;
+  rc_group_sample(0u, 0u, p, (frame->first_row + row) * RC_NU + column - p * RC_NU, &a, &b);
+  return rc_make_ray(frame->rays.origin, rc_group_direction(frame->rays, a, b));
+}
+
+static inline void rc_decide_slot(const GroupFrame* frame, Closest* closest, global const TriBlock* block, uint instance, uint primitive,
+                                  uint row, uint column) {
+  const float t = rc_hit_lane(rc_slot_ray(frame, row, column), block, primitive % RC_BLOCK);
+  if (t > 0.0f) rc_keep(closest, row * RC_GRID_PITCH + column, 1.0f / t, instance, primitive);
+}
+
+static inline float rc_column_a(float column) { return (column + 0.5f) * (1.0f / RC_NU) - 0.5f * RC_GROUP_PIXELS; }
+static inline float rc_row_b(float row) { return (row + 0.5f) * (1.0f / RC_NV) - 0.5f; }
+
+/* Of the lanes that have no linear form, those that the group can see: not all behind, not all beyond one side. */
+static inline uint rc_behind(const GroupFrame* frame, global const TriBlock* block, int16 lanes) {
+  global const float* at = (global const float*)block;
+  const float edge_a = 0.5f * (float)RC_GROUP_PIXELS + 2.0f * frame->map.error, edge_b = 0.5f + 2.0f * frame->map.error;
+  int16 back = -1, left = -1, right = -1, above = -1, below = -1;
+  for (int i = 0; i < 3; ++i) {
+    const float16 x = vload16(0, at + 48 * i) - frame->map.origin.x, y = vload16(0, at + 48 * i + 16) - frame->map.origin.y;
+    const float16 z = vload16(0, at + 48 * i + 32) - frame->map.origin.z;
+    const float16 a = rc_project_row(frame->map.a, x, y, z), b = rc_project_row(frame->map.b, x, y, z), depth = rc_project_row(frame->map.z, x, y, z);
+    const float16 slack = (fabs(a) + fabs(b) + fabs(depth)) * (frame->map.error + frame->map.error_growth);
+    back &= depth <= 0.0f;
+    left &= fma((float16)(edge_a), depth, a) < -slack;
+    right &= fma((float16)(edge_a), depth, -a) < -slack;
+    above &= fma((float16)(edge_b), depth, b) < -slack;
+    below &= fma((float16)(edge_b), depth, -b) < -slack;
+  }
+  return rc_mask16(lanes & ~(back | left | right | above | below));
+}
+
+static inline void rc_primary_block(const GroupFrame* frame, Closest* closest, global const TriBlock* block, uint instance, uint first) {
+  const Setup s = rc_setup_block(&frame->map, block, true);
+  /* Samples inside each rectangle: first and last column and row. The 1e-5 covers the rounding of these four lines. */
+  const float16 left = fmax(ceil(fma(s.lo_a, (float16)(RC_NU), (float16)(0.5f * RC_GRID_COLUMNS - 0.5f - 1e-5f))), 0.0f);
+  const float16 right = fmin(floor(fma(s.hi_a, (float16)(RC_NU), (float16)(0.5f * RC_GRID_COLUMNS - 0.5f + 1e-5f))), (float)frame->columns - 1.0f);
+  const float row_shift = 0.5f * RC_NV - 0.5f - (float)frame->first_row;
+  const float16 above = fmax(ceil(fma(s.lo_b, (float16)(RC_NV), (float16)(row_shift - 1e-5f))), 0.0f);
+  const float16 below = fmin(floor(fma(s.hi_b, (float16)(RC_NV), (float16)(row_shift + 1e-5f))), (float)(frame->rows - 1u));
+  const float16 columns = right - left, rows = below - above;
+  const int16 seen = s.usable & (columns >= 0.0f) & (rows >= 0.0f);
+  const uint seen_bits = rc_mask16(seen);
+  const uint behind_bits = rc_mask16(s.behind) ? rc_behind(frame, block, s.behind) : 0u;
+  if (!(seen_bits | behind_bits)) return;
+  const int16 small = seen & (columns < (float)RC_SMALL) & (rows < (float)RC_SMALL);
+  const uint small_bits = rc_mask16(small);
+  uint large_bits = seen_bits & ~small_bits;
+  float left_of[16], above_of[16];
+  vstore16(left, 0, left_of);
+  vstore16(above, 0, above_of);
+
+  if (small_bits) {
+    const float16 a0 = fma(left + 0.5f, (float16)(1.0f / RC_NU), (float16)(-0.5f * RC_GROUP_PIXELS));
+    const float16 b0 = fma(above + (0.5f + (float)frame->first_row), (float16)(1.0f / RC_NV), (float16)(-0.5f));
+    #pragma unroll 1
+    for (int r = 0; r < RC_SMALL; ++r) {
+      const int16 in_row = small & (rows >= (float)r);
+      if (!rc_mask16(in_row)) break;
+      const float16 b = b0 + (float)r * (1.0f / RC_NV);
+      #pragma unroll 1
+      for (int c = 0; c < RC_SMALL; ++c) {
+        const int16 in_cell = in_row & (columns >= (float)c);
+        const float16 a = a0 + (float)c * (1.0f / RC_NU);
+        const float16 l1 = fma(s.l1a, a, fma(s.l1b, b, s.l1c)), l2 = fma(s.l2a, a, fma(s.l2b, b, s.l2c));
+        const float16 least = fmin(fmin(l1, l2), (1.0f - l1) - l2);
+        uint bits = rc_mask16(in_cell & (least >= -s.band));
+        if (!bits) continue;
+        const uint open = rc_mask16(least <= s.band);
+        float near[16];
+        vstore16(fma(l1, s.q1, fma(l2, s.q2, s.q0)), 0, near);
+        while (bits) {
+          const uint lane = rc_lowest(bits), row = (uint)above_of[lane] + r, column = (uint)left_of[lane] + c;
+          bits &= bits - 1u;
+          if (open >> lane & 1u) rc_decide_slot(frame, closest, block, instance, first + lane, row, column);
+          else rc_keep(closest, row * RC_GRID_PITCH + column, near[lane], instance, first + lane);
+        }
+      }
+    }
+  }
+
+  if (large_bits) {
+    float l1a[16], l1b[16], l1c[16], l2a[16], l2b[16], l2c[16], q0[16], q1[16], q2[16], band[16], right_of[16], below_of[16];
+    vstore16(s.l1a, 0, l1a);
+    vstore16(s.l1b, 0, l1b);
+    vstore16(s.l1c, 0, l1c);
+    vstore16(s.l2a, 0, l2a);
+    vstore16(s.l2b, 0, l2b);
+    vstore16(s.l2c, 0, l2c);
+    vstore16(s.q0, 0, q0);
+    vstore16(s.q1, 0, q1);
+    vstore16(s.q2, 0, q2);
+    vstore16(s.band, 0, band);
+    vstore16(right, 0, right_of);
+    vstore16(below, 0, below_of);
+    const float16 lane_column = (float16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+    while (large_bits) {
+      const uint lane = rc_lowest(large_bits);
+      large_bits &= large_bits - 1u;
+      const uint first_vector = (uint)left_of[lane] / 16u, last_vector = (uint)right_of[lane] / 16u;
+      const uint first_row = (uint)above_of[lane], last_row = (uint)below_of[lane];
+      const float16 l1_step = l1a[lane], l2_step = l2a[lane], uncertain = band[lane];
+      const float16 near0 = q0[lane], near1 = q1[lane], near2 = q2[lane];
+      for (uint row = first_row; row <= last_row; ++row) {
+        const float b = rc_row_b((float)(row + frame->first_row));
+        const float16 l1_row = fma(b, l1b[lane], l1c[lane]), l2_row = fma(b, l2b[lane], l2c[lane]);
+        for (uint vector = first_vector; vector <= last_vector; ++vector) {
+          const uint slot = row * RC_GRID_PITCH + vector * 16u;
+          const float16 a = fma(lane_column + (float)(vector * 16u), (float16)(1.0f / RC_NU), (float16)(0.5f / RC_NU - 0.5f * RC_GROUP_PIXELS));
+          const float16 l1 = fma(l1_step, a, l1_row), l2 = fma(l2_step, a, l2_row);
+          const float16 least = fmin(fmin(l1, l2), (1.0f - l1) - l2);
+          const float16 near = fma(l1, near1, fma(l2, near2, near0));
+          const float16 before = vload16(0, closest->near + slot);
+          const int16 inside = least > uncertain, nearer = inside & (near > before);
+          uint open = rc_mask16((least >= -uncertain) & (~inside | (near == before)));
+          if (rc_mask16(nearer)) {
+            vstore16(select(before, near, nearer), 0, closest->near + slot);
+            vstore16(select(vload16(0, closest->instance + slot), (uint16)(instance), nearer), 0, closest->instance + slot);
+            vstore16(select(vload16(0, closest->primitive + slot), (uint16)(first + lane), nearer), 0, closest->primitive + slot);
+          }
+          if (open) {
+            const uint tied = rc_mask16(inside);
+            float near_of[16];
+            vstore16(near, 0, near_of);
+            while (open) {
+              const uint k = rc_lowest(open), column = vector * 16u + k;
+              open &= open - 1u;
+              if (column >= frame->columns) continue;
+              if (tied >> k & 1u) rc_keep(closest, slot + k, near_of[k], instance, first + lane);
+              else rc_decide_slot(frame, closest, block, instance, first + lane, row, column);
+            }
+          }
+        }
+      }
+    }
+  }
+
+  for (uint lanes = behind_bits; lanes; lanes &= lanes - 1u) {  /* crosses the sensor's plane: every sample alone */
+    const uint lane = rc_lowest(lanes);
+    for (uint row = 0; row < frame->rows; ++row)
+      for (uint column = 0; column < frame->columns; ++column)
+        rc_decide_slot(frame, closest, block, instance, first + lane, row, column);
+  }
+}
+
+/* From a row-wise grid of the group to one pixel's slots; empty slots become RC_NONE. */
+static inline void rc_write_pixel(const uint* grid, uint p, uint rows, global uint* out) {
+  uint slots[RC_NPAD + 16];
+  for (uint row = 0; row < rows; ++row)
+    for (uint i = 0; i < RC_NU; i += 16u) vstore16(vload16(0, grid + row * RC_GRID_PITCH + p * RC_NU + i), 0, slots + row * RC_NU + i);
+  for (uint k = rows * RC_NU; k < RC_NPAD; ++k) slots[k] = RC_NONE;
+  for (uint word = 0; word < RC_NWORDS; ++word) vstore16(vload16(word, slots), word, out);
+}
+
+static inline void rc_primary_group(global const BvhNode* nodes, global const TriBlock* blocks, global const Instance* instances,
+                                    RayGroup rays, uint first_row, uint rows, uint columns, Closest* closest) {
+  GroupFrame world, inside;
+  Cull world_cull, inside_cull;
+  world.rays = rays;
+  world.first_row = inside.first_row = first_row;
+  world.rows = inside.rows = rows;
+  world.columns = inside.columns = columns;
+  rc_frame_group(&world, &world_cull);
+  uint stack[RC_STACK];
+  uint top = 1;
+  stack[0] = 0;
+  while (top) {
+    global const BvhNode* node = nodes + stack[--top];
+    uint boxes = rc_cull_boxes(&world_cull, 4, node);
+    const uint leaf_mask = node->leaf_mask;
+    for (uint inner = boxes & ~leaf_mask; inner; inner &= inner - 1u) {
+      const uint child = node->child[rc_lowest(inner)];
+      rc_prefetch(nodes + child, 256);
+      stack[top++] = child;
+    }
+    for (uint leaves = boxes & leaf_mask; leaves; leaves &= leaves - 1u) {
+      const uint instance = node->child[rc_lowest(leaves)];
+      global const Instance* placed = instances + instance;
+      if (placed->flags & 1u) {
+        inside.rays = rays;
+        inside.map = world.map;
+        inside_cull = world_cull;
+      } else {
+        const float4 r0 = placed->local_from_world_0, r1 = placed->local_from_world_1, r2 = placed->local_from_world_2;
+        inside.rays.origin = rc_map_point(r0, r1, r2, rays.origin);
+        inside.rays.d0 = rc_map_vector(r0, r1, r2, rays.d0);
+        inside.rays.du = rc_map_vector(r0, r1, r2, rays.du);
+        inside.rays.dv = rc_map_vector(r0, r1, r2, rays.dv);
+        rc_frame_group(&inside, &inside_cull);
+      }
+      const uint base = top;
+      stack[top++] = placed->root;
+      while (top > base) {
+        const uint entry = stack[--top];
+        if (entry & RC_LEAF) {
+          const uint block = entry & ~RC_LEAF;
+          rc_primary_block(&inside, closest, blocks + block, instance, block * RC_BLOCK);
+          continue;
+        }
+        global const BvhNode* mesh_node = nodes + entry;
+        uint mesh_boxes = rc_cull_boxes(&inside_cull, 4, mesh_node);
+        const uint mesh_leaves = mesh_node->leaf_mask;
+        for (; mesh_boxes; mesh_boxes &= mesh_boxes - 1u) {
+          const uint slot = rc_lowest(mesh_boxes), child = mesh_node->child[slot];
+          if (mesh_leaves >> slot & 1u) {
+            rc_prefetch(blocks + child, 576);
+            stack[top++] = child | RC_LEAF;
+          } else {
+            rc_prefetch(nodes + child, 256);
+            stack[top++] = child;
+          }
+        }
+      }
+    }
+  }
+}
+
+#endif
