@@ -1,0 +1,179 @@
+#include "host/products/envi_reader.h"
+
+#include <algorithm>
+#include <bit>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <fmt/format.h>
+
+#include "host/base/error.h"
+#include "host/base/memory.h"
+
+namespace raycube::products {
+namespace fs = std::filesystem;
+namespace {
+
+using base::Error;
+using base::Fault;
+
+bool is_file(const std::string& path) {
+  std::error_code ignored;
+  return fs::is_regular_file(path, ignored);
+}
+
+bool ends_with_hdr(const std::string& path) {
+  const std::string tail = path.size() >= 4 ? path.substr(path.size() - 4) : "";
+  return tail == ".hdr" || tail == ".HDR";
+}
+
+template <class T>
+double as_double(const unsigned char* bytes, bool swap) {
+  unsigned char raw[sizeof(T)];
+  std::memcpy(raw, bytes, sizeof(T));
+  if (swap) std::reverse(raw, raw + sizeof(T));
+  T value;
+  std::memcpy(&value, raw, sizeof(T));
+  return static_cast<double>(value);
+}
+
+using Decode = double (*)(const unsigned char*, bool);
+
+/// Decoder of one component of a data type.
+Decode decoder(int data_type) {
+  switch (data_type) {
+    case 1: return as_double<std::uint8_t>;
+    case 2: return as_double<std::int16_t>;
+    case 3: return as_double<std::int32_t>;
+    case 4: case 6: return as_double<float>;
+    case 5: case 9: return as_double<double>;
+    case 12: return as_double<std::uint16_t>;
+    case 13: return as_double<std::uint32_t>;
+    case 14: return as_double<std::int64_t>;
+    default: return as_double<std::uint64_t>;
+  }
+}
+
+}  // namespace
+
+EnviPaths find_envi_pair(const std::string& path) {
+  if (ends_with_hdr(path)) {
+    if (!is_file(path)) throw Error(Fault::input, path + ": no such file");
+    const std::string stem = path.substr(0, path.size() - 4);
+    for (const char* extension : {"", ".img", ".dat", ".sli", ".bsq", ".bil", ".bip", ".raw", ".bin", ".lib", ".IMG", ".DAT"})
+      if (is_file(stem + extension)) return {path, stem + extension};
+    return {path, ""};
+  }
+  if (!is_file(path)) throw Error(Fault::input, path + ": no such file");
+  const std::string stem = fs::path(path).replace_extension().string();
+  for (const std::string& header : {path + ".hdr", path + ".HDR", stem + ".hdr", stem + ".HDR"})
+    if (is_file(header)) return {header, path};
+  throw Error(Fault::input, fmt::format("{}: its ENVI header is missing (looked for {}.hdr and {}.hdr)", path, path, stem));
+}
+
+struct EnviReader::State {
+  EnviPaths paths;
+  EnviHeader header;
+  int fd = -1;
+  ~State() {
+    if (fd >= 0) ::close(fd);
+  }
+
+  void read_at(std::uint64_t offset, unsigned char* out, std::size_t bytes) const {
+    while (bytes > 0) {
+      const ssize_t got = ::pread(fd, out, std::min<std::size_t>(bytes, 1u << 30), static_cast<off_t>(offset));
+      if (got < 0 && errno == EINTR) continue;
+      if (got <= 0)
+        throw Error(Fault::environment, fmt::format("{}: reading failed at byte {}: {}", paths.data, offset,
+                                                    got < 0 ? std::strerror(errno) : "the file has become shorter"));
+      out += got, offset += static_cast<std::uint64_t>(got), bytes -= static_cast<std::size_t>(got);
+    }
+  }
+};
+
+EnviReader::EnviReader(const std::string& path) : state_(std::make_unique<State>()) {
+  State& s = *state_;
+  s.paths = find_envi_pair(path);
+  s.header = read_envi_header(s.paths.header);
+  if (s.paths.data.empty())
+    throw Error(Fault::input, s.paths.header + ": its data file is missing (looked for the same name without .hdr, with .img, .dat, "
+                              ".sli, .bsq, .bil, .bip)");
+  s.fd = ::open(s.paths.data.c_str(), O_RDONLY | O_CLOEXEC);
+  struct stat status {};
+  if (s.fd < 0 || ::fstat(s.fd, &status) != 0)
+    throw Error(Fault::input, fmt::format("{}: cannot be opened: {}", s.paths.data, std::strerror(errno)));
+  const std::uint64_t wanted = s.header.header_offset + s.header.data_bytes(), found = static_cast<std::uint64_t>(status.st_size);
+  if (found < wanted)
+    throw Error(Fault::input,
+                fmt::format("{}: is too short: {} samples x {} lines x {} bands of {} and a header offset of {} need {} bytes (found {}); "
+                            "the file is truncated or the header is another file's",
+                            s.paths.data, s.header.samples, s.header.lines, s.header.bands, s.header.type().name,
+                            s.header.header_offset, wanted, found));
+  if (found > wanted)
+    s.header.warnings.push_back(fmt::format("{}: has {} bytes more than its header describes", s.paths.data, found - wanted));
+}
+
+EnviReader::~EnviReader() = default;
+EnviReader::EnviReader(EnviReader&&) noexcept = default;
+const EnviHeader& EnviReader::header() const { return state_->header; }
+const EnviPaths& EnviReader::paths() const { return state_->paths; }
+
+std::size_t EnviReader::values_per_pixel() const {
+  return static_cast<std::size_t>(state_->header.bands) * static_cast<std::size_t>(state_->header.type().components);
+}
+
+std::vector<double> EnviReader::read_lines(std::int64_t first, std::int64_t count) const {
+  const State& s = *state_;
+  const EnviHeader& h = s.header;
+  if (first < 0 || count < 0 || first + count > h.lines)
+    throw Error(Fault::bug, fmt::format("{}: lines {} to {} of {} asked for", s.paths.data, first, first + count, h.lines));
+  const std::size_t samples = static_cast<std::size_t>(h.samples), bands = static_cast<std::size_t>(h.bands);
+  const std::size_t bytes = h.type().bytes, parts = static_cast<std::size_t>(h.type().components), part_bytes = bytes / parts;
+  const bool swap = (h.byte_order == 1) != (std::endian::native == std::endian::big);
+  const Decode decode = decoder(h.data_type);
+  const std::size_t line_bytes = samples * bands * bytes;
+  std::vector<double> out(static_cast<std::size_t>(count) * samples * bands * parts);
+  std::vector<unsigned char> raw(h.interleave == Interleave::bsq ? samples * bytes : line_bytes);
+  for (std::int64_t l = 0; l < count; ++l) {
+    double* const line = out.data() + static_cast<std::size_t>(l) * samples * bands * parts;
+    const std::uint64_t line_number = static_cast<std::uint64_t>(first + l);
+    if (h.interleave != Interleave::bsq) s.read_at(h.header_offset + line_number * line_bytes, raw.data(), line_bytes);
+    for (std::size_t b = 0; b < bands; ++b) {
+      if (h.interleave == Interleave::bsq)
+        s.read_at(h.header_offset + (b * static_cast<std::uint64_t>(h.lines) + line_number) * samples * bytes, raw.data(), samples * bytes);
+      for (std::size_t x = 0; x < samples; ++x) {
+        const std::size_t at = h.interleave == Interleave::bsq ? x : h.interleave == Interleave::bil ? b * samples + x : x * bands + b;
+        for (std::size_t part = 0; part < parts; ++part)
+          line[(x * bands + b) * parts + part] = decode(raw.data() + at * bytes + part * part_bytes, swap);
+      }
+    }
+  }
+  return out;
+}
+
+std::vector<double> EnviReader::read_lines_scaled(std::int64_t first, std::int64_t count) const {
+  std::vector<double> out = read_lines(first, count);
+  const EnviHeader& h = state_->header;
+  if ((h.data_gain.empty() && h.data_offset.empty()) || h.type().components != 1) return out;
+  const std::size_t bands = static_cast<std::size_t>(h.bands);
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    if (!h.data_gain.empty()) out[i] *= h.data_gain[i % bands];
+    if (!h.data_offset.empty()) out[i] += h.data_offset[i % bands];
+  }
+  return out;
+}
+
+std::vector<double> EnviReader::read_pixel(std::int64_t line, std::int64_t sample) const {
+  const auto whole = read_lines(line, 1);
+  const std::size_t per_pixel = values_per_pixel();
+  if (sample < 0 || sample >= state_->header.samples) throw Error(Fault::bug, "sample outside the image");
+  const auto begin = whole.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(sample) * per_pixel);
+  return {begin, begin + static_cast<std::ptrdiff_t>(per_pixel)};
+}
+
+}  // namespace raycube::products

@@ -1,0 +1,48 @@
+// Reads any ENVI raster or spectral library: all eleven data types, both byte orders, the three interleaves.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "host/products/envi_header.h"
+
+namespace raycube::products {
+
+/// The two files of an ENVI pair. header: `name.img.hdr` or `name.hdr`; data: `name.img`, `name`, `name.dat`, `name.sli` ...
+struct EnviPaths {
+  std::string header;
+  std::string data;  ///< empty: a header without data
+};
+
+/// Finds the pair from the name of either file. Throws Error(input) when there is no header.
+EnviPaths find_envi_pair(const std::string& path);
+
+/// An open ENVI file. Values are handed out in (line, sample, band) order whatever the interleave; a complex sample gives two
+/// values, real and imaginary. 64-bit integers beyond 2^53 round to the nearest double.
+class EnviReader {
+ public:
+  /// Opens the pair. Throws Error(input) when a file is missing, the header is bad or the data file is too short for it.
+  explicit EnviReader(const std::string& path);
+  ~EnviReader();
+  EnviReader(EnviReader&&) noexcept;
+
+  const EnviHeader& header() const;
+  const EnviPaths& paths() const;
+  /// Values per pixel: bands, twice as many when complex.
+  std::size_t values_per_pixel() const;
+
+  /// Stored numbers of `count` lines, as they are.
+  std::vector<double> read_lines(std::int64_t first, std::int64_t count) const;
+  /// The same times data gain plus data offset, where the header has them.
+  std::vector<double> read_lines_scaled(std::int64_t first, std::int64_t count) const;
+  /// Stored numbers of one pixel.
+  std::vector<double> read_pixel(std::int64_t line, std::int64_t sample) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace raycube::products

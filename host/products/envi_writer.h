@@ -1,0 +1,60 @@
+// Writes an ENVI raster strip by strip in line order, in any interleave, as float32 or scaled uint16.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/base/output_file.h"
+#include "host/products/envi_header.h"
+
+namespace raycube::products {
+
+/// A run of whole lines, values in (line, sample, band) order as the kernels leave them.
+struct Strip {
+  std::int64_t first_line = 0;
+  std::int64_t lines = 0;
+  const float* values = nullptr;
+  std::size_t pixel_stride = 0;  ///< floats from one pixel to the next, at least bands; 0: bands
+};
+
+/// Samples that a uint16 product could not hold.
+struct ClippedSamples {
+  std::uint64_t low = 0;   ///< below 0, written as 0
+  std::uint64_t high = 0;  ///< above 65535 / scale, written as 65535
+  std::uint64_t nan = 0;   ///< not a number, written as 0
+};
+
+class EnviWriter {
+ public:
+  /// Begins `name` (".img") and its header (same name with ".hdr") in the set and claims the disk space. From `header` all but
+  /// data type, byte order, header offset and gains is taken as it stands; interleave is the one it names. With integer_scale
+  /// the file holds uint16 = round(value * scale) and the header data gain 1 / scale.
+  EnviWriter(base::OutputSet& set, const std::string& name, EnviHeader header, std::optional<double> integer_scale = {});
+
+  /// Next lines. Throws Error(bug) when a strip does not begin where the last one ended.
+  void write(const Strip& strip);
+  /// After the last line: writes the header. Throws Error(bug) when lines are missing.
+  void finish();
+
+  const EnviHeader& header() const { return header_; }
+  std::int64_t lines_written() const { return next_line_; }
+  const ClippedSamples& clipped() const { return clipped_; }
+  /// Lines written before, in (line, sample, band) order, float32 files only.
+  void read_back(std::int64_t first_line, std::int64_t lines, float* values) const;
+
+ private:
+  template <class Sample, class Convert>
+  void write_as(const Strip& strip, Convert convert);
+
+  base::OutputFile& data_;
+  base::OutputFile& text_;
+  EnviHeader header_;
+  std::optional<double> integer_scale_;
+  std::int64_t next_line_ = 0;
+  ClippedSamples clipped_;
+  std::vector<unsigned char> buffer_;
+};
+
+}  // namespace raycube::products

@@ -1,0 +1,56 @@
+#include "host/products/run_record.h"
+
+#include <nlohmann/json.hpp>
+
+#include "host/base/error.h"
+#include "host/base/version.h"
+
+namespace raycube::products {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json member(const char* name, const std::string& text) {
+  if (text.empty()) return nullptr;
+  try {
+    return Json::parse(text);
+  } catch (const Json::parse_error& failure) {
+    throw base::Error(base::Fault::bug, std::string("run record: ") + name + " is not JSON: " + failure.what());
+  }
+}
+
+}  // namespace
+
+std::string run_record_json(const RunRecord& r) {
+  Json out;
+  out["format"] = "raycube run";
+  out["format_version"] = 1;
+  out["program"] = {{"name", "raycube"}, {"version", base::kVersion}, {"commit", base::kCommit}, {"compiler", base::kCompiler}};
+  out["command"] = r.command;
+  out["instrument"] = r.instrument;
+  out["scene_hash"] = r.scene_hash;
+  out["seed"] = r.seed;
+  out["digest"] = r.digest;
+  out["device"] = {{"platform", r.platform}, {"name", r.device}, {"driver", r.driver}, {"opencl", r.opencl_version},
+                   {"compute_units", r.compute_units}, {"threads", r.threads}};
+  out["program_hash"] = r.program_hash;
+  out["kernel_variants"] = r.kernel_variants;
+  out["image"] = {{"samples", r.samples}, {"lines", r.lines}, {"bands", r.bands}, {"samples_per_pixel", r.samples_per_pixel}};
+  out["stage_s"] = Json::object();
+  for (const auto& [stage, seconds] : r.stage_s) out["stage_s"][stage] = seconds;
+  out["total_s"] = r.total_s;
+  out["rays"] = r.rays;
+  out["rays_per_s"] = r.rays_per_s;
+  out["band_samples_per_s"] = r.band_samples_per_s;
+  out["memory"] = {{"budget_bytes", r.memory_budget_bytes}, {"peak_bytes", r.peak_memory_bytes}, {"device_bytes", r.device_memory_bytes}};
+  out["clipped"] = {{"low", r.clipped_low}, {"high", r.clipped_high}, {"not_a_number", r.not_a_number}};
+  out["warnings"] = r.warnings;
+  out["files"] = Json::object();
+  for (const auto& [name, text] : r.files) out["files"][name] = text;
+  out["configuration"] = member("configuration", r.configuration_json);
+  out["plan"] = member("plan", r.plan_json);
+  for (const auto& [name, text] : r.more_json) out[name] = member(name.c_str(), text);
+  return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace raycube::products
