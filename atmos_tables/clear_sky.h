@@ -6,7 +6,6 @@
 // docs/table_format.md states what this is worth against DISORT and MODTRAN. 0.3 to 4 um; no thermal emission.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "atmos_tables/render_table.h"
@@ -27,14 +26,16 @@ RenderTable build_clear_sky(const scene::AtmosphereSpec& spec, const scene::Sun&
 RenderTable vacuum_table(const scene::Sun& sun, double sensor_height_m, const std::vector<double>& wavelength_um,
                          const std::vector<double>& target_height_m);
 
+/// What a simulation names: the file, no air, or the clear sky. A table read from a file must fit the sun (0.01 deg) and the
+/// sensor height (0.1 m) asked for.
+RenderTable make_table(const scene::AtmosphereSpec& spec, const scene::Sun& sun, double sensor_height_m,
+                       const std::vector<double>& wavelength_um, const std::vector<double>& target_height_m);
+
 /// Default grid of the range: 1 nm to 1 um, 2 nm to 2.5 um, 10 nm beyond; step_um > 0 replaces all three.
 std::vector<double> clear_sky_wavelengths(double first_um, double last_um, double step_um = 0);
 
-/// Heights that keep interpolation within 0.2 % over [low_m, high_m]: both ends and enough between; one when they are equal.
+/// Heights over [low_m, high_m], both ends and 150 m steps (at most 16 nodes): transmissions between them within 0.2 %, in
+/// saturated bands within 1.3 % of the depth 235 m from the sensor. One height when the two are equal.
 std::vector<double> clear_sky_heights(double low_m, double high_m);
-
-/// The extraterrestrial spectrum at 1 AU, W m-2 um-1, linear between its nodes; and its name.
-double solar_irradiance_1au(double wavelength_um);
-std::string solar_source_name();
 
 }  // namespace raycube::atmos

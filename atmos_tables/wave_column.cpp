@@ -14,8 +14,25 @@ constexpr double kPi = std::numbers::pi;
 double radians(double degrees) { return degrees * kPi / 180; }
 }  // namespace
 
-Path make_path(const AirColumn& air, std::size_t from, std::size_t to, double zenith_deg, bool observer_below) {
+double aerosol_back_share(double asymmetry, double zenith_deg) {
+  // Midpoint rule over the far hemisphere; smooth there, so 32 x 32 is good to 1e-3.
+  constexpr int kSteps = 32;
+  const double mu = std::cos(radians(zenith_deg)), sine = std::sin(radians(zenith_deg));
+  double sum = 0;
+  for (int i = 0; i < kSteps; ++i)
+    for (int j = 0; j < kSteps; ++j) {
+      const double other = (i + 0.5) / kSteps;
+      const double cosine = -mu * other + sine * std::sqrt(1 - other * other) * std::cos(kPi * (j + 0.5) / kSteps);
+      sum += phase_henyey_greenstein(asymmetry, cosine);
+    }
+  return 0.5 * sum / (kSteps * kSteps);
+}
+
+Path make_path(const AirColumn& air, std::size_t from, std::size_t to, double zenith_deg, bool observer_below,
+               double asymmetry) {
   Path path;
+  path.observer_below = observer_below;
+  path.aerosol_back = aerosol_back_share(asymmetry, zenith_deg);
   path.from = from, path.to = to;
   path.slant = air.slant(from, zenith_deg);
   path.to_mid.resize(air.layers());
@@ -41,8 +58,10 @@ WaveColumn::WaveColumn(const AirColumn& air, const std::vector<ColumnShare>& sun
     : air_(air), sun_share_(sun_share), spec_(spec), line_(bird_riordan_at(wavelength_um)), cos_sun_(cos_sun),
       rayleigh_(rayleigh_depth(wavelength_um, spec.pressure_hPa)),
       aerosol_(spec.aod_550 * std::pow(wavelength_um / 0.55, -spec.angstrom)),
-      albedo_(aerosol_albedo(spec.ssa, wavelength_um)) {
-  for (const ColumnShare& share : sun_share) sun_depth_.push_back(scatter_depth(share));
+      albedo_(aerosol_albedo(spec.ssa, wavelength_um)),
+      forward_(spec.asymmetry * spec.asymmetry),
+      scaled_aerosol_(aerosol_ * (1 - albedo_ * forward_)) {
+  for (const ColumnShare& share : sun_share) sun_depth_.push_back(scaled_depth(share));
 }
 
 double WaveColumn::gas_depth(const ColumnShare& share) const {
@@ -84,7 +103,7 @@ double WaveColumn::diffuse_from_ground(std::size_t level) const {
   above.ozone = 0;  // the authors leave ozone out of the sky's reflectance
   t.gas = std::exp(-gas_depth(above));
   const double sky = sky_reflectance(spec_.asymmetry, t), correction = short_wave_correction(line_.wavelength_um);
-  const double direct = cos_sun_ * std::exp(-sun_depth_[level] - gas_depth(sun_share_[level]));
+  const double direct = cos_sun_ * std::exp(-scatter_depth(sun_share_[level]) - gas_depth(sun_share_[level]));
   const double coupling = spec_.ground_albedo * sky / (1 - spec_.ground_albedo * sky);
   return (direct + diffuse_black(level, true) / correction) * coupling * correction;
 }
@@ -107,15 +126,15 @@ double WaveColumn::aerosol_part(std::size_t layer) const {
 double WaveColumn::joined(const Path& path, std::size_t layer) const {
   const ColumnShare to_edge = path.to_mid[layer] + (-0.5 * path.slant[layer]) * air_.share(layer);
   const ColumnShare sun_to_mid = 0.5 * (sun_share_[layer] + sun_share_[layer + 1]);
-  return std::exp(-scatter_depth(to_edge) - gas_depth(sun_to_mid + path.to_mid[layer]));
+  return std::exp(-scaled_depth(to_edge) - gas_depth(sun_to_mid + path.to_mid[layer]));
 }
 
-WaveColumn::Single WaveColumn::single(const Path& path, bool down) const {
+WaveColumn::Single WaveColumn::single(const Path& path) const {
   Single out;
   for (std::size_t l = path.from; l < path.to; ++l) {
     const double depth = layer_depth(l);
-    const double in_layer = down ? layer_scatter_down(depth, sun_slope(l), path.slant[l])
-                                 : layer_scatter_up(depth, sun_slope(l), path.slant[l]);
+    const double in_layer = path.observer_below ? layer_scatter_down(depth, sun_slope(l), path.slant[l])
+                                                : layer_scatter_up(depth, sun_slope(l), path.slant[l]);
     const double value = in_layer * std::exp(-sun_depth_[l + 1]) * joined(path, l);
     out.rayleigh += rayleigh_part(l) * value;
     out.aerosol += aerosol_part(l) * value;
@@ -123,13 +142,24 @@ WaveColumn::Single WaveColumn::single(const Path& path, bool down) const {
   return out;
 }
 
-double WaveColumn::diffuse_into_path(const Path& path, const std::vector<double>& down, const std::vector<double>& up) const {
-  const double back = 0.5 * (1 - 0.875 * spec_.asymmetry);
+WaveColumn::Fluxes WaveColumn::fluxes() const {
+  Fluxes out;
+  for (std::size_t level = 0; level < sun_depth_.size(); ++level) {
+    const double in_beam = cos_sun_ * (std::exp(-sun_depth_[level]) - std::exp(-scatter_depth(sun_share_[level])));
+    out.down.push_back(std::max(0.0, diffuse_black(level, false) - in_beam));
+    out.up.push_back(diffuse_up(level, 0));
+  }
+  return out;
+}
+
+double WaveColumn::scattered_diffuse(const Path& path, const Fluxes& fluxes) const {
+  const double turned = path.aerosol_back, kept = std::max(0.0, 1 - path.aerosol_back - forward_);
   double sum = 0;
   for (std::size_t l = path.from; l < path.to; ++l) {
-    const double from_above = 0.5 * (down[l] + down[l + 1]) / kPi, from_below = 0.5 * (up[l] + up[l + 1]) / kPi;
-    const double source = rayleigh_part(l) * 0.5 * (from_above + from_below) +
-                          aerosol_part(l) * (back * from_above + (1 - back) * from_below);
+    const double down = 0.5 * (fluxes.down[l] + fluxes.down[l + 1]) / kPi;
+    const double up = 0.5 * (fluxes.up[l] + fluxes.up[l + 1]) / kPi;
+    const double along = path.observer_below ? down : up, against = path.observer_below ? up : down;
+    const double source = rayleigh_part(l) * 0.5 * (along + against) + aerosol_part(l) * (turned * against + kept * along);
     sum += source * layer_emission(layer_depth(l), path.slant[l]) * joined(path, l);
   }
   return sum;

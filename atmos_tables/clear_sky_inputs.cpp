@@ -1,0 +1,186 @@
+#include "atmos_tables/clear_sky_inputs.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "atmos_tables/air_column.h"
+#include "atmos_tables/bird_riordan.h"
+#include "atmos_tables/clear_sky.h"
+#include "atmos_tables/rct_file.h"
+#include "atmos_tables/solar_spectrum.h"
+#include "atmos_tables/table_rows.h"
+#include "host/base/error.h"
+
+namespace raycube::atmos {
+
+namespace {
+
+std::string number(double value) { return std::isfinite(value) ? nlohmann::json(value).dump() : "not a finite number"; }
+
+void check_range(base::Problems& problems, const char* name, double value, double low, double high, const char* unit) {
+  if (value >= low && value <= high) return;
+  problems.add({"", 0, 0, std::string("atmosphere.") + name},
+               "must lie in " + number(low) + " to " + number(high) + (*unit ? std::string(" ") + unit : ""),
+               number(value), "correct the value");
+}
+
+void check_grid(base::Problems& problems, double sensor_height_m, const std::vector<double>& wavelength_um,
+                const std::vector<double>& target_height_m, double first_um, double last_um) {
+  const base::Where grid{"", 0, 0, "atmosphere wavelengths"}, heights{"", 0, 0, "atmosphere target heights"};
+  const auto ascending = [](const std::vector<double>& list) {
+    return !list.empty() && std::adjacent_find(list.begin(), list.end(), [](double a, double b) { return !(a < b); }) == list.end();
+  };
+  if (!ascending(wavelength_um))
+    problems.add(grid, "must ascend strictly, at least one", std::to_string(wavelength_um.size()) + " values", "sort them");
+  else if (!(wavelength_um.front() >= first_um && wavelength_um.back() <= last_um))
+    problems.add(grid, "the built-in model covers " + number(first_um) + " to " + number(last_um) + " um and ends there",
+                 number(wavelength_um.front()) + " to " + number(wavelength_um.back()) + " um",
+                 "narrow the bands, or import a table that reaches further");
+  if (!(sensor_height_m >= -1000 && sensor_height_m <= 1e9))
+    problems.add({"", 0, 0, "sensor height"}, "must lie in -1000 to 1e9 m", number(sensor_height_m), "correct the height");
+  if (!ascending(target_height_m))
+    problems.add(heights, "must ascend strictly, at least one", std::to_string(target_height_m.size()) + " values", "sort them");
+  else if (!(target_height_m.front() >= -1000))
+    problems.add(heights, "must not lie below -1000 m", number(target_height_m.front()), "move the scene's origin down");
+  else if (!(target_height_m.back() <= std::min(sensor_height_m, kTopOfAir_m)))
+    problems.add(heights, "no target may lie above the sensor (" + number(sensor_height_m) + " m) or the air (100 km)",
+                 number(target_height_m.back()) + " m", "raise the sensor or drop the height");
+}
+
+void check_sun(base::Problems& problems, const scene::Sun& sun, bool has_air) {
+  const base::Where where{"", 0, 0, "sun"};
+  if (!(sun.zenith_deg >= 0 && sun.zenith_deg <= 180))
+    problems.add(where, "zenith must lie in 0 to 180 deg", number(sun.zenith_deg), "correct the angle");
+  else if (has_air && sun.zenith_deg >= 90 && sun.zenith_deg < 108)
+    problems.add(where, "the built-in model has no twilight (sun zenith 90 to 108 deg)", number(sun.zenith_deg) + " deg",
+                 "choose a time with the sun up, or import a table");
+  if (!(sun.azimuth_deg >= -360 && sun.azimuth_deg <= 360))
+    problems.add(where, "azimuth must lie in -360 to 360 deg", number(sun.azimuth_deg), "correct the angle");
+  if (sun.day_of_year < 0 || sun.day_of_year > 366)
+    problems.add(where, "day of year must lie in 0 to 366", std::to_string(sun.day_of_year), "correct the date");
+}
+
+}  // namespace
+
+void check_clear_sky(const scene::AtmosphereSpec& spec, const scene::Sun& sun, double sensor_height_m,
+                     const std::vector<double>& wavelength_um, const std::vector<double>& target_height_m) {
+  base::Problems problems;
+  check_range(problems, "ground_height_m", spec.ground_height_m, -500, 9000, "m");
+  check_range(problems, "pressure_hPa", spec.pressure_hPa, 200, 1100, "hPa");
+  check_range(problems, "water_g_cm2", spec.water_g_cm2, 0, 10, "g cm-2");
+  check_range(problems, "ozone_atm_cm", spec.ozone_atm_cm, 0, 1, "atm-cm");
+  check_range(problems, "aod_550", spec.aod_550, 0, 5, "");
+  check_range(problems, "angstrom", spec.angstrom, -1, 4, "");
+  check_range(problems, "ssa", spec.ssa, 0, 1, "");
+  check_range(problems, "asymmetry", spec.asymmetry, 0, 0.95, "");
+  check_range(problems, "ground_albedo", spec.ground_albedo, 0, 1, "");
+  check_sun(problems, sun, true);
+  check_grid(problems, sensor_height_m, wavelength_um, target_height_m, kClearSkyFirst_um, kClearSkyLast_um);
+  problems.throw_if_any();
+}
+
+RenderTable sunlit_table(const scene::Sun& sun, double sensor_height_m, const std::vector<double>& wavelength_um,
+                         const std::vector<double>& target_height_m) {
+  RenderTable table;
+  table.solar_source = solar_source_name();
+  table.sun_zenith_deg = sun.zenith_deg;
+  table.sun_azimuth_deg = sun.azimuth_deg;
+  table.sensor_height_m = sensor_height_m;
+  add_axis(table, "wavelength", wavelength_um);
+  add_axis(table, "target_height", target_height_m);
+  Row& e0 = add_row(table, "solar_irradiance", solar_source_name() + ", times Spencer's earth-sun factor");
+  const double factor = earth_sun_factor(sun.day_of_year);
+  for (std::size_t i = 0; i < wavelength_um.size(); ++i)
+    e0.values[i] = static_cast<float>(factor * solar_irradiance_1au(wavelength_um[i]));
+  return table;
+}
+
+std::vector<double> clear_sky_wavelengths(double first_um, double last_um, double step_um) {
+  base::Problems problems;
+  if (!(first_um >= kClearSkyFirst_um && last_um <= kClearSkyLast_um && first_um < last_um))
+    problems.add({"", 0, 0, "atmosphere wavelengths"}, "the built-in model covers 0.3 to 4 um and ends there",
+                 number(first_um) + " to " + number(last_um) + " um", "narrow the range, or import a table");
+  if (!(step_um >= 0) || (step_um > 0 && (last_um - first_um) / step_um > 1e6))
+    problems.add({"", 0, 0, "atmosphere wavelength step"}, "must be positive and give at most 1e6 wavelengths",
+                 number(step_um) + " um", "choose a wider step");
+  problems.throw_if_any();
+  std::vector<double> out;
+  // Nodes are counted in picometres so that the grid does not depend on where it starts.
+  const auto add_span = [&](double low, double high, double step) {
+    low = std::max(low, first_um), high = std::min(high, last_um);
+    if (!(low < high)) return;
+    for (std::size_t i = 0; low + static_cast<double>(i) * step < high - 1e-9 * step; ++i)
+      out.push_back(low + static_cast<double>(i) * step);
+  };
+  if (step_um > 0) {
+    add_span(first_um, last_um, step_um);
+  } else {
+    add_span(0, 1.0, 0.001), add_span(1.0, 2.5, 0.002), add_span(2.5, 4.1, 0.01);
+  }
+  if (last_um - out.back() < 1e-9) out.pop_back();
+  out.push_back(last_um);
+  return out;
+}
+
+std::vector<double> clear_sky_heights(double low_m, double high_m) {
+  if (!(high_m > low_m)) return {low_m};
+  // Depth is exponential with the 2 km scale of water and aerosol: steps of 150 m leave (150/2000)^2/8 = 7e-4 of the depth
+  // between nodes; at most 16 nodes, evenly spaced.
+  const int steps = static_cast<int>(std::clamp(std::ceil((high_m - low_m) / 150), 1.0, 15.0));
+  std::vector<double> out;
+  for (int i = 0; i <= steps; ++i) out.push_back(low_m + (high_m - low_m) * i / steps);
+  out.back() = high_m;
+  return out;
+}
+
+RenderTable vacuum_table(const scene::Sun& sun, double sensor_height_m, const std::vector<double>& wavelength_um,
+                         const std::vector<double>& target_height_m) {
+  base::Problems problems;
+  check_sun(problems, sun, false);
+  check_grid(problems, sensor_height_m, wavelength_um, target_height_m, kClearSkyFirst_um, kClearSkyLast_um);
+  problems.throw_if_any();
+  RenderTable table = sunlit_table(sun, sensor_height_m, wavelength_um, target_height_m);
+  table.provenance_json = R"({"model":"vacuum","sources":["no air: transmission 1, sky and path radiance 0"]})";
+  for (const char* name : {"view_zenith", "relative_azimuth", "sky_zenith", "sky_azimuth"}) add_axis(table, name, {0.0});
+  for (const char* name : {"sun_transmission", "view_transmission", "two_way_factor"}) {
+    Row& row = add_row(table, name, "vacuum: exactly 1");
+    std::fill(row.values.begin(), row.values.end(), 1.0f);
+  }
+  for (const char* name : {"path_radiance_solar", "sky_radiance_solar", "diffuse_irradiance"})
+    add_row(table, name, "vacuum: exactly 0");
+  const double mu0 = sun.zenith_deg < 90 ? std::cos(sun.zenith_deg * std::numbers::pi / 180) : 0;
+  Row& direct = add_row(table, "direct_irradiance", "E0 cos(sun zenith); 0 with the sun at or below the horizon");
+  const Row& e0 = table.rows.at("solar_irradiance");
+  for (std::size_t i = 0; i < direct.values.size(); ++i)
+    direct.values[i] = static_cast<float>(mu0 * e0.values[i / target_height_m.size()]);
+  validate(table, "vacuum");
+  return table;
+}
+
+RenderTable make_table(const scene::AtmosphereSpec& spec, const scene::Sun& sun, double sensor_height_m,
+                       const std::vector<double>& wavelength_um, const std::vector<double>& target_height_m) {
+  if (spec.none) return vacuum_table(sun, sensor_height_m, wavelength_um, target_height_m);
+  if (spec.table_file.empty()) return build_clear_sky(spec, sun, sensor_height_m, wavelength_um, target_height_m);
+  RenderTable table = read_rct(spec.table_file);
+  base::Problems problems;
+  const base::Where where{spec.table_file, 0, 0, ""};
+  const char* way_out = "build the table for this simulation, or take sun and sensor from the table";
+  if (!(std::abs(table.sun_zenith_deg - sun.zenith_deg) <= 0.01))
+    problems.add(where, "is for another sun zenith than the simulation's " + number(sun.zenith_deg) + " deg",
+                 number(table.sun_zenith_deg) + " deg", way_out);
+  if (!(std::abs(std::remainder(table.sun_azimuth_deg - sun.azimuth_deg, 360.0)) <= 0.01))
+    problems.add(where, "is for another sun azimuth than the simulation's " + number(sun.azimuth_deg) + " deg",
+                 number(table.sun_azimuth_deg) + " deg", way_out);
+  if (!(std::abs(table.sensor_height_m - sensor_height_m) <= 0.1))
+    problems.add(where, "is for another sensor height than the simulation's " + number(sensor_height_m) + " m",
+                 number(table.sensor_height_m) + " m", way_out);
+  problems.throw_if_any();
+  return table;
+}
+
+}  // namespace raycube::atmos

@@ -1,0 +1,19 @@
+// What every built table starts from: checked inputs, and the table with its axes of wavelength and height and the sun's light.
+#pragma once
+
+#include <vector>
+
+#include "atmos_tables/render_table.h"
+#include "scene_compiler/simulation.h"
+
+namespace raycube::atmos {
+
+/// Reports every input of build_clear_sky that breaks its range, as one Error(input).
+void check_clear_sky(const scene::AtmosphereSpec& spec, const scene::Sun& sun, double sensor_height_m,
+                     const std::vector<double>& wavelength_um, const std::vector<double>& target_height_m);
+
+/// Wavelength and height axes and the row solar_irradiance.
+RenderTable sunlit_table(const scene::Sun& sun, double sensor_height_m, const std::vector<double>& wavelength_um,
+                         const std::vector<double>& target_height_m);
+
+}  // namespace raycube::atmos
