@@ -1,0 +1,128 @@
+// `raycube scene`: look at a simulation's scene, check it, compile it, print its format.
+#include <memory>
+#include <ostream>
+
+#include "host/base/error.h"
+#include "host/cli/verb.h"
+#include "scene_compiler/compiled_file.h"
+#include "scene_compiler/load_simulation.h"
+#include "scene_compiler/option_table.h"
+#include "scene_compiler/scene_info.h"
+
+namespace raycube::cli {
+namespace {
+
+struct Options {
+  std::string file;
+};
+
+scene::Simulation load(Context& context, const std::string& file, bool compile) {
+  scene::LoadOptions options;
+  options.compile = compile;
+  auto simulation = scene::load_simulation(file, options);
+  for (const auto& notice : simulation.notices) context.log.warning(notice);
+  return simulation;
+}
+
+bool is_compiled(const std::string& file) { return file.ends_with(".rcs"); }
+
+void print_info(Context& context, const scene::CompiledScene& compiled) {
+  const auto info = scene::scene_info(compiled);
+  context.out << (context.common.json ? scene::scene_info_json(info) : scene::scene_info_text(info));
+}
+
+Verb verb_info() {
+  auto o = std::make_shared<Options>();
+  Verb verb;
+  verb.name = "info";
+  verb.summary = "Count a scene's triangles, instances, bytes, materials";
+  verb.examples = {"raycube scene info park.toml"};
+  verb.add_options = [o](base::OptionTable& table) {
+    table.argument("FILE", "A simulation file, or a compiled scene (.rcs)", o->file);
+  };
+  verb.run = [o](Context& context) {
+    print_info(context,
+               is_compiled(o->file) ? scene::load_compiled(o->file) : load(context, o->file, true).scene);
+    return 0;
+  };
+  return verb;
+}
+
+Verb verb_check() {
+  auto o = std::make_shared<Options>();
+  Verb verb;
+  verb.name = "check";
+  verb.summary = "Validate a simulation file and all it names, report every problem at once";
+  verb.examples = {"raycube scene check park.toml"};
+  verb.add_options = [o](base::OptionTable& table) { table.argument("FILE", "A simulation file", o->file); };
+  verb.run = [o](Context& context) {
+    const auto simulation = load(context, o->file, false);
+    if (context.common.json)
+      context.out << simulation.resolved_json << "\n";
+    else
+      context.out << o->file << ": sound; " << simulation.instruments.size() << " instruments, "
+                  << simulation.notices.size() << " notices\n";
+    return 0;
+  };
+  return verb;
+}
+
+Verb verb_compile() {
+  auto o = std::make_shared<Options>();
+  Verb verb;
+  verb.name = "compile";
+  verb.summary = "Compile the scene of a simulation file to a .rcs file";
+  verb.description =
+      "The file carries the scene's buffers, trees and content hash; it depends on the simulation file no "
+      "more.";
+  verb.examples = {"raycube scene compile park.toml -o park.rcs"};
+  verb.common = kOutput;
+  verb.add_options = [o](base::OptionTable& table) { table.argument("FILE", "A simulation file", o->file); };
+  verb.run = [o](Context& context) {
+    std::string output = context.common.output;
+    if (output.empty())
+      output = (o->file.ends_with(".toml") ? o->file.substr(0, o->file.size() - 5) : o->file) + ".rcs";
+    const auto simulation = load(context, o->file, true);
+    scene::save_compiled(simulation.scene, output, context.common.overwrite);
+    context.log.info("wrote " + output);
+    print_info(context, simulation.scene);
+    return 0;
+  };
+  return verb;
+}
+
+Verb verb_schema() {
+  Verb verb;
+  verb.name = "schema";
+  verb.summary = "Print the JSON schema of simulation files";
+  verb.examples = {"raycube scene schema > raycube.schema.json"};
+  verb.run = [](Context& context) {
+    context.out << scene::options_json_schema();
+    return 0;
+  };
+  return verb;
+}
+
+Verb verb_keys() {
+  Verb verb;
+  verb.name = "keys";
+  verb.summary = "Print every key of simulation files as Markdown tables";
+  verb.examples = {"raycube scene keys"};
+  verb.run = [](Context& context) {
+    context.out << scene::options_markdown();
+    return 0;
+  };
+  return verb;
+}
+
+}  // namespace
+
+Verb verb_scene() {
+  Verb verb;
+  verb.name = "scene";
+  verb.summary = "Look at a scene, check it, compile it, print its format";
+  verb.verbs = {verb_info(), verb_check(), verb_compile(), verb_schema(), verb_keys()};
+  return verb;
+}
+
+}  // namespace raycube::cli
