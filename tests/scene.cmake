@@ -1,2 +1,9 @@
 # From simulation files to compiled scenes.
 raycube_test(scene_bad_input SOURCES unit/scene_bad_input_test.cpp LIBS raycube::scene_compiler LABELS fast)
+
+# The shipped park: its generator against the required numbers, then through the compiler. Needs Debian's python3 with numpy.
+set(RAYCUBE_PYTHON /usr/bin/python3 CACHE FILEPATH "Python with numpy that runs the scene generators")
+add_test(NAME park_generator COMMAND ${RAYCUBE_PYTHON} ${PROJECT_SOURCE_DIR}/tests/cli/park_generator_test.py ${PROJECT_SOURCE_DIR}/scenes ${CMAKE_BINARY_DIR}/tests/park)
+set_tests_properties(park_generator PROPERTIES LABELS slow FIXTURES_SETUP park TIMEOUT 300)
+raycube_test(park_scene SOURCES unit/park_scene_test.cpp LIBS raycube::scene_compiler LABELS slow)
+set_tests_properties(park_scene PROPERTIES FIXTURES_REQUIRED park ENVIRONMENT "RAYCUBE_PARK=${CMAKE_BINARY_DIR}/tests/park/a")
