@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "atmos_tables/render_table.h"
+#include "host/plan/sky_basis.h"
 #include "kernels/shared/structs.h"
 #include "scene_compiler/simulation.h"
 
@@ -20,7 +21,9 @@ struct NodeAxis {
 };
 
 /// Quadrature of one band on the spectral grid: L_band = sum_i weight[i] L(wavelength[first + i]), weights sum to 1.
-/// Exact for L piecewise linear on the grid (hat functions integrated against the response, in double).
+/// The grid holds the midpoint of every interval between nodes of the table and the curves, and the weights integrate
+/// quadratics against the response: exact for a curve times a spectrum, both linear between those nodes. A weight may be
+/// slightly negative where a narrow response sits inside one interval.
 struct BandQuadrature {
   std::size_t first = 0;
   std::vector<double> weight;
@@ -35,7 +38,8 @@ struct SkySets {
 };
 
 /// Unoccluded irradiance per sky component (up to 4) against the surface normal, octahedral map of size x size nodes
-/// (node (0,0) at corner -1,-1, node (size-1,size-1) at 1,1; bilinear between). Per unit of the component's spectrum.
+/// (node (0,0) at corner -1,-1, node (size-1,size-1) at 1,1; size odd; linear on half-cells between: rc_octahedral_nodes).
+/// Per unit of the component's spectrum.
 struct IrradianceMap {
   int size = 0;
   std::vector<shared::rc_float4> value;  ///< [v * size + u]
@@ -46,7 +50,7 @@ struct IrradianceMap {
 /// map minus blocked directions). Row 0 (no curve): channel = (h * path_y.count + y) * path_x.count + x, path radiance.
 /// At most RC_MAX_CHANNELS of either.
 struct Plan {
-  std::vector<double> wavelength_um;               ///< spectral grid: table axis and curve nodes united, ascending
+  std::vector<double> wavelength_um;               ///< spectral grid: table axis, curve nodes and midpoints near bands, ascending
   std::vector<BandQuadrature> bands;
   std::array<float, 3> sun_direction{0, 0, 1};     ///< unit, towards the sun
   bool sun_up = true;
@@ -57,7 +61,8 @@ struct Plan {
   std::vector<std::vector<double>> source_spectrum;  ///< [channel][grid]: radiance at the sensor per unit reflectance and scalar (1/pi inside)
   std::vector<std::vector<double>> path_spectrum;    ///< [channel][grid]
   std::vector<std::vector<double>> transmission_spectrum;  ///< [h * view.count + v][grid], target to sensor (truth layer)
-  SkySets sky;
+  SkyBasis sky_basis;                              ///< the components' angular maps, of which sets and map are made
+  SkySets sky;                                     ///< empty without sky components
   IrradianceMap irradiance;
   std::string report_json;                         ///< what was chosen, each block's estimated error (DESIGN section 6's table)
 
@@ -78,8 +83,13 @@ struct ViewBounds {
 Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& instrument, const atmos::RenderTable& table,
                const ViewBounds& view);
 
+/// Curve ids (1-based, ascending) that some triangle carries; every material's in a scene without triangles. Only these
+/// must cover the bands.
+std::vector<std::uint32_t> used_curves(const scene::CompiledScene& scene);
+
 /// Bakes one term row in double: E[channel][band] for a curve id (0 = path), stored as float, bands padded with zeros to a
-/// multiple of 16: result[channel * bands_padded + band].
+/// multiple of 16: result[channel * bands_padded + band]. Error(input) when the material's curve does not cover the grid,
+/// which cannot happen to a used curve.
 std::vector<float> bake_row(const Plan& plan, const scene::CompiledScene& scene, std::uint32_t curve);
 
 }  // namespace raycube::plan

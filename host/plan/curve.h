@@ -1,0 +1,14 @@
+// A material's curve on another wavelength grid.
+#pragma once
+
+#include <vector>
+
+#include "scene_compiler/compiled_scene.h"
+
+namespace raycube::plan {
+
+/// Reflectance at ascending wavelengths (um), linear between the curve's nodes. Error(input) names the material when a
+/// wavelength lies more than 1e-9 um outside the curve; a curve of one node is constant.
+std::vector<double> sample_curve(const scene::Material& material, const std::vector<double>& wavelength_um);
+
+}  // namespace raycube::plan

@@ -1,0 +1,209 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "host/base/error.h"
+#include "host/plan/band_space.h"
+#include "host/plan/irradiance_map.h"
+#include "host/plan/plan.h"
+#include "host/plan/plan_errors.h"
+#include "host/plan/sky_factors.h"
+#include "host/plan/sky_sets.h"
+#include "host/plan/sources.h"
+#include "host/plan/spectral_plan.h"
+
+namespace raycube::plan {
+
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+/// Part of the tolerance for each block (nodes of height, view and path; sky components), and for all of them together.
+constexpr double kShare = 0.1, kBudget = 0.5;
+/// Part of the horizontal irradiance that the irradiance map may be off between its nodes.
+constexpr double kMapShare = 4e-6;
+
+Domain make_domain(const scene::Simulation& simulation, const atmos::RenderTable& table, const ViewBounds& view) {
+  Domain domain;
+  const auto& scene = simulation.scene;
+  if (!scene.blocks.empty() && scene.lo[2] <= scene.hi[2]) {
+    domain.z_lo = static_cast<double>(scene.lo[2]);
+    domain.z_hi = static_cast<double>(scene.hi[2]);
+  }
+  domain.sun_zenith = simulation.sun.zenith_deg * kDegree;
+  domain.sun_azimuth = simulation.sun.azimuth_deg * kDegree;
+  domain.view = view;
+  if (!simulation.atmosphere.none && std::abs(table.sun_zenith_deg - simulation.sun.zenith_deg) > 0.05)
+    throw base::Error(base::Fault::input,
+                      fmt::format("the atmosphere table is for a sun zenith of {:.4f} deg, the simulation has {:.4f} deg; build or "
+                                  "import a table for this sun, or set the sun to the table's",
+                                  table.sun_zenith_deg, simulation.sun.zenith_deg));
+  return domain;
+}
+
+/// The smallest map whose error between nodes, against the exact integral at fixed directions, is inside its share.
+double fit_map(Plan& plan, double sun_azimuth, const std::vector<Mixture>& mixtures) {
+  const SkyIrradiance exact(plan.sky_basis);
+  const IrradianceGrid grid(exact, sun_azimuth);
+  double worst = 0;
+  for (const int size : kMapSizes) {
+    worst = 0;
+    constexpr int checks = 600;
+    for (int k = 0; k < checks; ++k) {  // spiral over the whole sphere of normals
+      const double z = 1 - (2 * k + 1.0) / checks, azimuth = 2 * std::numbers::pi * std::fmod(k * (std::numbers::phi - 1), 1.0);
+      const double r = std::sqrt(1 - z * z);
+      const auto want = exact.at(std::acos(z), azimuth - sun_azimuth);
+      const auto found = read_between_nodes(grid, size, r * std::sin(azimuth), r * std::cos(azimuth), z);
+      for (const auto& mixture : mixtures) {
+        double difference = 0;
+        for (std::size_t m = 0; m < 4; ++m) difference += mixture[m] * (found[m] - want[m]);
+        worst = std::max(worst, std::abs(difference));
+      }
+    }
+    if (worst > kMapShare && size != kMapSizes.back()) continue;
+    plan.irradiance = make_irradiance_map(grid, size);
+    break;
+  }
+  return worst;
+}
+
+/// The sky with 1, 2, ... components, up to the first that meets its share.
+std::vector<SkyLevel> sky_levels(const SkyFactorizer& sky, const TableSpectra& air, const Domain& domain, const BandSpace& bands,
+                                 const std::vector<double>& typical, double share) {
+  std::vector<SkyLevel> levels;
+  if (sky.black()) return levels;
+  const Spectrum up = sky_path(air, domain.z(0.5), domain.sec(0.5));
+  const auto mixtures = [&](const SkySpectra& spectra) { return band_mixtures(spectra, up, bands); };
+  const Spectrum importance = sky_importance(air, domain, bands, sky.irradiance(), typical);
+  for (int rank = 1; rank <= kMaxSkyComponents; ++rank) {
+    levels.push_back(judge_sky(sky.factor(rank, importance, mixtures), air, domain, bands, typical));
+    if (levels.back().factors.rank < rank) {  // the sky has no more shapes than the level before
+      levels.pop_back();
+      break;
+    }
+    if (!levels.back().negative && levels.back().error <= share) break;
+  }
+  return levels;
+}
+
+nlohmann::json describe(const std::vector<SkyLevel>& levels) {
+  nlohmann::json out = nlohmann::json::array();
+  for (const auto& level : levels)
+    out.push_back({{"components", level.factors.rank},
+                   {"error", level.error},
+                   {"worst_obstacle_error_of_sky_irradiance", level.relative_error},
+                   {"refused_negative", level.negative}});
+  return out;
+}
+
+nlohmann::json describe(const NodeAxis& axis) { return {{"first", axis.first}, {"step", axis.step}, {"count", axis.count}}; }
+
+}  // namespace
+
+Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& instrument, const atmos::RenderTable& table,
+               const ViewBounds& view) {
+  const Domain domain = make_domain(simulation, table, view);
+  const bool no_air = simulation.atmosphere.none;
+  const auto& table_um = table.axis("wavelength").nodes;
+  const std::string table_name = simulation.atmosphere.table_file.empty() ? "of the built-in model" : "'" + simulation.atmosphere.table_file + "'";
+  SpectralPlan spectral = make_spectral_plan(simulation.scene, instrument, table_um, table_name);
+
+  Plan plan;
+  plan.sun_up = simulation.sun.zenith_deg < 90;
+  plan.sun_direction = {static_cast<float>(std::sin(domain.sun_zenith) * std::sin(domain.sun_azimuth)),
+                        static_cast<float>(std::sin(domain.sun_zenith) * std::cos(domain.sun_azimuth)),
+                        static_cast<float>(std::cos(domain.sun_zenith))};
+
+  const std::size_t first = find_cell(table_um, spectral.wavelength_um.front()).index;
+  const std::size_t last = std::min(find_cell(table_um, spectral.wavelength_um.back()).index + 1, table_um.size() - 1);
+  const TableSpectra air(table, no_air, plan.sun_up, first, last - first + 1);
+  if (zenith_of_sec(view.sec_max) > air.last_view_zenith_rad() + 1e-9)
+    throw base::Error(base::Fault::input, fmt::format("instrument '{}' looks {:.2f} deg off nadir, the atmosphere table ends at {:.2f} deg; "
+                                                      "build a table with larger view zeniths or narrow the view",
+                                                      instrument.name, zenith_of_sec(view.sec_max) / kDegree, air.last_view_zenith_rad() / kDegree));
+  const std::vector<double> covered(table_um.begin() + static_cast<std::ptrdiff_t>(first), table_um.begin() + static_cast<std::ptrdiff_t>(last) + 1);
+  const BandSpace bands(covered, spectral.wavelength_um, spectral.bands, spectral.mean_reflectance);
+
+  const double share = kShare * simulation.tolerance;
+  const SkyFactorizer sky(air, domain.z(0.5), domain.sun_zenith);
+  const auto typical = typical_radiance(air, domain, bands, sky.irradiance());
+  NodeErrors errors = estimate_node_errors(air, domain, bands, sky.irradiance(), typical);
+  const std::vector<SkyLevel> levels = sky_levels(sky, air, domain, bands, typical, share);
+  for (const auto& level : levels) errors.sky_rank.push_back(level.negative ? std::numeric_limits<double>::infinity() : level.error);
+  NodeChoice choice;
+  double budget = 0;
+  for (const double part : {kBudget, 0.75, 1.0}) {  // where the channels do not hold the budget, the cheapest that holds more
+    budget = part * simulation.tolerance;
+    choice = choose_nodes(errors, budget);
+    if (choice.within_budget) break;
+  }
+  const double total = choice.total();
+  if (total > simulation.tolerance)
+    throw base::Error(base::Fault::input,
+                      fmt::format("instrument '{}': {} channels cannot hold the tolerance of {:g}: the nodes of height, view and path and the "
+                                  "sky's components leave an error of {:.3g} (source {:.3g}, path {:.3g}, sky {:.3g}); raise the tolerance, narrow "
+                                  "the field of view or split the scene's relief",
+                                  instrument.name, RC_MAX_CHANNELS, simulation.tolerance, total, choice.source_error, choice.path_error, choice.sky_error));
+
+  plan.height = make_axis(domain.z_lo, domain.z_hi, choice.height);
+  plan.view = make_axis(view.sec_min, view.sec_max, choice.view);
+  plan.path_x = make_axis(view.x_min, view.x_max, choice.path_x);
+  plan.path_y = make_axis(view.y_min, view.y_max, choice.path_y);
+  plan.sky_components = choice.sky_rank;
+  SkyFactors factors;
+  if (choice.sky_rank > 0) factors = levels[static_cast<std::size_t>(choice.sky_rank - 1)].factors;
+  plan.sky_basis = factors.basis;
+
+  plan.source_spectrum.resize(static_cast<std::size_t>(plan.source_channels()));
+  for (int h = 0; h < plan.height.count; ++h) {
+    const double z = node_position(plan.height, h);
+    const SkySpectra component = sky_spectra(factors, air, z);
+    for (int v = 0; v < plan.view.count; ++v) {
+      const double sec = node_position(plan.view, v);
+      const auto channel = [&](int source) { return static_cast<std::size_t>((source * plan.height.count + h) * plan.view.count + v); };
+      plan.source_spectrum[channel(0)] = bands.to_grid(sun_source(air, z, sec));
+      const Spectrum up = sky_path(air, z, sec);
+      for (int m = 0; m < plan.sky_components; ++m)
+        plan.source_spectrum[channel(1 + m)] = bands.to_grid(product(component[static_cast<std::size_t>(m)], up));
+      plan.transmission_spectrum.push_back(bands.to_grid(air.view_transmission(z, zenith_of_sec(sec))));
+    }
+    for (int y = 0; y < plan.path_y.count; ++y)
+      for (int x = 0; x < plan.path_x.count; ++x)
+        plan.path_spectrum.push_back(bands.to_grid(path_source(air, domain, z, node_position(plan.path_x, x), node_position(plan.path_y, y))));
+  }
+
+  double map_error = 0;
+  if (plan.sky_components > 0) {
+    map_error = fit_map(plan, domain.sun_azimuth, levels[static_cast<std::size_t>(choice.sky_rank - 1)].mixture);
+    plan.sky = make_sky_sets(plan.sky_basis, domain.sun_azimuth, simulation.sky_directions, simulation.seed);
+  }
+
+  nlohmann::json report = {
+      {"tolerance", simulation.tolerance},
+      {"budget", budget},
+      {"spectral_grid", {{"points", spectral.wavelength_um.size()}, {"table_nodes", covered.size()}, {"bands", spectral.bands.size()}}},
+      {"height_m", describe(plan.height)},
+      {"sec_view_zenith", describe(plan.view)},
+      {"path_x", describe(plan.path_x)},
+      {"path_y", describe(plan.path_y)},
+      {"source_channels", plan.source_channels()},
+      {"path_channels", plan.path_channels()},
+      {"error", {{"source_nodes", choice.source_error}, {"path_nodes", choice.path_error}, {"sky_components", choice.sky_error}, {"total", total}}},
+      {"sky", {{"components", plan.sky_components},
+               {"levels", describe(levels)},
+               {"sets", plan.sky.sets},
+               {"directions", plan.sky.directions},
+               {"irradiance_map_size", plan.irradiance.size},
+               {"irradiance_map_error", map_error}}}};
+  if (const double d = diffuse_row_difference(air, domain, bands, sky.irradiance()); d >= 0 && plan.sky_components > 0)
+    report["sky"]["diffuse_irradiance_row_difference"] = d;
+  plan.report_json = report.dump(2);
+  plan.wavelength_um = std::move(spectral.wavelength_um);
+  plan.bands = std::move(spectral.bands);
+  return plan;
+}
+
+}  // namespace raycube::plan

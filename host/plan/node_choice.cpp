@@ -1,0 +1,81 @@
+#include "host/plan/node_choice.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace raycube::plan {
+
+std::array<double, kNodeCounts.size()> node_errors(const std::vector<Line>& lines) {
+  constexpr int steps = kLinePositions - 1;
+  std::array<double, kNodeCounts.size()> error{};
+  for (std::size_t c = 0; c < kNodeCounts.size(); ++c) {
+    const int count = kNodeCounts[c];
+    for (const Line& line : lines) {
+      for (int p = 0; p <= steps; ++p) {
+        if (!line.counts[static_cast<std::size_t>(p)]) continue;
+        const auto& here = line.value[static_cast<std::size_t>(p)];
+        int a = steps / 2, b = steps / 2;
+        double t = 0;
+        if (count > 1) {
+          const int width = steps / (count - 1);
+          a = std::min(p / width, count - 2) * width;
+          b = a + width;
+          t = static_cast<double>(p - a) / width;
+        }
+        const auto &low = line.value[static_cast<std::size_t>(a)], &high = line.value[static_cast<std::size_t>(b)];
+        for (std::size_t k = 0; k < here.size(); ++k)
+          error[c] = std::max(error[c], std::abs(here[k] - (1 - t) * low[k] - t * high[k]));
+      }
+    }
+  }
+  return error;
+}
+
+NodeChoice choose_nodes(const NodeErrors& errors, double budget) {
+  const bool sky = !errors.sky_rank.empty();
+  NodeChoice best;
+  int best_cost = std::numeric_limits<int>::max();
+  bool found = false;
+  for (std::size_t rank = sky ? 1 : 0; rank <= errors.sky_rank.size(); ++rank) {
+    const double sky_error = sky ? errors.sky_rank[rank - 1] : 0;
+    if (!std::isfinite(sky_error)) continue;
+    for (std::size_t h = 0; h < kNodeCounts.size(); ++h)
+      for (std::size_t v = 0; v < kNodeCounts.size(); ++v)
+        for (std::size_t x = 0; x < kNodeCounts.size(); ++x)
+          for (std::size_t y = 0; y < kNodeCounts.size(); ++y) {
+            const int source = (1 + static_cast<int>(rank)) * kNodeCounts[h] * kNodeCounts[v];
+            const int path = kNodeCounts[h] * kNodeCounts[x] * kNodeCounts[y];
+            if (source > RC_MAX_CHANNELS || path > RC_MAX_CHANNELS) continue;
+            NodeChoice choice{kNodeCounts[h], kNodeCounts[v], kNodeCounts[x], kNodeCounts[y], static_cast<int>(rank),
+                              errors.source_height[h] + errors.source_view[v],
+                              errors.path_height[h] + errors.path_x[x] + errors.path_y[y], sky_error, true};
+            choice.within_budget = choice.total() <= budget;
+            const int cost = 4 * source + path;  // material rows are many, the path row is one
+            bool better = !found;
+            if (found && choice.within_budget != best.within_budget)
+              better = choice.within_budget;
+            else if (found && choice.within_budget)
+              better = cost < best_cost || (cost == best_cost && choice.total() < best.total());
+            else if (found)
+              better = choice.total() < best.total();
+            if (!better) continue;
+            found = true;
+            best = choice;
+            best_cost = cost;
+          }
+  }
+  return best;
+}
+
+NodeAxis make_axis(double lo, double hi, int count) {
+  if (!(hi > lo)) count = 1;
+  if (count == 1) return {static_cast<float>(0.5 * (lo + hi)), 1.0f, 1};
+  return {static_cast<float>(lo), static_cast<float>((hi - lo) / (count - 1)), count};
+}
+
+double node_position(const NodeAxis& axis, int index) {
+  return static_cast<double>(axis.first) + static_cast<double>(axis.step) * index;
+}
+
+}  // namespace raycube::plan

@@ -1,0 +1,266 @@
+#include "host/plan/sky_factors.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <Eigen/Dense>
+
+namespace raycube::plan {
+
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kDegree = kPi / 180;
+/// Wavelengths that take part in the decomposition; spectra are projected at all of them afterwards.
+constexpr std::size_t kDecomposed = 64;
+constexpr int kReweightings = 10, kLimitings = 8;
+/// A sky fainter than this part of its brightest wavelength has no shape of its own.
+constexpr double kFaintest = 1e-9;
+/// The decomposition weighs a direction by cos(zenith) + this: the horizon, which cos alone forgets, lights walls and crowns.
+constexpr double kHorizonShare = 0.1;
+
+/// The axis with intervals no wider than `widest(middle)` (rad).
+template <class Widest>
+std::vector<double> refine(std::vector<double> axis, Widest widest) {
+  std::sort(axis.begin(), axis.end());
+  std::vector<double> out;
+  for (const double at : axis) {
+    if (!out.empty() && at - out.back() < 1e-6) continue;
+    if (!out.empty()) {
+      const double a = out.back();
+      const int n = static_cast<int>(std::ceil((at - a) / widest(0.5 * (a + at)) - 1e-9));
+      for (int k = 1; k < n; ++k) out.push_back(a + (at - a) * k / n);
+    }
+    out.push_back(at);
+  }
+  return out;
+}
+
+/// Radiance at every node of the maps: rows are nodes, columns wavelengths.
+MatrixXd sample_sky(const SkyBasis& basis, const TableSpectra& table, double height_m) {
+  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  const auto radiance = table.sky_grid(height_m, basis.zenith_rad, basis.azimuth_rad);
+  return Eigen::Map<const Rows>(radiance.data(), static_cast<Index>(basis.nodes()), static_cast<Index>(table.size()));
+}
+
+VectorXd vector_of(const std::vector<double>& v) { return Eigen::Map<const VectorXd>(v.data(), static_cast<Index>(v.size())); }
+
+/// Weights of the decomposition: (cos + horizon share) dOmega / A_0, so that a difference counts relative to the mean sky
+/// there. Without the division the dark side of the sky, 10 times fainter than the aureole, is fitted so loosely that
+/// truncations go negative.
+VectorXd fit_weights(const SkyBasis& basis, const VectorXd& mean) {
+  const VectorXd w = vector_of(cosine_weights(basis)) + kHorizonShare * vector_of(solid_angle_weights(basis));
+  return w.array() / mean.array().max(1e-6 * mean.maxCoeff());
+}
+
+/// Divides each column by its irradiance sum_i q_i L_i; returns the irradiances. Columns too faint become zero.
+VectorXd normalise(MatrixXd& radiance, const VectorXd& q) {
+  VectorXd irradiance = radiance.transpose() * q;
+  const double faintest = kFaintest * irradiance.maxCoeff();
+  for (Index l = 0; l < radiance.cols(); ++l) {
+    if (irradiance[l] > faintest)
+      radiance.col(l) /= irradiance[l];
+    else
+      radiance.col(l).setZero();
+  }
+  return irradiance;
+}
+
+/// c_m of every column of the normalised sky (rows m), weighted least squares. Columns of zeros (too faint) get the mean shape.
+MatrixXd project(const MatrixXd& shape, const MatrixXd& maps, const VectorXd& weight) {
+  MatrixXd c = MatrixXd::Zero(maps.cols(), shape.cols());
+  c.row(0).setOnes();
+  if (maps.cols() == 1) return c;
+  const MatrixXd free = maps.rightCols(maps.cols() - 1), dual = free.transpose() * weight.asDiagonal();
+  const Eigen::LDLT<MatrixXd> normal(dual * free);
+  c.bottomRows(maps.cols() - 1) = normal.solve((dual * shape).colwise() - dual * maps.col(0));
+  for (Index l = 0; l < shape.cols(); ++l)
+    if (shape.col(l).isZero(0)) c.col(l).tail(maps.cols() - 1).setZero();
+  return c;
+}
+
+/// Pulls maps 1.. towards zero at the nodes where some mixture is negative, then takes the irradiance they got out again.
+/// Returns whether there was anything to do.
+bool limit(MatrixXd& maps, const VectorXd& q, const std::vector<Mixture>& mixtures) {
+  bool any = false;
+  for (Index i = 0; i < maps.rows(); ++i) {
+    double lowest = 0;
+    for (const auto& mixture : mixtures) {
+      double sum = 0;
+      for (Index m = 1; m < maps.cols(); ++m) sum += mixture[static_cast<std::size_t>(m)] * maps(i, m);
+      lowest = std::min(lowest, sum);
+    }
+    if (maps(i, 0) + lowest >= 0) continue;
+    any = true;
+    maps.row(i).tail(maps.cols() - 1) *= 0.95 * maps(i, 0) / -lowest;
+  }
+  for (Index m = 1; m < maps.cols() && any; ++m) maps.col(m) -= q.dot(maps.col(m)) * maps.col(0);
+  return any;
+}
+
+/// One decomposition with the columns weighted: A_0 their mean, A_1.. the leading singular vectors of the differences.
+MatrixXd decompose(const SkyBasis& basis, const MatrixXd& sample, const VectorXd& column_weight, Index rank) {
+  const VectorXd mean = sample * column_weight / column_weight.sum();
+  const VectorXd root = fit_weights(basis, mean).cwiseSqrt();
+  MatrixXd x = root.asDiagonal() * (sample.colwise() - mean);
+  x = x * column_weight.cwiseSqrt().asDiagonal();
+  // singular vectors from the small Gram matrix: its accuracy, 1e-8 of the largest, is that of the float table
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> gram(x.transpose() * x);
+  MatrixXd maps(sample.rows(), 1);
+  maps.col(0) = mean;
+  const Index n = x.cols();
+  for (Index m = 1; m < rank && m <= n; ++m) {
+    const double value = gram.eigenvalues()[n - m];
+    if (!(value > 1e-13 * column_weight.sum())) break;  // rounding, no shape: the mean itself has norm ~ 1
+    maps.conservativeResize(Eigen::NoChange, m + 1);
+    maps.col(m) = (x * gram.eigenvectors().col(n - m) / std::sqrt(value)).cwiseQuotient(root);
+  }
+  return maps;
+}
+
+VectorXd occluder_error(const MatrixXd& shape, const MatrixXd& maps, const MatrixXd& c, const VectorXd& q) {
+  return 0.5 * ((shape - maps * c).cwiseAbs().transpose() * q);
+}
+
+void store(SkyBasis& basis, const MatrixXd& maps) {
+  basis.value.assign(basis.nodes(), {0, 0, 0, 0});
+  for (Index i = 0; i < maps.rows(); ++i)
+    for (Index m = 0; m < maps.cols(); ++m) basis.value[static_cast<std::size_t>(i)][static_cast<std::size_t>(m)] = maps(i, m);
+}
+
+MatrixXd load(const SkyBasis& basis, int rank) {
+  MatrixXd maps(static_cast<Index>(basis.nodes()), static_cast<Index>(rank));
+  for (Index i = 0; i < maps.rows(); ++i)
+    for (Index m = 0; m < maps.cols(); ++m) maps(i, m) = basis.value[static_cast<std::size_t>(i)][static_cast<std::size_t>(m)];
+  return maps;
+}
+
+SkySpectra spectra_of(const VectorXd& irradiance, const MatrixXd& c) {
+  SkySpectra out;
+  for (auto& spectrum : out) spectrum.assign(static_cast<std::size_t>(irradiance.size()), 0.0);
+  for (Index m = 0; m < c.rows(); ++m)
+    for (Index l = 0; l < c.cols(); ++l) out[static_cast<std::size_t>(m)][static_cast<std::size_t>(l)] = irradiance[l] * c(m, l);
+  return out;
+}
+
+}  // namespace
+
+struct SkyFactorizer::Data {
+  SkyBasis basis;             ///< nodes only
+  VectorXd q, irradiance;
+  MatrixXd shape;             ///< L / E, [node][wavelength]
+  Spectrum irradiance_list;
+};
+
+SkyFactorizer::~SkyFactorizer() = default;
+bool SkyFactorizer::black() const { return data_->shape.size() == 0; }
+const Spectrum& SkyFactorizer::irradiance() const { return data_->irradiance_list; }
+
+SkyFactorizer::SkyFactorizer(const TableSpectra& table, double height_m, double sun_zenith_rad) : data_(std::make_unique<Data>()) {
+  data_->irradiance_list.assign(table.size(), 0.0);
+  if (!table.has_sky()) return;
+  auto zenith = table.sky_zenith_rad(), azimuth = table.sky_azimuth_rad();
+  std::erase_if(zenith, [](double t) { return t <= 0 || t >= kPi / 2 - 1e-9; });
+  zenith.insert(zenith.end(), {0.0, kPi / 2});
+  if (sun_zenith_rad < kPi / 2) zenith.push_back(sun_zenith_rad);
+  std::erase_if(azimuth, [](double f) { return f <= 0 || f >= kPi - 1e-9; });
+  azimuth.insert(azimuth.end(), {0.0, kPi});
+  // finer around the sun, where the aureole bends most, and towards the horizon
+  data_->basis.zenith_rad = refine(zenith, [&](double t) {
+    return kDegree * (std::abs(t - sun_zenith_rad) < 10 * kDegree || t > 80 * kDegree ? 1.5 : 3.0);
+  });
+  data_->basis.azimuth_rad = refine(azimuth, [](double f) { return kDegree * (f < 6 * kDegree ? 2.0 : f < 30 * kDegree ? 4.0 : 7.5); });
+  data_->q = vector_of(cosine_weights(data_->basis));
+  data_->shape = sample_sky(data_->basis, table, height_m);
+  data_->irradiance = normalise(data_->shape, data_->q);
+  data_->irradiance_list.assign(data_->irradiance.data(), data_->irradiance.data() + data_->irradiance.size());
+}
+
+SkyFactors SkyFactorizer::factor(int rank, const Spectrum& importance,
+                                 const std::function<std::vector<Mixture>(const SkySpectra&)>& mixtures) const {
+  SkyFactors out;
+  out.basis = data_->basis;
+  if (black()) return out;
+  std::vector<Index> bright;
+  for (Index l = 0; l < data_->irradiance.size(); ++l)
+    if (data_->irradiance[l] > kFaintest * data_->irradiance.maxCoeff()) bright.push_back(l);
+  const std::size_t used = std::min(bright.size(), kDecomposed);
+  MatrixXd sample(data_->shape.rows(), static_cast<Index>(used));
+  VectorXd matters(static_cast<Index>(used));
+  for (std::size_t k = 0; k < used; ++k) {
+    const Index l = bright[used > 1 ? k * (bright.size() - 1) / (used - 1) : bright.size() / 2];
+    sample.col(static_cast<Index>(k)) = data_->shape.col(l);
+    matters[static_cast<Index>(k)] = importance[static_cast<std::size_t>(l)];
+  }
+
+  VectorXd column_weight = VectorXd::Ones(matters.size());
+  MatrixXd maps;
+  double best = std::numeric_limits<double>::infinity();
+  for (int round = 0; round < kReweightings; ++round) {
+    const MatrixXd tried = decompose(data_->basis, sample, column_weight, rank);
+    const MatrixXd c = project(sample, tried, fit_weights(data_->basis, tried.col(0)));
+    const VectorXd error = occluder_error(sample, tried, c, data_->q).cwiseProduct(matters);
+    if (error.maxCoeff() < best) {
+      best = error.maxCoeff();
+      maps = tried;
+    }
+    if (!(best > 1e-7)) break;
+    column_weight = column_weight.cwiseProduct((error / error.maxCoeff()).cwiseMax(1e-3));
+    column_weight *= static_cast<double>(used) / column_weight.sum();
+  }
+  const VectorXd weight = fit_weights(data_->basis, maps.col(0));
+  MatrixXd c = project(data_->shape, maps, weight);
+  for (int round = 0; round < kLimitings && maps.cols() > 1 && limit(maps, data_->q, mixtures(spectra_of(data_->irradiance, c))); ++round)
+    c = project(data_->shape, maps, weight);
+  for (Index m = 1; m < maps.cols(); ++m) {  // largest coefficient 1, which keeps float sums well conditioned
+    const double largest = c.row(m).cwiseAbs().maxCoeff();
+    if (!(largest > 0)) continue;
+    maps.col(m) *= largest;
+    c.row(m) /= largest;
+  }
+  out.rank = static_cast<int>(maps.cols());
+  store(out.basis, maps);
+  const VectorXd error = occluder_error(data_->shape, maps, c, data_->q);
+  out.occluder_error.assign(error.data(), error.data() + error.size());
+  for (Index l = 0; l < error.size(); ++l)
+    if (data_->shape.col(l).isZero(0)) out.occluder_error[static_cast<std::size_t>(l)] = 0;
+  out.spectra = spectra_of(data_->irradiance, c);
+  return out;
+}
+
+SkySpectra sky_spectra(const SkyFactors& factors, const TableSpectra& table, double height_m) {
+  SkySpectra out;
+  for (auto& spectrum : out) spectrum.assign(table.size(), 0.0);
+  if (factors.rank == 0) return out;
+  MatrixXd shape = sample_sky(factors.basis, table, height_m);
+  const VectorXd irradiance = normalise(shape, vector_of(cosine_weights(factors.basis)));
+  const MatrixXd maps = load(factors.basis, factors.rank);
+  return spectra_of(irradiance, project(shape, maps, fit_weights(factors.basis, maps.col(0))));
+}
+
+Spectrum coarse_sky_irradiance(const TableSpectra& table, double height_m) {
+  Spectrum out(table.size(), 0.0);
+  if (!table.has_sky()) return out;
+  SkyBasis grid;
+  const auto close = [](std::vector<double> axis, double last) {
+    std::erase_if(axis, [last](double a) { return a <= 0 || a >= last; });
+    axis.insert(axis.begin(), 0.0);
+    axis.push_back(last);
+    return axis;
+  };
+  grid.zenith_rad = close(table.sky_zenith_rad(), kPi / 2);
+  grid.azimuth_rad = close(table.sky_azimuth_rad(), kPi);
+  const auto q = cosine_weights(grid);
+  const auto radiance = table.sky_grid(height_m, grid.zenith_rad, grid.azimuth_rad);
+  for (std::size_t i = 0; i < q.size(); ++i)
+    for (std::size_t k = 0; k < out.size(); ++k) out[k] += q[i] * radiance[i * out.size() + k];
+  return out;
+}
+
+}  // namespace raycube::plan

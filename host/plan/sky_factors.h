@@ -1,0 +1,56 @@
+// The sky as a few spectra times angular maps (DESIGN section 1): L_sky(l, w) = E_sky(l) sum_m c_m(l) A_m(w), from a weighted
+// singular value decomposition of L_sky / E_sky. c_0 = 1, and only A_0 carries irradiance.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <memory>
+
+#include "host/plan/sky_basis.h"
+#include "host/plan/table_spectra.h"
+
+namespace raycube::plan {
+
+inline constexpr int kMaxSkyComponents = 4;
+
+/// Component spectra at one height, W m-2 um-1: L_sky(l, w) ~ sum_m spectrum[m][l] A_m(w), spectrum[0] = E_sky.
+using SkySpectra = std::array<Spectrum, kMaxSkyComponents>;
+
+/// How a band mixes the components: S_m / S_0.
+using Mixture = std::array<double, kMaxSkyComponents>;
+
+struct SkyFactors {
+  SkyBasis basis;
+  int rank = 0;             ///< components, 0 (black) .. 4; fewer than asked for when the sky has no more
+  /// Per table wavelength: half of integral |L - L_rank| cos dOmega over E_sky. As the difference carries no irradiance, this
+  /// is the largest error that any obstacle over a horizontal surface can cause, in units of E_sky.
+  Spectrum occluder_error;
+  SkySpectra spectra;       ///< at the height of the decomposition
+};
+
+/// The sky of one height, sampled once, to be factored with any number of components.
+class SkyFactorizer {
+ public:
+  SkyFactorizer(const TableSpectra& table, double height_m, double sun_zenith_rad);
+  ~SkyFactorizer();
+  bool black() const;
+  const Spectrum& irradiance() const;   ///< horizontal, of the sampled sky, W m-2 um-1
+
+  /// Maps for `rank` components that keep the largest occluder_error times `importance` (per table wavelength) small: the
+  /// decomposition is repeated with wavelengths reweighted by their errors (Lawson 1961). Where a band's sum would fall below
+  /// zero (mostly at the horizon of saturated bands), maps 1.. are pulled towards zero at that node until it does not.
+  /// mixtures: S_m / S_0 of every band.
+  SkyFactors factor(int rank, const Spectrum& importance, const std::function<std::vector<Mixture>(const SkySpectra&)>& mixtures) const;
+
+ private:
+  struct Data;
+  std::unique_ptr<Data> data_;
+};
+
+/// Weighted least-squares spectra of the sky at another height on the maps already chosen.
+SkySpectra sky_spectra(const SkyFactors& factors, const TableSpectra& table, double height_m);
+
+/// Horizontal irradiance of the sky with the table's own nodes as quadrature: cheap, used to see how it changes with height.
+Spectrum coarse_sky_irradiance(const TableSpectra& table, double height_m);
+
+}  // namespace raycube::plan

@@ -1,0 +1,33 @@
+#include "host/plan/sources.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace raycube::plan {
+
+double Domain::horizontal_max() const { return std::sin(zenith_of_sec(view.sec_max)); }
+
+double zenith_of_sec(double sec) { return std::acos(1 / std::max(1.0, sec)); }
+
+Spectrum product(const Spectrum& a, const Spectrum& b, double factor) {
+  Spectrum out(a.size());
+  for (std::size_t i = 0; i < a.size(); ++i) out[i] = factor * a[i] * b[i];
+  return out;
+}
+
+Spectrum sun_source(const TableSpectra& air, double z, double sec) {
+  return product(air.solar_irradiance(), air.two_way_transmission(z, zenith_of_sec(sec)), 1 / std::numbers::pi);
+}
+
+Spectrum sky_path(const TableSpectra& air, double z, double sec) {
+  const double zenith = zenith_of_sec(sec);
+  return product(air.view_transmission(z, zenith), air.two_way_factor(z, zenith), 1 / std::numbers::pi);
+}
+
+Spectrum path_source(const TableSpectra& air, const Domain& domain, double z, double x, double y) {
+  const double zenith = std::asin(std::min(1.0, std::hypot(x, y)));
+  const double azimuth = x == 0 && y == 0 ? 0.0 : std::atan2(x, y) - domain.sun_azimuth;
+  return air.path_radiance(z, std::min({zenith, air.last_view_zenith_rad(), 0.4999 * std::numbers::pi}), azimuth);
+}
+
+}  // namespace raycube::plan

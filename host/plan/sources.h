@@ -1,0 +1,34 @@
+// The plan's source spectra at one geometry, on the table's wavelengths.
+#pragma once
+
+#include <numbers>
+
+#include "host/plan/plan.h"
+#include "host/plan/table_spectra.h"
+
+namespace raycube::plan {
+
+/// Ranges of the continuous quantities, each reached by a fraction t in 0..1.
+struct Domain {
+  double z_lo = 0, z_hi = 0;                      ///< target height, m
+  double sun_zenith = 0, sun_azimuth = 0;         ///< rad
+  ViewBounds view;
+  double z(double t) const { return z_lo + t * (z_hi - z_lo); }
+  double sec(double t) const { return view.sec_min + t * (view.sec_max - view.sec_min); }
+  double x(double t) const { return view.x_min + t * (view.x_max - view.x_min); }
+  double y(double t) const { return view.y_min + t * (view.y_max - view.y_min); }
+  double horizontal_max() const;                  ///< sine of the largest view zenith
+};
+
+double zenith_of_sec(double sec);
+Spectrum product(const Spectrum& a, const Spectrum& b, double factor = 1);
+
+/// Reflected sun: E0 T_sun T_view R2 / pi, per unit of reflectance and of cos(incidence) times visibility.
+Spectrum sun_source(const TableSpectra& air, double z, double sec);
+/// What a reflected sky component meets on its way up: T_view R2 / pi.
+Spectrum sky_path(const TableSpectra& air, double z, double sec);
+/// Path radiance towards a sensor in the horizontal direction (x, y); slants beyond the table's last view zenith, which only
+/// nodes outside the view reach, take that zenith.
+Spectrum path_source(const TableSpectra& air, const Domain& domain, double z, double x, double y);
+
+}  // namespace raycube::plan

@@ -1,0 +1,90 @@
+#include "host/plan/spectral_plan.h"
+
+#include <fmt/format.h>
+
+#include "host/base/error.h"
+#include "host/plan/curve.h"
+#include "host/plan/quadrature.h"
+
+namespace raycube::plan {
+
+namespace {
+
+/// Adds one problem for all bands whose support leaves lo..hi (um).
+void check_range(base::Problems& problems, const base::Where& where, const std::vector<scene::Band>& bands, double lo, double hi,
+                 const std::string& what, const std::string& way_out) {
+  int count = 0;
+  std::string found;
+  for (std::size_t b = 0; b < bands.size(); ++b) {
+    const auto [from, to] = band_support(bands[b]);
+    if (from >= lo - 1e-9 && to <= hi + 1e-9) continue;
+    if (++count > 3) continue;
+    found += fmt::format("{}band {}{} {:.6g} to {:.6g} nm", found.empty() ? "" : ", ", b + 1,
+                         bands[b].name.empty() ? "" : " '" + bands[b].name + "'", 1000 * from, 1000 * to);
+  }
+  if (count > 3) found += fmt::format(" and {} more", count - 3);
+  if (count > 0) problems.add(where, fmt::format("{} covers {:.6g} to {:.6g} nm, a band needs more", what, 1000 * lo, 1000 * hi), found, way_out);
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> used_curves(const scene::CompiledScene& scene) {
+  std::vector<char> surface_used(scene.surfaces.size(), 0), curve_used(scene.materials.size() + 1, scene.blocks.empty() ? 1 : 0);
+  for (const auto& block : scene.blocks)
+    for (const auto surface : block.surface)
+      if (surface < surface_used.size()) surface_used[surface] = 1;
+  for (std::size_t s = 0; s < scene.surfaces.size(); ++s)
+    if (surface_used[s])
+      for (int k = 0; k < 4; ++k)
+        if (const auto curve = scene.surfaces[s].curve[k]; curve > 0 && curve < curve_used.size()) curve_used[curve] = 1;
+  std::vector<std::uint32_t> out;
+  for (std::uint32_t curve = 1; curve < curve_used.size(); ++curve)
+    if (curve_used[curve]) out.push_back(curve);
+  return out;
+}
+
+SpectralPlan make_spectral_plan(const scene::CompiledScene& scene, const scene::Instrument& instrument,
+                                const std::vector<double>& table_um, const std::string& table_name) {
+  const auto curves = used_curves(scene);
+  base::Problems problems;
+  const base::Where where{"", 0, 0, "instrument '" + instrument.name + "'"};
+  if (instrument.bands.empty()) problems.add(where, "has no bands", "", "give a band list or a response file");
+  for (std::size_t b = 0; b < instrument.bands.size(); ++b) {
+    const auto& band = instrument.bands[b];
+    if (band.wavelength_um.size() < 2 && !(band.fwhm_um > 0 && band.center_um > 0))
+      problems.add(where, fmt::format("band {} needs a centre and a FWHM above 0", b + 1),
+                   fmt::format("centre {:g} nm, FWHM {:g} nm", 1000 * band.center_um, 1000 * band.fwhm_um), "or give a tabulated response");
+  }
+  problems.throw_if_any();
+  const std::string gaussian = fmt::format("a Gaussian response reaches {:g} FWHM to each side", kGaussianCutFwhm);
+  check_range(problems, where, instrument.bands, table_um.front(), table_um.back(), "atmosphere table " + table_name,
+              "take these bands out or use a wider table (" + gaussian + ")");
+  for (const auto curve : curves) {
+    const auto& material = scene.materials[curve - 1];
+    const auto& x = material.reflectance.wavelength_um;
+    if (x.empty()) problems.add(where, "material '" + material.name + "' has no reflectance curve", "", "give one");
+    if (x.size() > 1)
+      check_range(problems, where, instrument.bands, x.front(), x.back(), "the curve of material '" + material.name + "'",
+                  "take these bands out or give a wider curve than " + (material.source.empty() ? "this" : "'" + material.source + "'") +
+                      " (" + gaussian + ")");
+  }
+  problems.throw_if_any();
+
+  std::vector<double> breakpoints = table_um;
+  for (const auto curve : curves) {
+    const auto& x = scene.materials[curve - 1].reflectance.wavelength_um;
+    if (x.size() > 1) breakpoints.insert(breakpoints.end(), x.begin(), x.end());
+  }
+  SpectralPlan out;
+  SpectralGrid grid = make_spectral_grid(std::move(breakpoints), instrument.bands);
+  for (const auto& band : instrument.bands) out.bands.push_back(band_quadrature(band, grid));
+  out.wavelength_um = std::move(grid.wavelength_um);
+  out.mean_reflectance.assign(out.wavelength_um.size(), curves.empty() ? 0.2 : 0.0);
+  for (const auto curve : curves) {
+    const auto r = sample_curve(scene.materials[curve - 1], out.wavelength_um);
+    for (std::size_t i = 0; i < r.size(); ++i) out.mean_reflectance[i] += r[i] / static_cast<double>(curves.size());
+  }
+  return out;
+}
+
+}  // namespace raycube::plan

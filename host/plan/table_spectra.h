@@ -1,0 +1,52 @@
+// The render table as whole spectra at one geometry, for a range of its wavelength axis: a view on atmos_tables/interpolate.h
+// that knows airless simulations, and samples the sky on a whole grid of directions at once.
+// Angles in radians; azimuth relative to the sun; heights m above scene z = 0.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "atmos_tables/render_table.h"
+
+namespace raycube::plan {
+
+using Spectrum = std::vector<double>;
+
+class TableSpectra {
+ public:
+  /// Covers table wavelengths first .. first + count - 1. `no_air`: only solar_irradiance is read; transmissions are 1, there
+  /// is no sky and no path radiance. Throws Error(input) when a row is missing that a render with air needs.
+  /// `sun_up` false: no direct light.
+  TableSpectra(const atmos::RenderTable& table, bool no_air, bool sun_up, std::size_t first, std::size_t count);
+
+  std::size_t size() const { return count_; }
+  bool has_sky() const { return has_sky_; }                             ///< some sky radiance above zero
+  const std::vector<double>& sky_zenith_rad() const { return sky_zenith_; }    ///< the table's own nodes
+  const std::vector<double>& sky_azimuth_rad() const { return sky_azimuth_; }
+  double last_view_zenith_rad() const { return last_view_zenith_; }     ///< largest slant of the table; pi/2 without air
+
+  Spectrum sun(double height_m) const;                                  ///< E0 T_sun on a plane facing the sun, W m-2 um-1
+  Spectrum view_transmission(double height_m, double zenith_rad) const;
+  Spectrum two_way_transmission(double height_m, double zenith_rad) const;  ///< T_sun T_view R2
+  Spectrum two_way_factor(double height_m, double zenith_rad) const;    ///< R2 = T(sun-target-sensor) / (T_sun T_view)
+  Spectrum path_radiance(double height_m, double zenith_rad, double azimuth_rad) const;  ///< W m-2 sr-1 um-1
+  Spectrum solar_irradiance() const;                                    ///< E0; zero when the sun is down
+  Spectrum diffuse_irradiance(double height_m) const;                   ///< the table's own row; empty when it has none
+
+  /// Sky radiance at every (zenith, azimuth) of a product grid: value[(z * azimuths + a) * size() + wavelength]. Same rule as
+  /// atmos::sky_radiance (divided by the single-scatter shape between nodes), evaluated once per node instead of per call.
+  std::vector<double> sky_grid(double height_m, const std::vector<double>& zenith_rad, const std::vector<double>& azimuth_rad) const;
+
+ private:
+  Spectrum slice(const Spectrum& whole) const;
+  double clamp_height(double height_m) const;
+
+  const atmos::RenderTable& table_;
+  bool no_air_, sun_up_;
+  bool has_sky_ = false;
+  std::size_t first_, count_;
+  std::vector<double> sky_zenith_, sky_azimuth_;
+  double last_view_zenith_;
+};
+
+}  // namespace raycube::plan
