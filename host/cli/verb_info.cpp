@@ -1,0 +1,112 @@
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <ostream>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "host/base/error.h"
+#include "host/base/memory.h"
+#include "host/cli/info_cube.h"
+#include "host/cli/verb.h"
+#include "host/products/envi_reader.h"
+#include "scene_compiler/compiled_file.h"
+#include "scene_compiler/scene_info.h"
+
+namespace raycube::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using base::Error;
+using base::Fault;
+namespace fs = std::filesystem;
+
+struct Options {
+  std::string file;
+  bool header_only = false, every_band = false;
+};
+
+/// A folder stands for the run it holds.
+std::string resolve(const std::string& path) {
+  if (!fs::exists(path)) throw Error(Fault::input, path + ": no such file");
+  if (!fs::is_directory(path)) return path;
+  const fs::path record = fs::path(path) / "run.json";
+  if (fs::exists(record)) return record.string();
+  throw Error(Fault::input, path + ": is a folder without run.json; name a file");
+}
+
+void print_run(Context& context, const std::string& path, const Json& run) {
+  if (!run.is_object() || run.value("format", "") != "raycube run")
+    throw Error(Fault::input, path + ": is JSON but no run record of raycube (its member \"format\" is not \"raycube run\")");
+  if (context.common.json) {
+    context.out << Json{{"kind", "run"}, {"file", path}, {"run", run}}.dump(2) << "\n";
+    return;
+  }
+  const auto text = [&](const Json& at, const char* key) -> std::string {
+    if (!at.is_object() || !at.contains(key)) return "-";
+    return at[key].is_string() ? at[key].get<std::string>() : at[key].dump();
+  };
+  const auto member = [&](const char* key) { return run.value(key, Json::object()); };
+  auto& out = context.out;
+  out << fmt::format("{}: run of raycube {} ({})\n", path, text(member("program"), "version"), text(member("program"), "commit"));
+  out << fmt::format("  command       {}\n  instrument    {}\n", text(run, "command"), text(run, "instrument"));
+  const Json image = member("image");
+  out << fmt::format("  image         {} samples x {} lines x {} bands, {} samples per pixel\n", text(image, "samples"), text(image, "lines"),
+                     text(image, "bands"), text(image, "samples_per_pixel"));
+  out << fmt::format("  device        {} ({})\n", text(member("device"), "name"), text(member("device"), "driver"));
+  out << fmt::format("  seed          {}\n  scene         {}\n  digest        {}\n", text(run, "seed"), text(run, "scene_hash"), text(run, "digest"));
+  out << fmt::format("  rate          {} rays/s, {} band samples/s\n", text(run, "rays_per_s"), text(run, "band_samples_per_s"));
+  if (const Json memory = member("memory"); memory.contains("peak_bytes") && memory["peak_bytes"].is_number_unsigned())
+    out << fmt::format("  peak memory   {}\n", base::format_bytes(memory["peak_bytes"].get<std::uint64_t>()));
+  const Json stages = member("stage_s"), files = member("files");
+  for (const auto& [stage, seconds] : stages.items()) out << fmt::format("  {:<13} {} s\n", stage, seconds.dump());
+  for (const auto& [name, what] : files.items()) out << fmt::format("  {:<20} {}\n", name, what.is_string() ? what.get<std::string>() : "");
+}
+
+void print_run_file(Context& context, const std::string& path) {
+  std::ifstream in(path);
+  try {
+    print_run(context, path, Json::parse(in));
+  } catch (const Json::parse_error& failure) {
+    throw Error(Fault::input, fmt::format("{}: is not valid JSON at byte {}; is the file whole?", path, failure.byte));
+  } catch (const Json::exception& failure) {
+    throw Error(Fault::input, fmt::format("{}: a member of the run record has the wrong type: {}", path, failure.what()));
+  }
+}
+
+void print_scene(Context& context, const std::string& path) {
+  const auto info = scene::scene_info(scene::load_compiled(path));
+  context.out << (context.common.json ? scene::scene_info_json(info) : scene::scene_info_text(info));
+}
+
+int run(Context& context, const Options& options) {
+  const std::string path = resolve(options.file);
+  const std::string extension = fs::path(path).extension().string();
+  if (extension == ".rcs") print_scene(context, path);
+  else if (extension == ".json") print_run_file(context, path);
+  else print_cube_info(context, path, options.header_only, options.every_band);
+  return 0;
+}
+
+}  // namespace
+
+Verb verb_info() {
+  const auto options = std::make_shared<Options>();
+  Verb verb;
+  verb.name = "info";
+  verb.summary = "Say what a product, scene or table holds";
+  verb.description =
+      "FILE is an ENVI image or spectral library (either of its two files), a compiled scene (.rcs), a run record (.json) or the folder "
+      "of a run. Statistics of an image read it once, line by line; its ignore value, NaN and infinities are counted apart.";
+  verb.examples = {"raycube info out/spectir/radiance.img", "raycube info --json out/spectir | jq .run.digest"};
+  verb.add_options = [options](base::OptionTable& table) {
+    table.argument("FILE", "What to look at", options->file);
+    table.flag("--header", "Of an image the header alone, without reading its samples", options->header_only);
+    table.flag("--bands", "Of an image one line of statistics per band", options->every_band);
+  };
+  verb.run = [options](Context& context) { return run(context, *options); };
+  return verb;
+}
+
+}  // namespace raycube::cli
