@@ -43,17 +43,17 @@ def curve(points, step_m=1.0):
 
 
 def distance_to_curve(x, y, line):
-    """Distance to a polyline, and the index of the nearest segment. x, y of any shape; coarse-to-fine to stay cheap."""
+    """Distance to a polyline, and where along it: segment index plus fraction. x, y of any shape."""
     x, y = np.asarray(x, float), np.asarray(y, float)
     best = np.full(x.shape, np.inf)
-    index = np.zeros(x.shape, int)
+    along = np.zeros(x.shape)
     for i, ((ax, ay), (bx, by)) in enumerate(zip(line[:-1], line[1:])):
         dx, dy = bx - ax, by - ay
         t = np.clip(((x - ax) * dx + (y - ay) * dy) / (dx * dx + dy * dy), 0, 1)
         d = np.hypot(x - ax - t * dx, y - ay - t * dy)
         closer = d < best
-        best[closer], index[closer] = d[closer], i
-    return best, index
+        best[closer], along[closer] = d[closer], i + t[closer]
+    return best, along
 
 
 def rectangle_distance(x, y, rectangle):

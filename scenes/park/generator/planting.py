@@ -43,7 +43,7 @@ def plant(park, seed):
             t /= np.hypot(*t)
             x, y = road[i] + side * 5.6 * np.array([-t[1], t[0]]) + rng.normal(0, 0.35, 2)
             clear = park.is_clear(np.array([x]), np.array([y]), 2.6)[0]
-            if -130 < x and max(abs(x), abs(y)) < 195 and clear and rng.random() < 0.86 and not (0 < x < 105 and y > 40):
+            if -130 < x and max(abs(x), abs(y)) < 195 and clear and rng.random() < 0.86 and not (0 < x < 112 and y > 36):
                 if spacing.accept(x, y, 6.5):
                     add("maple", x, y, rng.uniform(0.72, 0.98))
 

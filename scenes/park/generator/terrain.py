@@ -72,12 +72,12 @@ class Park:
         z += on_track * (level - z)
         z += 1.15 * np.exp(-((offset - layout.OVAL_HALF_WIDTH_M - 2.4) / 1.5) ** 2)
         # the gravel road lies on its own gentle profile: cuts and fills with ditches of 25 cm on both sides
-        to_road, nearest = self._coarse_distance(x, y, self.road)
+        to_road, along = self._coarse_distance(x, y, self.road)
         profile = self._ground(self.road[:, 0], self.road[:, 1])
         kernel = np.hanning(61) / np.hanning(61).sum()
         profile = np.convolve(np.pad(profile, 30, mode="edge"), kernel, mode="valid")
         blend = 1 - smoothstep(layout.ROAD_HALF_WIDTH_M + 0.8, layout.ROAD_HALF_WIDTH_M + 6.0, to_road)
-        z += blend * (profile[nearest] + 0.06 * np.maximum(0, 1 - to_road / layout.ROAD_HALF_WIDTH_M) - z)
+        z += blend * (np.interp(along, np.arange(len(profile)), profile) + 0.06 * np.maximum(0, 1 - to_road / layout.ROAD_HALF_WIDTH_M) - z)
         z -= 0.25 * np.exp(-((to_road - layout.ROAD_HALF_WIDTH_M - 1.5) / 0.6) ** 2)
         # turf, not on built ground
         built = np.maximum.reduce([on_track, blend])
@@ -93,19 +93,19 @@ class Park:
         return z
 
     def _coarse_distance(self, x, y, line):
-        """Distance and nearest segment for a full grid, only where the line's box comes within 15 m (else far)."""
-        distance, nearest = np.full(x.shape, 1e3), np.zeros(x.shape, int)
+        """Distance and place along the line for a full grid, only where a part of the line comes within 15 m (else far)."""
+        distance, along = np.full(x.shape, 1e3), np.zeros(x.shape)
         for start in range(0, len(line) - 1, 16):
             part = line[start:start + 17]
             x0, y0 = part.min(0) - 15
             x1, y1 = part.max(0) + 15
             near = (x >= x0) & (x <= x1) & (y >= y0) & (y <= y1)
             if near.any():
-                d, i = layout.distance_to_curve(x[near], y[near], part)
+                d, a = layout.distance_to_curve(x[near], y[near], part)
                 closer = d < distance[near]
                 where = tuple(axis[closer] for axis in np.nonzero(near)) if near.ndim else near
-                distance[where], nearest[where] = d[closer], i[closer] + start
-        return distance, nearest
+                distance[where], along[where] = d[closer], a[closer] + start
+        return distance, along
 
     def height_at(self, x, y):
         """Bilinear height, m above scene z = 0."""
@@ -192,15 +192,17 @@ class Park:
         dust = np.clip(0.25 + 0.16 * grain + 0.12 * patch, 0.02, 0.7)
         park = layout.rectangle_distance(x, y, layout.PARKING)
         pad = (park + 0.4 * edge + 0.1 * grain < 1.2) | (layout.rectangle_distance(x, y, layout.SHED) + 0.6 * edge < 0.5)
-        lay(pad, GRAVEL=1 - dust, TRACK=dust)
+        fines = 0.22 + 0.05 * grain  # damp dark fines between the stones
+        lay(pad, GRAVEL=1 - dust, TRACK=dust, LOAM=np.maximum(fines, 0.05))
         width = layout.ROAD_HALF_WIDTH_M + 0.35 * edge
         tufts = 0.75 * smoothstep(0.1, 1.6, patch + 0.6 * grain) * np.exp(-(to_road / 0.45) ** 2)
         dust = np.clip(dust - 0.2 * np.exp(-((to_road - 0.95) / 0.4) ** 2), 0.02, 0.7)
-        lay(to_road + 0.18 * grain < width, GRAVEL=(1 - dust) * (1 - tufts), TRACK=dust * (1 - tufts), MEADOW=tufts)
+        lay(to_road + 0.18 * grain < width, GRAVEL=(1 - dust) * (1 - tufts), TRACK=dust * (1 - tufts), MEADOW=tufts,
+            LOAM=np.maximum(fines, 0.05))
         width = layout.OVAL_HALF_WIDTH_M + 0.5 * edge + 0.25 * grain
-        wet = 0.6 * smoothstep(1.2, 3.2, -0.35 * grain - 0.9 * patch + 0.18 * np.abs(offset))
-        worn = 0.55 * smoothstep(0.4, 2.6, 0.3 * grain + 0.8 * patch + 0.5 * np.cos(offset / 1.1))
-        lay(np.abs(offset) < width, TRACK=np.maximum(1 - wet - worn, 0.1), LOAM=wet, SAND=worn)
+        wet = 0.30 + 0.05 * grain + 0.45 * smoothstep(1.2, 3.2, -0.35 * grain - 0.9 * patch + 0.18 * np.abs(offset))
+        worn = 0.45 * smoothstep(0.4, 2.6, 0.3 * grain + 0.8 * patch + 0.5 * np.cos(offset / 1.1))
+        lay(np.abs(offset) < width, TRACK=np.maximum(1 - wet - worn, 0.1), LOAM=np.maximum(wet, 0.05), SAND=worn)
         # courts with worn and patched stretches, and the concrete apron that joins them
         apron = (np.abs(x - 87.5) < 44.5) & (np.abs(y - 76.0) < 16.0)
         lay(apron & (court > 0) & (court < 1.0), CONCRETE=np.ones_like(x))
