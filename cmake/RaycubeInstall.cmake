@@ -1,0 +1,27 @@
+# A relocatable installation: the program (kernels inside), its man page, and plots and scenes under share/raycube, found
+# relative to the executable (host/base/data_folder.h). `cpack -G DEB` makes a Debian package of the same files.
+include(GNUInstallDirs)
+install(TARGETS raycube RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(FILES ${CMAKE_BINARY_DIR}/raycube.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
+install(FILES LICENSE README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(DIRECTORY scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/raycube USE_SOURCE_PERMISSIONS
+        PATTERN "__pycache__" EXCLUDE PATTERN "*.pyc" EXCLUDE)
+if(EXISTS ${PROJECT_SOURCE_DIR}/host/plots)
+  install(DIRECTORY host/plots DESTINATION ${CMAKE_INSTALL_DATADIR}/raycube USE_SOURCE_PERMISSIONS
+          PATTERN "__pycache__" EXCLUDE PATTERN "*.pyc" EXCLUDE)
+endif()
+
+set(CPACK_PACKAGE_NAME raycube)
+set(CPACK_PACKAGE_VENDOR raycube)
+set(CPACK_PACKAGE_CONTACT "raycube maintainers <raycube@localhost>")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
+set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
+set(CPACK_RESOURCE_FILE_LICENSE ${PROJECT_SOURCE_DIR}/LICENSE)
+set(CPACK_GENERATOR DEB)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_DEPENDS "pocl-opencl-icd | opencl-icd")  # any OpenCL driver; the libraries come from shlibdeps
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "python3, python3-numpy, python3-matplotlib")
+include(CPack)
