@@ -71,13 +71,13 @@ void check_clear_sky(const scene::AtmosphereSpec& spec, const scene::Sun& sun, d
                      const std::vector<double>& wavelength_um, const std::vector<double>& target_height_m) {
   base::Problems problems;
   check_range(problems, "ground_height_m", spec.ground_height_m, -500, 9000, "m");
-  check_range(problems, "pressure_hPa", spec.pressure_hPa, 200, 1100, "hPa");
+  check_range(problems, "pressure_hPa", spec.pressure_hPa, 1, 1200, "hPa");
   check_range(problems, "water_g_cm2", spec.water_g_cm2, 0, 10, "g cm-2");
   check_range(problems, "ozone_atm_cm", spec.ozone_atm_cm, 0, 1, "atm-cm");
   check_range(problems, "aod_550", spec.aod_550, 0, 5, "");
-  check_range(problems, "angstrom", spec.angstrom, -1, 4, "");
+  check_range(problems, "angstrom", spec.angstrom, -1, 5, "");
   check_range(problems, "ssa", spec.ssa, 0, 1, "");
-  check_range(problems, "asymmetry", spec.asymmetry, 0, 0.95, "");
+  check_range(problems, "asymmetry", spec.asymmetry, -0.95, 0.95, "");
   check_range(problems, "ground_albedo", spec.ground_albedo, 0, 1, "");
   check_sun(problems, sun, true);
   check_grid(problems, sensor_height_m, wavelength_um, target_height_m, kClearSkyFirst_um, kClearSkyLast_um);

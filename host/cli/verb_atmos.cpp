@@ -1,0 +1,246 @@
+// raycube atmos build | info | plot: render tables made, described and drawn.
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <ostream>
+
+#include <nlohmann/json.hpp>
+
+#include "atmos_tables/clear_sky.h"
+#include "atmos_tables/rct_file.h"
+#include "atmos_tables/report.h"
+#include "host/base/data_folder.h"
+#include "host/base/error.h"
+#include "host/base/output_file.h"
+#include "host/cli/verb.h"
+#include "scene_compiler/load_simulation.h"
+
+extern char** environ;
+
+namespace raycube::cli {
+
+namespace {
+
+constexpr double kUnset = std::numeric_limits<double>::quiet_NaN();
+
+base::IfExists if_exists(const CommonOptions& common) {
+  return common.overwrite ? base::IfExists::replace : base::IfExists::refuse;
+}
+
+struct BuildOptions {
+  std::string file;
+  bool no_air = false;
+  double sun_zenith = kUnset, sun_azimuth = kUnset, day = kUnset;
+  double sensor = kUnset, lowest = kUnset, highest = kUnset;
+  double first_um = kUnset, last_um = kUnset, step_nm = 0;
+  double ground = kUnset, pressure = kUnset, water = kUnset, ozone = kUnset, aod = kUnset, angstrom = kUnset;
+  double ssa = kUnset, asymmetry = kUnset, albedo = kUnset;
+};
+
+/// The value a user typed replaces the one that stands.
+void replace(double& standing, double typed) {
+  if (!std::isnan(typed)) standing = typed;
+}
+
+/// Wavelengths that hold every band's response.
+void band_range(const scene::Simulation& simulation, double& first_um, double& last_um) {
+  first_um = 1e9, last_um = 0;
+  for (const auto& instrument : simulation.instruments)
+    for (const auto& band : instrument.bands) {
+      const bool gaussian = band.wavelength_um.empty();
+      first_um = std::min(first_um, gaussian ? band.center_um - 3 * band.fwhm_um : band.wavelength_um.front());
+      last_um = std::max(last_um, gaussian ? band.center_um + 3 * band.fwhm_um : band.wavelength_um.back());
+    }
+}
+
+int build(const BuildOptions& o, Context& context) {
+  scene::Simulation simulation;
+  double sensor_height = 610, lowest = 0, highest = 100, first_um = 0.35, last_um = 2.5;
+  if (!o.file.empty()) {
+    scene::LoadOptions load;
+    load.need_instruments = true;
+    load.compile = std::isnan(o.lowest) || std::isnan(o.highest);
+    simulation = scene::load_simulation(o.file, load);
+    if (load.compile) lowest = simulation.scene.lo[2], highest = simulation.scene.hi[2];
+    sensor_height = simulation.instruments.front().poses.front().z_m;
+    band_range(simulation, first_um, last_um);
+  } else if (std::isnan(o.sun_zenith)) {
+    throw base::Error(base::Fault::input, "where is the sun? give a scene FILE, or --sun-zenith in degrees");
+  }
+  if (!simulation.atmosphere.table_file.empty())
+    throw base::Error(base::Fault::input, o.file + ": names a table already (" + simulation.atmosphere.table_file +
+                                              "); see it with raycube atmos info");
+  scene::AtmosphereSpec& air = simulation.atmosphere;
+  if (o.no_air) air.none = true;
+  if (!std::isnan(o.ground)) {
+    air.ground_height_m = o.ground;
+    if (std::isnan(o.pressure)) air.pressure_hPa = scene::standard_pressure_hPa(o.ground);
+  }
+  replace(air.pressure_hPa, o.pressure), replace(air.water_g_cm2, o.water), replace(air.ozone_atm_cm, o.ozone);
+  replace(air.aod_550, o.aod), replace(air.angstrom, o.angstrom), replace(air.ssa, o.ssa);
+  replace(air.asymmetry, o.asymmetry), replace(air.ground_albedo, o.albedo);
+  replace(simulation.sun.zenith_deg, o.sun_zenith), replace(simulation.sun.azimuth_deg, o.sun_azimuth);
+  if (!std::isnan(o.day)) simulation.sun.day_of_year = static_cast<int>(o.day);
+  replace(sensor_height, o.sensor), replace(lowest, o.lowest), replace(highest, o.highest);
+  replace(first_um, o.first_um), replace(last_um, o.last_um);
+  if (lowest > highest)
+    throw base::Error(base::Fault::input, "--lowest (" + std::to_string(lowest) + " m) is above --highest (" +
+                                              std::to_string(highest) + " m)");
+  const auto grid = atmos::clear_sky_wavelengths(first_um, last_um, o.step_nm / 1000);
+  const auto heights = atmos::clear_sky_heights(lowest, highest);
+  const std::string output = context.common.output.empty() ? "atmosphere.rct" : context.common.output;
+  context.log.info("building " + std::to_string(grid.size()) + " wavelengths, " + std::to_string(heights.size()) + " heights");
+  const atmos::RenderTable table = atmos::make_table(air, simulation.sun, sensor_height, grid, heights);
+  const std::string hash = atmos::write_rct(table, output, if_exists(context.common));
+  if (context.common.json)
+    context.out << nlohmann::json{{"table", output}, {"content_hash", hash}}.dump() << "\n";
+  else
+    context.out << "table: " << output << "\n";
+  return 0;
+}
+
+/// Runs a chart script with the system's Python; its stderr goes to ours.
+void run_plot_script(const std::string& script, const std::string& figures, const std::string& chart) {
+  const std::string python = "/usr/bin/python3", path = (base::data_folder() / "plots" / script).string();
+  const char* arguments[] = {python.c_str(), path.c_str(), figures.c_str(), chart.c_str(), nullptr};
+  pid_t child = 0;
+  const int failed = posix_spawn(&child, python.c_str(), nullptr, nullptr, const_cast<char**>(arguments), environ);
+  if (failed)
+    throw base::Error(base::Fault::environment, python + " could not be started (" + std::strerror(failed) +
+                                                    "); charts need Debian's python3 with python3-matplotlib");
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0)
+    if (errno != EINTR) throw base::Error(base::Fault::environment, path + ": its end could not be waited for");
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
+    throw base::Error(base::Fault::environment, path + " failed (its message is above); charts need python3-matplotlib");
+}
+
+Verb verb_build() {
+  auto o = std::make_shared<BuildOptions>();
+  Verb verb;
+  verb.name = "build";
+  verb.summary = "Build a render table with the clear-sky model";
+  verb.description =
+      "Sun, air, heights, bands and sensor come from a scene FILE, or from options, which replace what the file says. The "
+      "model covers 0.3 to 4 um; docs/table_format.md says how good it is.";
+  verb.examples = {"raycube atmos build scenes/park/park.toml -o park.rct",
+                   "raycube atmos build --sun-zenith 40 --aod 0.2 --sensor-height 3000 -o clear.rct"};
+  verb.common = kOutput;
+  verb.add_options = [o](base::OptionTable& table) {
+    const auto number = [&](const char* names, const char* unit, double low, double high, const char* help, double& value,
+                            const char* standing) { table.number(names, unit, low, high, help, value).default_text = standing; };
+    table.optional_argument("FILE", "A scene file", o->file);
+    number("--sun-zenith", "deg", 0, 180, "Sun zenith angle", o->sun_zenith, "FILE's");
+    number("--sun-azimuth", "deg", -360, 360, "Sun azimuth, clockwise from north", o->sun_azimuth, "FILE's, or 0");
+    number("--day", "", 0, 366, "Day of the year for the earth-sun distance; 0: mean distance", o->day, "FILE's, or 0");
+    number("--sensor-height", "m", -1000, 1e9, "Sensor height above the scene's z = 0", o->sensor, "FILE's first pose, or 610");
+    number("--lowest", "m", -1000, 1e5, "Lowest target height", o->lowest, "FILE's scene, or 0");
+    number("--highest", "m", -1000, 1e5, "Highest target height", o->highest, "FILE's scene, or 100");
+    number("--from", "um", 0.3, 4, "First wavelength", o->first_um, "FILE's bands, or 0.35");
+    number("--to", "um", 0.3, 4, "Last wavelength", o->last_um, "FILE's bands, or 2.5");
+    table.number("--step", "nm", 0, 100, "Wavelength step; 0: 1 nm to 1 um, 2 nm to 2.5 um, 10 nm beyond", o->step_nm);
+    number("--ground-height", "m", -500, 9000, "Height of z = 0 above the sea; sets the pressure too", o->ground, "FILE's, or 0");
+    number("--pressure", "hPa", 1, 1200, "Air pressure at the ground", o->pressure, "FILE's, or 1013.25");
+    number("--water", "g/cm2", 0, 10, "Precipitable water", o->water, "FILE's, or 1.5");
+    number("--ozone", "atm cm", 0, 1, "Ozone column", o->ozone, "FILE's, or 0.32");
+    number("--aod", "", 0, 5, "Aerosol optical depth at 0.55 um", o->aod, "FILE's, or 0.1");
+    number("--angstrom", "", -1, 5, "Angstrom exponent", o->angstrom, "FILE's, or 1.2");
+    number("--ssa", "", 0, 1, "Aerosol single-scattering albedo at 0.4 um", o->ssa, "FILE's, or 0.945");
+    number("--asymmetry", "", -0.95, 0.95, "Aerosol asymmetry factor", o->asymmetry, "FILE's, or 0.65");
+    number("--ground-albedo", "", 0, 1, "Albedo of the surroundings in the sky's light", o->albedo, "FILE's, or 0");
+    table.flag("--no-air", "Vacuum: transmission 1, no sky, no path radiance", o->no_air);
+  };
+  verb.run = [o](Context& context) { return build(*o, context); };
+  return verb;
+}
+
+Verb verb_info() {
+  auto file = std::make_shared<std::string>();
+  Verb verb;
+  verb.name = "info";
+  verb.summary = "Describe a render table: axes, rows, absent rows, provenance, stated errors";
+  verb.add_options = [file](base::OptionTable& table) { table.argument("FILE", "A render table (.rct)", *file); };
+  verb.run = [file](Context& context) {
+    const atmos::RenderTable table = atmos::read_rct(*file);
+    const std::string hash = atmos::content_hash(table);
+    context.out << (context.common.json ? atmos::table_json(table, hash) : atmos::table_text(table, hash));
+    return 0;
+  };
+  return verb;
+}
+
+Verb verb_plot() {
+  struct Options {
+    std::string file;
+    atmos::PlotChoice choice;
+    double height = kUnset;
+  };
+  auto o = std::make_shared<Options>();
+  Verb verb;
+  verb.name = "plot";
+  verb.summary = "Draw a render table: transmission, irradiance, path radiance, sky";
+  verb.description = "Writes a PNG beside the table, and the figures in it as JSON. Needs python3-matplotlib.";
+  verb.examples = {"raycube atmos plot park.rct -o park.png"};
+  verb.common = kOutput;
+  verb.add_options = [o](base::OptionTable& table) {
+    table.argument("FILE", "A render table (.rct)", o->file);
+    table.number("--height", "m", -1000, 1e5, "Target height", o->height).default_text = "the table's lowest";
+    table.number("--view-zenith", "deg", 0, 89, "Zenith of the sensor seen from the target", o->choice.view_zenith_deg);
+    table.number("--view-azimuth", "deg", -360, 360, "Azimuth of the sensor minus the sun's", o->choice.relative_azimuth_deg);
+    table.number("--sky-wavelength", "um", 0.05, 1000, "Wavelength of the sky map, nearest of the table", o->choice.sky_wavelength_um);
+  };
+  verb.run = [o](Context& context) {
+    const atmos::RenderTable table = atmos::read_rct(o->file);
+    atmos::PlotChoice choice = o->choice;
+    const auto height = table.axes.find("target_height");
+    choice.target_height_m = !std::isnan(o->height) ? o->height : height == table.axes.end() ? 0 : height->second.nodes.front();
+    std::filesystem::path chart = context.common.output;
+    if (chart.empty()) chart = std::filesystem::path(o->file).replace_extension(".png");
+    std::filesystem::path figures = chart;
+    figures.replace_extension(".json");
+    const auto title = std::filesystem::path(o->file).filename().string();
+    base::OutputFile numbers(figures.string(), if_exists(context.common)), picture(chart.string(), if_exists(context.common));
+    numbers.append(atmos::plot_json(table, choice, title));
+    // The script writes under a name of its own with the right ending; the bytes then go where an unfinished file is never seen.
+    const std::string drawn = picture.temporary_path() + ".png";
+    struct Remove {
+      const std::string& path;
+      ~Remove() { std::remove(path.c_str()); }
+    } remove{drawn};
+    numbers.sync();
+    run_plot_script("atmos_plot.py", numbers.temporary_path(), drawn);
+    std::unique_ptr<std::FILE, int (*)(std::FILE*)> in(std::fopen(drawn.c_str(), "rb"), std::fclose);
+    if (!in) throw base::Error(base::Fault::environment, chart.string() + ": the chart script wrote nothing");
+    char buffer[65536];
+    for (std::size_t bytes; (bytes = std::fread(buffer, 1, sizeof buffer, in.get())) > 0;) picture.append(buffer, bytes);
+    numbers.publish();
+    picture.publish();
+    if (context.common.json)
+      context.out << nlohmann::json{{"chart", chart.string()}, {"figures", figures.string()}}.dump() << "\n";
+    else
+      context.out << "chart: " << chart.string() << "\n";
+    return 0;
+  };
+  return verb;
+}
+
+}  // namespace
+
+Verb verb_atmos() {
+  Verb verb;
+  verb.name = "atmos";
+  verb.summary = "Build, describe and draw render tables of the air";
+  verb.verbs = {verb_build(), verb_info(), verb_plot()};
+  return verb;
+}
+
+}  // namespace raycube::cli

@@ -1,0 +1,69 @@
+"""raycube atmos build | info | plot as a user drives them. Usage: atmos_cli_test.py RAYCUBE FOLDER"""
+
+import json
+import pathlib
+import shutil
+import subprocess
+import sys
+
+program, folder = sys.argv[1], pathlib.Path(sys.argv[2])
+shutil.rmtree(folder, ignore_errors=True)
+folder.mkdir(parents=True)
+
+
+def run(*arguments, status=0):
+    done = subprocess.run([program, "atmos", *map(str, arguments)], capture_output=True, text=True)
+    assert done.returncode == status, f"{arguments}: status {done.returncode}, expected {status}\n{done.stdout}{done.stderr}"
+    return done
+
+
+table = folder / "clear.rct"
+build = ["build", "--sun-zenith", "40", "--aod", "0.2", "--step", "20"]
+
+# S18: the same inputs give the same bytes; nothing is overwritten silently.
+assert run(*build, "-o", table).stdout == f"table: {table}\n"
+again = json.loads(run(*build, "-o", folder / "again.rct", "--json").stdout)
+assert (folder / "again.rct").read_bytes() == table.read_bytes()
+before = table.read_bytes()
+assert str(table) in run(*build, "-o", table, status=2).stderr
+assert table.read_bytes() == before
+run(*build, "-o", table, "--overwrite")
+
+info = json.loads(run("info", table, "--json").stdout)
+assert info["content_hash"] == again["content_hash"]
+assert info["sun_zenith_deg"] == 40 and info["provenance"]["parameters"]["aod_550"] == 0.2
+assert info["provenance"]["stated_errors"]
+names = {row["name"] for row in info["rows"]}
+assert {"sun_transmission", "sky_radiance_solar", "path_radiance_solar", "two_way_factor"} <= names
+assert "path_radiance_thermal" in info["absent_rows"] and not names & set(info["absent_rows"])
+text = run("info", table).stdout
+assert "absent rows" in text and "sun zenith 40 deg" in text
+
+vacuum = folder / "vacuum.rct"
+run("build", "--sun-zenith", "30", "--no-air", "-o", vacuum)
+rows = {row["name"]: row for row in json.loads(run("info", vacuum, "--json").stdout)["rows"]}
+assert rows["view_transmission"]["least"] == rows["view_transmission"]["most"] == 1
+assert rows["sky_radiance_solar"]["most"] == 0
+
+# Bad input: status 2 and a message that says what is wrong.
+assert "where is the sun" in run("build", "-o", folder / "x.rct", status=2).stderr
+assert "twilight" in run("build", "--sun-zenith", "95", "-o", folder / "x.rct", status=2).stderr
+assert "above the sensor" in run("build", "--sun-zenith", "5", "--highest", "700", "-o", folder / "x.rct", status=2).stderr
+assert "--water" in run("build", "--sun-zenith", "5", "--water", "-1", "-o", folder / "x.rct", status=2).stderr
+assert not (folder / "x.rct").exists()
+broken = bytearray(before)
+broken[len(broken) // 2] ^= 1
+(folder / "broken.rct").write_bytes(broken)
+assert "corrupt" in run("info", folder / "broken.rct", status=2).stderr
+assert "cannot be opened" in run("info", folder / "none.rct", status=3).stderr
+
+run("plot", table, "-o", folder / "chart.png")
+assert (folder / "chart.png").read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
+figures = json.loads((folder / "chart.json").read_text())
+assert len(figures["sun_transmission"]) == len(figures["wavelength_um"]) == 109
+assert all(0 <= t <= 1 for t in figures["two_way_transmission"])
+assert "view_zenith 85" in run("plot", table, "--view-zenith", "85", "-o", folder / "no.png", status=2).stderr
+assert not list(folder.glob("no.*"))
+left = [path.name for path in folder.iterdir() if path.name.startswith(".")]
+assert not left, f"temporaries left behind: {left}"
+print("atmos verbs: ok")
