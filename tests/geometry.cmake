@@ -3,4 +3,5 @@ target_link_libraries(raycube_trace_support PUBLIC raycube_warnings raycube::cl 
 
 raycube_test(shared_structs SOURCES unit/shared_structs_test.cpp LIBS raycube_trace_support LABELS fast)
 raycube_test(trace_hits SOURCES oracle/trace_hits_test.cpp LIBS raycube_trace_support LABELS fast)
+raycube_test(trace_leaks SOURCES oracle/trace_leaks_test.cpp LIBS raycube_trace_support LABELS slow)
 raycube_test(trace_light SOURCES oracle/trace_light_test.cpp LIBS raycube_trace_support LABELS fast)

@@ -55,6 +55,7 @@ typedef struct Projection {
 /* 16 triangles over the plane: l1 = l1a a + l1b b + l1c, l2 likewise, l0 = 1 - l1 - l2, and a depth q = q0 + l1 q1 + l2 q2. */
 typedef struct Setup {
   float16 l1a, l1b, l1c, l2a, l2b, l2c, q0, q1, q2;
+  float16 error;      /* of the vertices' plane coordinates */
   float16 band;       /* |l| up to this is uncertain; 2: the triangle is edge-on, every sample is uncertain */
   float16 lo_a, hi_a, lo_b, hi_b;  /* rectangle, grown by its error */
   int16 usable;       /* -1: the linear form holds; 0: degenerate, or some vertex behind or far beside the plane */
@@ -87,8 +88,10 @@ static inline Setup rc_setup_block(const Projection* map, global const TriBlock*
   Setup s;
   const float16 lo_a = fmin(a[0], fmin(a[1], a[2])), hi_a = fmax(a[0], fmax(a[1], a[2]));
   const float16 lo_b = fmin(b[0], fmin(b[1], b[2])), hi_b = fmax(b[0], fmax(b[1], b[2]));
-  const float16 largest = fmax(fmax(hi_a, -lo_a), fmax(hi_b, -lo_b));
+  float16 largest = fmax(fmax(hi_a, -lo_a), fmax(hi_b, -lo_b));
+  if (!perspective) largest = fmax(largest, fmax(fabs(q[0]), fmax(fabs(q[1]), fabs(q[2]))));
   const float16 error = fma(fma((float16)(map->error_square), largest, (float16)(map->error_growth)), largest, (float16)(map->error));
+  s.error = error;
   s.lo_a = lo_a - error;
   s.hi_a = hi_a + error;
   s.lo_b = lo_b - error;

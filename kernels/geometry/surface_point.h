@@ -44,7 +44,7 @@ static inline float rc_step_off(float p, float error, float n, float reach) {
 
 /* direction: the primary ray's, unnormalised. The intersection is taken in the mesh's own frame about the ray's origin:
  * t = n.(v0 - o) / n.d, then one correction by the plane's residual at the rounded point. The error bound holds for the
- * local point (sums of at most 6 rounded terms of its size), its way to the scene frame and the way back that a shadow ray
+ * local point (sums of at most 6 rounded terms of its size, doubled so that a bundle of shadow rays is sure of its own triangle), its way to the scene frame and the way back that a shadow ray
  * takes, each 4 roundings of the sums of absolute products, and both matrices' own rounding. */
 static inline SurfacePoint rc_surface_point(global const TriBlock* blocks, global const Instance* placed, uint primitive,
                                             float4 origin, float4 direction) {
@@ -74,7 +74,7 @@ static inline SurfacePoint rc_surface_point(global const TriBlock* blocks, globa
   SurfacePoint surface;
   const float4 point = same ? p : rc_map_point(w0, w1, w2, p);
   /* Bound of the local point: rounding of p itself and of the plane's evaluation at it. */
-  const float4 here = (fabs(p) + fmax(fabs(v0), fmax(fabs(v1), fabs(v2)))) * (4.0f * RC_ULP);
+  const float4 here = (fabs(p) + fmax(fabs(v0), fmax(fabs(v1), fabs(v2)))) * (8.0f * RC_ULP);
   float4 error = here;
   if (!same) {
     const float4 back = rc_map_sizes(l0, l1, l2, point) * (6.0f * RC_ULP) + here;
