@@ -1,8 +1,14 @@
 /* Reads: hits of trace_primary, ray groups, the scene. Writes: offset point and normal of every sample. Next: trace_sun,
  * trace_sky, shading. */
 #include "kernels/geometry/trace_args.h"
+#include "kernels/geometry/lanes.h"
 #include "kernels/geometry/samples.h"
 #include "kernels/geometry/surface_point.h"
+
+/* Corners of the samples' triangles, and the direction and origin of their rays. */
+typedef struct Gathered {
+  float corner[9][16], origin[3][16], direction[3][16];
+} Gathered;
 
 kernel void make_surface(global const TriBlock* restrict blocks, global const Instance* restrict instances,
                          global const RayGroup* restrict groups, global const uint* restrict hits, global float* restrict surface,
@@ -11,23 +17,54 @@ kernel void make_surface(global const TriBlock* restrict blocks, global const In
   const uint index = get_group_id(0);
   const GroupPlace place = rc_group_place(index, first_line, first_column, columns, pixels_per_line);
   const RayGroup group = groups[index];
-  for (uint p = 0; p < place.used; ++p) {
-    global const uint* in = hits + (size_t)(place.pixel + p) * (2u * RC_NPAD);
-    global float* out = surface + (size_t)(place.pixel + p) * (6u * RC_NPAD);
-    for (uint k = 0; k < RC_NPAD; ++k) {
-      SurfacePoint point;
-      point.position = point.normal = (float4)(0.0f);
-      if (k < sample_count && in[k] != RC_NONE) {
+  for (uint p = 0; p < place.used; ++p)
+    for (uint word = 0; word < RC_NWORDS; ++word) {
+      global const uint* in = hits + (size_t)(place.pixel + p) * (2u * RC_NPAD) + word * 16u;
+      global float* out = surface + (size_t)(place.pixel + p) * (6u * RC_NPAD) + word * 16u;
+      Gathered g;
+      uint left = 0;
+      for (uint k = 0; k < 16u; ++k) {
+        const uint primitive = in[k] == RC_NONE ? 0u : in[RC_NPAD + k];
+        global const float* at = (global const float*)(blocks + primitive / RC_BLOCK) + primitive % RC_BLOCK;
+        left |= in[k] == RC_NONE ? 0u : 1u << k;
+        #pragma unroll
+        for (uint c = 0; c < 9u; ++c) g.corner[c][k] = at[16u * c];
         float a, b;
-        rc_group_sample(seed, place.number + p, p, first_sample + k, &a, &b);
-        point = rc_surface_point(blocks, instances + in[k], in[RC_NPAD + k], rc_group_origin(group, b), rc_group_direction(group, a, b));
+        rc_group_sample(seed, place.number + p, p, first_sample + word * 16u + k, &a, &b);
+        const float4 o = rc_group_origin(group, b), d = rc_group_direction(group, a, b);
+        g.origin[0][k] = o.x;
+        g.origin[1][k] = o.y;
+        g.origin[2][k] = o.z;
+        g.direction[0][k] = d.x;
+        g.direction[1][k] = d.y;
+        g.direction[2][k] = d.z;
       }
-      out[k] = point.position.x;
-      out[RC_NPAD + k] = point.position.y;
-      out[2 * RC_NPAD + k] = point.position.z;
-      out[3 * RC_NPAD + k] = point.normal.x;
-      out[4 * RC_NPAD + k] = point.normal.y;
-      out[5 * RC_NPAD + k] = point.normal.z;
+      Vector16 v[3], position = {0.0f, 0.0f, 0.0f}, normal = {0.0f, 0.0f, 0.0f};
+      for (uint c = 0; c < 3u; ++c) {
+        v[c].x = vload16(0, g.corner[3u * c]);
+        v[c].y = vload16(0, g.corner[3u * c + 1u]);
+        v[c].z = vload16(0, g.corner[3u * c + 2u]);
+      }
+      const Vector16 origin = {vload16(0, g.origin[0]), vload16(0, g.origin[1]), vload16(0, g.origin[2])};
+      const Vector16 direction = {vload16(0, g.direction[0]), vload16(0, g.direction[1]), vload16(0, g.direction[2])};
+      while (left) {  /* one instance after the other: its matrices are shared */
+        const uint instance = in[rc_lowest(left)];
+        const int16 lanes = vload16(0, in) == instance;
+        left &= ~rc_mask16(lanes);
+        Vector16 there, facing;
+        rc_surface_points(instances + instance, v, origin, direction, &there, &facing);
+        position.x = select(position.x, there.x, lanes);
+        position.y = select(position.y, there.y, lanes);
+        position.z = select(position.z, there.z, lanes);
+        normal.x = select(normal.x, facing.x, lanes);
+        normal.y = select(normal.y, facing.y, lanes);
+        normal.z = select(normal.z, facing.z, lanes);
+      }
+      vstore16(position.x, 0, out);
+      vstore16(position.y, 0, out + RC_NPAD);
+      vstore16(position.z, 0, out + 2 * RC_NPAD);
+      vstore16(normal.x, 0, out + 3 * RC_NPAD);
+      vstore16(normal.y, 0, out + 4 * RC_NPAD);
+      vstore16(normal.z, 0, out + 5 * RC_NPAD);
     }
-  }
 }

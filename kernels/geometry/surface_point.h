@@ -4,10 +4,10 @@
 
 #include "kernels/geometry/triangle.h"
 
-typedef struct SurfacePoint {
-  float4 position;  /* m, scene frame, moved off the surface to the viewer's side by its error bound */
-  float4 normal;    /* unit, geometric, towards the viewer */
-} SurfacePoint;
+/* Three components of 16 samples. */
+typedef struct Vector16 {
+  float16 x, y, z;
+} Vector16;
 
 /* Rounding unit of a float. */
 #define RC_ULP 5.9604644775390625e-8f
@@ -24,11 +24,6 @@ static inline float4 rc_cross(float4 a, float4 b) {
                   rc_product_difference(a.x, b.y, a.y, b.x), 0.0f);
 }
 
-static inline float4 rc_vertex(global const TriBlock* block, uint corner, uint lane) {
-  global const float* at = (global const float*)block + 48u * corner + lane;
-  return (float4)(at[0], at[16], at[32], 0.0f);
-}
-
 /* sum_j |row_j| |p_j| + |translation|: what rounding in rc_map_point is relative to. */
 static inline float rc_map_size(float4 r, float4 p) { return fma(r.x, p.x, fma(r.y, p.y, fma(r.z, p.z, r.w))); }
 static inline float4 rc_map_sizes(float4 r0, float4 r1, float4 r2, float4 p) {
@@ -36,58 +31,107 @@ static inline float4 rc_map_sizes(float4 r0, float4 r1, float4 r2, float4 p) {
   return (float4)(rc_map_size(fabs(r0), q), rc_map_size(fabs(r1), q), rc_map_size(fabs(r2), q), 0.0f);
 }
 
-/* Moves the point along +-normal out of the box of its possible errors and rounds away from the surface. */
-static inline float rc_step_off(float p, float error, float n, float reach) {
-  const float q = fma(n, reach, p);
+static inline float16 rc_dot16(Vector16 a, Vector16 b) { return fma(a.x, b.x, fma(a.y, b.y, a.z * b.z)); }
+static inline float16 rc_product_difference16(float16 a, float16 b, float16 c, float16 d) {
+  const float16 cd = c * d, error = fma(-c, d, cd);
+  return fma(a, b, -cd) + error;
+}
+static inline Vector16 rc_minus16(Vector16 a, Vector16 b) {
+  Vector16 r = {a.x - b.x, a.y - b.y, a.z - b.z};
+  return r;
+}
+static inline float16 rc_map16(float4 r, Vector16 p, float w) {
+  return fma((float16)(r.x), p.x, fma((float16)(r.y), p.y, fma((float16)(r.z), p.z, (float16)(w))));
+}
+static inline Vector16 rc_map_points16(float4 r0, float4 r1, float4 r2, Vector16 p) {
+  Vector16 r = {rc_map16(r0, p, r0.w), rc_map16(r1, p, r1.w), rc_map16(r2, p, r2.w)};
+  return r;
+}
+static inline Vector16 rc_abs16(Vector16 v) {
+  Vector16 r = {fabs(v.x), fabs(v.y), fabs(v.z)};
+  return r;
+}
+static inline float16 rc_most3(float16 a, float16 b, float16 c) { return fmax(fabs(a), fmax(fabs(b), fabs(c))); }
+
+/* From p along d to the plane of v0 and n. */
+static inline Vector16 rc_to_plane(Vector16 p, Vector16 d, Vector16 n, Vector16 v0, float16 nd) {
+  const float16 t = rc_dot16(n, rc_minus16(v0, p)) / nd;
+  Vector16 r = {fma(t, d.x, p.x), fma(t, d.y, p.y), fma(t, d.z, p.z)};
+  return r;
+}
+static inline float16 rc_clamp_to(float16 p, float16 a, float16 b, float16 c) {
+  return fmin(fmax(p, fmin(a, fmin(b, c))), fmax(a, fmax(b, c)));
+}
+
+/* Moves a coordinate by n * reach and rounds away from the surface. */
+static inline float16 rc_step_off(float16 p, float16 error, float16 n, float16 reach) {
+  const float16 q = fma(n, reach, p);
   return q + copysign(fmax(fabs(q), error) * (2.0f * RC_ULP), n);
 }
 
-/* direction: the primary ray's, unnormalised. The intersection is taken in the mesh's own frame about the ray's origin:
- * t = n.(v0 - o) / n.d, then one correction by the plane's residual at the rounded point. The error bound holds for the
- * local point (sums of at most 6 rounded terms of its size, doubled so that a bundle of shadow rays is sure of its own triangle), its way to the scene frame and the way back that a shadow ray
- * takes, each 4 roundings of the sums of absolute products, and both matrices' own rounding. */
-static inline SurfacePoint rc_surface_point(global const TriBlock* blocks, global const Instance* placed, uint primitive,
-                                            float4 origin, float4 direction) {
+/* Position (m, scene frame, moved off the surface to the viewer's side by its error bound) and normal (unit, geometric,
+ * towards the viewer) of 16 samples that hit the same instance; v: their triangles' corners. origin, direction: the primary
+ * rays, unnormalised, scene frame. The intersection is taken in the mesh's own frame about the ray's origin:
+ * t = n.(v0 - o) / n.d, then one correction by the plane's residual at the rounded point. The error bound holds for the local
+ * point (sums of at most 6 rounded terms of its size, doubled so that a bundle of shadow rays is sure of its own triangle),
+ * its way to the scene frame and the way back that a shadow ray takes, each 4 roundings of the sums of absolute products, and
+ * both matrices' own rounding. */
+static inline void rc_surface_points(global const Instance* placed, const Vector16* v, Vector16 origin, Vector16 direction,
+                                     Vector16* position, Vector16* towards_viewer) {
   const float4 l0 = placed->local_from_world_0, l1 = placed->local_from_world_1, l2 = placed->local_from_world_2;
   const float4 w0 = placed->world_from_local_0, w1 = placed->world_from_local_1, w2 = placed->world_from_local_2;
-  global const TriBlock* block = blocks + primitive / RC_BLOCK;
-  const uint lane = primitive % RC_BLOCK;
   const bool same = placed->flags & 1u;
-  const float4 o = same ? origin : rc_map_point(l0, l1, l2, origin);
-  const float4 d = same ? direction : rc_map_vector(l0, l1, l2, direction);
-  const float4 v0 = rc_vertex(block, 0, lane), v1 = rc_vertex(block, 1, lane), v2 = rc_vertex(block, 2, lane);
-  const float4 n = rc_cross(v1 - v0, v2 - v0);
-  const float nd = rc_dot3(n, d);
-  float4 p = fma((float4)(rc_dot3(n, v0 - o) / nd), d, o);
-  p = fma((float4)(rc_dot3(n, v0 - p) / nd), d, p);
-  /* A grazing ray or sliver can throw the point off its triangle: it stays in the triangle's box. */
-  p = fmin(fmax(p, fmin(v0, fmin(v1, v2))), fmax(v0, fmax(v1, v2)));
-
-  /* Normals go by the transposed inverse. */
-  float4 normal = same ? n : (float4)(fma(l0.x, n.x, fma(l1.x, n.y, l2.x * n.z)), fma(l0.y, n.x, fma(l1.y, n.y, l2.y * n.z)),
-                                      fma(l0.z, n.x, fma(l1.z, n.y, l2.z * n.z)), 0.0f);
-  const float largest = fmax(fabs(normal.x), fmax(fabs(normal.y), fabs(normal.z)));
-  normal /= largest;
-  normal /= sqrt(rc_dot3(normal, normal));
-  if (rc_dot3(normal, direction) > 0.0f) normal = -normal;
-
-  SurfacePoint surface;
-  const float4 point = same ? p : rc_map_point(w0, w1, w2, p);
-  /* Bound of the local point: rounding of p itself and of the plane's evaluation at it. */
-  const float4 here = (fabs(p) + fmax(fabs(v0), fmax(fabs(v1), fabs(v2)))) * (8.0f * RC_ULP);
-  float4 error = here;
+  Vector16 o = origin, d = direction;
   if (!same) {
-    const float4 back = rc_map_sizes(l0, l1, l2, point) * (6.0f * RC_ULP) + here;
-    error = (float4)(fma(fabs(w0.x), back.x, fma(fabs(w0.y), back.y, fabs(w0.z) * back.z)),
-                     fma(fabs(w1.x), back.x, fma(fabs(w1.y), back.y, fabs(w1.z) * back.z)),
-                     fma(fabs(w2.x), back.x, fma(fabs(w2.y), back.y, fabs(w2.z) * back.z)), 0.0f) +
-            rc_map_sizes(w0, w1, w2, p) * (6.0f * RC_ULP);
+    o = rc_map_points16(l0, l1, l2, origin);
+    d.x = rc_map16(l0, direction, 0.0f);
+    d.y = rc_map16(l1, direction, 0.0f);
+    d.z = rc_map16(l2, direction, 0.0f);
   }
-  const float reach = rc_dot3(fabs(normal), error);
-  surface.position = (float4)(rc_step_off(point.x, error.x, normal.x, reach), rc_step_off(point.y, error.y, normal.y, reach),
-                              rc_step_off(point.z, error.z, normal.z, reach), 0.0f);
-  surface.normal = normal;
-  return surface;
+  const Vector16 e1 = rc_minus16(v[1], v[0]), e2 = rc_minus16(v[2], v[0]);
+  Vector16 n;
+  n.x = rc_product_difference16(e1.y, e2.z, e1.z, e2.y);
+  n.y = rc_product_difference16(e1.z, e2.x, e1.x, e2.z);
+  n.z = rc_product_difference16(e1.x, e2.y, e1.y, e2.x);
+  const float16 nd = rc_dot16(n, d);
+  Vector16 p = rc_to_plane(o, d, n, v[0], nd);
+  p = rc_to_plane(p, d, n, v[0], nd);
+  /* A grazing ray or sliver can throw the point off its triangle: it stays in the triangle's box. */
+  p.x = rc_clamp_to(p.x, v[0].x, v[1].x, v[2].x);
+  p.y = rc_clamp_to(p.y, v[0].y, v[1].y, v[2].y);
+  p.z = rc_clamp_to(p.z, v[0].z, v[1].z, v[2].z);
+
+  const Vector16 size = {fabs(p.x) + rc_most3(v[0].x, v[1].x, v[2].x), fabs(p.y) + rc_most3(v[0].y, v[1].y, v[2].y),
+                         fabs(p.z) + rc_most3(v[0].z, v[1].z, v[2].z)};
+  const float16 here = 8.0f * RC_ULP;
+  Vector16 error = {size.x * here, size.y * here, size.z * here}, normal = n, point = p;
+  if (!same) {
+    point = rc_map_points16(w0, w1, w2, p);
+    const Vector16 way_back = rc_map_points16(fabs(l0), fabs(l1), fabs(l2), rc_abs16(point));
+    const Vector16 way_out = rc_map_points16(fabs(w0), fabs(w1), fabs(w2), rc_abs16(p));
+    const float16 way = 6.0f * RC_ULP;
+    const Vector16 back = {fma(way_back.x, way, error.x), fma(way_back.y, way, error.y), fma(way_back.z, way, error.z)};
+    error.x = fma(way_out.x, way, rc_map16(fabs(w0), back, 0.0f));
+    error.y = fma(way_out.y, way, rc_map16(fabs(w1), back, 0.0f));
+    error.z = fma(way_out.z, way, rc_map16(fabs(w2), back, 0.0f));
+    /* Normals go by the transposed inverse. */
+    normal.x = fma((float16)(l0.x), n.x, fma((float16)(l1.x), n.y, l2.x * n.z));
+    normal.y = fma((float16)(l0.y), n.x, fma((float16)(l1.y), n.y, l2.y * n.z));
+    normal.z = fma((float16)(l0.z), n.x, fma((float16)(l1.z), n.y, l2.z * n.z));
+  }
+  const float16 largest = rc_most3(normal.x, normal.y, normal.z);
+  normal.x /= largest;
+  normal.y /= largest;
+  normal.z /= largest;
+  const float16 length = copysign(sqrt(rc_dot16(normal, normal)), -rc_dot16(normal, direction));
+  normal.x /= length;
+  normal.y /= length;
+  normal.z /= length;
+  const float16 reach = rc_dot16(rc_abs16(normal), error);
+  position->x = rc_step_off(point.x, error.x, normal.x, reach);
+  position->y = rc_step_off(point.y, error.y, normal.y, reach);
+  position->z = rc_step_off(point.z, error.z, normal.z, reach);
+  *towards_viewer = normal;
 }
 
 #endif
