@@ -2,102 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <limits>
 #include <numbers>
-#include <optional>
 
+#include "atmos_tables/detail/row_corners.h"
 #include "host/base/error.h"
 
 namespace raycube::atmos {
 
 namespace {
 
-using Spectrum = std::vector<double>;
-
-struct Coordinate {
-  const char* axis;
-  double value;
-};
-
-/// A node set around the point: per coordinate the node index, and the product of the linear weights.
-struct Corner {
-  double weight;
-  std::vector<std::size_t> node;  ///< per coordinate
-};
-
-struct Bracket {
-  std::size_t low = 0, high = 0;
-  double weight = 0;  ///< of high
-};
-
-std::string shortest(double value) {
-  std::string text = std::to_string(value);
-  text.erase(text.find_last_not_of('0') + 1);
-  if (text.back() == '.') text.pop_back();
-  return text;
-}
-
-Bracket bracket(const Axis& axis, double value) {
-  const auto& nodes = axis.nodes;
-  if (nodes.size() == 1) return {};
-  const double slack = 1e-9 * (nodes.back() - nodes.front());
-  if (!(value >= nodes.front() - slack && value <= nodes.back() + slack))
-    throw base::Error(base::Fault::input, "atmosphere table: " + axis.name + " " + shortest(value) + " " + axis.unit +
-                                              " lies outside the table's " + shortest(nodes.front()) + " to " +
-                                              shortest(nodes.back()) + " " + axis.unit +
-                                              "; build a table that covers it");
-  const auto upper = std::upper_bound(nodes.begin(), nodes.end(), value);
-  std::size_t high = static_cast<std::size_t>(upper - nodes.begin());
-  high = std::clamp<std::size_t>(high, 1, nodes.size() - 1);
-  const double w = (value - nodes[high - 1]) / (nodes[high] - nodes[high - 1]);
-  return {high - 1, high, std::clamp(w, 0.0, 1.0)};
-}
-
-std::vector<Corner> corners_of(const RenderTable& table, const std::vector<Coordinate>& point) {
-  std::vector<Corner> corners = {{1.0, {}}};
-  for (const Coordinate& coordinate : point) {
-    const Bracket b = bracket(table.axis(coordinate.axis), coordinate.value);
-    std::vector<Corner> next;
-    for (const Corner& corner : corners) {
-      if (b.weight < 1) next.push_back({corner.weight * (1 - b.weight), corner.node}), next.back().node.push_back(b.low);
-      if (b.weight > 0) next.push_back({corner.weight * b.weight, corner.node}), next.back().node.push_back(b.high);
-    }
-    corners = std::move(next);
-  }
-  return corners;
-}
-
-/// Where a corner's values lie in a row: value(wavelength, k) = values[base + wavelength * wavelength_stride + k * k_stride].
-class RowView {
- public:
-  RowView(const RenderTable& table, const Row& row) : table_(table), row_(row) {
-    std::size_t stride = 1;
-    for (auto name = row.axes.rbegin(); name != row.axes.rend(); ++name) {
-      strides_.push_back({*name, stride});
-      stride *= table.axis(*name).nodes.size();
-    }
-  }
-  std::size_t stride(const std::string& axis) const {
-    for (const auto& [name, stride] : strides_)
-      if (name == axis) return stride;
-    return 0;
-  }
-  bool has_k() const { return stride("k") != 0; }
-  std::size_t offset(const std::vector<Coordinate>& point, const Corner& corner) const {
-    std::size_t at = 0;
-    for (std::size_t i = 0; i < point.size(); ++i) at += corner.node[i] * stride(point[i].axis);
-    return at;
-  }
-  double at(std::size_t offset, std::size_t wavelength, std::size_t k = 0) const {
-    return row_.values[offset + wavelength * stride("wavelength") + k * stride("k")];
-  }
-
- private:
-  const RenderTable& table_;
-  const Row& row_;
-  std::vector<std::pair<std::string, std::size_t>> strides_;
-};
+using namespace detail;
 
 double radians(double degrees) { return degrees * std::numbers::pi / 180; }
 
@@ -170,25 +85,6 @@ Spectrum sum_of_terms(const RenderTable& table, const Spectrum& depth, bool has_
 DepthRow sun_depth_row(const RenderTable& t) { return {t, "sun_optical_depth", "sun_transmission", "sunlight on a target"}; }
 DepthRow view_depth_row(const RenderTable& t) {
   return {t, "view_optical_depth", "view_transmission", "the path from target to sensor"};
-}
-
-void require_zenith(double zenith_deg, double limit, bool inclusive, const char* what) {
-  if (zenith_deg >= 0 && (zenith_deg < limit || (inclusive && zenith_deg == limit))) return;
-  throw base::Error(base::Fault::input, std::string("atmosphere table: ") + what + " zenith " + shortest(zenith_deg) +
-                                            " deg is outside 0 to " + shortest(limit) + " deg; " +
-                                            "the direction must point above the horizon");
-}
-
-/// Plain linear interpolation of a row without k.
-Spectrum linear(const RenderTable& table, const Row& row, const std::vector<Coordinate>& point) {
-  const std::size_t count = wavelengths(table).size();
-  const RowView view(table, row);
-  Spectrum out(count, 0.0);
-  for (const Corner& corner : corners_of(table, point)) {
-    const std::size_t base = view.offset(point, corner);
-    for (std::size_t i = 0; i < count; ++i) out[i] += corner.weight * view.at(base, i);
-  }
-  return out;
 }
 
 /// ln linear over height where both nodes are positive, else linear.
@@ -313,76 +209,6 @@ Spectrum path_radiance(const RenderTable& table, double height_m, double zenith_
       out[i] = plain;
     else
       out[i] = ratio / ratio_weight * absorbed([&](std::size_t k) { return depth_here[i * terms + k]; }, i);
-  }
-  return out;
-}
-
-double sky_shape(double phase, double depth, double cos_sun, double cos_view) {
-  const double mu0 = std::max(cos_sun, 1e-3), mu = std::max(cos_view, 1e-9);
-  const double a = depth / mu0, b = depth / mu;
-  // exp(-min) (1 - exp(-(max - min))) / (max - min) times depth / mu: no difference of like numbers, no overflow.
-  const double low = std::min(a, b), gap = std::abs(b - a);
-  const double mean = gap < 1e-8 ? 1 - 0.5 * gap : -std::expm1(-gap) / gap;
-  return phase * b * std::exp(-low) * mean;
-}
-
-Spectrum sky_radiance(const RenderTable& table, double height_m, double zenith_deg, double relative_azimuth_deg) {
-  require_zenith(zenith_deg, 90, true, "sky");
-  const double azimuth = fold_azimuth(relative_azimuth_deg);
-  const Row& row = table.need("sky_radiance_solar", "skylight");
-  const std::vector<Coordinate> point = {{"target_height", height_m}, {"sky_zenith", zenith_deg}, {"sky_azimuth", azimuth}};
-  if (!table.has("sky_phase_mean") || !table.has("sky_scattering_depth")) return linear(table, row, point);
-
-  const Row& phase_row = table.need("sky_phase_mean", "skylight");
-  const Row& depth_row = table.need("sky_scattering_depth", "skylight");
-  const RowView view(table, row), phase_view(table, phase_row), depth_view(table, depth_row);
-  const double cos_sun = std::cos(radians(table.sun_zenith_deg)), sin_sun = std::sin(radians(table.sun_zenith_deg));
-  const auto& heights = table.axis("target_height").nodes;
-  const auto& zeniths = table.axis("sky_zenith").nodes;
-  const auto& azimuths = table.axis("sky_azimuth").nodes;
-
-  /// Phase function nodes and depth offset at one direction and height.
-  struct Shape {
-    double cos_view;
-    std::vector<Coordinate> point;
-    std::vector<Corner> corners;
-    std::vector<Coordinate> depth_point;
-    std::vector<Corner> depth_corners;
-  };
-  const auto shape_of = [&](double height, double zenith, double relative) {
-    const double mu = std::cos(radians(zenith));
-    const double cosine = cos_sun * mu + sin_sun * std::sin(radians(zenith)) * std::cos(radians(relative));
-    const double angle = std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / std::numbers::pi;
-    Shape s{mu, {{"target_height", height}, {"scattering_angle", angle}}, {}, {{"target_height", height}}, {}};
-    s.corners = corners_of(table, s.point);
-    s.depth_corners = corners_of(table, s.depth_point);
-    return s;
-  };
-  const auto value_of = [&](const Shape& s, std::size_t i) {
-    double phase = 0, depth = 0;
-    for (const Corner& c : s.corners) phase += c.weight * phase_view.at(phase_view.offset(s.point, c), i);
-    for (const Corner& c : s.depth_corners) depth += c.weight * depth_view.at(depth_view.offset(s.depth_point, c), i);
-    return sky_shape(phase, depth, cos_sun, s.cos_view);
-  };
-  const std::vector<Corner> corners = corners_of(table, point);
-  std::vector<Shape> shapes;
-  for (const Corner& corner : corners)
-    shapes.push_back(shape_of(heights[corner.node[0]], zeniths[corner.node[1]], azimuths[corner.node[2]]));
-  const Shape here = shape_of(height_m, zenith_deg, azimuth);
-  const std::size_t count = wavelengths(table).size();
-  Spectrum out(count, 0.0);
-  for (std::size_t i = 0; i < count; ++i) {
-    double plain = 0, ratio = 0;
-    bool usable = true;
-    for (std::size_t c = 0; c < corners.size(); ++c) {
-      const double value = view.at(view.offset(point, corners[c]), i), shape = value_of(shapes[c], i);
-      plain += corners[c].weight * value;
-      if (shape > 0)
-        ratio += corners[c].weight * value / shape;
-      else
-        usable = false;
-    }
-    out[i] = usable ? ratio * value_of(here, i) : plain;
   }
   return out;
 }

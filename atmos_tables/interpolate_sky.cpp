@@ -1,0 +1,85 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "atmos_tables/detail/row_corners.h"
+#include "atmos_tables/interpolate.h"
+
+namespace raycube::atmos {
+
+namespace {
+using namespace detail;
+double radians(double degrees) { return degrees * std::numbers::pi / 180; }
+}  // namespace
+
+double sky_shape(double phase, double depth, double cos_sun, double cos_view) {
+  const double mu0 = std::max(cos_sun, 1e-3), mu = std::max(cos_view, 1e-9);
+  const double a = depth / mu0, b = depth / mu;
+  // exp(-min) (1 - exp(-(max - min))) / (max - min) times depth / mu: no difference of like numbers, no overflow.
+  const double low = std::min(a, b), gap = std::abs(b - a);
+  const double mean = gap < 1e-8 ? 1 - 0.5 * gap : -std::expm1(-gap) / gap;
+  return phase * b * std::exp(-low) * mean;
+}
+
+Spectrum sky_radiance(const RenderTable& table, double height_m, double zenith_deg, double relative_azimuth_deg) {
+  require_zenith(zenith_deg, 90, true, "sky");
+  const double azimuth = fold_azimuth(relative_azimuth_deg);
+  const Row& row = table.need("sky_radiance_solar", "skylight");
+  const std::vector<Coordinate> point = {{"target_height", height_m}, {"sky_zenith", zenith_deg}, {"sky_azimuth", azimuth}};
+  if (!table.has("sky_phase_mean") || !table.has("sky_scattering_depth")) return linear(table, row, point);
+
+  const Row& phase_row = table.need("sky_phase_mean", "skylight");
+  const Row& depth_row = table.need("sky_scattering_depth", "skylight");
+  const RowView view(table, row), phase_view(table, phase_row), depth_view(table, depth_row);
+  const double cos_sun = std::cos(radians(table.sun_zenith_deg)), sin_sun = std::sin(radians(table.sun_zenith_deg));
+  const auto& heights = table.axis("target_height").nodes;
+  const auto& zeniths = table.axis("sky_zenith").nodes;
+  const auto& azimuths = table.axis("sky_azimuth").nodes;
+
+  /// Phase function nodes and depth offset at one direction and height.
+  struct Shape {
+    double cos_view;
+    std::vector<Coordinate> point;
+    std::vector<Corner> corners;
+    std::vector<Coordinate> depth_point;
+    std::vector<Corner> depth_corners;
+  };
+  const auto shape_of = [&](double height, double zenith, double relative) {
+    const double mu = std::cos(radians(zenith));
+    const double cosine = cos_sun * mu + sin_sun * std::sin(radians(zenith)) * std::cos(radians(relative));
+    const double angle = std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / std::numbers::pi;
+    Shape s{mu, {{"target_height", height}, {"scattering_angle", angle}}, {}, {{"target_height", height}}, {}};
+    s.corners = corners_of(table, s.point);
+    s.depth_corners = corners_of(table, s.depth_point);
+    return s;
+  };
+  const auto value_of = [&](const Shape& s, std::size_t i) {
+    double phase = 0, depth = 0;
+    for (const Corner& c : s.corners) phase += c.weight * phase_view.at(phase_view.offset(s.point, c), i);
+    for (const Corner& c : s.depth_corners) depth += c.weight * depth_view.at(depth_view.offset(s.depth_point, c), i);
+    return sky_shape(phase, depth, cos_sun, s.cos_view);
+  };
+  const std::vector<Corner> corners = corners_of(table, point);
+  std::vector<Shape> shapes;
+  for (const Corner& corner : corners)
+    shapes.push_back(shape_of(heights[corner.node[0]], zeniths[corner.node[1]], azimuths[corner.node[2]]));
+  const Shape here = shape_of(height_m, zenith_deg, azimuth);
+  const std::size_t count = wavelengths(table).size();
+  Spectrum out(count, 0.0);
+  for (std::size_t i = 0; i < count; ++i) {
+    double plain = 0, ratio = 0;
+    bool usable = true;
+    for (std::size_t c = 0; c < corners.size(); ++c) {
+      const double value = view.at(view.offset(point, corners[c]), i), shape = value_of(shapes[c], i);
+      plain += corners[c].weight * value;
+      if (shape > 0)
+        ratio += corners[c].weight * value / shape;
+      else
+        usable = false;
+    }
+    out[i] = usable ? ratio * value_of(here, i) : plain;
+  }
+  return out;
+}
+
+}  // namespace raycube::atmos
