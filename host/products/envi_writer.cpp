@@ -24,7 +24,7 @@ constexpr std::size_t kBlock = 64;              // side of a transposed block: 6
 /// to[b * pixels + p] = convert(from[p * stride + b]) in cache-sized blocks.
 template <class Sample, class Convert>
 void transpose(const float* from, std::size_t stride, std::size_t pixels, std::size_t bands, Sample* to, std::size_t to_stride,
-               Convert& convert) {
+               const Convert& convert) {
   for (std::size_t b0 = 0; b0 < bands; b0 += kBlock)
     for (std::size_t p0 = 0; p0 < pixels; p0 += kBlock) {
       const std::size_t b1 = std::min(bands, b0 + kBlock), p1 = std::min(pixels, p0 + kBlock);
@@ -93,6 +93,23 @@ void EnviWriter::write_as(const Strip& strip, Convert convert) {
   }
 }
 
+/// Apart from the conversion, so that both loops stay free of branches.
+void EnviWriter::count_clipped(const Strip& strip, float scale) {
+  const auto bands = static_cast<std::size_t>(header_.bands), stride = strip.pixel_stride ? strip.pixel_stride : bands;
+  const std::size_t pixels = static_cast<std::size_t>(strip.lines * header_.samples);
+  for (std::size_t p = 0; p < pixels; ++p) {
+    const float* const pixel = strip.values + p * stride;
+    std::uint32_t low = 0, high = 0, nan = 0;
+    for (std::size_t b = 0; b < bands; ++b) {
+      const float scaled = pixel[b] * scale;
+      low += scaled < -0.5f;
+      high += scaled >= 65535.5f;
+      nan += scaled != scaled;
+    }
+    clipped_.low += low, clipped_.high += high, clipped_.nan += nan;
+  }
+}
+
 void EnviWriter::write(const Strip& strip) {
   const auto bands = static_cast<std::size_t>(header_.bands);
   if (strip.first_line != next_line_ || strip.lines < 0 || strip.first_line + strip.lines > header_.lines)
@@ -101,12 +118,11 @@ void EnviWriter::write(const Strip& strip) {
   if (strip.pixel_stride != 0 && strip.pixel_stride < bands) throw Error(Fault::bug, "pixel stride shorter than the bands");
   if (integer_scale_) {
     const float scale = static_cast<float>(*integer_scale_);
-    write_as<std::uint16_t>(strip, [&](float value) -> std::uint16_t {
+    count_clipped(strip, scale);
+    write_as<std::uint16_t>(strip, [scale](float value) -> std::uint16_t {
       const float scaled = value * scale;
-      if (std::isnan(scaled)) return ++clipped_.nan, 0;
-      if (scaled < -0.5f) return ++clipped_.low, 0;
-      if (scaled >= 65535.5f) return ++clipped_.high, 65535;
-      return static_cast<std::uint16_t>(std::max(0.0f, std::nearbyint(scaled)));
+      const float held = scaled > 0.0f ? (scaled < 65535.0f ? scaled : 65535.0f) : 0.0f;  // NaN becomes 0
+      return static_cast<std::uint16_t>(static_cast<std::int32_t>(held + 0.5f));
     });
   } else if (header_.interleave == Interleave::bip && (strip.pixel_stride == 0 || strip.pixel_stride == bands)) {
     const std::uint64_t line_bytes = static_cast<std::uint64_t>(header_.samples) * bands * sizeof(float);

@@ -47,6 +47,7 @@ class EnviWriter {
  private:
   template <class Sample, class Convert>
   void write_as(const Strip& strip, Convert convert);
+  void count_clipped(const Strip& strip, float scale);
 
   base::OutputFile& data_;
   base::OutputFile& text_;
