@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "atmos_tables/rct_file.h"
+#include "atmos_tables/report.h"
 #include "host/base/error.h"
 #include "host/base/memory.h"
 #include "host/cli/info_cube.h"
@@ -80,10 +82,17 @@ void print_scene(Context& context, const std::string& path) {
   context.out << (context.common.json ? scene::scene_info_json(info) : scene::scene_info_text(info));
 }
 
+void print_table(Context& context, const std::string& path) {
+  const auto table = atmos::read_rct(path);
+  const std::string hash = atmos::content_hash(table);
+  context.out << (context.common.json ? atmos::table_json(table, hash) : atmos::table_text(table, hash));
+}
+
 int run(Context& context, const Options& options) {
   const std::string path = resolve(options.file);
   const std::string extension = fs::path(path).extension().string();
   if (extension == ".rcs") print_scene(context, path);
+  else if (extension == ".rct") print_table(context, path);
   else if (extension == ".json") print_run_file(context, path);
   else print_cube_info(context, path, options.header_only, options.every_band);
   return 0;
@@ -97,7 +106,7 @@ Verb verb_info() {
   verb.name = "info";
   verb.summary = "Say what a product, scene or table holds";
   verb.description =
-      "FILE is an ENVI image or spectral library (either of its two files), a compiled scene (.rcs), a run record (.json) or the folder "
+      "FILE is an ENVI image or spectral library (either of its two files), a compiled scene (.rcs), a render table (.rct), a run record (.json) or the folder "
       "of a run. Statistics of an image read it once, line by line; its ignore value, NaN and infinities are counted apart.";
   verb.examples = {"raycube info out/spectir/radiance.img", "raycube info --json out/spectir | jq .run.digest"};
   verb.add_options = [options](base::OptionTable& table) {

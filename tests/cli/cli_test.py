@@ -136,6 +136,13 @@ with tempfile.TemporaryDirectory() as folder:
     run("new", folder / "empty")
     if "scene" in verbs:
         check("sound" in run("scene", "check", scene / "garden.toml").stdout)
+        run("scene", "compile", scene / "garden.toml", "-o", folder / "garden.rcs")
+        as_file, as_scene = (json.loads(run(*verb, folder / "garden.rcs", "--json").stdout) for verb in (("info",), ("scene", "info")))
+        check(as_file == as_scene and as_file, as_file)
+    if "atmos" in verbs:
+        run("atmos", "build", scene / "garden.toml", "-o", folder / "garden.rct")
+        as_file, as_table = (json.loads(run(*verb, folder / "garden.rct", "--json").stdout) for verb in (("info",), ("atmos", "info")))
+        check(as_file == as_table and as_file, as_file)
 
     # machine: read-only place, full disk (file-size limit), full stdout, no OpenCL device
     one_error(run("new", "/proc/raycube-test", status=3), "/proc/raycube-test")
