@@ -48,7 +48,9 @@ std::vector<std::array<std::uint32_t, 3>> triangulate_polygon(
   std::iota(ring.begin(), ring.end(), 0u);
   while (ring.size() > 3) {
     std::size_t ear = ring.size();
-    for (std::size_t i = 0; i < ring.size() && ear == ring.size(); ++i) {
+    // From the second corner on, so that a convex polygon becomes the usual fan about its first corner.
+    for (std::size_t step = 1; step <= ring.size() && ear == ring.size(); ++step) {
+      const std::size_t i = step % ring.size();
       const auto a = ring[(i + ring.size() - 1) % ring.size()], b = ring[i], c = ring[(i + 1) % ring.size()];
       if (cross(points[a], points[b], points[c]) <= 0) continue;
       bool empty = true;

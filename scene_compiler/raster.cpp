@@ -7,6 +7,7 @@
 #include <ogr_srs_api.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <memory>
 #include <mutex>
 
@@ -70,11 +71,16 @@ void read_reference(GDALDatasetH dataset, Raster& raster) {
   if (srs == nullptr) return;
   raster.geographic = OSRIsGeographic(srs) != 0;
   if (const char* code = OSRGetAuthorityCode(srs, nullptr)) raster.epsg = std::atoi(code);
-  if (raster.epsg == 0) {
-    const Srs clone(OSRClone(srs));
-    if (OSRAutoIdentifyEPSG(clone.get()) == OGRERR_NONE)
-      if (const char* code = OSRGetAuthorityCode(clone.get(), nullptr)) raster.epsg = std::atoi(code);
-  }
+  if (raster.epsg != 0) return;
+  // ESRI .prj files name no code: take the database's best match when it is surely the same system (70: equal
+  // but for names).
+  int count = 0;
+  int* confidence = nullptr;
+  OGRSpatialReferenceH* matches = OSRFindMatches(srs, nullptr, &count, &confidence);
+  if (count > 0 && confidence[0] >= 70)
+    if (const char* code = OSRGetAuthorityCode(matches[0], nullptr)) raster.epsg = std::atoi(code);
+  OSRFreeSRSArray(matches);
+  CPLFree(confidence);
 }
 
 }  // namespace

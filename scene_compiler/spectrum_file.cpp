@@ -75,7 +75,7 @@ std::optional<Material> read_csv_spectrum(const SpectrumRequest& request, Proble
   const bool air = is_air(request.medium, comment("medium"), csv->file, problems);
   if (!sound || !numbers_sound) return std::nullopt;
   Material out = material_of(points, transmittance.has_value(), air);
-  out.source = comment("source");
+  out.source = comment("source").empty() ? comment("source file") : comment("source");
   return out;
 }
 
@@ -138,6 +138,12 @@ bool check_spectrum(const std::vector<SpectrumPoint>& points, const std::string&
       report(p, "wavelengths are not ascending",
              number_text(p.wavelength_um) + " um after " + number_text(points[i - 1].wavelength_um) + " um",
              "sort the file by wavelength");
+    if (!std::isfinite(p.reflectance) || !std::isfinite(p.transmittance)) {
+      const bool transmittance = std::isfinite(p.reflectance);
+      report(p, std::string(transmittance ? "transmittance" : "reflectance") + " is not a finite number",
+             number_text(transmittance ? p.transmittance : p.reflectance), "remove the samples without data");
+      continue;
+    }
     if (!(p.reflectance >= 0 && p.reflectance <= 1))
       report(p, "reflectance outside 0 .. 1", number_text(p.reflectance),
              "correct it, or give `scale` if the file is in percent");

@@ -23,8 +23,12 @@ std::array<double, 2> TerrainGrid::local(double column, double row) const {
 bool TerrainGrid::locate(double x_m, double y_m, std::size_t& cell, double& u, double& v) const {
   const auto& t = local_from_pixel_;
   const double dx = x_m - t[0], dy = y_m - t[3];
-  const double column = (dx * t[5] - dy * t[2]) / determinant_ - 0.5,
-               row = (dy * t[1] - dx * t[4]) / determinant_ - 0.5;
+  double column = (dx * t[5] - dy * t[2]) / determinant_ - 0.5,
+         row = (dy * t[1] - dx * t[4]) / determinant_ - 0.5;
+  // A millionth of a cell beyond the edge is the rounding of georeferenced doubles.
+  const double slack = 1e-6;
+  if (column > -slack && column < columns_ - 1 + slack) column = std::clamp(column, 0.0, columns_ - 1.0);
+  if (row > -slack && row < rows_ - 1 + slack) row = std::clamp(row, 0.0, rows_ - 1.0);
   if (!(column >= 0 && column <= columns_ - 1 && row >= 0 && row <= rows_ - 1)) return false;
   const int c = std::min(static_cast<int>(column), columns_ - 2),
             r = std::min(static_cast<int>(row), rows_ - 2);

@@ -1,5 +1,11 @@
 # From simulation files to compiled scenes.
 raycube_test(scene_bad_input SOURCES unit/scene_bad_input_test.cpp LIBS raycube::scene_compiler LABELS fast)
+raycube_test(scene_spectra SOURCES unit/scene_spectra_test.cpp LIBS raycube::scene_compiler LABELS fast)
+raycube_test(scene_content SOURCES unit/scene_content_test.cpp LIBS raycube::scene_compiler LABELS fast)
+raycube_test(scene_compiled_file SOURCES unit/scene_compiled_file_test.cpp LIBS raycube::scene_compiler LABELS fast)
+raycube_test(scene_real_input SOURCES unit/scene_real_input_test.cpp LIBS raycube::scene_compiler LABELS fast)
+raycube_test(scene_options SOURCES unit/scene_options_test.cpp LIBS raycube::scene_compiler nlohmann_json::nlohmann_json LABELS fast)
+target_compile_definitions(test_scene_options PRIVATE RAYCUBE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 
 # The shipped park: its generator against the required numbers, then through the compiler. Needs Debian's python3 with numpy.
 set(RAYCUBE_PYTHON /usr/bin/python3 CACHE FILEPATH "Python with numpy that runs the scene generators")
