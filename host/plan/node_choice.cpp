@@ -12,9 +12,11 @@ std::array<double, kNodeCounts.size()> node_errors(const std::vector<Line>& line
   for (std::size_t c = 0; c < kNodeCounts.size(); ++c) {
     const int count = kNodeCounts[c];
     for (const Line& line : lines) {
+      std::vector<double> squares(line.value.front().size(), 0.0), largest = squares;
+      int counted = 0;
       for (int p = 0; p <= steps; ++p) {
         if (!line.counts[static_cast<std::size_t>(p)]) continue;
-        const auto& here = line.value[static_cast<std::size_t>(p)];
+        ++counted;
         int a = steps / 2, b = steps / 2;
         double t = 0;
         if (count > 1) {
@@ -23,10 +25,16 @@ std::array<double, kNodeCounts.size()> node_errors(const std::vector<Line>& line
           b = a + width;
           t = static_cast<double>(p - a) / width;
         }
-        const auto &low = line.value[static_cast<std::size_t>(a)], &high = line.value[static_cast<std::size_t>(b)];
-        for (std::size_t k = 0; k < here.size(); ++k)
-          error[c] = std::max(error[c], std::abs(here[k] - (1 - t) * low[k] - t * high[k]));
+        const auto &here = line.value[static_cast<std::size_t>(p)], &low = line.value[static_cast<std::size_t>(a)],
+                   &high = line.value[static_cast<std::size_t>(b)];
+        for (std::size_t k = 0; k < here.size(); ++k) {
+          const double difference = std::abs(here[k] - (1 - t) * low[k] - t * high[k]);
+          squares[k] += difference * difference;
+          largest[k] = std::max(largest[k], difference);
+        }
       }
+      for (std::size_t k = 0; k < squares.size() && counted > 0; ++k)
+        error[c] = std::max(error[c], count == 1 ? largest[k] : std::sqrt(squares[k] / counted));
     }
   }
   return error;

@@ -20,8 +20,9 @@ struct Line {
 inline constexpr int kLinePositions = 13;
 inline constexpr std::array<int, 6> kNodeCounts = {1, 2, 3, 4, 5, 7};
 
-/// Largest |value - interpolated| over positions that count, lines and bands, for each of kNodeCounts; one node stands
-/// mid-range.
+/// Error of linear interpolation for each of kNodeCounts: rms over the positions that count, as DESIGN 5a has the tolerance,
+/// largest over lines and bands. One node stands mid-range and is judged by its largest error: pixels may crowd at one end,
+/// where two and more nodes are exact.
 std::array<double, kNodeCounts.size()> node_errors(const std::vector<Line>& lines);
 
 /// Errors per axis and count (index into kNodeCounts), and of the sky's rank 1..4.
