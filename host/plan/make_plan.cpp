@@ -105,6 +105,9 @@ nlohmann::json describe(const NodeAxis& axis) { return {{"first", axis.first}, {
 
 Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& instrument, const atmos::RenderTable& table,
                const ViewBounds& view) {
+  if (simulation.sky_directions < 1 || simulation.sky_directions > kMostDirections)
+    throw base::Error(base::Fault::input, fmt::format("{}: sky_directions must be 1 to {} (found {}); 16 is the default", simulation.file,
+                                                      kMostDirections, simulation.sky_directions));
   const Domain domain = make_domain(simulation, table, view);
   const bool no_air = simulation.atmosphere.none;
   const auto& table_um = table.axis("wavelength").nodes;

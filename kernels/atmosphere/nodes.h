@@ -6,7 +6,7 @@
 /* Weights of `value` on the axis first, first + step, ... of `count` nodes: (1 - *fraction) on node *index and *fraction on
  * node *index + 1. Outside the axis the end node takes all; with one node *index = 0 and *fraction = 0 (never read + 1).
  * A value that is not a number goes to the first node. */
-inline void rc_node_weights(float value, float first, float step, int count, int* index, float* fraction) {
+static inline void rc_node_weights(float value, float first, float step, int count, int* index, float* fraction) {
   const float last = (float)(count - 1);
   float t = count > 1 ? (value - first) / step : 0.0f;
   t = t > 0.0f ? t : 0.0f;
@@ -24,7 +24,7 @@ inline void rc_node_weights(float value, float first, float step, int count, int
  * diagonal parallel to its quadrant's fold and interpolated linearly on the triangle: a plain bilinear cell would cross the
  * fold at the horizon of the normals (walls), where the map has a kink. (x,y,z) need not be normalised; not all zero.
  * Map: Meyer et al., "On floating-point normal vectors", EGSR 2010; Cigolle et al., JCGT 3(2), 2014. */
-inline void rc_octahedral_nodes(float x, float y, float z, int size, int index[3], float weight[3]) {
+static inline void rc_octahedral_nodes(float x, float y, float z, int size, int index[3], float weight[3]) {
   const float ax = x < 0.0f ? -x : x, ay = y < 0.0f ? -y : y, az = z < 0.0f ? -z : z;
   const float s = ax + ay + az;
   /* a, b: distance from the map's centre lines, 0..1; below the horizon the triangle is folded outwards */

@@ -242,6 +242,9 @@ TEST_CASE("S18 bad input: missing row, foreign sun, view beyond the table") {
   s.sun.zenith_deg = 41;
   CHECK(message_of(s, instrument, table, pushbroom_view(5, 610)).find("41.0000 deg") != std::string::npos);
   s.sun.zenith_deg = 40;
+  s.sky_directions = 5000;
+  CHECK(message_of(s, instrument, table, pushbroom_view(5, 610)).find("found 5000") != std::string::npos);
+  s.sky_directions = 16;
   const auto clear = atmos::build_clear_sky(s.atmosphere, s.sun, 610, atmos::clear_sky_wavelengths(0.4, 0.9, 0.02), {0});
   CHECK(message_of(s, instrument, clear, pushbroom_view(89.5, 610)).find("89.50 deg off nadir") != std::string::npos);
 }
