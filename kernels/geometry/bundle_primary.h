@@ -230,63 +230,45 @@ static inline void rc_write_pixel(const uint* grid, uint p, uint rows, global ui
 
 static inline void rc_primary_group(global const BvhNode* nodes, global const TriBlock* blocks, global const Instance* instances,
                                     RayGroup rays, uint first_row, uint rows, uint columns, Closest* closest) {
-  GroupFrame world, inside;
-  Cull world_cull, inside_cull;
-  world.rays = rays;
-  world.first_row = inside.first_row = first_row;
-  world.rows = inside.rows = rows;
-  world.columns = inside.columns = columns;
-  rc_frame_group(&world, &world_cull);
+  GroupFrame frame;
+  Cull world, cull;
+  frame.rays = rays;
+  frame.first_row = first_row;
+  frame.rows = rows;
+  frame.columns = columns;
+  rc_frame_group(&frame, &world);
+  const Projection world_map = frame.map;
+  cull = world;
   uint stack[RC_STACK];
-  uint top = 1;
+  uint top = 1, base = 0, instance = RC_NONE;  /* entries from base upwards belong to the instance's tree */
   stack[0] = 0;
   while (top) {
-    global const BvhNode* node = nodes + stack[--top];
-    uint boxes = rc_cull_boxes(&world_cull, 4, node);
-    const uint leaf_mask = node->leaf_mask;
-    for (uint inner = boxes & ~leaf_mask; inner; inner &= inner - 1u) {
-      const uint child = node->child[rc_lowest(inner)];
-      rc_prefetch(nodes + child, 256);
-      stack[top++] = child;
+    if (top == base) {
+      instance = RC_NONE;
+      base = 0;
+      cull = world;
     }
-    for (uint leaves = boxes & leaf_mask; leaves; leaves &= leaves - 1u) {
-      const uint instance = node->child[rc_lowest(leaves)];
-      global const Instance* placed = instances + instance;
+    const uint entry = stack[--top], index = entry & ~RC_LEAF;
+    if (!(entry & RC_LEAF)) {
+      top = rc_push_children(&cull, 4, nodes, blocks, index, instance != RC_NONE, stack, top);
+    } else if (instance != RC_NONE) {
+      rc_primary_block(&frame, closest, blocks + index, instance, index * RC_BLOCK);
+    } else {
+      global const Instance* placed = instances + index;
+      instance = index;
       if (placed->flags & 1u) {
-        inside.rays = rays;
-        inside.map = world.map;
-        inside_cull = world_cull;
+        frame.rays = rays;
+        frame.map = world_map;
       } else {
         const float4 r0 = placed->local_from_world_0, r1 = placed->local_from_world_1, r2 = placed->local_from_world_2;
-        inside.rays.origin = rc_map_point(r0, r1, r2, rays.origin);
-        inside.rays.d0 = rc_map_vector(r0, r1, r2, rays.d0);
-        inside.rays.du = rc_map_vector(r0, r1, r2, rays.du);
-        inside.rays.dv = rc_map_vector(r0, r1, r2, rays.dv);
-        rc_frame_group(&inside, &inside_cull);
+        frame.rays.origin = rc_map_point(r0, r1, r2, rays.origin);
+        frame.rays.d0 = rc_map_vector(r0, r1, r2, rays.d0);
+        frame.rays.du = rc_map_vector(r0, r1, r2, rays.du);
+        frame.rays.dv = rc_map_vector(r0, r1, r2, rays.dv);
+        rc_frame_group(&frame, &cull);
       }
-      const uint base = top;
-      stack[top++] = placed->root;
-      while (top > base) {
-        const uint entry = stack[--top];
-        if (entry & RC_LEAF) {
-          const uint block = entry & ~RC_LEAF;
-          rc_primary_block(&inside, closest, blocks + block, instance, block * RC_BLOCK);
-          continue;
-        }
-        global const BvhNode* mesh_node = nodes + entry;
-        uint mesh_boxes = rc_cull_boxes(&inside_cull, 4, mesh_node);
-        const uint mesh_leaves = mesh_node->leaf_mask;
-        for (; mesh_boxes; mesh_boxes &= mesh_boxes - 1u) {
-          const uint slot = rc_lowest(mesh_boxes), child = mesh_node->child[slot];
-          if (mesh_leaves >> slot & 1u) {
-            rc_prefetch(blocks + child, 576);
-            stack[top++] = child | RC_LEAF;
-          } else {
-            rc_prefetch(nodes + child, 256);
-            stack[top++] = child;
-          }
-        }
-      }
+      stack[top] = placed->root;
+      base = top++;
     }
   }
 }

@@ -239,46 +239,38 @@ static inline bool rc_shadow_block(const ShadowFrame* frame, const Cluster* clus
 static inline void rc_shadow_cluster(global const BvhNode* nodes, global const TriBlock* blocks, global const Instance* instances,
                                      Points* points, Cluster cluster) {
   /* The scene's own frame, to walk the top tree. */
-  Cull world_cull, cull;
+  Cull world, cull;
   const float growth = 16.0f * RC_ULP, slack = (10.0f * RC_ULP + growth) * cluster.reach;
   const float4 widen = growth * points->towards;
-  world_cull.ox = points->centre.x;
-  world_cull.oy = points->centre.y;
-  world_cull.oz = points->centre.z;
-  rc_set_plane(&world_cull, 0, widen + points->across_a, slack - cluster.lo_a);
-  rc_set_plane(&world_cull, 1, widen - points->across_a, slack + cluster.hi_a);
-  rc_set_plane(&world_cull, 2, widen + points->across_b, slack - cluster.lo_b);
-  rc_set_plane(&world_cull, 3, widen - points->across_b, slack + cluster.hi_b);
-  rc_set_plane(&world_cull, 4, points->towards, slack - cluster.lo_d);
+  world.ox = points->centre.x;
+  world.oy = points->centre.y;
+  world.oz = points->centre.z;
+  rc_set_plane(&world, 0, widen + points->across_a, slack - cluster.lo_a);
+  rc_set_plane(&world, 1, widen - points->across_a, slack + cluster.hi_a);
+  rc_set_plane(&world, 2, widen + points->across_b, slack - cluster.lo_b);
+  rc_set_plane(&world, 3, widen - points->across_b, slack + cluster.hi_b);
+  rc_set_plane(&world, 4, points->towards, slack - cluster.lo_d);
+  cull = world;
+  ShadowFrame frame;
   uint stack[RC_STACK];
-  uint top = 1;
+  uint top = 1, base = 0;  /* entries from base upwards belong to the tree of the instance entered last */
+  bool in_mesh = false;
   stack[0] = 0;
   while (top) {
-    global const BvhNode* node = nodes + stack[--top];
-    const uint boxes = rc_cull_boxes(&world_cull, 5, node), leaf_mask = node->leaf_mask;
-    for (uint inner = boxes & ~leaf_mask; inner; inner &= inner - 1u) stack[top++] = node->child[rc_lowest(inner)];
-    for (uint leaves = boxes & leaf_mask; leaves; leaves &= leaves - 1u) {
-      global const Instance* placed = instances + node->child[rc_lowest(leaves)];
-      ShadowFrame frame;
-      rc_frame_shadow(points, &cluster, placed, &frame, &cull);
-      const uint base = top;
-      stack[top++] = placed->root;
-      while (top > base) {
-        const uint entry = stack[--top];
-        if (entry & RC_LEAF) {
-          if (!rc_shadow_block(&frame, &cluster, points, blocks + (entry & ~RC_LEAF))) return;
-          continue;
-        }
-        global const BvhNode* mesh_node = nodes + entry;
-        const uint mesh_leaves = mesh_node->leaf_mask;
-        for (uint mesh_boxes = rc_cull_boxes(&cull, 5, mesh_node); mesh_boxes; mesh_boxes &= mesh_boxes - 1u) {
-          const uint slot = rc_lowest(mesh_boxes), child = mesh_node->child[slot];
-          const bool leaf = mesh_leaves >> slot & 1u;
-          if (leaf) rc_prefetch(blocks + child, 576);
-          else rc_prefetch(nodes + child, 256);
-          stack[top++] = leaf ? child | RC_LEAF : child;
-        }
-      }
+    if (in_mesh && top == base) {
+      in_mesh = false;
+      cull = world;
+    }
+    const uint entry = stack[--top], index = entry & ~RC_LEAF;
+    if (!(entry & RC_LEAF)) {
+      top = rc_push_children(&cull, 5, nodes, blocks, index, in_mesh, stack, top);
+    } else if (in_mesh) {
+      if (!rc_shadow_block(&frame, &cluster, points, blocks + index)) return;
+    } else {
+      rc_frame_shadow(points, &cluster, instances + index, &frame, &cull);
+      in_mesh = true;
+      stack[top] = instances[index].root;
+      base = top++;
     }
   }
 }
