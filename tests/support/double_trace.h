@@ -37,6 +37,8 @@ class DoubleTracer {
                 const float (&direction)[3], double bound_ulp) const;
 
  private:
+  template <typename Take>
+  void for_hits(const float (&origin)[3], const float (&direction)[3], Take take) const;
   const scene::CompiledScene& scene_;
 };
 
