@@ -1,0 +1,86 @@
+// The stage graph on one device: a compiled scene uploaded once, then instruments rendered tile by tile.
+//
+//   ray groups -> trace_primary -> make_surface -> trace_sun -> trace_sky -> shade -> (host bakes missing rows)
+//              -> resolve -> integrate_bands -> strip on the host
+//
+// Light from neighbouring surfaces and the adjacency of the air join between trace_sky and shade: each adds product keys and
+// accumulators to the row, nothing else changes.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "host/plan/plan.h"
+#include "host/render/tile_shape.h"
+#include "scene_compiler/simulation.h"
+
+namespace raycube::render {
+
+struct RenderOptions {
+  std::string device;                       ///< part of the device's name, or its number; empty: the first
+  int threads = 0;                          ///< CPU devices: worker threads; 0 = all
+  std::size_t memory_bytes = 2ull << 30;    ///< for tiles on device and host together
+  int tile_lines = 0;                       ///< forces the tile height (tests); 0 = from memory
+  int row_capacity = 16;                    ///< keys a row holds before the overflow path (tests: 1, 2, 16, 256)
+};
+
+/// Lines of the finished image, in order.
+struct Strip {
+  int first_line = 0, lines = 0;
+  const float* radiance = nullptr;  ///< [line][sample][band], W m-2 sr-1 um-1
+  const float* truth = nullptr;     ///< [line][sample][layer], see truth_layer_names()
+};
+using StripSink = std::function<void(const Strip&)>;
+using ProgressSink = std::function<void(std::uint64_t done_pixels, std::uint64_t all_pixels)>;
+
+/// What a render did and took.
+struct RenderStatistics {
+  std::map<std::string, double> stage_s;    ///< wall seconds by stage, device stages by their events
+  std::uint64_t primary_rays = 0, sun_rays = 0, sky_rays = 0;
+  std::uint64_t band_samples = 0;
+  std::uint64_t overflow_pixels = 0;        ///< pixels that left the first row capacity
+  std::uint64_t per_sample_pixels = 0;      ///< pixels past the largest row
+  std::uint32_t terms_p50 = 0, terms_p95 = 0;
+  std::string program_hash;                 ///< SHA-256 of source and options of the programs launched
+  std::string build_options;
+  int tile_lines = 0, tile_columns = 0;
+};
+
+/// A few pixels with everything the stages said about them, for `check` and the tests.
+struct PixelProbe {
+  Tile tile;
+  int padded_samples = 0;
+  std::vector<shared::RayGroup> groups;
+  std::vector<std::uint32_t> hit_instance, hit_primitive;  ///< [pixel][sample], RC_NONE = miss; samples unpadded
+  std::vector<std::uint8_t> sun_visible;                   ///< [pixel][sample]
+  std::vector<float> radiance;                             ///< [pixel][band]
+  std::vector<float> truth;                                ///< [pixel][layer]
+};
+
+class Renderer {
+ public:
+  /// Uploads the scene. Throws Error(device | environment | input) when there is no device or the scene does not fit.
+  Renderer(const scene::CompiledScene& scene, const RenderOptions& options);
+  ~Renderer();
+  Renderer(Renderer&&) noexcept;
+
+  /// Renders one instrument; strips arrive in line order on the calling thread. Throws Error(interrupted) on Ctrl-C.
+  RenderStatistics render(const scene::Instrument& instrument, const plan::Plan& plan, const scene::Sun& sun,
+                          std::uint64_t seed, const StripSink& sink, const ProgressSink& progress = {});
+
+  /// Renders one tile (first_column a multiple of 4, one line unless full width) and keeps what the stages said.
+  PixelProbe probe(const scene::Instrument& instrument, const plan::Plan& plan, const scene::Sun& sun, std::uint64_t seed,
+                   const Tile& tile);
+
+  std::string device_name() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace raycube::render

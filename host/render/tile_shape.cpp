@@ -1,0 +1,76 @@
+#include "host/render/tile_shape.h"
+
+#include <algorithm>
+#include <string>
+
+#include "host/base/error.h"
+#include "kernels/shared/rows.h"
+#include "kernels/shared/structs.h"
+
+namespace raycube::render {
+
+std::size_t StageShape::row_bytes(std::size_t capacity) const {
+  const std::size_t floats = static_cast<std::size_t>(accumulators()) * (chunked() ? 2 : 1);
+  return sizeof(std::uint32_t) + capacity * (sizeof(std::uint64_t) + floats * sizeof(float)) +  // row
+         sizeof(std::uint32_t) + term_capacity(capacity) * (sizeof(std::uint32_t) + sizeof(float));
+}
+
+std::size_t StageShape::pixel_bytes() const {
+  const std::size_t padded = static_cast<std::size_t>(padded_samples);
+  const std::size_t sums = (static_cast<std::size_t>(heights) + RC_TRUTH_SUMS) * (chunked() ? 2 : 1) * sizeof(float);
+  return padded * (2 + 6 + 4) * sizeof(float) + padded / 8 + sums + sizeof(shared::RayGroup) +
+         static_cast<std::size_t>(bands_padded) * sizeof(float);
+}
+
+StageShape make_stage_shape(const scene::Instrument& instrument, const plan::Plan& plan, int pixels_per_group) {
+  StageShape shape;
+  shape.samples = instrument.samples_u * instrument.samples_v;
+  if (shape.samples <= kMaxChunkSamples) {
+    shape.chunk_samples = shape.samples;
+  } else if (instrument.sampler == scene::SamplerKind::lattice) {
+    shape.chunk_samples = kMaxChunkSamples;
+  } else {
+    if (instrument.samples_u > kMaxChunkSamples)
+      throw base::Error(base::Fault::input,
+                        "instrument '" + instrument.name + "': a sample grid is at most " +
+                            std::to_string(kMaxChunkSamples) + " samples wide (found " +
+                            std::to_string(instrument.samples_u) + "); make it taller instead, or use samples = { lattice = N }");
+    shape.chunk_samples = kMaxChunkSamples / instrument.samples_u * instrument.samples_u;
+  }
+  shape.chunks = (shape.samples + shape.chunk_samples - 1) / shape.chunk_samples;
+  shape.padded_samples = (shape.chunk_samples + 15) / 16 * 16;
+  shape.pixels_per_group = pixels_per_group;
+  shape.components = plan.sky_components;
+  shape.heights = plan.height.count;
+  shape.views = plan.view.count;
+  shape.path_x = plan.path_x.count;
+  shape.path_y = plan.path_y.count;
+  shape.channels = std::max(plan.source_channels(), plan.path_channels());
+  shape.bands = static_cast<int>(plan.bands.size());
+  shape.bands_padded = (shape.bands + 15) / 16 * 16;
+  return shape;
+}
+
+TileSize choose_tile_size(const StageShape& shape, int pixels, int lines, std::size_t capacity, std::size_t budget_bytes,
+                          std::size_t max_alloc_bytes, int forced_lines) {
+  const std::size_t per_pixel = shape.pixel_bytes() + shape.row_bytes(capacity);
+  // The largest single buffer of a pixel must stay inside one allocation as well.
+  const std::size_t largest = std::max({static_cast<std::size_t>(shape.padded_samples) * 6 * sizeof(float),
+                                        static_cast<std::size_t>(shape.bands_padded) * sizeof(float),
+                                        shape.row_bytes(capacity)});
+  // Past this many pixels a launch gains nothing, and smaller tiles let writing overlap tracing.
+  constexpr std::size_t kUsefulPixels = 1 << 16;
+  const std::size_t fit = std::min({budget_bytes / per_pixel, max_alloc_bytes / largest, std::max(kUsefulPixels, static_cast<std::size_t>(pixels))});
+  const std::size_t width = static_cast<std::size_t>(pixels);
+  if (forced_lines > 0) return {std::min(forced_lines, lines), pixels};
+  if (fit >= width) return {static_cast<int>(std::min<std::size_t>(fit / width, static_cast<std::size_t>(lines))), pixels};
+  const std::size_t columns = fit / RC_GROUP_WIDTH * RC_GROUP_WIDTH;
+  if (columns == 0)
+    throw base::Error(base::Fault::input,
+                      "the memory budget is too small for one group of pixels: need " +
+                          std::to_string(per_pixel * RC_GROUP_WIDTH) + " bytes, granted " + std::to_string(budget_bytes) +
+                          "; raise --memory, or lower the samples per pixel or the number of bands");
+  return {1, static_cast<int>(columns)};
+}
+
+}  // namespace raycube::render

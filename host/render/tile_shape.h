@@ -1,0 +1,59 @@
+// How an image is cut into tiles and a pixel's samples into chunks, so that memory follows the budget and never the
+// number of pixels or samples.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "host/plan/plan.h"
+#include "scene_compiler/simulation.h"
+
+namespace raycube::render {
+
+/// Samples are traced in chunks of at most this many per pixel; more are accumulated chunk by chunk.
+inline constexpr int kMaxChunkSamples = 1024;
+
+/// The sizes every stage is specialised for.
+struct StageShape {
+  int samples = 0;              ///< of a pixel, all chunks
+  int chunk_samples = 0;        ///< of one chunk (the last chunk may hold fewer)
+  int chunks = 1;
+  int padded_samples = 0;       ///< chunk_samples rounded up to 16
+  int pixels_per_group = 4;
+  int components = 0, heights = 1, views = 1, path_x = 1, path_y = 1;
+  int channels = 1;             ///< rows of the band table per key: max of source and path channels
+  int bands = 0, bands_padded = 0;
+  bool chunked() const { return chunks > 1; }
+  int accumulators() const { return (1 + components) * heights + 1; }
+  /// Terms a pixel with `capacity` keys can have.
+  std::size_t term_capacity(std::size_t capacity) const {
+    return static_cast<std::size_t>(heights) * path_x * path_y +
+           capacity * static_cast<std::size_t>(1 + components) * heights * views;
+  }
+  /// Device bytes of a pixel's row, terms and counts at a given key capacity.
+  std::size_t row_bytes(std::size_t capacity) const;
+  /// Device bytes of everything else a pixel needs: hits, points, visibility, sky, sums, radiance.
+  std::size_t pixel_bytes() const;
+};
+
+/// Throws Error(input) when the sampler cannot be cut into chunks (a grid wider than kMaxChunkSamples).
+StageShape make_stage_shape(const scene::Instrument& instrument, const plan::Plan& plan, int pixels_per_group);
+
+/// A rectangle of pixels: full-width strips of lines, or parts of one line when a line exceeds the budget.
+struct Tile {
+  int first_line = 0, lines = 0, first_column = 0, columns = 0;
+  std::size_t pixels() const { return static_cast<std::size_t>(lines) * columns; }
+};
+
+/// Largest tile the budget allows: lines of full width, else columns of one line (a multiple of 4).
+struct TileSize {
+  int lines = 1;
+  int columns = 0;
+};
+
+/// budget_bytes: what --memory grants for tiles; max_alloc_bytes: the device's largest buffer; forced_lines > 0 overrides.
+/// Throws Error(input) with need, limit and ways out when not even four pixels fit.
+TileSize choose_tile_size(const StageShape& shape, int pixels, int lines, std::size_t capacity, std::size_t budget_bytes,
+                          std::size_t max_alloc_bytes, int forced_lines);
+
+}  // namespace raycube::render

@@ -1,0 +1,61 @@
+#include "host/render/truth.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "kernels/shared/rows.h"
+
+namespace raycube::render {
+
+std::vector<LayerName> truth_layer_names(const scene::CompiledScene& scene) {
+  std::vector<LayerName> layers = {
+#define RC_TRUTH_LAYER(name, unit, text) {#name, unit, text},
+#include "kernels/shared/truth_layers.def"
+#undef RC_TRUTH_LAYER
+  };
+  for (const auto& material : scene.materials)
+    layers.push_back({"abundance_" + material.name, "1", "share of the pixel covered by " + material.name});
+  return layers;
+}
+
+void fill_truth(const PixelTruth& pixel, std::size_t materials, const scene::Sun& sun, float* layers) {
+  enum Layer {
+#define RC_TRUTH_LAYER(name, unit, text) name,
+#include "kernels/shared/truth_layers.def"
+#undef RC_TRUTH_LAYER
+    kFixedLayers
+  };
+  constexpr double kDegree = 180.0 / std::numbers::pi;
+  constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+  const float hit = pixel.sums[RC_TRUTH_HIT];
+  const auto mean = [&](int sum) { return hit > 0 ? pixel.sums[sum] / hit : kNone; };
+
+  float best = 0;
+  layers[material_id] = 0;
+  for (std::size_t m = 0; m < materials; ++m) {
+    layers[kFixedLayers + m] = pixel.abundance[m];
+    if (pixel.abundance[m] > best) {
+      best = pixel.abundance[m];
+      layers[material_id] = static_cast<float>(m + 1);
+    }
+  }
+  layers[hit_fraction] = hit;
+  layers[sun_fraction] = hit > 0 ? pixel.sums[RC_TRUTH_SUN] / hit : 0.0f;
+  layers[x_m] = mean(RC_TRUTH_X);
+  layers[y_m] = mean(RC_TRUTH_Y);
+  layers[z_m] = mean(RC_TRUTH_Z);
+  layers[range_m] = mean(RC_TRUTH_RANGE);
+  const auto& d = pixel.to_target;
+  const double length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+  const double azimuth_deg = std::atan2(-d[0], -d[1]) * kDegree;
+  layers[view_zenith_deg] = static_cast<float>(std::acos(std::clamp(-d[2] / length, -1.0, 1.0)) * kDegree);
+  layers[view_azimuth_deg] = static_cast<float>(azimuth_deg < 0 ? azimuth_deg + 360.0 : azimuth_deg);
+  layers[sun_zenith_deg] = static_cast<float>(sun.zenith_deg);
+  layers[sun_azimuth_deg] = static_cast<float>(sun.azimuth_deg);
+  layers[sun_incidence_deg] =
+      hit > 0 ? static_cast<float>(std::acos(std::clamp(double{mean(RC_TRUTH_INCIDENCE)}, -1.0, 1.0)) * kDegree) : kNone;
+}
+
+}  // namespace raycube::render

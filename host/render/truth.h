@@ -1,0 +1,31 @@
+// Truth layers of a strip, from the shading stage's sums.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "host/plan/plan.h"
+#include "scene_compiler/compiled_scene.h"
+#include "scene_compiler/simulation.h"
+
+namespace raycube::render {
+
+struct LayerName {
+  std::string name, unit, text;
+};
+
+/// Every layer in band order: the fixed ones of truth_layers.def, then abundance_<material>.
+std::vector<LayerName> truth_layer_names(const scene::CompiledScene& scene);
+
+/// What the shading stage left of one pixel.
+struct PixelTruth {
+  const float* sums = nullptr;       ///< RC_TRUTH_SUMS floats
+  const float* abundance = nullptr;  ///< one float per material
+  std::array<double, 3> to_target{}; ///< pixel-centre ray direction, any length
+};
+
+/// Fills one pixel's layers (truth_layer_names().size() floats).
+void fill_truth(const PixelTruth& pixel, std::size_t materials, const scene::Sun& sun, float* layers);
+
+}  // namespace raycube::render

@@ -1,0 +1,51 @@
+/* integrate_bands: L[pixel][band] = sum over the pixel's terms of weight * E[row][band], in term order.
+ * Reads:  terms of resolve, the band table. Writes: radiance, W m-2 sr-1 um-1. Next: the writer.
+ * One work-item per pixel, local size 1; bands are padded to a multiple of 16. */
+#pragma OPENCL FP_CONTRACT OFF
+
+/* A store that does not read the line first is worth 2x where memory is the limit; same bits either way. */
+#if defined(__has_builtin)
+#if __has_builtin(__builtin_nontemporal_store)
+#define STORE16(value, address) __builtin_nontemporal_store((value), (address))
+#endif
+#endif
+#ifndef STORE16
+#define STORE16(value, address) (*(address) = (value))
+#endif
+
+#define VECTORS (RC_BANDS_PADDED / 16)
+
+__kernel void integrate_bands(const uint pixel_count, __global const uint* restrict pixel_list, const uint use_list,
+                              const uint term_capacity, __global const uint* restrict term_count,
+                              __global const uint* restrict term_row, __global const float* restrict term_weight,
+                              __global const float16* restrict table, __global float16* restrict radiance) {
+  const uint item = get_group_id(0);
+  if (item >= pixel_count) return;
+  const uint pixel = use_list ? pixel_list[item] : item;
+  const uint terms = term_count[item];
+  __global const uint* rows = term_row + (size_t)item * term_capacity;
+  __global const float* weights = term_weight + (size_t)item * term_capacity;
+  __global float16* out = radiance + (size_t)pixel * VECTORS;
+  uint b = 0;
+  /* Four band vectors at a time: four independent chains hide the latency of the multiply-add. */
+  for (; b + 4 <= VECTORS; b += 4) {
+    float16 l0 = 0.0f, l1 = 0.0f, l2 = 0.0f, l3 = 0.0f;
+    for (uint t = 0; t < terms; ++t) {
+      __global const float16* e = table + (size_t)rows[t] * VECTORS + b;
+      const float16 w = weights[t];
+      l0 = fma(w, e[0], l0);
+      l1 = fma(w, e[1], l1);
+      l2 = fma(w, e[2], l2);
+      l3 = fma(w, e[3], l3);
+    }
+    STORE16(l0, out + b);
+    STORE16(l1, out + b + 1);
+    STORE16(l2, out + b + 2);
+    STORE16(l3, out + b + 3);
+  }
+  for (; b < VECTORS; ++b) {
+    float16 sum = 0.0f;
+    for (uint t = 0; t < terms; ++t) sum = fma((float16)(weights[t]), table[(size_t)rows[t] * VECTORS + b], sum);
+    STORE16(sum, out + b);
+  }
+}

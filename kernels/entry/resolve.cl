@@ -1,0 +1,107 @@
+/* resolve: from a pixel's row of (product key, sums) to its list of (row of the band table, weight).
+ * Reads:  rows of shade, the sorted table of baked keys. Writes: term count and terms. Next: integrate_bands.
+ * Terms come in key order (the path row first), channels ascending: row numbers and eviction cannot change a sum.
+ * One work-item per pixel, local size 1. */
+#pragma OPENCL FP_CONTRACT OFF
+#include "kernels/shared/structs.h"
+#include "kernels/shared/rows.h"
+#include "kernels/atmosphere/nodes.h"
+
+#ifndef RC_CHUNKED
+#define RC_CHUNKED 0
+#endif
+#define SOURCES (1 + RC_COMPONENTS)
+#define ACCUMULATORS RC_ROW_ACCUMULATORS(RC_COMPONENTS, RC_HEIGHTS)
+
+#if RC_CHUNKED
+#define TOTAL(array, index, offset) (array[index] + array[(index) + (offset)])
+#else
+#define TOTAL(array, index, offset) (array[index])
+#endif
+
+/* Row of a key by binary search over the sorted keys of the band table. The host has baked every key of the tile. */
+inline uint baked_row(__global const ulong* baked_keys, __global const uint* baked_rows, uint baked_count, ulong key) {
+  uint lo = 0, hi = baked_count - 1;
+  while (lo < hi) {
+    const uint mid = (lo + hi) / 2;
+    if (baked_keys[mid] < key) lo = mid + 1; else hi = mid;
+  }
+  return baked_rows[lo];
+}
+
+/* Linear weight of node i when a value lies a fraction f past node k. */
+inline float weight_of(uint i, uint k, float f) { return i == k ? 1.0f - f : i == k + 1 ? f : 0.0f; }
+
+__kernel void resolve(const uint pixel_count, __global const uint* restrict pixel_list, const uint use_list,
+                      const uint capacity, const uint term_capacity, __global const RayGroup* restrict groups,
+                      const uint tile_width, const uint groups_per_line, __global const uint* restrict row_count,
+                      __global const ulong* restrict row_keys, __global const float* restrict row_sums,
+                      __global const float* restrict path_sums, __global const ulong* restrict baked_keys,
+                      __global const uint* restrict baked_rows, const uint baked_count, const float view_first,
+                      const float view_step, const float path_x_first, const float path_x_step,
+                      const float path_y_first, const float path_y_step, __global uint* restrict term_count,
+                      __global uint* restrict term_row, __global float* restrict term_weight) {
+  const uint item = get_group_id(0);
+  if (item >= pixel_count) return;
+  const uint pixel = use_list ? pixel_list[item] : item;
+  const uint keys_used = row_count[item];
+  if (keys_used == RC_ROW_OVERFLOW) {
+    term_count[item] = 0;
+    return;
+  }
+  __global const ulong* keys = row_keys + (size_t)item * capacity;
+  __global const float* sums = row_sums + (size_t)item * capacity * ACCUMULATORS * (1 + RC_CHUNKED);
+  __global const float* path = path_sums + (size_t)item * RC_HEIGHTS * (1 + RC_CHUNKED);
+  __global uint* rows = term_row + (size_t)item * term_capacity;
+  __global float* weights = term_weight + (size_t)item * term_capacity;
+
+  /* View geometry of the pixel's centre ray. */
+  const uint line = pixel / tile_width, column = pixel - line * tile_width;
+  __global const RayGroup* group = groups + line * groups_per_line + column / RC_PIXELS_PER_GROUP;
+  const float a = (float)(column % RC_PIXELS_PER_GROUP) - 0.5f * (float)(RC_PIXELS_PER_GROUP - 1);
+  const float dx = fma(a, group->du.x, group->d0.x), dy = fma(a, group->du.y, group->d0.y);
+  const float dz = fma(a, group->du.z, group->d0.z);
+  const float length = sqrt(fma(dx, dx, fma(dy, dy, dz * dz)));
+  uint iv, ix, iy;
+  float fv, fx, fy;
+  rc_node_weights(view_first, view_step, RC_VIEWS, -length / dz, &iv, &fv);
+  rc_node_weights(path_x_first, path_x_step, RC_PATH_X, -dx / length, &ix, &fx);
+  rc_node_weights(path_y_first, path_y_step, RC_PATH_Y, -dy / length, &iy, &fy);
+
+  uint n = 0;
+  const uint path_base = baked_row(baked_keys, baked_rows, baked_count, 0ul) * RC_CHANNELS;
+  for (uint h = 0; h < RC_HEIGHTS; ++h) {
+    const float sum = TOTAL(path, h, RC_HEIGHTS);
+    for (uint y = 0; y < RC_PATH_Y; ++y)
+      for (uint x = 0; x < RC_PATH_X; ++x) {
+        const float w = sum * (weight_of(x, ix, fx) * weight_of(y, iy, fy));
+        if (w == 0.0f) continue;
+        rows[n] = path_base + (h * RC_PATH_Y + y) * RC_PATH_X + x;
+        weights[n++] = w;
+      }
+  }
+  /* Keys ascending: each time the smallest key above the last one. Rows are short. */
+  ulong last = 0ul;
+  for (uint used = 0; used < keys_used; ++used) {
+    uint best = 0;
+    ulong key = ~0ul;
+    for (uint k = 0; k < keys_used; ++k)
+      if (keys[k] > last && keys[k] < key) {
+        key = keys[k];
+        best = k;
+      }
+    last = key;
+    __global const float* row = sums + (size_t)best * ACCUMULATORS * (1 + RC_CHUNKED);
+    const uint base = baked_row(baked_keys, baked_rows, baked_count, key) * RC_CHANNELS;
+    for (uint i = 0; i < SOURCES * RC_HEIGHTS; ++i) {
+      const float sum = TOTAL(row, i, ACCUMULATORS);
+      for (uint v = 0; v < RC_VIEWS; ++v) {
+        const float w = sum * weight_of(v, iv, fv);
+        if (w == 0.0f) continue;
+        rows[n] = base + i * RC_VIEWS + v;
+        weights[n++] = w;
+      }
+    }
+  }
+  term_count[item] = n;
+}

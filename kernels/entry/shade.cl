@@ -1,0 +1,222 @@
+/* shade: from hits, surface points, sun visibility and blocked sky to per-pixel rows of (product key, scalar sums).
+ * Reads:  hits, surface, sun bits, blocked sky of the tile (or of one chunk of its samples).
+ * Writes: row count, keys, sums, path sums, truth sums. Next: resolve.
+ * One work-item per pixel, local size 1. Sums are masked float16 sums over sample groups in sample order, then one fixed
+ * lane tree, so that row capacity, tile and work-group cannot change a bit. */
+#pragma OPENCL FP_CONTRACT OFF
+#include "kernels/shared/structs.h"
+#include "kernels/shared/rows.h"
+#include "kernels/atmosphere/nodes.h"
+
+#ifndef RC_CHUNKED
+#define RC_CHUNKED 0 /* 1: sums are carried from chunk to chunk of a pixel's samples, with compensation */
+#endif
+#define SOURCES (1 + RC_COMPONENTS)
+#define ACCUMULATORS RC_ROW_ACCUMULATORS(RC_COMPONENTS, RC_HEIGHTS)
+#define GROUPS (RC_NPAD / 16)
+#define DONE RC_NONE
+
+inline float lane_sum(float16 v) {
+  const float8 a = v.lo + v.hi;
+  const float4 b = a.lo + a.hi;
+  const float2 c = b.lo + b.hi;
+  return c.x + c.y;
+}
+
+inline float16 masked(float16 v, int16 mask) { return select((float16)(0.0f), v, mask); }
+
+#if RC_CHUNKED
+/* Neumaier's compensated addition (ZAMM 54, 1974): sum and its running error, exact to about one rounding. */
+inline void add_to(__global float* sum, __global float* error, float x) {
+  const float s = *sum, t = s + x;
+  *error += fabs(s) >= fabs(x) ? (s - t) + x : (x - t) + s;
+  *sum = t;
+}
+#define ADD(array, index, offset, x) add_to(&array[index], &array[(index) + (offset)], (x))
+#else
+#define ADD(array, index, offset, x) array[index] += (x)
+#endif
+
+/* Index of key in the row, appended when new; capacity when the row is full. */
+inline uint find_key(__global ulong* keys, __global float* sums, uint* count, uint capacity, ulong key) {
+  for (uint k = 0; k < *count; ++k)
+    if (keys[k] == key) return k;
+  if (*count == capacity) return capacity;
+  keys[*count] = key;
+  for (uint i = 0; i < ACCUMULATORS * (1 + RC_CHUNKED); ++i) sums[*count * ACCUMULATORS * (1 + RC_CHUNKED) + i] = 0.0f;
+  return (*count)++;
+}
+
+/* The masked sums of one surface's samples, times its material fractions, into the row. Returns 0 when the row is full. */
+inline int deposit(__global ulong* keys, __global float* sums, uint* count, uint capacity, __global const Surface* surface,
+                   const float* values) {
+  for (int c = 0; c < 4; ++c) {
+    const float fraction = surface->fraction[c];
+    if (surface->curve[c] == 0u || fraction == 0.0f) continue;
+    const uint k = find_key(keys, sums, count, capacity, (ulong)surface->curve[c]);
+    if (k == capacity) return 0;
+    __global float* row = sums + (size_t)k * ACCUMULATORS * (1 + RC_CHUNKED);
+    for (int i = 0; i < ACCUMULATORS; ++i) ADD(row, i, ACCUMULATORS, fraction * values[i]);
+  }
+  return 1;
+}
+
+__kernel void shade(const uint pixel_count, __global const uint* restrict pixel_list, const uint use_list,
+                    const uint capacity, const uint chunk, __global const RayGroup* restrict groups,
+                    const uint tile_width, const uint groups_per_line, __global const uint* restrict hits,
+                    __global const float* restrict surface_points, __global const ushort* restrict sun_bits,
+                    __global const float* restrict sky_blocked, __global const TriBlock* restrict blocks,
+                    __global const Surface* restrict surfaces, __global const float* restrict sample_weight,
+                    const float4 sun_direction, __global const float4* restrict irradiance_map, const uint map_size,
+                    const float height_first, const float height_step, __global uint* restrict row_count,
+                    __global ulong* restrict row_keys, __global float* restrict row_sums,
+                    __global float* restrict path_sums, __global float* restrict truth) {
+  const uint item = get_group_id(0);
+  if (item >= pixel_count) return;
+  const uint pixel = use_list ? pixel_list[item] : item; /* index in the tile's inputs; outputs go by item */
+
+  __global const uint* hit_instance = hits + (size_t)pixel * 2 * RC_NPAD;
+  __global const uint* hit_primitive = hit_instance + RC_NPAD;
+  __global const float* point = surface_points + (size_t)pixel * 6 * RC_NPAD;
+  __global const ushort* sun = sun_bits + (size_t)pixel * GROUPS;
+  __global const float* blocked = sky_blocked + (size_t)pixel * 4 * RC_NPAD;
+  __global const float* chunk_weight = sample_weight + (size_t)chunk * RC_NPAD;
+
+  __global ulong* keys = row_keys + (size_t)item * capacity;
+  __global float* sums = row_sums + (size_t)item * capacity * ACCUMULATORS * (1 + RC_CHUNKED);
+  __global float* path = path_sums + (size_t)item * RC_HEIGHTS * (1 + RC_CHUNKED);
+  __global float* truth_row = truth + (size_t)item * RC_TRUTH_SUMS * (1 + RC_CHUNKED);
+
+  uint count = 0;
+  if (chunk == 0) {
+    for (int i = 0; i < RC_HEIGHTS * (1 + RC_CHUNKED); ++i) path[i] = 0.0f;
+    for (int i = 0; i < RC_TRUTH_SUMS * (1 + RC_CHUNKED); ++i) truth_row[i] = 0.0f;
+  } else {
+    count = row_count[item];
+    if (count == RC_ROW_OVERFLOW) return;
+  }
+
+  /* Per-sample scalars. value[0]: sun, value[1 + m]: sky component m; all will carry the sample weight. */
+  float value[SOURCES][RC_NPAD];
+  float height_fraction[RC_NPAD];
+  uint height_index[RC_NPAD];
+  uint surface_id[RC_NPAD];
+
+  const uint line = pixel / tile_width, column = pixel - line * tile_width;
+  const float4 origin = groups[line * groups_per_line + column / RC_PIXELS_PER_GROUP].origin;
+
+#if RC_COMPONENTS > 0
+  float last_x = 2.0f, last_y = 2.0f, last_z = 2.0f;
+  float4 unoccluded = (float4)(0.0f);
+#endif
+  for (int s = 0; s < RC_NPAD; ++s) {
+    uint id = DONE, h = 0;
+    float f = 0.0f;
+    for (int m = 0; m < SOURCES; ++m) value[m][s] = 0.0f;
+    if (s < RC_NSAMP && hit_instance[s] != RC_NONE) {
+      const uint primitive = hit_primitive[s];
+      id = blocks[primitive / RC_BLOCK].surface[primitive % RC_BLOCK];
+      rc_node_weights(height_first, height_step, RC_HEIGHTS, point[2 * RC_NPAD + s], &h, &f);
+#if RC_COMPONENTS > 0
+      const float nx = point[3 * RC_NPAD + s], ny = point[4 * RC_NPAD + s], nz = point[5 * RC_NPAD + s];
+      if (nx != last_x || ny != last_y || nz != last_z) {
+        unoccluded = rc_octahedral_lookup(irradiance_map, map_size, nx, ny, nz);
+        last_x = nx;
+        last_y = ny;
+        last_z = nz;
+      }
+      value[1][s] = unoccluded.x;
+#if RC_COMPONENTS > 1
+      value[2][s] = unoccluded.y;
+#endif
+#if RC_COMPONENTS > 2
+      value[3][s] = unoccluded.z;
+#endif
+#if RC_COMPONENTS > 3
+      value[4][s] = unoccluded.w;
+#endif
+#endif
+    }
+    surface_id[s] = id;
+    height_index[s] = h;
+    height_fraction[s] = f;
+  }
+
+  /* Vector part: sun cosine, blocked sky, weights, path and truth sums. */
+  float16 t_hit = 0.0f, t_sun = 0.0f, t_x = 0.0f, t_y = 0.0f, t_z = 0.0f, t_range = 0.0f, t_cos = 0.0f;
+  float16 p_sum[RC_HEIGHTS];
+  for (int h = 0; h < RC_HEIGHTS; ++h) p_sum[h] = 0.0f;
+  const uint16 lane = (uint16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+  for (int g = 0; g < GROUPS; ++g) {
+    const int16 hit = vload16(g, surface_id) != (uint16)(DONE);
+    const float16 weight = vload16(g, chunk_weight);
+    const float16 px = vload16(g, point), py = vload16(g, point + RC_NPAD), pz = vload16(g, point + 2 * RC_NPAD);
+    const float16 nx = vload16(g, point + 3 * RC_NPAD), ny = vload16(g, point + 4 * RC_NPAD);
+    const float16 nz = vload16(g, point + 5 * RC_NPAD);
+    const float16 cosine = fma(nx, (float16)(sun_direction.x), fma(ny, (float16)(sun_direction.y), nz * sun_direction.z));
+    const int16 lit = hit & (((((uint16)((uint)sun[g])) >> lane) & 1u) != 0u);
+    const float16 w_hit = masked(weight, hit);
+    vstore16(masked(weight * fmax(cosine, (float16)(0.0f)), lit), g, value[0]);
+    for (int m = 0; m < RC_COMPONENTS; ++m) {
+      const float16 e = vload16(g, value[1 + m]) - vload16(g, blocked + m * RC_NPAD);
+      vstore16(masked(weight * e, hit), g, value[1 + m]);
+    }
+    const float16 rx = px - origin.x, ry = py - origin.y, rz = pz - origin.z;
+    const float16 range = sqrt(fma(rx, rx, fma(ry, ry, rz * rz)));
+    t_hit += w_hit;
+    t_sun += masked(weight, lit);
+    t_x += masked(w_hit * px, hit);
+    t_y += masked(w_hit * py, hit);
+    t_z += masked(w_hit * pz, hit);
+    t_range += masked(w_hit * range, hit);
+    t_cos += masked(w_hit * cosine, hit);
+#if RC_HEIGHTS == 1
+    p_sum[0] += weight;
+#else
+    const uint16 hi = vload16(g, height_index);
+    const float16 hf = vload16(g, height_fraction);
+    for (uint h = 0; h < RC_HEIGHTS; ++h)
+      p_sum[h] += masked(weight * (1.0f - hf), hi == (uint16)(h)) + masked(weight * hf, hi + 1u == (uint16)(h));
+#endif
+  }
+  for (int h = 0; h < RC_HEIGHTS; ++h) ADD(path, h, RC_HEIGHTS, lane_sum(p_sum[h]));
+  ADD(truth_row, RC_TRUTH_HIT, RC_TRUTH_SUMS, lane_sum(t_hit));
+  ADD(truth_row, RC_TRUTH_SUN, RC_TRUTH_SUMS, lane_sum(t_sun));
+  ADD(truth_row, RC_TRUTH_X, RC_TRUTH_SUMS, lane_sum(t_x));
+  ADD(truth_row, RC_TRUTH_Y, RC_TRUTH_SUMS, lane_sum(t_y));
+  ADD(truth_row, RC_TRUTH_Z, RC_TRUTH_SUMS, lane_sum(t_z));
+  ADD(truth_row, RC_TRUTH_RANGE, RC_TRUTH_SUMS, lane_sum(t_range));
+  ADD(truth_row, RC_TRUTH_INCIDENCE, RC_TRUTH_SUMS, lane_sum(t_cos));
+
+  /* One surface at a time, in the order of its first sample. */
+  for (int s = 0; s < RC_NSAMP; ++s) {
+    const uint id = surface_id[s];
+    if (id == DONE) continue;
+    float16 sum[ACCUMULATORS];
+    for (int i = 0; i < ACCUMULATORS; ++i) sum[i] = 0.0f;
+    for (int g = s / 16; g < GROUPS; ++g) {
+      const uint16 ids = vload16(g, surface_id);
+      const int16 mine = ids == (uint16)(id);
+      sum[ACCUMULATORS - 1] += masked(vload16(g, chunk_weight), mine);
+#if RC_HEIGHTS == 1
+      for (int m = 0; m < SOURCES; ++m) sum[m] += masked(vload16(g, value[m]), mine);
+#else
+      const uint16 hi = vload16(g, height_index);
+      const float16 hf = vload16(g, height_fraction);
+      for (uint h = 0; h < RC_HEIGHTS; ++h) {
+        const float16 part = masked(1.0f - hf, mine & (hi == (uint16)(h))) + masked(hf, mine & (hi + 1u == (uint16)(h)));
+        for (int m = 0; m < SOURCES; ++m)
+          sum[m * RC_HEIGHTS + h] = fma(vload16(g, value[m]), part, sum[m * RC_HEIGHTS + h]);
+      }
+#endif
+      vstore16(select(ids, (uint16)(DONE), as_uint16(mine)), g, surface_id);
+    }
+    float total[ACCUMULATORS];
+    for (int i = 0; i < ACCUMULATORS; ++i) total[i] = lane_sum(sum[i]);
+    if (!deposit(keys, sums, &count, capacity, surfaces + id, total)) {
+      count = RC_ROW_OVERFLOW;
+      break;
+    }
+  }
+  row_count[item] = count;
+}
