@@ -15,12 +15,12 @@
 
 #define VECTORS (RC_BANDS_PADDED / 16)
 
-__kernel void integrate_bands(const uint pixel_count, __global const uint* restrict pixel_list, const uint use_list,
+__kernel void integrate_bands(const uint first_item, const uint item_count, __global const uint* restrict pixel_list, const uint use_list,
                               const uint term_capacity, __global const uint* restrict term_count,
                               __global const uint* restrict term_row, __global const float* restrict term_weight,
                               __global const float16* restrict table, __global float16* restrict radiance) {
-  const uint item = get_group_id(0);
-  if (item >= pixel_count) return;
+  const uint item = first_item + get_group_id(0);
+  if (item >= first_item + item_count) return;
   const uint pixel = use_list ? pixel_list[item] : item;
   const uint terms = term_count[item];
   __global const uint* rows = term_row + (size_t)item * term_capacity;

@@ -30,9 +30,9 @@ inline uint baked_row(__global const ulong* baked_keys, __global const uint* bak
 }
 
 /* Linear weight of node i when a value lies a fraction f past node k. */
-inline float weight_of(uint i, uint k, float f) { return i == k ? 1.0f - f : i == k + 1 ? f : 0.0f; }
+inline float weight_of(int i, int k, float f) { return i == k ? 1.0f - f : i == k + 1 ? f : 0.0f; }
 
-__kernel void resolve(const uint pixel_count, __global const uint* restrict pixel_list, const uint use_list,
+__kernel void resolve(const uint first_item, const uint item_count, __global const uint* restrict pixel_list, const uint use_list,
                       const uint capacity, const uint term_capacity, __global const RayGroup* restrict groups,
                       const uint tile_width, const uint groups_per_line, __global const uint* restrict row_count,
                       __global const ulong* restrict row_keys, __global const float* restrict row_sums,
@@ -41,8 +41,8 @@ __kernel void resolve(const uint pixel_count, __global const uint* restrict pixe
                       const float view_step, const float path_x_first, const float path_x_step,
                       const float path_y_first, const float path_y_step, __global uint* restrict term_count,
                       __global uint* restrict term_row, __global float* restrict term_weight) {
-  const uint item = get_group_id(0);
-  if (item >= pixel_count) return;
+  const uint item = first_item + get_group_id(0);
+  if (item >= first_item + item_count) return;
   const uint pixel = use_list ? pixel_list[item] : item;
   const uint keys_used = row_count[item];
   if (keys_used == RC_ROW_OVERFLOW) {
@@ -62,21 +62,21 @@ __kernel void resolve(const uint pixel_count, __global const uint* restrict pixe
   const float dx = fma(a, group->du.x, group->d0.x), dy = fma(a, group->du.y, group->d0.y);
   const float dz = fma(a, group->du.z, group->d0.z);
   const float length = sqrt(fma(dx, dx, fma(dy, dy, dz * dz)));
-  uint iv, ix, iy;
+  int iv, ix, iy;
   float fv, fx, fy;
-  rc_node_weights(view_first, view_step, RC_VIEWS, -length / dz, &iv, &fv);
-  rc_node_weights(path_x_first, path_x_step, RC_PATH_X, -dx / length, &ix, &fx);
-  rc_node_weights(path_y_first, path_y_step, RC_PATH_Y, -dy / length, &iy, &fy);
+  rc_node_weights(-length / dz, view_first, view_step, RC_VIEWS, &iv, &fv);
+  rc_node_weights(-dx / length, path_x_first, path_x_step, RC_PATH_X, &ix, &fx);
+  rc_node_weights(-dy / length, path_y_first, path_y_step, RC_PATH_Y, &iy, &fy);
 
   uint n = 0;
   const uint path_base = baked_row(baked_keys, baked_rows, baked_count, 0ul) * RC_CHANNELS;
-  for (uint h = 0; h < RC_HEIGHTS; ++h) {
+  for (int h = 0; h < RC_HEIGHTS; ++h) {
     const float sum = TOTAL(path, h, RC_HEIGHTS);
-    for (uint y = 0; y < RC_PATH_Y; ++y)
-      for (uint x = 0; x < RC_PATH_X; ++x) {
+    for (int y = 0; y < RC_PATH_Y; ++y)
+      for (int x = 0; x < RC_PATH_X; ++x) {
         const float w = sum * (weight_of(x, ix, fx) * weight_of(y, iy, fy));
         if (w == 0.0f) continue;
-        rows[n] = path_base + (h * RC_PATH_Y + y) * RC_PATH_X + x;
+        rows[n] = path_base + (uint)((h * RC_PATH_Y + y) * RC_PATH_X + x);
         weights[n++] = w;
       }
   }
@@ -93,12 +93,12 @@ __kernel void resolve(const uint pixel_count, __global const uint* restrict pixe
     last = key;
     __global const float* row = sums + (size_t)best * ACCUMULATORS * (1 + RC_CHUNKED);
     const uint base = baked_row(baked_keys, baked_rows, baked_count, key) * RC_CHANNELS;
-    for (uint i = 0; i < SOURCES * RC_HEIGHTS; ++i) {
+    for (int i = 0; i < SOURCES * RC_HEIGHTS; ++i) {
       const float sum = TOTAL(row, i, ACCUMULATORS);
-      for (uint v = 0; v < RC_VIEWS; ++v) {
+      for (int v = 0; v < RC_VIEWS; ++v) {
         const float w = sum * weight_of(v, iv, fv);
         if (w == 0.0f) continue;
-        rows[n] = base + i * RC_VIEWS + v;
+        rows[n] = base + (uint)(i * RC_VIEWS + v);
         weights[n++] = w;
       }
     }

@@ -62,7 +62,7 @@ inline int deposit(__global ulong* keys, __global float* sums, uint* count, uint
 }
 
 __kernel void shade(const uint pixel_count, __global const uint* restrict pixel_list, const uint use_list,
-                    const uint capacity, const uint chunk, __global const RayGroup* restrict groups,
+                    const uint capacity, const uint chunk, const uint fresh, __global const RayGroup* restrict groups,
                     const uint tile_width, const uint groups_per_line, __global const uint* restrict hits,
                     __global const float* restrict surface_points, __global const ushort* restrict sun_bits,
                     __global const float* restrict sky_blocked, __global const TriBlock* restrict blocks,
@@ -88,7 +88,7 @@ __kernel void shade(const uint pixel_count, __global const uint* restrict pixel_
   __global float* truth_row = truth + (size_t)item * RC_TRUTH_SUMS * (1 + RC_CHUNKED);
 
   uint count = 0;
-  if (chunk == 0) {
+  if (fresh) {
     for (int i = 0; i < RC_HEIGHTS * (1 + RC_CHUNKED); ++i) path[i] = 0.0f;
     for (int i = 0; i < RC_TRUTH_SUMS * (1 + RC_CHUNKED); ++i) truth_row[i] = 0.0f;
   } else {
@@ -110,17 +110,22 @@ __kernel void shade(const uint pixel_count, __global const uint* restrict pixel_
   float4 unoccluded = (float4)(0.0f);
 #endif
   for (int s = 0; s < RC_NPAD; ++s) {
-    uint id = DONE, h = 0;
+    uint id = DONE;
+    int h = 0;
     float f = 0.0f;
     for (int m = 0; m < SOURCES; ++m) value[m][s] = 0.0f;
     if (s < RC_NSAMP && hit_instance[s] != RC_NONE) {
       const uint primitive = hit_primitive[s];
       id = blocks[primitive / RC_BLOCK].surface[primitive % RC_BLOCK];
-      rc_node_weights(height_first, height_step, RC_HEIGHTS, point[2 * RC_NPAD + s], &h, &f);
+      rc_node_weights(point[2 * RC_NPAD + s], height_first, height_step, RC_HEIGHTS, &h, &f);
 #if RC_COMPONENTS > 0
       const float nx = point[3 * RC_NPAD + s], ny = point[4 * RC_NPAD + s], nz = point[5 * RC_NPAD + s];
       if (nx != last_x || ny != last_y || nz != last_z) {
-        unoccluded = rc_octahedral_lookup(irradiance_map, map_size, nx, ny, nz);
+        int node[3];
+        float share[3];
+        rc_octahedral_nodes(nx, ny, nz, (int)map_size, node, share);
+        unoccluded = fma((float4)(share[0]), irradiance_map[node[0]],
+                         fma((float4)(share[1]), irradiance_map[node[1]], share[2] * irradiance_map[node[2]]));
         last_x = nx;
         last_y = ny;
         last_z = nz;
@@ -138,7 +143,7 @@ __kernel void shade(const uint pixel_count, __global const uint* restrict pixel_
 #endif
     }
     surface_id[s] = id;
-    height_index[s] = h;
+    height_index[s] = (uint)h;
     height_fraction[s] = f;
   }
 

@@ -1,0 +1,72 @@
+#include "host/render/band_table.h"
+
+#include <algorithm>
+#include <string>
+
+#include "host/base/error.h"
+
+namespace raycube::render {
+
+namespace {
+std::size_t rows_that_fit(std::size_t bytes, std::size_t row_bytes, std::size_t most) {
+  return std::clamp<std::size_t>(bytes / row_bytes, 2, std::max<std::size_t>(2, most));
+}
+}  // namespace
+
+BandTable::BandTable(const cl::Context& context, const scene::CompiledScene& scene, const plan::Plan& plan,
+                     const StageShape& shape, std::size_t bytes)
+    : scene_(scene),
+      plan_(plan),
+      row_floats_(static_cast<std::size_t>(shape.channels) * shape.bands_padded),
+      channel_floats_(shape.bands_padded),
+      capacity_(rows_that_fit(std::min<std::size_t>(bytes, context.device().info().max_alloc_bytes),
+                              row_floats_ * sizeof(float), scene.materials.size() + 1)),
+      values_(context, capacity_ * row_floats_, cl::Access::read_only, "band table"),
+      keys_(context, capacity_, cl::Access::read_only, "keys of the band table"),
+      rows_(context, capacity_, cl::Access::read_only, "rows of the band table") {
+  bake(0, 0);
+  slots_[0] = {0, use_.end()};
+  ensure({});
+}
+
+void BandTable::bake(std::uint64_t key, std::uint32_t row) {
+  std::vector<float> values = plan::bake_row(plan_, scene_, static_cast<std::uint32_t>(key));
+  // The path row and the material rows have their own number of channels; a row of the table holds the larger.
+  values.resize(row_floats_, 0.0f);
+  values_.write(values, row * row_floats_);
+}
+
+void BandTable::ensure(const std::vector<std::uint64_t>& keys) {
+  if (keys.size() + 1 > capacity_)
+    throw base::Error(base::Fault::bug, "band table: " + std::to_string(keys.size()) + " keys asked of " +
+                                            std::to_string(capacity_) + " rows");
+  bool changed = keys.empty();
+  for (const auto key : keys) {  // mark what is here as in use before anything is evicted
+    const auto found = slots_.find(key);
+    if (found != slots_.end()) use_.splice(use_.end(), use_, found->second.use);
+  }
+  for (const auto key : keys) {
+    if (slots_.count(key)) continue;
+    std::uint32_t row = static_cast<std::uint32_t>(slots_.size());
+    if (slots_.size() == capacity_) {
+      row = slots_.at(use_.front()).row;
+      slots_.erase(use_.front());
+      use_.pop_front();
+    }
+    bake(key, row);
+    use_.push_back(key);
+    slots_[key] = {row, std::prev(use_.end())};
+    changed = true;
+  }
+  if (!changed) return;
+  std::vector<std::uint64_t> sorted_keys;
+  std::vector<std::uint32_t> rows;
+  for (const auto& [key, slot] : slots_) {
+    sorted_keys.push_back(key);
+    rows.push_back(slot.row);
+  }
+  keys_.write(sorted_keys);
+  rows_.write(rows);
+}
+
+}  // namespace raycube::render

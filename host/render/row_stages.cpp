@@ -1,0 +1,104 @@
+#include "host/render/row_stages.h"
+
+#include "kernels/kernel_source.h"
+#include "kernels/shared/rows.h"
+
+namespace raycube::render {
+
+namespace {
+
+std::string define(const char* name, int value) { return " -D" + std::string(name) + "=" + std::to_string(value); }
+
+std::string row_options(const StageShape& shape) {
+  return "-cl-std=CL1.2" + define("RC_NSAMP", shape.chunk_samples) + define("RC_NPAD", shape.padded_samples) +
+         define("RC_COMPONENTS", shape.components) + define("RC_HEIGHTS", shape.heights) +
+         define("RC_VIEWS", shape.views) + define("RC_PATH_X", shape.path_x) + define("RC_PATH_Y", shape.path_y) +
+         define("RC_CHANNELS", shape.channels) + define("RC_BANDS_PADDED", shape.bands_padded) +
+         define("RC_PIXELS_PER_GROUP", shape.pixels_per_group) + define("RC_CHUNKED", shape.chunked());
+}
+
+/// One weight per sample, chunk by chunk, zero in the padding.
+std::vector<float> padded_weights(const StageShape& shape, std::span<const float> weight) {
+  std::vector<float> out(static_cast<std::size_t>(shape.chunks) * shape.padded_samples, 0.0f);
+  for (std::size_t s = 0; s < weight.size(); ++s)
+    out[s / shape.chunk_samples * shape.padded_samples + s % shape.chunk_samples] = weight[s];
+  return out;
+}
+
+std::size_t times_if_chunked(const StageShape& shape) { return shape.chunked() ? 2 : 1; }
+
+}  // namespace
+
+RowBuffers::RowBuffers(const cl::Context& context, const StageShape& shape, std::size_t items_, std::size_t capacity_)
+    : items(items_),
+      capacity(capacity_),
+      term_capacity(shape.term_capacity(capacity_)),
+      count(context, items_, cl::Access::read_write, "key counts"),
+      keys(context, items_ * capacity_, cl::Access::read_write, "product keys"),
+      sums(context, items_ * capacity_ * shape.accumulators() * times_if_chunked(shape), cl::Access::read_write, "row sums"),
+      path(context, items_ * shape.heights * times_if_chunked(shape), cl::Access::read_write, "path sums"),
+      truth(context, items_ * RC_TRUTH_SUMS * times_if_chunked(shape), cl::Access::read_write, "truth sums"),
+      term_count(context, items_, cl::Access::read_write, "term counts"),
+      term_row(context, items_ * term_capacity, cl::Access::read_write, "term rows"),
+      term_weight(context, items_ * term_capacity, cl::Access::read_write, "term weights") {}
+
+TraceBuffers::TraceBuffers(const cl::Context& context, const StageShape& shape, std::size_t pixels, std::size_t group_count)
+    : groups(context, group_count, cl::Access::read_only, "ray groups"),
+      hits(context, pixels * 2 * shape.padded_samples, cl::Access::read_write, "hits"),
+      surface(context, pixels * 6 * shape.padded_samples, cl::Access::read_write, "surface points"),
+      sun(context, pixels * (shape.padded_samples / 16), cl::Access::read_write, "sun visibility"),
+      sky(context, pixels * 4 * shape.padded_samples, cl::Access::read_write, "blocked sky") {}
+
+RowStages::RowStages(const cl::Context& context, const scene::CompiledScene&, const plan::Plan& plan,
+                     const StageShape& shape, std::span<const float> sample_weight)
+    : context_(context),
+      plan_(plan),
+      shape_(shape),
+      options_(row_options(shape)),
+      sample_weight_(context, padded_weights(shape, sample_weight), cl::Access::read_only, "sample weights"),
+      irradiance_(context, plan.irradiance.value, cl::Access::read_only, "irradiance map"),
+      no_list_(context, 1, cl::Access::read_only, "empty pixel list") {
+  const auto build = [&](const char* name, std::optional<cl::Program>& program, std::optional<cl::Kernel>& kernel) {
+    const std::string_view source = kernels::kernel_source(name);
+    program.emplace(context, name, source, options_);
+    kernel.emplace(*program, name);
+    identity_ += std::string(name) + "\n" + options_ + "\n" + std::string(source);
+  };
+  build("shade", shade_program_, shade_);
+  build("resolve", resolve_program_, resolve_);
+  build("integrate_bands", integrate_program_, integrate_);
+}
+
+void RowStages::shade(const PixelSelection& pixels, const TileLayout& layout, const TraceBuffers& traced,
+                      const cl::Buffer<shared::TriBlock>& blocks, const cl::Buffer<shared::Surface>& surfaces, int chunk,
+                      bool fresh, RowBuffers& rows) {
+  const auto& s = plan_.sun_direction;
+  shade_->arguments(pixels.count, pixels.list ? *pixels.list : no_list_, cl_uint{pixels.list != nullptr},
+                    static_cast<cl_uint>(rows.capacity), static_cast<cl_uint>(chunk), static_cast<cl_uint>(fresh),
+                    traced.groups, layout.width, layout.groups_per_line, traced.hits, traced.surface, traced.sun,
+                    traced.sky, blocks, surfaces, sample_weight_, shared::rc_float4{s[0], s[1], s[2], 0}, irradiance_,
+                    static_cast<cl_uint>(plan_.irradiance.size), plan_.height.first, plan_.height.step, rows.count,
+                    rows.keys, rows.sums, rows.path, rows.truth);
+  context_.launch(*shade_, pixels.count);
+}
+
+void RowStages::resolve(std::uint32_t first_item, std::uint32_t item_count, const PixelSelection& pixels,
+                        const TileLayout& layout, const TraceBuffers& traced, const BandTable& table, RowBuffers& rows) {
+  resolve_->arguments(first_item, item_count, pixels.list ? *pixels.list : no_list_, cl_uint{pixels.list != nullptr},
+                      static_cast<cl_uint>(rows.capacity), static_cast<cl_uint>(rows.term_capacity), traced.groups,
+                      layout.width, layout.groups_per_line, rows.count, rows.keys, rows.sums, rows.path, table.keys(),
+                      table.rows(), cl_uint{table.count()}, plan_.view.first, plan_.view.step, plan_.path_x.first,
+                      plan_.path_x.step, plan_.path_y.first, plan_.path_y.step, rows.term_count, rows.term_row,
+                      rows.term_weight);
+  context_.launch(*resolve_, item_count);
+}
+
+void RowStages::integrate(std::uint32_t first_item, std::uint32_t item_count, const PixelSelection& pixels,
+                          const BandTable& table, const RowBuffers& rows, cl::Buffer<float>& radiance) {
+  integrate_->arguments(first_item, item_count, pixels.list ? *pixels.list : no_list_, cl_uint{pixels.list != nullptr},
+                        static_cast<cl_uint>(rows.term_capacity), rows.term_count, rows.term_row, rows.term_weight,
+                        table.values(), radiance);
+  context_.launch(*integrate_, item_count);
+}
+
+}  // namespace raycube::render

@@ -1,0 +1,82 @@
+// The stages after tracing: shade, resolve, integrate_bands, and the rows they pass on.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "host/cl/kernel.h"
+#include "host/render/band_table.h"
+#include "host/render/tile_shape.h"
+
+namespace raycube::render {
+
+/// Rows, terms and sums of `items` pixels at one key capacity.
+struct RowBuffers {
+  RowBuffers(const cl::Context& context, const StageShape& shape, std::size_t items, std::size_t capacity);
+  std::size_t items, capacity, term_capacity;
+  cl::Buffer<std::uint32_t> count;
+  cl::Buffer<std::uint64_t> keys;
+  cl::Buffer<float> sums;
+  cl::Buffer<float> path;
+  cl::Buffer<float> truth;
+  cl::Buffer<std::uint32_t> term_count;
+  cl::Buffer<std::uint32_t> term_row;
+  cl::Buffer<float> term_weight;
+};
+
+/// What tracing left of a tile (or of one chunk of its samples).
+struct TraceBuffers {
+  TraceBuffers(const cl::Context& context, const StageShape& shape, std::size_t pixels, std::size_t groups);
+  cl::Buffer<shared::RayGroup> groups;
+  cl::Buffer<std::uint32_t> hits;
+  cl::Buffer<float> surface;
+  cl::Buffer<std::uint16_t> sun;
+  cl::Buffer<float> sky;
+};
+
+/// Pixels a launch works on: the first `count` of a tile, or those of a list.
+struct PixelSelection {
+  std::uint32_t count = 0;
+  const cl::Buffer<std::uint32_t>* list = nullptr;
+};
+
+/// Where a tile's pixels lie in its groups.
+struct TileLayout {
+  std::uint32_t width = 0;            ///< pixels of a line of the tile
+  std::uint32_t groups_per_line = 0;
+};
+
+/// The three programs, specialised for one shape, and the plan data they read.
+class RowStages {
+ public:
+  RowStages(const cl::Context& context, const scene::CompiledScene& scene, const plan::Plan& plan, const StageShape& shape,
+            std::span<const float> sample_weight);
+
+  void shade(const PixelSelection& pixels, const TileLayout& layout, const TraceBuffers& traced,
+             const cl::Buffer<shared::TriBlock>& blocks, const cl::Buffer<shared::Surface>& surfaces, int chunk, bool fresh,
+             RowBuffers& rows);
+  /// Items first_item .. first_item + item_count - 1 of the selection; every key of theirs is in the table.
+  void resolve(std::uint32_t first_item, std::uint32_t item_count, const PixelSelection& pixels, const TileLayout& layout,
+               const TraceBuffers& traced, const BandTable& table, RowBuffers& rows);
+  void integrate(std::uint32_t first_item, std::uint32_t item_count, const PixelSelection& pixels, const BandTable& table,
+                 const RowBuffers& rows, cl::Buffer<float>& radiance);
+
+  /// Text that the program hash covers: names, options and sources.
+  const std::string& identity() const { return identity_; }
+  const std::string& options() const { return options_; }
+
+ private:
+  const cl::Context& context_;
+  const plan::Plan& plan_;
+  StageShape shape_;
+  std::string options_, identity_;
+  std::optional<cl::Program> shade_program_, resolve_program_, integrate_program_;
+  std::optional<cl::Kernel> shade_, resolve_, integrate_;
+  cl::Buffer<float> sample_weight_;
+  cl::Buffer<shared::rc_float4> irradiance_;
+  cl::Buffer<std::uint32_t> no_list_;
+};
+
+}  // namespace raycube::render

@@ -1,0 +1,307 @@
+#include "host/render/tile_worker.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstring>
+#include <numeric>
+#include <set>
+
+#include "host/render/truth.h"
+#include "host/sensors/psf.h"
+#include "host/sensors/ray_groups.h"
+#include "kernels/atmosphere/nodes.h"
+#include "kernels/shared/rows.h"
+
+namespace raycube::render {
+
+namespace {
+
+constexpr std::size_t kOverflowCapacities[] = {64, 256};
+constexpr std::size_t kOverflowBatch = 256;      ///< flagged pixels relaunched at once
+constexpr std::size_t kHistogramBins = 4096;
+
+std::uint32_t layer_count(const scene::CompiledScene& scene) {
+  return static_cast<std::uint32_t>(truth_layer_names(scene).size());
+}
+
+/// Sum number i of an item, with its compensation when sums are carried over chunks.
+double total(const float* sums, std::size_t count, bool chunked, std::size_t i) {
+  return chunked ? double{sums[i]} + sums[count + i] : double{sums[i]};
+}
+
+double weight_of(int i, int k, float f) { return i == k ? 1.0 - f : i == k + 1 ? double{f} : 0.0; }
+
+}  // namespace
+
+template <class Action>
+void TileWorker::timed(const std::string& stage, Action action) {
+  const auto start = std::chrono::steady_clock::now();
+  action();
+  setup_.context.finish();
+  statistics_.stage_s[stage] += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+TileWorker::TileWorker(const RenderSetup& setup, std::size_t pixels, int lines, std::size_t row_capacity,
+                       std::size_t table_bytes)
+    : setup_(setup),
+      row_stages_(setup.context, setup.scene, setup.plan, setup.shape, sensors::psf_weights(setup.instrument)),
+      trace_stages_(setup.context, setup.scene, setup.buffers, setup.instrument, setup.plan, setup.shape, setup.seed),
+      table_(setup.context, setup.scene, setup.plan, setup.shape, table_bytes),
+      traced_(setup.context, setup.shape, pixels,
+              pixels / setup.shape.pixels_per_group + static_cast<std::size_t>(lines) + 1),
+      rows_(setup.context, setup.shape, pixels, row_capacity),
+      radiance_(setup.context, pixels * setup.shape.bands_padded, cl::Access::read_write, "radiance of a tile"),
+      all_baked_(table_.capacity() > setup.scene.materials.size()),
+      term_histogram_(kHistogramBins, 0) {
+  if (all_baked_) {
+    std::vector<std::uint64_t> keys(setup.scene.materials.size());
+    std::iota(keys.begin(), keys.end(), 1);
+    timed("bake", [&] { table_.ensure(keys); });
+  }
+  statistics_.build_options = trace_stages_.options();
+  statistics_.program_hash = trace_stages_.identity() + row_stages_.identity();
+}
+
+std::array<double, 3> TileWorker::centre_direction(std::uint32_t pixel) const {
+  const std::uint32_t line = pixel / layout_.width, column = pixel % layout_.width;
+  const std::uint32_t wide = static_cast<std::uint32_t>(setup_.shape.pixels_per_group);
+  const auto& g = groups_[line * layout_.groups_per_line + column / wide];
+  const double a = column % wide - 0.5 * (wide - 1);
+  return {g.d0.x + a * g.du.x, g.d0.y + a * g.du.y, g.d0.z + a * g.du.z};
+}
+
+void TileWorker::write_truth(std::uint32_t pixel, const float* sums, const float* abundance, const Output& out) {
+  fill_truth({sums, abundance, centre_direction(pixel)}, setup_.scene.materials.size(), setup_.sun,
+             out.truth + pixel * out.layers);
+}
+
+void TileWorker::run(const Tile& tile, float* radiance, float* truth, PixelProbe* probe) {
+  const StageShape& shape = setup_.shape;
+  const std::uint32_t wide = static_cast<std::uint32_t>(shape.pixels_per_group);
+  const std::uint32_t pixels = static_cast<std::uint32_t>(tile.pixels());
+  layout_.width = static_cast<std::uint32_t>(tile.columns);
+  layout_.groups_per_line = (layout_.width + wide - 1) / wide;
+  const TilePlace place{static_cast<std::uint32_t>(tile.first_line) * setup_.instrument.pixels + tile.first_column,
+                        static_cast<std::uint32_t>(tile.lines)};
+  const Output out{truth, layer_count(setup_.scene)};
+
+  timed("rays", [&] {
+    const auto all = sensors::make_ray_groups(setup_.instrument, tile.first_line, tile.lines);
+    const std::size_t image_groups = sensors::groups_per_line(setup_.instrument);
+    groups_.clear();
+    for (int line = 0; line < tile.lines; ++line) {
+      const auto first = all.begin() + line * image_groups + tile.first_column / wide;
+      groups_.insert(groups_.end(), first, first + layout_.groups_per_line);
+    }
+    traced_.groups.write(groups_);
+  });
+
+  for (int chunk = 0; chunk < shape.chunks; ++chunk) {
+    trace_stages_.run(place, layout_, chunk, traced_, statistics_.stage_s);
+    timed("shade", [&] {
+      row_stages_.shade({pixels, nullptr}, layout_, traced_, setup_.buffers.blocks, setup_.buffers.surfaces, chunk,
+                        chunk == 0, rows_);
+    });
+  }
+  if (probe) {
+    const auto hits = traced_.hits.read_all();
+    const auto sun = traced_.sun.read_all();
+    const std::size_t padded = shape.padded_samples;
+    probe->tile = tile;
+    probe->groups = groups_;
+    for (std::uint32_t p = 0; p < pixels; ++p)
+      for (int s = 0; s < shape.chunk_samples; ++s) {
+        probe->hit_instance.push_back(hits[p * 2 * padded + s]);
+        probe->hit_primitive.push_back(hits[(p * 2 + 1) * padded + s]);
+        probe->sun_visible.push_back((sun[p * (padded / 16) + s / 16] >> (s % 16)) & 1u);
+      }
+  }
+
+  std::vector<std::uint32_t> all_pixels(pixels);
+  std::iota(all_pixels.begin(), all_pixels.end(), 0u);
+  host_radiance_.clear();
+  std::vector<std::uint32_t> flagged = finish_rows(rows_, all_pixels, false, out);
+  statistics_.overflow_pixels += flagged.size();
+  if (!shape.chunked())
+    for (const std::size_t capacity : kOverflowCapacities)
+      if (!flagged.empty() && capacity > rows_.capacity) {
+        std::vector<std::uint32_t> still;
+        relaunch(std::move(flagged), capacity, out, still);
+        flagged = std::move(still);
+      }
+  if (!flagged.empty()) sum_per_sample(flagged, place, out);
+  statistics_.per_sample_pixels += flagged.size();
+
+  timed("read", [&] {
+    const auto mapped = radiance_.map(false);
+    const std::size_t bands = shape.bands;
+    for (std::uint32_t p = 0; p < pixels; ++p)
+      std::memcpy(radiance + p * bands, mapped.data() + p * std::size_t(shape.bands_padded), bands * sizeof(float));
+    radiance_.unmap(mapped);
+    for (const auto& [pixel, values] : host_radiance_)
+      std::transform(values.begin(), values.end(), radiance + pixel * bands, [](double v) { return static_cast<float>(v); });
+  });
+  double hit = 0;
+  for (std::uint32_t p = 0; p < pixels; ++p) hit += truth[p * out.layers + 1];
+  const double rays = static_cast<double>(pixels) * shape.samples;
+  statistics_.primary_rays += static_cast<std::uint64_t>(rays);
+  const double hit_rays = hit / std::max(1u, pixels) * rays;
+  if (setup_.plan.sun_up) statistics_.sun_rays += static_cast<std::uint64_t>(hit_rays);
+  statistics_.sky_rays += static_cast<std::uint64_t>(hit_rays * setup_.plan.sky.directions);
+  statistics_.band_samples += static_cast<std::uint64_t>(pixels) * shape.bands;
+}
+
+std::vector<std::uint32_t> TileWorker::finish_rows(RowBuffers& rows, const std::vector<std::uint32_t>& pixels,
+                                                   bool use_list, const Output& out) {
+  const StageShape& shape = setup_.shape;
+  const std::size_t items = pixels.size(), sums_per_key = shape.accumulators() * (shape.chunked() ? 2 : 1);
+  const std::size_t materials = setup_.scene.materials.size();
+  std::optional<cl::Buffer<std::uint32_t>> list;
+  if (use_list) list.emplace(setup_.context, pixels, cl::Access::read_only, "list of pixels");
+  const PixelSelection selection{static_cast<std::uint32_t>(items), list ? &*list : nullptr};
+  std::vector<std::uint32_t> flagged;
+  std::vector<std::size_t> range_ends;            // items whose keys fit the band table together
+  std::vector<std::vector<std::uint64_t>> range_keys;
+  timed("collect", [&] {
+    const auto count = rows.count.map(false);
+    const auto keys = rows.keys.map(false);
+    const auto sums = rows.sums.map(false);
+    const auto truth = rows.truth.map(false);
+    const std::size_t truth_stride = RC_TRUTH_SUMS * (shape.chunked() ? 2 : 1);
+    std::set<std::uint64_t> used;
+    std::vector<float> abundance(materials);
+    float truth_sums[RC_TRUTH_SUMS];
+    for (std::size_t i = 0; i < items; ++i) {
+      if (count[i] == RC_ROW_OVERFLOW) {
+        flagged.push_back(pixels[i]);
+        continue;
+      }
+      std::fill(abundance.begin(), abundance.end(), 0.0f);
+      const std::uint64_t* row_keys = keys.data() + i * rows.capacity;
+      if (!all_baked_) {
+        std::set<std::uint64_t> with = used;
+        with.insert(row_keys, row_keys + count[i]);
+        if (with.size() + 1 > table_.capacity() && !used.empty()) {
+          range_ends.push_back(i);
+          range_keys.emplace_back(used.begin(), used.end());
+          used.clear();
+          used.insert(row_keys, row_keys + count[i]);
+        } else {
+          used.swap(with);
+        }
+      }
+      for (std::uint32_t k = 0; k < count[i]; ++k) {
+        const float* row = sums.data() + (i * rows.capacity + k) * sums_per_key;
+        const std::size_t last = shape.accumulators() - 1;
+        abundance[row_keys[k] - 1] = static_cast<float>(total(row, shape.accumulators(), shape.chunked(), last));
+      }
+      for (std::size_t t = 0; t < RC_TRUTH_SUMS; ++t)
+        truth_sums[t] = static_cast<float>(total(truth.data() + i * truth_stride, RC_TRUTH_SUMS, shape.chunked(), t));
+      write_truth(pixels[i], truth_sums, abundance.data(), out);
+    }
+    rows.count.unmap(count);
+    rows.keys.unmap(keys);
+    rows.sums.unmap(sums);
+    rows.truth.unmap(truth);
+    range_ends.push_back(items);
+    range_keys.emplace_back(used.begin(), used.end());
+  });
+  std::size_t first = 0;
+  for (std::size_t r = 0; r < range_ends.size(); ++r) {
+    const auto first_item = static_cast<std::uint32_t>(first), item_count = static_cast<std::uint32_t>(range_ends[r] - first);
+    if (!all_baked_) timed("bake", [&] { table_.ensure(range_keys[r]); });
+    if (item_count) {
+      timed("resolve", [&] { row_stages_.resolve(first_item, item_count, selection, layout_, traced_, table_, rows); });
+      timed("integrate", [&] { row_stages_.integrate(first_item, item_count, selection, table_, rows, radiance_); });
+    }
+    first = range_ends[r];
+  }
+  const auto terms = rows.term_count.map(false);
+  for (std::size_t i = 0; i < items; ++i) ++term_histogram_[std::min<std::size_t>(terms[i], kHistogramBins - 1)];
+  rows.term_count.unmap(terms);
+  return flagged;
+}
+
+void TileWorker::relaunch(std::vector<std::uint32_t> flagged, std::size_t capacity, const Output& out,
+                          std::vector<std::uint32_t>& still_flagged) {
+  RowBuffers rows(setup_.context, setup_.shape, std::min(flagged.size(), kOverflowBatch), capacity);
+  for (std::size_t first = 0; first < flagged.size(); first += kOverflowBatch) {
+    const std::vector<std::uint32_t> batch(flagged.begin() + first,
+                                           flagged.begin() + std::min(first + kOverflowBatch, flagged.size()));
+    cl::Buffer<std::uint32_t> list(setup_.context, batch, cl::Access::read_only, "list of pixels");
+    timed("shade", [&] {
+      row_stages_.shade({static_cast<std::uint32_t>(batch.size()), &list}, layout_, traced_, setup_.buffers.blocks,
+                        setup_.buffers.surfaces, 0, true, rows);
+    });
+    const auto more = finish_rows(rows, batch, true, out);
+    still_flagged.insert(still_flagged.end(), more.begin(), more.end());
+  }
+}
+
+void TileWorker::sum_per_sample(const std::vector<std::uint32_t>& flagged, const TilePlace& place, const Output& out) {
+  const StageShape& shape = setup_.shape;
+  const plan::Plan& plan = setup_.plan;
+  const std::size_t bands = shape.bands, materials = setup_.scene.materials.size();
+  const std::size_t sums_per_key = shape.accumulators() * (shape.chunked() ? 2 : 1);
+  // Every sample deposits at most four keys, so a chunk can never overflow this row.
+  RowBuffers rows(setup_.context, shape, 1, 4 * static_cast<std::size_t>(shape.chunk_samples));
+  struct Sum {
+    std::vector<double> radiance, abundance;
+    double truth[RC_TRUTH_SUMS] = {};
+  };
+  std::vector<Sum> results(flagged.size(), {std::vector<double>(bands), std::vector<double>(materials), {}});
+  const std::vector<float> path_row = plan::bake_row(plan, setup_.scene, 0);
+  for (int chunk = 0; chunk < shape.chunks; ++chunk) {
+    if (shape.chunked()) trace_stages_.run(place, layout_, chunk, traced_, statistics_.stage_s);
+    for (std::size_t f = 0; f < flagged.size(); ++f) {
+      cl::Buffer<std::uint32_t> list(setup_.context, std::span(&flagged[f], 1), cl::Access::read_only, "one pixel");
+      timed("shade", [&] {
+        row_stages_.shade({1, &list}, layout_, traced_, setup_.buffers.blocks, setup_.buffers.surfaces, chunk, true, rows);
+      });
+      const auto d = centre_direction(flagged[f]);
+      const double length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+      int iv, ix, iy;
+      float fv, fx, fy;
+      rc_node_weights(static_cast<float>(-length / d[2]), plan.view.first, plan.view.step, plan.view.count, &iv, &fv);
+      rc_node_weights(static_cast<float>(-d[0] / length), plan.path_x.first, plan.path_x.step, plan.path_x.count, &ix, &fx);
+      rc_node_weights(static_cast<float>(-d[1] / length), plan.path_y.first, plan.path_y.step, plan.path_y.count, &iy, &fy);
+      const auto add = [&](const std::vector<float>& baked, int channel, double weight) {
+        if (weight == 0) return;
+        const float* e = baked.data() + static_cast<std::size_t>(channel) * shape.bands_padded;
+        for (std::size_t b = 0; b < bands; ++b) results[f].radiance[b] += weight * e[b];
+      };
+      timed("per sample", [&] {
+        const auto path = rows.path.read_all();
+        for (int h = 0; h < shape.heights; ++h)
+          for (int y = 0; y < shape.path_y; ++y)
+            for (int x = 0; x < shape.path_x; ++x)
+              add(path_row, (h * shape.path_y + y) * shape.path_x + x,
+                  total(path.data(), shape.heights, shape.chunked(), h) * weight_of(x, ix, fx) * weight_of(y, iy, fy));
+        const auto truth = rows.truth.read_all();
+        for (std::size_t t = 0; t < RC_TRUTH_SUMS; ++t)
+          results[f].truth[t] += total(truth.data(), RC_TRUTH_SUMS, shape.chunked(), t);
+        const std::uint32_t count = rows.count.read_all().at(0);
+        const auto keys = rows.keys.read_all();
+        const auto sums = rows.sums.read_all();
+        for (std::uint32_t k = 0; k < count; ++k) {
+          const float* row = sums.data() + k * sums_per_key;
+          const auto baked = plan::bake_row(plan, setup_.scene, static_cast<std::uint32_t>(keys[k]));
+          for (int i = 0; i < shape.accumulators() - 1; ++i)
+            for (int v = 0; v < shape.views; ++v)
+              add(baked, i * shape.views + v,
+                  total(row, shape.accumulators(), shape.chunked(), i) * weight_of(v, iv, fv));
+          results[f].abundance[keys[k] - 1] += total(row, shape.accumulators(), shape.chunked(), shape.accumulators() - 1);
+        }
+      });
+    }
+  }
+  for (std::size_t f = 0; f < flagged.size(); ++f) {
+    float sums[RC_TRUTH_SUMS];
+    std::copy(std::begin(results[f].truth), std::end(results[f].truth), sums);
+    const std::vector<float> abundance(results[f].abundance.begin(), results[f].abundance.end());
+    write_truth(flagged[f], sums, abundance.data(), out);
+    host_radiance_.emplace_back(flagged[f], std::move(results[f].radiance));
+  }
+}
+
+}  // namespace raycube::render

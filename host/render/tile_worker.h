@@ -1,0 +1,70 @@
+// One tile from rays to finished radiance and truth, overflow included.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "host/render/band_table.h"
+#include "host/render/renderer.h"
+#include "host/render/row_stages.h"
+#include "host/render/trace_stages.h"
+
+namespace raycube::render {
+
+/// Everything that stays the same from tile to tile of one render.
+struct RenderSetup {
+  const cl::Context& context;
+  const scene::CompiledScene& scene;
+  const SceneBuffers& buffers;
+  const scene::Instrument& instrument;
+  const plan::Plan& plan;
+  const scene::Sun& sun;
+  std::uint64_t seed;
+  StageShape shape;
+};
+
+class TileWorker {
+ public:
+  /// Buffers for tiles of at most `pixels` pixels in at most `lines` lines; table_bytes: for the band table.
+  TileWorker(const RenderSetup& setup, std::size_t pixels, int lines, std::size_t row_capacity, std::size_t table_bytes);
+
+  /// Renders a tile into radiance[pixel][band] and truth[pixel][layer], pixels in line order. Fills `probe` when given.
+  void run(const Tile& tile, float* radiance, float* truth, PixelProbe* probe = nullptr);
+
+  const RenderStatistics& statistics() const { return statistics_; }
+  /// Terms per pixel seen so far, as a histogram (index = number of terms, clamped).
+  const std::vector<std::uint64_t>& term_histogram() const { return term_histogram_; }
+
+ private:
+  struct Output {
+    float* truth;
+    std::size_t layers;
+  };
+  /// Resolves and integrates the items of `rows`; writes their truth; returns the tile pixels that overflowed.
+  std::vector<std::uint32_t> finish_rows(RowBuffers& rows, const std::vector<std::uint32_t>& pixels, bool use_list,
+                                         const Output& out);
+  void relaunch(std::vector<std::uint32_t> flagged, std::size_t capacity, const Output& out,
+                std::vector<std::uint32_t>& still_flagged);
+  void sum_per_sample(const std::vector<std::uint32_t>& flagged, const TilePlace& place, const Output& out);
+  void write_truth(std::uint32_t pixel, const float* sums, const float* abundance, const Output& out);
+  std::array<double, 3> centre_direction(std::uint32_t pixel) const;
+  template <class Action>
+  void timed(const std::string& stage, Action action);
+
+  RenderSetup setup_;
+  RowStages row_stages_;
+  TraceStages trace_stages_;
+  BandTable table_;
+  TraceBuffers traced_;
+  RowBuffers rows_;
+  cl::Buffer<float> radiance_;
+  TileLayout layout_;
+  std::vector<shared::RayGroup> groups_;
+  bool all_baked_;
+  RenderStatistics statistics_;
+  std::vector<std::uint64_t> term_histogram_;
+  std::vector<std::pair<std::uint32_t, std::vector<double>>> host_radiance_;  ///< pixels summed on the host
+};
+
+}  // namespace raycube::render

@@ -1,0 +1,48 @@
+// The tracing stages of a tile: primary rays, surface points, sun, sky.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "host/cl/kernel.h"
+#include "host/render/row_stages.h"
+#include "host/render/tile_shape.h"
+
+namespace raycube::render {
+
+/// A compiled scene on the device.
+struct SceneBuffers {
+  SceneBuffers(const cl::Context& context, const scene::CompiledScene& scene);
+  cl::Buffer<shared::BvhNode> nodes;
+  cl::Buffer<shared::TriBlock> blocks;
+  cl::Buffer<shared::Instance> instances;
+  cl::Buffer<shared::Surface> surfaces;
+};
+
+/// Where a tile lies in the image: what random numbers are keyed by.
+struct TilePlace {
+  std::uint32_t first_pixel = 0;  ///< line * pixels_per_line + sample of the tile's first pixel
+  std::uint32_t lines = 0;
+};
+
+class TraceStages {
+ public:
+  TraceStages(const cl::Context& context, const scene::CompiledScene& scene, const SceneBuffers& buffers,
+              const scene::Instrument& instrument, const plan::Plan& plan, const StageShape& shape, std::uint64_t seed);
+  ~TraceStages();
+
+  /// Traces one chunk of samples of every pixel of the tile into `traced`. Adds the stages' wall seconds to `stage_s`.
+  void run(const TilePlace& place, const TileLayout& layout, int chunk, TraceBuffers& traced,
+           std::map<std::string, double>& stage_s);
+
+  const std::string& identity() const;
+  const std::string& options() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace raycube::render
