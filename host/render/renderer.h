@@ -53,13 +53,15 @@ struct RenderStatistics {
 /// A few pixels with everything the stages said about them, for `check` and the tests.
 struct PixelProbe {
   Tile tile;
-  int padded_samples = 0;
+  int samples = 0;                          ///< per pixel
   std::vector<shared::RayGroup> groups;
   std::vector<std::uint32_t> hit_instance, hit_primitive;  ///< [pixel][sample], RC_NONE = miss; samples unpadded
   std::vector<std::uint8_t> sun_visible;                   ///< [pixel][sample]
   std::vector<float> radiance;                             ///< [pixel][band]
   std::vector<float> truth;                                ///< [pixel][layer]
 };
+
+using ProbeSink = std::function<void(const PixelProbe&)>;
 
 class Renderer {
  public:
@@ -68,13 +70,15 @@ class Renderer {
   ~Renderer();
   Renderer(Renderer&&) noexcept;
 
-  /// Renders one instrument; strips arrive in line order on the calling thread. Throws Error(interrupted) on Ctrl-C.
+  /// Renders one instrument; strips arrive in line order, on one thread of their own so that writing overlaps tracing.
+  /// Throws Error(interrupted) on Ctrl-C.
   RenderStatistics render(const scene::Instrument& instrument, const plan::Plan& plan, const scene::Sun& sun,
                           std::uint64_t seed, const StripSink& sink, const ProgressSink& progress = {});
 
-  /// Renders one tile (first_column a multiple of 4, one line unless full width) and keeps what the stages said.
-  PixelProbe probe(const scene::Instrument& instrument, const plan::Plan& plan, const scene::Sun& sun, std::uint64_t seed,
-                   const Tile& tile);
+  /// Renders tiles (first_column a multiple of 4; full width, or one line) and hands each to the sink with everything the
+  /// stages said about it. Programs are built once for all of them.
+  void probe(const scene::Instrument& instrument, const plan::Plan& plan, const scene::Sun& sun, std::uint64_t seed,
+             const std::vector<Tile>& tiles, const ProbeSink& sink);
 
   std::string device_name() const;
 

@@ -1,6 +1,7 @@
 #include "host/render/tile_worker.h"
 
 #include <algorithm>
+#include <cmath>
 #include <chrono>
 #include <cstring>
 #include <numeric>
@@ -81,7 +82,7 @@ void TileWorker::run(const Tile& tile, float* radiance, float* truth, PixelProbe
   const std::uint32_t pixels = static_cast<std::uint32_t>(tile.pixels());
   layout_.width = static_cast<std::uint32_t>(tile.columns);
   layout_.groups_per_line = (layout_.width + wide - 1) / wide;
-  const TilePlace place{static_cast<std::uint32_t>(tile.first_line) * setup_.instrument.pixels + tile.first_column,
+  const TilePlace place{static_cast<std::uint32_t>(tile.first_line), static_cast<std::uint32_t>(tile.first_column),
                         static_cast<std::uint32_t>(tile.lines)};
   const Output out{truth, layer_count(setup_.scene)};
 
@@ -108,6 +109,7 @@ void TileWorker::run(const Tile& tile, float* radiance, float* truth, PixelProbe
     const auto sun = traced_.sun.read_all();
     const std::size_t padded = shape.padded_samples;
     probe->tile = tile;
+    probe->samples = shape.chunk_samples;
     probe->groups = groups_;
     for (std::uint32_t p = 0; p < pixels; ++p)
       for (int s = 0; s < shape.chunk_samples; ++s) {

@@ -23,8 +23,7 @@ struct SceneBuffers {
 
 /// Where a tile lies in the image: what random numbers are keyed by.
 struct TilePlace {
-  std::uint32_t first_pixel = 0;  ///< line * pixels_per_line + sample of the tile's first pixel
-  std::uint32_t lines = 0;
+  std::uint32_t first_line = 0, first_column = 0, lines = 0;
 };
 
 class TraceStages {

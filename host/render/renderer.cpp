@@ -1,0 +1,204 @@
+#include "host/render/renderer.h"
+
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <exception>
+#include <mutex>
+#include <thread>
+
+#include "host/base/error.h"
+#include "host/base/interrupt.h"
+#include "host/base/sha256.h"
+#include "host/render/tile_worker.h"
+#include "host/render/truth.h"
+#include "host/sensors/ray_groups.h"
+
+namespace raycube::render {
+
+namespace {
+
+constexpr std::size_t kChunkedCapacity = 256;  ///< rows of pixels whose samples come in chunks cannot be relaunched
+
+cl::Device pick_device(const RenderOptions& options) {
+  cl::Device device = cl::find_device(options.device);
+  const auto units = static_cast<int>(device.info().compute_units);
+  if (options.threads > 0 && options.threads < units) return device.with_compute_units(static_cast<std::uint32_t>(options.threads));
+  return device;
+}
+
+/// Finished strips on their way to the sink: one thread writes while the device traces. At most two wait, so that memory
+/// stays bounded; an error in the sink surfaces in push() or finish().
+class StripQueue {
+ public:
+  struct Item {
+    Strip strip;
+    std::vector<float> radiance, truth;
+  };
+  explicit StripQueue(const StripSink& sink) : sink_(sink), thread_([this] { drain(); }) {}
+  ~StripQueue() {
+    {
+      const std::lock_guard lock(mutex_);
+      closed_ = true;
+      items_.clear();
+    }
+    changed_.notify_all();
+    if (thread_.joinable()) thread_.join();
+  }
+  void push(Item item) {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return items_.size() < 2 || error_; });
+    if (error_) std::rethrow_exception(error_);
+    items_.push_back(std::move(item));
+    changed_.notify_all();
+  }
+  /// Waits until every strip has been written. Returns the seconds the sink took.
+  double finish() {
+    {
+      const std::lock_guard lock(mutex_);
+      closed_ = true;
+    }
+    changed_.notify_all();
+    thread_.join();
+    if (error_) std::rethrow_exception(error_);
+    return seconds_;
+  }
+
+ private:
+  void drain() {
+    for (;;) {
+      Item item;
+      {
+        std::unique_lock lock(mutex_);
+        changed_.wait(lock, [&] { return !items_.empty() || closed_; });
+        if (items_.empty()) return;
+        item = std::move(items_.front());
+        items_.pop_front();
+      }
+      changed_.notify_all();
+      try {
+        const auto start = std::chrono::steady_clock::now();
+        item.strip.radiance = item.radiance.data();
+        item.strip.truth = item.truth.data();
+        sink_(item.strip);
+        seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      } catch (...) {
+        const std::lock_guard lock(mutex_);
+        error_ = std::current_exception();
+        items_.clear();
+        closed_ = true;
+        changed_.notify_all();
+        return;
+      }
+    }
+  }
+
+  const StripSink& sink_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<Item> items_;
+  std::exception_ptr error_;
+  bool closed_ = false;
+  double seconds_ = 0;
+  std::thread thread_;
+};
+
+std::uint32_t percentile(const std::vector<std::uint64_t>& histogram, double share) {
+  std::uint64_t all = 0, below = 0;
+  for (const auto n : histogram) all += n;
+  for (std::size_t i = 0; i < histogram.size(); ++i) {
+    below += histogram[i];
+    if (all && below >= share * all) return static_cast<std::uint32_t>(i);
+  }
+  return 0;
+}
+
+}  // namespace
+
+struct Renderer::State {
+  State(const scene::CompiledScene& scene_, const RenderOptions& options_)
+      : scene(scene_), options(options_), context(pick_device(options_)), buffers(context, scene_) {}
+
+  RenderSetup setup(const scene::Instrument& instrument, const plan::Plan& plan, const scene::Sun& sun, std::uint64_t seed) const {
+    return {context, scene, buffers, instrument, plan, sun, seed,
+            make_stage_shape(instrument, plan, sensors::pixels_per_group(instrument))};
+  }
+  std::size_t row_capacity(const StageShape& shape) const {
+    return shape.chunked() ? kChunkedCapacity : static_cast<std::size_t>(options.row_capacity);
+  }
+
+  const scene::CompiledScene& scene;
+  RenderOptions options;
+  cl::Context context;
+  SceneBuffers buffers;
+};
+
+Renderer::Renderer(const scene::CompiledScene& scene, const RenderOptions& options)
+    : state_(std::make_unique<State>(scene, options)) {}
+Renderer::~Renderer() = default;
+Renderer::Renderer(Renderer&&) noexcept = default;
+
+std::string Renderer::device_name() const { return state_->context.device().name(); }
+
+RenderStatistics Renderer::render(const scene::Instrument& instrument, const plan::Plan& plan, const scene::Sun& sun,
+                                  std::uint64_t seed, const StripSink& sink, const ProgressSink& progress) {
+  const RenderSetup setup = state_->setup(instrument, plan, sun, seed);
+  const auto& device = state_->context.device().info();
+  const std::size_t budget = std::min<std::size_t>(state_->options.memory_bytes, device.global_memory_bytes);
+  const std::size_t capacity = state_->row_capacity(setup.shape);
+  // A third for the tile's device buffers, a third for baked rows, a third for strips on their way out.
+  const TileSize size = choose_tile_size(setup.shape, instrument.pixels, instrument.lines, capacity, budget / 3,
+                                         device.max_alloc_bytes, state_->options.tile_lines);
+  TileWorker worker(setup, static_cast<std::size_t>(size.lines) * size.columns, size.lines, capacity, budget / 3);
+
+  const std::size_t bands = setup.shape.bands, layers = truth_layer_names(state_->scene).size();
+  const std::uint64_t all_pixels = static_cast<std::uint64_t>(instrument.lines) * instrument.pixels;
+  StripQueue queue(sink);
+  for (int line = 0; line < instrument.lines; line += size.lines) {
+    const int lines = std::min(size.lines, instrument.lines - line);
+    StripQueue::Item item{{line, lines, nullptr, nullptr},
+                          std::vector<float>(static_cast<std::size_t>(lines) * instrument.pixels * bands),
+                          std::vector<float>(static_cast<std::size_t>(lines) * instrument.pixels * layers)};
+    for (int column = 0; column < instrument.pixels; column += size.columns) {
+      base::throw_if_interrupted();
+      const Tile tile{line, lines, column, std::min(size.columns, instrument.pixels - column)};
+      worker.run(tile, item.radiance.data() + column * bands, item.truth.data() + column * layers);
+      if (progress)
+        progress(static_cast<std::uint64_t>(line) * instrument.pixels + tile.first_column * std::uint64_t(lines) + tile.pixels(),
+                 all_pixels);
+    }
+    queue.push(std::move(item));
+  }
+  RenderStatistics statistics = worker.statistics();
+  statistics.program_hash = base::sha256_hex(statistics.program_hash);
+  statistics.stage_s["write"] = queue.finish();
+  statistics.terms_p50 = percentile(worker.term_histogram(), 0.5);
+  statistics.terms_p95 = percentile(worker.term_histogram(), 0.95);
+  statistics.tile_lines = size.lines;
+  statistics.tile_columns = size.columns;
+  return statistics;
+}
+
+void Renderer::probe(const scene::Instrument& instrument, const plan::Plan& plan, const scene::Sun& sun,
+                     std::uint64_t seed, const std::vector<Tile>& tiles, const ProbeSink& sink) {
+  const RenderSetup setup = state_->setup(instrument, plan, sun, seed);
+  std::size_t pixels = 1;
+  int lines = 1;
+  for (const auto& tile : tiles) {
+    pixels = std::max(pixels, tile.pixels());
+    lines = std::max(lines, tile.lines);
+  }
+  TileWorker worker(setup, pixels, lines, state_->row_capacity(setup.shape), state_->options.memory_bytes / 3);
+  const std::size_t layers = truth_layer_names(state_->scene).size();
+  for (const auto& tile : tiles) {
+    base::throw_if_interrupted();
+    PixelProbe probe;
+    probe.radiance.resize(tile.pixels() * setup.shape.bands);
+    probe.truth.resize(tile.pixels() * layers);
+    worker.run(tile, probe.radiance.data(), probe.truth.data(), &probe);
+    sink(probe);
+  }
+}
+
+}  // namespace raycube::render

@@ -1,0 +1,125 @@
+#include "host/render/trace_stages.h"
+
+#include <algorithm>
+#include <chrono>
+#include <optional>
+
+#include "host/sensors/ray_groups.h"
+#include "kernels/kernel_source.h"
+
+namespace raycube::render {
+
+namespace {
+
+std::string trace_options(const scene::CompiledScene& scene, const scene::Instrument& instrument, const StageShape& shape) {
+  const auto define = [](const char* name, auto value) { return " -D" + std::string(name) + "=" + std::to_string(value); };
+  return "-cl-std=CL1.2" + define("RC_NU", instrument.samples_u) + define("RC_NV", instrument.samples_v) +
+         define("RC_CHUNK", shape.chunk_samples) + define("RC_SAMPLER", static_cast<int>(instrument.sampler)) +
+         define("RC_SUPPORT", static_cast<float>(instrument.psf_support_px)) + "f" +
+         define("RC_GROUP_PIXELS", shape.pixels_per_group) + define("RC_STACK", scene.stack_bound()) +
+         define("RC_MOVING", sensors::pose_moves(instrument) ? 1 : 0);
+}
+
+/// The device wants at least one element of everything, even of an empty scene.
+template <class T>
+cl::Buffer<T> upload(const cl::Context& context, const std::vector<T>& from, const std::string& what) {
+  if (from.empty()) return cl::Buffer<T>(context, std::vector<T>(1), cl::Access::read_only, what);
+  return cl::Buffer<T>(context, from, cl::Access::read_only, what);
+}
+
+static_assert(static_cast<int>(scene::SamplerKind::grid) == 0 && static_cast<int>(scene::SamplerKind::lattice) == 1 &&
+                  static_cast<int>(scene::SamplerKind::jittered) == 2,
+              "sampler numbers are those of kernels/sampling/sampler.h");
+
+}  // namespace
+
+SceneBuffers::SceneBuffers(const cl::Context& context, const scene::CompiledScene& scene)
+    : nodes(upload(context, scene.nodes, "scene nodes")),
+      blocks(upload(context, scene.blocks, "scene triangles")),
+      instances(upload(context, scene.instances, "scene instances")),
+      surfaces(upload(context, scene.surfaces, "scene surfaces")) {}
+
+struct TraceStages::State {
+  State(const cl::Context& context_, const scene::CompiledScene& scene, const SceneBuffers& buffers_,
+        const scene::Instrument& instrument, const plan::Plan& plan_, const StageShape& shape_, std::uint64_t seed_)
+      : context(context_),
+        buffers(buffers_),
+        plan(plan_),
+        shape(shape_),
+        seed(static_cast<std::uint32_t>(seed_)),
+        pixels_per_line(static_cast<std::uint32_t>(instrument.pixels)),
+        options(trace_options(scene, instrument, shape_)),
+        directions(upload(context_, plan_.sky.direction, "sky directions")),
+        weights(upload(context_, plan_.sky.weight, "sky weights")) {
+    build("trace_primary", primary_program, primary);
+    build("make_surface", surface_program, surface);
+    if (plan.sun_up) build("trace_sun", sun_program, sun);
+    if (plan.sky_components > 0) build("trace_sky", sky_program, sky);
+  }
+
+  void build(const char* name, std::optional<cl::Program>& program, std::optional<cl::Kernel>& kernel) {
+    const std::string_view source = kernels::kernel_source(name);
+    program.emplace(context, name, source, options);
+    kernel.emplace(*program, name);
+    identity += std::string(name) + "\n" + options + "\n" + std::string(source);
+  }
+
+  const cl::Context& context;
+  const SceneBuffers& buffers;
+  const plan::Plan& plan;
+  StageShape shape;
+  std::uint32_t seed, pixels_per_line;
+  std::string options, identity;
+  std::optional<cl::Program> primary_program, surface_program, sun_program, sky_program;
+  std::optional<cl::Kernel> primary, surface, sun, sky;
+  cl::Buffer<shared::rc_float4> directions, weights;
+  const void* zeroed = nullptr;  ///< buffers whose unused visibility has been cleared
+};
+
+TraceStages::TraceStages(const cl::Context& context, const scene::CompiledScene& scene, const SceneBuffers& buffers,
+                         const scene::Instrument& instrument, const plan::Plan& plan, const StageShape& shape,
+                         std::uint64_t seed)
+    : state_(std::make_unique<State>(context, scene, buffers, instrument, plan, shape, seed)) {}
+TraceStages::~TraceStages() = default;
+
+const std::string& TraceStages::identity() const { return state_->identity; }
+const std::string& TraceStages::options() const { return state_->options; }
+
+void TraceStages::run(const TilePlace& place, const TileLayout& layout, int chunk, TraceBuffers& traced,
+                      std::map<std::string, double>& stage_s) {
+  State& s = *state_;
+  const auto first_sample = static_cast<cl_uint>(chunk * s.shape.chunk_samples);
+  const auto sample_count = static_cast<cl_uint>(std::min(s.shape.chunk_samples, s.shape.samples - static_cast<int>(first_sample)));
+  const cl_uint pixels = place.lines * layout.width;
+  const std::size_t groups = static_cast<std::size_t>(place.lines) * layout.groups_per_line;
+  const auto launch = [&](const char* stage, const cl::Kernel& kernel) {
+    const auto start = std::chrono::steady_clock::now();
+    s.context.launch(kernel, groups);
+    s.context.finish();
+    stage_s[stage] += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  };
+
+  if (s.zeroed != &traced) {
+    if (!s.plan.sun_up) traced.sun.write(std::vector<std::uint16_t>(traced.sun.size(), 0));
+    if (s.plan.sky_components == 0) traced.sky.write(std::vector<float>(traced.sky.size(), 0.0f));
+    s.zeroed = &traced;
+  }
+  launch("trace_primary", s.primary->arguments(s.buffers.nodes, s.buffers.blocks, s.buffers.instances, traced.groups,
+                                               traced.hits, s.seed, place.first_line, place.first_column, layout.width,
+                                               s.pixels_per_line, first_sample, sample_count));
+  launch("make_surface", s.surface->arguments(s.buffers.blocks, s.buffers.instances, traced.groups, traced.hits,
+                                              traced.surface, s.seed, place.first_line, place.first_column, layout.width,
+                                              s.pixels_per_line, first_sample, sample_count));
+  if (s.sun) {
+    const auto& d = s.plan.sun_direction;
+    launch("trace_sun", s.sun->arguments(s.buffers.nodes, s.buffers.blocks, s.buffers.instances, traced.surface, traced.sun,
+                                         shared::rc_float4{d[0], d[1], d[2], 0}, layout.width, pixels));
+  }
+  if (s.sky)
+    launch("trace_sky", s.sky->arguments(s.buffers.nodes, s.buffers.blocks, s.buffers.instances, traced.surface,
+                                         s.directions, s.weights, traced.sky, static_cast<cl_uint>(s.plan.sky.sets),
+                                         static_cast<cl_uint>(s.plan.sky.directions), s.seed, place.first_line,
+                                         place.first_column, layout.width, s.pixels_per_line, pixels));
+}
+
+}  // namespace raycube::render
