@@ -1,0 +1,28 @@
+// Everything a render leaves in an instrument's folder, written strip by strip.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "host/base/output_file.h"
+#include "host/cli/simulation_job.h"
+#include "host/products/run_record.h"
+
+namespace raycube::cli {
+
+class CubeProducts {
+ public:
+  /// Begins the files in `folder`; refuses at once what exists (unless replaced) and a disk without room.
+  CubeProducts(const std::string& folder, base::IfExists if_exists, const scene::Simulation& simulation, const InstrumentJob& job);
+  ~CubeProducts();
+
+  void add(const render::Strip& strip);
+  /// Finishes every file, fills the record's digest, files and figures of the output, writes run.json and names them all.
+  void publish(products::RunRecord& record);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace raycube::cli

@@ -1,0 +1,160 @@
+// raycube render: a simulation file to radiance cubes with truth.
+#include <fmt/format.h>
+
+#include <chrono>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "host/base/memory.h"
+#include "host/base/progress.h"
+#include "host/cl/device.h"
+#include "host/cli/cube_products.h"
+#include "host/cli/simulation_job.h"
+#include "host/sensors/ray_groups.h"
+
+namespace raycube::cli {
+
+namespace {
+
+struct Options {
+  std::string file, instrument;
+};
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// What a dry run says of an instrument: the plan and the memory it will take.
+nlohmann::json describe(const InstrumentJob& job, const render::RenderOptions& options) {
+  const auto& instrument = *job.instrument;
+  const auto shape = render::make_stage_shape(instrument, job.plan, sensors::pixels_per_group(instrument));
+  const auto size = render::choose_tile_size(shape, instrument.pixels, instrument.lines, options.row_capacity,
+                                             options.memory_bytes / 3, options.memory_bytes, 0);
+  return {{"name", instrument.name},
+          {"pixels", instrument.pixels},
+          {"lines", instrument.lines},
+          {"bands", instrument.bands.size()},
+          {"samples_per_pixel", shape.samples},
+          {"tile_lines", size.lines},
+          {"tile_columns", size.columns},
+          {"device_bytes_per_pixel", shape.pixel_bytes() + shape.row_bytes(options.row_capacity)},
+          {"cube_bytes", std::uint64_t(instrument.pixels) * instrument.lines * instrument.bands.size() * sizeof(float)},
+          {"plan", nlohmann::json::parse(job.plan.report_json)}};
+}
+
+nlohmann::json render_one(const scene::Simulation& simulation, const InstrumentJob& job, render::Renderer& renderer,
+                          const cl::DeviceInfo& device, const std::filesystem::path& folder, double load_s, Context& context) {
+  const auto& instrument = *job.instrument;
+  const auto start = std::chrono::steady_clock::now();
+  CubeProducts output(folder.string(), context.common.overwrite ? base::IfExists::replace : base::IfExists::refuse, simulation, job);
+  base::Progress progress(context.log, "render " + instrument.name, std::uint64_t(instrument.pixels) * instrument.lines, "pixels");
+  std::uint64_t reported = 0;
+  const auto statistics = renderer.render(
+      instrument, job.plan, simulation.sun, simulation.seed, [&](const render::Strip& strip) { output.add(strip); },
+      [&](std::uint64_t done, std::uint64_t) {
+        progress.advance(done - reported);
+        reported = done;
+      });
+  const double render_s = seconds_since(start);
+
+  products::RunRecord record;
+  record.command = context.command_line;
+  record.instrument = instrument.name;
+  record.scene_hash = simulation.scene.content_hash;
+  record.seed = simulation.seed;
+  record.platform = device.platform;
+  record.device = device.name;
+  record.driver = device.driver;
+  record.opencl_version = device.version;
+  record.compute_units = static_cast<int>(device.compute_units);
+  record.threads = context.common.threads > 0 ? context.common.threads : static_cast<int>(device.compute_units);
+  record.program_hash = statistics.program_hash;
+  record.kernel_variants = {statistics.build_options};
+  record.samples = instrument.pixels;
+  record.lines = instrument.lines;
+  record.bands = static_cast<std::int64_t>(instrument.bands.size());
+  record.samples_per_pixel = instrument.samples_u * instrument.samples_v;
+  record.stage_s = {{"load", load_s}, {"atmosphere", job.table_s}, {"plan", job.plan_s}};
+  for (const auto& stage : statistics.stage_s) record.stage_s.push_back(stage);
+  record.total_s = load_s + job.table_s + job.plan_s + render_s;
+  record.rays = statistics.primary_rays + statistics.sun_rays + statistics.sky_rays;
+  record.rays_per_s = static_cast<double>(record.rays) / render_s;
+  record.band_samples_per_s = static_cast<double>(statistics.band_samples) / render_s;
+  record.memory_budget_bytes = context.common.memory_bytes;
+  record.peak_memory_bytes = base::peak_resident_bytes();
+  record.device_memory_bytes = device.global_memory_bytes;
+  record.configuration_json = simulation.resolved_json;
+  record.plan_json = job.plan.report_json;
+  const nlohmann::json rows = {{"overflow_pixels", statistics.overflow_pixels},
+                               {"per_sample_pixels", statistics.per_sample_pixels},
+                               {"terms_p50", statistics.terms_p50},
+                               {"terms_p95", statistics.terms_p95},
+                               {"tile_lines", statistics.tile_lines},
+                               {"tile_columns", statistics.tile_columns}};
+  record.more_json = {{"rows", rows.dump()}};
+  output.publish(record);
+  context.log.info(fmt::format("{}: {} x {} pixels, {} bands, {:.1f} s, {:.3g} rays/s, {}", instrument.name, instrument.pixels,
+                               instrument.lines, instrument.bands.size(), render_s, record.rays_per_s, folder.string()));
+  return {{"name", instrument.name},       {"folder", folder.string()},           {"digest", record.digest},
+          {"seconds", render_s},           {"rays_per_s", record.rays_per_s},     {"band_samples_per_s", record.band_samples_per_s},
+          {"cube", (folder / "radiance.img").string()}};
+}
+
+int run(const Options& options, Context& context) {
+  const auto start = std::chrono::steady_clock::now();
+  const scene::Simulation simulation = load_job(options.file, context);
+  const double load_s = seconds_since(start);
+  const auto instruments = pick_instruments(simulation, options.instrument);
+  const std::filesystem::path out = context.common.output.empty() ? "out" : context.common.output;
+  const auto settings = render_options(context.common);
+  nlohmann::json result = {{"instruments", nlohmann::json::array()}};
+  std::optional<render::Renderer> renderer;
+  for (const auto* instrument : instruments) {
+    const InstrumentJob job = prepare(simulation, *instrument, context);
+    if (context.common.dry_run) {
+      result["instruments"].push_back(describe(job, settings));
+      continue;
+    }
+    if (!renderer) renderer.emplace(simulation.scene, settings);
+    result["instruments"].push_back(
+        render_one(simulation, job, *renderer, cl::find_device(settings.device).info(), out / instrument->name, load_s, context));
+  }
+  if (context.common.json) {
+    context.out << result.dump(2) << "\n";
+    return 0;
+  }
+  for (const auto& item : result["instruments"]) {
+    if (context.common.dry_run)
+      context.out << fmt::format("{}: {} x {} pixels, {} bands, {} samples per pixel, tiles of {} x {}, cube {}\n{}\n",
+                                 item["name"].get<std::string>(), item["pixels"].get<int>(), item["lines"].get<int>(),
+                                 item["bands"].get<int>(), item["samples_per_pixel"].get<int>(), item["tile_lines"].get<int>(),
+                                 item["tile_columns"].get<int>(), base::format_bytes(item["cube_bytes"].get<std::uint64_t>()),
+                                 item["plan"].dump(2));
+    else
+      context.out << item["cube"].get<std::string>() << "\n";
+  }
+  return 0;
+}
+
+}  // namespace
+
+Verb verb_render() {
+  auto options = std::make_shared<Options>();
+  Verb verb;
+  verb.name = "render";
+  verb.summary = "Render the instruments of a simulation file into radiance cubes with truth";
+  verb.description =
+      "Each instrument gets a folder of its own under the output folder: radiance.img (ENVI), truth.img, location.img when the "
+      "scene is georeferenced, preview.exr, quicklook.png and run.json. Files appear under these names only when all of them are "
+      "whole.\n\nThe result on stdout is the path of each cube, one a line.";
+  verb.examples = {"raycube render park.toml -o out", "raycube render park.toml --instrument spectir --memory 1G --overwrite"};
+  verb.common = kOutput | kDryRun | kCompute;
+  verb.add_options = [options](base::OptionTable& table) {
+    table.argument("FILE", "The simulation file (TOML)", options->file);
+    table.text("--instrument", "NAME", "Only this instrument", options->instrument);
+  };
+  verb.run = [options](Context& context) { return run(*options, context); };
+  return verb;
+}
+
+}  // namespace raycube::cli

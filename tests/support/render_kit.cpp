@@ -1,0 +1,105 @@
+#include "tests/support/render_kit.h"
+
+#include <string>
+
+#include "host/render/truth.h"
+#include "host/sensors/view_bounds.h"
+
+namespace raycube::test {
+
+std::uint32_t add_material(scene::CompiledScene& scene, const std::string& name, double reflectance) {
+  scene::Material material;
+  material.name = name;
+  material.source = "constant";
+  material.reflectance = {{0.3, 4.0}, {reflectance, reflectance}};
+  scene.materials.push_back(material);
+  shared::Surface surface{};
+  surface.curve[0] = static_cast<std::uint32_t>(scene.materials.size());
+  surface.fraction[0] = 1.0f;
+  scene.surfaces.push_back(surface);
+  return static_cast<std::uint32_t>(scene.surfaces.size() - 1);
+}
+
+scene::TriangleMesh rectangle(const std::array<double, 3>& corner, const std::array<double, 3>& a,
+                              const std::array<double, 3>& b, std::uint32_t surface) {
+  scene::TriangleMesh mesh;
+  for (const auto& [s, t] : {std::pair{0, 0}, {1, 0}, {1, 1}, {0, 1}})
+    mesh.vertices.push_back({float(corner[0] + s * a[0] + t * b[0]), float(corner[1] + s * a[1] + t * b[1]),
+                             float(corner[2] + s * a[2] + t * b[2])});
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  mesh.surface = {surface, surface};
+  mesh.user_face = {0, 1};
+  return mesh;
+}
+
+scene::TriangleMesh join(const std::vector<scene::TriangleMesh>& parts) {
+  scene::TriangleMesh all;
+  for (const auto& part : parts) {
+    const auto base = static_cast<std::uint32_t>(all.vertices.size());
+    all.vertices.insert(all.vertices.end(), part.vertices.begin(), part.vertices.end());
+    for (const auto& t : part.triangles) all.triangles.push_back({t[0] + base, t[1] + base, t[2] + base});
+    all.surface.insert(all.surface.end(), part.surface.begin(), part.surface.end());
+    for (std::size_t i = 0; i < part.triangles.size(); ++i) all.user_face.push_back(static_cast<std::uint32_t>(all.user_face.size()));
+  }
+  return all;
+}
+
+scene::TriangleMesh box(const std::array<double, 3>& lo, const std::array<double, 3>& hi, std::uint32_t surface) {
+  const double x = hi[0] - lo[0], y = hi[1] - lo[1], z = hi[2] - lo[2];
+  return join({rectangle({lo[0], lo[1], hi[2]}, {x, 0, 0}, {0, y, 0}, surface),
+               rectangle({lo[0], lo[1], lo[2]}, {0, y, 0}, {x, 0, 0}, surface),
+               rectangle({lo[0], lo[1], lo[2]}, {x, 0, 0}, {0, 0, z}, surface),
+               rectangle({lo[0], hi[1], lo[2]}, {0, 0, z}, {x, 0, 0}, surface),
+               rectangle({lo[0], lo[1], lo[2]}, {0, 0, z}, {0, y, 0}, surface),
+               rectangle({hi[0], lo[1], lo[2]}, {0, y, 0}, {0, 0, z}, surface)});
+}
+
+void place(scene::CompiledScene& scene, const scene::TriangleMesh& mesh) {
+  const std::uint32_t index = append_mesh(scene, "mesh " + std::to_string(scene.meshes.size()), mesh);
+  append_instance(scene, index, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}, index);
+}
+
+scene::Instrument nadir_camera(int pixels, int lines, double height_m, double gsd_m, double x_m, double y_m) {
+  scene::Instrument camera;
+  camera.name = "camera";
+  camera.kind = scene::InstrumentKind::framing;
+  camera.pixels = pixels;
+  camera.lines = lines;
+  camera.ifov_along_rad = camera.ifov_across_rad = gsd_m / height_m;
+  camera.poses = {{x_m, y_m, height_m, 0, 0, 0}};
+  camera.samples_u = camera.samples_v = 4;
+  camera.bands = gaussian_bands({0.5, 0.7, 0.9}, 0.01);
+  return camera;
+}
+
+std::vector<scene::Band> gaussian_bands(const std::vector<double>& centers_um, double fwhm_um) {
+  std::vector<scene::Band> bands;
+  for (const double center : centers_um) {
+    scene::Band band;
+    band.center_um = center;
+    band.fwhm_um = fwhm_um;
+    bands.push_back(band);
+  }
+  return bands;
+}
+
+Image render_image(const scene::Simulation& simulation, const atmos::RenderTable& table,
+                   const render::RenderOptions& options, const std::function<void(plan::Plan&)>& adjust) {
+  const scene::Instrument& instrument = simulation.instruments.at(0);
+  Image image;
+  image.plan = plan::make_plan(simulation, instrument, table, sensors::view_bounds(instrument));
+  if (adjust) adjust(image.plan);
+  image.lines = instrument.lines;
+  image.pixels = instrument.pixels;
+  image.bands = static_cast<int>(instrument.bands.size());
+  image.layers = static_cast<int>(render::truth_layer_names(simulation.scene).size());
+  render::Renderer renderer(simulation.scene, options);
+  image.statistics = renderer.render(instrument, image.plan, simulation.sun, simulation.seed, [&](const render::Strip& strip) {
+    const std::size_t pixels = std::size_t(strip.lines) * image.pixels;
+    image.radiance.insert(image.radiance.end(), strip.radiance, strip.radiance + pixels * image.bands);
+    image.truth.insert(image.truth.end(), strip.truth, strip.truth + pixels * image.layers);
+  });
+  return image;
+}
+
+}  // namespace raycube::test
