@@ -6,6 +6,7 @@
 #include <cmath>
 #include <optional>
 
+#include "host/base/error.h"
 #include "host/products/digest.h"
 #include "host/products/envi_writer.h"
 #include "host/products/exr_writer.h"
