@@ -104,7 +104,11 @@ static inline void rc_surface_points(global const Instance* placed, const Vector
   const Vector16 size = {fabs(p.x) + rc_most3(v[0].x, v[1].x, v[2].x), fabs(p.y) + rc_most3(v[0].y, v[1].y, v[2].y),
                          fabs(p.z) + rc_most3(v[0].z, v[1].z, v[2].z)};
   const float16 here = 8.0f * RC_ULP;
-  Vector16 error = {size.x * here, size.y * here, size.z * here}, normal = n, point = p;
+  /* Shadow rays meet the triangle in a frame turned towards their direction, where every coordinate's rounding reaches the
+   * depth: no axis may have less than its share of all three, or level ground at z = 0 would have no bound at all. */
+  const float16 shared_error = (size.x + size.y + size.z) * (4.0f * RC_ULP);
+  Vector16 error = {fmax(size.x * here, shared_error), fmax(size.y * here, shared_error), fmax(size.z * here, shared_error)};
+  Vector16 normal = n, point = p;
   if (!same) {
     point = rc_map_points16(w0, w1, w2, p);
     const Vector16 way_back = rc_map_points16(fabs(l0), fabs(l1), fabs(l2), rc_abs16(point));
