@@ -4,10 +4,6 @@
 #include "kernels/geometry/bundle_primary.h"
 #include "kernels/geometry/ray_trace.h"
 
-#if RC_BUNDLE && !RC_MOVING && RC_SAMPLER == RC_SAMPLER_GRID
-#define RC_PRIMARY_GRID 1
-#endif
-
 kernel void trace_primary(global const BvhNode* restrict nodes, global const TriBlock* restrict blocks,
                           global const Instance* restrict instances, global const RayGroup* restrict groups,
                           global uint* restrict hits, uint seed, uint first_line, uint first_column, uint columns,
@@ -15,24 +11,38 @@ kernel void trace_primary(global const BvhNode* restrict nodes, global const Tri
   const uint index = get_group_id(0);
   const GroupPlace place = rc_group_place(index, first_line, first_column, columns, pixels_per_line);
   const RayGroup group = groups[index];
-#ifdef RC_PRIMARY_GRID
-  if (RC_SUPPORT == 1.0f) {
-    Closest closest;
-    for (uint k = 0; k < RC_GRID_SLOTS + 16; k += 16) {
-      vstore16((float16)(0.0f), 0, closest.near + k);
-      vstore16((uint16)(RC_NONE), 0, closest.instance + k);
-      vstore16((uint16)(RC_NONE), 0, closest.primitive + k);
-    }
-    const uint rows = sample_count / RC_NU;
-    rc_primary_group(nodes, blocks, instances, group, first_sample / RC_NU, rows, place.used * RC_NU, &closest);
-    for (uint p = 0; p < place.used; ++p) {
-      global uint* out = hits + (size_t)(place.pixel + p) * (2u * RC_NPAD);
-      rc_write_pixel(closest.instance, p, rows, out);
-      rc_write_pixel(closest.primitive, p, rows, out + RC_NPAD);
-    }
-    return;
+#if RC_BUNDLE && !RC_MOVING
+  Closest closest;
+  for (uint k = 0; k < RC_SLOTS; k += 16u) {
+    vstore16((float16)(0.0f), 0, closest.near + k);
+    vstore16((uint16)(RC_NONE), 0, closest.instance + k);
+    vstore16((uint16)(RC_NONE), 0, closest.primitive + k);
   }
+  GroupFrame frame;
+  frame.rays = group;
+#if RC_SCATTER
+  Scatter samples;
+  rc_scatter_samples(&samples, seed, place, first_sample, sample_count);
+  frame.samples = &samples;
+#else
+  frame.first_row = first_sample / RC_NU;
+  frame.rows = sample_count / RC_NU;
+  frame.columns = place.used * RC_NU;
 #endif
+  rc_primary_group(nodes, blocks, instances, frame, &closest);
+  for (uint p = 0; p < place.used; ++p) {
+    global uint* out = hits + (size_t)(place.pixel + p) * (2u * RC_NPAD);
+#if RC_SCATTER
+    for (uint word = 0; word < RC_NWORDS; ++word) {
+      vstore16(vload16(p * RC_NWORDS + word, closest.instance), word, out);
+      vstore16(vload16(p * RC_NWORDS + word, closest.primitive), word, out + RC_NPAD);
+    }
+#else
+    rc_write_pixel(closest.instance, p, frame.rows, out);
+    rc_write_pixel(closest.primitive, p, frame.rows, out + RC_NPAD);
+#endif
+  }
+#else
   for (uint p = 0; p < place.used; ++p) {
     global uint* out = hits + (size_t)(place.pixel + p) * (2u * RC_NPAD);
     for (uint k = 0; k < RC_NPAD; ++k) {
@@ -47,4 +57,5 @@ kernel void trace_primary(global const BvhNode* restrict nodes, global const Tri
       out[RC_NPAD + k] = hit.primitive;
     }
   }
+#endif
 }

@@ -1,30 +1,50 @@
 /* A group's primary rays, all from one origin, through one traversal. Leaves: 16 triangles are projected to the image plane
  * at once and dropped unless a sample lies in their rectangle; small ones (at most 3 x 3 samples) are tested with triangles
- * as lanes, large ones with 16 samples of a row as lanes. A buffer of 1 / t and ids, one slot per sample, keeps the closest. */
+ * as lanes, large ones with 16 samples of a row as lanes. Samples off the grid (RC_SCATTER) go by words of 16. A buffer of 1 / t and ids, one slot per sample, keeps the closest. */
 #ifndef RAYCUBE_KERNELS_GEOMETRY_BUNDLE_PRIMARY_H
 #define RAYCUBE_KERNELS_GEOMETRY_BUNDLE_PRIMARY_H
 
 #include "kernels/geometry/bundle.h"
 #include "kernels/geometry/samples.h"
 
+/* Half the field that a group's samples cover, pixels. */
+#define RC_HALF_A (0.5f * (float)(RC_GROUP_PIXELS - 1) + 0.5f * RC_SUPPORT)
+#define RC_HALF_B (0.5f * RC_SUPPORT)
+
+#if !RC_SCATTER
 /* Sample grid of a group: the pixels of a line side by side. */
 #define RC_GRID_COLUMNS (RC_GROUP_PIXELS * RC_NU)
 #define RC_GRID_PITCH ((RC_GRID_COLUMNS + 15) / 16 * 16)
 #define RC_GRID_ROWS (RC_CHUNK / RC_NU)
 #define RC_GRID_SLOTS (RC_GRID_ROWS * RC_GRID_PITCH)
 #define RC_SMALL 3
+#define RC_SLOTS (RC_GRID_SLOTS + 16)
+#else
+/* Samples anywhere in the field: pixel p's sample k has slot p * RC_NPAD + k; words of 16 carry their bounds. */
+#define RC_SLOTS (RC_GROUP_PIXELS * RC_NPAD)
+#define RC_SAMPLE_WORDS (RC_SLOTS / 16)
+#define RC_BOUND_SLOTS ((RC_SAMPLE_WORDS + 15) / 16 * 16)
+typedef struct Scatter {
+  float a[RC_SLOTS], b[RC_SLOTS];  /* INFINITY: no sample */
+  float lo_a[RC_BOUND_SLOTS], hi_a[RC_BOUND_SLOTS], lo_b[RC_BOUND_SLOTS], hi_b[RC_BOUND_SLOTS];
+} Scatter;
+#endif
 
 typedef struct Closest {
-  float near[RC_GRID_SLOTS + 16];    /* 1 / t of the closest hit; 0: none */
-  uint instance[RC_GRID_SLOTS + 16], primitive[RC_GRID_SLOTS + 16];
+  float near[RC_SLOTS];    /* 1 / t of the closest hit; 0: none */
+  uint instance[RC_SLOTS], primitive[RC_SLOTS];
 } Closest;
 
 /* The group in the frame of one instance (or of the scene). */
 typedef struct GroupFrame {
   RayGroup rays;
   Projection map;
+#if RC_SCATTER
+  const Scatter* samples;
+#else
   uint first_row, rows;  /* of the chunk */
   uint columns;          /* of the pixels that exist */
+#endif
 } GroupFrame;
 
 static inline float4 rc_sum_products(float4 x, float4 y) { return fabs(x) * fabs(y); }
@@ -41,7 +61,7 @@ static inline void rc_frame_group(GroupFrame* frame, Cull* cull) {
   frame->map.a = a * scale;
   frame->map.b = b * scale;
   frame->map.z = z * scale;
-  const float half_a = 0.5f * (float)RC_GROUP_PIXELS, half_b = 0.5f;
+  const float half_a = RC_HALF_A, half_b = RC_HALF_B;
   const float4 field = fabs(d0) + half_a * fabs(du) + half_b * fabs(dv), span = fabs(du) + fabs(dv);
   const float size = fmax(rc_sum3(rc_sum_products(frame->map.a, field)), rc_sum3(rc_sum_products(frame->map.b, field)));
   const float depth = rc_sum3(rc_sum_products(frame->map.z, field));
@@ -70,6 +90,121 @@ static inline void rc_keep(Closest* closest, uint slot, float near, uint instanc
   }
 }
 
+/* Of the lanes that have no linear form, those that the group can see: not all behind, not all beyond one side. */
+static inline uint rc_behind(const GroupFrame* frame, global const TriBlock* block, int16 lanes) {
+  global const float* at = (global const float*)block;
+  const float edge_a = RC_HALF_A + 2.0f * frame->map.error, edge_b = RC_HALF_B + 2.0f * frame->map.error;
+  int16 back = -1, left = -1, right = -1, above = -1, below = -1;
+  for (int i = 0; i < 3; ++i) {
+    const float16 x = vload16(0, at + 48 * i) - frame->map.origin.x, y = vload16(0, at + 48 * i + 16) - frame->map.origin.y;
+    const float16 z = vload16(0, at + 48 * i + 32) - frame->map.origin.z;
+    const float16 a = rc_project_row(frame->map.a, x, y, z), b = rc_project_row(frame->map.b, x, y, z), depth = rc_project_row(frame->map.z, x, y, z);
+    const float16 slack = (fabs(a) + fabs(b) + fabs(depth)) * (frame->map.error + frame->map.error_growth);
+    back &= depth <= 0.0f;
+    left &= fma((float16)(edge_a), depth, a) < -slack;
+    right &= fma((float16)(edge_a), depth, -a) < -slack;
+    above &= fma((float16)(edge_b), depth, b) < -slack;
+    below &= fma((float16)(edge_b), depth, -b) < -slack;
+  }
+  return rc_mask16(lanes & ~(back | left | right | above | below));
+}
+
+#if RC_SCATTER
+/* Keeps a single ray's hit of one triangle, if there is one. */
+static inline void rc_decide_slot(const GroupFrame* frame, Closest* closest, global const TriBlock* block, uint instance, uint primitive, uint slot) {
+  const Ray ray = rc_make_ray(frame->rays.origin, rc_group_direction(frame->rays, frame->samples->a[slot], frame->samples->b[slot]));
+  const float t = rc_hit_lane(ray, block, primitive % RC_BLOCK);
+  if (t > 0.0f) rc_keep(closest, slot, 1.0f / t, instance, primitive);
+}
+
+static inline void rc_primary_block(const GroupFrame* frame, Closest* closest, global const TriBlock* block, uint instance, uint first) {
+  const Setup s = rc_setup_block(&frame->map, block, true);
+  const Scatter* samples = frame->samples;
+  uint lanes = rc_mask16(s.usable & (s.lo_a <= RC_HALF_A) & (s.hi_a >= -RC_HALF_A) & (s.lo_b <= RC_HALF_B) & (s.hi_b >= -RC_HALF_B));
+  const uint behind_bits = rc_mask16(s.behind) ? rc_behind(frame, block, s.behind) : 0u;
+  if (!(lanes | behind_bits)) return;
+  float l1a[16], l1b[16], l1c[16], l2a[16], l2b[16], l2c[16], q0[16], q1[16], q2[16], bands[16], lo_a[16], hi_a[16], lo_b[16], hi_b[16];
+  vstore16(s.l1a, 0, l1a);
+  vstore16(s.l1b, 0, l1b);
+  vstore16(s.l1c, 0, l1c);
+  vstore16(s.l2a, 0, l2a);
+  vstore16(s.l2b, 0, l2b);
+  vstore16(s.l2c, 0, l2c);
+  vstore16(s.q0, 0, q0);
+  vstore16(s.q1, 0, q1);
+  vstore16(s.q2, 0, q2);
+  vstore16(s.band, 0, bands);
+  vstore16(s.lo_a, 0, lo_a);
+  vstore16(s.hi_a, 0, hi_a);
+  vstore16(s.lo_b, 0, lo_b);
+  vstore16(s.hi_b, 0, hi_b);
+  for (; lanes; lanes &= lanes - 1u) {
+    const uint lane = rc_lowest(lanes);
+    const float16 band = bands[lane];
+    for (uint base = 0; base < RC_SAMPLE_WORDS; base += 16u) {
+      uint touched = rc_mask16((vload16(0, samples->lo_a + base) <= hi_a[lane]) & (vload16(0, samples->hi_a + base) >= lo_a[lane]) &
+                               (vload16(0, samples->lo_b + base) <= hi_b[lane]) & (vload16(0, samples->hi_b + base) >= lo_b[lane]));
+      for (; touched; touched &= touched - 1u) {
+        const uint slot = (base + rc_lowest(touched)) * 16u;
+        const float16 a = vload16(0, samples->a + slot), b = vload16(0, samples->b + slot);
+        const float16 l1 = fma((float16)(l1a[lane]), a, fma((float16)(l1b[lane]), b, (float16)(l1c[lane])));
+        const float16 l2 = fma((float16)(l2a[lane]), a, fma((float16)(l2b[lane]), b, (float16)(l2c[lane])));
+        const float16 least = fmin(fmin(l1, l2), (1.0f - l1) - l2);
+        const int16 exists = (a < INFINITY) & (least >= -band);
+        if (!rc_mask16(exists)) continue;
+        const float16 near = fma(l1, (float16)(q1[lane]), fma(l2, (float16)(q2[lane]), (float16)(q0[lane])));
+        const float16 before = vload16(0, closest->near + slot);
+        const int16 inside = exists & (least > band), nearer = inside & (near > before);
+        if (rc_mask16(nearer)) {
+          vstore16(select(before, near, nearer), 0, closest->near + slot);
+          vstore16(select(vload16(0, closest->instance + slot), (uint16)(instance), nearer), 0, closest->instance + slot);
+          vstore16(select(vload16(0, closest->primitive + slot), (uint16)(first + lane), nearer), 0, closest->primitive + slot);
+        }
+        uint open = rc_mask16(exists & (~inside | (near == before)));
+        if (!open) continue;
+        const uint tied = rc_mask16(inside);
+        float near_of[16];
+        vstore16(near, 0, near_of);
+        for (; open; open &= open - 1u) {
+          const uint k = rc_lowest(open);
+          if (tied >> k & 1u) rc_keep(closest, slot + k, near_of[k], instance, first + lane);
+          else rc_decide_slot(frame, closest, block, instance, first + lane, slot + k);
+        }
+      }
+    }
+  }
+  for (uint rest = behind_bits; rest; rest &= rest - 1u)  /* crosses the sensor's plane: every sample alone */
+    for (uint slot = 0; slot < RC_SLOTS; ++slot)
+      if (samples->a[slot] < INFINITY) rc_decide_slot(frame, closest, block, instance, first + rc_lowest(rest), slot);
+}
+
+/* Positions of samples first .. first + count - 1 of the group's pixels, and the bounds of their words. */
+static inline void rc_scatter_samples(Scatter* samples, uint seed, GroupPlace place, uint first, uint count) {
+  for (uint p = 0; p < RC_GROUP_PIXELS; ++p)
+    for (uint k = 0; k < RC_NPAD; ++k) {
+      float a = INFINITY, b = INFINITY;
+      if (p < place.used && k < count) rc_group_sample(seed, place.number + p, p, first + k, &a, &b);
+      samples->a[p * RC_NPAD + k] = a;
+      samples->b[p * RC_NPAD + k] = b;
+    }
+  for (uint word = 0; word < RC_BOUND_SLOTS; ++word) {
+    float lo_a = INFINITY, hi_a = -INFINITY, lo_b = INFINITY, hi_b = -INFINITY;
+    for (uint k = 0; word < RC_SAMPLE_WORDS && k < 16u; ++k) {
+      const float a = samples->a[word * 16u + k], b = samples->b[word * 16u + k];
+      if (!(a < INFINITY)) continue;
+      lo_a = fmin(lo_a, a);
+      hi_a = fmax(hi_a, a);
+      lo_b = fmin(lo_b, b);
+      hi_b = fmax(hi_b, b);
+    }
+    samples->lo_a[word] = lo_a;
+    samples->hi_a[word] = hi_a;
+    samples->lo_b[word] = lo_b;
+    samples->hi_b[word] = hi_b;
+  }
+}
+
+#else
 /* The single ray of a grid slot, in the instance's frame. */
 static inline Ray rc_slot_ray(const GroupFrame* frame, uint row, uint column) {
   const uint p = column / RC_NU;
@@ -86,25 +221,6 @@ static inline void rc_decide_slot(const GroupFrame* frame, Closest* closest, glo
 
 static inline float rc_column_a(float column) { return (column + 0.5f) * (1.0f / RC_NU) - 0.5f * RC_GROUP_PIXELS; }
 static inline float rc_row_b(float row) { return (row + 0.5f) * (1.0f / RC_NV) - 0.5f; }
-
-/* Of the lanes that have no linear form, those that the group can see: not all behind, not all beyond one side. */
-static inline uint rc_behind(const GroupFrame* frame, global const TriBlock* block, int16 lanes) {
-  global const float* at = (global const float*)block;
-  const float edge_a = 0.5f * (float)RC_GROUP_PIXELS + 2.0f * frame->map.error, edge_b = 0.5f + 2.0f * frame->map.error;
-  int16 back = -1, left = -1, right = -1, above = -1, below = -1;
-  for (int i = 0; i < 3; ++i) {
-    const float16 x = vload16(0, at + 48 * i) - frame->map.origin.x, y = vload16(0, at + 48 * i + 16) - frame->map.origin.y;
-    const float16 z = vload16(0, at + 48 * i + 32) - frame->map.origin.z;
-    const float16 a = rc_project_row(frame->map.a, x, y, z), b = rc_project_row(frame->map.b, x, y, z), depth = rc_project_row(frame->map.z, x, y, z);
-    const float16 slack = (fabs(a) + fabs(b) + fabs(depth)) * (frame->map.error + frame->map.error_growth);
-    back &= depth <= 0.0f;
-    left &= fma((float16)(edge_a), depth, a) < -slack;
-    right &= fma((float16)(edge_a), depth, -a) < -slack;
-    above &= fma((float16)(edge_b), depth, b) < -slack;
-    below &= fma((float16)(edge_b), depth, -b) < -slack;
-  }
-  return rc_mask16(lanes & ~(back | left | right | above | below));
-}
 
 static inline void rc_primary_block(const GroupFrame* frame, Closest* closest, global const TriBlock* block, uint instance, uint first) {
   const Setup s = rc_setup_block(&frame->map, block, true);
@@ -228,14 +344,13 @@ static inline void rc_write_pixel(const uint* grid, uint p, uint rows, global ui
   for (uint word = 0; word < RC_NWORDS; ++word) vstore16(vload16(word, slots), word, out);
 }
 
+#endif
+
+/* frame: rays in the scene frame and the samples; the rest is set here. */
 static inline void rc_primary_group(global const BvhNode* nodes, global const TriBlock* blocks, global const Instance* instances,
-                                    RayGroup rays, uint first_row, uint rows, uint columns, Closest* closest) {
-  GroupFrame frame;
+                                    GroupFrame frame, Closest* closest) {
   Cull world, cull;
-  frame.rays = rays;
-  frame.first_row = first_row;
-  frame.rows = rows;
-  frame.columns = columns;
+  const RayGroup rays = frame.rays;
   rc_frame_group(&frame, &world);
   const Projection world_map = frame.map;
   cull = world;

@@ -9,6 +9,8 @@
  *                       the grid sampler a multiple of RC_NU, so that a chunk is whole rows.
  *   RC_SAMPLER          0 grid, 1 lattice, 2 jittered (kernels/sampling/sampler.h)
  *   RC_SUPPORT          width of the square the samples cover, pixels, as a float literal (1.0f)
+ *   RC_SCATTER          1: samples anywhere in the field; 0: the plain grid with RC_SUPPORT 1.0f, which is faster. Give it with
+ *                       RC_SUPPORT: a support alone takes 1, which is right for all
  *   RC_GROUP_PIXELS     pixels of a RayGroup: 4 (RC_GROUP_WIDTH), or 1 where every pixel has its own pose (whiskbroom)
  *   RC_STACK            CompiledScene::stack_bound()
  *   RC_MOVING           1: RayGroup.ov may differ from zero; single rays, slower. 0: ov is ignored.
@@ -67,6 +69,14 @@
 #endif
 #ifndef RC_SAMPLER
 #define RC_SAMPLER RC_SAMPLER_GRID
+#endif
+/* Samples off the plain grid. A float is no matter for #if, so a support given without RC_SCATTER takes the general form. */
+#ifndef RC_SCATTER
+#ifdef RC_SUPPORT
+#define RC_SCATTER 1
+#else
+#define RC_SCATTER (RC_SAMPLER != RC_SAMPLER_GRID)
+#endif
 #endif
 #ifndef RC_SUPPORT
 #define RC_SUPPORT 1.0f

@@ -13,7 +13,7 @@ std::string options_of(const TraceShape& s, const scene::CompiledScene& scene) {
   return "-cl-std=CL1.2 -Werror -DRC_NU=" + std::to_string(s.nu) + " -DRC_NV=" + std::to_string(s.nv) +
          " -DRC_CHUNK=" + std::to_string(s.chunk_samples()) + " -DRC_SAMPLER=" + std::to_string(s.sampler) +
          " -DRC_SUPPORT=" + support + "f -DRC_GROUP_PIXELS=" + std::to_string(s.group_pixels) +
-         " -DRC_STACK=" + std::to_string(scene.stack_bound()) + " -DRC_MOVING=" + std::to_string(s.moving) +
+         " -DRC_STACK=" + std::to_string(scene.stack_bound()) + " -DRC_SCATTER=" + std::to_string(s.sampler != RC_SAMPLER_GRID || s.support != 1) + " -DRC_MOVING=" + std::to_string(s.moving) +
          " -DRC_BUNDLE=" + std::to_string(s.bundle);
 }
 
