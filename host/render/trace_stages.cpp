@@ -13,9 +13,11 @@ namespace {
 
 std::string trace_options(const scene::CompiledScene& scene, const scene::Instrument& instrument, const StageShape& shape) {
   const auto define = [](const char* name, auto value) { return " -D" + std::string(name) + "=" + std::to_string(value); };
+  const bool plain_grid = instrument.sampler == scene::SamplerKind::grid && instrument.psf_support_px == 1;
   return "-cl-std=CL1.2" + define("RC_NU", instrument.samples_u) + define("RC_NV", instrument.samples_v) +
          define("RC_CHUNK", shape.chunk_samples) + define("RC_SAMPLER", static_cast<int>(instrument.sampler)) +
          define("RC_SUPPORT", static_cast<float>(instrument.psf_support_px)) + "f" +
+         define("RC_SCATTER", plain_grid ? 0 : 1) +
          define("RC_GROUP_PIXELS", shape.pixels_per_group) + define("RC_STACK", scene.stack_bound()) +
          define("RC_MOVING", sensors::pose_moves(instrument) ? 1 : 0);
 }
