@@ -5,3 +5,7 @@ target_compile_definitions(test_reference_includes PRIVATE RAYCUBE_SOURCE_DIR="$
 raycube_test(reference_radiance SOURCES oracle/reference_radiance_test.cpp LIBS raycube_reference raycube_sensors LABELS fast)
 raycube_test(table_model SOURCES oracle/table_model_test.cpp LIBS raycube_reference raycube_atmos_tables LABELS fast)
 raycube_test(compare SOURCES unit/compare_test.cpp LIBS raycube_reference nlohmann_json::nlohmann_json LABELS fast)
+if(TARGET raycube_render AND TARGET raycube_plan)
+  raycube_test(render_reference SOURCES cross/render_reference_test.cpp ../host/cli/check_instrument.cpp
+               LIBS raycube_reference raycube_render raycube_plan raycube_sensors raycube_scene_bvh LABELS fast device)
+endif()

@@ -158,14 +158,4 @@ BandRadiance ArithmeticModel::radiance(const SampledPixel& pixel, const std::vec
   return {band_values(plan_, sun), band_values(plan_, sky), band_values(plan_, path)};
 }
 
-std::vector<double> ArithmeticModel::blocking_effect(const SampledPixel& pixel, std::size_t s, std::size_t k) const {
-  const Sample& sample = pixel.samples[s];
-  const std::size_t at = first_direction(plan_, seed_, pixel.number) + k;
-  const double cosine = std::max(0.0, glm::dot(sample.normal, xyz(plan_.sky.direction[at])));
-  const double parts[4] = {plan_.sky.weight[at].x, plan_.sky.weight[at].y, plan_.sky.weight[at].z, plan_.sky.weight[at].w};
-  std::vector<double> change(plan_.wavelength_um.size(), 0.0);
-  for (int m = 0; m < plan_.sky_components; ++m) add_source(pixel, sample, 1 + m, -parts[m] * cosine, change);
-  return band_values(plan_, change);
-}
-
 }  // namespace raycube::reference

@@ -13,12 +13,12 @@ namespace raycube::reference {
 
 struct Comparison::Result {
   std::uint32_t number = 0, line = 0, sample = 0;
-  std::uint64_t rays = 0, hit_miss = 0, sun_rays = 0, sun_explained = 0, sun_unexplained = 0, sky_rays = 0;
+  std::uint64_t rays = 0, hit_miss = 0, sun_rays = 0, sun_explained = 0, sun_unexplained = 0, sky_rays = 0,
+                sky_explained = 0, sky_unexplained = 0;
   std::array<std::uint64_t, 5> hits{};
-  int sky_flips = 0;
   bool excluded = false, beyond = false;
   std::vector<double> device, reference;   ///< [band]
-  std::vector<float> difference;           ///< [band], relative, before any sky ray is turned
+  std::vector<float> difference;           ///< [band], relative, explained ties taken the device's way
   BandRadiance arithmetic, model;          ///< model empty when it was not asked for
 };
 
@@ -31,15 +31,6 @@ std::vector<double> scales(const std::vector<double>& reference, double floor) {
   std::vector<double> out;
   for (double value : reference) out.push_back(std::max({std::abs(value), floor * largest, 1e-300}));
   return out;
-}
-
-double worst_of(const std::vector<double>& difference, const std::vector<double>& scale) {
-  double worst = 0;
-  for (std::size_t b = 0; b < difference.size(); ++b) {
-    const double relative = std::abs(difference[b]) / scale[b];
-    worst = std::max(worst, std::isnan(relative) ? INFINITY : relative);
-  }
-  return worst;
 }
 
 }  // namespace
@@ -57,49 +48,65 @@ Comparison::Comparison(const scene::CompiledScene& scene, const plan::Plan& plan
 
 Comparison::~Comparison() = default;
 
-/// The device keeps no record of single sky rays. A pixel beyond the limit is explained when turning a few sky rays, each
-/// of them a tie to the double traversal, brings every band within it. Greedy: each step turns the ray that leaves least.
-void Comparison::explain_by_sky(const SampledPixel& pixel, const std::vector<BlockedDirections>& blocked,
-                                Result& result) const {
-  const std::vector<double> scale = scales(result.reference, options_.limits.band_floor);
-  std::vector<double> residual;
-  for (std::size_t b = 0; b < scale.size(); ++b) residual.push_back(result.device[b] - result.reference[b]);
-  const std::size_t first = first_direction(plan_, seed_, pixel.number);
-  std::vector<std::vector<double>> effects;
-  for (std::size_t s = 0; s < pixel.samples.size(); ++s)
-    for (std::size_t k = 0; k < blocked[s].size(); ++k) {
-      const Sample& sample = pixel.samples[s];
-      const shared::rc_float4 d = plan_.sky.direction[first + k];
-      const glm::dvec3 direction(d.x, d.y, d.z);
-      if (sample.hit.miss() || glm::dot(sample.normal, direction) <= 0) continue;
-      if (scene_.sees_in_double(sample, direction) != Visibility::uncertain) continue;
-      effects.push_back(arithmetic_.blocking_effect(pixel, s, k));
-      if (blocked[s][k])
-        for (double& value : effects.back()) value = -value;
+/// The device keeps, of a sample's sky rays, the irradiance that the blocked ones take away. Where that differs, one, two or
+/// three directions are sought whose turning accounts for it in every component; they are explained when each is a tie to the
+/// double traversal, and then `blocked` follows the device.
+void Comparison::compare_sky(const Sample& sample, std::uint32_t number, const float* device, BlockedDirections& blocked,
+                             Result& result) const {
+  using Components = std::array<double, 4>;
+  const std::size_t first = first_direction(plan_, seed_, number), count = blocked.size();
+  std::vector<Components> effect(count);
+  Components residual{}, bound{};
+  for (std::size_t m = 0; m < 4; ++m) residual[m] = static_cast<double>(device[m]);
+  for (std::size_t k = 0; k < count; ++k) {
+    const shared::rc_float4 d = plan_.sky.direction[first + k], w = plan_.sky.weight[first + k];
+    const double cosine = std::max(0.0, glm::dot(sample.normal, glm::dvec3(d.x, d.y, d.z)));
+    const Components weight{w.x, w.y, w.z, w.w};
+    for (std::size_t m = 0; m < 4; ++m) {
+      if (static_cast<int>(m) >= plan_.sky_components) continue;
+      effect[k][m] = weight[m] * cosine * (blocked[k] ? -1 : 1);
+      bound[m] += options_.limits.sky * std::abs(weight[m]);
+      if (blocked[k]) residual[m] += effect[k][m];
     }
-  double left = worst_of(residual, scale);
-  for (int step = 0; step < options_.limits.sky_flips && left > options_.limits.worst; ++step) {
-    std::size_t best = effects.size();
-    double best_left = left;
-    std::vector<double> trial(residual.size());
-    for (std::size_t i = 0; i < effects.size(); ++i) {
-      for (std::size_t b = 0; b < trial.size(); ++b) trial[b] = residual[b] - effects[i][b];
-      const double after = worst_of(trial, scale);
-      if (after < best_left) best_left = after, best = i;
-    }
-    if (best == effects.size()) break;
-    for (std::size_t b = 0; b < residual.size(); ++b) residual[b] -= effects[best][b];
-    effects.erase(effects.begin() + static_cast<std::ptrdiff_t>(best));
-    left = best_left;
-    ++result.sky_flips;
   }
-  result.beyond = !(left <= options_.limits.worst);
+  const auto within = [&](const Components& r) {
+    for (std::size_t m = 0; m < 4; ++m)
+      if (!(std::abs(r[m]) <= bound[m])) return false;
+    return true;
+  };
+  if (within(residual)) return;
+  const auto without = [](Components r, const Components& e) {
+    for (std::size_t m = 0; m < 4; ++m) r[m] -= e[m];
+    return r;
+  };
+  std::vector<std::size_t> ties;
+  for (std::size_t k = 0; k < count; ++k) {
+    const shared::rc_float4 d = plan_.sky.direction[first + k];
+    const glm::dvec3 direction(d.x, d.y, d.z);
+    if (glm::dot(sample.normal, direction) > 0 && scene_.sees_in_double(sample, direction) == Visibility::uncertain) ties.push_back(k);
+  }
+  const auto turn = [&](std::initializer_list<std::size_t> rays) {
+    for (std::size_t k : rays) blocked[k] = !blocked[k];
+    result.sky_explained += rays.size();
+  };
+  for (std::size_t i : ties)
+    if (within(without(residual, effect[i]))) return turn({i});
+  for (std::size_t i : ties)
+    for (std::size_t j : ties)
+      if (i < j && within(without(without(residual, effect[i]), effect[j]))) return turn({i, j});
+  for (std::size_t i : ties)
+    for (std::size_t j : ties)
+      for (std::size_t k : ties)
+        if (i < j && j < k && within(without(without(without(residual, effect[i]), effect[j]), effect[k]))) return turn({i, j, k});
+  ++result.sky_unexplained;
+  result.excluded = true;
 }
 
 Comparison::Result Comparison::compare(const DevicePixel& device, bool with_model) const {
   SampledPixel pixel = scene_.sample_pixel(instrument_, plan_, seed_, device.address);
   const std::size_t samples = pixel.samples.size();
-  if (device.hits.size() != samples || device.sun_visible.size() != samples || device.radiance.size() != plan_.bands.size())
+  if (device.hits.size() != samples || device.sun_visible.size() != samples ||
+      device.sky_blocked.size() != 4 * samples || device.radiance.size() != plan_.bands.size())
     throw base::Error(base::Fault::bug, "check: the device handed over " + std::to_string(device.hits.size()) + " hits and " +
                                             std::to_string(device.radiance.size()) + " bands of a pixel with " +
                                             std::to_string(samples) + " samples and " + std::to_string(plan_.bands.size()) +
@@ -137,7 +144,9 @@ Comparison::Result Comparison::compare(const DevicePixel& device, bool with_mode
       }
     }
     blocked.push_back(blocked_directions(scene_, plan_, seed_, pixel.number, sample));
-    if (!sample.hit.miss()) result.sky_rays += blocked.back().size();
+    if (sample.hit.miss()) continue;
+    result.sky_rays += blocked.back().size();
+    if (!result.excluded) compare_sky(sample, pixel.number, &device.sky_blocked[4 * s], blocked.back(), result);
   }
   result.arithmetic = arithmetic_.radiance(pixel, blocked);
   for (std::size_t b = 0; b < plan_.bands.size(); ++b) {
@@ -149,7 +158,6 @@ Comparison::Result Comparison::compare(const DevicePixel& device, bool with_mode
     result.difference.push_back(static_cast<float>(std::abs(result.device[b] - result.reference[b]) / scale[b]));
   for (float difference : result.difference)
     if (!(difference <= options_.limits.worst)) result.beyond = true;
-  if (result.beyond && !result.excluded) explain_by_sky(pixel, blocked, result);
   if (with_model && !result.excluded) result.model = model_->radiance(pixel);
   return result;
 }
@@ -210,18 +218,13 @@ Report Comparison::report() const {
     for (std::size_t c = 0; c < report.hits.size(); ++c) report.hits[c] += r.hits[c];
     report.hit_miss += r.hit_miss;
     report.sun_rays += r.sun_rays, report.sun_explained += r.sun_explained, report.sun_unexplained += r.sun_unexplained;
-    report.sky_rays += r.sky_rays;
+    report.sky_rays += r.sky_rays, report.sky_explained += r.sky_explained, report.sky_unexplained += r.sky_unexplained;
     report.excluded_pixels += r.excluded;
     ordered.push_back(&r);
     if (r.excluded) continue;
     report.beyond_pixels += r.beyond;
     if (!r.model.sun.empty()) modelled.push_back(&r);
-    if (r.sky_flips > 0 && !r.beyond) {
-      report.sky_explained += static_cast<std::uint64_t>(r.sky_flips);
-      ++report.sky_pixels;
-    } else {
-      agreeing.push_back(&r);
-    }
+    agreeing.push_back(&r);
   }
   report.bands.resize(bands);
   std::vector<float> values;

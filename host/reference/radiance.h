@@ -46,9 +46,6 @@ class ArithmeticModel {
   /// blocked[s]: per sample, see blocked_directions.
   BandRadiance radiance(const SampledPixel& pixel, const std::vector<BlockedDirections>& blocked) const;
 
-  /// What band radiances change by when one direction of one sample turns from seen to blocked: the sky's only unknown.
-  std::vector<double> blocking_effect(const SampledPixel& pixel, std::size_t sample, std::size_t direction) const;
-
  private:
   void add_source(const SampledPixel& pixel, const Sample& sample, int source, double scalar,
                   std::vector<double>& spectrum) const;

@@ -38,6 +38,7 @@ std::vector<std::string> Report::failures() const {
   if (pixels == 0) out.push_back("no pixel was compared");
   if (unexplained(*this) > 0) out.push_back(std::to_string(unexplained(*this)) + " first hits differ without explanation");
   if (sun_unexplained > 0) out.push_back(std::to_string(sun_unexplained) + " sun rays differ without explanation");
+  if (sky_unexplained > 0) out.push_back(std::to_string(sky_unexplained) + " samples see another sky without explanation");
   if (!(worst_median < limits.median))
     out.push_back("a band's median difference is " + number(worst_median) + ", limit " + number(limits.median));
   if (beyond_pixels > 0)
@@ -58,12 +59,12 @@ std::string Report::text(const std::vector<std::string>& band_names) const {
   out += "; hit against miss " + std::to_string(hit_miss);
   out += "\nsun rays: " + std::to_string(sun_rays) + ", explained " + std::to_string(sun_explained) + ", unexplained " +
          std::to_string(sun_unexplained);
-  out += "\nsky rays: " + std::to_string(sky_rays) + ", ties that explain a pixel " + std::to_string(sky_explained) + " in " +
-         std::to_string(sky_pixels) + " pixels";
+  out += "\nsky rays: " + std::to_string(sky_rays) + ", explained " + std::to_string(sky_explained) + ", samples unexplained " +
+         std::to_string(sky_unexplained);
   out += "\narithmetic: worst band median " + number(worst_median) + " (limit " + number(limits.median) + "), worst " +
          number(worst) + " (limit " + number(limits.worst) + ") in band " + band(worst_band) + " at line " +
          std::to_string(worst_line) + ", sample " + std::to_string(worst_sample) + "; pixels left out " +
-         std::to_string(excluded_pixels + sky_pixels);
+         std::to_string(excluded_pixels);
   if (model_pixels > 0)
     out += "\nmodel (" + std::to_string(model_pixels) + " pixels): " + number(model_total.figure) + " in band " +
            band(model_total.band) + " (tolerance " + number(limits.model) + "); sun " + number(model_sun.figure) + ", sky " +
@@ -89,7 +90,7 @@ std::string Report::json() const {
   out["sun_unexplained"] = sun_unexplained;
   out["sky_rays"] = sky_rays;
   out["sky_explained"] = sky_explained;
-  out["sky_explained_pixels"] = sky_pixels;
+  out["sky_unexplained"] = sky_unexplained;
   out["excluded_pixels"] = excluded_pixels;
   out["beyond_pixels"] = beyond_pixels;
   out["median_worst_band"] = worst_median;

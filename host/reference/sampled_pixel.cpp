@@ -63,8 +63,8 @@ std::vector<double> sample_weights(const scene::Instrument& instrument) {
   return weights;
 }
 
-/// One ulp of the sizes that a spawned ray's origin is rounded relative to, m.
-double ReferenceScene::point_ulp_m(const Sample& sample) const {
+/// Distance from a sample's point to the farthest corner of its triangle, m, scene frame.
+double ReferenceScene::farthest_corner_m(const Sample& sample) const {
   const shared::Instance& placed = compiled.instances[sample.hit.instance];
   const glm::dvec3 translation(placed.world_from_local_0.w, placed.world_from_local_1.w, placed.world_from_local_2.w);
   const glm::dmat3 linear(placed.world_from_local_0.x, placed.world_from_local_1.x, placed.world_from_local_2.x,
@@ -73,7 +73,14 @@ double ReferenceScene::point_ulp_m(const Sample& sample) const {
   double corner = 0;
   for (int i = 0; i < 3; ++i)
     corner = std::max(corner, glm::length(linear * vertex(compiled, sample.hit.primitive, i) + translation - sample.point));
-  return kUlp * (glm::length(sample.point) + glm::length(translation) + corner);
+  return corner;
+}
+
+/// One ulp of the sizes that a spawned ray's origin is rounded relative to, m.
+double ReferenceScene::point_ulp_m(const Sample& sample) const {
+  const shared::Instance& placed = compiled.instances[sample.hit.instance];
+  const glm::dvec3 translation(placed.world_from_local_0.w, placed.world_from_local_1.w, placed.world_from_local_2.w);
+  return kUlp * (glm::length(sample.point) + glm::length(translation) + farthest_corner_m(sample));
 }
 
 bool ReferenceScene::sees(const Sample& sample, const glm::dvec3& direction) const {
@@ -88,6 +95,9 @@ Visibility ReferenceScene::sees_in_double(const Sample& sample, const glm::dvec3
     const glm::dvec3 origin = to_double(sample.ray.origin);
     slack_m += kSlideUlp * kUlp * (glm::length(origin) + glm::length(sample.point - origin));
   }
+  // Seen edge-on, the point slides along the surface by more than it is off: 1 / cosine, though never off its triangle.
+  const double cosine = std::abs(glm::dot(sample.normal, glm::normalize(to_double(sample.ray.direction))));
+  slack_m = std::min(slack_m / std::max(cosine, 1e-9), slack_m + farthest_corner_m(sample));
   return tracer.visibility({sample.point + sample.normal * (kOffsetUlp * ulp_m), direction, slack_m}, sample.hit);
 }
 

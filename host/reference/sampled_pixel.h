@@ -73,6 +73,7 @@ class ReferenceScene {
   Visibility sees_in_double(const Sample& sample, const glm::dvec3& direction) const;
 
  private:
+  double farthest_corner_m(const Sample& sample) const;
   double point_ulp_m(const Sample& sample) const;
 };
 

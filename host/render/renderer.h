@@ -57,6 +57,7 @@ struct PixelProbe {
   std::vector<shared::RayGroup> groups;
   std::vector<std::uint32_t> hit_instance, hit_primitive;  ///< [pixel][sample], RC_NONE = miss; samples unpadded
   std::vector<std::uint8_t> sun_visible;                   ///< [pixel][sample]
+  std::vector<float> sky_blocked;                          ///< [pixel][sample][component 0..3], irradiance taken away
   std::vector<float> radiance;                             ///< [pixel][band]
   std::vector<float> truth;                                ///< [pixel][layer]
 };

@@ -107,6 +107,7 @@ void TileWorker::run(const Tile& tile, float* radiance, float* truth, PixelProbe
   if (probe) {
     const auto hits = traced_.hits.read_all();
     const auto sun = traced_.sun.read_all();
+    const auto sky = traced_.sky.read_all();
     const std::size_t padded = shape.padded_samples;
     probe->tile = tile;
     probe->samples = shape.chunk_samples;
@@ -116,6 +117,8 @@ void TileWorker::run(const Tile& tile, float* radiance, float* truth, PixelProbe
         probe->hit_instance.push_back(hits[p * 2 * padded + s]);
         probe->hit_primitive.push_back(hits[(p * 2 + 1) * padded + s]);
         probe->sun_visible.push_back((sun[p * (padded / 16) + s / 16] >> (s % 16)) & 1u);
+        for (int m = 0; m < 4; ++m)
+          probe->sky_blocked.push_back(m < shape.components ? sky[(p * 4 + m) * padded + s] : 0.0f);
       }
   }
 

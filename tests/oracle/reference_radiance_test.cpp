@@ -240,18 +240,3 @@ TEST_CASE("S43: sample weights of a blurred detector, independently of the rende
   }
   CHECK(sum == Approx(1).epsilon(1e-12));
 }
-
-TEST_CASE("S61: turning one sky direction of one sample changes the pixel by the stated effect") {
-  plan::Plan plan = sun_plan();
-  add_uniform_sky(plan, 65, 16);
-  const scene::CompiledScene compiled = tilted_plane(0, 1, 0.5);
-  const ReferenceScene scene(compiled);
-  const NadirPixel at = nadir_pixel(0, 0, 100, 1, 3);
-  const SampledPixel pixel = scene.sample_pixel(at.instrument, plan, 1, at.address);
-  std::vector<BlockedDirections> blocked(9, BlockedDirections(16, false));
-  const ArithmeticModel model(compiled, plan, 1);
-  const double open = model.radiance(pixel, blocked).sky[0];
-  blocked[4][7] = true;
-  CHECK(model.radiance(pixel, blocked).sky[0] - open == Approx(model.blocking_effect(pixel, 4, 7)[0]).epsilon(1e-9));
-  CHECK(model.blocking_effect(pixel, 4, 7)[0] < 0);
-}

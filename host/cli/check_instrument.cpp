@@ -1,0 +1,89 @@
+#include "host/cli/check_instrument.h"
+
+#include <algorithm>
+#include <set>
+
+#include "host/sensors/ray_groups.h"
+#include "kernels/sampling/sampler.h"
+
+namespace raycube::cli {
+
+namespace {
+
+constexpr rc_u32 kPickDimension = 41;  ///< of the hash: no sampler uses it
+/// Pixels that wait on the host before the reference takes them up together.
+constexpr std::size_t kBatch = 256;
+
+}  // namespace
+
+std::vector<render::Tile> pick_tiles(const scene::Instrument& instrument, std::uint64_t seed, std::uint64_t pixels) {
+  const int width = sensors::pixels_per_group(instrument), per_line = sensors::groups_per_line(instrument);
+  const std::uint64_t groups = static_cast<std::uint64_t>(per_line) * static_cast<std::uint64_t>(instrument.lines);
+  const std::uint64_t wanted = (pixels + static_cast<std::uint64_t>(width) - 1) / static_cast<std::uint64_t>(width);
+  std::vector<render::Tile> tiles;
+  if (2 * wanted >= groups) {
+    for (int line = 0; line < instrument.lines; ++line) tiles.push_back({line, 1, 0, instrument.pixels});
+    return tiles;
+  }
+  // A tile starts at a multiple of 4 pixels, whatever the groups.
+  const int tile_width = std::max(width, RC_GROUP_WIDTH);
+  const int tiles_per_line = (instrument.pixels + tile_width - 1) / tile_width;
+  const auto all = static_cast<rc_u32>(tiles_per_line * instrument.lines);
+  const std::uint64_t count = (pixels + static_cast<std::uint64_t>(tile_width) - 1) / static_cast<std::uint64_t>(tile_width);
+  std::set<rc_u32> taken;
+  for (rc_u32 i = 0; tiles.size() < std::min<std::uint64_t>(count, all); ++i) {
+    const rc_u32 place = rc_hash(static_cast<rc_u32>(seed), i, static_cast<rc_u32>(seed >> 32), kPickDimension) % all;
+    if (!taken.insert(place).second) continue;
+    const int line = static_cast<int>(place) / tiles_per_line, column = static_cast<int>(place) % tiles_per_line * tile_width;
+    tiles.push_back({line, 1, column, std::min(tile_width, instrument.pixels - column)});
+  }
+  return tiles;
+}
+
+reference::Report check_instrument(render::Renderer& renderer, const scene::Simulation& simulation,
+                                   const scene::Instrument& instrument, const plan::Plan& plan,
+                                   const atmos::RenderTable& table, const CheckOptions& options,
+                                   const std::function<void(std::uint64_t)>& progress) {
+  reference::CompareOptions compare;
+  compare.limits.model = simulation.tolerance;
+  compare.threads = options.threads;
+  compare.table = &table;
+  compare.no_air = simulation.atmosphere.none;
+  compare.model_pixels = options.model_pixels;
+  compare.model_directions = options.model_directions;
+  reference::Comparison comparison(simulation.scene, plan, instrument, simulation.seed, compare);
+  const int width = sensors::pixels_per_group(instrument);
+  std::vector<reference::DevicePixel> waiting;
+  const auto flush = [&] {
+    comparison.add(waiting);
+    if (progress) progress(waiting.size());
+    waiting.clear();
+  };
+  renderer.probe(instrument, plan, simulation.sun, simulation.seed, pick_tiles(instrument, simulation.seed, options.pixels),
+                 [&](const render::PixelProbe& probe) {
+                   const auto samples = static_cast<std::size_t>(probe.samples);
+                   const std::size_t bands = plan.bands.size();
+                   const int groups_per_line = (probe.tile.columns + width - 1) / width;
+                   for (std::size_t p = 0; p < probe.tile.pixels(); ++p) {
+                     const int line = static_cast<int>(p) / probe.tile.columns, column = static_cast<int>(p) % probe.tile.columns;
+                     reference::DevicePixel& pixel = waiting.emplace_back();
+                     pixel.address.line = static_cast<std::uint32_t>(probe.tile.first_line + line);
+                     pixel.address.sample = static_cast<std::uint32_t>(probe.tile.first_column + column);
+                     pixel.address.group = probe.groups[static_cast<std::size_t>(line * groups_per_line + column / width)];
+                     pixel.address.lane = column % width;
+                     pixel.address.group_width = width;
+                     for (std::size_t s = p * samples; s < (p + 1) * samples; ++s) {
+                       pixel.hits.push_back({probe.hit_instance[s], probe.hit_primitive[s]});
+                       pixel.sun_visible.push_back(probe.sun_visible[s]);
+                       for (std::size_t m = 0; m < 4; ++m) pixel.sky_blocked.push_back(probe.sky_blocked[4 * s + m]);
+                     }
+                     pixel.radiance.assign(probe.radiance.begin() + static_cast<std::ptrdiff_t>(p * bands),
+                                           probe.radiance.begin() + static_cast<std::ptrdiff_t>((p + 1) * bands));
+                   }
+                   if (waiting.size() >= kBatch) flush();
+                 });
+  flush();
+  return comparison.report();
+}
+
+}  // namespace raycube::cli

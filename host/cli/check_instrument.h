@@ -1,0 +1,29 @@
+// Renders chosen pixels of one instrument on the device and holds them against the reference.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "host/reference/compare.h"
+#include "host/render/renderer.h"
+
+namespace raycube::cli {
+
+struct CheckOptions {
+  std::uint64_t pixels = 500;          ///< at least so many, whole groups; all of the image when it has fewer
+  std::size_t model_pixels = 64;       ///< of these, against the full tables
+  int model_directions = 1024;
+  int threads = 0;                     ///< of the reference; 0: all
+};
+
+/// Tiles that hold the pixels to check: groups picked by a hash of the seed and a counter, or every line of the image.
+std::vector<render::Tile> pick_tiles(const scene::Instrument& instrument, std::uint64_t seed, std::uint64_t pixels);
+
+/// `progress`: called with the number of pixels compared since the last call.
+reference::Report check_instrument(render::Renderer& renderer, const scene::Simulation& simulation,
+                                   const scene::Instrument& instrument, const plan::Plan& plan,
+                                   const atmos::RenderTable& table, const CheckOptions& options,
+                                   const std::function<void(std::uint64_t)>& progress = {});
+
+}  // namespace raycube::cli
