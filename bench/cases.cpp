@@ -7,6 +7,13 @@ namespace raycube::bench {
 const std::vector<Case>& all_cases() {
   static const std::vector<Case> cases{
       {"embree", "Embree against itself on the terrain: the guard, and what each mode is worth", run_embree_baseline},
+      {"terrain", "primary and sun rays on 1 M large triangles, against Embree", run_terrain},
+      {"crowns", "primary and sun rays on generated leaves, two levels and merged, bytes per triangle and instance", run_crowns},
+      {"park", "the shipped park: pixels with at least 100 candidates, against every mode of Embree", run_park},
+      {"render", "the park as render renders it: its term lists and their integration, against the write bandwidth", run_render},
+      {"build", "kernels built cold and from the cache, each in a process of its own", run_kernel_build},
+      {"integrate", "band integration on synthetic term lists, against the write bandwidth", run_integrate},
+      {"leaks", "1e8 camera rays and 1e8 rays aimed at edges through closed meshes", run_leaks},
   };
   return cases;
 }

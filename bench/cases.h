@@ -10,7 +10,7 @@ namespace raycube::bench {
 
 struct Settings {
   int threads = 2;
-  std::string park_file = "scenes/park/park.toml";
+  std::string park_file = "build/bench/scene/park.toml";
 };
 
 struct Case {
@@ -23,5 +23,14 @@ const std::vector<Case>& all_cases();
 const Case* find_case(const std::string& name);
 
 void run_embree_baseline(const Settings&, Report&);
+void run_terrain(const Settings&, Report&);
+void run_crowns(const Settings&, Report&);
+void run_park(const Settings&, Report&);
+void run_render(const Settings&, Report&);
+void run_kernel_build(const Settings&, Report&);
+/// Seconds to build the park's programs and first launch each kernel, in this process.
+double kernel_build_s(const Settings&);
+void run_integrate(const Settings&, Report&);
+void run_leaks(const Settings&, Report&);
 
 }  // namespace raycube::bench

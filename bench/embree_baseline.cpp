@@ -159,12 +159,13 @@ void EmbreeBaseline::primary(const PrimaryRays& rays, EmbreeMode mode, int threa
           const std::size_t live = std::min<std::size_t>(16, samples - 16 * p);
           for (int k = 0; k < 16; ++k) {
             const float a = centre + us[16 * p + k], b = vs[16 * p + k];
-            packet.ray.org_x[k] = group.origin.x + b * group.ov.x;
-            packet.ray.org_y[k] = group.origin.y + b * group.ov.y;
-            packet.ray.org_z[k] = group.origin.z + b * group.ov.z;
-            packet.ray.dir_x[k] = group.d0.x + a * group.du.x + b * group.dv.x;
-            packet.ray.dir_y[k] = group.d0.y + a * group.du.y + b * group.dv.y;
-            packet.ray.dir_z[k] = group.d0.z + a * group.du.z + b * group.dv.z;
+            // The kernels' own two fused operations (kernels/geometry/samples.h): the same rays to the bit.
+            packet.ray.org_x[k] = std::fma(b, group.ov.x, group.origin.x);
+            packet.ray.org_y[k] = std::fma(b, group.ov.y, group.origin.y);
+            packet.ray.org_z[k] = std::fma(b, group.ov.z, group.origin.z);
+            packet.ray.dir_x[k] = std::fma(b, group.dv.x, std::fma(a, group.du.x, group.d0.x));
+            packet.ray.dir_y[k] = std::fma(b, group.dv.y, std::fma(a, group.du.y, group.d0.y));
+            packet.ray.dir_z[k] = std::fma(b, group.dv.z, std::fma(a, group.du.z, group.d0.z));
             packet.ray.tnear[k] = 0.0f;
             packet.ray.tfar[k] = kInfinity;
             packet.ray.time[k] = 0.0f;

@@ -12,18 +12,23 @@ int main(int argc, char** argv) {
   CLI::App app("Benchmarks of raycube against Embree and the machine's memory. Validates before it times.");
   std::string commit = "unknown", json = "bench.json";
   std::vector<std::string> names;
-  bool list = false;
+  bool list = false, kernel_build = false;
   bench::Settings settings;
   app.add_option("--commit", commit, "Commit the figures belong to");
   app.add_option("--json", json, "File for the flat keys")->capture_default_str();
   app.add_option("--scene", settings.park_file, "Simulation file of the park")->capture_default_str();
   app.add_option("--threads", settings.threads, "Threads of both sides")->capture_default_str()->check(CLI::Range(1, 1024));
   app.add_flag("--list", list, "Names of the groups");
+  app.add_flag("--kernel-build", kernel_build, "Print the seconds kernels take to build in this process (the group `build` calls it)");
   app.add_option("names", names, "Groups to run");
   CLI11_PARSE(app, argc, argv);
   try {
     if (list) {
       for (const auto& entry : bench::all_cases()) std::printf("%-12s %s\n", entry.name, entry.text);
+      return 0;
+    }
+    if (kernel_build) {
+      std::printf("%.6f\n", bench::kernel_build_s(settings));
       return 0;
     }
     for (const auto& name : names)

@@ -1,10 +1,12 @@
 #include "bench/rays.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "bench/candidates.h"
 #include "host/base/error.h"
+#include "host/reference/double_trace.h"
 #include "host/sensors/ray_groups.h"
 #include "kernels/sampling/sampler.h"
 
@@ -38,11 +40,69 @@ double hit_or_miss(const std::vector<RayResult>& a, const std::vector<RayResult>
   return static_cast<double>(apart) / static_cast<double>(a.size());
 }
 
+Judgement judge(const scene::CompiledScene& scene, const PrimaryRays& rays, const std::vector<RayResult>& ours,
+                const std::vector<RayResult>& theirs, std::size_t most) {
+  std::vector<std::size_t> differ;
+  for (std::size_t i = 0; i < ours.size(); ++i)
+    if (ours[i].instance != theirs[i].instance || (ours[i].instance != RC_NONE && ours[i].primitive != theirs[i].primitive)) differ.push_back(i);
+  const reference::DoubleTracer tracer(scene);
+  Judgement verdict;
+  verdict.differ = differ.size();
+  const std::size_t step = differ.size() / most + 1;
+  const auto hit = [](const RayResult& r) { return r.instance == RC_NONE ? reference::Hit{} : reference::Hit{r.instance, r.primitive}; };
+  for (std::size_t n = 0; n < differ.size(); n += step) {
+    const std::size_t i = differ[n], pixel = i / rays.samples(), sample = i % rays.samples(), width = static_cast<std::size_t>(rays.width);
+    const shared::RayGroup& g = rays.groups[pixel / width];
+    const float a = static_cast<float>(pixel % width) - 0.5f * static_cast<float>(width - 1) + rays.u[sample], b = rays.v[sample];
+    const auto linear = [b](float o, float per_b) { return std::fma(b, per_b, o); };
+    const reference::Ray ray{{linear(g.origin.x, g.ov.x), linear(g.origin.y, g.ov.y), linear(g.origin.z, g.ov.z)},
+                             {linear(std::fma(a, g.du.x, g.d0.x), g.dv.x), linear(std::fma(a, g.du.y, g.d0.y), g.dv.y),
+                              linear(std::fma(a, g.du.z, g.d0.z), g.dv.z)}};
+    const reference::Hit own = hit(ours[i]), other = hit(theirs[i]), exact = tracer.trace(ray).hit;
+    ++verdict.judged;
+    verdict.unexplained += tracer.explain(ray, own, other) == reference::Cause::unexplained;
+    verdict.ours_right += own == exact;
+    verdict.theirs_right += other == exact;
+  }
+  return verdict;
+}
+
+ShadowJudgement judge(const scene::CompiledScene& scene, const ShadowRays& rays, const std::vector<RayResult>& hits,
+                      const std::vector<RayResult>& ours, const std::vector<RayResult>& theirs) {
+  const reference::DoubleTracer tracer(scene);
+  ShadowJudgement verdict;
+  for (std::size_t i = 0; i < ours.size(); ++i) {
+    if (ours[i].instance == theirs[i].instance) continue;
+    ++verdict.differ;
+    const reference::DoubleRay ray{{rays.x[i], rays.y[i], rays.z[i]}, {rays.direction[0], rays.direction[1], rays.direction[2]}, 0};
+    const auto seen = tracer.visibility(ray, {hits[i].instance, hits[i].primitive});
+    const bool ours_lit = ours[i].instance != RC_NONE;
+    verdict.ours_wrong += (seen == reference::Visibility::visible && !ours_lit) || (seen == reference::Visibility::blocked && ours_lit);
+  }
+  return verdict;
+}
+
 std::vector<std::uint32_t> candidates(const scene::CompiledScene& scene, const scene::Instrument& instrument,
                                       const std::vector<shared::RayGroup>& groups, int threads) {
   const int cells = std::max(instrument.samples_u, instrument.samples_v);
   const double half_px = 0.5 * instrument.psf_support_px * (1.0 - 1.0 / cells);
   return count_candidates(scene, groups, sensors::pixels_per_group(instrument), half_px, threads);
+}
+
+std::vector<shared::RayGroup> groups_with_candidates(const scene::CompiledScene& scene, const scene::Instrument& instrument,
+                                                     std::uint32_t least, int threads) {
+  const auto all = sensors::make_ray_groups(instrument, 0, instrument.lines);
+  const auto counts = candidates(scene, instrument, all, threads);
+  const auto width = static_cast<std::size_t>(sensors::pixels_per_group(instrument));
+  const auto per_line = static_cast<std::size_t>(sensors::groups_per_line(instrument));
+  const bool last_is_short = static_cast<std::size_t>(instrument.pixels) % width != 0;
+  std::vector<shared::RayGroup> chosen;
+  for (std::size_t g = 0; g < all.size(); ++g) {
+    if (last_is_short && g % per_line == per_line - 1) continue;
+    const auto first = counts.begin() + static_cast<std::ptrdiff_t>(g * width);
+    if (std::all_of(first, first + static_cast<std::ptrdiff_t>(width), [least](std::uint32_t n) { return n >= least; })) chosen.push_back(all[g]);
+  }
+  return chosen;
 }
 
 double mean(const std::vector<std::uint32_t>& counts) {

@@ -43,15 +43,15 @@ scene::TriangleMesh ground_grid(int quads, double size_m, double relief) {
   return mesh;
 }
 
-// Icosahedron with each face cut in four, twice: 320 triangles on the unit sphere.
-scene::TriangleMesh icosphere() {
+// Icosahedron with each face cut in four, `levels` times: 20 * 4^levels triangles on the unit sphere.
+scene::TriangleMesh icosphere(int levels) {
   const double g = (1 + std::sqrt(5.0)) / 2;
   std::vector<Point> points{{-1, g, 0}, {1, g, 0}, {-1, -g, 0}, {1, -g, 0}, {0, -1, g}, {0, 1, g},
                             {0, -1, -g}, {0, 1, -g}, {g, 0, -1}, {g, 0, 1}, {-g, 0, -1}, {-g, 0, 1}};
   std::vector<std::array<std::uint32_t, 3>> faces{{0, 11, 5}, {0, 5, 1}, {0, 1, 7}, {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
                                                   {11, 10, 2}, {10, 7, 6}, {7, 1, 8}, {3, 9, 4}, {3, 4, 2}, {3, 2, 6}, {3, 6, 8},
                                                   {3, 8, 9}, {4, 9, 5}, {2, 4, 11}, {6, 2, 10}, {8, 6, 7}, {9, 8, 1}};
-  for (int level = 0; level < 2; ++level) {
+  for (int level = 0; level < levels; ++level) {
     std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
     const auto middle = [&](std::uint32_t a, std::uint32_t b) {
       const auto [place, fresh] = middles.try_emplace(std::minmax(a, b), static_cast<std::uint32_t>(points.size()));
@@ -112,7 +112,7 @@ void append(scene::TriangleMesh& mesh, const scene::TriangleMesh& other, const s
 
 scene::TriangleMesh terrain_mesh() {
   scene::TriangleMesh mesh = ground_grid(450, 400, 1);
-  const scene::TriangleMesh sphere = icosphere(), box = unit_box();
+  const scene::TriangleMesh sphere = icosphere(2), box = unit_box();
   for (unsigned i = 0; i < 2000; ++i) {
     scene::TriangleMesh bumpy = sphere;
     for (std::size_t k = 0; k < bumpy.vertices.size(); ++k) {
@@ -125,6 +125,15 @@ scene::TriangleMesh terrain_mesh() {
   for (unsigned i = 0; i < 300; ++i) {
     const double x = 380 * (random(13, i, 0) - 0.5), y = 380 * (random(13, i, 1) - 0.5), h = 2 + 8 * random(13, i, 2);
     append(mesh, box, placed(x, y, ground_height(x, y) + 0.4 * h, 6.28 * random(13, i, 3), 2 + 8 * random(13, i, 4), 2 + 8 * random(13, i, 5), h));
+  }
+  return mesh;
+}
+
+scene::TriangleMesh bumpy_sphere() {
+  scene::TriangleMesh mesh = icosphere(5);
+  for (std::size_t k = 0; k < mesh.vertices.size(); ++k) {
+    const float r = 2.0f * (1.0f + 0.1f * (rc_unit_float(rc_hash(14u, static_cast<unsigned>(k), 0u, 0u)) - 0.5f));
+    for (float& x : mesh.vertices[k]) x *= r;
   }
   return mesh;
 }

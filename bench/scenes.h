@@ -13,6 +13,9 @@ namespace raycube::bench {
 /// 1.2 to 3.8 m), 300 boxes. The ground is closed under every ray of terrain_camera().
 scene::TriangleMesh terrain_mesh();
 
+/// Closed, 20 480 triangles, radius 2 m about the origin, bumps of 10 %: every ray from within 0.9 m of the origin hits.
+scene::TriangleMesh bumpy_sphere();
+
 /// 600 m above ground, 3.4 degrees off nadir, 0.5 m pixels, 256 x 256 about the scene's centre, 11 x 11 samples.
 scene::Instrument terrain_camera();
 

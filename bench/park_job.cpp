@@ -1,0 +1,26 @@
+#include "bench/park_job.h"
+
+#include <filesystem>
+#include <iostream>
+
+#include "host/base/error.h"
+#include "scene_compiler/load_simulation.h"
+
+namespace raycube::bench {
+
+scene::Simulation load_park(const Settings& settings) {
+  if (!std::filesystem::exists(settings.park_file))
+    throw base::Error(base::Fault::environment, "bench: no park at " + settings.park_file +
+                                                    "; make it with scenes/park/generate.py " +
+                                                    std::filesystem::path(settings.park_file).parent_path().string());
+  return scene::load_simulation(settings.park_file);
+}
+
+cli::InstrumentJob prepare_job(const scene::Simulation& simulation, const scene::Instrument& instrument) {
+  const cli::CommonOptions common;
+  base::Log log;
+  cli::Context context{common, log, std::cout, "raycube_bench"};
+  return cli::prepare(simulation, instrument, context);
+}
+
+}  // namespace raycube::bench

@@ -1,0 +1,123 @@
+#include "bench/trace_rig.h"
+
+#include <cmath>
+#include <limits>
+
+#include "bench/device.h"
+#include "host/render/trace_stages.h"
+#include "host/sensors/ray_groups.h"
+
+namespace raycube::bench {
+namespace {
+
+plan::Plan sun_only_plan(const std::array<float, 3>& sun) {
+  plan::Plan plan;
+  plan.sun_direction = sun;
+  plan.sun_up = true;
+  plan.sky_components = 0;
+  return plan;
+}
+
+}  // namespace
+
+struct TraceRig::State {
+  State(const scene::CompiledScene& scene, const scene::Instrument& instrument, std::size_t max_groups,
+        const std::array<float, 3>& sun, int threads)
+      : context(pick_device(threads)),
+        buffers(context, scene),
+        plan(sun_only_plan(sun)),
+        shape(render::make_stage_shape(instrument, plan, sensors::pixels_per_group(instrument))),
+        stages(context, scene, buffers, instrument, plan, shape, 1),
+        width(static_cast<std::size_t>(shape.pixels_per_group)),
+        traced(context, shape, max_groups * width, max_groups) {}
+
+  std::size_t pixels() const { return group_count * width; }
+
+  cl::Context context;
+  render::SceneBuffers buffers;
+  plan::Plan plan;
+  render::StageShape shape;
+  render::TraceStages stages;
+  std::size_t width;
+  render::TraceBuffers traced;
+  std::size_t group_count = 0;
+};
+
+TraceRig::TraceRig(const scene::CompiledScene& scene, const scene::Instrument& instrument, std::size_t max_groups,
+                   const std::array<float, 3>& sun, int threads)
+    : state_(std::make_unique<State>(scene, instrument, max_groups, sun, threads)) {}
+TraceRig::~TraceRig() = default;
+
+void TraceRig::set_groups(const std::vector<shared::RayGroup>& groups) {
+  state_->group_count = groups.size();
+  state_->traced.groups.write(groups);
+}
+
+TraceRig::Times TraceRig::run(std::uint32_t first_line) {
+  State& s = *state_;
+  // One long line: the groups need not be neighbours.
+  const render::TileLayout layout{static_cast<std::uint32_t>(s.pixels()), static_cast<std::uint32_t>(s.group_count)};
+  std::map<std::string, double> stage_s;
+  s.stages.run({first_line, 0, 1}, layout, 0, s.traced, stage_s);
+  Times times;
+  for (const auto& [stage, seconds] : stage_s) {
+    if (stage.find("primary") != std::string::npos) times.primary_s += seconds;
+    if (stage.find("sun") != std::string::npos) times.sun_s += seconds;
+  }
+  return times;
+}
+
+std::vector<RayResult> TraceRig::hits() const {
+  const State& s = *state_;
+  const auto samples = static_cast<std::size_t>(s.shape.samples), padded = static_cast<std::size_t>(s.shape.padded_samples);
+  std::vector<std::uint32_t> raw(s.pixels() * 2 * padded);
+  s.traced.hits.read(raw);
+  std::vector<RayResult> results(s.pixels() * samples);
+  for (std::size_t p = 0; p < s.pixels(); ++p)
+    for (std::size_t k = 0; k < samples; ++k) results[p * samples + k] = {raw[p * 2 * padded + k], raw[(p * 2 + 1) * padded + k]};
+  return results;
+}
+
+std::vector<RayResult> TraceRig::sun() const {
+  const State& s = *state_;
+  const auto samples = static_cast<std::size_t>(s.shape.samples), words = static_cast<std::size_t>(s.shape.padded_samples) / 16;
+  std::vector<std::uint16_t> mask(s.pixels() * words);
+  s.traced.sun.read(mask);
+  const ShadowRays rays = shadow_rays();
+  std::vector<RayResult> results(s.pixels() * samples);
+  for (std::size_t p = 0; p < s.pixels(); ++p)
+    for (std::size_t k = 0; k < samples; ++k) {
+      const bool traced = !std::isnan(rays.x[p * samples + k]), seen = mask[p * words + k / 16] >> (k % 16) & 1u;
+      results[p * samples + k] = {traced && !seen ? RC_NONE : 0u, 0};
+    }
+  return results;
+}
+
+ShadowRays TraceRig::shadow_rays() const {
+  const State& s = *state_;
+  const auto samples = static_cast<std::size_t>(s.shape.samples), padded = static_cast<std::size_t>(s.shape.padded_samples);
+  std::vector<float> surface(s.pixels() * 6 * padded);
+  s.traced.surface.read(surface);
+  ShadowRays rays;
+  for (int i = 0; i < 3; ++i) rays.direction[i] = s.plan.sun_direction[static_cast<std::size_t>(i)];
+  const std::size_t count = s.pixels() * samples;
+  rays.x.resize(count);
+  rays.y.resize(count);
+  rays.z.resize(count);
+  const auto& d = rays.direction;
+  for (std::size_t p = 0; p < s.pixels(); ++p)
+    for (std::size_t k = 0; k < samples; ++k) {
+      const float* at = surface.data() + p * 6 * padded + k;
+      const float cosine = std::fma(at[3 * padded], d[0], std::fma(at[4 * padded], d[1], at[5 * padded] * d[2]));
+      const std::size_t i = p * samples + k;
+      rays.x[i] = cosine > 0.0f ? at[0] : std::numeric_limits<float>::quiet_NaN();
+      rays.y[i] = at[padded];
+      rays.z[i] = at[2 * padded];
+    }
+  return rays;
+}
+
+const std::string& TraceRig::build_options() const { return state_->stages.options(); }
+std::string TraceRig::device_name() const { return state_->context.device().name(); }
+
+}  // namespace raycube::bench
