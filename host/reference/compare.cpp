@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <cmath>
 #include <exception>
 #include <mutex>
+#include <numeric>
 #include <thread>
 
 #include "host/base/error.h"
@@ -48,9 +50,10 @@ Comparison::Comparison(const scene::CompiledScene& scene, const plan::Plan& plan
 
 Comparison::~Comparison() = default;
 
-/// The device keeps, of a sample's sky rays, the irradiance that the blocked ones take away. Where that differs, one, two or
-/// three directions are sought whose turning accounts for it in every component; they are explained when each is a tie to the
-/// double traversal, and then `blocked` follows the device.
+/// The device keeps, of a sample's sky rays, the irradiance that the blocked ones take away. Where that differs, directions
+/// are sought whose turning accounts for it in every component. Only ties of the double traversal may turn; then `blocked`
+/// follows the device. Any subset is tried of up to 16 ties, else up to three, or all seen (or blocked) ones at once: a
+/// leaf that passes through the point within rounding puts it on one side or the other for every direction.
 void Comparison::compare_sky(const Sample& sample, std::uint32_t number, const float* device, BlockedDirections& blocked,
                              Result& result) const {
   using Components = std::array<double, 4>;
@@ -85,19 +88,40 @@ void Comparison::compare_sky(const Sample& sample, std::uint32_t number, const f
     const glm::dvec3 direction(d.x, d.y, d.z);
     if (glm::dot(sample.normal, direction) > 0 && scene_.sees_in_double(sample, direction) == Visibility::uncertain) ties.push_back(k);
   }
-  const auto turn = [&](std::initializer_list<std::size_t> rays) {
+  const auto turn = [&](const std::vector<std::size_t>& rays) {
+    Components left = residual;
+    for (std::size_t k : rays) left = without(left, effect[k]);
+    if (rays.empty() || !within(left)) return false;
     for (std::size_t k : rays) blocked[k] = !blocked[k];
     result.sky_explained += rays.size();
+    return true;
   };
-  for (std::size_t i : ties)
-    if (within(without(residual, effect[i]))) return turn({i});
-  for (std::size_t i : ties)
-    for (std::size_t j : ties)
-      if (i < j && within(without(without(residual, effect[i]), effect[j]))) return turn({i, j});
-  for (std::size_t i : ties)
-    for (std::size_t j : ties)
-      for (std::size_t k : ties)
-        if (i < j && j < k && within(without(without(without(residual, effect[i]), effect[j]), effect[k]))) return turn({i, j, k});
+  const std::size_t n = ties.size();
+  if (n <= 16) {
+    std::vector<std::uint32_t> subsets(std::size_t{1} << n);
+    std::iota(subsets.begin(), subsets.end(), 0u);
+    std::stable_sort(subsets.begin(), subsets.end(), [](std::uint32_t x, std::uint32_t y) { return std::popcount(x) < std::popcount(y); });
+    std::vector<std::size_t> rays;
+    for (std::uint32_t subset : subsets) {
+      rays.clear();
+      for (std::size_t i = 0; i < n; ++i)
+        if (subset >> i & 1u) rays.push_back(ties[i]);
+      if (turn(rays)) return;
+    }
+  } else {
+    std::vector<std::size_t> seen, hidden;
+    for (std::size_t k : ties) (blocked[k] ? hidden : seen).push_back(k);
+    if (turn(seen) || turn(hidden)) return;
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t j = i; j < n; ++j)
+        for (std::size_t k = j; k < n; ++k) {
+          // i = j = k, and j = k: one and two rays.
+          std::vector<std::size_t> rays{ties[i]};
+          if (j > i) rays.push_back(ties[j]);
+          if (k > j) rays.push_back(ties[k]);
+          if ((j > i || k == j) && turn(rays)) return;
+        }
+  }
   ++result.sky_unexplained;
   result.excluded = true;
 }
