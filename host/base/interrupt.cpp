@@ -4,6 +4,8 @@
 #include <atomic>
 #include <csignal>
 #include <cstring>
+#include <exception>
+#include <string_view>
 
 #include <unistd.h>
 
@@ -20,15 +22,30 @@ std::array<Slot, 64> slots;
 std::atomic<int> arrived{0};
 static_assert(std::atomic<int>::is_always_lock_free, "the handler needs lock-free flags");
 
+void remove_temporaries() noexcept {
+  for (auto& slot : slots)
+    if (slot.state.load() == 2) ::unlink(slot.path);
+}
+
 extern "C" void raycube_on_signal(int number) {
   int none = 0;
   if (arrived.compare_exchange_strong(none, number)) return;
-  for (auto& slot : slots)
-    if (slot.state.load() == 2) ::unlink(slot.path);
+  remove_temporaries();
   ::_exit(static_cast<int>(Fault::interrupted));
 }
 
+[[noreturn]] void on_terminate() noexcept {
+  leave_at_once("our bug, please report it with the command and its input: std::terminate was called", Fault::bug);
+}
+
 }  // namespace
+
+void leave_at_once(std::string_view message, Fault fault) noexcept {
+  remove_temporaries();
+  for (const std::string_view part : {std::string_view("raycube: error: "), message, std::string_view("\n")})
+    if (::write(STDERR_FILENO, part.data(), part.size()) < 0) break;
+  ::_exit(static_cast<int>(fault));
+}
 
 void install_signal_handlers() {
   struct sigaction action {};
@@ -37,6 +54,7 @@ void install_signal_handlers() {
   action.sa_flags = SA_RESTART;
   ::sigaction(SIGINT, &action, nullptr);
   ::sigaction(SIGTERM, &action, nullptr);
+  std::set_terminate(on_terminate);
   ::signal(SIGXFSZ, SIG_IGN);
 }
 

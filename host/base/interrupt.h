@@ -4,11 +4,18 @@
 #pragma once
 
 #include <string>
+#include <string_view>
+
+#include "host/base/error.h"
 
 namespace raycube::base {
 
-/// Installs the handlers of SIGINT and SIGTERM, and ignores SIGXFSZ so that a file-size limit is an error of write().
+/// Installs the handlers of SIGINT and SIGTERM, gives std::terminate a message and exit status 70, and ignores SIGXFSZ so that
+/// a file-size limit is an error of write().
 void install_signal_handlers();
+
+/// Removes the registered temporaries, prints `message` and ends the process, running nothing else. Safe in a signal handler.
+[[noreturn]] void leave_at_once(std::string_view message, Fault fault) noexcept;
 
 /// True once SIGINT or SIGTERM has arrived.
 bool interrupted() noexcept;

@@ -25,6 +25,7 @@ Error failed(const std::string& path, const std::string& what, int code) {
   std::string way_out;
   if (code == ENOSPC || code == EDQUOT) way_out = "; free some space or choose another place with -o";
   if (code == EACCES || code == EROFS || code == EPERM) way_out = "; choose a folder you may write to with -o";
+  if (code == ENOTDIR || code == EEXIST) way_out = "; a file stands where a folder is wanted, choose another -o";
   if (code == EFBIG) way_out = "; the file-size limit (ulimit -f) or the file system is too small";
   return Error(Fault::environment, path + ": " + what + ": " + std::strerror(code) + way_out);
 }

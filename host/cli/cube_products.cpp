@@ -2,8 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
+#include <cstring>
+#include <filesystem>
 #include <optional>
 
 #include "host/base/error.h"
@@ -89,6 +94,23 @@ std::size_t layer_index(const std::vector<render::LayerName>& layers, const std:
 }
 
 }  // namespace
+
+void check_output_place(const std::string& folder, bool overwrite) {
+  namespace fs = std::filesystem;
+  std::error_code code;
+  for (const char* name : {"radiance.img", "run.json"})
+    if (!overwrite && fs::exists(fs::path(folder) / name, code))
+      throw base::Error(base::Fault::input, (fs::path(folder) / name).string() +
+                                                ": is there already; give --overwrite to replace it, or another -o");
+  fs::path place = fs::absolute(folder);
+  while (!fs::exists(place, code) && place.has_relative_path()) place = place.parent_path();
+  if (!fs::is_directory(place, code))
+    throw base::Error(base::Fault::environment, folder + ": the folder cannot be made: " + place.string() +
+                                                    " is a file; choose another -o");
+  if (::access(place.c_str(), W_OK) != 0)
+    throw base::Error(base::Fault::environment, folder + ": cannot be written: " + place.string() + ": " + std::strerror(errno) +
+                                                    "; choose a folder you may write to with -o");
+}
 
 struct CubeProducts::State {
   State(const std::string& folder, base::IfExists if_exists, const scene::Simulation& simulation_, const InstrumentJob& job_)

@@ -10,6 +10,10 @@
 
 namespace raycube::cli {
 
+/// Refuses before the work what the end of it would refuse: a cube that is there already (unless replaced), a place that cannot
+/// be a folder or cannot be written. Makes nothing.
+void check_output_place(const std::string& folder, bool overwrite);
+
 class CubeProducts {
  public:
   /// Begins the files in `folder`; refuses at once what exists (unless replaced) and a disk without room.

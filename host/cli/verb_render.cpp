@@ -9,8 +9,8 @@
 #include "host/base/progress.h"
 #include "host/cl/device.h"
 #include "host/cli/cube_products.h"
+#include "host/cli/dry_run.h"
 #include "host/cli/simulation_job.h"
-#include "host/sensors/ray_groups.h"
 
 namespace raycube::cli {
 
@@ -22,24 +22,6 @@ struct Options {
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-/// What a dry run says of an instrument: the plan and the memory it will take.
-nlohmann::json describe(const InstrumentJob& job, const render::RenderOptions& options) {
-  const auto& instrument = *job.instrument;
-  const auto shape = render::make_stage_shape(instrument, job.plan, sensors::pixels_per_group(instrument));
-  const auto size = render::choose_tile_size(shape, instrument.pixels, instrument.lines, options.row_capacity,
-                                             options.memory_bytes / 3, options.memory_bytes, 0);
-  return {{"name", instrument.name},
-          {"pixels", instrument.pixels},
-          {"lines", instrument.lines},
-          {"bands", instrument.bands.size()},
-          {"samples_per_pixel", shape.samples},
-          {"tile_lines", size.lines},
-          {"tile_columns", size.columns},
-          {"device_bytes_per_pixel", shape.pixel_bytes() + shape.row_bytes(options.row_capacity)},
-          {"cube_bytes", std::uint64_t(instrument.pixels) * instrument.lines * instrument.bands.size() * sizeof(float)},
-          {"plan", nlohmann::json::parse(job.plan.report_json)}};
 }
 
 nlohmann::json render_one(const scene::Simulation& simulation, const InstrumentJob& job, render::Renderer& renderer,
@@ -108,11 +90,13 @@ int run(const Options& options, Context& context) {
   const std::filesystem::path out = context.common.output.empty() ? "out" : context.common.output;
   const auto settings = render_options(context.common);
   nlohmann::json result = {{"instruments", nlohmann::json::array()}};
+  if (!context.common.dry_run)
+    for (const auto* instrument : instruments) check_output_place((out / instrument->name).string(), context.common.overwrite);
   std::optional<render::Renderer> renderer;
   for (const auto* instrument : instruments) {
     const InstrumentJob job = prepare(simulation, *instrument, context);
     if (context.common.dry_run) {
-      result["instruments"].push_back(describe(job, settings));
+      result["instruments"].push_back(dry_run_json(simulation.scene, job, settings));
       continue;
     }
     if (!renderer) renderer.emplace(simulation.scene, settings);
@@ -125,11 +109,7 @@ int run(const Options& options, Context& context) {
   }
   for (const auto& item : result["instruments"]) {
     if (context.common.dry_run)
-      context.out << fmt::format("{}: {} x {} pixels, {} bands, {} samples per pixel, tiles of {} x {}, cube {}\n{}\n",
-                                 item["name"].get<std::string>(), item["pixels"].get<int>(), item["lines"].get<int>(),
-                                 item["bands"].get<int>(), item["samples_per_pixel"].get<int>(), item["tile_lines"].get<int>(),
-                                 item["tile_columns"].get<int>(), base::format_bytes(item["cube_bytes"].get<std::uint64_t>()),
-                                 item["plan"].dump(2));
+      context.out << dry_run_text(item);
     else
       context.out << item["cube"].get<std::string>() << "\n";
   }

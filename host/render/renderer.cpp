@@ -147,10 +147,9 @@ RenderStatistics Renderer::render(const scene::Instrument& instrument, const pla
   const auto& device = state_->context.device().info();
   const std::size_t budget = std::min<std::size_t>(state_->options.memory_bytes, device.global_memory_bytes);
   const std::size_t capacity = state_->row_capacity(setup.shape);
-  // A third for the tile's device buffers, a third for baked rows, a third for strips on their way out.
-  const TileSize size = choose_tile_size(setup.shape, instrument.pixels, instrument.lines, capacity, budget / 3,
+  const TileSize size = choose_tile_size(setup.shape, instrument.pixels, instrument.lines, capacity, budget / kBudgetShares,
                                          device.max_alloc_bytes, state_->options.tile_lines);
-  TileWorker worker(setup, static_cast<std::size_t>(size.lines) * size.columns, size.lines, capacity, budget / 3);
+  TileWorker worker(setup, static_cast<std::size_t>(size.lines) * size.columns, size.lines, capacity, budget / kBudgetShares);
 
   const std::size_t bands = setup.shape.bands, layers = truth_layer_names(state_->scene).size();
   const std::uint64_t all_pixels = static_cast<std::uint64_t>(instrument.lines) * instrument.pixels;
@@ -189,7 +188,7 @@ void Renderer::probe(const scene::Instrument& instrument, const plan::Plan& plan
     pixels = std::max(pixels, tile.pixels());
     lines = std::max(lines, tile.lines);
   }
-  TileWorker worker(setup, pixels, lines, state_->row_capacity(setup.shape), state_->options.memory_bytes / 3);
+  TileWorker worker(setup, pixels, lines, state_->row_capacity(setup.shape), state_->options.memory_bytes / kBudgetShares);
   const std::size_t layers = truth_layer_names(state_->scene).size();
   for (const auto& tile : tiles) {
     base::throw_if_interrupted();

@@ -67,8 +67,9 @@ TileSize choose_tile_size(const StageShape& shape, int pixels, int lines, std::s
   const std::size_t columns = fit / RC_GROUP_WIDTH * RC_GROUP_WIDTH;
   if (columns == 0)
     throw base::Error(base::Fault::input,
-                      "the memory budget is too small for one group of pixels: need " +
-                          std::to_string(per_pixel * RC_GROUP_WIDTH) + " bytes, granted " + std::to_string(budget_bytes) +
+                      "--memory is too small for one group of pixels: need " +
+                          std::to_string(kBudgetShares * std::max(per_pixel, largest) * RC_GROUP_WIDTH) + " bytes, found " +
+                          std::to_string(kBudgetShares * budget_bytes) +
                           "; raise --memory, or lower the samples per pixel or the number of bands");
   return {1, static_cast<int>(columns)};
 }

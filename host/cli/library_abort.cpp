@@ -1,0 +1,22 @@
+// PoCL asserts or aborts when a file of its kernel cache is damaged, and LLVM's own SIGABRT handler keeps ours from being
+// called. So the program brings its own abort and __assert_fail, which libraries loaded into it call in place of libc's.
+// raycube itself calls neither (base::install_signal_handlers takes std::terminate), so an abort is a library's.
+#include <cstdio>
+#include <cstdlib>
+
+#include "host/base/interrupt.h"
+
+extern "C" {
+
+[[noreturn]] void abort() noexcept {
+  raycube::base::leave_at_once(
+      "a library ended the program, most likely the OpenCL driver; what it said stands above. A damaged kernel cache does "
+      "that: remove the cache (PoCL: $POCL_CACHE_DIR, else ~/.cache/pocl/kcache) and run again",
+      raycube::base::Fault::device);
+}
+
+[[noreturn]] void __assert_fail(const char* assertion, const char* file, unsigned line, const char* function) noexcept {
+  std::fprintf(stderr, "%s:%u: %s: assertion `%s' failed\n", file, line, function, assertion);
+  abort();
+}
+}

@@ -1,0 +1,108 @@
+"""What the tests that drive the program share: runs, checks, small scenes, an ENVI reader that owes ours nothing."""
+import json
+import os
+import pathlib
+import subprocess
+
+import numpy
+
+kTypes = {1: "u1", 2: "i2", 3: "i4", 4: "f4", 5: "f8", 12: "u2", 13: "u4"}
+
+
+class Program:
+    """The raycube under test; counts what was checked."""
+
+    def __init__(self, path):
+        self.path = str(pathlib.Path(path).resolve())
+        self.checks = 0
+
+    def run(self, *arguments, status=0, env=None, **more):
+        more.setdefault("timeout", 300)
+        done = subprocess.run([self.path, *map(str, arguments)], capture_output=True, text=True,
+                              env={**os.environ, **(env or {})}, **more)
+        assert done.returncode == status, f"{arguments}: status {done.returncode}, not {status}\n{done.stdout}{done.stderr}"
+        return done
+
+    def start(self, *arguments, env=None):
+        return subprocess.Popen([self.path, *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                                env={**os.environ, **(env or {})})
+
+    def check(self, condition, *what):
+        self.checks += 1
+        assert condition, what
+
+    def refused(self, *arguments, status, says, messages=1, env=None, **more):
+        """Exactly `messages` error lines, each part of `says` in them, nothing on stdout."""
+        done = self.run(*arguments, status=status, env=env, **more)
+        lines = [line for line in done.stderr.splitlines() if line.startswith("raycube: error: ")]
+        self.check(len(lines) == messages and done.stdout == "", done.stderr, done.stdout)
+        for part in says:
+            self.check(part in done.stderr, part, done.stderr)
+        return done
+
+
+def header_of(path):
+    """An ENVI header as a dictionary of text; lists are split at commas."""
+    text = pathlib.Path(path).read_text()
+    assert text.startswith("ENVI\n") and "\t" not in text and text.count("{") == text.count("}")
+    out, rest = {}, text[5:]
+    while "=" in rest:
+        key, _, rest = rest.partition("=")
+        if rest.lstrip().startswith("{"):
+            value, _, rest = rest.lstrip()[1:].partition("}")
+            value = value.strip() if key.strip() == "description" else [part.strip() for part in value.split(",")]
+        else:
+            value, _, rest = rest.partition("\n")
+            value = value.strip()
+        out[key.strip()] = value
+    return out
+
+
+def envi(folder, name):
+    """(header, array [line][sample][band]) of folder/name.img; asserts that header and file size agree."""
+    header = header_of(pathlib.Path(folder) / (name + ".hdr"))
+    data = numpy.fromfile(pathlib.Path(folder) / (name + ".img"),
+                          dtype=numpy.dtype(kTypes[int(header["data type"])]).newbyteorder("<>"[int(header["byte order"])]))
+    lines, samples, bands = (int(header[key]) for key in ("lines", "samples", "bands"))
+    assert data.size == lines * samples * bands, (data.size, header)
+    if header["interleave"] == "bip":
+        return header, data.reshape(lines, samples, bands)
+    if header["interleave"] == "bil":
+        return header, data.reshape(lines, bands, samples).transpose(0, 2, 1)
+    assert header["interleave"] == "bsq", header
+    return header, data.reshape(bands, lines, samples).transpose(1, 2, 0)
+
+
+def record(folder):
+    return json.loads((pathlib.Path(folder) / "run.json").read_text())
+
+
+def scene(folder, name, *, head="", air='{ model = "none" }', pixels=24, lines=12, grid=3, instrument=""):
+    """Three grey strips (0.10, 0.45, 0.80) of 10 m side by side from west to east under the sun, seen from 500 m at 1 m."""
+    path = pathlib.Path(folder) / name
+    path.write_text(f"""format = 1
+{head}
+material = [
+  {{ name = "dark", reflectance = 0.10 }},
+  {{ name = "middle", reflectance = 0.45 }},
+  {{ name = "light", reflectance = 0.80 }},
+]
+plane = [
+  {{ material = "dark", position_m = [-10.0, 0.0, 0.0], size_m = [10.0, 40.0] }},
+  {{ material = "middle", size_m = [10.0, 40.0] }},
+  {{ material = "light", position_m = [10.0, 0.0, 0.0], size_m = [10.0, 40.0] }},
+]
+atmosphere = {air}
+time = {{ sun = {{ zenith_deg = 40.0, azimuth_deg = 150.0 }} }}
+[[instrument]]
+name = "camera"
+kind = "framing"
+altitude_agl_m = 500.0
+gsd_m = 1.0
+pixels = {pixels}
+lines = {lines}
+samples = {{ grid = [{grid}, {grid}] }}
+bands = {{ first_nm = 450.0, step_nm = 50.0, count = 10, fwhm_nm = 20.0 }}
+{instrument}
+""")
+    return path

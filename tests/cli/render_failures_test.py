@@ -1,0 +1,123 @@
+#!/usr/bin/env python3
+"""`raycube render` when the machine or the user stops it (REQUIREMENTS section 4, Machine): one clear error with its way out,
+the documented exit status, and never a half-written file under a final name.
+usage: render_failures_test.py RAYCUBE"""
+import pathlib
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+from driver import Program, record, scene
+
+program = Program(sys.argv[1])
+run, check, refused = program.run, program.check, program.refused
+
+
+def files(folder):
+    """Every file below a folder, hidden ones too."""
+    return sorted(path for path in pathlib.Path(folder).rglob("*") if not path.is_dir())
+
+
+def content(folder):
+    return {path: path.read_bytes() for path in files(folder)}
+
+
+def mid_render(file, out):
+    """A render that has begun to write its cube and will go on for long."""
+    process = program.start("render", file, "-o", out, "--memory", "32M", "-q")
+    deadline = time.monotonic() + 200
+    while not any(path.stat().st_size > 0 for path in (out / "camera").glob(".radiance.img.*")):
+        assert process.poll() is None and time.monotonic() < deadline, process.communicate()
+        time.sleep(0.05)
+    return process
+
+
+with tempfile.TemporaryDirectory() as work:
+    work = pathlib.Path(work)
+    tiny = scene(work, "tiny.toml")
+    long = scene(work, "long.toml", pixels=2000, lines=2000, grid=11)
+    before = set(files(work))
+
+    # Usage and places
+    refused("render", work / "none.toml", "-o", work / "o", status=2, says=["none.toml"])
+    refused("render", tiny, "-o", work / "o", "--instrument", "spectir", status=2, says=["'spectir'", "there are: camera"])
+    refused("render", tiny, "-o", tiny, status=3, says=["tiny.toml is a file", "another -o"])
+    refused("render", tiny, "-o", "/proc/raycube-out", status=3, says=["/proc/raycube-out", "-o"])
+    refused("render", tiny, "-o", work / "o", "--device", "nonesuch", status=2, says=["nonesuch", "  0: "], messages=2)
+    refused("render", tiny, "-o", work / "o", status=4, says=["no OpenCL device", "pocl-opencl-icd"],
+            env={"OCL_ICD_VENDORS": "/nonexistent"})
+    check(set(files(work)) == before and not (work / "o").exists())
+
+    # Too little memory: the error names the need, and that much is enough.
+    done = refused("render", tiny, "-o", work / "o", "--memory", "1K", status=2, says=["--memory is too small", "raise --memory"])
+    need = int(done.stderr.split("need ")[1].split(" bytes")[0])
+    check(set(files(work)) == before)
+    refused("render", tiny, "-o", work / "o", "--memory", str(need - 1), status=2, says=[f"need {need} bytes"])
+    run("render", tiny, "-o", work / "o", "--memory", str(need))
+    digest = record(work / "o" / "camera")["digest"]
+
+    # What is there stays as it is unless --overwrite is given.
+    kept = content(work / "o")
+    refused("render", tiny, "-o", work / "o", status=2, says=["is there already", "--overwrite"])
+    check(content(work / "o") == kept)
+    run("render", tiny, "-o", work / "o", "--overwrite")
+    check(record(work / "o" / "camera")["digest"] == digest and set(content(work / "o")) == set(kept))
+
+    # A read-only place, and a disk without room for the cube (11.5 kB): known before the first ray, nothing left. As mounts
+    # of a namespace of its own, since root may write into any folder.
+    place = work / "mounted"
+    place.mkdir()
+
+    def on_mount(options, says):
+        script = f'mount -t tmpfs -o {options} none {place} || exit 99; "$0" "$@"; s=$?; ls -AR {place}/out >&2; exit $s'
+        done = subprocess.run(["unshare", "-m", "sh", "-c", script, program.path, "render", tiny, "-o", place / "out", "-q"],
+                              capture_output=True, text=True, timeout=300)
+        check(done.returncode == 3 and done.stdout == "" and done.stderr.count("error: ") == 1, done)
+        check(all(part in done.stderr for part in says) and "radiance" not in done.stderr.split("\n", 1)[1], done.stderr)
+
+    if subprocess.run(["unshare", "-m", "mount", "-t", "tmpfs", "none", place], capture_output=True).returncode == 0:
+        on_mount("ro", [f"{place}/out/camera: cannot be written", "Read-only file system", "-o"])
+        on_mount("size=8k", ["radiance.img: no room for", "free some space", "-o"])
+    else:
+        print("render failures: SKIPPED the read-only and the full disk: mounts need root and CAP_SYS_ADMIN", flush=True)
+
+    # Two runs into one folder: the second is refused. Ctrl-C and SIGTERM: status 130, nothing left.
+    for number in (signal.SIGINT, signal.SIGTERM):
+        process = mid_render(long, work / "long")
+        if number == signal.SIGINT:
+            refused("render", tiny, "-o", work / "long", status=3, says=["another run is writing", "choose another -o"])
+        process.send_signal(number)
+        out, err = process.communicate(timeout=100)
+        check(process.returncode == 130 and out == "" and err.count("error: ") == 1 and "interrupted" in err,
+              process.returncode, out, err)
+        check(files(work / "long") == [], files(work / "long"))
+
+    # kill -9: only hidden temporaries are left, and the next run removes them.
+    process = mid_render(long, work / "long")
+    process.kill()
+    process.communicate()
+    left = files(work / "long")
+    check(left and all(path.name.startswith(".") for path in left), left)
+    run("render", tiny, "-o", work / "long")
+    check(record(work / "long" / "camera")["digest"] == digest)
+    check({path.name for path in files(work / "long")} == {path.name for path in kept})
+
+    # A damaged kernel cache: the driver gives up, the program says so with the way out. An empty cache is no damage.
+    cache = work / "cache"
+    cache.mkdir()
+    run("render", tiny, "-o", work / "cold", env={"POCL_CACHE_DIR": str(cache)})
+    check(record(work / "cold" / "camera")["digest"] == digest)
+    cached = [path for path in files(cache) if path.suffix in (".so", ".bc")]
+    if cached:
+        for suffix in (".so", ".bc"):
+            for path in cached:
+                if path.suffix == suffix:
+                    path.write_bytes(b"garbage")
+            refused("render", tiny, "-o", work / "damaged", status=4, says=["kernel cache", "POCL_CACHE_DIR"],
+                    env={"POCL_CACHE_DIR": str(cache)})
+            check(files(work / "damaged") == [])
+    else:
+        print("render failures: SKIPPED the damaged kernel cache: this OpenCL driver is not PoCL", flush=True)
+print(f"render failures: {program.checks} checks")
