@@ -38,7 +38,7 @@ inline float group_abscissa(int lane, int width, float u) {
 /// component by two fused multiply-adds (structs.def), so that any exact fma gives the same bits.
 inline Ray sample_ray(const shared::RayGroup& group, int lane, int width, float u, float v) {
   const float a = group_abscissa(lane, width, u);
-  const auto direction = [&](float d0, float du, float dv) { return std::fma(a, du, std::fma(v, dv, d0)); };
+  const auto direction = [&](float d0, float du, float dv) { return std::fma(v, dv, std::fma(a, du, d0)); };
   return {{std::fma(v, group.ov.x, group.origin.x), std::fma(v, group.ov.y, group.origin.y),
            std::fma(v, group.ov.z, group.origin.z)},
           {direction(group.d0.x, group.du.x, group.dv.x), direction(group.d0.y, group.du.y, group.dv.y),
