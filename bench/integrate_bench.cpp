@@ -58,8 +58,7 @@ void run_integrate(const Settings& settings, Report& report) {
   instrument.name = "synthetic";
   const auto shape = render::make_stage_shape(instrument, plan, RC_GROUP_WIDTH);
   const cl::Context context(pick_device(settings.threads));
-  const std::vector<float> sample_weight(static_cast<std::size_t>(shape.samples), 1.0f / static_cast<float>(shape.samples));
-  render::RowStages stages(context, scene, plan, shape, sample_weight);
+  render::RowStages stages(context, scene, plan, shape, sensors::SampleWeights(instrument));
   render::BandTable table(context, scene, plan, shape, 64 << 20);
   std::vector<std::uint64_t> keys;
   for (int m = 1; m <= kMaterials; ++m) keys.push_back(static_cast<std::uint64_t>(m));

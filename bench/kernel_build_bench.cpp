@@ -60,7 +60,7 @@ double kernel_build_s(const Settings& settings) {
   std::unique_ptr<render::RowStages> row_stages;
   std::unique_ptr<render::TraceStages> trace_stages;
   const double build_s = seconds_of([&] {
-    row_stages = std::make_unique<render::RowStages>(context, park.scene, job.plan, shape, sensors::psf_weights(instrument));
+    row_stages = std::make_unique<render::RowStages>(context, park.scene, job.plan, shape, sensors::SampleWeights(instrument));
     trace_stages = std::make_unique<render::TraceStages>(context, park.scene, buffers, instrument, job.plan, shape, park.seed);
   });
   const render::TileLayout layout{static_cast<std::uint32_t>(instrument.pixels), static_cast<std::uint32_t>(sensors::groups_per_line(instrument))};

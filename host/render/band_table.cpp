@@ -8,8 +8,10 @@
 namespace raycube::render {
 
 namespace {
+/// All keys of one pixel (256 at most, and the path) must be baked at once, whatever the budget.
+constexpr std::size_t kFewestRows = 257;
 std::size_t rows_that_fit(std::size_t bytes, std::size_t row_bytes, std::size_t most) {
-  return std::clamp<std::size_t>(bytes / row_bytes, 2, std::max<std::size_t>(2, most));
+  return std::min(std::max(bytes / row_bytes, kFewestRows), std::max<std::size_t>(2, most));
 }
 }  // namespace
 

@@ -16,7 +16,7 @@ namespace raycube::render {
 
 class BandTable {
  public:
-  /// Holds as many rows as `bytes` allow, at least two. Key 0 (path radiance) is baked at once and never leaves.
+  /// Holds as many rows as `bytes` allow, at least those of one pixel (257). Key 0 (path radiance) is baked at once and never leaves.
   BandTable(const cl::Context& context, const scene::CompiledScene& scene, const plan::Plan& plan, const StageShape& shape,
             std::size_t bytes);
 

@@ -1,5 +1,8 @@
 #include "host/render/row_stages.h"
 
+#include <algorithm>
+#include <utility>
+
 #include "kernels/kernel_source.h"
 #include "kernels/shared/rows.h"
 
@@ -15,14 +18,6 @@ std::string row_options(const StageShape& shape) {
          define("RC_VIEWS", shape.views) + define("RC_PATH_X", shape.path_x) + define("RC_PATH_Y", shape.path_y) +
          define("RC_CHANNELS", shape.channels) + define("RC_BANDS_PADDED", shape.bands_padded) +
          define("RC_PIXELS_PER_GROUP", shape.pixels_per_group) + define("RC_CHUNKED", shape.chunked());
-}
-
-/// One weight per sample, chunk by chunk, zero in the padding.
-std::vector<float> padded_weights(const StageShape& shape, std::span<const float> weight) {
-  std::vector<float> out(static_cast<std::size_t>(shape.chunks) * shape.padded_samples, 0.0f);
-  for (std::size_t s = 0; s < weight.size(); ++s)
-    out[s / shape.chunk_samples * shape.padded_samples + s % shape.chunk_samples] = weight[s];
-  return out;
 }
 
 std::size_t times_if_chunked(const StageShape& shape) { return shape.chunked() ? 2 : 1; }
@@ -50,12 +45,13 @@ TraceBuffers::TraceBuffers(const cl::Context& context, const StageShape& shape, 
       sky(context, pixels * 4 * shape.padded_samples, cl::Access::read_write, "blocked sky") {}
 
 RowStages::RowStages(const cl::Context& context, const scene::CompiledScene&, const plan::Plan& plan,
-                     const StageShape& shape, std::span<const float> sample_weight)
+                     const StageShape& shape, sensors::SampleWeights weights)
     : context_(context),
       plan_(plan),
       shape_(shape),
       options_(row_options(shape)),
-      sample_weight_(context, padded_weights(shape, sample_weight), cl::Access::read_only, "sample weights"),
+      weights_(std::move(weights)),
+      sample_weight_(context, static_cast<std::size_t>(shape.padded_samples), cl::Access::read_only, "sample weights"),
       irradiance_(context, plan.irradiance.value, cl::Access::read_only, "irradiance map"),
       no_list_(context, 1, cl::Access::read_only, "empty pixel list") {
   const auto build = [&](const char* name, std::optional<cl::Program>& program, std::optional<cl::Kernel>& kernel) {
@@ -72,11 +68,20 @@ RowStages::RowStages(const cl::Context& context, const scene::CompiledScene&, co
 void RowStages::shade(const PixelSelection& pixels, const TileLayout& layout, const TraceBuffers& traced,
                       const cl::Buffer<shared::TriBlock>& blocks, const cl::Buffer<shared::Surface>& surfaces, int chunk,
                       bool fresh, RowBuffers& rows) {
+  if (chunk != loaded_chunk_) {
+    const std::size_t first = static_cast<std::size_t>(chunk) * shape_.chunk_samples;
+    std::vector<float> padded = weights_.stretch(first, std::min<std::size_t>(shape_.chunk_samples, weights_.count() - first));
+    padded.resize(shape_.padded_samples, 0.0f);
+    context_.finish();  // a launch may still read the chunk before
+    sample_weight_.write(padded);
+    loaded_chunk_ = chunk;
+  }
   const auto& s = plan_.sun_direction;
   shade_->arguments(pixels.count, pixels.list ? *pixels.list : no_list_, cl_uint{pixels.list != nullptr},
-                    static_cast<cl_uint>(rows.capacity), static_cast<cl_uint>(chunk), static_cast<cl_uint>(fresh),
+                    static_cast<cl_uint>(rows.capacity), static_cast<cl_uint>(fresh),
                     traced.groups, layout.width, layout.groups_per_line, traced.hits, traced.surface, traced.sun,
-                    traced.sky, blocks, surfaces, sample_weight_, shared::rc_float4{s[0], s[1], s[2], 0}, irradiance_,
+                    traced.sky, blocks, surfaces, sample_weight_,
+                    static_cast<float>(1.0 / static_cast<double>(weights_.count())), shared::rc_float4{s[0], s[1], s[2], 0}, irradiance_,
                     static_cast<cl_uint>(plan_.irradiance.size), plan_.height.first, plan_.height.step, rows.count,
                     rows.keys, rows.sums, rows.path, rows.truth);
   context_.launch(*shade_, pixels.count);

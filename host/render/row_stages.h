@@ -3,12 +3,12 @@
 
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "host/cl/kernel.h"
 #include "host/render/band_table.h"
 #include "host/render/tile_shape.h"
+#include "host/sensors/psf.h"
 
 namespace raycube::render {
 
@@ -52,7 +52,7 @@ struct TileLayout {
 class RowStages {
  public:
   RowStages(const cl::Context& context, const scene::CompiledScene& scene, const plan::Plan& plan, const StageShape& shape,
-            std::span<const float> sample_weight);
+            sensors::SampleWeights weights);
 
   void shade(const PixelSelection& pixels, const TileLayout& layout, const TraceBuffers& traced,
              const cl::Buffer<shared::TriBlock>& blocks, const cl::Buffer<shared::Surface>& surfaces, int chunk, bool fresh,
@@ -74,7 +74,9 @@ class RowStages {
   std::string options_, identity_;
   std::optional<cl::Program> shade_program_, resolve_program_, integrate_program_;
   std::optional<cl::Kernel> shade_, resolve_, integrate_;
-  cl::Buffer<float> sample_weight_;
+  sensors::SampleWeights weights_;
+  cl::Buffer<float> sample_weight_;  ///< of one chunk, zero in the padding
+  int loaded_chunk_ = -1;
   cl::Buffer<shared::rc_float4> irradiance_;
   cl::Buffer<std::uint32_t> no_list_;
 };

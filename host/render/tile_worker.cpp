@@ -45,7 +45,7 @@ void TileWorker::timed(const std::string& stage, Action action) {
 TileWorker::TileWorker(const RenderSetup& setup, std::size_t pixels, int lines, std::size_t row_capacity,
                        std::size_t table_bytes)
     : setup_(setup),
-      row_stages_(setup.context, setup.scene, setup.plan, setup.shape, sensors::psf_weights(setup.instrument)),
+      row_stages_(setup.context, setup.scene, setup.plan, setup.shape, sensors::SampleWeights(setup.instrument)),
       trace_stages_(setup.context, setup.scene, setup.buffers, setup.instrument, setup.plan, setup.shape, setup.seed),
       table_(setup.context, setup.scene, setup.plan, setup.shape, table_bytes),
       traced_(setup.context, setup.shape, pixels,

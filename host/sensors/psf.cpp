@@ -28,7 +28,7 @@ std::vector<double> cell_shares(int cells, double support, double sigma) {
 
 }  // namespace
 
-std::vector<float> psf_weights(const scene::Instrument& instrument) {
+SampleWeights::SampleWeights(const scene::Instrument& instrument) {
   const int nu = instrument.samples_u, nv = instrument.samples_v;
   const double sigma = instrument.psf_sigma_px, support = instrument.psf_support_px;
   const auto refuse = [&](const std::string& what) {
@@ -37,23 +37,36 @@ std::vector<float> psf_weights(const scene::Instrument& instrument) {
   if (nu < 1 || nv < 1) throw refuse("a pixel has at least one sample, found " + std::to_string(nu) + " x " + std::to_string(nv));
   if (!(sigma >= 0) || !(support > 0))
     throw refuse("point spread needs sigma >= 0 and support > 0, found " + std::to_string(sigma) + " and " + std::to_string(support));
-  const std::size_t count = static_cast<std::size_t>(nu) * nv;
-  if (sigma == 0 && support == 1) return std::vector<float>(count, static_cast<float>(1.0 / count));
+  count_ = static_cast<std::size_t>(nu) * nv;
+  if (sigma == 0 && support == 1) return;
   if (instrument.sampler == scene::SamplerKind::lattice)
     throw refuse("a point spread needs the grid or jittered sampler: the lattice is shifted in each pixel and has no cells");
-  const auto along = cell_shares(nu, support, sigma), across = cell_shares(nv, support, sigma);
+  along_ = cell_shares(nu, support, sigma);
+  across_ = cell_shares(nv, support, sigma);
   double sum_u = 0, sum_v = 0;
-  for (double share : along) sum_u += share;
-  for (double share : across) sum_v += share;
+  for (double share : along_) sum_u += share;
+  for (double share : across_) sum_v += share;
   if (sum_u * sum_v < 0.99)
     throw refuse("point spread sigma " + std::to_string(sigma) + " px needs a wider support than " + std::to_string(support) +
                  " px, which holds only " + std::to_string(100 * sum_u * sum_v) + " % of it; try " +
                  std::to_string(std::ceil(1 + 5 * sigma)));
-  std::vector<float> weights(count);
-  for (int j = 0; j < nv; ++j)
-    for (int i = 0; i < nu; ++i)
-      weights[static_cast<std::size_t>(j) * nu + i] = static_cast<float>(along[i] * across[j] / (sum_u * sum_v));
+  for (double& share : along_) share /= sum_u;
+  for (double& share : across_) share /= sum_v;
+}
+
+std::vector<float> SampleWeights::stretch(std::size_t first, std::size_t count) const {
+  std::vector<float> weights(count, 1.0f);
+  if (along_.empty()) return weights;
+  for (std::size_t s = 0; s < count; ++s)
+    weights[s] = static_cast<float>(along_[(first + s) % along_.size()] * across_[(first + s) / along_.size()] * double(count_));
   return weights;
+}
+
+std::vector<float> psf_weights(const scene::Instrument& instrument) {
+  const SampleWeights weights(instrument);
+  std::vector<float> out = weights.stretch(0, weights.count());
+  for (float& w : out) w = static_cast<float>(double{w} / static_cast<double>(weights.count()));
+  return out;
 }
 
 }  // namespace raycube::sensors

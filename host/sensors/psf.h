@@ -1,6 +1,7 @@
 // Weight of each sample of a pixel.
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "scene_compiler/simulation.h"
@@ -13,5 +14,19 @@ namespace raycube::sensors {
 /// Throws Error(input) for a point spread with the lattice (its shifted points have no cells) and for a support that
 /// cuts more than 1 % of the response: need psf_support_px >= 1 + 5 sigma or so.
 std::vector<float> psf_weights(const scene::Instrument& instrument);
+
+/// The same weights a stretch at a time, so that memory does not grow with the samples of a pixel; relative to their mean
+/// 1 / count(), so that the plain box's are exactly 1.
+class SampleWeights {
+ public:
+  explicit SampleWeights(const scene::Instrument& instrument);
+  std::size_t count() const { return count_; }
+  /// Weights of samples first .. first + count - 1 (inside the pixel's).
+  std::vector<float> stretch(std::size_t first, std::size_t count) const;
+
+ private:
+  std::size_t count_ = 0;
+  std::vector<double> along_, across_;  ///< shares of columns and rows, sum 1 each; empty for the plain box
+};
 
 }  // namespace raycube::sensors
