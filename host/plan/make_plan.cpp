@@ -31,7 +31,8 @@ Domain make_domain(const scene::Simulation& simulation, const atmos::RenderTable
   const auto& scene = simulation.scene;
   if (!scene.blocks.empty() && scene.lo[2] <= scene.hi[2]) {
     domain.z_lo = static_cast<double>(scene.lo[2]);
-    domain.z_hi = static_cast<double>(scene.hi[2]);
+    // Rays look down: what towers over the sensor blocks light but is never seen.
+    domain.z_hi = std::max(domain.z_lo, std::min(static_cast<double>(scene.hi[2]), view.sensor_height_m));
   }
   domain.sun_zenith = simulation.sun.zenith_deg * kDegree;
   domain.sun_azimuth = simulation.sun.azimuth_deg * kDegree;
