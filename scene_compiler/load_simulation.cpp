@@ -3,12 +3,12 @@
 #include <cmath>
 #include <filesystem>
 
-#include "host/sensors/sun.h"
 #include "scene_compiler/csv_file.h"
 #include "scene_compiler/document.h"
 #include "scene_compiler/document_values.h"
 #include "scene_compiler/instrument_builder.h"
 #include "scene_compiler/scene_builder.h"
+#include "scene_compiler/sun_position.h"
 
 namespace raycube::scene {
 namespace {
@@ -83,7 +83,7 @@ Sun read_sun(const Record& root, const Origin& origin, Problems& problems) {
   const auto place = place_of_scene(root, origin, time->place("utc"), problems);
   if (!place) return sun;
   try {
-    sun = sensors::sun_from_time(time->text("utc"), place->latitude_deg, place->longitude_deg);
+    sun = sun_from_time(time->text("utc"), place->latitude_deg, place->longitude_deg);
     sun.azimuth_deg = std::fmod(sun.azimuth_deg - place->grid_north_azimuth_deg + 360.0, 360.0);
   } catch (const base::Error& error) {
     problems.add(time->place("utc"), error.what(), "", "");

@@ -1,3 +1,2 @@
 raycube_test(sensor_geometry SOURCES oracle/sensor_geometry_test.cpp LIBS raycube::sensors LABELS fast)
-raycube_test(sensor_sun SOURCES oracle/sensor_sun_test.cpp LIBS raycube::sensors LABELS fast)
 raycube_test(sampler SOURCES oracle/sampler_test.cpp LIBS raycube::sensors LABELS fast)

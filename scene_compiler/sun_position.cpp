@@ -1,4 +1,4 @@
-#include "host/sensors/sun.h"
+#include "scene_compiler/sun_position.h"
 
 #include <libnova/dynamical_time.h>
 #include <libnova/julian_day.h>
@@ -12,7 +12,7 @@
 
 #include "host/base/error.h"
 
-namespace raycube::sensors {
+namespace raycube::scene {
 namespace {
 
 bool is_leap(int year) { return (year % 4 == 0 && year % 100 != 0) || year % 400 == 0; }
@@ -52,7 +52,7 @@ double azimuth_from_libnova_deg(double libnova_azimuth_deg) {
   return azimuth < 0 ? azimuth + 360.0 : azimuth;
 }
 
-scene::Sun sun_from_time(const std::string& utc, double latitude_deg, double longitude_deg) {
+Sun sun_from_time(const std::string& utc, double latitude_deg, double longitude_deg) {
   ln_date date = parse_utc(utc);
   if (!(latitude_deg >= -90 && latitude_deg <= 90) || !(longitude_deg >= -180 && longitude_deg <= 360))
     throw base::Error(base::Fault::input, "place " + std::to_string(latitude_deg) + ", " + std::to_string(longitude_deg) +
@@ -70,7 +70,7 @@ scene::Sun sun_from_time(const std::string& utc, double latitude_deg, double lon
   ln_lnlat_posn observer{longitude_deg, latitude_deg};
   ln_hrz_posn horizontal{};
   ln_get_hrz_from_equ_sidereal_time(&sun, &observer, ln_get_apparent_sidereal_time(julian_day), &horizontal);
-  scene::Sun result;
+  Sun result;
   result.zenith_deg = 90.0 - horizontal.alt;
   result.azimuth_deg = azimuth_from_libnova_deg(horizontal.az);
   result.day_of_year = day_of_year(date);
@@ -78,13 +78,4 @@ scene::Sun sun_from_time(const std::string& utc, double latitude_deg, double lon
   return result;
 }
 
-double earth_sun_factor(int day) {
-  if (day == 0) return 1.0;
-  if (day < 0 || day > 366)
-    throw base::Error(base::Fault::input, "day of year " + std::to_string(day) + " lies outside 1..366 (0: no factor)");
-  const double psi = 2.0 * M_PI * (day - 1) / 365.0;
-  return 1.00011 + 0.034221 * std::cos(psi) + 0.00128 * std::sin(psi) + 0.000719 * std::cos(2 * psi) +
-         0.000077 * std::sin(2 * psi);
-}
-
-}  // namespace raycube::sensors
+}  // namespace raycube::scene

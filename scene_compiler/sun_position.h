@@ -5,19 +5,15 @@
 
 #include "scene_compiler/simulation.h"
 
-namespace raycube::sensors {
+namespace raycube::scene {
 
 /// Sun seen from latitude_deg (north positive, -90..90) and longitude_deg (east positive, -180..360) at `utc`
 /// ("2012-09-20T15:30:00Z", seconds may have a fraction, years 1900..2100). Apparent place from libnova (VSOP87, nutation,
 /// Delta T) with precession and light time added; without refraction and without parallax (0.0024 degrees at the horizon).
 /// Good to 0.004 degrees. Throws Error(input).
-scene::Sun sun_from_time(const std::string& utc, double latitude_deg, double longitude_deg);
-
-/// (mean distance / distance)^2, by which irradiance at 1 AU is multiplied. Spencer 1971, Search 2(5), 172; 1e-4.
-/// day_of_year 1..366; 0 gives 1.
-double earth_sun_factor(int day_of_year);
+Sun sun_from_time(const std::string& utc, double latitude_deg, double longitude_deg);
 
 /// libnova counts azimuth from south over west; raycube from north over east. Degrees, result 0..360.
 double azimuth_from_libnova_deg(double libnova_azimuth_deg);
 
-}  // namespace raycube::sensors
+}  // namespace raycube::scene
