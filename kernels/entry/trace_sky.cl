@@ -2,7 +2,7 @@
  * that blocked directions take away. Next: shading. */
 #include "kernels/geometry/trace_args.h"
 #include "kernels/geometry/samples.h"
-#include "kernels/geometry/bundle_shadow.h"
+#include "kernels/geometry/shadow_points.h"
 #include "kernels/geometry/ray_trace.h"
 
 kernel void trace_sky(global const BvhNode* restrict nodes, global const TriBlock* restrict blocks,
@@ -19,6 +19,7 @@ kernel void trace_sky(global const BvhNode* restrict nodes, global const TriBloc
     Points points;
     float sum[4 * RC_NPAD];
     points.words = RC_NWORDS;
+    points.costly = 0;
     for (uint word = 0; word < RC_NWORDS; ++word) {
       vstore16(vload16(word, in), word, points.x);
       vstore16(vload16(word, in + RC_NPAD), word, points.y);

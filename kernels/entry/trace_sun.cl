@@ -1,7 +1,7 @@
 /* Reads: surface points of make_surface, the scene. Writes: one bit per sample, sun seen or not. Next: shading. */
 #include "kernels/geometry/trace_args.h"
 #include "kernels/geometry/samples.h"
-#include "kernels/geometry/bundle_shadow.h"
+#include "kernels/geometry/shadow_points.h"
 #include "kernels/geometry/ray_trace.h"
 
 kernel void trace_sun(global const BvhNode* restrict nodes, global const TriBlock* restrict blocks,
@@ -12,6 +12,7 @@ kernel void trace_sun(global const BvhNode* restrict nodes, global const TriBloc
 #if RC_BUNDLE
   Points points;
   points.words = used * RC_NWORDS;
+  points.costly = 0;
   for (uint word = 0; word < points.words; ++word) {
     global const float* at = surface + (size_t)(place.pixel + word / RC_NWORDS) * (6u * RC_NPAD) + word % RC_NWORDS * 16u;
     vstore16(vload16(0, at), word, points.x);

@@ -1,25 +1,21 @@
-/* Which of many points see a direction that they share (sun, sky). The points are projected to the plane across the
- * direction; one traversal serves them all, triangles are set up 16 at a time and tested against words of 16 points. Points
- * whose words overlap go ray by ray. Every decision is that of the single-ray test, so the choice cannot change a result. */
+/* Points that share a direction (sun, sky), projected to the plane across it, against blocks of 16 triangles set up at once
+ * and tested on words of 16 points. Every decision is that of the single-ray test. */
 #ifndef RAYCUBE_KERNELS_GEOMETRY_BUNDLE_SHADOW_H
 #define RAYCUBE_KERNELS_GEOMETRY_BUNDLE_SHADOW_H
 
 #include "kernels/geometry/bundle.h"
-#include "kernels/geometry/ray_trace.h"
 
+#define RC_BLOCK_COST 4u   /* setting up a block, in candidate triangles */
 #define RC_POINTS (RC_GROUP_PIXELS * RC_NPAD)
 #define RC_POINT_WORDS (RC_POINTS / 16)
 #define RC_WORD_SLOTS ((RC_POINT_WORDS + 15) / 16 * 16)
-/* Words that cover each other more than this often lie scattered (hits in a crown spread along the view): a bundle then sets
- * up many triangles per point, and single rays are 3 times faster (instanced crowns of 20 000 triangles, AVX-512). */
-#define RC_SCATTERED 3.0f
-
 typedef struct Points {
   float x[RC_POINTS], y[RC_POINTS], z[RC_POINTS];   /* scene frame, m */
   float a[RC_POINTS], b[RC_POINTS], d[RC_POINTS];   /* plane coordinates and distance along the direction, m, about `centre` */
   float lo_a[RC_WORD_SLOTS], hi_a[RC_WORD_SLOTS], lo_b[RC_WORD_SLOTS], hi_b[RC_WORD_SLOTS], lo_d[RC_WORD_SLOTS];
   uint live[RC_WORD_SLOTS];                         /* bits of points that are neither blocked nor out of use */
   uint words;
+  uint costly;                                      /* bit m % 32: bundles through mesh m did not pay; start with 0 */
   float4 centre, towards, across_a, across_b;       /* scene frame; unit vectors */
 } Points;
 
@@ -44,6 +40,12 @@ static inline float rc_most16(float16 v) { return -rc_least16(-v); }
 static inline int16 rc_lanes(uint bits) {
   const int16 lane_bit = (int16)(1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768);
   return ((int16)(int)bits & lane_bit) != 0;
+}
+
+/* An empty word meets nothing any more. */
+static inline void rc_empty_word(Points* points, uint word) {
+  points->lo_a[word] = INFINITY;
+  points->hi_a[word] = -INFINITY;
 }
 
 static inline void rc_word_bounds(Points* points, uint word) {
@@ -105,12 +107,8 @@ static inline float4 rc_row_of(float4 e, float4 w0, float4 w1, float4 w2) {
  * 16 ulp of the vertex, 10 of the point. In another frame the centre's and the point's maps (4 roundings each of sums of
  * absolute products), mapped back, and both matrices' own rounding come on top: 12 ulp of those sums; and the vertex's error
  * is multiplied by the matrices' condition. */
-static inline void rc_frame_shadow(const Points* points, const Cluster* cluster, global const Instance* placed, ShadowFrame* frame, Cull* cull) {
+__attribute__((noinline)) static void rc_frame_bundle(const Points* points, const Cluster* cluster, global const Instance* placed, ShadowFrame* frame, Cull* cull) {
   const float4 w0 = placed->world_from_local_0, w1 = placed->world_from_local_1, w2 = placed->world_from_local_2;
-  frame->l0 = placed->local_from_world_0;
-  frame->l1 = placed->local_from_world_1;
-  frame->l2 = placed->local_from_world_2;
-  frame->same = placed->flags & 1u;
   frame->map.error_square = 0.0f;
   if (frame->same) {
     frame->map.origin = points->centre;
@@ -119,7 +117,6 @@ static inline void rc_frame_shadow(const Points* points, const Cluster* cluster,
     frame->map.z = points->towards;
     frame->map.error = 10.0f * RC_ULP * cluster->reach;
     frame->map.error_growth = 16.0f * RC_ULP;
-    frame->ray = rc_make_ray(points->centre, points->towards);
   } else {
     frame->map.origin = rc_map_point(frame->l0, frame->l1, frame->l2, points->centre);
     frame->map.a = rc_row_of(points->across_a, w0, w1, w2);
@@ -133,7 +130,6 @@ static inline void rc_frame_shadow(const Points* points, const Cluster* cluster,
     const float4 columns = fabs((float4)(w0.xyz, 0.0f)) + fabs((float4)(w1.xyz, 0.0f)) + fabs((float4)(w2.xyz, 0.0f));
     frame->map.error = RC_ULP * fma(12.0f, rc_dot3(columns, size), 10.0f * cluster->reach);
     frame->map.error_growth = 16.0f * RC_ULP * rc_dot3(columns, rows);
-    frame->ray = rc_make_ray(frame->map.origin, rc_map_vector(frame->l0, frame->l1, frame->l2, points->towards));
   }
   const float slack = fma(frame->map.error_growth, cluster->reach, frame->map.error);
   const float4 widen = frame->map.error_growth * frame->map.z;
@@ -145,6 +141,15 @@ static inline void rc_frame_shadow(const Points* points, const Cluster* cluster,
   rc_set_plane(cull, 2, widen + frame->map.b, slack - cluster->lo_b);
   rc_set_plane(cull, 3, widen - frame->map.b, slack + cluster->hi_b);
   rc_set_plane(cull, 4, frame->map.z, slack - cluster->lo_d);
+}
+
+/* The frame of the single-ray tests in a placed mesh. */
+static inline void rc_frame_rays(const Points* points, global const Instance* placed, ShadowFrame* frame) {
+  frame->l0 = placed->local_from_world_0;
+  frame->l1 = placed->local_from_world_1;
+  frame->l2 = placed->local_from_world_2;
+  frame->same = placed->flags & 1u;
+  frame->ray = rc_make_ray(points->centre, frame->same ? points->towards : rc_map_vector(frame->l0, frame->l1, frame->l2, points->towards));
 }
 
 /* The single-ray test of one triangle for 16 points: bit i = point i is blocked. Same operations, same bits as rc_hit_lane. */
@@ -175,14 +180,21 @@ static inline uint rc_block_word(const ShadowFrame* frame, const Points* points,
   return rc_mask16(((fmin(u, fmin(v, w)) >= 0.0f) | (fmax(u, fmax(v, w)) <= 0.0f)) & (det != 0.0f) & (distance > 0.0f));
 }
 
-/* Clears the bits of points that the block's triangles hide. Returns whether points are left. */
-static inline bool rc_shadow_block(const ShadowFrame* frame, const Cluster* cluster, Points* points, global const TriBlock* block) {
+static inline bool rc_points_left(const Points* points) {
+  uint left = 0;
+  for (uint word = 0; word < points->words; ++word) left |= points->live[word];
+  return left != 0u;
+}
+
+/* Clears the bits of points that the block's triangles hide. Returns what it cost, in candidates. */
+__attribute__((noinline)) static uint rc_shadow_block(const ShadowFrame* frame, const Cluster* cluster, Points* points, global const TriBlock* block) {
   const Setup s = rc_setup_block(&frame->map, block, false);
   const float16 depth_band = fma(s.band, fabs(s.q1) + fabs(s.q2), 2.0f * s.error);
   const float16 hi_d = fmax(s.q0, fmax(s.q0 + s.q1, s.q0 + s.q2)) + depth_band;
   uint lanes = rc_mask16(s.usable & (s.lo_a <= cluster->hi_a) & (s.hi_a >= cluster->lo_a) & (s.lo_b <= cluster->hi_b) &
                          (s.hi_b >= cluster->lo_b) & (hi_d >= cluster->lo_d));
-  if (!lanes) return true;
+  if (!lanes) return RC_BLOCK_COST;
+  const uint cost = RC_BLOCK_COST + popcount(lanes);
   float l1a[16], l1b[16], l1c[16], l2a[16], l2b[16], l2c[16], q0[16], q1[16], q2[16], bands[16], depth_bands[16];
   float lo_a[16], hi_a[16], lo_b[16], hi_b[16], depths[16];
   vstore16(s.l1a, 0, l1a);
@@ -201,7 +213,6 @@ static inline bool rc_shadow_block(const ShadowFrame* frame, const Cluster* clus
   vstore16(s.lo_b, 0, lo_b);
   vstore16(s.hi_b, 0, hi_b);
   vstore16(hi_d, 0, depths);
-  bool darkened = false;
   for (; lanes; lanes &= lanes - 1u) {
     const uint lane = rc_lowest(lanes);
     const float16 band = bands[lane], depth = depth_bands[lane];
@@ -222,84 +233,11 @@ static inline bool rc_shadow_block(const ShadowFrame* frame, const Cluster* clus
         if (dark != maybe) dark |= rc_block_word(frame, points, word, block, lane) & maybe;
         if (!dark) continue;
         points->live[word] &= ~dark;
-        darkened = true;
-        if (!points->live[word]) {  /* an empty word meets nothing any more */
-          points->lo_a[word] = INFINITY;
-          points->hi_a[word] = -INFINITY;
-        }
+        if (!points->live[word]) rc_empty_word(points, word);
       }
     }
   }
-  if (!darkened) return true;
-  uint left = 0;
-  for (uint word = 0; word < points->words; ++word) left |= points->live[word];
-  return left != 0u;
-}
-
-static inline void rc_shadow_cluster(global const BvhNode* nodes, global const TriBlock* blocks, global const Instance* instances,
-                                     Points* points, Cluster cluster) {
-  /* The scene's own frame, to walk the top tree. */
-  Cull world, cull;
-  const float growth = 16.0f * RC_ULP, slack = (10.0f * RC_ULP + growth) * cluster.reach;
-  const float4 widen = growth * points->towards;
-  world.ox = points->centre.x;
-  world.oy = points->centre.y;
-  world.oz = points->centre.z;
-  rc_set_plane(&world, 0, widen + points->across_a, slack - cluster.lo_a);
-  rc_set_plane(&world, 1, widen - points->across_a, slack + cluster.hi_a);
-  rc_set_plane(&world, 2, widen + points->across_b, slack - cluster.lo_b);
-  rc_set_plane(&world, 3, widen - points->across_b, slack + cluster.hi_b);
-  rc_set_plane(&world, 4, points->towards, slack - cluster.lo_d);
-  cull = world;
-  ShadowFrame frame;
-  uint stack[RC_STACK];
-  uint top = 1, base = 0;  /* entries from base upwards belong to the tree of the instance entered last */
-  bool in_mesh = false;
-  stack[0] = 0;
-  while (top) {
-    if (in_mesh && top == base) {
-      in_mesh = false;
-      cull = world;
-    }
-    const uint entry = stack[--top], index = entry & ~RC_LEAF;
-    if (!(entry & RC_LEAF)) {
-      top = rc_push_children(&cull, 5, nodes, blocks, index, in_mesh, stack, top);
-    } else if (in_mesh) {
-      if (!rc_shadow_block(&frame, &cluster, points, blocks + index)) return;
-    } else {
-      rc_frame_shadow(points, &cluster, instances + index, &frame, &cull);
-      in_mesh = true;
-      stack[top] = instances[index].root;
-      base = top++;
-    }
-  }
-}
-
-/* Clears from points->live the points that something hides in the direction. Precondition: x, y, z, live and words set. */
-static inline void rc_shadow_points(global const BvhNode* nodes, global const TriBlock* blocks, global const Instance* instances,
-                                    float4 towards, Points* points) {
-  uint any = 0;
-  for (uint word = 0; word < points->words; ++word) any |= points->live[word];
-  if (!any) return;
-  for (uint word = points->words; word < RC_WORD_SLOTS; ++word) {
-    points->lo_a[word] = INFINITY;
-    points->hi_a[word] = -INFINITY;
-  }
-  rc_project_points(points, towards);
-  const Cluster all = rc_cluster(points);
-  float overlap = 0.0f;
-  for (uint word = 0; word < points->words; ++word)
-    if (points->live[word]) overlap += (points->hi_a[word] - points->lo_a[word]) * (points->hi_b[word] - points->lo_b[word]);
-  if (overlap <= RC_SCATTERED * (all.hi_a - all.lo_a) * (all.hi_b - all.lo_b)) {
-    rc_shadow_cluster(nodes, blocks, instances, points, all);
-    return;
-  }
-  for (uint word = 0; word < points->words; ++word)
-    for (uint bits = points->live[word]; bits; bits &= bits - 1u) {
-      const uint bit = rc_lowest(bits), k = word * 16u + bit;
-      const float4 point = (float4)(points->x[k], points->y[k], points->z[k], 0.0f);
-      if (rc_trace_ray(nodes, blocks, instances, point, towards, true).instance != RC_NONE) points->live[word] &= ~(1u << bit);
-    }
+  return cost;
 }
 
 #endif

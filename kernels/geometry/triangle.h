@@ -46,7 +46,7 @@ static inline float4 rc_map_vector(float4 r0, float4 r1, float4 r2, float4 v) {
                   fma(r2.x, v.x, fma(r2.y, v.y, r2.z * v.z)), 0.0f);
 }
 
-/* Bit i: lane i of the block is hit at a distance *t (in units of the direction's length) above 0. */
+/* Bit i: lane i of the block is hit at a distance *t (in units of the direction's length) above 0; *t is set when a bit is. */
 static inline uint rc_hit_block(Ray ray, global const TriBlock* block, float16* t) {
   global const float* at = (global const float*)block;
   const float ox = rc_component(ray.origin, ray.kx), oy = rc_component(ray.origin, ray.ky), oz = rc_component(ray.origin, ray.kz);
@@ -59,9 +59,11 @@ static inline uint rc_hit_block(Ray ray, global const TriBlock* block, float16* 
   const float16 u = cx * by - cy * bx, v = ax * cy - ay * cx, w = bx * ay - by * ax;
   const float16 least = fmin(u, fmin(v, w)), most = fmax(u, fmax(v, w));
   const float16 det = u + (v + w);
+  const int16 inside = ((least >= 0.0f) | (most <= 0.0f)) & (det != 0.0f);
+  if (!rc_mask16(inside)) return 0u;  /* most blocks: the ray goes between the triangles */
   const float16 distance = fma(u, az, fma(v, bz, w * cz)) * ray.sz / det;
   *t = distance;
-  return rc_mask16(((least >= 0.0f) | (most <= 0.0f)) & (det != 0.0f) & (distance > 0.0f));
+  return rc_mask16(inside & (distance > 0.0f));
 }
 
 #endif

@@ -1,0 +1,147 @@
+/* Which of many points see a direction that they share (sun, sky). One walk of the top tree serves them all; a placed mesh
+ * that it reaches is met by a bundle while that pays (terrain, walls: few triangles per point), else ray by ray (crowns).
+ * Every decision is that of the single-ray test, so the choice cannot change a result. */
+#ifndef RAYCUBE_KERNELS_GEOMETRY_SHADOW_POINTS_H
+#define RAYCUBE_KERNELS_GEOMETRY_SHADOW_POINTS_H
+
+#include "kernels/geometry/bundle_shadow.h"
+
+/* What a bundle may spend in one placed mesh, in candidate triangles, per point whose ray meets the mesh's box; as
+ * rc_shadow_block counts them. Past it the remaining points go ray by ray: in crowns a bundle sets up many triangles per
+ * point. Choice changes time, never a result. */
+#define RC_BUNDLE_COST 4u
+#define RC_FEW_POINTS 4u
+
+/* A ray of the frame's direction against one placed mesh: any hit? The same boxes and triangles as rc_trace_ray. */
+static inline bool rc_ray_meets(global const BvhNode* nodes, global const TriBlock* blocks, uint root, Ray ray, uint* stack, uint base) {
+  const uint x = ray.inverse.x < 0.0f ? 24u : 0u, y = ray.inverse.y < 0.0f ? 24u : 0u, z = ray.inverse.z < 0.0f ? 24u : 0u;
+  uint top = base;
+  stack[top++] = root;
+  while (top > base) {
+    global const BvhNode* node = nodes + stack[--top];
+    global const float* at = (global const float*)node;
+    const float8 enter = fmax(fmax((vload8(0, at + x) - ray.origin.x) * ray.inverse.x, (vload8(0, at + 8u + y) - ray.origin.y) * ray.inverse.y),
+                              fmax((vload8(0, at + 16u + z) - ray.origin.z) * ray.inverse.z, 0.0f));
+    const float8 leave = fmin(fmin((vload8(0, at + 24u - x) - ray.origin.x) * ray.inverse.x, (vload8(0, at + 32u - y) - ray.origin.y) * ray.inverse.y),
+                              (vload8(0, at + 40u - z) - ray.origin.z) * ray.inverse.z) * 1.0000008f;
+    uint boxes = rc_mask8(enter <= leave) & ((1u << node->count) - 1u);
+    uint leaves = boxes & node->leaf_mask;
+    for (boxes &= ~leaves; boxes; boxes &= boxes - 1u) {
+      const uint child = node->child[rc_lowest(boxes)];
+      rc_prefetch(nodes + child, 256);
+      stack[top++] = child;
+    }
+    for (; leaves; leaves &= leaves - 1u) {
+      float16 t;
+      if (rc_hit_block(ray, blocks + node->child[rc_lowest(leaves)], &t)) return true;
+    }
+  }
+  return false;
+}
+
+/* Clears the live points among `met` (a word of bits each) that the placed mesh hides, ray by ray. */
+__attribute__((noinline)) static void rc_shadow_rays(global const BvhNode* nodes, global const TriBlock* blocks, uint root, const ShadowFrame* frame,
+                                                     Points* points, const ushort* met, uint* stack, uint base) {
+  Ray ray = frame->ray;
+  for (uint word = 0; word < points->words; ++word) {
+    for (uint bits = points->live[word] & met[word]; bits; bits &= bits - 1u) {
+      const uint bit = rc_lowest(bits), k = word * 16u + bit;
+      ray.origin = (float4)(points->x[k], points->y[k], points->z[k], 0.0f);
+      if (!frame->same) ray.origin = rc_map_point(frame->l0, frame->l1, frame->l2, ray.origin);
+      if (rc_ray_meets(nodes, blocks, root, ray, stack, base)) points->live[word] &= ~(1u << bit);
+    }
+    if (!points->live[word]) rc_empty_word(points, word);
+  }
+}
+
+/* The live points whose rays meet a box of the top tree, and their number. The test of rc_ray_boxes. */
+static inline uint rc_rays_at_box(const Points* points, global const BvhNode* node, uint slot, ushort* met) {
+  const float ix = rc_safe_inverse(points->towards.x), iy = rc_safe_inverse(points->towards.y), iz = rc_safe_inverse(points->towards.z);
+  const float16 near_x = ix < 0.0f ? node->hi_x[slot] : node->lo_x[slot], far_x = ix < 0.0f ? node->lo_x[slot] : node->hi_x[slot];
+  const float16 near_y = iy < 0.0f ? node->hi_y[slot] : node->lo_y[slot], far_y = iy < 0.0f ? node->lo_y[slot] : node->hi_y[slot];
+  const float16 near_z = iz < 0.0f ? node->hi_z[slot] : node->lo_z[slot], far_z = iz < 0.0f ? node->lo_z[slot] : node->hi_z[slot];
+  uint count = 0;
+  for (uint word = 0; word < points->words; ++word) {
+    const float16 x = vload16(word, points->x), y = vload16(word, points->y), z = vload16(word, points->z);
+    const float16 enter = fmax(fmax((near_x - x) * ix, (near_y - y) * iy), fmax((near_z - z) * iz, 0.0f));
+    const float16 leave = fmin(fmin((far_x - x) * ix, (far_y - y) * iy), (far_z - z) * iz) * 1.0000008f;
+    const uint bits = points->live[word] ? rc_mask16(enter <= leave) & points->live[word] : 0u;
+    met[word] = (ushort)bits;
+    count += popcount(bits);
+  }
+  return count;
+}
+
+/* One bundle through one placed mesh; stops when it has cost more than `budget`. Returns whether it came to the end. */
+__attribute__((noinline)) static bool rc_shadow_mesh(global const BvhNode* nodes, global const TriBlock* blocks, uint root, const ShadowFrame* frame,
+                                                     const Cull* cull, const Cluster* cluster, Points* points, uint budget, uint* stack, uint base) {
+  uint top = base, cost = 0;
+  stack[top++] = root;
+  while (top > base) {
+    const uint entry = stack[--top];
+    if (!(entry & RC_LEAF)) {
+      top = rc_push_children(cull, 5, nodes, blocks, entry, true, stack, top);
+      continue;
+    }
+    cost += rc_shadow_block(frame, cluster, points, blocks + (entry & ~RC_LEAF));
+    if (!rc_points_left(points)) return true;
+    if (cost > budget) return false;
+  }
+  return true;
+}
+
+static inline void rc_shadow_cluster(global const BvhNode* nodes, global const TriBlock* blocks, global const Instance* instances,
+                                     Points* points, Cluster cluster) {
+  /* The scene's own frame, to walk the top tree. */
+  Cull world;
+  const float growth = 16.0f * RC_ULP, slack = (10.0f * RC_ULP + growth) * cluster.reach;
+  const float4 widen = growth * points->towards;
+  world.ox = points->centre.x;
+  world.oy = points->centre.y;
+  world.oz = points->centre.z;
+  rc_set_plane(&world, 0, widen + points->across_a, slack - cluster.lo_a);
+  rc_set_plane(&world, 1, widen - points->across_a, slack + cluster.hi_a);
+  rc_set_plane(&world, 2, widen + points->across_b, slack - cluster.lo_b);
+  rc_set_plane(&world, 3, widen - points->across_b, slack + cluster.hi_b);
+  rc_set_plane(&world, 4, points->towards, slack - cluster.lo_d);
+  ushort met[RC_WORD_SLOTS];
+  uint stack[RC_STACK];
+  uint top = 1;
+  stack[0] = 0;
+  while (top) {
+    global const BvhNode* node = nodes + stack[--top];
+    const uint boxes = rc_cull_boxes(&world, 5, node);
+    for (uint inner = boxes & ~node->leaf_mask; inner; inner &= inner - 1u) stack[top++] = node->child[rc_lowest(inner)];
+    for (uint leaves = boxes & node->leaf_mask; leaves; leaves &= leaves - 1u) {
+      const uint slot = rc_lowest(leaves);
+      uint count = rc_rays_at_box(points, node, slot, met);
+      if (!count) continue;
+      global const Instance* placed = instances + node->child[slot];
+      const uint mesh = 1u << (placed->mesh & 31u);
+      ShadowFrame frame;
+      rc_frame_rays(points, placed, &frame);
+      if (count > RC_FEW_POINTS && !(points->costly & mesh)) {
+        Cull cull;
+        rc_frame_bundle(points, &cluster, placed, &frame, &cull);
+        if (!rc_shadow_mesh(nodes, blocks, placed->root, &frame, &cull, &cluster, points, RC_BUNDLE_COST * (8u + count), stack, top))
+          points->costly |= mesh;
+        else
+          count = 0;
+      }
+      if (count) rc_shadow_rays(nodes, blocks, placed->root, &frame, points, met, stack, top);
+      if (!rc_points_left(points)) return;
+    }
+  }
+}
+
+/* Clears from points->live the points that something hides in the direction. Precondition: x, y, z, live, words and costly
+ * set. */
+static inline void rc_shadow_points(global const BvhNode* nodes, global const TriBlock* blocks, global const Instance* instances,
+                                    float4 towards, Points* points) {
+  if (!rc_points_left(points)) return;
+  for (uint word = points->words; word < RC_WORD_SLOTS; ++word) rc_empty_word(points, word);
+  rc_project_points(points, towards);
+  rc_shadow_cluster(nodes, blocks, instances, points, rc_cluster(points));
+}
+
+#endif
