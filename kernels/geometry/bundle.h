@@ -41,7 +41,7 @@ static inline uint rc_cull_boxes(const Cull* cull, int planes, global const BvhN
     const float8 x = vload8(0, at + cull->x_side[i]) - cull->ox;
     const float8 y = vload8(0, at + cull->y_side[i]) - cull->oy;
     const float8 z = vload8(0, at + cull->z_side[i]) - cull->oz;
-    least = fmin(least, fma(x, (float8)(cull->nx[i]), fma(y, (float8)(cull->ny[i]), fma(z, (float8)(cull->nz[i]), (float8)(cull->k[i])))));
+    least = rc_min8(least, fma(x, (float8)(cull->nx[i]), fma(y, (float8)(cull->ny[i]), fma(z, (float8)(cull->nz[i]), (float8)(cull->k[i])))));
   }
   return rc_mask8(least >= 0.0f) & ((1u << node->count) - 1u);
 }
@@ -86,10 +86,10 @@ static inline Setup rc_setup_block(const Projection* map, global const TriBlock*
     }
   }
   Setup s;
-  const float16 lo_a = fmin(a[0], fmin(a[1], a[2])), hi_a = fmax(a[0], fmax(a[1], a[2]));
-  const float16 lo_b = fmin(b[0], fmin(b[1], b[2])), hi_b = fmax(b[0], fmax(b[1], b[2]));
-  float16 largest = fmax(fmax(hi_a, -lo_a), fmax(hi_b, -lo_b));
-  if (!perspective) largest = fmax(largest, fmax(fabs(q[0]), fmax(fabs(q[1]), fabs(q[2]))));
+  const float16 lo_a = rc_min16(a[0], rc_min16(a[1], a[2])), hi_a = rc_max16(a[0], rc_max16(a[1], a[2]));
+  const float16 lo_b = rc_min16(b[0], rc_min16(b[1], b[2])), hi_b = rc_max16(b[0], rc_max16(b[1], b[2]));
+  float16 largest = rc_max16(rc_max16(hi_a, -lo_a), rc_max16(hi_b, -lo_b));
+  if (!perspective) largest = rc_max16(largest, rc_max16(fabs(q[0]), rc_max16(fabs(q[1]), fabs(q[2]))));
   const float16 error = fma(fma((float16)(map->error_square), largest, (float16)(map->error_growth)), largest, (float16)(map->error));
   s.error = error;
   s.lo_a = lo_a - error;

@@ -177,7 +177,7 @@ static inline uint rc_block_word(const ShadowFrame* frame, const Points* points,
   const float16 u = cx * by - cy * bx, v = ax * cy - ay * cx, w = bx * ay - by * ax;
   const float16 det = u + (v + w);
   const float16 distance = fma(u, az, fma(v, bz, w * cz)) * frame->ray.sz / det;
-  return rc_mask16(((fmin(u, fmin(v, w)) >= 0.0f) | (fmax(u, fmax(v, w)) <= 0.0f)) & (det != 0.0f) & (distance > 0.0f));
+  return rc_mask16(((rc_min16(u, rc_min16(v, w)) >= 0.0f) | (rc_max16(u, rc_max16(v, w)) <= 0.0f)) & (det != 0.0f) & (distance > 0.0f));
 }
 
 static inline bool rc_points_left(const Points* points) {
@@ -190,7 +190,7 @@ static inline bool rc_points_left(const Points* points) {
 __attribute__((noinline)) static uint rc_shadow_block(const ShadowFrame* frame, const Cluster* cluster, Points* points, global const TriBlock* block) {
   const Setup s = rc_setup_block(&frame->map, block, false);
   const float16 depth_band = fma(s.band, fabs(s.q1) + fabs(s.q2), 2.0f * s.error);
-  const float16 hi_d = fmax(s.q0, fmax(s.q0 + s.q1, s.q0 + s.q2)) + depth_band;
+  const float16 hi_d = rc_max16(s.q0, rc_max16(s.q0 + s.q1, s.q0 + s.q2)) + depth_band;
   uint lanes = rc_mask16(s.usable & (s.lo_a <= cluster->hi_a) & (s.hi_a >= cluster->lo_a) & (s.lo_b <= cluster->hi_b) &
                          (s.hi_b >= cluster->lo_b) & (hi_d >= cluster->lo_d));
   if (!lanes) return RC_BLOCK_COST;
@@ -225,7 +225,7 @@ __attribute__((noinline)) static uint rc_shadow_block(const ShadowFrame* frame, 
         const float16 a = vload16(word, points->a), b = vload16(word, points->b), d = vload16(word, points->d);
         const float16 l1 = fma((float16)(l1a[lane]), a, fma((float16)(l1b[lane]), b, (float16)(l1c[lane])));
         const float16 l2 = fma((float16)(l2a[lane]), a, fma((float16)(l2b[lane]), b, (float16)(l2c[lane])));
-        const float16 least = fmin(fmin(l1, l2), (1.0f - l1) - l2);
+        const float16 least = rc_min16(rc_min16(l1, l2), (1.0f - l1) - l2);
         const float16 gap = fma(l1, (float16)(q1[lane]), fma(l2, (float16)(q2[lane]), (float16)(q0[lane]))) - d;
         const uint maybe = rc_mask16((least >= -band) & (gap >= -depth)) & points->live[word];
         if (!maybe) continue;

@@ -15,8 +15,8 @@ static inline uint rc_ray_boxes(Ray ray, global const BvhNode* node, float t_max
   const float8 x0 = (vload8(0, node->lo_x) - ray.origin.x) * ray.inverse.x, x1 = (vload8(0, node->hi_x) - ray.origin.x) * ray.inverse.x;
   const float8 y0 = (vload8(0, node->lo_y) - ray.origin.y) * ray.inverse.y, y1 = (vload8(0, node->hi_y) - ray.origin.y) * ray.inverse.y;
   const float8 z0 = (vload8(0, node->lo_z) - ray.origin.z) * ray.inverse.z, z1 = (vload8(0, node->hi_z) - ray.origin.z) * ray.inverse.z;
-  const float8 enter = fmax(fmax(fmin(x0, x1), fmin(y0, y1)), fmax(fmin(z0, z1), 0.0f));
-  const float8 leave = fmin(fmin(fmax(x0, x1), fmax(y0, y1)), fmax(z0, z1)) * 1.0000008f;
+  const float8 enter = rc_max8(rc_max8(rc_min8(x0, x1), rc_min8(y0, y1)), rc_max8(rc_min8(z0, z1), 0.0f));
+  const float8 leave = rc_min8(rc_min8(rc_max8(x0, x1), rc_max8(y0, y1)), rc_max8(z0, z1)) * 1.0000008f;
   return rc_mask8((enter <= leave) & (enter <= t_max * 1.0000008f)) & ((1u << node->count) - 1u);
 }
 

@@ -20,9 +20,9 @@ static inline bool rc_ray_meets(global const BvhNode* nodes, global const TriBlo
   while (top > base) {
     global const BvhNode* node = nodes + stack[--top];
     global const float* at = (global const float*)node;
-    const float8 enter = fmax(fmax((vload8(0, at + x) - ray.origin.x) * ray.inverse.x, (vload8(0, at + 8u + y) - ray.origin.y) * ray.inverse.y),
-                              fmax((vload8(0, at + 16u + z) - ray.origin.z) * ray.inverse.z, 0.0f));
-    const float8 leave = fmin(fmin((vload8(0, at + 24u - x) - ray.origin.x) * ray.inverse.x, (vload8(0, at + 32u - y) - ray.origin.y) * ray.inverse.y),
+    const float8 enter = rc_max8(rc_max8((vload8(0, at + x) - ray.origin.x) * ray.inverse.x, (vload8(0, at + 8u + y) - ray.origin.y) * ray.inverse.y),
+                              rc_max8((vload8(0, at + 16u + z) - ray.origin.z) * ray.inverse.z, 0.0f));
+    const float8 leave = rc_min8(rc_min8((vload8(0, at + 24u - x) - ray.origin.x) * ray.inverse.x, (vload8(0, at + 32u - y) - ray.origin.y) * ray.inverse.y),
                               (vload8(0, at + 40u - z) - ray.origin.z) * ray.inverse.z) * 1.0000008f;
     uint boxes = rc_mask8(enter <= leave) & ((1u << node->count) - 1u);
     uint leaves = boxes & node->leaf_mask;
@@ -63,8 +63,8 @@ static inline uint rc_rays_at_box(const Points* points, global const BvhNode* no
   uint count = 0;
   for (uint word = 0; word < points->words; ++word) {
     const float16 x = vload16(word, points->x), y = vload16(word, points->y), z = vload16(word, points->z);
-    const float16 enter = fmax(fmax((near_x - x) * ix, (near_y - y) * iy), fmax((near_z - z) * iz, 0.0f));
-    const float16 leave = fmin(fmin((far_x - x) * ix, (far_y - y) * iy), (far_z - z) * iz) * 1.0000008f;
+    const float16 enter = rc_max16(rc_max16((near_x - x) * ix, (near_y - y) * iy), rc_max16((near_z - z) * iz, 0.0f));
+    const float16 leave = rc_min16(rc_min16((far_x - x) * ix, (far_y - y) * iy), (far_z - z) * iz) * 1.0000008f;
     const uint bits = points->live[word] ? rc_mask16(enter <= leave) & points->live[word] : 0u;
     met[word] = (ushort)bits;
     count += popcount(bits);

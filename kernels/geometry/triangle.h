@@ -57,7 +57,7 @@ static inline uint rc_hit_block(Ray ray, global const TriBlock* block, float16* 
   const float16 bx = fma(sx, bz, vload16(0, at + 48 + x) - ox), by = fma(sy, bz, vload16(0, at + 48 + y) - oy);
   const float16 cx = fma(sx, cz, vload16(0, at + 96 + x) - ox), cy = fma(sy, cz, vload16(0, at + 96 + y) - oy);
   const float16 u = cx * by - cy * bx, v = ax * cy - ay * cx, w = bx * ay - by * ax;
-  const float16 least = fmin(u, fmin(v, w)), most = fmax(u, fmax(v, w));
+  const float16 least = rc_min16(u, rc_min16(v, w)), most = rc_max16(u, rc_max16(v, w));
   const float16 det = u + (v + w);
   const int16 inside = ((least >= 0.0f) | (most <= 0.0f)) & (det != 0.0f);
   if (!rc_mask16(inside)) return 0u;  /* most blocks: the ray goes between the triangles */
