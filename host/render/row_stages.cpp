@@ -81,7 +81,7 @@ void RowStages::shade(const PixelSelection& pixels, const TileLayout& layout, co
                     static_cast<cl_uint>(rows.capacity), static_cast<cl_uint>(fresh),
                     traced.groups, layout.width, layout.groups_per_line, traced.hits, traced.surface, traced.sun,
                     traced.sky, blocks, surfaces, sample_weight_,
-                    static_cast<float>(1.0 / static_cast<double>(weights_.count())), shared::rc_float4{s[0], s[1], s[2], 0}, irradiance_,
+                    static_cast<float>(weights_.count()), shared::rc_float4{s[0], s[1], s[2], 0}, irradiance_,
                     static_cast<cl_uint>(plan_.irradiance.size), plan_.height.first, plan_.height.step, rows.count,
                     rows.keys, rows.sums, rows.path, rows.truth);
   context_.launch(*shade_, pixels.count);

@@ -3,7 +3,7 @@
  * Writes: row count, keys, sums, path sums, truth sums. Next: resolve.
  * One work-item per pixel, local size 1. Sums are masked float16 sums over sample groups in sample order, then one fixed
  * lane tree, so that row capacity, tile and work-group cannot change a bit. Sample weights come relative to their mean, 1 for
- * the plain box, so that a chunk's counts are exact; 1 / N multiplies the chunk's sums. */
+ * the plain box, so that a chunk's counts are exact; their number divides the chunk's sums. */
 #pragma OPENCL FP_CONTRACT OFF
 #include "kernels/shared/structs.h"
 #include "kernels/shared/rows.h"
@@ -67,7 +67,7 @@ __kernel void shade(const uint pixel_count, __global const uint* restrict pixel_
                     const uint tile_width, const uint groups_per_line, __global const uint* restrict hits,
                     __global const float* restrict surface_points, __global const ushort* restrict sun_bits,
                     __global const float* restrict sky_blocked, __global const TriBlock* restrict blocks,
-                    __global const Surface* restrict surfaces, __global const float* restrict chunk_weight, const float weight_scale,
+                    __global const Surface* restrict surfaces, __global const float* restrict chunk_weight, const float sample_total,
                     const float4 sun_direction, __global const float4* restrict irradiance_map, const uint map_size,
                     const float height_first, const float height_step, __global uint* restrict row_count,
                     __global ulong* restrict row_keys, __global float* restrict row_sums,
@@ -184,14 +184,14 @@ __kernel void shade(const uint pixel_count, __global const uint* restrict pixel_
       p_sum[h] += masked(weight * (1.0f - hf), hi == (uint16)(h)) + masked(weight * hf, hi + 1u == (uint16)(h));
 #endif
   }
-  for (int h = 0; h < RC_HEIGHTS; ++h) ADD(path, h, RC_HEIGHTS, lane_sum(p_sum[h]) * weight_scale);
-  ADD(truth_row, RC_TRUTH_HIT, RC_TRUTH_SUMS, lane_sum(t_hit) * weight_scale);
-  ADD(truth_row, RC_TRUTH_SUN, RC_TRUTH_SUMS, lane_sum(t_sun) * weight_scale);
-  ADD(truth_row, RC_TRUTH_X, RC_TRUTH_SUMS, lane_sum(t_x) * weight_scale);
-  ADD(truth_row, RC_TRUTH_Y, RC_TRUTH_SUMS, lane_sum(t_y) * weight_scale);
-  ADD(truth_row, RC_TRUTH_Z, RC_TRUTH_SUMS, lane_sum(t_z) * weight_scale);
-  ADD(truth_row, RC_TRUTH_RANGE, RC_TRUTH_SUMS, lane_sum(t_range) * weight_scale);
-  ADD(truth_row, RC_TRUTH_INCIDENCE, RC_TRUTH_SUMS, lane_sum(t_cos) * weight_scale);
+  for (int h = 0; h < RC_HEIGHTS; ++h) ADD(path, h, RC_HEIGHTS, lane_sum(p_sum[h]) / sample_total);
+  ADD(truth_row, RC_TRUTH_HIT, RC_TRUTH_SUMS, lane_sum(t_hit) / sample_total);
+  ADD(truth_row, RC_TRUTH_SUN, RC_TRUTH_SUMS, lane_sum(t_sun) / sample_total);
+  ADD(truth_row, RC_TRUTH_X, RC_TRUTH_SUMS, lane_sum(t_x) / sample_total);
+  ADD(truth_row, RC_TRUTH_Y, RC_TRUTH_SUMS, lane_sum(t_y) / sample_total);
+  ADD(truth_row, RC_TRUTH_Z, RC_TRUTH_SUMS, lane_sum(t_z) / sample_total);
+  ADD(truth_row, RC_TRUTH_RANGE, RC_TRUTH_SUMS, lane_sum(t_range) / sample_total);
+  ADD(truth_row, RC_TRUTH_INCIDENCE, RC_TRUTH_SUMS, lane_sum(t_cos) / sample_total);
 
   /* One surface at a time, in the order of its first sample. */
   for (int s = 0; s < RC_NSAMP; ++s) {
@@ -217,7 +217,7 @@ __kernel void shade(const uint pixel_count, __global const uint* restrict pixel_
       vstore16(select(ids, (uint16)(DONE), as_uint16(mine)), g, surface_id);
     }
     float total[ACCUMULATORS];
-    for (int i = 0; i < ACCUMULATORS; ++i) total[i] = lane_sum(sum[i]) * weight_scale;
+    for (int i = 0; i < ACCUMULATORS; ++i) total[i] = lane_sum(sum[i]) / sample_total;
     if (!deposit(keys, sums, &count, capacity, surfaces + id, total)) {
       count = RC_ROW_OVERFLOW;
       break;
