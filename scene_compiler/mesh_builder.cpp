@@ -144,7 +144,7 @@ void add_instance(const Record& record, const MeshIndex& index, SceneParts& part
   }
   if (record.boolean("on_terrain")) {
     const auto z = parts.terrain_height_m(matrix[3], matrix[7]);
-    if (!z)
+    if (!z && parts.terrains_whole)
       problems.add(record.place("on_terrain"), "on_terrain, but no terrain lies there",
                    "x " + number_text(matrix[3]) + ", y " + number_text(matrix[7]),
                    "move it, or set on_terrain = false");
@@ -156,7 +156,7 @@ void add_instance(const Record& record, const MeshIndex& index, SceneParts& part
 /// Drops a point on the terrain when asked to; false after reporting a place off the terrain.
 bool drop(const Record& record, const SceneParts& parts, const Where& where, std::array<double, 3>& p,
           Problems& problems) {
-  if (!record.boolean("on_terrain") || parts.terrains.empty()) return true;
+  if (!record.boolean("on_terrain") || parts.terrains.empty() || !parts.terrains_whole) return true;
   const auto z = parts.terrain_height_m(p[0], p[1]);
   if (!z) {
     problems.add(where, "place is off the terrain", "x " + number_text(p[0]) + ", y " + number_text(p[1]),
@@ -223,8 +223,9 @@ std::optional<std::array<double, 4>> region_bounds(const Record& record, const S
   }
   if (by_class && std::none_of(parts.terrain_classes.begin(), parts.terrain_classes.end(),
                                [](const auto& c) { return !c.empty(); })) {
-    problems.add(record.place("class"), "'class' needs a terrain with a class map",
-                 std::to_string(record.integer("class")), "give [[terrain]] a class_map");
+    if (parts.terrains_whole)
+      problems.add(record.place("class"), "'class' needs a terrain with a class map",
+                   std::to_string(record.integer("class")), "give [[terrain]] a class_map");
     return std::nullopt;
   }
   std::array<double, 4> b{1e300, 1e300, -1e300, -1e300};

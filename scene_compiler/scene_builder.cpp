@@ -16,7 +16,7 @@ std::array<double, 3> position_of(const Record& record, const SceneParts& parts,
   if (!record.boolean("on_terrain")) return position;
   if (const auto z = parts.terrain_height_m(p[0], p[1])) {
     position[2] += *z;
-  } else {
+  } else if (parts.terrains_whole) {
     problems.add(record.place("position_m"), "on_terrain, but no terrain lies there",
                  "x " + std::to_string(p[0]) + ", y " + std::to_string(p[1]),
                  "move it, or set on_terrain = false");

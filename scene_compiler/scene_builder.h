@@ -28,6 +28,7 @@ struct SceneParts {
   std::vector<NamedMesh> meshes;
   std::vector<Placed> placed;  ///< in file order: terrains, planes, boxes, instances, scatters
   std::vector<TerrainGrid> terrains;
+  bool terrains_whole = true;  ///< false: one could not be read and has been reported; heights say nothing
   std::vector<std::vector<int>> terrain_classes;  ///< class of each cell; empty without class map
   std::vector<std::string> notices;               ///< dropped faces, meshes never placed
 

@@ -284,6 +284,7 @@ void add_terrain(const Record& record, MaterialTable& materials, SceneParts& par
 void add_terrains(const Record& root, MaterialTable& materials, SceneParts& parts, Problems& problems) {
   for (const auto& record : root.records("terrain"))
     if (record.sound) add_terrain(record, materials, parts, problems);
+  parts.terrains_whole = parts.terrains.size() == root.records("terrain").size();
 }
 
 }  // namespace raycube::scene

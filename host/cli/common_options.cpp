@@ -8,7 +8,7 @@ void add_common_options(base::OptionTable& table, CommonOptions& values, unsigne
     table.text("-o,--output", "PATH", "Where the products go", values.output);
     table.flag("--overwrite", "Replace products that are there already", values.overwrite);
   }
-  if (set & kDryRun) table.flag("--dry-run", "Validate, plan, and say what it takes; write nothing", values.dry_run);
+  if (set & kDryRun) table.flag("--dry-run", "Validate, plan, and say memory and time; write nothing", values.dry_run);
   if (set & kSeed)
     table.integer<std::uint64_t>("--seed", "", 0, std::numeric_limits<std::uint64_t>::max(),
                                  "Seed of every random number; without it the file's own", values.seed);

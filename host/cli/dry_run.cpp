@@ -2,11 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <chrono>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "host/base/memory.h"
 #include "host/render/truth.h"
 #include "host/sensors/ray_groups.h"
+#include "kernels/shared/structs.h"
 #include "scene_compiler/scene_info.h"
 
 namespace raycube::cli {
@@ -43,6 +47,24 @@ nlohmann::json dry_run_json(const scene::CompiledScene& scene, const InstrumentJ
           {"plan", nlohmann::json::parse(job.plan.report_json)}};
 }
 
+double estimate_render_s(render::Renderer& renderer, const scene::Simulation& simulation, const InstrumentJob& job) {
+  constexpr int kStretch = 256, kLines = 4;
+  const auto& instrument = *job.instrument;
+  const int columns = std::min(instrument.pixels, kStretch);
+  const int first = (instrument.pixels - columns) / 2 / RC_GROUP_WIDTH * RC_GROUP_WIDTH;
+  std::vector<render::Tile> tiles = {{instrument.lines / 2, 1, first, columns}};  // builds programs, bakes rows; not timed
+  for (int k = 0; k < kLines; ++k)
+    tiles.push_back({static_cast<int>((2 * k + 1) * std::int64_t(instrument.lines) / (2 * kLines)), 1, first, columns});
+  std::optional<std::chrono::steady_clock::time_point> start;
+  double seconds = 0;
+  renderer.probe(instrument, job.plan, simulation.sun, simulation.seed, tiles, [&](const render::PixelProbe&) {
+    const auto now = std::chrono::steady_clock::now();
+    if (start) seconds = std::chrono::duration<double>(now - *start).count();
+    else start = now;
+  });
+  return seconds / (kLines * columns) * instrument.pixels * instrument.lines;
+}
+
 std::string dry_run_text(const nlohmann::json& item) {
   const auto bytes = [](const nlohmann::json& value) { return base::format_bytes(value.get<std::uint64_t>()); };
   const auto number = [](const nlohmann::json& value) { return value.get<double>(); };
@@ -62,7 +84,8 @@ std::string dry_run_text(const nlohmann::json& item) {
       number(plan["error"]["total"]), number(plan["budget"]), number(plan["tolerance"]), bytes(memory["scene_bytes"]),
       item["tile_columns"].get<int>(), item["tile_lines"].get<int>(), bytes(memory["tile_bytes"]), bytes(memory["strip_bytes"]),
       bytes(memory["total_bytes"]), bytes(memory["budget_bytes"]), bytes(memory["baked_rows_bytes_at_most"]),
-      bytes(item["cube_bytes"]), bytes(item["truth_bytes"]));
+      bytes(item["cube_bytes"]), bytes(item["truth_bytes"])) +
+         (item.contains("estimated_s") ? fmt::format("  time      about {:.1g} s to render, and the first time some seconds for the device's compiler\n", number(item["estimated_s"])) : "");
 }
 
 }  // namespace raycube::cli

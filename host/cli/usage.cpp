@@ -55,6 +55,23 @@ void append_rows(std::string& out, const char* title, const base::OptionTable& t
   }
 }
 
+/// Paragraphs as lines of at most 100 characters, each at the blank before it is too long.
+std::string wrapped(const std::string& text) {
+  constexpr std::size_t kWidth = 100;
+  std::string out;
+  std::size_t line = 0, blank = std::string::npos;  // in `out`
+  for (const char c : text) {
+    out += c;
+    if (c == '\n') line = out.size(), blank = std::string::npos;
+    if (c == ' ') blank = out.size() - 1;
+    if (out.size() - line <= kWidth || blank == std::string::npos) continue;
+    out[blank] = '\n';
+    line = blank + 1;
+    blank = std::string::npos;
+  }
+  return out;
+}
+
 bool is_positional(const base::Option& row) { return row.positional; }
 bool is_own(const base::Option& row) { return !row.positional && !row.common; }
 bool is_common(const base::Option& row) { return row.common; }
@@ -117,7 +134,8 @@ void append_man_verb(std::string& out, const std::string& path, const Verb& verb
     std::vector<std::string> common;
     for (const auto& row : table.rows())
       if (row.common) common.push_back(row.long_name());
-    out += fmt::format(".PP\nCommon options: {}.\n", troff(fmt::format("{}", fmt::join(common, ", "))));
+    out += fmt::format(".PP\nCommon options: {}.{}\n", troff(fmt::format("{}", fmt::join(common, ", "))),
+                       verb.output_default.empty() ? "" : troff(" Default of --output: " + verb.output_default + "."));
     for (const auto& example : verb.examples) out += fmt::format(".PP\n.RS\n.nf\n{}\n.fi\n.RE\n", troff(example));
   }
   for (const auto& child : verb.verbs) append_man_verb(out, path + " " + child.name, child);
@@ -129,6 +147,8 @@ base::OptionTable table_of(const Verb& verb, CommonOptions& values) {
   base::OptionTable table;
   if (verb.add_options) verb.add_options(table);
   add_common_options(table, values, verb.common);
+  for (auto& row : table.rows())
+    if (row.common && row.long_name() == "--output") row.default_text = verb.output_default;
   return table;
 }
 
@@ -170,7 +190,7 @@ std::string verb_help(const std::string& path, const Verb& verb) {
   if (!verb.run) {
     std::string out = fmt::format("{}\n\nUsage: raycube {} VERB [options]\n\nVerbs:\n", verb.summary, path);
     for (const auto& child : verb.verbs) out += fmt::format("  {:<12}{}\n", child.name, child.summary);
-    return out;
+    return out + fmt::format("\nOptions of each: `raycube {} VERB --help`\n", path);
   }
   const auto table = table_of(verb, values);
   std::string out = fmt::format("{}\n\nUsage: {}\n", verb.summary, synopsis(path, table));
@@ -178,7 +198,7 @@ std::string verb_help(const std::string& path, const Verb& verb) {
   append_rows(out, "Options", table, is_own);
   append_rows(out, "Common options", table, is_common);
   out += "      --help                This text\n";
-  if (!verb.description.empty()) out += "\n" + verb.description + "\n";
+  if (!verb.description.empty()) out += "\n" + wrapped(verb.description) + "\n";
   for (std::size_t i = 0; i < verb.examples.size(); ++i)
     out += (i == 0 ? "\nExamples:\n  " : "  ") + verb.examples[i] + "\n";
   return out;

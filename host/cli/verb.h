@@ -69,6 +69,7 @@ struct Verb {
   std::string description;                 ///< paragraphs of the man page, split by empty lines; may be empty
   std::vector<std::string> examples;       ///< complete commands
   unsigned common = 0;                     ///< union of CommonSet
+  std::string output_default;              ///< what help says of -o when it is not given; empty: nothing
   std::function<void(base::OptionTable&)> add_options;  ///< may be empty
   /// Returns 0, or 1 when a check found a difference beyond its limits; every other failure is a base::Error.
   std::function<int(Context&)> run;

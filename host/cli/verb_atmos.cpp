@@ -91,6 +91,8 @@ int build(const BuildOptions& o, Context& context) {
   replace(simulation.sun.zenith_deg, o.sun_zenith), replace(simulation.sun.azimuth_deg, o.sun_azimuth);
   if (!std::isnan(o.day)) simulation.sun.day_of_year = static_cast<int>(o.day);
   replace(sensor_height, o.sensor), replace(lowest, o.lowest), replace(highest, o.highest);
+  // Rays look down: what towers over the sensor is no target.
+  if (std::isnan(o.highest)) highest = std::max(lowest, std::min(highest, sensor_height));
   replace(first_um, o.first_um), replace(last_um, o.last_um);
   if (lowest > highest)
     throw base::Error(base::Fault::input, "--lowest (" + std::to_string(lowest) + " m) is above --highest (" +

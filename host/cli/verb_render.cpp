@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "host/base/error.h"
 #include "host/base/memory.h"
 #include "host/base/progress.h"
 #include "host/cl/device.h"
@@ -96,7 +97,15 @@ int run(const Options& options, Context& context) {
   for (const auto* instrument : instruments) {
     const InstrumentJob job = prepare(simulation, *instrument, context);
     if (context.common.dry_run) {
-      result["instruments"].push_back(dry_run_json(simulation.scene, job, settings));
+      auto item = dry_run_json(simulation.scene, job, settings);
+      try {
+        if (!renderer) renderer.emplace(simulation.scene, settings);
+        item["estimated_s"] = estimate_render_s(*renderer, simulation, job);
+      } catch (const base::Error& error) {
+        if (error.fault() != base::Fault::device) throw;
+        context.log.warning(std::string("the time cannot be estimated: ") + error.what());
+      }
+      result["instruments"].push_back(std::move(item));
       continue;
     }
     if (!renderer) renderer.emplace(simulation.scene, settings);
@@ -129,6 +138,7 @@ Verb verb_render() {
       "whole.\n\nThe result on stdout is the path of each cube, one a line.";
   verb.examples = {"raycube render park.toml -o out", "raycube render park.toml --instrument spectir --memory 1G --overwrite"};
   verb.common = kOutput | kDryRun | kCompute;
+  verb.output_default = "out";
   verb.add_options = [options](base::OptionTable& table) {
     table.argument("FILE", "The simulation file (TOML)", options->file);
     table.text("--instrument", "NAME", "Only this instrument", options->instrument);

@@ -77,6 +77,7 @@ Verb verb_compile() {
       "more.";
   verb.examples = {"raycube scene compile park.toml -o park.rcs"};
   verb.common = kOutput;
+  verb.output_default = "FILE with the ending .rcs";
   verb.add_options = [o](base::OptionTable& table) { table.argument("FILE", "A simulation file", o->file); };
   verb.run = [o](Context& context) {
     std::string output = context.common.output;

@@ -125,6 +125,12 @@ for name, (edits, files, says) in kFaults.items():
         program.refused("render", path, "-o", work / "out", status=2, says=says, messages=kMessages.get(name, 1))
         check(sorted(work.iterdir()) == before, name)
 
+# A terrain that cannot be read is one problem, not one more for everything that stands on it.
+with tempfile.TemporaryDirectory() as work:
+    work = pathlib.Path(work)
+    path = written(work, [kRaster, ("size_m = [10.0, 40.0] }", "size_m = [10.0, 40.0], on_terrain = true }")], {})
+    program.refused("render", path, "-o", work / "out", status=2, says=["scene.toml:8:14: cannot read file (found ", "dem.img"])
+
 # Every problem of a file in one run, in one go
 with tempfile.TemporaryDirectory() as work:
     work = pathlib.Path(work)

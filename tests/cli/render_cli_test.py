@@ -147,6 +147,9 @@ with tempfile.TemporaryDirectory() as work:
     dry = json.loads(run("render", strips, "-o", work / "dry", "--dry-run", "--json", "--memory", "1G").stdout)["instruments"][0]
     check(dry["cube_bytes"] == (base / "radiance.img").stat().st_size and dry["truth_bytes"] == (base / "truth.img").stat().st_size)
     check(dry["memory"]["budget_bytes"] == 1 << 30 and 0 < dry["memory"]["total_bytes"] < 1 << 30 and dry["plan"]["height_m"], dry)
+    check(0 < dry["estimated_s"] < 3600, dry["estimated_s"])
+    dry = run("render", strips, "-o", work / "dry", "--dry-run", "--json", env={"OCL_ICD_VENDORS": "/nonexistent"})
+    check("estimated_s" not in json.loads(dry.stdout)["instruments"][0] and "time cannot be estimated" in dry.stderr, dry.stderr)
     check(not (work / "dry").exists())
 
     # `info` and the instrument's name
