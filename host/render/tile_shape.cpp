@@ -58,9 +58,11 @@ TileSize choose_tile_size(const StageShape& shape, int pixels, int lines, std::s
   const std::size_t largest = std::max({static_cast<std::size_t>(shape.padded_samples) * 6 * sizeof(float),
                                         static_cast<std::size_t>(shape.bands_padded) * sizeof(float),
                                         shape.row_bytes(capacity)});
-  // Past this many pixels a launch gains nothing, and smaller tiles let writing overlap tracing.
-  constexpr std::size_t kUsefulPixels = 1 << 16;
-  const std::size_t fit = std::min({budget_bytes / per_pixel, max_alloc_bytes / largest, std::max(kUsefulPixels, static_cast<std::size_t>(pixels))});
+  // Past this many pixels or samples a launch gains nothing; smaller tiles let writing overlap tracing, and memory that does not
+  // help is not taken: with it, 961 samples a pixel would need more than 16 as long as the budget lasts.
+  constexpr std::size_t kUsefulPixels = 1 << 16, kUsefulSamples = 1 << 21;
+  const std::size_t useful = std::min(kUsefulPixels, kUsefulSamples / static_cast<std::size_t>(shape.padded_samples));
+  const std::size_t fit = std::min({budget_bytes / per_pixel, max_alloc_bytes / largest, std::max(useful, static_cast<std::size_t>(pixels))});
   const std::size_t width = static_cast<std::size_t>(pixels);
   if (forced_lines > 0) return {std::min(forced_lines, lines), pixels};
   if (fit >= width) return {static_cast<int>(std::min<std::size_t>(fit / width, static_cast<std::size_t>(lines))), pixels};

@@ -1,0 +1,50 @@
+#!/usr/bin/env python3
+"""S62: peak memory of a whole `raycube render` grows neither with the samples of a pixel nor with the lines of the image.
+Figure: VmHWM of the process, as run.json states it and as the kernel says it of the finished child. Each scene runs twice, the
+first time to fill PoCL's kernel cache (a compiler in the process costs memory of its own). Bound 4 MiB: of some 150 to
+290 MiB, what malloc and page cache leave differ by 1.5 MiB from run to run.
+The PNG quicklook alone keeps up to 2^20 pixels: 18 bytes of sums and counts, 7 while it is written; it is switched off where lines are compared, and bounded apart.
+usage: render_memory_test.py RAYCUBE"""
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+from driver import Program, record, scene
+
+program = Program(sys.argv[1])
+check = program.check
+MIB = 1 << 20
+BOUND = 4 * MIB
+
+
+def peak(work, name, memory, **what):
+    path = scene(work, name + ".toml", air="{ aod_550 = 0.2 }", **what)
+    for attempt in ("warm", "measured"):
+        out = work / f"{name}-{attempt}"
+        child = subprocess.Popen([program.path, "render", path, "-o", out, "-q", "--memory", memory], stdout=subprocess.DEVNULL)
+        _, status, usage = os.wait4(child.pid, 0)
+        assert status == 0, (name, status)
+    stated = record(out / "camera")["memory"]["peak_bytes"]
+    check(abs(usage.ru_maxrss * 1024 - stated) < 2 * MIB, usage.ru_maxrss * 1024, stated)  # the end of the run comes after the record
+    print(f"{name}: peak {usage.ru_maxrss / 1024:.1f} MiB under --memory {memory}", flush=True)
+    return usage.ru_maxrss * 1024
+
+
+with tempfile.TemporaryDirectory() as work:
+    work = pathlib.Path(work)
+    for memory in ("48M", "2G"):
+        few = peak(work, f"samples-16-{memory}", memory, pixels=320, lines=240, grid=4)
+        many = peak(work, f"samples-961-{memory}", memory, pixels=320, lines=240, grid=31)
+        print(f"961 samples against 16: {(many - few) / MIB:+.1f} MiB")
+        check(many < few + BOUND, few, many)
+    plain = "png = false\n"
+    short = peak(work, "lines-250", "48M", pixels=256, lines=250, grid=4, instrument=plain)
+    long = peak(work, "lines-2000", "48M", pixels=256, lines=2000, grid=4, instrument=plain)
+    print(f"8 times the lines: {(long - short) / MIB:+.1f} MiB")
+    check(long < short + BOUND, short, long)
+    pictured = peak(work, "lines-2000-png", "48M", pixels=256, lines=2000, grid=4)
+    print(f"with the quicklook: {(pictured - long) / MIB:+.1f} MiB")
+    check(pictured < long + BOUND + 25 * 256 * 2000, long, pictured)
+print(f"render_memory: {program.checks} checks passed")
