@@ -50,20 +50,15 @@ RowStages::RowStages(const cl::Context& context, const scene::CompiledScene&, co
       plan_(plan),
       shape_(shape),
       options_(row_options(shape)),
+      identity_("rows\n" + options_ + "\n" + std::string(kernels::kernel_source("rows"))),
+      program_(context, "rows", kernels::kernel_source("rows"), options_),
+      shade_(program_, "shade"),
+      resolve_(program_, "resolve"),
+      integrate_(program_, "integrate_bands"),
       weights_(std::move(weights)),
       sample_weight_(context, static_cast<std::size_t>(shape.padded_samples), cl::Access::read_only, "sample weights"),
       irradiance_(context, plan.irradiance.value, cl::Access::read_only, "irradiance map"),
-      no_list_(context, 1, cl::Access::read_only, "empty pixel list") {
-  const auto build = [&](const char* name, std::optional<cl::Program>& program, std::optional<cl::Kernel>& kernel) {
-    const std::string_view source = kernels::kernel_source(name);
-    program.emplace(context, name, source, options_);
-    kernel.emplace(*program, name);
-    identity_ += std::string(name) + "\n" + options_ + "\n" + std::string(source);
-  };
-  build("shade", shade_program_, shade_);
-  build("resolve", resolve_program_, resolve_);
-  build("integrate_bands", integrate_program_, integrate_);
-}
+      no_list_(context, 1, cl::Access::read_only, "empty pixel list") {}
 
 void RowStages::shade(const PixelSelection& pixels, const TileLayout& layout, const TraceBuffers& traced,
                       const cl::Buffer<shared::TriBlock>& blocks, const cl::Buffer<shared::Surface>& surfaces, int chunk,
@@ -77,33 +72,33 @@ void RowStages::shade(const PixelSelection& pixels, const TileLayout& layout, co
     loaded_chunk_ = chunk;
   }
   const auto& s = plan_.sun_direction;
-  shade_->arguments(pixels.count, pixels.list ? *pixels.list : no_list_, cl_uint{pixels.list != nullptr},
+  shade_.arguments(pixels.count, pixels.list ? *pixels.list : no_list_, cl_uint{pixels.list != nullptr},
                     static_cast<cl_uint>(rows.capacity), static_cast<cl_uint>(fresh),
                     traced.groups, layout.width, layout.groups_per_line, traced.hits, traced.surface, traced.sun,
                     traced.sky, blocks, surfaces, sample_weight_,
                     static_cast<float>(weights_.count()), shared::rc_float4{s[0], s[1], s[2], 0}, irradiance_,
                     static_cast<cl_uint>(plan_.irradiance.size), plan_.height.first, plan_.height.step, rows.count,
                     rows.keys, rows.sums, rows.path, rows.truth);
-  context_.launch(*shade_, pixels.count);
+  context_.launch(shade_, pixels.count);
 }
 
 void RowStages::resolve(std::uint32_t first_item, std::uint32_t item_count, const PixelSelection& pixels,
                         const TileLayout& layout, const TraceBuffers& traced, const BandTable& table, RowBuffers& rows) {
-  resolve_->arguments(first_item, item_count, pixels.list ? *pixels.list : no_list_, cl_uint{pixels.list != nullptr},
+  resolve_.arguments(first_item, item_count, pixels.list ? *pixels.list : no_list_, cl_uint{pixels.list != nullptr},
                       static_cast<cl_uint>(rows.capacity), static_cast<cl_uint>(rows.term_capacity), traced.groups,
                       layout.width, layout.groups_per_line, rows.count, rows.keys, rows.sums, rows.path, table.keys(),
                       table.rows(), cl_uint{table.count()}, plan_.view.first, plan_.view.step, plan_.path_x.first,
                       plan_.path_x.step, plan_.path_y.first, plan_.path_y.step, rows.term_count, rows.term_row,
                       rows.term_weight);
-  context_.launch(*resolve_, item_count);
+  context_.launch(resolve_, item_count);
 }
 
 void RowStages::integrate(std::uint32_t first_item, std::uint32_t item_count, const PixelSelection& pixels,
                           const BandTable& table, const RowBuffers& rows, cl::Buffer<float>& radiance) {
-  integrate_->arguments(first_item, item_count, pixels.list ? *pixels.list : no_list_, cl_uint{pixels.list != nullptr},
+  integrate_.arguments(first_item, item_count, pixels.list ? *pixels.list : no_list_, cl_uint{pixels.list != nullptr},
                         static_cast<cl_uint>(rows.term_capacity), rows.term_count, rows.term_row, rows.term_weight,
                         table.values(), radiance);
-  context_.launch(*integrate_, item_count);
+  context_.launch(integrate_, item_count);
 }
 
 }  // namespace raycube::render

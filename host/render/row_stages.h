@@ -48,7 +48,7 @@ struct TileLayout {
   std::uint32_t groups_per_line = 0;
 };
 
-/// The three programs, specialised for one shape, and the plan data they read.
+/// The three kernels, specialised for one shape, and the plan data they read.
 class RowStages {
  public:
   RowStages(const cl::Context& context, const scene::CompiledScene& scene, const plan::Plan& plan, const StageShape& shape,
@@ -72,8 +72,8 @@ class RowStages {
   const plan::Plan& plan_;
   StageShape shape_;
   std::string options_, identity_;
-  std::optional<cl::Program> shade_program_, resolve_program_, integrate_program_;
-  std::optional<cl::Kernel> shade_, resolve_, integrate_;
+  cl::Program program_;
+  cl::Kernel shade_, resolve_, integrate_;
   sensors::SampleWeights weights_;
   cl::Buffer<float> sample_weight_;  ///< of one chunk, zero in the padding
   int loaded_chunk_ = -1;

@@ -51,19 +51,14 @@ struct TraceStages::State {
         seed(static_cast<std::uint32_t>(seed_)),
         pixels_per_line(static_cast<std::uint32_t>(instrument.pixels)),
         options(trace_options(scene, instrument, shape_)),
+        identity("trace\n" + options + "\n" + std::string(kernels::kernel_source("trace"))),
+        program(context_, "trace", kernels::kernel_source("trace"), options),
+        primary(program, "trace_primary"),
+        surface(program, "make_surface"),
         directions(upload(context_, plan_.sky.direction, "sky directions")),
         weights(upload(context_, plan_.sky.weight, "sky weights")) {
-    build("trace_primary", primary_program, primary);
-    build("make_surface", surface_program, surface);
-    if (plan.sun_up) build("trace_sun", sun_program, sun);
-    if (plan.sky_components > 0) build("trace_sky", sky_program, sky);
-  }
-
-  void build(const char* name, std::optional<cl::Program>& program, std::optional<cl::Kernel>& kernel) {
-    const std::string_view source = kernels::kernel_source(name);
-    program.emplace(context, name, source, options);
-    kernel.emplace(*program, name);
-    identity += std::string(name) + "\n" + options + "\n" + std::string(source);
+    if (plan.sun_up) sun.emplace(program, "trace_sun");
+    if (plan.sky_components > 0) sky.emplace(program, "trace_sky");
   }
 
   const cl::Context& context;
@@ -72,8 +67,9 @@ struct TraceStages::State {
   StageShape shape;
   std::uint32_t seed, pixels_per_line;
   std::string options, identity;
-  std::optional<cl::Program> primary_program, surface_program, sun_program, sky_program;
-  std::optional<cl::Kernel> primary, surface, sun, sky;
+  cl::Program program;
+  cl::Kernel primary, surface;
+  std::optional<cl::Kernel> sun, sky;
   cl::Buffer<shared::rc_float4> directions, weights;
   const void* zeroed = nullptr;  ///< buffers whose unused visibility has been cleared
 };
@@ -106,10 +102,10 @@ void TraceStages::run(const TilePlace& place, const TileLayout& layout, int chun
     if (s.plan.sky_components == 0) traced.sky.write(std::vector<float>(traced.sky.size(), 0.0f));
     s.zeroed = &traced;
   }
-  launch("trace_primary", s.primary->arguments(s.buffers.nodes, s.buffers.blocks, s.buffers.instances, traced.groups,
+  launch("trace_primary", s.primary.arguments(s.buffers.nodes, s.buffers.blocks, s.buffers.instances, traced.groups,
                                                traced.hits, s.seed, place.first_line, place.first_column, layout.width,
                                                s.pixels_per_line, first_sample, sample_count));
-  launch("make_surface", s.surface->arguments(s.buffers.blocks, s.buffers.instances, traced.groups, traced.hits,
+  launch("make_surface", s.surface.arguments(s.buffers.blocks, s.buffers.instances, traced.groups, traced.hits,
                                               traced.surface, s.seed, place.first_line, place.first_column, layout.width,
                                               s.pixels_per_line, first_sample, sample_count));
   if (s.sun) {

@@ -13,6 +13,8 @@
 
 #define RC_LEAF 0x80000000u   /* stack entry: a block, not a node */
 #define RC_MAX_PLANES 5
+/* For functions whose callers fix an argument that loops or branches hang on. */
+#define RC_ALWAYS __attribute__((always_inline))
 
 /* A point p of the frame belongs to the region when n . (p - origin) + k >= 0 for every plane (n, k). */
 typedef struct Cull {
@@ -33,7 +35,7 @@ static inline void rc_set_plane(Cull* cull, int i, float4 n, float k) {
 
 /* Bit i: box i of the node meets the region, or rounding cannot tell. A box with a point p inside the region has its corner
  * further along n, so the rounding of the sum is covered by rounding at p, which the region's slack holds. */
-static inline uint rc_cull_boxes(const Cull* cull, int planes, global const BvhNode* node) {
+RC_ALWAYS static inline uint rc_cull_boxes(const Cull* cull, int planes, global const BvhNode* node) {
   global const float* at = (global const float*)node;
   float8 least = INFINITY;
   #pragma unroll
@@ -67,7 +69,7 @@ static inline float16 rc_project_row(float4 row, float16 x, float16 y, float16 z
 }
 
 /* perspective: a and b are divided by z and the depth is 1 / z; else the depth is z. */
-static inline Setup rc_setup_block(const Projection* map, global const TriBlock* block, bool perspective) {
+RC_ALWAYS static inline Setup rc_setup_block(const Projection* map, global const TriBlock* block, bool perspective) {
   global const float* at = (global const float*)block;
   float16 a[3], b[3], q[3];
   int16 front = -1;
@@ -152,7 +154,7 @@ static inline void rc_prefetch(global const void* at, uint bytes) {
 
 /* Pushes the children of a node that meet the region and returns the new height of the stack. Leaves carry RC_LEAF: blocks
  * in a mesh tree, instances in the top tree. */
-static inline uint rc_push_children(const Cull* cull, int planes, global const BvhNode* nodes, global const TriBlock* blocks, uint index,
+RC_ALWAYS static inline uint rc_push_children(const Cull* cull, int planes, global const BvhNode* nodes, global const TriBlock* blocks, uint index,
                                     bool in_mesh, uint* stack, uint top) {
   global const BvhNode* node = nodes + index;
   const uint leaves = node->leaf_mask;
