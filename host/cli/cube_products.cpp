@@ -15,6 +15,7 @@
 #include "host/products/digest.h"
 #include "host/products/envi_writer.h"
 #include "host/products/exr_writer.h"
+#include "host/products/map_grid.h"
 #include "host/products/quicklook.h"
 #include "host/render/truth.h"
 #include "kernels/atmosphere/nodes.h"
@@ -176,6 +177,18 @@ struct CubeProducts::State {
     location->append(values.data(), values.size() * sizeof(double));
   }
 
+  /// `map info` in every header when the pixels lie on a map grid; else location.img alone says where they look.
+  void georeference() {
+    const auto grid = products::find_map_grid(instrument.pixels, instrument.lines, [&](std::int64_t line, double* values) {
+      const std::size_t bytes = static_cast<std::size_t>(instrument.pixels) * 3 * sizeof(double);
+      location->read_at(static_cast<std::uint64_t>(line) * bytes, values, bytes);
+    });
+    if (!grid) return;
+    for (auto* header : {&location_header, &radiance->header(), &truth->header(), transmission ? &transmission->header() : nullptr})
+      if (header)
+        products::set_map_grid(*header, simulation.scene.origin.epsg, grid->easting_m, grid->northing_m, grid->pixel_x_m, grid->pixel_y_m);
+  }
+
   /// Nodes weighted by the pixel's mean height and view zenith; not a number where nothing was hit.
   void add_transmission(const render::Strip& strip) {
     const std::size_t pixels = static_cast<std::size_t>(strip.lines) * instrument.pixels, bands = instrument.bands.size();
@@ -242,6 +255,7 @@ void CubeProducts::add(const render::Strip& strip) {
 
 void CubeProducts::publish(products::RunRecord& record) {
   State& s = *state_;
+  if (s.location) s.georeference();
   s.radiance->finish();
   s.truth->finish();
   s.digest.add_truth(*s.truth);

@@ -134,7 +134,7 @@ Verb verb_render() {
   verb.summary = "Render the instruments of a simulation file into radiance cubes with truth";
   verb.description =
       "Each instrument gets a folder of its own under the output folder: radiance.img (ENVI), truth.img, location.img when the "
-      "scene is georeferenced, preview.exr, quicklook.png and run.json. Files appear under these names only when all of them are "
+      "scene is georeferenced (with map info in every header when the pixels lie on a map grid), preview.exr, quicklook.png and run.json. Files appear under these names only when all of them are "
       "whole.\n\nThe result on stdout is the path of each cube, one a line.";
   verb.examples = {"raycube render park.toml -o out", "raycube render park.toml --instrument spectir --memory 1G --overwrite"};
   verb.common = kOutput | kDryRun | kCompute;

@@ -39,6 +39,7 @@ class EnviWriter {
   void finish();
 
   const EnviHeader& header() const { return header_; }
+  EnviHeader& header() { return header_; }  ///< to complete before finish()
   std::int64_t lines_written() const { return next_line_; }
   const ClippedSamples& clipped() const { return clipped_; }
   /// Lines written before, in (line, sample, band) order, float32 files only.

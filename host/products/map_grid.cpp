@@ -1,6 +1,7 @@
 #include "host/products/map_grid.h"
 
 #include <cmath>
+#include <vector>
 
 #include <cpl_conv.h>
 #include <cpl_error.h>
@@ -10,6 +11,29 @@
 #include "host/base/error.h"
 
 namespace raycube::products {
+
+std::optional<MapGrid> find_map_grid(std::int64_t samples, std::int64_t lines,
+                                     const std::function<void(std::int64_t line, double* values)>& read_line) {
+  if (samples < 2 || lines < 2) return std::nullopt;
+  constexpr double kOff_px = 0.05;
+  std::vector<double> values(static_cast<std::size_t>(samples) * 3);
+  read_line(lines - 1, values.data());
+  const double last_northing = values[1];
+  read_line(0, values.data());
+  const double first_easting = values[0], first_northing = values[1];
+  const double x_m = (values[values.size() - 3] - first_easting) / static_cast<double>(samples - 1);
+  const double y_m = (first_northing - last_northing) / static_cast<double>(lines - 1);
+  if (!(x_m > 0 && y_m > 0)) return std::nullopt;  // NaN too
+  for (std::int64_t line = 0; line < lines; ++line) {
+    read_line(line, values.data());
+    for (std::int64_t sample = 0; sample < samples; ++sample) {
+      const double off_x = values[sample * 3] - first_easting - x_m * static_cast<double>(sample);
+      const double off_y = values[sample * 3 + 1] - first_northing + y_m * static_cast<double>(line);
+      if (!(std::abs(off_x) <= kOff_px * x_m && std::abs(off_y) <= kOff_px * y_m)) return std::nullopt;
+    }
+  }
+  return MapGrid{first_easting - x_m / 2, first_northing + y_m / 2, x_m, y_m};
+}
 
 void set_map_grid(EnviHeader& header, int epsg, double easting_m, double northing_m, double pixel_x_m, double pixel_y_m) {
   CPLPushErrorHandler(CPLQuietErrorHandler);

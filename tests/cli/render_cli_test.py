@@ -133,6 +133,17 @@ with tempfile.TemporaryDirectory() as work:
     check(numpy.abs(location[:, :, 1] - northing[:, None]).max() < 1e-4)
     check(numpy.abs(location[:, :, 2] - 180).max() < 1e-4)
 
+    # Level ground seen straight down, north up, is a map grid: map info in every header, and GDAL places the corner and the
+    # system. Turned by 30 degrees it is none.
+    for name in ("radiance", "truth", "location", "transmission"):
+        info = json.loads(subprocess.run(["gdalinfo", "-json", geo / f"{name}.img"], check=True, capture_output=True, text=True).stdout)
+        corner = numpy.array(info["geoTransform"])
+        check(numpy.abs(corner - [276000 - 12, 1, 0, 4753000 + 6, 0, -1]).max() < 1e-4, corner)
+        check("UTM zone 18N" in info["coordinateSystem"]["wkt"], info["coordinateSystem"]["wkt"][:100])
+    (work / "turned.toml").write_text((work / "geo.toml").read_text() + "heading_deg = 30.0\n")
+    run("render", work / "turned.toml", "-o", work / "turned")
+    check(not any("map info" in header_of(path) for path in (work / "turned" / "camera").glob("*.hdr")))
+
     # Transmission from ground to sensor: between 0 and 1, more of it at 850 nm than in the blue (Rayleigh), the longer way
     # at the corner lets no more through. Without air it is 1.
     header, transmission = envi(geo, "transmission")
