@@ -43,10 +43,10 @@ std::vector<std::string> Report::failures() const {
     out.push_back("a band's median difference is " + number(worst_median) + ", limit " + number(limits.median));
   if (beyond_pixels > 0)
     out.push_back(std::to_string(beyond_pixels) + " pixels differ by more than " + number(limits.worst) + ", the worst by " +
-                  number(worst) + " in band " + std::to_string(worst_band) + " at line " + std::to_string(worst_line) +
+                  number(worst) + " in band " + std::to_string(worst_band + 1) + " at line " + std::to_string(worst_line) +
                   ", sample " + std::to_string(worst_sample));
   if (model_pixels > 0 && !(model_total.figure <= limits.model))
-    out.push_back("the full tables differ by " + number(model_total.figure) + " in band " + std::to_string(model_total.band) +
+    out.push_back("the full tables differ by " + number(model_total.figure) + " in band " + std::to_string(model_total.band + 1) +
                   ", tolerance " + number(limits.model));
   return out;
 }

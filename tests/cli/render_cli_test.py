@@ -77,6 +77,7 @@ with tempfile.TemporaryDirectory() as work:
     run("render", work / "garden" / "garden.toml", "-o", work / "garden-out")
     _, header, truth = check_cube(work / "garden-out" / "camera", 64, 64, 98, 50, 160)
     check((layer(header, truth, "hit_fraction") == 1).all() and (layer(header, truth, "abundance_leaf") > 0).sum() > 20)
+    check("within limits" in run("check", work / "garden" / "garden.toml", "--pixels", 100).stdout)  # what README says to type
     shadow = layer(header, truth, "sun_fraction")
     check(shadow.min() == 0 and shadow.max() == 1)
 
