@@ -3,7 +3,8 @@
 Figure: VmHWM of the process, as run.json states it and as the kernel says it of the finished child. Each scene runs twice, the
 first time to fill PoCL's kernel cache (a compiler in the process costs memory of its own). Bound 4 MiB: of some 150 to
 290 MiB, what malloc and page cache leave differ by 1.5 MiB from run to run.
-The PNG quicklook alone keeps up to 2^20 pixels: 18 bytes of sums and counts, 7 while it is written; it is switched off where lines are compared, and bounded apart.
+The PNG quicklook alone keeps up to 2^20 pixels: 18 bytes of sums and counts, 7 while it is written; it is switched off where
+lines are compared, and bounded apart.
 usage: render_memory_test.py RAYCUBE"""
 import os
 import pathlib

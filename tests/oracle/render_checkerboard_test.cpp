@@ -40,7 +40,8 @@ scene::Simulation board_scene(const Board& board) {
   test::add_material(scene, "dark", 0.1);
   scene::TriangleMesh mesh;
   for (int j = 0; j <= kCells; ++j)
-    for (int i = 0; i <= kCells; ++i) mesh.vertices.push_back({float((i - kCells / 2) * kFoot), float((j - kCells / 2) * kFoot), 0.0f});
+    for (int i = 0; i <= kCells; ++i)
+      mesh.vertices.push_back({float((i - kCells / 2) * kFoot), float((j - kCells / 2) * kFoot), 0.0f});
   for (int j = 0; j < kCells; ++j)
     for (int i = 0; i < kCells; ++i) {
       const auto at = static_cast<std::uint32_t>(j * (kCells + 1) + i), up = at + kCells + 1;
@@ -67,7 +68,8 @@ std::vector<Point> clip(const std::vector<Point>& polygon, double a, double b, d
     const Point &p = polygon[i], &q = polygon[(i + 1) % polygon.size()];
     const double dp = a * p[0] + b * p[1] - c, dq = a * q[0] + b * q[1] - c;
     if (dp <= 0) out.push_back(p);
-    if ((dp < 0 && dq > 0) || (dp > 0 && dq < 0)) out.push_back({p[0] + dp / (dp - dq) * (q[0] - p[0]), p[1] + dp / (dp - dq) * (q[1] - p[1])});
+    if ((dp < 0 && dq > 0) || (dp > 0 && dq < 0))
+      out.push_back({p[0] + dp / (dp - dq) * (q[0] - p[0]), p[1] + dp / (dp - dq) * (q[1] - p[1])});
   }
   return out;
 }
@@ -82,7 +84,8 @@ double area(const std::vector<Point>& polygon) {
 
 /// Exact dark share of the square with lower left corner (x, y), 1 m.
 double exact_share(const Board& board, double x, double y) {
-  const std::vector<Point> square{board.to_cells(x, y), board.to_cells(x + 1, y), board.to_cells(x + 1, y + 1), board.to_cells(x, y + 1)};
+  const std::vector<Point> square{board.to_cells(x, y), board.to_cells(x + 1, y), board.to_cells(x + 1, y + 1),
+                                  board.to_cells(x, y + 1)};
   double lo[2] = {1e9, 1e9}, hi[2] = {-1e9, -1e9};
   for (const auto& p : square)
     for (int k = 0; k < 2; ++k) lo[k] = std::min(lo[k], p[k]), hi[k] = std::max(hi[k], p[k]);
@@ -126,9 +129,9 @@ Floor check_board(const Board& board) {
       floor.most_share = std::max(floor.most_share, exact);
     }
   floor.rms = std::sqrt(square / (kPixels * kPixels));
-  MESSAGE("turn " << board.turn_deg << ": error of the dark share rms " << floor.rms << ", largest " << floor.largest << ", " << floor.above
-                  << " of " << kPixels * kPixels << " pixels above 0.047; true share "
-                  << floor.least_share << " to " << floor.most_share);
+  MESSAGE("turn " << board.turn_deg << ": error of the dark share rms " << floor.rms << ", largest " << floor.largest << ", "
+                  << floor.above << " of " << kPixels * kPixels << " pixels above 0.047; true share " << floor.least_share
+                  << " to " << floor.most_share);
   CHECK(worst_count < 1e-6);
   CHECK(worst_sum < 1e-6);
   return floor;

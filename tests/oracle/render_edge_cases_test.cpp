@@ -65,7 +65,8 @@ TEST_CASE("S15 reflectance 0, tiny and 1: path radiance alone, and the closed fo
   for (const double reflectance : {0.0, 1e-6, 1.0}) {
     scene::Simulation simulation;
     const auto surface = test::add_material(simulation.scene, "m", reflectance);
-    const auto image = test::render_image(scene_of(test::rectangle({-50, -50, 0}, {100, 0, 0}, {0, 100, 0}, surface), simulation), hazy_table());
+    const auto image =
+        test::render_image(scene_of(test::rectangle({-50, -50, 0}, {100, 0, 0}, {0, 100, 0}, surface), simulation), hazy_table());
     for (const float l : image.radiance) CHECK(l == doctest::Approx(plane_radiance(reflectance)).epsilon(1e-6));
   }
 }
@@ -99,8 +100,10 @@ TEST_CASE("S63 a scene of one triangle: hit fraction and radiance by counting sa
           const double ex = double(q[0]) - p[0], ey = double(q[1]) - p[1];
           least = std::min(least, (ex * (y - p[1]) - ey * (x - p[0])) / std::hypot(ex, ey));
         }
-        if (std::abs(least) < 1e-4) ++near;  // m: fp32 rays from 500 m
-        else inside += least > 0;
+        if (std::abs(least) < 1e-4)
+          ++near;  // m: fp32 rays from 500 m
+        else
+          inside += least > 0;
       }
       const double hit = image.layer(line, pixel, 1);
       CHECK(hit * 121 > inside - 1e-3);
@@ -168,21 +171,26 @@ TEST_CASE("S63 the same terrain at UTM northing 4.7e6 m and at the origin gives 
     for (int i = 0; i < 40; ++i) heights += std::to_string(3 * std::sin(0.3 * i) * std::cos(0.2 * j)) + " ";
     heights += "\n";
   }
-  const auto scene_at = [&](const std::string& name, double easting, double northing, const std::string& corner_x, const std::string& corner_y) {
-    folder.write(name + ".asc", "ncols 40\nnrows 40\nxllcorner " + corner_x + "\nyllcorner " + corner_y + "\ncellsize 1\n" + heights);
-    folder.write(name + ".toml",
-                 "format = 1\nmaterial = [ { name = \"soil\", reflectance = 0.3, source = \"test\" } ]\n[scene]\norigin = { easting_m = " +
-                     std::to_string(easting) + ", northing_m = " + std::to_string(northing) + " }\n[[terrain]]\nraster = \"" + name +
-                     ".asc\"\nmaterial = \"soil\"\n[time]\nsun = { zenith_deg = 60.0, azimuth_deg = 150.0 }\n[[instrument]]\nname = \"camera\"\n"
-                     "kind = \"framing\"\naltitude_agl_m = 500.0\ngsd_m = 1.0\npixels = 30\nlines = 30\nsamples = { grid = [4, 4] }\n"
-                     "bands = { first_nm = 500.0, step_nm = 100.0, count = 4, fwhm_nm = 10.0 }\n");
+  const auto scene_at = [&](const std::string& name, double easting, double northing, const std::string& corner_x,
+                            const std::string& corner_y) {
+    folder.write(name + ".asc",
+                 "ncols 40\nnrows 40\nxllcorner " + corner_x + "\nyllcorner " + corner_y + "\ncellsize 1\n" + heights);
+    folder.write(
+        name + ".toml",
+        "format = 1\nmaterial = [ { name = \"soil\", reflectance = 0.3, source = \"test\" } ]\n[scene]\norigin = { easting_m = " +
+            std::to_string(easting) + ", northing_m = " + std::to_string(northing) + " }\n[[terrain]]\nraster = \"" + name +
+            ".asc\"\nmaterial = \"soil\"\n[time]\nsun = { zenith_deg = 60.0, azimuth_deg = 150.0 }\n[[instrument]]\nname = "
+            "\"camera\"\n"
+            "kind = \"framing\"\naltitude_agl_m = 500.0\ngsd_m = 1.0\npixels = 30\nlines = 30\nsamples = { grid = [4, 4] }\n"
+            "bands = { first_nm = 500.0, step_nm = 100.0, count = 4, fwhm_nm = 10.0 }\n");
     const auto simulation = scene::load_simulation(folder / (name + ".toml"));
     return test::render_image(simulation, atmos::uniform_sky_table(kSun, kSky, {0.3, 1.0, 4.0}, 60, 150));
   };
   const auto here = scene_at("here", 0, 0, "-20", "-20");
   const auto utm = scene_at("utm", 276000, 4753000, "275980", "4752980");
   CHECK(here.layer(15, 15, 1) == 1);
-  CHECK(std::abs(here.layer(10, 10, 2) - here.layer(20, 5, 2)) + std::abs(here.at(3, 20, 0) - here.at(20, 3, 0)) > 0);  // relief shows
+  CHECK(std::abs(here.layer(10, 10, 2) - here.layer(20, 5, 2)) + std::abs(here.at(3, 20, 0) - here.at(20, 3, 0)) >
+        0);  // relief shows
   CHECK(same_bytes(here.radiance, utm.radiance));
   CHECK(same_bytes(here.truth, utm.truth));
 }

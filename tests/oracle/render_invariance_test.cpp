@@ -72,10 +72,16 @@ Variant with(const std::string& name, T render::RenderOptions::*option, T value)
   variant.options.*option = value;
   return variant;
 }
-Variant tiles(int lines) { return with("tiles of " + std::to_string(lines) + " lines", &render::RenderOptions::tile_lines, lines); }
-Variant memory(std::size_t bytes) { return with("memory of " + std::to_string(bytes) + " bytes", &render::RenderOptions::memory_bytes, bytes); }
+Variant tiles(int lines) {
+  return with("tiles of " + std::to_string(lines) + " lines", &render::RenderOptions::tile_lines, lines);
+}
+Variant memory(std::size_t bytes) {
+  return with("memory of " + std::to_string(bytes) + " bytes", &render::RenderOptions::memory_bytes, bytes);
+}
 Variant threads(int count) { return with(std::to_string(count) + " threads", &render::RenderOptions::threads, count); }
-Variant capacity(int keys) { return with("rows of " + std::to_string(keys) + " keys", &render::RenderOptions::row_capacity, keys); }
+Variant capacity(int keys) {
+  return with("rows of " + std::to_string(keys) + " keys", &render::RenderOptions::row_capacity, keys);
+}
 
 void check_same(const scene::Simulation& simulation, const test::Image& first, const std::vector<Variant>& variants) {
   const auto table = table_for(simulation);
@@ -103,10 +109,11 @@ TEST_CASE("S60 S63 radiance and truth are the same bytes for any tiles, memory, 
   for (int line = 0; line < first.lines; ++line) lit += first.layer(line, 3, 2);
   CHECK(lit < 0.95 * first.lines);
   MESSAGE(first.statistics.overflow_pixels << " of " << first.lines * first.pixels << " pixels overflow 16 keys, "
-                                           << first.plan.source_channels() << " source and " << first.plan.path_channels() << " path channels");
-  check_same(simulation, first, {Variant{"the same once more", {}}, tiles(1), tiles(7), tiles(64), tiles(67), memory(std::size_t{256} << 20),
-                                 memory(std::size_t{8} << 30), threads(1), threads(2), capacity(1), capacity(2), capacity(16),
-                                 capacity(256)});
+                                           << first.plan.source_channels() << " source and " << first.plan.path_channels()
+                                           << " path channels");
+  check_same(simulation, first,
+             {Variant{"the same once more", {}}, tiles(1), tiles(7), tiles(64), tiles(67), memory(std::size_t{256} << 20),
+              memory(std::size_t{8} << 30), threads(1), threads(2), capacity(1), capacity(2), capacity(16), capacity(256)});
 }
 
 TEST_CASE("S63 part of one line per tile, and a band table that cannot hold every row, give the same bytes") {

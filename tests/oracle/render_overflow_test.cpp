@@ -33,20 +33,23 @@ struct TiledLine {
       materials += std::size_t(n) * n;
     }
     auto& scene = simulation.scene;
-    for (std::size_t m = 0; m < materials; ++m) test::add_material(scene, "m" + std::to_string(m), tile_reflectance(m, materials));
+    for (std::size_t m = 0; m < materials; ++m)
+      test::add_material(scene, "m" + std::to_string(m), tile_reflectance(m, materials));
     scene::TriangleMesh mesh;
     for (std::size_t p = 0; p < tiles.size(); ++p) {
       const int n = tiles[p];
       const double left = (double(p) - 0.5 * double(tiles.size())) * pixel;
       const auto base = static_cast<std::uint32_t>(mesh.vertices.size());
       for (int j = 0; j <= n; ++j)
-        for (int i = 0; i <= n; ++i) mesh.vertices.push_back({float(left + pixel * i / n), float(pixel / 2 - pixel * j / n), 0.0f});
+        for (int i = 0; i <= n; ++i)
+          mesh.vertices.push_back({float(left + pixel * i / n), float(pixel / 2 - pixel * j / n), 0.0f});
       for (int j = 0; j < n; ++j)
         for (int i = 0; i < n; ++i) {
           const auto at = base + static_cast<std::uint32_t>(j * (n + 1) + i), below = at + static_cast<std::uint32_t>(n) + 1;
           mesh.triangles.push_back({at, below, below + 1});
           mesh.triangles.push_back({at, below + 1, at + 1});
-          mesh.surface.insert(mesh.surface.end(), 2, static_cast<std::uint32_t>(first[p]) + static_cast<std::uint32_t>(j * n + i));
+          mesh.surface.insert(mesh.surface.end(), 2,
+                              static_cast<std::uint32_t>(first[p]) + static_cast<std::uint32_t>(j * n + i));
         }
     }
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) mesh.user_face.push_back(static_cast<std::uint32_t>(t));
@@ -88,7 +91,8 @@ void check_line(const TiledLine& line, const test::Image& image, double toleranc
       worst = std::max(worst, std::abs(image.at(0, int(p), band) / line.radiance(p) - 1));
     const int n = line.tiles[p];
     double abundances = 0;
-    for (int layer = image.layers - int(line.materials); layer < image.layers; ++layer) abundances += image.layer(0, int(p), layer);
+    for (int layer = image.layers - int(line.materials); layer < image.layers; ++layer)
+      abundances += image.layer(0, int(p), layer);
     CHECK(abundances == doctest::Approx(image.layer(0, int(p), 1)).epsilon(1e-5));  // S26: abundances sum to the hit fraction
     CHECK(image.layer(0, int(p), 1) == doctest::Approx(1).epsilon(1e-6));
     for (int t = 0; t < n * n; t += 1 + n * n / 400) {
@@ -98,7 +102,8 @@ void check_line(const TiledLine& line, const test::Image& image, double toleranc
     }
   }
   MESSAGE("worst relative error: radiance " << worst << ", abundance " << worst_abundance << "; overflow pixels "
-                                            << image.statistics.overflow_pixels << ", per sample " << image.statistics.per_sample_pixels);
+                                            << image.statistics.overflow_pixels << ", per sample "
+                                            << image.statistics.per_sample_pixels);
   CHECK(worst < tolerance);
   CHECK(worst_abundance < 1e-5);
 }

@@ -36,11 +36,13 @@ double depth_in_box(const Vec& o, const Vec& d) {
   double best = clearance(0);
   for (int i = 0; i < 6; ++i)
     for (int j = 0; j < i; ++j)
-      if (const double t = (offset[j] - offset[i]) / (slope[i] - slope[j]); t > 0 && std::isfinite(t)) best = std::max(best, clearance(t));
+      if (const double t = (offset[j] - offset[i]) / (slope[i] - slope[j]); t > 0 && std::isfinite(t))
+        best = std::max(best, clearance(t));
   return best;
 }
 
-scene::Simulation box_scene(double sun_zenith_deg, double sun_azimuth_deg, int pixels, int lines, double gsd_m, double x_m, bool with_box = true) {
+scene::Simulation box_scene(double sun_zenith_deg, double sun_azimuth_deg, int pixels, int lines, double gsd_m, double x_m,
+                            bool with_box = true) {
   scene::Simulation simulation;
   const auto ground = test::add_material(simulation.scene, "ground", 0.3), top = test::add_material(simulation.scene, "box", 0.6);
   // Shadow rays start off the surface by an error bound that grows with the triangle: 1.4 cm on one of 60 km, 50 um on 200 m.
@@ -58,7 +60,8 @@ scene::Simulation box_scene(double sun_zenith_deg, double sun_azimuth_deg, int p
 }
 
 test::Image rendered(const scene::Simulation& simulation, double sun = 1000, double sky = 0) {
-  return test::render_image(simulation, atmos::uniform_sky_table(sun, sky, {0.3, 1.0, 4.0}, simulation.sun.zenith_deg, simulation.sun.azimuth_deg));
+  return test::render_image(
+      simulation, atmos::uniform_sky_table(sun, sky, {0.3, 1.0, 4.0}, simulation.sun.zenith_deg, simulation.sun.azimuth_deg));
 }
 
 Vec to_sun(const scene::Sun& sun) {
@@ -89,18 +92,23 @@ Count count_pixel(const scene::Simulation& simulation, const shared::RayGroup& g
     rc_sample_uv(RC_SAMPLER_GRID, kSide, kSide, 1.0f, 0u, 0u, s, &u, &v);
     const double a = pixel % RC_GROUP_WIDTH - 1.5 + u;
     const Vec o{group.origin.x, group.origin.y, group.origin.z};
-    const Vec d{group.d0.x + a * group.du.x + v * group.dv.x, group.d0.y + a * group.du.y + v * group.dv.y, group.d0.z + a * group.du.z + v * group.dv.z};
+    const Vec d{group.d0.x + a * group.du.x + v * group.dv.x, group.d0.y + a * group.du.y + v * group.dv.y,
+                group.d0.z + a * group.du.z + v * group.dv.z};
     const double depth = depth_in_box(o, d);
     if (std::abs(depth) < 2e-3) {
       ++count.near;
     } else if (depth > 0) {
       const int face = box_face(o, d, sun);
-      if (face < 0) ++count.near;
-      else count.lit += face;
+      if (face < 0)
+        ++count.near;
+      else
+        count.lit += face;
     } else {
       const double t = -o.z / d.z, shade = depth_in_box({o.x + t * d.x, o.y + t * d.y, 0}, sun);
-      if (std::abs(shade) < 2e-3) ++count.near;
-      else count.lit += shade < 0;
+      if (std::abs(shade) < 2e-3)
+        ++count.near;
+      else
+        count.lit += shade < 0;
     }
   }
   return count;
@@ -109,7 +117,8 @@ Count count_pixel(const scene::Simulation& simulation, const shared::RayGroup& g
 }  // namespace
 
 TEST_CASE("S15 S63 shadow of a box: every sample as in closed form, edge at height times tan zenith") {
-  for (const auto& [zenith_deg, azimuth_deg] : {std::pair{0.0, 0.0}, {30.0, 270.0}, {60.0, 270.0}, {78.0, 270.0}, {50.0, 217.0}, {50.0, 10.0}, {70.0, 135.0}}) {
+  for (const auto& [zenith_deg, azimuth_deg] :
+       {std::pair{0.0, 0.0}, {30.0, 270.0}, {60.0, 270.0}, {78.0, 270.0}, {50.0, 217.0}, {50.0, 10.0}, {70.0, 135.0}}) {
     const double gsd = 0.5;
     const auto simulation = box_scene(zenith_deg, azimuth_deg, 66, 24, gsd, 8);
     const auto image = rendered(simulation);
@@ -126,7 +135,8 @@ TEST_CASE("S15 S63 shadow of a box: every sample as in closed form, edge at heig
       }
     }
     MESSAGE("sun " << zenith_deg << ", " << azimuth_deg << ": worst difference " << worst << " samples, " << near << " of "
-                   << image.lines * image.pixels * kSide * kSide << " too close to tell, " << dark_pixels << " pixels in full shadow");
+                   << image.lines * image.pixels * kSide * kSide << " too close to tell, " << dark_pixels
+                   << " pixels in full shadow");
     CHECK(worst < 1e-3);
     CHECK(near < 0.01 * image.lines * image.pixels * kSide * kSide);
     if (zenith_deg > 0) CHECK(dark_pixels > 10);
@@ -181,9 +191,11 @@ TEST_CASE("S63 S9 views 80 to 89 degrees off nadir hit the plane where the rays 
       const auto groups = sensors::make_ray_groups(camera, line, 1);
       for (int pixel = 0; pixel < 8; ++pixel) {
         const auto& g = groups[std::size_t(pixel) / RC_GROUP_WIDTH];
-        const double a = pixel % RC_GROUP_WIDTH - 1.5, dx = g.d0.x + a * g.du.x, dy = g.d0.y + a * g.du.y, dz = g.d0.z + a * g.du.z;
+        const double a = pixel % RC_GROUP_WIDTH - 1.5, dx = g.d0.x + a * g.du.x, dy = g.d0.y + a * g.du.y,
+                     dz = g.d0.z + a * g.du.z;
         const double t = g.origin.z / -dz, range = t * std::sqrt(dx * dx + dy * dy + dz * dz);
-        worst_place = std::max({worst_place, std::abs(image.layer(line, pixel, 3) - t * dx) / range, std::abs(image.layer(line, pixel, 4) - t * dy) / range});
+        worst_place = std::max({worst_place, std::abs(image.layer(line, pixel, 3) - t * dx) / range,
+                                std::abs(image.layer(line, pixel, 4) - t * dy) / range});
         worst_range = std::max(worst_range, std::abs(image.layer(line, pixel, 6) / range - 1));
         worst_radiance = std::max(worst_radiance, std::abs(image.at(line, pixel, 0) / expected - 1));
         largest = std::max(largest, range);
@@ -191,8 +203,8 @@ TEST_CASE("S63 S9 views 80 to 89 degrees off nadir hit the plane where the rays 
         CHECK(image.layer(line, pixel, 7) == doctest::Approx(off_nadir_deg).epsilon(1e-4));
       }
     }
-    MESSAGE(off_nadir_deg << " degrees off nadir, " << largest << " m: worst place " << worst_place << " and range " << worst_range
-                          << " of the range, radiance " << worst_radiance);
+    MESSAGE(off_nadir_deg << " degrees off nadir, " << largest << " m: worst place " << worst_place << " and range "
+                          << worst_range << " of the range, radiance " << worst_radiance);
     CHECK(worst_place < 1e-5);  // direction in fp32: 6e-8 / cos(89 deg) = 3.4e-6
     CHECK(worst_range < 1e-5);
     CHECK(worst_radiance < 1e-5);

@@ -37,7 +37,8 @@ double fine_mean(const scene::Band& band, double step_um, const std::function<do
   const auto steps = static_cast<long>(std::ceil(2 * half / step_um));
   double sum = 0, norm = 0;
   for (long i = 0; i < steps; ++i) {
-    const double l = band.center_um - half + 2 * half * (double(i) + 0.5) / double(steps), t = (l - band.center_um) / band.fwhm_um;
+    const double l = band.center_um - half + 2 * half * (double(i) + 0.5) / double(steps),
+                 t = (l - band.center_um) / band.fwhm_um;
     const double response = std::exp(-4 * std::numbers::ln2 * t * t);
     sum += response * radiance(l);
     norm += response;
@@ -47,7 +48,8 @@ double fine_mean(const scene::Band& band, double step_um, const std::function<do
 
 /// Linear between nodes.
 double linear(const std::vector<double>& x, const std::vector<double>& y, double at) {
-  const auto i = std::clamp<std::ptrdiff_t>(std::upper_bound(x.begin(), x.end(), at) - x.begin(), 1, std::ptrdiff_t(x.size()) - 1);
+  const auto i =
+      std::clamp<std::ptrdiff_t>(std::upper_bound(x.begin(), x.end(), at) - x.begin(), 1, std::ptrdiff_t(x.size()) - 1);
   const double f = (at - x[i - 1]) / (x[i] - x[i - 1]);
   return y[i - 1] * (1 - f) + y[i] * f;
 }
@@ -63,7 +65,10 @@ TEST_CASE("S11 S18 an absorption line of 0.01 nm inside a band equals fine quadr
   air.view_transmission = [](double l) { return atmos::gaussian_line(l, center, width, 0.3 * depth); };
   air.sky_radiance = [](double l) { return 50 * atmos::gaussian_line(l, center, width, depth); };
   air.path_radiance = [](double) { return 4.0; };
-  const auto table = atmos::uniform_table(air, atmos::wavelength_grid_with_line(0.7, 0.82, 1e-3, center, 8e-5, 5e-8));  // a band as narrow as the line needs the line resolved: 200 nodes in its width
+  const auto table = atmos::uniform_table(
+      air,
+      atmos::wavelength_grid_with_line(0.7, 0.82, 1e-3, center, 8e-5,
+                                       5e-8));  // a band as narrow as the line needs the line resolved: 200 nodes in its width
   auto& bands = simulation.instruments[0].bands;
   bands = test::gaussian_bands({center, center + 1e-3}, 5e-3);
   for (const double fwhm : {5e-4, 5e-5, 1e-5}) bands.push_back(test::gaussian_bands({center}, fwhm)[0]);
@@ -74,12 +79,15 @@ TEST_CASE("S11 S18 an absorption line of 0.01 nm inside a band equals fine quadr
   for (std::size_t b = 0; b < bands.size(); ++b) {
     const double expected = fine_mean(bands[b], 1e-8, [&](double l) {
       const double reflectance = 0.2 + 0.3 * (l - 0.7) / 0.12;
-      return reflectance * (air.solar_irradiance(l) * air.sun_transmission(l) / kPi + air.sky_radiance(l)) * air.view_transmission(l) + 4.0;
+      return reflectance * (air.solar_irradiance(l) * air.sun_transmission(l) / kPi + air.sky_radiance(l)) *
+                 air.view_transmission(l) +
+             4.0;
     });
     const double error = image.at(0, 0, int(b)) / expected - 1;
     least = std::min(least, expected);
     most = std::max(most, expected);
-    MESSAGE("band " << bands[b].center_um << " um, FWHM " << bands[b].fwhm_um * 1000 << " nm: " << expected << ", relative error " << error);
+    MESSAGE("band " << bands[b].center_um << " um, FWHM " << bands[b].fwhm_um * 1000 << " nm: " << expected << ", relative error "
+                    << error);
     CHECK(std::abs(error) < 1e-4);
   }
   CHECK(least < 0.2 * most);  // the line shows
@@ -100,9 +108,8 @@ TEST_CASE("S11 S63 bands narrower than the table's step equal fine quadrature of
   const auto image = test::render_image(simulation, atmos::uniform_table(air, nodes));
   double worst = 0;
   for (std::size_t b = 0; b < bands.size(); ++b) {
-    const double expected = fine_mean(bands[b], bands[b].fwhm_um / 20000, [&](double l) {
-      return linear(curve_um, curve, l) * linear(nodes, irradiance, l) / kPi;
-    });
+    const double expected = fine_mean(bands[b], bands[b].fwhm_um / 20000,
+                                      [&](double l) { return linear(curve_um, curve, l) * linear(nodes, irradiance, l) / kPi; });
     worst = std::max(worst, std::abs(image.at(0, 0, int(b)) / expected - 1));
   }
   MESSAGE("worst relative error " << worst);
@@ -140,7 +147,8 @@ TEST_CASE("S11 S63 a band outside the table, or past the end of a curve, is one 
   CHECK(refused(0.65) == "rendered");
   CHECK_MESSAGE(refused(0.95).find("atmosphere table") != std::string::npos, refused(0.95));
   CHECK_MESSAGE(refused(0.89).find("band 2") != std::string::npos, refused(0.89));
-  CHECK_MESSAGE(refused(0.69).find("'plane'") != std::string::npos, refused(0.69));  // inside the table, the curve ends in the band
+  CHECK_MESSAGE(refused(0.69).find("'plane'") != std::string::npos,
+                refused(0.69));  // inside the table, the curve ends in the band
 }
 
 TEST_CASE("S18 S63 transmission of 1e-12: no radiance negative or not a number, on relief under a clear sky") {
@@ -159,13 +167,15 @@ TEST_CASE("S18 S63 transmission of 1e-12: no radiance negative or not a number, 
   const auto clear = atmos::build_clear_sky(simulation.atmosphere, simulation.sun, 1000, atmos::wavelength_grid(0.8, 1.1, 0.002),
                                             atmos::clear_sky_heights(-8, 8));
   auto dark = clear;  // flat bottom of 1e-12 from 0.92 to 0.96 um with walls of 2 nm; soft shoulders beyond
-  const auto absorption = [](double l) { return std::pow(10.0, -12 * std::min(1.0, std::exp(-std::max(0.0, std::abs(l - 0.94) - 0.02) / 0.004))); };
+  const auto absorption = [](double l) {
+    return std::pow(10.0, -12 * std::min(1.0, std::exp(-std::max(0.0, std::abs(l - 0.94) - 0.02) / 0.004)));
+  };
   dark.rows.erase("sun_optical_depth");  // the transmissions rule
   dark.rows.erase("view_optical_depth");
   const auto& um = dark.axis("wavelength").nodes;
   for (auto& [name, row] : dark.rows)
-    if (name == "sun_transmission" || name == "view_transmission" || name == "sky_radiance_solar" || name == "path_radiance_solar" ||
-        name == "diffuse_irradiance" || name == "direct_irradiance")
+    if (name == "sun_transmission" || name == "view_transmission" || name == "sky_radiance_solar" ||
+        name == "path_radiance_solar" || name == "diffuse_irradiance" || name == "direct_irradiance")
       for (std::size_t i = 0; i < row.values.size(); ++i)
         row.values[i] = static_cast<float>(row.values[i] * absorption(um[i / (row.values.size() / um.size())]));
   const auto image = test::render_image(simulation, dark), open = test::render_image(simulation, clear);
@@ -178,7 +188,8 @@ TEST_CASE("S18 S63 transmission of 1e-12: no radiance negative or not a number, 
         bad += !(l >= 0) || !std::isfinite(l);
         least = std::min(least, double{l});
         const double center = camera.bands[band].center_um;
-        if (std::abs(center - 0.94) > 0.008) continue;  // here every node is at the bottom: path radiance rules, and scales with it
+        if (std::abs(center - 0.94) > 0.008)
+          continue;  // here every node is at the bottom: path radiance rules, and scales with it
         ++deep;
         most_deep = std::max(most_deep, l / (1e-12 * open.at(line, pixel, band)));
       }

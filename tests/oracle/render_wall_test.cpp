@@ -51,7 +51,8 @@ scene::Simulation wall_scene(const Wall& wall, int directions) {
   const auto ground = test::add_material(simulation.scene, "ground", kReflectance);
   const double l = wall.half_length_m, nx = wall.nx(), ny = wall.ny();
   test::place(simulation.scene, test::rectangle({-400, -400, 0}, {800, 0, 0}, {0, 800, 0}, ground));
-  test::place(simulation.scene, test::rectangle({-l * ny, l * nx, 0}, {2 * l * ny, -2 * l * nx, 0}, {0, 0, wall.height_m}, ground));
+  test::place(simulation.scene,
+              test::rectangle({-l * ny, l * nx, 0}, {2 * l * ny, -2 * l * nx, 0}, {0, 0, wall.height_m}, ground));
   finish_top_tree(simulation.scene);
   simulation.sky_directions = directions;
   auto camera = test::nadir_camera(64, 64, 1000, 0.25, 12.6 * nx, 12.6 * ny);
@@ -79,7 +80,8 @@ struct Blocked {
   int edges = 0;
 };
 Blocked blocked_sky(const Wall& wall, const plan::Plan& plan, std::uint64_t seed, std::uint32_t number, const GroundPoint& at) {
-  const std::uint32_t set = rc_hash(static_cast<std::uint32_t>(seed), number, 0u, 21u) % static_cast<std::uint32_t>(plan.sky.sets);
+  const std::uint32_t set =
+      rc_hash(static_cast<std::uint32_t>(seed), number, 0u, 21u) % static_cast<std::uint32_t>(plan.sky.sets);
   Blocked out;
   for (int k = 0; k < plan.sky.directions; ++k) {
     const std::size_t i = std::size_t(set) * plan.sky.directions + k;
@@ -126,8 +128,8 @@ TEST_CASE("S18 clear sky and sun beside a wall equal the same directions summed 
     auto simulation = wall_scene(wall, 16);
     simulation.sun.zenith_deg = 31;
     simulation.sun.azimuth_deg = sun_azimuth_deg;
-    const auto table = atmos::build_clear_sky(simulation.atmosphere, simulation.sun, 1000.0,
-                                              atmos::wavelength_grid(0.45, 0.95, 0.005), {0.0});
+    const auto table =
+        atmos::build_clear_sky(simulation.atmosphere, simulation.sun, 1000.0, atmos::wavelength_grid(0.45, 0.95, 0.005), {0.0});
     const auto image = test::render_image(simulation, table);
     REQUIRE(image.plan.sky_components > 1);
     const auto& view = image.plan.view;
@@ -151,10 +153,13 @@ TEST_CASE("S18 clear sky and sun beside a wall equal the same directions summed 
         const int v = std::min(int(t), std::max(0, view.count - 2));
         for (int band = 0; band < image.bands; ++band) {
           const auto baked = [&](int k) {  // of source k on the ground (height node 0), between the view nodes
-            const auto e = [&](int node) { return double{source[std::size_t(k * image.plan.height.count * view.count + node) * 16 + band]}; };
+            const auto e = [&](int node) {
+              return double{source[std::size_t(k * image.plan.height.count * view.count + node) * 16 + band]};
+            };
             return view.count > 1 ? e(v) * (1 - (t - v)) + e(v + 1) * (t - v) : e(0);
           };
-          double expected = path[band] + (sun == Wall::Answer::free ? baked(0) * s[2] : 0.0), whole = path[band] + baked(0) * s[2];
+          double expected = path[band] + (sun == Wall::Answer::free ? baked(0) * s[2] : 0.0),
+                 whole = path[band] + baked(0) * s[2];
           for (int m = 0; m < image.plan.sky_components; ++m) {
             expected += baked(1 + m) * (open_sky[m] - blocked.sum[m]);
             whole += baked(1 + m) * open_sky[m];
@@ -184,8 +189,10 @@ TEST_CASE("S16 sky beside a wall: mean within 4 standard errors of the view fact
         sum += error;
         square += error * error;
       }
-    const double mean = sum / 4096, rms = std::sqrt(square / 4096), standard_error = std::sqrt((square / 4096 - mean * mean) / 4095);
-    MESSAGE(directions << " directions: mean error " << mean / standard_error << " standard errors, rms " << 100 * rms << " % of the open sky");
+    const double mean = sum / 4096, rms = std::sqrt(square / 4096),
+                 standard_error = std::sqrt((square / 4096 - mean * mean) / 4095);
+    MESSAGE(directions << " directions: mean error " << mean / standard_error << " standard errors, rms " << 100 * rms
+                       << " % of the open sky");
     CHECK(std::abs(mean) < 4 * standard_error);
     CHECK(rms < limit);
   }
