@@ -5,3 +5,9 @@ raycube_test(shared_structs SOURCES unit/shared_structs_test.cpp LIBS raycube_tr
 raycube_test(trace_hits SOURCES oracle/trace_hits_test.cpp LIBS raycube_trace_support LABELS fast)
 raycube_test(trace_leaks SOURCES oracle/trace_leaks_test.cpp LIBS raycube_trace_support LABELS slow)
 raycube_test(trace_light SOURCES oracle/trace_light_test.cpp LIBS raycube_trace_support LABELS fast)
+
+add_test(NAME kernel_parse COMMAND ${CMAKE_COMMAND} -DROOT=${PROJECT_SOURCE_DIR} -P ${PROJECT_SOURCE_DIR}/tests/unit/kernel_parse_test.cmake
+  WORKING_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR})
+set_tests_properties(kernel_parse PROPERTIES LABELS fast SKIP_REGULAR_EXPRESSION "SKIPPED")
+
+raycube_test(scene_fit SOURCES unit/scene_fit_test.cpp LIBS raycube::render LABELS fast)

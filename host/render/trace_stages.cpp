@@ -4,6 +4,7 @@
 #include <chrono>
 #include <optional>
 
+#include "host/base/error.h"
 #include "host/sensors/ray_groups.h"
 #include "kernels/kernel_source.h"
 
@@ -35,8 +36,30 @@ static_assert(static_cast<int>(scene::SamplerKind::grid) == 0 && static_cast<int
 
 }  // namespace
 
+void check_fits(const scene::CompiledScene& scene, const cl::DeviceInfo& device) {
+  const auto mib = [](std::size_t bytes) { return std::to_string((bytes + (std::size_t{1} << 20) - 1) >> 20) + " MiB"; };
+  std::string too_large;
+  std::size_t all = 0;
+  const auto measure = [&](const char* what, const auto& array) {
+    const std::size_t bytes = array.size() * sizeof array[0];
+    all += bytes;
+    if (bytes > device.max_alloc_bytes) too_large += std::string(too_large.empty() ? "" : ", ") + what + " " + mib(bytes);
+  };
+  measure("nodes", scene.nodes);
+  measure("triangles", scene.blocks);
+  measure("instances", scene.instances);
+  measure("surfaces", scene.surfaces);
+  if (!too_large.empty() || all > device.global_memory_bytes)
+    throw base::Error(base::Fault::device,
+                      "the scene needs " + mib(all) + " on device '" + device.name + "', which has " +
+                          mib(device.global_memory_bytes) + " and takes " + mib(device.max_alloc_bytes) + " in one array" +
+                          (too_large.empty() ? "" : "; larger: " + too_large) +
+                          "; place repeated meshes as instances, use coarser meshes or terrain, cut the scene to what the "
+                          "instrument sees, or choose another device (--device)");
+}
+
 SceneBuffers::SceneBuffers(const cl::Context& context, const scene::CompiledScene& scene)
-    : nodes(upload(context, scene.nodes, "scene nodes")),
+    : nodes(upload(context, (check_fits(scene, context.device().info()), scene.nodes), "scene nodes")),
       blocks(upload(context, scene.blocks, "scene triangles")),
       instances(upload(context, scene.instances, "scene instances")),
       surfaces(upload(context, scene.surfaces, "scene surfaces")) {}

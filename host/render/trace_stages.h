@@ -12,7 +12,11 @@
 
 namespace raycube::render {
 
-/// A compiled scene on the device.
+/// One error that names need, limits and ways out when an array of the scene is larger than the device's largest buffer, or
+/// all of them than its memory.
+void check_fits(const scene::CompiledScene& scene, const cl::DeviceInfo& device);
+
+/// A compiled scene on the device; checked with check_fits before anything is copied.
 struct SceneBuffers {
   SceneBuffers(const cl::Context& context, const scene::CompiledScene& scene);
   cl::Buffer<shared::BvhNode> nodes;

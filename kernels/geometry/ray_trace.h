@@ -65,9 +65,9 @@ static inline void rc_trace_instance(global const BvhNode* nodes, global const T
   }
 }
 
-/* Not inlined: PoCL compiles the kernels that keep it as a second path 1.5 times faster.
- * Closest hit; with `any` set, returns at the first hit found, whichever it is. */
-__attribute__((noinline)) static Hit rc_trace_ray(global const BvhNode* nodes, global const TriBlock* blocks, global const Instance* instances,
+/* Not inlined, for compile time; unused where all rays go in bundles. Closest hit; with `any` set, returns at the first hit
+ * found, whichever it is. */
+__attribute__((noinline, unused)) static Hit rc_trace_ray(global const BvhNode* nodes, global const TriBlock* blocks, global const Instance* instances,
                                float4 origin, float4 direction, bool any) {
   Hit hit;
   hit.t = INFINITY;

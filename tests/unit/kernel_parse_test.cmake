@@ -1,0 +1,50 @@
+# Parses every kernel entry with clang: no warning, no double (a device without fp64 must build them), nothing promoted.
+#   cmake -DROOT=repository -P kernel_parse_test.cmake
+find_program(CLANG NAMES clang clang-19 clang-18 clang-17 clang-16 clang-15 clang-14)
+set(flags -x cl -cl-std=CL1.2 -Xclang -cl-ext=-cl_khr_fp64 -Xclang -finclude-default-header -fsyntax-only
+  -Wall -Wextra -Wno-unused-parameter -Wdouble-promotion -Werror -I${ROOT})
+
+function(parse_text text result log)
+  set(file ${CMAKE_CURRENT_BINARY_DIR}/kernel_parse_probe.cl)
+  file(WRITE ${file} "${text}")
+  execute_process(COMMAND ${CLANG} ${flags} ${file} RESULT_VARIABLE status ERROR_VARIABLE errors)
+  file(REMOVE ${file})
+  set(${result} "${status}" PARENT_SCOPE)
+  set(${log} "${errors}" PARENT_SCOPE)
+endfunction()
+
+if(CLANG)
+  parse_text("kernel void k(global float* a) { a[0] = fma(a[1], 2.0f, a[2]); }\n" plain plain_log)
+endif()
+if(NOT CLANG OR plain)
+  message("SKIPPED: kernel_parse needs clang with its OpenCL header (apt-get install clang). ${plain_log}")
+  return()
+endif()
+parse_text("kernel void k(global float* a) { a[0] = a[1] * 2.0; }\n" doubled doubled_log)
+if(NOT doubled)
+  message(FATAL_ERROR "clang took a double constant: the flags of this test show nothing")
+endif()
+
+set(rows -DRC_NSAMP=121 -DRC_NPAD=128 -DRC_COMPONENTS=4 -DRC_HEIGHTS=2 -DRC_VIEWS=2 -DRC_PATH_X=2 -DRC_PATH_Y=2 -DRC_CHANNELS=9
+  -DRC_BANDS_PADDED=368 -DRC_PIXELS_PER_GROUP=4)
+set(failures "")
+foreach(packed IN ITEMS
+    "rows.cl 0" "rows.cl 1" "probe_structs.cl -" "trace.cl -DRC_SCATTER=0" "trace.cl -DRC_SCATTER=1"
+    "trace.cl -DRC_SAMPLER=2 -DRC_SUPPORT=1.5f" "trace.cl -DRC_MOVING=1 -DRC_GROUP_PIXELS=1" "trace.cl -DRC_BUNDLE=0")
+  separate_arguments(words UNIX_COMMAND "${packed}")
+  list(POP_FRONT words entry)
+  if(entry STREQUAL "rows.cl")
+    set(words ${rows} -DRC_CHUNKED=${words})
+  elseif(entry STREQUAL "trace.cl")
+    list(APPEND words -DRC_STACK=92)
+  else()
+    set(words "")
+  endif()
+  execute_process(COMMAND ${CLANG} ${flags} ${words} ${ROOT}/kernels/entry/${entry} RESULT_VARIABLE status ERROR_VARIABLE errors)
+  if(status)
+    string(APPEND failures "${entry} ${words}:\n${errors}\n")
+  endif()
+endforeach()
+if(failures)
+  message(FATAL_ERROR "${failures}")
+endif()
