@@ -6,10 +6,10 @@
 
 #include "kernels/geometry/bundle_shadow.h"
 
-/* What a bundle may spend in one placed mesh, in candidate triangles, per point whose ray meets the mesh's box; as
- * rc_shadow_block counts them. Past it the remaining points go ray by ray: in crowns a bundle sets up many triangles per
- * point. Choice changes time, never a result. */
-#define RC_BUNDLE_COST 4u
+/* What a bundle may spend in one placed mesh, in candidate triangles as rc_shadow_block counts them: a constant, which holds
+ * what terrain and walls take, and a share per point whose ray meets the mesh's box. Past it the remaining points go ray by
+ * ray: in crowns a bundle sets up many triangles per point. Choice changes time, never a result. */
+#define RC_BUNDLE_BUDGET(points) (64u + (points) / 2u)
 #define RC_FEW_POINTS 4u
 
 /* A ray of the frame's direction against one placed mesh: any hit? The same boxes and triangles as rc_trace_ray. */
@@ -123,7 +123,7 @@ static inline void rc_shadow_cluster(global const BvhNode* nodes, global const T
       if (count > RC_FEW_POINTS && !(points->costly & mesh)) {
         Cull cull;
         rc_frame_bundle(points, &cluster, placed, &frame, &cull);
-        if (!rc_shadow_mesh(nodes, blocks, placed->root, &frame, &cull, &cluster, points, RC_BUNDLE_COST * (8u + count), stack, top))
+        if (!rc_shadow_mesh(nodes, blocks, placed->root, &frame, &cull, &cluster, points, RC_BUNDLE_BUDGET(count), stack, top))
           points->costly |= mesh;
         else
           count = 0;
