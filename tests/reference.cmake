@@ -8,4 +8,6 @@ raycube_test(compare SOURCES unit/compare_test.cpp LIBS raycube_reference nlohma
 if(TARGET raycube_render AND TARGET raycube_plan)
   raycube_test(render_reference SOURCES cross/render_reference_test.cpp ../host/cli/check_instrument.cpp
                LIBS raycube_reference raycube_render raycube_plan raycube_sensors raycube_scene_bvh LABELS fast device)
+  raycube_test(render_relief SOURCES cross/render_relief_test.cpp ../host/cli/check_instrument.cpp
+               LIBS raycube_reference raycube_render_support LABELS fast device)
 endif()

@@ -1,51 +1,133 @@
 #!/usr/bin/python3
 """Builds every fault of mutations.toml in turn and shows which named test catches it.
 
-    tests/mutation/run.py [NAME ...]            (all when none is named; takes minutes: each is a build and a test)
+    tests/mutation/run.py [--output FILE.md] [NAME ...]     (all when none is named: ten minutes on two cores once built)
 
-Exit status 1 when a fault survives its test. The table it prints goes into docs/mutations.md.
+A fault counts as caught when every one of its tests fails by an assertion of its own; a kernel that no longer builds, an
+exception, a skipped test or a timeout do not count. Before the faults, their tests must all pass on the unchanged source.
+Exit status 1 when anything is not as expected. Builds in build-mutation/, which is kept.
 """
-import os
+import argparse
+import datetime
 import pathlib
 import subprocess
 import sys
+import time
 import tomllib
+import xml.etree.ElementTree
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+BUILD = ROOT / "build-mutation"
+TIMEOUT_S = 600
 
 
-def run(*command, **more):
-    return subprocess.run([str(c) for c in command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, **more)
+def run(*command):
+    return subprocess.run([str(c) for c in command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+
+
+def build(mutation, tests):
+    """Plants the fault and builds the tests; the program's end with the last lines when that fails."""
+    steps = [("cmake", "-S", ROOT, "-B", BUILD, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release", f"-DRAYCUBE_MUTATION={mutation}"),
+             ("cmake", "--build", BUILD, *(word for test in tests for word in ("--target", "test_" + test)))]
+    for step in steps:
+        done = run(*step)
+        if done.returncode != 0:
+            sys.exit(f"{mutation}: {step[1]} failed\n{done.stdout[-3000:]}")
+
+
+def case_of(output):
+    """Name of the first doctest case with a failed assertion, or None. Exceptions and crashes are no assertions."""
+    case = None
+    for line in output.splitlines():
+        if line.startswith("TEST CASE:"):
+            case = line.removeprefix("TEST CASE:").strip()
+        elif case and "ERROR:" in line and "THREW exception" not in line and "CRASHED" not in line:
+            return case
+    return None
+
+
+def ask(tests):
+    """Of each test: None when it passed, else (caught by an assertion, case or what happened)."""
+    report = BUILD / "mutation-tests.xml"
+    report.unlink(missing_ok=True)
+    done = run("ctest", "--test-dir", BUILD, "--no-tests=error", "--timeout", TIMEOUT_S, "--output-junit", report, "-R",
+               f"^({'|'.join(tests)})$")
+    if not report.is_file():
+        sys.exit(f"ctest wrote no report\n{done.stdout[-3000:]}")
+    answers = {}
+    for case in xml.etree.ElementTree.parse(report).getroot().iter("testcase"):
+        output = case.findtext("system-out") or ""
+        if case.get("status") == "run":
+            answers[case.get("name")] = None
+        else:
+            found = case_of(output)
+            answers[case.get("name")] = (found is not None, found or f"{case.get('status')}: " + " ".join(output.split())[-300:])
+    return {test: answers.get(test, (False, "did not run")) for test in tests}
+
+
+def cell(text):
+    return text.replace("|", "/")
+
+
+def write_table(path, run_line, lines, names, whole):
+    """The page of a whole run, or the page with the rows of the faults that were run anew."""
+    runs, rows = [], {}
+    if path.is_file() and not whole:
+        old = path.read_text().splitlines()
+        runs = [line for line in old if line.startswith("- `")]
+        rows = {line.split("|")[1].strip(): line for line in old if line.startswith("| ")}
+    rows.update({line.split("|")[1].strip(): line for line in lines[2:]})
+    table = lines[:2] + [rows[name] for name in names if name in rows]
+    path.write_text("# Planted faults\n\nEach entry of `tests/mutation/mutations.toml` is one wrong line of code; `cmake "
+                    "-DRAYCUBE_MUTATION=NAME` builds a copy of\nthe source with it planted. A fault counts as caught when every "
+                    "test named with it fails by an assertion of its own; on the\nunchanged source all of these tests pass. "
+                    "The last run of each fault, by these commands:\n\n" + "\n".join([*runs, run_line]) + "\n\n" +
+                    "\n".join(table) + "\n")
 
 
 def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--output", type=pathlib.Path, help="also write the table to this file; rows of faults not run stay")
+    parser.add_argument("names", nargs="*", metavar="NAME")
+    arguments = parser.parse_args()
     mutations = tomllib.loads((ROOT / "tests/mutation/mutations.toml").read_text())["mutation"]
-    wanted = sys.argv[1:]
-    unknown = set(wanted) - {m["name"] for m in mutations}
+    unknown = set(arguments.names) - {m["name"] for m in mutations}
     if unknown:
         sys.exit(f"no mutation called {', '.join(sorted(unknown))}")
-    build = ROOT / "build-mutation"
+    chosen = [m for m in mutations if not arguments.names or m["name"] in arguments.names]
+    start = time.monotonic()
+
+    all_tests = sorted({test for m in chosen for test in m["test"].split("|")})
+    build("none", all_tests)
+    for test, answer in ask(all_tests).items():
+        if answer:
+            sys.exit(f"{test} does not pass on the unchanged source: {answer[1]}")
+    print(f"unchanged: all {len(all_tests)} tests pass", flush=True)
+
+    lines = ["| fault | what is wrong | file | test and the case that fails first | verdict |", "|---|---|---|---|---|"]
+    print("\n".join(lines), flush=True)
     survivors = []
-    print("| fault | file | caught by | verdict |\n|---|---|---|---|", flush=True)
-    for mutation in [{"name": "none", "file": "-", "test": "|".join(sorted({m["test"] for m in mutations}))}] + [
-            m for m in mutations if not wanted or m["name"] in wanted]:
-        configured = run("cmake", "-S", ROOT, "-B", build, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release",
-                         f"-DRAYCUBE_MUTATION={mutation['name']}")
-        target = [t for name in mutation["test"].split("|") for t in ("--target", "test_" + name)]
-        made = run("cmake", "--build", build, *target) if configured.returncode == 0 else configured
-        if made.returncode != 0:
-            sys.exit(f"{mutation['name']}: the build failed\n{made.stdout[-3000:]}")
-        tested = run("ctest", "--test-dir", build, "--no-tests=error", "-R", f"^({mutation['test']})$", env=os.environ)
-        caught = tested.returncode != 0
-        expected = mutation["name"] != "none"
-        if caught != expected:
+    for mutation in chosen:
+        tests = mutation["test"].split("|")
+        build(mutation["name"], tests)
+        answers = ask(tests)
+        caught = all(answer and answer[0] for answer in answers.values())
+        if not caught:
             survivors.append(mutation["name"])
-        verdict = ("caught" if caught else "SURVIVED") if expected else ("FAILS UNCHANGED" if caught else "all pass")
-        print(f"| {mutation['name']} | {mutation['file']} | {mutation['test'] if expected else '-'} | {verdict} |", flush=True)
-        if not expected and caught:
-            sys.exit(tested.stdout[-3000:])
+        by = "; ".join(f"`{test}`: {answer[1] if answer else 'PASSES'}" for test, answer in answers.items())
+        lines.append("| " + " | ".join(cell(text) for text in (mutation["name"], mutation["why"], mutation["file"], by,
+                                                                "caught" if caught else "SURVIVED")) + " |")
+        print(lines[-1], flush=True)
+
+    summary = f"{len(chosen) - len(survivors)} of {len(chosen)} faults caught in {(time.monotonic() - start) / 60:.0f} minutes."
+    print(summary)
+    if arguments.output:
+        commit = run("git", "-C", ROOT, "describe", "--always", "--dirty").stdout.strip()
+        command = " ".join(["tests/mutation/run.py", *sys.argv[1:]])
+        write_table(arguments.output, f"- `{command}` on {datetime.date.today()} at commit {commit}: {summary}", lines,
+                    [m["name"] for m in mutations], whole=not arguments.names)
     if survivors:
-        sys.exit("not as expected: " + ", ".join(survivors))
+        sys.exit("not caught: " + ", ".join(survivors))
 
 
 if __name__ == "__main__":

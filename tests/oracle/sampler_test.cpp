@@ -124,6 +124,18 @@ TEST_CASE("S43 samplers: the random bits are uniform (chi-square) and differ bet
   // 2^18 draws of 32 bits: 8 coincidences expected (n^2 / 2^33); 30 would be 7 standard deviations
   CHECK(seen.size() > kDraws - 30);
   CHECK(rc_hash(1u, 2u, 3u, 4u) != rc_hash(2u, 2u, 3u, 4u));
+  CHECK(rc_hash(1u, 2u, 3u, 4u) != rc_hash(1u, 2u, 3u, 5u));
+}
+
+TEST_CASE("S43 samplers: jitter along and across the line is independent") {
+  double product = 0;
+  constexpr int kCells = 1 << 16;  // of one sample each: jitter is the position itself
+  for (int pixel = 0; pixel < kCells; ++pixel) {
+    float u, v;
+    rc_sample_uv(RC_SAMPLER_JITTERED, 1, 1, 1.0f, 5u, static_cast<rc_u32>(pixel), 0, &u, &v);
+    product += 12.0 * u * v / kCells;  // the correlation of two uniform numbers about 0, of variance 1/12 each
+  }
+  CHECK(std::abs(product) < 5 / std::sqrt(double(kCells)));  // 5 standard errors
 }
 
 TEST_CASE("S48 point spread weights: sum, second moment of box and Gaussian, plain box") {
@@ -146,6 +158,11 @@ TEST_CASE("S48 point spread weights: sum, second moment of box and Gaussian, pla
   // Variances add: 1/12 of the box plus sigma^2; midpoint cells of width h read h^2 / 12 less; cut at 6 sigma: nothing.
   CHECK(std::abs(moment_u - (1.0 / 12 + 0.25 + std::pow(6.0 / 61, 2) / 12)) < 2e-4);
   CHECK(std::abs(moment_v - (1.0 / 12 + 0.25 + std::pow(6.0 / 31, 2) / 12)) < 2e-4);
+
+  instrument.psf_support_px = 3.5;  // holds 99.6 % of the response: the weights still sum to 1
+  sum = 0;
+  for (float w : sensors::psf_weights(instrument)) sum += w;
+  CHECK(std::abs(sum - 1) < 1e-6);
 
   instrument.psf_sigma_px = 0;
   instrument.psf_support_px = 1;
