@@ -50,13 +50,53 @@ Comparison::Comparison(const scene::CompiledScene& scene, const plan::Plan& plan
 
 Comparison::~Comparison() = default;
 
+namespace {
+
+using Components = std::array<double, 4>;
+
+/// Of up to 32 ties a subset whose effects sum to `wanted` within `bound` in every component; empty when there is none. Both
+/// halves' sums are listed, one list sorted by its first component and searched for what the other leaves (Horowitz & Sahni,
+/// J. ACM 21(2), 1974).
+std::vector<std::size_t> subset_that_sums_to(const std::vector<std::size_t>& ties, const std::vector<Components>& effect,
+                                             const Components& wanted, const Components& bound) {
+  const std::size_t half = ties.size() / 2;
+  const auto sums = [&](std::size_t from, std::size_t to) {
+    std::vector<std::pair<Components, std::uint32_t>> all{{Components{}, 0u}};
+    for (std::size_t i = from; i < to; ++i)
+      for (std::size_t known = all.size(), s = 0; s < known; ++s) {
+        auto [sum, members] = all[s];
+        for (std::size_t m = 0; m < 4; ++m) sum[m] += effect[ties[i]][m];
+        all.emplace_back(sum, members | 1u << i);
+      }
+    return all;
+  };
+  const auto left = sums(0, half);
+  auto right = sums(half, ties.size());
+  std::sort(right.begin(), right.end(), [](const auto& x, const auto& y) { return x.first[0] < y.first[0]; });
+  for (const auto& [sum, members] : left) {
+    auto at = std::lower_bound(right.begin(), right.end(), wanted[0] - sum[0] - bound[0],
+                               [](const auto& x, double value) { return x.first[0] < value; });
+    for (; at != right.end() && at->first[0] <= wanted[0] - sum[0] + bound[0]; ++at) {
+      bool fits = true;
+      for (std::size_t m = 0; m < 4; ++m) fits &= std::abs(wanted[m] - sum[m] - at->first[m]) <= bound[m];
+      if (!fits) continue;
+      std::vector<std::size_t> subset;
+      for (std::size_t i = 0; i < ties.size(); ++i)
+        if ((members | at->second) >> i & 1u) subset.push_back(ties[i]);
+      return subset;
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
 /// The device keeps, of a sample's sky rays, the irradiance that the blocked ones take away. Where that differs, directions
 /// are sought whose turning accounts for it in every component. Only ties of the double traversal may turn; then `blocked`
-/// follows the device. Any subset is tried of up to 16 ties, else up to three, or all seen (or blocked) ones at once: a
+/// follows the device. Any subset is tried of up to 32 ties, else up to three, or all seen (or blocked) ones at once: a
 /// leaf that passes through the point within rounding puts it on one side or the other for every direction.
 void Comparison::compare_sky(const Sample& sample, std::uint32_t number, const float* device, BlockedDirections& blocked,
                              Result& result) const {
-  using Components = std::array<double, 4>;
   const std::size_t first = first_direction(plan_, seed_, number), count = blocked.size();
   std::vector<Components> effect(count);
   Components residual{}, bound{};
@@ -112,6 +152,7 @@ void Comparison::compare_sky(const Sample& sample, std::uint32_t number, const f
     std::vector<std::size_t> seen, hidden;
     for (std::size_t k : ties) (blocked[k] ? hidden : seen).push_back(k);
     if (turn(seen) || turn(hidden)) return;
+    if (n <= 32 && turn(subset_that_sums_to(ties, effect, residual, bound))) return;
     for (std::size_t i = 0; i < n; ++i)
       for (std::size_t j = i; j < n; ++j)
         for (std::size_t k = j; k < n; ++k) {

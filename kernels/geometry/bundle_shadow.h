@@ -176,8 +176,11 @@ static inline uint rc_block_word(const ShadowFrame* frame, const Points* points,
   const float16 cx = fma(sx, cz, at[96 + x] - ox), cy = fma(sy, cz, at[96 + y] - oy);
   const float16 u = cx * by - cy * bx, v = ax * cy - ay * cx, w = bx * ay - by * ax;
   const float16 det = u + (v + w);
-  const float16 distance = fma(u, az, fma(v, bz, w * cz)) * frame->ray.sz / det;
-  return rc_mask16(((rc_min16(u, rc_min16(v, w)) >= 0.0f) | (rc_max16(u, rc_max16(v, w)) <= 0.0f)) & (det != 0.0f) & (distance > 0.0f));
+  const float16 e1[3] = {(float16)(at[48 + x] - at[x]), (float16)(at[48 + y] - at[y]), (float16)(at[48 + z] - at[z])};
+  const float16 e2[3] = {(float16)(at[96 + x] - at[x]), (float16)(at[96 + y] - at[y]), (float16)(at[96 + z] - at[z])};
+  const float16 p[3] = {at[x] - ox, at[y] - oy, az};
+  const float16 ahead = rc_ahead16(e1, e2, p, frame->ray.sx, frame->ray.sy, frame->ray.sz);
+  return rc_mask16(((rc_min16(u, rc_min16(v, w)) >= 0.0f) | (rc_max16(u, rc_max16(v, w)) <= 0.0f)) & (det != 0.0f) & (ahead > 0.0f));
 }
 
 static inline bool rc_points_left(const Points* points) {
