@@ -60,7 +60,8 @@ Judgement judge(const scene::CompiledScene& scene, const PrimaryRays& rays, cons
                               linear(std::fma(a, g.du.z, g.d0.z), g.dv.z)}};
     const reference::Hit own = hit(ours[i]), other = hit(theirs[i]), exact = tracer.trace(ray).hit;
     ++verdict.judged;
-    verdict.unexplained += tracer.explain(ray, own, other) == reference::Cause::unexplained;
+    verdict.unexplained += tracer.explain(ray, own, exact) == reference::Cause::unexplained;
+    verdict.theirs_unexplained += tracer.explain(ray, other, exact) == reference::Cause::unexplained;
     verdict.ours_right += own == exact;
     verdict.theirs_right += other == exact;
   }
