@@ -3,6 +3,7 @@
 #include "kernels/geometry/trace_args.h"
 #include "kernels/geometry/lanes.h"
 #include "kernels/geometry/samples.h"
+#include "kernels/geometry/scene_arrays.h"
 #include "kernels/geometry/surface_point.h"
 
 /* Corners of the samples' triangles, and the direction and origin of their rays. */
@@ -10,10 +11,12 @@ typedef struct Gathered {
   float corner[9][16], origin[3][16], direction[3][16];
 } Gathered;
 
-kernel void make_surface(global const TriBlock* restrict blocks, global const Instance* restrict instances,
-                         global const RayGroup* restrict groups, global const uint* restrict hits, global float* restrict surface,
-                         uint seed, uint first_line, uint first_column, uint columns, uint pixels_per_line, uint first_sample,
-                         uint sample_count) {
+kernel void make_surface(RC_BLOCKS, RC_INSTANCES, global const RayGroup* restrict groups, global const uint* restrict hits,
+                         global float* restrict surface, uint seed, uint first_line, uint first_column, uint columns,
+                         uint pixels_per_line, uint first_sample, uint sample_count) {
+  SceneArrays scene;
+  RC_GATHER_BLOCKS(scene);
+  RC_GATHER_INSTANCES(scene);
   const uint index = get_group_id(0);
   const GroupPlace place = rc_group_place(index, first_line, first_column, columns, pixels_per_line);
   const RayGroup group = groups[index];
@@ -25,7 +28,7 @@ kernel void make_surface(global const TriBlock* restrict blocks, global const In
       uint left = 0;
       for (uint k = 0; k < 16u; ++k) {
         const uint primitive = in[k] == RC_NONE ? 0u : in[RC_NPAD + k];
-        global const float* at = (global const float*)(blocks + primitive / RC_BLOCK) + primitive % RC_BLOCK;
+        global const float* at = (global const float*)rc_block(scene, primitive / RC_BLOCK) + primitive % RC_BLOCK;
         left |= in[k] == RC_NONE ? 0u : 1u << k;
         #pragma unroll
         for (uint c = 0; c < 9u; ++c) g.corner[c][k] = at[16u * c];
@@ -52,7 +55,7 @@ kernel void make_surface(global const TriBlock* restrict blocks, global const In
         const int16 lanes = vload16(0, in) == instance;
         left &= ~rc_mask16(lanes);
         Vector16 there, facing;
-        rc_surface_points(instances + instance, v, origin, direction, &there, &facing);
+        rc_surface_points(rc_instance(scene, instance), v, origin, direction, &there, &facing);
         position.x = select(position.x, there.x, lanes);
         position.y = select(position.y, there.y, lanes);
         position.z = select(position.z, there.z, lanes);

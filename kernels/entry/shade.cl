@@ -8,6 +8,7 @@
 #include "kernels/shared/structs.h"
 #include "kernels/shared/rows.h"
 #include "kernels/atmosphere/nodes.h"
+#include "kernels/geometry/scene_arrays.h"
 
 #ifndef RC_CHUNKED
 #define RC_CHUNKED 0 /* 1: sums are carried from chunk to chunk of a pixel's samples, with compensation */
@@ -66,12 +67,15 @@ __kernel void shade(const uint pixel_count, __global const uint* restrict pixel_
                     const uint capacity, const uint fresh, __global const RayGroup* restrict groups,
                     const uint tile_width, const uint groups_per_line, __global const uint* restrict hits,
                     __global const float* restrict surface_points, __global const ushort* restrict sun_bits,
-                    __global const float* restrict sky_blocked, __global const TriBlock* restrict blocks,
-                    __global const Surface* restrict surfaces, __global const float* restrict chunk_weight, const float sample_total,
+                    __global const float* restrict sky_blocked, RC_BLOCKS, RC_SURFACES,
+                    __global const float* restrict chunk_weight, const float sample_total,
                     const float4 sun_direction, __global const float4* restrict irradiance_map, const uint map_size,
                     const float height_first, const float height_step, __global uint* restrict row_count,
                     __global ulong* restrict row_keys, __global float* restrict row_sums,
                     __global float* restrict path_sums, __global float* restrict truth) {
+  SceneArrays scene;
+  RC_GATHER_BLOCKS(scene);
+  RC_GATHER_SURFACES(scene);
   const uint item = get_group_id(0);
   if (item >= pixel_count) return;
   const uint pixel = use_list ? pixel_list[item] : item; /* index in the tile's inputs; outputs go by item */
@@ -116,7 +120,7 @@ __kernel void shade(const uint pixel_count, __global const uint* restrict pixel_
     for (int m = 0; m < SOURCES; ++m) value[m][s] = 0.0f;
     if (s < RC_NSAMP && hit_instance[s] != RC_NONE) {
       const uint primitive = hit_primitive[s];
-      id = blocks[primitive / RC_BLOCK].surface[primitive % RC_BLOCK];
+      id = rc_block(scene, primitive / RC_BLOCK)->surface[primitive % RC_BLOCK];
       rc_node_weights(point[2 * RC_NPAD + s], height_first, height_step, RC_HEIGHTS, &h, &f);
 #if RC_COMPONENTS > 0
       const float nx = point[3 * RC_NPAD + s], ny = point[4 * RC_NPAD + s], nz = point[5 * RC_NPAD + s];
@@ -218,7 +222,7 @@ __kernel void shade(const uint pixel_count, __global const uint* restrict pixel_
     }
     float total[ACCUMULATORS];
     for (int i = 0; i < ACCUMULATORS; ++i) total[i] = lane_sum(sum[i]) / sample_total;
-    if (!deposit(keys, sums, &count, capacity, surfaces + id, total)) {
+    if (!deposit(keys, sums, &count, capacity, rc_surface(scene, id), total)) {
       count = RC_ROW_OVERFLOW;
       break;
     }

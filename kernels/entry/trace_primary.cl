@@ -4,10 +4,13 @@
 #include "kernels/geometry/bundle_primary.h"
 #include "kernels/geometry/ray_trace.h"
 
-kernel void trace_primary(global const BvhNode* restrict nodes, global const TriBlock* restrict blocks,
-                          global const Instance* restrict instances, global const RayGroup* restrict groups,
+kernel void trace_primary(RC_NODES, RC_BLOCKS, RC_INSTANCES, global const RayGroup* restrict groups,
                           global uint* restrict hits, uint seed, uint first_line, uint first_column, uint columns,
                           uint pixels_per_line, uint first_sample, uint sample_count) {
+  SceneArrays scene;
+  RC_GATHER_NODES(scene);
+  RC_GATHER_BLOCKS(scene);
+  RC_GATHER_INSTANCES(scene);
   const uint index = get_group_id(0);
   const GroupPlace place = rc_group_place(index, first_line, first_column, columns, pixels_per_line);
   const RayGroup group = groups[index];
@@ -29,7 +32,7 @@ kernel void trace_primary(global const BvhNode* restrict nodes, global const Tri
   frame.rows = sample_count / RC_NU;
   frame.columns = place.used * RC_NU;
 #endif
-  rc_primary_group(nodes, blocks, instances, frame, &closest);
+  rc_primary_group(scene, frame, &closest);
   for (uint p = 0; p < place.used; ++p) {
     global uint* out = hits + (size_t)(place.pixel + p) * (2u * RC_NPAD);
 #if RC_SCATTER
@@ -51,7 +54,7 @@ kernel void trace_primary(global const BvhNode* restrict nodes, global const Tri
       if (k < sample_count) {
         float a, b;
         rc_group_sample(seed, place.number + p, p, first_sample + k, &a, &b);
-        hit = rc_trace_ray(nodes, blocks, instances, rc_group_origin(group, b), rc_group_direction(group, a, b), false);
+        hit = rc_trace_ray(scene, rc_group_origin(group, b), rc_group_direction(group, a, b), false);
       }
       out[k] = hit.instance;
       out[RC_NPAD + k] = hit.primitive;

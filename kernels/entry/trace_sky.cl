@@ -5,11 +5,14 @@
 #include "kernels/geometry/shadow_points.h"
 #include "kernels/geometry/ray_trace.h"
 
-kernel void trace_sky(global const BvhNode* restrict nodes, global const TriBlock* restrict blocks,
-                      global const Instance* restrict instances, global const float* restrict surface,
+kernel void trace_sky(RC_NODES, RC_BLOCKS, RC_INSTANCES, global const float* restrict surface,
                       global const float4* restrict directions, global const float4* restrict weights, global float* restrict blocked,
                       uint sets, uint count, uint seed, uint first_line, uint first_column, uint columns, uint pixels_per_line,
                       uint pixels) {
+  SceneArrays scene;
+  RC_GATHER_NODES(scene);
+  RC_GATHER_BLOCKS(scene);
+  RC_GATHER_INSTANCES(scene);
   const GroupPlace place = rc_group_place(get_group_id(0), first_line, first_column, columns, pixels_per_line);
   for (uint p = 0; p < place.used && place.pixel + p < pixels; ++p) {
     const uint set = rc_hash(seed, place.number + p, 0u, 21u) % sets;
@@ -35,7 +38,7 @@ kernel void trace_sky(global const BvhNode* restrict nodes, global const TriBloc
         vstore16(cosine, word, cosines);
         points.live[word] = faces[word] = rc_mask16(cosine > 0.0f);
       }
-      rc_shadow_points(nodes, blocks, instances, direction, &points);
+      rc_shadow_points(scene, direction, &points);
       for (uint word = 0; word < RC_NWORDS; ++word) {
         const uint dark = faces[word] & ~points.live[word];
         if (!dark) continue;
@@ -57,7 +60,7 @@ kernel void trace_sky(global const BvhNode* restrict nodes, global const TriBloc
         const float4 direction = directions[set * count + m];
         const float cosine = fma(direction.x, normal.x, fma(direction.y, normal.y, direction.z * normal.z));
         if (!(cosine > 0.0f)) continue;
-        if (rc_trace_ray(nodes, blocks, instances, point, direction, true).instance != RC_NONE)
+        if (rc_trace_ray(scene, point, direction, true).instance != RC_NONE)
           sum = fma(weights[set * count + m], (float4)(cosine), sum);
       }
       out[k] = sum.x;

@@ -8,6 +8,7 @@
 #ifndef RAYCUBE_KERNELS_GEOMETRY_BUNDLE_H
 #define RAYCUBE_KERNELS_GEOMETRY_BUNDLE_H
 
+#include "kernels/geometry/scene_arrays.h"
 #include "kernels/geometry/surface_point.h"
 #include "kernels/geometry/triangle.h"
 
@@ -154,15 +155,14 @@ static inline void rc_prefetch(global const void* at, uint bytes) {
 
 /* Pushes the children of a node that meet the region and returns the new height of the stack. Leaves carry RC_LEAF: blocks
  * in a mesh tree, instances in the top tree. */
-RC_ALWAYS static inline uint rc_push_children(const Cull* cull, int planes, global const BvhNode* nodes, global const TriBlock* blocks, uint index,
-                                    bool in_mesh, uint* stack, uint top) {
-  global const BvhNode* node = nodes + index;
+RC_ALWAYS static inline uint rc_push_children(const Cull* cull, int planes, SceneArrays scene, uint index, bool in_mesh, uint* stack, uint top) {
+  global const BvhNode* node = rc_node(scene, index);
   const uint leaves = node->leaf_mask;
   for (uint boxes = rc_cull_boxes(cull, planes, node); boxes; boxes &= boxes - 1u) {
     const uint slot = rc_lowest(boxes), child = node->child[slot];
     const bool leaf = leaves >> slot & 1u;
-    if (!leaf) rc_prefetch(nodes + child, 256);
-    else if (in_mesh) rc_prefetch(blocks + child, 576);
+    if (!leaf) rc_prefetch(rc_node(scene, child), 256);
+    else if (in_mesh) rc_prefetch(rc_block(scene, child), 576);
     stack[top++] = leaf ? child | RC_LEAF : child;
   }
   return top;

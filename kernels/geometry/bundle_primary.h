@@ -347,8 +347,7 @@ static inline void rc_write_pixel(const uint* grid, uint p, uint rows, global ui
 #endif
 
 /* frame: rays in the scene frame and the samples; the rest is set here. */
-static inline void rc_primary_group(global const BvhNode* nodes, global const TriBlock* blocks, global const Instance* instances,
-                                    GroupFrame frame, Closest* closest) {
+static inline void rc_primary_group(SceneArrays scene, GroupFrame frame, Closest* closest) {
   Cull world, cull;
   const RayGroup rays = frame.rays;
   rc_frame_group(&frame, &world);
@@ -365,11 +364,11 @@ static inline void rc_primary_group(global const BvhNode* nodes, global const Tr
     }
     const uint entry = stack[--top], index = entry & ~RC_LEAF;
     if (!(entry & RC_LEAF)) {
-      top = rc_push_children(&cull, 4, nodes, blocks, index, instance != RC_NONE, stack, top);
+      top = rc_push_children(&cull, 4, scene, index, instance != RC_NONE, stack, top);
     } else if (instance != RC_NONE) {
-      rc_primary_block(&frame, closest, blocks + index, instance, index * RC_BLOCK);
+      rc_primary_block(&frame, closest, rc_block(scene, index), instance, index * RC_BLOCK);
     } else {
-      global const Instance* placed = instances + index;
+      global const Instance* placed = rc_instance(scene, index);
       instance = index;
       if (placed->flags & 1u) {
         frame.rays = rays;

@@ -2,6 +2,7 @@
 #ifndef RAYCUBE_KERNELS_GEOMETRY_RAY_TRACE_H
 #define RAYCUBE_KERNELS_GEOMETRY_RAY_TRACE_H
 
+#include "kernels/geometry/scene_arrays.h"
 #include "kernels/geometry/triangle.h"
 
 typedef struct Hit {
@@ -38,8 +39,8 @@ static inline void rc_take_closest(Hit* hit, uint instance, uint block, uint lan
 }
 
 /* The ray through one placed mesh. The stack is used from `base` upwards. */
-static inline void rc_trace_instance(global const BvhNode* nodes, global const TriBlock* blocks, global const Instance* placed,
-                                     uint instance, Ray world, uint* stack, uint base, bool any, Hit* hit) {
+static inline void rc_trace_instance(SceneArrays scene, uint instance, Ray world, uint* stack, uint base, bool any, Hit* hit) {
+  global const Instance* placed = rc_instance(scene, instance);
   Ray ray = world;
   if (!(placed->flags & 1u)) {
     const float4 r0 = placed->local_from_world_0, r1 = placed->local_from_world_1, r2 = placed->local_from_world_2;
@@ -48,7 +49,7 @@ static inline void rc_trace_instance(global const BvhNode* nodes, global const T
   uint top = base;
   stack[top++] = placed->root;
   while (top > base) {
-    global const BvhNode* node = nodes + stack[--top];
+    global const BvhNode* node = rc_node(scene, stack[--top]);
     uint boxes = rc_ray_boxes(ray, node, hit->t);
     while (boxes) {
       const uint slot = rc_lowest(boxes), child = node->child[slot];
@@ -58,7 +59,7 @@ static inline void rc_trace_instance(global const BvhNode* nodes, global const T
         continue;
       }
       float16 t;
-      const uint lanes = rc_hit_block(ray, blocks + child, &t);
+      const uint lanes = rc_hit_block(ray, rc_block(scene, child), &t);
       if (lanes) rc_take_closest(hit, instance, child, lanes, t);
       if (any && lanes) return;
     }
@@ -67,8 +68,7 @@ static inline void rc_trace_instance(global const BvhNode* nodes, global const T
 
 /* Not inlined, for compile time; unused where all rays go in bundles. Closest hit; with `any` set, returns at the first hit
  * found, whichever it is. */
-__attribute__((noinline, unused)) static Hit rc_trace_ray(global const BvhNode* nodes, global const TriBlock* blocks, global const Instance* instances,
-                               float4 origin, float4 direction, bool any) {
+__attribute__((noinline, unused)) static Hit rc_trace_ray(SceneArrays scene, float4 origin, float4 direction, bool any) {
   Hit hit;
   hit.t = INFINITY;
   hit.instance = RC_NONE;
@@ -78,7 +78,7 @@ __attribute__((noinline, unused)) static Hit rc_trace_ray(global const BvhNode* 
   uint top = 1;
   stack[0] = 0;
   while (top) {
-    global const BvhNode* node = nodes + stack[--top];
+    global const BvhNode* node = rc_node(scene, stack[--top]);
     uint boxes = rc_ray_boxes(world, node, hit.t);
     uint leaves = boxes & node->leaf_mask;
     boxes &= ~node->leaf_mask;
@@ -89,7 +89,7 @@ __attribute__((noinline, unused)) static Hit rc_trace_ray(global const BvhNode* 
     while (leaves) {  /* leaves of the top tree are instances; each is traced to its end before the next */
       const uint instance = node->child[rc_lowest(leaves)];
       leaves &= leaves - 1u;
-      rc_trace_instance(nodes, blocks, instances + instance, instance, world, stack, top, any, &hit);
+      rc_trace_instance(scene, instance, world, stack, top, any, &hit);
       if (any && hit.instance != RC_NONE) return hit;
     }
   }

@@ -13,12 +13,12 @@
 #define RC_FEW_POINTS 4u
 
 /* A ray of the frame's direction against one placed mesh: any hit? The same boxes and triangles as rc_trace_ray. */
-static inline bool rc_ray_meets(global const BvhNode* nodes, global const TriBlock* blocks, uint root, Ray ray, uint* stack, uint base) {
+static inline bool rc_ray_meets(SceneArrays scene, uint root, Ray ray, uint* stack, uint base) {
   const uint x = ray.inverse.x < 0.0f ? 24u : 0u, y = ray.inverse.y < 0.0f ? 24u : 0u, z = ray.inverse.z < 0.0f ? 24u : 0u;
   uint top = base;
   stack[top++] = root;
   while (top > base) {
-    global const BvhNode* node = nodes + stack[--top];
+    global const BvhNode* node = rc_node(scene, stack[--top]);
     global const float* at = (global const float*)node;
     const float8 enter = rc_max8(rc_max8((vload8(0, at + x) - ray.origin.x) * ray.inverse.x, (vload8(0, at + 8u + y) - ray.origin.y) * ray.inverse.y),
                               rc_max8((vload8(0, at + 16u + z) - ray.origin.z) * ray.inverse.z, 0.0f));
@@ -28,19 +28,19 @@ static inline bool rc_ray_meets(global const BvhNode* nodes, global const TriBlo
     uint leaves = boxes & node->leaf_mask;
     for (boxes &= ~leaves; boxes; boxes &= boxes - 1u) {
       const uint child = node->child[rc_lowest(boxes)];
-      rc_prefetch(nodes + child, 256);
+      rc_prefetch(rc_node(scene, child), 256);
       stack[top++] = child;
     }
     for (; leaves; leaves &= leaves - 1u) {
       float16 t;
-      if (rc_hit_block(ray, blocks + node->child[rc_lowest(leaves)], &t)) return true;
+      if (rc_hit_block(ray, rc_block(scene, node->child[rc_lowest(leaves)]), &t)) return true;
     }
   }
   return false;
 }
 
 /* Clears the live points among `met` (a word of bits each) that the placed mesh hides, ray by ray. */
-__attribute__((noinline)) static void rc_shadow_rays(global const BvhNode* nodes, global const TriBlock* blocks, uint root, const ShadowFrame* frame,
+__attribute__((noinline)) static void rc_shadow_rays(SceneArrays scene, uint root, const ShadowFrame* frame,
                                                      Points* points, const ushort* met, uint* stack, uint base) {
   Ray ray = frame->ray;
   for (uint word = 0; word < points->words; ++word) {
@@ -48,7 +48,7 @@ __attribute__((noinline)) static void rc_shadow_rays(global const BvhNode* nodes
       const uint bit = rc_lowest(bits), k = word * 16u + bit;
       ray.origin = (float4)(points->x[k], points->y[k], points->z[k], 0.0f);
       if (!frame->same) ray.origin = rc_map_point(frame->l0, frame->l1, frame->l2, ray.origin);
-      if (rc_ray_meets(nodes, blocks, root, ray, stack, base)) points->live[word] &= ~(1u << bit);
+      if (rc_ray_meets(scene, root, ray, stack, base)) points->live[word] &= ~(1u << bit);
     }
     if (!points->live[word]) rc_empty_word(points, word);
   }
@@ -73,25 +73,24 @@ static inline uint rc_rays_at_box(const Points* points, global const BvhNode* no
 }
 
 /* One bundle through one placed mesh; stops when it has cost more than `budget`. Returns whether it came to the end. */
-__attribute__((noinline)) static bool rc_shadow_mesh(global const BvhNode* nodes, global const TriBlock* blocks, uint root, const ShadowFrame* frame,
+__attribute__((noinline)) static bool rc_shadow_mesh(SceneArrays scene, uint root, const ShadowFrame* frame,
                                                      const Cull* cull, const Cluster* cluster, Points* points, uint budget, uint* stack, uint base) {
   uint top = base, cost = 0;
   stack[top++] = root;
   while (top > base) {
     const uint entry = stack[--top];
     if (!(entry & RC_LEAF)) {
-      top = rc_push_children(cull, 5, nodes, blocks, entry, true, stack, top);
+      top = rc_push_children(cull, 5, scene, entry, true, stack, top);
       continue;
     }
-    cost += rc_shadow_block(frame, cluster, points, blocks + (entry & ~RC_LEAF));
+    cost += rc_shadow_block(frame, cluster, points, rc_block(scene, entry & ~RC_LEAF));
     if (!rc_points_left(points)) return true;
     if (cost > budget) return false;
   }
   return true;
 }
 
-static inline void rc_shadow_cluster(global const BvhNode* nodes, global const TriBlock* blocks, global const Instance* instances,
-                                     Points* points, Cluster cluster) {
+static inline void rc_shadow_cluster(SceneArrays scene, Points* points, Cluster cluster) {
   /* The scene's own frame, to walk the top tree. */
   Cull world;
   const float growth = 16.0f * RC_ULP, slack = (10.0f * RC_ULP + growth) * cluster.reach;
@@ -109,26 +108,26 @@ static inline void rc_shadow_cluster(global const BvhNode* nodes, global const T
   uint top = 1;
   stack[0] = 0;
   while (top) {
-    global const BvhNode* node = nodes + stack[--top];
+    global const BvhNode* node = rc_node(scene, stack[--top]);
     const uint boxes = rc_cull_boxes(&world, 5, node);
     for (uint inner = boxes & ~node->leaf_mask; inner; inner &= inner - 1u) stack[top++] = node->child[rc_lowest(inner)];
     for (uint leaves = boxes & node->leaf_mask; leaves; leaves &= leaves - 1u) {
       const uint slot = rc_lowest(leaves);
       uint count = rc_rays_at_box(points, node, slot, met);
       if (!count) continue;
-      global const Instance* placed = instances + node->child[slot];
+      global const Instance* placed = rc_instance(scene, node->child[slot]);
       const uint mesh = 1u << (placed->mesh & 31u);
       ShadowFrame frame;
       rc_frame_rays(points, placed, &frame);
       if (count > RC_FEW_POINTS && !(points->costly & mesh)) {
         Cull cull;
         rc_frame_bundle(points, &cluster, placed, &frame, &cull);
-        if (!rc_shadow_mesh(nodes, blocks, placed->root, &frame, &cull, &cluster, points, RC_BUNDLE_BUDGET(count), stack, top))
+        if (!rc_shadow_mesh(scene, placed->root, &frame, &cull, &cluster, points, RC_BUNDLE_BUDGET(count), stack, top))
           points->costly |= mesh;
         else
           count = 0;
       }
-      if (count) rc_shadow_rays(nodes, blocks, placed->root, &frame, points, met, stack, top);
+      if (count) rc_shadow_rays(scene, placed->root, &frame, points, met, stack, top);
       if (!rc_points_left(points)) return;
     }
   }
@@ -136,12 +135,11 @@ static inline void rc_shadow_cluster(global const BvhNode* nodes, global const T
 
 /* Clears from points->live the points that something hides in the direction. Precondition: x, y, z, live, words and costly
  * set. */
-static inline void rc_shadow_points(global const BvhNode* nodes, global const TriBlock* blocks, global const Instance* instances,
-                                    float4 towards, Points* points) {
+static inline void rc_shadow_points(SceneArrays scene, float4 towards, Points* points) {
   if (!rc_points_left(points)) return;
   for (uint word = points->words; word < RC_WORD_SLOTS; ++word) rc_empty_word(points, word);
   rc_project_points(points, towards);
-  rc_shadow_cluster(nodes, blocks, instances, points, rc_cluster(points));
+  rc_shadow_cluster(scene, points, rc_cluster(points));
 }
 
 #endif

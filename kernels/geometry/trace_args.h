@@ -25,15 +25,15 @@
  * Groups of a tile: line by line, ceil(tile.columns / RC_GROUP_PIXELS) of them per line; the last may hold fewer pixels.
  *
  * Every kernel: local size 1, global size = groups of the tile. Common arguments:
- *   nodes, blocks, instances   the arrays of CompiledScene (at least one element each, even in an empty scene)
+ *   nodes, blocks, instances   the arrays of CompiledScene (at least one element each, even in an empty scene), each in as many
+ *                              pages, hence arguments, as its build options say (kernels/geometry/scene_arrays.h)
  *   seed                       low 32 bits of Simulation::seed
  *   first_line, first_column   place of the tile in the image; first_column is a multiple of RC_GROUP_PIXELS
  *   columns                    pixels of a tile line;  pixels_per_line: of an image line
  * Pixel i of a tile = (line in tile) * columns + (column in tile); its number in hashes is
  *   (first_line + line) * pixels_per_line + first_column + column, so results do not depend on tiling.
  *
- *   trace_primary(global const BvhNode* nodes, global const TriBlock* blocks, global const Instance* instances,
- *                 global const RayGroup* groups, global uint* hits, uint seed, uint first_line, uint first_column,
+ *   trace_primary(nodes, blocks, instances, global const RayGroup* groups, global uint* hits, uint seed, uint first_line, uint first_column,
  *                 uint columns, uint pixels_per_line, uint first_sample, uint sample_count)
  *     hits[pixel][2][NPAD]: row 0 instance index (RC_NONE: miss), row 1 primitive = block * 16 + lane. Slots at and past
  *     sample_count hold RC_NONE. The closest hit; of equal distances the lowest instance, then the lowest primitive.

@@ -30,11 +30,14 @@ set(rows -DRC_NSAMP=121 -DRC_NPAD=128 -DRC_COMPONENTS=4 -DRC_HEIGHTS=2 -DRC_VIEW
 set(failures "")
 foreach(packed IN ITEMS
     "rows.cl 0" "rows.cl 1" "probe_structs.cl -" "trace.cl -DRC_SCATTER=0" "trace.cl -DRC_SCATTER=1"
-    "trace.cl -DRC_SAMPLER=2 -DRC_SUPPORT=1.5f" "trace.cl -DRC_MOVING=1 -DRC_GROUP_PIXELS=1" "trace.cl -DRC_BUNDLE=0")
+    "trace.cl -DRC_SAMPLER=2 -DRC_SUPPORT=1.5f" "trace.cl -DRC_MOVING=1 -DRC_GROUP_PIXELS=1" "trace.cl -DRC_BUNDLE=0"
+    "trace.cl -DRC_SCATTER=0 -DRC_NODE_PAGES=2 -DRC_NODE_SHIFT=12 -DRC_BLOCK_PAGES=8 -DRC_BLOCK_SHIFT=10 -DRC_INSTANCE_PAGES=3 -DRC_INSTANCE_SHIFT=0"
+    "rows.cl 0 -DRC_BLOCK_PAGES=7 -DRC_BLOCK_SHIFT=28 -DRC_SURFACE_PAGES=8 -DRC_SURFACE_SHIFT=15")
   separate_arguments(words UNIX_COMMAND "${packed}")
   list(POP_FRONT words entry)
   if(entry STREQUAL "rows.cl")
-    set(words ${rows} -DRC_CHUNKED=${words})
+    list(POP_FRONT words chunked)
+    list(APPEND words ${rows} -DRC_CHUNKED=${chunked})
   elseif(entry STREQUAL "trace.cl")
     list(APPEND words -DRC_STACK=92)
   else()
