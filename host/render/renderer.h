@@ -1,9 +1,9 @@
 // The stage graph on one device: a compiled scene uploaded once, then instruments rendered tile by tile.
 //
-//   ray groups -> trace_primary -> make_surface -> trace_sun -> trace_sky -> shade -> (host bakes missing rows)
+//   ray groups -> trace_primary -> make_surface -> trace_light (sun, sky) -> shade -> (host bakes missing rows)
 //              -> resolve -> integrate_bands -> strip on the host
 //
-// Light from neighbouring surfaces and the adjacency of the air join between trace_sky and shade: each adds product keys and
+// Light from neighbouring surfaces and the adjacency of the air join between trace_light and shade: each adds product keys and
 // accumulators to the row, nothing else changes.
 #pragma once
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <optional>
 
 #include "host/base/error.h"
 #include "host/sensors/ray_groups.h"
@@ -28,6 +27,10 @@ template <class T>
 cl::Buffer<T> upload(const cl::Context& context, const std::vector<T>& from, const std::string& what) {
   if (from.empty()) return cl::Buffer<T>(context, std::vector<T>(1), cl::Access::read_only, what);
   return cl::Buffer<T>(context, from, cl::Access::read_only, what);
+}
+
+std::vector<shared::rc_float4> sun_only(const plan::Plan& plan) {
+  return {{plan.sun_direction[0], plan.sun_direction[1], plan.sun_direction[2], 0}};
 }
 
 static_assert(static_cast<int>(scene::SamplerKind::grid) == 0 && static_cast<int>(scene::SamplerKind::lattice) == 1 &&
@@ -78,10 +81,10 @@ struct TraceStages::State {
         program(context_, "trace", kernels::kernel_source("trace"), options),
         primary(program, "trace_primary"),
         surface(program, "make_surface"),
+        light(program, "trace_light"),
+        sun(upload(context_, sun_only(plan_), "sun direction")),
         directions(upload(context_, plan_.sky.direction, "sky directions")),
         weights(upload(context_, plan_.sky.weight, "sky weights")) {
-    if (plan.sun_up) sun.emplace(program, "trace_sun");
-    if (plan.sky_components > 0) sky.emplace(program, "trace_sky");
   }
 
   const cl::Context& context;
@@ -91,9 +94,8 @@ struct TraceStages::State {
   std::uint32_t seed, pixels_per_line;
   std::string options, identity;
   cl::Program program;
-  cl::Kernel primary, surface;
-  std::optional<cl::Kernel> sun, sky;
-  cl::Buffer<shared::rc_float4> directions, weights;
+  cl::Kernel primary, surface, light;
+  cl::Buffer<shared::rc_float4> sun, directions, weights;
   const void* zeroed = nullptr;  ///< buffers whose unused visibility has been cleared
 };
 
@@ -111,7 +113,6 @@ void TraceStages::run(const TilePlace& place, const TileLayout& layout, int chun
   State& s = *state_;
   const auto first_sample = static_cast<cl_uint>(chunk * s.shape.chunk_samples);
   const auto sample_count = static_cast<cl_uint>(std::min(s.shape.chunk_samples, s.shape.samples - static_cast<int>(first_sample)));
-  const cl_uint pixels = place.lines * layout.width;
   const std::size_t groups = static_cast<std::size_t>(place.lines) * layout.groups_per_line;
   const auto launch = [&](const char* stage, const cl::Kernel& kernel) {
     const auto start = std::chrono::steady_clock::now();
@@ -131,16 +132,14 @@ void TraceStages::run(const TilePlace& place, const TileLayout& layout, int chun
   launch("make_surface", s.surface.arguments(s.buffers.blocks, s.buffers.instances, traced.groups, traced.hits,
                                               traced.surface, s.seed, place.first_line, place.first_column, layout.width,
                                               s.pixels_per_line, first_sample, sample_count));
-  if (s.sun) {
-    const auto& d = s.plan.sun_direction;
-    launch("trace_sun", s.sun->arguments(s.buffers.nodes, s.buffers.blocks, s.buffers.instances, traced.surface, traced.sun,
-                                         shared::rc_float4{d[0], d[1], d[2], 0}, layout.width, pixels));
-  }
-  if (s.sky)
-    launch("trace_sky", s.sky->arguments(s.buffers.nodes, s.buffers.blocks, s.buffers.instances, traced.surface,
-                                         s.directions, s.weights, traced.sky, static_cast<cl_uint>(s.plan.sky.sets),
-                                         static_cast<cl_uint>(s.plan.sky.directions), s.seed, place.first_line,
-                                         place.first_column, layout.width, s.pixels_per_line, pixels));
+  const auto light = [&](const char* stage, const auto& directions, const auto& weights, bool sky, int sets, int count) {
+    launch(stage, s.light.arguments(s.buffers.nodes, s.buffers.blocks, s.buffers.instances, traced.surface, directions, weights,
+                                    traced.sun, traced.sky, cl_uint{sky}, static_cast<cl_uint>(sets), static_cast<cl_uint>(count),
+                                    s.seed, place.first_line, place.first_column, layout.width, s.pixels_per_line));
+  };
+  if (s.plan.sun_up) light("trace_sun", s.sun, s.sun, false, 1, 1);
+  if (s.plan.sky_components > 0)
+    light("trace_sky", s.directions, s.weights, true, static_cast<int>(s.plan.sky.sets), static_cast<int>(s.plan.sky.directions));
 }
 
 }  // namespace raycube::render

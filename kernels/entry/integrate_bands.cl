@@ -2,6 +2,7 @@
  * Reads:  terms of resolve, the band table. Writes: radiance, W m-2 sr-1 um-1. Next: the writer.
  * One work-item per pixel, local size 1; bands are padded to a multiple of 16. */
 #pragma OPENCL FP_CONTRACT OFF
+#include "kernels/shared/structs.h"
 
 /* A store that does not read the line first is worth 2x where memory is the limit; same bits either way. */
 #if defined(__has_builtin)
@@ -15,11 +16,12 @@
 
 #define VECTORS (RC_BANDS_PADDED / 16)
 
-__kernel void integrate_bands(const uint first_item, const uint item_count, __global const uint* restrict pixel_list, const uint use_list,
-                              const uint term_capacity, __global const uint* restrict term_count,
-                              __global const uint* restrict term_row, __global const float* restrict term_weight,
-                              __global const float16* restrict table, __global float16* restrict radiance) {
-  const uint item = first_item + get_group_id(0);
+#define INTEGRATE_BANDS_PARAMETERS uint first_item, uint item_count, global const uint* restrict pixel_list, uint use_list, \
+  uint term_capacity, global const uint* restrict term_count, global const uint* restrict term_row, \
+  global const float* restrict term_weight, global const float16* restrict table, global float16* restrict radiance
+
+RC_BODY integrate_bands_body(uint index, INTEGRATE_BANDS_PARAMETERS) {
+  const uint item = first_item + index;
   if (item >= first_item + item_count) return;
   const uint pixel = use_list ? pixel_list[item] : item;
   const uint terms = term_count[item];
@@ -48,4 +50,9 @@ __kernel void integrate_bands(const uint first_item, const uint item_count, __gl
     for (uint t = 0; t < terms; ++t) sum = fma((float16)(weights[t]), table[(size_t)rows[t] * VECTORS + b], sum);
     STORE16(sum, out + b);
   }
+}
+
+kernel void integrate_bands(INTEGRATE_BANDS_PARAMETERS) {
+  integrate_bands_body((uint)get_group_id(0), first_item, item_count, pixel_list, use_list, term_capacity, term_count, term_row,
+                       term_weight, table, radiance);
 }

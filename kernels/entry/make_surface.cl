@@ -1,5 +1,5 @@
-/* Reads: hits of trace_primary, ray groups, the scene. Writes: offset point and normal of every sample. Next: trace_sun,
- * trace_sky, shading. */
+/* Reads: hits of trace_primary, ray groups, the scene. Writes: offset point and normal of every sample. Next: trace_light,
+ * shading. */
 #include "kernels/geometry/trace_args.h"
 #include "kernels/geometry/lanes.h"
 #include "kernels/geometry/samples.h"
@@ -11,13 +11,14 @@ typedef struct Gathered {
   float corner[9][16], origin[3][16], direction[3][16];
 } Gathered;
 
-kernel void make_surface(RC_BLOCKS, RC_INSTANCES, global const RayGroup* restrict groups, global const uint* restrict hits,
-                         global float* restrict surface, uint seed, uint first_line, uint first_column, uint columns,
-                         uint pixels_per_line, uint first_sample, uint sample_count) {
+#define MAKE_SURFACE_PARAMETERS RC_BLOCKS, RC_INSTANCES, global const RayGroup* restrict groups, \
+  global const uint* restrict hits, global float* restrict surface, uint seed, uint first_line, uint first_column, \
+  uint columns, uint pixels_per_line, uint first_sample, uint sample_count
+
+RC_BODY make_surface_body(uint index, MAKE_SURFACE_PARAMETERS) {
   SceneArrays scene;
   RC_GATHER_BLOCKS(scene);
   RC_GATHER_INSTANCES(scene);
-  const uint index = get_group_id(0);
   const GroupPlace place = rc_group_place(index, first_line, first_column, columns, pixels_per_line);
   const RayGroup group = groups[index];
   for (uint p = 0; p < place.used; ++p)
@@ -70,4 +71,9 @@ kernel void make_surface(RC_BLOCKS, RC_INSTANCES, global const RayGroup* restric
       vstore16(normal.y, 0, out + 4 * RC_NPAD);
       vstore16(normal.z, 0, out + 5 * RC_NPAD);
     }
+}
+
+kernel void make_surface(MAKE_SURFACE_PARAMETERS) {
+  make_surface_body((uint)get_group_id(0), RC_PASS_BLOCKS, RC_PASS_INSTANCES, groups, hits, surface, seed, first_line,
+                    first_column, columns, pixels_per_line, first_sample, sample_count);
 }

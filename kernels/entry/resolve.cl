@@ -32,16 +32,15 @@ inline uint baked_row(__global const ulong* baked_keys, __global const uint* bak
 /* Linear weight of node i when a value lies a fraction f past node k. */
 inline float weight_of(int i, int k, float f) { return i == k ? 1.0f - f : i == k + 1 ? f : 0.0f; }
 
-__kernel void resolve(const uint first_item, const uint item_count, __global const uint* restrict pixel_list, const uint use_list,
-                      const uint capacity, const uint term_capacity, __global const RayGroup* restrict groups,
-                      const uint tile_width, const uint groups_per_line, __global const uint* restrict row_count,
-                      __global const ulong* restrict row_keys, __global const float* restrict row_sums,
-                      __global const float* restrict path_sums, __global const ulong* restrict baked_keys,
-                      __global const uint* restrict baked_rows, const uint baked_count, const float view_first,
-                      const float view_step, const float path_x_first, const float path_x_step,
-                      const float path_y_first, const float path_y_step, __global uint* restrict term_count,
-                      __global uint* restrict term_row, __global float* restrict term_weight) {
-  const uint item = first_item + get_group_id(0);
+#define RESOLVE_PARAMETERS uint first_item, uint item_count, global const uint* restrict pixel_list, uint use_list, \
+  uint capacity, uint term_capacity, global const RayGroup* restrict groups, uint tile_width, uint groups_per_line, \
+  global const uint* restrict row_count, global const ulong* restrict row_keys, global const float* restrict row_sums, \
+  global const float* restrict path_sums, global const ulong* restrict baked_keys, global const uint* restrict baked_rows, \
+  uint baked_count, float view_first, float view_step, float path_x_first, float path_x_step, float path_y_first, \
+  float path_y_step, global uint* restrict term_count, global uint* restrict term_row, global float* restrict term_weight
+
+RC_BODY resolve_body(uint index, RESOLVE_PARAMETERS) {
+  const uint item = first_item + index;
   if (item >= first_item + item_count) return;
   const uint pixel = use_list ? pixel_list[item] : item;
   const uint keys_used = row_count[item];
@@ -104,4 +103,10 @@ __kernel void resolve(const uint first_item, const uint item_count, __global con
     }
   }
   term_count[item] = n;
+}
+
+kernel void resolve(RESOLVE_PARAMETERS) {
+  resolve_body((uint)get_group_id(0), first_item, item_count, pixel_list, use_list, capacity, term_capacity, groups, tile_width,
+               groups_per_line, row_count, row_keys, row_sums, path_sums, baked_keys, baked_rows, baked_count, view_first,
+               view_step, path_x_first, path_x_step, path_y_first, path_y_step, term_count, term_row, term_weight);
 }

@@ -63,20 +63,18 @@ inline int deposit(__global ulong* keys, __global float* sums, uint* count, uint
   return 1;
 }
 
-__kernel void shade(const uint pixel_count, __global const uint* restrict pixel_list, const uint use_list,
-                    const uint capacity, const uint fresh, __global const RayGroup* restrict groups,
-                    const uint tile_width, const uint groups_per_line, __global const uint* restrict hits,
-                    __global const float* restrict surface_points, __global const ushort* restrict sun_bits,
-                    __global const float* restrict sky_blocked, RC_BLOCKS, RC_SURFACES,
-                    __global const float* restrict chunk_weight, const float sample_total,
-                    const float4 sun_direction, __global const float4* restrict irradiance_map, const uint map_size,
-                    const float height_first, const float height_step, __global uint* restrict row_count,
-                    __global ulong* restrict row_keys, __global float* restrict row_sums,
-                    __global float* restrict path_sums, __global float* restrict truth) {
+#define SHADE_PARAMETERS uint pixel_count, global const uint* restrict pixel_list, uint use_list, uint capacity, uint fresh, \
+  global const RayGroup* restrict groups, uint tile_width, uint groups_per_line, global const uint* restrict hits, \
+  global const float* restrict surface_points, global const ushort* restrict sun_bits, \
+  global const float* restrict sky_blocked, RC_BLOCKS, RC_SURFACES, global const float* restrict chunk_weight, \
+  float sample_total, float4 sun_direction, global const float4* restrict irradiance_map, uint map_size, float height_first, \
+  float height_step, global uint* restrict row_count, global ulong* restrict row_keys, global float* restrict row_sums, \
+  global float* restrict path_sums, global float* restrict truth
+
+RC_BODY shade_body(uint item, SHADE_PARAMETERS) {
   SceneArrays scene;
   RC_GATHER_BLOCKS(scene);
   RC_GATHER_SURFACES(scene);
-  const uint item = get_group_id(0);
   if (item >= pixel_count) return;
   const uint pixel = use_list ? pixel_list[item] : item; /* index in the tile's inputs; outputs go by item */
 
@@ -228,4 +226,10 @@ __kernel void shade(const uint pixel_count, __global const uint* restrict pixel_
     }
   }
   row_count[item] = count;
+}
+
+kernel void shade(SHADE_PARAMETERS) {
+  shade_body((uint)get_group_id(0), pixel_count, pixel_list, use_list, capacity, fresh, groups, tile_width, groups_per_line,
+             hits, surface_points, sun_bits, sky_blocked, RC_PASS_BLOCKS, RC_PASS_SURFACES, chunk_weight, sample_total,
+             sun_direction, irradiance_map, map_size, height_first, height_step, row_count, row_keys, row_sums, path_sums, truth);
 }

@@ -4,14 +4,15 @@
 #include "kernels/geometry/bundle_primary.h"
 #include "kernels/geometry/ray_trace.h"
 
-kernel void trace_primary(RC_NODES, RC_BLOCKS, RC_INSTANCES, global const RayGroup* restrict groups,
-                          global uint* restrict hits, uint seed, uint first_line, uint first_column, uint columns,
-                          uint pixels_per_line, uint first_sample, uint sample_count) {
+#define TRACE_PRIMARY_PARAMETERS RC_NODES, RC_BLOCKS, RC_INSTANCES, global const RayGroup* restrict groups, \
+  global uint* restrict hits, uint seed, uint first_line, uint first_column, uint columns, uint pixels_per_line, \
+  uint first_sample, uint sample_count
+
+RC_BODY trace_primary_body(uint index, TRACE_PRIMARY_PARAMETERS) {
   SceneArrays scene;
   RC_GATHER_NODES(scene);
   RC_GATHER_BLOCKS(scene);
   RC_GATHER_INSTANCES(scene);
-  const uint index = get_group_id(0);
   const GroupPlace place = rc_group_place(index, first_line, first_column, columns, pixels_per_line);
   const RayGroup group = groups[index];
 #if RC_BUNDLE && !RC_MOVING
@@ -61,4 +62,9 @@ kernel void trace_primary(RC_NODES, RC_BLOCKS, RC_INSTANCES, global const RayGro
     }
   }
 #endif
+}
+
+kernel void trace_primary(TRACE_PRIMARY_PARAMETERS) {
+  trace_primary_body((uint)get_group_id(0), RC_PASS_NODES, RC_PASS_BLOCKS, RC_PASS_INSTANCES, groups, hits, seed, first_line,
+                     first_column, columns, pixels_per_line, first_sample, sample_count);
 }

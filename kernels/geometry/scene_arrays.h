@@ -8,7 +8,8 @@
  *   RC_NODE_PAGES   1 .. 8; default 1
  *   RC_NODE_SHIFT   log2 of a page's elements; needed when there are several pages
  * A kernel names its arrays as parameters (RC_NODES, RC_BLOCKS, ...: as many arguments as pages) and gathers them first:
- *   kernel void k(RC_NODES, RC_BLOCKS, ...) { SceneArrays scene; RC_GATHER_NODES(scene); RC_GATHER_BLOCKS(scene); ... } */
+ *   kernel void k(RC_NODES, RC_BLOCKS, ...) { SceneArrays scene; RC_GATHER_NODES(scene); RC_GATHER_BLOCKS(scene); ... }
+ * and hands them to a function with the same parameters as RC_PASS_NODES, RC_PASS_BLOCKS, ... */
 #ifndef RAYCUBE_KERNELS_GEOMETRY_SCENE_ARRAYS_H
 #define RAYCUBE_KERNELS_GEOMETRY_SCENE_ARRAYS_H
 
@@ -55,6 +56,14 @@ typedef struct SceneArrays {
 #define RC_GATHER_6(scene, name) RC_GATHER_5(scene, name), (scene).name[5] = name##_5
 #define RC_GATHER_7(scene, name) RC_GATHER_6(scene, name), (scene).name[6] = name##_6
 #define RC_GATHER_8(scene, name) RC_GATHER_7(scene, name), (scene).name[7] = name##_7
+#define RC_PASS_1(name) name##_0
+#define RC_PASS_2(name) RC_PASS_1(name), name##_1
+#define RC_PASS_3(name) RC_PASS_2(name), name##_2
+#define RC_PASS_4(name) RC_PASS_3(name), name##_3
+#define RC_PASS_5(name) RC_PASS_4(name), name##_4
+#define RC_PASS_6(name) RC_PASS_5(name), name##_5
+#define RC_PASS_7(name) RC_PASS_6(name), name##_6
+#define RC_PASS_8(name) RC_PASS_7(name), name##_7
 #define RC_JOINED(a, b) a##b
 #define RC_JOIN(a, b) RC_JOINED(a, b)
 
@@ -62,6 +71,10 @@ typedef struct SceneArrays {
 #define RC_BLOCKS RC_JOIN(RC_PARAMETER_, RC_BLOCK_PAGES)(TriBlock, blocks)
 #define RC_INSTANCES RC_JOIN(RC_PARAMETER_, RC_INSTANCE_PAGES)(Instance, instances)
 #define RC_SURFACES RC_JOIN(RC_PARAMETER_, RC_SURFACE_PAGES)(Surface, surfaces)
+#define RC_PASS_NODES RC_JOIN(RC_PASS_, RC_NODE_PAGES)(nodes)
+#define RC_PASS_BLOCKS RC_JOIN(RC_PASS_, RC_BLOCK_PAGES)(blocks)
+#define RC_PASS_INSTANCES RC_JOIN(RC_PASS_, RC_INSTANCE_PAGES)(instances)
+#define RC_PASS_SURFACES RC_JOIN(RC_PASS_, RC_SURFACE_PAGES)(surfaces)
 #define RC_GATHER_NODES(scene) RC_JOIN(RC_GATHER_, RC_NODE_PAGES)(scene, nodes)
 #define RC_GATHER_BLOCKS(scene) RC_JOIN(RC_GATHER_, RC_BLOCK_PAGES)(scene, blocks)
 #define RC_GATHER_INSTANCES(scene) RC_JOIN(RC_GATHER_, RC_INSTANCE_PAGES)(scene, instances)

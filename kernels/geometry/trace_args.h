@@ -1,9 +1,9 @@
-/* How to build and launch the four tracing kernels: trace_primary, make_surface, trace_sun, trace_sky.
+/* How to build and launch the three tracing kernels: trace_primary, make_surface, trace_light (sun, then sky).
  *
- * Chain, all in one in-order queue:  trace_primary -> hits -> make_surface -> surface -> trace_sun -> sun_mask
- *                                                                                    \-> trace_sky -> blocked
+ * Chain, all in one in-order queue:  trace_primary -> hits -> make_surface -> surface -> trace_light (sky = 0) -> sun_mask
+ *                                                                                    \-> trace_light (sky = 1) -> blocked
  *
- * Build options (one set for all four; a -D that is missing here has the default below):
+ * Build options (one set for all; a -D that is missing here has the default below):
  *   RC_NU, RC_NV        samples of a pixel along and across the line (whole pixel, not the chunk)
  *   RC_CHUNK            most samples that one launch handles per pixel; default RC_NU * RC_NV. Smaller for big pixels; with
  *                       the grid sampler a multiple of RC_NU, so that a chunk is whole rows.
@@ -41,13 +41,14 @@
  *                pixels_per_line, first_sample, sample_count)
  *     surface[pixel][6][NPAD]: x y z of the point, m, scene frame, moved off the surface to the viewer's side by its error
  *     bound (the origin of shadow rays); nx ny nz unit geometric normal facing the viewer. Misses: all six are 0.
- *   trace_sun(nodes, blocks, instances, surface (const), global ushort* sun_mask, float4 sun, uint columns, uint pixels)
- *     sun: unit vector towards the sun, w = 0. pixels: of the tile.
+ *   trace_light(nodes, blocks, instances, surface (const), directions (global const float4*), weights (global const float4*),
+ *               global ushort* sun_mask, global float* blocked, uint sky, uint sets, uint count, seed, first_line, first_column,
+ *               columns, pixels_per_line)
+ *     One kernel for both, since its walk through the scene is most of what a device compiles.
+ *     sky = 0, the sun: directions holds one unit vector towards it, w = 0, and sets = count = 1; weights and blocked may be
+ *     any buffers. All samples of a group go together.
  *     sun_mask[pixel][NPAD / 16]: bit s % 16 of word s / 16 = the sun is seen. Clear for misses and where n . sun <= 0.
- *   trace_sky(nodes, blocks, instances, surface (const), directions (global const float4*), weights (global const float4*),
- *             global float* blocked, uint sets, uint count, seed, first_line, first_column, columns, pixels_per_line,
- *             uint pixels)
- *     directions, weights: [sets][count]; a pixel takes set rc_hash(seed, pixel, 0, 21) % sets.
+ *     sky = 1: directions, weights: [sets][count]; a pixel takes set rc_hash(seed, pixel, 0, 21) % sets; sun_mask may be any buffer.
  *     blocked[pixel][4][NPAD]: sum over the blocked directions k, in order, of weight[k].c * max(0, n . direction[k]) for
  *     components c = 0..3 = xyzw. Zero for misses.
  */

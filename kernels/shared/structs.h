@@ -8,6 +8,9 @@
 #define RC_MAX_CHANNELS 32    /* channels (source x node) of a term row */
 
 #ifdef __OPENCL_C_VERSION__
+/* What a kernel does, in a function of its own that the kernel only calls: PoCL makes three copies of a kernel, each with all
+ * that is inlined into it, and compiles them all. A kernel passes its index; the body asks for no work-item function. */
+#define RC_BODY __attribute__((noinline)) static void
 typedef uint rc_uint;
 typedef float rc_float;
 typedef float4 rc_float4;

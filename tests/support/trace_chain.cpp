@@ -82,8 +82,8 @@ std::vector<float> TraceChain::surface() {
 }
 
 std::vector<std::uint16_t> TraceChain::sun(const shared::rc_float4& direction) {
-  kernel("trace_sun").arguments(nodes_, blocks_, instances_, surface_, sun_mask_, direction, shape_.columns, shape_.pixels());
-  again("trace_sun");
+  sun_direction_ = std::make_unique<cl::Buffer<shared::rc_float4>>(context_, std::vector{direction}, cl::Access::read_only, "sun direction");
+  light(*sun_direction_, *sun_direction_, false, 1, 1);
   return sun_mask_.read_all();
 }
 
@@ -91,11 +91,16 @@ std::vector<float> TraceChain::sky(std::span<const shared::rc_float4> directions
                                    std::uint32_t sets) {
   directions_ = std::make_unique<cl::Buffer<shared::rc_float4>>(context_, directions, cl::Access::read_only, "sky directions");
   weights_ = std::make_unique<cl::Buffer<shared::rc_float4>>(context_, weights, cl::Access::read_only, "sky weights");
-  kernel("trace_sky").arguments(nodes_, blocks_, instances_, surface_, *directions_, *weights_, blocked_, sets,
-                                static_cast<std::uint32_t>(directions.size()) / sets, shape_.seed, shape_.first_line,
-                                shape_.first_column, shape_.columns, shape_.pixels_per_line, shape_.pixels());
-  again("trace_sky");
+  light(*directions_, *weights_, true, sets, static_cast<std::uint32_t>(directions.size()) / sets);
   return blocked_.read_all();
+}
+
+void TraceChain::light(const cl::Buffer<shared::rc_float4>& directions, const cl::Buffer<shared::rc_float4>& weights, bool sky,
+                       std::uint32_t sets, std::uint32_t count) {
+  kernel("trace_light").arguments(nodes_, blocks_, instances_, surface_, directions, weights, sun_mask_, blocked_,
+                                  std::uint32_t{sky}, sets, count, shape_.seed, shape_.first_line, shape_.first_column,
+                                  shape_.columns, shape_.pixels_per_line);
+  again("trace_light");
 }
 
 void TraceChain::again(const std::string& stage) {

@@ -61,6 +61,8 @@ class TraceChain {
 
  private:
   cl::Kernel& kernel(const std::string& name);
+  void light(const cl::Buffer<shared::rc_float4>& directions, const cl::Buffer<shared::rc_float4>& weights, bool sky,
+             std::uint32_t sets, std::uint32_t count);
   const cl::Context& context_;
   TraceShape shape_;
   std::string options_;
@@ -72,7 +74,7 @@ class TraceChain {
   cl::Buffer<std::uint32_t> hits_;
   cl::Buffer<float> surface_, blocked_;
   cl::Buffer<std::uint16_t> sun_mask_;
-  std::unique_ptr<cl::Buffer<shared::rc_float4>> directions_, weights_;
+  std::unique_ptr<cl::Buffer<shared::rc_float4>> sun_direction_, directions_, weights_;
   std::vector<std::pair<std::string, cl::Kernel>> kernels_;
 };
 

@@ -1,0 +1,102 @@
+/* Reads: surface points of make_surface, the scene, directions to the sun or into the sky. Writes, for the sun: one bit per
+ * sample, seen or not; for the sky: per sample and component the irradiance that blocked directions take away. Launched once
+ * for each, as one kernel: the walk through the scene is compiled once. Next: shading. */
+#include "kernels/geometry/trace_args.h"
+#include "kernels/geometry/samples.h"
+#include "kernels/geometry/shadow_points.h"
+#include "kernels/geometry/ray_trace.h"
+
+/* Points and normals of word `word` (16 samples) of pixels side by side. */
+static inline global const float* rc_surface_word(global const float* surface, uint word) {
+  return surface + (size_t)(word / RC_NWORDS) * (6u * RC_NPAD) + word % RC_NWORDS * 16u;
+}
+
+static inline float16 rc_cosines(float4 direction, global const float* at) {
+  return rc_project_row(direction, vload16(0, at + 3 * RC_NPAD), vload16(0, at + 4 * RC_NPAD), vload16(0, at + 5 * RC_NPAD));
+}
+
+#define TRACE_LIGHT_PARAMETERS RC_NODES, RC_BLOCKS, RC_INSTANCES, global const float* restrict surface, \
+  global const float4* restrict directions, global const float4* restrict weights, global ushort* restrict sun_mask, \
+  global float* restrict blocked, uint sky, uint sets, uint count, uint seed, uint first_line, uint first_column, \
+  uint columns, uint pixels_per_line
+
+RC_BODY trace_light_body(uint index, TRACE_LIGHT_PARAMETERS) {
+  SceneArrays scene;
+  RC_GATHER_NODES(scene);
+  RC_GATHER_BLOCKS(scene);
+  RC_GATHER_INSTANCES(scene);
+  const GroupPlace place = rc_group_place(index, first_line, first_column, columns, pixels_per_line);
+  const uint sharing = sky ? 1u : place.used;  /* pixels whose samples share a direction */
+  for (uint p = 0; p < place.used; p += sharing) {
+    const uint first = sky ? rc_hash(seed, place.number + p, 0u, 21u) % sets * count : 0u, words = sharing * RC_NWORDS;
+    global const float* in = surface + (size_t)(place.pixel + p) * (6u * RC_NPAD);
+    global ushort* seen = sun_mask + (size_t)(place.pixel + p) * RC_NWORDS;
+    global float* out = blocked + (size_t)(place.pixel + p) * (4u * RC_NPAD);
+#if RC_BUNDLE
+    Points points;
+    float sum[4 * RC_NPAD];
+    points.words = words;
+    points.costly = 0;
+    for (uint word = 0; word < words; ++word) {
+      global const float* at = rc_surface_word(in, word);
+      vstore16(vload16(0, at), word, points.x);
+      vstore16(vload16(0, at + RC_NPAD), word, points.y);
+      vstore16(vload16(0, at + 2 * RC_NPAD), word, points.z);
+    }
+    if (sky)
+      for (uint word = 0; word < 4 * RC_NWORDS; ++word) vstore16((float16)(0.0f), word, sum);
+    for (uint m = 0; m < count; ++m) {
+      const float4 direction = directions[first + m];
+      for (uint word = 0; word < words; ++word) points.live[word] = rc_mask16(rc_cosines(direction, rc_surface_word(in, word)) > 0.0f);
+      rc_shadow_points(scene, direction, &points);
+      if (!sky) break;
+      const float4 weight = weights[first + m];
+      for (uint word = 0; word < RC_NWORDS; ++word) {
+        const float16 facing = rc_cosines(direction, in + word * 16u);
+        const uint dark = rc_mask16(facing > 0.0f) & ~points.live[word];
+        if (!dark) continue;
+        const float16 cosine = select((float16)(0.0f), facing, rc_lanes(dark));
+        vstore16(fma((float16)(weight.x), cosine, vload16(word, sum)), word, sum);
+        vstore16(fma((float16)(weight.y), cosine, vload16(word, sum + RC_NPAD)), word, sum + RC_NPAD);
+        vstore16(fma((float16)(weight.z), cosine, vload16(word, sum + 2 * RC_NPAD)), word, sum + 2 * RC_NPAD);
+        vstore16(fma((float16)(weight.w), cosine, vload16(word, sum + 3 * RC_NPAD)), word, sum + 3 * RC_NPAD);
+      }
+    }
+    if (sky)
+      for (uint word = 0; word < 4 * RC_NWORDS; ++word) vstore16(vload16(word, sum), word, out);
+    else
+      for (uint word = 0; word < words; ++word) seen[word] = (ushort)points.live[word];
+#else
+    for (uint word = 0; word < words; ++word) {
+      uint lit = 0;
+      for (uint bit = 0; bit < 16u; ++bit) {
+        global const float* at = rc_surface_word(in, word) + bit;
+        const float4 normal = (float4)(at[3 * RC_NPAD], at[4 * RC_NPAD], at[5 * RC_NPAD], 0.0f);
+        const float4 point = (float4)(at[0], at[RC_NPAD], at[2 * RC_NPAD], 0.0f);
+        float4 sum = (float4)(0.0f);
+        for (uint m = 0; m < count; ++m) {
+          const float4 direction = directions[first + m];
+          const float cosine = fma(direction.x, normal.x, fma(direction.y, normal.y, direction.z * normal.z));
+          if (!(cosine > 0.0f)) continue;
+          const bool open = rc_trace_ray(scene, point, direction, true).instance == RC_NONE;
+          if (sky && !open) sum = fma(weights[first + m], (float4)(cosine), sum);
+          if (open) lit |= 1u << bit;
+        }
+        if (sky) {
+          global float* to = out + word * 16u + bit;
+          to[0] = sum.x;
+          to[RC_NPAD] = sum.y;
+          to[2 * RC_NPAD] = sum.z;
+          to[3 * RC_NPAD] = sum.w;
+        }
+      }
+      if (!sky) seen[word] = (ushort)lit;
+    }
+#endif
+  }
+}
+
+kernel void trace_light(TRACE_LIGHT_PARAMETERS) {
+  trace_light_body((uint)get_group_id(0), RC_PASS_NODES, RC_PASS_BLOCKS, RC_PASS_INSTANCES, surface, directions, weights,
+                   sun_mask, blocked, sky, sets, count, seed, first_line, first_column, columns, pixels_per_line);
+}
