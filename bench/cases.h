@@ -28,8 +28,14 @@ void run_crowns(const Settings&, Report&);
 void run_park(const Settings&, Report&);
 void run_render(const Settings&, Report&);
 void run_kernel_build(const Settings&, Report&);
-/// Seconds to build the park's programs and first launch each kernel, in this process.
-double kernel_build_s(const Settings&);
+struct KernelBuild {
+  double seconds = 0;  ///< to build the park's programs and first launch each kernel
+  Programs programs;
+};
+/// In this process.
+KernelBuild kernel_build(const Settings&);
+/// What a run.json of `raycube render` says was launched. Throws Error(input) when it does not say.
+Programs programs_of_run(const std::string& run_json);
 void run_integrate(const Settings&, Report&);
 void run_leaks(const Settings&, Report&);
 

@@ -19,35 +19,31 @@
 namespace raycube::bench {
 namespace {
 
-std::string quoted(const std::string& text) {
-  std::string out = "'";
-  for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return out + "'";
-}
-
-double in_own_process(const Settings& settings, const std::string& cache) {
+KernelBuild in_own_process(const Settings& settings, const std::string& cache) {
   const std::string self = std::filesystem::read_symlink("/proc/self/exe").string();
-  const std::string command = "POCL_CACHE_DIR=" + quoted(cache) + " " + quoted(self) + " --kernel-build --threads " +
-                              std::to_string(settings.threads) + " --scene " + quoted(settings.park_file);
+  const std::string command = "POCL_CACHE_DIR=" + shell_quoted(cache) + " " + shell_quoted(self) + " --kernel-build --threads " +
+                              std::to_string(settings.threads) + " --scene " + shell_quoted(settings.park_file);
   const std::unique_ptr<FILE, int (*)(FILE*)> pipe(popen(command.c_str(), "r"), pclose);
-  double seconds = 0;
-  if (!pipe || std::fscanf(pipe.get(), "%lf", &seconds) != 1)
+  KernelBuild build;
+  char all[65] = "", trace[65] = "";
+  if (!pipe || std::fscanf(pipe.get(), "%lf %64s %64s", &build.seconds, all, trace) != 3)
     throw base::Error(base::Fault::environment, "bench: the process that builds the kernels gave no figure: " + command);
-  return seconds;
+  build.programs = {all, trace};
+  return build;
 }
 
 }  // namespace
 
-double kernel_build_s(const Settings& settings) {
+KernelBuild kernel_build(const Settings& settings) {
   const scene::Simulation park = load_park(settings);
   const scene::Instrument& instrument = park.instruments.at(0);
   const cli::InstrumentJob job = prepare_job(park, instrument);
   const auto shape = render::make_stage_shape(instrument, job.plan, sensors::pixels_per_group(instrument));
   const cl::Context context(pick_device(settings.threads));
   const render::SceneBuffers buffers(context, park.scene);
-  constexpr int kLines = 4;
-  const auto groups = sensors::make_ray_groups(instrument, 0, kLines);
-  const auto pixels = static_cast<std::uint32_t>(instrument.pixels * kLines);
+  const int lines = std::min(4, instrument.lines);
+  const auto groups = sensors::make_ray_groups(instrument, 0, lines);
+  const auto pixels = static_cast<std::uint32_t>(instrument.pixels * lines);
   render::TraceBuffers traced(context, shape, pixels, groups.size());
   traced.groups.write(groups);
   render::RowBuffers rows(context, shape, pixels, 16);
@@ -66,7 +62,7 @@ double kernel_build_s(const Settings& settings) {
   const render::TileLayout layout{static_cast<std::uint32_t>(instrument.pixels), static_cast<std::uint32_t>(sensors::groups_per_line(instrument))};
   const auto launch_all = [&] {
     std::map<std::string, double> stage_s;
-    trace_stages->run({0, 0, kLines}, layout, 0, traced, stage_s);
+    trace_stages->run({0, 0, static_cast<std::uint32_t>(lines)}, layout, 0, traced, stage_s);
     row_stages->shade({pixels, nullptr}, layout, traced, buffers.blocks, buffers.surfaces, 0, true, rows);
     row_stages->resolve(0, pixels, {pixels, nullptr}, layout, traced, table, rows);
     row_stages->integrate(0, pixels, {pixels, nullptr}, table, rows, radiance);
@@ -75,7 +71,8 @@ double kernel_build_s(const Settings& settings) {
   // Each kernel is compiled for its launch size at the first launch; the work itself is what later launches take.
   const double first_s = seconds_of(launch_all);
   const double again_s = std::min({seconds_of(launch_all), seconds_of(launch_all), seconds_of(launch_all)});
-  return build_s + std::max(0.0, first_s - again_s);
+  return {build_s + std::max(0.0, first_s - again_s),
+          {render::program_hash(*trace_stages, *row_stages), trace_stages->program_hash()}};
 }
 
 void run_kernel_build(const Settings& settings, Report& report) {
@@ -83,8 +80,11 @@ void run_kernel_build(const Settings& settings, Report& report) {
   for (int i = 0; i < 3; ++i) {
     std::string cache = (std::filesystem::temp_directory_path() / "raycube_bench_XXXXXX").string();
     if (!mkdtemp(cache.data())) throw base::Error(base::Fault::environment, "bench: no temporary folder can be made at " + cache);
-    cold.push_back(in_own_process(settings, cache));
-    cached.push_back(in_own_process(settings, cache));
+    for (auto* seconds : {&cold, &cached}) {
+      const KernelBuild build = in_own_process(settings, cache);
+      seconds->push_back(build.seconds);
+      report.add_programs("group build", build.programs);
+    }
     std::filesystem::remove_all(cache);
   }
   report.add("kernel_build_cold_s", spread_of(cold), "s", Goal::at_most(3));

@@ -10,7 +10,7 @@ using namespace raycube;
 
 int main(int argc, char** argv) {
   CLI::App app("Benchmarks of raycube against Embree and the machine's memory. Validates before it times.");
-  std::string commit = "unknown", json = "bench.json";
+  std::string commit = "unknown", json = "bench.json", run_json;
   std::vector<std::string> names;
   bool list = false, kernel_build = false;
   bench::Settings settings;
@@ -20,6 +20,7 @@ int main(int argc, char** argv) {
   app.add_option("--threads", settings.threads, "Threads of both sides")->capture_default_str()->check(CLI::Range(1, 1024));
   app.add_flag("--list", list, "Names of the groups");
   app.add_flag("--kernel-build", kernel_build, "Print the seconds kernels take to build in this process (the group `build` calls it)");
+  app.add_option("--check-run", run_json, "Only compare the programs launched here for the scene's first instrument with those of this run.json of `raycube render`");
   app.add_option("names", names, "Groups to run");
   CLI11_PARSE(app, argc, argv);
   try {
@@ -28,7 +29,14 @@ int main(int argc, char** argv) {
       return 0;
     }
     if (kernel_build) {
-      std::printf("%.6f\n", bench::kernel_build_s(settings));
+      const bench::KernelBuild build = bench::kernel_build(settings);
+      std::printf("%.6f %s %s\n", build.seconds, build.programs.all.c_str(), build.programs.trace.c_str());
+      return 0;
+    }
+    if (!run_json.empty()) {
+      bench::Report report(commit);
+      report.add_programs(run_json, bench::programs_of_run(run_json));
+      report.add_programs("raycube_bench", bench::kernel_build(settings).programs);
       return 0;
     }
     for (const auto& name : names)
@@ -38,7 +46,13 @@ int main(int argc, char** argv) {
       if (!names.empty() && std::find(names.begin(), names.end(), entry.name) == names.end()) continue;
       std::printf("%s: %s\n", entry.name, entry.text);
       std::fflush(stdout);
-      entry.run(settings, report);
+      try {
+        entry.run(settings, report);
+      } catch (const base::Error& error) {
+        report.set_text("failed", std::string(entry.name) + ": " + error.what());
+        report.write_json(json);
+        throw;
+      }
       report.write_json(json);
     }
     report.print_table();

@@ -18,6 +18,7 @@ void run_park(const Settings& settings, Report& report) {
   // share is bounded. Shadow rays start near and part in at most 2.3e-5 there, ten times that over instances.
   const Limits limits{1e-3, 2.3e-4};
   const Comparison c = compare_traces(park.scene, spectir, groups, sun_vector(park.sun), true, limits, settings, report, "park");
+  report.add_programs("group park", {"", c.program_hash});
   report.add("park_leaf_primary_vs_embree16", c.primary.ratio(), "x", Goal::at_least(1.5));
   report.add("park_leaf_primary_vs_best_embree", c.primary_best.ratio(), "x");
   report.add("park_leaf_shadow_vs_embree16", c.shadow.ratio(), "x");

@@ -23,4 +23,10 @@ cli::InstrumentJob prepare_job(const scene::Simulation& simulation, const scene:
   return cli::prepare(simulation, instrument, context);
 }
 
+std::string shell_quoted(const std::string& text) {
+  std::string out = "'";
+  for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return out + "'";
+}
+
 }  // namespace raycube::bench

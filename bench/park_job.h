@@ -12,4 +12,7 @@ scene::Simulation load_park(const Settings& settings);
 /// Table and plan of one instrument, by the verbs' own function.
 cli::InstrumentJob prepare_job(const scene::Simulation& simulation, const scene::Instrument& instrument);
 
+/// One word of a shell command.
+std::string shell_quoted(const std::string& text);
+
 }  // namespace raycube::bench

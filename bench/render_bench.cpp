@@ -1,22 +1,54 @@
-// The park rendered as `raycube render` does it: lengths of its real term lists and what integration makes of them.
+// The park rendered by `raycube render` itself: lengths of its real term lists, what integration makes of them, and whether
+// the programs it launched are those the other groups time.
+#include <stdlib.h>
+
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "bench/cases.h"
 #include "bench/park_job.h"
 #include "bench/timing.h"
 #include "bench/write_bandwidth.h"
-#include "host/render/renderer.h"
+#include "host/base/error.h"
 
 namespace raycube::bench {
+namespace {
+
+nlohmann::json read_run(const std::string& path) {
+  std::ifstream file(path);
+  nlohmann::json run = nlohmann::json::parse(file, nullptr, false);
+  for (const char* key : {"program_hash", "trace_program_hash"})
+    if (!run.is_object() || !run.contains(key) || !run[key].is_string())
+      throw base::Error(base::Fault::input, "bench: " + path + " is no run.json of `raycube render` with " + key + "; render again with this version");
+  return run;
+}
+
+Programs programs_in(const nlohmann::json& run) { return {run.at("program_hash"), run.at("trace_program_hash")}; }
+
+/// run.json of the park's first instrument, rendered by the program beside this one.
+nlohmann::json render_park(const Settings& settings, const std::string& instrument) {
+  const auto program = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "raycube";
+  std::string folder = (std::filesystem::temp_directory_path() / "raycube_bench_XXXXXX").string();
+  if (!mkdtemp(folder.data())) throw base::Error(base::Fault::environment, "bench: no temporary folder can be made at " + folder);
+  const std::unique_ptr<const std::string, void (*)(const std::string*)> cleaned(
+      &folder, [](const std::string* path) { std::error_code ignored; std::filesystem::remove_all(*path, ignored); });
+  const std::string command = shell_quoted(program.string()) + " render " + shell_quoted(settings.park_file) + " --instrument " +
+                              shell_quoted(instrument) + " --threads " + std::to_string(settings.threads) + " -q -o " + shell_quoted(folder) + " > /dev/null";
+  if (std::system(command.c_str()) != 0)
+    throw base::Error(base::Fault::environment, "bench: the park was not rendered by: " + command);
+  return read_run(folder + "/" + instrument + "/run.json");
+}
+
+}  // namespace
+
+Programs programs_of_run(const std::string& run_json) { return programs_in(read_run(run_json)); }
 
 void run_render(const Settings& settings, Report& report) {
   const scene::Simulation park = load_park(settings);
   const scene::Instrument& spectir = park.instruments.at(0);
-  const cli::InstrumentJob job = prepare_job(park, spectir);
-  render::RenderOptions options;
-  options.threads = settings.threads;
-  render::Renderer renderer(park.scene, options);
   const std::size_t roof_floats = (std::size_t{384} << 20) / sizeof(float);
   const auto release = [](float* p) { std::free(p); };
   const std::unique_ptr<float, decltype(release)> roof(static_cast<float*>(std::aligned_alloc(64, roof_floats * sizeof(float))), release);
@@ -26,21 +58,22 @@ void run_render(const Settings& settings, Report& report) {
   // One render of the whole park, the roof measured on both sides of it.
   Pairs pairs;
   pairs.reference_s = {fill(2.0f)};
-  render::RenderStatistics statistics;
-  const double render_s = seconds_of([&] {
-    statistics = renderer.render(spectir, job.plan, park.sun, park.seed, [](const render::Strip&) {});
-  });
+  const nlohmann::json run = render_park(settings, spectir.name);
   pairs.reference_s.push_back(fill(3.0f));
-  pairs.ours_s.assign(2, statistics.stage_s.at("integrate"));
+  report.add_programs("raycube render", programs_in(run));
+  report.add_programs("group render", kernel_build(settings).programs);
+
+  const auto& stage_s = run.at("stage_s");
+  const auto stage = [&](const char* name) { return stage_s.at(name).get<double>(); };
+  pairs.ours_s.assign(2, stage("integrate"));
   const double padded = static_cast<double>((spectir.bands.size() + 15) / 16 * 16);
   const double scale = padded * spectir.pixels * spectir.lines / static_cast<double>(roof_floats);
   const Spread ratio = pairs.ratio();
   report.add("park_integrate_vs_write_bandwidth", Spread{ratio.median * scale, ratio.lowest * scale, ratio.highest * scale, ratio.count}, "x");
-  report.add("park_terms_p50", statistics.terms_p50, "terms");
-  report.add("park_terms_p95", statistics.terms_p95, "terms");
-  report.add("park_render_s", render_s, "s");
-  report.set_text("device", renderer.device_name());
-  report.set_text("program_hash", statistics.program_hash);
+  report.add("park_terms_p50", run.at("rows").at("terms_p50").get<double>(), "terms");
+  report.add("park_terms_p95", run.at("rows").at("terms_p95").get<double>(), "terms");
+  report.add("park_render_s", run.at("total_s").get<double>() - stage("load") - stage("atmosphere") - stage("plan"), "s");
+  report.set_text("device", run.at("device").at("name"));
 }
 
 }  // namespace raycube::bench

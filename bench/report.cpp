@@ -1,6 +1,6 @@
 #include "bench/report.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <sys/utsname.h>
 
 #include <algorithm>
@@ -61,6 +61,27 @@ void Report::validate(const std::string& what, double found, double limit) {
     throw base::Error(base::Fault::check, fmt::format("bench: {}: found {:.6g}, limit {:.6g}; nothing wrong is timed", what, found, limit));
 }
 
+void Report::add_programs(const std::string& launcher, const Programs& programs) {
+  for (const auto& [key, hash] : {std::pair<std::string, std::string>{"program_hash", programs.all}, {"trace_program_hash", programs.trace}}) {
+    if (hash.empty()) continue;
+    const auto [known, fresh] = programs_.try_emplace(key, hash, launcher);
+    if (fresh) set_text(key, hash);
+    if (fresh || known->second.second != launcher) fmt::print("  valid: {} of {}: {}\n", key, launcher, hash);
+    if (known->second.first != hash)
+      throw base::Error(base::Fault::check, fmt::format("bench: {} differs: {} launched {}, {} launched {}; what is timed must be what `render` "
+                                                        "launches: build both from one commit",
+                                                        key, known->second.second, known->second.first, launcher, hash));
+  }
+}
+
+std::vector<std::string> Report::missed() const {
+  std::vector<std::string> out;
+  for (const Figure& f : figures_)
+    if (f.goal && !f.goal->met(f.spread.median))
+      out.push_back(fmt::format("{} {:.4g} ({} {:g})", f.key, f.spread.median, f.goal->sense == Goal::Sense::at_least ? ">=" : "<=", f.goal->value));
+  return out;
+}
+
 void Report::print_table() const {
   fmt::print("\n{:<34} {:>11} {:>25}  {:<10} {}\n", "figure", "median", "[lowest .. highest] runs", "unit", "goal");
   for (const Figure& f : figures_) {
@@ -73,6 +94,10 @@ void Report::print_table() const {
     fmt::print("{:<34} {:>11.5g} {:>25}  {:<10} {}\n", f.key, f.spread.median, range, f.unit, goal);
   }
   for (const auto& [key, value] : texts_) fmt::print("{}: {}\n", key, value);
+  const auto goals = std::count_if(figures_.begin(), figures_.end(), [](const Figure& f) { return f.goal.has_value(); });
+  const auto lost = missed();
+  if (goals && lost.empty()) fmt::print("goals: {} of {} met\n", goals, goals);
+  else if (goals) fmt::print("goals: {} of {} MISSED: {}\n", lost.size(), goals, fmt::join(lost, "; "));
 }
 
 void Report::write_json(const std::string& path) const {
@@ -86,6 +111,7 @@ void Report::write_json(const std::string& path) const {
       json[f.key + "_runs"] = f.spread.count;
     }
   }
+  json["goals_missed"] = fmt::format("{}", fmt::join(missed(), "; "));
   const std::string partial = path + ".partial";
   std::ofstream file(partial);
   file << json.dump(2) << '\n';

@@ -1,6 +1,7 @@
 // Figures of a benchmark run: flat keys with unit, spread and goal, as a table and as build/bench.json.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -26,6 +27,11 @@ struct Goal {
   bool met(double figure) const { return sense == Sense::at_least ? figure >= value : figure <= value; }
 };
 
+/// SHA-256 of the source and options of programs that were launched; empty: not launched.
+struct Programs {
+  std::string all, trace;
+};
+
 class Report {
  public:
   /// What was measured on; `commit` as given by ci/bench.
@@ -38,10 +44,16 @@ class Report {
   /// A check that must hold before anything is timed; prints what was found. Throws Error(check) when it does not.
   void validate(const std::string& what, double found, double limit);
 
+  /// The park's programs. All who launch them must name the same: throws Error(check) when two differ.
+  void add_programs(const std::string& launcher, const Programs& programs);
+
+  /// Figures, texts, and which goals were missed.
   void print_table() const;
   /// Flat keys; a spread adds KEY_min, KEY_max and KEY_runs. Written under a temporary name, then renamed.
   void write_json(const std::string& path) const;
   bool guards_hold() const;
+  /// "key found of goal" of each goal missed.
+  std::vector<std::string> missed() const;
 
  private:
   struct Figure {
@@ -51,6 +63,7 @@ class Report {
   };
   std::vector<std::pair<std::string, std::string>> texts_;
   std::vector<Figure> figures_;
+  std::map<std::string, std::pair<std::string, std::string>> programs_;  ///< key: hash and who launched it first
 };
 
 }  // namespace raycube::bench

@@ -52,6 +52,7 @@ Comparison compare_traces(const scene::CompiledScene& scene, const scene::Instru
   }
 
   Comparison result;
+  result.program_hash = rig.program_hash();
   for (int pair = 0; pair < kPairs; ++pair) {
     double primary_best = 1e300, shadow_best = 1e300, primary_s = 0, shadow_s = 0;
     for (std::size_t m = 0; m < modes; ++m) {

@@ -118,6 +118,7 @@ ShadowRays TraceRig::shadow_rays() const {
 }
 
 const std::string& TraceRig::build_options() const { return state_->stages.options(); }
+std::string TraceRig::program_hash() const { return state_->stages.program_hash(); }
 std::string TraceRig::device_name() const { return state_->context.device().name(); }
 
 }  // namespace raycube::bench

@@ -36,6 +36,8 @@ class TraceRig {
   ShadowRays shadow_rays() const;
 
   const std::string& build_options() const;
+  /// SHA-256 of the tracing program's source and options.
+  std::string program_hash() const;
   std::string device_name() const;
 
  private:

@@ -74,7 +74,7 @@ nlohmann::json render_one(const scene::Simulation& simulation, const InstrumentJ
                                {"terms_p95", statistics.terms_p95},
                                {"tile_lines", statistics.tile_lines},
                                {"tile_columns", statistics.tile_columns}};
-  record.more_json = {{"rows", rows.dump()}};
+  record.more_json = {{"rows", rows.dump()}, {"trace_program_hash", nlohmann::json(statistics.trace_program_hash).dump()}};
   output.publish(record);
   context.log.info(fmt::format("{}: {} x {} pixels, {} bands, {:.1f} s, {:.3g} rays/s, {}", instrument.name, instrument.pixels,
                                instrument.lines, instrument.bands.size(), render_s, record.rays_per_s, folder.string()));

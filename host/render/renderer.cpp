@@ -170,7 +170,6 @@ RenderStatistics Renderer::render(const scene::Instrument& instrument, const pla
     queue.push(std::move(item));
   }
   RenderStatistics statistics = worker.statistics();
-  statistics.program_hash = base::sha256_hex(statistics.program_hash);
   statistics.stage_s["write"] = queue.finish();
   statistics.terms_p50 = percentile(worker.term_histogram(), 0.5);
   statistics.terms_p95 = percentile(worker.term_histogram(), 0.95);

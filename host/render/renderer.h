@@ -46,6 +46,7 @@ struct RenderStatistics {
   std::uint64_t per_sample_pixels = 0;      ///< pixels past the largest row
   std::uint32_t terms_p50 = 0, terms_p95 = 0;
   std::string program_hash;                 ///< SHA-256 of source and options of the programs launched
+  std::string trace_program_hash;           ///< of the tracing program alone
   std::string build_options;
   int tile_lines = 0, tile_columns = 0;
 };

@@ -60,7 +60,8 @@ TileWorker::TileWorker(const RenderSetup& setup, std::size_t pixels, int lines, 
     timed("bake", [&] { table_.ensure(keys); });
   }
   statistics_.build_options = trace_stages_.options();
-  statistics_.program_hash = trace_stages_.identity() + row_stages_.identity();
+  statistics_.program_hash = program_hash(trace_stages_, row_stages_);
+  statistics_.trace_program_hash = trace_stages_.program_hash();
 }
 
 std::array<double, 3> TileWorker::centre_direction(std::uint32_t pixel) const {

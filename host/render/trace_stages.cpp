@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "host/base/error.h"
+#include "host/base/sha256.h"
 #include "host/sensors/ray_groups.h"
 #include "kernels/kernel_source.h"
 
@@ -106,6 +107,8 @@ TraceStages::TraceStages(const cl::Context& context, const scene::CompiledScene&
 TraceStages::~TraceStages() = default;
 
 const std::string& TraceStages::identity() const { return state_->identity; }
+std::string TraceStages::program_hash() const { return base::sha256_hex(identity()); }
+std::string program_hash(const TraceStages& trace, const RowStages& rows) { return base::sha256_hex(trace.identity() + rows.identity()); }
 const std::string& TraceStages::options() const { return state_->options; }
 
 void TraceStages::run(const TilePlace& place, const TileLayout& layout, int chunk, TraceBuffers& traced,

@@ -40,12 +40,18 @@ class TraceStages {
   void run(const TilePlace& place, const TileLayout& layout, int chunk, TraceBuffers& traced,
            std::map<std::string, double>& stage_s);
 
+  /// Text that program hashes cover: names, options and sources.
   const std::string& identity() const;
+  /// SHA-256 of identity().
+  std::string program_hash() const;
   const std::string& options() const;
 
  private:
   struct State;
   std::unique_ptr<State> state_;
 };
+
+/// SHA-256 of what both launch: `program_hash` of a run.
+std::string program_hash(const TraceStages& trace, const RowStages& rows);
 
 }  // namespace raycube::render
