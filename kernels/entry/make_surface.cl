@@ -9,7 +9,7 @@
 /* Corners of the samples' triangles, and the direction and origin of their rays. */
 typedef struct Gathered {
   float corner[9][16], origin[3][16], direction[3][16];
-} Gathered;
+} RC_LINE Gathered;
 
 #define MAKE_SURFACE_PARAMETERS RC_BLOCKS, RC_INSTANCES, global const RayGroup* restrict groups, \
   global const uint* restrict hits, global float* restrict surface, uint seed, uint first_line, uint first_column, \
@@ -64,12 +64,12 @@ RC_BODY make_surface_body(uint index, MAKE_SURFACE_PARAMETERS) {
         normal.y = select(normal.y, facing.y, lanes);
         normal.z = select(normal.z, facing.z, lanes);
       }
-      vstore16(position.x, 0, out);
-      vstore16(position.y, 0, out + RC_NPAD);
-      vstore16(position.z, 0, out + 2 * RC_NPAD);
-      vstore16(normal.x, 0, out + 3 * RC_NPAD);
-      vstore16(normal.y, 0, out + 4 * RC_NPAD);
-      vstore16(normal.z, 0, out + 5 * RC_NPAD);
+      rc_store16(position.x, 0, out);
+      rc_store16(position.y, 0, out + RC_NPAD);
+      rc_store16(position.z, 0, out + 2 * RC_NPAD);
+      rc_store16(normal.x, 0, out + 3 * RC_NPAD);
+      rc_store16(normal.y, 0, out + 4 * RC_NPAD);
+      rc_store16(normal.z, 0, out + 5 * RC_NPAD);
     }
 }
 

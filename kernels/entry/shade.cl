@@ -8,6 +8,7 @@
 #include "kernels/shared/structs.h"
 #include "kernels/shared/rows.h"
 #include "kernels/atmosphere/nodes.h"
+#include "kernels/geometry/lanes.h"
 #include "kernels/geometry/scene_arrays.h"
 
 #ifndef RC_CHUNKED
@@ -163,10 +164,10 @@ RC_BODY shade_body(uint item, SHADE_PARAMETERS) {
     const float16 cosine = fma(nx, (float16)(sun_direction.x), fma(ny, (float16)(sun_direction.y), nz * sun_direction.z));
     const int16 lit = hit & (((((uint16)((uint)sun[g])) >> lane) & 1u) != 0u);
     const float16 w_hit = masked(weight, hit);
-    vstore16(masked(weight * fmax(cosine, (float16)(0.0f)), lit), g, value[0]);
+    rc_store16(masked(weight * fmax(cosine, (float16)(0.0f)), lit), g, value[0]);
     for (int m = 0; m < RC_COMPONENTS; ++m) {
       const float16 e = vload16(g, value[1 + m]) - vload16(g, blocked + m * RC_NPAD);
-      vstore16(masked(weight * e, hit), g, value[1 + m]);
+      rc_store16(masked(weight * e, hit), g, value[1 + m]);
     }
     const float16 rx = px - origin.x, ry = py - origin.y, rz = pz - origin.z;
     const float16 range = sqrt(fma(rx, rx, fma(ry, ry, rz * rz)));
@@ -216,7 +217,7 @@ RC_BODY shade_body(uint item, SHADE_PARAMETERS) {
           sum[m * RC_HEIGHTS + h] = fma(vload16(g, value[m]), part, sum[m * RC_HEIGHTS + h]);
       }
 #endif
-      vstore16(select(ids, (uint16)(DONE), as_uint16(mine)), g, surface_id);
+      rc_store16(select(ids, (uint16)(DONE), as_uint16(mine)), g, surface_id);
     }
     float total[ACCUMULATORS];
     for (int i = 0; i < ACCUMULATORS; ++i) total[i] = lane_sum(sum[i]) / sample_total;

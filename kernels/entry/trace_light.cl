@@ -34,17 +34,17 @@ RC_BODY trace_light_body(uint index, TRACE_LIGHT_PARAMETERS) {
     global float* out = blocked + (size_t)(place.pixel + p) * (4u * RC_NPAD);
 #if RC_BUNDLE
     Points points;
-    float sum[4 * RC_NPAD];
+    RC_LINE float sum[4 * RC_NPAD];
     points.words = words;
     points.costly = 0;
     for (uint word = 0; word < words; ++word) {
       global const float* at = rc_surface_word(in, word);
-      vstore16(vload16(0, at), word, points.x);
-      vstore16(vload16(0, at + RC_NPAD), word, points.y);
-      vstore16(vload16(0, at + 2 * RC_NPAD), word, points.z);
+      rc_store16(vload16(0, at), word, points.x);
+      rc_store16(vload16(0, at + RC_NPAD), word, points.y);
+      rc_store16(vload16(0, at + 2 * RC_NPAD), word, points.z);
     }
     if (sky)
-      for (uint word = 0; word < 4 * RC_NWORDS; ++word) vstore16((float16)(0.0f), word, sum);
+      for (uint word = 0; word < 4 * RC_NWORDS; ++word) rc_store16((float16)(0.0f), word, sum);
     for (uint m = 0; m < count; ++m) {
       const float4 direction = directions[first + m];
       for (uint word = 0; word < words; ++word) points.live[word] = rc_mask16(rc_cosines(direction, rc_surface_word(in, word)) > 0.0f);
@@ -56,14 +56,14 @@ RC_BODY trace_light_body(uint index, TRACE_LIGHT_PARAMETERS) {
         const uint dark = rc_mask16(facing > 0.0f) & ~points.live[word];
         if (!dark) continue;
         const float16 cosine = select((float16)(0.0f), facing, rc_lanes(dark));
-        vstore16(fma((float16)(weight.x), cosine, vload16(word, sum)), word, sum);
-        vstore16(fma((float16)(weight.y), cosine, vload16(word, sum + RC_NPAD)), word, sum + RC_NPAD);
-        vstore16(fma((float16)(weight.z), cosine, vload16(word, sum + 2 * RC_NPAD)), word, sum + 2 * RC_NPAD);
-        vstore16(fma((float16)(weight.w), cosine, vload16(word, sum + 3 * RC_NPAD)), word, sum + 3 * RC_NPAD);
+        rc_store16(fma((float16)(weight.x), cosine, vload16(word, sum)), word, sum);
+        rc_store16(fma((float16)(weight.y), cosine, vload16(word, sum + RC_NPAD)), word, sum + RC_NPAD);
+        rc_store16(fma((float16)(weight.z), cosine, vload16(word, sum + 2 * RC_NPAD)), word, sum + 2 * RC_NPAD);
+        rc_store16(fma((float16)(weight.w), cosine, vload16(word, sum + 3 * RC_NPAD)), word, sum + 3 * RC_NPAD);
       }
     }
     if (sky)
-      for (uint word = 0; word < 4 * RC_NWORDS; ++word) vstore16(vload16(word, sum), word, out);
+      for (uint word = 0; word < 4 * RC_NWORDS; ++word) rc_store16(vload16(word, sum), word, out);
     else
       for (uint word = 0; word < words; ++word) seen[word] = (ushort)points.live[word];
 #else

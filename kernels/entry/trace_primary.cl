@@ -18,9 +18,9 @@ RC_BODY trace_primary_body(uint index, TRACE_PRIMARY_PARAMETERS) {
 #if RC_BUNDLE && !RC_MOVING
   Closest closest;
   for (uint k = 0; k < RC_SLOTS; k += 16u) {
-    vstore16((float16)(0.0f), 0, closest.near + k);
-    vstore16((uint16)(RC_NONE), 0, closest.instance + k);
-    vstore16((uint16)(RC_NONE), 0, closest.primitive + k);
+    rc_store16((float16)(0.0f), 0, closest.near + k);
+    rc_store16((uint16)(RC_NONE), 0, closest.instance + k);
+    rc_store16((uint16)(RC_NONE), 0, closest.primitive + k);
   }
   GroupFrame frame;
   frame.rays = group;
@@ -34,18 +34,19 @@ RC_BODY trace_primary_body(uint index, TRACE_PRIMARY_PARAMETERS) {
   frame.columns = place.used * RC_NU;
 #endif
   rc_primary_group(scene, frame, &closest);
+#if RC_SCATTER
   for (uint p = 0; p < place.used; ++p) {
     global uint* out = hits + (size_t)(place.pixel + p) * (2u * RC_NPAD);
-#if RC_SCATTER
     for (uint word = 0; word < RC_NWORDS; ++word) {
-      vstore16(vload16(p * RC_NWORDS + word, closest.instance), word, out);
-      vstore16(vload16(p * RC_NWORDS + word, closest.primitive), word, out + RC_NPAD);
+      rc_store16(vload16(p * RC_NWORDS + word, closest.instance), word, out);
+      rc_store16(vload16(p * RC_NWORDS + word, closest.primitive), word, out + RC_NPAD);
     }
-#else
-    rc_write_pixel(closest.instance, p, frame.rows, out);
-    rc_write_pixel(closest.primitive, p, frame.rows, out + RC_NPAD);
-#endif
   }
+#else
+  global uint* out = hits + (size_t)place.pixel * (2u * RC_NPAD);
+  rc_write_pixels(closest.instance, place.used, frame.rows, out, 2u * RC_NPAD);
+  rc_write_pixels(closest.primitive, place.used, frame.rows, out + RC_NPAD, 2u * RC_NPAD);
+#endif
 #else
   for (uint p = 0; p < place.used; ++p) {
     global uint* out = hits + (size_t)(place.pixel + p) * (2u * RC_NPAD);

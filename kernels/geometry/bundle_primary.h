@@ -1,6 +1,7 @@
 /* A group's primary rays, all from one origin, through one traversal. Leaves: 16 triangles are projected to the image plane
  * at once and dropped unless a sample lies in their rectangle; small ones (at most 3 x 3 samples) are tested with triangles
- * as lanes, large ones with 16 samples of a row as lanes. Samples off the grid (RC_SCATTER) go by words of 16. A buffer of 1 / t and ids, one slot per sample, keeps the closest. */
+ * as lanes, large ones with a tile of 4 x 4 samples as lanes. Samples off the grid (RC_SCATTER) go by words of 16. A buffer of
+ * 1 / t and ids, one slot per sample, keeps the closest. */
 #ifndef RAYCUBE_KERNELS_GEOMETRY_BUNDLE_PRIMARY_H
 #define RAYCUBE_KERNELS_GEOMETRY_BUNDLE_PRIMARY_H
 
@@ -12,13 +13,13 @@
 #define RC_HALF_B (0.5f * RC_SUPPORT)
 
 #if !RC_SCATTER
-/* Sample grid of a group: the pixels of a line side by side. */
+/* Sample grid of a group: the pixels of a line side by side, kept in tiles of 4 x 4 samples. */
 #define RC_GRID_COLUMNS (RC_GROUP_PIXELS * RC_NU)
-#define RC_GRID_PITCH ((RC_GRID_COLUMNS + 15) / 16 * 16)
 #define RC_GRID_ROWS (RC_CHUNK / RC_NU)
-#define RC_GRID_SLOTS (RC_GRID_ROWS * RC_GRID_PITCH)
+#define RC_TILE_COLUMNS ((RC_GRID_COLUMNS + 3) / 4)
+#define RC_TILE_ROWS ((RC_GRID_ROWS + 3) / 4)
 #define RC_SMALL 3
-#define RC_SLOTS (RC_GRID_SLOTS + 16)
+#define RC_SLOTS (16 * RC_TILE_COLUMNS * RC_TILE_ROWS)
 #else
 /* Samples anywhere in the field: pixel p's sample k has slot p * RC_NPAD + k; words of 16 carry their bounds. */
 #define RC_SLOTS (RC_GROUP_PIXELS * RC_NPAD)
@@ -33,7 +34,7 @@ typedef struct Scatter {
 typedef struct Closest {
   float near[RC_SLOTS];    /* 1 / t of the closest hit; 0: none */
   uint instance[RC_SLOTS], primitive[RC_SLOTS];
-} Closest;
+} RC_LINE Closest;
 
 /* The group in the frame of one instance (or of the scene). */
 typedef struct GroupFrame {
@@ -124,20 +125,20 @@ static inline void rc_primary_block(const GroupFrame* frame, Closest* closest, g
   const uint behind_bits = rc_mask16(s.behind) ? rc_behind(frame, block, s.behind) : 0u;
   if (!(lanes | behind_bits)) return;
   float l1a[16], l1b[16], l1c[16], l2a[16], l2b[16], l2c[16], q0[16], q1[16], q2[16], bands[16], lo_a[16], hi_a[16], lo_b[16], hi_b[16];
-  vstore16(s.l1a, 0, l1a);
-  vstore16(s.l1b, 0, l1b);
-  vstore16(s.l1c, 0, l1c);
-  vstore16(s.l2a, 0, l2a);
-  vstore16(s.l2b, 0, l2b);
-  vstore16(s.l2c, 0, l2c);
-  vstore16(s.q0, 0, q0);
-  vstore16(s.q1, 0, q1);
-  vstore16(s.q2, 0, q2);
-  vstore16(s.band, 0, bands);
-  vstore16(s.lo_a, 0, lo_a);
-  vstore16(s.hi_a, 0, hi_a);
-  vstore16(s.lo_b, 0, lo_b);
-  vstore16(s.hi_b, 0, hi_b);
+  rc_store16(s.l1a, 0, l1a);
+  rc_store16(s.l1b, 0, l1b);
+  rc_store16(s.l1c, 0, l1c);
+  rc_store16(s.l2a, 0, l2a);
+  rc_store16(s.l2b, 0, l2b);
+  rc_store16(s.l2c, 0, l2c);
+  rc_store16(s.q0, 0, q0);
+  rc_store16(s.q1, 0, q1);
+  rc_store16(s.q2, 0, q2);
+  rc_store16(s.band, 0, bands);
+  rc_store16(s.lo_a, 0, lo_a);
+  rc_store16(s.hi_a, 0, hi_a);
+  rc_store16(s.lo_b, 0, lo_b);
+  rc_store16(s.hi_b, 0, hi_b);
   for (; lanes; lanes &= lanes - 1u) {
     const uint lane = rc_lowest(lanes);
     const float16 band = bands[lane];
@@ -149,22 +150,22 @@ static inline void rc_primary_block(const GroupFrame* frame, Closest* closest, g
         const float16 a = vload16(0, samples->a + slot), b = vload16(0, samples->b + slot);
         const float16 l1 = fma((float16)(l1a[lane]), a, fma((float16)(l1b[lane]), b, (float16)(l1c[lane])));
         const float16 l2 = fma((float16)(l2a[lane]), a, fma((float16)(l2b[lane]), b, (float16)(l2c[lane])));
-        const float16 least = fmin(fmin(l1, l2), (1.0f - l1) - l2);
+        const float16 least = rc_min16(rc_min16(l1, l2), (1.0f - l1) - l2);
         const int16 exists = (a < INFINITY) & (least >= -band);
         if (!rc_mask16(exists)) continue;
         const float16 near = fma(l1, (float16)(q1[lane]), fma(l2, (float16)(q2[lane]), (float16)(q0[lane])));
         const float16 before = vload16(0, closest->near + slot);
         const int16 inside = exists & (least > band), nearer = inside & (near > before);
         if (rc_mask16(nearer)) {
-          vstore16(select(before, near, nearer), 0, closest->near + slot);
-          vstore16(select(vload16(0, closest->instance + slot), (uint16)(instance), nearer), 0, closest->instance + slot);
-          vstore16(select(vload16(0, closest->primitive + slot), (uint16)(first + lane), nearer), 0, closest->primitive + slot);
+          rc_store16(select(before, near, nearer), 0, closest->near + slot);
+          rc_store16(select(vload16(0, closest->instance + slot), (uint16)(instance), nearer), 0, closest->instance + slot);
+          rc_store16(select(vload16(0, closest->primitive + slot), (uint16)(first + lane), nearer), 0, closest->primitive + slot);
         }
         uint open = rc_mask16(exists & (~inside | (near == before)));
         if (!open) continue;
         const uint tied = rc_mask16(inside);
         float near_of[16];
-        vstore16(near, 0, near_of);
+        rc_store16(near, 0, near_of);
         for (; open; open &= open - 1u) {
           const uint k = rc_lowest(open);
           if (tied >> k & 1u) rc_keep(closest, slot + k, near_of[k], instance, first + lane);
@@ -205,31 +206,39 @@ static inline void rc_scatter_samples(Scatter* samples, uint seed, GroupPlace pl
 }
 
 #else
-/* The single ray of a grid slot, in the instance's frame. */
-static inline Ray rc_slot_ray(const GroupFrame* frame, uint row, uint column) {
+/* Slot of a sample of the chunk. */
+static inline uint rc_slot(uint row, uint column) {
+  return (row / 4u * RC_TILE_COLUMNS + column / 4u) * 16u + row % 4u * 4u + column % 4u;
+}
+
+/* Image-plane coordinates of a column and of a row of the whole pixel. */
+static inline float16 rc_column_a(float16 column) {
+  return fma(column, (float16)(1.0f / RC_NU), (float16)(0.5f / RC_NU - 0.5f * RC_GROUP_PIXELS));
+}
+static inline float16 rc_row_b(float16 row) { return fma(row, (float16)(1.0f / RC_NV), (float16)(0.5f / RC_NV - 0.5f)); }
+
+/* The single ray of a sample, in the instance's frame. */
+static inline Ray rc_sample_ray(const GroupFrame* frame, uint row, uint column) {
   const uint p = column / RC_NU;
   float a, b;
   rc_group_sample(0u, 0u, p, (frame->first_row + row) * RC_NU + column - p * RC_NU, &a, &b);
   return rc_make_ray(frame->rays.origin, rc_group_direction(frame->rays, a, b));
 }
 
-static inline void rc_decide_slot(const GroupFrame* frame, Closest* closest, global const TriBlock* block, uint instance, uint primitive,
-                                  uint row, uint column) {
-  const float t = rc_hit_lane(rc_slot_ray(frame, row, column), block, primitive % RC_BLOCK);
-  if (t > 0.0f) rc_keep(closest, row * RC_GRID_PITCH + column, 1.0f / t, instance, primitive);
+static inline void rc_decide_sample(const GroupFrame* frame, Closest* closest, global const TriBlock* block, uint instance, uint primitive,
+                                    uint row, uint column) {
+  const float t = rc_hit_lane(rc_sample_ray(frame, row, column), block, primitive % RC_BLOCK);
+  if (t > 0.0f) rc_keep(closest, rc_slot(row, column), 1.0f / t, instance, primitive);
 }
-
-static inline float rc_column_a(float column) { return (column + 0.5f) * (1.0f / RC_NU) - 0.5f * RC_GROUP_PIXELS; }
-static inline float rc_row_b(float row) { return (row + 0.5f) * (1.0f / RC_NV) - 0.5f; }
 
 static inline void rc_primary_block(const GroupFrame* frame, Closest* closest, global const TriBlock* block, uint instance, uint first) {
   const Setup s = rc_setup_block(&frame->map, block, true);
   /* Samples inside each rectangle: first and last column and row. The 1e-5 covers the rounding of these four lines. */
-  const float16 left = fmax(ceil(fma(s.lo_a, (float16)(RC_NU), (float16)(0.5f * RC_GRID_COLUMNS - 0.5f - 1e-5f))), 0.0f);
-  const float16 right = fmin(floor(fma(s.hi_a, (float16)(RC_NU), (float16)(0.5f * RC_GRID_COLUMNS - 0.5f + 1e-5f))), (float)frame->columns - 1.0f);
+  const float16 left = rc_max16(ceil(fma(s.lo_a, (float16)(RC_NU), (float16)(0.5f * RC_GRID_COLUMNS - 0.5f - 1e-5f))), (float16)(0.0f));
+  const float16 right = rc_min16(floor(fma(s.hi_a, (float16)(RC_NU), (float16)(0.5f * RC_GRID_COLUMNS - 0.5f + 1e-5f))), (float16)((float)frame->columns - 1.0f));
   const float row_shift = 0.5f * RC_NV - 0.5f - (float)frame->first_row;
-  const float16 above = fmax(ceil(fma(s.lo_b, (float16)(RC_NV), (float16)(row_shift - 1e-5f))), 0.0f);
-  const float16 below = fmin(floor(fma(s.hi_b, (float16)(RC_NV), (float16)(row_shift + 1e-5f))), (float)(frame->rows - 1u));
+  const float16 above = rc_max16(ceil(fma(s.lo_b, (float16)(RC_NV), (float16)(row_shift - 1e-5f))), (float16)(0.0f));
+  const float16 below = rc_min16(floor(fma(s.hi_b, (float16)(RC_NV), (float16)(row_shift + 1e-5f))), (float16)((float)(frame->rows - 1u)));
   const float16 columns = right - left, rows = below - above;
   const int16 seen = s.usable & (columns >= 0.0f) & (rows >= 0.0f);
   const uint seen_bits = rc_mask16(seen);
@@ -238,88 +247,87 @@ static inline void rc_primary_block(const GroupFrame* frame, Closest* closest, g
   const int16 small = seen & (columns < (float)RC_SMALL) & (rows < (float)RC_SMALL);
   const uint small_bits = rc_mask16(small);
   uint large_bits = seen_bits & ~small_bits;
-  float left_of[16], above_of[16];
-  vstore16(left, 0, left_of);
-  vstore16(above, 0, above_of);
+  RC_LINE uint left_of[16], above_of[16];
+  rc_store16(convert_uint16(left), 0, left_of);
+  rc_store16(convert_uint16(above), 0, above_of);
 
   if (small_bits) {
-    const float16 a0 = fma(left + 0.5f, (float16)(1.0f / RC_NU), (float16)(-0.5f * RC_GROUP_PIXELS));
-    const float16 b0 = fma(above + (0.5f + (float)frame->first_row), (float16)(1.0f / RC_NV), (float16)(-0.5f));
     #pragma unroll 1
     for (int r = 0; r < RC_SMALL; ++r) {
       const int16 in_row = small & (rows >= (float)r);
       if (!rc_mask16(in_row)) break;
-      const float16 b = b0 + (float)r * (1.0f / RC_NV);
+      const float16 b = rc_row_b(above + ((float)frame->first_row + (float)r));
       #pragma unroll 1
       for (int c = 0; c < RC_SMALL; ++c) {
         const int16 in_cell = in_row & (columns >= (float)c);
-        const float16 a = a0 + (float)c * (1.0f / RC_NU);
+        const float16 a = rc_column_a(left + (float)c);
         const float16 l1 = fma(s.l1a, a, fma(s.l1b, b, s.l1c)), l2 = fma(s.l2a, a, fma(s.l2b, b, s.l2c));
-        const float16 least = fmin(fmin(l1, l2), (1.0f - l1) - l2);
+        const float16 least = rc_min16(rc_min16(l1, l2), (1.0f - l1) - l2);
         uint bits = rc_mask16(in_cell & (least >= -s.band));
         if (!bits) continue;
         const uint open = rc_mask16(least <= s.band);
-        float near[16];
-        vstore16(fma(l1, s.q1, fma(l2, s.q2, s.q0)), 0, near);
+        RC_LINE float near[16];
+        rc_store16(fma(l1, s.q1, fma(l2, s.q2, s.q0)), 0, near);
         while (bits) {
-          const uint lane = rc_lowest(bits), row = (uint)above_of[lane] + r, column = (uint)left_of[lane] + c;
+          const uint lane = rc_lowest(bits), row = above_of[lane] + r, column = left_of[lane] + c;
           bits &= bits - 1u;
-          if (open >> lane & 1u) rc_decide_slot(frame, closest, block, instance, first + lane, row, column);
-          else rc_keep(closest, row * RC_GRID_PITCH + column, near[lane], instance, first + lane);
+          if (open >> lane & 1u) rc_decide_sample(frame, closest, block, instance, first + lane, row, column);
+          else rc_keep(closest, rc_slot(row, column), near[lane], instance, first + lane);
         }
       }
     }
   }
 
   if (large_bits) {
-    float l1a[16], l1b[16], l1c[16], l2a[16], l2b[16], l2c[16], q0[16], q1[16], q2[16], band[16], right_of[16], below_of[16];
-    vstore16(s.l1a, 0, l1a);
-    vstore16(s.l1b, 0, l1b);
-    vstore16(s.l1c, 0, l1c);
-    vstore16(s.l2a, 0, l2a);
-    vstore16(s.l2b, 0, l2b);
-    vstore16(s.l2c, 0, l2c);
-    vstore16(s.q0, 0, q0);
-    vstore16(s.q1, 0, q1);
-    vstore16(s.q2, 0, q2);
-    vstore16(s.band, 0, band);
-    vstore16(right, 0, right_of);
-    vstore16(below, 0, below_of);
-    const float16 lane_column = (float16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+    RC_LINE float l1a[16], l1b[16], l1c[16], l2a[16], l2b[16], l2c[16], q0[16], q1[16], q2[16], band[16];
+    RC_LINE uint right_of[16], below_of[16];
+    rc_store16(s.l1a, 0, l1a);
+    rc_store16(s.l1b, 0, l1b);
+    rc_store16(s.l1c, 0, l1c);
+    rc_store16(s.l2a, 0, l2a);
+    rc_store16(s.l2b, 0, l2b);
+    rc_store16(s.l2c, 0, l2c);
+    rc_store16(s.q0, 0, q0);
+    rc_store16(s.q1, 0, q1);
+    rc_store16(s.q2, 0, q2);
+    rc_store16(s.band, 0, band);
+    rc_store16(convert_uint16(right), 0, right_of);
+    rc_store16(convert_uint16(below), 0, below_of);
+    const float16 lane_column = (float16)(0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3);
+    const float16 lane_row = (float16)(0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3) + (float)frame->first_row;
     while (large_bits) {
       const uint lane = rc_lowest(large_bits);
       large_bits &= large_bits - 1u;
-      const uint first_vector = (uint)left_of[lane] / 16u, last_vector = (uint)right_of[lane] / 16u;
-      const uint first_row = (uint)above_of[lane], last_row = (uint)below_of[lane];
-      const float16 l1_step = l1a[lane], l2_step = l2a[lane], uncertain = band[lane];
-      const float16 near0 = q0[lane], near1 = q1[lane], near2 = q2[lane];
-      for (uint row = first_row; row <= last_row; ++row) {
-        const float b = rc_row_b((float)(row + frame->first_row));
-        const float16 l1_row = fma(b, l1b[lane], l1c[lane]), l2_row = fma(b, l2b[lane], l2c[lane]);
-        for (uint vector = first_vector; vector <= last_vector; ++vector) {
-          const uint slot = row * RC_GRID_PITCH + vector * 16u;
-          const float16 a = fma(lane_column + (float)(vector * 16u), (float16)(1.0f / RC_NU), (float16)(0.5f / RC_NU - 0.5f * RC_GROUP_PIXELS));
-          const float16 l1 = fma(l1_step, a, l1_row), l2 = fma(l2_step, a, l2_row);
-          const float16 least = fmin(fmin(l1, l2), (1.0f - l1) - l2);
-          const float16 near = fma(l1, near1, fma(l2, near2, near0));
+      const uint first_column = left_of[lane] / 4u, last_column = right_of[lane] / 4u, last_row = below_of[lane] / 4u;
+      const float16 uncertain = band[lane];
+      for (uint tile_row = above_of[lane] / 4u; tile_row <= last_row; ++tile_row) {
+        const float16 b = rc_row_b(lane_row + (float)(4u * tile_row));
+        float16 column_of = lane_column + (float)(4u * first_column);
+        const float16 l1_row = fma((float16)(l1b[lane]), b, (float16)(l1c[lane])), l2_row = fma((float16)(l2b[lane]), b, (float16)(l2c[lane]));
+        for (uint tile_column = first_column; tile_column <= last_column; ++tile_column, column_of += 4.0f) {
+          const uint slot = (tile_row * RC_TILE_COLUMNS + tile_column) * 16u;
+          const float16 a = rc_column_a(column_of);
+          const float16 l1 = fma((float16)(l1a[lane]), a, l1_row), l2 = fma((float16)(l2a[lane]), a, l2_row);
+          const float16 least = rc_min16(rc_min16(l1, l2), (1.0f - l1) - l2);
+          const float16 near = fma(l1, (float16)(q1[lane]), fma(l2, (float16)(q2[lane]), (float16)(q0[lane])));
           const float16 before = vload16(0, closest->near + slot);
           const int16 inside = least > uncertain, nearer = inside & (near > before);
           uint open = rc_mask16((least >= -uncertain) & (~inside | (near == before)));
           if (rc_mask16(nearer)) {
-            vstore16(select(before, near, nearer), 0, closest->near + slot);
-            vstore16(select(vload16(0, closest->instance + slot), (uint16)(instance), nearer), 0, closest->instance + slot);
-            vstore16(select(vload16(0, closest->primitive + slot), (uint16)(first + lane), nearer), 0, closest->primitive + slot);
+            rc_store16(select(before, near, nearer), 0, closest->near + slot);
+            rc_store16(select(vload16(0, closest->instance + slot), (uint16)(instance), nearer), 0, closest->instance + slot);
+            rc_store16(select(vload16(0, closest->primitive + slot), (uint16)(first + lane), nearer), 0, closest->primitive + slot);
           }
           if (open) {
             const uint tied = rc_mask16(inside);
-            float near_of[16];
-            vstore16(near, 0, near_of);
+            RC_LINE float near_of[16];
+            rc_store16(near, 0, near_of);
             while (open) {
-              const uint k = rc_lowest(open), column = vector * 16u + k;
+              const uint k = rc_lowest(open), row = tile_row * 4u + k / 4u, column = tile_column * 4u + k % 4u;
               open &= open - 1u;
-              if (column >= frame->columns) continue;
+              if (row >= frame->rows || column >= frame->columns) continue;
               if (tied >> k & 1u) rc_keep(closest, slot + k, near_of[k], instance, first + lane);
-              else rc_decide_slot(frame, closest, block, instance, first + lane, row, column);
+              else rc_decide_sample(frame, closest, block, instance, first + lane, row, column);
             }
           }
         }
@@ -331,17 +339,25 @@ static inline void rc_primary_block(const GroupFrame* frame, Closest* closest, g
     const uint lane = rc_lowest(lanes);
     for (uint row = 0; row < frame->rows; ++row)
       for (uint column = 0; column < frame->columns; ++column)
-        rc_decide_slot(frame, closest, block, instance, first + lane, row, column);
+        rc_decide_sample(frame, closest, block, instance, first + lane, row, column);
   }
 }
 
-/* From a row-wise grid of the group to one pixel's slots; empty slots become RC_NONE. */
-static inline void rc_write_pixel(const uint* grid, uint p, uint rows, global uint* out) {
-  uint slots[RC_NPAD + 16];
+/* From the tiles of a group to the slots of its pixels, by way of whole rows; empty slots become RC_NONE. Each step reads what
+ * the one before has long written: a load that spans fresh stores waits for them. */
+static inline void rc_write_pixels(const uint* tiles, uint used, uint rows, global uint* out, size_t stride) {
+  RC_LINE uint lines[RC_GRID_ROWS * RC_TILE_COLUMNS * 4 + 16], slots[RC_GROUP_PIXELS * RC_NPAD + 16];
   for (uint row = 0; row < rows; ++row)
-    for (uint i = 0; i < RC_NU; i += 16u) vstore16(vload16(0, grid + row * RC_GRID_PITCH + p * RC_NU + i), 0, slots + row * RC_NU + i);
-  for (uint k = rows * RC_NU; k < RC_NPAD; ++k) slots[k] = RC_NONE;
-  for (uint word = 0; word < RC_NWORDS; ++word) vstore16(vload16(word, slots), word, out);
+    for (uint column = 0; column < RC_TILE_COLUMNS * 4u; column += 4u)
+      vstore4(vload4(0, tiles + rc_slot(row, column)), 0, lines + row * (RC_TILE_COLUMNS * 4u) + column);
+  for (uint p = 0; p < used; ++p) {
+    for (uint row = 0; row < rows; ++row)
+      for (uint i = 0; i < RC_NU; i += 16u)
+        rc_store16(vload16(0, lines + row * (RC_TILE_COLUMNS * 4u) + p * RC_NU + i), 0, slots + p * RC_NPAD + row * RC_NU + i);
+    for (uint k = rows * RC_NU; k < RC_NPAD; ++k) slots[p * RC_NPAD + k] = RC_NONE;
+  }
+  for (uint p = 0; p < used; ++p)
+    for (uint word = 0; word < RC_NWORDS; ++word) rc_store16(vload16(p * RC_NWORDS + word, slots), word, out + p * stride);
 }
 
 #endif

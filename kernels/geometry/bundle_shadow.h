@@ -17,7 +17,7 @@ typedef struct Points {
   uint words;
   uint costly;                                      /* bit m % 32: bundles through mesh m did not pay; start with 0 */
   float4 centre, towards, across_a, across_b;       /* scene frame; unit vectors */
-} Points;
+} RC_LINE Points;
 
 typedef struct Cluster {
   float lo_a, hi_a, lo_b, hi_b, lo_d, reach;        /* bounds of the live points; reach: largest coordinate */
@@ -75,9 +75,9 @@ static inline void rc_project_points(Points* points, float4 towards) {
   for (uint word = 0; word < points->words; ++word) {
     const float16 x = vload16(word, points->x) - points->centre.x, y = vload16(word, points->y) - points->centre.y;
     const float16 z = vload16(word, points->z) - points->centre.z;
-    vstore16(rc_project_row(points->across_a, x, y, z), word, points->a);
-    vstore16(rc_project_row(points->across_b, x, y, z), word, points->b);
-    vstore16(rc_project_row(points->towards, x, y, z), word, points->d);
+    rc_store16(rc_project_row(points->across_a, x, y, z), word, points->a);
+    rc_store16(rc_project_row(points->across_b, x, y, z), word, points->b);
+    rc_store16(rc_project_row(points->towards, x, y, z), word, points->d);
     rc_word_bounds(points, word);
   }
 }
@@ -198,24 +198,24 @@ __attribute__((noinline)) static uint rc_shadow_block(const ShadowFrame* frame, 
                          (s.hi_b >= cluster->lo_b) & (hi_d >= cluster->lo_d));
   if (!lanes) return RC_BLOCK_COST;
   const uint cost = RC_BLOCK_COST + popcount(lanes);
-  float l1a[16], l1b[16], l1c[16], l2a[16], l2b[16], l2c[16], q0[16], q1[16], q2[16], bands[16], depth_bands[16];
-  float lo_a[16], hi_a[16], lo_b[16], hi_b[16], depths[16];
-  vstore16(s.l1a, 0, l1a);
-  vstore16(s.l1b, 0, l1b);
-  vstore16(s.l1c, 0, l1c);
-  vstore16(s.l2a, 0, l2a);
-  vstore16(s.l2b, 0, l2b);
-  vstore16(s.l2c, 0, l2c);
-  vstore16(s.q0, 0, q0);
-  vstore16(s.q1, 0, q1);
-  vstore16(s.q2, 0, q2);
-  vstore16(s.band, 0, bands);
-  vstore16(depth_band, 0, depth_bands);
-  vstore16(s.lo_a, 0, lo_a);
-  vstore16(s.hi_a, 0, hi_a);
-  vstore16(s.lo_b, 0, lo_b);
-  vstore16(s.hi_b, 0, hi_b);
-  vstore16(hi_d, 0, depths);
+  RC_LINE float l1a[16], l1b[16], l1c[16], l2a[16], l2b[16], l2c[16], q0[16], q1[16], q2[16], bands[16], depth_bands[16];
+  RC_LINE float lo_a[16], hi_a[16], lo_b[16], hi_b[16], depths[16];
+  rc_store16(s.l1a, 0, l1a);
+  rc_store16(s.l1b, 0, l1b);
+  rc_store16(s.l1c, 0, l1c);
+  rc_store16(s.l2a, 0, l2a);
+  rc_store16(s.l2b, 0, l2b);
+  rc_store16(s.l2c, 0, l2c);
+  rc_store16(s.q0, 0, q0);
+  rc_store16(s.q1, 0, q1);
+  rc_store16(s.q2, 0, q2);
+  rc_store16(s.band, 0, bands);
+  rc_store16(depth_band, 0, depth_bands);
+  rc_store16(s.lo_a, 0, lo_a);
+  rc_store16(s.hi_a, 0, hi_a);
+  rc_store16(s.lo_b, 0, lo_b);
+  rc_store16(s.hi_b, 0, hi_b);
+  rc_store16(hi_d, 0, depths);
   for (; lanes; lanes &= lanes - 1u) {
     const uint lane = rc_lowest(lanes);
     const float16 band = bands[lane], depth = depth_bands[lane];

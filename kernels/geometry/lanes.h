@@ -36,6 +36,23 @@ static inline float8 rc_max8(float8 a, float8 b) { return a > b ? a : b; }
 static inline float16 rc_min16(float16 a, float16 b) { return a < b ? a : b; }
 static inline float16 rc_max16(float16 a, float16 b) { return a > b ? a : b; }
 
+/* vstore16 as one store where the compiler is clang: its library writes four quarters, and a load of the whole that follows
+ * soon then waits for all of them to reach the cache. */
+#if defined(__clang__)
+typedef float16 __attribute__((aligned(4))) rc_float16_packed;
+typedef uint16 __attribute__((aligned(4))) rc_uint16_packed;
+#define RC_OVERLOAD __attribute__((overloadable)) static inline
+RC_OVERLOAD void rc_store16(float16 v, size_t i, private float* p) { *(private rc_float16_packed*)(p + 16 * i) = v; }
+RC_OVERLOAD void rc_store16(float16 v, size_t i, global float* p) { *(global rc_float16_packed*)(p + 16 * i) = v; }
+RC_OVERLOAD void rc_store16(uint16 v, size_t i, private uint* p) { *(private rc_uint16_packed*)(p + 16 * i) = v; }
+RC_OVERLOAD void rc_store16(uint16 v, size_t i, global uint* p) { *(global rc_uint16_packed*)(p + 16 * i) = v; }
+#else
+#define rc_store16(v, i, p) vstore16(v, i, p)
+#endif
+
+/* Private arrays that vectors are read from and written to: a vector across two cache lines costs two. */
+#define RC_LINE __attribute__((aligned(64)))
+
 /* Lowest set bit; bits != 0. */
 static inline uint rc_lowest(uint bits) { return 31u - clz(bits & (0u - bits)); }
 

@@ -24,7 +24,7 @@ static inline uint rc_ray_boxes(Ray ray, global const BvhNode* node, float t_max
 /* Keeps the smallest (t, instance, primitive). */
 static inline void rc_take_closest(Hit* hit, uint instance, uint block, uint lanes, float16 t) {
   float lane_t[16];
-  vstore16(t, 0, lane_t);
+  rc_store16(t, 0, lane_t);
   while (lanes) {
     const uint lane = rc_lowest(lanes), primitive = block * RC_BLOCK + lane;
     lanes &= lanes - 1u;
