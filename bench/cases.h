@@ -37,6 +37,7 @@ KernelBuild kernel_build(const Settings&);
 /// What a run.json of `raycube render` says was launched. Throws Error(input) when it does not say.
 Programs programs_of_run(const std::string& run_json);
 void run_integrate(const Settings&, Report&);
+void run_check(const Settings&, Report&);
 void run_leaks(const Settings&, Report&);
 
 }  // namespace raycube::bench

@@ -13,6 +13,23 @@ namespace {
 constexpr rc_u32 kPickDimension = 41;  ///< of the hash: no sampler uses it
 /// Pixels that wait on the host before the reference takes them up together.
 constexpr std::size_t kBatch = 256;
+/// Rays that wait there for their first hits to be compared: 8 bytes each.
+constexpr std::size_t kHitBatch = std::size_t{1} << 20;
+/// Pixels of a whole line that are traced at once; a multiple of 4.
+constexpr int kMostColumns = 256;
+
+/// Where pixel p of a tile lies, and its group among the tile's.
+reference::PixelAddress address_of(const render::HitProbe& probe, std::size_t p, int width) {
+  const int groups_per_line = (probe.tile.columns + width - 1) / width;
+  const int line = static_cast<int>(p) / probe.tile.columns, column = static_cast<int>(p) % probe.tile.columns;
+  reference::PixelAddress address;
+  address.line = static_cast<std::uint32_t>(probe.tile.first_line + line);
+  address.sample = static_cast<std::uint32_t>(probe.tile.first_column + column);
+  address.group = probe.groups[static_cast<std::size_t>(line * groups_per_line + column / width)];
+  address.lane = column % width;
+  address.group_width = width;
+  return address;
+}
 
 }  // namespace
 
@@ -22,7 +39,9 @@ std::vector<render::Tile> pick_tiles(const scene::Instrument& instrument, std::u
   const std::uint64_t wanted = (pixels + static_cast<std::uint64_t>(width) - 1) / static_cast<std::uint64_t>(width);
   std::vector<render::Tile> tiles;
   if (2 * wanted >= groups) {
-    for (int line = 0; line < instrument.lines; ++line) tiles.push_back({line, 1, 0, instrument.pixels});
+    for (int line = 0; line < instrument.lines; ++line)
+      for (int column = 0; column < instrument.pixels; column += kMostColumns)
+        tiles.push_back({line, 1, column, std::min(kMostColumns, instrument.pixels - column)});
     return tiles;
   }
   // A tile starts at a multiple of 4 pixels, whatever the groups.
@@ -38,6 +57,41 @@ std::vector<render::Tile> pick_tiles(const scene::Instrument& instrument, std::u
     tiles.push_back({line, 1, column, std::min(tile_width, instrument.pixels - column)});
   }
   return tiles;
+}
+
+std::uint64_t pixels_of(const std::vector<render::Tile>& tiles) {
+  std::uint64_t pixels = 0;
+  for (const render::Tile& tile : tiles) pixels += tile.pixels();
+  return pixels;
+}
+
+reference::HitReport check_hits(render::Renderer& renderer, const scene::CompiledScene& scene,
+                                const scene::Instrument& instrument, std::uint64_t seed, std::uint64_t rays, int threads,
+                                const std::function<void(std::uint64_t)>& progress) {
+  reference::HitComparison comparison(scene, instrument, seed, threads);
+  const int width = sensors::pixels_per_group(instrument);
+  const auto samples = static_cast<std::uint64_t>(instrument.samples_u) * static_cast<std::uint64_t>(instrument.samples_v);
+  std::vector<reference::PixelHits> waiting;
+  std::uint64_t waiting_rays = 0;
+  const auto flush = [&] {
+    comparison.add(waiting);
+    if (progress) progress(waiting_rays);
+    waiting.clear();
+    waiting_rays = 0;
+  };
+  renderer.probe_hits(instrument, seed, pick_tiles(instrument, seed, (rays + samples - 1) / samples),
+                      [&](const render::HitProbe& probe) {
+                        for (std::size_t p = 0; p < probe.tile.pixels(); ++p) {
+                          reference::PixelHits& pixel = waiting.emplace_back();
+                          pixel.address = address_of(probe, p, width);
+                          for (std::size_t s = p * samples; s < (p + 1) * samples; ++s)
+                            pixel.hits.push_back({probe.hit_instance[s], probe.hit_primitive[s]});
+                        }
+                        waiting_rays += probe.tile.pixels() * samples;
+                        if (waiting_rays >= kHitBatch) flush();
+                      });
+  flush();
+  return comparison.report();
 }
 
 reference::Report check_instrument(render::Renderer& renderer, const scene::Simulation& simulation,
@@ -63,15 +117,9 @@ reference::Report check_instrument(render::Renderer& renderer, const scene::Simu
                  [&](const render::PixelProbe& probe) {
                    const auto samples = static_cast<std::size_t>(probe.samples);
                    const std::size_t bands = plan.bands.size();
-                   const int groups_per_line = (probe.tile.columns + width - 1) / width;
                    for (std::size_t p = 0; p < probe.tile.pixels(); ++p) {
-                     const int line = static_cast<int>(p) / probe.tile.columns, column = static_cast<int>(p) % probe.tile.columns;
                      reference::DevicePixel& pixel = waiting.emplace_back();
-                     pixel.address.line = static_cast<std::uint32_t>(probe.tile.first_line + line);
-                     pixel.address.sample = static_cast<std::uint32_t>(probe.tile.first_column + column);
-                     pixel.address.group = probe.groups[static_cast<std::size_t>(line * groups_per_line + column / width)];
-                     pixel.address.lane = column % width;
-                     pixel.address.group_width = width;
+                     pixel.address = address_of(probe, p, width);
                      for (std::size_t s = p * samples; s < (p + 1) * samples; ++s) {
                        pixel.hits.push_back({probe.hit_instance[s], probe.hit_primitive[s]});
                        pixel.sun_visible.push_back(probe.sun_visible[s]);

@@ -20,6 +20,15 @@ struct CheckOptions {
 /// Tiles that hold the pixels to check: groups picked by a hash of the seed and a counter, or every line of the image.
 std::vector<render::Tile> pick_tiles(const scene::Instrument& instrument, std::uint64_t seed, std::uint64_t pixels);
 
+/// Pixels that tiles hold.
+std::uint64_t pixels_of(const std::vector<render::Tile>& tiles);
+
+/// First hits of at least `rays` rays (of all when the image has fewer), device against Embree and double. Tiles of the image
+/// picked as above; memory does not grow with `rays`. `progress`: called with the number of rays compared since the last call.
+reference::HitReport check_hits(render::Renderer& renderer, const scene::CompiledScene& scene,
+                                const scene::Instrument& instrument, std::uint64_t seed, std::uint64_t rays, int threads,
+                                const std::function<void(std::uint64_t)>& progress = {});
+
 /// `progress`: called with the number of pixels compared since the last call.
 reference::Report check_instrument(render::Renderer& renderer, const scene::Simulation& simulation,
                                    const scene::Instrument& instrument, const plan::Plan& plan,

@@ -1,6 +1,6 @@
 // `raycube check`: the device against the reference, on pixels picked by hash.
-#include <algorithm>
 #include <cstdio>
+#include <map>
 #include <memory>
 #include <ostream>
 
@@ -9,6 +9,7 @@
 #include "host/base/output_file.h"
 #include "host/base/progress.h"
 #include "host/cli/check_instrument.h"
+#include "host/cli/difference_chart.h"
 #include "host/cli/simulation_job.h"
 #include "host/cli/verb.h"
 #include "host/products/png_writer.h"
@@ -18,7 +19,7 @@ namespace {
 
 struct Options {
   std::string file, instrument;
-  std::uint64_t pixels = 500, model_pixels = 64;
+  std::uint64_t rays = 10000000, pixels = 500, model_pixels = 64;
   int model_directions = 1024;
 };
 
@@ -33,24 +34,31 @@ std::vector<std::string> band_names(const scene::Instrument& instrument) {
   return names;
 }
 
-void write_files(Context& context, const std::string& instrument, const reference::Report& report) {
-  if (context.common.output.empty()) return;
-  base::OutputSet files(context.common.output + "/" + instrument + "_check",
-                        context.common.overwrite ? base::IfExists::replace : base::IfExists::refuse);
-  const reference::Picture picture = reference::difference_picture(report);
-  if (picture.height > 0)
-    products::write_png(files.add("difference.png"), static_cast<std::uint32_t>(picture.width),
-                        static_cast<std::uint32_t>(picture.height), 3, picture.rgb,
+/// What is written of one instrument. Both files are begun before anything is traced: what must not be replaced is known then.
+struct Files {
+  Files(const std::string& folder, base::IfExists if_exists)
+      : set(folder, if_exists), picture(set.add("difference.png")), json(set.add("check.json")) {}
+  base::OutputSet set;
+  base::OutputFile &picture, &json;
+
+  void write(const scene::Instrument& instrument, const reference::Report& report) {
+    const products::Raster chart = difference_chart(report, instrument);
+    products::write_png(picture, static_cast<std::uint32_t>(chart.width()), static_cast<std::uint32_t>(chart.height()), 3, chart.rgb(),
                         {{"Description", "relative difference of device and reference: columns bands, rows pixels in order of "
                                          "line and sample; black 1e-9, blue 1e-8, green 1e-7, yellow 1e-6, red 2e-5 and more"}});
-  files.add("check.json").append(report.json() + "\n");
-  files.publish();
-  context.log.info("wrote " + files.folder() + "/check.json and difference.png");
-}
+    json.append(report.json() + "\n");
+    set.publish();
+  }
+};
 
 int run(Context& context, const Options& options) {
   const scene::Simulation simulation = load_job(options.file, context);
   const auto instruments = pick_instruments(simulation, options.instrument);
+  std::map<std::string, Files> files;
+  if (!context.common.output.empty())
+    for (const scene::Instrument* instrument : instruments)
+      files.try_emplace(instrument->name, context.common.output + "/" + instrument->name + "_check",
+                        context.common.overwrite ? base::IfExists::replace : base::IfExists::refuse);
   render::Renderer renderer(simulation.scene, render_options(context.common));
   CheckOptions check;
   check.pixels = options.pixels;
@@ -61,21 +69,31 @@ int run(Context& context, const Options& options) {
   nlohmann::ordered_json all;
   for (const scene::Instrument* instrument : instruments) {
     const InstrumentJob job = prepare(simulation, *instrument, context);
-    const std::uint64_t expected = std::min<std::uint64_t>(
-        options.pixels, static_cast<std::uint64_t>(instrument->pixels) * static_cast<std::uint64_t>(instrument->lines));
+    const auto samples = static_cast<std::uint64_t>(instrument->samples_u) * static_cast<std::uint64_t>(instrument->samples_v);
+    const auto expected = [&](std::uint64_t pixels) { return pixels_of(pick_tiles(*instrument, simulation.seed, pixels)); };
+    reference::HitReport hits;
+    if (options.rays > 0) {
+      base::Progress progress(context.log, "hits of " + instrument->name, samples * expected((options.rays + samples - 1) / samples), "rays");
+      hits = check_hits(renderer, simulation.scene, *instrument, simulation.seed, options.rays, check.threads,
+                        [&](std::uint64_t more) { progress.advance(more); });
+    }
     reference::Report report;
     {
-      base::Progress progress(context.log, "check " + instrument->name, expected, "pixels");
+      base::Progress progress(context.log, "check " + instrument->name, expected(options.pixels), "pixels");
       report = check_instrument(renderer, simulation, *instrument, job.plan, job.table, check,
                                 [&](std::uint64_t more) { progress.advance(more); });
     }
+    report.first_hits = std::move(hits);
     passed &= report.failures().empty();
     if (context.common.json)
       all[instrument->name] = nlohmann::ordered_json::parse(report.json());
     else
       context.out << "instrument " << instrument->name << " on " << renderer.device_name() << "\n"
                   << report.text(band_names(*instrument));
-    write_files(context, instrument->name, report);
+    if (const auto at = files.find(instrument->name); at != files.end()) {
+      at->second.write(*instrument, report);
+      context.log.info("wrote " + at->second.set.folder() + "/check.json and difference.png");
+    }
   }
   if (context.common.json) context.out << all.dump(2) << "\n";
   else context.out << (passed ? "check: within limits\n" : "check: BEYOND LIMITS\n");
@@ -90,8 +108,10 @@ Verb verb_check() {
   verb.name = "check";
   verb.summary = "Compare rendered pixels with the Embree and double precision reference";
   verb.description =
-      "Pixels are picked by a hash of the seed. Both sides trace the very same fp32 rays. First hits and sun rays that differ are "
-      "retraced in double and explained only when an edge or a depth lies within the stated error bound.\n\n"
+      "Pixels are picked by a hash of the seed. Both sides trace the very same fp32 rays.\n\n"
+      "First hits, of many rays (--rays): those on which device and Embree differ are retraced in double and explained only "
+      "when an edge or a depth lies within the stated error bound; counted by class. None may be unexplained. For every ray "
+      "double also says whether it hits at all. The rest compares fewer pixels (--pixels) in full, sun and sky rays included.\n\n"
       "Arithmetic: the reference sums the plan's spectra per sample and wavelength in double; every band's median difference "
       "stays below 1e-6 and every difference below 2e-5.\n\n"
       "Model: the reference uses the whole tables and 1024 sky directions; the difference stays within the file's tolerance.\n\n"
@@ -100,7 +120,11 @@ Verb verb_check() {
   verb.common = kOutput | kCompute;
   verb.add_options = [o](base::OptionTable& table) {
     table.argument("FILE", "A simulation file", o->file);
-    table.integer<std::uint64_t>("--pixels", "", 1, 1000000000, "Pixels of each instrument to compare, rounded up to groups of 4",
+    table.integer<std::uint64_t>("--rays", "", 0, 1000000000000,
+                                 "First hits of each instrument to compare, rounded up to groups of 4 pixels, at most the image's; "
+                                 "1e6 a second and more on 2 cores; 0: those of --pixels only",
+                                 o->rays);
+    table.integer<std::uint64_t>("--pixels", "", 1, 1000000000, "Pixels of each instrument to compare in full, rounded up to groups of 4",
                                  o->pixels);
     table.text("--instrument", "NAME", "Only this instrument", o->instrument);
     table.integer<std::uint64_t>("--model-pixels", "", 0, 1000000, "How many of them also meet the whole tables", o->model_pixels);

@@ -1,15 +1,12 @@
 #include "host/reference/compare.h"
 
 #include <algorithm>
-#include <atomic>
 #include <bit>
 #include <cmath>
-#include <exception>
-#include <mutex>
 #include <numeric>
-#include <thread>
 
 #include "host/base/error.h"
+#include "host/reference/parallel.h"
 
 namespace raycube::reference {
 
@@ -17,7 +14,7 @@ struct Comparison::Result {
   std::uint32_t number = 0, line = 0, sample = 0;
   std::uint64_t rays = 0, hit_miss = 0, sun_rays = 0, sun_explained = 0, sun_unexplained = 0, sky_rays = 0,
                 sky_explained = 0, sky_unexplained = 0;
-  std::array<std::uint64_t, 5> hits{};
+  std::array<std::uint64_t, kCauses> hits{};
   bool excluded = false, beyond = false;
   std::vector<double> device, reference;   ///< [band]
   std::vector<float> difference;           ///< [band], relative, explained ties taken the device's way
@@ -230,27 +227,9 @@ Comparison::Result Comparison::compare(const DevicePixel& device, bool with_mode
 void Comparison::add(const std::vector<DevicePixel>& pixels) {
   const std::size_t before = results_.size();
   results_.resize(before + pixels.size());
-  std::atomic<std::size_t> next{0};
-  std::exception_ptr failure;
-  std::mutex failure_mutex;
-  const auto work = [&] {
-    for (std::size_t i; (i = next++) < pixels.size();) {
-      try {
-        results_[before + i] = compare(pixels[i], model_ && before + i < options_.model_pixels);
-      } catch (...) {
-        const std::lock_guard lock(failure_mutex);
-        if (!failure) failure = std::current_exception();
-        next = pixels.size();
-      }
-    }
-  };
-  const std::size_t wanted = options_.threads > 0 ? static_cast<std::size_t>(options_.threads)
-                                                  : std::max(1u, std::thread::hardware_concurrency());
-  std::vector<std::thread> threads;
-  for (std::size_t t = 1; t < std::min(wanted, pixels.size()); ++t) threads.emplace_back(work);
-  work();
-  for (std::thread& thread : threads) thread.join();
-  if (failure) std::rethrow_exception(failure);
+  for_each_index(pixels.size(), options_.threads, [&](std::size_t i) {
+    results_[before + i] = compare(pixels[i], model_ && before + i < options_.model_pixels);
+  });
 }
 
 namespace {
@@ -326,6 +305,7 @@ Report Comparison::report() const {
   }
   std::sort(ordered.begin(), ordered.end(), [](const Result* a, const Result* b) { return a->number < b->number; });
   for (const Result* r : ordered) {
+    report.picture_line.push_back(r->line);
     std::vector<float>& row = report.picture.emplace_back();
     for (float difference : r->difference) row.push_back(std::log10(std::max(difference, 1e-12f)));
   }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "atmos_tables/render_table.h"
+#include "host/reference/first_hits.h"
 #include "host/reference/radiance.h"
 
 namespace raycube::reference {
@@ -52,8 +53,9 @@ struct ModelDifference {
 
 struct Report {
   Limits limits;
+  HitReport first_hits;                           ///< of many more rays than those of the pixels below; may be empty
   std::uint64_t pixels = 0, rays = 0;
-  std::array<std::uint64_t, 5> hits{};            ///< by Cause
+  std::array<std::uint64_t, kCauses> hits{};      ///< by Cause
   std::uint64_t hit_miss = 0;                     ///< of the disagreements: one hit, the other missed
   std::uint64_t sun_rays = 0, sun_explained = 0, sun_unexplained = 0;
   std::uint64_t sky_rays = 0, sky_explained = 0;  ///< rays
@@ -68,6 +70,7 @@ struct Report {
   ModelDifference model_total, model_sun, model_sky, model_path;
   /// log10 of each pixel's relative difference, [pixel in order of number][band]
   std::vector<std::vector<float>> picture;
+  std::vector<std::uint32_t> picture_line;        ///< image line of each of its rows
 
   std::vector<std::string> failures() const;      ///< one line per limit that is not met; empty: the check holds
   std::string text(const std::vector<std::string>& band_names) const;
@@ -78,8 +81,11 @@ struct Report {
 /// black below 1e-9, blue, green, yellow at 1e-6, red from 2e-5. RGB, 8 bit.
 struct Picture {
   int width = 0, height = 0;
+  int bunch = 1;                                  ///< pixels that a row stands for
   std::vector<std::uint8_t> rgb;
 };
+/// Its colour of a relative difference, given as the logarithm.
+std::array<std::uint8_t, 3> difference_colour(float log10_difference);
 Picture difference_picture(const Report& report, int rows = 1024);
 
 class Comparison {

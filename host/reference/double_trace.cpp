@@ -8,6 +8,8 @@ namespace raycube::reference {
 
 namespace {
 
+/// Two depths of one ray are the same to rounding in double: some 1e3 times 2^-53, for a plane seen edge-on loses digits.
+constexpr double kSameDepth = 1e-13;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Slab test in double. Boxes grow by far more than any rounding (including that of the top tree's fp32 boxes, and the
@@ -112,6 +114,7 @@ bool names_a_triangle(const scene::CompiledScene& scene, const Hit& hit) {
 const char* cause_name(Cause cause) {
   switch (cause) {
     case Cause::agree: return "agree";
+    case Cause::exact_tie: return "exact tie";
     case Cause::edge_tie: return "edge tie";
     case Cause::depth_tie: return "depth tie";
     case Cause::grazing: return "grazing";
@@ -140,15 +143,20 @@ Trace DoubleTracer::trace_brute_force(const Ray& ray) const {
 Cause DoubleTracer::explain(const Ray& ray, const Hit& a, const Hit& b) const {
   if (a == b) return Cause::agree;
   // A certain hit that the walk missed but one of the two found counts as well: the tree itself is not trusted.
-  double certain_t = trace(ray).certain_t;
-  bool grazing = false, near_edge = false;
+  const Trace exact = trace(ray);
+  double certain_t = exact.certain_t;
+  bool grazing = false, near_edge = false, both_right = true;
   for (const Hit& hit : {a, b}) {
-    if (hit.miss()) continue;
+    if (hit.miss()) {
+      both_right = false;
+      continue;
+    }
     if (!names_a_triangle(scene_, hit)) return Cause::unexplained;
     const Contact c = contact_of(scene_, ray, hit);
     if (c.certain()) certain_t = std::min(certain_t, c.t + c.t_bound);
     grazing |= c.grazing;
     near_edge |= c.side == Side::uncertain;
+    both_right &= c.hit && c.t <= exact.t * (1 + kSameDepth);
   }
   for (const Hit& hit : {a, b}) {
     if (hit.miss()) {
@@ -158,7 +166,13 @@ Cause DoubleTracer::explain(const Ray& ray, const Hit& a, const Hit& b) const {
     const Contact c = contact_of(scene_, ray, hit);
     if (!c.possible() || c.t - c.t_bound > certain_t) return Cause::unexplained;
   }
+  if (both_right) return Cause::exact_tie;
   return grazing ? Cause::grazing : near_edge ? Cause::edge_tie : Cause::depth_tie;
+}
+
+bool DoubleTracer::hits_anything(const Ray& ray, const Hit& guess) const {
+  if (!guess.miss() && names_a_triangle(scene_, guess) && contact_of(scene_, ray, guess).hit) return true;
+  return !trace(ray).hit.miss();
 }
 
 Visibility DoubleTracer::visibility(const DoubleRay& ray, const Hit& from) const {

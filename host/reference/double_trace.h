@@ -17,7 +17,8 @@ struct Trace {
 };
 
 /// Why two first hits of one ray differ.
-enum class Cause { agree, edge_tie, depth_tie, grazing, unexplained };
+enum class Cause { agree, exact_tie, edge_tie, depth_tie, grazing, unexplained };
+inline constexpr std::size_t kCauses = 6;
 const char* cause_name(Cause cause);
 
 /// Can the point be seen along a shadow ray? `uncertain`: some triangle is met or missed within the bounds.
@@ -34,8 +35,12 @@ class DoubleTracer {
 
   /// A hit is admissible when fp32 arithmetic within the bounds of contact.h may report it: not clearly outside its
   /// triangle and not clearly behind a certain hit; a miss, when no hit is certain. Two different admissible answers are
-  /// explained, and the class names the first bound that applies: grazing, edge tie, depth tie.
+  /// explained, and the class names the first that applies: exact tie (in double the ray meets both triangles at one depth and
+  /// nothing before: two right answers), grazing, edge tie, depth tie.
   Cause explain(const Ray& ray, const Hit& a, const Hit& b) const;
+
+  /// Does the ray meet any triangle in double? `guess`: a hit tried first, which spares the walk where it is one.
+  bool hits_anything(const Ray& ray, const Hit& guess) const;
 
   /// For a spawned ray (direction towards the light, infinite); `from` is the surface it leaves and is never its blocker.
   Visibility visibility(const DoubleRay& ray, const Hit& from) const;

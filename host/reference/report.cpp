@@ -16,10 +16,48 @@ std::string number(double value) {
   return text;
 }
 
+std::string name_of(const Hit& hit) {
+  return hit.miss() ? "a miss" : "instance " + std::to_string(hit.instance) + " primitive " + std::to_string(hit.primitive);
+}
+
+std::string key_of(Cause cause) {
+  std::string key = cause_name(cause);
+  std::replace(key.begin(), key.end(), ' ', '_');
+  return key;
+}
+
+template <typename Counts>
+std::string counts_text(const Counts& hits) {
+  std::string out;
+  for (std::size_t c = 0; c < hits.size(); ++c)
+    out += std::string(c ? ", " : " ") + cause_name(static_cast<Cause>(c)) + " " + std::to_string(hits[c]);
+  return out;
+}
+
+nlohmann::ordered_json json_of(const HitReport& report) {
+  nlohmann::ordered_json out = {{"rays", report.rays}};
+  for (std::size_t c = 0; c < kCauses; ++c) out[key_of(static_cast<Cause>(c))] = report.hits[c];
+  out["explained_share"] = report.explained_share();
+  out["explained_device_right"] = report.device_right;
+  out["explained_embree_right"] = report.embree_right;
+  out["hit_against_miss"] = report.hit_miss;
+  out["hit_against_miss_in_double"] = report.hit_miss_double;
+  out["unexplained_rays"] = nlohmann::ordered_json::array();
+  const auto hit = [](const Hit& h) {
+    return h.miss() ? nlohmann::ordered_json() : nlohmann::ordered_json{{"instance", h.instance}, {"primitive", h.primitive}};
+  };
+  for (const UnexplainedRay& r : report.unexplained)
+    out["unexplained_rays"].push_back({{"line", r.line}, {"sample", r.sample}, {"ray", r.ray}, {"device", hit(r.device)},
+                                       {"embree", hit(r.embree)}, {"double", hit(r.exact)}});
+  return out;
+}
+
 std::uint64_t unexplained(const Report& r) { return r.hits[static_cast<std::size_t>(Cause::unexplained)]; }
 
+}  // namespace
+
 /// Black, blue, green, yellow, red at -9, -8, -7, -6, log10(2e-5); linear between.
-std::array<std::uint8_t, 3> colour(float log10_difference) {
+std::array<std::uint8_t, 3> difference_colour(float log10_difference) {
   static constexpr float at[] = {-9, -8, -7, -6, -4.69897f};
   static constexpr float rgb[][3] = {{0, 0, 0}, {40, 60, 160}, {40, 160, 90}, {250, 220, 60}, {220, 30, 30}};
   if (!(log10_difference < at[4])) return {220, 30, 30};
@@ -31,11 +69,16 @@ std::array<std::uint8_t, 3> colour(float log10_difference) {
   return out;
 }
 
-}  // namespace
-
 std::vector<std::string> Report::failures() const {
   std::vector<std::string> out;
   if (pixels == 0) out.push_back("no pixel was compared");
+  if (const std::uint64_t count = first_hits.of(Cause::unexplained); count > 0) {
+    const UnexplainedRay& r = first_hits.unexplained.at(0);
+    out.push_back(std::to_string(count) + " of " + std::to_string(first_hits.rays) + " first hits differ without explanation, "
+                  "the first at line " + std::to_string(r.line) + ", sample " + std::to_string(r.sample) + ", ray " +
+                  std::to_string(r.ray) + ": the device says " + name_of(r.device) + ", Embree " + name_of(r.embree) +
+                  ", double " + name_of(r.exact));
+  }
   if (unexplained(*this) > 0) out.push_back(std::to_string(unexplained(*this)) + " first hits differ without explanation");
   if (sun_unexplained > 0) out.push_back(std::to_string(sun_unexplained) + " sun rays differ without explanation");
   if (sky_unexplained > 0) out.push_back(std::to_string(sky_unexplained) + " samples see another sky without explanation");
@@ -53,10 +96,14 @@ std::vector<std::string> Report::failures() const {
 
 std::string Report::text(const std::vector<std::string>& band_names) const {
   const auto band = [&](std::size_t b) { return b < band_names.size() ? band_names[b] : std::to_string(b); };
-  std::string out = "pixels " + std::to_string(pixels) + ", rays " + std::to_string(rays) + "\nfirst hits:";
-  for (std::size_t c = 0; c < hits.size(); ++c)
-    out += std::string(c ? ", " : " ") + cause_name(static_cast<Cause>(c)) + " " + std::to_string(hits[c]);
-  out += "; hit against miss " + std::to_string(hit_miss);
+  std::string out;
+  if (first_hits.rays > 0)
+    out += "first hits of " + std::to_string(first_hits.rays) + " rays:" + counts_text(first_hits.hits) + "; share explained " +
+           number(first_hits.explained_share()) + " (double sides with the device in " + std::to_string(first_hits.device_right) +
+           ", with Embree in " + std::to_string(first_hits.embree_right) + "); hit against miss: Embree " + std::to_string(first_hits.hit_miss) +
+           ", double " + std::to_string(first_hits.hit_miss_double) + "\n";
+  out += "pixels compared in full " + std::to_string(pixels) + ", their rays " + std::to_string(rays) + "\nfirst hits:" +
+         counts_text(hits) + "; hit against miss " + std::to_string(hit_miss);
   out += "\nsun rays: " + std::to_string(sun_rays) + ", explained " + std::to_string(sun_explained) + ", unexplained " +
          std::to_string(sun_unexplained);
   out += "\nsky rays: " + std::to_string(sky_rays) + ", explained " + std::to_string(sky_explained) + ", samples unexplained " +
@@ -77,13 +124,10 @@ std::string Report::json() const {
   nlohmann::ordered_json out;
   out["passed"] = failures().empty();
   out["failures"] = failures();
+  if (first_hits.rays > 0) out["first_hits"] = json_of(first_hits);
   out["pixels"] = pixels;
   out["rays"] = rays;
-  for (std::size_t c = 0; c < hits.size(); ++c) {
-    std::string key = cause_name(static_cast<Cause>(c));
-    std::replace(key.begin(), key.end(), ' ', '_');
-    out["hits_" + key] = hits[c];
-  }
+  for (std::size_t c = 0; c < hits.size(); ++c) out["hits_" + key_of(static_cast<Cause>(c))] = hits[c];
   out["hits_hit_against_miss"] = hit_miss;
   out["sun_rays"] = sun_rays;
   out["sun_explained"] = sun_explained;
@@ -119,12 +163,13 @@ Picture difference_picture(const Report& report, int rows) {
   const std::size_t pixels = report.picture.size(), bands = report.picture[0].size();
   const std::size_t bunch = (pixels + static_cast<std::size_t>(rows) - 1) / static_cast<std::size_t>(rows);
   out.width = static_cast<int>(bands);
+  out.bunch = static_cast<int>(bunch);
   for (std::size_t first = 0; first < pixels; first += bunch, ++out.height)
     for (std::size_t b = 0; b < bands; ++b) {
       float worst = -12;
       for (std::size_t p = first; p < std::min(pixels, first + bunch); ++p)
         if (!(report.picture[p][b] <= worst)) worst = report.picture[p][b];
-      for (std::uint8_t channel : colour(worst)) out.rgb.push_back(channel);
+      for (std::uint8_t channel : difference_colour(worst)) out.rgb.push_back(channel);
     }
   return out;
 }

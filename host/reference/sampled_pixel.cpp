@@ -50,6 +50,14 @@ std::array<float, 3> rounded(const glm::dvec3& v) {
 
 }  // namespace
 
+Ray pixel_ray(const scene::Instrument& instrument, std::uint64_t seed, const PixelAddress& address, int sample) {
+  float u = 0, v = 0;
+  rc_sample_uv(sampler_code(instrument.sampler), instrument.samples_u, instrument.samples_v,
+               static_cast<float>(instrument.psf_support_px), static_cast<rc_u32>(seed),
+               address.line * static_cast<std::uint32_t>(instrument.pixels) + address.sample, sample, &u, &v);
+  return sample_ray(address.group, address.lane, address.group_width, u, v);
+}
+
 std::vector<double> sample_weights(const scene::Instrument& instrument) {
   const std::size_t count = static_cast<std::size_t>(instrument.samples_u) * static_cast<std::size_t>(instrument.samples_v);
   if (instrument.sampler == scene::SamplerKind::lattice) return std::vector<double>(count, 1.0 / static_cast<double>(count));
@@ -125,12 +133,8 @@ SampledPixel ReferenceScene::sample_pixel(const scene::Instrument& instrument, c
                                               ": the pixel looks up or along the horizon; point the instrument down");
   const std::vector<double> weights = sample_weights(instrument);
   for (std::size_t s = 0; s < weights.size(); ++s) {
-    float u = 0, v = 0;
-    rc_sample_uv(sampler_code(instrument.sampler), instrument.samples_u, instrument.samples_v,
-                 static_cast<float>(instrument.psf_support_px), static_cast<rc_u32>(seed), pixel.number, static_cast<int>(s),
-                 &u, &v);
     Sample sample;
-    sample.ray = sample_ray(address.group, address.lane, address.group_width, u, v);
+    sample.ray = pixel_ray(instrument, seed, address, static_cast<int>(s));
     sample.weight = weights[s];
     sample.hit = embree.intersect(sample.ray);
     place(sample, plan);

@@ -19,6 +19,9 @@ struct PixelAddress {
   int group_width = RC_GROUP_WIDTH;
 };
 
+/// The fp32 ray of one sample of a pixel, bit for bit the device's.
+Ray pixel_ray(const scene::Instrument& instrument, std::uint64_t seed, const PixelAddress& address, int sample);
+
 struct Sample {
   Ray ray;
   double weight = 0;             ///< of the point spread; a pixel's weights sum to 1

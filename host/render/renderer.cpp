@@ -199,4 +199,39 @@ void Renderer::probe(const scene::Instrument& instrument, const plan::Plan& plan
   }
 }
 
+void Renderer::probe_hits(const scene::Instrument& instrument, std::uint64_t seed, const std::vector<Tile>& tiles,
+                          const HitSink& sink) {
+  const plan::Plan dark = [] {
+    plan::Plan plan;
+    plan.sun_up = false;
+    plan.sky_components = 0;
+    return plan;
+  }();
+  const StageShape shape = make_stage_shape(instrument, dark, sensors::pixels_per_group(instrument));
+  std::size_t pixels = 1, groups = 1;
+  const auto wide = static_cast<std::size_t>(shape.pixels_per_group);
+  const auto groups_of_line = [&](const Tile& tile) { return (static_cast<std::size_t>(tile.columns) + wide - 1) / wide; };
+  for (const auto& tile : tiles) {
+    pixels = std::max(pixels, tile.pixels());
+    groups = std::max(groups, static_cast<std::size_t>(tile.lines) * groups_of_line(tile));
+  }
+  TraceStages stages(state_->context, state_->scene, state_->buffers, instrument, dark, shape, seed);
+  TraceBuffers traced(state_->context, shape, pixels, groups);
+  for (const auto& tile : tiles) {
+    base::throw_if_interrupted();
+    HitProbe probe;
+    probe.tile = tile;
+    probe.groups = tile_groups(instrument, tile, shape.pixels_per_group);
+    traced.groups.write(probe.groups);
+    const TilePlace place{static_cast<std::uint32_t>(tile.first_line), static_cast<std::uint32_t>(tile.first_column),
+                          static_cast<std::uint32_t>(tile.lines)};
+    const TileLayout layout{static_cast<std::uint32_t>(tile.columns), static_cast<std::uint32_t>(groups_of_line(tile))};
+    for (int chunk = 0; chunk < shape.chunks; ++chunk) {
+      stages.run_primary(place, layout, chunk, traced);
+      collect_hits(shape, chunk, traced, probe);
+    }
+    sink(probe);
+  }
+}
+
 }  // namespace raycube::render

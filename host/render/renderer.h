@@ -51,12 +51,16 @@ struct RenderStatistics {
   int tile_lines = 0, tile_columns = 0;
 };
 
-/// A few pixels with everything the stages said about them, for `check` and the tests.
-struct PixelProbe {
+/// First hits of a tile's rays.
+struct HitProbe {
   Tile tile;
   int samples = 0;                          ///< per pixel
   std::vector<shared::RayGroup> groups;
   std::vector<std::uint32_t> hit_instance, hit_primitive;  ///< [pixel][sample], RC_NONE = miss; samples unpadded
+};
+
+/// A few pixels with everything the stages said about them, for `check` and the tests.
+struct PixelProbe : HitProbe {
   std::vector<std::uint8_t> sun_visible;                   ///< [pixel][sample]
   std::vector<float> sky_blocked;                          ///< [pixel][sample][component 0..3], irradiance taken away
   std::vector<float> radiance;                             ///< [pixel][band]
@@ -64,6 +68,7 @@ struct PixelProbe {
 };
 
 using ProbeSink = std::function<void(const PixelProbe&)>;
+using HitSink = std::function<void(const HitProbe&)>;
 
 class Renderer {
  public:
@@ -81,6 +86,9 @@ class Renderer {
   /// stages said about it. Programs are built once for all of them.
   void probe(const scene::Instrument& instrument, const plan::Plan& plan, const scene::Sun& sun, std::uint64_t seed,
              const std::vector<Tile>& tiles, const ProbeSink& sink);
+
+  /// The same tiles' first hits and nothing else: trace_primary alone, by the very program that render launches.
+  void probe_hits(const scene::Instrument& instrument, std::uint64_t seed, const std::vector<Tile>& tiles, const HitSink& sink);
 
   std::string device_name() const;
 

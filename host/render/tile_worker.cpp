@@ -77,6 +77,37 @@ void TileWorker::write_truth(std::uint32_t pixel, const float* sums, const float
              out.truth + pixel * out.layers);
 }
 
+void collect_hits(const StageShape& shape, int chunk, const TraceBuffers& traced, HitProbe& probe) {
+  const auto hits = traced.hits.read_all();
+  const std::size_t pixels = probe.tile.pixels(), padded = shape.padded_samples, samples = shape.samples;
+  const std::size_t first = std::size_t(chunk) * shape.chunk_samples, end = std::min(first + shape.chunk_samples, samples);
+  probe.samples = shape.samples;
+  probe.hit_instance.resize(pixels * samples);
+  probe.hit_primitive.resize(pixels * samples);
+  for (std::size_t p = 0; p < pixels; ++p)
+    for (std::size_t s = first; s < end; ++s) {
+      probe.hit_instance[p * samples + s] = hits[p * 2 * padded + (s - first)];
+      probe.hit_primitive[p * samples + s] = hits[(p * 2 + 1) * padded + (s - first)];
+    }
+}
+
+void TileWorker::collect(int chunk, PixelProbe& probe) const {
+  const StageShape& shape = setup_.shape;
+  collect_hits(shape, chunk, traced_, probe);
+  const auto sun = traced_.sun.read_all();
+  const auto sky = traced_.sky.read_all();
+  const std::size_t pixels = probe.tile.pixels(), padded = shape.padded_samples, samples = shape.samples;
+  const std::size_t first = std::size_t(chunk) * shape.chunk_samples, end = std::min(first + shape.chunk_samples, samples);
+  probe.sun_visible.resize(pixels * samples);
+  probe.sky_blocked.resize(pixels * samples * 4);
+  for (std::size_t p = 0; p < pixels; ++p)
+    for (std::size_t s = first; s < end; ++s) {
+      const std::size_t i = s - first;
+      probe.sun_visible[p * samples + s] = (sun[p * (padded / 16) + i / 16] >> (i % 16)) & 1u;
+      for (int m = 0; m < shape.components; ++m) probe.sky_blocked[4 * (p * samples + s) + m] = sky[(p * 4 + m) * padded + i];
+    }
+}
+
 void TileWorker::run(const Tile& tile, float* radiance, float* truth, PixelProbe* probe) {
   const StageShape& shape = setup_.shape;
   const std::uint32_t wide = static_cast<std::uint32_t>(shape.pixels_per_group);
@@ -88,41 +119,22 @@ void TileWorker::run(const Tile& tile, float* radiance, float* truth, PixelProbe
   const Output out{truth, layer_count(setup_.scene)};
 
   timed("rays", [&] {
-    const auto all = sensors::make_ray_groups(setup_.instrument, tile.first_line, tile.lines);
-    const std::size_t image_groups = sensors::groups_per_line(setup_.instrument);
-    groups_.clear();
-    for (int line = 0; line < tile.lines; ++line) {
-      const auto first = all.begin() + line * image_groups + tile.first_column / wide;
-      groups_.insert(groups_.end(), first, first + layout_.groups_per_line);
-    }
+    groups_ = tile_groups(setup_.instrument, tile, shape.pixels_per_group);
     traced_.groups.write(groups_);
   });
 
+  if (probe) {
+    probe->tile = tile;
+    probe->groups = groups_;
+  }
   for (int chunk = 0; chunk < shape.chunks; ++chunk) {
     trace_stages_.run(place, layout_, chunk, traced_, statistics_.stage_s);
     timed("shade", [&] {
       row_stages_.shade({pixels, nullptr}, layout_, traced_, setup_.buffers.blocks, setup_.buffers.surfaces, chunk,
                         chunk == 0, rows_);
     });
+    if (probe) collect(chunk, *probe);
   }
-  if (probe) {
-    const auto hits = traced_.hits.read_all();
-    const auto sun = traced_.sun.read_all();
-    const auto sky = traced_.sky.read_all();
-    const std::size_t padded = shape.padded_samples;
-    probe->tile = tile;
-    probe->samples = shape.chunk_samples;
-    probe->groups = groups_;
-    for (std::uint32_t p = 0; p < pixels; ++p)
-      for (int s = 0; s < shape.chunk_samples; ++s) {
-        probe->hit_instance.push_back(hits[p * 2 * padded + s]);
-        probe->hit_primitive.push_back(hits[(p * 2 + 1) * padded + s]);
-        probe->sun_visible.push_back((sun[p * (padded / 16) + s / 16] >> (s % 16)) & 1u);
-        for (int m = 0; m < 4; ++m)
-          probe->sky_blocked.push_back(m < shape.components ? sky[(p * 4 + m) * padded + s] : 0.0f);
-      }
-  }
-
   std::vector<std::uint32_t> all_pixels(pixels);
   std::iota(all_pixels.begin(), all_pixels.end(), 0u);
   host_radiance_.clear();

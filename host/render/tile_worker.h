@@ -24,6 +24,9 @@ struct RenderSetup {
   StageShape shape;
 };
 
+/// Files the hits of one chunk of the tile's samples in the probe.
+void collect_hits(const StageShape& shape, int chunk, const TraceBuffers& traced, HitProbe& probe);
+
 class TileWorker {
  public:
   /// Buffers for tiles of at most `pixels` pixels in at most `lines` lines; table_bytes: for the band table.
@@ -48,6 +51,8 @@ class TileWorker {
                 std::vector<std::uint32_t>& still_flagged);
   void sum_per_sample(const std::vector<std::uint32_t>& flagged, const TilePlace& place, const Output& out);
   void write_truth(std::uint32_t pixel, const float* sums, const float* abundance, const Output& out);
+  /// Files what the stages left of one chunk of samples.
+  void collect(int chunk, PixelProbe& probe) const;
   std::array<double, 3> centre_direction(std::uint32_t pixel) const;
   template <class Action>
   void timed(const std::string& stage, Action action);

@@ -88,6 +88,16 @@ struct TraceStages::State {
         weights(upload(context_, plan_.sky.weight, "sky weights")) {
   }
 
+  cl_uint first_sample(int chunk) const { return static_cast<cl_uint>(chunk * shape.chunk_samples); }
+  cl_uint sample_count(int chunk) const {
+    return static_cast<cl_uint>(std::min(shape.chunk_samples, shape.samples - chunk * shape.chunk_samples));
+  }
+  const cl::Kernel& primary_of(const TilePlace& place, const TileLayout& layout, int chunk, TraceBuffers& traced) {
+    return primary.arguments(buffers.nodes, buffers.blocks, buffers.instances, traced.groups, traced.hits, seed,
+                             place.first_line, place.first_column, layout.width, pixels_per_line, first_sample(chunk),
+                             sample_count(chunk));
+  }
+
   const cl::Context& context;
   const SceneBuffers& buffers;
   const plan::Plan& plan;
@@ -111,11 +121,27 @@ std::string TraceStages::program_hash() const { return base::sha256_hex(identity
 std::string program_hash(const TraceStages& trace, const RowStages& rows) { return base::sha256_hex(trace.identity() + rows.identity()); }
 const std::string& TraceStages::options() const { return state_->options; }
 
+std::vector<shared::RayGroup> tile_groups(const scene::Instrument& instrument, const Tile& tile, int pixels_per_group) {
+  const auto all = sensors::make_ray_groups(instrument, tile.first_line, tile.lines);
+  const int image_groups = sensors::groups_per_line(instrument), per_line = (tile.columns + pixels_per_group - 1) / pixels_per_group;
+  std::vector<shared::RayGroup> groups;
+  for (int line = 0; line < tile.lines; ++line) {
+    const auto first = all.begin() + line * image_groups + tile.first_column / pixels_per_group;
+    groups.insert(groups.end(), first, first + per_line);
+  }
+  return groups;
+}
+
+void TraceStages::run_primary(const TilePlace& place, const TileLayout& layout, int chunk, TraceBuffers& traced) {
+  State& s = *state_;
+  s.context.launch(s.primary_of(place, layout, chunk, traced), static_cast<std::size_t>(place.lines) * layout.groups_per_line);
+  s.context.finish();
+}
+
 void TraceStages::run(const TilePlace& place, const TileLayout& layout, int chunk, TraceBuffers& traced,
                       std::map<std::string, double>& stage_s) {
   State& s = *state_;
-  const auto first_sample = static_cast<cl_uint>(chunk * s.shape.chunk_samples);
-  const auto sample_count = static_cast<cl_uint>(std::min(s.shape.chunk_samples, s.shape.samples - static_cast<int>(first_sample)));
+  const cl_uint first_sample = s.first_sample(chunk), sample_count = s.sample_count(chunk);
   const std::size_t groups = static_cast<std::size_t>(place.lines) * layout.groups_per_line;
   const auto launch = [&](const char* stage, const cl::Kernel& kernel) {
     const auto start = std::chrono::steady_clock::now();
@@ -129,9 +155,7 @@ void TraceStages::run(const TilePlace& place, const TileLayout& layout, int chun
     if (s.plan.sky_components == 0) traced.sky.write(std::vector<float>(traced.sky.size(), 0.0f));
     s.zeroed = &traced;
   }
-  launch("trace_primary", s.primary.arguments(s.buffers.nodes, s.buffers.blocks, s.buffers.instances, traced.groups,
-                                               traced.hits, s.seed, place.first_line, place.first_column, layout.width,
-                                               s.pixels_per_line, first_sample, sample_count));
+  launch("trace_primary", s.primary_of(place, layout, chunk, traced));
   launch("make_surface", s.surface.arguments(s.buffers.blocks, s.buffers.instances, traced.groups, traced.hits,
                                               traced.surface, s.seed, place.first_line, place.first_column, layout.width,
                                               s.pixels_per_line, first_sample, sample_count));

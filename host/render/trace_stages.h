@@ -30,6 +30,9 @@ struct TilePlace {
   std::uint32_t first_line = 0, first_column = 0, lines = 0;
 };
 
+/// The instrument's groups that a tile's pixels belong to, line by line.
+std::vector<shared::RayGroup> tile_groups(const scene::Instrument& instrument, const Tile& tile, int pixels_per_group);
+
 class TraceStages {
  public:
   TraceStages(const cl::Context& context, const scene::CompiledScene& scene, const SceneBuffers& buffers,
@@ -39,6 +42,9 @@ class TraceStages {
   /// Traces one chunk of samples of every pixel of the tile into `traced`. Adds the stages' wall seconds to `stage_s`.
   void run(const TilePlace& place, const TileLayout& layout, int chunk, TraceBuffers& traced,
            std::map<std::string, double>& stage_s);
+
+  /// Only the primary rays of that chunk: traced.hits.
+  void run_primary(const TilePlace& place, const TileLayout& layout, int chunk, TraceBuffers& traced);
 
   /// Text that program hashes cover: names, options and sources.
   const std::string& identity() const;

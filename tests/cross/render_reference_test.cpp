@@ -103,6 +103,50 @@ TEST_CASE("S60 S61: device and reference agree on hits, sun and radiance of ever
   CHECK(report.model_pixels == 24);
 }
 
+TEST_CASE("S61: first hits of every ray of the image, and of a part of it") {
+  const scene::Simulation simulation = small_park();
+  const scene::Instrument& camera = simulation.instruments[0];
+  render::Renderer renderer(simulation.scene, {});
+  std::uint64_t told = 0;
+  const reference::HitReport all =
+      cli::check_hits(renderer, simulation.scene, camera, 5, 1000000, 0, [&](std::uint64_t rays) { told += rays; });
+  CHECK(all.rays == 24 * 24 * 25);
+  CHECK(told == all.rays);
+  CHECK(all.of(reference::Cause::agree) > all.rays * 99 / 100);
+  CHECK(all.of(reference::Cause::unexplained) == 0);
+  CHECK(all.hit_miss_double == 0);
+  const reference::HitReport part = cli::check_hits(renderer, simulation.scene, camera, 5, 900, 0);
+  CHECK(part.rays == 900);  // nine groups of 4 pixels
+  CHECK(part.of(reference::Cause::unexplained) == 0);
+}
+
+TEST_CASE("S60 S61: a pixel of more samples than one chunk holds is probed and compared whole") {
+  scene::Simulation simulation = small_park();
+  scene::Instrument& camera = simulation.instruments[0];
+  for (const scene::SamplerKind sampler : {scene::SamplerKind::grid, scene::SamplerKind::jittered}) {
+    CAPTURE(static_cast<int>(sampler));
+    camera.sampler = sampler;
+    camera.samples_u = camera.samples_v = 41;  // 1681: a chunk of 1024 at most and a shorter one
+    const atmos::RenderTable table = atmos::build_clear_sky(
+        simulation.atmosphere, simulation.sun, 600, atmos::clear_sky_wavelengths(0.36, 1.1, 0.005),
+        atmos::clear_sky_heights(static_cast<double>(simulation.scene.lo[2]), static_cast<double>(simulation.scene.hi[2])));
+    const plan::Plan plan = plan::make_plan(simulation, camera, table, sensors::view_bounds(camera));
+    render::Renderer renderer(simulation.scene, {});
+    cli::CheckOptions options;
+    options.pixels = 4;
+    options.model_pixels = 0;
+    const reference::Report report = cli::check_instrument(renderer, simulation, camera, plan, table, options);
+    for (const std::string& failure : report.failures()) FAIL_CHECK(failure);
+    CHECK(report.rays == 4 * 1681);
+    CHECK(report.hits[0] > report.rays * 99 / 100);
+    CHECK(report.sun_rays > report.rays / 2);
+    CHECK(report.worst > 0);
+    const reference::HitReport hits = cli::check_hits(renderer, simulation.scene, camera, 5, 4 * 1681, 0);
+    CHECK(hits.rays == report.rays);
+    CHECK(hits.hits == report.hits);
+  }
+}
+
 TEST_CASE("S61: pixels to check are picked by seed, without repeats, inside the image") {
   scene::Instrument camera;
   camera.pixels = 322, camera.lines = 50;
@@ -122,6 +166,9 @@ TEST_CASE("S61: pixels to check are picked by seed, without repeats, inside the 
   CHECK(same);
   CHECK(other);
   const auto whole = cli::pick_tiles(camera, 1, 322 * 50);
-  CHECK(whole.size() == 50);
-  CHECK(whole[0].columns == 322);
+  std::size_t pixels = 0;
+  for (const auto& tile : whole) pixels += tile.pixels();
+  CHECK(pixels == 322 * 50);
+  CHECK(whole.back().first_line == 49);
+  CHECK(whole.back().first_column + whole.back().columns == 322);
 }

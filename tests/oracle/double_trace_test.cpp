@@ -108,7 +108,7 @@ TEST_CASE("S8 S61: a closed box leaks no ray aimed at its edges or vertices") {
   CHECK(leaks == 0);
 }
 
-TEST_CASE("S61: explain names edge tie, depth tie, grazing, and leaves real differences unexplained") {
+TEST_CASE("S61: explain names exact tie, edge tie, depth tie, grazing, and leaves real differences unexplained") {
   SceneBuilder builder;
   std::vector<Triangle> list;
   add_quad(list, {0, 0, 0}, {1, 0, 0}, {0, 1, 0});            // primitives 0, 1: diagonal x = y
@@ -117,6 +117,8 @@ TEST_CASE("S61: explain names edge tie, depth tie, grazing, and leaves real diff
   add_quad(list, {2, 0, 0}, {1, 0, 0}, {0, 1, 0});            // 6, 7: coincident with 4, 5
   list.push_back({{5, 0, 0}, {5, 1, 0}, {5, 0.5f, 1}, 0});    // 8: vertical, edge-on from above
   list.push_back({{0.4f, -5, 1}, {0.6f, -5, 1}, {0.5f, 0.25f, 1}, 0});  // 9: tip at (0.5, 0.25), one metre above
+  add_quad(list, {7, 0, 0}, {1, 0, 0}, {0, 1, 0});            // 10, 11
+  add_quad(list, {7, 0, -1e-5f}, {1, 0, 0}, {0, 1, 0});       // 12, 13: 10 um below, a third of one ulp of 610 m
   builder.instance(builder.mesh(list));
   const scene::CompiledScene scene = builder.finish();
   const DoubleTracer tracer(scene);
@@ -125,7 +127,8 @@ TEST_CASE("S61: explain names edge tie, depth tie, grazing, and leaves real diff
   const Hit miss;
 
   SUBCASE("edge between two faces of one surface") {
-    CHECK(tracer.explain(down(0.5f, 0.5f), hit(0), hit(1)) == Cause::edge_tie);
+    CHECK(tracer.explain(down(0.5f, 0.5f), hit(0), hit(1)) == Cause::exact_tie);
+    CHECK(tracer.explain(down(0.5f, 0.5f), hit(2), hit(3)) == Cause::edge_tie);  // within the bounds, but 0 and 1 lie before
     CHECK(tracer.explain(down(0.5f, 0.5f + 1e-5f), hit(0), hit(1)) == Cause::edge_tie);
     CHECK(tracer.explain(down(0.5f, 0.51f), hit(0), hit(1)) == Cause::unexplained);  // 1 cm off: 270 ulp of 610 m
   }
@@ -137,7 +140,8 @@ TEST_CASE("S61: explain names edge tie, depth tie, grazing, and leaves real diff
     CHECK(tracer.explain(down(0.5f, 0.25f), hit(9), hit(0)) == Cause::edge_tie);
   }
   SUBCASE("depth") {
-    CHECK(tracer.explain(down(2.7f, 0.3f), hit(4), hit(6)) == Cause::depth_tie);
+    CHECK(tracer.explain(down(2.7f, 0.3f), hit(4), hit(6)) == Cause::exact_tie);
+    CHECK(tracer.explain(down(7.7f, 0.3f), hit(10), hit(12)) == Cause::depth_tie);
     CHECK(tracer.explain(down(0.7f, 0.3f), hit(0), hit(2)) == Cause::unexplained);
     // Two uncertain answers do not excuse a hit behind a certain one between them.
     CHECK(tracer.explain(down(0.5f, 0.25f), hit(9), hit(2)) == Cause::unexplained);
@@ -145,6 +149,14 @@ TEST_CASE("S61: explain names edge tie, depth tie, grazing, and leaves real diff
   SUBCASE("grazing") {
     CHECK(tracer.explain(down(5, 0.5f), hit(8), miss) == Cause::grazing);
     CHECK(tracer.explain(down(5.01f, 0.5f), hit(8), miss) == Cause::unexplained);
+  }
+  SUBCASE("whether anything is hit, whatever is guessed") {
+    CHECK(tracer.hits_anything(down(0.7f, 0.3f), hit(0)));
+    CHECK(tracer.hits_anything(down(0.7f, 0.3f), hit(8)));
+    CHECK(tracer.hits_anything(down(0.7f, 0.3f), miss));
+    CHECK(tracer.hits_anything(down(0.7f, 0.3f), Hit{7, 1u << 20}));
+    CHECK(!tracer.hits_anything(down(1.5f, 0.3f), hit(0)));
+    CHECK(!tracer.hits_anything(down(1.5f, 0.3f), miss));
   }
   SUBCASE("names that no triangle has") {
     CHECK(tracer.explain(down(0.7f, 0.3f), hit(0), hit(15)) == Cause::unexplained);

@@ -150,6 +150,71 @@ TEST_CASE("S61: a spoiled device fails, each in its own line of the report") {
   }
 }
 
+TEST_CASE("S61: first hits alone: every ray counted, a spoiled one named, double asked whether each hits at all") {
+  const Fixture f;
+  const ReferenceScene scene(f.compiled);
+  std::vector<PixelHits> pixels;
+  for (std::size_t i = 0; i < 3; ++i) {
+    PixelHits& pixel = pixels.emplace_back(PixelHits{f.at[i].address, {}});
+    for (const Sample& sample : scene.sample_pixel(f.at[i].instrument, f.plan, 9, f.at[i].address).samples) pixel.hits.push_back(sample.hit);
+  }
+  const auto compare = [&] {
+    HitComparison comparison(f.compiled, f.at[0].instrument, 9);
+    comparison.add(pixels);
+    return comparison.report();
+  };
+  const HitReport good = compare();
+  CHECK(good.rays == 300);
+  CHECK(good.of(Cause::agree) == 300);
+  CHECK(good.explained() + good.hit_miss + good.hit_miss_double + good.unexplained.size() == 0);
+  SUBCASE("another triangle") { pixels[1].hits[7].primitive ^= 1u; }
+  SUBCASE("a miss") { pixels[1].hits[7] = {}; }
+  SUBCASE("a triangle that is none") { pixels[1].hits[7] = {9, 1u << 20}; }
+  if (pixels[1].hits[7] == scene.sample_pixel(f.at[1].instrument, f.plan, 9, f.at[1].address).samples[7].hit) return;
+  const HitReport bad = compare();
+  const bool lost = pixels[1].hits[7].miss();
+  CHECK(bad.of(Cause::agree) == 299);
+  CHECK(bad.of(Cause::unexplained) == 1);
+  CHECK(bad.hit_miss == (lost ? 1 : 0));
+  CHECK(bad.hit_miss_double == (lost ? 1 : 0));
+  REQUIRE(bad.unexplained.size() == 1);
+  CHECK(bad.unexplained[0].sample == 1);
+  CHECK(bad.unexplained[0].ray == 7);
+  CHECK(bad.unexplained[0].device == pixels[1].hits[7]);
+  CHECK(bad.unexplained[0].embree == bad.unexplained[0].exact);
+  Report report = f.compare({f.device(0)});
+  REQUIRE(report.failures().empty());
+  report.first_hits = bad;
+  REQUIRE(report.failures().size() == 1);
+  CHECK(report.failures()[0].find("line 0, sample 1, ray 7") != std::string::npos);
+  const auto json = nlohmann::json::parse(report.json())["first_hits"];
+  CHECK(json["rays"] == 300);
+  CHECK(json["unexplained"] == 1);
+  CHECK(json["unexplained_rays"][0]["ray"] == 7);
+  CHECK(json["unexplained_rays"][0]["device"].is_null() == lost);
+  pixels[2].hits.pop_back();
+  CHECK_THROWS_AS(compare(), base::Error);
+}
+
+TEST_CASE("S61: of many unexplained rays the report names the first by place") {
+  HitReport all;
+  for (std::uint32_t line = 40; line-- > 0;) {
+    HitReport one;
+    one.rays = 10;
+    one.hits[static_cast<std::size_t>(Cause::agree)] = 7;
+    one.hits[static_cast<std::size_t>(Cause::edge_tie)] = 2;
+    one.hits[static_cast<std::size_t>(Cause::unexplained)] = 1;
+    one.unexplained.push_back({line, 3, 5, {}, {}, {}});
+    all.add(one);
+  }
+  CHECK(all.rays == 400);
+  CHECK(all.explained() == 80);
+  CHECK(all.explained_share() == 0.2);
+  REQUIRE(all.unexplained.size() == HitReport::kMostNamed);
+  CHECK(all.unexplained[0].line == 0);
+  CHECK(all.unexplained.back().line == HitReport::kMostNamed - 1);
+}
+
 TEST_CASE("S61: ties fall either way and are counted: sun on a shadow's edge, a sky ray over a box's edge") {
   Fixture f;
   // The box's upper edge x = 1, z = 2 throws its shadow's edge onto the middle column of samples of pixel 0.
