@@ -26,6 +26,8 @@ RC_BODY trace_light_body(uint index, TRACE_LIGHT_PARAMETERS) {
   RC_GATHER_BLOCKS(scene);
   RC_GATHER_INSTANCES(scene);
   const GroupPlace place = rc_group_place(index, first_line, first_column, columns, pixels_per_line);
+  /* The next group's points come from memory while this one's rays are traced. */
+  if (!sky) rc_prefetch(surface + (size_t)(place.pixel + place.used) * (6u * RC_NPAD), RC_GROUP_PIXELS * 24u * RC_NPAD);
   const uint sharing = sky ? 1u : place.used;  /* pixels whose samples share a direction */
   for (uint p = 0; p < place.used; p += sharing) {
     const uint first = sky ? rc_hash(seed, place.number + p, 0u, 21u) % sets * count : 0u, words = sharing * RC_NWORDS;

@@ -30,10 +30,12 @@ typedef struct ShadowFrame {
   bool same;                  /* the frame is the scene's */
 } ShadowFrame;
 
+/* Of numbers, as rc_min16. */
 static inline float rc_least16(float16 v) {
-  const float8 h = fmin(v.lo, v.hi);
-  const float4 q = fmin(h.lo, h.hi);
-  return fmin(fmin(q.x, q.y), fmin(q.z, q.w));
+  const float8 h = rc_min8(v.lo, v.hi);
+  const float4 q = h.lo < h.hi ? h.lo : h.hi;
+  const float2 p = q.lo < q.hi ? q.lo : q.hi;
+  return p.x < p.y ? p.x : p.y;
 }
 static inline float rc_most16(float16 v) { return -rc_least16(-v); }
 
