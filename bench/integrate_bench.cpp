@@ -58,7 +58,8 @@ void run_integrate(const Settings& settings, Report& report) {
   instrument.name = "synthetic";
   const auto shape = render::make_stage_shape(instrument, plan, RC_GROUP_WIDTH);
   const cl::Context context(pick_device(settings.threads));
-  render::RowStages stages(context, scene, plan, shape, sensors::SampleWeights(instrument));
+  const render::SceneBuffers buffers(context, scene);
+  render::RowStages stages(context, buffers, plan, shape, sensors::SampleWeights(instrument));
   render::BandTable table(context, scene, plan, shape, 64 << 20);
   std::vector<std::uint64_t> keys;
   for (int m = 1; m <= kMaterials; ++m) keys.push_back(static_cast<std::uint64_t>(m));

@@ -56,14 +56,14 @@ KernelBuild kernel_build(const Settings& settings) {
   std::unique_ptr<render::RowStages> row_stages;
   std::unique_ptr<render::TraceStages> trace_stages;
   const double build_s = seconds_of([&] {
-    row_stages = std::make_unique<render::RowStages>(context, park.scene, job.plan, shape, sensors::SampleWeights(instrument));
+    row_stages = std::make_unique<render::RowStages>(context, buffers, job.plan, shape, sensors::SampleWeights(instrument));
     trace_stages = std::make_unique<render::TraceStages>(context, park.scene, buffers, instrument, job.plan, shape, park.seed);
   });
   const render::TileLayout layout{static_cast<std::uint32_t>(instrument.pixels), static_cast<std::uint32_t>(sensors::groups_per_line(instrument))};
   const auto launch_all = [&] {
     std::map<std::string, double> stage_s;
     trace_stages->run({0, 0, static_cast<std::uint32_t>(lines)}, layout, 0, traced, stage_s);
-    row_stages->shade({pixels, nullptr}, layout, traced, buffers.blocks, buffers.surfaces, 0, true, rows);
+    row_stages->shade({pixels, nullptr}, layout, traced, 0, true, rows);
     row_stages->resolve(0, pixels, {pixels, nullptr}, layout, traced, table, rows);
     row_stages->integrate(0, pixels, {pixels, nullptr}, table, rows, radiance);
     context.finish();

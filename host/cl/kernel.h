@@ -2,6 +2,7 @@
 #pragma once
 
 #include <type_traits>
+#include <vector>
 
 #include "host/cl/buffer.h"
 #include "host/cl/program.h"
@@ -15,12 +16,13 @@ class Kernel {
   const std::string& name() const { return name_; }
   cl_kernel operator()() const { return kernel_(); }
 
-  /// Sets all arguments in order: buffers and 32-bit scalars or rc_float4. The number is checked against the kernel's.
+  /// Sets all arguments in order: buffers, 32-bit scalars or rc_float4, and arrays in pages, which count as many arguments.
+  /// The number is checked against the kernel's.
   template <typename... Arguments>
   Kernel& arguments(const Arguments&... values) {
-    check_count(sizeof...(values));
+    check_count((std::size_t{0} + ... + places(values)));
     cl_uint index = 0;
-    (set(index++, values), ...);
+    (set_next(index, values), ...);
     return *this;
   }
   void set(cl_uint index, const RawBuffer& buffer);
@@ -32,6 +34,16 @@ class Kernel {
   }
 
  private:
+  template <typename T>
+  static std::size_t places(const T&) { return 1; }
+  template <typename T>
+  static std::size_t places(const std::vector<Buffer<T>>& pages) { return pages.size(); }
+  template <typename T>
+  void set_next(cl_uint& index, const T& value) { set(index++, value); }
+  template <typename T>
+  void set_next(cl_uint& index, const std::vector<Buffer<T>>& pages) {
+    for (const auto& page : pages) set(index++, page);
+  }
   void set_bytes(cl_uint index, const void* value, std::size_t bytes);
   void check_count(std::size_t given) const;
   std::string name_, device_name_;

@@ -118,7 +118,7 @@ std::uint32_t percentile(const std::vector<std::uint64_t>& histogram, double sha
 
 struct Renderer::State {
   State(const scene::CompiledScene& scene_, const RenderOptions& options_)
-      : scene(scene_), options(options_), context(pick_device(options_)), buffers(context, scene_) {}
+      : scene(scene_), options(options_), context(pick_device(options_)), buffers(context, scene_, options_.page_bytes) {}
 
   RenderSetup setup(const scene::Instrument& instrument, const plan::Plan& plan, const scene::Sun& sun, std::uint64_t seed) const {
     return {context, scene, buffers, instrument, plan, sun, seed,

@@ -25,6 +25,7 @@ struct RenderOptions {
   int threads = 0;                          ///< CPU devices: worker threads; 0 = all
   std::size_t memory_bytes = 2ull << 30;    ///< for tiles on device and host together
   int tile_lines = 0;                       ///< forces the tile height (tests); 0 = from memory
+  std::size_t page_bytes = 0;               ///< largest page of the scene's arrays (tests); 0 = half the device's largest buffer
   int row_capacity = 16;                    ///< keys a row holds before the overflow path (tests: 1, 2, 16, 256)
 };
 

@@ -12,12 +12,13 @@ namespace {
 
 std::string define(const char* name, int value) { return " -D" + std::string(name) + "=" + std::to_string(value); }
 
-std::string row_options(const StageShape& shape) {
+std::string row_options(const StageShape& shape, const SceneBuffers& scene) {
   return "-cl-std=CL1.2" + define("RC_NSAMP", shape.chunk_samples) + define("RC_NPAD", shape.padded_samples) +
          define("RC_COMPONENTS", shape.components) + define("RC_HEIGHTS", shape.heights) +
          define("RC_VIEWS", shape.views) + define("RC_PATH_X", shape.path_x) + define("RC_PATH_Y", shape.path_y) +
          define("RC_CHANNELS", shape.channels) + define("RC_BANDS_PADDED", shape.bands_padded) +
-         define("RC_PIXELS_PER_GROUP", shape.pixels_per_group) + define("RC_CHUNKED", shape.chunked());
+         define("RC_PIXELS_PER_GROUP", shape.pixels_per_group) + define("RC_CHUNKED", shape.chunked()) +
+         scene.options;
 }
 
 std::size_t times_if_chunked(const StageShape& shape) { return shape.chunked() ? 2 : 1; }
@@ -44,12 +45,13 @@ TraceBuffers::TraceBuffers(const cl::Context& context, const StageShape& shape, 
       sun(context, pixels * (shape.padded_samples / 16), cl::Access::read_write, "sun visibility"),
       sky(context, pixels * 4 * shape.padded_samples, cl::Access::read_write, "blocked sky") {}
 
-RowStages::RowStages(const cl::Context& context, const scene::CompiledScene&, const plan::Plan& plan,
+RowStages::RowStages(const cl::Context& context, const SceneBuffers& scene, const plan::Plan& plan,
                      const StageShape& shape, sensors::SampleWeights weights)
     : context_(context),
+      scene_(scene),
       plan_(plan),
       shape_(shape),
-      options_(row_options(shape)),
+      options_(row_options(shape, scene)),
       identity_("rows\n" + options_ + "\n" + std::string(kernels::kernel_source("rows"))),
       program_(context, "rows", kernels::kernel_source("rows"), options_),
       shade_(program_, "shade"),
@@ -61,8 +63,7 @@ RowStages::RowStages(const cl::Context& context, const scene::CompiledScene&, co
       no_list_(context, 1, cl::Access::read_only, "empty pixel list") {}
 
 void RowStages::shade(const PixelSelection& pixels, const TileLayout& layout, const TraceBuffers& traced,
-                      const cl::Buffer<shared::TriBlock>& blocks, const cl::Buffer<shared::Surface>& surfaces, int chunk,
-                      bool fresh, RowBuffers& rows) {
+                      int chunk, bool fresh, RowBuffers& rows) {
   if (chunk != loaded_chunk_) {
     const std::size_t first = static_cast<std::size_t>(chunk) * shape_.chunk_samples;
     std::vector<float> padded = weights_.stretch(first, std::min<std::size_t>(shape_.chunk_samples, weights_.count() - first));
@@ -75,7 +76,7 @@ void RowStages::shade(const PixelSelection& pixels, const TileLayout& layout, co
   shade_.arguments(pixels.count, pixels.list ? *pixels.list : no_list_, cl_uint{pixels.list != nullptr},
                     static_cast<cl_uint>(rows.capacity), static_cast<cl_uint>(fresh),
                     traced.groups, layout.width, layout.groups_per_line, traced.hits, traced.surface, traced.sun,
-                    traced.sky, blocks, surfaces, sample_weight_,
+                    traced.sky, scene_.blocks, scene_.surfaces, sample_weight_,
                     static_cast<float>(weights_.count()), shared::rc_float4{s[0], s[1], s[2], 0}, irradiance_,
                     static_cast<cl_uint>(plan_.irradiance.size), plan_.height.first, plan_.height.step, rows.count,
                     rows.keys, rows.sums, rows.path, rows.truth);

@@ -7,6 +7,7 @@
 
 #include "host/cl/kernel.h"
 #include "host/render/band_table.h"
+#include "host/render/scene_buffers.h"
 #include "host/render/tile_shape.h"
 #include "host/sensors/psf.h"
 
@@ -51,12 +52,11 @@ struct TileLayout {
 /// The three kernels, specialised for one shape, and the plan data they read.
 class RowStages {
  public:
-  RowStages(const cl::Context& context, const scene::CompiledScene& scene, const plan::Plan& plan, const StageShape& shape,
+  RowStages(const cl::Context& context, const SceneBuffers& scene, const plan::Plan& plan, const StageShape& shape,
             sensors::SampleWeights weights);
 
   void shade(const PixelSelection& pixels, const TileLayout& layout, const TraceBuffers& traced,
-             const cl::Buffer<shared::TriBlock>& blocks, const cl::Buffer<shared::Surface>& surfaces, int chunk, bool fresh,
-             RowBuffers& rows);
+             int chunk, bool fresh, RowBuffers& rows);
   /// Items first_item .. first_item + item_count - 1 of the selection; every key of theirs is in the table.
   void resolve(std::uint32_t first_item, std::uint32_t item_count, const PixelSelection& pixels, const TileLayout& layout,
                const TraceBuffers& traced, const BandTable& table, RowBuffers& rows);
@@ -69,6 +69,7 @@ class RowStages {
 
  private:
   const cl::Context& context_;
+  const SceneBuffers& scene_;
   const plan::Plan& plan_;
   StageShape shape_;
   std::string options_, identity_;

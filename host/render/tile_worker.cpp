@@ -45,7 +45,7 @@ void TileWorker::timed(const std::string& stage, Action action) {
 TileWorker::TileWorker(const RenderSetup& setup, std::size_t pixels, int lines, std::size_t row_capacity,
                        std::size_t table_bytes)
     : setup_(setup),
-      row_stages_(setup.context, setup.scene, setup.plan, setup.shape, sensors::SampleWeights(setup.instrument)),
+      row_stages_(setup.context, setup.buffers, setup.plan, setup.shape, sensors::SampleWeights(setup.instrument)),
       trace_stages_(setup.context, setup.scene, setup.buffers, setup.instrument, setup.plan, setup.shape, setup.seed),
       table_(setup.context, setup.scene, setup.plan, setup.shape, table_bytes),
       traced_(setup.context, setup.shape, pixels,
@@ -130,8 +130,7 @@ void TileWorker::run(const Tile& tile, float* radiance, float* truth, PixelProbe
   for (int chunk = 0; chunk < shape.chunks; ++chunk) {
     trace_stages_.run(place, layout_, chunk, traced_, statistics_.stage_s);
     timed("shade", [&] {
-      row_stages_.shade({pixels, nullptr}, layout_, traced_, setup_.buffers.blocks, setup_.buffers.surfaces, chunk,
-                        chunk == 0, rows_);
+      row_stages_.shade({pixels, nullptr}, layout_, traced_, chunk, chunk == 0, rows_);
     });
     if (probe) collect(chunk, *probe);
   }
@@ -248,8 +247,7 @@ void TileWorker::relaunch(std::vector<std::uint32_t> flagged, std::size_t capaci
                                            flagged.begin() + std::min(first + kOverflowBatch, flagged.size()));
     cl::Buffer<std::uint32_t> list(setup_.context, batch, cl::Access::read_only, "list of pixels");
     timed("shade", [&] {
-      row_stages_.shade({static_cast<std::uint32_t>(batch.size()), &list}, layout_, traced_, setup_.buffers.blocks,
-                        setup_.buffers.surfaces, 0, true, rows);
+      row_stages_.shade({static_cast<std::uint32_t>(batch.size()), &list}, layout_, traced_, 0, true, rows);
     });
     const auto more = finish_rows(rows, batch, true, out);
     still_flagged.insert(still_flagged.end(), more.begin(), more.end());
@@ -274,7 +272,7 @@ void TileWorker::sum_per_sample(const std::vector<std::uint32_t>& flagged, const
     for (std::size_t f = 0; f < flagged.size(); ++f) {
       cl::Buffer<std::uint32_t> list(setup_.context, std::span(&flagged[f], 1), cl::Access::read_only, "one pixel");
       timed("shade", [&] {
-        row_stages_.shade({1, &list}, layout_, traced_, setup_.buffers.blocks, setup_.buffers.surfaces, chunk, true, rows);
+        row_stages_.shade({1, &list}, layout_, traced_, chunk, true, rows);
       });
       const auto d = centre_direction(flagged[f]);
       const double length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);

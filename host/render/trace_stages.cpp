@@ -12,7 +12,8 @@ namespace raycube::render {
 
 namespace {
 
-std::string trace_options(const scene::CompiledScene& scene, const scene::Instrument& instrument, const StageShape& shape) {
+std::string trace_options(const scene::CompiledScene& scene, const SceneBuffers& buffers, const scene::Instrument& instrument,
+                          const StageShape& shape) {
   const auto define = [](const char* name, auto value) { return " -D" + std::string(name) + "=" + std::to_string(value); };
   const bool plain_grid = instrument.sampler == scene::SamplerKind::grid && instrument.psf_support_px == 1;
   return "-cl-std=CL1.2" + define("RC_NU", instrument.samples_u) + define("RC_NV", instrument.samples_v) +
@@ -20,10 +21,10 @@ std::string trace_options(const scene::CompiledScene& scene, const scene::Instru
          define("RC_SUPPORT", static_cast<float>(instrument.psf_support_px)) + "f" +
          define("RC_SCATTER", plain_grid ? 0 : 1) +
          define("RC_GROUP_PIXELS", shape.pixels_per_group) + define("RC_STACK", scene.stack_bound()) +
-         define("RC_MOVING", sensors::pose_moves(instrument) ? 1 : 0);
+         define("RC_MOVING", sensors::pose_moves(instrument) ? 1 : 0) + buffers.options;
 }
 
-/// The device wants at least one element of everything, even of an empty scene.
+/// The device wants at least one element of everything.
 template <class T>
 cl::Buffer<T> upload(const cl::Context& context, const std::vector<T>& from, const std::string& what) {
   if (from.empty()) return cl::Buffer<T>(context, std::vector<T>(1), cl::Access::read_only, what);
@@ -40,34 +41,6 @@ static_assert(static_cast<int>(scene::SamplerKind::grid) == 0 && static_cast<int
 
 }  // namespace
 
-void check_fits(const scene::CompiledScene& scene, const cl::DeviceInfo& device) {
-  const auto mib = [](std::size_t bytes) { return std::to_string((bytes + (std::size_t{1} << 20) - 1) >> 20) + " MiB"; };
-  std::string too_large;
-  std::size_t all = 0;
-  const auto measure = [&](const char* what, const auto& array) {
-    const std::size_t bytes = array.size() * sizeof array[0];
-    all += bytes;
-    if (bytes > device.max_alloc_bytes) too_large += std::string(too_large.empty() ? "" : ", ") + what + " " + mib(bytes);
-  };
-  measure("nodes", scene.nodes);
-  measure("triangles", scene.blocks);
-  measure("instances", scene.instances);
-  measure("surfaces", scene.surfaces);
-  if (!too_large.empty() || all > device.global_memory_bytes)
-    throw base::Error(base::Fault::device,
-                      "the scene needs " + mib(all) + " on device '" + device.name + "', which has " +
-                          mib(device.global_memory_bytes) + " and takes " + mib(device.max_alloc_bytes) + " in one array" +
-                          (too_large.empty() ? "" : "; larger: " + too_large) +
-                          "; place repeated meshes as instances, use coarser meshes or terrain, cut the scene to what the "
-                          "instrument sees, or choose another device (--device)");
-}
-
-SceneBuffers::SceneBuffers(const cl::Context& context, const scene::CompiledScene& scene)
-    : nodes(upload(context, (check_fits(scene, context.device().info()), scene.nodes), "scene nodes")),
-      blocks(upload(context, scene.blocks, "scene triangles")),
-      instances(upload(context, scene.instances, "scene instances")),
-      surfaces(upload(context, scene.surfaces, "scene surfaces")) {}
-
 struct TraceStages::State {
   State(const cl::Context& context_, const scene::CompiledScene& scene, const SceneBuffers& buffers_,
         const scene::Instrument& instrument, const plan::Plan& plan_, const StageShape& shape_, std::uint64_t seed_)
@@ -77,7 +50,7 @@ struct TraceStages::State {
         shape(shape_),
         seed(static_cast<std::uint32_t>(seed_)),
         pixels_per_line(static_cast<std::uint32_t>(instrument.pixels)),
-        options(trace_options(scene, instrument, shape_)),
+        options(trace_options(scene, buffers_, instrument, shape_)),
         identity("trace\n" + options + "\n" + std::string(kernels::kernel_source("trace"))),
         program(context_, "trace", kernels::kernel_source("trace"), options),
         primary(program, "trace_primary"),

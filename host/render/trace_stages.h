@@ -12,19 +12,6 @@
 
 namespace raycube::render {
 
-/// One error that names need, limits and ways out when an array of the scene is larger than the device's largest buffer, or
-/// all of them than its memory.
-void check_fits(const scene::CompiledScene& scene, const cl::DeviceInfo& device);
-
-/// A compiled scene on the device; checked with check_fits before anything is copied.
-struct SceneBuffers {
-  SceneBuffers(const cl::Context& context, const scene::CompiledScene& scene);
-  cl::Buffer<shared::BvhNode> nodes;
-  cl::Buffer<shared::TriBlock> blocks;
-  cl::Buffer<shared::Instance> instances;
-  cl::Buffer<shared::Surface> surfaces;
-};
-
 /// Where a tile lies in the image: what random numbers are keyed by.
 struct TilePlace {
   std::uint32_t first_line = 0, first_column = 0, lines = 0;

@@ -47,10 +47,8 @@ std::vector<shared::RayGroup> nadir_groups(const TraceShape& shape, double x, do
 }
 
 TraceChain::TraceChain(const cl::Context& context, const scene::CompiledScene& scene, const TraceShape& shape)
-    : context_(context), shape_(shape), options_(options_of(shape, scene)),
-      nodes_(context, scene.nodes, cl::Access::read_only, "BVH nodes"),
-      blocks_(context, scene.blocks, cl::Access::read_only, "triangle blocks"),
-      instances_(context, scene.instances, cl::Access::read_only, "instances"),
+    : context_(context), shape_(shape), scene_(context, scene, shape.page_bytes),
+      options_(options_of(shape, scene) + scene_.options),
       groups_(context, shape.groups(), cl::Access::read_only, "ray groups"),
       hits_(context, std::size_t{shape.pixels()} * 2 * shape.npad(), cl::Access::read_write, "hits"),
       surface_(context, std::size_t{shape.pixels()} * 6 * shape.npad(), cl::Access::read_write, "surface points"),
@@ -68,14 +66,14 @@ std::vector<std::uint32_t> TraceChain::primary(std::span<const shared::RayGroup>
   groups_.write(groups);
   first_sample_ = first_sample;
   count_ = std::min(shape_.chunk_samples(), shape_.samples() - first_sample);
-  kernel("trace_primary").arguments(nodes_, blocks_, instances_, groups_, hits_, shape_.seed, shape_.first_line, shape_.first_column,
+  kernel("trace_primary").arguments(scene_.nodes, scene_.blocks, scene_.instances, groups_, hits_, shape_.seed, shape_.first_line, shape_.first_column,
                                     shape_.columns, shape_.pixels_per_line, first_sample_, count_);
   again("trace_primary");
   return hits_.read_all();
 }
 
 std::vector<float> TraceChain::surface() {
-  kernel("make_surface").arguments(blocks_, instances_, groups_, hits_, surface_, shape_.seed, shape_.first_line, shape_.first_column,
+  kernel("make_surface").arguments(scene_.blocks, scene_.instances, groups_, hits_, surface_, shape_.seed, shape_.first_line, shape_.first_column,
                                    shape_.columns, shape_.pixels_per_line, first_sample_, count_);
   again("make_surface");
   return surface_.read_all();
@@ -97,7 +95,7 @@ std::vector<float> TraceChain::sky(std::span<const shared::rc_float4> directions
 
 void TraceChain::light(const cl::Buffer<shared::rc_float4>& directions, const cl::Buffer<shared::rc_float4>& weights, bool sky,
                        std::uint32_t sets, std::uint32_t count) {
-  kernel("trace_light").arguments(nodes_, blocks_, instances_, surface_, directions, weights, sun_mask_, blocked_,
+  kernel("trace_light").arguments(scene_.nodes, scene_.blocks, scene_.instances, surface_, directions, weights, sun_mask_, blocked_,
                                   std::uint32_t{sky}, sets, count, shape_.seed, shape_.first_line, shape_.first_column,
                                   shape_.columns, shape_.pixels_per_line);
   again("trace_light");

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/cl/kernel.h"
+#include "host/render/scene_buffers.h"
 #include "kernels/shared/structs.h"
 #include "scene_compiler/compiled_scene.h"
 
@@ -23,7 +24,7 @@ struct TraceShape {
   bool moving = false, bundle = true;
   std::uint32_t seed = 1;
   std::uint32_t first_line = 0, first_column = 0, columns = 0, pixels_per_line = 0, lines = 0;
-  std::uint32_t page_bytes = 0;  ///< 0: as few pages as the device allows
+  std::uint32_t page_bytes = 0;  ///< largest page of the scene's arrays; 0: as the device allows
 
   std::uint32_t samples() const { return static_cast<std::uint32_t>(nu * nv); }
   std::uint32_t chunk_samples() const { return chunk ? static_cast<std::uint32_t>(chunk) : samples(); }
@@ -65,11 +66,9 @@ class TraceChain {
              std::uint32_t sets, std::uint32_t count);
   const cl::Context& context_;
   TraceShape shape_;
-  std::string options_;
   std::uint32_t first_sample_ = 0, count_ = 0;
-  cl::Buffer<shared::BvhNode> nodes_;
-  cl::Buffer<shared::TriBlock> blocks_;
-  cl::Buffer<shared::Instance> instances_;
+  render::SceneBuffers scene_;
+  std::string options_;
   cl::Buffer<shared::RayGroup> groups_;
   cl::Buffer<std::uint32_t> hits_;
   cl::Buffer<float> surface_, blocked_;
