@@ -1,4 +1,4 @@
-// A scene flattened for the device: paged flat arrays, one mesh stored once however often it is placed. Frame: local
+// A scene flattened for the device: flat arrays, one mesh stored once however often it is placed. Frame: local
 // ENU (x east, y north, z up), metres, relative to the recorded origin. Georeferenced doubles end here.
 #pragma once
 

@@ -11,3 +11,4 @@ add_test(NAME kernel_parse COMMAND ${CMAKE_COMMAND} -DROOT=${PROJECT_SOURCE_DIR}
 set_tests_properties(kernel_parse PROPERTIES LABELS fast SKIP_REGULAR_EXPRESSION "SKIPPED")
 
 raycube_test(scene_fit SOURCES unit/scene_fit_test.cpp LIBS raycube::render LABELS fast)
+raycube_test(scene_pages SOURCES oracle/scene_pages_test.cpp LIBS raycube::render raycube::kernels LABELS fast)

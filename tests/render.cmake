@@ -5,7 +5,7 @@ raycube_test(render_plane SOURCES oracle/render_plane_test.cpp LIBS raycube_rend
 raycube_test(render_instance SOURCES oracle/render_instance_test.cpp LIBS raycube_render_support LABELS fast)
 raycube_test(render_wall SOURCES oracle/render_wall_test.cpp LIBS raycube_render_support LABELS fast)
 raycube_test(render_invariance SOURCES oracle/render_invariance_test.cpp support/test_scenes.cpp LIBS raycube_render_support LABELS fast)
-raycube_test(render_pages SOURCES oracle/render_pages_test.cpp LIBS raycube_render_support raycube_trace_support raycube::kernels LABELS fast)
+raycube_test(render_pages SOURCES oracle/render_pages_test.cpp LIBS raycube_render_support raycube_trace_support LABELS fast)
 raycube_test(render_overflow SOURCES oracle/render_overflow_test.cpp LIBS raycube_render_support LABELS fast)
 raycube_test(render_furnace SOURCES oracle/render_furnace_test.cpp LIBS raycube_render_support LABELS slow)
 raycube_test(render_checkerboard SOURCES oracle/render_checkerboard_test.cpp LIBS raycube_render_support LABELS fast)
