@@ -14,8 +14,6 @@
 
 #define RC_LEAF 0x80000000u   /* stack entry: a block, not a node */
 #define RC_MAX_PLANES 5
-/* For functions whose callers fix an argument that loops or branches hang on. */
-#define RC_ALWAYS __attribute__((always_inline))
 
 /* A point p of the frame belongs to the region when n . (p - origin) + k >= 0 for every plane (n, k). */
 typedef struct Cull {
@@ -125,24 +123,6 @@ RC_ALWAYS static inline Setup rc_setup_block(const Projection* map, global const
     s.behind = ~holds;
   }
   return s;
-}
-
-/* One lane of a block against one ray: the single-ray test, for the samples that a bundle leaves open. Returns the distance,
- * or -1 for a miss. */
-static inline float rc_hit_lane(Ray ray, global const TriBlock* block, uint lane) {
-  global const float* at = (global const float*)block + lane;
-  const float ox = rc_component(ray.origin, ray.kx), oy = rc_component(ray.origin, ray.ky), oz = rc_component(ray.origin, ray.kz);
-  const int x = 16 * ray.kx, y = 16 * ray.ky, z = 16 * ray.kz;
-  const float az = at[z] - oz, bz = at[48 + z] - oz, cz = at[96 + z] - oz;
-  const float ax = fma(-ray.sx, az, at[x] - ox), ay = fma(-ray.sy, az, at[y] - oy);
-  const float bx = fma(-ray.sx, bz, at[48 + x] - ox), by = fma(-ray.sy, bz, at[48 + y] - oy);
-  const float cx = fma(-ray.sx, cz, at[96 + x] - ox), cy = fma(-ray.sy, cz, at[96 + y] - oy);
-  const float u = cx * by - cy * bx, v = ax * cy - ay * cx, w = bx * ay - by * ax;
-  const float det = u + (v + w);
-  const bool inside = (u >= 0.0f && v >= 0.0f && w >= 0.0f) || (u <= 0.0f && v <= 0.0f && w <= 0.0f);
-  if (!inside || det == 0.0f) return -1.0f;
-  const float distance = fma(u, az, fma(v, bz, w * cz)) * ray.sz / det;
-  return distance > 0.0f ? distance : -1.0f;
 }
 
 static inline void rc_prefetch(global const void* at, uint bytes) {

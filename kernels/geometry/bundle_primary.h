@@ -48,6 +48,12 @@ typedef struct GroupFrame {
 #endif
 } GroupFrame;
 
+/* Samples that the linear forms leave open, each with a triangle of the frame's mesh: decided 16 at a time. */
+typedef struct Open {
+  uint primitive[16], sample[16];  /* sample: slot (RC_SCATTER), or row * 65536 + column */
+  uint count;
+} Open;
+
 static inline float4 rc_sum_products(float4 x, float4 y) { return fabs(x) * fabs(y); }
 static inline float rc_sum3(float4 v) { return v.x + v.y + v.z; }
 
@@ -111,20 +117,90 @@ static inline uint rc_behind(const GroupFrame* frame, global const TriBlock* blo
 }
 
 #if RC_SCATTER
-/* Keeps a single ray's hit of one triangle, if there is one. */
-static inline void rc_decide_slot(const GroupFrame* frame, Closest* closest, global const TriBlock* block, uint instance, uint primitive, uint slot) {
-  const Ray ray = rc_make_ray(frame->rays.origin, rc_group_direction(frame->rays, frame->samples->a[slot], frame->samples->b[slot]));
-  const float t = rc_hit_lane(ray, block, primitive % RC_BLOCK);
-  if (t > 0.0f) rc_keep(closest, slot, 1.0f / t, instance, primitive);
+static inline uint rc_open_slot(uint sample) { return sample; }
+static inline void rc_open_position(const GroupFrame* frame, uint sample, float* a, float* b) {
+  *a = frame->samples->a[sample];
+  *b = frame->samples->b[sample];
+}
+#else
+/* Slot of a sample of the chunk. */
+static inline uint rc_slot(uint row, uint column) {
+  return (row / 4u * RC_TILE_COLUMNS + column / 4u) * 16u + row % 4u * 4u + column % 4u;
+}
+static inline uint rc_open_slot(uint sample) { return rc_slot(sample >> 16, sample & 0xffffu); }
+static inline void rc_open_position(const GroupFrame* frame, uint sample, float* a, float* b) {
+  const uint row = sample >> 16, column = sample & 0xffffu, p = column / RC_NU;
+  rc_group_sample(0u, 0u, p, (frame->first_row + row) * RC_NU + column - p * RC_NU, a, b);
+}
+#endif
+
+/* Decides the open samples by the single-ray test and empties the list. */
+__attribute__((noinline)) static void rc_decide(SceneArrays scene, const GroupFrame* frame, Closest* closest, uint instance, Open* open) {
+  RC_LINE float corner[9][16], direction[3][16];
+  for (uint k = 0; k < open->count; ++k) {
+    global const float* at = (global const float*)rc_block(scene, open->primitive[k] / RC_BLOCK) + open->primitive[k] % RC_BLOCK;
+    #pragma unroll
+    for (uint i = 0; i < 9u; ++i) corner[i][k] = at[16u * i];
+    float a, b;
+    rc_open_position(frame, open->sample[k], &a, &b);
+    const float4 d = rc_group_direction(frame->rays, a, b);
+    direction[0][k] = d.x;
+    direction[1][k] = d.y;
+    direction[2][k] = d.z;
+  }
+  /* Each ray's own axes, as rc_make_ray takes them. */
+  const float16 dx = vload16(0, direction[0]), dy = vload16(0, direction[1]), dz = vload16(0, direction[2]);
+  const int16 z_first = (fabs(dz) >= fabs(dx)) & (fabs(dz) >= fabs(dy)), y_first = fabs(dy) >= fabs(dx);
+  float16 v[5][3];  /* corners, origin, direction */
+  #pragma unroll
+  for (uint i = 0; i < 5u; ++i) {
+    const float4 o = frame->rays.origin;
+    const float16 x = i < 3u ? vload16(0, corner[3u * i % 9u]) : i == 3u ? (float16)(o.x) : dx;
+    const float16 y = i < 3u ? vload16(0, corner[(3u * i + 1u) % 9u]) : i == 3u ? (float16)(o.y) : dy;
+    const float16 z = i < 3u ? vload16(0, corner[(3u * i + 2u) % 9u]) : i == 3u ? (float16)(o.z) : dz;
+    v[i][0] = select(select(y, z, y_first), x, z_first);
+    v[i][1] = select(select(z, x, y_first), y, z_first);
+    v[i][2] = select(select(x, y, y_first), z, z_first);
+  }
+  float16 t;
+  uint hits = rc_hit_pairs(v[0], v[1], v[2], v[3], v[4][0] / v[4][2], v[4][1] / v[4][2], 1.0f / v[4][2], &t) & ((1u << open->count) - 1u);
+  open->count = 0;
+  if (!hits) return;
+  RC_LINE float near[16];
+  rc_store16(1.0f / t, 0, near);
+  for (; hits; hits &= hits - 1u) {
+    const uint k = rc_lowest(hits);
+    rc_keep(closest, rc_open_slot(open->sample[k]), near[k], instance, open->primitive[k]);
+  }
 }
 
-static inline void rc_primary_block(const GroupFrame* frame, Closest* closest, global const TriBlock* block, uint instance, uint first) {
+static inline void rc_leave_open(SceneArrays scene, const GroupFrame* frame, Closest* closest, uint instance, Open* open, uint primitive, uint sample) {
+  open->primitive[open->count] = primitive;
+  open->sample[open->count] = sample;
+  if (++open->count == 16u) rc_decide(scene, frame, closest, instance, open);
+}
+
+/* How far above its linear form a triangle's 1 / t may lie by the single-ray test, on samples that may belong to it: what the
+ * form moves in the band outside, and 64 roundings of the farthest corner's distance. An open sample whose 1 / t stays below
+ * what is kept already needs no decision. */
+static inline float16 rc_near_slack(const Setup* s) {
+  const float16 q1 = s->q0 + s->q1, q2 = s->q0 + s->q2;
+  const float16 most = rc_max16(s->q0, rc_max16(q1, q2)), least = rc_min16(s->q0, rc_min16(q1, q2));
+  return fma(2.0f * s->band, fabs(s->q1) + fabs(s->q2), 64.0f * RC_ULP * most * (most / least));
+}
+
+#if RC_SCATTER
+static inline void rc_primary_block(SceneArrays scene, const GroupFrame* frame, Closest* closest, Open* open, uint index, uint instance) {
+  global const TriBlock* block = rc_block(scene, index);
+  const uint first = index * RC_BLOCK;
   const Setup s = rc_setup_block(&frame->map, block, true);
   const Scatter* samples = frame->samples;
   uint lanes = rc_mask16(s.usable & (s.lo_a <= RC_HALF_A) & (s.hi_a >= -RC_HALF_A) & (s.lo_b <= RC_HALF_B) & (s.hi_b >= -RC_HALF_B));
   const uint behind_bits = rc_mask16(s.behind) ? rc_behind(frame, block, s.behind) : 0u;
   if (!(lanes | behind_bits)) return;
-  float l1a[16], l1b[16], l1c[16], l2a[16], l2b[16], l2c[16], q0[16], q1[16], q2[16], bands[16], lo_a[16], hi_a[16], lo_b[16], hi_b[16];
+  RC_LINE float slack[16];
+  rc_store16(rc_near_slack(&s), 0, slack);
+  RC_LINE float l1a[16], l1b[16], l1c[16], l2a[16], l2b[16], l2c[16], q0[16], q1[16], q2[16], bands[16], lo_a[16], hi_a[16], lo_b[16], hi_b[16];
   rc_store16(s.l1a, 0, l1a);
   rc_store16(s.l1b, 0, l1b);
   rc_store16(s.l1c, 0, l1c);
@@ -161,22 +237,22 @@ static inline void rc_primary_block(const GroupFrame* frame, Closest* closest, g
           rc_store16(select(vload16(0, closest->instance + slot), (uint16)(instance), nearer), 0, closest->instance + slot);
           rc_store16(select(vload16(0, closest->primitive + slot), (uint16)(first + lane), nearer), 0, closest->primitive + slot);
         }
-        uint open = rc_mask16(exists & (~inside | (near == before)));
-        if (!open) continue;
+        uint rest = rc_mask16(exists & (~inside | (near == before)) & (near + slack[lane] >= before));
+        if (!rest) continue;
         const uint tied = rc_mask16(inside);
-        float near_of[16];
+        RC_LINE float near_of[16];
         rc_store16(near, 0, near_of);
-        for (; open; open &= open - 1u) {
-          const uint k = rc_lowest(open);
+        for (; rest; rest &= rest - 1u) {
+          const uint k = rc_lowest(rest);
           if (tied >> k & 1u) rc_keep(closest, slot + k, near_of[k], instance, first + lane);
-          else rc_decide_slot(frame, closest, block, instance, first + lane, slot + k);
+          else rc_leave_open(scene, frame, closest, instance, open, first + lane, slot + k);
         }
       }
     }
   }
   for (uint rest = behind_bits; rest; rest &= rest - 1u)  /* crosses the sensor's plane: every sample alone */
     for (uint slot = 0; slot < RC_SLOTS; ++slot)
-      if (samples->a[slot] < INFINITY) rc_decide_slot(frame, closest, block, instance, first + rc_lowest(rest), slot);
+      if (samples->a[slot] < INFINITY) rc_leave_open(scene, frame, closest, instance, open, first + rc_lowest(rest), slot);
 }
 
 /* Positions of samples first .. first + count - 1 of the group's pixels, and the bounds of their words. */
@@ -206,32 +282,15 @@ static inline void rc_scatter_samples(Scatter* samples, uint seed, GroupPlace pl
 }
 
 #else
-/* Slot of a sample of the chunk. */
-static inline uint rc_slot(uint row, uint column) {
-  return (row / 4u * RC_TILE_COLUMNS + column / 4u) * 16u + row % 4u * 4u + column % 4u;
-}
-
 /* Image-plane coordinates of a column and of a row of the whole pixel. */
 static inline float16 rc_column_a(float16 column) {
   return fma(column, (float16)(1.0f / RC_NU), (float16)(0.5f / RC_NU - 0.5f * RC_GROUP_PIXELS));
 }
 static inline float16 rc_row_b(float16 row) { return fma(row, (float16)(1.0f / RC_NV), (float16)(0.5f / RC_NV - 0.5f)); }
 
-/* The single ray of a sample, in the instance's frame. */
-static inline Ray rc_sample_ray(const GroupFrame* frame, uint row, uint column) {
-  const uint p = column / RC_NU;
-  float a, b;
-  rc_group_sample(0u, 0u, p, (frame->first_row + row) * RC_NU + column - p * RC_NU, &a, &b);
-  return rc_make_ray(frame->rays.origin, rc_group_direction(frame->rays, a, b));
-}
-
-static inline void rc_decide_sample(const GroupFrame* frame, Closest* closest, global const TriBlock* block, uint instance, uint primitive,
-                                    uint row, uint column) {
-  const float t = rc_hit_lane(rc_sample_ray(frame, row, column), block, primitive % RC_BLOCK);
-  if (t > 0.0f) rc_keep(closest, rc_slot(row, column), 1.0f / t, instance, primitive);
-}
-
-static inline void rc_primary_block(const GroupFrame* frame, Closest* closest, global const TriBlock* block, uint instance, uint first) {
+static inline void rc_primary_block(SceneArrays scene, const GroupFrame* frame, Closest* closest, Open* open, uint index, uint instance) {
+  global const TriBlock* block = rc_block(scene, index);
+  const uint first = index * RC_BLOCK;
   const Setup s = rc_setup_block(&frame->map, block, true);
   /* Samples inside each rectangle: first and last column and row. The 1e-5 covers the rounding of these four lines. */
   const float16 left = rc_max16(ceil(fma(s.lo_a, (float16)(RC_NU), (float16)(0.5f * RC_GRID_COLUMNS - 0.5f - 1e-5f))), (float16)(0.0f));
@@ -250,6 +309,7 @@ static inline void rc_primary_block(const GroupFrame* frame, Closest* closest, g
   RC_LINE uint left_of[16], above_of[16];
   rc_store16(convert_uint16(left), 0, left_of);
   rc_store16(convert_uint16(above), 0, above_of);
+  const float16 slack = rc_near_slack(&s);
 
   if (small_bits) {
     #pragma unroll 1
@@ -265,21 +325,23 @@ static inline void rc_primary_block(const GroupFrame* frame, Closest* closest, g
         const float16 least = rc_min16(rc_min16(l1, l2), (1.0f - l1) - l2);
         uint bits = rc_mask16(in_cell & (least >= -s.band));
         if (!bits) continue;
-        const uint open = rc_mask16(least <= s.band);
-        RC_LINE float near[16];
-        rc_store16(fma(l1, s.q1, fma(l2, s.q2, s.q0)), 0, near);
+        const uint undecided = rc_mask16(least <= s.band);
+        const float16 here = fma(l1, s.q1, fma(l2, s.q2, s.q0));
+        RC_LINE float near[16], near_most[16];
+        rc_store16(here, 0, near);
+        rc_store16(here + slack, 0, near_most);
         while (bits) {
-          const uint lane = rc_lowest(bits), row = above_of[lane] + r, column = left_of[lane] + c;
+          const uint lane = rc_lowest(bits), row = above_of[lane] + r, column = left_of[lane] + c, slot = rc_slot(row, column);
           bits &= bits - 1u;
-          if (open >> lane & 1u) rc_decide_sample(frame, closest, block, instance, first + lane, row, column);
-          else rc_keep(closest, rc_slot(row, column), near[lane], instance, first + lane);
+          if (!(undecided >> lane & 1u)) rc_keep(closest, slot, near[lane], instance, first + lane);
+          else if (near_most[lane] >= closest->near[slot]) rc_leave_open(scene, frame, closest, instance, open, first + lane, row << 16 | column);
         }
       }
     }
   }
 
   if (large_bits) {
-    RC_LINE float l1a[16], l1b[16], l1c[16], l2a[16], l2b[16], l2c[16], q0[16], q1[16], q2[16], band[16];
+    RC_LINE float l1a[16], l1b[16], l1c[16], l2a[16], l2b[16], l2c[16], q0[16], q1[16], q2[16], band[16], slack_of[16];
     RC_LINE uint right_of[16], below_of[16];
     rc_store16(s.l1a, 0, l1a);
     rc_store16(s.l1b, 0, l1b);
@@ -291,6 +353,7 @@ static inline void rc_primary_block(const GroupFrame* frame, Closest* closest, g
     rc_store16(s.q1, 0, q1);
     rc_store16(s.q2, 0, q2);
     rc_store16(s.band, 0, band);
+    rc_store16(slack, 0, slack_of);
     rc_store16(convert_uint16(right), 0, right_of);
     rc_store16(convert_uint16(below), 0, below_of);
     const float16 lane_column = (float16)(0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3);
@@ -312,22 +375,22 @@ static inline void rc_primary_block(const GroupFrame* frame, Closest* closest, g
           const float16 near = fma(l1, (float16)(q1[lane]), fma(l2, (float16)(q2[lane]), (float16)(q0[lane])));
           const float16 before = vload16(0, closest->near + slot);
           const int16 inside = least > uncertain, nearer = inside & (near > before);
-          uint open = rc_mask16((least >= -uncertain) & (~inside | (near == before)));
+          uint rest = rc_mask16((least >= -uncertain) & (~inside | (near == before)));
           if (rc_mask16(nearer)) {
             rc_store16(select(before, near, nearer), 0, closest->near + slot);
             rc_store16(select(vload16(0, closest->instance + slot), (uint16)(instance), nearer), 0, closest->instance + slot);
             rc_store16(select(vload16(0, closest->primitive + slot), (uint16)(first + lane), nearer), 0, closest->primitive + slot);
           }
-          if (open) {
+          if (rest) {
+            rest &= rc_mask16(near + slack_of[lane] >= before);
             const uint tied = rc_mask16(inside);
             RC_LINE float near_of[16];
             rc_store16(near, 0, near_of);
-            while (open) {
-              const uint k = rc_lowest(open), row = tile_row * 4u + k / 4u, column = tile_column * 4u + k % 4u;
-              open &= open - 1u;
+            for (; rest; rest &= rest - 1u) {
+              const uint k = rc_lowest(rest), row = tile_row * 4u + k / 4u, column = tile_column * 4u + k % 4u;
               if (row >= frame->rows || column >= frame->columns) continue;
               if (tied >> k & 1u) rc_keep(closest, slot + k, near_of[k], instance, first + lane);
-              else rc_decide_sample(frame, closest, block, instance, first + lane, row, column);
+              else rc_leave_open(scene, frame, closest, instance, open, first + lane, row << 16 | column);
             }
           }
         }
@@ -339,7 +402,7 @@ static inline void rc_primary_block(const GroupFrame* frame, Closest* closest, g
     const uint lane = rc_lowest(lanes);
     for (uint row = 0; row < frame->rows; ++row)
       for (uint column = 0; column < frame->columns; ++column)
-        rc_decide_sample(frame, closest, block, instance, first + lane, row, column);
+        rc_leave_open(scene, frame, closest, instance, open, first + lane, row << 16 | column);
   }
 }
 
@@ -369,11 +432,14 @@ static inline void rc_primary_group(SceneArrays scene, GroupFrame frame, Closest
   rc_frame_group(&frame, &world);
   const Projection world_map = frame.map;
   cull = world;
+  Open open;
+  open.count = 0;
   uint stack[RC_STACK];
   uint top = 1, base = 0, instance = RC_NONE;  /* entries from base upwards belong to the instance's tree */
   stack[0] = 0;
   while (top) {
     if (top == base) {
+      if (open.count) rc_decide(scene, &frame, closest, instance, &open);
       instance = RC_NONE;
       base = 0;
       cull = world;
@@ -382,7 +448,7 @@ static inline void rc_primary_group(SceneArrays scene, GroupFrame frame, Closest
     if (!(entry & RC_LEAF)) {
       top = rc_push_children(&cull, 4, scene, index, instance != RC_NONE, stack, top);
     } else if (instance != RC_NONE) {
-      rc_primary_block(&frame, closest, rc_block(scene, index), instance, index * RC_BLOCK);
+      rc_primary_block(scene, &frame, closest, &open, index, instance);
     } else {
       global const Instance* placed = rc_instance(scene, index);
       instance = index;
@@ -401,6 +467,7 @@ static inline void rc_primary_group(SceneArrays scene, GroupFrame frame, Closest
       base = top++;
     }
   }
+  if (open.count) rc_decide(scene, &frame, closest, instance, &open);
 }
 
 #endif

@@ -154,35 +154,28 @@ static inline void rc_frame_rays(const Points* points, global const Instance* pl
   frame->ray = rc_make_ray(points->centre, frame->same ? points->towards : rc_map_vector(frame->l0, frame->l1, frame->l2, points->towards));
 }
 
-/* The single-ray test of one triangle for 16 points: bit i = point i is blocked. Same operations, same bits as rc_hit_lane. */
+/* The single-ray test of one triangle for 16 points: bit i = point i is blocked. */
 static inline uint rc_block_word(const ShadowFrame* frame, const Points* points, uint word, global const TriBlock* block, uint lane) {
   global const float* at = (global const float*)block + lane;
   const float16 wx = vload16(word, points->x), wy = vload16(word, points->y), wz = vload16(word, points->z);
-  float16 o[3];
+  float16 from[3];
   if (frame->same) {
-    o[0] = wx;
-    o[1] = wy;
-    o[2] = wz;
+    from[0] = wx;
+    from[1] = wy;
+    from[2] = wz;
   } else {
     const float4 l0 = frame->l0, l1 = frame->l1, l2 = frame->l2;
-    o[0] = fma((float16)(l0.x), wx, fma((float16)(l0.y), wy, fma((float16)(l0.z), wz, (float16)(l0.w))));
-    o[1] = fma((float16)(l1.x), wx, fma((float16)(l1.y), wy, fma((float16)(l1.z), wz, (float16)(l1.w))));
-    o[2] = fma((float16)(l2.x), wx, fma((float16)(l2.y), wy, fma((float16)(l2.z), wz, (float16)(l2.w))));
+    from[0] = fma((float16)(l0.x), wx, fma((float16)(l0.y), wy, fma((float16)(l0.z), wz, (float16)(l0.w))));
+    from[1] = fma((float16)(l1.x), wx, fma((float16)(l1.y), wy, fma((float16)(l1.z), wz, (float16)(l1.w))));
+    from[2] = fma((float16)(l2.x), wx, fma((float16)(l2.y), wy, fma((float16)(l2.z), wz, (float16)(l2.w))));
   }
   const int x = 16 * frame->ray.kx, y = 16 * frame->ray.ky, z = 16 * frame->ray.kz;
-  const float16 ox = o[frame->ray.kx], oy = o[frame->ray.ky], oz = o[frame->ray.kz];
-  const float16 sx = -frame->ray.sx, sy = -frame->ray.sy;
-  const float16 az = at[z] - oz, bz = at[48 + z] - oz, cz = at[96 + z] - oz;
-  const float16 ax = fma(sx, az, at[x] - ox), ay = fma(sy, az, at[y] - oy);
-  const float16 bx = fma(sx, bz, at[48 + x] - ox), by = fma(sy, bz, at[48 + y] - oy);
-  const float16 cx = fma(sx, cz, at[96 + x] - ox), cy = fma(sy, cz, at[96 + y] - oy);
-  const float16 u = cx * by - cy * bx, v = ax * cy - ay * cx, w = bx * ay - by * ax;
-  const float16 det = u + (v + w);
-  const float16 e1[3] = {(float16)(at[48 + x] - at[x]), (float16)(at[48 + y] - at[y]), (float16)(at[48 + z] - at[z])};
-  const float16 e2[3] = {(float16)(at[96 + x] - at[x]), (float16)(at[96 + y] - at[y]), (float16)(at[96 + z] - at[z])};
-  const float16 p[3] = {at[x] - ox, at[y] - oy, az};
-  const float16 ahead = rc_ahead16(e1, e2, p, frame->ray.sx, frame->ray.sy, frame->ray.sz);
-  return rc_mask16(((rc_min16(u, rc_min16(v, w)) >= 0.0f) | (rc_max16(u, rc_max16(v, w)) <= 0.0f)) & (det != 0.0f) & (ahead > 0.0f));
+  const float16 o[3] = {from[frame->ray.kx], from[frame->ray.ky], from[frame->ray.kz]};
+  const float16 a[3] = {(float16)(at[x]), (float16)(at[y]), (float16)(at[z])};
+  const float16 b[3] = {(float16)(at[48 + x]), (float16)(at[48 + y]), (float16)(at[48 + z])};
+  const float16 c[3] = {(float16)(at[96 + x]), (float16)(at[96 + y]), (float16)(at[96 + z])};
+  float16 t;
+  return rc_hit_pairs(a, b, c, o, (float16)(frame->ray.sx), (float16)(frame->ray.sy), (float16)(frame->ray.sz), &t);
 }
 
 static inline bool rc_points_left(const Points* points) {

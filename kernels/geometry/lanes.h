@@ -53,6 +53,9 @@ RC_OVERLOAD void rc_store16(uint16 v, size_t i, global uint* p) { *(global rc_ui
 /* Private arrays that vectors are read from and written to: a vector across two cache lines costs two. */
 #define RC_LINE __attribute__((aligned(64)))
 
+/* For functions whose callers fix an argument that loops or branches hang on. */
+#define RC_ALWAYS __attribute__((always_inline))
+
 /* Lowest set bit; bits != 0. */
 static inline uint rc_lowest(uint bits) { return 31u - clz(bits & (0u - bits)); }
 

@@ -50,35 +50,42 @@ static inline float4 rc_map_vector(float4 r0, float4 r1, float4 r2, float4 v) {
  * edges e1, e2; p = a - o in the ray's axes. The distance interpolated from the corners cancels numbers as large as the corners
  * are far: on a court line 20 m long and 5 cm wide it is wrong by 0.5 mm, more than the offset of a shadow ray, and the line
  * shadowed itself. */
-static inline float16 rc_ahead16(const float16* e1, const float16* e2, const float16* p, float sx, float sy, float sz) {
+static inline float16 rc_ahead16(const float16* e1, const float16* e2, const float16* p, float16 sx, float16 sy, float16 sz) {
   const float16 nx = e1[1] * e2[2] - e1[2] * e2[1], ny = e1[2] * e2[0] - e1[0] * e2[2], nz = e1[0] * e2[1] - e1[1] * e2[0];
   const float16 from_origin = fma(nx, p[0], fma(ny, p[1], nz * p[2]));
-  const float16 along = fma(nx, (float16)(sx), fma(ny, (float16)(sy), nz)) * sz;
+  const float16 along = fma(nx, sx, fma(ny, sy, nz)) * sz;
   return select(-from_origin, from_origin, along > 0.0f);
 }
 
-/* Bit i: lane i of the block is hit at a distance *t (in units of the direction's length) above 0; *t is set when a bit is. */
-static inline uint rc_hit_block(Ray ray, global const TriBlock* block, float16* t) {
-  global const float* at = (global const float*)block;
-  const float ox = rc_component(ray.origin, ray.kx), oy = rc_component(ray.origin, ray.ky), oz = rc_component(ray.origin, ray.kz);
-  const int x = 16 * ray.kx, y = 16 * ray.ky, z = 16 * ray.kz;
-  const float16 az = vload16(0, at + z) - oz, bz = vload16(0, at + 48 + z) - oz, cz = vload16(0, at + 96 + z) - oz;
-  const float16 sx = -ray.sx, sy = -ray.sy;
-  const float16 ax = fma(sx, az, vload16(0, at + x) - ox), ay = fma(sy, az, vload16(0, at + y) - oy);
-  const float16 bx = fma(sx, bz, vload16(0, at + 48 + x) - ox), by = fma(sy, bz, vload16(0, at + 48 + y) - oy);
-  const float16 cx = fma(sx, cz, vload16(0, at + 96 + x) - ox), cy = fma(sy, cz, vload16(0, at + 96 + y) - oy);
+/* The test itself, 16 pairs of a ray and a triangle. a, b, c: corners, o: origin, all in the axes of the ray (kx, ky, kz); sx,
+ * sy, sz: its shear and scale. Bit i: pair i hits at a distance *t above 0; *t is set when a bit is. */
+RC_ALWAYS static inline uint rc_hit_pairs(const float16* a, const float16* b, const float16* c, const float16* o, float16 sx,
+                                          float16 sy, float16 sz, float16* t) {
+  const float16 az = a[2] - o[2], bz = b[2] - o[2], cz = c[2] - o[2];
+  const float16 ax = fma(-sx, az, a[0] - o[0]), ay = fma(-sy, az, a[1] - o[1]);
+  const float16 bx = fma(-sx, bz, b[0] - o[0]), by = fma(-sy, bz, b[1] - o[1]);
+  const float16 cx = fma(-sx, cz, c[0] - o[0]), cy = fma(-sy, cz, c[1] - o[1]);
   const float16 u = cx * by - cy * bx, v = ax * cy - ay * cx, w = bx * ay - by * ax;
   const float16 least = rc_min16(u, rc_min16(v, w)), most = rc_max16(u, rc_max16(v, w));
   const float16 det = u + (v + w);
   const int16 inside = ((least >= 0.0f) | (most <= 0.0f)) & (det != 0.0f);
   if (!rc_mask16(inside)) return 0u;  /* most blocks: the ray goes between the triangles */
-  const float16 distance = fma(u, az, fma(v, bz, w * cz)) * ray.sz / det;
-  *t = distance;
-  const float16 vx = vload16(0, at + x), vy = vload16(0, at + y), vz = vload16(0, at + z);
-  const float16 e1[3] = {vload16(0, at + 48 + x) - vx, vload16(0, at + 48 + y) - vy, vload16(0, at + 48 + z) - vz};
-  const float16 e2[3] = {vload16(0, at + 96 + x) - vx, vload16(0, at + 96 + y) - vy, vload16(0, at + 96 + z) - vz};
-  const float16 p[3] = {vx - ox, vy - oy, az};
-  return rc_mask16(inside & (rc_ahead16(e1, e2, p, ray.sx, ray.sy, ray.sz) > 0.0f));
+  *t = fma(u, az, fma(v, bz, w * cz)) * sz / det;
+  const float16 e1[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, e2[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
+  const float16 p[3] = {a[0] - o[0], a[1] - o[1], az};
+  return rc_mask16(inside & (rc_ahead16(e1, e2, p, sx, sy, sz) > 0.0f));
+}
+
+/* One ray against the 16 triangles of a block. */
+static inline uint rc_hit_block(Ray ray, global const TriBlock* block, float16* t) {
+  global const float* at = (global const float*)block;
+  const int x = 16 * ray.kx, y = 16 * ray.ky, z = 16 * ray.kz;
+  const float16 a[3] = {vload16(0, at + x), vload16(0, at + y), vload16(0, at + z)};
+  const float16 b[3] = {vload16(0, at + 48 + x), vload16(0, at + 48 + y), vload16(0, at + 48 + z)};
+  const float16 c[3] = {vload16(0, at + 96 + x), vload16(0, at + 96 + y), vload16(0, at + 96 + z)};
+  const float16 o[3] = {(float16)(rc_component(ray.origin, ray.kx)), (float16)(rc_component(ray.origin, ray.ky)),
+                        (float16)(rc_component(ray.origin, ray.kz))};
+  return rc_hit_pairs(a, b, c, o, (float16)(ray.sx), (float16)(ray.sy), (float16)(ray.sz), t);
 }
 
 #endif
