@@ -38,7 +38,10 @@ typedef struct Closest {
 
 /* The group in the frame of one instance (or of the scene). */
 typedef struct GroupFrame {
-  RayGroup rays;
+  RayGroup rays;               /* in this frame, for the projection */
+  RayGroup world;              /* in the scene frame: a single ray is made there and then mapped, as rc_trace_ray does */
+  float4 l0, l1, l2;           /* local_from_world */
+  bool same;                   /* the frame is the scene's */
   Projection map;
 #if RC_SCATTER
   const Scatter* samples;
@@ -57,9 +60,19 @@ typedef struct Open {
 static inline float4 rc_sum_products(float4 x, float4 y) { return fabs(x) * fabs(y); }
 static inline float rc_sum3(float4 v) { return v.x + v.y + v.z; }
 
+/* Direction of a sample's single ray in the frame: the very operations of rc_trace_instance. */
+static inline float4 rc_frame_direction(const GroupFrame* frame, float a, float b) {
+  const float4 direction = rc_group_direction(frame->world, a, b);
+  return frame->same ? direction : rc_map_vector(frame->l0, frame->l1, frame->l2, direction);
+}
+
+/* Largest components of the directions in the group's field. */
+static inline float4 rc_field(RayGroup g) { return fabs(g.d0) + RC_HALF_A * fabs(g.du) + RC_HALF_B * fabs(g.dv); }
+
 /* Dual basis of (du, dv, d0): p = z (d0 + a du + b dv). Errors, in pixels, of a and b at points inside the group's field, for
  * this map and for the single-ray test together: rows 3 ulp, sum of products 3 ulp; there the direction 3, its shear 3, the
- * moved vertex 1, and 3 in reserve: 16 ulp of the sum of absolute products. */
+ * moved vertex 1, and 3 in reserve: 16 ulp of the sum of absolute products. In the frame of an instance the three basis vectors
+ * are mapped here and every direction there, 3 ulp each of the absolute products with the matrix, as is their sum: 24 ulp. */
 static inline void rc_frame_group(GroupFrame* frame, Cull* cull) {
   const float4 du = frame->rays.du, dv = frame->rays.dv, d0 = frame->rays.d0;
   const float4 a = rc_cross(dv, d0), b = rc_cross(d0, du), z = rc_cross(du, dv);
@@ -69,14 +82,16 @@ static inline void rc_frame_group(GroupFrame* frame, Cull* cull) {
   frame->map.b = b * scale;
   frame->map.z = z * scale;
   const float half_a = RC_HALF_A, half_b = RC_HALF_B;
-  const float4 field = fabs(d0) + half_a * fabs(du) + half_b * fabs(dv), span = fabs(du) + fabs(dv);
+  const float4 span = fabs(du) + fabs(dv);
+  const float4 field = frame->same ? rc_field(frame->rays) : rc_map_vector(fabs(frame->l0), fabs(frame->l1), fabs(frame->l2), rc_field(frame->world));
   const float size = fmax(rc_sum3(rc_sum_products(frame->map.a, field)), rc_sum3(rc_sum_products(frame->map.b, field)));
   const float depth = rc_sum3(rc_sum_products(frame->map.z, field));
   const float growth = fmax(rc_sum3(rc_sum_products(frame->map.a, span)), rc_sum3(rc_sum_products(frame->map.b, span))) + depth;
-  frame->map.error = 16.0f * RC_ULP * (size + half_a * depth);
+  frame->map.error = (frame->same ? 16.0f : 24.0f) * RC_ULP * (size + half_a * depth);
   frame->map.error_growth = 32.0f * RC_ULP * growth;
   frame->map.error_square = 32.0f * RC_ULP * rc_sum3(rc_sum_products(frame->map.z, span));
-  const float edge_a = half_a + 2.0f * frame->map.error, edge_b = half_b + 2.0f * frame->map.error;
+  /* A thousandth of a pixel for the single-ray test, which lets in rays within 1.5 ulp of a long edge (ray_trace.h). */
+  const float edge_a = half_a + 2.0f * frame->map.error + 1e-3f, edge_b = half_b + 2.0f * frame->map.error + 1e-3f;
   cull->ox = frame->rays.origin.x;
   cull->oy = frame->rays.origin.y;
   cull->oz = frame->rays.origin.z;
@@ -143,7 +158,7 @@ __attribute__((noinline)) static void rc_decide(SceneArrays scene, const GroupFr
     for (uint i = 0; i < 9u; ++i) corner[i][k] = at[16u * i];
     float a, b;
     rc_open_position(frame, open->sample[k], &a, &b);
-    const float4 d = rc_group_direction(frame->rays, a, b);
+    const float4 d = rc_frame_direction(frame, a, b);
     direction[0][k] = d.x;
     direction[1][k] = d.y;
     direction[2][k] = d.z;
@@ -429,6 +444,8 @@ static inline void rc_write_pixels(const uint* tiles, uint used, uint rows, glob
 static inline void rc_primary_group(SceneArrays scene, GroupFrame frame, Closest* closest) {
   Cull world, cull;
   const RayGroup rays = frame.rays;
+  frame.world = rays;
+  frame.same = true;
   rc_frame_group(&frame, &world);
   const Projection world_map = frame.map;
   cull = world;
@@ -452,11 +469,12 @@ static inline void rc_primary_group(SceneArrays scene, GroupFrame frame, Closest
     } else {
       global const Instance* placed = rc_instance(scene, index);
       instance = index;
-      if (placed->flags & 1u) {
+      frame.same = placed->flags & 1u;
+      if (frame.same) {
         frame.rays = rays;
         frame.map = world_map;
       } else {
-        const float4 r0 = placed->local_from_world_0, r1 = placed->local_from_world_1, r2 = placed->local_from_world_2;
+        const float4 r0 = frame.l0 = placed->local_from_world_0, r1 = frame.l1 = placed->local_from_world_1, r2 = frame.l2 = placed->local_from_world_2;
         frame.rays.origin = rc_map_point(r0, r1, r2, rays.origin);
         frame.rays.d0 = rc_map_vector(r0, r1, r2, rays.d0);
         frame.rays.du = rc_map_vector(r0, r1, r2, rays.du);

@@ -108,8 +108,10 @@ static inline float4 rc_row_of(float4 e, float4 w0, float4 w1, float4 w2) {
  * with unit rows are rounded: 5 ulp of a length here and 4 there, lengths being at most sqrt(3) times the largest coordinate:
  * 16 ulp of the vertex, 10 of the point. In another frame the centre's and the point's maps (4 roundings each of sums of
  * absolute products), mapped back, and both matrices' own rounding come on top: 12 ulp of those sums; and the vertex's error
- * is multiplied by the matrices' condition. */
-__attribute__((noinline)) static void rc_frame_bundle(const Points* points, const Cluster* cluster, global const Instance* placed, ShadowFrame* frame, Cull* cull) {
+ * is multiplied by the matrices' condition. `extent` (m) bounds the mesh across the direction: the single-ray test lets in rays
+ * within 4.3 ulp of a triangle's longest edge (ray_trace.h), which the planes must hold too: 8 ulp. */
+__attribute__((noinline)) static void rc_frame_bundle(const Points* points, const Cluster* cluster, global const Instance* placed, float extent,
+                                                      ShadowFrame* frame, Cull* cull) {
   const float4 w0 = placed->world_from_local_0, w1 = placed->world_from_local_1, w2 = placed->world_from_local_2;
   frame->map.error_square = 0.0f;
   if (frame->same) {
@@ -133,7 +135,7 @@ __attribute__((noinline)) static void rc_frame_bundle(const Points* points, cons
     frame->map.error = RC_ULP * fma(12.0f, rc_dot3(columns, size), 10.0f * cluster->reach);
     frame->map.error_growth = 16.0f * RC_ULP * rc_dot3(columns, rows);
   }
-  const float slack = fma(frame->map.error_growth, cluster->reach, frame->map.error);
+  const float slack = fma(8.0f * RC_ULP, extent, fma(frame->map.error_growth, cluster->reach, frame->map.error));
   const float4 widen = frame->map.error_growth * frame->map.z;
   cull->ox = frame->map.origin.x;
   cull->oy = frame->map.origin.y;

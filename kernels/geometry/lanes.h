@@ -2,6 +2,9 @@
 #ifndef RAYCUBE_KERNELS_GEOMETRY_LANES_H
 #define RAYCUBE_KERNELS_GEOMETRY_LANES_H
 
+/* Rounding unit of a float. */
+#define RC_ULP 5.9604644775390625e-8f
+
 #ifdef __has_builtin
 #if defined(__AVX512DQ__) && __has_builtin(__builtin_ia32_cvtd2mask512)
 #define RC_HAS_MASK512 1

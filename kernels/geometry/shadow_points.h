@@ -5,6 +5,7 @@
 #define RAYCUBE_KERNELS_GEOMETRY_SHADOW_POINTS_H
 
 #include "kernels/geometry/bundle_shadow.h"
+#include "kernels/geometry/ray_trace.h"
 
 /* What a bundle may spend in one placed mesh, in candidate triangles as rc_shadow_block counts them: a constant, which holds
  * what terrain and walls take, and a share per point whose ray meets the mesh's box. Past it the remaining points go ray by
@@ -14,16 +15,17 @@
 
 /* A ray of the frame's direction against one placed mesh: any hit? The same boxes and triangles as rc_trace_ray. */
 static inline bool rc_ray_meets(SceneArrays scene, uint root, Ray ray, uint* stack, uint base) {
+  const float4 near = select(ray.hi_origin, ray.lo_origin, ray.inverse >= 0.0f), far = select(ray.lo_origin, ray.hi_origin, ray.inverse >= 0.0f);
   const uint x = ray.inverse.x < 0.0f ? 24u : 0u, y = ray.inverse.y < 0.0f ? 24u : 0u, z = ray.inverse.z < 0.0f ? 24u : 0u;
   uint top = base;
   stack[top++] = root;
   while (top > base) {
     global const BvhNode* node = rc_node(scene, stack[--top]);
     global const float* at = (global const float*)node;
-    const float8 enter = rc_max8(rc_max8((vload8(0, at + x) - ray.origin.x) * ray.inverse.x, (vload8(0, at + 8u + y) - ray.origin.y) * ray.inverse.y),
-                              rc_max8((vload8(0, at + 16u + z) - ray.origin.z) * ray.inverse.z, 0.0f));
-    const float8 leave = rc_min8(rc_min8((vload8(0, at + 24u - x) - ray.origin.x) * ray.inverse.x, (vload8(0, at + 32u - y) - ray.origin.y) * ray.inverse.y),
-                              (vload8(0, at + 40u - z) - ray.origin.z) * ray.inverse.z) * 1.0000008f;
+    const float8 enter = rc_max8(rc_max8((vload8(0, at + x) - near.x) * ray.inverse.x, (vload8(0, at + 8u + y) - near.y) * ray.inverse.y),
+                              rc_max8((vload8(0, at + 16u + z) - near.z) * ray.inverse.z, 0.0f));
+    const float8 leave = rc_min8(rc_min8((vload8(0, at + 24u - x) - far.x) * ray.inverse.x, (vload8(0, at + 32u - y) - far.y) * ray.inverse.y),
+                              (vload8(0, at + 40u - z) - far.z) * ray.inverse.z);
     uint boxes = rc_mask8(enter <= leave) & ((1u << node->count) - 1u);
     uint leaves = boxes & node->leaf_mask;
     for (boxes &= ~leaves; boxes; boxes &= boxes - 1u) {
@@ -43,28 +45,32 @@ static inline bool rc_ray_meets(SceneArrays scene, uint root, Ray ray, uint* sta
 __attribute__((noinline)) static void rc_shadow_rays(SceneArrays scene, uint root, const ShadowFrame* frame,
                                                      Points* points, const ushort* met, uint* stack, uint base) {
   Ray ray = frame->ray;
+  const float reach = rc_tree_reach(rc_node(scene, root));
   for (uint word = 0; word < points->words; ++word) {
     for (uint bits = points->live[word] & met[word]; bits; bits &= bits - 1u) {
       const uint bit = rc_lowest(bits), k = word * 16u + bit;
       ray.origin = (float4)(points->x[k], points->y[k], points->z[k], 0.0f);
       if (!frame->same) ray.origin = rc_map_point(frame->l0, frame->l1, frame->l2, ray.origin);
+      rc_slacken(&ray, reach, RC_MESH_SLACK);
       if (rc_ray_meets(scene, root, ray, stack, base)) points->live[word] &= ~(1u << bit);
     }
     if (!points->live[word]) rc_empty_word(points, word);
   }
 }
 
-/* The live points whose rays meet a box of the top tree, and their number. The test of rc_ray_boxes. */
-static inline uint rc_rays_at_box(const Points* points, global const BvhNode* node, uint slot, ushort* met) {
+/* The live points whose rays meet a box of the top tree grown by `slack` (m), and their number. The test of rc_ray_boxes. */
+static inline uint rc_rays_at_box(const Points* points, global const BvhNode* node, uint slot, float slack, ushort* met) {
   const float ix = rc_safe_inverse(points->towards.x), iy = rc_safe_inverse(points->towards.y), iz = rc_safe_inverse(points->towards.z);
-  const float16 near_x = ix < 0.0f ? node->hi_x[slot] : node->lo_x[slot], far_x = ix < 0.0f ? node->lo_x[slot] : node->hi_x[slot];
-  const float16 near_y = iy < 0.0f ? node->hi_y[slot] : node->lo_y[slot], far_y = iy < 0.0f ? node->lo_y[slot] : node->hi_y[slot];
-  const float16 near_z = iz < 0.0f ? node->hi_z[slot] : node->lo_z[slot], far_z = iz < 0.0f ? node->lo_z[slot] : node->hi_z[slot];
+  const float lo_x = node->lo_x[slot] - slack, lo_y = node->lo_y[slot] - slack, lo_z = node->lo_z[slot] - slack;
+  const float hi_x = node->hi_x[slot] + slack, hi_y = node->hi_y[slot] + slack, hi_z = node->hi_z[slot] + slack;
+  const float16 near_x = ix < 0.0f ? hi_x : lo_x, far_x = ix < 0.0f ? lo_x : hi_x;
+  const float16 near_y = iy < 0.0f ? hi_y : lo_y, far_y = iy < 0.0f ? lo_y : hi_y;
+  const float16 near_z = iz < 0.0f ? hi_z : lo_z, far_z = iz < 0.0f ? lo_z : hi_z;
   uint count = 0;
   for (uint word = 0; word < points->words; ++word) {
     const float16 x = vload16(word, points->x), y = vload16(word, points->y), z = vload16(word, points->z);
     const float16 enter = rc_max16(rc_max16((near_x - x) * ix, (near_y - y) * iy), rc_max16((near_z - z) * iz, 0.0f));
-    const float16 leave = rc_min16(rc_min16((far_x - x) * ix, (far_y - y) * iy), (far_z - z) * iz) * 1.0000008f;
+    const float16 leave = rc_min16(rc_min16((far_x - x) * ix, (far_y - y) * iy), (far_z - z) * iz);
     const uint bits = points->live[word] ? rc_mask16(enter <= leave) & points->live[word] : 0u;
     met[word] = (ushort)bits;
     count += popcount(bits);
@@ -103,6 +109,8 @@ static inline void rc_shadow_cluster(SceneArrays scene, Points* points, Cluster 
   rc_set_plane(&world, 2, widen + points->across_b, slack - cluster.lo_b);
   rc_set_plane(&world, 3, widen - points->across_b, slack + cluster.hi_b);
   rc_set_plane(&world, 4, points->towards, slack - cluster.lo_d);
+  const float4 centre = fabs(points->centre);
+  const float box_slack = RC_WORLD_SLACK * RC_ULP * (rc_tree_reach(rc_node(scene, 0u)) + fmax(centre.x, fmax(centre.y, centre.z)) + 2.0f * cluster.reach);
   ushort met[RC_WORD_SLOTS];
   uint stack[RC_STACK];
   uint top = 1;
@@ -113,7 +121,7 @@ static inline void rc_shadow_cluster(SceneArrays scene, Points* points, Cluster 
     for (uint inner = boxes & ~node->leaf_mask; inner; inner &= inner - 1u) stack[top++] = node->child[rc_lowest(inner)];
     for (uint leaves = boxes & node->leaf_mask; leaves; leaves &= leaves - 1u) {
       const uint slot = rc_lowest(leaves);
-      uint count = rc_rays_at_box(points, node, slot, met);
+      uint count = rc_rays_at_box(points, node, slot, box_slack, met);
       if (!count) continue;
       global const Instance* placed = rc_instance(scene, node->child[slot]);
       const uint mesh = 1u << (placed->mesh & 31u);
@@ -121,7 +129,8 @@ static inline void rc_shadow_cluster(SceneArrays scene, Points* points, Cluster 
       rc_frame_rays(points, placed, &frame);
       if (count > RC_FEW_POINTS && !(points->costly & mesh)) {
         Cull cull;
-        rc_frame_bundle(points, &cluster, placed, &frame, &cull);
+        const float extent = (node->hi_x[slot] - node->lo_x[slot]) + (node->hi_y[slot] - node->lo_y[slot]) + (node->hi_z[slot] - node->lo_z[slot]);
+        rc_frame_bundle(points, &cluster, placed, extent, &frame, &cull);
         if (!rc_shadow_mesh(scene, placed->root, &frame, &cull, &cluster, points, RC_BUNDLE_BUDGET(count), stack, top))
           points->costly |= mesh;
         else

@@ -9,9 +9,6 @@ typedef struct Vector16 {
   float16 x, y, z;
 } Vector16;
 
-/* Rounding unit of a float. */
-#define RC_ULP 5.9604644775390625e-8f
-
 static inline float rc_dot3(float4 a, float4 b) { return fma(a.x, b.x, fma(a.y, b.y, a.z * b.z)); }
 
 /* a.x b.y - a.y b.x and so on, each component to 1.5 ulp (Kahan's difference of products). */

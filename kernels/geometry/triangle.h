@@ -14,6 +14,7 @@ typedef struct Ray {
   float4 inverse;            /* 1 / direction, finite: zeros become 1e18 with their sign */
   int kx, ky, kz;            /* kz: largest direction component */
   float sx, sy, sz;          /* shear and scale of Woop's transform */
+  float4 lo_origin, hi_origin;  /* origin + and - the slack of a tree, for the lower and upper sides of its boxes: rc_slacken */
 } Ray;
 
 static inline float rc_component(float4 v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
@@ -70,7 +71,8 @@ RC_ALWAYS static inline uint rc_hit_pairs(const float16* a, const float16* b, co
   const float16 det = u + (v + w);
   const int16 inside = ((least >= 0.0f) | (most <= 0.0f)) & (det != 0.0f);
   if (!rc_mask16(inside)) return 0u;  /* most blocks: the ray goes between the triangles */
-  *t = fma(u, az, fma(v, bz, w * cz)) * sz / det;
+  /* Interpolated, it may fall behind where the plane lies ahead: such a hit is at the origin. */
+  *t = rc_max16(fma(u, az, fma(v, bz, w * cz)) * sz / det, (float16)(1e-30f));
   const float16 e1[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, e2[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
   const float16 p[3] = {a[0] - o[0], a[1] - o[1], az};
   return rc_mask16(inside & (rc_ahead16(e1, e2, p, sx, sy, sz) > 0.0f));

@@ -94,3 +94,40 @@ TEST_CASE("S8: surface points lie on the viewer's side of their triangle, within
   CHECK(sun_wrong == 0);
   CHECK(sky_wrong == 0);
 }
+
+TEST_CASE("S8: a flat long thin line does not shadow itself: the park's court lines under 64 directions") {
+  scene::CompiledScene scene;
+  scene::append_instance(scene, scene::append_mesh(scene, "court lines", test::court_lines()), test::placement(0, 0, 1, 118, 76, 3.41), 0);
+  scene::finish_top_tree(scene);
+  // The eastern side line of the eastern court, x = 125.465 .. 125.535 m, 28 m long: its two triangles are 400 times longer than wide.
+  TraceShape shape;
+  shape.nu = shape.nv = 8;
+  shape.pixels_per_line = 284, shape.lines = 284, shape.first_column = 140, shape.columns = 4;
+  const auto groups = test::nadir_groups(shape, 125.5, 76, 613.4, 0.1, 610, 0);
+  for (const bool bundle : {true, false}) {
+    shape.bundle = bundle;
+    test::TraceChain chain(context(), scene, shape);
+    const auto hits = chain.primary(groups);
+    const auto surface = chain.surface();
+    std::size_t points = 0, dark = 0;
+    for (std::uint32_t k = 0; k < (bundle ? 64 : 8); ++k) {
+      // First the one that check found in the park: the point (125.506, 68.954, 3.410) was dark.
+      const double c = (k + 0.5) / 64, s = std::sqrt(1 - c * c), phi = 2.4 * k;
+      const shared::rc_float4 towards = k ? shared::rc_float4{static_cast<float>(s * std::cos(phi)), static_cast<float>(s * std::sin(phi)), static_cast<float>(c), 0}
+                                          : shared::rc_float4{0.3485f, -0.7526f, 0.5586f, 0};
+      const auto mask = chain.sun(towards);
+      for (std::uint32_t pixel = 0; pixel < shape.pixels(); ++pixel)
+        for (std::uint32_t sample = 0; sample < shape.samples(); ++sample) {
+          if (hits[std::size_t{pixel} * 2 * shape.npad() + sample] == RC_NONE) continue;
+          ++points;
+          const bool seen = mask[pixel * shape.npad() / 16 + sample / 16] >> (sample % 16) & 1;
+          if (!seen && ++dark <= 3)
+            MESSAGE((bundle ? "bundle" : "single") << " direction " << k << " pixel " << pixel << " point " << surface[std::size_t{pixel} * 6 * shape.npad() + sample] << " "
+                    << surface[(std::size_t{pixel} * 6 + 1) * shape.npad() + sample] << " " << surface[(std::size_t{pixel} * 6 + 2) * shape.npad() + sample]);
+        }
+    }
+    MESSAGE((bundle ? "bundle" : "single") << ": points and directions " << points << ", dark " << dark);
+    CHECK(points > 100'000);
+    CHECK(dark == 0);
+  }
+}

@@ -117,6 +117,41 @@ scene::TriangleMesh triangle_soup(int count, double half, double size, std::uint
   return mesh;
 }
 
+scene::TriangleMesh court_lines() {
+  scene::TriangleMesh mesh;
+  const double half = 0.035, w = 7.5, h = 14, pi = std::acos(-1.0);
+  const auto line = [&](double x0, double y0, double x1, double y1) {
+    const double length = std::hypot(x1 - x0, y1 - y0), nx = -half * (y1 - y0) / length, ny = half * (x1 - x0) / length;
+    const auto base = static_cast<std::uint32_t>(mesh.vertices.size());
+    for (const Point& p : {point(x0 - nx, y0 - ny, 0), point(x0 + nx, y0 + ny, 0), point(x1 + nx, y1 + ny, 0), point(x1 - nx, y1 - ny, 0)})
+      mesh.vertices.push_back(p);
+    mesh.triangles.push_back({base, base + 2, base + 1});
+    mesh.triangles.push_back({base, base + 3, base + 2});
+  };
+  const auto arc = [&](double x, double y, double r, double from_deg, double to_deg, std::uint32_t n) {
+    const auto base = static_cast<std::uint32_t>(mesh.vertices.size());
+    for (const double q : {r - half, r + half})
+      for (std::uint32_t k = 0; k <= n; ++k) {
+        const double angle = (from_deg + (to_deg - from_deg) * k / n) * pi / 180;
+        mesh.vertices.push_back(point(x + q * std::cos(angle), y + q * std::sin(angle), 0));
+      }
+    for (std::uint32_t k = 0; k < n; ++k) mesh.triangles.push_back({base + k, base + n + 1 + k, base + n + 2 + k});
+    for (std::uint32_t k = 0; k < n; ++k) mesh.triangles.push_back({base + k, base + n + 2 + k, base + k + 1});
+  };
+  for (const double s : {-1.0, 1.0}) {
+    line(s * w, -h - half, s * w, h + half);
+    line(-w + half, s * h, w - half, s * h);
+    line(-2.45, s * (h - 5.8), 2.45, s * (h - 5.8));
+    for (const double x : {-2.45, 2.45}) line(x, s * (h - half), x, s * (h - 5.8 + half));
+    arc(0, s * (h - 5.8), 1.8, s > 0 ? 180 : 0, s > 0 ? 360 : 180, 24);
+    arc(0, s * (h - 1.575), 6.75, s > 0 ? 192 : 12, s > 0 ? 348 : 168, 48);
+  }
+  line(-w + half, 0, w - half, 0);
+  arc(0, 0, 1.8, 0, 360, 48);
+  finish(mesh);
+  return mesh;
+}
+
 scene::CompiledScene single(const scene::TriangleMesh& mesh) {
   scene::CompiledScene scene;
   scene::append_instance(scene, scene::append_mesh(scene, "mesh", mesh), kIdentity, 0);

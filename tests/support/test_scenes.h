@@ -29,6 +29,9 @@ scene::TriangleMesh crown(int leaves, double edge, double radius, std::uint32_t 
 /// `count` triangles with corners anywhere in a cube of half edge `half`, of size up to `size`.
 scene::TriangleMesh triangle_soup(int count, double half, double size, std::uint32_t seed);
 
+/// The painted lines of the park's basketball courts: 15 x 28 m, 7 cm wide, flat at z = 0, in the order of scenes/park.
+scene::TriangleMesh court_lines();
+
 /// One mesh, placed once without moving it, top tree built.
 scene::CompiledScene single(const scene::TriangleMesh& mesh);
 

@@ -6,9 +6,8 @@
 #include "kernels/sampling/sampler.h"
 
 namespace raycube::test {
-namespace {
 
-std::string options_of(const TraceShape& s, const scene::CompiledScene& scene) {
+std::string trace_options(const TraceShape& s, const scene::CompiledScene& scene) {
   std::string support = std::to_string(s.support);
   return "-cl-std=CL1.2 -Werror -DRC_NU=" + std::to_string(s.nu) + " -DRC_NV=" + std::to_string(s.nv) +
          " -DRC_CHUNK=" + std::to_string(s.chunk_samples()) + " -DRC_SAMPLER=" + std::to_string(s.sampler) +
@@ -16,8 +15,6 @@ std::string options_of(const TraceShape& s, const scene::CompiledScene& scene) {
          " -DRC_STACK=" + std::to_string(scene.stack_bound()) + " -DRC_SCATTER=" + std::to_string(s.sampler != RC_SAMPLER_GRID || s.support != 1) + " -DRC_MOVING=" + std::to_string(s.moving) +
          " -DRC_BUNDLE=" + std::to_string(s.bundle);
 }
-
-}  // namespace
 
 HostRay host_ray(const shared::RayGroup& g, const TraceShape& shape, std::uint32_t number, std::uint32_t p, std::uint32_t s) {
   float u = 0, v = 0;
@@ -48,7 +45,7 @@ std::vector<shared::RayGroup> nadir_groups(const TraceShape& shape, double x, do
 
 TraceChain::TraceChain(const cl::Context& context, const scene::CompiledScene& scene, const TraceShape& shape)
     : context_(context), shape_(shape), scene_(context, scene, shape.page_bytes),
-      options_(options_of(shape, scene) + scene_.options),
+      options_(trace_options(shape, scene) + scene_.options),
       groups_(context, shape.groups(), cl::Access::read_only, "ray groups"),
       hits_(context, std::size_t{shape.pixels()} * 2 * shape.npad(), cl::Access::read_write, "hits"),
       surface_(context, std::size_t{shape.pixels()} * 6 * shape.npad(), cl::Access::read_write, "surface points"),

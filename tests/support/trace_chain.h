@@ -45,6 +45,9 @@ HostRay host_ray(const shared::RayGroup& group, const TraceShape& shape, std::ui
 std::vector<shared::RayGroup> nadir_groups(const TraceShape& shape, double x, double y, double z, double gsd, double distance,
                                            double tilt);
 
+/// The compiler options of a shape.
+std::string trace_options(const TraceShape& shape, const scene::CompiledScene& scene);
+
 class TraceChain {
  public:
   TraceChain(const cl::Context& context, const scene::CompiledScene& scene, const TraceShape& shape);
@@ -52,9 +55,11 @@ class TraceChain {
   std::vector<std::uint32_t> primary(std::span<const shared::RayGroup> groups, std::uint32_t first_sample = 0);
   /// surface[pixel][6][npad] of the last primary()
   std::vector<float> surface();
-  /// sun_mask[pixel][npad / 16] of the last surface()
+  /// Puts points of the test's own where surface() would leave its own: [pixel][6][npad]; none of the two before is needed.
+  void set_surface(std::span<const float> points) { surface_.write(points); }
+  /// sun_mask[pixel][npad / 16] of the last surface() or set_surface()
   std::vector<std::uint16_t> sun(const shared::rc_float4& direction);
-  /// blocked[pixel][4][npad] of the last surface()
+  /// blocked[pixel][4][npad] of the last surface() or set_surface()
   std::vector<float> sky(std::span<const shared::rc_float4> directions, std::span<const shared::rc_float4> weights,
                          std::uint32_t sets);
   /// Enqueue one stage again with the arguments of the last call and wait: for timing.

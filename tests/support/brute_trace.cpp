@@ -1,0 +1,107 @@
+#include "tests/support/brute_trace.h"
+
+#include "kernels/kernel_source.h"
+
+namespace raycube::test {
+namespace {
+
+constexpr const char* kBruteSource = R"(
+static Hit brute(global const TriBlock* blocks, global const Instance* instances, global const uint* ranges, uint count,
+                 float4 origin, float4 direction) {
+  Hit hit;
+  hit.t = INFINITY;
+  hit.instance = hit.primitive = RC_NONE;
+  for (uint i = 0; i < count; ++i) {
+    global const Instance* placed = instances + i;
+    const float4 r0 = placed->local_from_world_0, r1 = placed->local_from_world_1, r2 = placed->local_from_world_2;
+    const Ray ray = placed->flags & 1u ? rc_make_ray(origin, direction)
+                                       : rc_make_ray(rc_map_point(r0, r1, r2, origin), rc_map_vector(r0, r1, r2, direction));
+    for (uint b = ranges[2 * i]; b < ranges[2 * i + 1]; ++b) {
+      float16 t;
+      const uint lanes = rc_hit_block(ray, blocks + b, &t);
+      if (lanes) rc_take_closest(&hit, i, b, lanes, t);
+    }
+  }
+  return hit;
+}
+
+kernel void brute_primary(global const TriBlock* blocks, global const Instance* instances, global const uint* ranges, uint count,
+                          global const RayGroup* groups, global uint* hits, uint seed, uint first_line, uint first_column,
+                          uint columns, uint pixels_per_line) {
+  const uint index = get_group_id(0);
+  const GroupPlace place = rc_group_place(index, first_line, first_column, columns, pixels_per_line);
+  const RayGroup group = groups[index];
+  for (uint p = 0; p < place.used; ++p) {
+    global uint* out = hits + (size_t)(place.pixel + p) * (2u * RC_NPAD);
+    for (uint k = 0; k < RC_NPAD; ++k) {
+      Hit hit;
+      hit.instance = hit.primitive = RC_NONE;
+      if (k < RC_NU * RC_NV) {
+        float a, b;
+        rc_group_sample(seed, place.number + p, p, k, &a, &b);
+        hit = brute(blocks, instances, ranges, count, rc_group_origin(group, b), rc_group_direction(group, a, b));
+      }
+      out[k] = hit.instance;
+      out[RC_NPAD + k] = hit.primitive;
+    }
+  }
+}
+
+kernel void brute_sun(global const TriBlock* blocks, global const Instance* instances, global const uint* ranges, uint count,
+                      global const float* surface, global ushort* sun_mask, float4 sun) {
+  const uint pixel = get_group_id(0);
+  global const float* in = surface + (size_t)pixel * (6u * RC_NPAD);
+  for (uint word = 0; word < RC_NWORDS; ++word) {
+    uint seen = 0;
+    for (uint k = word * 16u; k < word * 16u + 16u; ++k) {
+      const float4 normal = (float4)(in[3 * RC_NPAD + k], in[4 * RC_NPAD + k], in[5 * RC_NPAD + k], 0.0f);
+      const float4 point = (float4)(in[k], in[RC_NPAD + k], in[2 * RC_NPAD + k], 0.0f);
+      if (!(fma(sun.x, normal.x, fma(sun.y, normal.y, sun.z * normal.z)) > 0.0f)) continue;
+      if (brute(blocks, instances, ranges, count, point, sun).instance == RC_NONE) seen |= 1u << (k % 16u);
+    }
+    sun_mask[(size_t)pixel * RC_NWORDS + word] = (ushort)seen;
+  }
+}
+)";
+
+std::vector<std::uint32_t> block_ranges(const scene::CompiledScene& scene) {
+  std::vector<std::uint32_t> ranges;
+  for (const auto& placed : scene.instances) {
+    const auto& mesh = scene.meshes[placed.mesh];
+    ranges.insert(ranges.end(), {mesh.first_block, mesh.first_block + mesh.block_count});
+  }
+  return ranges;
+}
+
+}  // namespace
+
+BruteTrace::BruteTrace(const cl::Context& context, const scene::CompiledScene& scene, const TraceShape& shape)
+    : context_(context), shape_(shape), count_(static_cast<std::uint32_t>(scene.instances.size())),
+      program_(context, "brute", std::string(kernels::kernel_source("trace")) + kBruteSource, trace_options(shape, scene)),
+      primary_(program_, "brute_primary"), sun_(program_, "brute_sun"),
+      blocks_(context, scene.blocks, cl::Access::read_only, "triangle blocks"),
+      instances_(context, scene.instances, cl::Access::read_only, "instances"),
+      ranges_(context, block_ranges(scene), cl::Access::read_only, "blocks of instances"),
+      groups_(context, shape.groups(), cl::Access::read_only, "ray groups"),
+      hits_(context, std::size_t{shape.pixels()} * 2 * shape.npad(), cl::Access::read_write, "hits"),
+      points_(context, std::size_t{shape.pixels()} * 6 * shape.npad(), cl::Access::read_only, "surface points"),
+      sun_mask_(context, std::size_t{shape.pixels()} * shape.npad() / 16, cl::Access::read_write, "sun masks") {}
+
+std::vector<std::uint32_t> BruteTrace::primary(std::span<const shared::RayGroup> groups) {
+  groups_.write(groups);
+  primary_.arguments(blocks_, instances_, ranges_, count_, groups_, hits_, shape_.seed, shape_.first_line, shape_.first_column,
+                     shape_.columns, shape_.pixels_per_line);
+  context_.launch(primary_, shape_.groups());
+  context_.finish();
+  return hits_.read_all();
+}
+
+std::vector<std::uint16_t> BruteTrace::sun(std::span<const float> points, const shared::rc_float4& direction) {
+  points_.write(points);
+  sun_.arguments(blocks_, instances_, ranges_, count_, points_, sun_mask_, direction);
+  context_.launch(sun_, shape_.pixels());
+  context_.finish();
+  return sun_mask_.read_all();
+}
+
+}  // namespace raycube::test
