@@ -17,11 +17,7 @@ RC_BODY trace_primary_body(uint index, TRACE_PRIMARY_PARAMETERS) {
   const RayGroup group = groups[index];
 #if RC_BUNDLE && !RC_MOVING
   Closest closest;
-  for (uint k = 0; k < RC_SLOTS; k += 16u) {
-    rc_store16((float16)(0.0f), 0, closest.near + k);
-    rc_store16((uint16)(RC_NONE), 0, closest.instance + k);
-    rc_store16((uint16)(RC_NONE), 0, closest.primitive + k);
-  }
+  for (uint k = 0; k < RC_SLOTS; k += 16u) rc_store16((float16)(0.0f), 0, closest.near + k);
   GroupFrame frame;
   frame.rays = group;
 #if RC_SCATTER
@@ -38,14 +34,15 @@ RC_BODY trace_primary_body(uint index, TRACE_PRIMARY_PARAMETERS) {
   for (uint p = 0; p < place.used; ++p) {
     global uint* out = hits + (size_t)(place.pixel + p) * (2u * RC_NPAD);
     for (uint word = 0; word < RC_NWORDS; ++word) {
-      rc_store16(vload16(p * RC_NWORDS + word, closest.instance), word, out);
-      rc_store16(vload16(p * RC_NWORDS + word, closest.primitive), word, out + RC_NPAD);
+      const int16 none = vload16(p * RC_NWORDS + word, closest.near) == 0.0f;
+      rc_store16(select(vload16(p * RC_NWORDS + word, closest.instance), (uint16)(RC_NONE), none), word, out);
+      rc_store16(select(vload16(p * RC_NWORDS + word, closest.primitive), (uint16)(RC_NONE), none), word, out + RC_NPAD);
     }
   }
 #else
   global uint* out = hits + (size_t)place.pixel * (2u * RC_NPAD);
-  rc_write_pixels(closest.instance, place.used, frame.rows, out, 2u * RC_NPAD);
-  rc_write_pixels(closest.primitive, place.used, frame.rows, out + RC_NPAD, 2u * RC_NPAD);
+  rc_write_pixels(closest.near, closest.instance, place.used, frame.rows, out, 2u * RC_NPAD);
+  rc_write_pixels(closest.near, closest.primitive, place.used, frame.rows, out + RC_NPAD, 2u * RC_NPAD);
 #endif
 #else
   for (uint p = 0; p < place.used; ++p) {

@@ -13,10 +13,10 @@
 #define RC_HALF_B (0.5f * RC_SUPPORT)
 
 #if !RC_SCATTER
-/* Sample grid of a group: the pixels of a line side by side, kept in tiles of 4 x 4 samples. */
+/* Sample grid of a group: the pixels of a line side by side, kept in tiles of 4 x 4 samples, four tiles at a time. */
 #define RC_GRID_COLUMNS (RC_GROUP_PIXELS * RC_NU)
 #define RC_GRID_ROWS (RC_CHUNK / RC_NU)
-#define RC_TILE_COLUMNS ((RC_GRID_COLUMNS + 3) / 4)
+#define RC_TILE_COLUMNS ((RC_GRID_COLUMNS + 15) / 16 * 4)
 #define RC_TILE_ROWS ((RC_GRID_ROWS + 3) / 4)
 #define RC_SMALL 3
 #define RC_SLOTS (16 * RC_TILE_COLUMNS * RC_TILE_ROWS)
@@ -32,8 +32,8 @@ typedef struct Scatter {
 #endif
 
 typedef struct Closest {
-  float near[RC_SLOTS];    /* 1 / t of the closest hit; 0: none */
-  uint instance[RC_SLOTS], primitive[RC_SLOTS];
+  float near[RC_SLOTS];                          /* 1 / t of the closest hit; 0: none */
+  uint instance[RC_SLOTS], primitive[RC_SLOTS];  /* set where there is a hit */
 } RC_LINE Closest;
 
 /* The group in the frame of one instance (or of the scene). */
@@ -391,11 +391,9 @@ static inline void rc_primary_block(SceneArrays scene, const GroupFrame* frame, 
           const float16 before = vload16(0, closest->near + slot);
           const int16 inside = least > uncertain, nearer = inside & (near > before);
           uint rest = rc_mask16((least >= -uncertain) & (~inside | (near == before)));
-          if (rc_mask16(nearer)) {
-            rc_store16(select(before, near, nearer), 0, closest->near + slot);
-            rc_store16(select(vload16(0, closest->instance + slot), (uint16)(instance), nearer), 0, closest->instance + slot);
-            rc_store16(select(vload16(0, closest->primitive + slot), (uint16)(first + lane), nearer), 0, closest->primitive + slot);
-          }
+          rc_store16(select(before, near, nearer), 0, closest->near + slot);
+          rc_store16(select(vload16(0, closest->instance + slot), (uint16)(instance), nearer), 0, closest->instance + slot);
+          rc_store16(select(vload16(0, closest->primitive + slot), (uint16)(first + lane), nearer), 0, closest->primitive + slot);
           if (rest) {
             rest &= rc_mask16(near + slack_of[lane] >= before);
             const uint tied = rc_mask16(inside);
@@ -421,13 +419,20 @@ static inline void rc_primary_block(SceneArrays scene, const GroupFrame* frame, 
   }
 }
 
-/* From the tiles of a group to the slots of its pixels, by way of whole rows; empty slots become RC_NONE. Each step reads what
- * the one before has long written: a load that spans fresh stores waits for them. */
-static inline void rc_write_pixels(const uint* tiles, uint used, uint rows, global uint* out, size_t stride) {
-  RC_LINE uint lines[RC_GRID_ROWS * RC_TILE_COLUMNS * 4 + 16], slots[RC_GROUP_PIXELS * RC_NPAD + 16];
-  for (uint row = 0; row < rows; ++row)
-    for (uint column = 0; column < RC_TILE_COLUMNS * 4u; column += 4u)
-      vstore4(vload4(0, tiles + rc_slot(row, column)), 0, lines + row * (RC_TILE_COLUMNS * 4u) + column);
+/* From the tiles of a group to the slots of its pixels, by way of whole rows; samples without a hit and empty slots become
+ * RC_NONE. Each step reads what the one before has long written: a load that spans fresh stores waits for them. */
+static inline void rc_write_pixels(const float* near, const uint* tiles, uint used, uint rows, global uint* out, size_t stride) {
+  RC_LINE uint lines[RC_TILE_ROWS * RC_TILE_COLUMNS * 16 + 16], slots[RC_GROUP_PIXELS * RC_NPAD + 16];
+  for (uint tile = 0; tile < RC_TILE_ROWS * RC_TILE_COLUMNS; tile += 4u) {
+    uint16 t[4];
+    #pragma unroll
+    for (uint i = 0; i < 4u; ++i) t[i] = select(vload16(tile + i, tiles), (uint16)(RC_NONE), vload16(tile + i, near) == 0.0f);
+    uint* line = lines + (tile / RC_TILE_COLUMNS * (RC_TILE_COLUMNS * 4u) + tile % RC_TILE_COLUMNS) * 4u;
+    rc_store16((uint16)(t[0].s0123, t[1].s0123, t[2].s0123, t[3].s0123), 0, line);
+    rc_store16((uint16)(t[0].s4567, t[1].s4567, t[2].s4567, t[3].s4567), 0, line + RC_TILE_COLUMNS * 4);
+    rc_store16((uint16)(t[0].s89ab, t[1].s89ab, t[2].s89ab, t[3].s89ab), 0, line + RC_TILE_COLUMNS * 8);
+    rc_store16((uint16)(t[0].scdef, t[1].scdef, t[2].scdef, t[3].scdef), 0, line + RC_TILE_COLUMNS * 12);
+  }
   for (uint p = 0; p < used; ++p) {
     for (uint row = 0; row < rows; ++row)
       for (uint i = 0; i < RC_NU; i += 16u)
