@@ -9,6 +9,7 @@ import sys
 import tempfile
 
 import numpy
+import spectral.io.envi
 from driver import Program, envi, header_of, record, scene
 
 program = Program(sys.argv[1])
@@ -45,6 +46,11 @@ def check_cube(folder, pixels, lines, bands, elevation, azimuth):
     check(info["driverShortName"] == "ENVI" and info["size"] == [pixels, lines] and len(info["bands"]) == bands)
     for band, nm in zip(info["bands"], wavelength):
         check(float(band["metadata"][""]["wavelength"]) == nm and band["metadata"][""]["wavelength_units"] == "Nanometers")
+
+    # So does Spectral Python: the same samples at the same wavelengths, in nanometres.
+    image = spectral.io.envi.open(str(pathlib.Path(folder) / "radiance.hdr"), str(pathlib.Path(folder) / "radiance.img"))
+    check(image.shape == (lines, pixels, bands) and image.bands.centers == wavelength and image.bands.band_unit == "Nanometers")
+    check(numpy.array_equal(numpy.asarray(image.open_memmap()), radiance))
 
     truth_header, truth = envi(folder, "truth")
     check(truth.shape == (lines, pixels, len(truth_header["band names"])))
