@@ -1,0 +1,205 @@
+/* A group of primary rays in the frame of one instance: its projection and culling planes, the closest hits so far, and the
+ * samples that linear forms leave open, decided 16 at a time by the single-ray test. */
+#ifndef RAYCUBE_KERNELS_GEOMETRY_PRIMARY_FRAME_H
+#define RAYCUBE_KERNELS_GEOMETRY_PRIMARY_FRAME_H
+
+#include "kernels/geometry/bundle.h"
+#include "kernels/geometry/samples.h"
+
+/* Half the field that a group's samples cover, pixels. */
+#define RC_HALF_A (0.5f * (float)(RC_GROUP_PIXELS - 1) + 0.5f * RC_SUPPORT)
+#define RC_HALF_B (0.5f * RC_SUPPORT)
+
+#if !RC_SCATTER
+/* Sample grid of a group: the pixels of a line side by side, kept in tiles of 4 x 4 samples, four tiles at a time. */
+#define RC_GRID_COLUMNS (RC_GROUP_PIXELS * RC_NU)
+#define RC_GRID_ROWS (RC_CHUNK / RC_NU)
+#define RC_TILE_COLUMNS ((RC_GRID_COLUMNS + 15) / 16 * 4)
+#define RC_TILE_ROWS ((RC_GRID_ROWS + 3) / 4)
+#define RC_SMALL 3
+#define RC_SLOTS (16 * RC_TILE_COLUMNS * RC_TILE_ROWS)
+#else
+/* Samples anywhere in the field: pixel p's sample k has slot p * RC_NPAD + k; words of 16 carry their bounds. */
+#define RC_SLOTS (RC_GROUP_PIXELS * RC_NPAD)
+#define RC_SAMPLE_WORDS (RC_SLOTS / 16)
+#define RC_BOUND_SLOTS ((RC_SAMPLE_WORDS + 15) / 16 * 16)
+typedef struct Scatter {
+  float a[RC_SLOTS], b[RC_SLOTS];  /* INFINITY: no sample */
+  float lo_a[RC_BOUND_SLOTS], hi_a[RC_BOUND_SLOTS], lo_b[RC_BOUND_SLOTS], hi_b[RC_BOUND_SLOTS];
+} Scatter;
+#endif
+
+typedef struct Closest {
+  float near[RC_SLOTS];                          /* 1 / t of the closest hit; 0: none */
+  uint instance[RC_SLOTS], primitive[RC_SLOTS];  /* set where there is a hit */
+} RC_LINE Closest;
+
+/* The group in the frame of one instance (or of the scene). */
+typedef struct GroupFrame {
+  RayGroup rays;               /* in this frame, for the projection */
+  RayGroup world;              /* in the scene frame: a single ray is made there and then mapped, as rc_trace_ray does */
+  float4 l0, l1, l2;           /* local_from_world */
+  bool same;                   /* the frame is the scene's */
+  Projection map;
+#if RC_SCATTER
+  const Scatter* samples;
+#else
+  uint first_row, rows;  /* of the chunk */
+  uint columns;          /* of the pixels that exist */
+#endif
+} GroupFrame;
+
+/* Samples that the linear forms leave open, each with a triangle of the frame's mesh: decided 16 at a time. */
+typedef struct Open {
+  uint primitive[16], sample[16];  /* sample: slot (RC_SCATTER), or row * 65536 + column */
+  uint count;
+} Open;
+
+static inline float4 rc_sum_products(float4 x, float4 y) { return fabs(x) * fabs(y); }
+static inline float rc_sum3(float4 v) { return v.x + v.y + v.z; }
+
+/* Direction of a sample's single ray in the frame: the very operations of rc_trace_instance. */
+static inline float4 rc_frame_direction(const GroupFrame* frame, float a, float b) {
+  const float4 direction = rc_group_direction(frame->world, a, b);
+  return frame->same ? direction : rc_map_vector(frame->l0, frame->l1, frame->l2, direction);
+}
+
+/* Largest components of the directions in the group's field. */
+static inline float4 rc_field(RayGroup g) { return fabs(g.d0) + RC_HALF_A * fabs(g.du) + RC_HALF_B * fabs(g.dv); }
+
+/* Dual basis of (du, dv, d0): p = z (d0 + a du + b dv). Errors, in pixels, of a and b at points inside the group's field, for
+ * this map and for the single-ray test together: rows 3 ulp, sum of products 3 ulp; there the direction 3, its shear 3, the
+ * moved vertex 1, and 3 in reserve: 16 ulp of the sum of absolute products. In the frame of an instance the three basis vectors
+ * are mapped here and every direction there, 3 ulp each of the absolute products with the matrix, as is their sum: 24 ulp. */
+static inline void rc_frame_group(GroupFrame* frame, Cull* cull) {
+  const float4 du = frame->rays.du, dv = frame->rays.dv, d0 = frame->rays.d0;
+  const float4 a = rc_cross(dv, d0), b = rc_cross(d0, du), z = rc_cross(du, dv);
+  const float scale = 1.0f / rc_dot3(d0, z);
+  frame->map.origin = frame->rays.origin;
+  frame->map.a = a * scale;
+  frame->map.b = b * scale;
+  frame->map.z = z * scale;
+  const float half_a = RC_HALF_A, half_b = RC_HALF_B;
+  const float4 span = fabs(du) + fabs(dv);
+  const float4 field = frame->same ? rc_field(frame->rays) : rc_map_vector(fabs(frame->l0), fabs(frame->l1), fabs(frame->l2), rc_field(frame->world));
+  const float size = fmax(rc_sum3(rc_sum_products(frame->map.a, field)), rc_sum3(rc_sum_products(frame->map.b, field)));
+  const float depth = rc_sum3(rc_sum_products(frame->map.z, field));
+  const float growth = fmax(rc_sum3(rc_sum_products(frame->map.a, span)), rc_sum3(rc_sum_products(frame->map.b, span))) + depth;
+  frame->map.error = (frame->same ? 16.0f : 24.0f) * RC_ULP * (size + half_a * depth);
+  frame->map.error_growth = 32.0f * RC_ULP * growth;
+  frame->map.error_square = 32.0f * RC_ULP * rc_sum3(rc_sum_products(frame->map.z, span));
+  /* A thousandth of a pixel for the single-ray test, which lets in rays within 1.5 ulp of a long edge (ray_trace.h). */
+  const float edge_a = half_a + 2.0f * frame->map.error + 1e-3f, edge_b = half_b + 2.0f * frame->map.error + 1e-3f;
+  cull->ox = frame->rays.origin.x;
+  cull->oy = frame->rays.origin.y;
+  cull->oz = frame->rays.origin.z;
+  rc_set_plane(cull, 0, edge_a * frame->map.z - frame->map.a, 0.0f);
+  rc_set_plane(cull, 1, edge_a * frame->map.z + frame->map.a, 0.0f);
+  rc_set_plane(cull, 2, edge_b * frame->map.z - frame->map.b, 0.0f);
+  rc_set_plane(cull, 3, edge_b * frame->map.z + frame->map.b, 0.0f);
+}
+
+/* Keeps the larger 1 / t; of equal ones the lower instance, then the lower primitive. */
+static inline void rc_keep(Closest* closest, uint slot, float near, uint instance, uint primitive) {
+  const bool first = near == closest->near[slot] &&
+                     (instance < closest->instance[slot] || (instance == closest->instance[slot] && primitive < closest->primitive[slot]));
+  if (near > closest->near[slot] || first) {
+    closest->near[slot] = near;
+    closest->instance[slot] = instance;
+    closest->primitive[slot] = primitive;
+  }
+}
+
+/* Of the lanes that have no linear form, those that the group can see: not all behind, not all beyond one side. */
+static inline uint rc_behind(const GroupFrame* frame, global const TriBlock* block, int16 lanes) {
+  global const float* at = (global const float*)block;
+  const float edge_a = RC_HALF_A + 2.0f * frame->map.error, edge_b = RC_HALF_B + 2.0f * frame->map.error;
+  int16 back = -1, left = -1, right = -1, above = -1, below = -1;
+  for (int i = 0; i < 3; ++i) {
+    const float16 x = vload16(0, at + 48 * i) - frame->map.origin.x, y = vload16(0, at + 48 * i + 16) - frame->map.origin.y;
+    const float16 z = vload16(0, at + 48 * i + 32) - frame->map.origin.z;
+    const float16 a = rc_project_row(frame->map.a, x, y, z), b = rc_project_row(frame->map.b, x, y, z), depth = rc_project_row(frame->map.z, x, y, z);
+    const float16 slack = (fabs(a) + fabs(b) + fabs(depth)) * (frame->map.error + frame->map.error_growth);
+    back &= depth <= 0.0f;
+    left &= fma((float16)(edge_a), depth, a) < -slack;
+    right &= fma((float16)(edge_a), depth, -a) < -slack;
+    above &= fma((float16)(edge_b), depth, b) < -slack;
+    below &= fma((float16)(edge_b), depth, -b) < -slack;
+  }
+  return rc_mask16(lanes & ~(back | left | right | above | below));
+}
+
+#if RC_SCATTER
+static inline uint rc_open_slot(uint sample) { return sample; }
+static inline void rc_open_position(const GroupFrame* frame, uint sample, float* a, float* b) {
+  *a = frame->samples->a[sample];
+  *b = frame->samples->b[sample];
+}
+#else
+/* Slot of a sample of the chunk. */
+static inline uint rc_slot(uint row, uint column) {
+  return (row / 4u * RC_TILE_COLUMNS + column / 4u) * 16u + row % 4u * 4u + column % 4u;
+}
+static inline uint rc_open_slot(uint sample) { return rc_slot(sample >> 16, sample & 0xffffu); }
+static inline void rc_open_position(const GroupFrame* frame, uint sample, float* a, float* b) {
+  const uint row = sample >> 16, column = sample & 0xffffu, p = column / RC_NU;
+  rc_group_sample(0u, 0u, p, (frame->first_row + row) * RC_NU + column - p * RC_NU, a, b);
+}
+#endif
+
+/* Decides the open samples by the single-ray test and empties the list. */
+__attribute__((noinline)) static void rc_decide(SceneArrays scene, const GroupFrame* frame, Closest* closest, uint instance, Open* open) {
+  RC_LINE float corner[9][16], direction[3][16];
+  for (uint k = 0; k < open->count; ++k) {
+    global const float* at = (global const float*)rc_block(scene, open->primitive[k] / RC_BLOCK) + open->primitive[k] % RC_BLOCK;
+    #pragma unroll
+    for (uint i = 0; i < 9u; ++i) corner[i][k] = at[16u * i];
+    float a, b;
+    rc_open_position(frame, open->sample[k], &a, &b);
+    const float4 d = rc_frame_direction(frame, a, b);
+    direction[0][k] = d.x;
+    direction[1][k] = d.y;
+    direction[2][k] = d.z;
+  }
+  /* Each ray's own axes, as rc_make_ray takes them. */
+  const float16 dx = vload16(0, direction[0]), dy = vload16(0, direction[1]), dz = vload16(0, direction[2]);
+  const int16 z_first = (fabs(dz) >= fabs(dx)) & (fabs(dz) >= fabs(dy)), y_first = fabs(dy) >= fabs(dx);
+  float16 v[5][3];  /* corners, origin, direction */
+  #pragma unroll
+  for (uint i = 0; i < 5u; ++i) {
+    const float4 o = frame->rays.origin;
+    const float16 x = i < 3u ? vload16(0, corner[3u * i % 9u]) : i == 3u ? (float16)(o.x) : dx;
+    const float16 y = i < 3u ? vload16(0, corner[(3u * i + 1u) % 9u]) : i == 3u ? (float16)(o.y) : dy;
+    const float16 z = i < 3u ? vload16(0, corner[(3u * i + 2u) % 9u]) : i == 3u ? (float16)(o.z) : dz;
+    v[i][0] = select(select(y, z, y_first), x, z_first);
+    v[i][1] = select(select(z, x, y_first), y, z_first);
+    v[i][2] = select(select(x, y, y_first), z, z_first);
+  }
+  float16 t;
+  uint hits = rc_hit_pairs(v[0], v[1], v[2], v[3], v[4][0] / v[4][2], v[4][1] / v[4][2], 1.0f / v[4][2], &t) & ((1u << open->count) - 1u);
+  open->count = 0;
+  if (!hits) return;
+  RC_LINE float near[16];
+  rc_store16(1.0f / t, 0, near);
+  for (; hits; hits &= hits - 1u) {
+    const uint k = rc_lowest(hits);
+    rc_keep(closest, rc_open_slot(open->sample[k]), near[k], instance, open->primitive[k]);
+  }
+}
+
+static inline void rc_leave_open(SceneArrays scene, const GroupFrame* frame, Closest* closest, uint instance, Open* open, uint primitive, uint sample) {
+  open->primitive[open->count] = primitive;
+  open->sample[open->count] = sample;
+  if (++open->count == 16u) rc_decide(scene, frame, closest, instance, open);
+}
+
+/* How far above its linear form a triangle's 1 / t may lie by the single-ray test, on samples that may belong to it: what the
+ * form moves in the band outside, and 64 roundings of the farthest corner's distance. An open sample whose 1 / t stays below
+ * what is kept already needs no decision. */
+static inline float16 rc_near_slack(const Setup* s) {
+  const float16 q1 = s->q0 + s->q1, q2 = s->q0 + s->q2;
+  const float16 most = rc_max16(s->q0, rc_max16(q1, q2)), least = rc_min16(s->q0, rc_min16(q1, q2));
+  return fma(2.0f * s->band, fabs(s->q1) + fabs(s->q2), 64.0f * RC_ULP * most * (most / least));
+}
+
+#endif

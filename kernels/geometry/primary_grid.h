@@ -1,0 +1,156 @@
+/* A block of 16 triangles against the plain sample grid: projected at once and dropped unless a sample lies in their rectangle;
+ * small ones (at most 3 x 3 samples) are tested with triangles as lanes, large ones with a tile of 4 x 4 samples as lanes. */
+#ifndef RAYCUBE_KERNELS_GEOMETRY_PRIMARY_GRID_H
+#define RAYCUBE_KERNELS_GEOMETRY_PRIMARY_GRID_H
+
+#include "kernels/geometry/primary_frame.h"
+
+#if !RC_SCATTER
+/* Image-plane coordinates of a column and of a row of the whole pixel. */
+static inline float16 rc_column_a(float16 column) {
+  return fma(column, (float16)(1.0f / RC_NU), (float16)(0.5f / RC_NU - 0.5f * RC_GROUP_PIXELS));
+}
+static inline float16 rc_row_b(float16 row) { return fma(row, (float16)(1.0f / RC_NV), (float16)(0.5f / RC_NV - 0.5f)); }
+
+static inline void rc_primary_block(SceneArrays scene, const GroupFrame* frame, Closest* closest, Open* open, uint index, uint instance) {
+  global const TriBlock* block = rc_block(scene, index);
+  const uint first = index * RC_BLOCK;
+  const Setup s = rc_setup_block(&frame->map, block, true);
+  /* Samples inside each rectangle: first and last column and row. The 1e-5 covers the rounding of these four lines. */
+  const float16 left = rc_max16(ceil(fma(s.lo_a, (float16)(RC_NU), (float16)(0.5f * RC_GRID_COLUMNS - 0.5f - 1e-5f))), (float16)(0.0f));
+  const float16 right = rc_min16(floor(fma(s.hi_a, (float16)(RC_NU), (float16)(0.5f * RC_GRID_COLUMNS - 0.5f + 1e-5f))), (float16)((float)frame->columns - 1.0f));
+  const float row_shift = 0.5f * RC_NV - 0.5f - (float)frame->first_row;
+  const float16 above = rc_max16(ceil(fma(s.lo_b, (float16)(RC_NV), (float16)(row_shift - 1e-5f))), (float16)(0.0f));
+  const float16 below = rc_min16(floor(fma(s.hi_b, (float16)(RC_NV), (float16)(row_shift + 1e-5f))), (float16)((float)(frame->rows - 1u)));
+  const float16 columns = right - left, rows = below - above;
+  const int16 seen = s.usable & (columns >= 0.0f) & (rows >= 0.0f);
+  const uint seen_bits = rc_mask16(seen);
+  const uint behind_bits = rc_mask16(s.behind) ? rc_behind(frame, block, s.behind) : 0u;
+  if (!(seen_bits | behind_bits)) return;
+  const int16 small = seen & (columns < (float)RC_SMALL) & (rows < (float)RC_SMALL);
+  const uint small_bits = rc_mask16(small);
+  uint large_bits = seen_bits & ~small_bits;
+  RC_LINE uint left_of[16], above_of[16];
+  rc_store16(convert_uint16(left), 0, left_of);
+  rc_store16(convert_uint16(above), 0, above_of);
+  const float16 slack = rc_near_slack(&s);
+
+  if (small_bits) {
+    #pragma unroll 1
+    for (int r = 0; r < RC_SMALL; ++r) {
+      const int16 in_row = small & (rows >= (float)r);
+      if (!rc_mask16(in_row)) break;
+      const float16 b = rc_row_b(above + ((float)frame->first_row + (float)r));
+      #pragma unroll 1
+      for (int c = 0; c < RC_SMALL; ++c) {
+        const int16 in_cell = in_row & (columns >= (float)c);
+        const float16 a = rc_column_a(left + (float)c);
+        const float16 l1 = fma(s.l1a, a, fma(s.l1b, b, s.l1c)), l2 = fma(s.l2a, a, fma(s.l2b, b, s.l2c));
+        const float16 least = rc_min16(rc_min16(l1, l2), (1.0f - l1) - l2);
+        uint bits = rc_mask16(in_cell & (least >= -s.band));
+        if (!bits) continue;
+        const uint undecided = rc_mask16(least <= s.band);
+        const float16 here = fma(l1, s.q1, fma(l2, s.q2, s.q0));
+        RC_LINE float near[16], near_most[16];
+        rc_store16(here, 0, near);
+        rc_store16(here + slack, 0, near_most);
+        while (bits) {
+          const uint lane = rc_lowest(bits), row = above_of[lane] + r, column = left_of[lane] + c, slot = rc_slot(row, column);
+          bits &= bits - 1u;
+          if (!(undecided >> lane & 1u)) rc_keep(closest, slot, near[lane], instance, first + lane);
+          else if (near_most[lane] >= closest->near[slot]) rc_leave_open(scene, frame, closest, instance, open, first + lane, row << 16 | column);
+        }
+      }
+    }
+  }
+
+  if (large_bits) {
+    RC_LINE float l1a[16], l1b[16], l1c[16], l2a[16], l2b[16], l2c[16], q0[16], q1[16], q2[16], band[16], slack_of[16];
+    RC_LINE uint right_of[16], below_of[16];
+    rc_store16(s.l1a, 0, l1a);
+    rc_store16(s.l1b, 0, l1b);
+    rc_store16(s.l1c, 0, l1c);
+    rc_store16(s.l2a, 0, l2a);
+    rc_store16(s.l2b, 0, l2b);
+    rc_store16(s.l2c, 0, l2c);
+    rc_store16(s.q0, 0, q0);
+    rc_store16(s.q1, 0, q1);
+    rc_store16(s.q2, 0, q2);
+    rc_store16(s.band, 0, band);
+    rc_store16(slack, 0, slack_of);
+    rc_store16(convert_uint16(right), 0, right_of);
+    rc_store16(convert_uint16(below), 0, below_of);
+    const float16 lane_column = (float16)(0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3);
+    const float16 lane_row = (float16)(0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3) + (float)frame->first_row;
+    while (large_bits) {
+      const uint lane = rc_lowest(large_bits);
+      large_bits &= large_bits - 1u;
+      const uint first_column = left_of[lane] / 4u, last_column = right_of[lane] / 4u, last_row = below_of[lane] / 4u;
+      const float16 uncertain = band[lane];
+      for (uint tile_row = above_of[lane] / 4u; tile_row <= last_row; ++tile_row) {
+        const float16 b = rc_row_b(lane_row + (float)(4u * tile_row));
+        float16 column_of = lane_column + (float)(4u * first_column);
+        const float16 l1_row = fma((float16)(l1b[lane]), b, (float16)(l1c[lane])), l2_row = fma((float16)(l2b[lane]), b, (float16)(l2c[lane]));
+        for (uint tile_column = first_column; tile_column <= last_column; ++tile_column, column_of += 4.0f) {
+          const uint slot = (tile_row * RC_TILE_COLUMNS + tile_column) * 16u;
+          const float16 a = rc_column_a(column_of);
+          const float16 l1 = fma((float16)(l1a[lane]), a, l1_row), l2 = fma((float16)(l2a[lane]), a, l2_row);
+          const float16 least = rc_min16(rc_min16(l1, l2), (1.0f - l1) - l2);
+          const float16 near = fma(l1, (float16)(q1[lane]), fma(l2, (float16)(q2[lane]), (float16)(q0[lane])));
+          const float16 before = vload16(0, closest->near + slot);
+          const int16 inside = least > uncertain, nearer = inside & (near > before);
+          uint rest = rc_mask16((least >= -uncertain) & (~inside | (near == before)));
+          rc_store16(select(before, near, nearer), 0, closest->near + slot);
+          rc_store16(select(vload16(0, closest->instance + slot), (uint16)(instance), nearer), 0, closest->instance + slot);
+          rc_store16(select(vload16(0, closest->primitive + slot), (uint16)(first + lane), nearer), 0, closest->primitive + slot);
+          if (rest) {
+            rest &= rc_mask16(near + slack_of[lane] >= before);
+            const uint tied = rc_mask16(inside);
+            RC_LINE float near_of[16];
+            rc_store16(near, 0, near_of);
+            for (; rest; rest &= rest - 1u) {
+              const uint k = rc_lowest(rest), row = tile_row * 4u + k / 4u, column = tile_column * 4u + k % 4u;
+              if (row >= frame->rows || column >= frame->columns) continue;
+              if (tied >> k & 1u) rc_keep(closest, slot + k, near_of[k], instance, first + lane);
+              else rc_leave_open(scene, frame, closest, instance, open, first + lane, row << 16 | column);
+            }
+          }
+        }
+      }
+    }
+  }
+
+  for (uint lanes = behind_bits; lanes; lanes &= lanes - 1u) {  /* crosses the sensor's plane: every sample alone */
+    const uint lane = rc_lowest(lanes);
+    for (uint row = 0; row < frame->rows; ++row)
+      for (uint column = 0; column < frame->columns; ++column)
+        rc_leave_open(scene, frame, closest, instance, open, first + lane, row << 16 | column);
+  }
+}
+
+/* From the tiles of a group to the slots of its pixels, by way of whole rows; samples without a hit and empty slots become
+ * RC_NONE. Each step reads what the one before has long written: a load that spans fresh stores waits for them. */
+static inline void rc_write_pixels(const float* near, const uint* tiles, uint used, uint rows, global uint* out, size_t stride) {
+  RC_LINE uint lines[RC_TILE_ROWS * RC_TILE_COLUMNS * 16 + 16], slots[RC_GROUP_PIXELS * RC_NPAD + 16];
+  for (uint tile = 0; tile < RC_TILE_ROWS * RC_TILE_COLUMNS; tile += 4u) {
+    uint16 t[4];
+    #pragma unroll
+    for (uint i = 0; i < 4u; ++i) t[i] = select(vload16(tile + i, tiles), (uint16)(RC_NONE), vload16(tile + i, near) == 0.0f);
+    uint* line = lines + (tile / RC_TILE_COLUMNS * (RC_TILE_COLUMNS * 4u) + tile % RC_TILE_COLUMNS) * 4u;
+    rc_store16((uint16)(t[0].s0123, t[1].s0123, t[2].s0123, t[3].s0123), 0, line);
+    rc_store16((uint16)(t[0].s4567, t[1].s4567, t[2].s4567, t[3].s4567), 0, line + RC_TILE_COLUMNS * 4);
+    rc_store16((uint16)(t[0].s89ab, t[1].s89ab, t[2].s89ab, t[3].s89ab), 0, line + RC_TILE_COLUMNS * 8);
+    rc_store16((uint16)(t[0].scdef, t[1].scdef, t[2].scdef, t[3].scdef), 0, line + RC_TILE_COLUMNS * 12);
+  }
+  for (uint p = 0; p < used; ++p) {
+    for (uint row = 0; row < rows; ++row)
+      for (uint i = 0; i < RC_NU; i += 16u)
+        rc_store16(vload16(0, lines + row * (RC_TILE_COLUMNS * 4u) + p * RC_NU + i), 0, slots + p * RC_NPAD + row * RC_NU + i);
+    for (uint k = rows * RC_NU; k < RC_NPAD; ++k) slots[p * RC_NPAD + k] = RC_NONE;
+  }
+  for (uint p = 0; p < used; ++p)
+    for (uint word = 0; word < RC_NWORDS; ++word) rc_store16(vload16(p * RC_NWORDS + word, slots), word, out + p * stride);
+}
+
+#endif
+#endif

@@ -1,0 +1,100 @@
+/* A block of 16 triangles against samples anywhere in the field (RC_SCATTER), by words of 16 samples with their bounds. */
+#ifndef RAYCUBE_KERNELS_GEOMETRY_PRIMARY_SCATTER_H
+#define RAYCUBE_KERNELS_GEOMETRY_PRIMARY_SCATTER_H
+
+#include "kernels/geometry/primary_frame.h"
+
+#if RC_SCATTER
+static inline void rc_primary_block(SceneArrays scene, const GroupFrame* frame, Closest* closest, Open* open, uint index, uint instance) {
+  global const TriBlock* block = rc_block(scene, index);
+  const uint first = index * RC_BLOCK;
+  const Setup s = rc_setup_block(&frame->map, block, true);
+  const Scatter* samples = frame->samples;
+  uint lanes = rc_mask16(s.usable & (s.lo_a <= RC_HALF_A) & (s.hi_a >= -RC_HALF_A) & (s.lo_b <= RC_HALF_B) & (s.hi_b >= -RC_HALF_B));
+  const uint behind_bits = rc_mask16(s.behind) ? rc_behind(frame, block, s.behind) : 0u;
+  if (!(lanes | behind_bits)) return;
+  RC_LINE float slack[16];
+  rc_store16(rc_near_slack(&s), 0, slack);
+  RC_LINE float l1a[16], l1b[16], l1c[16], l2a[16], l2b[16], l2c[16], q0[16], q1[16], q2[16], bands[16], lo_a[16], hi_a[16], lo_b[16], hi_b[16];
+  rc_store16(s.l1a, 0, l1a);
+  rc_store16(s.l1b, 0, l1b);
+  rc_store16(s.l1c, 0, l1c);
+  rc_store16(s.l2a, 0, l2a);
+  rc_store16(s.l2b, 0, l2b);
+  rc_store16(s.l2c, 0, l2c);
+  rc_store16(s.q0, 0, q0);
+  rc_store16(s.q1, 0, q1);
+  rc_store16(s.q2, 0, q2);
+  rc_store16(s.band, 0, bands);
+  rc_store16(s.lo_a, 0, lo_a);
+  rc_store16(s.hi_a, 0, hi_a);
+  rc_store16(s.lo_b, 0, lo_b);
+  rc_store16(s.hi_b, 0, hi_b);
+  for (; lanes; lanes &= lanes - 1u) {
+    const uint lane = rc_lowest(lanes);
+    const float16 band = bands[lane];
+    for (uint base = 0; base < RC_SAMPLE_WORDS; base += 16u) {
+      uint touched = rc_mask16((vload16(0, samples->lo_a + base) <= hi_a[lane]) & (vload16(0, samples->hi_a + base) >= lo_a[lane]) &
+                               (vload16(0, samples->lo_b + base) <= hi_b[lane]) & (vload16(0, samples->hi_b + base) >= lo_b[lane]));
+      for (; touched; touched &= touched - 1u) {
+        const uint slot = (base + rc_lowest(touched)) * 16u;
+        const float16 a = vload16(0, samples->a + slot), b = vload16(0, samples->b + slot);
+        const float16 l1 = fma((float16)(l1a[lane]), a, fma((float16)(l1b[lane]), b, (float16)(l1c[lane])));
+        const float16 l2 = fma((float16)(l2a[lane]), a, fma((float16)(l2b[lane]), b, (float16)(l2c[lane])));
+        const float16 least = rc_min16(rc_min16(l1, l2), (1.0f - l1) - l2);
+        const int16 exists = (a < INFINITY) & (least >= -band);
+        if (!rc_mask16(exists)) continue;
+        const float16 near = fma(l1, (float16)(q1[lane]), fma(l2, (float16)(q2[lane]), (float16)(q0[lane])));
+        const float16 before = vload16(0, closest->near + slot);
+        const int16 inside = exists & (least > band), nearer = inside & (near > before);
+        if (rc_mask16(nearer)) {
+          rc_store16(select(before, near, nearer), 0, closest->near + slot);
+          rc_store16(select(vload16(0, closest->instance + slot), (uint16)(instance), nearer), 0, closest->instance + slot);
+          rc_store16(select(vload16(0, closest->primitive + slot), (uint16)(first + lane), nearer), 0, closest->primitive + slot);
+        }
+        uint rest = rc_mask16(exists & (~inside | (near == before)) & (near + slack[lane] >= before));
+        if (!rest) continue;
+        const uint tied = rc_mask16(inside);
+        RC_LINE float near_of[16];
+        rc_store16(near, 0, near_of);
+        for (; rest; rest &= rest - 1u) {
+          const uint k = rc_lowest(rest);
+          if (tied >> k & 1u) rc_keep(closest, slot + k, near_of[k], instance, first + lane);
+          else rc_leave_open(scene, frame, closest, instance, open, first + lane, slot + k);
+        }
+      }
+    }
+  }
+  for (uint rest = behind_bits; rest; rest &= rest - 1u)  /* crosses the sensor's plane: every sample alone */
+    for (uint slot = 0; slot < RC_SLOTS; ++slot)
+      if (samples->a[slot] < INFINITY) rc_leave_open(scene, frame, closest, instance, open, first + rc_lowest(rest), slot);
+}
+
+/* Positions of samples first .. first + count - 1 of the group's pixels, and the bounds of their words. */
+static inline void rc_scatter_samples(Scatter* samples, uint seed, GroupPlace place, uint first, uint count) {
+  for (uint p = 0; p < RC_GROUP_PIXELS; ++p)
+    for (uint k = 0; k < RC_NPAD; ++k) {
+      float a = INFINITY, b = INFINITY;
+      if (p < place.used && k < count) rc_group_sample(seed, place.number + p, p, first + k, &a, &b);
+      samples->a[p * RC_NPAD + k] = a;
+      samples->b[p * RC_NPAD + k] = b;
+    }
+  for (uint word = 0; word < RC_BOUND_SLOTS; ++word) {
+    float lo_a = INFINITY, hi_a = -INFINITY, lo_b = INFINITY, hi_b = -INFINITY;
+    for (uint k = 0; word < RC_SAMPLE_WORDS && k < 16u; ++k) {
+      const float a = samples->a[word * 16u + k], b = samples->b[word * 16u + k];
+      if (!(a < INFINITY)) continue;
+      lo_a = fmin(lo_a, a);
+      hi_a = fmax(hi_a, a);
+      lo_b = fmin(lo_b, b);
+      hi_b = fmax(hi_b, b);
+    }
+    samples->lo_a[word] = lo_a;
+    samples->hi_a[word] = hi_a;
+    samples->lo_b[word] = lo_b;
+    samples->hi_b[word] = hi_b;
+  }
+}
+
+#endif
+#endif
