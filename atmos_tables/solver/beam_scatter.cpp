@@ -11,17 +11,19 @@
 namespace raycube::atmos::solver {
 namespace {
 
-/// The small-angle expansion holds in the aureole: whole within 10 degrees of the beam, fading to nothing at 20, smooth in
-/// between so that radiance stays continuous.
+/// The small-angle expansion holds in the aureole: whole within 10 degrees of the beam, fading to nothing at
+/// 20, smooth in between so that radiance stays continuous.
 double aureole_weight(double cos_angle) {
   constexpr double kWhole = 10 * std::numbers::pi / 180, kNone = 20 * std::numbers::pi / 180;
-  const double part = std::clamp((kNone - std::acos(std::clamp(cos_angle, -1.0, 1.0))) / (kNone - kWhole), 0.0, 1.0);
+  const double part =
+      std::clamp((kNone - std::acos(std::clamp(cos_angle, -1.0, 1.0))) / (kNone - kWhole), 0.0, 1.0);
   return part * part * (3 - 2 * part);
 }
 
 }  // namespace
 
-double once_scattered(const BeamColumn& column, double cosine, bool up, double cos_angle, const Place& place) {
+double once_scattered(const BeamColumn& column, double cosine, bool up, double cos_angle,
+                      const Place& place) {
   const std::size_t count = column.scaled->size();
   if (count == 0 || column.flux <= 0) return 0;
   double radiance = 0;
@@ -35,8 +37,9 @@ double once_scattered(const BeamColumn& column, double cosine, bool up, double c
     if (scaled.source_albedo <= 0 || scaled.depth <= 0) continue;
     const std::vector<double>& moments = (*column.layers)[i].phase_moments;
     const bool exact = column.exact_phase && !moments.empty();
-    const double phase = exact ? scaled.source_albedo * legendre_series(moments, moments.size(), cos_angle)
-                               : scaled.albedo * legendre_series(scaled.moment, scaled.moment.size(), cos_angle);
+    const double phase =
+        exact ? scaled.source_albedo * legendre_series(moments, moments.size(), cos_angle)
+              : scaled.albedo * legendre_series(scaled.moment, scaled.moment.size(), cos_angle);
     radiance += column.flux / (4 * std::numbers::pi) * phase * beam.top * sight_falling(sight, beam.slope);
   }
   return radiance;
@@ -64,7 +67,8 @@ double aureole_excess(const BeamColumn& column, double cosine, double cos_angle,
   for (std::size_t k = static_cast<std::size_t>(column.streams); k < longest; ++k) {
     double moment = 0;
     for (std::size_t i = 0; i < share.size(); ++i)
-      if (k < (*column.layers)[i].phase_moments.size()) moment += share[i] * (*column.layers)[i].phase_moments[k];
+      if (k < (*column.layers)[i].phase_moments.size())
+        moment += share[i] * (*column.layers)[i].phase_moments[k];
     moment /= truncated;
     spike[k] = moment * (2 - moment);
   }

@@ -9,7 +9,8 @@ ScaledLayer scale_layer(const Layer& layer, int streams, bool delta_m) {
   const auto count = static_cast<std::size_t>(streams);
   scaled.moment.assign(count, 0.0);
   scaled.moment[0] = 1;
-  for (std::size_t k = 1; k < std::min(count, layer.phase_moments.size()); ++k) scaled.moment[k] = layer.phase_moments[k];
+  for (std::size_t k = 1; k < std::min(count, layer.phase_moments.size()); ++k)
+    scaled.moment[k] = layer.phase_moments[k];
   const double omega = std::clamp(layer.scattering_albedo, 0.0, 1.0);
   scaled.true_depth = layer.optical_depth;
   scaled.true_albedo = omega;

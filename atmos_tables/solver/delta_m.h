@@ -15,7 +15,8 @@ struct ScaledLayer {
   double true_depth = 0;       ///< tau
   double true_albedo = 0;      ///< omega, clamped to [0, 1]
   double truncation = 0;       ///< f = chi_streams; 0 without delta-M
-  double source_albedo = 0;    ///< omega / (1 - omega f): strength of the exact single scattering along the scaled depth (TMS)
+  double source_albedo =
+      0;  ///< omega / (1 - omega f): strength of the exact single scattering along the scaled depth (TMS)
 };
 
 /// A phase function that is a forward delta (f = 1) becomes a layer without scattering.

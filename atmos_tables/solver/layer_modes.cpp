@@ -24,8 +24,8 @@ VectorXd moments_of_parity(const ScaledLayer& layer, const OrderBasis& basis, in
   return weight;
 }
 
-/// L with E+ = L L^T. Rounding, or moments no positive phase function has, can leave E+ indefinite: then its eigenvalues are
-/// floored so that the solution stays finite.
+/// L with E+ = L L^T. Rounding, or moments no positive phase function has, can leave E+ indefinite: then its
+/// eigenvalues are floored so that the solution stays finite.
 MatrixXd square_root(const MatrixXd& symmetric) {
   const Eigen::LLT<MatrixXd> factor(symmetric);
   if (factor.info() == Eigen::Success) return factor.matrixL();
@@ -41,7 +41,8 @@ void solve_modes(LayerMode& mode, const MatrixXd& even, const MatrixXd& odd, boo
   const MatrixXd product = root.transpose() * even * root;
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(0.5 * (product + product.transpose()));
   VectorXd square = eigen.eigenvalues().cwiseMax(0.0);
-  // Conservative scattering keeps energy: one eigenvalue is 0, and rounding (1e-16 of the largest, 1/mu_1^2) must not say otherwise.
+  // Conservative scattering keeps energy: one eigenvalue is 0, and rounding (1e-16 of the largest, 1/mu_1^2)
+  // must not say otherwise.
   if (conservative) square(0) = 0;
   mode.k = square.cwiseSqrt();
   mode.x = root * eigen.eigenvectors();
@@ -49,8 +50,9 @@ void solve_modes(LayerMode& mode, const MatrixXd& even, const MatrixXd& odd, boo
   mode.z = root.transpose().partialPivLu().solve(eigen.eigenvectors());
 }
 
-/// reflect + transmit = (1-G)(1+G)^-1 and reflect - transmit = (H-1)(H+1)^-1, G = Z k tanh(k d/2) Z^T, H = X tanh(k d/2)/k X^T:
-/// the responses to equal and to opposite light on the two faces. Both are contractions, at every depth.
+/// reflect + transmit = (1-G)(1+G)^-1 and reflect - transmit = (H-1)(H+1)^-1, G = Z k tanh(k d/2) Z^T, H = X
+/// tanh(k d/2)/k X^T: the responses to equal and to opposite light on the two faces. Both are contractions,
+/// at every depth.
 void solve_operators(LayerMode& mode) {
   const Eigen::Index count = mode.k.size();
   VectorXd even(count), odd(count);
@@ -60,8 +62,10 @@ void solve_operators(LayerMode& mode) {
     odd(j) = half < 1e-8 ? 0.5 * mode.depth : tanh_half / mode.k(j);
   }
   const MatrixXd one = MatrixXd::Identity(count, count);
-  const MatrixXd equal = Eigen::LLT<MatrixXd>(one + mode.z * even.asDiagonal() * mode.z.transpose()).solve(one);
-  const MatrixXd opposite = Eigen::LLT<MatrixXd>(one + mode.x * odd.asDiagonal() * mode.x.transpose()).solve(one);
+  const MatrixXd equal =
+      Eigen::LLT<MatrixXd>(one + mode.z * even.asDiagonal() * mode.z.transpose()).solve(one);
+  const MatrixXd opposite =
+      Eigen::LLT<MatrixXd>(one + mode.x * odd.asDiagonal() * mode.x.transpose()).solve(one);
   mode.reflect = equal - opposite;
   mode.transmit = equal + opposite - one;
 }
@@ -70,28 +74,35 @@ void solve_operators(LayerMode& mode) {
 
 OrderBasis order_basis(int order, int streams, const HalfRange& nodes, double beam_cosine) {
   const Eigen::Index degrees = streams - order;
-  OrderBasis basis{order, MatrixXd(degrees, static_cast<Eigen::Index>(nodes.cosine.size())), VectorXd(degrees)};
+  OrderBasis basis{order, MatrixXd(degrees, static_cast<Eigen::Index>(nodes.cosine.size())),
+                   VectorXd(degrees)};
   const auto column = [&](double cosine) -> VectorXd {
     const std::vector<double> value = normalized_legendre(order, streams, cosine);
     return Eigen::Map<const VectorXd>(value.data(), degrees);
   };
-  for (std::size_t i = 0; i < nodes.cosine.size(); ++i) basis.node.col(static_cast<Eigen::Index>(i)) = column(nodes.cosine[i]);
+  for (std::size_t i = 0; i < nodes.cosine.size(); ++i)
+    basis.node.col(static_cast<Eigen::Index>(i)) = column(nodes.cosine[i]);
   basis.beam = column(beam_cosine);
   return basis;
 }
 
-LayerMode solve_layer(const ScaledLayer& layer, const LayerSources& sources, const OrderBasis& basis, const HalfRange& nodes) {
+LayerMode solve_layer(const ScaledLayer& layer, const LayerSources& sources, const OrderBasis& basis,
+                      const HalfRange& nodes) {
   const auto count = static_cast<Eigen::Index>(nodes.cosine.size());
   const Eigen::Map<const VectorXd> mu(nodes.cosine.data(), count), weight(nodes.weight.data(), count);
-  const VectorXd ratio = (weight.array() / mu.array()).sqrt(), flux_root = (weight.array() * mu.array()).sqrt();
-  const VectorXd even_moment = moments_of_parity(layer, basis, 0), odd_moment = moments_of_parity(layer, basis, 1);
+  const VectorXd ratio = (weight.array() / mu.array()).sqrt(),
+                 flux_root = (weight.array() * mu.array()).sqrt();
+  const VectorXd even_moment = moments_of_parity(layer, basis, 0),
+                 odd_moment = moments_of_parity(layer, basis, 1);
   const MatrixXd scaled_node = basis.node * ratio.asDiagonal();
   const MatrixXd inverse = mu.cwiseInverse().asDiagonal();
 
   LayerMode mode;
   mode.depth = layer.depth;
-  const MatrixXd even = inverse - layer.albedo * scaled_node.transpose() * even_moment.asDiagonal() * scaled_node;
-  const MatrixXd odd = inverse - layer.albedo * scaled_node.transpose() * odd_moment.asDiagonal() * scaled_node;
+  const MatrixXd even =
+      inverse - layer.albedo * scaled_node.transpose() * even_moment.asDiagonal() * scaled_node;
+  const MatrixXd odd =
+      inverse - layer.albedo * scaled_node.transpose() * odd_moment.asDiagonal() * scaled_node;
   solve_modes(mode, even, odd, basis.order == 0 && layer.albedo >= 1);
   solve_operators(mode);
 
@@ -103,10 +114,13 @@ LayerMode solve_layer(const ScaledLayer& layer, const LayerSources& sources, con
     const VectorXd difference = -strength * (scaled_node.transpose() * odd_moment.cwiseProduct(basis.beam));
     mode.beam_odd = mode.z.transpose() * difference;
     const VectorXd even_source = mode.x.transpose() * sum;
-    mode.beam_source = ((mode.beam_slope * mode.beam_odd - even_source).array() / (mode.k.array() + mode.beam_slope)).matrix();
+    mode.beam_source =
+        ((mode.beam_slope * mode.beam_odd - even_source).array() / (mode.k.array() + mode.beam_slope))
+            .matrix();
   }
   if (basis.order == 0 && (sources.planck_top > 0 || sources.planck_bottom > 0)) {
-    // Radiance equal to B in every direction solves the equations for any albedo; a slope adds d = 2 B' E+^-1 sqrt(w mu).
+    // Radiance equal to B in every direction solves the equations for any albedo; a slope adds d = 2 B' E+^-1
+    // sqrt(w mu).
     mode.thermal = 2 * (mode.z.transpose() * flux_root);
     const bool thin = layer.depth < kThinEmission;
     mode.planck_top = thin ? 0.5 * (sources.planck_top + sources.planck_bottom) : sources.planck_top;
@@ -121,7 +135,8 @@ ModalField particular_field(const LayerMode& mode, double u) {
   if (mode.beam_source.size() > 0) {
     const double fade = std::exp(-mode.beam_slope * u);
     for (Eigen::Index j = 0; j < count; ++j) {
-      const double difference = u * exp_difference(mode.k(j) * u, mode.beam_slope * u);  // (e^-ku - e^-slope u)/(slope - k)
+      const double difference =
+          u * exp_difference(mode.k(j) * u, mode.beam_slope * u);  // (e^-ku - e^-slope u)/(slope - k)
       field.sigma(j) = -mode.beam_source(j) * difference;
       field.delta(j) = mode.beam_source(j) * (mode.k(j) * difference - fade) + mode.beam_odd(j) * fade;
     }
@@ -143,8 +158,8 @@ LayerEmission layer_emission(const LayerMode& mode) {
           0.5 * (s_bottom - d_bottom) - mode.transmit * in_top - mode.reflect * in_bottom};
 }
 
-Amplitudes homogeneous_amplitudes(const LayerMode& mode, const VectorXd& up_top, const VectorXd& down_top, const VectorXd& up_bottom,
-                                  const VectorXd& down_bottom, bool particular) {
+Amplitudes homogeneous_amplitudes(const LayerMode& mode, const VectorXd& up_top, const VectorXd& down_top,
+                                  const VectorXd& up_bottom, const VectorXd& down_bottom, bool particular) {
   Amplitudes amplitudes{0.5 * (mode.z.transpose() * (up_top + down_top + up_bottom + down_bottom)),
                         0.5 * (mode.x.transpose() * (up_top - down_top + up_bottom - down_bottom))};
   if (particular) {

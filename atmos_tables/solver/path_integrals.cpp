@@ -23,7 +23,8 @@ double sight_difference(const Sight& sight, double first, double second) {
   if (!sight.up) return seen * seen * slope * exp_difference(first * seen, second * seen, slope * seen);
   // D(u_near + w) = exp(-first u_near) D(w) + exp(-second w) D(u_near)
   const double at_near = sight.u_near * exp_difference(first * sight.u_near, second * sight.u_near);
-  return std::exp(-first * sight.u_near) * seen * seen * slope * exp_difference(0, (first + slope) * seen, (second + slope) * seen) +
+  return std::exp(-first * sight.u_near) * seen * seen * slope *
+             exp_difference(0, (first + slope) * seen, (second + slope) * seen) +
          at_near * seen * slope * exp_mean((second + slope) * seen);
 }
 

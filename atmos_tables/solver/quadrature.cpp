@@ -10,7 +10,8 @@ HalfRange gauss_half_range(int count) {
   rule.cosine.resize(static_cast<std::size_t>(count));
   rule.weight.resize(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) {
-    // Newton's method from Tricomi's starting value; quadratic, so eight steps are plenty from an error below 1e-2.
+    // Newton's method from Tricomi's starting value; quadratic, so eight steps are plenty from an error below
+    // 1e-2.
     double x = std::cos(std::numbers::pi * (i + 0.75) / (count + 0.5)), slope = 1;
     for (int step = 0; step < 8; ++step) {
       double previous = 0, value = 1;

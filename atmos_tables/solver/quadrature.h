@@ -1,5 +1,5 @@
-// Double-Gauss quadrature: Gauss-Legendre nodes of each hemisphere by itself (Sykes 1951; Stamnes, Tsay, Wiscombe & Jayaweera
-// 1988, Appl. Opt. 27, 2502, section II.B), because radiance may jump at the horizon.
+// Double-Gauss quadrature: Gauss-Legendre nodes of each hemisphere by itself (Sykes 1951; Stamnes, Tsay,
+// Wiscombe & Jayaweera 1988, Appl. Opt. 27, 2502, section II.B), because radiance may jump at the horizon.
 #pragma once
 
 #include <vector>

@@ -26,9 +26,9 @@ struct ColumnSolution::Data {
   HalfRange nodes;
   std::vector<ScaledLayer> scaled;
   std::vector<BeamLayer> beam, true_beam_path;  ///< along the scaled and along the true depth
-  std::vector<double> level_depth;         ///< true
+  std::vector<double> level_depth;              ///< true
   std::vector<OrderSolution> orders;
-  LevelFields first_order;                 ///< levels of order 0
+  LevelFields first_order;  ///< levels of order 0
 
   Place place(double depth) const;
   std::array<double, 2> case_flux(const Place& place, bool up) const;
@@ -45,7 +45,8 @@ using Data = ColumnSolution::Data;
 LayerSources layer_sources(const Data& data, std::size_t layer, int order) {
   const Column& column = data.column;
   const double azimuth_factor = order == 0 ? 1 : 2;
-  LayerSources sources{column.beam.flux * azimuth_factor / (4 * kPi) * data.beam[layer].top, data.beam[layer].slope, 0, 0};
+  LayerSources sources{column.beam.flux * azimuth_factor / (4 * kPi) * data.beam[layer].top,
+                       data.beam[layer].slope, 0, 0};
   if (!column.planck.empty()) {
     sources.planck_top = column.planck[layer];
     sources.planck_bottom = column.planck[layer + 1];
@@ -74,8 +75,9 @@ OrderSolution solve_order(const Data& data, int order, LevelFields& fields) {
   for (int c = 0; c < solution.cases; ++c) {
     std::vector<Amplitudes> amplitudes;
     for (std::size_t i = 0; i < data.scaled.size(); ++i)
-      amplitudes.push_back(homogeneous_amplitudes(solution.layers[i], fields.up[i].col(c), fields.down[i].col(c),
-                                                  fields.up[i + 1].col(c), fields.down[i + 1].col(c), c == 0));
+      amplitudes.push_back(homogeneous_amplitudes(solution.layers[i], fields.up[i].col(c),
+                                                  fields.down[i].col(c), fields.up[i + 1].col(c),
+                                                  fields.down[i + 1].col(c), c == 0));
     solution.amplitudes.push_back(std::move(amplitudes));
   }
   return solution;
@@ -88,7 +90,8 @@ double largest_radiance(const Data& data, const LevelFields& fields) {
     for (const MatrixXd& level : *side)
       for (Eigen::Index j = 0; j < level.rows(); ++j) {
         const auto at = static_cast<std::size_t>(j);
-        largest = std::max(largest, std::abs(level(j, 0)) / std::sqrt(data.nodes.weight[at] * data.nodes.cosine[at]));
+        largest = std::max(largest,
+                           std::abs(level(j, 0)) / std::sqrt(data.nodes.weight[at] * data.nodes.cosine[at]));
       }
   return largest;
 }
@@ -118,8 +121,9 @@ void solve_orders(Data& data) {
 Place ColumnSolution::Data::place(double depth) const {
   const double total = level_depth.back();
   if (!(depth >= -1e-9 * total && depth <= total * (1 + 1e-9)))
-    throw base::Error(base::Fault::input, "optical depth " + std::to_string(depth) + " is outside the column: it has 0 to " +
-                                              std::to_string(total) + "; ask for a depth inside it");
+    throw base::Error(base::Fault::input, "optical depth " + std::to_string(depth) +
+                                              " is outside the column: it has 0 to " + std::to_string(total) +
+                                              "; ask for a depth inside it");
   if (scaled.empty()) return {};
   // First level at or below the depth; the layer is the one above it, so a boundary is the bottom of a layer.
   const auto below = std::lower_bound(level_depth.begin() + 1, level_depth.end() - 1, depth);
@@ -140,7 +144,8 @@ std::array<double, 2> ColumnSolution::Data::case_flux(const Place& at, bool up) 
   for (std::size_t c = 0; c < 2; ++c) {
     if (scaled.empty() || at_bottom || at.u <= 0) {
       const std::vector<MatrixXd>& side = up ? first_order.up : first_order.down;
-      flux[c] = 2 * kPi * flux_root.dot(side[at.layer + (at_bottom ? 1 : 0)].col(static_cast<Eigen::Index>(c)));
+      flux[c] =
+          2 * kPi * flux_root.dot(side[at.layer + (at_bottom ? 1 : 0)].col(static_cast<Eigen::Index>(c)));
       continue;
     }
     const LayerMode& mode = orders[0].layers[at.layer];
@@ -177,19 +182,27 @@ GroundCoupling ColumnSolution::Data::coupling() const {
 
 double ColumnSolution::Data::ground_radiance(const Ground& ground) const {
   const GroundCoupling air = coupling();
-  return (ground.albedo * (air.direct_irradiance + air.diffuse_irradiance) / kPi + (1 - ground.albedo) * ground.planck) /
+  return (ground.albedo * (air.direct_irradiance + air.diffuse_irradiance) / kPi +
+          (1 - ground.albedo) * ground.planck) /
          (1 - ground.albedo * air.spherical_albedo);
 }
 
 BeamColumn ColumnSolution::Data::beam_column() const {
-  return {&column.layers, &scaled, &beam, column.beam.flux, column.beam.cosine, options.streams, options.intensity_correction};
+  return {&column.layers,
+          &scaled,
+          &beam,
+          column.beam.flux,
+          column.beam.cosine,
+          options.streams,
+          options.intensity_correction};
 }
 
 double ColumnSolution::total_depth() const { return data_->level_depth.back(); }
 
 double ColumnSolution::level_depth(std::size_t level) const {
   if (level >= data_->level_depth.size())
-    throw base::Error(base::Fault::input, "level " + std::to_string(level) + " does not exist: the column has levels 0 to " +
+    throw base::Error(base::Fault::input, "level " + std::to_string(level) +
+                                              " does not exist: the column has levels 0 to " +
                                               std::to_string(data_->level_depth.size() - 1));
   return data_->level_depth[level];
 }
@@ -204,11 +217,13 @@ Fluxes ColumnSolution::fluxes(double depth, const Ground& ground) const {
   return fluxes;
 }
 
-std::vector<double> ColumnSolution::radiances(double depth, double cosine, const std::vector<double>& azimuth_deg,
+std::vector<double> ColumnSolution::radiances(double depth, double cosine,
+                                              const std::vector<double>& azimuth_deg,
                                               const Ground& ground) const {
   check_ground(ground);
   if (!(std::abs(cosine) <= 1))
-    throw base::Error(base::Fault::input, "cosine " + std::to_string(cosine) + " of a direction is not in [-1, 1]");
+    throw base::Error(base::Fault::input,
+                      "cosine " + std::to_string(cosine) + " of a direction is not in [-1, 1]");
   const Place at = data_->place(depth);
   const bool up = cosine >= 0;
   const double mu = std::max(std::abs(cosine), kSmallestCosine);
@@ -216,14 +231,15 @@ std::vector<double> ColumnSolution::radiances(double depth, double cosine, const
   std::vector<double> radiance(azimuth_deg.size(), 0.0);
   double isotropic = 0;
   for (const OrderSolution& order : data_->orders) {
-    const std::array<double, 2> term =
-        order_radiance(order, data_->scaled, data_->nodes, data_->options.streams, mu, up, at, column.top_radiance);
+    const std::array<double, 2> term = order_radiance(
+        order, data_->scaled, data_->nodes, data_->options.streams, mu, up, at, column.top_radiance);
     if (order.order == 0) isotropic = data_->ground_radiance(ground) * term[1];
     for (std::size_t i = 0; i < radiance.size(); ++i)
       radiance[i] += term[0] * std::cos(order.order * kDegree * (azimuth_deg[i] - column.beam.azimuth_deg));
   }
   const BeamColumn beam = data_->beam_column();
-  const double sines = std::sqrt(std::max(0.0, (1 - mu) * (1 + mu) * (1 - column.beam.cosine) * (1 + column.beam.cosine)));
+  const double sines =
+      std::sqrt(std::max(0.0, (1 - mu) * (1 + mu) * (1 - column.beam.cosine) * (1 + column.beam.cosine)));
   for (std::size_t i = 0; i < radiance.size(); ++i) {
     const double turn = std::cos(kDegree * (azimuth_deg[i] - column.beam.azimuth_deg));
     const double cos_angle = std::clamp((up ? -mu : mu) * column.beam.cosine + sines * turn, -1.0, 1.0);
@@ -245,11 +261,13 @@ GroundCoupling ColumnSolution::ground_coupling() const { return data_->coupling(
 
 GroundTransmission ColumnSolution::ground_transmission(double depth, double cosine) const {
   if (!(std::abs(cosine) <= 1))
-    throw base::Error(base::Fault::input, "cosine " + std::to_string(cosine) + " of a direction is not in [-1, 1]");
+    throw base::Error(base::Fault::input,
+                      "cosine " + std::to_string(cosine) + " of a direction is not in [-1, 1]");
   const Place at = data_->place(depth);
   const bool up = cosine >= 0;
   const double mu = std::max(std::abs(cosine), kSmallestCosine);
-  const double total = order_radiance(data_->orders[0], data_->scaled, data_->nodes, data_->options.streams, mu, up, at, 0.0)[1];
+  const double total = order_radiance(data_->orders[0], data_->scaled, data_->nodes, data_->options.streams,
+                                      mu, up, at, 0.0)[1];
   const double direct = up ? std::exp(-(total_depth() - depth) / mu) : 0.0;
   return {direct, total - direct};
 }

@@ -1,9 +1,11 @@
-// The plane-parallel multiple-scattering solver: scalar radiative transfer by discrete ordinates (Stamnes, Tsay, Wiscombe &
-// Jayaweera 1988, Appl. Opt. 27, 2502; ATMOSPHERE.md S4.6-S4.9). One solve serves every depth, direction and Lambertian ground.
+// The plane-parallel multiple-scattering solver: scalar radiative transfer by discrete ordinates (Stamnes,
+// Tsay, Wiscombe & Jayaweera 1988, Appl. Opt. 27, 2502; ATMOSPHERE.md S4.6-S4.9). One solve serves every
+// depth, direction and Lambertian ground.
 //
-// Conventions. Directions are those in which the light travels: cosine > 0 up (a sensor that looks down), < 0 down (one that
-// looks up); azimuth in degrees, in the same sense as Beam::azimuth_deg, equal to it on the forward-scattering side. Depth is the
-// vertical extinction optical depth from the top, unscaled. Polarisation is left out: 1 to 11 % for Rayleigh light (S0 fact 8).
+// Conventions. Directions are those in which the light travels: cosine > 0 up (a sensor that looks down), < 0
+// down (one that looks up); azimuth in degrees, in the same sense as Beam::azimuth_deg, equal to it on the
+// forward-scattering side. Depth is the vertical extinction optical depth from the top, unscaled.
+// Polarisation is left out: 1 to 11 % for Rayleigh light (S0 fact 8).
 #pragma once
 
 #include <cstddef>
@@ -15,7 +17,8 @@
 
 namespace raycube::atmos::solver {
 
-/// Irradiances on a horizontal plane, unit of Beam::flux. Direct is the beam unscattered by the true (unscaled) column.
+/// Irradiances on a horizontal plane, unit of Beam::flux. Direct is the beam unscattered by the true
+/// (unscaled) column.
 struct Fluxes {
   double direct_down = 0, diffuse_down = 0, up = 0;
   double net_down() const { return direct_down + diffuse_down - up; }
@@ -30,8 +33,9 @@ struct GroundCoupling {
 
 /// Radiance at a place per unit isotropic radiance of the whole ground.
 struct GroundTransmission {
-  double direct = 0;   ///< exp(-depth / cosine) upward, 0 downward; of the true column
-  double diffuse = 0;  ///< the rest. Upward T_dif; downward the t of the sky term, S = 2 int t mu dmu at the ground
+  double direct = 0;  ///< exp(-depth / cosine) upward, 0 downward; of the true column
+  double diffuse =
+      0;  ///< the rest. Upward T_dif; downward the t of the sky term, S = 2 int t mu dmu at the ground
 };
 
 /// A solved column. Cheap to copy; safe to read from many threads.
@@ -44,9 +48,10 @@ class ColumnSolution {
   /// Depths must lie in [0, total_depth] (to 1e-9 relative), else base::Error(Fault::input); the same below.
   Fluxes fluxes(double depth, const Ground& ground) const;
 
-  /// Diffuse radiance (the beam itself not in it), W m-2 sr-1 per unit of the beam's spectral interval, for each azimuth.
-  /// |cosine| in [0, 1]; below 1e-9 it counts as 1e-9.
-  std::vector<double> radiances(double depth, double cosine, const std::vector<double>& azimuth_deg, const Ground& ground) const;
+  /// Diffuse radiance (the beam itself not in it), W m-2 sr-1 per unit of the beam's spectral interval, for
+  /// each azimuth. |cosine| in [0, 1]; below 1e-9 it counts as 1e-9.
+  std::vector<double> radiances(double depth, double cosine, const std::vector<double>& azimuth_deg,
+                                const Ground& ground) const;
   double radiance(double depth, double cosine, double azimuth_deg, const Ground& ground) const;
 
   /// Path radiance: the same over a black ground that emits nothing.
@@ -65,8 +70,9 @@ class ColumnSolution {
   std::shared_ptr<const Data> data_;
 };
 
-/// Throws base::Error(Fault::input) for a column or options outside their ranges (check_column); every column inside them is
-/// solved: conservative, empty, without depth, of any depth, with the beam at a node or at an eigenvalue.
+/// Throws base::Error(Fault::input) for a column or options outside their ranges (check_column); every column
+/// inside them is solved: conservative, empty, without depth, of any depth, with the beam at a node or at an
+/// eigenvalue.
 ColumnSolution solve_column(const Column& column, const Options& options = {});
 
 }  // namespace raycube::atmos::solver

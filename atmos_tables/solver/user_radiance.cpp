@@ -10,16 +10,19 @@ namespace {
 
 using Eigen::VectorXd;
 
-/// Weights that turn modal amplitudes into the source function: J = even . sigma + odd . delta (odd signed by the direction).
+/// Weights that turn modal amplitudes into the source function: J = even . sigma + odd . delta (odd signed by
+/// the direction).
 struct SourceRow {
   VectorXd even, odd;
 };
 
-SourceRow source_row(const LayerMode& mode, const ScaledLayer& layer, const OrderBasis& basis, const VectorXd& ratio, bool up) {
+SourceRow source_row(const LayerMode& mode, const ScaledLayer& layer, const OrderBasis& basis,
+                     const VectorXd& ratio, bool up) {
   VectorXd even_weight = VectorXd::Zero(basis.node.rows()), odd_weight = even_weight;
   for (Eigen::Index i = 0; i < even_weight.size(); ++i) {
     const auto degree = static_cast<std::size_t>(basis.order + i);
-    const double term = 0.5 * layer.albedo * (2 * static_cast<double>(degree) + 1) * layer.moment[degree] * basis.beam(i);
+    const double term =
+        0.5 * layer.albedo * (2 * static_cast<double>(degree) + 1) * layer.moment[degree] * basis.beam(i);
     (i % 2 == 0 ? even_weight : odd_weight)(i) = term;
   }
   const VectorXd even = (basis.node.transpose() * even_weight).cwiseProduct(ratio);
@@ -41,26 +44,30 @@ double own_light(const LayerMode& mode, const ScaledLayer& layer, const SourceRo
   if (mode.thermal.size() > 0) {
     const double constant = sight_constant(sight);
     const double planck = mode.planck_top * constant + mode.planck_slope * sight_linear(sight);
-    light += (row.even.dot(mode.thermal) + 1 - layer.albedo) * planck + row.odd.dot(mode.thermal) * mode.planck_slope * constant;
+    light += (row.even.dot(mode.thermal) + 1 - layer.albedo) * planck +
+             row.odd.dot(mode.thermal) * mode.planck_slope * constant;
   }
   return light;
 }
 
 /// Light of the homogeneous solution, one number per case.
-std::array<double, 2> diffuse_light(const OrderSolution& solution, std::size_t index, const SourceRow& row, const Sight& sight) {
+std::array<double, 2> diffuse_light(const OrderSolution& solution, std::size_t index, const SourceRow& row,
+                                    const Sight& sight) {
   const LayerMode& mode = solution.layers[index];
   std::array<double, 2> light{};
   for (Eigen::Index j = 0; j < mode.k.size(); ++j) {
     const double k = mode.k(j);
     const bool linear = k * mode.depth < kLinearMode;
-    // Linear modes: constant and slope about the layer's middle; others: falling from the top and from the bottom.
+    // Linear modes: constant and slope about the layer's middle; others: falling from the top and from the
+    // bottom.
     const double first = linear ? sight_constant(sight) : sight_falling(sight, k);
     const double second = linear ? sight_linear(sight) - 0.5 * mode.depth * first : sight_rising(sight, k);
     const double norm = 1 + std::exp(-k * mode.depth);
     for (std::size_t c = 0; c < static_cast<std::size_t>(solution.cases); ++c) {
       const double even = solution.amplitudes[c][index].even(j), odd = solution.amplitudes[c][index].odd(j);
       if (linear) {
-        light[c] += row.even(j) * (even * first + odd * second) + row.odd(j) * (odd * first + k * k * even * second);
+        light[c] +=
+            row.even(j) * (even * first + odd * second) + row.odd(j) * (odd * first + k * k * even * second);
       } else {
         const double falling = (even - odd / k) / norm * first, rising = (even + odd / k) / norm * second;
         light[c] += row.even(j) * (falling + rising) + row.odd(j) * k * (rising - falling);
@@ -72,8 +79,9 @@ std::array<double, 2> diffuse_light(const OrderSolution& solution, std::size_t i
 
 }  // namespace
 
-std::array<double, 2> order_radiance(const OrderSolution& solution, const std::vector<ScaledLayer>& scaled, const HalfRange& nodes,
-                                     int streams, double cosine, bool up, const Place& place, double top_radiance) {
+std::array<double, 2> order_radiance(const OrderSolution& solution, const std::vector<ScaledLayer>& scaled,
+                                     const HalfRange& nodes, int streams, double cosine, bool up,
+                                     const Place& place, double top_radiance) {
   const bool first_order = solution.order == 0;
   std::array<double, 2> radiance{!up && first_order ? top_radiance : 0.0, up && first_order ? 1.0 : 0.0};
   const std::size_t count = scaled.size();

@@ -1,5 +1,6 @@
-// The solver against published radiances and fluxes: DISORT problems 1 to 9 (van de Hulst 1980, Sweigart 1970, Garcia & Siewert
-// 1985, Kylling & Stamnes 1992, Ozisik & Shouman 1980, Devaux et al. 1979). Tolerances: ATMOSPHERE.md S8, A-01 to A-04.
+// The solver against published radiances and fluxes: DISORT problems 1 to 9 (van de Hulst 1980, Sweigart
+// 1970, Garcia & Siewert 1985, Kylling & Stamnes 1992, Ozisik & Shouman 1980, Devaux et al. 1979).
+// Tolerances: ATMOSPHERE.md S8, A-01 to A-04.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -19,8 +20,9 @@ void compare(const std::string& problems, const char* test, double tolerance) {
     Options options;
     options.streams = problem.streams;
     const Deviation worst = disort_deviation(problem, solve_column(problem.column, options));
-    std::cout << test << " case " << problem.name << ": flux " << worst.flux << " (" << worst.fluxes << "), radiance "
-              << worst.radiance << " (" << worst.radiances << ") of the largest; allowed " << tolerance << "\n";
+    std::cout << test << " case " << problem.name << ": flux " << worst.flux << " (" << worst.fluxes
+              << "), radiance " << worst.radiance << " (" << worst.radiances << ") of the largest; allowed "
+              << tolerance << "\n";
     CHECK(worst.fluxes > 0);
     CHECK(worst.flux <= tolerance);
     CHECK(worst.radiance <= tolerance);
@@ -29,16 +31,21 @@ void compare(const std::string& problems, const char* test, double tolerance) {
 
 }  // namespace
 
-TEST_CASE("S18 A-01 isotropic, Rayleigh and Henyey-Greenstein slabs: published tables to 1e-4") { compare("123", "A-01", 1e-4); }
+TEST_CASE("S18 A-01 isotropic, Rayleigh and Henyey-Greenstein slabs: published tables to 1e-4") {
+  compare("123", "A-01", 1e-4);
+}
 
 TEST_CASE("S18 A-02 Haze-L and Cloud C.1: published tables to 1e-3") { compare("45", "A-02", 1e-3); }
 
-TEST_CASE("S18 A-03 beam alone, Lambertian ground, thermal sources: published tables to 1e-4") { compare("67", "A-03", 1e-4); }
+TEST_CASE("S18 A-03 beam alone, Lambertian ground, thermal sources: published tables to 1e-4") {
+  compare("67", "A-03", 1e-4);
+}
 
 TEST_CASE("S18 A-04 inhomogeneous layers: published tables to 1e-4") { compare("89", "A-04", 1e-4); }
 
 TEST_CASE("S18 A-01 four published slabs, restated") {
-  // van de Hulst (1980) tables 12 and 37, Sweigart (1970) table 1: {depth, albedo, moments, mu0, flux, diffuse down, up, up at zenith}.
+  // van de Hulst (1980) tables 12 and 37, Sweigart (1970) table 1: {depth, albedo, moments, mu0, flux,
+  // diffuse down, up, up at zenith}.
   struct Slab {
     double depth, albedo;
     std::vector<double> moments;

@@ -1,4 +1,5 @@
-// Points where naive discrete ordinates break: every one is solved, none aborts. Oracle: continuity, and laws that stay exact.
+// Points where naive discrete ordinates break: every one is solved, none aborts. Oracle: continuity, and laws
+// that stay exact.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -24,13 +25,16 @@ double reflected(double depth, double albedo, double mu0, double mu) {
 }  // namespace
 
 TEST_CASE("S18 A-08 the beam at each node of 16 streams is an ordinary direction") {
-  // Continuous to second order: the mean of two neighbours 1e-5 away differs by f''/2 (1e-5)^2, below 1e-7 for f'' < 1e3.
+  // Continuous to second order: the mean of two neighbours 1e-5 away differs by f''/2 (1e-5)^2, below 1e-7
+  // for f'' < 1e3.
   for (double mu0 : gauss_half_range(8).cosine) {
     const double step = 1e-5 * mu0;
     const double mean = 0.5 * (reflected(1, 0.95, mu0 - step, 0.6) + reflected(1, 0.95, mu0 + step, 0.6));
     CHECK(reflected(1, 0.95, mu0, 0.6) == doctest::Approx(mean).epsilon(1e-7));
     // View at the node, beam at the node.
-    CHECK(reflected(1, 0.95, mu0, mu0) == doctest::Approx(0.5 * (reflected(1, 0.95, mu0, mu0 - step) + reflected(1, 0.95, mu0, mu0 + step))).epsilon(1e-7));
+    CHECK(reflected(1, 0.95, mu0, mu0) ==
+          doctest::Approx(0.5 * (reflected(1, 0.95, mu0, mu0 - step) + reflected(1, 0.95, mu0, mu0 + step)))
+              .epsilon(1e-7));
   }
 }
 
@@ -72,7 +76,8 @@ TEST_CASE("S18 A-08 albedo 1 is the limit of albedo near 1") {
       CAPTURE(depth);
       // Absorbed part: of order depth^2 (1 - omega).
       const double allowed = 1e-9 + 10 * depth * depth * below;
-      CHECK(reflected(depth, 1 - below, 0.6, 0.4) == doctest::Approx(reflected(depth, 1, 0.6, 0.4)).epsilon(allowed));
+      CHECK(reflected(depth, 1 - below, 0.6, 0.4) ==
+            doctest::Approx(reflected(depth, 1, 0.6, 0.4)).epsilon(allowed));
     }
   // Sums of optical depths may end a digit above 1.
   CHECK(reflected(1, 1 + 1e-12, 0.6, 0.4) == doctest::Approx(reflected(1, 1, 0.6, 0.4)).epsilon(1e-12));
@@ -101,7 +106,9 @@ TEST_CASE("S18 A-08 optical depth 700 and beyond: finite, positive, energy kept"
   for (double depth : {700.0, 1e5})
     for (double albedo : {0.0, 0.5, 1 - 1e-12, 1.0}) {
       Column column;
-      column.layers = {{depth, albedo, henyey_greenstein_moments(0.85, 300)}, {0, 1, {}}, {depth, albedo, rayleigh_moments()}};
+      column.layers = {{depth, albedo, henyey_greenstein_moments(0.85, 300)},
+                       {0, 1, {}},
+                       {depth, albedo, rayleigh_moments()}};
       column.beam = {1, 0.02, 0};
       column.planck = {1, 1, 1, 1};
       const ColumnSolution solution = solve_column(column);
@@ -116,8 +123,7 @@ TEST_CASE("S18 A-08 optical depth 700 and beyond: finite, positive, energy kept"
           CHECK(value >= -1e-12);
           CHECK(value <= 2);
         }
-      if (albedo == 1)
-        CHECK(std::abs(solution.fluxes(0, {1, 0}).net_down()) <= 1e-8 * 0.02);
+      if (albedo == 1) CHECK(std::abs(solution.fluxes(0, {1, 0}).net_down()) <= 1e-8 * 0.02);
     }
 }
 
@@ -129,7 +135,8 @@ TEST_CASE("S18 A-02 a phase function that is all forward peak is no scattering")
   options.intensity_correction = false;
   const ColumnSolution solution = solve_column(column, options);
   const Fluxes ground = solution.fluxes(2, {});
-  CHECK(ground.direct_down + ground.diffuse_down == doctest::Approx(0.5 * std::exp(-0.6 / 0.5)).epsilon(1e-12));
+  CHECK(ground.direct_down + ground.diffuse_down ==
+        doctest::Approx(0.5 * std::exp(-0.6 / 0.5)).epsilon(1e-12));
   CHECK(std::abs(solution.fluxes(0, {}).up) < 1e-14);
 }
 
@@ -144,7 +151,8 @@ TEST_CASE("S18 the pseudo-spherical beam: plane for a huge planet, Chapman's geo
   column.planet_radius_m = 6371e3;
   // Chords of the two shells by Pythagoras from the ground.
   const double radius = 6371e3, foot = radius * 0.2, impact2 = radius * radius * 0.96;
-  const double low = std::sqrt(6376e3 * 6376e3 - impact2) - foot, high = std::sqrt(6391e3 * 6391e3 - impact2) - foot - low;
+  const double low = std::sqrt(6376e3 * 6376e3 - impact2) - foot,
+               high = std::sqrt(6391e3 * 6391e3 - impact2) - foot - low;
   CHECK(solve_column(column).fluxes(0.4, {}).direct_down ==
         doctest::Approx(0.2 * std::exp(-0.1 * high / 15e3 - 0.3 * low / 5e3)).epsilon(1e-9));
   // Low sun over a thick layer with a thin one below: the slant depth falls with depth.
@@ -166,8 +174,8 @@ TEST_CASE("S18 a wrong column is refused with every fault named") {
   } catch (const raycube::base::Error& error) {
     const std::string text = error.what();
     CHECK(error.exit_status() == 2);
-    for (const char* part : {"layer 0", "layer 1", "optical depth", "single-scattering albedo", "phase moment 0", "[-1, 1]",
-                             "beam cosine", "Planck", "streams"})
+    for (const char* part : {"layer 0", "layer 1", "optical depth", "single-scattering albedo",
+                             "phase moment 0", "[-1, 1]", "beam cosine", "Planck", "streams"})
       CHECK_MESSAGE(text.find(part) != std::string::npos, part);
   }
   column.layers = {{1, 0.5, {}}};

@@ -71,7 +71,8 @@ double band_planck(double low_cm1, double high_cm1, double temperature_K) {
 
 namespace {
 
-std::vector<double> named_moments(const std::string& name, const CsvRow& layer, const std::vector<CsvRow>& tables) {
+std::vector<double> named_moments(const std::string& name, const CsvRow& layer,
+                                  const std::vector<CsvRow>& tables) {
   if (name == "isotropic" || name == "none") return {1};
   if (name == "rayleigh") return rayleigh_moments();
   if (name.rfind("hg", 0) == 0) return henyey_greenstein_moments(number(layer, "g1"), 300);
@@ -82,7 +83,8 @@ std::vector<double> named_moments(const std::string& name, const CsvRow& layer, 
   return moments;
 }
 
-/// Moments 0 ... n the test program hands over, n its number of terms: 32 (problems 3, 4), the number of streams (7).
+/// Moments 0 ... n the test program hands over, n its number of terms: 32 (problems 3, 4), the number of
+/// streams (7).
 std::size_t given_moments(const std::string& name, int streams) {
   if (name[0] == '3' || name[0] == '4') return 33;
   return name[0] == '7' ? static_cast<std::size_t>(streams) + 1 : 300;
@@ -94,7 +96,8 @@ std::vector<BenchmarkCase> disort_cases(const std::string& problems, const std::
   std::vector<BenchmarkCase> cases;
   const std::vector<CsvRow> rows = benchmark("disort_cases.csv", test);
   if (rows.empty()) return cases;
-  const std::vector<CsvRow> layers = benchmark("disort_layers.csv", test), tables = benchmark("disort_phase_moments.csv", test);
+  const std::vector<CsvRow> layers = benchmark("disort_layers.csv", test),
+                            tables = benchmark("disort_phase_moments.csv", test);
   for (const CsvRow& row : rows) {
     const std::string name = row.at("case");
     if (problems.find(name[0]) == std::string::npos || row.at("surface") != "lambert") continue;
@@ -111,7 +114,8 @@ std::vector<BenchmarkCase> disort_cases(const std::string& problems, const std::
     for (const CsvRow& layer : layers) {
       if (layer.at("case") != name) continue;
       std::vector<double> moments = named_moments(row.at("phase_function"), layer, tables);
-      if (moments.size() > given_moments(name, problem.streams)) moments.resize(given_moments(name, problem.streams));
+      if (moments.size() > given_moments(name, problem.streams))
+        moments.resize(given_moments(name, problem.streams));
       problem.column.layers.push_back({number(layer, "dtau"), number(layer, "ssa"), moments});
       if (!thermal) continue;
       if (problem.column.planck.empty()) problem.column.planck.push_back(planck(number(layer, "T_top_K")));
@@ -144,7 +148,8 @@ Deviation disort_deviation(const BenchmarkCase& problem, const ColumnSolution& s
   for (const CsvRow& row : benchmark("disort_intensities.csv", problem.name)) {
     if (row.at("case") != problem.name) continue;
     const double published = number(row, "intensity");
-    const double ours = solution.radiance(number(row, "utau"), number(row, "umu"), number(row, "phi_deg"), problem.ground);
+    const double ours =
+        solution.radiance(number(row, "utau"), number(row, "umu"), number(row, "phi_deg"), problem.ground);
     largest_radiance = std::max(largest_radiance, published);
     worst.radiance = std::max(worst.radiance, std::abs(ours - published));
     ++worst.radiances;

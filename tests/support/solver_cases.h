@@ -1,5 +1,5 @@
-// Benchmark columns of radiative transfer, read from $RAYCUBE_SHARED/reference/atmosphere/rt_benchmarks, and what the tests of the
-// solver share.
+// Benchmark columns of radiative transfer, read from $RAYCUBE_SHARED/reference/atmosphere/rt_benchmarks, and
+// what the tests of the solver share.
 #pragma once
 
 #include <map>
@@ -34,12 +34,14 @@ struct BenchmarkCase {
   int streams = 16;
 };
 
-/// The DISORT test problems with Lambertian ground whose name starts with one of the digits given ("12" = problems 1 and 2).
-/// The published radiances of problems 3, 4 and 7 belong to phase functions of 33, 33 and streams + 1 moments (for problem 4 the
-/// data file says so; for 3 and 7 no other number of moments agrees, and fluxes do not depend on it), so that is what they get here.
+/// The DISORT test problems with Lambertian ground whose name starts with one of the digits given ("12" =
+/// problems 1 and 2). The published radiances of problems 3, 4 and 7 belong to phase functions of 33, 33 and
+/// streams + 1 moments (for problem 4 the data file says so; for 3 and 7 no other number of moments agrees,
+/// and fluxes do not depend on it), so that is what they get here.
 std::vector<BenchmarkCase> disort_cases(const std::string& problems, const std::string& test);
 
-/// Largest deviations of a solution from the published answers, as parts of the case's largest flux and radiance.
+/// Largest deviations of a solution from the published answers, as parts of the case's largest flux and
+/// radiance.
 struct Deviation {
   double flux = 0, radiance = 0;
   int fluxes = 0, radiances = 0;  ///< how many were compared
