@@ -33,8 +33,8 @@ struct Column {
       planck;  ///< Planck radiance at each level, linear in optical depth between; empty = no emission
   double top_radiance = 0;  ///< isotropic radiance that enters at the top
   /// Height of each level, strictly falling (m): the beam then takes the straight slant path through
-  /// spherical shells (pseudo-spherical, ATMOSPHERE.md S4.7), with `beam.cosine` as seen at every level.
-  /// Empty = plane-parallel beam.
+  /// spherical shells (pseudo-spherical, atmosphere specification S4.7), with `beam.cosine` as seen at every
+  /// level. Empty = plane-parallel beam.
   std::vector<double> level_height_m;
   double planet_radius_m = 6371e3;  ///< radius at height 0
 };

@@ -1,4 +1,5 @@
-// Delta-M: the forward peak of the phase function counts as light not scattered at all (ATMOSPHERE.md S4.6).
+// Delta-M: the forward peak of the phase function counts as light not scattered at all (atmosphere
+// specification S4.6).
 #pragma once
 
 #include <vector>

@@ -1,6 +1,6 @@
-// Slant paths through a spherical, refracting atmosphere (ATMOSPHERE.md S4.2): n r sin(zenith) is constant
-// along a ray (Bouguer), ds = dr / sqrt(1 - (c/(n r))^2). Every constituent has its own airmass, because each
-// has its own height profile.
+// Slant paths through a spherical, refracting atmosphere (atmosphere specification S4.2): n r sin(zenith) is
+// constant along a ray (Bouguer), ds = dr / sqrt(1 - (c/(n r))^2). Every constituent has its own airmass,
+// because each has its own height profile.
 #pragma once
 
 #include <vector>

@@ -1,6 +1,6 @@
 // The plane-parallel multiple-scattering solver: scalar radiative transfer by discrete ordinates (Stamnes,
-// Tsay, Wiscombe & Jayaweera 1988, Appl. Opt. 27, 2502; ATMOSPHERE.md S4.6-S4.9). One solve serves every
-// depth, direction and Lambertian ground.
+// Tsay, Wiscombe & Jayaweera 1988, Appl. Opt. 27, 2502; atmosphere specification S4.6-S4.9). One solve serves
+// every depth, direction and Lambertian ground.
 //
 // Conventions. Directions are those in which the light travels: cosine > 0 up (a sensor that looks down), < 0
 // down (one that looks up); azimuth in degrees, in the same sense as Beam::azimuth_deg, equal to it on the
