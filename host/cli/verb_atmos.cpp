@@ -1,4 +1,4 @@
-// raycube atmos build | info | plot: render tables made, described and drawn.
+// raycube atmos build | info | plot | import: render tables made, described and drawn; other codes' outputs read.
 #include <fcntl.h>
 #include <spawn.h>
 #include <sys/wait.h>
@@ -21,6 +21,7 @@
 #include "host/base/data_folder.h"
 #include "host/base/error.h"
 #include "host/base/output_file.h"
+#include "host/cli/atmos_import.h"
 #include "host/cli/verb.h"
 #include "scene_compiler/load_simulation.h"
 
@@ -240,8 +241,8 @@ Verb verb_plot() {
 Verb verb_atmos() {
   Verb verb;
   verb.name = "atmos";
-  verb.summary = "Build, describe and draw render tables of the air";
-  verb.verbs = {verb_build(), verb_info(), verb_plot()};
+  verb.summary = "Build, describe and draw render tables of the air; read what other codes wrote";
+  verb.verbs = {verb_build(), verb_info(), verb_plot(), verb_atmos_import()};
   return verb;
 }
 

@@ -1,4 +1,4 @@
-"""raycube atmos build | info | plot as a user drives them. Usage: atmos_cli_test.py RAYCUBE FOLDER"""
+"""raycube atmos build | info | plot | import as a user drives them. Usage: atmos_cli_test.py RAYCUBE FOLDER"""
 
 import json
 import pathlib
@@ -64,6 +64,19 @@ assert len(figures["sun_transmission"]) == len(figures["wavelength_um"]) == 109
 assert all(0 <= t <= 1 for t in figures["two_way_transmission"])
 assert "view_zenith 85" in run("plot", table, "--view-zenith", "85", "-o", folder / "no.png", status=2).stderr
 assert not list(folder.glob("no.*"))
+# S20: another code's output is read, or refused with file and line.
+output = folder / "direct.tp7"
+output.write_text("    FREQ   TRANS     SOL TR  SOLAR\n 2000.00  0.5000 4.00E-07 8.00E-07      6.931E-01\n -9999.\n")
+imported = json.loads(run("import", output, "--json").stdout)
+assert imported["format"] == "tape7" and imported["runs"][0]["wavelength_um"] == [5.0]
+columns = {column["name"]: column for column in imported["runs"][0]["columns"]}
+assert abs(columns["solar_irradiance"]["values"][0] - 3.2) < 1e-12 and columns["solar_irradiance"]["unit"] == "W m-2 um-1"
+assert "direct irradiance: 1 wavelengths, 5 to 5 um" in run("import", output).stdout
+output.write_text(output.read_text().replace("4.00E-07", "********"))
+assert f"{output}:2: SOL_TR did not fit its field" in run("import", output, status=2).stderr
+assert "tape7, 7sc" in run("import", output, "--format", "tape8", status=2).stderr
+assert "which code wrote this" in run("import", folder / "chart.png", status=2).stderr
+assert "cannot be read" in run("import", folder / "none.tp7", status=3).stderr
 left = [path.name for path in folder.iterdir() if path.name.startswith(".")]
 assert not left, f"temporaries left behind: {left}"
 print("atmos verbs: ok")

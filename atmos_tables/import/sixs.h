@@ -1,0 +1,17 @@
+// Text output of 6S (4.1) and 6SV: one spectral band per run, runs may follow each other in one file.
+//
+// Read are band, angles, apparent reflectance and radiance, gas and scattering transmittances (down, up, total), spherical
+// albedo, optical depths, irradiances at the ground, the parts of the radiance, and the solar irradiance in the band. Angles:
+// azimuth difference 0 is the sun's side (backscatter), as here. The apparent reflectance must be pi L / (E0 cos sun).
+#pragma once
+
+#include <string>
+
+#include "atmos_tables/import/imported.h"
+
+namespace raycube::atmos::imported {
+
+/// The run's wavelength is the middle of its band; columns band_first and band_last hold its ends.
+Imported read_sixs(const std::string& path);
+
+}  // namespace raycube::atmos::imported

@@ -1,0 +1,42 @@
+// Text of other codes: lines, fields and numbers as Fortran writes them.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "host/base/error.h"
+
+namespace raycube::atmos::imported {
+
+/// Lines of a file without their ends (LF or CR LF). Throws Error(environment) when it cannot be read, Error(input) when empty.
+std::vector<std::string> read_lines(const std::string& path);
+/// The file's bytes.
+std::string read_bytes(const std::string& path);
+
+std::string_view trimmed(std::string_view text);
+std::vector<std::string_view> split_blanks(std::string_view line);
+/// Fields between commas, blanks around them taken off. A comma at the end of the line closes the last field and opens none.
+std::vector<std::string_view> split_commas(std::string_view line);
+/// Columns [first, first + count) of a card, shorter where the line ends.
+std::string_view card_field(std::string_view line, std::size_t first, std::size_t count);
+
+struct Number {
+  enum class State { good, blank, overflow, not_finite, malformed } state = State::blank;
+  double value = 0;
+  double rounding = 0;  ///< half a unit of the last printed digit
+  bool good() const { return state == State::good; }
+};
+
+/// One field. Reads exponents written without E ("1.234-105"), D exponents and leading or trailing points; `****` is overflow.
+Number read_number(std::string_view field);
+
+/// As read_number; anything but a good number is added to `problems` with its place, naming `column`.
+/// Negative numbers are added too unless `negative_allowed`.
+Number need_number(std::string_view field, const base::Where& where, const std::string& column, base::Problems& problems,
+                   bool negative_allowed = false);
+
+/// More than this many problems in one file say no more; readers stop there.
+constexpr std::size_t kEnoughProblems = 20;
+
+}  // namespace raycube::atmos::imported

@@ -1,0 +1,48 @@
+// What the importers' tests share: a fixture written to a file, and the message a reader refuses it with.
+#pragma once
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <iostream>
+#include <stdexcept>
+#include <string>
+
+#include "atmos_tables/import/imported.h"
+#include "host/base/error.h"
+#include "tests/unit/test_folder.h"
+
+namespace raycube::testing {
+
+/// The message of the Error(input) that `act` throws; empty when it throws none.
+template <class Act>
+std::string refusal(const Act& act) {
+  try {
+    act();
+  } catch (const base::Error& error) {
+    CHECK(error.fault() == base::Fault::input);
+    return error.what();
+  }
+  return {};
+}
+
+inline bool holds(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+/// `text` with the first `from` replaced; it must be there.
+inline std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const auto at = text.find(from);
+  if (at == std::string::npos) throw std::logic_error("the fixture does not hold \"" + from + "\"");
+  return text.replace(at, from.size(), to);
+}
+
+/// Folder of the real samples; empty with a loud word when RAYCUBE_SHARED is not set.
+inline std::string samples(const std::string& what) {
+  const char* shared = std::getenv("RAYCUBE_SHARED");
+  if (shared) return std::string(shared) + "/reference/atmosphere/samples/" + what + "/";
+  std::cerr << "SKIPPED: RAYCUBE_SHARED is not set, the real samples of " << what << " were not read\n";
+  return {};
+}
+
+}  // namespace raycube::testing
