@@ -12,6 +12,7 @@
 #include "atmos_tables/import/modtran_csv.h"
 #include "atmos_tables/import/modtran_json.h"
 #include "atmos_tables/import/modtran_tape7.h"
+#include "atmos_tables/import/plain_csv.h"
 #include "atmos_tables/import/sixs.h"
 #include "atmos_tables/import/text_lines.h"
 #include "atmos_tables/import/uvspec.h"
@@ -35,6 +36,7 @@ const Format kFormats[] = {
     {"acd-binary", [](const std::string& path, const std::string&) { return read_acd_binary(path); }},
     {"uvspec", [](const std::string& path, const std::string& input) { return read_uvspec(path, input); }},
     {"6s", [](const std::string& path, const std::string&) { return read_sixs(path); }},
+    {"plain-csv", [](const std::string& path, const std::string&) { return read_plain_csv(path); }},
 };
 
 std::string lower(std::string text) {
@@ -49,6 +51,7 @@ std::string told_apart(const std::string& path, const std::string& uvspec_input)
   const std::string bytes = read_bytes(path), head = bytes.substr(0, 20000), low = lower(head);
   const auto holds = [&](const char* word) { return head.find(word) != std::string::npos; };
   if (end == ".acd") return head.find('\0') == std::string::npos ? "acd" : "acd-binary";
+  if (end == ".csv" && (holds("wavelength [") || holds("wavenumber ["))) return "plain-csv";
   if (end == ".json" || end == ".csv" || end == ".chn") return end.substr(1);
   if (end == ".7sc" || end == ".scn" || name == "tape7.scn") return "7sc";
   if (!uvspec_input.empty()) return "uvspec";

@@ -8,7 +8,8 @@
 
 namespace raycube::atmos::imported {
 
-/// The names a user may give: "tape7", "7sc", "chn", "json", "csv", "acd", "acd-binary", "uvspec", "6s".
+/// The names a user may give: "tape7", "7sc", "chn", "json", "csv", "acd", "acd-binary", "uvspec", "6s",
+/// "plain-csv".
 const std::vector<std::string>& format_names();
 
 /// `format`: one of format_names(), or empty to tell by the file. `uvspec_input`: as in read_uvspec.
