@@ -127,6 +127,36 @@ RC_ALWAYS static inline Setup rc_setup_block(const Projection* map, global const
   return s;
 }
 
+/* The linear forms lane by lane, for loops whose lanes are samples. */
+typedef struct LaneForms {
+  float l1a[16], l1b[16], l1c[16], l2a[16], l2b[16], l2c[16], q0[16], q1[16], q2[16], band[16];
+} RC_LINE LaneForms;
+
+/* The rectangles likewise. */
+typedef struct LaneRectangles {
+  float lo_a[16], hi_a[16], lo_b[16], hi_b[16];
+} RC_LINE LaneRectangles;
+
+static inline void rc_store_forms(const Setup* s, LaneForms* to) {
+  rc_store16(s->l1a, 0, to->l1a);
+  rc_store16(s->l1b, 0, to->l1b);
+  rc_store16(s->l1c, 0, to->l1c);
+  rc_store16(s->l2a, 0, to->l2a);
+  rc_store16(s->l2b, 0, to->l2b);
+  rc_store16(s->l2c, 0, to->l2c);
+  rc_store16(s->q0, 0, to->q0);
+  rc_store16(s->q1, 0, to->q1);
+  rc_store16(s->q2, 0, to->q2);
+  rc_store16(s->band, 0, to->band);
+}
+
+static inline void rc_store_rectangles(const Setup* s, LaneRectangles* to) {
+  rc_store16(s->lo_a, 0, to->lo_a);
+  rc_store16(s->hi_a, 0, to->hi_a);
+  rc_store16(s->lo_b, 0, to->lo_b);
+  rc_store16(s->hi_b, 0, to->hi_b);
+}
+
 static inline void rc_prefetch(global const void* at, uint bytes) {
 #if defined(__has_builtin)
 #if __has_builtin(__builtin_prefetch)

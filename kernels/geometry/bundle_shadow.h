@@ -195,38 +195,27 @@ __attribute__((noinline)) static uint rc_shadow_block(const ShadowFrame* frame, 
                          (s.hi_b >= cluster->lo_b) & (hi_d >= cluster->lo_d));
   if (!lanes) return RC_BLOCK_COST;
   const uint cost = RC_BLOCK_COST + popcount(lanes);
-  RC_LINE float l1a[16], l1b[16], l1c[16], l2a[16], l2b[16], l2c[16], q0[16], q1[16], q2[16], bands[16], depth_bands[16];
-  RC_LINE float lo_a[16], hi_a[16], lo_b[16], hi_b[16], depths[16];
-  rc_store16(s.l1a, 0, l1a);
-  rc_store16(s.l1b, 0, l1b);
-  rc_store16(s.l1c, 0, l1c);
-  rc_store16(s.l2a, 0, l2a);
-  rc_store16(s.l2b, 0, l2b);
-  rc_store16(s.l2c, 0, l2c);
-  rc_store16(s.q0, 0, q0);
-  rc_store16(s.q1, 0, q1);
-  rc_store16(s.q2, 0, q2);
-  rc_store16(s.band, 0, bands);
+  RC_LINE float depth_bands[16], depths[16];
+  LaneForms form;
+  LaneRectangles box;
+  rc_store_forms(&s, &form);
+  rc_store_rectangles(&s, &box);
   rc_store16(depth_band, 0, depth_bands);
-  rc_store16(s.lo_a, 0, lo_a);
-  rc_store16(s.hi_a, 0, hi_a);
-  rc_store16(s.lo_b, 0, lo_b);
-  rc_store16(s.hi_b, 0, hi_b);
   rc_store16(hi_d, 0, depths);
   for (; lanes; lanes &= lanes - 1u) {
     const uint lane = rc_lowest(lanes);
-    const float16 band = bands[lane], depth = depth_bands[lane];
+    const float16 band = form.band[lane], depth = depth_bands[lane];
     for (uint base = 0; base < points->words; base += 16u) {
-      uint touched = rc_mask16((vload16(0, points->lo_a + base) <= hi_a[lane]) & (vload16(0, points->hi_a + base) >= lo_a[lane]) &
-                               (vload16(0, points->lo_b + base) <= hi_b[lane]) & (vload16(0, points->hi_b + base) >= lo_b[lane]) &
+      uint touched = rc_mask16((vload16(0, points->lo_a + base) <= box.hi_a[lane]) & (vload16(0, points->hi_a + base) >= box.lo_a[lane]) &
+                               (vload16(0, points->lo_b + base) <= box.hi_b[lane]) & (vload16(0, points->hi_b + base) >= box.lo_b[lane]) &
                                (vload16(0, points->lo_d + base) <= depths[lane]));
       for (; touched; touched &= touched - 1u) {
         const uint word = base + rc_lowest(touched);
         const float16 a = vload16(word, points->a), b = vload16(word, points->b), d = vload16(word, points->d);
-        const float16 l1 = fma((float16)(l1a[lane]), a, fma((float16)(l1b[lane]), b, (float16)(l1c[lane])));
-        const float16 l2 = fma((float16)(l2a[lane]), a, fma((float16)(l2b[lane]), b, (float16)(l2c[lane])));
+        const float16 l1 = fma((float16)(form.l1a[lane]), a, fma((float16)(form.l1b[lane]), b, (float16)(form.l1c[lane])));
+        const float16 l2 = fma((float16)(form.l2a[lane]), a, fma((float16)(form.l2b[lane]), b, (float16)(form.l2c[lane])));
         const float16 least = rc_min16(rc_min16(l1, l2), (1.0f - l1) - l2);
-        const float16 gap = fma(l1, (float16)(q1[lane]), fma(l2, (float16)(q2[lane]), (float16)(q0[lane]))) - d;
+        const float16 gap = fma(l1, (float16)(form.q1[lane]), fma(l2, (float16)(form.q2[lane]), (float16)(form.q0[lane]))) - d;
         const uint maybe = rc_mask16((least >= -band) & (gap >= -depth)) & points->live[word];
         if (!maybe) continue;
         uint dark = rc_mask16((least > band) & (gap > depth)) & maybe;

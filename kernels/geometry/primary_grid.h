@@ -65,18 +65,10 @@ static inline void rc_primary_block(SceneArrays scene, const GroupFrame* frame, 
   }
 
   if (large_bits) {
-    RC_LINE float l1a[16], l1b[16], l1c[16], l2a[16], l2b[16], l2c[16], q0[16], q1[16], q2[16], band[16], slack_of[16];
+    RC_LINE float slack_of[16];
     RC_LINE uint right_of[16], below_of[16];
-    rc_store16(s.l1a, 0, l1a);
-    rc_store16(s.l1b, 0, l1b);
-    rc_store16(s.l1c, 0, l1c);
-    rc_store16(s.l2a, 0, l2a);
-    rc_store16(s.l2b, 0, l2b);
-    rc_store16(s.l2c, 0, l2c);
-    rc_store16(s.q0, 0, q0);
-    rc_store16(s.q1, 0, q1);
-    rc_store16(s.q2, 0, q2);
-    rc_store16(s.band, 0, band);
+    LaneForms form;
+    rc_store_forms(&s, &form);
     rc_store16(slack, 0, slack_of);
     rc_store16(convert_uint16(right), 0, right_of);
     rc_store16(convert_uint16(below), 0, below_of);
@@ -86,17 +78,17 @@ static inline void rc_primary_block(SceneArrays scene, const GroupFrame* frame, 
       const uint lane = rc_lowest(large_bits);
       large_bits &= large_bits - 1u;
       const uint first_column = left_of[lane] / 4u, last_column = right_of[lane] / 4u, last_row = below_of[lane] / 4u;
-      const float16 uncertain = band[lane];
+      const float16 uncertain = form.band[lane];
       for (uint tile_row = above_of[lane] / 4u; tile_row <= last_row; ++tile_row) {
         const float16 b = rc_row_b(lane_row + (float)(4u * tile_row));
         float16 column_of = lane_column + (float)(4u * first_column);
-        const float16 l1_row = fma((float16)(l1b[lane]), b, (float16)(l1c[lane])), l2_row = fma((float16)(l2b[lane]), b, (float16)(l2c[lane]));
+        const float16 l1_row = fma((float16)(form.l1b[lane]), b, (float16)(form.l1c[lane])), l2_row = fma((float16)(form.l2b[lane]), b, (float16)(form.l2c[lane]));
         for (uint tile_column = first_column; tile_column <= last_column; ++tile_column, column_of += 4.0f) {
           const uint slot = (tile_row * RC_TILE_COLUMNS + tile_column) * 16u;
           const float16 a = rc_column_a(column_of);
-          const float16 l1 = fma((float16)(l1a[lane]), a, l1_row), l2 = fma((float16)(l2a[lane]), a, l2_row);
+          const float16 l1 = fma((float16)(form.l1a[lane]), a, l1_row), l2 = fma((float16)(form.l2a[lane]), a, l2_row);
           const float16 least = rc_min16(rc_min16(l1, l2), (1.0f - l1) - l2);
-          const float16 near = fma(l1, (float16)(q1[lane]), fma(l2, (float16)(q2[lane]), (float16)(q0[lane])));
+          const float16 near = fma(l1, (float16)(form.q1[lane]), fma(l2, (float16)(form.q2[lane]), (float16)(form.q0[lane])));
           const float16 before = vload16(0, closest->near + slot);
           const int16 inside = least > uncertain, nearer = inside & (near > before);
           uint rest = rc_mask16((least >= -uncertain) & (~inside | (near == before)));

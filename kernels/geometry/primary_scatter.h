@@ -15,36 +15,25 @@ static inline void rc_primary_block(SceneArrays scene, const GroupFrame* frame, 
   if (!(lanes | behind_bits)) return;
   RC_LINE float slack[16];
   rc_store16(rc_near_slack(&s), 0, slack);
-  RC_LINE float l1a[16], l1b[16], l1c[16], l2a[16], l2b[16], l2c[16], q0[16], q1[16], q2[16], bands[16], lo_a[16], hi_a[16], lo_b[16], hi_b[16];
-  rc_store16(s.l1a, 0, l1a);
-  rc_store16(s.l1b, 0, l1b);
-  rc_store16(s.l1c, 0, l1c);
-  rc_store16(s.l2a, 0, l2a);
-  rc_store16(s.l2b, 0, l2b);
-  rc_store16(s.l2c, 0, l2c);
-  rc_store16(s.q0, 0, q0);
-  rc_store16(s.q1, 0, q1);
-  rc_store16(s.q2, 0, q2);
-  rc_store16(s.band, 0, bands);
-  rc_store16(s.lo_a, 0, lo_a);
-  rc_store16(s.hi_a, 0, hi_a);
-  rc_store16(s.lo_b, 0, lo_b);
-  rc_store16(s.hi_b, 0, hi_b);
+  LaneForms form;
+  LaneRectangles box;
+  rc_store_forms(&s, &form);
+  rc_store_rectangles(&s, &box);
   for (; lanes; lanes &= lanes - 1u) {
     const uint lane = rc_lowest(lanes);
-    const float16 band = bands[lane];
+    const float16 band = form.band[lane];
     for (uint base = 0; base < RC_SAMPLE_WORDS; base += 16u) {
-      uint touched = rc_mask16((vload16(0, samples->lo_a + base) <= hi_a[lane]) & (vload16(0, samples->hi_a + base) >= lo_a[lane]) &
-                               (vload16(0, samples->lo_b + base) <= hi_b[lane]) & (vload16(0, samples->hi_b + base) >= lo_b[lane]));
+      uint touched = rc_mask16((vload16(0, samples->lo_a + base) <= box.hi_a[lane]) & (vload16(0, samples->hi_a + base) >= box.lo_a[lane]) &
+                               (vload16(0, samples->lo_b + base) <= box.hi_b[lane]) & (vload16(0, samples->hi_b + base) >= box.lo_b[lane]));
       for (; touched; touched &= touched - 1u) {
         const uint slot = (base + rc_lowest(touched)) * 16u;
         const float16 a = vload16(0, samples->a + slot), b = vload16(0, samples->b + slot);
-        const float16 l1 = fma((float16)(l1a[lane]), a, fma((float16)(l1b[lane]), b, (float16)(l1c[lane])));
-        const float16 l2 = fma((float16)(l2a[lane]), a, fma((float16)(l2b[lane]), b, (float16)(l2c[lane])));
+        const float16 l1 = fma((float16)(form.l1a[lane]), a, fma((float16)(form.l1b[lane]), b, (float16)(form.l1c[lane])));
+        const float16 l2 = fma((float16)(form.l2a[lane]), a, fma((float16)(form.l2b[lane]), b, (float16)(form.l2c[lane])));
         const float16 least = rc_min16(rc_min16(l1, l2), (1.0f - l1) - l2);
         const int16 exists = (a < INFINITY) & (least >= -band);
         if (!rc_mask16(exists)) continue;
-        const float16 near = fma(l1, (float16)(q1[lane]), fma(l2, (float16)(q2[lane]), (float16)(q0[lane])));
+        const float16 near = fma(l1, (float16)(form.q1[lane]), fma(l2, (float16)(form.q2[lane]), (float16)(form.q0[lane])));
         const float16 before = vload16(0, closest->near + slot);
         const int16 inside = exists & (least > band), nearer = inside & (near > before);
         if (rc_mask16(nearer)) {
