@@ -164,12 +164,10 @@ Spectrum two_way_factor(const RenderTable& table, double height_m, double zenith
   return out;
 }
 
-Spectrum path_radiance(const RenderTable& table, double height_m, double zenith_deg, double relative_azimuth_deg) {
-  require_zenith(zenith_deg, 90, false, "view");
-  const Row& row = table.need("path_radiance_solar", "light scattered into the path");
-  const std::vector<Coordinate> point = {{"target_height", height_m},
-                                         {"view_zenith", zenith_deg},
-                                         {"relative_azimuth", fold_azimuth(relative_azimuth_deg)}};
+namespace {
+
+/// L / (1 - T) linear between the row's nodes; the point's first two coordinates are height and view zenith.
+Spectrum path_light(const RenderTable& table, const Row& row, const std::vector<Coordinate>& point) {
   const std::vector<Coordinate> path_point(point.begin(), point.begin() + 2);
   const DepthRow depth_row = view_depth_row(table);
   const bool has_k = depth_row.has_k();
@@ -211,6 +209,25 @@ Spectrum path_radiance(const RenderTable& table, double height_m, double zenith_
       out[i] = ratio / ratio_weight * absorbed([&](std::size_t k) { return depth_here[i * terms + k]; }, i);
   }
   return out;
+}
+
+}  // namespace
+
+Spectrum path_radiance(const RenderTable& table, double height_m, double zenith_deg, double relative_azimuth_deg) {
+  require_zenith(zenith_deg, 90, false, "view");
+  return path_light(table, table.need("path_radiance_solar", "light scattered into the path"),
+                    {{"target_height", height_m}, {"view_zenith", zenith_deg}, {"relative_azimuth", fold_azimuth(relative_azimuth_deg)}});
+}
+
+Spectrum path_radiance_thermal(const RenderTable& table, double height_m, double zenith_deg) {
+  require_zenith(zenith_deg, 90, false, "view");
+  return path_light(table, table.need("path_radiance_thermal", "light the path emits"), {{"target_height", height_m}, {"view_zenith", zenith_deg}});
+}
+
+Spectrum two_way_factor_thermal(const RenderTable& table, double height_m, double zenith_deg) {
+  require_zenith(zenith_deg, 90, false, "view");
+  if (!table.has("two_way_factor_thermal")) return Spectrum(wavelengths(table).size(), 1.0);
+  return linear(table, table.need("two_way_factor_thermal", "reflected thermal sky"), {{"target_height", height_m}, {"view_zenith", zenith_deg}});
 }
 
 Spectrum diffuse_irradiance(const RenderTable& table, double height_m) {

@@ -2,6 +2,7 @@
 // wavelength axis. The rules keep energy and sign (S18 of the requirements; S5 of the atmosphere specification):
 //   transmission    -ln T linear in height; along view zenith -ln T cos(zenith) linear
 //   path radiance   L0/(1 - T) linear in height, zenith and azimuth
+//   thermal path    the same;   thermal sky  linear in height and in the airmass of the zenith angle
 //   sky             divided by its single-scatter shape where the table holds it, then linear
 //   two-way factor  linear;   irradiance over height: ln E linear
 // An axis of one node states that the rows do not vary along it. Outside an axis of several nodes: Error(input).
@@ -31,6 +32,16 @@ std::vector<double> two_way_transmission(const RenderTable& table, double height
 std::vector<double> path_radiance(const RenderTable& table, double height_m, double zenith_deg, double relative_azimuth_deg);
 /// Solar sky radiance, the disc excluded, towards (zenith 0..90, azimuth relative to the sun).
 std::vector<double> sky_radiance(const RenderTable& table, double height_m, double zenith_deg, double relative_azimuth_deg);
+
+/// Light the path from target to sensor emits (and scatters of what it emits).
+std::vector<double> path_radiance_thermal(const RenderTable& table, double height_m, double zenith_deg);
+/// Emitted by the sky towards the target, from zenith 0..90; the same at every azimuth.
+std::vector<double> sky_radiance_thermal(const RenderTable& table, double height_m, double zenith_deg);
+/// What reflected thermal sky meets on its way up is T_view times this; 1 where the table has no such row.
+std::vector<double> two_way_factor_thermal(const RenderTable& table, double height_m, double zenith_deg);
+/// Relative airmass of Kasten & Young (Appl. Opt. 28, 4735, 1989) at a zenith angle 0..90 deg: sec z to 1 % up to 75 deg, 38 at
+/// the horizon, strictly rising. The thermal sky is read against it.
+double airmass(double zenith_deg);
 
 /// On a horizontal plane.
 std::vector<double> diffuse_irradiance(const RenderTable& table, double height_m);

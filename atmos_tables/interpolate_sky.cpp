@@ -21,6 +21,30 @@ double sky_shape(double phase, double depth, double cos_sun, double cos_view) {
   return phase * b * std::exp(-low) * mean;
 }
 
+double airmass(double zenith_deg) {
+  return 1 / (std::max(0.0, std::cos(radians(zenith_deg))) + 0.50572 * std::pow(96.07995 - zenith_deg, -1.6364));
+}
+
+Spectrum sky_radiance_thermal(const RenderTable& table, double height_m, double zenith_deg) {
+  require_zenith(zenith_deg, 90, true, "sky");
+  const Row& row = table.need("sky_radiance_thermal", "light the sky emits");
+  const std::vector<Coordinate> point = {{"target_height", height_m}, {"sky_zenith", zenith_deg}};
+  std::vector<Corner> corners = corners_of(table, point);
+  const auto& zeniths = table.axis("sky_zenith").nodes;
+  const Bracket b = bracket(table.axis("sky_zenith"), zenith_deg);
+  if (b.weight > 0 && b.weight < 1) {  // the same nodes, weighed by airmass
+    const double low = airmass(zeniths[b.low]), high = airmass(zeniths[b.high]), w = (airmass(zenith_deg) - low) / (high - low);
+    for (Corner& corner : corners) corner.weight *= corner.node[1] == b.low ? (1 - w) / (1 - b.weight) : w / b.weight;
+  }
+  const RowView view(table, row);
+  Spectrum out(wavelengths(table).size(), 0.0);
+  for (const Corner& corner : corners) {
+    const std::size_t base = view.offset(point, corner);
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] += corner.weight * view.at(base, i);
+  }
+  return out;
+}
+
 Spectrum sky_radiance(const RenderTable& table, double height_m, double zenith_deg, double relative_azimuth_deg) {
   require_zenith(zenith_deg, 90, true, "sky");
   const double azimuth = fold_azimuth(relative_azimuth_deg);

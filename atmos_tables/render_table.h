@@ -37,7 +37,10 @@ struct Row {
 ///                               between nodes (S5.2); without them the sky is interpolated as it stands
 ///   diffuse_irradiance          (wavelength, target_height)                  on a horizontal plane
 ///   direct_irradiance           (wavelength, target_height)                  on a horizontal plane
-///   spherical_albedo, diffuse_view_transmission, diffuse_return, path_radiance_thermal, sky_radiance_thermal,
+///   path_radiance_thermal       (wavelength, target_height, view_zenith)     emitted by the path from target to sensor
+///   sky_radiance_thermal        (wavelength, target_height, sky_zenith)      emitted by the sky
+///   two_way_factor_thermal      (wavelength, target_height, view_zenith)     of reflected thermal sky; absent = 1
+///   spherical_albedo, diffuse_view_transmission, diffuse_return,
 ///   lidar_extinction, lidar_backscatter ...                                 absent until a later model fills them
 struct RenderTable {
   int version = 1;

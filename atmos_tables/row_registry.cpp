@@ -46,7 +46,7 @@ const std::vector<RowSpec>& row_registry() {
       {"view_optical_depth", "1", "wavelength [k] target_height view_zenith", 0, kAny, "-ln view_transmission"},
       {"two_way_factor", "1", "wavelength target_height view_zenith", 0, kAny,
        "R2 = T(sun to target to sensor) / (T_sun T_view): band transmittances do not multiply"},
-      {"two_way_factor_thermal_sky", "1", "wavelength target_height view_zenith", 0, kAny,
+      {"two_way_factor_thermal", "1", "wavelength target_height view_zenith", 0, kAny,
        "the same ratio for reflected sky emission"},
       {"path_radiance_solar", kRadiance, "wavelength target_height view_zenith relative_azimuth", 0, kAny,
        "sunlight scattered into the path from target to sensor, over black ground"},

@@ -4,8 +4,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "atmos_tables/interpolate.h"
 #include "atmos_tables/table_rows.h"
 #include "host/base/error.h"
+#include "host/base/planck.h"
 
 namespace raycube::atmos {
 
@@ -57,8 +59,47 @@ RenderTable uniform_table(const UniformAir& air, const std::vector<double>& wave
   fill("two_way_factor", air.two_way_factor);
   fill("sky_radiance_solar", air.sky_radiance);
   fill("path_radiance_solar", air.path_radiance);
+  if (air.thermal_sky_radiance && air.thermal_path_radiance) {
+    fill("sky_radiance_thermal", air.thermal_sky_radiance);
+    fill("path_radiance_thermal", air.thermal_path_radiance);
+  }
+  if (air.two_way_factor_thermal) fill("two_way_factor_thermal", air.two_way_factor_thermal);
   fill("diffuse_irradiance", [&](double l) { return std::numbers::pi * air.sky_radiance(l); });
   fill("direct_irradiance", [&](double l) { return mu0 * air.solar_irradiance(l) * air.sun_transmission(l); });
+  return table;
+}
+
+RenderTable isothermal_table(double temperature_K, const UniformAir::Spectrum& depth, double sensor_height_m,
+                             const std::vector<double>& wavelength_um) {
+  RenderTable table;
+  table.solar_source = "none";
+  table.provenance_json = R"({"model":"isothermal air that absorbs and emits, no sun"})";
+  table.sun_zenith_deg = 180;
+  table.sensor_height_m = sensor_height_m;
+  constexpr double scale_height_m = 2000;
+  const auto above = [](double z) { return std::exp(-z / scale_height_m); };  // part of the column above a height
+  add_axis(table, "wavelength", wavelength_um);
+  std::vector<double> heights;
+  for (const double part : {0.0, 0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.75, 1.0}) heights.push_back(part * sensor_height_m);
+  add_axis(table, "target_height", heights);
+  const std::vector<double> views = {0, 20, 40, 55, 65, 75, 80}, zeniths = {0, 30, 45, 60, 70, 75, 80, 83, 85, 87, 88.5, 90};
+  add_axis(table, "view_zenith", views);
+  add_axis(table, "sky_zenith", zeniths);
+  Row& transmission = add_row(table, "view_transmission", "isothermal air");
+  Row& path = add_row(table, "path_radiance_thermal", "isothermal air");
+  Row& sky = add_row(table, "sky_radiance_thermal", "isothermal air under a black sky");
+  std::size_t at_view = 0, at_sky = 0;
+  for (const double l : wavelength_um) {
+    const double tau = depth(l), source = base::planck_radiance(l, temperature_K);
+    for (const double z : heights) {
+      for (const double view : views) {
+        const double t = std::exp(-tau * (above(z) - above(sensor_height_m)) / std::cos(view * std::numbers::pi / 180));
+        transmission.values[at_view] = static_cast<float>(t);
+        path.values[at_view++] = static_cast<float>(source * (1 - t));
+      }
+      for (const double zenith : zeniths) sky.values[at_sky++] = static_cast<float>(-source * std::expm1(-tau * above(z) * airmass(zenith)));
+    }
+  }
   return table;
 }
 

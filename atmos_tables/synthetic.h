@@ -17,12 +17,21 @@ struct UniformAir {
   Spectrum two_way_factor = [](double) { return 1.0; };
   Spectrum sky_radiance = [](double) { return 0.0; };   ///< W m-2 sr-1 um-1, the same in all directions
   Spectrum path_radiance = [](double) { return 0.0; };  ///< W m-2 sr-1 um-1
+  /// Both given: the table gets thermal rows. W m-2 sr-1 um-1, the sky the same in all directions.
+  Spectrum thermal_sky_radiance, thermal_path_radiance;
+  Spectrum two_way_factor_thermal;                      ///< absent from the table when not given
   double sun_zenith_deg = 0, sun_azimuth_deg = 0;
   double sensor_height_m = 1000;
 };
 
 /// One-node axes: nothing varies along them. Wavelengths ascending, um.
 RenderTable uniform_table(const UniformAir& air, const std::vector<double>& wavelength_um);
+
+/// Air of one temperature and a vertical optical depth (1) that falls exponentially with height (scale height 2 km), absorbing
+/// only: T = exp(-depth m), path B (1 - T_path), sky B (1 - T_sky), m = 1 / cos for the path and the airmass for the sky.
+/// Targets from 0 to the sensor, views to 80 deg; black sky above. Thermal rows only: no sun.
+RenderTable isothermal_table(double temperature_K, const UniformAir::Spectrum& depth, double sensor_height_m,
+                             const std::vector<double>& wavelength_um);
 
 /// Sun of irradiance E0 and a sky of uniform radiance through clear space: sky irradiance is pi times the radiance.
 RenderTable uniform_sky_table(double solar_irradiance, double sky_radiance, const std::vector<double>& wavelength_um,

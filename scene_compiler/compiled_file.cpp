@@ -104,6 +104,7 @@ void archive_content(Archive& ar, Scene& scene) {
     ar(material.reflectance.value);
     ar(material.transmittance.wavelength_um);
     ar(material.transmittance.value);
+    ar(material.temperature_K);
   }
   ar(scene.surfaces);
   for (auto& mesh : scene.meshes) {
@@ -243,7 +244,7 @@ CompiledScene load_compiled(const std::string& file) {
   reader(materials);
   reader(meshes);
   // Each of them takes at least its counts: no huge allocation from a small file.
-  if (materials > reader.left() / 40 || meshes > reader.left() / 60) reader.damaged("has impossible counts");
+  if (materials > reader.left() / 48 || meshes > reader.left() / 60) reader.damaged("has impossible counts");
   scene.materials.resize(static_cast<std::size_t>(materials));
   scene.meshes.resize(static_cast<std::size_t>(meshes));
   archive_content(reader, scene);

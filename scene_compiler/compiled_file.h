@@ -8,7 +8,7 @@
 namespace raycube::scene {
 
 /// Layout version of .rcs files; a file of another version is refused.
-inline constexpr std::uint32_t kCompiledFileVersion = 1;
+inline constexpr std::uint32_t kCompiledFileVersion = 2;
 
 /// SHA-256 (hex) of the origin, materials (names, curves; not the text of their source), surfaces, meshes,
 /// instances, nodes and blocks, in the byte order of the file. Equal hashes give equal results.

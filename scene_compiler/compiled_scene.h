@@ -23,6 +23,7 @@ struct Material {
   std::string source;         ///< where the curve comes from, as the user's file states it
   Curve reflectance;
   Curve transmittance;        ///< empty when opaque
+  double temperature_K = 0;   ///< fixed temperature of everything made of it; 0: none given
 };
 
 struct Mesh {

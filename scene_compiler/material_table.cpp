@@ -63,6 +63,8 @@ std::optional<Material> read_material(const Record& record, Problems& problems) 
 
 MaterialTable::MaterialTable(const Record& root, Problems& problems) {
   std::map<std::string, base::Where> places;
+  const Record* thermal = root.table("thermal");
+  const double default_K = thermal && thermal->given("default_temperature_K") ? thermal->number("default_temperature_K") : 0;
   for (const auto& record : root.records("material")) {
     const std::string& name = record.text("name");
     Material material;
@@ -75,6 +77,7 @@ MaterialTable::MaterialTable(const Record& root, Problems& problems) {
       continue;
     }
     material.name = name;
+    material.temperature_K = record.given("temperature_K") ? record.number("temperature_K") : default_K;
     if (record.given("source")) material.source = record.text("source");
     index_.emplace(name, static_cast<std::uint32_t>(materials_.size()));
     shared::Surface surface{};

@@ -1,0 +1,20 @@
+// Planck's law with the exact constants of the SI of 2019 (h = 6.62607015e-34 J s, k = 1.380649e-23 J/K, c = 299792458 m/s).
+#pragma once
+
+#include <cmath>
+
+namespace raycube::base {
+
+inline constexpr double kFirstRadiationConstant = 1.191042972397188e8;  ///< 2 h c^2, W m-2 sr-1 um4
+inline constexpr double kSecondRadiationConstant = 14387.768775039337;  ///< h c / k, um K
+
+/// Radiance of a black body, W m-2 sr-1 um-1: B = 2 h c^2 / (l^5 (exp(h c / (l k T)) - 1)). wavelength_um > 0; 0 at and below
+/// 0 K. Finite everywhere: where exp overflows (l T below 20 um K) the radiance is 0 in double anyway.
+inline double planck_radiance(double wavelength_um, double temperature_K) {
+  if (!(temperature_K > 0)) return 0;
+  const double x = kSecondRadiationConstant / (wavelength_um * temperature_K);
+  const double l2 = wavelength_um * wavelength_um;
+  return kFirstRadiationConstant / (l2 * l2 * wavelength_um * std::expm1(x));
+}
+
+}  // namespace raycube::base

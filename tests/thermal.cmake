@@ -1,0 +1,3 @@
+# Light that surfaces, sky and air emit.
+raycube_test(thermal_tables SOURCES oracle/thermal_tables_test.cpp LIBS raycube::atmos_tables LABELS fast)
+raycube_test(thermal_scene SOURCES unit/thermal_scene_test.cpp LIBS raycube::scene_compiler LABELS fast)
