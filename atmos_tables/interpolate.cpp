@@ -245,6 +245,28 @@ Spectrum direct_irradiance(const RenderTable& table, double height_m) {
   return out;
 }
 
+bool has_ground_coupling(const RenderTable& table) {
+  for (const char* row : {"spherical_albedo", "diffuse_view_transmission", "diffuse_return", "diffuse_irradiance"})
+    if (!table.has(row)) return false;
+  return true;
+}
+
+Spectrum spherical_albedo(const RenderTable& table, double height_m) {
+  return linear(table, table.need("spherical_albedo", "light between ground and air"), {{"target_height", height_m}});
+}
+
+Spectrum diffuse_view_transmission(const RenderTable& table, double height_m, double zenith_deg) {
+  require_zenith(zenith_deg, 90, false, "view");
+  return linear(table, table.need("diffuse_view_transmission", "light between ground and air"),
+                {{"target_height", height_m}, {"view_zenith", zenith_deg}});
+}
+
+Spectrum diffuse_return(const RenderTable& table, double height_m, double zenith_deg) {
+  require_zenith(zenith_deg, 90, true, "sky");
+  return linear(table, table.need("diffuse_return", "light between ground and air"),
+                {{"target_height", height_m}, {"sky_zenith", zenith_deg}});
+}
+
 double path_radiance_between(double up_at_sensor, double transmission, double up_at_target) {
   const double difference = up_at_sensor - transmission * up_at_target;
   if (difference >= 0) return difference;

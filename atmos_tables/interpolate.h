@@ -4,7 +4,7 @@
 //   path radiance   L0/(1 - T) linear in height, zenith and azimuth
 //   thermal path    the same;   thermal sky  linear in height and in the airmass of the zenith angle
 //   sky             divided by its single-scatter shape where the table holds it, then linear
-//   two-way factor  linear;   irradiance over height: ln E linear
+//   two-way factor  linear;   irradiance over height: ln E linear;   light between ground and air (S, T_dif, t): linear
 // An axis of one node states that the rows do not vary along it. Outside an axis of several nodes: Error(input).
 // Heights in metres above the scene's z = 0; angles in degrees; azimuths relative to the sun, of any sign, are folded.
 #pragma once
@@ -47,6 +47,16 @@ double airmass(double zenith_deg);
 std::vector<double> diffuse_irradiance(const RenderTable& table, double height_m);
 /// On a horizontal plane: the row, or E0 cos(sun zenith) T_sun where it is absent; 0 with the sun at or below the horizon.
 std::vector<double> direct_irradiance(const RenderTable& table, double height_m);
+
+/// Whether the table separates ground and air: spherical_albedo, diffuse_view_transmission, diffuse_return and
+/// diffuse_irradiance. Its sky and path radiances are then over black ground.
+bool has_ground_coupling(const RenderTable& table);
+/// S of the air above a height, seen from below.
+std::vector<double> spherical_albedo(const RenderTable& table, double height_m);
+/// T_dif: radiance at the sensor beside the direct path, per unit of isotropic upward radiance of the ground all around.
+std::vector<double> diffuse_view_transmission(const RenderTable& table, double height_m, double zenith_deg);
+/// t: radiance that comes back down from a zenith angle 0..90, per unit of isotropic upward radiance.
+std::vector<double> diffuse_return(const RenderTable& table, double height_m, double zenith_deg);
 
 /// Rule for elevated targets when a solver gives upward radiance at levels: L0(z to H) = L_up(H) - T(z to H) L_up(z), both
 /// over black ground in one direction from one run. A result below zero by rounding (1e-5 of L_up(H)) becomes 0.

@@ -64,7 +64,7 @@ const std::vector<RowSpec>& row_registry() {
        "sky on a horizontal plane, the sun's disc excluded"},
       {"spherical_albedo", "1", "wavelength target_height", 0, 1, "S: of the air seen from below, isotropic light"},
       {"diffuse_view_transmission", "1", "wavelength target_height view_zenith", 0, 1,
-       "T_dif: diffuse upward transmittance, target level to sensor"},
+       "T_dif: radiance at the sensor beside the direct path, per unit isotropic upward radiance of the ground at the target's level"},
       {"diffuse_return", "1", "wavelength target_height sky_zenith", 0, 1,
        "t: radiance that comes back down for unit isotropic upward radiance; S = 2 int t mu dmu"},
       {"air_temperature", "K", "range_height", 100, 400, "of the profile behind the thermal rows"},

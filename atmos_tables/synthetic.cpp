@@ -64,6 +64,9 @@ RenderTable uniform_table(const UniformAir& air, const std::vector<double>& wave
     fill("path_radiance_thermal", air.thermal_path_radiance);
   }
   if (air.two_way_factor_thermal) fill("two_way_factor_thermal", air.two_way_factor_thermal);
+  if (air.spherical_albedo) fill("spherical_albedo", air.spherical_albedo);
+  if (air.diffuse_view_transmission) fill("diffuse_view_transmission", air.diffuse_view_transmission);
+  if (air.diffuse_return) fill("diffuse_return", air.diffuse_return);
   fill("diffuse_irradiance", [&](double l) { return std::numbers::pi * air.sky_radiance(l); });
   fill("direct_irradiance", [&](double l) { return mu0 * air.solar_irradiance(l) * air.sun_transmission(l); });
   return table;

@@ -20,6 +20,8 @@ struct UniformAir {
   /// Both given: the table gets thermal rows. W m-2 sr-1 um-1, the sky the same in all directions.
   Spectrum thermal_sky_radiance, thermal_path_radiance;
   Spectrum two_way_factor_thermal;                      ///< absent from the table when not given
+  /// Light between ground and air: S, T_dif and t. Empty: the table has no such row.
+  Spectrum spherical_albedo, diffuse_view_transmission, diffuse_return;
   double sun_zenith_deg = 0, sun_azimuth_deg = 0;
   double sensor_height_m = 1000;
 };

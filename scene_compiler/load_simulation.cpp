@@ -40,6 +40,10 @@ AtmosphereSpec read_atmosphere(const Record& root, const Origin& origin, Problem
   out.ssa = record->number("ssa");
   out.asymmetry = record->number("asymmetry");
   out.ground_albedo = record->number("ground_albedo");
+  if (record->given("adjacency")) {
+    const std::string adjacency = record->text("adjacency");
+    out.adjacency = adjacency == "local" ? Adjacency::local : adjacency == "mean" ? Adjacency::mean : Adjacency::off;
+  }
   return out;
 }
 

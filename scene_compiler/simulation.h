@@ -63,6 +63,9 @@ struct Sun {
   std::string utc;                ///< empty when angles were given
 };
 
+/// Light between ground and air; automatic: local where the table has the rows, else off.
+enum class Adjacency { automatic, local, mean, off };
+
 /// Parameters of the built-in clear-sky model, or the file of an imported table.
 struct AtmosphereSpec {
   std::string table_file;         ///< absolute path; empty: build
@@ -75,6 +78,7 @@ struct AtmosphereSpec {
   double ssa = 0.945;             ///< aerosol single-scattering albedo at 0.4 um (Bird & Riordan's rural)
   double asymmetry = 0.65;
   double ground_albedo = 0.0;     ///< for the sky's ground-reflected part
+  Adjacency adjacency = Adjacency::automatic;
   bool none = false;              ///< no air: T = 1, no sky, no path radiance (tests, laboratories)
 };
 
