@@ -1,0 +1,37 @@
+#include "tests/support/anchor_rows.h"
+
+#include <cstdlib>
+#include <fstream>
+#include <iostream>
+#include <sstream>
+#include <stdexcept>
+
+namespace raycube::testing {
+
+std::vector<AnchorRow> anchor_rows(const std::string& name, const std::string& not_shown) {
+  const char* shared = std::getenv("RAYCUBE_SHARED");
+  if (!shared) {
+    std::cerr << "SKIPPED: RAYCUBE_SHARED is not set, " << not_shown << "\n";
+    return {};
+  }
+  std::ifstream file(std::string(shared) + "/reference/atmosphere/" + name);
+  std::vector<std::string> labels;
+  std::vector<AnchorRow> rows;
+  for (std::string text; std::getline(file, text);) {
+    if (text.empty() || text[0] == '#') continue;
+    std::istringstream in(text);
+    std::vector<std::string> cells;
+    for (std::string cell; std::getline(in, cell, ',');) cells.push_back(cell);
+    if (labels.empty()) {
+      labels = cells;
+      continue;
+    }
+    AnchorRow& row = rows.emplace_back();
+    for (std::size_t i = 0; i < cells.size() && i < labels.size(); ++i)
+      if (!cells[i].empty()) row[labels[i]] = std::strtod(cells[i].c_str(), nullptr);
+  }
+  if (rows.empty()) throw std::runtime_error(name + " is not there or has no rows");
+  return rows;
+}
+
+}  // namespace raycube::testing
