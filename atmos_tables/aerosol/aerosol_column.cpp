@@ -34,6 +34,18 @@ const char* volcanic_substance(StratosphereModel model) {
   }
 }
 
+/// Weighted with the extinction; slices of 1/300 of the layer.
+double mean_humidity_percent(const HeightProfile& layer, const AirProfile& profile) {
+  const double base_km = layer.knots().front().height_km, step_km = (layer.knots().back().height_km - base_km) / 300;
+  double sum = 0, weight = 0;
+  for (int i = 0; i < 300; ++i) {
+    const double height_km = base_km + (i + 0.5) * step_km, extinction = layer.extinction_per_km(height_km);
+    if (height_km > profile.top_km()) break;
+    sum += extinction * relative_humidity_percent(profile.at(height_km)), weight += extinction;
+  }
+  return weight > 0 ? sum / weight : relative_humidity_percent(profile.levels()[0]);
+}
+
 void check(const AerosolSpec& spec, const AirProfile& profile) {
   base::Problems problems;
   const auto range = [&](const std::string& element, const std::string& what, double value, double low, double high) {
@@ -64,27 +76,21 @@ void check(const AerosolSpec& spec, const AirProfile& profile) {
 
 }  // namespace
 
-double ground_humidity_percent(const AirProfile& profile) {
-  const AirLevel& ground = profile.levels().front();
-  const double vapour_hPa = 1e4 * kBoltzmann_J_per_K * ground.gas(Gas::h2o) * ground.temperature_K;
-  return 100 * vapour_hPa / saturation_pressure_hPa(ground.temperature_K);
+double relative_humidity_percent(const AirLevel& level) {
+  const double vapour_hPa = 1e4 * kBoltzmann_J_per_K * level.gas(Gas::h2o) * level.temperature_K;
+  return 100 * vapour_hPa / saturation_pressure_hPa(level.temperature_K);
 }
 
-AerosolColumn::AerosolColumn(const AerosolSpec& spec, const AirProfile& profile) : henyey_greenstein_(spec.henyey_greenstein) {
+AerosolColumn::AerosolColumn(const AerosolSpec& spec, const AirProfile& profile)
+    : henyey_greenstein_(spec.henyey_greenstein),
+      between_waves_(spec.lowtran_rules ? BetweenWaves::linear : BetweenWaves::power_law) {
   check(spec, profile);
-  if (spec.boundary != AerosolModel::none) {
-    humidity_percent_ = spec.humidity_percent < 0 ? ground_humidity_percent(profile) : spec.humidity_percent;
-    if (humidity_percent_ > kMaxHumidity_percent) {
-      notices_.push_back("aerosol: relative humidity " + text(humidity_percent_) +
-                         " % at the ground; the figures end at 99 %, which is used");
-      humidity_percent_ = kMaxHumidity_percent;
-    }
-    add_aerosols(spec, profile.ground_km());
-  }
+  if (spec.boundary != AerosolModel::none) add_aerosols(spec, profile);
   add_clouds(spec);
 }
 
-void AerosolColumn::add_aerosols(const AerosolSpec& spec, double ground_km) {
+void AerosolColumn::add_aerosols(const AerosolSpec& spec, const AirProfile& profile) {
+  const double ground_km = profile.ground_km();
   const auto regions = [&](double visibility) {
     return aerosol_heights(visibility, spec.spring_summer, spec.stratosphere, ground_km);
   };
@@ -102,6 +108,15 @@ void AerosolColumn::add_aerosols(const AerosolSpec& spec, double ground_km) {
     notices_.push_back("aerosol: optical depth " + text(spec.aod_550) + " at 0.55 um is less than the " + text(least) +
                        " of air at its clearest; all heights are scaled by " + text(spec.aod_550 / least));
     for (HeightProfile& region : heights) region.scale(spec.aod_550 / least);
+  }
+  humidity_percent_ = spec.humidity_percent;
+  if (humidity_percent_ < 0)
+    humidity_percent_ =
+        spec.lowtran_rules ? mean_humidity_percent(heights[0], profile) : relative_humidity_percent(profile.levels()[0]);
+  if (humidity_percent_ > kMaxHumidity_percent) {
+    notices_.push_back("aerosol: relative humidity " + text(humidity_percent_) +
+                       " % in the boundary layer; the figures end at 99 %, which is used");
+    humidity_percent_ = kMaxHumidity_percent;
   }
   const double grade = spec.boundary == AerosolModel::desert ? spec.wind_m_s : humidity_percent_;
   components_.push_back({to_string(spec.boundary), heights[0], Substance(to_string(spec.boundary), grade), {}});
@@ -161,7 +176,7 @@ PhaseFunction AerosolColumn::phase(const Component& component, double wavelength
 
 AerosolColumn::Optics AerosolColumn::optics(std::size_t component, double wavelength_um) const {
   const Component& one = components_.at(component);
-  const SubstanceOptics at = one.substance.at(wavelength_um);
+  const SubstanceOptics at = one.substance.at(wavelength_um, between_waves_);
   return {at.extinction, 1 - at.absorption / at.extinction, at.asymmetry,
           std::make_shared<const PhaseFunction>(phase(one, wavelength_um, at.asymmetry))};
 }

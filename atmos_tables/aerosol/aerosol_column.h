@@ -1,7 +1,8 @@
 // Aerosols, fogs and clouds above one ground: how much of each at what height, and its optics at any wavelength.
 //
 // Two figures exist for the mean cosine of scattering: the optics table's, and that of the tabulated Mie function, since 70
-// shapes are shared by all substances and wavelengths. They differ by 0.02 rms (rural at 0.55 um, 70 %: 0.664 and 0.641).
+// shapes are shared by all substances and wavelengths. From 0.35 to 2.3 um they differ by 0.01 rms in the boundary layer's
+// models, 0.02 in the troposphere's, 0.04 in the stratosphere's (rural at 0.55 um and 70 %: 0.664 and 0.641).
 // `phase` and its moments are the Mie function as it stands, so fluxes follow its own mean; `asymmetry` is the table's, for
 // Henyey-Greenstein. Mixing layers: S4.5.
 #pragma once
@@ -60,17 +61,18 @@ class AerosolColumn {
     Substance substance;
     std::vector<Substance> droplets;  ///< whose Mie functions stand in where the figures hold none
   };
-  void add_aerosols(const AerosolSpec& spec, double ground_km);
+  void add_aerosols(const AerosolSpec& spec, const AirProfile& profile);
   void add_clouds(const AerosolSpec& spec);
   PhaseFunction phase(const Component& component, double wavelength_um, double asymmetry) const;
 
   std::vector<Component> components_;
   bool henyey_greenstein_ = false;
+  BetweenWaves between_waves_ = BetweenWaves::power_law;
   double visibility_km_ = 0, humidity_percent_ = 0;
   std::vector<std::string> notices_;
 };
 
-/// Relative humidity over water, %, at the profile's lowest level.
-double ground_humidity_percent(const AirProfile& profile);
+/// Relative humidity over water, %.
+double relative_humidity_percent(const AirLevel& level);
 
 }  // namespace raycube::atmos

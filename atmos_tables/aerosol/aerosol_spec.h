@@ -53,6 +53,9 @@ struct AerosolSpec {
   StratosphereModel stratosphere = StratosphereModel::background;
   double wind_m_s = 10;  ///< desert only, 0..30
   std::vector<CloudLayer> clouds;
+  /// LOWTRAN7's rules, for comparisons with it: optics linear between tabulated wavelengths (BetweenWaves in substance.h), and
+  /// for humidity_percent < 0 the mean over the boundary layer, weighted with its extinction, instead of the lowest level's.
+  bool lowtran_rules = false;
   /// Henyey-Greenstein with the table's asymmetry for every component: for comparisons with codes that use it.
   bool henyey_greenstein = false;
 };

@@ -66,12 +66,19 @@ Substance::Substance(const std::string& name, double grade) : name_(name) {
       if (name == tables::kPhase[i].name && row->grade == tables::kPhase[i].grade) phase_rows_.push_back({i, weight});
 }
 
-SubstanceOptics Substance::at(double wavelength_um) const {
+SubstanceOptics Substance::at(double wavelength_um, BetweenWaves rule) const {
   if (!(wavelength_um >= kMinAerosolWave_um && wavelength_um <= kMaxAerosolWave_um))
     throw base::Error(base::Fault::input,
                       "aerosol optics cover 0.2 to 200 um (found " + std::to_string(wavelength_um) + " um)");
   const Bracket at = bracket(figures::kWaves, wavelength_um, [](std::size_t i) { return tables::kWave_um[i]; });
   const SubstanceOptics &low = nodes_[at.low], &high = nodes_[at.high];
+  if (rule == BetweenWaves::power_law) {
+    const double from = tables::kWave_um[at.low], to = tables::kWave_um[at.high];
+    const double share = at.low == at.high ? 0 : std::log(wavelength_um / from) / std::log(to / from);
+    const double extinction = geometric(low.extinction, high.extinction, share);
+    return {extinction, extinction * std::lerp(low.absorption / low.extinction, high.absorption / high.extinction, at.share),
+            std::lerp(low.asymmetry, high.asymmetry, at.share)};
+  }
   return {std::lerp(low.extinction, high.extinction, at.share), std::lerp(low.absorption, high.absorption, at.share),
           std::lerp(low.asymmetry, high.asymmetry, at.share)};
 }

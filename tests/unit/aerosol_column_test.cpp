@@ -123,3 +123,122 @@ TEST_CASE("S4.5 aerosol: an optical depth sets the visibility; below the least d
   spec.aod_550 = -1, spec.visibility_km = 1000;
   CHECK(AerosolColumn(spec, summer()).notices().size() == 1);
 }
+
+TEST_CASE("S4.5 aerosol: optics between humidities are log-linear in ln(100 - RH), between wavelengths power laws") {
+  const Substance low("rural", 70), high("rural", 80);
+  const double middle = 100 - std::sqrt(30.0 * 20.0);  // the middle of 70 and 80 % in that coordinate
+  const Substance between_two("rural", middle);
+  for (double wave : {0.3, 0.55, 1.06, 2.0, 3.0, 10.0}) {  // nodes of the table
+    const SubstanceOptics a = low.at(wave), b = high.at(wave), m = between_two.at(wave);
+    CHECK(m.extinction == doctest::Approx(std::sqrt(a.extinction * b.extinction)).epsilon(1e-12));
+    CHECK(m.absorption == doctest::Approx(std::sqrt(a.absorption * b.absorption)).epsilon(1e-12));
+    CHECK(m.asymmetry == doctest::Approx(std::sqrt(a.asymmetry * b.asymmetry)).epsilon(1e-12));
+  }
+  CHECK(low.at(0.55).extinction == 1);
+  CHECK(low.at(0.62215, BetweenWaves::linear).extinction == doctest::Approx((1 + 0.75316) / 2).epsilon(1e-12));
+  // Angstrom's law through 0.55 and 0.6943 um.
+  const double exponent = -std::log(0.75316) / std::log(0.6943 / 0.55);
+  CHECK(low.at(0.6).extinction == doctest::Approx(std::pow(0.6 / 0.55, -exponent)).epsilon(1e-12));
+  // Water grows on the particles: more scattering, less absorption, more forward.
+  for (double humidity = 5; humidity <= 95; humidity += 10) {
+    const SubstanceOptics dry = Substance("rural", humidity).at(0.55), wet = Substance("rural", humidity + 4).at(0.55);
+    CHECK(wet.absorption < dry.absorption);
+    CHECK(wet.asymmetry > dry.asymmetry);
+  }
+  const Substance calm("desert", 10), storm("desert", 30), half("desert", 20);
+  CHECK(calm.at(0.55).extinction == doctest::Approx(1).epsilon(1e-12));
+  CHECK(storm.at(0.55).extinction == doctest::Approx(1).epsilon(1e-12));
+  CHECK(storm.at(0.4).absorption > calm.at(0.4).absorption);
+  CHECK(!half.has_phase());
+}
+
+TEST_CASE("S4.5 aerosol: models, seasons and volcanoes") {
+  for (AerosolModel model : {AerosolModel::rural, AerosolModel::urban, AerosolModel::maritime, AerosolModel::desert,
+                             AerosolModel::tropospheric, AerosolModel::fog_advective, AerosolModel::fog_radiative}) {
+    AerosolSpec spec;
+    spec.boundary = model;
+    CHECK(parse_aerosol(to_string(model)) == model);
+    const AerosolColumn column(spec, summer());
+    for (std::size_t i = 0; i < column.components(); ++i)
+      for (double wave : {0.2, 0.4, 0.55, 1.6, 3.3, 10.0, 30.0, 200.0}) {
+        const AerosolColumn::Optics at = column.optics(i, wave);
+        CHECK(at.extinction_ratio > 0);
+        CHECK(at.scattering_albedo >= 0);
+        CHECK(at.scattering_albedo <= 1);
+        CHECK(column.backscatter_per_sr(i, wave) >= 0);
+        CHECK(std::abs(at.phase->moments(1)[0] - 1) <= 1e-12);
+        if (wave == 0.55) CHECK(at.extinction_ratio == doctest::Approx(1).epsilon(1e-12));
+      }
+  }
+  const auto depth = [](StratosphereModel model, bool spring_summer) {
+    AerosolSpec spec;
+    spec.stratosphere = model, spec.spring_summer = spring_summer;
+    CHECK(parse_stratosphere(to_string(model)) == model);
+    return AerosolColumn(spec, summer()).depth_550(2, 0, 120);
+  };
+  for (bool season : {true, false}) {
+    CHECK(depth(StratosphereModel::background, season) < depth(StratosphereModel::moderate_volcanic, season));
+    CHECK(depth(StratosphereModel::moderate_volcanic, season) < depth(StratosphereModel::high_volcanic, season));
+    CHECK(depth(StratosphereModel::high_volcanic, season) < depth(StratosphereModel::extreme_volcanic, season));
+  }
+  AerosolSpec winter;
+  winter.spring_summer = false;
+  CHECK(AerosolColumn(winter, summer()).depth_550(1, 0, 120) < AerosolColumn(AerosolSpec{}, summer()).depth_550(1, 0, 120));
+  AerosolSpec none;
+  none.boundary = AerosolModel::none;
+  CHECK(AerosolColumn(none, summer()).components() == 0);
+  CHECK(AerosolColumn(none, summer()).level_km().empty());
+}
+
+TEST_CASE(
+    "S4.5 fog and clouds: layers with their own depth; water clouds scatter back like droplets, not like Henyey-Greenstein") {
+  AerosolSpec spec;
+  spec.boundary = AerosolModel::none;
+  for (std::size_t kind = 0; kind < kCloudNames.size(); ++kind)
+    spec.clouds.push_back({1.0 + static_cast<double>(kind), 1.5 + static_cast<double>(kind),
+                           0.1 * static_cast<double>(kind + 1), parse_cloud(kCloudNames[kind])});
+  const AerosolColumn column(spec, summer());
+  REQUIRE(column.components() == 9);
+  CHECK(column.level_km().size() == 18);
+  CHECK(column.notices().size() == 2);  // ice
+  for (std::size_t i = 0; i < 9; ++i) {
+    CAPTURE(column.name(i));
+    CHECK(column.name(i) == kCloudNames[i]);
+    CHECK(column.depth_550(i, 0, 120) == doctest::Approx(0.1 * static_cast<double>(i + 1)).epsilon(1e-12));
+    const AerosolColumn::Optics at = column.optics(i, 0.532);
+    CHECK(at.scattering_albedo > 0.99);
+    CHECK(at.extinction_ratio ==
+          doctest::Approx(1).epsilon(0.02));  // droplets far larger than the wavelength: extinction is grey
+    if (i < 5) {
+      CHECK(std::abs(at.phase->asymmetry() - at.asymmetry) <= 0.015);
+      // Measured lidar ratio of water clouds at 0.532 um: 18.8 sr +- 0.8 (O'Connor et al. 2004, J. Atmos. Oceanic Technol. 21, 777);
+      // the figures' droplets give 17.7 and 19.3.
+      CHECK(std::abs(at.extinction_ratio / column.backscatter_per_sr(i, 0.532) - 18.8) <= 1.5);
+    }
+  }
+}
+
+TEST_CASE("S4.5 aerosol: bad figures are listed together") {
+  AerosolSpec spec;
+  spec.visibility_km = -3, spec.humidity_percent = 130, spec.boundary = AerosolModel::desert, spec.wind_m_s = 80;
+  spec.clouds = {{2, 1, -1, CloudKind::cumulus}, {1, 300, std::numeric_limits<double>::quiet_NaN(), CloudKind::cumulus}};
+  const std::string found = message([&] { AerosolColumn(spec, summer()); });
+  for (const char* part :
+       {"visibility", "-3", "humidity", "130", "wind", "80", "cloud 1", "base must lie below top", "cloud 2", "300", "nan"})
+    CHECK_MESSAGE(found.find(part) != std::string::npos, part, " in ", found);
+  spec = {};
+  spec.aod_550 = std::numeric_limits<double>::quiet_NaN();
+  CHECK(message([&] { AerosolColumn(spec, summer()); }).find("optical depth") != std::string::npos);
+  spec.aod_550 = 1e4;
+  CHECK(message([&] { AerosolColumn(spec, summer()); }).find("at most") != std::string::npos);
+  spec = {};
+  const std::string high = message([&] { AerosolColumn(spec, cut_at_ground(summer(), 5.8)); });
+  CHECK(high.find("ground altitude") != std::string::npos);
+  CHECK(message([&] { AerosolColumn(AerosolSpec{}, summer()).optics(0, 0.1); }).find("0.2 to 200") != std::string::npos);
+  CHECK(message([] { parse_aerosol("smoke"); }).find("rural") != std::string::npos);
+  AerosolSpec wet;
+  wet.humidity_percent = 100;
+  const AerosolColumn column(wet, summer());
+  CHECK(column.humidity_percent() == 99);
+  CHECK(column.notices().size() == 1);
+}
