@@ -2,48 +2,63 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <string>
+
+#include "host/base/error.h"
 
 namespace raycube::atmos {
 
 namespace {
 
-/// min |A x - b| with x >= 0: active sets of Lawson & Hanson on the normal equations, which are small here (at most 30 columns).
-Eigen::VectorXd non_negative_least_squares(const Eigen::MatrixXd& a, const Eigen::VectorXd& b) {
+constexpr Eigen::Index kMaxAmounts = 32, kMaxTerms = 20;
+using Rows = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxAmounts + 1, 1>;
+using Terms = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxTerms, 1>;
+using Design = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxAmounts + 1, kMaxTerms>;
+using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxTerms, kMaxTerms>;
+
+/// min |A x - b| with x >= 0: active sets of Lawson & Hanson (1974).
+Terms non_negative_least_squares(const Design& a, const Rows& b) {
   const Eigen::Index n = a.cols();
-  Eigen::VectorXd x = Eigen::VectorXd::Zero(n);
-  std::vector<bool> free(static_cast<std::size_t>(n), false);
+  // All columns free first: with the few terms of a polished fit that is the answer.
+  Terms x = n <= 5 ? Terms(a.householderQr().solve(b)) : Terms(Terms::Zero(n));
+  if (n <= 5 && x.minCoeff() >= 0) return x;
+  x = Terms::Zero(n);
+  std::array<Eigen::Index, kMaxTerms> free{};
+  Eigen::Index count = 0;
   const double tolerance = 1e-12 * (a.transpose() * b).cwiseAbs().maxCoeff();
   for (Eigen::Index round = 0; round < 3 * n; ++round) {
-    const Eigen::VectorXd gradient = a.transpose() * (b - a * x);
+    const Terms gradient = a.transpose() * (b - a * x);
     Eigen::Index enter = -1;
     for (Eigen::Index j = 0; j < n; ++j)
-      if (!free[static_cast<std::size_t>(j)] && gradient(j) > tolerance && (enter < 0 || gradient(j) > gradient(enter))) enter = j;
+      if (std::find(free.begin(), free.begin() + count, j) == free.begin() + count && gradient(j) > tolerance &&
+          (enter < 0 || gradient(j) > gradient(enter)))
+        enter = j;
     if (enter < 0) break;
-    free[static_cast<std::size_t>(enter)] = true;
-    for (;;) {
-      std::vector<Eigen::Index> columns;
-      for (Eigen::Index j = 0; j < n; ++j)
-        if (free[static_cast<std::size_t>(j)]) columns.push_back(j);
-      if (columns.empty()) break;
-      const Eigen::VectorXd z = a(Eigen::all, columns).householderQr().solve(b);
-      if (z.minCoeff() > 0) {
-        x.setZero();
-        for (std::size_t k = 0; k < columns.size(); ++k) x(columns[k]) = z(static_cast<Eigen::Index>(k));
-        break;
-      }
+    free[static_cast<std::size_t>(count++)] = enter;
+    while (count > 0) {
+      Design of_free(a.rows(), count);
+      for (Eigen::Index k = 0; k < count; ++k) of_free.col(k) = a.col(free[static_cast<std::size_t>(k)]);
+      const Terms z = of_free.householderQr().solve(b);
       // Back along the way to the first column that would turn negative; that one leaves.
       double step = 1;
-      for (std::size_t k = 0; k < columns.size(); ++k) {
-        const double target = z(static_cast<Eigen::Index>(k)), now = x(columns[k]);
-        if (target <= 0) step = std::min(step, now / (now - target));
+      for (Eigen::Index k = 0; k < count; ++k) {
+        const double now = x(free[static_cast<std::size_t>(k)]);
+        if (z(k) <= 0) step = std::min(step, now > 0 ? now / (now - z(k)) : 0.0);
       }
-      if (!(step >= 0)) step = 0;
-      for (std::size_t k = 0; k < columns.size(); ++k) {
-        double& now = x(columns[k]);
-        now += step * (z(static_cast<Eigen::Index>(k)) - now);
-        if (now <= 1e-15) now = 0, free[static_cast<std::size_t>(columns[k])] = false;
+      Eigen::Index kept = 0;
+      for (Eigen::Index k = 0; k < count; ++k) {
+        const Eigen::Index column = free[static_cast<std::size_t>(k)];
+        x(column) += step * (z(k) - x(column));
+        if (x(column) > 1e-15)
+          free[static_cast<std::size_t>(kept++)] = column;
+        else
+          x(column) = 0;
       }
+      const bool whole_step = kept == count;
+      count = kept;
+      if (whole_step) break;
     }
   }
   return x;
@@ -52,57 +67,55 @@ Eigen::VectorXd non_negative_least_squares(const Eigen::MatrixXd& a, const Eigen
 class Fit {
  public:
   Fit(const std::vector<double>& amount, const std::vector<double>& transmittance, const std::vector<double>& importance)
-      : amount_(Eigen::Map<const Eigen::ArrayXd>(amount.data(), size(amount))),
-        importance_(Eigen::Map<const Eigen::ArrayXd>(importance.data(), size(importance))) {
-    target_.resize(size(amount) + 1);
-    target_.head(size(amount)) = Eigen::Map<const Eigen::ArrayXd>(transmittance.data(), size(amount)) * importance_;
+      : amount_(Eigen::Map<const Eigen::VectorXd>(amount.data(), size(amount))),
+        importance_(Eigen::Map<const Eigen::VectorXd>(importance.data(), size(importance))), target_(size(amount) + 1) {
+    target_.head(size(amount)) = Eigen::Map<const Eigen::VectorXd>(transmittance.data(), size(amount)).cwiseProduct(importance_);
     target_(size(amount)) = kSumWeight;
   }
 
-  /// Weights for given rates; `residual` of the best fit.
-  Eigen::VectorXd weights(const Eigen::VectorXd& log_rate, Eigen::VectorXd* residual = nullptr) const {
-    Eigen::MatrixXd a(target_.size(), log_rate.size());
+  /// Weights for given rates, and the residuals they leave.
+  Terms weights(const Terms& log_rate, Rows& residual) const {
+    Design a(target_.size(), log_rate.size());
     for (Eigen::Index j = 0; j < log_rate.size(); ++j) {
-      a.col(j).head(amount_.size()) = (-std::exp(log_rate(j)) * amount_).exp() * importance_;
+      a.col(j).head(amount_.size()) = (-std::exp(log_rate(j)) * amount_.array()).exp() * importance_.array();
       a(amount_.size(), j) = kSumWeight;
     }
-    const Eigen::VectorXd x = non_negative_least_squares(a, target_);
-    if (residual) *residual = a * x - target_;
+    const Terms x = non_negative_least_squares(a, target_);
+    residual = a * x - target_;
     return x;
   }
 
-  double cost(const Eigen::VectorXd& log_rate) const {
-    Eigen::VectorXd residual;
-    weights(log_rate, &residual);
+  double cost(const Terms& log_rate) const {
+    Rows residual;
+    weights(log_rate, residual);
     return residual.squaredNorm();
   }
 
-  /// Levenberg-Marquardt on the rates, differences for the slopes.
-  void polish(Eigen::VectorXd& log_rate) const {
+  /// Levenberg-Marquardt on the rates, differences for the slopes. Stops where a step gains less than 0.1 % of the residual.
+  void polish(Terms& log_rate) const {
     double damping = 1e-3;
-    Eigen::VectorXd residual;
-    weights(log_rate, &residual);
-    for (int round = 0; round < 25; ++round) {
-      Eigen::MatrixXd slope(residual.size(), log_rate.size());
+    Rows residual, there;
+    weights(log_rate, residual);
+    for (int round = 0; round < 15; ++round) {
+      Design slope(residual.size(), log_rate.size());
       for (Eigen::Index j = 0; j < log_rate.size(); ++j) {
         constexpr double h = 1e-4;
-        Eigen::VectorXd moved = log_rate, there;
+        Terms moved = log_rate;
         moved(j) += h;
-        weights(moved, &there);
+        weights(moved, there);
         slope.col(j) = (there - residual) / h;
       }
-      const Eigen::MatrixXd normal = slope.transpose() * slope;
+      const Square normal = slope.transpose() * slope;
+      const Terms downhill = -(slope.transpose() * residual);
       bool better = false;
-      for (int attempt = 0; attempt < 6 && !better; ++attempt, damping *= 4) {
-        Eigen::MatrixXd damped = normal;
-        damped.diagonal() += damping * (normal.diagonal().array() + 1e-12).matrix();
-        const Eigen::VectorXd step = damped.ldlt().solve(-(slope.transpose() * residual)).cwiseMax(-1.0).cwiseMin(1.0);
-        const Eigen::VectorXd trial = log_rate + step;
-        Eigen::VectorXd there;
-        weights(trial, &there);
+      for (int attempt = 0; attempt < 4 && !better; ++attempt, damping *= 10) {
+        Square damped = normal;
+        damped.diagonal() += damping * normal.diagonal() + Terms::Constant(log_rate.size(), 1e-14);
+        const Terms trial = log_rate + damped.ldlt().solve(downhill).cwiseMax(-1.0).cwiseMin(1.0);
+        weights(trial, there);
         if (!(there.squaredNorm() < residual.squaredNorm())) continue;
-        const bool done = there.squaredNorm() > 0.9999 * residual.squaredNorm();
-        log_rate = trial, residual = there, better = true, damping *= 0.05;
+        const bool done = there.norm() > 0.999 * residual.norm();
+        log_rate = trial, residual = there, better = true, damping *= 1e-2;
         if (done) return;
       }
       if (!better) return;
@@ -115,8 +128,7 @@ class Fit {
  private:
   static constexpr double kSumWeight = 100;  ///< holds the sum of weights at 1; what is left is normalised away
   static Eigen::Index size(const std::vector<double>& values) { return static_cast<Eigen::Index>(values.size()); }
-  Eigen::ArrayXd amount_, importance_;
-  Eigen::VectorXd target_;
+  Rows amount_, importance_, target_;
 };
 
 struct Term {
@@ -133,16 +145,21 @@ double ExponentialSum::at(double amount) const {
 
 ExponentialSum fit_exponential_sum(const std::vector<double>& amount, const std::vector<double>& transmittance,
                                    const std::vector<double>& importance, std::size_t terms) {
+  if (amount.empty() || amount.size() > kMaxAmounts || transmittance.size() != amount.size() || importance.size() != amount.size() ||
+      terms < 1 || terms > kMaxTerms)
+    throw base::Error(base::Fault::bug, "exponential sum: " + std::to_string(amount.size()) + " amounts, " + std::to_string(terms) +
+                                            " terms; give 1 to 32 amounts with as many values, and 1 to 20 terms");
   const Fit fit(amount, transmittance, importance);
-  constexpr Eigen::Index grid = 28;
+  constexpr Eigen::Index grid = kMaxTerms;
   const double low = std::log(1e-4 / fit.longest()), high = std::log(10 / fit.shortest());
-  const Eigen::VectorXd rates = Eigen::VectorXd::LinSpaced(grid, low, high);
-  const Eigen::VectorXd first = fit.weights(rates);
+  const Terms rates = Terms::LinSpaced(grid, low, high);
+  Rows residual;
+  const Terms first = fit.weights(rates, residual);
   std::vector<Term> found;
   for (Eigen::Index j = 0; j < grid; ++j)
     if (first(j) > 0) found.push_back({first(j), rates(j)});
   const auto logs = [](const std::vector<Term>& list) {
-    Eigen::VectorXd out(static_cast<Eigen::Index>(list.size()));
+    Terms out(static_cast<Eigen::Index>(list.size()));
     for (std::size_t j = 0; j < list.size(); ++j) out(static_cast<Eigen::Index>(j)) = list[j].log_rate;
     return out;
   };
@@ -159,9 +176,9 @@ ExponentialSum fit_exponential_sum(const std::vector<double>& amount, const std:
     }
     found = best;
   }
-  Eigen::VectorXd log_rate = logs(found);
+  Terms log_rate = logs(found);
   fit.polish(log_rate);
-  const Eigen::VectorXd weight = fit.weights(log_rate);
+  const Terms weight = fit.weights(log_rate, residual);
   std::vector<Term> out;
   for (Eigen::Index j = 0; j < weight.size(); ++j)
     if (weight(j) > 0) out.push_back({weight(j) / weight.sum(), log_rate(j)});

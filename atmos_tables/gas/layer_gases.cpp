@@ -72,13 +72,13 @@ double LayerGases::mean_line_depth(double low, double high, const std::vector<do
   add(std::max(low, first));
   for (double k = std::floor((at[0] - first) / step) + 1; first + k * step < std::min(high, last); ++k) add(first + k * step);
   add(std::min(high, last));
-  // Outside the model's range nothing is absorbed.
+  // Outside the model's range nothing is absorbed. Sums of 1 - exp(..) keep the digits of weak bins.
   const double outside = (high - low) - (at.back() - at.front());
   const double least = outside > 0 ? 0 : *std::min_element(depth.begin(), depth.end());
-  double sum = outside;
+  double lost = 0;
   for (std::size_t i = 0; i + 1 < at.size(); ++i)
-    sum += 0.5 * (at[i + 1] - at[i]) * (std::exp(least - depth[i]) + std::exp(least - depth[i + 1]));
-  return std::max(least - std::log(sum / (high - low)), 0.0);
+    lost -= 0.5 * (at[i + 1] - at[i]) * (std::expm1(least - depth[i]) + std::expm1(least - depth[i + 1]));
+  return least - std::log1p(-lost / (high - low));
 }
 
 }  // namespace raycube::atmos

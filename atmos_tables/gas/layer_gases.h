@@ -41,16 +41,18 @@ class LayerGases {
   struct KTerms {
     std::vector<double> weight;                    ///< >= 0, sum 1; deepest term first
     std::vector<std::vector<double>> layer_depth;  ///< [term][layer], vertical
-    double fit_rms = 0;                            ///< of T over the whole column times 2.5^-6 .. 2.5^5
+    double fit_rms = 0;  ///< of T over the whole column times the factors of the fit
   };
-  /// At most `terms` (1..5) terms; one where the vertical depth is below 1e-4. Terms are fitted to the bin's mean transmittance of
-  /// the column times a factor. A layer's share of the column is the one that makes columns from the ground up and from the top
-  /// down as deep as the band model has them (mean of both), so that pressure and temperature of every layer count.
+  /// At most `terms` (1..5) terms; one where the vertical depth is below 1e-4. Fitted to the bin's mean transmittance of the whole
+  /// column times 2.5^-6 .. 2.5^5, and times less where even that is deep; factors near 1 count most. A layer's share is the one
+  /// that gives columns below and above each level the depth the band model has for them, so that pressure and temperature of
+  /// every layer count. Reached over 0.58..14 um, midlatitude summer, with 3 / 4 terms, rms of T: vertical 0.0023 / 0.0007, 60
+  /// degrees 0.0028 / 0.0010, ground to 3 km 0.005 / 0.004, 3 km to top 0.005 / 0.004, 10 km to top 0.014 / 0.007.
   KTerms k_terms(double low_per_cm, double high_per_cm, std::size_t terms) const;
 
  private:
   void check(double low_per_cm, double high_per_cm, const std::vector<double>& path_factor) const;
-  /// A layer's part of the column, by the depth of partial columns; sum 1. column(s): depth of s times the column.
+  /// Layers' parts of the column, sum 1. amount_of_depth: by how much the column is to be multiplied to have a depth.
   template <class Column>
   std::vector<double> layer_shares(double low_per_cm, double high_per_cm, Column&& amount_of_depth) const;
 
