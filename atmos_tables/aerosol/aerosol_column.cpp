@@ -119,10 +119,10 @@ void AerosolColumn::add_aerosols(const AerosolSpec& spec, const AirProfile& prof
     humidity_percent_ = kMaxHumidity_percent;
   }
   const double grade = spec.boundary == AerosolModel::desert ? spec.wind_m_s : humidity_percent_;
-  components_.push_back({to_string(spec.boundary), heights[0], Substance(to_string(spec.boundary), grade), {}});
-  components_.push_back({"troposphere", heights[1], Substance("tropospheric", kTroposphericHumidity_percent), {}});
-  components_.push_back({"stratosphere", heights[2], Substance(volcanic_substance(spec.stratosphere), 0), {}});
-  components_.push_back({"upper air", heights[3], Substance("meteoric", 0), {}});
+  components_.push_back({to_string(spec.boundary), heights[0], Substance(to_string(spec.boundary), grade), {}, {}});
+  components_.push_back({"troposphere", heights[1], Substance("tropospheric", kTroposphericHumidity_percent), {}, {}});
+  components_.push_back({"stratosphere", heights[2], Substance(volcanic_substance(spec.stratosphere), 0), {}, {}});
+  components_.push_back({"upper air", heights[3], Substance("meteoric", 0), {}, {}});
   if (spec.boundary == AerosolModel::desert && !henyey_greenstein_)
     notices_.push_back(
         "desert aerosol: the figures hold no Mie function; Henyey-Greenstein is used, its backscatter is too low");
@@ -131,14 +131,17 @@ void AerosolColumn::add_aerosols(const AerosolSpec& spec, const AirProfile& prof
 void AerosolColumn::add_clouds(const AerosolSpec& spec) {
   for (const CloudLayer& cloud : spec.clouds) {
     const double extinction = cloud.optical_depth_550 / (cloud.top_km - cloud.base_km);
-    Component component{to_string(cloud.kind),
+    Component component{cloud.droplets ? "droplets" : to_string(cloud.kind),
                         HeightProfile({{cloud.base_km, extinction}, {cloud.top_km, extinction}}),
                         Substance(to_string(cloud.kind), 0),
+                        {},
                         {}};
     const bool ice = cloud.kind == CloudKind::cirrus_64um || cloud.kind == CloudKind::cirrus_4um;
-    if (!component.substance.has_phase() && !ice)
+    if (cloud.droplets)
+      component.own = std::make_shared<const DropletOptics>(*cloud.droplets);
+    else if (!component.substance.has_phase() && !ice)
       component.droplets = {Substance("fog_radiative", 0), Substance("fog_advective", 0)};
-    if (ice && !henyey_greenstein_)
+    else if (ice && !henyey_greenstein_)
       notices_.push_back(
           component.name +
           ": the figures hold no phase function of ice; Henyey-Greenstein is used, no halo, backscatter too low");
@@ -165,6 +168,7 @@ std::vector<double> AerosolColumn::level_km() const {
 
 PhaseFunction AerosolColumn::phase(const Component& component, double wavelength_um, double asymmetry) const {
   if (henyey_greenstein_) return PhaseFunction::henyey_greenstein(asymmetry);
+  if (component.own) return component.own->phase(wavelength_um);
   if (component.substance.has_phase()) return component.substance.phase(wavelength_um);
   if (component.droplets.empty()) return PhaseFunction::henyey_greenstein(asymmetry);
   // Water clouds: the Mie functions of the two fogs (droplets of the same order of size), mixed to the cloud's own asymmetry.
@@ -176,7 +180,7 @@ PhaseFunction AerosolColumn::phase(const Component& component, double wavelength
 
 AerosolColumn::Optics AerosolColumn::optics(std::size_t component, double wavelength_um) const {
   const Component& one = components_.at(component);
-  const SubstanceOptics at = one.substance.at(wavelength_um, between_waves_);
+  const SubstanceOptics at = one.own ? one.own->at(wavelength_um) : one.substance.at(wavelength_um, between_waves_);
   return {at.extinction, 1 - at.absorption / at.extinction, at.asymmetry,
           std::make_shared<const PhaseFunction>(phase(one, wavelength_um, at.asymmetry))};
 }

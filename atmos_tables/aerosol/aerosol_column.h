@@ -60,6 +60,7 @@ class AerosolColumn {
     HeightProfile heights;
     Substance substance;
     std::vector<Substance> droplets;  ///< whose Mie functions stand in where the figures hold none
+    std::shared_ptr<const DropletOptics> own;  ///< a user's spheres instead of the substance
   };
   void add_aerosols(const AerosolSpec& spec, const AirProfile& profile);
   void add_clouds(const AerosolSpec& spec);

@@ -3,8 +3,11 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
+
+#include "atmos_tables/aerosol/droplet_optics.h"
 
 namespace raycube::atmos {
 
@@ -38,6 +41,7 @@ struct CloudLayer {
   double base_km = 0, top_km = 0;  ///< above the sea, base < top, inside the profile
   double optical_depth_550 = 0;    ///< vertical extinction depth at 0.55 um, 0..700; evenly spread
   CloudKind kind = CloudKind::stratus;
+  std::optional<DropletModel> droplets = std::nullopt;  ///< own spheres instead of the figures of `kind`
 };
 
 struct AerosolSpec {
