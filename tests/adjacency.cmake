@@ -1,2 +1,4 @@
 # Light between ground and air: environment functions, the map of the environment, and the whole chain.
 raycube_test(environment_function SOURCES oracle/environment_function_test.cpp LIBS raycube_atmos_tables LABELS fast)
+raycube_test(environment_map SOURCES unit/environment_map_test.cpp LIBS raycube_render_support LABELS fast)
+raycube_test(render_adjacency SOURCES oracle/render_adjacency_test.cpp LIBS raycube_render_support LABELS fast)

@@ -45,10 +45,42 @@ struct IrradianceMap {
   std::vector<shared::rc_float4> value;  ///< [v * size + u]
 };
 
+/// The ground around every place: nodes on a uniform grid, each with the shares of materials in its environment, by the
+/// environment functions of molecules and of aerosol; bilinear between nodes, clamped outside. Row kEnvironmentKey | node.
+struct EnvironmentMap {
+  int columns = 0, rows = 0;                ///< nodes, index = row * columns + column; 0: no light between ground and air
+  double first_x_m = 0, first_y_m = 0, step_m = 1;  ///< of node 0, scene frame; row and column step
+  struct Part {
+    std::uint32_t curve = 0;                ///< curve id
+    double molecules = 0, aerosol = 0;      ///< share of the environment; over a node's parts each sums to 1 (0: black)
+    bool operator==(const Part&) const = default;
+  };
+  std::vector<Part> part;                   ///< of all nodes, by node, then curve
+  std::vector<std::size_t> first_part;      ///< [node], and the end
+  std::vector<double> mean;                 ///< [curve id - 1]: area share of the scene's mean
+  std::array<double, 2> mean_lo_m{}, mean_hi_m{};   ///< where the mean was taken: x, y
+  double height_m = 1, cos_view = 1;        ///< of the sensor over the ground, for which the environment functions were taken
+  double raster_m = 0;                      ///< spacing of the points that say what the ground is, near the view
+  std::vector<std::vector<double>> reflectance;     ///< [curve id - 1][grid] of the curves in `part`; empty for others
+  bool empty() const { return columns == 0; }
+  std::size_t nodes() const { return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows); }
+};
+
+/// A node and its bilinear weight; weights sum to 1.
+struct EnvironmentWeight {
+  std::uint32_t node = 0;
+  double weight = 0;
+};
+std::array<EnvironmentWeight, 4> environment_at(const EnvironmentMap& map, double x_m, double y_m);
+
+/// Keys of environment rows: this bit and the node. Above every product key.
+inline constexpr std::uint64_t kEnvironmentKey = std::uint64_t{1} << 63;
+
 /// Channels. Material rows (curve id >= 1): channel = (source * height.count + h) * view.count + v with source 0 the direct
 /// sun (scalar: max(0, n.s) times visibility) and 1 + m sky component m (scalar: irradiance of the component, unoccluded
 /// map minus blocked directions). Row 0 (no curve): channel = (h * path_y.count + y) * path_x.count + x, path radiance.
-/// At most RC_MAX_CHANNELS of either.
+/// Environment rows: channel = h * view.count + v, light of the ground around that the air scatters into the path; a pixel
+/// adds it for every sample, hit or not, as it does path radiance. At most RC_MAX_CHANNELS of any.
 struct Plan {
   std::vector<double> wavelength_um;               ///< spectral grid: table axis, curve nodes and midpoints near bands, ascending
   std::vector<BandQuadrature> bands;
@@ -61,12 +93,15 @@ struct Plan {
   std::vector<std::vector<double>> source_spectrum;  ///< [channel][grid]: radiance at the sensor per unit reflectance and scalar (1/pi inside)
   std::vector<std::vector<double>> path_spectrum;    ///< [channel][grid]
   std::vector<std::vector<double>> transmission_spectrum;  ///< [h * view.count + v][grid], target to sensor (truth layer)
+  EnvironmentMap environment;
+  std::vector<std::vector<double>> environment_spectrum;  ///< [(0 molecules, 1 aerosol) * environment_channels() + channel][grid], per unit reflectance
   SkyBasis sky_basis;                              ///< the components' angular maps, of which sets and map are made
   SkySets sky;                                     ///< empty without sky components
   IrradianceMap irradiance;
   std::string report_json;                         ///< what was chosen, each block's estimated error (DESIGN section 6's table)
 
   int source_channels() const { return (1 + sky_components) * height.count * view.count; }
+  int environment_channels() const { return environment.empty() ? 0 : height.count * view.count; }
   int path_channels() const { return height.count * path_y.count * path_x.count; }
 };
 
@@ -75,6 +110,7 @@ struct ViewBounds {
   double sec_min = 1, sec_max = 1;         ///< sec of view zenith
   double x_min = 0, x_max = 0, y_min = 0, y_max = 0;  ///< horizontal part of the unit vector target -> sensor
   double sensor_height_m = 0;              ///< above scene z = 0
+  double sensor_x_min = 0, sensor_x_max = 0, sensor_y_min = 0, sensor_y_max = 0;  ///< m, scene frame
 };
 
 /// Makes the plan: spectral grid and band quadrature, node counts by bisection until the midpoint error is inside its share
@@ -87,9 +123,9 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
 /// must cover the bands.
 std::vector<std::uint32_t> used_curves(const scene::CompiledScene& scene);
 
-/// Bakes one term row in double: E[channel][band] for a curve id (0 = path), stored as float, bands padded with zeros to a
+/// Bakes one term row in double: E[channel][band] for a curve id (0 = path) or kEnvironmentKey | node, stored as float, bands padded with zeros to a
 /// multiple of 16: result[channel * bands_padded + band]. Error(input) when the material's curve does not cover the grid,
 /// which cannot happen to a used curve.
-std::vector<float> bake_row(const Plan& plan, const scene::CompiledScene& scene, std::uint32_t curve);
+std::vector<float> bake_row(const Plan& plan, const scene::CompiledScene& scene, std::uint64_t key);
 
 }  // namespace raycube::plan

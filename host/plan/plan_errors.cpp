@@ -42,6 +42,7 @@ std::vector<double> typical_radiance(const TableSpectra& air, const Domain& doma
   const double mu0 = std::max(0.0, std::cos(domain.sun_zenith)), z = domain.z(0.5), sec = domain.sec(0.5);
   Bands typical = sum(bands.reflected_band_mean(sun_source(air, z, sec)),
                       bands.reflected_band_mean(product(sky_irradiance, sky_path(air, z, sec))), mu0);
+  if (air.couples_ground()) typical = sum(typical, bands.reflected_band_mean(environment_source(air, z, sec)));
   typical = sum(typical, bands.band_mean(path_source(air, domain, z, domain.x(0.5), domain.y(0.5))));
   const double largest = *std::max_element(typical.begin(), typical.end());
   for (double& value : typical) value = std::max(value, std::max(kBandFloor * largest, std::numeric_limits<double>::min()));
@@ -107,6 +108,7 @@ NodeErrors estimate_node_errors(const TableSpectra& air, const Domain& domain, c
   const auto sky_bands = [&](const Spectrum& irradiance, double z, double sec) {
     return scaled(bands.reflected_band_mean(product(irradiance, sky_path(air, z, sec))), 1);
   };
+  const auto environment_bands = [&](double z, double sec) { return scaled(bands.reflected_band_mean(environment_source(air, z, sec)), 1); };
   const auto path_bands = [&](double z, double x, double y) { return scaled(bands.band_mean(path_source(air, domain, z, x, y)), 1); };
 
   const auto always = [](double) { return true; };
@@ -123,6 +125,8 @@ NodeErrors estimate_node_errors(const TableSpectra& air, const Domain& domain, c
             return sky_bands(sky[p], domain.z(t), domain.sec(v));
           },
           always));
+      if (air.couples_ground())
+        source.push_back(make_line([&](double t) { return environment_bands(domain.z(t), domain.sec(v)); }, always));
     }
     for (const double xy : {0.0, 0.5, 1.0})
       path.push_back(make_line([&](double t) { return path_bands(domain.z(t), domain.x(xy), domain.y(xy)); },
@@ -135,6 +139,8 @@ NodeErrors estimate_node_errors(const TableSpectra& air, const Domain& domain, c
     for (const double h : {0.0, 1.0}) {
       source.push_back(make_line([&](double t) { return sun_bands(domain.z(h), domain.sec(t)); }, always));
       source.push_back(make_line([&](double t) { return sky_bands(sky_irradiance, domain.z(h), domain.sec(t)); }, always));
+      if (air.couples_ground())
+        source.push_back(make_line([&](double t) { return environment_bands(domain.z(h), domain.sec(t)); }, always));
     }
     out.source_view = node_errors(source);
   }

@@ -24,6 +24,10 @@ Spectrum sky_path(const TableSpectra& air, double z, double sec) {
   return product(air.view_transmission(z, zenith), air.two_way_factor(z, zenith), 1 / std::numbers::pi);
 }
 
+Spectrum environment_source(const TableSpectra& air, double z, double sec) {
+  return product(air.ground_radiance(z), air.diffuse_view_transmission(z, zenith_of_sec(sec)));
+}
+
 Spectrum path_source(const TableSpectra& air, const Domain& domain, double z, double x, double y) {
   const double zenith = std::asin(std::min(1.0, std::hypot(x, y)));
   const double azimuth = x == 0 && y == 0 ? 0.0 : std::atan2(x, y) - domain.sun_azimuth;

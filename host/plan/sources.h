@@ -27,6 +27,8 @@ Spectrum product(const Spectrum& a, const Spectrum& b, double factor = 1);
 Spectrum sun_source(const TableSpectra& air, double z, double sec);
 /// What a reflected sky component meets on its way up: T_view R2 / pi.
 Spectrum sky_path(const TableSpectra& air, double z, double sec);
+/// Light of ground of unit reflectance all around that the air scatters into the path: T_dif R2 E_g0 / (pi (1 - rho S)).
+Spectrum environment_source(const TableSpectra& air, double z, double sec);
 /// Path radiance towards a sensor in the horizontal direction (x, y); slants beyond the table's last view zenith, which only
 /// nodes outside the view reach, take that zenith.
 Spectrum path_source(const TableSpectra& air, const Domain& domain, double z, double x, double y);

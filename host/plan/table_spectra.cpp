@@ -47,13 +47,17 @@ double cos_scattering(double sun_zenith, double zenith, double azimuth) {
 
 }  // namespace
 
-TableSpectra::TableSpectra(const atmos::RenderTable& table, bool no_air, bool sun_up, std::size_t first, std::size_t count)
-    : table_(table), no_air_(no_air), sun_up_(sun_up), first_(first), count_(count), last_view_zenith_(kPi / 2) {
+TableSpectra::TableSpectra(const atmos::RenderTable& table, bool no_air, bool sun_up, std::size_t first, std::size_t count, Spectrum ground)
+    : table_(table), no_air_(no_air), sun_up_(sun_up), first_(first), count_(count), ground_(std::move(ground)), last_view_zenith_(kPi / 2) {
   table.need("solar_irradiance", "every render");
   if (no_air) return;
   table.need("path_radiance_solar", "a render with air");
   const auto& sky = table.need("sky_radiance_solar", "a render with air");
   has_sky_ = std::any_of(sky.values.begin(), sky.values.end(), [](float v) { return v > 0; });
+  if (couples_ground() && !has_sky_) {
+    const auto& back = table.need("diffuse_return", "light between ground and air").values;
+    has_sky_ = std::any_of(back.begin(), back.end(), [](float v) { return v > 0; });
+  }
   sky_zenith_ = radians(table.axis("sky_zenith").nodes);
   sky_azimuth_ = radians(table.axis("sky_azimuth").nodes);
   const auto& view = table.axis("view_zenith").nodes;
@@ -106,7 +110,28 @@ Spectrum TableSpectra::path_radiance(double height_m, double zenith_rad, double 
 
 Spectrum TableSpectra::diffuse_irradiance(double height_m) const {
   if (no_air_ || !table_.has("diffuse_irradiance")) return {};
-  return slice(atmos::diffuse_irradiance(table_, clamp_height(height_m)));
+  Spectrum out = slice(atmos::diffuse_irradiance(table_, clamp_height(height_m)));
+  if (!couples_ground()) return out;
+  const Spectrum up = ground_radiance(height_m), back = slice(atmos::spherical_albedo(table_, clamp_height(height_m)));
+  for (std::size_t i = 0; i < count_; ++i) out[i] += kPi * ground_[i] * up[i] * back[i];
+  return out;
+}
+
+Spectrum TableSpectra::ground_radiance(double height_m) const {
+  const double z = clamp_height(height_m);
+  Spectrum out = slice(atmos::diffuse_irradiance(table_, z));
+  const Spectrum direct = slice(atmos::direct_irradiance(table_, z)), back = slice(atmos::spherical_albedo(table_, z));
+  for (std::size_t i = 0; i < count_; ++i)
+    out[i] = (out[i] + (sun_up_ ? direct[i] : 0.0)) / (kPi * (1 - ground_[i] * back[i]));
+  return out;
+}
+
+Spectrum TableSpectra::diffuse_view_transmission(double height_m, double zenith_rad) const {
+  const double z = clamp_height(height_m);
+  Spectrum out = slice(atmos::diffuse_view_transmission(table_, z, zenith_rad * kDegrees));
+  const Spectrum factor = slice(atmos::two_way_factor(table_, z, zenith_rad * kDegrees));
+  for (std::size_t i = 0; i < count_; ++i) out[i] *= factor[i];
+  return out;
 }
 
 std::vector<double> TableSpectra::sky_grid(double height_m, const std::vector<double>& zenith_rad,
@@ -192,6 +217,21 @@ std::vector<double> TableSpectra::sky_grid(double height_m, const std::vector<do
         out[n * count_ + i] = value;
       }
   }
+  if (!couples_ground()) return out;
+  // What the ground sent up and the air sends back: the same at all azimuths.
+  const View back(table_, table_.need("diffuse_return", "light between ground and air"), "sky_zenith", nullptr);
+  const Spectrum up = ground_radiance(height_m);
+  for (std::size_t z = 0; z < zenith_rad.size(); ++z)
+    for (std::size_t i = 0; i < count_; ++i) {
+      double t = 0;
+      for (std::size_t h = 0; h < static_cast<std::size_t>(heights); ++h) {
+        const float* at = back.value + (first_ + i) * back.wavelength + (height.index + h) * back.height + zenith_cell[z].index * back.a;
+        const double f = zenith_cell[z].fraction;
+        t += height_weight[h] * (f > 0 ? (1 - f) * double{at[0]} + f * double{at[back.a]} : double{at[0]});
+      }
+      for (std::size_t a = 0; a < azimuth_rad.size(); ++a)
+        out[(z * azimuth_rad.size() + a) * count_ + i] += ground_[i] * up[i] * t;
+    }
   return out;
 }
 

@@ -16,8 +16,9 @@ class TableSpectra {
  public:
   /// Covers table wavelengths first .. first + count - 1. `no_air`: only solar_irradiance is read; transmissions are 1, there
   /// is no sky and no path radiance. Throws Error(input) when a row is missing that a render with air needs.
-  /// `sun_up` false: no direct light.
-  TableSpectra(const atmos::RenderTable& table, bool no_air, bool sun_up, std::size_t first, std::size_t count);
+  /// `sun_up` false: no direct light. `ground`: mean reflectance of the ground on the covered wavelengths; given, light goes
+  /// between ground and air (S4.9), the sky carries what the air sends back down, and the table must have the rows for it.
+  TableSpectra(const atmos::RenderTable& table, bool no_air, bool sun_up, std::size_t first, std::size_t count, Spectrum ground = {});
 
   std::size_t size() const { return count_; }
   bool has_sky() const { return has_sky_; }                             ///< some sky radiance above zero
@@ -31,7 +32,14 @@ class TableSpectra {
   Spectrum two_way_factor(double height_m, double zenith_rad) const;    ///< R2 = T(sun-target-sensor) / (T_sun T_view)
   Spectrum path_radiance(double height_m, double zenith_rad, double azimuth_rad) const;  ///< W m-2 sr-1 um-1
   Spectrum solar_irradiance() const;                                    ///< E0; zero when the sun is down
-  Spectrum diffuse_irradiance(double height_m) const;                   ///< the table's own row; empty when it has none
+  /// The table's own row, with what ground and air add to it; empty when it has none.
+  Spectrum diffuse_irradiance(double height_m) const;
+
+  bool couples_ground() const { return !ground_.empty(); }
+  /// Isotropic upward radiance of ground of unit reflectance: E_g0 / (pi (1 - ground S)), E_g0 sun and sky over black ground.
+  Spectrum ground_radiance(double height_m) const;
+  /// What of that the air scatters to the sensor: T_dif, times the two-way factor as for all light that the ground reflects.
+  Spectrum diffuse_view_transmission(double height_m, double zenith_rad) const;
 
   /// Sky radiance at every (zenith, azimuth) of a product grid: value[(z * azimuths + a) * size() + wavelength]. Same rule as
   /// atmos::sky_radiance (divided by the single-scatter shape between nodes), evaluated once per node instead of per call.
@@ -46,6 +54,7 @@ class TableSpectra {
   bool has_sky_ = false;
   std::size_t first_, count_;
   std::vector<double> sky_zenith_, sky_azimuth_;
+  Spectrum ground_;
   double last_view_zenith_;
 };
 

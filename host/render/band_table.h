@@ -16,13 +16,15 @@ namespace raycube::render {
 
 class BandTable {
  public:
-  /// Holds as many rows as `bytes` allow, at least those of one pixel (257). Key 0 (path radiance) is baked at once and never leaves.
+  /// Holds as many rows as `bytes` allow, at least those of one pixel (261). Key 0 (path radiance) is baked at once and never leaves.
   BandTable(const cl::Context& context, const scene::CompiledScene& scene, const plan::Plan& plan, const StageShape& shape,
             std::size_t bytes);
 
   std::size_t capacity() const { return capacity_; }
   /// Bakes what is missing of `keys` (ascending, without 0, at most capacity() - 1 of them) and uploads it.
   void ensure(const std::vector<std::uint64_t>& keys);
+  /// Row of a key that is in the table.
+  std::uint32_t row_of(std::uint64_t key) const { return slots_.at(key).row; }
 
   const cl::Buffer<float>& values() const { return values_; }
   const cl::Buffer<std::uint64_t>& keys() const { return keys_; }

@@ -17,7 +17,7 @@ std::string row_options(const StageShape& shape, const SceneBuffers& scene) {
          define("RC_COMPONENTS", shape.components) + define("RC_HEIGHTS", shape.heights) +
          define("RC_VIEWS", shape.views) + define("RC_PATH_X", shape.path_x) + define("RC_PATH_Y", shape.path_y) +
          define("RC_CHANNELS", shape.channels) + define("RC_BANDS_PADDED", shape.bands_padded) +
-         define("RC_PIXELS_PER_GROUP", shape.pixels_per_group) + define("RC_CHUNKED", shape.chunked()) +
+         define("RC_PIXELS_PER_GROUP", shape.pixels_per_group) + define("RC_CHUNKED", shape.chunked()) + define("RC_ENVIRONMENT", shape.environment) +
          scene.options;
 }
 
@@ -34,6 +34,8 @@ RowBuffers::RowBuffers(const cl::Context& context, const StageShape& shape, std:
       sums(context, items_ * capacity_ * shape.accumulators() * times_if_chunked(shape), cl::Access::read_write, "row sums"),
       path(context, items_ * shape.heights * times_if_chunked(shape), cl::Access::read_write, "path sums"),
       truth(context, items_ * RC_TRUTH_SUMS * times_if_chunked(shape), cl::Access::read_write, "truth sums"),
+      environment_row(context, shape.environment ? items_ * 4 : 1, cl::Access::read_only, "rows of the environment"),
+      environment_weight(context, shape.environment ? items_ * 4 : 1, cl::Access::read_only, "weights of the environment"),
       term_count(context, items_, cl::Access::read_write, "term counts"),
       term_row(context, items_ * term_capacity, cl::Access::read_write, "term rows"),
       term_weight(context, items_ * term_capacity, cl::Access::read_write, "term weights") {}
@@ -89,8 +91,8 @@ void RowStages::resolve(std::uint32_t first_item, std::uint32_t item_count, cons
                       static_cast<cl_uint>(rows.capacity), static_cast<cl_uint>(rows.term_capacity), traced.groups,
                       layout.width, layout.groups_per_line, rows.count, rows.keys, rows.sums, rows.path, table.keys(),
                       table.rows(), cl_uint{table.count()}, plan_.view.first, plan_.view.step, plan_.path_x.first,
-                      plan_.path_x.step, plan_.path_y.first, plan_.path_y.step, rows.term_count, rows.term_row,
-                      rows.term_weight);
+                      plan_.path_x.step, plan_.path_y.first, plan_.path_y.step, rows.environment_row, rows.environment_weight,
+                      rows.term_count, rows.term_row, rows.term_weight);
   context_.launch(resolve_, item_count);
 }
 

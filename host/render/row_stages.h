@@ -22,6 +22,8 @@ struct RowBuffers {
   cl::Buffer<float> sums;
   cl::Buffer<float> path;
   cl::Buffer<float> truth;
+  cl::Buffer<std::uint32_t> environment_row;   ///< [item][4], of the band table
+  cl::Buffer<float> environment_weight;        ///< [item][4]
   cl::Buffer<std::uint32_t> term_count;
   cl::Buffer<std::uint32_t> term_row;
   cl::Buffer<float> term_weight;

@@ -12,7 +12,7 @@ namespace raycube::render {
 std::size_t StageShape::row_bytes(std::size_t capacity) const {
   const std::size_t floats = static_cast<std::size_t>(accumulators()) * (chunked() ? 2 : 1);
   return sizeof(std::uint32_t) + capacity * (sizeof(std::uint64_t) + floats * sizeof(float)) +  // row
-         sizeof(std::uint32_t) + term_capacity(capacity) * (sizeof(std::uint32_t) + sizeof(float));
+         (environment ? 4 * (sizeof(std::uint32_t) + sizeof(float)) : 0) + sizeof(std::uint32_t) + term_capacity(capacity) * (sizeof(std::uint32_t) + sizeof(float));
 }
 
 std::size_t StageShape::pixel_bytes() const {
@@ -45,7 +45,8 @@ StageShape make_stage_shape(const scene::Instrument& instrument, const plan::Pla
   shape.views = plan.view.count;
   shape.path_x = plan.path_x.count;
   shape.path_y = plan.path_y.count;
-  shape.channels = std::max(plan.source_channels(), plan.path_channels());
+  shape.channels = std::max({plan.source_channels(), plan.path_channels(), plan.environment_channels()});
+  shape.environment = !plan.environment.empty();
   shape.bands = static_cast<int>(plan.bands.size());
   shape.bands_padded = (shape.bands + 15) / 16 * 16;
   return shape;

@@ -23,11 +23,12 @@ struct StageShape {
   int components = 0, heights = 1, views = 1, path_x = 1, path_y = 1;
   int channels = 1;             ///< rows of the band table per key: max of source and path channels
   int bands = 0, bands_padded = 0;
+  bool environment = false;     ///< light of the ground around joins: 4 rows of the band table per pixel
   bool chunked() const { return chunks > 1; }
   int accumulators() const { return (1 + components) * heights + 1; }
   /// Terms a pixel with `capacity` keys can have.
   std::size_t term_capacity(std::size_t capacity) const {
-    return static_cast<std::size_t>(heights) * path_x * path_y +
+    return static_cast<std::size_t>(heights) * path_x * path_y + (environment ? 4 * static_cast<std::size_t>(heights) * views : 0) +
            capacity * static_cast<std::size_t>(1 + components) * heights * views;
   }
   /// Device bytes of a pixel's row, terms and counts at a given key capacity.

@@ -52,7 +52,7 @@ TileWorker::TileWorker(const RenderSetup& setup, std::size_t pixels, int lines, 
               pixels / setup.shape.pixels_per_group + static_cast<std::size_t>(lines) + 1),
       rows_(setup.context, setup.shape, pixels, row_capacity),
       radiance_(setup.context, pixels * setup.shape.bands_padded, cl::Access::read_write, "radiance of a tile"),
-      all_baked_(table_.capacity() > setup.scene.materials.size()),
+      all_baked_(table_.capacity() > setup.scene.materials.size() + setup.plan.environment.nodes()),
       term_histogram_(kHistogramBins, 0) {
   if (all_baked_) {
     std::vector<std::uint64_t> keys(setup.scene.materials.size());
@@ -70,6 +70,17 @@ std::array<double, 3> TileWorker::centre_direction(std::uint32_t pixel) const {
   const auto& g = groups_[line * layout_.groups_per_line + column / wide];
   const double a = column % wide - 0.5 * (wide - 1);
   return {g.d0.x + a * g.du.x, g.d0.y + a * g.du.y, g.d0.z + a * g.du.z};
+}
+
+std::array<plan::EnvironmentWeight, 4> TileWorker::environment_of(std::uint32_t pixel, const float* truth_sums) const {
+  const plan::Plan& plan = setup_.plan;
+  if (const double hit = truth_sums[RC_TRUTH_HIT]; hit > 0)
+    return plan::environment_at(plan.environment, truth_sums[RC_TRUTH_X] / hit, truth_sums[RC_TRUTH_Y] / hit);
+  const auto d = centre_direction(pixel);
+  const auto& group = groups_[pixel / layout_.width * layout_.groups_per_line +
+                              pixel % layout_.width / static_cast<std::uint32_t>(setup_.shape.pixels_per_group)];
+  const double t = (double{plan.height.first} - group.origin.z) / d[2];
+  return plan::environment_at(plan.environment, group.origin.x + t * d[0], group.origin.y + t * d[1]);
 }
 
 void TileWorker::write_truth(std::uint32_t pixel, const float* sums, const float* abundance, const Output& out) {
@@ -168,6 +179,18 @@ void TileWorker::run(const Tile& tile, float* radiance, float* truth, PixelProbe
   statistics_.band_samples += static_cast<std::uint64_t>(pixels) * shape.bands;
 }
 
+void TileWorker::write_environment(std::span<const std::array<plan::EnvironmentWeight, 4>> around, std::size_t first_item, RowBuffers& rows) {
+  std::vector<std::uint32_t> row;
+  std::vector<float> weight;
+  for (const auto& pixel : around)
+    for (const auto& node : pixel) {
+      row.push_back(node.weight > 0 ? table_.row_of(plan::kEnvironmentKey | node.node) : 0);
+      weight.push_back(static_cast<float>(node.weight));
+    }
+  rows.environment_row.write(row, 4 * first_item);
+  rows.environment_weight.write(weight, 4 * first_item);
+}
+
 std::vector<std::uint32_t> TileWorker::finish_rows(RowBuffers& rows, const std::vector<std::uint32_t>& pixels,
                                                    bool use_list, const Output& out) {
   const StageShape& shape = setup_.shape;
@@ -177,6 +200,7 @@ std::vector<std::uint32_t> TileWorker::finish_rows(RowBuffers& rows, const std::
   if (use_list) list.emplace(setup_.context, pixels, cl::Access::read_only, "list of pixels");
   const PixelSelection selection{static_cast<std::uint32_t>(items), list ? &*list : nullptr};
   std::vector<std::uint32_t> flagged;
+  std::vector<std::array<plan::EnvironmentWeight, 4>> around(shape.environment ? items : 0);
   std::vector<std::size_t> range_ends;            // items whose keys fit the band table together
   std::vector<std::vector<std::uint64_t>> range_keys;
   timed("collect", [&] {
@@ -194,14 +218,25 @@ std::vector<std::uint32_t> TileWorker::finish_rows(RowBuffers& rows, const std::
         continue;
       }
       std::fill(abundance.begin(), abundance.end(), 0.0f);
+      for (std::size_t t = 0; t < RC_TRUTH_SUMS; ++t)
+        truth_sums[t] = static_cast<float>(total(truth.data() + i * truth_stride, RC_TRUTH_SUMS, shape.chunked(), t));
       const std::uint64_t* row_keys = keys.data() + i * rows.capacity;
-      if (!all_baked_) {
+      std::set<std::uint64_t> environment;
+      if (shape.environment) {
+        around[i] = environment_of(pixels[i], truth_sums);
+        for (const auto& node : around[i])
+          if (node.weight > 0) environment.insert(plan::kEnvironmentKey | node.node);
+      }
+      if (all_baked_) {  // rows of the environment are baked as they come up, and stay
+        used.merge(environment);
+      } else {
         std::set<std::uint64_t> with = used;
         with.insert(row_keys, row_keys + count[i]);
+        with.insert(environment.begin(), environment.end());
         if (with.size() + 1 > table_.capacity() && !used.empty()) {
           range_ends.push_back(i);
           range_keys.emplace_back(used.begin(), used.end());
-          used.clear();
+          used = std::move(environment);
           used.insert(row_keys, row_keys + count[i]);
         } else {
           used.swap(with);
@@ -212,8 +247,6 @@ std::vector<std::uint32_t> TileWorker::finish_rows(RowBuffers& rows, const std::
         const std::size_t last = shape.accumulators() - 1;
         abundance[row_keys[k] - 1] = static_cast<float>(total(row, shape.accumulators(), shape.chunked(), last));
       }
-      for (std::size_t t = 0; t < RC_TRUTH_SUMS; ++t)
-        truth_sums[t] = static_cast<float>(total(truth.data() + i * truth_stride, RC_TRUTH_SUMS, shape.chunked(), t));
       write_truth(pixels[i], truth_sums, abundance.data(), out);
     }
     rows.count.unmap(count);
@@ -226,7 +259,8 @@ std::vector<std::uint32_t> TileWorker::finish_rows(RowBuffers& rows, const std::
   std::size_t first = 0;
   for (std::size_t r = 0; r < range_ends.size(); ++r) {
     const auto first_item = static_cast<std::uint32_t>(first), item_count = static_cast<std::uint32_t>(range_ends[r] - first);
-    if (!all_baked_) timed("bake", [&] { table_.ensure(range_keys[r]); });
+    if (!all_baked_ || !range_keys[r].empty()) timed("bake", [&] { table_.ensure(range_keys[r]); });
+    if (shape.environment && item_count) write_environment(std::span(around).subspan(first, item_count), first, rows);
     if (item_count) {
       timed("resolve", [&] { row_stages_.resolve(first_item, item_count, selection, layout_, traced_, table_, rows); });
       timed("integrate", [&] { row_stages_.integrate(first_item, item_count, selection, table_, rows, radiance_); });
@@ -262,10 +296,10 @@ void TileWorker::sum_per_sample(const std::vector<std::uint32_t>& flagged, const
   // Every sample deposits at most four keys, so a chunk can never overflow this row.
   RowBuffers rows(setup_.context, shape, 1, 4 * static_cast<std::size_t>(shape.chunk_samples));
   struct Sum {
-    std::vector<double> radiance, abundance;
+    std::vector<double> radiance, abundance, path;
     double truth[RC_TRUTH_SUMS] = {};
   };
-  std::vector<Sum> results(flagged.size(), {std::vector<double>(bands), std::vector<double>(materials), {}});
+  std::vector<Sum> results(flagged.size(), {std::vector<double>(bands), std::vector<double>(materials), std::vector<double>(shape.heights), {}});
   const std::vector<float> path_row = plan::bake_row(plan, setup_.scene, 0);
   for (int chunk = 0; chunk < shape.chunks; ++chunk) {
     if (shape.chunked()) trace_stages_.run(place, layout_, chunk, traced_, statistics_.stage_s);
@@ -288,6 +322,7 @@ void TileWorker::sum_per_sample(const std::vector<std::uint32_t>& flagged, const
       };
       timed("per sample", [&] {
         const auto path = rows.path.read_all();
+        for (int h = 0; h < shape.heights; ++h) results[f].path[h] += total(path.data(), shape.heights, shape.chunked(), h);
         for (int h = 0; h < shape.heights; ++h)
           for (int y = 0; y < shape.path_y; ++y)
             for (int x = 0; x < shape.path_x; ++x)
@@ -315,6 +350,22 @@ void TileWorker::sum_per_sample(const std::vector<std::uint32_t>& flagged, const
     float sums[RC_TRUTH_SUMS];
     std::copy(std::begin(results[f].truth), std::end(results[f].truth), sums);
     const std::vector<float> abundance(results[f].abundance.begin(), results[f].abundance.end());
+    if (shape.environment) {
+      const auto d = centre_direction(flagged[f]);
+      int iv;
+      float fv;
+      rc_node_weights(static_cast<float>(-std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) / d[2]), plan.view.first,
+                      plan.view.step, plan.view.count, &iv, &fv);
+      for (const auto& node : environment_of(flagged[f], sums)) {
+        if (node.weight == 0) continue;
+        const auto baked = plan::bake_row(plan, setup_.scene, plan::kEnvironmentKey | node.node);
+        for (int h = 0; h < shape.heights; ++h)
+          for (int v = 0; v < shape.views; ++v)
+            for (std::size_t b = 0; b < bands; ++b)
+              results[f].radiance[b] += results[f].path[h] * node.weight * weight_of(v, iv, fv) *
+                                        baked[static_cast<std::size_t>(h * shape.views + v) * shape.bands_padded + b];
+      }
+    }
     write_truth(flagged[f], sums, abundance.data(), out);
     host_radiance_.emplace_back(flagged[f], std::move(results[f].radiance));
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -47,6 +48,8 @@ class TileWorker {
   /// Resolves and integrates the items of `rows`; writes their truth; returns the tile pixels that overflowed.
   std::vector<std::uint32_t> finish_rows(RowBuffers& rows, const std::vector<std::uint32_t>& pixels, bool use_list,
                                          const Output& out);
+  /// Rows of the band table and weights of the items' environment; every node of theirs is in the table.
+  void write_environment(std::span<const std::array<plan::EnvironmentWeight, 4>> around, std::size_t first_item, RowBuffers& rows);
   void relaunch(std::vector<std::uint32_t> flagged, std::size_t capacity, const Output& out,
                 std::vector<std::uint32_t>& still_flagged);
   void sum_per_sample(const std::vector<std::uint32_t>& flagged, const TilePlace& place, const Output& out);
@@ -54,6 +57,9 @@ class TileWorker {
   /// Files what the stages left of one chunk of samples.
   void collect(int chunk, PixelProbe& probe) const;
   std::array<double, 3> centre_direction(std::uint32_t pixel) const;
+  /// Nodes of the environment map around the mean of a pixel's hit points; around where its centre ray meets the lowest height
+  /// when it hits nothing.
+  std::array<plan::EnvironmentWeight, 4> environment_of(std::uint32_t pixel, const float* truth_sums) const;
   template <class Action>
   void timed(const std::string& stage, Action action);
 

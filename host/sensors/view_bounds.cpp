@@ -47,6 +47,12 @@ plan::ViewBounds view_bounds(const scene::Instrument& given) {
       }
     }
   }
+  bounds.sensor_x_min = bounds.sensor_y_min = kInfinity;
+  bounds.sensor_x_max = bounds.sensor_y_max = -kInfinity;
+  for (const auto& pose : instrument.poses) {
+    bounds.sensor_x_min = std::min(bounds.sensor_x_min, pose.x_m), bounds.sensor_x_max = std::max(bounds.sensor_x_max, pose.x_m);
+    bounds.sensor_y_min = std::min(bounds.sensor_y_min, pose.y_m), bounds.sensor_y_max = std::max(bounds.sensor_y_max, pose.y_m);
+  }
   for (const auto& pose : instrument.poses) bounds.sensor_height_m += pose.z_m / static_cast<double>(instrument.poses.size());
   return bounds;
 }

@@ -1,6 +1,6 @@
 /* resolve: from a pixel's row of (product key, sums) to its list of (row of the band table, weight).
- * Reads:  rows of shade, the sorted table of baked keys. Writes: term count and terms. Next: integrate_bands.
- * Terms come in key order (the path row first), channels ascending: row numbers and eviction cannot change a sum.
+ * Reads:  rows of shade, the sorted table of baked keys, rows and weights of the pixel's environment. Writes: term count and terms. Next: integrate_bands.
+ * Terms come in key order (the path row first, then the environment's up to four rows), channels ascending: row numbers and eviction cannot change a sum.
  * One work-item per pixel, local size 1. */
 #pragma OPENCL FP_CONTRACT OFF
 #include "kernels/shared/structs.h"
@@ -37,7 +37,8 @@ inline float weight_of(int i, int k, float f) { return i == k ? 1.0f - f : i == 
   global const uint* restrict row_count, global const ulong* restrict row_keys, global const float* restrict row_sums, \
   global const float* restrict path_sums, global const ulong* restrict baked_keys, global const uint* restrict baked_rows, \
   uint baked_count, float view_first, float view_step, float path_x_first, float path_x_step, float path_y_first, \
-  float path_y_step, global uint* restrict term_count, global uint* restrict term_row, global float* restrict term_weight
+  float path_y_step, global const uint* restrict environment_row, global const float* restrict environment_weight, \
+  global uint* restrict term_count, global uint* restrict term_row, global float* restrict term_weight
 
 RC_BODY resolve_body(uint index, RESOLVE_PARAMETERS) {
   const uint item = first_item + index;
@@ -79,6 +80,23 @@ RC_BODY resolve_body(uint index, RESOLVE_PARAMETERS) {
         weights[n++] = w;
       }
   }
+#if RC_ENVIRONMENT
+  /* Light of the ground around: it reaches the sensor beside the direct path, so every sample has it, as path radiance. */
+  for (int node = 0; node < 4; ++node) {
+    const float share = environment_weight[item * 4 + node];
+    if (share == 0.0f) continue;
+    const uint base = environment_row[item * 4 + node] * RC_CHANNELS;
+    for (int h = 0; h < RC_HEIGHTS; ++h) {
+      const float sum = TOTAL(path, h, RC_HEIGHTS);
+      for (int v = 0; v < RC_VIEWS; ++v) {
+        const float w = sum * (share * weight_of(v, iv, fv));
+        if (w == 0.0f) continue;
+        rows[n] = base + (uint)(h * RC_VIEWS + v);
+        weights[n++] = w;
+      }
+    }
+  }
+#endif
   /* Keys ascending: each time the smallest key above the last one. Rows are short. */
   ulong last = 0ul;
   for (uint used = 0; used < keys_used; ++used) {
@@ -108,5 +126,5 @@ RC_BODY resolve_body(uint index, RESOLVE_PARAMETERS) {
 kernel void resolve(RESOLVE_PARAMETERS) {
   resolve_body((uint)get_group_id(0), first_item, item_count, pixel_list, use_list, capacity, term_capacity, groups, tile_width,
                groups_per_line, row_count, row_keys, row_sums, path_sums, baked_keys, baked_rows, baked_count, view_first,
-               view_step, path_x_first, path_x_step, path_y_first, path_y_step, term_count, term_row, term_weight);
+               view_step, path_x_first, path_x_step, path_y_first, path_y_step, environment_row, environment_weight, term_count, term_row, term_weight);
 }

@@ -1,7 +1,10 @@
 #include "tests/support/render_kit.h"
 
+#include <cmath>
+#include <numbers>
 #include <string>
 
+#include "atmos_tables/table_rows.h"
 #include "host/render/truth.h"
 #include "host/sensors/view_bounds.h"
 
@@ -100,6 +103,25 @@ Image render_image(const scene::Simulation& simulation, const atmos::RenderTable
     image.truth.insert(image.truth.end(), strip.truth, strip.truth + pixels * image.layers);
   });
   return image;
+}
+
+void add_ground_coupling(atmos::RenderTable& table) {
+  atmos::Row& albedo = atmos::add_row(table, "spherical_albedo", "test");
+  atmos::Row& up = atmos::add_row(table, "diffuse_view_transmission", "test");
+  atmos::Row& back = atmos::add_row(table, "diffuse_return", "test");
+  const auto& wavelength = table.axis("wavelength").nodes;
+  const auto& height = table.axis("target_height").nodes;
+  const auto& view = table.axis("view_zenith").nodes;
+  const auto& sky = table.axis("sky_zenith").nodes;
+  const double degree = std::numbers::pi / 180;
+  for (std::size_t i = 0, u = 0, b = 0; i < wavelength.size(); ++i)
+    for (std::size_t h = 0; h < height.size(); ++h) {
+      const double depth = 0.12 * std::pow(0.55 / wavelength[i], 2) * std::exp(-height[h] / 2000);
+      // t = a + c sin^2(zenith): S = 2 int t mu dmu = a + c / 2
+      albedo.values[i * height.size() + h] = static_cast<float>(0.75 * depth);
+      for (const double z : view) up.values[u++] = static_cast<float>(-0.6 * std::expm1(-depth * std::exp(-height[h] / 500) / std::cos(z * degree)));
+      for (const double z : sky) back.values[b++] = static_cast<float>(depth * (0.5 + 0.5 * std::pow(std::sin(z * degree), 2)));
+    }
 }
 
 }  // namespace raycube::test

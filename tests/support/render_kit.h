@@ -45,4 +45,8 @@ Image render_image(const scene::Simulation& simulation, const atmos::RenderTable
 /// Gaussian bands at the given centres, one width, um.
 std::vector<scene::Band> gaussian_bands(const std::vector<double>& centers_um, double fwhm_um);
 
+/// Fills the rows for light between ground and air of a table that has none: smooth, of the size of a hazy air, with S the
+/// integral of t; they vary with wavelength, height and zenith.
+void add_ground_coupling(atmos::RenderTable& table);
+
 }  // namespace raycube::test
