@@ -62,6 +62,32 @@ TEST_CASE("S4.4 random bands: Beer's law for few molecules, square root for many
   CHECK(power_law_depth(3, 0, 0.5) == 0);
 }
 
+TEST_CASE("S4.4 a bin of 6S by hand: water after Goody, carbon dioxide after Malkmus, at 280 K and 800 hPa") {
+  AirLevel low;
+  low.pressure_hPa = 800, low.temperature_K = 280, low.air_per_cm3 = 2.07e19;
+  AirLevel high = low;
+  high.height_km = 0.01, high.pressure_hPa = 799.9999;
+  const double factor = 250, t = 280 - 250;  // of 10 m, and K above the fit's middle
+  struct Bin {
+    Gas gas;
+    double wavenumber, per_cm3, g_mol, a1, a2, a3, a4, a5, a6;
+  };
+  // Figures of 6S (Vermote et al. 1997). At 2.02 and 2.22 um q is 1, so LOWTRAN7 does not enter.
+  for (const Bin& bin : {Bin{Gas::h2o, 4505, 3e17, 18.0153, 2.23170e-03, 1.52290e-01, 1.25350e-02, -1.37950e-05, 1.08750e-02, -3.71230e-05},
+                         Bin{Gas::co2, 4955, 8e15, 44.0095, 6.36400, 3.84630e-01, 2.42250e-03, -1.70140e-05, 5.11560e-03, -1.36770e-05}}) {
+    low.gas_per_cm3 = {}, high.gas_per_cm3 = {};
+    low.gas(bin.gas) = high.gas(bin.gas) = bin.per_cm3;
+    const LayerGases gases(AirProfile({low, high}, "ten metres"), {0, 0.01});
+    const double column = factor * 1e3 * bin.per_cm3 * bin.g_mol / 6.02214076e23;  // g cm-2
+    const double u = column * std::exp(bin.a3 * t + bin.a4 * t * t), up = column * std::exp(bin.a5 * t + bin.a6 * t * t) * 800 / 1013.25;
+    const double weak = bin.a1 / bin.a2 * u * u / up;
+    const double depth = bin.gas == Gas::h2o ? bin.a1 * u / std::sqrt(1 + weak)
+                                             : bin.a2 * up / (2 * u) * (std::sqrt(1 + 4 * weak) - 1);
+    // Shipped figures are rounded: 1.2e-4 of a1 and a2, less of the others.
+    CHECK(relative(gases.line_depth(bin.wavenumber, whole(gases, factor)), depth) <= 3e-4);
+  }
+}
+
 TEST_CASE("S2 the blend: one number per band, ramps of 50 cm-1, LOWTRAN7 alone outside 2500 to 17250 cm-1") {
   const auto at_um = [](double um) { return blend_weight(1e4 / um); };
   CHECK(relative(at_um(0.70), 0.75) <= 1e-12);
