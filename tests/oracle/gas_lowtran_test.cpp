@@ -11,31 +11,15 @@
 #include <vector>
 
 #include "atmos_tables/gas/layer_gases.h"
-#include "atmos_tables/optics/standard_air.h"
 #include "tests/support/anchor_rows.h"
 #include "tests/support/curved_path.h"
+#include "tests/support/lowtran_air.h"
 
 using namespace raycube;
 using namespace raycube::atmos;
+using testing::lowtran_air;
 
 namespace {
-
-AirProfile lowtran_air(const std::vector<Gas>& kept) {
-  const AirProfile afgl = afgl_profile(AfglModel::midlatitude_summer);
-  std::vector<AirLevel> levels;
-  for (AirLevel level : afgl.levels()) {
-    const double z = level.height_km;
-    if (z > 25 && z != 30 && z != 35 && z != 40 && z != 45 && z != 50 && z != 70 && z != 100) continue;
-    const double density = 2.68675e19 * (level.pressure_hPa / 1013.25) * (273.15 / level.temperature_K);
-    for (std::size_t g = 0; g < kGases; ++g) {
-      const bool keep = std::find(kept.begin(), kept.end(), static_cast<Gas>(g)) != kept.end();
-      level.gas_per_cm3[g] *= keep ? density / level.air_per_cm3 : 0;
-    }
-    level.air_per_cm3 = density;
-    levels.push_back(level);
-  }
-  return AirProfile(levels, "midlatitude summer, 33 levels");
-}
 
 /// What a set of gases adds to air that has none but trace gases and nitrogen.
 class Component {
@@ -89,7 +73,7 @@ TEST_CASE("A-10 S3.2 components of LOWTRAN7, 330 to 33340 cm-1") {
     auto rows = testing::anchor_rows(path.file, "gases were not compared with LOWTRAN7");
     if (rows.empty()) return;
     CAPTURE(std::string(path.file));
-    const std::vector<double> factor = testing::curved_path_factors(air, path.level_km, path.zenith_deg);
+    const std::vector<double> factor = testing::curved_path_factors(air, path.level_km, path.zenith_deg, 0);
     const Component water({Gas::h2o}, path.level_km, factor), ozone({Gas::o3}, path.level_km, factor);
     const Component mixed({Gas::co2, Gas::n2o, Gas::co, Gas::ch4, Gas::o2}, path.level_km, factor);
     Component bare({}, path.level_km, factor);

@@ -155,7 +155,7 @@ TEST_CASE("A-14 S3.2 the two-way path against MODTRAN 6: single channels as stat
   for (const char* water : {"1.5", "2.0"}) {
     const AirProfile air = with_water_column(dry, std::atof(water)).profile;
     const AerosolColumn aerosol(spec, air);
-    std::vector<double> slope = testing::curved_path_factors(air, levels, 51.993);
+    std::vector<double> slope = testing::curved_path_factors(air, levels, 51.993, 0.35);
     for (std::size_t i = 0; levels[i] < 2.3; ++i) slope[i] += 1;
     const Path path(air, aerosol, levels, slope);
     const std::string column = std::string("Tsun_los_a0.01_w") + water;
