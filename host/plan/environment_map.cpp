@@ -141,6 +141,8 @@ std::vector<Offset> spiral(atmos::Scatterer scatterer, double height_m, double c
 EnvironmentMap make_environment(const scene::CompiledScene& scene, const ViewBounds& view, double z_lo, double z_hi, bool local) {
   EnvironmentMap map;
   map.height_m = std::max(1.0, view.sensor_height_m - 0.5 * (z_lo + z_hi));
+  map.sensor_z_m = view.sensor_height_m;
+  map.local = local;
   map.cos_view = 2 / (view.sec_min + view.sec_max);
   const Region world{scene.lo[0], scene.hi[0], scene.lo[1], scene.hi[1]};
   const Region seen = footprint(view, z_lo, z_hi).inside(world);

@@ -188,6 +188,7 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
   Spectrum ground;
   if (adjacency != scene::Adjacency::off) {
     plan.environment = make_environment(simulation.scene, view, domain.z_lo, domain.z_hi, adjacency == scene::Adjacency::local);
+    plan.environment.pressure_hPa = simulation.atmosphere.pressure_hPa;
     ground = ground_of(plan.environment, simulation, table, covered, first);
   }
   const TableSpectra air(table, no_air, plan.sun_up, first, last - first + 1, ground);

@@ -60,6 +60,8 @@ struct EnvironmentMap {
   std::vector<double> mean;                 ///< [curve id - 1]: area share of the scene's mean
   std::array<double, 2> mean_lo_m{}, mean_hi_m{};   ///< where the mean was taken: x, y
   double height_m = 1, cos_view = 1;        ///< of the sensor over the ground, for which the environment functions were taken
+  double sensor_z_m = 0, pressure_hPa = 0;  ///< sensor above, pressure at the scene's z = 0: for the molecules' part of T_dif
+  bool local = true;                        ///< false: the mean alone was asked for
   double raster_m = 0;                      ///< spacing of the points that say what the ground is, near the view
   std::vector<std::vector<double>> reflectance;     ///< [curve id - 1][grid] of the curves in `part`; empty for others
   bool empty() const { return columns == 0; }

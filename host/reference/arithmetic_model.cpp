@@ -155,7 +155,9 @@ BandRadiance ArithmeticModel::radiance(const SampledPixel& pixel, const std::vec
           for (std::size_t i = 0; i < grid; ++i) path[i] += weight * light[i];
         }
   }
-  return {band_values(plan_, sun), band_values(plan_, sky), band_values(plan_, path)};
+  BandRadiance out{band_values(plan_, sun), band_values(plan_, sky), band_values(plan_, path), {}};
+  if (!plan_.environment.empty()) out.environment = band_values(plan_, environment_light(pixel, plan_, reflectance_));
+  return out;
 }
 
 }  // namespace raycube::reference

@@ -254,6 +254,7 @@ ModelDifference model_figure(std::size_t bands, std::size_t pixels, const std::v
 Report Comparison::report() const {
   Report report;
   report.limits = options_.limits;
+  report.adjacency = !plan_.environment.empty();
   report.pixels = results_.size();
   const std::size_t bands = plan_.bands.size();
   std::vector<const Result*> agreeing, modelled, ordered;
@@ -301,6 +302,8 @@ Report Comparison::report() const {
     report.model_total = figure([](const Result& r, std::size_t b) { return r.device[b] - r.model.total(b); });
     report.model_sun = figure([](const Result& r, std::size_t b) { return r.arithmetic.sun[b] - r.model.sun[b]; });
     report.model_sky = figure([](const Result& r, std::size_t b) { return r.arithmetic.sky[b] - r.model.sky[b]; });
+    if (report.adjacency)
+      report.model_environment = figure([](const Result& r, std::size_t b) { return r.arithmetic.environment[b] - r.model.environment[b]; });
     report.model_path = figure([](const Result& r, std::size_t b) { return r.arithmetic.path[b] - r.model.path[b]; });
   }
   std::sort(ordered.begin(), ordered.end(), [](const Result* a, const Result* b) { return a->number < b->number; });

@@ -68,6 +68,8 @@ struct Report {
   std::uint64_t beyond_pixels = 0;                ///< pixels with a band beyond limits.worst that nothing explains
   std::size_t model_pixels = 0;
   ModelDifference model_total, model_sun, model_sky, model_path;
+  bool adjacency = false;                         ///< the plan carries light between ground and air
+  ModelDifference model_environment;
   /// log10 of each pixel's relative difference, [pixel in order of number][band]
   std::vector<std::vector<float>> picture;
   std::vector<std::uint32_t> picture_line;        ///< image line of each of its rows

@@ -3,9 +3,11 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "atmos_tables/render_table.h"
+#include "host/reference/environment.h"
 #include "host/reference/sampled_pixel.h"
 
 namespace raycube::reference {
@@ -13,7 +15,10 @@ namespace raycube::reference {
 /// Band radiances of one pixel, W m-2 sr-1 um-1, by physics block.
 struct BandRadiance {
   std::vector<double> sun, sky, path;  ///< [band]
-  double total(std::size_t band) const { return sun[band] + sky[band] + path[band]; }
+  std::vector<double> environment;     ///< [band]; empty without light between ground and air
+  double total(std::size_t band) const {
+    return sun[band] + sky[band] + path[band] + (environment.empty() ? 0 : environment[band]);
+  }
 };
 
 /// Reflectance of each material on a wavelength grid: linear between the curve's nodes, its end values outside.
@@ -78,6 +83,7 @@ class TableModel {
   std::vector<glm::dvec3> direction_;
   double solid_angle_ = 0;                 ///< sr, of each direction
   double height_first_ = 0, height_step_ = 1;
+  std::optional<EnvironmentModel> environment_;
   std::vector<std::vector<float>> sky_;    ///< [height node][direction * table wavelengths], W m-2 sr-1 um-1
 };
 

@@ -116,6 +116,7 @@ std::string Report::text(const std::vector<std::string>& band_names) const {
     out += "\nmodel (" + std::to_string(model_pixels) + " pixels): " + number(model_total.figure) + " in band " +
            band(model_total.band) + " (tolerance " + number(limits.model) + "); sun " + number(model_sun.figure) + ", sky " +
            number(model_sky.figure) + ", path " + number(model_path.figure);
+  if (model_pixels > 0 && adjacency) out += ", ground around " + number(model_environment.figure);
   for (const std::string& failure : failures()) out += "\nBEYOND LIMITS: " + failure;
   return out + "\n";
 }
@@ -149,6 +150,8 @@ std::string Report::json() const {
     out["model"] = {{"pixels", model_pixels},        {"tolerance", limits.model},  {"total", block(model_total)},
                     {"sun", block(model_sun)},       {"sky", block(model_sky)},    {"path", block(model_path)}};
   }
+  if (model_pixels > 0 && adjacency)
+    out["model"]["environment"] = {{"figure", model_environment.figure}, {"band", model_environment.band}};
   for (const BandDifference& band : bands) {
     out["band_median"].push_back(band.median);
     out["band_rms"].push_back(band.rms);

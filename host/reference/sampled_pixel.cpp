@@ -126,6 +126,7 @@ SampledPixel ReferenceScene::sample_pixel(const scene::Instrument& instrument, c
   SampledPixel pixel;
   pixel.number = address.line * static_cast<std::uint32_t>(instrument.pixels) + address.sample;
   const Ray center = sample_ray(address.group, address.lane, address.group_width, 0, 0);
+  pixel.sensor = to_double(center.origin);
   pixel.to_sensor = -glm::normalize(to_double(center.direction));
   if (!(pixel.to_sensor.z > 0))
     throw base::Error(base::Fault::input, "instrument '" + instrument.name + "', line " + std::to_string(address.line) +

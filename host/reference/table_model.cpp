@@ -33,6 +33,7 @@ TableModel::TableModel(const ReferenceScene& scene, const plan::Plan& plan, cons
     : scene_(scene), plan_(plan), table_(table), no_air_(no_air),
       reflectance_(reflectance_on(scene.compiled, plan.wavelength_um)) {
   if (no_air) return;
+  if (!plan.environment.empty()) environment_.emplace(scene, plan, table);
   // Spiral of equal solid angles (Gonzalez 2010, Mathematical Geosciences 42, 49), upper half.
   const double turn = std::numbers::pi * (3 - std::sqrt(5.0));
   for (int k = 0; k < directions; ++k) {
@@ -50,6 +51,11 @@ TableModel::TableModel(const ReferenceScene& scene, const plan::Plan& plan, cons
       for (double radiance : atmos::sky_radiance(table, height_first_ + node * height_step_, zenith_deg(d),
                                                  azimuth_deg(d) - table.sun_azimuth_deg))
         values.push_back(static_cast<float>(radiance));
+    if (!environment_) continue;
+    std::size_t at = 0;
+    for (const glm::dvec3& d : direction_)
+      for (double radiance : environment_->sky_increment(height_first_ + node * height_step_, zenith_deg(d)))
+        values[at++] += static_cast<float>(radiance);
   }
 }
 
@@ -116,6 +122,9 @@ BandRadiance TableModel::radiance(const SampledPixel& pixel) const {
 
   const std::size_t grid = plan_.wavelength_um.size(), lines = atmos::wavelengths(table_).size();
   const double zenith = zenith_deg(pixel.to_sensor);
+  std::vector<double> environment(environment_ ? grid : 0, 0.0);
+  std::array<std::vector<double>, 2> around;
+  if (environment_) around = environment_->around(ground_point(pixel, plan_));
   std::vector<double> sun(grid, 0.0), sky(grid, 0.0), path(grid, 0.0);
   for (int end = 0; end < 2; ++end) {
     const double z = no_air_ ? 0 : within_table(table_, end == 0 ? lowest : highest);
@@ -124,6 +133,10 @@ BandRadiance TableModel::radiance(const SampledPixel& pixel) const {
       const std::vector<double> l = on_grid(
           atmos::path_radiance(table_, z, zenith, azimuth_deg(pixel.to_sensor) - table_.sun_azimuth_deg));
       for (std::size_t i = 0; i < grid; ++i) path[i] += path_weight[end] * l[i];
+    }
+    if (environment_) {
+      const std::vector<double> l = on_grid(environment_->light(around, z, zenith));
+      for (std::size_t i = 0; i < grid; ++i) environment[i] += path_weight[end] * l[i];
     }
     if (ends[end].empty()) continue;
     const std::vector<double> sun_light = on_grid(source(z, zenith, true)), through = source(z, zenith, false);
@@ -148,7 +161,9 @@ BandRadiance TableModel::radiance(const SampledPixel& pixel) const {
       for (std::size_t i = 0; i < grid; ++i) sky[i] += rho[i] * light[i];
     }
   }
-  return {band_values(plan_, sun), band_values(plan_, sky), band_values(plan_, path)};
+  BandRadiance out{band_values(plan_, sun), band_values(plan_, sky), band_values(plan_, path), {}};
+  if (environment_) out.environment = band_values(plan_, environment);
+  return out;
 }
 
 }  // namespace raycube::reference

@@ -15,7 +15,7 @@ namespace {
 
 using namespace raycube;
 
-/// More than the smallest band table holds (257 rows), so that rows are evicted where memory is short.
+/// More than the smallest band table holds (261 rows), so that rows are evicted where memory is short.
 constexpr int kMaterials = 400;
 
 /// Relief of 400 materials and 6 mixtures, 7 turned, tilted and scaled bumpy spheres, low sun: shadows, four nodes and more.
@@ -83,8 +83,8 @@ Variant capacity(int keys) {
   return with("rows of " + std::to_string(keys) + " keys", &render::RenderOptions::row_capacity, keys);
 }
 
-void check_same(const scene::Simulation& simulation, const test::Image& first, const std::vector<Variant>& variants) {
-  const auto table = table_for(simulation);
+void check_same(const scene::Simulation& simulation, const test::Image& first, const std::vector<Variant>& variants,
+                const atmos::RenderTable& table) {
   for (const auto& [name, options] : variants) {
     const auto image = test::render_image(simulation, table, options);
     INFO(name);
@@ -93,6 +93,9 @@ void check_same(const scene::Simulation& simulation, const test::Image& first, c
     if (options.tile_lines) CHECK(image.statistics.tile_lines == std::min(options.tile_lines, 67));
     if (options.memory_bytes < 1u << 20) CHECK(image.statistics.tile_columns < image.pixels);
   }
+}
+void check_same(const scene::Simulation& simulation, const test::Image& first, const std::vector<Variant>& variants) {
+  check_same(simulation, first, variants, table_for(simulation));
 }
 
 }  // namespace
@@ -136,6 +139,21 @@ TEST_CASE("S63 samplers that depend on the pixel's number, and samples in chunks
   simulation.instruments[0].samples_u = simulation.instruments[0].samples_v = 41;  // 1681 samples: two chunks
   const auto first = test::render_image(simulation, table_for(simulation));
   check_same(simulation, first, {tiles(1), tiles(2), threads(1), capacity(2)});
+}
+
+TEST_CASE("S4.9 S60 S63 light between ground and air: the same bytes for any tiles, memory, threads and row capacity") {
+  auto simulation = busy_scene();
+  simulation.instruments[0].lines = 16;
+  auto table = table_for(simulation);
+  test::add_ground_coupling(table);
+  const auto first = test::render_image(simulation, table);
+  CHECK(first.plan.environment.nodes() > 8);
+  CHECK(first.statistics.overflow_pixels > 0);
+  // 130 kB: part of a line at a time, and a band table that holds neither all materials nor all nodes.
+  check_same(simulation, first, {tiles(7), memory(130 << 10), threads(1), capacity(1), capacity(2), capacity(256)}, table);
+  simulation.instruments[0].lines = 3;
+  simulation.instruments[0].samples_u = simulation.instruments[0].samples_v = 41;  // two chunks
+  check_same(simulation, test::render_image(simulation, table), {tiles(1), capacity(2)}, table);
 }
 
 TEST_CASE("S63 another seed gives other sky directions") {

@@ -125,6 +125,26 @@ TEST_CASE("S60 the same curves with samples in chunks, whose sums are carried wi
   CHECK(image.statistics.per_sample_pixels == 1);
 }
 
+TEST_CASE("S4.9 S60 light of the ground around joins pixels of 1, 100 and 324 curves alike, samples in chunks too") {
+  for (const int samples : {32, 96}) {
+    TiledLine line({1, 10, 18}, samples);
+    line.simulation.atmosphere.adjacency = scene::Adjacency::mean;
+    atmos::UniformAir air;
+    air.solar_irradiance = [](double) { return kSun; };
+    air.sky_radiance = [](double) { return kSky; };
+    air.spherical_albedo = air.diffuse_return = air.diffuse_view_transmission = [](double) { return 0.25; };
+    air.sun_zenith_deg = kSunZenith_deg;
+    const auto image = test::render_image(line.simulation, atmos::uniform_table(air, {0.3, 1.0, 4.0}));
+    CHECK(image.statistics.per_sample_pixels == 1);
+    double mean = 0;
+    for (std::size_t m = 0; m < line.materials; ++m) mean += image.plan.environment.mean[m] * tile_reflectance(m, line.materials);
+    CHECK(mean > 0.1);
+    const double light = kSun * std::cos(kSunZenith_deg * std::numbers::pi / 180) / std::numbers::pi + kSky;
+    for (std::size_t p = 0; p < line.tiles.size(); ++p)
+      CHECK(image.at(0, int(p), 1) == doctest::Approx((line.radiance(p) + 0.25 * mean * light) / (1 - 0.25 * mean)).epsilon(2e-6));
+  }
+}
+
 TEST_CASE("S60 S63 a pixel of 100 489 keys takes the path per sample and equals the sum in double") {
   const TiledLine line({317}, 317);  // every sample its own material
   const auto image = line.render();
