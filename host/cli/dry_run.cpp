@@ -65,6 +65,18 @@ double estimate_render_s(render::Renderer& renderer, const scene::Simulation& si
   return seconds / (kLines * columns) * instrument.pixels * instrument.lines;
 }
 
+namespace {
+
+std::string adjacency_text(const nlohmann::json& plan) {
+  const std::string mode = plan["mode"];
+  if (mode == "off") return "off: no light between ground and air";
+  if (mode == "mean") return "mean: every pixel gets the light of the scene's mean ground";
+  return fmt::format("local: ground around each pixel from {} x {} nodes, {:.3g} m apart", plan["columns"].get<int>(),
+                     plan["rows"].get<int>(), plan["step_m"].get<double>());
+}
+
+}  // namespace
+
 std::string dry_run_text(const nlohmann::json& item) {
   const auto bytes = [](const nlohmann::json& value) { return base::format_bytes(value.get<std::uint64_t>()); };
   const auto number = [](const nlohmann::json& value) { return value.get<double>(); };
@@ -73,6 +85,7 @@ std::string dry_run_text(const nlohmann::json& item) {
       "{}: {} x {} pixels, {} bands, {} samples per pixel\n"
       "  plan      nodes: {} heights, {} view angles, {} x {} path directions; sky: {} components, {} sets of {} directions; {} "
       "wavelengths\n"
+      "  adjacency {}\n"
       "  error     {:.2g} estimated of {:.2g} that the plan may spend (tolerance {:.2g})\n"
       "  memory    scene {}, tile of {} x {} pixels {}, strips {}: {} of {}, baked rows at most {} more; the OpenCL driver's own "
       "comes on top\n"
@@ -80,7 +93,7 @@ std::string dry_run_text(const nlohmann::json& item) {
       item["name"].get<std::string>(), item["pixels"].get<int>(), item["lines"].get<int>(), item["bands"].get<int>(),
       item["samples_per_pixel"].get<int>(), plan["height_m"]["count"].get<int>(), plan["sec_view_zenith"]["count"].get<int>(),
       plan["path_x"]["count"].get<int>(), plan["path_y"]["count"].get<int>(), plan["sky"]["components"].get<int>(),
-      plan["sky"]["sets"].get<int>(), plan["sky"]["directions"].get<int>(), plan["spectral_grid"]["points"].get<int>(),
+      plan["sky"]["sets"].get<int>(), plan["sky"]["directions"].get<int>(), plan["spectral_grid"]["points"].get<int>(), adjacency_text(plan["adjacency"]),
       number(plan["error"]["total"]), number(plan["budget"]), number(plan["tolerance"]), bytes(memory["scene_bytes"]),
       item["tile_columns"].get<int>(), item["tile_lines"].get<int>(), bytes(memory["tile_bytes"]), bytes(memory["strip_bytes"]),
       bytes(memory["total_bytes"]), bytes(memory["budget_bytes"]), bytes(memory["baked_rows_bytes_at_most"]),

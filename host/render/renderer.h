@@ -3,8 +3,8 @@
 //   ray groups -> trace_primary -> make_surface -> trace_light (sun, sky) -> shade -> (host bakes missing rows)
 //              -> resolve -> integrate_bands -> strip on the host
 //
-// Light from neighbouring surfaces and the adjacency of the air join between trace_light and shade: each adds product keys and
-// accumulators to the row, nothing else changes.
+// Light from neighbouring surfaces will join between trace_light and shade: it adds product keys and accumulators to the row,
+// nothing else changes. Light that the air scatters in from the ground around joins in resolve, as rows of the band table.
 #pragma once
 
 #include <cstdint>
