@@ -123,7 +123,8 @@ reference::Report check_instrument(render::Renderer& renderer, const scene::Simu
                      for (std::size_t s = p * samples; s < (p + 1) * samples; ++s) {
                        pixel.hits.push_back({probe.hit_instance[s], probe.hit_primitive[s]});
                        pixel.sun_visible.push_back(probe.sun_visible[s]);
-                       for (std::size_t m = 0; m < 4; ++m) pixel.sky_blocked.push_back(probe.sky_blocked[4 * s + m]);
+                       const std::size_t planes = 4 * static_cast<std::size_t>(plan.components() > 4 ? 2 : 1);
+                       for (std::size_t m = 0; m < planes; ++m) pixel.sky_blocked.push_back(probe.sky_blocked[planes * s + m]);
                      }
                      pixel.radiance.assign(probe.radiance.begin() + static_cast<std::ptrdiff_t>(p * bands),
                                            probe.radiance.begin() + static_cast<std::ptrdiff_t>((p + 1) * bands));

@@ -44,15 +44,21 @@ std::vector<float> bake_row(const Plan& plan, const scene::CompiledScene& scene,
       throw base::Error(base::Fault::bug, "bake_row: curve " + std::to_string(curve) + " of " + std::to_string(scene.materials.size()));
     reflectance = sample_curve(scene.materials[curve - 1], plan.wavelength_um);
   }
+  std::vector<double> emissivity;
+  if (curve > 0 && plan.thermal.on)
+    for (const double r : reflectance) emissivity.push_back(1 - r);
+  const auto first_emission = static_cast<std::size_t>(plan.first_emission() * plan.height.count * plan.view.count);
   std::vector<float> out(spectra.size() * padded, 0.0f);
-  for (std::size_t c = 0; c < spectra.size(); ++c)
+  for (std::size_t c = 0; c < spectra.size(); ++c) {
+    const std::vector<double>& factor = curve > 0 && c >= first_emission ? emissivity : reflectance;
     for (std::size_t b = 0; b < bands; ++b) {
       const auto& band = plan.bands[b];
       double sum = 0;
       for (std::size_t i = 0; i < band.weight.size(); ++i)
-        sum += band.weight[i] * reflectance[band.first + i] * spectra[c][band.first + i];
+        sum += band.weight[i] * factor[band.first + i] * spectra[c][band.first + i];
       out[c * padded + b] = static_cast<float>(sum);
     }
+  }
   return out;
 }
 

@@ -18,6 +18,7 @@
 #include "host/plan/sky_sets.h"
 #include "host/plan/sources.h"
 #include "host/plan/spectral_plan.h"
+#include "host/plan/thermal_plan.h"
 
 namespace raycube::plan {
 
@@ -28,6 +29,7 @@ constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kShare = 0.1, kBudget = 0.5;
 /// Part of the horizontal irradiance that the irradiance map may be off between its nodes.
 constexpr double kMapShare = 4e-6;
+constexpr int kMaxThermalComponents = 2;
 
 Domain make_domain(const scene::Simulation& simulation, const atmos::RenderTable& table, const ViewBounds& view) {
   Domain domain;
@@ -75,14 +77,15 @@ double fit_map(Plan& plan, double sun_azimuth, const std::vector<Mixture>& mixtu
 }
 
 /// The sky with 1, 2, ... components, up to the first that meets its share.
-std::vector<SkyLevel> sky_levels(const SkyFactorizer& sky, const TableSpectra& air, const Domain& domain, const BandSpace& bands,
+std::vector<SkyLevel> sky_levels(const SkyFactorizer& sky, Sky kind, const TableSpectra& air, const Domain& domain, const BandSpace& bands,
                                  const std::vector<double>& typical, double share) {
   std::vector<SkyLevel> levels;
   if (sky.black()) return levels;
-  const Spectrum up = sky_path(air, domain.z(0.5), domain.sec(0.5));
+  const int most = kind == Sky::thermal ? kMaxThermalComponents : kMaxSkyComponents;
+  const Spectrum up = sky_path(air, domain.z(0.5), domain.sec(0.5), kind);
   const auto mixtures = [&](const SkySpectra& spectra) { return band_mixtures(spectra, up, bands); };
-  const Spectrum importance = sky_importance(air, domain, bands, sky.irradiance(), typical);
-  for (int rank = 1; rank <= kMaxSkyComponents; ++rank) {
+  const Spectrum importance = sky_importance(air, domain, bands, sky.irradiance(), typical, kind);
+  for (int rank = 1; rank <= most; ++rank) {
     levels.push_back(judge_sky(sky.factor(rank, importance, mixtures), air, domain, bands, typical));
     if (levels.back().factors.rank < rank) {  // the sky has no more shapes than the level before
       levels.pop_back();
@@ -200,10 +203,33 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
 
   const double share = kShare * simulation.tolerance;
   const SkyFactorizer sky(air, domain.z(0.5), domain.sun_zenith);
-  const auto typical = typical_radiance(air, domain, bands, sky.irradiance());
-  NodeErrors errors = estimate_node_errors(air, domain, bands, sky.irradiance(), typical);
-  const std::vector<SkyLevel> levels = sky_levels(sky, air, domain, bands, typical, share);
+  const SkyFactorizer thermal_sky(air, domain.z(0.5), domain.sun_zenith, Sky::thermal);
+  Emitters emitters;
+  TypicalThermal emitted;
+  if (air.thermal()) {
+    emitters = find_emitters(simulation.scene, simulation.file);
+    emitted = {planck_spectrum(covered, emitters.surroundings_K), thermal_sky.irradiance()};
+  }
+  const auto typical = typical_radiance(air, domain, bands, sky.irradiance(), emitted);
+  NodeErrors errors = estimate_node_errors(air, domain, bands, sky.irradiance(), typical, emitted);
+  std::vector<SkyLevel> levels, thermal_levels;
+  std::vector<TemperatureLevel> temperatures;
+  SolarShare solar;
+  bool skylight = true;
+  if (air.thermal()) {
+    // Sun and sky that no band and no material can see beside the thermal light get no channels.
+    solar = solar_share(air, domain, BandSpace(covered, spectral.wavelength_um, spectral.bands, spectral.largest_reflectance),
+                        sky.irradiance(), typical);
+    if (solar.sun <= share) errors.sun_sources = 0, errors.left_out += solar.sun;
+    if (solar.sky <= share) skylight = false, errors.left_out += solar.sky;
+    errors.surroundings = 1;
+    thermal_levels = sky_levels(thermal_sky, Sky::thermal, air, domain, bands, typical, share);
+    temperatures = temperature_levels(emitters, air, domain, bands, covered, typical);
+    for (const auto& level : temperatures) errors.temperature.emplace_back(static_cast<int>(level.node_K.size()), level.error);
+  }
+  if (skylight) levels = sky_levels(sky, Sky::solar, air, domain, bands, typical, share);
   for (const auto& level : levels) errors.sky_rank.push_back(level.negative ? std::numeric_limits<double>::infinity() : level.error);
+  for (const auto& level : thermal_levels) errors.thermal_rank.push_back(level.negative ? std::numeric_limits<double>::infinity() : level.error);
   NodeChoice choice;
   double budget = 0;
   for (const double part : {kBudget, 0.75, 1.0}) {  // where the channels do not hold the budget, the cheapest that holds more
@@ -215,31 +241,47 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
   if (total > simulation.tolerance)
     throw base::Error(base::Fault::input,
                       fmt::format("instrument '{}': {} channels cannot hold the tolerance of {:g}: the nodes of height, view and path and the "
-                                  "sky's components leave an error of {:.3g} (source {:.3g}, path {:.3g}, sky {:.3g}); raise the tolerance, narrow "
+                                  "sky's components leave an error of {:.3g} (source {:.3g}, path {:.3g}, sky {:.3g}, temperatures {:.3g}); raise the tolerance, narrow "
                                   "the field of view or split the scene's relief",
-                                  instrument.name, RC_MAX_CHANNELS, simulation.tolerance, total, choice.source_error, choice.path_error, choice.sky_error));
+                                  instrument.name, RC_MAX_CHANNELS, simulation.tolerance, total, choice.source_error, choice.path_error, choice.sky_error,
+                                  choice.emission_error));
 
   plan.height = make_axis(domain.z_lo, domain.z_hi, choice.height);
   plan.view = make_axis(view.sec_min, view.sec_max, choice.view);
   plan.path_x = make_axis(view.x_min, view.x_max, choice.path_x);
   plan.path_y = make_axis(view.y_min, view.y_max, choice.path_y);
+  plan.sun_sources = errors.sun_sources;
   plan.sky_components = choice.sky_rank;
   SkyFactors factors;
   if (choice.sky_rank > 0) factors = levels[static_cast<std::size_t>(choice.sky_rank - 1)].factors;
   plan.sky_basis = factors.basis;
+  SkyFactors thermal_factors;
+  if (choice.thermal_rank > 0) thermal_factors = thermal_levels[static_cast<std::size_t>(choice.thermal_rank - 1)].factors;
+  if (air.thermal()) plan.thermal = make_thermal(simulation.scene, emitters, temperatures[choice.temperature], thermal_factors);
+  std::vector<std::vector<double>> planck;  // of the surroundings, then of the temperature nodes, on the grid
+  if (air.thermal()) planck.push_back(planck_spectrum(spectral.wavelength_um, plan.thermal.surroundings_K));
+  for (const double kelvin : plan.thermal.temperature_K) planck.push_back(planck_spectrum(spectral.wavelength_um, kelvin));
 
   plan.source_spectrum.resize(static_cast<std::size_t>(plan.source_channels()));
   for (int h = 0; h < plan.height.count; ++h) {
     const double z = node_position(plan.height, h);
-    const SkySpectra component = sky_spectra(factors, air, z);
+    const SkySpectra component = sky_spectra(factors, air, z), emitted_sky = sky_spectra(thermal_factors, air, z);
     for (int v = 0; v < plan.view.count; ++v) {
       const double sec = node_position(plan.view, v);
       const auto channel = [&](int source) { return static_cast<std::size_t>((source * plan.height.count + h) * plan.view.count + v); };
-      plan.source_spectrum[channel(0)] = bands.to_grid(sun_source(air, z, sec));
+      if (plan.sun_sources > 0) plan.source_spectrum[channel(0)] = bands.to_grid(sun_source(air, z, sec));
       const Spectrum up = sky_path(air, z, sec);
       for (int m = 0; m < plan.sky_components; ++m)
-        plan.source_spectrum[channel(1 + m)] = bands.to_grid(product(component[static_cast<std::size_t>(m)], up));
+        plan.source_spectrum[channel(plan.first_component() + m)] = bands.to_grid(product(component[static_cast<std::size_t>(m)], up));
       plan.transmission_spectrum.push_back(bands.to_grid(air.view_transmission(z, zenith_of_sec(sec))));
+      if (!plan.thermal.on) continue;
+      const Spectrum thermal_up = sky_path(air, z, sec, Sky::thermal);
+      const int warm_sky = plan.first_component() + plan.sky_components, surroundings = warm_sky + plan.thermal.sky_components;
+      for (int m = 0; m < plan.thermal.sky_components; ++m)
+        plan.source_spectrum[channel(warm_sky + m)] = bands.to_grid(product(emitted_sky[static_cast<std::size_t>(m)], thermal_up));
+      plan.source_spectrum[channel(surroundings)] = product(planck[0], plan.transmission_spectrum.back(), 1 / std::numbers::pi);
+      for (int k = 0; k < plan.thermal.nodes(); ++k)
+        plan.source_spectrum[channel(plan.first_emission() + k)] = product(planck[static_cast<std::size_t>(1 + k)], plan.transmission_spectrum.back());
     }
     for (int y = 0; y < plan.path_y.count; ++y)
       for (int x = 0; x < plan.path_x.count; ++x)
@@ -262,10 +304,10 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
   }
 
   double map_error = 0;
-  if (plan.sky_components > 0) {
-    map_error = fit_map(plan, domain.sun_azimuth, levels[static_cast<std::size_t>(choice.sky_rank - 1)].mixture);
-    plan.sky = make_sky_sets(plan.sky_basis, domain.sun_azimuth, simulation.sky_directions, simulation.seed);
-  }
+  if (plan.sky_components > 0) map_error = fit_map(plan, domain.sun_azimuth, levels[static_cast<std::size_t>(choice.sky_rank - 1)].mixture);
+  if (plan.components() > 0)
+    plan.sky = make_sky_sets(plan.sky_basis, domain.sun_azimuth, simulation.sky_directions, simulation.seed, plan.sky_components,
+                             plan.thermal.on ? &plan.thermal : nullptr);
 
   nlohmann::json report = {
       {"tolerance", simulation.tolerance},
@@ -285,6 +327,19 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
                {"irradiance_map_size", plan.irradiance.size},
                {"irradiance_map_error", map_error}}},
       {"adjacency", describe(plan.environment, adjacency, simulation.scene)}};
+  if (air.thermal()) {
+    report["error"]["temperature_nodes"] = choice.emission_error;
+    report["error"]["left_out"] = choice.left_out;
+    report["thermal"] = {{"sky_components", plan.thermal.sky_components},
+                         {"sky_levels", describe(thermal_levels)},
+                         {"temperature_nodes_K", plan.thermal.temperature_K},
+                         {"temperatures", emitters.distinct_K.size()},
+                         {"surroundings_K", plan.thermal.surroundings_K},
+                         {"sun_share", solar.sun},
+                         {"sky_share", solar.sky},
+                         {"sun_left_out", plan.sun_sources == 0},
+                         {"sky_left_out", !skylight}};
+  }
   if (const double d = diffuse_row_difference(air, domain, bands, sky.irradiance()); d >= 0 && plan.sky_components > 0)
     report["sky"]["diffuse_irradiance_row_difference"] = d;
   plan.report_json = report.dump(2);

@@ -45,34 +45,53 @@ NodeChoice choose_nodes(const NodeErrors& errors, double budget) {
   NodeChoice best;
   int best_cost = std::numeric_limits<int>::max();
   bool found = false;
-  for (std::size_t rank = sky ? 1 : 0; rank <= errors.sky_rank.size(); ++rank) {
-    const double sky_error = sky ? errors.sky_rank[rank - 1] : 0;
-    if (!std::isfinite(sky_error)) continue;
-    for (std::size_t h = 0; h < kNodeCounts.size(); ++h)
-      for (std::size_t v = 0; v < kNodeCounts.size(); ++v)
-        for (std::size_t x = 0; x < kNodeCounts.size(); ++x)
-          for (std::size_t y = 0; y < kNodeCounts.size(); ++y) {
-            const int source = (1 + static_cast<int>(rank)) * kNodeCounts[h] * kNodeCounts[v];
-            const int path = kNodeCounts[h] * kNodeCounts[x] * kNodeCounts[y];
-            if (source > RC_MAX_CHANNELS || path > RC_MAX_CHANNELS) continue;
-            NodeChoice choice{kNodeCounts[h], kNodeCounts[v], kNodeCounts[x], kNodeCounts[y], static_cast<int>(rank),
-                              errors.source_height[h] + errors.source_view[v],
-                              errors.path_height[h] + errors.path_x[x] + errors.path_y[y], sky_error, true};
-            choice.within_budget = choice.total() <= budget;
-            const int cost = 4 * source + path;  // material rows are many, the path row is one
-            bool better = !found;
-            if (found && choice.within_budget != best.within_budget)
-              better = choice.within_budget;
-            else if (found && choice.within_budget)
-              better = cost < best_cost || (cost == best_cost && choice.total() < best.total());
-            else if (found)
-              better = choice.total() < best.total();
-            if (!better) continue;
-            found = true;
-            best = choice;
-            best_cost = cost;
-          }
-  }
+  // Levels of thermal light: one that costs nothing where there is none.
+  struct Level {
+    int rank;
+    std::size_t temperature;
+    int nodes;
+    double sky_error, emission_error;
+  };
+  std::vector<Level> levels;
+  for (std::size_t rank = errors.thermal_rank.empty() ? 0 : 1; rank <= errors.thermal_rank.size(); ++rank)
+    for (std::size_t t = 0; t < std::max<std::size_t>(1, errors.temperature.size()); ++t) {
+      const auto [nodes, error] = errors.temperature.empty() ? std::pair{0, 0.0} : errors.temperature[t];
+      levels.push_back({static_cast<int>(rank), t, nodes, rank > 0 ? errors.thermal_rank[rank - 1] : 0, error});
+    }
+  for (const Level& level : levels)
+    for (std::size_t rank = sky ? 1 : 0; rank <= errors.sky_rank.size(); ++rank) {
+      const double sky_error = (sky ? errors.sky_rank[rank - 1] : 0) + level.sky_error;
+      if (!std::isfinite(sky_error)) continue;
+      for (std::size_t h = 0; h < kNodeCounts.size(); ++h)
+        for (std::size_t v = 0; v < kNodeCounts.size(); ++v)
+          for (std::size_t x = 0; x < kNodeCounts.size(); ++x)
+            for (std::size_t y = 0; y < kNodeCounts.size(); ++y) {
+              const int sources = errors.sun_sources + static_cast<int>(rank) + level.rank + errors.surroundings;
+              const int source = sources * kNodeCounts[h] * kNodeCounts[v], emission = level.nodes * kNodeCounts[h] * kNodeCounts[v];
+              const int path = kNodeCounts[h] * kNodeCounts[x] * kNodeCounts[y];
+              if (source > RC_MAX_CHANNELS || emission > RC_MAX_CHANNELS || path > RC_MAX_CHANNELS) continue;
+              NodeChoice choice;
+              choice.height = kNodeCounts[h], choice.view = kNodeCounts[v];
+              choice.path_x = kNodeCounts[x], choice.path_y = kNodeCounts[y];
+              choice.sky_rank = static_cast<int>(rank), choice.thermal_rank = level.rank, choice.temperature = level.temperature;
+              choice.source_error = errors.source_height[h] + errors.source_view[v];
+              choice.path_error = errors.path_height[h] + errors.path_x[x] + errors.path_y[y];
+              choice.sky_error = sky_error, choice.emission_error = level.emission_error, choice.left_out = errors.left_out;
+              choice.within_budget = choice.total() <= budget;
+              const int cost = 4 * (source + emission) + path;  // material rows are many, the path row is one
+              bool better = !found;
+              if (found && choice.within_budget != best.within_budget)
+                better = choice.within_budget;
+              else if (found && choice.within_budget)
+                better = cost < best_cost || (cost == best_cost && choice.total() < best.total());
+              else if (found)
+                better = choice.total() < best.total();
+              if (!better) continue;
+              found = true;
+              best = choice;
+              best_cost = cost;
+            }
+    }
   return best;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <utility>
 #include <vector>
 
 #include "host/plan/plan.h"
@@ -29,13 +30,21 @@ std::array<double, kNodeCounts.size()> node_errors(const std::vector<Line>& line
 struct NodeErrors {
   std::array<double, kNodeCounts.size()> source_height{}, source_view{}, path_height{}, path_x{}, path_y{};
   std::vector<double> sky_rank;  ///< [rank - 1], allowed ranks only finite; empty: no sky
+  // Beside sunlight: sources that are there anyway, and levels of the thermal ones
+  int sun_sources = 1;                             ///< 0: left out
+  int surroundings = 0;                            ///< 1 with thermal light
+  double left_out = 0;                             ///< error of leaving out sun and sky where they are dark
+  std::vector<double> thermal_rank;                ///< [rank - 1]; empty: no thermal sky
+  std::vector<std::pair<int, double>> temperature; ///< (nodes, error) of each level; empty: nothing emits
 };
 
 struct NodeChoice {
   int height = 1, view = 1, path_x = 1, path_y = 1;
-  int sky_rank = 0;
+  int sky_rank = 0, thermal_rank = 0;
+  std::size_t temperature = 0;                             ///< level chosen
+  double emission_error = 0, left_out = 0;                 ///< of temperature nodes; of a dark sun and sky
   double source_error = 0, path_error = 0, sky_error = 0;  ///< sums over the axes
-  double total() const { return source_error + path_error + sky_error; }
+  double total() const { return source_error + path_error + sky_error + emission_error + left_out; }
   bool within_budget = true;                               ///< total() <= budget
 };
 

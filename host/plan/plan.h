@@ -30,11 +30,22 @@ struct BandQuadrature {
 };
 
 /// Sky directions: `sets` sets of `directions` unit vectors; a pixel takes set hash(seed, pixel) % sets. The weights carry
-/// solid angle times component map: sum_k weight[m] max(0, n.d) estimates component m's irradiance on normal n.
+/// solid angle times component map: sum_k weight[m] max(0, n.d) estimates component m's irradiance on normal n. That of the
+/// surroundings is minus the solid angle: what the sky loses, they gain.
 struct SkySets {
   int sets = 0, directions = 0;
+  int quads = 1;                             ///< float4s of weights per direction: 2 where there are more than 4 components
   std::vector<shared::rc_float4> direction;  ///< [set][k], towards the sky; w = 0
-  std::vector<shared::rc_float4> weight;     ///< [set][k], components 0..3 (sr)
+  std::vector<shared::rc_float4> weight;     ///< [set][k][quad], components 4 quad .. 4 quad + 3 (sr)
+  /// Weights of entry set * directions + k, zero past the components there are.
+  std::array<double, 8> weights(std::size_t entry) const {
+    std::array<double, 8> out{};
+    for (std::size_t q = 0; q < static_cast<std::size_t>(quads); ++q) {
+      const shared::rc_float4& w = weight[entry * static_cast<std::size_t>(quads) + q];
+      out[4 * q] = w.x, out[4 * q + 1] = w.y, out[4 * q + 2] = w.z, out[4 * q + 3] = w.w;
+    }
+    return out;
+  }
 };
 
 /// Unoccluded irradiance per sky component (up to 4) against the surface normal, octahedral map of size x size nodes
@@ -78,17 +89,40 @@ std::array<EnvironmentWeight, 4> environment_at(const EnvironmentMap& map, doubl
 /// Keys of environment rows: this bit and the node. Above every product key.
 inline constexpr std::uint64_t kEnvironmentKey = std::uint64_t{1} << 63;
 
-/// Channels. Material rows (curve id >= 1): channel = (source * height.count + h) * view.count + v with source 0 the direct
-/// sun (scalar: max(0, n.s) times visibility) and 1 + m sky component m (scalar: irradiance of the component, unoccluded
-/// map minus blocked directions). Row 0 (no curve): channel = (h * path_y.count + y) * path_x.count + x, path radiance.
+/// Thermal light, where the table has its rows. The thermal sky has `sky_components` maps of zenith angle alone; one more
+/// component stands for the surroundings: all of a surface's hemisphere that is not open sky, filled with a black body at
+/// `surroundings_K`. Emission enters at temperature nodes, linear in between: (1 - reflectance) B(node) T_view.
+struct Thermal {
+  bool on = false;
+  int sky_components = 0;                    ///< 1 or 2
+  std::vector<double> temperature_K;         ///< nodes, ascending
+  double surroundings_K = 0;
+  /// Where each material of a surface lies among the nodes: index + fraction, [surface][0..3].
+  std::vector<shared::rc_float4> surface_node;
+  SkyBasis basis;                            ///< the thermal sky's maps
+  /// Unoccluded irradiance against the vertical component of the normal, RC_TILT_NODES from -1 to 1: the sky's components,
+  /// then the surroundings' (pi (1 - nz) / 2, what lies below the horizon). Per unit of the component's spectrum.
+  std::vector<shared::rc_float4> tilt_irradiance;
+  int components() const { return on ? sky_components + 1 : 0; }
+  int nodes() const { return on ? static_cast<int>(temperature_K.size()) : 0; }
+};
+
+/// Channels. Material rows (curve id >= 1): channel = (source * height.count + h) * view.count + v. Sources, in order: the
+/// direct sun (scalar: max(0, n.s) times visibility) unless it is left out as too dark; the sky components (scalar: irradiance
+/// of the component, unoccluded map minus blocked directions); thermal components likewise; temperature nodes (scalar: node
+/// weight of the material's temperature). Sources up to there carry the reflectance, emission carries 1 - reflectance.
+/// Row 0 (no curve): channel = (h * path_y.count + y) * path_x.count + x, path radiance.
 /// Environment rows: channel = h * view.count + v, light of the ground around that the air scatters into the path; a pixel
-/// adds it for every sample, hit or not, as it does path radiance. At most RC_MAX_CHANNELS of any.
+/// adds it for every sample, hit or not, as it does path radiance.
+/// At most RC_MAX_CHANNELS of reflected sources, of emission, of the path and of the environment.
 struct Plan {
   std::vector<double> wavelength_um;               ///< spectral grid: table axis, curve nodes and midpoints near bands, ascending
   std::vector<BandQuadrature> bands;
   std::array<float, 3> sun_direction{0, 0, 1};     ///< unit, towards the sun
   bool sun_up = true;
-  int sky_components = 0;                          ///< 0..4
+  int sun_sources = 1;                             ///< 0: too dark beside the thermal light to be a source
+  int sky_components = 0;                          ///< 0..4, of sunlight
+  Thermal thermal;
   NodeAxis height;                                 ///< target height, m above scene z = 0
   NodeAxis view;                                   ///< sec(view zenith)
   NodeAxis path_x, path_y;                         ///< horizontal components of the unit vector target -> sensor
@@ -102,7 +136,11 @@ struct Plan {
   IrradianceMap irradiance;
   std::string report_json;                         ///< what was chosen, each block's estimated error (DESIGN section 6's table)
 
-  int source_channels() const { return (1 + sky_components) * height.count * view.count; }
+  int components() const { return sky_components + thermal.components(); }   ///< that directions are traced for
+  int first_component() const { return sun_sources; }                        ///< its source number
+  int first_emission() const { return sun_sources + components(); }          ///< source number of temperature node 0
+  int sources() const { return first_emission() + thermal.nodes(); }
+  int source_channels() const { return sources() * height.count * view.count; }
   int environment_channels() const { return environment.empty() ? 0 : height.count * view.count; }
   int path_channels() const { return height.count * path_y.count * path_x.count; }
 };

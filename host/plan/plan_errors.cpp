@@ -38,20 +38,43 @@ Line make_line(Sample sample, Counts counts) {
 
 }  // namespace
 
-std::vector<double> typical_radiance(const TableSpectra& air, const Domain& domain, const BandSpace& bands, const Spectrum& sky_irradiance) {
+namespace {
+
+/// Of a surface of mean emissivity: band means of B T_view.
+Bands emitted_bands(const TableSpectra& air, const BandSpace& bands, const Spectrum& planck, double z, double sec) {
+  const Spectrum light = product(planck, air.view_transmission(z, zenith_of_sec(sec)));
+  return sum(bands.reflected_band_mean(light), bands.band_mean(light), -1);
+}
+
+}  // namespace
+
+std::vector<double> typical_radiance(const TableSpectra& air, const Domain& domain, const BandSpace& bands, const Spectrum& sky_irradiance,
+                                     const TypicalThermal& thermal) {
   const double mu0 = std::max(0.0, std::cos(domain.sun_zenith)), z = domain.z(0.5), sec = domain.sec(0.5);
   Bands typical = sum(bands.reflected_band_mean(sun_source(air, z, sec)),
                       bands.reflected_band_mean(product(sky_irradiance, sky_path(air, z, sec))), mu0);
   if (air.couples_ground()) typical = sum(typical, bands.reflected_band_mean(environment_source(air, z, sec)));
   typical = sum(typical, bands.band_mean(path_source(air, domain, z, domain.x(0.5), domain.y(0.5))));
+  if (!thermal.planck.empty()) {
+    typical = sum(typical, emitted_bands(air, bands, thermal.planck, z, sec));
+    typical = sum(typical, bands.reflected_band_mean(product(thermal.sky_irradiance, sky_path(air, z, sec, Sky::thermal))));
+  }
   const double largest = *std::max_element(typical.begin(), typical.end());
   for (double& value : typical) value = std::max(value, std::max(kBandFloor * largest, std::numeric_limits<double>::min()));
   return typical;
 }
 
+SolarShare solar_share(const TableSpectra& air, const Domain& domain, const BandSpace& brightest, const Spectrum& sky_irradiance,
+                       const std::vector<double>& typical) {
+  const Bands sun = divide(brightest.reflected_band_mean(sun_source(air, domain.z(0.5), domain.sec(0.5))), typical);
+  const Bands sky = divide(brightest.reflected_band_mean(product(sky_irradiance, sky_path(air, domain.z(0.5), domain.sec(0.5)))), typical);
+  // a surface that faces the sun, however low that stands; it is zero at night
+  return {*std::max_element(sun.begin(), sun.end()), *std::max_element(sky.begin(), sky.end())};
+}
+
 Spectrum sky_importance(const TableSpectra& air, const Domain& domain, const BandSpace& bands, const Spectrum& sky_irradiance,
-                        const std::vector<double>& typical) {
-  const Bands sky = bands.reflected_band_mean(product(sky_irradiance, sky_path(air, domain.z(0.5), domain.sec(0.5))));
+                        const std::vector<double>& typical, Sky kind) {
+  const Bands sky = bands.reflected_band_mean(product(sky_irradiance, sky_path(air, domain.z(0.5), domain.sec(0.5), kind)));
   return bands.spread(divide(sky, typical));
 }
 
@@ -68,7 +91,7 @@ std::vector<Mixture> band_mixtures(const SkySpectra& sky, const Spectrum& up, co
 SkyLevel judge_sky(SkyFactors factors, const TableSpectra& air, const Domain& domain, const BandSpace& bands,
                    const std::vector<double>& typical) {
   SkyLevel out;
-  const Spectrum up = sky_path(air, domain.z(0.5), domain.sec(0.5));
+  const Spectrum up = sky_path(air, domain.z(0.5), domain.sec(0.5), factors.sky);
   out.mixture = band_mixtures(factors.spectra, up, bands);
   const Bands sky = bands.reflected_band_mean(product(factors.spectra[0], up));
   const Bands error = bands.reflected_band_mean(product(factors.occluder_error, product(factors.spectra[0], up)));
@@ -97,7 +120,7 @@ double diffuse_row_difference(const TableSpectra& air, const Domain& domain, con
 }
 
 NodeErrors estimate_node_errors(const TableSpectra& air, const Domain& domain, const BandSpace& bands, const Spectrum& sky_irradiance,
-                                const std::vector<double>& typical) {
+                                const std::vector<double>& typical, const TypicalThermal& thermal) {
   NodeErrors out;
   const double mu0 = std::max(0.0, std::cos(domain.sun_zenith));
   const auto scaled = [&](Bands value, double factor) {
@@ -109,14 +132,23 @@ NodeErrors estimate_node_errors(const TableSpectra& air, const Domain& domain, c
     return scaled(bands.reflected_band_mean(product(irradiance, sky_path(air, z, sec))), 1);
   };
   const auto environment_bands = [&](double z, double sec) { return scaled(bands.reflected_band_mean(environment_source(air, z, sec)), 1); };
+  const bool emits = !thermal.planck.empty();
+  const auto emission_bands = [&](double z, double sec) { return divide(emitted_bands(air, bands, thermal.planck, z, sec), typical); };
+  const auto thermal_sky_bands = [&](const Spectrum& irradiance, double z, double sec) {
+    return divide(bands.reflected_band_mean(product(irradiance, sky_path(air, z, sec, Sky::thermal))), typical);
+  };
   const auto path_bands = [&](double z, double x, double y) { return scaled(bands.band_mean(path_source(air, domain, z, x, y)), 1); };
 
   const auto always = [](double) { return true; };
   const auto inside = [&](double x, double y) { return std::hypot(x, y) <= domain.horizontal_max() + 1e-6; };
   if (domain.z_hi > domain.z_lo) {
     std::vector<Line> source, path;
-    std::vector<Spectrum> sky;
-    for (int p = 0; p < kLinePositions; ++p) sky.push_back(coarse_sky_irradiance(air, domain.z(static_cast<double>(p) / (kLinePositions - 1))));
+    std::vector<Spectrum> sky, thermal_sky;
+    for (int p = 0; p < kLinePositions; ++p) {
+      const double z = domain.z(static_cast<double>(p) / (kLinePositions - 1));
+      sky.push_back(coarse_sky_irradiance(air, z));
+      if (emits) thermal_sky.push_back(coarse_sky_irradiance(air, z, Sky::thermal));
+    }
     for (const double v : {0.0, 1.0}) {
       source.push_back(make_line([&](double t) { return sun_bands(domain.z(t), domain.sec(v)); }, always));
       source.push_back(make_line(
@@ -127,6 +159,14 @@ NodeErrors estimate_node_errors(const TableSpectra& air, const Domain& domain, c
           always));
       if (air.couples_ground())
         source.push_back(make_line([&](double t) { return environment_bands(domain.z(t), domain.sec(v)); }, always));
+      if (!emits) continue;
+      source.push_back(make_line([&](double t) { return emission_bands(domain.z(t), domain.sec(v)); }, always));
+      source.push_back(make_line(
+          [&](double t) {
+            const auto p = static_cast<std::size_t>(std::lround(t * (kLinePositions - 1)));
+            return thermal_sky_bands(thermal_sky[p], domain.z(t), domain.sec(v));
+          },
+          always));
     }
     for (const double xy : {0.0, 0.5, 1.0})
       path.push_back(make_line([&](double t) { return path_bands(domain.z(t), domain.x(xy), domain.y(xy)); },
@@ -141,6 +181,9 @@ NodeErrors estimate_node_errors(const TableSpectra& air, const Domain& domain, c
       source.push_back(make_line([&](double t) { return sky_bands(sky_irradiance, domain.z(h), domain.sec(t)); }, always));
       if (air.couples_ground())
         source.push_back(make_line([&](double t) { return environment_bands(domain.z(h), domain.sec(t)); }, always));
+      if (!emits) continue;
+      source.push_back(make_line([&](double t) { return emission_bands(domain.z(h), domain.sec(t)); }, always));
+      source.push_back(make_line([&](double t) { return thermal_sky_bands(thermal.sky_irradiance, domain.z(h), domain.sec(t)); }, always));
     }
     out.source_view = node_errors(source);
   }

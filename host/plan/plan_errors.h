@@ -8,13 +8,28 @@
 
 namespace raycube::plan {
 
-/// Typical radiance of each band: the mean of the used curves, horizontal, in full sun and sky at mid height and mid view, plus
-/// path radiance; bands below 1e-4 of the largest are judged against that floor (DESIGN 5a).
-std::vector<double> typical_radiance(const TableSpectra& air, const Domain& domain, const BandSpace& bands, const Spectrum& sky_irradiance);
+/// Thermal light of a typical surface, on the table's wavelengths; empty where thermal light is off.
+struct TypicalThermal {
+  Spectrum planck;          ///< of the surroundings' temperature
+  Spectrum sky_irradiance;  ///< horizontal, at mid height
+};
+
+/// Typical radiance of each band: the mean of the used curves, horizontal, in full sun and sky at mid height and mid view, its
+/// emission and reflected thermal sky, plus path radiance; bands below 1e-4 of the largest are judged against that floor
+/// (DESIGN 5a).
+std::vector<double> typical_radiance(const TableSpectra& air, const Domain& domain, const BandSpace& bands, const Spectrum& sky_irradiance,
+                                     const TypicalThermal& thermal);
+
+/// Largest share of a band's typical radiance that sun and sky make by the reflectances of `brightest`.
+struct SolarShare {
+  double sun = 0, sky = 0;
+};
+SolarShare solar_share(const TableSpectra& air, const Domain& domain, const BandSpace& brightest, const Spectrum& sky_irradiance,
+                       const std::vector<double>& typical);
 
 /// Part of the typical radiance that reflected skylight is, per table wavelength: the radiance of the band around it.
 Spectrum sky_importance(const TableSpectra& air, const Domain& domain, const BandSpace& bands, const Spectrum& sky_irradiance,
-                        const std::vector<double>& typical);
+                        const std::vector<double>& typical, Sky sky = Sky::solar);
 
 /// The sky with one number of components.
 struct SkyLevel {
@@ -31,7 +46,7 @@ SkyLevel judge_sky(SkyFactors factors, const TableSpectra& air, const Domain& do
 
 /// Errors of node counts; `sky_rank` is left to the caller.
 NodeErrors estimate_node_errors(const TableSpectra& air, const Domain& domain, const BandSpace& bands, const Spectrum& sky_irradiance,
-                                const std::vector<double>& typical);
+                                const std::vector<double>& typical, const TypicalThermal& thermal);
 
 /// Worst |integral of the sky / diffuse_irradiance row - 1| over the bands; -1 when the table has no such row.
 double diffuse_row_difference(const TableSpectra& air, const Domain& domain, const BandSpace& bands, const Spectrum& sky_irradiance);

@@ -43,9 +43,9 @@ std::vector<double> refine(std::vector<double> axis, Widest widest) {
 }
 
 /// Radiance at every node of the maps: rows are nodes, columns wavelengths.
-MatrixXd sample_sky(const SkyBasis& basis, const TableSpectra& table, double height_m) {
+MatrixXd sample_sky(const SkyBasis& basis, const TableSpectra& table, double height_m, Sky sky) {
   using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  const auto radiance = table.sky_grid(height_m, basis.zenith_rad, basis.azimuth_rad);
+  const auto radiance = table.sky_grid(height_m, basis.zenith_rad, basis.azimuth_rad, sky);
   return Eigen::Map<const Rows>(radiance.data(), static_cast<Index>(basis.nodes()), static_cast<Index>(table.size()));
 }
 
@@ -155,6 +155,7 @@ struct SkyFactorizer::Data {
   SkyBasis basis;             ///< nodes only
   VectorXd q, irradiance;
   MatrixXd shape;             ///< L / E, [node][wavelength]
+  Sky sky = Sky::solar;
   Spectrum irradiance_list;
 };
 
@@ -162,10 +163,12 @@ SkyFactorizer::~SkyFactorizer() = default;
 bool SkyFactorizer::black() const { return data_->shape.size() == 0; }
 const Spectrum& SkyFactorizer::irradiance() const { return data_->irradiance_list; }
 
-SkyFactorizer::SkyFactorizer(const TableSpectra& table, double height_m, double sun_zenith_rad) : data_(std::make_unique<Data>()) {
+SkyFactorizer::SkyFactorizer(const TableSpectra& table, double height_m, double sun_zenith_rad, Sky sky) : data_(std::make_unique<Data>()) {
   data_->irradiance_list.assign(table.size(), 0.0);
-  if (!table.has_sky()) return;
-  auto zenith = table.sky_zenith_rad(), azimuth = table.sky_azimuth_rad();
+  data_->sky = sky;
+  if (!table.has_sky(sky)) return;
+  if (sky == Sky::thermal) sun_zenith_rad = kPi;  // it knows of no sun
+  auto zenith = table.sky_zenith_rad(), azimuth = table.sky_azimuth_rad(sky);
   std::erase_if(zenith, [](double t) { return t <= 0 || t >= kPi / 2 - 1e-9; });
   zenith.insert(zenith.end(), {0.0, kPi / 2});
   if (sun_zenith_rad < kPi / 2) zenith.push_back(sun_zenith_rad);
@@ -175,9 +178,9 @@ SkyFactorizer::SkyFactorizer(const TableSpectra& table, double height_m, double 
   data_->basis.zenith_rad = refine(zenith, [&](double t) {
     return kDegree * (std::abs(t - sun_zenith_rad) < 10 * kDegree || t > 80 * kDegree ? 1.5 : 3.0);
   });
-  data_->basis.azimuth_rad = refine(azimuth, [](double f) { return kDegree * (f < 6 * kDegree ? 2.0 : f < 30 * kDegree ? 4.0 : 7.5); });
+  data_->basis.azimuth_rad = sky == Sky::thermal ? azimuth : refine(azimuth, [](double f) { return kDegree * (f < 6 * kDegree ? 2.0 : f < 30 * kDegree ? 4.0 : 7.5); });
   data_->q = vector_of(cosine_weights(data_->basis));
-  data_->shape = sample_sky(data_->basis, table, height_m);
+  data_->shape = sample_sky(data_->basis, table, height_m, sky);
   data_->irradiance = normalise(data_->shape, data_->q);
   data_->irradiance_list.assign(data_->irradiance.data(), data_->irradiance.data() + data_->irradiance.size());
 }
@@ -186,6 +189,7 @@ SkyFactors SkyFactorizer::factor(int rank, const Spectrum& importance,
                                  const std::function<std::vector<Mixture>(const SkySpectra&)>& mixtures) const {
   SkyFactors out;
   out.basis = data_->basis;
+  out.sky = data_->sky;
   if (black()) return out;
   std::vector<Index> bright;
   for (Index l = 0; l < data_->irradiance.size(); ++l)
@@ -238,15 +242,15 @@ SkySpectra sky_spectra(const SkyFactors& factors, const TableSpectra& table, dou
   SkySpectra out;
   for (auto& spectrum : out) spectrum.assign(table.size(), 0.0);
   if (factors.rank == 0) return out;
-  MatrixXd shape = sample_sky(factors.basis, table, height_m);
+  MatrixXd shape = sample_sky(factors.basis, table, height_m, factors.sky);
   const VectorXd irradiance = normalise(shape, vector_of(cosine_weights(factors.basis)));
   const MatrixXd maps = load(factors.basis, factors.rank);
   return spectra_of(irradiance, project(shape, maps, fit_weights(factors.basis, maps.col(0))));
 }
 
-Spectrum coarse_sky_irradiance(const TableSpectra& table, double height_m) {
+Spectrum coarse_sky_irradiance(const TableSpectra& table, double height_m, Sky sky) {
   Spectrum out(table.size(), 0.0);
-  if (!table.has_sky()) return out;
+  if (!table.has_sky(sky)) return out;
   SkyBasis grid;
   const auto close = [](std::vector<double> axis, double last) {
     std::erase_if(axis, [last](double a) { return a <= 0 || a >= last; });
@@ -255,9 +259,9 @@ Spectrum coarse_sky_irradiance(const TableSpectra& table, double height_m) {
     return axis;
   };
   grid.zenith_rad = close(table.sky_zenith_rad(), kPi / 2);
-  grid.azimuth_rad = close(table.sky_azimuth_rad(), kPi);
+  grid.azimuth_rad = close(table.sky_azimuth_rad(sky), kPi);
   const auto q = cosine_weights(grid);
-  const auto radiance = table.sky_grid(height_m, grid.zenith_rad, grid.azimuth_rad);
+  const auto radiance = table.sky_grid(height_m, grid.zenith_rad, grid.azimuth_rad, sky);
   for (std::size_t i = 0; i < q.size(); ++i)
     for (std::size_t k = 0; k < out.size(); ++k) out[k] += q[i] * radiance[i * out.size() + k];
   return out;

@@ -26,12 +26,13 @@ struct SkyFactors {
   /// is the largest error that any obstacle over a horizontal surface can cause, in units of E_sky.
   Spectrum occluder_error;
   SkySpectra spectra;       ///< at the height of the decomposition
+  Sky sky = Sky::solar;
 };
 
 /// The sky of one height, sampled once, to be factored with any number of components.
 class SkyFactorizer {
  public:
-  SkyFactorizer(const TableSpectra& table, double height_m, double sun_zenith_rad);
+  SkyFactorizer(const TableSpectra& table, double height_m, double sun_zenith_rad, Sky sky = Sky::solar);
   ~SkyFactorizer();
   bool black() const;
   const Spectrum& irradiance() const;   ///< horizontal, of the sampled sky, W m-2 um-1
@@ -51,6 +52,6 @@ class SkyFactorizer {
 SkySpectra sky_spectra(const SkyFactors& factors, const TableSpectra& table, double height_m);
 
 /// Horizontal irradiance of the sky with the table's own nodes as quadrature: cheap, used to see how it changes with height.
-Spectrum coarse_sky_irradiance(const TableSpectra& table, double height_m);
+Spectrum coarse_sky_irradiance(const TableSpectra& table, double height_m, Sky sky = Sky::solar);
 
 }  // namespace raycube::plan

@@ -74,9 +74,12 @@ class SkyDensity {
 
 }  // namespace
 
-SkySets make_sky_sets(const SkyBasis& basis, double sun_azimuth_rad, int directions, std::uint64_t seed) {
+SkySets make_sky_sets(const SkyBasis& basis, double sun_azimuth_rad, int directions, std::uint64_t seed, int components,
+                      const Thermal* thermal) {
   SkySets out;
-  if (basis.empty()) return out;
+  if (basis.empty() && !thermal) return out;
+  const SkyBasis& drawn = basis.empty() ? thermal->basis : basis;
+  out.quads = thermal && components + thermal->components() > 4 ? 2 : 1;
   out.directions = directions;
   out.sets = std::clamp(kDirectionsInAll / directions, kFewestSets, kMostSets);
   const auto total = static_cast<std::size_t>(out.sets) * static_cast<std::size_t>(directions);
@@ -90,7 +93,7 @@ SkySets make_sky_sets(const SkyBasis& basis, double sun_azimuth_rad, int directi
   constexpr double golden = std::numbers::phi - 1, plastic = 1.32471795724474602596;
   const auto low = static_cast<rc_u32>(seed), high = static_cast<rc_u32>(seed >> 32);
   const double start_shift = rc_hash(low, high, 0u, 31u) * 0x1p-32, start_turn = rc_hash(low, high, 1u, 31u) * 0x1p-32;
-  SkyDensity density(basis);
+  SkyDensity density(drawn);
   for (int set = 0; set < out.sets; ++set) {
     double whole = 0;
     const double shift = std::modf(start_shift + (set + 1) / plastic, &whole);
@@ -100,10 +103,20 @@ SkySets make_sky_sets(const SkyBasis& basis, double sun_azimuth_rad, int directi
       const double azimuth = sun_azimuth_rad + d.azimuth, horizontal = std::sqrt(std::max(0.0, 1 - d.z * d.z));
       const double x = horizontal * std::sin(azimuth), y = horizontal * std::cos(azimuth);
       const double solid_angle = 1 / (d.density * directions);
-      const auto a = sky_value(basis, sun_azimuth_rad, x, y, d.z);
+      std::array<double, 8> a{};
+      const auto solar = sky_value(basis, sun_azimuth_rad, x, y, d.z);
+      std::copy(solar.begin(), solar.end(), a.begin());
+      if (thermal) {
+        const auto emitted = sky_value(thermal->basis, sun_azimuth_rad, x, y, d.z);
+        const auto first = static_cast<std::size_t>(components), sky = static_cast<std::size_t>(thermal->sky_components);
+        std::fill(a.begin() + components, a.end(), 0.0);
+        std::copy(emitted.begin(), emitted.begin() + thermal->sky_components, a.begin() + components);
+        a[first + sky] = -1;
+      }
       out.direction.push_back({static_cast<float>(x), static_cast<float>(y), static_cast<float>(d.z), 0});
-      out.weight.push_back({static_cast<float>(a[0] * solid_angle), static_cast<float>(a[1] * solid_angle),
-                            static_cast<float>(a[2] * solid_angle), static_cast<float>(a[3] * solid_angle)});
+      for (std::size_t q = 0; q < 4 * static_cast<std::size_t>(out.quads); q += 4)
+        out.weight.push_back({static_cast<float>(a[q] * solid_angle), static_cast<float>(a[q + 1] * solid_angle),
+                              static_cast<float>(a[q + 2] * solid_angle), static_cast<float>(a[q + 3] * solid_angle)});
     }
   }
   return out;

@@ -11,6 +11,9 @@ inline constexpr int kMostDirections = 4096;
 
 /// Sets of `directions` unit vectors (1 .. kMostDirections). Each estimates integral of A_m max(0, n.d) dOmega without bias over the sets.
 /// sun_azimuth_rad: where the maps' azimuth 0 lies, clockwise from north.
-SkySets make_sky_sets(const SkyBasis& basis, double sun_azimuth_rad, int directions, std::uint64_t seed);
+/// `components`: how many of the basis' maps count. With `thermal` light its sky's maps (of zenith angle alone) and the
+/// surroundings follow them in the weights; directions are then drawn for the basis, or for the thermal sky where that is empty.
+SkySets make_sky_sets(const SkyBasis& basis, double sun_azimuth_rad, int directions, std::uint64_t seed, int components = 4,
+                      const Thermal* thermal = nullptr);
 
 }  // namespace raycube::plan

@@ -25,8 +25,8 @@ Spectrum product(const Spectrum& a, const Spectrum& b, double factor = 1);
 
 /// Reflected sun: E0 T_sun T_view R2 / pi, per unit of reflectance and of cos(incidence) times visibility.
 Spectrum sun_source(const TableSpectra& air, double z, double sec);
-/// What a reflected sky component meets on its way up: T_view R2 / pi.
-Spectrum sky_path(const TableSpectra& air, double z, double sec);
+/// What a reflected sky component meets on its way up: T_view R2 / pi, with the factor of its kind. Zero without such a sky.
+Spectrum sky_path(const TableSpectra& air, double z, double sec, Sky sky = Sky::solar);
 /// Light of ground of unit reflectance all around that the air scatters into the path: T_dif R2 E_g0 / (pi (1 - rho S)).
 Spectrum environment_source(const TableSpectra& air, double z, double sec);
 /// Path radiance towards a sensor in the horizontal direction (x, y); slants beyond the table's last view zenith, which only

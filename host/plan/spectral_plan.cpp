@@ -1,5 +1,7 @@
 #include "host/plan/spectral_plan.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "host/base/error.h"
@@ -80,9 +82,13 @@ SpectralPlan make_spectral_plan(const scene::CompiledScene& scene, const scene::
   for (const auto& band : instrument.bands) out.bands.push_back(band_quadrature(band, grid));
   out.wavelength_um = std::move(grid.wavelength_um);
   out.mean_reflectance.assign(out.wavelength_um.size(), curves.empty() ? 0.2 : 0.0);
+  out.largest_reflectance = out.mean_reflectance;
   for (const auto curve : curves) {
     const auto r = sample_curve(scene.materials[curve - 1], out.wavelength_um);
-    for (std::size_t i = 0; i < r.size(); ++i) out.mean_reflectance[i] += r[i] / static_cast<double>(curves.size());
+    for (std::size_t i = 0; i < r.size(); ++i) {
+      out.mean_reflectance[i] += r[i] / static_cast<double>(curves.size());
+      out.largest_reflectance[i] = std::max(out.largest_reflectance[i], r[i]);
+    }
   }
   return out;
 }

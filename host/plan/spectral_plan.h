@@ -8,6 +8,7 @@ namespace raycube::plan {
 struct SpectralPlan {
   std::vector<double> wavelength_um;
   std::vector<BandQuadrature> bands;
+  std::vector<double> largest_reflectance;  ///< of any used curve at each grid point; 0.2 likewise
   std::vector<double> mean_reflectance;  ///< plain mean of the used curves on the grid; 0.2 in a scene without materials
 };
 

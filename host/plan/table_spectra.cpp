@@ -49,17 +49,30 @@ double cos_scattering(double sun_zenith, double zenith, double azimuth) {
 
 TableSpectra::TableSpectra(const atmos::RenderTable& table, bool no_air, bool sun_up, std::size_t first, std::size_t count, Spectrum ground)
     : table_(table), no_air_(no_air), sun_up_(sun_up), first_(first), count_(count), ground_(std::move(ground)), last_view_zenith_(kPi / 2) {
-  table.need("solar_irradiance", "every render");
+  thermal_ = !no_air && (table.has("path_radiance_thermal") || table.has("sky_radiance_thermal"));
+  if (thermal_) {
+    table.need("path_radiance_thermal", "thermal light");
+    const auto& sky = table.need("sky_radiance_thermal", "thermal light");
+    has_thermal_sky_ = std::any_of(sky.values.begin(), sky.values.end(), [](float v) { return v > 0; });
+  }
+  if (!thermal_) table.need("solar_irradiance", "every render");
+  if (!table.has("solar_irradiance")) sun_up_ = false;
   if (no_air) return;
-  table.need("path_radiance_solar", "a render with air");
-  const auto& sky = table.need("sky_radiance_solar", "a render with air");
-  has_sky_ = std::any_of(sky.values.begin(), sky.values.end(), [](float v) { return v > 0; });
+  if (!thermal_) {
+    table.need("path_radiance_solar", "a render with air");
+    table.need("sky_radiance_solar", "a render with air");
+  }
+  path_scatters_ = table.has("path_radiance_solar");
+  if (table.has("sky_radiance_solar")) {
+    const auto& sky = table.need("sky_radiance_solar", "a render with air");
+    has_sky_ = std::any_of(sky.values.begin(), sky.values.end(), [](float v) { return v > 0; });
+  }
   if (couples_ground() && !has_sky_) {
     const auto& back = table.need("diffuse_return", "light between ground and air").values;
     has_sky_ = std::any_of(back.begin(), back.end(), [](float v) { return v > 0; });
   }
   sky_zenith_ = radians(table.axis("sky_zenith").nodes);
-  sky_azimuth_ = radians(table.axis("sky_azimuth").nodes);
+  if (table.has("sky_radiance_solar")) sky_azimuth_ = radians(table.axis("sky_azimuth").nodes);
   const auto& view = table.axis("view_zenith").nodes;
   if (view.size() > 1) last_view_zenith_ = view.back() / kDegrees;
 }
@@ -73,6 +86,10 @@ double TableSpectra::clamp_height(double height_m) const {
   const auto& nodes = table_.axis("target_height").nodes;
   const double clamped = std::clamp(height_m, nodes.front(), nodes.back());
   return std::abs(clamped - height_m) <= kHeightSlack ? clamped : height_m;
+}
+
+std::vector<double> TableSpectra::sky_azimuth_rad(Sky sky) const {
+  return sky == Sky::solar ? sky_azimuth_ : std::vector<double>{0, kPi};
 }
 
 Spectrum TableSpectra::solar_irradiance() const {
@@ -98,6 +115,10 @@ Spectrum TableSpectra::two_way_transmission(double height_m, double zenith_rad) 
   return slice(atmos::two_way_transmission(table_, clamp_height(height_m), zenith_rad * kDegrees));
 }
 
+Spectrum TableSpectra::two_way_factor_thermal(double height_m, double zenith_rad) const {
+  return slice(atmos::two_way_factor_thermal(table_, clamp_height(height_m), zenith_rad * kDegrees));
+}
+
 Spectrum TableSpectra::two_way_factor(double height_m, double zenith_rad) const {
   if (no_air_) return Spectrum(count_, 1.0);
   return slice(atmos::two_way_factor(table_, clamp_height(height_m), zenith_rad * kDegrees));
@@ -105,7 +126,13 @@ Spectrum TableSpectra::two_way_factor(double height_m, double zenith_rad) const 
 
 Spectrum TableSpectra::path_radiance(double height_m, double zenith_rad, double azimuth_rad) const {
   if (no_air_) return Spectrum(count_, 0.0);
-  return slice(atmos::path_radiance(table_, clamp_height(height_m), zenith_rad * kDegrees, azimuth_rad * kDegrees));
+  const double z = clamp_height(height_m), zenith = zenith_rad * kDegrees;
+  Spectrum out(count_, 0.0);
+  if (path_scatters_) out = slice(atmos::path_radiance(table_, z, zenith, azimuth_rad * kDegrees));
+  if (!thermal_) return out;
+  const Spectrum emitted = slice(atmos::path_radiance_thermal(table_, z, zenith));
+  for (std::size_t i = 0; i < count_; ++i) out[i] += emitted[i];
+  return out;
 }
 
 Spectrum TableSpectra::diffuse_irradiance(double height_m) const {
@@ -135,9 +162,17 @@ Spectrum TableSpectra::diffuse_view_transmission(double height_m, double zenith_
 }
 
 std::vector<double> TableSpectra::sky_grid(double height_m, const std::vector<double>& zenith_rad,
-                                           const std::vector<double>& azimuth_rad) const {
+                                           const std::vector<double>& azimuth_rad, Sky kind) const {
   std::vector<double> out(zenith_rad.size() * azimuth_rad.size() * count_, 0.0);
-  if (!has_sky_) return out;
+  if (!has_sky(kind)) return out;
+  if (kind == Sky::thermal) {
+    for (std::size_t z = 0; z < zenith_rad.size(); ++z) {
+      const Spectrum emitted = slice(atmos::sky_radiance_thermal(table_, clamp_height(height_m), std::min(zenith_rad[z] * kDegrees, 90.0)));
+      for (std::size_t f = 0; f < azimuth_rad.size(); ++f)
+        std::copy(emitted.begin(), emitted.end(), out.begin() + static_cast<std::ptrdiff_t>((z * azimuth_rad.size() + f) * count_));
+    }
+    return out;
+  }
   const View sky(table_, table_.need("sky_radiance_solar", "skylight"), "sky_zenith", "sky_azimuth");
   const bool shaped = table_.has("sky_phase_mean") && table_.has("sky_scattering_depth");
   const Cell height = find_cell(table_.axis("target_height").nodes, clamp_height(height_m));

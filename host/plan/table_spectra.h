@@ -12,25 +12,31 @@ namespace raycube::plan {
 
 using Spectrum = std::vector<double>;
 
+/// Whose light a sky is: scattered sunlight, or what the air emits (the same at every azimuth).
+enum class Sky { solar, thermal };
+
 class TableSpectra {
  public:
   /// Covers table wavelengths first .. first + count - 1. `no_air`: only solar_irradiance is read; transmissions are 1, there
-  /// is no sky and no path radiance. Throws Error(input) when a row is missing that a render with air needs.
+  /// is no sky and no path radiance. Throws Error(input) when a row is missing that a render with air needs: the solar rows,
+  /// unless the table holds the thermal ones; then what it lacks of the sun's is dark.
   /// `sun_up` false: no direct light. `ground`: mean reflectance of the ground on the covered wavelengths; given, light goes
   /// between ground and air (S4.9), the sky carries what the air sends back down, and the table must have the rows for it.
   TableSpectra(const atmos::RenderTable& table, bool no_air, bool sun_up, std::size_t first, std::size_t count, Spectrum ground = {});
 
   std::size_t size() const { return count_; }
-  bool has_sky() const { return has_sky_; }                             ///< some sky radiance above zero
+  bool thermal() const { return thermal_; }                             ///< the table holds path_radiance_thermal and sky_radiance_thermal
+  bool has_sky(Sky sky = Sky::solar) const { return sky == Sky::solar ? has_sky_ : has_thermal_sky_; }  ///< some sky radiance above zero
   const std::vector<double>& sky_zenith_rad() const { return sky_zenith_; }    ///< the table's own nodes
-  const std::vector<double>& sky_azimuth_rad() const { return sky_azimuth_; }
+  std::vector<double> sky_azimuth_rad(Sky sky = Sky::solar) const;
   double last_view_zenith_rad() const { return last_view_zenith_; }     ///< largest slant of the table; pi/2 without air
 
   Spectrum sun(double height_m) const;                                  ///< E0 T_sun on a plane facing the sun, W m-2 um-1
   Spectrum view_transmission(double height_m, double zenith_rad) const;
   Spectrum two_way_transmission(double height_m, double zenith_rad) const;  ///< T_sun T_view R2
+  Spectrum two_way_factor_thermal(double height_m, double zenith_rad) const;  ///< of reflected thermal sky
   Spectrum two_way_factor(double height_m, double zenith_rad) const;    ///< R2 = T(sun-target-sensor) / (T_sun T_view)
-  Spectrum path_radiance(double height_m, double zenith_rad, double azimuth_rad) const;  ///< W m-2 sr-1 um-1
+  Spectrum path_radiance(double height_m, double zenith_rad, double azimuth_rad) const;  ///< solar and thermal, W m-2 sr-1 um-1
   Spectrum solar_irradiance() const;                                    ///< E0; zero when the sun is down
   /// The table's own row, with what ground and air add to it; empty when it has none.
   Spectrum diffuse_irradiance(double height_m) const;
@@ -43,7 +49,8 @@ class TableSpectra {
 
   /// Sky radiance at every (zenith, azimuth) of a product grid: value[(z * azimuths + a) * size() + wavelength]. Same rule as
   /// atmos::sky_radiance (divided by the single-scatter shape between nodes), evaluated once per node instead of per call.
-  std::vector<double> sky_grid(double height_m, const std::vector<double>& zenith_rad, const std::vector<double>& azimuth_rad) const;
+  std::vector<double> sky_grid(double height_m, const std::vector<double>& zenith_rad, const std::vector<double>& azimuth_rad,
+                               Sky sky = Sky::solar) const;
 
  private:
   Spectrum slice(const Spectrum& whole) const;
@@ -51,7 +58,7 @@ class TableSpectra {
 
   const atmos::RenderTable& table_;
   bool no_air_, sun_up_;
-  bool has_sky_ = false;
+  bool has_sky_ = false, has_thermal_sky_ = false, thermal_ = false, path_scatters_ = false;
   std::size_t first_, count_;
   std::vector<double> sky_zenith_, sky_azimuth_;
   Spectrum ground_;

@@ -74,6 +74,15 @@ std::array<double, 4> unoccluded_irradiance(const plan::IrradianceMap& map, cons
   return {mix(corner.x, right.x, up.x), mix(corner.y, right.y, up.y), mix(corner.z, right.z, up.z), mix(corner.w, right.w, up.w)};
 }
 
+std::array<double, 4> thermal_unoccluded(const plan::Thermal& thermal, double normal_z) {
+  const auto last = static_cast<double>(thermal.tilt_irradiance.size() - 1);
+  const double t = std::clamp(0.5 * (normal_z + 1), 0.0, 1.0) * last;
+  const auto i = static_cast<std::size_t>(std::min(std::floor(t), last - 1));
+  const shared::rc_float4 &a = thermal.tilt_irradiance[i], &b = thermal.tilt_irradiance[i + 1];
+  const double f = t - static_cast<double>(i);
+  return {(1 - f) * a.x + f * b.x, (1 - f) * a.y + f * b.y, (1 - f) * a.z + f * b.z, (1 - f) * a.w + f * b.w};
+}
+
 std::size_t first_direction(const plan::Plan& plan, std::uint64_t seed, std::uint32_t pixel) {
   if (plan.sky.sets == 0) return 0;
   const rc_u32 set = rc_hash(static_cast<rc_u32>(seed), pixel, 0, 21) % static_cast<rc_u32>(plan.sky.sets);
@@ -88,7 +97,7 @@ glm::dvec3 xyz(const shared::rc_float4& v) { return {v.x, v.y, v.z}; }
 
 BlockedDirections blocked_directions(const ReferenceScene& scene, const plan::Plan& plan, std::uint64_t seed,
                                      std::uint32_t pixel, const Sample& sample) {
-  const int count = plan.sky_components > 0 && plan.sky.sets > 0 ? plan.sky.directions : 0;
+  const int count = plan.components() > 0 && plan.sky.sets > 0 ? plan.sky.directions : 0;
   BlockedDirections blocked(static_cast<std::size_t>(count), false);
   if (sample.hit.miss()) return blocked;
   const std::size_t first = first_direction(plan, seed, pixel);
@@ -123,26 +132,65 @@ void ArithmeticModel::add_source(const SampledPixel& pixel, const Sample& sample
     }
 }
 
+void ArithmeticModel::add_emission(const SampledPixel& pixel, const Sample& sample, std::vector<double>& spectrum) const {
+  const NodeWeight h = locate(plan_.height, sample.point.z), v = locate(plan_.view, 1 / pixel.to_sensor.z);
+  const std::vector<double>& nodes = plan_.thermal.temperature_K;
+  const shared::Surface& surface =
+      scene_.surfaces[scene_.blocks[sample.hit.primitive / RC_BLOCK].surface[sample.hit.primitive % RC_BLOCK]];
+  for (int m = 0; m < 4; ++m) {
+    if (surface.curve[m] == 0) continue;
+    const std::vector<double>& rho = reflectance_[surface.curve[m] - 1];
+    const double kelvin = scene_.materials[surface.curve[m] - 1].temperature_K;
+    NodeWeight at;
+    if (nodes.size() > 1) {
+      const auto above = std::upper_bound(nodes.begin() + 1, nodes.end() - 1, kelvin) - nodes.begin();
+      at.low = static_cast<int>(above) - 1;
+      const double low = nodes[static_cast<std::size_t>(above) - 1], high = nodes[static_cast<std::size_t>(above)];
+      at.f = std::clamp((kelvin - low) / (high - low), 0.0, 1.0);
+    }
+    for (int k = 0; k < plan_.thermal.nodes(); ++k)
+      for (int ih = 0; ih < plan_.height.count; ++ih)
+        for (int iv = 0; iv < plan_.view.count; ++iv) {
+          const double w = sample.weight * static_cast<double>(surface.fraction[m]) * weight_of(at, k) * weight_of(h, ih) * weight_of(v, iv);
+          if (w == 0) continue;
+          const std::vector<double>& light = plan_.source_spectrum[static_cast<std::size_t>(
+              ((plan_.first_emission() + k) * plan_.height.count + ih) * plan_.view.count + iv)];
+          for (std::size_t i = 0; i < spectrum.size(); ++i) spectrum[i] += w * (1 - rho[i]) * light[i];
+        }
+  }
+}
+
 BandRadiance ArithmeticModel::radiance(const SampledPixel& pixel, const std::vector<BlockedDirections>& blocked) const {
   const std::size_t grid = plan_.wavelength_um.size();
-  std::vector<double> sun(grid, 0.0), sky(grid, 0.0), path(grid, 0.0);
+  std::vector<double> sun(grid, 0.0), sky(grid, 0.0), path(grid, 0.0), emission(grid, 0.0), surroundings(grid, 0.0);
   const std::size_t first = first_direction(plan_, seed_, pixel.number);
   const NodeWeight x = locate(plan_.path_x, pixel.to_sensor.x), y = locate(plan_.path_y, pixel.to_sensor.y);
   for (std::size_t s = 0; s < pixel.samples.size(); ++s) {
     const Sample& sample = pixel.samples[s];
     const bool hit = !sample.hit.miss();
-    if (hit && sample.sun_visible) add_source(pixel, sample, 0, std::max(0.0, sample.cos_sun), sun);
-    if (hit && plan_.sky_components > 0) {
-      std::array<double, 4> irradiance = unoccluded_irradiance(plan_.irradiance, sample.normal);
+    if (hit && sample.sun_visible && plan_.sun_sources > 0) add_source(pixel, sample, 0, std::max(0.0, sample.cos_sun), sun);
+    if (hit && plan_.components() > 0) {
+      const auto solar = static_cast<std::size_t>(plan_.sky_components), all = static_cast<std::size_t>(plan_.components());
+      std::array<double, 8> irradiance{};
+      if (solar > 0) {
+        const std::array<double, 4> open = unoccluded_irradiance(plan_.irradiance, sample.normal);
+        std::copy(open.begin(), open.end(), irradiance.begin());
+      }
+      if (plan_.thermal.on) {
+        const std::array<double, 4> open = thermal_unoccluded(plan_.thermal, sample.normal.z);
+        std::copy(open.begin(), open.begin() + plan_.thermal.components(), irradiance.begin() + plan_.sky_components);
+      }
       for (std::size_t k = 0; k < blocked[s].size(); ++k) {
         if (!blocked[s][k]) continue;
-        const shared::rc_float4 w = plan_.sky.weight[first + k];
+        const std::array<double, 8> parts = plan_.sky.weights(first + k);
         const double cosine = std::max(0.0, glm::dot(sample.normal, xyz(plan_.sky.direction[first + k])));
-        const double parts[4] = {w.x, w.y, w.z, w.w};
-        for (int m = 0; m < 4; ++m) irradiance[m] -= parts[m] * cosine;
+        for (std::size_t m = 0; m < all; ++m) irradiance[m] -= parts[m] * cosine;
       }
-      for (int m = 0; m < plan_.sky_components; ++m) add_source(pixel, sample, 1 + m, irradiance[m], sky);
+      for (std::size_t m = 0; m < all; ++m)
+        add_source(pixel, sample, plan_.first_component() + static_cast<int>(m), irradiance[m],
+                   plan_.thermal.on && m + 1 == all ? surroundings : sky);
     }
+    if (hit && plan_.thermal.on) add_emission(pixel, sample, emission);
     // A ray that meets nothing ends over black ground at the lowest node.
     const NodeWeight h = locate(plan_.height, hit ? sample.point.z : static_cast<double>(plan_.height.first));
     for (int ih = 0; ih < plan_.height.count; ++ih)
@@ -155,7 +203,8 @@ BandRadiance ArithmeticModel::radiance(const SampledPixel& pixel, const std::vec
           for (std::size_t i = 0; i < grid; ++i) path[i] += weight * light[i];
         }
   }
-  BandRadiance out{band_values(plan_, sun), band_values(plan_, sky), band_values(plan_, path), {}};
+  BandRadiance out{band_values(plan_, sun), band_values(plan_, sky), band_values(plan_, path), {}, band_values(plan_, emission),
+                   band_values(plan_, surroundings)};
   if (!plan_.environment.empty()) out.environment = band_values(plan_, environment_light(pixel, plan_, reflectance_));
   return out;
 }

@@ -49,7 +49,7 @@ Comparison::~Comparison() = default;
 
 namespace {
 
-using Components = std::array<double, 4>;
+using Components = std::array<double, 8>;
 
 /// Of up to 32 ties a subset whose effects sum to `wanted` within `bound` in every component; empty when there is none. Both
 /// halves' sums are listed, one list sorted by its first component and searched for what the other leaves (Horowitz & Sahni,
@@ -62,7 +62,7 @@ std::vector<std::size_t> subset_that_sums_to(const std::vector<std::size_t>& tie
     for (std::size_t i = from; i < to; ++i)
       for (std::size_t known = all.size(), s = 0; s < known; ++s) {
         auto [sum, members] = all[s];
-        for (std::size_t m = 0; m < 4; ++m) sum[m] += effect[ties[i]][m];
+        for (std::size_t m = 0; m < sum.size(); ++m) sum[m] += effect[ties[i]][m];
         all.emplace_back(sum, members | 1u << i);
       }
     return all;
@@ -75,7 +75,7 @@ std::vector<std::size_t> subset_that_sums_to(const std::vector<std::size_t>& tie
                                [](const auto& x, double value) { return x.first[0] < value; });
     for (; at != right.end() && at->first[0] <= wanted[0] - sum[0] + bound[0]; ++at) {
       bool fits = true;
-      for (std::size_t m = 0; m < 4; ++m) fits &= std::abs(wanted[m] - sum[m] - at->first[m]) <= bound[m];
+      for (std::size_t m = 0; m < wanted.size(); ++m) fits &= std::abs(wanted[m] - sum[m] - at->first[m]) <= bound[m];
       if (!fits) continue;
       std::vector<std::size_t> subset;
       for (std::size_t i = 0; i < ties.size(); ++i)
@@ -97,26 +97,26 @@ void Comparison::compare_sky(const Sample& sample, std::uint32_t number, const f
   const std::size_t first = first_direction(plan_, seed_, number), count = blocked.size();
   std::vector<Components> effect(count);
   Components residual{}, bound{};
-  for (std::size_t m = 0; m < 4; ++m) residual[m] = static_cast<double>(device[m]);
+  for (std::size_t m = 0; m < 4 * static_cast<std::size_t>(plan_.sky.quads); ++m) residual[m] = static_cast<double>(device[m]);
   for (std::size_t k = 0; k < count; ++k) {
-    const shared::rc_float4 d = plan_.sky.direction[first + k], w = plan_.sky.weight[first + k];
+    const shared::rc_float4 d = plan_.sky.direction[first + k];
     const double cosine = std::max(0.0, glm::dot(sample.normal, glm::dvec3(d.x, d.y, d.z)));
-    const Components weight{w.x, w.y, w.z, w.w};
-    for (std::size_t m = 0; m < 4; ++m) {
-      if (static_cast<int>(m) >= plan_.sky_components) continue;
+    const Components weight = plan_.sky.weights(first + k);
+    for (std::size_t m = 0; m < weight.size(); ++m) {
+      if (static_cast<int>(m) >= plan_.components()) continue;
       effect[k][m] = weight[m] * cosine * (blocked[k] ? -1 : 1);
       bound[m] += options_.limits.sky * std::abs(weight[m]);
       if (blocked[k]) residual[m] += effect[k][m];
     }
   }
   const auto within = [&](const Components& r) {
-    for (std::size_t m = 0; m < 4; ++m)
+    for (std::size_t m = 0; m < r.size(); ++m)
       if (!(std::abs(r[m]) <= bound[m])) return false;
     return true;
   };
   if (within(residual)) return;
   const auto without = [](Components r, const Components& e) {
-    for (std::size_t m = 0; m < 4; ++m) r[m] -= e[m];
+    for (std::size_t m = 0; m < r.size(); ++m) r[m] -= e[m];
     return r;
   };
   std::vector<std::size_t> ties;
@@ -166,9 +166,9 @@ void Comparison::compare_sky(const Sample& sample, std::uint32_t number, const f
 
 Comparison::Result Comparison::compare(const DevicePixel& device, bool with_model) const {
   SampledPixel pixel = scene_.sample_pixel(instrument_, plan_, seed_, device.address);
-  const std::size_t samples = pixel.samples.size();
+  const std::size_t samples = pixel.samples.size(), planes = 4 * static_cast<std::size_t>(plan_.components() > 4 ? 2 : 1);
   if (device.hits.size() != samples || device.sun_visible.size() != samples ||
-      device.sky_blocked.size() != 4 * samples || device.radiance.size() != plan_.bands.size())
+      device.sky_blocked.size() != planes * samples || device.radiance.size() != plan_.bands.size())
     throw base::Error(base::Fault::bug, "check: the device handed over " + std::to_string(device.hits.size()) + " hits and " +
                                             std::to_string(device.radiance.size()) + " bands of a pixel with " +
                                             std::to_string(samples) + " samples and " + std::to_string(plan_.bands.size()) +
@@ -208,7 +208,7 @@ Comparison::Result Comparison::compare(const DevicePixel& device, bool with_mode
     blocked.push_back(blocked_directions(scene_, plan_, seed_, pixel.number, sample));
     if (sample.hit.miss()) continue;
     result.sky_rays += blocked.back().size();
-    if (!result.excluded) compare_sky(sample, pixel.number, &device.sky_blocked[4 * s], blocked.back(), result);
+    if (!result.excluded) compare_sky(sample, pixel.number, &device.sky_blocked[planes * s], blocked.back(), result);
   }
   result.arithmetic = arithmetic_.radiance(pixel, blocked);
   for (std::size_t b = 0; b < plan_.bands.size(); ++b) {
@@ -255,6 +255,7 @@ Report Comparison::report() const {
   Report report;
   report.limits = options_.limits;
   report.adjacency = !plan_.environment.empty();
+  report.thermal = plan_.thermal.on;
   report.pixels = results_.size();
   const std::size_t bands = plan_.bands.size();
   std::vector<const Result*> agreeing, modelled, ordered;
@@ -305,6 +306,9 @@ Report Comparison::report() const {
     if (report.adjacency)
       report.model_environment = figure([](const Result& r, std::size_t b) { return r.arithmetic.environment[b] - r.model.environment[b]; });
     report.model_path = figure([](const Result& r, std::size_t b) { return r.arithmetic.path[b] - r.model.path[b]; });
+    report.model_emission = figure([](const Result& r, std::size_t b) { return r.arithmetic.emission[b] - r.model.emission[b]; });
+    report.model_surroundings =
+        figure([](const Result& r, std::size_t b) { return r.arithmetic.surroundings[b] - r.model.surroundings[b]; });
   }
   std::sort(ordered.begin(), ordered.end(), [](const Result* a, const Result* b) { return a->number < b->number; });
   for (const Result* r : ordered) {

@@ -18,7 +18,7 @@ struct DevicePixel {
   PixelAddress address;
   std::vector<Hit> hits;                   ///< [sample]
   std::vector<std::uint8_t> sun_visible;   ///< [sample]; read where the surface faces the sun
-  std::vector<float> sky_blocked;          ///< [sample][component 0..3]: irradiance that blocked directions take away
+  std::vector<float> sky_blocked;          ///< [sample][component 0..3, or 0..7 where the plan has more than 4]: irradiance that blocked directions take away
   std::vector<float> radiance;             ///< [band], W m-2 sr-1 um-1
 };
 
@@ -70,6 +70,8 @@ struct Report {
   ModelDifference model_total, model_sun, model_sky, model_path;
   bool adjacency = false;                         ///< the plan carries light between ground and air
   ModelDifference model_environment;
+  bool thermal = false;
+  ModelDifference model_emission, model_surroundings;
   /// log10 of each pixel's relative difference, [pixel in order of number][band]
   std::vector<std::vector<float>> picture;
   std::vector<std::uint32_t> picture_line;        ///< image line of each of its rows

@@ -1,5 +1,5 @@
-// Radiance at the sensor as the textbook writes it: per sample, per wavelength, in double (S15 without its thermal and
-// background terms):  L(l) = rho(l) [ direct sun + sky seen ] + path.
+// Radiance at the sensor as the textbook writes it: per sample, per wavelength, in double (S15):
+// L(l) = rho(l) [ direct sun + sky seen + what hides the sky ] + (1 - rho(l)) B(l, T) T_view + path.
 #pragma once
 
 #include <array>
@@ -14,10 +14,11 @@ namespace raycube::reference {
 
 /// Band radiances of one pixel, W m-2 sr-1 um-1, by physics block.
 struct BandRadiance {
-  std::vector<double> sun, sky, path;  ///< [band]
-  std::vector<double> environment;     ///< [band]; empty without light between ground and air
+  std::vector<double> sun, sky, path;          ///< [band]; sky and path with their thermal light
+  std::vector<double> environment;             ///< [band]; empty without light between ground and air
+  std::vector<double> emission, surroundings;  ///< the surface's own light; that of what hides the sky, reflected
   double total(std::size_t band) const {
-    return sun[band] + sky[band] + path[band] + (environment.empty() ? 0 : environment[band]);
+    return sun[band] + sky[band] + path[band] + (environment.empty() ? 0 : environment[band]) + emission[band] + surroundings[band];
   }
 };
 
@@ -31,6 +32,9 @@ std::vector<double> band_values(const plan::Plan& plan, const std::vector<double
 /// |x|+|y|+|z| = 1 unfolded on [-1,1]^2, each cell cut along the diagonal parallel to its quadrant's fold, linear on the
 /// triangles.
 std::array<double, 4> unoccluded_irradiance(const plan::IrradianceMap& map, const glm::dvec3& normal);
+
+/// The plan's table of thermal sky and surroundings at a normal's vertical component, linear between its nodes.
+std::array<double, 4> thermal_unoccluded(const plan::Thermal& thermal, double normal_z);
 
 /// Directions of a pixel's set that a sample does not see; index k of the set.
 using BlockedDirections = std::vector<bool>;
@@ -54,6 +58,7 @@ class ArithmeticModel {
  private:
   void add_source(const SampledPixel& pixel, const Sample& sample, int source, double scalar,
                   std::vector<double>& spectrum) const;
+  void add_emission(const SampledPixel& pixel, const Sample& sample, std::vector<double>& spectrum) const;
 
   const scene::CompiledScene& scene_;
   const plan::Plan& plan_;
@@ -61,7 +66,9 @@ class ArithmeticModel {
   std::vector<std::vector<double>> reflectance_;  ///< [material][grid]
 };
 
-/// Model form: the whole table at each pixel's exact view and heights, and a dense set of sky directions.
+/// Model form: the whole table at each pixel's exact view and heights, and a dense set of sky directions. Thermal light: every
+/// material at its own temperature, and what hides the sky is looked up: it sends (1 - rho) B at its own temperature, and
+/// rho B at the plan's surroundings' for the light that falls on it.
 class TableModel {
  public:
   /// Keeps references. height_lo_m, height_hi_m: heights of every point that will be asked for. `no_air`: transmissions
@@ -72,19 +79,24 @@ class TableModel {
   BandRadiance radiance(const SampledPixel& pixel) const;
 
  private:
-  std::vector<double> source(double height_m, double zenith_deg, bool sun) const;
+  enum class Light { sun, sky, thermal_sky, direct };
+  std::vector<double> source(double height_m, double zenith_deg, Light light) const;
+  /// Radiance on the plan's grid of a surface seen from nearby.
+  std::vector<double> surface_light(std::uint32_t surface) const;
   std::vector<double> on_grid(const std::vector<double>& table_spectrum) const;
 
   const ReferenceScene& scene_;
   const plan::Plan& plan_;
   const atmos::RenderTable& table_;
   bool no_air_;
+  bool sun_ = true, skylight_ = true;      ///< the table has rows of the sun's light
   std::vector<std::vector<double>> reflectance_;
   std::vector<glm::dvec3> direction_;
   double solid_angle_ = 0;                 ///< sr, of each direction
   double height_first_ = 0, height_step_ = 1;
   std::optional<EnvironmentModel> environment_;
   std::vector<std::vector<float>> sky_;    ///< [height node][direction * table wavelengths], W m-2 sr-1 um-1
+  std::vector<std::vector<float>> thermal_sky_;  ///< the same; empty without thermal light
 };
 
 }  // namespace raycube::reference

@@ -117,6 +117,8 @@ std::string Report::text(const std::vector<std::string>& band_names) const {
            band(model_total.band) + " (tolerance " + number(limits.model) + "); sun " + number(model_sun.figure) + ", sky " +
            number(model_sky.figure) + ", path " + number(model_path.figure);
   if (model_pixels > 0 && adjacency) out += ", ground around " + number(model_environment.figure);
+  if (model_pixels > 0 && thermal)
+    out += ", emission " + number(model_emission.figure) + ", surroundings at one temperature " + number(model_surroundings.figure);
   for (const std::string& failure : failures()) out += "\nBEYOND LIMITS: " + failure;
   return out + "\n";
 }
@@ -149,6 +151,10 @@ std::string Report::json() const {
     const auto block = [](const ModelDifference& d) { return nlohmann::ordered_json{{"figure", d.figure}, {"band", d.band}}; };
     out["model"] = {{"pixels", model_pixels},        {"tolerance", limits.model},  {"total", block(model_total)},
                     {"sun", block(model_sun)},       {"sky", block(model_sky)},    {"path", block(model_path)}};
+    if (thermal) {
+      out["model"]["emission"] = block(model_emission);
+      out["model"]["surroundings"] = block(model_surroundings);
+    }
   }
   if (model_pixels > 0 && adjacency)
     out["model"]["environment"] = {{"figure", model_environment.figure}, {"band", model_environment.band}};

@@ -96,6 +96,11 @@ bool ReferenceScene::sees(const Sample& sample, const glm::dvec3& direction) con
   return !embree.occluded({rounded(origin), rounded(direction)});
 }
 
+Hit ReferenceScene::meets(const Sample& sample, const glm::dvec3& direction) const {
+  const glm::dvec3 origin = sample.point + sample.normal * (kOffsetUlp * point_ulp_m(sample));
+  return embree.intersect({rounded(origin), rounded(direction)});
+}
+
 Visibility ReferenceScene::sees_in_double(const Sample& sample, const glm::dvec3& direction) const {
   const double ulp_m = point_ulp_m(sample);
   double slack_m = kOriginSlackUlp * ulp_m;

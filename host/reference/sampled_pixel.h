@@ -73,6 +73,8 @@ class ReferenceScene {
 
   /// Nothing between the sample's surface and infinity, by Embree, from an origin offset along the normal.
   bool sees(const Sample& sample, const glm::dvec3& direction) const;
+  /// What it meets that way, by the same ray.
+  Hit meets(const Sample& sample, const glm::dvec3& direction) const;
   /// The same question to the double traversal, allowing for another computation's origin.
   Visibility sees_in_double(const Sample& sample, const glm::dvec3& direction) const;
 

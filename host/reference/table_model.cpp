@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "atmos_tables/interpolate.h"
+#include "host/base/planck.h"
 #include "host/reference/radiance.h"
 
 namespace raycube::reference {
@@ -32,6 +33,8 @@ TableModel::TableModel(const ReferenceScene& scene, const plan::Plan& plan, cons
                        double height_lo_m, double height_hi_m, int directions)
     : scene_(scene), plan_(plan), table_(table), no_air_(no_air),
       reflectance_(reflectance_on(scene.compiled, plan.wavelength_um)) {
+  sun_ = plan.sun_up && table.has("solar_irradiance");
+  skylight_ = !no_air && table.has("sky_radiance_solar");
   if (no_air) return;
   if (!plan.environment.empty()) environment_.emplace(scene, plan, table);
   // Spiral of equal solid angles (Gonzalez 2010, Mathematical Geosciences 42, 49), upper half.
@@ -46,16 +49,21 @@ TableModel::TableModel(const ReferenceScene& scene, const plan::Plan& plan, cons
   height_first_ = height_lo_m;
   height_step_ = steps > 0 ? (height_hi_m - height_lo_m) / steps : 1;
   for (int node = 0; node <= steps; ++node) {
+    const double z = height_first_ + node * height_step_;
     std::vector<float>& values = sky_.emplace_back();
+    if (!skylight_) values.assign(direction_.size() * atmos::wavelengths(table).size(), 0.0f);
     for (const glm::dvec3& d : direction_)
-      for (double radiance : atmos::sky_radiance(table, height_first_ + node * height_step_, zenith_deg(d),
-                                                 azimuth_deg(d) - table.sun_azimuth_deg))
-        values.push_back(static_cast<float>(radiance));
-    if (!environment_) continue;
+      if (skylight_)
+        for (double radiance : atmos::sky_radiance(table, z, zenith_deg(d), azimuth_deg(d) - table.sun_azimuth_deg))
+          values.push_back(static_cast<float>(radiance));
     std::size_t at = 0;
+    if (environment_)
+      for (const glm::dvec3& d : direction_)
+        for (double radiance : environment_->sky_increment(z, zenith_deg(d))) values[at++] += static_cast<float>(radiance);
+    if (!plan.thermal.on) continue;
+    std::vector<float>& emitted = thermal_sky_.emplace_back();
     for (const glm::dvec3& d : direction_)
-      for (double radiance : environment_->sky_increment(height_first_ + node * height_step_, zenith_deg(d)))
-        values[at++] += static_cast<float>(radiance);
+      for (double radiance : atmos::sky_radiance_thermal(table, z, zenith_deg(d))) emitted.push_back(static_cast<float>(radiance));
   }
 }
 
@@ -64,7 +72,9 @@ std::vector<double> TableModel::on_grid(const std::vector<double>& table_spectru
 }
 
 /// Radiance at the sensor per unit reflectance and per unit (cosine, or sky irradiance spectrum), 1/pi inside.
-std::vector<double> TableModel::source(double height_m, double zenith, bool sun) const {
+std::vector<double> TableModel::source(double height_m, double zenith, Light light) const {
+  const bool sun = light == Light::sun;
+  if ((sun && !sun_) || (light == Light::sky && !skylight_ && !no_air_)) return std::vector<double>(atmos::wavelengths(table_).size(), 0.0);
   std::vector<double> out = sun ? atmos::solar_irradiance(table_) : std::vector<double>(atmos::wavelengths(table_).size(), 1.0);
   std::vector<double> through(out.size(), 1.0);
   if (!no_air_) {
@@ -73,11 +83,27 @@ std::vector<double> TableModel::source(double height_m, double zenith, bool sun)
     } else {
       // Scattered light shares the gas absorption of the beam, and with it the two-way factor (ATMOSPHERE S5.3).
       through = atmos::view_transmission(table_, height_m, zenith);
-      const std::vector<double> factor = atmos::two_way_factor(table_, height_m, zenith);
+      std::vector<double> factor(through.size(), 1.0);
+      if (light == Light::sky) factor = atmos::two_way_factor(table_, height_m, zenith);
+      if (light == Light::thermal_sky) factor = atmos::two_way_factor_thermal(table_, height_m, zenith);
       for (std::size_t i = 0; i < through.size(); ++i) through[i] *= factor[i];
     }
   }
   for (std::size_t i = 0; i < out.size(); ++i) out[i] *= through[i] / std::numbers::pi;
+  return out;
+}
+
+std::vector<double> TableModel::surface_light(std::uint32_t surface) const {
+  std::vector<double> out(plan_.wavelength_um.size(), 0.0);
+  const shared::Surface& s = scene_.compiled.surfaces[surface];
+  for (int m = 0; m < 4; ++m) {
+    if (s.curve[m] == 0) continue;
+    const std::vector<double>& rho = reflectance_[s.curve[m] - 1];
+    const double own_K = scene_.compiled.materials[s.curve[m] - 1].temperature_K;
+    for (std::size_t i = 0; i < out.size(); ++i)
+      out[i] += static_cast<double>(s.fraction[m]) * ((1 - rho[i]) * base::planck_radiance(plan_.wavelength_um[i], own_K) +
+                                                      rho[i] * base::planck_radiance(plan_.wavelength_um[i], plan_.thermal.surroundings_K));
+  }
   return out;
 }
 
@@ -91,6 +117,8 @@ BandRadiance TableModel::radiance(const SampledPixel& pixel) const {
   struct PerMaterial {
     double sun = 0;                    ///< sum of weight x fraction x cosine over lit samples
     std::vector<double> sky;           ///< [direction]: sum of weight x fraction x cosine x solid angle where seen
+    double cover = 0;                  ///< sum of weight x fraction
+    std::map<std::uint32_t, double> hidden;  ///< the same as sky, by the surface that is met instead; RC_NONE: beyond the scene
   };
   std::map<std::uint32_t, PerMaterial> ends[2];  // by material
   double path_weight[2] = {0, 0};
@@ -101,9 +129,18 @@ BandRadiance TableModel::radiance(const SampledPixel& pixel) const {
     for (int end = 0; end < 2; ++end) path_weight[end] += share[end];
     if (sample.hit.miss()) continue;
     std::vector<double> seen(direction_.size(), 0.0);
+    std::map<std::uint32_t, double> hidden;
+    const auto surface_of = [&](const Hit& hit) {
+      return hit.miss() ? RC_NONE : scene_.compiled.blocks[hit.primitive / RC_BLOCK].surface[hit.primitive % RC_BLOCK];
+    };
     for (std::size_t k = 0; k < direction_.size(); ++k) {
       const double cosine = glm::dot(sample.normal, direction_[k]);
       if (cosine > 0 && scene_.sees(sample, direction_[k])) seen[k] = cosine * solid_angle_;
+      if (!plan_.thermal.on) continue;
+      if (cosine > 0 && seen[k] == 0) hidden[surface_of(scene_.meets(sample, direction_[k]))] += cosine * solid_angle_;
+      const glm::dvec3 below(direction_[k].x, direction_[k].y, -direction_[k].z);
+      const double down = glm::dot(sample.normal, below);
+      if (down > 0) hidden[surface_of(scene_.meets(sample, below))] += down * solid_angle_;
     }
     const shared::Surface& surface = scene_.compiled.surfaces[scene_.compiled.blocks[sample.hit.primitive / RC_BLOCK]
                                                                   .surface[sample.hit.primitive % RC_BLOCK]];
@@ -113,6 +150,8 @@ BandRadiance TableModel::radiance(const SampledPixel& pixel) const {
         const double w = share[end] * static_cast<double>(surface.fraction[m]);
         if (w == 0) continue;
         PerMaterial& sum = ends[end][surface.curve[m] - 1];
+        sum.cover += w;
+        for (const auto& [blocker, weight] : hidden) sum.hidden[blocker] += w * weight;
         if (sample.sun_visible) sum.sun += w * std::max(0.0, sample.cos_sun);
         sum.sky.resize(direction_.size(), 0.0);
         for (std::size_t k = 0; k < seen.size(); ++k) sum.sky[k] += w * seen[k];
@@ -125,26 +164,44 @@ BandRadiance TableModel::radiance(const SampledPixel& pixel) const {
   std::vector<double> environment(environment_ ? grid : 0, 0.0);
   std::array<std::vector<double>, 2> around;
   if (environment_) around = environment_->around(ground_point(pixel, plan_));
-  std::vector<double> sun(grid, 0.0), sky(grid, 0.0), path(grid, 0.0);
+  std::vector<double> sun(grid, 0.0), sky(grid, 0.0), path(grid, 0.0), emission(grid, 0.0), surroundings(grid, 0.0);
   for (int end = 0; end < 2; ++end) {
     const double z = no_air_ ? 0 : within_table(table_, end == 0 ? lowest : highest);
     if (path_weight[end] == 0) continue;
     if (!no_air_) {
-      const std::vector<double> l = on_grid(
-          atmos::path_radiance(table_, z, zenith, azimuth_deg(pixel.to_sensor) - table_.sun_azimuth_deg));
-      for (std::size_t i = 0; i < grid; ++i) path[i] += path_weight[end] * l[i];
+      const auto add = [&](const std::vector<double>& on_table) {
+        const std::vector<double> l = on_grid(on_table);
+        for (std::size_t i = 0; i < grid; ++i) path[i] += path_weight[end] * l[i];
+      };
+      if (table_.has("path_radiance_solar"))
+        add(atmos::path_radiance(table_, z, zenith, azimuth_deg(pixel.to_sensor) - table_.sun_azimuth_deg));
+      if (plan_.thermal.on) add(atmos::path_radiance_thermal(table_, z, zenith));
     }
     if (environment_) {
       const std::vector<double> l = on_grid(environment_->light(around, z, zenith));
       for (std::size_t i = 0; i < grid; ++i) environment[i] += path_weight[end] * l[i];
     }
     if (ends[end].empty()) continue;
-    const std::vector<double> sun_light = on_grid(source(z, zenith, true)), through = source(z, zenith, false);
+    const std::vector<double> sun_light = on_grid(source(z, zenith, Light::sun)), through = source(z, zenith, Light::sky);
+    std::vector<double> thermal_through, direct;
+    if (plan_.thermal.on) thermal_through = source(z, zenith, Light::thermal_sky), direct = on_grid(source(z, zenith, Light::direct));
     for (const auto& [material, sum] : ends[end]) {
       const std::vector<double>& rho = reflectance_[material];
       for (std::size_t i = 0; i < grid; ++i) sun[i] += rho[i] * sum.sun * sun_light[i];
       if (direction_.empty()) continue;
-      std::vector<double> irradiance(lines, 0.0);
+      if (plan_.thermal.on) {
+        const double kelvin = scene_.compiled.materials[material].temperature_K;
+        for (std::size_t i = 0; i < grid; ++i)
+          emission[i] += (1 - rho[i]) * sum.cover * std::numbers::pi * direct[i] * base::planck_radiance(plan_.wavelength_um[i], kelvin);
+        for (const auto& [blocker, weight] : sum.hidden) {
+          std::vector<double> light;
+          if (blocker != RC_NONE) light = surface_light(blocker);
+          else
+            for (const double l : plan_.wavelength_um) light.push_back(base::planck_radiance(l, plan_.thermal.surroundings_K));
+          for (std::size_t i = 0; i < grid; ++i) surroundings[i] += rho[i] * weight * direct[i] * light[i];
+        }
+      }
+      std::vector<double> irradiance(lines, 0.0), emitted(lines, 0.0);
       const double t = std::clamp((z - height_first_) / height_step_, 0.0, static_cast<double>(sky_.size() - 1));
       for (std::size_t node = 0; node < sky_.size(); ++node) {
         const double share = std::max(0.0, 1 - std::abs(t - static_cast<double>(node)));
@@ -154,14 +211,20 @@ BandRadiance TableModel::radiance(const SampledPixel& pixel) const {
           if (w == 0) continue;
           const float* l = sky_[node].data() + k * lines;
           for (std::size_t i = 0; i < lines; ++i) irradiance[i] += w * static_cast<double>(l[i]);
+          if (!plan_.thermal.on) continue;
+          const float* e = thermal_sky_[node].data() + k * lines;
+          for (std::size_t i = 0; i < lines; ++i) emitted[i] += w * static_cast<double>(e[i]);
         }
       }
       for (std::size_t i = 0; i < lines; ++i) irradiance[i] *= through[i];
+      if (plan_.thermal.on)
+        for (std::size_t i = 0; i < lines; ++i) irradiance[i] += emitted[i] * thermal_through[i];
       const std::vector<double> light = on_grid(irradiance);
       for (std::size_t i = 0; i < grid; ++i) sky[i] += rho[i] * light[i];
     }
   }
-  BandRadiance out{band_values(plan_, sun), band_values(plan_, sky), band_values(plan_, path), {}};
+  BandRadiance out{band_values(plan_, sun), band_values(plan_, sky), band_values(plan_, path), {}, band_values(plan_, emission),
+                   band_values(plan_, surroundings)};
   if (environment_) out.environment = band_values(plan_, environment);
   return out;
 }

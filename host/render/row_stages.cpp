@@ -14,7 +14,8 @@ std::string define(const char* name, int value) { return " -D" + std::string(nam
 
 std::string row_options(const StageShape& shape, const SceneBuffers& scene) {
   return "-cl-std=CL1.2" + define("RC_NSAMP", shape.chunk_samples) + define("RC_NPAD", shape.padded_samples) +
-         define("RC_COMPONENTS", shape.components) + define("RC_HEIGHTS", shape.heights) +
+         define("RC_SUN", shape.sun) + define("RC_COMPONENTS", shape.components) +
+         define("RC_THERMAL_COMPONENTS", shape.thermal_components) + define("RC_TEMPERATURES", shape.temperatures) + define("RC_HEIGHTS", shape.heights) +
          define("RC_VIEWS", shape.views) + define("RC_PATH_X", shape.path_x) + define("RC_PATH_Y", shape.path_y) +
          define("RC_CHANNELS", shape.channels) + define("RC_BANDS_PADDED", shape.bands_padded) +
          define("RC_PIXELS_PER_GROUP", shape.pixels_per_group) + define("RC_CHUNKED", shape.chunked()) + define("RC_ENVIRONMENT", shape.environment) +
@@ -45,7 +46,7 @@ TraceBuffers::TraceBuffers(const cl::Context& context, const StageShape& shape, 
       hits(context, pixels * 2 * shape.padded_samples, cl::Access::read_write, "hits"),
       surface(context, pixels * 6 * shape.padded_samples, cl::Access::read_write, "surface points"),
       sun(context, pixels * (shape.padded_samples / 16), cl::Access::read_write, "sun visibility"),
-      sky(context, pixels * 4 * shape.padded_samples, cl::Access::read_write, "blocked sky") {}
+      sky(context, pixels * 4 * shape.sky_quads() * shape.padded_samples, cl::Access::read_write, "blocked sky") {}
 
 RowStages::RowStages(const cl::Context& context, const SceneBuffers& scene, const plan::Plan& plan,
                      const StageShape& shape, sensors::SampleWeights weights)
@@ -62,6 +63,8 @@ RowStages::RowStages(const cl::Context& context, const SceneBuffers& scene, cons
       weights_(std::move(weights)),
       sample_weight_(context, static_cast<std::size_t>(shape.padded_samples), cl::Access::read_only, "sample weights"),
       irradiance_(context, plan.irradiance.value, cl::Access::read_only, "irradiance map"),
+      tilt_irradiance_(context, plan.thermal.tilt_irradiance, cl::Access::read_only, "irradiance by tilt"),
+      surface_node_(context, plan.thermal.surface_node, cl::Access::read_only, "temperatures of surfaces"),
       no_list_(context, 1, cl::Access::read_only, "empty pixel list") {}
 
 void RowStages::shade(const PixelSelection& pixels, const TileLayout& layout, const TraceBuffers& traced,
@@ -80,7 +83,7 @@ void RowStages::shade(const PixelSelection& pixels, const TileLayout& layout, co
                     traced.groups, layout.width, layout.groups_per_line, traced.hits, traced.surface, traced.sun,
                     traced.sky, scene_.blocks, scene_.surfaces, sample_weight_,
                     static_cast<float>(weights_.count()), shared::rc_float4{s[0], s[1], s[2], 0}, irradiance_,
-                    static_cast<cl_uint>(plan_.irradiance.size), plan_.height.first, plan_.height.step, rows.count,
+                    static_cast<cl_uint>(plan_.irradiance.size), tilt_irradiance_, surface_node_, plan_.height.first, plan_.height.step, rows.count,
                     rows.keys, rows.sums, rows.path, rows.truth);
   context_.launch(shade_, pixels.count);
 }

@@ -80,7 +80,7 @@ class RowStages {
   sensors::SampleWeights weights_;
   cl::Buffer<float> sample_weight_;  ///< of one chunk, zero in the padding
   int loaded_chunk_ = -1;
-  cl::Buffer<shared::rc_float4> irradiance_;
+  cl::Buffer<shared::rc_float4> irradiance_, tilt_irradiance_, surface_node_;
   cl::Buffer<std::uint32_t> no_list_;
 };
 

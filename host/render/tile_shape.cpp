@@ -18,7 +18,7 @@ std::size_t StageShape::row_bytes(std::size_t capacity) const {
 std::size_t StageShape::pixel_bytes() const {
   const std::size_t padded = static_cast<std::size_t>(padded_samples);
   const std::size_t sums = (static_cast<std::size_t>(heights) + RC_TRUTH_SUMS) * (chunked() ? 2 : 1) * sizeof(float);
-  return padded * (2 + 6 + 4) * sizeof(float) + padded / 8 + sums + sizeof(shared::RayGroup) +
+  return padded * (2 + 6 + 4 * static_cast<std::size_t>(sky_quads())) * sizeof(float) + padded / 8 + sums + sizeof(shared::RayGroup) +
          static_cast<std::size_t>(bands_padded) * sizeof(float);
 }
 
@@ -40,7 +40,10 @@ StageShape make_stage_shape(const scene::Instrument& instrument, const plan::Pla
   shape.chunks = (shape.samples + shape.chunk_samples - 1) / shape.chunk_samples;
   shape.padded_samples = (shape.chunk_samples + 15) / 16 * 16;
   shape.pixels_per_group = pixels_per_group;
-  shape.components = plan.sky_components;
+  shape.sun = plan.sun_sources;
+  shape.components = plan.components();
+  shape.thermal_components = plan.thermal.components();
+  shape.temperatures = plan.thermal.nodes();
   shape.heights = plan.height.count;
   shape.views = plan.view.count;
   shape.path_x = plan.path_x.count;

@@ -20,16 +20,19 @@ struct StageShape {
   int chunks = 1;
   int padded_samples = 0;       ///< chunk_samples rounded up to 16
   int pixels_per_group = 4;
-  int components = 0, heights = 1, views = 1, path_x = 1, path_y = 1;
+  int sun = 1, components = 0, thermal_components = 0, temperatures = 0;  ///< sources of a material row
+  int heights = 1, views = 1, path_x = 1, path_y = 1;
   int channels = 1;             ///< rows of the band table per key: max of source and path channels
   int bands = 0, bands_padded = 0;
   bool environment = false;     ///< light of the ground around joins: 4 rows of the band table per pixel
   bool chunked() const { return chunks > 1; }
-  int accumulators() const { return (1 + components) * heights + 1; }
+  int sources() const { return sun + components + temperatures; }
+  int sky_quads() const { return components > 4 ? 2 : 1; }
+  int accumulators() const { return sources() * heights + 1; }
   /// Terms a pixel with `capacity` keys can have.
   std::size_t term_capacity(std::size_t capacity) const {
     return static_cast<std::size_t>(heights) * path_x * path_y + (environment ? 4 * static_cast<std::size_t>(heights) * views : 0) +
-           capacity * static_cast<std::size_t>(1 + components) * heights * views;
+           capacity * static_cast<std::size_t>(sources()) * heights * views;
   }
   /// Device bytes of a pixel's row, terms and counts at a given key capacity.
   std::size_t row_bytes(std::size_t capacity) const;

@@ -110,12 +110,13 @@ void TileWorker::collect(int chunk, PixelProbe& probe) const {
   const std::size_t pixels = probe.tile.pixels(), padded = shape.padded_samples, samples = shape.samples;
   const std::size_t first = std::size_t(chunk) * shape.chunk_samples, end = std::min(first + shape.chunk_samples, samples);
   probe.sun_visible.resize(pixels * samples);
-  probe.sky_blocked.resize(pixels * samples * 4);
+  const std::size_t planes = 4 * static_cast<std::size_t>(shape.sky_quads());
+  probe.sky_blocked.resize(pixels * samples * planes);
   for (std::size_t p = 0; p < pixels; ++p)
     for (std::size_t s = first; s < end; ++s) {
       const std::size_t i = s - first;
       probe.sun_visible[p * samples + s] = (sun[p * (padded / 16) + i / 16] >> (i % 16)) & 1u;
-      for (int m = 0; m < shape.components; ++m) probe.sky_blocked[4 * (p * samples + s) + m] = sky[(p * 4 + m) * padded + i];
+      for (int m = 0; m < shape.components; ++m) probe.sky_blocked[planes * (p * samples + s) + m] = sky[(p * planes + m) * padded + i];
     }
 }
 

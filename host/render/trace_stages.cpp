@@ -21,7 +21,8 @@ std::string trace_options(const scene::CompiledScene& scene, const SceneBuffers&
          define("RC_SUPPORT", static_cast<float>(instrument.psf_support_px)) + "f" +
          define("RC_SCATTER", plain_grid ? 0 : 1) +
          define("RC_GROUP_PIXELS", shape.pixels_per_group) + define("RC_STACK", scene.stack_bound()) +
-         define("RC_MOVING", sensors::pose_moves(instrument) ? 1 : 0) + buffers.options;
+         define("RC_MOVING", sensors::pose_moves(instrument) ? 1 : 0) +
+         (shape.sky_quads() > 1 ? define("RC_SKY_QUADS", shape.sky_quads()) : "") + buffers.options;
 }
 
 /// The device wants at least one element of everything.
@@ -125,7 +126,7 @@ void TraceStages::run(const TilePlace& place, const TileLayout& layout, int chun
 
   if (s.zeroed != &traced) {
     if (!s.plan.sun_up) traced.sun.write(std::vector<std::uint16_t>(traced.sun.size(), 0));
-    if (s.plan.sky_components == 0) traced.sky.write(std::vector<float>(traced.sky.size(), 0.0f));
+    if (s.plan.components() == 0) traced.sky.write(std::vector<float>(traced.sky.size(), 0.0f));
     s.zeroed = &traced;
   }
   launch("trace_primary", s.primary_of(place, layout, chunk, traced));
@@ -138,7 +139,7 @@ void TraceStages::run(const TilePlace& place, const TileLayout& layout, int chun
                                     s.seed, place.first_line, place.first_column, layout.width, s.pixels_per_line));
   };
   if (s.plan.sun_up) light("trace_sun", s.sun, s.sun, false, 1, 1);
-  if (s.plan.sky_components > 0)
+  if (s.plan.components() > 0)
     light("trace_sky", s.directions, s.weights, true, static_cast<int>(s.plan.sky.sets), static_cast<int>(s.plan.sky.directions));
 }
 

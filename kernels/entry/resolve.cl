@@ -10,8 +10,8 @@
 #ifndef RC_CHUNKED
 #define RC_CHUNKED 0
 #endif
-#define SOURCES (1 + RC_COMPONENTS)
-#define ACCUMULATORS RC_ROW_ACCUMULATORS(RC_COMPONENTS, RC_HEIGHTS)
+#define SOURCES (RC_SUN + RC_COMPONENTS + RC_TEMPERATURES)
+#define ACCUMULATORS RC_ROW_ACCUMULATORS(SOURCES, RC_HEIGHTS)
 
 #if RC_CHUNKED
 #define TOTAL(array, index, offset) (array[index] + array[(index) + (offset)])

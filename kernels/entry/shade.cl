@@ -14,8 +14,11 @@
 #ifndef RC_CHUNKED
 #define RC_CHUNKED 0 /* 1: sums are carried from chunk to chunk of a pixel's samples, with compensation */
 #endif
-#define SOURCES (1 + RC_COMPONENTS)
-#define ACCUMULATORS RC_ROW_ACCUMULATORS(RC_COMPONENTS, RC_HEIGHTS)
+/* Sources that have a value per sample: sun, sky, surroundings; emission at RC_TEMPERATURES nodes follows them in a row. */
+#define LIT (RC_SUN + RC_COMPONENTS)
+#define SOLAR_COMPONENTS (RC_COMPONENTS - RC_THERMAL_COMPONENTS)
+#define ACCUMULATORS RC_ROW_ACCUMULATORS(LIT + RC_TEMPERATURES, RC_HEIGHTS)
+#define SKY_PLANES ((RC_COMPONENTS + 3) / 4 > 1 ? (RC_COMPONENTS + 3) / 4 * 4 : 4)
 #define GROUPS (RC_NPAD / 16)
 #define DONE RC_NONE
 
@@ -50,16 +53,28 @@ inline uint find_key(__global ulong* keys, __global float* sums, uint* count, ui
   return (*count)++;
 }
 
-/* The masked sums of one surface's samples, times its material fractions, into the row. Returns 0 when the row is full. */
+/* The masked sums of one surface's samples, times its material fractions, into the row. Returns 0 when the row is full.
+ * values: [LIT * heights], then coverage. cover: coverage per height node; nodes: where each material's temperature lies among
+ * the temperature nodes (both read only when there are any). */
 inline int deposit(__global ulong* keys, __global float* sums, uint* count, uint capacity, __global const Surface* surface,
-                   const float* values) {
+                   const float* values, const float* cover, __global const float* nodes) {
   for (int c = 0; c < 4; ++c) {
     const float fraction = surface->fraction[c];
     if (surface->curve[c] == 0u || fraction == 0.0f) continue;
     const uint k = find_key(keys, sums, count, capacity, (ulong)surface->curve[c]);
     if (k == capacity) return 0;
     __global float* row = sums + (size_t)k * ACCUMULATORS * (1 + RC_CHUNKED);
-    for (int i = 0; i < ACCUMULATORS; ++i) ADD(row, i, ACCUMULATORS, fraction * values[i]);
+    for (int i = 0; i < LIT * RC_HEIGHTS; ++i) ADD(row, i, ACCUMULATORS, fraction * values[i]);
+#if RC_TEMPERATURES > 0
+    int node;
+    float share;
+    rc_node_weights(nodes[c], 0.0f, 1.0f, RC_TEMPERATURES, &node, &share);
+    for (int h = 0; h < RC_HEIGHTS; ++h) {
+      ADD(row, (LIT + node) * RC_HEIGHTS + h, ACCUMULATORS, fraction * ((1.0f - share) * cover[h]));
+      if (share > 0.0f) ADD(row, (LIT + node + 1) * RC_HEIGHTS + h, ACCUMULATORS, fraction * (share * cover[h]));
+    }
+#endif
+    ADD(row, ACCUMULATORS - 1, ACCUMULATORS, fraction * values[LIT * RC_HEIGHTS]);
   }
   return 1;
 }
@@ -68,7 +83,8 @@ inline int deposit(__global ulong* keys, __global float* sums, uint* count, uint
   global const RayGroup* restrict groups, uint tile_width, uint groups_per_line, global const uint* restrict hits, \
   global const float* restrict surface_points, global const ushort* restrict sun_bits, \
   global const float* restrict sky_blocked, RC_BLOCKS, RC_SURFACES, global const float* restrict chunk_weight, \
-  float sample_total, float4 sun_direction, global const float4* restrict irradiance_map, uint map_size, float height_first, \
+  float sample_total, float4 sun_direction, global const float4* restrict irradiance_map, uint map_size, \
+  global const float4* restrict tilt_irradiance, global const float* restrict surface_nodes, float height_first, \
   float height_step, global uint* restrict row_count, global ulong* restrict row_keys, global float* restrict row_sums, \
   global float* restrict path_sums, global float* restrict truth
 
@@ -83,7 +99,7 @@ RC_BODY shade_body(uint item, SHADE_PARAMETERS) {
   __global const uint* hit_primitive = hit_instance + RC_NPAD;
   __global const float* point = surface_points + (size_t)pixel * 6 * RC_NPAD;
   __global const ushort* sun = sun_bits + (size_t)pixel * GROUPS;
-  __global const float* blocked = sky_blocked + (size_t)pixel * 4 * RC_NPAD;
+  __global const float* blocked = sky_blocked + (size_t)pixel * SKY_PLANES * RC_NPAD;
 
   __global ulong* keys = row_keys + (size_t)item * capacity;
   __global float* sums = row_sums + (size_t)item * capacity * ACCUMULATORS * (1 + RC_CHUNKED);
@@ -99,8 +115,8 @@ RC_BODY shade_body(uint item, SHADE_PARAMETERS) {
     if (count == RC_ROW_OVERFLOW) return;
   }
 
-  /* Per-sample scalars. value[0]: sun, value[1 + m]: sky component m; all will carry the sample weight. */
-  float value[SOURCES][RC_NPAD];
+  /* Per-sample scalars: sun, then each component; all will carry the sample weight. */
+  float value[LIT][RC_NPAD];
   float height_fraction[RC_NPAD];
   uint height_index[RC_NPAD];
   uint surface_id[RC_NPAD];
@@ -108,7 +124,7 @@ RC_BODY shade_body(uint item, SHADE_PARAMETERS) {
   const uint line = pixel / tile_width, column = pixel - line * tile_width;
   const float4 origin = groups[line * groups_per_line + column / RC_PIXELS_PER_GROUP].origin;
 
-#if RC_COMPONENTS > 0
+#if SOLAR_COMPONENTS > 0
   float last_x = 2.0f, last_y = 2.0f, last_z = 2.0f;
   float4 unoccluded = (float4)(0.0f);
 #endif
@@ -116,12 +132,12 @@ RC_BODY shade_body(uint item, SHADE_PARAMETERS) {
     uint id = DONE;
     int h = 0;
     float f = 0.0f;
-    for (int m = 0; m < SOURCES; ++m) value[m][s] = 0.0f;
+    for (int m = 0; m < LIT; ++m) value[m][s] = 0.0f;
     if (s < RC_NSAMP && hit_instance[s] != RC_NONE) {
       const uint primitive = hit_primitive[s];
       id = rc_block(scene, primitive / RC_BLOCK)->surface[primitive % RC_BLOCK];
       rc_node_weights(point[2 * RC_NPAD + s], height_first, height_step, RC_HEIGHTS, &h, &f);
-#if RC_COMPONENTS > 0
+#if SOLAR_COMPONENTS > 0
       const float nx = point[3 * RC_NPAD + s], ny = point[4 * RC_NPAD + s], nz = point[5 * RC_NPAD + s];
       if (nx != last_x || ny != last_y || nz != last_z) {
         int node[3];
@@ -133,15 +149,28 @@ RC_BODY shade_body(uint item, SHADE_PARAMETERS) {
         last_y = ny;
         last_z = nz;
       }
-      value[1][s] = unoccluded.x;
-#if RC_COMPONENTS > 1
-      value[2][s] = unoccluded.y;
+      value[RC_SUN][s] = unoccluded.x;
+#if SOLAR_COMPONENTS > 1
+      value[RC_SUN + 1][s] = unoccluded.y;
 #endif
-#if RC_COMPONENTS > 2
-      value[3][s] = unoccluded.z;
+#if SOLAR_COMPONENTS > 2
+      value[RC_SUN + 2][s] = unoccluded.z;
 #endif
-#if RC_COMPONENTS > 3
-      value[4][s] = unoccluded.w;
+#if SOLAR_COMPONENTS > 3
+      value[RC_SUN + 3][s] = unoccluded.w;
+#endif
+#endif
+#if RC_THERMAL_COMPONENTS > 0
+      int tilt;
+      float beyond;
+      rc_node_weights(point[5 * RC_NPAD + s], -1.0f, 2.0f / (RC_TILT_NODES - 1), RC_TILT_NODES, &tilt, &beyond);
+      const float4 open = fma((float4)(1.0f - beyond), tilt_irradiance[tilt], beyond * tilt_irradiance[tilt + 1]);
+      value[RC_SUN + SOLAR_COMPONENTS][s] = open.x;
+#if RC_THERMAL_COMPONENTS > 1
+      value[RC_SUN + SOLAR_COMPONENTS + 1][s] = open.y;
+#endif
+#if RC_THERMAL_COMPONENTS > 2
+      value[RC_SUN + SOLAR_COMPONENTS + 2][s] = open.z;
 #endif
 #endif
     }
@@ -164,10 +193,12 @@ RC_BODY shade_body(uint item, SHADE_PARAMETERS) {
     const float16 cosine = fma(nx, (float16)(sun_direction.x), fma(ny, (float16)(sun_direction.y), nz * sun_direction.z));
     const int16 lit = hit & (((((uint16)((uint)sun[g])) >> lane) & 1u) != 0u);
     const float16 w_hit = masked(weight, hit);
+#if RC_SUN
     rc_store16(masked(weight * fmax(cosine, (float16)(0.0f)), lit), g, value[0]);
+#endif
     for (int m = 0; m < RC_COMPONENTS; ++m) {
-      const float16 e = vload16(g, value[1 + m]) - vload16(g, blocked + m * RC_NPAD);
-      rc_store16(masked(weight * e, hit), g, value[1 + m]);
+      const float16 e = vload16(g, value[RC_SUN + m]) - vload16(g, blocked + m * RC_NPAD);
+      rc_store16(masked(weight * e, hit), g, value[RC_SUN + m]);
     }
     const float16 rx = px - origin.x, ry = py - origin.y, rz = pz - origin.z;
     const float16 range = sqrt(fma(rx, rx, fma(ry, ry, rz * rz)));
@@ -200,28 +231,41 @@ RC_BODY shade_body(uint item, SHADE_PARAMETERS) {
   for (int s = 0; s < RC_NSAMP; ++s) {
     const uint id = surface_id[s];
     if (id == DONE) continue;
-    float16 sum[ACCUMULATORS];
-    for (int i = 0; i < ACCUMULATORS; ++i) sum[i] = 0.0f;
+    float16 sum[LIT * RC_HEIGHTS + 1];
+    for (int i = 0; i <= LIT * RC_HEIGHTS; ++i) sum[i] = 0.0f;
+#if RC_TEMPERATURES > 0 && RC_HEIGHTS > 1
+    float16 covered[RC_HEIGHTS];
+    for (int h = 0; h < RC_HEIGHTS; ++h) covered[h] = 0.0f;
+#endif
     for (int g = s / 16; g < GROUPS; ++g) {
       const uint16 ids = vload16(g, surface_id);
       const int16 mine = ids == (uint16)(id);
-      sum[ACCUMULATORS - 1] += masked(vload16(g, chunk_weight), mine);
+      sum[LIT * RC_HEIGHTS] += masked(vload16(g, chunk_weight), mine);
 #if RC_HEIGHTS == 1
-      for (int m = 0; m < SOURCES; ++m) sum[m] += masked(vload16(g, value[m]), mine);
+      for (int m = 0; m < LIT; ++m) sum[m] += masked(vload16(g, value[m]), mine);
 #else
       const uint16 hi = vload16(g, height_index);
       const float16 hf = vload16(g, height_fraction);
       for (uint h = 0; h < RC_HEIGHTS; ++h) {
         const float16 part = masked(1.0f - hf, mine & (hi == (uint16)(h))) + masked(hf, mine & (hi + 1u == (uint16)(h)));
-        for (int m = 0; m < SOURCES; ++m)
+        for (int m = 0; m < LIT; ++m)
           sum[m * RC_HEIGHTS + h] = fma(vload16(g, value[m]), part, sum[m * RC_HEIGHTS + h]);
+#if RC_TEMPERATURES > 0
+        covered[h] = fma(vload16(g, chunk_weight), part, covered[h]);
+#endif
       }
 #endif
       rc_store16(select(ids, (uint16)(DONE), as_uint16(mine)), g, surface_id);
     }
-    float total[ACCUMULATORS];
-    for (int i = 0; i < ACCUMULATORS; ++i) total[i] = lane_sum(sum[i]) / sample_total;
-    if (!deposit(keys, sums, &count, capacity, rc_surface(scene, id), total)) {
+    float total[LIT * RC_HEIGHTS + 1];
+    for (int i = 0; i <= LIT * RC_HEIGHTS; ++i) total[i] = lane_sum(sum[i]) / sample_total;
+    const float* cover = total + LIT * RC_HEIGHTS;
+#if RC_TEMPERATURES > 0 && RC_HEIGHTS > 1
+    float cover_of[RC_HEIGHTS];
+    for (int h = 0; h < RC_HEIGHTS; ++h) cover_of[h] = lane_sum(covered[h]) / sample_total;
+    cover = cover_of;
+#endif
+    if (!deposit(keys, sums, &count, capacity, rc_surface(scene, id), total, cover, surface_nodes + 4 * (size_t)id)) {
       count = RC_ROW_OVERFLOW;
       break;
     }
@@ -232,5 +276,5 @@ RC_BODY shade_body(uint item, SHADE_PARAMETERS) {
 kernel void shade(SHADE_PARAMETERS) {
   shade_body((uint)get_group_id(0), pixel_count, pixel_list, use_list, capacity, fresh, groups, tile_width, groups_per_line,
              hits, surface_points, sun_bits, sky_blocked, RC_PASS_BLOCKS, RC_PASS_SURFACES, chunk_weight, sample_total,
-             sun_direction, irradiance_map, map_size, height_first, height_step, row_count, row_keys, row_sums, path_sums, truth);
+             sun_direction, irradiance_map, map_size, tilt_irradiance, surface_nodes, height_first, height_step, row_count, row_keys, row_sums, path_sums, truth);
 }

@@ -11,6 +11,10 @@ static inline global const float* rc_surface_word(global const float* surface, u
   return surface + (size_t)(word / RC_NWORDS) * (6u * RC_NPAD) + word % RC_NWORDS * 16u;
 }
 
+#ifndef RC_SKY_QUADS
+#define RC_SKY_QUADS 1 /* float4s of component weights per sky direction */
+#endif
+
 static inline float16 rc_cosines(float4 direction, global const float* at) {
   return rc_project_row(direction, vload16(0, at + 3 * RC_NPAD), vload16(0, at + 4 * RC_NPAD), vload16(0, at + 5 * RC_NPAD));
 }
@@ -33,10 +37,10 @@ RC_BODY trace_light_body(uint index, TRACE_LIGHT_PARAMETERS) {
     const uint first = sky ? rc_hash(seed, place.number + p, 0u, 21u) % sets * count : 0u, words = sharing * RC_NWORDS;
     global const float* in = surface + (size_t)(place.pixel + p) * (6u * RC_NPAD);
     global ushort* seen = sun_mask + (size_t)(place.pixel + p) * RC_NWORDS;
-    global float* out = blocked + (size_t)(place.pixel + p) * (4u * RC_NPAD);
+    global float* out = blocked + (size_t)(place.pixel + p) * (4u * RC_SKY_QUADS * RC_NPAD);
 #if RC_BUNDLE
     Points points;
-    RC_LINE float sum[4 * RC_NPAD];
+    RC_LINE float sum[4 * RC_SKY_QUADS * RC_NPAD];
     points.words = words;
     points.costly = 0;
     for (uint word = 0; word < words; ++word) {
@@ -46,26 +50,29 @@ RC_BODY trace_light_body(uint index, TRACE_LIGHT_PARAMETERS) {
       rc_store16(vload16(0, at + 2 * RC_NPAD), word, points.z);
     }
     if (sky)
-      for (uint word = 0; word < 4 * RC_NWORDS; ++word) rc_store16((float16)(0.0f), word, sum);
+      for (uint word = 0; word < 4 * RC_SKY_QUADS * RC_NWORDS; ++word) rc_store16((float16)(0.0f), word, sum);
     for (uint m = 0; m < count; ++m) {
       const float4 direction = directions[first + m];
       for (uint word = 0; word < words; ++word) points.live[word] = rc_mask16(rc_cosines(direction, rc_surface_word(in, word)) > 0.0f);
       rc_shadow_points(scene, direction, &points);
       if (!sky) break;
-      const float4 weight = weights[first + m];
       for (uint word = 0; word < RC_NWORDS; ++word) {
         const float16 facing = rc_cosines(direction, in + word * 16u);
         const uint dark = rc_mask16(facing > 0.0f) & ~points.live[word];
         if (!dark) continue;
         const float16 cosine = select((float16)(0.0f), facing, rc_lanes(dark));
-        rc_store16(fma((float16)(weight.x), cosine, vload16(word, sum)), word, sum);
-        rc_store16(fma((float16)(weight.y), cosine, vload16(word, sum + RC_NPAD)), word, sum + RC_NPAD);
-        rc_store16(fma((float16)(weight.z), cosine, vload16(word, sum + 2 * RC_NPAD)), word, sum + 2 * RC_NPAD);
-        rc_store16(fma((float16)(weight.w), cosine, vload16(word, sum + 3 * RC_NPAD)), word, sum + 3 * RC_NPAD);
+        for (uint quad = 0; quad < RC_SKY_QUADS; ++quad) {
+          const float4 weight = weights[(first + m) * RC_SKY_QUADS + quad];
+          float* to = sum + 4 * quad * RC_NPAD;
+          rc_store16(fma((float16)(weight.x), cosine, vload16(word, to)), word, to);
+          rc_store16(fma((float16)(weight.y), cosine, vload16(word, to + RC_NPAD)), word, to + RC_NPAD);
+          rc_store16(fma((float16)(weight.z), cosine, vload16(word, to + 2 * RC_NPAD)), word, to + 2 * RC_NPAD);
+          rc_store16(fma((float16)(weight.w), cosine, vload16(word, to + 3 * RC_NPAD)), word, to + 3 * RC_NPAD);
+        }
       }
     }
     if (sky)
-      for (uint word = 0; word < 4 * RC_NWORDS; ++word) rc_store16(vload16(word, sum), word, out);
+      for (uint word = 0; word < 4 * RC_SKY_QUADS * RC_NWORDS; ++word) rc_store16(vload16(word, sum), word, out);
     else
       for (uint word = 0; word < words; ++word) seen[word] = (ushort)points.live[word];
 #else
@@ -75,21 +82,24 @@ RC_BODY trace_light_body(uint index, TRACE_LIGHT_PARAMETERS) {
         global const float* at = rc_surface_word(in, word) + bit;
         const float4 normal = (float4)(at[3 * RC_NPAD], at[4 * RC_NPAD], at[5 * RC_NPAD], 0.0f);
         const float4 point = (float4)(at[0], at[RC_NPAD], at[2 * RC_NPAD], 0.0f);
-        float4 sum = (float4)(0.0f);
+        float4 sum[RC_SKY_QUADS];
+        for (uint quad = 0; quad < RC_SKY_QUADS; ++quad) sum[quad] = (float4)(0.0f);
         for (uint m = 0; m < count; ++m) {
           const float4 direction = directions[first + m];
           const float cosine = fma(direction.x, normal.x, fma(direction.y, normal.y, direction.z * normal.z));
           if (!(cosine > 0.0f)) continue;
           const bool open = rc_trace_ray(scene, point, direction, true).instance == RC_NONE;
-          if (sky && !open) sum = fma(weights[first + m], (float4)(cosine), sum);
+          if (sky && !open)
+            for (uint quad = 0; quad < RC_SKY_QUADS; ++quad)
+              sum[quad] = fma(weights[(first + m) * RC_SKY_QUADS + quad], (float4)(cosine), sum[quad]);
           if (open) lit |= 1u << bit;
         }
-        if (sky) {
-          global float* to = out + word * 16u + bit;
-          to[0] = sum.x;
-          to[RC_NPAD] = sum.y;
-          to[2 * RC_NPAD] = sum.z;
-          to[3 * RC_NPAD] = sum.w;
+        for (uint quad = 0; sky && quad < RC_SKY_QUADS; ++quad) {
+          global float* to = out + 4 * quad * RC_NPAD + word * 16u + bit;
+          to[0] = sum[quad].x;
+          to[RC_NPAD] = sum[quad].y;
+          to[2 * RC_NPAD] = sum[quad].z;
+          to[3 * RC_NPAD] = sum[quad].w;
         }
       }
       if (!sky) seen[word] = (ushort)lit;

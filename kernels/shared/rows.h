@@ -1,14 +1,27 @@
 /* Layout of the shading stage's output. Valid C++20 and OpenCL C 1.2.
  *
- * Per pixel: a count, `capacity` product keys, and for each key RC_ROW_ACCUMULATORS(components, heights) sums:
- *   [source * heights + h]  source 0 = direct sun (weight * visibility * max(0, n.s)), 1 + m = sky component m (weight * its
- *                           irradiance), each split over the height nodes by linear weights
+ * Per pixel: a count, `capacity` product keys, and for each key RC_ROW_ACCUMULATORS(sources, heights) sums:
+ *   [source * heights + h]  the direct sun where the plan has it (weight * visibility * max(0, n.s)), then the components of
+ *                           sky and surroundings (weight * their irradiance), then the temperature nodes of emission (weight *
+ *                           node weight of the material's temperature), each split over the height nodes by linear weights
  *   [last]                  coverage: sum of sample weights (the material's abundance in the pixel)
  * A product key packs up to three 21-bit curve ids, ascending, 0 = none. */
 #ifndef RAYCUBE_KERNELS_SHARED_ROWS_H
 #define RAYCUBE_KERNELS_SHARED_ROWS_H
 
-#define RC_ROW_ACCUMULATORS(components, heights) ((1 + (components)) * (heights) + 1)
+#define RC_ROW_ACCUMULATORS(sources, heights) ((sources) * (heights) + 1)
+/* Sources of a material row, 1 where the sun is one; the last of RC_COMPONENTS that are thermal; temperature nodes. */
+#ifdef __OPENCL_C_VERSION__
+#ifndef RC_SUN
+#define RC_SUN 1
+#endif
+#ifndef RC_THERMAL_COMPONENTS
+#define RC_THERMAL_COMPONENTS 0
+#endif
+#ifndef RC_TEMPERATURES
+#define RC_TEMPERATURES 0
+#endif
+#endif
 #define RC_ROW_OVERFLOW 0xFFFFFFFFu /* count of a pixel that needs more keys than its row holds */
 
 /* Per-pixel truth sums, in this order; each is a sum over the samples that hit, weighted by the sample weight. */

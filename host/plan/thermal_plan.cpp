@@ -1,0 +1,169 @@
+#include "host/plan/thermal_plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/Dense>
+
+#include "host/base/error.h"
+#include "host/base/planck.h"
+#include "host/plan/irradiance_map.h"
+#include "host/plan/sky_basis.h"
+#include "kernels/atmosphere/nodes.h"
+
+namespace raycube::plan {
+
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr int kMostNodes = 16;  ///< evenly spread; two nodes of height and view leave room for 8 and 16
+
+/// Temperature of a surface: its materials' by their share of the area.
+double mean_temperature(const scene::CompiledScene& scene, const shared::Surface& surface) {
+  double sum = 0, share = 0;
+  for (int c = 0; c < 4; ++c) {
+    if (surface.curve[c] == 0) continue;
+    sum += static_cast<double>(surface.fraction[c]) * scene.materials[surface.curve[c] - 1].temperature_K;
+    share += static_cast<double>(surface.fraction[c]);
+  }
+  return share > 0 ? sum / share : 0;
+}
+
+/// Area of a mesh and its integral of temperature, m2 and m2 K, in its own frame.
+std::pair<double, double> mesh_area(const scene::CompiledScene& scene, const scene::Mesh& mesh, const std::vector<double>& surface_K) {
+  double area = 0, warm = 0;
+  for (std::uint32_t b = mesh.first_block; b < mesh.first_block + mesh.block_count; ++b) {
+    const shared::TriBlock& block = scene.blocks[b];
+    for (int k = 0; k < RC_BLOCK; ++k) {
+      if (block.surface[k] >= surface_K.size()) continue;  // an unused lane
+      const Eigen::Vector3d a(block.v0_x[k], block.v0_y[k], block.v0_z[k]), p(block.v1_x[k], block.v1_y[k], block.v1_z[k]),
+          q(block.v2_x[k], block.v2_y[k], block.v2_z[k]);
+      const double here = 0.5 * (p - a).cross(q - a).norm();
+      area += here;
+      warm += here * surface_K[block.surface[k]];
+    }
+  }
+  return {area, warm};
+}
+
+/// Areas of an instance against those of its mesh; exact for turns and uniform scales, the mean over directions else.
+double area_scale(const shared::Instance& placed) {
+  Eigen::Matrix3d m;
+  m << placed.world_from_local_0.x, placed.world_from_local_0.y, placed.world_from_local_0.z, placed.world_from_local_1.x,
+      placed.world_from_local_1.y, placed.world_from_local_1.z, placed.world_from_local_2.x, placed.world_from_local_2.y,
+      placed.world_from_local_2.z;
+  return std::pow(std::abs(m.determinant()), 2.0 / 3.0);
+}
+
+}  // namespace
+
+Emitters find_emitters(const scene::CompiledScene& scene, const std::string& file) {
+  Emitters out;
+  base::Problems problems;
+  double plain = 0;
+  const auto curves = used_curves(scene);
+  for (const auto curve : curves) {
+    const auto& material = scene.materials[curve - 1];
+    if (!(material.temperature_K > 0))
+      problems.add({file, 0, 0, "material '" + material.name + "'"}, "has no temperature, and the atmosphere table holds thermal light", "",
+                   "give it temperature_K, or give [thermal] default_temperature_K");
+    out.distinct_K.push_back(material.temperature_K);
+    plain += material.temperature_K / static_cast<double>(curves.size());
+  }
+  problems.throw_if_any();
+  std::sort(out.distinct_K.begin(), out.distinct_K.end());
+  out.distinct_K.erase(std::unique(out.distinct_K.begin(), out.distinct_K.end()), out.distinct_K.end());
+  std::vector<double> surface_K;
+  for (const auto& surface : scene.surfaces) surface_K.push_back(mean_temperature(scene, surface));
+  std::vector<std::pair<double, double>> meshes;
+  for (const auto& mesh : scene.meshes) meshes.push_back(mesh_area(scene, mesh, surface_K));
+  double area = 0, warm = 0;
+  for (const auto& placed : scene.instances) {
+    const double scale = area_scale(placed);
+    area += scale * meshes[placed.mesh].first;
+    warm += scale * meshes[placed.mesh].second;
+  }
+  out.surroundings_K = area > 0 ? warm / area : plain;
+  return out;
+}
+
+Spectrum planck_spectrum(const std::vector<double>& wavelength_um, double temperature_K) {
+  Spectrum out;
+  for (const double l : wavelength_um) out.push_back(base::planck_radiance(l, temperature_K));
+  return out;
+}
+
+std::vector<TemperatureLevel> temperature_levels(const Emitters& emitters, const TableSpectra& air, const Domain& domain,
+                                                 const BandSpace& bands, const std::vector<double>& table_um,
+                                                 const std::vector<double>& typical) {
+  const auto& distinct = emitters.distinct_K;
+  std::vector<TemperatureLevel> out;
+  if (distinct.empty()) return {{{emitters.surroundings_K}, 0}};
+  const double lo = distinct.front(), hi = distinct.back();
+  const Spectrum up = air.view_transmission(domain.z(0.5), zenith_of_sec(domain.sec(0.5)));
+  const auto emitted = [&](double kelvin) {
+    const Spectrum light = product(planck_spectrum(table_um, kelvin), up);
+    auto whole = bands.band_mean(light);
+    const auto reflected = bands.reflected_band_mean(light);
+    for (std::size_t b = 0; b < whole.size(); ++b) whole[b] -= reflected[b];
+    return whole;
+  };
+  const auto largest = [&](const std::vector<double>& here, const std::vector<double>& low, const std::vector<double>& high) {
+    double worst = 0;
+    for (std::size_t b = 0; b < here.size(); ++b) worst = std::max(worst, std::abs(here[b] - 0.5 * (low[b] + high[b])) / typical[b]);
+    return worst;
+  };
+  if (hi > lo) {
+    const auto middle = emitted(0.5 * (lo + hi)), low = emitted(lo), high = emitted(hi);
+    out.push_back({{0.5 * (lo + hi)}, std::max(largest(middle, low, low), largest(middle, high, high))});
+  }
+  for (int count = 2; count < std::min(static_cast<int>(distinct.size()), kMostNodes + 1); ++count) {
+    TemperatureLevel level;
+    for (int k = 0; k < count; ++k) level.node_K.push_back(lo + (hi - lo) * k / (count - 1));
+    for (int k = 0; k + 1 < count; ++k) {
+      const auto a = level.node_K[static_cast<std::size_t>(k)], b = level.node_K[static_cast<std::size_t>(k) + 1];
+      level.error = std::max(level.error, largest(emitted(0.5 * (a + b)), emitted(a), emitted(b)));
+    }
+    out.push_back(std::move(level));
+  }
+  if (distinct.size() <= RC_MAX_CHANNELS) out.push_back({distinct, 0});
+  return out;
+}
+
+double node_coordinate(const std::vector<double>& node_K, double temperature_K) {
+  const Cell cell = find_cell(node_K, temperature_K);
+  return static_cast<double>(cell.index) + cell.fraction;
+}
+
+Thermal make_thermal(const scene::CompiledScene& scene, const Emitters& emitters, const TemperatureLevel& nodes, const SkyFactors& factors) {
+  Thermal out;
+  out.on = true;
+  out.sky_components = factors.rank;
+  out.temperature_K = nodes.node_K;
+  out.surroundings_K = emitters.surroundings_K;
+  for (const auto& surface : scene.surfaces) {
+    const auto at = [&](int c) {
+      const double kelvin = surface.curve[c] > 0 ? scene.materials[surface.curve[c] - 1].temperature_K : 0;
+      return static_cast<float>(node_coordinate(nodes.node_K, kelvin));
+    };
+    out.surface_node.push_back({at(0), at(1), at(2), at(3)});
+  }
+  if (factors.rank > 0) {
+    out.basis = factors.basis;
+  } else {  // a black sky: directions still ask what hides it
+    out.basis.zenith_rad = {0, kPi / 2};
+    out.basis.azimuth_rad = {0, kPi};
+    out.basis.value.assign(4, {1 / kPi, 0, 0, 0});
+  }
+  const SkyIrradiance open(out.basis);
+  for (int i = 0; i < RC_TILT_NODES; ++i) {
+    const double nz = -1 + 2.0 * i / (RC_TILT_NODES - 1);
+    auto value = open.at(std::acos(nz), 0);
+    value[static_cast<std::size_t>(out.sky_components)] = kPi * (1 - nz) / 2;
+    out.tilt_irradiance.push_back({static_cast<float>(value[0]), static_cast<float>(value[1]), static_cast<float>(value[2]), 0});
+  }
+  return out;
+}
+
+}  // namespace raycube::plan
