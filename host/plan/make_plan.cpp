@@ -42,7 +42,8 @@ Domain make_domain(const scene::Simulation& simulation, const atmos::RenderTable
   domain.sun_zenith = simulation.sun.zenith_deg * kDegree;
   domain.sun_azimuth = simulation.sun.azimuth_deg * kDegree;
   domain.view = view;
-  if (!simulation.atmosphere.none && std::abs(table.sun_zenith_deg - simulation.sun.zenith_deg) > 0.05)
+  // A table without sunlight holds for any sun.
+  if (!simulation.atmosphere.none && table.has("solar_irradiance") && std::abs(table.sun_zenith_deg - simulation.sun.zenith_deg) > 0.05)
     throw base::Error(base::Fault::input,
                       fmt::format("the atmosphere table is for a sun zenith of {:.4f} deg, the simulation has {:.4f} deg; build or "
                                   "import a table for this sun, or set the sun to the table's",

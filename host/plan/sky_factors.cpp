@@ -174,11 +174,15 @@ SkyFactorizer::SkyFactorizer(const TableSpectra& table, double height_m, double 
   if (sun_zenith_rad < kPi / 2) zenith.push_back(sun_zenith_rad);
   std::erase_if(azimuth, [](double f) { return f <= 0 || f >= kPi - 1e-9; });
   azimuth.insert(azimuth.end(), {0.0, kPi});
-  // finer around the sun, where the aureole bends most, and towards the horizon
-  data_->basis.zenith_rad = refine(zenith, [&](double t) {
-    return kDegree * (std::abs(t - sun_zenith_rad) < 10 * kDegree || t > 80 * kDegree ? 1.5 : 3.0);
-  });
-  data_->basis.azimuth_rad = sky == Sky::thermal ? azimuth : refine(azimuth, [](double f) { return kDegree * (f < 6 * kDegree ? 2.0 : f < 30 * kDegree ? 4.0 : 7.5); });
+  if (sky == Sky::thermal) {  // few nodes, since azimuth says nothing; fine ones keep a limb that brightens as the airmass to 1e-4
+    data_->basis.zenith_rad = refine(zenith, [](double t) { return kDegree * (t > 80 * kDegree ? 0.25 : 1.0); });
+    data_->basis.azimuth_rad = azimuth;
+  } else {  // finer around the sun, where the aureole bends most, and towards the horizon
+    data_->basis.zenith_rad = refine(zenith, [&](double t) {
+      return kDegree * (std::abs(t - sun_zenith_rad) < 10 * kDegree || t > 80 * kDegree ? 1.5 : 3.0);
+    });
+    data_->basis.azimuth_rad = refine(azimuth, [](double f) { return kDegree * (f < 6 * kDegree ? 2.0 : f < 30 * kDegree ? 4.0 : 7.5); });
+  }
   data_->q = vector_of(cosine_weights(data_->basis));
   data_->shape = sample_sky(data_->basis, table, height_m, sky);
   data_->irradiance = normalise(data_->shape, data_->q);

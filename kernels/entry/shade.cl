@@ -17,7 +17,8 @@
 /* Sources that have a value per sample: sun, sky, surroundings; emission at RC_TEMPERATURES nodes follows them in a row. */
 #define LIT (RC_SUN + RC_COMPONENTS)
 #define SOLAR_COMPONENTS (RC_COMPONENTS - RC_THERMAL_COMPONENTS)
-#define ACCUMULATORS RC_ROW_ACCUMULATORS(LIT + RC_TEMPERATURES, RC_HEIGHTS)
+#define SOURCES (RC_SUN + RC_COMPONENTS + RC_TEMPERATURES)
+#define ACCUMULATORS RC_ROW_ACCUMULATORS(SOURCES, RC_HEIGHTS)
 #define SKY_PLANES ((RC_COMPONENTS + 3) / 4 > 1 ? (RC_COMPONENTS + 3) / 4 * 4 : 4)
 #define GROUPS (RC_NPAD / 16)
 #define DONE RC_NONE

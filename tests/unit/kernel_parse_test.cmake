@@ -29,7 +29,8 @@ set(rows -DRC_NSAMP=121 -DRC_NPAD=128 -DRC_COMPONENTS=4 -DRC_HEIGHTS=2 -DRC_VIEW
   -DRC_BANDS_PADDED=368 -DRC_PIXELS_PER_GROUP=4)
 set(failures "")
 foreach(packed IN ITEMS
-    "rows.cl 0" "rows.cl 1" "probe_structs.cl -" "trace.cl -DRC_SCATTER=0" "trace.cl -DRC_SCATTER=1"
+    "rows.cl 0" "rows.cl 1" "rows.cl 0 -DRC_SUN=0 -DRC_THERMAL_COMPONENTS=2 -DRC_TEMPERATURES=3" "trace.cl -DRC_SKY_QUADS=2"
+    "trace.cl -DRC_SKY_QUADS=2 -DRC_BUNDLE=0" "probe_structs.cl -" "trace.cl -DRC_SCATTER=0" "trace.cl -DRC_SCATTER=1"
     "trace.cl -DRC_SAMPLER=2 -DRC_SUPPORT=1.5f" "trace.cl -DRC_MOVING=1 -DRC_GROUP_PIXELS=1" "trace.cl -DRC_BUNDLE=0"
     "trace.cl -DRC_SCATTER=0 -DRC_NODE_PAGES=2 -DRC_NODE_SHIFT=12 -DRC_BLOCK_PAGES=8 -DRC_BLOCK_SHIFT=10 -DRC_INSTANCE_PAGES=3 -DRC_INSTANCE_SHIFT=0"
     "rows.cl 0 -DRC_BLOCK_PAGES=7 -DRC_BLOCK_SHIFT=28 -DRC_SURFACE_PAGES=8 -DRC_SURFACE_SHIFT=15")
