@@ -222,27 +222,20 @@ std::vector<std::uint32_t> TileWorker::finish_rows(RowBuffers& rows, const std::
       for (std::size_t t = 0; t < RC_TRUTH_SUMS; ++t)
         truth_sums[t] = static_cast<float>(total(truth.data() + i * truth_stride, RC_TRUTH_SUMS, shape.chunked(), t));
       const std::uint64_t* row_keys = keys.data() + i * rows.capacity;
-      std::set<std::uint64_t> environment;
+      std::set<std::uint64_t> wanted;
       if (shape.environment) {
         around[i] = environment_of(pixels[i], truth_sums);
         for (const auto& node : around[i])
-          if (node.weight > 0) environment.insert(plan::kEnvironmentKey | node.node);
+          if (node.weight > 0) wanted.insert(plan::kEnvironmentKey | node.node);
       }
-      if (all_baked_) {  // rows of the environment are baked as they come up, and stay
-        used.merge(environment);
-      } else {
-        std::set<std::uint64_t> with = used;
-        with.insert(row_keys, row_keys + count[i]);
-        with.insert(environment.begin(), environment.end());
-        if (with.size() + 1 > table_.capacity() && !used.empty()) {
-          range_ends.push_back(i);
-          range_keys.emplace_back(used.begin(), used.end());
-          used = std::move(environment);
-          used.insert(row_keys, row_keys + count[i]);
-        } else {
-          used.swap(with);
-        }
+      if (!all_baked_) wanted.insert(row_keys, row_keys + count[i]);  // else rows of the environment alone come up anew
+      const auto anew = static_cast<std::size_t>(std::count_if(wanted.begin(), wanted.end(), [&](auto key) { return used.count(key) == 0; }));
+      if (used.size() + anew + 1 > table_.capacity() && !used.empty()) {
+        range_ends.push_back(i);
+        range_keys.emplace_back(used.begin(), used.end());
+        used.clear();
       }
+      used.merge(wanted);
       for (std::uint32_t k = 0; k < count[i]; ++k) {
         const float* row = sums.data() + (i * rows.capacity + k) * sums_per_key;
         const std::size_t last = shape.accumulators() - 1;
