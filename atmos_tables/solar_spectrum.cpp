@@ -23,6 +23,6 @@ double solar_irradiance_1au(double wavelength_um) {
   return (1 - w) * a.irradiance + w * b.irradiance;
 }
 
-std::string solar_source_name() { return "TSIS-1 HSRS (Coddington 2021) 0.35-2.5 um, Gueymard 2004 outside; 2 to 20 nm averages"; }
+std::string solar_source_name() { return "TSIS-1 HSRS (Coddington 2021) 0.35-2.5 um, Gueymard 2004 outside; averages over 2 nm to 500 nm"; }
 
 }  // namespace raycube::atmos
