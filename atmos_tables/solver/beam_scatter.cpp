@@ -26,6 +26,9 @@ double once_scattered(const BeamColumn& column, double cosine, bool up, double c
                       const Place& place) {
   const std::size_t count = column.scaled->size();
   if (count == 0 || column.flux <= 0) return 0;
+  const Column& air = *column.column;
+  const std::vector<double> tabulated =
+      column.exact_phase && air.phase_values ? air.phase_values(cos_angle) : std::vector<double>();
   double radiance = 0;
   const std::size_t steps = up ? count - place.layer : place.layer + 1;
   for (std::size_t step = 0; step < steps; ++step) {
@@ -35,10 +38,11 @@ double once_scattered(const BeamColumn& column, double cosine, bool up, double c
     const Sight sight{cosine, up, scaled.depth, i == place.layer ? place.u : (up ? 0.0 : scaled.depth)};
     radiance *= std::exp(-sight.seen_depth() / cosine);
     if (scaled.source_albedo <= 0 || scaled.depth <= 0) continue;
-    const std::vector<double>& moments = (*column.layers)[i].phase_moments;
+    const std::vector<double>& moments = air.layers[i].phase_moments;
     const bool exact = column.exact_phase && !moments.empty();
     const double phase =
-        exact ? scaled.source_albedo * legendre_series(moments, moments.size(), cos_angle)
+        !tabulated.empty() ? scaled.source_albedo * tabulated[i]
+        : exact ? scaled.source_albedo * legendre_series(moments, moments.size(), cos_angle)
               : scaled.albedo * legendre_series(scaled.moment, scaled.moment.size(), cos_angle);
     radiance += column.flux / (4 * std::numbers::pi) * phase * beam.top * sight_falling(sight, beam.slope);
   }
@@ -58,7 +62,7 @@ double aureole_excess(const BeamColumn& column, double cosine, double cos_angle,
     share[i] = scaled.true_albedo * scaled.true_depth * part;
     depth += scaled.true_depth * part;
     truncated += scaled.truncation * share[i];
-    longest = std::max(longest, (*column.layers)[i].phase_moments.size());
+    longest = std::max(longest, column.column->layers[i].phase_moments.size());
   }
   if (column.flux <= 0 || truncated <= 1e-12 * depth || depth <= 0) return 0;
   const double peak_albedo = truncated / depth;  // mean f omega
@@ -67,8 +71,8 @@ double aureole_excess(const BeamColumn& column, double cosine, double cos_angle,
   for (std::size_t k = static_cast<std::size_t>(column.streams); k < longest; ++k) {
     double moment = 0;
     for (std::size_t i = 0; i < share.size(); ++i)
-      if (k < (*column.layers)[i].phase_moments.size())
-        moment += share[i] * (*column.layers)[i].phase_moments[k];
+      if (k < column.column->layers[i].phase_moments.size())
+        moment += share[i] * column.column->layers[i].phase_moments[k];
     moment /= truncated;
     spike[k] = moment * (2 - moment);
   }

@@ -13,7 +13,7 @@ namespace raycube::atmos::solver {
 
 /// A column's beam as the correction needs it.
 struct BeamColumn {
-  const std::vector<Layer>* layers = nullptr;  ///< the exact phase functions
+  const Column* column = nullptr;  ///< its layers' exact phase functions
   const std::vector<ScaledLayer>* scaled = nullptr;
   const std::vector<BeamLayer>* beam = nullptr;  ///< along the scaled depth
   double flux = 0, cosine = 1;

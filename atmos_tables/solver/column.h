@@ -2,6 +2,7 @@
 // the accuracy.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 namespace raycube::atmos::solver {
@@ -37,6 +38,9 @@ struct Column {
   /// level. Empty = plane-parallel beam.
   std::vector<double> level_height_m;
   double planet_radius_m = 6371e3;  ///< radius at height 0
+  /// Phase functions of all layers at a cosine of the scattering angle, for light scattered once: where their moments converge
+  /// slowly (a cusp forward, a kink backward: tabulated Mie functions). Empty = the series of all moments given.
+  std::function<std::vector<double>(double cos_angle)> phase_values;
 };
 
 /// Lambertian ground.

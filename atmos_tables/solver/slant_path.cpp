@@ -47,10 +47,9 @@ void check_path(const RefractingAir& air, const std::vector<double>& density, do
   problems.throw_if_any();
 }
 
-}  // namespace
-
-double slant_amount(const RefractingAir& air, const std::vector<double>& density, double zenith_deg) {
-  check_path(air, density, zenith_deg);
+/// Calls step(layer, part of the way from its lower to its upper level, m of the ray) at 24 nodes in every layer.
+template <class Step>
+void walk_ray(const RefractingAir& air, double zenith_deg, Step&& step) {
   static const HalfRange rule = gauss_half_range(24);
   const double ground_m = air.height_m.back(), ground_radius = air.planet_radius_m + ground_m;
   const auto refractivity = [&air](std::size_t upper, double part) {
@@ -63,8 +62,7 @@ double slant_amount(const RefractingAir& air, const std::vector<double>& density
   const double short_of_one =
       2 * std::pow(std::sin((90 - zenith_deg) * std::numbers::pi / 360), 2);  // 1 - sine
   const double bouguer = (1 + ground_refractivity) * ground_radius * sine;
-  double amount = 0;
-  for (std::size_t i = 0; i + 1 < density.size(); ++i) {
+  for (std::size_t i = 0; i + 1 < air.height_m.size(); ++i) {
     const double low = air.height_m[i + 1], high = air.height_m[i];
     // height = ground + w^2: dr = 2 w dw takes away the pole of ds at a horizontal start.
     const double w_low = std::sqrt(low - ground_m), w_high = std::sqrt(high - ground_m);
@@ -77,11 +75,29 @@ double slant_amount(const RefractingAir& air, const std::vector<double>& density
                             (1 + ground_refractivity) * above +
                             (1 + ground_refractivity) * ground_radius * short_of_one;
       const double cosine = std::sqrt(std::max(excess, 1e-300) * (optical_radius + bouguer)) / optical_radius;
-      amount += rule.weight[q] * (w_high - w_low) * 2 * w / cosine *
-                between_levels(density[i + 1], density[i], part);
+      step(i, part, rule.weight[q] * (w_high - w_low) * 2 * w / cosine);
     }
   }
+}
+
+}  // namespace
+
+double slant_amount(const RefractingAir& air, const std::vector<double>& density, double zenith_deg) {
+  check_path(air, density, zenith_deg);
+  double amount = 0;
+  walk_ray(air, zenith_deg, [&](std::size_t layer, double part, double length_m) {
+    amount += length_m * between_levels(density[layer + 1], density[layer], part);
+  });
   return amount;
+}
+
+std::vector<double> slant_factors(const RefractingAir& air, double zenith_deg) {
+  check_path(air, std::vector<double>(air.height_m.size(), 1.0), zenith_deg);
+  std::vector<double> factor(air.height_m.size() - 1, 0.0);
+  walk_ray(air, zenith_deg, [&](std::size_t layer, double, double length_m) {
+    factor[layer] += length_m / (air.height_m[layer] - air.height_m[layer + 1]);
+  });
+  return factor;
 }
 
 double relative_airmass(const RefractingAir& air, const std::vector<double>& density, double zenith_deg) {

@@ -188,7 +188,7 @@ double ColumnSolution::Data::ground_radiance(const Ground& ground) const {
 }
 
 BeamColumn ColumnSolution::Data::beam_column() const {
-  return {&column.layers,
+  return {&column,
           &scaled,
           &beam,
           column.beam.flux,
