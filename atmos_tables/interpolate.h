@@ -3,13 +3,17 @@
 //   transmission    -ln T linear in height; along view zenith -ln T cos(zenith) linear
 //   path radiance   L0/(1 - T) linear in height, zenith and azimuth
 //   thermal path    the same;   thermal sky  linear in height and in the airmass of the zenith angle
-//   sky             divided by its single-scatter shape where the table holds it, then linear
+//   sky             where the table holds the column's phase function P and scattering depth: light scattered once, c P times
+//                   its geometry, is taken out (c from the nodes around the sun), the rest is divided by the geometry of an
+//                   even P and linear; else linear
 //   two-way factor  linear;   irradiance over height: ln E linear;   light between ground and air (S, T_dif, t): linear
 // An axis of one node states that the rows do not vary along it. Outside an axis of several nodes: Error(input).
 // Heights in metres above the scene's z = 0; angles in degrees; azimuths relative to the sun, of any sign, are folded.
 #pragma once
 
+#include <cstddef>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "atmos_tables/render_table.h"
@@ -68,6 +72,19 @@ std::vector<double> resample_linear(const std::vector<double>& from_um, const st
 
 /// Single-scatter shape that divides the sky: P mu0/(mu0 - mu)(exp(-tau/mu0) - exp(-tau/mu)), finite at mu = mu0 and mu = 0.
 double sky_shape(double phase, double depth, double cos_sun, double cos_view);
+
+/// Sky nodes by which the light scattered once is told from the rest: the node nearest the sun first, then those around it.
+/// Pairs (zenith index, azimuth index).
+std::vector<std::pair<std::size_t, std::size_t>> nodes_around_sun(const std::vector<double>& sky_zenith_deg,
+                                                                  const std::vector<double>& sky_azimuth_deg,
+                                                                  double sun_zenith_deg);
+/// A sky node: the phase function there, and its radiance over sky_shape with phase 1.
+struct SkyNode {
+  double phase, level;
+};
+/// c of level = c phase + rest, rest smooth: the rise from the surrounding nodes to the first. 0 where the phase function has no
+/// peak there.
+double once_scattered_level(const std::vector<SkyNode>& nodes);
 
 /// Azimuth difference folded to 0..180.
 double fold_azimuth(double degrees);

@@ -45,6 +45,29 @@ Spectrum sky_radiance_thermal(const RenderTable& table, double height_m, double 
   return out;
 }
 
+std::vector<std::pair<std::size_t, std::size_t>> nodes_around_sun(const std::vector<double>& sky_zenith_deg,
+                                                                  const std::vector<double>& sky_azimuth_deg,
+                                                                  double sun_zenith_deg) {
+  const auto nearest = std::min_element(sky_zenith_deg.begin(), sky_zenith_deg.end(), [&](double p, double q) {
+    return std::abs(p - sun_zenith_deg) < std::abs(q - sun_zenith_deg);
+  });
+  const auto z = static_cast<std::size_t>(nearest - sky_zenith_deg.begin());
+  std::vector<std::pair<std::size_t, std::size_t>> nodes = {{z, 0}};
+  if (z + 1 < sky_zenith_deg.size()) nodes.emplace_back(z + 1, 0);
+  if (z > 0) nodes.emplace_back(z - 1, 0);
+  if (sky_azimuth_deg.size() > 1) nodes.emplace_back(z, 1);
+  return nodes;
+}
+
+double once_scattered_level(const std::vector<SkyNode>& nodes) {
+  if (nodes.size() < 2) return 0;
+  double phase = 0, level = 0;
+  for (std::size_t i = 1; i < nodes.size(); ++i) phase += nodes[i].phase, level += nodes[i].level;
+  phase /= static_cast<double>(nodes.size() - 1), level /= static_cast<double>(nodes.size() - 1);
+  if (!(nodes[0].phase > 1.05 * phase)) return 0;
+  return std::max(0.0, (nodes[0].level - level) / (nodes[0].phase - phase));
+}
+
 Spectrum sky_radiance(const RenderTable& table, double height_m, double zenith_deg, double relative_azimuth_deg) {
   require_zenith(zenith_deg, 90, true, "sky");
   const double azimuth = fold_azimuth(relative_azimuth_deg);
@@ -77,31 +100,62 @@ Spectrum sky_radiance(const RenderTable& table, double height_m, double zenith_d
     s.depth_corners = corners_of(table, s.depth_point);
     return s;
   };
+  // What divides the sky between nodes, for the column's phase function and for an even one.
+  struct Value {
+    double scattered, even;
+  };
   const auto value_of = [&](const Shape& s, std::size_t i) {
     double phase = 0, depth = 0;
     for (const Corner& c : s.corners) phase += c.weight * phase_view.at(phase_view.offset(s.point, c), i);
     for (const Corner& c : s.depth_corners) depth += c.weight * depth_view.at(depth_view.offset(s.depth_point, c), i);
-    return sky_shape(phase, depth, cos_sun, s.cos_view);
+    const double even = sky_shape(1, depth, cos_sun, s.cos_view);
+    return Value{phase * even, even};
   };
   const std::vector<Corner> corners = corners_of(table, point);
   std::vector<Shape> shapes;
   for (const Corner& corner : corners)
     shapes.push_back(shape_of(heights[corner.node[0]], zeniths[corner.node[1]], azimuths[corner.node[2]]));
+  // How the sky grows with the phase function around the sun says how much of it is light scattered once.
+  struct SunNodes {
+    double weight;
+    std::vector<std::size_t> offset;
+    std::vector<Shape> shape;
+  };
+  std::vector<SunNodes> sun_nodes;
+  for (const Corner& corner : corners_of(table, {{"target_height", height_m}})) {
+    SunNodes list{corner.weight, {}, {}};
+    for (const auto& [z, a] : nodes_around_sun(zeniths, azimuths, table.sun_zenith_deg)) {
+      list.offset.push_back(view.offset(point, {1.0, {corner.node[0], z, a}}));
+      list.shape.push_back(shape_of(heights[corner.node[0]], zeniths[z], azimuths[a]));
+    }
+    sun_nodes.push_back(std::move(list));
+  }
   const Shape here = shape_of(height_m, zenith_deg, azimuth);
   const std::size_t count = wavelengths(table).size();
   Spectrum out(count, 0.0);
   for (std::size_t i = 0; i < count; ++i) {
-    double plain = 0, ratio = 0;
+    double once = 0;
+    for (const SunNodes& list : sun_nodes) {
+      std::vector<SkyNode> nodes;
+      for (std::size_t n = 0; n < list.shape.size(); ++n) {
+        const Value value = value_of(list.shape[n], i);
+        if (value.even > 0) nodes.push_back({value.scattered / value.even, view.at(list.offset[n], i) / value.even});
+      }
+      once += list.weight * once_scattered_level(nodes);
+    }
+    double plain = 0, rest = 0;
     bool usable = true;
     for (std::size_t c = 0; c < corners.size(); ++c) {
-      const double value = view.at(view.offset(point, corners[c]), i), shape = value_of(shapes[c], i);
+      const double value = view.at(view.offset(point, corners[c]), i);
       plain += corners[c].weight * value;
-      if (shape > 0)
-        ratio += corners[c].weight * value / shape;
+      const Value node = value_of(shapes[c], i);
+      if (node.even > 0)
+        rest += corners[c].weight * (value - once * node.scattered) / node.even;
       else
         usable = false;
     }
-    out[i] = usable ? ratio * value_of(here, i) : plain;
+    const Value value = value_of(here, i);
+    out[i] = usable ? std::max(0.0, once * value.scattered + rest * value.even) : plain;
   }
   return out;
 }

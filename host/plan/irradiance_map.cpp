@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 using Four = std::array<double, 4>;
-constexpr std::size_t kTilts = 181, kAzimuths = 91;
+constexpr std::size_t kTilts = 201, kAzimuths = 101;
 
 /// Lagrange weights of the four nodes around `at` on the axis 0, 1, ... count - 1; one-sided at both ends.
 std::size_t cubic_weights(double at, std::size_t count, std::array<double, 4>& weight) {

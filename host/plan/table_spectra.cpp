@@ -195,7 +195,10 @@ std::vector<double> TableSpectra::sky_grid(double height_m, const std::vector<do
   for (const double f : azimuth_rad) azimuth_cell.push_back(find_cell(sky_azimuth_, f));
 
   const std::size_t nodes = sky_zenith_.size() * sky_azimuth_.size();
-  std::vector<double> plain(nodes), ratio(nodes), grid_fall(zenith_rad.size());
+  std::vector<double> plain(nodes), rest(nodes), grid_fall(zenith_rad.size());
+  const auto around_sun =
+      shaped ? atmos::nodes_around_sun(table_.axis("sky_zenith").nodes, table_.axis("sky_azimuth").nodes, table_.sun_zenith_deg)
+             : std::vector<std::pair<std::size_t, std::size_t>>();
   const auto bilinear = [&](const std::vector<double>& v, const Cell& z, const Cell& f) {
     const double* at = &v[z.index * sky_azimuth_.size() + f.index];
     const std::size_t row = z.fraction > 0 ? sky_azimuth_.size() : 0, next = f.fraction > 0 ? 1 : 0;
@@ -206,7 +209,7 @@ std::vector<double> TableSpectra::sky_grid(double height_m, const std::vector<do
   for (std::size_t i = 0; i < count_; ++i) {
     const std::size_t wavelength = first_ + i;
     std::fill(plain.begin(), plain.end(), 0.0);
-    std::fill(ratio.begin(), ratio.end(), shaped ? 0.0 : none);
+    std::fill(rest.begin(), rest.end(), shaped ? 0.0 : none);
     std::array<double, 2> depth{};
     std::array<const float*, 2> phase{};
     std::size_t phase_stride = 0;
@@ -224,16 +227,27 @@ std::vector<double> TableSpectra::sky_grid(double height_m, const std::vector<do
       const std::size_t k = c.index * phase_stride;
       return c.fraction > 0 ? (1 - c.fraction) * p[k] + c.fraction * p[k + phase_stride] : static_cast<double>(p[k]);
     };
+    const auto sky_at = [&](std::size_t h, std::size_t z, std::size_t f) {
+      return double(sky.value[wavelength * sky.wavelength + (height.index + h) * sky.height + z * sky.a + f * sky.b]);
+    };
+    double once = 0;
+    for (std::size_t h = 0; h < static_cast<std::size_t>(heights); ++h) {
+      std::vector<atmos::SkyNode> list;
+      for (const auto& [z, f] : around_sun) {
+        const double fall = atmos::sky_shape(1.0, depth[h], cos_sun, std::cos(sky_zenith_[z]));
+        if (fall > 0) list.push_back({phase_at(phase[h], node_angle[z * sky_azimuth_.size() + f]), sky_at(h, z, f) / fall});
+      }
+      once += height_weight[h] * atmos::once_scattered_level(list);
+    }
     for (std::size_t z = 0; z < sky_zenith_.size(); ++z) {
       for (std::size_t h = 0; h < static_cast<std::size_t>(heights); ++h) {
         const double fall = shaped ? atmos::sky_shape(1.0, depth[h], cos_sun, std::cos(sky_zenith_[z])) : 0;
         for (std::size_t f = 0; f < sky_azimuth_.size(); ++f) {
           const std::size_t n = z * sky_azimuth_.size() + f;
-          const double value = sky.value[wavelength * sky.wavelength + (height.index + h) * sky.height + z * sky.a + f * sky.b];
+          const double value = sky_at(h, z, f);
           plain[n] += height_weight[h] * value;
           if (!shaped) continue;
-          const double shape = fall * phase_at(phase[h], node_angle[n]);
-          ratio[n] = shape > 0 ? ratio[n] + height_weight[h] * value / shape : none;
+          rest[n] = fall > 0 ? rest[n] + height_weight[h] * (value / fall - once * phase_at(phase[h], node_angle[n])) : none;
         }
       }
     }
@@ -246,10 +260,10 @@ std::vector<double> TableSpectra::sky_grid(double height_m, const std::vector<do
         double value = none;
         if (shaped) {
           const double p = height_weight[0] * phase_at(phase[0], grid_angle[n]) + height_weight[1] * phase_at(phase[1], grid_angle[n]);
-          value = bilinear(ratio, zenith_cell[z], azimuth_cell[f]) * grid_fall[z] * p;
+          value = (once * p + bilinear(rest, zenith_cell[z], azimuth_cell[f])) * grid_fall[z];
         }
         if (std::isnan(value)) value = bilinear(plain, zenith_cell[z], azimuth_cell[f]);
-        out[n * count_ + i] = value;
+        out[n * count_ + i] = std::max(0.0, value);
       }
   }
   if (!couples_ground()) return out;
