@@ -84,6 +84,14 @@ void check_clear_sky(const scene::AtmosphereSpec& spec, const scene::Sun& sun, d
   problems.throw_if_any();
 }
 
+void check_table_request(const scene::Sun& sun, double sensor_height_m, const std::vector<double>& wavelength_um,
+                         const std::vector<double>& target_height_m, double first_um, double last_um) {
+  base::Problems problems;
+  check_sun(problems, sun, true);
+  check_grid(problems, sensor_height_m, wavelength_um, target_height_m, first_um, last_um);
+  problems.throw_if_any();
+}
+
 RenderTable sunlit_table(const scene::Sun& sun, double sensor_height_m, const std::vector<double>& wavelength_um,
                          const std::vector<double>& target_height_m) {
   RenderTable table;

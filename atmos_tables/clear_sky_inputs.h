@@ -12,6 +12,10 @@ namespace raycube::atmos {
 void check_clear_sky(const scene::AtmosphereSpec& spec, const scene::Sun& sun, double sensor_height_m,
                      const std::vector<double>& wavelength_um, const std::vector<double>& target_height_m);
 
+/// The part of it that holds for any built table: sun, sensor, wavelengths within first_um..last_um, heights.
+void check_table_request(const scene::Sun& sun, double sensor_height_m, const std::vector<double>& wavelength_um,
+                         const std::vector<double>& target_height_m, double first_um, double last_um);
+
 /// Wavelength and height axes and the row solar_irradiance.
 RenderTable sunlit_table(const scene::Sun& sun, double sensor_height_m, const std::vector<double>& wavelength_um,
                          const std::vector<double>& target_height_m);

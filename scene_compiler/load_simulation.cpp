@@ -15,6 +15,54 @@ namespace {
 
 using base::Problems;
 
+constexpr const char* kLayeredKeys[] = {"profile",       "profile_file", "co2_ppmv", "ch4_ppmv",  "aerosol", "visibility_km",
+                                        "humidity_percent", "season", "stratosphere", "wind_m_s", "cloud", "gas_bands", "streams", "k_terms", "layering"};
+constexpr const char* kClearSkyKeys[] = {"angstrom", "ssa", "asymmetry", "ground_albedo"};
+
+/// A key that the chosen model would ignore is an error.
+template <std::size_t N>
+void refuse_keys(const Record& record, const char* const (&keys)[N], const char* model, Problems& problems) {
+  for (const char* key : keys)
+    if (record.given(key))
+      problems.add(record.place(key), std::string("'") + key + "' belongs to model = \"" + model + "\"", "", "remove it, or choose that model");
+}
+
+AirSpec read_layered(const Record& record, Problems& problems) {
+  AirSpec air;
+  const auto number = [&](const char* key, double& value) {
+    if (record.given(key)) value = record.number(key);
+  };
+  if (record.given("profile") && record.given("profile_file"))
+    problems.add(record.place("profile_file"), "'profile' and 'profile_file' exclude each other", "both", "remove one");
+  air.profile = record.text("profile");
+  if (record.given("profile_file")) {
+    air.profile = std::filesystem::absolute(record.text("profile_file")).lexically_normal().string();
+    check_readable(record.text("profile_file"), record.place("profile_file"), problems);
+  }
+  number("pressure_hPa", air.pressure_hPa), number("water_g_cm2", air.water_g_cm2), number("ozone_atm_cm", air.ozone_atm_cm);
+  number("co2_ppmv", air.co2_ppmv), number("ch4_ppmv", air.ch4_ppmv), number("aod_550", air.aod_550);
+  number("humidity_percent", air.humidity_percent);
+  if (record.given("aod_550") && record.given("visibility_km"))
+    problems.add(record.place("aod_550"), "'aod_550' and 'visibility_km' exclude each other", "both", "remove one");
+  air.visibility_km = record.number("visibility_km");
+  air.aerosol = record.text("aerosol");
+  air.season = record.text("season");
+  air.stratosphere = record.text("stratosphere");
+  air.wind_m_s = record.number("wind_m_s");
+  for (const Record& cloud : record.records("cloud")) {
+    air.clouds.push_back({cloud.text("kind"), cloud.number("base_km"), cloud.number("top_km"), cloud.number("optical_depth_550")});
+    if (!(air.clouds.back().base_km < air.clouds.back().top_km))
+      problems.add(cloud.place("top_km"), "a cloud's top must lie above its base", std::to_string(air.clouds.back().top_km) + " km", "swap or correct them");
+  }
+  air.gas_bands = record.text("gas_bands");
+  air.streams = static_cast<int>(record.integer("streams"));
+  air.k_terms = static_cast<int>(record.integer("k_terms"));
+  air.layering = static_cast<int>(record.integer("layering"));
+  if (air.streams % 2 != 0)
+    problems.add(record.place("streams"), "the number of streams must be even", std::to_string(air.streams), "take the next one");
+  return air;
+}
+
 AtmosphereSpec read_atmosphere(const Record& root, const Origin& origin, Problems& problems) {
   AtmosphereSpec out;
   out.ground_height_m = origin.height_m;
@@ -23,7 +71,11 @@ AtmosphereSpec read_atmosphere(const Record& root, const Origin& origin, Problem
     out.pressure_hPa = standard_pressure_hPa(out.ground_height_m);
     return out;
   }
-  out.none = record->text("model") == "none";
+  const std::string model = record->text("model");
+  out.none = model == "none";
+  if (model != "layered") refuse_keys(*record, kLayeredKeys, "layered", problems);
+  if (model != "clear_sky") refuse_keys(*record, kClearSkyKeys, "clear_sky", problems);
+  if (model == "layered") out.layered = read_layered(*record, problems);
   if (record->given("tables")) {
     out.table_file = std::filesystem::absolute(record->text("tables")).lexically_normal().string();
     check_readable(record->text("tables"), record->place("tables"), problems);
@@ -33,9 +85,9 @@ AtmosphereSpec read_atmosphere(const Record& root, const Origin& origin, Problem
   if (record->given("ground_height_m")) out.ground_height_m = record->number("ground_height_m");
   out.pressure_hPa = record->given("pressure_hPa") ? record->number("pressure_hPa")
                                                    : standard_pressure_hPa(out.ground_height_m);
-  out.water_g_cm2 = record->number("water_g_cm2");
-  out.ozone_atm_cm = record->number("ozone_atm_cm");
-  out.aod_550 = record->number("aod_550");
+  if (record->given("water_g_cm2")) out.water_g_cm2 = record->number("water_g_cm2");
+  if (record->given("ozone_atm_cm")) out.ozone_atm_cm = record->number("ozone_atm_cm");
+  if (record->given("aod_550")) out.aod_550 = record->number("aod_550");
   out.angstrom = record->number("angstrom");
   out.ssa = record->number("ssa");
   out.asymmetry = record->number("asymmetry");

@@ -66,6 +66,29 @@ struct Sun {
 /// Light between ground and air; automatic: local where the table has the rows, else off.
 enum class Adjacency { automatic, local, mean, off };
 
+/// A cloud or fog that covers the whole sky. Heights above the sea.
+struct CloudSpec {
+  std::string kind = "stratus";
+  double base_km = 0, top_km = 0, optical_depth_550 = 0;
+};
+
+/// The air of the layered model. A number below 0: as the profile has it.
+struct AirSpec {
+  std::string profile = "us_standard";   ///< an AFGL name, or the absolute path of a CSV profile
+  double pressure_hPa = -1;              ///< at the ground
+  double water_g_cm2 = -1, ozone_atm_cm = -1, co2_ppmv = -1, ch4_ppmv = -1;
+  std::string aerosol = "rural";         ///< of the boundary layer
+  double visibility_km = 23;             ///< meteorological range
+  double aod_550 = -1;                   ///< total vertical depth at 0.55 um; below 0: by visibility
+  double humidity_percent = -1;          ///< of the aerosol; below 0: the profile's at the ground
+  std::string season = "spring_summer", stratosphere = "background";
+  double wind_m_s = 10;                  ///< desert aerosol alone
+  std::vector<CloudSpec> clouds;
+  bool henyey_greenstein = false;        ///< phase functions by asymmetry alone (comparisons)
+  std::string gas_bands = "blended";     ///< or lowtran
+  int streams = 16, k_terms = 3, layering = 1;  ///< accuracy: docs/atmosphere.md
+};
+
 /// Parameters of the built-in clear-sky model, or the file of an imported table.
 struct AtmosphereSpec {
   std::string table_file;         ///< absolute path; empty: build
@@ -80,6 +103,7 @@ struct AtmosphereSpec {
   double ground_albedo = 0.0;     ///< for the sky's ground-reflected part
   Adjacency adjacency = Adjacency::automatic;
   bool none = false;              ///< no air: T = 1, no sky, no path radiance (tests, laboratories)
+  std::optional<AirSpec> layered; ///< the layered model; of the fields above it uses ground_height_m alone
 };
 
 /// A whole simulation as one file describes it.

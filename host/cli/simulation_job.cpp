@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <chrono>
+#include <tuple>
 
-#include "atmos_tables/clear_sky.h"
-#include "atmos_tables/rct_file.h"
 #include "host/base/error.h"
+#include "host/cli/air_table.h"
 #include "host/sensors/view_bounds.h"
 #include "scene_compiler/load_simulation.h"
 
@@ -17,27 +17,18 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// Wavelengths a band's response reaches, um. A Gaussian is cut at 2.5 FWHM, where it has fallen to 3e-8.
-std::pair<double, double> reach(const scene::Band& band) {
-  if (band.fwhm_um > 0) return {band.center_um - 2.5 * band.fwhm_um, band.center_um + 2.5 * band.fwhm_um};
-  return {band.wavelength_um.front(), band.wavelength_um.back()};
-}
-
-atmos::RenderTable make_table(const scene::Simulation& simulation, const scene::Instrument& instrument, double sensor_height_m) {
-  const auto& spec = simulation.atmosphere;
-  if (!spec.table_file.empty()) return atmos::read_rct(spec.table_file);
-  double first = 1e9, last = 0;
-  for (const auto& band : instrument.bands) {
-    first = std::min(first, reach(band).first);
-    last = std::max(last, reach(band).second);
-  }
+atmos::RenderTable make_table(const scene::Simulation& simulation, const scene::Instrument& instrument, double sensor_height_m,
+                              Context& context) {
+  AirRequest request;
+  request.spec = &simulation.atmosphere;
+  request.sun = simulation.sun;
+  request.sensor_height_m = sensor_height_m;
+  std::tie(request.first_um, request.last_um) = band_range(instrument.bands);
   const auto& scene = simulation.scene;
   const bool empty = scene.instances.empty();
-  const double low = empty ? 0.0 : scene.lo[2], high = empty ? 0.0 : scene.hi[2];
-  if (spec.none)
-    return atmos::vacuum_table(simulation.sun, sensor_height_m, atmos::clear_sky_wavelengths(first, last), {low});
-  return atmos::build_clear_sky(spec, simulation.sun, sensor_height_m, atmos::clear_sky_wavelengths(first, last),
-                                atmos::clear_sky_heights(low, std::min(high, sensor_height_m)));
+  request.low_m = empty ? 0.0 : scene.lo[2];
+  request.high_m = empty ? 0.0 : std::min<double>(scene.hi[2], sensor_height_m);
+  return air_table(request, context);
 }
 
 }  // namespace
@@ -68,7 +59,7 @@ InstrumentJob prepare(const scene::Simulation& simulation, const scene::Instrume
   job.instrument = &instrument;
   const plan::ViewBounds view = sensors::view_bounds(instrument);
   auto start = std::chrono::steady_clock::now();
-  job.table = make_table(simulation, instrument, view.sensor_height_m);
+  job.table = make_table(simulation, instrument, view.sensor_height_m, context);
   job.table_s = seconds_since(start);
   start = std::chrono::steady_clock::now();
   job.plan = plan::make_plan(simulation, instrument, job.table, view);

@@ -12,15 +12,17 @@
 #include <limits>
 #include <memory>
 #include <ostream>
+#include <tuple>
 
 #include <nlohmann/json.hpp>
 
-#include "atmos_tables/clear_sky.h"
+#include "atmos_tables/optics/standard_air.h"
 #include "atmos_tables/rct_file.h"
 #include "atmos_tables/report.h"
 #include "host/base/data_folder.h"
 #include "host/base/error.h"
 #include "host/base/output_file.h"
+#include "host/cli/air_table.h"
 #include "host/cli/atmos_import.h"
 #include "host/cli/verb.h"
 #include "scene_compiler/load_simulation.h"
@@ -38,8 +40,9 @@ base::IfExists if_exists(const CommonOptions& common) {
 }
 
 struct BuildOptions {
-  std::string file;
-  bool no_air = false;
+  std::string file, model, profile, aerosol;
+  bool no_air = false, no_cache = false;
+  double visibility = kUnset, co2 = kUnset, ch4 = kUnset, humidity = kUnset;
   double sun_zenith = kUnset, sun_azimuth = kUnset, day = kUnset;
   double sensor = kUnset, lowest = kUnset, highest = kUnset;
   double first_um = kUnset, last_um = kUnset, step_nm = 0;
@@ -52,15 +55,32 @@ void replace(double& standing, double typed) {
   if (!std::isnan(typed)) standing = typed;
 }
 
-/// Wavelengths that hold every band's response.
-void band_range(const scene::Simulation& simulation, double& first_um, double& last_um) {
-  first_um = 1e9, last_um = 0;
-  for (const auto& instrument : simulation.instruments)
-    for (const auto& band : instrument.bands) {
-      const bool gaussian = band.wavelength_um.empty();
-      first_um = std::min(first_um, gaussian ? band.center_um - 3 * band.fwhm_um : band.wavelength_um.front());
-      last_um = std::max(last_um, gaussian ? band.center_um + 3 * band.fwhm_um : band.wavelength_um.back());
-    }
+/// Options of one model alone are refused with the other; the shared ones go where the model reads them.
+void choose_model(const BuildOptions& o, scene::AtmosphereSpec& air) {
+  const bool layered = o.model == "layered" || (o.model.empty() && air.layered);
+  const auto refuse = [&](bool given, const char* option, const char* model) {
+    if (given)
+      throw base::Error(base::Fault::input, std::string(option) + " belongs to --model " + model + "; remove it, or choose that model");
+  };
+  if (!layered) {
+    air.layered.reset();
+    refuse(!o.profile.empty(), "--profile", "layered"), refuse(!o.aerosol.empty(), "--aerosol", "layered");
+    refuse(!std::isnan(o.visibility), "--visibility", "layered"), refuse(!std::isnan(o.humidity), "--humidity", "layered");
+    refuse(!std::isnan(o.co2), "--co2", "layered"), refuse(!std::isnan(o.ch4), "--ch4", "layered");
+    return;
+  }
+  refuse(!std::isnan(o.angstrom), "--angstrom", "clear_sky"), refuse(!std::isnan(o.ssa), "--ssa", "clear_sky");
+  refuse(!std::isnan(o.asymmetry), "--asymmetry", "clear_sky"), refuse(!std::isnan(o.albedo), "--ground-albedo", "clear_sky");
+  if (!air.layered) air.layered.emplace();
+  scene::AirSpec& spec = *air.layered;
+  if (!o.profile.empty()) {
+    const auto known = std::find(atmos::kAfglNames.begin(), atmos::kAfglNames.end(), o.profile);
+    spec.profile = known != atmos::kAfglNames.end() ? o.profile : std::filesystem::absolute(o.profile).string();
+  }
+  if (!o.aerosol.empty()) spec.aerosol = o.aerosol;
+  replace(spec.visibility_km, o.visibility), replace(spec.aod_550, o.aod), replace(spec.humidity_percent, o.humidity);
+  replace(spec.pressure_hPa, o.pressure), replace(spec.water_g_cm2, o.water), replace(spec.ozone_atm_cm, o.ozone);
+  replace(spec.co2_ppmv, o.co2), replace(spec.ch4_ppmv, o.ch4);
 }
 
 int build(const BuildOptions& o, Context& context) {
@@ -73,7 +93,10 @@ int build(const BuildOptions& o, Context& context) {
     simulation = scene::load_simulation(o.file, load);
     if (load.compile) lowest = simulation.scene.lo[2], highest = simulation.scene.hi[2];
     sensor_height = simulation.instruments.front().poses.front().z_m;
-    band_range(simulation, first_um, last_um);
+    std::vector<scene::Band> bands;
+    for (const auto& instrument : simulation.instruments)
+      bands.insert(bands.end(), instrument.bands.begin(), instrument.bands.end());
+    std::tie(first_um, last_um) = band_range(bands);
   } else if (std::isnan(o.sun_zenith)) {
     throw base::Error(base::Fault::input, "where is the sun? give a scene FILE, or --sun-zenith in degrees");
   }
@@ -82,6 +105,7 @@ int build(const BuildOptions& o, Context& context) {
                                               "); see it with raycube atmos info");
   scene::AtmosphereSpec& air = simulation.atmosphere;
   if (o.no_air) air.none = true;
+  choose_model(o, air);
   if (!std::isnan(o.ground)) {
     air.ground_height_m = o.ground;
     if (std::isnan(o.pressure)) air.pressure_hPa = scene::standard_pressure_hPa(o.ground);
@@ -98,11 +122,8 @@ int build(const BuildOptions& o, Context& context) {
   if (lowest > highest)
     throw base::Error(base::Fault::input, "--lowest (" + std::to_string(lowest) + " m) is above --highest (" +
                                               std::to_string(highest) + " m)");
-  const auto grid = atmos::clear_sky_wavelengths(first_um, last_um, o.step_nm / 1000);
-  const auto heights = atmos::clear_sky_heights(lowest, highest);
   const std::string output = context.common.output.empty() ? "atmosphere.rct" : context.common.output;
-  context.log.info("building " + std::to_string(grid.size()) + " wavelengths, " + std::to_string(heights.size()) + " heights");
-  const atmos::RenderTable table = atmos::make_table(air, simulation.sun, sensor_height, grid, heights);
+  const atmos::RenderTable table = air_table({&air, simulation.sun, sensor_height, first_um, last_um, o.step_nm / 1000, lowest, highest, !o.no_cache}, context);
   const std::string hash = atmos::write_rct(table, output, if_exists(context.common));
   if (context.common.json)
     context.out << nlohmann::json{{"table", output}, {"content_hash", hash}}.dump() << "\n";
@@ -137,7 +158,7 @@ Verb verb_build() {
       "model covers 0.3 to 4 um; docs/table_format.md says how good it is.";
   verb.examples = {"raycube atmos build scenes/park/park.toml -o park.rct",
                    "raycube atmos build --sun-zenith 40 --aod 0.2 --sensor-height 3000 -o clear.rct"};
-  verb.common = kOutput;
+  verb.common = kOutput | kThreads;
   verb.add_options = [o](base::OptionTable& table) {
     const auto number = [&](const char* names, const char* unit, double low, double high, const char* help, double& value,
                             const char* standing) { table.number(names, unit, low, high, help, value).default_text = standing; };
@@ -148,8 +169,8 @@ Verb verb_build() {
     number("--sensor-height", "m", -1000, 1e9, "Sensor height above the scene's z = 0", o->sensor, "FILE's first pose, or 610");
     number("--lowest", "m", -1000, 1e5, "Lowest target height", o->lowest, "FILE's scene, or 0");
     number("--highest", "m", -1000, 1e5, "Highest target height", o->highest, "FILE's scene, or 100");
-    number("--from", "um", 0.3, 4, "First wavelength", o->first_um, "FILE's bands, or 0.35");
-    number("--to", "um", 0.3, 4, "Last wavelength", o->last_um, "FILE's bands, or 2.5");
+    number("--from", "um", 0.3, 30, "First wavelength", o->first_um, "FILE's bands, or 0.35");
+    number("--to", "um", 0.3, 30, "Last wavelength", o->last_um, "FILE's bands, or 2.5");
     table.number("--step", "nm", 0, 100, "Wavelength step; 0: 1 nm to 1 um, 2 nm to 2.5 um, 10 nm beyond", o->step_nm);
     number("--ground-height", "m", -500, 9000, "Height of z = 0 above the sea; sets the pressure too", o->ground, "FILE's, or 0");
     number("--pressure", "hPa", 1, 1200, "Air pressure at the ground", o->pressure, "FILE's, or 1013.25");
@@ -160,6 +181,14 @@ Verb verb_build() {
     number("--ssa", "", 0, 1, "Aerosol single-scattering albedo at 0.4 um", o->ssa, "FILE's, or 0.945");
     number("--asymmetry", "", -0.95, 0.95, "Aerosol asymmetry factor", o->asymmetry, "FILE's, or 0.65");
     number("--ground-albedo", "", 0, 1, "Albedo of the surroundings in the sky's light", o->albedo, "FILE's, or 0");
+    table.choice("--model", {"layered", "clear_sky"}, "Model of the air", o->model).default_text = "FILE's, or clear_sky";
+    table.text("--profile", "NAME|FILE", "layered: AFGL model atmosphere by name, or a CSV profile", o->profile).default_text = "FILE's, or us_standard";
+    table.text("--aerosol", "NAME", "layered: aerosol of the lowest 2 km", o->aerosol).default_text = "FILE's, or rural";
+    number("--visibility", "km", 0.02, 323, "layered: meteorological range", o->visibility, "FILE's, or 23");
+    number("--humidity", "%", 0, 99, "layered: relative humidity that swells the aerosol", o->humidity, "FILE's, or the profile's");
+    number("--co2", "ppmv", 0, 1e4, "layered: carbon dioxide", o->co2, "FILE's, or the profile's 330");
+    number("--ch4", "ppmv", 0, 1000, "layered: methane", o->ch4, "FILE's, or the profile's");
+    table.flag("--no-cache", "Neither read nor keep a table of the layered model", o->no_cache);
     table.flag("--no-air", "Vacuum: transmission 1, no sky, no path radiance", o->no_air);
   };
   verb.run = [o](Context& context) { return build(*o, context); };

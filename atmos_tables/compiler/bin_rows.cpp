@@ -1,0 +1,231 @@
+#include "atmos_tables/compiler/bin_rows.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "atmos_tables/interpolate.h"
+#include "atmos_tables/table_rows.h"
+
+namespace raycube::atmos {
+
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+double radians(double degrees) { return degrees * kPi / 180; }
+
+/// Azimuth orders past this part of the first are dropped: radiances change by less than 1e-4.
+constexpr double kFourierTolerance = 1e-5;
+/// Below this a transmission counts as none: ratios of such numbers carry nothing.
+constexpr double kSmallestTransmission = 1e-30;
+constexpr double kLargestFactorLog = 20;
+
+/// Dense in the aureole, where tabulated Mie functions have a cusp (0.25 deg is the sun's radius), and around the glory.
+std::vector<double> scattering_angles() {
+  std::vector<double> out = {0, 0.25, 0.5, 0.75, 1, 1.25, 1.5, 1.75, 2, 2.5, 3, 3.5};
+  for (int i = 4; i < 10; ++i) out.push_back(i);
+  for (int i = 10; i < 30; i += 2) out.push_back(i);
+  for (int i = 30; i < 160; i += 5) out.push_back(i);
+  for (int i = 160; i <= 180; i += 2) out.push_back(i);
+  return out;
+}
+
+std::vector<double> sum_of(std::vector<double> a, const std::vector<double>& b) {
+  for (std::size_t i = 0; i < a.size(); ++i) a[i] += b[i];
+  return a;
+}
+
+}  // namespace
+
+BinGeometry::BinGeometry(const AirStack& air, const scene::Sun& sun, double z0_km, double sensor_height_m,
+                         const std::vector<double>& target_height_m)
+    : stack(&air),
+      sun_zenith_deg(sun.zenith_deg),
+      sun_azimuth_deg(sun.azimuth_deg),
+      day(sun.zenith_deg < 90),
+      sensor_level(air.level_of(z0_km + sensor_height_m / 1000)),
+      view_zenith{0, 15, 30, 40, 50, 60, 70, 80},
+      view_azimuth{0, 30, 60, 90, 120, 150, 180},
+      sky_zenith{0, 10, 20, 30, 40, 50, 60, 70, 75, 80, 84, 87, 89, 90},
+      sky_azimuth{0, 5, 10, 20, 30, 45, 60, 75, 90, 105, 120, 135, 150, 165, 180},
+      scattering_angle(scattering_angles()) {
+  const std::size_t top = air.layers();
+  for (double height : target_height_m) {
+    level.push_back(air.level_of(z0_km + height / 1000));
+    sun_path.push_back(air.path_factors(level.back(), top, day ? sun_zenith_deg : 0));
+    for (double zenith : view_zenith) view_path.push_back(air.path_factors(level.back(), sensor_level, zenith));
+  }
+}
+
+BinRows::BinRows(RenderTable& table, const BinGeometry& geometry, bool thermal)
+    : table_(table), geometry_(geometry), thermal_(thermal) {
+  add_axis(table, "view_zenith", geometry.view_zenith);
+  add_axis(table, "relative_azimuth", geometry.view_azimuth);
+  add_axis(table, "sky_zenith", geometry.sky_zenith);
+  add_axis(table, "sky_azimuth", geometry.sky_azimuth);
+  add_axis(table, "scattering_angle", geometry.scattering_angle);
+  const char* bands = "band-model gases by path, Rayleigh, aerosols; spherical refracting shells";
+  const char* solver = "discrete ordinates over k-terms";
+  for (const char* row : {"sun_transmission", "sun_optical_depth", "view_transmission", "view_optical_depth"})
+    add_row(table, row, bands);
+  add_row(table, "two_way_factor", "band-model transmission of the joined path over the product of both");
+  for (const char* row : {"path_radiance_solar", "sky_radiance_solar", "diffuse_irradiance", "spherical_albedo",
+                          "diffuse_view_transmission", "diffuse_return"})
+    add_row(table, row, solver);
+  add_row(table, "sky_phase_mean", "by scattering depth above the target");
+  add_row(table, "sky_scattering_depth", "Rayleigh and aerosol extinction above the target");
+  add_row(table, "direct_irradiance", "E0 cos(sun zenith) T_sun");
+  if (!thermal) return;
+  for (const char* row : {"path_radiance_thermal", "sky_radiance_thermal", "two_way_factor_thermal"})
+    add_row(table, row, solver);
+}
+
+std::span<float> BinRows::row(const char* name, std::size_t i) const {
+  std::vector<float>& values = table_.rows.at(name).values;
+  const std::size_t size = values.size() / table_.axes.at("wavelength").nodes.size();
+  return {values.data() + i * size, size};
+}
+
+void BinRows::fill(std::size_t i, const SpectralAir& air, int streams) const {
+  fill_paths(i, air);
+  fill_scattering(i, air, streams);
+  if (thermal_) fill_thermal(i, air, streams);
+}
+
+void BinRows::fill_paths(std::size_t i, const SpectralAir& air) const {
+  const BinGeometry& g = geometry_;
+  const std::size_t heights = g.level.size(), views = g.view_zenith.size(), angles = g.scattering_angle.size();
+  float& solar = row("solar_irradiance", i)[0];
+  if (!g.day) solar = 0;
+  const double e0 = solar, mu0 = g.day ? std::cos(radians(g.sun_zenith_deg)) : 0;
+  const auto sun_depth = row("sun_optical_depth", i), sun_transmission = row("sun_transmission", i);
+  const auto view_depth = row("view_optical_depth", i), view_transmission = row("view_transmission", i);
+  const auto direct = row("direct_irradiance", i), factor = row("two_way_factor", i);
+  const auto shape_depth = row("sky_scattering_depth", i), phase = row("sky_phase_mean", i);
+  for (std::size_t h = 0; h < heights; ++h) {
+    const double sun_lines = air.line_depth(g.sun_path[h]), down = air.grey_depth(g.sun_path[h]) + sun_lines;
+    sun_depth[h] = static_cast<float>(down);
+    sun_transmission[h] = static_cast<float>(std::exp(-down));
+    direct[h] = static_cast<float>(e0 * mu0 * std::exp(-down));
+    for (std::size_t v = 0; v < views; ++v) {
+      const std::size_t n = h * views + v;
+      const std::vector<double>& path = g.view_path[n];
+      const double lines = air.line_depth(path), up = air.grey_depth(path) + lines;
+      view_depth[n] = static_cast<float>(up);
+      view_transmission[n] = static_cast<float>(std::exp(-up));
+      const double joined = air.line_depth(sum_of(g.sun_path[h], path));
+      // Where no light comes through either way the ratio carries nothing and is bounded.
+      factor[n] = static_cast<float>(std::exp(std::min(sun_lines + lines - joined, kLargestFactorLog)));
+    }
+    shape_depth[h] = static_cast<float>(air.scattering_depth_above(g.level[h]));
+    for (std::size_t s = 0; s < angles; ++s)
+      phase[h * angles + s] =
+          static_cast<float>(air.mean_phase_above(g.level[h], std::cos(radians(g.scattering_angle[s]))));
+  }
+}
+
+void BinRows::fill_scattering(std::size_t i, const SpectralAir& air, int streams) const {
+  const BinGeometry& g = geometry_;
+  const std::size_t heights = g.level.size(), views = g.view_zenith.size(), azimuths = g.view_azimuth.size();
+  const std::size_t zeniths = g.sky_zenith.size(), sky_azimuths = g.sky_azimuth.size(), top = g.stack->layers();
+  const double e0 = row("solar_irradiance", i)[0];
+  // The solver counts azimuth from where the beam goes; the table from where the sun is (docs/conventions.md). Sky light towards
+  // the observer from the sun's side travels with the beam, light towards a sensor on the sun's side against it.
+  std::vector<double> view_turned;
+  for (double azimuth : g.view_azimuth) view_turned.push_back(180 - azimuth);
+  const auto count = [&](std::size_t extra) { return std::vector<double>(heights * extra, 0.0); };
+  std::vector<double> path = count(views * azimuths), sky = count(zeniths * sky_azimuths), diffuse = count(1);
+  std::vector<double> albedo = count(1), through = count(views), back = count(zeniths);
+  for (std::size_t j = 0; j < air.terms(); ++j) {
+    const double weight = air.weight(j);
+    const solver::Column column = air.column(j, e0, g.sun_zenith_deg, false);
+    const solver::ColumnSolution solved =
+        solver::solve_column(column, {.streams = streams, .fourier_tolerance = kFourierTolerance});
+    const auto depth_of = [&](std::size_t level) { return solved.level_depth(top - level); };
+    const double sensor_depth = depth_of(g.sensor_level);
+    const solver::GroundCoupling coupling = solved.ground_coupling();
+    const double ground_scattering = air.scattering_depth_above(0);
+    for (std::size_t v = 0; v < views; ++v) {
+      const double mu = std::cos(radians(g.view_zenith[v]));
+      const std::vector<double> up = e0 > 0 ? solved.radiances(sensor_depth, mu, view_turned, {}) : std::vector<double>();
+      const solver::GroundTransmission ground = solved.ground_transmission(sensor_depth, mu);
+      for (std::size_t h = 0; h < heights; ++h) {
+        const double between = air.depth_between(j, g.level[h], g.sensor_level);
+        const double transmission = std::exp(-between / mu);
+        if (e0 > 0) {
+          const std::vector<double> below = solved.radiances(depth_of(g.level[h]), mu, view_turned, {});
+          for (std::size_t a = 0; a < azimuths; ++a)
+            path[(h * views + v) * azimuths + a] += weight * std::max(0.0, up[a] - transmission * below[a]);
+        }
+        // Diffuse light of the ground is known for the lowest ground. From higher ground it is taken as the same share of what
+        // the path scatters: 1 - exp(-depth) of the scatterers.
+        const double from_ground = air.depth_between(j, 0, g.sensor_level);
+        const double share = from_ground > 0 ? std::expm1(-between / mu) / std::expm1(-from_ground / mu) : 1;
+        through[h * views + v] += weight * ground.diffuse * share;
+      }
+    }
+    for (std::size_t h = 0; h < heights; ++h) {
+      const double depth = depth_of(g.level[h]);
+      const double share = ground_scattering > 0 ? air.scattering_depth_above(g.level[h]) / ground_scattering : 1;
+      albedo[h] += weight * coupling.spherical_albedo * share;
+      if (e0 > 0) diffuse[h] += weight * solved.fluxes(depth, {}).diffuse_down;
+      for (std::size_t z = 0; z < zeniths; ++z) {
+        const double mu = std::cos(radians(g.sky_zenith[z]));
+        back[h * zeniths + z] += weight * solved.ground_transmission(depth_of(0), -std::max(mu, 1e-9)).diffuse * share;
+        if (!(e0 > 0)) continue;
+        const std::vector<double> down = solved.radiances(depth, -std::max(mu, 1e-9), g.sky_azimuth, {});
+        for (std::size_t a = 0; a < sky_azimuths; ++a) sky[(h * zeniths + z) * sky_azimuths + a] += weight * down[a];
+      }
+    }
+  }
+  const auto store = [&](const char* name, const std::vector<double>& values) {
+    std::transform(values.begin(), values.end(), row(name, i).begin(),
+                   [](double value) { return static_cast<float>(std::max(0.0, value)); });
+  };
+  store("path_radiance_solar", path);
+  store("sky_radiance_solar", sky);
+  store("diffuse_irradiance", diffuse);
+  store("spherical_albedo", albedo);
+  store("diffuse_view_transmission", through);
+  store("diffuse_return", back);
+}
+
+void BinRows::fill_thermal(std::size_t i, const SpectralAir& air, int streams) const {
+  const BinGeometry& g = geometry_;
+  const std::size_t heights = g.level.size(), views = g.view_zenith.size(), zeniths = g.sky_zenith.size();
+  const std::size_t top = g.stack->layers();
+  const auto count = [&](std::size_t extra) { return std::vector<double>(heights * extra, 0.0); };
+  std::vector<double> path = count(views), sky = count(zeniths), joined = count(views), plain_sky = count(1);
+  std::vector<double> plain_view = count(views);
+  for (std::size_t j = 0; j < air.terms(); ++j) {
+    const double weight = air.weight(j);
+    const solver::ColumnSolution solved = solver::solve_column(air.column(j, 0, 0, true), {.streams = streams});
+    const auto depth_of = [&](std::size_t level) { return solved.level_depth(top - level); };
+    for (std::size_t h = 0; h < heights; ++h) {
+      const double depth = depth_of(g.level[h]), irradiance = solved.fluxes(depth, {}).diffuse_down;
+      plain_sky[h] += weight * irradiance;
+      for (std::size_t v = 0; v < views; ++v) {
+        const double mu = std::cos(radians(g.view_zenith[v]));
+        const double transmission = std::exp(-air.depth_between(j, g.level[h], g.sensor_level) / mu);
+        const double up = solved.radiance(depth_of(g.sensor_level), mu, 0, {});
+        path[h * views + v] += weight * std::max(0.0, up - transmission * solved.radiance(depth, mu, 0, {}));
+        joined[h * views + v] += weight * irradiance * transmission;
+        plain_view[h * views + v] += weight * transmission;
+      }
+      for (std::size_t z = 0; z < zeniths; ++z)
+        sky[h * zeniths + z] += weight * solved.radiance(depth, -std::max(std::cos(radians(g.sky_zenith[z])), 1e-9), 0, {});
+    }
+  }
+  for (std::size_t k = 0; k < joined.size(); ++k) {
+    const double product = plain_sky[k / views] * plain_view[k];
+    joined[k] = product > kSmallestTransmission ? joined[k] / product : 1.0;
+  }
+  const auto store = [&](const char* name, const std::vector<double>& values) {
+    std::transform(values.begin(), values.end(), row(name, i).begin(), [](double value) { return static_cast<float>(value); });
+  };
+  store("path_radiance_thermal", path);
+  store("sky_radiance_thermal", sky);
+  store("two_way_factor_thermal", joined);
+}
+
+}  // namespace raycube::atmos

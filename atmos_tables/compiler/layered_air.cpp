@@ -1,0 +1,136 @@
+#include "atmos_tables/compiler/layered_air.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <exception>
+#include <mutex>
+#include <numbers>
+#include <thread>
+
+#include <nlohmann/json.hpp>
+
+#include "atmos_tables/clear_sky_inputs.h"
+#include "atmos_tables/compiler/air_stack.h"
+#include "atmos_tables/compiler/bin_rows.h"
+#include "atmos_tables/table_rows.h"
+#include "host/base/error.h"
+
+namespace raycube::atmos {
+
+namespace {
+
+std::string provenance(const scene::AtmosphereSpec& spec, const scene::Sun& sun, const AirStack& stack) {
+  const scene::AirSpec& air = *spec.layered;
+  const AirLevel ground = stack.profile().levels().front();
+  nlohmann::json j;
+  j["model"] = "raycube layered air";
+  j["sources"] = {"profile: " + stack.profile().source(),
+                  "gases: LOWTRAN7 (Kneizys et al. 1988) and 6S (Vermote et al. 1997) bands, blended",
+                  "Rayleigh: Bodhaine et al. 1999",
+                  "aerosols: LOWTRAN7 (Shettle & Fenn 1979), Mie phase functions",
+                  "scattering: discrete ordinates (Stamnes et al. 1988), delta-M, Nakajima & Tanaka 1988",
+                  "Spencer 1971"};
+  j["parameters"] = {{"ground_height_m", spec.ground_height_m},
+                     {"profile", air.profile},
+                     {"ground_pressure_hPa", ground.pressure_hPa},
+                     {"ground_temperature_K", ground.temperature_K},
+                     {"water_g_cm2", stack.profile().water_g_cm2()},
+                     {"ozone_atm_cm", stack.profile().ozone_atm_cm()},
+                     {"co2_ppmv", ground.ppmv(Gas::co2)},
+                     {"aerosol", air.aerosol},
+                     {"visibility_km", air.visibility_km},
+                     {"aod_550", air.aod_550 >= 0 ? nlohmann::json(air.aod_550) : nlohmann::json("from visibility")},
+                     {"day_of_year", sun.day_of_year},
+                     {"streams", air.streams},
+                     {"k_terms", air.k_terms},
+                     {"layers", stack.layers()},
+                     {"gas_bands", air.gas_bands}};
+  j["notices"] = stack.notices();
+  j["limits"] = {"no polarisation: Rayleigh light off by 1 to 5 %, up to 11 % at grazing angles",
+                 "gas structure finer than 20 cm-1 (LOWTRAN7) or 10 cm-1 (6S) is not resolved",
+                 "plane-parallel scattering: rough for view zeniths above 80 deg"};
+  return j.dump();
+}
+
+/// Runs body(i) for every i on some threads; the first exception ends all and is thrown on.
+void for_each_on_threads(std::size_t count, int threads, const std::function<void(std::size_t)>& body) {
+  const auto hardware = std::max(1u, std::thread::hardware_concurrency());
+  const auto workers = std::min<std::size_t>(count, threads > 0 ? static_cast<std::size_t>(threads) : hardware);
+  std::atomic<std::size_t> next{0};
+  std::exception_ptr failure;
+  std::mutex mutex;
+  const auto work = [&] {
+    try {
+      for (std::size_t i; (i = next.fetch_add(1)) < count;) body(i);
+    } catch (...) {
+      next = count;
+      const std::lock_guard lock(mutex);
+      if (!failure) failure = std::current_exception();
+    }
+  };
+  std::vector<std::thread> pool;
+  for (std::size_t t = 1; t < workers; ++t) pool.emplace_back(work);
+  work();
+  for (auto& thread : pool) thread.join();
+  if (failure) std::rethrow_exception(failure);
+}
+
+}  // namespace
+
+RenderTable build_layered(const scene::AtmosphereSpec& spec, const scene::Sun& sun, double sensor_height_m,
+                          const std::vector<double>& wavelength_um, const std::vector<double>& target_height_m,
+                          const BuildWatch& watch) {
+  if (!spec.layered) throw base::Error(base::Fault::bug, "build_layered was given no layered air");
+  check_table_request(sun, sensor_height_m, wavelength_um, target_height_m, kLayeredFirst_um, kLayeredLast_um);
+  const double z0_km = spec.ground_height_m / 1000;
+  std::vector<double> marks_km = {z0_km + sensor_height_m / 1000};
+  for (double height : target_height_m) marks_km.push_back(z0_km + height / 1000);
+  const AirStack stack(*spec.layered, z0_km + target_height_m.front() / 1000, marks_km);
+
+  RenderTable table = sunlit_table(sun, sensor_height_m, wavelength_um, target_height_m);
+  table.provenance_json = provenance(spec, sun, stack);
+  const BinGeometry geometry(stack, sun, z0_km, sensor_height_m, target_height_m);
+  BinRows rows(table, geometry, wavelength_um.back() >= kThermalFrom_um);
+  const std::vector<SpectralBin> bins = spectral_bins(wavelength_um);
+  for_each_on_threads(bins.size(), watch.threads, [&](std::size_t i) {
+    rows.fill(i, SpectralAir(stack, bins[i], static_cast<std::size_t>(spec.layered->k_terms)), spec.layered->streams);
+    if (watch.finished) watch.finished(i);
+  });
+  validate(table, "layered air");
+  return table;
+}
+
+std::vector<double> layered_wavelengths(double first_um, double last_um, double step_um) {
+  base::Problems problems;
+  if (!(first_um >= kLayeredFirst_um && last_um <= kLayeredLast_um && first_um < last_um))
+    problems.add({"", 0, 0, "atmosphere wavelengths"}, "the layered model covers 0.3 to 30 um and ends there",
+                 std::to_string(first_um) + " to " + std::to_string(last_um) + " um", "narrow the range, or import a table");
+  if (!(step_um >= 0) || (step_um > 0 && (last_um - first_um) / step_um > 1e6))
+    problems.add({"", 0, 0, "atmosphere wavelength step"}, "must be positive and give at most 1e6 wavelengths",
+                 std::to_string(step_um) + " um", "choose a wider step");
+  problems.throw_if_any();
+  std::vector<double> out;
+  const auto add_span = [&](double low, double high, double step) {
+    low = std::max(low, first_um), high = std::min(high, last_um);
+    if (!(low < high)) return;
+    for (std::size_t i = 0; low + static_cast<double>(i) * step < high - 1e-9 * step; ++i)
+      out.push_back(low + static_cast<double>(i) * step);
+  };
+  if (step_um > 0) {
+    add_span(first_um, last_um, step_um);
+  } else {
+    add_span(first_um, 1.0, 0.001);
+    add_span(1.0, 2.5, 0.002);
+    if (last_um > 2.5) {
+      // Steps of 5 cm-1 on multiples of 5, the spacing of the band tables.
+      const double start = std::max(first_um, 2.5);
+      if (out.empty() || start > out.back()) out.push_back(start);
+      for (double v = 5 * std::floor((1e4 / start - 1) / 5); v > 1e4 / last_um + 1; v -= 5) out.push_back(1e4 / v);
+    }
+  }
+  out.push_back(last_um);
+  return out;
+}
+
+}  // namespace raycube::atmos

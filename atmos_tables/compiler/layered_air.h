@@ -1,0 +1,34 @@
+// The built-in layered model: profiles, band-model gases with k-terms, aerosols with Mie phase functions and the
+// multiple-scattering solver fill a render table. docs/atmosphere.md says what it is made of and how good it is.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "atmos_tables/render_table.h"
+#include "scene_compiler/simulation.h"
+
+namespace raycube::atmos {
+
+inline constexpr double kLayeredFirst_um = 0.3, kLayeredLast_um = 30.0;
+/// Tables that reach this far hold thermal rows: at 3 um a body of 300 K emits 2e-3 of what sunlit grass reflects.
+inline constexpr double kThermalFrom_um = 3.0;
+
+struct BuildWatch {
+  int threads = 0;                                   ///< 0: all cores; cannot change a result
+  std::function<void(std::size_t done)> finished;    ///< after every wavelength, from any thread; may throw to stop
+};
+
+/// Wavelengths ascending within 0.3..30 um; target heights ascending, m above z = 0, none above the sensor. spec.layered must be
+/// set. Sun zenith from 90 to below 108 deg is refused (twilight); from 108 deg on the solar rows are 0. Throws Error(input)
+/// with every problem found.
+RenderTable build_layered(const scene::AtmosphereSpec& spec, const scene::Sun& sun, double sensor_height_m,
+                          const std::vector<double>& wavelength_um, const std::vector<double>& target_height_m,
+                          const BuildWatch& watch = {});
+
+/// Default grid of the range: 1 nm to 1 um, 2 nm to 2.5 um, 5 cm-1 beyond; step_um > 0 replaces all three.
+std::vector<double> layered_wavelengths(double first_um, double last_um, double step_um = 0);
+
+}  // namespace raycube::atmos

@@ -1,0 +1,118 @@
+#include "host/cli/air_table.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "atmos_tables/clear_sky.h"
+#include "atmos_tables/compiler/layered_air.h"
+#include "atmos_tables/rct_file.h"
+#include "host/base/error.h"
+#include "host/base/interrupt.h"
+#include "host/base/progress.h"
+#include "host/base/sha256.h"
+
+namespace raycube::cli {
+
+namespace {
+
+/// Empty when the user has no home.
+std::filesystem::path cache_folder() {
+  if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache && *cache) return std::filesystem::path(cache) / "raycube/atmosphere";
+  if (const char* home = std::getenv("HOME"); home && *home) return std::filesystem::path(home) / ".cache/raycube/atmosphere";
+  return {};
+}
+
+/// The program's own bytes, so that no build reads what another made.
+std::string program_hash() {
+  base::Sha256 hash;
+  std::ifstream file("/proc/self/exe", std::ios::binary);
+  std::vector<char> piece(1 << 20);
+  while (file.read(piece.data(), static_cast<std::streamsize>(piece.size())) || file.gcount() > 0)
+    hash.add(piece.data(), static_cast<std::size_t>(file.gcount()));
+  return hash.hex();
+}
+
+std::string file_text(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+std::string request_hash(const AirRequest& r, const std::vector<double>& wavelengths, const std::vector<double>& heights) {
+  const scene::AirSpec& air = *r.spec->layered;
+  const bool own_profile = std::filesystem::path(air.profile).is_absolute();
+  nlohmann::json clouds;
+  for (const auto& cloud : air.clouds) clouds.push_back({cloud.kind, cloud.base_km, cloud.top_km, cloud.optical_depth_550});
+  const nlohmann::json key = {
+      program_hash(), r.spec->ground_height_m, r.sun.zenith_deg, r.sun.azimuth_deg, r.sun.day_of_year, r.sensor_height_m,
+      wavelengths, heights, own_profile ? base::sha256_hex(file_text(air.profile)) : air.profile, air.pressure_hPa,
+      air.water_g_cm2, air.ozone_atm_cm, air.co2_ppmv, air.ch4_ppmv, air.aerosol, air.visibility_km, air.aod_550,
+      air.humidity_percent, air.season, air.stratosphere, air.henyey_greenstein, air.gas_bands, air.streams, air.k_terms,
+      air.layering, air.wind_m_s, clouds};
+  return base::sha256_hex(key.dump());
+}
+
+atmos::RenderTable build_with_progress(const AirRequest& request, const std::vector<double>& wavelengths,
+                                       const std::vector<double>& heights, Context& context) {
+  base::Progress progress(context.log, "atmosphere", wavelengths.size(), "wavelengths");
+  atmos::BuildWatch watch;
+  watch.threads = context.common.threads;
+  watch.finished = [&](std::size_t) {
+    base::throw_if_interrupted();
+    progress.advance();
+  };
+  return atmos::build_layered(*request.spec, request.sun, request.sensor_height_m, wavelengths, heights, watch);
+}
+
+}  // namespace
+
+atmos::RenderTable air_table(const AirRequest& request, Context& context) {
+  const scene::AtmosphereSpec& spec = *request.spec;
+  if (!spec.layered || !spec.table_file.empty() || spec.none) {
+    const bool from_file = !spec.table_file.empty();
+    return atmos::make_table(
+        spec, request.sun, request.sensor_height_m,
+        from_file ? std::vector<double>{} : atmos::clear_sky_wavelengths(request.first_um, request.last_um, request.step_um),
+        spec.none ? std::vector<double>{request.low_m} : atmos::clear_sky_heights(request.low_m, request.high_m));
+  }
+  const auto wavelengths = atmos::layered_wavelengths(request.first_um, request.last_um, request.step_um);
+  const auto heights = atmos::clear_sky_heights(request.low_m, request.high_m);
+  const std::filesystem::path folder = request.cached ? cache_folder() : std::filesystem::path();
+  if (folder.empty()) return build_with_progress(request, wavelengths, heights, context);
+  const std::filesystem::path file = folder / (request_hash(request, wavelengths, heights) + ".rct");
+  std::error_code error;
+  if (std::filesystem::exists(file, error)) {
+    try {
+      atmos::RenderTable table = atmos::read_rct(file.string());
+      context.log.detail("atmosphere: table from the cache, " + file.string());
+      return table;
+    } catch (const base::Error& damaged) {
+      context.log.warning(std::string(damaged.what()) + "; it is built anew");
+    }
+  }
+  atmos::RenderTable table = build_with_progress(request, wavelengths, heights, context);
+  try {
+    std::filesystem::create_directories(folder);
+    atmos::write_rct(table, file.string(), base::IfExists::replace);
+  } catch (const std::exception& failed) {
+    context.log.detail(std::string("atmosphere: the table could not be kept for the next run: ") + failed.what());
+  }
+  return table;
+}
+
+std::pair<double, double> band_range(const std::vector<scene::Band>& bands) {
+  double first = 1e9, last = 0;
+  for (const auto& band : bands) {
+    const bool gaussian = band.fwhm_um > 0;
+    first = std::min(first, gaussian ? band.center_um - 2.5 * band.fwhm_um : band.wavelength_um.front());
+    last = std::max(last, gaussian ? band.center_um + 2.5 * band.fwhm_um : band.wavelength_um.back());
+  }
+  return {first, last};
+}
+
+}  // namespace raycube::cli
