@@ -6,11 +6,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "atmos_tables/environment.h"
-#include "atmos_tables/interpolate.h"
 #include "host/base/error.h"
+#include "host/plan/adjacency.h"
 #include "host/plan/band_space.h"
-#include "host/plan/environment_map.h"
 #include "host/plan/irradiance_map.h"
 #include "host/plan/plan.h"
 #include "host/plan/plan_errors.h"
@@ -109,63 +107,6 @@ nlohmann::json describe(const std::vector<SkyLevel>& levels) {
 
 nlohmann::json describe(const NodeAxis& axis) { return {{"first", axis.first}, {"step", axis.step}, {"count", axis.count}}; }
 
-/// What of [atmosphere] adjacency this table and air allow. Error(input) when the file asks for what the table lacks.
-scene::Adjacency choose_adjacency(const scene::Simulation& simulation, const atmos::RenderTable& table) {
-  const scene::AtmosphereSpec& spec = simulation.atmosphere;
-  const bool possible = !spec.none && atmos::has_ground_coupling(table);
-  if (spec.adjacency == scene::Adjacency::automatic) return possible ? scene::Adjacency::local : scene::Adjacency::off;
-  if (spec.adjacency != scene::Adjacency::off && !possible)
-    throw base::Error(base::Fault::input,
-                      simulation.file + ": atmosphere.adjacency asks for light between ground and air, " +
-                          (spec.none ? "the model is 'none'" : "the atmosphere table lacks one of spherical_albedo, diffuse_view_transmission, "
-                                                               "diffuse_return, diffuse_irradiance") +
-                          "; use a table that has them, or adjacency = \"off\"");
-  return spec.adjacency;
-}
-
-/// Mean reflectance on the table's wavelengths; light must not grow without end between ground and air.
-Spectrum ground_of(const EnvironmentMap& map, const scene::Simulation& simulation, const atmos::RenderTable& table,
-                   const std::vector<double>& covered_um, std::size_t first) {
-  Spectrum ground = mean_reflectance(map, simulation.scene, covered_um);
-  const auto& nodes = table.axis("target_height").nodes;
-  for (const double z : nodes) {
-    const Spectrum back = atmos::spherical_albedo(table, z);
-    for (std::size_t i = 0; i < ground.size(); ++i)
-      if (!(ground[i] * back[first + i] < 1 - 1e-6))
-        throw base::Error(base::Fault::input,
-                          fmt::format("atmosphere table: at {:.6g} um the ground's mean reflectance {:.6g} times the spherical albedo {:.6g} "
-                                      "reaches 1: light would grow without end; check the row spherical_albedo",
-                                      covered_um[i], ground[i], back[first + i]));
-  }
-  return ground;
-}
-
-/// Part of T_dif that has the molecules' environment function.
-Spectrum molecular_share(const TableSpectra& air, const std::vector<double>& covered_um, double pressure_hPa, double z, double sensor_z,
-                         double zenith_rad) {
-  Spectrum share = air.diffuse_view_transmission(z, zenith_rad);
-  const Spectrum factor = air.two_way_factor(z, zenith_rad);  // which that carries
-  for (std::size_t i = 0; i < share.size(); ++i) {
-    const double molecules = factor[i] * atmos::molecular_diffuse_transmission(covered_um[i], pressure_hPa, z, sensor_z, std::cos(zenith_rad));
-    share[i] = share[i] > molecules ? molecules / share[i] : 1.0;
-  }
-  return share;
-}
-
-nlohmann::json describe(const EnvironmentMap& map, scene::Adjacency mode, const scene::CompiledScene& scene) {
-  if (map.empty()) return {{"mode", "off"}};
-  nlohmann::json mean = nlohmann::json::object();
-  for (std::size_t c = 0; c < map.mean.size(); ++c)
-    if (map.mean[c] > 0) mean[scene.materials[c].name] = map.mean[c];
-  return {{"mode", mode == scene::Adjacency::local ? "local" : "mean"},
-          {"columns", map.columns},
-          {"rows", map.rows},
-          {"step_m", map.step_m},
-          {"raster_m", map.raster_m},
-          {"sensor_height_m", map.height_m},
-          {"mean", mean}};
-}
-
 }  // namespace
 
 Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& instrument, const atmos::RenderTable& table,
@@ -190,11 +131,8 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
   const std::vector<double> covered(table_um.begin() + static_cast<std::ptrdiff_t>(first), table_um.begin() + static_cast<std::ptrdiff_t>(last) + 1);
   const scene::Adjacency adjacency = choose_adjacency(simulation, table);
   Spectrum ground;
-  if (adjacency != scene::Adjacency::off) {
-    plan.environment = make_environment(simulation.scene, view, domain.z_lo, domain.z_hi, adjacency == scene::Adjacency::local);
-    plan.environment.pressure_hPa = simulation.atmosphere.pressure_hPa;
-    ground = ground_of(plan.environment, simulation, table, covered, first);
-  }
+  if (adjacency != scene::Adjacency::off)
+    ground = plan_environment(plan, simulation, table, domain, adjacency == scene::Adjacency::local, covered, first);
   const TableSpectra air(table, no_air, plan.sun_up, first, last - first + 1, ground);
   if (zenith_of_sec(view.sec_max) > air.last_view_zenith_rad() + 1e-9)
     throw base::Error(base::Fault::input, fmt::format("instrument '{}' looks {:.2f} deg off nadir, the atmosphere table ends at {:.2f} deg; "
@@ -289,20 +227,7 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
         plan.path_spectrum.push_back(bands.to_grid(path_source(air, domain, z, node_position(plan.path_x, x), node_position(plan.path_y, y))));
   }
 
-  if (!plan.environment.empty()) {
-    sample_environment(plan.environment, simulation.scene, spectral.wavelength_um);
-    plan.environment_spectrum.resize(2 * static_cast<std::size_t>(plan.environment_channels()));
-    for (int h = 0; h < plan.height.count; ++h)
-      for (int v = 0; v < plan.view.count; ++v) {
-        const double z = node_position(plan.height, h), sec = node_position(plan.view, v);
-        const Spectrum light = environment_source(air, z, sec);
-        Spectrum part = molecular_share(air, covered, simulation.atmosphere.pressure_hPa, z, view.sensor_height_m, zenith_of_sec(sec));
-        const auto channel = static_cast<std::size_t>(h * plan.view.count + v), channels = static_cast<std::size_t>(plan.environment_channels());
-        plan.environment_spectrum[channel] = bands.to_grid(product(light, part));
-        for (double& s : part) s = 1 - s;
-        plan.environment_spectrum[channels + channel] = bands.to_grid(product(light, part));
-      }
-  }
+  if (!plan.environment.empty()) add_environment_spectra(plan, simulation, air, bands, covered, spectral.wavelength_um);
 
   double map_error = 0;
   if (plan.sky_components > 0) map_error = fit_map(plan, domain.sun_azimuth, levels[static_cast<std::size_t>(choice.sky_rank - 1)].mixture);
@@ -327,7 +252,7 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
                {"directions", plan.sky.directions},
                {"irradiance_map_size", plan.irradiance.size},
                {"irradiance_map_error", map_error}}},
-      {"adjacency", describe(plan.environment, adjacency, simulation.scene)}};
+      {"adjacency", describe(plan.environment, simulation.scene)}};
   if (air.thermal()) {
     report["error"]["temperature_nodes"] = choice.emission_error;
     report["error"]["left_out"] = choice.left_out;

@@ -72,17 +72,6 @@ std::array<double, 3> TileWorker::centre_direction(std::uint32_t pixel) const {
   return {g.d0.x + a * g.du.x, g.d0.y + a * g.du.y, g.d0.z + a * g.du.z};
 }
 
-std::array<plan::EnvironmentWeight, 4> TileWorker::environment_of(std::uint32_t pixel, const float* truth_sums) const {
-  const plan::Plan& plan = setup_.plan;
-  if (const double hit = truth_sums[RC_TRUTH_HIT]; hit > 0)
-    return plan::environment_at(plan.environment, truth_sums[RC_TRUTH_X] / hit, truth_sums[RC_TRUTH_Y] / hit);
-  const auto d = centre_direction(pixel);
-  const auto& group = groups_[pixel / layout_.width * layout_.groups_per_line +
-                              pixel % layout_.width / static_cast<std::uint32_t>(setup_.shape.pixels_per_group)];
-  const double t = (double{plan.height.first} - group.origin.z) / d[2];
-  return plan::environment_at(plan.environment, group.origin.x + t * d[0], group.origin.y + t * d[1]);
-}
-
 void TileWorker::write_truth(std::uint32_t pixel, const float* sums, const float* abundance, const Output& out) {
   fill_truth({sums, abundance, centre_direction(pixel)}, setup_.scene.materials.size(), setup_.sun,
              out.truth + pixel * out.layers);
@@ -178,18 +167,6 @@ void TileWorker::run(const Tile& tile, float* radiance, float* truth, PixelProbe
   if (setup_.plan.sun_up) statistics_.sun_rays += static_cast<std::uint64_t>(hit_rays);
   statistics_.sky_rays += static_cast<std::uint64_t>(hit_rays * setup_.plan.sky.directions);
   statistics_.band_samples += static_cast<std::uint64_t>(pixels) * shape.bands;
-}
-
-void TileWorker::write_environment(std::span<const std::array<plan::EnvironmentWeight, 4>> around, std::size_t first_item, RowBuffers& rows) {
-  std::vector<std::uint32_t> row;
-  std::vector<float> weight;
-  for (const auto& pixel : around)
-    for (const auto& node : pixel) {
-      row.push_back(node.weight > 0 ? table_.row_of(plan::kEnvironmentKey | node.node) : 0);
-      weight.push_back(static_cast<float>(node.weight));
-    }
-  rows.environment_row.write(row, 4 * first_item);
-  rows.environment_weight.write(weight, 4 * first_item);
 }
 
 std::vector<std::uint32_t> TileWorker::finish_rows(RowBuffers& rows, const std::vector<std::uint32_t>& pixels,
@@ -344,22 +321,7 @@ void TileWorker::sum_per_sample(const std::vector<std::uint32_t>& flagged, const
     float sums[RC_TRUTH_SUMS];
     std::copy(std::begin(results[f].truth), std::end(results[f].truth), sums);
     const std::vector<float> abundance(results[f].abundance.begin(), results[f].abundance.end());
-    if (shape.environment) {
-      const auto d = centre_direction(flagged[f]);
-      int iv;
-      float fv;
-      rc_node_weights(static_cast<float>(-std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) / d[2]), plan.view.first,
-                      plan.view.step, plan.view.count, &iv, &fv);
-      for (const auto& node : environment_of(flagged[f], sums)) {
-        if (node.weight == 0) continue;
-        const auto baked = plan::bake_row(plan, setup_.scene, plan::kEnvironmentKey | node.node);
-        for (int h = 0; h < shape.heights; ++h)
-          for (int v = 0; v < shape.views; ++v)
-            for (std::size_t b = 0; b < bands; ++b)
-              results[f].radiance[b] += results[f].path[h] * node.weight * weight_of(v, iv, fv) *
-                                        baked[static_cast<std::size_t>(h * shape.views + v) * shape.bands_padded + b];
-      }
-    }
+    if (shape.environment) add_environment(flagged[f], sums, results[f].path, results[f].radiance);
     write_truth(flagged[f], sums, abundance.data(), out);
     host_radiance_.emplace_back(flagged[f], std::move(results[f].radiance));
   }

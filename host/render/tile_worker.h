@@ -50,6 +50,8 @@ class TileWorker {
                                          const Output& out);
   /// Rows of the band table and weights of the items' environment; every node of theirs is in the table.
   void write_environment(std::span<const std::array<plan::EnvironmentWeight, 4>> around, std::size_t first_item, RowBuffers& rows);
+  /// The same for a pixel summed on the host; path: its weights at the height nodes.
+  void add_environment(std::uint32_t pixel, const float* truth_sums, const std::vector<double>& path, std::vector<double>& radiance) const;
   void relaunch(std::vector<std::uint32_t> flagged, std::size_t capacity, const Output& out,
                 std::vector<std::uint32_t>& still_flagged);
   void sum_per_sample(const std::vector<std::uint32_t>& flagged, const TilePlace& place, const Output& out);

@@ -83,7 +83,7 @@ double share_in_square(atmos::Scatterer scatterer, double x_m, double y_m, doubl
 
 TEST_CASE("S4.9 uniform ground of albedo r: L0 + r (T_dir + T_dif) E_g0 / (pi (1 - r S)) to 1e-5") {
   double worst = 0;
-  for (const auto& [albedo_of_air, rs] : std::vector<std::pair<double, std::vector<double>>>{{0.0, {1.0}}, {0.25, {0.0, 0.05, 0.4}}, {0.96875, {0.4, 1.0}}})
+  for (const auto& [albedo_of_air, rs] : std::vector<std::pair<double, std::vector<double>>>{{0.0, {1.0}}, {0.25, {0.0, 0.05}}, {0.96875, {0.4, 1.0}}})
     for (const double r : rs) {
       const auto image = test::render_image(ground(r), atmos::uniform_table(coupled_air(albedo_of_air, 0.25), grid()));
       const double rho = r;
@@ -97,7 +97,7 @@ TEST_CASE("S4.9 uniform ground of albedo r: L0 + r (T_dir + T_dif) E_g0 / (pi (1
 TEST_CASE("S4.9 S16 white furnace: white ground under air that loses nothing shows radiance 1, whatever S") {
   // The sky of radiance 1 is 1 - S from above and S from the ground; T_dir + T_dif = 1, no light in the path otherwise.
   double worst = 0;
-  for (const double s : {0.0, 0.5, 0.998046875}) {
+  for (const double s : {0.5, 0.998046875}) {
     atmos::UniformAir air = coupled_air(s, 0.375);
     air.solar_irradiance = air.path_radiance = [](double) { return 0.0; };
     air.sky_radiance = [=](double) { return 1 - s; };
