@@ -28,9 +28,9 @@ void check(const AirProfile& profile, const std::vector<double>& level_km) {
 
 }  // namespace
 
-std::vector<LayerNode> layer_nodes(const AirProfile& profile, const std::vector<double>& level_km) {
+std::vector<LayerNode> layer_nodes(const AirProfile& profile, const std::vector<double>& level_km, std::size_t points) {
   check(profile, level_km);
-  const GaussRule rule = gauss_legendre_rule(4);
+  const GaussRule rule = gauss_legendre_rule(points);
   std::vector<LayerNode> nodes;
   for (std::size_t layer = 0; layer + 1 < level_km.size(); ++layer) {
     std::vector<double> edges = {level_km[layer], level_km[layer + 1]};
