@@ -161,6 +161,7 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
                         sky.irradiance(), typical);
     if (solar.sun <= share) errors.sun_sources = 0, errors.left_out += solar.sun;
     if (solar.sky <= share) skylight = false, errors.left_out += solar.sky;
+    if (!plan.environment.empty() && solar.environment <= share) plan.environment = {}, errors.left_out += solar.environment;
     errors.surroundings = 1;
     thermal_levels = sky_levels(thermal_sky, Sky::thermal, air, domain, bands, typical, share);
     temperatures = temperature_levels(emitters, air, domain, bands, covered, typical);
@@ -180,8 +181,8 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
   if (total > simulation.tolerance)
     throw base::Error(base::Fault::input,
                       fmt::format("instrument '{}': {} channels cannot hold the tolerance of {:g}: the nodes of height, view and path and the "
-                                  "sky's components leave an error of {:.3g} (source {:.3g}, path {:.3g}, sky {:.3g}, temperatures {:.3g}); raise the tolerance, narrow "
-                                  "the field of view or split the scene's relief",
+                                  "sky's components leave an error of {:.3g} (source {:.3g}, path {:.3g}, sky {:.3g}, temperatures {:.3g}); raise the "
+                                  "tolerance, narrow the field of view or split the scene's relief",
                                   instrument.name, RC_MAX_CHANNELS, simulation.tolerance, total, choice.source_error, choice.path_error, choice.sky_error,
                                   choice.emission_error));
 

@@ -69,7 +69,9 @@ SolarShare solar_share(const TableSpectra& air, const Domain& domain, const Band
   const Bands sun = divide(brightest.reflected_band_mean(sun_source(air, domain.z(0.5), domain.sec(0.5))), typical);
   const Bands sky = divide(brightest.reflected_band_mean(product(sky_irradiance, sky_path(air, domain.z(0.5), domain.sec(0.5)))), typical);
   // a surface that faces the sun, however low that stands; it is zero at night
-  return {*std::max_element(sun.begin(), sun.end()), *std::max_element(sky.begin(), sky.end())};
+  Bands around(typical.size(), 0.0);
+  if (air.couples_ground()) around = divide(brightest.reflected_band_mean(environment_source(air, domain.z(0.5), domain.sec(0.5))), typical);
+  return {*std::max_element(sun.begin(), sun.end()), *std::max_element(sky.begin(), sky.end()), *std::max_element(around.begin(), around.end())};
 }
 
 Spectrum sky_importance(const TableSpectra& air, const Domain& domain, const BandSpace& bands, const Spectrum& sky_irradiance,

@@ -20,9 +20,10 @@ struct TypicalThermal {
 std::vector<double> typical_radiance(const TableSpectra& air, const Domain& domain, const BandSpace& bands, const Spectrum& sky_irradiance,
                                      const TypicalThermal& thermal);
 
-/// Largest share of a band's typical radiance that sun and sky make by the reflectances of `brightest`.
+/// Largest share of a band's typical radiance that sun, sky and light of the ground around make by the reflectances of
+/// `brightest`.
 struct SolarShare {
-  double sun = 0, sky = 0;
+  double sun = 0, sky = 0, environment = 0;
 };
 SolarShare solar_share(const TableSpectra& air, const Domain& domain, const BandSpace& brightest, const Spectrum& sky_irradiance,
                        const std::vector<double>& typical);
