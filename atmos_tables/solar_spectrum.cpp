@@ -23,6 +23,22 @@ double solar_irradiance_1au(double wavelength_um) {
   return (1 - w) * a.irradiance + w * b.irradiance;
 }
 
+double mean_solar_irradiance_1au(double from_um, double to_um) {
+  const double first = std::begin(kNodes)->wavelength_nm / 1000, last = (std::end(kNodes) - 1)->wavelength_nm / 1000;
+  const auto value = [&](double um) { return solar_irradiance_1au(std::clamp(um, first, last)); };
+  if (!(to_um > from_um)) return value(from_um);
+  double sum = 0, at = from_um, here = value(from_um);
+  const auto advance = [&](double um) {
+    const double next = value(um);
+    sum += 0.5 * (here + next) * (um - at);
+    at = um, here = next;
+  };
+  for (const Node* node = std::begin(kNodes); node != std::end(kNodes); ++node)
+    if (const double um = node->wavelength_nm / 1000; um > from_um && um < to_um) advance(um);
+  advance(to_um);
+  return sum / (to_um - from_um);
+}
+
 std::string solar_source_name() { return "TSIS-1 HSRS (Coddington 2021) 0.35-2.5 um, Gueymard 2004 outside; averages over 2 nm to 500 nm"; }
 
 }  // namespace raycube::atmos

@@ -8,6 +8,8 @@ namespace raycube::atmos {
 
 /// W m-2 um-1, linear between nodes; the wavelength (vacuum) must lie in 0.3..31 um.
 double solar_irradiance_1au(double wavelength_um);
+/// Its mean over [from, to] um; what of it lies outside 0.3..31 um counts as the nearest end.
+double mean_solar_irradiance_1au(double from_um, double to_um);
 /// Short name of the source, for a table's header.
 std::string solar_source_name();
 

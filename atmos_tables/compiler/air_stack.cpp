@@ -14,12 +14,15 @@ namespace raycube::atmos {
 
 namespace {
 
+constexpr double kBoltzmann_hPa_cm3 = 1.380649e-19;  ///< per K
 /// Half a metre: levels closer than this are one.
 constexpr double kSame_km = 0.0005;
 /// Refraction is that of 0.55 um everywhere: dispersion changes airmass by less than 1e-4 up to 85 deg.
 constexpr double kRefractionAt_um = 0.55;
 /// Layers of the solver where nothing asks for finer ones, km above the sea.
 constexpr double kBase_km[] = {0.5, 1, 2, 3, 4, 5, 6, 8, 10, 12, 15, 18, 21, 25, 30, 35, 40, 50, 70};
+/// LOWTRAN7's layers are 1 km thick up to 25 km, then:
+constexpr double kLowtranAbove_km[] = {30, 35, 40, 45, 50, 70};
 
 AirProfile base_profile(const scene::AirSpec& spec) {
   for (std::size_t i = 0; i < kAfglNames.size(); ++i)
@@ -37,6 +40,10 @@ std::vector<double> stack_levels(const scene::AirSpec& spec, double ground_km, d
     if (mark < top_km) wanted.push_back(std::max(mark, ground_km));
   }
   std::vector<double> optional(std::begin(kBase_km), std::end(kBase_km));
+  if (spec.gas_bands == "lowtran") {
+    optional.assign(std::begin(kLowtranAbove_km), std::end(kLowtranAbove_km));
+    for (int km = 1; km <= 25; ++km) optional.push_back(km);
+  }
   optional.insert(optional.end(), kinks_km.begin(), kinks_km.end());
   // The base grid cut into layering parts: the knob of the speed-and-accuracy chart.
   std::vector<double> sorted = optional;
@@ -107,6 +114,12 @@ AirStack::AirStack(const scene::AirSpec& spec, double ground_km, const std::vect
     temperature_K_.push_back(level.temperature_K);
     refractivity_.push_back(refractivity * level.air_per_cm3 / standard_per_cm3);
     if (i + 1 < level_km_.size()) air_column_.push_back(profile_.air_column_per_cm2(level_km_[i], level_km_[i + 1]));
+  }
+  for (std::size_t i = 0; i + 1 < level_km_.size(); ++i) {
+    // Integral of T times density: of p / k, with p exponential in height.
+    const double p0 = profile_.at(level_km_[i]).pressure_hPa, p1 = profile_.at(level_km_[i + 1]).pressure_hPa;
+    const double thickness_cm = 1e5 * (level_km_[i + 1] - level_km_[i]);
+    mean_temperature_K_.push_back((p0 - p1) / std::log(p0 / p1) * thickness_cm / (kBoltzmann_hPa_cm3 * air_column_[i]));
   }
   // What the profile's top carries belongs to the topmost layer (5e-7 of the column at 100 km).
   air_column_.back() += profile_.air_above_per_cm2(level_km_.back());

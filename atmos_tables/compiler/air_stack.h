@@ -26,7 +26,7 @@ AerosolSpec make_aerosols(const scene::AirSpec& spec);
 class AirStack {
  public:
   /// ground_km: where the air begins. marks_km: heights that must be levels (targets, the sensor); those above the top are
-  /// dropped, those below the ground refused.
+  /// dropped, those below the ground refused. With gas_bands "lowtran" the levels are LOWTRAN7's, 1 km apart up to 25 km.
   AirStack(const scene::AirSpec& spec, double ground_km, const std::vector<double>& marks_km);
 
   const std::vector<double>& level_km() const { return level_km_; }
@@ -38,6 +38,7 @@ class AirStack {
   const AerosolColumn& aerosols() const { return aerosols_; }
   const LayerGases& gases() const { return gases_; }
   double temperature_K(std::size_t level) const { return temperature_K_[level]; }
+  double mean_temperature_K(std::size_t layer) const { return mean_temperature_K_[layer]; }  ///< by density
   double air_column_per_cm2(std::size_t layer) const { return air_column_[layer]; }
   double co2_ppmv() const { return co2_ppmv_; }
   const std::vector<std::string>& notices() const { return notices_; }
@@ -52,7 +53,7 @@ class AirStack {
   AerosolColumn aerosols_;
   std::vector<double> level_km_;
   LayerGases gases_;
-  std::vector<double> temperature_K_, refractivity_, air_column_;
+  std::vector<double> temperature_K_, mean_temperature_K_, refractivity_, air_column_;
   double co2_ppmv_ = 0;
 };
 

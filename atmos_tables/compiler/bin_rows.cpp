@@ -54,11 +54,12 @@ BinGeometry::BinGeometry(const AirStack& air, const scene::Sun& sun, double z0_k
     level.push_back(air.level_of(z0_km + height / 1000));
     sun_path.push_back(air.path_factors(level.back(), top, day ? sun_zenith_deg : 0));
     for (double zenith : view_zenith) view_path.push_back(air.path_factors(level.back(), sensor_level, zenith));
+    for (double zenith : sky_zenith) sky_path.push_back(air.path_factors(level.back(), top, zenith));
   }
 }
 
-BinRows::BinRows(RenderTable& table, const BinGeometry& geometry, bool thermal)
-    : table_(table), geometry_(geometry), thermal_(thermal) {
+BinRows::BinRows(RenderTable& table, const BinGeometry& geometry, bool thermal, LayerEmission emission)
+    : table_(table), geometry_(geometry), thermal_(thermal), emission_(emission) {
   add_axis(table, "view_zenith", geometry.view_zenith);
   add_axis(table, "relative_azimuth", geometry.view_azimuth);
   add_axis(table, "sky_zenith", geometry.sky_zenith);
@@ -76,8 +77,9 @@ BinRows::BinRows(RenderTable& table, const BinGeometry& geometry, bool thermal)
   add_row(table, "sky_scattering_depth", "Rayleigh and aerosol extinction above the target");
   add_row(table, "direct_irradiance", "E0 cos(sun zenith) T_sun");
   if (!thermal) return;
-  for (const char* row : {"path_radiance_thermal", "sky_radiance_thermal", "two_way_factor_thermal"})
-    add_row(table, row, solver);
+  const char* emitted = "band model along the path, Planck radiance across every layer; scattered light by discrete ordinates";
+  for (const char* row : {"path_radiance_thermal", "sky_radiance_thermal"}) add_row(table, row, emitted);
+  add_row(table, "two_way_factor_thermal", solver);
 }
 
 std::span<float> BinRows::row(const char* name, std::size_t i) const {
@@ -197,6 +199,14 @@ void BinRows::fill_thermal(std::size_t i, const SpectralAir& air, int streams) c
   const auto count = [&](std::size_t extra) { return std::vector<double>(heights * extra, 0.0); };
   std::vector<double> path = count(views), sky = count(zeniths), joined = count(views), plain_sky = count(1);
   std::vector<double> plain_view = count(views);
+  for (std::size_t h = 0; h < heights; ++h) {
+    for (std::size_t v = 0; v < views; ++v)
+      path[h * views + v] = path_emission(air, *g.stack, g.view_path[h * views + v], g.level[h], g.sensor_level, true, emission_);
+    for (std::size_t z = 0; z < zeniths; ++z)
+      sky[h * zeniths + z] = path_emission(air, *g.stack, g.sky_path[h * zeniths + z], g.level[h], top, false, emission_);
+  }
+  // Thermal light scattered into the path: what the solver has beyond the same column in which scattering only takes away.
+  const bool scattered = emission_ == LayerEmission::graded;
   for (std::size_t j = 0; j < air.terms(); ++j) {
     const double weight = air.weight(j);
     const solver::ColumnSolution solved = solver::solve_column(air.column(j, 0, 0, true), {.streams = streams});
@@ -207,13 +217,18 @@ void BinRows::fill_thermal(std::size_t i, const SpectralAir& air, int streams) c
       for (std::size_t v = 0; v < views; ++v) {
         const double mu = std::cos(radians(g.view_zenith[v]));
         const double transmission = std::exp(-air.depth_between(j, g.level[h], g.sensor_level) / mu);
-        const double up = solved.radiance(depth_of(g.sensor_level), mu, 0, {});
-        path[h * views + v] += weight * std::max(0.0, up - transmission * solved.radiance(depth, mu, 0, {}));
         joined[h * views + v] += weight * irradiance * transmission;
         plain_view[h * views + v] += weight * transmission;
+        if (!scattered) continue;
+        const double up = solved.radiance(depth_of(g.sensor_level), mu, 0, {}) - transmission * solved.radiance(depth, mu, 0, {});
+        path[h * views + v] += weight * (up - term_emission(air, *g.stack, j, mu, g.level[h], g.sensor_level, true));
       }
-      for (std::size_t z = 0; z < zeniths; ++z)
-        sky[h * zeniths + z] += weight * solved.radiance(depth, -std::max(std::cos(radians(g.sky_zenith[z])), 1e-9), 0, {});
+      if (!scattered) continue;
+      for (std::size_t z = 0; z < zeniths; ++z) {
+        const double mu = std::max(std::cos(radians(g.sky_zenith[z])), 1e-9);
+        sky[h * zeniths + z] +=
+            weight * (solved.radiance(depth, -mu, 0, {}) - term_emission(air, *g.stack, j, mu, g.level[h], top, false));
+      }
     }
   }
   for (std::size_t k = 0; k < joined.size(); ++k) {
@@ -221,7 +236,8 @@ void BinRows::fill_thermal(std::size_t i, const SpectralAir& air, int streams) c
     joined[k] = product > kSmallestTransmission ? joined[k] / product : 1.0;
   }
   const auto store = [&](const char* name, const std::vector<double>& values) {
-    std::transform(values.begin(), values.end(), row(name, i).begin(), [](double value) { return static_cast<float>(value); });
+    std::transform(values.begin(), values.end(), row(name, i).begin(),
+                   [](double value) { return static_cast<float>(std::max(0.0, value)); });
   };
   store("path_radiance_thermal", path);
   store("sky_radiance_thermal", sky);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "atmos_tables/compiler/spectral_air.h"
+#include "atmos_tables/compiler/thermal_paths.h"
 #include "atmos_tables/render_table.h"
 
 namespace raycube::atmos {
@@ -23,12 +24,13 @@ struct BinGeometry {
   std::vector<double> view_zenith, view_azimuth, sky_zenith, sky_azimuth, scattering_angle;
   std::vector<std::vector<double>> sun_path;            ///< [height] path factors
   std::vector<std::vector<double>> view_path;           ///< [height * views + view]
+  std::vector<std::vector<double>> sky_path;            ///< [height * sky zeniths + zenith]
 };
 
 class BinRows {
  public:
   /// Adds axes and rows to the table, which must outlive this.
-  BinRows(RenderTable& table, const BinGeometry& geometry, bool thermal);
+  BinRows(RenderTable& table, const BinGeometry& geometry, bool thermal, LayerEmission emission = LayerEmission::graded);
   /// Fills everything at wavelength i. Different wavelengths may be filled from different threads.
   void fill(std::size_t i, const SpectralAir& air, int streams) const;
 
@@ -42,6 +44,7 @@ class BinRows {
   RenderTable& table_;
   const BinGeometry& geometry_;
   bool thermal_;
+  LayerEmission emission_;
 };
 
 }  // namespace raycube::atmos

@@ -10,9 +10,11 @@
 
 #include <nlohmann/json.hpp>
 
+#include "atmos_tables/bird_riordan.h"
 #include "atmos_tables/clear_sky_inputs.h"
 #include "atmos_tables/compiler/air_stack.h"
 #include "atmos_tables/compiler/bin_rows.h"
+#include "atmos_tables/solar_spectrum.h"
 #include "atmos_tables/table_rows.h"
 #include "host/base/error.h"
 
@@ -91,8 +93,14 @@ RenderTable build_layered(const scene::AtmosphereSpec& spec, const scene::Sun& s
   RenderTable table = sunlit_table(sun, sensor_height_m, wavelength_um, target_height_m);
   table.provenance_json = provenance(spec, sun, stack);
   const BinGeometry geometry(stack, sun, z0_km, sensor_height_m, target_height_m);
-  BinRows rows(table, geometry, wavelength_um.back() >= kThermalFrom_um);
+  BinRows rows(table, geometry, wavelength_um.back() >= kThermalFrom_um,
+               spec.layered->gas_bands == "lowtran" ? LayerEmission::one_temperature : LayerEmission::graded);
   const std::vector<SpectralBin> bins = spectral_bins(wavelength_um);
+  // A node stands for its bin, in the sun's light as in the transmission of gases.
+  std::vector<float>& solar = table.rows.at("solar_irradiance").values;
+  for (std::size_t i = 0; i < bins.size(); ++i)
+    solar[i] = static_cast<float>(earth_sun_factor(sun.day_of_year) *
+                                  mean_solar_irradiance_1au(1e4 / bins[i].high_per_cm, 1e4 / bins[i].low_per_cm));
   for_each_on_threads(bins.size(), watch.threads, [&](std::size_t i) {
     rows.fill(i, SpectralAir(stack, bins[i], static_cast<std::size_t>(spec.layered->k_terms)), spec.layered->streams);
     if (watch.finished) watch.finished(i);

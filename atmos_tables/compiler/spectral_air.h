@@ -36,6 +36,9 @@ class SpectralAir {
   /// Scattering depth (vertical) above a level and the mean phase function there, for the sky's shape.
   double scattering_depth_above(std::size_t level) const;
   double mean_phase_above(std::size_t level, double cos_angle) const;
+  /// Vertical depths of a layer: all that is additive, and the part of it that scatters.
+  double layer_extinction(std::size_t layer) const;
+  double layer_scattering(std::size_t layer) const { return scattering(layer); }
 
   /// The solver's column of one k-term: layers from the top down. beam_flux 0: no sun. emits: Planck radiance at the levels.
   /// It refers to this object.
@@ -48,7 +51,6 @@ class SpectralAir {
     double rayleigh = 0, absorbed = 0;    ///< absorbed: continua
     std::vector<double> aerosol;          ///< extinction depth per component
   };
-  double layer_extinction(std::size_t layer) const;
   double scattering(std::size_t layer) const;
   /// Phase functions of molecules and of every aerosol component at an angle; their mean in a layer.
   std::vector<double> substance_phases(double cos_angle) const;
