@@ -94,7 +94,7 @@ std::string table_text(const RenderTable& table, const std::string& hash) {
   for (const auto& row : s["rows"]) {
     std::string shape;
     for (const auto& length : row["shape"]) shape += (shape.empty() ? "" : " x ") + std::to_string(length.get<std::size_t>());
-    out << "  " << padded(row["name"], 22) << padded(shape, 19)
+    out << "  " << padded(row["name"], 25) << padded(shape, 19)
         << padded(rounded(row["least"]) + " to " + rounded(row["most"]) + " " + row["unit"].get<std::string>(), 40)
         << row["text"].get<std::string>() << "\n";
   }

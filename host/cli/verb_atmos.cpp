@@ -1,13 +1,6 @@
-// raycube atmos build | info | plot | import: render tables made, described and drawn; other codes' outputs read.
-#include <fcntl.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
+// raycube atmos build | info: render tables made and described. The other verbs have files of their own.
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstring>
 #include <filesystem>
 #include <limits>
 #include <memory>
@@ -19,15 +12,14 @@
 #include "atmos_tables/optics/standard_air.h"
 #include "atmos_tables/rct_file.h"
 #include "atmos_tables/report.h"
-#include "host/base/data_folder.h"
 #include "host/base/error.h"
 #include "host/base/output_file.h"
 #include "host/cli/air_table.h"
+#include "host/cli/atmos_compare.h"
 #include "host/cli/atmos_import.h"
+#include "host/cli/atmos_plot.h"
 #include "host/cli/verb.h"
 #include "scene_compiler/load_simulation.h"
-
-extern char** environ;
 
 namespace raycube::cli {
 
@@ -132,22 +124,6 @@ int build(const BuildOptions& o, Context& context) {
   return 0;
 }
 
-/// Runs a chart script with the system's Python; its stderr goes to ours.
-void run_plot_script(const std::string& script, const std::string& figures, const std::string& chart) {
-  const std::string python = "/usr/bin/python3", path = (base::data_folder() / "plots" / script).string();
-  const char* arguments[] = {python.c_str(), path.c_str(), figures.c_str(), chart.c_str(), nullptr};
-  pid_t child = 0;
-  const int failed = posix_spawn(&child, python.c_str(), nullptr, nullptr, const_cast<char**>(arguments), environ);
-  if (failed)
-    throw base::Error(base::Fault::environment, python + " could not be started (" + std::strerror(failed) +
-                                                    "); charts need Debian's python3 with python3-matplotlib");
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0)
-    if (errno != EINTR) throw base::Error(base::Fault::environment, path + ": its end could not be waited for");
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
-    throw base::Error(base::Fault::environment, path + " failed (its message is above); charts need python3-matplotlib");
-}
-
 Verb verb_build() {
   auto o = std::make_shared<BuildOptions>();
   Verb verb;
@@ -210,68 +186,13 @@ Verb verb_info() {
   return verb;
 }
 
-Verb verb_plot() {
-  struct Options {
-    std::string file;
-    atmos::PlotChoice choice;
-    double height = kUnset;
-  };
-  auto o = std::make_shared<Options>();
-  Verb verb;
-  verb.name = "plot";
-  verb.summary = "Draw a render table: transmission, irradiance, path radiance, sky";
-  verb.description = "Writes a PNG beside the table, and the figures in it as JSON. Needs python3-matplotlib.";
-  verb.examples = {"raycube atmos plot park.rct -o park.png"};
-  verb.common = kOutput;
-  verb.add_options = [o](base::OptionTable& table) {
-    table.argument("FILE", "A render table (.rct)", o->file);
-    table.number("--height", "m", -1000, 1e5, "Target height", o->height).default_text = "the table's lowest";
-    table.number("--view-zenith", "deg", 0, 89, "Zenith of the sensor seen from the target", o->choice.view_zenith_deg);
-    table.number("--view-azimuth", "deg", -360, 360, "Azimuth of the sensor minus the sun's", o->choice.relative_azimuth_deg);
-    table.number("--sky-wavelength", "um", 0.05, 1000, "Wavelength of the sky map, nearest of the table", o->choice.sky_wavelength_um);
-  };
-  verb.run = [o](Context& context) {
-    const atmos::RenderTable table = atmos::read_rct(o->file);
-    atmos::PlotChoice choice = o->choice;
-    const auto height = table.axes.find("target_height");
-    choice.target_height_m = !std::isnan(o->height) ? o->height : height == table.axes.end() ? 0 : height->second.nodes.front();
-    std::filesystem::path chart = context.common.output;
-    if (chart.empty()) chart = std::filesystem::path(o->file).replace_extension(".png");
-    std::filesystem::path figures = chart;
-    figures.replace_extension(".json");
-    const auto title = std::filesystem::path(o->file).filename().string();
-    base::OutputFile numbers(figures.string(), if_exists(context.common)), picture(chart.string(), if_exists(context.common));
-    numbers.append(atmos::plot_json(table, choice, title));
-    // The script writes under a name of its own with the right ending; the bytes then go where an unfinished file is never seen.
-    const std::string drawn = picture.temporary_path() + ".png";
-    struct Remove {
-      const std::string& path;
-      ~Remove() { std::remove(path.c_str()); }
-    } remove{drawn};
-    numbers.sync();
-    run_plot_script("atmos_plot.py", numbers.temporary_path(), drawn);
-    std::unique_ptr<std::FILE, int (*)(std::FILE*)> in(std::fopen(drawn.c_str(), "rb"), std::fclose);
-    if (!in) throw base::Error(base::Fault::environment, chart.string() + ": the chart script wrote nothing");
-    char buffer[65536];
-    for (std::size_t bytes; (bytes = std::fread(buffer, 1, sizeof buffer, in.get())) > 0;) picture.append(buffer, bytes);
-    numbers.publish();
-    picture.publish();
-    if (context.common.json)
-      context.out << nlohmann::json{{"chart", chart.string()}, {"figures", figures.string()}}.dump() << "\n";
-    else
-      context.out << "chart: " << chart.string() << "\n";
-    return 0;
-  };
-  return verb;
-}
-
 }  // namespace
 
 Verb verb_atmos() {
   Verb verb;
   verb.name = "atmos";
-  verb.summary = "Build, describe and draw render tables of the air; read what other codes wrote";
-  verb.verbs = {verb_build(), verb_info(), verb_plot(), verb_atmos_import()};
+  verb.summary = "Build, describe, draw and compare render tables of the air; read what other codes wrote";
+  verb.verbs = {verb_build(), verb_info(), verb_atmos_plot(), verb_atmos_import(), verb_atmos_compare()};
   return verb;
 }
 

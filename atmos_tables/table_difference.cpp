@@ -1,0 +1,270 @@
+#include "atmos_tables/table_difference.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numbers>
+#include <set>
+#include <sstream>
+
+#include "atmos_tables/interpolate.h"
+#include "atmos_tables/row_registry.h"
+#include "host/base/error.h"
+
+namespace raycube::atmos {
+
+namespace {
+
+using Spectrum = std::vector<double>;
+
+constexpr double kSame_um = 1e-9;
+/// T_sun T_view below which the two-way factor is left out.
+constexpr double kLeastTwoWay = 1e-3;
+
+std::string shown(double value) {
+  std::ostringstream out;
+  out.precision(6);
+  out << value;
+  return out.str();
+}
+
+/// A transmission and its optical depth are one quantity.
+std::string stands_for(const std::string& row) {
+  if (row == "sun_optical_depth") return "sun_transmission";
+  if (row == "view_optical_depth") return "view_transmission";
+  return row;
+}
+
+std::set<std::string> quantities_of(const RenderTable& table) {
+  std::set<std::string> out;
+  for (const auto& [name, row] : table.rows)
+    if (name != "k_weight") out.insert(stands_for(name));
+  // Transmissions per k-term carry their two-way product.
+  if (table.has("k_weight") && out.count("sun_transmission") && out.count("view_transmission")) out.insert("two_way_factor");
+  return out;
+}
+
+void say(std::vector<std::string>& out, const char* what, double a, double b, const char* unit, double same) {
+  if (std::abs(a - b) > same) out.push_back(std::string(what) + ": " + shown(a) + " and " + shown(b) + " " + unit);
+}
+
+std::vector<std::string> what_differs(const RenderTable& a, const RenderTable& b) {
+  std::vector<std::string> out;
+  say(out, "sun zenith", a.sun_zenith_deg, b.sun_zenith_deg, "deg", 1e-9);
+  say(out, "sun azimuth (does not matter: azimuths are relative)", a.sun_azimuth_deg, b.sun_azimuth_deg, "deg", 1e-9);
+  say(out, "sensor height", a.sensor_height_m, b.sensor_height_m, "m", 1e-9);
+  if (a.medium != b.medium) out.push_back("wavelengths: in " + a.medium + " and " + b.medium + "; taken as they stand");
+  if (a.solar_source != b.solar_source) out.push_back("solar spectrum: " + a.solar_source + " and " + b.solar_source);
+  for (const AxisSpec& spec : axis_registry()) {
+    const auto in_a = a.axes.find(spec.name), in_b = b.axes.find(spec.name);
+    if (in_a == a.axes.end() || in_b == b.axes.end() || in_a->second.nodes == in_b->second.nodes) continue;
+    const auto range = [&](const std::vector<double>& nodes) {
+      return nodes.size() == 1 ? "1 node at " + shown(nodes[0]) + " " + spec.unit
+                               : std::to_string(nodes.size()) + " nodes from " + shown(nodes.front()) + " to " + shown(nodes.back()) + " " + spec.unit;
+    };
+    out.push_back(std::string("axis ") + spec.name + ": " + range(in_a->second.nodes) + ", and " + range(in_b->second.nodes));
+  }
+  return out;
+}
+
+/// Nearest to `wanted` of the values both tables can be read at. An axis of one node can be read anywhere, and is meant for its
+/// node. Empty: their ranges do not meet.
+std::optional<double> common_point(const RenderTable& a, const RenderTable& b, const char* axis, double wanted) {
+  const auto in_a = a.axes.find(axis), in_b = b.axes.find(axis);
+  const bool free_a = in_a == a.axes.end() || in_a->second.nodes.size() == 1, free_b = in_b == b.axes.end() || in_b->second.nodes.size() == 1;
+  if (free_a && free_b) return in_a != a.axes.end() ? in_a->second.nodes[0] : in_b != b.axes.end() ? in_b->second.nodes[0] : wanted;
+  double low = -1e30, high = 1e30;
+  for (const auto& [free, found] : {std::pair{free_a, in_a}, {free_b, in_b}})
+    if (!free) low = std::max(low, found->second.nodes.front()), high = std::min(high, found->second.nodes.back());
+  if (low > high) return std::nullopt;
+  if (free_a && in_a != a.axes.end()) wanted = in_a->second.nodes[0];
+  if (free_b && in_b != b.axes.end()) wanted = in_b->second.nodes[0];
+  return std::clamp(wanted, low, high);
+}
+
+Spectrum merged_grid(const Spectrum& a, const Spectrum& b, double first, double last, const std::vector<DifferenceBand>& bands) {
+  Spectrum out{first, last};
+  for (const Spectrum* nodes : {&a, &b})
+    for (const double l : *nodes)
+      if (l > first && l < last) out.push_back(l);
+  for (const auto& band : bands) {
+    for (const double l : {band.low_um, band.high_um})
+      if (l > first && l < last) out.push_back(l);
+    // A response narrower than the nodes' steps still needs points to be summed over.
+    for (int i = -20; band.fwhm_um > 0 && i <= 20; ++i)
+      if (const double l = band.center_um + i * band.fwhm_um / 8; l > first && l < last) out.push_back(l);
+  }
+  std::sort(out.begin(), out.end());
+  // Nodes of the same wavelength, once printed and once computed, differ by rounding.
+  out.erase(std::unique(out.begin(), out.end(), [](double x, double y) { return y - x < kSame_um; }), out.end());
+  return out;
+}
+
+/// R2, and NaN where so little light comes through that the ratio says nothing.
+Spectrum factor_where_light_passes(const RenderTable& table, double height, double zenith) {
+  Spectrum out = two_way_factor(table, height, zenith);
+  const Spectrum sun = sun_transmission(table, height), view = view_transmission(table, height, zenith);
+  for (std::size_t i = 0; i < out.size(); ++i)
+    if (!(sun[i] * view[i] > kLeastTwoWay)) out[i] = std::numeric_limits<double>::quiet_NaN();
+  return out;
+}
+
+double response(const DifferenceBand& band, double um) {
+  if (um < band.low_um - kSame_um || um > band.high_um + kSame_um) return 0;
+  if (!(band.fwhm_um > 0)) return 1;
+  const double x = (um - band.center_um) / band.fwhm_um;
+  return std::exp(-4 * std::numbers::ln2 * x * x);
+}
+
+/// Trapezoids under response times the value. Box edges are grid points, and belong to the box from inside. Empty where the
+/// quantity has no value in the band.
+std::optional<BandDifference> in_band(const DifferenceBand& band, const Spectrum& grid, const QuantityDifference& q) {
+  BandDifference out;
+  out.band = band;
+  double weights = 0, squares = 0;
+  const bool one_point = grid.size() == 1;
+  for (std::size_t i = 0; i < grid.size(); ++i) {
+    const double here = std::isfinite(q.a[i]) && std::isfinite(q.b[i]) ? response(band, grid[i]) : 0;
+    if (here <= 0) continue;
+    double step = one_point ? 1 : 0;
+    if (i > 0 && response(band, grid[i - 1]) > 0) step += (grid[i] - grid[i - 1]) / 2;
+    if (i + 1 < grid.size() && response(band, grid[i + 1]) > 0) step += (grid[i + 1] - grid[i]) / 2;
+    const double weight = here * step, d = q.b[i] - q.a[i];
+    weights += weight, squares += weight * d * d;
+    out.mean_a += weight * q.a[i], out.mean_b += weight * q.b[i];
+    if (here >= 0.5 && (std::abs(d) > std::abs(out.worst) || out.worst_um == 0)) out.worst = d, out.worst_um = grid[i];
+  }
+  if (!(weights > 0)) return std::nullopt;
+  out.mean_a /= weights, out.mean_b /= weights;
+  out.mean = out.mean_b - out.mean_a;
+  out.rms = std::sqrt(squares / weights);
+  if (!q.ratio && out.mean_a > 0) {
+    out.mean_relative = out.mean / out.mean_a;
+    out.rms_relative = out.rms / out.mean_a;
+    out.worst_relative = out.worst / out.mean_a;
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<DifferenceBand> atmospheric_windows() {
+  std::vector<DifferenceBand> out;
+  for (const auto& [low, high] : std::initializer_list<std::pair<double, double>>{
+           {0.30, 0.40}, {0.40, 0.50}, {0.50, 0.58}, {0.58, 0.70}, {0.70, 1.00}, {1.00, 1.30}, {1.30, 1.50}, {1.45, 1.75}, {1.75, 2.00},
+           {2.00, 2.40}, {2.40, 3.00}, {3.00, 3.40}, {3.40, 3.96}, {3.96, 4.40}, {4.40, 4.60}, {4.60, 4.80}, {4.80, 5.50}, {5.50, 8.00},
+           {8.0, 8.5},   {8.5, 9.0},   {9.0, 9.4},   {9.4, 10.0},  {10.0, 10.5}, {10.5, 11.0}, {11.0, 11.5}, {11.5, 12.0}, {12.0, 12.5},
+           {12.5, 13.0}, {13.0, 14.0}, {14.0, 17.0}, {17.0, 22.0}, {22.0, 30.0}})
+    out.push_back({low, high, (low + high) / 2, 0});
+  return out;
+}
+
+std::vector<DifferenceBand> even_bands(double first_um, double last_um, double width_um) {
+  std::vector<DifferenceBand> out;
+  // From the index, so that steps do not add up their rounding; a last sliver of rounding is no band.
+  for (int i = 0;; ++i) {
+    const double low = first_um + i * width_um;
+    if (!(last_um - low > 1e-6 * width_um)) return out;
+    const double high = std::min(last_um, first_um + (i + 1) * width_um);
+    out.push_back({low, high, (low + high) / 2, 0});
+  }
+}
+
+DifferenceBand gaussian_band(double center_um, double fwhm_um) {
+  return {center_um - 2.5 * fwhm_um, center_um + 2.5 * fwhm_um, center_um, fwhm_um};
+}
+
+TableDifference table_difference(const RenderTable& a, const RenderTable& b, const DifferenceChoice& choice) {
+  TableDifference out;
+  const Spectrum &nodes_a = wavelengths(a), &nodes_b = wavelengths(b);
+  const auto range = [](const Spectrum& nodes) { return shown(nodes.front()) + " to " + shown(nodes.back()) + " um"; };
+  out.first_um = std::max(nodes_a.front(), nodes_b.front());
+  out.last_um = std::min(nodes_a.back(), nodes_b.back());
+  if (out.first_um > out.last_um)
+    throw base::Error(base::Fault::input, "the tables have no wavelength in common: " + range(nodes_a) + ", and " + range(nodes_b));
+  out.differs = what_differs(a, b);
+  // Wanted far below: the nearest is the lowest.
+  const auto height = common_point(a, b, "target_height", choice.height_m.value_or(find_axis_spec("target_height")->min));
+  if (!height) throw base::Error(base::Fault::input, "the tables have no target height in common (raycube atmos info names their axes)");
+  out.height_m = *height;
+
+  // Bands that lie in the range at all; boxes are clipped to it, a Gaussian must have its half-width points inside.
+  std::vector<DifferenceBand> bands;
+  for (DifferenceBand band : choice.bands) {
+    const double half = band.fwhm_um / 2;
+    if (band.fwhm_um > 0 ? band.center_um - half < out.first_um || band.center_um + half > out.last_um
+                         : std::min(band.high_um, out.last_um) - std::max(band.low_um, out.first_um) <= kSame_um && out.first_um < out.last_um)
+      continue;
+    if (band.fwhm_um <= 0 && (band.low_um > out.last_um || band.high_um < out.first_um)) continue;
+    band.low_um = std::max(band.low_um, out.first_um), band.high_um = std::min(band.high_um, out.last_um);
+    bands.push_back(band);
+  }
+  if (bands.empty())
+    throw base::Error(base::Fault::input, "no band lies in the common range of " + shown(out.first_um) + " to " + shown(out.last_um) + " um");
+  out.wavelength_um = merged_grid(nodes_a, nodes_b, out.first_um, out.last_um, bands);
+
+  const std::set<std::string> has_a = quantities_of(a), has_b = quantities_of(b);
+  std::set_difference(has_a.begin(), has_a.end(), has_b.begin(), has_b.end(), std::back_inserter(out.only_a));
+  std::set_difference(has_b.begin(), has_b.end(), has_a.begin(), has_a.end(), std::back_inserter(out.only_b));
+
+  using Read = std::function<Spectrum(const RenderTable&)>;
+  const auto add = [&](const std::string& name, const std::string& where, const Read& read) {
+    QuantityDifference q;
+    q.name = name, q.where = where, q.unit = find_row_spec(name)->unit;
+    q.ratio = q.unit == "1";
+    q.a = resample_linear(nodes_a, read(a), out.wavelength_um);
+    q.b = resample_linear(nodes_b, read(b), out.wavelength_um);
+    for (const DifferenceBand& band : bands)
+      if (const auto difference = in_band(band, out.wavelength_um, q)) q.bands.push_back(*difference);
+    out.quantities.push_back(std::move(q));
+  };
+  const auto both = [&](const char* name) { return has_a.count(name) && has_b.count(name); };
+  const double h = out.height_m;
+  const auto plain = [&](const char* name, Spectrum (*read)(const RenderTable&, double)) {
+    if (both(name)) add(name, "", [&](const RenderTable& t) { return read(t, h); });
+  };
+  /// Straight and slanted, where the tables' zenith axes and the azimuth meet.
+  const auto directed = [&](const char* name, const char* zenith_axis, double slant, const char* azimuth_axis,
+                            const std::function<Spectrum(const RenderTable&, double zenith, double azimuth)>& read) {
+    if (!both(name)) return;
+    const bool view = std::string(zenith_axis) == "view_zenith";
+    const auto azimuth = azimuth_axis ? common_point(a, b, azimuth_axis, fold_azimuth(choice.relative_azimuth_deg)) : 0.0;
+    const auto straight = common_point(a, b, zenith_axis, 0), leaning = common_point(a, b, zenith_axis, slant);
+    if (!azimuth || !straight || !leaning) {
+      out.differs.push_back(std::string(name) + ": not compared, the tables have no direction in common");
+      return;
+    }
+    const auto where = [&](double zenith) {
+      std::string text = zenith == 0 && view ? "nadir" : zenith == 0 ? "zenith" : (view ? "view zenith " : "sky zenith ") + shown(zenith) + " deg";
+      return zenith != 0 && azimuth_axis ? text + ", azimuth " + shown(*azimuth) + " deg" : text;
+    };
+    add(name, where(*straight), [&](const RenderTable& t) { return read(t, *straight, *azimuth); });
+    if (*leaning != *straight) add(name, where(*leaning), [&](const RenderTable& t) { return read(t, *leaning, *azimuth); });
+  };
+  const double view = choice.view_zenith_deg, sky = choice.sky_zenith_deg;
+  const auto no_azimuth = [&](const char* name, const char* axis, double slant, Spectrum (*read)(const RenderTable&, double, double)) {
+    directed(name, axis, slant, nullptr, [&, read](const RenderTable& t, double zenith, double) { return read(t, h, zenith); });
+  };
+  if (both("solar_irradiance")) add("solar_irradiance", "", solar_irradiance);
+  plain("sun_transmission", sun_transmission);
+  no_azimuth("view_transmission", "view_zenith", view, view_transmission);
+  no_azimuth("two_way_factor", "view_zenith", view, factor_where_light_passes);
+  directed("path_radiance_solar", "view_zenith", view, "relative_azimuth",
+           [&](const RenderTable& t, double zenith, double azimuth) { return path_radiance(t, h, zenith, azimuth); });
+  directed("sky_radiance_solar", "sky_zenith", sky, "sky_azimuth",
+           [&](const RenderTable& t, double zenith, double azimuth) { return sky_radiance(t, h, zenith, azimuth); });
+  plain("direct_irradiance", direct_irradiance);
+  plain("diffuse_irradiance", diffuse_irradiance);
+  plain("spherical_albedo", spherical_albedo);
+  no_azimuth("diffuse_view_transmission", "view_zenith", view, diffuse_view_transmission);
+  no_azimuth("diffuse_return", "sky_zenith", sky, diffuse_return);
+  no_azimuth("path_radiance_thermal", "view_zenith", view, path_radiance_thermal);
+  no_azimuth("sky_radiance_thermal", "sky_zenith", sky, sky_radiance_thermal);
+  no_azimuth("two_way_factor_thermal", "view_zenith", view, two_way_factor_thermal);
+  if (out.quantities.empty())
+    throw base::Error(base::Fault::input, "the tables have no row in common that can be compared (raycube atmos info lists rows)");
+  return out;
+}
+
+}  // namespace raycube::atmos

@@ -1,0 +1,56 @@
+#include "host/cli/atmos_plot.h"
+
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <ostream>
+
+#include <nlohmann/json.hpp>
+
+#include "atmos_tables/rct_file.h"
+#include "atmos_tables/report.h"
+#include "host/cli/python_chart.h"
+
+namespace raycube::cli {
+
+Verb verb_atmos_plot() {
+  struct Options {
+    std::string file;
+    atmos::PlotChoice choice;
+    double height = std::numeric_limits<double>::quiet_NaN();
+  };
+  auto o = std::make_shared<Options>();
+  Verb verb;
+  verb.name = "plot";
+  verb.summary = "Draw a render table: transmission, irradiance, path radiance, sky";
+  verb.description = "Writes a PNG beside the table, and the figures in it as JSON. Needs python3-matplotlib.";
+  verb.examples = {"raycube atmos plot park.rct -o park.png"};
+  verb.common = kOutput;
+  verb.add_options = [o](base::OptionTable& table) {
+    table.argument("FILE", "A render table (.rct)", o->file);
+    table.number("--height", "m", -1000, 1e5, "Target height", o->height).default_text = "the table's lowest";
+    table.number("--view-zenith", "deg", 0, 89, "Zenith of the sensor seen from the target", o->choice.view_zenith_deg);
+    table.number("--view-azimuth", "deg", -360, 360, "Azimuth of the sensor minus the sun's", o->choice.relative_azimuth_deg);
+    table.number("--sky-wavelength", "um", 0.05, 1000, "Wavelength of the sky map, nearest of the table", o->choice.sky_wavelength_um);
+  };
+  verb.run = [o](Context& context) {
+    const atmos::RenderTable table = atmos::read_rct(o->file);
+    atmos::PlotChoice choice = o->choice;
+    const auto height = table.axes.find("target_height");
+    choice.target_height_m = !std::isnan(o->height) ? o->height : height == table.axes.end() ? 0 : height->second.nodes.front();
+    std::filesystem::path chart = context.common.output;
+    if (chart.empty()) chart = std::filesystem::path(o->file).replace_extension(".png");
+    const auto title = std::filesystem::path(o->file).filename().string();
+    const std::string figures = draw_chart("atmos_plot.py", atmos::plot_json(table, choice, title), chart.string(),
+                                           context.common.overwrite ? base::IfExists::replace : base::IfExists::refuse);
+    if (context.common.json)
+      context.out << nlohmann::json{{"chart", chart.string()}, {"figures", figures}}.dump() << "\n";
+    else
+      context.out << "chart: " << chart.string() << "\n";
+    return 0;
+  };
+  return verb;
+}
+
+}  // namespace raycube::cli
