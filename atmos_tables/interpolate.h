@@ -6,6 +6,7 @@
 //   sky             where the table holds the column's phase function P and scattering depth: light scattered once, c P times
 //                   its geometry, is taken out (c from the nodes around the sun), the rest is divided by the geometry of an
 //                   even P and linear; else linear
+//   LIDAR profiles  exponential in height
 //   two-way factor  linear;   irradiance over height: ln E linear;   light between ground and air (S, T_dif, t): linear
 // An axis of one node states that the rows do not vary along it. Outside an axis of several nodes: Error(input).
 // Heights in metres above the scene's z = 0; angles in degrees; azimuths relative to the sun, of any sign, are folded.
@@ -61,6 +62,18 @@ std::vector<double> spherical_albedo(const RenderTable& table, double height_m);
 std::vector<double> diffuse_view_transmission(const RenderTable& table, double height_m, double zenith_deg);
 /// t: radiance that comes back down from a zenith angle 0..90, per unit of isotropic upward radiance.
 std::vector<double> diffuse_return(const RenderTable& table, double height_m, double zenith_deg);
+
+/// A LIDAR table (compiler/lidar_profiles.h) at a height inside its profile, spectra over its wavelengths: extinction and backscatter
+/// exponential in height (linear next to a 0), depolarisation linear.
+struct LidarAir {
+  std::vector<double> extinction_molecular_per_m, extinction_aerosol_per_m;
+  std::vector<double> extinction_gas_per_m;  ///< 0 when the table has no such row
+  std::vector<double> backscatter_molecular_per_m_sr, backscatter_aerosol_per_m_sr;
+  std::vector<double> depolarization;        ///< perpendicular over parallel
+};
+LidarAir lidar_air(const RenderTable& table, double height_m);
+/// Vertical extinction depth between two heights of the profile, one way: the exact integral of lidar_air's extinctions.
+std::vector<double> lidar_optical_depth(const RenderTable& table, double low_m, double high_m);
 
 /// Rule for elevated targets when a solver gives upward radiance at levels: L0(z to H) = L_up(H) - T(z to H) L_up(z), both
 /// over black ground in one direction from one run. A result below zero by rounding (1e-5 of L_up(H)) becomes 0.

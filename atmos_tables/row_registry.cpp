@@ -70,10 +70,10 @@ const std::vector<RowSpec>& row_registry() {
       {"air_temperature", "K", "range_height", 100, 400, "of the profile behind the thermal rows"},
       {"lidar_extinction_molecular", "m-1", "wavelength range_height", 0, kAny, "Rayleigh extinction profile"},
       {"lidar_extinction_aerosol", "m-1", "wavelength range_height", 0, kAny, "aerosol extinction profile"},
-      {"lidar_extinction_gas", "m-1", "wavelength range_height", 0, kAny, "gas absorption profile, line-resolving only"},
+      {"lidar_extinction_gas", "m-1", "wavelength range_height", 0, kAny, "gas absorption profile: lines or cross-sections of a user's file, continua, ozone; absent without such a file"},
       {"lidar_backscatter_molecular", "m-1 sr-1", "wavelength range_height", 0, kAny, "Rayleigh backscatter profile"},
       {"lidar_backscatter_aerosol", "m-1 sr-1", "wavelength range_height", 0, kAny, "aerosol backscatter profile"},
-      {"lidar_depolarization", "1", "wavelength range_height", 0, 1, "of the backscattered light"},
+      {"lidar_depolarization", "1", "wavelength range_height", 0, 1, "perpendicular over parallel backscatter of a linearly polarised beam"},
       {"k_weight", "1", "wavelength k", 0, 1, "weights of the k-terms; sum 1 at every wavelength"},
   };
   return list;

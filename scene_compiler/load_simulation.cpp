@@ -16,7 +16,8 @@ namespace {
 using base::Problems;
 
 constexpr const char* kLayeredKeys[] = {"profile",       "profile_file", "co2_ppmv", "ch4_ppmv",  "aerosol", "visibility_km",
-                                        "humidity_percent", "season", "stratosphere", "wind_m_s", "cloud", "gas_bands", "streams", "k_terms", "layering"};
+                                        "humidity_percent", "season", "stratosphere", "wind_m_s", "cloud", "gas_bands", "streams", "k_terms", "layering",
+                                        "spectral_step_nm", "lines", "line_wing_cm1", "partition_sums", "cross_section"};
 constexpr const char* kClearSkyKeys[] = {"angstrom", "ssa", "asymmetry", "ground_albedo"};
 
 /// A key that the chosen model would ignore is an error.
@@ -58,6 +59,23 @@ AirSpec read_layered(const Record& record, Problems& problems) {
   air.streams = static_cast<int>(record.integer("streams"));
   air.k_terms = static_cast<int>(record.integer("k_terms"));
   air.layering = static_cast<int>(record.integer("layering"));
+  air.spectral_step_um = record.number("spectral_step_nm") / 1000;
+  const auto path = [&](const Record& where, const char* key, std::string& value) {
+    if (!where.given(key)) return;
+    value = std::filesystem::absolute(where.text(key)).lexically_normal().string();
+    check_readable(where.text(key), where.place(key), problems);
+  };
+  path(record, "lines", air.lines), path(record, "partition_sums", air.partition_sums);
+  air.line_wing_per_cm = record.number("line_wing_cm1");
+  for (const char* key : {"line_wing_cm1", "partition_sums"})
+    if (record.given(key) && air.lines.empty())
+      problems.add(record.place(key), std::string("'") + key + "' is for 'lines'", "no lines", "add the list or remove it");
+  for (const Record& table : record.records("cross_section")) {
+    scene::CrossSectionSpec& one = air.cross_sections.emplace_back();
+    one.gas = table.text("gas");
+    path(table, "file", one.file);
+    if (table.given("ppmv")) one.ppmv = table.number("ppmv");
+  }
   if (air.streams % 2 != 0)
     problems.add(record.place("streams"), "the number of streams must be even", std::to_string(air.streams), "take the next one");
   return air;

@@ -72,6 +72,13 @@ struct CloudSpec {
   double base_km = 0, top_km = 0, optical_depth_550 = 0;
 };
 
+/// Absorption cross-sections of one gas from a user's file.
+struct CrossSectionSpec {
+  std::string gas;                       ///< any name; those of the profile's gases replace their band model
+  std::string file;                      ///< absolute path
+  double ppmv = -1;                      ///< mixing ratio at every height; below 0: the profile's
+};
+
 /// The air of the layered model. A number below 0: as the profile has it.
 struct AirSpec {
   std::string profile = "us_standard";   ///< an AFGL name, or the absolute path of a CSV profile
@@ -87,6 +94,11 @@ struct AirSpec {
   bool henyey_greenstein = false;        ///< phase functions by asymmetry alone (comparisons)
   std::string gas_bands = "blended";     ///< or lowtran
   int streams = 16, k_terms = 3, layering = 1;  ///< accuracy: docs/atmosphere.md
+  double spectral_step_um = 0;           ///< of the table; 0: the model's own grid
+  std::string lines;                     ///< HITRAN .par, absolute path; empty: band models alone
+  double line_wing_per_cm = 25;          ///< where a line ends
+  std::string partition_sums;            ///< CSV, absolute path; empty: by formula
+  std::vector<CrossSectionSpec> cross_sections;
 };
 
 /// Parameters of the built-in clear-sky model, or the file of an imported table.

@@ -98,13 +98,16 @@ AerosolSpec make_aerosols(const scene::AirSpec& spec) {
   return out;
 }
 
-AirStack::AirStack(const scene::AirSpec& spec, double ground_km, const std::vector<double>& marks_km)
+AirStack::AirStack(const scene::AirSpec& spec, double ground_km, const std::vector<double>& marks_km, const LineAir& lines)
     : profile_(make_profile(spec, ground_km, notices_)),
       aerosols_(make_aerosols(spec), profile_),
       level_km_(stack_levels(spec, profile_.ground_km(), std::min(kTopOfStack_km, profile_.top_km()), marks_km,
                              aerosols_.level_km())),
       gases_(profile_, level_km_, spec.gas_bands == "lowtran" ? BandModel::lowtran : BandModel::blended) {
   for (const std::string& notice : aerosols_.notices()) notices_.push_back(notice);
+  for (const std::string& notice : lines.notices) notices_.push_back(notice);
+  if (!lines.gases.empty())
+    bands_.emplace(without_resolved(profile_, lines), level_km_, spec.gas_bands == "lowtran" ? BandModel::lowtran : BandModel::blended);
   co2_ppmv_ = profile_.levels().front().ppmv(Gas::co2);
   const double refractivity = air_refractivity(kRefractionAt_um, co2_ppmv_);
   // The refractive index is stated at 288.15 K and 1013.25 hPa; n - 1 goes with density.

@@ -3,10 +3,12 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "atmos_tables/aerosol/aerosol_column.h"
+#include "atmos_tables/compiler/line_air.h"
 #include "atmos_tables/gas/layer_gases.h"
 #include "atmos_tables/optics/air_profile.h"
 #include "scene_compiler/simulation.h"
@@ -27,7 +29,8 @@ class AirStack {
  public:
   /// ground_km: where the air begins. marks_km: heights that must be levels (targets, the sensor); those above the top are
   /// dropped, those below the ground refused. With gas_bands "lowtran" the levels are LOWTRAN7's, 1 km apart up to 25 km.
-  AirStack(const scene::AirSpec& spec, double ground_km, const std::vector<double>& marks_km);
+  /// lines: gases that are resolved by somebody else, whose band models are silent.
+  AirStack(const scene::AirSpec& spec, double ground_km, const std::vector<double>& marks_km, const LineAir& lines = {});
 
   const std::vector<double>& level_km() const { return level_km_; }
   std::size_t layers() const { return level_km_.size() - 1; }
@@ -36,7 +39,10 @@ class AirStack {
 
   const AirProfile& profile() const { return profile_; }
   const AerosolColumn& aerosols() const { return aerosols_; }
+  /// All gases: continua and other grey absorption.
   const LayerGases& gases() const { return gases_; }
+  /// Those whose lines the band models give.
+  const LayerGases& band_gases() const { return bands_ ? *bands_ : gases_; }
   double temperature_K(std::size_t level) const { return temperature_K_[level]; }
   double mean_temperature_K(std::size_t layer) const { return mean_temperature_K_[layer]; }  ///< by density
   double air_column_per_cm2(std::size_t layer) const { return air_column_[layer]; }
@@ -53,6 +59,7 @@ class AirStack {
   AerosolColumn aerosols_;
   std::vector<double> level_km_;
   LayerGases gases_;
+  std::optional<LayerGases> bands_;
   std::vector<double> temperature_K_, mean_temperature_K_, refractivity_, air_column_;
   double co2_ppmv_ = 0;
 };

@@ -6,6 +6,7 @@
 #include <exception>
 #include <mutex>
 #include <numbers>
+#include <optional>
 #include <thread>
 
 #include <nlohmann/json.hpp>
@@ -48,11 +49,31 @@ std::string provenance(const scene::AtmosphereSpec& spec, const scene::Sun& sun,
                      {"k_terms", air.k_terms},
                      {"layers", stack.layers()},
                      {"gas_bands", air.gas_bands}};
+  if (!air.lines.empty()) j["sources"].push_back("lines: " + air.lines + ", Voigt profiles to " + nlohmann::json(air.line_wing_per_cm).dump() + " cm-1 (cite the list's edition)");
+  for (const auto& table : air.cross_sections) j["sources"].push_back("cross-sections of " + table.gas + ": " + table.file);
   j["notices"] = stack.notices();
   j["limits"] = {"no polarisation: Rayleigh light off by 1 to 5 %, up to 11 % at grazing angles",
-                 "gas structure finer than 20 cm-1 (LOWTRAN7) or 10 cm-1 (6S) is not resolved",
+                 "gas structure finer than 20 cm-1 (LOWTRAN7) or 10 cm-1 (6S) is not resolved but for gases with lines or cross-sections, "
+                 "which are monochromatic at the wavelengths",
                  "plane-parallel scattering: rough for view zeniths above 80 deg"};
   return j.dump();
+}
+
+/// Lines or cross-sections of the specification for these wavelengths, with a word where the grid is too coarse for lines.
+LineAir resolved_gases(const scene::AirSpec& air, const std::vector<double>& wavelength_um) {
+  if (!has_line_air(air)) return {};
+  if (wavelength_um.size() > kMostResolvedNodes)
+    throw base::Error(base::Fault::input, "atmosphere wavelengths: a table with lines or cross-sections holds at most " +
+                                              std::to_string(kMostResolvedNodes) + " wavelengths, not " +
+                                              std::to_string(wavelength_um.size()) + "; narrow the range or widen the step");
+  LineAir lines = read_line_air(air, 1e4 / wavelength_um.back(), 1e4 / wavelength_um.front());
+  double widest_per_cm = 0;
+  for (std::size_t i = 0; i + 1 < wavelength_um.size(); ++i)
+    widest_per_cm = std::max(widest_per_cm, 1e4 / wavelength_um[i] - 1e4 / wavelength_um[i + 1]);
+  if (!air.lines.empty() && widest_per_cm > 0.1)
+    lines.notices.push_back("wavelengths up to " + nlohmann::json(widest_per_cm).dump() +
+                            " cm-1 apart step over lines, which are 0.1 cm-1 wide at the ground; choose a finer spectral step");
+  return lines;
 }
 
 /// Runs body(i) for every i on some threads; the first exception ends all and is thrown on.
@@ -88,7 +109,21 @@ RenderTable build_layered(const scene::AtmosphereSpec& spec, const scene::Sun& s
   const double z0_km = spec.ground_height_m / 1000;
   std::vector<double> marks_km = {z0_km + sensor_height_m / 1000};
   for (double height : target_height_m) marks_km.push_back(z0_km + height / 1000);
-  const AirStack stack(*spec.layered, z0_km + target_height_m.front() / 1000, marks_km);
+  const LineAir lines = resolved_gases(*spec.layered, wavelength_um);
+  const AirStack stack(*spec.layered, z0_km + target_height_m.front() / 1000, marks_km, lines);
+  std::optional<ResolvedGases> resolved;
+  if (!lines.gases.empty()) {
+    std::vector<double> wavenumbers;  // ascending, as wavelengths descend
+    for (std::size_t i = wavelength_um.size(); i-- > 0;) wavenumbers.push_back(1e4 / wavelength_um[i]);
+    resolved.emplace(lines.gases, stack.profile(), stack.level_km(), wavenumbers);
+  }
+  const auto resolved_depths = [&](std::size_t i) {
+    std::vector<double> depths;
+    // Noise of measured cross-sections may be negative.
+    for (std::size_t layer = 0; resolved && layer < resolved->layers(); ++layer)
+      depths.push_back(std::max(0.0, resolved->depth(wavelength_um.size() - 1 - i, layer)));
+    return depths;
+  };
 
   RenderTable table = sunlit_table(sun, sensor_height_m, wavelength_um, target_height_m);
   table.provenance_json = provenance(spec, sun, stack);
@@ -102,7 +137,7 @@ RenderTable build_layered(const scene::AtmosphereSpec& spec, const scene::Sun& s
     solar[i] = static_cast<float>(earth_sun_factor(sun.day_of_year) *
                                   mean_solar_irradiance_1au(1e4 / bins[i].high_per_cm, 1e4 / bins[i].low_per_cm));
   for_each_on_threads(bins.size(), watch.threads, [&](std::size_t i) {
-    rows.fill(i, SpectralAir(stack, bins[i], static_cast<std::size_t>(spec.layered->k_terms)), spec.layered->streams);
+    rows.fill(i, SpectralAir(stack, bins[i], static_cast<std::size_t>(spec.layered->k_terms), resolved_depths(i)), spec.layered->streams);
     if (watch.finished) watch.finished(i);
   });
   validate(table, "layered air");

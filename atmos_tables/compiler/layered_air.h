@@ -16,6 +16,9 @@ inline constexpr double kLayeredFirst_um = 0.3, kLayeredLast_um = 30.0;
 /// Tables that reach this far hold thermal rows: at 3 um a body of 300 K emits 2e-3 of what sunlit grass reflects.
 inline constexpr double kThermalFrom_um = 3.0;
 
+/// Most wavelengths of a table whose gases are resolved to lines: 1 nm in steps of 0.001 nm needs 1000.
+inline constexpr std::size_t kMostResolvedNodes = 20000;
+
 struct BuildWatch {
   int threads = 0;                                   ///< 0: all cores; cannot change a result
   std::function<void(std::size_t done)> finished;    ///< after every wavelength, from any thread; may throw to stop
@@ -24,6 +27,8 @@ struct BuildWatch {
 /// Wavelengths ascending within 0.3..30 um; target heights ascending, m above z = 0, none above the sensor. spec.layered must be
 /// set. Sun zenith from 90 to below 108 deg is refused (twilight); from 108 deg on the solar rows are 0. Throws Error(input)
 /// with every problem found.
+/// Where spec.layered names lines or cross-sections, the gases they hold are resolved at the wavelength nodes themselves, not averaged
+/// over bins, and their band models are silent; the step between nodes is then the user's to choose.
 RenderTable build_layered(const scene::AtmosphereSpec& spec, const scene::Sun& sun, double sensor_height_m,
                           const std::vector<double>& wavelength_um, const std::vector<double>& target_height_m,
                           const BuildWatch& watch = {});

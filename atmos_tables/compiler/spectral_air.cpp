@@ -33,7 +33,8 @@ std::vector<SpectralBin> spectral_bins(const std::vector<double>& wavelength_um)
   return bins;
 }
 
-SpectralAir::SpectralAir(const AirStack& stack, const SpectralBin& bin, std::size_t k_terms) : stack_(stack), bin_(bin) {
+SpectralAir::SpectralAir(const AirStack& stack, const SpectralBin& bin, std::size_t k_terms, const std::vector<double>& resolved)
+    : stack_(stack), bin_(bin) {
   const double wavelength = bin.wavelength_um, width = bin.high_per_cm - bin.low_per_cm;
   // Continua follow their bands (a factor of 3 within 20 nm at 1.12 um): their mean depth over the bin, in steps of the bands'.
   const int points = 1 + static_cast<int>(width / LowtranLines::kStep);
@@ -50,12 +51,13 @@ SpectralAir::SpectralAir(const AirStack& stack, const SpectralBin& bin, std::siz
     layer.rayleigh = cross_section * stack.air_column_per_cm2(i);
     for (int k = 0; k < points; ++k)
       layer.absorbed += stack.gases().grey_depth(bin.low_per_cm + width * (k + 0.5) / points, i) / points;
+    if (!resolved.empty()) layer.absorbed += resolved[i];
     for (std::size_t c = 0; c < aerosol_.size(); ++c)
       layer.aerosol.push_back(aerosol_[c].extinction_ratio *
                               aerosols.depth_550(c, stack.level_km()[i], stack.level_km()[i + 1]));
     layers_.push_back(std::move(layer));
   }
-  k_ = stack.gases().k_terms(bin.low_per_cm, bin.high_per_cm, k_terms);
+  k_ = stack.band_gases().k_terms(bin.low_per_cm, bin.high_per_cm, k_terms);
 }
 
 double SpectralAir::layer_extinction(std::size_t i) const {
@@ -79,7 +81,7 @@ double SpectralAir::scatterers_depth(const std::vector<double>& path_factor) con
 }
 
 double SpectralAir::line_depth(const std::vector<double>& path_factor) const {
-  return stack_.gases().mean_line_depth(bin_.low_per_cm, bin_.high_per_cm, path_factor);
+  return stack_.band_gases().mean_line_depth(bin_.low_per_cm, bin_.high_per_cm, path_factor);
 }
 
 double SpectralAir::scattering_depth_above(std::size_t level) const {

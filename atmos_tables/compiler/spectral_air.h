@@ -21,13 +21,14 @@ std::vector<SpectralBin> spectral_bins(const std::vector<double>& wavelength_um)
 /// Layers from the ground up, as in AirStack.
 class SpectralAir {
  public:
-  SpectralAir(const AirStack& stack, const SpectralBin& bin, std::size_t k_terms);
+  /// resolved: vertical depths of the layers by gases resolved to lines at the node's wavelength; empty: none.
+  SpectralAir(const AirStack& stack, const SpectralBin& bin, std::size_t k_terms, const std::vector<double>& resolved = {});
 
   const SpectralBin& bin() const { return bin_; }
   std::size_t terms() const { return k_.weight.size(); }
   double weight(std::size_t term) const { return k_.weight[term]; }
 
-  /// Depth of what is additive: scattering, aerosol absorption, continua.
+  /// Depth of what is additive: scattering, aerosol absorption, continua, resolved lines.
   double grey_depth(const std::vector<double>& path_factor) const;
   /// Rayleigh and aerosol extinction alone.
   double scatterers_depth(const std::vector<double>& path_factor) const;
@@ -48,7 +49,7 @@ class SpectralAir {
 
  private:
   struct Layer {
-    double rayleigh = 0, absorbed = 0;    ///< absorbed: continua
+    double rayleigh = 0, absorbed = 0;    ///< absorbed: continua, resolved lines
     std::vector<double> aerosol;          ///< extinction depth per component
   };
   double scattering(std::size_t layer) const;

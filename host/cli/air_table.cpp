@@ -43,17 +43,28 @@ std::string file_text(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
+/// Which bytes a file holds, without reading gigabytes: name, size and time of the last change.
+nlohmann::json file_stamp(const std::string& path) {
+  if (path.empty()) return nullptr;
+  std::error_code error;
+  const auto size = std::filesystem::file_size(path, error);
+  const auto changed = std::filesystem::last_write_time(path, error).time_since_epoch().count();
+  return {path, size, changed};
+}
+
 std::string request_hash(const AirRequest& r, const std::vector<double>& wavelengths, const std::vector<double>& heights) {
   const scene::AirSpec& air = *r.spec->layered;
   const bool own_profile = std::filesystem::path(air.profile).is_absolute();
   nlohmann::json clouds;
   for (const auto& cloud : air.clouds) clouds.push_back({cloud.kind, cloud.base_km, cloud.top_km, cloud.optical_depth_550});
+  nlohmann::json cross_sections;
+  for (const auto& table : air.cross_sections) cross_sections.push_back({table.gas, table.ppmv, file_stamp(table.file)});
   const nlohmann::json key = {
       program_hash(), r.spec->ground_height_m, r.sun.zenith_deg, r.sun.azimuth_deg, r.sun.day_of_year, r.sensor_height_m,
       wavelengths, heights, own_profile ? base::sha256_hex(file_text(air.profile)) : air.profile, air.pressure_hPa,
       air.water_g_cm2, air.ozone_atm_cm, air.co2_ppmv, air.ch4_ppmv, air.aerosol, air.visibility_km, air.aod_550,
       air.humidity_percent, air.season, air.stratosphere, air.henyey_greenstein, air.gas_bands, air.streams, air.k_terms,
-      air.layering, air.wind_m_s, clouds};
+      air.layering, air.wind_m_s, clouds, file_stamp(air.lines), air.line_wing_per_cm, file_stamp(air.partition_sums), cross_sections};
   return base::sha256_hex(key.dump());
 }
 

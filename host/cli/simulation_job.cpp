@@ -24,6 +24,7 @@ atmos::RenderTable make_table(const scene::Simulation& simulation, const scene::
   request.sun = simulation.sun;
   request.sensor_height_m = sensor_height_m;
   std::tie(request.first_um, request.last_um) = band_range(instrument.bands);
+  if (simulation.atmosphere.layered) request.step_um = simulation.atmosphere.layered->spectral_step_um;
   const auto& scene = simulation.scene;
   const bool empty = scene.instances.empty();
   request.low_m = empty ? 0.0 : scene.lo[2];

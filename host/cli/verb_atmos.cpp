@@ -17,6 +17,7 @@
 #include "host/cli/air_table.h"
 #include "host/cli/atmos_compare.h"
 #include "host/cli/atmos_import.h"
+#include "host/cli/atmos_lidar.h"
 #include "host/cli/atmos_plot.h"
 #include "host/cli/verb.h"
 #include "scene_compiler/load_simulation.h"
@@ -32,7 +33,7 @@ base::IfExists if_exists(const CommonOptions& common) {
 }
 
 struct BuildOptions {
-  std::string file, model, profile, aerosol;
+  std::string file, model, profile, aerosol, lines;
   bool no_air = false, no_cache = false;
   double visibility = kUnset, co2 = kUnset, ch4 = kUnset, humidity = kUnset;
   double sun_zenith = kUnset, sun_azimuth = kUnset, day = kUnset;
@@ -57,6 +58,7 @@ void choose_model(const BuildOptions& o, scene::AtmosphereSpec& air) {
   if (!layered) {
     air.layered.reset();
     refuse(!o.profile.empty(), "--profile", "layered"), refuse(!o.aerosol.empty(), "--aerosol", "layered");
+    refuse(!o.lines.empty(), "--lines", "layered");
     refuse(!std::isnan(o.visibility), "--visibility", "layered"), refuse(!std::isnan(o.humidity), "--humidity", "layered");
     refuse(!std::isnan(o.co2), "--co2", "layered"), refuse(!std::isnan(o.ch4), "--ch4", "layered");
     return;
@@ -70,6 +72,7 @@ void choose_model(const BuildOptions& o, scene::AtmosphereSpec& air) {
     spec.profile = known != atmos::kAfglNames.end() ? o.profile : std::filesystem::absolute(o.profile).string();
   }
   if (!o.aerosol.empty()) spec.aerosol = o.aerosol;
+  if (!o.lines.empty()) spec.lines = std::filesystem::absolute(o.lines).lexically_normal().string();
   replace(spec.visibility_km, o.visibility), replace(spec.aod_550, o.aod), replace(spec.humidity_percent, o.humidity);
   replace(spec.pressure_hPa, o.pressure), replace(spec.water_g_cm2, o.water), replace(spec.ozone_atm_cm, o.ozone);
   replace(spec.co2_ppmv, o.co2), replace(spec.ch4_ppmv, o.ch4);
@@ -114,8 +117,9 @@ int build(const BuildOptions& o, Context& context) {
   if (lowest > highest)
     throw base::Error(base::Fault::input, "--lowest (" + std::to_string(lowest) + " m) is above --highest (" +
                                               std::to_string(highest) + " m)");
+  const double step_um = o.step_nm > 0 || !air.layered ? o.step_nm / 1000 : air.layered->spectral_step_um;
   const std::string output = context.common.output.empty() ? "atmosphere.rct" : context.common.output;
-  const atmos::RenderTable table = air_table({&air, simulation.sun, sensor_height, first_um, last_um, o.step_nm / 1000, lowest, highest, !o.no_cache}, context);
+  const atmos::RenderTable table = air_table({&air, simulation.sun, sensor_height, first_um, last_um, step_um, lowest, highest, !o.no_cache}, context);
   const std::string hash = atmos::write_rct(table, output, if_exists(context.common));
   if (context.common.json)
     context.out << nlohmann::json{{"table", output}, {"content_hash", hash}}.dump() << "\n";
@@ -160,6 +164,7 @@ Verb verb_build() {
     table.choice("--model", {"layered", "clear_sky"}, "Model of the air", o->model).default_text = "FILE's, or clear_sky";
     table.text("--profile", "NAME|FILE", "layered: AFGL model atmosphere by name, or a CSV profile", o->profile).default_text = "FILE's, or us_standard";
     table.text("--aerosol", "NAME", "layered: aerosol of the lowest 2 km", o->aerosol).default_text = "FILE's, or rural";
+    table.text("--lines", "FILE", "layered: HITRAN line list (.par); its gases are resolved at the table's wavelengths", o->lines).default_text = "FILE's, or none";
     number("--visibility", "km", 0.02, 323, "layered: meteorological range", o->visibility, "FILE's, or 23");
     number("--humidity", "%", 0, 99, "layered: relative humidity that swells the aerosol", o->humidity, "FILE's, or the profile's");
     number("--co2", "ppmv", 0, 1e4, "layered: carbon dioxide", o->co2, "FILE's, or the profile's 330");
@@ -192,7 +197,7 @@ Verb verb_atmos() {
   Verb verb;
   verb.name = "atmos";
   verb.summary = "Build, describe, draw and compare render tables of the air; read what other codes wrote";
-  verb.verbs = {verb_build(), verb_info(), verb_atmos_plot(), verb_atmos_import(), verb_atmos_compare()};
+  verb.verbs = {verb_build(), verb_info(), verb_atmos_plot(), verb_atmos_import(), verb_atmos_compare(), verb_atmos_lidar()};
   return verb;
 }
 
