@@ -72,7 +72,7 @@ LineAir resolved_gases(const scene::AirSpec& air, const std::vector<double>& wav
     widest_per_cm = std::max(widest_per_cm, 1e4 / wavelength_um[i] - 1e4 / wavelength_um[i + 1]);
   if (!air.lines.empty() && widest_per_cm > 0.1)
     lines.notices.push_back("wavelengths up to " + nlohmann::json(widest_per_cm).dump() +
-                            " cm-1 apart step over lines, which are 0.1 cm-1 wide at the ground; choose a finer spectral step");
+                            " cm-1 apart step over lines, whose half width is about 0.06 cm-1 at the ground; choose a finer spectral step");
   return lines;
 }
 

@@ -2,7 +2,7 @@
 //
 // S(T) = S Q(296)/Q(T) exp(-c2 E (1/T - 1/296)) (1 - exp(-c2 v/T)) / (1 - exp(-c2 v/296)); gamma = (296/T)^n (gamma_air p_air +
 // gamma_self p_own); centre v + delta p. No line mixing and no correction of far wings: Q branches of CO2 and of methane near 1 atm,
-// and the wings of CO2 beyond 4.18 um, are wrong by tens of per cent.
+// and the wings of CO2 beyond 4.18 um, can be off by tens of per cent.
 #pragma once
 
 #include <memory>
