@@ -74,7 +74,7 @@ AirSpec read_layered(const Record& record, Problems& problems) {
     scene::CrossSectionSpec& one = air.cross_sections.emplace_back();
     one.gas = table.text("gas");
     path(table, "file", one.file);
-    if (table.given("ppmv")) one.ppmv = table.number("ppmv");
+    if (table.given("mixing_ratio_ppmv")) one.ppmv = table.number("mixing_ratio_ppmv");
   }
   if (air.streams % 2 != 0)
     problems.add(record.place("streams"), "the number of streams must be even", std::to_string(air.streams), "take the next one");

@@ -55,7 +55,7 @@ lines = "one.par"
 [[atmosphere.cross_section]]
 gas = "ethane"
 file = "ethane.csv"
-ppmv = 0.001
+mixing_ratio_ppmv = 0.001
 """)
 (folder / "ethane.csv").write_text("wavenumber_per_cm,pressure_hPa,temperature_K,cross_section_cm2\n"
                                    "3050,1013.25,296,1e-19\n3060,1013.25,296,1e-19\n")
