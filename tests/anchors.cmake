@@ -2,3 +2,7 @@ raycube_test(anchor_lowtran_thermal SOURCES oracle/anchor_lowtran_thermal_test.c
              LIBS raycube::atmos_compiler LABELS fast)
 raycube_test(anchor_modtran5 SOURCES oracle/anchor_modtran5_test.cpp support/anchor_rows.cpp support/layered_anchor.cpp
              LIBS raycube::atmos_compiler LABELS fast)
+raycube_test(anchor_modtran6 SOURCES oracle/anchor_modtran6_test.cpp support/anchor_rows.cpp support/layered_anchor.cpp
+             LIBS raycube::atmos_compiler LABELS fast)
+raycube_test(anchor_uvspec SOURCES oracle/anchor_uvspec_test.cpp support/anchor_rows.cpp support/layered_anchor.cpp
+             LIBS raycube::atmos_compiler LABELS fast)
