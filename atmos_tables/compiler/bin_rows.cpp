@@ -44,9 +44,9 @@ BinGeometry::BinGeometry(const AirStack& air, const scene::Sun& sun, double z0_k
       sun_azimuth_deg(sun.azimuth_deg),
       day(sun.zenith_deg < 90),
       sensor_level(air.level_of(z0_km + sensor_height_m / 1000)),
-      view_zenith{0, 15, 30, 40, 50, 60, 70, 80},
-      view_azimuth{0, 30, 60, 90, 120, 150, 180},
-      sky_zenith{0, 10, 20, 30, 40, 50, 60, 70, 75, 80, 84, 87, 89, 90},
+      view_zenith{0, 10, 20, 30, 35, 40, 45, 50, 55, 60, 65, 70, 75, 80},
+      view_azimuth{0, 5, 10, 15, 20, 30, 40, 50, 60, 70, 80, 90, 100, 110, 120, 130, 140, 150, 160, 170, 180},
+      sky_zenith{0, 10, 20, 30, 40, 50, 60, 70, 75, 80, 82.5, 85, 87, 89, 90},
       sky_azimuth{0, 5, 10, 20, 30, 45, 60, 75, 90, 105, 120, 135, 150, 165, 180},
       scattering_angle(scattering_angles()) {
   const std::size_t top = air.layers();

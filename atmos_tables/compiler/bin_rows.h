@@ -21,6 +21,7 @@ struct BinGeometry {
   bool day;
   std::size_t sensor_level;
   std::vector<std::size_t> level;                       ///< [height]
+  /// Spaced so that light between nodes is right to 2 % (A-19): 5 degrees around the glory, 10 where Mie functions are steep.
   std::vector<double> view_zenith, view_azimuth, sky_zenith, sky_azimuth, scattering_angle;
   std::vector<std::vector<double>> sun_path;            ///< [height] path factors
   std::vector<std::vector<double>> view_path;           ///< [height * views + view]

@@ -42,7 +42,7 @@ TEST_CASE("S18 Bird and Riordan's worked example, figures restated") {
   }
 }
 
-TEST_CASE("S18 Bird and Riordan's worked example, all 122 wavelengths") {
+TEST_CASE("A-21 S18 Bird and Riordan's worked example, all 122 wavelengths") {
   const char* shared = std::getenv("RAYCUBE_SHARED");
   if (!shared) {
     std::cerr << "SKIPPED: RAYCUBE_SHARED is not set, the 122 wavelengths of the worked example were not compared\n";
