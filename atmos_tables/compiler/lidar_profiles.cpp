@@ -84,6 +84,13 @@ void check(const LidarOptions& options, const AerosolColumn& aerosols, base::Pro
   }
 }
 
+/// Wavelengths whose lines are read together: a list is read once for each group, so that 532 nm and 1.65 um do not read all between.
+std::size_t end_of_group(const std::vector<double>& wavelength_um, std::size_t first, double wing_per_cm) {
+  std::size_t end = first + 1;
+  while (end < wavelength_um.size() && 1e4 / wavelength_um[end - 1] - 1e4 / wavelength_um[end] < 4 * wing_per_cm) ++end;
+  return end;
+}
+
 /// Absorption by gases, km-1 [wavelength][height].
 std::vector<std::vector<double>> gas_absorption(const LineAir& lines, const std::vector<AirLevel>& air,
                                                 const std::vector<double>& wavelength_um) {
@@ -199,15 +206,23 @@ RenderTable build_lidar(const scene::AtmosphereSpec& spec, const std::vector<dou
     }
   }
   if (has_line_air(*spec.layered)) {
-    const LineAir lines = read_line_air(*spec.layered, 1e4 / wavelength_um.back(), 1e4 / wavelength_um.front());
-    notices.insert(notices.end(), lines.notices.begin(), lines.notices.end());
     std::string names;
-    for (const AbsorbingGas& gas : lines.gases) names += (names.empty() ? "" : ", ") + gas.name;
-    Row& row = add_row(table, "lidar_extinction_gas", "lines or cross-sections of " + names + "; continua and ozone of the layered model");
-    const auto absorption = gas_absorption(lines, air, wavelength_um);
-    for (std::size_t i = 0; i < wavelength_um.size(); ++i)
-      for (std::size_t h = 0; h < height_m.size(); ++h)
-        row.values[i * height_m.size() + h] = static_cast<float>(kPerKm_to_per_m * absorption[i][h]);
+    Row& row = add_row(table, "lidar_extinction_gas", "");
+    for (std::size_t first = 0, end; first < wavelength_um.size(); first = end) {
+      end = end_of_group(wavelength_um, first, spec.layered->line_wing_per_cm);
+      const std::vector<double> group(wavelength_um.begin() + static_cast<std::ptrdiff_t>(first),
+                                      wavelength_um.begin() + static_cast<std::ptrdiff_t>(end));
+      const LineAir lines = read_line_air(*spec.layered, 1e4 / group.back(), 1e4 / group.front());
+      for (const std::string& notice : lines.notices)
+        if (std::find(notices.begin(), notices.end(), notice) == notices.end()) notices.push_back(notice);
+      names.clear();
+      for (const AbsorbingGas& gas : lines.gases) names += (names.empty() ? "" : ", ") + gas.name;
+      const auto absorption = gas_absorption(lines, air, group);
+      for (std::size_t i = 0; i < group.size(); ++i)
+        for (std::size_t h = 0; h < height_m.size(); ++h)
+          row.values[(first + i) * height_m.size() + h] = static_cast<float>(kPerKm_to_per_m * absorption[i][h]);
+    }
+    row.text = "lines or cross-sections of " + names + "; continua and ozone of the layered model";
   } else {
     notices.push_back("no lines or cross-sections given: absorption by gases is absent, which band models cannot give at a laser's line");
   }

@@ -23,7 +23,7 @@ std::optional<Gas> profile_gas(const std::string& name) {
 
 std::string range_text(double low, double high) {
   char text[80];
-  std::snprintf(text, sizeof text, "%.6g to %.6g cm-1", low, high);
+  std::snprintf(text, sizeof text, "%.9g to %.9g cm-1", low, high);
   return text;
 }
 

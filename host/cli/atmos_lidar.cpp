@@ -155,6 +155,21 @@ int run(const Options& o, Context& context) {
 
 }  // namespace
 
+std::string lidar_figures_json(const atmos::RenderTable& table, const std::string& title) {
+  nlohmann::json out = {{"title", title}, {"wavelength_um", atmos::wavelengths(table)}, {"height_m", table.axis("range_height").nodes}};
+  const std::size_t heights = table.axis("range_height").nodes.size();
+  const std::string prefix = "lidar_";
+  out["rows"] = nlohmann::json::object();
+  for (const auto& [name, row] : table.rows) {
+    if (name.rfind(prefix, 0) != 0) continue;
+    nlohmann::json& spectra = out["rows"][name.substr(prefix.size())] = nlohmann::json::array();
+    for (std::size_t i = 0; i < row.values.size(); i += heights)
+      spectra.push_back(std::vector<float>(row.values.begin() + static_cast<std::ptrdiff_t>(i),
+                                           row.values.begin() + static_cast<std::ptrdiff_t>(i + heights)));
+  }
+  return out.dump();
+}
+
 Verb verb_atmos_lidar() {
   auto o = std::make_shared<Options>();
   Verb verb;

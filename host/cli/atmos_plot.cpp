@@ -10,6 +10,7 @@
 
 #include "atmos_tables/rct_file.h"
 #include "atmos_tables/report.h"
+#include "host/cli/atmos_lidar.h"
 #include "host/cli/python_chart.h"
 
 namespace raycube::cli {
@@ -23,7 +24,7 @@ Verb verb_atmos_plot() {
   auto o = std::make_shared<Options>();
   Verb verb;
   verb.name = "plot";
-  verb.summary = "Draw a render table: transmission, irradiance, path radiance, sky";
+  verb.summary = "Draw a render table: transmission, irradiance, path radiance, sky; or LIDAR profiles";
   verb.description = "Writes a PNG beside the table, and the figures in it as JSON. Needs python3-matplotlib.";
   verb.examples = {"raycube atmos plot park.rct -o park.png"};
   verb.common = kOutput;
@@ -42,8 +43,10 @@ Verb verb_atmos_plot() {
     std::filesystem::path chart = context.common.output;
     if (chart.empty()) chart = std::filesystem::path(o->file).replace_extension(".png");
     const auto title = std::filesystem::path(o->file).filename().string();
-    const std::string figures = draw_chart("atmos_plot.py", atmos::plot_json(table, choice, title), chart.string(),
-                                           context.common.overwrite ? base::IfExists::replace : base::IfExists::refuse);
+    const bool lidar = table.has("lidar_extinction_molecular") && !table.has("sun_transmission");
+    const std::string figures =
+        draw_chart(lidar ? "lidar_plot.py" : "atmos_plot.py", lidar ? lidar_figures_json(table, title) : atmos::plot_json(table, choice, title),
+                   chart.string(), context.common.overwrite ? base::IfExists::replace : base::IfExists::refuse);
     if (context.common.json)
       context.out << nlohmann::json{{"chart", chart.string()}, {"figures", figures}}.dump() << "\n";
     else

@@ -63,6 +63,11 @@ done = run("lidar", folder / "air.toml", "--wavelengths", f"{1e7 / 3058.4:.5f}",
 ethane = 1e-9 * 2.55e19 * 1e-19 * 1e5
 assert math.isclose(float(done.stdout.splitlines()[2].split()[3]) - off, ethane, rel_tol=0.05)
 
+run("plot", dial, "-o", folder / "dial.png")
+assert (folder / "dial.png").read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
+figures = json.loads((folder / "dial.json").read_text())
+assert len(figures["rows"]["extinction_gas"]) == 2 and len(figures["rows"]["extinction_gas"][0]) == len(figures["height_m"])
+
 # Bad input: status 2 and a message that says what is wrong.
 assert "which wavelengths" in run("lidar", "-o", folder / "x.rct", status=2).stderr
 assert "'abc' is no number" in run("lidar", "--wavelengths", "abc", "-o", folder / "x.rct", status=2).stderr

@@ -190,6 +190,10 @@ TEST_CASE("S9 LIDAR: gas at a methane line by Beer's law; absent with a word whe
   CHECK(relative(on - off, 100 * ground.gas(Gas::ch4) * (sigma[0] - sigma[1])) <= 2e-3);
   CHECK(on > 10 * off);
   CHECK(table.provenance_json.find("holds no lines of h2o, co2, o3, n2o, co, o2") != std::string::npos);
+  // Wavelengths far apart are read by themselves and change nothing.
+  const RenderTable apart = build_lidar(spec, {0.532, um[0], um[1]}, {0, 3000});
+  CHECK(at(apart, "lidar_extinction_gas", 2, 0) == at(table, "lidar_extinction_gas", 1, 0));
+  CHECK(at(apart, "lidar_extinction_gas", 1, 1) == at(table, "lidar_extinction_gas", 0, 1));
   spec.layered->lines.clear();
   const RenderTable without = build_lidar(spec, um, {0, 3000});
   CHECK(!without.has("lidar_extinction_gas"));
