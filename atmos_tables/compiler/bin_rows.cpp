@@ -35,6 +35,26 @@ std::vector<double> sum_of(std::vector<double> a, const std::vector<double>& b) 
   return a;
 }
 
+/// Cosines of the light's travel: sign 1 up, -1 down, never 0.
+std::vector<double> cosines(const std::vector<double>& zenith_deg, double sign) {
+  std::vector<double> out;
+  for (double zenith : zenith_deg) out.push_back(sign * std::max(std::cos(radians(zenith)), 1e-9));
+  return out;
+}
+
+/// Depths at which a table's rows are taken from a solved column.
+struct Depths {
+  double sensor, ground;
+  std::vector<double> targets, sensor_and_targets;
+  Depths(const solver::ColumnSolution& solved, const BinGeometry& g) {
+    const auto depth_of = [&](std::size_t level) { return solved.level_depth(g.stack->layers() - level); };
+    sensor = depth_of(g.sensor_level), ground = depth_of(0);
+    for (std::size_t level : g.level) targets.push_back(depth_of(level));
+    sensor_and_targets = targets;
+    sensor_and_targets.insert(sensor_and_targets.begin(), sensor);
+  }
+};
+
 }  // namespace
 
 BinGeometry::BinGeometry(const AirStack& air, const scene::Sun& sun, double z0_km, double sensor_height_m,
@@ -129,7 +149,8 @@ void BinRows::fill_paths(std::size_t i, const SpectralAir& air) const {
 void BinRows::fill_scattering(std::size_t i, const SpectralAir& air, int streams) const {
   const BinGeometry& g = geometry_;
   const std::size_t heights = g.level.size(), views = g.view_zenith.size(), azimuths = g.view_azimuth.size();
-  const std::size_t zeniths = g.sky_zenith.size(), sky_azimuths = g.sky_azimuth.size(), top = g.stack->layers();
+  const std::size_t zeniths = g.sky_zenith.size(), sky_azimuths = g.sky_azimuth.size();
+  const std::vector<double> view_cosine = cosines(g.view_zenith, 1), sky_cosine = cosines(g.sky_zenith, -1), none;
   const double e0 = row("solar_irradiance", i)[0];
   // The solver counts azimuth from where the beam goes; the table from where the sun is (docs/conventions.md). Sky light towards
   // the observer from the sun's side travels with the beam, light towards a sensor on the sun's side against it.
@@ -143,42 +164,36 @@ void BinRows::fill_scattering(std::size_t i, const SpectralAir& air, int streams
     const solver::Column column = air.column(j, e0, g.sun_zenith_deg, false);
     const solver::ColumnSolution solved =
         solver::solve_column(column, {.streams = streams, .fourier_tolerance = kFourierTolerance});
-    const auto depth_of = [&](std::size_t level) { return solved.level_depth(top - level); };
-    const double sensor_depth = depth_of(g.sensor_level);
+    const Depths at(solved, g);
+    const std::vector<double> up = e0 > 0 ? solved.radiances(at.sensor_and_targets, view_cosine, view_turned, {}) : none;
+    const std::vector<double> down = e0 > 0 ? solved.radiances(at.targets, sky_cosine, g.sky_azimuth, {}) : none;
+    const std::vector<solver::GroundTransmission> ground = solved.ground_transmissions({at.sensor}, view_cosine),
+                                                  returned = solved.ground_transmissions({at.ground}, sky_cosine);
     const solver::GroundCoupling coupling = solved.ground_coupling();
     const double ground_scattering = air.scattering_depth_above(0);
     for (std::size_t v = 0; v < views; ++v) {
-      const double mu = std::cos(radians(g.view_zenith[v]));
-      const std::vector<double> up = e0 > 0 ? solved.radiances(sensor_depth, mu, view_turned, {}) : std::vector<double>();
-      const solver::GroundTransmission ground = solved.ground_transmission(sensor_depth, mu);
+      const double mu = view_cosine[v];
       for (std::size_t h = 0; h < heights; ++h) {
         const double between = air.depth_between(j, g.level[h], g.sensor_level);
         const double transmission = std::exp(-between / mu);
-        if (e0 > 0) {
-          const std::vector<double> below = solved.radiances(depth_of(g.level[h]), mu, view_turned, {});
-          for (std::size_t a = 0; a < azimuths; ++a)
-            path[(h * views + v) * azimuths + a] += weight * std::max(0.0, up[a] - transmission * below[a]);
+        for (std::size_t a = 0; e0 > 0 && a < azimuths; ++a) {
+          const double above = up[v * azimuths + a], below = up[((h + 1) * views + v) * azimuths + a];
+          path[(h * views + v) * azimuths + a] += weight * std::max(0.0, above - transmission * below);
         }
         // Diffuse light of the ground is known for the lowest ground. From higher ground it is taken as the same share of what
         // the path scatters: 1 - exp(-depth) of the scatterers.
         const double from_ground = air.depth_between(j, 0, g.sensor_level);
         const double share = from_ground > 0 ? std::expm1(-between / mu) / std::expm1(-from_ground / mu) : 1;
-        through[h * views + v] += weight * ground.diffuse * share;
+        through[h * views + v] += weight * ground[v].diffuse * share;
       }
     }
     for (std::size_t h = 0; h < heights; ++h) {
-      const double depth = depth_of(g.level[h]);
       const double share = ground_scattering > 0 ? air.scattering_depth_above(g.level[h]) / ground_scattering : 1;
       albedo[h] += weight * coupling.spherical_albedo * share;
-      if (e0 > 0) diffuse[h] += weight * solved.fluxes(depth, {}).diffuse_down;
-      for (std::size_t z = 0; z < zeniths; ++z) {
-        const double mu = std::cos(radians(g.sky_zenith[z]));
-        back[h * zeniths + z] += weight * solved.ground_transmission(depth_of(0), -std::max(mu, 1e-9)).diffuse * share;
-        if (!(e0 > 0)) continue;
-        const std::vector<double> down = solved.radiances(depth, -std::max(mu, 1e-9), g.sky_azimuth, {});
-        for (std::size_t a = 0; a < sky_azimuths; ++a) sky[(h * zeniths + z) * sky_azimuths + a] += weight * down[a];
-      }
+      if (e0 > 0) diffuse[h] += weight * solved.fluxes(at.targets[h], {}).diffuse_down;
+      for (std::size_t z = 0; z < zeniths; ++z) back[h * zeniths + z] += weight * returned[z].diffuse * share;
     }
+    for (std::size_t k = 0; k < down.size(); ++k) sky[k] += weight * down[k];
   }
   const auto store = [&](const char* name, const std::vector<double>& values) {
     std::transform(values.begin(), values.end(), row(name, i).begin(),
@@ -196,6 +211,7 @@ void BinRows::fill_thermal(std::size_t i, const SpectralAir& air, int streams) c
   const BinGeometry& g = geometry_;
   const std::size_t heights = g.level.size(), views = g.view_zenith.size(), zeniths = g.sky_zenith.size();
   const std::size_t top = g.stack->layers();
+  const std::vector<double> view_cosine = cosines(g.view_zenith, 1), sky_cosine = cosines(g.sky_zenith, -1);
   const auto count = [&](std::size_t extra) { return std::vector<double>(heights * extra, 0.0); };
   std::vector<double> path = count(views), sky = count(zeniths), joined = count(views), plain_sky = count(1);
   std::vector<double> plain_view = count(views);
@@ -210,25 +226,24 @@ void BinRows::fill_thermal(std::size_t i, const SpectralAir& air, int streams) c
   for (std::size_t j = 0; j < air.terms(); ++j) {
     const double weight = air.weight(j);
     const solver::ColumnSolution solved = solver::solve_column(air.column(j, 0, 0, true), {.streams = streams});
-    const auto depth_of = [&](std::size_t level) { return solved.level_depth(top - level); };
+    const Depths at(solved, g);
+    const std::vector<double> up = solved.radiances(at.sensor_and_targets, view_cosine, {0}, {});
+    const std::vector<double> down = solved.radiances(at.targets, sky_cosine, {0}, {});
     for (std::size_t h = 0; h < heights; ++h) {
-      const double depth = depth_of(g.level[h]), irradiance = solved.fluxes(depth, {}).diffuse_down;
+      const double irradiance = solved.fluxes(at.targets[h], {}).diffuse_down;
       plain_sky[h] += weight * irradiance;
       for (std::size_t v = 0; v < views; ++v) {
-        const double mu = std::cos(radians(g.view_zenith[v]));
+        const double mu = view_cosine[v];
         const double transmission = std::exp(-air.depth_between(j, g.level[h], g.sensor_level) / mu);
         joined[h * views + v] += weight * irradiance * transmission;
         plain_view[h * views + v] += weight * transmission;
         if (!scattered) continue;
-        const double up = solved.radiance(depth_of(g.sensor_level), mu, 0, {}) - transmission * solved.radiance(depth, mu, 0, {});
-        path[h * views + v] += weight * (up - term_emission(air, *g.stack, j, mu, g.level[h], g.sensor_level, true));
+        const double gained = up[v] - transmission * up[(h + 1) * views + v];
+        path[h * views + v] += weight * (gained - term_emission(air, *g.stack, j, mu, g.level[h], g.sensor_level, true));
       }
-      if (!scattered) continue;
-      for (std::size_t z = 0; z < zeniths; ++z) {
-        const double mu = std::max(std::cos(radians(g.sky_zenith[z])), 1e-9);
+      for (std::size_t z = 0; scattered && z < zeniths; ++z)
         sky[h * zeniths + z] +=
-            weight * (solved.radiance(depth, -mu, 0, {}) - term_emission(air, *g.stack, j, mu, g.level[h], top, false));
-      }
+            weight * (down[h * zeniths + z] - term_emission(air, *g.stack, j, -sky_cosine[z], g.level[h], top, false));
     }
   }
   for (std::size_t k = 0; k < joined.size(); ++k) {

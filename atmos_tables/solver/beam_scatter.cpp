@@ -11,6 +11,9 @@
 namespace raycube::atmos::solver {
 namespace {
 
+using Eigen::Index;
+using Eigen::MatrixXd;
+
 /// The small-angle expansion holds in the aureole: whole within 10 degrees of the beam, fading to nothing at
 /// 20, smooth in between so that radiance stays continuous.
 double aureole_weight(double cos_angle) {
@@ -20,66 +23,117 @@ double aureole_weight(double cos_angle) {
   return part * part * (3 - 2 * part);
 }
 
-}  // namespace
-
-double once_scattered(const BeamColumn& column, double cosine, bool up, double cos_angle,
-                      const Place& place) {
-  const std::size_t count = column.scaled->size();
-  if (count == 0 || column.flux <= 0) return 0;
-  const Column& air = *column.column;
-  const std::vector<double> tabulated =
-      column.exact_phase && air.phase_values ? air.phase_values(cos_angle) : std::vector<double>();
-  double radiance = 0;
-  const std::size_t steps = up ? count - place.layer : place.layer + 1;
-  for (std::size_t step = 0; step < steps; ++step) {
-    const std::size_t i = up ? count - 1 - step : step;
-    const ScaledLayer& scaled = (*column.scaled)[i];
-    const BeamLayer& beam = (*column.beam)[i];
-    const Sight sight{cosine, up, scaled.depth, i == place.layer ? place.u : (up ? 0.0 : scaled.depth)};
-    radiance *= std::exp(-sight.seen_depth() / cosine);
-    if (scaled.source_albedo <= 0 || scaled.depth <= 0) continue;
-    const std::vector<double>& moments = air.layers[i].phase_moments;
-    const bool exact = column.exact_phase && !moments.empty();
-    const double phase =
-        !tabulated.empty() ? scaled.source_albedo * tabulated[i]
-        : exact ? scaled.source_albedo * legendre_series(moments, moments.size(), cos_angle)
-              : scaled.albedo * legendre_series(scaled.moment, scaled.moment.size(), cos_angle);
-    radiance += column.flux / (4 * std::numbers::pi) * phase * beam.top * sight_falling(sight, beam.slope);
-  }
-  return radiance;
+/// The layer's own phase function counts, not the truncated one.
+bool own_phase(const Column& column, std::size_t layer, bool exact) {
+  return exact && (column.phase_values || !column.layers[layer].phase_moments.empty());
 }
 
-double aureole_excess(const BeamColumn& column, double cosine, double cos_angle, const Place& place) {
-  const double weight = aureole_weight(cos_angle);
-  if (weight <= 0) return 0;
-  double depth = 0, truncated = 0;
+}  // namespace
+
+std::vector<MatrixXd> scatter_once(const Column& column, const ScaledColumn& scaled, const Rays& rays,
+                                   const std::vector<Place>& places, bool exact) {
+  const auto layers = static_cast<Index>(scaled.layers.size()),
+             count = static_cast<Index>(rays.cosine.size());
+  std::vector<MatrixXd> out(places.size(), MatrixXd::Zero(layers, count));
+  if (layers == 0 || column.beam.flux <= 0) return out;
+  const auto strength = [&](std::size_t i) {
+    const ScaledLayer& layer = scaled.layers[i];
+    const double albedo = own_phase(column, i, exact) ? layer.source_albedo : layer.albedo;
+    return layer.source_albedo > 0 && layer.depth > 0
+               ? column.beam.flux / (4 * std::numbers::pi) * albedo * scaled.beam[i].top
+               : 0.0;
+  };
+  MatrixXd weight = MatrixXd::Zero(layers, count);
+  travel(
+      scaled, rays.up, places, [&](std::size_t p) { out[p] = weight; },
+      [&](std::size_t p, std::size_t i) {
+        out[p] = weight;
+        for (Index r = 0; r < count; ++r) {
+          const Sight sight{rays.cosine[static_cast<std::size_t>(r)], rays.up, scaled.layers[i].depth,
+                            places[p].u};
+          out[p].col(r) *= std::exp(-sight.seen_depth() / sight.cosine);
+          out[p](static_cast<Index>(i), r) = strength(i) * sight_falling(sight, scaled.beam[i].slope);
+        }
+      },
+      [&](std::size_t i) {
+        const auto at = static_cast<Index>(i);
+        for (Index r = 0; r < count; ++r) {
+          weight.col(r) *= rays.fade(r, at);
+          weight(at, r) = strength(i) * rays.slant(r, at) * rays.beam(r, at);
+        }
+      });
+  return out;
+}
+
+OnceScattered::OnceScattered(const Column& column, const ScaledColumn& scaled, bool exact,
+                             const std::vector<MatrixXd>& weights)
+    : column_(column), weights_(weights), tabulated_(exact && column.phase_values) {
+  if (tabulated_ || column.beam.flux <= 0) return;
+  for (const MatrixXd& place : weights) {
+    std::vector<std::vector<double>>& rays = series_.emplace_back(static_cast<std::size_t>(place.cols()));
+    for (std::size_t r = 0; r < rays.size(); ++r)
+      for (std::size_t i = 0; i < scaled.layers.size(); ++i) {
+        const double weight = place(static_cast<Index>(i), static_cast<Index>(r));
+        if (weight == 0) continue;
+        const std::vector<double>& moments =
+            own_phase(column, i, exact) ? column.layers[i].phase_moments : scaled.layers[i].moment;
+        if (rays[r].size() < moments.size()) rays[r].resize(moments.size(), 0.0);
+        for (std::size_t k = 0; k < moments.size(); ++k) rays[r][k] += weight * moments[k];
+      }
+  }
+}
+
+void OnceScattered::add(Index ray, double cos_angle, Eigen::Ref<Eigen::VectorXd> radiance) const {
+  if (column_.beam.flux <= 0) return;
+  if (tabulated_) {
+    const std::vector<double> phase = column_.phase_values(cos_angle);
+    const Eigen::Map<const Eigen::VectorXd> values(phase.data(), static_cast<Index>(phase.size()));
+    for (std::size_t p = 0; p < weights_.size(); ++p)
+      radiance(static_cast<Index>(p)) += weights_[p].col(ray).dot(values);
+    return;
+  }
+  for (std::size_t p = 0; p < series_.size(); ++p) {
+    const std::vector<double>& series = series_[p][static_cast<std::size_t>(ray)];
+    radiance(static_cast<Index>(p)) += legendre_series(series, series.size(), cos_angle);
+  }
+}
+
+Aureole::Aureole(const Column& column, const ScaledColumn& scaled, const Place& place) {
+  double truncated = 0;
   std::size_t longest = 0;
   // Means over the column above the place, weighted by scattering depth (eq. 24).
-  std::vector<double> share(column.scaled->size(), 0.0);
-  for (std::size_t i = 0; i < column.scaled->size() && i <= place.layer; ++i) {
-    const ScaledLayer& scaled = (*column.scaled)[i];
-    const double part = i < place.layer ? 1.0 : (scaled.depth > 0 ? place.u / scaled.depth : 0.0);
-    share[i] = scaled.true_albedo * scaled.true_depth * part;
-    depth += scaled.true_depth * part;
-    truncated += scaled.truncation * share[i];
-    longest = std::max(longest, column.column->layers[i].phase_moments.size());
+  std::vector<double> share(scaled.layers.size(), 0.0);
+  for (std::size_t i = 0; i < scaled.layers.size() && i <= place.layer; ++i) {
+    const ScaledLayer& layer = scaled.layers[i];
+    const double part = i < place.layer ? 1.0 : (layer.depth > 0 ? place.u / layer.depth : 0.0);
+    share[i] = layer.true_albedo * layer.true_depth * part;
+    depth_ += layer.true_depth * part;
+    truncated += layer.truncation * share[i];
+    longest = std::max(longest, column.layers[i].phase_moments.size());
   }
-  if (column.flux <= 0 || truncated <= 1e-12 * depth || depth <= 0) return 0;
-  const double peak_albedo = truncated / depth;  // mean f omega
+  if (column.beam.flux <= 0 || truncated <= 1e-12 * depth_ || depth_ <= 0) return;
+  flux_ = column.beam.flux;
+  peak_albedo_ = truncated / depth_;  // mean f omega
+  beam_cosine_ = column.beam.cosine / (1 - peak_albedo_);
   // Moments of 2 P'' - P'' * P'': the truncated peak is 1 below `streams` and chi_k / f from there on.
-  std::vector<double> spike(longest, 1.0);
-  for (std::size_t k = static_cast<std::size_t>(column.streams); k < longest; ++k) {
+  spike_.assign(longest, 1.0);
+  for (std::size_t k = static_cast<std::size_t>(scaled.streams); k < longest; ++k) {
     double moment = 0;
     for (std::size_t i = 0; i < share.size(); ++i)
-      if (k < column.column->layers[i].phase_moments.size())
-        moment += share[i] * column.column->layers[i].phase_moments[k];
+      if (k < column.layers[i].phase_moments.size()) moment += share[i] * column.layers[i].phase_moments[k];
     moment /= truncated;
-    spike[k] = moment * (2 - moment);
+    spike_[k] = moment * (2 - moment);
   }
-  const double beam_cosine = column.cosine / (1 - peak_albedo);
-  const double slant = depth / beam_cosine, view = depth / cosine;
-  return weight * column.flux / (4 * std::numbers::pi) * peak_albedo * peak_albedo / (1 - peak_albedo) *
-         legendre_series(spike, spike.size(), cos_angle) * slant * view * exp_difference(slant, slant, view);
+}
+
+double Aureole::excess(double cosine, double cos_angle) const {
+  if (spike_.empty()) return 0;
+  const double weight = aureole_weight(cos_angle);
+  if (weight <= 0) return 0;
+  const double slant = depth_ / beam_cosine_, view = depth_ / cosine;
+  return weight * flux_ / (4 * std::numbers::pi) * peak_albedo_ * peak_albedo_ / (1 - peak_albedo_) *
+         legendre_series(spike_, spike_.size(), cos_angle) * slant * view *
+         exp_difference(slant, slant, view);
 }
 
 }  // namespace raycube::atmos::solver

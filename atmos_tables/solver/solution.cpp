@@ -6,7 +6,8 @@
 #include <string>
 
 #include "atmos_tables/solver/beam_scatter.h"
-#include "atmos_tables/solver/level_fields.h"
+#include "atmos_tables/solver/order_solver.h"
+#include "atmos_tables/solver/user_radiance.h"
 #include "host/base/error.h"
 
 namespace raycube::atmos::solver {
@@ -18,101 +19,118 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kDegree = kPi / 180;
 constexpr double kSmallestCosine = 1e-9;
+/// Thinner layers are taken isothermal: B' would reach B / 1e-5 and cost the digits it gains.
+constexpr double kThinEmission = 1e-5;
+
+LinearPlanck linear_emission(double top, double bottom, double depth) {
+  if (depth < kThinEmission) return {0.5 * (top + bottom), 0};
+  return {top, (bottom - top) / depth};
+}
 }  // namespace
 
 struct ColumnSolution::Data {
   Column column;
   Options options;
-  HalfRange nodes;
-  std::vector<ScaledLayer> scaled;
-  std::vector<BeamLayer> beam, true_beam_path;  ///< along the scaled and along the true depth
-  std::vector<double> level_depth;              ///< true
+  ScaledColumn scaled;
+  std::vector<BeamLayer> true_beam_path;  ///< along the true depth
+  std::vector<double> level_depth;        ///< true
   std::vector<OrderSolution> orders;
-  LevelFields first_order;  ///< levels of order 0
 
   Place place(double depth) const;
+  std::vector<Place> places(const std::vector<double>& depths) const;
   std::array<double, 2> case_flux(const Place& place, bool up) const;
   Fluxes own_fluxes(const Place& place) const;  ///< over a black, cold ground
   GroundCoupling coupling() const;
   double ground_radiance(const Ground& ground) const;
-  BeamColumn beam_column() const;
 };
 
 namespace {
 
 using Data = ColumnSolution::Data;
 
-LayerSources layer_sources(const Data& data, std::size_t layer, int order) {
-  const Column& column = data.column;
-  const double azimuth_factor = order == 0 ? 1 : 2;
-  LayerSources sources{column.beam.flux * azimuth_factor / (4 * kPi) * data.beam[layer].top,
-                       data.beam[layer].slope, 0, 0};
-  if (!column.planck.empty()) {
-    sources.planck_top = column.planck[layer];
-    sources.planck_bottom = column.planck[layer + 1];
-  }
-  return sources;
-}
-
-/// Solves one azimuth order. Order 0 has the second case, the ground as the only lamp.
-OrderSolution solve_order(const Data& data, int order, LevelFields& fields) {
-  OrderSolution solution;
-  solution.order = order;
-  solution.cases = order == 0 ? 2 : 1;
-  const OrderBasis basis = order_basis(order, data.options.streams, data.nodes, data.column.beam.cosine);
-  for (std::size_t i = 0; i < data.scaled.size(); ++i)
-    solution.layers.push_back(solve_layer(data.scaled[i], layer_sources(data, i, order), basis, data.nodes));
-  const auto count = static_cast<Eigen::Index>(data.nodes.cosine.size());
-  MatrixXd top = MatrixXd::Zero(count, solution.cases), bottom = top;
-  if (order == 0)
-    for (Eigen::Index j = 0; j < count; ++j) {
-      const auto at = static_cast<std::size_t>(j);
-      const double flux_root = std::sqrt(data.nodes.weight[at] * data.nodes.cosine[at]);
-      top(j, 0) = flux_root * data.column.top_radiance;
-      bottom(j, 1) = flux_root;
-    }
-  fields = solve_levels(solution.layers, top, bottom);
-  for (int c = 0; c < solution.cases; ++c) {
-    std::vector<Amplitudes> amplitudes;
-    for (std::size_t i = 0; i < data.scaled.size(); ++i)
-      amplitudes.push_back(homogeneous_amplitudes(solution.layers[i], fields.up[i].col(c),
-                                                  fields.down[i].col(c), fields.up[i + 1].col(c),
-                                                  fields.down[i + 1].col(c), c == 0));
-    solution.amplitudes.push_back(std::move(amplitudes));
-  }
-  return solution;
-}
-
-/// Largest radiance of case 0 at a node and level.
-double largest_radiance(const Data& data, const LevelFields& fields) {
-  double largest = 0;
-  for (const auto* side : {&fields.up, &fields.down})
-    for (const MatrixXd& level : *side)
-      for (Eigen::Index j = 0; j < level.rows(); ++j) {
-        const auto at = static_cast<std::size_t>(j);
-        largest = std::max(largest,
-                           std::abs(level(j, 0)) / std::sqrt(data.nodes.weight[at] * data.nodes.cosine[at]));
-      }
-  return largest;
-}
-
 /// Does any layer scatter in this azimuth order?
 bool order_is_lit(const Data& data, int order) {
   if (data.column.beam.flux <= 0 || data.column.beam.cosine >= 1) return false;
-  for (const ScaledLayer& layer : data.scaled)
+  for (const ScaledLayer& layer : data.scaled.layers)
     for (std::size_t l = static_cast<std::size_t>(order); l < layer.moment.size(); ++l)
       if (layer.albedo > 0 && layer.moment[l] != 0) return true;
   return false;
 }
 
 void solve_orders(Data& data) {
-  data.orders.push_back(solve_order(data, 0, data.first_order));
-  const double limit = data.options.fourier_tolerance * largest_radiance(data, data.first_order);
+  data.orders.push_back(solve_order(data.scaled, 0));
+  const double limit = data.options.fourier_tolerance * data.orders[0].largest_radiance;
   int small = 0;
   for (int order = 1; order < data.options.streams && order_is_lit(data, order) && small < 2; ++order) {
-    LevelFields fields;
-    data.orders.push_back(solve_order(data, order, fields));
-    small = largest_radiance(data, fields) <= limit ? small + 1 : 0;
+    data.orders.push_back(solve_order(data.scaled, order));
+    small = data.orders.back().largest_radiance <= limit ? small + 1 : 0;
+  }
+}
+
+/// Directions of a sweep that travel to one side, and where they stand in the caller's list.
+struct Side {
+  bool up = true;
+  std::vector<double> cosine;
+  std::vector<std::size_t> index;
+};
+
+std::array<Side, 2> split_sides(const std::vector<double>& cosines) {
+  std::array<Side, 2> sides;
+  sides[1].up = false;
+  for (std::size_t i = 0; i < cosines.size(); ++i) {
+    if (!(std::abs(cosines[i]) <= 1))
+      throw base::Error(base::Fault::input,
+                        "cosine " + std::to_string(cosines[i]) + " of a direction is not in [-1, 1]");
+    Side& side = sides[cosines[i] >= 0 ? 0 : 1];
+    side.cosine.push_back(std::max(std::abs(cosines[i]), kSmallestCosine));
+    side.index.push_back(i);
+  }
+  return sides;
+}
+
+/// Diffuse radiance along the rays of one side, added to its place in `radiance` [place][cosine][azimuth].
+void add_side(const Data& data, const Side& side, const std::vector<Place>& places, double ground_radiance,
+              const std::vector<double>& turn_deg, std::size_t cosines, std::vector<double>& radiance) {
+  const Column& column = data.column;
+  const Rays rays = make_rays(data.scaled, side.up, side.cosine);
+  const bool exact = data.options.intensity_correction;
+  const auto at = [&](std::size_t p, std::size_t r) {
+    return &radiance[(p * cosines + side.index[r]) * turn_deg.size()];
+  };
+  std::vector<double> turn(turn_deg.size());
+  for (const OrderSolution& order : data.orders) {
+    for (std::size_t a = 0; a < turn.size(); ++a) turn[a] = std::cos(order.order * kDegree * turn_deg[a]);
+    const OrderRadiance term = order_radiance(data.scaled, order, rays, places);
+    for (std::size_t p = 0; p < places.size(); ++p)
+      for (std::size_t r = 0; r < side.index.size(); ++r) {
+        const auto row = static_cast<Eigen::Index>(r), col = static_cast<Eigen::Index>(p);
+        const double own = term.own(row, col);
+        const double from_ground = order.order == 0 ? ground_radiance * term.from_ground(row, col) : 0;
+        double* out = at(p, r);
+        for (std::size_t a = 0; a < turn.size(); ++a) out[a] += own * turn[a] + from_ground;
+      }
+  }
+  if (column.beam.flux <= 0) return;
+  const std::vector<MatrixXd> weights = scatter_once(column, data.scaled, rays, places, exact);
+  const OnceScattered once(column, data.scaled, exact, weights);
+  std::vector<Aureole> aureoles;
+  if (exact && !side.up)
+    for (const Place& place : places) aureoles.emplace_back(column, data.scaled, place);
+  VectorXd first(static_cast<Eigen::Index>(places.size()));
+  for (std::size_t r = 0; r < side.index.size(); ++r) {
+    const double mu = side.cosine[r];
+    const double sines =
+        std::sqrt(std::max(0.0, (1 - mu) * (1 + mu) * (1 - column.beam.cosine) * (1 + column.beam.cosine)));
+    for (std::size_t a = 0; a < turn_deg.size(); ++a) {
+      const double cos_angle = std::clamp(
+          (side.up ? -mu : mu) * column.beam.cosine + sines * std::cos(kDegree * turn_deg[a]), -1.0, 1.0);
+      first.setZero();
+      once.add(static_cast<Eigen::Index>(r), cos_angle, first);
+      for (std::size_t p = 0; p < places.size(); ++p) {
+        at(p, r)[a] += first(static_cast<Eigen::Index>(p));
+        if (!aureoles.empty()) at(p, r)[a] -= aureoles[p].excess(mu, cos_angle);
+      }
+    }
   }
 }
 
@@ -124,51 +142,49 @@ Place ColumnSolution::Data::place(double depth) const {
     throw base::Error(base::Fault::input, "optical depth " + std::to_string(depth) +
                                               " is outside the column: it has 0 to " + std::to_string(total) +
                                               "; ask for a depth inside it");
-  if (scaled.empty()) return {};
+  const std::vector<ScaledLayer>& layers = scaled.layers;
+  if (layers.empty()) return {};
   // First level at or below the depth; the layer is the one above it, so a boundary is the bottom of a layer.
   const auto below = std::lower_bound(level_depth.begin() + 1, level_depth.end() - 1, depth);
   const auto layer = static_cast<std::size_t>(below - level_depth.begin()) - 1;
-  const double true_depth = scaled[layer].true_depth, part = depth - level_depth[layer];
-  if (depth >= level_depth[layer + 1]) return {layer, scaled[layer].depth};
+  const double true_depth = layers[layer].true_depth, part = depth - level_depth[layer];
+  if (depth >= level_depth[layer + 1]) return {layer, layers[layer].depth};
   if (part <= 0 || true_depth <= 0) return {layer, 0};
-  return {layer, std::min(1.0, part / true_depth) * scaled[layer].depth};
+  return {layer, std::min(1.0, part / true_depth) * layers[layer].depth};
+}
+
+std::vector<Place> ColumnSolution::Data::places(const std::vector<double>& depths) const {
+  std::vector<Place> out;
+  for (double depth : depths) out.push_back(place(depth));
+  return out;
 }
 
 /// Diffuse flux of both cases (of the scaled problem); exact level values at the layers' faces.
 std::array<double, 2> ColumnSolution::Data::case_flux(const Place& at, bool up) const {
-  const auto count = static_cast<Eigen::Index>(nodes.cosine.size());
-  const Eigen::Map<const VectorXd> mu(nodes.cosine.data(), count), weight(nodes.weight.data(), count);
-  const VectorXd flux_root = (weight.array() * mu.array()).sqrt();
-  std::array<double, 2> flux{};
-  const bool at_bottom = !scaled.empty() && at.u >= scaled[at.layer].depth;
-  for (std::size_t c = 0; c < 2; ++c) {
-    if (scaled.empty() || at_bottom || at.u <= 0) {
-      const std::vector<MatrixXd>& side = up ? first_order.up : first_order.down;
-      flux[c] =
-          2 * kPi * flux_root.dot(side[at.layer + (at_bottom ? 1 : 0)].col(static_cast<Eigen::Index>(c)));
-      continue;
-    }
-    const LayerMode& mode = orders[0].layers[at.layer];
-    ModalField field = homogeneous_field(mode, orders[0].amplitudes[c][at.layer], at.u);
-    if (c == 0) {
-      const ModalField own = particular_field(mode, at.u);
-      field.sigma += own.sigma;
-      field.delta += own.delta;
-    }
-    const double sum = flux_root.dot(mode.x * field.sigma), difference = flux_root.dot(mode.z * field.delta);
-    flux[c] = kPi * (up ? sum + difference : sum - difference);
+  const auto count = static_cast<Eigen::Index>(scaled.nodes.cosine.size());
+  const Eigen::Map<const VectorXd> mu(scaled.nodes.cosine.data(), count),
+      weight(scaled.nodes.weight.data(), count);
+  const std::vector<ScaledLayer>& layers = scaled.layers;
+  const bool at_bottom = !layers.empty() && at.u >= layers[at.layer].depth;
+  if (!layers.empty() && !at_bottom && at.u > 0) {
+    const InnerFlux inner = inner_flux(scaled, orders[0], at.layer, at.u);
+    return up ? inner.up : inner.down;
   }
-  return flux;
+  const VectorXd flux_root = (weight.array() * mu.array()).sqrt();
+  const std::array<MatrixXd, 2>& side = up ? orders[0].up : orders[0].down;
+  const auto level = static_cast<Eigen::Index>(at.layer + (at_bottom ? 1 : 0));
+  return {2 * kPi * flux_root.dot(side[0].col(level)), 2 * kPi * flux_root.dot(side[1].col(level))};
 }
 
 Fluxes ColumnSolution::Data::own_fluxes(const Place& at) const {
   const double beam_flux = column.beam.flux * column.beam.cosine;
   double true_beam = beam_flux, scaled_beam = beam_flux;
-  if (!scaled.empty()) {
-    const ScaledLayer& layer = scaled[at.layer];
+  if (!scaled.layers.empty()) {
+    const ScaledLayer& layer = scaled.layers[at.layer];
+    const BeamLayer &true_path = true_beam_path[at.layer], &path = scaled.beam[at.layer];
     const double true_u = layer.depth > 0 ? at.u / layer.depth * layer.true_depth : 0;
-    true_beam *= true_beam_path[at.layer].top * std::exp(-true_beam_path[at.layer].slope * true_u);
-    scaled_beam *= beam[at.layer].top * std::exp(-beam[at.layer].slope * at.u);
+    true_beam *= true_path.top * std::exp(-true_path.slope * true_u);
+    scaled_beam *= path.top * std::exp(-path.slope * at.u);
   }
   // What delta-M counts as beam although it was scattered forward is diffuse light (S4.6).
   return {true_beam, case_flux(at, false)[0] + (scaled_beam - true_beam), case_flux(at, true)[0]};
@@ -185,16 +201,6 @@ double ColumnSolution::Data::ground_radiance(const Ground& ground) const {
   return (ground.albedo * (air.direct_irradiance + air.diffuse_irradiance) / kPi +
           (1 - ground.albedo) * ground.planck) /
          (1 - ground.albedo * air.spherical_albedo);
-}
-
-BeamColumn ColumnSolution::Data::beam_column() const {
-  return {&column,
-          &scaled,
-          &beam,
-          column.beam.flux,
-          column.beam.cosine,
-          options.streams,
-          options.intensity_correction};
 }
 
 double ColumnSolution::total_depth() const { return data_->level_depth.back(); }
@@ -217,36 +223,24 @@ Fluxes ColumnSolution::fluxes(double depth, const Ground& ground) const {
   return fluxes;
 }
 
-std::vector<double> ColumnSolution::radiances(double depth, double cosine,
+std::vector<double> ColumnSolution::radiances(const std::vector<double>& depths,
+                                              const std::vector<double>& cosines,
                                               const std::vector<double>& azimuth_deg,
                                               const Ground& ground) const {
   check_ground(ground);
-  if (!(std::abs(cosine) <= 1))
-    throw base::Error(base::Fault::input,
-                      "cosine " + std::to_string(cosine) + " of a direction is not in [-1, 1]");
-  const Place at = data_->place(depth);
-  const bool up = cosine >= 0;
-  const double mu = std::max(std::abs(cosine), kSmallestCosine);
-  const Column& column = data_->column;
-  std::vector<double> radiance(azimuth_deg.size(), 0.0);
-  double isotropic = 0;
-  for (const OrderSolution& order : data_->orders) {
-    const std::array<double, 2> term = order_radiance(
-        order, data_->scaled, data_->nodes, data_->options.streams, mu, up, at, column.top_radiance);
-    if (order.order == 0) isotropic = data_->ground_radiance(ground) * term[1];
-    for (std::size_t i = 0; i < radiance.size(); ++i)
-      radiance[i] += term[0] * std::cos(order.order * kDegree * (azimuth_deg[i] - column.beam.azimuth_deg));
-  }
-  const BeamColumn beam = data_->beam_column();
-  const double sines =
-      std::sqrt(std::max(0.0, (1 - mu) * (1 + mu) * (1 - column.beam.cosine) * (1 + column.beam.cosine)));
-  for (std::size_t i = 0; i < radiance.size(); ++i) {
-    const double turn = std::cos(kDegree * (azimuth_deg[i] - column.beam.azimuth_deg));
-    const double cos_angle = std::clamp((up ? -mu : mu) * column.beam.cosine + sines * turn, -1.0, 1.0);
-    radiance[i] += isotropic + once_scattered(beam, mu, up, cos_angle, at);
-    if (data_->options.intensity_correction && !up) radiance[i] -= aureole_excess(beam, mu, cos_angle, at);
-  }
+  const std::vector<Place> places = data_->places(depths);
+  std::vector<double> radiance(depths.size() * cosines.size() * azimuth_deg.size(), 0.0), turn_deg;
+  for (double azimuth : azimuth_deg) turn_deg.push_back(azimuth - data_->column.beam.azimuth_deg);
+  const double from_ground = data_->ground_radiance(ground);
+  for (const Side& side : split_sides(cosines))
+    if (!side.index.empty()) add_side(*data_, side, places, from_ground, turn_deg, cosines.size(), radiance);
   return radiance;
+}
+
+std::vector<double> ColumnSolution::radiances(double depth, double cosine,
+                                              const std::vector<double>& azimuth_deg,
+                                              const Ground& ground) const {
+  return radiances(std::vector<double>{depth}, {cosine}, azimuth_deg, ground);
 }
 
 double ColumnSolution::radiance(double depth, double cosine, double azimuth_deg, const Ground& ground) const {
@@ -259,17 +253,26 @@ double ColumnSolution::path_radiance(double depth, double cosine, double azimuth
 
 GroundCoupling ColumnSolution::ground_coupling() const { return data_->coupling(); }
 
+std::vector<GroundTransmission> ColumnSolution::ground_transmissions(
+    const std::vector<double>& depths, const std::vector<double>& cosines) const {
+  const std::vector<Place> places = data_->places(depths);
+  std::vector<GroundTransmission> out(depths.size() * cosines.size());
+  for (const Side& side : split_sides(cosines)) {
+    if (side.index.empty()) continue;
+    const Rays rays = make_rays(data_->scaled, side.up, side.cosine);
+    const MatrixXd total = order_radiance(data_->scaled, data_->orders[0], rays, places).from_ground;
+    for (std::size_t p = 0; p < places.size(); ++p)
+      for (std::size_t r = 0; r < side.index.size(); ++r) {
+        const double direct = side.up ? std::exp(-(total_depth() - depths[p]) / side.cosine[r]) : 0.0;
+        out[p * cosines.size() + side.index[r]] = {
+            direct, total(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(p)) - direct};
+      }
+  }
+  return out;
+}
+
 GroundTransmission ColumnSolution::ground_transmission(double depth, double cosine) const {
-  if (!(std::abs(cosine) <= 1))
-    throw base::Error(base::Fault::input,
-                      "cosine " + std::to_string(cosine) + " of a direction is not in [-1, 1]");
-  const Place at = data_->place(depth);
-  const bool up = cosine >= 0;
-  const double mu = std::max(std::abs(cosine), kSmallestCosine);
-  const double total = order_radiance(data_->orders[0], data_->scaled, data_->nodes, data_->options.streams,
-                                      mu, up, at, 0.0)[1];
-  const double direct = up ? std::exp(-(total_depth() - depth) / mu) : 0.0;
-  return {direct, total - direct};
+  return ground_transmissions({depth}, {cosine}).front();
 }
 
 int ColumnSolution::azimuth_terms() const { return static_cast<int>(data_->orders.size()); }
@@ -279,17 +282,25 @@ ColumnSolution solve_column(const Column& column, const Options& options) {
   auto data = std::make_shared<ColumnSolution::Data>();
   data->column = column;
   data->options = options;
-  data->nodes = gauss_half_range(options.streams / 2);
   data->level_depth.push_back(0);
+  ScaledColumn& scaled = data->scaled;
+  scaled.streams = options.streams;
+  scaled.nodes = gauss_half_range(options.streams / 2);
+  scaled.beam_flux = column.beam.flux;
+  scaled.beam_cosine = column.beam.cosine;
+  scaled.top_radiance = column.top_radiance;
   std::vector<double> scaled_depth, true_depth;
   for (const Layer& layer : column.layers) {
-    data->scaled.push_back(scale_layer(layer, options.streams, options.delta_m));
-    scaled_depth.push_back(data->scaled.back().depth);
+    scaled.layers.push_back(scale_layer(layer, options.streams, options.delta_m));
+    scaled_depth.push_back(scaled.layers.back().depth);
     true_depth.push_back(layer.optical_depth);
     data->level_depth.push_back(data->level_depth.back() + layer.optical_depth);
   }
-  data->beam = beam_through_layers(column, scaled_depth);
+  scaled.beam = beam_through_layers(column, scaled_depth);
   data->true_beam_path = beam_through_layers(column, true_depth);
+  if (std::any_of(column.planck.begin(), column.planck.end(), [](double planck) { return planck > 0; }))
+    for (std::size_t i = 0; i < scaled_depth.size(); ++i)
+      scaled.emission.push_back(linear_emission(column.planck[i], column.planck[i + 1], scaled_depth[i]));
   solve_orders(*data);
   return ColumnSolution(data);
 }

@@ -53,12 +53,20 @@ class ColumnSolution {
   std::vector<double> radiances(double depth, double cosine, const std::vector<double>& azimuth_deg,
                                 const Ground& ground) const;
   double radiance(double depth, double cosine, double azimuth_deg, const Ground& ground) const;
+  /// Many places and directions in one sweep through the layers, [depth][cosine][azimuth]: what depends on
+  /// the layer, the direction or the azimuth order alone is found once. Same values as one by one, whatever
+  /// is asked for together.
+  std::vector<double> radiances(const std::vector<double>& depths, const std::vector<double>& cosines,
+                                const std::vector<double>& azimuth_deg, const Ground& ground) const;
 
   /// Path radiance: the same over a black ground that emits nothing.
   double path_radiance(double depth, double cosine, double azimuth_deg) const;
 
   GroundCoupling ground_coupling() const;
   GroundTransmission ground_transmission(double depth, double cosine) const;
+  /// [depth][cosine]
+  std::vector<GroundTransmission> ground_transmissions(const std::vector<double>& depths,
+                                                       const std::vector<double>& cosines) const;
 
   /// Number of azimuth terms kept.
   int azimuth_terms() const;
