@@ -1,13 +1,11 @@
 #include "atmos_tables/report.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <sstream>
 
 #include <nlohmann/json.hpp>
 
-#include "atmos_tables/interpolate.h"
 #include "atmos_tables/row_registry.h"
 
 namespace raycube::atmos {
@@ -102,53 +100,6 @@ std::string table_text(const RenderTable& table, const std::string& hash) {
   for (const auto& name : s["absent_rows"]) out << " " << name.get<std::string>();
   out << "\n\nprovenance\n" << s["provenance"].dump(2) << "\n";
   return out.str();
-}
-
-std::string plot_json(const RenderTable& table, const PlotChoice& choice, const std::string& title) {
-  const double h = choice.target_height_m, view = choice.view_zenith_deg;
-  json out;
-  out["title"] = title;
-  out["sun_zenith_deg"] = table.sun_zenith_deg;
-  out["sensor_height_m"] = table.sensor_height_m;
-  out["target_height_m"] = h;
-  out["view_zenith_deg"] = view;
-  out["relative_azimuth_deg"] = choice.relative_azimuth_deg;
-  out["wavelength_um"] = wavelengths(table);
-  if (table.has("solar_irradiance")) out["solar_irradiance"] = solar_irradiance(table);
-  const bool sun = table.has("sun_transmission") || table.has("sun_optical_depth");
-  const bool path = table.has("view_transmission") || table.has("view_optical_depth");
-  if (sun) out["sun_transmission"] = sun_transmission(table, h);
-  if (path) out["view_transmission"] = view_transmission(table, h, view);
-  if (sun && path && table.has("two_way_factor")) out["two_way_transmission"] = two_way_transmission(table, h, view);
-  if (table.has("direct_irradiance")) out["direct_irradiance"] = direct_irradiance(table, h);
-  if (table.has("diffuse_irradiance")) out["diffuse_irradiance"] = diffuse_irradiance(table, h);
-  if (table.has("path_radiance_solar"))
-    out["path_radiance"] = path_radiance(table, h, view, choice.relative_azimuth_deg);
-  if (table.has("sky_radiance_solar")) {
-    const auto& l = wavelengths(table);
-    std::size_t nearest = 0;
-    for (std::size_t i = 1; i < l.size(); ++i)
-      if (std::abs(l[i] - choice.sky_wavelength_um) < std::abs(l[nearest] - choice.sky_wavelength_um)) nearest = i;
-    // One wavelength is enough for the map: a table of that wavelength reads the same and takes no time.
-    RenderTable one = table;
-    one.axes.at("wavelength").nodes = {l[nearest]};
-    for (auto& [name, row] : one.rows) {
-      if (row.axes.empty() || row.axes.front() != "wavelength") continue;
-      const std::size_t inner = row.values.size() / l.size();
-      row.values = std::vector<float>(row.values.begin() + static_cast<std::ptrdiff_t>(nearest * inner),
-                                      row.values.begin() + static_cast<std::ptrdiff_t>((nearest + 1) * inner));
-    }
-    json zenith = json::array(), azimuth = json::array(), map = json::array();
-    for (int a = 0; a <= 180; a += 3) azimuth.push_back(a);
-    for (int z = 0; z <= 90; z += 3) {
-      zenith.push_back(z);
-      json ring = json::array();
-      for (int a = 0; a <= 180; a += 3) ring.push_back(sky_radiance(one, h, z, a)[0]);
-      map.push_back(ring);
-    }
-    out["sky"] = {{"wavelength_um", l[nearest]}, {"zenith_deg", zenith}, {"azimuth_deg", azimuth}, {"radiance", map}};
-  }
-  return out.dump();
 }
 
 }  // namespace raycube::atmos

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <numbers>
 #include <set>
 #include <sstream>
 
+#include "atmos_tables/detail/lit_factor.h"
 #include "atmos_tables/interpolate.h"
 #include "atmos_tables/row_registry.h"
 #include "host/base/error.h"
@@ -19,8 +19,6 @@ namespace {
 using Spectrum = std::vector<double>;
 
 constexpr double kSame_um = 1e-9;
-/// T_sun T_view below which the two-way factor is left out.
-constexpr double kLeastTwoWay = 1e-3;
 
 std::string shown(double value) {
   std::ostringstream out;
@@ -98,15 +96,6 @@ Spectrum merged_grid(const Spectrum& a, const Spectrum& b, double first, double 
   std::sort(out.begin(), out.end());
   // Nodes of the same wavelength, once printed and once computed, differ by rounding.
   out.erase(std::unique(out.begin(), out.end(), [](double x, double y) { return y - x < kSame_um; }), out.end());
-  return out;
-}
-
-/// R2, and NaN where so little light comes through that the ratio says nothing.
-Spectrum factor_where_light_passes(const RenderTable& table, double height, double zenith) {
-  Spectrum out = two_way_factor(table, height, zenith);
-  const Spectrum sun = sun_transmission(table, height), view = view_transmission(table, height, zenith);
-  for (std::size_t i = 0; i < out.size(); ++i)
-    if (!(sun[i] * view[i] > kLeastTwoWay)) out[i] = std::numeric_limits<double>::quiet_NaN();
   return out;
 }
 
@@ -249,7 +238,7 @@ TableDifference table_difference(const RenderTable& a, const RenderTable& b, con
   if (both("solar_irradiance")) add("solar_irradiance", "", solar_irradiance);
   plain("sun_transmission", sun_transmission);
   no_azimuth("view_transmission", "view_zenith", view, view_transmission);
-  no_azimuth("two_way_factor", "view_zenith", view, factor_where_light_passes);
+  no_azimuth("two_way_factor", "view_zenith", view, detail::lit_two_way_factor);
   directed("path_radiance_solar", "view_zenith", view, "relative_azimuth",
            [&](const RenderTable& t, double zenith, double azimuth) { return path_radiance(t, h, zenith, azimuth); });
   directed("sky_radiance_solar", "sky_zenith", sky, "sky_azimuth",

@@ -1,5 +1,5 @@
 raycube_test(table_difference SOURCES unit/table_difference_test.cpp LIBS raycube::atmos_tables LABELS fast)
-foreach(name atmos_compare)
+foreach(name atmos_compare atmos_build)
   add_test(NAME ${name} COMMAND /usr/bin/python3 ${CMAKE_CURRENT_LIST_DIR}/cli/${name}_test.py $<TARGET_FILE:raycube>)
   set_tests_properties(${name} PROPERTIES LABELS fast SKIP_RETURN_CODE 77)
 endforeach()

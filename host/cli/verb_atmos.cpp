@@ -119,6 +119,8 @@ int build(const BuildOptions& o, Context& context) {
                                               std::to_string(highest) + " m)");
   const double step_um = o.step_nm > 0 || !air.layered ? o.step_nm / 1000 : air.layered->spectral_step_um;
   const std::string output = context.common.output.empty() ? "atmosphere.rct" : context.common.output;
+  // A name that is taken or a folder that cannot be written is known before the work begins.
+  { const base::OutputFile probe(output, if_exists(context.common)); }
   const atmos::RenderTable table = air_table({&air, simulation.sun, sensor_height, first_um, last_um, step_um, lowest, highest, !o.no_cache}, context);
   const std::string hash = atmos::write_rct(table, output, if_exists(context.common));
   if (context.common.json)

@@ -48,7 +48,7 @@ def panel(figure, grid, data, quantity):
         lower.set_ylim(-reach, reach)
     lower.axhline(0, color="gray", lw=0.6)
     lower.set_ylabel("B - A, %" if relative else "B - A", fontsize=8)
-    if wavelength[0] > 0 and wavelength[-1] > 6 * wavelength[0]:
+    if wavelength[0] > 0 and wavelength[-1] > 8 * wavelength[0]:
         lower.set_xscale("log")
         ticks = [t for t in (0.3, 0.4, 0.5, 0.7, 1, 1.5, 2, 3, 4, 5, 7, 10, 14, 20, 30) if wavelength[0] <= t <= wavelength[-1]]
         lower.set_xticks(ticks, [f"{t:g}" for t in ticks])
