@@ -67,7 +67,7 @@ std::vector<double> stack_levels(const scene::AirSpec& spec, double ground_km, d
 }  // namespace
 
 AirProfile make_profile(const scene::AirSpec& spec, double ground_km, std::vector<std::string>& notices) {
-  AirProfile profile = cut_at_ground(base_profile(spec), ground_km);
+  AirProfile profile = cut_at_ground(extended_down(base_profile(spec), ground_km), ground_km);
   if (spec.pressure_hPa >= 0) profile = with_ground_pressure(profile, spec.pressure_hPa);
   if (spec.co2_ppmv >= 0) profile = with_ground_mixing_ratio(profile, Gas::co2, spec.co2_ppmv);
   if (spec.ch4_ppmv >= 0) profile = with_ground_mixing_ratio(profile, Gas::ch4, spec.ch4_ppmv);

@@ -14,6 +14,8 @@ namespace {
 /// Moments of the phase functions: the solver's streams, and beyond them what the small-angle correction of the aureole sums.
 constexpr std::size_t kLastMoment = 191;
 constexpr double kLoneHalfWidth_per_cm = 2.5;
+/// A node speaks for at most this part of its wavelength on either side: further apart, nodes are samples.
+constexpr double kWidestHalf = 0.05;
 }  // namespace
 
 std::vector<SpectralBin> spectral_bins(const std::vector<double>& wavelength_um) {
@@ -25,9 +27,12 @@ std::vector<SpectralBin> spectral_bins(const std::vector<double>& wavelength_um)
       bins.push_back({here, centre - kLoneHalfWidth_per_cm, centre + kLoneHalfWidth_per_cm});
       continue;
     }
-    const double below = i > 0 ? 0.5 * (wavelength_um[i - 1] + here) : 0;
-    const double above = i + 1 < count ? 0.5 * (here + wavelength_um[i + 1]) : 0;
-    const double left = i > 0 ? below : here - (above - here), right = i + 1 < count ? above : here + (here - below);
+    const double widest = kWidestHalf * here;
+    double below = i > 0 ? std::min(0.5 * (here - wavelength_um[i - 1]), widest) : 0;
+    double above = i + 1 < count ? std::min(0.5 * (wavelength_um[i + 1] - here), widest) : 0;
+    if (i == 0) below = above;
+    if (i + 1 == count) above = below;
+    const double left = here - below, right = here + above;
     bins.push_back({here, 1e4 / right, 1e4 / left});
   }
   return bins;

@@ -14,8 +14,8 @@ struct SpectralBin {
   double wavelength_um = 0;              ///< the node
   double low_per_cm = 0, high_per_cm = 0;
 };
-/// Bins around wavelength nodes, bounded half way to the neighbours; the outer ones are symmetrical. One node alone stands for
-/// 5 cm-1.
+/// Bins around wavelength nodes, bounded half way to the neighbours but at most 5 % away; the outer ones are symmetrical. One node
+/// alone stands for 5 cm-1.
 std::vector<SpectralBin> spectral_bins(const std::vector<double>& wavelength_um);
 
 /// Layers from the ground up, as in AirStack.

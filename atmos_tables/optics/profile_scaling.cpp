@@ -50,6 +50,25 @@ WaterScaling capped(const AirProfile& profile, double factor) {
 
 }  // namespace
 
+AirProfile extended_down(const AirProfile& profile, double ground_km) {
+  const AirLevel &low = profile.levels()[0], &next = profile.levels()[1];
+  if (ground_km >= low.height_km) return profile;
+  if (!(ground_km >= low.height_km - 1))
+    throw base::Error(base::Fault::input, "ground at " + std::to_string(ground_km) + " km lies more than 1 km below the profile's lowest level (" +
+                                              std::to_string(low.height_km) + " km); give a profile that reaches it");
+  const double part = (low.height_km - ground_km) / (next.height_km - low.height_km);
+  const auto beyond = [part](double at, double above) { return at > 0 && above > 0 ? at * std::pow(at / above, part) : at; };
+  AirLevel ground = low;
+  ground.height_km = ground_km;
+  ground.temperature_K = low.temperature_K + part * (low.temperature_K - next.temperature_K);
+  ground.pressure_hPa = beyond(low.pressure_hPa, next.pressure_hPa);
+  ground.air_per_cm3 = beyond(low.air_per_cm3, next.air_per_cm3);
+  for (std::size_t g = 0; g < kGases; ++g) ground.gas_per_cm3[g] = beyond(low.gas_per_cm3[g], next.gas_per_cm3[g]);
+  std::vector<AirLevel> levels = {ground};
+  levels.insert(levels.end(), profile.levels().begin(), profile.levels().end());
+  return AirProfile(std::move(levels), profile.source());
+}
+
 AirProfile cut_at_ground(const AirProfile& profile, double ground_km) {
   std::vector<AirLevel> levels{profile.at(ground_km)};
   for (const AirLevel& level : profile.levels())

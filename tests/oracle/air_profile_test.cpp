@@ -132,6 +132,19 @@ TEST_CASE("S18 profiles: the AFGL models are hydrostatic and hold the published 
   }
 }
 
+TEST_CASE("ground below a profile's lowest level: US Standard Atmosphere formulas below the sea") {
+  // The Dead Sea's shore, -0.43 km: formulas of US Standard 1976 against the AFGL profile carried on by its lowest layer.
+  const AirProfile low = extended_down(afgl_profile(AfglModel::us_standard), -0.43);
+  const StandardAir exact = us_standard_1976(-0.43);
+  CHECK(low.ground_km() == -0.43);
+  CHECK(low.levels().front().temperature_K == doctest::Approx(exact.temperature_K).epsilon(2e-4));
+  CHECK(low.levels().front().pressure_hPa == doctest::Approx(exact.pressure_hPa).epsilon(2e-3));
+  CHECK(low.levels().front().air_per_cm3 == doctest::Approx(exact.air_per_cm3).epsilon(2e-3));
+  CHECK(low.levels().size() == afgl_profile(AfglModel::us_standard).levels().size() + 1);
+  CHECK(extended_down(low, 0.5).ground_km() == -0.43);
+  CHECK_THROWS_AS(extended_down(low, -2), base::Error);
+}
+
 TEST_CASE("S18 profiles: scaling meets the stated columns and mixing ratios") {
   const AirProfile profile = afgl_profile(AfglModel::midlatitude_summer);
   CHECK(relative(with_ozone_column(profile, 0.3).ozone_atm_cm(), 0.3) <= 1e-12);
