@@ -86,6 +86,7 @@ AtmosphereSpec read_atmosphere(const Record& root, const Origin& origin, Problem
   out.ground_height_m = origin.height_m;
   const Record* record = root.table("atmosphere");
   if (record == nullptr) {
+    out.layered.emplace();
     out.pressure_hPa = standard_pressure_hPa(out.ground_height_m);
     return out;
   }

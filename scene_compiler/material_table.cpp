@@ -28,6 +28,14 @@ std::optional<Material> constant_material(const Record& record, Problems& proble
   return out;
 }
 
+/// A constant reflectance from the curve's end on, where nothing was measured; what transmits becomes opaque there.
+void extend(Curve& curve, double value) {
+  if (curve.wavelength_um.empty() || curve.wavelength_um.back() >= kConstantLastUm) return;
+  curve.wavelength_um.push_back(curve.wavelength_um.back() * (1 + 1e-6));
+  curve.wavelength_um.push_back(kConstantLastUm);
+  curve.value.insert(curve.value.end(), 2, value);
+}
+
 std::optional<Material> read_material(const Record& record, Problems& problems) {
   const std::string name = "material '" + record.text("name") + "'";
   const bool file = record.given("file"), constant = record.given("reflectance");
@@ -36,7 +44,7 @@ std::optional<Material> read_material(const Record& record, Problems& problems) 
                  "remove or add one");
     return std::nullopt;
   }
-  for (const char* key : {"spectrum", "reflectance_column", "transmittance_column", "scale", "medium"})
+  for (const char* key : {"spectrum", "reflectance_column", "transmittance_column", "reflectance_beyond", "scale", "medium"})
     if (constant && record.given(key)) {
       problems.add(record.place(key), std::string("'") + key + "' means nothing for a constant reflectance",
                    "", "remove it, or give file");
@@ -56,7 +64,12 @@ std::optional<Material> read_material(const Record& record, Problems& problems) 
   if (record.given("scale")) request.scale = record.number("scale");
   request.medium = record.text("medium");
   request.asked_by = record.place(record.given("spectrum") ? "spectrum" : "file");
-  return read_spectrum(request, problems);
+  auto material = read_spectrum(request, problems);
+  if (material && record.given("reflectance_beyond")) {
+    extend(material->reflectance, record.number("reflectance_beyond"));
+    extend(material->transmittance, 0);
+  }
+  return material;
 }
 
 }  // namespace

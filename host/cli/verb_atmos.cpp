@@ -50,7 +50,7 @@ void replace(double& standing, double typed) {
 
 /// Options of one model alone are refused with the other; the shared ones go where the model reads them.
 void choose_model(const BuildOptions& o, scene::AtmosphereSpec& air) {
-  const bool layered = o.model == "layered" || (o.model.empty() && air.layered);
+  const bool layered = o.model == "layered" || (o.model.empty() && (air.layered || o.file.empty()));
   const auto refuse = [&](bool given, const char* option, const char* model) {
     if (given)
       throw base::Error(base::Fault::input, std::string(option) + " belongs to --model " + model + "; remove it, or choose that model");
@@ -134,12 +134,15 @@ Verb verb_build() {
   auto o = std::make_shared<BuildOptions>();
   Verb verb;
   verb.name = "build";
-  verb.summary = "Build a render table with the clear-sky model";
+  verb.summary = "Build a render table with a built-in model of the air";
   verb.description =
-      "Sun, air, heights, bands and sensor come from a scene FILE, or from options, which replace what the file says. The "
-      "model covers 0.3 to 4 um; docs/table_format.md says how good it is.";
+      "Sun, air, heights, bands and sensor come from a scene FILE, or from options, which replace what the file says. The layered "
+      "model covers 0.3 to 30 um (profiles, gas bands, aerosols, multiple scattering), the clear-sky model 0.3 to 4 um by a few "
+      "formulas; docs/atmosphere.md and docs/table_format.md say how good they are. Tables of the layered model are kept in "
+      "~/.cache/raycube/atmosphere and read again when the same one is asked for.";
   verb.examples = {"raycube atmos build scenes/park/park.toml -o park.rct",
-                   "raycube atmos build --sun-zenith 40 --aod 0.2 --sensor-height 3000 -o clear.rct"};
+                   "raycube atmos build --sun-zenith 40 --visibility 10 --sensor-height 3000 -o hazy.rct",
+                   "raycube atmos build --model clear_sky --sun-zenith 40 --aod 0.2 -o quick.rct"};
   verb.common = kOutput | kThreads;
   verb.add_options = [o](base::OptionTable& table) {
     const auto number = [&](const char* names, const char* unit, double low, double high, const char* help, double& value,
@@ -163,7 +166,7 @@ Verb verb_build() {
     number("--ssa", "", 0, 1, "Aerosol single-scattering albedo at 0.4 um", o->ssa, "FILE's, or 0.945");
     number("--asymmetry", "", -0.95, 0.95, "Aerosol asymmetry factor", o->asymmetry, "FILE's, or 0.65");
     number("--ground-albedo", "", 0, 1, "Albedo of the surroundings in the sky's light", o->albedo, "FILE's, or 0");
-    table.choice("--model", {"layered", "clear_sky"}, "Model of the air", o->model).default_text = "FILE's, or clear_sky";
+    table.choice("--model", {"layered", "clear_sky"}, "Model of the air", o->model).default_text = "FILE's, or layered";
     table.text("--profile", "NAME|FILE", "layered: AFGL model atmosphere by name, or a CSV profile", o->profile).default_text = "FILE's, or us_standard";
     table.text("--aerosol", "NAME", "layered: aerosol of the lowest 2 km", o->aerosol).default_text = "FILE's, or rural";
     table.text("--lines", "FILE", "layered: HITRAN line list (.par); its gases are resolved at the table's wavelengths", o->lines).default_text = "FILE's, or none";

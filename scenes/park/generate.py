@@ -4,7 +4,7 @@
 Usage: generate.py OUT [--seed N]        then: raycube render OUT/park.toml -o results/
 
 Needs numpy and nothing else; about 5 s and 40 MB. The same seed gives the same files. Everything is made here or copied
-from this folder (park.toml, materials.toml, spectra/), so OUT can be moved as a whole. facts.json lists what was made.
+from this folder (park*.toml, materials.toml, spectra/), so OUT can be moved as a whole. facts.json lists what was made.
 """
 import argparse
 import json
@@ -50,6 +50,8 @@ def write_bands(out):
     (out / "wasp_rgb.csv").write_text(
         "# Relative responses of a colour frame camera, nominal: no measured response of the WASP camera is published\n"
         "wavelength_nm,blue,green,red\n" + "".join("%g,%.4f,%.4f,%.4f\n" % tuple(row) for row in bands.wasp_rgb()))
+    (out / "lwir_45.csv").write_text("# Nominal thermal imaging spectrometer\ncenter_nm,fwhm_nm\n" +
+                                     "".join(f"{c:g},{w:g}\n" for c, w in bands.lwir_45()))
     return len(rows)
 
 
@@ -77,7 +79,7 @@ def main():
         facts["instances"][name] = len(rows)
     facts["bands"] = write_bands(out)
 
-    for name in ("park.toml", "materials.toml"):
+    for name in ("park.toml", "park_lwir.toml", "park_scene.toml", "materials.toml"):
         shutil.copyfile(here / name, out / name)
     shutil.copytree(here / "spectra", out / "spectra", dirs_exist_ok=True)
     (out / "facts.json").write_text(json.dumps(facts, indent=1) + "\n")

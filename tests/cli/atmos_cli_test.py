@@ -1,6 +1,7 @@
 """raycube atmos build | info | plot | import as a user drives them. Usage: atmos_cli_test.py RAYCUBE FOLDER"""
 
 import json
+import os
 import pathlib
 import shutil
 import subprocess
@@ -18,7 +19,7 @@ def run(*arguments, status=0):
 
 
 table = folder / "clear.rct"
-build = ["build", "--sun-zenith", "40", "--aod", "0.2", "--step", "20"]
+build = ["build", "--model", "clear_sky", "--sun-zenith", "40", "--aod", "0.2", "--step", "20"]
 
 # S18: the same inputs give the same bytes; nothing is overwritten silently.
 assert run(*build, "-o", table).stdout == f"table: {table}\n"
@@ -38,6 +39,23 @@ assert {"sun_transmission", "sky_radiance_solar", "path_radiance_solar", "two_wa
 assert "path_radiance_thermal" in info["absent_rows"] and not names & set(info["absent_rows"])
 text = run("info", table).stdout
 assert "absent rows" in text and "sun zenith 40 deg" in text
+
+# The layered model is the default; its tables are kept, and the kept one is the same.
+os.environ["XDG_CACHE_HOME"] = str(folder / "cache")
+layered = ["build", "--sun-zenith", "40", "--from", "0.5", "--to", "0.55", "--step", "25", "--highest", "0"]
+run(*layered, "-o", folder / "layered.rct")
+kept = list((folder / "cache/raycube/atmosphere").glob("*.rct"))
+assert len(kept) == 1, kept
+run(*layered, "-o", folder / "from_cache.rct")
+run(*layered, "--no-cache", "--threads", "1", "-o", folder / "anew.rct")
+assert (folder / "layered.rct").read_bytes() == (folder / "from_cache.rct").read_bytes() == (folder / "anew.rct").read_bytes()
+kept[0].write_bytes(kept[0].read_bytes()[:1000])
+damaged = run(*layered, "-o", folder / "again_built.rct")
+assert "built anew" in damaged.stderr and (folder / "again_built.rct").read_bytes() == (folder / "anew.rct").read_bytes()
+assert list((folder / "cache/raycube/atmosphere").iterdir()) == kept
+assert json.loads(run("info", folder / "layered.rct", "--json").stdout)["provenance"]["parameters"]["profile"] == "us_standard"
+assert "belongs to --model clear_sky" in run(*layered, "--angstrom", "1.3", "-o", folder / "x.rct", status=2).stderr
+assert "belongs to --model layered" in run(*build, "--co2", "400", "-o", folder / "x.rct", status=2).stderr
 
 vacuum = folder / "vacuum.rct"
 run("build", "--sun-zenith", "30", "--no-air", "-o", vacuum)

@@ -78,7 +78,7 @@ def main():
         digests.append(digest(work / run))
     check("same seed, same files", digests[0] == digests[1], digests[0][:16])
     park = work / "a"
-    scene = tomllib.loads((park / "park.toml").read_text())
+    scene = tomllib.loads((park / "park_scene.toml").read_text()) | tomllib.loads((park / "park.toml").read_text())
     materials = {m["name"]: m for m in tomllib.loads((park / "materials.toml").read_text())["material"]}
 
     # S1, S3: trees and placements

@@ -90,7 +90,7 @@ with tempfile.TemporaryDirectory() as work:
     rows = [f"{-12 + 6 * (k % 5)},{-12 + 6 * (k // 5)},{40 * k % 360},{0.7 + 0.02 * k}" for k in range(25)]
     (work / "trees.csv").write_text("x_m,y_m,yaw_deg,scale\n" + "\n".join(rows) + "\n")
     for air in ("none", "clear"):
-        (work / f"{air}.toml").write_text(scene_text('{ model = "none" }' if air == "none" else "{ aod_550 = 0.15 }"))
+        (work / f"{air}.toml").write_text(scene_text('{ model = "none" }' if air == "none" else '{ model = "clear_sky", aod_550 = 0.15 }'))
         program.run("render", work / f"{air}.toml", "-o", work / air)
         for name in ("wide", "close"):
             _, radiance = envi(work / air / name, "radiance")

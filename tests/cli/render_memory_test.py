@@ -21,7 +21,7 @@ BOUND = 4 * MIB
 
 
 def peak(work, name, memory, **what):
-    path = scene(work, name + ".toml", air="{ aod_550 = 0.2 }", **what)
+    path = scene(work, name + ".toml", air='{ model = "clear_sky", aod_550 = 0.2 }', **what)
     for attempt in ("warm", "measured"):
         out = work / f"{name}-{attempt}"
         child = subprocess.Popen([program.path, "render", path, "-o", out, "-q", "--memory", memory], stdout=subprocess.DEVNULL)

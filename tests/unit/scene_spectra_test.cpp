@@ -237,6 +237,22 @@ TEST_CASE("real input: measured spectra and spectral libraries nobody here wrote
   CHECK_SAYS(bad, "reflectance outside 0 .. 1");
 }
 
+TEST_CASE("a spectrum that ends goes on with reflectance_beyond, opaque; a constant one takes no such key") {
+  const Folder folder;
+  folder.write("leaf.csv", "wavelength_nm,reflectance,transmittance\n500,0.2,0.1\n2500,0.3,0.2\n");
+  const auto simulation = load(folder, std::string(kHead) + "[[material]]\nname = \"leaf\"\nfile = \"leaf.csv\"\n"
+                                                            "reflectance_beyond = 0.04\n");
+  const Material& leaf = material(simulation, "leaf");
+  REQUIRE(leaf.reflectance.wavelength_um.size() == 4);
+  CHECK(leaf.reflectance.wavelength_um[2] == doctest::Approx(2.5).epsilon(2e-6));
+  CHECK(leaf.reflectance.wavelength_um[2] > 2.5);
+  CHECK(leaf.reflectance.wavelength_um[3] == 100);
+  CHECK(leaf.reflectance.value == std::vector<double>{0.2, 0.3, 0.04, 0.04});
+  CHECK(leaf.transmittance.value == std::vector<double>{0.1, 0.2, 0, 0});
+  CHECK_SAYS(refusal(folder, std::string(kHead) + kGrey + "reflectance_beyond = 0.1\n"),
+             "'reflectance_beyond' means nothing for a constant reflectance");
+}
+
 TEST_CASE("real input: band lists and responses of real sensors") {
   const auto shared = shared_folder("sensor bands");
   if (!shared) return;

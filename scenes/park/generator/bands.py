@@ -1,4 +1,4 @@
-"""Band lists of the two instruments.
+"""Band lists of the instruments.
 
 SpecTIR ProSpecTIR-VS as far as published: Bloechl et al. 2014 (Proc. SPIE 9088, 90880G) name 360 bands over 400-2450 nm and
 bands 19 = 482, 25 = 509, 26 = 514, 35 = 555, 55 = 648 nm, which 394.8 + 4.6 n reproduces to 1 nm. That runs to band 125 at
@@ -30,3 +30,8 @@ def wasp_rgb():
     red = (skewed(602, 56, 125) + 0.06 * skewed(520, 90, 70) + 0.03 * skewed(420, 40, 40)) * edge
     rows = np.stack([wavelength, blue / blue.max(), green / green.max(), red / red.max()], axis=1)
     return np.where(rows < 5e-5, 0.0, rows)
+
+
+def lwir_45():
+    """Rows (center_nm, fwhm_nm) of a nominal thermal imaging spectrometer: 8.05 to 12.45 um in steps of its widths."""
+    return [(round(8050.0 + 100.0 * i, 1), 100.0) for i in range(45)]
