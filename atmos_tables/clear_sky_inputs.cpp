@@ -11,6 +11,7 @@
 #include "atmos_tables/air_column.h"
 #include "atmos_tables/bird_riordan.h"
 #include "atmos_tables/clear_sky.h"
+#include "atmos_tables/moon.h"
 #include "atmos_tables/rct_file.h"
 #include "atmos_tables/solar_spectrum.h"
 #include "atmos_tables/table_rows.h"
@@ -56,9 +57,11 @@ void check_sun(base::Problems& problems, const scene::Sun& sun, bool has_air) {
   const base::Where where{"", 0, 0, "sun"};
   if (!(sun.zenith_deg >= 0 && sun.zenith_deg <= 180))
     problems.add(where, "zenith must lie in 0 to 180 deg", number(sun.zenith_deg), "correct the angle");
-  else if (has_air && sun.zenith_deg >= 90 && sun.zenith_deg < 108)
+  else if (has_air && sun.moon_phase_deg < 0 && sun.zenith_deg >= 90 && sun.zenith_deg < 108)
     problems.add(where, "the built-in model has no twilight (sun zenith 90 to 108 deg)", number(sun.zenith_deg) + " deg",
                  "choose a time with the sun up, or import a table");
+  if (!(sun.moon_phase_deg <= 180))
+    problems.add(where, "phase angle of the moon must lie in 0 to 180 deg", number(sun.moon_phase_deg), "correct the angle");
   if (!(sun.azimuth_deg >= -360 && sun.azimuth_deg <= 360))
     problems.add(where, "azimuth must lie in -360 to 360 deg", number(sun.azimuth_deg), "correct the angle");
   if (sun.day_of_year < 0 || sun.day_of_year > 366)
@@ -95,16 +98,19 @@ void check_table_request(const scene::Sun& sun, double sensor_height_m, const st
 RenderTable sunlit_table(const scene::Sun& sun, double sensor_height_m, const std::vector<double>& wavelength_um,
                          const std::vector<double>& target_height_m) {
   RenderTable table;
-  table.solar_source = solar_source_name();
+  const bool moon = sun.moon_phase_deg >= 0;
+  const std::string source = moon ? moon_source_name() + ", of sunlight by " + solar_source_name() : solar_source_name();
+  table.solar_source = source;
   table.sun_zenith_deg = sun.zenith_deg;
   table.sun_azimuth_deg = sun.azimuth_deg;
   table.sensor_height_m = sensor_height_m;
   add_axis(table, "wavelength", wavelength_um);
   add_axis(table, "target_height", target_height_m);
-  Row& e0 = add_row(table, "solar_irradiance", solar_source_name() + ", times Spencer's earth-sun factor");
+  Row& e0 = add_row(table, "solar_irradiance", source + ", times Spencer's earth-sun factor");
   const double factor = earth_sun_factor(sun.day_of_year);
   for (std::size_t i = 0; i < wavelength_um.size(); ++i)
-    e0.values[i] = static_cast<float>(factor * solar_irradiance_1au(wavelength_um[i]));
+    e0.values[i] = static_cast<float>(factor * solar_irradiance_1au(wavelength_um[i]) *
+                                      (moon ? moon_over_sun(sun.moon_phase_deg, wavelength_um[i]) : 1.0));
   return table;
 }
 

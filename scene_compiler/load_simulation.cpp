@@ -143,22 +143,26 @@ Sun read_sun(const Record& root, const Origin& origin, Problems& problems) {
                    "azimuth_deg = 160 } }");
     return sun;
   }
-  const Record* angles = time->table("sun");
-  if (time->given("utc") == (angles != nullptr)) {
-    problems.add(time->where, "[time] needs exactly one of utc and sun", angles ? "both" : "neither",
+  const Record *angles = time->table("sun"), *moon = time->table("moon");
+  if (static_cast<int>(time->given("utc")) + (angles != nullptr) + (moon != nullptr) != 1) {
+    problems.add(time->where, "[time] needs exactly one of utc, sun and moon", angles || moon || time->given("utc") ? "more than one" : "none",
                  "remove or add one");
     return sun;
   }
-  if (angles) {
-    sun.zenith_deg = angles->number("zenith_deg");
-    sun.azimuth_deg = angles->number("azimuth_deg");
-    sun.day_of_year = static_cast<int>(angles->integer("day_of_year"));
+  if (time->given("light") && !time->given("utc"))
+    problems.add(time->place("light"), "'light' goes with utc", time->text("light"), "remove it: the table sun or moon says it already");
+  if (const Record* given = angles ? angles : moon) {
+    sun.zenith_deg = given->number("zenith_deg");
+    sun.azimuth_deg = given->number("azimuth_deg");
+    sun.day_of_year = static_cast<int>(given->integer("day_of_year"));
+    if (moon) sun.moon_phase_deg = moon->number("phase_angle_deg");
     return sun;
   }
   const auto place = place_of_scene(root, origin, time->place("utc"), problems);
   if (!place) return sun;
   try {
-    sun = sun_from_time(time->text("utc"), place->latitude_deg, place->longitude_deg);
+    const auto light = time->text("light") == "moon" ? moon_from_time : sun_from_time;
+    sun = light(time->text("utc"), place->latitude_deg, place->longitude_deg);
     sun.azimuth_deg = std::fmod(sun.azimuth_deg - place->grid_north_azimuth_deg + 360.0, 360.0);
   } catch (const base::Error& error) {
     problems.add(time->place("utc"), error.what(), "", "");

@@ -56,7 +56,9 @@ struct Instrument {
 };
 
 /// Where the sun is. Towards the sun, seen from the scene origin.
+/// The light in the sky: the sun, or the moon in its place.
 struct Sun {
+  double moon_phase_deg = -1;     ///< angle sun, moon, earth: 0 full, 180 new; below 0: it is the sun
   double zenith_deg = 0;
   double azimuth_deg = 0;
   int day_of_year = 0;            ///< 1..366; 0: earth-sun distance factor 1

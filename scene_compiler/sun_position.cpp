@@ -2,6 +2,7 @@
 
 #include <libnova/dynamical_time.h>
 #include <libnova/julian_day.h>
+#include <libnova/lunar.h>
 #include <libnova/precession.h>
 #include <libnova/sidereal_time.h>
 #include <libnova/solar.h>
@@ -45,6 +46,13 @@ int day_of_year(const ln_date& date) {
   return day;
 }
 
+void check_place(double latitude_deg, double longitude_deg) {
+  if (!(latitude_deg >= -90 && latitude_deg <= 90) || !(longitude_deg >= -180 && longitude_deg <= 360))
+    throw base::Error(base::Fault::input, "place " + std::to_string(latitude_deg) + ", " + std::to_string(longitude_deg) +
+                                              " is not on earth; latitude is -90 to 90 (north positive), longitude -180 to "
+                                              "360 (east positive), degrees");
+}
+
 }  // namespace
 
 double azimuth_from_libnova_deg(double libnova_azimuth_deg) {
@@ -54,10 +62,7 @@ double azimuth_from_libnova_deg(double libnova_azimuth_deg) {
 
 Sun sun_from_time(const std::string& utc, double latitude_deg, double longitude_deg) {
   ln_date date = parse_utc(utc);
-  if (!(latitude_deg >= -90 && latitude_deg <= 90) || !(longitude_deg >= -180 && longitude_deg <= 360))
-    throw base::Error(base::Fault::input, "place " + std::to_string(latitude_deg) + ", " + std::to_string(longitude_deg) +
-                                              " is not on earth; latitude is -90 to 90 (north positive), longitude -180 to "
-                                              "360 (east positive), degrees");
+  check_place(latitude_deg, longitude_deg);
   const double julian_day = ln_get_julian_day(&date);  // universal time, for the earth's turn
   ln_equ_posn sun{};
   const double ephemeris_day = ln_get_jde(julian_day);  // ephemeris time, for the sun's place
@@ -73,6 +78,28 @@ Sun sun_from_time(const std::string& utc, double latitude_deg, double longitude_
   Sun result;
   result.zenith_deg = 90.0 - horizontal.alt;
   result.azimuth_deg = azimuth_from_libnova_deg(horizontal.az);
+  result.day_of_year = day_of_year(date);
+  result.utc = utc;
+  return result;
+}
+
+Sun moon_from_time(const std::string& utc, double latitude_deg, double longitude_deg) {
+  ln_date date = parse_utc(utc);
+  check_place(latitude_deg, longitude_deg);
+  const double julian_day = ln_get_julian_day(&date), ephemeris_day = ln_get_jde(julian_day);
+  ln_equ_posn moon_j2000{}, moon{};  // ELP 2000 as libnova has it counts from the equinox J2000
+  ln_get_lunar_equ_coords(ephemeris_day, &moon_j2000);
+  ln_get_equ_prec(&moon_j2000, ephemeris_day, &moon);
+  ln_lnlat_posn observer{longitude_deg, latitude_deg};
+  ln_hrz_posn horizontal{};
+  ln_get_hrz_from_equ_sidereal_time(&moon, &observer, ln_get_apparent_sidereal_time(julian_day), &horizontal);
+  // Seen from the ground instead of the earth's centre: tan z' = sin z / (cos z - radius / distance).
+  constexpr double kEarthRadius_km = 6371.0, kDegree = 3.14159265358979323846 / 180;
+  const double zenith = (90.0 - horizontal.alt) * kDegree, near = kEarthRadius_km / ln_get_lunar_earth_dist(ephemeris_day);
+  Sun result;
+  result.zenith_deg = std::atan2(std::sin(zenith), std::cos(zenith) - near) / kDegree;
+  result.azimuth_deg = azimuth_from_libnova_deg(horizontal.az);
+  result.moon_phase_deg = std::abs(ln_get_lunar_phase(ephemeris_day));
   result.day_of_year = day_of_year(date);
   result.utc = utc;
   return result;

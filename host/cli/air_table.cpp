@@ -60,7 +60,7 @@ std::string request_hash(const AirRequest& r, const std::vector<double>& wavelen
   nlohmann::json cross_sections;
   for (const auto& table : air.cross_sections) cross_sections.push_back({table.gas, table.ppmv, file_stamp(table.file)});
   const nlohmann::json key = {
-      program_hash(), r.spec->ground_height_m, r.sun.zenith_deg, r.sun.azimuth_deg, r.sun.day_of_year, r.sensor_height_m,
+      program_hash(), r.spec->ground_height_m, r.sun.zenith_deg, r.sun.azimuth_deg, r.sun.day_of_year, r.sun.moon_phase_deg, r.sensor_height_m,
       wavelengths, heights, own_profile ? base::sha256_hex(file_text(air.profile)) : air.profile, air.pressure_hPa,
       air.water_g_cm2, air.ozone_atm_cm, air.co2_ppmv, air.ch4_ppmv, air.aerosol, air.visibility_km, air.aod_550,
       air.humidity_percent, air.season, air.stratosphere, air.henyey_greenstein, air.gas_bands, air.streams, air.k_terms,

@@ -4,7 +4,11 @@
 
 #include <cmath>
 
+#include <vector>
+
 #include "atmos_tables/bird_riordan.h"
+#include "atmos_tables/clear_sky.h"
+#include "atmos_tables/moon.h"
 #include "host/base/error.h"
 #include "scene_compiler/sun_position.h"
 
@@ -54,4 +58,45 @@ TEST_CASE("S6 sun position: no date and no place on earth are refused with the v
     CHECK_THROWS_WITH_AS(scene::sun_from_time(bad, 0, 0), doctest::Contains(bad), base::Error);
   CHECK_THROWS_WITH_AS(scene::sun_from_time("2012-09-20T15:30:00Z", 91, 0), doctest::Contains("91"), base::Error);
   CHECK_THROWS_AS(scene::sun_from_time("2012-09-20T15:30:00Z", 0, NAN), base::Error);
+}
+
+TEST_CASE("S4.11 moon: apparent place and phase of Meeus, Astronomical Algorithms, examples 47.a and 48.a") {
+  // 1992 April 12, 0h TD (Delta T 58.7 s): right ascension 134.688470, declination 13.768368 deg, distance 368409.7 km, phase angle
+  // 69.0756 deg. Horizon coordinates and parallax by hand, with the mean sidereal time of Meeus (12.4).
+  constexpr double kDegree = 3.14159265358979323846 / 180;
+  const double julian_day = 2448724.5 - 58.7 / 86400, latitude = 40 * kDegree;
+  for (double longitude_deg : {-75.0, -40.0, 10.0}) {
+    const double sidereal_deg = 280.46061837 + 360.98564736629 * (julian_day - 2451545.0) + longitude_deg;
+    const double hour = sidereal_deg * kDegree - 134.688470 * kDegree, declination = 13.768368 * kDegree;
+    const double height = std::asin(std::sin(latitude) * std::sin(declination) +
+                                    std::cos(latitude) * std::cos(declination) * std::cos(hour));
+    const double south_over_west = std::atan2(
+        std::sin(hour), std::cos(hour) * std::sin(latitude) - std::tan(declination) * std::cos(latitude));
+    const double zenith = 90 * kDegree - height;
+    const double seen = std::atan2(std::sin(zenith), std::cos(zenith) - 6371.0 / 368409.7) / kDegree;
+    const auto moon = scene::moon_from_time("1992-04-11T23:59:01.3Z", 40, longitude_deg);
+    CHECK(std::abs(moon.zenith_deg - seen) < 0.02);
+    CHECK(std::abs(std::remainder(moon.azimuth_deg - (south_over_west / kDegree + 180), 360)) < 0.02);
+    CHECK(std::abs(moon.moon_phase_deg - 69.0756) < 0.02);
+    CHECK(moon.day_of_year == 102);
+  }
+}
+
+TEST_CASE("S4.11 moonlight is sunlight by phase and albedo; a moon that is down leaves the scene dark") {
+  scene::Sun moon;
+  moon.zenith_deg = 30;
+  moon.moon_phase_deg = 30;
+  const std::vector<double> grid = {0.5, 0.6, 0.9};
+  scene::Sun sun = moon;
+  sun.moon_phase_deg = -1;
+  const auto lit = atmos::vacuum_table(moon, 1000, grid, {0}), day = atmos::vacuum_table(sun, 1000, grid, {0});
+  for (std::size_t i = 0; i < grid.size(); ++i)
+    CHECK(lit.rows.at("solar_irradiance").values[i] / day.rows.at("solar_irradiance").values[i] ==
+          doctest::Approx(atmos::moon_over_sun(30, grid[i])).epsilon(1e-6));
+  moon.zenith_deg = 95;  // no twilight by moonlight: no error, no light
+  scene::AtmosphereSpec air;
+  const auto down = atmos::build_clear_sky(air, moon, 1000, grid, {0});
+  for (float value : down.rows.at("direct_irradiance").values) CHECK(value == 0);
+  moon.moon_phase_deg = 190;
+  CHECK_THROWS_AS(atmos::vacuum_table(moon, 1000, grid, {0}), base::Error);
 }

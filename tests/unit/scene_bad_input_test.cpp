@@ -361,7 +361,7 @@ TEST_CASE("bad input: time missing, double, malformed, without a place") {
   CHECK_SAYS(refusal(folder, std::string(kHead) +
                                  "time = { utc = \"2012-09-20T15:30:00Z\", sun = { zenith_deg = 3 } }\n" +
                                  instrument),
-             "scene.toml:2:8: [time] needs exactly one of utc and sun (found both)");
+             "scene.toml:2:8: [time] needs exactly one of utc, sun and moon (found more than one)");
   CHECK_SAYS(refusal(folder, std::string(kHead) + "time = { utc = \"2012-09-20T15:30:00Z\" }\n" + instrument),
              "the sun at a time needs a place on earth");
   CHECK_SAYS(refusal(folder, std::string(kHead) +
