@@ -38,6 +38,7 @@ struct Geometry {
   std::optional<double> sun_zenith_deg;        ///< at the sensor
   /// Of the sensor seen from the target (sight below the horizon) or of the sky point, minus that of the sun, folded to 0..180.
   std::optional<double> relative_azimuth_deg;
+  std::optional<double> ground_albedo;         ///< Lambertian, the same at all wavelengths
 };
 
 /// One computation. Every column has one value per wavelength.

@@ -87,6 +87,7 @@ class Reader {
   void declare() {
     run_.mode = integrated() ? "integrated" : in_.umu.empty() ? "fluxes" : "fluxes and radiances";
     run_.geometry.sun_zenith_deg = in_.sun_zenith_deg;
+    run_.geometry.ground_albedo = in_.albedo;
     for (const Place& place : in_.levels) {
       const auto plain = [&](std::initializer_list<const char*> names) {
         for (const char* name : names) declare_column(name, place, {}, {});

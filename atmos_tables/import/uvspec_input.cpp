@@ -56,6 +56,8 @@ class Reader {
       in_.phi0_deg = numbers(words, true).front();
     } else if (key == "sza") {
       in_.sun_zenith_deg = numbers(words, false).front();
+    } else if (key == "albedo") {
+      in_.albedo = numbers(words, false).front();
     } else if (key == "zout") {
       for (std::size_t i = 1; i < words.size(); ++i) level(words[i]);
     } else if (key == "wavelength") {

@@ -18,7 +18,7 @@ struct UvspecInput {
   std::vector<double> umu, phi_deg;
   std::vector<Place> levels;              ///< zout: height above the ground, or the top of the air
   double phi0_deg = 0;
-  std::optional<double> sun_zenith_deg;
+  std::optional<double> sun_zenith_deg, albedo;
   double first_nm = 0, last_nm = 0;       ///< 0, 0: not said
   std::vector<std::string> output_user;   ///< empty: the solver's own layout
   UvspecQuantity quantity = UvspecQuantity::radiometric;
