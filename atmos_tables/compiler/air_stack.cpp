@@ -14,7 +14,6 @@ namespace raycube::atmos {
 
 namespace {
 
-constexpr double kBoltzmann_hPa_cm3 = 1.380649e-19;  ///< per K
 /// Half a metre: levels closer than this are one.
 constexpr double kSame_km = 0.0005;
 /// Refraction is that of 0.55 um everywhere: dispersion changes airmass by less than 1e-4 up to 85 deg.
@@ -119,10 +118,11 @@ AirStack::AirStack(const scene::AirSpec& spec, double ground_km, const std::vect
     if (i + 1 < level_km_.size()) air_column_.push_back(profile_.air_column_per_cm2(level_km_[i], level_km_[i + 1]));
   }
   for (std::size_t i = 0; i + 1 < level_km_.size(); ++i) {
-    // Integral of T times density: of p / k, with p exponential in height.
-    const double p0 = profile_.at(level_km_[i]).pressure_hPa, p1 = profile_.at(level_km_[i + 1]).pressure_hPa;
-    const double thickness_cm = 1e5 * (level_km_[i + 1] - level_km_[i]);
-    mean_temperature_K_.push_back((p0 - p1) / std::log(p0 / p1) * thickness_cm / (kBoltzmann_hPa_cm3 * air_column_[i]));
+    // LOWTRAN7's mean by density: temperature linear, density exponential between the layer's edges.
+    const AirLevel low = profile_.at(level_km_[i]), high = profile_.at(level_km_[i + 1]);
+    const double fall = std::log(low.air_per_cm3 / high.air_per_cm3);
+    const double share = std::abs(fall) < 1e-4 ? 0.5 - fall / 12 : 1 / fall - 1 / std::expm1(fall);
+    mean_temperature_K_.push_back(low.temperature_K + share * (high.temperature_K - low.temperature_K));
   }
   // What the profile's top carries belongs to the topmost layer (5e-7 of the column at 100 km).
   air_column_.back() += profile_.air_above_per_cm2(level_km_.back());

@@ -89,7 +89,7 @@ TEST_CASE("A-13 S3.2 tables' transmission 0.58 to 3.96 um against MODTRAN 5.2.1"
   for (int p : columns) {
     auto spec = scene_of(kPaths[p]);
     // Transmissions are the band model's: neither k-terms nor streams nor the sun touch them.
-    spec.layered->k_terms = 1, spec.layered->streams = 4;
+    spec.layered->k_terms = 1, spec.layered->streams = 2;
     const RenderTable table = build_layered(spec, testing::sun_at(testing::kNight_deg), kPaths[p].sensor_m, um, {0});
     const auto t = view_transmission(table, 0, kPaths[p].zenith_deg);
     std::vector<double>& slit = found.emplace_back(um.size(), -1.0);  // triangle of 20 nm
@@ -151,7 +151,9 @@ TEST_CASE("A-13 S3.1 tables' transmission and thermal path radiance 3.4 to 13 um
                           {{11.5, 12}, {.020, .024, .027}, {0.93, 0.94, 0.93}},    {{12, 12.5}, {-.001, .001, -.003}, {1.00, 1.00, 0.98}},
                           {{12.5, 13}, {.036, .038, .030}, {0.93, 0.94, 0.92}},    {{8, 13}, {-.005, -.005, .005}, {1.00, 1.00, 0.97}}};
   for (const Path& path : kPaths) {
-    const RenderTable table = build_layered(scene_of(path), testing::sun_at(testing::kNight_deg), path.sensor_m, um, {0});
+    auto spec = scene_of(path);
+    spec.layered->streams = 8;  // the solver gives what is scattered, a tenth of this light at most: 1e-3 of it from 16 streams
+    const RenderTable table = build_layered(spec, testing::sun_at(testing::kNight_deg), path.sensor_m, um, {0});
     const auto t = view_transmission(table, 0, path.zenith_deg);
     auto light = path_radiance_thermal(table, 0, path.zenith_deg);
     // MODTRAN's path radiance holds what the air scatters of the forest's light: T_dif times what leaves the ground (S4.9).

@@ -57,7 +57,9 @@ Compared compare(const Reference& reference, double nm, testing::ChartRows& char
     const double global = reference.value(nm, 0, km, "direct") + reference.value(nm, 0, km, "diffuse_down");
     (km == 0 ? out.flux : out.flux_610).add((direct + diffuse) / e0 / global - 1);
     testing::Errors& sky = km == 0 ? out.sky : out.sky_610;
-    sky.add(error(sky_radiance(table, height, 0, 0)[0], km, "L_dn_0"));
+    const double zenith_light = sky_radiance(table, height, 0, 0)[0];
+    sky.add(error(zenith_light, km, "L_dn_0"));
+    if (km == 0) chart.add({nm / 1000, 0, zenith_light / e0, reference.value(nm, 0, km, "L_dn_0")});
     for (int zenith : {30, 45, 60, 75, 85})
       for (int azimuth : {0, 90, 180}) {
         const double found = sky_radiance(table, height, zenith, azimuth)[0];

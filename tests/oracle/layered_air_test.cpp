@@ -10,6 +10,7 @@
 #include "atmos_tables/compiler/layered_air.h"
 #include "atmos_tables/compiler/spectral_air.h"
 #include "atmos_tables/interpolate.h"
+#include "atmos_tables/solar_spectrum.h"
 #include "host/base/error.h"
 #include "host/base/planck.h"
 
@@ -170,6 +171,19 @@ TEST_CASE("layered air: bins meet, cover the grid and hold their nodes") {
   CHECK(std::adjacent_find(window.begin(), window.end()) == window.end());
   CHECK(window.front() == 2.4);
   CHECK(window.back() == 12.0);
+}
+
+TEST_CASE("layered air: the sun's light of wide bins is that of the spectrum") {
+  auto spec = summer_rural();
+  spec.layered->k_terms = 1, spec.layered->streams = 2;
+  std::vector<double> grid;
+  for (int i = 0; i <= 10; ++i) grid.push_back(0.38 + 0.02 * i);
+  const RenderTable table = build_layered(spec, sun_at(40), 500, grid, {0});
+  double found = 0, sum = 0;
+  for (double e0 : solar_irradiance(table)) found += 0.02 * e0;
+  constexpr int kSteps = 4400;  // 0.37 to 0.59 um
+  for (int i = 0; i < kSteps; ++i) sum += solar_irradiance_1au(0.37 + 0.22 * (i + 0.5) / kSteps) * 0.22 / kSteps;
+  CHECK(found == doctest::Approx(sum).epsilon(1e-5));
 }
 
 TEST_CASE("layered air: bad requests are one error that names everything") {
