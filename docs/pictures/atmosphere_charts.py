@@ -63,7 +63,7 @@ def modtran5_transmission(folder):
         top.plot(d["um"], d[f"r{key}"], color="#bbbbbb", lw=2.6)
         top.plot(d["um"], d[f"t{key}"], color=colour, label=label)
     top.set_ylabel("transmission")
-    top.legend(loc="lower left")
+    top.legend(loc="upper center", bbox_to_anchor=(0.72, 1.02))
     bands = [(0.58, 0.7, .002), (0.7, 1, .0052), (1, 1.3, .0078), (1.3, 1.5, .0182), (1.5, 1.75, .0117), (1.75, 2, .0156), (2, 2.4, .0143),
              (2.4, 3, .0169), (3, 3.4, .039), (3.4, 3.96, .0338)]
     for low, high, bar in bands:
