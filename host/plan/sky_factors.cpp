@@ -19,7 +19,9 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kDegree = kPi / 180;
 /// Wavelengths that take part in the decomposition; spectra are projected at all of them afterwards.
 constexpr std::size_t kDecomposed = 64;
-constexpr int kReweightings = 10, kLimitings = 8;
+constexpr int kReweightings = 10, kLimitings = 24;
+/// Part of a band's typical light below which its sky takes the mean shape.
+constexpr double kUnimportant = 1e-3;
 /// A sky fainter than this part of its brightest wavelength has no shape of its own.
 constexpr double kFaintest = 1e-9;
 /// The decomposition weighs a direction by cos(zenith) + this: the horizon, which cos alone forgets, lights walls and crowns.
@@ -223,9 +225,17 @@ SkyFactors SkyFactorizer::factor(int rank, const Spectrum& importance,
     column_weight *= static_cast<double>(used) / column_weight.sum();
   }
   const VectorXd weight = fit_weights(data_->basis, maps.col(0));
-  MatrixXd c = project(data_->shape, maps, weight);
+  // Where the sky is too small a part of the light to matter, its shape is the mean one: never negative, and no band that nobody
+  // sees bends the maps of those that are seen. Its error counts like any other.
+  const auto fit = [&] {
+    MatrixXd found = project(data_->shape, maps, weight);
+    for (Index l = 0; l < found.cols(); ++l)
+      if (importance[static_cast<std::size_t>(l)] < kUnimportant) found.col(l).tail(maps.cols() - 1).setZero();
+    return found;
+  };
+  MatrixXd c = fit();
   for (int round = 0; round < kLimitings && maps.cols() > 1 && limit(maps, data_->q, mixtures(spectra_of(data_->irradiance, c))); ++round)
-    c = project(data_->shape, maps, weight);
+    c = fit();
   for (Index m = 1; m < maps.cols(); ++m) {  // largest coefficient 1, which keeps float sums well conditioned
     const double largest = c.row(m).cwiseAbs().maxCoeff();
     if (!(largest > 0)) continue;
