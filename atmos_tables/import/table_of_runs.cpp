@@ -268,8 +268,9 @@ class Maker {
         for (const auto& [axis, value] : place)
           if (const auto c = coordinate(s, axis)) here = here && std::abs(*c - value) <= slack(axis);
         if (!here) continue;
-        if (found && differ(found->values, s.values))
-          problems.add({"", 0, 0, name}, "two runs say different things of one place", text_of(place), "give one run per place");
+        if (const auto i = found ? first_difference(found->values, s.values) : std::nullopt)
+          problems.add({"", 0, 0, name}, "two runs say different things of one place" + (place.empty() ? "" : ", " + text_of(place)),
+                       shown(found->values[*i]) + " and " + shown(s.values[*i]) + " at " + shown(s_.wavelength_um[*i]) + " um", "give runs of one sun and air, one per place");
         if (!found) found = &s;
       }
       if (!found) {
@@ -286,10 +287,10 @@ class Maker {
   }
 
   /// Beyond 1 %: MODTRAN prints irradiances with three digits.
-  static bool differ(const Spectrum& a, const Spectrum& b) {
+  static std::optional<std::size_t> first_difference(const Spectrum& a, const Spectrum& b) {
     for (std::size_t i = 0; i < a.size(); ++i)
-      if (std::abs(a[i] - b[i]) > 1e-2 * std::max(a[i], b[i]) + 1e-6) return true;
-    return false;
+      if (std::abs(a[i] - b[i]) > 1e-2 * std::max(a[i], b[i]) + 1e-6) return i;
+    return std::nullopt;
   }
   static std::string text_of(const std::map<std::string, double>& place) {
     std::string out;

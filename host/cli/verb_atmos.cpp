@@ -167,8 +167,8 @@ Verb verb_build() {
     number("--asymmetry", "", -0.95, 0.95, "Aerosol asymmetry factor", o->asymmetry, "FILE's, or 0.65");
     number("--ground-albedo", "", 0, 1, "Albedo of the surroundings in the sky's light", o->albedo, "FILE's, or 0");
     table.choice("--model", {"layered", "clear_sky"}, "Model of the air", o->model).default_text = "FILE's, or layered";
-    table.text("--profile", "NAME|FILE", "layered: AFGL model atmosphere by name, or a CSV profile", o->profile).default_text = "FILE's, or us_standard";
-    table.text("--aerosol", "NAME", "layered: aerosol of the lowest 2 km", o->aerosol).default_text = "FILE's, or rural";
+    table.text("--profile", "NAME|FILE", "layered: tropical, midlatitude_summer or _winter, subarctic_summer or _winter, us_standard, or a CSV profile", o->profile).default_text = "FILE's, or us_standard";
+    table.text("--aerosol", "NAME", "layered: aerosol of the lowest 2 km: none, rural, urban, maritime, desert, tropospheric, fog_advective, fog_radiative", o->aerosol).default_text = "FILE's, or rural";
     table.text("--lines", "FILE", "layered: HITRAN line list (.par); its gases are resolved at the table's wavelengths", o->lines).default_text = "FILE's, or none";
     number("--visibility", "km", 0.02, 323, "layered: meteorological range", o->visibility, "FILE's, or 23");
     number("--humidity", "%", 0, 99, "layered: relative humidity that swells the aerosol", o->humidity, "FILE's, or the profile's");

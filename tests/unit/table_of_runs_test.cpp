@@ -89,3 +89,54 @@ TEST_CASE("A-18 S7 a real uvspec run becomes a table: Beer's law between its lev
   }
   CHECK(std::any_of(made.notices.begin(), made.notices.end(), [](const auto& n) { return holds(n, "ground of albedo 0.2"); }));
 }
+
+TEST_CASE("S6.6 .acd with a CSV: k-terms are summed as products, so the light from sun to sensor is exact") {
+  raycube::testing::TestFolder folder;
+  folder.write("a.acd",
+               " atmospheric correction data\n FREQ LOS K WEIGHT ...\n (CM-1)\n of two k\n --------\n"
+               " 10000.0  1  1  0.750000  0.100000  0.500000  0.050000  0.800000  0.080000\n"
+               " 10000.0  1  2  0.250000  0.020000  0.100000  0.010000  0.400000  0.040000\n"
+               " 12500.0  1  1  0.750000  0.110000  0.600000  0.060000  0.850000  0.090000\n"
+               " 12500.0  1  2  0.250000  0.030000  0.200000  0.020000  0.450000  0.050000\n");
+  folder.write("rest.csv", "wavelength [um],solar_irradiance [W m-2 um-1],path_radiance_solar [W m-2 sr-1 um-1]\n0.8,1000,10\n1.0,800,6\n");
+  TableRequest request;
+  request.sun_zenith_deg = 60, request.sensor_height_m = 1000, request.even_sky = true;
+  const RenderTable table = table_of_runs({import_file(folder / "a.acd"), import_file(folder / "rest.csv")}, request).table;
+  // At 1 um, by hand: T = 0.7, sun to sensor 0.4, sun to ground diffuse 0.08, embedded 0.04, S = 0.07; E0 cos(sun) = 400.
+  const std::size_t at = 1;
+  REQUIRE(wavelengths(table)[at] == doctest::Approx(1.0));
+  CHECK(view_transmission(table, 0, 0)[at] == doctest::Approx(0.7).epsilon(1e-6));
+  CHECK(two_way_transmission(table, 0, 0)[at] == doctest::Approx(0.4).epsilon(1e-6));
+  CHECK(diffuse_irradiance(table, 0)[at] == doctest::Approx(400 * 0.08).epsilon(1e-6));
+  CHECK(sky_radiance(table, 0, 50, 20)[at] == doctest::Approx(400 * 0.08 / std::numbers::pi).epsilon(1e-6));
+  CHECK(spherical_albedo(table, 0)[at] == doctest::Approx(0.07).epsilon(1e-6));
+  CHECK(diffuse_view_transmission(table, 0, 0)[at] == doctest::Approx(0.04).epsilon(1e-6));
+}
+
+TEST_CASE("S6.1 thermal runs down and up make an LWIR table; without the sky it is refused, and sunlight is not asked for") {
+  raycube::testing::TestFolder folder;
+  const auto run = [](int type, const char* card3, const char* thermal) {
+    std::string text = "T F 2    " + std::to_string(type) + "    1    1    2    2    2    2    2    2    1    0    0 300.000   0.00\n"
+                       "    1    1    1    0    0    0  23.00000   0.00000   0.00000   0.00000   0.00000\n   36MID-LATITUDE SUMMER\n" + card3 +
+                       "\n  -99  -99  -99  -99\n -99.00000 -99.00000 -99.00000 -99.00000 -99.00000 -99.00000 -99.00000 -99.00000\n"
+                       "    1000.0    1100.0     100.0     100.0NW              \n    0   0    0.000  0    0.000  0    0.000\n"
+                       "    FREQ  TOT_TRANS  PTH_THRML  THRML_SCT  SURF_EMIS   SOL_SCAT  SING_SCAT  GRND_RFLT  DRCT_RFLT  TOTAL_RAD  REF_SOL  SOL@OBS   DEPTH DIR_EM    TOA_SUN BBODY_T[K]\n";
+    for (const char* frequency : {" 1000.00", " 1100.00"})
+      text += std::string(frequency) + " 0.80000000 " + thermal + " 0.0000E+00 0.0000E+00                       0.0000E+00            " + thermal +
+              "                     0.223 1.0000               290.000\n";
+    return text + " -9999.\n";
+  };
+  folder.write("down.tp7", run(2, "   0.50000   0.00000 180.00000   0.50000   0.00000   0.00000    0        0.00000", "2.0000E-06"));
+  folder.write("up.tp7", run(3, "   0.00000   0.00000  30.00000   0.00000   0.00000   0.00000    0        0.00000", "3.0000E-06"));
+  const Imported down = import_file(folder / "down.tp7"), up = import_file(folder / "up.tp7");
+  const std::string said = refusal([&] { table_of_runs({down}, {}); });
+  CHECK(holds(said, "sky_radiance_thermal"));
+  CHECK(!holds(said, "sky_radiance_solar"));
+  const RenderTable table = table_of_runs({down, up}, {}).table;
+  CHECK(table.sensor_height_m == 500);
+  CHECK(!table.has("solar_irradiance"));
+  // 2e-6 W cm-2 sr-1 per cm-1 at 1000 cm-1 (10 um) is 2 W m-2 sr-1 um-1; wavelengths ascend, so it stands last.
+  CHECK(path_radiance_thermal(table, 0, 0).back() == doctest::Approx(2).epsilon(1e-6));
+  CHECK(sky_radiance_thermal(table, 0, 70).back() == doctest::Approx(3).epsilon(1e-6));
+  CHECK(sky_radiance_thermal(table, 0, 70).front() == doctest::Approx(3e-6 * 1100 * 1100).epsilon(1e-6));
+}
