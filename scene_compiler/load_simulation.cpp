@@ -92,8 +92,10 @@ AtmosphereSpec read_atmosphere(const Record& root, const Origin& origin, Problem
   }
   const std::string model = record->text("model");
   out.none = model == "none";
-  if (model != "layered") refuse_keys(*record, kLayeredKeys, "layered", problems);
-  if (model != "clear_sky") refuse_keys(*record, kClearSkyKeys, "clear_sky", problems);
+  // A table holds its air: what would shape a model's is refused beside it.
+  const bool table = record->given("tables");
+  if (table || model != "layered") refuse_keys(*record, kLayeredKeys, "layered", problems);
+  if (table || model != "clear_sky") refuse_keys(*record, kClearSkyKeys, "clear_sky", problems);
   if (model == "layered") out.layered = read_layered(*record, problems);
   if (record->given("tables")) {
     out.table_file = std::filesystem::absolute(record->text("tables")).lexically_normal().string();

@@ -16,6 +16,7 @@
 #include "atmos_tables/compiler/air_stack.h"
 #include "atmos_tables/compiler/bin_rows.h"
 #include "atmos_tables/solar_spectrum.h"
+#include "atmos_tables/moon.h"
 #include "atmos_tables/table_rows.h"
 #include "host/base/error.h"
 
@@ -93,7 +94,10 @@ void for_each_on_threads(std::size_t count, int threads, const std::function<voi
     }
   };
   std::vector<std::thread> pool;
-  for (std::size_t t = 1; t < workers; ++t) pool.emplace_back(work);
+  try {
+    for (std::size_t t = 1; t < workers; ++t) pool.emplace_back(work);
+  } catch (const std::system_error&) {  // no more threads to be had: those that run do it all
+  }
   work();
   for (auto& thread : pool) thread.join();
   if (failure) std::rethrow_exception(failure);
@@ -133,9 +137,11 @@ RenderTable build_layered(const scene::AtmosphereSpec& spec, const scene::Sun& s
   const std::vector<SpectralBin> bins = spectral_bins(wavelength_um);
   // A node stands for its bin, in the sun's light as in the transmission of gases.
   std::vector<float>& solar = table.rows.at("solar_irradiance").values;
-  for (std::size_t i = 0; i < bins.size(); ++i)
-    solar[i] = static_cast<float>(earth_sun_factor(sun.day_of_year) *
+  for (std::size_t i = 0; i < bins.size(); ++i) {
+    const double moon = sun.moon_phase_deg >= 0 ? moon_over_sun(sun.moon_phase_deg, bins[i].wavelength_um) : 1;
+    solar[i] = static_cast<float>(moon * earth_sun_factor(sun.day_of_year) *
                                   mean_solar_irradiance_1au(1e4 / bins[i].high_per_cm, 1e4 / bins[i].low_per_cm));
+  }
   for_each_on_threads(bins.size(), watch.threads, [&](std::size_t i) {
     rows.fill(i, SpectralAir(stack, bins[i], static_cast<std::size_t>(spec.layered->k_terms), resolved_depths(i)), spec.layered->streams);
     if (watch.finished) watch.finished(i);

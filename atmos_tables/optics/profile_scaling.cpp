@@ -51,7 +51,8 @@ WaterScaling capped(const AirProfile& profile, double factor) {
 }  // namespace
 
 AirProfile extended_down(const AirProfile& profile, double ground_km) {
-  const AirLevel &low = profile.levels()[0], &next = profile.levels()[1];
+  // The gradient is that of the lowest kilometre: thin layers and inversions at the ground do not run away.
+  const AirLevel &low = profile.levels()[0], next = profile.at(std::min(low.height_km + 1, profile.top_km()));
   if (ground_km >= low.height_km) return profile;
   if (!(ground_km >= low.height_km - 1))
     throw base::Error(base::Fault::input, "ground at " + std::to_string(ground_km) + " km lies more than 1 km below the profile's lowest level (" +

@@ -8,7 +8,7 @@
 namespace raycube::atmos {
 
 /// The profile with a level added at a ground below its lowest one (at most 1 km below, else Error(input)): temperature goes on
-/// with the gradient of the lowest layer, pressure and densities exponentially. A ground inside it: the profile as it is.
+/// with the gradient of the lowest kilometre, pressure and densities exponentially. A ground inside it: the profile as it is.
 AirProfile extended_down(const AirProfile& profile, double ground_km);
 
 /// The profile above a ground at this height inside it; levels above stay as they are.

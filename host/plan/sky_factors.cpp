@@ -87,6 +87,13 @@ MatrixXd project(const MatrixXd& shape, const MatrixXd& maps, const VectorXd& we
   return c;
 }
 
+/// Coefficients with those of the marked columns set to the mean shape.
+MatrixXd with_mean_shapes(MatrixXd c, const std::vector<bool>& mean_shape) {
+  for (Index l = 0; l < c.cols(); ++l)
+    if (mean_shape[static_cast<std::size_t>(l)]) c.col(l).tail(c.rows() - 1).setZero();
+  return c;
+}
+
 /// Pulls maps 1.. towards zero at the nodes where some mixture is negative, then takes the irradiance they got out again.
 /// Returns whether there was anything to do.
 bool limit(MatrixXd& maps, const VectorXd& q, const std::vector<Mixture>& mixtures) {
@@ -227,12 +234,8 @@ SkyFactors SkyFactorizer::factor(int rank, const Spectrum& importance,
   const VectorXd weight = fit_weights(data_->basis, maps.col(0));
   // Where the sky is too small a part of the light to matter, its shape is the mean one: never negative, and no band that nobody
   // sees bends the maps of those that are seen. Its error counts like any other.
-  const auto fit = [&] {
-    MatrixXd found = project(data_->shape, maps, weight);
-    for (Index l = 0; l < found.cols(); ++l)
-      if (importance[static_cast<std::size_t>(l)] < kUnimportant) found.col(l).tail(maps.cols() - 1).setZero();
-    return found;
-  };
+  for (double part : importance) out.mean_shape.push_back(part < kUnimportant);
+  const auto fit = [&] { return with_mean_shapes(project(data_->shape, maps, weight), out.mean_shape); };
   MatrixXd c = fit();
   for (int round = 0; round < kLimitings && maps.cols() > 1 && limit(maps, data_->q, mixtures(spectra_of(data_->irradiance, c))); ++round)
     c = fit();
@@ -259,7 +262,7 @@ SkySpectra sky_spectra(const SkyFactors& factors, const TableSpectra& table, dou
   MatrixXd shape = sample_sky(factors.basis, table, height_m, factors.sky);
   const VectorXd irradiance = normalise(shape, vector_of(cosine_weights(factors.basis)));
   const MatrixXd maps = load(factors.basis, factors.rank);
-  return spectra_of(irradiance, project(shape, maps, fit_weights(factors.basis, maps.col(0))));
+  return spectra_of(irradiance, with_mean_shapes(project(shape, maps, fit_weights(factors.basis, maps.col(0))), factors.mean_shape));
 }
 
 Spectrum coarse_sky_irradiance(const TableSpectra& table, double height_m, Sky sky) {

@@ -5,6 +5,7 @@
 #include <array>
 #include <functional>
 #include <memory>
+#include <vector>
 
 #include "host/plan/sky_basis.h"
 #include "host/plan/table_spectra.h"
@@ -25,6 +26,7 @@ struct SkyFactors {
   /// Per table wavelength: half of integral |L - L_rank| cos dOmega over E_sky. As the difference carries no irradiance, this
   /// is the largest error that any obstacle over a horizontal surface can cause, in units of E_sky.
   Spectrum occluder_error;
+  std::vector<bool> mean_shape;  ///< per table wavelength: the sky there matters so little that its shape is A_0
   SkySpectra spectra;       ///< at the height of the decomposition
   Sky sky = Sky::solar;
 };

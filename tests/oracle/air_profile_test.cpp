@@ -143,6 +143,13 @@ TEST_CASE("ground below a profile's lowest level: US Standard Atmosphere formula
   CHECK(low.levels().size() == afgl_profile(AfglModel::us_standard).levels().size() + 1);
   CHECK(extended_down(low, 0.5).ground_km() == -0.43);
   CHECK_THROWS_AS(extended_down(low, -2), base::Error);
+  // A thin inversion at the ground does not run away: 2 K over 10 m would be 100 K at -0.5 km.
+  auto levels = afgl_profile(AfglModel::us_standard).levels();
+  AirLevel thin = afgl_profile(AfglModel::us_standard).at(0.01);
+  thin.temperature_K += 2;
+  levels.insert(levels.begin() + 1, thin);
+  const AirLevel below = extended_down(AirProfile(levels, "inversion"), -0.5).levels().front();
+  CHECK(std::abs(below.temperature_K - levels[0].temperature_K) < 5);
 }
 
 TEST_CASE("S18 profiles: scaling meets the stated columns and mixing ratios") {

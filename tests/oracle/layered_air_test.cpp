@@ -10,6 +10,7 @@
 #include "atmos_tables/compiler/layered_air.h"
 #include "atmos_tables/compiler/spectral_air.h"
 #include "atmos_tables/interpolate.h"
+#include "atmos_tables/moon.h"
 #include "atmos_tables/solar_spectrum.h"
 #include "host/base/error.h"
 #include "host/base/planck.h"
@@ -136,6 +137,17 @@ TEST_CASE("layered air: thread count and the company of other wavelengths change
   const RenderTable a = build_layered(spec, sun_at(40), 500, grid, {0}, one);
   const RenderTable b = build_layered(spec, sun_at(40), 500, grid, {0}, three);
   for (const auto& [name, row] : a.rows) CHECK(row.values == b.rows.at(name).values);
+}
+
+TEST_CASE("layered air: moonlight is the sun's by phase and albedo in every solar row") {
+  scene::Sun moon = sun_at(40);
+  moon.moon_phase_deg = 30;
+  const RenderTable day = build_layered(summer_rural(), sun_at(40), 500, {0.55}, {0}), lit = build_layered(summer_rural(), moon, 500, {0.55}, {0});
+  const double part = moon_over_sun(30, 0.55);
+  CHECK(part < 1e-5);
+  for (const char* row : {"solar_irradiance", "direct_irradiance", "diffuse_irradiance", "sky_radiance_solar", "path_radiance_solar"})
+    for (std::size_t k = 0; k < day.rows.at(row).values.size(); ++k)
+      CHECK(lit.rows.at(row).values[k] == doctest::Approx(part * day.rows.at(row).values[k]).epsilon(1e-5));
 }
 
 TEST_CASE("layered air: at night the solar rows are 0 and the thermal rows stay") {
