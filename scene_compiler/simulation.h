@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "scene_compiler/compiled_scene.h"
+#include "scene_compiler/lidar_spec.h"
 
 namespace raycube::scene {
 
@@ -129,6 +130,7 @@ struct Simulation {
   AtmosphereSpec atmosphere;
   Sun sun;
   std::vector<Instrument> instruments;
+  std::vector<Lidar> lidars;
   CompiledScene scene;
   std::string resolved_json;      ///< every option with its value after defaults
   std::vector<std::string> notices;  ///< what the user should know though it is no error: dropped faces, sorted bands
