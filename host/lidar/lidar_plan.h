@@ -5,7 +5,8 @@
 //     w     photons / N, times what each vertex before left (rho of a cosine-sampled diffuse surface, tau of a plate, ...)
 //     psi   off the pupil's axis; eta: share of the pupil that sees P inside the field stop (overlap.h); R: P to pupil
 //   receiver sampling, sample k of N of a pixel's field Omega:    w f_r cos(theta_t) F(P) T,   w = A_r cos(psi) Omega / N E_rx
-//     F     photons / m2 of the beam at P across its axis (cos(theta_t): angle between normal and the way to the exit)
+//     F     photons / m2 of the beam at P across its axis (cos(theta_t): angle between normal and the way to the exit, over the cosine of that
+//           way with the axis, so that both samplings agree off the axis); Omega: pitch^2 cos^3(psi), pixels lying on a plane of tangents
 //   T = sum over the line's nodes of weight exp(-depth along the whole path), after the exponential, never before.
 // Time: group_index (sum of all segments) / c. Path of the first vertex starts at the exit, the last ends at the pupil.
 #pragma once
@@ -75,6 +76,8 @@ inline std::uint32_t draw_key(const LidarPlan& plan, std::int64_t pulse, int pix
 }
 
 /// Where the light of a shot went, as shares of the photons emitted by a line (each line has its own).
+/// (receiver sampling: as shares of what is followed backwards from the pixels.) Light scattered at vertex max_bounces counts as truncated.
+/// near: vertices nearer to the pupil than minimum_range.
 /// Transport: emitted = absorbed + air + volumes + escaped + truncated. Of what scattered towards the pupil: bins + early + late + near = collected.
 struct Ledger {
   double absorbed = 0;     ///< by surfaces

@@ -1,0 +1,2 @@
+add_library(raycube_lidar_support STATIC support/lidar_kit.cpp)
+target_link_libraries(raycube_lidar_support PUBLIC raycube_warnings raycube::lidar raycube::scene_bvh)
