@@ -101,7 +101,7 @@ struct ShotResult {
   std::vector<float> first;                ///< once scattered, surfaces and volumes
   std::vector<float> multiple;             ///< more than once; empty when max_bounces is 1
   std::vector<float> air;                  ///< empty when air_return is off
-  std::vector<double> background_hz;       ///< [pixel], photons / s at the detector from the passive scene; empty: none
+  std::vector<double> background_hz;       ///< [pixel][line], photons / s at the detector from the passive scene; empty: none
   std::vector<Ledger> ledger;              ///< [line]
   std::vector<FirstHit> hits;              ///< [sub-ray] (transmitter), [pixel][sample] (receiver); empty unless asked for
   std::int64_t rays = 0;
