@@ -1,0 +1,112 @@
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+#include <numbers>
+
+#include "host/cli/lidar_job.h"
+#include "host/cli/simulation_job.h"
+
+namespace raycube::cli {
+
+namespace {
+
+constexpr double kPlanck_J_s = 6.62607015e-34, kLight_m_s = 299792458.0;
+
+/// Pose of a camera that looks along `axis` with its columns along `u`: nose = u x axis, then yaw, pitch and roll of these axes.
+scene::Pose pose_towards(const lidar::Vec3& at, const lidar::Vec3& axis, const lidar::Vec3& u) {
+  const glm::dvec3 right(u[0], u[1], u[2]), nose = glm::cross(right, glm::dvec3(axis[0], axis[1], axis[2]));
+  const double heading = std::atan2(nose.x, nose.y);
+  const glm::dvec3 level(std::cos(heading), -std::sin(heading), 0), down = glm::cross(nose, level);
+  constexpr double kDegrees = 180.0 / std::numbers::pi;
+  return {at[0], at[1], at[2], kDegrees * std::atan2(glm::dot(right, down), glm::dot(right, level)),
+          kDegrees * std::asin(std::clamp(nose.z, -1.0, 1.0)), kDegrees * heading};
+}
+
+scene::Instrument field_camera(const lidar::LidarPlan& plan, int pixels, int lines) {
+  const scene::LidarReceiver& receiver = plan.lidar.receiver;
+  scene::Instrument camera;
+  camera.name = plan.lidar.name;
+  camera.kind = plan.pixels() > 1 ? scene::InstrumentKind::framing : scene::InstrumentKind::whiskbroom;
+  camera.pixels = pixels, camera.lines = lines;
+  camera.ifov_along_rad = camera.ifov_across_rad =
+      plan.pixels() > 1 ? receiver.pixel_pitch_rad : std::sqrt(std::numbers::pi) * std::max(receiver.half_fov_rad, 1e-9);
+  camera.samples_u = camera.samples_v = 3;
+  for (std::size_t l = 0; l < plan.lidar.pulse.lines.size(); ++l) {
+    scene::Band band;
+    band.center_um = plan.lidar.pulse.lines[l].wavelength_um;
+    band.fwhm_um = receiver.filter_fwhm_um;
+    camera.bands.push_back(band);
+  }
+  return camera;
+}
+
+}  // namespace
+
+struct LidarBackground::State {
+  const scene::Simulation& simulation;
+  const lidar::LidarPlan& plan;
+  Context& context;
+  render::Renderer renderer;
+  std::vector<std::size_t> order;  ///< lines by wavelength, as an instrument's bands must ascend
+
+  std::vector<float> radiance(scene::Instrument camera) {
+    const auto lines = camera.bands;
+    for (std::size_t i = 0; i < order.size(); ++i) camera.bands[i] = lines[order[i]];
+    const InstrumentJob job = prepare(simulation, camera, context);
+    std::vector<float> out;
+    renderer.render(camera, job.plan, simulation.sun, simulation.seed, [&](const render::Strip& strip) {
+      out.insert(out.end(), strip.radiance, strip.radiance + static_cast<std::size_t>(strip.lines) * static_cast<std::size_t>(camera.pixels) * camera.bands.size());
+    });
+    return out;
+  }
+
+  /// Photons / s for a radiance in W m-2 sr-1 um-1 in line l.
+  double rate(double value, std::size_t l) const {
+    const scene::LidarReceiver& r = plan.lidar.receiver;
+    const double area = std::numbers::pi * (r.aperture_radius_m * r.aperture_radius_m - r.obscuration_radius_m * r.obscuration_radius_m);
+    const double solid_angle = plan.pixels() > 1 ? r.pixel_pitch_rad * r.pixel_pitch_rad : std::numbers::pi * r.half_fov_rad * r.half_fov_rad;
+    const double photon_J = kPlanck_J_s * kLight_m_s / (plan.lidar.pulse.lines[l].wavelength_um * 1e-6);
+    return std::max(0.0, value) * area * solid_angle * r.efficiency * r.filter_fwhm_um / photon_J;
+  }
+};
+
+LidarBackground::LidarBackground(const scene::Simulation& simulation, const lidar::LidarPlan& plan, const render::RenderOptions& options,
+                                 Context& context)
+    : state_(new State{simulation, plan, context, render::Renderer(simulation.scene, options), {}}) {
+  for (std::size_t l = 0; l < plan.lidar.pulse.lines.size(); ++l) state_->order.push_back(l);
+  std::sort(state_->order.begin(), state_->order.end(), [&](std::size_t a, std::size_t b) {
+    return plan.lidar.pulse.lines[a].wavelength_um < plan.lidar.pulse.lines[b].wavelength_um;
+  });
+}
+LidarBackground::~LidarBackground() = default;
+
+std::vector<std::vector<double>> LidarBackground::rates(const std::vector<lidar::Shot>& shots) {
+  State& s = *state_;
+  const auto pixels = static_cast<std::size_t>(s.plan.pixels()), lines = static_cast<std::size_t>(s.plan.lines());
+  std::vector<std::vector<double>> out(shots.size(), std::vector<double>(pixels * lines));
+  const auto take = [&](const std::vector<float>& radiance, std::size_t from, std::vector<double>& to) {
+    for (std::size_t p = 0; p < pixels; ++p)
+      for (std::size_t i = 0; i < lines; ++i)
+        to[p * lines + s.order[i]] = s.rate(radiance[(from + p) * lines + i], s.order[i]);
+  };
+  if (pixels > 1) {
+    scene::Instrument camera = field_camera(s.plan, s.plan.lidar.receiver.columns, s.plan.lidar.receiver.rows);
+    for (std::size_t i = 0; i < shots.size(); ++i) {
+      if (i > 0 && shots[i].pupil_m == shots[i - 1].pupil_m && shots[i].pupil_axis == shots[i - 1].pupil_axis) {
+        out[i] = out[i - 1];
+        continue;
+      }
+      camera.poses = {pose_towards(shots[i].pupil_m, shots[i].pupil_axis, shots[i].pupil_u)};
+      take(s.radiance(camera), 0, out[i]);
+    }
+    return out;
+  }
+  scene::Instrument camera = field_camera(s.plan, static_cast<int>(shots.size()), 1);
+  for (const auto& shot : shots) camera.poses.push_back(pose_towards(shot.pupil_m, shot.pupil_axis, shot.pupil_u));
+  const auto radiance = s.radiance(camera);
+  for (std::size_t i = 0; i < shots.size(); ++i) take(radiance, i, out[i]);
+  return out;
+}
+
+}  // namespace raycube::cli
