@@ -135,6 +135,13 @@ void fill_defaults(Record& record, base::Problems* problems) {
       continue;
     }
     value.where = record.where;
+    if (spec.type == KeyType::table && spec.has_default()) {
+      Record& sub = value.records.emplace_back();
+      sub.path = sub_path(spec);
+      sub.where = record.where;
+      fill_defaults(sub, problems);
+      continue;
+    }
     fill_default(spec, value);
     // The top level's format is checked file by file.
     if (!spec.required() || (record.path.empty() && spec.key == "format")) continue;

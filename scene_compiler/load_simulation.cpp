@@ -7,6 +7,7 @@
 #include "scene_compiler/document.h"
 #include "scene_compiler/document_values.h"
 #include "scene_compiler/instrument_builder.h"
+#include "scene_compiler/lidar_builder.h"
 #include "scene_compiler/scene_builder.h"
 #include "scene_compiler/sun_position.h"
 
@@ -197,8 +198,9 @@ Simulation load_simulation(const std::string& file, const LoadOptions& options) 
   if (!root.records("instrument").empty() || root.given("time"))
     out.sun = read_sun(root, parts.origin, problems);
   out.instruments = read_instruments(root, parts, parts.notices, problems);
-  if (options.need_instruments && root.records("instrument").empty())
-    problems.add(root.where, "no [[instrument]] looks at the scene", "", "add one");
+  out.lidars = read_lidars(root, parts, root.given("time"), parts.notices, problems);
+  if (options.need_instruments && root.records("instrument").empty() && root.records("lidar").empty())
+    problems.add(root.where, "no [[instrument]] or [[lidar]] looks at the scene", "", "add one");
   problems.throw_if_any();
 
   out.notices = std::move(parts.notices);

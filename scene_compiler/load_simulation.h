@@ -12,7 +12,7 @@ namespace raycube::scene {
 struct LoadOptions {
   std::optional<std::uint64_t> seed;  ///< instead of the file's
   bool compile = true;                ///< false: validate only, Simulation::scene stays empty
-  bool need_instruments = false;      ///< a file without [[instrument]] is an error
+  bool need_instruments = false;      ///< a file without [[instrument]] and [[lidar]] is an error
 };
 
 /// Reads a file, its includes and all it names. Throws one Error(input) that lists every problem found, each

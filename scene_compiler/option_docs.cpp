@@ -125,6 +125,8 @@ Json default_value(const KeySpec& spec) {
     case KeyType::integers:
     case KeyType::numbers:
       return Json::parse("[" + std::string(spec.fallback) + "]");
+    case KeyType::table:
+      return Json::object();
     default:
       return std::string(spec.fallback);
   }

@@ -86,6 +86,8 @@ int build(const BuildOptions& o, Context& context) {
     load.need_instruments = true;
     load.compile = std::isnan(o.lowest) || std::isnan(o.highest);
     simulation = scene::load_simulation(o.file, load);
+    if (simulation.instruments.empty())
+      throw base::Error(base::Fault::input, o.file + ": no [[instrument]] whose bands a table could cover; a [[lidar]] needs none");
     if (load.compile) lowest = simulation.scene.lo[2], highest = simulation.scene.hi[2];
     sensor_height = simulation.instruments.front().poses.front().z_m;
     std::vector<scene::Band> bands;

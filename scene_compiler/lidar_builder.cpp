@@ -1,0 +1,104 @@
+#include "scene_compiler/lidar_builder.h"
+
+#include <algorithm>
+#include <map>
+
+#include "scene_compiler/document_values.h"
+#include "scene_compiler/lidar_parts.h"
+
+namespace raycube::scene {
+
+namespace detail {
+
+int count_given(const Record& record, std::initializer_list<const char*> keys) {
+  return static_cast<int>(std::count_if(keys.begin(), keys.end(), [&](const char* key) { return record.given(key); }));
+}
+
+void want_keys(const Record& record, std::initializer_list<const char*> keys, const std::string& because, const LidarReport& report) {
+  for (const char* key : keys)
+    if (!record.given(key)) report.problems.add(record.where, std::string("'") + key + "' is missing for " + because, "", std::string(find_key(record.path, key)->text));
+}
+
+void refuse_keys(const Record& record, std::initializer_list<const char*> keys, const std::string& because, const LidarReport& report) {
+  for (const char* key : keys)
+    if (record.given(key)) report.problems.add(record.place(key), std::string("'") + key + "' means nothing for " + because, "", "remove it, or choose otherwise");
+}
+
+}  // namespace detail
+
+namespace {
+
+using base::Problems;
+using detail::LidarReport;
+
+/// Checks over several tables; they hold only when each table was sound.
+void check_together(const Record& record, const Lidar& lidar, const LidarReport& report) {
+  const Record &gate = *record.table("gate"), &sampling = *record.table("sampling");
+  const auto& t = lidar.transport;
+  const double end_s = lidar.gate.start_s + lidar.gate.bins * lidar.gate.bin_s;
+  const double near_s = 2 * t.group_index * t.minimum_range_m / detail::kLight_m_s;
+  if (end_s <= near_s)
+    report.problems.add(gate.where, "the gate is empty: it ends before light from minimum_range_m is back",
+                        number_text(end_s * 1e9) + " ns against " + number_text(near_s * 1e9) + " ns", "start it later or give it more bins");
+  if (lidar.fold_ambiguous && lidar.pulses == 1)
+    report.problems.add(record.place("fold_ambiguous"), "'fold_ambiguous' needs more than one pulse", "1 pulse", "remove it, or fire more");
+  if (!lidar.fold_ambiguous && lidar.pulses > 1 && end_s > 1 / lidar.prf_hz)
+    report.notice(gate.where, "the gate ends " + number_text(end_s * 1e6) + " us after a pulse, the next follows after " + number_text(1e6 / lidar.prf_hz) +
+                                  " us; returns are kept with their own pulse (fold_ambiguous = true puts them where they arrive)");
+  if (lidar.pulse.separation_s > 0 && lidar.pulse.separation_s >= 1 / lidar.prf_hz)
+    report.problems.add(record.table("pulse")->place("separation_s"), "the lines of a shot must all leave before the next shot",
+                        number_text(lidar.pulse.separation_s) + " s against " + number_text(1 / lidar.prf_hz) + " s", "lower it, or prf_khz");
+  if (t.range_limit_m > 0 && t.range_limit_m <= t.minimum_range_m)
+    report.problems.add(sampling.place("range_limit_m"), "'range_limit_m' is not above minimum_range_m", number_text(t.range_limit_m), "raise it");
+  if (t.sampling != LidarSampling::receiver) return;
+  if (t.max_bounces > 1)
+    report.problems.add(sampling.place("bounces"), "sampling from the receiver follows one scattering", number_text(t.max_bounces) + " bounces",
+                        "set bounces = 1, or from = \"transmitter\"");
+  if (lidar.pulse.half_divergence_rad == 0)
+    report.problems.add(record.table("pulse")->place("divergence_mrad"), "sampling from the receiver never meets a beam without divergence", "0",
+                        "give the divergence, or from = \"transmitter\"");
+  if (lidar.receiver.pixel_pitch_rad == 0 && lidar.receiver.half_fov_rad == 0)
+    report.problems.add(sampling.where, "sampling from the receiver needs a field of view", "0", "give fov_mrad, or from = \"transmitter\"");
+}
+
+Lidar read_lidar(const Record& record, const SceneParts& parts, bool has_sun, const LidarReport& report) {
+  Lidar out;
+  out.name = record.text("name");
+  const std::size_t before = report.problems.lines().size();
+  const auto sound = [&](const char* key) {
+    const Record* table = record.table(key);
+    return table != nullptr && table->sound ? table : nullptr;
+  };
+  out.fold_ambiguous = record.boolean("fold_ambiguous");
+  if (const auto* table = sound("pulse")) detail::read_pulse(*table, out, report);
+  if (const auto* table = sound("scan")) detail::read_scan(*table, out, report);
+  if (const auto* table = sound("transmitter")) detail::read_mount(*table, out.transmitter, report);
+  if (const auto* table = sound("receiver")) detail::read_receiver(*table, out, report);
+  if (const auto* table = sound("sampling")) detail::read_sampling(*table, out, report);
+  if (const auto* table = sound("gate")) detail::read_gate(*table, out, report);
+  if (const auto* table = sound("turbulence")) detail::read_turbulence(*table, out, report);
+  if (const auto* table = sound("detector")) detail::read_detector(*table, has_sun, out, report);
+  detail::read_outputs(sound("speckle"), sound("echoes"), sound("products"), out);
+  detail::read_platform(record, parts, out, report);
+  if (record.sound && report.problems.lines().size() == before) check_together(record, out, report);
+  return out;
+}
+
+}  // namespace
+
+std::vector<Lidar> read_lidars(const Record& root, const SceneParts& parts, bool has_sun, std::vector<std::string>& notices, Problems& problems) {
+  std::vector<Lidar> out;
+  std::map<std::string, base::Where> places;
+  for (const auto& instrument : root.records("instrument")) places.emplace(instrument.text("name"), instrument.where);
+  for (const auto& record : root.records("lidar")) {
+    const std::string& name = record.text("name");
+    if (name.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-") != std::string::npos)
+      problems.add(record.place("name"), "a LIDAR's name is a folder's", "'" + name + "'", "use letters, digits, _ and -");
+    if (const auto [place, fresh] = places.emplace(name, record.where); !fresh && !name.empty())
+      problems.add(record.where, "the name '" + name + "' is taken", "first in " + place->second.text(), "rename one");
+    out.push_back(read_lidar(record, parts, has_sun, {name, notices, problems}));
+  }
+  return out;
+}
+
+}  // namespace raycube::scene

@@ -1,0 +1,2 @@
+raycube_test(lidar_options SOURCES unit/lidar_options_test.cpp LIBS raycube::scene_compiler nlohmann_json::nlohmann_json LABELS fast)
+raycube_test(lidar_bad_input SOURCES unit/lidar_bad_input_test.cpp LIBS raycube::scene_compiler LABELS fast)
