@@ -1,0 +1,47 @@
+// What stands behind a return: the surfaces that the pulse's sub-rays met within the echo, for truth beside every point.
+#pragma once
+
+#include <vector>
+
+#include "host/lidar/detection.h"
+#include "host/lidar/lidar_plan.h"
+#include "scene_compiler/compiled_scene.h"
+
+namespace raycube::lidar {
+
+struct ReturnTruth {
+  double range_m = 0;               ///< half the path over the surfaces, weighted by what they send back; NaN: no first surface there
+  float expected_pe = 0;            ///< photo-electrons of these surfaces, once scattered
+  int order = 0;                    ///< 1; 0 where no first surface explains the echo (noise, air, later bounces)
+  std::uint32_t object = RC_NONE;   ///< the user's instance number of the surface that sends most
+  std::uint32_t material = RC_NONE; ///< its material with the largest share
+  float incidence_deg = 0;          ///< mean angle between beam and normal
+  float overlap = 0;                ///< mean vignetting
+  float transmission_2way = 0;      ///< of the air, mean
+  float subray_share = 0;           ///< of the pulse's sub-rays
+};
+
+/// A sub-ray's first surface.
+struct SurfacePoint {
+  Vec3 at_m{}, normal{};            ///< unit normal towards the sub-ray's start
+  std::uint32_t surface = RC_NONE, instance = RC_NONE;
+  bool hit = false;
+};
+/// Where sub-ray k of a shot (of a pixel, receiver sampling) meets its first surface, in double, on the plane of the triangle that was hit.
+SurfacePoint surface_point(const scene::CompiledScene& scene, const LidarPlan& plan, const Shot& shot, int pixel, int k, const FirstHit& hit);
+/// Start and unit direction of it.
+struct SubRay {
+  Vec3 from_m{}, direction{};
+};
+SubRay sub_ray(const LidarPlan& plan, const Shot& shot, int pixel, int k);
+
+/// One for each echo of a pixel's record. A sub-ray belongs to the nearest echo within the pulse's width and a bin of it.
+/// `result.hits` must be there.
+std::vector<ReturnTruth> return_truth(const scene::CompiledScene& scene, const LidarPlan& plan, const ShotResult& result, int pixel,
+                                      int line, const std::vector<Echo>& echoes);
+
+/// Where a return appears: on the line of sight (the beam's axis; receiver sampling: the pixel's) so far from its start that the path
+/// from the exit and to the pupil is twice its range.
+Vec3 apparent_point(const LidarPlan& plan, const Shot& shot, int pixel, double range_m);
+
+}  // namespace raycube::lidar
