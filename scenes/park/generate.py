@@ -81,6 +81,7 @@ def main():
 
     for name in ("park.toml", "park_lwir.toml", "park_scene.toml", "materials.toml"):
         shutil.copyfile(here / name, out / name)
+    shutil.copyfile(here.parent / "lidar" / "park_survey.toml", out / "park_survey.toml")
     shutil.copytree(here / "spectra", out / "spectra", dirs_exist_ok=True)
     (out / "facts.json").write_text(json.dumps(facts, indent=1) + "\n")
     print(f"park: {sum(facts['instances'].values())} instances, {len(facts['trees'])} plant meshes, {facts['bands']} bands in {out}")
