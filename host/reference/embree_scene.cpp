@@ -116,11 +116,12 @@ void fill(RTCRay& out, const Ray& ray) {
 
 }  // namespace
 
-Hit EmbreeScene::intersect(const Ray& ray) const {
+Hit EmbreeScene::intersect(const Ray& ray, float t_far) const {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   RTCRayHit query;
   fill(query.ray, ray);
+  query.ray.tfar = t_far;
   query.hit.geomID = query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   rtcIntersect1(impl_->top.handle, &context, &query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};

@@ -1,6 +1,7 @@
 // The compiled scene in Embree 3, robust mode: the reference's own intersection, sharing nothing with the device but data.
 #pragma once
 
+#include <limits>
 #include <memory>
 
 #include "host/reference/ray.h"
@@ -18,7 +19,8 @@ class EmbreeScene {
   EmbreeScene(const EmbreeScene&) = delete;
   EmbreeScene& operator=(const EmbreeScene&) = delete;
 
-  Hit intersect(const Ray& ray) const;
+  /// `t_far`: nothing beyond counts, in units of the direction.
+  Hit intersect(const Ray& ray, float t_far = std::numeric_limits<float>::infinity()) const;
   /// Anything between the origin and infinity, along the direction?
   bool occluded(const Ray& ray) const;
 

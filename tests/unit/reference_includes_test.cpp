@@ -17,6 +17,8 @@ const std::vector<std::string> kAllowed = {
     "host/reference/",  "host/base/",          "host/products/",
     "host/plan/plan.h", "kernels/shared/",     "kernels/sampling/sampler.h",
     "scene_compiler/compiled_scene.h",         "scene_compiler/simulation.h",
+    "scene_compiler/lidar_spec.h",             "host/lidar/lidar_plan.h",
+    "host/lidar/shot.h",
     "atmos_tables/render_table.h",             "atmos_tables/interpolate.h",
     "atmos_tables/environment.h"};
 

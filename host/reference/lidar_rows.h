@@ -1,0 +1,36 @@
+// Waveforms of one shot in double, and the ledger of what fell outside the gate.
+#pragma once
+
+#include <vector>
+
+#include "host/lidar/lidar_plan.h"
+#include "host/reference/lidar_pulse.h"
+
+namespace raycube::reference {
+
+/// Rows [pixel][line][bin], photons at the detector.
+struct LidarRows {
+  std::vector<double> first, multiple, air;  ///< as in lidar::ShotResult; all three always full
+};
+
+class LidarGate {
+ public:
+  explicit LidarGate(const lidar::LidarPlan& plan);
+
+  double bin_s() const { return bin_s_; }
+  /// Times at which an echo's middle may still leave something in the gate.
+  double earliest_s() const { return start_s_ - shape_.last_s(); }
+  double latest_s() const { return end_s_ - shape_.first_s(); }
+  double start_s() const { return start_s_; }
+
+  /// Adds an echo whose middle arrives at `time_s`; its parts before and after the gate go to the ledger with all of it.
+  void deposit(std::vector<double>& rows, int pixel, int line, double time_s, double photons, lidar::Ledger& ledger) const;
+
+ private:
+  LidarPulseShape shape_;
+  double start_s_, bin_s_, end_s_;
+  int bins_;
+  std::vector<double> emitted_;  ///< [line], photons
+};
+
+}  // namespace raycube::reference

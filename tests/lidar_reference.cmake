@@ -1,0 +1,2 @@
+# The LIDAR reference, alone and against the device.
+raycube_test(lidar_reference SOURCES oracle/lidar_reference_test.cpp LIBS raycube_reference raycube_lidar_support LABELS fast)
