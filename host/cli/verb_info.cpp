@@ -11,6 +11,7 @@
 #include "host/base/error.h"
 #include "host/base/memory.h"
 #include "host/cli/info_cube.h"
+#include "host/cli/info_las.h"
 #include "host/cli/verb.h"
 #include "host/products/envi_reader.h"
 #include "scene_compiler/compiled_file.h"
@@ -94,6 +95,7 @@ int run(Context& context, const Options& options) {
   if (extension == ".rcs") print_scene(context, path);
   else if (extension == ".rct") print_table(context, path);
   else if (extension == ".json") print_run_file(context, path);
+  else if (extension == ".las" || extension == ".LAS" || extension == ".laz") print_las_info(context, path);
   else print_cube_info(context, path, options.header_only, options.every_band);
   return 0;
 }
@@ -106,9 +108,9 @@ Verb verb_info() {
   verb.name = "info";
   verb.summary = "Say what a product, scene or table holds";
   verb.description =
-      "FILE is an ENVI image or spectral library (either of its two files), a compiled scene (.rcs), a render table (.rct), a run record (.json) or the folder "
+      "FILE is an ENVI image or spectral library (either of its two files), a compiled scene (.rcs), a render table (.rct), a point cloud (.las), a run record (.json) or the folder "
       "of a run. Statistics of an image read it once, line by line; its ignore value, NaN and infinities are counted apart.";
-  verb.examples = {"raycube info out/spectir/radiance.img", "raycube info --json out/spectir | jq .run.digest"};
+  verb.examples = {"raycube info out/spectir/radiance.img", "raycube info --json out/spectir | jq .run.digest", "raycube info out/als/returns.las"};
   verb.add_options = [options](base::OptionTable& table) {
     table.argument("FILE", "What to look at", options->file);
     table.flag("--header", "Of an image the header alone, without reading its samples", options->header_only);

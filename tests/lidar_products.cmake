@@ -1,0 +1,12 @@
+# Files of a LIDAR run, read by code that owes the writers nothing.
+raycube_test(lidar_las_unit SOURCES unit/lidar_las_test.cpp LIBS raycube_products LABELS fast)
+add_executable(las_samples ${CMAKE_CURRENT_LIST_DIR}/support/las_samples.cpp)
+target_link_libraries(las_samples PRIVATE raycube_warnings raycube_products nlohmann_json::nlohmann_json)
+set_target_properties(las_samples PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+add_test(NAME lidar_las COMMAND ${RAYCUBE_TEST_PYTHON} ${CMAKE_CURRENT_LIST_DIR}/cli/lidar_las_test.py $<TARGET_FILE:las_samples> $<TARGET_FILE:raycube>)
+set_tests_properties(lidar_las PROPERTIES LABELS fast)
+# laspy comes from PyPI (ci/setup): where it is missing, this one says so and skips.
+set(RAYCUBE_VENV ${PROJECT_SOURCE_DIR}/build/venv CACHE PATH "Virtual environment with laspy (ci/setup)")
+add_test(NAME lidar_laspy COMMAND sh -c "if [ -x '${RAYCUBE_VENV}/bin/python' ]; then exec '${RAYCUBE_VENV}/bin/python' \"$@\"; else exec '${RAYCUBE_TEST_PYTHON}' \"$@\"; fi"
+                                  lidar_laspy ${CMAKE_CURRENT_LIST_DIR}/cli/lidar_laspy_test.py $<TARGET_FILE:las_samples>)
+set_tests_properties(lidar_laspy PROPERTIES LABELS fast SKIP_RETURN_CODE 77)
