@@ -1,2 +1,3 @@
 # The LIDAR reference, alone and against the device.
 raycube_test(lidar_reference SOURCES oracle/lidar_reference_test.cpp LIBS raycube_reference raycube_lidar_support LABELS fast)
+raycube_test(lidar_reference_air SOURCES oracle/lidar_reference_air_test.cpp LIBS raycube_reference raycube_lidar_support LABELS fast)

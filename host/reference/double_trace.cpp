@@ -97,8 +97,8 @@ struct Shadow {
   }
 };
 
-Contact contact_of(const scene::CompiledScene& scene, const Ray& ray, const Hit& hit) {
-  return contact(scene, hit.primitive, to_local(scene.instances[hit.instance], to_double(ray)));
+Contact contact_of(const scene::CompiledScene& scene, const DoubleRay& ray, const Hit& hit) {
+  return contact(scene, hit.primitive, to_local(scene.instances[hit.instance], ray));
 }
 
 bool names_a_triangle(const scene::CompiledScene& scene, const Hit& hit) {
@@ -123,9 +123,9 @@ const char* cause_name(Cause cause) {
   return "unexplained";
 }
 
-Trace DoubleTracer::trace(const Ray& ray) const {
+Trace DoubleTracer::trace(const DoubleRay& ray) const {
   Closest visit{scene_};
-  walk(scene_, to_double(ray), visit);
+  walk(scene_, ray, visit);
   return visit.result;
 }
 
@@ -140,7 +140,7 @@ Trace DoubleTracer::trace_brute_force(const Ray& ray) const {
   return visit.result;
 }
 
-Cause DoubleTracer::explain(const Ray& ray, const Hit& a, const Hit& b) const {
+Cause DoubleTracer::explain(const DoubleRay& ray, const Hit& a, const Hit& b) const {
   if (a == b) return Cause::agree;
   // A certain hit that the walk missed but one of the two found counts as well: the tree itself is not trusted.
   const Trace exact = trace(ray);
@@ -171,7 +171,7 @@ Cause DoubleTracer::explain(const Ray& ray, const Hit& a, const Hit& b) const {
 }
 
 bool DoubleTracer::hits_anything(const Ray& ray, const Hit& guess) const {
-  if (!guess.miss() && names_a_triangle(scene_, guess) && contact_of(scene_, ray, guess).hit) return true;
+  if (!guess.miss() && names_a_triangle(scene_, guess) && contact_of(scene_, to_double(ray), guess).hit) return true;
   return !trace(ray).hit.miss();
 }
 
@@ -182,7 +182,7 @@ Visibility DoubleTracer::visibility(const DoubleRay& ray, const Hit& from) const
 }
 
 glm::dvec3 hit_point(const scene::CompiledScene& scene, const Ray& ray, const Hit& hit) {
-  return to_double(ray.origin) + contact_of(scene, ray, hit).t * to_double(ray.direction);
+  return to_double(ray.origin) + contact_of(scene, to_double(ray), hit).t * to_double(ray.direction);
 }
 
 }  // namespace raycube::reference

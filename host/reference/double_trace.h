@@ -29,7 +29,8 @@ class DoubleTracer {
   /// Keeps a reference to the scene. Its own walk over scene.nodes, recursive, boxes padded by more than any rounding.
   explicit DoubleTracer(const scene::CompiledScene& scene) : scene_(scene) {}
 
-  Trace trace(const Ray& ray) const;
+  Trace trace(const Ray& ray) const { return trace(to_double(ray)); }
+  Trace trace(const DoubleRay& ray) const;
   /// Every triangle of every instance, no tree: the oracle of the walk above.
   Trace trace_brute_force(const Ray& ray) const;
 
@@ -37,7 +38,9 @@ class DoubleTracer {
   /// triangle and not clearly behind a certain hit; a miss, when no hit is certain. Two different admissible answers are
   /// explained, and the class names the first that applies: exact tie (in double the ray meets both triangles at one depth and
   /// nothing before: two right answers), grazing, edge tie, depth tie.
-  Cause explain(const Ray& ray, const Hit& a, const Hit& b) const;
+  Cause explain(const Ray& ray, const Hit& a, const Hit& b) const { return explain(to_double(ray), a, b); }
+  /// The same for a ray that each side rounded its own way, within the ray's slack.
+  Cause explain(const DoubleRay& ray, const Hit& a, const Hit& b) const;
 
   /// Does the ray meet any triangle in double? `guess`: a hit tried first, which spares the walk where it is one.
   bool hits_anything(const Ray& ray, const Hit& guess) const;

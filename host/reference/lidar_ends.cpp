@@ -8,6 +8,9 @@ namespace raycube::reference {
 
 namespace {
 
+/// Floats place a direction within so many radians: a few ulp of the distance, over the distance.
+constexpr double kAngle_rad = 8 * kUlp;
+
 glm::dvec3 vec(const lidar::Vec3& v) { return {v[0], v[1], v[2]}; }
 
 }  // namespace
@@ -59,12 +62,14 @@ std::optional<LidarConnection> LidarEnds::to_pupil(const glm::dvec3& point) cons
   const glm::dvec3 way = point - pupil_;
   const double along = glm::dot(way, pupil_axis_), distance = glm::length(way);
   if (!(along > 0)) return {};
-  LidarConnection out{-way / distance, distance, 0, distance, 0};
+  LidarConnection out{-way / distance, distance, 0, distance, false, 0};
   double share = 1;
   if (receiver.columns * receiver.rows > 1) {
     const double x = glm::dot(way, pupil_u_) / along / receiver.pixel_pitch_rad + 0.5 * receiver.columns;
     const double y = glm::dot(way, pupil_v_) / along / receiver.pixel_pitch_rad + 0.5 * receiver.rows;
-    if (!(x >= 0 && x < receiver.columns && y >= 0 && y < receiver.rows)) return {};
+    const double slack = kAngle_rad / receiver.pixel_pitch_rad + 8 * kUlp * (receiver.columns + receiver.rows);
+    out.edge = std::abs(x - std::round(x)) < slack || std::abs(y - std::round(y)) < slack;
+    if (!(x >= 0 && x < receiver.columns && y >= 0 && y < receiver.rows)) return out.edge ? std::optional(out) : std::nullopt;
     out.pixel = static_cast<int>(y) * receiver.columns + static_cast<int>(x);
   } else if (plan_.lidar.transport.overlap == scene::LidarOverlap::exact) {
     share = pupil_share(receiver, along, glm::length(way - along * pupil_axis_));
@@ -81,14 +86,16 @@ std::optional<LidarConnection> LidarEnds::to_exit(const glm::dvec3& point) const
   const double off = glm::length(way - along * exit_axis_), spread = along * std::tan(shot_.half_divergence_rad);
   const double exit_m = plan_.lidar.pulse.exit_radius_m;
   double per_m2 = 0;
+  bool edge = false;
   if (plan_.lidar.pulse.profile == scene::BeamProfile::gaussian) {
     const double w2 = exit_m * exit_m + spread * spread;
     per_m2 = 2 / (M_PI * w2) * std::exp(-2 * off * off / w2);
-  } else if (off < exit_m + spread) {
-    per_m2 = 1 / (M_PI * (exit_m + spread) * (exit_m + spread));
+  } else {
+    edge = std::abs(off - (exit_m + spread)) < kAngle_rad * distance;
+    if (off < exit_m + spread) per_m2 = 1 / (M_PI * (exit_m + spread) * (exit_m + spread));
   }
-  if (!(per_m2 > 0)) return {};
-  return LidarConnection{-way / distance, distance, -1, glm::length(point - pupil_), per_m2 / (along / distance)};
+  if (!(per_m2 > 0 || edge)) return {};
+  return LidarConnection{-way / distance, distance, -1, glm::length(point - pupil_), edge, per_m2 / (along / distance)};
 }
 
 }  // namespace raycube::reference

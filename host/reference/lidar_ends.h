@@ -14,6 +14,7 @@ struct LidarConnection {
   double length_m = 0;
   int pixel = -1;                ///< -1: keep the ray's
   double pupil_m = 0;            ///< distance from the point to the pupil
+  bool edge = false;             ///< floats may see the point in another pixel, or on the other side of the beam's rim
   double factor = 0;             ///< A_r cos(psi) eta / R^2 E_rx, or the beam's share of photons per m2 across the way to the exit
 };
 
@@ -24,7 +25,7 @@ class LidarEnds {
 
   /// Start of a ray's weight: 1 (transmitter) or A_r cos(psi) Omega E_rx (receiver), times the shot's gain.
   double weight(const LidarRay& ray) const;
-  /// Nothing: the point is seen by no pixel or lies outside the beam.
+  /// Nothing, or a factor of 0 at an edge: the point is seen by no pixel or lies outside the beam.
   std::optional<LidarConnection> connect(const glm::dvec3& point) const;
   /// Place of the end itself.
   const glm::dvec3& far_end() const { return receiver_sampling_ ? exit_ : pupil_; }

@@ -13,6 +13,7 @@ struct LidarShotOptions {
   /// Key of the random numbers; the plan's own seed gives the device's draws.
   std::uint64_t seed = 0;
   bool own_seed = false;      ///< `seed` counts instead of the plan's
+  bool scattered_only = false; ///< leaves returns of air and volumes out
   int cells_per_bin = 8;      ///< of air and volume returns: steps along a ray
   /// Judges every way to the receiver in double as well and counts those that rounding may decide either way.
   bool count_uncertain = false;

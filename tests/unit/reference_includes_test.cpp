@@ -16,6 +16,7 @@ namespace fs = std::filesystem;
 const std::vector<std::string> kAllowed = {
     "host/reference/",  "host/base/",          "host/products/",
     "host/plan/plan.h", "kernels/shared/",     "kernels/sampling/sampler.h",
+    "kernels/sampling/lidar_draws.h",
     "scene_compiler/compiled_scene.h",         "scene_compiler/simulation.h",
     "scene_compiler/lidar_spec.h",             "host/lidar/lidar_plan.h",
     "host/lidar/shot.h",

@@ -1,0 +1,86 @@
+// Pulses of the device against the reference, bin by bin.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "host/reference/double_trace.h"
+#include "host/reference/lidar_shot.h"
+
+namespace raycube::reference {
+
+/// Beyond these the check fails.
+struct LidarLimits {
+  double bin = 1e-5;        ///< of a line's peak bin, for pulses whose rays and ways to the receiver are the same ones
+  double ledger = 1e-6;     ///< of the emitted energy: how far the device's ledger may be from closed
+  double air = 1e-2;        ///< of the air's own peak bin: the device integrates along the beam, not along every sub-ray
+  double deviations = 5;    ///< of the statistics of scattered light
+};
+
+struct LidarCompareOptions {
+  LidarLimits limits;
+  int threads = 0;          ///< 0: all
+  int replicas = 16;        ///< of scattered light, each with draws of its own
+};
+
+/// Scattered light of all pulses together, device against replicas of the reference.
+struct LidarScattered {
+  std::uint64_t pulses = 0, same_draws = 0;  ///< same_draws: pulses whose scattered bins agree within limits.bin on the device's own draws
+  std::size_t groups = 0;                    ///< of bins, each wide enough for the noise to be normal
+  double energy_ratio = 1, energy_z = 0;     ///< device / reference, and standard errors between
+  double chi_square = 0;                     ///< per group
+  double chi_z = 0;                          ///< its deviation in standard deviations
+};
+
+struct LidarReport {
+  LidarLimits limits;
+  std::uint64_t pulses = 0, rays = 0;
+  std::array<std::uint64_t, kCauses> hits{};          ///< rays by cause
+  std::uint64_t parted_pulses = 0;                    ///< first hits differ
+  std::uint64_t edge_pulses = 0;                      ///< beyond the limit, with a way to the receiver that rounding decides
+  std::uint64_t beyond_pulses = 0;                    ///< beyond the limit for no such reason
+  std::uint64_t compared_pulses = 0;                  ///< the others
+  double median = 0, worst = 0;                       ///< of each compared pulse's worst bin, over its line's peak
+  std::int64_t worst_pulse = -1;
+  int worst_line = 0, worst_bin = 0;
+  double ledger_closure = 0, ledger_difference = 0;   ///< worst of the device; worst against the reference, compared pulses
+  bool has_air = false, has_scattered = false;
+  double air_median = 0, air_worst = 0;               ///< of each compared pulse, over the air's own peak
+  LidarScattered scattered;
+  std::int64_t unexplained_pulse = -1;                ///< the first whose hits nothing explains
+  std::uint32_t unexplained_ray = 0;
+
+  std::vector<std::string> failures() const;
+  std::string text() const;
+  std::string json() const;
+};
+
+class LidarComparison {
+ public:
+  /// Keeps references to scene and plan.
+  LidarComparison(const scene::CompiledScene& scene, const lidar::LidarPlan& plan, const LidarCompareOptions& options);
+
+  /// Shots with first hits. Several threads.
+  void add(const std::vector<lidar::ShotResult>& shots);
+  LidarReport report() const;
+
+ private:
+  struct Result;
+  Result compare(const lidar::ShotResult& device) const;
+  LidarScattered scattered() const;
+
+  const scene::CompiledScene& scene_;
+  const lidar::LidarPlan& plan_;
+  LidarCompareOptions options_;
+  EmbreeScene embree_;
+  DoubleTracer judge_;
+  std::vector<Result> results_;
+  std::vector<std::vector<double>> scattered_;  ///< [device, replica 0, 1, ...][line * bins], sums over pulses and pixels
+
+ public:
+  ~LidarComparison();
+};
+
+}  // namespace raycube::reference

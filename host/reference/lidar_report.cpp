@@ -1,0 +1,95 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include <nlohmann/json.hpp>
+
+#include "host/reference/lidar_compare.h"
+
+namespace raycube::reference {
+
+namespace {
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
+std::string key_of(Cause cause) {
+  std::string key = cause_name(cause);
+  std::replace(key.begin(), key.end(), ' ', '_');
+  return key;
+}
+
+}  // namespace
+
+std::vector<std::string> LidarReport::failures() const {
+  std::vector<std::string> out;
+  if (pulses == 0) out.push_back("no pulse was compared");
+  else if (compared_pulses == 0) out.push_back("no pulse's rays agree with the reference, so no bin was compared");
+  if (const std::uint64_t count = hits[static_cast<std::size_t>(Cause::unexplained)]; count > 0)
+    out.push_back(std::to_string(count) + " of " + std::to_string(rays) + " first hits differ without explanation, the first in pulse " +
+                  std::to_string(unexplained_pulse) + ", ray " + std::to_string(unexplained_ray));
+  if (beyond_pulses > 0)
+    out.push_back(std::to_string(beyond_pulses) + " pulses differ by more than " + number(limits.bin) + " of their peak bin, the worst by " +
+                  number(worst) + " in pulse " + std::to_string(worst_pulse) + ", line " + std::to_string(worst_line + 1) + ", bin " + std::to_string(worst_bin));
+  if (!(ledger_closure <= limits.ledger)) out.push_back("a ledger is " + number(ledger_closure) + " of the emitted energy from closed, limit " + number(limits.ledger));
+  if (!(ledger_difference <= 10 * limits.ledger))
+    out.push_back("a ledger's entry differs by " + number(ledger_difference) + " of the emitted energy, limit " + number(10 * limits.ledger));
+  if (has_air && !(air_worst <= limits.air)) out.push_back("the air's return differs by " + number(air_worst) + " of its peak bin, limit " + number(limits.air));
+  if (has_scattered && !(std::abs(scattered.energy_z) <= limits.deviations))
+    out.push_back("light scattered more than once is " + number(scattered.energy_ratio) + " of the reference's, " + number(scattered.energy_z) + " standard errors off");
+  if (has_scattered && !(scattered.chi_z <= limits.deviations))
+    out.push_back("light scattered more than once has a chi-square of " + number(scattered.chi_square) + " per group, " + number(scattered.chi_z) + " deviations too large");
+  return out;
+}
+
+std::string LidarReport::text() const {
+  std::string out = "pulses " + std::to_string(pulses) + ", rays " + std::to_string(rays) + "\nfirst hits:";
+  for (std::size_t c = 0; c < kCauses; ++c) out += std::string(c ? ", " : " ") + cause_name(static_cast<Cause>(c)) + " " + std::to_string(hits[c]);
+  out += "\npulses with the same hits " + std::to_string(pulses - parted_pulses) + ", of these decided by rounding on the way to the receiver " +
+         std::to_string(edge_pulses) + ", compared " + std::to_string(compared_pulses);
+  out += "\nbins, over the peak bin: median of pulses " + number(median) + ", worst " + number(worst) + " (limit " + number(limits.bin) + ")";
+  if (worst_pulse >= 0) out += " in pulse " + std::to_string(worst_pulse) + ", line " + std::to_string(worst_line + 1) + ", bin " + std::to_string(worst_bin);
+  if (has_air) out += "\nair's return, over its own peak bin: median of pulses " + number(air_median) + ", worst " + number(air_worst) + " (limit " + number(limits.air) + ")";
+  out += "\nledger: closes to " + number(ledger_closure) + " (limit " + number(limits.ledger) + ")";
+  if (!has_scattered) out += ", entries differ by " + number(ledger_difference);
+  if (has_scattered)
+    out += "\nscattered more than once: on the same draws " + std::to_string(scattered.same_draws) + " of " + std::to_string(scattered.pulses) +
+           " pulses agree in every bin; on others energy " + number(scattered.energy_ratio) + " of the reference's (" + number(scattered.energy_z) +
+           " standard errors), chi-square " + number(scattered.chi_square) + " in each of " + std::to_string(scattered.groups) + " groups of bins (" +
+           number(scattered.chi_z) + " deviations, limit " + number(limits.deviations) + ")";
+  for (const std::string& failure : failures()) out += "\nBEYOND LIMITS: " + failure;
+  return out + "\n";
+}
+
+std::string LidarReport::json() const {
+  nlohmann::ordered_json out;
+  out["passed"] = failures().empty();
+  out["failures"] = failures();
+  out["pulses"] = pulses;
+  out["rays"] = rays;
+  for (std::size_t c = 0; c < kCauses; ++c) out["hits_" + key_of(static_cast<Cause>(c))] = hits[c];
+  out["parted_pulses"] = parted_pulses;
+  out["edge_pulses"] = edge_pulses;
+  out["compared_pulses"] = compared_pulses;
+  out["beyond_pulses"] = beyond_pulses;
+  out["median"] = median;
+  out["worst"] = worst;
+  out["worst_limit"] = limits.bin;
+  out["worst_pulse"] = worst_pulse;
+  out["worst_line"] = worst_line;
+  out["worst_bin"] = worst_bin;
+  out["ledger_closure"] = ledger_closure;
+  out["ledger_limit"] = limits.ledger;
+  if (!has_scattered) out["ledger_difference"] = ledger_difference;
+  if (has_air) out["air"] = {{"median", air_median}, {"worst", air_worst}, {"limit", limits.air}};
+  if (has_scattered)
+    out["scattered"] = {{"pulses", scattered.pulses},           {"same_draws", scattered.same_draws}, {"energy_ratio", scattered.energy_ratio},
+                        {"energy_z", scattered.energy_z},       {"groups", scattered.groups},         {"chi_square", scattered.chi_square},
+                        {"chi_z", scattered.chi_z},             {"limit", limits.deviations}};
+  return out.dump(2);
+}
+
+}  // namespace raycube::reference

@@ -1,0 +1,181 @@
+#include "host/reference/lidar_walk.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+
+#include "kernels/sampling/lidar_draws.h"
+
+namespace raycube::reference::lidar_walk {
+
+Walk::Walk(const scene::CompiledScene& scene, const EmbreeScene& embree, const lidar::LidarPlan& plan, const lidar::Shot& shot,
+     const LidarShotOptions& options)
+    : scene_(scene), plan_(plan), shot_(shot), options_(options), tracer_(scene, embree), judge_(scene), ends_(plan, shot), gate_(plan), air_(plan.air),
+      lines_(static_cast<std::size_t>(plan.lines())) {
+  for (const scene::Volume& volume : scene.volumes) volumes_.emplace_back(volume);
+  const std::size_t size = static_cast<std::size_t>(plan.pixels()) * lines_ * static_cast<std::size_t>(plan.lidar.gate.bins);
+  result_.rows = {std::vector<double>(size), std::vector<double>(size), std::vector<double>(size)};
+  result_.ledger.resize(lines_);
+  const scene::LidarTransport& transport = plan.lidar.transport;
+  reach_m_ = transport.range_limit_m > 0 ? transport.range_limit_m : kInfinity;
+}
+
+LidarReference Walk::run() {
+  const std::vector<LidarRay> rays = lidar_rays(plan_, shot_);
+  const double each = 1.0 / static_cast<double>(plan_.footprint.a.size());
+  const double pixels = ends_.receiver_sampling() ? plan_.pixels() : 1;
+  result_.hits.resize(rays.size());
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    Path path;
+    path.start = rays[i];
+    path.origin = rays[i].origin, path.direction = rays[i].direction;
+    // Receiver sampling: the ledger's whole is all that is followed backwards, so a share is of all pixels' samples.
+    path.weight = each * ends_.weight(rays[i]);
+    path.share.assign(lines_, 1);
+    path.energy.assign(lines_, 1);
+    path.depth.assign(plan_.nodes.size(), 0);
+    ledger_share_ = each / pixels;
+    follow(path, &result_.hits[i]);
+  }
+  return std::move(result_);
+}
+
+std::vector<double> Walk::air_depth(const Straight& piece) const {
+  std::vector<double> depth(plan_.nodes.size(), 0);
+  air_.add_depth(piece, depth);
+  return depth;
+}
+
+std::vector<double> Walk::volume_depth(const Straight& piece) const {
+  std::vector<double> depth(plan_.nodes.size(), 0);
+  for (std::size_t v = 0; v < volumes_.size(); ++v) {
+    const double column = volumes_[v].column_cm2(piece), particles = scene_.volumes[v].extinction_per_m * volumes_[v].particles_m(piece);
+    for (std::size_t n = 0; n < depth.size(); ++n) depth[n] += column * plan_.cross_section_cm2[v * depth.size() + n] + particles;
+  }
+  return depth;
+}
+
+double Walk::transmission(std::size_t line, const std::vector<double>& depth) const {
+  double sum = 0;
+  for (int n = plan_.first_node[line]; n < plan_.first_node[line + 1]; ++n)
+    sum += plan_.nodes[static_cast<std::size_t>(n)].weight * std::exp(-depth[static_cast<std::size_t>(n)]);
+  return sum;
+}
+
+void Walk::add_depths(const Straight& piece, std::vector<double>& depth) const {
+  const std::vector<double> of_air = air_depth(piece), of_volumes = volume_depth(piece);
+  for (std::size_t n = 0; n < depth.size(); ++n) depth[n] += of_air[n] + of_volumes[n];
+}
+
+void Walk::travel(Path& path, const Straight& piece) {
+  const std::vector<double> air = air_depth(piece), volumes = volume_depth(piece);
+  for (std::size_t line = 0; line < lines_; ++line)
+    for (auto n = static_cast<std::size_t>(plan_.first_node[line]); n < static_cast<std::size_t>(plan_.first_node[line + 1]); ++n) {
+      const double both = air[n] + volumes[n];
+      if (!(both > 0)) continue;
+      const double lost = ledger_share_ * path.energy[line] * plan_.nodes[n].weight * std::exp(-path.depth[n]) * -std::expm1(-both);
+      result_.ledger[line].air += lost * air[n] / both;
+      result_.ledger[line].volumes += lost * volumes[n] / both;
+    }
+  for (std::size_t n = 0; n < path.depth.size(); ++n) path.depth[n] += air[n] + volumes[n];
+}
+
+void Walk::book(Path& path, const LidarHit& hit, bool last) {
+  for (std::size_t line = 0; line < lines_; ++line) {
+    const LidarMatter matter = matter_of(scene_, plan_, hit.surface, static_cast<int>(line));
+    const double arrived = ledger_share_ * path.energy[line] * transmission(line, path.depth);
+    result_.ledger[line].absorbed += arrived * matter.absorbed();
+    if (last) result_.ledger[line].truncated += arrived * matter.scattered();
+  }
+}
+
+void Walk::escape(const Path& path) {
+  for (std::size_t line = 0; line < lines_; ++line)
+    result_.ledger[line].escaped += ledger_share_ * path.energy[line] * transmission(line, path.depth);
+}
+
+std::optional<Walk::Drawn> Walk::draw(const Path& path, const LidarHit& hit, unsigned step, bool diffuse, bool straight) const {
+  const auto seed = static_cast<rc_u32>(options_.own_seed ? options_.seed : plan_.seed);
+  const rc_u32 key = lidar::draw_key(plan_, shot_.pulse, path.start.pixel), number = static_cast<rc_u32>(path.start.number);
+  const auto unit = [&](rc_u32 dimension) { return static_cast<double>(rc_unit_float(rc_hash(seed, key, number, dimension))); };
+  double up = 0, down = 0, on = 0;  // sums over lines: one choice for all, each line's weight makes up for it
+  for (std::size_t line = 0; line < lines_; ++line) {
+    const LidarMatter matter = matter_of(scene_, plan_, hit.surface, static_cast<int>(line));
+    if (diffuse) up += matter.reflectance, down += matter.leaf;
+    if (straight) on += matter.plate;
+  }
+  const double all = up + down + on;
+  if (!(all > 0)) return {};
+  const double lobe = unit(RC_DRAW_LOBE(step)) * all;
+  Drawn out;
+  out.scattered = lobe < up + down || on == 0;
+  if (out.scattered) {
+    // Branchless basis of Duff et al. 2017.
+    const glm::dvec3 n = lobe < up ? hit.normal : -hit.normal;
+    const double sign = std::copysign(1.0, n.z), a = -1 / (sign + n.z), c = n.x * n.y * a;
+    const glm::dvec3 x{1 + sign * n.x * n.x * a, sign * c, -sign * n.x}, y{c, sign + n.y * n.y * a, -n.y};
+    const double sine2 = unit(RC_DRAW_RADIUS(step)), turn = 2 * M_PI * unit(RC_DRAW_ANGLE(step));
+    out.direction = std::sqrt(sine2) * (std::cos(turn) * x + std::sin(turn) * y) + std::sqrt(1 - sine2) * n;
+  } else {
+    out.direction = path.direction;
+  }
+  const double chance = (out.scattered ? (lobe < up ? up : down) : on) / all;
+  for (std::size_t line = 0; line < lines_; ++line) {
+    const LidarMatter matter = matter_of(scene_, plan_, hit.surface, static_cast<int>(line));
+    out.factor.push_back((out.scattered ? (lobe < up ? matter.reflectance : matter.leaf) : matter.plate) / chance);
+  }
+  return out;
+}
+
+void Walk::scatter(Path path, LidarHit hit) {
+  for (unsigned step = 1;; ++step) {
+    const bool first = step == 1, last = path.order + 1 >= plan_.lidar.transport.max_bounces;
+    if (!first) book(path, hit, last);
+    const auto drawn = draw(path, hit, step, !last, !first);
+    if (!drawn) return;
+    for (std::size_t line = 0; line < lines_; ++line) {
+      const LidarMatter matter = matter_of(scene_, plan_, hit.surface, static_cast<int>(line));
+      path.share[line] *= drawn->factor[line];
+      path.energy[line] *= (last ? 0 : matter.scattered()) + (first ? 0 : matter.plate);
+    }
+    if (path.order == 0) path.first_m = path.length_m + hit.t_m;
+    if (drawn->scattered) ++path.order;
+    path.length_m += hit.t_m;
+    path.origin = hit.point, path.leaving = hit.hit, path.direction = drawn->direction;
+    path.lift_m = (glm::dot(hit.normal, path.direction) > 0 ? hit.clear_m : -hit.clear_m) * hit.normal;
+    const auto next = tracer_.next(path.origin, path.direction, 0, kInfinity, path.leaving, path.lift_m);
+    if (!next) return escape(path);
+    travel(path, {path.origin, path.direction, next->t_m});
+    hit = *next;
+    connect_surface(path, hit);
+  }
+}
+
+void Walk::follow(Path path, Hit* first_hit) {
+  double from = 0;
+  plates_.assign(lines_, 1);
+  for (double travelled = 0;;) {
+    const auto hit = tracer_.next(path.origin, path.direction, from, kInfinity, path.leaving, glm::dvec3(0));
+    if (first_hit) *first_hit = hit ? hit->hit : Hit{};
+    first_hit = nullptr;
+    if (!options_.scattered_only) scatter_on_the_way(path, travelled, std::min(reach_m_, hit ? hit->t_m : kInfinity));
+    if (!hit || hit->t_m > reach_m_) return escape(path);
+    travel(path, {path.origin + travelled * path.direction, path.direction, hit->t_m - travelled});
+    connect_surface(path, *hit);
+    const bool last = plan_.lidar.transport.max_bounces == 1;
+    book(path, *hit, last);
+    if (!last) scatter(path, *hit);
+    bool open = false;
+    for (std::size_t line = 0; line < lines_; ++line) {
+      const double plate = matter_of(scene_, plan_, hit->surface, static_cast<int>(line)).plate;
+      path.share[line] *= plate, path.energy[line] *= plate, plates_[line] *= plate;
+      open |= plate > 0;
+    }
+    if (!open) return;
+    travelled = hit->t_m, path.leaving = hit->hit;
+    from = hit->t_m + hit->clear_m / std::max(1e-3, -glm::dot(hit->normal, path.direction));
+  }
+}
+
+}  // namespace raycube::reference::lidar_walk
