@@ -17,8 +17,8 @@ using base::Fault;
 using namespace las;
 
 constexpr std::size_t kBuffer_bytes = std::size_t{4} << 20;
-constexpr std::size_t kCounts_bytes = 128;  ///< of the text of our VLR, padded: its place comes before the numbers are known
-constexpr std::uint16_t kTruth_bytes = 59;
+constexpr std::size_t kCounts_bytes = 192;  ///< of the text of our VLR, padded: its place comes before the numbers are known
+constexpr std::uint16_t kTruth_bytes = 63;
 constexpr double kLightSpeed_m_s = 299792458.0;
 
 struct ExtraField {
@@ -39,7 +39,8 @@ constexpr ExtraField kExtraFields[] = {{7, "pulse_id", "number of the pulse", fa
                                        {9, "incidence_deg", "beam to normal, degrees", false},
                                        {9, "gff", "geometric form factor", false},
                                        {9, "trans_2way", "air transmission both ways", false},
-                                       {9, "subray_fraction", "share of the footprint", false}};
+                                       {9, "subray_fraction", "share of the footprint", false},
+                                       {9, "energy_pe", "measured photo-electrons", false}};
 
 std::string vlr(const char* user, std::uint16_t id, const std::string& description, const std::string& data) {
   unsigned char header[kVlrHeader] = {};
@@ -105,6 +106,13 @@ void put_truth(unsigned char* record, const LasTruth& truth) {
   next(truth.gff);
   next(truth.transmission_2way);
   next(truth.subray_fraction);
+  next(truth.energy_pe);
+}
+
+void check_descriptor(const std::string& name, const LasDescriptor& d) {
+  if ((d.bits != 8 && d.bits != 16) || d.samples == 0 || d.spacing_ps == 0 || !(d.gain != 0) || !std::isfinite(d.gain) || !std::isfinite(d.offset))
+    throw Error(Fault::input, fmt::format("{}: a LAS waveform has 8 or 16 bits, at least one sample, a spacing of whole picoseconds and a gain (found {} bits, "
+                                          "{} samples, {} ps, gain {})", name, d.bits, d.samples, d.spacing_ps, d.gain));
 }
 
 }  // namespace
@@ -119,14 +127,11 @@ LasWriter::LasWriter(base::OutputFile& points, base::OutputFile* packets, LasOpt
   const std::string& name = points.final_path();
   if (!(options_.scale_m > 0) || !std::isfinite(options_.scale_m))
     throw Error(Fault::input, fmt::format("{}: the scale of LAS coordinates must be above 0 (found {} m)", name, options_.scale_m));
-  if (options_.descriptors.size() > kLastDescriptorId - kFirstDescriptorId + 1u)
-    throw Error(Fault::input, fmt::format("{}: LAS holds at most 255 kinds of waveform (found {}); write fewer, or no waveforms", name,
-                                          options_.descriptors.size()));
-  for (const auto& d : options_.descriptors)
-    if ((d.bits != 8 && d.bits != 16) || d.samples == 0 || d.spacing_ps == 0 || !(d.gain != 0) || !std::isfinite(d.gain) || !std::isfinite(d.offset))
-      throw Error(Fault::input, fmt::format("{}: a LAS waveform has 8 or 16 bits, at least one sample, a spacing of whole picoseconds and a gain (found {} bits, "
-                                            "{} samples, {} ps, gain {})", name, d.bits, d.samples, d.spacing_ps, d.gain));
-  if (options_.descriptors.empty() == (packets != nullptr)) throw Error(Fault::bug, name + ": packets and their descriptors go together");
+  descriptor_places_ = options_.descriptors.size() + static_cast<std::size_t>(std::max(options_.descriptor_room, 0));
+  if (descriptor_places_ > kLastDescriptorId - kFirstDescriptorId + 1u)
+    throw Error(Fault::input, fmt::format("{}: LAS holds at most 255 kinds of waveform (found {}); write fewer, or no waveforms", name, descriptor_places_));
+  for (const auto& d : options_.descriptors) check_descriptor(name, d);
+  if ((descriptor_places_ == 0) == (packets != nullptr)) throw Error(Fault::bug, name + ": packets and their descriptors go together");
   if (options_.wkt.empty()) options_.wkt = R"(LOCAL_CS["scene, metres",UNIT["metre",1],AXIS["East",EAST],AXIS["North",NORTH]])";
   if (options_.wkt.size() > 65534)
     throw Error(Fault::input, fmt::format("{}: the text of the coordinate system has {} bytes, LAS holds 65534", name, options_.wkt.size()));
@@ -141,8 +146,24 @@ std::string LasWriter::vlrs(std::uint64_t pulses, std::uint64_t without_return) 
   for (std::size_t i = 0; i < options_.descriptors.size(); ++i) out += descriptor_vlr(options_.descriptors[i], i);
   out += extra_bytes_vlr();
   std::string counts = fmt::format("pulses = {}\npulses without return = {}\n", pulses, without_return);
-  counts.resize(kCounts_bytes, '\0');
+  if (options_.intensity_from_energy) counts += fmt::format("photo-electrons per unit of intensity = {}\n", intensity_unit_pe());
+  // This record also fills the places of descriptors that did not come.
+  counts.resize(kCounts_bytes + (descriptor_places_ - options_.descriptors.size()) * (kVlrHeader + kDescriptor), '\0');
   return out + vlr(kOurUser, kOurCountsId, "pulses, with and without return", counts);
+}
+
+int LasWriter::descriptor(const LasDescriptor& wanted) {
+  auto& known = options_.descriptors;
+  for (std::size_t i = 0; i < known.size(); ++i)
+    if (known[i].bits == wanted.bits && known[i].samples == wanted.samples && known[i].spacing_ps == wanted.spacing_ps && known[i].gain == wanted.gain &&
+        known[i].offset == wanted.offset)
+      return static_cast<int>(i);
+  check_descriptor(points_file_.final_path(), wanted);
+  if (known.size() == descriptor_places_)
+    throw Error(Fault::input, fmt::format("{}: more than {} kinds of waveform (gains of the digitiser); give the detector a fixed full scale, or write no LAS waveforms",
+                                          points_file_.final_path(), descriptor_places_));
+  known.push_back(wanted);
+  return static_cast<int>(known.size()) - 1;
 }
 
 LasPacket LasWriter::add_packet(int descriptor, const std::vector<std::uint16_t>& samples) {
@@ -207,6 +228,7 @@ void LasWriter::add_point(const LasPoint& p) {
     put(record, 43, p.return_location_ps);
     for (std::size_t i = 0; i < 3; ++i) put(record, 47 + 4 * i, p.direction_m_per_ps[i]);
   }
+  strongest_pe_ = std::max(strongest_pe_, p.truth.energy_pe);
   put_truth(record + kPointBytes[static_cast<std::size_t>(format())], p.truth);
   ++count_;
   ++by_return_[static_cast<std::size_t>(p.return_number - 1)];
@@ -217,6 +239,29 @@ void LasWriter::flush_points() {
   points_file_.write_at(point_start_ + points_written_, point_buffer_.data(), point_buffer_.size());
   points_written_ += point_buffer_.size();
   point_buffer_.clear();
+}
+
+double LasWriter::intensity_unit_pe() const {
+  if (!(strongest_pe_ > 0) || !std::isfinite(strongest_pe_)) return 1;
+  const double unit = std::exp2(std::ceil(std::log2(strongest_pe_ / 65535.0)));
+  return strongest_pe_ / unit > 65535.0 ? 2 * unit : unit;
+}
+
+/// The points once more: their energies are in the file, the unit is known only now.
+void LasWriter::set_intensities() {
+  const double unit = intensity_unit_pe();
+  const std::size_t energy_at = static_cast<std::size_t>(record_bytes_) - sizeof(float), piece_points = kBuffer_bytes / record_bytes_;
+  for (std::uint64_t first = 0; first < count_; first += piece_points) {
+    const std::size_t points = std::min<std::uint64_t>(piece_points, count_ - first);
+    point_buffer_.resize(points * record_bytes_);
+    points_file_.read_at(point_start_ + first * record_bytes_, point_buffer_.data(), point_buffer_.size());
+    for (std::size_t i = 0; i < points; ++i) {
+      unsigned char* const record = point_buffer_.data() + i * record_bytes_;
+      const double stored = std::round(get<float>(record, energy_at) / unit);
+      put(record, 12, static_cast<std::uint16_t>(stored > 0 ? std::min(stored, 65535.0) : 0));  // NaN: 0
+    }
+    points_file_.write_at(point_start_ + first * record_bytes_, point_buffer_.data(), point_buffer_.size());
+  }
 }
 
 void LasWriter::flush_packets() {
@@ -239,6 +284,7 @@ std::uint64_t LasWriter::copy_packets_inside(std::uint64_t at) {
 
 void LasWriter::finish(std::uint64_t pulses, std::uint64_t without_return) {
   flush_points();
+  if (options_.intensity_from_energy) set_intensities();
   std::uint64_t packets_at = 0;
   if (packets_file_) {
     flush_packets();

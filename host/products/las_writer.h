@@ -11,7 +11,7 @@
 
 namespace raycube::products {
 
-/// What the simulation knows of a return and a survey does not: extra bytes of every point.
+/// What a point format has no room for, most of it known to the simulation alone: extra bytes of every point.
 struct LasTruth {
   static constexpr std::uint32_t kNoObject = 0xFFFFFFFFu;
   static constexpr std::uint16_t kNoMaterial = 0xFFFFu;
@@ -28,6 +28,7 @@ struct LasTruth {
   float gff = 1;                       ///< geometric form factor (overlap)
   float transmission_2way = 1;         ///< of the air, to the surface and back
   float subray_fraction = 1;           ///< share of the footprint that brought the echo
+  float energy_pe = 0;                 ///< measured: photo-electrons in the echo
 };
 
 /// Where a waveform lies in the packet file.
@@ -40,7 +41,7 @@ struct LasPacket {
 /// One return.
 struct LasPoint {
   double x_m = 0, y_m = 0, z_m = 0;    ///< in the file's coordinate system
-  std::uint16_t intensity = 0;
+  std::uint16_t intensity = 0;         ///< see LasOptions::intensity_from_energy
   int return_number = 1, number_of_returns = 1;  ///< 1 to 15
   bool synthetic = false, key_point = false, withheld = false, overlap = false;
   int scanner_channel = 0;             ///< 0 to 3
@@ -66,11 +67,15 @@ struct LasOptions {
   std::array<double, 3> offset_m{};    ///< of the stored integers: the scene's origin
   double scale_m = 1e-4;               ///< of the stored integers: 0.1 mm reaches 214 km from the offset, 1 mm 2147 km
   std::string wkt;                     ///< coordinate system, OGC WKT 1; empty: local metres east, north, up
-  std::vector<LasDescriptor> descriptors;  ///< empty: format 6, no waveforms; at most 255
+  std::vector<LasDescriptor> descriptors;  ///< known before the first point
+  int descriptor_room = 0;             ///< how many more may come during the run; at most 255 together
   bool internal_packets = false;       ///< packets at the end of the .las file instead of in a .wdp
   std::string system_id = "raycube LIDAR", software = "raycube";  ///< 32 bytes each at most
   int creation_day = 0, creation_year = 0;  ///< day of year from 1, UTC
   std::uint16_t source_id = 0;
+  /// Intensities are truth.energy_pe in units of the smallest power of two photo-electrons that keeps the strongest within 16 bits (LAS
+  /// wants them normalised, and the unit is not known before the last point); the unit stands in the VLR "raycube"/1.
+  bool intensity_from_energy = false;
 };
 
 /// Vector d of a packet: sample i lies at P + (L - i spacing) d for a return at P with return location L (spacing, L in ps), so d
@@ -87,6 +92,8 @@ class LasWriter {
   /// Throws Error(input) for descriptors or scales LAS cannot hold.
   LasWriter(base::OutputFile& points, base::OutputFile* packets, LasOptions options);
 
+  /// Index of this kind of waveform, new or known. Throws Error(input) beyond the room for them.
+  int descriptor(const LasDescriptor& descriptor);
   /// Next waveform; `samples` has as many values as its descriptor says, none above what its bits hold.
   LasPacket add_packet(int descriptor, const std::vector<std::uint16_t>& samples);
   /// Next return. Throws Error(input) when a coordinate does not fit 32 bits (LAS would wrap), Error(bug) for numbers LAS has no room for.
@@ -94,19 +101,24 @@ class LasWriter {
   /// Ends both files; pulses: fired, without_return: of these.
   void finish(std::uint64_t pulses, std::uint64_t without_return);
 
-  int format() const { return options_.descriptors.empty() ? 6 : 9; }
+  int format() const { return packets_file_ ? 9 : 6; }
   std::uint64_t points() const { return count_; }
   std::uint64_t packets() const { return packet_count_; }
+  /// Photo-electrons per unit of intensity, so far.
+  double intensity_unit_pe() const;
 
  private:
   std::string vlrs(std::uint64_t pulses, std::uint64_t without_return) const;
   void flush_points();
+  void set_intensities();
   void flush_packets();
   std::uint64_t copy_packets_inside(std::uint64_t at);
 
   base::OutputFile& points_file_;
   base::OutputFile* packets_file_;
   LasOptions options_;
+  std::size_t descriptor_places_ = 0;
+  float strongest_pe_ = 0;
   std::uint32_t point_start_ = 0;
   std::uint16_t record_bytes_ = 0;
   std::uint64_t count_ = 0, packet_count_ = 0, points_written_ = 0, packets_written_ = 0;

@@ -11,6 +11,29 @@
 #include "host/base/error.h"
 
 namespace raycube::products {
+namespace {
+
+OGRSpatialReference projected_system(int epsg) {
+  CPLPushErrorHandler(CPLQuietErrorHandler);
+  OGRSpatialReference system;
+  const bool known = system.importFromEPSG(epsg) == OGRERR_NONE;
+  CPLPopErrorHandler();
+  if (!known || !system.IsProjected() || std::abs(system.GetLinearUnits() - 1) > 1e-12)
+    throw base::Error(base::Fault::input, fmt::format("epsg must be a projected system in metres that PROJ knows (found {}); "
+                                                      "UTM north is 32601 to 32660", epsg));
+  return system;
+}
+
+std::string wkt_of(const OGRSpatialReference& system, const char* format) {
+  char* text = nullptr;
+  const char* const options[] = {format, nullptr};
+  std::string out;
+  if (system.exportToWkt(&text, options) == OGRERR_NONE && text) out = text;
+  CPLFree(text);
+  return out;
+}
+
+}  // namespace
 
 std::optional<MapGrid> find_map_grid(std::int64_t samples, std::int64_t lines,
                                      const std::function<void(std::int64_t line, double* values)>& read_line) {
@@ -36,13 +59,7 @@ std::optional<MapGrid> find_map_grid(std::int64_t samples, std::int64_t lines,
 }
 
 void set_map_grid(EnviHeader& header, int epsg, double easting_m, double northing_m, double pixel_x_m, double pixel_y_m) {
-  CPLPushErrorHandler(CPLQuietErrorHandler);
-  OGRSpatialReference system;
-  const bool known = system.importFromEPSG(epsg) == OGRERR_NONE;
-  CPLPopErrorHandler();
-  if (!known || !system.IsProjected() || std::abs(system.GetLinearUnits() - 1) > 1e-12)
-    throw base::Error(base::Fault::input, fmt::format("epsg must be a projected system in metres that PROJ knows (found {}); "
-                                                      "UTM north is 32601 to 32660", epsg));
+  const OGRSpatialReference system = projected_system(epsg);
   int north = 0;
   const int zone = system.GetUTMZone(&north);
   const char* datum = system.GetAttrValue("DATUM");
@@ -55,11 +72,9 @@ void set_map_grid(EnviHeader& header, int epsg, double easting_m, double northin
   }
   header.map_info.push_back(wgs84 ? "WGS-84" : datum ? datum : "Unknown");
   header.map_info.push_back("units=Meters");
-  char* text = nullptr;
-  OGRSpatialReference esri(system);
-  const char* const options[] = {"FORMAT=WKT1_ESRI", nullptr};
-  if (esri.exportToWkt(&text, options) == OGRERR_NONE && text) header.coordinate_system = text;
-  CPLFree(text);
+  header.coordinate_system = wkt_of(system, "FORMAT=WKT1_ESRI");
 }
+
+std::string projected_wkt(int epsg) { return wkt_of(projected_system(epsg), "FORMAT=WKT1_GDAL"); }
 
 }  // namespace raycube::products

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <string>
 
 #include "host/products/envi_header.h"
 
@@ -19,6 +20,9 @@ struct MapGrid {
 /// height of every sample of a line.
 std::optional<MapGrid> find_map_grid(std::int64_t samples, std::int64_t lines,
                                      const std::function<void(std::int64_t line, double* values)>& read_line);
+
+/// OGC WKT 1 (as LAS wants it) of the projected system epsg. Throws Error(input) as set_map_grid does.
+std::string projected_wkt(int epsg);
 
 /// Fills `map info` and `coordinate system string` for an image whose upper left pixel *corner* lies at (easting_m,
 /// northing_m) of the projected system epsg, with square or oblong pixels. Throws Error(input) when PROJ does not know epsg or

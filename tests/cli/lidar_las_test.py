@@ -16,7 +16,7 @@ from las_packets import Las, place  # noqa: E402
 LIGHT = 299792458.0
 kQuantum = 0.5e-4 + 2e-6
 kExtra = [(7, "pulse_id"), (10, "range"), (10, "range_true"), (9, "expected_pe"), (9, "echo_fwhm_ns"), (9, "pd"), (1, "bounce_order"), (5, "object_id"),
-          (3, "material_id"), (9, "incidence_deg"), (9, "gff"), (9, "trans_2way"), (9, "subray_fraction")]
+          (3, "material_id"), (9, "incidence_deg"), (9, "gff"), (9, "trans_2way"), (9, "subray_fraction"), (9, "energy_pe")]
 checks = 0
 
 
@@ -37,8 +37,8 @@ def header(las, expected):
     packets = expected["format"] == 9
     inside = expected["internal"]
     wkt = expected["wkt"].encode() + b"\0"
-    vlrs = (54 + len(wkt)) + (54 + 13 * 192) + (54 + 128) + (2 * (54 + 26) if packets else 0)
-    record = (59 if packets else 30) + 59
+    vlrs = (54 + len(wkt)) + (54 + 14 * 192) + (54 + 192) + (4 * (54 + 26) if packets else 0)
+    record = (59 if packets else 30) + 63
     at = 375 + vlrs
     evlr = at + record * len(points) if inside else 0
     wanted = b"LASF" + struct.pack("<HH", 0, 1 | 16 | (2 if inside else 4 if packets else 0)) + bytes(16) + bytes([1, 4])
@@ -53,7 +53,7 @@ def header(las, expected):
     check(las.vlr("LASF_Projection", 2112) == wkt)
     check(las.vlr("raycube", 1).rstrip(b"\0") == f"pulses = 200\npulses without return = {expected['without_return']}\n".encode())
     fields = las.vlr("LASF_Spec", 4)
-    check(len(fields) == 13 * 192)
+    check(len(fields) == 14 * 192)
     for i, (kind, name) in enumerate(kExtra):
         one = fields[192 * i:192 * (i + 1)]
         options = 1 if name in ("object_id", "material_id") else 0
@@ -73,7 +73,7 @@ def points(las, expected):
         flags = sum(p[key] << bit for key, bit in (("synthetic", 0), ("key_point", 1), ("withheld", 2), ("overlap", 3), ("scanner_channel", 4),
                                                    ("scan_direction_flag", 6), ("edge_of_flight_line", 7)))
         check(got["flags"] == flags, got["flags"], flags)
-        for value, wanted, (_, name) in zip(struct.unpack("<QddfffBIHffff", las.extra(number)), p["extra"], kExtra):
+        for value, wanted, (_, name) in zip(struct.unpack("<QddfffBIHfffff", las.extra(number)), p["extra"], kExtra):
             check(math.isnan(value) if wanted is None else value == wanted, name, value, wanted)
 
 

@@ -14,8 +14,8 @@ except ImportError as reason:
     sys.exit(77)
 
 checks = 0
-kExtra = "pulse_id range range_true expected_pe echo_fwhm_ns pd bounce_order object_id material_id incidence_deg gff trans_2way subray_fraction".split()
-kTypes = "u8 f8 f8 f4 f4 f4 u1 u4 u2 f4 f4 f4 f4".split()
+kExtra = "pulse_id range range_true expected_pe echo_fwhm_ns pd bounce_order object_id material_id incidence_deg gff trans_2way subray_fraction energy_pe".split()
+kTypes = "u8 f8 f8 f4 f4 f4 u1 u4 u2 f4 f4 f4 f4 f4".split()
 
 
 def check(condition, *what):

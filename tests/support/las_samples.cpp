@@ -33,7 +33,8 @@ Json write(const std::string& folder, const std::string& name, bool waveforms, b
   options.internal_packets = internal_packets;
   options.creation_day = 200;
   options.creation_year = 2026;
-  if (waveforms) options.descriptors = {{bits, kSamples, 500, bits == 8 ? 0.5 : 0.01, -1.25}, {16, 8, 250, 2.0, 0.0}};
+  if (waveforms) options.descriptors = {{bits, kSamples, 500, bits == 8 ? 0.5 : 0.01, -1.25}};
+  if (waveforms) options.descriptor_room = 3;
   LasWriter writer(points, packets, options);
   Json list = Json::array(), waves = Json::array();
   int without = 0;
@@ -58,7 +59,7 @@ Json write(const std::string& folder, const std::string& name, bool waveforms, b
     if (waveforms) {
       packet = writer.add_packet(0, samples);
       waves.push_back({{"pulse", pulse}, {"offset", packet.offset}, {"samples", samples}});
-      if (pulse == 3) writer.add_packet(1, {1, 2, 3, 4, 5, 6, 7, 65535});
+      if (pulse == 3) writer.add_packet(writer.descriptor({16, 8, 250, 2.0, 0.0}), {1, 2, 3, 4, 5, 6, 7, 65535});
     }
     for (int r = 0; r < returns; ++r) {
       const double range = ranges[static_cast<std::size_t>(r)];
@@ -75,7 +76,7 @@ Json write(const std::string& folder, const std::string& name, bool waveforms, b
       p.return_location_ps = static_cast<float>((2 * range / kLight_m_s - kGate_s) * 1e12);
       p.direction_m_per_ps = las_direction(beam);
       p.truth = {static_cast<std::uint64_t>(pulse) + (std::uint64_t{1} << 40), range, range + 0.001, 10.5f + static_cast<float>(r), 1.5f, 0.75f, static_cast<std::uint8_t>(r + 1),
-                 static_cast<std::uint32_t>(100000 + pulse), static_cast<std::uint16_t>(r), 10.0f, 0.5f, 0.25f, 0.125f};
+                 static_cast<std::uint32_t>(100000 + pulse), static_cast<std::uint16_t>(r), 10.0f, 0.5f, 0.25f, 0.125f, 3.5f * static_cast<float>(r + 1)};
       if (pulse == 199) p.truth.object_id = LasTruth::kNoObject, p.truth.material_id = LasTruth::kNoMaterial, p.truth.range_true_m = NAN;
       writer.add_point(p);
       const LasTruth& t = p.truth;
@@ -85,7 +86,7 @@ Json write(const std::string& folder, const std::string& name, bool waveforms, b
                       {"classification", p.classification}, {"user_data", p.user_data}, {"scan_angle", pulse * 300 - 30000}, {"point_source_id", 77},
                       {"gps_time", p.gps_time_s}, {"sensor", sensor}, {"beam", beam}, {"offset", packet.offset}, {"range", range},
                       {"extra", {t.pulse_id, t.range_m, std::isnan(t.range_true_m) ? Json() : Json(t.range_true_m), t.expected_pe, t.echo_fwhm_ns, t.detection_probability,
-                                 t.bounce_order, t.object_id, t.material_id, t.incidence_deg, t.gff, t.transmission_2way, t.subray_fraction}}});
+                                 t.bounce_order, t.object_id, t.material_id, t.incidence_deg, t.gff, t.transmission_2way, t.subray_fraction, t.energy_pe}}});
     }
   }
   writer.finish(kPulses, static_cast<std::uint64_t>(without));

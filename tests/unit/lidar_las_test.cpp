@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <cstring>
 #include <functional>
 
 #include "host/base/error.h"
@@ -77,6 +78,36 @@ TEST_CASE("S38: waveforms LAS cannot describe are refused before the run") {
   LasOptions many;
   many.descriptors.resize(256, {16, 10, 1000, 1, 0});
   CHECK(message_of(base::Fault::input, [&] { LasWriter(file, &packets, many); }).find("at most 255") != std::string::npos);
+}
+
+TEST_CASE("S38: intensities are photo-electrons in the smallest power of two that fits the strongest; descriptors come as they are needed") {
+  for (const auto& [strongest, unit] : {std::pair{65535.0f, 1.0}, {65536.0f, 2.0}, {131070.0f, 2.0}, {131071.0f, 4.0}, {1.0f, 1.0 / 32768}, {0.0f, 1.0}}) {
+    TestFolder folder;
+    base::OutputFile file(folder / "a.las"), packets(folder / "a.wdp");
+    LasOptions options;
+    options.intensity_from_energy = true;
+    options.descriptor_room = 2;
+    LasWriter writer(file, &packets, options);
+    CHECK(writer.descriptor({16, 1, 1000, 1, 0}) == 0);
+    CHECK(writer.descriptor({16, 1, 1000, 2, 0}) == 1);
+    CHECK(writer.descriptor({16, 1, 1000, 1, 0}) == 0);
+    CHECK(message_of(base::Fault::input, [&, &w = writer] { w.descriptor({16, 1, 1000, 4, 0}); }).find("full scale") != std::string::npos);
+    LasPoint p;
+    for (const float energy : {strongest, strongest / 3, std::nanf("")}) {
+      p.truth.energy_pe = energy;
+      writer.add_point(p);
+    }
+    writer.finish(3, 0);
+    CHECK(writer.intensity_unit_pe() == unit);
+    const LasInfo info = (file.publish(), packets.publish(), read_las_info(folder / "a.las"));
+    CHECK(info.descriptors.size() == 2);
+    const std::string bytes = folder.read("a.las");
+    for (std::size_t i = 0; i < 3; ++i) {
+      std::uint16_t intensity = 0;
+      std::memcpy(&intensity, bytes.data() + bytes.size() - (3 - i) * static_cast<std::size_t>(info.record_bytes) + 12, 2);
+      CHECK(intensity == (i == 2 ? 0 : static_cast<int>(std::lround((i == 0 ? strongest : strongest / 3) / unit))));
+    }
+  }
 }
 
 TEST_CASE("S38: a survey without any return is a whole file with its counts") {
