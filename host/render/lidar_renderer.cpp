@@ -1,0 +1,239 @@
+#include "host/render/lidar_renderer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "host/base/error.h"
+#include "host/base/interrupt.h"
+#include "host/base/sha256.h"
+#include "host/cl/kernel.h"
+#include "host/render/lidar_owners.h"
+#include "host/render/lidar_tables.h"
+#include "host/render/scene_buffers.h"
+#include "kernels/kernel_source.h"
+#include "kernels/lidar/layout.h"
+
+namespace raycube::render {
+
+namespace {
+
+/// More owners at once gain nothing: a launch of this size keeps every core busy for long.
+constexpr std::size_t kMostBatchBytes = 96u << 20;
+
+cl::Device pick_device(const RenderOptions& options) {
+  cl::Device device = cl::find_device(options.device);
+  const auto units = static_cast<int>(device.info().compute_units);
+  if (options.threads > 0 && options.threads < units) return device.with_compute_units(static_cast<std::uint32_t>(options.threads));
+  return device;
+}
+
+template <class T>
+cl::Buffer<T> upload(const cl::Context& context, const std::vector<T>& from, const char* what) {
+  if (from.empty()) return cl::Buffer<T>(context, std::vector<T>(4), cl::Access::read_only, what);
+  return cl::Buffer<T>(context, from, cl::Access::read_only, what);
+}
+
+/// Tables on the device.
+struct DeviceTables {
+  DeviceTables(const cl::Context& context, const LidarTables& t)
+      : samples(upload(context, t.samples, "sub-rays")), exits(upload(context, t.exits, "exits of sub-rays")), gloss(upload(context, t.gloss, "gloss")),
+        photons(upload(context, t.photons, "photons")), node_weight(upload(context, t.node_weight, "nodes")), taps(upload(context, t.taps, "pulse")),
+        settings(upload(context, t.settings, "settings")), air(upload(context, t.air, "air")), first_node(upload(context, t.first_node, "first nodes")),
+        optics(upload(context, t.optics, "matter")) {}
+  cl::Buffer<float> samples, exits, gloss, photons, node_weight, taps, settings, air;
+  cl::Buffer<std::uint32_t> first_node;
+  cl::Buffer<shared::rc_float4> optics;
+};
+
+/// What a batch of owners leaves.
+struct BatchBuffers {
+  BatchBuffers(const cl::Context& context, const LidarTables& t, std::size_t owners, std::size_t lines, std::size_t padded_rays, bool with_hits)
+      : shots(context, owners * RC_SHOT_FLOAT4S, cl::Access::read_only, "records of shots"),
+        first(context, owners * t.owner_rows * t.row_floats, cl::Access::read_write, "rows of shots"),
+        multiple(context, t.multiple ? owners * t.owner_rows * t.row_floats : 16, cl::Access::read_write, "rows of shots, multiple scattering"),
+        stopped(context, 16, cl::Access::read_write, "shares of rays stopped"),
+        ledger(context, owners * lines * RC_LEDGER_COUNT, cl::Access::read_write, "ledger of shots"),
+        sums(context, owners * lines * RC_SUM_COUNT * 2, cl::Access::read_write, "sums of shots"),
+        counts(context, owners, cl::Access::read_write, "ray counts"),
+        hits(context, with_hits ? owners * padded_rays * 2 : 2, cl::Access::read_write, "first hits") {}
+  cl::Buffer<shared::rc_float4> shots;
+  cl::Buffer<float> first, multiple, stopped;
+  cl::Buffer<std::int64_t> ledger;
+  cl::Buffer<float> sums;
+  cl::Buffer<std::uint32_t> counts, hits;
+};
+
+struct Stages {
+  Stages(const cl::Context& context, const std::string& options)
+      : program(context, "lidar_shots", kernels::kernel_source("lidar_shots"), options), shots(program, "lidar_shots") {}
+  cl::Program program;
+  cl::Kernel shots;
+};
+
+}  // namespace
+
+struct LidarRenderer::State {
+  State(const scene::CompiledScene& scene_, const RenderOptions& options_)
+      : scene(scene_), options(options_), context(pick_device(options_)), buffers(context, scene_, options_.page_bytes) {}
+
+  Stages& stages(const std::string& build_options) {
+    auto& entry = programs[build_options];
+    if (!entry) entry = std::make_unique<Stages>(context, build_options);
+    hash = base::sha256_hex(build_options + "\n" + std::string(kernels::kernel_source("lidar_shots")));
+    return *entry;
+  }
+
+  const scene::CompiledScene& scene;
+  RenderOptions options;
+  cl::Context context;
+  SceneBuffers buffers;
+  std::map<std::string, std::unique_ptr<Stages>> programs;
+  std::string hash;
+};
+
+namespace {
+
+/// One launch: owners first .. first + count - 1, counted through all shots and pixels.
+struct Batch {
+  std::size_t first = 0, count = 0;
+};
+
+/// Shots in the making: an owner's rows are copied to their place when its batch is done.
+class Collector {
+ public:
+  Collector(const lidar::LidarPlan& plan, const LidarTables& tables, const std::vector<lidar::Shot>& shots, const ShotSink& sink, bool hits)
+      : plan_(plan), tables_(tables), shots_(shots), sink_(sink), hits_(hits), receiver_(plan.lidar.transport.sampling == scene::LidarSampling::receiver),
+        owners_of_shot_(receiver_ ? static_cast<std::size_t>(plan.pixels()) : 1) {}
+  std::size_t owners() const { return shots_.size() * owners_of_shot_; }
+  std::size_t owners_of_shot() const { return owners_of_shot_; }
+
+  void take(const Batch& batch, BatchBuffers& from) {
+    const auto first = from.first.map(false), multiple = from.multiple.map(false), sums = from.sums.map(false);
+    const auto ledger = from.ledger.map(false);
+    const auto counts = from.counts.map(false), hits = from.hits.map(false);
+    for (std::size_t i = 0; i < batch.count; ++i) {
+      const std::size_t owner = batch.first + i, shot = owner / owners_of_shot_, pixel = owner % owners_of_shot_;
+      if (pixel == 0) begin(shots_[shot]);
+      copy_rows(first.data(), i, pixel, result_.first);
+      if (tables_.multiple) copy_rows(multiple.data(), i, pixel, result_.multiple);
+      add_ledger(ledger.data(), sums.data(), i);
+      result_.rays += counts[i];
+      if (hits_) copy_hits(hits.data(), i);
+      if (pixel + 1 == owners_of_shot_) finish();
+    }
+    from.first.unmap(first);
+    from.multiple.unmap(multiple);
+    from.sums.unmap(sums);
+    from.ledger.unmap(ledger);
+    from.counts.unmap(counts);
+    from.hits.unmap(hits);
+  }
+
+ private:
+  void begin(const lidar::Shot& shot) {
+    const std::size_t floats = static_cast<std::size_t>(plan_.pixels()) * plan_.lines() * plan_.lidar.gate.bins;
+    result_ = {};
+    result_.shot = shot;
+    result_.first.resize(floats);
+    if (tables_.multiple) result_.multiple.resize(floats);
+    result_.ledger.resize(static_cast<std::size_t>(plan_.lines()));
+  }
+  void copy_rows(const float* from, std::size_t owner, std::size_t pixel, std::vector<float>& to) const {
+    const auto bins = static_cast<std::size_t>(plan_.lidar.gate.bins);
+    for (std::size_t row = 0; row < tables_.owner_rows; ++row)
+      std::copy_n(from + (owner * tables_.owner_rows + row) * tables_.row_floats + tables_.row_pad, bins, to.data() + (pixel * tables_.owner_rows + row) * bins);
+  }
+  void add_ledger(const std::int64_t* ledger, const float* sums, std::size_t owner) {
+    const double unit = std::ldexp(1.0, -RC_LEDGER_BITS) / static_cast<double>(owners_of_shot_);
+    for (std::size_t line = 0; line < result_.ledger.size(); ++line) {
+      const std::size_t at = owner * result_.ledger.size() + line;
+      const auto share = [&](int entry) { return unit * static_cast<double>(ledger[at * RC_LEDGER_COUNT + static_cast<std::size_t>(entry)]); };
+      const auto photons = [&](int entry) {
+        const float* sum = sums + 2 * (at * RC_SUM_COUNT + static_cast<std::size_t>(entry));
+        return plan_.photons[line] > 0 ? (static_cast<double>(sum[0]) + sum[1]) / plan_.photons[line] : 0.0;
+      };
+      lidar::Ledger& to = result_.ledger[line];
+      to.absorbed += share(RC_LEDGER_ABSORBED);
+      to.air += share(RC_LEDGER_AIR);
+      to.volumes += share(RC_LEDGER_VOLUMES);
+      to.escaped += share(RC_LEDGER_ESCAPED);
+      to.truncated += share(RC_LEDGER_TRUNCATED);
+      to.collected += photons(RC_SUM_COLLECTED);
+      to.early += photons(RC_SUM_EARLY);
+      to.late += photons(RC_SUM_LATE);
+      to.near += photons(RC_SUM_NEAR);
+    }
+  }
+  void copy_hits(const std::uint32_t* hits, std::size_t owner) {
+    const std::size_t rays = plan_.footprint.a.size(), padded = (rays + 15) / 16 * 16;
+    for (std::size_t k = 0; k < rays; ++k) {
+      const std::uint32_t* at = hits + 2 * (owner * padded + k);
+      result_.hits.push_back({at[0], at[1]});
+    }
+  }
+  void finish() { sink_(std::move(result_)); }
+
+  const lidar::LidarPlan& plan_;
+  const LidarTables& tables_;
+  const std::vector<lidar::Shot>& shots_;
+  const ShotSink& sink_;
+  bool hits_, receiver_;
+  std::size_t owners_of_shot_;
+  lidar::ShotResult result_;
+};
+
+std::size_t owner_bytes(const LidarTables& tables, std::size_t lines, std::size_t padded_rays, bool hits) {
+  return tables.owner_rows * tables.row_floats * sizeof(float) * (tables.multiple ? 2 : 1) + RC_SHOT_FLOAT4S * sizeof(shared::rc_float4) +
+         lines * (RC_LEDGER_COUNT * 8 + RC_SUM_COUNT * 8) + sizeof(std::uint32_t) + (hits ? padded_rays * 8 : 0);
+}
+
+}  // namespace
+
+LidarRenderer::LidarRenderer(const scene::CompiledScene& scene, const RenderOptions& options) : state_(std::make_unique<State>(scene, options)) {}
+LidarRenderer::~LidarRenderer() = default;
+LidarRenderer::LidarRenderer(LidarRenderer&&) noexcept = default;
+
+std::string LidarRenderer::device_name() const { return state_->context.device().name(); }
+std::string LidarRenderer::program_hash() const { return state_->hash; }
+
+void LidarRenderer::render(const lidar::LidarPlan& plan, const std::vector<lidar::Shot>& shots, const ShotSink& sink, bool hits) {
+  State& s = *state_;
+  if (shots.empty()) return;
+  const LidarTables tables = make_lidar_tables(plan, s.scene);
+  const bool apart = std::any_of(shots.begin(), shots.end(), [](const lidar::Shot& shot) { return shot.exit_m != shot.pupil_m; });
+  Stages& stages = s.stages(tables.options + " -DRC_SHADOWS=" + (apart ? "1" : "0") + " -DRC_HITS=" + (hits ? "1" : "0") + " -DRC_STOPPED=0" + s.buffers.options);
+  const DeviceTables device(s.context, tables);
+  Collector collector(plan, tables, shots, sink, hits);
+
+  const auto lines = static_cast<std::size_t>(plan.lines());
+  const std::size_t padded_rays = (plan.footprint.a.size() + 15) / 16 * 16, bytes = owner_bytes(tables, lines, padded_rays, hits);
+  const auto& info = s.context.device().info();
+  const std::size_t row_bytes = tables.owner_rows * tables.row_floats * sizeof(float);
+  const std::size_t budget = std::min<std::size_t>(std::min<std::size_t>(s.options.memory_bytes, info.global_memory_bytes) / kBudgetShares, info.max_alloc_bytes * (bytes / row_bytes));
+  if (bytes > budget)
+    throw base::Error(base::Fault::input, "LIDAR '" + plan.lidar.name + "': one shot needs " + std::to_string(bytes >> 20) + " MiB on the device for its rows (" +
+                                              std::to_string(plan.pixels()) + " pixels, " + std::to_string(plan.lines()) + " lines, " + std::to_string(plan.lidar.gate.bins) +
+                                              " bins), found " + std::to_string(budget >> 20) + " MiB; give more --memory, a shorter gate, or sampling = \"receiver\" for arrays");
+  const std::size_t owners = std::min(collector.owners(), std::max<std::size_t>(1, std::min(budget, kMostBatchBytes) / bytes));
+  BatchBuffers batch_buffers(s.context, tables, owners, lines, padded_rays, hits);
+
+  std::vector<shared::rc_float4> records;
+  for (Batch batch{0, 0}; batch.first < collector.owners(); batch.first += batch.count) {
+    base::throw_if_interrupted();
+    batch.count = std::min(owners, collector.owners() - batch.first);
+    records.clear();
+    for (std::size_t i = batch.first; i < batch.first + batch.count; ++i)
+      append_owner(plan, s.scene, shots[i / collector.owners_of_shot()], static_cast<int>(i % collector.owners_of_shot()), records);
+    batch_buffers.shots.write(records);
+    stages.shots.arguments(s.buffers.nodes, s.buffers.blocks, s.buffers.instances, batch_buffers.shots, device.samples, device.exits, device.optics, device.gloss,
+                           device.photons, device.node_weight, device.first_node, device.air, device.taps, device.settings, batch_buffers.first,
+                           batch_buffers.multiple, batch_buffers.stopped, batch_buffers.ledger, batch_buffers.sums, batch_buffers.counts, batch_buffers.hits,
+                           static_cast<std::uint32_t>(plan.seed), plan.lidar.gate.bins, plan.taps.taps, plan.taps.first, plan.taps.phases);
+    s.context.launch(stages.shots, batch.count);
+    s.context.finish();
+    collector.take(batch, batch_buffers);
+  }
+}
+
+}  // namespace raycube::render

@@ -1,0 +1,158 @@
+#include "host/render/lidar_tables.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "host/base/error.h"
+#include "kernels/lidar/layout.h"
+
+namespace raycube::render {
+
+namespace {
+
+constexpr int kMostBundle = 1024;
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+/// Half divergence below which a bundle's rounding, 16 ulp of a direction, passes 5 % of its unit: single rays are faster then.
+constexpr double kNarrow = 2e-5;
+
+int round_up(int n) { return (n + 15) / 16 * 16; }
+std::string define(const char* name, auto value) { return " -D" + std::string(name) + "=" + std::to_string(value); }
+
+/// As struct Scatter of kernels/geometry/primary_frame.h, chunk after chunk.
+std::vector<float> bundle_samples(const lidar::Footprint& footprint, int chunk) {
+  const int slots = round_up(chunk), bounds = round_up(slots / 16), rays = static_cast<int>(footprint.a.size());
+  std::vector<float> out;
+  for (int begin = 0; begin < rays; begin += chunk) {
+    std::vector<float> a(slots, kInfinity), b(slots, kInfinity), lo_a(bounds, kInfinity), hi_a(bounds, -kInfinity), lo_b = lo_a, hi_b = hi_a;
+    for (int k = 0; k < std::min(chunk, rays - begin); ++k) {
+      a[k] = footprint.a[begin + k];
+      b[k] = footprint.b[begin + k];
+      lo_a[k / 16] = std::min(lo_a[k / 16], a[k]);
+      hi_a[k / 16] = std::max(hi_a[k / 16], a[k]);
+      lo_b[k / 16] = std::min(lo_b[k / 16], b[k]);
+      hi_b[k / 16] = std::max(hi_b[k / 16], b[k]);
+    }
+    for (const auto* part : {&a, &b, &lo_a, &hi_a, &lo_b, &hi_b}) out.insert(out.end(), part->begin(), part->end());
+  }
+  return out;
+}
+
+/// [word][2][16]
+std::vector<float> single_samples(const lidar::Footprint& footprint) {
+  std::vector<float> out;
+  for (std::size_t word = 0; word < footprint.a.size(); word += 16)
+    for (const auto* part : {&footprint.a, &footprint.b})
+      for (std::size_t k = word; k < word + 16; ++k) out.push_back(k < part->size() ? (*part)[k] : kInfinity);
+  return out;
+}
+
+void fill_matter(const lidar::LidarPlan& plan, const scene::CompiledScene& scene, LidarTables& tables) {
+  const auto lines = static_cast<std::size_t>(plan.lines());
+  bool leaves = false, plates = false, gloss = false;
+  for (const auto& surface : scene.surfaces) {
+    for (std::size_t line = 0; line < lines; ++line) {
+      double rho = 0, leaf = 0, plate = 0;
+      for (int i = 0; i < 4; ++i) {
+        if (surface.curve[i] == 0) continue;
+        const std::size_t material = surface.curve[i] - 1;
+        const lidar::Matter& matter = plan.matter[material * lines + line];
+        rho += surface.fraction[i] * matter.reflectance;
+        (scene.materials[material].transmission == scene::Material::Transmission::plate ? plate : leaf) += surface.fraction[i] * matter.transmittance;
+      }
+      leaves |= leaf > 0;
+      plates |= plate > 0;
+      tables.optics.push_back({static_cast<float>(rho), static_cast<float>(leaf), static_cast<float>(plate), 0});
+    }
+    for (int i = 0; i < 4; ++i) {
+      const scene::Material* material = surface.curve[i] ? &scene.materials[surface.curve[i] - 1] : nullptr;
+      const bool shines = material && material->gloss_f0 > 0;
+      gloss |= shines;
+      tables.gloss.push_back(shines ? static_cast<float>(material->gloss_f0) : 0.0f);
+      tables.gloss.push_back(shines ? static_cast<float>(material->gloss_roughness) : 1.0f);
+      tables.gloss.push_back(shines ? surface.fraction[i] : 0.0f);
+    }
+  }
+  tables.options += define("RC_LEAVES", int{leaves}) + define("RC_PLATES", int{plates}) + define("RC_GLOSS", int{gloss});
+}
+
+void fill_air(const lidar::LidarPlan& plan, LidarTables& tables) {
+  const auto posts = static_cast<std::size_t>(plan.air.posts);
+  for (std::size_t node = 0; posts && node < plan.nodes.size(); ++node)
+    for (std::size_t i = 0; i < posts; ++i) {
+      const double* depth = plan.air.depth.data() + node * posts;
+      tables.air.push_back(static_cast<float>(depth[i]));
+      tables.air.push_back(i + 1 < posts ? static_cast<float>((depth[i + 1] - depth[i]) / plan.air.dz_m) : 0.0f);
+    }
+  tables.options += define("RC_AIR", posts ? 1 : 0);
+}
+
+void fill_taps(const lidar::LidarPlan& plan, LidarTables& tables) {
+  const lidar::PulseTaps& taps = plan.taps;
+  const auto padded = static_cast<std::size_t>(round_up(taps.taps));
+  for (int q = 0; q <= taps.phases; ++q)
+    for (std::size_t i = 0; i < padded; ++i)
+      tables.taps.push_back(i < static_cast<std::size_t>(taps.taps) ? taps.share[static_cast<std::size_t>(q) * taps.taps + i] : 0.0f);
+  tables.row_pad = padded;
+  tables.row_floats = 2 * padded + static_cast<std::size_t>(round_up(plan.lidar.gate.bins));
+  tables.options += define("RC_TAPS_PADDED", padded);
+}
+
+void fill_settings(const lidar::LidarPlan& plan, LidarTables& tables) {
+  const scene::Lidar& lidar = plan.lidar;
+  tables.settings.resize(RC_SET_COUNT);
+  const auto set = [&](int i, double value) { tables.settings[static_cast<std::size_t>(i)] = static_cast<float>(value); };
+  set(RC_SET_BINS_PER_M, lidar.transport.group_index / (299792458.0 * lidar.gate.bin_s));
+  set(RC_SET_HALF_FOV, lidar.receiver.half_fov_rad);
+  set(RC_SET_PUPIL, lidar.receiver.aperture_radius_m);
+  set(RC_SET_OBSCURATION, lidar.receiver.obscuration_radius_m);
+  set(RC_SET_FOCUS, lidar.receiver.focus_m > 0 ? 1 / lidar.receiver.focus_m : 0);
+  set(RC_SET_PITCH, lidar.receiver.pixel_pitch_rad);
+  set(RC_SET_MINIMUM_RANGE, lidar.transport.minimum_range_m);
+  set(RC_SET_RANGE_LIMIT, lidar.transport.range_limit_m > 0 ? lidar.transport.range_limit_m : kInfinity);
+  set(RC_SET_AIR_Z0, plan.air.z0_m);
+  set(RC_SET_AIR_DZ, plan.air.dz_m);
+  set(RC_SET_AIR_POSTS, plan.air.posts);
+}
+
+}  // namespace
+
+LidarTables make_lidar_tables(const lidar::LidarPlan& plan, const scene::CompiledScene& scene) {
+  const scene::Lidar& lidar = plan.lidar;
+  const bool receiver = lidar.transport.sampling == scene::LidarSampling::receiver, exits = !plan.footprint.exit_a.empty();
+  if ((receiver || plan.pixels() > 1) && !(lidar.receiver.pixel_pitch_rad > 0))
+    throw base::Error(base::Fault::input, "LIDAR '" + lidar.name + "': arrays and receiver sampling need receiver.pixel_pitch > 0, found " +
+                                              std::to_string(lidar.receiver.pixel_pitch_rad));
+  LidarTables tables;
+  const auto rays = static_cast<int>(plan.footprint.a.size());
+  const double unit = receiver ? lidar.receiver.pixel_pitch_rad : lidar.pulse.half_divergence_rad;
+  tables.single = exits || unit < kNarrow || rays < 2;
+  tables.chunk = std::min(round_up(rays), kMostBundle);
+  float largest = 0.5f;
+  for (const auto* part : {&plan.footprint.a, &plan.footprint.b})
+    for (const float x : *part) largest = std::max(largest, std::abs(x));
+  tables.samples = tables.single ? single_samples(plan.footprint) : bundle_samples(plan.footprint, tables.chunk);
+  for (const auto* part : {&plan.footprint.exit_a, &plan.footprint.exit_b}) {
+    tables.exits.insert(tables.exits.end(), part->begin(), part->end());
+    if (exits) tables.exits.resize((tables.exits.size() + 15) / 16 * 16, 0.0f);
+  }
+  tables.multiple = lidar.transport.max_bounces > 1;
+  tables.owner_rows = static_cast<std::size_t>(plan.lines()) * static_cast<std::size_t>(receiver ? 1 : plan.pixels());
+  tables.options = " -cl-std=CL1.2 -DRC_NU=1 -DRC_NV=1 -DRC_SCATTER=1 -DRC_GROUP_PIXELS=1" + define("RC_CHUNK", tables.chunk) +
+                   define("RC_SUPPORT", 0.5f * std::ceil(4.001f * largest)) + "f" + define("RC_STACK", (scene.stack_bound() + 31) / 32 * 32) + define("RC_RECEIVER", int{receiver}) +
+                   define("RC_LASER_LINES", plan.lines()) + define("RC_LINE_NODES", plan.nodes.size()) + define("RC_COLUMNS", lidar.receiver.columns) +
+                   define("RC_ROWS", lidar.receiver.rows) + define("RC_RAY_COUNT", rays) + define("RC_BOUNCES", lidar.transport.max_bounces) +
+                   define("RC_SINGLE", int{tables.single}) + define("RC_EXITS", int{exits}) +
+                   define("RC_OVERLAP", lidar.transport.overlap == scene::LidarOverlap::exact ? 1 : 0) +
+                   define("RC_GAUSSIAN", lidar.pulse.profile == scene::BeamProfile::gaussian ? 1 : 0);
+  fill_matter(plan, scene, tables);
+  fill_air(plan, tables);
+  fill_taps(plan, tables);
+  fill_settings(plan, tables);
+  for (const double photons : plan.photons) tables.photons.push_back(static_cast<float>(photons));
+  for (const auto& node : plan.nodes) tables.node_weight.push_back(static_cast<float>(node.weight));
+  for (const int node : plan.first_node) tables.first_node.push_back(static_cast<std::uint32_t>(node));
+  return tables;
+}
+
+}  // namespace raycube::render

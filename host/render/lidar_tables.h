@@ -1,0 +1,28 @@
+// What every shot of a LIDAR shares on the device: build options and tables.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host/lidar/lidar_plan.h"
+#include "kernels/shared/structs.h"
+
+namespace raycube::render {
+
+struct LidarTables {
+  int chunk = 0;                    ///< rays of a bundle
+  bool single = false;              ///< rays are traced one by one
+  std::vector<float> samples, exits, gloss, photons, node_weight, taps, settings;
+  std::vector<std::uint32_t> first_node;
+  std::vector<shared::rc_float4> optics;
+  std::vector<float> air;           ///< pairs
+  std::string options;              ///< but what depends on the shots
+  std::size_t row_floats = 0, row_pad = 0;  ///< of a padded row
+  std::size_t owner_rows = 0;       ///< of one order of scattering
+  bool multiple = false;            ///< rows of light scattered more than once
+};
+
+/// Throws Error(input) when the plan asks what no device can do (receiver sampling without pixels).
+LidarTables make_lidar_tables(const lidar::LidarPlan& plan, const scene::CompiledScene& scene);
+
+}  // namespace raycube::render

@@ -1,0 +1,225 @@
+/* What 16 scattering vertices send to the end (the pupil, or back to the exit), and where it goes in time. */
+#ifndef RAYCUBE_KERNELS_LIDAR_CONNECT_H
+#define RAYCUBE_KERNELS_LIDAR_CONNECT_H
+
+#include "kernels/geometry/ray_trace.h"
+#include "kernels/lidar/air.h"
+#include "kernels/lidar/deposit.h"
+#include "kernels/lidar/gloss.h"
+#include "kernels/lidar/overlap.h"
+#include "kernels/lidar/vertex.h"
+
+/* 16 paths at a scattering vertex. */
+typedef struct Paths16 {
+  Vector16 place;                     /* of the vertex, relative to Q */
+  Vector16 way;                       /* unit, in which light arrived */
+  float16 path;                       /* m, so far, minus |Q - start| */
+  float16 weight[RC_LASER_LINES];     /* photons at the end per (1/sr of the vertex and what follows) */
+  float16 depth[RC_LINE_NODES];       /* so far */
+  float16 passed[RC_LASER_LINES];     /* transmission of `depth` */
+  long16 energy[RC_LASER_LINES];      /* arriving, for the ledger */
+  float16 first_range;                /* m, from the start to the first vertex */
+  uint order[16];                     /* scatterings, this one included */
+  uint live;
+} RC_LINE Paths16;
+
+/* |c + e| - length for length = |c|: of small numbers alone. */
+static inline float16 rc_leg16(float16 whole, float length, float4 c, Vector16 e) {
+  const float16 dot = fma((float16)(c.x), e.x, fma((float16)(c.y), e.y, c.z * e.z));
+  return fma((float16)(2.0f), dot, rc_dot16(e, e)) / fmax(whole + length, 1e-30f);
+}
+
+#if RC_CONTINUES || RC_SHADOWS
+/* Share of light that goes from a point to the end, plates on the way: visible[line]. towards: from the point to the end. */
+static inline uint rc_way_open(SceneArrays scene, const LidarTables* t, float4 from, float4 towards, float* share) {
+  uint rays = 0;
+  for (uint line = 0; line < RC_LASER_LINES; ++line) share[line] = 1.0f;
+#if RC_PLATES
+  const float4 end = from + towards;
+  for (uint crossing = 0; crossing < 64u; ++crossing) {
+    const float4 rest = end - from;
+    ++rays;
+    const Hit hit = rc_trace_ray(scene, from, rest, false);
+    if (!(hit.t < 1.0f)) return rays;
+    const uint surface = rc_block(scene, hit.primitive / RC_BLOCK)->surface[hit.primitive % RC_BLOCK];
+    bool any = false;
+    for (uint line = 0; line < RC_LASER_LINES; ++line) {
+      share[line] *= t->optics[surface * RC_LASER_LINES + line].z;
+      any |= share[line] > 0.0f;
+    }
+    if (!any) return rays;
+    /* Past the plate by 32 ulp of the numbers that placed it. */
+    const float4 at = fma((float4)(hit.t), rest, from), size = fabs(at) + fabs(from);
+    from = at + rest * (32.0f * RC_ULP * (size.x + size.y + size.z) / length(rest.xyz));
+  }
+#else
+  ++rays;
+  if (!(rc_trace_ray(scene, from, towards, false).t < 1.0f)) return rays;
+#endif
+  for (uint line = 0; line < RC_LASER_LINES; ++line) share[line] = 0.0f;
+  return rays;
+}
+#endif
+
+/* Deposits what the live vertices send. rows: of the owner, [pixel][line]. shadow: the ways are traced. */
+static inline void rc_connect(SceneArrays scene, const LidarTables* t, const Paths16* paths, const Vertex16* vertex, bool shadow,
+                              global float* rows, LidarSums* sums) {
+  global const float4* shot = t->shot;
+  global const float* settings = t->settings;
+  const float4 from_end = shot[RC_SHOT_FROM_END], axis = shot[RC_SHOT_END_AXIS];
+  const Vector16 v = rc_plus16(rc_vector16(from_end), paths->place);  /* from the end to the vertex */
+  const float16 square = fmax(rc_dot16(v, v), 1e-30f), range = sqrt(square), inverse = 1.0f / range;
+  const float16 leg = rc_leg16(range, from_end.w, from_end, paths->place);
+  const float16 facing = -rc_dot16(v, vertex->normal) * inverse;
+  const float16 depth_along = fma((float16)(axis.x), v.x, fma((float16)(axis.y), v.y, axis.z * v.z));
+  /* Factor of the geometry: all but weight, matter and air. */
+  int16 seen = (depth_along > 0.0f) & rc_bits16(paths->live);
+  const float16 off_axis = depth_along * inverse;
+#if RC_RECEIVER
+  const Vector16 beside = {fma(-depth_along, (float16)(axis.x), v.x), fma(-depth_along, (float16)(axis.y), v.y), fma(-depth_along, (float16)(axis.z), v.z)};
+  const float16 radius = fma(depth_along, (float16)(shot[RC_SHOT_END_U].w), (float16)(RC_GAUSSIAN ? 0.0f : axis.w));
+  const float16 aside = rc_dot16(beside, beside);
+#if RC_GAUSSIAN
+  const float16 spot = fmax(fma(radius, radius, (float16)(axis.w * axis.w)), 1e-30f);
+  const float16 fluence = 0.636619772f / spot * exp(-2.0f * aside / spot);
+#else
+  const float16 spot = fmax(radius * radius, 1e-30f);
+  const float16 fluence = select((float16)(0.0f), 0.318309886f / spot, aside <= spot);
+#endif
+  const float16 geometry = fluence / fmax(off_axis, 1e-6f);
+#else
+  float16 geometry = off_axis * inverse * inverse;
+#if RC_COLUMNS * RC_ROWS > 1
+  const float4 u = shot[RC_SHOT_END_U], w = shot[RC_SHOT_END_V];
+  const float16 step = 1.0f / (fmax(depth_along, 1e-30f) * settings[RC_SET_PITCH]);
+  const float16 column = floor(fma(fma((float16)(u.x), v.x, fma((float16)(u.y), v.y, u.z * v.z)), step, (float16)(0.5f * (float)RC_COLUMNS)));
+  const float16 row = floor(fma(fma((float16)(w.x), v.x, fma((float16)(w.y), v.y, w.z * v.z)), step, (float16)(0.5f * (float)RC_ROWS)));
+  seen &= (column >= 0.0f) & (column < (float)RC_COLUMNS) & (row >= 0.0f) & (row < (float)RC_ROWS);
+  RC_LINE float pixel_lanes[16];
+  rc_store16(fma(row, (float16)((float)RC_COLUMNS), column), 0, pixel_lanes);
+#elif RC_OVERLAP
+  {
+    const Vector16 beside = {fma(-depth_along, (float16)(axis.x), v.x), fma(-depth_along, (float16)(axis.y), v.y), fma(-depth_along, (float16)(axis.z), v.z)};
+    const float16 near = fmax(depth_along, 1e-20f), offset = sqrt(rc_dot16(beside, beside));
+    const float16 blur = fabs(1.0f / near - settings[RC_SET_FOCUS]) * settings[RC_SET_PUPIL];
+    const uint inside = rc_mask16(seen & (offset / near + blur < settings[RC_SET_HALF_FOV]));
+    const uint partial = rc_mask16(seen) & ~inside;
+    if (partial) {
+      RC_LINE float share[16], near_lane[16], offset_lane[16];
+      rc_store16(near, 0, near_lane);
+      rc_store16(offset, 0, offset_lane);
+      for (uint k = 0; k < 16u; ++k) share[k] = partial >> k & 1u ? rc_vignetting(settings, near_lane[k], offset_lane[k]) : 1.0f;
+      geometry *= vload16(0, share);
+    }
+  }
+#endif
+#endif
+  uint lanes = rc_mask16(seen & (geometry > 0.0f));
+  if (!lanes) return;
+
+#if RC_CONTINUES || RC_SHADOWS
+  RC_LINE float visible[RC_LASER_LINES][16];
+  if (shadow) {
+    RC_LINE float place[3][16], front[3][16], back[3][16], side[16];
+    rc_store16(v.x, 0, place[0]);
+    rc_store16(v.y, 0, place[1]);
+    rc_store16(v.z, 0, place[2]);
+    rc_store16(vertex->front.x, 0, front[0]);
+    rc_store16(vertex->front.y, 0, front[1]);
+    rc_store16(vertex->front.z, 0, front[2]);
+    rc_store16(vertex->back.x, 0, back[0]);
+    rc_store16(vertex->back.y, 0, back[1]);
+    rc_store16(vertex->back.z, 0, back[2]);
+    rc_store16(facing, 0, side);
+    for (uint k = 0; k < 16u; ++k) {
+      float share[RC_LASER_LINES];
+      for (uint line = 0; line < RC_LASER_LINES; ++line) share[line] = 0.0f;
+      if (lanes >> k & 1u) {
+        const float4 from = side[k] > 0.0f ? (float4)(front[0][k], front[1][k], front[2][k], 0.0f) : (float4)(back[0][k], back[1][k], back[2][k], 0.0f);
+        bool any = side[k] > 0.0f;
+#if RC_LEAVES
+        for (uint line = 0; line < RC_LASER_LINES; ++line) any |= t->optics[vertex->surface[k] * RC_LASER_LINES + line].y > 0.0f;
+#endif
+        if (any) sums->rays += rc_way_open(scene, t, from, (float4)(-place[0][k], -place[1][k], -place[2][k], 0.0f), share);
+      }
+      for (uint line = 0; line < RC_LASER_LINES; ++line) visible[line][k] = share[line];
+    }
+  }
+#endif
+
+#if RC_AIR
+  float16 depth[RC_LINE_NODES];
+  for (uint node = 0; node < RC_LINE_NODES; ++node) depth[node] = paths->depth[node];
+  const float reference_z = shot[RC_SHOT_REFERENCE].z, end_z = reference_z - from_end.z;
+  rc_air_depths(t, (float16)(end_z), reference_z + paths->place.z, range, depth);
+#endif
+
+#if RC_GLOSS
+  RC_LINE float shine[16];
+  {
+    RC_LINE float lane[9][16];
+    const Vector16 way = paths->way, normal = vertex->normal;
+    rc_store16(normal.x, 0, lane[0]);
+    rc_store16(normal.y, 0, lane[1]);
+    rc_store16(normal.z, 0, lane[2]);
+    rc_store16(-way.x, 0, lane[3]);
+    rc_store16(-way.y, 0, lane[4]);
+    rc_store16(-way.z, 0, lane[5]);
+    rc_store16(-v.x * inverse, 0, lane[6]);
+    rc_store16(-v.y * inverse, 0, lane[7]);
+    rc_store16(-v.z * inverse, 0, lane[8]);
+    for (uint k = 0; k < 16u; ++k)
+      shine[k] = lanes >> k & 1u ? rc_gloss(t, vertex->surface[k], (float4)(lane[0][k], lane[1][k], lane[2][k], 0.0f), (float4)(lane[3][k], lane[4][k], lane[5][k], 0.0f),
+                                            (float4)(lane[6][k], lane[7][k], lane[8][k], 0.0f)) : 0.0f;
+  }
+#endif
+
+  const float16 position = fma(paths->path + leg, (float16)(settings[RC_SET_BINS_PER_M]), (float16)(shot[RC_SHOT_TIME].y));
+  const float16 whole = clamp(floor(position), -1e9f, 1e9f);
+  RC_LINE float phase[16], energy[16];
+  RC_LINE int bin[16];
+  rc_store16(position - whole, 0, phase);
+  vstore16(convert_int16(whole) + as_int(shot[RC_SHOT_TIME].x), 0, bin);
+  const int16 near = (RC_RECEIVER ? paths->first_range : range) < settings[RC_SET_MINIMUM_RANGE];
+  const uint near_lanes = rc_mask16(near) & lanes;
+
+  for (uint line = 0; line < RC_LASER_LINES; ++line) {
+    RC_LINE float rho[16];
+    for (uint k = 0; k < 16u; ++k) rho[k] = t->optics[vertex->surface[k] * RC_LASER_LINES + line].x;
+    float16 scatter = vload16(0, rho) * 0.318309886f;
+#if RC_GLOSS
+    scatter += vload16(0, shine);
+#endif
+    scatter *= fmax(facing, 0.0f);
+#if RC_LEAVES
+    for (uint k = 0; k < 16u; ++k) rho[k] = t->optics[vertex->surface[k] * RC_LASER_LINES + line].y;
+    scatter += vload16(0, rho) * 0.318309886f * fmax(-facing, 0.0f);
+#endif
+    float16 photons = scatter * geometry * paths->weight[line];
+#if RC_AIR
+    photons *= rc_line_transmission(t, line, depth);
+#endif
+#if RC_CONTINUES || RC_SHADOWS
+    if (shadow) photons *= vload16(0, visible[line]);
+#endif
+    photons = select((float16)(0.0f), photons, rc_bits16(lanes));
+    rc_add_float(sums->sum[line][RC_SUM_COLLECTED], rc_lane_sum(photons));
+    rc_store16(photons, 0, energy);
+    for (uint left = lanes; left; left &= left - 1u) {
+      const uint k = rc_lowest(left);
+      if (!(energy[k] > 0.0f)) continue;
+      if (near_lanes >> k & 1u) {
+        rc_add_float(sums->sum[line][RC_SUM_NEAR], energy[k]);
+        continue;
+      }
+#if RC_OWN_PIXELS > 1
+      const uint pixel = (uint)pixel_lanes[k];
+#else
+      const uint pixel = 0u;
+#endif
+      rc_deposit(t, rows + (size_t)(pixel * RC_LASER_LINES + line) * t->row, sums->sum[line], bin[k], phase[k], energy[k]);
+    }
+  }
+}
+
+#endif

@@ -1,0 +1,141 @@
+/* Build options, tables and sums of a LIDAR owner; layout.h tells where numbers lie.
+ *
+ *   RC_RECEIVER      0: rays from the exit (sub-rays), 1: rays from the pupil (samples of a pixel)
+ *   RC_LASER_LINES   lines;  RC_LINE_NODES: spectral nodes of all of them
+ *   RC_COLUMNS, RC_ROWS   pixels of the array (transmitter: 1 x 1 has the circular stop)
+ *   RC_TAPS_PADDED   taps of the pulse rounded up to 16 (gate and pulse else are arguments: another gate needs no other program)
+ *   RC_RAY_COUNT     rays of an owner;  RC_CHUNK: of one bundle (trace_args.h)
+ *   RC_BOUNCES       scatterings a path may have
+ *   RC_AIR           1: there is air
+ *   RC_SINGLE        1: single rays (narrow beams, exits of their own), 0: bundles
+ *   RC_EXITS         1: every sub-ray leaves from a place of its own
+ *   RC_SHADOWS       1: some shot's ends differ: connections of the first vertex are traced
+ *   RC_PLATES, RC_LEAVES, RC_GLOSS   some material has such a thing
+ *   RC_OVERLAP       1: vignetting;  RC_GAUSSIAN: profile of the beam (receiver)
+ *   RC_STOPPED       1: shares of rays stopped, for the air's return;  RC_HITS 1: first hits are written */
+#ifndef RAYCUBE_KERNELS_LIDAR_CONTEXT_H
+#define RAYCUBE_KERNELS_LIDAR_CONTEXT_H
+
+/* A -D that is missing has these defaults: one sub-ray word of a plain shot. */
+#ifndef RC_SCATTER
+#define RC_SCATTER 1
+#define RC_GROUP_PIXELS 1
+#define RC_CHUNK 256
+#define RC_SUPPORT 4.0f
+#endif
+#include "kernels/geometry/trace_args.h"
+#include "kernels/geometry/lanes.h"
+#include "kernels/geometry/scene_arrays.h"
+#include "kernels/lidar/layout.h"
+
+#ifndef RC_RECEIVER
+#define RC_RECEIVER 0
+#endif
+#ifndef RC_SINGLE
+#define RC_SINGLE 0
+#endif
+#ifndef RC_EXITS
+#define RC_EXITS 0
+#endif
+#ifndef RC_SHADOWS
+#define RC_SHADOWS 0
+#endif
+#ifndef RC_PLATES
+#define RC_PLATES 0
+#endif
+#ifndef RC_LEAVES
+#define RC_LEAVES 0
+#endif
+#ifndef RC_GLOSS
+#define RC_GLOSS 0
+#endif
+#ifndef RC_OVERLAP
+#define RC_OVERLAP 1
+#endif
+#ifndef RC_GAUSSIAN
+#define RC_GAUSSIAN 1
+#endif
+#ifndef RC_STOPPED
+#define RC_STOPPED 0
+#endif
+#ifndef RC_HITS
+#define RC_HITS 0
+#endif
+#ifndef RC_LASER_LINES
+#define RC_LASER_LINES 1
+#define RC_LINE_NODES 1
+#endif
+#ifndef RC_COLUMNS
+#define RC_COLUMNS 1
+#define RC_ROWS 1
+#endif
+#ifndef RC_TAPS_PADDED
+#define RC_TAPS_PADDED 16
+#endif
+#ifndef RC_RAY_COUNT
+#define RC_RAY_COUNT 256
+#endif
+#ifndef RC_BOUNCES
+#define RC_BOUNCES 1
+#endif
+#ifndef RC_AIR
+#define RC_AIR 0
+#endif
+
+/* Pixels whose rows an owner writes. */
+#define RC_OWN_PIXELS (RC_RECEIVER ? 1 : RC_COLUMNS * RC_ROWS)
+/* A row is padding, bins, padding: pulses that hang over the gate's ends need no branch, and what they lose is counted after. */
+#define RC_ROW_PAD RC_TAPS_PADDED
+static inline uint rc_row_floats(uint bins) { return 2u * RC_ROW_PAD + (bins + 15u) / 16u * 16u; }
+/* Rays start again after the first surface. */
+#define RC_CONTINUES (RC_BOUNCES > 1 || RC_PLATES)
+
+typedef struct LidarTables {
+  global const float4* shot;         /* the owner's record */
+  global const float* samples;       /* [chunk] as struct Scatter */
+  global const float* exits;         /* [2][rays, padded]: exit_a, exit_b */
+  global const float4* optics;       /* [surface][line]: reflectance, diffuse transmittance, straight transmittance, 0 */
+  global const float* gloss;         /* [surface][4][3]: reflectance at normal incidence, roughness, share */
+  global const float* photons;       /* [line] */
+  global const float* node_weight;   /* [node] */
+  global const uint* first_node;     /* [line + 1] */
+  global const float2* air;          /* [node][post]: depth from post 0, extinction per m of the cell above the post */
+  global const float* taps;          /* [phase][RC_TAPS_PADDED] */
+  global const float* settings;
+  uint seed, row;                    /* row: floats of a padded row */
+  int bins, tap_count, first_tap, phases; /* gate and pulse, host/lidar/lidar_plan.h */
+} LidarTables;
+
+/* What one owner adds up beside its rows. */
+typedef struct LidarSums {
+  float sum[RC_LASER_LINES][RC_SUM_COUNT][2];
+  long ledger[RC_LASER_LINES][RC_LEDGER_COUNT];
+  uint rays;
+} LidarSums;
+
+/* Adds to a sum of two floats: Knuth's two-sum. */
+static inline void rc_add_float(float* sum, float x) {
+  const float s = sum[0] + x, part = s - sum[0];
+  sum[1] += (sum[0] - (s - part)) + (x - part);
+  sum[0] = s;
+}
+
+static inline int16 rc_bits16(uint bits) {
+  const int16 lane = (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+  return (((int16)((int)bits) >> lane) & 1) != 0;
+}
+
+static inline float rc_lane_sum(float16 v) {
+  const float8 a = v.lo + v.hi;
+  const float4 b = a.lo + a.hi;
+  const float2 c = b.lo + b.hi;
+  return c.x + c.y;
+}
+static inline long rc_lane_sum_long(long16 v) {
+  const long8 a = v.lo + v.hi;
+  const long4 b = a.lo + a.hi;
+  const long2 c = b.lo + b.hi;
+  return c.x + c.y;
+}
+
+#endif

@@ -1,0 +1,327 @@
+/* Paths of 16 rays from their first surface to their end. */
+#ifndef RAYCUBE_KERNELS_LIDAR_PATHS_H
+#define RAYCUBE_KERNELS_LIDAR_PATHS_H
+
+#include "kernels/lidar/connect.h"
+#include "kernels/sampling/lidar_draws.h"
+
+#ifdef __OPENCL_C_VERSION__
+static inline void rc_store_vector16(Vector16 v, float to[3][16]) {
+  rc_store16(v.x, 0, to[0]);
+  rc_store16(v.y, 0, to[1]);
+  rc_store16(v.z, 0, to[2]);
+}
+static inline Vector16 rc_load_vector16(float from[3][16]) {
+  const Vector16 v = {vload16(0, from[0]), vload16(0, from[1]), vload16(0, from[2])};
+  return v;
+}
+static inline float4 rc_lane4(float from[3][16], uint k) { return (float4)(from[0][k], from[1][k], from[2][k], 0.0f); }
+
+static inline long16 rc_share16(long16 energy, float16 share) {
+  return convert_long16(convert_float16(energy) * share);
+}
+
+/* Energy that arrives at the vertices after a segment whose depth has just been added: the air keeps the rest. */
+static inline void rc_pass_segment(const LidarTables* t, Paths16* paths, LidarSums* sums) {
+#if RC_AIR
+  const int16 live = rc_bits16(paths->live);
+  for (uint line = 0; line < RC_LASER_LINES; ++line) {
+    const float16 now = rc_line_transmission(t, line, paths->depth);
+    const float16 share = select((float16)(1.0f), clamp(now / fmax(paths->passed[line], 1e-30f), 0.0f, 1.0f), live);
+    const long16 left = rc_share16(paths->energy[line], share);
+    sums->ledger[line][RC_LEDGER_AIR] += rc_lane_sum_long(select((long16)(0), paths->energy[line] - left, convert_long16(live)));
+    paths->energy[line] = select(paths->energy[line], left, convert_long16(live));
+    paths->passed[line] = now;
+  }
+#endif
+}
+
+/* Takes what the lanes hold out of the paths and books it. */
+static inline void rc_end_lanes(Paths16* paths, uint lanes, LidarSums* sums, uint entry) {
+  if (!lanes) return;
+  const long16 take = convert_long16(rc_bits16(lanes));
+  for (uint line = 0; line < RC_LASER_LINES; ++line) {
+    sums->ledger[line][entry] += rc_lane_sum_long(select((long16)(0), paths->energy[line], take));
+    paths->energy[line] = select(paths->energy[line], (long16)(0), take);
+  }
+  paths->live &= ~lanes;
+}
+
+/* Factors of the lanes' surfaces at a line. */
+static inline float16 rc_matter16(const LidarTables* t, const Vertex16* vertex, uint line, uint which) {
+  RC_LINE float value[16];
+  for (uint k = 0; k < 16u; ++k) {
+    global const float* optics = (global const float*)(t->optics + vertex->surface[k] * RC_LASER_LINES + line);
+    value[k] = optics[which];
+  }
+  return vload16(0, value);
+}
+
+/* Splits the energy at the vertices: `kept` stays on its way into the next segment, the rest of `leaving` goes to an entry, the
+ * remainder is absorbed. Shares of what arrives. */
+static inline void rc_split_energy(Paths16* paths, uint line, float16 kept, float16 booked, LidarSums* sums, uint entry) {
+  const long16 live = convert_long16(rc_bits16(paths->live));
+  const long16 arrives = select((long16)(0), paths->energy[line], live);
+  const long16 stays = rc_share16(arrives, kept), goes = rc_share16(arrives, booked);
+  sums->ledger[line][entry] += rc_lane_sum_long(goes);
+  sums->ledger[line][RC_LEDGER_ABSORBED] += rc_lane_sum_long(arrives - stays - goes);
+  paths->energy[line] = select(paths->energy[line], stays, live);
+}
+
+#if RC_CONTINUES
+/* Direction about a normal by the cosine law; see sampling/lidar_draws.h. */
+static inline float4 rc_cosine_direction(float4 n, float u, float v) {
+  const float s = copysign(1.0f, n.z), a = -1.0f / (s + n.z), c = n.x * n.y * a;
+  const float4 t = (float4)(fma(s * n.x * a, n.x, 1.0f), s * c, -s * n.x, 0.0f), b = (float4)(c, fma(n.y * a, n.y, s), -n.y, 0.0f);
+  const float r = sqrt(u), angle = 6.28318531f * v;
+  return r * cos(angle) * t + r * sin(angle) * b + sqrt(1.0f - u) * n;
+}
+#endif
+
+#if RC_BOUNCES > 1
+/* Follows the paths that scattered at their first vertex until they end; deposits at every further one. `first`: number of the
+ * word's first ray. */
+__attribute__((noinline)) static void rc_scatter_on(SceneArrays scene, const LidarTables* t, Paths16* paths, const Vertex16* at, uint first_ray,
+                                                    global float* rows, LidarSums* sums) {
+  const uint key = as_uint(t->shot[RC_SHOT_TIME].z);
+  const float4 reference = t->shot[RC_SHOT_REFERENCE];
+  Vertex16 vertex = *at;
+  for (uint step = 1; paths->live; ++step) {
+    RC_LINE float normal[3][16], front[3][16], back[3][16], way[3][16], from[3][16];
+    RC_LINE float factor[RC_LASER_LINES][16];
+    rc_store_vector16(vertex.normal, normal);
+    rc_store_vector16(vertex.front, front);
+    rc_store_vector16(vertex.back, back);
+    rc_store_vector16(paths->way, way);
+    rc_store_vector16(vertex.front, from);
+    uint ended = 0, straight = 0;
+    Hits16 hits;
+    RC_LINE float reach[16];
+    for (uint k = 0; k < 16u; ++k) {
+      hits.instance[k] = RC_NONE;
+      hits.primitive[k] = 0;
+      reach[k] = 0.0f;
+      for (uint line = 0; line < RC_LASER_LINES; ++line) factor[line][k] = 0.0f;
+      if (!(paths->live >> k & 1u)) continue;
+      float rho = 0.0f, tau = 0.0f, plate = 0.0f;
+      for (uint line = 0; line < RC_LASER_LINES; ++line) {
+        const float4 optics = t->optics[vertex.surface[k] * RC_LASER_LINES + line];
+        rho += optics.x;
+        tau += optics.y;
+        plate += paths->order[k] && step > 1u ? optics.z : 0.0f;  /* at the first vertex the straight part is followed apart */
+      }
+      const bool last = paths->order[k] >= RC_BOUNCES;
+      if (last) rho = tau = 0.0f;
+      const float sum = rho + tau + plate;
+      if (!(sum > 0.0f) || step >= RC_BOUNCES + 64u) {
+        ended |= 1u << k;
+        continue;
+      }
+      const uint ray = first_ray + k;
+      const float lobe = rc_unit_float(rc_hash(t->seed, key, ray, RC_DRAW_LOBE(step))) * sum;
+      float4 direction;
+      if (lobe >= rho + tau && plate > 0.0f) {
+        straight |= 1u << k;
+        direction = rc_lane4(way, k);
+      } else {
+        const float u = rc_unit_float(rc_hash(t->seed, key, ray, RC_DRAW_RADIUS(step))), v = rc_unit_float(rc_hash(t->seed, key, ray, RC_DRAW_ANGLE(step)));
+        const float4 n = rc_lane4(normal, k);
+        direction = rc_cosine_direction(lobe < rho ? n : -n, u, v);
+      }
+      const bool behind = straight >> k & 1u || lobe >= rho;
+      const float chance = (straight >> k & 1u ? plate : behind ? tau : rho) / sum;
+      for (uint line = 0; line < RC_LASER_LINES; ++line) {
+        const float4 optics = t->optics[vertex.surface[k] * RC_LASER_LINES + line];
+        factor[line][k] = (straight >> k & 1u ? optics.z : behind ? optics.y : optics.x) / chance;
+      }
+      const float4 origin = behind ? rc_lane4(back, k) : rc_lane4(front, k);
+      way[0][k] = direction.x;
+      way[1][k] = direction.y;
+      way[2][k] = direction.z;
+      from[0][k] = origin.x;
+      from[1][k] = origin.y;
+      from[2][k] = origin.z;
+      ++sums->rays;
+      const Hit hit = rc_trace_ray(scene, origin, direction, false);
+      hits.instance[k] = hit.instance;
+      if (hit.instance != RC_NONE) hits.primitive[k] = hit.primitive;
+      reach[k] = hit.t;
+    }
+    /* Energy: what can go on, in expectation over the lobes. */
+    for (uint line = 0; line < RC_LASER_LINES; ++line) {
+      RC_LINE float kept[16], booked[16];
+      for (uint k = 0; k < 16u; ++k) {
+        const float4 optics = t->optics[vertex.surface[k] * RC_LASER_LINES + line];
+        const float diffuse = step > 1u ? optics.x + optics.y : 1.0f, plate = step > 1u ? optics.z : 0.0f;  /* first vertex: split by the caller */
+        const bool last = paths->order[k] >= RC_BOUNCES;
+        kept[k] = ended >> k & 1u ? 0.0f : last ? plate : diffuse + plate;
+        booked[k] = ended >> k & 1u ? diffuse + plate : last ? diffuse : 0.0f;
+      }
+      rc_split_energy(paths, line, vload16(0, kept), vload16(0, booked), sums, RC_LEDGER_TRUNCATED);
+      paths->weight[line] *= vload16(0, factor[line]);
+    }
+    paths->live &= ~ended;
+    uint missed = 0;
+    for (uint k = 0; k < 16u; ++k) {
+      missed |= hits.instance[k] == RC_NONE ? 1u << k : 0u;
+      if (!(straight >> k & 1u)) ++paths->order[k];
+    }
+    rc_end_lanes(paths, missed & paths->live, sums, RC_LEDGER_ESCAPED);
+    if (!paths->live) return;
+    const Rays16 rays = {rc_load_vector16(from), {0.0f, 0.0f, 0.0f}, rc_load_vector16(way)};
+    rc_meet(scene, &hits, paths->live, &rays, &vertex);
+    const int16 live = rc_bits16(paths->live);
+    const float16 along = select((float16)(0.0f), fmax(vertex.along, 0.0f), live);
+    const Vector16 start = rc_minus16(rays.origin, rc_vector16(reference)), place = rc_along16(start, along, rays.direction);
+#if RC_AIR
+    rc_air_depths(t, rays.origin.z, reference.z + place.z, along, paths->depth);
+#endif
+    paths->place = rc_select_vector16(paths->place, place, live);
+    paths->way = rc_select_vector16(paths->way, rays.direction, live);
+    paths->path += along;
+    rc_pass_segment(t, paths, sums);
+    rc_connect(scene, t, paths, &vertex, true, rows, sums);
+  }
+}
+#endif
+
+/* The rays of a word from their first hits on. a, b: sub-rays or samples (INFINITY: none). */
+static inline void rc_follow_word(SceneArrays scene, const LidarTables* t, float16 a, float16 b, uint first_ray, Hits16* hits,
+                                  global float* first, global float* multiple, global float* stopped, LidarSums* sums) {
+  global const float4* shot = t->shot;
+  const float4 reference = shot[RC_SHOT_REFERENCE], from_start = shot[RC_SHOT_FROM_START], axis = shot[RC_SHOT_AXIS], du = shot[RC_SHOT_DU], dv = shot[RC_SHOT_DV];
+  const float s = shot[RC_SHOT_START].w;
+  const int16 exists = a < INFINITY;
+  a = select((float16)(0.0f), a, exists);
+  b = select((float16)(0.0f), b, exists);
+  const Vector16 tilt = {fma(a, (float16)(du.x), b * dv.x), fma(a, (float16)(du.y), b * dv.y), fma(a, (float16)(du.z), b * dv.z)};
+  Rays16 rays;
+  rays.origin = rc_vector16(reference);
+  rays.direction = rc_plus16(rc_vector16(axis), tilt);
+  rays.offset = rc_along16(rc_vector16(shot[RC_SHOT_RESIDUAL]), (float16)(s), tilt);
+  Vector16 leaves = {0.0f, 0.0f, 0.0f};
+#if RC_EXITS
+  const float4 eu = shot[RC_SHOT_EXIT_U], ev = shot[RC_SHOT_EXIT_V];
+  const float16 ea = vload16(0, t->exits + first_ray), eb = vload16(0, t->exits + (RC_RAY_COUNT + 15) / 16 * 16 + first_ray);
+  leaves.x = fma(ea, (float16)(eu.x), eb * ev.x);
+  leaves.y = fma(ea, (float16)(eu.y), eb * ev.y);
+  leaves.z = fma(ea, (float16)(eu.z), eb * ev.z);
+  rays.offset = rc_plus16(rays.offset, leaves);
+#endif
+  const float16 length = sqrt(rc_dot16(rays.direction, rays.direction));
+
+  Paths16 paths;
+  float16 weight = shot[RC_SHOT_DU].w;
+#if RC_RECEIVER
+  /* A_r cos(psi) dOmega, dOmega = pitch^2 cos^3(psi): pixels on a plane of tangents. */
+  const float4 start_axis = shot[RC_SHOT_START_AXIS];
+  const float16 off = fma((float16)(start_axis.x), rays.direction.x, fma((float16)(start_axis.y), rays.direction.y, start_axis.z * rays.direction.z)) / length;
+  weight *= (off * off) * (off * off);
+#endif
+  paths.live = rc_mask16(exists);
+  for (uint line = 0; line < RC_LASER_LINES; ++line) {
+    paths.weight[line] = weight * t->photons[line];
+    paths.passed[line] = 1.0f;
+    RC_LINE long energy[16];
+    const long unit = (1l << RC_LEDGER_BITS) / RC_RAY_COUNT, rest = (1l << RC_LEDGER_BITS) - unit * RC_RAY_COUNT;
+    for (uint k = 0; k < 16u; ++k) energy[k] = unit + (first_ray + k < (uint)rest ? 1l : 0l);
+    paths.energy[line] = vload16(0, energy);
+  }
+  for (uint k = 0; k < 16u; ++k) paths.order[k] = 1;
+  paths.way.x = rays.direction.x / length;
+  paths.way.y = rays.direction.y / length;
+  paths.way.z = rays.direction.z / length;
+  paths.path = 0.0f;
+#if RC_PLATES
+  float16 gone[RC_LASER_LINES];  /* what plates on the way let through: the way back meets them again */
+  for (uint line = 0; line < RC_LASER_LINES; ++line) gone[line] = 1.0f;
+#endif
+
+  for (uint crossing = 0;; ++crossing) {
+    uint missed = 0;
+    for (uint k = 0; k < 16u; ++k) missed |= hits->instance[k] == RC_NONE ? 1u << k : 0u;
+    rc_end_lanes(&paths, missed & paths.live, sums, RC_LEDGER_ESCAPED);
+    if (!paths.live) return;
+    Vertex16 vertex;
+    rc_meet(scene, hits, paths.live, &rays, &vertex);
+    const int16 live = rc_bits16(paths.live);
+    const float16 along = select((float16)(0.0f), vertex.along, live);
+    paths.place = rc_along16(rays.offset, along, rays.direction);
+    const Vector16 travelled = rc_minus16(paths.place, leaves), v = rc_plus16(rc_vector16(from_start), travelled);
+    const float16 range = sqrt(rc_dot16(v, v));
+    paths.first_range = range;
+    rc_end_lanes(&paths, rc_mask16(range > t->settings[RC_SET_RANGE_LIMIT]) & paths.live, sums, RC_LEDGER_ESCAPED);
+    if (!paths.live) return;
+    paths.path = rc_leg16(range, from_start.w, from_start, travelled);
+#if RC_AIR
+    for (uint node = 0; node < RC_LINE_NODES; ++node) paths.depth[node] = 0.0f;
+    rc_air_depths(t, (float16)(reference.z - from_start.z) + leaves.z, reference.z + paths.place.z, range, paths.depth);
+#endif
+    rc_pass_segment(t, &paths, sums);
+    const bool apart = shot[RC_SHOT_AXIS].w == 0.0f;
+#if RC_PLATES
+    Paths16 back = paths;
+    for (uint line = 0; line < RC_LASER_LINES; ++line) back.weight[line] *= apart ? (float16)(1.0f) : gone[line];
+    rc_connect(scene, t, &back, &vertex, apart, first, sums);
+#else
+    rc_connect(scene, t, &paths, &vertex, apart, first, sums);
+#endif
+#if RC_BOUNCES > 1
+    Paths16 scattered = paths;
+    for (uint line = 0; line < RC_LASER_LINES; ++line) {
+      const float16 diffuse = rc_matter16(t, &vertex, line, 0) + rc_matter16(t, &vertex, line, 1);
+      scattered.energy[line] = rc_share16(paths.energy[line], diffuse);
+    }
+#endif
+    for (uint line = 0; line < RC_LASER_LINES; ++line) {
+      const float16 diffuse = rc_matter16(t, &vertex, line, 0) + rc_matter16(t, &vertex, line, 1);
+#if RC_PLATES
+      const float16 plate = rc_matter16(t, &vertex, line, 2);
+#else
+      const float16 plate = 0.0f;
+#endif
+#if RC_BOUNCES > 1
+      LidarSums apart_sums;
+      apart_sums.ledger[line][RC_LEDGER_TRUNCATED] = 0;
+      apart_sums.ledger[line][RC_LEDGER_ABSORBED] = 0;
+      rc_split_energy(&paths, line, plate, diffuse, &apart_sums, RC_LEDGER_TRUNCATED);
+      sums->ledger[line][RC_LEDGER_ABSORBED] += apart_sums.ledger[line][RC_LEDGER_ABSORBED];
+#else
+      rc_split_energy(&paths, line, plate, diffuse, sums, RC_LEDGER_TRUNCATED);
+#endif
+#if RC_PLATES
+      paths.weight[line] *= plate;
+      gone[line] *= plate;
+#endif
+    }
+#if RC_BOUNCES > 1
+    rc_scatter_on(scene, t, &scattered, &vertex, first_ray, multiple, sums);
+#endif
+#if RC_PLATES
+    uint through = 0;
+    RC_LINE float from[3][16], way[3][16];
+    rc_store_vector16(vertex.back, from);
+    rc_store_vector16(rays.direction, way);
+    for (uint k = 0; k < 16u; ++k) {
+      hits->instance[k] = RC_NONE;
+      hits->primitive[k] = 0;
+      if (!(paths.live >> k & 1u)) continue;
+      float plate = 0.0f;
+      for (uint line = 0; line < RC_LASER_LINES; ++line) plate += t->optics[vertex.surface[k] * RC_LASER_LINES + line].z;
+      if (!(plate > 0.0f) || crossing >= 63u) continue;
+      through |= 1u << k;
+      ++sums->rays;
+      const Hit hit = rc_trace_ray(scene, rc_lane4(from, k), rc_lane4(way, k), false);
+      hits->instance[k] = hit.instance;
+      if (hit.instance != RC_NONE) hits->primitive[k] = hit.primitive;
+    }
+    rc_end_lanes(&paths, paths.live & ~through, sums, RC_LEDGER_TRUNCATED);
+    if (!paths.live) return;
+#else
+    return;
+#endif
+  }
+}
+#endif
+
+#endif

@@ -1,0 +1,137 @@
+/* Where 16 rays meet their triangles, relative to the owner's reference point, and the surfaces there. */
+#ifndef RAYCUBE_KERNELS_LIDAR_VERTEX_H
+#define RAYCUBE_KERNELS_LIDAR_VERTEX_H
+
+#include "kernels/geometry/surface_point.h"
+#include "kernels/lidar/context.h"
+
+/* 16 rays origin + offset + tau direction. The offset is small against the origin and never added to it before the
+ * difference from a triangle's corner is taken. */
+typedef struct Rays16 {
+  Vector16 origin, offset, direction;
+} Rays16;
+
+typedef struct Hits16 {
+  uint instance[16], primitive[16];  /* primitive 0 where nothing was hit */
+} RC_LINE Hits16;
+
+typedef struct Vertex16 {
+  float16 along;            /* tau */
+  Vector16 normal;          /* unit, geometric, to the side the ray came from */
+#if RC_CONTINUES || RC_SHADOWS
+  Vector16 front, back;     /* m, scene frame: off the surface by its error bound, on the ray's side and behind */
+#endif
+  uint surface[16];
+} Vertex16;
+
+static inline Vector16 rc_vector16(float4 v) {
+  const Vector16 r = {(float16)(v.x), (float16)(v.y), (float16)(v.z)};
+  return r;
+}
+static inline Vector16 rc_plus16(Vector16 a, Vector16 b) {
+  const Vector16 r = {a.x + b.x, a.y + b.y, a.z + b.z};
+  return r;
+}
+/* a + f b */
+static inline Vector16 rc_along16(Vector16 a, float16 f, Vector16 b) {
+  const Vector16 r = {fma(f, b.x, a.x), fma(f, b.y, a.y), fma(f, b.z, a.z)};
+  return r;
+}
+static inline Vector16 rc_turn16(float4 r0, float4 r1, float4 r2, Vector16 v) {
+  const Vector16 r = {rc_map16(r0, v, 0.0f), rc_map16(r1, v, 0.0f), rc_map16(r2, v, 0.0f)};
+  return r;
+}
+static inline Vector16 rc_select_vector16(Vector16 a, Vector16 b, int16 take_b) {
+  const Vector16 r = {select(a.x, b.x, take_b), select(a.y, b.y, take_b), select(a.z, b.z, take_b)};
+  return r;
+}
+
+/* One instance's lanes; the others come out as numbers nobody reads. */
+static inline void rc_meet_instance(global const Instance* placed, const Vector16* v, const Rays16* rays, float16* along, Vector16* towards) {
+  const float4 l0 = placed->local_from_world_0, l1 = placed->local_from_world_1, l2 = placed->local_from_world_2;
+  const bool same = placed->flags & 1u;
+  Vector16 o = rays->origin, s = rays->offset, d = rays->direction;
+  if (!same) {
+    o = rc_map_points16(l0, l1, l2, o);
+    s = rc_turn16(l0, l1, l2, s);
+    d = rc_turn16(l0, l1, l2, d);
+  }
+  const Vector16 e1 = rc_minus16(v[1], v[0]), e2 = rc_minus16(v[2], v[0]);
+  Vector16 n;
+  n.x = rc_product_difference16(e1.y, e2.z, e1.z, e2.y);
+  n.y = rc_product_difference16(e1.z, e2.x, e1.x, e2.z);
+  n.z = rc_product_difference16(e1.x, e2.y, e1.y, e2.x);
+  const float16 nd = rc_dot16(n, d);
+  const Vector16 to_corner = rc_minus16(rc_minus16(v[0], o), s);
+  float16 tau = rc_dot16(n, to_corner) / nd;
+  tau += rc_dot16(n, rc_along16(to_corner, -tau, d)) / nd;
+  /* A grazing ray or sliver can throw the point off its triangle (0 / 0 included): then it is the box's nearest point. */
+  const Vector16 start = rc_plus16(o, s), p = rc_along16(start, tau, d);
+  const Vector16 kept = {rc_clamp_to(p.x, v[0].x, v[1].x, v[2].x), rc_clamp_to(p.y, v[0].y, v[1].y, v[2].y), rc_clamp_to(p.z, v[0].z, v[1].z, v[2].z)};
+  const float16 size = rc_most3(rc_most3(v[0].x, v[0].y, v[0].z), rc_most3(v[1].x, v[1].y, v[1].z), rc_most3(o.x, o.y, o.z));
+  const float16 off = fabs(p.x - kept.x) + fabs(p.y - kept.y) + fabs(p.z - kept.z);
+  const int16 on = off <= size * (256.0f * RC_ULP);
+  const float16 nearest = rc_dot16(rc_minus16(kept, start), d) / rc_dot16(d, d);
+  *along = select(nearest, tau, on);
+  Vector16 normal = n;
+  if (!same) {  /* normals go by the transposed inverse */
+    normal.x = fma((float16)(l0.x), n.x, fma((float16)(l1.x), n.y, l2.x * n.z));
+    normal.y = fma((float16)(l0.y), n.x, fma((float16)(l1.y), n.y, l2.y * n.z));
+    normal.z = fma((float16)(l0.z), n.x, fma((float16)(l1.z), n.y, l2.z * n.z));
+  }
+  const float16 largest = fmax(rc_most3(normal.x, normal.y, normal.z), 1e-30f);
+  normal.x /= largest;
+  normal.y /= largest;
+  normal.z /= largest;
+  const float16 length = copysign(fmax(sqrt(rc_dot16(normal, normal)), 1e-30f), -rc_dot16(normal, rays->direction));
+  towards->x = normal.x / length;
+  towards->y = normal.y / length;
+  towards->z = normal.z / length;
+}
+
+/* The vertices of the lanes in `live`. */
+static inline void rc_meet(SceneArrays scene, const Hits16* hits, uint live, const Rays16* rays, Vertex16* vertex) {
+  RC_LINE float corner[9][16];
+  for (uint k = 0; k < 16u; ++k) {
+    global const TriBlock* block = rc_block(scene, hits->primitive[k] / RC_BLOCK);
+    const uint lane = hits->primitive[k] % RC_BLOCK;
+    global const float* at = (global const float*)block + lane;
+    #pragma unroll
+    for (uint c = 0; c < 9u; ++c) corner[c][k] = at[16u * c];
+    vertex->surface[k] = live >> k & 1u ? block->surface[lane] : 0u;
+  }
+  Vector16 v[3];
+  #pragma unroll
+  for (uint c = 0; c < 3u; ++c) {
+    v[c].x = vload16(0, corner[3u * c]);
+    v[c].y = vload16(0, corner[3u * c + 1u]);
+    v[c].z = vload16(0, corner[3u * c + 2u]);
+  }
+  const Vector16 zero = {0.0f, 0.0f, 0.0f};
+  vertex->along = 0.0f;
+  vertex->normal = zero;
+#if RC_CONTINUES || RC_SHADOWS
+  vertex->front = vertex->back = zero;
+  Vector16 backwards = {-rays->direction.x, -rays->direction.y, -rays->direction.z};
+#endif
+  while (live) {  /* one instance after the other: its matrices are shared */
+    const uint instance = hits->instance[rc_lowest(live)];
+    const int16 lanes = (vload16(0, hits->instance) == instance) & rc_bits16(live);
+    live &= ~rc_mask16(lanes);
+    float16 along;
+    Vector16 towards;
+    rc_meet_instance(rc_instance(scene, instance), v, rays, &along, &towards);
+    vertex->along = select(vertex->along, along, lanes);
+    vertex->normal = rc_select_vector16(vertex->normal, towards, lanes);
+#if RC_CONTINUES || RC_SHADOWS
+    Vector16 there, facing;
+    const Vector16 from = rc_plus16(rays->origin, rays->offset);
+    rc_surface_points(rc_instance(scene, instance), v, from, rays->direction, &there, &facing);
+    vertex->front = rc_select_vector16(vertex->front, there, lanes);
+    rc_surface_points(rc_instance(scene, instance), v, from, backwards, &there, &facing);
+    vertex->back = rc_select_vector16(vertex->back, there, lanes);
+#endif
+  }
+}
+
+#endif
