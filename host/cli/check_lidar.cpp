@@ -1,0 +1,54 @@
+#include "host/cli/check_lidar.h"
+
+#include <algorithm>
+#include <set>
+
+#include "kernels/sampling/sampler.h"
+
+namespace raycube::cli {
+
+namespace {
+
+constexpr rc_u32 kPickDimension = 43;  ///< of the hash: no sampler uses it
+/// Pulses that wait on the host before the reference takes them up together: their rows are all its memory.
+constexpr std::size_t kBatch = 64;
+
+}  // namespace
+
+std::vector<lidar::Shot> pick_shots(const scene::Lidar& lidar, std::uint64_t seed, std::uint64_t pulses) {
+  const auto all = static_cast<std::uint64_t>(lidar.pulses);
+  std::set<std::uint64_t> numbers;
+  if (2 * pulses >= all) {
+    for (std::uint64_t i = 0; i < all && numbers.size() < pulses; ++i) numbers.insert(i);
+  } else {
+    for (rc_u32 i = 0; numbers.size() < pulses; ++i) {
+      const std::uint64_t high = rc_hash(static_cast<rc_u32>(seed), i, static_cast<rc_u32>(seed >> 32), kPickDimension);
+      numbers.insert((high << 32 | rc_hash(static_cast<rc_u32>(seed), i, static_cast<rc_u32>(seed >> 32), kPickDimension + 1)) % all);
+    }
+  }
+  std::vector<lidar::Shot> shots;
+  for (const std::uint64_t number : numbers)
+    for (lidar::Shot& shot : lidar::make_shots(lidar, static_cast<std::int64_t>(number), 1, seed)) shots.push_back(shot);
+  return shots;
+}
+
+reference::LidarReport check_lidar(render::LidarRenderer& renderer, const scene::CompiledScene& scene, const lidar::LidarPlan& plan,
+                                   const LidarCheckOptions& options, const std::function<void(std::uint64_t)>& progress) {
+  reference::LidarCompareOptions compare;
+  compare.threads = options.threads;
+  reference::LidarComparison comparison(scene, plan, compare);
+  std::vector<lidar::ShotResult> waiting;
+  const auto flush = [&] {
+    comparison.add(waiting);
+    if (progress) progress(waiting.size());
+    waiting.clear();
+  };
+  renderer.render(plan, pick_shots(plan.lidar, plan.seed, options.pulses), [&](lidar::ShotResult&& shot) {
+    waiting.push_back(std::move(shot));
+    if (waiting.size() >= kBatch) flush();
+  }, true);
+  flush();
+  return comparison.report();
+}
+
+}  // namespace raycube::cli
