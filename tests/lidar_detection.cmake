@@ -1,2 +1,7 @@
 raycube_test(lidar_overlap SOURCES oracle/lidar_overlap_test.cpp LIBS raycube::lidar LABELS fast)
 raycube_test(lidar_gauss_hermite SOURCES oracle/lidar_gauss_hermite_test.cpp LIBS raycube::lidar LABELS fast)
+raycube_test(lidar_detection SOURCES oracle/lidar_detection_test.cpp LIBS raycube::lidar LABELS fast)
+raycube_test(lidar_draws SOURCES oracle/lidar_draws_test.cpp LIBS raycube::lidar LABELS fast)
+raycube_test(lidar_echoes SOURCES oracle/lidar_echoes_test.cpp LIBS raycube::lidar LABELS fast)
+raycube_test(lidar_geiger SOURCES oracle/lidar_geiger_test.cpp LIBS raycube::lidar LABELS fast)
+raycube_test(lidar_speckle SOURCES oracle/lidar_speckle_test.cpp LIBS raycube::lidar LABELS fast)

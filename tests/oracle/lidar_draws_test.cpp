@@ -1,0 +1,118 @@
+// Counter-based draws: distributions against their probabilities and moments; the same numbers in any order.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "host/lidar/draws.h"
+#include "host/lidar/speckle.h"
+
+using namespace raycube::lidar;
+
+namespace {
+
+constexpr int kDraws = 100000;
+
+Stream stream(int i, DrawFor purpose = DrawFor::counts) { return Stream(42, 5, static_cast<std::uint32_t>(i), purpose); }
+
+/// Chi-square of counts against a negative binomial (modes 0: Poisson), classes of at least 10 expected; pass below
+/// dof + 4 sqrt(2 dof) (4 standard deviations of the statistic).
+void check_counts(double mean, double modes) {
+  const auto classes = static_cast<std::size_t>(mean + 12 * std::sqrt(mean + (modes > 0 ? mean * mean / modes : 0)) + 20);
+  std::vector<int> seen(classes, 0);
+  double sum = 0, squares = 0;
+  for (int i = 0; i < kDraws; ++i) {
+    Stream s = stream(i);
+    const double k = s.negative_binomial(mean, modes);
+    sum += k, squares += (k - mean) * (k - mean);
+    ++seen[std::min(static_cast<std::size_t>(k), classes - 1)];
+  }
+  double chi = 0, expected = 0, observed = 0;
+  int dof = -1;
+  for (std::size_t k = 0; k < classes; ++k) {
+    expected += kDraws * negative_binomial_probability(static_cast<double>(k), mean, modes), observed += seen[k];
+    if (expected < 10 && k + 1 < classes) continue;
+    if (expected > 0) chi += (observed - expected) * (observed - expected) / std::max(expected, 1.0), ++dof;
+    expected = observed = 0;
+  }
+  CAPTURE(mean);
+  CAPTURE(modes);
+  CHECK(chi < dof + 4 * std::sqrt(2.0 * dof) + 1);
+  const double variance = mean + (modes > 0 ? mean * mean / modes : 0);
+  CHECK(std::abs(sum / kDraws - mean) < 4 * std::sqrt(variance / kDraws));
+  // Spread of the variance estimate of a gamma-mixed Poisson: (kurtosis - 1) variance^2 / n; kurtosis at most 9 + 1 / variance here.
+  CHECK(std::abs(squares / kDraws / variance - 1) < 4 * std::sqrt((8 + 1 / variance) / kDraws));
+}
+
+}  // namespace
+
+TEST_CASE("S37: Poisson counts by inversion and by rejection follow their probabilities (chi-square)") {
+  for (const double mean : {0.01, 0.7, 3.0, 9.99, 10.01, 37.0, 400.0}) check_counts(mean, 0);
+}
+
+TEST_CASE("L-22: counts under speckle follow the negative binomial (chi-square, moments)") {
+  for (const double modes : {1.0, 1.35, 2.0, 10.0, 100.0}) check_counts(2, modes);
+  check_counts(60, 3.5);
+  // Probability of none from N = 2 and variances N + N^2 / M.
+  const double none[][2] = {{1, 0.333333}, {2, 0.25}, {10, 0.161506}, {100, 0.138033}, {0, 0.135335}};
+  for (const auto& [modes, expected] : none) CHECK(std::abs(negative_binomial_probability(0, 2, modes) - expected) < 5.1e-7);
+  const double variances[][2] = {{1, 6}, {2, 4}, {10, 2.4}, {100, 2.04}, {0, 2}};
+  for (const auto& [modes, expected] : variances) {
+    double total = 0, mean = 0, squares = 0;
+    for (int k = 0; k < 400; ++k) {
+      const double p = negative_binomial_probability(k, 2, modes);
+      total += p, mean += p * k, squares += p * k * k;
+    }
+    CHECK(total == doctest::Approx(1).epsilon(1e-12));
+    CHECK(squares - mean * mean == doctest::Approx(expected).epsilon(1e-10));
+  }
+  // Limits: many modes are Poisson, one mode is thermal light (Bose-Einstein): N^k / (1 + N)^(k + 1).
+  CHECK(negative_binomial_probability(3, 2, 1e7) == doctest::Approx(negative_binomial_probability(3, 2, 0)).epsilon(1e-6));
+  CHECK(negative_binomial_probability(5, 2, 1) == doctest::Approx(std::pow(2.0 / 3, 5) / 3).epsilon(1e-12));
+}
+
+TEST_CASE("S37: large means are Gaussian, odd ones harmless") {
+  double sum = 0, squares = 0;
+  constexpr int n = 20000;
+  for (int i = 0; i < n; ++i) {
+    Stream s = stream(i);
+    const double z = (s.poisson(4e6) - 4e6) / 2000;
+    sum += z, squares += z * z;
+  }
+  CHECK(std::abs(sum / n) < 4 / std::sqrt(n));
+  CHECK(std::abs(squares / n - 1) < 4 * std::sqrt(2.0 / n));
+  CHECK(stream(1).poisson(0) == 0);
+  CHECK(stream(1).poisson(-1) == 0);
+  CHECK(std::isnan(stream(1).poisson(std::nan(""))));
+}
+
+TEST_CASE("S35: gamma and normal draws have their moments") {
+  for (const double shape : {0.3, 1.0, 4.5, 1383.0}) {
+    double sum = 0, squares = 0;
+    for (int i = 0; i < kDraws; ++i) {
+      Stream s = stream(i, DrawFor::speckle);
+      const double g = s.gamma(shape);
+      sum += g, squares += (g - shape) * (g - shape);
+    }
+    CAPTURE(shape);
+    CHECK(std::abs(sum / kDraws - shape) < 4 * std::sqrt(shape / kDraws));
+    CHECK(std::abs(squares / kDraws / shape - 1) < 4 * std::sqrt((2 + 6 / shape) / kDraws));  // excess kurtosis of a gamma: 6 / shape
+  }
+}
+
+TEST_CASE("S37: draws depend on what they are for and on nothing else") {
+  const auto first = [](std::uint64_t seed, std::uint32_t key, std::uint32_t index, DrawFor purpose, int line) {
+    return Stream(seed, key, index, purpose, line).uniform();
+  };
+  const double base = first(42, 5, 9, DrawFor::counts, 0);
+  CHECK(first(42, 5, 9, DrawFor::counts, 0) == base);
+  CHECK(first(43, 5, 9, DrawFor::counts, 0) != base);
+  CHECK(first(42 + (1ull << 32), 5, 9, DrawFor::counts, 0) != base);
+  CHECK(first(42, 6, 9, DrawFor::counts, 0) != base);
+  CHECK(first(42, 5, 10, DrawFor::counts, 0) != base);
+  CHECK(first(42, 5, 9, DrawFor::gain, 0) != base);
+  CHECK(first(42, 5, 9, DrawFor::counts, 1) != base);
+  Stream s(42, 5, 9, DrawFor::counts);
+  CHECK(s.uniform() == base);
+  CHECK(s.uniform() != base);
+}

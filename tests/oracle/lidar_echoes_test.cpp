@@ -1,0 +1,171 @@
+// Echoes: time, width and area of known returns by each method; separability; precision against the bound; order and count.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/lidar/detection.h"
+#include "host/lidar/detector.h"
+#include "host/lidar/echoes.h"
+#include "tests/oracle/lidar_detection_cases.h"
+
+using namespace raycube;
+using namespace raycube::lidar;
+
+namespace {
+
+constexpr double kHalfLight = 0.5 * 299792458.0, kSigmaBins = 4 * test::kSigmaOfFwhm;
+
+std::vector<Echo> expected_echoes(LidarPlan& plan, const std::vector<float>& row) {
+  ShotResult shot = test::empty_shot(plan);
+  shot.first = row;
+  return expected_detections(plan, shot).front().echoes;
+}
+
+}  // namespace
+
+TEST_CASE("S39: one return of known time, width and area, by every method, at any place within a bin") {
+  for (const auto method : {scene::EchoMethod::peak, scene::EchoMethod::constant_fraction, scene::EchoMethod::gaussian}) {
+    LidarPlan plan = test::small_plan();
+    plan.lidar.echoes.method = method;
+    // Bins of 0.59 sigma: the logarithm of a bin's integral is a parabola, of variance s^2 + 1/12, but for terms of (bin/s)^4 / 480.
+    const double place = method == scene::EchoMethod::gaussian ? 1e-4 : 3e-3;
+    for (double f = 0; f < 1; f += 0.125) {
+      std::vector<float> row(200, 0.0F);
+      test::add_return(row, 5000, 80 + f, kSigmaBins);
+      const auto echoes = expected_echoes(plan, row);
+      CAPTURE(static_cast<int>(method));
+      CAPTURE(f);
+      REQUIRE(echoes.size() == 1);
+      CHECK(std::abs(echoes[0].time_s / 1e-9 - 6680 - f) < place);
+      CHECK(echoes[0].range_m == doctest::Approx(kHalfLight * echoes[0].time_s).epsilon(1e-14));
+      CHECK(echoes[0].energy_pe == doctest::Approx(5000).epsilon(method == scene::EchoMethod::gaussian ? 1e-5 : 5e-3));
+      CHECK(echoes[0].fwhm_s == doctest::Approx(4e-9).epsilon(method == scene::EchoMethod::gaussian ? 1e-4 : 3e-3));
+      CHECK(echoes[0].peak_pe == doctest::Approx(5000 * std::erf(0.5 / (kSigmaBins * std::sqrt(2.0)))).epsilon(0.05));
+      CHECK(echoes[0].detection_probability == doctest::Approx(1).epsilon(1e-6));
+      CHECK(echoes[0].number == 1);
+      CHECK(echoes[0].of == 1);
+    }
+  }
+}
+
+TEST_CASE("L-13: two equal Gaussian echoes show two maxima only if further apart than 2 s") {
+  CHECK(std::abs(2 * test::kSigmaOfFwhm * 4e-9 * kHalfLight - 0.509) < 5e-4);
+  CHECK(std::abs(kHalfLight * 4e-9 - 0.5996) < 5e-5);
+  for (const double apart : {1.8, 1.95, 2.05, 2.2, 3.0}) {
+    LidarPlan plan = test::small_plan(800);
+    plan.lidar.echoes.method = scene::EchoMethod::peak;
+    plan.lidar.pulse.fwhm_s = 40e-9;  // bins of 1/17 sigma
+    std::vector<float> row(800, 0.0F);
+    const double sigma = 40 * test::kSigmaOfFwhm;
+    test::add_return(row, 1e5, 400.5 - 0.5 * apart * sigma, sigma), test::add_return(row, 1e5, 400.5 + 0.5 * apart * sigma, sigma);
+    CAPTURE(apart);
+    CHECK(expected_echoes(plan, row).size() == (apart > 2 ? 2 : 1));
+  }
+}
+
+TEST_CASE("S39: Gaussian decomposition parts overlapping echoes, also under one maximum") {
+  LidarPlan plan = test::small_plan();
+  for (const double apart : {1.5, 1.9, 2.5, 4.0, 8.0}) {
+    std::vector<float> row(200, 0.0F);
+    test::add_return(row, 5000, 90.2, kSigmaBins), test::add_return(row, 3500, 90.2 + apart * kSigmaBins, kSigmaBins);
+    const auto echoes = expected_echoes(plan, row);
+    CAPTURE(apart);
+    REQUIRE(echoes.size() == 2);
+    CHECK(std::abs(echoes[0].time_s / 1e-9 - 6690.2) < 2e-2);
+    CHECK(std::abs(echoes[1].time_s / 1e-9 - 6690.2 - apart * kSigmaBins) < 2e-2);
+    CHECK(echoes[0].energy_pe == doctest::Approx(5000).epsilon(0.02));
+    CHECK(echoes[1].energy_pe == doctest::Approx(3500).epsilon(0.02));
+    CHECK(echoes[1].number == 2);
+    CHECK(echoes[1].of == 2);
+  }
+  std::vector<float> row(200, 0.0F);
+  for (int i = 0; i < 5; ++i) test::add_return(row, 1000 + 500 * i, 60.3 + 5 * i, kSigmaBins);
+  const auto five = expected_echoes(plan, row);
+  REQUIRE(five.size() == 5);
+  for (int i = 0; i < 5; ++i) {
+    CHECK(std::abs(five[static_cast<std::size_t>(i)].time_s / 1e-9 - 6660.3 - 5 * i) < 2e-2);
+    CHECK(five[static_cast<std::size_t>(i)].energy_pe == doctest::Approx(1000 + 500 * i).epsilon(0.02));
+  }
+}
+
+TEST_CASE("S39: precision against the bound (c/2) s / sqrt(N), counts drawn") {
+  // Every photon is counted, none else: the Gaussian method is maximum likelihood and should reach the bound of binned data,
+  // s^2 + bin^2/12 in place of s^2; the others stay within the factor stated. N = 1500 pulses: error of a deviation 1.8 %, 4 of them.
+  struct Row {
+    scene::EchoMethod method;
+    double photons, factor;
+  };
+  for (const Row& r : {Row{scene::EchoMethod::gaussian, 1000, 1.03}, Row{scene::EchoMethod::gaussian, 1e5, 1.03}, Row{scene::EchoMethod::gaussian, 40, 1.12},
+                       Row{scene::EchoMethod::peak, 1000, 1.8}, Row{scene::EchoMethod::constant_fraction, 1000, 1.8}}) {
+    LidarPlan plan = test::small_plan(60);
+    plan.lidar.echoes.method = r.method;
+    ShotResult shot = test::empty_shot(plan);
+    test::add_return(shot.first, r.photons, 30.4, kSigmaBins);
+    double sum = 0, squares = 0, area = 0;
+    constexpr int pulses = 1500;
+    int single = 0;
+    for (int pulse = 0; pulse < pulses; ++pulse) {
+      shot.shot.pulse = pulse;
+      const auto echoes = detect(plan, shot).front().echoes;
+      if (echoes.size() != 1) continue;
+      ++single;
+      const double z = (echoes[0].time_s / 1e-9 - 6630.4) / kSigmaBins;
+      sum += z, squares += z * z, area += echoes[0].energy_pe;
+    }
+    CAPTURE(static_cast<int>(r.method));
+    CAPTURE(r.photons);
+    CHECK(single > 0.99 * pulses);
+    const double bound = std::sqrt((1 + 1 / (12 * kSigmaBins * kSigmaBins)) / r.photons), mean = sum / single;
+    const double deviation = std::sqrt(squares / single - mean * mean);
+    CAPTURE(deviation / bound);
+    CHECK(deviation < bound * r.factor * (1 + 4 / std::sqrt(2.0 * pulses)));
+    CHECK(deviation > bound * (1 - 4 / std::sqrt(2.0 * pulses)) * 0.97);
+    if (r.method == scene::EchoMethod::gaussian) {
+      CHECK(std::abs(mean) < 4 * deviation / std::sqrt(single));
+      CHECK(std::abs(area / single / r.photons - 1) < 4 / std::sqrt(single * r.photons) + 0.002);
+    }
+  }
+}
+
+TEST_CASE("S39: thresholds from the noise, number of returns, false returns of noise alone") {
+  LidarPlan plan = test::small_plan(1000);
+  plan.lidar.detector.dark_rate_hz = 2e8;
+  ShotResult shot = test::empty_shot(plan);
+  int found = 0;
+  double alarm_hz = 0;
+  constexpr int pulses = 300;
+  for (int pulse = 0; pulse < pulses; ++pulse) {
+    shot.shot.pulse = pulse;
+    const Detection record = detect(plan, shot).front();
+    found += static_cast<int>(record.echoes.size()), alarm_hz = record.truth.false_alarm_rate_hz;
+  }
+  // Each crossing can make one echo at most; crossings are counted by bin, so echoes stay below.
+  const double bins = alarm_hz * 1e-6 * pulses;
+  CHECK(found < bins + 4 * std::sqrt(bins));
+  CHECK(found > 0.3 * bins);
+
+  plan.lidar.echoes.max_returns = 2;
+  for (int i = 0; i < 6; ++i) test::add_return(shot.first, 2000.0 + 300 * (i % 4), 100 + 120 * i, kSigmaBins);
+  const auto echoes = detect(plan, shot).front().echoes;
+  REQUIRE(echoes.size() == 2);
+  CHECK(echoes[0].time_s < echoes[1].time_s);
+  CHECK(echoes[0].energy_pe > 2400);
+  plan.lidar.echoes.max_returns = 15, plan.lidar.echoes.threshold_pe = 40;
+  CHECK(detect(plan, shot).front().echoes.size() == 6);
+  plan.lidar.echoes.threshold_pe = 5000;
+  CHECK(detect(plan, shot).front().echoes.empty());
+}
+
+TEST_CASE("S38: clusters of time tags are echoes") {
+  scene::Lidar lidar = test::small_plan().lidar;
+  lidar.detector.mode = scene::DetectorMode::geiger;
+  lidar.echoes.threshold_pe = 2;
+  const auto echoes = cluster_tags(lidar, {{10e-9, 0}, {50e-9, 0}, {51e-9, 1}, {52.5e-9, 2}, {90e-9, 1}, {91e-9, 0}});
+  REQUIRE(echoes.size() == 2);
+  CHECK(echoes[0].time_s == doctest::Approx((50 + 51 + 52.5) / 3 * 1e-9).epsilon(1e-12));
+  CHECK(echoes[0].energy_pe == 3);
+  CHECK(echoes[1].energy_pe == 2);
+  CHECK(echoes[1].of == 2);
+  CHECK(cluster_tags(lidar, {}).empty());
+}
