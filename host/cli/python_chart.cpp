@@ -18,10 +18,10 @@ namespace raycube::cli {
 
 namespace {
 
-/// The script's stderr goes to ours.
+/// chart: empty when the figures say where to draw. The script's stderr goes to ours.
 void run_script(const std::string& script, const std::string& figures, const std::string& chart) {
   const std::string python = "/usr/bin/python3", path = (base::data_folder() / "plots" / script).string();
-  const char* arguments[] = {python.c_str(), path.c_str(), figures.c_str(), chart.c_str(), nullptr};
+  const char* arguments[] = {python.c_str(), path.c_str(), figures.c_str(), chart.empty() ? nullptr : chart.c_str(), nullptr};
   pid_t child = 0;
   const int failed = posix_spawn(&child, python.c_str(), nullptr, nullptr, const_cast<char**>(arguments), environ);
   if (failed)
@@ -36,6 +36,15 @@ void run_script(const std::string& script, const std::string& figures, const std
 
 }  // namespace
 
+void run_plot(const std::string& script, const std::string& figures) { run_script(script, figures, ""); }
+
+void append_drawn(base::OutputFile& picture, const std::string& path) {
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> in(std::fopen(path.c_str(), "rb"), std::fclose);
+  if (!in) throw base::Error(base::Fault::environment, picture.final_path() + ": the chart script wrote nothing");
+  char buffer[65536];
+  for (std::size_t bytes; (bytes = std::fread(buffer, 1, sizeof buffer, in.get())) > 0;) picture.append(buffer, bytes);
+}
+
 std::string draw_chart(const std::string& script, const std::string& figures_json, const std::string& chart, base::IfExists if_exists) {
   const std::string figures = std::filesystem::path(chart).replace_extension(".json").string();
   if (figures == chart) throw base::Error(base::Fault::input, chart + ": a chart is a PNG; its figures go to the .json beside it");
@@ -49,10 +58,7 @@ std::string draw_chart(const std::string& script, const std::string& figures_jso
   } remove{drawn};
   numbers.sync();
   run_script(script, numbers.temporary_path(), drawn);
-  std::unique_ptr<std::FILE, int (*)(std::FILE*)> in(std::fopen(drawn.c_str(), "rb"), std::fclose);
-  if (!in) throw base::Error(base::Fault::environment, chart + ": the chart script wrote nothing");
-  char buffer[65536];
-  for (std::size_t bytes; (bytes = std::fread(buffer, 1, sizeof buffer, in.get())) > 0;) picture.append(buffer, bytes);
+  append_drawn(picture, drawn);
   numbers.publish();
   picture.publish();
   return figures;

@@ -11,4 +11,10 @@ namespace raycube::cli {
 /// returns the figures' name. Neither file is there unless both are whole.
 std::string draw_chart(const std::string& script, const std::string& figures_json, const std::string& chart, base::IfExists if_exists);
 
+/// Runs a script of host/plots on a file of figures (JSON) that says where to draw. Throws Error(environment) when Python or
+/// matplotlib is missing.
+void run_plot(const std::string& script, const std::string& figures);
+/// Appends what lies at `path`, which a script was to draw.
+void append_drawn(base::OutputFile& picture, const std::string& path);
+
 }  // namespace raycube::cli
