@@ -1,6 +1,7 @@
 #include "host/render/lidar_renderer.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <map>
 
@@ -90,6 +91,7 @@ struct LidarRenderer::State {
   SceneBuffers buffers;
   std::map<std::string, std::unique_ptr<Stages>> programs;
   std::string hash;
+  double launch_s = 0;
 };
 
 namespace {
@@ -196,9 +198,11 @@ LidarRenderer::LidarRenderer(LidarRenderer&&) noexcept = default;
 
 std::string LidarRenderer::device_name() const { return state_->context.device().name(); }
 std::string LidarRenderer::program_hash() const { return state_->hash; }
+double LidarRenderer::launch_s() const { return state_->launch_s; }
 
 void LidarRenderer::render(const lidar::LidarPlan& plan, const std::vector<lidar::Shot>& shots, const ShotSink& sink, bool hits) {
   State& s = *state_;
+  s.launch_s = 0;
   if (shots.empty()) return;
   const LidarTables tables = make_lidar_tables(plan, s.scene);
   const bool apart = std::any_of(shots.begin(), shots.end(), [](const lidar::Shot& shot) { return shot.exit_m != shot.pupil_m; });
@@ -230,8 +234,11 @@ void LidarRenderer::render(const lidar::LidarPlan& plan, const std::vector<lidar
                            device.photons, device.node_weight, device.first_node, device.air, device.taps, device.settings, batch_buffers.first,
                            batch_buffers.multiple, batch_buffers.stopped, batch_buffers.ledger, batch_buffers.sums, batch_buffers.counts, batch_buffers.hits,
                            static_cast<std::uint32_t>(plan.seed), plan.lidar.gate.bins, plan.taps.taps, plan.taps.first, plan.taps.phases);
+    s.context.finish();
+    const auto start = std::chrono::steady_clock::now();
     s.context.launch(stages.shots, batch.count);
     s.context.finish();
+    s.launch_s += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     collector.take(batch, batch_buffers);
   }
 }

@@ -31,6 +31,8 @@ class LidarRenderer {
   void render(const lidar::LidarPlan& plan, const std::vector<lidar::Shot>& shots, const ShotSink& sink, bool hits = false);
 
   std::string device_name() const;
+  /// Wall seconds of the last render()'s launches: tracing and binning, without moving data to and from the device.
+  double launch_s() const;
   /// SHA-256 of source and options of the programs of the last render().
   std::string program_hash() const;
 
