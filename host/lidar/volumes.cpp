@@ -1,0 +1,57 @@
+#include "host/lidar/volumes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kernels/lidar/volume.h"
+
+namespace raycube::lidar {
+namespace {
+
+constexpr double kAvogadro = 6.02214076e23;
+constexpr double kMoleculesPerPpmM3 = kMoleculesPerPpmM * 1e4;  ///< per m3 at 1 ppm
+
+float f(double value) { return static_cast<float>(value); }
+
+double width(double x_m, double a, double b, double constant_m) { return constant_m > 0 ? constant_m : a * x_m / std::sqrt(1 + b * x_m); }
+
+void flatten_plume(const scene::Volume& volume, shared::LidarVolume& out) {
+  const double end = volume.length_m;
+  const double side = RC_PLUME_WIDTHS * width(end, volume.sigma_y_a, volume.sigma_y_b, volume.sigma_y_m);
+  const double rise = RC_PLUME_WIDTHS * width(end, volume.sigma_z_a, volume.sigma_z_b, volume.sigma_z_m);
+  out.place.w = f(volume.release_height_m);
+  out.lo.x = f(-side), out.lo.y = 0, out.lo.z = f(std::max(volume.release_height_m - rise, 0.0));
+  out.hi.x = f(side), out.hi.y = f(end), out.hi.z = f(volume.release_height_m + rise);
+  // g/m3 to ppm: molecules per m3 over those of 1 ppm.
+  out.strength = {f(kAvogadro / volume.molar_mass_g / kMoleculesPerPpmM3), f(volume.source_g_s / (2 * M_PI * volume.wind_m_s)), 0, 0};
+  out.spread = {f(volume.sigma_y_a), f(volume.sigma_y_b), f(volume.sigma_z_a), f(volume.sigma_z_b)};
+  // The law a x / sqrt(1 + b x) is steepest at x = 0, with slope a (b >= 0).
+  out.fixed = {f(volume.sigma_y_m), f(volume.sigma_z_m), f(volume.sigma_y_m > 0 ? 0 : volume.sigma_y_a), f(volume.sigma_z_m > 0 ? 0 : volume.sigma_z_a)};
+}
+
+}  // namespace
+
+FlatVolumes flatten_volumes(const std::vector<scene::Volume>& volumes) {
+  FlatVolumes flat;
+  for (const scene::Volume& volume : volumes) {
+    shared::LidarVolume& out = flat.volumes.emplace_back();
+    out.place = {f(volume.position_m[0]), f(volume.position_m[1]), f(volume.position_m[2]), 0};
+    out.lo = {f(-0.5 * volume.size_m[0]), f(-0.5 * volume.size_m[1]), 0, f(std::cos(volume.yaw_deg * M_PI / 180))};
+    out.hi = {f(0.5 * volume.size_m[0]), f(0.5 * volume.size_m[1]), f(volume.size_m[2]), f(std::sin(volume.yaw_deg * M_PI / 180))};
+    out.strength = {f(volume.concentration_ppm), 0, 0, 0};
+    out.particles = {f(volume.extinction_per_m), f(volume.single_scattering_albedo), f(volume.lidar_ratio_sr), f(volume.asymmetry)};
+    out.gas = volume.gas.empty() ? 0 : 1;
+    if (volume.shape == scene::Volume::Shape::plume) {
+      out.shape = RC_VOLUME_PLUME;
+      flatten_plume(volume, out);
+    } else if (volume.shape == scene::Volume::Shape::grid) {
+      out.shape = RC_VOLUME_GRID;
+      for (std::size_t i = 0; i < 3; ++i) out.cells[i] = static_cast<std::uint32_t>(volume.cells[i]);
+      out.first_value = static_cast<std::uint32_t>(flat.values.size());
+      flat.values.insert(flat.values.end(), volume.values.begin(), volume.values.end());
+    }
+  }
+  return flat;
+}
+
+}  // namespace raycube::lidar

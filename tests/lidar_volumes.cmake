@@ -1,0 +1,2 @@
+raycube_test(lidar_volume SOURCES oracle/lidar_volume_test.cpp LIBS raycube::lidar raycube::cl LABELS fast)
+target_compile_definitions(test_lidar_volume PRIVATE RAYCUBE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
