@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kernels/lidar/volume.h"
-
 namespace raycube::lidar {
 namespace {
 

@@ -20,10 +20,6 @@ namespace raycube::shared {
 using std::exp, std::fabs, std::floor, std::fma, std::fmax, std::fmin, std::sqrt;
 #endif
 
-#define RC_VOLUME_BOX 0u
-#define RC_VOLUME_GRID 1u
-#define RC_VOLUME_PLUME 2u
-#define RC_PLUME_WIDTHS 6.5f    /* a bell's share beyond: 8e-11 */
 #define RC_PLUME_START_M 1e-3f  /* the law's widths vanish at the source itself */
 #define RC_PLUME_PANELS 160
 

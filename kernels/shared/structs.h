@@ -6,6 +6,10 @@
 #define RC_GROUP_WIDTH 4      /* pixels of one line that share a traversal: a constant of the plan, part of the results */
 #define RC_BLOCK 16           /* triangles per leaf block */
 #define RC_MAX_CHANNELS 32    /* channels (source x node) of a term row */
+#define RC_VOLUME_BOX 0u        /* shapes of a LidarVolume */
+#define RC_VOLUME_GRID 1u
+#define RC_VOLUME_PLUME 2u
+#define RC_PLUME_WIDTHS 6.5f    /* a plume ends so many of its widths from the axis; a bell's share beyond is 8e-11 */
 
 #ifdef __OPENCL_C_VERSION__
 /* What a kernel does, in a function of its own that the kernel only calls: PoCL makes three copies of a kernel, each with all
