@@ -216,14 +216,20 @@ struct LidarProducts::State {
     rays += static_cast<std::uint64_t>(result.rays);
   }
 
-  std::string figures_json(const std::string& stem) const {
+  /// What the pictures need to know besides the files.
+  Json picture_facts() const {
     Json j = {{"title", lidar.name}, {"pixels", plan.pixels()}, {"columns", lidar.receiver.columns}, {"rows", lidar.receiver.rows},
-              {"prf_hz", lidar.prf_hz}, {"scan_rate_hz", lidar.scan.scan_rate_hz}, {"fired", shots}};
+              {"quantum_efficiency", lidar.receiver.quantum_efficiency}, {"prf_hz", lidar.prf_hz}, {"scan_rate_hz", lidar.scan.scan_rate_hz}, {"first_pulse_s", lidar.first_pulse_s}};
     static const char* const patterns[] = {"fixed", "line", "oscillating", "rotating", "palmer", "raster"};
     j["pattern"] = patterns[static_cast<int>(lidar.scan.pattern)];
     j["scan_columns"] = lidar.scan.columns;
     j["scan_rows"] = lidar.scan.rows;
     j["georeferenced"] = simulation.scene.origin.epsg != 0;
+    return j;
+  }
+
+  std::string figures_json(const std::string& stem) const {
+    Json j = picture_facts();
     if (cube) j["cube"] = cube_data->temporary_path(), j["cube_header"] = cube_text->temporary_path();
     if (las) j["las"] = las_file->temporary_path();
     for (const char* name : kPictures) j["pictures"][name] = stem + "." + name;
@@ -308,6 +314,7 @@ void LidarProducts::publish(products::RunRecord& record) {
   Json figures = {{"pulses", s.shots}, {"pulses_without_return", s.without_return}, {"records", s.record_count}, {"records_without_return", s.empty_records},
                   {"returns", s.returns}, {"bin_s", s.lidar.gate.bin_s}, {"gate_start_s", s.lidar.gate.start_s}};
   if (s.las) figures["las_intensity_unit_pe"] = s.las->intensity_unit_pe();
+  figures["pictures"] = s.picture_facts();
   record.more_json.emplace_back("lidar", figures.dump());
   if (s.lidar.products.png) s.draw(record);
   s.set.add("run.json").append(products::run_record_json(record));

@@ -1,6 +1,7 @@
-"""LAS files of known contents opened by laspy (PyPI), an implementation nobody here wrote. Usage: lidar_laspy_test.py SAMPLES
+"""LAS files of known contents opened by laspy (PyPI), an implementation nobody here wrote. Usage: lidar_laspy_test.py SAMPLES RUN_SAMPLES
 Runs in the virtual environment that ci/setup makes; without laspy there, it says so and skips (77)."""
 import json
+import os
 import pathlib
 import subprocess
 import sys
@@ -64,6 +65,19 @@ def compare(las, expected):
         check(abs(numpy.asarray(las["return_point_wave_location"]) - delay).max() < 8e-3)  # float32 below 131072 ps: half of 2^-7
 
 
+def runs(program, folder):
+    """The files of whole runs, external and internal waveforms."""
+    for name, pixels, waves in (("survey", 1, "external"), ("flash", 64, "internal")):
+        subprocess.run([program, name, folder / name], check=True, env={**os.environ, "RAYCUBE_DATA": str(folder)}, stderr=subprocess.DEVNULL)
+        las = laspy.read(folder / name / "returns.las")
+        check(las.header.point_format.id == 9 and getattr(las.header.global_encoding, f"waveform_data_packets_{waves}"))
+        check(sum(las.header.number_of_points_by_return) == len(las.points) == las.header.point_count > 500)
+        check(int(las.point_source_id.max()) == pixels - 1 and set(numpy.asarray(las.material_id)) == {0, 1} and (las.intensity.max() > 32767))
+        floor = 180 if name == "survey" else 0
+        check(set(numpy.round(numpy.asarray(las.z)[numpy.asarray(las.subray_fraction) == 1]).astype(int)) == {floor, floor + 10})
+        check(len(las.header.vlrs.get("WaveformPacketVlr")) == 2)
+
+
 def main():
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
@@ -71,6 +85,7 @@ def main():
         expected = json.loads((folder / "expected.json").read_text())
         for file, content in expected["files"].items():
             compare(laspy.read(folder / f"{file}.las"), content)
+        runs(sys.argv[2], folder)
     print(f"laspy {laspy.__version__}: {checks} checks")
 
 

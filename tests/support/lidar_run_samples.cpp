@@ -53,7 +53,7 @@ lidar::Detection record(const lidar::LidarPlan& plan, const lidar::ShotResult& r
   const float* row = result.first.data() + static_cast<std::size_t>(pixel * plan.lines() + line) * bins;
   lidar::Detection d;
   d.pulse = result.shot.pulse, d.pixel = pixel, d.line = line;
-  d.gain = result.shot.pulse % 2 ? 0.5 : 2.0;  // two full scales: two descriptors
+  d.gain = result.shot.pulse % 2 ? 1.0 : 2.0;  // two full scales: two descriptors
   d.offset = -4;
   float highest = 0;
   const bool unseen = result.shot.pulse % 10 == 9;
