@@ -1,5 +1,6 @@
 #include "scene_compiler/compiled_file.h"
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
 #include <filesystem>
@@ -126,6 +127,39 @@ void archive_content(Archive& ar, Scene& scene) {
   ar(scene.hi);
 }
 
+/// What pulses alone see.
+template <class Archive, class Scene>
+void archive_pulse_matter(Archive& ar, Scene& scene) {
+  for (auto& material : scene.materials) {
+    ar(material.transmission);
+    ar(material.gloss_roughness);
+    ar(material.gloss_f0);
+  }
+  for (auto& volume : scene.volumes) {
+    ar(volume.shape);
+    ar(volume.name);
+    ar(volume.position_m);
+    ar(volume.size_m);
+    ar(volume.yaw_deg);
+    ar(volume.gas);
+    ar(volume.concentration_ppm);
+    ar(volume.cells);
+    ar(volume.values);
+    for (auto* value : {&volume.source_g_s, &volume.wind_m_s, &volume.release_height_m, &volume.molar_mass_g, &volume.sigma_y_a, &volume.sigma_y_b,
+                        &volume.sigma_z_a, &volume.sigma_z_b, &volume.sigma_y_m, &volume.sigma_z_m, &volume.length_m, &volume.extinction_per_m,
+                        &volume.single_scattering_albedo, &volume.lidar_ratio_sr, &volume.asymmetry})
+      ar(*value);
+    ar(volume.wavelength_um);
+    ar(volume.cross_section_cm2);
+  }
+}
+
+bool has_pulse_matter(const CompiledScene& scene) {
+  return !scene.volumes.empty() || std::any_of(scene.materials.begin(), scene.materials.end(), [](const Material& material) {
+    return material.transmission != Material::Transmission::leaf || material.gloss_f0 > 0;
+  });
+}
+
 template <class Add>
 void write_content(const CompiledScene& scene, Add add) {
   Writer<Add> writer(std::move(add));
@@ -135,8 +169,16 @@ void write_content(const CompiledScene& scene, Add add) {
 }
 
 template <class Add>
+void write_pulse_matter(const CompiledScene& scene, Add add) {
+  Writer<Add> writer(std::move(add));
+  writer(static_cast<std::uint64_t>(scene.volumes.size()));
+  archive_pulse_matter(writer, scene);
+}
+
+template <class Add>
 void write_payload(const CompiledScene& scene, Add add) {
   write_content(scene, add);
+  write_pulse_matter(scene, add);
   Writer<Add> writer(add);
   for (const auto& material : scene.materials) writer(material.source);
 }
@@ -165,6 +207,15 @@ void check_references(const CompiledScene& scene, const Reader& reader) {
   for (const auto& surface : scene.surfaces)
     for (const auto curve : surface.curve)
       if (curve > scene.materials.size()) reader.damaged("has a surface of an unknown material");
+  for (const auto& material : scene.materials)
+    if (material.transmission != Material::Transmission::leaf && material.transmission != Material::Transmission::plate)
+      reader.damaged("has a material with an unknown way of transmission");
+  for (const auto& volume : scene.volumes) {
+    const bool known = volume.shape == Volume::Shape::box || volume.shape == Volume::Shape::grid || volume.shape == Volume::Shape::plume;
+    const std::int64_t cells = volume.shape == Volume::Shape::grid ? std::int64_t{volume.cells[0]} * volume.cells[1] * volume.cells[2] : 0;
+    if (!known || volume.values.size() != static_cast<std::size_t>(cells) || volume.wavelength_um.size() != volume.cross_section_cm2.size())
+      reader.damaged("has a volume whose arrays do not fit");
+  }
   for (const auto& block : scene.blocks)
     for (const auto surface : block.surface)
       if (surface != RC_NONE && surface >= scene.surfaces.size())
@@ -175,7 +226,10 @@ void check_references(const CompiledScene& scene, const Reader& reader) {
 
 std::string content_hash(const CompiledScene& scene) {
   base::Sha256 hash;
-  write_content(scene, [&hash](const void* data, std::size_t bytes) { hash.add(data, bytes); });
+  const auto add = [&hash](const void* data, std::size_t bytes) { hash.add(data, bytes); };
+  write_content(scene, add);
+  // A scene that only instruments look at keeps the hash it always had.
+  if (has_pulse_matter(scene)) write_pulse_matter(scene, add);
   return hash.hex();
 }
 
@@ -248,6 +302,11 @@ CompiledScene load_compiled(const std::string& file) {
   scene.materials.resize(static_cast<std::size_t>(materials));
   scene.meshes.resize(static_cast<std::size_t>(meshes));
   archive_content(reader, scene);
+  std::uint64_t volumes = 0;
+  reader(volumes);
+  if (volumes > reader.left() / 200) reader.damaged("has impossible counts");
+  scene.volumes.resize(static_cast<std::size_t>(volumes));
+  archive_pulse_matter(reader, scene);
   for (auto& material : scene.materials) reader(material.source);
   if (reader.left() != 0) reader.damaged("has bytes left over");
   check_references(scene, reader);

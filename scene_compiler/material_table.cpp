@@ -72,6 +72,23 @@ std::optional<Material> read_material(const Record& record, Problems& problems) 
   return material;
 }
 
+/// What pulses see beyond the spectra: the way of transmitted light, and gloss.
+void read_pulse_matter(const Record& record, Material& out, Problems& problems) {
+  out.transmission = record.text("transmission") == "plate" ? Material::Transmission::plate : Material::Transmission::leaf;
+  if (record.given("transmission") && out.transmittance.wavelength_um.empty())
+    problems.add(record.place("transmission"), "'transmission' needs a transmittance", "an opaque material", "remove it, or give transmittance");
+  const Record* gloss = record.table("gloss");
+  if (gloss == nullptr) return;
+  out.gloss_roughness = gloss->number("roughness");
+  out.gloss_f0 = gloss->number("f0");
+  double most = 0;
+  for (std::size_t i = 0; i < out.reflectance.value.size(); ++i)
+    most = std::max(most, out.reflectance.value[i] + (i < out.transmittance.value.size() ? out.transmittance.value[i] : 0));
+  if (most + out.gloss_f0 > 1)
+    problems.add(gloss->place("f0"), "reflectance + transmittance + f0 above 1", number_text(most) + " + " + number_text(out.gloss_f0),
+                 "energy must not be gained: lower one");
+}
+
 }  // namespace
 
 MaterialTable::MaterialTable(const Record& root, Problems& problems) {
@@ -82,7 +99,10 @@ MaterialTable::MaterialTable(const Record& root, Problems& problems) {
     const std::string& name = record.text("name");
     Material material;
     if (record.sound)
-      if (auto read = read_material(record, problems)) material = std::move(*read);
+      if (auto read = read_material(record, problems)) {
+        material = std::move(*read);
+        read_pulse_matter(record, material, problems);
+      }
     if (name.empty()) continue;
     if (const auto [place, fresh] = places.emplace(name, record.where); !fresh) {
       problems.add(record.where, "material '" + name + "' is defined twice",

@@ -10,20 +10,6 @@ namespace {
 
 using base::Problems;
 
-std::array<double, 3> position_of(const Record& record, const SceneParts& parts, Problems& problems) {
-  const auto& p = record.numbers("position_m");
-  std::array<double, 3> position{p[0], p[1], p[2]};
-  if (!record.boolean("on_terrain")) return position;
-  if (const auto z = parts.terrain_height_m(p[0], p[1])) {
-    position[2] += *z;
-  } else if (parts.terrains_whole) {
-    problems.add(record.place("position_m"), "on_terrain, but no terrain lies there",
-                 "x " + std::to_string(p[0]) + ", y " + std::to_string(p[1]),
-                 "move it, or set on_terrain = false");
-  }
-  return position;
-}
-
 Checker checker_of(const Record& checker, const MaterialTable& materials, Problems& problems) {
   const Value& names = checker.value("materials");
   Checker out;
@@ -103,6 +89,20 @@ void add_box(const Record& record, const std::string& name, const MaterialTable&
 
 }  // namespace
 
+std::array<double, 3> position_of(const Record& record, const SceneParts& parts, Problems& problems) {
+  const auto& p = record.numbers("position_m");
+  std::array<double, 3> position{p[0], p[1], p[2]};
+  if (!record.boolean("on_terrain")) return position;
+  if (const auto z = parts.terrain_height_m(p[0], p[1])) {
+    position[2] += *z;
+  } else if (parts.terrains_whole) {
+    problems.add(record.place("position_m"), "on_terrain, but no terrain lies there",
+                 "x " + std::to_string(p[0]) + ", y " + std::to_string(p[1]),
+                 "move it, or set on_terrain = false");
+  }
+  return position;
+}
+
 std::optional<double> SceneParts::terrain_height_m(double x_m, double y_m) const {
   std::optional<double> highest;
   for (const auto& terrain : terrains)
@@ -146,12 +146,14 @@ SceneParts read_scene_parts(const Record& root, MaterialTable& materials, Proble
   add_terrains(root, materials, parts, problems);
   add_panels(root, materials, parts, problems);
   add_meshes_and_instances(root, materials, parts, problems);
+  add_volumes(root, parts, problems);
   return parts;
 }
 
 CompiledScene compile_scene(SceneParts&& parts, MaterialTable&& materials) {
   CompiledScene scene;
   scene.origin = parts.origin;
+  scene.volumes = std::move(parts.volumes);
   materials.move_to(scene);
   for (auto& mesh : parts.meshes) {
     append_mesh(scene, mesh.name, mesh.mesh);

@@ -27,6 +27,7 @@ struct SceneParts {
   Origin origin;
   std::vector<NamedMesh> meshes;
   std::vector<Placed> placed;  ///< in file order: terrains, planes, boxes, instances, scatters
+  std::vector<Volume> volumes;
   std::vector<TerrainGrid> terrains;
   bool terrains_whole = true;  ///< false: one could not be read and has been reported; heights say nothing
   std::vector<std::vector<int>> terrain_classes;  ///< class of each cell; empty without class map
@@ -45,6 +46,10 @@ void add_panels(const Record& root, const MaterialTable& materials, SceneParts& 
                 base::Problems& problems);
 void add_meshes_and_instances(const Record& root, const MaterialTable& materials, SceneParts& parts,
                               base::Problems& problems);
+
+void add_volumes(const Record& root, SceneParts& parts, base::Problems& problems);
+/// `position_m` of a record, on the terrain where `on_terrain` says so.
+std::array<double, 3> position_of(const Record& record, const SceneParts& parts, base::Problems& problems);
 
 /// Builds trees and the content hash. Precondition: read_scene_parts found no problem.
 CompiledScene compile_scene(SceneParts&& parts, MaterialTable&& materials);

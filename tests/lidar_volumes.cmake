@@ -1,2 +1,3 @@
 raycube_test(lidar_volume SOURCES oracle/lidar_volume_test.cpp LIBS raycube::lidar raycube::cl LABELS fast)
 target_compile_definitions(test_lidar_volume PRIVATE RAYCUBE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+raycube_test(volume_input SOURCES unit/volume_input_test.cpp LIBS raycube::scene_compiler LABELS fast)
