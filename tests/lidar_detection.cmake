@@ -5,3 +5,5 @@ raycube_test(lidar_draws SOURCES oracle/lidar_draws_test.cpp LIBS raycube::lidar
 raycube_test(lidar_echoes SOURCES oracle/lidar_echoes_test.cpp LIBS raycube::lidar LABELS fast)
 raycube_test(lidar_geiger SOURCES oracle/lidar_geiger_test.cpp LIBS raycube::lidar LABELS fast)
 raycube_test(lidar_speckle SOURCES oracle/lidar_speckle_test.cpp LIBS raycube::lidar LABELS fast)
+raycube_test(lidar_turbulence SOURCES oracle/lidar_turbulence_test.cpp LIBS raycube::lidar LABELS fast)
+raycube_test(lidar_scintillation SOURCES oracle/lidar_scintillation_test.cpp LIBS raycube::lidar LABELS fast)

@@ -1,0 +1,136 @@
+#include "host/lidar/apply_turbulence.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/lidar/scintillation.h"
+#include "host/lidar/turbulence.h"
+
+namespace raycube::lidar {
+
+namespace {
+
+constexpr double kLight = 299792458.0;
+
+double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+Vec3 cross(const Vec3& a, const Vec3& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+Vec3 unit(const Vec3& a) {
+  const double length = std::sqrt(dot(a, a));
+  return {a[0] / length, a[1] / length, a[2] / length};
+}
+
+/// Tips an axis by small angles towards u and v = axis x u; u stays perpendicular to it.
+void tip(Vec3& axis, Vec3& u, const std::array<double, 2>& angle_rad) {
+  const Vec3 v = cross(axis, u);
+  Vec3 tipped;
+  for (std::size_t i = 0; i < 3; ++i) tipped[i] = axis[i] + std::tan(angle_rad[0]) * u[i] + std::tan(angle_rad[1]) * v[i];
+  axis = unit(tipped);
+  const double along = dot(u, axis);
+  for (std::size_t i = 0; i < 3; ++i) u[i] -= along * axis[i];
+  u = unit(u);
+}
+
+TurbulentPath path_of(const scene::Lidar& lidar, double ground_z_m, const Shot& shot) {
+  const double height = shot.exit_m[2] - ground_z_m, end_s = lidar.gate.start_s + lidar.gate.bins * lidar.gate.bin_s;
+  double length = 0.5 * kLight * end_s / lidar.transport.group_index;
+  if (shot.exit_axis[2] < 0 && height > 0) length = std::min(length, -height / shot.exit_axis[2]);
+  return {length, height, height + shot.exit_axis[2] * length};
+}
+
+/// Radius of the beam at a range without turbulence, 1/e2 or edge.
+double beam_radius_m(const scene::LidarPulse& pulse, double half_divergence_rad, double range_m) {
+  const double grown = std::tan(half_divergence_rad) * range_m;
+  return pulse.profile == scene::BeamProfile::gaussian ? std::hypot(pulse.exit_radius_m, grown) : pulse.exit_radius_m + grown;
+}
+
+/// Half divergence that makes the beam so wide at a range.
+double divergence_for(const scene::LidarPulse& pulse, double radius_m, double range_m) {
+  const double grown = pulse.profile == scene::BeamProfile::gaussian ? std::sqrt(std::max(0.0, radius_m * radius_m - pulse.exit_radius_m * pulse.exit_radius_m))
+                                                                     : radius_m - pulse.exit_radius_m;
+  return std::atan(std::max(0.0, grown) / range_m);
+}
+
+void warn_where_stretched(const scene::Lidar& lidar, const TurbulentPath& path, TurbulenceTruth& truth) {
+  const auto warn = [&](bool when, const char* text) {
+    if (when) truth.warnings.emplace_back(text);
+  };
+  warn(truth.rytov_plane > 25, "turbulence: Rytov variance above 25, gamma-gamma is extrapolated");
+  warn(truth.rytov_plane > 1, "turbulence: Rytov variance above 1, aperture averaging is that of weak turbulence");
+  warn(path.length_m > 10e3 && std::min(path.start_height_m, path.end_height_m) < 100 && std::max(path.start_height_m, path.end_height_m) < 1000,
+       "turbulence: more than 10 km of path near the ground");
+  warn(truth.spread_clamped, "turbulence: the beam is much narrower than the coherence length, so wander takes all its spread; the short-term spot keeps the beam's own width");
+  warn(lidar.pulse.lines.size() > 1 && lidar.pulse.separation_s > truth.correlation_s,
+       "turbulence: lines of a shot are further apart than the correlation time and share its draws all the same");
+}
+
+}  // namespace
+
+TurbulenceTruth turbulence_statistics(const LidarPlan& plan, double ground_z_m, const Shot& shot) {
+  const scene::Lidar& lidar = plan.lidar;
+  const scene::LidarTurbulence& turbulence = lidar.turbulence;
+  TurbulenceTruth truth;
+  if (turbulence.profile == scene::TurbulenceProfile::none) return truth;
+  const TurbulentPath path = path_of(lidar, ground_z_m, shot);
+  const PathNodes nodes = path_nodes(turbulence, path);
+  const double wavelength_m = lidar.pulse.lines.front().wavelength_um * 1e-6, length = path.length_m;
+  truth.path_m = length;
+  truth.rytov_plane = rytov_plane(nodes, wavelength_m), truth.rytov_spherical = rytov_spherical(nodes, wavelength_m);
+  truth.beam_radius_m = truth.long_term_m = truth.short_term_m = beam_radius_m(lidar.pulse, shot.half_divergence_rad, length);
+  if (!(truth.rytov_plane > 0)) return truth;  // no turbulence on the way
+  truth.fried_m = fried_at_start_m(nodes, wavelength_m), truth.isoplanatic_rad = isoplanatic_angle_rad(nodes, wavelength_m);
+  truth.long_term_m = long_term_radius_m(nodes, wavelength_m, truth.beam_radius_m);
+  // A beam from a point is no narrower than diffraction lets it.
+  const double exit_m = lidar.pulse.exit_radius_m > 0 ? lidar.pulse.exit_radius_m
+                        : shot.half_divergence_rad > 0 ? wavelength_m / (M_PI * std::tan(shot.half_divergence_rad)) : 0;
+  truth.wander_sigma_m = wander_sigma_m(nodes, exit_m, shot.half_divergence_rad, turbulence.andrews_wander);
+  const ShortTerm short_term = short_term_radius(truth.long_term_m, truth.wander_sigma_m, truth.beam_radius_m);
+  truth.short_term_m = short_term.radius_m, truth.spread_clamped = short_term.clamped;
+  const double diameter = 2 * lidar.receiver.aperture_radius_m;
+  truth.tilt_sigma_rad = diameter > 0 ? image_tilt_rad(wavelength_m, truth.fried_m, diameter) : 0;
+  truth.blur_fwhm_rad = 0.98 * wavelength_m / truth.fried_m;
+  truth.gamma_gamma = truth.rytov_plane >= 0.3;
+  const double point = gamma_gamma_spherical(truth.rytov_spherical).scintillation_index();  // the variance itself where it is small
+  const auto averaged = [&](double width_m) { return point * aperture_averaging_spherical(2 * M_PI / wavelength_m * width_m * width_m / (4 * length)); };
+  truth.index_down = averaged(2 * truth.short_term_m), truth.index_up = averaged(diameter);
+  truth.index_total = (1 + truth.index_down) * (1 + truth.index_up) - 1;
+  truth.broadening_s2 = broadening_s2(nodes, turbulence.outer_scale_m);
+  truth.correlation_s = turbulence.wind_m_s > 0 ? std::max(truth.short_term_m, truth.fried_m) / turbulence.wind_m_s : 0;
+  warn_where_stretched(lidar, path, truth);
+  return truth;
+}
+
+TurbulenceTruth apply_turbulence(const LidarPlan& plan, double ground_z_m, Shot& shot) {
+  TurbulenceTruth truth = turbulence_statistics(plan, ground_z_m, shot);
+  if (!(truth.rytov_plane > 0)) return truth;
+  const scene::LidarTurbulence& turbulence = plan.lidar.turbulence;
+  const std::uint32_t key = static_cast<std::uint32_t>(shot.pulse), high = static_cast<std::uint32_t>(static_cast<std::uint64_t>(shot.pulse) >> 32);
+  const auto stream = [&](DrawFor purpose) { return Stream(plan.seed, key, high, purpose); };
+  if (turbulence.spread)
+    shot.half_divergence_rad = divergence_for(plan.lidar.pulse, turbulence.wander ? truth.short_term_m : truth.long_term_m, truth.path_m);
+  if (turbulence.wander) {
+    Stream draws = stream(DrawFor::wander);
+    for (double& angle : truth.wander_rad) angle = truth.wander_sigma_m / truth.path_m * draws.normal();
+    tip(shot.exit_axis, shot.exit_u, truth.wander_rad);
+  }
+  if (turbulence.blur) {
+    Stream draws = stream(DrawFor::tilt);
+    for (double& angle : truth.tilt_rad) angle = truth.tilt_sigma_rad * draws.normal();
+    tip(shot.pupil_axis, shot.pupil_u, truth.tilt_rad);
+  }
+  if (turbulence.scintillation) {
+    Stream draws = stream(DrawFor::scintillation);
+    const GammaGamma shape = gamma_gamma_spherical(truth.rytov_spherical);
+    for (const double index : {truth.index_down, truth.index_up}) {
+      const GammaGamma averaged = with_index(shape, index);
+      truth.gain *= draw_irradiance(draws, index, truth.gamma_gamma ? &averaged : nullptr);
+    }
+    shot.gain *= truth.gain;
+  }
+  return truth;
+}
+
+}  // namespace raycube::lidar

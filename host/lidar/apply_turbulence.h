@@ -1,0 +1,42 @@
+// What turbulence does to a shot: a wider beam, a wandering axis, a tilted view, a flickering return.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "host/lidar/lidar_plan.h"
+
+namespace raycube::lidar {
+
+/// Everything that was computed and drawn for a shot; angles rad, lengths m at the path's end.
+struct TurbulenceTruth {
+  double path_m = 0;
+  double rytov_plane = 0, rytov_spherical = 0;      ///< variances
+  double fried_m = 0;                               ///< of the image and the outgoing spot
+  double isoplanatic_rad = 0;
+  double beam_radius_m = 0, long_term_m = 0, short_term_m = 0, wander_sigma_m = 0;
+  bool spread_clamped = false;                      ///< wander took more than all spread: the short-term spot stays the beam's
+  std::array<double, 2> wander_rad{}, tilt_rad{};   ///< drawn, along u and v
+  double tilt_sigma_rad = 0;                        ///< per axis, motion of the image's centroid
+  double blur_fwhm_rad = 0;                         ///< long exposure, 0.98 lambda / r0
+  double index_down = 0, index_up = 0, index_total = 0;  ///< scintillation, averaged over footprint and aperture
+  bool gamma_gamma = false;                         ///< else log-normal
+  double gain = 1;
+  double broadening_s2 = 0;                         ///< temporal, see turbulence.h
+  double correlation_s = 0;                         ///< max(short-term spot, fried) / wind: lines of a shot closer than this share its draws
+  std::vector<std::string> warnings;                ///< where the models are stretched; same text for the same cause
+};
+
+/// Widens half_divergence_rad by the short-term spread (long-term where wander is off), moves exit_axis and exit_u by the wander, pupil_axis
+/// and pupil_u by the tilt (G-tilt, one draw for the whole receiver), multiplies gain by the scintillation of the way down, averaged over
+/// the footprint, and of the way up, averaged over the aperture: index (1 + down)(1 + up) - 1. Log-normal where the plane-wave Rytov variance
+/// is below 0.3, gamma-gamma above. The path runs from the exit along the axis to the height ground_z_m (scene frame), or to the
+/// gate's end when that is nearer or the axis does not point down; heights of the profile count from ground_z_m. Wavelength: the first
+/// line's. Draws are functions of (plan.seed, pulse). Does nothing without turbulence.
+TurbulenceTruth apply_turbulence(const LidarPlan& plan, double ground_z_m, Shot& shot);
+
+/// The same statistics without a draw (wander_rad, tilt_rad 0; gain 1).
+TurbulenceTruth turbulence_statistics(const LidarPlan& plan, double ground_z_m, const Shot& shot);
+
+}  // namespace raycube::lidar
