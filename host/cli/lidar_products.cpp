@@ -28,7 +28,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 constexpr double kDegrees = 180 / M_PI;
 constexpr const char* kPictures[] = {"waveforms.png", "ranges.png", "points.png"};
-constexpr int kDescriptorRoom = 64;  ///< full scales are powers of two: more than enough
+constexpr int kDescriptorRoom = 255;  ///< all LAS has; full scales are powers of two, so that no run needs more
 
 /// Bin width in whole picoseconds, which is all LAS can say; 0: it is not whole.
 std::uint32_t spacing_ps(const scene::LidarGate& gate) {

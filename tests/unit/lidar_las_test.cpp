@@ -5,6 +5,8 @@
 #include <cstring>
 #include <functional>
 
+#include <sys/resource.h>
+
 #include "host/base/error.h"
 #include "host/products/las_reader.h"
 #include "host/products/las_writer.h"
@@ -108,6 +110,36 @@ TEST_CASE("S38: intensities are photo-electrons in the smallest power of two tha
       CHECK(intensity == (i == 2 ? 0 : static_cast<int>(std::lround((i == 0 ? strongest : strongest / 3) / unit))));
     }
   }
+}
+
+TEST_CASE("S38: memory does not depend on the number of points and waveforms") {
+  constexpr int kPoints = 400000;
+  TestFolder folder;
+  base::OutputFile file(folder / "a.las"), packets(folder / "a.part");
+  LasOptions options;
+  options.descriptors = {{16, 64, 1000, 1, 0}};
+  options.internal_packets = options.intensity_from_energy = true;
+  rusage before{}, after{};
+  ::getrusage(RUSAGE_SELF, &before);
+  LasWriter writer(file, &packets, options);
+  const std::vector<std::uint16_t> samples(64, 7);
+  LasPoint p;
+  for (int i = 0; i < kPoints; ++i) {
+    p.packet = writer.add_packet(0, samples);
+    p.x_m = 0.01 * i;
+    p.truth.energy_pe = static_cast<float>(i);
+    writer.add_point(p);
+  }
+  writer.finish(kPoints, 0);
+  ::getrusage(RUSAGE_SELF, &after);
+  CHECK(file.size() > 400000u * (122 + 128));
+  CHECK(after.ru_maxrss - before.ru_maxrss < 24 * 1024);  // kB: two buffers of 4 MB and their growth, of 100 MB written
+  packets.sync();
+  file.publish();
+  const LasInfo info = read_las_info(folder / "a.las");
+  CHECK(info.points == kPoints);
+  CHECK(info.packet_bytes == std::uint64_t{kPoints} * 128);
+  CHECK(info.high[0] == doctest::Approx(0.01 * (kPoints - 1)));
 }
 
 TEST_CASE("S38: a survey without any return is a whole file with its counts") {
