@@ -14,6 +14,7 @@ const std::vector<Case>& all_cases() {
       {"build", "kernels built cold and from the cache, each in a process of its own", run_kernel_build},
       {"integrate", "band integration on synthetic term lists, against the write bandwidth", run_integrate},
       {"check", "first hits on the terrain against Embree (robust) and double, as `raycube check` compares them", run_check},
+      {"lidar", "pulses traced and binned against Embree doing the same; pulses a second with waveforms and echoes", run_lidar},
       {"leaks", "1e8 camera rays and 1e8 rays aimed at edges through closed meshes", run_leaks},
   };
   return cases;

@@ -38,6 +38,7 @@ KernelBuild kernel_build(const Settings&);
 Programs programs_of_run(const std::string& run_json);
 void run_integrate(const Settings&, Report&);
 void run_check(const Settings&, Report&);
+void run_lidar(const Settings&, Report&);
 void run_leaks(const Settings&, Report&);
 
 }  // namespace raycube::bench

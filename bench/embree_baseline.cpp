@@ -1,33 +1,18 @@
 #include "bench/embree_baseline.h"
 
 #include <embree3/rtcore.h>
-#include <immintrin.h>
-
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <limits>
-#include <thread>
 
+#include "bench/pieces.h"
 #include "host/base/error.h"
 
 namespace raycube::bench {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-
-// Work in pieces that threads take in turn, as the OpenCL runtime does.
-template <typename Work>
-void in_parallel(std::size_t count, std::size_t piece, int threads, const Work& work) {
-  std::atomic<std::size_t> next{0};
-  const auto run = [&] {
-    _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);  // as Embree's manual asks
-    _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
-    for (std::size_t begin; (begin = next.fetch_add(piece)) < count;) work(begin, std::min(begin + piece, count));
-  };
-  std::vector<std::jthread> workers;
-  for (int i = 0; i < threads; ++i) workers.emplace_back(run);
-}
 
 void check(RTCDevice device, const char* what) {
   if (const RTCError error = rtcGetDeviceError(device); error != RTC_ERROR_NONE)
@@ -133,6 +118,10 @@ EmbreeBaseline::EmbreeBaseline(const scene::CompiledScene& scene) : impl_(std::m
 }
 
 EmbreeBaseline::~EmbreeBaseline() = default;
+
+RTCSceneTy* EmbreeBaseline::handle() const { return impl_->flat ? impl_->meshes[0] : impl_->top; }
+bool EmbreeBaseline::flat() const { return impl_->flat; }
+std::uint32_t EmbreeBaseline::scene_primitive(std::uint32_t mesh, std::uint32_t primitive) const { return impl_->primitive[mesh][primitive]; }
 
 std::size_t EmbreeBaseline::memory_bytes() const { return static_cast<std::size_t>(impl_->bytes.load()); }
 

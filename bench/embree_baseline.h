@@ -9,6 +9,8 @@
 #include "kernels/shared/structs.h"
 #include "scene_compiler/compiled_scene.h"
 
+struct RTCSceneTy;
+
 namespace raycube::bench {
 
 /// Result of one ray, 8 bytes. Primitive as Embree numbers it until EmbreeBaseline::to_scene() translates.
@@ -54,6 +56,11 @@ class EmbreeBaseline {
   void to_scene(RayResult* results, std::size_t count) const;
   /// Bytes Embree holds for its trees and triangles.
   std::size_t memory_bytes() const;
+
+  /// For others who trace in the same scene: its handle, whether it is one flat mesh, and the scene's number of a mesh's triangle.
+  RTCSceneTy* handle() const;
+  bool flat() const;
+  std::uint32_t scene_primitive(std::uint32_t mesh, std::uint32_t primitive) const;
 
  private:
   struct Impl;

@@ -92,6 +92,8 @@ struct LidarRenderer::State {
   std::map<std::string, std::unique_ptr<Stages>> programs;
   std::string hash;
   double launch_s = 0;
+  std::unique_ptr<BatchBuffers> batch;  ///< of the last render: fresh memory costs a page fault every 4 KiB
+  std::vector<std::size_t> batch_shape;
 };
 
 namespace {
@@ -220,7 +222,13 @@ void LidarRenderer::render(const lidar::LidarPlan& plan, const std::vector<lidar
                                               std::to_string(plan.pixels()) + " pixels, " + std::to_string(plan.lines()) + " lines, " + std::to_string(plan.lidar.gate.bins) +
                                               " bins), found " + std::to_string(budget >> 20) + " MiB; give more --memory, a shorter gate, or sampling = \"receiver\" for arrays");
   const std::size_t owners = std::min(collector.owners(), std::max<std::size_t>(1, std::min(budget, kMostBatchBytes) / bytes));
-  BatchBuffers batch_buffers(s.context, tables, owners, lines, padded_rays, hits);
+  const std::vector<std::size_t> shape{owners, tables.owner_rows, tables.row_floats, std::size_t{tables.multiple}, lines, hits ? padded_rays : 0};
+  if (!s.batch || s.batch_shape != shape) {
+    s.batch.reset();
+    s.batch = std::make_unique<BatchBuffers>(s.context, tables, owners, lines, padded_rays, hits);
+    s.batch_shape = shape;
+  }
+  BatchBuffers& batch_buffers = *s.batch;
 
   std::vector<shared::rc_float4> records;
   for (Batch batch{0, 0}; batch.first < collector.owners(); batch.first += batch.count) {

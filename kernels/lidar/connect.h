@@ -179,21 +179,18 @@ static inline void rc_connect(SceneArrays scene, const LidarTables* t, const Pat
   RC_LINE float phase[16], energy[16];
   RC_LINE int bin[16];
   rc_store16(position - whole, 0, phase);
-  vstore16(convert_int16(whole) + as_int(shot[RC_SHOT_TIME].x), 0, bin);
+  rc_store16(as_float16(convert_int16(whole) + as_int(shot[RC_SHOT_TIME].x)), 0, (float*)bin);
   const int16 near = (RC_RECEIVER ? paths->first_range : range) < settings[RC_SET_MINIMUM_RANGE];
   const uint near_lanes = rc_mask16(near) & lanes;
 
   for (uint line = 0; line < RC_LASER_LINES; ++line) {
-    RC_LINE float rho[16];
-    for (uint k = 0; k < 16u; ++k) rho[k] = t->optics[vertex->surface[k] * RC_LASER_LINES + line].x;
-    float16 scatter = vload16(0, rho) * 0.318309886f;
+    float16 scatter = rc_matter16(t, vertex, line, 0) * 0.318309886f;
 #if RC_GLOSS
     scatter += vload16(0, shine);
 #endif
     scatter *= fmax(facing, 0.0f);
 #if RC_LEAVES
-    for (uint k = 0; k < 16u; ++k) rho[k] = t->optics[vertex->surface[k] * RC_LASER_LINES + line].y;
-    scatter += vload16(0, rho) * 0.318309886f * fmax(-facing, 0.0f);
+    scatter += rc_matter16(t, vertex, line, 1) * 0.318309886f * fmax(-facing, 0.0f);
 #endif
     float16 photons = scatter * geometry * paths->weight[line];
 #if RC_AIR
@@ -205,20 +202,16 @@ static inline void rc_connect(SceneArrays scene, const LidarTables* t, const Pat
     photons = select((float16)(0.0f), photons, rc_bits16(lanes));
     rc_add_float(sums->sum[line][RC_SUM_COLLECTED], rc_lane_sum(photons));
     rc_store16(photons, 0, energy);
-    for (uint left = lanes; left; left &= left - 1u) {
-      const uint k = rc_lowest(left);
-      if (!(energy[k] > 0.0f)) continue;
-      if (near_lanes >> k & 1u) {
-        rc_add_float(sums->sum[line][RC_SUM_NEAR], energy[k]);
-        continue;
-      }
+    const uint sent = rc_mask16(photons > 0.0f);
+    for (uint left = sent & near_lanes; left; left &= left - 1u) rc_add_float(sums->sum[line][RC_SUM_NEAR], energy[rc_lowest(left)]);
 #if RC_OWN_PIXELS > 1
-      const uint pixel = (uint)pixel_lanes[k];
-#else
-      const uint pixel = 0u;
-#endif
+    for (uint left = sent & ~near_lanes; left; left &= left - 1u) {
+      const uint k = rc_lowest(left), pixel = (uint)pixel_lanes[k];
       rc_deposit(t, rows + (size_t)(pixel * RC_LASER_LINES + line) * t->row, sums->sum[line], bin[k], phase[k], energy[k]);
     }
+#else
+    rc_deposit_lanes(t, rows + (size_t)line * t->row, sums->sum[line], sent & ~near_lanes, bin, phase, energy);
+#endif
   }
 }
 

@@ -47,16 +47,6 @@ static inline void rc_end_lanes(Paths16* paths, uint lanes, LidarSums* sums, uin
   paths->live &= ~lanes;
 }
 
-/* Factors of the lanes' surfaces at a line. */
-static inline float16 rc_matter16(const LidarTables* t, const Vertex16* vertex, uint line, uint which) {
-  RC_LINE float value[16];
-  for (uint k = 0; k < 16u; ++k) {
-    global const float* optics = (global const float*)(t->optics + vertex->surface[k] * RC_LASER_LINES + line);
-    value[k] = optics[which];
-  }
-  return vload16(0, value);
-}
-
 /* Splits the energy at the vertices: `kept` stays on its way into the next segment, the rest of `leaving` goes to an entry, the
  * remainder is absorbed. Shares of what arrives. */
 static inline void rc_split_energy(Paths16* paths, uint line, float16 kept, float16 booked, LidarSums* sums, uint entry) {

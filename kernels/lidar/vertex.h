@@ -21,7 +21,8 @@ typedef struct Vertex16 {
 #if RC_CONTINUES || RC_SHADOWS
   Vector16 front, back;     /* m, scene frame: off the surface by its error bound, on the ray's side and behind */
 #endif
-  uint surface[16];
+  uint surface[16];         /* 0 in lanes that met nothing */
+  uint common;              /* the surface of all lanes that met something; RC_NONE: they differ */
 } Vertex16;
 
 static inline Vector16 rc_vector16(float4 v) {
@@ -91,22 +92,28 @@ static inline void rc_meet_instance(global const Instance* placed, const Vector1
 
 /* The vertices of the lanes in `live`. */
 static inline void rc_meet(SceneArrays scene, const Hits16* hits, uint live, const Rays16* rays, Vertex16* vertex) {
-  RC_LINE float corner[9][16];
-  for (uint k = 0; k < 16u; ++k) {
-    global const TriBlock* block = rc_block(scene, hits->primitive[k] / RC_BLOCK);
-    const uint lane = hits->primitive[k] % RC_BLOCK;
+  Vector16 v[3];
+  uint16 surface = 0u;
+  v[0].x = v[0].y = v[0].z = v[1].x = v[1].y = v[1].z = v[2].x = v[2].y = v[2].z = 0.0f;
+  uint surfaces = 0, last = 0;
+  for (uint left = live; left;) {  /* neighbours share triangles */
+    const uint primitive = hits->primitive[rc_lowest(left)], lane = primitive % RC_BLOCK;
+    const int16 same = (vload16(0, hits->primitive) == primitive) & rc_bits16(left);
+    left &= ~rc_mask16(same);
+    global const TriBlock* block = rc_block(scene, primitive / RC_BLOCK);
     global const float* at = (global const float*)block + lane;
     #pragma unroll
-    for (uint c = 0; c < 9u; ++c) corner[c][k] = at[16u * c];
-    vertex->surface[k] = live >> k & 1u ? block->surface[lane] : 0u;
+    for (uint c = 0; c < 3u; ++c) {
+      v[c].x = select(v[c].x, (float16)(at[48u * c]), same);
+      v[c].y = select(v[c].y, (float16)(at[48u * c + 16u]), same);
+      v[c].z = select(v[c].z, (float16)(at[48u * c + 32u]), same);
+    }
+    surfaces += surfaces == 0u || block->surface[lane] != last;
+    last = block->surface[lane];
+    surface = select(surface, (uint16)(last), same);
   }
-  Vector16 v[3];
-  #pragma unroll
-  for (uint c = 0; c < 3u; ++c) {
-    v[c].x = vload16(0, corner[3u * c]);
-    v[c].y = vload16(0, corner[3u * c + 1u]);
-    v[c].z = vload16(0, corner[3u * c + 2u]);
-  }
+  vertex->common = surfaces == 1u ? last : RC_NONE;
+  rc_store16(surface, 0, vertex->surface);
   const Vector16 zero = {0.0f, 0.0f, 0.0f};
   vertex->along = 0.0f;
   vertex->normal = zero;
@@ -132,6 +139,16 @@ static inline void rc_meet(SceneArrays scene, const Hits16* hits, uint live, con
     vertex->back = rc_select_vector16(vertex->back, there, lanes);
 #endif
   }
+}
+
+/* One factor of the lanes' surfaces at a line: reflectance, diffuse or straight transmittance (0, 1, 2). */
+static inline float16 rc_matter16(const LidarTables* t, const Vertex16* vertex, uint line, uint which) {
+  global const float* optics = (global const float*)t->optics;
+  if (vertex->common != RC_NONE)
+    return (float16)(optics[(vertex->common * RC_LASER_LINES + line) * 4u + which]);
+  RC_LINE float value[16];
+  for (uint k = 0; k < 16u; ++k) value[k] = optics[(vertex->surface[k] * RC_LASER_LINES + line) * 4u + which];
+  return vload16(0, value);
 }
 
 #endif

@@ -1,0 +1,36 @@
+// Embree's side of the LIDAR figures: the same sub-rays in coherent packets of 16, the same returns into the same bins.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "bench/embree_baseline.h"
+#include "host/lidar/lidar_plan.h"
+
+namespace raycube::bench {
+
+/// Shots as fp32 rays and what turns a hit into a return; Lambert, monostatic, one line, full overlap, no air.
+struct LidarWork {
+  std::vector<shared::RayGroup> groups;      ///< one a shot: origin, axis, u and v times the tangent of the divergence
+  std::vector<float> a, b;                   ///< sub-rays, shared by all shots
+  std::vector<float> start_m;                ///< one way distance at which each shot's gate begins
+  float bins_per_m = 0;                      ///< of one way distance
+  int bins = 0;
+  float weight = 0;                          ///< photons times aperture over pi, of one sub-ray
+  const std::vector<float>* reflectance = nullptr;  ///< of each surface
+  const lidar::PulseTaps* taps = nullptr;
+};
+
+class LidarBaseline {
+ public:
+  LidarBaseline(const EmbreeBaseline& embree, const scene::CompiledScene& scene);
+  /// rows[shot * bins + bin], cleared first. Traced and binned in one pass over the shots.
+  void run(const LidarWork& work, int threads, float* rows) const;
+
+ private:
+  const EmbreeBaseline& embree_;
+  const scene::CompiledScene& scene_;
+  std::vector<std::vector<std::uint32_t>> surface_;  ///< [mesh][Embree's primitive]
+};
+
+}  // namespace raycube::bench
