@@ -150,13 +150,16 @@ def ranges(figures, points, path):
     if figures["pixels"] > 1:
         columns, rows = figures["columns"], figures["rows"]
         hits = np.bincount(first["source"], minlength=columns * rows).reshape(rows, columns)
-        total = np.bincount(first["source"], range_m, minlength=columns * rows).reshape(rows, columns)
+        # Medians: noise photons of Geiger detectors lie anywhere in the gate.
+        order = np.lexsort((range_m, first["source"]))
+        start = np.concatenate(([0], np.cumsum(hits.ravel())[:-1]))
+        middle = np.minimum(start + (hits.ravel() - 1) // 2, len(order) - 1)
+        median = np.where(hits > 0, range_m[order[middle]].reshape(rows, columns), np.nan)
         axes = figure.subplots(1, 2)
         shots = len(np.unique(pulses))
-        with np.errstate(invalid="ignore"):
-            pictures = [(np.where(hits > 0, total / hits, np.nan), "mean range of the first return, m", "viridis_r"),
-                        (hits / shots, f"first returns per shot ({shots} shots with any)", "magma")]
-        limits = [{}, {"vmin": 0, "vmax": max(1.0, (hits / shots).max())}]
+        pictures = [(median, "median range of the first return, m", "viridis_r"), (hits / shots, f"first returns per shot ({shots} shots with any)", "magma")]
+        low, high = np.nanpercentile(median, [0.5, 99.5])
+        limits = [{"vmin": low, "vmax": high}, {"vmin": 0, "vmax": max(1.0, (hits / shots).max())}]
         for axis, (values, name, colours), limit in zip(axes, pictures, limits):
             shown = axis.imshow(values, cmap=colours, interpolation="nearest", origin="lower", **limit)
             figure.colorbar(shown, ax=axis, label=name, shrink=0.8)
@@ -188,6 +191,10 @@ def cloud(figures, points, path):
     if not len(records):
         return
     x, y, z = points.xyz(records)
+    # A few false alarms far off must not set the frame.
+    frame = np.logical_and.reduce([np.abs(v - np.median(v)) <= 1.3 * np.abs(np.percentile(v, [1, 99]) - np.median(v)).max() + 0.5 for v in (x, y, z)])
+    left_out = len(records) - int(frame.sum())
+    x, y, z, records = x[frame], y[frame], z[frame], records[frame]
     middle = [0.5 * (v.min() + v.max()) for v in (x, y)]
     span = max(np.ptp(x), np.ptp(y), 1e-3)
     low, high = np.percentile(z, [0.5, 99.5])
@@ -196,7 +203,7 @@ def cloud(figures, points, path):
     dim, bright = np.percentile(energy, [1, 99])
     strength = LogNorm(dim, bright) if bright > 20 * dim else Normalize(dim, max(bright, dim * 1.0001))
     figure, axes = plt.subplots(1, 2, figsize=(16, 7.5), layout="constrained", width_ratios=(1, 1.15))
-    size = float(np.clip(3e4 / len(records), 0.15, 30))
+    size = float(np.clip(6e4 / len(records), 0.15, 12))
     order = np.argsort(z)
     shown = axes[0].scatter(x[order], y[order], c=z[order], s=size, lw=0, norm=height, cmap="turbo")
     figure.colorbar(shown, ax=axes[0], label="height, m", shrink=0.85, extend="both")
@@ -210,10 +217,13 @@ def cloud(figures, points, path):
     right, away = a * np.cos(turn) - b * np.sin(turn), a * np.sin(turn) + b * np.cos(turn)
     up = away * np.sin(lift) + (z - low) * np.cos(lift)
     order = np.argsort(-away * np.cos(lift) + (z - low) * np.sin(lift))
-    shown = axes[1].scatter(right[order], up[order], c=energy[order], s=size, lw=0, norm=strength, cmap="magma")
-    figure.colorbar(shown, ax=axes[1], label="energy of the return, photo-electrons", shrink=0.85, extend="both")
+    if bright > 1.01 * dim:
+        shown = axes[1].scatter(right[order], up[order], c=energy[order], s=size, lw=0, norm=strength, cmap="magma")
+        figure.colorbar(shown, ax=axes[1], label="energy of the return, photo-electrons", shrink=0.85, extend="both")
+    else:  # single photons are all alike
+        axes[1].scatter(right[order], up[order], c=z[order], s=size, lw=0, norm=height, cmap="turbo")
     axes[1].set(aspect="equal", title="oblique, from 35 degrees above", xlabel="m", ylabel="m", facecolor="0.75")
-    shown_points = f"{points.count} points" if len(records) == points.count else f"{len(records)} of {points.count} points"
+    shown_points = f"{len(records)} of {points.count} points" + (f", {left_out} far from the rest left out" if left_out else "")
     figure.suptitle(f"{figures['title']}: {shown_points}, {span:.4g} m across")
     figure.savefig(path, dpi=110, format="png")
     plt.close(figure)
