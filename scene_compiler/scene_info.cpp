@@ -31,7 +31,13 @@ SceneInfo scene_info(const CompiledScene& scene) {
   for (const auto& material : scene.materials) {
     const auto& w = material.reflectance.wavelength_um;
     out.materials.push_back({material.name, material.source, w.empty() ? 0 : w.front(),
-                             w.empty() ? 0 : w.back(), w.size(), !material.transmittance.value.empty()});
+                             w.empty() ? 0 : w.back(), w.size(), !material.transmittance.value.empty(),
+                             material.transmission == Material::Transmission::plate, material.gloss_f0 > 0});
+  }
+  for (const auto& volume : scene.volumes) {
+    const auto& w = volume.wavelength_um;
+    const char* shape = volume.shape == Volume::Shape::box ? "box" : volume.shape == Volume::Shape::grid ? "grid" : "plume";
+    out.volumes.push_back({volume.name, shape, volume.gas, w.empty() ? 0 : w.front(), w.empty() ? 0 : w.back(), volume.extinction_per_m > 0});
   }
   // The top tree comes first; finish_top_tree moves every mesh tree behind it.
   const std::uint64_t top_bytes = std::uint64_t{first_mesh_node} * sizeof(shared::BvhNode);
@@ -70,13 +76,18 @@ std::string scene_info_text(const SceneInfo& info) {
     out += fmt::format("  {:<32} {:>9} triangles x {}\n", mesh.name, mesh.triangles, mesh.instances);
   out += "\nmaterials\n";
   for (const auto& m : info.materials)
-    out += fmt::format("  {:<32} {:.3f} .. {:.3f} um, {} points{}{}\n", m.name, m.first_um, m.last_um,
-                       m.points, m.transmits ? ", transmits" : "", m.source.empty() ? "" : "; " + m.source);
+    out += fmt::format("  {:<32} {:.3f} .. {:.3f} um, {} points{}{}{}\n", m.name, m.first_um, m.last_um,
+                       m.points, m.plate ? ", plate" : m.transmits ? ", transmits" : "", m.gloss ? ", gloss" : "",
+                       m.source.empty() ? "" : "; " + m.source);
+  if (!info.volumes.empty()) out += "\nvolumes\n";
+  for (const auto& v : info.volumes)
+    out += fmt::format("  {:<32} {}{}{}\n", v.name, v.shape, v.gas.empty() ? "" : fmt::format(", {} {:.4f} .. {:.4f} um", v.gas, v.first_um, v.last_um),
+                       v.particles ? ", particles" : "");
   return out;
 }
 
 std::string scene_info_json(const SceneInfo& info) {
-  nlohmann::ordered_json meshes = nlohmann::ordered_json::array(), materials = meshes;
+  nlohmann::ordered_json meshes = nlohmann::ordered_json::array(), materials = meshes, volumes = meshes;
   for (const auto& m : info.meshes)
     meshes.push_back({{"name", m.name},
                       {"triangles", m.triangles},
@@ -89,7 +100,11 @@ std::string scene_info_json(const SceneInfo& info) {
                          {"first_um", m.first_um},
                          {"last_um", m.last_um},
                          {"points", m.points},
-                         {"transmits", m.transmits}});
+                         {"transmits", m.transmits},
+                         {"plate", m.plate},
+                         {"gloss", m.gloss}});
+  for (const auto& v : info.volumes)
+    volumes.push_back({{"name", v.name}, {"shape", v.shape}, {"gas", v.gas}, {"first_um", v.first_um}, {"last_um", v.last_um}, {"particles", v.particles}});
   const nlohmann::ordered_json out = {{"content_hash", info.content_hash},
                                       {"origin",
                                        {{"epsg", info.origin.epsg},
@@ -110,7 +125,8 @@ std::string scene_info_json(const SceneInfo& info) {
                                       {"bytes_per_instance", info.bytes_per_instance},
                                       {"block_fill", info.block_fill},
                                       {"meshes", meshes},
-                                      {"materials", materials}};
+                                      {"materials", materials},
+                                      {"volumes", volumes}};
   return out.dump(2) + "\n";
 }
 

@@ -20,6 +20,13 @@ struct MaterialInfo {
   double first_um = 0, last_um = 0;  ///< range of the reflectance curve
   std::size_t points = 0;
   bool transmits = false;
+  bool plate = false, gloss = false;  ///< for pulses
+};
+
+struct VolumeInfo {
+  std::string name, shape, gas;  ///< gas empty: none
+  double first_um = 0, last_um = 0;  ///< range of its cross sections
+  bool particles = false;
 };
 
 struct SceneInfo {
@@ -35,6 +42,7 @@ struct SceneInfo {
   double block_fill = 0;          ///< used lanes over all lanes
   std::vector<MeshInfo> meshes;
   std::vector<MaterialInfo> materials;
+  std::vector<VolumeInfo> volumes;
 };
 
 SceneInfo scene_info(const CompiledScene& scene);

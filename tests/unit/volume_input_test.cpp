@@ -3,6 +3,8 @@
 #include <vector>
 
 #include "scene_compiler/compiled_file.h"
+#include "scene_compiler/option_table.h"
+#include "scene_compiler/scene_info.h"
 #include "scene_compiler/volume_spectrum.h"
 #include "scene_files.h"
 
@@ -10,6 +12,24 @@ using namespace raycube::scene;
 using namespace raycube::scene::testing;
 
 namespace {
+
+/// Keys of the tables under `top` that no test file of `source` sets: each line "key =" or "key =" inside a line counts.
+std::vector<std::string> untested_keys(const std::string& top, const std::vector<std::string>& sources) {
+  std::string text;
+  for (const auto& source : sources) {
+    std::ifstream stream(RAYCUBE_SOURCE_DIR "/tests/unit/" + source);
+    text.append(std::istreambuf_iterator<char>(stream), {});
+  }
+  std::vector<std::string> out;
+  for (const auto& spec : option_keys()) {
+    const bool inside = spec.table == top || spec.table.starts_with(top + ".");
+    const bool table = spec.type == KeyType::table || spec.type == KeyType::tables;
+    const std::string key(spec.key);
+    const bool set = has(text, key + " = ") || (table && (has(text, "[" + sub_path(spec) + "]") || has(text, "{\"" + key + "\"")));
+    if (inside && !set) out.push_back(std::string(spec.table) + "." + key);
+  }
+  return out;
+}
 
 double linear(const Volume& v, double um) {
   const auto after = std::upper_bound(v.wavelength_um.begin(), v.wavelength_um.end(), um);
@@ -105,7 +125,32 @@ wing_per_cm = 10
   CHECK(plume.sigma_z_b == 0.001);
   CHECK(plume.sigma_y_m == 0);
   CHECK(plume.length_m == 400);
+  const std::string info = scene_info_text(scene_info(scene));
+  CHECK_SAYS(info, "box, ch4 3.2258 .. 3.3333 um, particles");
+  CHECK_SAYS(info, "plume, ch4 3.28");
   CHECK(plume.extinction_per_m == 0);
+}
+
+TEST_CASE("volumes: a plume of constant widths, and the classes of Briggs' widths") {
+  const Folder folder;
+  const Volume v = load(folder, volume(std::string(kPlume) + kDust + "sigma_y_m = 10\nsigma_z_m = 5\n")).scene.volumes.at(0);
+  CHECK(v.sigma_y_m == 10);
+  CHECK(v.sigma_z_m == 5);
+  // Open country, 1 km downwind (Briggs 1973): 0.22 / sqrt(1.1) km across for class A, 60 m / sqrt(2.5) up for D.
+  const auto at_km = [&](const std::string& stability) {
+    const Volume p = load(folder, volume(std::string(kPlume) + kDust + "stability = \"" + stability + "\"\n")).scene.volumes.at(0);
+    return std::pair{p.sigma_y_a * 1000 / std::sqrt(1 + p.sigma_y_b * 1000), p.sigma_z_a * 1000 / std::sqrt(1 + p.sigma_z_b * 1000)};
+  };
+  CHECK(at_km("A").first == doctest::Approx(209.762).epsilon(1e-5));
+  CHECK(at_km("A").second == doctest::Approx(200).epsilon(1e-12));
+  CHECK(at_km("C").second == doctest::Approx(80 / std::sqrt(1.2)).epsilon(1e-12));
+  CHECK(at_km("D").second == doctest::Approx(60 / std::sqrt(2.5)).epsilon(1e-12));
+}
+
+TEST_CASE("option table: every key of LIDARs and volumes is set by a test") {
+  for (const auto& key : untested_keys("lidar", {"lidar_options_test.cpp", "lidar_bad_input_test.cpp", "lidar_files.h"})) FAIL_CHECK("no test sets " << key);
+  for (const auto& key : untested_keys("volume", {"volume_input_test.cpp"})) FAIL_CHECK("no test sets " << key);
+  CHECK(untested_keys("terrain", {"volume_input_test.cpp"}).size() > 5);  // the search finds what is not there
 }
 
 TEST_CASE("volumes: a raster gives a layer per band from below, its last row first") {
