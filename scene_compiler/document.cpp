@@ -165,28 +165,33 @@ class Reader {
 
   void read_tables(const KeySpec& spec, const toml::node& node, const File& file, const Where& where,
                    Value& value) {
-    const auto* array = node.as_array();
     const std::string path = sub_path(spec);
-    if (array == nullptr) {
+    const auto add = [&](const toml::table& table) {
+      Record record;
+      record.path = path;
+      record.where = where_of(file, table.source());
+      const std::size_t before = problems_.lines().size();
+      read_table(table, file, path, record);
+      record.sound = problems_.lines().size() == before;
+      value.records.push_back(std::move(record));
+    };
+    const auto* array = node.as_array();
+    // Inside another table one entry may stand alone: line = { ... }.
+    const bool one = node.is_table() && !spec.table.empty();
+    if (array == nullptr && !one) {
       problems_.add(where, "'" + std::string(spec.key) + "' wants an array of tables", type_found(node),
                     "write [[" + path + "]]");
       return;
     }
     value.given = true;
     value.where = where;
+    if (one) return add(*node.as_table());
     for (const auto& item : *array) {
-      if (!item.is_table()) {
+      if (item.is_table())
+        add(*item.as_table());
+      else
         problems_.add(where_of(file, item.source()), "'" + path + "' holds tables only", type_found(item),
                       "write [[" + path + "]]");
-        continue;
-      }
-      Record record;
-      record.path = path;
-      record.where = where_of(file, item.source());
-      const std::size_t before = problems_.lines().size();
-      read_table(*item.as_table(), file, path, record);
-      record.sound = problems_.lines().size() == before;
-      value.records.push_back(std::move(record));
     }
   }
 

@@ -109,7 +109,8 @@ Json key_schema(const KeySpec& spec) {
     case KeyType::table:
       return table_schema(sub_path(spec));
     case KeyType::tables:
-      return {{"type", "array"}, {"items", table_schema(sub_path(spec))}};
+      // One entry inside another table may stand without the array's brackets.
+      return {{"type", spec.table.empty() ? Json("array") : Json::array({"array", "object"})}, {"items", table_schema(sub_path(spec))}};
     case KeyType::path_or_table:
       return {{"anyOf", Json::array({text, table_schema(sub_path(spec))})}};
   }

@@ -325,6 +325,17 @@ TEST_CASE("S27: an array samples from the receiver, a Geiger detector has its ke
   CHECK(l.turbulence.ground_cn2 == 1e-15);
 }
 
+TEST_CASE("S27-S41: the shipped LIDAR scenes that need no generated files load") {
+  const auto dial = load_simulation(RAYCUBE_SOURCE_DIR "/scenes/lidar/pipeline_dial.toml");
+  CHECK(dial.lidars.at(0).pulse.lines.size() == 2);
+  CHECK(dial.scene.volumes.size() == 2);
+  const auto flash = load_simulation(RAYCUBE_SOURCE_DIR "/scenes/lidar/geiger_array.toml");
+  CHECK(flash.lidars.at(0).receiver.columns == 64);
+  CHECK(flash.lidars.at(0).detector.solar_background);  // it has [time]
+  CHECK(dial.notices.empty());
+  CHECK(flash.notices.empty());
+}
+
 TEST_CASE("S27: a trajectory file gives the platform, its clock and the number of pulses") {
   const Folder folder;
   folder.write("t.csv", "time_s,x_m,y_m,z_m,heading_deg\n10,0,0,900,350\n12,0,120,910,10\n");

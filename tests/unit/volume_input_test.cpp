@@ -181,6 +181,14 @@ TEST_CASE("L-09: a Lorentz line in numbers: peak, wing and everything between, t
   for (std::size_t i = 1; i < two.wavelength_um.size(); ++i) REQUIRE(two.wavelength_um[i] > two.wavelength_um[i - 1]);
 }
 
+TEST_CASE("a list of tables inside another table takes a single one too") {
+  const Folder folder;
+  const std::string line = "strength_cm = 2.0e-19, half_width_per_cm = 0.06, center_per_cm = 3038.5";
+  const auto hash = [&](const std::string& lines) { return load(folder, volume(std::string(kPlume) + "gas = \"ch4\"\n" + lines)).scene.content_hash; };
+  CHECK(hash("line = { " + line + " }\n") == hash("line = [{ " + line + " }]\n"));
+  CHECK(hash("line = { " + line + " }\n") == hash(kLine));
+}
+
 TEST_CASE("bad input, volumes: one message per fault") {
   const Folder folder;
   folder.write("c.csv", "wavelength_um,cross_section_cm2\n3.3,1e-20\n3.4,2e-20\n");
