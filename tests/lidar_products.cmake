@@ -16,5 +16,5 @@ add_executable(lidar_run_samples ${CMAKE_CURRENT_LIST_DIR}/support/lidar_run_sam
                ${PROJECT_SOURCE_DIR}/host/cli/lidar_tables.cpp ${PROJECT_SOURCE_DIR}/host/cli/python_chart.cpp)
 target_link_libraries(lidar_run_samples PRIVATE raycube_warnings raycube_lidar_support raycube_products raycube_reference fmt::fmt nlohmann_json::nlohmann_json)
 set_target_properties(lidar_run_samples PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
-add_test(NAME lidar_products COMMAND ${RAYCUBE_TEST_PYTHON} ${CMAKE_CURRENT_LIST_DIR}/cli/lidar_products_test.py $<TARGET_FILE:lidar_run_samples>)
+add_test(NAME lidar_products COMMAND ${RAYCUBE_TEST_PYTHON} ${CMAKE_CURRENT_LIST_DIR}/cli/lidar_products_test.py $<TARGET_FILE:lidar_run_samples> $<TARGET_FILE:raycube>)
 set_tests_properties(lidar_products PROPERTIES LABELS fast ENVIRONMENT RAYCUBE_DATA=${CMAKE_BINARY_DIR}/share/raycube)

@@ -57,6 +57,8 @@ void print_run(Context& context, const std::string& path, const Json& run) {
   const Json image = member("image");
   out << fmt::format("  image         {} samples x {} lines x {} bands, {} samples per pixel\n", text(image, "samples"), text(image, "lines"),
                      text(image, "bands"), text(image, "samples_per_pixel"));
+  if (const Json pulses = member("lidar"); !pulses.empty())
+    out << fmt::format("  pulses        {}, {} without return, {} returns\n", text(pulses, "pulses"), text(pulses, "pulses_without_return"), text(pulses, "returns"));
   out << fmt::format("  device        {} ({})\n", text(member("device"), "name"), text(member("device"), "driver"));
   out << fmt::format("  seed          {}\n  scene         {}\n  digest        {}\n", text(run, "seed"), text(run, "scene_hash"), text(run, "digest"));
   out << fmt::format("  rate          {} rays/s, {} band samples/s\n", text(run, "rays_per_s"), text(run, "band_samples_per_s"));

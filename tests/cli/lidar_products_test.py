@@ -1,5 +1,5 @@
 """What a LIDAR run leaves in its folder: time cube, LAS, waveforms, tables and pictures say the same, and what the geometry says.
-Usage: lidar_products_test.py RUN_SAMPLES (tests/support/lidar_run_samples.cpp: a plane, and a roof 10 m above it)"""
+Usage: lidar_products_test.py RUN_SAMPLES RAYCUBE (tests/support/lidar_run_samples.cpp: a plane, and a roof 10 m above it)"""
 import csv
 import json
 import math
@@ -181,6 +181,8 @@ def main():
         survey(program, folder / "survey")
         flash(program, folder / "flash")
         refusals(program, folder / "flash")
+        said = subprocess.run([sys.argv[2], "info", folder / "survey"], capture_output=True, text=True, check=True).stdout
+        check("pulses        2000, 200 without return, " in said and "returns.las" in said, said)
     print(f"{checks} checks")
 
 

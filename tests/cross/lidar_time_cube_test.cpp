@@ -23,7 +23,7 @@ constexpr int kBins = 333, kPixels = 3, kPulses = 41;
 float value_at(int line, int bin, int band) { return static_cast<float>(line * 1000 + bin) + 0.25f * static_cast<float>(band); }
 }  // namespace
 
-TEST_CASE("S38: a time cube whose number of lines nobody knew before is read by GDAL and by our reader, time axis in the header") {
+TEST_CASE("LIDAR 11.1: a time cube whose number of lines nobody knew before is read by GDAL and by our reader, time axis in the header") {
   TestFolder folder;
   {
     base::OutputSet set(folder.path.string());
@@ -66,7 +66,7 @@ TEST_CASE("S38: a time cube whose number of lines nobody knew before is read by 
   CHECK(reader.read_pixel(7, 300) == std::vector<double>{value_at(7, 300, 0), value_at(7, 300, 1)});
 }
 
-TEST_CASE("S38: tables keep every digit, quote what must be quoted, and leave not-a-number empty") {
+TEST_CASE("LIDAR 11.1: tables keep every digit, quote what must be quoted, and leave not-a-number empty") {
   TestFolder folder;
   {
     base::OutputFile file(folder / "a.csv");
@@ -88,7 +88,7 @@ TEST_CASE("S38: tables keep every digit, quote what must be quoted, and leave no
   CHECK(folder.read("b.csv") == "name,value_m,count\nplain,0.1,-9007199254740993\n\"with \"\"quotes\"\", comma\",,0.1\n");
 }
 
-TEST_CASE("S38: the coordinate system of a LAS file is OGC WKT 1 that GDAL knows as the code it came from") {
+TEST_CASE("L-28: LAS: the coordinate system of a LAS file is OGC WKT 1 that GDAL knows as the code it came from") {
   const std::string wkt = projected_wkt(32618);
   CHECK(wkt.rfind("PROJCS[\"WGS 84 / UTM zone 18N\"", 0) == 0);
   OGRSpatialReference system;

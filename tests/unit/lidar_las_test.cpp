@@ -41,7 +41,7 @@ TEST_CASE("L-28: the waveform direction of a beam 10 degrees off nadir points ba
   CHECK(slower[2] == doctest::Approx(1.49896229e-4 / 1.5).epsilon(1e-7));
 }
 
-TEST_CASE("S38: coordinates beyond 32 bits are an error, never wrapped; the last that fit are kept") {
+TEST_CASE("L-28: LAS: coordinates beyond 32 bits are an error, never wrapped; the last that fit are kept") {
   TestFolder folder;
   base::OutputFile file(folder / "a.las");
   LasOptions options;
@@ -58,7 +58,7 @@ TEST_CASE("S38: coordinates beyond 32 bits are an error, never wrapped; the last
   message_of(base::Fault::input, [&] { writer.add_point(p); });
 }
 
-TEST_CASE("S38: return numbers outside 1 to 15 and above the number of returns are refused") {
+TEST_CASE("L-28: LAS: return numbers outside 1 to 15 and above the number of returns are refused") {
   TestFolder folder;
   base::OutputFile file(folder / "a.las");
   LasWriter writer(file, nullptr, {});
@@ -69,7 +69,7 @@ TEST_CASE("S38: return numbers outside 1 to 15 and above the number of returns a
   }
 }
 
-TEST_CASE("S38: waveforms LAS cannot describe are refused before the run") {
+TEST_CASE("L-28: LAS: waveforms LAS cannot describe are refused before the run") {
   TestFolder folder;
   base::OutputFile file(folder / "a.las"), packets(folder / "a.wdp");
   for (const LasDescriptor& d : {LasDescriptor{12, 10, 1000, 1, 0}, {16, 0, 1000, 1, 0}, {16, 10, 0, 1, 0}, {16, 10, 1000, 0, 0}}) {
@@ -82,7 +82,7 @@ TEST_CASE("S38: waveforms LAS cannot describe are refused before the run") {
   CHECK(message_of(base::Fault::input, [&] { LasWriter(file, &packets, many); }).find("at most 255") != std::string::npos);
 }
 
-TEST_CASE("S38: intensities are photo-electrons in the smallest power of two that fits the strongest; descriptors come as they are needed") {
+TEST_CASE("L-28: LAS: intensities are photo-electrons in the smallest power of two that fits the strongest; descriptors come as they are needed") {
   for (const auto& [strongest, unit] : {std::pair{65535.0f, 1.0}, {65536.0f, 2.0}, {131070.0f, 2.0}, {131071.0f, 4.0}, {1.0f, 1.0 / 32768}, {0.0f, 1.0}}) {
     TestFolder folder;
     base::OutputFile file(folder / "a.las"), packets(folder / "a.wdp");
@@ -112,7 +112,7 @@ TEST_CASE("S38: intensities are photo-electrons in the smallest power of two tha
   }
 }
 
-TEST_CASE("S38: memory does not depend on the number of points and waveforms") {
+TEST_CASE("L-28: LAS: memory does not depend on the number of points and waveforms") {
   constexpr int kPoints = 400000;
   TestFolder folder;
   base::OutputFile file(folder / "a.las"), packets(folder / "a.part");
@@ -142,7 +142,7 @@ TEST_CASE("S38: memory does not depend on the number of points and waveforms") {
   CHECK(info.high[0] == doctest::Approx(0.01 * (kPoints - 1)));
 }
 
-TEST_CASE("S38: a survey without any return is a whole file with its counts") {
+TEST_CASE("L-28: LAS: a survey without any return is a whole file with its counts") {
   TestFolder folder;
   {
     base::OutputFile file(folder / "none.las"), packets(folder / "none.wdp");
