@@ -19,6 +19,13 @@ LIGHT_M_NS = 0.299792458
 TYPES = {1: "u1", 2: "i1", 3: "u2", 4: "i2", 5: "u4", 6: "i4", 7: "u8", 8: "i8", 9: "f4", 10: "f8"}
 
 
+def limits_of(values):
+    """Colour limits that a few per cent of false alarms leave alone."""
+    low, high = np.nanpercentile(values, [5, 95])
+    margin = 0.25 * (high - low) + 1e-3
+    return max(low - margin, np.nanmin(values)), min(high + margin, np.nanmax(values))
+
+
 class Points:
     """A LAS 1.4 file of format 6 or 9, mapped; fields by name, coordinates in metres."""
 
@@ -158,7 +165,7 @@ def ranges(figures, points, path):
         axes = figure.subplots(1, 2)
         shots = len(np.unique(pulses))
         pictures = [(median, "median range of the first return, m", "viridis_r"), (hits / shots, f"first returns per shot ({shots} shots with any)", "magma")]
-        low, high = np.nanpercentile(median, [0.5, 99.5])
+        low, high = limits_of(median)
         limits = [{"vmin": low, "vmax": high}, {"vmin": 0, "vmax": max(1.0, (hits / shots).max())}]
         for axis, (values, name, colours), limit in zip(axes, pictures, limits):
             shown = axis.imshow(values, cmap=colours, interpolation="nearest", origin="lower", **limit)
@@ -171,7 +178,7 @@ def ranges(figures, points, path):
         picture = np.full((row.max() // step + 1, column.max() + 1), np.nan)
         picture[row[keep] // step, column[keep]] = range_m[keep]
         axis = figure.subplots()
-        low, high = np.nanpercentile(picture, [0.5, 99.5])
+        low, high = limits_of(picture)
         shown = axis.imshow(picture, cmap="viridis_r", interpolation="nearest", aspect="auto", origin="lower", vmin=low, vmax=high,
                             extent=(0, picture.shape[1], 0, picture.shape[0] * step))
         figure.colorbar(shown, ax=axis, label="range, m (white: no return)", extend="both")
@@ -197,7 +204,7 @@ def cloud(figures, points, path):
     x, y, z, records = x[frame], y[frame], z[frame], records[frame]
     middle = [0.5 * (v.min() + v.max()) for v in (x, y)]
     span = max(np.ptp(x), np.ptp(y), 1e-3)
-    low, high = np.percentile(z, [0.5, 99.5])
+    low, high = limits_of(z)
     height = Normalize(low, max(high, low + 0.1))
     energy = np.maximum(records["energy_pe"].astype(float), 1e-6)
     dim, bright = np.percentile(energy, [1, 99])
