@@ -41,9 +41,13 @@ struct DeviceTables {
       : samples(upload(context, t.samples, "sub-rays")), exits(upload(context, t.exits, "exits of sub-rays")), gloss(upload(context, t.gloss, "gloss")),
         photons(upload(context, t.photons, "photons")), node_weight(upload(context, t.node_weight, "nodes")), taps(upload(context, t.taps, "pulse")),
         settings(upload(context, t.settings, "settings")), air(upload(context, t.air, "air")), first_node(upload(context, t.first_node, "first nodes")),
+        backscatter(upload(context, t.backscatter, "backscatter of the air")), volume_values(upload(context, t.volumes.values, "grids of volumes")),
+        volume_depth(upload(context, t.volume_depth, "depths of gases")), volumes(upload(context, t.volumes.volumes, "volumes")),
         optics(upload(context, t.optics, "matter")) {}
   cl::Buffer<float> samples, exits, gloss, photons, node_weight, taps, settings, air;
   cl::Buffer<std::uint32_t> first_node;
+  cl::Buffer<float> backscatter, volume_values, volume_depth;
+  cl::Buffer<shared::LidarVolume> volumes;
   cl::Buffer<shared::rc_float4> optics;
 };
 
@@ -53,23 +57,26 @@ struct BatchBuffers {
       : shots(context, owners * RC_SHOT_FLOAT4S, cl::Access::read_only, "records of shots"),
         first(context, owners * t.owner_rows * t.row_floats, cl::Access::read_write, "rows of shots"),
         multiple(context, t.multiple ? owners * t.owner_rows * t.row_floats : 16, cl::Access::read_write, "rows of shots, multiple scattering"),
-        stopped(context, 16, cl::Access::read_write, "shares of rays stopped"),
+        stopped(context, t.way ? owners * lines * t.row_floats : 16, cl::Access::read_write, "shares of rays stopped"),
+        way(context, t.way ? 2 * owners * t.owner_rows * t.row_floats : 16, cl::Access::read_write, "rows of air and particles"),
+        way_sums(context, t.way ? owners * lines * RC_SUM_COUNT * 2 : 2, cl::Access::read_write, "sums of air and particles"),
         ledger(context, owners * lines * RC_LEDGER_COUNT, cl::Access::read_write, "ledger of shots"),
         sums(context, owners * lines * RC_SUM_COUNT * 2, cl::Access::read_write, "sums of shots"),
         counts(context, owners, cl::Access::read_write, "ray counts"),
         hits(context, with_hits ? owners * padded_rays * 2 : 2, cl::Access::read_write, "first hits") {}
   cl::Buffer<shared::rc_float4> shots;
-  cl::Buffer<float> first, multiple, stopped;
+  cl::Buffer<float> first, multiple, stopped, way, way_sums;
   cl::Buffer<std::int64_t> ledger;
   cl::Buffer<float> sums;
   cl::Buffer<std::uint32_t> counts, hits;
 };
 
-struct Stages {
-  Stages(const cl::Context& context, const std::string& options)
-      : program(context, "lidar_shots", kernels::kernel_source("lidar_shots"), options), shots(program, "lidar_shots") {}
+/// One kernel, its own program.
+struct Stage {
+  Stage(const cl::Context& context, const std::string& name, const std::string& options)
+      : program(context, name, kernels::kernel_source(name), options), kernel(program, name) {}
   cl::Program program;
-  cl::Kernel shots;
+  cl::Kernel kernel;
 };
 
 }  // namespace
@@ -78,10 +85,10 @@ struct LidarRenderer::State {
   State(const scene::CompiledScene& scene_, const RenderOptions& options_)
       : scene(scene_), options(options_), context(pick_device(options_)), buffers(context, scene_, options_.page_bytes) {}
 
-  Stages& stages(const std::string& build_options) {
-    auto& entry = programs[build_options];
-    if (!entry) entry = std::make_unique<Stages>(context, build_options);
-    hash = base::sha256_hex(build_options + "\n" + std::string(kernels::kernel_source("lidar_shots")));
+  Stage& stage(const std::string& name, const std::string& build_options) {
+    auto& entry = programs[name + build_options];
+    if (!entry) entry = std::make_unique<Stage>(context, name, build_options);
+    identity += name + build_options + "\n" + std::string(kernels::kernel_source(name));
     return *entry;
   }
 
@@ -89,8 +96,8 @@ struct LidarRenderer::State {
   RenderOptions options;
   cl::Context context;
   SceneBuffers buffers;
-  std::map<std::string, std::unique_ptr<Stages>> programs;
-  std::string hash;
+  std::map<std::string, std::unique_ptr<Stage>> programs;
+  std::string identity;
   double launch_s = 0;
   std::unique_ptr<BatchBuffers> batch;  ///< of the last render: fresh memory costs a page fault every 4 KiB
   std::vector<std::size_t> batch_shape;
@@ -114,6 +121,7 @@ class Collector {
 
   void take(const Batch& batch, BatchBuffers& from) {
     const auto first = from.first.map(false), multiple = from.multiple.map(false), sums = from.sums.map(false);
+    const auto way = from.way.map(false), way_sums = from.way_sums.map(false);
     const auto ledger = from.ledger.map(false);
     const auto counts = from.counts.map(false), hits = from.hits.map(false);
     for (std::size_t i = 0; i < batch.count; ++i) {
@@ -121,7 +129,13 @@ class Collector {
       if (pixel == 0) begin(shots_[shot]);
       copy_rows(first.data(), i, pixel, result_.first);
       if (tables_.multiple) copy_rows(multiple.data(), i, pixel, result_.multiple);
-      add_ledger(ledger.data(), sums.data(), i);
+      if (tables_.way) {
+        if (tables_.air_rows) copy_rows(way.data(), 2 * i, pixel, result_.air);
+        add_rows(way.data(), 2 * i + 1, pixel, result_.first);
+        add_sums(way_sums.data(), i);
+      }
+      add_ledger(ledger.data(), i);
+      add_sums(sums.data(), i);
       result_.rays += counts[i];
       if (hits_) copy_hits(hits.data(), i);
       if (pixel + 1 == owners_of_shot_) finish();
@@ -129,6 +143,8 @@ class Collector {
     from.first.unmap(first);
     from.multiple.unmap(multiple);
     from.sums.unmap(sums);
+    from.way.unmap(way);
+    from.way_sums.unmap(way_sums);
     from.ledger.unmap(ledger);
     from.counts.unmap(counts);
     from.hits.unmap(hits);
@@ -141,6 +157,7 @@ class Collector {
     result_.shot = shot;
     result_.first.resize(floats);
     if (tables_.multiple) result_.multiple.resize(floats);
+    if (tables_.air_rows) result_.air.resize(floats);
     result_.ledger.resize(static_cast<std::size_t>(plan_.lines()));
   }
   void copy_rows(const float* from, std::size_t owner, std::size_t pixel, std::vector<float>& to) const {
@@ -148,25 +165,34 @@ class Collector {
     for (std::size_t row = 0; row < tables_.owner_rows; ++row)
       std::copy_n(from + (owner * tables_.owner_rows + row) * tables_.row_floats + tables_.row_pad, bins, to.data() + (pixel * tables_.owner_rows + row) * bins);
   }
-  void add_ledger(const std::int64_t* ledger, const float* sums, std::size_t owner) {
+  void add_rows(const float* from, std::size_t owner, std::size_t pixel, std::vector<float>& to) const {
+    const auto bins = static_cast<std::size_t>(plan_.lidar.gate.bins);
+    for (std::size_t row = 0; row < tables_.owner_rows; ++row) {
+      const float* at = from + (owner * tables_.owner_rows + row) * tables_.row_floats + tables_.row_pad;
+      for (std::size_t bin = 0; bin < bins; ++bin) to[(pixel * tables_.owner_rows + row) * bins + bin] += at[bin];
+    }
+  }
+  void add_ledger(const std::int64_t* ledger, std::size_t owner) {
     const double unit = std::ldexp(1.0, -RC_LEDGER_BITS) / static_cast<double>(owners_of_shot_);
     for (std::size_t line = 0; line < result_.ledger.size(); ++line) {
-      const std::size_t at = owner * result_.ledger.size() + line;
-      const auto share = [&](int entry) { return unit * static_cast<double>(ledger[at * RC_LEDGER_COUNT + static_cast<std::size_t>(entry)]); };
-      const auto photons = [&](int entry) {
-        const float* sum = sums + 2 * (at * RC_SUM_COUNT + static_cast<std::size_t>(entry));
-        return plan_.photons[line] > 0 ? (static_cast<double>(sum[0]) + sum[1]) / plan_.photons[line] : 0.0;
-      };
+      const std::int64_t* at = ledger + (owner * result_.ledger.size() + line) * RC_LEDGER_COUNT;
       lidar::Ledger& to = result_.ledger[line];
-      to.absorbed += share(RC_LEDGER_ABSORBED);
-      to.air += share(RC_LEDGER_AIR);
-      to.volumes += share(RC_LEDGER_VOLUMES);
-      to.escaped += share(RC_LEDGER_ESCAPED);
-      to.truncated += share(RC_LEDGER_TRUNCATED);
-      to.collected += photons(RC_SUM_COLLECTED);
-      to.early += photons(RC_SUM_EARLY);
-      to.late += photons(RC_SUM_LATE);
-      to.near += photons(RC_SUM_NEAR);
+      to.absorbed += unit * static_cast<double>(at[RC_LEDGER_ABSORBED]);
+      to.air += unit * static_cast<double>(at[RC_LEDGER_AIR]);
+      to.volumes += unit * static_cast<double>(at[RC_LEDGER_VOLUMES]);
+      to.escaped += unit * static_cast<double>(at[RC_LEDGER_ESCAPED]);
+      to.truncated += unit * static_cast<double>(at[RC_LEDGER_TRUNCATED]);
+    }
+  }
+  void add_sums(const float* sums, std::size_t owner) {
+    for (std::size_t line = 0; line < result_.ledger.size(); ++line) {
+      const float* at = sums + 2 * (owner * result_.ledger.size() + line) * RC_SUM_COUNT;
+      const auto share = [&](int entry) { return plan_.photons[line] > 0 ? (static_cast<double>(at[2 * entry]) + at[2 * entry + 1]) / plan_.photons[line] : 0.0; };
+      lidar::Ledger& to = result_.ledger[line];
+      to.collected += share(RC_SUM_COLLECTED);
+      to.early += share(RC_SUM_EARLY);
+      to.late += share(RC_SUM_LATE);
+      to.near += share(RC_SUM_NEAR);
     }
   }
   void copy_hits(const std::uint32_t* hits, std::size_t owner) {
@@ -188,7 +214,7 @@ class Collector {
 };
 
 std::size_t owner_bytes(const LidarTables& tables, std::size_t lines, std::size_t padded_rays, bool hits) {
-  return tables.owner_rows * tables.row_floats * sizeof(float) * (tables.multiple ? 2 : 1) + RC_SHOT_FLOAT4S * sizeof(shared::rc_float4) +
+  return tables.owner_rows * tables.row_floats * sizeof(float) * (1 + (tables.multiple ? 1 : 0) + (tables.way ? 2 : 0)) + (tables.way ? lines * tables.row_floats * sizeof(float) : 0) + RC_SHOT_FLOAT4S * sizeof(shared::rc_float4) +
          lines * (RC_LEDGER_COUNT * 8 + RC_SUM_COUNT * 8) + sizeof(std::uint32_t) + (hits ? padded_rays * 8 : 0);
 }
 
@@ -199,7 +225,7 @@ LidarRenderer::~LidarRenderer() = default;
 LidarRenderer::LidarRenderer(LidarRenderer&&) noexcept = default;
 
 std::string LidarRenderer::device_name() const { return state_->context.device().name(); }
-std::string LidarRenderer::program_hash() const { return state_->hash; }
+std::string LidarRenderer::program_hash() const { return base::sha256_hex(state_->identity); }
 double LidarRenderer::launch_s() const { return state_->launch_s; }
 
 void LidarRenderer::render(const lidar::LidarPlan& plan, const std::vector<lidar::Shot>& shots, const ShotSink& sink, bool hits) {
@@ -208,7 +234,9 @@ void LidarRenderer::render(const lidar::LidarPlan& plan, const std::vector<lidar
   if (shots.empty()) return;
   const LidarTables tables = make_lidar_tables(plan, s.scene);
   const bool apart = std::any_of(shots.begin(), shots.end(), [](const lidar::Shot& shot) { return shot.exit_m != shot.pupil_m; });
-  Stages& stages = s.stages(tables.options + " -DRC_SHADOWS=" + (apart ? "1" : "0") + " -DRC_HITS=" + (hits ? "1" : "0") + " -DRC_STOPPED=0" + s.buffers.options);
+  s.identity.clear();
+  Stage& stage = s.stage("lidar_shots", tables.options + " -DRC_SHADOWS=" + (apart ? "1" : "0") + " -DRC_HITS=" + (hits ? "1" : "0") + s.buffers.options);
+  Stage* air_stage = tables.way ? &s.stage("lidar_air", tables.options) : nullptr;
   const DeviceTables device(s.context, tables);
   Collector collector(plan, tables, shots, sink, hits);
 
@@ -238,13 +266,20 @@ void LidarRenderer::render(const lidar::LidarPlan& plan, const std::vector<lidar
     for (std::size_t i = batch.first; i < batch.first + batch.count; ++i)
       append_owner(plan, s.scene, shots[i / collector.owners_of_shot()], static_cast<int>(i % collector.owners_of_shot()), records);
     batch_buffers.shots.write(records);
-    stages.shots.arguments(s.buffers.nodes, s.buffers.blocks, s.buffers.instances, batch_buffers.shots, device.samples, device.exits, device.optics, device.gloss,
-                           device.photons, device.node_weight, device.first_node, device.air, device.taps, device.settings, batch_buffers.first,
+    stage.kernel.arguments(s.buffers.nodes, s.buffers.blocks, s.buffers.instances, batch_buffers.shots, device.samples, device.exits, device.optics, device.gloss,
+                           device.photons, device.node_weight, device.first_node, device.air, device.volumes, device.volume_values, device.volume_depth, device.taps, device.settings, batch_buffers.first,
                            batch_buffers.multiple, batch_buffers.stopped, batch_buffers.ledger, batch_buffers.sums, batch_buffers.counts, batch_buffers.hits,
                            static_cast<std::uint32_t>(plan.seed), plan.lidar.gate.bins, plan.taps.taps, plan.taps.first, plan.taps.phases);
     s.context.finish();
     const auto start = std::chrono::steady_clock::now();
-    s.context.launch(stages.shots, batch.count);
+    s.context.launch(stage.kernel, batch.count);
+    if (air_stage) {
+      air_stage->kernel.arguments(batch_buffers.shots, device.samples, device.exits, device.photons, device.node_weight, device.first_node, device.air,
+                                  device.backscatter, device.volumes, device.volume_values, device.volume_depth, device.taps, device.settings,
+                                  batch_buffers.stopped, batch_buffers.way, batch_buffers.way_sums, plan.lidar.gate.bins, plan.taps.taps, plan.taps.first,
+                                  plan.taps.phases);
+      s.context.launch(air_stage->kernel, batch.count);
+    }
     s.context.finish();
     s.launch_s += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     collector.take(batch, batch_buffers);

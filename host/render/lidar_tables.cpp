@@ -87,6 +87,21 @@ void fill_air(const lidar::LidarPlan& plan, LidarTables& tables) {
   tables.options += define("RC_AIR", posts ? 1 : 0);
 }
 
+void fill_volumes(const lidar::LidarPlan& plan, const scene::CompiledScene& scene, LidarTables& tables) {
+  tables.volumes = lidar::flatten_volumes(scene.volumes);
+  const std::size_t nodes = plan.nodes.size();
+  bool particles = false;
+  for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
+    particles |= scene.volumes[v].extinction_per_m > 0;
+    for (std::size_t node = 0; node < nodes; ++node)
+      tables.volume_depth.push_back(scene.volumes[v].gas.empty() ? 0.0f : static_cast<float>(lidar::kMoleculesPerPpmM * plan.cross_section_cm2[v * nodes + node]));
+  }
+  for (const double beta : plan.air.backscatter_per_m_sr) tables.backscatter.push_back(static_cast<float>(beta));
+  tables.air_rows = plan.lidar.transport.air_return;
+  tables.way = particles || (tables.air_rows && !tables.backscatter.empty());
+  tables.options += define("RC_VOLUMES", scene.volumes.size()) + define("RC_STOPPED", tables.way ? 1 : 0);
+}
+
 void fill_taps(const lidar::LidarPlan& plan, LidarTables& tables) {
   const lidar::PulseTaps& taps = plan.taps;
   const auto padded = static_cast<std::size_t>(round_up(taps.taps));
@@ -113,6 +128,7 @@ void fill_settings(const lidar::LidarPlan& plan, LidarTables& tables) {
   set(RC_SET_AIR_Z0, plan.air.z0_m);
   set(RC_SET_AIR_DZ, plan.air.dz_m);
   set(RC_SET_AIR_POSTS, plan.air.posts);
+  set(RC_SET_GATE_WAY, lidar.gate.start_s * 299792458.0 / lidar.transport.group_index);
 }
 
 }  // namespace
@@ -147,6 +163,7 @@ LidarTables make_lidar_tables(const lidar::LidarPlan& plan, const scene::Compile
                    define("RC_GAUSSIAN", lidar.pulse.profile == scene::BeamProfile::gaussian ? 1 : 0);
   fill_matter(plan, scene, tables);
   fill_air(plan, tables);
+  fill_volumes(plan, scene, tables);
   fill_taps(plan, tables);
   fill_settings(plan, tables);
   for (const double photons : plan.photons) tables.photons.push_back(static_cast<float>(photons));

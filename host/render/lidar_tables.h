@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "host/lidar/lidar_plan.h"
+#include "host/lidar/volumes.h"
 #include "kernels/shared/structs.h"
 
 namespace raycube::render {
@@ -12,10 +13,13 @@ namespace raycube::render {
 struct LidarTables {
   int chunk = 0;                    ///< rays of a bundle
   bool single = false;              ///< rays are traced one by one
-  std::vector<float> samples, exits, gloss, photons, node_weight, taps, settings;
+  std::vector<float> samples, exits, gloss, photons, node_weight, taps, settings, backscatter, volume_depth;
   std::vector<std::uint32_t> first_node;
   std::vector<shared::rc_float4> optics;
   std::vector<float> air;           ///< pairs
+  lidar::FlatVolumes volumes;
+  bool way = false;                 ///< air or particles send light back on the way: lidar_air runs
+  bool air_rows = false;
   std::string options;              ///< but what depends on the shots
   std::size_t row_floats = 0, row_pad = 0;  ///< of a padded row
   std::size_t owner_rows = 0;       ///< of one order of scattering

@@ -10,7 +10,7 @@
 #define LIDAR_SHOTS_PARAMETERS RC_NODES, RC_BLOCKS, RC_INSTANCES, global const float4* restrict shots, global const float* restrict samples, \
   global const float* restrict exits, global const float4* restrict optics, global const float* restrict gloss, \
   global const float* restrict photons, global const float* restrict node_weight, global const uint* restrict first_node, \
-  global const float2* restrict air, global const float* restrict taps, global const float* restrict settings, \
+  global const float2* restrict air, RC_VOLUME_PARAMETERS, global const float* restrict taps, global const float* restrict settings, \
   global float* restrict first, global float* restrict multiple, global float* restrict stopped, global long* restrict ledger, \
   global float* restrict sums, global uint* restrict counts, global uint* restrict first_hits, uint seed, int bins, int taps_used, int first_tap, int phases
 
@@ -20,7 +20,7 @@ RC_BODY lidar_shots_body(uint owner, LIDAR_SHOTS_PARAMETERS) {
   RC_GATHER_BLOCKS(scene);
   RC_GATHER_INSTANCES(scene);
   const uint row_floats = rc_row_floats((uint)bins);
-  const LidarTables tables = {shots + (size_t)owner * RC_SHOT_FLOAT4S, samples, exits, optics, gloss, photons, node_weight, first_node, air, taps, settings, seed, row_floats, bins, taps_used, first_tap, phases};
+  const LidarTables tables = {shots + (size_t)owner * RC_SHOT_FLOAT4S, samples, exits, optics, gloss, photons, node_weight, first_node, air, volumes, volume_values, volume_depth, taps, settings, seed, row_floats, bins, taps_used, first_tap, phases};
   const LidarTables* t = &tables;
   LidarSums total;
   total.rays = 0;
@@ -118,5 +118,5 @@ RC_BODY lidar_shots_body(uint owner, LIDAR_SHOTS_PARAMETERS) {
 
 kernel void lidar_shots(LIDAR_SHOTS_PARAMETERS) {
   lidar_shots_body((uint)get_group_id(0), RC_PASS_NODES, RC_PASS_BLOCKS, RC_PASS_INSTANCES, shots, samples, exits, optics, gloss, photons,
-                   node_weight, first_node, air, taps, settings, first, multiple, stopped, ledger, sums, counts, first_hits, seed, bins, taps_used, first_tap, phases);
+                   node_weight, first_node, air, volumes, volume_values, volume_depth, taps, settings, first, multiple, stopped, ledger, sums, counts, first_hits, seed, bins, taps_used, first_tap, phases);
 }

@@ -3,9 +3,9 @@
 #define RAYCUBE_KERNELS_LIDAR_CONNECT_H
 
 #include "kernels/geometry/ray_trace.h"
-#include "kernels/lidar/air.h"
 #include "kernels/lidar/deposit.h"
 #include "kernels/lidar/gloss.h"
+#include "kernels/lidar/media.h"
 #include "kernels/lidar/overlap.h"
 #include "kernels/lidar/vertex.h"
 
@@ -17,6 +17,9 @@ typedef struct Paths16 {
   float16 weight[RC_LASER_LINES];     /* photons at the end per (1/sr of the vertex and what follows) */
   float16 depth[RC_LINE_NODES];       /* so far */
   float16 passed[RC_LASER_LINES];     /* transmission of `depth` */
+#if RC_STOPPED
+  float16 open[RC_LASER_LINES];       /* share of the ray that plates let through so far */
+#endif
   long16 energy[RC_LASER_LINES];      /* arriving, for the ledger */
   float16 first_range;                /* m, from the start to the first vertex */
   uint order[16];                     /* scatterings, this one included */
@@ -147,11 +150,19 @@ static inline void rc_connect(SceneArrays scene, const LidarTables* t, const Pat
   }
 #endif
 
-#if RC_AIR
+#if RC_MEDIA
   float16 depth[RC_LINE_NODES];
-  for (uint node = 0; node < RC_LINE_NODES; ++node) depth[node] = paths->depth[node];
-  const float reference_z = shot[RC_SHOT_REFERENCE].z, end_z = reference_z - from_end.z;
-  rc_air_depths(t, (float16)(end_z), reference_z + paths->place.z, range, depth);
+  for (uint node = 0; node < RC_LINE_NODES; ++node) depth[node] = paths->depth[node] * (shadow ? 1.0f : 2.0f);  /* a retraced way is met twice */
+  if (shadow) {
+    const float4 reference = shot[RC_SHOT_REFERENCE];
+#if RC_AIR
+    rc_air_depths(t, (float16)(reference.z - from_end.z), reference.z + paths->place.z, range, depth);
+#endif
+#if RC_VOLUMES
+    const Vector16 outwards = {v.x * inverse, v.y * inverse, v.z * inverse};
+    rc_volume_depths(t, rc_plus16(rc_vector16(reference), paths->place), outwards, range, lanes, depth);
+#endif
+  }
 #endif
 
 #if RC_GLOSS
@@ -193,7 +204,7 @@ static inline void rc_connect(SceneArrays scene, const LidarTables* t, const Pat
     scatter += rc_matter16(t, vertex, line, 1) * 0.318309886f * fmax(-facing, 0.0f);
 #endif
     float16 photons = scatter * geometry * paths->weight[line];
-#if RC_AIR
+#if RC_MEDIA
     photons *= rc_line_transmission(t, line, depth);
 #endif
 #if RC_CONTINUES || RC_SHADOWS

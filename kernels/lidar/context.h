@@ -6,13 +6,13 @@
  *   RC_TAPS_PADDED   taps of the pulse rounded up to 16 (gate and pulse else are arguments: another gate needs no other program)
  *   RC_RAY_COUNT     rays of an owner;  RC_CHUNK: of one bundle (trace_args.h)
  *   RC_BOUNCES       scatterings a path may have
- *   RC_AIR           1: there is air
+ *   RC_AIR           1: there is air;  RC_VOLUMES: number of gas and particle volumes
  *   RC_SINGLE        1: single rays (narrow beams, exits of their own), 0: bundles
  *   RC_EXITS         1: every sub-ray leaves from a place of its own
  *   RC_SHADOWS       1: some shot's ends differ: connections of the first vertex are traced
  *   RC_PLATES, RC_LEAVES, RC_GLOSS   some material has such a thing
  *   RC_OVERLAP       1: vignetting;  RC_GAUSSIAN: profile of the beam (receiver)
- *   RC_STOPPED       1: shares of rays stopped, for the air's return;  RC_HITS 1: first hits are written */
+ *   RC_STOPPED       1: shares of rays stopped, for lidar_air;  RC_HITS 1: first hits are written */
 #ifndef RAYCUBE_KERNELS_LIDAR_CONTEXT_H
 #define RAYCUBE_KERNELS_LIDAR_CONTEXT_H
 
@@ -27,6 +27,7 @@
 #include "kernels/geometry/lanes.h"
 #include "kernels/geometry/scene_arrays.h"
 #include "kernels/lidar/layout.h"
+#include "kernels/shared/structs.h"
 
 #ifndef RC_RECEIVER
 #define RC_RECEIVER 0
@@ -81,6 +82,10 @@
 #ifndef RC_AIR
 #define RC_AIR 0
 #endif
+#ifndef RC_VOLUMES
+#define RC_VOLUMES 0
+#endif
+#define RC_MEDIA (RC_AIR || RC_VOLUMES)
 
 /* Pixels whose rows an owner writes. */
 #define RC_OWN_PIXELS (RC_RECEIVER ? 1 : RC_COLUMNS * RC_ROWS)
@@ -100,11 +105,16 @@ typedef struct LidarTables {
   global const float* node_weight;   /* [node] */
   global const uint* first_node;     /* [line + 1] */
   global const float2* air;          /* [node][post]: depth from post 0, extinction per m of the cell above the post */
+  global const LidarVolume* volumes;
+  global const float* volume_values; /* of grids */
+  global const float* volume_depth;  /* [volume][node]: depth of 1 ppm m of its gas */
   global const float* taps;          /* [phase][RC_TAPS_PADDED] */
   global const float* settings;
   uint seed, row;                    /* row: floats of a padded row */
   int bins, tap_count, first_tap, phases; /* gate and pulse, host/lidar/lidar_plan.h */
 } LidarTables;
+
+#define RC_VOLUME_PARAMETERS global const LidarVolume* restrict volumes, global const float* restrict volume_values, global const float* restrict volume_depth
 
 /* What one owner adds up beside its rows. */
 typedef struct LidarSums {

@@ -38,6 +38,7 @@ enum {
   RC_SET_AIR_Z0,        /* m, first post; spacing, m */
   RC_SET_AIR_DZ,
   RC_SET_AIR_POSTS,
+  RC_SET_GATE_WAY,      /* m, whole way at the start of bin 0 */
   RC_SET_COUNT
 };
 

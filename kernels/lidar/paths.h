@@ -21,16 +21,44 @@ static inline long16 rc_share16(long16 energy, float16 share) {
   return convert_long16(convert_float16(energy) * share);
 }
 
-/* Energy that arrives at the vertices after a segment whose depth has just been added: the air keeps the rest. */
-static inline void rc_pass_segment(const LidarTables* t, Paths16* paths, LidarSums* sums) {
-#if RC_AIR
+/* A segment of the live paths that ends at `to` (relative to Q), with what air and volumes keep of its light. from_z: height of its start. */
+static inline void rc_pass_segment(const LidarTables* t, Paths16* paths, float16 from_z, Vector16 to, Vector16 unit, float16 length, LidarSums* sums) {
+#if RC_MEDIA
   const int16 live = rc_bits16(paths->live);
+  const long16 live_long = convert_long16(live);
+  const Vector16 end = rc_plus16(rc_vector16(t->shot[RC_SHOT_REFERENCE]), to);
+  float16 before[RC_LINE_NODES], of_volumes[RC_LINE_NODES];
+  for (uint node = 0; node < RC_LINE_NODES; ++node) {
+    before[node] = paths->depth[node];
+    of_volumes[node] = 0.0f;
+  }
+#if RC_AIR
+  rc_air_depths(t, from_z, end.z, length, paths->depth);
+#endif
+#if RC_VOLUMES
+  rc_volume_depths(t, end, unit, length, paths->live, of_volumes);
+  for (uint node = 0; node < RC_LINE_NODES; ++node) paths->depth[node] += of_volumes[node];
+#endif
   for (uint line = 0; line < RC_LASER_LINES; ++line) {
     const float16 now = rc_line_transmission(t, line, paths->depth);
     const float16 share = select((float16)(1.0f), clamp(now / fmax(paths->passed[line], 1e-30f), 0.0f, 1.0f), live);
     const long16 left = rc_share16(paths->energy[line], share);
-    sums->ledger[line][RC_LEDGER_AIR] += rc_lane_sum_long(select((long16)(0), paths->energy[line] - left, convert_long16(live)));
-    paths->energy[line] = select(paths->energy[line], left, convert_long16(live));
+    const long16 lost = select((long16)(0), paths->energy[line] - left, live_long);
+#if RC_VOLUMES
+    /* Between air and volumes in the ratio of their depths, node by node. */
+    float16 all = 1e-30f, volumes = 0.0f;
+    for (uint node = t->first_node[line]; node < t->first_node[line + 1u]; ++node) {
+      const float16 both = paths->depth[node] - before[node], taken = t->node_weight[node] * exp(-before[node]) * -expm1(-both);
+      all += taken;
+      volumes += taken * select((float16)(0.0f), clamp(of_volumes[node] / fmax(both, 1e-30f), 0.0f, 1.0f), both > 0.0f);
+    }
+    const long16 in_volumes = rc_share16(lost, clamp(volumes / all, 0.0f, 1.0f));
+    sums->ledger[line][RC_LEDGER_VOLUMES] += rc_lane_sum_long(in_volumes);
+    sums->ledger[line][RC_LEDGER_AIR] += rc_lane_sum_long(lost - in_volumes);
+#else
+    sums->ledger[line][RC_LEDGER_AIR] += rc_lane_sum_long(lost);
+#endif
+    paths->energy[line] = select(paths->energy[line], left, live_long);
     paths->passed[line] = now;
   }
 #endif
@@ -163,14 +191,40 @@ __attribute__((noinline)) static void rc_scatter_on(SceneArrays scene, const Lid
     const int16 live = rc_bits16(paths->live);
     const float16 along = select((float16)(0.0f), fmax(vertex.along, 0.0f), live);
     const Vector16 start = rc_minus16(rays.origin, rc_vector16(reference)), place = rc_along16(start, along, rays.direction);
-#if RC_AIR
-    rc_air_depths(t, rays.origin.z, reference.z + place.z, along, paths->depth);
-#endif
     paths->place = rc_select_vector16(paths->place, place, live);
     paths->way = rc_select_vector16(paths->way, rays.direction, live);
     paths->path += along;
-    rc_pass_segment(t, paths, sums);
+    rc_pass_segment(t, paths, rays.origin.z, paths->place, paths->way, along, sums);
     rc_connect(scene, t, paths, &vertex, true, rows, sums);
+  }
+}
+#endif
+
+#if RC_STOPPED
+/* Share of the rays that a surface ends, at its place in time: half-way numbers split it over two bins, so that running sums of the row are
+ * the mean share stopped during each bin. */
+static inline void rc_stop(const LidarTables* t, Paths16* paths, const Vertex16* vertex, global float* stopped) {
+  const float4 from_end = t->shot[RC_SHOT_FROM_END];
+  const Vector16 v = rc_plus16(rc_vector16(from_end), paths->place);
+  const float16 range = sqrt(rc_dot16(v, v)), leg = rc_leg16(range, from_end.w, from_end, paths->place);
+  const float16 position = fma(paths->path + leg, (float16)(t->settings[RC_SET_BINS_PER_M]), (float16)(t->shot[RC_SHOT_TIME].y));
+  RC_LINE float lane[16];
+  rc_store16(clamp(position, -1e9f, 1e9f), 0, lane);
+  const int base = as_int(t->shot[RC_SHOT_TIME].x);
+  for (uint line = 0; line < RC_LASER_LINES; ++line) {
+    RC_LINE float kept[16];
+    rc_store16(paths->open[line], 0, kept);
+    global float* row = stopped + line * t->row;
+    for (uint left = paths->live; left; left &= left - 1u) {
+      const uint k = rc_lowest(left);
+      const float plate = t->optics[vertex->surface[k] * RC_LASER_LINES + line].z, ends = kept[k] * (1.0f - plate) / (float)RC_RAY_COUNT;
+      kept[k] *= plate;
+      const float whole = floor(lane[k]), part = lane[k] - whole;
+      const int bin = clamp(base + (int)whole, -RC_ROW_PAD, t->bins + RC_ROW_PAD), slot = bin + RC_ROW_PAD;
+      if (slot < (int)t->row) row[slot] += ends * (1.0f - part);
+      if (slot + 1 < (int)t->row) row[slot + 1] += ends * part;
+    }
+    paths->open[line] = vload16(0, kept);
   }
 }
 #endif
@@ -212,6 +266,9 @@ static inline void rc_follow_word(SceneArrays scene, const LidarTables* t, float
   for (uint line = 0; line < RC_LASER_LINES; ++line) {
     paths.weight[line] = weight * t->photons[line];
     paths.passed[line] = 1.0f;
+#if RC_STOPPED
+    paths.open[line] = 1.0f;
+#endif
     RC_LINE long energy[16];
     const long unit = (1l << RC_LEDGER_BITS) / RC_RAY_COUNT, rest = (1l << RC_LEDGER_BITS) - unit * RC_RAY_COUNT;
     for (uint k = 0; k < 16u; ++k) energy[k] = unit + (first_ray + k < (uint)rest ? 1l : 0l);
@@ -227,6 +284,8 @@ static inline void rc_follow_word(SceneArrays scene, const LidarTables* t, float
   for (uint line = 0; line < RC_LASER_LINES; ++line) gone[line] = 1.0f;
 #endif
 
+  for (uint node = 0; node < RC_LINE_NODES; ++node) paths.depth[node] = 0.0f;
+  float16 begins_z = (reference.z - from_start.z) + leaves.z, reached = 0.0f;  /* where the piece of the ray in question begins */
   for (uint crossing = 0;; ++crossing) {
     uint missed = 0;
     for (uint k = 0; k < 16u; ++k) missed |= hits->instance[k] == RC_NONE ? 1u << k : 0u;
@@ -243,11 +302,9 @@ static inline void rc_follow_word(SceneArrays scene, const LidarTables* t, float
     rc_end_lanes(&paths, rc_mask16(range > t->settings[RC_SET_RANGE_LIMIT]) & paths.live, sums, RC_LEDGER_ESCAPED);
     if (!paths.live) return;
     paths.path = rc_leg16(range, from_start.w, from_start, travelled);
-#if RC_AIR
-    for (uint node = 0; node < RC_LINE_NODES; ++node) paths.depth[node] = 0.0f;
-    rc_air_depths(t, (float16)(reference.z - from_start.z) + leaves.z, reference.z + paths.place.z, range, paths.depth);
-#endif
-    rc_pass_segment(t, &paths, sums);
+    rc_pass_segment(t, &paths, begins_z, paths.place, paths.way, range - reached, sums);
+    begins_z = reference.z + paths.place.z;
+    reached = range;
     const bool apart = shot[RC_SHOT_AXIS].w == 0.0f;
 #if RC_PLATES
     Paths16 back = paths;
@@ -284,6 +341,9 @@ static inline void rc_follow_word(SceneArrays scene, const LidarTables* t, float
       gone[line] *= plate;
 #endif
     }
+#if RC_STOPPED
+    rc_stop(t, &paths, &vertex, stopped);
+#endif
 #if RC_BOUNCES > 1
     rc_scatter_on(scene, t, &scattered, &vertex, first_ray, multiple, sums);
 #endif

@@ -33,9 +33,10 @@ foreach(packed IN ITEMS
     "trace.cl -DRC_SKY_QUADS=2 -DRC_BUNDLE=0" "probe_structs.cl -" "trace.cl -DRC_SCATTER=0" "trace.cl -DRC_SCATTER=1"
     "trace.cl -DRC_SAMPLER=2 -DRC_SUPPORT=1.5f" "trace.cl -DRC_MOVING=1 -DRC_GROUP_PIXELS=1" "trace.cl -DRC_BUNDLE=0"
     "trace.cl -DRC_SCATTER=0 -DRC_NODE_PAGES=2 -DRC_NODE_SHIFT=12 -DRC_BLOCK_PAGES=8 -DRC_BLOCK_SHIFT=10 -DRC_INSTANCE_PAGES=3 -DRC_INSTANCE_SHIFT=0"
-    "lidar_shots.cl -DRC_STACK=96" "lidar_shots.cl -DRC_STOPPED=1 -DRC_COLUMNS=4 -DRC_ROWS=2 -DRC_NODE_PAGES=2 -DRC_NODE_SHIFT=4"
+    "lidar_shots.cl -DRC_STACK=96" "lidar_air.cl -" "lidar_air.cl -DRC_AIR=1 -DRC_VOLUMES=2 -DRC_SINGLE=1 -DRC_EXITS=1 -DRC_LASER_LINES=2 -DRC_LINE_NODES=8"
+    "lidar_air.cl -DRC_RECEIVER=1 -DRC_AIR=1" "lidar_air.cl -DRC_COLUMNS=4 -DRC_ROWS=2 -DRC_AIR=1 -DRC_GAUSSIAN=0" "lidar_shots.cl -DRC_STOPPED=1 -DRC_COLUMNS=4 -DRC_ROWS=2 -DRC_NODE_PAGES=2 -DRC_NODE_SHIFT=4"
     "lidar_shots.cl -DRC_RECEIVER=1 -DRC_PLATES=1 -DRC_SHADOWS=1" "lidar_shots.cl -DRC_RECEIVER=1 -DRC_GAUSSIAN=0 -DRC_BOUNCES=2"
-    "lidar_shots.cl -DRC_BOUNCES=3 -DRC_AIR=1 -DRC_LASER_LINES=2 -DRC_LINE_NODES=8 -DRC_PLATES=1 -DRC_LEAVES=1 -DRC_GLOSS=1 -DRC_SINGLE=1 -DRC_EXITS=1 -DRC_HITS=1 -DRC_SHADOWS=1"
+    "lidar_shots.cl -DRC_BOUNCES=3 -DRC_AIR=1 -DRC_VOLUMES=1 -DRC_STOPPED=1 -DRC_LASER_LINES=2 -DRC_LINE_NODES=8 -DRC_PLATES=1 -DRC_LEAVES=1 -DRC_GLOSS=1 -DRC_SINGLE=1 -DRC_EXITS=1 -DRC_HITS=1 -DRC_SHADOWS=1"
     "rows.cl 0 -DRC_BLOCK_PAGES=7 -DRC_BLOCK_SHIFT=28 -DRC_SURFACE_PAGES=8 -DRC_SURFACE_SHIFT=15")
   separate_arguments(words UNIX_COMMAND "${packed}")
   list(POP_FRONT words entry)
@@ -44,7 +45,7 @@ foreach(packed IN ITEMS
     list(APPEND words ${rows} -DRC_CHUNKED=${chunked})
   elseif(entry STREQUAL "trace.cl")
     list(APPEND words -DRC_STACK=92)
-  elseif(entry STREQUAL "lidar_shots.cl")
+  elseif(entry MATCHES "lidar_")
     list(APPEND words -DRC_TAPS_PADDED=32)
   else()
     set(words "")

@@ -1,0 +1,131 @@
+/* How much of a beam's light, spread over its sub-rays, reaches the end from a distance along the owner's middle ray. */
+#ifndef RAYCUBE_KERNELS_LIDAR_BEAM_H
+#define RAYCUBE_KERNELS_LIDAR_BEAM_H
+
+#include "kernels/geometry/surface_point.h"
+#include "kernels/lidar/overlap.h"
+
+#define RC_POSTS 256       /* places along the ray where the mean over sub-rays is taken */
+
+/* Middle ray and the other end. */
+typedef struct Beam {
+  float4 start, way, apart;  /* m; unit; start - end */
+  float stretch;             /* length of the record's direction */
+  float squared, along;      /* of apart, and along the way */
+} Beam;
+
+static inline Beam rc_beam(const LidarTables* t) {
+  global const float4* shot = t->shot;
+  Beam beam;
+  const float4 axis = (float4)(shot[RC_SHOT_AXIS].xyz, 0.0f), from_start = (float4)(shot[RC_SHOT_FROM_START].xyz, 0.0f), from_end = (float4)(shot[RC_SHOT_FROM_END].xyz, 0.0f);
+  beam.stretch = length(axis);
+  beam.way = axis / beam.stretch;
+  beam.start = (float4)(shot[RC_SHOT_REFERENCE].xyz, 0.0f) - from_start;
+  beam.apart = shot[RC_SHOT_AXIS].w == 1.0f ? (float4)(0.0f) : from_end - from_start;
+  beam.squared = dot(beam.apart, beam.apart);
+  beam.along = dot(beam.apart, beam.way);
+  return beam;
+}
+
+/* Distance from the start at which the whole way, to the ray and on to the end, has a length: s + |P(s) - end| = whole. */
+static inline float16 rc_beam_distance(const Beam* beam, float16 whole) {
+  const float16 more = 2.0f * (whole + beam->along);
+  return select((float16)(0.0f), fma(whole, whole, (float16)(-beam->squared)) / more, (whole * whole > beam->squared) & (more > 0.0f));
+}
+
+static inline float16 rc_dot_axis(Vector16 v, float4 axis) {
+  return fma((float16)(axis.x), v.x, fma((float16)(axis.y), v.y, axis.z * v.z));
+}
+
+/* What 16 rays (a, b) bring to the end from distance s along their owner's axis, times the square of the middle ray's distance to the
+ * end; to pixel `pixel`. transmitter: cos(psi) eta / R^2; receiver: cos^4(psi) F / cos. */
+static inline float16 rc_beam_rays(const LidarTables* t, const Beam* beam, float s, float16 a, float16 b, Vector16 leaves, float pixel) {
+  global const float4* shot = t->shot;
+  const float4 axis = shot[RC_SHOT_END_AXIS], middle = beam->apart + s * beam->way, whole = beam->way * beam->stretch, du = shot[RC_SHOT_DU], dv = shot[RC_SHOT_DV];
+  const float norm = dot(middle, middle);
+  const Vector16 d = {fma(a, (float16)(du.x), fma(b, (float16)(dv.x), (float16)(whole.x))), fma(a, (float16)(du.y), fma(b, (float16)(dv.y), (float16)(whole.y))),
+                      fma(a, (float16)(du.z), fma(b, (float16)(dv.z), (float16)(whole.z)))};
+  const float16 unit = rsqrt(d.x * d.x + d.y * d.y + d.z * d.z), far = s * unit;
+  const Vector16 v = {fma(far, d.x, leaves.x + beam->apart.x), fma(far, d.y, leaves.y + beam->apart.y), fma(far, d.z, leaves.z + beam->apart.z)};
+  const float16 square = fmax(rc_dot16(v, v), 1e-30f), deep = rc_dot_axis(v, axis), cosine = deep * rsqrt(square);
+  const int16 ahead = deep > 0.0f;
+#if RC_RECEIVER || (RC_COLUMNS * RC_ROWS == 1 && RC_OVERLAP)
+  const Vector16 beside = {fma(-deep, (float16)(axis.x), v.x), fma(-deep, (float16)(axis.y), v.y), fma(-deep, (float16)(axis.z), v.z)};
+  const float16 aside = rc_dot16(beside, beside);
+#endif
+#if RC_RECEIVER
+  const float16 off = rc_dot_axis(d, shot[RC_SHOT_START_AXIS]) * unit, spread = deep * shot[RC_SHOT_END_U].w;
+#if RC_GAUSSIAN
+  const float16 spot = fmax(fma(spread, spread, (float16)(axis.w * axis.w)), 1e-30f), fluence = 0.636619772f / spot * exp(-2.0f * aside / spot);
+#else
+  const float16 radius = spread + axis.w, fluence = select((float16)(0.0f), 0.318309886f / fmax(radius * radius, 1e-30f), aside <= radius * radius);
+#endif
+  return select((float16)(0.0f), off * off * off * off * fluence / fmax(cosine, 1e-6f) * norm, ahead);
+#else
+  int16 seen = ahead;
+  float16 share = cosine * norm / square;
+#if RC_COLUMNS * RC_ROWS > 1
+  const float16 step = 1.0f / (fmax(deep, 1e-30f) * t->settings[RC_SET_PITCH]);
+  const float16 column = floor(fma(rc_dot_axis(v, shot[RC_SHOT_END_U]), step, (float16)(0.5f * (float)RC_COLUMNS)));
+  const float16 row = floor(fma(rc_dot_axis(v, shot[RC_SHOT_END_V]), step, (float16)(0.5f * (float)RC_ROWS)));
+  seen &= (column >= 0.0f) & (column < (float)RC_COLUMNS) & (fma(row, (float16)((float)RC_COLUMNS), column) == pixel);
+#elif RC_OVERLAP
+  RC_LINE float lane[3][16];
+  rc_store16(deep, 0, lane[0]);
+  rc_store16(sqrt(aside), 0, lane[1]);
+  for (uint k = 0; k < 16u; ++k) lane[2][k] = lane[0][k] > 0.0f ? rc_vignetting(t->settings, lane[0][k], lane[1][k]) : 0.0f;
+  share *= vload16(0, lane[2]);
+#endif
+  return select((float16)(0.0f), share, seen);
+#endif
+}
+
+/* Word of 16 sub-rays, in either form of the table; see lidar_shots. INFINITY: none. */
+static inline void rc_beam_word(const LidarTables* t, uint word, float16* a, float16* b) {
+#if RC_SINGLE
+  *a = vload16(2u * word, t->samples);
+  *b = vload16(2u * word + 1u, t->samples);
+#else
+  const uint slots = (RC_CHUNK + 15u) / 16u * 16u, bounds = (slots / 16u + 15u) / 16u * 16u, words = slots / 16u;
+  global const float* at = t->samples + (size_t)(word / words) * (2u * slots + 4u * bounds) + word % words * 16u;
+  *a = vload16(0, at);
+  *b = vload16(0, at + slots);
+#endif
+}
+
+/* Sum over all rays at one distance. */
+static inline float rc_beam_sum(const LidarTables* t, const Beam* beam, float s, float pixel) {
+#if !RC_RECEIVER && RC_COLUMNS * RC_ROWS == 1
+  /* All of the beam well inside the stop, or no stop: the middle ray speaks for all. */
+  const float4 axis = (float4)(t->shot[RC_SHOT_END_AXIS].xyz, 0.0f), v = beam->apart + s * beam->way;
+  const float deep = dot(v, axis), square = dot(v, v);
+  if (!(deep > 0.0f)) return 0.0f;
+#if RC_OVERLAP
+  const float4 beside = v - deep * axis;
+  const float reach = 0.75f * RC_SUPPORT * s * length(t->shot[RC_SHOT_DU].xyz) + (RC_EXITS ? 2.5f * length(t->shot[RC_SHOT_EXIT_U].xyz) : 0.0f);
+  const float blur = fabs(1.0f / deep - t->settings[RC_SET_FOCUS]) * t->settings[RC_SET_PUPIL];
+  if ((length(beside.xyz) + reach) / deep + blur < t->settings[RC_SET_HALF_FOV])
+#endif
+    return deep * rsqrt(square) * (float)RC_RAY_COUNT;
+#endif
+  float16 sum = 0.0f;
+  for (uint word = 0; word < (RC_RAY_COUNT + 15u) / 16u; ++word) {
+    float16 a, b;
+    rc_beam_word(t, word, &a, &b);
+    const int16 exists = a < INFINITY;
+    Vector16 leaves = {0.0f, 0.0f, 0.0f};
+#if RC_EXITS
+    const float4 eu = t->shot[RC_SHOT_EXIT_U], ev = t->shot[RC_SHOT_EXIT_V];
+    const float16 ea = vload16(word, t->exits), eb = vload16(word, t->exits + (RC_RAY_COUNT + 15) / 16 * 16);
+    leaves.x = fma(ea, (float16)(eu.x), eb * ev.x);
+    leaves.y = fma(ea, (float16)(eu.y), eb * ev.y);
+    leaves.z = fma(ea, (float16)(eu.z), eb * ev.z);
+#endif
+    a = select((float16)(0.0f), a, exists);
+    b = select((float16)(0.0f), b, exists);
+    sum += select((float16)(0.0f), rc_beam_rays(t, beam, s, a, b, leaves, pixel), exists);
+  }
+  return rc_lane_sum(sum);
+}
+
+#endif
