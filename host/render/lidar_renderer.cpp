@@ -120,37 +120,41 @@ class Collector {
   std::size_t owners_of_shot() const { return owners_of_shot_; }
 
   void take(const Batch& batch, BatchBuffers& from) {
-    const auto first = from.first.map(false), multiple = from.multiple.map(false), sums = from.sums.map(false);
-    const auto way = from.way.map(false), way_sums = from.way_sums.map(false);
-    const auto ledger = from.ledger.map(false);
-    const auto counts = from.counts.map(false), hits = from.hits.map(false);
+    const auto lines = static_cast<std::size_t>(plan_.lines()), rows = batch.count * tables_.owner_rows * tables_.row_floats;
+    read(from.first, rows, first_);
+    read(from.ledger, batch.count * lines * RC_LEDGER_COUNT, ledger_);
+    read(from.sums, batch.count * lines * RC_SUM_COUNT * 2, sums_);
+    read(from.counts, batch.count, counts_);
+    if (tables_.multiple) read(from.multiple, rows, multiple_);
+    if (tables_.way) {
+      read(from.way, 2 * rows, way_);
+      read(from.way_sums, batch.count * lines * RC_SUM_COUNT * 2, way_sums_);
+    }
+    if (hits_) read(from.hits, batch.count * ((plan_.footprint.a.size() + 15) / 16 * 16) * 2, first_hits_);
     for (std::size_t i = 0; i < batch.count; ++i) {
       const std::size_t owner = batch.first + i, shot = owner / owners_of_shot_, pixel = owner % owners_of_shot_;
       if (pixel == 0) begin(shots_[shot]);
-      copy_rows(first.data(), i, pixel, result_.first);
-      if (tables_.multiple) copy_rows(multiple.data(), i, pixel, result_.multiple);
+      copy_rows(first_.data(), i, pixel, result_.first);
+      if (tables_.multiple) copy_rows(multiple_.data(), i, pixel, result_.multiple);
       if (tables_.way) {
-        if (tables_.air_rows) copy_rows(way.data(), 2 * i, pixel, result_.air);
-        add_rows(way.data(), 2 * i + 1, pixel, result_.first);
-        add_sums(way_sums.data(), i);
+        if (tables_.air_rows) copy_rows(way_.data(), 2 * i, pixel, result_.air);
+        add_rows(way_.data(), 2 * i + 1, pixel, result_.first);
+        add_sums(way_sums_.data(), i);
       }
-      add_ledger(ledger.data(), i);
-      add_sums(sums.data(), i);
-      result_.rays += counts[i];
-      if (hits_) copy_hits(hits.data(), i);
+      add_ledger(ledger_.data(), i);
+      add_sums(sums_.data(), i);
+      result_.rays += counts_[i];
+      if (hits_) copy_hits(first_hits_.data(), i);
       if (pixel + 1 == owners_of_shot_) finish();
     }
-    from.first.unmap(first);
-    from.multiple.unmap(multiple);
-    from.sums.unmap(sums);
-    from.way.unmap(way);
-    from.way_sums.unmap(way_sums);
-    from.ledger.unmap(ledger);
-    from.counts.unmap(counts);
-    from.hits.unmap(hits);
   }
 
  private:
+  template <class T>
+  static void read(const cl::Buffer<T>& from, std::size_t count, std::vector<T>& to) {
+    to.resize(count);
+    from.read(to);
+  }
   void begin(const lidar::Shot& shot) {
     const std::size_t floats = static_cast<std::size_t>(plan_.pixels()) * plan_.lines() * plan_.lidar.gate.bins;
     result_ = {};
@@ -211,6 +215,9 @@ class Collector {
   bool hits_, receiver_;
   std::size_t owners_of_shot_;
   lidar::ShotResult result_;
+  std::vector<float> first_, multiple_, way_, sums_, way_sums_;  ///< of a batch, on the host
+  std::vector<std::int64_t> ledger_;
+  std::vector<std::uint32_t> counts_, first_hits_;
 };
 
 std::size_t owner_bytes(const LidarTables& tables, std::size_t lines, std::size_t padded_rays, bool hits) {
