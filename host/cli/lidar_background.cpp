@@ -27,7 +27,7 @@ scene::Instrument field_camera(const lidar::LidarPlan& plan, int pixels, int lin
   const scene::LidarReceiver& receiver = plan.lidar.receiver;
   scene::Instrument camera;
   camera.name = plan.lidar.name;
-  camera.kind = plan.pixels() > 1 ? scene::InstrumentKind::framing : scene::InstrumentKind::whiskbroom;
+  camera.kind = plan.pixels() > 1 ? scene::InstrumentKind::framing : scene::InstrumentKind::pushbroom;
   camera.pixels = pixels, camera.lines = lines;
   camera.ifov_along_rad = camera.ifov_across_rad =
       plan.pixels() > 1 ? receiver.pixel_pitch_rad : std::sqrt(std::numbers::pi) * std::max(receiver.half_fov_rad, 1e-9);
@@ -102,7 +102,7 @@ std::vector<std::vector<double>> LidarBackground::rates(const std::vector<lidar:
     }
     return out;
   }
-  scene::Instrument camera = field_camera(s.plan, static_cast<int>(shots.size()), 1);
+  scene::Instrument camera = field_camera(s.plan, 1, static_cast<int>(shots.size()));
   for (const auto& shot : shots) camera.poses.push_back(pose_towards(shot.pupil_m, shot.pupil_axis, shot.pupil_u));
   const auto radiance = s.radiance(camera);
   for (std::size_t i = 0; i < shots.size(); ++i) take(radiance, i, out[i]);

@@ -50,7 +50,12 @@ std::vector<const scene::Instrument*> pick_instruments(const scene::Simulation& 
     if (name.empty() || instrument.name == name) picked.push_back(&instrument);
     known += (known.empty() ? "" : ", ") + instrument.name;
   }
-  if (picked.empty())
+  bool lidar = name.empty() && !simulation.lidars.empty();
+  for (const auto& one : simulation.lidars) {
+    lidar = lidar || one.name == name;
+    known += (known.empty() ? "" : ", ") + one.name;
+  }
+  if (picked.empty() && !lidar)
     throw base::Error(base::Fault::input, simulation.file + ": no instrument is called '" + name + "'; there are: " + known);
   return picked;
 }

@@ -15,7 +15,8 @@ namespace raycube::cli {
 /// Loads the file; notices go to the log. Throws Error(input) with every problem found.
 scene::Simulation load_job(const std::string& file, Context& context);
 
-/// The instruments called `name`, or all when it is empty. Throws Error(input) that lists them when there is none such.
+/// The passive instruments called `name`, or all when it is empty. Throws Error(input) that lists instruments and LIDARs when neither has
+/// one of that name.
 std::vector<const scene::Instrument*> pick_instruments(const scene::Simulation& simulation, const std::string& name);
 
 /// What one instrument's render needs besides the scene.

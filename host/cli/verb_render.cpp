@@ -11,6 +11,8 @@
 #include "host/cl/device.h"
 #include "host/cli/cube_products.h"
 #include "host/cli/dry_run.h"
+#include "host/cli/lidar_job.h"
+#include "host/cli/render_lidar.h"
 #include "host/cli/simulation_job.h"
 
 namespace raycube::cli {
@@ -83,16 +85,24 @@ nlohmann::json render_one(const scene::Simulation& simulation, const InstrumentJ
           {"cube", (folder / "radiance.img").string()}};
 }
 
+std::vector<std::string> names_of(const std::vector<const scene::Instrument*>& instruments, const std::vector<const scene::Lidar*>& lidars) {
+  std::vector<std::string> names;
+  for (const auto* instrument : instruments) names.push_back(instrument->name);
+  for (const auto* lidar : lidars) names.push_back(lidar->name);
+  return names;
+}
+
 int run(const Options& options, Context& context) {
   const auto start = std::chrono::steady_clock::now();
   const scene::Simulation simulation = load_job(options.file, context);
   const double load_s = seconds_since(start);
   const auto instruments = pick_instruments(simulation, options.instrument);
+  const auto lidars = pick_lidars(simulation, options.instrument);
   const std::filesystem::path out = context.common.output.empty() ? "out" : context.common.output;
   const auto settings = render_options(context.common);
   nlohmann::json result = {{"instruments", nlohmann::json::array()}};
   if (!context.common.dry_run)
-    for (const auto* instrument : instruments) check_output_place((out / instrument->name).string(), context.common.overwrite);
+    for (const auto& name : names_of(instruments, lidars)) check_output_place((out / name).string(), context.common.overwrite);
   std::optional<render::Renderer> renderer;
   for (const auto* instrument : instruments) {
     const InstrumentJob job = prepare(simulation, *instrument, context);
@@ -112,15 +122,18 @@ int run(const Options& options, Context& context) {
     result["instruments"].push_back(
         render_one(simulation, job, *renderer, cl::find_device(settings.device).info(), out / instrument->name, load_s, context));
   }
+  for (const auto* lidar : lidars)
+    result["instruments"].push_back(context.common.dry_run ? dry_run_lidar(simulation, *lidar, context)
+                                                           : render_lidar(simulation, *lidar, (out / lidar->name).string(), load_s, context));
   if (context.common.json) {
     context.out << result.dump(2) << "\n";
     return 0;
   }
   for (const auto& item : result["instruments"]) {
     if (context.common.dry_run)
-      context.out << dry_run_text(item);
+      context.out << (item.contains("kind") ? dry_run_lidar_text(item) : dry_run_text(item));
     else
-      context.out << item["cube"].get<std::string>() << "\n";
+      context.out << item[item.contains("cube") ? "cube" : "main"].get<std::string>() << "\n";
   }
   return 0;
 }

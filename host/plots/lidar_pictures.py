@@ -168,7 +168,7 @@ def ranges(figures, points, path):
         low, high = limits_of(median)
         limits = [{"vmin": low, "vmax": high}, {"vmin": 0, "vmax": max(1.0, (hits / shots).max())}]
         for axis, (values, name, colours), limit in zip(axes, pictures, limits):
-            shown = axis.imshow(values, cmap=colours, interpolation="nearest", origin="lower", **limit)
+            shown = axis.imshow(values, cmap=colours, interpolation="nearest", origin="upper", **limit)
             figure.colorbar(shown, ax=axis, label=name, shrink=0.8)
             axis.set(xlabel="column of the array", ylabel="row of the array")
     elif (place := scan_image(figures, pulses)) is not None and place[0].max() > 0:
