@@ -257,7 +257,7 @@ void LidarRenderer::render(const lidar::LidarPlan& plan, const std::vector<lidar
                                               std::to_string(plan.pixels()) + " pixels, " + std::to_string(plan.lines()) + " lines, " + std::to_string(plan.lidar.gate.bins) +
                                               " bins), found " + std::to_string(budget >> 20) + " MiB; give more --memory, a shorter gate, or sampling = \"receiver\" for arrays");
   const std::size_t owners = std::min(collector.owners(), std::max<std::size_t>(1, std::min(budget, kMostBatchBytes) / bytes));
-  const std::vector<std::size_t> shape{owners, tables.owner_rows, tables.row_floats, std::size_t{tables.multiple}, lines, hits ? padded_rays : 0};
+  const std::vector<std::size_t> shape{owners, tables.owner_rows, tables.row_floats, std::size_t{tables.multiple}, std::size_t{tables.way}, lines, hits ? padded_rays : 0};
   if (!s.batch || s.batch_shape != shape) {
     s.batch.reset();
     s.batch = std::make_unique<BatchBuffers>(s.context, tables, owners, lines, padded_rays, hits);
