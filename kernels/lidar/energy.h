@@ -1,0 +1,87 @@
+/* Where the light of 16 paths goes, for the ledger: integers in units of 2^-40 of what an owner emits, so that shares add up exactly. */
+#ifndef RAYCUBE_KERNELS_LIDAR_ENERGY_H
+#define RAYCUBE_KERNELS_LIDAR_ENERGY_H
+
+#include "kernels/lidar/connect.h"
+
+static inline void rc_store_vector16(Vector16 v, float to[3][16]) {
+  rc_store16(v.x, 0, to[0]);
+  rc_store16(v.y, 0, to[1]);
+  rc_store16(v.z, 0, to[2]);
+}
+static inline Vector16 rc_load_vector16(float from[3][16]) {
+  const Vector16 v = {vload16(0, from[0]), vload16(0, from[1]), vload16(0, from[2])};
+  return v;
+}
+static inline float4 rc_lane4(float from[3][16], uint k) { return (float4)(from[0][k], from[1][k], from[2][k], 0.0f); }
+
+static inline long16 rc_share16(long16 energy, float16 share) {
+  return convert_long16(convert_float16(energy) * share);
+}
+
+/* A segment of the live paths that ends at `to` (relative to Q), with what air and volumes keep of its light. from_z: height of its start. */
+static inline void rc_pass_segment(const LidarTables* t, Paths16* paths, float16 from_z, Vector16 to, Vector16 unit, float16 length, LidarSums* sums) {
+#if RC_MEDIA
+  const int16 live = rc_bits16(paths->live);
+  const long16 live_long = convert_long16(live);
+  const Vector16 end = rc_plus16(rc_vector16(t->shot[RC_SHOT_REFERENCE]), to);
+  float16 before[RC_LINE_NODES], of_volumes[RC_LINE_NODES];
+  for (uint node = 0; node < RC_LINE_NODES; ++node) {
+    before[node] = paths->depth[node];
+    of_volumes[node] = 0.0f;
+  }
+#if RC_AIR
+  rc_air_depths(t, from_z, end.z, length, paths->depth);
+#endif
+#if RC_VOLUMES
+  rc_volume_depths(t, end, unit, length, paths->live, of_volumes);
+  for (uint node = 0; node < RC_LINE_NODES; ++node) paths->depth[node] += of_volumes[node];
+#endif
+  for (uint line = 0; line < RC_LASER_LINES; ++line) {
+    const float16 now = rc_line_transmission(t, line, paths->depth);
+    const float16 share = select((float16)(1.0f), clamp(now / fmax(paths->passed[line], 1e-30f), 0.0f, 1.0f), live);
+    const long16 left = rc_share16(paths->energy[line], share);
+    const long16 lost = select((long16)(0), paths->energy[line] - left, live_long);
+#if RC_VOLUMES
+    /* Between air and volumes in the ratio of their depths, node by node. */
+    float16 all = 1e-30f, volumes = 0.0f;
+    for (uint node = t->first_node[line]; node < t->first_node[line + 1u]; ++node) {
+      const float16 both = paths->depth[node] - before[node], taken = t->node_weight[node] * exp(-before[node]) * -expm1(-both);
+      all += taken;
+      volumes += taken * select((float16)(0.0f), clamp(of_volumes[node] / fmax(both, 1e-30f), 0.0f, 1.0f), both > 0.0f);
+    }
+    const long16 in_volumes = rc_share16(lost, clamp(volumes / all, 0.0f, 1.0f));
+    sums->ledger[line][RC_LEDGER_VOLUMES] += rc_lane_sum_long(in_volumes);
+    sums->ledger[line][RC_LEDGER_AIR] += rc_lane_sum_long(lost - in_volumes);
+#else
+    sums->ledger[line][RC_LEDGER_AIR] += rc_lane_sum_long(lost);
+#endif
+    paths->energy[line] = select(paths->energy[line], left, live_long);
+    paths->passed[line] = now;
+  }
+#endif
+}
+
+/* Takes what the lanes hold out of the paths and books it. */
+static inline void rc_end_lanes(Paths16* paths, uint lanes, LidarSums* sums, uint entry) {
+  if (!lanes) return;
+  const long16 take = convert_long16(rc_bits16(lanes));
+  for (uint line = 0; line < RC_LASER_LINES; ++line) {
+    sums->ledger[line][entry] += rc_lane_sum_long(select((long16)(0), paths->energy[line], take));
+    paths->energy[line] = select(paths->energy[line], (long16)(0), take);
+  }
+  paths->live &= ~lanes;
+}
+
+/* Splits the energy at the vertices: `kept` stays on its way into the next segment, the rest of `leaving` goes to an entry, the
+ * remainder is absorbed. Shares of what arrives. */
+static inline void rc_split_energy(Paths16* paths, uint line, float16 kept, float16 booked, LidarSums* sums, uint entry) {
+  const long16 live = convert_long16(rc_bits16(paths->live));
+  const long16 arrives = select((long16)(0), paths->energy[line], live);
+  const long16 stays = rc_share16(arrives, kept), goes = rc_share16(arrives, booked);
+  sums->ledger[line][entry] += rc_lane_sum_long(goes);
+  sums->ledger[line][RC_LEDGER_ABSORBED] += rc_lane_sum_long(arrives - stays - goes);
+  paths->energy[line] = select(paths->energy[line], stays, live);
+}
+
+#endif

@@ -1,0 +1,122 @@
+/* Paths of 16 rays from their first scattering on. */
+#ifndef RAYCUBE_KERNELS_LIDAR_SCATTER_H
+#define RAYCUBE_KERNELS_LIDAR_SCATTER_H
+
+#include "kernels/lidar/energy.h"
+#include "kernels/sampling/lidar_draws.h"
+
+#if RC_CONTINUES
+/* Direction about a normal by the cosine law; see sampling/lidar_draws.h. */
+static inline float4 rc_cosine_direction(float4 n, float u, float v) {
+  const float s = copysign(1.0f, n.z), a = -1.0f / (s + n.z), c = n.x * n.y * a;
+  const float4 t = (float4)(fma(s * n.x * a, n.x, 1.0f), s * c, -s * n.x, 0.0f), b = (float4)(c, fma(n.y * a, n.y, s), -n.y, 0.0f);
+  const float r = sqrt(u), angle = 6.28318531f * v;
+  return r * cos(angle) * t + r * sin(angle) * b + sqrt(1.0f - u) * n;
+}
+#endif
+
+#if RC_BOUNCES > 1
+/* Follows the paths that scattered at their first vertex until they end; deposits at every further one. `first`: number of the
+ * word's first ray. */
+__attribute__((noinline)) static void rc_scatter_on(SceneArrays scene, const LidarTables* t, Paths16* paths, const Vertex16* at, uint first_ray,
+                                                    global float* rows, LidarSums* sums) {
+  const uint key = as_uint(t->shot[RC_SHOT_TIME].z);
+  const float4 reference = t->shot[RC_SHOT_REFERENCE];
+  Vertex16 vertex = *at;
+  for (uint step = 1; paths->live; ++step) {
+    RC_LINE float normal[3][16], front[3][16], back[3][16], way[3][16], from[3][16];
+    RC_LINE float factor[RC_LASER_LINES][16];
+    rc_store_vector16(vertex.normal, normal);
+    rc_store_vector16(vertex.front, front);
+    rc_store_vector16(vertex.back, back);
+    rc_store_vector16(paths->way, way);
+    rc_store_vector16(vertex.front, from);
+    uint ended = 0, straight = 0;
+    Hits16 hits;
+    RC_LINE float reach[16];
+    for (uint k = 0; k < 16u; ++k) {
+      hits.instance[k] = RC_NONE;
+      hits.primitive[k] = 0;
+      reach[k] = 0.0f;
+      for (uint line = 0; line < RC_LASER_LINES; ++line) factor[line][k] = 0.0f;
+      if (!(paths->live >> k & 1u)) continue;
+      float rho = 0.0f, tau = 0.0f, plate = 0.0f;
+      for (uint line = 0; line < RC_LASER_LINES; ++line) {
+        const float4 optics = t->optics[vertex.surface[k] * RC_LASER_LINES + line];
+        rho += optics.x;
+        tau += optics.y;
+        plate += paths->order[k] && step > 1u ? optics.z : 0.0f;  /* at the first vertex the straight part is followed apart */
+      }
+      const bool last = paths->order[k] >= RC_BOUNCES;
+      if (last) rho = tau = 0.0f;
+      const float sum = rho + tau + plate;
+      if (!(sum > 0.0f) || step >= RC_BOUNCES + 64u) {
+        ended |= 1u << k;
+        continue;
+      }
+      const uint ray = first_ray + k;
+      const float lobe = rc_unit_float(rc_hash(t->seed, key, ray, RC_DRAW_LOBE(step))) * sum;
+      float4 direction;
+      if (lobe >= rho + tau && plate > 0.0f) {
+        straight |= 1u << k;
+        direction = rc_lane4(way, k);
+      } else {
+        const float u = rc_unit_float(rc_hash(t->seed, key, ray, RC_DRAW_RADIUS(step))), v = rc_unit_float(rc_hash(t->seed, key, ray, RC_DRAW_ANGLE(step)));
+        const float4 n = rc_lane4(normal, k);
+        direction = rc_cosine_direction(lobe < rho ? n : -n, u, v);
+      }
+      const bool behind = straight >> k & 1u || lobe >= rho;
+      const float chance = (straight >> k & 1u ? plate : behind ? tau : rho) / sum;
+      for (uint line = 0; line < RC_LASER_LINES; ++line) {
+        const float4 optics = t->optics[vertex.surface[k] * RC_LASER_LINES + line];
+        factor[line][k] = (straight >> k & 1u ? optics.z : behind ? optics.y : optics.x) / chance;
+      }
+      const float4 origin = behind ? rc_lane4(back, k) : rc_lane4(front, k);
+      way[0][k] = direction.x;
+      way[1][k] = direction.y;
+      way[2][k] = direction.z;
+      from[0][k] = origin.x;
+      from[1][k] = origin.y;
+      from[2][k] = origin.z;
+      ++sums->rays;
+      const Hit hit = rc_trace_ray(scene, origin, direction, false);
+      hits.instance[k] = hit.instance;
+      if (hit.instance != RC_NONE) hits.primitive[k] = hit.primitive;
+      reach[k] = hit.t;
+    }
+    /* Energy: what can go on, in expectation over the lobes. */
+    for (uint line = 0; line < RC_LASER_LINES; ++line) {
+      RC_LINE float kept[16], booked[16];
+      for (uint k = 0; k < 16u; ++k) {
+        const float4 optics = t->optics[vertex.surface[k] * RC_LASER_LINES + line];
+        const float diffuse = step > 1u ? optics.x + optics.y : 1.0f, plate = step > 1u ? optics.z : 0.0f;  /* first vertex: split by the caller */
+        const bool last = paths->order[k] >= RC_BOUNCES;
+        kept[k] = ended >> k & 1u ? 0.0f : last ? plate : diffuse + plate;
+        booked[k] = ended >> k & 1u ? diffuse + plate : last ? diffuse : 0.0f;
+      }
+      rc_split_energy(paths, line, vload16(0, kept), vload16(0, booked), sums, RC_LEDGER_TRUNCATED);
+      paths->weight[line] *= vload16(0, factor[line]);
+    }
+    paths->live &= ~ended;
+    uint missed = 0;
+    for (uint k = 0; k < 16u; ++k) {
+      missed |= hits.instance[k] == RC_NONE ? 1u << k : 0u;
+      if (!(straight >> k & 1u)) ++paths->order[k];
+    }
+    rc_end_lanes(paths, missed & paths->live, sums, RC_LEDGER_ESCAPED);
+    if (!paths->live) return;
+    const Rays16 rays = {rc_load_vector16(from), {0.0f, 0.0f, 0.0f}, rc_load_vector16(way)};
+    rc_meet(scene, &hits, paths->live, &rays, &vertex);
+    const int16 live = rc_bits16(paths->live);
+    const float16 along = select((float16)(0.0f), fmax(vertex.along, 0.0f), live);
+    const Vector16 start = rc_minus16(rays.origin, rc_vector16(reference)), place = rc_along16(start, along, rays.direction);
+    paths->place = rc_select_vector16(paths->place, place, live);
+    paths->way = rc_select_vector16(paths->way, rays.direction, live);
+    paths->path += along;
+    rc_pass_segment(t, paths, rays.origin.z, paths->place, paths->way, along, sums);
+    rc_connect(scene, t, paths, &vertex, true, rows, sums);
+  }
+}
+#endif
+
+#endif
