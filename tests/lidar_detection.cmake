@@ -8,3 +8,4 @@ raycube_test(lidar_speckle SOURCES oracle/lidar_speckle_test.cpp LIBS raycube::l
 raycube_test(lidar_turbulence SOURCES oracle/lidar_turbulence_test.cpp LIBS raycube::lidar LABELS fast)
 raycube_test(lidar_scintillation SOURCES oracle/lidar_scintillation_test.cpp LIBS raycube::lidar LABELS fast)
 raycube_test(lidar_dial SOURCES oracle/lidar_dial_test.cpp LIBS raycube::lidar LABELS fast)
+raycube_cli_test(lidar_verbs ${PROJECT_SOURCE_DIR}/scenes)

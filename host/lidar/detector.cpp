@@ -13,6 +13,14 @@ constexpr double kSigmaOfFwhm = 0.42466090014400953;  // 1 / (2 sqrt(2 ln 2))
 
 double square(double x) { return x * x; }
 
+/// Smallest count that Poisson noise exceeds no more often than Gaussian noise exceeds so many standard deviations.
+double count_quantile(double mean, double sigmas) {
+  const double tail = normal_tail(sigmas);
+  double level = std::floor(mean);
+  while (count_above(level, 0, mean, 0) > tail) level += std::max(1.0, std::floor(1e-3 * level));
+  return level;
+}
+
 }  // namespace
 
 double excess_noise(double gain, double ionization_ratio) {
@@ -85,7 +93,10 @@ DetectorNoise detector_noise(const scene::Lidar& lidar, double background, doubl
     const double step = noise.full_scale / (std::exp2(detector.bits) - 1);
     noise.floor = std::hypot(noise.floor, step / std::sqrt(12.0));
   }
-  noise.threshold = std::max(lidar.echoes.threshold_sigma * noise.rms(), lidar.echoes.threshold_pe);
+  if (detector.mode == scene::DetectorMode::linear)
+    noise.threshold = std::max(lidar.echoes.threshold_sigma * noise.rms(), lidar.echoes.threshold_pe);
+  else
+    noise.threshold = std::max(count_quantile(background, lidar.echoes.threshold_sigma) + 0.5, std::ceil(lidar.echoes.threshold_pe) - 0.5) - background;
   return noise;
 }
 

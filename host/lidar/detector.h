@@ -39,7 +39,9 @@ std::vector<double> convolve(const std::vector<double>& row, const std::vector<d
 /// Standard deviation of an echo of a flat target as recorded: pulse and electronics, s.
 double recorded_sigma_s(const scene::Lidar& lidar);
 
-/// Noise of photons and linear detectors for a row whose largest expectation (signal alone) is given.
+/// Noise of photons and linear detectors for a row whose largest expectation (signal alone) is given. Thresholds: linear, threshold_sigma
+/// standard deviations and at least threshold_pe above the background; photons, the count that noise exceeds no more often than a Gaussian
+/// exceeds threshold_sigma (few counts are no Gaussian: 4 sigma of 0.1 counts would be met by chance once in 200 bins), and at least threshold_pe counts.
 DetectorNoise detector_noise(const scene::Lidar& lidar, double background, double largest_signal);
 
 /// Upper tail of the standard normal.

@@ -129,7 +129,7 @@ TEST_CASE("S35: a return shares one draw, two returns have their own; factors ha
     const double a = row.factor[60] - 1, b = row.factor[120] - 1;
     sum += a, squares += a * a, both += a * b;
   }
-  CHECK(modes == doctest::Approx(speckle_modes(plan.lidar, 0, 2e-6, 0.5 * 299792458.0 * 6660.3e-9)).epsilon(1e-6));
+  CHECK(modes == doctest::Approx(speckle_modes(plan.lidar, 0, 2e-6, 0.5 * 299792458.0 * 6660.3e-9)).epsilon(1e-3));  // the row's modes lie on a power of the range between exact ones
   CHECK(std::abs(sum / n) < 4 / std::sqrt(modes * n));
   CHECK(std::abs(squares / n * modes - 1) < 4 * std::sqrt((2 + 6 / modes) / n));
   CHECK(std::abs(both / n * modes) < 4 / std::sqrt(n));
