@@ -26,10 +26,23 @@ typedef struct Paths16 {
   uint live;
 } RC_LINE Paths16;
 
-/* |c + e| - length for length = |c|: of small numbers alone. */
-static inline float16 rc_leg16(float16 whole, float length, float4 c, Vector16 e) {
+/* From an end of paths to points near Q. */
+typedef struct Leg16 {
+  Vector16 way;             /* m */
+  float16 range, inverse;   /* its length, and 1 over it */
+  float16 more;             /* range minus |Q - end|, of small numbers alone */
+} Leg16;
+
+/* c: Q - end, with its length; e: points relative to Q. */
+static inline Leg16 rc_leg16(float4 c, Vector16 e) {
+  Leg16 leg;
+  leg.way = rc_plus16(rc_vector16(c), e);
+  leg.range = sqrt(rc_max16(rc_dot16(leg.way, leg.way), (float16)(1e-30f)));
+  const float16 both = leg.range + c.w, over = 1.0f / (leg.range * both);  /* one division for two */
+  leg.inverse = both * over;
   const float16 dot = fma((float16)(c.x), e.x, fma((float16)(c.y), e.y, c.z * e.z));
-  return fma((float16)(2.0f), dot, rc_dot16(e, e)) / fmax(whole + length, 1e-30f);
+  leg.more = fma((float16)(2.0f), dot, rc_dot16(e, e)) * (leg.range * over);
+  return leg;
 }
 
 #if RC_CONTINUES || RC_SHADOWS
@@ -69,10 +82,10 @@ static inline void rc_connect(SceneArrays scene, const LidarTables* t, const Pat
                               global float* rows, LidarSums* sums) {
   global const float4* shot = t->shot;
   global const float* settings = t->settings;
-  const float4 from_end = shot[RC_SHOT_FROM_END], axis = shot[RC_SHOT_END_AXIS];
-  const Vector16 v = rc_plus16(rc_vector16(from_end), paths->place);  /* from the end to the vertex */
-  const float16 square = fmax(rc_dot16(v, v), 1e-30f), range = sqrt(square), inverse = 1.0f / range;
-  const float16 leg = rc_leg16(range, from_end.w, from_end, paths->place);
+  const float4 from_end = shot[RC_SHADOWS ? RC_SHOT_FROM_END : RC_SHOT_FROM_START], axis = shot[RC_SHOT_END_AXIS];  /* one place if there are no shadows */
+  const Leg16 leg = rc_leg16(from_end, paths->place);
+  const Vector16 v = leg.way;  /* from the end to the vertex */
+  const float16 range = leg.range, inverse = leg.inverse;
   const float16 facing = -rc_dot16(v, vertex->normal) * inverse;
   const float16 depth_along = fma((float16)(axis.x), v.x, fma((float16)(axis.y), v.y, axis.z * v.z));
   /* Factor of the geometry: all but weight, matter and air. */
@@ -185,12 +198,16 @@ static inline void rc_connect(SceneArrays scene, const LidarTables* t, const Pat
   }
 #endif
 
-  const float16 position = fma(paths->path + leg, (float16)(settings[RC_SET_BINS_PER_M]), (float16)(shot[RC_SHOT_TIME].y));
+  const float16 position = fma(paths->path + leg.more, (float16)(settings[RC_SET_BINS_PER_M]), (float16)(shot[RC_SHOT_TIME].y));
   const float16 whole = clamp(floor(position), -1e9f, 1e9f);
-  RC_LINE float phase[16], energy[16];
+  const float16 phases = position - whole;
+  const int16 bins = convert_int16(whole) + as_int(shot[RC_SHOT_TIME].x);
+#if RC_OWN_PIXELS > 1
+  RC_LINE float phase[16];
   RC_LINE int bin[16];
-  rc_store16(position - whole, 0, phase);
-  rc_store16(as_float16(convert_int16(whole) + as_int(shot[RC_SHOT_TIME].x)), 0, (float*)bin);
+  rc_store16(phases, 0, phase);
+  rc_store16(as_float16(bins), 0, (float*)bin);
+#endif
   const int16 near = (RC_RECEIVER ? paths->first_range : range) < settings[RC_SET_MINIMUM_RANGE];
   const uint near_lanes = rc_mask16(near) & lanes;
 
@@ -212,16 +229,17 @@ static inline void rc_connect(SceneArrays scene, const LidarTables* t, const Pat
 #endif
     photons = select((float16)(0.0f), photons, rc_bits16(lanes));
     rc_add_float(sums->sum[line][RC_SUM_COLLECTED], rc_lane_sum(photons));
-    rc_store16(photons, 0, energy);
     const uint sent = rc_mask16(photons > 0.0f);
-    for (uint left = sent & near_lanes; left; left &= left - 1u) rc_add_float(sums->sum[line][RC_SUM_NEAR], energy[rc_lowest(left)]);
+    if (near_lanes) rc_add_float(sums->sum[line][RC_SUM_NEAR], rc_lane_sum(select((float16)(0.0f), photons, near)));
 #if RC_OWN_PIXELS > 1
+    RC_LINE float energy[16];
+    rc_store16(photons, 0, energy);
     for (uint left = sent & ~near_lanes; left; left &= left - 1u) {
       const uint k = rc_lowest(left), pixel = (uint)pixel_lanes[k];
       rc_deposit(t, rows + (size_t)(pixel * RC_LASER_LINES + line) * t->row, sums->sum[line], bin[k], phase[k], energy[k]);
     }
 #else
-    rc_deposit_lanes(t, rows + (size_t)line * t->row, sums->sum[line], sent & ~near_lanes, bin, phase, energy);
+    rc_deposit_lanes(t, rows + (size_t)line * t->row, sums->sum[line], sent & ~near_lanes, bins, phases, photons);
 #endif
   }
 }

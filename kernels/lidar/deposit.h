@@ -26,47 +26,49 @@ static inline void rc_deposit(const LidarTables* t, global float* row, float sum
 }
 
 /* The same for lanes of a word, one after the other, into one row. Neighbours mostly fall into the same bins: these are kept in
- * registers until another start comes. */
-static inline void rc_deposit_lanes(const LidarTables* t, global float* row, float sums[RC_SUM_COUNT][2], uint lanes, const int* bin,
-                                    const float* phase, const float* energy) {
-  float16 kept[RC_TAPS_PADDED / 16];
-  int start = 0;
-  bool any = false;
-  for (uint left = lanes; left; left &= left - 1u) {
-    const uint k = rc_lowest(left);
-    const int here = bin[k] + t->first_tap;
-    const float e = energy[k];
-    if (here + t->tap_count <= 0) {
-      rc_add_float(sums[RC_SUM_EARLY], e);
-      continue;
+ * registers until another start comes. bin, phase: as above; energy: 0 in lanes that send nothing. */
+static inline void rc_deposit_lanes(const LidarTables* t, global float* row, float sums[RC_SUM_COUNT][2], uint lanes, int16 bin, float16 phase,
+                                    float16 energy) {
+  const int16 start_lanes = bin + t->first_tap, begins_early = start_lanes + t->tap_count <= 0, begins_late = start_lanes >= t->bins;
+  const uint early = rc_mask16(begins_early) & lanes, late = rc_mask16(begins_late) & lanes;
+  if (early | late) {
+    rc_add_float(sums[RC_SUM_EARLY], rc_lane_sum(select((float16)(0.0f), energy, rc_bits16(early))));
+    rc_add_float(sums[RC_SUM_LATE], rc_lane_sum(select((float16)(0.0f), energy, rc_bits16(late & ~early))));
+    lanes &= ~(early | late);
+  }
+  if (!lanes) return;
+  const float16 x = phase * (float)t->phases;
+  const int16 q = min(convert_int16(x), t->phases - 1);
+  const float16 high_lanes = energy * (x - convert_float16(q));
+  RC_LINE float high[16], low[16];
+  RC_LINE int starts[16], shares[16];
+  rc_store16(high_lanes, 0, high);
+  rc_store16(energy - high_lanes, 0, low);
+  rc_store16(as_float16(start_lanes), 0, (float*)starts);
+  rc_store16(as_float16(q * RC_TAPS_PADDED), 0, (float*)shares);
+  while (lanes) {
+    const int start = starts[rc_lowest(lanes)];
+    /* Two sums, of lower and upper phases: half as long a chain of additions. */
+    float16 kept[RC_TAPS_PADDED / 16], kept_high[RC_TAPS_PADDED / 16];
+    global float* to = row + (RC_ROW_PAD + start);
+    #pragma unroll
+    for (int i = 0; i < RC_TAPS_PADDED / 16; ++i) {
+      kept[i] = vload16(i, to);
+      kept_high[i] = 0.0f;
     }
-    if (here >= t->bins) {
-      rc_add_float(sums[RC_SUM_LATE], e);
-      continue;
-    }
-    if (!any || here != start) {
+    uint here = rc_mask16(start_lanes == start) & lanes;
+    lanes &= ~here;
+    for (; here; here &= here - 1u) {
+      const uint k = rc_lowest(here);
+      global const float* at = t->taps + shares[k];
       #pragma unroll
       for (int i = 0; i < RC_TAPS_PADDED / 16; ++i) {
-        global float* to = row + (RC_ROW_PAD + start + 16 * i);
-        if (any) rc_store16(vload16(0, to) + kept[i], 0, to);
-        kept[i] = 0.0f;
+        kept[i] = fma((float16)(low[k]), vload16(i, at), kept[i]);
+        kept_high[i] = fma((float16)(high[k]), vload16(i, at + RC_TAPS_PADDED), kept_high[i]);
       }
-      start = here;
-      any = true;
     }
-    const float x = phase[k] * (float)t->phases;
-    const int q = min((int)x, t->phases - 1);
-    const float high = e * (x - (float)q), low = e - high;
-    global const float* shares = t->taps + q * RC_TAPS_PADDED;
     #pragma unroll
-    for (int i = 0; i < RC_TAPS_PADDED / 16; ++i)
-      kept[i] = fma((float16)(high), vload16(i, shares + RC_TAPS_PADDED), fma((float16)(low), vload16(i, shares), kept[i]));
-  }
-  if (!any) return;
-  #pragma unroll
-  for (int i = 0; i < RC_TAPS_PADDED / 16; ++i) {
-    global float* to = row + (RC_ROW_PAD + start + 16 * i);
-    rc_store16(vload16(0, to) + kept[i], 0, to);
+    for (int i = 0; i < RC_TAPS_PADDED / 16; ++i) rc_store16(kept[i] + kept_high[i], i, to);
   }
 }
 

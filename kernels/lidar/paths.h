@@ -9,9 +9,7 @@
  * the mean share stopped during each bin. */
 static inline void rc_stop(const LidarTables* t, Paths16* paths, const Vertex16* vertex, global float* stopped) {
   const float4 from_end = t->shot[RC_SHOT_FROM_END];
-  const Vector16 v = rc_plus16(rc_vector16(from_end), paths->place);
-  const float16 range = sqrt(rc_dot16(v, v)), leg = rc_leg16(range, from_end.w, from_end, paths->place);
-  const float16 position = fma(paths->path + leg, (float16)(t->settings[RC_SET_BINS_PER_M]), (float16)(t->shot[RC_SHOT_TIME].y));
+  const float16 position = fma(paths->path + rc_leg16(from_end, paths->place).more, (float16)(t->settings[RC_SET_BINS_PER_M]), (float16)(t->shot[RC_SHOT_TIME].y));
   RC_LINE float lane[16];
   rc_store16(clamp(position, -1e9f, 1e9f), 0, lane);
   const int base = as_int(t->shot[RC_SHOT_TIME].x);
@@ -73,15 +71,15 @@ static inline void rc_follow_word(SceneArrays scene, const LidarTables* t, float
 #if RC_STOPPED
     paths.open[line] = 1.0f;
 #endif
-    RC_LINE long energy[16];
     const long unit = (1l << RC_LEDGER_BITS) / RC_RAY_COUNT, rest = (1l << RC_LEDGER_BITS) - unit * RC_RAY_COUNT;
-    for (uint k = 0; k < 16u; ++k) energy[k] = unit + (first_ray + k < (uint)rest ? 1l : 0l);
-    paths.energy[line] = vload16(0, energy);
+    const long16 lane = (long16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+    paths.energy[line] = select((long16)(unit), (long16)(unit + 1), lane < rest - (long)first_ray);
   }
   for (uint k = 0; k < 16u; ++k) paths.order[k] = 1;
-  paths.way.x = rays.direction.x / length;
-  paths.way.y = rays.direction.y / length;
-  paths.way.z = rays.direction.z / length;
+  const float16 over_length = 1.0f / length;
+  paths.way.x = rays.direction.x * over_length;
+  paths.way.y = rays.direction.y * over_length;
+  paths.way.z = rays.direction.z * over_length;
   paths.path = 0.0f;
 #if RC_PLATES
   float16 gone[RC_LASER_LINES];  /* what plates on the way let through: the way back meets them again */
@@ -91,8 +89,7 @@ static inline void rc_follow_word(SceneArrays scene, const LidarTables* t, float
   for (uint node = 0; node < RC_LINE_NODES; ++node) paths.depth[node] = 0.0f;
   float16 begins_z = (reference.z - from_start.z) + leaves.z, reached = 0.0f;  /* where the piece of the ray in question begins */
   for (uint crossing = 0;; ++crossing) {
-    uint missed = 0;
-    for (uint k = 0; k < 16u; ++k) missed |= hits->instance[k] == RC_NONE ? 1u << k : 0u;
+    const uint missed = rc_mask16(vload16(0, hits->instance) == RC_NONE);
     rc_end_lanes(&paths, missed & paths.live, sums, RC_LEDGER_ESCAPED);
     if (!paths.live) return;
     Vertex16 vertex;
@@ -100,12 +97,13 @@ static inline void rc_follow_word(SceneArrays scene, const LidarTables* t, float
     const int16 live = rc_bits16(paths.live);
     const float16 along = select((float16)(0.0f), vertex.along, live);
     paths.place = rc_along16(rays.offset, along, rays.direction);
-    const Vector16 travelled = rc_minus16(paths.place, leaves), v = rc_plus16(rc_vector16(from_start), travelled);
-    const float16 range = sqrt(rc_dot16(v, v));
+    const Vector16 travelled = rc_minus16(paths.place, leaves);
+    const Leg16 leg = rc_leg16(from_start, travelled);
+    const float16 range = leg.range;
     paths.first_range = range;
     rc_end_lanes(&paths, rc_mask16(range > t->settings[RC_SET_RANGE_LIMIT]) & paths.live, sums, RC_LEDGER_ESCAPED);
     if (!paths.live) return;
-    paths.path = rc_leg16(range, from_start.w, from_start, travelled);
+    paths.path = leg.more;
     rc_pass_segment(t, &paths, begins_z, paths.place, paths.way, range - reached, sums);
     begins_z = reference.z + paths.place.z;
     reached = range;

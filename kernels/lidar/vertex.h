@@ -47,8 +47,14 @@ static inline Vector16 rc_select_vector16(Vector16 a, Vector16 b, int16 take_b) 
   return r;
 }
 
+static inline float16 rc_largest16(float16 a, float16 b, float16 c) { return rc_max16(fabs(a), rc_max16(fabs(b), fabs(c))); }
+/* How far p is outside the range of a, b, c; NaN where p is. */
+static inline float16 rc_beyond16(float16 p, float16 a, float16 b, float16 c) {
+  return rc_max16((float16)(0.0f), rc_max16(p - rc_max16(a, rc_max16(b, c)), rc_min16(a, rc_min16(b, c)) - p));
+}
+
 /* One instance's lanes; the others come out as numbers nobody reads. */
-static inline void rc_meet_instance(global const Instance* placed, const Vector16* v, const Rays16* rays, float16* along, Vector16* towards) {
+static inline void rc_meet_instance(global const Instance* placed, const Vector16* v, const Rays16* rays, int16 lanes, float16* along, Vector16* towards) {
   const float4 l0 = placed->local_from_world_0, l1 = placed->local_from_world_1, l2 = placed->local_from_world_2;
   const bool same = placed->flags & 1u;
   Vector16 o = rays->origin, s = rays->offset, d = rays->direction;
@@ -62,32 +68,36 @@ static inline void rc_meet_instance(global const Instance* placed, const Vector1
   n.x = rc_product_difference16(e1.y, e2.z, e1.z, e2.y);
   n.y = rc_product_difference16(e1.z, e2.x, e1.x, e2.z);
   n.z = rc_product_difference16(e1.x, e2.y, e1.y, e2.x);
-  const float16 nd = rc_dot16(n, d);
+  const float16 nd = rc_dot16(n, d), over_nd = 1.0f / nd;
   const Vector16 to_corner = rc_minus16(rc_minus16(v[0], o), s);
-  float16 tau = rc_dot16(n, to_corner) / nd;
-  tau += rc_dot16(n, rc_along16(to_corner, -tau, d)) / nd;
+  float16 tau = rc_dot16(n, to_corner) * over_nd;
+  tau = fma(rc_dot16(n, rc_along16(to_corner, -tau, d)), over_nd, tau);
   /* A grazing ray or sliver can throw the point off its triangle (0 / 0 included): then it is the box's nearest point. */
   const Vector16 start = rc_plus16(o, s), p = rc_along16(start, tau, d);
-  const Vector16 kept = {rc_clamp_to(p.x, v[0].x, v[1].x, v[2].x), rc_clamp_to(p.y, v[0].y, v[1].y, v[2].y), rc_clamp_to(p.z, v[0].z, v[1].z, v[2].z)};
-  const float16 size = rc_most3(rc_most3(v[0].x, v[0].y, v[0].z), rc_most3(v[1].x, v[1].y, v[1].z), rc_most3(o.x, o.y, o.z));
-  const float16 off = fabs(p.x - kept.x) + fabs(p.y - kept.y) + fabs(p.z - kept.z);
+  const float16 size = rc_largest16(rc_largest16(v[0].x, v[0].y, v[0].z), rc_largest16(v[1].x, v[1].y, v[1].z), rc_largest16(o.x, o.y, o.z));
+  const float16 off = rc_beyond16(p.x, v[0].x, v[1].x, v[2].x) + rc_beyond16(p.y, v[0].y, v[1].y, v[2].y) + rc_beyond16(p.z, v[0].z, v[1].z, v[2].z);
   const int16 on = off <= size * (256.0f * RC_ULP);
-  const float16 nearest = rc_dot16(rc_minus16(kept, start), d) / rc_dot16(d, d);
-  *along = select(nearest, tau, on);
+  if (rc_mask16(lanes & ~on)) {
+    const Vector16 kept = {rc_clamp_to(p.x, v[0].x, v[1].x, v[2].x), rc_clamp_to(p.y, v[0].y, v[1].y, v[2].y), rc_clamp_to(p.z, v[0].z, v[1].z, v[2].z)};
+    tau = select(rc_dot16(rc_minus16(kept, start), d) / rc_dot16(d, d), tau, on);
+  }
+  *along = tau;
   Vector16 normal = n;
   if (!same) {  /* normals go by the transposed inverse */
     normal.x = fma((float16)(l0.x), n.x, fma((float16)(l1.x), n.y, l2.x * n.z));
     normal.y = fma((float16)(l0.y), n.x, fma((float16)(l1.y), n.y, l2.y * n.z));
     normal.z = fma((float16)(l0.z), n.x, fma((float16)(l1.z), n.y, l2.z * n.z));
   }
-  const float16 largest = fmax(rc_most3(normal.x, normal.y, normal.z), 1e-30f);
-  normal.x /= largest;
-  normal.y /= largest;
-  normal.z /= largest;
-  const float16 length = copysign(fmax(sqrt(rc_dot16(normal, normal)), 1e-30f), -rc_dot16(normal, rays->direction));
-  towards->x = normal.x / length;
-  towards->y = normal.y / length;
-  towards->z = normal.z / length;
+  /* By a power of two near the largest component first: squares of millimetres and kilometres alike stay in range. */
+  const float16 largest = rc_max16(rc_largest16(normal.x, normal.y, normal.z), (float16)(1e-30f));
+  const float16 scale = as_float16(0x7f000000 - (as_int16(largest) & 0x7f800000));
+  normal.x *= scale;
+  normal.y *= scale;
+  normal.z *= scale;
+  const float16 over_length = copysign(1.0f / rc_max16(sqrt(rc_dot16(normal, normal)), (float16)(1e-30f)), -nd);
+  towards->x = normal.x * over_length;
+  towards->y = normal.y * over_length;
+  towards->z = normal.z * over_length;
 }
 
 /* The vertices of the lanes in `live`. */
@@ -127,7 +137,7 @@ static inline void rc_meet(SceneArrays scene, const Hits16* hits, uint live, con
     live &= ~rc_mask16(lanes);
     float16 along;
     Vector16 towards;
-    rc_meet_instance(rc_instance(scene, instance), v, rays, &along, &towards);
+    rc_meet_instance(rc_instance(scene, instance), v, rays, lanes, &along, &towards);
     vertex->along = select(vertex->along, along, lanes);
     vertex->normal = rc_select_vector16(vertex->normal, towards, lanes);
 #if RC_CONTINUES || RC_SHADOWS
