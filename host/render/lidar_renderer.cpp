@@ -58,6 +58,7 @@ struct BatchBuffers {
         first(context, owners * t.owner_rows * t.row_floats, cl::Access::read_write, "rows of shots"),
         multiple(context, t.multiple ? owners * t.owner_rows * t.row_floats : 16, cl::Access::read_write, "rows of shots, multiple scattering"),
         stopped(context, t.way ? owners * lines * t.row_floats : 16, cl::Access::read_write, "shares of rays stopped"),
+        scratch(context, t.way ? 4 * owners * lines * (t.row_floats + t.row_pad) : 16, cl::Access::read_write, "impulses of air"),
         way(context, t.way ? 2 * owners * t.owner_rows * t.row_floats : 16, cl::Access::read_write, "rows of air and particles"),
         way_sums(context, t.way ? owners * lines * RC_SUM_COUNT * 2 : 2, cl::Access::read_write, "sums of air and particles"),
         ledger(context, owners * lines * RC_LEDGER_COUNT, cl::Access::read_write, "ledger of shots"),
@@ -65,7 +66,7 @@ struct BatchBuffers {
         counts(context, owners, cl::Access::read_write, "ray counts"),
         hits(context, with_hits ? owners * padded_rays * 2 : 2, cl::Access::read_write, "first hits") {}
   cl::Buffer<shared::rc_float4> shots;
-  cl::Buffer<float> first, multiple, stopped, way, way_sums;
+  cl::Buffer<float> first, multiple, stopped, scratch, way, way_sums;
   cl::Buffer<std::int64_t> ledger;
   cl::Buffer<float> sums;
   cl::Buffer<std::uint32_t> counts, hits;
@@ -221,7 +222,7 @@ class Collector {
 };
 
 std::size_t owner_bytes(const LidarTables& tables, std::size_t lines, std::size_t padded_rays, bool hits) {
-  return tables.owner_rows * tables.row_floats * sizeof(float) * (1 + (tables.multiple ? 1 : 0) + (tables.way ? 2 : 0)) + (tables.way ? lines * tables.row_floats * sizeof(float) : 0) + RC_SHOT_FLOAT4S * sizeof(shared::rc_float4) +
+  return tables.owner_rows * tables.row_floats * sizeof(float) * (1 + (tables.multiple ? 1 : 0) + (tables.way ? 2 : 0)) + (tables.way ? lines * (5 * tables.row_floats + 4 * tables.row_pad) * sizeof(float) : 0) + RC_SHOT_FLOAT4S * sizeof(shared::rc_float4) +
          lines * (RC_LEDGER_COUNT * 8 + RC_SUM_COUNT * 8) + sizeof(std::uint32_t) + (hits ? padded_rays * 8 : 0);
 }
 
@@ -283,7 +284,7 @@ void LidarRenderer::render(const lidar::LidarPlan& plan, const std::vector<lidar
     if (air_stage) {
       air_stage->kernel.arguments(batch_buffers.shots, device.samples, device.exits, device.photons, device.node_weight, device.first_node, device.air,
                                   device.backscatter, device.volumes, device.volume_values, device.volume_depth, device.taps, device.settings,
-                                  batch_buffers.stopped, batch_buffers.way, batch_buffers.way_sums, plan.lidar.gate.bins, plan.taps.taps, plan.taps.first,
+                                  batch_buffers.stopped, batch_buffers.way, batch_buffers.scratch, batch_buffers.way_sums, plan.lidar.gate.bins, plan.taps.taps, plan.taps.first,
                                   plan.taps.phases);
       s.context.launch(air_stage->kernel, batch.count);
     }

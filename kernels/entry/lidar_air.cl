@@ -1,7 +1,8 @@
 /* Reads: owners' records, air, volumes, shares of rays that surfaces stopped (lidar_shots). Writes: rows of expected photons that air and
  * particles send back once scattered, and their sums. One work-item is one owner. Every bin is two cells of the whole way's length; a
  * cell's light is taken at its Gauss point on the middle ray, what particles scatter by their integral over the cell; the beam's width
- * enters by tables of its sub-rays' mean at places whose distances rise geometrically. Next: the host. */
+ * enters by tables of its sub-rays' mean at places whose distances rise geometrically, 1 % apart (farther in gates of more than a
+ * factor 13). Impulses of all bins come first, at two phases, and are spread by the pulse's shares in one pass. Next: the host. */
 #include "kernels/lidar/context.h"
 #include "kernels/lidar/beam.h"
 #include "kernels/lidar/deposit.h"
@@ -10,7 +11,7 @@
 #define LIDAR_AIR_PARAMETERS global const float4* restrict shots, global const float* restrict samples, global const float* restrict exits, \
   global const float* restrict photons, global const float* restrict node_weight, global const uint* restrict first_node, \
   global const float2* restrict air, global const float* restrict backscatter, RC_VOLUME_PARAMETERS, global const float* restrict taps, \
-  global const float* restrict settings, global const float* restrict stopped, global float* restrict rows, global float* restrict sums, \
+  global const float* restrict settings, global const float* restrict stopped, global float* restrict rows, global float* restrict scratch, global float* restrict sums, \
   int bins, int taps_used, int first_tap, int phases
 
 #if RC_AIR
@@ -62,22 +63,42 @@ RC_BODY lidar_air_body(uint owner, LIDAR_AIR_PARAMETERS) {
   const float far = fmax(ends.to[15], 1e-3f);
   rc_cells(t, &beam, -RC_ROW_PAD, &ends);
   const float near = fmax(fmax(ends.from[0], 1e-3f * far), fmin(settings[RC_SET_MINIMUM_RANGE], far));
-  const float log_near = log(near), posts_per_log = (float)(RC_POSTS - 1) / fmax(log(far) - log_near, 1e-6f);
+  const float log_near = log(near), log_span = fmax(log(far) - log_near, 1e-6f);
+  const uint posts = (uint)clamp(100.0f * log_span + 2.0f, 4.0f, (float)RC_POSTS);
+  const float posts_per_log = (float)(posts - 1u) / log_span;
+  /* Shares of bins at the cells' two phases. */
+  float share[2][RC_TAPS_PADDED];
+  for (uint phase = 0; phase < 2u; ++phase) {
+    const float x = (phase ? 0.788675135f : 0.211324865f) * (float)phases;
+    const int q = min((int)x, phases - 1);
+    for (int i = 0; i < RC_TAPS_PADDED; ++i) {
+      const float low = taps[q * RC_TAPS_PADDED + i], high = taps[(q + 1) * RC_TAPS_PADDED + i];
+      share[phase][i] = fma(x - (float)q, high - low, low);
+    }
+  }
+  /* Impulses, [kind][line][phase], by the slot where their shares start. */
+  const uint line_floats = row_floats + RC_TAPS_PADDED;
+  global float* impulses = scratch + (size_t)owner * 4u * RC_LASER_LINES * line_floats;
+  const int begin = -RC_ROW_PAD - first_tap;  /* bin of the first cells whose shares reach the gate */
   const bool apart = beam.squared > 0.0f;
   const float weight = t->shot[RC_SHOT_DU].w;
 
   for (uint pixel = 0; pixel < RC_OWN_PIXELS; ++pixel) {
     float table[RC_POSTS + 1];
     bool any = false;
-    for (uint i = 0; i < RC_POSTS; ++i) {
+    for (uint i = 0; i < posts; ++i) {
       table[i] = rc_beam_sum(t, &beam, exp(fma((float)i, 1.0f / posts_per_log, log_near)), (float)pixel);
       any |= table[i] > 0.0f;
     }
-    table[RC_POSTS] = table[RC_POSTS - 1];
+    table[posts] = table[posts - 1u];
     if (!any) continue;
     float ended[RC_LASER_LINES];
     float16 depth_to[RC_LINE_NODES];                  /* of volumes, up to where the cells have come */
-    for (uint line = 0; line < RC_LASER_LINES; ++line) ended[line] = 0.0f;
+    for (uint line = 0; line < RC_LASER_LINES; ++line) {
+      ended[line] = 0.0f;
+      for (int slot = 0; slot < min(begin + RC_ROW_PAD, (int)row_floats); ++slot) ended[line] += stopped[((size_t)owner * RC_LASER_LINES + line) * row_floats + slot];
+    }
+    for (size_t i = 0; i < (size_t)4u * RC_LASER_LINES * line_floats; i += 16) rc_store16((float16)(0.0f), 0, impulses + i);
     RC_LINE float volumes_to[RC_LINE_NODES][16];
     float volumes_sum[RC_LINE_NODES];
     for (uint node = 0; node < RC_LINE_NODES; ++node) volumes_sum[node] = 0.0f;
@@ -85,15 +106,17 @@ RC_BODY lidar_air_body(uint owner, LIDAR_AIR_PARAMETERS) {
     float came_to = 0.0f;
 #endif
 
-    for (int bin = -RC_ROW_PAD; bin < t->bins + RC_ROW_PAD; bin += 8) {
+    for (int bin = begin; bin + first_tap < t->bins; bin += 8) {
       Cells cells;
       rc_cells(t, &beam, bin, &cells);
+      RC_LINE float post_at[16];
+      rc_store16(clamp((log(fmax(vload16(0, cells.s), near)) - log_near) * posts_per_log, 0.0f, (float)(posts - 1u)), 0, post_at);
       RC_LINE float geometry[16], beta[RC_LASER_LINES][16], particles[16], z[16], dead[RC_LASER_LINES][16];
       uint lanes = 0;
       for (uint k = 0; k < 16u; ++k) {
         const int slot = bin + (int)(k / 2u) + RC_ROW_PAD;
         for (uint line = 0; line < RC_LASER_LINES; ++line) {
-          if (!(k & 1u) && slot < (int)row_floats) ended[line] += stopped[((size_t)owner * RC_LASER_LINES + line) * row_floats + slot];
+          if (!(k & 1u) && slot >= 0 && slot < (int)row_floats) ended[line] += stopped[((size_t)owner * RC_LASER_LINES + line) * row_floats + slot];
           dead[line][k] = ended[line];
         }
         geometry[k] = particles[k] = 0.0f;
@@ -122,7 +145,7 @@ RC_BODY lidar_air_body(uint owner, LIDAR_AIR_PARAMETERS) {
         came_to = cells.to[k];
 #endif
         if (from_pupil < settings[RC_SET_MINIMUM_RANGE] || !(cells.rest[k] > 0.0f)) continue;
-        const float at = clamp((log(fmax(s, near)) - log_near) * posts_per_log, 0.0f, (float)(RC_POSTS - 1));
+        const float at = post_at[k];
         const uint post = (uint)at;
         geometry[k] = fma(at - (float)post, table[post + 1u] - table[post], table[post]) / (cells.rest[k] * cells.rest[k]);
 #if RC_AIR
@@ -154,21 +177,28 @@ RC_BODY lidar_air_body(uint owner, LIDAR_AIR_PARAMETERS) {
       }
       for (uint line = 0; line < RC_LASER_LINES; ++line) {
         const float16 arrives = vload16(0, geometry) * (weight * t->photons[line]) * rc_line_transmission(t, line, depth_to) * fmax(1.0f - vload16(0, dead[line]), 0.0f);
-        RC_LINE float energy[2][16];
-        rc_store16(arrives * vload16(0, beta[line]), 0, energy[0]);
-        rc_store16(arrives * vload16(0, particles), 0, energy[1]);
         for (uint kind = RC_AIR ? 0u : 1u; kind < (RC_VOLUMES ? 2u : 1u); ++kind) {
-          global float* row = own + (kind * own_rows + pixel * RC_LASER_LINES + line) * row_floats;
-          for (uint left = lanes; left; left &= left - 1u) {
-            const uint k = rc_lowest(left);
-            const float e = energy[kind][k];
-            if (!(e > 0.0f)) continue;
-            rc_add_float(total[line][RC_SUM_COLLECTED], e);
-            rc_deposit(t, row, total[line], bin + (int)(k / 2u), k & 1u ? 0.788675135f : 0.211324865f, e);
-          }
+          const float16 energy = select((float16)(0.0f), fmax(arrives * vload16(0, kind ? particles : beta[line]), 0.0f), rc_bits16(lanes));
+          rc_add_float(total[line][RC_SUM_COLLECTED], rc_lane_sum(energy));
+          global float* to = impulses + (kind * RC_LASER_LINES + line) * 2u * line_floats + RC_TAPS_PADDED + RC_ROW_PAD + bin + first_tap;
+          vstore8(energy.even, 0, to);
+          vstore8(energy.odd, 0, to + line_floats);
         }
       }
     }
+    for (uint kind = RC_AIR ? 0u : 1u; kind < (RC_VOLUMES ? 2u : 1u); ++kind)
+      for (uint line = 0; line < RC_LASER_LINES; ++line) {
+        global float* row = own + (kind * own_rows + pixel * RC_LASER_LINES + line) * row_floats;
+        global const float* from = impulses + (kind * RC_LASER_LINES + line) * 2u * line_floats + RC_TAPS_PADDED;
+        for (uint slot = 0; slot < row_floats; slot += 16u) {
+          float16 sum = 0.0f;
+          for (int i = 0; i < taps_used; ++i) {
+            global const float* at = from + (int)slot - i;
+            sum = fma((float16)(share[0][i]), vload16(0, at), fma((float16)(share[1][i]), vload16(0, at + line_floats), sum));
+          }
+          rc_store16(sum, 0, row + slot);
+        }
+      }
   }
   for (uint line = 0; line < RC_LASER_LINES; ++line) {
     for (uint kind = 0; kind < 2u; ++kind)
@@ -183,5 +213,5 @@ RC_BODY lidar_air_body(uint owner, LIDAR_AIR_PARAMETERS) {
 
 kernel void lidar_air(LIDAR_AIR_PARAMETERS) {
   lidar_air_body((uint)get_group_id(0), shots, samples, exits, photons, node_weight, first_node, air, backscatter, volumes, volume_values, volume_depth, taps,
-                 settings, stopped, rows, sums, bins, taps_used, first_tap, phases);
+                 settings, stopped, rows, scratch, sums, bins, taps_used, first_tap, phases);
 }
