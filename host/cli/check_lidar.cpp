@@ -10,8 +10,8 @@ namespace raycube::cli {
 namespace {
 
 constexpr rc_u32 kPickDimension = 43;  ///< of the hash: no sampler uses it
-/// Pulses that wait on the host before the reference takes them up together: their rows are all its memory.
-constexpr std::size_t kBatch = 64;
+/// Pulses that wait on the host before the reference takes them up together, and bins of their rows: those are all its memory.
+constexpr std::size_t kBatch = 64, kMostBins = std::size_t{1} << 23;
 
 }  // namespace
 
@@ -37,6 +37,8 @@ reference::LidarReport check_lidar(render::LidarRenderer& renderer, const scene:
   reference::LidarCompareOptions compare;
   compare.threads = options.threads;
   reference::LidarComparison comparison(scene, plan, compare);
+  const std::size_t bins = static_cast<std::size_t>(plan.pixels()) * static_cast<std::size_t>(plan.lines()) * static_cast<std::size_t>(plan.lidar.gate.bins);
+  const std::size_t batch = std::clamp<std::size_t>(kMostBins / bins, 1, kBatch);
   std::vector<lidar::ShotResult> waiting;
   const auto flush = [&] {
     comparison.add(waiting);
@@ -45,7 +47,7 @@ reference::LidarReport check_lidar(render::LidarRenderer& renderer, const scene:
   };
   renderer.render(plan, pick_shots(plan.lidar, plan.seed, options.pulses), [&](lidar::ShotResult&& shot) {
     waiting.push_back(std::move(shot));
-    if (waiting.size() >= kBatch) flush();
+    if (waiting.size() >= batch) flush();
   }, true);
   flush();
   return comparison.report();

@@ -1,4 +1,5 @@
 // `raycube check`: the device against the reference, on pixels picked by hash.
+#include <algorithm>
 #include <cstdio>
 #include <map>
 #include <memory>
@@ -9,7 +10,9 @@
 #include "host/base/output_file.h"
 #include "host/base/progress.h"
 #include "host/cli/check_instrument.h"
+#include "host/cli/check_lidar.h"
 #include "host/cli/difference_chart.h"
+#include "host/cli/lidar_job.h"
 #include "host/cli/simulation_job.h"
 #include "host/cli/verb.h"
 #include "host/products/png_writer.h"
@@ -19,7 +22,7 @@ namespace {
 
 struct Options {
   std::string file, instrument;
-  std::uint64_t rays = 10000000, pixels = 500, model_pixels = 64;
+  std::uint64_t rays = 10000000, pixels = 500, model_pixels = 64, pulses = 100;
   int model_directions = 1024;
 };
 
@@ -51,53 +54,106 @@ struct Files {
   }
 };
 
-int run(Context& context, const Options& options) {
-  const scene::Simulation simulation = load_job(options.file, context);
-  const auto instruments = pick_instruments(simulation, options.instrument);
-  std::map<std::string, Files> files;
-  if (!context.common.output.empty())
-    for (const scene::Instrument* instrument : instruments)
-      files.try_emplace(instrument->name, context.common.output + "/" + instrument->name + "_check",
-                        context.common.overwrite ? base::IfExists::replace : base::IfExists::refuse);
-  render::Renderer renderer(simulation.scene, render_options(context.common));
+/// One report of a LIDAR, begun before anything is traced.
+struct LidarFiles {
+  LidarFiles(const std::string& folder, base::IfExists if_exists) : set(folder, if_exists), json(set.add("check.json")) {}
+  base::OutputSet set;
+  base::OutputFile& json;
+};
+
+/// Sums of a run over all instruments.
+struct Outcome {
+  bool passed = true;
+  nlohmann::ordered_json all;
+};
+
+void check_one(const scene::Simulation& simulation, const scene::Instrument& instrument, render::Renderer& renderer, const Options& options,
+               Files* files, Context& context, Outcome& outcome) {
   CheckOptions check;
   check.pixels = options.pixels;
   check.model_pixels = options.model_pixels;
   check.model_directions = options.model_directions;
   check.threads = context.common.threads;
-  bool passed = true;
-  nlohmann::ordered_json all;
-  for (const scene::Instrument* instrument : instruments) {
-    const InstrumentJob job = prepare(simulation, *instrument, context);
-    const auto samples = static_cast<std::uint64_t>(instrument->samples_u) * static_cast<std::uint64_t>(instrument->samples_v);
-    const auto expected = [&](std::uint64_t pixels) { return pixels_of(pick_tiles(*instrument, simulation.seed, pixels)); };
-    reference::HitReport hits;
-    if (options.rays > 0) {
-      base::Progress progress(context.log, "hits of " + instrument->name, samples * expected((options.rays + samples - 1) / samples), "rays");
-      hits = check_hits(renderer, simulation.scene, *instrument, simulation.seed, options.rays, check.threads,
-                        [&](std::uint64_t more) { progress.advance(more); });
-    }
-    reference::Report report;
-    {
-      base::Progress progress(context.log, "check " + instrument->name, expected(options.pixels), "pixels");
-      report = check_instrument(renderer, simulation, *instrument, job.plan, job.table, check,
-                                [&](std::uint64_t more) { progress.advance(more); });
-    }
-    report.first_hits = std::move(hits);
-    passed &= report.failures().empty();
-    if (context.common.json)
-      all[instrument->name] = nlohmann::ordered_json::parse(report.json());
-    else
-      context.out << "instrument " << instrument->name << " on " << renderer.device_name() << "\n"
-                  << report.text(band_names(*instrument));
-    if (const auto at = files.find(instrument->name); at != files.end()) {
-      at->second.write(*instrument, report);
-      context.log.info("wrote " + at->second.set.folder() + "/check.json and difference.png");
+  const InstrumentJob job = prepare(simulation, instrument, context);
+  const auto samples = static_cast<std::uint64_t>(instrument.samples_u) * static_cast<std::uint64_t>(instrument.samples_v);
+  const auto expected = [&](std::uint64_t pixels) { return pixels_of(pick_tiles(instrument, simulation.seed, pixels)); };
+  reference::HitReport hits;
+  if (options.rays > 0) {
+    base::Progress progress(context.log, "hits of " + instrument.name, samples * expected((options.rays + samples - 1) / samples), "rays");
+    hits = check_hits(renderer, simulation.scene, instrument, simulation.seed, options.rays, check.threads,
+                      [&](std::uint64_t more) { progress.advance(more); });
+  }
+  reference::Report report;
+  {
+    base::Progress progress(context.log, "check " + instrument.name, expected(options.pixels), "pixels");
+    report = check_instrument(renderer, simulation, instrument, job.plan, job.table, check, [&](std::uint64_t more) { progress.advance(more); });
+  }
+  report.first_hits = std::move(hits);
+  outcome.passed &= report.failures().empty();
+  if (context.common.json)
+    outcome.all[instrument.name] = nlohmann::ordered_json::parse(report.json());
+  else
+    context.out << "instrument " << instrument.name << " on " << renderer.device_name() << "\n" << report.text(band_names(instrument));
+  if (!files) return;
+  files->write(instrument, report);
+  context.log.info("wrote " + files->set.folder() + "/check.json and difference.png");
+}
+
+void check_one_lidar(const scene::Simulation& simulation, const scene::Lidar& lidar, render::LidarRenderer& renderer, const Options& options,
+                     LidarFiles* files, Context& context, Outcome& outcome) {
+  const LidarJob job = prepare_lidar(simulation, lidar, context);
+  LidarCheckOptions check;
+  check.pulses = options.pulses;
+  check.threads = context.common.threads;
+  reference::LidarReport report;
+  {
+    base::Progress progress(context.log, "check " + lidar.name, std::min<std::uint64_t>(options.pulses, static_cast<std::uint64_t>(lidar.pulses)), "pulses");
+    report = check_lidar(renderer, simulation.scene, job.plan, check, [&](std::uint64_t more) { progress.advance(more); });
+  }
+  outcome.passed &= report.failures().empty();
+  if (context.common.json)
+    outcome.all[lidar.name] = nlohmann::ordered_json::parse(report.json());
+  else
+    context.out << "LIDAR " << lidar.name << " on " << renderer.device_name() << "\n" << report.text();
+  if (!files) return;
+  files->json.append(report.json() + "\n");
+  files->set.publish();
+  context.log.info("wrote " + files->set.folder() + "/check.json");
+}
+
+int run(Context& context, const Options& options) {
+  const scene::Simulation simulation = load_job(options.file, context);
+  const auto lidars = pick_lidars(simulation, options.instrument);
+  std::vector<const scene::Instrument*> instruments;
+  if (lidars.empty()) instruments = pick_instruments(simulation, options.instrument);
+  else
+    for (const scene::Instrument& instrument : simulation.instruments)
+      if (options.instrument.empty() || instrument.name == options.instrument) instruments.push_back(&instrument);
+  std::map<std::string, Files> files;
+  std::map<std::string, LidarFiles> lidar_files;
+  if (!context.common.output.empty()) {
+    const base::IfExists if_exists = context.common.overwrite ? base::IfExists::replace : base::IfExists::refuse;
+    for (const scene::Instrument* instrument : instruments) files.try_emplace(instrument->name, context.common.output + "/" + instrument->name + "_check", if_exists);
+    for (const scene::Lidar* lidar : lidars) lidar_files.try_emplace(lidar->name, context.common.output + "/" + lidar->name + "_check", if_exists);
+  }
+  Outcome outcome;
+  if (!instruments.empty()) {
+    render::Renderer renderer(simulation.scene, render_options(context.common));
+    for (const scene::Instrument* instrument : instruments) {
+      const auto at = files.find(instrument->name);
+      check_one(simulation, *instrument, renderer, options, at == files.end() ? nullptr : &at->second, context, outcome);
     }
   }
-  if (context.common.json) context.out << all.dump(2) << "\n";
-  else context.out << (passed ? "check: within limits\n" : "check: BEYOND LIMITS\n");
-  return passed ? 0 : 1;
+  if (!lidars.empty()) {
+    render::LidarRenderer renderer(simulation.scene, render_options(context.common));
+    for (const scene::Lidar* lidar : lidars) {
+      const auto at = lidar_files.find(lidar->name);
+      check_one_lidar(simulation, *lidar, renderer, options, at == lidar_files.end() ? nullptr : &at->second, context, outcome);
+    }
+  }
+  if (context.common.json) context.out << outcome.all.dump(2) << "\n";
+  else context.out << (outcome.passed ? "check: within limits\n" : "check: BEYOND LIMITS\n");
+  return outcome.passed ? 0 : 1;
 }
 
 }  // namespace
@@ -106,7 +162,7 @@ Verb verb_check() {
   auto o = std::make_shared<Options>();
   Verb verb;
   verb.name = "check";
-  verb.summary = "Compare rendered pixels with the Embree and double precision reference";
+  verb.summary = "Compare rendered pixels and pulses with the Embree and double precision reference";
   verb.description =
       "Pixels are picked by a hash of the seed. Both sides trace the very same fp32 rays.\n\n"
       "First hits, of many rays (--rays): those on which device and Embree differ are retraced in double and explained only "
@@ -115,7 +171,10 @@ Verb verb_check() {
       "Arithmetic: the reference sums the plan's spectra per sample and wavelength in double; every band's median difference "
       "stays below 1e-6 and every difference below 2e-5.\n\n"
       "Model: the reference uses the whole tables and 1024 sky directions; the difference stays within the file's tolerance.\n\n"
-      "With -o DIR, DIR/INSTRUMENT_check/ gets check.json and difference.png. Beyond a limit the exit status is 1.";
+      "LIDARs: the waveforms of --pulses pulses, without turbulence. Every bin stays within 1e-5 of its pulse's peak bin where both sides follow "
+      "the same rays; rays that differ are explained like first hits. Light scattered more than once is also compared on other random "
+      "draws, by its energy and by chi-square. The air's return, which the device integrates along the beam, stays within 1 % of its peak bin.\n\n"
+      "With -o DIR, DIR/INSTRUMENT_check/ gets check.json and, for cubes, difference.png. Beyond a limit the exit status is 1.";
   verb.examples = {"raycube check park.toml", "raycube check park.toml --instrument spectir --pixels 2000 -o out"};
   verb.common = kOutput | kCompute;
   verb.add_options = [o](base::OptionTable& table) {
@@ -126,7 +185,8 @@ Verb verb_check() {
                                  o->rays);
     table.integer<std::uint64_t>("--pixels", "", 1, 1000000000, "Pixels of each instrument to compare in full, rounded up to groups of 4",
                                  o->pixels);
-    table.text("--instrument", "NAME", "Only this instrument", o->instrument);
+    table.integer<std::uint64_t>("--pulses", "", 1, 1000000000, "Pulses of each LIDAR to compare", o->pulses);
+    table.text("--instrument", "NAME", "Only this instrument or LIDAR", o->instrument);
     table.integer<std::uint64_t>("--model-pixels", "", 0, 1000000, "How many of them also meet the whole tables", o->model_pixels);
     table.integer<int>("--model-directions", "", 16, 65536, "Sky directions of that comparison", o->model_directions);
   };

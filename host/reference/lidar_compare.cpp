@@ -13,9 +13,9 @@ struct LidarComparison::Result {
   std::int64_t pulse = 0;
   std::uint64_t rays = 0;
   std::array<std::uint64_t, kCauses> hits{};
-  bool parted = false, edge = false;
+  bool parted = false, edge = false, rounded = false, has_air = false;
   std::uint32_t unexplained_ray = 0;
-  double worst = 0, air = 0;
+  double worst = 0, air = 0, float_path_m = 0;
   int line = 0, bin = 0;
   bool scattered_same = true;
   double closure = 0, ledger = 0;
@@ -23,6 +23,13 @@ struct LidarComparison::Result {
 };
 
 namespace {
+
+/// Rays of an array that air and volumes are integrated along: 1e4 steps each.
+constexpr int kAirRays = 256;
+constexpr double kLight_m_s = 299792458.0;
+/// Roundings of floats in a path, each relative to the way from the scene's edge to the surface: the vertex, the ways to both ends, and twice that their sum and its bins.
+constexpr double kRoundings = 6;
+double float_path_m(const LidarReference& reference) { return kRoundings * kUlp * reference.deepest_m; }
 
 /// The ray as the judge takes it: from where it enters the scene's box, with room for two ways of rounding it there.
 DoubleRay judged(const scene::CompiledScene& scene, const LidarRay& ray) {
@@ -38,11 +45,8 @@ DoubleRay judged(const scene::CompiledScene& scene, const LidarRay& ray) {
   return {origin, ray.direction, 8 * kUlp * (glm::length(origin) + 2 * radius)};
 }
 
-double largest(const std::vector<double>& a, const std::vector<double>& b, std::size_t from, std::size_t count) {
-  double most = 0;
-  for (std::size_t i = from; i < from + count; ++i) most = std::max(most, a[i] + b[i]);
-  return most;
-}
+double at(const std::vector<double>& row, std::size_t i) { return row.empty() ? 0 : row[i]; }
+double at(const std::vector<float>& row, std::size_t i) { return row.empty() ? 0 : static_cast<double>(row[i]); }
 
 double difference(const lidar::Ledger& a, const lidar::Ledger& b) {
   return std::max({std::abs(a.absorbed - b.absorbed), std::abs(a.air - b.air), std::abs(a.volumes - b.volumes), std::abs(a.escaped - b.escaped),
@@ -66,8 +70,10 @@ LidarComparison::~LidarComparison() = default;
 LidarComparison::Result LidarComparison::compare(const lidar::ShotResult& device) const {
   Result result;
   result.pulse = device.shot.pulse;
-  const LidarReference reference = reference_shot(scene_, embree_, plan_, device.shot);
   const std::vector<LidarRay> rays = lidar_rays(plan_, device.shot);
+  LidarShotOptions options;
+  if (plan_.lidar.transport.sampling == scene::LidarSampling::receiver) options.air_pixel_step = std::max(1, static_cast<int>(rays.size()) / kAirRays);
+  const LidarReference reference = reference_shot(scene_, embree_, plan_, device.shot, options);
   result.rays = rays.size();
   for (std::size_t i = 0; i < rays.size(); ++i) {
     const Hit hit = i < device.hits.size() ? Hit{device.hits[i].instance, device.hits[i].primitive} : Hit{};
@@ -78,32 +84,45 @@ LidarComparison::Result LidarComparison::compare(const lidar::ShotResult& device
   }
   const auto bins = static_cast<std::size_t>(plan_.lidar.gate.bins), lines = static_cast<std::size_t>(plan_.lines());
   const auto pixels = static_cast<std::size_t>(plan_.pixels());
+  const LidarRows& rows = reference.rows;
   for (std::size_t line = 0; line < lines; ++line) {
     result.closure = std::max(result.closure, std::abs(device.ledger[line].emitted_error()));
     result.ledger = std::max(result.ledger, difference(device.ledger[line], reference.ledger[line]));
-    double peak = 0, air_peak = 0;
-    for (std::size_t pixel = 0; pixel < pixels; ++pixel) {
-      const std::size_t row = (pixel * lines + line) * bins;
-      peak = std::max(peak, largest(reference.rows.first, reference.rows.multiple, row, bins));
-      for (std::size_t i = row; i < row + bins; ++i) air_peak = std::max(air_peak, reference.rows.air[i]);
-    }
+    double peak = 0, air_peak = 0, particle_peak = 0;
     for (std::size_t pixel = 0; pixel < pixels; ++pixel)
+      for (std::size_t i = (pixel * lines + line) * bins, end = i + bins; i < end; ++i) {
+        peak = std::max(peak, rows.first[i] + at(rows.multiple, i));
+        air_peak = std::max(air_peak, at(rows.air, i));
+        particle_peak = std::max(particle_peak, at(rows.particles, i));
+      }
+    result.has_air |= particle_peak > 0 || (!device.air.empty() && air_peak > 0);
+    for (std::size_t pixel = 0; pixel < pixels; ++pixel) {
+      const bool with_air = pixel % static_cast<std::size_t>(options.air_pixel_step) == 0;
       for (std::size_t bin = 0; bin < bins; ++bin) {
         const std::size_t i = (pixel * lines + line) * bins + bin;
-        const double off = std::abs(static_cast<double>(device.first[i]) - reference.rows.first[i]);
+        if (with_air && !device.air.empty() && air_peak > 0) result.air = std::max(result.air, std::abs(at(device.air, i) - at(rows.air, i)) / air_peak);
+        if (!rows.particles.empty() && !with_air) continue;
+        double off = std::abs(at(device.first, i) - rows.first[i] - at(rows.particles, i));
+        // Particles share the surfaces' row on the device; a bin that holds some is judged by their limit.
+        if (at(rows.particles, i) > options_.limits.bin * peak) {
+          result.air = std::max(result.air, off / particle_peak);
+          continue;
+        }
         // A bin of less than 1e-9 photons in a pulse without an echo has no peak to be measured by.
-        const double relative = off / std::max(peak, 1e-9);
-        if (relative > result.worst) result.worst = relative, result.line = static_cast<int>(line), result.bin = static_cast<int>(bin);
-        if (!device.multiple.empty())
-          result.scattered_same &= std::abs(static_cast<double>(device.multiple[i]) - reference.rows.multiple[i]) <= options_.limits.bin * std::max(peak, 1e-9);
-        if (!device.air.empty() && air_peak > 0)
-          result.air = std::max(result.air, std::abs(static_cast<double>(device.air[i]) - reference.rows.air[i]) / air_peak);
+        off /= std::max(peak, 1e-9);
+        if (off > result.worst) result.worst = off, result.line = static_cast<int>(line), result.bin = static_cast<int>(bin);
+        result.scattered_same &= device.multiple.empty() || std::abs(at(device.multiple, i) - at(rows.multiple, i)) <= options_.limits.bin * std::max(peak, 1e-9);
       }
+    }
   }
   if (!result.parted && result.worst > options_.limits.bin) {
-    LidarShotOptions again;
-    again.count_uncertain = true;
-    result.edge = reference_shot(scene_, embree_, plan_, device.shot, again).uncertain > 0;
+    result.float_path_m = float_path_m(reference);
+    result.rounded = within_rounding(device, reference);
+    if (!result.rounded) {
+      options.count_uncertain = true;
+      options.air_pixel_step = plan_.pixels();
+      result.edge = reference_shot(scene_, embree_, plan_, device.shot, options).uncertain > 0;
+    }
   }
   if (!device.multiple.empty()) {
     result.scattered.push_back(over_pixels(device.multiple, lines * bins));
@@ -116,6 +135,24 @@ LidarComparison::Result LidarComparison::compare(const lidar::ShotResult& device
     }
   }
   return result;
+}
+
+/// Every bin is within the limit and what the rounding of paths in floats may change: the pulse's slope is the reference's own.
+bool LidarComparison::within_rounding(const lidar::ShotResult& device, const LidarReference& reference) const {
+  const LidarRows& rows = reference.rows;
+  LidarShotOptions options;
+  options.slope_s = 1e-3 * plan_.lidar.gate.bin_s;
+  options.air_pixel_step = plan_.pixels();
+  const double shifts = float_path_m(reference) * plan_.lidar.transport.group_index / kLight_m_s / options.slope_s;
+  const LidarRows changes = reference_shot(scene_, embree_, plan_, device.shot, options).rows;
+  const auto bins = static_cast<std::size_t>(plan_.lidar.gate.bins), lines = static_cast<std::size_t>(plan_.lines());
+  std::vector<double> peak(lines, 0.0);
+  for (std::size_t i = 0; i < rows.first.size(); ++i) peak[i / bins % lines] = std::max(peak[i / bins % lines], rows.first[i] + at(rows.multiple, i));
+  for (std::size_t i = 0; i < rows.first.size(); ++i) {
+    if (at(rows.particles, i) > 0) continue;
+    if (std::abs(at(device.first, i) - rows.first[i]) > options_.limits.bin * peak[i / bins % lines] + shifts * changes.first[i]) return false;
+  }
+  return true;
 }
 
 void LidarComparison::add(const std::vector<lidar::ShotResult>& shots) {
@@ -182,12 +219,12 @@ LidarScattered LidarComparison::scattered() const {
 LidarReport LidarComparison::report() const {
   LidarReport out;
   out.limits = options_.limits;
-  out.has_air = plan_.lidar.transport.air_return && plan_.air.posts > 0;
   out.has_scattered = !scattered_.empty();
   std::vector<double> worst, air;
   out.scattered = scattered();
   for (const Result& r : results_) {
     ++out.pulses;
+    out.has_air |= r.has_air;
     out.rays += r.rays;
     for (std::size_t c = 0; c < kCauses; ++c) out.hits[c] += r.hits[c];
     if (r.hits[static_cast<std::size_t>(Cause::unexplained)] > 0 && out.unexplained_pulse < 0)
@@ -198,12 +235,14 @@ LidarReport LidarComparison::report() const {
       ++out.parted_pulses;
       continue;
     }
+    out.rounded_pulses += r.rounded;
+    if (r.rounded) out.rounded_worst = std::max(out.rounded_worst, r.worst), out.float_path_m = std::max(out.float_path_m, r.float_path_m);
     if (r.edge) {
       ++out.edge_pulses;
       continue;
     }
     ++out.compared_pulses;
-    out.beyond_pulses += r.worst > out.limits.bin;
+    out.beyond_pulses += r.worst > out.limits.bin && !r.rounded;
     worst.push_back(r.worst);
     air.push_back(r.air);
     if (!out.has_scattered) out.ledger_difference = std::max(out.ledger_difference, r.ledger);

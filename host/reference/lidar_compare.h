@@ -15,7 +15,7 @@ namespace raycube::reference {
 struct LidarLimits {
   double bin = 1e-5;        ///< of a line's peak bin, for pulses whose rays and ways to the receiver are the same ones
   double ledger = 1e-6;     ///< of the emitted energy: how far the device's ledger may be from closed
-  double air = 1e-2;        ///< of the air's own peak bin: the device integrates along the beam, not along every sub-ray
+  double air = 1e-2;        ///< of the peak bin of air and of particles: the device integrates along the beam, not along every sub-ray
   double deviations = 5;    ///< of the statistics of scattered light
 };
 
@@ -40,6 +40,8 @@ struct LidarReport {
   std::array<std::uint64_t, kCauses> hits{};          ///< rays by cause
   std::uint64_t parted_pulses = 0;                    ///< first hits differ
   std::uint64_t edge_pulses = 0;                      ///< beyond the limit, with a way to the receiver that rounding decides
+  std::uint64_t rounded_pulses = 0;                   ///< beyond the limit by no more than rounded paths change in a bin
+  double rounded_worst = 0, float_path_m = 0;         ///< float_path_m: how far floats may be off in such a pulse's paths
   std::uint64_t beyond_pulses = 0;                    ///< beyond the limit for no such reason
   std::uint64_t compared_pulses = 0;                  ///< the others
   double median = 0, worst = 0;                       ///< of each compared pulse's worst bin, over its line's peak
@@ -47,7 +49,7 @@ struct LidarReport {
   int worst_line = 0, worst_bin = 0;
   double ledger_closure = 0, ledger_difference = 0;   ///< worst of the device; worst against the reference, compared pulses
   bool has_air = false, has_scattered = false;
-  double air_median = 0, air_worst = 0;               ///< of each compared pulse, over the air's own peak
+  double air_median = 0, air_worst = 0;               ///< of each compared pulse, returns of air and particles over their own peak
   LidarScattered scattered;
   std::int64_t unexplained_pulse = -1;                ///< the first whose hits nothing explains
   std::uint32_t unexplained_ray = 0;
@@ -70,6 +72,7 @@ class LidarComparison {
   struct Result;
   Result compare(const lidar::ShotResult& device) const;
   LidarScattered scattered() const;
+  bool within_rounding(const lidar::ShotResult& device, const LidarReference& reference) const;
 
   const scene::CompiledScene& scene_;
   const lidar::LidarPlan& plan_;

@@ -81,12 +81,11 @@ void Walk::connect_surface(const Path& path, const LidarHit& hit) {
 }
 
 void Walk::scatter_on_the_way(const Path& path, double from, double to) {
-  const bool air = plan_.lidar.transport.air_return && plan_.air.posts > 0;
-  bool particles = false;
-  for (const scene::Volume& volume : scene_.volumes) particles |= volume.extinction_per_m > 0;
+  const bool air = scatters_air(), particles = scatters_particles();
   if (!air && !particles) return;
   const double n_c = plan_.lidar.transport.group_index / kLight_m_s;
-  const double cell_s = gate_.bin_s() / options_.cells_per_bin;
+  // Smooth air needs two cells a bin; volumes have edges.
+  const double cell_s = gate_.bin_s() / (particles ? options_.cells_per_bin : 2);
   const glm::dvec3 apart = path.origin - ends_.far_end();
   const double squared = glm::dot(apart, apart), along = glm::dot(apart, path.direction), base = std::sqrt(squared);
   // s + |P(s) - end| = whole way, solved for s.
@@ -102,7 +101,7 @@ void Walk::scatter_on_the_way(const Path& path, double from, double to) {
     add_depths({path.origin + reached * path.direction, path.direction, s - reached}, depth);
     reached = s;
   };
-  // No step straddles a cell's edge, a volume's edge or the surface, and none is longer than a fiftieth of its distance.
+  // No step straddles a cell's edge, a volume's edge or the surface, and none is longer than 1/500 of its distance.
   std::vector<double> edges;
   for (std::size_t v = 0; v < volumes_.size(); ++v) {
     if (scene_.volumes[v].extinction_per_m <= 0) continue;
@@ -114,7 +113,7 @@ void Walk::scatter_on_the_way(const Path& path, double from, double to) {
   double s_from = std::max(from, where(gate_.start_s() + first * cell_s));
   for (double cell = first; cell < last && s_from < to;) {
     const double cell_end = where(gate_.start_s() + (cell + 1) * cell_s), edge = *std::upper_bound(edges.begin(), edges.end(), s_from);
-    const double s_to = std::min({to, cell_end, edge, s_from + std::max(0.02 * s_from, 1e-3)});
+    const double s_to = std::min({to, cell_end, edge, s_from + std::max(0.002 * s_from, 1e-3)});
     if (s_to >= cell_end) ++cell;
     if (s_to > s_from) {
       const double step = s_to - s_from, s = 0.5 * (s_from + s_to);
@@ -143,7 +142,7 @@ void Walk::scatter_on_the_way(const Path& path, double from, double to) {
           beta += scene_.volumes[v].extinction_per_m / scene_.volumes[v].lidar_ratio_sr * volumes_[v].particles_at(point);
       if (!(beta > 0)) continue;
       sent.assign(lines_, beta * step);
-      connect(path, s, *way, sent, total, open, result_.rows.first);
+      connect(path, s, *way, sent, total, open, result_.rows.particles);
     }
   }
 }

@@ -37,7 +37,7 @@ std::vector<std::string> LidarReport::failures() const {
   if (!(ledger_closure <= limits.ledger)) out.push_back("a ledger is " + number(ledger_closure) + " of the emitted energy from closed, limit " + number(limits.ledger));
   if (!(ledger_difference <= 10 * limits.ledger))
     out.push_back("a ledger's entry differs by " + number(ledger_difference) + " of the emitted energy, limit " + number(10 * limits.ledger));
-  if (has_air && !(air_worst <= limits.air)) out.push_back("the air's return differs by " + number(air_worst) + " of its peak bin, limit " + number(limits.air));
+  if (has_air && !(air_worst <= limits.air)) out.push_back("the return of air and particles differs by " + number(air_worst) + " of its peak bin, limit " + number(limits.air));
   if (has_scattered && !(std::abs(scattered.energy_z) <= limits.deviations))
     out.push_back("light scattered more than once is " + number(scattered.energy_ratio) + " of the reference's, " + number(scattered.energy_z) + " standard errors off");
   if (has_scattered && !(scattered.chi_z <= limits.deviations))
@@ -52,7 +52,10 @@ std::string LidarReport::text() const {
          std::to_string(edge_pulses) + ", compared " + std::to_string(compared_pulses);
   out += "\nbins, over the peak bin: median of pulses " + number(median) + ", worst " + number(worst) + " (limit " + number(limits.bin) + ")";
   if (worst_pulse >= 0) out += " in pulse " + std::to_string(worst_pulse) + ", line " + std::to_string(worst_line + 1) + ", bin " + std::to_string(worst_bin);
-  if (has_air) out += "\nair's return, over its own peak bin: median of pulses " + number(air_median) + ", worst " + number(air_worst) + " (limit " + number(limits.air) + ")";
+  if (rounded_pulses > 0)
+    out += "; " + std::to_string(rounded_pulses) + " pulses beyond it by no more than rounded paths do (" + number(1e6 * float_path_m) +
+           " um), the worst by " + number(rounded_worst);
+  if (has_air) out += "\nreturns of air and particles, over their own peak bin: median of pulses " + number(air_median) + ", worst " + number(air_worst) + " (limit " + number(limits.air) + ")";
   out += "\nledger: closes to " + number(ledger_closure) + " (limit " + number(limits.ledger) + ")";
   if (!has_scattered) out += ", entries differ by " + number(ledger_difference);
   if (has_scattered)
@@ -74,6 +77,9 @@ std::string LidarReport::json() const {
   out["parted_pulses"] = parted_pulses;
   out["edge_pulses"] = edge_pulses;
   out["compared_pulses"] = compared_pulses;
+  out["rounded_pulses"] = rounded_pulses;
+  out["rounded_worst"] = rounded_worst;
+  out["float_path_m"] = float_path_m;
   out["beyond_pulses"] = beyond_pulses;
   out["median"] = median;
   out["worst"] = worst;

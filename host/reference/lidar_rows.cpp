@@ -6,9 +6,9 @@
 
 namespace raycube::reference {
 
-LidarGate::LidarGate(const lidar::LidarPlan& plan)
+LidarGate::LidarGate(const lidar::LidarPlan& plan, double slope_s)
     : shape_(plan.lidar.pulse), start_s_(plan.lidar.gate.start_s), bin_s_(plan.lidar.gate.bin_s),
-      end_s_(start_s_ + plan.lidar.gate.bins * bin_s_), bins_(plan.lidar.gate.bins), emitted_(plan.photons) {}
+      end_s_(start_s_ + plan.lidar.gate.bins * bin_s_), slope_s_(slope_s), bins_(plan.lidar.gate.bins), emitted_(plan.photons) {}
 
 void LidarGate::deposit(std::vector<double>& rows, int pixel, int line, double time_s, double photons, lidar::Ledger& ledger) const {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -22,8 +22,12 @@ void LidarGate::deposit(std::vector<double>& rows, int pixel, int line, double t
   const int from = static_cast<int>(std::clamp(first, 0.0, static_cast<double>(bins_)));
   const int to = static_cast<int>(std::clamp(last, -1.0, bins_ - 1.0));
   const std::size_t row = (static_cast<std::size_t>(pixel) * emitted_.size() + static_cast<std::size_t>(line)) * static_cast<std::size_t>(bins_);
-  for (int bin = from; bin <= to; ++bin)
-    rows[row + static_cast<std::size_t>(bin)] += photons * shape_.share(bin * bin_s_ - offset_s, (bin + 1) * bin_s_ - offset_s);
+  for (int bin = from; bin <= to; ++bin) {
+    const double begin_s = bin * bin_s_ - offset_s, until_s = (bin + 1) * bin_s_ - offset_s;
+    double part = shape_.share(begin_s, until_s);
+    if (slope_s_ > 0) part = std::abs(part - shape_.share(begin_s - slope_s_, until_s - slope_s_));
+    rows[row + static_cast<std::size_t>(bin)] += photons * part;
+  }
 }
 
 }  // namespace raycube::reference

@@ -8,14 +8,16 @@
 
 namespace raycube::reference {
 
-/// Rows [pixel][line][bin], photons at the detector.
+/// Rows [pixel][line][bin], photons at the detector; empty where nothing of the kind can come.
 struct LidarRows {
-  std::vector<double> first, multiple, air;  ///< as in lidar::ShotResult; all three always full
+  std::vector<double> first, multiple, air;  ///< as in lidar::ShotResult, but `first` is of surfaces alone
+  std::vector<double> particles;             ///< once scattered by volumes
 };
 
 class LidarGate {
  public:
-  explicit LidarGate(const lidar::LidarPlan& plan);
+  /// slope_s > 0: rows get how much each echo's share of a bin changes, without sign, when it comes so much later.
+  explicit LidarGate(const lidar::LidarPlan& plan, double slope_s = 0);
 
   double bin_s() const { return bin_s_; }
   /// Times at which an echo's middle may still leave something in the gate.
@@ -28,7 +30,7 @@ class LidarGate {
 
  private:
   LidarPulseShape shape_;
-  double start_s_, bin_s_, end_s_;
+  double start_s_, bin_s_, end_s_, slope_s_;
   int bins_;
   std::vector<double> emitted_;  ///< [line], photons
 };

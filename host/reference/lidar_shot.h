@@ -14,7 +14,9 @@ struct LidarShotOptions {
   std::uint64_t seed = 0;
   bool own_seed = false;      ///< `seed` counts instead of the plan's
   bool scattered_only = false; ///< leaves returns of air and volumes out
+  double slope_s = 0;         ///< > 0: rows of changes by a delay instead, see LidarGate
   int cells_per_bin = 8;      ///< of air and volume returns: steps along a ray
+  int air_pixel_step = 1;     ///< receiver sampling: returns of air and volumes of every so many pixels alone
   /// Judges every way to the receiver in double as well and counts those that rounding may decide either way.
   bool count_uncertain = false;
 };
@@ -23,6 +25,7 @@ struct LidarReference {
   LidarRows rows;
   std::vector<lidar::Ledger> ledger;   ///< [line]
   std::vector<Hit> hits;               ///< first surface of each sub-ray, or [pixel][sample]
+  double deepest_m = 0;                ///< of all first surfaces, from where their ray enters the scene's box
   std::uint64_t connections = 0, uncertain = 0;
 };
 

@@ -30,21 +30,27 @@ double ulp_at(const scene::CompiledScene& scene, const Hit& hit, const glm::dvec
 
 }  // namespace
 
-std::optional<LidarHit> LidarTracer::next(const glm::dvec3& origin, const glm::dvec3& direction, double from_m, double to_m, const Hit& leaving,
-                                          const glm::dvec3& lift_m) const {
+std::pair<double, double> LidarTracer::inside(const glm::dvec3& origin, const glm::dvec3& direction, double from_m, double to_m) const {
+  constexpr double kNone = std::numeric_limits<double>::infinity();
   double enter = from_m, leave = to_m;
   for (int axis = 0; axis < 3; ++axis) {
     const double low = scene_.lo[static_cast<std::size_t>(axis)], high = scene_.hi[static_cast<std::size_t>(axis)];
-    if (low > high) return {};
+    if (low > high) return {kNone, 0};
     const double pad = 1e-3 + 1e-6 * std::max(std::abs(low), std::abs(high));
     const double below = low - pad - origin[axis], above = high + pad - origin[axis];
     if (direction[axis] == 0) {
-      if (below > 0 || above < 0) return {};
+      if (below > 0 || above < 0) return {kNone, 0};
       continue;
     }
     enter = std::max(enter, std::min(below / direction[axis], above / direction[axis]));
     leave = std::min(leave, std::max(below / direction[axis], above / direction[axis]));
   }
+  return {enter <= leave ? enter : kNone, leave};
+}
+
+std::optional<LidarHit> LidarTracer::next(const glm::dvec3& origin, const glm::dvec3& direction, double from_m, double to_m, const Hit& leaving,
+                                          const glm::dvec3& lift_m) const {
+  auto [enter, leave] = inside(origin, direction, from_m, to_m);
   const std::array<float, 3> way = rounded(direction);
   for (int skipped = 0; skipped < 8 && enter <= leave; ++skipped) {
     // A little beyond the end, for the plane decides in double.

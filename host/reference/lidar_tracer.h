@@ -3,6 +3,7 @@
 
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "host/reference/contact.h"
 #include "host/reference/embree_scene.h"
@@ -27,9 +28,13 @@ class LidarTracer {
   /// the double ray's stays.
   std::optional<LidarHit> next(const glm::dvec3& origin, const glm::dvec3& direction, double from_m, double to_m, const Hit& leaving,
                                const glm::dvec3& lift_m) const;
-  const scene::CompiledScene& scene() const { return scene_; }
+  /// Where a ray enters the scene's box; infinite when it misses it.
+  double entry_m(const glm::dvec3& origin, const glm::dvec3& direction) const { return inside(origin, direction, 0, std::numeric_limits<double>::infinity()).first; }
 
  private:
+  /// The part of a ray in the scene's box, a little more; infinite when there is none.
+  std::pair<double, double> inside(const glm::dvec3& origin, const glm::dvec3& direction, double from_m, double to_m) const;
+
   const scene::CompiledScene& scene_;
   const EmbreeScene& embree_;
 };

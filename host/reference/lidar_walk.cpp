@@ -11,14 +11,23 @@ namespace raycube::reference::lidar_walk {
 
 Walk::Walk(const scene::CompiledScene& scene, const EmbreeScene& embree, const lidar::LidarPlan& plan, const lidar::Shot& shot,
      const LidarShotOptions& options)
-    : scene_(scene), plan_(plan), shot_(shot), options_(options), tracer_(scene, embree), judge_(scene), ends_(plan, shot), gate_(plan), air_(plan.air),
+    : scene_(scene), plan_(plan), shot_(shot), options_(options), tracer_(scene, embree), judge_(scene), ends_(plan, shot), gate_(plan, options.slope_s), air_(plan.air),
       lines_(static_cast<std::size_t>(plan.lines())) {
   for (const scene::Volume& volume : scene.volumes) volumes_.emplace_back(volume);
   const std::size_t size = static_cast<std::size_t>(plan.pixels()) * lines_ * static_cast<std::size_t>(plan.lidar.gate.bins);
-  result_.rows = {std::vector<double>(size), std::vector<double>(size), std::vector<double>(size)};
+  result_.rows.first.resize(size);
+  if (plan.lidar.transport.max_bounces > 1) result_.rows.multiple.resize(size);
+  if (scatters_air() && !options.scattered_only) result_.rows.air.resize(size);
+  if (scatters_particles() && !options.scattered_only) result_.rows.particles.resize(size);
   result_.ledger.resize(lines_);
   const scene::LidarTransport& transport = plan.lidar.transport;
   reach_m_ = transport.range_limit_m > 0 ? transport.range_limit_m : kInfinity;
+}
+
+bool Walk::scatters_air() const { return plan_.lidar.transport.air_return && plan_.air.posts > 0 && !plan_.air.backscatter_per_m_sr.empty(); }
+
+bool Walk::scatters_particles() const {
+  return std::any_of(scene_.volumes.begin(), scene_.volumes.end(), [](const scene::Volume& volume) { return volume.extinction_per_m > 0; });
 }
 
 LidarReference Walk::run() {
@@ -158,8 +167,9 @@ void Walk::follow(Path path, Hit* first_hit) {
   for (double travelled = 0;;) {
     const auto hit = tracer_.next(path.origin, path.direction, from, kInfinity, path.leaving, glm::dvec3(0));
     if (first_hit) *first_hit = hit ? hit->hit : Hit{};
+    if (hit) result_.deepest_m = std::max(result_.deepest_m, hit->t_m - tracer_.entry_m(path.origin, path.direction));
     first_hit = nullptr;
-    if (!options_.scattered_only) scatter_on_the_way(path, travelled, std::min(reach_m_, hit ? hit->t_m : kInfinity));
+    if (!options_.scattered_only && path.start.pixel % options_.air_pixel_step == 0) scatter_on_the_way(path, travelled, std::min(reach_m_, hit ? hit->t_m : kInfinity));
     if (!hit || hit->t_m > reach_m_) return escape(path);
     travel(path, {path.origin + travelled * path.direction, path.direction, hit->t_m - travelled});
     connect_surface(path, *hit);

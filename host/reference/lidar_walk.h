@@ -35,6 +35,8 @@ class Walk {
   LidarReference run();
 
  private:
+  bool scatters_air() const;
+  bool scatters_particles() const;
   /// Transmission of a line at depths of all nodes.
   double transmission(std::size_t line, const std::vector<double>& depth) const;
   std::vector<double> air_depth(const Straight& piece) const;

@@ -46,7 +46,7 @@ TEST_CASE("L-06: return of homogeneous air, bin by bin") {
   auto plan = hand_plan(lidar, scene);
   set_air(plan, 1.132845938e-4, 3.585731583e-6, 0, 20000);
   const auto result = shoot(scene, plan, shot_from(lidar, {0, 0, 5}, {1, 0, 0}));
-  // Quantum efficiency 0.2; steps of a fiftieth of the distance: their midpoint rule is off by 1e-4 / 8 of a bin's 15 m in 1 km.
+  // Quantum efficiency 0.2; steps h of 2 m at R = 1 km: the midpoint rule is off by (h / R)^2 6 / 24.
   const auto pe = [&](int km) { return 0.2 * result.rows.air[static_cast<std::size_t>((km - 1) * 1000) / 15]; };
   CHECK(pe(1) == doctest::Approx(5109.970564).epsilon(2e-6));
   // Of the four ranges only 1 and 10 km lie on an edge of these bins.
@@ -69,7 +69,7 @@ TEST_CASE("L-08: an optically thick cloud returns (1 - exp(-2 tau)) / (2 S)") {
   double sum = 0;
   for (std::size_t i = 0; i < 3000; ++i) {
     const double range = 0.5 * kLightSpeed * (static_cast<double>(i) + 0.5) * 1e-9;
-    sum += result.rows.first[i] * range * range;
+    sum += result.rows.particles[i] * range * range;
   }
   sum /= plan.photons[0] * M_PI * (0.05 * 0.05 - 0.015 * 0.015) * 0.5;
   // R at bin centres: 0.15 m bins at 60 m, (dR / R)^2 / 4.

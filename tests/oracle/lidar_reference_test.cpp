@@ -33,7 +33,7 @@ void closes(const reference::LidarReference& result, const lidar::LidarPlan& pla
     const lidar::Ledger& l = result.ledger[line];
     CHECK(std::abs(l.emitted_error()) < 1e-12);
     double recorded = 0;
-    for (const auto* row : {&result.rows.first, &result.rows.multiple, &result.rows.air}) recorded += total(*row);
+    for (const auto* row : {&result.rows.first, &result.rows.multiple, &result.rows.air, &result.rows.particles}) recorded += total(*row);
     if (plan.lines() == 1) CHECK(std::abs(recorded / plan.photons[0] + l.early + l.late + l.near - l.collected) <= 1e-12 * l.collected);
   }
 }
