@@ -32,6 +32,12 @@ std::vector<lidar::Shot> pick_shots(const scene::Lidar& lidar, std::uint64_t see
   return shots;
 }
 
+std::uint64_t default_pulses(const lidar::LidarPlan& plan) {
+  const bool receiver = plan.lidar.transport.sampling == scene::LidarSampling::receiver;
+  const std::uint64_t rays = plan.footprint.a.size() * static_cast<std::uint64_t>(receiver ? plan.pixels() : 1);
+  return std::clamp<std::uint64_t>(300000 / std::max<std::uint64_t>(rays, 1), 2, 100);
+}
+
 reference::LidarReport check_lidar(render::LidarRenderer& renderer, const scene::CompiledScene& scene, const lidar::LidarPlan& plan,
                                    const LidarCheckOptions& options, const std::function<void(std::uint64_t)>& progress) {
   reference::LidarCompareOptions compare;

@@ -18,6 +18,9 @@ struct LidarCheckOptions {
 /// The pulses to check: picked by a hash of the seed and a counter, in order of number; what a scanner does not fire is passed over.
 std::vector<lidar::Shot> pick_shots(const scene::Lidar& lidar, std::uint64_t seed, std::uint64_t pulses);
 
+/// 100, or as many as have 3e5 rays; at least 2.
+std::uint64_t default_pulses(const lidar::LidarPlan& plan);
+
 /// Expectations as the plan has them: turbulence and scintillation are drawn later and are not in it. `progress`: called with the number of
 /// pulses compared since the last call.
 reference::LidarReport check_lidar(render::LidarRenderer& renderer, const scene::CompiledScene& scene, const lidar::LidarPlan& plan,

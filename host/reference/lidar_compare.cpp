@@ -15,7 +15,7 @@ struct LidarComparison::Result {
   std::array<std::uint64_t, kCauses> hits{};
   bool parted = false, edge = false, rounded = false, has_air = false;
   std::uint32_t unexplained_ray = 0;
-  double worst = 0, air = 0, float_path_m = 0;
+  double worst = 0, air = 0, air_end = 0, float_path_m = 0;
   int line = 0, bin = 0;
   bool scattered_same = true;
   double closure = 0, ledger = 0;
@@ -26,6 +26,8 @@ namespace {
 
 /// Rays of an array that air and volumes are integrated along: 1e4 steps each.
 constexpr int kAirRays = 256;
+/// A bin with so much of a pulse's peak from surfaces holds an echo.
+constexpr double kEcho = 1e-9;
 constexpr double kLight_m_s = 299792458.0;
 /// Roundings of floats in a path, each relative to the way from the scene's edge to the surface: the vertex, the ways to both ends, and twice that their sum and its bins.
 constexpr double kRoundings = 6;
@@ -100,12 +102,14 @@ LidarComparison::Result LidarComparison::compare(const lidar::ShotResult& device
       const bool with_air = pixel % static_cast<std::size_t>(options.air_pixel_step) == 0;
       for (std::size_t bin = 0; bin < bins; ++bin) {
         const std::size_t i = (pixel * lines + line) * bins + bin;
-        if (with_air && !device.air.empty() && air_peak > 0) result.air = std::max(result.air, std::abs(at(device.air, i) - at(rows.air, i)) / air_peak);
+        // Where a surface's echo is, the air ends.
+        double& worst_air = rows.first[i] > kEcho * peak ? result.air_end : result.air;
+        if (with_air && !device.air.empty() && air_peak > 0) worst_air = std::max(worst_air, std::abs(at(device.air, i) - at(rows.air, i)) / air_peak);
         if (!rows.particles.empty() && !with_air) continue;
         double off = std::abs(at(device.first, i) - rows.first[i] - at(rows.particles, i));
         // Particles share the surfaces' row on the device; a bin that holds some is judged by their limit.
         if (at(rows.particles, i) > options_.limits.bin * peak) {
-          result.air = std::max(result.air, off / particle_peak);
+          worst_air = std::max(worst_air, off / particle_peak);
           continue;
         }
         // A bin of less than 1e-9 photons in a pulse without an echo has no peak to be measured by.
@@ -247,7 +251,7 @@ LidarReport LidarComparison::report() const {
     air.push_back(r.air);
     if (!out.has_scattered) out.ledger_difference = std::max(out.ledger_difference, r.ledger);
     if (r.worst >= out.worst) out.worst = r.worst, out.worst_pulse = r.pulse, out.worst_line = r.line, out.worst_bin = r.bin;
-    out.air_worst = std::max(out.air_worst, r.air);
+    out.air_worst = std::max(out.air_worst, r.air), out.air_end_worst = std::max(out.air_end_worst, r.air_end);
   }
   const auto median = [](std::vector<double> values) {
     if (values.empty()) return 0.0;

@@ -15,7 +15,9 @@ namespace raycube::reference {
 struct LidarLimits {
   double bin = 1e-5;        ///< of a line's peak bin, for pulses whose rays and ways to the receiver are the same ones
   double ledger = 1e-6;     ///< of the emitted energy: how far the device's ledger may be from closed
-  double air = 1e-2;        ///< of the peak bin of air and of particles: the device integrates along the beam, not along every sub-ray
+  /// Of the peak bin of air and of particles. The device integrates along the beam's middle, not along every sub-ray, and lets surfaces stop it
+  /// by whole bins: `air_end` is for bins that hold an echo of a surface.
+  double air = 1e-2, air_end = 5e-2;
   double deviations = 5;    ///< of the statistics of scattered light
 };
 
@@ -49,6 +51,7 @@ struct LidarReport {
   int worst_line = 0, worst_bin = 0;
   double ledger_closure = 0, ledger_difference = 0;   ///< worst of the device; worst against the reference, compared pulses
   bool has_air = false, has_scattered = false;
+  double air_end_worst = 0;
   double air_median = 0, air_worst = 0;               ///< of each compared pulse, returns of air and particles over their own peak
   LidarScattered scattered;
   std::int64_t unexplained_pulse = -1;                ///< the first whose hits nothing explains

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <functional>
+#include <vector>
 
 namespace raycube::reference {
 
-/// Gauss-Kronrod (7, 15), halved until the two rules agree to `relative` of the whole or nothing is left to halve.
-double adaptive_integral(const std::function<double(double)>& value, double from, double to, double relative);
+/// Sum over the pieces between ascending `cuts`, each by Gauss-Kronrod (7, 15), halved until the two rules differ by less than `relative` of
+/// the whole sum's share of a piece.
+double adaptive_integral(const std::function<double(double)>& value, const std::vector<double>& cuts, double relative);
 
 }  // namespace raycube::reference

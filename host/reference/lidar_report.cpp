@@ -38,6 +38,8 @@ std::vector<std::string> LidarReport::failures() const {
   if (!(ledger_difference <= 10 * limits.ledger))
     out.push_back("a ledger's entry differs by " + number(ledger_difference) + " of the emitted energy, limit " + number(10 * limits.ledger));
   if (has_air && !(air_worst <= limits.air)) out.push_back("the return of air and particles differs by " + number(air_worst) + " of its peak bin, limit " + number(limits.air));
+  if (has_air && !(air_end_worst <= limits.air_end))
+    out.push_back("the return of air and particles in bins with a surface's echo differs by " + number(air_end_worst) + " of its peak bin, limit " + number(limits.air_end));
   if (has_scattered && !(std::abs(scattered.energy_z) <= limits.deviations))
     out.push_back("light scattered more than once is " + number(scattered.energy_ratio) + " of the reference's, " + number(scattered.energy_z) + " standard errors off");
   if (has_scattered && !(scattered.chi_z <= limits.deviations))
@@ -55,7 +57,8 @@ std::string LidarReport::text() const {
   if (rounded_pulses > 0)
     out += "; " + std::to_string(rounded_pulses) + " pulses beyond it by no more than rounded paths do (" + number(1e6 * float_path_m) +
            " um), the worst by " + number(rounded_worst);
-  if (has_air) out += "\nreturns of air and particles, over their own peak bin: median of pulses " + number(air_median) + ", worst " + number(air_worst) + " (limit " + number(limits.air) + ")";
+  if (has_air) out += "\nreturns of air and particles, over their own peak bin: median of pulses " + number(air_median) + ", worst " + number(air_worst) + " (limit " + number(limits.air) +
+                      "), in bins with a surface's echo " + number(air_end_worst) + " (limit " + number(limits.air_end) + ")";
   out += "\nledger: closes to " + number(ledger_closure) + " (limit " + number(limits.ledger) + ")";
   if (!has_scattered) out += ", entries differ by " + number(ledger_difference);
   if (has_scattered)
@@ -90,7 +93,7 @@ std::string LidarReport::json() const {
   out["ledger_closure"] = ledger_closure;
   out["ledger_limit"] = limits.ledger;
   if (!has_scattered) out["ledger_difference"] = ledger_difference;
-  if (has_air) out["air"] = {{"median", air_median}, {"worst", air_worst}, {"limit", limits.air}};
+  if (has_air) out["air"] = {{"median", air_median}, {"worst", air_worst}, {"limit", limits.air}, {"worst_at_echoes", air_end_worst}, {"limit_at_echoes", limits.air_end}};
   if (has_scattered)
     out["scattered"] = {{"pulses", scattered.pulses},           {"same_draws", scattered.same_draws}, {"energy_ratio", scattered.energy_ratio},
                         {"energy_z", scattered.energy_z},       {"groups", scattered.groups},         {"chi_square", scattered.chi_square},

@@ -34,6 +34,14 @@ reference::LidarReport compare(const Zoo& zoo, int replicas = 16) {
   return report;
 }
 
+/// Photons that the reference gets from surfaces in the first shot.
+double shoot_sum(const Zoo& zoo) {
+  const reference::EmbreeScene embree(zoo.scene);
+  double sum = 0;
+  for (const double bin : reference::reference_shot(zoo.scene, embree, zoo.plan, zoo.shots[0]).rows.first) sum += bin;
+  return sum;
+}
+
 /// Shots from `at`, spread over directions about a middle one, each with a turn of its footprint.
 std::vector<lidar::Shot> fan(const scene::Lidar& lidar, const lidar::Vec3& at, const lidar::Vec3& towards, int count, double spread) {
   std::vector<lidar::Shot> shots;
@@ -139,6 +147,62 @@ TEST_CASE("I8: two lines of several nodes") {
   for (std::size_t node = 0; node < 4; ++node)
     for (std::size_t i = 0; i < 33; ++i) zoo.plan.air.depth[node * 33 + i] *= 1 + 2.0 * static_cast<double>(node == 1);
   holds(compare(zoo));
+}
+
+namespace {
+
+scene::Volume gas(scene::Volume::Shape shape) {
+  scene::Volume volume;
+  volume.shape = shape, volume.name = volume.gas = "CH4";
+  volume.position_m = {0, 0, 5}, volume.size_m = {12, 14, 9}, volume.yaw_deg = 25;
+  volume.concentration_ppm = 50;
+  volume.cells = {3, 4, 5};
+  for (std::uint32_t i = 0; i < 60; ++i) volume.values.push_back(static_cast<float>(2 * unit_random(9, i, 0)));
+  if (shape == scene::Volume::Shape::plume) {
+    volume.position_m = {2, -40, 0}, volume.yaw_deg = 3;
+    volume.source_g_s = 2, volume.wind_m_s = 2, volume.release_height_m = 3;
+  }
+  return volume;
+}
+
+}  // namespace
+
+TEST_CASE("I8: gas on the way: box, grid and plume") {
+  for (const auto shape : {scene::Volume::Shape::box, scene::Volume::Shape::grid, scene::Volume::Shape::plume}) {
+    scene::CompiledScene scene = plane();
+    scene.volumes = {gas(shape)};
+    auto lidar = topographic_lidar();
+    lidar.transport.subrays = 64;
+    Zoo zoo = over(std::move(scene), lidar, 20, 0.006);
+    zoo.plan.cross_section_cm2 = {1.06e-18};
+    const auto clear = [&] {
+      Zoo without = zoo;
+      without.plan.cross_section_cm2 = {0};
+      return shoot_sum(without);
+    }();
+    CHECK(shoot_sum(zoo) < 0.9 * clear);  // there is something to be right about
+    for (const bool apart : {false, true}) {
+      if (apart) for (lidar::Shot& shot : zoo.shots) place_pupil(shot, {shot.pupil_m[0] + 0.3, shot.pupil_m[1], shot.pupil_m[2]}, shot.pupil_axis);
+      holds(compare(zoo));
+    }
+  }
+}
+
+TEST_CASE("I8: air and a cloud of particles send light back") {
+  scene::CompiledScene scene = plane(0);
+  scene::Volume cloud = gas(scene::Volume::Shape::box);
+  cloud.gas.clear(), cloud.concentration_ppm = 0;
+  cloud.extinction_per_m = 0.02, cloud.single_scattering_albedo = 0.9, cloud.lidar_ratio_sr = 20;
+  cloud.position_m = {0, 0, 20};
+  scene.volumes = {cloud};
+  auto lidar = topographic_lidar();
+  lidar.transport.subrays = 32;
+  lidar.transport.air_return = true;
+  Zoo zoo = over(std::move(scene), lidar, 3, 0.002);
+  set_air(zoo.plan, 1e-4, 2e-6, -50, 1500);
+  const auto report = compare(zoo);
+  holds(report);
+  CHECK(report.has_air);
 }
 
 TEST_CASE("I8: many bounces in a corner, on the same draws and on others") {
