@@ -18,10 +18,14 @@ def mark(axes, data):
         for plume in data.get("plumes", []):
             axis.axvline(plume["range_m"], color="tab:green", lw=2, alpha=0.6)
     top = axes[0].get_xaxis_transform()
+    labels = [(plume["range_m"], f"{plume['name']}: {plume['overlap']:.3g}", "tab:green") for plume in data.get("plumes", [])]
     if "surface_m" in data:
-        axes[0].text(data["surface_m"][0], 1.02, "surfaces", transform=top, color="tab:brown", ha="center")
-    for plume in data.get("plumes", []):
-        axes[0].text(plume["range_m"], 1.02, f"{plume['name']}: {plume['overlap']:.3g}", transform=top, color="tab:green", ha="center")
+        labels.append((data["surface_m"][0], "surfaces", "tab:brown"))
+    span, last, row = data["range_m"][-1] - data["range_m"][0], -1e300, 0
+    for at, text, color in sorted(labels):
+        row = row + 1 if at - last < 0.15 * span else 0  # names of close marks stand above one another
+        axes[0].text(at, 1.02 + 0.06 * row, text, transform=top, color=color, ha="center")
+        last = at
 
 
 def main():
