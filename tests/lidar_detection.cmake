@@ -1,5 +1,6 @@
 raycube_test(lidar_overlap SOURCES oracle/lidar_overlap_test.cpp LIBS raycube::lidar LABELS fast)
 raycube_test(lidar_gauss_hermite SOURCES oracle/lidar_gauss_hermite_test.cpp LIBS raycube::lidar LABELS fast)
+raycube_test(lidar_image_blur SOURCES oracle/lidar_image_blur_test.cpp LIBS raycube::lidar LABELS fast)
 raycube_test(lidar_detection SOURCES oracle/lidar_detection_test.cpp LIBS raycube::lidar LABELS fast)
 raycube_test(lidar_draws SOURCES oracle/lidar_draws_test.cpp LIBS raycube::lidar LABELS fast)
 raycube_test(lidar_echoes SOURCES oracle/lidar_echoes_test.cpp LIBS raycube::lidar LABELS fast)
