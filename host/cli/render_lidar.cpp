@@ -16,6 +16,7 @@
 #include "host/cli/lidar_products.h"
 #include "host/cli/simulation_job.h"
 #include "host/lidar/apply_turbulence.h"
+#include "host/lidar/image_blur.h"
 #include "host/lidar/detection.h"
 #include "host/reference/parallel.h"
 #include "host/render/lidar_renderer.h"
@@ -117,6 +118,7 @@ nlohmann::json render_lidar(const scene::Simulation& simulation, const scene::Li
   const double ground_m = simulation.scene.instances.empty() ? 0.0 : simulation.scene.lo[2];
   const EarlierPulses earlier(simulation, plan, ground_m);
   std::optional<nlohmann::json> turbulence;
+  std::optional<lidar::PixelBlur> blur;  // of an array's image, as the first pulse's air makes it
   base::Progress progress(context.log, "lidar " + lidar.name, static_cast<std::uint64_t>(lidar.pulses), "pulses");
   std::map<std::string, double> stage_s;
   const auto timed = [&](const char* stage, const auto& work) {
@@ -134,6 +136,7 @@ nlohmann::json render_lidar(const scene::Simulation& simulation, const scene::Li
     std::vector<lidar::Shot> fired = shots;
     for (auto& shot : fired) {
       const auto truth = lidar::apply_turbulence(plan, ground_m, shot);
+      if (!blur) blur.emplace(lidar, truth.fried_m);
       if (turbulence || lidar.turbulence.profile == scene::TurbulenceProfile::none) continue;
       turbulence = turbulence_json(truth);
       for (const auto& warning : truth.warnings) context.log.warning(lidar.name + ": " + warning);
@@ -151,6 +154,7 @@ nlohmann::json render_lidar(const scene::Simulation& simulation, const scene::Li
       std::vector<std::vector<lidar::Detection>> records(results.size());
       timed("detection", [&] {
         reference::for_each_index(results.size(), context.common.threads, [&](std::size_t i) {
+          if (blur) blur->apply(plan, results[i]);
           if (!light.empty()) results[i].background_hz = light[begin + i];
           records[i] = lidar::detect(plan, results[i]);
         });
