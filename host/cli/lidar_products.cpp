@@ -253,7 +253,7 @@ struct LidarProducts::State {
       record.warnings.push_back(std::string("no pictures: ") + error.what());
       return;
     }
-    static const char* const what[] = {"waveforms of some pulses", "ranges of first returns", "point cloud"};
+    static const char* const what[] = {"waveforms of some pulses", "ranges of first strong returns", "point cloud"};
     for (std::size_t i = 0; i < std::size(kPictures); ++i) {
       const std::string drawn = stem + "." + kPictures[i];
       if (!std::filesystem::exists(drawn)) continue;  // nothing to show: no returns

@@ -1,4 +1,4 @@
-"""Pictures of a LIDAR run, drawn from its products alone: waveforms, ranges of first returns, point cloud.
+"""Pictures of a LIDAR run, drawn from its products alone: waveforms, ranges, point cloud.
 Usage: lidar_pictures.py FIGURES.json (says which files to read and where to draw), or lidar_pictures.py FOLDER of a run."""
 
 import json
@@ -14,7 +14,7 @@ import numpy as np
 from matplotlib.colors import LogNorm, Normalize
 
 MOST_POINTS = 400_000       # drawn; more are thinned evenly
-MOST_FIRST = 4_000_000      # first returns of the range image; more: the survey's beginning
+MOST_RANGES = 8_000_000     # returns behind the range image; more: the survey's beginning
 LIGHT_M_NS = 0.299792458
 TYPES = {1: "u1", 2: "i1", 3: "u2", 4: "i2", 5: "u4", 6: "i4", 7: "u8", 8: "i8", 9: "f4", 10: "f8"}
 
@@ -22,7 +22,7 @@ TYPES = {1: "u1", 2: "i1", 3: "u2", 4: "i2", 5: "u4", 6: "i4", 7: "u8", 8: "i8",
 def limits_of(values):
     """Colour limits that a few per cent of false alarms leave alone."""
     low, high = np.nanpercentile(values, [5, 95])
-    margin = 0.25 * (high - low) + 1e-3
+    margin = 0.25 * (high - low) + 0.5
     return max(low - margin, np.nanmin(values)), min(high + margin, np.nanmax(values))
 
 
@@ -147,13 +147,18 @@ def scan_image(figures, pulses):
 
 def ranges(figures, points, path):
     records = points.records
-    first = records[:MOST_FIRST * 2]
-    first = first[((first["returns"] & 15) == 1) & (first["user"] == 0)][:MOST_FIRST]
-    if not len(first):
+    some = records[:MOST_RANGES]
+    some = some[some["user"] == 0]  # the first laser line
+    if not len(some):
         return
+    # The first return that has a tenth of its record's strongest: air and false alarms before a surface are fainter.
+    begin = np.flatnonzero(np.concatenate(([True], (np.diff(some["pulse_id"].astype(np.int64)) != 0) | (np.diff(some["source"].astype(int)) != 0))))
+    strongest = np.repeat(np.maximum.reduceat(some["energy_pe"], begin), np.diff(np.append(begin, len(some))))
+    place = np.where(some["energy_pe"] >= 0.1 * strongest, np.arange(len(some)), len(some))
+    first = some[np.minimum.reduceat(place, begin)]
     pulses, range_m = first["pulse_id"].astype(np.int64), first["range"]
     figure = plt.figure(figsize=(12, 7), layout="constrained")
-    title = f"{figures['title']}: range of the first return"
+    title = f"{figures['title']}: range of the first strong return (a tenth of the record's strongest)"
     if figures["pixels"] > 1:
         columns, rows = figures["columns"], figures["rows"]
         hits = np.bincount(first["source"], minlength=columns * rows).reshape(rows, columns)
@@ -164,7 +169,7 @@ def ranges(figures, points, path):
         median = np.where(hits > 0, range_m[order[middle]].reshape(rows, columns), np.nan)
         axes = figure.subplots(1, 2)
         shots = len(np.unique(pulses))
-        pictures = [(median, "median range of the first return, m", "viridis_r"), (hits / shots, f"first returns per shot ({shots} shots with any)", "magma")]
+        pictures = [(median, "median range, m", "viridis_r"), (hits / shots, f"records with a return, per shot ({shots} shots with any)", "magma")]
         low, high = limits_of(median)
         limits = [{"vmin": low, "vmax": high}, {"vmin": 0, "vmax": max(1.0, (hits / shots).max())}]
         for axis, (values, name, colours), limit in zip(axes, pictures, limits):
@@ -186,7 +191,7 @@ def ranges(figures, points, path):
     else:
         axis = figure.subplots()
         axis.plot(pulses, range_m, ".", ms=3)
-        axis.set(xlabel="pulse", ylabel="range of the first return, m")
+        axis.set(xlabel="pulse", ylabel="range, m")
         axis.grid(alpha=0.3)
     figure.suptitle(title)
     figure.savefig(path, dpi=110, format="png")
