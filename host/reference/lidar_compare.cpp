@@ -173,59 +173,12 @@ void LidarComparison::add(const std::vector<lidar::ShotResult>& shots) {
   }
 }
 
-LidarScattered LidarComparison::scattered() const {
-  LidarScattered out;
-  if (scattered_.size() < 8) return out;
-  const double count = static_cast<double>(scattered_.size() - 1);
-  struct Group {
-    double device = 0, mean = 0, variance = 0;
-  };
-  const auto group_of = [&](std::size_t from, std::size_t to) {
-    std::vector<double> sums(scattered_.size(), 0.0);
-    for (std::size_t r = 0; r < scattered_.size(); ++r)
-      for (std::size_t i = from; i < to; ++i) sums[r] += scattered_[r][i];
-    Group g;
-    g.device = sums[0];
-    for (std::size_t r = 1; r < sums.size(); ++r) g.mean += sums[r] / count;
-    for (std::size_t r = 1; r < sums.size(); ++r) g.variance += (sums[r] - g.mean) * (sums[r] - g.mean) / (count - 1);
-    return g;
-  };
-  // t^2 of one draw against `count` of them: mean and variance of F(1, count - 1).
-  const double freedom = count - 1, t2_mean = freedom / (freedom - 2);
-  const double t2_variance = 2 * freedom * freedom * (freedom - 1) / ((freedom - 2) * (freedom - 2) * (freedom - 4));
-  const auto t2 = [&](const Group& g) { return (g.device - g.mean) * (g.device - g.mean) / (g.variance * (1 + 1 / count)); };
-  const std::size_t bins = static_cast<std::size_t>(plan_.lidar.gate.bins), lines = scattered_[0].size() / bins;
-  // Neighbouring bins share a pulse's light: groups are several pulses wide, and wide enough for 20 % noise.
-  const auto least = static_cast<std::size_t>(std::max(4.0, std::ceil(4 * plan_.lidar.pulse.fwhm_s / plan_.lidar.gate.bin_s)));
-  double sum = 0;
-  for (std::size_t line = 0; line < lines; ++line)
-    for (std::size_t from = line * bins, to = from; to < (line + 1) * bins; from = to) {
-      Group g;
-      do {
-        to = std::min(to + least, (line + 1) * bins);
-        g = group_of(from, to);
-      } while (to < (line + 1) * bins && !(g.mean > 0 && g.variance < 0.04 * g.mean * g.mean));
-      if (!(g.mean > 0 && g.variance > 0 && g.variance < 0.04 * g.mean * g.mean)) continue;
-      ++out.groups;
-      sum += t2(g);
-    }
-  const Group all = group_of(0, lines * bins);
-  out.energy_ratio = all.mean > 0 ? all.device / all.mean : 1;
-  out.energy_z = all.variance > 0 ? (all.device - all.mean) / std::sqrt(all.variance * (1 + 1 / count) * t2_mean) : 0;
-  if (out.groups > 0) {
-    const double groups = static_cast<double>(out.groups);
-    out.chi_square = sum / groups;
-    out.chi_z = (sum - groups * t2_mean) / std::sqrt(groups * t2_variance);
-  }
-  return out;
-}
-
 LidarReport LidarComparison::report() const {
   LidarReport out;
   out.limits = options_.limits;
   out.has_scattered = !scattered_.empty();
   std::vector<double> worst, air;
-  out.scattered = scattered();
+  out.scattered = compare_scattered(scattered_, plan_.lidar);
   for (const Result& r : results_) {
     ++out.pulses;
     out.has_air |= r.has_air;

@@ -33,8 +33,11 @@ struct LidarScattered {
   std::size_t groups = 0;                    ///< of bins, each wide enough for the noise to be normal
   double energy_ratio = 1, energy_z = 0;     ///< device / reference, and standard errors between
   double chi_square = 0;                     ///< per group
-  double chi_z = 0;                          ///< its deviation in standard deviations
+  double chi_z = 0;                          ///< deviations from what replicas have against one another
 };
+
+/// sums: [device, replica 0, 1, ...][line * bins], over all pulses and pixels. Fewer than 7 replicas: nothing is said.
+LidarScattered compare_scattered(const std::vector<std::vector<double>>& sums, const scene::Lidar& lidar);
 
 struct LidarReport {
   LidarLimits limits;
@@ -74,7 +77,6 @@ class LidarComparison {
  private:
   struct Result;
   Result compare(const lidar::ShotResult& device) const;
-  LidarScattered scattered() const;
   bool within_rounding(const lidar::ShotResult& device, const LidarReference& reference) const;
 
   const scene::CompiledScene& scene_;
