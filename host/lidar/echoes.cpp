@@ -27,6 +27,9 @@ std::vector<double> combine(const std::vector<double>& a, const std::vector<doub
   return out;
 }
 
+/// Bins of a return follow a Gaussian no better than this share of its peak: pulse and footprint are not exactly Gaussian.
+constexpr double kShapeError = 3e-4;
+
 /// A maximum of the smoothed waveform with the bins that belong to it, [left, right).
 struct Peak {
   std::size_t at = 0, left = 0, right = 0;
@@ -84,8 +87,9 @@ class Finder {
       bool stands = true;
       while (!kept.empty()) {
         const double lower = std::min(smooth_[kept.back()], smooth_[i]), dip = lower - smooth_[lowest];
-        const bool apart = static_cast<double>(i - kept.back()) > 4 * sigma_bins_ && smooth_[lowest] < 0.5 * lower;
-        if (apart || dip > std::max(1e-5 * lower, noisy_ ? 3 * smooth_rms(lower) : 0)) break;
+        // Two maxima near each other differ by chance less than the highest and lowest of a long plateau do.
+        const bool far = static_cast<double>(i - kept.back()) > 4 * sigma_bins_, apart = far && smooth_[lowest] < 0.5 * lower;
+        if (apart || dip > std::max(1e-5 * lower, noisy_ ? (far ? 5 : 3) * smooth_rms(lower) : 0)) break;
         if (smooth_[i] <= smooth_[kept.back()]) {
           stands = false;
           break;
@@ -187,7 +191,7 @@ class Finder {
       const double share = std::erf(0.5 / (sigma * std::sqrt(2.0)));
       fitted.push_back({std::max(smooth_[peak.at], 1e-12) / share, static_cast<double>(peak.at) + 0.5, sigma});
     }
-    const double floor = std::sqrt(noise_.floor * noise_.floor + noise_.excess * noise_.background);
+    const double floor = noisy_ ? std::hypot(noise_.floor, std::sqrt(noise_.excess * noise_.background), kShapeError * highest(first, last)) : 0;
     double chi = fit_gaussians(raw_, first, last, floor, noise_.excess, fitted);
     while (fitted.size() < peaks.size() + 3 && 3 * fitted.size() + 3 < last - first && chi > static_cast<double>(last - first) + 30) {
       std::vector<double> residual(raw_.size(), 0.0);
@@ -202,9 +206,10 @@ class Finder {
       trial.push_back({*top * 3.5 * sigma_bins_, static_cast<double>(top - residual.begin()) + 0.5, sigma_bins_});
       if (trial.size() == 2) split(fitted.front(), trial);
       const double trial_chi = fit_gaussians(raw_, first, last, floor, noise_.excess, trial);
+      // No echo is narrower than the pulse; and what is much wider is air or leaves, which no number of Gaussians describes.
       const bool echoes_all = std::all_of(trial.begin(), trial.end(), [&](const GaussianEcho& e) {
-        return e.area * std::erf(0.5 / (e.sigma * std::sqrt(2.0))) > noise_.threshold;
-      });
+        return e.area * std::erf(0.5 / (e.sigma * std::sqrt(2.0))) > noise_.threshold && e.sigma > 0.6 * sigma_bins_;
+      }) && wide(trial) <= wide(fitted);
       if (!(trial_chi < chi - 30) || !echoes_all) break;
       chi = trial_chi, fitted = std::move(trial);
     }
@@ -215,6 +220,10 @@ class Finder {
       const auto right = std::min(raw_.size(), static_cast<std::size_t>(std::ceil(echo.position + reach)));
       out.push_back(echo_at(echo.position, echo.area * std::erf(0.5 / (echo.sigma * std::sqrt(2.0))), echo.area, kFwhmOfSigma * echo.sigma, saturated(left, right)));
     }
+  }
+
+  std::ptrdiff_t wide(const std::vector<GaussianEcho>& echoes) const {
+    return std::count_if(echoes.begin(), echoes.end(), [&](const GaussianEcho& e) { return e.sigma > 3 * sigma_bins_; });
   }
 
   /// Two echoes hidden under one maximum, wider than the pulse: half of the light to either side, with the same second moment.

@@ -157,6 +157,24 @@ TEST_CASE("S39: thresholds from the noise, number of returns, false returns of n
   CHECK(detect(plan, shot).front().echoes.empty());
 }
 
+TEST_CASE("S39: air before a strong return is one echo, and a return of 10^8 photo-electrons is not taken apart by its pulse's faint tails") {
+  LidarPlan plan = test::small_plan(120);
+  ShotResult shot = test::empty_shot(plan);
+  for (std::size_t i = 0; i < 70; ++i) shot.first[i] = 300 - 2 * static_cast<float>(i);
+  // A pulse with a tail of 1e-4 of its energy, 1 ns late and half as wide again: no Gaussian is exact.
+  test::add_return(shot.first, 1e8, 80.3, kSigmaBins), test::add_return(shot.first, 1e4, 81.3, 1.5 * kSigmaBins);
+  int two = 0;
+  constexpr int pulses = 300;
+  for (int pulse = 0; pulse < pulses; ++pulse) {
+    shot.shot.pulse = pulse;
+    const auto echoes = detect(plan, shot).front().echoes;
+    two += echoes.size() == 2;
+    REQUIRE(!echoes.empty());
+    REQUIRE(std::abs(echoes.back().time_s / 1e-9 - 6680.3) < 2e-3);
+  }
+  CHECK(two > 0.95 * pulses);
+}
+
 TEST_CASE("S38: clusters of time tags are echoes") {
   scene::Lidar lidar = test::small_plan().lidar;
   lidar.detector.mode = scene::DetectorMode::geiger;
