@@ -6,6 +6,7 @@
 
 #include "host/cli/lidar_job.h"
 #include "host/cli/simulation_job.h"
+#include "host/render/lidar_owners.h"
 
 namespace raycube::cli {
 
@@ -62,12 +63,16 @@ struct LidarBackground::State {
   }
 
   /// Photons / s for a radiance in W m-2 sr-1 um-1 in line l.
-  double rate(double value, std::size_t l) const {
+  double rate(double value, std::size_t l, std::size_t pixel) const {
     const scene::LidarReceiver& r = plan.lidar.receiver;
     const double area = std::numbers::pi * (r.aperture_radius_m * r.aperture_radius_m - r.obscuration_radius_m * r.obscuration_radius_m);
     const double solid_angle = plan.pixels() > 1 ? r.pixel_pitch_rad * r.pixel_pitch_rad : std::numbers::pi * r.half_fov_rad * r.half_fov_rad;
     const double photon_J = kPlanck_J_s * kLight_m_s / (plan.lidar.pulse.lines[l].wavelength_um * 1e-6);
-    return std::max(0.0, value) * area * solid_angle * r.efficiency * r.filter_fwhm_um / photon_J;
+    // Off the axis pixels of a plane take in cos^4 less, as they do of the signal.
+    const double u = plan.pixels() > 1 ? r.pixel_pitch_rad * (static_cast<double>(pixel % static_cast<std::size_t>(r.columns)) - 0.5 * (r.columns - 1)) : 0;
+    const double v = plan.pixels() > 1 ? r.pixel_pitch_rad * (static_cast<double>(pixel / static_cast<std::size_t>(r.columns)) - 0.5 * (r.rows - 1)) : 0;
+    const double cos2 = 1 / (1 + u * u + v * v);
+    return std::max(0.0, value) * area * solid_angle * cos2 * cos2 * render::camera_factor(r) * r.efficiency * r.filter_fwhm_um / photon_J;
   }
 };
 
@@ -88,7 +93,7 @@ std::vector<std::vector<double>> LidarBackground::rates(const std::vector<lidar:
   const auto take = [&](const std::vector<float>& radiance, std::size_t from, std::vector<double>& to) {
     for (std::size_t p = 0; p < pixels; ++p)
       for (std::size_t i = 0; i < lines; ++i)
-        to[p * lines + s.order[i]] = s.rate(radiance[(from + p) * lines + i], s.order[i]);
+        to[p * lines + s.order[i]] = s.rate(radiance[(from + p) * lines + i], s.order[i], p);
   };
   if (pixels > 1) {
     scene::Instrument camera = field_camera(s.plan, s.plan.lidar.receiver.columns, s.plan.lidar.receiver.rows);

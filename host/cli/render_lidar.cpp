@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -14,18 +13,19 @@
 #include "host/cl/device.h"
 #include "host/cli/lidar_job.h"
 #include "host/cli/lidar_products.h"
+#include "host/cli/other_pulses.h"
 #include "host/cli/simulation_job.h"
 #include "host/lidar/apply_turbulence.h"
 #include "host/lidar/image_blur.h"
 #include "host/lidar/detection.h"
+#include "host/reference/double_trace.h"
+#include "host/reference/embree_scene.h"
 #include "host/reference/parallel.h"
 #include "host/render/lidar_renderer.h"
 
 namespace raycube::cli {
 
 namespace {
-
-constexpr double kLight_m_s = 299792458.0;
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -34,23 +34,15 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 std::size_t bytes_of_rows(const lidar::LidarPlan& plan) {
   const auto& transport = plan.lidar.transport;
   const std::size_t kinds = 1 + (transport.max_bounces > 1) + transport.air_return;
-  // Expectations, and as much again for the record made of them.
-  return 2 * kinds * static_cast<std::size_t>(plan.pixels()) * static_cast<std::size_t>(plan.lines()) *
+  const std::size_t samples = static_cast<std::size_t>(transport.subrays) *
+                              (transport.sampling == scene::LidarSampling::receiver ? static_cast<std::size_t>(plan.pixels()) : 1u);
+  // Expectations, and as much again for the record made of them; first hits.
+  return samples * sizeof(lidar::FirstHit) + 2 * kinds * static_cast<std::size_t>(plan.pixels()) * static_cast<std::size_t>(plan.lines()) *
          static_cast<std::size_t>(plan.lidar.gate.bins) * sizeof(float);
 }
 
 std::int64_t batch_of(const lidar::LidarPlan& plan, std::size_t memory_bytes) {
   return std::clamp<std::int64_t>(static_cast<std::int64_t>(memory_bytes / 4 / std::max<std::size_t>(1, bytes_of_rows(plan))), 1, 4096);
-}
-
-/// Farthest corner of the scene from any place of the platform, m.
-double farthest_m(const scene::CompiledScene& scene, const scene::Lidar& lidar) {
-  double farthest = 0;
-  for (const auto& pose : lidar.trajectory)
-    for (int corner = 0; corner < 8; ++corner)
-      farthest = std::max(farthest, std::hypot((corner & 1 ? scene.hi[0] : scene.lo[0]) - pose.x_m, (corner & 2 ? scene.hi[1] : scene.lo[1]) - pose.y_m,
-                                               (corner & 4 ? scene.hi[2] : scene.lo[2]) - pose.z_m));
-  return farthest;
 }
 
 /// What turbulence did to the survey's first shot, in words for the record; its own draws are left out.
@@ -65,42 +57,24 @@ std::string main_file(const scene::Lidar& lidar, const std::string& folder) {
   return folder + (lidar.products.las ? "/returns.las" : lidar.products.cube ? "/waveforms.img" : "/run.json");
 }
 
-/// Light of pulses fired earlier that arrives while a gate is open: the same shots again with the gate later by whole periods.
-class EarlierPulses {
+/// Height of the surface that a shot's axis meets, which turbulence counts from and where its path ends: the scene's lowest place for an axis
+/// that meets none, 0 in an empty scene.
+class GroundBelow {
  public:
-  EarlierPulses(const scene::Simulation& simulation, const lidar::LidarPlan& plan, double ground_m) : seed_(simulation.seed), ground_m_(ground_m) {
-    if (!plan.lidar.fold_ambiguous) return;
-    const double last_s = 2 * farthest_m(simulation.scene, plan.lidar) * plan.lidar.transport.group_index / kLight_m_s;
-    for (int back = 1; plan.lidar.gate.start_s + back / plan.lidar.prf_hz < last_s; ++back) {
-      plans_.push_back(plan);
-      plans_.back().lidar.gate.start_s += back / plan.lidar.prf_hz;
-    }
+  GroundBelow(const scene::CompiledScene& scene, const scene::Lidar& lidar) : scene_(scene) {
+    if (lidar.turbulence.profile != scene::TurbulenceProfile::none && !scene.instances.empty()) embree_.emplace(scene);
   }
-
-  void add_to(std::vector<lidar::ShotResult>& results, render::LidarRenderer& renderer) const {
-    for (std::size_t back = 1; back <= plans_.size() && !results.empty(); ++back) {
-      std::map<std::int64_t, lidar::ShotResult*> open;
-      for (auto& result : results) open[result.shot.pulse - static_cast<std::int64_t>(back)] = &result;
-      const std::int64_t first = std::max<std::int64_t>(0, open.begin()->first), last = open.rbegin()->first;
-      if (last < 0) continue;
-      auto shots = lidar::make_shots(plans_[back - 1].lidar, first, last - first + 1, seed_);
-      for (auto& shot : shots) lidar::apply_turbulence(plans_[back - 1], ground_m_, shot);
-      std::erase_if(shots, [&](const lidar::Shot& shot) { return open.count(shot.pulse) == 0; });
-      renderer.render(plans_[back - 1], shots, [&](lidar::ShotResult&& earlier) {
-        lidar::ShotResult& result = *open[earlier.shot.pulse];
-        const auto add = [](std::vector<float>& to, const std::vector<float>& from) {
-          for (std::size_t i = 0; i < std::min(to.size(), from.size()); ++i) to[i] += from[i];
-        };
-        add(result.first, earlier.first), add(result.multiple, earlier.multiple), add(result.air, earlier.air);
-        result.rays += earlier.rays;
-      });
-    }
+  double operator()(const lidar::Shot& shot) const {
+    if (!embree_) return scene_.instances.empty() ? 0.0 : scene_.lo[2];
+    reference::Ray ray;
+    for (std::size_t i = 0; i < 3; ++i) ray.origin[i] = static_cast<float>(shot.exit_m[i]), ray.direction[i] = static_cast<float>(shot.exit_axis[i]);
+    const auto hit = embree_->intersect(ray);
+    return hit.miss() ? scene_.lo[2] : reference::hit_point(scene_, ray, hit).z;
   }
 
  private:
-  std::uint64_t seed_;
-  double ground_m_;
-  std::vector<lidar::LidarPlan> plans_;
+  const scene::CompiledScene& scene_;
+  std::optional<reference::EmbreeScene> embree_;
 };
 
 }  // namespace
@@ -114,9 +88,11 @@ nlohmann::json render_lidar(const scene::Simulation& simulation, const scene::Li
   LidarProducts output(folder, context.common.overwrite ? base::IfExists::replace : base::IfExists::refuse, simulation, plan);
   render::LidarRenderer renderer(simulation.scene, settings);
   std::optional<LidarBackground> background;
-  if (lidar.detector.solar_background && simulation.sun.zenith_deg < 90) background.emplace(simulation, plan, settings, context);
-  const double ground_m = simulation.scene.instances.empty() ? 0.0 : simulation.scene.lo[2];
-  const EarlierPulses earlier(simulation, plan, ground_m);
+  // By night only what the scene emits, beyond 2.5 um.
+  const bool warm = std::any_of(lidar.pulse.lines.begin(), lidar.pulse.lines.end(), [](const auto& line) { return line.wavelength_um > 2.5; });
+  if (lidar.detector.solar_background && (simulation.sun.zenith_deg < 90 || warm)) background.emplace(simulation, plan, settings, context);
+  const GroundBelow ground(simulation.scene, lidar);
+  const OtherPulses others(simulation, plan);
   std::optional<nlohmann::json> turbulence;
   std::optional<lidar::PixelBlur> blur;  // of an array's image, as the first pulse's air makes it
   base::Progress progress(context.log, "lidar " + lidar.name, static_cast<std::uint64_t>(lidar.pulses), "pulses");
@@ -135,7 +111,7 @@ nlohmann::json render_lidar(const scene::Simulation& simulation, const scene::Li
     const auto shots = lidar::make_shots(lidar, first, std::min(chunk, lidar.pulses - first), simulation.seed);
     std::vector<lidar::Shot> fired = shots;
     for (auto& shot : fired) {
-      const auto truth = lidar::apply_turbulence(plan, ground_m, shot);
+      const auto truth = lidar::apply_turbulence(plan, ground(shot), shot);
       if (!blur) blur.emplace(lidar, truth.fried_m);
       if (turbulence || lidar.turbulence.profile == scene::TurbulenceProfile::none) continue;
       turbulence = turbulence_json(truth);
@@ -149,7 +125,7 @@ nlohmann::json render_lidar(const scene::Simulation& simulation, const scene::Li
       std::vector<lidar::ShotResult> results;
       timed("pulses", [&] {
         renderer.render(plan, now, [&](lidar::ShotResult&& result) { results.push_back(std::move(result)); }, true);
-        earlier.add_to(results, renderer);
+        others.add_to(results, renderer, [&](lidar::Shot& shot) { lidar::apply_turbulence(plan, ground(shot), shot); });
       });
       std::vector<std::vector<lidar::Detection>> records(results.size());
       timed("detection", [&] {
@@ -190,7 +166,6 @@ nlohmann::json render_lidar(const scene::Simulation& simulation, const scene::Li
   record.stage_s = {{"load", load_s}, {"atmosphere", job.table_s}, {"plan", job.plan_s}};
   for (const auto& stage : stage_s) record.stage_s.push_back(stage);
   record.total_s = load_s + job.table_s + job.plan_s + render_s;
-  record.rays = rays;
   record.rays_per_s = static_cast<double>(rays) / render_s;
   record.memory_budget_bytes = context.common.memory_bytes;
   record.peak_memory_bytes = base::peak_resident_bytes();

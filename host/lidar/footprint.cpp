@@ -59,7 +59,9 @@ Footprint make_footprint(const scene::Lidar& lidar, bool distributed) {
                               : spiral(lidar.pulse.profile, i, n, 0));
     // Exits take the spiral's rings in the order of a van der Corput-like walk, so that place and direction do not go together.
     const int ring = static_cast<int>(fraction((i + 0.5) * 0.6180339887498949) * n);
-    if (distributed && !receiver) exits.push_back(spiral(lidar.pulse.profile, ring, n, 1.0 + 2.399963 * i));
+    // A uniform beam stays a disc of radius exit + divergence x range: rays leave where they go.
+    if (distributed && !receiver)
+      exits.push_back(lidar.pulse.profile == scene::BeamProfile::uniform ? points.back() : spiral(lidar.pulse.profile, ring, n, 1.0 + 2.399963 * i));
   }
   std::vector<int> order(static_cast<std::size_t>(n));
   std::iota(order.begin(), order.end(), 0);

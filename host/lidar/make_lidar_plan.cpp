@@ -92,6 +92,19 @@ std::vector<double> cross_sections(const LidarPlan& plan, const scene::CompiledS
   return out;
 }
 
+/// Highest place that a beam reaches within the gate: of pulses that look up, where the gate ends. 256 pulses spread over the survey speak for all.
+double highest_view_m(const scene::Lidar& lidar, std::uint64_t seed) {
+  const double reach = 0.5 * kLight_m_s * (lidar.gate.start_s + lidar.gate.bins * lidar.gate.bin_s) / lidar.transport.group_index;
+  double highest = -1e30;
+  const std::int64_t step = std::max<std::int64_t>(1, lidar.pulses / 256);
+  for (std::int64_t pulse = 0; pulse < lidar.pulses; pulse += step)
+    for (const auto& shot : make_shots(lidar, pulse, 1, seed)) {
+      const double up = std::min(1.0, shot.exit_axis[2] + 3 * lidar.pulse.half_divergence_rad + lidar.receiver.half_fov_rad);
+      highest = std::max(highest, shot.exit_m[2] + std::max(0.0, up) * std::max(0.0, reach));
+    }
+  return highest;
+}
+
 }  // namespace
 
 std::vector<SpectralNode> make_nodes(const scene::Lidar& lidar) {
@@ -128,7 +141,7 @@ LidarPlan make_lidar_plan(const scene::Simulation& simulation, const scene::Lida
   const bool empty = simulation.scene.instances.empty();
   const double low = empty ? std::min(0.0, plan.sensor_low_m) : std::min<double>(simulation.scene.lo[2], plan.sensor_low_m);
   const double high = empty ? plan.sensor_high_m : std::max<double>(simulation.scene.hi[2], plan.sensor_high_m);
-  if (table != nullptr) plan.air = make_air(*table, plan.nodes, plan.lines(), low, high + 10);
+  if (table != nullptr) plan.air = make_air(*table, plan.nodes, plan.lines(), low, std::max(high, highest_view_m(lidar, simulation.seed)) + 10);
   plan.matter = matter_of(plan, simulation.scene);
   plan.cross_section_cm2 = cross_sections(plan, simulation.scene);
   plan.taps = make_taps(lidar.pulse, lidar.gate.bin_s);

@@ -12,7 +12,7 @@ import sys
 import tempfile
 
 import numpy
-from driver import Program
+from driver import Program, envi
 
 program = Program(sys.argv[1])
 run, check = program.run, program.check
@@ -145,8 +145,84 @@ def survey(work):
     check(dry["pulses"] == 200 and dry["rays"] == 200 * 64, dry)
 
 
+FOLDED = """format = 1
+[[material]]
+name = "ground"
+reflectance = 0.3
+[[plane]]
+material = "ground"
+size_m = [200.0, 200.0]
+[atmosphere]
+model = "none"
+[time]
+sun = {{ zenith_deg = 100.0 }}
+[[lidar]]
+name = "scan"
+position_m = [0.0, 0.0, {height}]
+prf_khz = 200.0
+pulses = 6
+fold_ambiguous = {fold}
+[lidar.pulse]
+energy_J = 1e-4
+wavelength_nm = 1064.0
+fwhm_ns = 4.0
+divergence_mrad = 0.2
+divergence_is = "full angle at 1/e^2"
+[lidar.receiver]
+aperture_diameter_m = 0.1
+fov_mrad = 2.0
+[lidar.gate]
+start_range_m = {start}
+stop_range_m = {stop}
+[lidar.sampling]
+subrays = 16
+[lidar.products]
+png = false
+"""
+
+
+def photons(work, **values):
+    scene = work / "folded.toml"
+    scene.write_text(FOLDED.format(**values))
+    run("render", scene, "-o", work / "folded", "--overwrite")
+    rows = table(work / "folded/scan/pulses.csv")
+    for row in rows:  # what reached the detector is in the gate or beside it
+        parts = float(row["photons_in_gate"]) / float(row["photons_emitted"]) + sum(float(row[name]) for name in ("early", "late", "near"))
+        check(abs(parts - float(row["collected"])) <= 1e-5 * max(float(row["collected"]), 1e-30), row)
+    return [float(row["photons_in_gate"]) for row in rows]
+
+
+def folding(work):
+    """2.4: ambiguous ranges. 200 kHz: 749.48 m between pulses; ground at 1000 m comes into the next pulse's gate at 250.5 m; and a gate from
+    900 m on, opened while two pulses fly, sees ground at 250.5 m by the pulse after."""
+    alone = photons(work, height=1000.0, fold="false", start=950.0, stop=1050.0)
+    check(min(alone) == max(alone) > 1e3, alone)
+    near = photons(work, height=1000.0, fold="false", start=200.0, stop=300.0)
+    check(max(near) == 0, near)
+    folded = photons(work, height=1000.0, fold="true", start=200.0, stop=300.0)
+    check(folded[0] == 0 and all(abs(value / alone[0] - 1) < 1e-5 for value in folded[1:]), folded, alone)
+    close = photons(work, height=250.5, fold="false", start=200.0, stop=300.0)
+    later = photons(work, height=250.5, fold="true", start=950.0, stop=1050.0)
+    check(later[-1] == 0 and all(abs(value / close[0] - 1) < 1e-5 for value in later[:-1]), later, close)
+
+
+def upwards(work):
+    """Air above the scene: a LIDAR that looks up from the ground is not dark past its own height."""
+    scene = work / "up.toml"
+    scene.write_text(FOLDED.format(height=2.0, fold="false", start=100.0, stop=5000.0).replace('model = "none"', 'model = "layered"')
+                     .replace("prf_khz = 200.0", "prf_khz = 1.0\nlook_at_m = [0.0, 1.0, 9000.0]").replace("pulses = 6", "pulses = 1"))
+    run("render", scene, "-o", work / "up", "--overwrite")
+    header, cube = envi(work / "up/scan", "waveforms")
+    bin_m = 0.149896229
+    row = cube[0, :, [text.split("[")[0].strip() for text in header["band names"]].index("laser expected")]
+    early, late = row[:2000].sum(), row[int(2000 / bin_m):int(2300 / bin_m)].sum()
+    check(early > 0 and late > 1e-4 * early, early, late)
+
+
 with tempfile.TemporaryDirectory() as folder:
     folder = pathlib.Path(folder)
+    folding(folder)
+    upwards(folder)
     dial(folder)
     geiger(folder)
     survey(folder)
