@@ -46,10 +46,7 @@ RC_BODY lidar_shots_body(uint owner, LIDAR_SHOTS_PARAMETERS) {
     const float4 reference = t->shot[RC_SHOT_REFERENCE], axis = t->shot[RC_SHOT_AXIS], du = t->shot[RC_SHOT_DU], dv = t->shot[RC_SHOT_DV], residual = t->shot[RC_SHOT_RESIDUAL];
     const float s = t->shot[RC_SHOT_START].w, back = reference.w;
 #else
-    global const float* at = samples + (size_t)(begin / RC_CHUNK) * (sizeof(Scatter) / sizeof(float));
-    Scatter scatter;
-    float* to = (float*)&scatter;
-    for (uint i = 0; i < 2u * RC_SLOTS + 4u * RC_BOUND_SLOTS; i += 16u) rc_store16(vload16(0, at + i), 0, to + i);
+    global const Scatter* scatter = (global const Scatter*)samples + begin / RC_CHUNK;
     Closest closest;
     for (uint k = 0; k < RC_SLOTS; k += 16u) rc_store16((float16)(0.0f), 0, closest.near + k);
     GroupFrame frame;
@@ -59,13 +56,13 @@ RC_BODY lidar_shots_body(uint owner, LIDAR_SHOTS_PARAMETERS) {
     frame.rays.dv = t->shot[RC_SHOT_DV];
     frame.rays.origin.w = frame.rays.d0.w = frame.rays.du.w = frame.rays.dv.w = 0.0f;
     frame.rays.ov = (float4)(0.0f);
-    frame.samples = &scatter;
+    frame.samples = scatter;
     rc_primary_group(scene, frame, &closest);
 #endif
     for (uint word = 0; word < words; ++word) {
       const uint slot = word * 16u, ray = begin + slot;
-      Hits16 hits;
 #if RC_SINGLE
+      Hits16 hits;
       const float16 a = vload16(2u * word, at), b = vload16(2u * word + 1u, at);
       RC_LINE float lane_a[16], lane_b[16];
       rc_store16(a, 0, lane_a);
@@ -84,19 +81,23 @@ RC_BODY lidar_shots_body(uint owner, LIDAR_SHOTS_PARAMETERS) {
         hits.instance[k] = hit.instance;
         if (hit.instance != RC_NONE) hits.primitive[k] = hit.primitive;
       }
+      const uint16 instances = vload16(0, hits.instance), primitives = vload16(0, hits.primitive);
 #else
-      const float16 a = vload16(0, scatter.a + slot), b = vload16(0, scatter.b + slot);
+      const float16 a = vload16(0, scatter->a + slot), b = vload16(0, scatter->b + slot);
       const int16 none = vload16(0, closest.near + slot) == 0.0f;
-      rc_store16(select(vload16(0, closest.instance + slot), (uint16)(RC_NONE), none), 0, hits.instance);
-      rc_store16(select(vload16(0, closest.primitive + slot), (uint16)(0u), none), 0, hits.primitive);
+      const uint16 instances = select(vload16(0, closest.instance + slot), (uint16)(RC_NONE), none), primitives = select(vload16(0, closest.primitive + slot), (uint16)(0u), none);
 #endif
-      if (RC_HITS)
-        for (uint k = 0; k < 16u; ++k) {
-          global uint* to_hits = first_hits + 2u * ((size_t)owner * ((RC_RAY_COUNT + 15) / 16 * 16) + ray + k);
-          to_hits[0] = hits.instance[k];
-          to_hits[1] = hits.instance[k] == RC_NONE ? RC_NONE : hits.primitive[k];
-        }
-      rc_follow_word(scene, t, a, b, ray, &hits, own_first, own_multiple, own_stopped, &total);
+#if RC_HITS
+      RC_LINE uint instance_of[16], primitive_of[16];
+      rc_store16(instances, 0, instance_of);
+      rc_store16(primitives, 0, primitive_of);
+      for (uint k = 0; k < 16u; ++k) {
+        global uint* to_hits = first_hits + 2u * ((size_t)owner * ((RC_RAY_COUNT + 15) / 16 * 16) + ray + k);
+        to_hits[0] = instance_of[k];
+        to_hits[1] = instance_of[k] == RC_NONE ? RC_NONE : primitive_of[k];
+      }
+#endif
+      rc_follow_word(scene, t, a, b, ray, instances, primitives, own_first, own_multiple, own_stopped, &total);
     }
   }
 

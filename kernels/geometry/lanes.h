@@ -33,6 +33,11 @@ static inline uint rc_mask16(int16 m) {
 #endif
 }
 
+/* The other way: bit i of a word to 0 / -1 in lane i. */
+static inline int16 rc_bits16(uint bits) {
+  return ((int16)((int)bits) & (int16)(1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768)) != 0;
+}
+
 /* Least and most of numbers (no NaN): one instruction each, where fmin and fmax spend three on NaN. For float8 and float16. */
 static inline float8 rc_min8(float8 a, float8 b) { return a < b ? a : b; }
 static inline float8 rc_max8(float8 a, float8 b) { return a > b ? a : b; }

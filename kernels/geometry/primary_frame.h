@@ -27,6 +27,10 @@ typedef struct Scatter {
   float a[RC_SLOTS], b[RC_SLOTS];  /* INFINITY: no sample */
   float lo_a[RC_BOUND_SLOTS], hi_a[RC_BOUND_SLOTS], lo_b[RC_BOUND_SLOTS], hi_b[RC_BOUND_SLOTS];
 } Scatter;
+/* Where a kernel keeps its samples. */
+#ifndef RC_SAMPLE_SPACE
+#define RC_SAMPLE_SPACE private
+#endif
 #endif
 
 typedef struct Closest {
@@ -42,7 +46,7 @@ typedef struct GroupFrame {
   bool same;                   /* the frame is the scene's */
   Projection map;
 #if RC_SCATTER
-  const Scatter* samples;
+  const RC_SAMPLE_SPACE Scatter* samples;
 #else
   uint first_row, rows;  /* of the chunk */
   uint columns;          /* of the pixels that exist */

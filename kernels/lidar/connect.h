@@ -20,7 +20,11 @@ typedef struct Paths16 {
 #if RC_STOPPED
   float16 open[RC_LASER_LINES];       /* share of the ray that plates let through so far */
 #endif
+#if RC_LANE_ENERGY
   long16 energy[RC_LASER_LINES];      /* arriving, for the ledger */
+#else
+  uint first_ray;
+#endif
   float16 first_range;                /* m, from the start to the first vertex */
   uint order[16];                     /* scatterings, this one included */
   uint live;

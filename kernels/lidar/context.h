@@ -23,6 +23,7 @@
 #define RC_CHUNK 256
 #define RC_SUPPORT 4.0f
 #endif
+#define RC_SAMPLE_SPACE global  /* all owners share theirs */
 #include "kernels/geometry/trace_args.h"
 #include "kernels/geometry/lanes.h"
 #include "kernels/geometry/scene_arrays.h"
@@ -94,6 +95,10 @@
 static inline uint rc_row_floats(uint bins) { return 2u * RC_ROW_PAD + (bins + 15u) / 16u * 16u; }
 /* Rays start again after the first surface. */
 #define RC_CONTINUES (RC_BOUNCES > 1 || RC_PLATES)
+/* Energy of a ray in the ledger; the first RC_LEDGER_REST rays have one unit more. */
+#define RC_LEDGER_UNIT ((1l << RC_LEDGER_BITS) / RC_RAY_COUNT)
+#define RC_LEDGER_REST ((1l << RC_LEDGER_BITS) - RC_LEDGER_UNIT * RC_RAY_COUNT)
+#define RC_LANE_ENERGY (RC_CONTINUES || RC_MEDIA)
 
 typedef struct LidarTables {
   global const float4* shot;         /* the owner's record */
@@ -128,11 +133,6 @@ static inline void rc_add_float(float* sum, float x) {
   const float s = sum[0] + x, part = s - sum[0];
   sum[1] += (sum[0] - (s - part)) + (x - part);
   sum[0] = s;
-}
-
-static inline int16 rc_bits16(uint bits) {
-  const int16 lane = (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-  return (((int16)((int)bits) >> lane) & 1) != 0;
 }
 
 static inline float rc_lane_sum(float16 v) {

@@ -62,6 +62,7 @@ static inline void rc_pass_segment(const LidarTables* t, Paths16* paths, float16
 #endif
 }
 
+#if RC_LANE_ENERGY
 /* Takes what the lanes hold out of the paths and books it. */
 static inline void rc_end_lanes(Paths16* paths, uint lanes, LidarSums* sums, uint entry) {
   if (!lanes) return;
@@ -83,5 +84,25 @@ static inline void rc_split_energy(Paths16* paths, uint line, float16 kept, floa
   sums->ledger[line][RC_LEDGER_ABSORBED] += rc_lane_sum_long(arrives - stays - goes);
   paths->energy[line] = select(paths->energy[line], stays, live);
 }
+#else
+/* Whatever starts ends at its first vertex: lanes need no energies of their own. */
+static inline long rc_emitted(uint first_ray, uint lanes) {
+  const uint more = min((uint)RC_LEDGER_REST - min((uint)RC_LEDGER_REST, first_ray), 16u);
+  return (long)popcount(lanes) * RC_LEDGER_UNIT + (long)popcount(lanes & ((1u << more) - 1u));
+}
+
+static inline void rc_end_lanes(Paths16* paths, uint lanes, LidarSums* sums, uint entry) {
+  if (!lanes) return;
+  for (uint line = 0; line < RC_LASER_LINES; ++line) sums->ledger[line][entry] += rc_emitted(paths->first_ray, lanes);
+  paths->live &= ~lanes;
+}
+
+static inline void rc_split_energy(Paths16* paths, uint line, float16 kept, float16 booked, LidarSums* sums, uint entry) {
+  const long arrives = rc_emitted(paths->first_ray, paths->live);
+  const long goes = min((long)((float)RC_LEDGER_UNIT * rc_lane_sum(select((float16)(0.0f), booked, rc_bits16(paths->live)))), arrives);
+  sums->ledger[line][entry] += goes;
+  sums->ledger[line][RC_LEDGER_ABSORBED] += arrives - goes;
+}
+#endif
 
 #endif

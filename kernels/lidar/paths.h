@@ -32,7 +32,7 @@ static inline void rc_stop(const LidarTables* t, Paths16* paths, const Vertex16*
 #endif
 
 /* The rays of a word from their first hits on. a, b: sub-rays or samples (INFINITY: none). */
-static inline void rc_follow_word(SceneArrays scene, const LidarTables* t, float16 a, float16 b, uint first_ray, Hits16* hits,
+static inline void rc_follow_word(SceneArrays scene, const LidarTables* t, float16 a, float16 b, uint first_ray, uint16 instances, uint16 primitives,
                                   global float* first, global float* multiple, global float* stopped, LidarSums* sums) {
   global const float4* shot = t->shot;
   const float4 reference = shot[RC_SHOT_REFERENCE], from_start = shot[RC_SHOT_FROM_START], axis = shot[RC_SHOT_AXIS], du = shot[RC_SHOT_DU], dv = shot[RC_SHOT_DV];
@@ -54,14 +54,19 @@ static inline void rc_follow_word(SceneArrays scene, const LidarTables* t, float
   leaves.z = fma(ea, (float16)(eu.z), eb * ev.z);
   rays.offset = rc_plus16(rays.offset, leaves);
 #endif
-  const float16 length = sqrt(rc_dot16(rays.direction, rays.direction));
-
   Paths16 paths;
+  paths.way = rays.direction;
+#if RC_RECEIVER || RC_GLOSS || RC_MEDIA || RC_CONTINUES
+  const float16 over_length = 1.0f / sqrt(rc_dot16(rays.direction, rays.direction));
+  paths.way.x *= over_length;
+  paths.way.y *= over_length;
+  paths.way.z *= over_length;
+#endif
   float16 weight = shot[RC_SHOT_DU].w;
 #if RC_RECEIVER
   /* A_r cos(psi) dOmega, dOmega = pitch^2 cos^3(psi): pixels on a plane of tangents. */
   const float4 start_axis = shot[RC_SHOT_START_AXIS];
-  const float16 off = fma((float16)(start_axis.x), rays.direction.x, fma((float16)(start_axis.y), rays.direction.y, start_axis.z * rays.direction.z)) / length;
+  const float16 off = fma((float16)(start_axis.x), paths.way.x, fma((float16)(start_axis.y), paths.way.y, start_axis.z * paths.way.z));
   weight *= (off * off) * (off * off);
 #endif
   paths.live = rc_mask16(exists);
@@ -71,15 +76,17 @@ static inline void rc_follow_word(SceneArrays scene, const LidarTables* t, float
 #if RC_STOPPED
     paths.open[line] = 1.0f;
 #endif
-    const long unit = (1l << RC_LEDGER_BITS) / RC_RAY_COUNT, rest = (1l << RC_LEDGER_BITS) - unit * RC_RAY_COUNT;
+#if RC_LANE_ENERGY
     const long16 lane = (long16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-    paths.energy[line] = select((long16)(unit), (long16)(unit + 1), lane < rest - (long)first_ray);
+    paths.energy[line] = select((long16)(RC_LEDGER_UNIT), (long16)(RC_LEDGER_UNIT + 1), lane < RC_LEDGER_REST - (long)first_ray);
+#endif
   }
+#if !RC_LANE_ENERGY
+  paths.first_ray = first_ray;
+#endif
+#if RC_BOUNCES > 1
   for (uint k = 0; k < 16u; ++k) paths.order[k] = 1;
-  const float16 over_length = 1.0f / length;
-  paths.way.x = rays.direction.x * over_length;
-  paths.way.y = rays.direction.y * over_length;
-  paths.way.z = rays.direction.z * over_length;
+#endif
   paths.path = 0.0f;
 #if RC_PLATES
   float16 gone[RC_LASER_LINES];  /* what plates on the way let through: the way back meets them again */
@@ -89,11 +96,11 @@ static inline void rc_follow_word(SceneArrays scene, const LidarTables* t, float
   for (uint node = 0; node < RC_LINE_NODES; ++node) paths.depth[node] = 0.0f;
   float16 begins_z = (reference.z - from_start.z) + leaves.z, reached = 0.0f;  /* where the piece of the ray in question begins */
   for (uint crossing = 0;; ++crossing) {
-    const uint missed = rc_mask16(vload16(0, hits->instance) == RC_NONE);
+    const uint missed = rc_mask16(instances == RC_NONE);
     rc_end_lanes(&paths, missed & paths.live, sums, RC_LEDGER_ESCAPED);
     if (!paths.live) return;
     Vertex16 vertex;
-    rc_meet(scene, hits, paths.live, &rays, &vertex);
+    rc_meet(scene, instances, primitives, paths.live, &rays, &vertex);
     const int16 live = rc_bits16(paths.live);
     const float16 along = select((float16)(0.0f), vertex.along, live);
     paths.place = rc_along16(rays.offset, along, rays.direction);
@@ -152,11 +159,12 @@ static inline void rc_follow_word(SceneArrays scene, const LidarTables* t, float
 #if RC_PLATES
     uint through = 0;
     RC_LINE float from[3][16], way[3][16];
+    Hits16 hits;
     rc_store_vector16(vertex.back, from);
     rc_store_vector16(rays.direction, way);
     for (uint k = 0; k < 16u; ++k) {
-      hits->instance[k] = RC_NONE;
-      hits->primitive[k] = 0;
+      hits.instance[k] = RC_NONE;
+      hits.primitive[k] = 0;
       if (!(paths.live >> k & 1u)) continue;
       float plate = 0.0f;
       for (uint line = 0; line < RC_LASER_LINES; ++line) plate += t->optics[vertex.surface[k] * RC_LASER_LINES + line].z;
@@ -164,9 +172,11 @@ static inline void rc_follow_word(SceneArrays scene, const LidarTables* t, float
       through |= 1u << k;
       ++sums->rays;
       const Hit hit = rc_trace_ray(scene, rc_lane4(from, k), rc_lane4(way, k), false);
-      hits->instance[k] = hit.instance;
-      if (hit.instance != RC_NONE) hits->primitive[k] = hit.primitive;
+      hits.instance[k] = hit.instance;
+      if (hit.instance != RC_NONE) hits.primitive[k] = hit.primitive;
     }
+    instances = vload16(0, hits.instance);
+    primitives = vload16(0, hits.primitive);
     rc_end_lanes(&paths, paths.live & ~through, sums, RC_LEDGER_TRUNCATED);
     if (!paths.live) return;
 #else

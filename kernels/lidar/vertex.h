@@ -101,14 +101,17 @@ static inline void rc_meet_instance(global const Instance* placed, const Vector1
 }
 
 /* The vertices of the lanes in `live`. */
-static inline void rc_meet(SceneArrays scene, const Hits16* hits, uint live, const Rays16* rays, Vertex16* vertex) {
+static inline void rc_meet(SceneArrays scene, uint16 instances, uint16 primitives, uint live, const Rays16* rays, Vertex16* vertex) {
+  RC_LINE uint instance_of[16], primitive_of[16];
+  rc_store16(instances, 0, instance_of);
+  rc_store16(primitives, 0, primitive_of);
   Vector16 v[3];
   uint16 surface = 0u;
   v[0].x = v[0].y = v[0].z = v[1].x = v[1].y = v[1].z = v[2].x = v[2].y = v[2].z = 0.0f;
   uint surfaces = 0, last = 0;
   for (uint left = live; left;) {  /* neighbours share triangles */
-    const uint primitive = hits->primitive[rc_lowest(left)], lane = primitive % RC_BLOCK;
-    const int16 same = (vload16(0, hits->primitive) == primitive) & rc_bits16(left);
+    const uint primitive = primitive_of[rc_lowest(left)], lane = primitive % RC_BLOCK;
+    const int16 same = (primitives == primitive) & rc_bits16(left);
     left &= ~rc_mask16(same);
     global const TriBlock* block = rc_block(scene, primitive / RC_BLOCK);
     global const float* at = (global const float*)block + lane;
@@ -132,8 +135,8 @@ static inline void rc_meet(SceneArrays scene, const Hits16* hits, uint live, con
   Vector16 backwards = {-rays->direction.x, -rays->direction.y, -rays->direction.z};
 #endif
   while (live) {  /* one instance after the other: its matrices are shared */
-    const uint instance = hits->instance[rc_lowest(live)];
-    const int16 lanes = (vload16(0, hits->instance) == instance) & rc_bits16(live);
+    const uint instance = instance_of[rc_lowest(live)];
+    const int16 lanes = (instances == instance) & rc_bits16(live);
     live &= ~rc_mask16(lanes);
     float16 along;
     Vector16 towards;
