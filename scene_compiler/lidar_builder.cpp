@@ -57,8 +57,9 @@ void check_together(const Record& record, const Lidar& lidar, const LidarReport&
   if (lidar.pulse.half_divergence_rad == 0)
     report.problems.add(record.table("pulse")->place("divergence_mrad"), "sampling from the receiver never meets a beam without divergence", "0",
                         "give the divergence, or from = \"transmitter\"");
-  if (lidar.receiver.pixel_pitch_rad == 0 && lidar.receiver.half_fov_rad == 0)
-    report.problems.add(sampling.where, "sampling from the receiver needs a field of view", "0", "give fov_mrad, or from = \"transmitter\"");
+  if (lidar.receiver.pixel_pitch_rad == 0)
+    report.problems.add(sampling.place("from"), "sampling from the receiver samples the pixels of an array", "a single round detector (fov_mrad)",
+                        "set from = \"transmitter\", or give an array");
 }
 
 Lidar read_lidar(const Record& record, const SceneParts& parts, bool has_sun, const LidarReport& report) {

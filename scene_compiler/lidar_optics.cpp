@@ -71,6 +71,8 @@ void read_receiver(const Record& receiver, Lidar& out, const LidarReport& report
   if (array) {
     refuse_keys(receiver, {"focal_length_mm"}, "a receiver with array, which has its own", report);
     r.columns = static_cast<int>(array->integer("columns")), r.rows = static_cast<int>(array->integer("rows"));
+    if (r.columns * r.rows == 1)
+      problems.add(array->where, "an array has at least two pixels", "1 x 1", "give fov_mrad for a single detector, or more columns or rows");
     r.focal_length_m = array->number("focal_length_mm") * 1e-3;
     r.pixel_pitch_rad = array->number("pitch_um") * 1e-6 / r.focal_length_m;
     if (0.5 * std::max(r.columns, r.rows) * r.pixel_pitch_rad > 10)

@@ -17,7 +17,7 @@ double square(double x) { return x * x; }
 double count_quantile(double mean, double sigmas) {
   const double tail = normal_tail(sigmas);
   double level = std::floor(mean);
-  while (count_above(level, 0, mean, 0) > tail) level += std::max(1.0, std::floor(1e-3 * level));
+  while (count_at_least(level + 1, 0, mean, 0) > tail) level += std::max(1.0, std::floor(1e-3 * level));
   return level;
 }
 
@@ -102,9 +102,9 @@ DetectorNoise detector_noise(const scene::Lidar& lidar, double background, doubl
 
 double normal_tail(double z) { return 0.5 * std::erfc(z / std::sqrt(2.0)); }
 
-double count_above(double level, double signal, double background, double modes) {
-  if (level < 0) return 1;
-  const double mean = signal + background, highest = std::floor(level);
+double count_at_least(double level, double signal, double background, double modes) {
+  if (level <= 0) return 1;
+  const double mean = signal + background, highest = std::ceil(level) - 1;  // of the counts that do not reach it
   if (std::max(highest, mean) > 4096) {
     const double variance = mean + (modes > 0 ? square(signal) / modes : 0);
     return normal_tail((highest + 0.5 - mean) / std::sqrt(variance));
@@ -120,9 +120,9 @@ double count_above(double level, double signal, double background, double modes)
 }
 
 double bin_detection(const scene::Lidar& lidar, const DetectorNoise& noise, double signal, double modes) {
-  if (lidar.detector.mode != scene::DetectorMode::linear) return count_above(noise.background + noise.threshold, signal, noise.background, modes);
+  if (lidar.detector.mode != scene::DetectorMode::linear) return count_at_least(noise.background + noise.threshold, signal, noise.background, modes);
   const double variance = square(noise.rms(signal)) + (modes > 0 ? square(signal) / modes : 0);
-  return variance > 0 ? normal_tail((noise.threshold - signal) / std::sqrt(variance)) : signal > noise.threshold ? 1 : 0;
+  return variance > 0 ? normal_tail((noise.threshold - signal) / std::sqrt(variance)) : signal >= noise.threshold ? 1 : 0;
 }
 
 }  // namespace raycube::lidar

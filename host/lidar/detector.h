@@ -20,7 +20,7 @@ struct DetectorNoise {
   double excess = 1;               ///< variance of a bin per expected photo-electron: F (linear), 1 (photons, geiger)
   double floor = 0;                ///< rms of readout and digitiser, a bin
   std::vector<double> response{1}; ///< shares of neighbouring bins, middle one in the middle; white noise of `floor` comes after
-  double threshold = 0;            ///< of a peak above the background
+  double threshold = 0;            ///< above the background; a peak that reaches it counts
   double full_scale = 0;           ///< photo-electrons; 0: none
 
   double rms(double signal = 0) const;  ///< of a bin with that expected signal, after the response
@@ -46,9 +46,9 @@ DetectorNoise detector_noise(const scene::Lidar& lidar, double background, doubl
 
 /// Upper tail of the standard normal.
 double normal_tail(double z);
-/// P(count > level) of Poisson background and signal with speckle modes (0: none). Sums below 4096 counts, Gaussian with the same variance above.
-double count_above(double level, double signal, double background, double modes);
-/// Probability that a bin with that expected signal exceeds background + threshold; photons: counts, linear: Gaussian.
+/// P(count >= level) of Poisson background and signal with speckle modes (0: none). Sums below 4096 counts, Gaussian with the same variance above.
+double count_at_least(double level, double signal, double background, double modes);
+/// Probability that a bin with that expected signal reaches background + threshold; photons: counts, linear: Gaussian.
 double bin_detection(const scene::Lidar& lidar, const DetectorNoise& noise, double signal, double modes);
 
 }  // namespace raycube::lidar

@@ -73,7 +73,7 @@ class Finder {
     const auto half = static_cast<std::size_t>(std::max(1.0, std::ceil(0.5 * kFwhmOfSigma * sigma_bins_)));
     const std::size_t first = at > half ? at - half : 0, last = std::min(raw_.size(), at + half + 1);
     return std::any_of(raw_.begin() + static_cast<std::ptrdiff_t>(first), raw_.begin() + static_cast<std::ptrdiff_t>(last),
-                       [&](double value) { return value > noise_.threshold; });
+                       [&](double value) { return value >= noise_.threshold; });
   }
 
   std::vector<Peak> find_peaks() const {
@@ -208,7 +208,7 @@ class Finder {
       const double trial_chi = fit_gaussians(raw_, first, last, floor, noise_.excess, trial);
       // No echo is narrower than the pulse; and what is much wider is air or leaves, which no number of Gaussians describes.
       const bool echoes_all = std::all_of(trial.begin(), trial.end(), [&](const GaussianEcho& e) {
-        return e.area * std::erf(0.5 / (e.sigma * std::sqrt(2.0))) > noise_.threshold && e.sigma > 0.6 * sigma_bins_;
+        return e.area * std::erf(0.5 / (e.sigma * std::sqrt(2.0))) >= noise_.threshold && e.sigma > 0.6 * sigma_bins_;
       }) && wide(trial) <= wide(fitted);
       if (!(trial_chi < chi - 30) || !echoes_all) break;
       chi = trial_chi, fitted = std::move(trial);

@@ -2,13 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+
+#include "host/base/error.h"
 
 namespace raycube::lidar {
 
 namespace {
 
 constexpr double kSigmaOfFwhm = 0.42466090014400953;  // 1 / (2 sqrt(2 ln 2))
-constexpr int kMostPhases = 4096;
+constexpr int kMostPhases = 4096, kMostTaps = 2048;
 
 /// Phi(b) - Phi(a) without cancellation in either tail.
 double normal_between(double a, double b) {
@@ -75,6 +78,10 @@ PulseTaps make_taps(const scene::LidarPulse& pulse, double bin_s) {
     out.phases = 1, out.taps = 1, out.share = {1, 1};
     return out;
   }
+  const double bins = (span.end_s - span.begin_s) / bin_s;
+  if (!(bins <= kMostTaps))
+    throw base::Error(base::Fault::input, "a LIDAR's pulse is too long for the gate's bins (found " + std::to_string((span.end_s - span.begin_s) * 1e9) + " ns from end to end in bins of " +
+                                              std::to_string(bin_s * 1e9) + " ns, more than " + std::to_string(kMostTaps) + " bins); give wider bins (bin_ns) or a shorter pulse");
   out.phases = phases_of(pulse, bin_s);
   out.first = static_cast<int>(std::floor(span.begin_s / bin_s));
   out.taps = static_cast<int>(std::floor(span.end_s / bin_s + 1)) - out.first + 1;

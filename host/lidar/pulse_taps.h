@@ -17,6 +17,7 @@ PulseSpan pulse_span(const scene::LidarPulse& pulse);
 
 /// Shares for every phase. Linear between phases: off by at most 2e-6 of the largest share for a Gaussian, with as many phases as that
 /// takes (at most 4096; reached at a FWHM of 0.35 bin); a rectangle's corners lie on phases where 4096 allow it. Energy is kept exactly.
+/// A pulse that spans more than 2048 bins is refused (base::Error, input): the device adds every bin of it at every hit.
 PulseTaps make_taps(const scene::LidarPulse& pulse, double bin_s);
 
 }  // namespace raycube::lidar

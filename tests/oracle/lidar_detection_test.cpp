@@ -139,7 +139,7 @@ TEST_CASE("S39: probability of detection and false alarms against counted exceed
       shot.shot.pulse = pulse;
       const Detection record = detect(plan, shot).front();
       truth = record.truth;
-      for (std::size_t i = 0; i < 256; ++i) (i < 128 ? seen : alarms) += record.waveform_pe[i] - 0.5 > truth.threshold_pe;
+      for (std::size_t i = 0; i < 256; ++i) (i < 128 ? seen : alarms) += record.waveform_pe[i] - 0.5 >= truth.threshold_pe;
     }
     const double n = 128.0 * pulses, p = truth.detection_probability, q = truth.false_alarm_rate_hz * 1e-9;
     CAPTURE(static_cast<int>(mode));
@@ -152,13 +152,13 @@ TEST_CASE("S39: probability of detection and false alarms against counted exceed
 }
 
 TEST_CASE("S39: probability of counts with speckle: the exact sum against the thermal limit and against many counts") {
-  // One mode: P(K > k) = (N / (1 + N))^(k + 1).
-  CHECK(count_above(4, 3, 0, 1) == doctest::Approx(std::pow(0.75, 5)).epsilon(1e-12));
-  CHECK(count_above(0, 1.7, 0, 0) == doctest::Approx(-std::expm1(-1.7)).epsilon(1e-12));
-  CHECK(count_above(0, 1.0, 0.7, 0) == doctest::Approx(-std::expm1(-1.7)).epsilon(1e-12));
-  CHECK(count_above(5000, 5000, 10, 0) == doctest::Approx(normal_tail(-9.5 / std::sqrt(5010.0))).epsilon(1e-9));
-  CHECK(count_above(-0.1, 0, 0, 0) == 1);
-  CHECK(count_above(3, 0, 0, 0) == 0);
+  // One mode: P(K >= k) = (N / (1 + N))^k.
+  CHECK(count_at_least(5, 3, 0, 1) == doctest::Approx(std::pow(0.75, 5)).epsilon(1e-12));
+  CHECK(count_at_least(1, 1.7, 0, 0) == doctest::Approx(-std::expm1(-1.7)).epsilon(1e-12));
+  CHECK(count_at_least(1, 1.0, 0.7, 0) == doctest::Approx(-std::expm1(-1.7)).epsilon(1e-12));
+  CHECK(count_at_least(5001, 5000, 10, 0) == doctest::Approx(normal_tail(-9.5 / std::sqrt(5010.0))).epsilon(1e-9));
+  CHECK(count_at_least(0, 0, 0, 0) == 1);
+  CHECK(count_at_least(3, 0, 0, 0) == 0);
 }
 
 TEST_CASE("S40: no NaN for zero efficiency, zero pulse width, empty rows and huge ones") {

@@ -175,6 +175,23 @@ TEST_CASE("S39: air before a strong return is one echo, and a return of 10^8 pho
   CHECK(two > 0.95 * pulses);
 }
 
+TEST_CASE("S39: a threshold is reached by a peak of exactly so many photo-electrons") {
+  scene::Lidar lidar = test::small_plan().lidar;
+  DetectorNoise noise;
+  noise.excess = 0, noise.threshold = 40;
+  std::vector<float> wave(50, 0.0F);
+  for (const auto method : {scene::EchoMethod::peak, scene::EchoMethod::constant_fraction, scene::EchoMethod::gaussian}) {
+    lidar.echoes.method = method;
+    wave[19] = wave[21] = 20, wave[20] = 40;
+    CHECK(find_echoes(lidar, wave, noise).size() == 1);
+    wave[20] = std::nextafter(40.0F, 0.0F);
+    CHECK(find_echoes(lidar, wave, noise).empty());
+  }
+  lidar.detector.mode = scene::DetectorMode::linear;
+  CHECK(bin_detection(lidar, noise, 40, 0) == 1);
+  CHECK(bin_detection(lidar, noise, std::nextafter(40.0, 0.0), 0) == 0);
+}
+
 TEST_CASE("S38: clusters of time tags are echoes") {
   scene::Lidar lidar = test::small_plan().lidar;
   lidar.detector.mode = scene::DetectorMode::geiger;

@@ -48,6 +48,8 @@ TEST_CASE("bad input, LIDAR: one message per fault, with the place and the way o
       {{{"receiver", kAperture + "fov_mrad = 1\ncamera_factor = \"tangent\"\n"}}, "needs the focal length"},
       {{{"receiver", kAperture + "fov_mrad = 1\ntilt_along_deg = 1\ntilt_along_mrad = 17\n"}}, "'tilt_along_deg' and 'tilt_along_mrad' exclude each other"},
       {{{"receiver", kAperture + kArray}, {"sampling", "bounces = 3\n"}}, "sampling from the receiver follows one scattering (found 3 bounces)"},
+      {{{"receiver", kAperture + "array = { columns = 1, rows = 1, pitch_um = 50, focal_length_mm = 400 }\n"}}, "an array has at least two pixels (found 1 x 1); give fov_mrad"},
+      {{{"sampling", "from = \"receiver\"\n"}}, "sampling from the receiver samples the pixels of an array (found a single round detector (fov_mrad)); set from = \"transmitter\""},
       {{{"gate", "bins = 0\n"}}, "'bins' is out of range (found 0)"},
       {{{"gate", "start_range_m = 900\nstop_range_m = 800\n"}}, "the gate is empty: it stops before it starts"},
       {{{"gate", "start_ns = -500\nbins = 100\n"}}, "the gate is empty: it ends before light from minimum_range_m is back"},

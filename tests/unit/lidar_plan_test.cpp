@@ -44,6 +44,18 @@ double worst_tap_error(const scene::LidarPulse& pulse, double bin_s) {
 
 }  // namespace
 
+TEST_CASE("bad input: a pulse over more bins than a device adds at every hit is refused, one below is not") {
+  scene::LidarPulse pulse;
+  pulse.fwhm_s = 1e-3;
+  CHECK_THROWS_WITH_AS(lidar::make_taps(pulse, 1e-9), doctest::Contains("in bins of 1.000000 ns, more than 2048 bins); give wider bins (bin_ns) or a shorter pulse"), base::Error);
+  CHECK(lidar::make_taps(pulse, 1e-4).taps < 60);
+  pulse.shape = scene::PulseShape::rectangular;
+  pulse.fwhm_s = 2047e-9;
+  CHECK(lidar::make_taps(pulse, 1e-9).taps <= 2050);
+  pulse.fwhm_s = 2049e-9;
+  CHECK_THROWS_AS(lidar::make_taps(pulse, 1e-9), base::Error);
+}
+
 TEST_CASE("S28, L-31: the pulse's shares of bins, between phases too, equal its integral") {
   scene::LidarPulse pulse;
   // Linear interpolation, float shares, and 2e-9 beyond 6 standard deviations.
