@@ -19,7 +19,7 @@ constexpr double kFwhmOfSigma = 2.3548200450309493;
 class Row {
  public:
   Row(const LidarPlan& plan, const ShotResult& result, int pixel, int line)
-      : plan_(plan), lidar_(plan.lidar), key_(draw_key(plan, result.shot.pulse, pixel)), line_(line) {
+      : plan_(plan), lidar_(plan.lidar), seed_(plan.seed), key_(draw_key(plan, result.shot.pulse, pixel)), line_(line) {
     record_.pulse = result.shot.pulse, record_.pixel = pixel, record_.line = line;
     const auto bins = static_cast<std::size_t>(lidar_.gate.bins);
     const std::size_t row = static_cast<std::size_t>(pixel) * static_cast<std::size_t>(plan.lines()) + static_cast<std::size_t>(line);
@@ -42,7 +42,7 @@ class Row {
     if (lidar_.detector.mode == scene::DetectorMode::geiger) return geiger(light);
     std::vector<double> counts(light.size());
     for (std::size_t i = 0; i < light.size(); ++i)
-      counts[i] = Stream(plan_.seed, key_, static_cast<std::uint32_t>(i), DrawFor::counts, line_).poisson(light[i]);
+      counts[i] = Stream(seed_, key_, static_cast<std::uint32_t>(i), DrawFor::counts, line_).poisson(light[i]);
     if (lidar_.detector.mode == scene::DetectorMode::linear)
       digitise(amplify(counts));
     else
@@ -70,13 +70,13 @@ class Row {
       // Sum of `counts` gains of mean 1 and variance F - 1, each a gamma variate: exact for one carrier (F = 2), and never negative.
       const double spread = noise_.excess - 1;
       out[i] = counts[i] > 0 && spread > 1e-12
-                   ? spread * Stream(plan_.seed, key_, static_cast<std::uint32_t>(i), DrawFor::gain, line_).gamma(counts[i] / spread)
+                   ? spread * Stream(seed_, key_, static_cast<std::uint32_t>(i), DrawFor::gain, line_).gamma(counts[i] / spread)
                    : counts[i];
     }
     out = convolve(out, noise_.response);
     const double readout = lidar_.detector.readout_noise_e / lidar_.detector.gain;
     if (readout > 0)
-      for (std::size_t i = 0; i < out.size(); ++i) out[i] += readout * Stream(plan_.seed, key_, static_cast<std::uint32_t>(i), DrawFor::readout, line_).normal();
+      for (std::size_t i = 0; i < out.size(); ++i) out[i] += readout * Stream(seed_, key_, static_cast<std::uint32_t>(i), DrawFor::readout, line_).normal();
     return out;
   }
 
@@ -171,6 +171,7 @@ class Row {
 
   const LidarPlan& plan_;
   const scene::Lidar& lidar_;
+  DrawSeed seed_;
   std::uint32_t key_;
   int line_;
   RowExpectation expected_;

@@ -8,14 +8,24 @@ namespace raycube::lidar {
 /// What a draw is for; part of its counter.
 enum class DrawFor : std::uint32_t { speckle, counts, gain, readout, geiger, scintillation, wander, tilt };
 
+/// A seed made ready for streams; converts from the seed itself.
+class DrawSeed {
+ public:
+  DrawSeed(std::uint64_t seed);  // NOLINT: a seed is a seed
+  std::uint32_t bits() const { return bits_; }
+
+ private:
+  std::uint32_t bits_;
+};
+
 /// Draws of one purpose at one place (a bin, a cell, an event) of one record. Same arguments: same numbers. rc_hash of
 /// (seed, key, index, line / purpose / count): up to 65536 uniforms a stream, 4096 lines.
 class Stream {
  public:
-  Stream(std::uint64_t seed, std::uint32_t key, std::uint32_t index, DrawFor purpose, int line = 0);
+  Stream(DrawSeed seed, std::uint32_t key, std::uint32_t index, DrawFor purpose, int line = 0);
 
   double uniform();                  ///< in (0, 1), 53 bits
-  double normal();                   ///< mean 0, variance 1
+  double normal();                   ///< mean 0, variance 1; inverse of the distribution function (Wichura, Appl. Stat. 37 (1988) 477, AS 241)
   double exponential();              ///< mean 1
   double gamma(double shape);        ///< mean and variance `shape` > 0; Marsaglia & Tsang, ACM TOMS 26 (2000) 363
   /// Count with a mean >= 0: inversion below 10, PTRS (Hoermann, Insurance: Math. and Econ. 12 (1993) 39) up to 1e6, both exact; above,
