@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstring>
 #include <map>
 
 #include "host/base/error.h"
 #include "host/base/interrupt.h"
 #include "host/base/sha256.h"
 #include "host/cl/kernel.h"
+#include "host/render/lidar_beams.h"
 #include "host/render/lidar_owners.h"
 #include "host/render/lidar_tables.h"
 #include "host/render/scene_buffers.h"
@@ -58,15 +60,22 @@ struct BatchBuffers {
         first(context, owners * t.owner_rows * t.row_floats, cl::Access::read_write, "rows of shots"),
         multiple(context, t.multiple ? owners * t.owner_rows * t.row_floats : 16, cl::Access::read_write, "rows of shots, multiple scattering"),
         stopped(context, t.way ? owners * lines * t.row_floats : 16, cl::Access::read_write, "shares of rays stopped"),
-        scratch(context, t.way ? 4 * owners * lines * (t.row_floats + t.row_pad) : 16, cl::Access::read_write, "impulses of air"),
-        way(context, t.way ? 2 * owners * t.owner_rows * t.row_floats : 16, cl::Access::read_write, "rows of air and particles"),
+        scratch(context, t.way ? 2 * t.way_rows * owners * lines * (t.row_floats + t.row_pad) : 16, cl::Access::read_write, "impulses of air"),
+        way(context, t.way ? t.way_rows * owners * t.owner_rows * t.row_floats : 16, cl::Access::read_write, "rows of air and particles"),
+        beams(context, t.way ? owners * RC_SHOT_FLOAT4S : 1, cl::Access::read_only, "records of beams"),
+        beam_tables(context, t.way ? owners * (t.owner_rows / lines) * RC_BEAM_FLOATS : 16, cl::Access::read_write, "tables of beams"),
+        beam_of(context, t.way ? owners : 1, cl::Access::read_only, "beams of shots"),
         way_sums(context, t.way ? owners * lines * RC_SUM_COUNT * 2 : 2, cl::Access::read_write, "sums of air and particles"),
         ledger(context, owners * lines * RC_LEDGER_COUNT, cl::Access::read_write, "ledger of shots"),
         sums(context, owners * lines * RC_SUM_COUNT * 2, cl::Access::read_write, "sums of shots"),
         counts(context, owners, cl::Access::read_write, "ray counts"),
         hits(context, with_hits ? owners * padded_rays * 2 : 2, cl::Access::read_write, "first hits") {}
   cl::Buffer<shared::rc_float4> shots;
-  cl::Buffer<float> first, multiple, stopped, scratch, way, way_sums;
+  cl::Buffer<float> first, multiple, stopped, scratch, way;
+  cl::Buffer<shared::rc_float4> beams;
+  cl::Buffer<float> beam_tables;
+  cl::Buffer<std::uint32_t> beam_of;
+  cl::Buffer<float> way_sums;
   cl::Buffer<std::int64_t> ledger;
   cl::Buffer<float> sums;
   cl::Buffer<std::uint32_t> counts, hits;
@@ -128,7 +137,7 @@ class Collector {
     read(from.counts, batch.count, counts_);
     if (tables_.multiple) read(from.multiple, rows, multiple_);
     if (tables_.way) {
-      read(from.way, 2 * rows, way_);
+      read(from.way, tables_.way_rows * rows, way_);
       read(from.way_sums, batch.count * lines * RC_SUM_COUNT * 2, way_sums_);
     }
     if (hits_) read(from.hits, batch.count * ((plan_.footprint.a.size() + 15) / 16 * 16) * 2, first_hits_);
@@ -138,8 +147,8 @@ class Collector {
       copy_rows(first_.data(), i, pixel, result_.first);
       if (tables_.multiple) copy_rows(multiple_.data(), i, pixel, result_.multiple);
       if (tables_.way) {
-        if (tables_.air_rows) copy_rows(way_.data(), 2 * i, pixel, result_.air);
-        add_rows(way_.data(), 2 * i + 1, pixel, result_.first);
+        if (tables_.air_rows) copy_rows(way_.data(), tables_.way_rows * i, pixel, result_.air);
+        if (tables_.way_rows > 1) add_rows(way_.data(), 2 * i + 1, pixel, result_.first);
         add_sums(way_sums_.data(), i);
       }
       add_ledger(ledger_.data(), i);
@@ -222,7 +231,7 @@ class Collector {
 };
 
 std::size_t owner_bytes(const LidarTables& tables, std::size_t lines, std::size_t padded_rays, bool hits) {
-  return tables.owner_rows * tables.row_floats * sizeof(float) * (1 + (tables.multiple ? 1 : 0) + (tables.way ? 2 : 0)) + (tables.way ? lines * (5 * tables.row_floats + 4 * tables.row_pad) * sizeof(float) : 0) + RC_SHOT_FLOAT4S * sizeof(shared::rc_float4) +
+  return tables.owner_rows * tables.row_floats * sizeof(float) * (1 + (tables.multiple ? 1 : 0) + (tables.way ? tables.way_rows : 0)) + (tables.way ? lines * (tables.row_floats + 2 * tables.way_rows * (tables.row_floats + tables.row_pad)) * sizeof(float) + tables.owner_rows / lines * RC_BEAM_FLOATS * sizeof(float) + RC_SHOT_FLOAT4S * 16 : 0) + RC_SHOT_FLOAT4S * sizeof(shared::rc_float4) +
          lines * (RC_LEDGER_COUNT * 8 + RC_SUM_COUNT * 8) + sizeof(std::uint32_t) + (hits ? padded_rays * 8 : 0);
 }
 
@@ -245,6 +254,10 @@ void LidarRenderer::render(const lidar::LidarPlan& plan, const std::vector<lidar
   s.identity.clear();
   Stage& stage = s.stage("lidar_shots", tables.options + " -DRC_SHADOWS=" + (apart ? "1" : "0") + " -DRC_HITS=" + (hits ? "1" : "0") + s.buffers.options);
   Stage* air_stage = tables.way ? &s.stage("lidar_air", tables.options) : nullptr;
+  Stage* beam_stage = tables.way ? &s.stage("lidar_beam", tables.options) : nullptr;
+  LidarBeams beams(plan);
+  std::vector<shared::rc_float4> tabulated;  ///< beams whose tables are on the device
+  std::vector<std::uint32_t> beam_of;
   const DeviceTables device(s.context, tables);
   Collector collector(plan, tables, shots, sink, hits);
 
@@ -258,7 +271,7 @@ void LidarRenderer::render(const lidar::LidarPlan& plan, const std::vector<lidar
                                               std::to_string(plan.pixels()) + " pixels, " + std::to_string(plan.lines()) + " lines, " + std::to_string(plan.lidar.gate.bins) +
                                               " bins), found " + std::to_string(budget >> 20) + " MiB; give more --memory, a shorter gate, or sampling = \"receiver\" for arrays");
   const std::size_t owners = std::min(collector.owners(), std::max<std::size_t>(1, std::min(budget, kMostBatchBytes) / bytes));
-  const std::vector<std::size_t> shape{owners, tables.owner_rows, tables.row_floats, std::size_t{tables.multiple}, std::size_t{tables.way}, lines, hits ? padded_rays : 0};
+  const std::vector<std::size_t> shape{owners, tables.owner_rows, tables.row_floats, std::size_t{tables.multiple}, tables.way ? tables.way_rows : 0, lines, hits ? padded_rays : 0};
   if (!s.batch || s.batch_shape != shape) {
     s.batch.reset();
     s.batch = std::make_unique<BatchBuffers>(s.context, tables, owners, lines, padded_rays, hits);
@@ -274,6 +287,14 @@ void LidarRenderer::render(const lidar::LidarPlan& plan, const std::vector<lidar
     for (std::size_t i = batch.first; i < batch.first + batch.count; ++i)
       append_owner(plan, s.scene, shots[i / collector.owners_of_shot()], static_cast<int>(i % collector.owners_of_shot()), records);
     batch_buffers.shots.write(records);
+    if (tables.way) {
+      beams.clear();
+      beam_of.clear();
+      for (std::size_t i = batch.first; i < batch.first + batch.count; ++i)
+        beam_of.push_back(beams.number(shots[i / collector.owners_of_shot()], static_cast<int>(i % collector.owners_of_shot())));
+      batch_buffers.beam_of.write(beam_of);
+      batch_buffers.beams.write(beams.records());
+    }
     stage.kernel.arguments(s.buffers.nodes, s.buffers.blocks, s.buffers.instances, batch_buffers.shots, device.samples, device.exits, device.optics, device.gloss,
                            device.photons, device.node_weight, device.first_node, device.air, device.volumes, device.volume_values, device.volume_depth, device.taps, device.settings, batch_buffers.first,
                            batch_buffers.multiple, batch_buffers.stopped, batch_buffers.ledger, batch_buffers.sums, batch_buffers.counts, batch_buffers.hits,
@@ -282,8 +303,13 @@ void LidarRenderer::render(const lidar::LidarPlan& plan, const std::vector<lidar
     const auto start = std::chrono::steady_clock::now();
     s.context.launch(stage.kernel, batch.count);
     if (air_stage) {
-      air_stage->kernel.arguments(batch_buffers.shots, device.samples, device.exits, device.photons, device.node_weight, device.first_node, device.air,
-                                  device.backscatter, device.volumes, device.volume_values, device.volume_depth, device.taps, device.settings,
+      if (tabulated.size() != beams.records().size() || std::memcmp(tabulated.data(), beams.records().data(), tabulated.size() * sizeof tabulated[0]) != 0) {
+        beam_stage->kernel.arguments(batch_buffers.beams, device.samples, device.exits, device.settings, batch_buffers.beam_tables, plan.lidar.gate.bins);
+        s.context.launch(beam_stage->kernel, beams.size());
+        tabulated = beams.records();
+      }
+      air_stage->kernel.arguments(batch_buffers.shots, batch_buffers.beam_of, batch_buffers.beam_tables, device.photons, device.node_weight, device.first_node,
+                                  device.air, device.backscatter, device.volumes, device.volume_values, device.volume_depth, device.taps, device.settings,
                                   batch_buffers.stopped, batch_buffers.way, batch_buffers.scratch, batch_buffers.way_sums, plan.lidar.gate.bins, plan.taps.taps, plan.taps.first,
                                   plan.taps.phases);
       s.context.launch(air_stage->kernel, batch.count);

@@ -98,6 +98,7 @@ void fill_volumes(const lidar::LidarPlan& plan, const scene::CompiledScene& scen
   }
   for (const double beta : plan.air.backscatter_per_m_sr) tables.backscatter.push_back(static_cast<float>(beta));
   tables.air_rows = plan.lidar.transport.air_return;
+  tables.way_rows = scene.volumes.empty() ? 1 : 2;
   tables.way = particles || (tables.air_rows && !tables.backscatter.empty());
   tables.options += define("RC_VOLUMES", scene.volumes.size()) + define("RC_STOPPED", tables.way ? 1 : 0);
 }

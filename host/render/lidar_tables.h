@@ -20,6 +20,7 @@ struct LidarTables {
   lidar::FlatVolumes volumes;
   bool way = false;                 ///< air or particles send light back on the way: lidar_air runs
   bool air_rows = false;
+  std::size_t way_rows = 1;         ///< air, and with volumes particles
   std::string options;              ///< but what depends on the shots
   std::size_t row_floats = 0, row_pad = 0;  ///< of a padded row
   std::size_t owner_rows = 0;       ///< of one order of scattering

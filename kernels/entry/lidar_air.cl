@@ -1,192 +1,259 @@
-/* Reads: owners' records, air, volumes, shares of rays that surfaces stopped (lidar_shots). Writes: rows of expected photons that air and
- * particles send back once scattered, and their sums. One work-item is one owner. Every bin is two cells of the whole way's length; a
- * cell's light is taken at its Gauss point on the middle ray, what particles scatter by their integral over the cell; the beam's width
- * enters by tables of its sub-rays' mean at places whose distances rise geometrically, 1 % apart (farther in gates of more than a
- * factor 13). Impulses of all bins come first, at two phases, and are spread by the pulse's shares in one pass. Next: the host. */
+/* Reads: owners' records, tables of their beams (lidar_beam), air, volumes, shares of rays that surfaces stopped (lidar_shots). Writes: rows
+ * of expected photons that air and particles send back once scattered, and their sums. One work-item is one owner. Every bin is two cells
+ * of the whole way's length; a cell's light is taken at its Gauss point on the middle ray, what particles scatter by their integral over
+ * the cell. Impulses of all bins come first, at two phases, and are spread by the pulse's shares in one pass. Next: the host. */
 #include "kernels/lidar/context.h"
 #include "kernels/lidar/beam.h"
 #include "kernels/lidar/deposit.h"
 #include "kernels/lidar/media.h"
 
-#define LIDAR_AIR_PARAMETERS global const float4* restrict shots, global const float* restrict samples, global const float* restrict exits, \
+#define LIDAR_AIR_PARAMETERS global const float4* restrict shots, global const uint* restrict beam_of, global const float* restrict tables, \
   global const float* restrict photons, global const float* restrict node_weight, global const uint* restrict first_node, \
   global const float2* restrict air, global const float* restrict backscatter, RC_VOLUME_PARAMETERS, global const float* restrict taps, \
   global const float* restrict settings, global const float* restrict stopped, global float* restrict rows, global float* restrict scratch, global float* restrict sums, \
   int bins, int taps_used, int first_tap, int phases
 
+#define RC_WAY_ROWS (RC_VOLUMES ? 2u : 1u)
+#define RC_GAUSS_POINT 0.211324865f
+
 #if RC_AIR
-/* Backscatter of the air at a height, 1 / (m sr): linear between posts. */
-static inline float rc_backscatter(const LidarTables* t, global const float* posts, float z) {
-  const float last = t->settings[RC_SET_AIR_POSTS] - 1.0f, x = (z - t->settings[RC_SET_AIR_Z0]) / t->settings[RC_SET_AIR_DZ];
-  if (x > last) return 0.0f;
-  const float at = fmax(x, 0.0f), low = fmin(floor(at), fmax(last - 1.0f, 0.0f));
-  const uint i = (uint)low;
-  return last > 0.0f ? fma(at - low, posts[i + 1u] - posts[i], posts[i]) : posts[0];
+/* Backscatter of the air at heights, 1 / (m sr): linear between posts, nothing above the last. */
+static inline float16 rc_backscatter(const LidarTables* t, global const float* posts, float16 z) {
+  const float last = t->settings[RC_SET_AIR_POSTS] - 1.0f;
+  const float16 x = (z - t->settings[RC_SET_AIR_Z0]) / t->settings[RC_SET_AIR_DZ], at = clamp(x, 0.0f, last), low = fmin(floor(at), fmax(last - 1.0f, 0.0f));
+  RC_LINE float lane[16], from[16], to[16];
+  rc_store16(low, 0, lane);
+  if (lane[0] == lane[15]) {  /* heights rise or fall along the ray */
+    const uint i = (uint)lane[0];
+    const float low_value = posts[i], high_value = last > 0.0f ? posts[i + 1u] : low_value;
+    return select(fma(at - low, (float16)(high_value - low_value), (float16)(low_value)), (float16)(0.0f), x > last);
+  }
+  for (uint k = 0; k < 16u; ++k) {
+    const uint i = (uint)lane[k];
+    from[k] = posts[i];
+    to[k] = last > 0.0f ? posts[i + 1u] : posts[i];
+  }
+  return select(fma(at - low, vload16(0, to) - vload16(0, from), vload16(0, from)), (float16)(0.0f), x > last);
+}
+
+/* Adds depths from a height on the ray's own way: rc_air_depths, quickly where all 16 heights lie in one cell. */
+static inline void rc_way_depths(const LidarTables* t, float from_z, float16 to_z, float16 length, float16* depth) {
+  const float z0 = t->settings[RC_SET_AIR_Z0], dz = t->settings[RC_SET_AIR_DZ];
+  const uint posts = (uint)t->settings[RC_SET_AIR_POSTS];
+  RC_LINE float z[16];
+  rc_store16(to_z, 0, z);
+  const int start = rc_air_cell(from_z, z0, dz, posts), a = rc_air_cell(z[0], z0, dz, posts), b = rc_air_cell(z[15], z0, dz, posts);
+  if (a != b) {
+    rc_air_depths(t, (float16)(from_z), to_z, length, depth);
+    return;
+  }
+  const bool up = a > start;
+  const int low = min(a, start), high = max(a, start);
+  const float above_low = z0 + dz * (float)(low + 1), below_high = z0 + dz * (float)high;
+  const float16 first = above_low - (up ? (float16)(from_z) : to_z), last = (up ? to_z : (float16)(from_z)) - below_high;
+  const float16 whole = (first + last) + (below_high - above_low);
+  for (uint node = 0; node < RC_LINE_NODES; ++node) {
+    global const float2* cells = t->air + node * posts;
+    if (low == high)
+      depth[node] = fma(length, (float16)(cells[low].y), depth[node]);
+    else
+      depth[node] += length * fma(first, (float16)(cells[low].y), fma(last, (float16)(cells[high].y), (float16)(cells[high].x - cells[low + 1].x))) / whole;
+  }
 }
 #endif
 
-/* Cells of 8 bins: where they lie on the middle ray. */
+/* 16 cells, one in each of 16 bins: Gauss points at bin + part. */
 typedef struct Cells {
-  float s[16], from[16], to[16];   /* Gauss point and ends, m from the start */
-  float rest[16];                  /* m, Gauss point to the end */
-} RC_LINE Cells;
+  float16 s, span, rest;   /* m from the start; length; from the Gauss point to the end */
+  int16 good;
+} Cells;
 
-static inline void rc_cells(const LidarTables* t, const Beam* beam, int bin, Cells* cells) {
-  const float16 lane = (float16)(0.0f, 0.0f, 1.0f, 1.0f, 2.0f, 2.0f, 3.0f, 3.0f, 4.0f, 4.0f, 5.0f, 5.0f, 6.0f, 6.0f, 7.0f, 7.0f);
-  const float16 half_bin = (float16)(0.0f, 0.5f, 0.0f, 0.5f, 0.0f, 0.5f, 0.0f, 0.5f, 0.0f, 0.5f, 0.0f, 0.5f, 0.0f, 0.5f, 0.0f, 0.5f);
-  const float16 gauss = (float16)(0.211324865f, 0.788675135f, 0.211324865f, 0.788675135f, 0.211324865f, 0.788675135f, 0.211324865f, 0.788675135f,
-                                  0.211324865f, 0.788675135f, 0.211324865f, 0.788675135f, 0.211324865f, 0.788675135f, 0.211324865f, 0.788675135f);
-  const float way = t->settings[RC_SET_GATE_WAY], step = 1.0f / t->settings[RC_SET_BINS_PER_M], limit = t->settings[RC_SET_RANGE_LIMIT];
-  const float16 first = lane + (float)bin;
-  const float16 whole = fma(first + gauss, (float16)(step), (float16)(way)), s = rc_beam_distance(beam, fmax(whole, 0.0f));
-  rc_store16(s, 0, cells->s);
-  rc_store16(whole - s, 0, cells->rest);
-  rc_store16(fmin(rc_beam_distance(beam, fmax(fma(first + half_bin, (float16)(step), (float16)(way)), 0.0f)), limit), 0, cells->from);
-  rc_store16(fmin(rc_beam_distance(beam, fmax(fma(first + half_bin + 0.5f, (float16)(step), (float16)(way)), 0.0f)), limit), 0, cells->to);
+static inline Cells rc_cells(const LidarTables* t, const Beam* beam, int bin, float part) {
+  const float16 lane = (float16)(0.0f, 1.0f, 2.0f, 3.0f, 4.0f, 5.0f, 6.0f, 7.0f, 8.0f, 9.0f, 10.0f, 11.0f, 12.0f, 13.0f, 14.0f, 15.0f);
+  const float step = 1.0f / t->settings[RC_SET_BINS_PER_M];
+  const float16 whole = fma(lane + ((float)bin + part), (float16)(step), (float16)(t->settings[RC_SET_GATE_WAY]));
+  Cells cells;
+  cells.s = rc_beam_distance(beam, fmax(whole, 0.0f));
+  cells.rest = fmax(whole - cells.s, 1e-20f);
+  /* d whole / d s = 1 + the cosine between the ray and the way back from the end. */
+  cells.span = 0.5f * step / fmax(1.0f + (cells.s + beam->along) / cells.rest, 1e-6f);
+  cells.good = (cells.s > 0.0f) & (cells.s <= t->settings[RC_SET_RANGE_LIMIT]) & ((RC_RECEIVER ? cells.s : cells.rest) >= t->settings[RC_SET_MINIMUM_RANGE]);
+  return cells;
+}
+
+/* The table at distances, over the square of the distance to the end. */
+static inline float16 rc_geometry(global const float* table, const Cells* cells) {
+  const float log_near = table[RC_BEAM_LOG_NEAR], per_log = table[RC_BEAM_POSTS_PER_LOG];
+  const float16 at = clamp((log(fmax(cells->s, 1e-20f)) - log_near) * per_log, 0.0f, (float)(RC_POSTS - 1)), low = floor(at);
+  RC_LINE float lane[16], from[16], to[16];
+  rc_store16(low, 0, lane);
+  float16 a, b;
+  if (lane[0] == lane[15]) {  /* distances rise */
+    a = table[(uint)lane[0]];
+    b = table[(uint)lane[0] + 1u];
+  } else {
+    for (uint k = 0; k < 16u; ++k) {
+      const uint post = (uint)lane[k];
+      from[k] = table[post];
+      to[k] = table[post + 1u];
+    }
+    a = vload16(0, from);
+    b = vload16(0, to);
+  }
+  return select((float16)(0.0f), fma(at - low, b - a, a) / (cells->rest * cells->rest), cells->good);
+}
+
+#if RC_VOLUMES
+/* Volumes along the middle ray, cell after cell. */
+typedef struct Swept {
+  float came_to, depth[RC_LINE_NODES];
+} Swept;
+
+/* Depths at the cells' Gauss points and what particles scatter in each cell, integrated over it. */
+static inline void rc_sweep(const LidarTables* t, const Beam* beam, const Cells* cells, float part, Swept* swept, float16* depth, float16* particles) {
+  RC_LINE float s[16], span[16], scattered[16];
+  RC_LINE float here[RC_LINE_NODES][16];
+  rc_store16(cells->s, 0, s);
+  rc_store16(cells->span, 0, span);
+  for (uint k = 0; k < 16u; ++k) {
+    scattered[k] = 0.0f;
+    const float from = fmax(s[k] - part * span[k], 0.0f), before = from - swept->came_to;
+    const float4 at = beam->start + from * beam->way;
+    float cell[RC_LINE_NODES];
+    for (uint node = 0; node < RC_LINE_NODES; ++node) cell[node] = 0.0f;
+    for (uint i = 0; i < RC_VOLUMES; ++i) {
+      if (before > 0.01f * span[k]) {  /* the first cell begins past the start */
+        const float gap = rc_volume_path(t->volumes + i, t->volume_values, at, beam->way, -before, 0.0f);
+        for (uint node = 0; node < RC_LINE_NODES; ++node) swept->depth[node] += rc_volume_depth(t, i, node, gap);
+      }
+      const float field = s[k] > 0.0f ? rc_volume_path(t->volumes + i, t->volume_values, at, beam->way, 0.0f, span[k]) : 0.0f;
+      scattered[k] += t->volumes[i].particles.x > 0.0f ? field * t->volumes[i].particles.x / t->volumes[i].particles.z : 0.0f;
+      for (uint node = 0; node < RC_LINE_NODES; ++node) cell[node] += rc_volume_depth(t, i, node, field);
+    }
+    for (uint node = 0; node < RC_LINE_NODES; ++node) {
+      here[node][k] = fma(part, cell[node], swept->depth[node]);
+      swept->depth[node] += cell[node];
+    }
+    swept->came_to = s[k] > 0.0f ? from + span[k] : 0.0f;
+  }
+  for (uint node = 0; node < RC_LINE_NODES; ++node) depth[node] += vload16(0, here[node]);
+  *particles = vload16(0, scattered);
+}
+#endif
+
+/* Impulses of 16 bins, at two phases, to their place by the slot where their shares start. Bins whose pulse lies outside the gate are left
+ * out. */
+static inline void rc_put(const LidarTables* t, global float* impulses, uint line_floats, float sums[RC_SUM_COUNT][2], int bin, const float16* energy) {
+  const int16 start = (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15) + (bin + t->first_tap);
+  const int16 in = (start + t->tap_count > 0) & (start < t->bins);
+  const float16 a = select((float16)(0.0f), energy[0], in), b = select((float16)(0.0f), energy[1], in);
+  rc_add_float(sums[RC_SUM_COLLECTED], rc_lane_sum(a + b));
+  global float* to = impulses + RC_TAPS_PADDED + RC_ROW_PAD + bin + t->first_tap;
+  rc_store16(a, 0, to);
+  rc_store16(b, 0, to + line_floats);
 }
 
 RC_BODY lidar_air_body(uint owner, LIDAR_AIR_PARAMETERS) {
   const uint row_floats = rc_row_floats((uint)bins);
-  const LidarTables tables = {shots + (size_t)owner * RC_SHOT_FLOAT4S, samples, exits, 0, 0, photons, node_weight, first_node, air, volumes, volume_values, volume_depth, taps, settings, 0, row_floats, bins, taps_used, first_tap, phases};
-  const LidarTables* t = &tables;
+  const LidarTables all = {shots + (size_t)owner * RC_SHOT_FLOAT4S, 0, 0, 0, 0, photons, node_weight, first_node, air, volumes, volume_values, volume_depth, taps, settings, 0, row_floats, bins, taps_used, first_tap, phases};
+  const LidarTables* t = &all;
   const Beam beam = rc_beam(t);
   const size_t own_rows = (size_t)RC_OWN_PIXELS * RC_LASER_LINES;
-  global float* own = rows + (size_t)owner * 2u * own_rows * row_floats;  /* air, then particles */
-  for (size_t i = 0; i < 2u * own_rows * row_floats; i += 16) rc_store16((float16)(0.0f), 0, own + i);
-  float total[RC_LASER_LINES][RC_SUM_COUNT][2];
-  for (uint line = 0; line < RC_LASER_LINES; ++line)
-    for (uint i = 0; i < RC_SUM_COUNT; ++i) total[line][i][0] = total[line][i][1] = 0.0f;
-
-  /* Posts of the table. */
-  Cells ends;
-  rc_cells(t, &beam, t->bins + RC_ROW_PAD - 8, &ends);
-  const float far = fmax(ends.to[15], 1e-3f);
-  rc_cells(t, &beam, -RC_ROW_PAD, &ends);
-  const float near = fmax(fmax(ends.from[0], 1e-3f * far), fmin(settings[RC_SET_MINIMUM_RANGE], far));
-  const float log_near = log(near), log_span = fmax(log(far) - log_near, 1e-6f);
-  const uint posts = (uint)clamp(100.0f * log_span + 2.0f, 4.0f, (float)RC_POSTS);
-  const float posts_per_log = (float)(posts - 1u) / log_span;
-  /* Shares of bins at the cells' two phases. */
+  global float* own = rows + (size_t)owner * RC_WAY_ROWS * own_rows * row_floats;  /* air, then particles */
+  /* Impulses, [kind][line][phase], and shares of bins at their two phases. */
+  const uint line_floats = row_floats + RC_TAPS_PADDED;
+  global float* impulses = scratch + (size_t)owner * RC_WAY_ROWS * 2u * RC_LASER_LINES * line_floats;
   float share[2][RC_TAPS_PADDED];
-  for (uint phase = 0; phase < 2u; ++phase) {
-    const float x = (phase ? 0.788675135f : 0.211324865f) * (float)phases;
+  for (uint g = 0; g < 2u; ++g) {
+    const float x = (g ? 1.0f - RC_GAUSS_POINT : RC_GAUSS_POINT) * (float)phases;
     const int q = min((int)x, phases - 1);
     for (int i = 0; i < RC_TAPS_PADDED; ++i) {
       const float low = taps[q * RC_TAPS_PADDED + i], high = taps[(q + 1) * RC_TAPS_PADDED + i];
-      share[phase][i] = fma(x - (float)q, high - low, low);
+      share[g][i] = fma(x - (float)q, high - low, low);
     }
   }
-  /* Impulses, [kind][line][phase], by the slot where their shares start. */
-  const uint line_floats = row_floats + RC_TAPS_PADDED;
-  global float* impulses = scratch + (size_t)owner * 4u * RC_LASER_LINES * line_floats;
-  const int begin = -RC_ROW_PAD - first_tap;  /* bin of the first cells whose shares reach the gate */
+  float total[RC_LASER_LINES][RC_SUM_COUNT][2];
+  for (uint line = 0; line < RC_LASER_LINES; ++line)
+    for (uint i = 0; i < RC_SUM_COUNT; ++i) total[line][i][0] = total[line][i][1] = 0.0f;
   const bool apart = beam.squared > 0.0f;
   const float weight = t->shot[RC_SHOT_DU].w;
 
   for (uint pixel = 0; pixel < RC_OWN_PIXELS; ++pixel) {
-    float table[RC_POSTS + 1];
-    bool any = false;
-    for (uint i = 0; i < posts; ++i) {
-      table[i] = rc_beam_sum(t, &beam, exp(fma((float)i, 1.0f / posts_per_log, log_near)), (float)pixel);
-      any |= table[i] > 0.0f;
-    }
-    table[posts] = table[posts - 1u];
-    if (!any) continue;
+    global const float* table = tables + ((size_t)beam_of[owner] * RC_OWN_PIXELS + pixel) * RC_BEAM_FLOATS;
+    for (uint i = 0; i < RC_WAY_ROWS * 2u * RC_LASER_LINES * line_floats; i += 16u) rc_store16((float16)(0.0f), 0, impulses + i);
     float ended[RC_LASER_LINES];
-    float16 depth_to[RC_LINE_NODES];                  /* of volumes, up to where the cells have come */
-    for (uint line = 0; line < RC_LASER_LINES; ++line) {
-      ended[line] = 0.0f;
-      for (int slot = 0; slot < min(begin + RC_ROW_PAD, (int)row_floats); ++slot) ended[line] += stopped[((size_t)owner * RC_LASER_LINES + line) * row_floats + slot];
+    for (uint line = 0; line < RC_LASER_LINES; ++line) ended[line] = 0.0f;
+#if RC_VOLUMES
+    Swept swept[2];  /* the two cells of a bin are one behind the other: each chain sweeps all */
+    for (uint g = 0; g < 2u; ++g) {
+      swept[g].came_to = 0.0f;
+      for (uint node = 0; node < RC_LINE_NODES; ++node) swept[g].depth[node] = 0.0f;
     }
-    for (size_t i = 0; i < (size_t)4u * RC_LASER_LINES * line_floats; i += 16) rc_store16((float16)(0.0f), 0, impulses + i);
-    RC_LINE float volumes_to[RC_LINE_NODES][16];
-    float volumes_sum[RC_LINE_NODES];
-    for (uint node = 0; node < RC_LINE_NODES; ++node) volumes_sum[node] = 0.0f;
-#if RC_VOLUMES
-    float came_to = 0.0f;
 #endif
-
-    for (int bin = begin; bin + first_tap < t->bins; bin += 8) {
-      Cells cells;
-      rc_cells(t, &beam, bin, &cells);
-      RC_LINE float post_at[16];
-      rc_store16(clamp((log(fmax(vload16(0, cells.s), near)) - log_near) * posts_per_log, 0.0f, (float)(posts - 1u)), 0, post_at);
-      RC_LINE float geometry[16], beta[RC_LASER_LINES][16], particles[16], z[16], dead[RC_LASER_LINES][16];
-      uint lanes = 0;
-      for (uint k = 0; k < 16u; ++k) {
-        const int slot = bin + (int)(k / 2u) + RC_ROW_PAD;
-        for (uint line = 0; line < RC_LASER_LINES; ++line) {
-          if (!(k & 1u) && slot >= 0 && slot < (int)row_floats) ended[line] += stopped[((size_t)owner * RC_LASER_LINES + line) * row_floats + slot];
-          dead[line][k] = ended[line];
+    for (int bin = -RC_ROW_PAD; bin < t->bins + RC_ROW_PAD; bin += 16) {
+      float16 lit[RC_LASER_LINES];
+      for (uint line = 0; line < RC_LASER_LINES; ++line) {
+        RC_LINE float lane[16];
+        for (uint k = 0; k < 16u; ++k) {
+          const int slot = bin + (int)k + RC_ROW_PAD;
+          if (slot < (int)row_floats) ended[line] += stopped[((size_t)owner * RC_LASER_LINES + line) * row_floats + slot];
+          lane[k] = ended[line];
         }
-        geometry[k] = particles[k] = 0.0f;
-        for (uint node = 0; node < RC_LINE_NODES; ++node) volumes_to[node][k] = 0.0f;
-        const float s = cells.s[k], from_pupil = RC_RECEIVER ? s : cells.rest[k], span = cells.to[k] - cells.from[k];
-        z[k] = fma(s, beam.way.z, beam.start.z);
-        for (uint line = 0; line < RC_LASER_LINES; ++line) beta[line][k] = 0.0f;
-        if (!(span > 0.0f)) continue;
-#if RC_VOLUMES
-        const float ahead = cells.from[k] - came_to;   /* the first cell begins past the start */
-        for (uint i = 0; i < RC_VOLUMES; ++i) {
-          if (ahead > 0.0f) {
-            const float before = rc_volume_path(volumes + i, volume_values, beam.start, beam.way, came_to, cells.from[k]);
-            for (uint node = 0; node < RC_LINE_NODES; ++node) volumes_sum[node] += rc_volume_depth(t, i, node, before);
-          }
-          const float field = rc_volume_path(volumes + i, volume_values, beam.start, beam.way, cells.from[k], cells.to[k]);
-          particles[k] += volumes[i].particles.x > 0.0f ? field * volumes[i].particles.x / volumes[i].particles.z : 0.0f;
-          for (uint node = 0; node < RC_LINE_NODES; ++node) volumes_to[node][k] += rc_volume_depth(t, i, node, field);
-        }
-        const float part = clamp((s - cells.from[k]) / span, 0.0f, 1.0f);
-        for (uint node = 0; node < RC_LINE_NODES; ++node) {
-          const float here = volumes_to[node][k];
-          volumes_to[node][k] = fma(part, here, volumes_sum[node]);
-          volumes_sum[node] += here;
-        }
-        came_to = cells.to[k];
-#endif
-        if (from_pupil < settings[RC_SET_MINIMUM_RANGE] || !(cells.rest[k] > 0.0f)) continue;
-        const float at = post_at[k];
-        const uint post = (uint)at;
-        geometry[k] = fma(at - (float)post, table[post + 1u] - table[post], table[post]) / (cells.rest[k] * cells.rest[k]);
-#if RC_AIR
-        for (uint line = 0; line < RC_LASER_LINES; ++line) beta[line][k] = span * rc_backscatter(t, backscatter + line * (uint)settings[RC_SET_AIR_POSTS], z[k]);
-#endif
-        lanes |= geometry[k] > 0.0f ? 1u << k : 0u;
+        lit[line] = fmax(1.0f - vload16(0, lane), 0.0f);
       }
-      if (!lanes) continue;
-      for (uint node = 0; node < RC_LINE_NODES; ++node) depth_to[node] = 0.0f;
+      float16 of_air[RC_LASER_LINES][2], of_particles[RC_LASER_LINES][2];
+      for (uint g = 0; g < 2u; ++g) {
+        const float part = g ? 1.0f - RC_GAUSS_POINT : RC_GAUSS_POINT;
+        const Cells cells = rc_cells(t, &beam, bin, part);
+        const float16 geometry = rc_geometry(table, &cells);
 #if RC_AIR
-      const float16 height = vload16(0, z);
-      rc_air_depths(t, (float16)(beam.start.z), height, vload16(0, cells.s), depth_to);
+        const float16 z = fma(cells.s, (float16)(beam.way.z), (float16)(beam.start.z));
 #endif
-      for (uint node = 0; node < RC_LINE_NODES; ++node) depth_to[node] += vload16(0, volumes_to[node]);
-      if (!apart) {
-        for (uint node = 0; node < RC_LINE_NODES; ++node) depth_to[node] *= 2.0f;
-      } else {
+        float16 depth[RC_LINE_NODES];
+        for (uint node = 0; node < RC_LINE_NODES; ++node) depth[node] = 0.0f;
 #if RC_AIR
-        rc_air_depths(t, height, (float16)(beam.start.z - beam.apart.z), vload16(0, cells.rest), depth_to);
+        rc_way_depths(t, beam.start.z, z, cells.s, depth);
 #endif
 #if RC_VOLUMES
-        const float16 s = vload16(0, cells.s), inverse = 1.0f / fmax(vload16(0, cells.rest), 1e-20f);
-        const Vector16 back = {-fma(s, (float16)(beam.way.x), (float16)(beam.apart.x)), -fma(s, (float16)(beam.way.y), (float16)(beam.apart.y)),
-                               -fma(s, (float16)(beam.way.z), (float16)(beam.apart.z))};
-        const float4 end_at = beam.start - beam.apart;
-        const Vector16 end = {(float16)(end_at.x), (float16)(end_at.y), (float16)(end_at.z)}, unit = {back.x * inverse, back.y * inverse, back.z * inverse};
-        rc_volume_depths(t, end, unit, vload16(0, cells.rest), lanes, depth_to);
+        float16 particles;
+        rc_sweep(t, &beam, &cells, g ? 2.0f * part - 1.0f : 2.0f * part, &swept[g], depth, &particles);
 #endif
+        if (!apart) {
+          for (uint node = 0; node < RC_LINE_NODES; ++node) depth[node] *= 2.0f;
+        } else {
+#if RC_AIR
+          rc_way_depths(t, beam.start.z - beam.apart.z, z, cells.rest, depth);
+#endif
+#if RC_VOLUMES
+          const float16 inverse = 1.0f / cells.rest;
+          const float4 end_at = beam.start - beam.apart;
+          const Vector16 end = {(float16)(end_at.x), (float16)(end_at.y), (float16)(end_at.z)};
+          const Vector16 unit = {-fma(cells.s, (float16)(beam.way.x), (float16)(beam.apart.x)) * inverse, -fma(cells.s, (float16)(beam.way.y), (float16)(beam.apart.y)) * inverse,
+                                 -fma(cells.s, (float16)(beam.way.z), (float16)(beam.apart.z)) * inverse};
+          rc_volume_depths(t, end, unit, cells.rest, rc_mask16(cells.good), depth);
+#endif
+        }
+        for (uint line = 0; line < RC_LASER_LINES; ++line) {
+          const float16 arrives = geometry * (weight * t->photons[line]) * rc_line_transmission(t, line, depth) * lit[line];
+          of_air[line][g] = of_particles[line][g] = 0.0f;
+          (void)arrives;
+#if RC_AIR
+          of_air[line][g] = arrives * cells.span * rc_backscatter(t, backscatter + line * (uint)settings[RC_SET_AIR_POSTS], z);
+#endif
+#if RC_VOLUMES
+          of_particles[line][g] = arrives * particles;
+#endif
+        }
       }
       for (uint line = 0; line < RC_LASER_LINES; ++line) {
-        const float16 arrives = vload16(0, geometry) * (weight * t->photons[line]) * rc_line_transmission(t, line, depth_to) * fmax(1.0f - vload16(0, dead[line]), 0.0f);
-        for (uint kind = RC_AIR ? 0u : 1u; kind < (RC_VOLUMES ? 2u : 1u); ++kind) {
-          const float16 energy = select((float16)(0.0f), fmax(arrives * vload16(0, kind ? particles : beta[line]), 0.0f), rc_bits16(lanes));
-          rc_add_float(total[line][RC_SUM_COLLECTED], rc_lane_sum(energy));
-          global float* to = impulses + (kind * RC_LASER_LINES + line) * 2u * line_floats + RC_TAPS_PADDED + RC_ROW_PAD + bin + first_tap;
-          vstore8(energy.even, 0, to);
-          vstore8(energy.odd, 0, to + line_floats);
-        }
+        rc_put(t, impulses + line * 2u * line_floats, line_floats, total[line], bin, of_air[line]);
+#if RC_VOLUMES
+        rc_put(t, impulses + (RC_LASER_LINES + line) * 2u * line_floats, line_floats, total[line], bin, of_particles[line]);
+#endif
       }
     }
-    for (uint kind = RC_AIR ? 0u : 1u; kind < (RC_VOLUMES ? 2u : 1u); ++kind)
+    /* Spread by the pulse in one pass: adding bin by bin, every store would overlap the next load. */
+    for (uint kind = 0; kind < RC_WAY_ROWS; ++kind)
       for (uint line = 0; line < RC_LASER_LINES; ++line) {
         global float* row = own + (kind * own_rows + pixel * RC_LASER_LINES + line) * row_floats;
         global const float* from = impulses + (kind * RC_LASER_LINES + line) * 2u * line_floats + RC_TAPS_PADDED;
@@ -201,7 +268,7 @@ RC_BODY lidar_air_body(uint owner, LIDAR_AIR_PARAMETERS) {
       }
   }
   for (uint line = 0; line < RC_LASER_LINES; ++line) {
-    for (uint kind = 0; kind < 2u; ++kind)
+    for (uint kind = 0; kind < RC_WAY_ROWS; ++kind)
       for (uint pixel = 0; pixel < RC_OWN_PIXELS; ++pixel) rc_close_row(t, own + (kind * own_rows + pixel * RC_LASER_LINES + line) * row_floats, total[line]);
     for (uint i = 0; i < RC_SUM_COUNT; ++i) {
       const size_t at = ((size_t)owner * RC_LASER_LINES + line) * RC_SUM_COUNT + i;
@@ -212,6 +279,6 @@ RC_BODY lidar_air_body(uint owner, LIDAR_AIR_PARAMETERS) {
 }
 
 kernel void lidar_air(LIDAR_AIR_PARAMETERS) {
-  lidar_air_body((uint)get_group_id(0), shots, samples, exits, photons, node_weight, first_node, air, backscatter, volumes, volume_values, volume_depth, taps,
+  lidar_air_body((uint)get_group_id(0), shots, beam_of, tables, photons, node_weight, first_node, air, backscatter, volumes, volume_values, volume_depth, taps,
                  settings, stopped, rows, scratch, sums, bins, taps_used, first_tap, phases);
 }

@@ -5,7 +5,8 @@
 #include "kernels/geometry/surface_point.h"
 #include "kernels/lidar/overlap.h"
 
-#define RC_POSTS 256       /* places along the ray where the mean over sub-rays is taken */
+/* A table: RC_POSTS sums over the sub-rays at distances that rise geometrically, the last once more, log of the first distance, posts per
+ * unit of log distance; see layout.h. */
 
 /* Middle ray and the other end. */
 typedef struct Beam {
@@ -70,11 +71,7 @@ static inline float16 rc_beam_rays(const LidarTables* t, const Beam* beam, float
   const float16 row = floor(fma(rc_dot_axis(v, shot[RC_SHOT_END_V]), step, (float16)(0.5f * (float)RC_ROWS)));
   seen &= (column >= 0.0f) & (column < (float)RC_COLUMNS) & (fma(row, (float16)((float)RC_COLUMNS), column) == pixel);
 #elif RC_OVERLAP
-  RC_LINE float lane[3][16];
-  rc_store16(deep, 0, lane[0]);
-  rc_store16(sqrt(aside), 0, lane[1]);
-  for (uint k = 0; k < 16u; ++k) lane[2][k] = lane[0][k] > 0.0f ? rc_vignetting(t->settings, lane[0][k], lane[1][k]) : 0.0f;
-  share *= vload16(0, lane[2]);
+  share *= rc_vignetting(t->settings, fmax(deep, 1e-20f), sqrt(aside));
 #endif
   return select((float16)(0.0f), share, seen);
 #endif

@@ -121,16 +121,7 @@ static inline void rc_connect(SceneArrays scene, const LidarTables* t, const Pat
   {
     const Vector16 beside = {fma(-depth_along, (float16)(axis.x), v.x), fma(-depth_along, (float16)(axis.y), v.y), fma(-depth_along, (float16)(axis.z), v.z)};
     const float16 near = fmax(depth_along, 1e-20f), offset = sqrt(rc_dot16(beside, beside));
-    const float16 blur = fabs(1.0f / near - settings[RC_SET_FOCUS]) * settings[RC_SET_PUPIL];
-    const uint inside = rc_mask16(seen & (offset / near + blur < settings[RC_SET_HALF_FOV]));
-    const uint partial = rc_mask16(seen) & ~inside;
-    if (partial) {
-      RC_LINE float share[16], near_lane[16], offset_lane[16];
-      rc_store16(near, 0, near_lane);
-      rc_store16(offset, 0, offset_lane);
-      for (uint k = 0; k < 16u; ++k) share[k] = partial >> k & 1u ? rc_vignetting(settings, near_lane[k], offset_lane[k]) : 1.0f;
-      geometry *= vload16(0, share);
-    }
+    geometry *= rc_vignetting(settings, near, offset);
   }
 #endif
 #endif
