@@ -276,6 +276,44 @@ TEST_CASE("L-16: all orders of a wide Lambert corner") {
   CHECK(std::abs(result.ledger[0].emitted_error()) < 1e-12);
 }
 
+TEST_CASE("I3: rays from the transmitter and rays from the receiver find the same energy in every order") {
+  scene::CompiledScene scene = scene_of({0.5, 0.4});
+  add_corner(scene, 0, 1, 6, 6, 6);
+  scene::finish_top_tree(scene);
+  auto lidar = topographic_lidar();
+  lidar.pulse.profile = scene::BeamProfile::uniform;
+  lidar.pulse.half_divergence_rad = 20e-3;
+  lidar.receiver.half_fov_rad = 0;
+  lidar.receiver.columns = lidar.receiver.rows = 12;
+  lidar.receiver.pixel_pitch_rad = 12e-3;
+  lidar.gate = {500e-9, 1e-9, 500};
+  lidar.transport.max_bounces = 3;
+  auto shot = shot_from(lidar, {80, 0, 70}, {-78, 0, -68});
+  place_pupil(shot, {70, 10, 80}, {-68, -10, -78});
+  const reference::EmbreeScene embree(scene);
+  double mean[2][2] = {}, square[2][2] = {};
+  constexpr int kSeeds = 8;
+  for (const bool receiver : {false, true}) {
+    lidar.transport.sampling = receiver ? scene::LidarSampling::receiver : scene::LidarSampling::transmitter;
+    lidar.transport.subrays = receiver ? 64 : 4096;
+    const auto plan = hand_plan(lidar, scene);
+    for (int seed = 1; seed <= kSeeds; ++seed) {
+      reference::LidarShotOptions options;
+      options.own_seed = true, options.seed = static_cast<std::uint64_t>(seed);
+      const auto rows = reference::reference_shot(scene, embree, plan, shot, options).rows;
+      const double sums[2] = {total(rows.first), total(rows.multiple)};
+      for (int order = 0; order < 2; ++order) mean[receiver][order] += sums[order] / kSeeds, square[receiver][order] += sums[order] * sums[order] / kSeeds;
+    }
+  }
+  // Once: no chance but the edge of the beam and of plates between samples, 0.5 % of 4096 and of the 1500 samples in the spot.
+  CHECK(mean[1][0] == doctest::Approx(mean[0][0]).epsilon(0.01));
+  double error = 0.005 * 0.005 * mean[0][1] * mean[0][1];
+  for (int side = 0; side < 2; ++side) error += (square[side][1] - mean[side][1] * mean[side][1]) / (kSeeds - 1);
+  MESSAGE("twice and more: " << mean[0][1] << " " << mean[1][1] << " +- " << std::sqrt(error));
+  CHECK(mean[0][1] > 0.05 * mean[0][0]);
+  CHECK(std::abs(mean[1][1] - mean[0][1]) < 4 * std::sqrt(error));
+}
+
 TEST_CASE("4.2, L-04, L-12: lens area, vignetting and gloss of the reference") {
   CHECK(reference::lens_area(1, 1, 1) == doctest::Approx(1.228369699).epsilon(1e-9));
   CHECK(reference::lens_area(2, 1, 1.5) == doctest::Approx(2.392549868).epsilon(1e-9));
