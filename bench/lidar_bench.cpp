@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <numeric>
 
 #include "bench/cases.h"
 #include "bench/embree_baseline.h"
@@ -9,7 +10,9 @@
 #include "bench/scenes.h"
 #include "bench/timing.h"
 #include "host/base/error.h"
+#include "host/lidar/detection.h"
 #include "host/lidar/make_lidar_plan.h"
+#include "host/reference/parallel.h"
 #include "host/render/lidar_renderer.h"
 #include "scene_compiler/load_simulation.h"
 
@@ -163,7 +166,8 @@ void pulses_per_second(const Settings& settings, Report& report) {
   options.threads = settings.threads;
   render::LidarRenderer renderer(simulation.scene, options);
   const auto shots = raster(lidar, 20000);
-  std::vector<double> rate;
+  std::vector<double> rate, echo_rate;
+  std::size_t echoes = 0;
   for (int i = 0; i < 5; ++i) {
     std::vector<lidar::ShotResult> results;
     const double traced_s = seconds_of([&] { renderer.render(plan, shots, [&](lidar::ShotResult&& r) { results.push_back(std::move(r)); }); });
@@ -172,12 +176,20 @@ void pulses_per_second(const Settings& settings, Report& report) {
       report.validate("toy blocks: share of pulses without a return", static_cast<double>(dark) / static_cast<double>(results.size()), 0.001);
       continue;  // warm-up
     }
+    std::vector<std::size_t> found(results.size());
+    const double detected_s = seconds_of([&] {
+      reference::for_each_index(results.size(), settings.threads, [&](std::size_t s) { found[s] = lidar::detect(plan, results[s]).at(0).echoes.size(); });
+    });
+    echoes += std::accumulate(found.begin(), found.end(), std::size_t{0});
     rate.push_back(static_cast<double>(shots.size()) / traced_s);
+    echo_rate.push_back(static_cast<double>(shots.size()) / (traced_s + detected_s));
   }
   std::size_t triangles = 0;
   for (const auto& mesh : simulation.scene.meshes) triangles += mesh.triangle_count;
   report.add("lidar_toy_triangles", static_cast<double>(triangles), "");
+  report.validate("toy blocks: pulses per echo found in drawn waveforms", static_cast<double>(shots.size()) * static_cast<double>(rate.size()) / static_cast<double>(echoes), 1.01);
   report.add("lidar_pulses_s", spread_of(rate), "pulses/s");
+  report.add("lidar_pulses_with_echoes_s", spread_of(echo_rate), "pulses/s");
 }
 
 }  // namespace
