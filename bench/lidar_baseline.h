@@ -24,7 +24,10 @@ struct LidarWork {
 class LidarBaseline {
  public:
   LidarBaseline(const EmbreeBaseline& embree, const scene::CompiledScene& scene);
-  /// rows[shot * bins + bin], cleared first. Traced and binned in one pass over the shots.
+  /// Rows have padding in front and behind, so that pulses that hang over the gate's ends need no branch.
+  static std::size_t row_pad(const LidarWork& work);
+  static std::size_t row_floats(const LidarWork& work);
+  /// rows[shot * row_floats + row_pad + bin], cleared first. Traced and binned in one pass over the shots; pulses of up to 64 taps.
   void run(const LidarWork& work, int threads, float* rows) const;
 
  private:

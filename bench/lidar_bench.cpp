@@ -107,14 +107,18 @@ Spread compare(const Rig& rig, const EmbreeBaseline& embree, const Settings& set
   options.threads = settings.threads;
   render::LidarRenderer renderer(rig.scene, options);
   const auto bins = static_cast<std::size_t>(rig.work.bins);
-  std::vector<float> theirs(rig.shots.size() * bins), ours;
+  const std::size_t row_pad = LidarBaseline::row_pad(rig.work), row_floats = LidarBaseline::row_floats(rig.work);
+  std::vector<float> theirs(rig.shots.size() * row_floats), ours;
   renderer.render(rig.plan, rig.shots, [&](lidar::ShotResult&& result) { ours.insert(ours.end(), result.first.begin(), result.first.end()); });
   baseline.run(rig.work, settings.threads, theirs.data());
   double total = 0, off = 0;
   std::size_t shots_off = 0;
   for (std::size_t s = 0; s < rig.shots.size(); ++s) {
     double sum = 0, difference = 0;
-    for (std::size_t i = s * bins; i < (s + 1) * bins; ++i) sum += theirs[i], difference += std::abs(ours[i] - theirs[i]);
+    for (std::size_t i = 0; i < bins; ++i) {
+      const float their = theirs[s * row_floats + row_pad + i];
+      sum += their, difference += std::abs(ours[s * bins + i] - their);
+    }
     total += sum, off += difference;
     shots_off += difference > 1e-3 * sum;
   }

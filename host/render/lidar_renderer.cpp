@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <map>
+#include <span>
 
 #include "host/base/error.h"
 #include "host/base/interrupt.h"
@@ -120,6 +121,37 @@ struct Batch {
   std::size_t first = 0, count = 0;
 };
 
+/// A buffer's numbers where they lie, as long as this lives.
+template <class T>
+class Mapped {
+ public:
+  explicit Mapped(cl::Buffer<T>& buffer) : buffer_(buffer), span_(buffer.map(false)) {}
+  ~Mapped() {
+    try {
+      buffer_.unmap(span_);
+    } catch (const base::Error&) {  // the device is gone: the next call tells
+    }
+  }
+  Mapped(const Mapped&) = delete;
+  Mapped& operator=(const Mapped&) = delete;
+  const T* data() const { return span_.data(); }
+
+ private:
+  cl::Buffer<T>& buffer_;
+  std::span<T> span_;
+};
+
+/// Waits for unmappings: one still under way when a renderer goes away can crash PoCL.
+struct Settled {
+  const cl::Context& context;
+  ~Settled() {
+    try {
+      context.finish();
+    } catch (const base::Error&) {  // the device is gone: the next call tells
+    }
+  }
+};
+
 /// Shots in the making: an owner's rows are copied to their place when its batch is done.
 class Collector {
  public:
@@ -129,42 +161,30 @@ class Collector {
   std::size_t owners() const { return shots_.size() * owners_of_shot_; }
   std::size_t owners_of_shot() const { return owners_of_shot_; }
 
-  void take(const Batch& batch, BatchBuffers& from) {
-    const auto lines = static_cast<std::size_t>(plan_.lines()), rows = batch.count * tables_.owner_rows * tables_.row_floats;
-    read(from.first, rows, first_);
-    read(from.ledger, batch.count * lines * RC_LEDGER_COUNT, ledger_);
-    read(from.sums, batch.count * lines * RC_SUM_COUNT * 2, sums_);
-    read(from.counts, batch.count, counts_);
-    if (tables_.multiple) read(from.multiple, rows, multiple_);
-    if (tables_.way) {
-      read(from.way, tables_.way_rows * rows, way_);
-      read(from.way_sums, batch.count * lines * RC_SUM_COUNT * 2, way_sums_);
-    }
-    if (hits_) read(from.hits, batch.count * ((plan_.footprint.a.size() + 15) / 16 * 16) * 2, first_hits_);
+  void take(const cl::Context& context, const Batch& batch, BatchBuffers& from) {
+    const Settled settled{context};
+    const Mapped first(from.first), multiple(from.multiple), way(from.way), sums(from.sums), way_sums(from.way_sums);
+    const Mapped ledger(from.ledger);
+    const Mapped counts(from.counts), hits(from.hits);
     for (std::size_t i = 0; i < batch.count; ++i) {
       const std::size_t owner = batch.first + i, shot = owner / owners_of_shot_, pixel = owner % owners_of_shot_;
       if (pixel == 0) begin(shots_[shot]);
-      copy_rows(first_.data(), i, pixel, result_.first);
-      if (tables_.multiple) copy_rows(multiple_.data(), i, pixel, result_.multiple);
+      copy_rows(first.data(), i, pixel, result_.first);
+      if (tables_.multiple) copy_rows(multiple.data(), i, pixel, result_.multiple);
       if (tables_.way) {
-        if (tables_.air_rows) copy_rows(way_.data(), tables_.way_rows * i, pixel, result_.air);
-        if (tables_.way_rows > 1) add_rows(way_.data(), 2 * i + 1, pixel, result_.first);
-        add_sums(way_sums_.data(), i);
+        if (tables_.air_rows) copy_rows(way.data(), tables_.way_rows * i, pixel, result_.air);
+        if (tables_.way_rows > 1) add_rows(way.data(), 2 * i + 1, pixel, result_.first);
+        add_sums(way_sums.data(), i);
       }
-      add_ledger(ledger_.data(), i);
-      add_sums(sums_.data(), i);
-      result_.rays += counts_[i];
-      if (hits_) copy_hits(first_hits_.data(), i);
+      add_ledger(ledger.data(), i);
+      add_sums(sums.data(), i);
+      result_.rays += counts.data()[i];
+      if (hits_) copy_hits(hits.data(), i);
       if (pixel + 1 == owners_of_shot_) finish();
     }
   }
 
  private:
-  template <class T>
-  static void read(const cl::Buffer<T>& from, std::size_t count, std::vector<T>& to) {
-    to.resize(count);
-    from.read(to);
-  }
   void begin(const lidar::Shot& shot) {
     const std::size_t floats = static_cast<std::size_t>(plan_.pixels()) * plan_.lines() * plan_.lidar.gate.bins;
     result_ = {};
@@ -225,9 +245,6 @@ class Collector {
   bool hits_, receiver_;
   std::size_t owners_of_shot_;
   lidar::ShotResult result_;
-  std::vector<float> first_, multiple_, way_, sums_, way_sums_;  ///< of a batch, on the host
-  std::vector<std::int64_t> ledger_;
-  std::vector<std::uint32_t> counts_, first_hits_;
 };
 
 std::size_t owner_bytes(const LidarTables& tables, std::size_t lines, std::size_t padded_rays, bool hits) {
@@ -316,7 +333,7 @@ void LidarRenderer::render(const lidar::LidarPlan& plan, const std::vector<lidar
     }
     s.context.finish();
     s.launch_s += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    collector.take(batch, batch_buffers);
+    collector.take(s.context, batch, batch_buffers);
   }
 }
 
