@@ -49,7 +49,7 @@ lidar::Vec3 sight(const lidar::LidarPlan& plan, const lidar::Shot& shot, int pix
 
 struct LidarProducts::State {
   State(const std::string& folder_, base::IfExists if_exists, const scene::Simulation& simulation_, const lidar::LidarPlan& plan_)
-      : folder(folder_), simulation(simulation_), plan(plan_), lidar(plan_.lidar), set(folder_, if_exists) {
+      : folder(folder_), simulation(simulation_), plan(plan_), lidar(plan_.lidar), volumes(lidar::flatten_volumes(simulation_.scene.volumes)), set(folder_, if_exists) {
     const auto& wanted = lidar.products;
     if (wanted.cube) cube_data = &set.add("waveforms.img"), cube_text = &set.add("waveforms.hdr");
     if (wanted.las) begin_las();
@@ -139,7 +139,7 @@ struct LidarProducts::State {
       packet = las->add_packet(kind, d.samples);
     }
     std::vector<lidar::ReturnTruth> truth;
-    if (!result.hits.empty() && !d.echoes.empty()) truth = lidar::return_truth(simulation.scene, plan, result, d.pixel, d.line, d.echoes);
+    if (!result.hits.empty() && !d.echoes.empty()) truth = lidar::return_truth(simulation.scene, volumes, plan, result, d.pixel, d.line, d.echoes);
     lidar::ReturnTruth unknown;
     unknown.range_m = std::numeric_limits<double>::quiet_NaN();
     for (std::size_t i = 0; i < d.echoes.size(); ++i) {
@@ -266,6 +266,7 @@ struct LidarProducts::State {
   const scene::Simulation& simulation;
   const lidar::LidarPlan& plan;
   const scene::Lidar& lidar;
+  const lidar::FlatVolumes volumes;
   base::OutputSet set;
   base::OutputFile* cube_data = nullptr;
   base::OutputFile* cube_text = nullptr;

@@ -71,6 +71,16 @@ PulseSpan pulse_span(const scene::LidarPulse& pulse) {
   return {-half, half};
 }
 
+double pulse_centroid_s(const scene::LidarPulse& pulse) {
+  if (pulse.shape != scene::PulseShape::tabulated) return 0;
+  double area = 0, first = 0;
+  for (std::size_t i = 1; i < pulse.shape_time_s.size(); ++i) {  // straight pieces: Simpson's rule is exact for time times power
+    const double a = pulse.shape_time_s[i - 1], b = pulse.shape_time_s[i], p = pulse.shape_power[i - 1], q = pulse.shape_power[i];
+    area += (b - a) * 0.5 * (p + q), first += (b - a) / 6 * (p * a + (p + q) * (a + b) + q * b);
+  }
+  return area > 0 ? first / area : 0;
+}
+
 PulseTaps make_taps(const scene::LidarPulse& pulse, double bin_s) {
   PulseTaps out;
   const PulseSpan span = pulse_span(pulse);

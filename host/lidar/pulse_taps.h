@@ -15,6 +15,9 @@ struct PulseSpan {
 };
 PulseSpan pulse_span(const scene::LidarPulse& pulse);
 
+/// Centroid of the pulse's power, s: 0 but for a tabulated one whose file says otherwise.
+double pulse_centroid_s(const scene::LidarPulse& pulse);
+
 /// Shares for every phase. Linear between phases: off by at most 2e-6 of the largest share for a Gaussian, with as many phases as that
 /// takes (at most 4096; reached at a FWHM of 0.35 bin); a rectangle's corners lie on phases where 4096 allow it. Energy is kept exactly.
 /// A pulse that spans more than 2048 bins is refused (base::Error, input): the device adds every bin of it at every hit.

@@ -5,13 +5,15 @@
 #include <limits>
 #include <map>
 
+#include "host/lidar/detector.h"
 #include "host/lidar/overlap.h"
+#include "host/lidar/pulse_taps.h"
 
 namespace raycube::lidar {
 
 namespace {
 
-constexpr double kLight_m_s = 299792458.0;
+constexpr double kLight_m_s = 299792458.0, kFwhmOfSigma = 2.3548200450309493;
 
 Vec3 operator+(const Vec3& a, const Vec3& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
 Vec3 operator-(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
@@ -28,24 +30,91 @@ Vec3 place(const shared::Instance& instance, const Vec3& p) {
   return {row(instance.world_from_local_0, p), row(instance.world_from_local_1, p), row(instance.world_from_local_2, p)};
 }
 
-/// Depth of a line's air between two heights along a segment, mean extinction of its nodes.
-double air_depth(const LidarPlan& plan, int line, const Vec3& a, const Vec3& b) {
-  const AirColumn& air = plan.air;
+/// Depth of a node's air along a segment: mean extinction between its heights.
+double air_depth(const AirColumn& air, std::size_t node, const Vec3& a, const Vec3& b) {
   if (air.posts == 0) return 0;
-  double mean = 0;
-  for (int n = plan.first_node[static_cast<std::size_t>(line)]; n < plan.first_node[static_cast<std::size_t>(line) + 1]; ++n) {
-    const double* depth = air.depth.data() + static_cast<std::size_t>(n) * static_cast<std::size_t>(air.posts);
-    const auto at = [&](double z) {
-      const double x = (z - air.z0_m) / air.dz_m;
-      if (x >= air.posts - 1) return depth[air.posts - 1];
-      const auto i = static_cast<std::size_t>(std::max(0.0, std::floor(x)));
-      return depth[i] + (x - static_cast<double>(i)) * (depth[i + 1] - depth[i]);
-    };
-    double low = std::min(a[2], b[2]), high = std::max(a[2], b[2]);
-    if (high - low < 1e-3) low -= 0.5, high += 0.5;
-    mean += plan.nodes[static_cast<std::size_t>(n)].weight * (at(high) - at(low)) / (high - low) * length(b - a);
+  const double* depth = air.depth.data() + node * static_cast<std::size_t>(air.posts);
+  const auto at = [&](double z) {
+    const double x = (z - air.z0_m) / air.dz_m;
+    if (x >= air.posts - 1) return depth[air.posts - 1];
+    const auto i = static_cast<std::size_t>(std::max(0.0, std::floor(x)));
+    return depth[i] + (x - static_cast<double>(i)) * (depth[i + 1] - depth[i]);
+  };
+  double low = std::min(a[2], b[2]), high = std::max(a[2], b[2]);
+  if (high - low < 1e-3) low -= 0.5, high += 0.5;
+  return (at(high) - at(low)) / (high - low) * length(b - a);
+}
+
+/// What air and volumes let through of a line on the way from the exit over a point to the pupil: nodes are averaged after the exponential.
+double transmission(const LidarPlan& plan, const FlatVolumes& volumes, int line, const Shot& shot, const Vec3& point) {
+  const std::size_t nodes = plan.nodes.size(), first = static_cast<std::size_t>(plan.first_node[static_cast<std::size_t>(line)]);
+  const std::size_t last = static_cast<std::size_t>(plan.first_node[static_cast<std::size_t>(line) + 1]);
+  std::vector<double> fields;
+  for (std::size_t v = 0; v < volumes.volumes.size(); ++v)
+    fields.push_back(volume_path(volumes, v, shot.exit_m, point) + volume_path(volumes, v, shot.pupil_m, point));
+  double sum = 0;
+  for (std::size_t n = first; n < last; ++n) {
+    double depth = air_depth(plan.air, n, shot.exit_m, point) + air_depth(plan.air, n, point, shot.pupil_m);
+    for (std::size_t v = 0; v < fields.size(); ++v) {
+      const double per_ppm_m = v * nodes + n < plan.cross_section_cm2.size() ? plan.cross_section_cm2[v * nodes + n] * kMoleculesPerPpmM : 0;
+      depth += fields[v] * (static_cast<double>(volumes.volumes[v].strength.x) * per_ppm_m + static_cast<double>(volumes.volumes[v].particles.x));
+    }
+    sum += plan.nodes[n].weight * std::exp(-depth);
   }
-  return mean;
+  return sum;
+}
+
+/// Clear aperture, m2; a thin camera's is pi / (1 + 4 F^2) in place of pi / (4 F^2) of it.
+double collecting_area_m2(const scene::LidarReceiver& receiver) {
+  const double area = M_PI * (receiver.aperture_radius_m * receiver.aperture_radius_m - receiver.obscuration_radius_m * receiver.obscuration_radius_m);
+  if (!receiver.tangent_aperture || receiver.focal_length_m == 0) return area;
+  const double f_number = receiver.focal_length_m / (2 * receiver.aperture_radius_m), square = 4 * f_number * f_number;
+  return area * square / (1 + square);
+}
+
+/// Share of the beam's photons that a square metre across its axis gets at a place `along` the axis, `aside` off it.
+double fluence_per_m2(const scene::LidarPulse& pulse, double half_divergence_rad, double along, double aside) {
+  const double grown = along * std::tan(half_divergence_rad);
+  if (pulse.profile == scene::BeamProfile::uniform) {
+    const double radius = pulse.exit_radius_m + grown;
+    return aside <= radius && radius > 0 ? 1 / (M_PI * radius * radius) : 0;
+  }
+  const double spot = std::max(pulse.exit_radius_m * pulse.exit_radius_m + grown * grown, 1e-30);
+  return 2 / (M_PI * spot) * std::exp(-2 * aside * aside / spot);
+}
+
+/// Pixel of an array that a point falls on, pixels lying on a plane of tangents; -1: beside it.
+int pixel_of(const scene::LidarReceiver& receiver, const Shot& shot, const Vec3& point) {
+  const Vec3 v = point - shot.pupil_m;
+  const double along = dot(v, shot.pupil_axis);
+  if (!(along > 0)) return -1;
+  const double step = 1 / (along * receiver.pixel_pitch_rad);
+  const double column = std::floor(dot(v, shot.pupil_u) * step + 0.5 * receiver.columns);
+  const double row = std::floor(dot(v, cross(shot.pupil_axis, shot.pupil_u)) * step + 0.5 * receiver.rows);
+  if (column < 0 || column >= receiver.columns || row < 0 || row >= receiver.rows) return -1;
+  return static_cast<int>(row) * receiver.columns + static_cast<int>(column);
+}
+
+/// Diffuse matter of a surface at a line.
+struct Diffuse {
+  double reflectance = 0, through = 0;  ///< through: leaves
+  std::uint32_t material = RC_NONE;     ///< with the largest share
+};
+
+Diffuse diffuse(const scene::CompiledScene& scene, const LidarPlan& plan, std::uint32_t surface_number, int line) {
+  const auto& surface = scene.surfaces[surface_number];
+  Diffuse out;
+  float largest = 0;
+  for (int m = 0; m < 4; ++m) {
+    if (surface.curve[m] == 0) continue;
+    const std::size_t number = surface.curve[m] - 1;
+    const Matter& matter = plan.matter[number * static_cast<std::size_t>(plan.lines()) + static_cast<std::size_t>(line)];
+    const double share = static_cast<double>(surface.fraction[m]);
+    out.reflectance += share * matter.reflectance;
+    if (scene.materials[number].transmission == scene::Material::Transmission::leaf) out.through += share * matter.transmittance;
+    if (surface.fraction[m] > largest) largest = surface.fraction[m], out.material = surface.curve[m] - 1;
+  }
+  return out;
 }
 
 }  // namespace
@@ -89,56 +158,59 @@ SurfacePoint surface_point(const scene::CompiledScene& scene, const LidarPlan& p
   return out;
 }
 
-std::vector<ReturnTruth> return_truth(const scene::CompiledScene& scene, const LidarPlan& plan, const ShotResult& result, int pixel,
-                                      int line, const std::vector<Echo>& echoes) {
+std::vector<ReturnTruth> return_truth(const scene::CompiledScene& scene, const FlatVolumes& volumes, const LidarPlan& plan, const ShotResult& result,
+                                      int pixel, int line, const std::vector<Echo>& echoes) {
   std::vector<ReturnTruth> out(echoes.size());
-  const auto& receiver = plan.lidar.receiver;
-  const bool backwards = plan.lidar.transport.sampling == scene::LidarSampling::receiver;
+  const scene::Lidar& lidar = plan.lidar;
+  const auto& receiver = lidar.receiver;
+  const Shot& shot = result.shot;
+  const bool backwards = lidar.transport.sampling == scene::LidarSampling::receiver, array = plan.pixels() > 1;
   const int samples = static_cast<int>(plan.footprint.a.size());
-  const double window_m = 0.5 * kLight_m_s / plan.lidar.transport.group_index * (plan.lidar.pulse.fwhm_s + plan.lidar.gate.bin_s);
-  const double clear = M_PI * (receiver.aperture_radius_m * receiver.aperture_radius_m - receiver.obscuration_radius_m * receiver.obscuration_radius_m);
-  const double each = plan.photons[static_cast<std::size_t>(line)] / samples * clear * receiver.efficiency * receiver.quantum_efficiency * result.shot.gain;
+  const double m_per_s = 0.5 * kLight_m_s / lidar.transport.group_index, late_m = m_per_s * pulse_centroid_s(lidar.pulse);
+  const double window_m = m_per_s * (kFwhmOfSigma * recorded_sigma_s(lidar) + lidar.gate.bin_s);
+  const double each = plan.photons[static_cast<std::size_t>(line)] / samples * collecting_area_m2(receiver) * receiver.efficiency * receiver.quantum_efficiency * shot.gain;
   const Stop stop{receiver.aperture_radius_m, receiver.obscuration_radius_m, receiver.half_fov_rad, receiver.focus_m};
-  const bool vignetted = plan.lidar.transport.overlap == scene::LidarOverlap::exact && plan.pixels() == 1 && !backwards;
+  const bool vignetted = lidar.transport.overlap == scene::LidarOverlap::exact && !array && !backwards;
   std::vector<double> weight(echoes.size(), 0), range(echoes.size(), 0);
   std::vector<std::map<std::pair<std::uint32_t, std::uint32_t>, double>> senders(echoes.size());
   for (int k = 0; k < samples; ++k) {
     const auto& hit = result.hits[static_cast<std::size_t>(backwards ? pixel * samples + k : k)];
-    const SurfacePoint point = surface_point(scene, plan, result.shot, pixel, k, hit);
+    const SurfacePoint point = surface_point(scene, plan, shot, pixel, k, hit);
     if (!point.hit) continue;
-    const SubRay ray = sub_ray(plan, result.shot, pixel, k);
-    const Vec3 back = result.shot.pupil_m - point.at_m;
-    const double there = length(point.at_m - result.shot.exit_m), home = length(back), half_path = 0.5 * (there + home);
+    if (array && !backwards && pixel_of(receiver, shot, point.at_m) != pixel) continue;
+    const Vec3 there = point.at_m - shot.exit_m, back = shot.pupil_m - point.at_m;
+    const double out_m = length(there), home = length(back), half_path = 0.5 * (out_m + home);
     std::size_t nearest = echoes.size();
     double off = window_m;
     for (std::size_t e = 0; e < echoes.size(); ++e)
-      if (std::abs(echoes[e].range_m - half_path) <= off) off = std::abs(echoes[e].range_m - half_path), nearest = e;
+      if (std::abs(echoes[e].range_m - late_m - half_path) <= off) off = std::abs(echoes[e].range_m - late_m - half_path), nearest = e;
     if (nearest == echoes.size()) continue;
-    const auto& surface = scene.surfaces[point.surface];
-    double reflectance = 0;
-    std::uint32_t material = RC_NONE;
-    float largest = 0;
-    for (int m = 0; m < 4; ++m) {
-      if (surface.curve[m] == 0) continue;
-      reflectance += surface.fraction[m] * plan.matter[(surface.curve[m] - 1) * static_cast<std::size_t>(plan.lines()) + static_cast<std::size_t>(line)].reflectance;
-      if (surface.fraction[m] > largest) largest = surface.fraction[m], material = surface.curve[m] - 1;
+    const Diffuse matter = diffuse(scene, plan, point.surface, line);
+    const double passed = transmission(plan, volumes, line, shot, point.at_m), off_axis = dot(-1.0 * shot.pupil_axis, (1 / home) * back);
+    // Angle with the way to the end of the path: the pupil, or back to the exit. Behind a leaf: what it lets through.
+    const double facing = backwards ? -dot(point.normal, (1 / out_m) * there) : dot(point.normal, (1 / home) * back);
+    const double scattered = (facing > 0 ? matter.reflectance : matter.through) / M_PI * std::abs(facing);
+    double eta = 1, geometry = 0;
+    if (backwards) {
+      const double along = dot(there, shot.exit_axis), aside = std::sqrt(std::max(0.0, out_m * out_m - along * along));
+      const double solid_angle = receiver.pixel_pitch_rad * receiver.pixel_pitch_rad * off_axis * off_axis * off_axis;
+      if (along > 0) geometry = off_axis * solid_angle * fluence_per_m2(lidar.pulse, shot.half_divergence_rad, along, aside) * out_m / along;
+    } else {
+      const double along = home * off_axis, aside = std::sqrt(std::max(0.0, home * home - along * along));
+      if (vignetted) eta = vignetting(stop, along, aside);
+      geometry = std::max(0.0, off_axis) / (home * home) * eta;
     }
-    const double off_axis = dot(-1.0 * result.shot.pupil_axis, (1 / home) * back);
-    const double along = home * off_axis, aside = std::sqrt(std::max(0.0, home * home - along * along));
-    const double eta = vignetted ? vignetting(stop, along, aside) : 1;
-    const double transmission = std::exp(-air_depth(plan, line, result.shot.exit_m, point.at_m) - air_depth(plan, line, point.at_m, result.shot.pupil_m));
-    const double cosine = std::max(0.0, dot(point.normal, (1 / home) * back));
-    const double sent = each * reflectance / M_PI * cosine * off_axis / (home * home) * eta * transmission;
+    const double sent = each * scattered * geometry * passed;
     ReturnTruth& truth = out[nearest];
     truth.order = 1;
     truth.expected_pe += static_cast<float>(sent);
-    truth.incidence_deg += static_cast<float>(180 / M_PI * std::acos(std::min(1.0, std::abs(dot(point.normal, ray.direction)))));
+    truth.incidence_deg += static_cast<float>(180 / M_PI * std::acos(std::min(1.0, std::abs(dot(point.normal, (1 / out_m) * there)))));
     truth.overlap += static_cast<float>(eta);
-    truth.transmission_2way += static_cast<float>(transmission);
+    truth.transmission_2way += static_cast<float>(passed);
     truth.subray_share += 1;
     weight[nearest] += sent;
     range[nearest] += sent * half_path;
-    senders[nearest][{point.instance, material}] += sent;
+    senders[nearest][{point.instance, matter.material}] += sent;
   }
   for (std::size_t e = 0; e < echoes.size(); ++e) {
     ReturnTruth& truth = out[e];
@@ -146,7 +218,6 @@ std::vector<ReturnTruth> return_truth(const scene::CompiledScene& scene, const L
     if (truth.order == 0) continue;
     const float count = truth.subray_share;
     truth.incidence_deg /= count, truth.overlap /= count, truth.transmission_2way /= count, truth.subray_share /= static_cast<float>(samples);
-    if (backwards) truth.expected_pe = echoes[e].energy_pe;
     const auto most = std::max_element(senders[e].begin(), senders[e].end(), [](const auto& a, const auto& b) { return a.second < b.second; });
     truth.object = scene.instances[most->first.first].id;
     truth.material = most->first.second;

@@ -5,20 +5,21 @@
 
 #include "host/lidar/detection.h"
 #include "host/lidar/lidar_plan.h"
+#include "host/lidar/volumes.h"
 #include "scene_compiler/compiled_scene.h"
 
 namespace raycube::lidar {
 
 struct ReturnTruth {
   double range_m = 0;               ///< half the path over the surfaces, weighted by what they send back; NaN: no first surface there
-  float expected_pe = 0;            ///< photo-electrons of these surfaces, once scattered
+  float expected_pe = 0;            ///< photo-electrons of these surfaces, once scattered, without gloss and the image's blur
   int order = 0;                    ///< 1; 0 where no first surface explains the echo (noise, air, later bounces)
   std::uint32_t object = RC_NONE;   ///< the user's instance number of the surface that sends most
   std::uint32_t material = RC_NONE; ///< its material with the largest share
   float incidence_deg = 0;          ///< mean angle between beam and normal
   float overlap = 0;                ///< mean vignetting
-  float transmission_2way = 0;      ///< of the air, mean
-  float subray_share = 0;           ///< of the pulse's sub-rays
+  float transmission_2way = 0;      ///< of air and volumes from exit to pupil, mean of the line after the exponential
+  float subray_share = 0;           ///< of the pulse's sub-rays (receiver sampling: of the pixel's samples)
 };
 
 /// A sub-ray's first surface.
@@ -35,10 +36,11 @@ struct SubRay {
 };
 SubRay sub_ray(const LidarPlan& plan, const Shot& shot, int pixel, int k);
 
-/// One for each echo of a pixel's record. A sub-ray belongs to the nearest echo within the pulse's width and a bin of it.
-/// `result.hits` must be there.
-std::vector<ReturnTruth> return_truth(const scene::CompiledScene& scene, const LidarPlan& plan, const ShotResult& result, int pixel,
-                                      int line, const std::vector<Echo>& echoes);
+/// One for each echo of a pixel's record. A sub-ray belongs to the nearest echo within the recorded pulse's width (2.355 standard deviations) and a bin
+/// of it; sub-rays into an array to the pixel that sees their surface. A plate is the first surface of its sub-rays: what lies behind it is
+/// not explained (order 0 unless other sub-rays met it directly). `result.hits` must be there; volumes: flatten_volumes of the scene's.
+std::vector<ReturnTruth> return_truth(const scene::CompiledScene& scene, const FlatVolumes& volumes, const LidarPlan& plan, const ShotResult& result,
+                                      int pixel, int line, const std::vector<Echo>& echoes);
 
 /// Where a return appears: on the line of sight (the beam's axis; receiver sampling: the pixel's) so far from its start that the path
 /// from the exit and to the pupil is twice its range.

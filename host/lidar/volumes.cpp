@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernels/lidar/volume.h"
+
 namespace raycube::lidar {
 namespace {
 
@@ -50,6 +52,14 @@ FlatVolumes flatten_volumes(const std::vector<scene::Volume>& volumes) {
     }
   }
   return flat;
+}
+
+double volume_path(const FlatVolumes& flat, std::size_t volume, const std::array<double, 3>& from_m, const std::array<double, 3>& to_m) {
+  const double dx = to_m[0] - from_m[0], dy = to_m[1] - from_m[1], dz = to_m[2] - from_m[2], length = std::sqrt(dx * dx + dy * dy + dz * dz);
+  if (!(length > 0)) return 0;
+  // Measured from the end, which is near the volume; the start can be kilometres away.
+  const shared::rc_float4 origin{f(to_m[0]), f(to_m[1]), f(to_m[2]), 0}, way{f(dx / length), f(dy / length), f(dz / length), 0};
+  return shared::rc_volume_path(&flat.volumes[volume], flat.values.data(), origin, way, f(-length), 0);
 }
 
 }  // namespace raycube::lidar
