@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstring>
 #include <map>
-#include <span>
 
 #include "host/base/error.h"
 #include "host/base/interrupt.h"
@@ -14,6 +13,7 @@
 #include "host/render/lidar_beams.h"
 #include "host/render/lidar_owners.h"
 #include "host/render/lidar_tables.h"
+#include "host/render/mapped.h"
 #include "host/render/scene_buffers.h"
 #include "kernels/kernel_source.h"
 #include "kernels/lidar/layout.h"
@@ -119,37 +119,6 @@ namespace {
 /// One launch: owners first .. first + count - 1, counted through all shots and pixels.
 struct Batch {
   std::size_t first = 0, count = 0;
-};
-
-/// A buffer's numbers where they lie, as long as this lives.
-template <class T>
-class Mapped {
- public:
-  explicit Mapped(cl::Buffer<T>& buffer) : buffer_(buffer), span_(buffer.map(false)) {}
-  ~Mapped() {
-    try {
-      buffer_.unmap(span_);
-    } catch (const base::Error&) {  // the device is gone: the next call tells
-    }
-  }
-  Mapped(const Mapped&) = delete;
-  Mapped& operator=(const Mapped&) = delete;
-  const T* data() const { return span_.data(); }
-
- private:
-  cl::Buffer<T>& buffer_;
-  std::span<T> span_;
-};
-
-/// Waits for unmappings: one still under way when a renderer goes away can crash PoCL.
-struct Settled {
-  const cl::Context& context;
-  ~Settled() {
-    try {
-      context.finish();
-    } catch (const base::Error&) {  // the device is gone: the next call tells
-    }
-  }
 };
 
 /// Shots in the making: an owner's rows are copied to their place when its batch is done.
