@@ -173,7 +173,8 @@ Verb verb_check() {
       "Model: the reference uses the whole tables and 1024 sky directions; the difference stays within the file's tolerance.\n\n"
       "LIDARs: the waveforms of --pulses pulses, without turbulence. Every bin stays within 1e-5 of its pulse's peak bin where both sides follow "
       "the same rays; rays that differ are explained like first hits. Light scattered more than once is also compared on other random "
-      "draws, by its energy and by chi-square. The return of air and particles, which the device integrates along the beam, stays within 1 % of its own peak bin, 5 % where surfaces end it.\n\n"
+      "draws, by its energy and by chi-square. The return of air and particles, which the device integrates along the beam, stays within 1 % of its own peak bin, "
+      "5 % where surfaces end it, and what the number of sub-rays leaves open where the field's edge cuts the beam.\n\n"
       "With -o DIR, DIR/INSTRUMENT_check/ gets check.json and, for cubes, difference.png. Beyond a limit the exit status is 1.";
   verb.examples = {"raycube check park.toml", "raycube check park.toml --instrument spectir --pixels 2000 -o out"};
   verb.common = kOutput | kCompute;

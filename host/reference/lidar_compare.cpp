@@ -173,9 +173,16 @@ void LidarComparison::add(const std::vector<lidar::ShotResult>& shots) {
   }
 }
 
+double footprint_noise(const lidar::LidarPlan& plan) {
+  const scene::LidarTransport& transport = plan.lidar.transport;
+  const bool edges = transport.sampling == scene::LidarSampling::transmitter && (plan.pixels() > 1 || transport.overlap == scene::LidarOverlap::exact);
+  return edges ? 4 * 0.0151 * std::pow(64.0 / static_cast<double>(plan.footprint.a.size()), 0.79) : 0;
+}
+
 LidarReport LidarComparison::report() const {
   LidarReport out;
   out.limits = options_.limits;
+  out.limits.air += footprint_noise(plan_), out.limits.air_end += footprint_noise(plan_);
   out.has_scattered = !scattered_.empty();
   std::vector<double> worst, air;
   out.scattered = compare_scattered(scattered_, plan_.lidar);
