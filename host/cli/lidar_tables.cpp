@@ -81,7 +81,7 @@ void LidarTables::add_shot(const lidar::ShotResult& r, const std::vector<lidar::
   for (std::size_t l = 0; l < lines; ++l) {
     pulses_.add(shot.pulse).add(line_name(plan_.lidar, static_cast<int>(l))).add(shot.time_s).add(plan_.lidar.gps_start_s + shot.time_s);
     place(shot.exit_m), vector(shot.exit_axis), place(shot.pupil_m), vector(shot.pupil_axis);
-    pulses_.add(shot.scan_angle_rad * kDegrees).add(shot.half_divergence_rad * 1e3).add(shot.gain).add(plan_.lidar.gate.start_s).add(cube_line);
+    pulses_.add(shot.scan_angle_rad * kDegrees).add(shot.half_divergence_rad * 1e3).add(shot.line_gain.empty() ? shot.gain : shot.gain * shot.line_gain[l]).add(plan_.lidar.gate.start_s).add(cube_line);
     double photons = 0, background_hz = r.background_hz.empty() ? kNone : 0;
     for (std::size_t p = 0; p < pixels; ++p) {
       const std::size_t at = p * lines + l;

@@ -83,6 +83,11 @@ nlohmann::json render_lidar(const scene::Simulation& simulation, const scene::Li
                             Context& context) {
   const auto settings = render_options(context.common);
   LidarJob job = prepare_lidar(simulation, lidar, context);
+  const GroundBelow ground(simulation.scene, lidar);
+  // The air of the first pulse fired lengthens them all: femtoseconds, but for the worst of paths.
+  if (lidar.turbulence.profile != scene::TurbulenceProfile::none)
+    if (const auto shots = lidar::make_shots(lidar, 0, std::min<std::int64_t>(lidar.pulses, 4096), simulation.seed); !shots.empty())
+      lidar::broaden_pulse(job.plan, lidar::turbulence_statistics(job.plan, ground(shots.front()), shots.front()).broadening_s2);
   const lidar::LidarPlan& plan = job.plan;
   const auto start = std::chrono::steady_clock::now();
   LidarProducts output(folder, context.common.overwrite ? base::IfExists::replace : base::IfExists::refuse, simulation, plan);
@@ -91,7 +96,6 @@ nlohmann::json render_lidar(const scene::Simulation& simulation, const scene::Li
   // By night only what the scene emits, beyond 2.5 um.
   const bool warm = std::any_of(lidar.pulse.lines.begin(), lidar.pulse.lines.end(), [](const auto& line) { return line.wavelength_um > 2.5; });
   if (lidar.detector.solar_background && (simulation.sun.zenith_deg < 90 || warm)) background.emplace(simulation, plan, settings, context);
-  const GroundBelow ground(simulation.scene, lidar);
   const OtherPulses others(simulation, plan);
   std::optional<nlohmann::json> turbulence;
   std::optional<lidar::PixelBlur> blur;  // of an array's image, as the first pulse's air makes it

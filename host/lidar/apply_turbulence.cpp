@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/lidar/pulse_taps.h"
 #include "host/lidar/scintillation.h"
 #include "host/lidar/turbulence.h"
 
@@ -54,6 +55,11 @@ double divergence_for(const scene::LidarPulse& pulse, double radius_m, double ra
   return std::atan(std::max(0.0, grown) / range_m);
 }
 
+/// Whether the air has changed from one line of a shot to the next; without wind it stands still.
+bool draws_apart(const scene::Lidar& lidar, const TurbulenceTruth& truth) {
+  return truth.correlation_s > 0 && lidar.pulse.separation_s > truth.correlation_s;
+}
+
 void warn_where_stretched(const scene::Lidar& lidar, const TurbulentPath& path, TurbulenceTruth& truth) {
   const auto warn = [&](bool when, const char* text) {
     if (when) truth.warnings.emplace_back(text);
@@ -63,8 +69,32 @@ void warn_where_stretched(const scene::Lidar& lidar, const TurbulentPath& path, 
   warn(path.length_m > 10e3 && std::min(path.start_height_m, path.end_height_m) < 100 && std::max(path.start_height_m, path.end_height_m) < 1000,
        "turbulence: more than 10 km of path near the ground");
   warn(truth.spread_clamped, "turbulence: the beam is much narrower than the coherence length, so wander takes all its spread; the short-term spot keeps the beam's own width");
-  warn(lidar.pulse.lines.size() > 1 && lidar.pulse.separation_s > truth.correlation_s,
-       "turbulence: lines of a shot are further apart than the correlation time and share its draws all the same");
+  const auto& lines = lidar.pulse.lines;
+  warn(lines.size() > 1 && draws_apart(lidar, truth) && (lidar.turbulence.wander || lidar.turbulence.blur),
+       "turbulence: lines of a shot are further apart than the correlation time: they scintillate apart but share wander and tilt");
+  warn(std::any_of(lines.begin(), lines.end(), [&](const auto& line) { return std::abs(line.wavelength_um / lines.front().wavelength_um - 1) > 0.05; }),
+       "turbulence: wavelengths of a shot differ by more than 5 %: spread and blur are the first line's, scintillation each line's own");
+}
+
+/// Of one wavelength, over a footprint and an aperture of these diameters.
+LineScintillation scintillation_of(const PathNodes& nodes, double wavelength_m, double footprint_m, double aperture_m) {
+  LineScintillation out;
+  out.rytov_spherical = rytov_spherical(nodes, wavelength_m);
+  out.gamma_gamma = rytov_plane(nodes, wavelength_m) >= 0.3;
+  const double point = gamma_gamma_spherical(out.rytov_spherical).scintillation_index();  // the variance itself where it is small
+  const auto averaged = [&](double width_m) { return point * aperture_averaging_spherical(2 * M_PI / wavelength_m * width_m * width_m / (4 * nodes.length_m)); };
+  out.index_down = averaged(footprint_m), out.index_up = averaged(aperture_m);
+  return out;
+}
+
+double draw_gain(Stream draws, const LineScintillation& line) {
+  const GammaGamma shape = gamma_gamma_spherical(line.rytov_spherical);
+  double gain = 1;
+  for (const double index : {line.index_down, line.index_up}) {
+    const GammaGamma averaged = with_index(shape, index);
+    gain *= draw_irradiance(draws, index, line.gamma_gamma ? &averaged : nullptr);
+  }
+  return gain;
 }
 
 }  // namespace
@@ -92,10 +122,9 @@ TurbulenceTruth turbulence_statistics(const LidarPlan& plan, double ground_z_m, 
   const double diameter = 2 * lidar.receiver.aperture_radius_m;
   truth.tilt_sigma_rad = diameter > 0 ? image_tilt_rad(wavelength_m, truth.fried_m, diameter) : 0;
   truth.blur_fwhm_rad = 0.98 * wavelength_m / truth.fried_m;
-  truth.gamma_gamma = truth.rytov_plane >= 0.3;
-  const double point = gamma_gamma_spherical(truth.rytov_spherical).scintillation_index();  // the variance itself where it is small
-  const auto averaged = [&](double width_m) { return point * aperture_averaging_spherical(2 * M_PI / wavelength_m * width_m * width_m / (4 * length)); };
-  truth.index_down = averaged(2 * truth.short_term_m), truth.index_up = averaged(diameter);
+  for (const auto& line : lidar.pulse.lines) truth.lines.push_back(scintillation_of(nodes, line.wavelength_um * 1e-6, 2 * truth.short_term_m, diameter));
+  const LineScintillation& first = truth.lines.front();
+  truth.gamma_gamma = first.gamma_gamma, truth.index_down = first.index_down, truth.index_up = first.index_up;
   truth.index_total = (1 + truth.index_down) * (1 + truth.index_up) - 1;
   truth.broadening_s2 = broadening_s2(nodes, turbulence.outer_scale_m);
   truth.correlation_s = turbulence.wind_m_s > 0 ? std::max(truth.short_term_m, truth.fried_m) / turbulence.wind_m_s : 0;
@@ -122,15 +151,39 @@ TurbulenceTruth apply_turbulence(const LidarPlan& plan, double ground_z_m, Shot&
     tip(shot.pupil_axis, shot.pupil_u, truth.tilt_rad);
   }
   if (turbulence.scintillation) {
-    Stream draws = stream(DrawFor::scintillation);
-    const GammaGamma shape = gamma_gamma_spherical(truth.rytov_spherical);
-    for (const double index : {truth.index_down, truth.index_up}) {
-      const GammaGamma averaged = with_index(shape, index);
-      truth.gain *= draw_irradiance(draws, index, truth.gamma_gamma ? &averaged : nullptr);
-    }
-    shot.gain *= truth.gain;
+    const bool apart = draws_apart(plan.lidar, truth);
+    std::vector<double> gains;
+    for (std::size_t line = 0; line < truth.lines.size(); ++line)
+      gains.push_back(draw_gain(Stream(plan.seed, key, high, DrawFor::scintillation, apart ? static_cast<int>(line) : 0), truth.lines[line]));
+    truth.gain = gains.front();
+    if (gains.size() == 1)
+      shot.gain *= truth.gain;
+    else
+      shot.line_gain = std::move(gains);
   }
   return truth;
+}
+
+void apply_line_gain(const LidarPlan& plan, ShotResult& result) {
+  const std::vector<double>& gain = result.shot.line_gain;
+  if (gain.empty()) return;
+  const auto bins = static_cast<std::size_t>(plan.lidar.gate.bins);
+  for (std::vector<float>* rows : {&result.first, &result.multiple, &result.air})
+    for (std::size_t i = 0; i < rows->size(); ++i) (*rows)[i] = static_cast<float>((*rows)[i] * gain[i / bins % gain.size()]);
+  for (std::size_t line = 0; line < result.ledger.size(); ++line) {
+    Ledger& ledger = result.ledger[line];
+    for (double* part : {&ledger.collected, &ledger.early, &ledger.late, &ledger.near}) *part *= gain[line];
+  }
+}
+
+bool broaden_pulse(LidarPlan& plan, double broadening_s2) {
+  scene::LidarPulse& pulse = plan.lidar.pulse;
+  if (!plan.lidar.turbulence.broadening || pulse.shape != scene::PulseShape::gaussian || !(pulse.fwhm_s > 0)) return false;
+  const double fwhm_s = broadened_fwhm_s(pulse.fwhm_s, broadening_s2);
+  if (!(fwhm_s > pulse.fwhm_s * (1 + 1e-6))) return false;
+  pulse.fwhm_s = fwhm_s;
+  plan.taps = make_taps(pulse, plan.lidar.gate.bin_s);
+  return true;
 }
 
 }  // namespace raycube::lidar

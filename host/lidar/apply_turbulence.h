@@ -9,6 +9,13 @@
 
 namespace raycube::lidar {
 
+/// How the irradiance of one line flickers.
+struct LineScintillation {
+  double rytov_spherical = 0;                       ///< variance
+  double index_down = 0, index_up = 0;              ///< averaged over footprint and aperture
+  bool gamma_gamma = false;                         ///< else log-normal
+};
+
 /// Everything that was computed and drawn for a shot; angles rad, lengths m at the path's end.
 struct TurbulenceTruth {
   double path_m = 0;
@@ -22,9 +29,10 @@ struct TurbulenceTruth {
   double blur_fwhm_rad = 0;                         ///< long exposure, 0.98 lambda / r0
   double index_down = 0, index_up = 0, index_total = 0;  ///< scintillation, averaged over footprint and aperture
   bool gamma_gamma = false;                         ///< else log-normal
-  double gain = 1;
+  std::vector<LineScintillation> lines;             ///< each at its own wavelength; everything else is the first line's
+  double gain = 1;                                  ///< of the first line
   double broadening_s2 = 0;                         ///< temporal, see turbulence.h
-  double correlation_s = 0;                         ///< max(short-term spot, fried) / wind: lines of a shot closer than this share its draws
+  double correlation_s = 0;                         ///< max(short-term spot, fried) / wind, 0 without wind: lines of a shot closer than this share a draws
   std::vector<std::string> warnings;                ///< where the models are stretched; same text for the same cause
 };
 
@@ -33,8 +41,17 @@ struct TurbulenceTruth {
 /// the footprint, and of the way up, averaged over the aperture: index (1 + down)(1 + up) - 1. Log-normal where the plane-wave Rytov variance
 /// is below 0.3, gamma-gamma above. The path runs from the exit along the axis to the height ground_z_m (scene frame), or to the
 /// gate's end when that is nearer or the axis does not point down; heights of the profile count from ground_z_m. Wavelength: the first
-/// line's. Draws are functions of (plan.seed, pulse). Does nothing without turbulence.
+/// line's, but scintillation has each line's own. Several lines: gain stays, line_gain has one each: from one draw where they are no further
+/// apart (separation_s) than correlation_s, else from a draw each; wander and tilt are common to them. Draws are functions of (plan.seed, pulse,
+/// line). Does nothing without turbulence.
 TurbulenceTruth apply_turbulence(const LidarPlan& plan, double ground_z_m, Shot& shot);
+
+/// Multiplies a result's rows, and what its ledgers say reached the pupil, by shot.line_gain.
+void apply_line_gain(const LidarPlan& plan, ShotResult& result);
+
+/// Lengthens a plan's Gaussian pulse in quadrature (`broadening` on, not an impulse) where that changes its width by more than 1e-6 of itself;
+/// tells whether it did. Other shapes stay.
+bool broaden_pulse(LidarPlan& plan, double broadening_s2);
 
 /// The same statistics without a draw (wander_rad, tilt_rad 0; gain 1).
 TurbulenceTruth turbulence_statistics(const LidarPlan& plan, double ground_z_m, const Shot& shot);

@@ -168,7 +168,8 @@ std::vector<ReturnTruth> return_truth(const scene::CompiledScene& scene, const F
   const int samples = static_cast<int>(plan.footprint.a.size());
   const double m_per_s = 0.5 * kLight_m_s / lidar.transport.group_index, late_m = m_per_s * pulse_centroid_s(lidar.pulse);
   const double window_m = m_per_s * (kFwhmOfSigma * recorded_sigma_s(lidar) + lidar.gate.bin_s);
-  const double each = plan.photons[static_cast<std::size_t>(line)] / samples * collecting_area_m2(receiver) * receiver.efficiency * receiver.quantum_efficiency * shot.gain;
+  const double each = plan.photons[static_cast<std::size_t>(line)] / samples * collecting_area_m2(receiver) * receiver.efficiency * receiver.quantum_efficiency * shot.gain *
+                      (shot.line_gain.empty() ? 1 : shot.line_gain[static_cast<std::size_t>(line)]);
   const Stop stop{receiver.aperture_radius_m, receiver.obscuration_radius_m, receiver.half_fov_rad, receiver.focus_m};
   const bool vignetted = lidar.transport.overlap == scene::LidarOverlap::exact && !array && !backwards;
   std::vector<double> weight(echoes.size(), 0), range(echoes.size(), 0);

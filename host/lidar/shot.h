@@ -19,6 +19,7 @@ struct Shot {
   Vec3 pupil_m{}, pupil_axis{}, pupil_u{};           ///< receiver; u: direction of the array's columns
   double half_divergence_rad = 0;  ///< 1/e2 or edge, turbulence included
   double gain = 1;                 ///< scintillation: factor on all that is received
+  std::vector<double> line_gain;   ///< and on what is received of each line; empty: 1
   double scan_angle_rad = 0;       ///< of the axis from the nadir, across the heading, right positive; roll and tilt included
 };
 

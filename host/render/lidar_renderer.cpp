@@ -10,6 +10,7 @@
 #include "host/base/interrupt.h"
 #include "host/base/sha256.h"
 #include "host/cl/kernel.h"
+#include "host/lidar/apply_turbulence.h"
 #include "host/render/lidar_beams.h"
 #include "host/render/lidar_owners.h"
 #include "host/render/lidar_tables.h"
@@ -205,7 +206,10 @@ class Collector {
       result_.hits.push_back({at[0], at[1]});
     }
   }
-  void finish() { sink_(std::move(result_)); }
+  void finish() {
+    lidar::apply_line_gain(plan_, result_);
+    sink_(std::move(result_));
+  }
 
   const lidar::LidarPlan& plan_;
   const LidarTables& tables_;

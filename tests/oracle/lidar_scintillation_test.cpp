@@ -140,3 +140,65 @@ TEST_CASE("S34: gains of shots: log-normal in weak turbulence, gamma-gamma in st
     CHECK(std::abs(squares / n / truth.index_total - 1) < 4 * std::sqrt((cn2 > 1e-13 ? 59 : 3) / static_cast<double>(n)));
   }
 }
+
+TEST_CASE("S34: lines of a shot flicker with their own variance, together or apart as the wind has it") {
+  LidarPlan plan = test::small_plan(1000);
+  plan.lidar.turbulence.profile = scene::TurbulenceProfile::constant, plan.lidar.turbulence.cn2 = 2e-15;
+  plan.lidar.turbulence.wander = plan.lidar.turbulence.blur = false;
+  plan.lidar.receiver.aperture_radius_m = 0.01;
+  const auto shoot = [&](std::int64_t pulse, TurbulenceTruth* truth = nullptr) {
+    Shot shot;
+    shot.pulse = pulse, shot.half_divergence_rad = 1e-5;
+    shot.exit_m = {0, 0, 900}, shot.exit_axis = {0, 0, -1}, shot.exit_u = {1, 0, 0};
+    const TurbulenceTruth found = apply_turbulence(plan, 0, shot);
+    if (truth) *truth = found;
+    return shot;
+  };
+  plan.lidar.pulse.lines = {{"one", 1.064, 0, 1}};
+  const double alone = shoot(7).gain;
+  CHECK(shoot(7).line_gain.empty());
+
+  plan.lidar.pulse.lines = {{"on", 1.064, 0, 1}, {"off", 1.064, 0, 1}, {"green", 0.532, 0, 1}};
+  TurbulenceTruth truth;
+  const Shot together = shoot(7, &truth);
+  REQUIRE(together.line_gain.size() == 3);
+  CHECK(together.gain == 1);
+  CHECK(together.line_gain[0] == alone);
+  CHECK(together.line_gain[1] == alone);
+  // Log-normal of one normal deviate: ln gain + index / 2 scales with the indices' square roots; k^(7/6) of the spherical wave.
+  CHECK(truth.lines[2].rytov_spherical / truth.lines[0].rytov_spherical == doctest::Approx(std::pow(2.0, 7.0 / 6)).epsilon(1e-9));
+  CHECK(truth.warnings.size() >= 1);  // wavelengths a factor of 2 apart
+
+  // Index of the rest: 4 standard errors of a log-normal's variance, kurtosis near 3.
+  for (const bool apart : {false, true}) {
+    plan.lidar.pulse.separation_s = apart ? 1 : 0;
+    constexpr int n = 4000;
+    double squares[3] = {0, 0, 0}, product = 0;
+    for (int i = 0; i < n; ++i) {
+      const Shot shot = shoot(i, &truth);
+      for (std::size_t line = 0; line < 3; ++line) squares[line] += std::pow(shot.line_gain[line] - 1, 2) / n;
+      product += (shot.line_gain[0] - 1) * (shot.line_gain[1] - 1) / n;
+    }
+    for (std::size_t line = 0; line < 3; ++line) {
+      const double index = (1 + truth.lines[line].index_down) * (1 + truth.lines[line].index_up) - 1;
+      CHECK(std::abs(squares[line] / index - 1) < 4 * std::sqrt(3.0 / n));
+    }
+    const double correlation = product / std::sqrt(squares[0] * squares[1]);
+    if (apart) CHECK(std::abs(correlation) < 4 / std::sqrt(static_cast<double>(n)));
+    else CHECK(correlation == doctest::Approx(1).epsilon(1e-12));
+  }
+
+  ShotResult result;
+  result.shot = together;
+  result.shot.line_gain = {2, 3, 0.5};
+  result.first.assign(3 * 1000, 1.0F), result.air.assign(3 * 1000, 4.0F), result.ledger.resize(3);
+  for (Ledger& ledger : result.ledger) ledger.collected = 1, ledger.absorbed = 1;
+  plan.photons = {1, 1, 1};
+  apply_line_gain(plan, result);
+  for (std::size_t line = 0; line < 3; ++line) {
+    CHECK(result.first[line * 1000 + 500] == static_cast<float>(result.shot.line_gain[line]));
+    CHECK(result.air[line * 1000 + 999] == 4 * static_cast<float>(result.shot.line_gain[line]));
+    CHECK(result.ledger[line].collected == result.shot.line_gain[line]);
+    CHECK(result.ledger[line].absorbed == 1);
+  }
+}

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "host/lidar/apply_turbulence.h"
+#include "host/lidar/pulse_taps.h"
 #include "host/lidar/turbulence.h"
 #include "tests/oracle/lidar_detection_cases.h"
 
@@ -177,6 +178,28 @@ TEST_CASE("S33: temporal broadening is what the specification says: nothing to s
   CHECK(std::sqrt(broadening_s2(level_path(1e-13, 50000), 10)) == doctest::Approx(2.8e-12).epsilon(2e-2));
   CHECK(broadened_fwhm_s(4e-9, 0) == 4e-9);
   CHECK(broadened_fwhm_s(0, 1e-24) == doctest::Approx(1e-12 * std::sqrt(2 * M_LN2)).epsilon(1e-12));
+}
+
+TEST_CASE("S33: broadening adds to the pulse's variance in quadrature, where it can be seen at all") {
+  const auto variance = [](const PulseTaps& taps) {
+    double mean = 0, square = 0;
+    for (int i = 0; i < taps.taps; ++i) mean += taps.share[static_cast<std::size_t>(i)] * i;
+    for (int i = 0; i < taps.taps; ++i) square += taps.share[static_cast<std::size_t>(i)] * (i - mean) * (i - mean);
+    return square;
+  };
+  LidarPlan plan = airborne_plan(constant(1e-14));
+  plan.lidar.pulse.fwhm_s = 4e-9, plan.lidar.gate.bin_s = 1e-9;
+  plan.taps = make_taps(plan.lidar.pulse, 1e-9);
+  const double before = variance(plan.taps);
+  CHECK_FALSE(broaden_pulse(plan, std::pow(4.2e-14, 2)));  // (4.2e-14 / 3.4e-9)^2 / 2 = 8e-11 of the width
+  CHECK(plan.lidar.pulse.fwhm_s == 4e-9);
+  // The squared half width at 1/e2 of power is 4 variances.
+  CHECK(broaden_pulse(plan, 4e-18));
+  CHECK(variance(plan.taps) - before == doctest::Approx(1).epsilon(1e-4));
+  plan.lidar.pulse.shape = scene::PulseShape::rectangular;
+  CHECK_FALSE(broaden_pulse(plan, 4e-18));
+  plan.lidar.pulse.shape = scene::PulseShape::gaussian, plan.lidar.turbulence.broadening = false;
+  CHECK_FALSE(broaden_pulse(plan, 4e-18));
 }
 
 TEST_CASE("S33: each effect can be switched off, none changes anything without turbulence, and a tilt keeps the pupil's frame") {
