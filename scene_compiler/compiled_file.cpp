@@ -147,7 +147,7 @@ void archive_pulse_matter(Archive& ar, Scene& scene) {
     ar(volume.values);
     for (auto* value : {&volume.source_g_s, &volume.wind_m_s, &volume.release_height_m, &volume.molar_mass_g, &volume.sigma_y_a, &volume.sigma_y_b,
                         &volume.sigma_z_a, &volume.sigma_z_b, &volume.sigma_y_m, &volume.sigma_z_m, &volume.length_m, &volume.extinction_per_m,
-                        &volume.single_scattering_albedo, &volume.lidar_ratio_sr, &volume.asymmetry})
+                        &volume.lidar_ratio_sr})
       ar(*value);
     ar(volume.wavelength_um);
     ar(volume.cross_section_cm2);

@@ -49,7 +49,7 @@ struct Volume {
   double sigma_y_m = 0, sigma_z_m = 0;         ///< > 0: constant instead
   double length_m = 1000;                      ///< it ends here
   // particles
-  double extinction_per_m = 0, single_scattering_albedo = 0, lidar_ratio_sr = 50, asymmetry = 0;
+  double extinction_per_m = 0, lidar_ratio_sr = 50;
   /// Cross sections of the gas: vacuum wavelength ascending, cm2 per molecule; linear between.
   std::vector<double> wavelength_um, cross_section_cm2;
 };

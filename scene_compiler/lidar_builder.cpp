@@ -1,6 +1,7 @@
 #include "scene_compiler/lidar_builder.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "scene_compiler/document_values.h"
@@ -31,6 +32,22 @@ namespace {
 using base::Problems;
 using detail::LidarReport;
 
+/// Pixels of an array take points as sharp: right while the pupil's blur circle, r |1 / R - 1 / focus|, is small against a pixel. It is largest
+/// at one of the gate's ends.
+void note_blur_of_array(const Record& record, const Lidar& lidar, const LidarReport& report) {
+  const auto& receiver = lidar.receiver;
+  if (receiver.columns * receiver.rows == 1 || !(receiver.pixel_pitch_rad > 0)) return;
+  const double half_way_m = 0.5 * detail::kLight_m_s / lidar.transport.group_index, near_m = std::max(lidar.transport.minimum_range_m, half_way_m * lidar.gate.start_s);
+  const double far_m = half_way_m * (lidar.gate.start_s + lidar.gate.bins * lidar.gate.bin_s), focus = receiver.focus_m > 0 ? 1 / receiver.focus_m : 0;
+  const auto blur = [&](double range_m) { return receiver.aperture_radius_m * std::abs(1 / range_m - focus); };
+  const bool at_near = !(far_m > near_m) || blur(near_m) >= blur(far_m);
+  const double worst = at_near ? blur(near_m) : blur(far_m);
+  if (worst > receiver.pixel_pitch_rad / 3)
+    report.notice(record.table("receiver")->where, "pixels of an array take points as sharp, but at the gate's " + std::string(at_near ? "start" : "end") + " the pupil blurs them by a radius of " +
+                                                       number_text(worst * 1e3) + " mrad, above a third of a pixel of " + number_text(receiver.pixel_pitch_rad * 1e3) +
+                                                       " mrad: light of neighbours is not mixed there");
+}
+
 /// Checks over several tables; they hold only when each table was sound.
 void check_together(const Record& record, const Lidar& lidar, const LidarReport& report) {
   const Record &gate = *record.table("gate"), &sampling = *record.table("sampling");
@@ -48,6 +65,7 @@ void check_together(const Record& record, const Lidar& lidar, const LidarReport&
   if (lidar.pulse.separation_s > 0 && lidar.pulse.separation_s >= 1 / lidar.prf_hz)
     report.problems.add(record.table("pulse")->place("separation_s"), "the lines of a shot must all leave before the next shot",
                         number_text(lidar.pulse.separation_s) + " s against " + number_text(1 / lidar.prf_hz) + " s", "lower it, or prf_khz");
+  note_blur_of_array(record, lidar, report);
   if (t.range_limit_m > 0 && t.range_limit_m <= t.minimum_range_m)
     report.problems.add(sampling.place("range_limit_m"), "'range_limit_m' is not above minimum_range_m", number_text(t.range_limit_m), "raise it");
   if (t.sampling != LidarSampling::receiver) return;

@@ -145,9 +145,7 @@ Volume read_volume(const Record& record, const SceneParts& parts, Problems& prob
     if (out.gas.empty() && record.given(key)) problems.add(record.place(key), std::string("'") + key + "' goes with a gas", "no gas", "name the gas");
   if (const Record* particles = record.table("particles")) {
     out.extinction_per_m = particles->number("extinction_per_m");
-    out.single_scattering_albedo = particles->number("single_scattering_albedo");
     out.lidar_ratio_sr = particles->number("lidar_ratio_sr");
-    out.asymmetry = particles->number("asymmetry");
   } else if (out.gas.empty()) {
     problems.add(record.where, "a volume needs gas or particles", "neither", "add one");
   }

@@ -5,3 +5,4 @@ raycube_test(lidar_surfaces SOURCES oracle/lidar_surfaces_test.cpp LIBS raycube_
 raycube_test(lidar_bounce SOURCES oracle/lidar_bounce_test.cpp LIBS raycube_lidar_support raycube::render LABELS fast)
 raycube_test(lidar_air_return SOURCES oracle/lidar_air_return_test.cpp LIBS raycube_lidar_support raycube::render LABELS fast)
 raycube_test(lidar_media SOURCES oracle/lidar_media_test.cpp LIBS raycube_lidar_support raycube::render raycube::lidar LABELS fast)
+raycube_test(lidar_air_limits SOURCES oracle/lidar_air_limits_test.cpp LIBS raycube_reference raycube_lidar_support raycube::render LABELS fast)

@@ -39,7 +39,7 @@ FlatVolumes flatten_volumes(const std::vector<scene::Volume>& volumes) {
     out.lo = {f(-0.5 * volume.size_m[0]), f(-0.5 * volume.size_m[1]), 0, f(std::cos(volume.yaw_deg * M_PI / 180))};
     out.hi = {f(0.5 * volume.size_m[0]), f(0.5 * volume.size_m[1]), f(volume.size_m[2]), f(std::sin(volume.yaw_deg * M_PI / 180))};
     out.strength = {f(volume.concentration_ppm), 0, 0, 0};
-    out.particles = {f(volume.extinction_per_m), f(volume.single_scattering_albedo), f(volume.lidar_ratio_sr), f(volume.asymmetry)};
+    out.particles = {f(volume.extinction_per_m), 0, f(volume.lidar_ratio_sr), 0};
     out.gas = volume.gas.empty() ? 0 : 1;
     if (volume.shape == scene::Volume::Shape::plume) {
       out.shape = RC_VOLUME_PLUME;

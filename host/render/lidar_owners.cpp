@@ -101,6 +101,13 @@ void append_owner(const lidar::LidarPlan& plan, const scene::CompiledScene& scen
   at[RC_SHOT_START_AXIS] = pack(receiver ? shot.pupil_axis : shot.exit_axis);
   at[RC_SHOT_EXIT_U] = pack(plus(nil, lidar.pulse.exit_radius_m, shot.exit_u));
   at[RC_SHOT_EXIT_V] = pack(plus(nil, lidar.pulse.exit_radius_m, exit_v));
+  // Where the ray is when the gate opens; its whole way cannot be shorter than the two ends are apart.
+  const Vec3 way = plus(nil, 1 / length(axis), axis), apart = minus(start, end);
+  const double gate_way = lidar.gate.start_s * kLightSpeed / lidar.transport.group_index, bin_way = lidar.gate.bin_s * kLightSpeed / lidar.transport.group_index;
+  const double along = dot(apart, way), squared = dot(apart, apart), whole = std::max(gate_way, std::sqrt(squared));
+  const double past = whole + along > 0 ? std::max(0.0, (whole * whole - squared) / (2 * (whole + along))) : 0;
+  at[RC_SHOT_GATE] = pack(plus(start, past, way), past);
+  at[RC_SHOT_GATE_WAY] = {static_cast<float>(whole), static_cast<float>((whole - gate_way) / bin_way), 0, 0};
   at[RC_SHOT_TIME] = {std::bit_cast<float>(static_cast<std::int32_t>(bin)), static_cast<float>(position - bin), std::bit_cast<float>(key), 0};
 }
 

@@ -61,7 +61,7 @@ struct BatchBuffers {
       : shots(context, owners * RC_SHOT_FLOAT4S, cl::Access::read_only, "records of shots"),
         first(context, owners * t.owner_rows * t.row_floats, cl::Access::read_write, "rows of shots"),
         multiple(context, t.multiple ? owners * t.owner_rows * t.row_floats : 16, cl::Access::read_write, "rows of shots, multiple scattering"),
-        stopped(context, t.way ? owners * lines * t.row_floats : 16, cl::Access::read_write, "shares of rays stopped"),
+        stopped(context, t.way ? owners * t.stopped_floats : 16, cl::Access::read_write, "shares of rays stopped"),
         scratch(context, t.way ? 2 * t.way_rows * owners * lines * (t.row_floats + t.row_pad) : 16, cl::Access::read_write, "impulses of air"),
         way(context, t.way ? t.way_rows * owners * t.owner_rows * t.row_floats : 16, cl::Access::read_write, "rows of air and particles"),
         beams(context, t.way ? owners * RC_SHOT_FLOAT4S : 1, cl::Access::read_only, "records of beams"),
@@ -221,7 +221,7 @@ class Collector {
 };
 
 std::size_t owner_bytes(const LidarTables& tables, std::size_t lines, std::size_t padded_rays, bool hits) {
-  return tables.owner_rows * tables.row_floats * sizeof(float) * (1 + (tables.multiple ? 1 : 0) + (tables.way ? tables.way_rows : 0)) + (tables.way ? lines * (tables.row_floats + 2 * tables.way_rows * (tables.row_floats + tables.row_pad)) * sizeof(float) + tables.owner_rows / lines * RC_BEAM_FLOATS * sizeof(float) + RC_SHOT_FLOAT4S * 16 : 0) + RC_SHOT_FLOAT4S * sizeof(shared::rc_float4) +
+  return tables.owner_rows * tables.row_floats * sizeof(float) * (1 + (tables.multiple ? 1 : 0) + (tables.way ? tables.way_rows : 0)) + (tables.way ? (tables.stopped_floats + lines * 2 * tables.way_rows * (tables.row_floats + tables.row_pad)) * sizeof(float) + tables.owner_rows / lines * RC_BEAM_FLOATS * sizeof(float) + RC_SHOT_FLOAT4S * 16 : 0) + RC_SHOT_FLOAT4S * sizeof(shared::rc_float4) +
          lines * (RC_LEDGER_COUNT * 8 + RC_SUM_COUNT * 8) + sizeof(std::uint32_t) + (hits ? padded_rays * 8 : 0);
 }
 

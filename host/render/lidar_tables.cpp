@@ -100,7 +100,8 @@ void fill_volumes(const lidar::LidarPlan& plan, const scene::CompiledScene& scen
   tables.air_rows = plan.lidar.transport.air_return;
   tables.way_rows = scene.volumes.empty() ? 1 : 2;
   tables.way = particles || (tables.air_rows && !tables.backscatter.empty());
-  tables.options += define("RC_VOLUMES", scene.volumes.size()) + define("RC_STOPPED", tables.way ? 1 : 0);
+  tables.options += define("RC_VOLUMES", scene.volumes.size()) + define("RC_STOPPED", tables.way ? 1 : 0) +
+                    define("RC_AIR_RETURN", tables.air_rows && !tables.backscatter.empty() ? 1 : 0);
 }
 
 void fill_taps(const lidar::LidarPlan& plan, LidarTables& tables) {
@@ -112,6 +113,7 @@ void fill_taps(const lidar::LidarPlan& plan, LidarTables& tables) {
   tables.row_pad = padded;
   tables.row_floats = 2 * padded + static_cast<std::size_t>(round_up(plan.lidar.gate.bins));
   tables.options += define("RC_TAPS_PADDED", padded);
+  tables.stopped_floats = tables.owner_rows * tables.row_floats + (tables.owner_rows / static_cast<std::size_t>(plan.lines()) + 15) / 16 * 16;
 }
 
 void fill_settings(const lidar::LidarPlan& plan, LidarTables& tables) {

@@ -24,6 +24,7 @@ struct LidarTables {
   std::string options;              ///< but what depends on the shots
   std::size_t row_floats = 0, row_pad = 0;  ///< of a padded row
   std::size_t owner_rows = 0;       ///< of one order of scattering
+  std::size_t stopped_floats = 0;   ///< of an owner: rows of rays stopped, rays of every pixel
   bool multiple = false;            ///< rows of light scattered more than once
 };
 

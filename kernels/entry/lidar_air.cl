@@ -65,15 +65,20 @@ static inline void rc_way_depths(const LidarTables* t, float from_z, float16 to_
 /* 16 cells, one in each of 16 bins: Gauss points at bin + part. */
 typedef struct Cells {
   float16 s, span, rest;   /* m from the start; length; from the Gauss point to the end */
+  float16 past;            /* m, Gauss point from RC_SHOT_GATE, of small numbers alone: floats of s are 3 cm apart at 400 km */
   int16 good;
 } Cells;
 
 static inline Cells rc_cells(const LidarTables* t, const Beam* beam, int bin, float part) {
   const float16 lane = (float16)(0.0f, 1.0f, 2.0f, 3.0f, 4.0f, 5.0f, 6.0f, 7.0f, 8.0f, 9.0f, 10.0f, 11.0f, 12.0f, 13.0f, 14.0f, 15.0f);
   const float step = 1.0f / t->settings[RC_SET_BINS_PER_M];
-  const float16 whole = fma(lane + ((float)bin + part), (float16)(step), (float16)(t->settings[RC_SET_GATE_WAY]));
+  const float16 bins = lane + ((float)bin + part), whole = fma(bins, (float16)(step), (float16)(t->settings[RC_SET_GATE_WAY]));
+  const float4 at_gate = t->shot[RC_SHOT_GATE_WAY];
   Cells cells;
   cells.s = rc_beam_distance(beam, fmax(whole, 0.0f));
+  /* s = (whole - along) / 2 - beside / (2 (whole + along)), its difference from the gate's. */
+  const float16 both = fmax((whole + beam->along) * (at_gate.x + beam->along), 1e-20f);
+  cells.past = 0.5f * step * (bins - at_gate.y) * (1.0f + beam->beside / both);
   cells.rest = fmax(whole - cells.s, 1e-20f);
   /* d whole / d s = 1 + the cosine between the ray and the way back from the end. */
   cells.span = 0.5f * step / fmax(1.0f + (cells.s + beam->along) / cells.rest, 1e-6f);
@@ -84,7 +89,7 @@ static inline Cells rc_cells(const LidarTables* t, const Beam* beam, int bin, fl
 /* The table at distances, over the square of the distance to the end. */
 static inline float16 rc_geometry(global const float* table, const Cells* cells) {
   const float log_near = table[RC_BEAM_LOG_NEAR], per_log = table[RC_BEAM_POSTS_PER_LOG];
-  const float16 at = clamp((log(fmax(cells->s, 1e-20f)) - log_near) * per_log, 0.0f, (float)(RC_POSTS - 1)), low = floor(at);
+  const float16 at = clamp((log(fmax(cells->s, 1e-20f)) - log_near) * per_log, 0.0f, table[RC_BEAM_LAST]), low = floor(at);
   RC_LINE float lane[16], from[16], to[16];
   rc_store16(low, 0, lane);
   float16 a, b;
@@ -100,41 +105,61 @@ static inline float16 rc_geometry(global const float* table, const Cells* cells)
     a = vload16(0, from);
     b = vload16(0, to);
   }
-  return select((float16)(0.0f), fma(at - low, b - a, a) / (cells->rest * cells->rest), cells->good);
+#if RC_OVERLAP && !RC_RECEIVER && RC_COLUMNS * RC_ROWS == 1
+  /* Where nothing is seen from one of two posts, the edge of a blind zone lies between: nothing leaks into it. */
+  const int16 open = cells->good & (a > 0.0f) & (b > 0.0f);
+#else
+  const int16 open = cells->good;
+#endif
+  /* Nearer than the table: eta / R^2 stays. */
+  const float16 rest = cells->rest * fmax(exp(log_near) / fmax(cells->s, 1e-20f), 1.0f);
+  return select((float16)(0.0f), fma(at - low, b - a, a) / (rest * rest), open);
 }
 
 #if RC_VOLUMES
 /* Volumes along the middle ray, cell after cell. */
 typedef struct Swept {
-  float came_to, depth[RC_LINE_NODES];
+  float came_to, too_far;  /* m from RC_SHOT_GATE, and how much rounding added to it */
+  float depth[RC_LINE_NODES], lost[RC_LINE_NODES];  /* and what rounding took of its sum (Kahan): 1e-4 of it over 20000 bins */
 } Swept;
+
+static inline void rc_deepen(Swept* swept, uint node, float more) {
+  const float whole = more - swept->lost[node], sum = swept->depth[node] + whole;
+  swept->lost[node] = (sum - swept->depth[node]) - whole;
+  swept->depth[node] = sum;
+}
 
 /* Depths at the cells' Gauss points and what particles scatter in each cell, integrated over it. */
 static inline void rc_sweep(const LidarTables* t, const Beam* beam, const Cells* cells, float part, Swept* swept, float16* depth, float16* particles) {
   RC_LINE float s[16], span[16], scattered[16];
   RC_LINE float here[RC_LINE_NODES][16];
-  rc_store16(cells->s, 0, s);
+  const float4 gate = t->shot[RC_SHOT_GATE];
+  const uint exists = rc_mask16(cells->s > 0.0f);
+  rc_store16(cells->past, 0, s);
   rc_store16(cells->span, 0, span);
   for (uint k = 0; k < 16u; ++k) {
     scattered[k] = 0.0f;
-    const float from = fmax(s[k] - part * span[k], 0.0f), before = from - swept->came_to;
-    const float4 at = beam->start + from * beam->way;
+    for (uint node = 0; node < RC_LINE_NODES; ++node) here[node][k] = swept->depth[node];
+    if (!(exists >> k & 1u)) continue;
+    const float from = fmax(s[k] - part * span[k], -gate.w), before = (from - swept->came_to) + swept->too_far;
+    const float4 at = (float4)(gate.xyz, 0.0f) + from * beam->way;
     float cell[RC_LINE_NODES];
     for (uint node = 0; node < RC_LINE_NODES; ++node) cell[node] = 0.0f;
     for (uint i = 0; i < RC_VOLUMES; ++i) {
       if (before > 0.01f * span[k]) {  /* the first cell begins past the start */
         const float gap = rc_volume_path(t->volumes + i, t->volume_values, at, beam->way, -before, 0.0f);
-        for (uint node = 0; node < RC_LINE_NODES; ++node) swept->depth[node] += rc_volume_depth(t, i, node, gap);
+        for (uint node = 0; node < RC_LINE_NODES; ++node) rc_deepen(swept, node, rc_volume_depth(t, i, node, gap));
       }
-      const float field = s[k] > 0.0f ? rc_volume_path(t->volumes + i, t->volume_values, at, beam->way, 0.0f, span[k]) : 0.0f;
+      const float field = rc_volume_path(t->volumes + i, t->volume_values, at, beam->way, 0.0f, span[k]);
       scattered[k] += t->volumes[i].particles.x > 0.0f ? field * t->volumes[i].particles.x / t->volumes[i].particles.z : 0.0f;
       for (uint node = 0; node < RC_LINE_NODES; ++node) cell[node] += rc_volume_depth(t, i, node, field);
     }
     for (uint node = 0; node < RC_LINE_NODES; ++node) {
       here[node][k] = fma(part, cell[node], swept->depth[node]);
-      swept->depth[node] += cell[node];
+      rc_deepen(swept, node, cell[node]);
     }
-    swept->came_to = s[k] > 0.0f ? from + span[k] : 0.0f;
+    swept->came_to = from + span[k];
+    swept->too_far = (swept->came_to - from) - span[k];
   }
   for (uint node = 0; node < RC_LINE_NODES; ++node) depth[node] += vload16(0, here[node]);
   *particles = vload16(0, scattered);
@@ -181,13 +206,19 @@ RC_BODY lidar_air_body(uint owner, LIDAR_AIR_PARAMETERS) {
   for (uint pixel = 0; pixel < RC_OWN_PIXELS; ++pixel) {
     global const float* table = tables + ((size_t)beam_of[owner] * RC_OWN_PIXELS + pixel) * RC_BEAM_FLOATS;
     for (uint i = 0; i < RC_WAY_ROWS * 2u * RC_LASER_LINES * line_floats; i += 16u) rc_store16((float16)(0.0f), 0, impulses + i);
+    /* Rays stopped: of a pixel's own, or of all. */
+    const bool own_rays = rc_stops_by_pixel(t);
+    global const float* of_owner = stopped + owner * rc_stopped_floats(row_floats);
+    global const float* gone = of_owner + (own_rays ? (size_t)pixel * RC_LASER_LINES * row_floats : 0);
+    const float one = 1.0f / (own_rays ? fmax(of_owner[own_rows * row_floats + pixel], 1.0f) : (float)RC_RAY_COUNT);
     float ended[RC_LASER_LINES];
     for (uint line = 0; line < RC_LASER_LINES; ++line) ended[line] = 0.0f;
 #if RC_VOLUMES
     Swept swept[2];  /* the two cells of a bin are one behind the other: each chain sweeps all */
     for (uint g = 0; g < 2u; ++g) {
-      swept[g].came_to = 0.0f;
-      for (uint node = 0; node < RC_LINE_NODES; ++node) swept[g].depth[node] = 0.0f;
+      swept[g].came_to = -t->shot[RC_SHOT_GATE].w;
+      swept[g].too_far = 0.0f;
+      for (uint node = 0; node < RC_LINE_NODES; ++node) swept[g].depth[node] = swept[g].lost[node] = 0.0f;
     }
 #endif
     for (int bin = -RC_ROW_PAD; bin < t->bins + RC_ROW_PAD; bin += 16) {
@@ -196,10 +227,10 @@ RC_BODY lidar_air_body(uint owner, LIDAR_AIR_PARAMETERS) {
         RC_LINE float lane[16];
         for (uint k = 0; k < 16u; ++k) {
           const int slot = bin + (int)k + RC_ROW_PAD;
-          if (slot < (int)row_floats) ended[line] += stopped[((size_t)owner * RC_LASER_LINES + line) * row_floats + slot];
+          if (slot < (int)row_floats) ended[line] += gone[line * row_floats + slot];
           lane[k] = ended[line];
         }
-        lit[line] = fmax(1.0f - vload16(0, lane), 0.0f);
+        lit[line] = fmax(1.0f - vload16(0, lane) * one, 0.0f);
       }
       float16 of_air[RC_LASER_LINES][2], of_particles[RC_LASER_LINES][2];
       for (uint g = 0; g < 2u; ++g) {
@@ -207,7 +238,7 @@ RC_BODY lidar_air_body(uint owner, LIDAR_AIR_PARAMETERS) {
         const Cells cells = rc_cells(t, &beam, bin, part);
         const float16 geometry = rc_geometry(table, &cells);
 #if RC_AIR
-        const float16 z = fma(cells.s, (float16)(beam.way.z), (float16)(beam.start.z));
+        const float16 z = fma(cells.past, (float16)(beam.way.z), (float16)(t->shot[RC_SHOT_GATE].z));
 #endif
         float16 depth[RC_LINE_NODES];
         for (uint node = 0; node < RC_LINE_NODES; ++node) depth[node] = 0.0f;
@@ -237,7 +268,7 @@ RC_BODY lidar_air_body(uint owner, LIDAR_AIR_PARAMETERS) {
           const float16 arrives = geometry * (weight * t->photons[line]) * rc_line_transmission(t, line, depth) * lit[line];
           of_air[line][g] = of_particles[line][g] = 0.0f;
           (void)arrives;
-#if RC_AIR
+#if RC_AIR_RETURN
           of_air[line][g] = arrives * cells.span * rc_backscatter(t, backscatter + line * (uint)settings[RC_SET_AIR_POSTS], z);
 #endif
 #if RC_VOLUMES

@@ -31,13 +31,13 @@ RC_BODY lidar_shots_body(uint owner, LIDAR_SHOTS_PARAMETERS) {
   const size_t rows = (size_t)RC_OWN_PIXELS * RC_LASER_LINES;
   global float* own_first = first + owner * rows * row_floats;
   global float* own_multiple = multiple + (RC_BOUNCES > 1 ? owner * rows * row_floats : 0);
-  global float* own_stopped = stopped + (RC_STOPPED ? (size_t)owner * RC_LASER_LINES * row_floats : 0);
+  global float* own_stopped = stopped + (RC_STOPPED ? owner * rc_stopped_floats(row_floats) : 0);
   for (size_t i = 0; i < rows * row_floats; i += 16) {
     rc_store16((float16)(0.0f), 0, own_first + i);
     if (RC_BOUNCES > 1) rc_store16((float16)(0.0f), 0, own_multiple + i);
   }
   if (RC_STOPPED)
-    for (size_t i = 0; i < RC_LASER_LINES * row_floats; i += 16) rc_store16((float16)(0.0f), 0, own_stopped + i);
+    for (size_t i = 0; i < (rc_stops_by_pixel(t) ? rc_stopped_floats(row_floats) : (size_t)RC_LASER_LINES * row_floats); i += 16) rc_store16((float16)(0.0f), 0, own_stopped + i);
 
   for (uint begin = 0; begin < RC_RAY_COUNT; begin += RC_CHUNK) {
     const uint words = (min((uint)RC_CHUNK, RC_RAY_COUNT - begin) + 15u) / 16u;

@@ -5,14 +5,15 @@
 #include "kernels/geometry/surface_point.h"
 #include "kernels/lidar/overlap.h"
 
-/* A table: RC_POSTS sums over the sub-rays at distances that rise geometrically, the last once more, log of the first distance, posts per
- * unit of log distance; see layout.h. */
+/* A table: sums over the sub-rays at distances that rise geometrically, the last once more, log of the first distance, posts per unit of log
+ * distance, number of the last post; see layout.h. */
 
 /* Middle ray and the other end. */
 typedef struct Beam {
   float4 start, way, apart;  /* m; unit; start - end */
   float stretch;             /* length of the record's direction */
   float squared, along;      /* of apart, and along the way */
+  float beside;              /* square of what lies across the way */
 } Beam;
 
 static inline Beam rc_beam(const LidarTables* t) {
@@ -25,6 +26,8 @@ static inline Beam rc_beam(const LidarTables* t) {
   beam.apart = shot[RC_SHOT_AXIS].w == 1.0f ? (float4)(0.0f) : from_end - from_start;
   beam.squared = dot(beam.apart, beam.apart);
   beam.along = dot(beam.apart, beam.way);
+  const float4 across = beam.apart - beam.along * beam.way;
+  beam.beside = dot(across, across);
   return beam;
 }
 

@@ -49,6 +49,18 @@ static inline Leg16 rc_leg16(float4 c, Vector16 e) {
   return leg;
 }
 
+#if !RC_RECEIVER && RC_COLUMNS * RC_ROWS > 1
+/* Pixels that places are seen in, v from the pupil and `deep` along its axis; -1: none. */
+static inline float16 rc_pixel16(const LidarTables* t, Vector16 v, float16 deep) {
+  const float4 u = t->shot[RC_SHOT_END_U], w = t->shot[RC_SHOT_END_V];
+  const float16 step = 1.0f / (fmax(deep, 1e-30f) * t->settings[RC_SET_PITCH]);
+  const float16 column = floor(fma(fma((float16)(u.x), v.x, fma((float16)(u.y), v.y, u.z * v.z)), step, (float16)(0.5f * (float)RC_COLUMNS)));
+  const float16 row = floor(fma(fma((float16)(w.x), v.x, fma((float16)(w.y), v.y, w.z * v.z)), step, (float16)(0.5f * (float)RC_ROWS)));
+  const int16 seen = (deep > 0.0f) & (column >= 0.0f) & (column < (float)RC_COLUMNS) & (row >= 0.0f) & (row < (float)RC_ROWS);
+  return select((float16)(-1.0f), fma(row, (float16)((float)RC_COLUMNS), column), seen);
+}
+#endif
+
 #if RC_CONTINUES || RC_SHADOWS
 /* Share of light that goes from a point to the end, plates on the way: visible[line]. towards: from the point to the end. */
 static inline uint rc_way_open(SceneArrays scene, const LidarTables* t, float4 from, float4 towards, float* share) {
@@ -110,13 +122,10 @@ static inline void rc_connect(SceneArrays scene, const LidarTables* t, const Pat
 #else
   float16 geometry = off_axis * inverse * inverse;
 #if RC_COLUMNS * RC_ROWS > 1
-  const float4 u = shot[RC_SHOT_END_U], w = shot[RC_SHOT_END_V];
-  const float16 step = 1.0f / (fmax(depth_along, 1e-30f) * settings[RC_SET_PITCH]);
-  const float16 column = floor(fma(fma((float16)(u.x), v.x, fma((float16)(u.y), v.y, u.z * v.z)), step, (float16)(0.5f * (float)RC_COLUMNS)));
-  const float16 row = floor(fma(fma((float16)(w.x), v.x, fma((float16)(w.y), v.y, w.z * v.z)), step, (float16)(0.5f * (float)RC_ROWS)));
-  seen &= (column >= 0.0f) & (column < (float)RC_COLUMNS) & (row >= 0.0f) & (row < (float)RC_ROWS);
+  const float16 in_pixel = rc_pixel16(t, v, depth_along);
+  seen &= in_pixel >= 0.0f;
   RC_LINE float pixel_lanes[16];
-  rc_store16(fma(row, (float16)((float)RC_COLUMNS), column), 0, pixel_lanes);
+  rc_store16(in_pixel, 0, pixel_lanes);
 #elif RC_OVERLAP
   {
     const Vector16 beside = {fma(-depth_along, (float16)(axis.x), v.x), fma(-depth_along, (float16)(axis.y), v.y), fma(-depth_along, (float16)(axis.z), v.z)};

@@ -6,7 +6,7 @@
  *   RC_TAPS_PADDED   taps of the pulse rounded up to 16 (gate and pulse else are arguments: another gate needs no other program)
  *   RC_RAY_COUNT     rays of an owner;  RC_CHUNK: of one bundle (trace_args.h)
  *   RC_BOUNCES       scatterings a path may have
- *   RC_AIR           1: there is air;  RC_VOLUMES: number of gas and particle volumes
+ *   RC_AIR           1: there is air;  RC_AIR_RETURN 1: it sends light back;  RC_VOLUMES: number of gas and particle volumes
  *   RC_SINGLE        1: single rays (narrow beams, exits of their own), 0: bundles
  *   RC_EXITS         1: every sub-ray leaves from a place of its own
  *   RC_SHADOWS       1: some shot's ends differ: connections of the first vertex are traced
@@ -86,6 +86,9 @@
 #ifndef RC_VOLUMES
 #define RC_VOLUMES 0
 #endif
+#ifndef RC_AIR_RETURN
+#define RC_AIR_RETURN RC_AIR
+#endif
 #define RC_MEDIA (RC_AIR || RC_VOLUMES)
 
 /* Pixels whose rows an owner writes. */
@@ -118,6 +121,13 @@ typedef struct LidarTables {
   uint seed, row;                    /* row: floats of a padded row */
   int bins, tap_count, first_tap, phases; /* gate and pulse, host/lidar/lidar_plan.h */
 } LidarTables;
+
+/* Rays stopped, of an owner: rows [pixel][line], then how many rays each pixel has. */
+static inline size_t rc_stopped_floats(uint row) { return (size_t)RC_OWN_PIXELS * RC_LASER_LINES * row + (RC_OWN_PIXELS + 15) / 16 * 16; }
+/* Whether they are kept for every pixel: where a ray stays in one, as pupil and exit are one point. */
+static inline bool rc_stops_by_pixel(const LidarTables* t) {
+  return RC_OWN_PIXELS > 1 && !RC_EXITS && t->shot[RC_SHOT_AXIS].w == 1.0f;
+}
 
 #define RC_VOLUME_PARAMETERS global const LidarVolume* restrict volumes, global const float* restrict volume_values, global const float* restrict volume_depth
 

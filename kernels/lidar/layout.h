@@ -22,6 +22,8 @@ enum {
   RC_SHOT_EXIT_U,       /* xyz: exit radius times u, v: where a sub-ray leaves, per unit of exit_a, exit_b */
   RC_SHOT_EXIT_V,
   RC_SHOT_TIME,         /* x: bits of the int bin of path |from start| + |from end|;  y: position in that bin;  z: bits of the draw key */
+  RC_SHOT_GATE,         /* where the middle ray is when the gate opens (at its start, if that comes later). xyz: place, m;  w: m from the start */
+  RC_SHOT_GATE_WAY,     /* x: whole way over it and on to the end, m;  y: position in bins, 0 but where the ray starts later */
   RC_SHOT_FLOAT4S
 };
 
@@ -42,9 +44,10 @@ enum {
   RC_SET_COUNT
 };
 
-/* Table of a beam, floats: how much of it reaches the end from distances along its middle ray (beam.h). */
-#define RC_POSTS 256
-enum { RC_BEAM_LOG_NEAR = RC_POSTS + 1, RC_BEAM_POSTS_PER_LOG, RC_BEAM_FLOATS = RC_POSTS + 16 };
+/* Table of a beam, floats: how much of it reaches the end from distances along its middle ray (beam.h). Up to RC_POSTS posts, 1 % apart
+ * (1.08 % over the six decades that a table may span). */
+#define RC_POSTS 1280
+enum { RC_BEAM_LOG_NEAR = RC_POSTS + 1, RC_BEAM_POSTS_PER_LOG, RC_BEAM_LAST, RC_BEAM_FLOATS = RC_POSTS + 16 };
 
 /* Ledger of an owner and line, 64-bit integers, in units of 2^-40 of what it emits. */
 enum { RC_LEDGER_ABSORBED, RC_LEDGER_AIR, RC_LEDGER_VOLUMES, RC_LEDGER_ESCAPED, RC_LEDGER_TRUNCATED, RC_LEDGER_COUNT };

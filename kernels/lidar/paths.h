@@ -5,13 +5,24 @@
 #include "kernels/lidar/scatter.h"
 
 #if RC_STOPPED
-/* Share of the rays that a surface ends, at its place in time: half-way numbers split it over two bins, so that running sums of the row are
- * the mean share stopped during each bin. */
+#if RC_OWN_PIXELS > 1
+static inline float16 rc_pixel_of_way(const LidarTables* t, Vector16 way) {
+  const float4 axis = t->shot[RC_SHOT_END_AXIS];
+  return rc_pixel16(t, way, fma((float16)(axis.x), way.x, fma((float16)(axis.y), way.y, axis.z * way.z)));
+}
+#endif
+
+/* Rays that a surface ends, at its place in time: half-way numbers split them over two bins, so that running sums of the row are what is
+ * stopped on average during each bin. What a plate lets through meets it again on the way back. Rows of pixels take their own rays. */
 static inline void rc_stop(const LidarTables* t, Paths16* paths, const Vertex16* vertex, global float* stopped) {
   const float4 from_end = t->shot[RC_SHOT_FROM_END];
   const float16 position = fma(paths->path + rc_leg16(from_end, paths->place).more, (float16)(t->settings[RC_SET_BINS_PER_M]), (float16)(t->shot[RC_SHOT_TIME].y));
   RC_LINE float lane[16];
   rc_store16(clamp(position, -1e9f, 1e9f), 0, lane);
+#if RC_OWN_PIXELS > 1
+  RC_LINE float pixels[16];
+  rc_store16(rc_stops_by_pixel(t) ? rc_pixel_of_way(t, paths->way) : (float16)(0.0f), 0, pixels);
+#endif
   const int base = as_int(t->shot[RC_SHOT_TIME].x);
   for (uint line = 0; line < RC_LASER_LINES; ++line) {
     RC_LINE float kept[16];
@@ -19,8 +30,13 @@ static inline void rc_stop(const LidarTables* t, Paths16* paths, const Vertex16*
     global float* row = stopped + line * t->row;
     for (uint left = paths->live; left; left &= left - 1u) {
       const uint k = rc_lowest(left);
-      const float plate = t->optics[vertex->surface[k] * RC_LASER_LINES + line].z, ends = kept[k] * (1.0f - plate) / (float)RC_RAY_COUNT;
+      const float plate = t->optics[vertex->surface[k] * RC_LASER_LINES + line].z;
+      const float ends = kept[k] * kept[k] * (1.0f - plate * plate);
       kept[k] *= plate;
+#if RC_OWN_PIXELS > 1
+      if (pixels[k] < 0.0f) continue;
+      row = stopped + ((uint)pixels[k] * RC_LASER_LINES + line) * t->row;
+#endif
       const float whole = floor(lane[k]), part = lane[k] - whole;
       const int bin = clamp(base + (int)whole, -RC_ROW_PAD, t->bins + RC_ROW_PAD), slot = bin + RC_ROW_PAD;
       if (slot < (int)t->row) row[slot] += ends * (1.0f - part);
@@ -88,6 +104,17 @@ static inline void rc_follow_word(SceneArrays scene, const LidarTables* t, float
   for (uint k = 0; k < 16u; ++k) paths.order[k] = 1;
 #endif
   paths.path = 0.0f;
+#if RC_STOPPED && RC_OWN_PIXELS > 1
+  if (rc_stops_by_pixel(t)) {
+    RC_LINE float pixels[16];
+    rc_store16(rc_pixel_of_way(t, paths.way), 0, pixels);
+    global float* rays_of = stopped + (size_t)RC_OWN_PIXELS * RC_LASER_LINES * t->row;
+    for (uint left = paths.live; left; left &= left - 1u) {
+      const uint k = rc_lowest(left);
+      if (pixels[k] >= 0.0f) rays_of[(uint)pixels[k]] += 1.0f;
+    }
+  }
+#endif
 #if RC_PLATES
   float16 gone[RC_LASER_LINES];  /* what plates on the way let through: the way back meets them again */
   for (uint line = 0; line < RC_LASER_LINES; ++line) gone[line] = 1.0f;

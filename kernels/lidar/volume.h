@@ -38,8 +38,8 @@ static inline void rc_volume_clip(float p, float d, float lo, float hi, float* f
   *last = fmin(*last, fmax(a, b));
 }
 
-/* Counts from the point of the ray nearest to the middle of the volume: a chord then has the precision of the volume's size, not
- * of the ray's way to it. first > last when the ray misses. */
+/* Counts from the point between t0 and t1 nearest to the middle of the volume: a chord then has the precision of its own or of the
+ * volume's length, not of the ray's way to it. first > last when the ray misses. */
 static inline VolumeRay rc_volume_ray(RC_VOLUME_GLOBAL const LidarVolume* volume, RC_VOLUME_POINT origin, RC_VOLUME_POINT direction_unit, float t0, float t1) {
   const float c = volume->lo.w, s = volume->hi.w;
   const float ox = origin.x - volume->place.x, oy = origin.y - volume->place.y, oz = origin.z - volume->place.z;
@@ -47,7 +47,7 @@ static inline VolumeRay rc_volume_ray(RC_VOLUME_GLOBAL const LidarVolume* volume
   ray.px = fma(c, ox, -s * oy), ray.py = fma(s, ox, c * oy), ray.pz = oz;
   ray.dx = fma(c, direction_unit.x, -s * direction_unit.y), ray.dy = fma(s, direction_unit.x, c * direction_unit.y), ray.dz = direction_unit.z;
   const float mx = 0.5f * (volume->lo.x + volume->hi.x), my = 0.5f * (volume->lo.y + volume->hi.y), mz = 0.5f * (volume->lo.z + volume->hi.z);
-  const float t = (mx - ray.px) * ray.dx + (my - ray.py) * ray.dy + (mz - ray.pz) * ray.dz;
+  const float t = fmin(fmax((mx - ray.px) * ray.dx + (my - ray.py) * ray.dy + (mz - ray.pz) * ray.dz, t0), t1);
   ray.px = fma(t, ray.dx, ray.px), ray.py = fma(t, ray.dy, ray.py), ray.pz = fma(t, ray.dz, ray.pz);
   ray.first = t0 - t, ray.last = t1 - t;
   rc_volume_clip(ray.px, ray.dx, volume->lo.x, volume->hi.x, &ray.first, &ray.last);

@@ -211,7 +211,7 @@ TEST_CASE("I8: air and a cloud of particles send light back") {
   scene::CompiledScene scene = plane(0);
   scene::Volume cloud = gas(scene::Volume::Shape::box);
   cloud.gas.clear(), cloud.concentration_ppm = 0;
-  cloud.extinction_per_m = 0.02, cloud.single_scattering_albedo = 0.9, cloud.lidar_ratio_sr = 20;
+  cloud.extinction_per_m = 0.02, cloud.lidar_ratio_sr = 20;
   cloud.position_m = {0, 0, 20};
   scene.volumes = {cloud};
   auto lidar = topographic_lidar();

@@ -59,7 +59,7 @@ TEST_CASE("L-08: an optically thick cloud returns (1 - exp(-2 tau)) / (2 S)") {
   scene::Volume cloud;
   cloud.name = "cloud";
   cloud.position_m = {100, 0, -50}, cloud.size_m = {80, 100, 100};
-  cloud.extinction_per_m = 1.0 / 80, cloud.single_scattering_albedo = 1, cloud.lidar_ratio_sr = 50;
+  cloud.extinction_per_m = 1.0 / 80, cloud.lidar_ratio_sr = 50;
   scene.volumes = {cloud};
   auto lidar = sounder();
   lidar.gate = {0, 1e-9, 3000};

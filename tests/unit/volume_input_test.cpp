@@ -69,9 +69,7 @@ concentration_ppm = 40
 cross_section = "sigma.csv"
 [volume.particles]
 extinction_per_m = 0.02
-single_scattering_albedo = 0.9
 lidar_ratio_sr = 30
-asymmetry = 0.7
 [[volume]]
 name = "tank"
 shape = "grid"
@@ -107,9 +105,7 @@ wing_per_cm = 10
   CHECK(box.yaw_deg == 15);
   CHECK(box.concentration_ppm == 40);
   CHECK(box.extinction_per_m == 0.02);
-  CHECK(box.single_scattering_albedo == 0.9);
   CHECK(box.lidar_ratio_sr == 30);
-  CHECK(box.asymmetry == 0.7);
   REQUIRE(box.wavelength_um.size() == 2);  // ascending wavelengths from ascending wavenumbers
   CHECK(box.wavelength_um[0] == doctest::Approx(1e4 / 3100).epsilon(1e-14));
   CHECK(box.cross_section_cm2[0] == 3e-20);
