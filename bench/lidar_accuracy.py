@@ -48,6 +48,8 @@ def draw(data, file):
                 label="Lambert corner, 0.5 and 0.4")
     for p in data["bounces"]:
         axis.annotate(f"{p['setting']}", (p["us_per_pulse"], 100 * p["error"]), textcoords="offset points", xytext=(4, 4), fontsize=8)
+    axis.axhline(0.2, color="tab:gray", ls="--", lw=1)
+    axis.text(data["bounces"][0]["us_per_pulse"], 0.21, "noise of drawn directions", fontsize=8, va="bottom")
     axis.set(title="bounces (4096 sub-rays; against all orders)", xlabel="device time, us per pulse", ylabel="light left out, %")
     axis = axes[1][0]
     for name, points in groups(data["line_nodes"], "case"):
@@ -61,7 +63,7 @@ def draw(data, file):
     ranges = [p["range_m"] / 1e3 for p in data["ranges"]]
     axis.loglog(ranges, [1e3 * p["float_seconds_m"] for p in data["ranges"]], "s--", color="tab:gray", label="times kept in single precision")
     axis.loglog(ranges, [1e3 * p["ours_m"] for p in data["ranges"]], "o-", color="tab:blue", label="raycube, single precision near the scene")
-    axis.set(title="worst range error on a slope of 1e-3, bins of 0.1 ns", xlabel="range, km", ylabel="mm")
+    axis.set(title="worst range error, slope 1e-3, 0.1 ns bins", xlabel="range, km", ylabel="mm")
     for axis in axes.flat:
         axis.grid(True, which="major", alpha=0.4)
         axis.legend(fontsize=8)
