@@ -159,7 +159,7 @@ static inline void rc_store_rectangles(const Setup* s, LaneRectangles* to) {
 
 static inline void rc_prefetch(global const void* at, uint bytes) {
 #if defined(__has_builtin)
-#if __has_builtin(__builtin_prefetch)
+#if __has_builtin(__builtin_prefetch) && !defined(RC_NO_PREFETCH)  /* oclgrind knows no prefetch */
   for (uint i = 0; i < bytes; i += 64u) __builtin_prefetch((const void*)((uintptr_t)at + i), 0, 3);
 #endif
 #endif

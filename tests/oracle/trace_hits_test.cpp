@@ -5,54 +5,22 @@
 #include <string>
 
 #include "kernels/sampling/sampler.h"
-#include "tests/support/double_trace.h"
+#include "tests/support/judge_hits.h"
 #include "tests/support/test_scenes.h"
 #include "tests/support/trace_chain.h"
 
 using namespace raycube;
-using test::DoubleTracer;
 using test::TraceShape;
 
 namespace {
-
-// A hit may differ from the double oracle only where the ray passes within this many units of 2^-24 (times the size of the
-// coordinates that entered) of an edge, or two surfaces lie that close in depth. 16 = the sum of the roundings of the map
-// into the mesh frame (4), the vertex difference (1), the direction (3), the shear (3) and the edge product (3), rounded up.
-constexpr double kBoundUlp = 16;
 
 const cl::Context& context() {
   static const cl::Context instance{cl::Device(cl::list_devices().front()())};
   return instance;
 }
 
-struct Count {
-  std::size_t rays = 0, hits = 0, explained = 0, wrong = 0;
-};
-
-Count compare(const scene::CompiledScene& scene, const TraceShape& shape, const std::vector<shared::RayGroup>& groups) {
-  test::TraceChain chain(context(), scene, shape);
-  const auto hits = chain.primary(groups);
-  const DoubleTracer oracle(scene);
-  Count count;
-  for (std::uint32_t line = 0; line < shape.lines; ++line)
-    for (std::uint32_t column = 0; column < shape.columns; ++column)
-      for (std::uint32_t s = 0; s < shape.samples(); ++s) {
-        const std::uint32_t pixel = line * shape.columns + column, p = column % shape.group_pixels;
-        const std::uint32_t number = (shape.first_line + line) * shape.pixels_per_line + shape.first_column + column;
-        const auto ray = test::host_ray(groups[line * shape.groups_per_line() + column / shape.group_pixels], shape, number, p, s);
-        const std::uint32_t instance = hits[pixel * 2 * shape.npad() + s], primitive = hits[(pixel * 2 + 1) * shape.npad() + s];
-        const auto truth = oracle.closest(ray.origin, ray.direction);
-        ++count.rays;
-        count.hits += instance != RC_NONE;
-        const auto verdict = oracle.judge(truth, instance, primitive, ray.origin, ray.direction, kBoundUlp);
-        count.explained += verdict == DoubleTracer::Verdict::explained;
-        if (verdict == DoubleTracer::Verdict::wrong && ++count.wrong <= 3) {
-          const auto own = instance == RC_NONE ? test::DoubleTest{} : oracle.test(instance, primitive, ray.origin, ray.direction);
-          MESSAGE("pixel " << pixel << " sample " << s << ": kernel " << instance << "/" << primitive << " t " << own.t << " edge "
-                           << own.edge_ulp << " ulp; double " << truth.instance << "/" << truth.primitive << " t " << truth.t);
-        }
-      }
-  return count;
+test::HitCount compare(const scene::CompiledScene& scene, const TraceShape& shape, const std::vector<shared::RayGroup>& groups) {
+  return test::judge_hits(context(), scene, shape, groups);
 }
 
 TraceShape tile(std::uint32_t columns, std::uint32_t lines, int nu, int nv) {
@@ -78,7 +46,7 @@ scene::CompiledScene soup() {
 
 void require_right(const scene::CompiledScene& scene, const TraceShape& shape, const std::vector<shared::RayGroup>& groups,
                    double least_hits = 0.1) {
-  const Count count = compare(scene, shape, groups);
+  const test::HitCount count = compare(scene, shape, groups);
   MESSAGE("rays " << count.rays << ", hits " << count.hits << ", explained " << count.explained);
   CHECK(count.hits >= static_cast<std::size_t>(least_hits * count.rays));
   CHECK(count.explained <= count.rays / 1000);
@@ -170,7 +138,7 @@ TEST_CASE("S7: axis-parallel rays that run in slab planes, coincident faces, one
   require_right(test::single(test::triangle_soup(1, 0.1, 4, 3)), shape, test::nadir_groups(shape, 0, 0, 10, 0.5, 10, 0), 0.001);
   scene::CompiledScene empty;
   scene::finish_top_tree(empty);
-  const Count none = compare(empty, shape, groups);
+  const test::HitCount none = compare(empty, shape, groups);
   CHECK(none.hits == 0);
   CHECK(none.wrong == 0);
 }

@@ -1,0 +1,120 @@
+#!/usr/bin/env python3
+"""stability: a LIDAR survey when the machine or the user stops it (REQUIREMENTS section 4, Machine; cubes: render_failures): a full
+disk, a read-only folder, two runs into one folder, Ctrl-C, kill -9. One clear error with its way out, the documented exit status,
+nothing half-written under a final name, and the next run whole. And a cube on a device of 256 MB, where oclgrind is there.
+usage: stability_machine_test.py RAYCUBE"""
+import json
+import pathlib
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+from driver import Program, record, scene
+
+program = Program(sys.argv[1])
+run, check, refused = program.run, program.check, program.refused
+WRITES = 4 << 20  # bytes a file may grow to on the disk that is full: room for the driver's own files, not for the waveforms
+
+
+def survey(folder, name, pulses):
+    path = pathlib.Path(folder) / name
+    path.write_text(f"""format = 1
+material = [{{ name = "soil", reflectance = 0.30 }}]
+plane = [{{ material = "soil", size_m = [400.0, 400.0] }}]
+atmosphere = {{ model = "none" }}
+[[lidar]]
+name = "survey"
+position_m = [0.0, 0.0, 500.0]
+prf_khz = 10.0
+pulses = {pulses}
+[lidar.pulse]
+energy_J = 20e-6
+wavelength_nm = 1064.0
+fwhm_ns = 4.0
+divergence_mrad = 0.5
+divergence_is = "full angle at 1/e^2"
+[lidar.receiver]
+aperture_diameter_m = 0.1
+fov_mrad = 1.0
+[lidar.gate]
+start_range_m = 490.0
+stop_range_m = 520.0
+bin_ns = 1.0
+[lidar.sampling]
+subrays = 16
+""")
+    return path
+
+
+def files(folder):
+    return sorted(path for path in pathlib.Path(folder).rglob("*") if not path.is_dir())
+
+
+def stopped(arguments, status, says, **more):
+    """A run that ends with one error line and leaves no file, hidden or not."""
+    done = subprocess.run([program.path, *map(str, arguments)], capture_output=True, text=True, timeout=300, **more)
+    errors = [line for line in done.stderr.splitlines() if line.startswith("raycube: error: ")]
+    check(done.returncode == status and len(errors) == 1, done)
+    for part in says:
+        check(part in done.stderr, part, done.stderr)
+
+
+def begun(file, out):
+    """A survey that has begun to write and will go on for long."""
+    process = program.start("render", file, "-o", out, "-q")
+    deadline = time.monotonic() + 200
+    while not any(path.stat().st_size > 0 for path in files(out) if path.name.startswith(".")):
+        assert process.poll() is None and time.monotonic() < deadline, process.communicate()
+        time.sleep(0.02)
+    return process
+
+
+def full_disk():
+    signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (WRITES, WRITES))
+
+
+with tempfile.TemporaryDirectory() as work:
+    work = pathlib.Path(work)
+    small, long = survey(work, "small.toml", 40), survey(work, "long.toml", 3_000_000)
+    run("render", small, "-o", work / "good")
+    good = {path.relative_to(work / "good") for path in files(work / "good")}
+    digest = record(work / "good" / "survey")["digest"]
+    # The full disk.
+    stopped(["render", survey(work, "more.toml", 60000), "-o", work / "full"], 3, ["File too large", "file-size limit"], preexec_fn=full_disk)
+    check(files(work / "full") == [] if (work / "full").exists() else True, files(work))
+    stopped(["render", small, "-o", "/proc/raycube-out"], 3, ["/proc/raycube-out", "-o"])
+    stopped(["render", small, "-o", work / "good"], 2, ["is there already", "--overwrite"])
+
+    for number in (signal.SIGINT, signal.SIGTERM):
+        process = begun(long, work / "long")
+        if number == signal.SIGINT:
+            refused("render", small, "-o", work / "long", status=3, says=["another run is writing", "choose another -o"])
+        process.send_signal(number)
+        out, err = process.communicate(timeout=100)
+        check(process.returncode == 130 and err.count("error: ") == 1 and "interrupted" in err, process.returncode, out, err)
+        check(files(work / "long") == [], files(work / "long"))
+
+    process = begun(long, work / "long")
+    process.kill()
+    process.communicate()
+    check(all(path.name.startswith(".") for path in files(work / "long")), files(work / "long"))
+    run("render", small, "-o", work / "long")
+    check({path.relative_to(work / "long") for path in files(work / "long")} == good)
+    check(record(work / "long" / "survey")["digest"] == digest)
+
+    # A device of 256 MB: what fits is computed, a scene that does not is refused before anything is copied.
+    if shutil.which("oclgrind"):  # its kernels have no prefetch
+        limited = ["oclgrind", "--global-mem-size", str(256 << 20), "--build-options", "-DRC_NO_PREFETCH", program.path]
+        listed = json.loads(subprocess.run([*limited, "devices", "--json"], capture_output=True, text=True, timeout=60).stdout)
+        check(str(256 << 20) in json.dumps(listed), listed)
+        tiny = scene(work, "tiny.toml", pixels=4, lines=2, grid=1)
+        done = subprocess.run([*limited, "render", tiny, "-o", work / "limited", "-q"], capture_output=True, text=True, timeout=200)
+        check(done.returncode == 0, done.stderr[:2000])
+    else:
+        print("stability machine: SKIPPED the device of 256 MB: oclgrind is not there", flush=True)
+print(f"stability machine: {program.checks} checks")
