@@ -44,6 +44,15 @@ Vec16 root(Vec16 v) {
 }
 Vec16 magnitude(Vec16 v) { return v < 0.0f ? -v : v; }
 
+/// A finished row to memory past the caches, as the device writes its own. Both on cache lines, count a multiple of 16.
+void write_row(const float* row, std::size_t count, float* to) {
+#ifdef __AVX512F__
+  for (std::size_t i = 0; i < count; i += 16) _mm512_stream_ps(to + i, _mm512_load_ps(row + i));
+#else
+  std::copy_n(row, count, to);
+#endif
+}
+
 /// Returns of a packet as numbers of lanes that send something.
 struct Returns {
   alignas(64) float low[16], high[16];  ///< energy for the phases below and above
@@ -75,6 +84,7 @@ constexpr std::array<Deposit, 4> kDeposits{deposit<1>, deposit<2>, deposit<3>, d
 
 }  // namespace
 
+float* LidarBaseline::on_line(float* at) { return at + (64 - reinterpret_cast<std::uintptr_t>(at) % 64) % 64 / sizeof(float); }
 std::size_t LidarBaseline::row_pad(const LidarWork& work) { return (static_cast<std::size_t>(work.taps->taps) + 15) / 16 * 16; }
 std::size_t LidarBaseline::row_floats(const LidarWork& work) { return 2 * row_pad(work) + (static_cast<std::size_t>(work.bins) + 15) / 16 * 16; }
 
@@ -87,7 +97,7 @@ void LidarBaseline::run(const LidarWork& work, int threads, float* rows) const {
   std::copy(work.b.begin(), work.b.end(), bs.begin());
   const int taps = work.taps->taps, phases = work.taps->phases, first_tap = work.taps->first;
   std::vector<float> unaligned((static_cast<std::size_t>(phases) + 1) * pad + 16, 0.0f);
-  float* shares = unaligned.data() + (64 - reinterpret_cast<std::uintptr_t>(unaligned.data()) % 64) % 64 / sizeof(float);
+  float* shares = on_line(unaligned.data());
   for (std::size_t q = 0; q <= static_cast<std::size_t>(phases); ++q)
     std::copy_n(work.taps->share.data() + q * static_cast<std::size_t>(taps), taps, shares + q * pad);
   const Deposit add = kDeposits.at(pad / 16 - 1);
@@ -99,9 +109,10 @@ void LidarBaseline::run(const LidarWork& work, int threads, float* rows) const {
     alignas(64) int valid[16];
     alignas(64) float energy[16], place[16];
     Returns returns;
+    std::vector<float> window(row_size + 16);
+    float* row = on_line(window.data());
     for (std::size_t s = begin; s < end; ++s) {
       const shared::RayGroup& g = work.groups[s];
-      float* row = rows + s * row_size;
       std::fill(row, row + row_size, 0.0f);
       for (std::size_t p = 0; p < packets; ++p) {
         const int live = static_cast<int>(std::min<std::size_t>(16, samples - 16 * p));
@@ -156,6 +167,7 @@ void LidarBaseline::run(const LidarWork& work, int threads, float* rows) const {
         }
         add(returns, shares, row);
       }
+      write_row(row, row_size, rows + s * row_size);
     }
   });
 }

@@ -27,7 +27,9 @@ class LidarBaseline {
   /// Rows have padding in front and behind, so that pulses that hang over the gate's ends need no branch.
   static std::size_t row_pad(const LidarWork& work);
   static std::size_t row_floats(const LidarWork& work);
-  /// rows[shot * row_floats + row_pad + bin], cleared first. Traced and binned in one pass over the shots; pulses of up to 64 taps.
+  /// The first place from `at` on that begins a cache line.
+  static float* on_line(float* at);
+  /// rows[shot * row_floats + row_pad + bin], on a cache line, cleared first. Traced and binned in one pass over the shots; pulses of up to 64 taps.
   void run(const LidarWork& work, int threads, float* rows) const;
 
  private:

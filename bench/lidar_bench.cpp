@@ -108,9 +108,10 @@ Spread compare(const Rig& rig, const EmbreeBaseline& embree, const Settings& set
   render::LidarRenderer renderer(rig.scene, options);
   const auto bins = static_cast<std::size_t>(rig.work.bins);
   const std::size_t row_pad = LidarBaseline::row_pad(rig.work), row_floats = LidarBaseline::row_floats(rig.work);
-  std::vector<float> theirs(rig.shots.size() * row_floats), ours;
+  std::vector<float> unaligned(rig.shots.size() * row_floats + 16), ours;
+  float* theirs = LidarBaseline::on_line(unaligned.data());
   renderer.render(rig.plan, rig.shots, [&](lidar::ShotResult&& result) { ours.insert(ours.end(), result.first.begin(), result.first.end()); });
-  baseline.run(rig.work, settings.threads, theirs.data());
+  baseline.run(rig.work, settings.threads, theirs);
   double total = 0, off = 0;
   std::size_t shots_off = 0;
   for (std::size_t s = 0; s < rig.shots.size(); ++s) {
@@ -127,7 +128,7 @@ Spread compare(const Rig& rig, const EmbreeBaseline& embree, const Settings& set
   report.validate(label + ": light in other bins than Embree's, of all", off / total, 3e-3);
   Pairs times;
   for (int i = 0; i < kPairs; ++i) {
-    times.reference_s.push_back(seconds_of([&] { baseline.run(rig.work, settings.threads, theirs.data()); }));
+    times.reference_s.push_back(seconds_of([&] { baseline.run(rig.work, settings.threads, theirs); }));
     renderer.render(rig.plan, rig.shots, [](lidar::ShotResult&&) {});
     times.ours_s.push_back(renderer.launch_s());
   }

@@ -12,6 +12,8 @@ namespace raycube::render {
 namespace {
 
 constexpr int kMostBundle = 1024;
+/// Floats of an owner's rows that a work-item keeps in its own memory: 16 KiB, within a core's first cache.
+constexpr std::size_t kRowWindow = 4096;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 /// Half divergence below which a bundle's rounding, 16 ulp of a direction, passes 5 % of its unit: single rays are faster then.
 constexpr double kNarrow = 2e-5;
@@ -112,7 +114,8 @@ void fill_taps(const lidar::LidarPlan& plan, LidarTables& tables) {
       tables.taps.push_back(i < static_cast<std::size_t>(taps.taps) ? taps.share[static_cast<std::size_t>(q) * taps.taps + i] : 0.0f);
   tables.row_pad = padded;
   tables.row_floats = 2 * padded + static_cast<std::size_t>(round_up(plan.lidar.gate.bins));
-  tables.options += define("RC_TAPS_PADDED", padded);
+  tables.options += define("RC_TAPS_PADDED", padded) +
+                    define("RC_ROW_WINDOW", tables.owner_rows * tables.row_floats <= kRowWindow && !tables.multiple ? kRowWindow : 0);
   tables.stopped_floats = tables.owner_rows * tables.row_floats + (tables.owner_rows / static_cast<std::size_t>(plan.lines()) + 15) / 16 * 16;
 }
 

@@ -2,6 +2,7 @@
  * of expected photons that air and particles send back once scattered, and their sums. One work-item is one owner. Every bin is two cells
  * of the whole way's length; a cell's light is taken at its Gauss point on the middle ray, what particles scatter by their integral over
  * the cell. Impulses of all bins come first, at two phases, and are spread by the pulse's shares in one pass. Next: the host. */
+#undef RC_ROW_WINDOW  /* an option of lidar_shots: rows here are added up where they lie */
 #include "kernels/lidar/context.h"
 #include "kernels/lidar/beam.h"
 #include "kernels/lidar/deposit.h"

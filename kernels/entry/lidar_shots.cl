@@ -7,6 +7,16 @@
 #include "kernels/geometry/bundle_primary.h"
 #endif
 
+/* A store to memory that is read much later. */
+#if defined(__has_builtin)
+#if __has_builtin(__builtin_nontemporal_store)
+#define RC_STORE_ONCE(value, to) __builtin_nontemporal_store((value), (to))
+#endif
+#endif
+#ifndef RC_STORE_ONCE
+#define RC_STORE_ONCE(value, to) *(to) = (value)
+#endif
+
 #define LIDAR_SHOTS_PARAMETERS RC_NODES, RC_BLOCKS, RC_INSTANCES, global const float4* restrict shots, global const float* restrict samples, \
   global const float* restrict exits, global const float4* restrict optics, global const float* restrict gloss, \
   global const float* restrict photons, global const float* restrict node_weight, global const uint* restrict first_node, \
@@ -29,8 +39,14 @@ RC_BODY lidar_shots_body(uint owner, LIDAR_SHOTS_PARAMETERS) {
     for (uint i = 0; i < RC_LEDGER_COUNT; ++i) total.ledger[line][i] = 0;
   }
   const size_t rows = (size_t)RC_OWN_PIXELS * RC_LASER_LINES;
+#if RC_ROW_WINDOW
+  /* Rows to come lie in no cache: whole lines go there once, past the caches, and nothing waits for what was there. */
+  RC_LINE float window[RC_ROW_WINDOW];
+  private float *own_first = window, *own_multiple = window;
+#else
   global float* own_first = first + owner * rows * row_floats;
   global float* own_multiple = multiple + (RC_BOUNCES > 1 ? owner * rows * row_floats : 0);
+#endif
   global float* own_stopped = stopped + (RC_STOPPED ? owner * rc_stopped_floats(row_floats) : 0);
   for (size_t i = 0; i < rows * row_floats; i += 16) {
     rc_store16((float16)(0.0f), 0, own_first + i);
@@ -57,7 +73,7 @@ RC_BODY lidar_shots_body(uint owner, LIDAR_SHOTS_PARAMETERS) {
     frame.rays.origin.w = frame.rays.d0.w = frame.rays.du.w = frame.rays.dv.w = 0.0f;
     frame.rays.ov = (float4)(0.0f);
     frame.samples = scatter;
-    rc_primary_group(scene, frame, &closest);
+    rc_primary_group(scene, &frame, &closest);
 #endif
     for (uint word = 0; word < words; ++word) {
       const uint slot = word * 16u, ray = begin + slot;
@@ -114,6 +130,10 @@ RC_BODY lidar_shots_body(uint owner, LIDAR_SHOTS_PARAMETERS) {
     }
     for (uint i = 0; i < RC_LEDGER_COUNT; ++i) ledger[at * RC_LEDGER_COUNT + i] = total.ledger[line][i];
   }
+#if RC_ROW_WINDOW
+  global float16* to = (global float16*)(first + owner * rows * row_floats);
+  for (size_t i = 0; i < rows * row_floats; i += 16) RC_STORE_ONCE(vload16(0, window + i), to + i / 16);
+#endif
   counts[owner] = RC_RAY_COUNT + total.rays;
 }
 

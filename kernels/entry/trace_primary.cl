@@ -29,7 +29,7 @@ RC_BODY trace_primary_body(uint index, TRACE_PRIMARY_PARAMETERS) {
   frame.rows = sample_count / RC_NU;
   frame.columns = place.used * RC_NU;
 #endif
-  rc_primary_group(scene, frame, &closest);
+  rc_primary_group(scene, &frame, &closest);
 #if RC_SCATTER
   for (uint p = 0; p < place.used; ++p) {
     global uint* out = hits + (size_t)(place.pixel + p) * (2u * RC_NPAD);

@@ -7,51 +7,58 @@
 #include "kernels/geometry/primary_scatter.h"
 
 /* frame: rays in the scene frame and the samples; the rest is set here. */
-static inline void rc_primary_group(SceneArrays scene, GroupFrame frame, Closest* closest) {
-  Cull world, cull;
-  const RayGroup rays = frame.rays;
-  frame.world = rays;
-  frame.same = true;
-  rc_frame_group(&frame, &world);
-  const Projection world_map = frame.map;
-  cull = world;
-  Open open;
-  open.count = 0;
+static inline void rc_primary_group(SceneArrays scene, GroupFrame* frame, Closest* closest) {
+  GroupFrame placed;  /* the group in the frame of an instance that is moved */
+  Cull world_cull, placed_cull;
+  frame->world = placed.world = frame->rays;
+  frame->same = true;
+  placed.same = false;
+#if RC_SCATTER
+  placed.samples = frame->samples;
+#else
+  placed.first_row = frame->first_row;
+  placed.rows = frame->rows;
+  placed.columns = frame->columns;
+#endif
+  rc_frame_group(frame, &world_cull);
+  const GroupFrame* here = frame;
+  const Cull* cull = &world_cull;
+  Pending pending;
+  rc_begin_pending(&pending);
   uint stack[RC_STACK];
   uint top = 1, base = 0, instance = RC_NONE;  /* entries from base upwards belong to the instance's tree */
   stack[0] = 0;
   while (top) {
     if (top == base) {
-      if (open.count) rc_decide(scene, &frame, closest, instance, &open);
+      rc_settle(scene, here, closest, instance, &pending);
       instance = RC_NONE;
       base = 0;
-      cull = world;
+      here = frame;
+      cull = &world_cull;
     }
     const uint entry = stack[--top], index = entry & ~RC_LEAF;
     if (!(entry & RC_LEAF)) {
-      top = rc_push_children(&cull, 4, scene, index, instance != RC_NONE, stack, top);
+      top = rc_push_children(cull, 4, scene, index, instance != RC_NONE, stack, top);
     } else if (instance != RC_NONE) {
-      rc_primary_block(scene, &frame, closest, &open, index, instance);
+      rc_primary_block(scene, here, closest, &pending, index, instance);
     } else {
-      global const Instance* placed = rc_instance(scene, index);
+      global const Instance* moved = rc_instance(scene, index);
       instance = index;
-      frame.same = placed->flags & 1u;
-      if (frame.same) {
-        frame.rays = rays;
-        frame.map = world_map;
-      } else {
-        const float4 r0 = frame.l0 = placed->local_from_world_0, r1 = frame.l1 = placed->local_from_world_1, r2 = frame.l2 = placed->local_from_world_2;
-        frame.rays.origin = rc_map_point(r0, r1, r2, rays.origin);
-        frame.rays.d0 = rc_map_vector(r0, r1, r2, rays.d0);
-        frame.rays.du = rc_map_vector(r0, r1, r2, rays.du);
-        frame.rays.dv = rc_map_vector(r0, r1, r2, rays.dv);
-        rc_frame_group(&frame, &cull);
+      if (!(moved->flags & 1u)) {
+        const float4 r0 = placed.l0 = moved->local_from_world_0, r1 = placed.l1 = moved->local_from_world_1, r2 = placed.l2 = moved->local_from_world_2;
+        placed.rays.origin = rc_map_point(r0, r1, r2, frame->rays.origin);
+        placed.rays.d0 = rc_map_vector(r0, r1, r2, frame->rays.d0);
+        placed.rays.du = rc_map_vector(r0, r1, r2, frame->rays.du);
+        placed.rays.dv = rc_map_vector(r0, r1, r2, frame->rays.dv);
+        rc_frame_group(&placed, &placed_cull);
+        here = &placed;
+        cull = &placed_cull;
       }
-      stack[top] = placed->root;
+      stack[top] = moved->root;
       base = top++;
     }
   }
-  if (open.count) rc_decide(scene, &frame, closest, instance, &open);
+  rc_settle(scene, here, closest, instance, &pending);
 }
 
 #endif

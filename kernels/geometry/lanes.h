@@ -12,6 +12,9 @@
 #if defined(__AVX512DQ__) && defined(__AVX512VL__) && __has_builtin(__builtin_ia32_cvtd2mask256)
 #define RC_HAS_MASK256 1
 #endif
+#if defined(__AVX512F__) && __has_builtin(__builtin_ia32_compresssf512_mask)
+#define RC_HAS_PACK512 1
+#endif
 #endif
 
 static inline uint rc_mask8(int8 m) {

@@ -165,16 +165,18 @@ __attribute__((noinline)) static void rc_decide(SceneArrays scene, const GroupFr
     direction[1][k] = d.y;
     direction[2][k] = d.z;
   }
-  /* Each ray's own axes, as rc_make_ray takes them. */
-  const float16 dx = vload16(0, direction[0]), dy = vload16(0, direction[1]), dz = vload16(0, direction[2]);
+  /* Each ray's own axes, as rc_make_ray takes them. Lanes without a pair get numbers: what lies there may be subnormal, which is slow. */
+  const int16 real = (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15) < (int)open->count;
+  const float16 dx = select((float16)(1.0f), vload16(0, direction[0]), real), dy = select((float16)(1.0f), vload16(0, direction[1]), real);
+  const float16 dz = select((float16)(1.0f), vload16(0, direction[2]), real);
   const int16 z_first = (fabs(dz) >= fabs(dx)) & (fabs(dz) >= fabs(dy)), y_first = fabs(dy) >= fabs(dx);
   float16 v[5][3];  /* corners, origin, direction */
   #pragma unroll
   for (uint i = 0; i < 5u; ++i) {
     const float4 o = frame->rays.origin;
-    const float16 x = i < 3u ? vload16(0, corner[3u * i % 9u]) : i == 3u ? (float16)(o.x) : dx;
-    const float16 y = i < 3u ? vload16(0, corner[(3u * i + 1u) % 9u]) : i == 3u ? (float16)(o.y) : dy;
-    const float16 z = i < 3u ? vload16(0, corner[(3u * i + 2u) % 9u]) : i == 3u ? (float16)(o.z) : dz;
+    const float16 x = i < 3u ? select((float16)(0.0f), vload16(0, corner[3u * i % 9u]), real) : i == 3u ? (float16)(o.x) : dx;
+    const float16 y = i < 3u ? select((float16)(0.0f), vload16(0, corner[(3u * i + 1u) % 9u]), real) : i == 3u ? (float16)(o.y) : dy;
+    const float16 z = i < 3u ? select((float16)(0.0f), vload16(0, corner[(3u * i + 2u) % 9u]), real) : i == 3u ? (float16)(o.z) : dz;
     v[i][0] = select(select(y, z, y_first), x, z_first);
     v[i][1] = select(select(z, x, y_first), y, z_first);
     v[i][2] = select(select(x, y, y_first), z, z_first);

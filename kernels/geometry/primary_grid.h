@@ -12,7 +12,19 @@ static inline float16 rc_column_a(float16 column) {
 }
 static inline float16 rc_row_b(float16 row) { return fma(row, (float16)(1.0f / RC_NV), (float16)(0.5f / RC_NV - 0.5f)); }
 
-static inline void rc_primary_block(SceneArrays scene, const GroupFrame* frame, Closest* closest, Open* open, uint index, uint instance) {
+/* What a block leaves for later. */
+typedef struct Pending {
+  Open open;
+} Pending;
+
+static inline void rc_begin_pending(Pending* pending) { pending->open.count = 0; }
+/* Before another frame is taken, and at the end. */
+static inline void rc_settle(SceneArrays scene, const GroupFrame* frame, Closest* closest, uint instance, Pending* pending) {
+  if (pending->open.count) rc_decide(scene, frame, closest, instance, &pending->open);
+}
+
+static inline void rc_primary_block(SceneArrays scene, const GroupFrame* frame, Closest* closest, Pending* pending, uint index, uint instance) {
+  Open* open = &pending->open;
   global const TriBlock* block = rc_block(scene, index);
   const uint first = index * RC_BLOCK;
   const Setup s = rc_setup_block(&frame->map, block, true);

@@ -95,7 +95,7 @@ static inline uint rc_way_open(SceneArrays scene, const LidarTables* t, float4 f
 
 /* Deposits what the live vertices send. rows: of the owner, [pixel][line]. shadow: the ways are traced. */
 static inline void rc_connect(SceneArrays scene, const LidarTables* t, const Paths16* paths, const Vertex16* vertex, bool shadow,
-                              global float* rows, LidarSums* sums) {
+                              RC_ROW_SPACE float* rows, LidarSums* sums) {
   global const float4* shot = t->shot;
   global const float* settings = t->settings;
   const float4 from_end = shot[RC_SHADOWS ? RC_SHOT_FROM_END : RC_SHOT_FROM_START], axis = shot[RC_SHOT_END_AXIS];  /* one place if there are no shadows */

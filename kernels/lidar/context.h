@@ -12,6 +12,7 @@
  *   RC_SHADOWS       1: some shot's ends differ: connections of the first vertex are traced
  *   RC_PLATES, RC_LEAVES, RC_GLOSS   some material has such a thing
  *   RC_OVERLAP       1: vignetting;  RC_GAUSSIAN: profile of the beam (receiver)
+ *   RC_ROW_WINDOW    floats of private memory that hold an owner's rows until they are whole (one bounce); 0: rows are added up where they lie
  *   RC_STOPPED       1: shares of rays stopped, for lidar_air;  RC_HITS 1: first hits are written */
 #ifndef RAYCUBE_KERNELS_LIDAR_CONTEXT_H
 #define RAYCUBE_KERNELS_LIDAR_CONTEXT_H
@@ -88,6 +89,15 @@
 #endif
 #ifndef RC_AIR_RETURN
 #define RC_AIR_RETURN RC_AIR
+#endif
+#ifndef RC_ROW_WINDOW
+#define RC_ROW_WINDOW 0
+#endif
+/* Where rows are added up. */
+#if RC_ROW_WINDOW
+#define RC_ROW_SPACE private
+#else
+#define RC_ROW_SPACE global
 #endif
 #define RC_MEDIA (RC_AIR || RC_VOLUMES)
 

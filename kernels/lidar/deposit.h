@@ -5,7 +5,7 @@
 #include "kernels/lidar/context.h"
 
 /* bin + phase (0 <= phase < 1): position of the pulse's centre. */
-static inline void rc_deposit(const LidarTables* t, global float* row, float sums[RC_SUM_COUNT][2], int bin, float phase, float energy) {
+static inline void rc_deposit(const LidarTables* t, RC_ROW_SPACE float* row, float sums[RC_SUM_COUNT][2], int bin, float phase, float energy) {
   const int start = bin + t->first_tap;
   if (start + t->tap_count <= 0) {
     rc_add_float(sums[RC_SUM_EARLY], energy);
@@ -16,7 +16,7 @@ static inline void rc_deposit(const LidarTables* t, global float* row, float sum
     const int q = min((int)x, t->phases - 1);
     const float f = x - (float)q;
     global const float* low = t->taps + q * RC_TAPS_PADDED;
-    global float* to = row + (RC_ROW_PAD + start);
+    RC_ROW_SPACE float* to = row + (RC_ROW_PAD + start);
     #pragma unroll
     for (int i = 0; i < RC_TAPS_PADDED; i += 16) {
       const float16 a = vload16(0, low + i), b = vload16(0, low + RC_TAPS_PADDED + i);
@@ -27,7 +27,7 @@ static inline void rc_deposit(const LidarTables* t, global float* row, float sum
 
 /* The same for lanes of a word, one after the other, into one row. Neighbours mostly fall into the same bins: these are kept in
  * registers until another start comes. bin, phase: as above; energy: 0 in lanes that send nothing. */
-static inline void rc_deposit_lanes(const LidarTables* t, global float* row, float sums[RC_SUM_COUNT][2], uint lanes, int16 bin, float16 phase,
+static inline void rc_deposit_lanes(const LidarTables* t, RC_ROW_SPACE float* row, float sums[RC_SUM_COUNT][2], uint lanes, int16 bin, float16 phase,
                                     float16 energy) {
   const int16 start_lanes = bin + t->first_tap, begins_early = start_lanes + t->tap_count <= 0, begins_late = start_lanes >= t->bins;
   const uint early = rc_mask16(begins_early) & lanes, late = rc_mask16(begins_late) & lanes;
@@ -50,7 +50,7 @@ static inline void rc_deposit_lanes(const LidarTables* t, global float* row, flo
     const int start = starts[rc_lowest(lanes)];
     /* Two sums, of lower and upper phases: half as long a chain of additions. */
     float16 kept[RC_TAPS_PADDED / 16], kept_high[RC_TAPS_PADDED / 16];
-    global float* to = row + (RC_ROW_PAD + start);
+    RC_ROW_SPACE float* to = row + (RC_ROW_PAD + start);
     #pragma unroll
     for (int i = 0; i < RC_TAPS_PADDED / 16; ++i) {
       kept[i] = vload16(i, to);
@@ -73,7 +73,7 @@ static inline void rc_deposit_lanes(const LidarTables* t, global float* row, flo
 }
 
 /* What hangs over the gate's ends, added to the sums. */
-static inline void rc_close_row(const LidarTables* t, global const float* row, float sums[RC_SUM_COUNT][2]) {
+static inline void rc_close_row(const LidarTables* t, RC_ROW_SPACE const float* row, float sums[RC_SUM_COUNT][2]) {
   float16 early = 0.0f, late = 0.0f;
   for (int i = 0; i < RC_ROW_PAD; i += 16) early += vload16(0, row + i);
   const int16 lane = (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);

@@ -49,7 +49,7 @@ static inline void rc_stop(const LidarTables* t, Paths16* paths, const Vertex16*
 
 /* The rays of a word from their first hits on. a, b: sub-rays or samples (INFINITY: none). */
 static inline void rc_follow_word(SceneArrays scene, const LidarTables* t, float16 a, float16 b, uint first_ray, uint16 instances, uint16 primitives,
-                                  global float* first, global float* multiple, global float* stopped, LidarSums* sums) {
+                                  RC_ROW_SPACE float* first, RC_ROW_SPACE float* multiple, global float* stopped, LidarSums* sums) {
   global const float4* shot = t->shot;
   const float4 reference = shot[RC_SHOT_REFERENCE], from_start = shot[RC_SHOT_FROM_START], axis = shot[RC_SHOT_AXIS], du = shot[RC_SHOT_DU], dv = shot[RC_SHOT_DV];
   const float s = shot[RC_SHOT_START].w;

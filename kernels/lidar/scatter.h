@@ -19,7 +19,7 @@ static inline float4 rc_cosine_direction(float4 n, float u, float v) {
 /* Follows the paths that scattered at their first vertex until they end; deposits at every further one. `first`: number of the
  * word's first ray. */
 __attribute__((noinline)) static void rc_scatter_on(SceneArrays scene, const LidarTables* t, Paths16* paths, const Vertex16* at, uint first_ray,
-                                                    global float* rows, LidarSums* sums) {
+                                                    RC_ROW_SPACE float* rows, LidarSums* sums) {
   const uint key = as_uint(t->shot[RC_SHOT_TIME].z);
   const float4 reference = t->shot[RC_SHOT_REFERENCE];
   Vertex16 vertex = *at;
