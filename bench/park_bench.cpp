@@ -19,9 +19,9 @@ void run_park(const Settings& settings, Report& report) {
   const Limits limits{1e-3, 2.3e-4};
   const Comparison c = compare_traces(park.scene, spectir, groups, sun_vector(park.sun), true, limits, settings, report, "park");
   report.add_programs("group park", {"", c.program_hash});
-  report.add("park_leaf_primary_vs_embree16", c.primary.ratio(), "x", Goal::at_least(1.5));
+  report.add("park_leaf_primary_vs_embree16", c.primary.ratio(), "x", Goal::at_least(2.5));
   report.add("park_leaf_primary_vs_best_embree", c.primary_best.ratio(), "x");
-  report.add("park_leaf_shadow_vs_embree16", c.shadow.ratio(), "x");
+  report.add("park_leaf_shadow_vs_embree16", c.shadow.ratio(), "x", Goal::at_least(1.4));
   report.add("park_leaf_shadow_vs_best_embree", c.shadow_best.ratio(), "x");
 }
 

@@ -23,8 +23,8 @@ void run_terrain(const Settings& settings, Report& report) {
   // shadows in 1.0e-5 (PERFORMANCE.md 2.3).
   const Limits limits{4.3e-5, 1e-5};
   const Comparison c = compare_traces(scene, camera, groups, bench_sun(), false, limits, settings, report, "terrain");
-  report.add("primary_vs_embree16", c.primary.ratio(), "x", Goal::at_least(3.0));
-  report.add("shadow_vs_embree16", c.shadow.ratio(), "x", Goal::at_least(3.0));
+  report.add("primary_vs_embree16", c.primary.ratio(), "x", Goal::at_least(3.6));
+  report.add("shadow_vs_embree16", c.shadow.ratio(), "x", Goal::at_least(3.5));
   const double rays = static_cast<double>(groups.size()) * RC_GROUP_WIDTH * camera.samples_u * camera.samples_v;
   report.add("primary_mrays_s", 1e-6 * rays / spread_of(c.primary.ours_s).median, "Mrays/s");
 }
