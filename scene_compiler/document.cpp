@@ -276,7 +276,7 @@ class Reader {
         continue;
       }
       entry.text = **item.as_string();
-      value.map.emplace_back(std::string(key.str()), std::move(entry));
+      value.map.push_back({std::string(key.str()), std::move(entry)});
     }
   }
 

@@ -15,6 +15,7 @@
 namespace raycube::scene {
 
 struct Record;
+struct NamedValue;
 
 struct Value {
   bool given = false;  ///< false: the default of the table
@@ -28,8 +29,14 @@ struct Value {
   std::vector<std::string> texts;
   std::vector<base::Where> text_places;  ///< of each text
   std::vector<std::pair<double, double>> points;
-  std::vector<std::pair<std::string, Value>> map;  ///< text_map, in file order
+  std::vector<NamedValue> map;                     ///< text_map, in file order
   std::vector<Record> records;                     ///< tables; a table is one record
+};
+
+/// An entry of a text_map.
+struct NamedValue {
+  std::string name;
+  Value value;
 };
 
 /// One table of the file. Getters return the default (or zero, when the table gives none) of a key that was

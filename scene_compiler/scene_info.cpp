@@ -127,7 +127,7 @@ std::string scene_info_json(const SceneInfo& info) {
                                       {"meshes", meshes},
                                       {"materials", materials},
                                       {"volumes", volumes}};
-  return out.dump(2) + "\n";
+  return out.dump(2, ' ', false, decltype(out)::error_handler_t::replace) + "\n";
 }
 
 }  // namespace raycube::scene

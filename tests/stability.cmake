@@ -5,3 +5,4 @@ raycube_test(stability_render SOURCES oracle/stability_render_test.cpp LIBS rayc
 raycube_cli_test(stability_machine)
 add_test(NAME stability_list COMMAND /usr/bin/python3 ${CMAKE_CURRENT_LIST_DIR}/unit/stability_list_test.py ${PROJECT_SOURCE_DIR})
 set_tests_properties(stability_list PROPERTIES LABELS fast)
+raycube_cli_test(oclgrind)

@@ -105,7 +105,8 @@ std::string imported_json(const Imported& imported) {
     }
     out["runs"].push_back(std::move(r));
   }
-  return out.dump() + "\n";
+  // What a file says of itself need not be UTF-8.
+  return out.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
 std::string imported_text(const Imported& imported) {

@@ -185,8 +185,8 @@ Imported read_chn(const std::string& path) {
     const std::size_t rows = channels.run.wavelength_um.size();
     if (sight != by_sight.begin()->first && rows != out.runs.front().wavelength_um.size())
       problems.add({path, channels.lines.back(), 0, ""}, "lines of sight have different numbers of channels", std::to_string(rows), "the file is cut short");
-    const auto described_column = [&](const char* name, const char* source, const std::vector<double>& values) {
-      if (values.size() == rows) channels.run.columns.push_back({name, "um", source, {}, values, std::vector<double>(rows, 5e-6)});
+    const auto described_column = [&run = channels.run, rows](const char* name, const char* source, const std::vector<double>& values) {
+      if (values.size() == rows) run.columns.push_back({name, "um", source, {}, values, std::vector<double>(rows, 5e-6)});
     };
     described_column("channel_center", "CENTER", channels.center_um);
     described_column("channel_fwhm", "FWHM", channels.fwhm_um);

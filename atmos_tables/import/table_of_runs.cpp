@@ -314,7 +314,7 @@ TableOfRuns table_of_runs(const std::vector<Imported>& files, const TableRequest
   nlohmann::ordered_json provenance{{"model", "imported"}, {"files", nlohmann::ordered_json::array()}};
   for (const Imported& file : files) provenance["files"].push_back({{"file", file.file}, {"code", file.code}, {"format", file.format}, {"runs", file.runs.size()}});
   provenance["notices"] = out.notices;
-  out.table.provenance_json = provenance.dump();
+  out.table.provenance_json = provenance.dump(-1, ' ', false, std::decay_t<decltype(provenance)>::error_handler_t::replace);
   out.table.solar_source = "as the imported runs have it";
   validate(out.table, "the imported table");
   return out;

@@ -45,6 +45,12 @@ class Reader {
     return out;
   }
 
+  /// The first of them; 0 where there is none, which is reported.
+  double number(const Words& words, bool negative_allowed) {
+    const auto list = numbers(words, negative_allowed);
+    return list.empty() ? 0 : list.front();
+  }
+
   void setting(const Words& words) {
     const std::string_view key = words[0], value = words.size() > 1 ? words[1] : std::string_view();
     if (key == "umu" || key == "phi") {
@@ -53,16 +59,16 @@ class Reader {
         problems_.add(here(), "umu lies outside -1 to 1, or is 0", "", "");
       (key == "umu" ? in_.umu : in_.phi_deg) = std::move(list);
     } else if (key == "phi0") {
-      in_.phi0_deg = numbers(words, true).front();
+      in_.phi0_deg = number(words, true);
     } else if (key == "sza") {
-      in_.sun_zenith_deg = numbers(words, false).front();
+      in_.sun_zenith_deg = number(words, false);
     } else if (key == "albedo") {
-      in_.albedo = numbers(words, false).front();
+      in_.albedo = number(words, false);
     } else if (key == "zout") {
       for (std::size_t i = 1; i < words.size(); ++i) level(words[i]);
     } else if (key == "wavelength") {
       const auto list = numbers(words, false);
-      in_.first_nm = list.front(), in_.last_nm = list.back();
+      if (!list.empty()) in_.first_nm = list.front(), in_.last_nm = list.back();
     } else if (key == "rte_solver") {
       if (one_of(value, {"twostr", "twostream"})) in_.two_stream = true;
       else if (!one_of(value, {"disort", "disort1", "disort2", "fdisort1", "fdisort2", "cdisort", "sdisort"})) solver_ = value;

@@ -51,7 +51,7 @@ int write_table(const Options& o, const std::vector<atmos::imported::Imported>& 
   const std::string& output = context.common.output;
   const std::string hash = atmos::write_rct(made.table, output, context.common.overwrite ? base::IfExists::replace : base::IfExists::refuse);
   if (context.common.json)
-    context.out << nlohmann::json{{"table", output}, {"content_hash", hash}, {"notices", made.notices}}.dump() << "\n";
+    context.out << nlohmann::json{{"table", output}, {"content_hash", hash}, {"notices", made.notices}}.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
   else
     context.out << "table: " << output << "\n";
   return 0;
@@ -65,7 +65,7 @@ int run(const Options& o, Context& context) {
   if (context.common.json && files.size() > 1) {
     auto all = nlohmann::ordered_json::array();
     for (const auto& file : files) all.push_back(nlohmann::ordered_json::parse(atmos::imported::imported_json(file)));
-    context.out << all.dump() << "\n";
+    context.out << all.dump(-1, ' ', false, decltype(all)::error_handler_t::replace) << "\n";
     return 0;
   }
   for (const auto& file : files) context.out << (context.common.json ? atmos::imported::imported_json(file) : atmos::imported::imported_text(file));

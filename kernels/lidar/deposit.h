@@ -38,7 +38,7 @@ static inline void rc_deposit_lanes(const LidarTables* t, RC_ROW_SPACE float* ro
   }
   if (!lanes) return;
   const float16 x = phase * (float)t->phases;
-  const int16 q = min(convert_int16(x), t->phases - 1);
+  const int16 q = min(convert_int16(x), (int16)(t->phases - 1));  /* oclgrind takes scalars for lane 0 alone */
   const float16 high_lanes = energy * (x - convert_float16(q));
   RC_LINE float high[16], low[16];
   RC_LINE int starts[16], shares[16];
