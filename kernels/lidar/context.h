@@ -136,7 +136,7 @@ typedef struct LidarTables {
 static inline size_t rc_stopped_floats(uint row) { return (size_t)RC_OWN_PIXELS * RC_LASER_LINES * row + (RC_OWN_PIXELS + 15) / 16 * 16; }
 /* Whether they are kept for every pixel: where a ray stays in one, as pupil and exit are one point. */
 static inline bool rc_stops_by_pixel(const LidarTables* t) {
-  return RC_OWN_PIXELS > 1 && RC_EXITS == 0 && t->shot[RC_SHOT_AXIS].w == 1.0f;
+  return (RC_OWN_PIXELS > 1) & (RC_EXITS == 0) & (t->shot[RC_SHOT_AXIS].w == 1.0f);
 }
 
 #define RC_VOLUME_PARAMETERS global const LidarVolume* restrict volumes, global const float* restrict volume_values, global const float* restrict volume_depth
