@@ -121,6 +121,21 @@ AtmosphereSpec read_atmosphere(const Record& root, const Origin& origin, Problem
   return out;
 }
 
+PlanOverrides read_plan(const Record& root, Problems& problems) {
+  PlanOverrides out;
+  const Record* record = root.table("plan");
+  if (record == nullptr) return out;
+  const auto number = [&](const char* key, int& value) {
+    if (record->given(key)) value = static_cast<int>(record->integer(key));
+  };
+  number("sky_rank", out.sky_rank);
+  for (const auto& [key, value] : {std::pair{"height_nodes", &out.height_nodes}, {"view_nodes", &out.view_nodes}, {"path_nodes", &out.path_nodes}}) {
+    number(key, *value);
+    if (*value == 6) problems.add(record->place(key), "nodes come in 1, 2, 3, 4, 5 and 7", "6", "take 5 or 7");
+  }
+  return out;
+}
+
 /// Latitude, longitude and the azimuth of the scene's north, from the origin; nullopt after reporting that it
 /// has none.
 std::optional<GeoPlace> place_of_scene(const Record& root, const Origin& origin, const base::Where& asked_by,
@@ -187,6 +202,7 @@ Simulation load_simulation(const std::string& file, const LoadOptions& options) 
   out.tolerance = root.number("tolerance");
   out.seed = options.seed.value_or(static_cast<std::uint64_t>(root.integer("seed")));
   out.sky_directions = static_cast<int>(root.integer("sky_directions"));
+  out.plan = read_plan(root, problems);
   // A file that could not be read at all has one problem; what it lacks is not worth a line.
   const bool readable =
       problems.empty() || root.given("format") || !root.records("material").empty() || root.given("scene");

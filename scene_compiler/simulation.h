@@ -121,12 +121,20 @@ struct AtmosphereSpec {
   std::optional<AirSpec> layered; ///< the layered model; of the fields above it uses ground_height_m alone
 };
 
+/// What the user fixes of a plan; 0: the plan's own choice, by the tolerance. docs/accuracy.md has what each costs.
+struct PlanOverrides {
+  int sky_rank = 0;               ///< components of the sunlit sky, 1..4; a sky of fewer shapes is exact with those
+  int height_nodes = 0, view_nodes = 0, path_nodes = 0;  ///< of kNodeCounts (host/plan/node_choice.h); path: along each of its two axes
+  bool any() const { return sky_rank || height_nodes || view_nodes || path_nodes; }
+};
+
 /// A whole simulation as one file describes it.
 struct Simulation {
   std::string file;               ///< absolute path
   double tolerance = 0.01;
   std::uint64_t seed = 1;
   int sky_directions = 16;        ///< per pixel
+  PlanOverrides plan;
   AtmosphereSpec atmosphere;
   Sun sun;
   std::vector<Instrument> instruments;

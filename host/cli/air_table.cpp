@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <vector>
@@ -12,6 +11,7 @@
 #include "atmos_tables/clear_sky.h"
 #include "atmos_tables/compiler/layered_air.h"
 #include "atmos_tables/rct_file.h"
+#include "host/base/cache_folder.h"
 #include "host/base/error.h"
 #include "host/base/interrupt.h"
 #include "host/base/progress.h"
@@ -20,23 +20,6 @@
 namespace raycube::cli {
 
 namespace {
-
-/// Empty when the user has no home.
-std::filesystem::path cache_folder() {
-  if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache && *cache) return std::filesystem::path(cache) / "raycube/atmosphere";
-  if (const char* home = std::getenv("HOME"); home && *home) return std::filesystem::path(home) / ".cache/raycube/atmosphere";
-  return {};
-}
-
-/// The program's own bytes, so that no build reads what another made.
-std::string program_hash() {
-  base::Sha256 hash;
-  std::ifstream file("/proc/self/exe", std::ios::binary);
-  std::vector<char> piece(1 << 20);
-  while (file.read(piece.data(), static_cast<std::streamsize>(piece.size())) || file.gcount() > 0)
-    hash.add(piece.data(), static_cast<std::size_t>(file.gcount()));
-  return hash.hex();
-}
 
 std::string file_text(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
@@ -60,7 +43,7 @@ std::string request_hash(const AirRequest& r, const std::vector<double>& wavelen
   nlohmann::json cross_sections;
   for (const auto& table : air.cross_sections) cross_sections.push_back({table.gas, table.ppmv, file_stamp(table.file)});
   const nlohmann::json key = {
-      program_hash(), r.spec->ground_height_m, r.sun.zenith_deg, r.sun.azimuth_deg, r.sun.day_of_year, r.sun.moon_phase_deg, r.sensor_height_m,
+      base::program_hash(), r.spec->ground_height_m, r.sun.zenith_deg, r.sun.azimuth_deg, r.sun.day_of_year, r.sun.moon_phase_deg, r.sensor_height_m,
       wavelengths, heights, own_profile ? base::sha256_hex(file_text(air.profile)) : air.profile, air.pressure_hPa,
       air.water_g_cm2, air.ozone_atm_cm, air.co2_ppmv, air.ch4_ppmv, air.aerosol, air.visibility_km, air.aod_550,
       air.humidity_percent, air.season, air.stratosphere, air.henyey_greenstein, air.gas_bands, air.streams, air.k_terms,
@@ -93,7 +76,7 @@ atmos::RenderTable air_table(const AirRequest& request, Context& context) {
   }
   const auto wavelengths = atmos::layered_wavelengths(request.first_um, request.last_um, request.step_um);
   const auto heights = atmos::clear_sky_heights(request.low_m, request.high_m);
-  const std::filesystem::path folder = request.cached ? cache_folder() : std::filesystem::path();
+  const std::filesystem::path folder = request.cached ? base::cache_folder("atmosphere") : std::filesystem::path();
   if (folder.empty()) return build_with_progress(request, wavelengths, heights, context);
   const std::filesystem::path file = folder / (request_hash(request, wavelengths, heights) + ".rct");
   std::error_code error;

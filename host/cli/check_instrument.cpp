@@ -1,22 +1,15 @@
 #include "host/cli/check_instrument.h"
 
-#include <algorithm>
-#include <set>
-
 #include "host/sensors/ray_groups.h"
-#include "kernels/sampling/sampler.h"
 
 namespace raycube::cli {
 
 namespace {
 
-constexpr rc_u32 kPickDimension = 41;  ///< of the hash: no sampler uses it
 /// Pixels that wait on the host before the reference takes them up together.
 constexpr std::size_t kBatch = 256;
 /// Rays that wait there for their first hits to be compared: 8 bytes each.
 constexpr std::size_t kHitBatch = std::size_t{1} << 20;
-/// Pixels of a whole line that are traced at once; a multiple of 4.
-constexpr int kMostColumns = 256;
 
 /// Where pixel p of a tile lies, and its group among the tile's.
 reference::PixelAddress address_of(const render::HitProbe& probe, std::size_t p, int width) {
@@ -32,38 +25,6 @@ reference::PixelAddress address_of(const render::HitProbe& probe, std::size_t p,
 }
 
 }  // namespace
-
-std::vector<render::Tile> pick_tiles(const scene::Instrument& instrument, std::uint64_t seed, std::uint64_t pixels) {
-  const int width = sensors::pixels_per_group(instrument), per_line = sensors::groups_per_line(instrument);
-  const std::uint64_t groups = static_cast<std::uint64_t>(per_line) * static_cast<std::uint64_t>(instrument.lines);
-  const std::uint64_t wanted = (pixels + static_cast<std::uint64_t>(width) - 1) / static_cast<std::uint64_t>(width);
-  std::vector<render::Tile> tiles;
-  if (2 * wanted >= groups) {
-    for (int line = 0; line < instrument.lines; ++line)
-      for (int column = 0; column < instrument.pixels; column += kMostColumns)
-        tiles.push_back({line, 1, column, std::min(kMostColumns, instrument.pixels - column)});
-    return tiles;
-  }
-  // A tile starts at a multiple of 4 pixels, whatever the groups.
-  const int tile_width = std::max(width, RC_GROUP_WIDTH);
-  const int tiles_per_line = (instrument.pixels + tile_width - 1) / tile_width;
-  const auto all = static_cast<rc_u32>(tiles_per_line * instrument.lines);
-  const std::uint64_t count = (pixels + static_cast<std::uint64_t>(tile_width) - 1) / static_cast<std::uint64_t>(tile_width);
-  std::set<rc_u32> taken;
-  for (rc_u32 i = 0; tiles.size() < std::min<std::uint64_t>(count, all); ++i) {
-    const rc_u32 place = rc_hash(static_cast<rc_u32>(seed), i, static_cast<rc_u32>(seed >> 32), kPickDimension) % all;
-    if (!taken.insert(place).second) continue;
-    const int line = static_cast<int>(place) / tiles_per_line, column = static_cast<int>(place) % tiles_per_line * tile_width;
-    tiles.push_back({line, 1, column, std::min(tile_width, instrument.pixels - column)});
-  }
-  return tiles;
-}
-
-std::uint64_t pixels_of(const std::vector<render::Tile>& tiles) {
-  std::uint64_t pixels = 0;
-  for (const render::Tile& tile : tiles) pixels += tile.pixels();
-  return pixels;
-}
 
 reference::HitReport check_hits(render::Renderer& renderer, const scene::CompiledScene& scene,
                                 const scene::Instrument& instrument, std::uint64_t seed, std::uint64_t rays, int threads,

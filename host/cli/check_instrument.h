@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "host/reference/compare.h"
+#include "host/render/picked_tiles.h"
 #include "host/render/renderer.h"
 
 namespace raycube::cli {
@@ -17,11 +18,8 @@ struct CheckOptions {
   int threads = 0;                     ///< of the reference; 0: all
 };
 
-/// Tiles that hold the pixels to check: groups picked by a hash of the seed and a counter, or every line of the image.
-std::vector<render::Tile> pick_tiles(const scene::Instrument& instrument, std::uint64_t seed, std::uint64_t pixels);
-
-/// Pixels that tiles hold.
-std::uint64_t pixels_of(const std::vector<render::Tile>& tiles);
+using render::pick_tiles;
+using render::pixels_of;
 
 /// First hits of at least `rays` rays (of all when the image has fewer), device against Embree and double. Tiles of the image
 /// picked as above; memory does not grow with `rays`. `progress`: called with the number of rays compared since the last call.

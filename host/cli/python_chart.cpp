@@ -45,20 +45,24 @@ void append_drawn(base::OutputFile& picture, const std::string& path) {
   for (std::size_t bytes; (bytes = std::fread(buffer, 1, sizeof buffer, in.get())) > 0;) picture.append(buffer, bytes);
 }
 
-std::string draw_chart(const std::string& script, const std::string& figures_json, const std::string& chart, base::IfExists if_exists) {
-  const std::string figures = std::filesystem::path(chart).replace_extension(".json").string();
-  if (figures == chart) throw base::Error(base::Fault::input, chart + ": a chart is a PNG; its figures go to the .json beside it");
-  base::OutputFile numbers(figures, if_exists), picture(chart, if_exists);
-  numbers.append(figures_json);
+void draw_into(const std::string& script, base::OutputFile& figures, base::OutputFile& picture) {
   // The script writes under a name of its own with the right ending; the bytes then go where an unfinished file is never seen.
   const std::string drawn = picture.temporary_path() + ".png";
   struct Remove {
     const std::string& path;
     ~Remove() { std::remove(path.c_str()); }
   } remove{drawn};
-  numbers.sync();
-  run_script(script, numbers.temporary_path(), drawn);
+  figures.sync();
+  run_script(script, figures.temporary_path(), drawn);
   append_drawn(picture, drawn);
+}
+
+std::string draw_chart(const std::string& script, const std::string& figures_json, const std::string& chart, base::IfExists if_exists) {
+  const std::string figures = std::filesystem::path(chart).replace_extension(".json").string();
+  if (figures == chart) throw base::Error(base::Fault::input, chart + ": a chart is a PNG; its figures go to the .json beside it");
+  base::OutputFile numbers(figures, if_exists), picture(chart, if_exists);
+  numbers.append(figures_json);
+  draw_into(script, numbers, picture);
   numbers.publish();
   picture.publish();
   return figures;

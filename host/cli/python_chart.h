@@ -11,6 +11,9 @@ namespace raycube::cli {
 /// returns the figures' name. Neither file is there unless both are whole.
 std::string draw_chart(const std::string& script, const std::string& figures_json, const std::string& chart, base::IfExists if_exists);
 
+/// The same into files that are begun already, neither published.
+void draw_into(const std::string& script, base::OutputFile& figures, base::OutputFile& picture);
+
 /// Runs a script of host/plots on a file of figures (JSON) that says where to draw. Throws Error(environment) when Python or
 /// matplotlib is missing.
 void run_plot(const std::string& script, const std::string& figures);

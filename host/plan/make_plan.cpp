@@ -75,9 +75,9 @@ double fit_map(Plan& plan, double sun_azimuth, const std::vector<Mixture>& mixtu
   return worst;
 }
 
-/// The sky with 1, 2, ... components, up to the first that meets its share.
+/// The sky with 1, 2, ... components, up to the first of at least `least` that meets its share.
 std::vector<SkyLevel> sky_levels(const SkyFactorizer& sky, Sky kind, const TableSpectra& air, const Domain& domain, const BandSpace& bands,
-                                 const std::vector<double>& typical, double share) {
+                                 const std::vector<double>& typical, double share, int least = 1) {
   std::vector<SkyLevel> levels;
   if (sky.black()) return levels;
   const int most = kind == Sky::thermal ? kMaxThermalComponents : kMaxSkyComponents;
@@ -90,7 +90,7 @@ std::vector<SkyLevel> sky_levels(const SkyFactorizer& sky, Sky kind, const Table
       levels.pop_back();
       break;
     }
-    if (!levels.back().negative && levels.back().error <= share) break;
+    if (rank >= least && !levels.back().negative && levels.back().error <= share) break;
   }
   return levels;
 }
@@ -103,6 +103,22 @@ nlohmann::json describe(const std::vector<SkyLevel>& levels) {
                    {"worst_obstacle_error_of_sky_irradiance", level.relative_error},
                    {"refused_negative", level.negative}});
   return out;
+}
+
+/// Each override that is given and its value.
+nlohmann::json given_keys(const scene::PlanOverrides& given) {
+  nlohmann::json out = nlohmann::json::object();
+  for (const auto& [key, value] : {std::pair{"sky_rank", given.sky_rank}, {"height_nodes", given.height_nodes}, {"view_nodes", given.view_nodes}, {"path_nodes", given.path_nodes}})
+    if (value > 0) out[key] = value;
+  return out;
+}
+
+/// " (sky_rank 1, view_nodes 7)".
+std::string describe_given(const scene::PlanOverrides& given) {
+  const nlohmann::json keys = given_keys(given);
+  std::string out;
+  for (const auto& [key, value] : keys.items()) out += (out.empty() ? " (" : ", ") + key + " " + value.dump();
+  return out + ")";
 }
 
 nlohmann::json describe(const NodeAxis& axis) { return {{"first", axis.first}, {"step", axis.step}, {"count", axis.count}}; }
@@ -167,18 +183,24 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
     temperatures = temperature_levels(emitters, air, domain, bands, covered, typical);
     for (const auto& level : temperatures) errors.temperature.emplace_back(static_cast<int>(level.node_K.size()), level.error);
   }
-  if (skylight) levels = sky_levels(sky, Sky::solar, air, domain, bands, typical, share);
+  const scene::PlanOverrides& given = simulation.plan;
+  if (skylight) levels = sky_levels(sky, Sky::solar, air, domain, bands, typical, share, given.sky_rank);
   for (const auto& level : levels) errors.sky_rank.push_back(level.negative ? std::numeric_limits<double>::infinity() : level.error);
   for (const auto& level : thermal_levels) errors.thermal_rank.push_back(level.negative ? std::numeric_limits<double>::infinity() : level.error);
   NodeChoice choice;
   double budget = 0;
   for (const double part : {kBudget, 0.75, 1.0}) {  // where the channels do not hold the budget, the cheapest that holds more
     budget = part * simulation.tolerance;
-    choice = choose_nodes(errors, budget);
+    choice = choose_nodes(errors, budget, given);
     if (choice.within_budget) break;
   }
+  if (!choice.possible)
+    throw base::Error(base::Fault::input,
+                      fmt::format("{}: [plan] asks for what no plan can have{}: more than {} channels, or a sky of so few components that it takes away more "
+                                  "than there is; give fewer nodes, another sky_rank, or remove a key",
+                                  simulation.file, describe_given(given), RC_MAX_CHANNELS));
   const double total = choice.total();
-  if (total > simulation.tolerance)
+  if (total > simulation.tolerance && !given.any())
     throw base::Error(base::Fault::input,
                       fmt::format("instrument '{}': {} channels cannot hold the tolerance of {:g}: the nodes of height, view and path and the "
                                   "sky's components leave an error of {:.3g} (source {:.3g}, path {:.3g}, sky {:.3g}, temperatures {:.3g}); raise the "
@@ -254,6 +276,7 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
                {"irradiance_map_size", plan.irradiance.size},
                {"irradiance_map_error", map_error}}},
       {"adjacency", describe(plan.environment, simulation.scene)}};
+  if (given.any()) report["given"] = given_keys(given), report["within_tolerance"] = total <= simulation.tolerance;
   if (air.thermal()) {
     report["error"]["temperature_nodes"] = choice.emission_error;
     report["error"]["left_out"] = choice.left_out;

@@ -40,11 +40,13 @@ std::array<double, kNodeCounts.size()> node_errors(const std::vector<Line>& line
   return error;
 }
 
-NodeChoice choose_nodes(const NodeErrors& errors, double budget) {
+NodeChoice choose_nodes(const NodeErrors& errors, double budget, const scene::PlanOverrides& given) {
+  const auto allowed = [](int wanted, std::size_t count) { return wanted == 0 || wanted == kNodeCounts[count]; };
+  const int most_rank = static_cast<int>(errors.sky_rank.size()), wanted_rank = std::min(given.sky_rank, most_rank);
   const bool sky = !errors.sky_rank.empty();
   NodeChoice best;
   int best_cost = std::numeric_limits<int>::max();
-  bool found = false;
+  bool& found = best.possible;
   // Levels of thermal light: one that costs nothing where there is none.
   struct Level {
     int rank;
@@ -61,11 +63,12 @@ NodeChoice choose_nodes(const NodeErrors& errors, double budget) {
   for (const Level& level : levels)
     for (std::size_t rank = sky ? 1 : 0; rank <= errors.sky_rank.size(); ++rank) {
       const double sky_error = (sky ? errors.sky_rank[rank - 1] : 0) + level.sky_error;
-      if (!std::isfinite(sky_error)) continue;
+      if (!std::isfinite(sky_error) || (wanted_rank > 0 && static_cast<int>(rank) != wanted_rank)) continue;
       for (std::size_t h = 0; h < kNodeCounts.size(); ++h)
         for (std::size_t v = 0; v < kNodeCounts.size(); ++v)
           for (std::size_t x = 0; x < kNodeCounts.size(); ++x)
             for (std::size_t y = 0; y < kNodeCounts.size(); ++y) {
+              if (!allowed(given.height_nodes, h) || !allowed(given.view_nodes, v) || !allowed(given.path_nodes, x) || !allowed(given.path_nodes, y)) continue;
               const int sources = errors.sun_sources + static_cast<int>(rank) + level.rank + errors.surroundings;
               const int source = sources * kNodeCounts[h] * kNodeCounts[v], emission = level.nodes * kNodeCounts[h] * kNodeCounts[v];
               const int path = kNodeCounts[h] * kNodeCounts[x] * kNodeCounts[y];
@@ -87,8 +90,8 @@ NodeChoice choose_nodes(const NodeErrors& errors, double budget) {
               else if (found)
                 better = choice.total() < best.total();
               if (!better) continue;
-              found = true;
               best = choice;
+              found = true;
               best_cost = cost;
             }
     }

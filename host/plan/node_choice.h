@@ -46,10 +46,12 @@ struct NodeChoice {
   double source_error = 0, path_error = 0, sky_error = 0;  ///< sums over the axes
   double total() const { return source_error + path_error + sky_error + emission_error + left_out; }
   bool within_budget = true;                               ///< total() <= budget
+  bool possible = false;
 };
 
 /// Cheapest counts whose total error fits `budget`; where RC_MAX_CHANNELS or the sky forbid that, the smallest total error.
-NodeChoice choose_nodes(const NodeErrors& errors, double budget);
+/// `given`: counts that are not for us to choose; when they leave nothing, `possible` is false.
+NodeChoice choose_nodes(const NodeErrors& errors, double budget, const scene::PlanOverrides& given = {});
 
 /// Uniform axis of `count` nodes over lo..hi; one node stands in the middle. Degenerate ranges get one node.
 NodeAxis make_axis(double lo, double hi, int count);

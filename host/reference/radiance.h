@@ -66,6 +66,13 @@ class ArithmeticModel {
   std::vector<std::vector<double>> reflectance_;  ///< [material][grid]
 };
 
+/// How a pixel's samples share the sky directions of the model form: each looks into `per_sample` of them, evenly spread, another lot for
+/// each sample, and what it sees counts for all. 0: every sample looks into all. `turn_rad`: the whole set is turned about the zenith.
+struct SkyShare {
+  int per_sample = 0;
+  double turn_rad = 0;
+};
+
 /// Model form: the whole table at each pixel's exact view and heights, and a dense set of sky directions. Thermal light: every
 /// material at its own temperature, and what hides the sky is looked up: it sends (1 - rho) B at its own temperature, and
 /// rho B at the plan's surroundings' for the light that falls on it.
@@ -74,7 +81,7 @@ class TableModel {
   /// Keeps references. height_lo_m, height_hi_m: heights of every point that will be asked for. `no_air`: transmissions
   /// 1, no sky, no path.
   TableModel(const ReferenceScene& scene, const plan::Plan& plan, const atmos::RenderTable& table, bool no_air,
-             double height_lo_m, double height_hi_m, int directions = 1024);
+             double height_lo_m, double height_hi_m, int directions = 1024, const SkyShare& share = {});
 
   BandRadiance radiance(const SampledPixel& pixel) const;
 
@@ -92,7 +99,8 @@ class TableModel {
   bool sun_ = true, skylight_ = true;      ///< the table has rows of the sun's light
   std::vector<std::vector<double>> reflectance_;
   std::vector<glm::dvec3> direction_;
-  double solid_angle_ = 0;                 ///< sr, of each direction
+  std::size_t stride_ = 1;                 ///< a sample looks into every so many
+  double solid_angle_ = 0;                 ///< sr, of each direction that a sample looks into
   double height_first_ = 0, height_step_ = 1;
   std::optional<EnvironmentModel> environment_;
   std::vector<std::vector<float>> sky_;    ///< [height node][direction * table wavelengths], W m-2 sr-1 um-1

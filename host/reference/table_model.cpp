@@ -30,7 +30,7 @@ double azimuth_deg(const glm::dvec3& unit) { return std::atan2(unit.x, unit.y) *
 }  // namespace
 
 TableModel::TableModel(const ReferenceScene& scene, const plan::Plan& plan, const atmos::RenderTable& table, bool no_air,
-                       double height_lo_m, double height_hi_m, int directions)
+                       double height_lo_m, double height_hi_m, int directions, const SkyShare& share)
     : scene_(scene), plan_(plan), table_(table), no_air_(no_air),
       reflectance_(reflectance_on(scene.compiled, plan.wavelength_um)) {
   sun_ = plan.sun_up && table.has("solar_irradiance");
@@ -41,9 +41,10 @@ TableModel::TableModel(const ReferenceScene& scene, const plan::Plan& plan, cons
   const double turn = std::numbers::pi * (3 - std::sqrt(5.0));
   for (int k = 0; k < directions; ++k) {
     const double z = (k + 0.5) / directions, r = std::sqrt(1 - z * z);
-    direction_.emplace_back(r * std::sin(turn * k), r * std::cos(turn * k), z);
+    direction_.emplace_back(r * std::sin(turn * k + share.turn_rad), r * std::cos(turn * k + share.turn_rad), z);
   }
-  solid_angle_ = 2 * std::numbers::pi / directions;
+  if (share.per_sample > 0) stride_ = static_cast<std::size_t>(std::max(1, directions / share.per_sample));
+  solid_angle_ = 2 * std::numbers::pi / directions * static_cast<double>(stride_);
   height_lo_m = within_table(table, height_lo_m), height_hi_m = within_table(table, height_hi_m);
   const int steps = static_cast<int>(std::ceil((height_hi_m - height_lo_m) / kSkyHeightStep_m));
   height_first_ = height_lo_m;
@@ -122,7 +123,11 @@ BandRadiance TableModel::radiance(const SampledPixel& pixel) const {
   };
   std::map<std::uint32_t, PerMaterial> ends[2];  // by material
   double path_weight[2] = {0, 0};
+  // Samples that follow each other look into other lots: the step is odd, so all lots come up, and so many apart that rows of a grid do not
+  // meet the same one again. Pixels start anywhere.
+  std::size_t lot = pixel.number * 2654435769u;
   for (const Sample& sample : pixel.samples) {
+    lot += 13;
     const double z = sample.hit.miss() ? static_cast<double>(plan_.height.first) : sample.point.z;
     const double f = highest > lowest ? (z - lowest) / (highest - lowest) : 0;
     const double share[2] = {sample.weight * (1 - f), sample.weight * f};
@@ -133,7 +138,7 @@ BandRadiance TableModel::radiance(const SampledPixel& pixel) const {
     const auto surface_of = [&](const Hit& hit) {
       return hit.miss() ? RC_NONE : scene_.compiled.blocks[hit.primitive / RC_BLOCK].surface[hit.primitive % RC_BLOCK];
     };
-    for (std::size_t k = 0; k < direction_.size(); ++k) {
+    for (std::size_t k = lot % stride_; k < direction_.size(); k += stride_) {
       const double cosine = glm::dot(sample.normal, direction_[k]);
       if (cosine > 0 && scene_.sees(sample, direction_[k])) seen[k] = cosine * solid_angle_;
       if (!plan_.thermal.on) continue;

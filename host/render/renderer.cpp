@@ -178,8 +178,8 @@ RenderStatistics Renderer::render(const scene::Instrument& instrument, const pla
   return statistics;
 }
 
-void Renderer::probe(const scene::Instrument& instrument, const plan::Plan& plan, const scene::Sun& sun,
-                     std::uint64_t seed, const std::vector<Tile>& tiles, const ProbeSink& sink) {
+RenderStatistics Renderer::probe(const scene::Instrument& instrument, const plan::Plan& plan, const scene::Sun& sun,
+                                 std::uint64_t seed, const std::vector<Tile>& tiles, const ProbeSink& sink) {
   const RenderSetup setup = state_->setup(instrument, plan, sun, seed);
   std::size_t pixels = 1;
   int lines = 1;
@@ -194,9 +194,13 @@ void Renderer::probe(const scene::Instrument& instrument, const plan::Plan& plan
     PixelProbe probe;
     probe.radiance.resize(tile.pixels() * setup.shape.bands);
     probe.truth.resize(tile.pixels() * layers);
-    worker.run(tile, probe.radiance.data(), probe.truth.data(), &probe);
-    sink(probe);
+    worker.run(tile, probe.radiance.data(), probe.truth.data(), sink ? &probe : nullptr);
+    if (sink) sink(probe);
   }
+  RenderStatistics statistics = worker.statistics();
+  statistics.terms_p50 = percentile(worker.term_histogram(), 0.5);
+  statistics.terms_p95 = percentile(worker.term_histogram(), 0.95);
+  return statistics;
 }
 
 void Renderer::probe_hits(const scene::Instrument& instrument, std::uint64_t seed, const std::vector<Tile>& tiles,

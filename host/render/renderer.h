@@ -84,8 +84,8 @@ class Renderer {
                           std::uint64_t seed, const StripSink& sink, const ProgressSink& progress = {});
 
   /// Renders tiles (first_column a multiple of 4; full width, or one line) and hands each to the sink with everything the
-  /// stages said about it. Programs are built once for all of them.
-  void probe(const scene::Instrument& instrument, const plan::Plan& plan, const scene::Sun& sun, std::uint64_t seed,
+  /// stages said about it. Programs are built once for all of them. Without a sink nothing is collected: what is timed is what render does.
+  RenderStatistics probe(const scene::Instrument& instrument, const plan::Plan& plan, const scene::Sun& sun, std::uint64_t seed,
              const std::vector<Tile>& tiles, const ProbeSink& sink);
 
   /// The same tiles' first hits and nothing else: trace_primary alone, by the very program that render launches.

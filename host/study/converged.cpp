@@ -1,0 +1,81 @@
+#include "host/study/converged.h"
+
+#include <algorithm>
+#include <mutex>
+#include <numbers>
+
+#include "host/base/interrupt.h"
+#include "host/reference/parallel.h"
+#include "host/reference/radiance.h"
+#include "host/sensors/ray_groups.h"
+#include "kernels/sampling/sampler.h"
+
+namespace raycube::study {
+
+namespace {
+
+constexpr rc_u32 kSeedDimension = 47;  ///< of the hash: no sampler uses it
+constexpr int kHalves = 2;
+
+std::vector<reference::PixelAddress> addresses(const scene::Instrument& instrument, const std::vector<render::Tile>& tiles) {
+  const int width = sensors::pixels_per_group(instrument), per_line = sensors::groups_per_line(instrument);
+  std::vector<reference::PixelAddress> out;
+  for (const render::Tile& tile : tiles) {
+    const auto groups = sensors::make_ray_groups(instrument, tile.first_line, tile.lines);
+    for (int line = 0; line < tile.lines; ++line)
+      for (int column = tile.first_column; column < tile.first_column + tile.columns; ++column) {
+        reference::PixelAddress& address = out.emplace_back();
+        address.line = static_cast<std::uint32_t>(tile.first_line + line);
+        address.sample = static_cast<std::uint32_t>(column);
+        address.group = groups[static_cast<std::size_t>(line * per_line + column / width)];
+        address.lane = column % width;
+        address.group_width = width;
+      }
+  }
+  return out;
+}
+
+}  // namespace
+
+Converged converge(const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan, const atmos::RenderTable& table,
+                   const std::vector<render::Tile>& tiles, const ConvergedSettings& settings, const std::function<void(std::uint64_t)>& progress) {
+  scene::Instrument fine = instrument;
+  fine.sampler = scene::SamplerKind::jittered;
+  fine.samples_u = fine.samples_v = settings.grid;
+  const reference::ReferenceScene scene(simulation.scene);
+  const double floor_m = static_cast<double>(plan.height.first);
+  const bool empty = !(simulation.scene.lo[2] <= simulation.scene.hi[2]);
+  const double low = empty ? floor_m : std::min(floor_m, static_cast<double>(simulation.scene.lo[2]));
+  const double high = empty ? floor_m : std::max(low, std::min(static_cast<double>(simulation.scene.hi[2]), table.sensor_height_m));
+  // The second half's sky is turned by half the spiral's step, so that what the spiral itself is off shows between them.
+  const double turn = 0.5 * std::numbers::pi * (3 - std::sqrt(5.0));
+  std::vector<reference::TableModel> models;
+  for (int half = 0; half < kHalves; ++half)
+    models.emplace_back(scene, plan, table, simulation.atmosphere.none, low, high, settings.directions, reference::SkyShare{settings.per_sample, half * turn});
+
+  const std::vector<reference::PixelAddress> pixels = addresses(instrument, tiles);
+  Converged out;
+  out.bands = plan.bands.size();
+  out.radiance.resize(pixels.size() * out.bands);
+  out.half.resize(out.radiance.size());
+  std::mutex mutex;
+  reference::for_each_index(pixels.size(), settings.threads, [&](std::size_t p) {
+    base::throw_if_interrupted();
+    reference::BandRadiance found[kHalves];
+    for (rc_u32 half = 0; half < kHalves; ++half) {
+      const std::uint64_t seed = rc_hash(static_cast<rc_u32>(simulation.seed), half, static_cast<rc_u32>(simulation.seed >> 32), kSeedDimension);
+      found[half] = models[half].radiance(scene.sample_pixel(fine, plan, seed, pixels[p]));
+    }
+    for (std::size_t b = 0; b < out.bands; ++b) {
+      const double first = found[0].total(b), second = found[1].total(b);
+      out.radiance[p * out.bands + b] = (first + second) / 2;
+      out.half[p * out.bands + b] = (first - second) / 2;
+    }
+    if (!progress) return;
+    const std::lock_guard lock(mutex);
+    progress(1);
+  });
+  return out;
+}
+
+}  // namespace raycube::study
