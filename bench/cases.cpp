@@ -16,6 +16,7 @@ const std::vector<Case>& all_cases() {
       {"check", "first hits on the terrain against Embree (robust) and double, as `raycube check` compares them", run_check},
       {"lidar", "pulses traced and binned against Embree doing the same; pulses a second with waveforms and echoes", run_lidar},
       {"leaks", "1e8 camera rays and 1e8 rays aimed at edges through closed meshes", run_leaks},
+      {"roofline", "each stage of the park: bytes and flops over the write bandwidth and the FMA peak", run_roofline},
   };
   return cases;
 }

@@ -40,5 +40,6 @@ void run_integrate(const Settings&, Report&);
 void run_check(const Settings&, Report&);
 void run_lidar(const Settings&, Report&);
 void run_leaks(const Settings&, Report&);
+void run_roofline(const Settings&, Report&);
 
 }  // namespace raycube::bench

@@ -110,6 +110,10 @@ void Report::write_json(const std::string& path) const {
       json[f.key + "_max"] = f.spread.highest;
       json[f.key + "_runs"] = f.spread.count;
     }
+    if (f.goal) {
+      json[f.key + "_goal"] = f.goal->value;
+      json[f.key + "_goal_is"] = f.goal->sense == Goal::Sense::at_least ? "at least" : "at most";
+    }
   }
   json["goals_missed"] = fmt::format("{}", fmt::join(missed(), "; "));
   const std::string partial = path + ".partial";

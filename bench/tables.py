@@ -1,0 +1,83 @@
+#!/usr/bin/env python3
+"""Puts measured figures where people read them: bench/tables.py PART ... (PART: groups, mitsuba, scaling)
+
+Adds what the scripts measured (build/bench/PART.json) to build/bench.json and renews the tables between `<!-- ci/bench PART -->` and
+`<!-- end -->` in bench/RESULTS.md and README.md. ci/bench calls it with what it has just run.
+"""
+import json
+import pathlib
+import re
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+BENCH = ROOT / "build/bench.json"
+SUFFIXES = ("_min", "_max", "_runs", "_goal", "_goal_is")
+
+
+def number(value):
+    if float(value).is_integer() and abs(value) < 1e6:
+        return str(int(value))
+    return f"{value:.3g}"
+
+
+def groups(figures):
+    """Every number of bench.json: the median, extremes and number of runs, the goal and whether it is met."""
+    lines = [f"Commit {figures['commit']}; {figures['cpu']}, {figures['hardware_threads']} hardware threads, {figures.get('device', '')}.", "",
+             "| figure | median [lowest .. highest] (runs) | goal |", "|---|---|---|"]
+    for key, value in figures.items():
+        if isinstance(value, str) or key.endswith(SUFFIXES):
+            continue
+        spread = f" [{number(figures[key + '_min'])} .. {number(figures[key + '_max'])}]" if key + "_min" in figures else ""
+        runs = f" ({figures[key + '_runs']})" if key + "_runs" in figures else ""
+        goal = ""
+        if key + "_goal" in figures:
+            sense, bound = figures[key + "_goal_is"], figures[key + "_goal"]
+            met = value >= bound if sense == "at least" else value <= bound
+            goal = f"{sense} {number(bound)}, {'met' if met else 'missed'}"
+        lines.append(f"| `{key}` | {number(value)}{spread}{runs} | {goal} |")
+    return "\n".join(lines) + "\n"
+
+
+def readme_mitsuba(data):
+    facts, best = data["scene"], data["fastest"]
+    return (f"Against Mitsuba 3.9.1 ({best}, the fastest of its variants that run; {facts['pixels']} x {facts['pixels']} pixels, 360 bands, "
+            f"{facts['triangles_placed'] / 1e6:.0f} M placed triangles, sun and even sky, direct light, 2 threads): "
+            f"**{data['cube_vs_mitsuba3_equal_error']:.0f} x** faster at equal rms error of the median band "
+            f"[{data['cube_vs_mitsuba3_equal_error_min']:.0f} .. {data['cube_vs_mitsuba3_equal_error_max']:.0f} over errors], load and compilation left out "
+            "on both sides, raycube's plan and writing counted: [bench/RESULTS.md](bench/RESULTS.md).\n")
+
+
+def renew(path, part, text):
+    """Replaces what stands between the markers of `part`. A page without them is left as it is; True when it had them."""
+    page = path.read_text()
+    pattern = re.compile(rf"(<!-- ci/bench {re.escape(part)} -->\n).*?(<!-- end -->)", re.S)
+    if not pattern.search(page):
+        return False
+    path.write_text(pattern.sub(lambda m: m[1] + text + m[2], page, count=1))
+    return True
+
+
+def main(parts):
+    figures = json.loads(BENCH.read_text()) if BENCH.exists() else {}
+    texts = {}
+    if "mitsuba" in parts:
+        data = json.loads((ROOT / "build/bench/mitsuba.json").read_text())
+        keys = {k: v for k, v in data.items() if k.startswith("cube_vs_mitsuba3")}
+        figures.update(keys, cube_vs_mitsuba3_equal_error_goal=50.0, cube_vs_mitsuba3_equal_error_goal_is="at least", mitsuba_variant=data["fastest"],
+                       mitsuba_agreement_mean_worst=data["agreement_mean_worst"])
+        texts["mitsuba"] = (ROOT / "build/bench/mitsuba.md").read_text()
+        renew(ROOT / "README.md", "mitsuba", readme_mitsuba(data))
+    if "scaling" in parts:
+        figures.update(json.loads((ROOT / "build/bench/scaling.json").read_text())["keys"])
+        texts["scaling"] = (ROOT / "build/bench/scaling.md").read_text()
+    BENCH.write_text(json.dumps(figures, indent=2) + "\n")
+    if "groups" in parts:
+        texts["groups"] = groups(figures)
+    for part, text in texts.items():
+        if not renew(ROOT / "bench/RESULTS.md", part, text):
+            raise SystemExit(f"tables: bench/RESULTS.md has no lines '<!-- ci/bench {part} -->' and '<!-- end -->'; put them where the table belongs")
+    print(f"tables: {', '.join(texts)} renewed in bench/RESULTS.md; {BENCH.relative_to(ROOT)} has {len(figures)} keys")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
