@@ -1,8 +1,10 @@
 # raycube_test(name SOURCES a.cpp LIBS lib... LABELS fast|slow|device): one doctest executable that is one ctest test.
-# tests/test_main.cpp supplies main(). Names of doctest cases carry the S-numbers they show.
+# tests/test_main.cpp supplies main(), compiled once for all. Names of doctest cases carry the S-numbers they show.
+add_library(raycube_test_main OBJECT ${PROJECT_SOURCE_DIR}/tests/test_main.cpp)
+target_link_libraries(raycube_test_main PRIVATE raycube_warnings)
 function(raycube_test name)
   cmake_parse_arguments(T "" "" "SOURCES;LIBS;LABELS" ${ARGN})
-  add_executable(test_${name} ${T_SOURCES} ${PROJECT_SOURCE_DIR}/tests/test_main.cpp)
+  add_executable(test_${name} ${T_SOURCES} $<TARGET_OBJECTS:raycube_test_main>)
   target_link_libraries(test_${name} PRIVATE raycube_warnings ${T_LIBS})
   set_target_properties(test_${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
   add_test(NAME ${name} COMMAND test_${name})

@@ -10,7 +10,7 @@
 namespace raycube::scene {
 
 struct LoadOptions {
-  std::optional<std::uint64_t> seed;  ///< instead of the file's
+  std::optional<std::uint64_t> seed = {};  ///< instead of the file's
   bool compile = true;                ///< false: validate only, Simulation::scene stays empty
   bool need_instruments = false;      ///< a file without [[instrument]] and [[lidar]] is an error
 };

@@ -11,12 +11,12 @@ namespace raycube::scene {
 
 struct SpectrumRequest {
   std::string file;      ///< .csv, or .sli with its header beside it
-  std::string spectrum;  ///< name in a library; may be empty when it holds one
+  std::string spectrum = {};  ///< name in a library; may be empty when it holds one
   std::string reflectance_column = "reflectance";
   std::string transmittance_column = "transmittance";
-  std::optional<double> scale;  ///< on the file's values
-  std::string medium;           ///< "air", "vacuum", or "" = as the file says
-  base::Where asked_by;
+  std::optional<double> scale = {};  ///< on the file's values
+  std::string medium = {};           ///< "air", "vacuum", or "" = as the file says
+  base::Where asked_by = {};
 };
 
 /// Reads, converts and checks a spectrum; nullopt after reporting every problem. Rules: wavelengths finite,
