@@ -75,6 +75,7 @@ void read_samples(const Record& record, Instrument& out, Problems& problems) {
                    "write samples = { grid = [11, 11] }");
       return;
     }
+    out.samples_given = true;
     if (samples->given("lattice")) {
       out.sampler = SamplerKind::lattice;
       out.samples_u = static_cast<int>(samples->integer("lattice"));

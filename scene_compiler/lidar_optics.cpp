@@ -94,7 +94,8 @@ void read_sampling(const Record& sampling, Lidar& out, const LidarReport&) {
   const bool array = out.receiver.columns * out.receiver.rows > 1;
   const bool receiver = sampling.given("from") ? sampling.text("from") == "receiver" : array;
   t.sampling = receiver ? LidarSampling::receiver : LidarSampling::transmitter;
-  t.subrays = static_cast<int>(sampling.integer("subrays"));
+  t.subrays_given = sampling.given("subrays");
+  if (t.subrays_given) t.subrays = static_cast<int>(sampling.integer("subrays"));
   t.max_bounces = static_cast<int>(sampling.integer("bounces"));
   t.line_nodes = static_cast<int>(sampling.integer("line_nodes"));
   t.group_index = sampling.number("group_index");

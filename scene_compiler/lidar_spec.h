@@ -92,6 +92,7 @@ enum class LidarOverlap { off, exact };
 struct LidarTransport {
   LidarSampling sampling = LidarSampling::transmitter;
   int subrays = 256;               ///< per pulse (transmitter) or per pixel (receiver)
+  bool subrays_given = false;      ///< by the file; otherwise the planner chooses them (host/planner)
   int max_bounces = 1;             ///< surface or volume scatterings a path may have
   int line_nodes = 32;             ///< Gauss-Hermite nodes of a line with a width; 1 for a monochromatic one
   double group_index = 1;          ///< time = group_index * path / c

@@ -201,7 +201,8 @@ Simulation load_simulation(const std::string& file, const LoadOptions& options) 
   const Record root = read_document(file, problems);
   out.tolerance = root.number("tolerance");
   out.seed = options.seed.value_or(static_cast<std::uint64_t>(root.integer("seed")));
-  out.sky_directions = static_cast<int>(root.integer("sky_directions"));
+  out.sky_directions_given = root.given("sky_directions");
+  if (out.sky_directions_given) out.sky_directions = static_cast<int>(root.integer("sky_directions"));
   out.plan = read_plan(root, problems);
   // A file that could not be read at all has one problem; what it lacks is not worth a line.
   const bool readable =

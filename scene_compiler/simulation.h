@@ -45,6 +45,7 @@ struct Instrument {
   double nominal_agl_m = 0;       ///< what the file called altitude above ground; 0 when poses were given
   SamplerKind sampler = SamplerKind::grid;
   int samples_u = 11, samples_v = 11;   ///< grid and jittered: cells; lattice: total = samples_u * samples_v points
+  bool samples_given = false;           ///< by the file; otherwise the planner chooses them (host/planner)
   double psf_sigma_px = 0;        ///< Gaussian PSF sigma in pixels; 0: box, no blur
   double psf_support_px = 1;      ///< width of the square the samples cover, pixels; 1 for the box
   std::vector<Band> bands;
@@ -134,6 +135,7 @@ struct Simulation {
   double tolerance = 0.01;
   std::uint64_t seed = 1;
   int sky_directions = 16;        ///< per pixel
+  bool sky_directions_given = false;  ///< by the file; otherwise the planner chooses them (host/planner)
   PlanOverrides plan;
   AtmosphereSpec atmosphere;
   Sun sun;

@@ -7,6 +7,7 @@
 #include "host/base/error.h"
 #include "host/lidar/air_column.h"
 #include "host/lidar/make_lidar_plan.h"
+#include "host/planner/plan_file.h"
 
 namespace raycube::cli {
 
@@ -18,7 +19,7 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 
 }  // namespace
 
-LidarJob prepare_lidar(const scene::Simulation& simulation, const scene::Lidar& lidar, Context& context) {
+LidarJob prepare_lidar(const scene::Simulation& simulation, const scene::Lidar& lidar, Context& context, const LidarPlanning& planning) {
   LidarJob job;
   job.lidar = &lidar;
   auto start = std::chrono::steady_clock::now();
@@ -34,6 +35,18 @@ LidarJob prepare_lidar(const scene::Simulation& simulation, const scene::Lidar& 
   job.table_s = seconds_since(start);
   start = std::chrono::steady_clock::now();
   job.plan = lidar::make_lidar_plan(simulation, lidar, table.get());
+  if (planning.replay) {
+    job.decision = planner::subrays_as_given(job.plan, simulation.tolerance);
+    job.decision.subrays = planner::find_entry(*planning.replay, lidar.name, true, planning.replay_path).subrays;
+    job.decision.rays_per_pulse = planner::rays_of_pulse(job.plan, job.decision.subrays);
+  } else if (planning.renderer) {
+    job.decision = planner::decide_subrays(*planning.renderer, job.plan, simulation.tolerance, planning.estimate_given);
+  } else {
+    job.decision = planner::subrays_as_given(job.plan, simulation.tolerance);
+  }
+  if (job.decision.subrays != job.plan.lidar.transport.subrays) planner::set_subrays(job.plan, job.decision.subrays);
+  job.plan_json = planner::lidar_decision_json(job.decision, planner::lidar_lines(job.decision, job.plan));
+  for (const auto& note : job.decision.notes) context.log.warning(note);
   job.plan_s = seconds_since(start);
   context.log.detail(lidar.name + ": air profiles in " + std::to_string(job.table_s) + " s, plan in " + std::to_string(job.plan_s) + " s");
   return job;

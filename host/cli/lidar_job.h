@@ -6,19 +6,34 @@
 
 #include "host/cli/verb.h"
 #include "host/lidar/lidar_plan.h"
+#include "host/planner/lidar_trial.h"
 #include "host/render/renderer.h"
 #include "scene_compiler/simulation.h"
 
+namespace raycube::planner {
+struct PlanFile;
+}
+
 namespace raycube::cli {
 
+/// How the planner settles the sub-rays where the file leaves them open.
+struct LidarPlanning {
+  render::LidarRenderer* renderer = nullptr;  ///< for its trial; null: no trial, the default stays
+  const planner::PlanFile* replay = nullptr;  ///< instead of a trial; with the path it was read from
+  std::string replay_path;
+  bool estimate_given = false;
+};
+
 struct LidarJob {
-  const scene::Lidar* lidar = nullptr;
+  const scene::Lidar* lidar = nullptr;        ///< as the file has it; the plan's own has the planner's sub-rays
   lidar::LidarPlan plan;
+  planner::LidarDecision decision;
+  std::string plan_json;                      ///< the decision and its lines
   double table_s = 0, plan_s = 0;
 };
 
 /// Air profiles of the layered model at the laser's wavelengths (none: no air; clear_sky has no profiles and is refused), then the plan.
-LidarJob prepare_lidar(const scene::Simulation& simulation, const scene::Lidar& lidar, Context& context);
+LidarJob prepare_lidar(const scene::Simulation& simulation, const scene::Lidar& lidar, Context& context, const LidarPlanning& planning = {});
 
 /// The LIDARs called `name`, or all when it is empty; none is no error.
 std::vector<const scene::Lidar*> pick_lidars(const scene::Simulation& simulation, const std::string& name);

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "host/base/error.h"
 #include "host/base/memory.h"
 #include "host/base/progress.h"
 #include "host/cl/device.h"
@@ -80,9 +81,10 @@ class GroundBelow {
 }  // namespace
 
 nlohmann::json render_lidar(const scene::Simulation& simulation, const scene::Lidar& lidar, const std::string& folder, double load_s,
-                            Context& context) {
+                            Context& context, const Planning& planning) {
   const auto settings = render_options(context.common);
-  LidarJob job = prepare_lidar(simulation, lidar, context);
+  render::LidarRenderer renderer(simulation.scene, settings);
+  LidarJob job = prepare_lidar(simulation, lidar, context, {&renderer, planning.replay, planning.replay_path, planning.estimate_given});
   const GroundBelow ground(simulation.scene, lidar);
   // The air of the first pulse fired lengthens them all: femtoseconds, but for the worst of paths.
   if (lidar.turbulence.profile != scene::TurbulenceProfile::none)
@@ -91,7 +93,6 @@ nlohmann::json render_lidar(const scene::Simulation& simulation, const scene::Li
   const lidar::LidarPlan& plan = job.plan;
   const auto start = std::chrono::steady_clock::now();
   LidarProducts output(folder, context.common.overwrite ? base::IfExists::replace : base::IfExists::refuse, simulation, plan);
-  render::LidarRenderer renderer(simulation.scene, settings);
   std::optional<LidarBackground> background;
   // By night only what the scene emits, beyond 2.5 um.
   const bool warm = std::any_of(lidar.pulse.lines.begin(), lidar.pulse.lines.end(), [](const auto& line) { return line.wavelength_um > 2.5; });
@@ -166,7 +167,7 @@ nlohmann::json render_lidar(const scene::Simulation& simulation, const scene::Li
   record.samples = lidar.gate.bins;
   record.lines = lidar.pulses * plan.pixels();
   record.bands = plan.lines();
-  record.samples_per_pixel = lidar.transport.subrays;
+  record.samples_per_pixel = plan.lidar.transport.subrays;
   record.stage_s = {{"load", load_s}, {"atmosphere", job.table_s}, {"plan", job.plan_s}};
   for (const auto& stage : stage_s) record.stage_s.push_back(stage);
   record.total_s = load_s + job.table_s + job.plan_s + render_s;
@@ -175,6 +176,7 @@ nlohmann::json render_lidar(const scene::Simulation& simulation, const scene::Li
   record.peak_memory_bytes = base::peak_resident_bytes();
   record.device_memory_bytes = device.global_memory_bytes;
   record.configuration_json = simulation.resolved_json;
+  record.plan_json = job.plan_json;
   const double pulses_per_s = static_cast<double>(lidar.pulses) / render_s;
   nlohmann::json more = {{"pulses", lidar.pulses}, {"echoes", echoes}, {"pulses_per_s", pulses_per_s}, {"worst_ledger_error", worst_ledger}};
   if (turbulence) more["turbulence"] = *turbulence;
@@ -187,12 +189,18 @@ nlohmann::json render_lidar(const scene::Simulation& simulation, const scene::Li
           {"worst_ledger_error", worst_ledger}, {"main", main_file(lidar, folder)}};
 }
 
-nlohmann::json dry_run_lidar(const scene::Simulation& simulation, const scene::Lidar& lidar, Context& context) {
-  const LidarJob job = prepare_lidar(simulation, lidar, context);
+nlohmann::json dry_run_lidar(const scene::Simulation& simulation, const scene::Lidar& lidar, Context& context, const Planning& planning) {
+  std::optional<render::LidarRenderer> renderer;
+  try {
+    renderer.emplace(simulation.scene, render_options(context.common));
+  } catch (const base::Error& error) {
+    if (error.fault() != base::Fault::device) throw;
+    context.log.warning(std::string("the error of the sub-rays cannot be estimated: ") + error.what());
+  }
+  const LidarJob job = prepare_lidar(simulation, lidar, context, {renderer ? &*renderer : nullptr, planning.replay, planning.replay_path, planning.estimate_given});
   const auto& plan = job.plan;
   const auto rows = static_cast<std::uint64_t>(lidar.pulses) * static_cast<std::uint64_t>(plan.pixels()) * static_cast<std::uint64_t>(plan.lines());
-  const std::uint64_t rays_per_pulse = static_cast<std::uint64_t>(lidar.transport.subrays) *
-                                       (lidar.transport.sampling == scene::LidarSampling::receiver ? static_cast<std::uint64_t>(plan.pixels()) : 1u);
+  const std::uint64_t rays_per_pulse = job.decision.rays_per_pulse;
   return {{"name", lidar.name},
           {"kind", "lidar"},
           {"pulses", lidar.pulses},
@@ -201,6 +209,7 @@ nlohmann::json dry_run_lidar(const scene::Simulation& simulation, const scene::L
           {"lines", plan.lines()},
           {"rays", static_cast<std::uint64_t>(lidar.pulses) * rays_per_pulse},
           {"spectral_nodes", plan.nodes.size()},
+          {"plan", nlohmann::json::parse(job.plan_json)},
           {"pulses_per_batch", batch_of(plan, context.common.memory_bytes)},
           {"waveform_bytes", rows * static_cast<std::uint64_t>(lidar.gate.bins) * sizeof(float)}};
 }

@@ -6,6 +6,7 @@
 
 #include "host/base/error.h"
 #include "host/cli/air_table.h"
+#include "host/planner/plan_file.h"
 #include "host/sensors/view_bounds.h"
 #include "scene_compiler/load_simulation.h"
 
@@ -60,15 +61,27 @@ std::vector<const scene::Instrument*> pick_instruments(const scene::Simulation& 
   return picked;
 }
 
-InstrumentJob prepare(const scene::Simulation& simulation, const scene::Instrument& instrument, Context& context) {
+InstrumentJob prepare(const scene::Simulation& simulation, const scene::Instrument& instrument, Context& context, const Planning& planning) {
   InstrumentJob job;
-  job.instrument = &instrument;
+  auto planned = std::make_shared<scene::Instrument>(instrument);
+  job.planned = planned;
+  job.instrument = planned.get();
   const plan::ViewBounds view = sensors::view_bounds(instrument);
   auto start = std::chrono::steady_clock::now();
   job.table = make_table(simulation, instrument, view.sensor_height_m, context);
   job.table_s = seconds_since(start);
   start = std::chrono::steady_clock::now();
   job.plan = plan::make_plan(simulation, instrument, job.table, view);
+  if (planning.replay) {
+    const auto& entry = planner::find_entry(*planning.replay, instrument.name, false, planning.replay_path);
+    job.decision = planner::replayed(entry, simulation, instrument, job.plan, planning.replay_path);
+  } else if (planning.renderer) {
+    job.decision = planner::decide(*planning.renderer, simulation, instrument, job.plan, planning.estimate_given);
+  } else {
+    job.decision = planner::as_given(simulation, instrument, job.plan);
+  }
+  planner::apply(job.decision, simulation, *planned, job.plan);
+  for (const auto& note : job.decision.notes) context.log.warning(note);
   job.plan_s = seconds_since(start);
   context.log.detail(instrument.name + ": atmosphere table in " + std::to_string(job.table_s) + " s, plan in " +
                      std::to_string(job.plan_s) + " s");

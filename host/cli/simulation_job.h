@@ -1,14 +1,20 @@
 // What `render` and `check` do first: a simulation file to a scene, and for each instrument its atmosphere table and plan.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "atmos_tables/render_table.h"
 #include "host/cli/verb.h"
 #include "host/plan/plan.h"
+#include "host/planner/planner.h"
 #include "host/render/renderer.h"
 #include "scene_compiler/simulation.h"
+
+namespace raycube::planner {
+struct PlanFile;
+}
 
 namespace raycube::cli {
 
@@ -19,16 +25,26 @@ scene::Simulation load_job(const std::string& file, Context& context);
 /// one of that name.
 std::vector<const scene::Instrument*> pick_instruments(const scene::Simulation& simulation, const std::string& name);
 
+/// How the planner settles what the file leaves open.
+struct Planning {
+  render::Renderer* renderer = nullptr;   ///< for its trial; null: no trial, the defaults stay
+  const planner::PlanFile* replay = nullptr;  ///< instead of a trial; with the path it was read from
+  std::string replay_path;
+  bool estimate_given = false;            ///< a trial even where the file gives everything
+};
+
 /// What one instrument's render needs besides the scene.
 struct InstrumentJob {
-  const scene::Instrument* instrument = nullptr;
+  std::shared_ptr<const scene::Instrument> planned;  ///< with the planner's samples
+  const scene::Instrument* instrument = nullptr;     ///< the same
+  planner::Decision decision;
   atmos::RenderTable table;
   plan::Plan plan;
   double table_s = 0, plan_s = 0;
 };
 
-/// Reads or builds the table for the instrument's height and bands, then plans.
-InstrumentJob prepare(const scene::Simulation& simulation, const scene::Instrument& instrument, Context& context);
+/// Reads or builds the table for the instrument's height and bands, then plans; the planner's notes go to the log.
+InstrumentJob prepare(const scene::Simulation& simulation, const scene::Instrument& instrument, Context& context, const Planning& planning = {});
 
 render::RenderOptions render_options(const CommonOptions& common);
 

@@ -67,14 +67,17 @@ struct Outcome {
   nlohmann::ordered_json all;
 };
 
-void check_one(const scene::Simulation& simulation, const scene::Instrument& instrument, render::Renderer& renderer, const Options& options,
+void check_one(const scene::Simulation& simulation, const scene::Instrument& given, render::Renderer& renderer, const Options& options,
                Files* files, Context& context, Outcome& outcome) {
   CheckOptions check;
   check.pixels = options.pixels;
   check.model_pixels = options.model_pixels;
   check.model_directions = options.model_directions;
   check.threads = context.common.threads;
-  const InstrumentJob job = prepare(simulation, instrument, context);
+  Planning planning;
+  planning.renderer = &renderer;
+  const InstrumentJob job = prepare(simulation, given, context, planning);
+  const scene::Instrument& instrument = *job.instrument;
   const auto samples = static_cast<std::uint64_t>(instrument.samples_u) * static_cast<std::uint64_t>(instrument.samples_v);
   const auto expected = [&](std::uint64_t pixels) { return pixels_of(pick_tiles(instrument, simulation.seed, pixels)); };
   reference::HitReport hits;
@@ -101,7 +104,9 @@ void check_one(const scene::Simulation& simulation, const scene::Instrument& ins
 
 void check_one_lidar(const scene::Simulation& simulation, const scene::Lidar& lidar, render::LidarRenderer& renderer, const Options& options,
                      LidarFiles* files, Context& context, Outcome& outcome) {
-  const LidarJob job = prepare_lidar(simulation, lidar, context);
+  LidarPlanning planning;
+  planning.renderer = &renderer;
+  const LidarJob job = prepare_lidar(simulation, lidar, context, planning);
   LidarCheckOptions check;
   check.pulses = options.pulses > 0 ? options.pulses : default_pulses(job.plan);
   check.threads = context.common.threads;

@@ -14,13 +14,14 @@
 #include "host/cli/lidar_job.h"
 #include "host/cli/render_lidar.h"
 #include "host/cli/simulation_job.h"
+#include "host/planner/plan_file.h"
 
 namespace raycube::cli {
 
 namespace {
 
 struct Options {
-  std::string file, instrument;
+  std::string file, instrument, plan;
 };
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
@@ -103,28 +104,34 @@ int run(const Options& options, Context& context) {
   nlohmann::json result = {{"instruments", nlohmann::json::array()}};
   if (!context.common.dry_run)
     for (const auto& name : names_of(instruments, lidars)) check_output_place((out / name).string(), context.common.overwrite);
+  std::optional<planner::PlanFile> replay;
+  if (!options.plan.empty()) {
+    replay = planner::read_plan_file(options.plan);
+    planner::require_match(*replay, simulation, options.plan);
+  }
+  Planning planning{nullptr, replay ? &*replay : nullptr, options.plan, false};
   std::optional<render::Renderer> renderer;
   for (const auto* instrument : instruments) {
-    const InstrumentJob job = prepare(simulation, *instrument, context);
+    try {
+      if (!renderer) renderer.emplace(simulation.scene, settings);
+    } catch (const base::Error& error) {
+      if (error.fault() != base::Fault::device || !context.common.dry_run) throw;
+      context.log.warning(std::string("neither the time nor the errors of samples and directions can be estimated: ") + error.what());
+    }
+    planning.renderer = renderer ? &*renderer : nullptr;
+    const InstrumentJob job = prepare(simulation, *instrument, context, planning);
     if (context.common.dry_run) {
       auto item = dry_run_json(simulation.scene, job, settings);
-      try {
-        if (!renderer) renderer.emplace(simulation.scene, settings);
-        item["estimated_s"] = estimate_render_s(*renderer, simulation, job);
-      } catch (const base::Error& error) {
-        if (error.fault() != base::Fault::device) throw;
-        context.log.warning(std::string("the time cannot be estimated: ") + error.what());
-      }
+      if (renderer) item["estimated_s"] = estimate_render_s(*renderer, simulation, job);
       result["instruments"].push_back(std::move(item));
       continue;
     }
-    if (!renderer) renderer.emplace(simulation.scene, settings);
     result["instruments"].push_back(
         render_one(simulation, job, *renderer, cl::find_device(settings.device).info(), out / instrument->name, load_s, context));
   }
   for (const auto* lidar : lidars)
-    result["instruments"].push_back(context.common.dry_run ? dry_run_lidar(simulation, *lidar, context)
-                                                           : render_lidar(simulation, *lidar, (out / lidar->name).string(), load_s, context));
+    result["instruments"].push_back(context.common.dry_run ? dry_run_lidar(simulation, *lidar, context, planning)
+                                                           : render_lidar(simulation, *lidar, (out / lidar->name).string(), load_s, context, planning));
   if (context.common.json) {
     context.out << result.dump(2) << "\n";
     return 0;
@@ -148,13 +155,15 @@ Verb verb_render() {
   verb.description =
       "Each instrument gets a folder of its own under the output folder: radiance.img (ENVI), truth.img, location.img when the "
       "scene is georeferenced (with map info in every header when the pixels lie on a map grid), preview.exr, quicklook.png and run.json. Files appear under these names only when all of them are "
-      "whole.\n\nThe result on stdout is the path of each cube, one a line.";
+      "whole.\n\nSamples, sky directions and sub-rays that the file does not give are chosen by the tolerance (see `raycube plan`); "
+      "run.json holds every line of the plan.\n\nThe result on stdout is the path of each cube, one a line.";
   verb.examples = {"raycube render park.toml -o out", "raycube render park.toml --instrument spectir --memory 1G --overwrite"};
   verb.common = kOutput | kDryRun | kCompute;
   verb.output_default = "out";
   verb.add_options = [options](base::OptionTable& table) {
     table.argument("FILE", "The simulation file (TOML)", options->file);
     table.text("--instrument", "NAME", "Only this instrument", options->instrument);
+    table.text("--plan", "FILE", "Replay a plan that `raycube plan -o FILE` wrote, instead of planning", options->plan);
   };
   verb.run = [options](Context& context) { return run(*options, context); };
   return verb;

@@ -121,6 +121,12 @@ std::string describe_given(const scene::PlanOverrides& given) {
   return out + ")";
 }
 
+/// Error of each axis of nodes with each count of them.
+nlohmann::json describe(const NodeErrors& errors) {
+  return {{"counts", kNodeCounts},           {"source_height", errors.source_height}, {"source_view", errors.source_view},
+          {"path_height", errors.path_height}, {"path_x", errors.path_x},             {"path_y", errors.path_y}};
+}
+
 nlohmann::json describe(const NodeAxis& axis) { return {{"first", axis.first}, {"step", axis.step}, {"count", axis.count}}; }
 
 }  // namespace
@@ -275,7 +281,8 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
                {"directions", plan.sky.directions},
                {"irradiance_map_size", plan.irradiance.size},
                {"irradiance_map_error", map_error}}},
-      {"adjacency", describe(plan.environment, simulation.scene)}};
+      {"adjacency", describe(plan.environment, simulation.scene)},
+      {"node_errors", describe(errors)}};
   if (given.any()) report["given"] = given_keys(given), report["within_tolerance"] = total <= simulation.tolerance;
   if (air.thermal()) {
     report["error"]["temperature_nodes"] = choice.emission_error;

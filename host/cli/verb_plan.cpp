@@ -1,0 +1,121 @@
+// raycube plan: what each block of the physics costs and leaves out for the tolerance, and the settings that render will use.
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "host/base/output_file.h"
+#include "host/cli/lidar_job.h"
+#include "host/cli/simulation_job.h"
+#include "host/planner/plan_file.h"
+#include "host/planner/plan_lines.h"
+
+namespace raycube::cli {
+
+namespace {
+
+struct Options {
+  std::string file, instrument;
+};
+
+/// Everything said of one instrument or LIDAR.
+struct Said {
+  std::string heading, table, summary;
+  planner::PlanFile::Entry entry;
+  std::vector<std::string> notes;
+};
+
+Said plan_instrument(const scene::Simulation& simulation, const scene::Instrument& instrument, render::Renderer& renderer, Context& context) {
+  Planning planning;
+  planning.renderer = &renderer;
+  planning.estimate_given = true;
+  const InstrumentJob job = prepare(simulation, instrument, context, planning);
+  const planner::Decision& d = job.decision;
+  const auto lines = planner::plan_lines(d, job.plan);
+  Said said;
+  said.heading = fmt::format("{}: {} x {} pixels, {} bands, tolerance {:.3g} %\n", instrument.name, instrument.pixels, instrument.lines, instrument.bands.size(),
+                             100 * simulation.tolerance);
+  said.table = planner::lines_text(lines);
+  said.summary = fmt::format("  estimated error {} of {:.3g} %: nodes and components {}, samples {}, sky directions {}, {}\n"
+                             "  cost            {:.0f} rays, {:.0f} terms of {:.0f} bands a pixel; {:.2g} s per megapixel on the nominal machine\n"
+                             "  trial           {} pixels, {:.2g} rays\n",
+                             planner::percent_text(d.total_error), 100 * simulation.tolerance, planner::percent_text(d.plan_error), planner::percent_text(d.samples_error),
+                             planner::percent_text(d.sky_error), d.within ? "inside the tolerance" : "TOLERANCE NOT KEPT", d.counts.samples + d.counts.sun_rays + d.counts.sky_rays,
+                             d.counts.terms, d.counts.bands, d.s_per_megapixel, d.trial_pixels, static_cast<double>(d.trial_rays));
+  said.entry = {instrument.name, false, d.sampling, 0, planner::axes_json(job.plan), planner::decision_json(d, lines)};
+  said.notes = d.notes;
+  return said;
+}
+
+Said plan_lidar(const scene::Simulation& simulation, const scene::Lidar& lidar, render::LidarRenderer& renderer, Context& context) {
+  const LidarJob job = prepare_lidar(simulation, lidar, context, {&renderer, nullptr, "", true});
+  const planner::LidarDecision& d = job.decision;
+  Said said;
+  said.heading = fmt::format("{}: {} pulses, tolerance {:.3g} % of the waveforms\n", lidar.name, lidar.pulses, 100 * simulation.tolerance);
+  said.table = planner::lines_text(planner::lidar_lines(d, job.plan));
+  said.summary = fmt::format("  estimated error {}, {}\n  trial           {} pulses, {:.2g} rays\n", planner::percent_text(d.error),
+                             d.within ? "inside the tolerance" : "TOLERANCE NOT KEPT", d.trial_pulses, static_cast<double>(d.trial_rays));
+  said.entry.name = lidar.name, said.entry.lidar = true, said.entry.subrays = d.subrays, said.entry.decision = job.plan_json;
+  said.notes = d.notes;
+  return said;
+}
+
+int run(const Options& options, Context& context) {
+  const scene::Simulation simulation = load_job(options.file, context);
+  const auto instruments = pick_instruments(simulation, options.instrument);
+  const auto lidars = pick_lidars(simulation, options.instrument);
+  const auto settings = render_options(context.common);
+  std::optional<base::OutputFile> output;
+  if (!context.common.output.empty())
+    output.emplace(context.common.output, context.common.overwrite ? base::IfExists::replace : base::IfExists::refuse);
+  std::vector<Said> all;
+  if (!instruments.empty()) {
+    render::Renderer renderer(simulation.scene, settings);
+    for (const auto* instrument : instruments) all.push_back(plan_instrument(simulation, *instrument, renderer, context));
+  }
+  if (!lidars.empty()) {
+    render::LidarRenderer renderer(simulation.scene, settings);
+    for (const auto* lidar : lidars) all.push_back(plan_lidar(simulation, *lidar, renderer, context));
+  }
+  planner::PlanFile file{simulation.file, simulation.scene.content_hash, simulation.tolerance, simulation.seed, {}};
+  for (const auto& said : all) file.entries.push_back(said.entry);
+  const std::string text = planner::write_plan_file(file);
+  if (context.common.json) {
+    context.out << text;
+  } else {
+    for (const auto& said : all) context.out << said.heading << said.table << said.summary;
+    context.out << "Errors are of the numerics and of levels left out, against the converged solution of the same scene and air; input data are not judged.\n";
+  }
+  if (output) {
+    output->append(text);
+    output->publish();
+    context.log.info("wrote " + context.common.output);
+  }
+  return 0;
+}
+
+}  // namespace
+
+Verb verb_plan() {
+  auto options = std::make_shared<Options>();
+  Verb verb;
+  verb.name = "plan";
+  verb.summary = "Say what each block of the physics costs and which levels keep the tolerance";
+  verb.description =
+      "For each instrument a table: block, level chosen, its estimated error, the error without it (with the level before), its cost, and why. "
+      "Errors are those of the tolerance: rms over the pixels of the worst band over that band's mean. Levels that the file gives are kept and "
+      "marked; the rest are the cheapest whose errors together fit the tolerance, by counts of rays, terms and bands and never by a clock: two runs give "
+      "one plan.\n\nSamples of a pixel and sky directions are tried on a few hundred pixels picked by a hash of the seed; sub-rays of LIDARs on a few "
+      "pulses. Where the tolerance cannot be kept, or only at more than 30 s per megapixel, the plan says so.\n\nWith -o FILE the plan "
+      "is written as JSON, which `raycube render --plan FILE` replays.";
+  verb.examples = {"raycube plan park.toml", "raycube plan park.toml --instrument wasp -o wasp_plan.json"};
+  verb.common = kOutput | kCompute;
+  verb.add_options = [options](base::OptionTable& table) {
+    table.argument("FILE", "The simulation file (TOML)", options->file);
+    table.text("--instrument", "NAME", "Only this instrument or LIDAR", options->instrument);
+  };
+  verb.run = [options](Context& context) { return run(*options, context); };
+  return verb;
+}
+
+}  // namespace raycube::cli

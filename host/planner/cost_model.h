@@ -1,0 +1,34 @@
+// What a render costs, from counts of rays, terms and bands: never a clock, so that two runs give one plan. Seconds are those of a
+// nominal machine and serve to compare settings and to say when a tolerance is out of reach.
+#pragma once
+
+#include <cstdint>
+
+#include "host/plan/plan.h"
+
+namespace raycube::planner {
+
+/// Counts of one pixel.
+struct PixelCounts {
+  double samples = 1;        ///< rays from the camera
+  double sun_rays = 0, sky_rays = 0;
+  double terms = 0;          ///< of the band integration
+  double bands = 0;
+};
+
+/// Nominal seconds: two cores of an AVX-512 server, PoCL (bench/RESULTS.md, park, figures of rays that face their light). A sample
+/// pays for its ray, its surface point and its shading.
+struct CostModel {
+  double sample_s = 3.0e-8, sun_ray_s = 2.0e-8, sky_ray_s = 1.5e-8, term_band_s = 1.5e-10;
+  double seconds(const PixelCounts& c) const {
+    return c.samples * sample_s + c.sun_rays * sun_ray_s + c.sky_rays * sky_ray_s + c.terms * c.bands * term_band_s;
+  }
+};
+
+/// Past this many nominal seconds for a million pixels a plan says that the tolerance is dear.
+inline constexpr double kDear_s_per_megapixel = 30;
+
+/// Counts for `samples` a pixel and `directions` towards the sky, with the plan's sources and nodes.
+PixelCounts pixel_counts(const plan::Plan& plan, double samples, double directions);
+
+}  // namespace raycube::planner

@@ -1,0 +1,45 @@
+// How an error falls with a setting: measured at some levels, a power law between and beyond them, on the careful side.
+#pragma once
+
+#include <map>
+
+namespace raycube::planner {
+
+/// Exponents p of error ~ level^-p that are assumed where nothing was measured.
+struct LawExponents {
+  double beyond = 1;   ///< past the largest level measured: the slowest fall to be expected
+  double before = 2;   ///< short of the smallest: the fastest rise
+};
+
+/// Samples along one side of a pixel: sampling an edge falls like side^-1.5 on average, like side^-1 where edges run along the grid.
+inline constexpr LawExponents kSideLaw{1.25, 2};
+/// Directions of a set: between K^-0.5 (independent) and K^-1 (lattices over a smooth horizon).
+inline constexpr LawExponents kDirectionLaw{0.6, 1};
+/// Sub-rays of a footprint: nested rings of equal energy over an edge.
+inline constexpr LawExponents kSubrayLaw{0.5, 1};
+
+class ErrorLaw {
+ public:
+  explicit ErrorLaw(LawExponents exponents) : exponents_(exponents) {}
+
+  /// `estimate` of the error at a level (>= 1), and `bound`: what is taken for it where a choice depends on it (>= estimate).
+  void measured(double level, double estimate, double bound);
+  bool has(double level) const { return points_.count(level) > 0; }
+  bool empty() const { return points_.empty(); }
+  double largest() const { return points_.empty() ? 0 : points_.rbegin()->first; }
+  double smallest() const { return points_.empty() ? 0 : points_.begin()->first; }
+
+  double estimate(double level) const { return at(level, &Point::estimate); }
+  double bound(double level) const { return at(level, &Point::bound); }
+
+ private:
+  struct Point {
+    double estimate, bound;
+  };
+  double at(double level, double Point::* what) const;
+
+  LawExponents exponents_;
+  std::map<double, Point> points_;
+};
+
+}  // namespace raycube::planner

@@ -1,0 +1,187 @@
+#include "host/planner/lidar_trial.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "host/lidar/footprint.h"
+#include "kernels/sampling/sampler.h"
+
+namespace raycube::planner {
+
+namespace {
+
+constexpr int kTrialPulses = 48, kFirstSubrays = 64, kReferenceSubrays = 4096, kMostRounds = 6;
+constexpr double kReferenceRays = 4e6;     ///< a reference traces no more first rays than this; then it has fewer sub-rays
+constexpr rc_u32 kPulseDimension = 45;
+constexpr std::uint64_t kOther = 0x5bd1e995u;
+
+struct Waveforms {
+  std::vector<std::vector<float>> pulse;  ///< [pulse][pixel, line, bin]: surfaces, scattered once and more
+};
+
+class LidarTrial {
+ public:
+  LidarTrial(render::LidarRenderer& renderer, const lidar::LidarPlan& plan) : renderer_(renderer), plan_(plan) {
+    const auto all = static_cast<std::uint64_t>(std::max<std::int64_t>(plan.lidar.pulses, 0));
+    const bool receiver = plan.lidar.transport.sampling == scene::LidarSampling::receiver;
+    fans_ = receiver ? static_cast<double>(plan.pixels()) : 1;
+    const double room = kReferenceRays / (fans_ * kReferenceSubrays);
+    const auto wanted = static_cast<std::uint64_t>(std::clamp(room, 4.0, static_cast<double>(kTrialPulses)));
+    for (rc_u32 i = 0; pulses_.size() < std::min(wanted, all); ++i)
+      pulses_.insert(all <= wanted ? i : rc_hash(static_cast<rc_u32>(plan.seed), i, static_cast<rc_u32>(plan.seed >> 32), kPulseDimension) % all);
+    const double fit = kReferenceRays / (fans_ * static_cast<double>(std::max<std::size_t>(1, pulses_.size())));
+    reference_subrays_ = std::clamp(static_cast<int>(fit), 256, kReferenceSubrays);
+  }
+
+  /// Estimate and bound (one standard error over the pulses) of the error with `subrays`.
+  TrialError error(int subrays) {
+    if (one_.pulse.empty()) one_ = fire(reference_subrays_, plan_.seed + kOther), two_ = fire(reference_subrays_, plan_.seed + 2 * kOther);
+    const Waveforms tried = fire(subrays, plan_.seed);
+    double whole = 0, sum = 0, squares = 0;
+    std::vector<double> of_pulse;
+    for (std::size_t p = 0; p < tried.pulse.size(); ++p) {
+      double here = 0;
+      for (std::size_t i = 0; i < tried.pulse[p].size(); ++i) {
+        const double a = tried.pulse[p][i], r = one_.pulse[p][i], s = two_.pulse[p][i];
+        here += (a - r) * (a - s);
+        whole += r * s;
+      }
+      of_pulse.push_back(here);
+      sum += here;
+    }
+    if (!(whole > 0)) return {};
+    const auto n = static_cast<double>(of_pulse.size());
+    for (const double here : of_pulse) squares += (here - sum / n) * (here - sum / n);
+    const double deviation = n > 1 ? std::sqrt(squares * n / (n - 1)) : 0;
+    return {std::sqrt(std::max(0.0, sum / whole)), std::sqrt(std::max(0.0, (sum + deviation) / whole))};
+  }
+
+  std::size_t pulses() const { return pulses_.size(); }
+  std::uint64_t rays() const { return rays_; }
+  int largest_tried() const { return reference_subrays_ / 2; }
+
+ private:
+  Waveforms fire(int subrays, std::uint64_t seed) {
+    lidar::LidarPlan plan = plan_;
+    set_subrays(plan, subrays);
+    plan.seed = seed;
+    // Air and particles are integrated along the beam, not by sub-rays: they would only hide what surfaces do.
+    plan.lidar.transport.air_return = false;
+    std::vector<lidar::Shot> shots;
+    for (const std::uint64_t pulse : pulses_) {
+      const auto made = lidar::make_shots(plan.lidar, static_cast<std::int64_t>(pulse), 1, seed);
+      shots.insert(shots.end(), made.begin(), made.end());
+    }
+    Waveforms out;
+    renderer_.render(plan, shots, [&](lidar::ShotResult&& shot) {
+      std::vector<float> row = std::move(shot.first);
+      for (std::size_t i = 0; i < shot.multiple.size(); ++i) row[i] += shot.multiple[i];
+      rays_ += static_cast<std::uint64_t>(std::max<std::int64_t>(0, shot.rays));
+      out.pulse.push_back(std::move(row));
+    });
+    return out;
+  }
+
+  render::LidarRenderer& renderer_;
+  const lidar::LidarPlan& plan_;
+  std::set<std::uint64_t> pulses_;
+  double fans_ = 1;
+  int reference_subrays_ = kReferenceSubrays;
+  Waveforms one_, two_;
+  std::uint64_t rays_ = 0;
+};
+
+}  // namespace
+
+const std::vector<int>& subray_levels() {
+  static const std::vector<int> all = {1, 2, 4, 8, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024, 1536, 2048, 3072, 4096, 6144, 8192, 12288, 16384, 24576, 32768, 49152, 65536};
+  return all;
+}
+
+/// First rays of a pulse.
+std::uint64_t rays_of_pulse(const lidar::LidarPlan& plan, int subrays) {
+  const bool receiver = plan.lidar.transport.sampling == scene::LidarSampling::receiver;
+  return static_cast<std::uint64_t>(subrays) * static_cast<std::uint64_t>(receiver ? plan.pixels() : 1);
+}
+
+void set_subrays(lidar::LidarPlan& plan, int subrays) {
+  plan.lidar.transport.subrays = subrays;
+  plan.footprint = lidar::make_footprint(plan.lidar, lidar::exit_matters(plan.lidar));
+}
+
+LidarDecision subrays_as_given(const lidar::LidarPlan& plan, double tolerance) {
+  LidarDecision out;
+  out.subrays = plan.lidar.transport.subrays;
+  out.given = plan.lidar.transport.subrays_given;
+  out.tolerance = tolerance;
+  out.rays_per_pulse = rays_of_pulse(plan, out.subrays);
+  return out;
+}
+
+LidarDecision decide_subrays(render::LidarRenderer& renderer, const lidar::LidarPlan& plan, double tolerance, bool estimate_given) {
+  LidarDecision out = subrays_as_given(plan, tolerance);
+  if ((out.given && !estimate_given) || plan.lidar.pulses < 1) return out;
+  LidarTrial trial(renderer, plan);
+  ErrorLaw law(kSubrayLaw);
+  const auto add = [&](int level) {
+    const TrialError error = trial.error(level);
+    law.measured(level, error.estimate, error.bound);
+  };
+  if (out.given) {
+    add(out.subrays);
+  } else {
+    add(kFirstSubrays);
+    for (int round = 0; round < kMostRounds; ++round) {
+      out.subrays = subray_levels().back();
+      for (const int level : subray_levels())
+        if (law.bound(level) <= kUse * tolerance) {
+          out.subrays = level;
+          break;
+        }
+      if (law.has(out.subrays) || out.subrays > trial.largest_tried()) break;
+      add(out.subrays);
+    }
+  }
+  out.estimated = true;
+  out.error = law.bound(out.subrays);
+  const auto at = std::lower_bound(subray_levels().begin(), subray_levels().end(), out.subrays);
+  if (!out.given && at != subray_levels().begin()) out.less_error = law.estimate(*std::prev(at));
+  out.within = out.error <= tolerance;
+  out.trial_pulses = trial.pulses(), out.trial_rays = trial.rays();
+  out.rays_per_pulse = rays_of_pulse(plan, out.subrays);
+  if (!out.within)
+    out.notes.push_back(fmt::format("{}: the tolerance of {:.3g} % is not kept: {} sub-rays leave an estimated {:.3g} % of the waveforms{}", plan.lidar.name, 100 * tolerance,
+                                    out.subrays, 100 * out.error, out.given ? "; remove subrays from the file, or raise the tolerance" : "; raise the tolerance"));
+  return out;
+}
+
+std::vector<PlanLine> lidar_lines(const LidarDecision& d, const lidar::LidarPlan& plan) {
+  const auto& t = plan.lidar.transport;
+  PlanLine rays{"sub-rays", std::to_string(d.subrays), d.error, d.less_error, fmt::format("{} first rays a pulse", d.rays_per_pulse),
+                d.given ? d.estimated ? "the file gives them" : "the file gives them; `raycube plan` estimates their error"
+                : d.estimated ? fmt::format("trial of {} pulses", d.trial_pulses)
+                : "the default: nothing could be tried",
+                d.given};
+  return {rays,
+          {"bounces", std::to_string(t.max_bounces), -1, -1, fmt::format("{} rays of a sub-ray at most", t.max_bounces), "as the file says", true},
+          {"line nodes", std::to_string(plan.nodes.size()), -1, -1, fmt::format("{} depths of air a path", plan.nodes.size()), "Gauss-Hermite nodes of lines with a width, one of others", true}};
+}
+
+std::string lidar_decision_json(const LidarDecision& d, const std::vector<PlanLine>& lines) {
+  using Json = nlohmann::json;
+  const auto number = [](double value) { return value < 0 ? Json() : Json(value); };
+  Json list = Json::array();
+  for (const auto& line : lines)
+    list.push_back({{"block", line.block}, {"level", line.level}, {"error", number(line.error)}, {"error_without", number(line.next_error)},
+                    {"cost", line.cost}, {"why", line.why}, {"given", line.given}});
+  Json out = {{"tolerance", d.tolerance}, {"subrays", d.subrays}, {"error", number(d.error)}, {"within_tolerance", d.estimated ? Json(d.within) : Json()},
+              {"cost", {{"first_rays_per_pulse", d.rays_per_pulse}}}, {"notes", d.notes}, {"lines", list}};
+  if (d.estimated) out["trial"] = {{"pulses", d.trial_pulses}, {"rays", d.trial_rays}};
+  return out.dump();
+}
+
+}  // namespace raycube::planner

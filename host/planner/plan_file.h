@@ -1,0 +1,44 @@
+// A plan as a file that a later render replays: what was chosen for each instrument and LIDAR of one simulation.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host/planner/planner.h"
+#include "host/planner/lidar_trial.h"
+
+namespace raycube::planner {
+
+struct PlanFile {
+  struct Entry {
+    std::string name;
+    bool lidar = false;
+    Sampling sampling;           ///< of an instrument
+    int subrays = 0;             ///< of a LIDAR
+    std::string axes;            ///< nodes and components that make_plan chose: what a replay must find again (JSON text)
+    std::string decision;        ///< the whole decision with its lines (JSON text)
+  };
+  std::string simulation_file, scene_hash;
+  double tolerance = 0;
+  std::uint64_t seed = 0;
+  std::vector<Entry> entries;
+};
+
+/// Nodes and components of a plan, as a file keeps them.
+std::string axes_json(const plan::Plan& plan);
+
+std::string write_plan_file(const PlanFile& file);
+/// Throws Error(input) with the place and the way out when the file is not a plan of this program.
+PlanFile read_plan_file(const std::string& path);
+
+/// Throws Error(input) when the plan was made for another scene, tolerance or seed.
+void require_match(const PlanFile& file, const scene::Simulation& simulation, const std::string& path);
+
+/// The entry of that name. Throws Error(input) that lists the names there are.
+const PlanFile::Entry& find_entry(const PlanFile& file, const std::string& name, bool lidar, const std::string& path);
+
+/// The decision that a file holds, for apply(). Throws Error(input) when the plan's own nodes are not those of the file: the atmosphere
+/// or the instrument has changed since.
+Decision replayed(const PlanFile::Entry& entry, const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan, const std::string& path);
+
+}  // namespace raycube::planner

@@ -1,0 +1,158 @@
+#include "host/planner/plan_lines.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace raycube::planner {
+
+namespace {
+
+using Json = nlohmann::json;
+
+std::string plural(std::size_t count, const std::string& what) { return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s"); }
+
+/// Error of an axis with `count` nodes, and with the next fewer.
+PlanLine axis_line(const Json& report, const std::string& block, const std::string& axis, const std::vector<std::string>& errors, const std::string& cost) {
+  PlanLine line;
+  line.block = block;
+  const int count = report[axis]["count"].get<int>();
+  line.level = plural(static_cast<std::size_t>(count), "node");
+  line.cost = cost;
+  line.why = "linear between nodes; midpoints inside their share of the tolerance";
+  if (report.contains("given") && !report["given"].empty()) {
+    const std::string key = axis == "height_m" ? "height_nodes" : axis == "sec_view_zenith" ? "view_nodes" : "path_nodes";
+    line.given = report["given"].contains(key);
+  }
+  const auto& counts = report["node_errors"]["counts"];
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    if (counts[i].get<int>() != count) continue;
+    line.error = 0;
+    for (const auto& name : errors) line.error += report["node_errors"][name][i].get<double>();
+    if (i == 0) continue;
+    line.next_error = 0;
+    for (const auto& name : errors) line.next_error += report["node_errors"][name][i - 1].get<double>();
+  }
+  // An axis of no extent has one node whatever is asked for.
+  if (count == 1 && line.error == 0) line.why = "no extent";
+  return line;
+}
+
+PlanLine sky_line(const Json& levels, const std::string& block, int components, int channels) {
+  PlanLine line{block, components == 0 ? "off" : plural(static_cast<std::size_t>(components), "component"), 0, -1, plural(static_cast<std::size_t>(components), "source"), "", false};
+  for (const auto& level : levels) {
+    const int here = level["components"].get<int>();
+    if (here == components && !level["error"].is_null()) line.error = level["error"].get<double>();
+    if (here == components - 1 && !level["error"].is_null()) line.next_error = level["error"].get<double>();
+  }
+  line.why = components == 0 ? "no light of the sky, or too dark to be seen" : fmt::format("worst obstacle beside typical surfaces; {} channels in all", channels);
+  return line;
+}
+
+}  // namespace
+
+std::string percent_text(double error) {
+  if (error < 0) return "-";
+  return error == 0 ? "0 %" : fmt::format("{:.2g} %", 100 * error);
+}
+
+std::vector<PlanLine> plan_lines(const Decision& d, const plan::Plan& plan) {
+  const Json report = Json::parse(plan.report_json);
+  std::vector<PlanLine> lines;
+  const auto& grid = report["spectral_grid"];
+  lines.push_back({"spectral grid", plural(grid["points"].get<std::size_t>(), "wavelength"), 0, -1, "none after baking",
+                   "nodes of air and materials and their midpoints: exact for both linear in between", false});
+  const bool thermal = report.contains("thermal");
+  if (thermal) {
+    const auto& warm = report["thermal"];
+    lines.push_back({"sun", plan.sun_sources > 0 ? "on" : "left out", plan.sun_sources > 0 ? 0 : warm["sun_share"].get<double>(), plan.sun_sources > 0 ? warm["sun_share"].get<double>() : -1,
+                     fmt::format("{:.0f} rays a pixel", d.counts.sun_rays), "its largest share of any band beside thermal light", false});
+  } else {
+    lines.push_back({"sun", plan.sun_up ? "on" : "below the horizon", 0, -1, fmt::format("{:.0f} rays a pixel", d.counts.sun_rays), "", false});
+  }
+  lines.push_back(sky_line(report["sky"]["levels"], "sky", plan.sky_components, plan.source_channels()));
+  lines.back().given = report.contains("given") && report["given"].contains("sky_rank");
+  if (thermal) {
+    lines.push_back(sky_line(report["thermal"]["sky_levels"], "thermal sky", plan.thermal.sky_components, plan.source_channels()));
+    lines.push_back({"temperatures", plural(static_cast<std::size_t>(plan.thermal.nodes()), "node"), report["error"]["temperature_nodes"].get<double>(), -1,
+                     plural(static_cast<std::size_t>(plan.thermal.nodes()), "source"),
+                     fmt::format("{} distinct temperatures in the scene", report["thermal"]["temperatures"].get<int>()), false});
+  }
+  const auto channels = [](int count, const char* of) { return fmt::format("{} channels of {}", count, of); };
+  lines.push_back(axis_line(report, "target height", "height_m", {"source_height", "path_height"}, channels(plan.source_channels(), "sources")));
+  lines.push_back(axis_line(report, "view zenith", "sec_view_zenith", {"source_view"}, channels(plan.source_channels(), "sources")));
+  lines.push_back(axis_line(report, "path, east", "path_x", {"path_x"}, channels(plan.path_channels(), "path")));
+  lines.push_back(axis_line(report, "path, north", "path_y", {"path_y"}, channels(plan.path_channels(), "path")));
+  const std::string ground = report["adjacency"]["mode"].get<std::string>();
+  lines.push_back({"ground around", ground, -1, -1, plan.environment.empty() ? "none" : "4 rows of the band table a pixel",
+                   ground == "off" ? "no air between, or no rows for it in the table" : ground == "mean" ? "the scene's mean ground, as the file asks" : "local environment of each pixel", false});
+
+  const bool grid_sampler = d.sampling.sampler == scene::SamplerKind::grid;
+  PlanLine samples;
+  samples.block = "samples";
+  samples.level = grid_sampler || d.sampling.sampler == scene::SamplerKind::jittered
+                      ? fmt::format("{} {} x {}", grid_sampler ? "grid" : "jittered", d.sampling.samples_u, d.sampling.samples_v)
+                      : fmt::format("lattice {}", d.sampling.samples_u * d.sampling.samples_v);
+  samples.error = d.samples_error, samples.next_error = d.samples_less_error, samples.given = d.samples_given;
+  samples.cost = fmt::format("{:.0f} rays a pixel", d.counts.samples);
+  samples.why = d.samples_given ? d.estimated ? "the file gives them" : "the file gives them; `raycube plan` estimates their error"
+                : d.estimated ? fmt::format("trial of {} pixels", d.trial_pixels)
+                : "the default: nothing could be tried";
+  lines.push_back(samples);
+  PlanLine sky;
+  sky.block = "sky directions";
+  sky.level = plan.components() > 0 ? std::to_string(d.sampling.directions) : "none";
+  sky.error = d.sky_error, sky.next_error = d.sky_less_error, sky.given = d.directions_given;
+  sky.cost = fmt::format("{:.0f} rays a pixel", d.counts.sky_rays);
+  sky.why = plan.components() == 0 ? "nothing comes from the sky"
+            : d.directions_given ? d.estimated ? "the file gives them" : "the file gives them; `raycube plan` estimates their error"
+            : d.estimated ? fmt::format("trial of {} pixels", d.trial_pixels)
+            : "the default: nothing could be tried";
+  lines.push_back(sky);
+  return lines;
+}
+
+std::string decision_json(const Decision& d, const std::vector<PlanLine>& lines) {
+  const auto number = [](double value) { return value < 0 ? Json() : Json(value); };
+  Json list = Json::array();
+  for (const auto& line : lines)
+    list.push_back({{"block", line.block}, {"level", line.level}, {"error", number(line.error)}, {"error_without", number(line.next_error)},
+                    {"cost", line.cost}, {"why", line.why}, {"given", line.given}});
+  Json out = {{"tolerance", d.tolerance},
+              {"samples", {d.sampling.samples_u, d.sampling.samples_v}},
+              {"sampler", static_cast<int>(d.sampling.sampler)},
+              {"sky_directions", d.sampling.directions},
+              {"error", {{"plan", d.plan_error}, {"samples", number(d.samples_error)}, {"sky_directions", number(d.sky_error)}, {"total", number(d.total_error)}}},
+              {"within_tolerance", d.estimated ? Json(d.within) : Json()},
+              {"cost",
+               {{"samples", d.counts.samples},
+                {"sun_rays", d.counts.sun_rays},
+                {"sky_rays", d.counts.sky_rays},
+                {"terms", d.counts.terms},
+                {"nominal_s_per_megapixel", d.s_per_megapixel}}},
+              {"dear", d.dear},
+              {"notes", d.notes},
+              {"lines", list}};
+  if (d.estimated) out["trial"] = {{"pixels", d.trial_pixels}, {"rays", d.trial_rays}};
+  return out.dump();
+}
+
+std::string lines_text(const std::vector<PlanLine>& lines) {
+  std::size_t block = 5, level = 5, cost = 4;
+  for (const auto& line : lines) {
+    block = std::max(block, line.block.size());
+    level = std::max(level, line.level.size() + (line.given ? 8 : 0));
+    cost = std::max(cost, line.cost.size());
+  }
+  std::string out = fmt::format("  {:<{}}  {:<{}}  {:>9}  {:>9}  {:<{}}  {}\n", "block", block, "level", level, "error", "without", "cost", cost, "why");
+  for (const auto& line : lines) {
+    std::string row = fmt::format("  {:<{}}  {:<{}}  {:>9}  {:>9}  {:<{}}  {}", line.block, block, line.level + (line.given ? " (given)" : ""), level, percent_text(line.error),
+                                  percent_text(line.next_error), line.cost, cost, line.why);
+    while (!row.empty() && row.back() == ' ') row.pop_back();
+    out += row + "\n";
+  }
+  return out;
+}
+
+}  // namespace raycube::planner

@@ -1,0 +1,23 @@
+// The planner's table: block, level, estimated errors, cost, why; as lines, text and JSON.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host/planner/planner.h"
+
+namespace raycube::planner {
+
+/// The lines of a plan, in the order in which light meets the blocks: sun, sky, air, ground, sensor.
+std::vector<PlanLine> plan_lines(const Decision& decision, const plan::Plan& plan);
+
+/// The decision and its lines as a JSON object.
+std::string decision_json(const Decision& decision, const std::vector<PlanLine>& lines);
+
+/// A table of fixed width, a line a block.
+std::string lines_text(const std::vector<PlanLine>& lines);
+
+/// "0.42 %", "1e-05 %"; "-" below 0.
+std::string percent_text(double error);
+
+}  // namespace raycube::planner

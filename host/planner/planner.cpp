@@ -1,0 +1,165 @@
+#include "host/planner/planner.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "host/planner/plan_lines.h"
+
+namespace raycube::planner {
+
+namespace {
+
+constexpr int kFirstSide = 4;                    ///< of the samples' trial, and the grid of the sky's
+constexpr int kLargestTriedSide = 32;            ///< beyond, the law holds: 1024 samples a pixel tell less than they cost
+constexpr int kMostTriedDirections = 256;
+constexpr int kSkyLevels[] = {4, 16, 64};
+constexpr int kMostRounds = 8;
+
+double squared(double x) { return x * x; }
+
+/// Level before `level` of a list, or 0.
+int before(const std::vector<int>& levels, int level) {
+  const auto at = std::lower_bound(levels.begin(), levels.end(), level);
+  return at == levels.begin() ? 0 : *std::prev(at);
+}
+
+double seconds(const plan::Plan& plan, int side, int directions) {
+  return CostModel().seconds(pixel_counts(plan, static_cast<double>(side) * side, directions));
+}
+
+}  // namespace
+
+const std::vector<int>& side_levels() {
+  static const std::vector<int> all = [] {
+    std::vector<int> levels;
+    for (int side = 1; side <= 32; ++side) levels.push_back(side);
+    for (const int side : {36, 40, 45, 50, 56, 64, 72, 80, 90, 100, 112, 128, 144, 160, 180, 200, 225, 256}) levels.push_back(side);
+    return levels;
+  }();
+  return all;
+}
+
+const std::vector<int>& direction_levels() {
+  static const std::vector<int> all = {1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 24, 32, 40, 48, 64, 80, 96, 128, 160, 192, 256, 384, 512, 768, 1024, 1536, 2048, 3072, 4096};
+  return all;
+}
+
+Choice choose(const ErrorLaw& side, const ErrorLaw& direction, double budget, const plan::Plan& plan, const std::vector<int>& sides,
+              const std::vector<int>& directions) {
+  Choice best;
+  double best_cost = std::numeric_limits<double>::infinity(), best_error = best_cost;
+  for (const int n : sides)
+    for (const int k : directions) {
+      const double error = squared(side.bound(n)) + squared(direction.bound(k)), cost = seconds(plan, n, k);
+      const bool within = error <= squared(budget);
+      const bool better = within != best.within ? within : within ? cost < best_cost : error < best_error || (error == best_error && cost < best_cost);
+      if (!better) continue;
+      best = {n, k, within};
+      best_cost = cost, best_error = error;
+    }
+  return best;
+}
+
+Decision as_given(const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan) {
+  Decision out;
+  out.sampling = {instrument.sampler, instrument.samples_u, instrument.samples_v, simulation.sky_directions};
+  out.samples_given = instrument.samples_given, out.directions_given = simulation.sky_directions_given;
+  out.tolerance = simulation.tolerance;
+  out.plan_error = nlohmann::json::parse(plan.report_json)["error"]["total"].get<double>();
+  out.counts = pixel_counts(plan, static_cast<double>(instrument.samples_u) * instrument.samples_v, simulation.sky_directions);
+  out.s_per_megapixel = 1e6 * CostModel().seconds(out.counts);
+  return out;
+}
+
+Decision decide(render::Renderer& renderer, const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan,
+                bool estimate_given) {
+  Decision out = as_given(simulation, instrument, plan);
+  const bool sky = plan.components() > 0;
+  if (out.samples_given && (out.directions_given || !sky) && !estimate_given) return out;
+
+  Trial trial(renderer, simulation, instrument, plan);
+  ErrorLaw side(kSideLaw), direction(kDirectionLaw);
+  const auto add = [](ErrorLaw& law, int level, const TrialError& error) { law.measured(level, error.estimate, error.bound); };
+  std::vector<int> sides = side_levels(), directions = direction_levels();
+  if (out.samples_given) {
+    sides = {1};  // stands for the samples given; the cost of directions scales alike for all
+    add(side, 1, trial.sampling_error(instrument.samples_u, instrument.samples_v));
+  } else {
+    add(side, kFirstSide, trial.sampling_error(kFirstSide, kFirstSide));
+  }
+  if (out.directions_given) directions = {simulation.sky_directions};
+  if (!sky) {
+    directions = {1};
+    add(direction, 1, {});
+  } else if (out.directions_given) {
+    add(direction, simulation.sky_directions, trial.sky_error(simulation.sky_directions, kFirstSide, kFirstSide));
+  } else {
+    for (const int level : kSkyLevels) add(direction, level, trial.sky_error(level, kFirstSide, kFirstSide));
+  }
+
+  const double left = squared(kUse * simulation.tolerance) - squared(out.plan_error);
+  const double budget = std::sqrt(std::max(0.0, left));
+  Choice choice;
+  std::set<int> fine_sky;  // directions tried with the very samples chosen, where those are few
+  for (int round = 0; round < kMostRounds; ++round) {
+    choice = choose(side, direction, budget, plan, sides, directions);
+    bool changed = false;
+    if (!out.samples_given && !side.has(choice.side) && choice.side <= kLargestTriedSide) {
+      add(side, choice.side, trial.sampling_error(choice.side, choice.side));
+      changed = true;
+    }
+    // Fewer samples average the sky less.
+    const int tried = out.samples_given ? kFirstSide : std::min(kFirstSide, choice.side);
+    if (sky && choice.directions <= kMostTriedDirections && !out.directions_given &&
+        (!direction.has(choice.directions) || (tried < kFirstSide && !fine_sky.count(choice.directions)))) {
+      add(direction, choice.directions, trial.sky_error(choice.directions, tried, tried));
+      fine_sky.insert(choice.directions);
+      changed = true;
+    }
+    if (!changed) break;
+  }
+  // Rounds spent: what was measured counts, the rest is the law's.
+  choice = choose(side, direction, budget, plan, sides, directions);
+
+  out.estimated = true;
+  if (!out.samples_given) out.sampling.sampler = scene::SamplerKind::grid, out.sampling.samples_u = out.sampling.samples_v = choice.side;
+  if (!out.directions_given) out.sampling.directions = choice.directions;
+  out.samples_error = side.bound(choice.side);
+  out.sky_error = sky ? direction.bound(choice.directions) : 0;
+  if (const int less = before(side_levels(), choice.side); less > 0 && !out.samples_given) out.samples_less_error = side.estimate(less);
+  if (const int less = before(direction_levels(), choice.directions); less > 0 && sky && !out.directions_given) out.sky_less_error = direction.estimate(less);
+  out.total_error = std::sqrt(squared(out.plan_error) + squared(out.samples_error) + squared(out.sky_error));
+  out.within = out.total_error <= simulation.tolerance;
+  out.counts = pixel_counts(plan, static_cast<double>(out.sampling.samples_u) * out.sampling.samples_v, out.sampling.directions);
+  out.s_per_megapixel = 1e6 * CostModel().seconds(out.counts);
+  out.dear = out.s_per_megapixel > kDear_s_per_megapixel;
+  out.trial_pixels = trial.pixels(), out.trial_rays = trial.rays();
+  if (!out.within)
+    out.notes.push_back(fmt::format("{}: the tolerance of {:.3g} % is not kept: estimated error {:.3g} % (nodes and components {:.3g} %, samples {:.3g} %, sky "
+                                    "directions {:.3g} %){}; raise the tolerance{}",
+                                    instrument.name, 100 * simulation.tolerance, 100 * out.total_error, 100 * out.plan_error, 100 * out.samples_error,
+                                    100 * out.sky_error, out.samples_given || out.directions_given ? ", with what the file gives" : ", with the finest levels there are",
+                                    out.samples_given || out.directions_given ? " or remove samples and sky_directions from the file" : ""));
+  else if (out.dear)
+    out.notes.push_back(fmt::format("{}: the tolerance of {:.3g} % cannot be kept within {:.0f} s per megapixel (nominal machine of 2 cores): {} x {} samples and {} sky "
+                                    "directions take about {:.3g} s; raise the tolerance, or give fewer of either",
+                                    instrument.name, 100 * simulation.tolerance, kDear_s_per_megapixel, out.sampling.samples_u, out.sampling.samples_v,
+                                    out.sampling.directions, out.s_per_megapixel));
+  return out;
+}
+
+void apply(const Decision& decision, const scene::Simulation& simulation, scene::Instrument& instrument, plan::Plan& plan) {
+  instrument.sampler = decision.sampling.sampler;
+  instrument.samples_u = decision.sampling.samples_u, instrument.samples_v = decision.sampling.samples_v;
+  if (plan.components() > 0 && plan.sky.directions != decision.sampling.directions) set_directions(plan, simulation, decision.sampling.directions);
+  auto report = nlohmann::json::parse(plan.report_json);
+  report["planner"] = nlohmann::json::parse(decision_json(decision, plan_lines(decision, plan)));
+  plan.report_json = report.dump(2);
+}
+
+}  // namespace raycube::planner

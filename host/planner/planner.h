@@ -1,0 +1,82 @@
+// The planner: the cheapest samples of a pixel and sky directions whose errors, with those of the plan's nodes and components, fit the
+// tolerance (DESIGN 6). What the file gives is kept and its error estimated.
+//
+//   budget    samples^2 + directions^2 + plan^2 <= (kUse tolerance)^2: their errors are independent of each other
+//   errors    of the worst band, measured on the trial's pixels, with one standard error on top; by power laws between levels
+//   cost      CostModel; two runs give one plan
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host/plan/plan.h"
+#include "host/planner/cost_model.h"
+#include "host/planner/error_law.h"
+#include "host/planner/trial.h"
+#include "scene_compiler/simulation.h"
+
+namespace raycube::planner {
+
+/// Part of the tolerance that is spent: a trial's pixels are not the image's.
+inline constexpr double kUse = 0.9;
+
+/// One row of the table of `raycube plan`.
+struct PlanLine {
+  std::string block, level;
+  double error = -1;        ///< estimated, of the level chosen; below 0: not estimated
+  double next_error = -1;   ///< of leaving the next level out, that is of the level before this one; below 0: there is none, or not estimated
+  std::string cost, why;
+  bool given = false;       ///< by the file, not chosen
+};
+
+/// What the planner settles besides the plan itself.
+struct Sampling {
+  scene::SamplerKind sampler = scene::SamplerKind::grid;
+  int samples_u = 1, samples_v = 1, directions = 1;
+};
+
+struct Decision {
+  Sampling sampling;
+  bool samples_given = false, directions_given = false;
+  bool estimated = false;         ///< a trial was made; false: everything was given and none was asked for
+  double plan_error = 0;          ///< of nodes and components, as make_plan has it
+  double samples_error = -1, samples_less_error = -1;  ///< bounds: of the level chosen and of the one before
+  double sky_error = -1, sky_less_error = -1;
+  double total_error = -1;
+  double tolerance = 0.01;
+  bool within = true;             ///< total_error <= tolerance
+  PixelCounts counts;
+  double s_per_megapixel = 0;     ///< nominal, by the cost model
+  bool dear = false;              ///< above kDear_s_per_megapixel
+  std::size_t trial_pixels = 0;
+  std::uint64_t trial_rays = 0;
+  std::vector<std::string> notes; ///< what the user must know: a tolerance that is not kept, one that is dear
+};
+
+/// A pair of levels with its errors, and what choose() saw.
+struct Choice {
+  int side = 1, directions = 1;
+  bool within = false;
+};
+
+/// Levels that are tried: sides of a square grid, directions of a set.
+const std::vector<int>& side_levels();
+const std::vector<int>& direction_levels();
+
+/// The cheapest pair with side law^2 + direction law^2 <= budget^2; where none has that, the pair with the least error whose cost is
+/// at most the dearest that makes sense (all levels). Fixed levels: one-element lists.
+Choice choose(const ErrorLaw& side, const ErrorLaw& direction, double budget, const plan::Plan& plan, const std::vector<int>& sides,
+              const std::vector<int>& directions);
+
+/// Makes the decision for an instrument. `plan`: of make_plan, any directions. With samples and directions both given nothing is
+/// tried unless `estimate_given`.
+Decision decide(render::Renderer& renderer, const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan,
+                bool estimate_given);
+
+/// The decision where nothing may be tried (no device, an internal camera): what the file or the defaults say.
+Decision as_given(const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan);
+
+/// The instrument and the plan with the decision's settings; the plan's report gets the planner's lines under "planner".
+void apply(const Decision& decision, const scene::Simulation& simulation, scene::Instrument& instrument, plan::Plan& plan);
+
+}  // namespace raycube::planner

@@ -1,0 +1,49 @@
+// A sparse render of a few hundred pixels at several settings, and what it says of their errors. Its rays are counted.
+#pragma once
+
+#include <cstdint>
+
+#include "host/planner/cost_model.h"
+#include "host/planner/trial_pixels.h"
+#include "host/render/renderer.h"
+
+namespace raycube::planner {
+
+class Trial {
+ public:
+  /// `plan`: of the instrument, with any number of directions. Nothing is rendered yet. All must live as long as the trial.
+  Trial(render::Renderer& renderer, const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan);
+
+  /// Error of the instrument's sampler with u x v cells, against random points in the cells of two finer grids: unbiased and
+  /// independent of each other. Every pixel looks at the sky by the same few directions, so that the sky's own noise, which is the
+  /// sky trial's matter, is the same on all sides.
+  TrialError sampling_error(int samples_u, int samples_v);
+
+  /// Error of sets of `directions`: two seeds, by which a pixel picks its set, and the same samples (u x v).
+  TrialError sky_error(int directions, int samples_u, int samples_v);
+
+  std::size_t pixels() const { return pixels_; }
+  std::uint64_t rays() const { return rays_; }   ///< traced so far, sky rays towards a surface's back included
+  double cost_s() const { return cost_s_; }      ///< by the cost model
+
+ private:
+  TrialImage render(const scene::Instrument& instrument, const plan::Plan& plan, std::uint64_t seed);
+  void make_references();
+
+  render::Renderer& renderer_;
+  const scene::Simulation& simulation_;
+  scene::Instrument instrument_;
+  const plan::Plan& plan_;
+  plan::Plan one_sky_;                 ///< the plan with a single set of few directions
+  std::vector<render::Tile> tiles_;
+  std::size_t pixels_ = 0;
+  TrialImage one_, two_;
+  std::vector<double> mean_;
+  std::uint64_t rays_ = 0;
+  double cost_s_ = 0;
+};
+
+/// The plan with sets of `directions` in place of its own.
+void set_directions(plan::Plan& plan, const scene::Simulation& simulation, int directions);
+
+}  // namespace raycube::planner
