@@ -116,7 +116,7 @@ int run(const Options& options, Context& context) {
       if (!renderer) renderer.emplace(simulation.scene, settings);
     } catch (const base::Error& error) {
       if (error.fault() != base::Fault::device || !context.common.dry_run) throw;
-      context.log.warning(std::string("neither the time nor the errors of samples and directions can be estimated: ") + error.what());
+      context.log.warning(std::string("the time cannot be estimated, nor the errors of samples and sky directions: ") + error.what());
     }
     planning.renderer = renderer ? &*renderer : nullptr;
     const InstrumentJob job = prepare(simulation, *instrument, context, planning);

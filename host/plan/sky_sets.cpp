@@ -18,7 +18,6 @@ constexpr double kPi = std::numbers::pi;
 /// vertical surface.
 constexpr double kUniformShare = 0.5;
 constexpr int kDirectionsInAll = 1 << 17;
-constexpr int kFewestSets = 64, kMostSets = 4096;
 
 /// Draws directions from p: z = cos(zenith) from a fine step function, then the azimuth from p itself at that zenith, whose
 /// parts between the maps' nodes are linear and inverted in closed form.
@@ -75,13 +74,13 @@ class SkyDensity {
 }  // namespace
 
 SkySets make_sky_sets(const SkyBasis& basis, double sun_azimuth_rad, int directions, std::uint64_t seed, int components,
-                      const Thermal* thermal) {
+                      const Thermal* thermal, int most_sets) {
   SkySets out;
   if (basis.empty() && !thermal) return out;
   const SkyBasis& drawn = basis.empty() ? thermal->basis : basis;
   out.quads = thermal && components + thermal->components() > 4 ? 2 : 1;
   out.directions = directions;
-  out.sets = std::clamp(kDirectionsInAll / directions, kFewestSets, kMostSets);
+  out.sets = std::clamp(kDirectionsInAll / directions, kFewestSets, most_sets);
   const auto total = static_cast<std::size_t>(out.sets) * static_cast<std::size_t>(directions);
   out.direction.reserve(total);
   out.weight.reserve(total);

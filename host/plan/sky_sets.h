@@ -8,12 +8,14 @@
 namespace raycube::plan {
 
 inline constexpr int kMostDirections = 4096;
+inline constexpr int kFewestSets = 64, kMostSets = 4096;
 
 /// Sets of `directions` unit vectors (1 .. kMostDirections). Each estimates integral of A_m max(0, n.d) dOmega without bias over the sets.
 /// sun_azimuth_rad: where the maps' azimuth 0 lies, clockwise from north.
 /// `components`: how many of the basis' maps count. With `thermal` light its sky's maps (of zenith angle alone) and the
 /// surroundings follow them in the weights; directions are then drawn for the basis, or for the thermal sky where that is empty.
+/// `most_sets` (>= kFewestSets): fewer sets, the first of the same, for trials.
 SkySets make_sky_sets(const SkyBasis& basis, double sun_azimuth_rad, int directions, std::uint64_t seed, int components = 4,
-                      const Thermal* thermal = nullptr);
+                      const Thermal* thermal = nullptr, int most_sets = kMostSets);
 
 }  // namespace raycube::plan

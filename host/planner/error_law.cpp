@@ -6,7 +6,21 @@
 
 namespace raycube::planner {
 
-void ErrorLaw::measured(double level, double estimate, double bound) { points_[level] = {estimate, std::max(estimate, bound)}; }
+void ErrorLaw::measured(double level, double estimate, double bound) {
+  const auto above = points_.lower_bound(level);
+  if (above != points_.begin()) {
+    const auto& [smaller, point] = *std::prev(above);
+    bound = std::min(bound, point.bound * std::pow(smaller / level, exponents_.beyond));
+  }
+  points_[level] = {estimate, std::max(estimate, bound)};
+}
+
+double ErrorLaw::hope(double level) const {
+  if (has(level) || empty()) return bound(level);
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto& [measured, point] : points_) least = std::min(least, point.estimate * std::pow(measured / level, measured < level ? exponents_.hope : 1));
+  return least;
+}
 
 double ErrorLaw::at(double level, double Point::* what) const {
   if (points_.empty()) return std::numeric_limits<double>::infinity();

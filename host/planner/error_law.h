@@ -9,20 +9,22 @@ namespace raycube::planner {
 struct LawExponents {
   double beyond = 1;   ///< past the largest level measured: the slowest fall to be expected
   double before = 2;   ///< short of the smallest: the fastest rise
+  double hope = 1.5;   ///< what it may be at best: levels that might do are tried, not trusted
 };
 
 /// Samples along one side of a pixel: sampling an edge falls like side^-1.5 on average, like side^-1 where edges run along the grid.
-inline constexpr LawExponents kSideLaw{1.25, 2};
+inline constexpr LawExponents kSideLaw{1.25, 2, 1.75};
 /// Directions of a set: between K^-0.5 (independent) and K^-1 (lattices over a smooth horizon).
-inline constexpr LawExponents kDirectionLaw{0.6, 1};
+inline constexpr LawExponents kDirectionLaw{0.6, 1, 1};
 /// Sub-rays of a footprint: nested rings of equal energy over an edge.
-inline constexpr LawExponents kSubrayLaw{0.5, 1};
+inline constexpr LawExponents kSubrayLaw{0.5, 1, 1};
 
 class ErrorLaw {
  public:
   explicit ErrorLaw(LawExponents exponents) : exponents_(exponents) {}
 
-  /// `estimate` of the error at a level (>= 1), and `bound`: what is taken for it where a choice depends on it (>= estimate).
+  /// `estimate` of the error at a level (>= 1), and `bound`: what is taken for it where a choice depends on it (>= estimate). A bound
+  /// that noise has lifted above what the law makes of the next smaller level's comes down to that, never below the estimate.
   void measured(double level, double estimate, double bound);
   bool has(double level) const { return points_.count(level) > 0; }
   bool empty() const { return points_.empty(); }
@@ -31,6 +33,8 @@ class ErrorLaw {
 
   double estimate(double level) const { return at(level, &Point::estimate); }
   double bound(double level) const { return at(level, &Point::bound); }
+  /// The least that may be hoped of a level that was not measured, from every one that was; the bound of one that was.
+  double hope(double level) const;
 
  private:
   struct Point {

@@ -18,7 +18,8 @@ constexpr int kFirstSide = 4;                    ///< of the samples' trial, and
 constexpr int kLargestTriedSide = 32;            ///< beyond, the law holds: 1024 samples a pixel tell less than they cost
 constexpr int kMostTriedDirections = 256;
 constexpr int kSkyLevels[] = {4, 16, 64};
-constexpr int kMostRounds = 8;
+constexpr int kMostRounds = 10;
+constexpr double kWorthATry = 0.85;             ///< of the cost
 
 double squared(double x) { return x * x; }
 
@@ -49,13 +50,13 @@ const std::vector<int>& direction_levels() {
   return all;
 }
 
-Choice choose(const ErrorLaw& side, const ErrorLaw& direction, double budget, const plan::Plan& plan, const std::vector<int>& sides,
+Choice choose(const std::function<double(int)>& side, const ErrorLaw& direction, double budget, const plan::Plan& plan, const std::vector<int>& sides,
               const std::vector<int>& directions) {
   Choice best;
   double best_cost = std::numeric_limits<double>::infinity(), best_error = best_cost;
   for (const int n : sides)
     for (const int k : directions) {
-      const double error = squared(side.bound(n)) + squared(direction.bound(k)), cost = seconds(plan, n, k);
+      const double error = squared(side(n)) + squared(direction.bound(k)), cost = seconds(plan, n, k);
       const bool within = error <= squared(budget);
       const bool better = within != best.within ? within : within ? cost < best_cost : error < best_error || (error == best_error && cost < best_cost);
       if (!better) continue;
@@ -104,10 +105,15 @@ Decision decide(render::Renderer& renderer, const scene::Simulation& simulation,
 
   const double left = squared(kUse * simulation.tolerance) - squared(out.plan_error);
   const double budget = std::sqrt(std::max(0.0, left));
+  const auto known = [&](int n) { return side.bound(n); };
+  const auto hoped = [&](int n) { return n <= kLargestTriedSide ? side.hope(n) : side.bound(n); };
   Choice choice;
   std::set<int> fine_sky;  // directions tried with the very samples chosen, where those are few
   for (int round = 0; round < kMostRounds; ++round) {
-    choice = choose(side, direction, budget, plan, sides, directions);
+    choice = choose(hoped, direction, budget, plan, sides, directions);
+    // A level that only might do is worth a try where it saves much.
+    const Choice safe = choose(known, direction, budget, plan, sides, directions);
+    if (safe.within && seconds(plan, choice.side, choice.directions) > kWorthATry * seconds(plan, safe.side, safe.directions)) choice = safe;
     bool changed = false;
     if (!out.samples_given && !side.has(choice.side) && choice.side <= kLargestTriedSide) {
       add(side, choice.side, trial.sampling_error(choice.side, choice.side));
@@ -124,7 +130,7 @@ Decision decide(render::Renderer& renderer, const scene::Simulation& simulation,
     if (!changed) break;
   }
   // Rounds spent: what was measured counts, the rest is the law's.
-  choice = choose(side, direction, budget, plan, sides, directions);
+  choice = choose(known, direction, budget, plan, sides, directions);
 
   out.estimated = true;
   if (!out.samples_given) out.sampling.sampler = scene::SamplerKind::grid, out.sampling.samples_u = out.sampling.samples_v = choice.side;

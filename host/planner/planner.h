@@ -6,6 +6,7 @@
 //   cost      CostModel; two runs give one plan
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -63,9 +64,8 @@ struct Choice {
 const std::vector<int>& side_levels();
 const std::vector<int>& direction_levels();
 
-/// The cheapest pair with side law^2 + direction law^2 <= budget^2; where none has that, the pair with the least error whose cost is
-/// at most the dearest that makes sense (all levels). Fixed levels: one-element lists.
-Choice choose(const ErrorLaw& side, const ErrorLaw& direction, double budget, const plan::Plan& plan, const std::vector<int>& sides,
+/// The cheapest pair with side law^2 + direction law^2 <= budget^2; where none has that, the pair with the least error. Fixed levels: one-element lists. `side`: error of a side.
+Choice choose(const std::function<double(int)>& side, const ErrorLaw& direction, double budget, const plan::Plan& plan, const std::vector<int>& sides,
               const std::vector<int>& directions);
 
 /// Makes the decision for an instrument. `plan`: of make_plan, any directions. With samples and directions both given nothing is

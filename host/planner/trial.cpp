@@ -5,26 +5,27 @@
 
 #include <nlohmann/json.hpp>
 
-#include "host/plan/sky_sets.h"
 
 namespace raycube::planner {
 
 namespace {
 
-/// Cells of a reference's grid along a side, each with a random point: 400 points, whose own error is half that of 11 x 11 grid points
-/// and drops out of the estimate but for its noise.
-constexpr int kReferenceSide = 20;
+/// Cells of a reference's grid along a side, each with a random point: 1024 points, whose own error is a third of that of 11 x 11 grid
+/// points and drops out of the estimate but for its noise.
+constexpr int kReferenceSide = 32;
 /// Directions of the one set that all pixels share while samples are tried.
 constexpr int kSharedDirections = 8;
+/// Sets of directions in the sky's trial: two seeds pick the same set for one pixel in 256, which is lost in the standard error.
+constexpr int kTrialSets = 256;
 /// Added to the seed for draws that must not repeat the render's.
 constexpr std::uint64_t kOther = 0x5bd1e995u;
 
 }  // namespace
 
-void set_directions(plan::Plan& plan, const scene::Simulation& simulation, int directions) {
+void set_directions(plan::Plan& plan, const scene::Simulation& simulation, int directions, int most_sets) {
   if (plan.components() == 0) return;
   plan.sky = plan::make_sky_sets(plan.sky_basis, simulation.sun.azimuth_deg * std::numbers::pi / 180, directions, simulation.seed, plan.sky_components,
-                                 plan.thermal.on ? &plan.thermal : nullptr);
+                                 plan.thermal.on ? &plan.thermal : nullptr, most_sets);
   auto report = nlohmann::json::parse(plan.report_json);
   report["sky"]["sets"] = plan.sky.sets;
   report["sky"]["directions"] = plan.sky.directions;
@@ -35,7 +36,7 @@ Trial::Trial(render::Renderer& renderer, const scene::Simulation& simulation, co
     : renderer_(renderer), simulation_(simulation), instrument_(instrument), plan_(plan), one_sky_(plan), tiles_(trial_tiles(instrument, simulation.seed)) {
   for (const auto& tile : tiles_) pixels_ += tile.pixels();
   if (plan.components() == 0) return;
-  set_directions(one_sky_, simulation, kSharedDirections);
+  set_directions(one_sky_, simulation, kSharedDirections, plan::kFewestSets);
   const auto entries = static_cast<std::size_t>(kSharedDirections);
   one_sky_.sky.sets = 1;
   one_sky_.sky.direction.resize(entries);
@@ -79,7 +80,7 @@ TrialError Trial::sky_error(int directions, int samples_u, int samples_v) {
   // Points that the seed moves would put the samples' noise into the difference.
   if (tried.sampler != scene::SamplerKind::grid) tried.sampler = scene::SamplerKind::grid;
   plan::Plan plan = plan_;
-  set_directions(plan, simulation_, directions);
+  set_directions(plan, simulation_, directions, kTrialSets);
   const TrialImage one = render(tried, plan, simulation_.seed), two = render(tried, plan, simulation_.seed + kOther);
   return error_between(one, two, judged_means(one));
 }

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "host/plan/sky_sets.h"
 #include "host/planner/cost_model.h"
 #include "host/planner/trial_pixels.h"
 #include "host/render/renderer.h"
@@ -44,6 +45,6 @@ class Trial {
 };
 
 /// The plan with sets of `directions` in place of its own.
-void set_directions(plan::Plan& plan, const scene::Simulation& simulation, int directions);
+void set_directions(plan::Plan& plan, const scene::Simulation& simulation, int directions, int most_sets = plan::kMostSets);
 
 }  // namespace raycube::planner

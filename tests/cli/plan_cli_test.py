@@ -1,0 +1,71 @@
+#!/usr/bin/env python3
+"""`raycube plan` as users drive it: a table, a file that render replays to the same digest, what the file gives wins (S60).
+usage: plan_cli_test.py RAYCUBE"""
+import json
+import pathlib
+import re
+import sys
+import tempfile
+
+from driver import Program, record, scene
+
+program = Program(sys.argv[1])
+run, check, refused = program.run, program.check, program.refused
+
+
+def opened(path, tolerance):
+    """The same file with samples left to the planner."""
+    text, count = re.subn(r"(?m)^samples = .*\n", "", path.read_text())
+    check(count == 1)
+    text = text.replace("gsd_m = 1.0", "gsd_m = 0.93")  # else every edge lies between two pixels
+    out = path.with_name(f"open_{tolerance}.toml")
+    out.write_text(text.replace("format = 1\n", f"format = 1\ntolerance = {tolerance}\n", 1))
+    return out
+
+
+with tempfile.TemporaryDirectory() as temporary:
+    folder = pathlib.Path(temporary)
+    given = scene(folder, "given.toml", grid=3)
+    open_file = opened(given, 0.03)
+
+    first = run("plan", open_file, "-o", folder / "plan.json").stdout
+    for block in ("spectral grid", "sun", "sky", "target height", "samples", "sky directions", "estimated error", "trial"):
+        check(block in first, block, first)
+    check(first == run("plan", open_file).stdout, "two runs, two plans")
+    plan = json.loads((folder / "plan.json").read_text())
+    entry = plan["instruments"][0]
+    check(entry["name"] == "camera" and plan["tolerance"] == 0.03, plan)
+    check(entry["decision"]["error"]["total"] <= 0.03 and entry["decision"]["within_tolerance"], entry)
+
+    # render chooses the same, says so in its record, and a replay gives the same digest.
+    run("render", open_file, "-o", folder / "chosen", "-q")
+    run("render", open_file, "-o", folder / "replayed", "-q", "--plan", folder / "plan.json")
+    chosen, replayed = (record(folder / name / "camera") for name in ("chosen", "replayed"))
+    check(chosen["digest"] == replayed["digest"])
+    lines = {line["block"]: line for line in chosen["plan"]["planner"]["lines"]}
+    check(lines["samples"]["level"] == "grid {} x {}".format(*entry["samples"]) and not lines["samples"]["given"], lines)
+    check(lines["samples"]["error"] is not None and lines["samples"]["error_without"] is not None, lines)
+
+    # What the file gives stays and is marked; plan estimates it all the same, render does not spend a trial on it.
+    table = json.loads(run("plan", given, "--json").stdout)["instruments"][0]
+    mine = {line["block"]: line for line in table["decision"]["lines"]}["samples"]
+    check(mine["given"] and mine["level"] == "grid 3 x 3" and mine["error"] is not None, mine)
+    check("trial" in table["decision"], table)
+
+    # A tolerance nobody can keep is said to be so; render warns of it too.
+    dear = opened(given, 1e-6)
+    check(re.search("cannot be kept within 30 s|is not kept", run("plan", dear).stderr))
+
+    # A plan for another scene, a broken one, one without the instrument.
+    other = scene(folder, "other.toml", grid=3)
+    other.write_text(other.read_text().replace("gsd_m = 1.0", "gsd_m = 0.93"))
+    other.write_text(other.read_text().replace("0.80", "0.79").replace("format = 1\n", "format = 1\ntolerance = 0.03\n", 1))
+    refused("render", other, "-o", folder / "x", "--plan", folder / "plan.json", status=2, says=["another scene", "raycube plan SIM -o"])
+    (folder / "broken.json").write_text('{"raycube_plan": 1}')
+    refused("render", open_file, "-o", folder / "x", "--plan", folder / "broken.json", status=2, says=["not a plan of raycube"])
+    plan["instruments"][0]["name"] = "eye"
+    (folder / "named.json").write_text(json.dumps(plan))
+    refused("render", open_file, "-o", folder / "x", "--plan", folder / "named.json", status=2, says=["no instrument 'camera'", "eye"])
+    refused("render", open_file, "-o", folder / "x", "--plan", folder / "none.json", status=2, says=["cannot be read"])
+
+print(f"plan_cli: {program.checks} checks")

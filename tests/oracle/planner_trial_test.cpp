@@ -1,0 +1,163 @@
+// The planner's trial on scenes whose errors are known in closed form (S60, S61).
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "atmos_tables/synthetic.h"
+#include "host/base/error.h"
+#include "host/planner/plan_file.h"
+#include "host/planner/planner.h"
+#include "host/sensors/view_bounds.h"
+#include "tests/support/render_kit.h"
+
+namespace {
+
+using namespace raycube;
+using namespace raycube::planner;
+
+constexpr double kGsd_m = 0.5, kDark = 0.2, kBright = 0.6;
+
+/// A plane of stripes along y in front of a uniform sky of radiance 1, seen by 64 x 64 pixels: radiance = reflectance.
+struct Stripes {
+  scene::Simulation simulation;
+  double period_m, first_m;
+
+  explicit Stripes(double period, double bright = kBright) : period_m(period) {
+    const auto a = test::add_material(simulation.scene, "dark", kDark), b = test::add_material(simulation.scene, "bright", bright);
+    std::vector<scene::TriangleMesh> parts;
+    const double half = 32 * kGsd_m + 2 * period_m;
+    first_m = -half;
+    for (double x = -half; x < half; x += period_m / 2)
+      parts.push_back(test::rectangle({x, -half, 0}, {period_m / 2, 0, 0}, {0, 2 * half, 0}, parts.size() % 2 ? b : a));
+    test::place(simulation.scene, test::join(parts));
+    finish_top_tree(simulation.scene);
+    simulation.sun.zenith_deg = 120;
+    simulation.instruments = {test::nadir_camera(64, 64, 1000, kGsd_m)};
+  }
+  /// 1 on bright.
+  double bright_at(double x) const { return std::fmod((x - first_m) / period_m, 1.0) >= 0.5; }
+  /// Bright share of first .. x, m.
+  double bright_up_to(double x) const {
+    const double turns = (x - first_m) / period_m, whole = std::floor(turns);
+    return period_m * (0.5 * whole + std::max(0.0, turns - whole - 0.5));
+  }
+  double left(int column) const { return (column - 32) * kGsd_m; }
+  double exact(int column) const { return (bright_up_to(left(column) + kGsd_m) - bright_up_to(left(column))) / kGsd_m; }
+  double sampled(int column, int side) const {
+    double sum = 0;
+    for (int i = 0; i < side; ++i) sum += bright_at(left(column) + (i + 0.5) / side * kGsd_m);
+    return sum / side;
+  }
+  /// rms of a side's error over columns, over the mean radiance.
+  double error(const std::vector<int>& columns, int side) const {
+    double squares = 0, mean = 0;
+    for (const int c : columns) squares += std::pow((kBright - kDark) * (sampled(c, side) - exact(c)), 2), mean += kDark + (kBright - kDark) * exact(c);
+    const auto n = static_cast<double>(columns.size());
+    return std::sqrt(squares / n) / (mean / n);
+  }
+};
+
+plan::Plan plan_of(const scene::Simulation& simulation) {
+  const auto& instrument = simulation.instruments[0];
+  return plan::make_plan(simulation, instrument, atmos::uniform_sky_table(0, 1, {0.3, 1.0, 4.0}, 120), sensors::view_bounds(instrument));
+}
+
+std::vector<int> columns_of(const std::vector<render::Tile>& tiles) {
+  std::vector<int> columns;
+  for (const auto& tile : tiles)
+    for (int i = 0; i < tile.columns; ++i) columns.push_back(tile.first_column + i);
+  return columns;
+}
+
+}  // namespace
+
+TEST_CASE("S60: a plane of one reflectance under an open sky needs one sample and one direction") {
+  const Stripes scene(5.37 * kGsd_m, kDark);
+  const plan::Plan plan = plan_of(scene.simulation);
+  render::Renderer renderer(scene.simulation.scene, {});
+  const Decision d = decide(renderer, scene.simulation, scene.simulation.instruments[0], plan, false);
+  CHECK(d.sampling.samples_u == 1);
+  CHECK(d.sampling.directions == 1);
+  CHECK(d.within);
+  CHECK(d.notes.empty());
+  CHECK(d.samples_error < 1e-5);
+  CHECK(d.sky_error < 1e-5);
+}
+
+TEST_CASE("S60: the trial finds the sampling error of stripes that integration gives") {
+  const Stripes scene(5.37 * kGsd_m);
+  const plan::Plan plan = plan_of(scene.simulation);
+  render::Renderer renderer(scene.simulation.scene, {});
+  Trial trial(renderer, scene.simulation, scene.simulation.instruments[0], plan);
+  const auto columns = columns_of(trial_tiles(scene.simulation.instruments[0], scene.simulation.seed));
+  for (const int side : {2, 4, 7}) {
+    const double want = scene.error(columns, side);
+    const TrialError found = trial.sampling_error(side, side);
+    CAPTURE(side);
+    // The references' 32 rows of random points leave 0.4 / 32 / sqrt(32) of the contrast, a twentieth of the error sought; 512 pixels average it.
+    CHECK(found.estimate == doctest::Approx(want).epsilon(0.03));
+    CHECK(found.bound >= found.estimate);
+  }
+}
+
+TEST_CASE("S61: planned samples keep three tolerances on all pixels, two runs give one plan, and finer tolerances cost more") {
+  const Stripes scene(5.37 * kGsd_m);
+  scene::Simulation simulation = scene.simulation;
+  std::vector<int> all;
+  for (int c = 0; c < 64; ++c) all.push_back(c);
+  render::Renderer renderer(simulation.scene, {});
+  double last_cost = 0;
+  for (const double tolerance : {0.1, 0.03, 0.01}) {
+    simulation.tolerance = tolerance;
+    const plan::Plan plan = plan_of(simulation);
+    const Decision d = decide(renderer, simulation, simulation.instruments[0], plan, false);
+    CAPTURE(tolerance);
+    CAPTURE(d.sampling.samples_u);
+    REQUIRE(d.within);
+    CHECK(scene.error(all, d.sampling.samples_u) <= tolerance);
+    CHECK(d.total_error <= tolerance);
+    CHECK(d.s_per_megapixel >= last_cost);
+    last_cost = d.s_per_megapixel;
+    if (tolerance == 0.03) {
+      const Decision again = decide(renderer, simulation, simulation.instruments[0], plan, false);
+      CHECK(again.sampling.samples_u == d.sampling.samples_u);
+      CHECK(again.sampling.directions == d.sampling.directions);
+      CHECK(again.total_error == d.total_error);
+    }
+  }
+}
+
+TEST_CASE("S60: what the file gives stays, its error is told, and a tolerance it cannot keep is said to be so") {
+  const Stripes scene(5.37 * kGsd_m);
+  scene::Simulation simulation = scene.simulation;
+  simulation.tolerance = 0.001;
+  scene::Instrument& camera = simulation.instruments[0];
+  camera.samples_u = camera.samples_v = 2, camera.samples_given = true;
+  simulation.sky_directions = 3, simulation.sky_directions_given = true;
+  plan::Plan plan = plan_of(simulation);
+  render::Renderer renderer(simulation.scene, {});
+  const Decision untried = decide(renderer, simulation, camera, plan, false);
+  CHECK_FALSE(untried.estimated);
+  const Decision d = decide(renderer, simulation, camera, plan, true);
+  CHECK(d.sampling.samples_u == 2);
+  CHECK(d.sampling.directions == 3);
+  CHECK(d.samples_error > 0.01);
+  CHECK_FALSE(d.within);
+  REQUIRE(d.notes.size() == 1);
+  CHECK(d.notes[0].find("is not kept") != std::string::npos);
+  apply(d, simulation, camera, plan);
+  const auto lines = nlohmann::json::parse(plan.report_json)["planner"]["lines"];
+  int given = 0;
+  for (const auto& line : lines)
+    if (line["given"].get<bool>()) ++given;
+  CHECK(given == 2);
+
+  // A replay of it changes nothing, and is refused once the plan has other nodes.
+  PlanFile::Entry entry{"camera", false, d.sampling, 0, axes_json(plan), nlohmann::json::parse(plan.report_json)["planner"].dump()};
+  const Decision replay = replayed(entry, simulation, camera, plan, "plan.json");
+  CHECK(replay.sampling.samples_u == 2);
+  CHECK(replay.samples_error == d.samples_error);
+  plan.height.count = 5;
+  CHECK_THROWS_AS(replayed(entry, simulation, camera, plan, "plan.json"), base::Error);
+}

@@ -1,0 +1,95 @@
+// Laws of error and the choice among levels (S60): closed forms.
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "host/planner/cost_model.h"
+#include "host/planner/error_law.h"
+#include "host/planner/planner.h"
+#include "host/planner/trial_pixels.h"
+#include "kernels/sampling/sampler.h"
+
+using namespace raycube;
+using namespace raycube::planner;
+
+TEST_CASE("S60: a law passes through what was measured, is straight in logarithms between and careful beyond") {
+  ErrorLaw law(LawExponents{1, 2, 1.5});
+  law.measured(4, 0.08, 0.09);
+  law.measured(16, 0.02, 0.021);
+  CHECK(law.estimate(4) == doctest::Approx(0.08));
+  CHECK(law.bound(4) == doctest::Approx(0.09));
+  CHECK(law.estimate(8) == doctest::Approx(std::sqrt(0.08 * 0.02)));
+  CHECK(law.estimate(32) == doctest::Approx(0.01));   // level^-1 beyond
+  CHECK(law.estimate(2) == doctest::Approx(0.32));    // level^-2 before
+  CHECK(law.hope(32) == doctest::Approx(0.08 * std::pow(0.125, 1.5)));  // the kinder of the two
+  CHECK(law.hope(32) < law.bound(32));
+}
+
+TEST_CASE("S60: noise may not lift a bound above the law of a coarser level, nor lower it below the estimate") {
+  ErrorLaw law(LawExponents{1, 2, 1.5});
+  law.measured(4, 0.08, 0.08);
+  law.measured(16, 0.01, 0.5);
+  CHECK(law.bound(16) == doctest::Approx(0.02));
+  law.measured(32, 0.03, 0.04);  // it is worse than the law says: believed
+  CHECK(law.bound(32) == doctest::Approx(0.03));
+}
+
+TEST_CASE("S60: the choice is the cheapest pair inside the budget, by an exhaustive search") {
+  plan::Plan plan;
+  plan.sky_components = 1;
+  plan.bands.resize(10);
+  ErrorLaw side(kSideLaw), direction(kDirectionLaw);
+  side.measured(4, 0.02, 0.02);
+  direction.measured(16, 0.01, 0.01);
+  const auto known = [&](int n) { return side.bound(n); };
+  for (const double budget : {0.1, 0.02, 0.005}) {
+    const Choice choice = choose(known, direction, budget, plan, side_levels(), direction_levels());
+    REQUIRE(choice.within);
+    const auto error = [&](int n, int k) { return std::hypot(side.bound(n), direction.bound(k)); };
+    const auto cost = [&](int n, int k) { return CostModel().seconds(pixel_counts(plan, double(n) * n, k)); };
+    CHECK(error(choice.side, choice.directions) <= budget);
+    for (const int n : side_levels())
+      for (const int k : direction_levels())
+        if (error(n, k) <= budget) CHECK(cost(n, k) >= cost(choice.side, choice.directions));
+  }
+  CHECK_FALSE(choose(known, direction, 1e-9, plan, side_levels(), direction_levels()).within);
+}
+
+TEST_CASE("S60: errors against two noisy references are without their noise") {
+  // Truth 1 everywhere; the image errs by +-0.02, the references by +-0.03, all independent.
+  const auto draw = [](rc_u32 i, rc_u32 of) { return rc_hash(9, i, 0, of) & 1u ? 1.0 : -1.0; };
+  TrialImage image, one, two;
+  image.bands = one.bands = two.bands = 1;
+  for (rc_u32 i = 0; i < 40000; ++i) {
+    image.radiance.push_back(static_cast<float>(1 + 0.02 * draw(i, 1)));
+    one.radiance.push_back(static_cast<float>(1 + 0.03 * draw(i, 2)));
+    two.radiance.push_back(static_cast<float>(1 + 0.03 * draw(i, 3)));
+    if (i % 100 == 99) image.run_end.push_back(i + 1), one.run_end.push_back(i + 1), two.run_end.push_back(i + 1);
+  }
+  const auto mean = judged_means(one);
+  // Standard error of the mean square: products of signs, (2 x 0.02 x 0.03 x sqrt 2 + 0.03^2) / sqrt(40000), about 1e-5 of 4e-4.
+  const TrialError found = error_against(image, one, two, mean);
+  CHECK(found.estimate == doctest::Approx(0.02).epsilon(0.05));
+  CHECK(found.bound > found.estimate);
+  CHECK(error_between(one, two, mean).estimate == doctest::Approx(0.03).epsilon(0.02));
+}
+
+TEST_CASE("S60: trial pixels lie in the image, once each, and are the same every time") {
+  scene::Instrument camera;
+  camera.pixels = 101, camera.lines = 77;
+  const auto tiles = trial_tiles(camera, 5), again = trial_tiles(camera, 5), other = trial_tiles(camera, 6);
+  REQUIRE(tiles.size() == kTrialRuns);
+  bool same = true, differs = false;
+  for (std::size_t i = 0; i < tiles.size(); ++i) {
+    CHECK(tiles[i].first_column % 4 == 0);
+    CHECK(tiles[i].first_column + tiles[i].columns <= 101);
+    CHECK(tiles[i].first_line < 77);
+    if (i > 0) CHECK((tiles[i].first_line > tiles[i - 1].first_line || tiles[i].first_column > tiles[i - 1].first_column));
+    same = same && tiles[i].first_line == again[i].first_line && tiles[i].first_column == again[i].first_column;
+    differs = differs || tiles[i].first_line != other[i].first_line;
+  }
+  CHECK(same);
+  CHECK(differs);
+  camera.pixels = 10, camera.lines = 3;
+  CHECK(trial_tiles(camera, 5).size() == 6);
+}
