@@ -101,7 +101,7 @@ TEST_CASE("S60: the trial finds the sampling error of stripes that integration g
   }
 }
 
-TEST_CASE("S61: planned samples keep three tolerances on all pixels, two runs give one plan, and finer tolerances cost more") {
+TEST_CASE("S61: planned samples keep three tolerances on all pixels, and finer tolerances cost more") {
   const Stripes scene(5.37 * kGsd_m);
   scene::Simulation simulation = scene.simulation;
   std::vector<int> all;
@@ -119,12 +119,6 @@ TEST_CASE("S61: planned samples keep three tolerances on all pixels, two runs gi
     CHECK(d.total_error <= tolerance);
     CHECK(d.s_per_megapixel >= last_cost);
     last_cost = d.s_per_megapixel;
-    if (tolerance == 0.03) {
-      const Decision again = decide(renderer, simulation, simulation.instruments[0], plan, false);
-      CHECK(again.sampling.samples_u == d.sampling.samples_u);
-      CHECK(again.sampling.directions == d.sampling.directions);
-      CHECK(again.total_error == d.total_error);
-    }
   }
 }
 

@@ -88,7 +88,8 @@ TEST_CASE("S27: the smallest LIDAR, no instrument beside it, gets its defaults")
 
   const auto json = nlohmann::json::parse(simulation.resolved_json)["lidar"][0];
   CHECK(json["pulse"]["divergence_is"] == "full angle at 1/e^2");
-  CHECK(json["sampling"]["subrays"] == 256);    // of a table the file does not name
+  CHECK_FALSE(l.transport.subrays_given);       // left to the planner
+  CHECK(json["sampling"]["bounces"] == 1);      // of a table the file does not name
   CHECK(json["turbulence"]["wind_m_s"] == 21);
   CHECK(json["scan"]["pattern"] == "fixed");
 }
