@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Puts measured figures where people read them: bench/tables.py PART ... (PART: groups, mitsuba, scaling)
+"""Puts measured figures where people read them: bench/tables.py PART ... (PART: groups, mitsuba, scaling, planner)
 
 Adds what the scripts measured (build/bench/PART.json) to build/bench.json and renews the tables between `<!-- ci/bench PART -->` and
-`<!-- end -->` in bench/RESULTS.md and README.md. ci/bench calls it with what it has just run.
+`<!-- end -->` in bench/RESULTS.md, README.md and, of the planner, docs/accuracy.md. ci/bench calls it with what it has just run.
 """
 import json
 import pathlib
@@ -70,13 +70,17 @@ def main(parts):
     if "scaling" in parts:
         figures.update(json.loads((ROOT / "build/bench/scaling.json").read_text())["keys"])
         texts["scaling"] = (ROOT / "build/bench/scaling.md").read_text()
+    if "planner" in parts:
+        figures.update(json.loads((ROOT / "build/bench/planner.json").read_text())["keys"])
+        texts["planner"] = (ROOT / "build/bench/planner.md").read_text()
     BENCH.write_text(json.dumps(figures, indent=2) + "\n")
     if "groups" in parts:
         texts["groups"] = groups(figures)
     for part, text in texts.items():
-        if not renew(ROOT / "bench/RESULTS.md", part, text):
-            raise SystemExit(f"tables: bench/RESULTS.md has no lines '<!-- ci/bench {part} -->' and '<!-- end -->'; put them where the table belongs")
-    print(f"tables: {', '.join(texts)} renewed in bench/RESULTS.md; {BENCH.relative_to(ROOT)} has {len(figures)} keys")
+        page = "docs/accuracy.md" if part == "planner" else "bench/RESULTS.md"
+        if not renew(ROOT / page, part, text):
+            raise SystemExit(f"tables: {page} has no lines '<!-- ci/bench {part} -->' and '<!-- end -->'; put them where the table belongs")
+    print(f"tables: {', '.join(texts)} renewed; {BENCH.relative_to(ROOT)} has {len(figures)} keys")
 
 
 if __name__ == "__main__":

@@ -134,7 +134,7 @@ std::string decision_json(const Decision& d, const std::vector<PlanLine>& lines)
               {"dear", d.dear},
               {"notes", d.notes},
               {"lines", list}};
-  if (d.estimated) out["trial"] = {{"pixels", d.trial_pixels}, {"rays", d.trial_rays}};
+  if (d.estimated) out["trial"] = {{"pixels", d.trial_pixels}, {"looked_at", d.looked_at}, {"rays", d.trial_rays}, {"measured", d.measured}};
   return out.dump();
 }
 

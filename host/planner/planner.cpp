@@ -20,8 +20,14 @@ constexpr int kMostTriedDirections = 256;
 constexpr int kSkyLevels[] = {4, 16, 64};
 constexpr int kMostRounds = 10;
 constexpr double kWorthATry = 0.85;             ///< of the cost
+constexpr double kSlow = 0.9;                   ///< of side^-1
 
 double squared(double x) { return x * x; }
+
+/// An error that falls less than the samples' number should make it: like side^-1 or slower.
+bool falls_slowly(const ErrorLaw& side, int from, int to) {
+  return side.estimate(to) * to > kSlow * side.estimate(from) * from;
+}
 
 /// Level before `level` of a list, or 0.
 int before(const std::vector<int>& levels, int level) {
@@ -84,56 +90,73 @@ Decision decide(render::Renderer& renderer, const scene::Simulation& simulation,
   if (out.samples_given && (out.directions_given || !sky) && !estimate_given) return out;
 
   Trial trial(renderer, simulation, instrument, plan);
-  ErrorLaw side(kSideLaw), direction(kDirectionLaw);
-  const auto add = [](ErrorLaw& law, int level, const TrialError& error) { law.measured(level, error.estimate, error.bound); };
-  std::vector<int> sides = side_levels(), directions = direction_levels();
-  if (out.samples_given) {
-    sides = {1};  // stands for the samples given; the cost of directions scales alike for all
-    add(side, 1, trial.sampling_error(instrument.samples_u, instrument.samples_v));
-  } else {
-    add(side, kFirstSide, trial.sampling_error(kFirstSide, kFirstSide));
-  }
+  ErrorLaw direction(kDirectionLaw);
+  const auto add = [&](ErrorLaw& law, int level, const TrialError& error, const char* what) {
+    law.measured(level, error.estimate, error.bound);
+    out.measured.push_back(fmt::format("{} {}: {:.2g} %, at most {:.2g} %", what, level, 100 * error.estimate, 100 * error.bound));
+  };
+  std::vector<int> directions = direction_levels();
   if (out.directions_given) directions = {simulation.sky_directions};
   if (!sky) {
     directions = {1};
-    add(direction, 1, {});
+    add(direction, 1, {}, "directions");
   } else if (out.directions_given) {
-    add(direction, simulation.sky_directions, trial.sky_error(simulation.sky_directions, kFirstSide, kFirstSide));
+    add(direction, simulation.sky_directions, trial.sky_error(simulation.sky_directions, kFirstSide, kFirstSide), "directions");
   } else {
-    for (const int level : kSkyLevels) add(direction, level, trial.sky_error(level, kFirstSide, kFirstSide));
+    for (const int level : kSkyLevels) add(direction, level, trial.sky_error(level, kFirstSide, kFirstSide), "directions");
   }
 
   const double left = squared(kUse * simulation.tolerance) - squared(out.plan_error);
   const double budget = std::sqrt(std::max(0.0, left));
-  const auto known = [&](int n) { return side.bound(n); };
-  const auto hoped = [&](int n) { return n <= kLargestTriedSide ? side.hope(n) : side.bound(n); };
-  Choice choice;
   std::set<int> fine_sky;  // directions tried with the very samples chosen, where those are few
-  for (int round = 0; round < kMostRounds; ++round) {
-    choice = choose(hoped, direction, budget, plan, sides, directions);
-    // A level that only might do is worth a try where it saves much.
-    const Choice safe = choose(known, direction, budget, plan, sides, directions);
-    if (safe.within && seconds(plan, choice.side, choice.directions) > kWorthATry * seconds(plan, safe.side, safe.directions)) choice = safe;
-    bool changed = false;
-    if (!out.samples_given && !side.has(choice.side) && choice.side <= kLargestTriedSide) {
-      add(side, choice.side, trial.sampling_error(choice.side, choice.side));
-      changed = true;
+  /// The cheapest levels with one sampler; `side` holds what was measured of it.
+  const auto settle = [&](scene::SamplerKind sampler, ErrorLaw& side) {
+    const char* const name = sampler == scene::SamplerKind::lattice ? "lattice, side" : "grid, side";
+    const std::vector<int> sides = out.samples_given ? std::vector<int>{1} : side_levels();
+    if (out.samples_given)
+      add(side, 1, trial.sampling_error(sampler, instrument.samples_u, instrument.samples_v), "samples given, as");  // 1 stands for them; the cost of directions scales alike for all
+    else
+      add(side, kFirstSide, trial.sampling_error(sampler, kFirstSide, kFirstSide), name);
+    const auto known = [&](int n) { return side.bound(n); };
+    const auto hoped = [&](int n) { return n <= kLargestTriedSide ? side.hope(n) : side.bound(n); };
+    Choice choice;
+    for (int round = 0; round < kMostRounds; ++round) {
+      choice = choose(hoped, direction, budget, plan, sides, directions);
+      // A level that only might do is worth a try where it saves much.
+      const Choice safe = choose(known, direction, budget, plan, sides, directions);
+      if (safe.within && seconds(plan, choice.side, choice.directions) > kWorthATry * seconds(plan, safe.side, safe.directions)) choice = safe;
+      bool changed = false;
+      if (!out.samples_given && !side.has(choice.side) && choice.side <= kLargestTriedSide) {
+        add(side, choice.side, trial.sampling_error(sampler, choice.side, choice.side), name);
+        changed = true;
+      }
+      // Fewer samples average the sky less.
+      const int tried = out.samples_given ? kFirstSide : std::min(kFirstSide, choice.side);
+      if (sky && choice.directions <= kMostTriedDirections && !out.directions_given &&
+          (!direction.has(choice.directions) || (tried < kFirstSide && !fine_sky.count(choice.directions)))) {
+        add(direction, choice.directions, trial.sky_error(choice.directions, tried, tried), tried < kFirstSide ? "directions, few samples" : "directions");
+        fine_sky.insert(choice.directions);
+        changed = true;
+      }
+      if (!changed) break;
     }
-    // Fewer samples average the sky less.
-    const int tried = out.samples_given ? kFirstSide : std::min(kFirstSide, choice.side);
-    if (sky && choice.directions <= kMostTriedDirections && !out.directions_given &&
-        (!direction.has(choice.directions) || (tried < kFirstSide && !fine_sky.count(choice.directions)))) {
-      add(direction, choice.directions, trial.sky_error(choice.directions, tried, tried));
-      fine_sky.insert(choice.directions);
-      changed = true;
-    }
-    if (!changed) break;
+    // Rounds spent: what was measured counts, the rest is the law's.
+    return choose(known, direction, budget, plan, sides, directions);
+  };
+
+  scene::SamplerKind sampler = out.samples_given ? instrument.sampler : scene::SamplerKind::grid;
+  ErrorLaw side(kSideLaw);
+  Choice choice = settle(sampler, side);
+  // Edges along the pixels: a grid's error does not fall as it should, and a lattice, which no edge runs along, may do with fewer samples.
+  if (!out.samples_given && choice.side > kFirstSide && (!choice.within || falls_slowly(side, kFirstSide, choice.side))) {
+    ErrorLaw other(kSideLaw);
+    const Choice lattice = settle(scene::SamplerKind::lattice, other);
+    const double ours = seconds(plan, lattice.side, lattice.directions), theirs = seconds(plan, choice.side, choice.directions);
+    if (lattice.within != choice.within ? lattice.within : ours < theirs) choice = lattice, side = other, sampler = scene::SamplerKind::lattice;
   }
-  // Rounds spent: what was measured counts, the rest is the law's.
-  choice = choose(known, direction, budget, plan, sides, directions);
 
   out.estimated = true;
-  if (!out.samples_given) out.sampling.sampler = scene::SamplerKind::grid, out.sampling.samples_u = out.sampling.samples_v = choice.side;
+  if (!out.samples_given) out.sampling.sampler = sampler, out.sampling.samples_u = out.sampling.samples_v = choice.side;
   if (!out.directions_given) out.sampling.directions = choice.directions;
   out.samples_error = side.bound(choice.side);
   out.sky_error = sky ? direction.bound(choice.directions) : 0;
@@ -144,7 +167,7 @@ Decision decide(render::Renderer& renderer, const scene::Simulation& simulation,
   out.counts = pixel_counts(plan, static_cast<double>(out.sampling.samples_u) * out.sampling.samples_v, out.sampling.directions);
   out.s_per_megapixel = 1e6 * CostModel().seconds(out.counts);
   out.dear = out.s_per_megapixel > kDear_s_per_megapixel;
-  out.trial_pixels = trial.pixels(), out.trial_rays = trial.rays();
+  out.trial_pixels = trial.pixels(), out.looked_at = trial.looked_at(), out.trial_rays = trial.rays();
   if (!out.within)
     out.notes.push_back(fmt::format("{}: the tolerance of {:.3g} % is not kept: estimated error {:.3g} % (nodes and components {:.3g} %, samples {:.3g} %, sky "
                                     "directions {:.3g} %){}; raise the tolerance{}",

@@ -49,8 +49,9 @@ struct Decision {
   PixelCounts counts;
   double s_per_megapixel = 0;     ///< nominal, by the cost model
   bool dear = false;              ///< above kDear_s_per_megapixel
-  std::size_t trial_pixels = 0;
+  std::size_t trial_pixels = 0, looked_at = 0;  ///< pixels of the trial, and of the first look
   std::uint64_t trial_rays = 0;
+  std::vector<std::string> measured;  ///< each setting that the trial rendered, with estimate and bound of its error
   std::vector<std::string> notes; ///< what the user must know: a tolerance that is not kept, one that is dear
 };
 

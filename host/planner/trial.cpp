@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numbers>
+#include <numeric>
 
 #include <nlohmann/json.hpp>
 
@@ -13,6 +14,8 @@ namespace {
 /// Cells of a reference's grid along a side, each with a random point: 1024 points, whose own error is a third of that of 11 x 11 grid
 /// points and drops out of the estimate but for its noise.
 constexpr int kReferenceSide = 32;
+constexpr int kWidestTile = 512;               ///< pixels traced at once
+constexpr int kLookSide = 4;                   ///< of the first look's lattice
 /// Directions of the one set that all pixels share while samples are tried.
 constexpr int kSharedDirections = 8;
 /// Sets of directions in the sky's trial: two seeds pick the same set for one pixel in 256, which is lost in the standard error.
@@ -33,23 +36,59 @@ void set_directions(plan::Plan& plan, const scene::Simulation& simulation, int d
 }
 
 Trial::Trial(render::Renderer& renderer, const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan)
-    : renderer_(renderer), simulation_(simulation), instrument_(instrument), plan_(plan), one_sky_(plan), tiles_(trial_tiles(instrument, simulation.seed)) {
+    : renderer_(renderer), simulation_(simulation), instrument_(instrument), plan_(plan), one_sky_(plan) {
+  if (plan.components() > 0) {
+    set_directions(one_sky_, simulation, kSharedDirections, plan::kFewestSets);
+    const auto entries = static_cast<std::size_t>(kSharedDirections);
+    one_sky_.sky.sets = 1;
+    one_sky_.sky.direction.resize(entries);
+    one_sky_.sky.weight.resize(entries * static_cast<std::size_t>(one_sky_.sky.quads));
+  }
+  look();
+}
+
+scene::Instrument Trial::sampled(scene::SamplerKind sampler, int samples_u, int samples_v) const {
+  scene::Instrument out = instrument_;
+  out.sampler = sampler, out.samples_u = samples_u, out.samples_v = samples_v;
+  return out;
+}
+
+/// Lattices, since every seed moves them; the last differs from the first by its sky alone.
+void Trial::look() {
+  tiles_ = trial_tiles(instrument_, simulation_.seed, kLookRuns);
   for (const auto& tile : tiles_) pixels_ += tile.pixels();
-  if (plan.components() == 0) return;
-  set_directions(one_sky_, simulation, kSharedDirections, plan::kFewestSets);
-  const auto entries = static_cast<std::size_t>(kSharedDirections);
-  one_sky_.sky.sets = 1;
-  one_sky_.sky.direction.resize(entries);
-  one_sky_.sky.weight.resize(entries * static_cast<std::size_t>(one_sky_.sky.quads));
+  looked_at_ = pixels_;
+  const scene::Instrument few = sampled(scene::SamplerKind::lattice, kLookSide, kLookSide);
+  const TrialImage one = render(few, one_sky_, simulation_.seed + 3 * kOther), two = render(few, one_sky_, simulation_.seed + 4 * kOther);
+  mean_ = judged_means(one);
+  std::vector<double> error = run_differences(one, two, mean_);
+  const double sampling = std::accumulate(error.begin(), error.end(), 0.0);
+  if (plan_.components() > 0) {
+    plan::Plan plan = plan_;
+    set_directions(plan, simulation_, kSharedDirections, kTrialSets);
+    const auto sky = run_differences(one, render(few, plan, simulation_.seed + 3 * kOther), mean_);
+    // Either kind of error draws half.
+    const double all = std::accumulate(sky.begin(), sky.end(), 0.0), scale = all > 0 && sampling > 0 ? sampling / all : 1;
+    for (std::size_t r = 0; r < error.size(); ++r) error[r] += scale * sky[r];
+  }
+  draws_ = draw_runs(error, simulation_.seed);
+  drawn_from_ = static_cast<double>(tiles_.size());
+  left_out_ = 1 - static_cast<double>(looked_at_) / (static_cast<double>(instrument_.pixels) * instrument_.lines);
+  std::vector<render::Tile> drawn;
+  pixels_per_run_ = static_cast<double>(pixels_) / static_cast<double>(tiles_.size());
+  pixels_ = 0;
+  for (const Draw& draw : draws_) drawn.push_back(tiles_[draw.run]), pixels_ += drawn.back().pixels();
+  tiles_ = std::move(drawn);
 }
 
 TrialImage Trial::render(const scene::Instrument& instrument, const plan::Plan& plan, std::uint64_t seed) {
   TrialImage image;
   image.bands = instrument.bands.size();
-  renderer_.probe(instrument, plan, simulation_.sun, seed, tiles_, [&](const render::PixelProbe& probe) {
-    image.radiance.insert(image.radiance.end(), probe.radiance.begin(), probe.radiance.end());
-    image.run_end.push_back(image.radiance.size() / image.bands);
-  });
+  image.draw = draws_, image.pixels_per_run = pixels_per_run_;
+  image.drawn_from = drawn_from_, image.left_out = left_out_;
+  renderer_.probe(instrument, plan, simulation_.sun, seed, joined(tiles_, kWidestTile),
+                  [&](const render::PixelProbe& probe) { image.radiance.insert(image.radiance.end(), probe.radiance.begin(), probe.radiance.end()); });
+  for (const auto& tile : tiles_) image.run_end.push_back((image.run_end.empty() ? 0 : image.run_end.back()) + tile.pixels());
   const PixelCounts counts = pixel_counts(plan, static_cast<double>(instrument.samples_u) * instrument.samples_v, plan.sky.directions);
   rays_ += static_cast<std::uint64_t>((counts.samples + counts.sun_rays + counts.sky_rays) * static_cast<double>(pixels_));
   cost_s_ += CostModel().seconds(counts) * static_cast<double>(pixels_);
@@ -57,32 +96,25 @@ TrialImage Trial::render(const scene::Instrument& instrument, const plan::Plan& 
 }
 
 void Trial::make_references() {
-  if (!mean_.empty()) return;
-  scene::Instrument fine = instrument_;
-  fine.sampler = scene::SamplerKind::jittered;
-  fine.samples_u = fine.samples_v = kReferenceSide;
+  if (one_.bands > 0) return;
+  const scene::Instrument fine = sampled(scene::SamplerKind::jittered, kReferenceSide, kReferenceSide);
   one_ = render(fine, one_sky_, simulation_.seed + kOther);
   two_ = render(fine, one_sky_, simulation_.seed + 2 * kOther);
-  mean_ = judged_means(one_);
 }
 
-TrialError Trial::sampling_error(int samples_u, int samples_v) {
+TrialError Trial::sampling_error(scene::SamplerKind sampler, int samples_u, int samples_v) {
   make_references();
-  scene::Instrument tried = instrument_;
-  tried.samples_u = samples_u, tried.samples_v = samples_v;
-  return error_against(render(tried, one_sky_, simulation_.seed), one_, two_, mean_);
+  return error_against(render(sampled(sampler, samples_u, samples_v), one_sky_, simulation_.seed), one_, two_, mean_);
 }
 
 TrialError Trial::sky_error(int directions, int samples_u, int samples_v) {
   if (plan_.components() == 0) return {};
-  scene::Instrument tried = instrument_;
-  tried.samples_u = samples_u, tried.samples_v = samples_v;
   // Points that the seed moves would put the samples' noise into the difference.
-  if (tried.sampler != scene::SamplerKind::grid) tried.sampler = scene::SamplerKind::grid;
+  const scene::Instrument tried = sampled(scene::SamplerKind::grid, samples_u, samples_v);
   plan::Plan plan = plan_;
   set_directions(plan, simulation_, directions, kTrialSets);
   const TrialImage one = render(tried, plan, simulation_.seed), two = render(tried, plan, simulation_.seed + kOther);
-  return error_between(one, two, judged_means(one));
+  return error_between(one, two, mean_);
 }
 
 }  // namespace raycube::planner

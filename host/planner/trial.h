@@ -1,4 +1,7 @@
 // A sparse render of a few hundred pixels at several settings, and what it says of their errors. Its rays are counted.
+//
+// A first look at a few thousand pixels, three renders with few samples, says where errors are; the trial's runs are drawn by it. Where a
+// lawn has three trees, an even draw of a few hundred pixels does not see them, and all the error is there.
 #pragma once
 
 #include <cstdint>
@@ -15,20 +18,23 @@ class Trial {
   /// `plan`: of the instrument, with any number of directions. Nothing is rendered yet. All must live as long as the trial.
   Trial(render::Renderer& renderer, const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan);
 
-  /// Error of the instrument's sampler with u x v cells, against random points in the cells of two finer grids: unbiased and
+  /// Error of a sampler with u x v cells, against random points in the cells of two finer grids: unbiased and
   /// independent of each other. Every pixel looks at the sky by the same few directions, so that the sky's own noise, which is the
   /// sky trial's matter, is the same on all sides.
-  TrialError sampling_error(int samples_u, int samples_v);
+  TrialError sampling_error(scene::SamplerKind sampler, int samples_u, int samples_v);
 
   /// Error of sets of `directions`: two seeds, by which a pixel picks its set, and the same samples (u x v).
   TrialError sky_error(int directions, int samples_u, int samples_v);
 
-  std::size_t pixels() const { return pixels_; }
+  std::size_t pixels() const { return pixels_; }            ///< of the trial
+  std::size_t looked_at() const { return looked_at_; }      ///< of the first look
   std::uint64_t rays() const { return rays_; }   ///< traced so far, sky rays towards a surface's back included
   double cost_s() const { return cost_s_; }      ///< by the cost model
 
  private:
   TrialImage render(const scene::Instrument& instrument, const plan::Plan& plan, std::uint64_t seed);
+  scene::Instrument sampled(scene::SamplerKind sampler, int samples_u, int samples_v) const;
+  void look();
   void make_references();
 
   render::Renderer& renderer_;
@@ -37,7 +43,9 @@ class Trial {
   const plan::Plan& plan_;
   plan::Plan one_sky_;                 ///< the plan with a single set of few directions
   std::vector<render::Tile> tiles_;
-  std::size_t pixels_ = 0;
+  std::vector<Draw> draws_;            ///< of the tiles; empty: the first look
+  double pixels_per_run_ = 0, drawn_from_ = 0, left_out_ = 0;
+  std::size_t pixels_ = 0, looked_at_ = 0;
   TrialImage one_, two_;
   std::vector<double> mean_;
   std::uint64_t rays_ = 0;

@@ -11,29 +11,37 @@ namespace raycube::planner {
 namespace {
 
 constexpr rc_u32 kTrialDimension = 43;  ///< of the hash: no sampler uses it
+constexpr rc_u32 kDrawDimension = 46;   ///< of the hash, for the draws
 constexpr double kDarkShare = 1e-4;     ///< DESIGN 5a: darker bands are judged against this share of the brightest
 
-/// Worst band of a mean over pixels of `square(pixel, band)`, over the judged mean squared.
+/// Worst band of a mean over pixels of `square(pixel, band)`, over the judged mean squared. A run that was drawn with more than an even chance counts for less.
 template <class Square>
 TrialError worst_band(const TrialImage& image, const std::vector<double>& mean, Square square) {
   TrialError worst;
   double worst_square = 0, worst_bound = 0;
-  const double runs = static_cast<double>(image.run_end.size());
+  const std::size_t runs = image.run_end.size();
+  double draws = 0;
+  for (std::size_t r = 0; r < runs; ++r) draws += image.draw.empty() ? 1 : image.draw[r].times;
+  const double pixels_per_run = image.pixels_per_run > 0 ? image.pixels_per_run : static_cast<double>(image.pixels()) / static_cast<double>(std::max<std::size_t>(1, runs));
   for (std::size_t b = 0; b < image.bands; ++b) {
     // Runs as the units of the standard error: pixels side by side are not independent.
-    double sum = 0, square_sum = 0;
-    std::vector<double> of_run;
+    double sum = 0, square_sum = 0, even_square_sum = 0;
     std::size_t p = 0;
-    for (const std::size_t end : image.run_end) {
+    for (std::size_t r = 0; r < runs; ++r) {
       double run = 0;
-      for (; p < end; ++p) run += square(p * image.bands + b);
-      of_run.push_back(run);
-      sum += run;
+      for (; p < image.run_end[r]; ++p) run += square(p * image.bands + b);
+      const Draw draw = image.draw.empty() ? Draw{} : image.draw[r];
+      run /= draw.share * pixels_per_run;
+      sum += draw.times * run;
+      square_sum += draw.times * run * run;
+      even_square_sum += draw.times * run * run * draw.share;
     }
-    const double pixels = static_cast<double>(image.pixels()), average = sum / runs;
-    for (const double run : of_run) square_sum += (run - average) * (run - average);
-    const double deviation = runs > 1 ? std::sqrt(square_sum / (runs - 1) / runs) * runs / pixels : 0;
-    const double here = sum / pixels / (mean[b] * mean[b]), bound = here + deviation / (mean[b] * mean[b]);
+    const double average = sum / draws;
+    double variance = draws > 1 ? std::max(0.0, square_sum / draws - average * average) / (draws - 1) : 0;
+    // The runs drawn from are themselves but a part of the image.
+    if (image.drawn_from > 1) variance += image.left_out * std::max(0.0, even_square_sum / draws - average * average) / (image.drawn_from - 1);
+    const double deviation = std::sqrt(variance);
+    const double here = average / (mean[b] * mean[b]), bound = here + deviation / (mean[b] * mean[b]);
     worst_square = std::max(worst_square, here);
     worst_bound = std::max(worst_bound, bound);
   }
@@ -63,6 +71,56 @@ std::vector<render::Tile> trial_tiles(const scene::Instrument& instrument, std::
     tiles.push_back({line, 1, column, std::min(kRunPixels, instrument.pixels - column)});
   }
   return tiles;
+}
+
+std::vector<Draw> draw_runs(const std::vector<double>& error, std::uint64_t seed, int draws) {
+  std::vector<Draw> out;
+  const std::size_t runs = error.size();
+  if (runs <= static_cast<std::size_t>(kTrialRuns)) {
+    for (std::size_t r = 0; r < runs; ++r) out.push_back({r, 1, 1.0});
+    return out;
+  }
+  double sum = 0, roots = 0;
+  for (const double e : error) sum += e, roots += std::sqrt(e);
+  const double even = 1.0 / static_cast<double>(runs);
+  const auto chance = [&](std::size_t r) {
+    return 0.25 * even + 0.5 * (sum > 0 ? error[r] / sum : even) + 0.25 * (roots > 0 ? std::sqrt(error[r]) / roots : even);
+  };
+  const double step = 1.0 / draws;
+  double next = step * rc_unit_float(rc_hash(static_cast<rc_u32>(seed), 0, static_cast<rc_u32>(seed >> 32), kDrawDimension)), reached = 0;
+  for (std::size_t r = 0; r < runs; ++r) {
+    reached += chance(r);
+    Draw draw{r, 0, chance(r) / even};
+    for (; next < reached; next += step) ++draw.times;
+    if (draw.times > 0) out.push_back(draw);
+  }
+  return out;
+}
+
+std::vector<double> run_differences(const TrialImage& one, const TrialImage& two, const std::vector<double>& mean) {
+  std::vector<double> out;
+  std::size_t i = 0;
+  for (const std::size_t end : one.run_end) {
+    double sum = 0;
+    for (; i < end * one.bands; ++i) sum += std::pow((static_cast<double>(one.radiance[i]) - two.radiance[i]) / mean[i % one.bands], 2);
+    out.push_back(sum / static_cast<double>(one.bands));
+  }
+  return out;
+}
+
+std::vector<render::Tile> joined(const std::vector<render::Tile>& runs, int columns) {
+  std::vector<render::Tile> out;
+  for (const render::Tile& run : runs) {
+    if (!out.empty()) {
+      render::Tile& last = out.back();
+      if (last.first_line == run.first_line && last.first_column + last.columns == run.first_column && last.columns + run.columns <= columns) {
+        last.columns += run.columns;
+        continue;
+      }
+    }
+    out.push_back(run);
+  }
+  return out;
 }
 
 std::vector<double> judged_means(const TrialImage& image) {

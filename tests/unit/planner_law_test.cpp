@@ -74,6 +74,49 @@ TEST_CASE("S60: errors against two noisy references are without their noise") {
   CHECK(error_between(one, two, mean).estimate == doctest::Approx(0.03).epsilon(0.02));
 }
 
+TEST_CASE("S60: draws by a first look find the errors that one run in a hundred holds, without bias") {
+  constexpr std::size_t runs = 1000;
+  const auto noise = [](std::size_t r, rc_u32 of) { return rc_unit_float(rc_hash(3, static_cast<rc_u32>(r), 0, of)); };
+  std::vector<double> off, look;
+  double truth = 0;
+  for (std::size_t r = 0; r < runs; ++r) {
+    off.push_back((r % 100 == 37 ? 0.2 : 0.001) * (0.5 + noise(r, 1)));
+    look.push_back(off[r] * off[r] * (0.5 + 1.5 * noise(r, 2)));  // the first look is off by up to a factor of 2
+    truth += off[r] * off[r] / runs;
+  }
+  double mean_square = 0;
+  constexpr int seeds = 40;
+  for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+    const auto draws = draw_runs(look, seed);
+    int times = 0;
+    for (const Draw& draw : draws) times += draw.times;
+    CHECK(times >= kDraws - 1);
+    CHECK(times <= kDraws + 1);
+    TrialImage image, one;
+    image.bands = one.bands = 1;
+    image.draw = draws, image.pixels_per_run = 8, image.drawn_from = runs;
+    for (const Draw& draw : draws) {
+      for (int p = 0; p < 8; ++p) image.radiance.push_back(static_cast<float>(1 + off[draw.run])), one.radiance.push_back(1);
+      image.run_end.push_back(image.radiance.size());
+    }
+    one.run_end = image.run_end;
+    const TrialError found = error_against(image, one, one, {1.0});
+    CHECK(found.estimate == doctest::Approx(std::sqrt(truth)).epsilon(0.1));
+    CHECK(found.bound > found.estimate);
+    mean_square += found.estimate * found.estimate / seeds;
+  }
+  CHECK(mean_square == doctest::Approx(truth).epsilon(0.03));
+}
+
+TEST_CASE("S60: runs side by side on a line are traced as one tile") {
+  const auto tiles = joined({{0, 1, 0, 8}, {0, 1, 8, 8}, {0, 1, 24, 8}, {1, 1, 0, 8}, {1, 1, 8, 8}, {1, 1, 16, 4}}, 16);
+  REQUIRE(tiles.size() == 4);
+  CHECK(tiles[0].columns == 16);
+  CHECK(tiles[1].first_column == 24);
+  CHECK(tiles[2].columns == 16);
+  CHECK(tiles[3].columns == 4);
+}
+
 TEST_CASE("S60: trial pixels lie in the image, once each, and are the same every time") {
   scene::Instrument camera;
   camera.pixels = 101, camera.lines = 77;

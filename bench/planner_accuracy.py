@@ -1,0 +1,143 @@
+#!/usr/bin/python3
+"""The planner held against converged references and brute force: bench/planner_accuracy.py [--figures FILE.json]
+
+Builds and runs build/raycube_planner_accuracy over the shipped scenes (about ten minutes), writes build/bench/planner.json (its flat keys) and
+planner_study.json (everything), draws docs/pictures/planner_calibration.png and writes build/bench/planner.md, which bench/tables.py puts
+into docs/accuracy.md. --figures draws an earlier planner_study.json anew.
+"""
+import argparse
+import json
+import pathlib
+import subprocess
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+FOLDER = ROOT / "build/bench/planner"
+
+
+def scenes():
+    """NAME=FILE of every shipped scene; those that are made are made first."""
+    park = FOLDER / "park"
+    if not (park / "park_survey.toml").exists():
+        subprocess.run(["/usr/bin/python3", ROOT / "scenes/park/generate.py", park], check=True)
+    starter = FOLDER / "starter"
+    if not starter.exists():
+        subprocess.run([ROOT / "build/raycube", "new", starter], check=True)
+    lidar = ROOT / "scenes/lidar"
+    return [f"panels={ROOT / 'scenes/panels/panels.toml'}", f"starter={starter / 'starter.toml'}", f"park={park / 'park.toml'}", f"park_lwir={park / 'park_lwir.toml'}",
+            f"park_survey={park / 'park_survey.toml'}", f"geiger_array={lidar / 'geiger_array.toml'}", f"pipeline_dial={lidar / 'pipeline_dial.toml'}"]
+
+
+def measure():
+    subprocess.run(["cmake", "--build", ROOT / "build", "--target", "raycube_planner_accuracy", "raycube"], check=True)
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    figures = ROOT / "build/bench/planner_study.json"
+    subprocess.run([ROOT / "build/raycube_planner_accuracy", "--json", figures] + scenes(), check=True)
+    return figures
+
+
+def said(row):
+    """What the plan says of a tolerance that it does not keep, or keeps dearly."""
+    if row["claimed"] < 0:
+        return "cannot: the nodes"
+    if not row["within"]:
+        return "cannot"
+    return "dear" if row["dear"] else ""
+
+
+def counts(row):
+    """The bars are for what the planner promises and the reference can judge."""
+    return not said(row) and row["judged"] and "achieved" in row
+
+
+def keys(cases):
+    rows = [row for case in cases for row in case["rows"]]
+    judged = [row for row in rows if counts(row)]
+    timed = [row for row in rows if not said(row) and "time_over_best" in row]
+    found = {"planner_worst_error_over_tolerance": max(row["achieved"] / row["tolerance"] for row in judged), "planner_worst_error_over_tolerance_goal": 1.0,
+             "planner_worst_error_over_tolerance_goal_is": "at most",
+             "planner_worst_time_over_best": max(row["time_over_best"] for row in timed), "planner_worst_time_over_best_goal": 2.0, "planner_worst_time_over_best_goal_is": "at most",
+             "planner_worst_cost_over_best": max(row["cost_over_best"] for row in timed), "planner_worst_cost_over_best_goal": 2.0, "planner_worst_cost_over_best_goal_is": "at most",
+             "planner_points": len(rows), "planner_points_said_cannot": sum(1 for row in rows if said(row)),
+             "planner_points_not_judged": sum(1 for row in rows if not said(row) and not row["judged"])}
+    return found
+
+
+def percent(x):
+    return f"{100 * x:.2g}"
+
+
+def markdown(cases):
+    lines = ["| scene, instrument | asked, % | planned | claims, % | achieved, % [bar] | reference's own, % | cost over best (best) | time over best | |", "|---|---|---|---|---|---|---|---|---|"]
+    for case in cases:
+        for row in case["rows"]:
+            achieved = f"{percent(row['achieved'])} [{percent(row['low'])} .. {percent(row['high'])}]" if "achieved" in row else "-"
+            own = percent(row["own"]) if "achieved" in row else percent(case["own"])
+            best = f"{row['cost_over_best']:.2g} ({row['best']['setting']})" if "best" in row else "-"
+            time = f"{row['time_over_best']:.2g}" if "time_over_best" in row else "-"
+            notes = [note for note in (said(row), "" if row["judged"] or "achieved" not in row else "reference too coarse") if note]
+            lines.append(f"| {case['scene']}, {case['instrument']} | {percent(row['tolerance'])} | {row['setting'] if row['claimed'] >= 0 else '-'} | "
+                         f"{percent(row['claimed']) if row['claimed'] >= 0 else '-'} | {achieved} | {own} | {best} | {time} | {', '.join(notes)} |")
+    lines += ["", "| case | reference | own error, % | sweep |", "|---|---|---|---|"]
+    for case in cases:
+        lines.append(f"| {case['scene']}, {case['instrument']} ({case['pixels']} {'pixels' if case['kind'] == 'cube' else 'rows of pulses'}) | {case['reference']} | {percent(case['own'])} | {case['sweep']} |")
+    return "\n".join(lines) + "\n"
+
+
+def draw(cases, file):
+    figure, axes = plt.subplots(1, 2, figsize=(13, 5.4))
+    asked = sorted({100 * row["tolerance"] for case in cases for row in case["rows"]})
+    for number, case in enumerate(cases):
+        colour, shift = f"C{number}", 1 + 0.035 * (number - len(cases) / 2)
+        label = f"{case['scene']}, {case['instrument']}"
+        for row in case["rows"]:
+            if "achieved" not in row:
+                continue
+            x, y = 100 * row["tolerance"] * shift, 100 * row["achieved"]
+            mark = "o" if counts(row) else "x" if not row["judged"] else "s"
+            axes[0].errorbar([x], [y], yerr=[[y - 100 * row["low"]], [100 * row["high"] - y]], fmt=mark, color=colour, ms=6, mfc=colour if counts(row) else "none", label=label, capsize=2)
+            label = None
+        label = f"{case['scene']}, {case['instrument']}"
+        for row in case["rows"]:
+            if "best" not in row or said(row):
+                continue
+            x = 100 * row["tolerance"] * shift
+            axes[1].plot([x], [row["cost_over_best"]], "o", color=colour, ms=6, label=label)
+            label = None
+            if "time_over_best" in row:
+                axes[1].errorbar([x], [row["time_over_best"]], yerr=[[row["time_over_best"] - row["time_over_best_min"]], [row["time_over_best_max"] - row["time_over_best"]]],
+                                 fmt="^", color=colour, mfc="none", ms=6, capsize=2)
+    axes[0].loglog(asked, asked, "-", color="black", lw=1)
+    axes[0].set(xlabel="tolerance asked, %", ylabel="error achieved, % (worst band)", title="filled: promised and judged; square: said to be dear or out of reach;\ncross: the reference is too coarse to judge")
+    axes[1].axhline(2, color="black", lw=1)
+    axes[1].axhline(1, color="gray", lw=1, ls=":")
+    axes[1].set_xscale("log")
+    axes[1].set_yscale("log")
+    axes[1].set(xlabel="tolerance asked, %", ylabel="over the best setting of the sweep", title="filled: cost by the model; open: time, median of 5 pairs")
+    for axis in axes:
+        axis.grid(True, which="major", alpha=0.4)
+        axis.legend(fontsize=7)
+    figure.tight_layout()
+    figure.savefig(file, dpi=100)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--figures", type=pathlib.Path)
+    options = parser.parse_args()
+    cases = json.loads((options.figures or measure()).read_text())["cases"]
+    found = keys(cases)
+    (ROOT / "build/bench/planner.json").write_text(json.dumps({"keys": found}, indent=1) + "\n")
+    (ROOT / "build/bench/planner.md").write_text(markdown(cases))
+    draw(cases, ROOT / "docs/pictures/planner_calibration.png")
+    print(markdown(cases))
+    for name, value in found.items():
+        print(f"{name} {value:.3g}" if not isinstance(value, str) else f"{name} {value}")
+
+
+if __name__ == "__main__":
+    main()

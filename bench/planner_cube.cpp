@@ -1,0 +1,310 @@
+// An instrument: samples and sky directions.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <map>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "bench/planner_study.h"
+#include "host/base/cache_folder.h"
+#include "host/base/error.h"
+#include "host/cli/simulation_job.h"
+#include "host/planner/planner.h"
+#include "host/planner/trial.h"
+#include "host/planner/trial_pixels.h"
+#include "host/study/converged.h"
+#include "host/study/kept.h"
+#include "host/study/trial.h"
+#include "kernels/sampling/sampler.h"
+
+namespace raycube::bench {
+
+namespace {
+
+using planner::CostModel;
+using planner::pixel_counts;
+
+constexpr std::uint64_t kOtherPixels = 0x9E3779B9u;  ///< added to the seed: pixels and draws that the planner's trial does not have
+constexpr int kRuns = 256;                           ///< of 8 pixels
+constexpr std::size_t kWholeImage = 8192;            ///< pixels of an image that is judged whole
+constexpr int kReferenceSide = 128, kSharedDirections = 4;     ///< of the reference's samples
+constexpr int kCoarseSide = 8, kReferenceDirections = 64;      ///< of its skies
+constexpr int kMostRounds = 32;
+constexpr int kNodeRuns = 16, kNodeSide = 2, kNodeDirections = 4096;
+constexpr double kSweep_s_per_megapixel = 60;        ///< twice what is dear: costlier settings are left out of the sweep
+constexpr double kTried_s_per_megapixel = 2000;      ///< a costlier decision is not rendered
+constexpr double kTimed_s = 0.15;                    ///< nominal, of one timed run
+const std::vector<int> kSides = {1, 2, 3, 4, 6, 8, 11, 16, 22};
+const std::vector<int> kDirections = {1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 64, 128};
+/// A reference whose own error is this part of the tolerance can judge it.
+constexpr double kFifth = 0.2;
+
+double seconds_since(std::chrono::steady_clock::time_point start) { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); }
+
+std::vector<render::Tile> judged_tiles(const scene::Instrument& instrument, std::uint64_t seed) {
+  const std::size_t all = static_cast<std::size_t>(instrument.pixels) * static_cast<std::size_t>(instrument.lines);
+  if (all <= kWholeImage) return {{0, instrument.lines, 0, instrument.pixels}};
+  return planner::trial_tiles(instrument, seed + kOtherPixels, kRuns);
+}
+
+double s_per_megapixel(const plan::Plan& plan, const PlannerSetting& setting) {
+  return 1e6 * CostModel().seconds(pixel_counts(plan, static_cast<double>(setting.side) * setting.side, setting.directions));
+}
+
+class CubeStudy {
+ public:
+  CubeStudy(scene::Simulation& simulation, std::size_t index, const PlannerStudySettings& settings, cli::Context& context)
+      : simulation_(simulation), instrument_(simulation.instruments[index]), settings_(settings), context_(context),
+        renderer_(simulation.scene, cli::render_options(context.common)), tiles_(judged_tiles(instrument_, simulation.seed)) {
+    simulation_.plan = {};
+    make_finest();
+  }
+
+  PlannerStudy run(const std::string& name) {
+    const auto start = std::chrono::steady_clock::now();
+    PlannerStudy out;
+    out.scene = name, out.instrument = instrument_.name, out.kind = "cube", out.device = renderer_.device_name();
+    out.pixels = render::pixels_of(tiles_);
+    make_reference();
+    finest_error_ = measure_nodes();
+    out.reference = reference_text_;
+    out.own = std::hypot(study::own_error(reference_), finest_error_);
+    context_.log.info(fmt::format("{} {}: reference's own error {:.2g} %, its nodes {:.2g} %, {:.1f} s", name, instrument_.name, 100 * study::own_error(reference_),
+                                  100 * finest_error_, seconds_since(start)));
+    sweep();
+    out.points = points_;
+    std::string sides, directions;
+    for (const int n : kSides) sides += (sides.empty() ? "" : ", ") + std::to_string(n);
+    for (const int k : kDirections) directions += (directions.empty() ? "" : ", ") + std::to_string(k);
+    out.sweep = fmt::format("grid and lattice of n x n samples, n = {}; {} sky directions; up to {:.0f} s per megapixel", sides, sky_ ? directions : "no", kSweep_s_per_megapixel);
+    context_.log.info(fmt::format("{} {}: sweep of {} settings, {:.1f} s", name, instrument_.name, points_.size(), seconds_since(start)));
+    for (const double tolerance : settings_.tolerances) {
+      out.rows.push_back(row(tolerance));
+      const PlannerRow& r = out.rows.back();
+      context_.log.info(fmt::format("{} {}: {:.3g} %: {} claims {:.3g} % (nodes {:.3g}, samples {:.3g}, sky {:.3g}) achieves {:.3g} % ({:.3g} .. {:.3g}, own {:.2g}){}{}; {:.3g} s/Mpx, best {} {:.3g} %, cost {:.2f} x, time {:.2f} x; planned in {:.1f} s",
+                                    name, instrument_.name, 100 * tolerance, r.chosen.text(), 100 * r.claimed, 100 * r.plan_error, 100 * r.samples_error, 100 * r.sky_error, 100 * r.achieved, 100 * r.low, 100 * r.high, 100 * r.own,
+                                    r.judged ? "" : " not judged", r.dear ? " DEAR" : r.within ? "" : " NOT KEPT", r.s_per_megapixel, r.best_known ? r.best.setting.text() : "-",
+                                    100 * r.best.error, r.cost_over_best, r.time_over_best.median, r.plan_s));
+    }
+    out.seconds = seconds_since(start);
+    return out;
+  }
+
+ private:
+  void open() {
+    instrument_.samples_given = false, simulation_.sky_directions_given = false;
+  }
+
+  /// The plan with the smallest tolerance that its nodes can keep.
+  void make_finest() {
+    instrument_.samples_given = simulation_.sky_directions_given = true;  // no trial
+    const double keep = simulation_.tolerance;
+    for (const double tolerance : {1e-4, 2e-4, 5e-4, 1e-3, 3e-3, 1e-2}) {
+      simulation_.tolerance = tolerance;
+      try {
+        auto job = cli::prepare(simulation_, instrument_, context_);
+        finest_ = std::move(job.plan), table_ = std::move(job.table);
+        break;
+      } catch (const base::Error& refused) {
+        if (refused.fault() != base::Fault::input || tolerance == 1e-2) throw;
+      }
+    }
+    simulation_.tolerance = keep;
+    sky_ = finest_.components() > 0;
+    open();
+  }
+
+  std::vector<float> render(const PlannerSetting& setting, const plan::Plan& plan, std::uint64_t seed) {
+    scene::Instrument tried = instrument_;
+    tried.sampler = setting.sampler, tried.samples_u = tried.samples_v = setting.side;
+    return study::device_radiance(renderer_, tried, plan, simulation_.sun, seed, tiles_);
+  }
+
+  plan::Plan with_directions(const plan::Plan& from, int directions) {
+    plan::Plan plan = from;
+    if (sky_) planner::set_directions(plan, simulation_, directions);
+    return plan;
+  }
+
+  /// Two independent halves, each without bias: many samples under a few directions that all pixels share, and, over many sets, what
+  /// other directions change at the same points. Samples and sky are so each paid for once.
+  void make_reference() {
+    const double pixels = static_cast<double>(render::pixels_of(tiles_));
+    const PlannerSetting fine{scene::SamplerKind::jittered, kReferenceSide, sky_ ? kSharedDirections : 0}, coarse{scene::SamplerKind::jittered, kCoarseSide, sky_ ? kReferenceDirections : 0};
+    const auto rounds_of = [&](const PlannerSetting& setting) {
+      return std::clamp(static_cast<int>(settings_.reference_s / 4 / (s_per_megapixel(finest_, setting) * 1e-6 * pixels)), 1, kMostRounds);
+    };
+    const int rounds = rounds_of(fine), skies = sky_ ? rounds_of(coarse) : 0;
+    reference_text_ = fmt::format("2 x {} renders of {} x {} jittered samples", rounds, kReferenceSide, kReferenceSide);
+    if (sky_) reference_text_ += fmt::format(", 2 x {} sets of {} directions at {} x {} samples", skies, kReferenceDirections, kCoarseSide, kCoarseSide);
+    const std::string key = study::key_of(simulation_, instrument_, finest_, table_, tiles_, {kReferenceSide, rounds, skies, 0});
+    reference_ = study::kept_or(base::cache_folder("reference").string(), key.empty() ? key : key + "-device", [&] {
+      const plan::Plan shared = one_sky();
+      const plan::Plan many = with_directions(finest_, coarse.directions);
+      std::vector<double> half[2];
+      rc_u32 draw = 0;
+      const auto add = [&](int to, const PlannerSetting& setting, const plan::Plan& plan, rc_u32 seed, double weight) {
+        const auto drawn = render(setting, plan, rc_hash(static_cast<rc_u32>(simulation_.seed), seed, 0, 53));
+        half[to].resize(drawn.size());
+        for (std::size_t k = 0; k < drawn.size(); ++k) half[to][k] += weight * drawn[k];
+      };
+      for (const int to : {0, 1}) {
+        for (int i = 0; i < rounds; ++i) add(to, fine, shared, draw++, 1.0 / rounds);
+        for (int i = 0; i < skies; ++i, ++draw) add(to, coarse, many, draw, 1.0 / skies), add(to, coarse, shared, draw, -1.0 / skies);
+      }
+      study::Converged out;
+      out.bands = finest_.bands.size();
+      for (std::size_t k = 0; k < half[0].size(); ++k) {
+        out.radiance.push_back((half[0][k] + half[1][k]) / 2);
+        out.half.push_back((half[0][k] - half[1][k]) / 2);
+      }
+      return out;
+    });
+  }
+
+  /// The finest plan with one set of few directions for all pixels.
+  plan::Plan one_sky() {
+    plan::Plan plan = finest_;
+    if (!sky_) return plan;
+    planner::set_directions(plan, simulation_, kSharedDirections, plan::kFewestSets);
+    plan.sky.sets = 1;
+    plan.sky.direction.resize(kSharedDirections);
+    plan.sky.weight.resize(static_cast<std::size_t>(kSharedDirections * plan.sky.quads));
+    return plan;
+  }
+
+  /// Error that the finest nodes and components make, measured: device with them and double over the whole tables, at the very same points
+  /// and with so many directions that what is left of the sky's own error counts with it.
+  double measure_nodes() {
+    const auto tiles = planner::trial_tiles(instrument_, simulation_.seed + kOtherPixels, kNodeRuns);
+    scene::Instrument tried = instrument_;
+    tried.sampler = scene::SamplerKind::grid, tried.samples_u = tried.samples_v = kNodeSide;
+    const plan::Plan plan = with_directions(finest_, kNodeDirections);
+    const auto found = study::device_radiance(renderer_, tried, plan, simulation_.sun, simulation_.seed, tiles);
+    return study::error_of(study::tabled(simulation_, tried, finest_, table_, tiles, kNodeDirections, settings_.threads), found).worst;
+  }
+
+  void sweep() {
+    for (const auto sampler : {scene::SamplerKind::grid, scene::SamplerKind::lattice})
+      for (const int side : kSides) {
+        if (sampler == scene::SamplerKind::lattice && side == 1) continue;
+        for (const int directions : sky_ ? kDirections : std::vector<int>{0}) {
+          const PlannerSetting setting{sampler, side, directions};
+          const double cost = s_per_megapixel(finest_, setting);
+          if (cost > kSweep_s_per_megapixel) continue;
+          const auto error = study::error_of(reference_, render(setting, with_directions(finest_, directions), simulation_.seed));
+          points_.push_back({setting, error.worst, error.low, error.high, cost});
+        }
+      }
+  }
+
+  PlannerRow row(double tolerance) {
+    PlannerRow out;
+    out.tolerance = simulation_.tolerance = tolerance;
+    cli::Planning planning;
+    planning.renderer = &renderer_;
+    const auto start = std::chrono::steady_clock::now();
+    cli::InstrumentJob job;
+    try {
+      job = cli::prepare(simulation_, instrument_, context_, planning);
+    } catch (const base::Error& refused) {  // nodes that no 32 channels hold: the plan says so and renders nothing
+      if (refused.fault() != base::Fault::input) throw;
+      out.within = false;
+      return out;
+    }
+    out.plan_s = seconds_since(start);
+    const planner::Decision& d = job.decision;
+    out.chosen = {d.sampling.sampler, d.sampling.samples_u, sky_ ? d.sampling.directions : 0};
+    out.claimed = d.total_error, out.within = d.within, out.dear = d.dear;
+    out.plan_error = d.plan_error, out.samples_error = d.samples_error, out.sky_error = d.sky_error;
+    out.s_per_megapixel = d.s_per_megapixel;
+    for (const auto& line : d.measured) context_.log.info("  trial: " + line);
+    if (out.s_per_megapixel <= kTried_s_per_megapixel) {
+      const auto error = study::error_of(reference_, render(out.chosen, job.plan, simulation_.seed));
+      out.tried = true;
+      out.achieved = error.worst, out.low = error.low, out.high = error.high, out.own = std::hypot(error.own, finest_error_);
+      out.judged = out.own <= kFifth * tolerance;
+    }
+    find_best(out, job.plan);
+    if (out.best_known && out.within && !out.dear) out.time_over_best = time_ratio(out.chosen, out.best.setting, job.plan);
+    return out;
+  }
+
+  /// The cheapest setting of the sweep that is inside the tolerance with the tolerance's own nodes too, the planner's own choice among them.
+  void find_best(PlannerRow& out, const plan::Plan& plan) {
+    std::vector<SweepPoint> points = points_;
+    if (out.tried && !out.dear) points.push_back({out.chosen, out.achieved, out.low, out.high, 0});
+    for (SweepPoint& point : points) point.s_per_megapixel = s_per_megapixel(plan, point.setting);
+    std::stable_sort(points.begin(), points.end(), [](const auto& a, const auto& b) { return a.s_per_megapixel < b.s_per_megapixel; });
+    for (SweepPoint& point : points) {
+      if (point.error > out.tolerance) continue;
+      const auto error = study::error_of(reference_, render(point.setting, with_directions(plan, point.setting.directions), simulation_.seed));
+      if (error.worst > out.tolerance) continue;
+      point.error = error.worst, point.low = error.low, point.high = error.high;
+      out.best_known = true, out.best = point;
+      out.cost_over_best = out.s_per_megapixel / point.s_per_megapixel;
+      return;
+    }
+  }
+
+  /// Seconds of the stages of a strip, rows' baking apart: it is paid once for an image.
+  double seconds(const PlannerSetting& setting, const plan::Plan& plan, const std::vector<render::Tile>& tiles) {
+    scene::Instrument tried = instrument_;
+    tried.sampler = setting.sampler, tried.samples_u = tried.samples_v = setting.side;
+    double sum = 0;
+    for (const auto& [stage, s] : renderer_.probe(tried, plan, simulation_.sun, simulation_.seed, tiles, {}).stage_s)
+      if (stage != "bake") sum += s;
+    return sum;
+  }
+
+  Spread time_ratio(const PlannerSetting& chosen, const PlannerSetting& best, const plan::Plan& from) {
+    if (chosen == best) return {1, 1, 1, settings_.timings};
+    const plan::Plan ours = with_directions(from, chosen.directions), theirs = with_directions(from, best.directions);
+    const double pixels = kTimed_s / (1e-6 * std::max(s_per_megapixel(ours, chosen), s_per_megapixel(theirs, best)));
+    const double image = static_cast<double>(instrument_.pixels) * instrument_.lines;
+    const auto tiles = render::timing_tiles(instrument_, static_cast<std::uint64_t>(std::clamp(pixels, 2048.0, std::min(image, 65536.0))));
+    std::vector<double> ratios;
+    for (int i = -1; i < settings_.timings; ++i) {
+      const double a = seconds(chosen, ours, tiles), b = seconds(best, theirs, tiles);
+      if (i >= 0) ratios.push_back(a / b);
+    }
+    return spread_of(ratios);
+  }
+
+  scene::Simulation& simulation_;
+  scene::Instrument& instrument_;
+  const PlannerStudySettings& settings_;
+  cli::Context& context_;
+  render::Renderer renderer_;
+  std::vector<render::Tile> tiles_;
+  plan::Plan finest_;
+  atmos::RenderTable table_;
+  double finest_error_ = 0;
+  bool sky_ = true;
+  study::Converged reference_;
+  std::string reference_text_;
+  std::vector<SweepPoint> points_;
+};
+
+}  // namespace
+
+std::string PlannerSetting::text() const {
+  if (directions < 0) return fmt::format("{} sub-rays", side);
+  const char* kind = sampler == scene::SamplerKind::grid ? "grid" : sampler == scene::SamplerKind::lattice ? "lattice" : "jittered";
+  return fmt::format("{} {} x {}, {} directions", kind, side, side, directions);
+}
+
+const SweepPoint* cheapest(const std::vector<SweepPoint>& points, double tolerance) {
+  const SweepPoint* best = nullptr;
+  for (const SweepPoint& point : points)
+    if (point.error <= tolerance && (!best || point.s_per_megapixel < best->s_per_megapixel)) best = &point;
+  return best;
+}
+
+PlannerStudy study_instrument(scene::Simulation& simulation, std::size_t index, const std::string& name, const PlannerStudySettings& settings, cli::Context& context) {
+  return CubeStudy(simulation, index, settings, context).run(name);
+}
+
+}  // namespace raycube::bench
