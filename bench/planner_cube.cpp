@@ -14,7 +14,6 @@
 #include "host/planner/planner.h"
 #include "host/planner/trial.h"
 #include "host/planner/trial_pixels.h"
-#include "host/study/converged.h"
 #include "host/study/kept.h"
 #include "host/study/trial.h"
 #include "kernels/sampling/sampler.h"
@@ -32,11 +31,10 @@ constexpr std::size_t kWholeImage = 8192;            ///< pixels of an image tha
 constexpr int kReferenceSide = 128, kSharedDirections = 4;     ///< of the reference's samples
 constexpr int kCoarseSide = 8, kReferenceDirections = 64;      ///< of its skies
 constexpr int kMostRounds = 32;
-constexpr int kNodeRuns = 16, kNodeSide = 2, kNodeDirections = 4096;
 constexpr double kSweep_s_per_megapixel = 60;        ///< twice what is dear: costlier settings are left out of the sweep
 constexpr double kTried_s_per_megapixel = 2000;      ///< a costlier decision is not rendered
 constexpr double kTimed_s = 0.15;                    ///< nominal, of one timed run
-const std::vector<int> kSides = {1, 2, 3, 4, 6, 8, 11, 16, 22};
+const std::vector<int> kSides = {1, 2, 3, 4, 6, 8, 11, 16};
 const std::vector<int> kDirections = {1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 64, 128};
 /// A reference whose own error is this part of the tolerance can judge it.
 constexpr double kFifth = 0.2;
@@ -68,7 +66,6 @@ class CubeStudy {
     out.scene = name, out.instrument = instrument_.name, out.kind = "cube", out.device = renderer_.device_name();
     out.pixels = render::pixels_of(tiles_);
     make_reference();
-    finest_error_ = measure_nodes();
     out.reference = reference_text_;
     out.own = std::hypot(study::own_error(reference_), finest_error_);
     context_.log.info(fmt::format("{} {}: reference's own error {:.2g} %, its nodes {:.2g} %, {:.1f} s", name, instrument_.name, 100 * study::own_error(reference_),
@@ -97,7 +94,7 @@ class CubeStudy {
     instrument_.samples_given = false, simulation_.sky_directions_given = false;
   }
 
-  /// The plan with the smallest tolerance that its nodes can keep.
+  /// The plan with the smallest tolerance that its nodes can keep; what it says of their error counts as the reference's own.
   void make_finest() {
     instrument_.samples_given = simulation_.sky_directions_given = true;  // no trial
     const double keep = simulation_.tolerance;
@@ -105,6 +102,7 @@ class CubeStudy {
       simulation_.tolerance = tolerance;
       try {
         auto job = cli::prepare(simulation_, instrument_, context_);
+        finest_error_ = job.decision.plan_error;
         finest_ = std::move(job.plan), table_ = std::move(job.table);
         break;
       } catch (const base::Error& refused) {
@@ -173,17 +171,6 @@ class CubeStudy {
     plan.sky.direction.resize(kSharedDirections);
     plan.sky.weight.resize(static_cast<std::size_t>(kSharedDirections * plan.sky.quads));
     return plan;
-  }
-
-  /// Error that the finest nodes and components make, measured: device with them and double over the whole tables, at the very same points
-  /// and with so many directions that what is left of the sky's own error counts with it.
-  double measure_nodes() {
-    const auto tiles = planner::trial_tiles(instrument_, simulation_.seed + kOtherPixels, kNodeRuns);
-    scene::Instrument tried = instrument_;
-    tried.sampler = scene::SamplerKind::grid, tried.samples_u = tried.samples_v = kNodeSide;
-    const plan::Plan plan = with_directions(finest_, kNodeDirections);
-    const auto found = study::device_radiance(renderer_, tried, plan, simulation_.sun, simulation_.seed, tiles);
-    return study::error_of(study::tabled(simulation_, tried, finest_, table_, tiles, kNodeDirections, settings_.threads), found).worst;
   }
 
   void sweep() {

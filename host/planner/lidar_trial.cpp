@@ -14,7 +14,7 @@ namespace raycube::planner {
 
 namespace {
 
-constexpr int kTrialPulses = 48, kFirstSubrays = 64, kReferenceSubrays = 4096, kMostRounds = 6;
+constexpr int kTrialPulses = 192, kFirstSubrays = 64, kReferenceSubrays = 4096, kMostRounds = 6;
 constexpr double kReferenceRays = 4e6;     ///< a reference traces no more first rays than this; then it has fewer sub-rays
 constexpr rc_u32 kPulseDimension = 45;
 constexpr std::uint64_t kOther = 0x5bd1e995u;
@@ -98,7 +98,7 @@ class LidarTrial {
 }  // namespace
 
 const std::vector<int>& subray_levels() {
-  static const std::vector<int> all = {1, 2, 4, 8, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024, 1536, 2048, 3072, 4096, 6144, 8192, 12288, 16384, 24576, 32768, 49152, 65536};
+  static const std::vector<int> all = {1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024, 1536, 2048, 3072, 4096, 6144, 8192, 12288, 16384, 24576, 32768, 49152, 65536};
   return all;
 }
 

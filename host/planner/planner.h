@@ -19,7 +19,7 @@
 namespace raycube::planner {
 
 /// Part of the tolerance that is spent: a trial's pixels are not the image's.
-inline constexpr double kUse = 0.9;
+inline constexpr double kUse = 0.95;
 
 /// One row of the table of `raycube plan`.
 struct PlanLine {

@@ -12,7 +12,7 @@ namespace raycube::planner {
 
 inline constexpr int kTrialRuns = 64, kRunPixels = 8;
 /// Runs of the first look, and how many of them are drawn for the trial (some more than once).
-inline constexpr int kLookRuns = 1024, kDraws = 72;
+inline constexpr int kLookRuns = 1024, kDraws = 128;
 
 /// How a run came into a trial.
 struct Draw {

@@ -35,17 +35,6 @@ std::vector<reference::PixelAddress> addresses(const scene::Instrument& instrume
   return out;
 }
 
-/// Heights of whatever a ray may meet and a sensor may see.
-struct Heights {
-  double low, high;
-  Heights(const scene::CompiledScene& scene, const plan::Plan& plan, const atmos::RenderTable& table) {
-    const double floor_m = static_cast<double>(plan.height.first);
-    const bool empty = !(scene.lo[2] <= scene.hi[2]);
-    low = empty ? floor_m : std::min(floor_m, static_cast<double>(scene.lo[2]));
-    high = empty ? floor_m : std::max(low, std::min(static_cast<double>(scene.hi[2]), table.sensor_height_m));
-  }
-};
-
 }  // namespace
 
 Converged converge(const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan, const atmos::RenderTable& table,
@@ -54,12 +43,15 @@ Converged converge(const scene::Simulation& simulation, const scene::Instrument&
   fine.sampler = scene::SamplerKind::jittered;
   fine.samples_u = fine.samples_v = settings.grid;
   const reference::ReferenceScene scene(simulation.scene);
-  const Heights heights(simulation.scene, plan, table);
+  const double floor_m = static_cast<double>(plan.height.first);
+  const bool empty = !(simulation.scene.lo[2] <= simulation.scene.hi[2]);
+  const double low = empty ? floor_m : std::min(floor_m, static_cast<double>(simulation.scene.lo[2]));
+  const double high = empty ? floor_m : std::max(low, std::min(static_cast<double>(simulation.scene.hi[2]), table.sensor_height_m));
   // The second half's sky is turned by half the spiral's step, so that what the spiral itself is off shows between them.
   const double turn = 0.5 * std::numbers::pi * (3 - std::sqrt(5.0));
   std::vector<reference::TableModel> models;
   for (int half = 0; half < kHalves; ++half)
-    models.emplace_back(scene, plan, table, simulation.atmosphere.none, heights.low, heights.high, settings.directions, reference::SkyShare{settings.per_sample, half * turn});
+    models.emplace_back(scene, plan, table, simulation.atmosphere.none, low, high, settings.directions, reference::SkyShare{settings.per_sample, half * turn});
 
   const std::vector<reference::PixelAddress> pixels = addresses(instrument, tiles);
   Converged out;
@@ -82,23 +74,6 @@ Converged converge(const scene::Simulation& simulation, const scene::Instrument&
     if (!progress) return;
     const std::lock_guard lock(mutex);
     progress(1);
-  });
-  return out;
-}
-
-Converged tabled(const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan, const atmos::RenderTable& table,
-                 const std::vector<render::Tile>& tiles, int directions, int threads) {
-  const reference::ReferenceScene scene(simulation.scene);
-  const Heights heights(simulation.scene, plan, table);
-  const reference::TableModel model(scene, plan, table, simulation.atmosphere.none, heights.low, heights.high, directions);
-  const std::vector<reference::PixelAddress> pixels = addresses(instrument, tiles);
-  Converged out;
-  out.bands = plan.bands.size();
-  out.radiance.resize(pixels.size() * out.bands);
-  out.half.resize(out.radiance.size());
-  reference::for_each_index(pixels.size(), threads, [&](std::size_t p) {
-    const reference::BandRadiance found = model.radiance(scene.sample_pixel(instrument, plan, simulation.seed, pixels[p]));
-    for (std::size_t b = 0; b < out.bands; ++b) out.radiance[p * out.bands + b] = found.total(b);
   });
   return out;
 }

@@ -25,9 +25,4 @@ struct ConvergedSettings {
 Converged converge(const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan, const atmos::RenderTable& table,
                    const std::vector<render::Tile>& tiles, const ConvergedSettings& settings, const std::function<void(std::uint64_t)>& progress = {});
 
-/// The same double model at the very sample points that a render of `instrument` takes (its own sampler, the simulation's seed), every sample
-/// looking into all of `directions`: what is left between it and a render with as many directions is the plan's nodes and components. `half` is 0.
-Converged tabled(const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan, const atmos::RenderTable& table,
-                 const std::vector<render::Tile>& tiles, int directions, int threads);
-
 }  // namespace raycube::study
