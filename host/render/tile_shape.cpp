@@ -66,7 +66,8 @@ TileSize choose_tile_size(const StageShape& shape, int pixels, int lines, std::s
   // help is not taken: with it, 961 samples a pixel would need more than 16 as long as the budget lasts.
   constexpr std::size_t kUsefulPixels = 1 << 16, kUsefulSamples = 1 << 21;
   const std::size_t useful = std::min(kUsefulPixels, kUsefulSamples / static_cast<std::size_t>(shape.padded_samples));
-  const std::size_t fit = std::min({budget_bytes / per_pixel, max_alloc_bytes / largest, std::max(useful, static_cast<std::size_t>(pixels))});
+  const std::size_t strips = kStripsAtOnce * static_cast<std::size_t>(shape.bands) * sizeof(float);
+  const std::size_t fit = std::min({budget_bytes / std::max(per_pixel, strips), max_alloc_bytes / largest, std::max(useful, static_cast<std::size_t>(pixels))});
   const std::size_t width = static_cast<std::size_t>(pixels);
   if (forced_lines > 0) return {std::min(forced_lines, lines), pixels};
   if (fit >= width) return {static_cast<int>(std::min<std::size_t>(fit / width, static_cast<std::size_t>(lines))), pixels};

@@ -58,6 +58,9 @@ struct TileSize {
 /// Of --memory a third is for the tile's device buffers, a third for baked rows, a third for strips on their way out.
 inline constexpr std::size_t kBudgetShares = 3;
 
+/// Strips that exist at once on the host: one being filled, two waiting, one being written.
+inline constexpr std::size_t kStripsAtOnce = 4;
+
 /// budget_bytes: what --memory grants for tiles, 1 / kBudgetShares of it; max_alloc_bytes: the device's largest buffer; forced_lines > 0 overrides.
 /// Throws Error(input) with need, limit and ways out when not even four pixels fit.
 TileSize choose_tile_size(const StageShape& shape, int pixels, int lines, std::size_t capacity, std::size_t budget_bytes,
