@@ -59,11 +59,12 @@ KernelBuild kernel_build(const Settings& settings) {
     row_stages = std::make_unique<render::RowStages>(context, buffers, job.plan, shape, sensors::SampleWeights(instrument));
     trace_stages = std::make_unique<render::TraceStages>(context, park.scene, buffers, instrument, job.plan, shape, park.seed);
   });
-  const render::TileLayout layout{static_cast<std::uint32_t>(instrument.pixels), static_cast<std::uint32_t>(sensors::groups_per_line(instrument))};
+  const render::TileLayout layout{static_cast<std::uint32_t>(instrument.pixels), static_cast<std::uint32_t>(sensors::groups_per_line(instrument)),
+                                 static_cast<std::uint32_t>(lines)};
   const auto launch_all = [&] {
     std::map<std::string, double> stage_s;
-    trace_stages->run({0, 0, static_cast<std::uint32_t>(lines)}, layout, 0, traced, stage_s);
-    row_stages->shade({pixels, nullptr}, layout, traced, 0, true, rows);
+    trace_stages->run(layout, 0, traced, stage_s);
+    row_stages->shade({pixels, nullptr}, layout, traced, 0, sensors::kAllSamples, true, rows);
     row_stages->resolve(0, pixels, {pixels, nullptr}, layout, traced, table, rows);
     row_stages->integrate(0, pixels, {pixels, nullptr}, table, rows, radiance);
     context.finish();

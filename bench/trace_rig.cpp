@@ -1,5 +1,6 @@
 #include "bench/trace_rig.h"
 
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -29,7 +30,8 @@ struct TraceRig::State {
         shape(render::make_stage_shape(instrument, plan, sensors::pixels_per_group(instrument))),
         stages(context, scene, buffers, instrument, plan, shape, 1),
         width(static_cast<std::size_t>(shape.pixels_per_group)),
-        traced(context, shape, max_groups * width, max_groups) {}
+        traced(context, shape, max_groups * width, max_groups),
+        line_pixels(static_cast<std::size_t>(instrument.pixels)) {}
 
   std::size_t pixels() const { return group_count * width; }
 
@@ -40,7 +42,8 @@ struct TraceRig::State {
   render::TraceStages stages;
   std::size_t width;
   render::TraceBuffers traced;
-  std::size_t group_count = 0;
+  std::size_t line_pixels, group_count = 0;
+  std::vector<shared::RayGroup> groups;
 };
 
 TraceRig::TraceRig(const scene::CompiledScene& scene, const scene::Instrument& instrument, std::size_t max_groups,
@@ -50,15 +53,18 @@ TraceRig::~TraceRig() = default;
 
 void TraceRig::set_groups(const std::vector<shared::RayGroup>& groups) {
   state_->group_count = groups.size();
-  state_->traced.groups.write(groups);
+  state_->groups = groups;
 }
 
 TraceRig::Times TraceRig::run(std::uint32_t first_line) {
   State& s = *state_;
   // One long line: the groups need not be neighbours.
-  const render::TileLayout layout{static_cast<std::uint32_t>(s.pixels()), static_cast<std::uint32_t>(s.group_count)};
+  const render::TileLayout layout{static_cast<std::uint32_t>(s.pixels()), static_cast<std::uint32_t>(s.group_count), 1};
+  for (std::size_t g = 0; g < s.groups.size(); ++g)
+    s.groups[g].origin.w = std::bit_cast<float>(static_cast<std::uint32_t>(first_line * s.line_pixels + g * s.width));
+  s.traced.groups.write(s.groups);
   std::map<std::string, double> stage_s;
-  s.stages.run({first_line, 0, 1}, layout, 0, s.traced, stage_s);
+  s.stages.run(layout, 0, s.traced, stage_s);
   Times times;
   for (const auto& [stage, seconds] : stage_s) {
     if (stage.find("primary") != std::string::npos) times.primary_s += seconds;

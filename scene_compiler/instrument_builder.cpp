@@ -87,11 +87,21 @@ void read_samples(const Record& record, Instrument& out, Problems& problems) {
       out.samples_u = static_cast<int>(n[0]);
       out.samples_v = static_cast<int>(n[1]);
     }
+    if (samples->given("first")) {
+      out.first_samples = static_cast<int>(samples->integer("first"));
+      const int all = out.samples_u * out.samples_v;
+      if (out.first_samples >= all)
+        problems.add(samples->place("first"), "a first pass has fewer samples than the pixel", std::to_string(out.first_samples) + " of " + std::to_string(all),
+                     "give fewer, or remove first");
+    }
   }
   if (const Record* psf = record.table("psf")) {
     out.psf_sigma_px = psf->number("sigma_px");
     out.psf_support_px = psf->given("support_px") ? psf->number("support_px") : 1.0 + 6.0 * out.psf_sigma_px;
     const bool plain = out.psf_sigma_px == 0 && out.psf_support_px == 1;
+    if (!plain && out.first_samples > 0)
+      problems.add(psf->where, "a point spread does not go with adaptive samples, whose first pass is a lattice", "first = " + std::to_string(out.first_samples),
+                   "remove samples.first or psf");
     if (!plain && out.sampler == SamplerKind::lattice)
       problems.add(psf->where, "a point spread needs the grid or jittered sampler", "lattice",
                    "use samples = { jittered = [n, n] }");
@@ -248,6 +258,11 @@ Instrument read_instrument(const Record& record, const SceneParts& parts, std::v
                       "' were not ascending and have been sorted");
   choose_quicklook(record, out, problems);
   out.interleave = record.text("interleave");
+  const std::string& error = record.text("standard_error");
+  out.standard_error = error == "off" ? StandardError::off : error == "worst" ? StandardError::worst : StandardError::bands;
+  if (out.standard_error != StandardError::off && out.samples_given && out.samples_u * out.samples_v < 4)
+    problems.add(record.place("standard_error"), "a standard error needs at least 4 samples in a pixel",
+                 std::to_string(out.samples_u * out.samples_v), "give more samples, or standard_error = \"off\"");
   out.write_exr = record.boolean("exr");
   out.write_png = record.boolean("png");
   out.write_band_transmission = record.boolean("band_transmission");

@@ -14,6 +14,7 @@ namespace raycube::scene {
 
 enum class InstrumentKind { framing, whiskbroom, pushbroom };
 enum class SamplerKind { grid, lattice, jittered };
+enum class StandardError { off, worst, bands };  ///< a layer of the truth; bands: a cube beside the radiance too
 enum class PoseMotion { held, moving, automatic };
 
 /// One pose of the platform. Position in the scene frame, metres; roll about the flight axis (right wing down positive),
@@ -46,6 +47,9 @@ struct Instrument {
   SamplerKind sampler = SamplerKind::grid;
   int samples_u = 11, samples_v = 11;   ///< grid and jittered: cells; lattice: total = samples_u * samples_v points
   bool samples_given = false;           ///< by the file; otherwise the planner chooses them (host/planner)
+  int first_samples = 0;                ///< adaptive: lattice points of a first pass; pixels that it does not settle get all; 0: none
+  bool adaptive() const { return first_samples > 0 && first_samples < samples_u * samples_v; }
+  StandardError standard_error = StandardError::off;
   double psf_sigma_px = 0;        ///< Gaussian PSF sigma in pixels; 0: box, no blur
   double psf_support_px = 1;      ///< width of the square the samples cover, pixels; 1 for the box
   std::vector<Band> bands;

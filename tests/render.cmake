@@ -12,4 +12,5 @@ raycube_test(render_checkerboard SOURCES oracle/render_checkerboard_test.cpp LIB
 raycube_test(render_spectral SOURCES oracle/render_spectral_test.cpp support/test_scenes.cpp LIBS raycube_render_support LABELS fast)
 raycube_test(render_shadow SOURCES oracle/render_shadow_test.cpp LIBS raycube_render_support LABELS fast)
 raycube_test(render_psf SOURCES oracle/render_psf_test.cpp LIBS raycube_render_support LABELS fast)
+raycube_test(render_adaptive SOURCES oracle/render_adaptive_test.cpp LIBS raycube_render_support LABELS fast)
 raycube_test(render_edge_cases SOURCES oracle/render_edge_cases_test.cpp LIBS raycube_render_support raycube::scene_compiler LABELS fast)

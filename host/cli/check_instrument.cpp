@@ -74,7 +74,9 @@ reference::Report check_instrument(render::Renderer& renderer, const scene::Simu
     if (progress) progress(waiting.size());
     waiting.clear();
   };
-  renderer.probe(instrument, plan, simulation.sun, simulation.seed, pick_tiles(instrument, simulation.seed, options.pixels),
+  scene::Instrument in_full = instrument;  // adaptive pixels keep no samples to compare
+  in_full.first_samples = 0;
+  renderer.probe(in_full, plan, simulation.sun, simulation.seed, pick_tiles(instrument, simulation.seed, options.pixels),
                  [&](const render::PixelProbe& probe) {
                    const auto samples = static_cast<std::size_t>(probe.samples);
                    const std::size_t bands = plan.bands.size();

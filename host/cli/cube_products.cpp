@@ -119,7 +119,7 @@ struct CubeProducts::State {
         instrument(*job_.instrument),
         plan(job_.plan),
         set(folder, if_exists),
-        layers(render::truth_layer_names(simulation_.scene)),
+        layers(render::truth_layer_names(simulation_.scene, *job_.instrument)),
         shown(shown_bands()) {
     const auto& origin = simulation.scene.origin;
     const std::string where = fmt::format("scene origin: EPSG:{} easting {:.3f} m, northing {:.3f} m, height {:.3f} m", origin.epsg,
@@ -147,6 +147,9 @@ struct CubeProducts::State {
       transmission.emplace(set, "transmission.img",
                            cube_header(simulation, instrument, shown, "1", "band-averaged transmission from target to sensor"));
     }
+    if (instrument.standard_error == scene::StandardError::bands)
+      standard_error.emplace(set, "standard_error.img",
+                             cube_header(simulation, instrument, shown, "W m-2 sr-1 um-1", "standard error of the radiance by its samples; not a number: not known"));
     if (instrument.write_png) quicklook.emplace(instrument.pixels, instrument.lines, shown);
     if (instrument.write_exr) {
       products::ExrPart radiance_part{"radiance", {}}, truth_part{"truth", {}};
@@ -184,7 +187,8 @@ struct CubeProducts::State {
       location->read_at(static_cast<std::uint64_t>(line) * bytes, values, bytes);
     });
     if (!grid) return;
-    for (auto* header : {&location_header, &radiance->header(), &truth->header(), transmission ? &transmission->header() : nullptr})
+    for (auto* header : {&location_header, &radiance->header(), &truth->header(), transmission ? &transmission->header() : nullptr,
+                         standard_error ? &standard_error->header() : nullptr})
       if (header)
         products::set_map_grid(*header, simulation.scene.origin.epsg, grid->easting_m, grid->northing_m, grid->pixel_x_m, grid->pixel_y_m);
   }
@@ -220,7 +224,7 @@ struct CubeProducts::State {
   std::vector<render::LayerName> layers;
   std::vector<int> shown;
   products::Digest digest;
-  std::optional<products::EnviWriter> radiance, truth, transmission;
+  std::optional<products::EnviWriter> radiance, truth, transmission, standard_error;
   products::EnviHeader location_header;
   base::OutputFile* location = nullptr;
   base::OutputFile* location_text = nullptr;
@@ -244,6 +248,7 @@ void CubeProducts::add(const render::Strip& strip) {
   s.truth->write(truth);
   if (s.location) s.add_location(strip);
   if (s.transmission) s.add_transmission(strip);
+  if (s.standard_error) s.standard_error->write({strip.first_line, strip.lines, strip.band_error, bands});
   if (s.quicklook) s.quicklook->add(cube);
   if (s.exr) {
     s.exr->write(0, cube, {s.shown.begin(), s.shown.end()});
@@ -268,6 +273,10 @@ void CubeProducts::publish(products::RunRecord& record) {
   if (s.transmission) {
     s.transmission->finish();
     record.files.emplace_back("transmission.img", "path transmission per band, ENVI");
+  }
+  if (s.standard_error) {
+    s.standard_error->finish();
+    record.files.emplace_back("standard_error.img", "standard error of the radiance per band, ENVI");
   }
   if (s.exr) {
     s.exr->finish();

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "host/base/memory.h"
+#include "host/render/tile_passes.h"
 #include "host/render/truth.h"
 #include "host/sensors/ray_groups.h"
 #include "kernels/shared/structs.h"
@@ -19,11 +20,12 @@ nlohmann::json dry_run_json(const scene::CompiledScene& scene, const InstrumentJ
   const auto& instrument = *job.instrument;
   const auto shape = render::make_stage_shape(instrument, job.plan, sensors::pixels_per_group(instrument));
   const auto size = render::choose_tile_size(shape, instrument.pixels, instrument.lines, options.row_capacity,
-                                             options.memory_bytes / render::kBudgetShares, options.memory_bytes, 0);
+                                             options.memory_bytes / render::kBudgetShares, options.memory_bytes, 0,
+                                             render::more_pixel_bytes(instrument, job.plan, options.row_capacity));
   const std::uint64_t tile_pixels = std::uint64_t(size.lines) * size.columns;
   const std::uint64_t tile_bytes = tile_pixels * (shape.pixel_bytes() + shape.row_bytes(options.row_capacity));
-  const std::uint64_t layers = render::truth_layer_names(scene).size();
-  const std::uint64_t values = instrument.bands.size() + layers;
+  const std::uint64_t layers = render::truth_layer_names(scene, instrument).size();
+  const std::uint64_t values = (instrument.standard_error == scene::StandardError::bands ? 2 : 1) * instrument.bands.size() + layers;
   // A strip is being filled, one written, and two may wait.
   const std::uint64_t strip_bytes = 4 * std::uint64_t(size.lines) * instrument.pixels * values * sizeof(float);
   const std::uint64_t scene_bytes = scene::scene_info(scene).bytes;

@@ -78,6 +78,11 @@ nlohmann::json render_one(const scene::Simulation& simulation, const InstrumentJ
                                {"tile_lines", statistics.tile_lines},
                                {"tile_columns", statistics.tile_columns}};
   record.more_json = {{"rows", rows.dump()}, {"trace_program_hash", nlohmann::json(statistics.trace_program_hash).dump()}};
+  if (instrument.adaptive()) {
+    const double refined = static_cast<double>(statistics.refined_pixels) / static_cast<double>(std::max<std::uint64_t>(1, statistics.adaptive_pixels));
+    record.more_json.emplace_back("adaptive", nlohmann::json({{"first", instrument.first_samples}, {"refined_share", refined}}).dump());
+    context.log.info(fmt::format("{}: {:.1f} % of the pixels rendered anew with all samples", instrument.name, 100 * refined));
+  }
   output.publish(record);
   context.log.info(fmt::format("{}: {} x {} pixels, {} bands, {:.1f} s, {:.3g} rays/s, {}", instrument.name, instrument.pixels,
                                instrument.lines, instrument.bands.size(), render_s, record.rays_per_s, folder.string()));

@@ -143,6 +143,7 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
   SpectralPlan spectral = make_spectral_plan(simulation.scene, instrument, table_um, table_name);
 
   Plan plan;
+  plan.tolerance = simulation.tolerance;
   plan.sun_up = simulation.sun.zenith_deg < 90;
   plan.sun_direction = {static_cast<float>(std::sin(domain.sun_zenith) * std::sin(domain.sun_azimuth)),
                         static_cast<float>(std::sin(domain.sun_zenith) * std::cos(domain.sun_azimuth)),

@@ -116,6 +116,7 @@ struct Thermal {
 /// adds it for every sample, hit or not, as it does path radiance.
 /// At most RC_MAX_CHANNELS of reflected sources, of emission, of the path and of the environment.
 struct Plan {
+  double tolerance = 0.01;      ///< the simulation's
   std::vector<double> wavelength_um;               ///< spectral grid: table axis, curve nodes and midpoints near bands, ascending
   std::vector<BandQuadrature> bands;
   std::array<float, 3> sun_direction{0, 0, 1};     ///< unit, towards the sun

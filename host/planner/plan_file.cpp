@@ -110,6 +110,7 @@ Decision replayed(const PlanFile::Entry& entry, const scene::Simulation& simulat
   const Json saved = Json::parse(entry.decision);
   Decision out = as_given(simulation, instrument, plan);
   out.sampling = entry.sampling;
+  out.sampling.first_samples = instrument.first_samples;
   out.counts = pixel_counts(plan, static_cast<double>(entry.sampling.samples_u) * entry.sampling.samples_v, entry.sampling.directions);
   out.s_per_megapixel = 1e6 * CostModel().seconds(out.counts);
   const auto number = [](const Json& value) { return value.is_number() ? value.get<double>() : -1.0; };

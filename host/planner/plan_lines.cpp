@@ -100,6 +100,13 @@ std::vector<PlanLine> plan_lines(const Decision& d, const plan::Plan& plan) {
                 : d.estimated ? fmt::format("trial of {} pixels", d.trial_pixels)
                 : "the default: nothing could be tried";
   lines.push_back(samples);
+  PlanLine adaptive;
+  adaptive.block = "adaptive";
+  adaptive.given = d.sampling.first_samples > 0;
+  adaptive.level = adaptive.given ? fmt::format("first {}", d.sampling.first_samples) : "off";
+  adaptive.cost = adaptive.given ? fmt::format("{} rays a pixel, then all where needed", d.sampling.first_samples) : "none";
+  adaptive.why = adaptive.given ? "the file gives it; the samples' error above is without it" : "samples.first asks for it";
+  lines.push_back(adaptive);
   PlanLine sky;
   sky.block = "sky directions";
   sky.level = plan.components() > 0 ? std::to_string(d.sampling.directions) : "none";

@@ -74,7 +74,7 @@ Choice choose(const std::function<double(int)>& side, const ErrorLaw& direction,
 
 Decision as_given(const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan) {
   Decision out;
-  out.sampling = {instrument.sampler, instrument.samples_u, instrument.samples_v, simulation.sky_directions};
+  out.sampling = {instrument.sampler, instrument.samples_u, instrument.samples_v, simulation.sky_directions, instrument.first_samples};
   out.samples_given = instrument.samples_given, out.directions_given = simulation.sky_directions_given;
   out.tolerance = simulation.tolerance;
   out.plan_error = nlohmann::json::parse(plan.report_json)["error"]["total"].get<double>();

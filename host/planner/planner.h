@@ -34,6 +34,7 @@ struct PlanLine {
 struct Sampling {
   scene::SamplerKind sampler = scene::SamplerKind::grid;
   int samples_u = 1, samples_v = 1, directions = 1;
+  int first_samples = 0;          ///< of adaptive samples, as the file has them; errors are judged without
 };
 
 struct Decision {

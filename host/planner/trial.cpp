@@ -37,6 +37,7 @@ void set_directions(plan::Plan& plan, const scene::Simulation& simulation, int d
 
 Trial::Trial(render::Renderer& renderer, const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan)
     : renderer_(renderer), simulation_(simulation), instrument_(instrument), plan_(plan), one_sky_(plan) {
+  instrument_.first_samples = 0;  // errors of all samples
   if (plan.components() > 0) {
     set_directions(one_sky_, simulation, kSharedDirections, plan::kFewestSets);
     const auto entries = static_cast<std::size_t>(kSharedDirections);

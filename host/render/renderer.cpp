@@ -11,7 +11,7 @@
 #include "host/base/error.h"
 #include "host/base/interrupt.h"
 #include "host/base/sha256.h"
-#include "host/render/tile_worker.h"
+#include "host/render/tile_passes.h"
 #include "host/render/truth.h"
 #include "host/sensors/ray_groups.h"
 
@@ -34,7 +34,7 @@ class StripQueue {
  public:
   struct Item {
     Strip strip;
-    std::vector<float> radiance, truth;
+    std::vector<float> radiance, truth, band_error;
   };
   explicit StripQueue(const StripSink& sink) : sink_(sink), thread_([this] { drain(); }) {}
   ~StripQueue() {
@@ -81,6 +81,7 @@ class StripQueue {
         const auto start = std::chrono::steady_clock::now();
         item.strip.radiance = item.radiance.data();
         item.strip.truth = item.truth.data();
+        if (!item.band_error.empty()) item.strip.band_error = item.band_error.data();
         sink_(item.strip);
         seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
       } catch (...) {
@@ -103,16 +104,6 @@ class StripQueue {
   double seconds_ = 0;
   std::thread thread_;
 };
-
-std::uint32_t percentile(const std::vector<std::uint64_t>& histogram, double share) {
-  std::uint64_t all = 0, below = 0;
-  for (const auto n : histogram) all += n;
-  for (std::size_t i = 0; i < histogram.size(); ++i) {
-    below += histogram[i];
-    if (all && below >= share * all) return static_cast<std::uint32_t>(i);
-  }
-  return 0;
-}
 
 }  // namespace
 
@@ -148,31 +139,31 @@ RenderStatistics Renderer::render(const scene::Instrument& instrument, const pla
   const std::size_t budget = std::min<std::size_t>(state_->options.memory_bytes, device.global_memory_bytes);
   const std::size_t capacity = state_->row_capacity(setup.shape);
   const TileSize size = choose_tile_size(setup.shape, instrument.pixels, instrument.lines, capacity, budget / kBudgetShares,
-                                         device.max_alloc_bytes, state_->options.tile_lines);
-  TileWorker worker(setup, static_cast<std::size_t>(size.lines) * size.columns, size.lines, capacity, budget / kBudgetShares);
+                                         device.max_alloc_bytes, state_->options.tile_lines, more_pixel_bytes(instrument, plan, capacity));
+  TilePasses passes(setup, size.lines, size.columns, capacity, budget / kBudgetShares);
 
-  const std::size_t bands = setup.shape.bands, layers = truth_layer_names(state_->scene).size();
+  const std::size_t bands = setup.shape.bands, layers = truth_layer_names(state_->scene, instrument).size();
+  const bool band_errors = instrument.standard_error == scene::StandardError::bands;
   const std::uint64_t all_pixels = static_cast<std::uint64_t>(instrument.lines) * instrument.pixels;
   StripQueue queue(sink);
   for (int line = 0; line < instrument.lines; line += size.lines) {
     const int lines = std::min(size.lines, instrument.lines - line);
-    StripQueue::Item item{{line, lines, nullptr, nullptr},
-                          std::vector<float>(static_cast<std::size_t>(lines) * instrument.pixels * bands),
-                          std::vector<float>(static_cast<std::size_t>(lines) * instrument.pixels * layers)};
+    const std::size_t pixels = static_cast<std::size_t>(lines) * instrument.pixels;
+    StripQueue::Item item{{line, lines, nullptr, nullptr, nullptr}, std::vector<float>(pixels * bands), std::vector<float>(pixels * layers),
+                          std::vector<float>(band_errors ? pixels * bands : 0)};
     for (int column = 0; column < instrument.pixels; column += size.columns) {
       base::throw_if_interrupted();
       const Tile tile{line, lines, column, std::min(size.columns, instrument.pixels - column)};
-      worker.run(tile, item.radiance.data() + column * bands, item.truth.data() + column * layers);
+      passes.run(tile, {item.radiance.data() + column * bands, item.truth.data() + column * layers, layers,
+                        band_errors ? item.band_error.data() + column * bands : nullptr});
       if (progress)
         progress(static_cast<std::uint64_t>(line) * instrument.pixels + tile.first_column * std::uint64_t(lines) + tile.pixels(),
                  all_pixels);
     }
     queue.push(std::move(item));
   }
-  RenderStatistics statistics = worker.statistics();
+  RenderStatistics statistics = passes.statistics();
   statistics.stage_s["write"] = queue.finish();
-  statistics.terms_p50 = percentile(worker.term_histogram(), 0.5);
-  statistics.terms_p95 = percentile(worker.term_histogram(), 0.95);
   statistics.tile_lines = size.lines;
   statistics.tile_columns = size.columns;
   return statistics;
@@ -181,26 +172,23 @@ RenderStatistics Renderer::render(const scene::Instrument& instrument, const pla
 RenderStatistics Renderer::probe(const scene::Instrument& instrument, const plan::Plan& plan, const scene::Sun& sun,
                                  std::uint64_t seed, const std::vector<Tile>& tiles, const ProbeSink& sink) {
   const RenderSetup setup = state_->setup(instrument, plan, sun, seed);
-  std::size_t pixels = 1;
-  int lines = 1;
+  int columns = 1, lines = 1;
   for (const auto& tile : tiles) {
-    pixels = std::max(pixels, tile.pixels());
+    columns = std::max(columns, tile.columns);
     lines = std::max(lines, tile.lines);
   }
-  TileWorker worker(setup, pixels, lines, state_->row_capacity(setup.shape), state_->options.memory_bytes / kBudgetShares);
+  TilePasses passes(setup, lines, columns, state_->row_capacity(setup.shape), state_->options.memory_bytes / kBudgetShares);
   const std::size_t layers = truth_layer_names(state_->scene).size();
   for (const auto& tile : tiles) {
     base::throw_if_interrupted();
     PixelProbe probe;
+    probe.tile = tile;
     probe.radiance.resize(tile.pixels() * setup.shape.bands);
     probe.truth.resize(tile.pixels() * layers);
-    worker.run(tile, probe.radiance.data(), probe.truth.data(), sink ? &probe : nullptr);
+    passes.run(tile, {probe.radiance.data(), probe.truth.data(), layers, nullptr}, sink ? &probe : nullptr);
     if (sink) sink(probe);
   }
-  RenderStatistics statistics = worker.statistics();
-  statistics.terms_p50 = percentile(worker.term_histogram(), 0.5);
-  statistics.terms_p95 = percentile(worker.term_histogram(), 0.95);
-  return statistics;
+  return passes.statistics();
 }
 
 void Renderer::probe_hits(const scene::Instrument& instrument, std::uint64_t seed, const std::vector<Tile>& tiles,
@@ -225,13 +213,11 @@ void Renderer::probe_hits(const scene::Instrument& instrument, std::uint64_t see
     base::throw_if_interrupted();
     HitProbe probe;
     probe.tile = tile;
-    probe.groups = tile_groups(instrument, tile, shape.pixels_per_group);
-    traced.groups.write(probe.groups);
-    const TilePlace place{static_cast<std::uint32_t>(tile.first_line), static_cast<std::uint32_t>(tile.first_column),
-                          static_cast<std::uint32_t>(tile.lines)};
-    const TileLayout layout{static_cast<std::uint32_t>(tile.columns), static_cast<std::uint32_t>(groups_of_line(tile))};
+    TileRays rays = tile_rays(instrument, tile, shape.pixels_per_group);
+    traced.groups.write(rays.groups);
+    probe.groups = std::move(rays.groups);
     for (int chunk = 0; chunk < shape.chunks; ++chunk) {
-      stages.run_primary(place, layout, chunk, traced);
+      stages.run_primary(rays.layout, chunk, traced);
       collect_hits(shape, chunk, traced, probe);
     }
     sink(probe);

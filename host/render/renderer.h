@@ -33,7 +33,8 @@ struct RenderOptions {
 struct Strip {
   int first_line = 0, lines = 0;
   const float* radiance = nullptr;  ///< [line][sample][band], W m-2 sr-1 um-1
-  const float* truth = nullptr;     ///< [line][sample][layer], see truth_layer_names()
+  const float* truth = nullptr;     ///< [line][sample][layer], see truth_layer_names(scene, instrument)
+  const float* band_error = nullptr;///< [line][sample][band], standard error of the radiance; null unless the instrument asks for bands
 };
 using StripSink = std::function<void(const Strip&)>;
 using ProgressSink = std::function<void(std::uint64_t done_pixels, std::uint64_t all_pixels)>;
@@ -50,6 +51,7 @@ struct RenderStatistics {
   std::string trace_program_hash;           ///< of the tracing program alone
   std::string build_options;
   int tile_lines = 0, tile_columns = 0;
+  std::uint64_t adaptive_pixels = 0, refined_pixels = 0;  ///< given a first pass; of these, rendered anew with all samples
 };
 
 /// First hits of a tile's rays.
@@ -84,7 +86,8 @@ class Renderer {
                           std::uint64_t seed, const StripSink& sink, const ProgressSink& progress = {});
 
   /// Renders tiles (first_column a multiple of 4; full width, or one line) and hands each to the sink with everything the
-  /// stages said about it. Programs are built once for all of them. Without a sink nothing is collected: what is timed is what render does.
+  /// stages said about it: of an instrument with adaptive samples only radiance and truth. Programs are built once for all of
+  /// them. Without a sink nothing is collected: what is timed is what render does.
   RenderStatistics probe(const scene::Instrument& instrument, const plan::Plan& plan, const scene::Sun& sun, std::uint64_t seed,
              const std::vector<Tile>& tiles, const ProbeSink& sink);
 

@@ -68,14 +68,14 @@ RowStages::RowStages(const cl::Context& context, const SceneBuffers& scene, cons
       no_list_(context, 1, cl::Access::read_only, "empty pixel list") {}
 
 void RowStages::shade(const PixelSelection& pixels, const TileLayout& layout, const TraceBuffers& traced,
-                      int chunk, bool fresh, RowBuffers& rows) {
-  if (chunk != loaded_chunk_) {
+                      int chunk, int subset, bool fresh, RowBuffers& rows) {
+  if (chunk != loaded_chunk_ || subset != loaded_subset_) {
     const std::size_t first = static_cast<std::size_t>(chunk) * shape_.chunk_samples;
-    std::vector<float> padded = weights_.stretch(first, std::min<std::size_t>(shape_.chunk_samples, weights_.count() - first));
+    std::vector<float> padded = weights_.stretch(first, std::min<std::size_t>(shape_.chunk_samples, weights_.count() - first), subset);
     padded.resize(shape_.padded_samples, 0.0f);
     context_.finish();  // a launch may still read the chunk before
     sample_weight_.write(padded);
-    loaded_chunk_ = chunk;
+    loaded_chunk_ = chunk, loaded_subset_ = subset;
   }
   const auto& s = plan_.sun_direction;
   shade_.arguments(pixels.count, pixels.list ? *pixels.list : no_list_, cl_uint{pixels.list != nullptr},

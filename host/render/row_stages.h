@@ -49,6 +49,8 @@ struct PixelSelection {
 struct TileLayout {
   std::uint32_t width = 0;            ///< pixels of a line of the tile
   std::uint32_t groups_per_line = 0;
+  std::uint32_t lines = 0;
+  std::size_t groups() const { return static_cast<std::size_t>(lines) * groups_per_line; }
 };
 
 /// The three kernels, specialised for one shape, and the plan data they read.
@@ -57,8 +59,9 @@ class RowStages {
   RowStages(const cl::Context& context, const SceneBuffers& scene, const plan::Plan& plan, const StageShape& shape,
             sensors::SampleWeights weights);
 
+  /// subset: one part of the samples (host/sensors/psf.h), or all of them.
   void shade(const PixelSelection& pixels, const TileLayout& layout, const TraceBuffers& traced,
-             int chunk, bool fresh, RowBuffers& rows);
+             int chunk, int subset, bool fresh, RowBuffers& rows);
   /// Items first_item .. first_item + item_count - 1 of the selection; every key of theirs is in the table.
   void resolve(std::uint32_t first_item, std::uint32_t item_count, const PixelSelection& pixels, const TileLayout& layout,
                const TraceBuffers& traced, const BandTable& table, RowBuffers& rows);
@@ -79,7 +82,7 @@ class RowStages {
   cl::Kernel shade_, resolve_, integrate_;
   sensors::SampleWeights weights_;
   cl::Buffer<float> sample_weight_;  ///< of one chunk, zero in the padding
-  int loaded_chunk_ = -1;
+  int loaded_chunk_ = -1, loaded_subset_ = -1;
   cl::Buffer<shared::rc_float4> irradiance_, tilt_irradiance_, surface_node_;
   cl::Buffer<std::uint32_t> no_list_;
 };

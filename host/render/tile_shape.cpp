@@ -56,8 +56,8 @@ StageShape make_stage_shape(const scene::Instrument& instrument, const plan::Pla
 }
 
 TileSize choose_tile_size(const StageShape& shape, int pixels, int lines, std::size_t capacity, std::size_t budget_bytes,
-                          std::size_t max_alloc_bytes, int forced_lines) {
-  const std::size_t per_pixel = shape.pixel_bytes() + shape.row_bytes(capacity);
+                          std::size_t max_alloc_bytes, int forced_lines, std::size_t more_bytes) {
+  const std::size_t per_pixel = shape.pixel_bytes() + shape.row_bytes(capacity) + more_bytes;
   // The largest single buffer of a pixel must stay inside one allocation as well.
   const std::size_t largest = std::max({static_cast<std::size_t>(shape.padded_samples) * 6 * sizeof(float),
                                         static_cast<std::size_t>(shape.bands_padded) * sizeof(float),

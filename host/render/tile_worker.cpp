@@ -4,9 +4,11 @@
 #include <cmath>
 #include <chrono>
 #include <cstring>
+#include <limits>
 #include <numeric>
 #include <set>
 
+#include "host/render/standard_error.h"
 #include "host/render/truth.h"
 #include "host/sensors/psf.h"
 #include "host/sensors/ray_groups.h"
@@ -20,10 +22,6 @@ namespace {
 constexpr std::size_t kOverflowCapacities[] = {64, 256};
 constexpr std::size_t kOverflowBatch = 256;      ///< flagged pixels relaunched at once
 constexpr std::size_t kHistogramBins = 4096;
-
-std::uint32_t layer_count(const scene::CompiledScene& scene) {
-  return static_cast<std::uint32_t>(truth_layer_names(scene).size());
-}
 
 /// Sum number i of an item, with its compensation when sums are carried over chunks.
 double total(const float* sums, std::size_t count, bool chunked, std::size_t i) {
@@ -42,18 +40,19 @@ void TileWorker::timed(const std::string& stage, Action action) {
   statistics_.stage_s[stage] += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-TileWorker::TileWorker(const RenderSetup& setup, std::size_t pixels, int lines, std::size_t row_capacity,
-                       std::size_t table_bytes)
+TileWorker::TileWorker(const RenderSetup& setup, BandTable& table, std::size_t pixels, int lines, std::size_t row_capacity, bool errors)
     : setup_(setup),
       row_stages_(setup.context, setup.buffers, setup.plan, setup.shape, sensors::SampleWeights(setup.instrument)),
       trace_stages_(setup.context, setup.scene, setup.buffers, setup.instrument, setup.plan, setup.shape, setup.seed),
-      table_(setup.context, setup.scene, setup.plan, setup.shape, table_bytes),
+      table_(table),
       traced_(setup.context, setup.shape, pixels,
               pixels / setup.shape.pixels_per_group + static_cast<std::size_t>(lines) + 1),
       rows_(setup.context, setup.shape, pixels, row_capacity),
       radiance_(setup.context, pixels * setup.shape.bands_padded, cl::Access::read_write, "radiance of a tile"),
       all_baked_(table_.capacity() > setup.scene.materials.size() + setup.plan.environment.nodes()),
       term_histogram_(kHistogramBins, 0) {
+  for (int subset = 0; errors && setup.shape.chunked() && subset < sensors::kSampleSubsets; ++subset)
+    subset_rows_.emplace_back(setup.context, setup.shape, pixels, row_capacity);
   if (all_baked_) {
     std::vector<std::uint64_t> keys(setup.scene.materials.size());
     std::iota(keys.begin(), keys.end(), 1);
@@ -72,7 +71,7 @@ std::array<double, 3> TileWorker::centre_direction(std::uint32_t pixel) const {
   return {g.d0.x + a * g.du.x, g.d0.y + a * g.du.y, g.d0.z + a * g.du.z};
 }
 
-void TileWorker::write_truth(std::uint32_t pixel, const float* sums, const float* abundance, const Output& out) {
+void TileWorker::write_truth(std::uint32_t pixel, const float* sums, const float* abundance, const TileOutput& out) {
   fill_truth({sums, abundance, centre_direction(pixel)}, setup_.scene.materials.size(), setup_.sun,
              out.truth + pixel * out.layers);
 }
@@ -109,58 +108,45 @@ void TileWorker::collect(int chunk, PixelProbe& probe) const {
     }
 }
 
-void TileWorker::run(const Tile& tile, float* radiance, float* truth, PixelProbe* probe) {
+void TileWorker::run(const TileRays& tile, const TileOutput& out, PixelProbe* probe) {
   const StageShape& shape = setup_.shape;
-  const std::uint32_t wide = static_cast<std::uint32_t>(shape.pixels_per_group);
   const std::uint32_t pixels = static_cast<std::uint32_t>(tile.pixels());
-  layout_.width = static_cast<std::uint32_t>(tile.columns);
-  layout_.groups_per_line = (layout_.width + wide - 1) / wide;
-  const TilePlace place{static_cast<std::uint32_t>(tile.first_line), static_cast<std::uint32_t>(tile.first_column),
-                        static_cast<std::uint32_t>(tile.lines)};
-  const Output out{truth, layer_count(setup_.scene)};
-
+  layout_ = tile.layout;
   timed("rays", [&] {
-    groups_ = tile_groups(setup_.instrument, tile, shape.pixels_per_group);
+    groups_ = tile.groups;
     traced_.groups.write(groups_);
   });
 
-  if (probe) {
-    probe->tile = tile;
-    probe->groups = groups_;
-  }
+  if (probe) probe->groups = groups_;
   for (int chunk = 0; chunk < shape.chunks; ++chunk) {
-    trace_stages_.run(place, layout_, chunk, traced_, statistics_.stage_s);
+    trace_stages_.run(layout_, chunk, traced_, statistics_.stage_s);
     timed("shade", [&] {
-      row_stages_.shade({pixels, nullptr}, layout_, traced_, chunk, chunk == 0, rows_);
+      row_stages_.shade({pixels, nullptr}, layout_, traced_, chunk, sensors::kAllSamples, chunk == 0, rows_);
+      if (out.band_error)
+        for (int subset = 0; subset < static_cast<int>(subset_rows_.size()); ++subset)
+          row_stages_.shade({pixels, nullptr}, layout_, traced_, chunk, subset, chunk == 0, subset_rows_[subset]);
     });
     if (probe) collect(chunk, *probe);
   }
   std::vector<std::uint32_t> all_pixels(pixels);
   std::iota(all_pixels.begin(), all_pixels.end(), 0u);
   host_radiance_.clear();
-  std::vector<std::uint32_t> flagged = finish_rows(rows_, all_pixels, false, out);
-  statistics_.overflow_pixels += flagged.size();
-  if (!shape.chunked())
-    for (const std::size_t capacity : kOverflowCapacities)
-      if (!flagged.empty() && capacity > rows_.capacity) {
-        std::vector<std::uint32_t> still;
-        relaunch(std::move(flagged), capacity, out, still);
-        flagged = std::move(still);
-      }
-  if (!flagged.empty()) sum_per_sample(flagged, place, out);
+  const std::vector<std::uint32_t> flagged = finish_all(rows_, all_pixels, sensors::kAllSamples, out);
+  if (!flagged.empty()) sum_per_sample(flagged, out);
   statistics_.per_sample_pixels += flagged.size();
 
   timed("read", [&] {
     const auto mapped = radiance_.map(false);
     const std::size_t bands = shape.bands;
     for (std::uint32_t p = 0; p < pixels; ++p)
-      std::memcpy(radiance + p * bands, mapped.data() + p * std::size_t(shape.bands_padded), bands * sizeof(float));
+      std::memcpy(out.radiance + p * bands, mapped.data() + p * std::size_t(shape.bands_padded), bands * sizeof(float));
     radiance_.unmap(mapped);
     for (const auto& [pixel, values] : host_radiance_)
-      std::transform(values.begin(), values.end(), radiance + pixel * bands, [](double v) { return static_cast<float>(v); });
+      std::transform(values.begin(), values.end(), out.radiance + pixel * bands, [](double v) { return static_cast<float>(v); });
   });
+  if (out.band_error) add_errors(all_pixels, out);
   double hit = 0;
-  for (std::uint32_t p = 0; p < pixels; ++p) hit += truth[p * out.layers + 1];
+  for (std::uint32_t p = 0; p < pixels; ++p) hit += out.truth[p * out.layers + 1];
   const double rays = static_cast<double>(pixels) * shape.samples;
   statistics_.primary_rays += static_cast<std::uint64_t>(rays);
   const double hit_rays = hit / std::max(1u, pixels) * rays;
@@ -169,8 +155,47 @@ void TileWorker::run(const Tile& tile, float* radiance, float* truth, PixelProbe
   statistics_.band_samples += static_cast<std::uint64_t>(pixels) * shape.bands;
 }
 
+std::vector<std::uint32_t> TileWorker::finish_all(RowBuffers& rows, const std::vector<std::uint32_t>& pixels, int subset, const TileOutput& out) {
+  std::vector<std::uint32_t> flagged = finish_rows(rows, pixels, false, out);
+  if (out.truth) statistics_.overflow_pixels += flagged.size();
+  if (!setup_.shape.chunked())
+    for (const std::size_t capacity : kOverflowCapacities)
+      if (!flagged.empty() && capacity > rows.capacity) flagged = relaunch(flagged, capacity, subset, out);
+  return flagged;
+}
+
+void TileWorker::add_errors(const std::vector<std::uint32_t>& pixels, const TileOutput& out) {
+  const StageShape& shape = setup_.shape;
+  const std::size_t bands = shape.bands, values = pixels.size() * bands;
+  if (shape.samples < sensors::kSampleSubsets) {
+    std::fill_n(out.band_error, values, std::numeric_limits<float>::quiet_NaN());
+    return;
+  }
+  std::fill_n(out.band_error, values, 0.0f);
+  for (int subset = 0; subset < sensors::kSampleSubsets; ++subset) {
+    RowBuffers& rows = shape.chunked() ? subset_rows_[subset] : rows_;
+    if (!shape.chunked())
+      timed("shade", [&] {
+        row_stages_.shade({static_cast<std::uint32_t>(pixels.size()), nullptr}, layout_, traced_, 0, subset, true, rows);
+      });
+    const std::vector<std::uint32_t> unknown = finish_all(rows, pixels, subset, {});
+    timed("standard error", [&] {
+      const auto mapped = radiance_.map(false);
+      for (std::size_t p = 0; p < pixels.size(); ++p) {
+        const float *part = mapped.data() + p * std::size_t(shape.bands_padded), *whole = out.radiance + p * bands;
+        float* sum = out.band_error + p * bands;
+        for (std::size_t b = 0; b < bands; ++b) sum[b] += (part[b] - whole[b]) * (part[b] - whole[b]);
+      }
+      radiance_.unmap(mapped);
+      for (const std::uint32_t pixel : unknown) std::fill_n(out.band_error + pixel * bands, bands, std::numeric_limits<float>::quiet_NaN());
+    });
+  }
+  const float factor = static_cast<float>(error_of_spread(setup_.instrument.sampler));
+  for (std::size_t i = 0; i < values; ++i) out.band_error[i] = factor * std::sqrt(out.band_error[i]);
+}
+
 std::vector<std::uint32_t> TileWorker::finish_rows(RowBuffers& rows, const std::vector<std::uint32_t>& pixels,
-                                                   bool use_list, const Output& out) {
+                                                   bool use_list, const TileOutput& out) {
   const StageShape& shape = setup_.shape;
   const std::size_t items = pixels.size(), sums_per_key = shape.accumulators() * (shape.chunked() ? 2 : 1);
   const std::size_t materials = setup_.scene.materials.size();
@@ -218,7 +243,7 @@ std::vector<std::uint32_t> TileWorker::finish_rows(RowBuffers& rows, const std::
         const std::size_t last = shape.accumulators() - 1;
         abundance[row_keys[k] - 1] = static_cast<float>(total(row, shape.accumulators(), shape.chunked(), last));
       }
-      write_truth(pixels[i], truth_sums, abundance.data(), out);
+      if (out.truth) write_truth(pixels[i], truth_sums, abundance.data(), out);
     }
     rows.count.unmap(count);
     rows.keys.unmap(keys);
@@ -238,28 +263,30 @@ std::vector<std::uint32_t> TileWorker::finish_rows(RowBuffers& rows, const std::
     }
     first = range_ends[r];
   }
+  if (!out.truth) return flagged;
   const auto terms = rows.term_count.map(false);
   for (std::size_t i = 0; i < items; ++i) ++term_histogram_[std::min<std::size_t>(terms[i], kHistogramBins - 1)];
   rows.term_count.unmap(terms);
   return flagged;
 }
 
-void TileWorker::relaunch(std::vector<std::uint32_t> flagged, std::size_t capacity, const Output& out,
-                          std::vector<std::uint32_t>& still_flagged) {
+std::vector<std::uint32_t> TileWorker::relaunch(const std::vector<std::uint32_t>& flagged, std::size_t capacity, int subset, const TileOutput& out) {
+  std::vector<std::uint32_t> still_flagged;
   RowBuffers rows(setup_.context, setup_.shape, std::min(flagged.size(), kOverflowBatch), capacity);
   for (std::size_t first = 0; first < flagged.size(); first += kOverflowBatch) {
     const std::vector<std::uint32_t> batch(flagged.begin() + first,
                                            flagged.begin() + std::min(first + kOverflowBatch, flagged.size()));
     cl::Buffer<std::uint32_t> list(setup_.context, batch, cl::Access::read_only, "list of pixels");
     timed("shade", [&] {
-      row_stages_.shade({static_cast<std::uint32_t>(batch.size()), &list}, layout_, traced_, 0, true, rows);
+      row_stages_.shade({static_cast<std::uint32_t>(batch.size()), &list}, layout_, traced_, 0, subset, true, rows);
     });
     const auto more = finish_rows(rows, batch, true, out);
     still_flagged.insert(still_flagged.end(), more.begin(), more.end());
   }
+  return still_flagged;
 }
 
-void TileWorker::sum_per_sample(const std::vector<std::uint32_t>& flagged, const TilePlace& place, const Output& out) {
+void TileWorker::sum_per_sample(const std::vector<std::uint32_t>& flagged, const TileOutput& out) {
   const StageShape& shape = setup_.shape;
   const plan::Plan& plan = setup_.plan;
   const std::size_t bands = shape.bands, materials = setup_.scene.materials.size();
@@ -273,11 +300,11 @@ void TileWorker::sum_per_sample(const std::vector<std::uint32_t>& flagged, const
   std::vector<Sum> results(flagged.size(), {std::vector<double>(bands), std::vector<double>(materials), std::vector<double>(shape.heights), {}});
   const std::vector<float> path_row = plan::bake_row(plan, setup_.scene, 0);
   for (int chunk = 0; chunk < shape.chunks; ++chunk) {
-    if (shape.chunked()) trace_stages_.run(place, layout_, chunk, traced_, statistics_.stage_s);
+    if (shape.chunked()) trace_stages_.run(layout_, chunk, traced_, statistics_.stage_s);
     for (std::size_t f = 0; f < flagged.size(); ++f) {
       cl::Buffer<std::uint32_t> list(setup_.context, std::span(&flagged[f], 1), cl::Access::read_only, "one pixel");
       timed("shade", [&] {
-        row_stages_.shade({1, &list}, layout_, traced_, chunk, true, rows);
+        row_stages_.shade({1, &list}, layout_, traced_, chunk, sensors::kAllSamples, true, rows);
       });
       const auto d = centre_direction(flagged[f]);
       const double length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);

@@ -50,7 +50,6 @@ struct TraceStages::State {
         plan(plan_),
         shape(shape_),
         seed(static_cast<std::uint32_t>(seed_)),
-        pixels_per_line(static_cast<std::uint32_t>(instrument.pixels)),
         options(trace_options(scene, buffers_, instrument, shape_)),
         identity("trace\n" + options + "\n" + std::string(kernels::kernel_source("trace"))),
         program(context_, "trace", kernels::kernel_source("trace"), options),
@@ -66,17 +65,16 @@ struct TraceStages::State {
   cl_uint sample_count(int chunk) const {
     return static_cast<cl_uint>(std::min(shape.chunk_samples, shape.samples - chunk * shape.chunk_samples));
   }
-  const cl::Kernel& primary_of(const TilePlace& place, const TileLayout& layout, int chunk, TraceBuffers& traced) {
+  const cl::Kernel& primary_of(const TileLayout& layout, int chunk, TraceBuffers& traced) {
     return primary.arguments(buffers.nodes, buffers.blocks, buffers.instances, traced.groups, traced.hits, seed,
-                             place.first_line, place.first_column, layout.width, pixels_per_line, first_sample(chunk),
-                             sample_count(chunk));
+                             layout.width, first_sample(chunk), sample_count(chunk));
   }
 
   const cl::Context& context;
   const SceneBuffers& buffers;
   const plan::Plan& plan;
   StageShape shape;
-  std::uint32_t seed, pixels_per_line;
+  std::uint32_t seed;
   std::string options, identity;
   cl::Program program;
   cl::Kernel primary, surface, light;
@@ -95,28 +93,36 @@ std::string TraceStages::program_hash() const { return base::sha256_hex(identity
 std::string program_hash(const TraceStages& trace, const RowStages& rows) { return base::sha256_hex(trace.identity() + rows.identity()); }
 const std::string& TraceStages::options() const { return state_->options; }
 
-std::vector<shared::RayGroup> tile_groups(const scene::Instrument& instrument, const Tile& tile, int pixels_per_group) {
+TileRays tile_rays(const scene::Instrument& instrument, const Tile& tile, int pixels_per_group) {
   const auto all = sensors::make_ray_groups(instrument, tile.first_line, tile.lines);
   const int image_groups = sensors::groups_per_line(instrument), per_line = (tile.columns + pixels_per_group - 1) / pixels_per_group;
-  std::vector<shared::RayGroup> groups;
+  TileRays rays;
+  rays.layout = {static_cast<std::uint32_t>(tile.columns), static_cast<std::uint32_t>(per_line), static_cast<std::uint32_t>(tile.lines)};
   for (int line = 0; line < tile.lines; ++line) {
     const auto first = all.begin() + line * image_groups + tile.first_column / pixels_per_group;
-    groups.insert(groups.end(), first, first + per_line);
+    rays.groups.insert(rays.groups.end(), first, first + per_line);
   }
-  return groups;
+  return rays;
 }
 
-void TraceStages::run_primary(const TilePlace& place, const TileLayout& layout, int chunk, TraceBuffers& traced) {
+TileRays listed_rays(std::vector<shared::RayGroup> groups, int pixels_per_group) {
+  TileRays rays;
+  rays.layout = {static_cast<std::uint32_t>(pixels_per_group), 1, static_cast<std::uint32_t>(groups.size())};
+  rays.groups = std::move(groups);
+  return rays;
+}
+
+void TraceStages::run_primary(const TileLayout& layout, int chunk, TraceBuffers& traced) {
   State& s = *state_;
-  s.context.launch(s.primary_of(place, layout, chunk, traced), static_cast<std::size_t>(place.lines) * layout.groups_per_line);
+  s.context.launch(s.primary_of(layout, chunk, traced), layout.groups());
   s.context.finish();
 }
 
-void TraceStages::run(const TilePlace& place, const TileLayout& layout, int chunk, TraceBuffers& traced,
+void TraceStages::run(const TileLayout& layout, int chunk, TraceBuffers& traced,
                       std::map<std::string, double>& stage_s) {
   State& s = *state_;
   const cl_uint first_sample = s.first_sample(chunk), sample_count = s.sample_count(chunk);
-  const std::size_t groups = static_cast<std::size_t>(place.lines) * layout.groups_per_line;
+  const std::size_t groups = layout.groups();
   const auto launch = [&](const char* stage, const cl::Kernel& kernel) {
     const auto start = std::chrono::steady_clock::now();
     s.context.launch(kernel, groups);
@@ -129,14 +135,13 @@ void TraceStages::run(const TilePlace& place, const TileLayout& layout, int chun
     if (s.plan.components() == 0) traced.sky.write(std::vector<float>(traced.sky.size(), 0.0f));
     s.zeroed = &traced;
   }
-  launch("trace_primary", s.primary_of(place, layout, chunk, traced));
+  launch("trace_primary", s.primary_of(layout, chunk, traced));
   launch("make_surface", s.surface.arguments(s.buffers.blocks, s.buffers.instances, traced.groups, traced.hits,
-                                              traced.surface, s.seed, place.first_line, place.first_column, layout.width,
-                                              s.pixels_per_line, first_sample, sample_count));
+                                              traced.surface, s.seed, layout.width, first_sample, sample_count));
   const auto light = [&](const char* stage, const auto& directions, const auto& weights, bool sky, int sets, int count) {
-    launch(stage, s.light.arguments(s.buffers.nodes, s.buffers.blocks, s.buffers.instances, traced.surface, directions, weights,
+    launch(stage, s.light.arguments(s.buffers.nodes, s.buffers.blocks, s.buffers.instances, traced.groups, traced.surface, directions, weights,
                                     traced.sun, traced.sky, cl_uint{sky}, static_cast<cl_uint>(sets), static_cast<cl_uint>(count),
-                                    s.seed, place.first_line, place.first_column, layout.width, s.pixels_per_line));
+                                    s.seed, layout.width));
   };
   if (s.plan.sun_up) light("trace_sun", s.sun, s.sun, false, 1, 1);
   if (s.plan.components() > 0)

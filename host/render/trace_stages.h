@@ -12,13 +12,16 @@
 
 namespace raycube::render {
 
-/// Where a tile lies in the image: what random numbers are keyed by.
-struct TilePlace {
-  std::uint32_t first_line = 0, first_column = 0, lines = 0;
+/// The groups that pixels belong to and where the pixels lie in them. A tile's come line by line; any list of groups is a tile too,
+/// each group a line of its own.
+struct TileRays {
+  std::vector<shared::RayGroup> groups;
+  TileLayout layout;
+  std::size_t pixels() const { return static_cast<std::size_t>(layout.lines) * layout.width; }
 };
-
-/// The instrument's groups that a tile's pixels belong to, line by line.
-std::vector<shared::RayGroup> tile_groups(const scene::Instrument& instrument, const Tile& tile, int pixels_per_group);
+TileRays tile_rays(const scene::Instrument& instrument, const Tile& tile, int pixels_per_group);
+/// The last group of an image's line may bring pixels past its end; they are rendered like any other.
+TileRays listed_rays(std::vector<shared::RayGroup> groups, int pixels_per_group);
 
 class TraceStages {
  public:
@@ -27,11 +30,11 @@ class TraceStages {
   ~TraceStages();
 
   /// Traces one chunk of samples of every pixel of the tile into `traced`. Adds the stages' wall seconds to `stage_s`.
-  void run(const TilePlace& place, const TileLayout& layout, int chunk, TraceBuffers& traced,
+  void run(const TileLayout& layout, int chunk, TraceBuffers& traced,
            std::map<std::string, double>& stage_s);
 
   /// Only the primary rays of that chunk: traced.hits.
-  void run_primary(const TilePlace& place, const TileLayout& layout, int chunk, TraceBuffers& traced);
+  void run_primary(const TileLayout& layout, int chunk, TraceBuffers& traced);
 
   /// Text that program hashes cover: names, options and sources.
   const std::string& identity() const;

@@ -20,6 +20,14 @@ std::vector<LayerName> truth_layer_names(const scene::CompiledScene& scene) {
   return layers;
 }
 
+std::vector<LayerName> truth_layer_names(const scene::CompiledScene& scene, const scene::Instrument& instrument) {
+  std::vector<LayerName> layers = truth_layer_names(scene);
+  if (instrument.standard_error == scene::StandardError::off) return layers;
+  layers.push_back({"standard_error", "1", "of the samples: the worst band's, over that band's mean over the scene; not a number: not known"});
+  layers.push_back({"not_converged", "1", "1: the standard error is above the tolerance or not known"});
+  return layers;
+}
+
 void fill_truth(const PixelTruth& pixel, std::size_t materials, const scene::Sun& sun, float* layers) {
   enum Layer {
 #define RC_TRUTH_LAYER(name, unit, text) name,

@@ -18,6 +18,9 @@ struct LayerName {
 /// Every layer in band order: the fixed ones of truth_layers.def, then abundance_<material>.
 std::vector<LayerName> truth_layer_names(const scene::CompiledScene& scene);
 
+/// The same, then those of standard errors where the instrument has them.
+std::vector<LayerName> truth_layer_names(const scene::CompiledScene& scene, const scene::Instrument& instrument);
+
 /// What the shading stage left of one pixel.
 struct PixelTruth {
   const float* sums = nullptr;       ///< RC_TRUTH_SUMS floats

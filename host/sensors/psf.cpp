@@ -38,6 +38,7 @@ SampleWeights::SampleWeights(const scene::Instrument& instrument) {
   if (!(sigma >= 0) || !(support > 0))
     throw refuse("point spread needs sigma >= 0 and support > 0, found " + std::to_string(sigma) + " and " + std::to_string(support));
   count_ = static_cast<std::size_t>(nu) * nv;
+  columns_ = instrument.sampler == scene::SamplerKind::lattice || nu < 2 || nv < 2 ? 0 : static_cast<std::size_t>(nu);
   if (sigma == 0 && support == 1) return;
   if (instrument.sampler == scene::SamplerKind::lattice)
     throw refuse("a point spread needs the grid or jittered sampler: the lattice is shifted in each pixel and has no cells");
@@ -59,6 +60,23 @@ std::vector<float> SampleWeights::stretch(std::size_t first, std::size_t count) 
   if (along_.empty()) return weights;
   for (std::size_t s = 0; s < count; ++s)
     weights[s] = static_cast<float>(along_[(first + s) % along_.size()] * across_[(first + s) / along_.size()] * double(count_));
+  return weights;
+}
+
+int SampleWeights::subset_of(std::size_t sample) const {
+  if (columns_ == 0) return static_cast<int>(sample % kSampleSubsets);
+  return static_cast<int>(sample % columns_ % 2 + 2 * (sample / columns_ % 2));
+}
+
+std::vector<float> SampleWeights::stretch(std::size_t first, std::size_t count, int subset) const {
+  std::vector<float> weights = stretch(first, count);
+  if (subset == kAllSamples) return weights;
+  double part = 0;
+  const std::vector<float> all = stretch(0, count_);
+  for (std::size_t s = 0; s < count_; ++s)
+    if (subset_of(s) == subset) part += all[s];
+  for (std::size_t s = 0; s < count; ++s)
+    weights[s] = subset_of(first + s) == subset ? static_cast<float>(weights[s] * static_cast<double>(count_) / part) : 0.0f;
   return weights;
 }
 

@@ -15,6 +15,12 @@ namespace raycube::sensors {
 /// cuts more than 1 % of the response: need psf_support_px >= 1 + 5 sigma or so.
 std::vector<float> psf_weights(const scene::Instrument& instrument);
 
+/// Interleaved parts of a pixel's samples whose means tell its standard error: of a grid the samples of even and odd columns and
+/// rows, each a grid of twice the spacing; of a lattice, or a single row, every fourth.
+inline constexpr int kSampleSubsets = 4;
+/// Instead of a part: all samples.
+inline constexpr int kAllSamples = -1;
+
 /// The same weights a stretch at a time, so that memory does not grow with the samples of a pixel; relative to their mean
 /// 1 / count(), so that the plain box's are exactly 1.
 class SampleWeights {
@@ -23,9 +29,14 @@ class SampleWeights {
   std::size_t count() const { return count_; }
   /// Weights of samples first .. first + count - 1 (inside the pixel's).
   std::vector<float> stretch(std::size_t first, std::size_t count) const;
+  /// Those of one part of the samples: the others' are 0, and the part's sum over the pixel is what all samples' is.
+  std::vector<float> stretch(std::size_t first, std::size_t count, int subset) const;
+  int subset_of(std::size_t sample) const;
+  /// Samples in each part at least one.
+  bool has_subsets() const { return count_ >= kSampleSubsets; }
 
  private:
-  std::size_t count_ = 0;
+  std::size_t count_ = 0, columns_ = 1;  ///< columns_: of a grid with at least two rows and columns; else 0
   std::vector<double> along_, across_;  ///< shares of columns and rows, sum 1 each; empty for the plain box
 };
 

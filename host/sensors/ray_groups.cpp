@@ -1,6 +1,7 @@
 #include "host/sensors/ray_groups.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <glm/geometric.hpp>
 
@@ -108,6 +109,10 @@ int groups_per_line(const scene::Instrument& instrument) {
   return (instrument.pixels + width - 1) / width;
 }
 
+std::uint32_t pixel_number(const scene::Instrument& instrument, int line, int sample) {
+  return static_cast<std::uint32_t>(line) * static_cast<std::uint32_t>(instrument.pixels) + static_cast<std::uint32_t>(sample);
+}
+
 std::vector<shared::RayGroup> make_ray_groups(const scene::Instrument& instrument, int first_line, int line_count) {
   check_poses(instrument);
   if (first_line < 0 || line_count < 0 || line_count > instrument.lines - first_line)
@@ -122,6 +127,7 @@ std::vector<shared::RayGroup> make_ray_groups(const scene::Instrument& instrumen
     for (int group = 0; group < per_line; ++group) {
       const Plane plane = plane_at(instrument, line, group * width + 0.5 * (width - 1), moving);
       groups.push_back({rounded(plane.origin_m), rounded(plane.d), rounded(plane.du), rounded(plane.dv), rounded(plane.ov)});
+      groups.back().origin.w = std::bit_cast<float>(pixel_number(instrument, line, group * width));
     }
   return groups;
 }

@@ -16,6 +16,9 @@ int pixels_per_group(const scene::Instrument& instrument);
 /// ceil(pixels / pixels_per_group). The last group of a line may reach past the line's end; those pixels are not rendered.
 int groups_per_line(const scene::Instrument& instrument);
 
+/// A pixel's place in the image, line * pixels + sample: what its random numbers are keyed by.
+std::uint32_t pixel_number(const scene::Instrument& instrument, int line, int sample);
+
 /// Groups of lines first_line .. first_line + line_count - 1, line by line. Each depends on its line alone, so any split
 /// of the image into tiles gives the same bits. Throws Error(input) when the poses do not match the image, Error(bug)
 /// when the lines lie outside it.

@@ -12,15 +12,14 @@ typedef struct Gathered {
 } RC_LINE Gathered;
 
 #define MAKE_SURFACE_PARAMETERS RC_BLOCKS, RC_INSTANCES, global const RayGroup* restrict groups, \
-  global const uint* restrict hits, global float* restrict surface, uint seed, uint first_line, uint first_column, \
-  uint columns, uint pixels_per_line, uint first_sample, uint sample_count
+  global const uint* restrict hits, global float* restrict surface, uint seed, uint columns, uint first_sample, uint sample_count
 
 RC_BODY make_surface_body(uint index, MAKE_SURFACE_PARAMETERS) {
   SceneArrays scene;
   RC_GATHER_BLOCKS(scene);
   RC_GATHER_INSTANCES(scene);
-  const GroupPlace place = rc_group_place(index, first_line, first_column, columns, pixels_per_line);
-  const RayGroup group = groups[index];
+  const GroupPlace place = rc_group_place(groups, index, columns);
+  const RayGroup group = rc_group_rays(groups, index);
   for (uint p = 0; p < place.used; ++p)
     for (uint word = 0; word < RC_NWORDS; ++word) {
       global const uint* in = hits + (size_t)(place.pixel + p) * (2u * RC_NPAD) + word * 16u;
@@ -74,6 +73,6 @@ RC_BODY make_surface_body(uint index, MAKE_SURFACE_PARAMETERS) {
 }
 
 kernel void make_surface(MAKE_SURFACE_PARAMETERS) {
-  make_surface_body((uint)get_group_id(0), RC_PASS_BLOCKS, RC_PASS_INSTANCES, groups, hits, surface, seed, first_line,
-                    first_column, columns, pixels_per_line, first_sample, sample_count);
+  make_surface_body((uint)get_group_id(0), RC_PASS_BLOCKS, RC_PASS_INSTANCES, groups, hits, surface, seed, columns,
+                    first_sample, sample_count);
 }

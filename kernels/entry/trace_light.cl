@@ -19,17 +19,16 @@ static inline float16 rc_cosines(float4 direction, global const float* at) {
   return rc_project_row(direction, vload16(0, at + 3 * RC_NPAD), vload16(0, at + 4 * RC_NPAD), vload16(0, at + 5 * RC_NPAD));
 }
 
-#define TRACE_LIGHT_PARAMETERS RC_NODES, RC_BLOCKS, RC_INSTANCES, global const float* restrict surface, \
+#define TRACE_LIGHT_PARAMETERS RC_NODES, RC_BLOCKS, RC_INSTANCES, global const RayGroup* restrict groups, global const float* restrict surface, \
   global const float4* restrict directions, global const float4* restrict weights, global ushort* restrict sun_mask, \
-  global float* restrict blocked, uint sky, uint sets, uint count, uint seed, uint first_line, uint first_column, \
-  uint columns, uint pixels_per_line
+  global float* restrict blocked, uint sky, uint sets, uint count, uint seed, uint columns
 
 RC_BODY trace_light_body(uint index, TRACE_LIGHT_PARAMETERS) {
   SceneArrays scene;
   RC_GATHER_NODES(scene);
   RC_GATHER_BLOCKS(scene);
   RC_GATHER_INSTANCES(scene);
-  const GroupPlace place = rc_group_place(index, first_line, first_column, columns, pixels_per_line);
+  const GroupPlace place = rc_group_place(groups, index, columns);
   /* The next group's points come from memory while this one's rays are traced. */
   if (!sky) rc_prefetch(surface + (size_t)(place.pixel + place.used) * (6u * RC_NPAD), RC_GROUP_PIXELS * 24u * RC_NPAD);
   const uint sharing = sky ? 1u : place.used;  /* pixels whose samples share a direction */
@@ -109,6 +108,6 @@ RC_BODY trace_light_body(uint index, TRACE_LIGHT_PARAMETERS) {
 }
 
 kernel void trace_light(TRACE_LIGHT_PARAMETERS) {
-  trace_light_body((uint)get_group_id(0), RC_PASS_NODES, RC_PASS_BLOCKS, RC_PASS_INSTANCES, surface, directions, weights,
-                   sun_mask, blocked, sky, sets, count, seed, first_line, first_column, columns, pixels_per_line);
+  trace_light_body((uint)get_group_id(0), RC_PASS_NODES, RC_PASS_BLOCKS, RC_PASS_INSTANCES, groups, surface, directions,
+                   weights, sun_mask, blocked, sky, sets, count, seed, columns);
 }

@@ -5,16 +5,15 @@
 #include "kernels/geometry/ray_trace.h"
 
 #define TRACE_PRIMARY_PARAMETERS RC_NODES, RC_BLOCKS, RC_INSTANCES, global const RayGroup* restrict groups, \
-  global uint* restrict hits, uint seed, uint first_line, uint first_column, uint columns, uint pixels_per_line, \
-  uint first_sample, uint sample_count
+  global uint* restrict hits, uint seed, uint columns, uint first_sample, uint sample_count
 
 RC_BODY trace_primary_body(uint index, TRACE_PRIMARY_PARAMETERS) {
   SceneArrays scene;
   RC_GATHER_NODES(scene);
   RC_GATHER_BLOCKS(scene);
   RC_GATHER_INSTANCES(scene);
-  const GroupPlace place = rc_group_place(index, first_line, first_column, columns, pixels_per_line);
-  const RayGroup group = groups[index];
+  const GroupPlace place = rc_group_place(groups, index, columns);
+  const RayGroup group = rc_group_rays(groups, index);
 #if RC_BUNDLE && !RC_MOVING
   Closest closest;
   for (uint k = 0; k < RC_SLOTS; k += 16u) rc_store16((float16)(0.0f), 0, closest.near + k);
@@ -63,6 +62,6 @@ RC_BODY trace_primary_body(uint index, TRACE_PRIMARY_PARAMETERS) {
 }
 
 kernel void trace_primary(TRACE_PRIMARY_PARAMETERS) {
-  trace_primary_body((uint)get_group_id(0), RC_PASS_NODES, RC_PASS_BLOCKS, RC_PASS_INSTANCES, groups, hits, seed, first_line,
-                     first_column, columns, pixels_per_line, first_sample, sample_count);
+  trace_primary_body((uint)get_group_id(0), RC_PASS_NODES, RC_PASS_BLOCKS, RC_PASS_INSTANCES, groups, hits, seed, columns,
+                     first_sample, sample_count);
 }

@@ -4,21 +4,28 @@
 
 #include "kernels/geometry/trace_args.h"
 
-/* Place of a work-item's group in its tile. */
+/* Place of a work-item's group in its tile and in the image. */
 typedef struct GroupPlace {
   uint pixel;   /* first pixel: index in the tile */
   uint number;  /* first pixel: index in the image, for hashes */
   uint used;    /* pixels that exist, 1 .. RC_GROUP_PIXELS */
 } GroupPlace;
 
-static inline GroupPlace rc_group_place(uint group, uint first_line, uint first_column, uint columns, uint pixels_per_line) {
+static inline GroupPlace rc_group_place(global const RayGroup* groups, uint group, uint columns) {
   const uint per_line = (columns + RC_GROUP_PIXELS - 1u) / RC_GROUP_PIXELS;
   const uint line = group / per_line, column = (group - line * per_line) * RC_GROUP_PIXELS;
   GroupPlace place;
   place.pixel = line * columns + column;
-  place.number = (first_line + line) * pixels_per_line + first_column + column;
+  place.number = as_uint(groups[group].origin.w);
   place.used = min((uint)RC_GROUP_PIXELS, columns - column);
   return place;
+}
+
+/* A group's rays, without the number: as a float it would be subnormal, which is slow. */
+static inline RayGroup rc_group_rays(global const RayGroup* groups, uint group) {
+  RayGroup rays = groups[group];
+  rays.origin.w = 0.0f;
+  return rays;
 }
 
 /* (a, b) of sample s of the group's pixel p, whose number in the image is `number`. */

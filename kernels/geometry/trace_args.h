@@ -22,28 +22,27 @@
  *   a = (p - (RC_GROUP_PIXELS - 1) / 2) + u,  b = v
  *   origin = origin + b * ov,  direction = fma(b, dv, fma(a, du, d0))
  * so d0 is the direction of the group's centre (for 4: between pixels 1 and 2), du and dv its change per pixel.
- * Groups of a tile: line by line, ceil(tile.columns / RC_GROUP_PIXELS) of them per line; the last may hold fewer pixels.
+ * Groups of a tile: line by line, ceil(columns / RC_GROUP_PIXELS) of them per line; the last may hold fewer pixels. A tile may
+ * also be any list of groups: each is then a line of its own, columns = RC_GROUP_PIXELS.
  *
  * Every kernel: local size 1, global size = groups of the tile. Common arguments:
  *   nodes, blocks, instances   the arrays of CompiledScene (at least one element each, even in an empty scene), each in as many
  *                              pages, hence arguments, as its build options say (kernels/geometry/scene_arrays.h)
  *   seed                       low 32 bits of Simulation::seed
- *   first_line, first_column   place of the tile in the image; first_column is a multiple of RC_GROUP_PIXELS
- *   columns                    pixels of a tile line;  pixels_per_line: of an image line
- * Pixel i of a tile = (line in tile) * columns + (column in tile); its number in hashes is
- *   (first_line + line) * pixels_per_line + first_column + column, so results do not depend on tiling.
+ *   columns                    pixels of a tile line
+ * Pixel i of a tile = (line in tile) * columns + (column in tile); its number in hashes is its group's (RayGroup.origin.w) plus
+ * its place in the group: its place in the image, so results do not depend on tiling.
  *
- *   trace_primary(nodes, blocks, instances, global const RayGroup* groups, global uint* hits, uint seed, uint first_line, uint first_column,
- *                 uint columns, uint pixels_per_line, uint first_sample, uint sample_count)
+ *   trace_primary(nodes, blocks, instances, global const RayGroup* groups, global uint* hits, uint seed, uint columns,
+ *                 uint first_sample, uint sample_count)
  *     hits[pixel][2][NPAD]: row 0 instance index (RC_NONE: miss), row 1 primitive = block * 16 + lane. Slots at and past
  *     sample_count hold RC_NONE. The closest hit; of equal distances the lowest instance, then the lowest primitive.
- *   make_surface(blocks, instances, groups, hits (const), global float* surface, seed, first_line, first_column, columns,
- *                pixels_per_line, first_sample, sample_count)
+ *   make_surface(blocks, instances, groups, hits (const), global float* surface, seed, columns, first_sample,
+ *                sample_count)
  *     surface[pixel][6][NPAD]: x y z of the point, m, scene frame, moved off the surface to the viewer's side by its error
  *     bound (the origin of shadow rays); nx ny nz unit geometric normal facing the viewer. Misses: all six are 0.
- *   trace_light(nodes, blocks, instances, surface (const), directions (global const float4*), weights (global const float4*),
- *               global ushort* sun_mask, global float* blocked, uint sky, uint sets, uint count, seed, first_line, first_column,
- *               columns, pixels_per_line)
+ *   trace_light(nodes, blocks, instances, groups, surface (const), directions (global const float4*), weights (global const
+ *               float4*), global ushort* sun_mask, global float* blocked, uint sky, uint sets, uint count, seed, columns)
  *     One kernel for both, since its walk through the scene is most of what a device compiles.
  *     sky = 0, the sun: directions holds one unit vector towards it, w = 0, and sets = count = 1; weights and blocked may be
  *     any buffers. All samples of a group go together.

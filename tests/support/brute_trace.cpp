@@ -26,11 +26,10 @@ static Hit brute(global const TriBlock* blocks, global const Instance* instances
 }
 
 kernel void brute_primary(global const TriBlock* blocks, global const Instance* instances, global const uint* ranges, uint count,
-                          global const RayGroup* groups, global uint* hits, uint seed, uint first_line, uint first_column,
-                          uint columns, uint pixels_per_line) {
+                          global const RayGroup* groups, global uint* hits, uint seed, uint columns) {
   const uint index = get_group_id(0);
-  const GroupPlace place = rc_group_place(index, first_line, first_column, columns, pixels_per_line);
-  const RayGroup group = groups[index];
+  const GroupPlace place = rc_group_place(groups, index, columns);
+  const RayGroup group = rc_group_rays(groups, index);
   for (uint p = 0; p < place.used; ++p) {
     global uint* out = hits + (size_t)(place.pixel + p) * (2u * RC_NPAD);
     for (uint k = 0; k < RC_NPAD; ++k) {
@@ -88,9 +87,8 @@ BruteTrace::BruteTrace(const cl::Context& context, const scene::CompiledScene& s
       sun_mask_(context, std::size_t{shape.pixels()} * shape.npad() / 16, cl::Access::read_write, "sun masks") {}
 
 std::vector<std::uint32_t> BruteTrace::primary(std::span<const shared::RayGroup> groups) {
-  groups_.write(groups);
-  primary_.arguments(blocks_, instances_, ranges_, count_, groups_, hits_, shape_.seed, shape_.first_line, shape_.first_column,
-                     shape_.columns, shape_.pixels_per_line);
+  groups_.write(numbered(groups, shape_));
+  primary_.arguments(blocks_, instances_, ranges_, count_, groups_, hits_, shape_.seed, shape_.columns);
   context_.launch(primary_, shape_.groups());
   context_.finish();
   return hits_.read_all();

@@ -95,11 +95,12 @@ Image render_image(const scene::Simulation& simulation, const atmos::RenderTable
   image.lines = instrument.lines;
   image.pixels = instrument.pixels;
   image.bands = static_cast<int>(instrument.bands.size());
-  image.layers = static_cast<int>(render::truth_layer_names(simulation.scene).size());
+  image.layers = static_cast<int>(render::truth_layer_names(simulation.scene, instrument).size());
   render::Renderer renderer(simulation.scene, options);
   image.statistics = renderer.render(instrument, image.plan, simulation.sun, simulation.seed, [&](const render::Strip& strip) {
     const std::size_t pixels = std::size_t(strip.lines) * image.pixels;
     image.radiance.insert(image.radiance.end(), strip.radiance, strip.radiance + pixels * image.bands);
+    if (strip.band_error) image.band_error.insert(image.band_error.end(), strip.band_error, strip.band_error + pixels * image.bands);
     image.truth.insert(image.truth.end(), strip.truth, strip.truth + pixels * image.layers);
   });
   return image;

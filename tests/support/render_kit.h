@@ -32,6 +32,7 @@ scene::Instrument nadir_camera(int pixels, int lines, double height_m, double gs
 struct Image {
   int lines = 0, pixels = 0, bands = 0, layers = 0;
   std::vector<float> radiance, truth;
+  std::vector<float> band_error;  ///< as the radiance; empty unless the instrument asks for bands
   plan::Plan plan;
   render::RenderStatistics statistics;
   float at(int line, int pixel, int band) const { return radiance[(std::size_t(line) * pixels + pixel) * bands + band]; }

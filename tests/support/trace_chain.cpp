@@ -1,5 +1,6 @@
 #include "tests/support/trace_chain.h"
 
+#include <bit>
 #include <cmath>
 
 #include "kernels/kernel_source.h"
@@ -43,6 +44,16 @@ std::vector<shared::RayGroup> nadir_groups(const TraceShape& shape, double x, do
   return groups;
 }
 
+std::vector<shared::RayGroup> numbered(std::span<const shared::RayGroup> groups, const TraceShape& shape) {
+  std::vector<shared::RayGroup> out(groups.begin(), groups.end());
+  for (std::uint32_t i = 0; i < out.size(); ++i) {
+    const std::uint32_t line = shape.first_line + i / shape.groups_per_line();
+    const std::uint32_t column = shape.first_column + i % shape.groups_per_line() * static_cast<std::uint32_t>(shape.group_pixels);
+    out[i].origin.w = std::bit_cast<float>(line * shape.pixels_per_line + column);
+  }
+  return out;
+}
+
 TraceChain::TraceChain(const cl::Context& context, const scene::CompiledScene& scene, const TraceShape& shape)
     : context_(context), shape_(shape), scene_(context, scene, shape.page_bytes),
       options_(trace_options(shape, scene) + scene_.options),
@@ -50,7 +61,9 @@ TraceChain::TraceChain(const cl::Context& context, const scene::CompiledScene& s
       hits_(context, std::size_t{shape.pixels()} * 2 * shape.npad(), cl::Access::read_write, "hits"),
       surface_(context, std::size_t{shape.pixels()} * 6 * shape.npad(), cl::Access::read_write, "surface points"),
       blocked_(context, std::size_t{shape.pixels()} * 4 * shape.npad(), cl::Access::read_write, "blocked sky"),
-      sun_mask_(context, std::size_t{shape.pixels()} * shape.npad() / 16, cl::Access::read_write, "sun masks") {}
+      sun_mask_(context, std::size_t{shape.pixels()} * shape.npad() / 16, cl::Access::read_write, "sun masks") {
+  groups_.write(numbered(std::vector<shared::RayGroup>(shape.groups()), shape));
+}
 
 cl::Kernel& TraceChain::kernel(const std::string& name) {
   for (auto& [known, kernel] : kernels_)
@@ -60,18 +73,18 @@ cl::Kernel& TraceChain::kernel(const std::string& name) {
 }
 
 std::vector<std::uint32_t> TraceChain::primary(std::span<const shared::RayGroup> groups, std::uint32_t first_sample) {
-  groups_.write(groups);
+  groups_.write(numbered(groups, shape_));
   first_sample_ = first_sample;
   count_ = std::min(shape_.chunk_samples(), shape_.samples() - first_sample);
-  kernel("trace_primary").arguments(scene_.nodes, scene_.blocks, scene_.instances, groups_, hits_, shape_.seed, shape_.first_line, shape_.first_column,
-                                    shape_.columns, shape_.pixels_per_line, first_sample_, count_);
+  kernel("trace_primary").arguments(scene_.nodes, scene_.blocks, scene_.instances, groups_, hits_, shape_.seed, shape_.columns,
+                                    first_sample_, count_);
   again("trace_primary");
   return hits_.read_all();
 }
 
 std::vector<float> TraceChain::surface() {
-  kernel("make_surface").arguments(scene_.blocks, scene_.instances, groups_, hits_, surface_, shape_.seed, shape_.first_line, shape_.first_column,
-                                   shape_.columns, shape_.pixels_per_line, first_sample_, count_);
+  kernel("make_surface").arguments(scene_.blocks, scene_.instances, groups_, hits_, surface_, shape_.seed, shape_.columns,
+                                   first_sample_, count_);
   again("make_surface");
   return surface_.read_all();
 }
@@ -92,9 +105,8 @@ std::vector<float> TraceChain::sky(std::span<const shared::rc_float4> directions
 
 void TraceChain::light(const cl::Buffer<shared::rc_float4>& directions, const cl::Buffer<shared::rc_float4>& weights, bool sky,
                        std::uint32_t sets, std::uint32_t count) {
-  kernel("trace_light").arguments(scene_.nodes, scene_.blocks, scene_.instances, surface_, directions, weights, sun_mask_, blocked_,
-                                  std::uint32_t{sky}, sets, count, shape_.seed, shape_.first_line, shape_.first_column,
-                                  shape_.columns, shape_.pixels_per_line);
+  kernel("trace_light").arguments(scene_.nodes, scene_.blocks, scene_.instances, groups_, surface_, directions, weights, sun_mask_, blocked_,
+                                  std::uint32_t{sky}, sets, count, shape_.seed, shape_.columns);
   again("trace_light");
 }
 

@@ -45,6 +45,9 @@ HostRay host_ray(const shared::RayGroup& group, const TraceShape& shape, std::ui
 std::vector<shared::RayGroup> nadir_groups(const TraceShape& shape, double x, double y, double z, double gsd, double distance,
                                            double tilt);
 
+/// The groups of a tile of `shape` with their pixels' numbers.
+std::vector<shared::RayGroup> numbered(std::span<const shared::RayGroup> groups, const TraceShape& shape);
+
 /// The compiler options of a shape.
 std::string trace_options(const TraceShape& shape, const scene::CompiledScene& scene);
 

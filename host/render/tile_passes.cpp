@@ -1,0 +1,204 @@
+#include "host/render/tile_passes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "host/render/adaptive.h"
+#include "host/render/picked_tiles.h"
+#include "host/render/standard_error.h"
+#include "host/render/truth.h"
+#include "host/sensors/ray_groups.h"
+
+namespace raycube::render {
+
+namespace {
+
+/// Pixels of the image that tell its bands' means, to a few per cent.
+constexpr std::uint64_t kScalePixels = 1024;
+
+std::unique_ptr<scene::Instrument> with_first_samples(const scene::Instrument& instrument) {
+  auto coarse = std::make_unique<scene::Instrument>(instrument);
+  coarse->sampler = scene::SamplerKind::lattice;
+  coarse->samples_u = instrument.first_samples, coarse->samples_v = 1;
+  return coarse;
+}
+
+StageShape shape_of(const scene::Instrument& instrument, const plan::Plan& plan) {
+  return make_stage_shape(instrument, plan, sensors::pixels_per_group(instrument));
+}
+
+std::size_t groups_across(int columns, int width) { return static_cast<std::size_t>((columns + width - 1) / width); }
+
+void add(RenderStatistics& sum, const RenderStatistics& part) {
+  for (const auto& [stage, seconds] : part.stage_s) sum.stage_s[stage] += seconds;
+  sum.primary_rays += part.primary_rays, sum.sun_rays += part.sun_rays, sum.sky_rays += part.sky_rays;
+  sum.band_samples += part.band_samples;
+  sum.overflow_pixels += part.overflow_pixels, sum.per_sample_pixels += part.per_sample_pixels;
+}
+
+}  // namespace
+
+std::size_t more_pixel_bytes(const scene::Instrument& instrument, const plan::Plan& plan, std::size_t row_capacity) {
+  std::size_t bytes = 0;
+  const auto add_parts = [&](const StageShape& shape) {
+    if (shape.chunked()) bytes += sensors::kSampleSubsets * shape.row_bytes(row_capacity);
+  };
+  if (instrument.standard_error != scene::StandardError::off) add_parts(shape_of(instrument, plan));
+  if (instrument.adaptive()) {
+    const StageShape coarse = shape_of(*with_first_samples(instrument), plan);
+    add_parts(coarse);
+    bytes += coarse.pixel_bytes() + coarse.row_bytes(row_capacity);
+  }
+  return bytes;
+}
+
+TilePasses::TilePasses(const RenderSetup& setup, int lines, int columns, std::size_t row_capacity, std::size_t table_bytes)
+    : setup_(setup),
+      layers_(truth_layer_names(setup.scene).size()),
+      table_(setup.context, setup.scene, setup.plan, setup.shape, table_bytes),
+      coarse_instrument_(setup.instrument.adaptive() ? with_first_samples(setup.instrument) : nullptr),
+      full_(setup, table_, static_cast<std::size_t>(lines) * groups_across(columns, setup.shape.pixels_per_group) * setup.shape.pixels_per_group, lines,
+            row_capacity, setup.instrument.standard_error != scene::StandardError::off),
+      most_groups_(static_cast<std::size_t>(lines) * groups_across(columns, setup.shape.pixels_per_group)) {
+  if (!coarse_instrument_) return;
+  const std::size_t groups = static_cast<std::size_t>(lines + 2) * (groups_across(columns, setup.shape.pixels_per_group) + 2);
+  const RenderSetup coarse{setup.context, setup.scene, setup.buffers, *coarse_instrument_, setup.plan, setup.sun, setup.seed,
+                           shape_of(*coarse_instrument_, setup.plan)};
+  coarse_.emplace(coarse, table_, groups * setup.shape.pixels_per_group, 1, row_capacity, true);
+}
+
+std::vector<shared::RayGroup> TilePasses::groups_of(int first_line, int lines, int first_group, int groups) const {
+  const auto all = sensors::make_ray_groups(setup_.instrument, first_line, lines);
+  const int per_line = sensors::groups_per_line(setup_.instrument);
+  std::vector<shared::RayGroup> out;
+  for (int line = 0; line < lines; ++line) out.insert(out.end(), all.begin() + line * per_line + first_group, all.begin() + line * per_line + first_group + groups);
+  return out;
+}
+
+const std::vector<float>& TilePasses::scale() {
+  if (!scale_.empty()) return scale_;
+  const int width = setup_.shape.pixels_per_group;
+  std::vector<shared::RayGroup> groups;
+  for (const Tile& tile : pick_tiles(setup_.instrument, setup_.seed, kScalePixels)) {
+    const auto rays = tile_rays(setup_.instrument, tile, width);
+    groups.insert(groups.end(), rays.groups.begin(), rays.groups.end());
+  }
+  const std::size_t bands = setup_.shape.bands;
+  std::vector<double> mean(bands);
+  std::vector<float> radiance(most_groups_ * width * bands), truth(most_groups_ * width * layers_);
+  for (std::size_t first = 0; first < groups.size(); first += most_groups_) {
+    const std::size_t end = std::min(first + most_groups_, groups.size());
+    const TileRays rays = listed_rays({groups.begin() + static_cast<std::ptrdiff_t>(first), groups.begin() + static_cast<std::ptrdiff_t>(end)}, width);
+    (coarse_ ? *coarse_ : full_).run(rays, {radiance.data(), truth.data(), layers_, nullptr});
+    for (std::size_t p = 0; p < rays.pixels(); ++p)
+      for (std::size_t b = 0; b < bands; ++b) mean[b] += double{radiance[p * bands + b]} / static_cast<double>(groups.size() * width);
+  }
+  scale_ = error_scale(mean);
+  return scale_;
+}
+
+void TilePasses::run_full(const TileRays& rays, const TileOutput& out, PixelProbe* probe) {
+  const std::size_t bands = setup_.shape.bands;
+  const bool layers = out.layers > layers_;
+  std::vector<float> own(layers && !out.band_error ? rays.pixels() * bands : 0);
+  TileOutput here = out;
+  if (!own.empty()) here.band_error = own.data();
+  full_.run(rays, here, probe);
+  for (std::size_t p = 0; layers && p < rays.pixels(); ++p) out.truth[p * out.layers + layers_] = worst_error(here.band_error + p * bands, scale_);
+}
+
+void TilePasses::run_adaptive(const Tile& tile, const TileOutput& out) {
+  const int width = setup_.shape.pixels_per_group;
+  const std::size_t bands = setup_.shape.bands, wide = static_cast<std::size_t>(width);
+  // The first pass reaches one line and one group beyond the tile where the image does.
+  const int first_line = std::max(0, tile.first_line - 1), end_line = std::min(setup_.instrument.lines, tile.first_line + tile.lines + 1);
+  const int tile_group = tile.first_column / width, tile_groups = static_cast<int>(groups_across(tile.columns, width));
+  const int first_group = std::max(0, tile_group - 1), end_group = std::min(sensors::groups_per_line(setup_.instrument), tile_group + tile_groups + 1);
+  const int groups = end_group - first_group;
+  const TileRays look = listed_rays(groups_of(first_line, end_line - first_line, first_group, groups), width);
+
+  FirstPass pass;
+  pass.lines = end_line - first_line, pass.columns = groups * width;
+  pass.layers = layers_;
+  pass.radiance.resize(look.pixels() * bands);
+  pass.truth.resize(look.pixels() * layers_);
+  std::vector<float> error(look.pixels() * bands);
+  coarse_->run(look, {pass.radiance.data(), pass.truth.data(), layers_, error.data()});
+  for (std::size_t p = 0; p < look.pixels(); ++p) pass.error.push_back(worst_error(error.data() + p * bands, scale_));
+  const std::vector<std::uint8_t> open = unsettled(pass, setup_.plan.tolerance);
+
+  const auto file = [&](std::size_t to, const float* radiance, const float* truth, std::size_t layers, const float* band_error, float worst) {
+    std::copy_n(radiance, bands, out.radiance + to * bands);
+    std::copy_n(truth, layers, out.truth + to * out.layers);
+    if (out.band_error) std::copy_n(band_error, bands, out.band_error + to * bands);
+    if (out.layers > layers_) out.truth[to * out.layers + layers_] = worst;
+  };
+  std::vector<shared::RayGroup> refined;
+  std::vector<std::size_t> first_pixel;  // of each, in the tile
+  for (int line = 0; line < tile.lines; ++line)
+    for (int group = 0; group < tile_groups; ++group) {
+      const int row = tile.first_line + line - first_line, column = (tile_group + group - first_group) * width;
+      const std::size_t from = static_cast<std::size_t>(row) * static_cast<std::size_t>(pass.columns) + static_cast<std::size_t>(column);
+      const std::size_t to = static_cast<std::size_t>(line) * static_cast<std::size_t>(tile.columns) + static_cast<std::size_t>(group * width);
+      const std::size_t used = std::min(wide, static_cast<std::size_t>(tile.columns - group * width));
+      adaptive_pixels_ += used;
+      if (std::any_of(open.begin() + static_cast<std::ptrdiff_t>(from), open.begin() + static_cast<std::ptrdiff_t>(from + used), [](auto flag) { return flag != 0; })) {
+        refined.push_back(look.groups[from / wide]);
+        first_pixel.push_back(to);
+        refined_pixels_ += used;
+        continue;
+      }
+      for (std::size_t p = 0; p < used; ++p)
+        file(to + p, pass.radiance.data() + (from + p) * bands, pass.truth.data() + (from + p) * layers_, layers_, error.data() + (from + p) * bands,
+             pass.error[from + p]);
+    }
+  if (refined.empty()) return;
+  const TileRays rays = listed_rays(std::move(refined), width);
+  std::vector<float> radiance(rays.pixels() * bands), truth(rays.pixels() * out.layers), full_error(out.band_error ? rays.pixels() * bands : 0);
+  run_full(rays, {radiance.data(), truth.data(), out.layers, out.band_error ? full_error.data() : nullptr}, nullptr);
+  for (std::size_t g = 0; g < first_pixel.size(); ++g) {
+    const std::size_t used = std::min(wide, static_cast<std::size_t>(tile.columns) - first_pixel[g] % static_cast<std::size_t>(tile.columns));
+    for (std::size_t p = 0; p < used; ++p) {
+      const std::size_t from = g * wide + p;
+      file(first_pixel[g] + p, radiance.data() + from * bands, truth.data() + from * out.layers, layers_, out.band_error ? full_error.data() + from * bands : nullptr,
+           out.layers > layers_ ? truth[from * out.layers + layers_] : 0);
+    }
+  }
+}
+
+void TilePasses::run(const Tile& tile, TileOutput out, PixelProbe* probe) {
+  const bool layers = out.layers > layers_;
+  if (coarse_ || layers) scale();
+  if (coarse_)
+    run_adaptive(tile, out);
+  else
+    run_full(tile_rays(setup_.instrument, tile, setup_.shape.pixels_per_group), out, probe);
+  for (std::size_t p = 0; layers && p < tile.pixels(); ++p) {
+    float* at = out.truth + p * out.layers + layers_;
+    at[1] = at[0] <= setup_.plan.tolerance ? 0.0f : 1.0f;  // an error that is not known has not converged
+  }
+}
+
+RenderStatistics TilePasses::statistics() const {
+  RenderStatistics all = full_.statistics();
+  const auto histogram = [&](double share) {
+    std::uint64_t count = 0, below = 0;
+    std::vector<std::uint64_t> terms = full_.term_histogram();
+    for (std::size_t i = 0; coarse_ && i < terms.size(); ++i) terms[i] += coarse_->term_histogram()[i];
+    for (const auto n : terms) count += n;
+    for (std::size_t i = 0; i < terms.size(); ++i) {
+      below += terms[i];
+      if (count && static_cast<double>(below) >= share * static_cast<double>(count)) return static_cast<std::uint32_t>(i);
+    }
+    return 0u;
+  };
+  all.terms_p50 = histogram(0.5), all.terms_p95 = histogram(0.95);
+  if (!coarse_) return all;
+  add(all, coarse_->statistics());
+  all.adaptive_pixels = adaptive_pixels_, all.refined_pixels = refined_pixels_;
+  return all;
+}
+
+}  // namespace raycube::render
