@@ -23,22 +23,22 @@ bool whole_and_same(float share, float other) {
 
 }  // namespace
 
-std::vector<std::uint8_t> unsettled(const FirstPass& pass, double tolerance) {
-  const auto columns = static_cast<std::size_t>(pass.columns);
-  std::vector<std::uint8_t> open(pass.error.size(), 0);
-  for (int line = 0; line < pass.lines; ++line)
-    for (int column = 0; column < pass.columns; ++column) {
+std::vector<std::uint8_t> unsettled(const FirstLook& look, double tolerance) {
+  const auto columns = static_cast<std::size_t>(look.columns);
+  std::vector<std::uint8_t> open(look.error.size(), 0);
+  for (int line = 0; line < look.lines; ++line)
+    for (int column = 0; column < look.columns; ++column) {
       const std::size_t at = static_cast<std::size_t>(line) * columns + static_cast<std::size_t>(column);
-      const float* here = pass.truth.data() + at * pass.layers;
+      const float* here = look.truth.data() + at * look.layers;
       double square = 0;
       int pixels = 0;
       bool even = true;
-      for (int y = std::max(0, line - 1); y <= std::min(pass.lines - 1, line + 1); ++y)
-        for (int x = std::max(0, column - 1); x <= std::min(pass.columns - 1, column + 1); ++x) {
+      for (int y = std::max(0, line - 1); y <= std::min(look.lines - 1, line + 1); ++y)
+        for (int x = std::max(0, column - 1); x <= std::min(look.columns - 1, column + 1); ++x) {
           const std::size_t there = static_cast<std::size_t>(y) * columns + static_cast<std::size_t>(x);
-          const float* truth = pass.truth.data() + there * pass.layers;
+          const float* truth = look.truth.data() + there * look.layers;
           even = even && whole_and_same(here[hit_fraction], truth[hit_fraction]) && whole_and_same(here[sun_fraction], truth[sun_fraction]);
-          square += double{pass.error[there]} * double{pass.error[there]};
+          square += double{look.error[there]} * double{look.error[there]};
           ++pixels;
         }
       open[at] = !(even && std::sqrt(square / pixels) <= tolerance);  // an error that is not known settles nothing

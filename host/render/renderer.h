@@ -51,7 +51,7 @@ struct RenderStatistics {
   std::string trace_program_hash;           ///< of the tracing program alone
   std::string build_options;
   int tile_lines = 0, tile_columns = 0;
-  std::uint64_t adaptive_pixels = 0, refined_pixels = 0;  ///< given a first pass; of these, rendered anew with all samples
+  std::uint64_t adaptive_pixels = 0, refined_pixels = 0;  ///< given a first look; of these, rendered with all samples
 };
 
 /// First hits of a tile's rays.

@@ -48,8 +48,10 @@ std::size_t more_pixel_bytes(const scene::Instrument& instrument, const plan::Pl
   if (instrument.standard_error != scene::StandardError::off) add_parts(shape_of(instrument, plan));
   if (instrument.adaptive()) {
     const StageShape coarse = shape_of(*with_first_samples(instrument), plan);
-    add_parts(coarse);
-    bytes += coarse.pixel_bytes() + coarse.row_bytes(row_capacity);
+    for (int of = 0; of < 2; ++of) {  // the look and the pixels it settles
+      add_parts(coarse);
+      bytes += coarse.pixel_bytes() + coarse.row_bytes(row_capacity);
+    }
   }
   return bytes;
 }
@@ -64,9 +66,11 @@ TilePasses::TilePasses(const RenderSetup& setup, int lines, int columns, std::si
       most_groups_(static_cast<std::size_t>(lines) * groups_across(columns, setup.shape.pixels_per_group)) {
   if (!coarse_instrument_) return;
   const std::size_t groups = static_cast<std::size_t>(lines + 2) * (groups_across(columns, setup.shape.pixels_per_group) + 2);
-  const RenderSetup coarse{setup.context, setup.scene, setup.buffers, *coarse_instrument_, setup.plan, setup.sun, setup.seed,
-                           shape_of(*coarse_instrument_, setup.plan)};
-  coarse_.emplace(coarse, table_, groups * setup.shape.pixels_per_group, 1, row_capacity, true);
+  RenderSetup coarse{setup.context, setup.scene, setup.buffers, *coarse_instrument_, setup.plan, setup.sun, setup.seed,
+                     shape_of(*coarse_instrument_, setup.plan)};
+  coarse_.emplace(coarse, table_, most_groups_ * setup.shape.pixels_per_group, lines, row_capacity, setup.instrument.standard_error != scene::StandardError::off);
+  coarse.shape.sky_shadows = false;
+  look_.emplace(coarse, table_, groups * setup.shape.pixels_per_group, 1, row_capacity, true);
 }
 
 std::vector<shared::RayGroup> TilePasses::groups_of(int first_line, int lines, int first_group, int groups) const {
@@ -99,73 +103,64 @@ const std::vector<float>& TilePasses::scale() {
   return scale_;
 }
 
-void TilePasses::run_full(const TileRays& rays, const TileOutput& out, PixelProbe* probe) {
+void TilePasses::run_pass(TileWorker& worker, const TileRays& rays, const TileOutput& out, PixelProbe* probe) {
   const std::size_t bands = setup_.shape.bands;
   const bool layers = out.layers > layers_;
   std::vector<float> own(layers && !out.band_error ? rays.pixels() * bands : 0);
   TileOutput here = out;
   if (!own.empty()) here.band_error = own.data();
-  full_.run(rays, here, probe);
+  worker.run(rays, here, probe);
   for (std::size_t p = 0; layers && p < rays.pixels(); ++p) out.truth[p * out.layers + layers_] = worst_error(here.band_error + p * bands, scale_);
+}
+
+void TilePasses::run_groups(TileWorker& worker, const Tile& tile, const std::vector<shared::RayGroup>& groups, const std::vector<std::size_t>& first_pixel,
+                            const TileOutput& out) {
+  if (groups.empty()) return;
+  const std::size_t bands = setup_.shape.bands, columns = static_cast<std::size_t>(tile.columns), width = static_cast<std::size_t>(setup_.shape.pixels_per_group);
+  const TileRays rays = listed_rays(groups, setup_.shape.pixels_per_group);
+  std::vector<float> radiance(rays.pixels() * bands), truth(rays.pixels() * out.layers), error(out.band_error ? rays.pixels() * bands : 0);
+  run_pass(worker, rays, {radiance.data(), truth.data(), out.layers, out.band_error ? error.data() : nullptr}, nullptr);
+  for (std::size_t g = 0; g < first_pixel.size(); ++g) {
+    const std::size_t from = g * width, to = first_pixel[g], used = std::min(width, columns - to % columns);
+    std::copy_n(radiance.data() + from * bands, used * bands, out.radiance + to * bands);
+    std::copy_n(truth.data() + from * out.layers, used * out.layers, out.truth + to * out.layers);
+    if (out.band_error) std::copy_n(error.data() + from * bands, used * bands, out.band_error + to * bands);
+  }
 }
 
 void TilePasses::run_adaptive(const Tile& tile, const TileOutput& out) {
   const int width = setup_.shape.pixels_per_group;
   const std::size_t bands = setup_.shape.bands, wide = static_cast<std::size_t>(width);
-  // The first pass reaches one line and one group beyond the tile where the image does.
+  // The look reaches one line and one group beyond the tile where the image does.
   const int first_line = std::max(0, tile.first_line - 1), end_line = std::min(setup_.instrument.lines, tile.first_line + tile.lines + 1);
   const int tile_group = tile.first_column / width, tile_groups = static_cast<int>(groups_across(tile.columns, width));
   const int first_group = std::max(0, tile_group - 1), end_group = std::min(sensors::groups_per_line(setup_.instrument), tile_group + tile_groups + 1);
-  const int groups = end_group - first_group;
-  const TileRays look = listed_rays(groups_of(first_line, end_line - first_line, first_group, groups), width);
+  const TileRays look = listed_rays(groups_of(first_line, end_line - first_line, first_group, end_group - first_group), width);
 
-  FirstPass pass;
-  pass.lines = end_line - first_line, pass.columns = groups * width;
-  pass.layers = layers_;
-  pass.radiance.resize(look.pixels() * bands);
-  pass.truth.resize(look.pixels() * layers_);
-  std::vector<float> error(look.pixels() * bands);
-  coarse_->run(look, {pass.radiance.data(), pass.truth.data(), layers_, error.data()});
-  for (std::size_t p = 0; p < look.pixels(); ++p) pass.error.push_back(worst_error(error.data() + p * bands, scale_));
-  const std::vector<std::uint8_t> open = unsettled(pass, setup_.plan.tolerance);
+  FirstLook seen;
+  seen.lines = end_line - first_line, seen.columns = (end_group - first_group) * width;
+  seen.layers = layers_;
+  seen.truth.resize(look.pixels() * layers_);
+  std::vector<float> radiance(look.pixels() * bands), error(look.pixels() * bands);
+  look_->run(look, {radiance.data(), seen.truth.data(), layers_, error.data()});
+  for (std::size_t p = 0; p < look.pixels(); ++p) seen.error.push_back(worst_error(error.data() + p * bands, scale_));
+  const std::vector<std::uint8_t> open = unsettled(seen, setup_.plan.tolerance);
 
-  const auto file = [&](std::size_t to, const float* radiance, const float* truth, std::size_t layers, const float* band_error, float worst) {
-    std::copy_n(radiance, bands, out.radiance + to * bands);
-    std::copy_n(truth, layers, out.truth + to * out.layers);
-    if (out.band_error) std::copy_n(band_error, bands, out.band_error + to * bands);
-    if (out.layers > layers_) out.truth[to * out.layers + layers_] = worst;
-  };
-  std::vector<shared::RayGroup> refined;
-  std::vector<std::size_t> first_pixel;  // of each, in the tile
+  std::vector<shared::RayGroup> groups[2];     // settled, and those that need all samples
+  std::vector<std::size_t> first_pixel[2];     // of each, in the tile
   for (int line = 0; line < tile.lines; ++line)
     for (int group = 0; group < tile_groups; ++group) {
       const int row = tile.first_line + line - first_line, column = (tile_group + group - first_group) * width;
-      const std::size_t from = static_cast<std::size_t>(row) * static_cast<std::size_t>(pass.columns) + static_cast<std::size_t>(column);
-      const std::size_t to = static_cast<std::size_t>(line) * static_cast<std::size_t>(tile.columns) + static_cast<std::size_t>(group * width);
+      const std::size_t from = static_cast<std::size_t>(row) * static_cast<std::size_t>(seen.columns) + static_cast<std::size_t>(column);
       const std::size_t used = std::min(wide, static_cast<std::size_t>(tile.columns - group * width));
+      const bool all = std::any_of(open.begin() + static_cast<std::ptrdiff_t>(from), open.begin() + static_cast<std::ptrdiff_t>(from + used), [](auto flag) { return flag != 0; });
+      groups[all].push_back(look.groups[from / wide]);
+      first_pixel[all].push_back(static_cast<std::size_t>(line) * static_cast<std::size_t>(tile.columns) + static_cast<std::size_t>(group * width));
       adaptive_pixels_ += used;
-      if (std::any_of(open.begin() + static_cast<std::ptrdiff_t>(from), open.begin() + static_cast<std::ptrdiff_t>(from + used), [](auto flag) { return flag != 0; })) {
-        refined.push_back(look.groups[from / wide]);
-        first_pixel.push_back(to);
-        refined_pixels_ += used;
-        continue;
-      }
-      for (std::size_t p = 0; p < used; ++p)
-        file(to + p, pass.radiance.data() + (from + p) * bands, pass.truth.data() + (from + p) * layers_, layers_, error.data() + (from + p) * bands,
-             pass.error[from + p]);
+      if (all) refined_pixels_ += used;
     }
-  if (refined.empty()) return;
-  const TileRays rays = listed_rays(std::move(refined), width);
-  std::vector<float> radiance(rays.pixels() * bands), truth(rays.pixels() * out.layers), full_error(out.band_error ? rays.pixels() * bands : 0);
-  run_full(rays, {radiance.data(), truth.data(), out.layers, out.band_error ? full_error.data() : nullptr}, nullptr);
-  for (std::size_t g = 0; g < first_pixel.size(); ++g) {
-    const std::size_t used = std::min(wide, static_cast<std::size_t>(tile.columns) - first_pixel[g] % static_cast<std::size_t>(tile.columns));
-    for (std::size_t p = 0; p < used; ++p) {
-      const std::size_t from = g * wide + p;
-      file(first_pixel[g] + p, radiance.data() + from * bands, truth.data() + from * out.layers, layers_, out.band_error ? full_error.data() + from * bands : nullptr,
-           out.layers > layers_ ? truth[from * out.layers + layers_] : 0);
-    }
-  }
+  run_groups(*coarse_, tile, groups[0], first_pixel[0], out);
+  run_groups(full_, tile, groups[1], first_pixel[1], out);
 }
 
 void TilePasses::run(const Tile& tile, TileOutput out, PixelProbe* probe) {
@@ -174,7 +169,7 @@ void TilePasses::run(const Tile& tile, TileOutput out, PixelProbe* probe) {
   if (coarse_)
     run_adaptive(tile, out);
   else
-    run_full(tile_rays(setup_.instrument, tile, setup_.shape.pixels_per_group), out, probe);
+    run_pass(full_, tile_rays(setup_.instrument, tile, setup_.shape.pixels_per_group), out, probe);
   for (std::size_t p = 0; layers && p < tile.pixels(); ++p) {
     float* at = out.truth + p * out.layers + layers_;
     at[1] = at[0] <= setup_.plan.tolerance ? 0.0f : 1.0f;  // an error that is not known has not converged
@@ -186,7 +181,7 @@ RenderStatistics TilePasses::statistics() const {
   const auto histogram = [&](double share) {
     std::uint64_t count = 0, below = 0;
     std::vector<std::uint64_t> terms = full_.term_histogram();
-    for (std::size_t i = 0; coarse_ && i < terms.size(); ++i) terms[i] += coarse_->term_histogram()[i];
+    for (std::size_t i = 0; coarse_ && i < terms.size(); ++i) terms[i] += coarse_->term_histogram()[i];  // a look's are not the image's
     for (const auto n : terms) count += n;
     for (std::size_t i = 0; i < terms.size(); ++i) {
       below += terms[i];
@@ -196,6 +191,7 @@ RenderStatistics TilePasses::statistics() const {
   };
   all.terms_p50 = histogram(0.5), all.terms_p95 = histogram(0.95);
   if (!coarse_) return all;
+  add(all, look_->statistics());
   add(all, coarse_->statistics());
   all.adaptive_pixels = adaptive_pixels_, all.refined_pixels = refined_pixels_;
   return all;

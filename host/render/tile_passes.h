@@ -1,5 +1,6 @@
-// Tiles of one instrument, each in one pass or, where its samples are adaptive, in two: few samples in all its pixels and one pixel
-// around, then all samples in the groups that need them (adaptive.h). Which those are does not depend on the tiles.
+// Tiles of one instrument, each in one pass or, where its samples are adaptive, after a look: few samples, without rays to the sky, in all its
+// pixels and one pixel around say which groups need all samples (adaptive.h); the others are rendered with the few. Which those are
+// does not depend on the tiles. The look leaves out the sky since a walk towards it costs nearly the same for few samples as for many.
 #pragma once
 
 #include <memory>
@@ -22,7 +23,10 @@ class TilePasses {
 
  private:
   void run_adaptive(const Tile& tile, const TileOutput& out);
-  void run_full(const TileRays& rays, const TileOutput& out, PixelProbe* probe);
+  /// One pass over rays, the layer of standard errors included where `out` has it.
+  void run_pass(TileWorker& worker, const TileRays& rays, const TileOutput& out, PixelProbe* probe);
+  /// The same over some groups of a tile, each filed from its first pixel in the tile on.
+  void run_groups(TileWorker& worker, const Tile& tile, const std::vector<shared::RayGroup>& groups, const std::vector<std::size_t>& first_pixel, const TileOutput& out);
   /// error_scale of the band means over a few hashed pixels of the image, the same for any tiles.
   const std::vector<float>& scale();
   std::vector<shared::RayGroup> groups_of(int first_line, int lines, int first_group, int groups) const;
@@ -31,7 +35,7 @@ class TilePasses {
   std::size_t layers_;                ///< of the scene; standard errors follow
   BandTable table_;
   std::unique_ptr<scene::Instrument> coarse_instrument_;
-  std::optional<TileWorker> coarse_;
+  std::optional<TileWorker> look_, coarse_;
   TileWorker full_;
   std::size_t most_groups_;           ///< of a tile
   std::vector<float> scale_;

@@ -65,6 +65,7 @@ struct TraceStages::State {
   cl_uint sample_count(int chunk) const {
     return static_cast<cl_uint>(std::min(shape.chunk_samples, shape.samples - chunk * shape.chunk_samples));
   }
+  bool sends_to_sky() const { return shape.sky_shadows && plan.components() > 0; }
   const cl::Kernel& primary_of(const TileLayout& layout, int chunk, TraceBuffers& traced) {
     return primary.arguments(buffers.nodes, buffers.blocks, buffers.instances, traced.groups, traced.hits, seed,
                              layout.width, first_sample(chunk), sample_count(chunk));
@@ -132,7 +133,7 @@ void TraceStages::run(const TileLayout& layout, int chunk, TraceBuffers& traced,
 
   if (s.zeroed != &traced) {
     if (!s.plan.sun_up) traced.sun.write(std::vector<std::uint16_t>(traced.sun.size(), 0));
-    if (s.plan.components() == 0) traced.sky.write(std::vector<float>(traced.sky.size(), 0.0f));
+    if (!s.sends_to_sky()) traced.sky.write(std::vector<float>(traced.sky.size(), 0.0f));
     s.zeroed = &traced;
   }
   launch("trace_primary", s.primary_of(layout, chunk, traced));
@@ -144,7 +145,7 @@ void TraceStages::run(const TileLayout& layout, int chunk, TraceBuffers& traced,
                                     s.seed, layout.width));
   };
   if (s.plan.sun_up) light("trace_sun", s.sun, s.sun, false, 1, 1);
-  if (s.plan.components() > 0)
+  if (s.sends_to_sky())
     light("trace_sky", s.directions, s.weights, true, static_cast<int>(s.plan.sky.sets), static_cast<int>(s.plan.sky.directions));
 }
 

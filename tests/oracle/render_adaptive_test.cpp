@@ -86,8 +86,8 @@ TEST_CASE("S43 adaptive: pixels about an edge have all samples, those far from i
       }
   CHECK(adaptive.statistics.adaptive_pixels == 60);
   CHECK(adaptive.statistics.refined_pixels == 20);
-  // A first pass of all pixels, one more of the pixels that tell the scene's mean (all of so small an image), and the groups of the edge.
-  CHECK(adaptive.statistics.primary_rays == 2 * 60 * 16 + 20 * 121);
+  // The look, one more pass of the pixels that tell the scene's mean (all of so small an image), the settled pixels, and the edge's groups.
+  CHECK(adaptive.statistics.primary_rays == (2 * 60 + 40) * 16 + 20 * 121);
 }
 
 TEST_CASE("S43 adaptive: an edge that a pixel's own samples miss is found by its neighbours'") {
