@@ -27,6 +27,8 @@ struct CostModel {
 
 /// Past this many nominal seconds for a million pixels a plan says that the tolerance is dear.
 inline constexpr double kDear_s_per_megapixel = 30;
+/// Settings past this are never chosen: a tolerance that needs them is not kept.
+inline constexpr double kMost_s_per_megapixel = 1000;
 
 /// Counts for `samples` a pixel and `directions` towards the sky, with the plan's sources and nodes.
 PixelCounts pixel_counts(const plan::Plan& plan, double samples, double directions);

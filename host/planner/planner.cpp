@@ -63,6 +63,7 @@ Choice choose(const std::function<double(int)>& side, const ErrorLaw& direction,
   for (const int n : sides)
     for (const int k : directions) {
       const double error = squared(side(n)) + squared(direction.bound(k)), cost = seconds(plan, n, k);
+      if (sides.size() * directions.size() > 1 && 1e6 * cost > kMost_s_per_megapixel) continue;
       const bool within = error <= squared(budget);
       const bool better = within != best.within ? within : within ? cost < best_cost : error < best_error || (error == best_error && cost < best_cost);
       if (!better) continue;
@@ -172,7 +173,8 @@ Decision decide(render::Renderer& renderer, const scene::Simulation& simulation,
     out.notes.push_back(fmt::format("{}: the tolerance of {:.3g} % is not kept: estimated error {:.3g} % (nodes and components {:.3g} %, samples {:.3g} %, sky "
                                     "directions {:.3g} %){}; raise the tolerance{}",
                                     instrument.name, 100 * simulation.tolerance, 100 * out.total_error, 100 * out.plan_error, 100 * out.samples_error,
-                                    100 * out.sky_error, out.samples_given || out.directions_given ? ", with what the file gives" : ", with the finest levels there are",
+                                    100 * out.sky_error,
+                                    out.samples_given || out.directions_given ? std::string(", with what the file gives") : fmt::format(", with the best that takes {:.0f} s per megapixel", kMost_s_per_megapixel),
                                     out.samples_given || out.directions_given ? " or remove samples and sky_directions from the file" : ""));
   else if (out.dear)
     out.notes.push_back(fmt::format("{}: the tolerance of {:.3g} % cannot be kept within {:.0f} s per megapixel (nominal machine of 2 cores): {} x {} samples and {} sky "

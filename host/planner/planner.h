@@ -66,7 +66,7 @@ struct Choice {
 const std::vector<int>& side_levels();
 const std::vector<int>& direction_levels();
 
-/// The cheapest pair with side law^2 + direction law^2 <= budget^2; where none has that, the pair with the least error. Fixed levels: one-element lists. `side`: error of a side.
+/// The cheapest pair with side law^2 + direction law^2 <= budget^2; where none of at most kMost_s_per_megapixel has that, the pair of those with the least error. Fixed levels: one-element lists. `side`: error of a side.
 Choice choose(const std::function<double(int)>& side, const ErrorLaw& direction, double budget, const plan::Plan& plan, const std::vector<int>& sides,
               const std::vector<int>& directions);
 
