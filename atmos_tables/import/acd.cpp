@@ -19,6 +19,9 @@ constexpr const char* kLabels[kFields] = {"FREQ", "LOS", "K_INT", "K_WEIGHT", "S
 constexpr const char* kNames[kFunctions] = {"sun_ground_transmittance_diffuse", "sun_ground_sensor_transmittance_direct",
                                             "ground_sensor_transmittance_diffuse", "ground_sensor_transmittance_direct", "spherical_albedo"};
 
+/// Whether field `f` counts lines of sight or k terms.
+constexpr bool counted(std::size_t f) { return f == 1 || f == 2; }
+
 struct Row {
   base::Where where;
   std::array<Number, kFields> field;
@@ -102,7 +105,9 @@ Imported read_acd_text(const std::string& path) {
       continue;
     }
     Row row{where, {}};
-    for (std::size_t f = 0; f < kFields; ++f) row.field[f] = need_number(tokens[f], where, kLabels[f], problems);
+    for (std::size_t f = 0; f < kFields; ++f)
+      row.field[f] = counted(f) ? Number{Number::State::good, static_cast<double>(need_whole(tokens[f], where, kLabels[f], 0, kMostNumbered, problems)), 0}
+                                : need_number(tokens[f], where, kLabels[f], problems);
     rows.push_back(row);
   }
   return runs_of(path, "acd", rows, problems);
@@ -138,8 +143,7 @@ Imported read_acd_binary(const std::string& path) {
     if (r == 0) continue;
     Row row{where, {}};
     for (std::size_t f = 0; f < kFields; ++f) {
-      const bool whole = f == 1 || f == 2;
-      const double value = whole ? static_cast<double>(static_cast<std::int32_t>(word(r, f + 1))) : static_cast<double>(real(r, f + 1));
+      const double value = counted(f) ? static_cast<double>(static_cast<std::int32_t>(word(r, f + 1))) : static_cast<double>(real(r, f + 1));
       if (!std::isfinite(value) || value < 0)
         problems.add(where, std::string(kLabels[f]) + (std::isfinite(value) ? " is negative" : " is not finite"), std::to_string(value), "run the code anew");
       row.field[f] = {Number::State::good, value, 0};

@@ -52,7 +52,7 @@ ModtranCards read_modtran_cards(const std::vector<std::string>& echo) {
   if (echo.empty()) return out;
   // Card 1: MODEL in columns 3 to 5 or 5, ITYPE 7 to 10, IEMSCT 11 to 15 in every version.
   const Number mode = read_number(card_field(echo.front(), 10, 5));
-  if (mode.good() && mode.value >= 0 && mode.value <= 4) out.iemsct = static_cast<int>(mode.value);
+  if (mode.good()) out.iemsct = whole_number(mode.value, 0, 4);
   // Card 4 is the last but one, before the surface card; card 3, 3A1 and 3A2 stand above it.
   for (std::size_t back = 1; back <= 4 && back <= echo.size() && !out.band; ++back) {
     const std::size_t i = echo.size() - back;
@@ -62,7 +62,7 @@ ModtranCards read_modtran_cards(const std::vector<std::string>& echo) {
     const auto parm = [&](std::size_t field) { return number_or_nan(card_field(echo[i - 1], 10 * field, 10)); };
     const Number iparm = read_number(card_field(echo[i - 2], 0, 5));
     out.geometry = geometry_from_modtran({card_3(0), card_3(1), card_3(2), card_3(3), card_3(4),
-                                          iparm.good() ? static_cast<int>(iparm.value) : 0, parm(0), parm(1)});
+                                          iparm.good() ? whole_number(iparm.value, 0, 99).value_or(0) : 0, parm(0), parm(1)});
   }
   return out;
 }

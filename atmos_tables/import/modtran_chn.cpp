@@ -160,13 +160,18 @@ Imported read_chn(const std::string& path) {
       problems.add(here(at), "moment and equivalent width must be above 0", std::to_string(row[0].value) + ", " + std::to_string(row[kWidth].value), "");
       continue;
     }
-    Channels& channels = by_sight[static_cast<int>(row[1].value)];
+    const auto sight = whole_number(row[1].value, 0, kMostNumbered), channel = whole_number(row[2].value, 0, kMostNumbered);
+    if (!sight || !channel) {
+      problems.add(here(at), "line of sight and channel must be whole numbers", std::to_string(row[1].value) + ", " + std::to_string(row[2].value),
+                   "the columns have moved");
+      continue;
+    }
+    Channels& channels = by_sight[*sight];
     if (channels.lines.empty()) start(channels.run);
-    const int channel = static_cast<int>(row[2].value);
-    if (channel != channels.last_channel + 1)
-      problems.add(here(at), "channels do not follow each other", std::to_string(channel) + " after " + std::to_string(channels.last_channel),
+    if (*channel != channels.last_channel + 1)
+      problems.add(here(at), "channels do not follow each other", std::to_string(*channel) + " after " + std::to_string(channels.last_channel),
                    "rows are missing or out of order");
-    channels.last_channel = channel;
+    channels.last_channel = *channel;
     const std::string description = from < line.size() ? line.substr(from) : "";
     if (description.find("CENTER:") != std::string::npos) {
       const Number center = described(description, "CENTER:"), fwhm = described(description, "FWHM:");

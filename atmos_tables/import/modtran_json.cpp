@@ -57,7 +57,7 @@ Geometry geometry_of(const json* input) {
   const json* g = input ? member(*input, "GEOMETRY") : nullptr;
   if (!g) return {};
   return geometry_from_modtran({number_or(g, "H1ALT", NAN), number_or(g, "H2ALT", NAN), number_or(g, "OBSZEN", NAN),
-                                number_or(g, "HRANGE", NAN), number_or(g, "BETA", NAN), static_cast<int>(number_or(g, "IPARM", 0)),
+                                number_or(g, "HRANGE", NAN), number_or(g, "BETA", NAN), whole_number(number_or(g, "IPARM", 0), 0, 99).value_or(0),
                                 number_or(g, "PARM1", NAN), number_or(g, "PARM2", NAN)});
 }
 

@@ -123,6 +123,21 @@ Number read_number(std::string_view field) {
   return out;
 }
 
+std::optional<int> whole_number(double value, int lowest, int highest) {
+  if (!(value >= lowest && value <= highest) || value != std::floor(value)) return std::nullopt;
+  return static_cast<int>(value);
+}
+
+int need_whole(std::string_view field, const base::Where& where, const std::string& column, int lowest, int highest, base::Problems& problems) {
+  const Number number = need_number(field, where, column, problems, true);
+  if (!number.good()) return lowest;
+  const auto whole = whole_number(number.value, lowest, highest);
+  if (!whole)
+    problems.add(where, column + " is not a whole number from " + std::to_string(lowest) + " to " + std::to_string(highest),
+                 std::string(trimmed(field)), "correct the row");
+  return whole.value_or(lowest);
+}
+
 Number need_number(std::string_view field, const base::Where& where, const std::string& column, base::Problems& problems,
                    bool negative_allowed) {
   const Number number = read_number(field);

@@ -1,6 +1,7 @@
 // Text of other codes: lines, fields and numbers as Fortran writes them.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -35,6 +36,15 @@ Number read_number(std::string_view field);
 /// Negative numbers are added too unless `negative_allowed`.
 Number need_number(std::string_view field, const base::Where& where, const std::string& column, base::Problems& problems,
                    bool negative_allowed = false);
+
+/// The value as an int when it is a whole number from `lowest` to `highest`, else nothing.
+std::optional<int> whole_number(double value, int lowest, int highest);
+
+/// As need_number; what is not a whole number from `lowest` to `highest` is added to `problems` too and comes back as `lowest`.
+int need_whole(std::string_view field, const base::Where& where, const std::string& column, int lowest, int highest, base::Problems& problems);
+
+/// Lines of sight and channels are numbered up to here at most.
+constexpr int kMostNumbered = 1000000000;
 
 /// More than this many problems in one file say no more; readers stop there.
 constexpr std::size_t kEnoughProblems = 20;

@@ -14,6 +14,9 @@ namespace raycube::atmos {
 
 namespace {
 
+/// HITRAN's isotopologues of one molecule end well below this.
+constexpr int kMostIsotopologues = 99;
+
 constexpr double kC2_cm_K = 1.438776877;  ///< hc/k (SI 2019)
 
 struct Vibration {
@@ -220,23 +223,23 @@ PartitionSums PartitionSums::read_csv(const std::string& file) {
       continue;
     }
     const Number as_number = read_number(cells[0]);
-    const int molecule = as_number.good() ? static_cast<int>(as_number.value) : molecule_number(std::string(cells[0]));
+    const int molecule = as_number.good() ? whole_number(as_number.value, 1, molecule_count()).value_or(0) : molecule_number(std::string(cells[0]));
     if (molecule < 1 || molecule > molecule_count()) {
       problems.add(where, "unknown molecule", "'" + std::string(cells[0]) + "'", "give HITRAN's number or a formula in lower case");
       continue;
     }
-    const Number isotopologue = need_number(cells[1], where, "isotopologue", problems);
+    const std::size_t before = problems.lines().size();
+    const int isotopologue = need_whole(cells[1], where, "isotopologue", 1, kMostIsotopologues, problems);
     const Number temperature = need_number(cells[2], where, "temperature_K", problems);
     const Number q = need_number(cells[3], where, "q", problems);
-    if (!isotopologue.good() || !temperature.good() || !q.good()) continue;
+    if (problems.lines().size() != before || !temperature.good() || !q.good()) continue;
     if (!(temperature.value > 0 && q.value > 0)) {
       problems.add(where, "temperature and q must be above 0", line, "correct the row");
       continue;
     }
-    const int which = static_cast<int>(isotopologue.value);
     auto table = std::find_if(out.tables_.begin(), out.tables_.end(),
-                              [&](const Table& t) { return t.molecule == molecule && t.isotopologue == which; });
-    if (table == out.tables_.end()) table = out.tables_.insert(out.tables_.end(), Table{molecule, which, {}, {}});
+                              [&](const Table& t) { return t.molecule == molecule && t.isotopologue == isotopologue; });
+    if (table == out.tables_.end()) table = out.tables_.insert(out.tables_.end(), Table{molecule, isotopologue, {}, {}});
     if (!table->log_temperature.empty() && !(std::log(temperature.value) > table->log_temperature.back()))
       problems.add(where, "temperatures of one isotopologue must ascend", std::string(cells[2]), "sort the rows");
     table->log_temperature.push_back(std::log(temperature.value));
