@@ -36,9 +36,7 @@ LidarJob prepare_lidar(const scene::Simulation& simulation, const scene::Lidar& 
   start = std::chrono::steady_clock::now();
   job.plan = lidar::make_lidar_plan(simulation, lidar, table.get());
   if (planning.replay) {
-    job.decision = planner::subrays_as_given(job.plan, simulation.tolerance);
-    job.decision.subrays = planner::find_entry(*planning.replay, lidar.name, true, planning.replay_path).subrays;
-    job.decision.rays_per_pulse = planner::rays_of_pulse(job.plan, job.decision.subrays);
+    job.decision = planner::replayed(planner::find_entry(*planning.replay, lidar.name, true, planning.replay_path), job.plan, simulation.tolerance, planning.replay_path);
   } else if (planning.renderer) {
     job.decision = planner::decide_subrays(*planning.renderer, job.plan, simulation.tolerance, planning.estimate_given);
   } else {

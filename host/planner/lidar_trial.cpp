@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/lidar/footprint.h"
+#include "host/planner/plan_lines.h"
 #include "kernels/sampling/sampler.h"
 
 namespace raycube::planner {
@@ -174,12 +175,8 @@ std::vector<PlanLine> lidar_lines(const LidarDecision& d, const lidar::LidarPlan
 std::string lidar_decision_json(const LidarDecision& d, const std::vector<PlanLine>& lines) {
   using Json = nlohmann::json;
   const auto number = [](double value) { return value < 0 ? Json() : Json(value); };
-  Json list = Json::array();
-  for (const auto& line : lines)
-    list.push_back({{"block", line.block}, {"level", line.level}, {"error", number(line.error)}, {"error_without", number(line.next_error)},
-                    {"cost", line.cost}, {"why", line.why}, {"given", line.given}});
   Json out = {{"tolerance", d.tolerance}, {"subrays", d.subrays}, {"error", number(d.error)}, {"within_tolerance", d.estimated ? Json(d.within) : Json()},
-              {"cost", {{"first_rays_per_pulse", d.rays_per_pulse}}}, {"notes", d.notes}, {"lines", list}};
+              {"cost", {{"first_rays_per_pulse", d.rays_per_pulse}}}, {"notes", d.notes}, {"lines", Json::parse(lines_json(lines))}};
   if (d.estimated) out["trial"] = {{"pulses", d.trial_pulses}, {"rays", d.trial_rays}};
   return out.dump();
 }

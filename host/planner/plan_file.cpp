@@ -1,5 +1,6 @@
 #include "host/planner/plan_file.h"
 
+#include <cstdint>
 #include <fstream>
 #include <sstream>
 
@@ -14,9 +15,22 @@ namespace {
 
 using Json = nlohmann::json;
 constexpr int kVersion = 1;
+constexpr int kMostSide = 256, kMostSamples = 65536;  ///< as the scene format has samples.grid, jittered and lattice
 
 [[noreturn]] void refuse(const std::string& path, const std::string& what) {
   throw base::Error(base::Fault::input, path + ": " + what + "; make the plan anew: raycube plan SIM -o " + path);
+}
+
+/// "grid 3 x 3", "lattice 16".
+std::string sampler_text(scene::SamplerKind sampler, int u, int v) {
+  if (sampler == scene::SamplerKind::lattice) return fmt::format("lattice {}", u * v);
+  return fmt::format("{} {} x {}", sampler == scene::SamplerKind::grid ? "grid" : "jittered", u, v);
+}
+
+/// Error(input): the simulation's own `key` is not what the plan has.
+[[noreturn]] void conflict(const std::string& path, const std::string& name, const std::string& key, const std::string& given, const std::string& planned) {
+  throw base::Error(base::Fault::input, fmt::format("{}: '{}': the plan has {}, the simulation gives {} = {}; remove {} from the simulation, or make the plan anew: raycube plan SIM -o {}",
+                                                    path, name, planned, key, given, key, path));
 }
 
 }  // namespace
@@ -78,7 +92,10 @@ PlanFile read_plan_file(const std::string& path) {
         entry.sampling = {static_cast<scene::SamplerKind>(sampler), item.at("samples").at(0).get<int>(), item.at("samples").at(1).get<int>(), item.at("sky_directions").get<int>()};
         entry.axes = item.at("plan").dump();
         const auto& s = entry.sampling;
-        if (sampler < 0 || sampler > 2 || s.samples_u < 1 || s.samples_u > 65536 || s.samples_v < 1 || s.samples_v > 256 || s.directions < 1 || s.directions > 4096)
+        const bool lattice = s.sampler == scene::SamplerKind::lattice;
+        const int most_u = lattice ? kMostSamples : kMostSide, most_v = kMostSide;
+        if (sampler < 0 || sampler > 2 || s.samples_u < 1 || s.samples_u > most_u || s.samples_v < 1 || s.samples_v > most_v ||
+            std::int64_t{s.samples_u} * s.samples_v > kMostSamples || s.directions < 1 || s.directions > plan::kMostDirections)
           refuse(path, fmt::format("'{}': samples {} x {} or {} sky directions are out of range", entry.name, s.samples_u, s.samples_v, s.directions));
       }
       file.entries.push_back(std::move(entry));
@@ -107,6 +124,11 @@ const PlanFile::Entry& find_entry(const PlanFile& file, const std::string& name,
 Decision replayed(const PlanFile::Entry& entry, const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan, const std::string& path) {
   if (Json::parse(entry.axes) != Json::parse(axes_json(plan)))
     refuse(path, fmt::format("'{}': the plan has {}, the simulation as it is now needs {}: air, instrument or [plan] have changed since", entry.name, entry.axes, axes_json(plan)));
+  const Sampling& s = entry.sampling;
+  if (instrument.samples_given && (instrument.sampler != s.sampler || instrument.samples_u != s.samples_u || instrument.samples_v != s.samples_v))
+    conflict(path, entry.name, "samples", sampler_text(instrument.sampler, instrument.samples_u, instrument.samples_v), sampler_text(s.sampler, s.samples_u, s.samples_v));
+  if (simulation.sky_directions_given && plan.components() > 0 && simulation.sky_directions != s.directions)
+    conflict(path, entry.name, "sky_directions", std::to_string(simulation.sky_directions), std::to_string(s.directions) + " sky directions");
   const Json saved = Json::parse(entry.decision);
   Decision out = as_given(simulation, instrument, plan);
   out.sampling = entry.sampling;
@@ -129,6 +151,15 @@ Decision replayed(const PlanFile::Entry& entry, const scene::Simulation& simulat
     refuse(path, std::string("not a plan of raycube: ") + error.what());
   }
   out.dear = out.s_per_megapixel > kDear_s_per_megapixel;
+  return out;
+}
+
+LidarDecision replayed(const PlanFile::Entry& entry, const lidar::LidarPlan& plan, double tolerance, const std::string& path) {
+  LidarDecision out = subrays_as_given(plan, tolerance);
+  if (out.given && out.subrays != entry.subrays)
+    conflict(path, entry.name, "subrays", std::to_string(out.subrays), std::to_string(entry.subrays) + " sub-rays");
+  out.subrays = entry.subrays;
+  out.rays_per_pulse = rays_of_pulse(plan, out.subrays);
   return out;
 }
 

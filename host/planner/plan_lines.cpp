@@ -11,6 +11,9 @@ namespace {
 
 using Json = nlohmann::json;
 
+/// A number, or null below 0: not estimated.
+Json number(double value) { return value < 0 ? Json() : Json(value); }
+
 std::string plural(std::size_t count, const std::string& what) { return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s"); }
 
 /// Error of an axis with `count` nodes, and with the next fewer.
@@ -120,12 +123,15 @@ std::vector<PlanLine> plan_lines(const Decision& d, const plan::Plan& plan) {
   return lines;
 }
 
-std::string decision_json(const Decision& d, const std::vector<PlanLine>& lines) {
-  const auto number = [](double value) { return value < 0 ? Json() : Json(value); };
+std::string lines_json(const std::vector<PlanLine>& lines) {
   Json list = Json::array();
   for (const auto& line : lines)
     list.push_back({{"block", line.block}, {"level", line.level}, {"error", number(line.error)}, {"error_without", number(line.next_error)},
                     {"cost", line.cost}, {"why", line.why}, {"given", line.given}});
+  return list.dump();
+}
+
+std::string decision_json(const Decision& d, const std::vector<PlanLine>& lines) {
   Json out = {{"tolerance", d.tolerance},
               {"samples", {d.sampling.samples_u, d.sampling.samples_v}},
               {"sampler", static_cast<int>(d.sampling.sampler)},
@@ -140,7 +146,7 @@ std::string decision_json(const Decision& d, const std::vector<PlanLine>& lines)
                 {"nominal_s_per_megapixel", d.s_per_megapixel}}},
               {"dear", d.dear},
               {"notes", d.notes},
-              {"lines", list}};
+              {"lines", Json::parse(lines_json(lines))}};
   if (d.estimated) out["trial"] = {{"pixels", d.trial_pixels}, {"looked_at", d.looked_at}, {"rays", d.trial_rays}, {"measured", d.measured}};
   return out.dump();
 }

@@ -14,6 +14,9 @@ std::vector<PlanLine> plan_lines(const Decision& decision, const plan::Plan& pla
 /// The decision and its lines as a JSON object.
 std::string decision_json(const Decision& decision, const std::vector<PlanLine>& lines);
 
+/// The lines as a JSON array (its text).
+std::string lines_json(const std::vector<PlanLine>& lines);
+
 /// A table of fixed width, a line a block.
 std::string lines_text(const std::vector<PlanLine>& lines);
 

@@ -35,10 +35,6 @@ int before(const std::vector<int>& levels, int level) {
   return at == levels.begin() ? 0 : *std::prev(at);
 }
 
-double seconds(const plan::Plan& plan, int side, int directions) {
-  return CostModel().seconds(pixel_counts(plan, static_cast<double>(side) * side, directions));
-}
-
 }  // namespace
 
 const std::vector<int>& side_levels() {
@@ -56,14 +52,19 @@ const std::vector<int>& direction_levels() {
   return all;
 }
 
-Choice choose(const std::function<double(int)>& side, const ErrorLaw& direction, double budget, const plan::Plan& plan, const std::vector<int>& sides,
+Choice choose(const std::function<double(int)>& side, const ErrorLaw& direction, double budget, const PixelCost& cost_s, const std::vector<int>& sides,
               const std::vector<int>& directions) {
   Choice best;
   double best_cost = std::numeric_limits<double>::infinity(), best_error = best_cost;
+  bool any_affordable = false;
   for (const int n : sides)
     for (const int k : directions) {
-      const double error = squared(side(n)) + squared(direction.bound(k)), cost = seconds(plan, n, k);
-      if (sides.size() * directions.size() > 1 && 1e6 * cost > kMost_s_per_megapixel) continue;
+      const double error = squared(side(n)) + squared(direction.bound(k)), cost = cost_s(n, k);
+      if (1e6 * cost > kMost_s_per_megapixel) {
+        if (!any_affordable && cost < best_cost) best = {n, k, error <= squared(budget)}, best_cost = cost;
+        continue;
+      }
+      if (!any_affordable) any_affordable = true, best = {}, best_cost = best_error = std::numeric_limits<double>::infinity();
       const bool within = error <= squared(budget);
       const bool better = within != best.within ? within : within ? cost < best_cost : error < best_error || (error == best_error && cost < best_cost);
       if (!better) continue;
@@ -109,23 +110,27 @@ Decision decide(render::Renderer& renderer, const scene::Simulation& simulation,
 
   const double left = squared(kUse * simulation.tolerance) - squared(out.plan_error);
   const double budget = std::sqrt(std::max(0.0, left));
+  const double given_samples = static_cast<double>(instrument.samples_u) * instrument.samples_v;
+  const PixelCost cost_s = [&](int n, int k) {
+    return CostModel().seconds(pixel_counts(plan, out.samples_given ? given_samples : static_cast<double>(n) * n, k));
+  };
   std::set<int> fine_sky;  // directions tried with the very samples chosen, where those are few
   /// The cheapest levels with one sampler; `side` holds what was measured of it.
   const auto settle = [&](scene::SamplerKind sampler, ErrorLaw& side) {
     const char* const name = sampler == scene::SamplerKind::lattice ? "lattice, side" : "grid, side";
     const std::vector<int> sides = out.samples_given ? std::vector<int>{1} : side_levels();
     if (out.samples_given)
-      add(side, 1, trial.sampling_error(sampler, instrument.samples_u, instrument.samples_v), "samples given, as");  // 1 stands for them; the cost of directions scales alike for all
+      add(side, 1, trial.sampling_error(sampler, instrument.samples_u, instrument.samples_v), "samples given, as");  // 1 stands for them
     else
       add(side, kFirstSide, trial.sampling_error(sampler, kFirstSide, kFirstSide), name);
     const auto known = [&](int n) { return side.bound(n); };
     const auto hoped = [&](int n) { return n <= kLargestTriedSide ? side.hope(n) : side.bound(n); };
     Choice choice;
     for (int round = 0; round < kMostRounds; ++round) {
-      choice = choose(hoped, direction, budget, plan, sides, directions);
+      choice = choose(hoped, direction, budget, cost_s, sides, directions);
       // A level that only might do is worth a try where it saves much.
-      const Choice safe = choose(known, direction, budget, plan, sides, directions);
-      if (safe.within && seconds(plan, choice.side, choice.directions) > kWorthATry * seconds(plan, safe.side, safe.directions)) choice = safe;
+      const Choice safe = choose(known, direction, budget, cost_s, sides, directions);
+      if (safe.within && cost_s(choice.side, choice.directions) > kWorthATry * cost_s(safe.side, safe.directions)) choice = safe;
       bool changed = false;
       if (!out.samples_given && !side.has(choice.side) && choice.side <= kLargestTriedSide) {
         add(side, choice.side, trial.sampling_error(sampler, choice.side, choice.side), name);
@@ -142,7 +147,7 @@ Decision decide(render::Renderer& renderer, const scene::Simulation& simulation,
       if (!changed) break;
     }
     // Rounds spent: what was measured counts, the rest is the law's.
-    return choose(known, direction, budget, plan, sides, directions);
+    return choose(known, direction, budget, cost_s, sides, directions);
   };
 
   scene::SamplerKind sampler = out.samples_given ? instrument.sampler : scene::SamplerKind::grid;
@@ -152,7 +157,7 @@ Decision decide(render::Renderer& renderer, const scene::Simulation& simulation,
   if (!out.samples_given && choice.side > kFirstSide && (!choice.within || falls_slowly(side, kFirstSide, choice.side))) {
     ErrorLaw other(kSideLaw);
     const Choice lattice = settle(scene::SamplerKind::lattice, other);
-    const double ours = seconds(plan, lattice.side, lattice.directions), theirs = seconds(plan, choice.side, choice.directions);
+    const double ours = cost_s(lattice.side, lattice.directions), theirs = cost_s(choice.side, choice.directions);
     if (lattice.within != choice.within ? lattice.within : ours < theirs) choice = lattice, side = other, sampler = scene::SamplerKind::lattice;
   }
 

@@ -66,8 +66,12 @@ struct Choice {
 const std::vector<int>& side_levels();
 const std::vector<int>& direction_levels();
 
-/// The cheapest pair with side law^2 + direction law^2 <= budget^2; where none of at most kMost_s_per_megapixel has that, the pair of those with the least error. Fixed levels: one-element lists. `side`: error of a side.
-Choice choose(const std::function<double(int)>& side, const ErrorLaw& direction, double budget, const plan::Plan& plan, const std::vector<int>& sides,
+/// Nominal seconds a pixel with one side and one number of directions.
+using PixelCost = std::function<double(int side, int directions)>;
+
+/// The cheapest pair with side law^2 + direction law^2 <= budget^2; where none of at most kMost_s_per_megapixel has that, the pair of
+/// those with the least error, and where none is that cheap, the cheapest. Fixed levels: one-element lists. `side`: error of a side.
+Choice choose(const std::function<double(int)>& side, const ErrorLaw& direction, double budget, const PixelCost& cost_s, const std::vector<int>& sides,
               const std::vector<int>& directions);
 
 /// Makes the decision for an instrument. `plan`: of make_plan, any directions. With samples and directions both given nothing is

@@ -61,6 +61,23 @@ with tempfile.TemporaryDirectory() as temporary:
     other.write_text(other.read_text().replace("gsd_m = 1.0", "gsd_m = 0.93"))
     other.write_text(other.read_text().replace("0.80", "0.79").replace("format = 1\n", "format = 1\ntolerance = 0.03\n", 1))
     refused("render", other, "-o", folder / "x", "--plan", folder / "plan.json", status=2, says=["another scene", "raycube plan SIM -o"])
+    # Samples or directions that the simulation gives and the plan has not: neither is overridden in silence.
+    finer = folder / "finer.toml"
+    finer.write_text(open_file.read_text().replace("[[instrument]]\n", "[[instrument]]\nsamples = { grid = [31, 31] }\n", 1))
+    refused("render", finer, "-o", folder / "x", "--plan", folder / "plan.json", status=2, says=["samples = grid 31 x 31", "remove samples"])
+    lit = scene(folder, "lit.toml", air='{ model = "clear_sky" }')
+    run("plan", lit, "-o", folder / "lit.json", "-q")
+    lit.write_text(lit.read_text().replace("format = 1\n", "format = 1\nsky_directions = 3999\n", 1))
+    refused("render", lit, "-o", folder / "x", "--plan", folder / "lit.json", status=2, says=["sky_directions = 3999", "remove sky_directions"])
+    check(not (folder / "x").exists(), "a refused render left a folder behind")
+
+    # What a simulation may not ask for a plan may not either.
+    for samples, sampler in (([65536, 1], 0), ([257, 257], 1), ([65536, 2], 2), ([0, 1], 0)):
+        wide = json.loads(json.dumps(plan))
+        wide["instruments"][0].update(samples=samples, sampler=sampler)
+        (folder / "wide.json").write_text(json.dumps(wide))
+        refused("render", open_file, "-o", folder / "x", "--plan", folder / "wide.json", status=2, says=["out of range", "raycube plan SIM -o"])
+
     (folder / "broken.json").write_text('{"raycube_plan": 1}')
     refused("render", open_file, "-o", folder / "x", "--plan", folder / "broken.json", status=2, says=["not a plan of raycube"])
     plan["instruments"][0]["name"] = "eye"

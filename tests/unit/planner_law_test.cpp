@@ -42,25 +42,34 @@ TEST_CASE("S60: the choice is the cheapest pair inside the budget, by an exhaust
   side.measured(4, 0.02, 0.02);
   direction.measured(16, 0.01, 0.01);
   const auto known = [&](int n) { return side.bound(n); };
+  const PixelCost cost_s = [&](int n, int k) { return CostModel().seconds(pixel_counts(plan, double(n) * n, k)); };
   for (const double budget : {0.1, 0.02, 0.005}) {
-    const Choice choice = choose(known, direction, budget, plan, side_levels(), direction_levels());
+    const Choice choice = choose(known, direction, budget, cost_s, side_levels(), direction_levels());
     REQUIRE(choice.within);
     const auto error = [&](int n, int k) { return std::hypot(side.bound(n), direction.bound(k)); };
-    const auto cost = [&](int n, int k) { return CostModel().seconds(pixel_counts(plan, double(n) * n, k)); };
     CHECK(error(choice.side, choice.directions) <= budget);
     for (const int n : side_levels())
       for (const int k : direction_levels())
-        if (error(n, k) <= budget) CHECK(cost(n, k) >= cost(choice.side, choice.directions));
+        if (error(n, k) <= budget) CHECK(cost_s(n, k) >= cost_s(choice.side, choice.directions));
   }
   // Out of reach: not kept, by the best of the settings that anybody would wait for.
-  const Choice best = choose(known, direction, 1e-9, plan, side_levels(), direction_levels());
+  const Choice best = choose(known, direction, 1e-9, cost_s, side_levels(), direction_levels());
   CHECK_FALSE(best.within);
   const auto error = [&](int n, int k) { return std::hypot(side.bound(n), direction.bound(k)); };
-  const auto affordable = [&](int n, int k) { return 1e6 * CostModel().seconds(pixel_counts(plan, double(n) * n, k)) <= kMost_s_per_megapixel; };
+  const auto affordable = [&](int n, int k) { return 1e6 * cost_s(n, k) <= kMost_s_per_megapixel; };
   CHECK(affordable(best.side, best.directions));
   for (const int n : side_levels())
     for (const int k : direction_levels())
       if (affordable(n, k)) CHECK(error(n, k) >= error(best.side, best.directions));
+  // Samples given, so many that few directions are affordable: the list's single side stands for them, at their cost.
+  const PixelCost of_given = [&](int, int k) { return CostModel().seconds(pixel_counts(plan, 96. * 96, k)); };
+  const Choice beside_given = choose(known, direction, 1e-9, of_given, {1}, direction_levels());
+  CHECK_FALSE(beside_given.within);
+  CHECK(1e6 * of_given(1, beside_given.directions) <= kMost_s_per_megapixel);
+  CHECK(1e6 * of_given(1, 2 * beside_given.directions) > kMost_s_per_megapixel);
+  // So many that none is: the fewest.
+  const PixelCost of_many = [&](int, int k) { return CostModel().seconds(pixel_counts(plan, 256. * 256, k)); };
+  CHECK(choose(known, direction, 1e-9, of_many, {1}, direction_levels()).directions == 1);
 }
 
 TEST_CASE("S60: errors against two noisy references are without their noise") {
