@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cmath>
 #include <fstream>
+#include <limits>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -97,12 +98,8 @@ class Parser {
     numbers("fwhm", h.fwhm);
     numbers("data gain values", h.data_gain);
     numbers("data offset values", h.data_offset);
-    std::vector<double> reals;
-    numbers("bbl", reals);
-    for (const double v : reals) h.bad_bands.push_back(static_cast<int>(v));
-    reals.clear();
-    numbers("default bands", reals);
-    for (const double v : reals) h.default_bands.push_back(static_cast<int>(v));
+    whole_numbers("bbl", 1, h.bad_bands);
+    whole_numbers("default bands", std::numeric_limits<int>::max(), h.default_bands);
     check_dimensions(h);
     problems_.throw_if_any();
     check_lengths(h);
@@ -218,6 +215,21 @@ class Parser {
         return;
       }
       values.push_back(value);
+    }
+  }
+
+  /// Whole numbers from 0 to `most`, however they are written: "3", "3.0".
+  void whole_numbers(const std::string& key, int most, std::vector<int>& values) {
+    const auto entry = entries_.find(key);
+    const int line = entry == entries_.end() ? 0 : entry->second.line;
+    std::vector<double> reals;
+    numbers(key, reals);
+    for (const double value : reals) {
+      if (!(value >= 0 && value <= most) || value != std::floor(value)) {
+        problems_.add({file_, line, 0, ""}, fmt::format("\"{}\" must be whole numbers from 0 to {}", key, most), fmt::format("{:g}", value), "correct the header");
+        return;
+      }
+      values.push_back(static_cast<int>(value));
     }
   }
 

@@ -82,6 +82,8 @@ TEST_CASE("bad headers: all problems at once, each with its line, value and rule
   CHECK(contains(refusal("ENVI\nsamples = 10000000000\nlines = 1\nbands = 1\ndata type = 4\ninterleave = bip\n"), "from 1 to 2147483648"));
   CHECK(contains(refusal("ENVI\nsamples = 2000000000\nlines = 2000000000\nbands = 2000000000\ndata type = 9\ninterleave = bip\n"),
                  "2^62 bytes"));
+  CHECK(contains(refusal(kMinimal + "bbl = {1, 3e27, 1}\n"), "x.hdr:7: \"bbl\" must be whole numbers from 0 to 1"));
+  CHECK(contains(refusal(kMinimal + "default bands = {1.5}\n"), "\"default bands\" must be whole numbers"));
 }
 
 TEST_CASE("lists of another length are left out with a warning, as real files have them") {
