@@ -139,6 +139,7 @@ struct Simulation {
   double tolerance = 0.01;
   std::uint64_t seed = 1;
   int sky_directions = 16;        ///< per pixel
+  int sky_share = 1;              ///< each sample looks into one in so many of them; 0: as plan::sky_share has it
   bool sky_directions_given = false;  ///< by the file; otherwise the planner chooses them (host/planner)
   PlanOverrides plan;
   AtmosphereSpec atmosphere;

@@ -1,4 +1,6 @@
 // raycube: parses the command line, runs one verb, and turns every failure into one message and an exit status.
+#include <malloc.h>
+
 #include <exception>
 #include <iostream>
 #include <new>
@@ -11,6 +13,8 @@ namespace {
 
 using raycube::base::Error;
 using raycube::base::Fault;
+
+constexpr int kMmapThreshold_bytes = 1 << 20;
 
 /// One message, prefixed line by line: to the log when there is one, else to stderr.
 int report(raycube::base::Log* log, int status, const std::string& message) {
@@ -47,6 +51,8 @@ int run(int argc, char** argv, std::unique_ptr<raycube::base::Log>& log) {
 
 int main(int argc, char** argv) {
   std::unique_ptr<raycube::base::Log> log;
+  // A fixed threshold: what is large goes back to the system when it is freed, so that peak memory does not depend on when.
+  mallopt(M_MMAP_THRESHOLD, kMmapThreshold_bytes);
   try {
     return run(argc, argv, log);
   } catch (const Error& error) {

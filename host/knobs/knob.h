@@ -48,7 +48,7 @@ class Settings {
 
  private:
   Subject subject_;
-  int sky_directions_;
+  int sky_directions_, sky_share_;
   scene::PlanOverrides plan_;
   scene::Adjacency adjacency_;
   scene::Instrument instrument_;

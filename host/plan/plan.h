@@ -34,6 +34,7 @@ struct BandQuadrature {
 /// surroundings is minus the solid angle: what the sky loses, they gain.
 struct SkySets {
   int sets = 0, directions = 0;
+  int share = 1;                             ///< each sample looks into one in `share` of the directions (rc_sky_part); divides them
   int quads = 1;                             ///< float4s of weights per direction: 2 where there are more than 4 components
   std::vector<shared::rc_float4> direction;  ///< [set][k], towards the sky; w = 0
   std::vector<shared::rc_float4> weight;     ///< [set][k][quad], components 4 quad .. 4 quad + 3 (sr)

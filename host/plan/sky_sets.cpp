@@ -4,6 +4,9 @@
 #include <cmath>
 #include <numbers>
 
+#include <fmt/format.h>
+
+#include "host/base/error.h"
 #include "kernels/sampling/sampler.h"
 
 namespace raycube::plan {
@@ -119,6 +122,16 @@ SkySets make_sky_sets(const SkyBasis& basis, double sun_azimuth_rad, int directi
     }
   }
   return out;
+}
+
+int sky_share(int given, int samples, int directions) {
+  if (given > 0) {
+    if (directions % given != 0) throw base::Error(base::Fault::bug, fmt::format("a sky share of {} does not divide {} directions", given, directions));
+    return given;
+  }
+  int share = 1;
+  while (share < kMostShare && directions % (2 * share) == 0 && samples >= 2 * share * kFewestPoints) share *= 2;
+  return share;
 }
 
 }  // namespace raycube::plan

@@ -18,4 +18,10 @@ inline constexpr int kFewestSets = 64, kMostSets = 4096;
 SkySets make_sky_sets(const SkyBasis& basis, double sun_azimuth_rad, int directions, std::uint64_t seed, int components = 4,
                       const Thermal* thermal = nullptr, int most_sets = kMostSets);
 
+/// How a pixel's samples share out its directions unless the simulation says: the largest power of two, up to kMostShare, that divides
+/// the directions and leaves each of them kFewestPoints samples, below which a bundle costs as much as a few rays.
+/// `given`: Simulation::sky_share; 0 is the rule, others are as they are and must divide the directions.
+int sky_share(int given, int samples, int directions);
+inline constexpr int kMostShare = 16, kFewestPoints = 8;
+
 }  // namespace raycube::plan

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/base/error.h"
+#include "host/plan/sky_sets.h"
 
 namespace raycube::planner {
 
@@ -58,7 +59,7 @@ std::string write_plan_file(const PlanFile& file) {
       item["subrays"] = entry.subrays;
     else
       item["sampler"] = static_cast<int>(entry.sampling.sampler), item["samples"] = {entry.sampling.samples_u, entry.sampling.samples_v},
-      item["sky_directions"] = entry.sampling.directions, item["plan"] = Json::parse(entry.axes);
+      item["sky_directions"] = entry.sampling.directions, item["sky_share"] = entry.sampling.share, item["plan"] = Json::parse(entry.axes);
     list.push_back(std::move(item));
   }
   return Json{{"raycube_plan", kVersion}, {"simulation", file.simulation_file}, {"scene_hash", file.scene_hash}, {"tolerance", file.tolerance}, {"seed", file.seed}, {"instruments", list}}
@@ -89,7 +90,7 @@ PlanFile read_plan_file(const std::string& path) {
         if (entry.subrays < 1 || entry.subrays > 65536) refuse(path, fmt::format("'{}': subrays {} are not in 1 to 65536", entry.name, entry.subrays));
       } else {
         const int sampler = item.at("sampler").get<int>();
-        entry.sampling = {static_cast<scene::SamplerKind>(sampler), item.at("samples").at(0).get<int>(), item.at("samples").at(1).get<int>(), item.at("sky_directions").get<int>()};
+        entry.sampling = {static_cast<scene::SamplerKind>(sampler), item.at("samples").at(0).get<int>(), item.at("samples").at(1).get<int>(), item.at("sky_directions").get<int>(), item.at("sky_share").get<int>()};
         entry.axes = item.at("plan").dump();
         const auto& s = entry.sampling;
         const bool lattice = s.sampler == scene::SamplerKind::lattice;
@@ -97,6 +98,8 @@ PlanFile read_plan_file(const std::string& path) {
         if (sampler < 0 || sampler > 2 || s.samples_u < 1 || s.samples_u > most_u || s.samples_v < 1 || s.samples_v > most_v ||
             std::int64_t{s.samples_u} * s.samples_v > kMostSamples || s.directions < 1 || s.directions > plan::kMostDirections)
           refuse(path, fmt::format("'{}': samples {} x {} or {} sky directions are out of range", entry.name, s.samples_u, s.samples_v, s.directions));
+        if (s.share < 1 || s.share > s.directions || s.directions % s.share != 0)
+          refuse(path, fmt::format("'{}': a sky share of {} does not divide {} sky directions", entry.name, s.share, s.directions));
       }
       file.entries.push_back(std::move(entry));
     }
@@ -129,11 +132,14 @@ Decision replayed(const PlanFile::Entry& entry, const scene::Simulation& simulat
     conflict(path, entry.name, "samples", sampler_text(instrument.sampler, instrument.samples_u, instrument.samples_v), sampler_text(s.sampler, s.samples_u, s.samples_v));
   if (simulation.sky_directions_given && plan.components() > 0 && simulation.sky_directions != s.directions)
     conflict(path, entry.name, "sky_directions", std::to_string(simulation.sky_directions), std::to_string(s.directions) + " sky directions");
+  // set_directions finds the rule's share again; one that is neither the rule's nor the simulation's cannot be replayed.
+  const int share = plan.components() > 0 ? plan::sky_share(simulation.sky_share, s.samples_u * s.samples_v, s.directions) : s.share;
+  if (share != s.share) conflict(path, entry.name, "sky_share", std::to_string(share), "a share of " + std::to_string(s.share));
   const Json saved = Json::parse(entry.decision);
   Decision out = as_given(simulation, instrument, plan);
   out.sampling = entry.sampling;
   out.sampling.first_samples = instrument.first_samples;
-  out.counts = pixel_counts(plan, static_cast<double>(entry.sampling.samples_u) * entry.sampling.samples_v, entry.sampling.directions);
+  out.counts = pixel_counts(plan, static_cast<double>(entry.sampling.samples_u) * entry.sampling.samples_v, entry.sampling.directions, entry.sampling.share);
   out.s_per_megapixel = 1e6 * CostModel().seconds(out.counts);
   const auto number = [](const Json& value) { return value.is_number() ? value.get<double>() : -1.0; };
   try {

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "host/plan/sky_sets.h"
 #include "host/planner/plan_lines.h"
 
 namespace raycube::planner {
@@ -76,11 +77,11 @@ Choice choose(const std::function<double(int)>& side, const ErrorLaw& direction,
 
 Decision as_given(const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan) {
   Decision out;
-  out.sampling = {instrument.sampler, instrument.samples_u, instrument.samples_v, simulation.sky_directions, instrument.first_samples};
-  out.samples_given = instrument.samples_given, out.directions_given = simulation.sky_directions_given;
+  out.sampling = {instrument.sampler, instrument.samples_u, instrument.samples_v, simulation.sky_directions, plan.sky.share, instrument.first_samples};
+  out.samples_given = instrument.samples_given, out.directions_given = simulation.sky_directions_given, out.share_given = simulation.sky_share > 0;
   out.tolerance = simulation.tolerance;
   out.plan_error = nlohmann::json::parse(plan.report_json)["error"]["total"].get<double>();
-  out.counts = pixel_counts(plan, static_cast<double>(instrument.samples_u) * instrument.samples_v, simulation.sky_directions);
+  out.counts = pixel_counts(plan, static_cast<double>(instrument.samples_u) * instrument.samples_v, simulation.sky_directions, plan.sky.share);
   out.s_per_megapixel = 1e6 * CostModel().seconds(out.counts);
   return out;
 }
@@ -99,20 +100,23 @@ Decision decide(render::Renderer& renderer, const scene::Simulation& simulation,
   };
   std::vector<int> directions = direction_levels();
   if (out.directions_given) directions = {simulation.sky_directions};
+  else if (simulation.sky_share > 1) std::erase_if(directions, [&](int k) { return k % simulation.sky_share != 0; });
   if (!sky) {
     directions = {1};
     add(direction, 1, {}, "directions");
   } else if (out.directions_given) {
     add(direction, simulation.sky_directions, trial.sky_error(simulation.sky_directions, kFirstSide, kFirstSide), "directions");
   } else {
-    for (const int level : kSkyLevels) add(direction, level, trial.sky_error(level, kFirstSide, kFirstSide), "directions");
+    for (const int level : kSkyLevels)
+      if (simulation.sky_share <= 1 || level % simulation.sky_share == 0) add(direction, level, trial.sky_error(level, kFirstSide, kFirstSide), "directions");
   }
 
   const double left = squared(kUse * simulation.tolerance) - squared(out.plan_error);
   const double budget = std::sqrt(std::max(0.0, left));
   const double given_samples = static_cast<double>(instrument.samples_u) * instrument.samples_v;
   const PixelCost cost_s = [&](int n, int k) {
-    return CostModel().seconds(pixel_counts(plan, out.samples_given ? given_samples : static_cast<double>(n) * n, k));
+    const double samples = out.samples_given ? given_samples : static_cast<double>(n) * n;
+    return CostModel().seconds(pixel_counts(plan, samples, k, plan::sky_share(simulation.sky_share, static_cast<int>(samples), k)));
   };
   std::set<int> fine_sky;  // directions tried with the very samples chosen, where those are few
   /// The cheapest levels with one sampler; `side` holds what was measured of it.
@@ -164,13 +168,14 @@ Decision decide(render::Renderer& renderer, const scene::Simulation& simulation,
   out.estimated = true;
   if (!out.samples_given) out.sampling.sampler = sampler, out.sampling.samples_u = out.sampling.samples_v = choice.side;
   if (!out.directions_given) out.sampling.directions = choice.directions;
+  if (sky) out.sampling.share = plan::sky_share(simulation.sky_share, out.sampling.samples_u * out.sampling.samples_v, out.sampling.directions);
   out.samples_error = side.bound(choice.side);
   out.sky_error = sky ? direction.bound(choice.directions) : 0;
   if (const int less = before(side_levels(), choice.side); less > 0 && !out.samples_given) out.samples_less_error = side.estimate(less);
   if (const int less = before(direction_levels(), choice.directions); less > 0 && sky && !out.directions_given) out.sky_less_error = direction.estimate(less);
   out.total_error = std::sqrt(squared(out.plan_error) + squared(out.samples_error) + squared(out.sky_error));
   out.within = out.total_error <= simulation.tolerance;
-  out.counts = pixel_counts(plan, static_cast<double>(out.sampling.samples_u) * out.sampling.samples_v, out.sampling.directions);
+  out.counts = pixel_counts(plan, static_cast<double>(out.sampling.samples_u) * out.sampling.samples_v, out.sampling.directions, out.sampling.share);
   out.s_per_megapixel = 1e6 * CostModel().seconds(out.counts);
   out.dear = out.s_per_megapixel > kDear_s_per_megapixel;
   out.trial_pixels = trial.pixels(), out.looked_at = trial.looked_at(), out.trial_rays = trial.rays();
@@ -192,7 +197,8 @@ Decision decide(render::Renderer& renderer, const scene::Simulation& simulation,
 void apply(const Decision& decision, const scene::Simulation& simulation, scene::Instrument& instrument, plan::Plan& plan) {
   instrument.sampler = decision.sampling.sampler;
   instrument.samples_u = decision.sampling.samples_u, instrument.samples_v = decision.sampling.samples_v;
-  if (plan.components() > 0 && plan.sky.directions != decision.sampling.directions) set_directions(plan, simulation, decision.sampling.directions);
+  if (plan.components() > 0 && (plan.sky.directions != decision.sampling.directions || plan.sky.share != decision.sampling.share))
+    set_directions(plan, simulation, decision.sampling.samples_u * decision.sampling.samples_v, decision.sampling.directions);
   auto report = nlohmann::json::parse(plan.report_json);
   report["planner"] = nlohmann::json::parse(decision_json(decision, plan_lines(decision, plan)));
   plan.report_json = report.dump(2);

@@ -34,12 +34,13 @@ struct PlanLine {
 struct Sampling {
   scene::SamplerKind sampler = scene::SamplerKind::grid;
   int samples_u = 1, samples_v = 1, directions = 1;
+  int share = 1;                  ///< of the directions (plan::sky_share)
   int first_samples = 0;          ///< of adaptive samples, as the file has them; errors are judged without
 };
 
 struct Decision {
   Sampling sampling;
-  bool samples_given = false, directions_given = false;
+  bool samples_given = false, directions_given = false, share_given = false;
   bool estimated = false;         ///< a trial was made; false: everything was given and none was asked for
   double plan_error = 0;          ///< of nodes and components, as make_plan has it
   double samples_error = -1, samples_less_error = -1;  ///< bounds: of the level chosen and of the one before

@@ -25,25 +25,33 @@ constexpr std::uint64_t kOther = 0x5bd1e995u;
 
 }  // namespace
 
-void set_directions(plan::Plan& plan, const scene::Simulation& simulation, int directions, int most_sets) {
+plan::SkySets sky_for(const plan::Plan& plan, const scene::Simulation& simulation, int samples, int directions, int most_sets) {
+  plan::SkySets sky = plan::make_sky_sets(plan.sky_basis, simulation.sun.azimuth_deg * std::numbers::pi / 180, directions, simulation.seed, plan.sky_components,
+                                          plan.thermal.on ? &plan.thermal : nullptr, most_sets);
+  sky.share = plan::sky_share(simulation.sky_share, samples, directions);
+  return sky;
+}
+
+void set_directions(plan::Plan& plan, const scene::Simulation& simulation, int samples, int directions) {
   if (plan.components() == 0) return;
-  plan.sky = plan::make_sky_sets(plan.sky_basis, simulation.sun.azimuth_deg * std::numbers::pi / 180, directions, simulation.seed, plan.sky_components,
-                                 plan.thermal.on ? &plan.thermal : nullptr, most_sets);
+  plan.sky = sky_for(plan, simulation, samples, directions);
   auto report = nlohmann::json::parse(plan.report_json);
   report["sky"]["sets"] = plan.sky.sets;
   report["sky"]["directions"] = plan.sky.directions;
+  report["sky"]["share"] = plan.sky.share;
   plan.report_json = report.dump(2);
 }
 
 Trial::Trial(render::Renderer& renderer, const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan)
-    : renderer_(renderer), simulation_(simulation), instrument_(instrument), plan_(plan), one_sky_(plan) {
+    : renderer_(renderer), simulation_(simulation), instrument_(instrument), plan_(plan) {
   instrument_.first_samples = 0;  // errors of all samples
   if (plan.components() > 0) {
-    set_directions(one_sky_, simulation, kSharedDirections, plan::kFewestSets);
+    one_sky_ = sky_for(plan, simulation, 1, kSharedDirections, plan::kFewestSets);
     const auto entries = static_cast<std::size_t>(kSharedDirections);
-    one_sky_.sky.sets = 1;
-    one_sky_.sky.direction.resize(entries);
-    one_sky_.sky.weight.resize(entries * static_cast<std::size_t>(one_sky_.sky.quads));
+    one_sky_.sets = 1;
+    one_sky_.share = 1;  // else the sky would add to the samples' error
+    one_sky_.direction.resize(entries);
+    one_sky_.weight.resize(entries * static_cast<std::size_t>(one_sky_.quads));
   }
   look();
 }
@@ -65,12 +73,11 @@ void Trial::look() {
   std::vector<double> error = run_differences(one, two, mean_);
   const double sampling = std::accumulate(error.begin(), error.end(), 0.0);
   if (plan_.components() > 0) {
-    plan::Plan plan = plan_;
-    set_directions(plan, simulation_, kSharedDirections, kTrialSets);
-    const auto sky = run_differences(one, render(few, plan, simulation_.seed + 3 * kOther), mean_);
+    const plan::SkySets sky = sky_for(plan_, simulation_, kLookSide * kLookSide, kSharedDirections, kTrialSets);
+    const auto changed = run_differences(one, render(few, sky, simulation_.seed + 3 * kOther), mean_);
     // Either kind of error draws half.
-    const double all = std::accumulate(sky.begin(), sky.end(), 0.0), scale = all > 0 && sampling > 0 ? sampling / all : 1;
-    for (std::size_t r = 0; r < error.size(); ++r) error[r] += scale * sky[r];
+    const double all = std::accumulate(changed.begin(), changed.end(), 0.0), scale = all > 0 && sampling > 0 ? sampling / all : 1;
+    for (std::size_t r = 0; r < error.size(); ++r) error[r] += scale * changed[r];
   }
   draws_ = draw_runs(error, simulation_.seed);
   drawn_from_ = static_cast<double>(tiles_.size());
@@ -82,15 +89,16 @@ void Trial::look() {
   tiles_ = std::move(drawn);
 }
 
-TrialImage Trial::render(const scene::Instrument& instrument, const plan::Plan& plan, std::uint64_t seed) {
+TrialImage Trial::render(const scene::Instrument& instrument, const plan::SkySets& sky, std::uint64_t seed) {
+  plan_.sky = sky;
   TrialImage image;
   image.bands = instrument.bands.size();
   image.draw = draws_, image.pixels_per_run = pixels_per_run_;
   image.drawn_from = drawn_from_, image.left_out = left_out_;
-  renderer_.probe(instrument, plan, simulation_.sun, seed, joined(tiles_, kWidestTile),
+  renderer_.probe(instrument, plan_, simulation_.sun, seed, joined(tiles_, kWidestTile),
                   [&](const render::PixelProbe& probe) { image.radiance.insert(image.radiance.end(), probe.radiance.begin(), probe.radiance.end()); });
   for (const auto& tile : tiles_) image.run_end.push_back((image.run_end.empty() ? 0 : image.run_end.back()) + tile.pixels());
-  const PixelCounts counts = pixel_counts(plan, static_cast<double>(instrument.samples_u) * instrument.samples_v, plan.sky.directions);
+  const PixelCounts counts = pixel_counts(plan_, static_cast<double>(instrument.samples_u) * instrument.samples_v, sky.directions, sky.share);
   rays_ += static_cast<std::uint64_t>((counts.samples + counts.sun_rays + counts.sky_rays) * static_cast<double>(pixels_));
   cost_s_ += CostModel().seconds(counts) * static_cast<double>(pixels_);
   return image;
@@ -112,9 +120,8 @@ TrialError Trial::sky_error(int directions, int samples_u, int samples_v) {
   if (plan_.components() == 0) return {};
   // Points that the seed moves would put the samples' noise into the difference.
   const scene::Instrument tried = sampled(scene::SamplerKind::grid, samples_u, samples_v);
-  plan::Plan plan = plan_;
-  set_directions(plan, simulation_, directions, kTrialSets);
-  const TrialImage one = render(tried, plan, simulation_.seed), two = render(tried, plan, simulation_.seed + kOther);
+  const plan::SkySets sky = sky_for(plan_, simulation_, samples_u * samples_v, directions, kTrialSets);
+  const TrialImage one = render(tried, sky, simulation_.seed), two = render(tried, sky, simulation_.seed + kOther);
   return error_between(one, two, mean_);
 }
 

@@ -32,7 +32,7 @@ class Trial {
   double cost_s() const { return cost_s_; }      ///< by the cost model
 
  private:
-  TrialImage render(const scene::Instrument& instrument, const plan::Plan& plan, std::uint64_t seed);
+  TrialImage render(const scene::Instrument& instrument, const plan::SkySets& sky, std::uint64_t seed);
   scene::Instrument sampled(scene::SamplerKind sampler, int samples_u, int samples_v) const;
   void look();
   void make_references();
@@ -40,8 +40,8 @@ class Trial {
   render::Renderer& renderer_;
   const scene::Simulation& simulation_;
   scene::Instrument instrument_;
-  const plan::Plan& plan_;
-  plan::Plan one_sky_;                 ///< the plan with a single set of few directions
+  plan::Plan plan_;                    ///< with the sky of the last render: its maps are large, so that no more copies are made
+  plan::SkySets one_sky_;              ///< a single set of few directions
   std::vector<render::Tile> tiles_;
   std::vector<Draw> draws_;            ///< of the tiles; empty: the first look
   double pixels_per_run_ = 0, drawn_from_ = 0, left_out_ = 0;
@@ -52,7 +52,10 @@ class Trial {
   double cost_s_ = 0;
 };
 
-/// The plan with sets of `directions` in place of its own.
-void set_directions(plan::Plan& plan, const scene::Simulation& simulation, int directions, int most_sets = plan::kMostSets);
+/// Sets of `directions` for the plan, shared out among `samples`.
+plan::SkySets sky_for(const plan::Plan& plan, const scene::Simulation& simulation, int samples, int directions, int most_sets = plan::kMostSets);
+
+/// The plan with sets of `directions` in place of its own, shared out among `samples`.
+void set_directions(plan::Plan& plan, const scene::Simulation& simulation, int samples, int directions);
 
 }  // namespace raycube::planner

@@ -95,13 +95,20 @@ glm::dvec3 xyz(const shared::rc_float4& v) { return {v.x, v.y, v.z}; }
 
 }  // namespace
 
+bool looks_into(const plan::SkySets& sky, std::uint64_t seed, std::uint32_t pixel, std::size_t number_of_sample, std::size_t k) {
+  const auto share = static_cast<rc_u32>(sky.share);
+  const rc_u32 part = rc_sky_part(static_cast<rc_u32>(seed), pixel, static_cast<rc_u32>(number_of_sample), share);
+  return rc_sky_direction(part, static_cast<rc_u32>(k) / share, share) == k;
+}
+
 BlockedDirections blocked_directions(const ReferenceScene& scene, const plan::Plan& plan, std::uint64_t seed,
-                                     std::uint32_t pixel, const Sample& sample) {
+                                     std::uint32_t pixel, const Sample& sample, std::size_t number_of_sample) {
   const int count = plan.components() > 0 && plan.sky.sets > 0 ? plan.sky.directions : 0;
   BlockedDirections blocked(static_cast<std::size_t>(count), false);
   if (sample.hit.miss()) return blocked;
   const std::size_t first = first_direction(plan, seed, pixel);
   for (std::size_t k = 0; k < blocked.size(); ++k) {
+    if (!looks_into(plan.sky, seed, pixel, number_of_sample, k)) continue;
     const glm::dvec3 direction = xyz(plan.sky.direction[first + k]);
     blocked[k] = glm::dot(sample.normal, direction) > 0 && !scene.sees(sample, direction);
   }
@@ -184,7 +191,7 @@ BandRadiance ArithmeticModel::radiance(const SampledPixel& pixel, const std::vec
         if (!blocked[s][k]) continue;
         const std::array<double, 8> parts = plan_.sky.weights(first + k);
         const double cosine = std::max(0.0, glm::dot(sample.normal, xyz(plan_.sky.direction[first + k])));
-        for (std::size_t m = 0; m < all; ++m) irradiance[m] -= parts[m] * cosine;
+        for (std::size_t m = 0; m < all; ++m) irradiance[m] -= plan_.sky.share * parts[m] * cosine;
       }
       for (std::size_t m = 0; m < all; ++m)
         add_source(pixel, sample, plan_.first_component() + static_cast<int>(m), irradiance[m],

@@ -95,20 +95,21 @@ std::vector<std::size_t> subset_that_sums_to(const std::vector<std::size_t>& tie
 /// are sought whose turning accounts for it in every component. Only ties of the double traversal may turn; then `blocked`
 /// follows the device. Any subset is tried of up to kMostTies ties, else up to three, or all seen (or blocked) ones at once: a
 /// leaf that passes through the point within rounding puts it on one side or the other for every direction.
-void Comparison::compare_sky(const Sample& sample, std::uint32_t number, const float* device, BlockedDirections& blocked,
+void Comparison::compare_sky(const Sample& sample, std::size_t number_of_sample, std::uint32_t number, const float* device, BlockedDirections& blocked,
                              Result& result) const {
   const std::size_t first = first_direction(plan_, seed_, number), count = blocked.size();
   std::vector<Components> effect(count);
   Components residual{}, bound{};
   for (std::size_t m = 0; m < 4 * static_cast<std::size_t>(plan_.sky.quads); ++m) residual[m] = static_cast<double>(device[m]);
   for (std::size_t k = 0; k < count; ++k) {
+    if (!looks_into(plan_.sky, seed_, number, number_of_sample, k)) continue;
     const shared::rc_float4 d = plan_.sky.direction[first + k];
     const double cosine = std::max(0.0, glm::dot(sample.normal, glm::dvec3(d.x, d.y, d.z)));
     const Components weight = plan_.sky.weights(first + k);
     for (std::size_t m = 0; m < weight.size(); ++m) {
       if (static_cast<int>(m) >= plan_.components()) continue;
-      effect[k][m] = weight[m] * cosine * (blocked[k] ? -1 : 1);
-      bound[m] += options_.limits.sky * std::abs(weight[m]);
+      effect[k][m] = plan_.sky.share * weight[m] * cosine * (blocked[k] ? -1 : 1);
+      bound[m] += plan_.sky.share * options_.limits.sky * std::abs(weight[m]);
       if (blocked[k]) residual[m] += effect[k][m];
     }
   }
@@ -124,6 +125,7 @@ void Comparison::compare_sky(const Sample& sample, std::uint32_t number, const f
   };
   std::vector<std::size_t> ties;
   for (std::size_t k = 0; k < count; ++k) {
+    if (!looks_into(plan_.sky, seed_, number, number_of_sample, k)) continue;
     const shared::rc_float4 d = plan_.sky.direction[first + k];
     const glm::dvec3 direction(d.x, d.y, d.z);
     if (glm::dot(sample.normal, direction) > 0 && scene_.sees_in_double(sample, direction) == Visibility::uncertain) ties.push_back(k);
@@ -208,10 +210,10 @@ Comparison::Result Comparison::compare(const DevicePixel& device, bool with_mode
         }
       }
     }
-    blocked.push_back(blocked_directions(scene_, plan_, seed_, pixel.number, sample));
+    blocked.push_back(blocked_directions(scene_, plan_, seed_, pixel.number, sample, s));
     if (sample.hit.miss()) continue;
-    result.sky_rays += blocked.back().size();
-    if (!result.excluded) compare_sky(sample, pixel.number, &device.sky_blocked[planes * s], blocked.back(), result);
+    result.sky_rays += blocked.back().size() / static_cast<std::size_t>(plan_.sky.share);
+    if (!result.excluded) compare_sky(sample, s, pixel.number, &device.sky_blocked[planes * s], blocked.back(), result);
   }
   result.arithmetic = arithmetic_.radiance(pixel, blocked);
   for (std::size_t b = 0; b < plan_.bands.size(); ++b) {

@@ -106,7 +106,7 @@ class Comparison {
  private:
   struct Result;
   Result compare(const DevicePixel& pixel, bool with_model) const;
-  void compare_sky(const Sample& sample, std::uint32_t number, const float* device, BlockedDirections& blocked,
+  void compare_sky(const Sample& sample, std::size_t number_of_sample, std::uint32_t number, const float* device, BlockedDirections& blocked,
                    Result& result) const;
 
   const plan::Plan& plan_;

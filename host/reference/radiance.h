@@ -36,7 +36,7 @@ std::array<double, 4> unoccluded_irradiance(const plan::IrradianceMap& map, cons
 /// The plan's table of thermal sky and surroundings at a normal's vertical component, linear between its nodes.
 std::array<double, 4> thermal_unoccluded(const plan::Thermal& thermal, double normal_z);
 
-/// Directions of a pixel's set that a sample does not see; index k of the set.
+/// Directions of a pixel's set that a sample does not see; index k of the set. Those of other samples' parts (plan.sky.share) are false.
 using BlockedDirections = std::vector<bool>;
 
 /// First entry of the pixel's direction set in plan.sky.
@@ -44,7 +44,10 @@ std::size_t first_direction(const plan::Plan& plan, std::uint64_t seed, std::uin
 
 /// By Embree. A direction below the surface's horizon carries no light and counts as unblocked.
 BlockedDirections blocked_directions(const ReferenceScene& scene, const plan::Plan& plan, std::uint64_t seed,
-                                     std::uint32_t pixel, const Sample& sample);
+                                     std::uint32_t pixel, const Sample& sample, std::size_t number_of_sample);
+
+/// Whether direction k belongs to the part of the sample (rc_sky_part).
+bool looks_into(const plan::SkySets& sky, std::uint64_t seed, std::uint32_t pixel, std::size_t number_of_sample, std::size_t k);
 
 /// Arithmetic form: the plan's nodes, sky components and direction sets taken as spectra.
 class ArithmeticModel {

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "host/plan/sky_sets.h"
 #include "host/render/adaptive.h"
 #include "host/render/picked_tiles.h"
 #include "host/render/standard_error.h"
@@ -68,6 +69,7 @@ TilePasses::TilePasses(const RenderSetup& setup, int lines, int columns, std::si
   const std::size_t groups = static_cast<std::size_t>(lines + 2) * (groups_across(columns, setup.shape.pixels_per_group) + 2);
   RenderSetup coarse{setup.context, setup.scene, setup.buffers, *coarse_instrument_, setup.plan, setup.sun, setup.seed,
                      shape_of(*coarse_instrument_, setup.plan)};
+  coarse.shape.sky_share = std::min(setup.plan.sky.share, plan::sky_share(0, setup.instrument.first_samples, std::max(1, setup.plan.sky.directions)));
   coarse_.emplace(coarse, table_, most_groups_ * setup.shape.pixels_per_group, lines, row_capacity, setup.instrument.standard_error != scene::StandardError::off);
   coarse.shape.sky_shadows = false;
   look_.emplace(coarse, table_, groups * setup.shape.pixels_per_group, 1, row_capacity, true);

@@ -42,6 +42,7 @@ StageShape make_stage_shape(const scene::Instrument& instrument, const plan::Pla
   shape.pixels_per_group = pixels_per_group;
   shape.sun = plan.sun_sources;
   shape.components = plan.components();
+  shape.sky_share = plan.sky.share;
   shape.thermal_components = plan.thermal.components();
   shape.temperatures = plan.thermal.nodes();
   shape.heights = plan.height.count;

@@ -151,7 +151,7 @@ void TileWorker::run(const TileRays& tile, const TileOutput& out, PixelProbe* pr
   statistics_.primary_rays += static_cast<std::uint64_t>(rays);
   const double hit_rays = hit / std::max(1u, pixels) * rays;
   if (setup_.plan.sun_up) statistics_.sun_rays += static_cast<std::uint64_t>(hit_rays);
-  if (shape.sky_shadows) statistics_.sky_rays += static_cast<std::uint64_t>(hit_rays * setup_.plan.sky.directions);
+  if (shape.sky_shadows) statistics_.sky_rays += static_cast<std::uint64_t>(hit_rays * (setup_.plan.sky.directions / shape.sky_share));
   statistics_.band_samples += static_cast<std::uint64_t>(pixels) * shape.bands;
 }
 

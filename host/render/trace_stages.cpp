@@ -139,14 +139,14 @@ void TraceStages::run(const TileLayout& layout, int chunk, TraceBuffers& traced,
   launch("trace_primary", s.primary_of(layout, chunk, traced));
   launch("make_surface", s.surface.arguments(s.buffers.blocks, s.buffers.instances, traced.groups, traced.hits,
                                               traced.surface, s.seed, layout.width, first_sample, sample_count));
-  const auto light = [&](const char* stage, const auto& directions, const auto& weights, bool sky, int sets, int count) {
+  const auto light = [&](const char* stage, const auto& directions, const auto& weights, bool sky, int sets, int count, int share) {
     launch(stage, s.light.arguments(s.buffers.nodes, s.buffers.blocks, s.buffers.instances, traced.groups, traced.surface, directions, weights,
                                     traced.sun, traced.sky, cl_uint{sky}, static_cast<cl_uint>(sets), static_cast<cl_uint>(count),
-                                    s.seed, layout.width));
+                                    static_cast<cl_uint>(share), s.seed, layout.width, first_sample));
   };
-  if (s.plan.sun_up) light("trace_sun", s.sun, s.sun, false, 1, 1);
+  if (s.plan.sun_up) light("trace_sun", s.sun, s.sun, false, 1, 1, 1);
   if (s.sends_to_sky())
-    light("trace_sky", s.directions, s.weights, true, static_cast<int>(s.plan.sky.sets), static_cast<int>(s.plan.sky.directions));
+    light("trace_sky", s.directions, s.weights, true, static_cast<int>(s.plan.sky.sets), static_cast<int>(s.plan.sky.directions), s.shape.sky_share);
 }
 
 }  // namespace raycube::render

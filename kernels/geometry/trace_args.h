@@ -42,14 +42,15 @@
  *     surface[pixel][6][NPAD]: x y z of the point, m, scene frame, moved off the surface to the viewer's side by its error
  *     bound (the origin of shadow rays); nx ny nz unit geometric normal facing the viewer. Misses: all six are 0.
  *   trace_light(nodes, blocks, instances, groups, surface (const), directions (global const float4*), weights (global const
- *               float4*), global ushort* sun_mask, global float* blocked, uint sky, uint sets, uint count, seed, columns)
+ *               float4*), global ushort* sun_mask, global float* blocked, uint sky, uint sets, uint count, uint share,
+ *               seed, columns, first_sample)
  *     One kernel for both, since its walk through the scene is most of what a device compiles.
- *     sky = 0, the sun: directions holds one unit vector towards it, w = 0, and sets = count = 1; weights and blocked may be
+ *     sky = 0, the sun: directions holds one unit vector towards it, w = 0, and sets = count = share = 1; weights and blocked may be
  *     any buffers. All samples of a group go together.
  *     sun_mask[pixel][NPAD / 16]: bit s % 16 of word s / 16 = the sun is seen. Clear for misses and where n . sun <= 0.
  *     sky = 1: directions, weights: [sets][count]; a pixel takes set rc_hash(seed, pixel, 0, 21) % sets; sun_mask may be any buffer.
- *     blocked[pixel][4][NPAD]: sum over the blocked directions k, in order, of weight[k].c * max(0, n . direction[k]) for
- *     components c = 0..3 = xyzw. Zero for misses.
+ *     blocked[pixel][4][NPAD]: share times the sum over the blocked directions k of the sample's part (rc_sky_part, rc_sky_direction), in order, of
+ *     weight[k].c * max(0, n . direction[k]) for components c = 0..3 = xyzw. Zero for misses.
  */
 #ifndef RAYCUBE_KERNELS_GEOMETRY_TRACE_ARGS_H
 #define RAYCUBE_KERNELS_GEOMETRY_TRACE_ARGS_H

@@ -20,7 +20,7 @@ BandRadiance render(const scene::CompiledScene& compiled, const plan::Plan& plan
   const ReferenceScene scene(compiled);
   const SampledPixel traced = scene.sample_pixel(pixel.instrument, plan, seed, pixel.address);
   std::vector<BlockedDirections> blocked;
-  for (const Sample& sample : traced.samples) blocked.push_back(blocked_directions(scene, plan, seed, traced.number, sample));
+  for (const Sample& sample : traced.samples) blocked.push_back(blocked_directions(scene, plan, seed, traced.number, sample, blocked.size()));
   return ArithmeticModel(compiled, plan, seed).radiance(traced, blocked);
 }
 

@@ -44,6 +44,7 @@ scene::Simulation busy_scene() {
   simulation.sun.azimuth_deg = 130;
   simulation.seed = 7;
   simulation.sky_directions = 8;
+  simulation.sky_share = 4;
   simulation.tolerance = 1e-3;
   auto camera = test::nadir_camera(6, 67, 300, 1.0);
   camera.samples_u = camera.samples_v = 11;

@@ -65,10 +65,12 @@ scene::Simulation wall_scene(const Wall& wall, int directions) {
 struct GroundPoint {
   double x, y, sec;
 };
-GroundPoint ground_point(const scene::Instrument& camera, int line, int pixel) {
+/// (u, v): from the pixel's centre, in pixels.
+GroundPoint ground_point(const scene::Instrument& camera, int line, int pixel, double u = 0, double v = 0) {
   const auto group = sensors::make_ray_groups(camera, line, 1).at(std::size_t(pixel) / RC_GROUP_WIDTH);
-  const double a = pixel % RC_GROUP_WIDTH - 0.5 * (RC_GROUP_WIDTH - 1);
-  const double dx = group.d0.x + a * group.du.x, dy = group.d0.y + a * group.du.y, dz = group.d0.z + a * group.du.z;
+  const double a = pixel % RC_GROUP_WIDTH - 0.5 * (RC_GROUP_WIDTH - 1) + u;
+  const double dx = group.d0.x + a * group.du.x + v * group.dv.x, dy = group.d0.y + a * group.du.y + v * group.dv.y,
+               dz = group.d0.z + a * group.du.z + v * group.dv.z;
   const double t = -double(group.origin.z) / dz;
   return {group.origin.x + t * dx, group.origin.y + t * dy, std::sqrt(dx * dx + dy * dy + dz * dz) / -dz};
 }
@@ -79,11 +81,19 @@ struct Blocked {
   std::array<double, 4> sum{};
   int edges = 0;
 };
-Blocked blocked_sky(const Wall& wall, const plan::Plan& plan, std::uint64_t seed, std::uint32_t number, const GroundPoint& at) {
+/// Part of the directions that sample s looks into (each `share` times): as many as there are over `share`, and no two samples' parts meet.
+bool shares(int share, std::uint64_t seed, std::uint32_t number, int s, int k) {
+  const int turn = share == 1 ? 0 : int(rc_hash(static_cast<std::uint32_t>(seed), number, 1u, 21u) % std::uint32_t(share));
+  const int part = (s + s / share + turn) % share;
+  return (share < 8 ? k : k + k / share) % share == part;
+}
+
+Blocked blocked_sky(const Wall& wall, const plan::Plan& plan, std::uint64_t seed, std::uint32_t number, const GroundPoint& at, int s = 0) {
   const std::uint32_t set =
       rc_hash(static_cast<std::uint32_t>(seed), number, 0u, 21u) % static_cast<std::uint32_t>(plan.sky.sets);
   Blocked out;
   for (int k = 0; k < plan.sky.directions; ++k) {
+    if (!shares(plan.sky.share, seed, number, s, k)) continue;
     const std::size_t i = std::size_t(set) * plan.sky.directions + k;
     const auto& d = plan.sky.direction[i];
     const auto& w = plan.sky.weight[i];
@@ -91,7 +101,7 @@ Blocked blocked_sky(const Wall& wall, const plan::Plan& plan, std::uint64_t seed
     out.edges += answer == Wall::Answer::edge;
     if (answer != Wall::Answer::blocked) continue;
     const float component[4] = {w.x, w.y, w.z, w.w};
-    for (int m = 0; m < 4; ++m) out.sum[m] += double{component[m]} * d.z;
+    for (int m = 0; m < 4; ++m) out.sum[m] += plan.sky.share * double{component[m]} * d.z;
   }
   return out;
 }
@@ -119,6 +129,36 @@ TEST_CASE("S16 uniform sky blocked by a wall equals the same directions summed i
     CHECK(worst < 1e-5);
     CHECK(judged > 4050);  // a direction in 1e4 is too close to an edge
     CHECK(shaded > 4000);
+  }
+}
+
+TEST_CASE("S16 directions shared out among a pixel's samples equal each sample's own, summed in double, to 1e-5") {
+  for (const auto& [share, columns, lines] : {std::array{2, 4, 4}, {4, 5, 3}, {8, 11, 11}, {16, 6, 6}, {3, 4, 4}}) {
+    const Wall wall{217};
+    auto simulation = wall_scene(wall, 48);
+    simulation.sky_share = share;
+    auto& camera = simulation.instruments[0];
+    camera.samples_u = columns, camera.samples_v = lines;
+    const auto image = test::render_image(simulation, atmos::uniform_sky_table(0, kSkyRadiance, {0.3, 1.0, 4.0}));
+    REQUIRE(image.plan.sky.share == share);
+    double worst = 0;
+    int judged = 0;
+    for (int line = 0; line < 64; line += 3)
+      for (int pixel = 0; pixel < 64; ++pixel) {
+        double sum = 0;
+        int edges = 0;
+        for (int s = 0; s < columns * lines; ++s) {
+          const auto at = ground_point(camera, line, pixel, (s % columns + 0.5) / columns - 0.5, (s / columns + 0.5) / lines - 0.5);
+          const auto blocked = blocked_sky(wall, image.plan, simulation.seed, std::uint32_t(line * 64 + pixel), at, s);
+          edges += blocked.edges, sum += blocked.sum[0] / (columns * lines);
+        }
+        if (edges) continue;
+        ++judged;
+        worst = std::max(worst, std::abs(image.at(line, pixel, 0) / (kReflectance * kSkyRadiance) - (1 - sum)));
+      }
+    MESSAGE("share " << share << " of " << columns << " x " << lines << " samples: worst difference " << worst << " of the open sky, " << judged << " pixels judged");
+    CHECK(worst < 1e-5);
+    CHECK(judged > 900);
   }
 }
 
@@ -177,9 +217,15 @@ TEST_CASE("S18 clear sky and sun beside a wall equal the same directions summed 
 }
 
 TEST_CASE("S16 sky beside a wall: mean within 4 standard errors of the view factor, rms below 6 % and 0.3 %") {
-  for (const auto& [directions, limit] : {std::pair{16, 0.06}, {1024, 0.003}}) {
+  struct Case {
+    int directions, share;
+    double limit;
+  };
+  // One sample a pixel, so that a share of 8 leaves it 2 directions of 16, which part the pixel's hash says: noisy, yet without bias.
+  for (const auto& [directions, share, limit] : {Case{16, 1, 0.06}, {1024, 1, 0.003}, {16, 8, 0.6}, {1024, 16, 0.03}}) {
     const Wall wall{90};
-    const auto simulation = wall_scene(wall, directions);
+    auto simulation = wall_scene(wall, directions);
+    simulation.sky_share = share;
     const auto image = test::render_image(simulation, atmos::uniform_sky_table(0, kSkyRadiance, {0.3, 1.0, 4.0}));
     double sum = 0, square = 0;
     for (int line = 0; line < 64; ++line)
@@ -191,7 +237,7 @@ TEST_CASE("S16 sky beside a wall: mean within 4 standard errors of the view fact
       }
     const double mean = sum / 4096, rms = std::sqrt(square / 4096),
                  standard_error = std::sqrt((square / 4096 - mean * mean) / 4095);
-    MESSAGE(directions << " directions: mean error " << mean / standard_error << " standard errors, rms " << 100 * rms
+    MESSAGE(directions << " directions, share " << share << ": mean error " << mean / standard_error << " standard errors, rms " << 100 * rms
                        << " % of the open sky");
     CHECK(std::abs(mean) < 4 * standard_error);
     CHECK(rms < limit);

@@ -95,6 +95,50 @@ TEST_CASE("S8: surface points lie on the viewer's side of their triangle, within
   CHECK(sky_wrong == 0);
 }
 
+TEST_CASE("S8 S16 directions shared out: bundles, single rays and any chunks give the same, and the parts together are the whole") {
+  scene::CompiledScene scene;
+  scene::append_instance(scene, scene::append_mesh(scene, "ground", test::terrain(12, 40)), test::kIdentity, 0);
+  const auto ball = scene::append_mesh(scene, "ball", test::sphere(1, 2, 0.1));
+  for (std::uint32_t i = 0; i < 6; ++i) scene::append_instance(scene, ball, test::placement(i, 0.4 * i, 0.6, 5.0 * i - 12, 3.0 * (i % 3) - 3, 3 + i % 2), i + 1);
+  scene::finish_top_tree(scene);
+  TraceShape shape;
+  shape.nu = shape.nv = 7;
+  shape.columns = shape.pixels_per_line = 18, shape.lines = 10;
+  const auto groups = test::nadir_groups(shape, 0, 0, 300, 1.7, 300, 0.02);
+  constexpr std::uint32_t kSets = 2, kCount = 16;
+  std::vector<shared::rc_float4> directions, weights;
+  for (std::uint32_t k = 0; k < kSets * kCount; ++k) {
+    const double c = (k % kCount + 0.5) / kCount, s = std::sqrt(1 - c * c), phi = 2.4 * k;
+    directions.push_back({static_cast<float>(s * std::cos(phi)), static_cast<float>(s * std::sin(phi)), static_cast<float>(c), 0});
+    weights.push_back({0.5f, 1.0f + 0.1f * static_cast<float>(k % kCount), 1.0f / static_cast<float>(k % kCount + 1), 0.2f});
+  }
+  shape.bundle = true;
+  test::TraceChain bundled(context(), scene, shape);
+  shape.bundle = false;
+  test::TraceChain single(context(), scene, shape);
+  bundled.primary(groups), bundled.surface(), single.primary(groups), single.surface();
+  const auto whole = bundled.sky(directions, weights, kSets);
+  const std::uint32_t n = shape.npad();
+  for (const std::uint32_t share : {1u, 2u, 4u, 8u, 16u}) {
+    CAPTURE(share);
+    const auto blocked = bundled.sky(directions, weights, kSets, share);
+    CHECK(blocked == single.sky(directions, weights, kSets, share));
+    CHECK((blocked == whole) == (share == 1));
+    // The plane of weight 0 over all samples: what a part hides, counted `share` times, is the whole in the mean.
+    double sum = 0, square = 0, all = 0;
+    for (std::uint32_t pixel = 0; pixel < shape.pixels(); ++pixel) {
+      double difference = 0;
+      for (std::uint32_t s = 0; s < n; ++s) {
+        const std::size_t at = std::size_t{pixel} * 4 * n + s;
+        difference += blocked[at] - whole[at], all += whole[at];
+      }
+      sum += difference, square += difference * difference;
+    }
+    CHECK(all > 0);
+    CHECK(std::abs(sum) <= 4 * std::sqrt(square));
+  }
+}
+
 TEST_CASE("S8: a flat long thin line does not shadow itself: the park's court lines under 64 directions") {
   scene::CompiledScene scene;
   scene::append_instance(scene, scene::append_mesh(scene, "court lines", test::court_lines()), test::placement(0, 0, 1, 118, 76, 3.41), 0);

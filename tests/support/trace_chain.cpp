@@ -91,22 +91,22 @@ std::vector<float> TraceChain::surface() {
 
 std::vector<std::uint16_t> TraceChain::sun(const shared::rc_float4& direction) {
   sun_direction_ = std::make_unique<cl::Buffer<shared::rc_float4>>(context_, std::vector{direction}, cl::Access::read_only, "sun direction");
-  light(*sun_direction_, *sun_direction_, false, 1, 1);
+  light(*sun_direction_, *sun_direction_, false, 1, 1, 1);
   return sun_mask_.read_all();
 }
 
 std::vector<float> TraceChain::sky(std::span<const shared::rc_float4> directions, std::span<const shared::rc_float4> weights,
-                                   std::uint32_t sets) {
+                                   std::uint32_t sets, std::uint32_t share) {
   directions_ = std::make_unique<cl::Buffer<shared::rc_float4>>(context_, directions, cl::Access::read_only, "sky directions");
   weights_ = std::make_unique<cl::Buffer<shared::rc_float4>>(context_, weights, cl::Access::read_only, "sky weights");
-  light(*directions_, *weights_, true, sets, static_cast<std::uint32_t>(directions.size()) / sets);
+  light(*directions_, *weights_, true, sets, static_cast<std::uint32_t>(directions.size()) / sets, share);
   return blocked_.read_all();
 }
 
 void TraceChain::light(const cl::Buffer<shared::rc_float4>& directions, const cl::Buffer<shared::rc_float4>& weights, bool sky,
-                       std::uint32_t sets, std::uint32_t count) {
+                       std::uint32_t sets, std::uint32_t count, std::uint32_t share) {
   kernel("trace_light").arguments(scene_.nodes, scene_.blocks, scene_.instances, groups_, surface_, directions, weights, sun_mask_, blocked_,
-                                  std::uint32_t{sky}, sets, count, shape_.seed, shape_.columns);
+                                  std::uint32_t{sky}, sets, count, share, shape_.seed, shape_.columns, first_sample_);
   again("trace_light");
 }
 

@@ -64,14 +64,14 @@ class TraceChain {
   std::vector<std::uint16_t> sun(const shared::rc_float4& direction);
   /// blocked[pixel][4][npad] of the last surface() or set_surface()
   std::vector<float> sky(std::span<const shared::rc_float4> directions, std::span<const shared::rc_float4> weights,
-                         std::uint32_t sets);
+                         std::uint32_t sets, std::uint32_t share = 1);
   /// Enqueue one stage again with the arguments of the last call and wait: for timing.
   void again(const std::string& stage);
 
  private:
   cl::Kernel& kernel(const std::string& name);
   void light(const cl::Buffer<shared::rc_float4>& directions, const cl::Buffer<shared::rc_float4>& weights, bool sky,
-             std::uint32_t sets, std::uint32_t count);
+             std::uint32_t sets, std::uint32_t count, std::uint32_t share);
   const cl::Context& context_;
   TraceShape shape_;
   std::uint32_t first_sample_ = 0, count_ = 0;

@@ -46,7 +46,7 @@ struct Fixture {
     for (const Sample& sample : pixel.samples) {
       out.hits.push_back(sample.hit);
       out.sun_visible.push_back(sample.sun_visible);
-      blocked.push_back(blocked_directions(scene, plan, 9, pixel.number, sample));
+      blocked.push_back(blocked_directions(scene, plan, 9, pixel.number, sample, blocked.size()));
     }
     if (turn_sample >= 0) {
       auto&& bit = blocked[static_cast<std::size_t>(turn_sample)][static_cast<std::size_t>(turn_direction)];
@@ -227,7 +227,7 @@ TEST_CASE("S61: ties fall either way and are counted: sun on a shadow's edge, a 
   const ReferenceScene scene(f.compiled);
   const SampledPixel traced = scene.sample_pixel(f.at[0].instrument, f.plan, 9, f.at[0].address);
   std::vector<BlockedDirections> blocked;
-  for (const Sample& sample : traced.samples) blocked.push_back(blocked_directions(scene, f.plan, 9, traced.number, sample));
+  for (const Sample& sample : traced.samples) blocked.push_back(blocked_directions(scene, f.plan, 9, traced.number, sample, blocked.size()));
   SampledPixel turned = traced;
   turned.samples[edge].sun_visible = !turned.samples[edge].sun_visible;
   const BandRadiance l = ArithmeticModel(f.compiled, f.plan, 9).radiance(turned, blocked);

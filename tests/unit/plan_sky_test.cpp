@@ -11,6 +11,7 @@
 #include "host/plan/quadrature.h"
 #include "host/plan/sky_factors.h"
 #include "host/plan/sky_sets.h"
+#include "kernels/sampling/sampler.h"
 
 using namespace raycube;
 
@@ -277,6 +278,48 @@ TEST_CASE("S16 real clear sky blocked by a wall: unbiased over the sets, band by
     MESSAGE(directions << " directions under a clear sky: worst rms " << worst << " of the sky irradiance");
     CHECK(worst < (directions == 16 ? 0.06 : 0.003));
   }
+}
+
+TEST_CASE("S16 sharing out: every direction is looked into by one part, parts are equally large, and each goes round the horizon") {
+  for (const int directions : {16, 48, 96, 1024})
+    for (const int share : {1, 2, 3, 4, 8, 16}) {
+      if (directions % share != 0) continue;
+      CAPTURE(directions);
+      CAPTURE(share);
+      std::vector<int> looked(static_cast<std::size_t>(directions), 0);
+      const double golden = std::numbers::phi - 1;
+      double farthest = 0;
+      for (rc_u32 part = 0; part < rc_u32(share); ++part) {
+        double x = 0, y = 0;
+        for (rc_u32 j = 0; j < rc_u32(directions / share); ++j) {
+          const rc_u32 k = rc_sky_direction(part, j, rc_u32(share));
+          REQUIRE(k < rc_u32(directions));
+          ++looked[k];
+          x += std::cos(2 * kPi * k * golden) * share / directions, y += std::sin(2 * kPi * k * golden) * share / directions;
+        }
+        farthest = std::max(farthest, std::hypot(x, y));
+      }
+      CHECK(std::count(looked.begin(), looked.end(), 1) == directions);
+      if (directions / share >= 6) CHECK(farthest < 0.35);  // 1: all in one azimuth; every eighth of 48 gives 0.8
+    }
+  // Samples: as evenly as can be, and all parts in any 16 neighbours.
+  for (const rc_u32 share : {2u, 4u, 8u, 16u})
+    for (rc_u32 pixel = 0; pixel < 50; ++pixel) {
+      std::vector<int> samples(share, 0);
+      for (rc_u32 s = 0; s < 121; ++s) ++samples[rc_sky_part(5, pixel, s, share)];
+      CHECK(*std::max_element(samples.begin(), samples.end()) - *std::min_element(samples.begin(), samples.end()) <= 1);
+    }
+}
+
+TEST_CASE("S16 the share by rule: a power of two that divides the directions and leaves each of them 8 samples") {
+  CHECK(plan::sky_share(0, 121, 48) == 8);
+  CHECK(plan::sky_share(0, 128, 48) == 16);
+  CHECK(plan::sky_share(0, 16, 48) == 2);
+  CHECK(plan::sky_share(0, 15, 48) == 1);
+  CHECK(plan::sky_share(0, 1024, 12) == 4);
+  CHECK(plan::sky_share(0, 1024, 5) == 1);
+  CHECK(plan::sky_share(3, 1, 48) == 3);
+  CHECK_THROWS(plan::sky_share(5, 100, 48));
 }
 
 TEST_CASE("S16 direction sets are unit, above the horizon, finite, and sum to the irradiance of tilted planes") {
