@@ -47,6 +47,10 @@ KernelBuild kernel_build(const Settings& settings) {
   render::TraceBuffers traced(context, shape, pixels, groups.size());
   traced.groups.write(groups);
   render::RowBuffers rows(context, shape, pixels, 16);
+  if (shape.environment) {  // none of the ground around: its rows are not baked here
+    rows.environment_row.write(std::vector<std::uint32_t>(rows.environment_row.size(), 0));
+    rows.environment_weight.write(std::vector<float>(rows.environment_weight.size(), 0.0f));
+  }
   render::BandTable table(context, park.scene, job.plan, shape, 256 << 20);
   std::vector<std::uint64_t> keys;
   for (std::size_t m = 1; m <= park.scene.materials.size(); ++m) keys.push_back(m);

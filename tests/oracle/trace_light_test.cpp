@@ -119,11 +119,24 @@ TEST_CASE("S8 S16 directions shared out: bundles, single rays and any chunks giv
   bundled.primary(groups), bundled.surface(), single.primary(groups), single.surface();
   const auto whole = bundled.sky(directions, weights, kSets);
   const std::uint32_t n = shape.npad();
+  constexpr std::uint32_t kChunk = 21;  // three rows
+  shape.bundle = true, shape.chunk = kChunk;
+  test::TraceChain chunked(context(), scene, shape);
   for (const std::uint32_t share : {1u, 2u, 4u, 8u, 16u}) {
     CAPTURE(share);
     const auto blocked = bundled.sky(directions, weights, kSets, share);
     CHECK(blocked == single.sky(directions, weights, kSets, share));
     CHECK((blocked == whole) == (share == 1));
+    std::size_t other = 0;
+    for (std::uint32_t first = 0; first < 49; first += kChunk) {
+      chunked.primary(groups, first), chunked.surface();
+      const auto part = chunked.sky(directions, weights, kSets, share);
+      const std::uint32_t padded = shape.npad();
+      for (std::uint32_t row = 0; row < shape.pixels() * 4; ++row)
+        for (std::uint32_t s = first; s < std::min(first + kChunk, 49u); ++s)
+          other += part[std::size_t{row} * padded + s - first] != blocked[std::size_t{row} * n + s];
+    }
+    CHECK(other == 0);
     // The plane of weight 0 over all samples: what a part hides, counted `share` times, is the whole in the mean.
     double sum = 0, square = 0, all = 0;
     for (std::uint32_t pixel = 0; pixel < shape.pixels(); ++pixel) {
