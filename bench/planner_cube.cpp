@@ -48,7 +48,8 @@ std::vector<render::Tile> judged_tiles(const scene::Instrument& instrument, std:
 }
 
 double s_per_megapixel(const plan::Plan& plan, const PlannerSetting& setting) {
-  return 1e6 * CostModel().seconds(pixel_counts(plan, static_cast<double>(setting.side) * setting.side, setting.directions));
+  const int samples = setting.side * setting.side;
+  return 1e6 * CostModel().seconds(pixel_counts(plan, samples, setting.directions, plan::sky_share(0, samples, std::max(1, setting.directions))));
 }
 
 class CubeStudy {
@@ -92,6 +93,7 @@ class CubeStudy {
  private:
   void open() {
     instrument_.samples_given = false, simulation_.sky_directions_given = false;
+    simulation_.sky_share = 0;
   }
 
   /// The plan with the smallest tolerance that its nodes can keep; what it says of their error counts as the reference's own.
@@ -120,9 +122,10 @@ class CubeStudy {
     return study::device_radiance(renderer_, tried, plan, simulation_.sun, seed, tiles_);
   }
 
-  plan::Plan with_directions(const plan::Plan& from, int directions) {
+  /// The plan with a setting's directions, shared out among its samples as `render` does.
+  plan::Plan with_directions(const plan::Plan& from, const PlannerSetting& setting) {
     plan::Plan plan = from;
-    if (sky_) planner::set_directions(plan, simulation_, directions);
+    if (sky_) planner::set_directions(plan, simulation_, setting.side * setting.side, setting.directions);
     return plan;
   }
 
@@ -140,7 +143,8 @@ class CubeStudy {
     const std::string key = study::key_of(simulation_, instrument_, finest_, table_, tiles_, {kReferenceSide, rounds, skies, 0});
     reference_ = study::kept_or(base::cache_folder("reference").string(), key.empty() ? key : key + "-device", [&] {
       const plan::Plan shared = one_sky();
-      const plan::Plan many = with_directions(finest_, coarse.directions);
+      plan::Plan many = with_directions(finest_, coarse);
+      many.sky.share = 1;  // every sample looks into all
       std::vector<double> half[2];
       rc_u32 draw = 0;
       const auto add = [&](int to, const PlannerSetting& setting, const plan::Plan& plan, rc_u32 seed, double weight) {
@@ -166,8 +170,8 @@ class CubeStudy {
   plan::Plan one_sky() {
     plan::Plan plan = finest_;
     if (!sky_) return plan;
-    planner::set_directions(plan, simulation_, kSharedDirections, plan::kFewestSets);
-    plan.sky.sets = 1;
+    plan.sky = planner::sky_for(plan, simulation_, 1, kSharedDirections, plan::kFewestSets);
+    plan.sky.sets = 1, plan.sky.share = 1;
     plan.sky.direction.resize(kSharedDirections);
     plan.sky.weight.resize(static_cast<std::size_t>(kSharedDirections * plan.sky.quads));
     return plan;
@@ -181,7 +185,7 @@ class CubeStudy {
           const PlannerSetting setting{sampler, side, directions};
           const double cost = s_per_megapixel(finest_, setting);
           if (cost > kSweep_s_per_megapixel) continue;
-          const auto error = study::error_of(reference_, render(setting, with_directions(finest_, directions), simulation_.seed));
+          const auto error = study::error_of(reference_, render(setting, with_directions(finest_, setting), simulation_.seed));
           points_.push_back({setting, error.worst, error.low, error.high, cost});
         }
       }
@@ -227,7 +231,7 @@ class CubeStudy {
     std::stable_sort(points.begin(), points.end(), [](const auto& a, const auto& b) { return a.s_per_megapixel < b.s_per_megapixel; });
     for (SweepPoint& point : points) {
       if (point.error > out.tolerance) continue;
-      const auto error = study::error_of(reference_, render(point.setting, with_directions(plan, point.setting.directions), simulation_.seed));
+      const auto error = study::error_of(reference_, render(point.setting, with_directions(plan, point.setting), simulation_.seed));
       if (error.worst > out.tolerance) continue;
       point.error = error.worst, point.low = error.low, point.high = error.high;
       out.best_known = true, out.best = point;
@@ -248,7 +252,7 @@ class CubeStudy {
 
   Spread time_ratio(const PlannerSetting& chosen, const PlannerSetting& best, const plan::Plan& from) {
     if (chosen == best) return {1, 1, 1, settings_.timings};
-    const plan::Plan ours = with_directions(from, chosen.directions), theirs = with_directions(from, best.directions);
+    const plan::Plan ours = with_directions(from, chosen), theirs = with_directions(from, best);
     const double pixels = kTimed_s / (1e-6 * std::max(s_per_megapixel(ours, chosen), s_per_megapixel(theirs, best)));
     const double image = static_cast<double>(instrument_.pixels) * instrument_.lines;
     const auto tiles = render::timing_tiles(instrument_, static_cast<std::uint64_t>(std::clamp(pixels, 2048.0, std::min(image, 65536.0))));
