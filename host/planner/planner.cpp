@@ -21,14 +21,8 @@ constexpr int kMostTriedDirections = 256;
 constexpr int kSkyLevels[] = {4, 16, 64};
 constexpr int kMostRounds = 10;
 constexpr double kWorthATry = 0.85;             ///< of the cost
-constexpr double kSlow = 0.9;                   ///< of side^-1
 
 double squared(double x) { return x * x; }
-
-/// An error that falls less than the samples' number should make it: like side^-1 or slower.
-bool falls_slowly(const ErrorLaw& side, int from, int to) {
-  return side.estimate(to) * to > kSlow * side.estimate(from) * from;
-}
 
 /// Level before `level` of a list, or 0.
 int before(const std::vector<int>& levels, int level) {
@@ -157,8 +151,8 @@ Decision decide(render::Renderer& renderer, const scene::Simulation& simulation,
   scene::SamplerKind sampler = out.samples_given ? instrument.sampler : scene::SamplerKind::grid;
   ErrorLaw side(kSideLaw);
   Choice choice = settle(sampler, side);
-  // Edges along the pixels: a grid's error does not fall as it should, and a lattice, which no edge runs along, may do with fewer samples.
-  if (!out.samples_given && choice.side > kFirstSide && (!choice.within || falls_slowly(side, kFirstSide, choice.side))) {
+  // No edge runs along a lattice, so it may do with fewer samples; few tell nothing either way.
+  if (!out.samples_given && choice.side > kFirstSide) {
     ErrorLaw other(kSideLaw);
     const Choice lattice = settle(scene::SamplerKind::lattice, other);
     const double ours = cost_s(lattice.side, lattice.directions), theirs = cost_s(choice.side, choice.directions);
