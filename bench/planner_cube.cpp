@@ -170,8 +170,8 @@ class CubeStudy {
   plan::Plan one_sky() {
     plan::Plan plan = finest_;
     if (!sky_) return plan;
-    plan.sky = planner::sky_for(plan, simulation_, 1, kSharedDirections, plan::kFewestSets);
-    plan.sky.sets = 1, plan.sky.share = 1;
+    plan.sky = planner::sky_for(plan, simulation_, kSharedDirections, 1, plan::kFewestSets);
+    plan.sky.sets = 1;
     plan.sky.direction.resize(kSharedDirections);
     plan.sky.weight.resize(static_cast<std::size_t>(kSharedDirections * plan.sky.quads));
     return plan;

@@ -86,7 +86,7 @@ Chart chart_cube(scene::Simulation& simulation, std::size_t index, const ChartOp
         }
         Found found;
         found.error = study::error_of(reference, study::device_radiance(renderer, instrument, plan, simulation.sun, simulation.seed, tiles));
-        const double rays = static_cast<double>(instrument.samples_u) * instrument.samples_v * (2 + plan.sky.directions);
+        const double rays = static_cast<double>(instrument.samples_u) * instrument.samples_v * (2 + plan.sky.directions / plan.sky.share);
         const auto timed = static_cast<std::uint64_t>(std::clamp(kTimedRays / rays, 64.0, static_cast<double>(options.timed_pixels)));
         found.timing = study::time_image(renderer, instrument, plan, simulation.sun, simulation.seed, render::timing_tiles(instrument, timed), options.repeats);
         at = known.emplace(point.settings, found).first;

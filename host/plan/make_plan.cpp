@@ -264,7 +264,7 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
   if (plan.components() > 0)
     plan.sky = make_sky_sets(plan.sky_basis, domain.sun_azimuth, simulation.sky_directions, simulation.seed, plan.sky_components,
                              plan.thermal.on ? &plan.thermal : nullptr);
-  plan.sky.share = sky_share(simulation.sky_share, instrument.samples_u * instrument.samples_v, std::max(1, plan.sky.directions));
+  if (plan.components() > 0) plan.sky.share = sky_share(simulation.sky_share, instrument.samples_u * instrument.samples_v, plan.sky.directions);
 
   nlohmann::json report = {
       {"tolerance", simulation.tolerance},

@@ -110,7 +110,7 @@ Decision decide(render::Renderer& renderer, const scene::Simulation& simulation,
   const double given_samples = static_cast<double>(instrument.samples_u) * instrument.samples_v;
   const PixelCost cost_s = [&](int n, int k) {
     const double samples = out.samples_given ? given_samples : static_cast<double>(n) * n;
-    return CostModel().seconds(pixel_counts(plan, samples, k, plan::sky_share(simulation.sky_share, static_cast<int>(samples), k)));
+    return CostModel().seconds(pixel_counts(plan, samples, k, sky ? plan::sky_share(simulation.sky_share, static_cast<int>(samples), k) : 1));
   };
   std::set<int> fine_sky;  // directions tried with the very samples chosen, where those are few
   /// The cheapest levels with one sampler; `side` holds what was measured of it.

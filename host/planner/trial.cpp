@@ -25,16 +25,16 @@ constexpr std::uint64_t kOther = 0x5bd1e995u;
 
 }  // namespace
 
-plan::SkySets sky_for(const plan::Plan& plan, const scene::Simulation& simulation, int samples, int directions, int most_sets) {
+plan::SkySets sky_for(const plan::Plan& plan, const scene::Simulation& simulation, int directions, int share, int most_sets) {
   plan::SkySets sky = plan::make_sky_sets(plan.sky_basis, simulation.sun.azimuth_deg * std::numbers::pi / 180, directions, simulation.seed, plan.sky_components,
                                           plan.thermal.on ? &plan.thermal : nullptr, most_sets);
-  sky.share = plan::sky_share(simulation.sky_share, samples, directions);
+  sky.share = share;
   return sky;
 }
 
 void set_directions(plan::Plan& plan, const scene::Simulation& simulation, int samples, int directions) {
   if (plan.components() == 0) return;
-  plan.sky = sky_for(plan, simulation, samples, directions);
+  plan.sky = sky_for(plan, simulation, directions, plan::sky_share(simulation.sky_share, samples, directions));
   auto report = nlohmann::json::parse(plan.report_json);
   report["sky"]["sets"] = plan.sky.sets;
   report["sky"]["directions"] = plan.sky.directions;
@@ -46,10 +46,9 @@ Trial::Trial(render::Renderer& renderer, const scene::Simulation& simulation, co
     : renderer_(renderer), simulation_(simulation), instrument_(instrument), plan_(plan) {
   instrument_.first_samples = 0;  // errors of all samples
   if (plan.components() > 0) {
-    one_sky_ = sky_for(plan, simulation, 1, kSharedDirections, plan::kFewestSets);
+    one_sky_ = sky_for(plan, simulation, kSharedDirections, 1, plan::kFewestSets);  // a share would add the sky to the samples' error
     const auto entries = static_cast<std::size_t>(kSharedDirections);
     one_sky_.sets = 1;
-    one_sky_.share = 1;  // else the sky would add to the samples' error
     one_sky_.direction.resize(entries);
     one_sky_.weight.resize(entries * static_cast<std::size_t>(one_sky_.quads));
   }
@@ -73,7 +72,7 @@ void Trial::look() {
   std::vector<double> error = run_differences(one, two, mean_);
   const double sampling = std::accumulate(error.begin(), error.end(), 0.0);
   if (plan_.components() > 0) {
-    const plan::SkySets sky = sky_for(plan_, simulation_, kLookSide * kLookSide, kSharedDirections, kTrialSets);
+    const plan::SkySets sky = sky_for(plan_, simulation_, kSharedDirections, 1, kTrialSets);
     const auto changed = run_differences(one, render(few, sky, simulation_.seed + 3 * kOther), mean_);
     // Either kind of error draws half.
     const double all = std::accumulate(changed.begin(), changed.end(), 0.0), scale = all > 0 && sampling > 0 ? sampling / all : 1;
@@ -120,7 +119,7 @@ TrialError Trial::sky_error(int directions, int samples_u, int samples_v) {
   if (plan_.components() == 0) return {};
   // Points that the seed moves would put the samples' noise into the difference.
   const scene::Instrument tried = sampled(scene::SamplerKind::grid, samples_u, samples_v);
-  const plan::SkySets sky = sky_for(plan_, simulation_, samples_u * samples_v, directions, kTrialSets);
+  const plan::SkySets sky = sky_for(plan_, simulation_, directions, plan::sky_share(simulation_.sky_share, samples_u * samples_v, directions), kTrialSets);
   const TrialImage one = render(tried, sky, simulation_.seed), two = render(tried, sky, simulation_.seed + kOther);
   return error_between(one, two, mean_);
 }

@@ -52,8 +52,8 @@ class Trial {
   double cost_s_ = 0;
 };
 
-/// Sets of `directions` for the plan, shared out among `samples`.
-plan::SkySets sky_for(const plan::Plan& plan, const scene::Simulation& simulation, int samples, int directions, int most_sets = plan::kMostSets);
+/// Sets of `directions` for the plan, with this share.
+plan::SkySets sky_for(const plan::Plan& plan, const scene::Simulation& simulation, int directions, int share, int most_sets = plan::kMostSets);
 
 /// The plan with sets of `directions` in place of its own, shared out among `samples`.
 void set_directions(plan::Plan& plan, const scene::Simulation& simulation, int samples, int directions);
