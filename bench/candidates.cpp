@@ -101,7 +101,7 @@ std::vector<std::uint32_t> count_candidates(const scene::CompiledScene& scene, c
     for (std::size_t g; (g = next.fetch_add(1)) < groups.size();)
       for (int i = 0; i < width; ++i) {
         const auto exact = [](const shared::rc_float4& v) { return Vec(v.x, v.y, v.z); };
-        const Vec origin = exact(groups[g].origin), d0 = exact(groups[g].d0), du = exact(groups[g].du), dv = exact(groups[g].dv);
+        const Vec d0 = exact(groups[g].d0), origin = exact(groups[g].origin) - double{groups[g].d0.w} * d0, du = exact(groups[g].du), dv = exact(groups[g].dv);
         const double a = i - 0.5 * (width - 1);
         const std::array<Vec, 4> corner{d0 + (a - half_px) * du - half_px * dv, d0 + (a + half_px) * du - half_px * dv,
                                         d0 + (a + half_px) * du + half_px * dv, d0 + (a - half_px) * du + half_px * dv};

@@ -148,10 +148,11 @@ void EmbreeBaseline::primary(const PrimaryRays& rays, EmbreeMode mode, int threa
           const std::size_t live = std::min<std::size_t>(16, samples - 16 * p);
           for (int k = 0; k < 16; ++k) {
             const float a = centre + us[16 * p + k], b = vs[16 * p + k];
-            // The kernels' own two fused operations (kernels/geometry/samples.h): the same rays to the bit.
-            packet.ray.org_x[k] = std::fma(b, group.ov.x, group.origin.x);
-            packet.ray.org_y[k] = std::fma(b, group.ov.y, group.origin.y);
-            packet.ray.org_z[k] = std::fma(b, group.ov.z, group.origin.z);
+            // The kernels' own operations (kernels/geometry/samples.h): the same rays to the bit.
+            const float a_ahead = a * group.d0.w, b_ahead = b * group.d0.w;
+            packet.ray.org_x[k] = group.origin.x + std::fma(b, group.ov.x, std::fma(b_ahead, group.dv.x, a_ahead * group.du.x));
+            packet.ray.org_y[k] = group.origin.y + std::fma(b, group.ov.y, std::fma(b_ahead, group.dv.y, a_ahead * group.du.y));
+            packet.ray.org_z[k] = group.origin.z + std::fma(b, group.ov.z, std::fma(b_ahead, group.dv.z, a_ahead * group.du.z));
             packet.ray.dir_x[k] = std::fma(b, group.dv.x, std::fma(a, group.du.x, group.d0.x));
             packet.ray.dir_y[k] = std::fma(b, group.dv.y, std::fma(a, group.du.y, group.d0.y));
             packet.ray.dir_z[k] = std::fma(b, group.dv.z, std::fma(a, group.du.z, group.d0.z));

@@ -15,7 +15,7 @@ namespace raycube::bench {
 void run_embree_baseline(const Settings& settings, Report& report) {
   const auto scene = compile({terrain_mesh()}, {{kIdentity}});
   const auto camera = terrain_camera();
-  const auto groups = sensors::make_ray_groups(camera, 0, camera.lines);
+  const auto groups = sensors::make_ray_groups(camera, scene, 0, camera.lines);
   const PrimaryRays rays = primary_rays(camera, groups);
   const EmbreeBaseline embree(scene);
   report.add("terrain_triangles", scene.meshes[0].triangle_count, "");

@@ -42,7 +42,7 @@ KernelBuild kernel_build(const Settings& settings) {
   const cl::Context context(pick_device(settings.threads));
   const render::SceneBuffers buffers(context, park.scene);
   const int lines = std::min(4, instrument.lines);
-  const auto groups = sensors::make_ray_groups(instrument, 0, lines);
+  const auto groups = sensors::make_ray_groups(instrument, park.scene, 0, lines);
   const auto pixels = static_cast<std::uint32_t>(instrument.pixels * lines);
   render::TraceBuffers traced(context, shape, pixels, groups.size());
   traced.groups.write(groups);

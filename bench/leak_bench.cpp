@@ -23,7 +23,7 @@ void camera_rays(const Settings& settings, Report& report) {
   const auto scene = compile({terrain_mesh()}, {{kIdentity}});
   auto camera = terrain_camera();
   camera.sampler = scene::SamplerKind::jittered;  // other rays in every run
-  const auto groups = sensors::make_ray_groups(camera, 0, camera.lines);
+  const auto groups = sensors::make_ray_groups(camera, scene, 0, camera.lines);
   TraceRig rig(scene, camera, groups.size(), bench_sun(), settings.threads);
   rig.set_groups(groups);
   const double rays_per_run = static_cast<double>(groups.size()) * RC_GROUP_WIDTH * camera.samples_u * camera.samples_v;

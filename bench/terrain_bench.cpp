@@ -12,7 +12,7 @@ namespace raycube::bench {
 void run_terrain(const Settings& settings, Report& report) {
   const auto scene = compile({terrain_mesh()}, {{kIdentity}});
   const auto camera = terrain_camera();
-  const auto groups = sensors::make_ray_groups(camera, 0, camera.lines);
+  const auto groups = sensors::make_ray_groups(camera, scene, 0, camera.lines);
   TraceRig rig(scene, camera, groups.size(), bench_sun(), settings.threads);
   rig.set_groups(groups);
   rig.run();

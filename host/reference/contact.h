@@ -33,7 +33,11 @@ struct DoubleRay {
   double origin_slack_m = 0;
 };
 
-inline DoubleRay to_double(const Ray& ray) { return {to_double(ray.origin), to_double(ray.direction), 0}; }
+/// A ray with an offset may start where others round the sum of origin and offset to.
+inline DoubleRay to_double(const Ray& ray) {
+  const bool rounded = ray.offset != std::array<float, 3>{};
+  return {start_of(ray), to_double(ray.direction), rounded ? 2 * kUlp * glm::length(start_of(ray)) : 0};
+}
 
 /// A ray in the frame of an instance, with isotropic bounds of the rounding done on the way there.
 struct LocalRay {

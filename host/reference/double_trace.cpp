@@ -182,7 +182,7 @@ Visibility DoubleTracer::visibility(const DoubleRay& ray, const Hit& from) const
 }
 
 glm::dvec3 hit_point(const scene::CompiledScene& scene, const Ray& ray, const Hit& hit) {
-  return to_double(ray.origin) + contact_of(scene, to_double(ray), hit).t * to_double(ray.direction);
+  return start_of(ray) + contact_of(scene, to_double(ray), hit).t * to_double(ray.direction);
 }
 
 }  // namespace raycube::reference

@@ -106,7 +106,7 @@ EmbreeScene::~EmbreeScene() = default;
 namespace {
 
 void fill(RTCRay& out, const Ray& ray) {
-  out.org_x = ray.origin[0], out.org_y = ray.origin[1], out.org_z = ray.origin[2];
+  out.org_x = ray.origin[0] + ray.offset[0], out.org_y = ray.origin[1] + ray.offset[1], out.org_z = ray.origin[2] + ray.offset[2];
   out.dir_x = ray.direction[0], out.dir_y = ray.direction[1], out.dir_z = ray.direction[2];
   out.tnear = 0;
   out.tfar = std::numeric_limits<float>::infinity();

@@ -105,7 +105,7 @@ Visibility ReferenceScene::sees_in_double(const Sample& sample, const glm::dvec3
   const double ulp_m = point_ulp_m(sample);
   double slack_m = kOriginSlackUlp * ulp_m;
   if (!(compiled.instances[sample.hit.instance].flags & 1u)) {
-    const glm::dvec3 origin = to_double(sample.ray.origin);
+    const glm::dvec3 origin = start_of(sample.ray);
     slack_m += kSlideUlp * kUlp * (glm::length(origin) + glm::length(sample.point - origin));
   }
   // Seen edge-on, the point slides along the surface by more than it is off: 1 / cosine, though never off its triangle.
@@ -131,7 +131,7 @@ SampledPixel ReferenceScene::sample_pixel(const scene::Instrument& instrument, c
   SampledPixel pixel;
   pixel.number = address.line * static_cast<std::uint32_t>(instrument.pixels) + address.sample;
   const Ray center = sample_ray(address.group, address.lane, address.group_width, 0, 0);
-  pixel.sensor = to_double(center.origin);
+  pixel.sensor = sensor_of(address.group, center);
   pixel.to_sensor = -glm::normalize(to_double(center.direction));
   if (!(pixel.to_sensor.z > 0))
     throw base::Error(base::Fault::input, "instrument '" + instrument.name + "', line " + std::to_string(address.line) +

@@ -34,7 +34,7 @@ struct Sample {
 
 struct SampledPixel {
   std::uint32_t number = 0;      ///< line * pixels + sample: the key of its random numbers
-  glm::dvec3 sensor{0};          ///< m, scene frame: origin of the centre ray
+  glm::dvec3 sensor{0};          ///< m, scene frame: for the centre ray
   glm::dvec3 to_sensor{0};       ///< unit vector target -> sensor of the pixel's centre ray
   std::vector<Sample> samples;
 };

@@ -213,7 +213,7 @@ void Renderer::probe_hits(const scene::Instrument& instrument, std::uint64_t see
     base::throw_if_interrupted();
     HitProbe probe;
     probe.tile = tile;
-    TileRays rays = tile_rays(instrument, tile, shape.pixels_per_group);
+    TileRays rays = tile_rays(instrument, state_->scene, tile, shape.pixels_per_group);
     traced.groups.write(rays.groups);
     probe.groups = std::move(rays.groups);
     for (int chunk = 0; chunk < shape.chunks; ++chunk) {

@@ -15,8 +15,10 @@ std::array<plan::EnvironmentWeight, 4> TileWorker::environment_of(std::uint32_t 
   const auto d = centre_direction(pixel);
   const auto& group = groups_[pixel / layout_.width * layout_.groups_per_line +
                               pixel % layout_.width / static_cast<std::uint32_t>(setup_.shape.pixels_per_group)];
-  const double t = (double{plan.height.first} - group.origin.z) / d[2];
-  return plan::environment_at(plan.environment, group.origin.x + t * d[0], group.origin.y + t * d[1]);
+  // d - d0 is the pixel's place in its group: its ray starts that much beside the group's, times the way ahead.
+  const double ahead = group.d0.w, t = (double{plan.height.first} - (group.origin.z + ahead * (d[2] - group.d0.z))) / d[2];
+  return plan::environment_at(plan.environment, group.origin.x + ahead * (d[0] - group.d0.x) + t * d[0],
+                              group.origin.y + ahead * (d[1] - group.d0.y) + t * d[1]);
 }
 
 void TileWorker::write_environment(std::span<const std::array<plan::EnvironmentWeight, 4>> around, std::size_t first_item, RowBuffers& rows) {

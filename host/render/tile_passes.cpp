@@ -76,7 +76,7 @@ TilePasses::TilePasses(const RenderSetup& setup, int lines, int columns, std::si
 }
 
 std::vector<shared::RayGroup> TilePasses::groups_of(int first_line, int lines, int first_group, int groups) const {
-  const auto all = sensors::make_ray_groups(setup_.instrument, first_line, lines);
+  const auto all = sensors::make_ray_groups(setup_.instrument, setup_.scene, first_line, lines);
   const int per_line = sensors::groups_per_line(setup_.instrument);
   std::vector<shared::RayGroup> out;
   for (int line = 0; line < lines; ++line) out.insert(out.end(), all.begin() + line * per_line + first_group, all.begin() + line * per_line + first_group + groups);
@@ -88,7 +88,7 @@ const std::vector<float>& TilePasses::scale() {
   const int width = setup_.shape.pixels_per_group;
   std::vector<shared::RayGroup> groups;
   for (const Tile& tile : pick_tiles(setup_.instrument, setup_.seed, kScalePixels)) {
-    const auto rays = tile_rays(setup_.instrument, tile, width);
+    const auto rays = tile_rays(setup_.instrument, setup_.scene, tile, width);
     groups.insert(groups.end(), rays.groups.begin(), rays.groups.end());
   }
   const std::size_t bands = setup_.shape.bands;
@@ -171,7 +171,7 @@ void TilePasses::run(const Tile& tile, TileOutput out, PixelProbe* probe) {
   if (coarse_)
     run_adaptive(tile, out);
   else
-    run_pass(full_, tile_rays(setup_.instrument, tile, setup_.shape.pixels_per_group), out, probe);
+    run_pass(full_, tile_rays(setup_.instrument, setup_.scene, tile, setup_.shape.pixels_per_group), out, probe);
   for (std::size_t p = 0; layers && p < tile.pixels(); ++p) {
     float* at = out.truth + p * out.layers + layers_;
     at[1] = at[0] <= setup_.plan.tolerance ? 0.0f : 1.0f;  // an error that is not known has not converged

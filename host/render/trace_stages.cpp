@@ -94,8 +94,8 @@ std::string TraceStages::program_hash() const { return base::sha256_hex(identity
 std::string program_hash(const TraceStages& trace, const RowStages& rows) { return base::sha256_hex(trace.identity() + rows.identity()); }
 const std::string& TraceStages::options() const { return state_->options; }
 
-TileRays tile_rays(const scene::Instrument& instrument, const Tile& tile, int pixels_per_group) {
-  const auto all = sensors::make_ray_groups(instrument, tile.first_line, tile.lines);
+TileRays tile_rays(const scene::Instrument& instrument, const scene::CompiledScene& scene, const Tile& tile, int pixels_per_group) {
+  const auto all = sensors::make_ray_groups(instrument, scene, tile.first_line, tile.lines);
   const int image_groups = sensors::groups_per_line(instrument), per_line = (tile.columns + pixels_per_group - 1) / pixels_per_group;
   TileRays rays;
   rays.layout = {static_cast<std::uint32_t>(tile.columns), static_cast<std::uint32_t>(per_line), static_cast<std::uint32_t>(tile.lines)};

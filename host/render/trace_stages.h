@@ -19,7 +19,7 @@ struct TileRays {
   TileLayout layout;
   std::size_t pixels() const { return static_cast<std::size_t>(layout.lines) * layout.width; }
 };
-TileRays tile_rays(const scene::Instrument& instrument, const Tile& tile, int pixels_per_group);
+TileRays tile_rays(const scene::Instrument& instrument, const scene::CompiledScene& scene, const Tile& tile, int pixels_per_group);
 /// The last group of an image's line may bring pixels past its end; they are rendered like any other.
 TileRays listed_rays(std::vector<shared::RayGroup> groups, int pixels_per_group);
 

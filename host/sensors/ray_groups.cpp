@@ -98,6 +98,17 @@ shared::rc_float4 rounded(const glm::dvec3& v) {
   return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z), 0.0f};
 }
 
+constexpr double kClearance = 1e-5, kClearance_m = 1;  // rays start this far above the scene: a part of the sensor's height, and
+
+// How far ahead of the sensor, in units of d, the rays of a group may start with all of its field still above top_m.
+float ahead_of(const Plane& plane, double top_m, double half_a, double half_b) {
+  const double lowest = plane.origin_m.z - half_b * std::abs(plane.ov.z);
+  const double steepest = -plane.d.z + half_a * std::abs(plane.du.z) + half_b * std::abs(plane.dv.z);
+  const double way = lowest - top_m - kClearance_m - kClearance * std::abs(lowest);
+  if (!(way > 0 && steepest > 0 && plane.d.z < 0)) return 0;
+  return static_cast<float>(way / steepest * (1 - kClearance));
+}
+
 }  // namespace
 
 int pixels_per_group(const scene::Instrument& instrument) {
@@ -113,7 +124,7 @@ std::uint32_t pixel_number(const scene::Instrument& instrument, int line, int sa
   return static_cast<std::uint32_t>(line) * static_cast<std::uint32_t>(instrument.pixels) + static_cast<std::uint32_t>(sample);
 }
 
-std::vector<shared::RayGroup> make_ray_groups(const scene::Instrument& instrument, int first_line, int line_count) {
+std::vector<shared::RayGroup> make_ray_groups(const scene::Instrument& instrument, int first_line, int line_count, double top_m) {
   check_poses(instrument);
   if (first_line < 0 || line_count < 0 || line_count > instrument.lines - first_line)
     throw base::Error(base::Fault::bug, "instrument '" + instrument.name + "': lines " + std::to_string(first_line) + " + " +
@@ -126,10 +137,17 @@ std::vector<shared::RayGroup> make_ray_groups(const scene::Instrument& instrumen
   for (int line = first_line; line < first_line + line_count; ++line)
     for (int group = 0; group < per_line; ++group) {
       const Plane plane = plane_at(instrument, line, group * width + 0.5 * (width - 1), moving);
-      groups.push_back({rounded(plane.origin_m), rounded(plane.d), rounded(plane.du), rounded(plane.dv), rounded(plane.ov)});
+      const double half = 0.5 * std::max(1.0, instrument.psf_support_px);
+      const float ahead = ahead_of(plane, top_m, 0.5 * (width - 1) + half, half);
+      groups.push_back({rounded(plane.origin_m + static_cast<double>(ahead) * plane.d), rounded(plane.d), rounded(plane.du), rounded(plane.dv), rounded(plane.ov)});
+      groups.back().d0.w = ahead;
       groups.back().origin.w = std::bit_cast<float>(pixel_number(instrument, line, group * width));
     }
   return groups;
+}
+
+std::vector<shared::RayGroup> make_ray_groups(const scene::Instrument& instrument, const scene::CompiledScene& scene, int first_line, int line_count) {
+  return make_ray_groups(instrument, first_line, line_count, scene.lo[2] <= scene.hi[2] ? scene.hi[2] : std::numeric_limits<double>::infinity());
 }
 
 Ray pixel_ray(const scene::Instrument& instrument, int line, int sample, double u, double v) {

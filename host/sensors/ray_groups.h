@@ -2,6 +2,7 @@
 #pragma once
 
 #include <glm/vec3.hpp>
+#include <limits>
 #include <vector>
 
 #include "kernels/shared/structs.h"
@@ -20,9 +21,13 @@ int groups_per_line(const scene::Instrument& instrument);
 std::uint32_t pixel_number(const scene::Instrument& instrument, int line, int sample);
 
 /// Groups of lines first_line .. first_line + line_count - 1, line by line. Each depends on its line alone, so any split
-/// of the image into tiles gives the same bits. Throws Error(input) when the poses do not match the image, Error(bug)
-/// when the lines lie outside it.
-std::vector<shared::RayGroup> make_ray_groups(const scene::Instrument& instrument, int first_line, int line_count);
+/// of the image into tiles gives the same bits. `top_m`: nothing of the scene lies above this height (scene frame); rays of a
+/// sensor far above start there, where fp32 is fine (RayGroup.d0.w); by default at the sensor. All that must see the same rays, bit for bit,
+/// give the same. Throws Error(input) when the poses do not match the image, Error(bug) when the lines lie outside it.
+std::vector<shared::RayGroup> make_ray_groups(const scene::Instrument& instrument, int first_line, int line_count,
+                                              double top_m = std::numeric_limits<double>::infinity());
+/// The same for a scene's own top.
+std::vector<shared::RayGroup> make_ray_groups(const scene::Instrument& instrument, const scene::CompiledScene& scene, int first_line, int line_count);
 
 /// A ray o + t d in the scene frame; d lies on the image plane at distance 1 and is not normalised.
 struct Ray {

@@ -17,11 +17,11 @@ namespace {
 constexpr rc_u32 kSeedDimension = 47;  ///< of the hash: no sampler uses it
 constexpr int kHalves = 2;
 
-std::vector<reference::PixelAddress> addresses(const scene::Instrument& instrument, const std::vector<render::Tile>& tiles) {
+std::vector<reference::PixelAddress> addresses(const scene::Instrument& instrument, const scene::CompiledScene& scene, const std::vector<render::Tile>& tiles) {
   const int width = sensors::pixels_per_group(instrument), per_line = sensors::groups_per_line(instrument);
   std::vector<reference::PixelAddress> out;
   for (const render::Tile& tile : tiles) {
-    const auto groups = sensors::make_ray_groups(instrument, tile.first_line, tile.lines);
+    const auto groups = sensors::make_ray_groups(instrument, scene, tile.first_line, tile.lines);
     for (int line = 0; line < tile.lines; ++line)
       for (int column = tile.first_column; column < tile.first_column + tile.columns; ++column) {
         reference::PixelAddress& address = out.emplace_back();
@@ -53,7 +53,7 @@ Converged converge(const scene::Simulation& simulation, const scene::Instrument&
   for (int half = 0; half < kHalves; ++half)
     models.emplace_back(scene, plan, table, simulation.atmosphere.none, low, high, settings.directions, reference::SkyShare{settings.per_sample, half * turn});
 
-  const std::vector<reference::PixelAddress> pixels = addresses(instrument, tiles);
+  const std::vector<reference::PixelAddress> pixels = addresses(instrument, simulation.scene, tiles);
   Converged out;
   out.bands = plan.bands.size();
   out.radiance.resize(pixels.size() * out.bands);

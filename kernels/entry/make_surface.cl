@@ -34,7 +34,7 @@ RC_BODY make_surface_body(uint index, MAKE_SURFACE_PARAMETERS) {
         for (uint c = 0; c < 9u; ++c) g.corner[c][k] = at[16u * c];
         float a, b;
         rc_group_sample(seed, place.number + p, p, first_sample + word * 16u + k, &a, &b);
-        const float4 o = rc_group_origin(group, b), d = rc_group_direction(group, a, b);
+        const float4 o = group.origin + rc_group_offset(group, a, b), d = rc_group_direction(group, a, b);
         g.origin[0][k] = o.x;
         g.origin[1][k] = o.y;
         g.origin[2][k] = o.z;

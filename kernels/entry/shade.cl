@@ -123,7 +123,8 @@ RC_BODY shade_body(uint item, SHADE_PARAMETERS) {
   uint surface_id[RC_NPAD];
 
   const uint line = pixel / tile_width, column = pixel - line * tile_width;
-  const float4 origin = groups[line * groups_per_line + column / RC_PIXELS_PER_GROUP].origin;
+  const RayGroup rays = groups[line * groups_per_line + column / RC_PIXELS_PER_GROUP];
+  const float4 sensor = fma((float4)(-rays.d0.w), rays.d0, rays.origin);  /* of a moving pose: at the pixel's middle */
 
 #if SOLAR_COMPONENTS > 0
   float last_x = 2.0f, last_y = 2.0f, last_z = 2.0f;
@@ -201,7 +202,7 @@ RC_BODY shade_body(uint item, SHADE_PARAMETERS) {
       const float16 e = vload16(g, value[RC_SUN + m]) - vload16(g, blocked + m * RC_NPAD);
       rc_store16(masked(weight * e, hit), g, value[RC_SUN + m]);
     }
-    const float16 rx = px - origin.x, ry = py - origin.y, rz = pz - origin.z;
+    const float16 rx = px - sensor.x, ry = py - sensor.y, rz = pz - sensor.z;
     const float16 range = sqrt(fma(rx, rx, fma(ry, ry, rz * rz)));
     t_hit += w_hit;
     t_sun += masked(weight, lit);

@@ -52,7 +52,7 @@ RC_BODY trace_primary_body(uint index, TRACE_PRIMARY_PARAMETERS) {
       if (k < sample_count) {
         float a, b;
         rc_group_sample(seed, place.number + p, p, first_sample + k, &a, &b);
-        hit = rc_trace_ray(scene, rc_group_origin(group, b), rc_group_direction(group, a, b), false);
+        hit = rc_trace_from(scene, group.origin, rc_group_offset(group, a, b), rc_group_direction(group, a, b), false);
       }
       out[k] = hit.instance;
       out[RC_NPAD + k] = hit.primitive;

@@ -49,9 +49,11 @@ RC_ALWAYS static inline uint rc_cull_boxes(const Cull* cull, int planes, global 
   return rc_mask8(least >= 0.0f) & ((1u << node->count) - 1u);
 }
 
-/* A map from a frame to plane coordinates: rows applied to p - origin. */
+/* A map from a frame to plane coordinates: rows applied to p - origin. Perspective: the distance is z = ahead + its row. */
 typedef struct Projection {
   float4 origin, a, b, z;
+  float ahead;
+  float near_0, near_1, near_slack;  /* nearness: (near_0 + near_1 (z - ahead)) / z, rc_set_nearness; its error for surfaces far from edge-on */
   float error, error_growth, error_square;  /* with m = max(|a|, |b|): error + error_growth m + error_square m^2, in plane units */
 } Projection;
 
@@ -69,7 +71,7 @@ static inline float16 rc_project_row(float4 row, float16 x, float16 y, float16 z
   return fma((float16)(row.x), x, fma((float16)(row.y), y, (float16)(row.z) * z));
 }
 
-/* perspective: a and b are divided by z and the depth is 1 / z; else the depth is z. */
+/* perspective: a and b are divided by z and the depth is the nearness; else the depth is z. */
 RC_ALWAYS static inline Setup rc_setup_block(const Projection* map, global const TriBlock* block, bool perspective) {
   global const float* at = (global const float*)block;
   float16 a[3], b[3], q[3];
@@ -82,10 +84,11 @@ RC_ALWAYS static inline Setup rc_setup_block(const Projection* map, global const
     b[i] = rc_project_row(map->b, x, y, z);
     q[i] = rc_project_row(map->z, x, y, z);
     if (perspective) {
-      front &= q[i] > 0.0f;
-      q[i] = 1.0f / q[i];
-      a[i] *= q[i];
-      b[i] *= q[i];
+      const float16 distance = q[i] + map->ahead, inverse = 1.0f / distance;
+      front &= distance > 0.0f;
+      a[i] *= inverse;
+      b[i] *= inverse;
+      q[i] = fma((float16)(map->near_1), q[i], (float16)(map->near_0)) * inverse;
     }
   }
   Setup s;

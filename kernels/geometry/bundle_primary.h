@@ -1,4 +1,4 @@
-/* A group's primary rays, all from one origin, through one traversal of the two-level tree. A buffer of 1 / t and ids, one slot
+/* A group's primary rays, all from one origin, through one traversal of the two-level tree. A buffer of nearness and ids, one slot
  * per sample, keeps the closest hits. */
 #ifndef RAYCUBE_KERNELS_GEOMETRY_BUNDLE_PRIMARY_H
 #define RAYCUBE_KERNELS_GEOMETRY_BUNDLE_PRIMARY_H
@@ -20,7 +20,9 @@ static inline void rc_primary_group(SceneArrays scene, GroupFrame* frame, Closes
   placed.rows = frame->rows;
   placed.columns = frame->columns;
 #endif
-  rc_frame_group(frame, &world_cull);
+  rc_frame_group(scene, 0u, frame, &world_cull);
+  placed.map.near_0 = frame->map.near_0;
+  placed.map.near_1 = frame->map.near_1;
   const GroupFrame* here = frame;
   const Cull* cull = &world_cull;
   Pending pending;
@@ -50,7 +52,7 @@ static inline void rc_primary_group(SceneArrays scene, GroupFrame* frame, Closes
         placed.rays.d0 = rc_map_vector(r0, r1, r2, frame->rays.d0);
         placed.rays.du = rc_map_vector(r0, r1, r2, frame->rays.du);
         placed.rays.dv = rc_map_vector(r0, r1, r2, frame->rays.dv);
-        rc_frame_group(&placed, &placed_cull);
+        rc_frame_group(scene, moved->root, &placed, &placed_cull);
         here = &placed;
         cull = &placed_cull;
       }

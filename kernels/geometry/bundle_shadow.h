@@ -177,7 +177,7 @@ static inline uint rc_block_word(const ShadowFrame* frame, const Points* points,
   const float16 b[3] = {(float16)(at[48 + x]), (float16)(at[48 + y]), (float16)(at[48 + z])};
   const float16 c[3] = {(float16)(at[96 + x]), (float16)(at[96 + y]), (float16)(at[96 + z])};
   float16 t;
-  return rc_hit_pairs(a, b, c, o, (float16)(frame->ray.sx), (float16)(frame->ray.sy), (float16)(frame->ray.sz), &t);
+  return rc_hit_pairs(a, b, c, o, 0, (float16)(frame->ray.sx), (float16)(frame->ray.sy), (float16)(frame->ray.sz), &t);
 }
 
 static inline bool rc_points_left(const Points* points) {

@@ -45,7 +45,7 @@ static inline void rc_primary_block(SceneArrays scene, const GroupFrame* frame, 
   RC_LINE uint left_of[16], above_of[16];
   rc_store16(convert_uint16(left), 0, left_of);
   rc_store16(convert_uint16(above), 0, above_of);
-  const float16 slack = rc_near_slack(&s);
+  const float16 slack = rc_near_slack(&frame->map, &s);
 
   if (small_bits) {
     #pragma unroll 1

@@ -130,7 +130,7 @@ static inline void rc_primary_block(SceneArrays scene, const GroupFrame* frame, 
     rc_pack16(s.q1, lanes, c->q1 + at);
     rc_pack16(s.q2, lanes, c->q2 + at);
     rc_pack16(s.band, lanes, c->band + at);
-    rc_pack16(rc_near_slack(&s), lanes, c->slack + at);
+    rc_pack16(rc_near_slack(&frame->map, &s), lanes, c->slack + at);
     rc_pack16(s.lo_a, lanes, c->lo_a + at);
     rc_pack16(s.hi_a, lanes, c->hi_a + at);
     rc_pack16(s.lo_b, lanes, c->lo_b + at);

@@ -21,12 +21,12 @@ static inline float rc_tree_reach(global const BvhNode* root) {
 
 /* How far outside a box, in ulp of M = the tree's reach plus the largest coordinate of the ray's origin, a ray may pass and
  * still be given a hit by rc_hit_block, plus what the box test itself rounds. In a mesh's frame, at the depth of the hit:
- *   5   the sheared corners: difference 1, quotient of the shear 1, its product and sum 3 (the shear is at most 1);
+ *   6   the sheared corners: difference 1, quotient of the shear 1, its product and sum 3 (the shear is at most 1), less the offset 1;
  *   24  edge functions: two products that round to one number count as zero, so a ray is inside while no farther from an edge
  *       than 2 ulp |b| |c| / |b - c|: for the longest edge E of a triangle around it at most 1.4 E, E at most 5.7 M, and three
  *       times that beyond a corner (half as much again where two edges meet at right angles, less at slivers);
- *   4   here: origin plus slack 1, difference 1, inverse 1, product 1.
- * 33, doubled. Slack moves the ray's origin, not every box, so that a box costs no operation more, and being absolute it holds
+ *   5   here: origin plus offset 1, plus slack 1, difference 1, inverse 1, product 1.
+ * 34, doubled. Slack moves the ray's origin, not every box, so that a box costs no operation more, and being absolute it holds
  * where a ray runs in a face or starts there: a share of the distance is nothing at distance 0. A direction component of zero
  * has the inverse 1e18: inside the slab by the slack, its interval is -+6e-8 M 1e18, longer than any scene.
  * Rounding is monotone and child boxes lie inside their parents, so a ray that meets a leaf's box meets all above it.
@@ -41,10 +41,10 @@ static inline float rc_tree_reach(global const BvhNode* root) {
 
 /* Sets the origins that box tests use. */
 static inline void rc_slacken(Ray* ray, float reach, float ulps) {
-  const float4 size = fabs(ray->origin);
+  const float4 start = ray->origin + ray->offset, size = fabs(ray->origin) + fabs(ray->offset);
   const float4 slack = (float4)(ulps * RC_ULP * (reach + fmax(size.x, fmax(size.y, size.z))));
-  ray->lo_origin = ray->origin + slack;
-  ray->hi_origin = ray->origin - slack;
+  ray->lo_origin = start + slack;
+  ray->hi_origin = start - slack;
 }
 
 /* Boxes of a node that the ray meets, within its slack, at a distance below t_max. */
@@ -83,6 +83,7 @@ static inline void rc_trace_instance(SceneArrays scene, uint instance, Ray world
   if (!(placed->flags & 1u)) {
     const float4 r0 = placed->local_from_world_0, r1 = placed->local_from_world_1, r2 = placed->local_from_world_2;
     ray = rc_make_ray(rc_map_point(r0, r1, r2, world.origin), rc_map_vector(r0, r1, r2, world.direction));
+    if (RC_OFFSETS) ray.offset = rc_map_vector(r0, r1, r2, world.offset);
   }
   rc_slacken(&ray, rc_tree_reach(rc_node(scene, placed->root)), RC_MESH_SLACK);
   uint top = base;
@@ -98,7 +99,7 @@ static inline void rc_trace_instance(SceneArrays scene, uint instance, Ray world
         continue;
       }
       float16 t;
-      const uint lanes = rc_hit_block(ray, rc_block(scene, child), &t);
+      const uint lanes = rc_hit_block(ray, RC_OFFSETS, rc_block(scene, child), &t);
       if (lanes) rc_take_closest(hit, instance, child, lanes, t);
       if (any && lanes) return;
     }
@@ -106,13 +107,14 @@ static inline void rc_trace_instance(SceneArrays scene, uint instance, Ray world
 }
 
 /* Not inlined, for compile time; unused where all rays go in bundles. Closest hit; with `any` set, returns at the first hit
- * found, whichever it is. */
-__attribute__((noinline, unused)) static Hit rc_trace_ray(SceneArrays scene, float4 origin, float4 direction, bool any) {
+ * found, whichever it is. The offset counts where RC_OFFSETS is set. */
+__attribute__((noinline, unused)) static Hit rc_trace_from(SceneArrays scene, float4 origin, float4 offset, float4 direction, bool any) {
   Hit hit;
   hit.t = INFINITY;
   hit.instance = RC_NONE;
   hit.primitive = RC_NONE;
   Ray world = rc_make_ray(origin, direction);
+  if (RC_OFFSETS) world.offset = offset;
   rc_slacken(&world, rc_tree_reach(rc_node(scene, 0u)), RC_WORLD_SLACK);
   uint stack[RC_STACK];
   uint top = 1;
@@ -134,6 +136,10 @@ __attribute__((noinline, unused)) static Hit rc_trace_ray(SceneArrays scene, flo
     }
   }
   return hit;
+}
+
+static inline Hit rc_trace_ray(SceneArrays scene, float4 origin, float4 direction, bool any) {
+  return rc_trace_from(scene, origin, (float4)(0.0f), direction, any);
 }
 
 #endif

@@ -21,7 +21,7 @@ static inline GroupPlace rc_group_place(global const RayGroup* groups, uint grou
   return place;
 }
 
-/* A group's rays, without the number: as a float it would be subnormal, which is slow. */
+/* A group's rays, without the number: as a float it would be subnormal, which is slow. d0.w stays: how far ahead of the sensor they start. */
 static inline RayGroup rc_group_rays(global const RayGroup* groups, uint group) {
   RayGroup rays = groups[group];
   rays.origin.w = 0.0f;
@@ -37,15 +37,20 @@ static inline void rc_group_sample(uint seed, uint number, uint p, uint s, float
 }
 
 static inline float4 rc_group_direction(RayGroup g, float a, float b) {
-  return fma((float4)(b), g.dv, fma((float4)(a), g.du, g.d0));
+  float4 direction = fma((float4)(b), g.dv, fma((float4)(a), g.du, g.d0));
+  direction.w = 0.0f;
+  return direction;
 }
 
-static inline float4 rc_group_origin(RayGroup g, float b) {
+/* Where the ray of (a, b) starts, from the group's origin: as far ahead of the sensor as that, near what it will meet. A start 20 km off
+ * would round every difference from it to 1 mm. */
+static inline float4 rc_group_offset(RayGroup g, float a, float b) {
+  float4 offset = fma((float4)(b * g.d0.w), g.dv, (float4)(a * g.d0.w) * g.du);
 #if RC_MOVING
-  return fma((float4)(b), g.ov, g.origin);
-#else
-  return g.origin;
+  offset = fma((float4)(b), g.ov, offset);
 #endif
+  offset.w = 0.0f;
+  return offset;
 }
 
 #endif

@@ -35,7 +35,7 @@ static inline bool rc_ray_meets(SceneArrays scene, uint root, Ray ray, uint* sta
     }
     for (; leaves; leaves &= leaves - 1u) {
       float16 t;
-      if (rc_hit_block(ray, rc_block(scene, node->child[rc_lowest(leaves)]), &t)) return true;
+      if (rc_hit_block(ray, false, rc_block(scene, node->child[rc_lowest(leaves)]), &t)) return true;
     }
   }
   return false;

@@ -94,6 +94,8 @@
 #ifndef RC_BUNDLE
 #define RC_BUNDLE 1
 #endif
+/* Single rays that may start apart from their group's origin. */
+#define RC_OFFSETS (RC_MOVING || !RC_BUNDLE)
 #define RC_NPAD (((RC_CHUNK) + 15) / 16 * 16)
 #define RC_NWORDS (RC_NPAD / 16)
 

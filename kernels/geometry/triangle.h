@@ -11,6 +11,7 @@
 /* A ray in one frame, with what the tests need. Axes are numbered x y z = 0 1 2. */
 typedef struct Ray {
   float4 origin, direction;  /* m; direction of any length, not zero */
+  float4 offset;             /* m, small: the ray starts at origin + offset, a sum that is never rounded */
   float4 inverse;            /* 1 / direction, finite: zeros become 1e18 with their sign */
   int kx, ky, kz;            /* kz: largest direction component */
   float sx, sy, sz;          /* shear and scale of Woop's transform */
@@ -25,6 +26,7 @@ static inline Ray rc_make_ray(float4 origin, float4 direction) {
   Ray ray;
   ray.origin = origin;
   ray.direction = direction;
+  ray.offset = (float4)(0.0f);
   ray.inverse = (float4)(rc_safe_inverse(direction.x), rc_safe_inverse(direction.y), rc_safe_inverse(direction.z), 0.0f);
   const float x = fabs(direction.x), y = fabs(direction.y), z = fabs(direction.z);
   ray.kz = z >= x && z >= y ? 2 : y >= x ? 1 : 0;
@@ -58,14 +60,26 @@ static inline float16 rc_ahead16(const float16* e1, const float16* e2, const flo
   return select(-from_origin, from_origin, along > 0.0f);
 }
 
-/* The test itself, 16 pairs of a ray and a triangle. a, b, c: corners, o: origin, all in the axes of the ray (kx, ky, kz); sx,
- * sy, sz: its shear and scale. Bit i: pair i hits at a distance *t above 0; *t is set when a bit is. */
-RC_ALWAYS static inline uint rc_hit_pairs(const float16* a, const float16* b, const float16* c, const float16* o, float16 sx,
+/* The test itself, 16 pairs of a ray and a triangle. a, b, c: corners, o: origin, all in the axes of the ray (kx, ky, kz); off: its offset
+ * there, or 0 (the pointer) for none; sx, sy, sz: its shear and scale. Bit i: pair i hits at a distance *t above 0; *t is set when a bit is. */
+RC_ALWAYS static inline uint rc_hit_pairs(const float16* a, const float16* b, const float16* c, const float16* o, const float16* off, float16 sx,
                                           float16 sy, float16 sz, float16* t) {
-  const float16 az = a[2] - o[2], bz = b[2] - o[2], cz = c[2] - o[2];
-  const float16 ax = fma(-sx, az, a[0] - o[0]), ay = fma(-sy, az, a[1] - o[1]);
-  const float16 bx = fma(-sx, bz, b[0] - o[0]), by = fma(-sy, bz, b[1] - o[1]);
-  const float16 cx = fma(-sx, cz, c[0] - o[0]), cy = fma(-sy, cz, c[1] - o[1]);
+  float16 az = a[2] - o[2], bz = b[2] - o[2], cz = c[2] - o[2];
+  float16 ax = fma(-sx, az, a[0] - o[0]), ay = fma(-sy, az, a[1] - o[1]);
+  float16 bx = fma(-sx, bz, b[0] - o[0]), by = fma(-sy, bz, b[1] - o[1]);
+  float16 cx = fma(-sx, cz, c[0] - o[0]), cy = fma(-sy, cz, c[1] - o[1]);
+  if (off) {  /* shear is linear: the offset's is taken off after it */
+    const float16 x = fma(-sx, off[2], off[0]), y = fma(-sy, off[2], off[1]);
+    ax -= x;
+    bx -= x;
+    cx -= x;
+    ay -= y;
+    by -= y;
+    cy -= y;
+    az -= off[2];
+    bz -= off[2];
+    cz -= off[2];
+  }
   const float16 u = cx * by - cy * bx, v = ax * cy - ay * cx, w = bx * ay - by * ax;
   const float16 least = rc_min16(u, rc_min16(v, w)), most = rc_max16(u, rc_max16(v, w));
   const float16 det = u + (v + w);
@@ -74,12 +88,12 @@ RC_ALWAYS static inline uint rc_hit_pairs(const float16* a, const float16* b, co
   /* Interpolated, it may fall behind where the plane lies ahead: such a hit is at the origin. */
   *t = rc_max16(fma(u, az, fma(v, bz, w * cz)) * sz / det, (float16)(1e-30f));
   const float16 e1[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, e2[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
-  const float16 p[3] = {a[0] - o[0], a[1] - o[1], az};
+  const float16 p[3] = {off ? (a[0] - o[0]) - off[0] : a[0] - o[0], off ? (a[1] - o[1]) - off[1] : a[1] - o[1], az};
   return rc_mask16(inside & (rc_ahead16(e1, e2, p, sx, sy, sz) > 0.0f));
 }
 
-/* One ray against the 16 triangles of a block. */
-static inline uint rc_hit_block(Ray ray, global const TriBlock* block, float16* t) {
+/* One ray against the 16 triangles of a block. offset: whether the ray may have one; without, it is not looked at. */
+RC_ALWAYS static inline uint rc_hit_block(Ray ray, bool offset, global const TriBlock* block, float16* t) {
   global const float* at = (global const float*)block;
   const int x = 16 * ray.kx, y = 16 * ray.ky, z = 16 * ray.kz;
   const float16 a[3] = {vload16(0, at + x), vload16(0, at + y), vload16(0, at + z)};
@@ -87,7 +101,9 @@ static inline uint rc_hit_block(Ray ray, global const TriBlock* block, float16* 
   const float16 c[3] = {vload16(0, at + 96 + x), vload16(0, at + 96 + y), vload16(0, at + 96 + z)};
   const float16 o[3] = {(float16)(rc_component(ray.origin, ray.kx)), (float16)(rc_component(ray.origin, ray.ky)),
                         (float16)(rc_component(ray.origin, ray.kz))};
-  return rc_hit_pairs(a, b, c, o, (float16)(ray.sx), (float16)(ray.sy), (float16)(ray.sz), t);
+  const float16 off[3] = {(float16)(rc_component(ray.offset, ray.kx)), (float16)(rc_component(ray.offset, ray.ky)),
+                          (float16)(rc_component(ray.offset, ray.kz))};
+  return rc_hit_pairs(a, b, c, o, offset ? off : 0, (float16)(ray.sx), (float16)(ray.sy), (float16)(ray.sz), t);
 }
 
 #endif

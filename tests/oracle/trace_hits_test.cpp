@@ -100,6 +100,37 @@ TEST_CASE("S7: moving poses: the origin changes across the line") {
   require_right(soup(), shape, groups);
 }
 
+// The same rays, begun where the centre ray passes the height `top`.
+std::vector<shared::RayGroup> ahead(std::vector<shared::RayGroup> groups, double top) {
+  for (auto& group : groups) {
+    group.d0.w = static_cast<float>((double{group.origin.z} - top) / -double{group.d0.z});
+    const auto start = [&group](float o, float d) { return static_cast<float>(o + double{group.d0.w} * d); };
+    group.origin = {start(group.origin.x, group.d0.x), start(group.origin.y, group.d0.y), start(group.origin.z, group.d0.z), group.origin.w};
+  }
+  return groups;
+}
+
+// Bounds of judge_hits are relative to where rays start: 1e-5 m here, whatever the sensor's height. From 700 km itself they are 1 m.
+TEST_CASE("S7: rays of sensors 60 m, 20 km and 700 km up that start above the scene: every form gives the oracle's hits") {
+  const auto scene = soup();
+  struct Form {
+    int sampler, group_pixels;
+    float support;
+    bool bundle, moving;
+  };
+  for (const double height : {60.0, 2e4, 7e5})
+    for (const Form& form : {Form{RC_SAMPLER_GRID, 4, 1, true, false}, Form{RC_SAMPLER_GRID, 4, 3, true, false}, Form{RC_SAMPLER_JITTERED, 4, 1, true, false},
+                             Form{RC_SAMPLER_LATTICE, 1, 3, true, false}, Form{RC_SAMPLER_GRID, 4, 1, false, false}, Form{RC_SAMPLER_GRID, 4, 1, true, true}}) {
+      TraceShape shape = tile(24, 21, 8, 8);
+      shape.sampler = form.sampler, shape.support = form.support, shape.group_pixels = form.group_pixels, shape.bundle = form.bundle, shape.moving = form.moving;
+      INFO("height " << height << " m, sampler " << form.sampler << ", support " << form.support << ", bundle " << form.bundle << ", moving " << form.moving);
+      auto groups = ahead(test::nadir_groups(shape, 0.3, -0.2, height, 0.5, height, 0.6 / height), 12);
+      if (form.moving)
+        for (auto& group : groups) group.ov = {0.3f, -0.7f, 0.1f, 0};
+      require_right(scene, shape, groups);
+    }
+}
+
 TEST_CASE("S7: from inside, triangles behind and beside the sensor, wide fields of view") {
   const auto scene = soup();
   TraceShape shape = tile(40, 30, 4, 4);

@@ -55,7 +55,8 @@ TEST_CASE("S8: surface points lie on the viewer's side of their triangle, within
     const std::uint32_t set = rc_hash(shape.seed, pixel, 0, 21) % kSets;
     for (std::uint32_t s = 0; s < n; ++s) {
       const float* at = surface.data() + std::size_t{pixel} * 6 * n + s;
-      const float point[3] = {at[0], at[n], at[2 * n]}, normal[3] = {at[3 * n], at[4 * n], at[5 * n]};
+      const double point[3] = {at[0], at[n], at[2 * n]};
+      const float normal[3] = {at[3 * n], at[4 * n], at[5 * n]};
       const bool seen = mask[pixel * n / 16 + s / 16] >> (s % 16) & 1;
       if (hits[pixel * 2 * n + s] == RC_NONE) {
         CHECK(normal[2] == 0);

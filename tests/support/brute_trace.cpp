@@ -7,18 +7,19 @@ namespace {
 
 constexpr const char* kBruteSource = R"(
 static Hit brute(global const TriBlock* blocks, global const Instance* instances, global const uint* ranges, uint count,
-                 float4 origin, float4 direction) {
+                 float4 origin, float4 offset, float4 direction) {
   Hit hit;
   hit.t = INFINITY;
   hit.instance = hit.primitive = RC_NONE;
   for (uint i = 0; i < count; ++i) {
     global const Instance* placed = instances + i;
     const float4 r0 = placed->local_from_world_0, r1 = placed->local_from_world_1, r2 = placed->local_from_world_2;
-    const Ray ray = placed->flags & 1u ? rc_make_ray(origin, direction)
-                                       : rc_make_ray(rc_map_point(r0, r1, r2, origin), rc_map_vector(r0, r1, r2, direction));
+    Ray ray = placed->flags & 1u ? rc_make_ray(origin, direction)
+                                 : rc_make_ray(rc_map_point(r0, r1, r2, origin), rc_map_vector(r0, r1, r2, direction));
+    ray.offset = placed->flags & 1u ? offset : rc_map_vector(r0, r1, r2, offset);
     for (uint b = ranges[2 * i]; b < ranges[2 * i + 1]; ++b) {
       float16 t;
-      const uint lanes = rc_hit_block(ray, blocks + b, &t);
+      const uint lanes = rc_hit_block(ray, true, blocks + b, &t);
       if (lanes) rc_take_closest(&hit, i, b, lanes, t);
     }
   }
@@ -38,7 +39,7 @@ kernel void brute_primary(global const TriBlock* blocks, global const Instance* 
       if (k < RC_NU * RC_NV) {
         float a, b;
         rc_group_sample(seed, place.number + p, p, k, &a, &b);
-        hit = brute(blocks, instances, ranges, count, rc_group_origin(group, b), rc_group_direction(group, a, b));
+        hit = brute(blocks, instances, ranges, count, group.origin, rc_group_offset(group, a, b), rc_group_direction(group, a, b));
       }
       out[k] = hit.instance;
       out[RC_NPAD + k] = hit.primitive;
@@ -56,7 +57,7 @@ kernel void brute_sun(global const TriBlock* blocks, global const Instance* inst
       const float4 normal = (float4)(in[3 * RC_NPAD + k], in[4 * RC_NPAD + k], in[5 * RC_NPAD + k], 0.0f);
       const float4 point = (float4)(in[k], in[RC_NPAD + k], in[2 * RC_NPAD + k], 0.0f);
       if (!(fma(sun.x, normal.x, fma(sun.y, normal.y, sun.z * normal.z)) > 0.0f)) continue;
-      if (brute(blocks, instances, ranges, count, point, sun).instance == RC_NONE) seen |= 1u << (k % 16u);
+      if (brute(blocks, instances, ranges, count, point, (float4)(0.0f), sun).instance == RC_NONE) seen |= 1u << (k % 16u);
     }
     sun_mask[(size_t)pixel * RC_NWORDS + word] = (ushort)seen;
   }

@@ -29,7 +29,7 @@ double map_size(const shared::rc_float4* m, const V& p, double w) {
 
 }  // namespace
 
-DoubleTest DoubleTracer::test(std::uint32_t instance, std::uint32_t primitive, const float (&origin)[3], const float (&direction)[3]) const {
+DoubleTest DoubleTracer::test(std::uint32_t instance, std::uint32_t primitive, const double (&origin)[3], const float (&direction)[3]) const {
   const shared::Instance& placed = scene_.instances[instance];
   const shared::TriBlock& block = scene_.blocks[primitive / 16];
   const std::uint32_t lane = primitive % 16;
@@ -66,7 +66,7 @@ DoubleTest DoubleTracer::test(std::uint32_t instance, std::uint32_t primitive, c
 
 // Calls take(instance, primitive, t) for every triangle that the ray hits; the ray is mapped once per instance.
 template <typename Take>
-void DoubleTracer::for_hits(const float (&origin)[3], const float (&direction)[3], Take take) const {
+void DoubleTracer::for_hits(const double (&origin)[3], const float (&direction)[3], Take take) const {
   for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) {
     const shared::Instance& placed = scene_.instances[i];
     const auto& mesh = scene_.meshes[placed.mesh];
@@ -92,7 +92,7 @@ void DoubleTracer::for_hits(const float (&origin)[3], const float (&direction)[3
   }
 }
 
-DoubleHit DoubleTracer::closest(const float (&origin)[3], const float (&direction)[3]) const {
+DoubleHit DoubleTracer::closest(const double (&origin)[3], const float (&direction)[3]) const {
   DoubleHit best;
   for_hits(origin, direction, [&best](std::uint32_t i, std::uint32_t p, double t) {
     if (t < best.t) best = {t, i, p};
@@ -100,14 +100,14 @@ DoubleHit DoubleTracer::closest(const float (&origin)[3], const float (&directio
   return best;
 }
 
-bool DoubleTracer::blocked(const float (&origin)[3], const float (&direction)[3]) const {
+bool DoubleTracer::blocked(const double (&origin)[3], const float (&direction)[3]) const {
   bool any = false;
   for_hits(origin, direction, [&any](std::uint32_t, std::uint32_t, double) { any = true; });
   return any;
 }
 
 DoubleTracer::Verdict DoubleTracer::judge(const DoubleHit& truth, std::uint32_t instance, std::uint32_t primitive,
-                                          const float (&origin)[3], const float (&direction)[3], double bound_ulp) const {
+                                          const double (&origin)[3], const float (&direction)[3], double bound_ulp) const {
   if (truth.instance == instance && truth.primitive == primitive) return Verdict::same;
   // The kernel's own hit must be a hit within rounding.
   double kernel_t = 1e300, kernel_bound = 0;

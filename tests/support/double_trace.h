@@ -1,4 +1,4 @@
-// Brute force in double on the very fp32 rays: the oracle of the tracing kernels. Edge functions are evaluated on the stored
+// Brute force in double on the very fp32 rays (an origin may be the exact sum of two floats): the oracle of the tracing kernels. Edge functions are evaluated on the stored
 // fp32 vertices and matrices, so a difference is the kernel's or lies inside a rounding bound stated here.
 #pragma once
 
@@ -25,20 +25,20 @@ struct DoubleTest {
 class DoubleTracer {
  public:
   explicit DoubleTracer(const scene::CompiledScene& scene) : scene_(scene) {}
-  DoubleTest test(std::uint32_t instance, std::uint32_t primitive, const float (&origin)[3], const float (&direction)[3]) const;
+  DoubleTest test(std::uint32_t instance, std::uint32_t primitive, const double (&origin)[3], const float (&direction)[3]) const;
   /// Over all triangles of all instances.
-  DoubleHit closest(const float (&origin)[3], const float (&direction)[3]) const;
-  bool blocked(const float (&origin)[3], const float (&direction)[3]) const;
+  DoubleHit closest(const double (&origin)[3], const float (&direction)[3]) const;
+  bool blocked(const double (&origin)[3], const float (&direction)[3]) const;
 
   /// Is the kernel's answer (instance, primitive; RC_NONE = miss) right, or explained by rounding? The oracle's own hit
   /// must lie within `bound_ulp` of the triangle's edge or the two distances within their bounds.
   enum class Verdict { same, explained, wrong };
-  Verdict judge(const DoubleHit& truth, std::uint32_t instance, std::uint32_t primitive, const float (&origin)[3],
+  Verdict judge(const DoubleHit& truth, std::uint32_t instance, std::uint32_t primitive, const double (&origin)[3],
                 const float (&direction)[3], double bound_ulp) const;
 
  private:
   template <typename Take>
-  void for_hits(const float (&origin)[3], const float (&direction)[3], Take take) const;
+  void for_hits(const double (&origin)[3], const float (&direction)[3], Take take) const;
   const scene::CompiledScene& scene_;
 };
 

@@ -22,8 +22,12 @@ HostRay host_ray(const shared::RayGroup& g, const TraceShape& shape, std::uint32
   rc_sample_uv(shape.sampler, shape.nu, shape.nv, shape.support, shape.seed, number, static_cast<int>(s), &u, &v);
   const float a = (static_cast<float>(p) - 0.5f * static_cast<float>(shape.group_pixels - 1)) + u, b = v;
   const auto direction = [&](float d0, float du, float dv) { return std::fma(b, dv, std::fma(a, du, d0)); };
-  const auto origin = [&](float o, float ov) { return shape.moving ? std::fma(b, ov, o) : o; };
-  return {{origin(g.origin.x, g.ov.x), origin(g.origin.y, g.ov.y), origin(g.origin.z, g.ov.z)},
+  const float a_ahead = a * g.d0.w, b_ahead = b * g.d0.w;
+  const auto origin = [&](float o, float du, float dv, float ov) {
+    const float offset = std::fma(b_ahead, dv, a_ahead * du);
+    return double{o} + (shape.moving ? std::fma(b, ov, offset) : offset);
+  };
+  return {{origin(g.origin.x, g.du.x, g.dv.x, g.ov.x), origin(g.origin.y, g.du.y, g.dv.y, g.ov.y), origin(g.origin.z, g.du.z, g.dv.z, g.ov.z)},
           {direction(g.d0.x, g.du.x, g.dv.x), direction(g.d0.y, g.du.y, g.dv.y), direction(g.d0.z, g.du.z, g.dv.z)}};
 }
 

@@ -34,9 +34,10 @@ struct TraceShape {
   std::uint32_t pixels() const { return columns * lines; }
 };
 
-/// (a, b) and the very ray of sample s of pixel p of a group, as trace_args.h defines them.
+/// (a, b) and the very ray of sample s of pixel p of a group, as trace_args.h defines them. The origin is the exact sum of two floats.
 struct HostRay {
-  float origin[3], direction[3];
+  double origin[3];
+  float direction[3];
 };
 HostRay host_ray(const shared::RayGroup& group, const TraceShape& shape, std::uint32_t pixel_number, std::uint32_t p, std::uint32_t s);
 
