@@ -16,7 +16,7 @@ namespace raycube::planner {
 namespace {
 
 constexpr int kTrialPulses = 192, kFirstSubrays = 64, kReferenceSubrays = 4096, kMostRounds = 6;
-constexpr double kReferenceRays = 4e6;     ///< a reference traces no more first rays than this; then it has fewer sub-rays
+constexpr double kReferenceRays = 8e6;     ///< a reference traces no more first rays than this; then it has fewer sub-rays
 constexpr rc_u32 kPulseDimension = 45;
 constexpr std::uint64_t kOther = 0x5bd1e995u;
 
@@ -31,16 +31,19 @@ class LidarTrial {
     const bool receiver = plan.lidar.transport.sampling == scene::LidarSampling::receiver;
     fans_ = receiver ? static_cast<double>(plan.pixels()) : 1;
     const double room = kReferenceRays / (fans_ * kReferenceSubrays);
-    const auto wanted = static_cast<std::uint64_t>(std::clamp(room, 4.0, static_cast<double>(kTrialPulses)));
+    // A receiver's pulse has rows of many pixels: two say more than four whose reference has half the sub-rays.
+    const auto wanted = static_cast<std::uint64_t>(std::clamp(room, receiver ? 2.0 : 4.0, static_cast<double>(kTrialPulses)));
     for (rc_u32 i = 0; pulses_.size() < std::min(wanted, all); ++i)
       pulses_.insert(all <= wanted ? i : rc_hash(static_cast<rc_u32>(plan.seed), i, static_cast<rc_u32>(plan.seed >> 32), kPulseDimension) % all);
     const double fit = kReferenceRays / (fans_ * static_cast<double>(std::max<std::size_t>(1, pulses_.size())));
     reference_subrays_ = std::clamp(static_cast<int>(fit), 256, kReferenceSubrays);
+    // A receiver's samples do not move with the seed: another number of them makes the second reference.
+    second_subrays_ = receiver ? reference_subrays_ * 3 / 4 : reference_subrays_;
   }
 
-  /// Estimate and bound (one standard error over the pulses) of the error with `subrays`.
+  /// Estimate and bound (two standard errors over the pulses) of the error with `subrays`.
   TrialError error(int subrays) {
-    if (one_.pulse.empty()) one_ = fire(reference_subrays_, plan_.seed + kOther), two_ = fire(reference_subrays_, plan_.seed + 2 * kOther);
+    if (one_.pulse.empty()) one_ = fire(reference_subrays_, plan_.seed + kOther), two_ = fire(second_subrays_, plan_.seed + 2 * kOther);
     const Waveforms tried = fire(subrays, plan_.seed);
     double whole = 0, sum = 0, squares = 0;
     std::vector<double> of_pulse;
@@ -58,12 +61,16 @@ class LidarTrial {
     const auto n = static_cast<double>(of_pulse.size());
     for (const double here : of_pulse) squares += (here - sum / n) * (here - sum / n);
     const double deviation = n > 1 ? std::sqrt(squares * n / (n - 1)) : 0;
-    return {std::sqrt(std::max(0.0, sum / whole)), std::sqrt(std::max(0.0, (sum + deviation) / whole))};
+    return {std::sqrt(std::max(0.0, sum / whole)), std::sqrt(std::max(0.0, (sum + 2 * deviation) / whole))};
   }
 
   std::size_t pulses() const { return pulses_.size(); }
   std::uint64_t rays() const { return rays_; }
-  int largest_tried() const { return reference_subrays_ / 2; }
+  /// The highest level whose error the references can tell. A receiver's are patterns of one kind: with half their sub-rays 0.35 % was taken for 0.28.
+  int largest_tried() const {
+    const int most = second_subrays_ < reference_subrays_ ? reference_subrays_ / 4 : reference_subrays_ / 2;
+    return *std::prev(std::upper_bound(subray_levels().begin(), subray_levels().end(), most));
+  }
 
  private:
   Waveforms fire(int subrays, std::uint64_t seed) {
@@ -91,7 +98,7 @@ class LidarTrial {
   const lidar::LidarPlan& plan_;
   std::set<std::uint64_t> pulses_;
   double fans_ = 1;
-  int reference_subrays_ = kReferenceSubrays;
+  int reference_subrays_ = kReferenceSubrays, second_subrays_ = kReferenceSubrays;
   Waveforms one_, two_;
   std::uint64_t rays_ = 0;
 };
@@ -143,8 +150,10 @@ LidarDecision decide_subrays(render::LidarRenderer& renderer, const lidar::Lidar
           out.subrays = level;
           break;
         }
-      if (law.has(out.subrays) || out.subrays > trial.largest_tried()) break;
-      add(out.subrays);
+      // A law drawn from few sub-rays can ask for many times too many: the most that the references can judge are tried first.
+      const int probe = std::min(out.subrays, trial.largest_tried());
+      if (law.has(probe)) break;
+      add(probe);
     }
   }
   out.estimated = true;

@@ -15,6 +15,9 @@
 #if defined(__AVX512F__) && __has_builtin(__builtin_ia32_compresssf512_mask)
 #define RC_HAS_PACK512 1
 #endif
+#if defined(__AVX512F__) && __has_builtin(__builtin_ia32_permvarsf512)
+#define RC_HAS_PERMUTE512 1
+#endif
 #endif
 
 static inline uint rc_mask8(int8 m) {
@@ -69,5 +72,30 @@ RC_OVERLOAD void rc_store16(uint16 v, size_t i, global uint* p) { *(global rc_ui
 
 /* Lowest set bit; bits != 0. */
 static inline uint rc_lowest(uint bits) { return 31u - clz(bits & (0u - bits)); }
+
+/* Stores the lanes in `lanes` side by side. */
+static inline void rc_pack16(float16 v, uint lanes, float* to) {
+#ifdef RC_HAS_PACK512
+  rc_store16(__builtin_ia32_compresssf512_mask(v, v, (ushort)lanes), 0, to);
+#else
+  RC_LINE float of[16];
+  rc_store16(v, 0, of);
+  for (; lanes; lanes &= lanes - 1u) *to++ = of[rc_lowest(lanes)];
+#endif
+}
+
+/* Lane i: v's lane from[i], which is below 16. */
+static inline float16 rc_permute16(float16 v, uint16 from) {
+#ifdef RC_HAS_PERMUTE512
+  return __builtin_ia32_permvarsf512(v, as_int16(from));
+#else
+  RC_LINE float of[16], to[16];
+  RC_LINE uint k[16];
+  rc_store16(v, 0, of);
+  rc_store16(from, 0, k);
+  for (uint i = 0; i < 16u; ++i) to[i] = of[k[i]];
+  return vload16(0, to);
+#endif
+}
 
 #endif

@@ -1,5 +1,5 @@
 /* A block of 16 triangles against the plain sample grid: projected at once and dropped unless a sample lies in their rectangle;
- * small ones (at most 3 x 3 samples) are tested with triangles as lanes, large ones with a tile of 4 x 4 samples as lanes. */
+ * small ones (at most 3 x 3 samples) are tested with their pairs of triangle and sample as lanes, large ones with a tile of 4 x 4 samples as lanes. */
 #ifndef RAYCUBE_KERNELS_GEOMETRY_PRIMARY_GRID_H
 #define RAYCUBE_KERNELS_GEOMETRY_PRIMARY_GRID_H
 
@@ -42,46 +42,58 @@ static inline void rc_primary_block(SceneArrays scene, const GroupFrame* frame, 
   const int16 small = seen & (columns < (float)RC_SMALL) & (rows < (float)RC_SMALL);
   const uint small_bits = rc_mask16(small);
   uint large_bits = seen_bits & ~small_bits;
-  RC_LINE uint left_of[16], above_of[16];
-  rc_store16(convert_uint16(left), 0, left_of);
-  rc_store16(convert_uint16(above), 0, above_of);
   const float16 slack = rc_near_slack(&frame->map, &s);
 
   if (small_bits) {
-    #pragma unroll 1
-    for (int r = 0; r < RC_SMALL; ++r) {
+    /* Every lane with every sample of its rectangle, side by side: lane, column << 4, row << 8. */
+    RC_LINE uint pairs[RC_SMALL * RC_SMALL * 16 + 16];
+    uint count = 0;
+    const uint16 own = (uint16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+    for (uint r = 0; r < RC_SMALL; ++r) {
       const int16 in_row = small & (rows >= (float)r);
-      if (!rc_mask16(in_row)) break;
-      const float16 b = rc_row_b(above + ((float)frame->first_row + (float)r));
-      #pragma unroll 1
-      for (int c = 0; c < RC_SMALL; ++c) {
-        const int16 in_cell = in_row & (columns >= (float)c);
-        const float16 a = rc_column_a(left + (float)c);
-        const float16 l1 = fma(s.l1a, a, fma(s.l1b, b, s.l1c)), l2 = fma(s.l2a, a, fma(s.l2b, b, s.l2c));
-        const float16 least = rc_min16(rc_min16(l1, l2), (1.0f - l1) - l2);
-        uint bits = rc_mask16(in_cell & (least >= -s.band));
-        if (!bits) continue;
-        const uint undecided = rc_mask16(least <= s.band);
-        const float16 here = fma(l1, s.q1, fma(l2, s.q2, s.q0));
-        RC_LINE float near[16], near_most[16];
-        rc_store16(here, 0, near);
-        rc_store16(here + slack, 0, near_most);
-        while (bits) {
-          const uint lane = rc_lowest(bits), row = above_of[lane] + r, column = left_of[lane] + c, slot = rc_slot(row, column);
-          bits &= bits - 1u;
-          if (!(undecided >> lane & 1u)) rc_keep(closest, slot, near[lane], instance, first + lane);
-          else if (near_most[lane] >= closest->near[slot]) rc_leave_open(scene, frame, closest, instance, open, first + lane, row << 16 | column);
-        }
+      for (uint c = 0; c < RC_SMALL; ++c) {
+        const uint bits = rc_mask16(in_row & (columns >= (float)c));
+        if (!bits) break;
+        rc_pack16(as_float16(own | (r << 8 | c << 4)), bits, (float*)(pairs + count));
+        count += popcount(bits);
+      }
+    }
+    for (uint done = 0; done < count; done += 16u) {
+      const int16 real = as_int16(own) < (int)(count - done);
+      const uint16 pair = select((uint16)(0u), vload16(0, pairs + done), as_uint16(real)), lane_of = pair & 15u;
+      const float16 column_of = rc_permute16(left, lane_of) + convert_float16(pair >> 4 & 15u), row_of = rc_permute16(above, lane_of) + convert_float16(pair >> 8);
+      const float16 a = rc_column_a(column_of), b = rc_row_b(row_of + (float)frame->first_row);
+      const float16 l1 = fma(rc_permute16(s.l1a, lane_of), a, fma(rc_permute16(s.l1b, lane_of), b, rc_permute16(s.l1c, lane_of)));
+      const float16 l2 = fma(rc_permute16(s.l2a, lane_of), a, fma(rc_permute16(s.l2b, lane_of), b, rc_permute16(s.l2c, lane_of)));
+      const float16 least = rc_min16(rc_min16(l1, l2), (1.0f - l1) - l2), band = rc_permute16(s.band, lane_of);
+      uint bits = rc_mask16(real & (least >= -band));
+      if (!bits) continue;
+      const uint undecided = rc_mask16(least <= band);
+      const float16 here = fma(l1, rc_permute16(s.q1, lane_of), fma(l2, rc_permute16(s.q2, lane_of), rc_permute16(s.q0, lane_of)));
+      const uint16 row_u = convert_uint16(row_of), column_u = convert_uint16(column_of);
+      RC_LINE float near[16], near_most[16];
+      RC_LINE uint slots[16], samples[16], primitives[16];
+      rc_store16(here, 0, near);
+      rc_store16(here + rc_permute16(slack, lane_of), 0, near_most);
+      rc_store16((row_u / 4u * RC_TILE_COLUMNS + column_u / 4u) * 16u + (row_u % 4u * 4u + column_u % 4u), 0, slots);
+      rc_store16(row_u << 16 | column_u, 0, samples);
+      rc_store16(lane_of + first, 0, primitives);
+      for (; bits; bits &= bits - 1u) {
+        const uint k = rc_lowest(bits), slot = slots[k];
+        if (!(undecided >> k & 1u)) rc_keep(closest, slot, near[k], instance, primitives[k]);
+        else if (near_most[k] >= closest->near[slot]) rc_leave_open(scene, frame, closest, instance, open, primitives[k], samples[k]);
       }
     }
   }
 
   if (large_bits) {
     RC_LINE float slack_of[16];
-    RC_LINE uint right_of[16], below_of[16];
+    RC_LINE uint left_of[16], above_of[16], right_of[16], below_of[16];
     LaneForms form;
     rc_store_forms(&s, &form);
     rc_store16(slack, 0, slack_of);
+    rc_store16(convert_uint16(left), 0, left_of);
+    rc_store16(convert_uint16(above), 0, above_of);
     rc_store16(convert_uint16(right), 0, right_of);
     rc_store16(convert_uint16(below), 0, below_of);
     const float16 lane_column = (float16)(0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3);

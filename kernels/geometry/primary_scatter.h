@@ -30,17 +30,6 @@ typedef struct Pending {
 
 static inline void rc_begin_pending(Pending* pending) { pending->count = pending->open.count = 0; }
 
-/* Stores the lanes in `lanes` side by side. */
-static inline void rc_pack16(float16 v, uint lanes, float* to) {
-#ifdef RC_HAS_PACK512
-  rc_store16(__builtin_ia32_compresssf512_mask(v, v, (ushort)lanes), 0, to);
-#else
-  RC_LINE float of[16];
-  rc_store16(v, 0, of);
-  for (; lanes; lanes &= lanes - 1u) *to++ = of[rc_lowest(lanes)];
-#endif
-}
-
 /* Which of 16 candidates may hold a sample of a word: rectangles that meet, and the word's not wholly beyond an edge and its band.
  * Forms grow along a and b evenly, rounding too, so each is largest at the corner its slopes point to; the third takes another
  * order of rounding, which the second band holds. */

@@ -130,6 +130,54 @@ TEST_CASE("S9 every generated ray is the closed form in double, rounded: all kin
   }
 }
 
+TEST_CASE("S9 rays of sensors 610 m, 20 km and 700 km up start just above the scene, on the closed form's rays") {
+  constexpr double kTop_m = 35;
+  for (const double height_m : {610.0, 2e4, 7e5})
+    for (const auto kind : kKinds) {
+      auto camera = make(kind, 37, 11, true);
+      camera.psf_support_px = 3;
+      camera.ifov_across_rad = 1 / height_m, camera.ifov_along_rad = 1.25 / height_m;
+      for (auto& pose : camera.poses) pose.z_m += height_m - 610;
+      const auto groups = sensors::make_ray_groups(camera, 0, camera.lines, kTop_m);
+      const int per_line = sensors::groups_per_line(camera), width = sensors::pixels_per_group(camera);
+      double worst = 0, lowest = 1e9, highest = -1e9;
+      for (int line = 0; line < camera.lines; ++line)
+        for (int sample = 0; sample < camera.pixels; ++sample)
+          for (const auto& [u, v] : {std::array{0.f, 0.f}, {-1.5f, 1.5f}, {1.5f, -1.5f}, {0.375f, -0.25f}}) {
+            const auto& g = groups[line * per_line + sample / width];
+            const auto ray = float_ray(camera, g, sample, u, v);
+            const float a = static_cast<float>(sample % width - (width - 1) / 2.0) + u;
+            const double way = g.d0.w;
+            const Vec start{ray.o[0] + way * (double{a} * g.du.x + double{v} * g.dv.x), ray.o[1] + way * (double{a} * g.du.y + double{v} * g.dv.y),
+                            ray.o[2] + way * (double{a} * g.du.z + double{v} * g.dv.z)};
+            lowest = std::min(lowest, start[2]), highest = std::max(highest, start[2]);
+            const auto exact = sensors::pixel_ray(camera, line, sample, u, v);
+            const double t = -start[2] / ray.d[2], exact_t = -exact.origin_m.z / exact.direction.z;
+            // The start rounds by its size, what follows by the few tens of metres left; offsets by theirs.
+            const double size = std::abs(start[0]) + std::abs(start[1]) + std::abs(start[2]) + 3 * t;
+            for (int k = 0; k < 2; ++k)
+              worst = std::max(worst, std::abs(start[k] + t * ray.d[k] - (exact.origin_m[k] + exact_t * exact.direction[k])) / (kHalfUlp * size));
+          }
+      INFO("height " << height_m << " m: lowest start " << lowest << ", highest " << highest << " m, worst " << worst << " roundings");
+      CHECK(worst < 4);
+      CHECK(lowest > kTop_m);
+      // A metre and 2e-5 of the height, and what a group's field of 7 x 3 pixels tilts by.
+      CHECK(highest < kTop_m + 1 + 2.1e-5 * height_m + 7);
+    }
+}
+
+TEST_CASE("S9 a sensor among the scene's heights, or no scene: rays start at the sensor") {
+  const auto camera = make(scene::InstrumentKind::framing, 37, 11, true);
+  for (const double top_m : {650.0, 1e4, std::numeric_limits<double>::infinity()})
+    for (const auto& group : sensors::make_ray_groups(camera, 0, camera.lines, top_m)) {
+      CHECK(group.d0.w == 0.0f);
+      CHECK(group.origin.z == static_cast<float>(camera.poses[0].z_m));
+    }
+  scene::CompiledScene empty;
+  empty.lo = {1, 1, 1}, empty.hi = {-1, -1, -1};
+  CHECK(sensors::make_ray_groups(camera, empty, 0, 1).at(0).d0.w == 0.0f);
+}
+
 TEST_CASE("S9 round trip: ground point to pixel and back to the ground, roll, pitch and heading") {
   for (const auto kind : kKinds) {
     const auto camera = make(kind, 40, 20, true);
