@@ -102,6 +102,7 @@ Sha256::Sha256(Code code)
 }
 
 Sha256& Sha256::add(const void* data, std::size_t bytes) {
+  if (bytes == 0) return *this;  // nothing's address may be null
   auto* next = static_cast<const std::uint8_t*>(data);
   total_bytes_ += bytes;
   if (pending_bytes_ > 0) {

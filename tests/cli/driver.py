@@ -17,7 +17,7 @@ class Program:
         self.checks = 0
 
     def run(self, *arguments, status=0, env=None, **more):
-        more.setdefault("timeout", 300)
+        more.setdefault("timeout", float(os.environ.get("RAYCUBE_TEST_PATIENCE_S", 300)))
         done = subprocess.run([self.path, *map(str, arguments)], capture_output=True, text=True,
                               env={**os.environ, **(env or {})}, **more)
         assert done.returncode == status, f"{arguments}: status {done.returncode}, not {status}\n{done.stdout}{done.stderr}"

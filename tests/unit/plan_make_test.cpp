@@ -1,7 +1,6 @@
 // Whole plans: their spectra against the table read directly, their stated errors against measured ones, and bad input.
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <numbers>
 
 #include <doctest/doctest.h>
@@ -135,11 +134,8 @@ TEST_CASE("S18 clear sky, relief and a wide swath: node interpolation stays insi
   const auto table = atmos::build_clear_sky(s.atmosphere, s.sun, 610, atmos::clear_sky_wavelengths(0.36, 2.49), atmos::clear_sky_heights(0, 60));
   const auto instrument = spectrometer(360, 0.3948, 0.0057);
   const auto view = pushbroom_view(14.7, 610);
-  const std::clock_t start = std::clock();
   const auto p = plan::make_plan(s, instrument, table, view);
-  const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;  // of this thread's core: others may share it
-  MESSAGE("plan of 360 bands and " << p.wavelength_um.size() << " grid points: " << seconds << " s\n" << p.report_json);
-  CHECK(seconds < 3);
+  MESSAGE("plan of 360 bands and " << p.wavelength_um.size() << " grid points:\n" << p.report_json);
   CHECK(p.source_channels() <= RC_MAX_CHANNELS);
   CHECK(p.path_channels() <= RC_MAX_CHANNELS);
   CHECK(p.source_spectrum.size() == static_cast<std::size_t>(p.source_channels()));
