@@ -5,7 +5,7 @@
  * Exactness. In floats, a barycentric coordinate l(a, b) near zero has an uncertain sign. Every triangle carries a bound of
  * that error; a sample beyond it is decided, a sample inside it is decided by the single-ray test of triangle.h, with
  * the very ray that a single ray would be. All decisions on a triangle are therefore those of the watertight single-ray test,
- * whatever the bundle. Which of two surfaces is nearer is told by the interpolated 1 / t where both are sure: only surfaces
+ * whatever the bundle. Which of two surfaces is nearer is told by the interpolated nearness (primary_frame.h) where both are sure: only surfaces
  * closer than its rounding may change places. */
 #ifndef RAYCUBE_KERNELS_GEOMETRY_BUNDLE_H
 #define RAYCUBE_KERNELS_GEOMETRY_BUNDLE_H

@@ -96,7 +96,8 @@ static inline void rc_set_nearness(Projection* map, float limit) {
   map->near_1 = map->ahead > 0.0f ? -1.0f : 0.0f;
 }
 static inline float16 rc_nearness(const Projection* map, float16 beyond) {
-  return fma((float16)(map->near_1), beyond, (float16)(map->near_0)) / (beyond + map->ahead);
+  /* Of a triangle seen edge-on the single-ray test's distance is all rounding, and may lie past the limit: still a hit. */
+  return rc_max16(fma((float16)(map->near_1), beyond, (float16)(map->near_0)), (float16)(1e-6f * map->near_0)) / (beyond + map->ahead);
 }
 
 /* Dual basis of (du, dv, d0): p - sensor = z (d0 + a du + b dv), so p - origin = (z - ahead) d0 + z (a du + b dv). Errors, in pixels, of a

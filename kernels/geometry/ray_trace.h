@@ -58,7 +58,7 @@ static inline uint rc_ray_boxes(Ray ray, global const BvhNode* node, float t_max
   return rc_mask8((enter <= leave) & (enter <= t_max * 1.0000008f)) & ((1u << node->count) - 1u);
 }
 
-/* Keeps the smallest (t, instance, primitive); ties are told by 1 / t, as bundles keep it. */
+/* Keeps the smallest (t, instance, primitive); ties are told by 1 / t, as a bundle that starts at the sensor keeps it. */
 static inline void rc_take_closest(Hit* hit, uint instance, uint block, uint lanes, float16 t) {
   float lane_t[16];
   rc_store16(t, 0, lane_t);

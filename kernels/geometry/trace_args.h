@@ -20,7 +20,8 @@
  *
  * Rays: pixel p of a group (0 .. RC_GROUP_PIXELS - 1) and sample s with (u, v) = rc_sample_uv(...) have
  *   a = (p - (RC_GROUP_PIXELS - 1) / 2) + u,  b = v
- *   origin = origin + b * ov,  direction = fma(b, dv, fma(a, du, d0))
+ *   start = origin + offset (never added up where hits are decided), offset = d0.w (a du + b dv) + b ov,  direction = fma(b, dv, fma(a, du, d0));
+ *   the sensor lies at origin - d0.w d0 (kernels/geometry/samples.h)
  * so d0 is the direction of the group's centre (for 4: between pixels 1 and 2), du and dv its change per pixel.
  * Groups of a tile: line by line, ceil(columns / RC_GROUP_PIXELS) of them per line; the last may hold fewer pixels. A tile may
  * also be any list of groups: each is then a line of its own, columns = RC_GROUP_PIXELS.
