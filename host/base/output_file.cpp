@@ -128,16 +128,19 @@ std::uint64_t OutputFile::size() const { return state_->end; }
 void OutputFile::reserve(std::uint64_t bytes) {
   State& s = *state_;
   if (bytes == 0) return;
-  if (::fallocate(s.fd, FALLOC_FL_KEEP_SIZE, 0, static_cast<off_t>(bytes)) == 0) {
+  // Asked first: a file system may hand out all it has before it finds that it is not enough, and whoever writes meanwhile meets a full disk.
+  struct statvfs disk {};
+  const bool known = ::fstatvfs(s.fd, &disk) == 0;
+  const std::uint64_t free_bytes = std::uint64_t{disk.f_bavail} * disk.f_frsize;
+  const bool too_much = known && bytes > free_bytes;
+  if (!too_much && ::fallocate(s.fd, FALLOC_FL_KEEP_SIZE, 0, static_cast<off_t>(bytes)) == 0) {
     s.reserved = bytes;
     return;
   }
-  const int code = errno;
+  const int code = too_much ? ENOSPC : errno;
   if (code == EOPNOTSUPP || code == ENOSYS || code == EINTR) return;  // then a full disk is met while writing
-  struct statvfs disk {};
   std::string what = "no room for " + format_bytes(bytes);
-  if (::fstatvfs(s.fd, &disk) == 0)
-    what += " (free: " + format_bytes(std::uint64_t{disk.f_bavail} * disk.f_frsize) + ")";
+  if (known) what += " (free: " + format_bytes(free_bytes) + ")";
   throw failed(s.final_path, what, code);
 }
 
