@@ -122,7 +122,7 @@ static inline void rc_follow_word(SceneArrays scene, const LidarTables* t, float
 
   for (uint node = 0; node < RC_LINE_NODES; ++node) paths.depth[node] = 0.0f;
   float16 begins_z = (reference.z - from_start.z) + leaves.z, reached = 0.0f;  /* where the piece of the ray in question begins */
-  for (uint crossing = 0;; ++crossing) {
+  for (uint crossings = 64u; crossings > 0u; --crossings) {  /* ends by itself: the last lets nothing through */
     const uint missed = rc_mask16(instances == RC_NONE);
     rc_end_lanes(&paths, missed & paths.live, sums, RC_LEDGER_ESCAPED);
     if (!paths.live) return;
@@ -195,7 +195,7 @@ static inline void rc_follow_word(SceneArrays scene, const LidarTables* t, float
       if (!(paths.live >> k & 1u)) continue;
       float plate = 0.0f;
       for (uint line = 0; line < RC_LASER_LINES; ++line) plate += t->optics[vertex.surface[k] * RC_LASER_LINES + line].z;
-      if (!(plate > 0.0f) || crossing >= 63u) continue;
+      if (!(plate > 0.0f) || crossings == 1u) continue;
       through |= 1u << k;
       ++sums->rays;
       const Hit hit = rc_trace_ray(scene, rc_lane4(from, k), rc_lane4(way, k), false);
