@@ -34,7 +34,7 @@ static inline float16 rc_backscatter(const LidarTables* t, global const float* p
     from[k] = posts[i];
     to[k] = last > 0.0f ? posts[i + 1u] : posts[i];
   }
-  return select(fma(at - low, vload16(0, to) - vload16(0, from), vload16(0, from)), (float16)(0.0f), x > last);
+  return select(fma(at - low, rc_load16(0, to) - rc_load16(0, from), rc_load16(0, from)), (float16)(0.0f), x > last);
 }
 
 /* Adds depths from a height on the ray's own way: rc_air_depths, quickly where all 16 heights lie in one cell. */
@@ -103,8 +103,8 @@ static inline float16 rc_geometry(global const float* table, const Cells* cells)
       from[k] = table[post];
       to[k] = table[post + 1u];
     }
-    a = vload16(0, from);
-    b = vload16(0, to);
+    a = rc_load16(0, from);
+    b = rc_load16(0, to);
   }
 #if RC_OVERLAP && !RC_RECEIVER && RC_COLUMNS * RC_ROWS == 1
   /* Where nothing is seen from one of two posts, the edge of a blind zone lies between: nothing leaks into it. */
@@ -162,8 +162,8 @@ static inline void rc_sweep(const LidarTables* t, const Beam* beam, const Cells*
     swept->came_to = from + span[k];
     swept->too_far = (swept->came_to - from) - span[k];
   }
-  for (uint node = 0; node < RC_LINE_NODES; ++node) depth[node] += vload16(0, here[node]);
-  *particles = vload16(0, scattered);
+  for (uint node = 0; node < RC_LINE_NODES; ++node) depth[node] += rc_load16(0, here[node]);
+  *particles = rc_load16(0, scattered);
 }
 #endif
 
@@ -231,7 +231,7 @@ RC_BODY lidar_air_body(uint owner, LIDAR_AIR_PARAMETERS) {
           if (slot < (int)row_floats) ended[line] += gone[line * row_floats + slot];
           lane[k] = ended[line];
         }
-        lit[line] = fmax(1.0f - vload16(0, lane) * one, 0.0f);
+        lit[line] = fmax(1.0f - rc_load16(0, lane) * one, 0.0f);
       }
       float16 of_air[RC_LASER_LINES][2], of_particles[RC_LASER_LINES][2];
       for (uint g = 0; g < 2u; ++g) {
@@ -293,7 +293,7 @@ RC_BODY lidar_air_body(uint owner, LIDAR_AIR_PARAMETERS) {
           float16 sum = 0.0f;
           for (int i = 0; i < taps_used; ++i) {
             global const float* at = from + (int)slot - i;
-            sum = fma((float16)(share[0][i]), vload16(0, at), fma((float16)(share[1][i]), vload16(0, at + line_floats), sum));
+            sum = fma((float16)(share[0][i]), rc_load16(0, at), fma((float16)(share[1][i]), rc_load16(0, at + line_floats), sum));
           }
           rc_store16(sum, 0, row + slot);
         }

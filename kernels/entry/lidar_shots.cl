@@ -79,7 +79,7 @@ RC_BODY lidar_shots_body(uint owner, LIDAR_SHOTS_PARAMETERS) {
       const uint slot = word * 16u, ray = begin + slot;
 #if RC_SINGLE
       Hits16 hits;
-      const float16 a = vload16(2u * word, at), b = vload16(2u * word + 1u, at);
+      const float16 a = rc_load16(2u * word, at), b = rc_load16(2u * word + 1u, at);
       RC_LINE float lane_a[16], lane_b[16];
       rc_store16(a, 0, lane_a);
       rc_store16(b, 0, lane_b);
@@ -97,11 +97,11 @@ RC_BODY lidar_shots_body(uint owner, LIDAR_SHOTS_PARAMETERS) {
         hits.instance[k] = hit.instance;
         if (hit.instance != RC_NONE) hits.primitive[k] = hit.primitive;
       }
-      const uint16 instances = vload16(0, hits.instance), primitives = vload16(0, hits.primitive);
+      const uint16 instances = rc_load16(0, hits.instance), primitives = rc_load16(0, hits.primitive);
 #else
-      const float16 a = vload16(0, scatter->a + slot), b = vload16(0, scatter->b + slot);
-      const int16 none = vload16(0, closest.near + slot) == 0.0f;
-      const uint16 instances = select(vload16(0, closest.instance + slot), (uint16)(RC_NONE), none), primitives = select(vload16(0, closest.primitive + slot), (uint16)(0u), none);
+      const float16 a = rc_load16(0, scatter->a + slot), b = rc_load16(0, scatter->b + slot);
+      const int16 none = rc_load16(0, closest.near + slot) == 0.0f;
+      const uint16 instances = select(rc_load16(0, closest.instance + slot), (uint16)(RC_NONE), none), primitives = select(rc_load16(0, closest.primitive + slot), (uint16)(0u), none);
 #endif
 #if RC_HITS
       RC_LINE uint instance_of[16], primitive_of[16];
@@ -132,7 +132,7 @@ RC_BODY lidar_shots_body(uint owner, LIDAR_SHOTS_PARAMETERS) {
   }
 #if RC_ROW_WINDOW
   global float16* to = (global float16*)(first + owner * rows * row_floats);
-  for (size_t i = 0; i < rows * row_floats; i += 16) RC_STORE_ONCE(vload16(0, window + i), to + i / 16);
+  for (size_t i = 0; i < rows * row_floats; i += 16) RC_STORE_ONCE(rc_load16(0, window + i), to + i / 16);
 #endif
   counts[owner] = RC_RAY_COUNT + total.rays;
 }

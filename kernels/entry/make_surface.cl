@@ -44,15 +44,15 @@ RC_BODY make_surface_body(uint index, MAKE_SURFACE_PARAMETERS) {
       }
       Vector16 v[3], position = {0.0f, 0.0f, 0.0f}, normal = {0.0f, 0.0f, 0.0f};
       for (uint c = 0; c < 3u; ++c) {
-        v[c].x = vload16(0, g.corner[3u * c]);
-        v[c].y = vload16(0, g.corner[3u * c + 1u]);
-        v[c].z = vload16(0, g.corner[3u * c + 2u]);
+        v[c].x = rc_load16(0, g.corner[3u * c]);
+        v[c].y = rc_load16(0, g.corner[3u * c + 1u]);
+        v[c].z = rc_load16(0, g.corner[3u * c + 2u]);
       }
-      const Vector16 origin = {vload16(0, g.origin[0]), vload16(0, g.origin[1]), vload16(0, g.origin[2])};
-      const Vector16 direction = {vload16(0, g.direction[0]), vload16(0, g.direction[1]), vload16(0, g.direction[2])};
+      const Vector16 origin = {rc_load16(0, g.origin[0]), rc_load16(0, g.origin[1]), rc_load16(0, g.origin[2])};
+      const Vector16 direction = {rc_load16(0, g.direction[0]), rc_load16(0, g.direction[1]), rc_load16(0, g.direction[2])};
       while (left) {  /* one instance after the other: its matrices are shared */
         const uint instance = in[rc_lowest(left)];
-        const int16 lanes = vload16(0, in) == instance;
+        const int16 lanes = rc_load16(0, in) == instance;
         left &= ~rc_mask16(lanes);
         Vector16 there, facing;
         rc_surface_points(rc_instance(scene, instance), v, origin, direction, &there, &facing);

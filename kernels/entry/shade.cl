@@ -187,11 +187,11 @@ RC_BODY shade_body(uint item, SHADE_PARAMETERS) {
   for (int h = 0; h < RC_HEIGHTS; ++h) p_sum[h] = 0.0f;
   const uint16 lane = (uint16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
   for (int g = 0; g < GROUPS; ++g) {
-    const int16 hit = vload16(g, surface_id) != (uint16)(DONE);
-    const float16 weight = vload16(g, chunk_weight);
-    const float16 px = vload16(g, point), py = vload16(g, point + RC_NPAD), pz = vload16(g, point + 2 * RC_NPAD);
-    const float16 nx = vload16(g, point + 3 * RC_NPAD), ny = vload16(g, point + 4 * RC_NPAD);
-    const float16 nz = vload16(g, point + 5 * RC_NPAD);
+    const int16 hit = rc_load16(g, surface_id) != (uint16)(DONE);
+    const float16 weight = rc_load16(g, chunk_weight);
+    const float16 px = rc_load16(g, point), py = rc_load16(g, point + RC_NPAD), pz = rc_load16(g, point + 2 * RC_NPAD);
+    const float16 nx = rc_load16(g, point + 3 * RC_NPAD), ny = rc_load16(g, point + 4 * RC_NPAD);
+    const float16 nz = rc_load16(g, point + 5 * RC_NPAD);
     const float16 cosine = fma(nx, (float16)(sun_direction.x), fma(ny, (float16)(sun_direction.y), nz * sun_direction.z));
     const int16 lit = hit & (((((uint16)((uint)sun[g])) >> lane) & 1u) != 0u);
     const float16 w_hit = masked(weight, hit);
@@ -199,7 +199,7 @@ RC_BODY shade_body(uint item, SHADE_PARAMETERS) {
     rc_store16(masked(weight * fmax(cosine, (float16)(0.0f)), lit), g, value[0]);
 #endif
     for (int m = 0; m < RC_COMPONENTS; ++m) {
-      const float16 e = vload16(g, value[RC_SUN + m]) - vload16(g, blocked + m * RC_NPAD);
+      const float16 e = rc_load16(g, value[RC_SUN + m]) - rc_load16(g, blocked + m * RC_NPAD);
       rc_store16(masked(weight * e, hit), g, value[RC_SUN + m]);
     }
     const float16 rx = px - sensor.x, ry = py - sensor.y, rz = pz - sensor.z;
@@ -214,8 +214,8 @@ RC_BODY shade_body(uint item, SHADE_PARAMETERS) {
 #if RC_HEIGHTS == 1
     p_sum[0] += weight;
 #else
-    const uint16 hi = vload16(g, height_index);
-    const float16 hf = vload16(g, height_fraction);
+    const uint16 hi = rc_load16(g, height_index);
+    const float16 hf = rc_load16(g, height_fraction);
     for (uint h = 0; h < RC_HEIGHTS; ++h)
       p_sum[h] += masked(weight * (1.0f - hf), hi == (uint16)(h)) + masked(weight * hf, hi + 1u == (uint16)(h));
 #endif
@@ -240,20 +240,20 @@ RC_BODY shade_body(uint item, SHADE_PARAMETERS) {
     for (int h = 0; h < RC_HEIGHTS; ++h) covered[h] = 0.0f;
 #endif
     for (int g = s / 16; g < GROUPS; ++g) {
-      const uint16 ids = vload16(g, surface_id);
+      const uint16 ids = rc_load16(g, surface_id);
       const int16 mine = ids == (uint16)(id);
-      sum[LIT * RC_HEIGHTS] += masked(vload16(g, chunk_weight), mine);
+      sum[LIT * RC_HEIGHTS] += masked(rc_load16(g, chunk_weight), mine);
 #if RC_HEIGHTS == 1
-      for (int m = 0; m < LIT; ++m) sum[m] += masked(vload16(g, value[m]), mine);
+      for (int m = 0; m < LIT; ++m) sum[m] += masked(rc_load16(g, value[m]), mine);
 #else
-      const uint16 hi = vload16(g, height_index);
-      const float16 hf = vload16(g, height_fraction);
+      const uint16 hi = rc_load16(g, height_index);
+      const float16 hf = rc_load16(g, height_fraction);
       for (uint h = 0; h < RC_HEIGHTS; ++h) {
         const float16 part = masked(1.0f - hf, mine & (hi == (uint16)(h))) + masked(hf, mine & (hi + 1u == (uint16)(h)));
         for (int m = 0; m < LIT; ++m)
-          sum[m * RC_HEIGHTS + h] = fma(vload16(g, value[m]), part, sum[m * RC_HEIGHTS + h]);
+          sum[m * RC_HEIGHTS + h] = fma(rc_load16(g, value[m]), part, sum[m * RC_HEIGHTS + h]);
 #if RC_TEMPERATURES > 0
-        covered[h] = fma(vload16(g, chunk_weight), part, covered[h]);
+        covered[h] = fma(rc_load16(g, chunk_weight), part, covered[h]);
 #endif
       }
 #endif

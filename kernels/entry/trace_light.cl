@@ -17,7 +17,7 @@ static inline global const float* rc_surface_word(global const float* surface, u
 #endif
 
 static inline float16 rc_cosines(float4 direction, global const float* at) {
-  return rc_project_row(direction, vload16(0, at + 3 * RC_NPAD), vload16(0, at + 4 * RC_NPAD), vload16(0, at + 5 * RC_NPAD));
+  return rc_project_row(direction, rc_load16(0, at + 3 * RC_NPAD), rc_load16(0, at + 4 * RC_NPAD), rc_load16(0, at + 5 * RC_NPAD));
 }
 
 /* The samples of one part of a pixel side by side: where they came from, and their normals. */
@@ -82,33 +82,33 @@ RC_BODY trace_light_body(uint index, TRACE_LIGHT_PARAMETERS) {
         points.words = sharing * RC_NWORDS;
         for (uint word = 0; word < points.words; ++word) {
           global const float* at = rc_surface_word(in, word);
-          rc_store16(vload16(0, at), word, points.x);
-          rc_store16(vload16(0, at + RC_NPAD), word, points.y);
-          rc_store16(vload16(0, at + 2 * RC_NPAD), word, points.z);
+          rc_store16(rc_load16(0, at), word, points.x);
+          rc_store16(rc_load16(0, at + RC_NPAD), word, points.y);
+          rc_store16(rc_load16(0, at + 2 * RC_NPAD), word, points.z);
         }
       }
       for (uint j = 0; j < count / share; ++j) {
         const uint m = rc_sky_direction(part, j, share);
         const float4 direction = directions[first + m];
         for (uint word = 0; word < points.words; ++word) {
-          const float16 facing = sky ? rc_project_row(direction, vload16(word, held.nx), vload16(word, held.ny), vload16(word, held.nz))
+          const float16 facing = sky ? rc_project_row(direction, rc_load16(word, held.nx), rc_load16(word, held.ny), rc_load16(word, held.nz))
                                      : rc_cosines(direction, rc_surface_word(in, word));
           points.live[word] = rc_mask16(facing > 0.0f);
         }
         rc_shadow_points(scene, direction, &points);
         if (!sky) break;
         for (uint word = 0; word < points.words; ++word) {
-          const float16 facing = rc_project_row(direction, vload16(word, held.nx), vload16(word, held.ny), vload16(word, held.nz));
+          const float16 facing = rc_project_row(direction, rc_load16(word, held.nx), rc_load16(word, held.ny), rc_load16(word, held.nz));
           const uint dark = rc_mask16(facing > 0.0f) & ~points.live[word];
           if (!dark) continue;
           const float16 cosine = select((float16)(0.0f), facing, rc_lanes(dark)) * (float)share;
           for (uint quad = 0; quad < RC_SKY_QUADS; ++quad) {
             const float4 weight = weights[(first + m) * RC_SKY_QUADS + quad];
             float* to = sum + 4 * quad * RC_NPAD;
-            rc_store16(fma((float16)(weight.x), cosine, vload16(word, to)), word, to);
-            rc_store16(fma((float16)(weight.y), cosine, vload16(word, to + RC_NPAD)), word, to + RC_NPAD);
-            rc_store16(fma((float16)(weight.z), cosine, vload16(word, to + 2 * RC_NPAD)), word, to + 2 * RC_NPAD);
-            rc_store16(fma((float16)(weight.w), cosine, vload16(word, to + 3 * RC_NPAD)), word, to + 3 * RC_NPAD);
+            rc_store16(fma((float16)(weight.x), cosine, rc_load16(word, to)), word, to);
+            rc_store16(fma((float16)(weight.y), cosine, rc_load16(word, to + RC_NPAD)), word, to + RC_NPAD);
+            rc_store16(fma((float16)(weight.z), cosine, rc_load16(word, to + 2 * RC_NPAD)), word, to + 2 * RC_NPAD);
+            rc_store16(fma((float16)(weight.w), cosine, rc_load16(word, to + 3 * RC_NPAD)), word, to + 3 * RC_NPAD);
           }
         }
       }

@@ -33,9 +33,9 @@ RC_BODY trace_primary_body(uint index, TRACE_PRIMARY_PARAMETERS) {
   for (uint p = 0; p < place.used; ++p) {
     global uint* out = hits + (size_t)(place.pixel + p) * (2u * RC_NPAD);
     for (uint word = 0; word < RC_NWORDS; ++word) {
-      const int16 none = vload16(p * RC_NWORDS + word, closest.near) == 0.0f;
-      rc_store16(select(vload16(p * RC_NWORDS + word, closest.instance), (uint16)(RC_NONE), none), word, out);
-      rc_store16(select(vload16(p * RC_NWORDS + word, closest.primitive), (uint16)(RC_NONE), none), word, out + RC_NPAD);
+      const int16 none = rc_load16(p * RC_NWORDS + word, closest.near) == 0.0f;
+      rc_store16(select(rc_load16(p * RC_NWORDS + word, closest.instance), (uint16)(RC_NONE), none), word, out);
+      rc_store16(select(rc_load16(p * RC_NWORDS + word, closest.primitive), (uint16)(RC_NONE), none), word, out + RC_NPAD);
     }
   }
 #else

@@ -52,7 +52,7 @@ static inline void rc_empty_word(Points* points, uint word) {
 
 static inline void rc_word_bounds(Points* points, uint word) {
   const int16 live = rc_lanes(points->live[word]);
-  const float16 a = vload16(word, points->a), b = vload16(word, points->b), d = vload16(word, points->d);
+  const float16 a = rc_load16(word, points->a), b = rc_load16(word, points->b), d = rc_load16(word, points->d);
   points->lo_a[word] = rc_least16(select((float16)(INFINITY), a, live));
   points->hi_a[word] = rc_most16(select((float16)(-INFINITY), a, live));
   points->lo_b[word] = rc_least16(select((float16)(INFINITY), b, live));
@@ -75,8 +75,8 @@ static inline void rc_project_points(Points* points, float4 towards) {
       break;
     }
   for (uint word = 0; word < points->words; ++word) {
-    const float16 x = vload16(word, points->x) - points->centre.x, y = vload16(word, points->y) - points->centre.y;
-    const float16 z = vload16(word, points->z) - points->centre.z;
+    const float16 x = rc_load16(word, points->x) - points->centre.x, y = rc_load16(word, points->y) - points->centre.y;
+    const float16 z = rc_load16(word, points->z) - points->centre.z;
     rc_store16(rc_project_row(points->across_a, x, y, z), word, points->a);
     rc_store16(rc_project_row(points->across_b, x, y, z), word, points->b);
     rc_store16(rc_project_row(points->towards, x, y, z), word, points->d);
@@ -159,7 +159,7 @@ static inline void rc_frame_rays(const Points* points, global const Instance* pl
 /* The single-ray test of one triangle for 16 points: bit i = point i is blocked. */
 static inline uint rc_block_word(const ShadowFrame* frame, const Points* points, uint word, global const TriBlock* block, uint lane) {
   global const float* at = (global const float*)block + lane;
-  const float16 wx = vload16(word, points->x), wy = vload16(word, points->y), wz = vload16(word, points->z);
+  const float16 wx = rc_load16(word, points->x), wy = rc_load16(word, points->y), wz = rc_load16(word, points->z);
   float16 from[3];
   if (frame->same) {
     from[0] = wx;
@@ -205,13 +205,17 @@ __attribute__((noinline)) static uint rc_shadow_block(const ShadowFrame* frame, 
   for (; lanes; lanes &= lanes - 1u) {
     const uint lane = rc_lowest(lanes);
     const float16 band = form.band[lane], depth = depth_bands[lane];
-    for (uint base = 0; base < points->words; base += 16u) {
-      uint touched = rc_mask16((vload16(0, points->lo_a + base) <= box.hi_a[lane]) & (vload16(0, points->hi_a + base) >= box.lo_a[lane]) &
-                               (vload16(0, points->lo_b + base) <= box.hi_b[lane]) & (vload16(0, points->hi_b + base) >= box.lo_b[lane]) &
-                               (vload16(0, points->lo_d + base) <= depths[lane]));
+    for (uint base = 0; base < points->words; base += 32u) {
+      uint touched = 0;  /* of 32 words: one loop of unforeseeable length, not two */
+      for (uint first = 0; first < 32u && base + first < RC_WORD_SLOTS; first += 16u) {
+        const uint at = base + first;
+        touched |= rc_mask16((rc_load16(0, points->lo_a + at) <= box.hi_a[lane]) & (rc_load16(0, points->hi_a + at) >= box.lo_a[lane]) &
+                             (rc_load16(0, points->lo_b + at) <= box.hi_b[lane]) & (rc_load16(0, points->hi_b + at) >= box.lo_b[lane]) &
+                             (rc_load16(0, points->lo_d + at) <= depths[lane])) << first;
+      }
       for (; touched; touched &= touched - 1u) {
         const uint word = base + rc_lowest(touched);
-        const float16 a = vload16(word, points->a), b = vload16(word, points->b), d = vload16(word, points->d);
+        const float16 a = rc_load16(word, points->a), b = rc_load16(word, points->b), d = rc_load16(word, points->d);
         const float16 l1 = fma((float16)(form.l1a[lane]), a, fma((float16)(form.l1b[lane]), b, (float16)(form.l1c[lane])));
         const float16 l2 = fma((float16)(form.l2a[lane]), a, fma((float16)(form.l2b[lane]), b, (float16)(form.l2c[lane])));
         const float16 least = rc_min16(rc_min16(l1, l2), (1.0f - l1) - l2);

@@ -77,9 +77,9 @@ static inline float4 rc_field(RayGroup g, float far) { return far * fabs(g.d0) +
 
 /* The most that the tree below a root reaches beyond the group's start, z - ahead, or beyond it all. */
 static inline float rc_reach_beyond(const Projection* map, global const BvhNode* root) {
-  const float8 x = (map->z.x > 0.0f ? vload8(0, root->hi_x) : vload8(0, root->lo_x)) - map->origin.x;
-  const float8 y = (map->z.y > 0.0f ? vload8(0, root->hi_y) : vload8(0, root->lo_y)) - map->origin.y;
-  const float8 z = (map->z.z > 0.0f ? vload8(0, root->hi_z) : vload8(0, root->lo_z)) - map->origin.z;
+  const float8 x = (map->z.x > 0.0f ? rc_load8(0, root->hi_x) : rc_load8(0, root->lo_x)) - map->origin.x;
+  const float8 y = (map->z.y > 0.0f ? rc_load8(0, root->hi_y) : rc_load8(0, root->lo_y)) - map->origin.y;
+  const float8 z = (map->z.z > 0.0f ? rc_load8(0, root->hi_z) : rc_load8(0, root->lo_z)) - map->origin.z;
   const float8 beyond = fma((float8)(map->z.x), x, fma((float8)(map->z.y), y, map->z.z * z));
   RC_LINE float of[8];
   vstore8(beyond, 0, of);
@@ -159,8 +159,8 @@ static inline uint rc_behind(const GroupFrame* frame, global const TriBlock* blo
   const float edge_a = RC_HALF_A + 2.0f * frame->map.error, edge_b = RC_HALF_B + 2.0f * frame->map.error;
   int16 back = -1, left = -1, right = -1, above = -1, below = -1;
   for (int i = 0; i < 3; ++i) {
-    const float16 x = vload16(0, at + 48 * i) - frame->map.origin.x, y = vload16(0, at + 48 * i + 16) - frame->map.origin.y;
-    const float16 z = vload16(0, at + 48 * i + 32) - frame->map.origin.z;
+    const float16 x = rc_load16(0, at + 48 * i) - frame->map.origin.x, y = rc_load16(0, at + 48 * i + 16) - frame->map.origin.y;
+    const float16 z = rc_load16(0, at + 48 * i + 32) - frame->map.origin.z;
     const float16 a = rc_project_row(frame->map.a, x, y, z), b = rc_project_row(frame->map.b, x, y, z), depth = rc_project_row(frame->map.z, x, y, z) + frame->map.ahead;
     const float16 slack = (fabs(a) + fabs(b) + fabs(depth)) * (frame->map.error + frame->map.error_growth);
     back &= depth <= 0.0f;
@@ -209,17 +209,17 @@ __attribute__((noinline)) static void rc_decide(SceneArrays scene, const GroupFr
   }
   /* Each ray's own axes, as rc_make_ray takes them. Lanes without a pair get numbers: what lies there may be subnormal, which is slow. */
   const int16 real = (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15) < (int)open->count;
-  const float16 dx = select((float16)(1.0f), vload16(0, direction[0]), real), dy = select((float16)(1.0f), vload16(0, direction[1]), real);
-  const float16 dz = select((float16)(1.0f), vload16(0, direction[2]), real);
+  const float16 dx = select((float16)(1.0f), rc_load16(0, direction[0]), real), dy = select((float16)(1.0f), rc_load16(0, direction[1]), real);
+  const float16 dz = select((float16)(1.0f), rc_load16(0, direction[2]), real);
   const int16 z_first = (fabs(dz) >= fabs(dx)) & (fabs(dz) >= fabs(dy)), y_first = fabs(dy) >= fabs(dx);
   const float16 none = 0.0f;
   float16 v[6][3];  /* corners, offset, origin, direction */
   #pragma unroll
   for (uint i = 0; i < 6u; ++i) {
     const float4 o = frame->rays.origin;
-    const float16 x = i < 4u ? select(none, i < 3u ? vload16(0, corner[3u * i % 9u]) : vload16(0, offset[0]), real) : i == 4u ? (float16)(o.x) : dx;
-    const float16 y = i < 4u ? select(none, i < 3u ? vload16(0, corner[(3u * i + 1u) % 9u]) : vload16(0, offset[1]), real) : i == 4u ? (float16)(o.y) : dy;
-    const float16 z = i < 4u ? select(none, i < 3u ? vload16(0, corner[(3u * i + 2u) % 9u]) : vload16(0, offset[2]), real) : i == 4u ? (float16)(o.z) : dz;
+    const float16 x = i < 4u ? select(none, i < 3u ? rc_load16(0, corner[3u * i % 9u]) : rc_load16(0, offset[0]), real) : i == 4u ? (float16)(o.x) : dx;
+    const float16 y = i < 4u ? select(none, i < 3u ? rc_load16(0, corner[(3u * i + 1u) % 9u]) : rc_load16(0, offset[1]), real) : i == 4u ? (float16)(o.y) : dy;
+    const float16 z = i < 4u ? select(none, i < 3u ? rc_load16(0, corner[(3u * i + 2u) % 9u]) : rc_load16(0, offset[2]), real) : i == 4u ? (float16)(o.z) : dz;
     v[i][0] = select(select(y, z, y_first), x, z_first);
     v[i][1] = select(select(z, x, y_first), y, z_first);
     v[i][2] = select(select(x, y, y_first), z, z_first);

@@ -60,7 +60,7 @@ static inline void rc_primary_block(SceneArrays scene, const GroupFrame* frame, 
     }
     for (uint done = 0; done < count; done += 16u) {
       const int16 real = as_int16(own) < (int)(count - done);
-      const uint16 pair = select((uint16)(0u), vload16(0, pairs + done), as_uint16(real)), lane_of = pair & 15u;
+      const uint16 pair = select((uint16)(0u), rc_load16(0, pairs + done), as_uint16(real)), lane_of = pair & 15u;
       const float16 column_of = rc_permute16(left, lane_of) + convert_float16(pair >> 4 & 15u), row_of = rc_permute16(above, lane_of) + convert_float16(pair >> 8);
       const float16 a = rc_column_a(column_of), b = rc_row_b(row_of + (float)frame->first_row);
       const float16 l1 = fma(rc_permute16(s.l1a, lane_of), a, fma(rc_permute16(s.l1b, lane_of), b, rc_permute16(s.l1c, lane_of)));
@@ -113,12 +113,12 @@ static inline void rc_primary_block(SceneArrays scene, const GroupFrame* frame, 
           const float16 l1 = fma((float16)(form.l1a[lane]), a, l1_row), l2 = fma((float16)(form.l2a[lane]), a, l2_row);
           const float16 least = rc_min16(rc_min16(l1, l2), (1.0f - l1) - l2);
           const float16 near = fma(l1, (float16)(form.q1[lane]), fma(l2, (float16)(form.q2[lane]), (float16)(form.q0[lane])));
-          const float16 before = vload16(0, closest->near + slot);
+          const float16 before = rc_load16(0, closest->near + slot);
           const int16 inside = least > uncertain, nearer = inside & (near > before);
           uint rest = rc_mask16((least >= -uncertain) & (~inside | (near == before)));
           rc_store16(select(before, near, nearer), 0, closest->near + slot);
-          rc_store16(select(vload16(0, closest->instance + slot), (uint16)(instance), nearer), 0, closest->instance + slot);
-          rc_store16(select(vload16(0, closest->primitive + slot), (uint16)(first + lane), nearer), 0, closest->primitive + slot);
+          rc_store16(select(rc_load16(0, closest->instance + slot), (uint16)(instance), nearer), 0, closest->instance + slot);
+          rc_store16(select(rc_load16(0, closest->primitive + slot), (uint16)(first + lane), nearer), 0, closest->primitive + slot);
           if (rest) {
             rest &= rc_mask16(near + slack_of[lane] >= before);
             const uint tied = rc_mask16(inside);
@@ -151,7 +151,7 @@ static inline void rc_write_pixels(const float* near, const uint* tiles, uint us
   for (uint tile = 0; tile < RC_TILE_ROWS * RC_TILE_COLUMNS; tile += 4u) {
     uint16 t[4];
     #pragma unroll
-    for (uint i = 0; i < 4u; ++i) t[i] = select(vload16(tile + i, tiles), (uint16)(RC_NONE), vload16(tile + i, near) == 0.0f);
+    for (uint i = 0; i < 4u; ++i) t[i] = select(rc_load16(tile + i, tiles), (uint16)(RC_NONE), rc_load16(tile + i, near) == 0.0f);
     uint* line = lines + (tile / RC_TILE_COLUMNS * (RC_TILE_COLUMNS * 4u) + tile % RC_TILE_COLUMNS) * 4u;
     rc_store16((uint16)(t[0].s0123, t[1].s0123, t[2].s0123, t[3].s0123), 0, line);
     rc_store16((uint16)(t[0].s4567, t[1].s4567, t[2].s4567, t[3].s4567), 0, line + RC_TILE_COLUMNS * 4);
@@ -161,11 +161,11 @@ static inline void rc_write_pixels(const float* near, const uint* tiles, uint us
   for (uint p = 0; p < used; ++p) {
     for (uint row = 0; row < rows; ++row)
       for (uint i = 0; i < RC_NU; i += 16u)
-        rc_store16(vload16(0, lines + row * (RC_TILE_COLUMNS * 4u) + p * RC_NU + i), 0, slots + p * RC_NPAD + row * RC_NU + i);
+        rc_store16(rc_load16(0, lines + row * (RC_TILE_COLUMNS * 4u) + p * RC_NU + i), 0, slots + p * RC_NPAD + row * RC_NU + i);
     for (uint k = rows * RC_NU; k < RC_NPAD; ++k) slots[p * RC_NPAD + k] = RC_NONE;
   }
   for (uint p = 0; p < used; ++p)
-    for (uint word = 0; word < RC_NWORDS; ++word) rc_store16(vload16(p * RC_NWORDS + word, slots), word, out + p * stride);
+    for (uint word = 0; word < RC_NWORDS; ++word) rc_store16(rc_load16(p * RC_NWORDS + word, slots), word, out + p * stride);
 }
 
 #endif

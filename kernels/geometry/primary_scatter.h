@@ -8,7 +8,7 @@
 static inline void rc_keep_word(Closest* closest, uint slot, float16 near, uint16 primitive, int16 taken, uint instance) {
   rc_store16(near, 0, closest->near + slot);
   rc_store16(primitive, 0, closest->primitive + slot);
-  rc_store16(select(vload16(0, closest->instance + slot), (uint16)(instance), taken), 0, closest->instance + slot);
+  rc_store16(select(rc_load16(0, closest->instance + slot), (uint16)(instance), taken), 0, closest->instance + slot);
 }
 
 /* Triangles whose rectangles lie in the field, of several blocks of one frame, side by side: tested against the words of samples when
@@ -34,15 +34,15 @@ static inline void rc_begin_pending(Pending* pending) { pending->count = pending
  * Forms grow along a and b evenly, rounding too, so each is largest at the corner its slopes point to; the third takes another
  * order of rounding, which the second band holds. */
 static inline uint rc_candidates_touch(const Candidates* c, uint first, float lo_a, float hi_a, float lo_b, float hi_b) {
-  const float16 l1a = vload16(0, c->l1a + first), l1b = vload16(0, c->l1b + first), l1c = vload16(0, c->l1c + first);
-  const float16 l2a = vload16(0, c->l2a + first), l2b = vload16(0, c->l2b + first), l2c = vload16(0, c->l2c + first);
-  const float16 a0 = lo_a, a1 = hi_a, b0 = lo_b, b1 = hi_b, band = vload16(0, c->band + first);
+  const float16 l1a = rc_load16(0, c->l1a + first), l1b = rc_load16(0, c->l1b + first), l1c = rc_load16(0, c->l1c + first);
+  const float16 l2a = rc_load16(0, c->l2a + first), l2b = rc_load16(0, c->l2b + first), l2c = rc_load16(0, c->l2c + first);
+  const float16 a0 = lo_a, a1 = hi_a, b0 = lo_b, b1 = hi_b, band = rc_load16(0, c->band + first);
   const float16 l0a = -l1a - l2a, l0b = -l1b - l2b, l0c = (1.0f - l1c) - l2c;
   const float16 l1 = fma(l1a, l1a > 0.0f ? a1 : a0, fma(l1b, l1b > 0.0f ? b1 : b0, l1c));
   const float16 l2 = fma(l2a, l2a > 0.0f ? a1 : a0, fma(l2b, l2b > 0.0f ? b1 : b0, l2c));
   const float16 l0 = fma(l0a, l0a > 0.0f ? a1 : a0, fma(l0b, l0b > 0.0f ? b1 : b0, l0c));
-  return rc_mask16((vload16(0, c->lo_a + first) <= hi_a) & (vload16(0, c->hi_a + first) >= lo_a) & (vload16(0, c->lo_b + first) <= hi_b) &
-                   (vload16(0, c->hi_b + first) >= lo_b) & (rc_min16(l1, l2) >= -band) & (l0 >= -2.0f * band));
+  return rc_mask16((rc_load16(0, c->lo_a + first) <= hi_a) & (rc_load16(0, c->hi_a + first) >= lo_a) & (rc_load16(0, c->lo_b + first) <= hi_b) &
+                   (rc_load16(0, c->hi_b + first) >= lo_b) & (rc_min16(l1, l2) >= -band) & (l0 >= -2.0f * band));
 }
 
 /* Tests the candidates against all words and empties the list. */
@@ -58,10 +58,10 @@ __attribute__((noinline)) static void rc_test_candidates(SceneArrays scene, cons
       touching |= (ulong)rc_candidates_touch(c, first, samples->lo_a[word], samples->hi_a[word], samples->lo_b[word], samples->hi_b[word]) << first;
     touching &= ~0ul >> (64u - count);
     if (!touching) continue;
-    const float16 a = vload16(0, samples->a + slot), b = vload16(0, samples->b + slot);
+    const float16 a = rc_load16(0, samples->a + slot), b = rc_load16(0, samples->b + slot);
     const int16 real = a < INFINITY;
-    float16 before = vload16(0, closest->near + slot);
-    uint16 primitive = vload16(0, closest->primitive + slot);
+    float16 before = rc_load16(0, closest->near + slot);
+    uint16 primitive = rc_load16(0, closest->primitive + slot);
     int16 taken = 0;
     for (; touching; touching &= touching - 1u) {
       const uint k = 63u - (uint)clz(touching & (0ul - touching));
@@ -84,8 +84,8 @@ __attribute__((noinline)) static void rc_test_candidates(SceneArrays scene, cons
         if (tied >> lane & 1u) rc_keep(closest, slot + lane, near_of[lane], instance, c->primitive[k]);
         else rc_leave_open(scene, frame, closest, instance, &pending->open, c->primitive[k], slot + lane);
       }
-      before = vload16(0, closest->near + slot);
-      primitive = vload16(0, closest->primitive + slot);
+      before = rc_load16(0, closest->near + slot);
+      primitive = rc_load16(0, closest->primitive + slot);
       taken = 0;
     }
     if (rc_mask16(taken)) rc_keep_word(closest, slot, before, primitive, taken, instance);

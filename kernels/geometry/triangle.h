@@ -96,9 +96,9 @@ RC_ALWAYS static inline uint rc_hit_pairs(const float16* a, const float16* b, co
 RC_ALWAYS static inline uint rc_hit_block(Ray ray, bool offset, global const TriBlock* block, float16* t) {
   global const float* at = (global const float*)block;
   const int x = 16 * ray.kx, y = 16 * ray.ky, z = 16 * ray.kz;
-  const float16 a[3] = {vload16(0, at + x), vload16(0, at + y), vload16(0, at + z)};
-  const float16 b[3] = {vload16(0, at + 48 + x), vload16(0, at + 48 + y), vload16(0, at + 48 + z)};
-  const float16 c[3] = {vload16(0, at + 96 + x), vload16(0, at + 96 + y), vload16(0, at + 96 + z)};
+  const float16 a[3] = {rc_load16(0, at + x), rc_load16(0, at + y), rc_load16(0, at + z)};
+  const float16 b[3] = {rc_load16(0, at + 48 + x), rc_load16(0, at + 48 + y), rc_load16(0, at + 48 + z)};
+  const float16 c[3] = {rc_load16(0, at + 96 + x), rc_load16(0, at + 96 + y), rc_load16(0, at + 96 + z)};
   const float16 o[3] = {(float16)(rc_component(ray.origin, ray.kx)), (float16)(rc_component(ray.origin, ray.ky)),
                         (float16)(rc_component(ray.origin, ray.kz))};
   const float16 off[3] = {(float16)(rc_component(ray.offset, ray.kx)), (float16)(rc_component(ray.offset, ray.ky)),

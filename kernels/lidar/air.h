@@ -30,7 +30,7 @@ __attribute__((noinline)) static void rc_air_depths(const LidarTables* t, float1
     const int a = rc_air_cell(low[k], z0, dz, posts), b = rc_air_cell(high[k], z0, dz, posts);
     for (uint node = 0; node < RC_LINE_NODES; ++node) mean[node][k] = rc_air_mean(t->air + node * posts, z0, dz, low[k], high[k], a, b);
   }
-  for (uint node = 0; node < RC_LINE_NODES; ++node) depth[node] = fma(length, vload16(0, mean[node]), depth[node]);
+  for (uint node = 0; node < RC_LINE_NODES; ++node) depth[node] = fma(length, rc_load16(0, mean[node]), depth[node]);
 }
 #endif
 

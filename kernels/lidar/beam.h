@@ -83,13 +83,13 @@ static inline float16 rc_beam_rays(const LidarTables* t, const Beam* beam, float
 /* Word of 16 sub-rays, in either form of the table; see lidar_shots. INFINITY: none. */
 static inline void rc_beam_word(const LidarTables* t, uint word, float16* a, float16* b) {
 #if RC_SINGLE
-  *a = vload16(2u * word, t->samples);
-  *b = vload16(2u * word + 1u, t->samples);
+  *a = rc_load16(2u * word, t->samples);
+  *b = rc_load16(2u * word + 1u, t->samples);
 #else
   const uint slots = (RC_CHUNK + 15u) / 16u * 16u, bounds = (slots / 16u + 15u) / 16u * 16u, words = slots / 16u;
   global const float* at = t->samples + (size_t)(word / words) * (2u * slots + 4u * bounds) + word % words * 16u;
-  *a = vload16(0, at);
-  *b = vload16(0, at + slots);
+  *a = rc_load16(0, at);
+  *b = rc_load16(0, at + slots);
 #endif
 }
 
@@ -116,7 +116,7 @@ static inline float rc_beam_sum(const LidarTables* t, const Beam* beam, float s,
     Vector16 leaves = {0.0f, 0.0f, 0.0f};
 #if RC_EXITS
     const float4 eu = t->shot[RC_SHOT_EXIT_U], ev = t->shot[RC_SHOT_EXIT_V];
-    const float16 ea = vload16(word, t->exits), eb = vload16(word, t->exits + (RC_RAY_COUNT + 15) / 16 * 16);
+    const float16 ea = rc_load16(word, t->exits), eb = rc_load16(word, t->exits + (RC_RAY_COUNT + 15) / 16 * 16);
     leaves.x = fma(ea, (float16)(eu.x), eb * ev.x);
     leaves.y = fma(ea, (float16)(eu.y), eb * ev.y);
     leaves.z = fma(ea, (float16)(eu.z), eb * ev.z);

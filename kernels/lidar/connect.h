@@ -218,7 +218,7 @@ static inline void rc_connect(SceneArrays scene, const LidarTables* t, const Pat
   for (uint line = 0; line < RC_LASER_LINES; ++line) {
     float16 scatter = rc_matter16(t, vertex, line, 0) * 0.318309886f;
 #if RC_GLOSS
-    scatter += vload16(0, shine);
+    scatter += rc_load16(0, shine);
 #endif
     scatter *= fmax(facing, 0.0f);
 #if RC_LEAVES
@@ -229,7 +229,7 @@ static inline void rc_connect(SceneArrays scene, const LidarTables* t, const Pat
     photons *= rc_line_transmission(t, line, depth);
 #endif
 #if RC_CONTINUES || RC_SHADOWS
-    if (shadow) photons *= vload16(0, visible[line]);
+    if (shadow) photons *= rc_load16(0, visible[line]);
 #endif
     photons = select((float16)(0.0f), photons, rc_bits16(lanes));
     rc_add_float(sums->sum[line][RC_SUM_COLLECTED], rc_lane_sum(photons));

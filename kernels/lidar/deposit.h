@@ -19,8 +19,8 @@ static inline void rc_deposit(const LidarTables* t, RC_ROW_SPACE float* row, flo
     RC_ROW_SPACE float* to = row + (RC_ROW_PAD + start);
     #pragma unroll
     for (int i = 0; i < RC_TAPS_PADDED; i += 16) {
-      const float16 a = vload16(0, low + i), b = vload16(0, low + RC_TAPS_PADDED + i);
-      rc_store16(fma((float16)(energy), fma((float16)(f), b - a, a), vload16(0, to + i)), 0, to + i);
+      const float16 a = rc_load16(0, low + i), b = rc_load16(0, low + RC_TAPS_PADDED + i);
+      rc_store16(fma((float16)(energy), fma((float16)(f), b - a, a), rc_load16(0, to + i)), 0, to + i);
     }
   }
 }
@@ -53,7 +53,7 @@ static inline void rc_deposit_lanes(const LidarTables* t, RC_ROW_SPACE float* ro
     RC_ROW_SPACE float* to = row + (RC_ROW_PAD + start);
     #pragma unroll
     for (int i = 0; i < RC_TAPS_PADDED / 16; ++i) {
-      kept[i] = vload16(i, to);
+      kept[i] = rc_load16(i, to);
       kept_high[i] = 0.0f;
     }
     uint here = rc_mask16(start_lanes == start) & lanes;
@@ -63,8 +63,8 @@ static inline void rc_deposit_lanes(const LidarTables* t, RC_ROW_SPACE float* ro
       global const float* at = t->taps + shares[k];
       #pragma unroll
       for (int i = 0; i < RC_TAPS_PADDED / 16; ++i) {
-        kept[i] = fma((float16)(low[k]), vload16(i, at), kept[i]);
-        kept_high[i] = fma((float16)(high[k]), vload16(i, at + RC_TAPS_PADDED), kept_high[i]);
+        kept[i] = fma((float16)(low[k]), rc_load16(i, at), kept[i]);
+        kept_high[i] = fma((float16)(high[k]), rc_load16(i, at + RC_TAPS_PADDED), kept_high[i]);
       }
     }
     #pragma unroll
@@ -75,10 +75,10 @@ static inline void rc_deposit_lanes(const LidarTables* t, RC_ROW_SPACE float* ro
 /* What hangs over the gate's ends, added to the sums. */
 static inline void rc_close_row(const LidarTables* t, RC_ROW_SPACE const float* row, float sums[RC_SUM_COUNT][2]) {
   float16 early = 0.0f, late = 0.0f;
-  for (int i = 0; i < RC_ROW_PAD; i += 16) early += vload16(0, row + i);
+  for (int i = 0; i < RC_ROW_PAD; i += 16) early += rc_load16(0, row + i);
   const int16 lane = (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
   for (int i = t->bins / 16 * 16; i + RC_ROW_PAD < (int)t->row; i += 16)
-    late += select((float16)(0.0f), vload16(0, row + RC_ROW_PAD + i), lane + i >= t->bins);
+    late += select((float16)(0.0f), rc_load16(0, row + RC_ROW_PAD + i), lane + i >= t->bins);
   rc_add_float(sums[RC_SUM_EARLY], rc_lane_sum(early));
   rc_add_float(sums[RC_SUM_LATE], rc_lane_sum(late));
 }

@@ -35,7 +35,7 @@ __attribute__((noinline)) static void rc_volume_depths(const LidarTables* t, Vec
       for (uint node = 0; node < RC_LINE_NODES; ++node) sum[node][k] += rc_volume_depth(t, i, node, field);
     }
   }
-  for (uint node = 0; node < RC_LINE_NODES; ++node) depth[node] += vload16(0, sum[node]);
+  for (uint node = 0; node < RC_LINE_NODES; ++node) depth[node] += rc_load16(0, sum[node]);
 }
 #endif
 

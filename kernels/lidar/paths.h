@@ -42,7 +42,7 @@ static inline void rc_stop(const LidarTables* t, Paths16* paths, const Vertex16*
       if (slot < (int)t->row) row[slot] += ends * (1.0f - part);
       if (slot + 1 < (int)t->row) row[slot + 1] += ends * part;
     }
-    paths->open[line] = vload16(0, kept);
+    paths->open[line] = rc_load16(0, kept);
   }
 }
 #endif
@@ -64,7 +64,7 @@ static inline void rc_follow_word(SceneArrays scene, const LidarTables* t, float
   Vector16 leaves = {0.0f, 0.0f, 0.0f};
 #if RC_EXITS
   const float4 eu = shot[RC_SHOT_EXIT_U], ev = shot[RC_SHOT_EXIT_V];
-  const float16 ea = vload16(0, t->exits + first_ray), eb = vload16(0, t->exits + (RC_RAY_COUNT + 15) / 16 * 16 + first_ray);
+  const float16 ea = rc_load16(0, t->exits + first_ray), eb = rc_load16(0, t->exits + (RC_RAY_COUNT + 15) / 16 * 16 + first_ray);
   leaves.x = fma(ea, (float16)(eu.x), eb * ev.x);
   leaves.y = fma(ea, (float16)(eu.y), eb * ev.y);
   leaves.z = fma(ea, (float16)(eu.z), eb * ev.z);
@@ -202,8 +202,8 @@ static inline void rc_follow_word(SceneArrays scene, const LidarTables* t, float
       hits.instance[k] = hit.instance;
       if (hit.instance != RC_NONE) hits.primitive[k] = hit.primitive;
     }
-    instances = vload16(0, hits.instance);
-    primitives = vload16(0, hits.primitive);
+    instances = rc_load16(0, hits.instance);
+    primitives = rc_load16(0, hits.primitive);
     rc_end_lanes(&paths, paths.live & ~through, sums, RC_LEDGER_TRUNCATED);
     if (!paths.live) return;
 #else

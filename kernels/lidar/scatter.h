@@ -94,8 +94,8 @@ __attribute__((noinline)) static void rc_scatter_on(SceneArrays scene, const Lid
         kept[k] = ended >> k & 1u ? 0.0f : last ? plate : diffuse + plate;
         booked[k] = ended >> k & 1u ? diffuse + plate : last ? diffuse : 0.0f;
       }
-      rc_split_energy(paths, line, vload16(0, kept), vload16(0, booked), sums, RC_LEDGER_TRUNCATED);
-      paths->weight[line] *= vload16(0, factor[line]);
+      rc_split_energy(paths, line, rc_load16(0, kept), rc_load16(0, booked), sums, RC_LEDGER_TRUNCATED);
+      paths->weight[line] *= rc_load16(0, factor[line]);
     }
     paths->live &= ~ended;
     uint missed = 0;
@@ -106,7 +106,7 @@ __attribute__((noinline)) static void rc_scatter_on(SceneArrays scene, const Lid
     rc_end_lanes(paths, missed & paths->live, sums, RC_LEDGER_ESCAPED);
     if (!paths->live) return;
     const Rays16 rays = {rc_load_vector16(from), {0.0f, 0.0f, 0.0f}, rc_load_vector16(way)};
-    rc_meet(scene, vload16(0, hits.instance), vload16(0, hits.primitive), paths->live, &rays, &vertex);
+    rc_meet(scene, rc_load16(0, hits.instance), rc_load16(0, hits.primitive), paths->live, &rays, &vertex);
     const int16 live = rc_bits16(paths->live);
     const float16 along = select((float16)(0.0f), fmax(vertex.along, 0.0f), live);
     const Vector16 start = rc_minus16(rays.origin, rc_vector16(reference)), place = rc_along16(start, along, rays.direction);

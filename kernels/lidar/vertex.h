@@ -161,7 +161,7 @@ static inline float16 rc_matter16(const LidarTables* t, const Vertex16* vertex, 
     return (float16)(optics[(vertex->common * RC_LASER_LINES + line) * 4u + which]);
   RC_LINE float value[16];
   for (uint k = 0; k < 16u; ++k) value[k] = optics[(vertex->surface[k] * RC_LASER_LINES + line) * 4u + which];
-  return vload16(0, value);
+  return rc_load16(0, value);
 }
 
 #endif
