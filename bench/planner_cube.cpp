@@ -11,6 +11,7 @@
 #include "host/base/cache_folder.h"
 #include "host/base/error.h"
 #include "host/cli/simulation_job.h"
+#include "host/planner/model_trial.h"
 #include "host/planner/planner.h"
 #include "host/planner/trial.h"
 #include "host/planner/trial_pixels.h"
@@ -96,7 +97,7 @@ class CubeStudy {
     simulation_.sky_share = 0;
   }
 
-  /// The plan with the smallest tolerance that its nodes can keep; what it says of their error counts as the reference's own.
+  /// The plan with the smallest tolerance that its nodes can keep; their error, measured, counts as the reference's own.
   void make_finest() {
     instrument_.samples_given = simulation_.sky_directions_given = true;  // no trial
     const double keep = simulation_.tolerance;
@@ -104,7 +105,7 @@ class CubeStudy {
       simulation_.tolerance = tolerance;
       try {
         auto job = cli::prepare(simulation_, instrument_, context_);
-        finest_error_ = job.decision.plan_error;
+        finest_error_ = planner::model_error(simulation_, instrument_, job.plan, job.table).total.bound;
         finest_ = std::move(job.plan), table_ = std::move(job.table);
         break;
       } catch (const base::Error& refused) {

@@ -76,9 +76,10 @@ InstrumentJob prepare(const scene::Simulation& simulation, const scene::Instrume
     const auto& entry = planner::find_entry(*planning.replay, instrument.name, false, planning.replay_path);
     job.decision = planner::replayed(entry, simulation, instrument, job.plan, planning.replay_path);
   } else if (planning.renderer) {
-    job.decision = planner::decide(*planning.renderer, simulation, instrument, job.plan, planning.estimate_given);
+    job.decision = planner::decide(*planning.renderer, simulation, instrument, job.plan, job.table, planning.estimate_given, context.common.threads);
   } else {
     job.decision = planner::as_given(simulation, instrument, job.plan);
+    planner::hold_tolerance(job.decision, simulation, instrument, job.plan, job.table, context.common.threads);
   }
   planner::apply(job.decision, simulation, *planned, job.plan);
   for (const auto& note : job.decision.notes) context.log.warning(note);

@@ -49,13 +49,13 @@ void sort_compact(const std::vector<Point>& points, std::vector<int>::iterator f
 
 }  // namespace
 
-Footprint make_footprint(const scene::Lidar& lidar, bool distributed) {
+Footprint make_footprint(const scene::Lidar& lidar, bool distributed, std::array<double, 2> shift) {
   const int n = lidar.transport.subrays;
   const bool receiver = lidar.transport.sampling == scene::LidarSampling::receiver;
   std::vector<Point> points, exits;
   for (int i = 0; i < n; ++i) {
     // R2 sequence: Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018; 1/g and 1/g^2, g^3 = g + 1.
-    points.push_back(receiver ? Point{fraction(0.5 + i * 0.7548776662466927) - 0.5, fraction(0.5 + i * 0.5698402909980532) - 0.5}
+    points.push_back(receiver ? Point{fraction(0.5 + shift[0] + i * 0.7548776662466927) - 0.5, fraction(0.5 + shift[1] + i * 0.5698402909980532) - 0.5}
                               : spiral(lidar.pulse.profile, i, n, 0));
     // Exits take the spiral's rings in the order of a van der Corput-like walk, so that place and direction do not go together.
     const int ring = static_cast<int>(fraction((i + 0.5) * 0.6180339887498949) * n);

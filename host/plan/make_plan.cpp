@@ -208,12 +208,10 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
                                   simulation.file, describe_given(given), RC_MAX_CHANNELS));
   const double total = choice.total();
   if (total > simulation.tolerance && !given.any())
-    throw base::Error(base::Fault::input,
-                      fmt::format("instrument '{}': {} channels cannot hold the tolerance of {:g}: the nodes of height, view and path and the "
-                                  "sky's components leave an error of {:.3g} (source {:.3g}, path {:.3g}, sky {:.3g}, temperatures {:.3g}); raise the "
-                                  "tolerance, narrow the field of view or split the scene's relief",
-                                  instrument.name, RC_MAX_CHANNELS, simulation.tolerance, total, choice.source_error, choice.path_error, choice.sky_error,
-                                  choice.emission_error));
+    plan.refusal = fmt::format("instrument '{}': {} channels cannot hold the tolerance of {:g}: the nodes of height, view and path and the "
+                               "sky's components leave an error of up to {:.3g} (source {:.3g}, path {:.3g}, sky {:.3g}, temperatures {:.3g})",
+                               instrument.name, RC_MAX_CHANNELS, simulation.tolerance, total, choice.source_error, choice.path_error, choice.sky_error,
+                               choice.emission_error);
 
   plan.height = make_axis(domain.z_lo, domain.z_hi, choice.height);
   plan.view = make_axis(view.sec_min, view.sec_max, choice.view);

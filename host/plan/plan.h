@@ -136,6 +136,7 @@ struct Plan {
   SkyBasis sky_basis;                              ///< the components' angular maps, of which sets and map are made
   SkySets sky;                                     ///< empty without sky components
   IrradianceMap irradiance;
+  std::string refusal;                             ///< why the tolerance is not held, by worst-case estimates of its nodes and components; empty: it is
   std::string report_json;                         ///< what was chosen, each block's estimated error (DESIGN section 6's table)
 
   int components() const { return sky_components + thermal.components(); }   ///< that directions are traced for
@@ -157,7 +158,8 @@ struct ViewBounds {
 
 /// Makes the plan: spectral grid and band quadrature, node counts by bisection until the midpoint error is inside its share
 /// of `simulation.tolerance`, sky components by weighted SVD (component 0 carries the irradiance exactly), direction sets
-/// by hash of the seed. Throws Error(input) when a band leaves the table or a material's curve, or the table lacks a row.
+/// by hash of the seed. Throws Error(input) when a band leaves the table or a material's curve, or the table lacks a row. A plan that may not
+/// hold the tolerance says so in `refusal`: the caller measures it, or stops there.
 Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& instrument, const atmos::RenderTable& table,
                const ViewBounds& view);
 

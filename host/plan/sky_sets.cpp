@@ -74,6 +74,38 @@ class SkyDensity {
   std::vector<double> ring_, below_;
 };
 
+/// Solar maps, then those of thermal light, as SkySets has them.
+class Weights {
+ public:
+  Weights(const SkyBasis& basis, double sun_azimuth_rad, int components, const Thermal* thermal)
+      : basis_(basis), sun_azimuth_rad_(sun_azimuth_rad), components_(components), thermal_(thermal) {}
+
+  int quads() const { return thermal_ && components_ + thermal_->components() > 4 ? 2 : 1; }
+
+  void add(SkySets& to, double x, double y, double z, double solid_angle_sr) const {
+    std::array<double, 8> a{};
+    const auto solar = sky_value(basis_, sun_azimuth_rad_, x, y, z);
+    std::copy(solar.begin(), solar.end(), a.begin());
+    if (thermal_) {
+      const auto emitted = sky_value(thermal_->basis, sun_azimuth_rad_, x, y, z);
+      const auto first = static_cast<std::size_t>(components_), sky = static_cast<std::size_t>(thermal_->sky_components);
+      std::fill(a.begin() + components_, a.end(), 0.0);
+      std::copy(emitted.begin(), emitted.begin() + thermal_->sky_components, a.begin() + components_);
+      a[first + sky] = -1;
+    }
+    to.direction.push_back({static_cast<float>(x), static_cast<float>(y), static_cast<float>(z), 0});
+    for (std::size_t q = 0; q < 4 * static_cast<std::size_t>(to.quads); q += 4)
+      to.weight.push_back({static_cast<float>(a[q] * solid_angle_sr), static_cast<float>(a[q + 1] * solid_angle_sr), static_cast<float>(a[q + 2] * solid_angle_sr),
+                           static_cast<float>(a[q + 3] * solid_angle_sr)});
+  }
+
+ private:
+  const SkyBasis& basis_;
+  double sun_azimuth_rad_;
+  int components_;
+  const Thermal* thermal_;
+};
+
 }  // namespace
 
 SkySets make_sky_sets(const SkyBasis& basis, double sun_azimuth_rad, int directions, std::uint64_t seed, int components,
@@ -81,7 +113,8 @@ SkySets make_sky_sets(const SkyBasis& basis, double sun_azimuth_rad, int directi
   SkySets out;
   if (basis.empty() && !thermal) return out;
   const SkyBasis& drawn = basis.empty() ? thermal->basis : basis;
-  out.quads = thermal && components + thermal->components() > 4 ? 2 : 1;
+  const Weights weights(basis, sun_azimuth_rad, components, thermal);
+  out.quads = weights.quads();
   out.directions = directions;
   out.sets = std::clamp(kDirectionsInAll / directions, kFewestSets, most_sets);
   const auto total = static_cast<std::size_t>(out.sets) * static_cast<std::size_t>(directions);
@@ -104,23 +137,20 @@ SkySets make_sky_sets(const SkyBasis& basis, double sun_azimuth_rad, int directi
       const auto d = density.draw((k + shift) / directions, std::modf(k * golden + turn, &whole));
       const double azimuth = sun_azimuth_rad + d.azimuth, horizontal = std::sqrt(std::max(0.0, 1 - d.z * d.z));
       const double x = horizontal * std::sin(azimuth), y = horizontal * std::cos(azimuth);
-      const double solid_angle = 1 / (d.density * directions);
-      std::array<double, 8> a{};
-      const auto solar = sky_value(basis, sun_azimuth_rad, x, y, d.z);
-      std::copy(solar.begin(), solar.end(), a.begin());
-      if (thermal) {
-        const auto emitted = sky_value(thermal->basis, sun_azimuth_rad, x, y, d.z);
-        const auto first = static_cast<std::size_t>(components), sky = static_cast<std::size_t>(thermal->sky_components);
-        std::fill(a.begin() + components, a.end(), 0.0);
-        std::copy(emitted.begin(), emitted.begin() + thermal->sky_components, a.begin() + components);
-        a[first + sky] = -1;
-      }
-      out.direction.push_back({static_cast<float>(x), static_cast<float>(y), static_cast<float>(d.z), 0});
-      for (std::size_t q = 0; q < 4 * static_cast<std::size_t>(out.quads); q += 4)
-        out.weight.push_back({static_cast<float>(a[q] * solid_angle), static_cast<float>(a[q + 1] * solid_angle),
-                              static_cast<float>(a[q + 2] * solid_angle), static_cast<float>(a[q + 3] * solid_angle)});
+      weights.add(out, x, y, d.z, 1 / (d.density * directions));
     }
   }
+  return out;
+}
+
+SkySets sky_set_of(const SkyBasis& basis, double sun_azimuth_rad, const std::vector<std::array<double, 3>>& directions, double solid_angle_sr, int components,
+                   const Thermal* thermal) {
+  const Weights weights(basis, sun_azimuth_rad, components, thermal);
+  SkySets out;
+  out.sets = 1;
+  out.directions = static_cast<int>(directions.size());
+  out.quads = weights.quads();
+  for (const auto& d : directions) weights.add(out, d[0], d[1], d[2], solid_angle_sr);
   return out;
 }
 

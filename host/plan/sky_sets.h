@@ -1,7 +1,9 @@
 // Direction sets towards the sky: low-discrepancy points over the hemisphere, shifted and turned from set to set.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <vector>
 
 #include "host/plan/plan.h"
 
@@ -17,6 +19,10 @@ inline constexpr int kFewestSets = 64, kMostSets = 4096;
 /// `most_sets` (>= kFewestSets): fewer sets, the first of the same, for trials.
 SkySets make_sky_sets(const SkyBasis& basis, double sun_azimuth_rad, int directions, std::uint64_t seed, int components = 4,
                       const Thermal* thermal = nullptr, int most_sets = kMostSets);
+
+/// One set of given directions (unit, z > 0), each of the same solid angle.
+SkySets sky_set_of(const SkyBasis& basis, double sun_azimuth_rad, const std::vector<std::array<double, 3>>& directions, double solid_angle_sr, int components,
+                   const Thermal* thermal);
 
 /// How a pixel's samples share out its directions unless the simulation says: the largest power of two, up to kMostShare, that divides
 /// the directions and leaves each of them kFewestPoints samples, below which a bundle costs as much as a few rays.

@@ -18,7 +18,7 @@ void ErrorLaw::measured(double level, double estimate, double bound) {
 double ErrorLaw::hope(double level) const {
   if (has(level) || empty()) return bound(level);
   double least = std::numeric_limits<double>::infinity();
-  for (const auto& [measured, point] : points_) least = std::min(least, point.estimate * std::pow(measured / level, measured < level ? exponents_.hope : 1));
+  for (const auto& [measured, point] : points_) least = std::min(least, point.estimate * std::pow(measured / level, measured < level ? exponents_.hope : exponents_.hope_before));
   return least;
 }
 

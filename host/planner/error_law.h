@@ -10,6 +10,7 @@ struct LawExponents {
   double beyond = 1;   ///< past the largest level measured: the slowest fall to be expected
   double before = 2;   ///< short of the smallest: the fastest rise
   double hope = 1.5;   ///< what it may be at best: levels that might do are tried, not trusted
+  double hope_before = 1;  ///< the same short of a level that was measured: the slowest rise
 };
 
 /// Samples along one side of a pixel: sampling an edge falls like side^-1.5 on average, like side^-1 where edges run along the grid.
@@ -17,7 +18,7 @@ inline constexpr LawExponents kSideLaw{1.25, 2, 1.75};
 /// Directions of a set: between K^-0.5 (independent) and K^-1 (lattices over a smooth horizon).
 inline constexpr LawExponents kDirectionLaw{0.6, 1, 1};
 /// Sub-rays of a footprint: nested rings of equal energy over an edge.
-inline constexpr LawExponents kSubrayLaw{0.5, 1, 1};
+inline constexpr LawExponents kSubrayLaw{0.5, 1, 1, 0.5};
 
 class ErrorLaw {
  public:

@@ -15,11 +15,12 @@ namespace raycube::planner {
 
 namespace {
 
-constexpr int kTrialPulses = 768, kFirstSubrays = 64, kReferenceSubrays = 2048, kMostRounds = 12;
+constexpr int kTrialPulses = 2048, kFirstSubrays = 64, kReferenceSubrays = 2048, kMostRounds = 12;
 /// Part of the tolerance that is spent: few pulses see too few of those at edges (0.103 % of 2000 pulses was taken for at most 0.084 % by 192 of them).
 constexpr double kUseOfPulses = 0.75;
+constexpr double kWorthATry = 0.7;         ///< of the sub-rays
 constexpr double kReferenceRays = 8e6;     ///< a reference traces no more first rays than this; then it has fewer sub-rays
-constexpr rc_u32 kPulseDimension = 45;
+constexpr rc_u32 kPulseDimension = 45, kShiftDimension = 48;
 constexpr std::uint64_t kOther = 0x5bd1e995u;
 
 struct Waveforms {
@@ -39,14 +40,12 @@ class LidarTrial {
       pulses_.insert(all <= wanted ? i : rc_hash(static_cast<rc_u32>(plan.seed), i, static_cast<rc_u32>(plan.seed >> 32), kPulseDimension) % all);
     const double fit = kReferenceRays / (fans_ * static_cast<double>(std::max<std::size_t>(1, pulses_.size())));
     reference_subrays_ = std::clamp(static_cast<int>(fit), 256, kReferenceSubrays);
-    // A receiver's samples do not move with the seed: another number of them makes the second reference.
-    second_subrays_ = receiver ? reference_subrays_ * 3 / 4 : reference_subrays_;
   }
 
   /// Estimate and bound (two standard errors over the pulses) of the error with `subrays`.
   TrialError error(int subrays) {
-    if (one_.pulse.empty()) one_ = fire(reference_subrays_, plan_.seed + kOther), two_ = fire(second_subrays_, plan_.seed + 2 * kOther);
-    const Waveforms tried = fire(subrays, plan_.seed);
+    if (one_.pulse.empty()) one_ = fire(reference_subrays_, plan_.seed + kOther, true), two_ = fire(reference_subrays_, plan_.seed + 2 * kOther, true);
+    const Waveforms tried = fire(subrays, plan_.seed, false);
     double whole = 0, sum = 0, squares = 0;
     std::vector<double> of_pulse;
     for (std::size_t p = 0; p < tried.pulse.size(); ++p) {
@@ -68,17 +67,18 @@ class LidarTrial {
 
   std::size_t pulses() const { return pulses_.size(); }
   std::uint64_t rays() const { return rays_; }
-  /// The highest level whose error the references can tell. A receiver's are patterns of one kind: with half their sub-rays 0.35 % was taken for 0.28.
-  int largest_tried() const {
-    const int most = second_subrays_ < reference_subrays_ ? reference_subrays_ / 4 : reference_subrays_ / 2;
-    return *std::prev(std::upper_bound(subray_levels().begin(), subray_levels().end(), most));
-  }
+  /// The highest level whose error the references can tell.
+  int largest_tried() const { return *std::prev(std::upper_bound(subray_levels().begin(), subray_levels().end(), reference_subrays_ / 2)); }
 
  private:
-  Waveforms fire(int subrays, std::uint64_t seed) {
+  /// `moved`: a receiver's samples, the same in every pixel of every pulse, move with the seed.
+  Waveforms fire(int subrays, std::uint64_t seed, bool moved) {
     lidar::LidarPlan plan = plan_;
     set_subrays(plan, subrays);
     plan.seed = seed;
+    const auto low = static_cast<rc_u32>(seed), high = static_cast<rc_u32>(seed >> 32);
+    if (moved)
+      plan.footprint = lidar::make_footprint(plan.lidar, lidar::exit_matters(plan.lidar), {rc_hash(low, high, 0u, kShiftDimension) * 0x1p-32, rc_hash(low, high, 1u, kShiftDimension) * 0x1p-32});
     // Air and particles are integrated along the beam, not by sub-rays: they would only hide what surfaces do.
     plan.lidar.transport.air_return = false;
     std::vector<lidar::Shot> shots;
@@ -100,7 +100,7 @@ class LidarTrial {
   const lidar::LidarPlan& plan_;
   std::set<std::uint64_t> pulses_;
   double fans_ = 1;
-  int reference_subrays_ = kReferenceSubrays, second_subrays_ = kReferenceSubrays;
+  int reference_subrays_ = kReferenceSubrays;
   Waveforms one_, two_;
   std::uint64_t rays_ = 0;
 };
@@ -160,6 +160,13 @@ LidarDecision decide_subrays(render::LidarRenderer& renderer, const lidar::Lidar
     // Patterns of 12 and 16 sub-rays can lie the other way round than their law: what the references can judge must have been tried.
     out.subrays = cheapest(false);
     if (!law.has(out.subrays) && out.subrays <= trial.largest_tried()) out.subrays = cheapest(true);
+    // Fewer than the law has it may do: the fewest that can be hoped for are tried where that saves much.
+    for (int round = 0; round < kMostRounds; ++round) {
+      const int hoped = *std::find_if(subray_levels().begin(), std::prev(subray_levels().end()), [&](int level) { return law.hope(level) <= kUseOfPulses * tolerance; });
+      if (law.has(hoped) || hoped > kWorthATry * out.subrays) break;
+      add(hoped);
+      if (law.bound(hoped) <= kUseOfPulses * tolerance) out.subrays = hoped;
+    }
   }
   out.estimated = true;
   out.error = law.bound(out.subrays);

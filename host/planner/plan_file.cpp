@@ -143,6 +143,8 @@ Decision replayed(const PlanFile::Entry& entry, const scene::Simulation& simulat
   out.s_per_megapixel = 1e6 * CostModel().seconds(out.counts);
   const auto number = [](const Json& value) { return value.is_number() ? value.get<double>() : -1.0; };
   try {
+    out.plan_error = saved.at("error").at("plan").get<double>();
+    if (saved.contains("model_pixels")) out.model_pixels = saved.at("model_pixels").get<std::size_t>();
     out.samples_error = number(saved.at("error").at("samples")), out.sky_error = number(saved.at("error").at("sky_directions"));
     out.total_error = number(saved.at("error").at("total"));
     out.within = !saved.at("within_tolerance").is_boolean() || saved.at("within_tolerance").get<bool>();

@@ -148,7 +148,7 @@ std::string decision_json(const Decision& d, const std::vector<PlanLine>& lines)
               {"sampler", static_cast<int>(d.sampling.sampler)},
               {"sky_directions", d.sampling.directions},
               {"sky_share", d.sampling.share},
-              {"error", {{"plan", d.plan_error}, {"samples", number(d.samples_error)}, {"sky_directions", number(d.sky_error)}, {"total", number(d.total_error)}}},
+              {"error", {{"plan", d.plan_error}, {"plan_estimate", d.plan_estimate}, {"samples", number(d.samples_error)}, {"sky_directions", number(d.sky_error)}, {"total", number(d.total_error)}}},
               {"within_tolerance", d.estimated ? Json(d.within) : Json()},
               {"cost",
                {{"samples", d.counts.samples},
@@ -159,6 +159,7 @@ std::string decision_json(const Decision& d, const std::vector<PlanLine>& lines)
               {"dear", d.dear},
               {"notes", d.notes},
               {"lines", Json::parse(lines_json(lines))}};
+  if (d.model_pixels > 0) out["model_pixels"] = d.model_pixels;
   if (d.estimated) out["trial"] = {{"pixels", d.trial_pixels}, {"looked_at", d.looked_at}, {"rays", d.trial_rays}, {"measured", d.measured}};
   return out.dump();
 }

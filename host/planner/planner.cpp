@@ -8,7 +8,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "host/base/error.h"
 #include "host/plan/sky_sets.h"
+#include "host/planner/model_trial.h"
 #include "host/planner/plan_lines.h"
 
 namespace raycube::planner {
@@ -21,6 +23,7 @@ constexpr int kMostTriedDirections = 256;
 constexpr int kSkyLevels[] = {4, 16, 64};
 constexpr int kMostRounds = 10;
 constexpr double kWorthATry = 0.85;             ///< of the cost
+constexpr double kWorthMeasuring = 0.3;         ///< of the tolerance: less takes 5 % of what is left for samples and sky
 
 double squared(double x) { return x * x; }
 
@@ -69,22 +72,48 @@ Choice choose(const std::function<double(int)>& side, const ErrorLaw& direction,
   return best;
 }
 
+namespace {
+
+/// Puts what is measured in place of the estimate.
+void measure_plan(Decision& out, const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan, const atmos::RenderTable& table,
+                  int threads) {
+  const ModelError error = model_error(simulation, instrument, plan, table, threads);
+  out.plan_error = error.total.bound;
+  out.model_pixels = error.pixels;
+  out.measured.push_back(fmt::format("nodes and components: {:.2g} %, at most {:.2g} % (sun {:.2g}, sky {:.2g}, path {:.2g}, ground around {:.2g}, emission {:.2g}), {} pixels against the whole tables",
+                                     100 * error.total.estimate, 100 * error.total.bound, 100 * error.sun.estimate, 100 * error.sky.estimate, 100 * error.path.estimate,
+                                     100 * error.environment.estimate, 100 * error.emission.estimate, error.pixels));
+}
+
+}  // namespace
+
 Decision as_given(const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan) {
   Decision out;
   out.sampling = {instrument.sampler, instrument.samples_u, instrument.samples_v, simulation.sky_directions, plan.sky.share, instrument.first_samples};
   out.samples_given = instrument.samples_given, out.directions_given = simulation.sky_directions_given, out.share_given = simulation.sky_share > 0;
   out.tolerance = simulation.tolerance;
-  out.plan_error = nlohmann::json::parse(plan.report_json)["error"]["total"].get<double>();
+  out.plan_error = out.plan_estimate = nlohmann::json::parse(plan.report_json)["error"]["total"].get<double>();
   out.counts = pixel_counts(plan, static_cast<double>(instrument.samples_u) * instrument.samples_v, simulation.sky_directions, plan.sky.share);
   out.s_per_megapixel = 1e6 * CostModel().seconds(out.counts);
   return out;
 }
 
+void hold_tolerance(Decision& decision, const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan,
+                    const atmos::RenderTable& table, int threads) {
+  if (plan.refusal.empty()) return;
+  measure_plan(decision, simulation, instrument, plan, table, threads);
+  if (decision.plan_error > simulation.tolerance)
+    throw base::Error(base::Fault::input, fmt::format("{}; on {} pixels of this scene it is {:.3g}; raise the tolerance, narrow the field of view or split the scene's relief",
+                                                      plan.refusal, decision.model_pixels, decision.plan_error));
+}
+
 Decision decide(render::Renderer& renderer, const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan,
-                bool estimate_given) {
+                const atmos::RenderTable& table, bool estimate_given, int threads) {
   Decision out = as_given(simulation, instrument, plan);
+  hold_tolerance(out, simulation, instrument, plan, table, threads);
   const bool sky = plan.components() > 0;
   if (out.samples_given && (out.directions_given || !sky) && !estimate_given) return out;
+  if (out.model_pixels == 0 && out.plan_estimate > kWorthMeasuring * simulation.tolerance) measure_plan(out, simulation, instrument, plan, table, threads);
 
   Trial trial(renderer, simulation, instrument, plan);
   ErrorLaw direction(kDirectionLaw);

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "atmos_tables/render_table.h"
 #include "host/plan/plan.h"
 #include "host/planner/cost_model.h"
 #include "host/planner/error_law.h"
@@ -42,7 +43,9 @@ struct Decision {
   Sampling sampling;
   bool samples_given = false, directions_given = false, share_given = false;
   bool estimated = false;         ///< a trial was made; false: everything was given and none was asked for
-  double plan_error = 0;          ///< of nodes and components, as make_plan has it
+  double plan_error = 0;          ///< of nodes and components: as make_plan has it, or measured
+  double plan_estimate = 0;       ///< as make_plan has it: worst places and obstacles
+  std::size_t model_pixels = 0;   ///< that met the whole tables; 0: not measured
   double samples_error = -1, samples_less_error = -1;  ///< bounds: of the level chosen and of the one before
   double sky_error = -1, sky_less_error = -1;
   double total_error = -1;
@@ -75,13 +78,18 @@ using PixelCost = std::function<double(int side, int directions)>;
 Choice choose(const std::function<double(int)>& side, const ErrorLaw& direction, double budget, const PixelCost& cost_s, const std::vector<int>& sides,
               const std::vector<int>& directions);
 
-/// Makes the decision for an instrument. `plan`: of make_plan, any directions. With samples and directions both given nothing is
-/// tried unless `estimate_given`.
+/// Makes the decision for an instrument. `plan`: of make_plan with `table`, any directions. With samples and directions both given nothing is
+/// tried unless `estimate_given`; else the nodes' and components' error is measured too where its estimate takes much of the tolerance.
+/// `threads`: of what is computed on the host; 0: all. Throws Error(input) as hold_tolerance does.
 Decision decide(render::Renderer& renderer, const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan,
-                bool estimate_given);
+                const atmos::RenderTable& table, bool estimate_given, int threads = 0);
 
 /// The decision where nothing may be tried (no device, an internal camera): what the file or the defaults say.
 Decision as_given(const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan);
+
+/// Measures a plan that by its estimates may not hold the tolerance (Plan::refusal); throws Error(input) where it does not.
+void hold_tolerance(Decision& decision, const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan,
+                    const atmos::RenderTable& table, int threads = 0);
 
 /// The instrument and the plan with the decision's settings; the plan's report gets the planner's lines under "planner".
 void apply(const Decision& decision, const scene::Simulation& simulation, scene::Instrument& instrument, plan::Plan& plan);

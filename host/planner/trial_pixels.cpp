@@ -139,6 +139,10 @@ TrialError error_against(const TrialImage& image, const TrialImage& one, const T
   });
 }
 
+TrialError error_from(const TrialImage& image, const TrialImage& truth, const std::vector<double>& mean) {
+  return error_against(image, truth, truth, mean);
+}
+
 TrialError error_between(const TrialImage& one, const TrialImage& two, const std::vector<double>& mean) {
   return worst_band(one, mean, [&](std::size_t i) {
     const double difference = static_cast<double>(one.radiance[i]) - two.radiance[i];

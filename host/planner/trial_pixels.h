@@ -60,6 +60,9 @@ std::vector<double> run_differences(const TrialImage& one, const TrialImage& two
 /// are without bias and independent of each other, however coarse they are.
 TrialError error_against(const TrialImage& image, const TrialImage& one, const TrialImage& two, const std::vector<double>& mean);
 
+/// Error of an image against another that is the truth.
+TrialError error_from(const TrialImage& image, const TrialImage& truth, const std::vector<double>& mean);
+
 /// Error of each of two images that differ by independent draws alone: half their mean squared difference.
 TrialError error_between(const TrialImage& one, const TrialImage& two, const std::vector<double>& mean);
 

@@ -115,8 +115,22 @@ BlockedDirections blocked_directions(const ReferenceScene& scene, const plan::Pl
   return blocked;
 }
 
-ArithmeticModel::ArithmeticModel(const scene::CompiledScene& scene, const plan::Plan& plan, std::uint64_t seed)
-    : scene_(scene), plan_(plan), seed_(seed), reflectance_(reflectance_on(scene, plan.wavelength_um)) {}
+ArithmeticModel::ArithmeticModel(const scene::CompiledScene& scene, const plan::Plan& plan, std::uint64_t seed, OpenSky open)
+    : scene_(scene), plan_(plan), seed_(seed), open_(std::move(open)), reflectance_(reflectance_on(scene, plan.wavelength_um)) {
+  if (open_) return;
+  open_ = [&plan](const glm::dvec3& normal) {
+    std::array<double, 8> irradiance{};
+    if (plan.sky_components > 0) {
+      const std::array<double, 4> solar = unoccluded_irradiance(plan.irradiance, normal);
+      std::copy(solar.begin(), solar.end(), irradiance.begin());
+    }
+    if (plan.thermal.on) {
+      const std::array<double, 4> emitted = thermal_unoccluded(plan.thermal, normal.z);
+      std::copy(emitted.begin(), emitted.begin() + plan.thermal.components(), irradiance.begin() + plan.sky_components);
+    }
+    return irradiance;
+  };
+}
 
 void ArithmeticModel::add_source(const SampledPixel& pixel, const Sample& sample, int source, double scalar,
                                  std::vector<double>& spectrum) const {
@@ -177,16 +191,8 @@ BandRadiance ArithmeticModel::radiance(const SampledPixel& pixel, const std::vec
     const bool hit = !sample.hit.miss();
     if (hit && sample.sun_visible && plan_.sun_sources > 0) add_source(pixel, sample, 0, std::max(0.0, sample.cos_sun), sun);
     if (hit && plan_.components() > 0) {
-      const auto solar = static_cast<std::size_t>(plan_.sky_components), all = static_cast<std::size_t>(plan_.components());
-      std::array<double, 8> irradiance{};
-      if (solar > 0) {
-        const std::array<double, 4> open = unoccluded_irradiance(plan_.irradiance, sample.normal);
-        std::copy(open.begin(), open.end(), irradiance.begin());
-      }
-      if (plan_.thermal.on) {
-        const std::array<double, 4> open = thermal_unoccluded(plan_.thermal, sample.normal.z);
-        std::copy(open.begin(), open.begin() + plan_.thermal.components(), irradiance.begin() + plan_.sky_components);
-      }
+      const auto all = static_cast<std::size_t>(plan_.components());
+      std::array<double, 8> irradiance = open_(sample.normal);
       for (std::size_t k = 0; k < blocked[s].size(); ++k) {
         if (!blocked[s][k]) continue;
         const std::array<double, 8> parts = plan_.sky.weights(first + k);

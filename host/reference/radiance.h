@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -52,8 +53,11 @@ bool looks_into(const plan::SkySets& sky, std::uint64_t seed, std::uint32_t pixe
 /// Arithmetic form: the plan's nodes, sky components and direction sets taken as spectra.
 class ArithmeticModel {
  public:
-  /// Keeps references.
-  ArithmeticModel(const scene::CompiledScene& scene, const plan::Plan& plan, std::uint64_t seed);
+  /// Unoccluded irradiance of the plan's components against a unit normal.
+  using OpenSky = std::function<std::array<double, 8>(const glm::dvec3& normal)>;
+
+  /// Keeps references. Without `open` the plan's own map and table.
+  ArithmeticModel(const scene::CompiledScene& scene, const plan::Plan& plan, std::uint64_t seed, OpenSky open = {});
 
   /// blocked[s]: per sample, see blocked_directions.
   BandRadiance radiance(const SampledPixel& pixel, const std::vector<BlockedDirections>& blocked) const;
@@ -66,6 +70,7 @@ class ArithmeticModel {
   const scene::CompiledScene& scene_;
   const plan::Plan& plan_;
   std::uint64_t seed_;
+  OpenSky open_;
   std::vector<std::vector<double>> reflectance_;  ///< [material][grid]
 };
 
@@ -87,6 +92,10 @@ class TableModel {
              double height_lo_m, double height_hi_m, int directions = 1024, const SkyShare& share = {});
 
   BandRadiance radiance(const SampledPixel& pixel) const;
+
+  /// Towards the sky, unit vectors, and the solid angle of each that a sample looks into.
+  const std::vector<glm::dvec3>& directions() const { return direction_; }
+  double solid_angle_sr() const { return solid_angle_; }
 
  private:
   enum class Light { sun, sky, thermal_sky, direct };

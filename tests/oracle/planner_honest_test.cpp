@@ -119,8 +119,9 @@ TEST_CASE("S61: the planner keeps its tolerance where a hundredth of the pixels 
   render::Renderer renderer(simulation.scene, {});
   for (const double tolerance : {0.02, 0.004}) {
     simulation.tolerance = tolerance;
-    const plan::Plan plan = plan::make_plan(simulation, camera, atmos::uniform_sky_table(0, 1, {0.3, 1.0, 4.0}, 120), sensors::view_bounds(camera));
-    const Decision d = decide(renderer, simulation, camera, plan, false);
+    const atmos::RenderTable table = atmos::uniform_sky_table(0, 1, {0.3, 1.0, 4.0}, 120);
+    const plan::Plan plan = plan::make_plan(simulation, camera, table, sensors::view_bounds(camera));
+    const Decision d = decide(renderer, simulation, camera, plan, table, false);
     CAPTURE(tolerance);
     CAPTURE(d.sampling.samples_u);
     REQUIRE(d.within);

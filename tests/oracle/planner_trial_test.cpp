@@ -58,9 +58,14 @@ struct Stripes {
   }
 };
 
+const atmos::RenderTable& sky_of_one() {
+  static const atmos::RenderTable table = atmos::uniform_sky_table(0, 1, {0.3, 1.0, 4.0}, 120);
+  return table;
+}
+
 plan::Plan plan_of(const scene::Simulation& simulation) {
   const auto& instrument = simulation.instruments[0];
-  return plan::make_plan(simulation, instrument, atmos::uniform_sky_table(0, 1, {0.3, 1.0, 4.0}, 120), sensors::view_bounds(instrument));
+  return plan::make_plan(simulation, instrument, sky_of_one(), sensors::view_bounds(instrument));
 }
 
 std::vector<int> columns_of(const std::vector<render::Tile>& tiles) {
@@ -76,7 +81,7 @@ TEST_CASE("S60: a plane of one reflectance under an open sky needs one sample an
   const Stripes scene(5.37 * kGsd_m, kDark);
   const plan::Plan plan = plan_of(scene.simulation);
   render::Renderer renderer(scene.simulation.scene, {});
-  const Decision d = decide(renderer, scene.simulation, scene.simulation.instruments[0], plan, false);
+  const Decision d = decide(renderer, scene.simulation, scene.simulation.instruments[0], plan, sky_of_one(), false);
   CHECK(d.sampling.samples_u == 1);
   CHECK(d.sampling.directions == 1);
   CHECK(d.within);
@@ -122,7 +127,7 @@ TEST_CASE("S61: planned samples keep their tolerance on all pixels, and finer to
   for (const double tolerance : {0.1, 0.02}) {
     simulation.tolerance = tolerance;
     const plan::Plan plan = plan_of(simulation);
-    const Decision d = decide(renderer, simulation, simulation.instruments[0], plan, false);
+    const Decision d = decide(renderer, simulation, simulation.instruments[0], plan, sky_of_one(), false);
     CAPTURE(tolerance);
     CAPTURE(d.sampling.samples_u);
     REQUIRE(d.within);
@@ -142,9 +147,9 @@ TEST_CASE("S60: what the file gives stays, its error is told, and a tolerance it
   simulation.sky_directions = 3, simulation.sky_directions_given = true;
   plan::Plan plan = plan_of(simulation);
   render::Renderer renderer(simulation.scene, {});
-  const Decision untried = decide(renderer, simulation, camera, plan, false);
+  const Decision untried = decide(renderer, simulation, camera, plan, sky_of_one(), false);
   CHECK_FALSE(untried.estimated);
-  const Decision d = decide(renderer, simulation, camera, plan, true);
+  const Decision d = decide(renderer, simulation, camera, plan, sky_of_one(), true);
   CHECK(d.sampling.samples_u == 2);
   CHECK(d.sampling.directions == 3);
   CHECK(d.samples_error > 0.01);

@@ -1,0 +1,106 @@
+#include "host/planner/model_trial.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "host/plan/sky_sets.h"
+#include "host/reference/parallel.h"
+#include "host/reference/radiance.h"
+#include "host/sensors/ray_groups.h"
+
+namespace raycube::planner {
+
+namespace {
+
+constexpr int kPixelStep = 4;           ///< of a run: two of its eight
+constexpr int kSide = 2;                ///< of a pixel's lattice: nodes do not care, obstacles average less than in the image
+constexpr int kDirections = 256;        ///< both sides have the same: too few would only misjudge which obstacles there are
+constexpr std::uint64_t kModelPixels = 0x2545f491u;  ///< added to the seed
+
+using Band = double (*)(const reference::BandRadiance&, std::size_t);
+
+double part(const std::vector<double>& value, std::size_t band) { return value.empty() ? 0 : value[band]; }
+
+}  // namespace
+
+ModelError model_error(const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan, const atmos::RenderTable& table,
+                       int threads) {
+  scene::Instrument few = instrument;
+  few.sampler = scene::SamplerKind::lattice;
+  few.samples_u = few.samples_v = kSide;
+  const reference::ReferenceScene scene(simulation.scene);
+  const double floor_m = static_cast<double>(plan.height.first);
+  const bool empty = !(simulation.scene.lo[2] <= simulation.scene.hi[2]);
+  const double low = empty ? floor_m : std::min(floor_m, static_cast<double>(simulation.scene.lo[2]));
+  const double high = empty ? floor_m : std::max(low, std::min(static_cast<double>(simulation.scene.hi[2]), table.sensor_height_m));
+  const reference::TableModel whole(scene, plan, table, simulation.atmosphere.none, low, high, kDirections);
+
+  plan::Plan same = plan;  // that looks where the table does
+  std::vector<std::array<double, 3>> directions;
+  for (const glm::dvec3& d : whole.directions()) directions.push_back({d.x, d.y, d.z});
+  if (plan.components() > 0)
+    same.sky = plan::sky_set_of(plan.sky_basis, simulation.sun.azimuth_deg * std::numbers::pi / 180, directions, whole.solid_angle_sr(), plan.sky_components,
+                                plan.thermal.on ? &plan.thermal : nullptr);
+  // The open sky as those directions add it up; the surroundings, of one radiance, in closed form.
+  const auto open = [&](const glm::dvec3& normal) {
+    std::array<double, 8> sum{};
+    for (std::size_t k = 0; k < same.sky.direction.size(); ++k) {
+      const shared::rc_float4 d = same.sky.direction[k];
+      const double cosine = std::max(0.0, glm::dot(normal, glm::dvec3(d.x, d.y, d.z)));
+      const std::array<double, 8> weight = same.sky.weights(k);
+      for (std::size_t m = 0; m < sum.size(); ++m) sum[m] += cosine * weight[m];
+    }
+    if (plan.thermal.on) sum[static_cast<std::size_t>(plan.components()) - 1] = std::numbers::pi * (1 - normal.z) / 2;
+    return sum;
+  };
+  const reference::ArithmeticModel planned(simulation.scene, same, simulation.seed, open);
+
+  std::vector<reference::PixelAddress> pixels;
+  TrialImage image;
+  const int width = sensors::pixels_per_group(instrument);
+  for (const render::Tile& run : trial_tiles(instrument, simulation.seed + kModelPixels)) {
+    const auto groups = sensors::make_ray_groups(instrument, simulation.scene, run.first_line, 1);
+    for (int column = run.first_column; column < run.first_column + run.columns; column += kPixelStep) {
+      reference::PixelAddress& address = pixels.emplace_back();
+      address.line = static_cast<std::uint32_t>(run.first_line);
+      address.sample = static_cast<std::uint32_t>(column);
+      address.group = groups[static_cast<std::size_t>(column / width)];
+      address.lane = column % width;
+      address.group_width = width;
+    }
+    image.run_end.push_back(pixels.size());
+  }
+
+  std::vector<reference::BandRadiance> ours(pixels.size()), theirs(pixels.size());
+  reference::for_each_index(pixels.size(), threads, [&](std::size_t p) {
+    const reference::SampledPixel pixel = scene.sample_pixel(few, same, simulation.seed, pixels[p]);
+    std::vector<reference::BlockedDirections> blocked;
+    for (std::size_t s = 0; s < pixel.samples.size(); ++s)
+      blocked.push_back(reference::blocked_directions(scene, same, simulation.seed, pixel.number, pixel.samples[s], s));
+    ours[p] = planned.radiance(pixel, blocked);
+    theirs[p] = whole.radiance(pixel);
+  });
+
+  image.bands = plan.bands.size();
+  const auto image_of = [&](const std::vector<reference::BandRadiance>& radiance, Band value) {
+    TrialImage out = image;
+    for (const reference::BandRadiance& pixel : radiance)
+      for (std::size_t b = 0; b < out.bands; ++b) out.radiance.push_back(static_cast<float>(value(pixel, b)));
+    return out;
+  };
+  const auto all = [](const reference::BandRadiance& r, std::size_t b) { return r.total(b) - r.surroundings[b]; };
+  const std::vector<double> mean = judged_means(image_of(theirs, [](const reference::BandRadiance& r, std::size_t b) { return r.total(b); }));
+  const auto error = [&](Band value) { return error_from(image_of(ours, value), image_of(theirs, value), mean); };
+  ModelError out;
+  out.pixels = pixels.size();
+  out.total = error(all);
+  out.sun = error([](const reference::BandRadiance& r, std::size_t b) { return r.sun[b]; });
+  out.sky = error([](const reference::BandRadiance& r, std::size_t b) { return r.sky[b]; });
+  out.path = error([](const reference::BandRadiance& r, std::size_t b) { return r.path[b]; });
+  out.environment = error([](const reference::BandRadiance& r, std::size_t b) { return part(r.environment, b); });
+  out.emission = error([](const reference::BandRadiance& r, std::size_t b) { return r.emission[b]; });
+  return out;
+}
+
+}  // namespace raycube::planner
