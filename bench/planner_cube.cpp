@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cmath>
 #include <map>
+#include <numbers>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -31,6 +32,7 @@ constexpr int kRuns = 256;                           ///< of 8 pixels
 constexpr std::size_t kWholeImage = 8192;            ///< pixels of an image that is judged whole
 constexpr int kReferenceSide = 128, kSharedDirections = 4;     ///< of the reference's samples
 constexpr int kCoarseSide = 8, kReferenceDirections = 64;      ///< of its skies
+constexpr int kModelSide = 3;                        ///< of what the whole tables add to the reference's nodes
 constexpr int kMostRounds = 32;
 constexpr double kSweep_s_per_megapixel = 60;        ///< twice what is dear: costlier settings are left out of the sweep
 constexpr double kTried_s_per_megapixel = 2000;      ///< a costlier decision is not rendered
@@ -68,10 +70,10 @@ class CubeStudy {
     out.scene = name, out.instrument = instrument_.name, out.kind = "cube", out.device = renderer_.device_name();
     out.pixels = render::pixels_of(tiles_);
     make_reference();
+    correct_nodes();
     out.reference = reference_text_;
-    out.own = std::hypot(study::own_error(reference_), finest_error_);
-    context_.log.info(fmt::format("{} {}: reference's own error {:.2g} %, its nodes {:.2g} %, {:.1f} s", name, instrument_.name, 100 * study::own_error(reference_),
-                                  100 * finest_error_, seconds_since(start)));
+    out.own = study::own_error(reference_);
+    context_.log.info(fmt::format("{} {}: reference's own error {:.2g} %, {:.1f} s", name, instrument_.name, 100 * out.own, seconds_since(start)));
     sweep();
     out.points = points_;
     std::string sides, directions;
@@ -97,7 +99,7 @@ class CubeStudy {
     simulation_.sky_share = 0;
   }
 
-  /// The plan with the smallest tolerance that its nodes can keep; their error, measured, counts as the reference's own.
+  /// The plan with the smallest tolerance that its nodes can keep.
   void make_finest() {
     instrument_.samples_given = simulation_.sky_directions_given = true;  // no trial
     const double keep = simulation_.tolerance;
@@ -105,7 +107,6 @@ class CubeStudy {
       simulation_.tolerance = tolerance;
       try {
         auto job = cli::prepare(simulation_, instrument_, context_);
-        finest_error_ = planner::model_error(simulation_, instrument_, job.plan, job.table).total.bound;
         finest_ = std::move(job.plan), table_ = std::move(job.table);
         break;
       } catch (const base::Error& refused) {
@@ -167,6 +168,27 @@ class CubeStudy {
     });
   }
 
+  /// Adds what the whole tables say of each pixel beyond the finest plan: by few samples, since it hardly varies inside a pixel, and in each half by
+  /// its own samples and directions.
+  void correct_nodes() {
+    std::vector<double> half[2];
+    for (const int to : {0, 1}) {
+      planner::ModelSettings settings;
+      settings.side = kModelSide;
+      settings.turn_rad = to * 0.5 * std::numbers::pi * (3 - std::sqrt(5.0));  // half the spiral's step
+      settings.seed = rc_hash(static_cast<rc_u32>(simulation_.seed), static_cast<rc_u32>(to), 0, 54);
+      const auto [planned, whole] = planner::compare_models(simulation_, instrument_, finest_, table_, tiles_, settings);
+      for (std::size_t p = 0; p < planned.size(); ++p)
+        for (std::size_t b = 0; b < finest_.bands.size(); ++b)
+          half[to].push_back((whole[p].total(b) - whole[p].surroundings[b]) - (planned[p].total(b) - planned[p].surroundings[b]));
+    }
+    for (std::size_t k = 0; k < reference_.radiance.size(); ++k) {
+      reference_.radiance[k] += (half[0][k] + half[1][k]) / 2;
+      reference_.half[k] += (half[0][k] - half[1][k]) / 2;
+    }
+    reference_text_ += fmt::format(", whole tables against its nodes at 2 x {} x {} samples under {} directions", kModelSide, kModelSide, planner::ModelSettings().directions);
+  }
+
   /// The finest plan with one set of few directions for all pixels.
   plan::Plan one_sky() {
     plan::Plan plan = finest_;
@@ -216,7 +238,7 @@ class CubeStudy {
     if (out.s_per_megapixel <= kTried_s_per_megapixel) {
       const auto error = study::error_of(reference_, render(out.chosen, job.plan, simulation_.seed));
       out.tried = true;
-      out.achieved = error.worst, out.low = error.low, out.high = error.high, out.own = std::hypot(error.own, finest_error_);
+      out.achieved = error.worst, out.low = error.low, out.high = error.high, out.own = error.own;
       out.judged = out.own <= kFifth * tolerance;
     }
     find_best(out, job.plan);
@@ -273,7 +295,6 @@ class CubeStudy {
   std::vector<render::Tile> tiles_;
   plan::Plan finest_;
   atmos::RenderTable table_;
-  double finest_error_ = 0;
   bool sky_ = true;
   study::Converged reference_;
   std::string reference_text_;

@@ -17,7 +17,7 @@ namespace raycube::bench {
 
 namespace {
 
-constexpr int kPulses = 2000;                  ///< rows of a pulse and pixel that are judged
+constexpr std::uint64_t kPulses = 2000, kWholeSurvey = 16384;  ///< rows of a pulse and pixel that are judged; a survey of so many is judged whole
 constexpr double kReferenceRays = 2.4e7;       ///< both halves
 constexpr int kMostReference = 65536, kLargestSwept = 2048;
 constexpr rc_u32 kPulseDimension = 53;         ///< of the hash: not the trial's
@@ -63,7 +63,7 @@ class LidarStudy {
   void pick_pulses() {
     const auto all = static_cast<std::uint64_t>(std::max<std::int64_t>(lidar_.pulses, 1));
     const auto rows = static_cast<std::uint64_t>(plan_.pixels()) * static_cast<std::uint64_t>(plan_.lines());
-    const std::uint64_t wanted = std::min(all, (kPulses + rows - 1) / rows);
+    const std::uint64_t wanted = all * rows <= kWholeSurvey ? all : std::min(all, (kPulses + rows - 1) / rows);
     std::set<std::uint64_t> picked;
     for (rc_u32 i = 0; picked.size() < wanted; ++i)
       picked.insert(all <= wanted ? i : rc_hash(static_cast<rc_u32>(plan_.seed), i, static_cast<rc_u32>(plan_.seed >> 32), kPulseDimension) % all);

@@ -15,9 +15,11 @@ namespace raycube::planner {
 
 namespace {
 
-constexpr int kTrialPulses = 2048, kFirstSubrays = 64, kReferenceSubrays = 2048, kMostRounds = 12;
+constexpr int kLookPulses = 8192, kLookSubrays[2] = {6, 9};  ///< of the first look
+constexpr int kTrialPulses = 768, kFirstSubrays = 64, kReferenceSubrays = 2048, kMostRounds = 12;
 /// Part of the tolerance that is spent: few pulses see too few of those at edges (0.103 % of 2000 pulses was taken for at most 0.084 % by 192 of them).
-constexpr double kUseOfPulses = 0.75;
+/// A receiver's pulse has many pixels.
+constexpr double kUseOfPulses = 0.75, kUseOfPixels = 0.9;
 constexpr double kWorthATry = 0.7;         ///< of the sub-rays
 constexpr double kReferenceRays = 8e6;     ///< a reference traces no more first rays than this; then it has fewer sub-rays
 constexpr rc_u32 kPulseDimension = 45, kShiftDimension = 48;
@@ -30,38 +32,37 @@ struct Waveforms {
 class LidarTrial {
  public:
   LidarTrial(render::LidarRenderer& renderer, const lidar::LidarPlan& plan) : renderer_(renderer), plan_(plan) {
-    const auto all = static_cast<std::uint64_t>(std::max<std::int64_t>(plan.lidar.pulses, 0));
-    const bool receiver = plan.lidar.transport.sampling == scene::LidarSampling::receiver;
-    fans_ = receiver ? static_cast<double>(plan.pixels()) : 1;
-    const double room = kReferenceRays / (fans_ * kReferenceSubrays);
-    // A receiver's pulse has rows of many pixels: two say more than four whose reference has half the sub-rays.
-    const auto wanted = static_cast<std::uint64_t>(std::clamp(room, receiver ? 2.0 : 4.0, static_cast<double>(kTrialPulses)));
-    for (rc_u32 i = 0; pulses_.size() < std::min(wanted, all); ++i)
-      pulses_.insert(all <= wanted ? i : rc_hash(static_cast<rc_u32>(plan.seed), i, static_cast<rc_u32>(plan.seed >> 32), kPulseDimension) % all);
+    fans_ = receiver(plan) ? static_cast<double>(plan.pixels()) : 1;
+    look();
     const double fit = kReferenceRays / (fans_ * static_cast<double>(std::max<std::size_t>(1, pulses_.size())));
     reference_subrays_ = std::clamp(static_cast<int>(fit), 256, kReferenceSubrays);
   }
 
-  /// Estimate and bound (two standard errors over the pulses) of the error with `subrays`.
+  static bool receiver(const lidar::LidarPlan& plan) { return plan.lidar.transport.sampling == scene::LidarSampling::receiver; }
+
+  /// Estimate and bound (two standard errors over the draws) of the error with `subrays`.
   TrialError error(int subrays) {
     if (one_.pulse.empty()) one_ = fire(reference_subrays_, plan_.seed + kOther, true), two_ = fire(reference_subrays_, plan_.seed + 2 * kOther, true);
     const Waveforms tried = fire(subrays, plan_.seed, false);
-    double whole = 0, sum = 0, squares = 0;
+    double whole = 0, sum = 0, squares = 0, draws = 0;
     std::vector<double> of_pulse;
     for (std::size_t p = 0; p < tried.pulse.size(); ++p) {
-      double here = 0;
+      double here = 0, energy = 0;
       for (std::size_t i = 0; i < tried.pulse[p].size(); ++i) {
         const double a = tried.pulse[p][i], r = one_.pulse[p][i], s = two_.pulse[p][i];
         here += (a - r) * (a - s);
-        whole += r * s;
+        energy += r * s;
       }
-      of_pulse.push_back(here);
-      sum += here;
+      // A pulse that was drawn with more than an even chance counts for less.
+      const Draw& draw = draws_[p];
+      of_pulse.push_back(here / draw.share);
+      sum += draw.times * here / draw.share;
+      whole += draw.times * energy / draw.share;
+      draws += draw.times;
     }
     if (!(whole > 0)) return {};
-    const auto n = static_cast<double>(of_pulse.size());
-    for (const double here : of_pulse) squares += (here - sum / n) * (here - sum / n);
-    const double deviation = n > 1 ? std::sqrt(squares * n / (n - 1)) : 0;
+    for (std::size_t p = 0; p < of_pulse.size(); ++p) squares += draws_[p].times * (of_pulse[p] - sum / draws) * (of_pulse[p] - sum / draws);
+    const double deviation = draws > 1 ? std::sqrt(squares * draws / (draws - 1)) : 0;
     return {std::sqrt(std::max(0.0, sum / whole)), std::sqrt(std::max(0.0, (sum + 2 * deviation) / whole))};
   }
 
@@ -71,6 +72,35 @@ class LidarTrial {
   int largest_tried() const { return *std::prev(std::upper_bound(subray_levels().begin(), subray_levels().end(), reference_subrays_ / 2)); }
 
  private:
+  /// Two coarse looks at many pulses (not by a receiver: its pulses have many pixels); those where they differ are drawn for the trial. Where one pulse in a thousand meets a pipe that shines,
+  /// an even draw of a few hundred may miss it, and all the error is there (0.19 % found of 0.42 %).
+  void look() {
+    const auto all = static_cast<std::uint64_t>(std::max<std::int64_t>(plan_.lidar.pulses, 0));
+    const double room = kReferenceRays / (fans_ * kReferenceSubrays);
+    // A receiver's pulse has rows of many pixels: two say more than four whose reference has half the sub-rays.
+    const int draws = static_cast<int>(std::clamp(room, receiver(plan_) ? 2.0 : 4.0, static_cast<double>(kTrialPulses)));
+    const auto seen = static_cast<std::uint64_t>(receiver(plan_) ? draws : kLookPulses);
+    std::set<std::uint64_t> hashed;
+    for (rc_u32 i = 0; hashed.size() < std::min(seen, all); ++i)
+      hashed.insert(all <= seen ? i : rc_hash(static_cast<rc_u32>(plan_.seed), i, static_cast<rc_u32>(plan_.seed >> 32), kPulseDimension) % all);
+    pulses_.assign(hashed.begin(), hashed.end());
+    if (pulses_.size() <= static_cast<std::size_t>(draws)) {
+      draws_.assign(pulses_.size(), Draw{});
+      return;
+    }
+    const Waveforms one = fire(kLookSubrays[0], plan_.seed + 3 * kOther, true), two = fire(kLookSubrays[1], plan_.seed + 4 * kOther, true);
+    std::vector<double> error;
+    for (std::size_t p = 0; p < one.pulse.size(); ++p) {
+      double here = 0;
+      for (std::size_t i = 0; i < one.pulse[p].size(); ++i) here += std::pow(static_cast<double>(one.pulse[p][i]) - static_cast<double>(two.pulse[p][i]), 2);
+      error.push_back(here);
+    }
+    const std::vector<std::uint64_t> from = std::move(pulses_);
+    pulses_.clear();
+    draws_ = draw_runs(error, plan_.seed, draws);
+    for (const Draw& draw : draws_) pulses_.push_back(from[draw.run]);
+  }
+
   /// `moved`: a receiver's samples, the same in every pixel of every pulse, move with the seed.
   Waveforms fire(int subrays, std::uint64_t seed, bool moved) {
     lidar::LidarPlan plan = plan_;
@@ -98,7 +128,8 @@ class LidarTrial {
 
   render::LidarRenderer& renderer_;
   const lidar::LidarPlan& plan_;
-  std::set<std::uint64_t> pulses_;
+  std::vector<std::uint64_t> pulses_;
+  std::vector<Draw> draws_;  ///< of the pulses
   double fans_ = 1;
   int reference_subrays_ = kReferenceSubrays;
   Waveforms one_, two_;
@@ -137,6 +168,7 @@ LidarDecision decide_subrays(render::LidarRenderer& renderer, const lidar::Lidar
   if ((out.given && !estimate_given) || plan.lidar.pulses < 1) return out;
   LidarTrial trial(renderer, plan);
   ErrorLaw law(kSubrayLaw);
+  const double use = LidarTrial::receiver(plan) ? kUseOfPixels : kUseOfPulses;
   const auto add = [&](int level) {
     const TrialError error = trial.error(level);
     law.measured(level, error.estimate, error.bound);
@@ -147,7 +179,7 @@ LidarDecision decide_subrays(render::LidarRenderer& renderer, const lidar::Lidar
     add(kFirstSubrays);
     const auto cheapest = [&](bool tried_alone) {
       for (const int level : subray_levels())
-        if ((!tried_alone || law.has(level)) && law.bound(level) <= kUseOfPulses * tolerance) return level;
+        if ((!tried_alone || law.has(level)) && law.bound(level) <= use * tolerance) return level;
       return subray_levels().back();
     };
     for (int round = 0; round < kMostRounds; ++round) {
@@ -162,10 +194,10 @@ LidarDecision decide_subrays(render::LidarRenderer& renderer, const lidar::Lidar
     if (!law.has(out.subrays) && out.subrays <= trial.largest_tried()) out.subrays = cheapest(true);
     // Fewer than the law has it may do: the fewest that can be hoped for are tried where that saves much.
     for (int round = 0; round < kMostRounds; ++round) {
-      const int hoped = *std::find_if(subray_levels().begin(), std::prev(subray_levels().end()), [&](int level) { return law.hope(level) <= kUseOfPulses * tolerance; });
+      const int hoped = *std::find_if(subray_levels().begin(), std::prev(subray_levels().end()), [&](int level) { return law.hope(level) <= use * tolerance; });
       if (law.has(hoped) || hoped > kWorthATry * out.subrays) break;
       add(hoped);
-      if (law.bound(hoped) <= kUseOfPulses * tolerance) out.subrays = hoped;
+      if (law.bound(hoped) <= use * tolerance) out.subrays = hoped;
     }
   }
   out.estimated = true;

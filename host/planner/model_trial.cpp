@@ -14,8 +14,6 @@ namespace raycube::planner {
 namespace {
 
 constexpr int kPixelStep = 4;           ///< of a run: two of its eight
-constexpr int kSide = 2;                ///< of a pixel's lattice: nodes do not care, obstacles average less than in the image
-constexpr int kDirections = 256;        ///< both sides have the same: too few would only misjudge which obstacles there are
 constexpr std::uint64_t kModelPixels = 0x2545f491u;  ///< added to the seed
 
 using Band = double (*)(const reference::BandRadiance&, std::size_t);
@@ -24,17 +22,17 @@ double part(const std::vector<double>& value, std::size_t band) { return value.e
 
 }  // namespace
 
-ModelError model_error(const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan, const atmos::RenderTable& table,
-                       int threads) {
+ModelPixels compare_models(const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan, const atmos::RenderTable& table,
+                           const std::vector<render::Tile>& tiles, const ModelSettings& settings) {
   scene::Instrument few = instrument;
-  few.sampler = scene::SamplerKind::lattice;
-  few.samples_u = few.samples_v = kSide;
+  few.sampler = scene::SamplerKind::jittered;
+  few.samples_u = few.samples_v = settings.side;
   const reference::ReferenceScene scene(simulation.scene);
   const double floor_m = static_cast<double>(plan.height.first);
   const bool empty = !(simulation.scene.lo[2] <= simulation.scene.hi[2]);
   const double low = empty ? floor_m : std::min(floor_m, static_cast<double>(simulation.scene.lo[2]));
   const double high = empty ? floor_m : std::max(low, std::min(static_cast<double>(simulation.scene.hi[2]), table.sensor_height_m));
-  const reference::TableModel whole(scene, plan, table, simulation.atmosphere.none, low, high, kDirections);
+  const reference::TableModel whole(scene, plan, table, simulation.atmosphere.none, low, high, settings.directions, {0, settings.turn_rad});
 
   plan::Plan same = plan;  // that looks where the table does
   std::vector<std::array<double, 3>> directions;
@@ -54,34 +52,39 @@ ModelError model_error(const scene::Simulation& simulation, const scene::Instrum
     if (plan.thermal.on) sum[static_cast<std::size_t>(plan.components()) - 1] = std::numbers::pi * (1 - normal.z) / 2;
     return sum;
   };
-  const reference::ArithmeticModel planned(simulation.scene, same, simulation.seed, open);
+  const reference::ArithmeticModel planned(simulation.scene, same, settings.seed, open);
 
   std::vector<reference::PixelAddress> pixels;
-  TrialImage image;
-  const int width = sensors::pixels_per_group(instrument);
-  for (const render::Tile& run : trial_tiles(instrument, simulation.seed + kModelPixels)) {
-    const auto groups = sensors::make_ray_groups(instrument, simulation.scene, run.first_line, 1);
-    for (int column = run.first_column; column < run.first_column + run.columns; column += kPixelStep) {
-      reference::PixelAddress& address = pixels.emplace_back();
-      address.line = static_cast<std::uint32_t>(run.first_line);
-      address.sample = static_cast<std::uint32_t>(column);
-      address.group = groups[static_cast<std::size_t>(column / width)];
-      address.lane = column % width;
-      address.group_width = width;
-    }
-    image.run_end.push_back(pixels.size());
+  const int width = sensors::pixels_per_group(instrument), per_line = sensors::groups_per_line(instrument);
+  for (const render::Tile& tile : tiles) {
+    const auto groups = sensors::make_ray_groups(instrument, simulation.scene, tile.first_line, tile.lines);
+    for (int line = 0; line < tile.lines; ++line)
+      reference::append_addresses(pixels, tile.first_line + line, tile.first_column, tile.columns, groups.data() + line * per_line, width);
   }
-
-  std::vector<reference::BandRadiance> ours(pixels.size()), theirs(pixels.size());
-  reference::for_each_index(pixels.size(), threads, [&](std::size_t p) {
-    const reference::SampledPixel pixel = scene.sample_pixel(few, same, simulation.seed, pixels[p]);
+  ModelPixels out;
+  out.planned.resize(pixels.size()), out.whole.resize(pixels.size());
+  reference::for_each_index(pixels.size(), settings.threads, [&](std::size_t p) {
+    const reference::SampledPixel pixel = scene.sample_pixel(few, same, settings.seed, pixels[p]);
     std::vector<reference::BlockedDirections> blocked;
     for (std::size_t s = 0; s < pixel.samples.size(); ++s)
-      blocked.push_back(reference::blocked_directions(scene, same, simulation.seed, pixel.number, pixel.samples[s], s));
-    ours[p] = planned.radiance(pixel, blocked);
-    theirs[p] = whole.radiance(pixel);
+      blocked.push_back(reference::blocked_directions(scene, same, settings.seed, pixel.number, pixel.samples[s], s));
+    out.planned[p] = planned.radiance(pixel, blocked);
+    out.whole[p] = whole.radiance(pixel);
   });
+  return out;
+}
 
+ModelError model_error(const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan, const atmos::RenderTable& table,
+                       int threads) {
+  TrialImage image;
+  std::vector<render::Tile> tiles;
+  for (const render::Tile& run : trial_tiles(instrument, simulation.seed + kModelPixels)) {
+    for (int column = run.first_column; column < run.first_column + run.columns; column += kPixelStep) tiles.push_back({run.first_line, 1, column, 1});
+    image.run_end.push_back(tiles.size());
+  }
+  ModelSettings settings;
+  settings.seed = simulation.seed, settings.threads = threads;
+  const auto [ours, theirs] = compare_models(simulation, instrument, plan, table, tiles, settings);
   image.bands = plan.bands.size();
   const auto image_of = [&](const std::vector<reference::BandRadiance>& radiance, Band value) {
     TrialImage out = image;
@@ -93,7 +96,7 @@ ModelError model_error(const scene::Simulation& simulation, const scene::Instrum
   const std::vector<double> mean = judged_means(image_of(theirs, [](const reference::BandRadiance& r, std::size_t b) { return r.total(b); }));
   const auto error = [&](Band value) { return error_from(image_of(ours, value), image_of(theirs, value), mean); };
   ModelError out;
-  out.pixels = pixels.size();
+  out.pixels = tiles.size();
   out.total = error(all);
   out.sun = error([](const reference::BandRadiance& r, std::size_t b) { return r.sun[b]; });
   out.sky = error([](const reference::BandRadiance& r, std::size_t b) { return r.sky[b]; });

@@ -5,9 +5,27 @@
 #include "atmos_tables/render_table.h"
 #include "host/plan/plan.h"
 #include "host/planner/trial_pixels.h"
+#include "host/reference/radiance.h"
 #include "scene_compiler/simulation.h"
 
 namespace raycube::planner {
+
+/// Pixels by the plan and by the whole tables, in the order of the tiles.
+struct ModelPixels {
+  std::vector<reference::BandRadiance> planned, whole;
+};
+
+/// How they are compared: `side` x `side` jittered samples of a pixel under `directions`, turned by `turn_rad` about the zenith. Both sides
+/// look at the sky in the same directions and count what they see alike, so that their number is no part of the difference.
+struct ModelSettings {
+  int side = 2, directions = 256;
+  double turn_rad = 0;
+  std::uint64_t seed = 0;
+  int threads = 0;  ///< 0: all; no result depends on it
+};
+
+ModelPixels compare_models(const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan, const atmos::RenderTable& table,
+                           const std::vector<render::Tile>& tiles, const ModelSettings& settings);
 
 /// Errors of the whole and of its parts, each of its own worst band over the band's mean radiance.
 struct ModelError {
@@ -15,9 +33,8 @@ struct ModelError {
   std::size_t pixels = 0;
 };
 
-/// Over hashed pixels (all of a small image), a few samples of each. Both sides look at the sky in the same directions and count what they
-/// see alike, so that their number is no part of it. Light of what hides the sky is left out: its one temperature is no level of the plan
-/// (`raycube check` reports its error). `threads`: 0 all; the result does not depend on it.
+/// Over hashed pixels (all of a small image), a few samples of each. Light of what hides the sky is left out: its one temperature is no level of
+/// the plan (`raycube check` reports its error).
 ModelError model_error(const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan, const atmos::RenderTable& table,
                        int threads = 0);
 

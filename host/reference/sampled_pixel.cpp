@@ -50,6 +50,11 @@ std::array<float, 3> rounded(const glm::dvec3& v) {
 
 }  // namespace
 
+void append_addresses(std::vector<PixelAddress>& to, int line, int first, int count, const shared::RayGroup* groups, int width) {
+  for (int column = first; column < first + count; ++column)
+    to.push_back({static_cast<std::uint32_t>(line), static_cast<std::uint32_t>(column), groups[column / width], column % width, width});
+}
+
 Ray pixel_ray(const scene::Instrument& instrument, std::uint64_t seed, const PixelAddress& address, int sample) {
   float u = 0, v = 0;
   rc_sample_uv(sampler_code(instrument.sampler), instrument.samples_u, instrument.samples_v,

@@ -19,6 +19,9 @@ struct PixelAddress {
   int group_width = RC_GROUP_WIDTH;
 };
 
+/// Appends pixels `first` .. `first + count - 1` of a line; `groups`: all of the line, of `width` pixels each.
+void append_addresses(std::vector<PixelAddress>& to, int line, int first, int count, const shared::RayGroup* groups, int width);
+
 /// The fp32 ray of one sample of a pixel, bit for bit the device's.
 Ray pixel_ray(const scene::Instrument& instrument, std::uint64_t seed, const PixelAddress& address, int sample);
 

@@ -23,14 +23,7 @@ std::vector<reference::PixelAddress> addresses(const scene::Instrument& instrume
   for (const render::Tile& tile : tiles) {
     const auto groups = sensors::make_ray_groups(instrument, scene, tile.first_line, tile.lines);
     for (int line = 0; line < tile.lines; ++line)
-      for (int column = tile.first_column; column < tile.first_column + tile.columns; ++column) {
-        reference::PixelAddress& address = out.emplace_back();
-        address.line = static_cast<std::uint32_t>(tile.first_line + line);
-        address.sample = static_cast<std::uint32_t>(column);
-        address.group = groups[static_cast<std::size_t>(line * per_line + column / width)];
-        address.lane = column % width;
-        address.group_width = width;
-      }
+      reference::append_addresses(out, tile.first_line + line, tile.first_column, tile.columns, groups.data() + line * per_line, width);
   }
   return out;
 }
