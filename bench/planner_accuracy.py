@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """The planner held against converged references and brute force: bench/planner_accuracy.py [--figures FILE.json]
 
-Builds and runs build/raycube_planner_accuracy over the shipped scenes (about ten minutes), writes build/bench/planner.json (its flat keys) and
+Builds and runs build/raycube_planner_accuracy over the shipped scenes (half an hour), writes build/bench/planner.json (its flat keys) and
 planner_study.json (everything), draws docs/pictures/planner_calibration.png and writes build/bench/planner.md, which bench/tables.py puts
 into docs/accuracy.md. --figures draws an earlier planner_study.json anew.
 """
@@ -11,6 +11,7 @@ import pathlib
 import subprocess
 
 import matplotlib
+import matplotlib.ticker
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
@@ -116,9 +117,12 @@ def draw(cases, file):
     axes[1].axhline(2, color="black", lw=1)
     axes[1].axhline(1, color="gray", lw=1, ls=":")
     axes[1].set_xscale("log")
-    axes[1].set_yscale("log")
+    axes[1].set_yscale("log", base=2)
+    axes[1].yaxis.set_major_formatter(matplotlib.ticker.FormatStrFormatter("%g"))
     axes[1].set(xlabel="tolerance asked, %", ylabel="over the best setting of the sweep", title="filled: cost by the model; open: time, median of 5 pairs")
     for axis in axes:
+        axis.set_xticks(asked, [f"{x:g}" for x in asked])
+        axis.xaxis.set_minor_locator(matplotlib.ticker.NullLocator())
         axis.grid(True, which="major", alpha=0.4)
         axis.legend(fontsize=7)
     figure.tight_layout()
