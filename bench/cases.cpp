@@ -9,6 +9,7 @@ const std::vector<Case>& all_cases() {
       {"embree", "Embree against itself on the terrain: the guard, and what each mode is worth", run_embree_baseline},
       {"terrain", "primary and sun rays on 1 M large triangles, against Embree", run_terrain},
       {"crowns", "primary and sun rays on generated leaves, two levels and merged, bytes per triangle and instance", run_crowns},
+      {"layers", "primary and sun rays through 2, 4, 7 and 14 layers of leaves", run_layers},
       {"park", "the shipped park: pixels with at least 100 candidates, against every mode of Embree", run_park},
       {"render", "the park as render renders it: its term lists and their integration, against the write bandwidth", run_render},
       {"build", "kernels built cold and from the cache, each in a process of its own", run_kernel_build},

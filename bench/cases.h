@@ -25,6 +25,7 @@ const Case* find_case(const std::string& name);
 void run_embree_baseline(const Settings&, Report&);
 void run_terrain(const Settings&, Report&);
 void run_crowns(const Settings&, Report&);
+void run_layers(const Settings&, Report&);
 void run_park(const Settings&, Report&);
 void run_render(const Settings&, Report&);
 void run_kernel_build(const Settings&, Report&);

@@ -71,4 +71,27 @@ void run_crowns(const Settings& settings, Report& report) {
   report.add("instanced_vs_merged", spread_of(ratios), "x");
 }
 
+void run_layers(const Settings& settings, Report& report) {
+  constexpr double leaf_m = 0.2, side_m = 10;
+  std::vector<std::array<double, 12>> places;
+  for (int i = 0; i < 49; ++i) {
+    auto place = kIdentity;
+    place[3] = side_m * (i % 7 - 3), place[7] = side_m * (i / 7 - 3), place[11] = 1;
+    places.push_back(place);
+  }
+  for (const int layers : {2, 4, 7, 14}) {
+    const auto scene = compile({leaf_slab(layers, leaf_m, side_m, 8, 1), crown_ground()}, {places, {kIdentity}});
+    const auto camera = crown_camera();
+    const auto groups = sensors::make_ray_groups(camera, scene, 0, camera.lines);
+    const std::string name = "layers" + std::to_string(layers);
+    report.add(name + "_candidates", mean(candidates(scene, camera, groups, settings.threads)), "triangles/pixel");
+    const Comparison c = compare_traces(scene, camera, groups, bench_sun(), true, {1e-3, 2.3e-4}, settings, report, name);
+    report.add(name + "_primary_vs_embree16", c.primary.ratio(), "x");
+    report.add(name + "_primary_vs_best_embree", c.primary_best.ratio(), "x");
+    report.add(name + "_shadow_vs_embree16", c.shadow.ratio(), "x");
+    const double rays = static_cast<double>(groups.size()) * RC_GROUP_WIDTH * camera.samples_u * camera.samples_v;
+    report.add(name + "_primary_mrays_s", 1e-6 * rays / spread_of(c.primary.ours_s).median, "Mrays/s");
+  }
+}
+
 }  // namespace raycube::bench

@@ -140,6 +140,32 @@ scene::TriangleMesh bumpy_sphere() {
 
 scene::Instrument terrain_camera() { return camera("terrain", 256, 0.5, 600, 3.4); }
 
+namespace {
+
+/// A square of `leaf_m` at `centre`, turned any way by draws 3 to 5 of an item.
+void add_leaf(scene::TriangleMesh& mesh, const Point& centre, double leaf_m, unsigned seed, unsigned item) {
+  const double nz = 2 * random(seed, item, 3) - 1, az = 2 * M_PI * random(seed, item, 4), turn = 2 * M_PI * random(seed, item, 5);
+  const double ns = std::sqrt(1 - nz * nz);
+  const Point e1{-std::sin(az), std::cos(az), 0}, e2{-nz * std::cos(az), -nz * std::sin(az), ns};
+  const auto base = static_cast<std::uint32_t>(mesh.vertices.size());
+  for (int k = 0; k < 4; ++k) {
+    const double angle = turn + k * M_PI / 2, c = leaf_m * M_SQRT1_2 * std::cos(angle), s = leaf_m * M_SQRT1_2 * std::sin(angle);
+    add_point(mesh, {centre[0] + c * e1[0] + s * e2[0], centre[1] + c * e1[1] + s * e2[1], centre[2] + c * e1[2] + s * e2[2]});
+  }
+  add_face(mesh, base, base + 1, base + 2);
+  add_face(mesh, base, base + 2, base + 3);
+}
+
+}  // namespace
+
+scene::TriangleMesh leaf_slab(double layers, double leaf_m, double side_m, double height_m, unsigned seed) {
+  scene::TriangleMesh mesh;
+  const auto leaves = static_cast<unsigned>(layers * side_m * side_m / (leaf_m * leaf_m));
+  for (unsigned i = 0; i < leaves; ++i)
+    add_leaf(mesh, {side_m * (random(seed, i, 0) - 0.5), side_m * (random(seed, i, 1) - 0.5), height_m * random(seed, i, 2)}, leaf_m, seed, i);
+  return mesh;
+}
+
 scene::TriangleMesh crown_mesh(int leaves, double leaf_m, unsigned seed) {
   scene::TriangleMesh mesh;
   for (int i = 0; i < leaves; ++i) {
@@ -147,16 +173,7 @@ scene::TriangleMesh crown_mesh(int leaves, double leaf_m, unsigned seed) {
     const double r = 3 * std::cbrt(random(seed, item, 0)), cz = 2 * random(seed, item, 1) - 1, phi = 2 * M_PI * random(seed, item, 2);
     const double sz = std::sqrt(1 - cz * cz);
     const Point centre{r * sz * std::cos(phi), r * sz * std::sin(phi), r * cz};
-    const double nz = 2 * random(seed, item, 3) - 1, az = 2 * M_PI * random(seed, item, 4), turn = 2 * M_PI * random(seed, item, 5);
-    const double ns = std::sqrt(1 - nz * nz);
-    const Point e1{-std::sin(az), std::cos(az), 0}, e2{-nz * std::cos(az), -nz * std::sin(az), ns};
-    const auto base = static_cast<std::uint32_t>(mesh.vertices.size());
-    for (int k = 0; k < 4; ++k) {
-      const double angle = turn + k * M_PI / 2, c = leaf_m * M_SQRT1_2 * std::cos(angle), s = leaf_m * M_SQRT1_2 * std::sin(angle);
-      add_point(mesh, {centre[0] + c * e1[0] + s * e2[0], centre[1] + c * e1[1] + s * e2[1], centre[2] + c * e1[2] + s * e2[2]});
-    }
-    add_face(mesh, base, base + 1, base + 2);
-    add_face(mesh, base, base + 2, base + 3);
+    add_leaf(mesh, centre, leaf_m, seed, item);
   }
   return mesh;
 }

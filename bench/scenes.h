@@ -19,6 +19,8 @@ scene::TriangleMesh bumpy_sphere();
 /// 600 m above ground, 3.4 degrees off nadir, 0.5 m pixels, 256 x 256 about the scene's centre, 11 x 11 samples.
 scene::Instrument terrain_camera();
 
+/// Square leaves of `leaf_m` anywhere in a box of side_m x side_m x height_m about the origin, turned any way: `layers` times its area in all, one side counted.
+scene::TriangleMesh leaf_slab(double layers, double leaf_m, double side_m, double height_m, unsigned seed);
 /// A spherical crown, radius 3 m about the origin: square leaves, 2 triangles each, uniform in volume and orientation.
 scene::TriangleMesh crown_mesh(int leaves, double leaf_m, unsigned seed);
 
