@@ -99,9 +99,9 @@ def measure(launcher, panels):
                 points.append(run(launcher, panel="triangles", series="20 m x 20 m in view", x=trees * TREE_TRIANGLES, trees=trees, side_m=1.4 * side, field_m=20.0,
                                   repeats=2))
     if "memory" in panels:
-        points += [run((), panel="memory", series="samples a pixel", x=n, pixels=64, samples=n, repeats=1, sky=1) for n in (1, 16, 121, 1024)]
+        points += [run((), panel="memory", series="samples a pixel", x=n, pixels=256, samples=n, repeats=1, sky=1) for n in (1, 16, 121, 1024)]
         points += [run((), panel="memory", series="bands", x=n, pixels=256, samples=1, bands=n, repeats=1, sky=1) for n in (10, 40, 160, 640, 2000)]
-        points += [run((), panel="memory", series="lines", x=n, pixels=256, lines=n, samples=1, repeats=1, sky=1) for n in (64, 256, 1024, 4096)]
+        points += [run((), panel="memory", series="lines", x=n, pixels=256, lines=n, samples=1, repeats=1, sky=1) for n in (64, 256, 1024, 4096, 16384)]
     return points
 
 
@@ -138,7 +138,7 @@ def draw(points):
     axes[2].axhline(512 * 1.048576, ls=":", color="gray", label="--memory 512M")
     axes[2].set_ylim(0, None)
     axes[2].set(xlabel="samples a pixel, bands, lines", ylabel="largest resident set, MB")
-    axes[2].set_title("memory (64 x 64 pixels for samples, else 256 wide)", fontsize=9)
+    axes[2].set_title("memory (256 x 256 pixels, but for lines)", fontsize=9)
     for axis in axes:
         axis.grid(True, which="major", alpha=0.4)
         axis.legend(fontsize=8)

@@ -17,9 +17,9 @@ namespace {
 
 constexpr int kLookPulses = 8192, kLookSubrays[2] = {6, 9};  ///< of the first look
 constexpr int kTrialPulses = 768, kFirstSubrays = 64, kReferenceSubrays = 2048, kMostRounds = 12;
-/// Part of the tolerance that is spent: few pulses see too few of those at edges (0.103 % of 2000 pulses was taken for at most 0.084 % by 192 of them).
-/// A receiver's pulse has many pixels.
-constexpr double kUseOfPulses = 0.75, kUseOfPixels = 0.9;
+constexpr double kUseOfPulses = 0.9;       ///< part of the tolerance that is spent
+/// Error of twice the sub-rays over that of a level, squared: taken off their difference.
+constexpr double kDoubleShare = 0.38;
 constexpr double kWorthATry = 0.7;         ///< of the sub-rays
 constexpr double kReferenceRays = 8e6;     ///< a reference traces no more first rays than this; then it has fewer sub-rays
 constexpr rc_u32 kPulseDimension = 45, kShiftDimension = 48;
@@ -66,6 +66,22 @@ class LidarTrial {
     return {std::sqrt(std::max(0.0, sum / whole)), std::sqrt(std::max(0.0, (sum + 2 * deviation) / whole))};
   }
 
+  /// Error over all the pulses looked at, from the difference between `subrays` and twice as many: a pattern may lie badly in one pulse of a thousand, which the
+  /// coarse looks did not show. Below 0: too many rays to be told so, or every pulse was in the trial.
+  double error_of_all(int subrays) {
+    if (looked_at_.empty() || 3.0 * subrays * fans_ * static_cast<double>(looked_at_.size()) > kReferenceRays) return -1;
+    std::swap(pulses_, looked_at_);
+    const Waveforms one = fire(subrays, plan_.seed, false), two = fire(2 * subrays, plan_.seed, false);
+    std::swap(pulses_, looked_at_);
+    double squares = 0, whole = 0;
+    for (std::size_t p = 0; p < one.pulse.size(); ++p)
+      for (std::size_t i = 0; i < one.pulse[p].size(); ++i) {
+        const double a = one.pulse[p][i], b = two.pulse[p][i];
+        squares += (a - b) * (a - b), whole += b * b;
+      }
+    return whole > 0 ? std::sqrt(squares / whole / (1 + kDoubleShare)) : 0;
+  }
+
   std::size_t pulses() const { return pulses_.size(); }
   std::uint64_t rays() const { return rays_; }
   /// The highest level whose error the references can tell.
@@ -95,10 +111,9 @@ class LidarTrial {
       for (std::size_t i = 0; i < one.pulse[p].size(); ++i) here += std::pow(static_cast<double>(one.pulse[p][i]) - static_cast<double>(two.pulse[p][i]), 2);
       error.push_back(here);
     }
-    const std::vector<std::uint64_t> from = std::move(pulses_);
-    pulses_.clear();
+    std::swap(pulses_, looked_at_);
     draws_ = draw_runs(error, plan_.seed, draws);
-    for (const Draw& draw : draws_) pulses_.push_back(from[draw.run]);
+    for (const Draw& draw : draws_) pulses_.push_back(looked_at_[draw.run]);
   }
 
   /// `moved`: a receiver's samples, the same in every pixel of every pulse, move with the seed.
@@ -128,7 +143,7 @@ class LidarTrial {
 
   render::LidarRenderer& renderer_;
   const lidar::LidarPlan& plan_;
-  std::vector<std::uint64_t> pulses_;
+  std::vector<std::uint64_t> pulses_, looked_at_;  ///< of the trial; of the first look, unless all are in the trial
   std::vector<Draw> draws_;  ///< of the pulses
   double fans_ = 1;
   int reference_subrays_ = kReferenceSubrays;
@@ -168,7 +183,6 @@ LidarDecision decide_subrays(render::LidarRenderer& renderer, const lidar::Lidar
   if ((out.given && !estimate_given) || plan.lidar.pulses < 1) return out;
   LidarTrial trial(renderer, plan);
   ErrorLaw law(kSubrayLaw);
-  const double use = LidarTrial::receiver(plan) ? kUseOfPixels : kUseOfPulses;
   const auto add = [&](int level) {
     const TrialError error = trial.error(level);
     law.measured(level, error.estimate, error.bound);
@@ -179,7 +193,7 @@ LidarDecision decide_subrays(render::LidarRenderer& renderer, const lidar::Lidar
     add(kFirstSubrays);
     const auto cheapest = [&](bool tried_alone) {
       for (const int level : subray_levels())
-        if ((!tried_alone || law.has(level)) && law.bound(level) <= use * tolerance) return level;
+        if ((!tried_alone || law.has(level)) && law.bound(level) <= kUseOfPulses * tolerance) return level;
       return subray_levels().back();
     };
     for (int round = 0; round < kMostRounds; ++round) {
@@ -194,10 +208,20 @@ LidarDecision decide_subrays(render::LidarRenderer& renderer, const lidar::Lidar
     if (!law.has(out.subrays) && out.subrays <= trial.largest_tried()) out.subrays = cheapest(true);
     // Fewer than the law has it may do: the fewest that can be hoped for are tried where that saves much.
     for (int round = 0; round < kMostRounds; ++round) {
-      const int hoped = *std::find_if(subray_levels().begin(), std::prev(subray_levels().end()), [&](int level) { return law.hope(level) <= use * tolerance; });
+      const int hoped = *std::find_if(subray_levels().begin(), std::prev(subray_levels().end()), [&](int level) { return law.hope(level) <= kUseOfPulses * tolerance; });
       if (law.has(hoped) || hoped > kWorthATry * out.subrays) break;
       add(hoped);
-      if (law.bound(hoped) <= use * tolerance) out.subrays = hoped;
+      if (law.bound(hoped) <= kUseOfPulses * tolerance) out.subrays = hoped;
+    }
+    for (int round = 0; round < kMostRounds; ++round) {
+      const double error = trial.error_of_all(out.subrays);
+      if (error <= law.bound(out.subrays)) break;
+      law.measured(out.subrays, error, error);
+      if (error <= kUseOfPulses * tolerance) break;
+      const auto next = std::upper_bound(subray_levels().begin(), subray_levels().end(), out.subrays);
+      if (next == subray_levels().end()) break;
+      out.subrays = *next;
+      if (!law.has(out.subrays) && out.subrays <= trial.largest_tried()) add(out.subrays);
     }
   }
   out.estimated = true;
