@@ -117,6 +117,7 @@ def draw(cases, file):
     axes[1].axhline(2, color="black", lw=1)
     axes[1].axhline(1, color="gray", lw=1, ls=":")
     axes[1].set_xscale("log")
+    axes[0].yaxis.set_major_formatter(matplotlib.ticker.FormatStrFormatter("%g"))
     axes[1].set_yscale("log", base=2)
     axes[1].yaxis.set_major_formatter(matplotlib.ticker.FormatStrFormatter("%g"))
     axes[1].set(xlabel="tolerance asked, %", ylabel="over the best setting of the sweep", title="filled: cost by the model; open: time, median of 5 pairs")
