@@ -209,7 +209,7 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
   const double total = choice.total();
   if (total > simulation.tolerance && !given.any())
     plan.refusal = fmt::format("instrument '{}': {} channels cannot hold the tolerance of {:g}: the nodes of height, view and path and the "
-                               "sky's components leave an error of up to {:.3g} (source {:.3g}, path {:.3g}, sky {:.3g}, temperatures {:.3g})",
+                               "sky's components leave an estimated error of {:.3g} (source {:.3g}, path {:.3g}, sky {:.3g}, temperatures {:.3g})",
                                instrument.name, RC_MAX_CHANNELS, simulation.tolerance, total, choice.source_error, choice.path_error, choice.sky_error,
                                choice.emission_error);
 

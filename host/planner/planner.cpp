@@ -103,7 +103,7 @@ void hold_tolerance(Decision& decision, const scene::Simulation& simulation, con
   if (plan.refusal.empty()) return;
   measure_plan(decision, simulation, instrument, plan, table, threads);
   if (decision.plan_error > simulation.tolerance)
-    throw base::Error(base::Fault::input, fmt::format("{}; on {} pixels of this scene it is {:.3g}; raise the tolerance, narrow the field of view or split the scene's relief",
+    throw base::Error(base::Fault::input, fmt::format("{}; measured on {} pixels of this scene: {:.3g}; raise the tolerance, narrow the field of view or split the scene's relief",
                                                       plan.refusal, decision.model_pixels, decision.plan_error));
 }
 
