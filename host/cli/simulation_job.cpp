@@ -75,6 +75,7 @@ InstrumentJob prepare(const scene::Simulation& simulation, const scene::Instrume
   if (planning.replay) {
     const auto& entry = planner::find_entry(*planning.replay, instrument.name, false, planning.replay_path);
     job.decision = planner::replayed(entry, simulation, instrument, job.plan, planning.replay_path);
+    planner::hold_tolerance(job.decision, simulation, instrument, job.plan, job.table, context.common.threads);
   } else if (planning.renderer) {
     job.decision = planner::decide(*planning.renderer, simulation, instrument, job.plan, job.table, planning.estimate_given, context.common.threads);
   } else {

@@ -75,7 +75,10 @@ SpectralPlan make_spectral_plan(const scene::CompiledScene& scene, const scene::
   std::vector<double> breakpoints = table_um;
   for (const auto curve : curves) {
     const auto& x = scene.materials[curve - 1].reflectance.wavelength_um;
-    if (x.size() > 1) breakpoints.insert(breakpoints.end(), x.begin(), x.end());
+    if (x.size() < 2) continue;
+    // Bands end inside the table, so that its ends are nodes enough there; beyond them nobody could read it.
+    for (const double node : x)
+      if (node > table_um.front() && node < table_um.back()) breakpoints.push_back(node);
   }
   SpectralPlan out;
   SpectralGrid grid = make_spectral_grid(std::move(breakpoints), instrument.bands);

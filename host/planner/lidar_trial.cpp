@@ -20,8 +20,9 @@ constexpr int kTrialPulses = 768, kFirstSubrays = 64, kReferenceSubrays = 2048, 
 constexpr double kUseOfPulses = 0.9;       ///< part of the tolerance that is spent
 /// Error of twice the sub-rays over that of a level, squared: taken off their difference.
 constexpr double kDoubleShare = 0.38;
+constexpr std::size_t kComparedFloats = std::size_t{1} << 24;  ///< of waveforms held while many pulses are compared: 64 MB a side
 constexpr double kWorthATry = 0.7;         ///< of the sub-rays
-constexpr double kReferenceRays = 8e6;     ///< a reference traces no more first rays than this; then it has fewer sub-rays
+constexpr double kReferenceRays = 8e6;     ///< neither a reference nor a look at all pulses traces more first rays than this
 constexpr rc_u32 kPulseDimension = 45, kShiftDimension = 48;
 constexpr std::uint64_t kOther = 0x5bd1e995u;
 
@@ -42,10 +43,9 @@ class LidarTrial {
 
   /// Estimate and bound (two standard errors over the draws) of the error with `subrays`.
   TrialError error(int subrays) {
-    if (one_.pulse.empty()) one_ = fire(reference_subrays_, plan_.seed + kOther, true), two_ = fire(reference_subrays_, plan_.seed + 2 * kOther, true);
-    const Waveforms tried = fire(subrays, plan_.seed, false);
-    double whole = 0, sum = 0, squares = 0, draws = 0;
-    std::vector<double> of_pulse;
+    if (one_.pulse.empty()) one_ = fire(pulses_, reference_subrays_, plan_.seed + kOther, true), two_ = fire(pulses_, reference_subrays_, plan_.seed + 2 * kOther, true);
+    const Waveforms tried = fire(pulses_, subrays, plan_.seed, false);
+    double whole = 0, sum = 0, square_sum = 0, even_square_sum = 0, draws = 0;
     for (std::size_t p = 0; p < tried.pulse.size(); ++p) {
       double here = 0, energy = 0;
       for (std::size_t i = 0; i < tried.pulse[p].size(); ++i) {
@@ -55,30 +55,28 @@ class LidarTrial {
       }
       // A pulse that was drawn with more than an even chance counts for less.
       const Draw& draw = draws_[p];
-      of_pulse.push_back(here / draw.share);
-      sum += draw.times * here / draw.share;
+      here /= draw.share;
+      sum += draw.times * here;
+      square_sum += draw.times * here * here;
+      even_square_sum += draw.times * here * here * draw.share;
       whole += draw.times * energy / draw.share;
       draws += draw.times;
     }
     if (!(whole > 0)) return {};
-    for (std::size_t p = 0; p < of_pulse.size(); ++p) squares += draws_[p].times * (of_pulse[p] - sum / draws) * (of_pulse[p] - sum / draws);
-    const double deviation = draws > 1 ? std::sqrt(squares * draws / (draws - 1)) : 0;
-    return {std::sqrt(std::max(0.0, sum / whole)), std::sqrt(std::max(0.0, (sum + 2 * deviation) / whole))};
+    const double average = sum / draws;
+    double variance = draws > 1 ? std::max(0.0, square_sum / draws - average * average) / (draws - 1) : 0;
+    // The pulses drawn from are themselves but a part of the survey.
+    if (looked_at_.size() > 1) variance += left_out_ * std::max(0.0, even_square_sum / draws - average * average) / static_cast<double>(looked_at_.size() - 1);
+    const double mean_energy = whole / draws;
+    return {std::sqrt(std::max(0.0, average / mean_energy)), std::sqrt(std::max(0.0, (average + 2 * std::sqrt(variance)) / mean_energy))};
   }
 
   /// Error over all the pulses looked at, from the difference between `subrays` and twice as many: a pattern may lie badly in one pulse of a thousand, which the
-  /// coarse looks did not show. Below 0: too many rays to be told so, or every pulse was in the trial.
+  /// coarse looks did not show. Below 0: too many rays to be told so, or there was no look (a receiver; every pulse in the trial).
   double error_of_all(int subrays) {
-    if (looked_at_.empty() || 3.0 * subrays * fans_ * static_cast<double>(looked_at_.size()) > kReferenceRays) return -1;
-    std::swap(pulses_, looked_at_);
-    const Waveforms one = fire(subrays, plan_.seed, false), two = fire(2 * subrays, plan_.seed, false);
-    std::swap(pulses_, looked_at_);
+    if (looked_at_.empty() || 3.0 * subrays * static_cast<double>(looked_at_.size()) > kReferenceRays) return -1;
     double squares = 0, whole = 0;
-    for (std::size_t p = 0; p < one.pulse.size(); ++p)
-      for (std::size_t i = 0; i < one.pulse[p].size(); ++i) {
-        const double a = one.pulse[p][i], b = two.pulse[p][i];
-        squares += (a - b) * (a - b), whole += b * b;
-      }
+    compare(looked_at_, {subrays, plan_.seed}, {2 * subrays, plan_.seed}, [&](double difference, double energy) { squares += difference, whole += energy; });
     return whole > 0 ? std::sqrt(squares / whole / (1 + kDoubleShare)) : 0;
   }
 
@@ -99,25 +97,46 @@ class LidarTrial {
     std::set<std::uint64_t> hashed;
     for (rc_u32 i = 0; hashed.size() < std::min(seen, all); ++i)
       hashed.insert(all <= seen ? i : rc_hash(static_cast<rc_u32>(plan_.seed), i, static_cast<rc_u32>(plan_.seed >> 32), kPulseDimension) % all);
-    pulses_.assign(hashed.begin(), hashed.end());
+    for (const std::uint64_t pulse : hashed)  // a scanner that turns round fires in part of its pulses
+      if (!lidar::make_shots(plan_.lidar, static_cast<std::int64_t>(pulse), 1, plan_.seed).empty()) pulses_.push_back(pulse);
     if (pulses_.size() <= static_cast<std::size_t>(draws)) {
       draws_.assign(pulses_.size(), Draw{});
       return;
     }
-    const Waveforms one = fire(kLookSubrays[0], plan_.seed + 3 * kOther, true), two = fire(kLookSubrays[1], plan_.seed + 4 * kOther, true);
+    left_out_ = 1 - static_cast<double>(hashed.size()) / static_cast<double>(all);
     std::vector<double> error;
-    for (std::size_t p = 0; p < one.pulse.size(); ++p) {
-      double here = 0;
-      for (std::size_t i = 0; i < one.pulse[p].size(); ++i) here += std::pow(static_cast<double>(one.pulse[p][i]) - static_cast<double>(two.pulse[p][i]), 2);
-      error.push_back(here);
-    }
+    compare(pulses_, {kLookSubrays[0], plan_.seed + 3 * kOther}, {kLookSubrays[1], plan_.seed + 4 * kOther}, [&](double difference, double) { error.push_back(difference); });
     std::swap(pulses_, looked_at_);
     draws_ = draw_runs(error, plan_.seed, draws);
     for (const Draw& draw : draws_) pulses_.push_back(looked_at_[draw.run]);
   }
 
+  struct Setting {
+    int subrays;
+    std::uint64_t seed;
+  };
+  /// each(squared difference, squared second) of every pulse in turn, few pulses at a time.
+  template <class Each>
+  void compare(const std::vector<std::uint64_t>& pulses, const Setting& first, const Setting& second, const Each& each) {
+    const std::size_t row = static_cast<std::size_t>(plan_.pixels()) * static_cast<std::size_t>(plan_.lines()) * static_cast<std::size_t>(plan_.lidar.gate.bins);
+    const std::size_t together = std::max<std::size_t>(1, kComparedFloats / std::max<std::size_t>(1, row));
+    for (std::size_t from = 0; from < pulses.size(); from += together) {
+      const auto at = pulses.begin() + static_cast<std::ptrdiff_t>(from);
+      const std::vector<std::uint64_t> some(at, at + static_cast<std::ptrdiff_t>(std::min(together, pulses.size() - from)));
+      const Waveforms one = fire(some, first.subrays, first.seed, false), two = fire(some, second.subrays, second.seed, false);
+      for (std::size_t p = 0; p < one.pulse.size(); ++p) {
+        double squares = 0, whole = 0;
+        for (std::size_t i = 0; i < one.pulse[p].size(); ++i) {
+          const double a = one.pulse[p][i], b = two.pulse[p][i];
+          squares += (a - b) * (a - b), whole += b * b;
+        }
+        each(squares, whole);
+      }
+    }
+  }
+
   /// `moved`: a receiver's samples, the same in every pixel of every pulse, move with the seed.
-  Waveforms fire(int subrays, std::uint64_t seed, bool moved) {
+  Waveforms fire(const std::vector<std::uint64_t>& pulses, int subrays, std::uint64_t seed, bool moved) {
     lidar::LidarPlan plan = plan_;
     set_subrays(plan, subrays);
     plan.seed = seed;
@@ -127,7 +146,7 @@ class LidarTrial {
     // Air and particles are integrated along the beam, not by sub-rays: they would only hide what surfaces do.
     plan.lidar.transport.air_return = false;
     std::vector<lidar::Shot> shots;
-    for (const std::uint64_t pulse : pulses_) {
+    for (const std::uint64_t pulse : pulses) {
       const auto made = lidar::make_shots(plan.lidar, static_cast<std::int64_t>(pulse), 1, seed);
       shots.insert(shots.end(), made.begin(), made.end());
     }
@@ -143,9 +162,9 @@ class LidarTrial {
 
   render::LidarRenderer& renderer_;
   const lidar::LidarPlan& plan_;
-  std::vector<std::uint64_t> pulses_, looked_at_;  ///< of the trial; of the first look, unless all are in the trial
+  std::vector<std::uint64_t> pulses_, looked_at_;  ///< of the trial; of the first look, where there was one
   std::vector<Draw> draws_;  ///< of the pulses
-  double fans_ = 1;
+  double fans_ = 1, left_out_ = 0;  ///< left out: share of the survey that the look did not see
   int reference_subrays_ = kReferenceSubrays;
   Waveforms one_, two_;
   std::uint64_t rays_ = 0;
@@ -188,7 +207,7 @@ LidarDecision decide_subrays(render::LidarRenderer& renderer, const lidar::Lidar
     law.measured(level, error.estimate, error.bound);
   };
   if (out.given) {
-    add(std::min(out.subrays, trial.largest_tried()));  // beyond that a receiver's patterns are parts of its references
+    add(std::min(out.subrays, trial.largest_tried()));
   } else {
     add(kFirstSubrays);
     const auto cheapest = [&](bool tried_alone) {
@@ -209,20 +228,24 @@ LidarDecision decide_subrays(render::LidarRenderer& renderer, const lidar::Lidar
     // Fewer than the law has it may do: the fewest that can be hoped for are tried where that saves much.
     for (int round = 0; round < kMostRounds; ++round) {
       const int hoped = *std::find_if(subray_levels().begin(), std::prev(subray_levels().end()), [&](int level) { return law.hope(level) <= kUseOfPulses * tolerance; });
-      if (law.has(hoped) || hoped > kWorthATry * out.subrays) break;
+      if (law.has(hoped) || hoped > kWorthATry * out.subrays || hoped > trial.largest_tried()) break;
       add(hoped);
       if (law.bound(hoped) <= kUseOfPulses * tolerance) out.subrays = hoped;
     }
-    for (int round = 0; round < kMostRounds; ++round) {
-      const double error = trial.error_of_all(out.subrays);
-      if (error <= law.bound(out.subrays)) break;
-      law.measured(out.subrays, error, error);
-      if (error <= kUseOfPulses * tolerance) break;
-      const auto next = std::upper_bound(subray_levels().begin(), subray_levels().end(), out.subrays);
-      if (next == subray_levels().end()) break;
-      out.subrays = *next;
+    // What all the pulses looked at say of a level holds for it, and by the law for those above that are too dear to be asked.
+    double seen = 0;
+    int last_asked = out.subrays;
+    const auto all_told = [&](int level) {
+      const double error = trial.error_of_all(level);
+      seen = error >= 0 ? error : seen * std::pow(static_cast<double>(last_asked) / level, kSubrayLaw.beyond);
+      last_asked = level;
+      return std::max(seen, law.bound(level));
+    };
+    while (all_told(out.subrays) > kUseOfPulses * tolerance && out.subrays < subray_levels().back()) {
+      out.subrays = *std::upper_bound(subray_levels().begin(), subray_levels().end(), out.subrays);
       if (!law.has(out.subrays) && out.subrays <= trial.largest_tried()) add(out.subrays);
     }
+    if (seen > law.bound(out.subrays)) law.measured(out.subrays, seen, seen);
   }
   out.estimated = true;
   out.error = law.bound(out.subrays);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "host/base/interrupt.h"
 #include "host/plan/sky_sets.h"
 #include "host/reference/parallel.h"
 #include "host/reference/radiance.h"
@@ -64,6 +65,7 @@ ModelPixels compare_models(const scene::Simulation& simulation, const scene::Ins
   ModelPixels out;
   out.planned.resize(pixels.size()), out.whole.resize(pixels.size());
   reference::for_each_index(pixels.size(), settings.threads, [&](std::size_t p) {
+    base::throw_if_interrupted();
     const reference::SampledPixel pixel = scene.sample_pixel(few, same, settings.seed, pixels[p]);
     std::vector<reference::BlockedDirections> blocked;
     for (std::size_t s = 0; s < pixel.samples.size(); ++s)

@@ -33,7 +33,7 @@ struct ModelError {
   std::size_t pixels = 0;
 };
 
-/// Over hashed pixels (all of a small image), a few samples of each. Light of what hides the sky is left out: its one temperature is no level of
+/// Over two of the eight pixels of each of at most 64 hashed runs, a few samples of each. Light of what hides the sky is left out: its one temperature is no level of
 /// the plan (`raycube check` reports its error).
 ModelError model_error(const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan, const atmos::RenderTable& table,
                        int threads = 0);
