@@ -3,3 +3,4 @@ raycube_test(planner_trial SOURCES oracle/planner_trial_test.cpp LIBS raycube_re
 raycube_test(planner_honest SOURCES oracle/planner_honest_test.cpp LIBS raycube_render_support raycube::planner LABELS slow)
 raycube_cli_test(plan_cli)
 raycube_test(model_trial SOURCES oracle/model_trial_test.cpp support/test_scenes.cpp LIBS raycube_render_support raycube::planner LABELS fast device)
+raycube_test(planner_pulses SOURCES oracle/planner_pulses_test.cpp LIBS raycube_lidar_support raycube::planner LABELS fast device)
