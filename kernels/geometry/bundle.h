@@ -41,9 +41,9 @@ RC_ALWAYS static inline uint rc_cull_boxes(const Cull* cull, int planes, global 
   float8 least = INFINITY;
   #pragma unroll
   for (int i = 0; i < planes; ++i) {
-    const float8 x = rc_load8(0, at + cull->x_side[i]) - cull->ox;
-    const float8 y = rc_load8(0, at + cull->y_side[i]) - cull->oy;
-    const float8 z = rc_load8(0, at + cull->z_side[i]) - cull->oz;
+    const float8 x = vload8(0, at + cull->x_side[i]) - cull->ox;
+    const float8 y = vload8(0, at + cull->y_side[i]) - cull->oy;
+    const float8 z = vload8(0, at + cull->z_side[i]) - cull->oz;
     least = rc_min8(least, fma(x, (float8)(cull->nx[i]), fma(y, (float8)(cull->ny[i]), fma(z, (float8)(cull->nz[i]), (float8)(cull->k[i])))));
   }
   return rc_mask8(least >= 0.0f) & ((1u << node->count) - 1u);

@@ -50,10 +50,10 @@ static inline float8 rc_max8(float8 a, float8 b) { return a > b ? a : b; }
 static inline float16 rc_min16(float16 a, float16 b) { return a < b ? a : b; }
 static inline float16 rc_max16(float16 a, float16 b) { return a > b ? a : b; }
 
-/* vstore16 and vload16 as one access where the compiler is clang. Its library's are of quarters, which are not always joined again: a load
- * of the whole soon after such a store waits for all of them to reach the cache, and shadow rays took a third longer by loads of halves. */
+/* vstore16 and vload16 as one access where the compiler is clang. Its library's are of quarters and halves, which are not always joined again: a
+ * load of the whole soon after such a store waits for all of it to reach the cache, and shadow rays took a third longer by loads of halves from the
+ * work-item's own memory. Loads from global memory are joined, and oclgrind takes them for the crossing of a struct's arrays when they are not its own. */
 #if defined(__clang__)
-typedef float8 __attribute__((aligned(4))) rc_float8_packed;
 typedef float16 __attribute__((aligned(4))) rc_float16_packed;
 typedef uint16 __attribute__((aligned(4))) rc_uint16_packed;
 #define RC_OVERLOAD __attribute__((overloadable)) static inline
@@ -62,15 +62,12 @@ RC_OVERLOAD void rc_store16(float16 v, size_t i, global float* p) { *(global rc_
 RC_OVERLOAD void rc_store16(uint16 v, size_t i, private uint* p) { *(private rc_uint16_packed*)(p + 16 * i) = v; }
 RC_OVERLOAD void rc_store16(uint16 v, size_t i, global uint* p) { *(global rc_uint16_packed*)(p + 16 * i) = v; }
 RC_OVERLOAD float16 rc_load16(size_t i, const private float* p) { return *(const private rc_float16_packed*)(p + 16 * i); }
-RC_OVERLOAD float16 rc_load16(size_t i, const global float* p) { return *(const global rc_float16_packed*)(p + 16 * i); }
+RC_OVERLOAD float16 rc_load16(size_t i, const global float* p) { return vload16(i, p); }
 RC_OVERLOAD uint16 rc_load16(size_t i, const private uint* p) { return *(const private rc_uint16_packed*)(p + 16 * i); }
-RC_OVERLOAD uint16 rc_load16(size_t i, const global uint* p) { return *(const global rc_uint16_packed*)(p + 16 * i); }
-RC_OVERLOAD float8 rc_load8(size_t i, const private float* p) { return *(const private rc_float8_packed*)(p + 8 * i); }
-RC_OVERLOAD float8 rc_load8(size_t i, const global float* p) { return *(const global rc_float8_packed*)(p + 8 * i); }
+RC_OVERLOAD uint16 rc_load16(size_t i, const global uint* p) { return vload16(i, p); }
 #else
 #define rc_store16(v, i, p) vstore16(v, i, p)
 #define rc_load16(i, p) vload16(i, p)
-#define rc_load8(i, p) vload8(i, p)
 #endif
 
 /* Private arrays that vectors are read from and written to: a vector across two cache lines costs two. */

@@ -77,9 +77,9 @@ static inline float4 rc_field(RayGroup g, float far) { return far * fabs(g.d0) +
 
 /* The most that the tree below a root reaches beyond the group's start, z - ahead, or beyond it all. */
 static inline float rc_reach_beyond(const Projection* map, global const BvhNode* root) {
-  const float8 x = (map->z.x > 0.0f ? rc_load8(0, root->hi_x) : rc_load8(0, root->lo_x)) - map->origin.x;
-  const float8 y = (map->z.y > 0.0f ? rc_load8(0, root->hi_y) : rc_load8(0, root->lo_y)) - map->origin.y;
-  const float8 z = (map->z.z > 0.0f ? rc_load8(0, root->hi_z) : rc_load8(0, root->lo_z)) - map->origin.z;
+  const float8 x = (map->z.x > 0.0f ? vload8(0, root->hi_x) : vload8(0, root->lo_x)) - map->origin.x;
+  const float8 y = (map->z.y > 0.0f ? vload8(0, root->hi_y) : vload8(0, root->lo_y)) - map->origin.y;
+  const float8 z = (map->z.z > 0.0f ? vload8(0, root->hi_z) : vload8(0, root->lo_z)) - map->origin.z;
   const float8 beyond = fma((float8)(map->z.x), x, fma((float8)(map->z.y), y, map->z.z * z));
   RC_LINE float of[8];
   vstore8(beyond, 0, of);

@@ -50,9 +50,9 @@ static inline void rc_slacken(Ray* ray, float reach, float ulps) {
 /* Boxes of a node that the ray meets, within its slack, at a distance below t_max. */
 static inline uint rc_ray_boxes(Ray ray, global const BvhNode* node, float t_max) {
   const float4 lo = ray.lo_origin, hi = ray.hi_origin;
-  const float8 x0 = (rc_load8(0, node->lo_x) - lo.x) * ray.inverse.x, x1 = (rc_load8(0, node->hi_x) - hi.x) * ray.inverse.x;
-  const float8 y0 = (rc_load8(0, node->lo_y) - lo.y) * ray.inverse.y, y1 = (rc_load8(0, node->hi_y) - hi.y) * ray.inverse.y;
-  const float8 z0 = (rc_load8(0, node->lo_z) - lo.z) * ray.inverse.z, z1 = (rc_load8(0, node->hi_z) - hi.z) * ray.inverse.z;
+  const float8 x0 = (vload8(0, node->lo_x) - lo.x) * ray.inverse.x, x1 = (vload8(0, node->hi_x) - hi.x) * ray.inverse.x;
+  const float8 y0 = (vload8(0, node->lo_y) - lo.y) * ray.inverse.y, y1 = (vload8(0, node->hi_y) - hi.y) * ray.inverse.y;
+  const float8 z0 = (vload8(0, node->lo_z) - lo.z) * ray.inverse.z, z1 = (vload8(0, node->hi_z) - hi.z) * ray.inverse.z;
   const float8 enter = rc_max8(rc_max8(rc_min8(x0, x1), rc_min8(y0, y1)), rc_max8(rc_min8(z0, z1), 0.0f));
   const float8 leave = rc_min8(rc_min8(rc_max8(x0, x1), rc_max8(y0, y1)), rc_max8(z0, z1));
   return rc_mask8((enter <= leave) & (enter <= t_max * 1.0000008f)) & ((1u << node->count) - 1u);

@@ -22,10 +22,10 @@ static inline bool rc_ray_meets(SceneArrays scene, uint root, Ray ray, uint* sta
   while (top > base) {
     global const BvhNode* node = rc_node(scene, stack[--top]);
     global const float* at = (global const float*)node;
-    const float8 enter = rc_max8(rc_max8((rc_load8(0, at + x) - near.x) * ray.inverse.x, (rc_load8(0, at + 8u + y) - near.y) * ray.inverse.y),
-                              rc_max8((rc_load8(0, at + 16u + z) - near.z) * ray.inverse.z, 0.0f));
-    const float8 leave = rc_min8(rc_min8((rc_load8(0, at + 24u - x) - far.x) * ray.inverse.x, (rc_load8(0, at + 32u - y) - far.y) * ray.inverse.y),
-                              (rc_load8(0, at + 40u - z) - far.z) * ray.inverse.z);
+    const float8 enter = rc_max8(rc_max8((vload8(0, at + x) - near.x) * ray.inverse.x, (vload8(0, at + 8u + y) - near.y) * ray.inverse.y),
+                              rc_max8((vload8(0, at + 16u + z) - near.z) * ray.inverse.z, 0.0f));
+    const float8 leave = rc_min8(rc_min8((vload8(0, at + 24u - x) - far.x) * ray.inverse.x, (vload8(0, at + 32u - y) - far.y) * ray.inverse.y),
+                              (vload8(0, at + 40u - z) - far.z) * ray.inverse.z);
     uint boxes = rc_mask8(enter <= leave) & ((1u << node->count) - 1u);
     uint leaves = boxes & node->leaf_mask;
     for (boxes &= ~leaves; boxes; boxes &= boxes - 1u) {
