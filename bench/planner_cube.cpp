@@ -3,7 +3,6 @@
 #include <chrono>
 #include <cmath>
 #include <map>
-#include <numbers>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -175,7 +174,7 @@ class CubeStudy {
     for (const int to : {0, 1}) {
       planner::ModelSettings settings;
       settings.side = kModelSide;
-      settings.turn_rad = to * 0.5 * std::numbers::pi * (3 - std::sqrt(5.0));  // half the spiral's step
+      settings.turn_rad = to * reference::SkyShare::kHalfStep_rad;
       settings.seed = rc_hash(static_cast<rc_u32>(simulation_.seed), static_cast<rc_u32>(to), 0, 54);
       const auto [planned, whole] = planner::compare_models(simulation_, instrument_, finest_, table_, tiles_, settings);
       for (std::size_t p = 0; p < planned.size(); ++p)

@@ -29,11 +29,7 @@ ModelPixels compare_models(const scene::Simulation& simulation, const scene::Ins
   few.sampler = scene::SamplerKind::jittered;
   few.samples_u = few.samples_v = settings.side;
   const reference::ReferenceScene scene(simulation.scene);
-  const double floor_m = static_cast<double>(plan.height.first);
-  const bool empty = !(simulation.scene.lo[2] <= simulation.scene.hi[2]);
-  const double low = empty ? floor_m : std::min(floor_m, static_cast<double>(simulation.scene.lo[2]));
-  const double high = empty ? floor_m : std::max(low, std::min(static_cast<double>(simulation.scene.hi[2]), table.sensor_height_m));
-  const reference::TableModel whole(scene, plan, table, simulation.atmosphere.none, low, high, settings.directions, {0, settings.turn_rad});
+  const reference::TableModel whole(scene, plan, table, simulation.atmosphere.none, settings.directions, {0, settings.turn_rad});
 
   plan::Plan same = plan;  // that looks where the table does
   std::vector<std::array<double, 3>> directions;

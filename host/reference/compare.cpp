@@ -38,11 +38,7 @@ Comparison::Comparison(const scene::CompiledScene& scene, const plan::Plan& plan
                        std::uint64_t seed, const CompareOptions& options)
     : plan_(plan), instrument_(instrument), seed_(seed), options_(options), scene_(scene), arithmetic_(scene, plan, seed) {
   if (!options_.table || options_.model_pixels == 0) return;
-  const double floor_m = static_cast<double>(plan.height.first);
-  const double lo = scene.lo[2] <= scene.hi[2] ? std::min(floor_m, static_cast<double>(scene.lo[2])) : floor_m;
-  const double hi = scene.lo[2] <= scene.hi[2] ? std::min(static_cast<double>(scene.hi[2]), options_.table->sensor_height_m) : floor_m;
-  model_ = std::make_unique<TableModel>(scene_, plan, *options_.table, options_.no_air, lo, std::max(lo, hi),
-                                        options_.model_directions);
+  model_ = std::make_unique<TableModel>(scene_, plan, *options_.table, options_.no_air, options_.model_directions);
 }
 
 Comparison::~Comparison() = default;

@@ -79,6 +79,8 @@ class ArithmeticModel {
 struct SkyShare {
   int per_sample = 0;
   double turn_rad = 0;
+  /// Half a step of the spiral of directions: another set as even, of which nothing is the same.
+  static constexpr double kHalfStep_rad = 1.1999816148643266;
 };
 
 /// Model form: the whole table at each pixel's exact view and heights, and a dense set of sky directions. Thermal light: every
@@ -86,10 +88,9 @@ struct SkyShare {
 /// rho B at the plan's surroundings' for the light that falls on it.
 class TableModel {
  public:
-  /// Keeps references. height_lo_m, height_hi_m: heights of every point that will be asked for. `no_air`: transmissions
-  /// 1, no sky, no path.
-  TableModel(const ReferenceScene& scene, const plan::Plan& plan, const atmos::RenderTable& table, bool no_air,
-             double height_lo_m, double height_hi_m, int directions = 1024, const SkyShare& share = {});
+  /// Keeps references. `no_air`: transmissions 1, no sky, no path.
+  TableModel(const ReferenceScene& scene, const plan::Plan& plan, const atmos::RenderTable& table, bool no_air, int directions = 1024,
+             const SkyShare& share = {});
 
   BandRadiance radiance(const SampledPixel& pixel) const;
 

@@ -29,8 +29,7 @@ double azimuth_deg(const glm::dvec3& unit) { return std::atan2(unit.x, unit.y) *
 
 }  // namespace
 
-TableModel::TableModel(const ReferenceScene& scene, const plan::Plan& plan, const atmos::RenderTable& table, bool no_air,
-                       double height_lo_m, double height_hi_m, int directions, const SkyShare& share)
+TableModel::TableModel(const ReferenceScene& scene, const plan::Plan& plan, const atmos::RenderTable& table, bool no_air, int directions, const SkyShare& share)
     : scene_(scene), plan_(plan), table_(table), no_air_(no_air),
       reflectance_(reflectance_on(scene.compiled, plan.wavelength_um)) {
   sun_ = plan.sun_up && table.has("solar_irradiance");
@@ -45,7 +44,13 @@ TableModel::TableModel(const ReferenceScene& scene, const plan::Plan& plan, cons
   }
   if (share.per_sample > 0) stride_ = static_cast<std::size_t>(std::max(1, directions / share.per_sample));
   solid_angle_ = 2 * std::numbers::pi / directions * static_cast<double>(stride_);
-  height_lo_m = within_table(table, height_lo_m), height_hi_m = within_table(table, height_hi_m);
+  // Points lie in the scene below the sensor; a ray that meets nothing ends at the plan's lowest node.
+  const double floor_m = static_cast<double>(plan.height.first);
+  const auto& compiled = scene.compiled;
+  const bool empty = !(compiled.lo[2] <= compiled.hi[2]);
+  const double lowest = empty ? floor_m : std::min(floor_m, static_cast<double>(compiled.lo[2]));
+  const double highest = empty ? floor_m : std::max(lowest, std::min(static_cast<double>(compiled.hi[2]), table.sensor_height_m));
+  const double height_lo_m = within_table(table, lowest), height_hi_m = within_table(table, highest);
   const int steps = static_cast<int>(std::ceil((height_hi_m - height_lo_m) / kSkyHeightStep_m));
   height_first_ = height_lo_m;
   height_step_ = steps > 0 ? (height_hi_m - height_lo_m) / steps : 1;

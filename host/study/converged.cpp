@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <mutex>
-#include <numbers>
 
 #include "host/base/interrupt.h"
 #include "host/reference/parallel.h"
@@ -36,15 +35,10 @@ Converged converge(const scene::Simulation& simulation, const scene::Instrument&
   fine.sampler = scene::SamplerKind::jittered;
   fine.samples_u = fine.samples_v = settings.grid;
   const reference::ReferenceScene scene(simulation.scene);
-  const double floor_m = static_cast<double>(plan.height.first);
-  const bool empty = !(simulation.scene.lo[2] <= simulation.scene.hi[2]);
-  const double low = empty ? floor_m : std::min(floor_m, static_cast<double>(simulation.scene.lo[2]));
-  const double high = empty ? floor_m : std::max(low, std::min(static_cast<double>(simulation.scene.hi[2]), table.sensor_height_m));
   // The second half's sky is turned by half the spiral's step, so that what the spiral itself is off shows between them.
-  const double turn = 0.5 * std::numbers::pi * (3 - std::sqrt(5.0));
   std::vector<reference::TableModel> models;
   for (int half = 0; half < kHalves; ++half)
-    models.emplace_back(scene, plan, table, simulation.atmosphere.none, low, high, settings.directions, reference::SkyShare{settings.per_sample, half * turn});
+    models.emplace_back(scene, plan, table, simulation.atmosphere.none, settings.directions, reference::SkyShare{settings.per_sample, half * reference::SkyShare::kHalfStep_rad});
 
   const std::vector<reference::PixelAddress> pixels = addresses(instrument, simulation.scene, tiles);
   Converged out;

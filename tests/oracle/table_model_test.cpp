@@ -29,7 +29,7 @@ scene::CompiledScene plane_scene(double tilt_rad, float z, bool wall) {
 BandRadiance render(const scene::CompiledScene& compiled, const plan::Plan& plan, const atmos::RenderTable& table, bool no_air,
                     const NadirPixel& at) {
   const ReferenceScene scene(compiled);
-  const TableModel model(scene, plan, table, no_air, compiled.lo[2], compiled.hi[2]);
+  const TableModel model(scene, plan, table, no_air);
   return model.radiance(scene.sample_pixel(at.instrument, plan, 1, at.address));
 }
 

@@ -28,10 +28,14 @@ TEST_CASE("S8: surface points lie on the viewer's side of their triangle, within
   for (std::uint32_t i = 0; i < 6; ++i)
     scene::append_instance(scene, ball, test::placement(i, 0.4 * i, 0.6 + 0.2 * i, 5.0 * i - 12, 3.0 * (i % 3) - 3, 3 + i % 2), i + 1);
   scene::finish_top_tree(scene);
+  // A group's points fill 8, 32 and 76 words of 16: less than one round of the loops over words, one, and several.
   TraceShape shape;
-  shape.nu = shape.nv = 5;
-  shape.columns = shape.pixels_per_line = 18, shape.lines = 10;
-  const auto groups = test::nadir_groups(shape, 0, 0, 300, 1.7, 300, 0.02);
+  SUBCASE("25 samples") { shape.nu = shape.nv = 5, shape.columns = 18, shape.lines = 10; }
+  SUBCASE("121 samples") { shape.nu = shape.nv = 11, shape.columns = 8, shape.lines = 5; }
+  SUBCASE("289 samples") { shape.nu = shape.nv = 17, shape.columns = 8, shape.lines = 4; }
+  CAPTURE(shape.nu);
+  shape.pixels_per_line = shape.columns;
+  const auto groups = test::nadir_groups(shape, 0, 0, 300, 30.6 / shape.columns, 300, 0.02);
   test::TraceChain chain(context(), scene, shape);
   const auto hits = chain.primary(groups);
   const auto surface = chain.surface();
