@@ -107,7 +107,7 @@ Verb verb_plan() {
       "For each instrument a table: block, level chosen, its estimated error, the error without it (with the level before), its cost, and why. "
       "Errors are those of the tolerance: rms over the pixels of the worst band over that band's mean. Levels that the file gives are kept and "
       "marked; the rest are the cheapest whose errors together fit the tolerance, by counts of rays, terms and bands and never by a clock: two runs give "
-      "one plan.\n\nSamples of a pixel and sky directions are tried on a few hundred pixels picked by a hash of the seed; sub-rays of LIDARs on a few "
+      "one plan.\n\nSamples of a pixel and sky directions are tried on a few hundred pixels picked by a hash of the seed (all of a small image); sub-rays of LIDARs on a few "
       "pulses. Where the tolerance cannot be kept, or only at more than 30 s per megapixel, the plan says so.\n\nWith -o FILE the plan "
       "is written as JSON, which `raycube render --plan FILE` replays.";
   verb.examples = {"raycube plan park.toml", "raycube plan park.toml --instrument wasp -o wasp_plan.json"};

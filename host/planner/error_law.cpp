@@ -19,6 +19,7 @@ double ErrorLaw::hope(double level) const {
   if (has(level) || empty()) return bound(level);
   double least = std::numeric_limits<double>::infinity();
   for (const auto& [measured, point] : points_) least = std::min(least, point.estimate * std::pow(measured / level, measured < level ? exponents_.hope : exponents_.hope_before));
+  if (level < smallest()) least = std::min(least, points_.begin()->second.estimate * std::pow(smallest() / level, exponents_.hope_below));
   return least;
 }
 

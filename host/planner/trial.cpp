@@ -78,10 +78,11 @@ void Trial::look() {
     const double all = std::accumulate(changed.begin(), changed.end(), 0.0), scale = all > 0 && sampling > 0 ? sampling / all : 1;
     for (std::size_t r = 0; r < error.size(); ++r) error[r] += scale * changed[r];
   }
-  draws_ = draw_runs(error, simulation_.seed);
+  draws_ = draw_runs(error, simulation_.seed, kDraws, kWholeRuns);
   drawn_from_ = static_cast<double>(tiles_.size());
   left_out_ = 1 - static_cast<double>(looked_at_) / (static_cast<double>(instrument_.pixels) * instrument_.lines);
   std::vector<render::Tile> drawn;
+  whole_ = left_out_ <= 0 && draws_.size() == tiles_.size() && tiles_.size() <= static_cast<std::size_t>(kWholeRuns);
   pixels_per_run_ = static_cast<double>(pixels_) / static_cast<double>(tiles_.size());
   pixels_ = 0;
   for (const Draw& draw : draws_) drawn.push_back(tiles_[draw.run]), pixels_ += drawn.back().pixels();
@@ -94,6 +95,7 @@ TrialImage Trial::render(const scene::Instrument& instrument, const plan::SkySet
   image.bands = instrument.bands.size();
   image.draw = draws_, image.pixels_per_run = pixels_per_run_;
   image.drawn_from = drawn_from_, image.left_out = left_out_;
+  image.whole = whole_;
   renderer_.probe(instrument, plan_, simulation_.sun, seed, joined(tiles_, kWidestTile),
                   [&](const render::PixelProbe& probe) { image.radiance.insert(image.radiance.end(), probe.radiance.begin(), probe.radiance.end()); });
   for (const auto& tile : tiles_) image.run_end.push_back((image.run_end.empty() ? 0 : image.run_end.back()) + tile.pixels());

@@ -1,7 +1,7 @@
 // A sparse render of a few hundred pixels at several settings, and what it says of their errors. Its rays are counted.
 //
 // A first look at a few thousand pixels, three renders with few samples, says where errors are; the trial's runs are drawn by it. Where a
-// lawn has three trees, an even draw of a few hundred pixels does not see them, and all the error is there.
+// lawn has three trees, an even draw of a few hundred pixels does not see them, and all the error is there. A small image is tried whole.
 #pragma once
 
 #include <cstdint>
@@ -45,6 +45,7 @@ class Trial {
   std::vector<render::Tile> tiles_;
   std::vector<Draw> draws_;            ///< of the tiles; empty: the first look
   double pixels_per_run_ = 0, drawn_from_ = 0, left_out_ = 0;
+  bool whole_ = false;                 ///< every pixel is tried
   std::size_t pixels_ = 0, looked_at_ = 0;
   TrialImage one_, two_;
   std::vector<double> mean_;

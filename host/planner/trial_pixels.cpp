@@ -15,8 +15,9 @@ constexpr rc_u32 kDrawDimension = 46;   ///< of the hash, for the draws
 constexpr double kDarkShare = 1e-4;     ///< DESIGN 5a: darker bands are judged against this share of the brightest
 
 /// Worst band of a mean over pixels of `square(pixel, band)`, over the judged mean squared. A run that was drawn with more than an even chance counts for less.
-template <class Square>
-TrialError worst_band(const TrialImage& image, const std::vector<double>& mean, Square square) {
+/// `noise(pixel, band)`: variance of the square by the random points of the renders, for images that no draw of pixels makes uncertain.
+template <class Square, class Noise>
+TrialError worst_band(const TrialImage& image, const std::vector<double>& mean, Square square, Noise noise) {
   TrialError worst;
   double worst_square = 0, worst_bound = 0;
   const std::size_t runs = image.run_end.size();
@@ -25,11 +26,14 @@ TrialError worst_band(const TrialImage& image, const std::vector<double>& mean, 
   const double pixels_per_run = image.pixels_per_run > 0 ? image.pixels_per_run : static_cast<double>(image.pixels()) / static_cast<double>(std::max<std::size_t>(1, runs));
   for (std::size_t b = 0; b < image.bands; ++b) {
     // Runs as the units of the standard error: pixels side by side are not independent.
-    double sum = 0, square_sum = 0, even_square_sum = 0;
+    double sum = 0, square_sum = 0, even_square_sum = 0, noise_sum = 0;
     std::size_t p = 0;
     for (std::size_t r = 0; r < runs; ++r) {
       double run = 0;
-      for (; p < image.run_end[r]; ++p) run += square(p * image.bands + b);
+      for (; p < image.run_end[r]; ++p) {
+        run += square(p * image.bands + b);
+        if (image.whole) noise_sum += noise(p * image.bands + b);
+      }
       const Draw draw = image.draw.empty() ? Draw{} : image.draw[r];
       run /= draw.share * pixels_per_run;
       sum += draw.times * run;
@@ -37,7 +41,8 @@ TrialError worst_band(const TrialImage& image, const std::vector<double>& mean, 
       even_square_sum += draw.times * run * run * draw.share;
     }
     const double average = sum / draws;
-    double variance = draws > 1 ? std::max(0.0, square_sum / draws - average * average) / (draws - 1) : 0;
+    const double pixels = static_cast<double>(image.pixels());
+    double variance = image.whole ? noise_sum / (pixels * pixels) : draws > 1 ? std::max(0.0, square_sum / draws - average * average) / (draws - 1) : 0;
     // The runs drawn from are themselves but a part of the image.
     if (image.drawn_from > 1) variance += image.left_out * std::max(0.0, even_square_sum / draws - average * average) / (image.drawn_from - 1);
     const double deviation = std::sqrt(variance);
@@ -73,10 +78,10 @@ std::vector<render::Tile> trial_tiles(const scene::Instrument& instrument, std::
   return tiles;
 }
 
-std::vector<Draw> draw_runs(const std::vector<double>& error, std::uint64_t seed, int draws) {
+std::vector<Draw> draw_runs(const std::vector<double>& error, std::uint64_t seed, int draws, int whole) {
   std::vector<Draw> out;
   const std::size_t runs = error.size();
-  if (runs <= static_cast<std::size_t>(kTrialRuns)) {
+  if (runs <= static_cast<std::size_t>(whole)) {
     for (std::size_t r = 0; r < runs; ++r) out.push_back({r, 1, 1.0});
     return out;
   }
@@ -133,10 +138,16 @@ std::vector<double> judged_means(const TrialImage& image) {
 }
 
 TrialError error_against(const TrialImage& image, const TrialImage& one, const TrialImage& two, const std::vector<double>& mean) {
-  return worst_band(image, mean, [&](std::size_t i) {
+  const auto square = [&](std::size_t i) {
     const double a = image.radiance[i];
     return (a - one.radiance[i]) * (a - two.radiance[i]);
-  });
+  };
+  // r = truth + n, d = n1 - n2: the variance of e (n1 + n2) is e^2 d^2, that of n1 n2 d^4 / 12 where n is Gaussian; three times that is careful.
+  const auto noise = [&](std::size_t i) {
+    const double d = static_cast<double>(one.radiance[i]) - two.radiance[i];
+    return d * d * (std::abs(square(i)) + 0.25 * d * d);
+  };
+  return worst_band(image, mean, square, noise);
 }
 
 TrialError error_from(const TrialImage& image, const TrialImage& truth, const std::vector<double>& mean) {
@@ -144,10 +155,12 @@ TrialError error_from(const TrialImage& image, const TrialImage& truth, const st
 }
 
 TrialError error_between(const TrialImage& one, const TrialImage& two, const std::vector<double>& mean) {
-  return worst_band(one, mean, [&](std::size_t i) {
+  const auto square = [&](std::size_t i) {
     const double difference = static_cast<double>(one.radiance[i]) - two.radiance[i];
     return 0.5 * difference * difference;
-  });
+  };
+  // q = d^2 / 2 of Gaussian draws: q^2 is 3 (E q)^2 in the mean, of which the variance is two thirds.
+  return worst_band(one, mean, square, [&](std::size_t i) { return square(i) * square(i); });
 }
 
 }  // namespace raycube::planner

@@ -13,6 +13,8 @@ namespace raycube::planner {
 inline constexpr int kTrialRuns = 64, kRunPixels = 8;
 /// Runs of the first look, and how many of them are drawn for the trial (some more than once).
 inline constexpr int kLookRuns = 1024, kDraws = 128;
+/// An image of no more runs is tried whole: drawing some of them would save less than the programs take to compile.
+inline constexpr int kWholeRuns = 512;
 
 /// How a run came into a trial.
 struct Draw {
@@ -23,8 +25,8 @@ struct Draw {
 
 /// At most `draws` draws, run i with a chance that grows with `error[i]` (>= 0: mean squares that a first look found): half of the draws by it, a quarter by
 /// its root, a quarter even. Evenly spaced along the sum of chances from one hashed place, in the order of the runs. All runs, evenly, where there
-/// are no more than kTrialRuns.
-std::vector<Draw> draw_runs(const std::vector<double>& error, std::uint64_t seed, int draws = kDraws);
+/// are no more than `whole`.
+std::vector<Draw> draw_runs(const std::vector<double>& error, std::uint64_t seed, int draws = kDraws, int whole = kTrialRuns);
 
 /// At most `runs` runs of kRunPixels pixels (fewer at a line's end), in the order of the image; every pixel of a small image.
 std::vector<render::Tile> trial_tiles(const scene::Instrument& instrument, std::uint64_t seed, int runs = kTrialRuns);
@@ -41,13 +43,14 @@ struct TrialImage {
   double pixels_per_run = 0;          ///< on average, of the runs drawn from; 0: of these
   double drawn_from = 0;              ///< so many runs; 0: of all the image
   double left_out = 0;                ///< share of the image that those leave out
+  bool whole = false;                 ///< every pixel of the image, once
   std::size_t pixels() const { return bands ? radiance.size() / bands : 0; }
 };
 
 /// An error as DESIGN 5a has it, relative to the band's mean, of the worst band.
 struct TrialError {
   double estimate = 0;   ///< from the mean square found (0 where that is below 0)
-  double bound = 0;      ///< with one standard error of the mean square over the runs on top
+  double bound = 0;      ///< with one standard error of the mean square on top: over the runs; of a whole image that of its random points alone
 };
 
 /// Mean radiance of each band, held against 1e-4 of the largest.

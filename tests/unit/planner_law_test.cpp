@@ -23,6 +23,13 @@ TEST_CASE("S60: a law passes through what was measured, is straight in logarithm
   CHECK(law.estimate(2) == doctest::Approx(0.32));    // level^-2 before
   CHECK(law.hope(32) == doctest::Approx(0.08 * std::pow(0.125, 1.5)));  // the kinder of the two
   CHECK(law.hope(32) < law.bound(32));
+  // Where one sample may do as well as 4 x 4 it is tried, whatever finer ones bring; what lies between two levels is not.
+  ErrorLaw flat(LawExponents{1, 2, 1.5, 1, 0});
+  flat.measured(4, 0.02, 0.021);
+  flat.measured(8, 0.019, 0.02);
+  CHECK(flat.hope(1) == doctest::Approx(0.02));
+  CHECK(flat.hope(2) == doctest::Approx(0.02));
+  CHECK(flat.hope(6) == doctest::Approx(0.02 * std::pow(4.0 / 6, 1.5)));
 }
 
 TEST_CASE("S60: noise may not lift a bound above the law of a coarser level, nor lower it below the estimate") {
@@ -91,6 +98,46 @@ TEST_CASE("S60: errors against two noisy references are without their noise") {
   CHECK(error_between(one, two, mean).estimate == doctest::Approx(0.03).epsilon(0.02));
 }
 
+TEST_CASE("S60: of an image tried whole only the references' random points are uncertain") {
+  // Errors in one pixel of sixteen, the references' noise in one of four, each the sum of twelve draws: nearly Gaussian.
+  constexpr rc_u32 kPixels = 512, kSeeds = 400;
+  const auto noise = [](rc_u32 seed, rc_u32 pixel, rc_u32 of) {
+    double sum = -6;
+    for (rc_u32 k = 0; k < 12; ++k) sum += rc_unit_float(rc_hash(seed, pixel, k, of));
+    return pixel % 4 ? 0.0 : 0.03 * sum;
+  };
+  const auto off = [](rc_u32 pixel) { return pixel % 16 ? 0.0 : 0.1; };
+  const double truth = 0.1 * 0.1 / 16;
+  double mean = 0, square = 0, stated = 0, between = 0, between_square = 0, between_stated = 0;
+  for (rc_u32 seed = 1; seed <= kSeeds; ++seed) {
+    TrialImage image, one, two;
+    image.bands = one.bands = two.bands = 1;
+    for (rc_u32 p = 0; p < kPixels; ++p) {
+      image.radiance.push_back(static_cast<float>(1 + off(p)));
+      one.radiance.push_back(static_cast<float>(1 + noise(seed, p, 1)));
+      two.radiance.push_back(static_cast<float>(1 + noise(seed, p, 2)));
+      if (p % 8 == 7) image.run_end.push_back(p + 1);
+    }
+    one.run_end = two.run_end = image.run_end;
+    const double drawn = error_against(image, one, two, {1.0}).bound;
+    image.whole = one.whole = two.whole = true;
+    const TrialError found = error_against(image, one, two, {1.0}), differ = error_between(one, two, {1.0});
+    CHECK(found.bound < drawn);  // a draw of these runs would leave more open
+    const double here = found.estimate * found.estimate, there = differ.estimate * differ.estimate;
+    mean += here / kSeeds, square += here * here / kSeeds, stated += std::pow(found.bound * found.bound - here, 2) / kSeeds;
+    between += there / kSeeds, between_square += there * there / kSeeds, between_stated += std::pow(differ.bound * differ.bound - there, 2) / kSeeds;
+  }
+  // A variance of 400 draws is known to 7 %. The first is stated with up to three times its smaller part (trial_pixels.cpp), the second as it is.
+  const double variance = square - mean * mean, between_variance = between_square - between * between;
+  CHECK(mean == doctest::Approx(truth).epsilon(4 * std::sqrt(variance / kSeeds) / truth));
+  CHECK(stated > 0.8 * variance);
+  CHECK(stated < 2.5 * variance);
+  CHECK(between == doctest::Approx(0.03 * 0.03 / 4).epsilon(0.02));
+  CHECK(between_stated > 0.8 * between_variance);
+  CHECK(between_stated < 2.5 * between_variance);
+  MESSAGE("stated over actual variance: " << stated / variance << " against references, " << between_stated / between_variance << " between two renders");
+}
+
 TEST_CASE("S60: draws by a first look find the errors that one run in a hundred holds, without bias") {
   constexpr std::size_t runs = 1000;
   const auto noise = [](std::size_t r, rc_u32 of) { return rc_unit_float(rc_hash(3, static_cast<rc_u32>(r), 0, of)); };
@@ -123,6 +170,7 @@ TEST_CASE("S60: draws by a first look find the errors that one run in a hundred 
     mean_square += found.estimate * found.estimate / seeds;
   }
   CHECK(mean_square == doctest::Approx(truth).epsilon(0.03));
+  CHECK(draw_runs(look, 1, kDraws, runs).size() == runs);  // all of a small image, once each
 }
 
 TEST_CASE("S60: runs side by side on a line are traced as one tile") {
