@@ -240,6 +240,12 @@ void OutputSet::publish() {
     while (named > 0) files_[--named]->withdraw();
     throw;
   }
+  for (const std::string& name : earlier_) {
+    const fs::path path = fs::path(folder_) / name;
+    const bool ours = std::any_of(files_.begin(), files_.end(), [&](const auto& file) { return file->final_path() == path.string(); });
+    std::error_code code;
+    if (if_exists_ == IfExists::replace && name == fs::path(name).filename() && !ours && fs::is_regular_file(fs::symlink_status(path, code))) fs::remove(path, code);
+  }
   files_.clear();
 }
 

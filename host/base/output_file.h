@@ -63,6 +63,9 @@ class OutputSet {
   /// Begins a file; name has no folder. The reference stays valid until publish().
   OutputFile& add(const std::string& name);
   const std::string& folder() const { return folder_; }
+  /// Names (no folders) of the product that this one replaces: publish() removes those that are not among its own, so that nothing of another run
+  /// stays beside it. Not done with IfExists::refuse.
+  void replaces(std::vector<std::string> names) { earlier_ = std::move(names); }
   /// Syncs every file, then names them all. When one cannot be named, the ones named before are withdrawn.
   void publish();
 
@@ -71,6 +74,7 @@ class OutputSet {
   IfExists if_exists_;
   int lock_ = -1;
   std::vector<std::unique_ptr<OutputFile>> files_;
+  std::vector<std::string> earlier_;
 };
 
 /// Writes a whole small file that way.

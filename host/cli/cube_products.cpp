@@ -293,6 +293,7 @@ void CubeProducts::publish(products::RunRecord& record) {
   record.clipped_high = clipped.high;
   record.not_a_number = clipped.nan;
   s.set.add("run.json").append(products::run_record_json(record));
+  s.set.replaces(products::files_of_run(s.set.folder()));
   s.set.publish();
 }
 

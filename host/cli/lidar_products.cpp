@@ -319,6 +319,7 @@ void LidarProducts::publish(products::RunRecord& record) {
   record.more_json.emplace_back("lidar", figures.dump());
   if (s.lidar.products.png) s.draw(record);
   s.set.add("run.json").append(products::run_record_json(record));
+  s.set.replaces(products::files_of_run(s.set.folder()));
   s.set.publish();
 }
 

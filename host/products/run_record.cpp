@@ -1,5 +1,8 @@
 #include "host/products/run_record.h"
 
+#include <filesystem>
+#include <fstream>
+
 #include <nlohmann/json.hpp>
 
 #include "host/base/error.h"
@@ -51,6 +54,18 @@ std::string run_record_json(const RunRecord& r) {
   out["plan"] = member("plan", r.plan_json);
   for (const auto& [name, text] : r.more_json) out[name] = member(name.c_str(), text);
   return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::vector<std::string> files_of_run(const std::string& folder) {
+  std::vector<std::string> names;
+  std::ifstream file(std::filesystem::path(folder) / "run.json");
+  const Json record = Json::parse(file, nullptr, false);
+  if (!record.is_object() || record.value("format", Json()) != "raycube run" || !record.contains("files") || !record["files"].is_object()) return names;
+  for (const auto& [name, text] : record["files"].items()) {
+    names.push_back(name);
+    if (std::filesystem::path(name).extension() == ".img") names.push_back(std::filesystem::path(name).replace_extension(".hdr").string());
+  }
+  return names;
 }
 
 }  // namespace raycube::products

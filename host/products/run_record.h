@@ -38,4 +38,7 @@ struct RunRecord {
 /// Error(bug) when a member is not JSON.
 std::string run_record_json(const RunRecord& record);
 
+/// Names of the files that the run.json of a folder lists, with the headers of its .img; none where there is no such record.
+std::vector<std::string> files_of_run(const std::string& folder);
+
 }  // namespace raycube::products

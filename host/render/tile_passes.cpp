@@ -87,9 +87,13 @@ const std::vector<float>& TilePasses::scale() {
   if (!scale_.empty()) return scale_;
   const int width = setup_.shape.pixels_per_group;
   std::vector<shared::RayGroup> groups;
+  std::vector<int> used;  // pixels of each group that lie in the image
+  double pixels = 0;
   for (const Tile& tile : pick_tiles(setup_.instrument, setup_.seed, kScalePixels)) {
     const auto rays = tile_rays(setup_.instrument, setup_.scene, tile, width);
     groups.insert(groups.end(), rays.groups.begin(), rays.groups.end());
+    for (int line = 0; line < tile.lines; ++line)
+      for (int column = 0; column < tile.columns; column += width) used.push_back(std::min(width, tile.columns - column)), pixels += used.back();
   }
   const std::size_t bands = setup_.shape.bands;
   std::vector<double> mean(bands);
@@ -98,8 +102,11 @@ const std::vector<float>& TilePasses::scale() {
     const std::size_t end = std::min(first + most_groups_, groups.size());
     const TileRays rays = listed_rays({groups.begin() + static_cast<std::ptrdiff_t>(first), groups.begin() + static_cast<std::ptrdiff_t>(end)}, width);
     (coarse_ ? *coarse_ : full_).run(rays, {radiance.data(), truth.data(), layers_, nullptr});
-    for (std::size_t p = 0; p < rays.pixels(); ++p)
-      for (std::size_t b = 0; b < bands; ++b) mean[b] += double{radiance[p * bands + b]} / static_cast<double>(groups.size() * width);
+    for (std::size_t p = 0; p < rays.pixels(); ++p) {
+      const auto wide = static_cast<std::size_t>(width);
+      if (p % wide >= static_cast<std::size_t>(used[first + p / wide])) continue;
+      for (std::size_t b = 0; b < bands; ++b) mean[b] += double{radiance[p * bands + b]} / pixels;
+    }
   }
   scale_ = error_scale(mean);
   return scale_;

@@ -142,6 +142,33 @@ TEST_CASE("a set appears whole; a clash withdraws what was named before it") {
   CHECK(content(folder / "sub/a") + content(folder / "sub/b") == "12");
 }
 
+TEST_CASE("a set that replaces another leaves nothing of it beside its own, and nobody else's is touched") {
+  const Folder folder;
+  fs::create_directory(folder / "kept_folder");
+  for (const char* name : {"a", "of_the_earlier_run", "a_user's"}) std::ofstream(folder / name) << "old";
+  const std::string outside = folder.path.string() + "_outside";
+  std::ofstream(outside) << "old";
+  const std::vector<std::string> earlier = {"a", "of_the_earlier_run", "gone already", "kept_folder", "../" + fs::path(outside).filename().string()};
+  {
+    OutputSet refused(folder.path.string());
+    refused.add("new").append("1");
+    refused.replaces(earlier);
+    refused.publish();
+    CHECK(fs::exists(folder / "of_the_earlier_run"));
+  }
+  OutputSet set(folder.path.string(), IfExists::replace);
+  set.add("a").append("1");
+  set.replaces(earlier);
+  CHECK(fs::exists(folder / "of_the_earlier_run"));  // until all of the new is whole
+  set.publish();
+  CHECK(content(folder / "a") == "1");
+  CHECK_FALSE(fs::exists(folder / "of_the_earlier_run"));
+  CHECK(fs::exists(folder / "a_user's"));
+  CHECK(fs::is_directory(folder / "kept_folder"));
+  CHECK(fs::exists(outside));
+  fs::remove(outside);
+}
+
 TEST_CASE("unwritable places: one error with the path and the way out") {
   for (const std::string path : {"/proc/raycube/a", "/dev/null/a"}) {
     const Error error = error_of([&] { OutputFile file(path); });
