@@ -3,7 +3,7 @@
 
 Floating-point operations and bytes are counted by oclgrind (bench/flops_plugin.cpp) on pixels of the park and on pulses of its survey; seconds are
 those of `raycube_bench roofline` and of a render of the survey. Needs Debian's oclgrind; the headers that the plugin is compiled against come with
-`ci/setup --peers`. Writes build/bench/flops.json and flops.md, which bench/tables.py puts into bench/RESULTS.md.
+`ci/setup --counter`. Writes build/bench/flops.json and flops.md, which bench/tables.py puts into bench/RESULTS.md.
 
 Counted pixels are whole lines of the image that is timed, rendered alone; the simulator's radiance must be the device's of the same line to a few
 roundings, and the timed image's but for other sky directions. LIDAR pulses are few of a slower laser on the same path.
@@ -61,7 +61,7 @@ def build_plugin():
     peers = ROOT / "build/peers/oclgrind/usr"
     include = next((p for p in (peers / "lib/llvm-14/include", pathlib.Path("/usr/lib/llvm-14/include")) if (p / "llvm/IR/Function.h").exists()), None)
     if include is None or not (peers / "include/oclgrind/Plugin.h").exists():
-        raise SystemExit("flops: no headers of oclgrind and LLVM 14 to count with; run ci/setup --peers")
+        raise SystemExit("flops: no headers of oclgrind and LLVM 14 to count with; run ci/setup --counter")
     library = WORK / "libflops.so"
     subprocess.run(["g++", "-std=c++17", "-O2", "-shared", "-fPIC", "-fno-rtti", "-isystem", peers / "include", "-isystem", include, "-isystem", peers / "include/llvm-14",
                     "-isystem", peers / "include/llvm-c-14", ROOT / "bench/flops_plugin.cpp", "-o", library], check=True)
@@ -71,6 +71,7 @@ def build_plugin():
 def counted(library, name, simulation, instrument, launcher):
     """Counts of one render under oclgrind; several may run at once."""
     counts = WORK / f"{name}.json"
+    counts.unlink(missing_ok=True)  # a plugin that cannot be loaded is only warned of
     environment = {**os.environ, "RAYCUBE_FLOPS": str(counts)}
     subprocess.run([*launcher, "oclgrind", "--plugins", library, "--build-options", "-DRC_NO_PREFETCH", PROGRAM, "render", simulation, "--instrument", instrument,
                     "--threads", "1", "-q", "--overwrite", "-o", WORK / name], check=True, env=environment, stdout=subprocess.DEVNULL)

@@ -230,21 +230,31 @@ OutputFile& OutputSet::add(const std::string& name) {
   return *files_.back();
 }
 
+void OutputSet::remove_earlier() const {
+  if (if_exists_ != IfExists::replace) return;
+  for (const std::string& name : earlier_) {
+    if (name.empty() || name.find('\0') != std::string::npos || name != fs::path(name).filename()) continue;
+    const fs::path path = fs::path(folder_) / name;
+    std::error_code code;
+    if (!fs::is_regular_file(fs::symlink_status(path, code))) continue;
+    // By what the names mean to the file system: one that does not tell upper from lower case has two for our own.
+    const bool ours = std::any_of(files_.begin(), files_.end(), [&](const auto& file) { return fs::equivalent(file->final_path(), path, code); });
+    if (!ours) fs::remove(path, code);
+  }
+}
+
 void OutputSet::publish() {
   throw_if_interrupted();
   for (auto& file : files_) file->sync();
   std::size_t named = 0;
   try {
-    for (; named < files_.size(); ++named) files_[named]->publish();
+    for (; named < files_.size(); ++named) {
+      if (named + 1 == files_.size()) remove_earlier();
+      files_[named]->publish();
+    }
   } catch (...) {
     while (named > 0) files_[--named]->withdraw();
     throw;
-  }
-  for (const std::string& name : earlier_) {
-    const fs::path path = fs::path(folder_) / name;
-    const bool ours = std::any_of(files_.begin(), files_.end(), [&](const auto& file) { return file->final_path() == path.string(); });
-    std::error_code code;
-    if (if_exists_ == IfExists::replace && name == fs::path(name).filename() && !ours && fs::is_regular_file(fs::symlink_status(path, code))) fs::remove(path, code);
   }
   files_.clear();
 }

@@ -63,13 +63,15 @@ class OutputSet {
   /// Begins a file; name has no folder. The reference stays valid until publish().
   OutputFile& add(const std::string& name);
   const std::string& folder() const { return folder_; }
-  /// Names (no folders) of the product that this one replaces: publish() removes those that are not among its own, so that nothing of another run
-  /// stays beside it. Not done with IfExists::refuse.
+  /// Names (no folders) of the product that this one replaces: publish() removes those that are not among its own before it names the last file, so that
+  /// nothing of another run stays beside it. Not done with IfExists::refuse.
   void replaces(std::vector<std::string> names) { earlier_ = std::move(names); }
   /// Syncs every file, then names them all. When one cannot be named, the ones named before are withdrawn.
   void publish();
 
  private:
+  void remove_earlier() const;
+
   std::string folder_;
   IfExists if_exists_;
   int lock_ = -1;

@@ -21,7 +21,7 @@ constexpr int kFirstSide = 4;                    ///< of the samples' trial, and
 constexpr int kLargestTriedSide = 32;            ///< beyond, the law holds: 1024 samples a pixel tell less than they cost
 constexpr int kMostTriedDirections = 256;
 constexpr int kSkyLevels[] = {4, 16, 64};
-constexpr int kMostRounds = 10;
+constexpr int kMostRounds = 16;
 constexpr double kWorthATry = 0.85;             ///< of the cost
 constexpr double kWorthMeasuring = 0.3;         ///< of the tolerance: less takes 5 % of what is left for samples and sky
 
@@ -163,9 +163,9 @@ Decision decide(render::Renderer& renderer, const scene::Simulation& simulation,
         add(side, choice.side, trial.sampling_error(sampler, choice.side, choice.side), name);
         changed = true;
       }
-      // Fewer samples average the sky less.
+      // Once the side stands: fewer samples average the sky less, and what is measured with few would stay where more are taken after all.
       const int tried = out.samples_given ? kFirstSide : std::min(kFirstSide, choice.side);
-      if (sky && choice.directions <= kMostTriedDirections && !out.directions_given &&
+      if (!changed && sky && choice.directions <= kMostTriedDirections && !out.directions_given &&
           (!direction.has(choice.directions) || (tried < kFirstSide && !fine_sky.count(choice.directions)))) {
         add(direction, choice.directions, trial.sky_error(choice.directions, tried, tried), tried < kFirstSide ? "directions, few samples" : "directions");
         fine_sky.insert(choice.directions);

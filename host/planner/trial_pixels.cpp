@@ -42,7 +42,7 @@ TrialError worst_band(const TrialImage& image, const std::vector<double>& mean, 
     }
     const double average = sum / draws;
     const double pixels = static_cast<double>(image.pixels());
-    double variance = image.whole ? noise_sum / (pixels * pixels) : draws > 1 ? std::max(0.0, square_sum / draws - average * average) / (draws - 1) : 0;
+    double variance = image.whole ? std::max(0.0, noise_sum) / (pixels * pixels) : draws > 1 ? std::max(0.0, square_sum / draws - average * average) / (draws - 1) : 0;
     // The runs drawn from are themselves but a part of the image.
     if (image.drawn_from > 1) variance += image.left_out * std::max(0.0, even_square_sum / draws - average * average) / (image.drawn_from - 1);
     const double deviation = std::sqrt(variance);
@@ -142,10 +142,11 @@ TrialError error_against(const TrialImage& image, const TrialImage& one, const T
     const double a = image.radiance[i];
     return (a - one.radiance[i]) * (a - two.radiance[i]);
   };
-  // r = truth + n, d = n1 - n2: the variance of e (n1 + n2) is e^2 d^2, that of n1 n2 d^4 / 12 where n is Gaussian; three times that is careful.
+  // r = truth + n, n Gaussian of variance s^2, d = n1 - n2: the square's variance is 2 e^2 s^2 + s^4, and the means of square d^2 and of d^4 / 4
+  // are 2 e^2 s^2 - 2 s^4 and 3 s^4.
   const auto noise = [&](std::size_t i) {
     const double d = static_cast<double>(one.radiance[i]) - two.radiance[i];
-    return d * d * (std::abs(square(i)) + 0.25 * d * d);
+    return d * d * (square(i) + 0.25 * d * d);
   };
   return worst_band(image, mean, square, noise);
 }
@@ -160,7 +161,7 @@ TrialError error_between(const TrialImage& one, const TrialImage& two, const std
     return 0.5 * difference * difference;
   };
   // q = d^2 / 2 of Gaussian draws: q^2 is 3 (E q)^2 in the mean, of which the variance is two thirds.
-  return worst_band(one, mean, square, [&](std::size_t i) { return square(i) * square(i); });
+  return worst_band(one, mean, square, [&](std::size_t i) { return 2.0 / 3 * square(i) * square(i); });
 }
 
 }  // namespace raycube::planner

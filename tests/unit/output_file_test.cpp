@@ -148,7 +148,7 @@ TEST_CASE("a set that replaces another leaves nothing of it beside its own, and 
   for (const char* name : {"a", "of_the_earlier_run", "a_user's"}) std::ofstream(folder / name) << "old";
   const std::string outside = folder.path.string() + "_outside";
   std::ofstream(outside) << "old";
-  const std::vector<std::string> earlier = {"a", "of_the_earlier_run", "gone already", "kept_folder", "../" + fs::path(outside).filename().string()};
+  const std::vector<std::string> earlier = {"a", std::string("a\0x", 3), "", "of_the_earlier_run", "gone already", "kept_folder", "../" + fs::path(outside).filename().string()};
   {
     OutputSet refused(folder.path.string());
     refused.add("new").append("1");
