@@ -1,7 +1,9 @@
 // The planner's trial on scenes whose errors are known in closed form (S60, S61).
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <nlohmann/json.hpp>
 
 #include "atmos_tables/synthetic.h"
@@ -100,7 +102,7 @@ TEST_CASE("S60: the trial finds the sampling error of stripes that integration g
     const double want = scene.error(columns, side);
     const TrialError found = trial.sampling_error(scene::SamplerKind::grid, side, side);
     CAPTURE(side);
-    // The references' 32 rows of random points leave 0.4 / 32 / sqrt(32) of the contrast, a twentieth of the error sought; 512 pixels average it.
+    // The references' 32 rows of random points leave 0.4 / 32 / sqrt(32) of the contrast, a twentieth of the error sought; the pixels average it.
     CHECK(found.estimate == doctest::Approx(want).epsilon(0.03));
     CHECK(found.bound >= found.estimate);
   }
@@ -136,6 +138,24 @@ TEST_CASE("S61: planned samples keep their tolerance on all pixels, and finer to
     CHECK(d.s_per_megapixel >= last_cost);
     last_cost = d.s_per_megapixel;
   }
+}
+
+TEST_CASE("S60: one sample is tried where 4 x 4 fit; where it does not do, nothing that was measured with it stays") {
+  const Stripes scene(5.37 * kGsd_m);
+  scene::Simulation simulation = scene.simulation;
+  std::vector<int> columns(64);
+  std::iota(columns.begin(), columns.end(), 0);
+  simulation.tolerance = 1.1 * scene.error(columns, 4);  // and the next coarser sides do not hold it
+  REQUIRE(scene.error(columns, 3) > simulation.tolerance);
+  render::Renderer renderer(simulation.scene, {});
+  const Decision d = decide(renderer, simulation, simulation.instruments[0], plan_of(simulation), sky_of_one(), false);
+  const auto tried = [&](const std::string& what) {
+    return std::any_of(d.measured.begin(), d.measured.end(), [&](const std::string& line) { return line.rfind(what + ":", 0) == 0; });
+  };
+  CHECK(d.sampling.samples_u == 4);
+  CHECK(tried("grid, side 1"));
+  CHECK(tried("directions 1"));
+  for (const std::string& line : d.measured) CHECK_MESSAGE(line.find("few samples") == std::string::npos, line);
 }
 
 TEST_CASE("S60: what the file gives stays, its error is told, and a tolerance it cannot keep is said to be so") {
