@@ -18,7 +18,7 @@ namespace raycube::bench {
 namespace {
 
 constexpr std::uint64_t kPulses = 2000, kWholeSurvey = 16384;  ///< rows of a pulse and pixel that are judged; a survey of so many is judged whole
-constexpr double kReferenceRays = 2.4e7;       ///< both halves
+constexpr double kReferenceRays = 3e8;         ///< both halves
 constexpr int kMostReference = 65536, kLargestSwept = 2048;
 constexpr rc_u32 kPulseDimension = 53;         ///< of the hash: not the trial's
 constexpr double kFifth = 0.2;

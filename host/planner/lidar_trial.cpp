@@ -23,6 +23,8 @@ constexpr double kDoubleShare = 0.38;
 constexpr std::size_t kComparedFloats = std::size_t{1} << 24;  ///< of waveforms held while many pulses are compared: 64 MB a side
 constexpr double kWorthATry = 0.7;         ///< of the sub-rays
 constexpr double kReferenceRays = 8e6;     ///< neither a reference nor a look at all pulses traces more first rays than this
+constexpr double kFinerRays = 6.4e7;       ///< of a reference where the law asks for more sub-rays than the first can judge
+constexpr int kFinestSubrays = 16384;
 constexpr rc_u32 kPulseDimension = 45, kShiftDimension = 48;
 constexpr std::uint64_t kOther = 0x5bd1e995u;
 
@@ -82,6 +84,14 @@ class LidarTrial {
 
   std::size_t pulses() const { return pulses_.size(); }
   std::uint64_t rays() const { return rays_; }
+  /// References with more sub-rays from now on; false: there are none to be had.
+  bool refine() {
+    const int finer = static_cast<int>(std::min<double>(kFinestSubrays, kFinerRays / (fans_ * static_cast<double>(std::max<std::size_t>(1, pulses_.size())))));
+    if (finer <= reference_subrays_) return false;
+    reference_subrays_ = finer;
+    one_ = two_ = {};
+    return true;
+  }
   /// The highest level whose error the references can tell.
   int largest_tried() const { return *std::prev(std::upper_bound(subray_levels().begin(), subray_levels().end(), reference_subrays_ / 2)); }
 
@@ -207,6 +217,7 @@ LidarDecision decide_subrays(render::LidarRenderer& renderer, const lidar::Lidar
     law.measured(level, error.estimate, error.bound);
   };
   if (out.given) {
+    if (out.subrays > trial.largest_tried()) trial.refine();
     add(std::min(out.subrays, trial.largest_tried()));
   } else {
     add(kFirstSubrays);
@@ -215,13 +226,15 @@ LidarDecision decide_subrays(render::LidarRenderer& renderer, const lidar::Lidar
         if ((!tried_alone || law.has(level)) && law.bound(level) <= kUseOfPulses * tolerance) return level;
       return subray_levels().back();
     };
-    for (int round = 0; round < kMostRounds; ++round) {
-      out.subrays = cheapest(false);
-      // A law drawn from few sub-rays can ask for many times too many: the most that the references can judge are tried first.
-      const int probe = std::min(out.subrays, trial.largest_tried());
-      if (law.has(probe)) break;
-      add(probe);
-    }
+    do {
+      for (int round = 0; round < kMostRounds; ++round) {
+        out.subrays = cheapest(false);
+        // A law drawn from few sub-rays can ask for many times too many: the most that the references can judge are tried first.
+        const int probe = std::min(out.subrays, trial.largest_tried());
+        if (law.has(probe)) break;
+        add(probe);
+      }
+    } while (out.subrays > trial.largest_tried() && trial.refine());
     // Patterns of 12 and 16 sub-rays can lie the other way round than their law: what the references can judge must have been tried.
     out.subrays = cheapest(false);
     if (!law.has(out.subrays) && out.subrays <= trial.largest_tried()) out.subrays = cheapest(true);
