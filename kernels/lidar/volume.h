@@ -167,23 +167,6 @@ static inline float rc_volume_path(RC_VOLUME_GLOBAL const LidarVolume* volume, R
   return ray.first < ray.last ? rc_plume_path(volume, &ray) : 0.0f;
 }
 
-/* Gas along the same piece, ppm m. */
-static inline float rc_volume_column(RC_VOLUME_GLOBAL const LidarVolume* volume, RC_VOLUME_GLOBAL const float* grid_values, RC_VOLUME_POINT origin, RC_VOLUME_POINT direction_unit, float t0, float t1) {
-  return volume->gas ? volume->strength.x * rc_volume_path(volume, grid_values, origin, direction_unit, t0, t1) : 0.0f;
-}
-
-/* The field at a point: times particles.x the extinction there. */
-static inline float rc_volume_field(RC_VOLUME_GLOBAL const LidarVolume* volume, RC_VOLUME_GLOBAL const float* grid_values, RC_VOLUME_POINT point) {
-  const float c = volume->lo.w, s = volume->hi.w, ox = point.x - volume->place.x, oy = point.y - volume->place.y, z = point.z - volume->place.z;
-  const float x = c * ox - s * oy, y = s * ox + c * oy;
-  if (x < volume->lo.x || x > volume->hi.x || y < volume->lo.y || y > volume->hi.y || z < volume->lo.z || z > volume->hi.z) return 0.0f;
-  if (volume->shape == RC_VOLUME_BOX) return 1.0f;
-  if (volume->shape == RC_VOLUME_PLUME) return rc_plume_value(volume, x, y, z);
-  const float nx = (float)volume->cells[0] / (volume->hi.x - volume->lo.x), ny = (float)volume->cells[1] / (volume->hi.y - volume->lo.y);
-  const float nz = (float)volume->cells[2] / (volume->hi.z - volume->lo.z);
-  return rc_grid_value(volume, grid_values, (x - volume->lo.x) * nx - 0.5f, (y - volume->lo.y) * ny - 0.5f, (z - volume->lo.z) * nz - 0.5f);
-}
-
 #ifndef __OPENCL_C_VERSION__
 }  /* namespace raycube::shared */
 #endif

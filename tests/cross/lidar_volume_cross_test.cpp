@@ -33,7 +33,7 @@ Worst compare(const Volume& volume, glm::dvec3 lo, glm::dvec3 hi) {
     const shared::rc_float4 from = to_float(to + glm::dvec3(400 * (unit(random) - 0.5), 400 * (unit(random) - 0.5), 200));
     const shared::rc_float4 way = to_float(glm::normalize(to - to_double(from)));
     const float length = static_cast<float>((0.5 + unit(random)) * glm::distance(to, to_double(from)));
-    const double found = static_cast<double>(shared::rc_volume_column(flat.volumes.data(), flat.values.data(), from, way, 0, length));
+    const double found = static_cast<double>(flat.volumes[0].strength.x * shared::rc_volume_path(flat.volumes.data(), flat.values.data(), from, way, 0, length));
     both.emplace_back(found, path.column_cm2({to_double(from), to_double(way), static_cast<double>(length)}) / lidar::kMoleculesPerPpmM);
   }
   Worst out;
