@@ -1,11 +1,14 @@
 #include "host/cl/context.h"
 
+#include <algorithm>
+#include <chrono>
+
 #include "host/cl/kernel.h"
 #include "host/cl/status.h"
 
 namespace raycube::cl {
 
-Context::Context(Device device) : device_(std::move(device)) {
+Context::Context(Device device) : device_(std::move(device)), sizes_(default_launch_sizes(device_.info())) {
   cl_int status = CL_SUCCESS;
   const cl_device_id id = device_();
   context_ = Handle<cl_context, clReleaseContext>(clCreateContext(nullptr, 1, &id, nullptr, nullptr, &status));
@@ -14,9 +17,19 @@ Context::Context(Device device) : device_(std::move(device)) {
   check(status, "clCreateCommandQueue", device_.name());
 }
 
-void Context::launch(const Kernel& kernel, std::size_t global, std::size_t local) const {
-  check(clEnqueueNDRangeKernel(queue_(), kernel(), 1, nullptr, &global, &local, 0, nullptr, nullptr),
-        "clEnqueueNDRangeKernel of '" + kernel.name() + "', " + std::to_string(global) + " work-items", device_.name());
+void Context::launch(const Kernel& kernel, std::size_t global) const {
+  if (seconds_) finish();
+  const auto start = std::chrono::steady_clock::now();
+  const auto enqueue = [&](std::size_t first, std::size_t count, std::size_t local) {
+    check(clEnqueueNDRangeKernel(queue_(), kernel(), 1, &first, &count, &local, 0, nullptr, nullptr),
+          "clEnqueueNDRangeKernel of '" + kernel.name() + "', " + std::to_string(count) + " work-items by " + std::to_string(local), device_.name());
+  };
+  const std::size_t local = std::clamp<std::size_t>(sizes_.of(kernel.name()), 1, kernel.most_local()), whole = global / local * local;
+  if (whole > 0 || global == 0) enqueue(0, whole, local);
+  if (global > whole) enqueue(whole, global - whole, 1);
+  if (!seconds_) return;
+  finish();
+  (*seconds_)[kernel.name()] += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 void Context::flush() const { check(clFlush(queue_()), "clFlush", device_.name()); }

@@ -1,7 +1,11 @@
 // A context with one in-order queue on one device. Several can live side by side.
 #pragma once
 
+#include <map>
+#include <string>
+
 #include "host/cl/device.h"
+#include "host/cl/launch_sizes.h"
 
 namespace raycube::cl {
 
@@ -17,8 +21,13 @@ class Context {
   cl_context operator()() const { return context_(); }
   cl_command_queue queue() const { return queue_(); }
 
-  /// Enqueues `kernel` over `global` work-items with local size `local`; all arguments must be set. Does not wait.
-  void launch(const Kernel& kernel, std::size_t global, std::size_t local = 1) const;
+  /// Enqueues `kernel` over `global` work-items; all arguments must be set. Does not wait. The local size is launch_sizes()', at most
+  /// what device and kernel allow; items past its last multiple follow in a launch of their own.
+  void launch(const Kernel& kernel, std::size_t global) const;
+  const LaunchSizes& launch_sizes() const { return sizes_; }
+  void set_launch_sizes(LaunchSizes sizes) { sizes_ = std::move(sizes); }
+  /// From now on every launch waits for its end and adds its wall seconds to its kernel's; null: no longer.
+  void time_kernels(std::map<std::string, double>* seconds) { seconds_ = seconds; }
   /// Starts what is enqueued.
   void flush() const;
   /// Waits until everything enqueued has ended.
@@ -28,6 +37,8 @@ class Context {
   Device device_;
   Handle<cl_context, clReleaseContext> context_;
   Handle<cl_command_queue, clReleaseCommandQueue> queue_;
+  LaunchSizes sizes_;
+  std::map<std::string, double>* seconds_ = nullptr;
 };
 
 }  // namespace raycube::cl

@@ -9,6 +9,8 @@ Kernel::Kernel(const Program& program, const std::string& name) : name_(name), d
   cl_int status = CL_SUCCESS;
   kernel_ = Handle<cl_kernel, clReleaseKernel>(clCreateKernel(program(), name.c_str(), &status));
   check(status, "clCreateKernel of '" + name + "' in program '" + program.name() + "'", device_name_);
+  check(clGetKernelWorkGroupInfo(kernel_(), program.device(), CL_KERNEL_WORK_GROUP_SIZE, sizeof most_local_, &most_local_, nullptr),
+        "clGetKernelWorkGroupInfo of '" + name + "'", device_name_);
 }
 
 void Kernel::set(cl_uint index, const RawBuffer& buffer) {

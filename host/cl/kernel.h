@@ -15,6 +15,8 @@ class Kernel {
   Kernel(const Program& program, const std::string& name);
   const std::string& name() const { return name_; }
   cl_kernel operator()() const { return kernel_(); }
+  /// Largest work-group the device takes of this kernel.
+  std::size_t most_local() const { return most_local_; }
 
   /// Sets all arguments in order: buffers, 32-bit scalars or rc_float4, and arrays in pages, which count as many arguments.
   /// The number is checked against the kernel's.
@@ -48,6 +50,7 @@ class Kernel {
   void check_count(std::size_t given) const;
   std::string name_, device_name_;
   Handle<cl_kernel, clReleaseKernel> kernel_;
+  std::size_t most_local_ = 1;
 };
 
 }  // namespace raycube::cl

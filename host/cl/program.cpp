@@ -6,18 +6,17 @@
 namespace raycube::cl {
 
 Program::Program(const Context& context, const std::string& name, std::string_view source, const std::string& options)
-    : name_(name), options_(options), device_name_(context.device().name()) {
+    : name_(name), options_(options), device_name_(context.device().name()), device_(context.device()()) {
   cl_int status = CL_SUCCESS;
   const char* text = source.data();
   const std::size_t length = source.size();
   program_ = Handle<cl_program, clReleaseProgram>(clCreateProgramWithSource(context(), 1, &text, &length, &status));
   check(status, "clCreateProgramWithSource of '" + name + "'", device_name_);
-  const cl_device_id id = context.device()();
-  status = clBuildProgram(program_(), 1, &id, options.c_str(), nullptr, nullptr);
+  status = clBuildProgram(program_(), 1, &device_, options.c_str(), nullptr, nullptr);
   std::size_t size = 0;
-  if (clGetProgramBuildInfo(program_(), id, CL_PROGRAM_BUILD_LOG, 0, nullptr, &size) == CL_SUCCESS && size > 1) {
+  if (clGetProgramBuildInfo(program_(), device_, CL_PROGRAM_BUILD_LOG, 0, nullptr, &size) == CL_SUCCESS && size > 1) {
     log_.resize(size);
-    clGetProgramBuildInfo(program_(), id, CL_PROGRAM_BUILD_LOG, size, log_.data(), nullptr);
+    clGetProgramBuildInfo(program_(), device_, CL_PROGRAM_BUILD_LOG, size, log_.data(), nullptr);
     log_.resize(size - 1);
   }
   if (status != CL_SUCCESS)

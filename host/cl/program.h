@@ -17,12 +17,14 @@ class Program {
   const std::string& name() const { return name_; }
   const std::string& options() const { return options_; }
   const std::string& device_name() const { return device_name_; }
+  cl_device_id device() const { return device_; }
   /// What the compiler said; empty when it was silent.
   const std::string& log() const { return log_; }
   cl_program operator()() const { return program_(); }
 
  private:
   std::string name_, options_, device_name_, log_;
+  cl_device_id device_ = nullptr;  ///< the context's
   Handle<cl_program, clReleaseProgram> program_;
 };
 

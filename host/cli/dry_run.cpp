@@ -16,11 +16,12 @@
 
 namespace raycube::cli {
 
-nlohmann::json dry_run_json(const scene::CompiledScene& scene, const InstrumentJob& job, const render::RenderOptions& options) {
+nlohmann::json dry_run_json(const scene::CompiledScene& scene, const InstrumentJob& job, const render::RenderOptions& options,
+                            std::size_t tile_samples) {
   const auto& instrument = *job.instrument;
   const auto shape = render::make_stage_shape(instrument, job.plan, sensors::pixels_per_group(instrument));
   const auto size = render::choose_tile_size(shape, instrument.pixels, instrument.lines, options.row_capacity,
-                                             options.memory_bytes / render::kBudgetShares, options.memory_bytes, 0,
+                                             options.memory_bytes / render::kBudgetShares, tile_samples, options.memory_bytes, 0,
                                              render::more_pixel_bytes(instrument, job.plan, options.row_capacity));
   const std::uint64_t tile_pixels = std::uint64_t(size.lines) * size.columns;
   const std::uint64_t tile_bytes = tile_pixels * (shape.pixel_bytes() + shape.row_bytes(options.row_capacity));

@@ -180,7 +180,7 @@ nlohmann::json render_lidar(const scene::Simulation& simulation, const scene::Li
   const double pulses_per_s = static_cast<double>(lidar.pulses) / render_s;
   nlohmann::json more = {{"pulses", lidar.pulses}, {"echoes", echoes}, {"pulses_per_s", pulses_per_s}, {"worst_ledger_error", worst_ledger}};
   if (turbulence) more["turbulence"] = *turbulence;
-  record.more_json = {{"survey", more.dump()}};
+  record.more_json = {{"survey", more.dump()}, {"launches", render::tuning_json(renderer.tuning())}};
   output.publish(record);
   context.log.info(fmt::format("{}: {} pulses, {} returns, {:.1f} s, {:.3g} pulses/s, energy ledger within {:.1e}, {}", lidar.name, lidar.pulses,
                                echoes, render_s, pulses_per_s, worst_ledger, folder));

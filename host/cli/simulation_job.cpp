@@ -96,6 +96,7 @@ render::RenderOptions render_options(const CommonOptions& common) {
   options.device = common.device;
   options.threads = common.threads;
   options.memory_bytes = common.memory_bytes;
+  options.tuned = true;
   return options;
 }
 

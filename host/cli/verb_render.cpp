@@ -77,7 +77,8 @@ nlohmann::json render_one(const scene::Simulation& simulation, const InstrumentJ
                                {"terms_p95", statistics.terms_p95},
                                {"tile_lines", statistics.tile_lines},
                                {"tile_columns", statistics.tile_columns}};
-  record.more_json = {{"rows", rows.dump()}, {"trace_program_hash", nlohmann::json(statistics.trace_program_hash).dump()}};
+  record.more_json = {{"rows", rows.dump()}, {"trace_program_hash", nlohmann::json(statistics.trace_program_hash).dump()},
+                      {"launches", render::tuning_json(renderer.tuning())}};
   if (instrument.adaptive()) {
     const double refined = static_cast<double>(statistics.refined_pixels) / static_cast<double>(std::max<std::uint64_t>(1, statistics.adaptive_pixels));
     record.more_json.emplace_back("adaptive", nlohmann::json({{"first", instrument.first_samples}, {"refined_share", refined}}).dump());
@@ -126,7 +127,7 @@ int run(const Options& options, Context& context) {
     planning.renderer = renderer ? &*renderer : nullptr;
     const InstrumentJob job = prepare(simulation, *instrument, context, planning);
     if (context.common.dry_run) {
-      auto item = dry_run_json(simulation.scene, job, settings);
+      auto item = dry_run_json(simulation.scene, job, settings, renderer ? renderer->tuning().tile_samples : render::kTileSamples);
       if (renderer) item["estimated_s"] = estimate_render_s(*renderer, simulation, job);
       result["instruments"].push_back(std::move(item));
       continue;

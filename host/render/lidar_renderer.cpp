@@ -26,13 +26,6 @@ namespace {
 /// More owners at once gain nothing: a launch of this size keeps every core busy for long.
 constexpr std::size_t kMostBatchBytes = 96u << 20;
 
-cl::Device pick_device(const RenderOptions& options) {
-  cl::Device device = cl::find_device(options.device);
-  const auto units = static_cast<int>(device.info().compute_units);
-  if (options.threads > 0 && options.threads < units) return device.with_compute_units(static_cast<std::uint32_t>(options.threads));
-  return device;
-}
-
 template <class T>
 cl::Buffer<T> upload(const cl::Context& context, const std::vector<T>& from, const char* what) {
   if (from.empty()) return cl::Buffer<T>(context, std::vector<T>(4), cl::Access::read_only, what);
@@ -95,7 +88,9 @@ struct Stage {
 
 struct LidarRenderer::State {
   State(const scene::CompiledScene& scene_, const RenderOptions& options_)
-      : scene(scene_), options(options_), context(pick_device(options_)), buffers(context, scene_, options_.page_bytes) {}
+      : scene(scene_), options(options_), context(pick_device(options_)), tuning(tuning_for(options_, context.device().info())), buffers(context, scene_, options_.page_bytes) {
+    context.set_launch_sizes(tuning.sizes);
+  }
 
   Stage& stage(const std::string& name, const std::string& build_options) {
     auto& entry = programs[name + build_options];
@@ -107,6 +102,7 @@ struct LidarRenderer::State {
   const scene::CompiledScene& scene;
   RenderOptions options;
   cl::Context context;
+  DeviceTuning tuning;
   SceneBuffers buffers;
   std::map<std::string, std::unique_ptr<Stage>> programs;
   std::string identity;
@@ -232,6 +228,8 @@ LidarRenderer::~LidarRenderer() = default;
 LidarRenderer::LidarRenderer(LidarRenderer&&) noexcept = default;
 
 std::string LidarRenderer::device_name() const { return state_->context.device().name(); }
+const DeviceTuning& LidarRenderer::tuning() const { return state_->tuning; }
+cl::Context& LidarRenderer::context() { return state_->context; }
 std::string LidarRenderer::program_hash() const { return base::sha256_hex(state_->identity); }
 double LidarRenderer::launch_s() const { return state_->launch_s; }
 

@@ -21,13 +21,6 @@ namespace {
 
 constexpr std::size_t kChunkedCapacity = 256;  ///< rows of pixels whose samples come in chunks cannot be relaunched
 
-cl::Device pick_device(const RenderOptions& options) {
-  cl::Device device = cl::find_device(options.device);
-  const auto units = static_cast<int>(device.info().compute_units);
-  if (options.threads > 0 && options.threads < units) return device.with_compute_units(static_cast<std::uint32_t>(options.threads));
-  return device;
-}
-
 /// Finished strips on their way to the sink: one thread writes while the device traces. At most two wait, so that memory
 /// stays bounded; an error in the sink surfaces in push() or finish().
 class StripQueue {
@@ -109,7 +102,9 @@ class StripQueue {
 
 struct Renderer::State {
   State(const scene::CompiledScene& scene_, const RenderOptions& options_)
-      : scene(scene_), options(options_), context(pick_device(options_)), buffers(context, scene_, options_.page_bytes) {}
+      : scene(scene_), options(options_), context(pick_device(options_)), tuning(tuning_for(options_, context.device().info())), buffers(context, scene_, options_.page_bytes) {
+    context.set_launch_sizes(tuning.sizes);
+  }
 
   RenderSetup setup(const scene::Instrument& instrument, const plan::Plan& plan, const scene::Sun& sun, std::uint64_t seed) const {
     return {context, scene, buffers, instrument, plan, sun, seed,
@@ -119,9 +114,12 @@ struct Renderer::State {
     return shape.chunked() ? kChunkedCapacity : static_cast<std::size_t>(options.row_capacity);
   }
 
+  std::size_t tile_budget() const { return std::min<std::size_t>(options.memory_bytes, context.device().info().global_memory_bytes) / kBudgetShares; }
+
   const scene::CompiledScene& scene;
   RenderOptions options;
   cl::Context context;
+  DeviceTuning tuning;
   SceneBuffers buffers;
 };
 
@@ -131,16 +129,21 @@ Renderer::~Renderer() = default;
 Renderer::Renderer(Renderer&&) noexcept = default;
 
 std::string Renderer::device_name() const { return state_->context.device().name(); }
+const DeviceTuning& Renderer::tuning() const { return state_->tuning; }
+cl::Context& Renderer::context() { return state_->context; }
+
+TileSize Renderer::tile_size(const scene::Instrument& instrument, const plan::Plan& plan, std::size_t tile_samples) const {
+  const StageShape shape = make_stage_shape(instrument, plan, sensors::pixels_per_group(instrument));
+  const std::size_t capacity = state_->row_capacity(shape);
+  return choose_tile_size(shape, instrument.pixels, instrument.lines, capacity, state_->tile_budget(), tile_samples, state_->context.device().info().max_alloc_bytes,
+                          state_->options.tile_lines, more_pixel_bytes(instrument, plan, capacity));
+}
 
 RenderStatistics Renderer::render(const scene::Instrument& instrument, const plan::Plan& plan, const scene::Sun& sun,
                                   std::uint64_t seed, const StripSink& sink, const ProgressSink& progress) {
   const RenderSetup setup = state_->setup(instrument, plan, sun, seed);
-  const auto& device = state_->context.device().info();
-  const std::size_t budget = std::min<std::size_t>(state_->options.memory_bytes, device.global_memory_bytes);
-  const std::size_t capacity = state_->row_capacity(setup.shape);
-  const TileSize size = choose_tile_size(setup.shape, instrument.pixels, instrument.lines, capacity, budget / kBudgetShares,
-                                         device.max_alloc_bytes, state_->options.tile_lines, more_pixel_bytes(instrument, plan, capacity));
-  TilePasses passes(setup, size.lines, size.columns, capacity, budget / kBudgetShares);
+  const TileSize size = tile_size(instrument, plan, state_->tuning.tile_samples);
+  TilePasses passes(setup, size.lines, size.columns, state_->row_capacity(setup.shape), state_->tile_budget());
 
   const std::size_t bands = setup.shape.bands, layers = truth_layer_names(state_->scene, instrument).size();
   const bool band_errors = instrument.standard_error == scene::StandardError::bands;

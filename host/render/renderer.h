@@ -11,10 +11,13 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "host/cl/context.h"
 #include "host/plan/plan.h"
+#include "host/render/device_tuning.h"
 #include "host/render/tile_shape.h"
 #include "scene_compiler/simulation.h"
 
@@ -27,6 +30,8 @@ struct RenderOptions {
   int tile_lines = 0;                       ///< forces the tile height (tests); 0 = from memory
   std::size_t page_bytes = 0;               ///< largest page of the scene's arrays (tests); 0 = half the device's largest buffer
   int row_capacity = 16;                    ///< keys a row holds before the overflow path (tests: 1, 2, 16, 256)
+  bool tuned = false;                       ///< launches of the sizes that `raycube tune` kept for the device, where it did
+  std::optional<DeviceTuning> tuning = {};  ///< forces sizes of launches (tests)
 };
 
 /// Lines of the finished image, in order.
@@ -94,7 +99,13 @@ class Renderer {
   /// The same tiles' first hits and nothing else: trace_primary alone, by the very program that render launches.
   void probe_hits(const scene::Instrument& instrument, std::uint64_t seed, const std::vector<Tile>& tiles, const HitSink& sink);
 
+  /// Largest tile of a render whose launches are of about `tile_samples` samples, as memory and image allow.
+  TileSize tile_size(const scene::Instrument& instrument, const plan::Plan& plan, std::size_t tile_samples) const;
+
   std::string device_name() const;
+  const DeviceTuning& tuning() const;
+  /// Its sizes of launches may be set, and kernels timed, between renders.
+  cl::Context& context();
 
  private:
   struct State;

@@ -57,16 +57,14 @@ StageShape make_stage_shape(const scene::Instrument& instrument, const plan::Pla
 }
 
 TileSize choose_tile_size(const StageShape& shape, int pixels, int lines, std::size_t capacity, std::size_t budget_bytes,
-                          std::size_t max_alloc_bytes, int forced_lines, std::size_t more_bytes) {
+                          std::size_t tile_samples, std::size_t max_alloc_bytes, int forced_lines, std::size_t more_bytes) {
   const std::size_t per_pixel = shape.pixel_bytes() + shape.row_bytes(capacity) + more_bytes;
   // The largest single buffer of a pixel must stay inside one allocation as well.
   const std::size_t largest = std::max({static_cast<std::size_t>(shape.padded_samples) * 6 * sizeof(float),
                                         static_cast<std::size_t>(shape.bands_padded) * sizeof(float),
                                         shape.row_bytes(capacity)});
-  // Past this many pixels or samples a launch gains nothing; smaller tiles let writing overlap tracing, and memory that does not
-  // help is not taken: with it, 961 samples a pixel would need more than 16 as long as the budget lasts.
-  constexpr std::size_t kUsefulPixels = 1 << 16, kUsefulSamples = 1 << 21;
-  const std::size_t useful = std::min(kUsefulPixels, kUsefulSamples / static_cast<std::size_t>(shape.padded_samples));
+  constexpr std::size_t kFewestSamples = 32;  // an image of a few samples a pixel fills its memory with bands, not with samples
+  const std::size_t useful = tile_samples / std::max(kFewestSamples, static_cast<std::size_t>(shape.padded_samples));
   const std::size_t strips = kStripsAtOnce * static_cast<std::size_t>(shape.bands) * sizeof(float);
   const std::size_t fit = std::min({budget_bytes / std::max(per_pixel, strips), max_alloc_bytes / largest, std::max(useful, static_cast<std::size_t>(pixels))});
   const std::size_t width = static_cast<std::size_t>(pixels);

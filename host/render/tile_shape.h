@@ -63,10 +63,10 @@ inline constexpr std::size_t kBudgetShares = 3;
 /// Strips that exist at once on the host: one being filled, two waiting, one being written.
 inline constexpr std::size_t kStripsAtOnce = 4;
 
-/// budget_bytes: what --memory grants for tiles, 1 / kBudgetShares of it; max_alloc_bytes: the device's largest buffer; forced_lines > 0 overrides;
+/// budget_bytes: what --memory grants for tiles, 1 / kBudgetShares of it; tile_samples: of the largest launch worth its memory (DeviceTuning); max_alloc_bytes: the device's largest buffer; forced_lines > 0 overrides;
 /// more_bytes: of a pixel, beside the shape's.
 /// Throws Error(input) with need, limit and ways out when not even four pixels fit.
 TileSize choose_tile_size(const StageShape& shape, int pixels, int lines, std::size_t capacity, std::size_t budget_bytes,
-                          std::size_t max_alloc_bytes, int forced_lines, std::size_t more_bytes = 0);
+                          std::size_t tile_samples, std::size_t max_alloc_bytes, int forced_lines, std::size_t more_bytes = 0);
 
 }  // namespace raycube::render

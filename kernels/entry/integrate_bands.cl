@@ -1,6 +1,6 @@
 /* integrate_bands: L[pixel][band] = sum over the pixel's terms of weight * E[row][band], in term order.
  * Reads:  terms of resolve, the band table. Writes: radiance, W m-2 sr-1 um-1. Next: the writer.
- * One work-item per pixel, local size 1; bands are padded to a multiple of 16. */
+ * One work-item per pixel, any local size; bands are padded to a multiple of 16. */
 #pragma OPENCL FP_CONTRACT OFF
 #include "kernels/shared/structs.h"
 
@@ -53,6 +53,6 @@ RC_BODY integrate_bands_body(uint index, INTEGRATE_BANDS_PARAMETERS) {
 }
 
 kernel void integrate_bands(INTEGRATE_BANDS_PARAMETERS) {
-  integrate_bands_body((uint)get_group_id(0), first_item, item_count, pixel_list, use_list, term_capacity, term_count, term_row,
+  integrate_bands_body((uint)get_global_id(0), first_item, item_count, pixel_list, use_list, term_capacity, term_count, term_row,
                        term_weight, table, radiance);
 }

@@ -311,6 +311,6 @@ RC_BODY lidar_air_body(uint owner, LIDAR_AIR_PARAMETERS) {
 }
 
 kernel void lidar_air(LIDAR_AIR_PARAMETERS) {
-  lidar_air_body((uint)get_group_id(0), shots, beam_of, tables, photons, node_weight, first_node, air, backscatter, volumes, volume_values, volume_depth, taps,
+  lidar_air_body((uint)get_global_id(0), shots, beam_of, tables, photons, node_weight, first_node, air, backscatter, volumes, volume_values, volume_depth, taps,
                  settings, stopped, rows, scratch, sums, bins, taps_used, first_tap, phases);
 }

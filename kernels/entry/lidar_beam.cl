@@ -27,4 +27,4 @@ RC_BODY lidar_beam_body(uint index, LIDAR_BEAM_PARAMETERS) {
   }
 }
 
-kernel void lidar_beam(LIDAR_BEAM_PARAMETERS) { lidar_beam_body((uint)get_group_id(0), beams, samples, exits, settings, tables, bins); }
+kernel void lidar_beam(LIDAR_BEAM_PARAMETERS) { lidar_beam_body((uint)get_global_id(0), beams, samples, exits, settings, tables, bins); }

@@ -138,6 +138,6 @@ RC_BODY lidar_shots_body(uint owner, LIDAR_SHOTS_PARAMETERS) {
 }
 
 kernel void lidar_shots(LIDAR_SHOTS_PARAMETERS) {
-  lidar_shots_body((uint)get_group_id(0), RC_PASS_NODES, RC_PASS_BLOCKS, RC_PASS_INSTANCES, shots, samples, exits, optics, gloss, photons,
+  lidar_shots_body((uint)get_global_id(0), RC_PASS_NODES, RC_PASS_BLOCKS, RC_PASS_INSTANCES, shots, samples, exits, optics, gloss, photons,
                    node_weight, first_node, air, volumes, volume_values, volume_depth, taps, settings, first, multiple, stopped, ledger, sums, counts, first_hits, seed, bins, taps_used, first_tap, phases);
 }

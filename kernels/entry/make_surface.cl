@@ -73,6 +73,6 @@ RC_BODY make_surface_body(uint index, MAKE_SURFACE_PARAMETERS) {
 }
 
 kernel void make_surface(MAKE_SURFACE_PARAMETERS) {
-  make_surface_body((uint)get_group_id(0), RC_PASS_BLOCKS, RC_PASS_INSTANCES, groups, hits, surface, seed, columns,
+  make_surface_body((uint)get_global_id(0), RC_PASS_BLOCKS, RC_PASS_INSTANCES, groups, hits, surface, seed, columns,
                     first_sample, sample_count);
 }

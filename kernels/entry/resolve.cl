@@ -1,7 +1,7 @@
 /* resolve: from a pixel's row of (product key, sums) to its list of (row of the band table, weight).
  * Reads:  rows of shade, the sorted table of baked keys, rows and weights of the pixel's environment. Writes: term count and terms. Next: integrate_bands.
  * Terms come in key order (the path row first, then the environment's up to four rows), channels ascending: row numbers and eviction cannot change a sum.
- * One work-item per pixel, local size 1. */
+ * One work-item per pixel, any local size. */
 #pragma OPENCL FP_CONTRACT OFF
 #include "kernels/shared/structs.h"
 #include "kernels/shared/rows.h"
@@ -124,7 +124,7 @@ RC_BODY resolve_body(uint index, RESOLVE_PARAMETERS) {
 }
 
 kernel void resolve(RESOLVE_PARAMETERS) {
-  resolve_body((uint)get_group_id(0), first_item, item_count, pixel_list, use_list, capacity, term_capacity, groups, tile_width,
+  resolve_body((uint)get_global_id(0), first_item, item_count, pixel_list, use_list, capacity, term_capacity, groups, tile_width,
                groups_per_line, row_count, row_keys, row_sums, path_sums, baked_keys, baked_rows, baked_count, view_first,
                view_step, path_x_first, path_x_step, path_y_first, path_y_step, environment_row, environment_weight, term_count, term_row, term_weight);
 }

@@ -1,7 +1,7 @@
 /* shade: from hits, surface points, sun visibility and blocked sky to per-pixel rows of (product key, scalar sums).
  * Reads:  hits, surface, sun bits, blocked sky of the tile (or of one chunk of its samples).
  * Writes: row count, keys, sums, path sums, truth sums. Next: resolve.
- * One work-item per pixel, local size 1. Sums are masked float16 sums over sample groups in sample order, then one fixed
+ * One work-item per pixel, any local size. Sums are masked float16 sums over sample groups in sample order, then one fixed
  * lane tree, so that row capacity, tile and work-group cannot change a bit. Sample weights come relative to their mean, 1 for
  * the plain box, so that a chunk's counts are exact; their number divides the chunk's sums. */
 #pragma OPENCL FP_CONTRACT OFF
@@ -276,7 +276,7 @@ RC_BODY shade_body(uint item, SHADE_PARAMETERS) {
 }
 
 kernel void shade(SHADE_PARAMETERS) {
-  shade_body((uint)get_group_id(0), pixel_count, pixel_list, use_list, capacity, fresh, groups, tile_width, groups_per_line,
+  shade_body((uint)get_global_id(0), pixel_count, pixel_list, use_list, capacity, fresh, groups, tile_width, groups_per_line,
              hits, surface_points, sun_bits, sky_blocked, RC_PASS_BLOCKS, RC_PASS_SURFACES, chunk_weight, sample_total,
              sun_direction, irradiance_map, map_size, tilt_irradiance, surface_nodes, height_first, height_step, row_count, row_keys, row_sums, path_sums, truth);
 }

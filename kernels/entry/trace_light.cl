@@ -155,6 +155,6 @@ RC_BODY trace_light_body(uint index, TRACE_LIGHT_PARAMETERS) {
 }
 
 kernel void trace_light(TRACE_LIGHT_PARAMETERS) {
-  trace_light_body((uint)get_group_id(0), RC_PASS_NODES, RC_PASS_BLOCKS, RC_PASS_INSTANCES, groups, surface, directions,
+  trace_light_body((uint)get_global_id(0), RC_PASS_NODES, RC_PASS_BLOCKS, RC_PASS_INSTANCES, groups, surface, directions,
                    weights, sun_mask, blocked, sky, sets, count, share, seed, columns, first_sample);
 }

@@ -62,6 +62,6 @@ RC_BODY trace_primary_body(uint index, TRACE_PRIMARY_PARAMETERS) {
 }
 
 kernel void trace_primary(TRACE_PRIMARY_PARAMETERS) {
-  trace_primary_body((uint)get_group_id(0), RC_PASS_NODES, RC_PASS_BLOCKS, RC_PASS_INSTANCES, groups, hits, seed, columns,
+  trace_primary_body((uint)get_global_id(0), RC_PASS_NODES, RC_PASS_BLOCKS, RC_PASS_INSTANCES, groups, hits, seed, columns,
                      first_sample, sample_count);
 }

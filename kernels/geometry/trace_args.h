@@ -26,7 +26,7 @@
  * Groups of a tile: line by line, ceil(columns / RC_GROUP_PIXELS) of them per line; the last may hold fewer pixels. A tile may
  * also be any list of groups: each is then a line of its own, columns = RC_GROUP_PIXELS.
  *
- * Every kernel: local size 1, global size = groups of the tile. Common arguments:
+ * Every kernel: any local size (one item is one group, by its global id), global size = groups of the tile. Common arguments:
  *   nodes, blocks, instances   the arrays of CompiledScene (at least one element each, even in an empty scene), each in as many
  *                              pages, hence arguments, as its build options say (kernels/geometry/scene_arrays.h)
  *   seed                       low 32 bits of Simulation::seed

@@ -187,7 +187,7 @@ TEST_CASE("S27: a tilted plane broadens the echo by the footprint's depth") {
   }
 }
 
-TEST_CASE("S27: results do not depend on batches, threads or order of shots") {
+TEST_CASE("S27: results do not depend on batches, threads, work-groups or order of shots") {
   scene::CompiledScene scene = scene_of({0.3, 0.6});
   add_plane(scene, 0, {0, 0, 0}, 30, 0.2);
   add_plane(scene, 1, {0.1, 0, 3}, 0.4, -0.3);
@@ -200,6 +200,10 @@ TEST_CASE("S27: results do not depend on batches, threads or order of shots") {
   few.threads = 1;
   few.memory_bytes = 60u << 10;  // some shots a batch
   const auto all = render_shots(scene, plan, shots), small = render_shots(scene, plan, shots, few);
+  render::RenderOptions grouped;
+  grouped.tuning = render::DeviceTuning{{16, {{"lidar_air", 7}}}};
+  const auto groups = render_shots(scene, plan, shots, grouped);
+  REQUIRE(groups.size() == 40);
   std::vector<lidar::Shot> turned(shots.rbegin(), shots.rend());
   const auto back = render_shots(scene, plan, turned);
   REQUIRE(all.size() == 40);
@@ -207,6 +211,9 @@ TEST_CASE("S27: results do not depend on batches, threads or order of shots") {
   for (std::size_t i = 0; i < 40; ++i) {
     CHECK(all[i].first == small[i].first);
     CHECK(all[i].first == back[39 - i].first);
+    CHECK(all[i].first == groups[i].first);
+    CHECK(all[i].air == groups[i].air);
+    CHECK(all[i].ledger[0].collected == groups[i].ledger[0].collected);
     CHECK(all[i].shot.pulse == static_cast<std::int64_t>(i));
     CHECK(all[i].ledger[0].collected == small[i].ledger[0].collected);
   }

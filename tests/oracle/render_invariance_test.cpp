@@ -99,6 +99,13 @@ void check_same(const scene::Simulation& simulation, const test::Image& first, c
   check_same(simulation, first, variants, table_for(simulation));
 }
 
+/// Work-groups of `local` items, of three for two kernels; tiles of about so many samples.
+Variant launches(std::size_t local, std::size_t tile_samples = render::kTileSamples) {
+  Variant variant{"work-groups of " + std::to_string(local) + ", tiles of " + std::to_string(tile_samples) + " samples", {}};
+  variant.options.tuning = render::DeviceTuning{{local, {{"trace_light", 3}, {"resolve", 3}}}, tile_samples, false};
+  return variant;
+}
+
 }  // namespace
 
 TEST_CASE("S60 S63 radiance and truth are the same bytes for any tiles, memory, threads and row capacity") {
@@ -117,7 +124,15 @@ TEST_CASE("S60 S63 radiance and truth are the same bytes for any tiles, memory, 
                                            << " path channels");
   check_same(simulation, first,
              {Variant{"the same once more", {}}, tiles(1), tiles(7), tiles(64), tiles(67), memory(std::size_t{256} << 20),
-              memory(std::size_t{8} << 30), threads(1), threads(2), capacity(1), capacity(2), capacity(16), capacity(256)});
+              memory(std::size_t{8} << 30), threads(1), threads(2), capacity(1), capacity(2), capacity(16), capacity(256),
+              launches(5), launches(1 << 20), launches(5, 6 * 128 * 10), launches(1, std::size_t{1} << 30)});
+}
+
+TEST_CASE("S63 tiles follow the samples that a launch is worth") {
+  auto simulation = busy_scene();
+  const auto image = test::render_image(simulation, table_for(simulation), launches(1, 6 * 128 * 10).options);
+  CHECK(image.statistics.tile_lines == 10);
+  CHECK(image.statistics.tile_columns == 6);
 }
 
 TEST_CASE("S63 part of one line per tile, and a band table that cannot hold every row, give the same bytes") {
@@ -133,13 +148,13 @@ TEST_CASE("S63 samplers that depend on the pixel's number, and samples in chunks
     simulation.instruments[0].lines = 9;
     simulation.instruments[0].sampler = sampler;
     const auto first = test::render_image(simulation, table_for(simulation));
-    check_same(simulation, first, {tiles(1), memory(130 << 10), threads(1), capacity(2)});
+    check_same(simulation, first, {tiles(1), memory(130 << 10), threads(1), capacity(2), launches(5)});
   }
   auto simulation = busy_scene();
   simulation.instruments[0].lines = 3;
   simulation.instruments[0].samples_u = simulation.instruments[0].samples_v = 41;  // 1681 samples: two chunks
   const auto first = test::render_image(simulation, table_for(simulation));
-  check_same(simulation, first, {tiles(1), tiles(2), threads(1), capacity(2)});
+  check_same(simulation, first, {tiles(1), tiles(2), threads(1), capacity(2), launches(5)});
 }
 
 TEST_CASE("S4.9 S60 S63 light between ground and air: the same bytes for any tiles, memory, threads and row capacity") {

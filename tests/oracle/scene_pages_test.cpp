@@ -52,7 +52,7 @@ kernel void read_all(RC_NODES, RC_BLOCKS, RC_INSTANCES, RC_SURFACES, global BvhN
   RC_GATHER_BLOCKS(scene);
   RC_GATHER_INSTANCES(scene);
   RC_GATHER_SURFACES(scene);
-  const uint at = get_group_id(0);
+  const uint at = get_global_id(0);
   if (at < node_count) nodes[at] = *rc_node(scene, at);
   if (at < block_count) blocks[at] = *rc_block(scene, at);
   if (at < instance_count) instances[at] = *rc_instance(scene, at);

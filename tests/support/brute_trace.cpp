@@ -28,7 +28,7 @@ static Hit brute(global const TriBlock* blocks, global const Instance* instances
 
 kernel void brute_primary(global const TriBlock* blocks, global const Instance* instances, global const uint* ranges, uint count,
                           global const RayGroup* groups, global uint* hits, uint seed, uint columns) {
-  const uint index = get_group_id(0);
+  const uint index = get_global_id(0);
   const GroupPlace place = rc_group_place(groups, index, columns);
   const RayGroup group = rc_group_rays(groups, index);
   for (uint p = 0; p < place.used; ++p) {
@@ -49,7 +49,7 @@ kernel void brute_primary(global const TriBlock* blocks, global const Instance* 
 
 kernel void brute_sun(global const TriBlock* blocks, global const Instance* instances, global const uint* ranges, uint count,
                       global const float* surface, global ushort* sun_mask, float4 sun) {
-  const uint pixel = get_group_id(0);
+  const uint pixel = get_global_id(0);
   global const float* in = surface + (size_t)pixel * (6u * RC_NPAD);
   for (uint word = 0; word < RC_NWORDS; ++word) {
     uint seen = 0;

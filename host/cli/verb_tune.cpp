@@ -1,0 +1,230 @@
+// raycube tune: times a device's work-group and tile sizes on a simulation's own image and keeps the fastest.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <functional>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+
+#include "host/base/error.h"
+#include "host/base/sha256.h"
+#include "host/cli/lidar_job.h"
+#include "host/cli/simulation_job.h"
+#include "host/lidar/shot.h"
+#include "host/render/tuner.h"
+
+namespace raycube::cli {
+
+namespace {
+
+constexpr int kRounds = 5;
+constexpr double kRun_s = 0.3;       ///< a run is at least so long, unless the tile or the survey ends
+constexpr double kTileRun_s = 0.7;   ///< about so long where tiles are compared, each kTileTimes in a row: memory is touched for the first time only once
+constexpr int kTileTimes = 3;
+constexpr std::size_t kLocalSizes[] = {1, 2, 4, 8, 16, 32, 64, 128, 256};
+
+struct Options {
+  std::string file, instrument;
+};
+
+/// A piece of work that can be run at any sizes.
+struct Work {
+  std::function<void()> run;
+  std::function<std::string()> digest;  ///< runs, and says what came out
+};
+
+double seconds_of(const std::function<void()>& work) {
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+void add(base::Sha256& hash, const std::vector<float>& values) {
+  hash.add(values.data(), values.size() * sizeof(float));
+}
+
+/// The fastest local size of every kernel that `work` launches. Sizes that change a bit are a driver's fault: named and never used.
+std::map<std::string, render::SizeChoice> tune_local(cl::Context& device, const Work& work, Context& context) {
+  const std::size_t preset = cl::default_launch_sizes(device.device().info()).other;
+  device.set_launch_sizes({preset, {}});
+  const std::string expected = work.digest();
+  std::vector<std::size_t> sizes;
+  for (const std::size_t size : kLocalSizes) {
+    device.set_launch_sizes({size, {}});
+    if (size == preset || work.digest() == expected) sizes.push_back(size);
+    else context.log.warning(fmt::format("work-groups of {} change results on this device, which its driver should not let happen; they are not used", size));
+  }
+  return render::choose_sizes(sizes, preset, kRounds, [&](std::size_t size) {
+    std::map<std::string, double> seconds;
+    device.set_launch_sizes({size, {}});
+    device.time_kernels(&seconds);
+    work.run();
+    device.time_kernels(nullptr);
+    return seconds;
+  });
+}
+
+/// Tiles of one size over lines in the middle of the image.
+std::vector<render::Tile> cut(const scene::Instrument& instrument, int lines, const render::TileSize& size) {
+  std::vector<render::Tile> tiles;
+  const int first = (instrument.lines - lines) / 2;
+  for (int line = 0; line < lines; line += size.lines)
+    for (int column = 0; column < instrument.pixels; column += size.columns)
+      tiles.push_back({first + line, std::min(size.lines, lines - line), column, std::min(size.columns, instrument.pixels - column)});
+  return tiles;
+}
+
+nlohmann::ordered_json choice_json(const render::SizeChoice& choice, const char* name) {
+  auto candidates = nlohmann::ordered_json::array();
+  for (const auto& [size, seconds] : choice.candidates) candidates.push_back({{name, size}, {"seconds", seconds}});
+  return {{name, choice.size}, {"seconds", choice.seconds}, {"seconds_of_the_preset", choice.preset_seconds}, {"candidates", std::move(candidates)}};
+}
+
+/// What was found on one instrument or LIDAR.
+struct Found {
+  std::string name;
+  std::map<std::string, render::SizeChoice> kernels;
+  std::optional<render::SizeChoice> tile;
+};
+
+Found tune_cube(const scene::Simulation& simulation, const InstrumentJob& job, render::Renderer& renderer, Context& context) {
+  const auto& instrument = *job.instrument;
+  auto& device = renderer.context();
+  const auto size_of = [&](std::size_t samples) { return renderer.tile_size(instrument, job.plan, samples); };
+  const auto probe = [&](const std::vector<render::Tile>& tiles, const render::ProbeSink& sink) {
+    return renderer.probe(instrument, job.plan, simulation.sun, simulation.seed, tiles, sink);
+  };
+  const render::TileSize usual = size_of(render::kTileSamples);
+  const auto stages_s = [&](const std::vector<render::Tile>& tiles) {
+    double sum = 0;
+    for (const auto& [stage, seconds] : probe(tiles, {}).stage_s) sum += seconds;
+    return sum;
+  };
+  int lines = 1;
+  const auto tile = [&] { return std::vector<render::Tile>{cut(instrument, lines, usual).front()}; };
+  stages_s(tile());
+  while (lines < usual.lines && stages_s(tile()) < kRun_s) lines = std::min(2 * lines, usual.lines);
+  Found found{instrument.name, tune_local(device, {[&] { probe(tile(), {}); }, [&] {
+    base::Sha256 hash;
+    probe(tile(), [&](const render::PixelProbe& pixels) {
+      add(hash, pixels.radiance);
+      add(hash, pixels.truth);
+    });
+    return hash.hex();
+  }}, context), {}};
+  cl::LaunchSizes best = cl::default_launch_sizes(device.device().info());
+  for (const auto& [kernel, choice] : found.kernels) best.local[kernel] = choice.size;
+  device.set_launch_sizes(best);
+
+  const double line_s = stages_s(tile()) / lines * instrument.pixels / std::min(instrument.pixels, usual.columns);
+  const int region = std::clamp(static_cast<int>(kTileRun_s / std::max(line_s, 1e-9)), usual.lines, instrument.lines);
+  std::vector<std::size_t> sizes{render::kTileSamples};
+  std::set<std::pair<int, int>> seen{{usual.lines, usual.columns}};
+  for (int power = -4; power <= 6; ++power) {
+    const std::size_t samples = power < 0 ? render::kTileSamples >> -power : render::kTileSamples << power;
+    const auto size = size_of(samples);
+    if (size.lines <= region && seen.insert({size.lines, size.columns}).second) sizes.push_back(samples);
+  }
+  const auto chosen = render::choose_sizes(sizes, render::kTileSamples, kRounds, [&](std::size_t samples) -> std::map<std::string, double> {
+    std::vector<render::Tile> tiles;
+    for (int time = 0; time < kTileTimes; ++time)
+      for (const auto& one : cut(instrument, region, size_of(samples))) tiles.push_back(one);
+    return {{"tile", stages_s(tiles)}};
+  });
+  found.tile = chosen.at("tile");
+  return found;
+}
+
+Found tune_pulses(const scene::Simulation& simulation, const LidarJob& job, render::LidarRenderer& renderer, Context& context) {
+  std::int64_t count = std::min<std::int64_t>(64, job.lidar->pulses);
+  auto shots = lidar::make_shots(*job.lidar, 0, count, simulation.seed);
+  const auto render = [&](const render::ShotSink& sink) { renderer.render(job.plan, shots, sink, true); };
+  const auto run = [&] { render([](lidar::ShotResult&&) {}); };
+  run();
+  while (seconds_of(run) < kRun_s && count < job.lidar->pulses) {
+    count = std::min(2 * count, job.lidar->pulses);
+    shots = lidar::make_shots(*job.lidar, 0, count, simulation.seed);
+  }
+  return {job.lidar->name, tune_local(renderer.context(), {run, [&] {
+    base::Sha256 hash;
+    render([&](lidar::ShotResult&& shot) {
+      add(hash, shot.first);
+      add(hash, shot.multiple);
+      add(hash, shot.air);
+    });
+    return hash.hex();
+  }}, context), {}};
+}
+
+int run(const Options& options, Context& context) {
+  const scene::Simulation simulation = load_job(options.file, context);
+  const auto instruments = pick_instruments(simulation, options.instrument);
+  const auto lidars = pick_lidars(simulation, options.instrument);
+  auto settings = render_options(context.common);
+  settings.tuned = false;
+  const cl::DeviceInfo device = render::pick_device(settings).info();
+  std::vector<Found> all;
+  if (!instruments.empty()) {
+    render::Renderer renderer(simulation.scene, settings);
+    Planning planning;
+    planning.renderer = &renderer;
+    all.push_back(tune_cube(simulation, prepare(simulation, *instruments.front(), context, planning), renderer, context));
+  }
+  if (!lidars.empty()) {
+    render::LidarRenderer renderer(simulation.scene, settings);
+    all.push_back(tune_pulses(simulation, prepare_lidar(simulation, *lidars.front(), context, {&renderer, nullptr, "", false}), renderer, context));
+  }
+  render::DeviceTuning tuning = render::read_tuning(device).value_or(render::default_tuning(device));
+  nlohmann::ordered_json result = {{"device", device.name}, {"instruments", nlohmann::ordered_json::array()}};
+  const std::size_t preset = cl::default_launch_sizes(device).other;
+  for (const auto& found : all) {
+    nlohmann::ordered_json kernels;
+    std::string text = fmt::format("{} on {}\n  {:<16} {:>10} {:>10} {:>10}\n", found.name, device.name, "kernel", "work-group", "s", fmt::format("s with {}", preset));
+    for (const auto& [kernel, choice] : found.kernels) {
+      tuning.sizes.local[kernel] = choice.size;
+      kernels[kernel] = choice_json(choice, "local_size");
+      text += fmt::format("  {:<16} {:>10} {:>10.4f} {:>10.4f}\n", kernel, choice.size, choice.seconds, choice.preset_seconds);
+    }
+    nlohmann::ordered_json item = {{"name", found.name}, {"kernels", kernels}};
+    if (found.tile) {
+      tuning.tile_samples = found.tile->size;
+      item["tile"] = choice_json(*found.tile, "samples");
+      text += fmt::format("  tiles of {:.3g} samples: {:.3f} s, of {:.3g}: {:.3f} s\n", static_cast<double>(found.tile->size), found.tile->seconds,
+                          static_cast<double>(render::kTileSamples), found.tile->preset_seconds);
+    }
+    result["instruments"].push_back(std::move(item));
+    if (!context.common.json) context.out << text;
+  }
+  const auto file = render::keep_tuning(device, tuning);
+  result["file"] = file.string();
+  if (context.common.json) context.out << result.dump(2) << "\n";
+  else context.out << "kept in " << file.string() << "; render, plan, chart and check use it on this device from now on\n";
+  return 0;
+}
+
+}  // namespace
+
+Verb verb_tune() {
+  auto options = std::make_shared<Options>();
+  Verb verb;
+  verb.name = "tune";
+  verb.summary = "Find and keep the launch sizes that are fastest on a device";
+  verb.description =
+      "Times work-groups of 1 to 256 items for every kernel, and tiles of several sizes, on the simulation's first instrument and first LIDAR (or the one named), "
+      "in turn, and keeps the fastest for this device, driver and build under $XDG_CACHE_HOME/raycube/tuning (else ~/.cache). A size replaces the preset only when it is 5 % faster. "
+      "No result changes by a bit: each size is checked before it is timed. Do it once on a machine that does nothing else; it takes a minute or two. run.json says which sizes a "
+      "render used. Delete the file to go back to the presets.";
+  verb.examples = {"raycube tune park.toml", "raycube tune park.toml --instrument survey --device 1"};
+  verb.common = kCompute;
+  verb.add_options = [options](base::OptionTable& table) {
+    table.argument("FILE", "The simulation file (TOML)", options->file);
+    table.text("--instrument", "NAME", "This instrument or LIDAR instead of the first of each", options->instrument);
+  };
+  verb.run = [options](Context& context) { return run(*options, context); };
+  return verb;
+}
+
+}  // namespace raycube::cli
