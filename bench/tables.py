@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Puts measured figures where people read them: bench/tables.py PART ... (PART: groups, mitsuba, scaling, flops, planner)
+"""Puts measured figures where people read them: bench/tables.py PART ... (PART: groups, mitsuba, scaling, leaf_level, flops, planner)
 
 Adds what the scripts measured (build/bench/PART.json) to build/bench.json and renews the tables between `<!-- ci/bench PART -->` and
 `<!-- end -->` in bench/RESULTS.md, README.md and, of the planner, docs/accuracy.md. ci/bench calls it with what it has just run.
@@ -70,6 +70,9 @@ def main(parts):
     if "scaling" in parts:
         figures.update(json.loads((ROOT / "build/bench/scaling.json").read_text())["keys"])
         texts["scaling"] = (ROOT / "build/bench/scaling.md").read_text()
+    if "leaf_level" in parts:
+        figures.update(json.loads((ROOT / "build/bench/leaf_level.json").read_text())["keys"])
+        texts["leaf_level"] = (ROOT / "build/bench/leaf_level.md").read_text()
     if "flops" in parts:
         figures.update(json.loads((ROOT / "build/bench/flops.json").read_text())["keys"])
         texts["flops"] = (ROOT / "build/bench/flops.md").read_text()

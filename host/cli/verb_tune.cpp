@@ -215,7 +215,7 @@ Verb verb_tune() {
   verb.description =
       "Times work-groups of 1 to 256 items for every kernel, and tiles of several sizes, on the simulation's first instrument and first LIDAR (or the one named), "
       "in turn, and keeps the fastest for this device, driver and build under $XDG_CACHE_HOME/raycube/tuning (else ~/.cache). A size replaces the preset only when it is 5 % faster. "
-      "No result changes by a bit: each size is checked before it is timed. Do it once on a machine that does nothing else; it takes a minute or two. run.json says which sizes a "
+      "No result changes by a bit: each size is checked before it is timed. Do it once on a machine that does nothing else; it takes some minutes. run.json says which sizes a "
       "render used. Delete the file to go back to the presets.";
   verb.examples = {"raycube tune park.toml", "raycube tune park.toml --instrument survey --device 1"};
   verb.common = kCompute;

@@ -18,6 +18,9 @@
 #if defined(__AVX512F__) && __has_builtin(__builtin_ia32_permvarsf512)
 #define RC_HAS_PERMUTE512 1
 #endif
+#if defined(__AVX512F__) && __has_builtin(__builtin_ia32_gathersiv16sf)
+#define RC_HAS_GATHER512 1
+#endif
 #endif
 
 static inline uint rc_mask8(int8 m) {

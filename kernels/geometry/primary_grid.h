@@ -71,11 +71,18 @@ static inline void rc_primary_block(SceneArrays scene, const GroupFrame* frame, 
       const uint undecided = rc_mask16(least <= band);
       const float16 here = fma(l1, rc_permute16(s.q1, lane_of), fma(l2, rc_permute16(s.q2, lane_of), rc_permute16(s.q0, lane_of)));
       const uint16 row_u = convert_uint16(row_of), column_u = convert_uint16(column_of);
+      const uint16 slot_of = (row_u / 4u * RC_TILE_COLUMNS + column_u / 4u) * 16u + (row_u % 4u * 4u + column_u % 4u);
+      const float16 here_most = here + rc_permute16(slack, lane_of);
+#ifdef RC_HAS_GATHER512  /* Without pairs that something nearer hides already: the loop below would drop them one by one. */
+      const float16 before = __builtin_ia32_gathersiv16sf((float16)(0.0f), (const void*)closest->near, as_int16(slot_of), (ushort)bits, 4);
+      bits &= rc_mask16(select(here, here_most, least <= band) >= before);
+      if (!bits) continue;
+#endif
       RC_LINE float near[16], near_most[16];
       RC_LINE uint slots[16], samples[16], primitives[16];
       rc_store16(here, 0, near);
-      rc_store16(here + rc_permute16(slack, lane_of), 0, near_most);
-      rc_store16((row_u / 4u * RC_TILE_COLUMNS + column_u / 4u) * 16u + (row_u % 4u * 4u + column_u % 4u), 0, slots);
+      rc_store16(here_most, 0, near_most);
+      rc_store16(slot_of, 0, slots);
       rc_store16(row_u << 16 | column_u, 0, samples);
       rc_store16(lane_of + first, 0, primitives);
       for (; bits; bits &= bits - 1u) {
