@@ -38,6 +38,25 @@ def groups(figures):
     return "\n".join(lines) + "\n"
 
 
+def readme_speed(figures):
+    """The table of speeds on README.md, from what `ci/bench` measured last."""
+    f = {key: value for key, value in figures.items() if not isinstance(value, str)}
+    rows = (
+        ("primary rays, terrain of 1 M triangles", f"{f['primary_mrays_s']:.0f} Mrays/s, {f['primary_vs_embree16']:.1f} x", "Embree 3.13 `rtcIntersect16` coherent"),
+        ("sun rays, the same terrain", f"{f['shadow_vs_embree16']:.1f} x", "`rtcOccluded16` coherent"),
+        ("primary rays among leaves (park); sun rays there",
+         f"{f['park_leaf_primary_vs_embree16']:.1f} x, {f['park_leaf_primary_vs_best_embree']:.1f} x; {f['park_leaf_shadow_vs_embree16']:.1f} x",
+         "`rtcIntersect16` coherent, the fastest of its modes; `rtcOccluded16` coherent"),
+        ("primary rays among 2, 7 and 14 layers of leaves",
+         ", ".join(f"{f[f'layers{n}_primary_vs_embree16']:.1f} x" for n in (2, 7, 14)), "`rtcIntersect16` coherent"),
+        ("kernels built from nothing; from the cache", f"{f['kernel_build_cold_s']:.1f} s; {f['kernel_build_cached_s']:.2f} s", ""),
+        ("band integration, 4 / 8 terms", f"{f['integrate4_vs_write_bandwidth']:.2f} x / {f['integrate8_vs_write_bandwidth']:.2f} x",
+         f"plain write bandwidth ({f['write_bandwidth_gb_s']:.0f} GB/s)"),
+        ("the 360-band cube above: 12.4 M primary and sun rays, 74 M into 48 sky directions a pixel", f"{f['park_render_s']:.0f} s", ""))
+    return (f"| speed ({figures['cpu']}, {figures['hardware_threads']} threads) | figure | baseline |\n|---|---|---|\n"
+            + "".join(f"| {what} | {figure} | {baseline} |\n" for what, figure, baseline in rows))
+
+
 def readme_mitsuba(data):
     facts, best = data["scene"], data["fastest"]
     return (f"Against Mitsuba 3.9.1 ({best}, the fastest of its variants that run; {facts['pixels']} x {facts['pixels']} pixels, 360 bands, "
@@ -82,6 +101,8 @@ def main(parts):
     BENCH.write_text(json.dumps(figures, indent=2) + "\n")
     if "groups" in parts:
         texts["groups"] = groups(figures)
+        if all(f"layers{n}_primary_vs_embree16" in figures for n in (2, 7, 14)):  # a run of every group
+            renew(ROOT / "README.md", "speed", readme_speed(figures))
     for part, text in texts.items():
         page = "docs/accuracy.md" if part == "planner" else "bench/RESULTS.md"
         if not renew(ROOT / page, part, text):

@@ -18,7 +18,7 @@ Context::Context(Device device) : device_(std::move(device)), sizes_(default_lau
 }
 
 void Context::launch(const Kernel& kernel, std::size_t global) const {
-  if (seconds_) finish();
+  if (times_) finish();
   const auto start = std::chrono::steady_clock::now();
   const auto enqueue = [&](std::size_t first, std::size_t count, std::size_t local) {
     check(clEnqueueNDRangeKernel(queue_(), kernel(), 1, &first, &count, &local, 0, nullptr, nullptr),
@@ -26,10 +26,12 @@ void Context::launch(const Kernel& kernel, std::size_t global) const {
   };
   const std::size_t local = std::clamp<std::size_t>(sizes_.of(kernel.name()), 1, kernel.most_local()), whole = global / local * local;
   if (whole > 0 || global == 0) enqueue(0, whole, local);
-  if (global > whole) enqueue(whole, global - whole, 1);
-  if (!seconds_) return;
+  if (global > whole) enqueue(whole, global - whole, sizes_.rest_together ? global - whole : 1);
+  if (!times_) return;
   finish();
-  (*seconds_)[kernel.name()] += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  KernelTime& time = (*times_)[kernel.name()];
+  time.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  time.most_items = std::max(time.most_items, global);
 }
 
 void Context::flush() const { check(clFlush(queue_()), "clFlush", device_.name()); }

@@ -11,6 +11,12 @@ namespace raycube::cl {
 
 class Kernel;
 
+/// What a kernel's launches took.
+struct KernelTime {
+  double seconds = 0;
+  std::size_t most_items = 0;  ///< of one launch
+};
+
 /// Device, context and in-order profiling queue. Buffers, programs and kernels made from it must not outlive it.
 class Context {
  public:
@@ -21,13 +27,13 @@ class Context {
   cl_context operator()() const { return context_(); }
   cl_command_queue queue() const { return queue_(); }
 
-  /// Enqueues `kernel` over `global` work-items; all arguments must be set. Does not wait. The local size is launch_sizes()', at most
+  /// Enqueues `kernel` over `global` work-items; all arguments must be set. Does not wait. The local size is that of launch_sizes(), at most
   /// what device and kernel allow; items past its last multiple follow in a launch of their own.
   void launch(const Kernel& kernel, std::size_t global) const;
   const LaunchSizes& launch_sizes() const { return sizes_; }
   void set_launch_sizes(LaunchSizes sizes) { sizes_ = std::move(sizes); }
   /// From now on every launch waits for its end and adds its wall seconds to its kernel's; null: no longer.
-  void time_kernels(std::map<std::string, double>* seconds) { seconds_ = seconds; }
+  void time_kernels(std::map<std::string, KernelTime>* times) { times_ = times; }
   /// Starts what is enqueued.
   void flush() const;
   /// Waits until everything enqueued has ended.
@@ -38,7 +44,7 @@ class Context {
   Handle<cl_context, clReleaseContext> context_;
   Handle<cl_command_queue, clReleaseCommandQueue> queue_;
   LaunchSizes sizes_;
-  std::map<std::string, double>* seconds_ = nullptr;
+  std::map<std::string, KernelTime>* times_ = nullptr;
 };
 
 }  // namespace raycube::cl

@@ -1,6 +1,7 @@
 #include "host/cl/device.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 
 #include "host/base/error.h"
@@ -46,6 +47,10 @@ void Device::query() {
   info_.global_memory_bytes = value_of<cl_ulong>(id_, CL_DEVICE_GLOBAL_MEM_SIZE);
   info_.max_alloc_bytes = value_of<cl_ulong>(id_, CL_DEVICE_MAX_MEM_ALLOC_SIZE);
   info_.compute_units = value_of<cl_uint>(id_, CL_DEVICE_MAX_COMPUTE_UNITS);
+  std::array<std::size_t, 16> items{};
+  check(clGetDeviceInfo(id_, CL_DEVICE_MAX_WORK_ITEM_SIZES, std::min<std::size_t>(items.size(), value_of<cl_uint>(id_, CL_DEVICE_MAX_WORK_ITEM_DIMENSIONS)) * sizeof items[0], items.data(), nullptr),
+        "clGetDeviceInfo", info_.name);
+  info_.max_work_items = std::max<std::size_t>(1, items[0]);
   info_.native_float_width = value_of<cl_uint>(id_, CL_DEVICE_NATIVE_VECTOR_WIDTH_FLOAT);
   info_.fp64 = text_of(id_, CL_DEVICE_EXTENSIONS).find("cl_khr_fp64") != std::string::npos;
   info_.is_cpu = (value_of<cl_device_type>(id_, CL_DEVICE_TYPE) & CL_DEVICE_TYPE_CPU) != 0;

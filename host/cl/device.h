@@ -16,6 +16,7 @@ struct DeviceInfo {
   std::uint64_t global_memory_bytes = 0;
   std::uint64_t max_alloc_bytes = 0;    ///< largest buffer; changes between runs on PoCL: ask, never remember
   std::uint32_t compute_units = 0;
+  std::size_t max_work_items = 1;       ///< of a work-group along its first dimension
   std::uint32_t native_float_width = 0;
   bool fp64 = false;
   bool is_cpu = false;

@@ -1,5 +1,7 @@
 #include "host/cl/kernel.h"
 
+#include <algorithm>
+
 #include "host/base/error.h"
 #include "host/cl/status.h"
 
@@ -11,6 +13,7 @@ Kernel::Kernel(const Program& program, const std::string& name) : name_(name), d
   check(status, "clCreateKernel of '" + name + "' in program '" + program.name() + "'", device_name_);
   check(clGetKernelWorkGroupInfo(kernel_(), program.device(), CL_KERNEL_WORK_GROUP_SIZE, sizeof most_local_, &most_local_, nullptr),
         "clGetKernelWorkGroupInfo of '" + name + "'", device_name_);
+  most_local_ = std::min(most_local_, program.most_local());
 }
 
 void Kernel::set(cl_uint index, const RawBuffer& buffer) {

@@ -18,6 +18,8 @@ class Program {
   const std::string& options() const { return options_; }
   const std::string& device_name() const { return device_name_; }
   cl_device_id device() const { return device_; }
+  /// Largest work-group along a line that the device takes at all.
+  std::size_t most_local() const { return most_local_; }
   /// What the compiler said; empty when it was silent.
   const std::string& log() const { return log_; }
   cl_program operator()() const { return program_(); }
@@ -25,6 +27,7 @@ class Program {
  private:
   std::string name_, options_, device_name_, log_;
   cl_device_id device_ = nullptr;  ///< the context's
+  std::size_t most_local_ = 1;
   Handle<cl_program, clReleaseProgram> program_;
 };
 

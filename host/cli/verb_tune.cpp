@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
+#include <type_traits>
 
 #include "host/base/error.h"
 #include "host/base/sha256.h"
@@ -42,27 +43,34 @@ double seconds_of(const std::function<void()>& work) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-void add(base::Sha256& hash, const std::vector<float>& values) {
-  hash.add(values.data(), values.size() * sizeof(float));
+template <class T>
+void add(base::Sha256& hash, const std::vector<T>& values) {
+  static_assert(std::has_unique_object_representations_v<T> || std::is_floating_point_v<T>);
+  hash.add(values.data(), values.size() * sizeof(T));
 }
 
 /// The fastest local size of every kernel that `work` launches. Sizes that change a bit are a driver's fault: named and never used.
 std::map<std::string, render::SizeChoice> tune_local(cl::Context& device, const Work& work, Context& context) {
-  const std::size_t preset = cl::default_launch_sizes(device.device().info()).other;
-  device.set_launch_sizes({preset, {}});
+  const cl::LaunchSizes presets = cl::default_launch_sizes(device.device().info());
+  const std::size_t preset = presets.other;
+  const auto sized = [&](std::size_t size) { device.set_launch_sizes({size, {}, presets.rest_together}); };
+  sized(preset);
   const std::string expected = work.digest();
   std::vector<std::size_t> sizes;
   for (const std::size_t size : kLocalSizes) {
-    device.set_launch_sizes({size, {}});
+    sized(size);
     if (size == preset || work.digest() == expected) sizes.push_back(size);
     else context.log.warning(fmt::format("work-groups of {} change results on this device, which its driver should not let happen; they are not used", size));
   }
   return render::choose_sizes(sizes, preset, kRounds, [&](std::size_t size) {
-    std::map<std::string, double> seconds;
-    device.set_launch_sizes({size, {}});
-    device.time_kernels(&seconds);
+    std::map<std::string, cl::KernelTime> times;
+    sized(size);
+    device.time_kernels(&times);
     work.run();
     device.time_kernels(nullptr);
+    std::map<std::string, double> seconds;
+    for (const auto& [kernel, time] : times)
+      if (size == preset || time.most_items >= size) seconds[kernel] = time.seconds;  // a smaller launch has no work-group of that size
     return seconds;
   });
 }
@@ -121,12 +129,21 @@ Found tune_cube(const scene::Simulation& simulation, const InstrumentJob& job, r
 
   const double line_s = stages_s(tile()) / lines * instrument.pixels / std::min(instrument.pixels, usual.columns);
   const int region = std::clamp(static_cast<int>(kTileRun_s / std::max(line_s, 1e-9)), usual.lines, instrument.lines);
+  const auto digest = [&](std::size_t samples) {
+    base::Sha256 hash;
+    for (const auto& one : cut(instrument, region, size_of(samples)))
+      probe({one}, [&](const render::PixelProbe& pixels) { add(hash, pixels.radiance); });
+    return hash.hex();
+  };
+  const std::string expected = digest(render::kTileSamples);
   std::vector<std::size_t> sizes{render::kTileSamples};
   std::set<std::pair<int, int>> seen{{usual.lines, usual.columns}};
   for (int power = -4; power <= 6; ++power) {
     const std::size_t samples = power < 0 ? render::kTileSamples >> -power : render::kTileSamples << power;
     const auto size = size_of(samples);
-    if (size.lines <= region && seen.insert({size.lines, size.columns}).second) sizes.push_back(samples);
+    if (size.lines > region || !seen.insert({size.lines, size.columns}).second) continue;
+    if (digest(samples) == expected) sizes.push_back(samples);
+    else context.log.warning(fmt::format("tiles of {} samples change results on this device, which its driver should not let happen; they are not used", samples));
   }
   const auto chosen = render::choose_sizes(sizes, render::kTileSamples, kRounds, [&](std::size_t samples) -> std::map<std::string, double> {
     std::vector<render::Tile> tiles;
@@ -154,6 +171,9 @@ Found tune_pulses(const scene::Simulation& simulation, const LidarJob& job, rend
       add(hash, shot.first);
       add(hash, shot.multiple);
       add(hash, shot.air);
+      add(hash, shot.hits);
+      for (const lidar::Ledger& l : shot.ledger)
+        add(hash, std::vector<double>{l.absorbed, l.air, l.volumes, l.escaped, l.truncated, l.collected, l.early, l.late, l.near});
     });
     return hash.hex();
   }}, context), {}};
@@ -166,6 +186,7 @@ int run(const Options& options, Context& context) {
   auto settings = render_options(context.common);
   settings.tuned = false;
   const cl::DeviceInfo device = render::pick_device(settings).info();
+  auto file = render::claim_tuning(device);
   std::vector<Found> all;
   if (!instruments.empty()) {
     render::Renderer renderer(simulation.scene, settings);
@@ -198,10 +219,10 @@ int run(const Options& options, Context& context) {
     result["instruments"].push_back(std::move(item));
     if (!context.common.json) context.out << text;
   }
-  const auto file = render::keep_tuning(device, tuning);
-  result["file"] = file.string();
+  render::keep_tuning(device, tuning, file);
+  result["file"] = file.final_path();
   if (context.common.json) context.out << result.dump(2) << "\n";
-  else context.out << "kept in " << file.string() << "; render, plan, chart and check use it on this device from now on\n";
+  else context.out << "kept in " << file.final_path() << "; render, plan, chart and check use it on this device from now on\n";
   return 0;
 }
 
@@ -215,7 +236,7 @@ Verb verb_tune() {
   verb.description =
       "Times work-groups of 1 to 256 items for every kernel, and tiles of several sizes, on the simulation's first instrument and first LIDAR (or the one named), "
       "in turn, and keeps the fastest for this device, driver and build under $XDG_CACHE_HOME/raycube/tuning (else ~/.cache). A size replaces the preset only when it is 5 % faster. "
-      "No result changes by a bit: each size is checked before it is timed. Do it once on a machine that does nothing else; it takes some minutes. run.json says which sizes a "
+      "No result changes by a bit: what each size computes is compared before it is timed. Tiles are timed without writing. Do it once on a machine that does nothing else; it takes some minutes. run.json says which sizes a "
       "render used. Delete the file to go back to the presets.";
   verb.examples = {"raycube tune park.toml", "raycube tune park.toml --instrument survey --device 1"};
   verb.common = kCompute;

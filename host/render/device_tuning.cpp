@@ -6,7 +6,6 @@
 
 #include "host/base/cache_folder.h"
 #include "host/base/error.h"
-#include "host/base/output_file.h"
 #include "host/base/sha256.h"
 #include "host/render/renderer.h"
 
@@ -52,19 +51,24 @@ std::optional<DeviceTuning> read_tuning(const cl::DeviceInfo& device) {
   }
 }
 
-std::filesystem::path keep_tuning(const cl::DeviceInfo& device, const DeviceTuning& tuning) {
+base::OutputFile claim_tuning(const cl::DeviceInfo& device) {
   const auto path = tuning_file(device);
   if (path.empty())
     throw base::Error(base::Fault::environment, "no place to keep the sizes found: neither XDG_CACHE_HOME nor HOME is set; set one of them to a folder of yours");
+  try {
+    return base::OutputFile(path.string(), base::IfExists::replace);
+  } catch (const base::Error& error) {
+    throw base::Error(base::Fault::environment, std::string("sizes found could not be kept: ") + error.what() + "; XDG_CACHE_HOME names another folder for them");
+  }
+}
+
+void keep_tuning(const cl::DeviceInfo& device, const DeviceTuning& tuning, base::OutputFile& file) {
   DeviceTuning all = tuning;
   if (const auto before = read_tuning(device)) all.sizes.local.insert(before->sizes.local.begin(), before->sizes.local.end());
   const nlohmann::ordered_json json = {{"device", device.name},   {"driver", device.driver},        {"compute_units", device.compute_units},
                                        {"local", all.sizes.local}, {"tile_samples", all.tile_samples}};
-  std::filesystem::create_directories(path.parent_path());
-  base::OutputFile file(path.string(), base::IfExists::replace);
   file.append(json.dump(2) + "\n");
   file.publish();
-  return path;
 }
 
 std::string tuning_json(const DeviceTuning& tuning) {

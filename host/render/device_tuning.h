@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "host/base/output_file.h"
 #include "host/cl/device.h"
 #include "host/cl/launch_sizes.h"
 
@@ -33,9 +34,11 @@ std::filesystem::path tuning_file(const cl::DeviceInfo& device);
 /// What `raycube tune` kept; nothing when it never ran here or the file cannot be read (a cache: then the defaults serve).
 std::optional<DeviceTuning> read_tuning(const cl::DeviceInfo& device);
 
-/// Keeps sizes; those of kernels that the file has and `tuning` has not stay. Returns the file. Throws Error(output) when it cannot be written,
-/// Error(environment) when the user has no home.
-std::filesystem::path keep_tuning(const cl::DeviceInfo& device, const DeviceTuning& tuning);
+/// The file to be, claimed before anything is timed. Throws Error(environment) when the user has no home or may not write there.
+base::OutputFile claim_tuning(const cl::DeviceInfo& device);
+
+/// Keeps sizes there; those of kernels that the file had and `tuning` has not stay.
+void keep_tuning(const cl::DeviceInfo& device, const DeviceTuning& tuning, base::OutputFile& file);
 
 /// Member "launches" of run.json, as JSON text.
 std::string tuning_json(const DeviceTuning& tuning);

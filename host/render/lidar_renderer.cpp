@@ -228,7 +228,7 @@ LidarRenderer::~LidarRenderer() = default;
 LidarRenderer::LidarRenderer(LidarRenderer&&) noexcept = default;
 
 std::string LidarRenderer::device_name() const { return state_->context.device().name(); }
-const DeviceTuning& LidarRenderer::tuning() const { return state_->tuning; }
+DeviceTuning LidarRenderer::tuning() const { return {state_->context.launch_sizes(), state_->tuning.tile_samples, state_->tuning.tuned}; }
 cl::Context& LidarRenderer::context() { return state_->context; }
 std::string LidarRenderer::program_hash() const { return base::sha256_hex(state_->identity); }
 double LidarRenderer::launch_s() const { return state_->launch_s; }

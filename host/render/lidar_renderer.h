@@ -31,7 +31,8 @@ class LidarRenderer {
   void render(const lidar::LidarPlan& plan, const std::vector<lidar::Shot>& shots, const ShotSink& sink, bool hits = false);
 
   std::string device_name() const;
-  const DeviceTuning& tuning() const;
+  /// What launches use now.
+  DeviceTuning tuning() const;
   /// Its sizes of launches may be set, and kernels timed, between renders.
   cl::Context& context();
   /// Wall seconds of the last render()'s launches: tracing and binning, without moving data to and from the device.

@@ -129,7 +129,7 @@ Renderer::~Renderer() = default;
 Renderer::Renderer(Renderer&&) noexcept = default;
 
 std::string Renderer::device_name() const { return state_->context.device().name(); }
-const DeviceTuning& Renderer::tuning() const { return state_->tuning; }
+DeviceTuning Renderer::tuning() const { return {state_->context.launch_sizes(), state_->tuning.tile_samples, state_->tuning.tuned}; }
 cl::Context& Renderer::context() { return state_->context; }
 
 TileSize Renderer::tile_size(const scene::Instrument& instrument, const plan::Plan& plan, std::size_t tile_samples) const {

@@ -103,7 +103,8 @@ class Renderer {
   TileSize tile_size(const scene::Instrument& instrument, const plan::Plan& plan, std::size_t tile_samples) const;
 
   std::string device_name() const;
-  const DeviceTuning& tuning() const;
+  /// What launches use now.
+  DeviceTuning tuning() const;
   /// Its sizes of launches may be set, and kernels timed, between renders.
   cl::Context& context();
 

@@ -193,17 +193,23 @@ TEST_CASE("S27: results do not depend on batches, threads, work-groups or order 
   add_plane(scene, 1, {0.1, 0, 3}, 0.4, -0.3);
   scene::finish_top_tree(scene);
   scene::Lidar lidar = topographic_lidar();
-  const lidar::LidarPlan plan = hand_plan(lidar, scene);
+  lidar.transport.air_return = true;
+  lidar.transport.overlap = scene::LidarOverlap::exact;
+  lidar::LidarPlan plan = hand_plan(lidar, scene);
+  set_air(plan, 1e-4, 2e-6, -10, 1100);
   std::vector<lidar::Shot> shots;
   for (int i = 0; i < 40; ++i) shots.push_back(shot_from(lidar, {0.05 * i - 1, 0.02 * i, 1000}, {0.0001 * i, 0, -1}, i));
+  for (std::size_t i = 0; i < shots.size(); ++i) shots[i].exit_m[0] += 0.02 * static_cast<double>(i % 5);  // five beams
   render::RenderOptions few;
   few.threads = 1;
   few.memory_bytes = 60u << 10;  // some shots a batch
   const auto all = render_shots(scene, plan, shots), small = render_shots(scene, plan, shots, few);
   render::RenderOptions grouped;
-  grouped.tuning = render::DeviceTuning{{16, {{"lidar_air", 7}}}};
+  grouped.tuning = render::DeviceTuning{{16, {{"lidar_air", 7}, {"lidar_beam", 3}}, true}};
   const auto groups = render_shots(scene, plan, shots, grouped);
   REQUIRE(groups.size() == 40);
+  CHECK(std::set<std::vector<float>>{all[0].air, all[20].air, all[39].air}.size() == 3);
+  CHECK(!all[0].air.empty());
   std::vector<lidar::Shot> turned(shots.rbegin(), shots.rend());
   const auto back = render_shots(scene, plan, turned);
   REQUIRE(all.size() == 40);

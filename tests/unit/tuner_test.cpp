@@ -3,7 +3,6 @@
 
 #include <cstdlib>
 #include <fstream>
-#include <limits>
 
 #include "host/base/error.h"
 #include "host/render/device_tuning.h"
@@ -63,7 +62,12 @@ TEST_CASE("sizes are kept for one device, survive another kernel's tuning, and a
   render::DeviceTuning found = render::default_tuning(cpu);
   found.sizes.local = {{"shade", 8}, {"resolve", 2}};
   found.tile_samples = 12345;
-  const auto path = render::keep_tuning(cpu, found);
+  const auto path = render::tuning_file(cpu);
+  const auto keep = [&] {
+    auto file = render::claim_tuning(cpu);
+    render::keep_tuning(cpu, found, file);
+  };
+  keep();
   CHECK(!render::read_tuning(gpu));
   auto kept = render::read_tuning(cpu);
   REQUIRE(kept);
@@ -73,7 +77,7 @@ TEST_CASE("sizes are kept for one device, survive another kernel's tuning, and a
   CHECK(kept->tile_samples == 12345);
 
   found.sizes.local = {{"shade", 16}, {"lidar_shots", 4}};
-  render::keep_tuning(cpu, found);
+  keep();
   kept = render::read_tuning(cpu);
   CHECK(kept->sizes.of("shade") == 16);
   CHECK(kept->sizes.of("resolve") == 2);
@@ -85,8 +89,12 @@ TEST_CASE("sizes are kept for one device, survive another kernel's tuning, and a
     std::ofstream(path) << damaged;
     CHECK(!render::read_tuning(cpu));
   }
+  home.write("file", "");
+  ::setenv("XDG_CACHE_HOME", (home / "file").c_str(), 1);
+  CHECK(!render::read_tuning(cpu));
+  CHECK_THROWS_WITH_AS(render::claim_tuning(cpu), doctest::Contains("XDG_CACHE_HOME"), base::Error);
   ::unsetenv("XDG_CACHE_HOME");
   ::unsetenv("HOME");
   CHECK(!render::read_tuning(cpu));
-  CHECK_THROWS_WITH_AS(render::keep_tuning(cpu, found), doctest::Contains("XDG_CACHE_HOME"), base::Error);
+  CHECK_THROWS_WITH_AS(render::claim_tuning(cpu), doctest::Contains("XDG_CACHE_HOME"), base::Error);
 }
