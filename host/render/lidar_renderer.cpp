@@ -8,6 +8,7 @@
 
 #include "host/base/error.h"
 #include "host/base/interrupt.h"
+#include "host/base/memory.h"
 #include "host/base/sha256.h"
 #include "host/cl/kernel.h"
 #include "host/lidar/apply_turbulence.h"
@@ -255,9 +256,9 @@ void LidarRenderer::render(const lidar::LidarPlan& plan, const std::vector<lidar
   const std::size_t row_bytes = tables.owner_rows * tables.row_floats * sizeof(float);
   const std::size_t budget = std::min<std::size_t>(std::min<std::size_t>(s.options.memory_bytes, info.global_memory_bytes) / kBudgetShares, info.max_alloc_bytes * (bytes / row_bytes));
   if (bytes > budget)
-    throw base::Error(base::Fault::input, "LIDAR '" + plan.lidar.name + "': one shot needs " + std::to_string(bytes >> 20) + " MiB on the device for its rows (" +
+    throw base::Error(base::Fault::input, "LIDAR '" + plan.lidar.name + "': one shot needs " + base::format_bytes(bytes) + " on the device for its rows (" +
                                               std::to_string(plan.pixels()) + " pixels, " + std::to_string(plan.lines()) + " lines, " + std::to_string(plan.lidar.gate.bins) +
-                                              " bins), found " + std::to_string(budget >> 20) + " MiB; give more --memory, a shorter gate, or sampling = \"receiver\" for arrays");
+                                              " bins), found " + base::format_bytes(budget) + "; give more --memory, a shorter gate, or sampling = \"receiver\" for arrays");
   const std::size_t owners = std::min(collector.owners(), std::max<std::size_t>(1, std::min(budget, kMostBatchBytes) / bytes));
   const std::vector<std::size_t> shape{owners, tables.owner_rows, tables.row_floats, std::size_t{tables.multiple}, tables.way ? tables.way_rows : 0, lines, hits ? padded_rays : 0};
   if (!s.batch || s.batch_shape != shape) {

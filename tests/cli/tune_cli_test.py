@@ -76,7 +76,7 @@ stop_range_m = 520.0
 [lidar.sampling]
 subrays = 16
 """)
-    program.run("render", pulses, "-o", work / "before", "-q")
+    program.run("render", pulses, "-o", work / "before", "-q", env={"XDG_CACHE_HOME": str(work / "other")})
     text = program.run("tune", pulses).stdout
     check(all(kernel in text for kernel in ("lidar_shots", "lidar_air", "lidar_beam")) and str(kept) in text, text)
     both = json.loads(kept.read_text())["local"]
@@ -89,5 +89,6 @@ subrays = 16
 
     program.refused("tune", file, "--instrument", "nosuch", status=2, says=["no instrument"])
     (work / "file").write_text("")
-    program.refused("tune", file, status=3, says=["could not be kept", "XDG_CACHE_HOME"], env={"XDG_CACHE_HOME": str(work / "file")})
+    program.refused("tune", file, status=3, says=["could not be kept", "XDG_CACHE_HOME"], 
+                    env={"XDG_CACHE_HOME": str(work / "file"), "POCL_CACHE_DIR": str(work / "pocl")})
 print(f"{program.checks} checks hold")

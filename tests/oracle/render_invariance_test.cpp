@@ -133,6 +133,9 @@ TEST_CASE("S63 tiles follow the samples that a launch is worth") {
   const auto image = test::render_image(simulation, table_for(simulation), launches(1, 6 * 128 * 10).options);
   CHECK(image.statistics.tile_lines == 10);
   CHECK(image.statistics.tile_columns == 6);
+  const auto launched = render::Renderer(simulation.scene, launches(5).options).tuning().sizes;
+  CHECK(launched.of("trace_light") == 3);
+  CHECK(launched.of("shade") == 5);
 }
 
 TEST_CASE("S63 part of one line per tile, and a band table that cannot hold every row, give the same bytes") {

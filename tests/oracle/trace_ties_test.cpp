@@ -115,6 +115,19 @@ Placed plates() {
   return place(finished(mesh), places);
 }
 
+// Small plates, all of them several times in the same place: every hit is a tie, and the first instance's.
+Placed copies() {
+  Stream random(5);
+  scene::TriangleMesh mesh;
+  for (int i = 0; i < 64; ++i) {
+    const V at{1.0 * (i % 4) - 2, 1.0 * (i / 4 % 4) - 2, 1.0 * (i / 16) - 2};
+    V size{0.125, 0.25, 0.125};
+    size[static_cast<std::size_t>(random.whole(0, 2))] = 0;
+    add_box(mesh, at, {at[0] + size[0], at[1] + size[1], at[2] + size[2]});
+  }
+  return place(finished(mesh), std::vector<std::array<double, 12>>(7, test::kIdentity));
+}
+
 // A corner, a point of an edge or of a plane through two corners.
 V target(const Placed& placed, Stream& random) {
   const V& a = placed.corners[static_cast<std::size_t>(random.whole(0, static_cast<int>(placed.corners.size()) - 1))];
@@ -247,7 +260,7 @@ void report(const std::string& what, const Differences& found) {
 }  // namespace
 
 TEST_CASE("S5 S7: camera rays aimed at faces, edges and corners: bundles, single rays and every triangle agree") {
-  for (const auto& [name, placed] : {std::pair{"blocks", place(blocks_and_plates(1))}, {"lines", place(lines())}, {"plates", plates()}}) {
+  for (const auto& [name, placed] : {std::pair{"blocks", place(blocks_and_plates(1))}, {"lines", place(lines())}, {"plates", plates()}, {"copies", copies()}}) {
     Differences found;
     compare_primary(placed, 11, 4, RC_SAMPLER_GRID, found);
     compare_primary(placed, 12, 1, RC_SAMPLER_GRID, found);
