@@ -101,7 +101,8 @@ def main():
     text = ("| leaves m | layers | pixels m | triangles a pixel | error of any statistical level, worst band, at least % | that is known to | noise of the renders % | "
             "time over that of bare soil |\n|---|---|---|---|---|---|---|---|\n")
     for row in rows:
-        text += (f"| {row['leaf_m']} | {row['layers']} | {row['pixel_m']} | {row['triangles_per_pixel']} | {100 * row['floor']:.2g} | {100 * row['known_to']:.1g} % | {100 * row['noise']:.2g} | "
+        known_to = float(f"{100 * row['known_to']:.1g}")
+        text += (f"| {row['leaf_m']} | {row['layers']} | {row['pixel_m']} | {row['triangles_per_pixel']} | {100 * row['floor']:.2g} | {known_to:g} % | {100 * row['noise']:.2g} | "
                  f"{row['time_over_bare_soil']:.0f} x |\n")
     (ROOT / "build/bench/leaf_level.md").write_text(text)
     seven = next(row for row in rows if row["layers"] == 7 and row["pixel_m"] == PIXELS_M[0])
