@@ -6,6 +6,8 @@ function(raycube_test name)
   cmake_parse_arguments(T "" "" "SOURCES;LIBS;LABELS" ${ARGN})
   add_executable(test_${name} ${T_SOURCES} $<TARGET_OBJECTS:raycube_test_main>)
   target_link_libraries(test_${name} PRIVATE raycube_warnings ${T_LIBS})
+  # A test's own code runs for moments and is compiled each time; what it tests keeps the build's optimisation.
+  target_compile_options(test_${name} PRIVATE -O1)
   set_target_properties(test_${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
   add_test(NAME ${name} COMMAND test_${name})
   set_tests_properties(${name} PROPERTIES LABELS "${T_LABELS}" SKIP_RETURN_CODE 77)

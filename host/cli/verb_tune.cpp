@@ -235,7 +235,7 @@ Verb verb_tune() {
   verb.summary = "Find and keep the launch sizes that are fastest on a device";
   verb.description =
       "Times work-groups of 1 to 256 items for every kernel, and tiles of several sizes, on the simulation's first instrument and first LIDAR (or the one named), "
-      "in turn, and keeps the fastest for this device, driver and build under $XDG_CACHE_HOME/raycube/tuning (else ~/.cache). A size replaces the preset only when it is 5 % faster. "
+      "in turn, and keeps the fastest for this device, driver and set of kernels under $XDG_CACHE_HOME/raycube/tuning (else ~/.cache). A size replaces the preset only where a kernel takes 0.05 s of the run, the size is 5 % faster, and faster in every round. "
       "No result changes by a bit: what each size computes is compared before it is timed. Tiles are timed without writing. Do it once on a machine that does nothing else; it takes some minutes. run.json says which sizes a "
       "render used. Delete the file to go back to the presets.";
   verb.examples = {"raycube tune park.toml", "raycube tune park.toml --instrument survey --device 1"};

@@ -8,6 +8,7 @@
 #include "host/base/error.h"
 #include "host/base/sha256.h"
 #include "host/render/renderer.h"
+#include "kernels/kernel_source.h"
 
 namespace raycube::render {
 
@@ -29,14 +30,13 @@ DeviceTuning default_tuning(const cl::DeviceInfo& device) { return {cl::default_
 std::filesystem::path tuning_file(const cl::DeviceInfo& device) {
   const auto folder = base::cache_folder("tuning");
   if (folder.empty()) return {};
-  static const std::string program = base::program_hash();
-  const std::string key = device.name + "\n" + device.vendor + "\n" + device.platform + "\n" + device.driver + "\n" + std::to_string(device.compute_units) + "\n" + program;
+  std::string kernels;
+  for (const auto name : kernels::kernel_names()) kernels += kernels::kernel_source(name);
+  const std::string key = device.name + "\n" + device.vendor + "\n" + device.platform + "\n" + device.driver + "\n" + std::to_string(device.compute_units) + "\n" + kernels;
   return folder / (base::sha256_hex(key) + ".json");
 }
 
 std::optional<DeviceTuning> read_tuning(const cl::DeviceInfo& device) {
-  // Where nothing was ever tuned the program's bytes need not be hashed.
-  if (std::error_code code; !std::filesystem::exists(base::cache_folder("tuning"), code)) return {};
   std::ifstream file(tuning_file(device));
   if (!file) return {};
   try {

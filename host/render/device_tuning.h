@@ -27,8 +27,8 @@ struct DeviceTuning {
 /// What is used on a device where nothing was tuned.
 DeviceTuning default_tuning(const cl::DeviceInfo& device);
 
-/// Where the sizes found for a device are kept, by its name, vendor, driver and compute units and by the program's own bytes: each build
-/// tunes for itself. Empty when the user has no home.
+/// Where the sizes found for a device are kept, by its name, vendor, driver and compute units and by the kernels' sources: what was
+/// found for other kernels says nothing of these. Empty when the user has no home.
 std::filesystem::path tuning_file(const cl::DeviceInfo& device);
 
 /// What `raycube tune` kept; nothing when it never ran here or the file cannot be read (a cache: then the defaults serve).

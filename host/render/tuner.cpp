@@ -31,7 +31,7 @@ std::map<std::string, SizeChoice> choose_sizes(const std::vector<std::size_t>& s
     const auto& of_best = of_size.at(best->first);
     const auto& of_preset = of_size.at(preset);
     const bool every_round = std::equal(of_best.begin(), of_best.end(), of_preset.begin(), of_preset.end(), std::less<>());
-    choice.size = every_round && best->second < (1 - kWorthwhile) * choice.preset_seconds ? best->first : preset;
+    choice.size = choice.preset_seconds >= kLeast_s && every_round && best->second < (1 - kWorthwhile) * choice.preset_seconds ? best->first : preset;
     choice.seconds = choice.candidates.at(choice.size);
     choices.emplace(what, std::move(choice));
   }

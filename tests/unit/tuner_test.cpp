@@ -29,7 +29,8 @@ TEST_CASE("every kernel gets its own fastest size; the first round counts for no
     const double busy = runs > 9 ? 10 : 1;                                            // the machine gets slower half way: all do
     const double lucky = size == 4 && ++slower == 3 ? 1.5 : 0.7;                      // median well ahead, one round behind
     return {{"trace", busy * (size == 16 ? 0.5 : 1.0) + compile}, {"shade", busy * (size == 4 ? 0.97 : 1.0) + compile},
-            {"resolve", busy * (size == 4 ? lucky : 1.0) + compile}, {"rows", busy * (1.0 + 0.1 * static_cast<double>(size)) + compile}};
+            {"resolve", busy * (size == 4 ? lucky : 1.0) + compile}, {"rows", busy * (1.0 + 0.1 * static_cast<double>(size)) + compile},
+            {"brief", busy * (size == 16 ? 0.001 : 0.004) + compile}};
   });
   CHECK(runs == 3 * 6);
   CHECK(choices.at("trace").size == 16);
@@ -38,6 +39,7 @@ TEST_CASE("every kernel gets its own fastest size; the first round counts for no
   CHECK(choices.at("shade").size == 1);    // 3 % is noise
   CHECK(choices.at("resolve").size == 1);  // not in every round
   CHECK(choices.at("rows").size == 1);
+  CHECK(choices.at("brief").size == 1);    // 40 ms
   CHECK(choices.at("rows").candidates.size() == 3);
 }
 
