@@ -131,8 +131,7 @@ Found tune_cube(const scene::Simulation& simulation, const InstrumentJob& job, r
   const int region = std::clamp(static_cast<int>(kTileRun_s / std::max(line_s, 1e-9)), usual.lines, instrument.lines);
   const auto digest = [&](std::size_t samples) {
     base::Sha256 hash;
-    for (const auto& one : cut(instrument, region, size_of(samples)))
-      probe({one}, [&](const render::PixelProbe& pixels) { add(hash, pixels.radiance); });
+    probe(cut(instrument, region, size_of(samples)), [&](const render::PixelProbe& pixels) { add(hash, pixels.radiance); });
     return hash.hex();
   };
   const std::string expected = digest(render::kTileSamples);

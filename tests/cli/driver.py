@@ -6,6 +6,17 @@ import subprocess
 
 import numpy
 
+#: Laser and telescope of a survey, to follow the head of a [[lidar]].
+PULSE_AND_RECEIVER = """[lidar.pulse]
+energy_J = 1e-4
+wavelength_nm = 1064.0
+fwhm_ns = 4.0
+divergence_mrad = 0.2
+divergence_is = "full angle at 1/e^2"
+[lidar.receiver]
+aperture_diameter_m = 0.1
+fov_mrad = 2.0
+"""
 kTypes = {1: "u1", 2: "i2", 3: "i4", 4: "f4", 5: "f8", 12: "u2", 13: "u4"}
 
 

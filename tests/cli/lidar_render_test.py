@@ -12,7 +12,7 @@ import sys
 import tempfile
 
 import numpy
-from driver import Program, envi
+from driver import PULSE_AND_RECEIVER, Program, envi
 
 program = Program(sys.argv[1])
 run, check = program.run, program.check
@@ -162,16 +162,7 @@ position_m = [0.0, 0.0, {height}]
 prf_khz = 200.0
 pulses = 6
 fold_ambiguous = {fold}
-[lidar.pulse]
-energy_J = 1e-4
-wavelength_nm = 1064.0
-fwhm_ns = 4.0
-divergence_mrad = 0.2
-divergence_is = "full angle at 1/e^2"
-[lidar.receiver]
-aperture_diameter_m = 0.1
-fov_mrad = 2.0
-[lidar.gate]
+""" + PULSE_AND_RECEIVER + """[lidar.gate]
 start_range_m = {start}
 stop_range_m = {stop}
 [lidar.sampling]

@@ -7,7 +7,7 @@ import pathlib
 import sys
 import tempfile
 
-from driver import Program, record, scene
+from driver import PULSE_AND_RECEIVER, Program, record, scene
 
 program = Program(sys.argv[1])
 check = program.check
@@ -61,16 +61,7 @@ position_m = [0.0, 0.0, 500.0]
 prf_khz = 200.0
 pulses = 50
 products = { png = false }
-[lidar.pulse]
-energy_J = 1e-4
-wavelength_nm = 1064.0
-fwhm_ns = 4.0
-divergence_mrad = 0.2
-divergence_is = "full angle at 1/e^2"
-[lidar.receiver]
-aperture_diameter_m = 0.1
-fov_mrad = 2.0
-[lidar.gate]
+""" + PULSE_AND_RECEIVER + """[lidar.gate]
 start_range_m = 450.0
 stop_range_m = 520.0
 [lidar.sampling]
