@@ -1,14 +1,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/base/attitude.h"
 #include "scene_compiler/instrument_builder.h"
 
 namespace raycube::scene {
 namespace {
 
-double angle_between(double from_deg, double to_deg, double t) {
-  return from_deg + t * std::remainder(to_deg - from_deg, 360.0);
-}
+base::Attitude attitude_of(const Pose& pose) { return {pose.roll_deg, pose.pitch_deg, pose.heading_deg}; }
 
 }  // namespace
 
@@ -44,9 +43,9 @@ std::vector<Pose> poses_per_pixel(const std::vector<Pose>& per_line, int pixels)
       const Pose &a = per_line[static_cast<std::size_t>(from)],
                  &b = per_line[static_cast<std::size_t>(std::min(from + 1, lines - 1))];
       const double t = time - from;
+      const base::Attitude turned = base::attitude_between(attitude_of(a), attitude_of(b), t);
       out.push_back({a.x_m + t * (b.x_m - a.x_m), a.y_m + t * (b.y_m - a.y_m), a.z_m + t * (b.z_m - a.z_m),
-                     angle_between(a.roll_deg, b.roll_deg, t), angle_between(a.pitch_deg, b.pitch_deg, t),
-                     angle_between(a.heading_deg, b.heading_deg, t)});
+                     turned.roll_deg, turned.pitch_deg, turned.heading_deg});
     }
   return out;
 }

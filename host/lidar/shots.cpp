@@ -2,6 +2,7 @@
 #include <cmath>
 #include <optional>
 
+#include "host/base/attitude.h"
 #include "host/lidar/shot.h"
 #include "kernels/sampling/sampler.h"
 
@@ -51,7 +52,7 @@ Turn scene_from_platform(const scene::LidarPose& pose) {
           {sr * ch - cr * sp * sh, -sr * sh - cr * sp * ch, cr * cp}};
 }
 
-double angle_between(double from_deg, double to_deg, double share) { return from_deg + share * std::remainder(to_deg - from_deg, 360.0); }
+base::Attitude attitude_of(const scene::LidarPose& pose) { return {pose.roll_deg, pose.pitch_deg, pose.heading_deg}; }
 
 scene::LidarPose pose_at(const std::vector<scene::LidarPose>& poses, double time_s) {
   const auto after = std::upper_bound(poses.begin(), poses.end(), time_s, [](double t, const scene::LidarPose& pose) { return t < pose.time_s; });
@@ -59,8 +60,9 @@ scene::LidarPose pose_at(const std::vector<scene::LidarPose>& poses, double time
   if (after == poses.end()) return poses.back();
   const scene::LidarPose &a = *(after - 1), &b = *after;
   const double share = (time_s - a.time_s) / (b.time_s - a.time_s);
+  const base::Attitude turned = base::attitude_between(attitude_of(a), attitude_of(b), share);
   return {time_s, a.x_m + share * (b.x_m - a.x_m), a.y_m + share * (b.y_m - a.y_m), a.z_m + share * (b.z_m - a.z_m),
-          angle_between(a.roll_deg, b.roll_deg, share), angle_between(a.pitch_deg, b.pitch_deg, share), angle_between(a.heading_deg, b.heading_deg, share)};
+          turned.roll_deg, turned.pitch_deg, turned.heading_deg};
 }
 
 /// How the scanner turns a mount's boresight for a pulse; nullopt: it does not fire. Phases count from pulse 0, so they stay exact on any clock.
