@@ -108,10 +108,10 @@ void run_roofline(const Settings& settings, Report& report) {
   // from caches. make_surface gathers a triangle of 36 bytes a sample. integrate reads its table (terms rows) from the second cache.
   const Stage stages[] = {
       {"trace_primary", 8 * padded, 0},
-      {"make_surface", (8 + 24) * padded + 36 * samples, 0},
+      {"make_surface", (8 + 28) * padded + 36 * samples, 0},
       {"trace_sun", 24 * padded + padded / 8, 0},
       {"trace_sky", 24 * padded + 16 * padded, 0},
-      {"shade", (8 + 24 + 16) * padded + padded / 8, 0},
+      {"shade", (8 + 28 + 16) * padded + padded / 8, 0},
       {"resolve", 8 * terms, 0},
       {"integrate", 4 * bands_padded + 8 * terms, 2 * terms * bands_padded},
       {"write", 4 * bands, 0},

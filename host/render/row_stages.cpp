@@ -45,6 +45,7 @@ TraceBuffers::TraceBuffers(const cl::Context& context, const StageShape& shape, 
     : groups(context, group_count, cl::Access::read_only, "ray groups"),
       hits(context, pixels * 2 * shape.padded_samples, cl::Access::read_write, "hits"),
       surface(context, pixels * 6 * shape.padded_samples, cl::Access::read_write, "surface points"),
+      lift(context, pixels * shape.padded_samples, cl::Access::read_write, "lifts of surface points"),
       sun(context, pixels * (shape.padded_samples / 16), cl::Access::read_write, "sun visibility"),
       sky(context, pixels * 4 * shape.sky_quads() * shape.padded_samples, cl::Access::read_write, "blocked sky") {}
 
@@ -80,7 +81,7 @@ void RowStages::shade(const PixelSelection& pixels, const TileLayout& layout, co
   const auto& s = plan_.sun_direction;
   shade_.arguments(pixels.count, pixels.list ? *pixels.list : no_list_, cl_uint{pixels.list != nullptr},
                     static_cast<cl_uint>(rows.capacity), static_cast<cl_uint>(fresh),
-                    traced.groups, layout.width, layout.groups_per_line, traced.hits, traced.surface, traced.sun,
+                    traced.groups, layout.width, layout.groups_per_line, traced.hits, traced.surface, traced.lift, traced.sun,
                     traced.sky, scene_.blocks, scene_.surfaces, sample_weight_,
                     static_cast<float>(weights_.count()), shared::rc_float4{s[0], s[1], s[2], 0}, irradiance_,
                     static_cast<cl_uint>(plan_.irradiance.size), tilt_irradiance_, surface_node_, plan_.height.first, plan_.height.step, rows.count,

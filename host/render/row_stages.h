@@ -34,7 +34,7 @@ struct TraceBuffers {
   TraceBuffers(const cl::Context& context, const StageShape& shape, std::size_t pixels, std::size_t groups);
   cl::Buffer<shared::RayGroup> groups;
   cl::Buffer<std::uint32_t> hits;
-  cl::Buffer<float> surface;
+  cl::Buffer<float> surface, lift;
   cl::Buffer<std::uint16_t> sun;
   cl::Buffer<float> sky;
 };

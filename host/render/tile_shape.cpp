@@ -18,7 +18,7 @@ std::size_t StageShape::row_bytes(std::size_t capacity) const {
 std::size_t StageShape::pixel_bytes() const {
   const std::size_t padded = static_cast<std::size_t>(padded_samples);
   const std::size_t sums = (static_cast<std::size_t>(heights) + RC_TRUTH_SUMS) * (chunked() ? 2 : 1) * sizeof(float);
-  return padded * (2 + 6 + 4 * static_cast<std::size_t>(sky_quads())) * sizeof(float) + padded / 8 + sums + sizeof(shared::RayGroup) +
+  return padded * (2 + 6 + 1 + 4 * static_cast<std::size_t>(sky_quads())) * sizeof(float) + padded / 8 + sums + sizeof(shared::RayGroup) +
          static_cast<std::size_t>(bands_padded) * sizeof(float);
 }
 

@@ -138,7 +138,7 @@ void TraceStages::run(const TileLayout& layout, int chunk, TraceBuffers& traced,
   }
   launch("trace_primary", s.primary_of(layout, chunk, traced));
   launch("make_surface", s.surface.arguments(s.buffers.blocks, s.buffers.instances, traced.groups, traced.hits,
-                                              traced.surface, s.seed, layout.width, first_sample, sample_count));
+                                              traced.surface, traced.lift, s.seed, layout.width, first_sample, sample_count));
   const auto light = [&](const char* stage, const auto& directions, const auto& weights, bool sky, int sets, int count, int share) {
     launch(stage, s.light.arguments(s.buffers.nodes, s.buffers.blocks, s.buffers.instances, traced.groups, traced.surface, directions, weights,
                                     traced.sun, traced.sky, cl_uint{sky}, static_cast<cl_uint>(sets), static_cast<cl_uint>(count),

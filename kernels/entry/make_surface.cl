@@ -1,5 +1,5 @@
-/* Reads: hits of trace_primary, ray groups, the scene. Writes: offset point and normal of every sample. Next: trace_light,
- * shading. */
+/* Reads: hits of trace_primary, ray groups, the scene. Writes: offset point and normal of every sample, and how far the point was
+ * moved. Next: trace_light, shading. */
 #include "kernels/geometry/trace_args.h"
 #include "kernels/geometry/lanes.h"
 #include "kernels/geometry/samples.h"
@@ -12,7 +12,8 @@ typedef struct Gathered {
 } RC_LINE Gathered;
 
 #define MAKE_SURFACE_PARAMETERS RC_BLOCKS, RC_INSTANCES, global const RayGroup* restrict groups, \
-  global const uint* restrict hits, global float* restrict surface, uint seed, uint columns, uint first_sample, uint sample_count
+  global const uint* restrict hits, global float* restrict surface, global float* restrict lift, uint seed, uint columns, uint first_sample, \
+  uint sample_count
 
 RC_BODY make_surface_body(uint index, MAKE_SURFACE_PARAMETERS) {
   SceneArrays scene;
@@ -43,6 +44,7 @@ RC_BODY make_surface_body(uint index, MAKE_SURFACE_PARAMETERS) {
         g.direction[2][k] = d.z;
       }
       Vector16 v[3], position = {0.0f, 0.0f, 0.0f}, normal = {0.0f, 0.0f, 0.0f};
+      float16 moved = 0.0f;
       for (uint c = 0; c < 3u; ++c) {
         v[c].x = rc_load16(0, g.corner[3u * c]);
         v[c].y = rc_load16(0, g.corner[3u * c + 1u]);
@@ -55,13 +57,15 @@ RC_BODY make_surface_body(uint index, MAKE_SURFACE_PARAMETERS) {
         const int16 lanes = rc_load16(0, in) == instance;
         left &= ~rc_mask16(lanes);
         Vector16 there, facing;
-        rc_surface_points(rc_instance(scene, instance), v, origin, direction, &there, &facing);
+        float16 reach;
+        rc_surface_points(rc_instance(scene, instance), v, origin, direction, &there, &facing, &reach);
         position.x = select(position.x, there.x, lanes);
         position.y = select(position.y, there.y, lanes);
         position.z = select(position.z, there.z, lanes);
         normal.x = select(normal.x, facing.x, lanes);
         normal.y = select(normal.y, facing.y, lanes);
         normal.z = select(normal.z, facing.z, lanes);
+        moved = select(moved, reach, lanes);
       }
       rc_store16(position.x, 0, out);
       rc_store16(position.y, 0, out + RC_NPAD);
@@ -69,10 +73,11 @@ RC_BODY make_surface_body(uint index, MAKE_SURFACE_PARAMETERS) {
       rc_store16(normal.x, 0, out + 3 * RC_NPAD);
       rc_store16(normal.y, 0, out + 4 * RC_NPAD);
       rc_store16(normal.z, 0, out + 5 * RC_NPAD);
+      rc_store16(moved, 0, lift + (size_t)(place.pixel + p) * RC_NPAD + word * 16u);
     }
 }
 
 kernel void make_surface(MAKE_SURFACE_PARAMETERS) {
-  make_surface_body((uint)get_global_id(0), RC_PASS_BLOCKS, RC_PASS_INSTANCES, groups, hits, surface, seed, columns,
+  make_surface_body((uint)get_global_id(0), RC_PASS_BLOCKS, RC_PASS_INSTANCES, groups, hits, surface, lift, seed, columns,
                     first_sample, sample_count);
 }

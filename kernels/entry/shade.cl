@@ -1,5 +1,5 @@
 /* shade: from hits, surface points, sun visibility and blocked sky to per-pixel rows of (product key, scalar sums).
- * Reads:  hits, surface, sun bits, blocked sky of the tile (or of one chunk of its samples).
+ * Reads:  hits, surface and lift, sun bits, blocked sky of the tile (or of one chunk of its samples).
  * Writes: row count, keys, sums, path sums, truth sums. Next: resolve.
  * One work-item per pixel, any local size. Sums are masked float16 sums over sample groups in sample order, then one fixed
  * lane tree, so that row capacity, tile and work-group cannot change a bit. Sample weights come relative to their mean, 1 for
@@ -10,6 +10,7 @@
 #include "kernels/atmosphere/nodes.h"
 #include "kernels/geometry/lanes.h"
 #include "kernels/geometry/scene_arrays.h"
+#include "kernels/geometry/lift.h"
 
 #ifndef RC_CHUNKED
 #define RC_CHUNKED 0 /* 1: sums are carried from chunk to chunk of a pixel's samples, with compensation */
@@ -82,7 +83,7 @@ inline int deposit(__global ulong* keys, __global float* sums, uint* count, uint
 
 #define SHADE_PARAMETERS uint pixel_count, global const uint* restrict pixel_list, uint use_list, uint capacity, uint fresh, \
   global const RayGroup* restrict groups, uint tile_width, uint groups_per_line, global const uint* restrict hits, \
-  global const float* restrict surface_points, global const ushort* restrict sun_bits, \
+  global const float* restrict surface_points, global const float* restrict lifts, global const ushort* restrict sun_bits, \
   global const float* restrict sky_blocked, RC_BLOCKS, RC_SURFACES, global const float* restrict chunk_weight, \
   float sample_total, float4 sun_direction, global const float4* restrict irradiance_map, uint map_size, \
   global const float4* restrict tilt_irradiance, global const float* restrict surface_nodes, float height_first, \
@@ -99,6 +100,7 @@ RC_BODY shade_body(uint item, SHADE_PARAMETERS) {
   __global const uint* hit_instance = hits + (size_t)pixel * 2 * RC_NPAD;
   __global const uint* hit_primitive = hit_instance + RC_NPAD;
   __global const float* point = surface_points + (size_t)pixel * 6 * RC_NPAD;
+  __global const float* lift = lifts + (size_t)pixel * RC_NPAD;
   __global const ushort* sun = sun_bits + (size_t)pixel * GROUPS;
   __global const float* blocked = sky_blocked + (size_t)pixel * SKY_PLANES * RC_NPAD;
 
@@ -202,13 +204,16 @@ RC_BODY shade_body(uint item, SHADE_PARAMETERS) {
       const float16 e = rc_load16(g, value[RC_SUN + m]) - rc_load16(g, blocked + m * RC_NPAD);
       rc_store16(masked(weight * e, hit), g, value[RC_SUN + m]);
     }
-    const float16 rx = px - sensor.x, ry = py - sensor.y, rz = pz - sensor.z;
+    /* Truth is of the surface itself, not of where its shadow rays start. */
+    const float16 reach = rc_load16(g, lift);
+    const float16 x = rc_step_back(px, nx, reach), y = rc_step_back(py, ny, reach), z = rc_step_back(pz, nz, reach);
+    const float16 rx = x - sensor.x, ry = y - sensor.y, rz = z - sensor.z;
     const float16 range = sqrt(fma(rx, rx, fma(ry, ry, rz * rz)));
     t_hit += w_hit;
     t_sun += masked(weight, lit);
-    t_x += masked(w_hit * px, hit);
-    t_y += masked(w_hit * py, hit);
-    t_z += masked(w_hit * pz, hit);
+    t_x += masked(w_hit * x, hit);
+    t_y += masked(w_hit * y, hit);
+    t_z += masked(w_hit * z, hit);
     t_range += masked(w_hit * range, hit);
     t_cos += masked(w_hit * cosine, hit);
 #if RC_HEIGHTS == 1
@@ -277,6 +282,6 @@ RC_BODY shade_body(uint item, SHADE_PARAMETERS) {
 
 kernel void shade(SHADE_PARAMETERS) {
   shade_body((uint)get_global_id(0), pixel_count, pixel_list, use_list, capacity, fresh, groups, tile_width, groups_per_line,
-             hits, surface_points, sun_bits, sky_blocked, RC_PASS_BLOCKS, RC_PASS_SURFACES, chunk_weight, sample_total,
+             hits, surface_points, lifts, sun_bits, sky_blocked, RC_PASS_BLOCKS, RC_PASS_SURFACES, chunk_weight, sample_total,
              sun_direction, irradiance_map, map_size, tilt_irradiance, surface_nodes, height_first, height_step, row_count, row_keys, row_sums, path_sums, truth);
 }

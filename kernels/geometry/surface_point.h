@@ -2,6 +2,7 @@
 #ifndef RAYCUBE_KERNELS_GEOMETRY_SURFACE_POINT_H
 #define RAYCUBE_KERNELS_GEOMETRY_SURFACE_POINT_H
 
+#include "kernels/geometry/lift.h"
 #include "kernels/geometry/triangle.h"
 
 /* Three components of 16 samples. */
@@ -60,13 +61,7 @@ static inline float16 rc_clamp_to(float16 p, float16 a, float16 b, float16 c) {
   return fmin(fmax(p, fmin(a, fmin(b, c))), fmax(a, fmax(b, c)));
 }
 
-/* Moves a coordinate by n * reach and rounds away from the surface. */
-static inline float16 rc_step_off(float16 p, float16 error, float16 n, float16 reach) {
-  const float16 q = fma(n, reach, p);
-  return q + copysign(fmax(fabs(q), error) * (2.0f * RC_ULP), n);
-}
-
-/* Position (m, scene frame, moved off the surface to the viewer's side by its error bound) and normal (unit, geometric,
+/* Position (m, scene frame, moved off the surface to the viewer's side by its error bound, `lift`, m) and normal (unit, geometric,
  * towards the viewer) of 16 samples that hit the same instance; v: their triangles' corners. origin, direction: the primary
  * rays, unnormalised, scene frame. The intersection is taken in the mesh's own frame about the ray's origin:
  * t = n.(v0 - o) / n.d, then one correction by the plane's residual at the rounded point. The error bound holds for the local
@@ -74,7 +69,7 @@ static inline float16 rc_step_off(float16 p, float16 error, float16 n, float16 r
  * its way to the scene frame and the way back that a shadow ray takes, each 4 roundings of the sums of absolute products, and
  * both matrices' own rounding. */
 static inline void rc_surface_points(global const Instance* placed, const Vector16* v, Vector16 origin, Vector16 direction,
-                                     Vector16* position, Vector16* towards_viewer) {
+                                     Vector16* position, Vector16* towards_viewer, float16* lift) {
   const float4 l0 = placed->local_from_world_0, l1 = placed->local_from_world_1, l2 = placed->local_from_world_2;
   const float4 w0 = placed->world_from_local_0, w1 = placed->world_from_local_1, w2 = placed->world_from_local_2;
   const bool same = placed->flags & 1u;
@@ -133,6 +128,7 @@ static inline void rc_surface_points(global const Instance* placed, const Vector
   position->y = rc_step_off(point.y, error.y, normal.y, reach);
   position->z = rc_step_off(point.z, error.z, normal.z, reach);
   *towards_viewer = normal;
+  *lift = reach;
 }
 
 #endif

@@ -38,10 +38,11 @@
  *                 uint first_sample, uint sample_count)
  *     hits[pixel][2][NPAD]: row 0 instance index (RC_NONE: miss), row 1 primitive = block * 16 + lane. Slots at and past
  *     sample_count hold RC_NONE. The closest hit; of equal distances the lowest instance, then the lowest primitive.
- *   make_surface(blocks, instances, groups, hits (const), global float* surface, seed, columns, first_sample,
- *                sample_count)
+ *   make_surface(blocks, instances, groups, hits (const), global float* surface, global float* lift, seed, columns,
+ *                first_sample, sample_count)
  *     surface[pixel][6][NPAD]: x y z of the point, m, scene frame, moved off the surface to the viewer's side by its error
  *     bound (the origin of shadow rays); nx ny nz unit geometric normal facing the viewer. Misses: all six are 0.
+ *     lift[pixel][NPAD]: m, how far along the normal the point was moved (rc_step_back undoes it). Misses: 0.
  *   trace_light(nodes, blocks, instances, groups, surface (const), directions (global const float4*), weights (global const
  *               float4*), global ushort* sun_mask, global float* blocked, uint sky, uint sets, uint count, uint share,
  *               seed, columns, first_sample)

@@ -145,10 +145,11 @@ static inline void rc_meet(SceneArrays scene, uint16 instances, uint16 primitive
     vertex->normal = rc_select_vector16(vertex->normal, towards, lanes);
 #if RC_CONTINUES || RC_SHADOWS
     Vector16 there, facing;
+    float16 lift;
     const Vector16 from = rc_plus16(rays->origin, rays->offset);
-    rc_surface_points(rc_instance(scene, instance), v, from, rays->direction, &there, &facing);
+    rc_surface_points(rc_instance(scene, instance), v, from, rays->direction, &there, &facing, &lift);
     vertex->front = rc_select_vector16(vertex->front, there, lanes);
-    rc_surface_points(rc_instance(scene, instance), v, from, backwards, &there, &facing);
+    rc_surface_points(rc_instance(scene, instance), v, from, backwards, &there, &facing, &lift);
     vertex->back = rc_select_vector16(vertex->back, there, lanes);
 #endif
   }

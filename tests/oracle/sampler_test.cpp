@@ -138,6 +138,34 @@ TEST_CASE("S43 samplers: jitter along and across the line is independent") {
   CHECK(std::abs(product) < 5 / std::sqrt(double(kCells)));  // 5 standard errors
 }
 
+// Each pixel's lattice is shifted by a hash of its own, so that over many pixels the mean has no preference for any phase of a
+// pattern that keeps step with the pixels: 1e6 of them leave 1e-3 / sqrt(samples) or less, and 4 standard errors are allowed.
+// What is left in one image of 64 x 64 pixels is chance: one sample a pixel has a standard error of 1.6 % there.
+TEST_CASE("S43 samplers: lattices of a few samples do not shift the mean of checkers in step with the pixels") {
+  constexpr rc_u32 kPixels = 1000000;
+  for (const int side : {1, 2, 4})
+    for (const int cells : {2, 4, 8}) {  // along a pixel's side
+      double sum = 0, squares = 0;
+      for (rc_u32 pixel = 0; pixel < kPixels; ++pixel) {
+        int white = 0;
+        for (int s = 0; s < side * side; ++s) {
+          float u, v;
+          rc_sample_uv(RC_SAMPLER_LATTICE, side, side, 1.0f, 3u, pixel, s, &u, &v);
+          const auto cell = [&](float x) { return static_cast<int>(std::floor((x + 0.5f) * static_cast<float>(cells))); };
+          white += (cell(u) + cell(v)) % 2 == 0;
+        }
+        const double share = static_cast<double>(white) / (side * side);
+        sum += share;
+        squares += share * share;
+      }
+      const double mean = sum / kPixels, error = std::sqrt((squares / kPixels - mean * mean) / kPixels);
+      CAPTURE(side);
+      CAPTURE(cells);
+      CHECK(std::abs(mean - 0.5) < 4 * error + 1e-9);
+      CHECK(error < 1e-3 / side);
+    }
+}
+
 TEST_CASE("S48 point spread weights: sum, second moment of box and Gaussian, plain box") {
   scene::Instrument instrument;
   instrument.name = "psf";

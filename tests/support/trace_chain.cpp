@@ -64,6 +64,7 @@ TraceChain::TraceChain(const cl::Context& context, const scene::CompiledScene& s
       groups_(context, shape.groups(), cl::Access::read_only, "ray groups"),
       hits_(context, std::size_t{shape.pixels()} * 2 * shape.npad(), cl::Access::read_write, "hits"),
       surface_(context, std::size_t{shape.pixels()} * 6 * shape.npad(), cl::Access::read_write, "surface points"),
+      lift_(context, std::size_t{shape.pixels()} * shape.npad(), cl::Access::read_write, "lifts of surface points"),
       blocked_(context, std::size_t{shape.pixels()} * 4 * shape.npad(), cl::Access::read_write, "blocked sky"),
       sun_mask_(context, std::size_t{shape.pixels()} * shape.npad() / 16, cl::Access::read_write, "sun masks") {
   groups_.write(numbered(std::vector<shared::RayGroup>(shape.groups()), shape));
@@ -87,7 +88,7 @@ std::vector<std::uint32_t> TraceChain::primary(std::span<const shared::RayGroup>
 }
 
 std::vector<float> TraceChain::surface() {
-  kernel("make_surface").arguments(scene_.blocks, scene_.instances, groups_, hits_, surface_, shape_.seed, shape_.columns,
+  kernel("make_surface").arguments(scene_.blocks, scene_.instances, groups_, hits_, surface_, lift_, shape_.seed, shape_.columns,
                                    first_sample_, count_);
   again("make_surface");
   return surface_.read_all();

@@ -80,7 +80,7 @@ class TraceChain {
   std::string options_;
   cl::Buffer<shared::RayGroup> groups_;
   cl::Buffer<std::uint32_t> hits_;
-  cl::Buffer<float> surface_, blocked_;
+  cl::Buffer<float> surface_, lift_, blocked_;
   cl::Buffer<std::uint16_t> sun_mask_;
   std::unique_ptr<cl::Buffer<shared::rc_float4>> sun_direction_, directions_, weights_;
   std::vector<std::pair<std::string, cl::Kernel>> kernels_;
