@@ -53,17 +53,18 @@ def readme_speed(figures):
         ("band integration, 4 / 8 terms", f"{f['integrate4_vs_write_bandwidth']:.2f} x / {f['integrate8_vs_write_bandwidth']:.2f} x",
          f"plain write bandwidth ({f['write_bandwidth_gb_s']:.0f} GB/s)"),
         ("the 360-band cube above: 12.4 M primary and sun rays, 74 M into 48 sky directions a pixel", f"{f['park_render_s']:.0f} s", ""))
-    return (f"| speed ({figures['cpu']}, {figures['hardware_threads']} threads) | figure | baseline |\n|---|---|---|\n"
+    return (f"| speed ({figures['cpu']}, {figures['hardware_threads']} threads); x: rays or bytes a second, raycube's over the baseline's | figure | baseline |\n|---|---|---|\n"
             + "".join(f"| {what} | {figure} | {baseline} |\n" for what, figure, baseline in rows))
 
 
 def readme_mitsuba(data):
     facts, best = data["scene"], data["fastest"]
-    return (f"Against Mitsuba 3.9.1 ({best}, the fastest of its variants that run; {facts['pixels']} x {facts['pixels']} pixels, 360 bands, "
-            f"{facts['triangles_placed'] / 1e6:.0f} M placed triangles, sun and even sky, direct light, 2 threads): "
-            f"**{data['cube_vs_mitsuba3_equal_error']:.0f} x** faster at equal rms error of the median band "
+    return (f"Against Mitsuba 3.9.1 by one render for every three bands ({best}, the fastest of its variants that run; {facts['pixels']} x {facts['pixels']} pixels, "
+            f"360 bands, {facts['triangles_placed'] / 1e6:.0f} M placed triangles, sun and even sky, direct light, 2 threads): "
+            f"{data['cube_vs_mitsuba3_equal_error']:.0f} x faster at equal rms error of the median band "
             f"[{data['cube_vs_mitsuba3_equal_error_min']:.0f} .. {data['cube_vs_mitsuba3_equal_error_max']:.0f} over errors], load and compilation left out "
-            "on both sides, raycube's plan and writing counted: [bench/RESULTS.md](bench/RESULTS.md).\n")
+            "on both sides, raycube's plan and writing counted ([bench/RESULTS.md](bench/RESULTS.md)).\n"
+            f"{data['what_an_expert_would_use']}\n")
 
 
 def renew(path, part, text):
