@@ -15,6 +15,7 @@ namespace raycube::scene {
 struct NamedMesh {
   std::string name;
   TriangleMesh mesh;
+  base::Where where;  ///< of its entry in the file
 };
 
 struct Placed {
