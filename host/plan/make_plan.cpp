@@ -298,7 +298,7 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
                          {"sun_left_out", plan.sun_sources == 0},
                          {"sky_left_out", !skylight}};
   }
-  if (const double d = diffuse_row_difference(air, domain, bands, sky.irradiance()); d >= 0 && plan.sky_components > 0)
+  if (const double d = diffuse_row_difference(air, domain, bands, sky.sampled_irradiance()); d >= 0 && plan.sky_components > 0)
     report["sky"]["diffuse_irradiance_row_difference"] = d;
   plan.report_json = report.dump(2);
   plan.wavelength_um = std::move(spectral.wavelength_um);
