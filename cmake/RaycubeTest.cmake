@@ -1,11 +1,12 @@
 # raycube_test(name SOURCES a.cpp LIBS lib... LABELS fast|slow|device): one doctest executable that is one ctest test.
 # tests/test_main.cpp supplies main(), compiled once for all. Names of doctest cases carry the S-numbers they show.
 add_library(raycube_test_main OBJECT ${PROJECT_SOURCE_DIR}/tests/test_main.cpp)
-target_link_libraries(raycube_test_main PRIVATE raycube_warnings)
+target_link_libraries(raycube_test_main PRIVATE raycube_warnings raycube_base)
 function(raycube_test name)
   cmake_parse_arguments(T "" "" "SOURCES;LIBS;LABELS" ${ARGN})
   add_executable(test_${name} ${T_SOURCES} $<TARGET_OBJECTS:raycube_test_main>)
-  target_link_libraries(test_${name} PRIVATE raycube_warnings ${T_LIBS})
+  target_link_libraries(test_${name} PRIVATE raycube_warnings ${T_LIBS} raycube_base)
+  target_link_options(test_${name} PRIVATE LINKER:--export-dynamic-symbol=abort)
   # A test's own code runs for moments and is compiled each time; what it tests keeps the build's optimisation.
   target_compile_options(test_${name} PRIVATE -O1)
   set_target_properties(test_${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)

@@ -22,11 +22,6 @@ std::array<Slot, 64> slots;
 std::atomic<int> arrived{0};
 static_assert(std::atomic<int>::is_always_lock_free, "the handler needs lock-free flags");
 
-void remove_temporaries() noexcept {
-  for (auto& slot : slots)
-    if (slot.state.load() == 2) ::unlink(slot.path);
-}
-
 extern "C" void raycube_on_signal(int number) {
   int none = 0;
   if (arrived.compare_exchange_strong(none, number)) return;
@@ -39,6 +34,11 @@ extern "C" void raycube_on_signal(int number) {
 }
 
 }  // namespace
+
+void remove_temporaries() noexcept {
+  for (auto& slot : slots)
+    if (slot.state.load() == 2) ::unlink(slot.path);
+}
 
 void leave_at_once(std::string_view message, Fault fault) noexcept {
   remove_temporaries();

@@ -14,6 +14,9 @@ namespace raycube::base {
 /// a file-size limit is an error of write().
 void install_signal_handlers();
 
+/// Unlinks the registered temporaries. Safe in a signal handler.
+void remove_temporaries() noexcept;
+
 /// Removes the registered temporaries, prints `message` and ends the process, running nothing else. Safe in a signal handler.
 [[noreturn]] void leave_at_once(std::string_view message, Fault fault) noexcept;
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "host/base/doing.h"
 #include "host/cl/kernel.h"
 #include "host/cl/status.h"
 
@@ -18,6 +19,8 @@ Context::Context(Device device) : device_(std::move(device)), sizes_(default_lau
 }
 
 void Context::launch(const Kernel& kernel, std::size_t global) const {
+  const base::Doing doing("launching kernel", kernel.name());  // which PoCL compiles when it is new
+  base::remember_launch(kernel.name());
   if (times_) finish();
   const auto start = std::chrono::steady_clock::now();
   const auto enqueue = [&](std::size_t first, std::size_t count, std::size_t local) {

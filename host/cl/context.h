@@ -5,6 +5,7 @@
 #include <string>
 
 #include "host/cl/device.h"
+#include "host/cl/handle.h"
 #include "host/cl/launch_sizes.h"
 
 namespace raycube::cl {

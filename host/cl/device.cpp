@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <map>
+#include <mutex>
+#include <utility>
 
 #include "host/base/error.h"
 #include "host/cl/status.h"
@@ -34,9 +37,25 @@ std::string lower(std::string text) {
   return text;
 }
 
+/// The part of `units` compute units of a device, made when first asked for and never given back. PoCL 3.1 counts no context's or
+/// queue's use of a sub-device, and its worker releases a finished command's event, through event->queue->device, after clFinish
+/// has returned: a sub-device released by then is somebody else's memory, and the process dies now and then (POclReleaseEvent).
+cl_device_id part_of(cl_device_id device, std::uint32_t units, const std::string& name) {
+  static std::mutex mutex;
+  static auto& parts = *new std::map<std::pair<cl_device_id, std::uint32_t>, cl_device_id>;  // workers outlive static objects
+  const std::lock_guard lock(mutex);
+  cl_device_id& part = parts[{device, units}];
+  if (!part) {
+    const cl_device_partition_property split[] = {CL_DEVICE_PARTITION_BY_COUNTS, static_cast<cl_device_partition_property>(units),
+                                                  CL_DEVICE_PARTITION_BY_COUNTS_LIST_END, 0};
+    check(clCreateSubDevices(device, split, 1, &part, nullptr), "clCreateSubDevices, " + std::to_string(units) + " units", name);
+  }
+  return part;
+}
+
 }  // namespace
 
-Device::Device(cl_device_id root) : id_(root) { query(); }
+Device::Device(cl_device_id id) : id_(id) { query(); }
 
 void Device::query() {
   info_.name = text_of(id_, CL_DEVICE_NAME);
@@ -67,16 +86,7 @@ Device Device::with_compute_units(std::uint32_t units) const {
     throw Error(Fault::input, "device '" + info_.name + "' has " + std::to_string(info_.compute_units) + " compute units, found " +
                                   std::to_string(units) + "; give a number of threads from 1 to " +
                                   std::to_string(info_.compute_units));
-  if (units == info_.compute_units && !owned_) return Device(id_);
-  const cl_device_partition_property split[] = {CL_DEVICE_PARTITION_BY_COUNTS, static_cast<cl_device_partition_property>(units),
-                                                CL_DEVICE_PARTITION_BY_COUNTS_LIST_END, 0};
-  cl_device_id part = nullptr;
-  check(clCreateSubDevices(id_, split, 1, &part, nullptr), "clCreateSubDevices, " + std::to_string(units) + " units", info_.name);
-  Device device;
-  device.id_ = part;
-  device.owned_ = Handle<cl_device_id, clReleaseDevice>(part);
-  device.query();
-  return device;
+  return Device(units == info_.compute_units ? id_ : part_of(id_, units, info_.name));
 }
 
 std::vector<Device> list_devices() {

@@ -1,11 +1,11 @@
 // OpenCL devices of this machine, and the parts of one (sub-devices) that a thread limit asks for.
 #pragma once
 
+#include <CL/cl.h>
+
 #include <cstdint>
 #include <string>
 #include <vector>
-
-#include "host/cl/handle.h"
 
 namespace raycube::cl {
 
@@ -22,10 +22,10 @@ struct DeviceInfo {
   bool is_cpu = false;
 };
 
-/// One device; a root device is borrowed from the platform, a sub-device is owned.
+/// One device, whole or part of one; nobody owns it, parts live as long as the process (device.cpp says why).
 class Device {
  public:
-  explicit Device(cl_device_id root);
+  explicit Device(cl_device_id id);
   const DeviceInfo& info() const { return info_; }
   const std::string& name() const { return info_.name; }
   cl_device_id operator()() const { return id_; }
@@ -35,10 +35,8 @@ class Device {
   Device with_compute_units(std::uint32_t units) const;
 
  private:
-  Device() = default;
   void query();
   cl_device_id id_ = nullptr;
-  Handle<cl_device_id, clReleaseDevice> owned_;
   DeviceInfo info_;
 };
 

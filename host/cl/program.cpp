@@ -1,5 +1,6 @@
 #include "host/cl/program.h"
 
+#include "host/base/doing.h"
 #include "host/base/error.h"
 #include "host/cl/status.h"
 
@@ -7,6 +8,7 @@ namespace raycube::cl {
 
 Program::Program(const Context& context, const std::string& name, std::string_view source, const std::string& options)
     : name_(name), options_(options), device_name_(context.device().name()), device_(context.device()()), most_local_(context.device().info().max_work_items) {
+  const base::Doing doing("building program", name);
   cl_int status = CL_SUCCESS;
   const char* text = source.data();
   const std::size_t length = source.size();

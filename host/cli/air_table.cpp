@@ -12,6 +12,7 @@
 #include "atmos_tables/compiler/layered_air.h"
 #include "atmos_tables/rct_file.h"
 #include "host/base/cache_folder.h"
+#include "host/base/doing.h"
 #include "host/base/error.h"
 #include "host/base/interrupt.h"
 #include "host/base/progress.h"
@@ -66,6 +67,7 @@ atmos::RenderTable build_with_progress(const AirRequest& request, const std::vec
 }  // namespace
 
 atmos::RenderTable air_table(const AirRequest& request, Context& context) {
+  const base::Doing doing("making the table of the air");
   const scene::AtmosphereSpec& spec = *request.spec;
   if (!spec.layered || !spec.table_file.empty() || spec.none) {
     const bool from_file = !spec.table_file.empty();

@@ -4,11 +4,13 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "host/base/crash_report.h"
 #include "host/base/interrupt.h"
 
 extern "C" {
 
 [[noreturn]] void abort() noexcept {
+  raycube::base::print_stack();
   raycube::base::leave_at_once(
       "a library ended the program, most likely the OpenCL driver; what it said stands above. A damaged kernel cache does "
       "that: remove the cache (PoCL: $POCL_CACHE_DIR, else ~/.cache/pocl/kcache) and run again",

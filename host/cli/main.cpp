@@ -5,6 +5,8 @@
 #include <iostream>
 #include <new>
 
+#include "host/base/crash_report.h"
+#include "host/base/doing.h"
 #include "host/base/error.h"
 #include "host/base/interrupt.h"
 #include "host/cli/parser.h"
@@ -40,6 +42,7 @@ int run(int argc, char** argv, std::unique_ptr<raycube::base::Log>& log) {
     std::string command_line;
     for (int i = 0; i < argc; ++i) command_line += (i ? " " : "") + std::string(argv[i]);
     base::install_signal_handlers();
+    const base::Doing doing("command", command_line);
     cli::Context context{values, *log, std::cout, command_line};
     status = parsed.verb->run(context);
   }
@@ -50,6 +53,7 @@ int run(int argc, char** argv, std::unique_ptr<raycube::base::Log>& log) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  raycube::base::install_crash_report();
   std::unique_ptr<raycube::base::Log> log;
   // A fixed threshold: what is large goes back to the system when it is freed, so that peak memory does not depend on when.
   mallopt(M_MMAP_THRESHOLD, kMmapThreshold_bytes);

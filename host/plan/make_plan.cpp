@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "host/base/doing.h"
 #include "host/base/error.h"
 #include "host/plan/adjacency.h"
 #include "host/plan/band_space.h"
@@ -133,6 +134,7 @@ nlohmann::json describe(const NodeAxis& axis) { return {{"first", axis.first}, {
 
 Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& instrument, const atmos::RenderTable& table,
                const ViewBounds& view) {
+  const base::Doing doing("planning instrument", instrument.name);
   if (simulation.sky_directions < 1 || simulation.sky_directions > kMostDirections)
     throw base::Error(base::Fault::input, fmt::format("{}: sky_directions must be 1 to {} (found {}); 16 is the default", simulation.file,
                                                       kMostDirections, simulation.sky_directions));

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <map>
 
+#include "host/base/doing.h"
 #include "host/base/error.h"
 #include "host/base/interrupt.h"
 #include "host/base/memory.h"
@@ -235,6 +236,7 @@ std::string LidarRenderer::program_hash() const { return base::sha256_hex(state_
 double LidarRenderer::launch_s() const { return state_->launch_s; }
 
 void LidarRenderer::render(const lidar::LidarPlan& plan, const std::vector<lidar::Shot>& shots, const ShotSink& sink, bool hits) {
+  const base::Doing doing("rendering LIDAR", plan.lidar.name);
   State& s = *state_;
   s.launch_s = 0;
   if (shots.empty()) return;

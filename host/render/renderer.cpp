@@ -8,6 +8,7 @@
 #include <mutex>
 #include <thread>
 
+#include "host/base/doing.h"
 #include "host/base/error.h"
 #include "host/base/interrupt.h"
 #include "host/base/sha256.h"
@@ -141,6 +142,7 @@ TileSize Renderer::tile_size(const scene::Instrument& instrument, const plan::Pl
 
 RenderStatistics Renderer::render(const scene::Instrument& instrument, const plan::Plan& plan, const scene::Sun& sun,
                                   std::uint64_t seed, const StripSink& sink, const ProgressSink& progress) {
+  const base::Doing doing("rendering instrument", instrument.name);
   const RenderSetup setup = state_->setup(instrument, plan, sun, seed);
   const TileSize size = tile_size(instrument, plan, state_->tuning.tile_samples);
   TilePasses passes(setup, size.lines, size.columns, state_->row_capacity(setup.shape), state_->tile_budget());
@@ -174,6 +176,7 @@ RenderStatistics Renderer::render(const scene::Instrument& instrument, const pla
 
 RenderStatistics Renderer::probe(const scene::Instrument& instrument, const plan::Plan& plan, const scene::Sun& sun,
                                  std::uint64_t seed, const std::vector<Tile>& tiles, const ProbeSink& sink) {
+  const base::Doing doing("rendering tiles of instrument", instrument.name);
   const RenderSetup setup = state_->setup(instrument, plan, sun, seed);
   int columns = 1, lines = 1;
   for (const auto& tile : tiles) {

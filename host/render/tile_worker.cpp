@@ -8,6 +8,7 @@
 #include <numeric>
 #include <set>
 
+#include "host/base/doing.h"
 #include "host/render/standard_error.h"
 #include "host/render/truth.h"
 #include "host/sensors/psf.h"
@@ -34,6 +35,7 @@ double weight_of(int i, int k, float f) { return i == k ? 1.0 - f : i == k + 1 ?
 
 template <class Action>
 void TileWorker::timed(const std::string& stage, Action action) {
+  const base::Doing doing("stage", stage);
   const auto start = std::chrono::steady_clock::now();
   action();
   setup_.context.finish();

@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "host/base/error.h"
+#include "host/base/doing.h"
 #include "host/base/sha256.h"
 #include "host/sensors/ray_groups.h"
 #include "kernels/kernel_source.h"
@@ -125,6 +126,7 @@ void TraceStages::run(const TileLayout& layout, int chunk, TraceBuffers& traced,
   const cl_uint first_sample = s.first_sample(chunk), sample_count = s.sample_count(chunk);
   const std::size_t groups = layout.groups();
   const auto launch = [&](const char* stage, const cl::Kernel& kernel) {
+    const base::Doing doing("stage", stage);
     const auto start = std::chrono::steady_clock::now();
     s.context.launch(kernel, groups);
     s.context.finish();

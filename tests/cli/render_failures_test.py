@@ -104,6 +104,19 @@ with tempfile.TemporaryDirectory() as work:
     check(record(work / "long" / "camera")["digest"] == digest)
     check({path.name for path in files(work / "long")} == {path.name for path in kept})
 
+    # A signal of a fault: the status stays the signal's, the report says what was being done, what was half written goes. (LLVM's handler
+    # takes the first one that is sent, once it has built a kernel: the program goes on as it would for it.)
+    process = mid_render(long, work / "fault")
+    while process.poll() is None:
+        process.send_signal(signal.SIGSEGV)
+        time.sleep(0.3)
+    err = process.communicate()[1]
+    check(process.returncode == -signal.SIGSEGV and err.count("error: ") == 1, process.returncode, err)
+    for part in ("ended by signal 11 (SIGSEGV", ": command 'raycube", ": rendering instrument 'camera'\n", "kernels launched last: trace_",
+                 "stack (addr2line", "/libc.so.6("):
+        check(part in err, part, err)
+    check(not any(".img." in path.name for path in files(work / "fault")), files(work / "fault"))
+
     # A damaged kernel cache: the driver gives up, the program says so with the way out. An empty cache is no damage.
     cache = work / "cache"
     cache.mkdir()

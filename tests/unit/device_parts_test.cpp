@@ -1,0 +1,55 @@
+// Parts of a device come and go while the driver's threads still let go of what ran on them. CTest runs this with MALLOC_PERTURB_, which
+// overwrites what is freed, so that a driver that reads it afterwards fails here and not once in a thousand renders.
+#include <doctest/doctest.h>
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "host/base/error.h"
+#include "host/cl/context.h"
+#include "host/cl/kernel.h"
+
+using namespace raycube;
+
+namespace {
+
+constexpr const char* kSource = "kernel void add_one(global float* x) { x[get_global_id(0)] += 1.0f; }\n";
+constexpr std::size_t kItems = 64;
+
+/// What a renderer does to a device: context, program, launches, results, end.
+float run_once(cl::Device device) {
+  const cl::Context context(std::move(device));
+  const cl::Program program(context, "add_one", kSource, "");
+  cl::Kernel kernel(program, "add_one");
+  cl::Buffer<float> values(context, std::vector<float>(kItems, 0.5f), cl::Access::read_write, "values");
+  kernel.arguments(values);
+  for (int i = 0; i < 12; ++i) context.launch(kernel, kItems);
+  context.finish();
+  return values.read_all().back();
+}
+
+}  // namespace
+
+TEST_CASE("a part of a device is one and the same whenever it is asked for, and has the units asked for") {
+  const cl::Device whole = cl::find_device("");
+  if (whole.info().compute_units < 2) return;
+  const cl_device_id first = whole.with_compute_units(1)();
+  const auto again = whole.with_compute_units(1);
+  CHECK(again() == first);
+  CHECK(again.info().compute_units == 1);
+  CHECK(again() != whole());
+  CHECK(whole.with_compute_units(whole.info().compute_units)() == whole());
+  CHECK_THROWS_AS(whole.with_compute_units(0), base::Error);
+  CHECK_THROWS_AS(whole.with_compute_units(whole.info().compute_units + 1), base::Error);
+}
+
+TEST_CASE("S63 a hundred contexts on a part of a device and on the whole, one after the other") {
+  const cl::Device whole = cl::find_device("");
+  const std::uint32_t units = whole.info().compute_units;
+  if (units < 2) return;
+  for (int round = 0; round < 50; ++round) {
+    CHECK(run_once(whole.with_compute_units(1)) == 12.5f);
+    CHECK(run_once(whole.with_compute_units(units)) == 12.5f);
+  }
+}
