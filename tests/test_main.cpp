@@ -1,4 +1,5 @@
-// main() of every test of ours. What ends a test by a signal is told by the program's own report, which names the case.
+// main() of every test of ours. What ends a test by a signal is told by the program's own report, which names
+// the case.
 #define DOCTEST_CONFIG_IMPLEMENT
 #define DOCTEST_CONFIG_NO_POSIX_SIGNALS
 #include <doctest/doctest.h>
@@ -15,10 +16,14 @@ namespace {
 class Crumbs : public doctest::IReporter {
  public:
   explicit Crumbs(const doctest::ContextOptions&) {}
-  void test_case_start(const doctest::TestCaseData& test) override { doing_.emplace("test case", test.m_name); }
+  void test_case_start(const doctest::TestCaseData& test) override {
+    doing_.emplace("test case", test.m_name);
+  }
   void test_case_reenter(const doctest::TestCaseData&) override {}
   void test_case_end(const doctest::CurrentTestCaseStats&) override { doing_.reset(); }
-  void subcase_start(const doctest::SubcaseSignature& part) override { parts_.emplace_back(std::in_place, "part", part.m_name.c_str()); }
+  void subcase_start(const doctest::SubcaseSignature& part) override {
+    parts_.emplace_back(std::in_place, "part", part.m_name.c_str());
+  }
   void subcase_end() override { parts_.pop_back(); }
   void report_query(const doctest::QueryData&) override {}
   void test_run_start() override {}
@@ -37,7 +42,8 @@ class Crumbs : public doctest::IReporter {
 
 REGISTER_LISTENER("crumbs", 1, Crumbs);
 
-// A library that gives up is reported too: LLVM's handler of SIGABRT keeps ours from being called (host/cli/library_abort.cpp).
+// A library that gives up is reported too: LLVM's handler of SIGABRT keeps ours from being called
+// (host/cli/library_abort.cpp).
 extern "C" [[noreturn]] void abort() noexcept { raycube::base::end_by_abort(); }
 
 int main(int argc, char** argv) {

@@ -16,7 +16,8 @@ namespace raycube::base {
 namespace {
 
 constexpr std::array kSignals{SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
-constexpr unsigned kPatience_s = 20;  ///< a report takes milliseconds; past this something in it waits for a lock
+constexpr unsigned kPatience_s =
+    20;  ///< a report takes milliseconds; past this something in it waits for a lock
 constexpr int kMostFrames = 64;
 
 std::atomic<int> reporter{0};  // the thread whose report this is
@@ -47,11 +48,16 @@ void say_line(const char* text) noexcept {
 
 const char* name_of(int number) noexcept {
   switch (number) {
-    case SIGSEGV: return "SIGSEGV, a wrong address or a stack that overflowed";
-    case SIGBUS: return "SIGBUS, a mapped file that was cut short or a memory that failed";
-    case SIGFPE: return "SIGFPE, an integer division";
-    case SIGILL: return "SIGILL, an instruction that this processor does not know";
-    case SIGABRT: return "SIGABRT, a library or the program gave up";
+    case SIGSEGV:
+      return "SIGSEGV, a wrong address or a stack that overflowed";
+    case SIGBUS:
+      return "SIGBUS, a mapped file that was cut short or a memory that failed";
+    case SIGFPE:
+      return "SIGFPE, an integer division";
+    case SIGILL:
+      return "SIGILL, an instruction that this processor does not know";
+    case SIGABRT:
+      return "SIGABRT, a library or the program gave up";
   }
   return "a signal";
 }
@@ -73,7 +79,8 @@ extern "C" void raycube_on_patience_lost(int) {
   ::raise(ending);
 }
 
-/// True for the one thread that reports; false for a fault inside its own report. Other threads wait here for the end.
+/// True for the one thread that reports; false for a fault inside its own report. Other threads wait here for
+/// the end.
 bool claim_report(int number) noexcept {
   int nobody = 0;
   const int self = static_cast<int>(::gettid());

@@ -1,5 +1,6 @@
-// A stack for signal handlers in every thread: the system keeps that setting per thread, and those of OpenCL drivers are started by
-// the drivers. So the program brings its own pthread_create, which libraries find before libc's, and which calls libc's.
+// A stack for signal handlers in every thread: the system keeps that setting per thread, and those of OpenCL
+// drivers are started by the drivers. So the program brings its own pthread_create, which libraries find
+// before libc's, and which calls libc's.
 #include <csignal>
 #include <cstddef>
 #include <memory>
@@ -13,10 +14,12 @@
 
 namespace raycube::base {
 
-constexpr std::size_t kStackBytes = std::size_t{128} << 10;  ///< the unwinder's and the dynamic linker's frames, with room
+constexpr std::size_t kStackBytes = std::size_t{128}
+                                    << 10;  ///< the unwinder's and the dynamic linker's frames, with room
 
 CrashStack::CrashStack() noexcept {
-  void* memory = ::mmap(nullptr, kStackBytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  void* memory = ::mmap(nullptr, kStackBytes, PROT_READ | PROT_WRITE,
+                        MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   if (memory == MAP_FAILED) return;
   stack_t stack{};
   stack.ss_sp = memory;
@@ -57,7 +60,8 @@ void* with_crash_stack(void* given) {
 
 }  // namespace
 
-extern "C" int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, Body body, void* argument) noexcept {
+extern "C" int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, Body body,
+                              void* argument) noexcept {
   static const auto create = reinterpret_cast<Create>(::dlsym(RTLD_NEXT, "pthread_create"));
   auto* start = new (std::nothrow) Start{body, argument};
   if (!start) return create(thread, attributes, body, argument);

@@ -1,6 +1,7 @@
 #include "host/cl/buffer.h"
 
 #include "host/base/error.h"
+#include "host/cl/kernel_cache.h"
 #include "host/cl/status.h"
 
 namespace raycube::cl {
@@ -25,18 +26,21 @@ RawBuffer::RawBuffer(const Context& context, std::size_t bytes, Access access, c
 }
 
 void RawBuffer::write(const void* from, std::size_t bytes, std::size_t offset) {
+  const DriverWork work;
   if (offset + bytes > bytes_) throw base::Error(base::Fault::bug, "write past the end of the buffer for " + what_);
   check(clEnqueueWriteBuffer(context_->queue(), memory_(), CL_TRUE, offset, bytes, from, 0, nullptr, nullptr),
         "clEnqueueWriteBuffer of " + what_, context_->device().name());
 }
 
 void RawBuffer::read(void* to, std::size_t bytes, std::size_t offset) const {
+  const DriverWork work;
   if (offset + bytes > bytes_) throw base::Error(base::Fault::bug, "read past the end of the buffer for " + what_);
   check(clEnqueueReadBuffer(context_->queue(), memory_(), CL_TRUE, offset, bytes, to, 0, nullptr, nullptr),
         "clEnqueueReadBuffer of " + what_, context_->device().name());
 }
 
 void* RawBuffer::map(bool for_writing) {
+  const DriverWork work;
   cl_int status = CL_SUCCESS;
   void* mapped = clEnqueueMapBuffer(context_->queue(), memory_(), CL_TRUE, for_writing ? CL_MAP_WRITE | CL_MAP_READ : CL_MAP_READ, 0,
                                     bytes_, 0, nullptr, nullptr, &status);

@@ -5,6 +5,7 @@
 
 #include "host/base/doing.h"
 #include "host/cl/kernel.h"
+#include "host/cl/kernel_cache.h"
 #include "host/cl/status.h"
 
 namespace raycube::cl {
@@ -21,10 +22,13 @@ Context::Context(Device device) : device_(std::move(device)), sizes_(default_lau
 void Context::launch(const Kernel& kernel, std::size_t global) const {
   const base::Doing doing("launching kernel", kernel.name());  // which PoCL compiles when it is new
   base::remember_launch(kernel.name());
+  const DriverWork work;
   if (times_) finish();
   const auto start = std::chrono::steady_clock::now();
   const auto enqueue = [&](std::size_t first, std::size_t count, std::size_t local) {
-    check(clEnqueueNDRangeKernel(queue_(), kernel(), 1, &first, &count, &local, 0, nullptr, nullptr),
+    const cl_int status = clEnqueueNDRangeKernel(queue_(), kernel(), 1, &first, &count, &local, 0, nullptr, nullptr);
+    if (status != CL_SUCCESS) blame_full_disk();
+    check(status,
           "clEnqueueNDRangeKernel of '" + kernel.name() + "', " + std::to_string(count) + " work-items by " + std::to_string(local), device_.name());
   };
   const std::size_t local = std::clamp<std::size_t>(sizes_.of(kernel.name()), 1, kernel.most_local()), whole = global / local * local;
@@ -37,8 +41,14 @@ void Context::launch(const Kernel& kernel, std::size_t global) const {
   time.most_items = std::max(time.most_items, global);
 }
 
-void Context::flush() const { check(clFlush(queue_()), "clFlush", device_.name()); }
+void Context::flush() const {
+  const DriverWork work;
+  check(clFlush(queue_()), "clFlush", device_.name());
+}
 
-void Context::finish() const { check(clFinish(queue_()), "clFinish", device_.name()); }
+void Context::finish() const {
+  const DriverWork work;
+  check(clFinish(queue_()), "clFinish", device_.name());
+}
 
 }  // namespace raycube::cl

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "host/base/error.h"
+#include "host/cl/kernel_cache.h"
 #include "host/cl/status.h"
 
 namespace raycube::cl {
@@ -90,6 +91,7 @@ Device Device::with_compute_units(std::uint32_t units) const {
 }
 
 std::vector<Device> list_devices() {
+  prepare_kernel_cache();
   cl_uint count = 0;
   const cl_int status = clGetPlatformIDs(0, nullptr, &count);
   std::vector<cl_platform_id> platforms(count);

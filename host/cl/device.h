@@ -40,7 +40,7 @@ class Device {
   DeviceInfo info_;
 };
 
-/// All devices of all platforms, in the loader's order. Throws Error(device) when there are none.
+/// All devices of all platforms, in the loader's order; where an OpenCL program begins (kernel_cache.h). Throws Error(device) when there are none.
 std::vector<Device> list_devices();
 
 /// The device whose number ("0") or part of whose name (any case) is given; empty: the first. Throws Error(input) that

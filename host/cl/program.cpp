@@ -9,6 +9,14 @@ namespace raycube::cl {
 Program::Program(const Context& context, const std::string& name, std::string_view source, const std::string& options)
     : name_(name), options_(options), device_name_(context.device().name()), device_(context.device()()), most_local_(context.device().info().max_work_items) {
   const base::Doing doing("building program", name);
+  require_room_for_kernels();
+  const DeviceInfo& on = context.device().info();
+  std::string key;
+  for (const std::string_view part : {std::string_view(on.platform), std::string_view(on.name), std::string_view(on.version),
+                                      std::string_view(on.driver), std::string_view(options), source})
+    (key += part) += '\0';
+  kept_ = std::make_unique<KeptKernels>(key);
+  const DriverWork work;
   cl_int status = CL_SUCCESS;
   const char* text = source.data();
   const std::size_t length = source.size();
@@ -21,9 +29,11 @@ Program::Program(const Context& context, const std::string& name, std::string_vi
     clGetProgramBuildInfo(program_(), device_, CL_PROGRAM_BUILD_LOG, size, log_.data(), nullptr);
     log_.resize(size - 1);
   }
+  if (status != CL_SUCCESS) blame_full_disk();
   if (status != CL_SUCCESS)
     throw base::Error(base::Fault::device, "OpenCL: clBuildProgram of '" + name + "' failed with " + status_name(status) +
                                                " on device '" + device_name_ + "', options '" + options + "':\n" + log_);
+  kept_->built();
 }
 
 }  // namespace raycube::cl

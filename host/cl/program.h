@@ -1,18 +1,21 @@
 // An OpenCL program built from embedded source.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "host/cl/context.h"
+#include "host/cl/kernel_cache.h"
 
 namespace raycube::cl {
 
 class Program {
  public:
   /// Builds `source` with `options` (language version and exact-arithmetic options are not added here). A failed build
-  /// throws Error(device) with name, device, options and the log, whose lines name the kernel files.
+  /// throws Error(device) with name, device, options and the log, whose lines name the kernel files. Kernels that an earlier run
+  /// compiled of the same come from the cache (kernel_cache.h); throws Error(environment) when that has no room.
   Program(const Context& context, const std::string& name, std::string_view source, const std::string& options);
   const std::string& name() const { return name_; }
   const std::string& options() const { return options_; }
@@ -28,6 +31,7 @@ class Program {
   std::string name_, options_, device_name_, log_;
   cl_device_id device_ = nullptr;  ///< the context's
   std::size_t most_local_ = 1;
+  std::unique_ptr<KeptKernels> kept_;  ///< goes after the program, whose kernels are all compiled by then
   Handle<cl_program, clReleaseProgram> program_;
 };
 

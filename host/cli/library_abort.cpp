@@ -12,8 +12,8 @@ extern "C" {
 [[noreturn]] void abort() noexcept {
   raycube::base::print_stack();
   raycube::base::leave_at_once(
-      "a library ended the program, most likely the OpenCL driver; what it said stands above. A damaged kernel cache does "
-      "that: remove the cache (PoCL: $POCL_CACHE_DIR, else ~/.cache/pocl/kcache) and run again",
+      "a library ended the program, most likely the OpenCL driver; what it said stands above. A damaged kernel cache of your own does "
+      "that: where POCL_CACHE_DIR is set, remove that folder or unset it (raycube's own cache is checked), and run again",
       raycube::base::Fault::device);
 }
 

@@ -9,6 +9,7 @@
 #include "host/base/doing.h"
 #include "host/base/error.h"
 #include "host/base/interrupt.h"
+#include "host/cl/kernel_cache.h"
 #include "host/cli/parser.h"
 
 namespace {
@@ -42,6 +43,7 @@ int run(int argc, char** argv, std::unique_ptr<raycube::base::Log>& log) {
     std::string command_line;
     for (int i = 0; i < argc; ++i) command_line += (i ? " " : "") + std::string(argv[i]);
     base::install_signal_handlers();
+    cl::set_cache_notices([&log = *log](base::Level level, const std::string& text) { log.message(level, text); });
     const base::Doing doing("command", command_line);
     cli::Context context{values, *log, std::cout, command_line};
     status = parsed.verb->run(context);

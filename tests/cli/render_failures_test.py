@@ -112,7 +112,7 @@ with tempfile.TemporaryDirectory() as work:
         time.sleep(0.3)
     err = process.communicate()[1]
     check(process.returncode == -signal.SIGSEGV and err.count("error: ") == 1, process.returncode, err)
-    for part in ("ended by signal 11 (SIGSEGV", ": command 'raycube", ": rendering instrument 'camera'\n", "kernels launched last: trace_",
+    for part in ("ended by signal 11 (SIGSEGV", ": command '", ": rendering instrument 'camera'\n", "kernels launched last: trace_",
                  "stack (addr2line", "/libc.so.6("):
         check(part in err, part, err)
     check(not any(".img." in path.name for path in files(work / "fault")), files(work / "fault"))

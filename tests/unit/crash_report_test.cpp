@@ -1,4 +1,5 @@
-// What a process that a signal ends leaves behind: a child does what ends it, the parent reads its stderr and status.
+// What a process that a signal ends leaves behind: a child does what ends it, the parent reads its stderr and
+// status.
 #include <doctest/doctest.h>
 
 #include <csignal>
@@ -51,7 +52,8 @@ End end_of(const std::function<void()>& deed) {
   ::close(ends[1]);
   End end;
   char piece[4096];
-  for (ssize_t count; (count = ::read(ends[0], piece, sizeof piece)) > 0;) end.said.append(piece, static_cast<std::size_t>(count));
+  for (ssize_t count; (count = ::read(ends[0], piece, sizeof piece)) > 0;)
+    end.said.append(piece, static_cast<std::size_t>(count));
   ::close(ends[0]);
   int status = 0;
   ::waitpid(child, &status, 0);
@@ -71,7 +73,9 @@ volatile int zero = 0;
 
 }  // namespace
 
-TEST_CASE("every signal of the five is reported with what was being done and the stack, and stays the process's status") {
+TEST_CASE(
+    "every signal of the five is reported with what was being done and the stack, and stays the process's "
+    "status") {
   const TestFolder folder;
   folder.write("mapped", std::string(10, 'x'));
   const struct {
@@ -84,7 +88,8 @@ TEST_CASE("every signal of the five is reported with what was being done and the
               {SIGABRT, [] { ::raise(SIGABRT); }},
               {SIGBUS, [&] {
                  const int file = ::open((folder / "mapped").c_str(), O_RDWR);
-                 auto* at = static_cast<volatile char*>(::mmap(nullptr, 4096, PROT_READ, MAP_SHARED, file, 0));
+                 auto* at =
+                     static_cast<volatile char*>(::mmap(nullptr, 4096, PROT_READ, MAP_SHARED, file, 0));
                  static_cast<void>(::ftruncate(file, 0));
                  zero = at[5];
                }}};
@@ -126,7 +131,9 @@ TEST_CASE("a stack that overflows is reported on the main thread and on one that
   }
 }
 
-TEST_CASE("two threads that fall at once leave one report; registered temporaries go, what is done no longer is not told") {
+TEST_CASE(
+    "two threads that fall at once leave one report; registered temporaries go, what is done no longer is "
+    "not told") {
   const TestFolder folder;
   folder.write(".half", "written");
   const End end = end_of([&] {
@@ -147,7 +154,8 @@ TEST_CASE("names of any length, and more of them than are kept, do no harm") {
     const base::Doing longest(std::string(10000, 'a'), std::string(10000, 'b'));
     base::remember_launch(std::string(10000, 'c'));
     std::vector<std::unique_ptr<base::Doing>> many;
-    for (int i = 0; i < 200; ++i) many.push_back(std::make_unique<base::Doing>("one of many", std::to_string(i)));
+    for (int i = 0; i < 200; ++i)
+      many.push_back(std::make_unique<base::Doing>("one of many", std::to_string(i)));
     ::raise(SIGSEGV);
   });
   CHECK(end.signal == SIGSEGV);

@@ -1,5 +1,6 @@
-// Parts of a device come and go while the driver's threads still let go of what ran on them. CTest runs this with MALLOC_PERTURB_, which
-// overwrites what is freed, so that a driver that reads it afterwards fails here and not once in a thousand renders.
+// Parts of a device come and go while the driver's threads still let go of what ran on them. CTest runs this
+// with MALLOC_PERTURB_, which overwrites what is freed, so that a driver that reads it afterwards fails here
+// and not once in a thousand renders.
 #include <doctest/doctest.h>
 
 #include <cstdint>

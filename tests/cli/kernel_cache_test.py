@@ -1,0 +1,197 @@
+#!/usr/bin/env python3
+"""Where compiled kernels are kept (host/cl/kernel_cache.h): a folder of the user's own that is checked, healed and swept; a private one
+without a home; one error where the disk is full. The oracle is the digest of a run with the driver's own cache.
+usage: kernel_cache_test.py RAYCUBE"""
+import os
+import pathlib
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+from driver import Program, record, scene
+
+program = Program(sys.argv[1])
+check = program.check
+SHARED_PLACES = [pathlib.Path("/tmp/.cache/pocl"), pathlib.Path("/tmp/.cache/raycube"), pathlib.Path("/tmp/pocl")]
+
+
+def environment(work, **more):
+    """A bare machine: homes and temporary files under `work`, nothing of the user's."""
+    kept = {name: value for name, value in os.environ.items() if name not in ("HOME", "XDG_CACHE_HOME", "POCL_CACHE_DIR", "TMPDIR")}
+    (work / "tmp").mkdir(exist_ok=True)
+    return {**kept, "TMPDIR": str(work / "tmp"), **{name: str(value) for name, value in more.items()}}
+
+
+def render(work, name, env, status=0, warnings=0, says=(), **more):
+    """A render of the small scene; returns (its digest, stderr)."""
+    out = work / "out" / name
+    done = subprocess.run([program.path, "render", str(work / "tiny.toml"), "-o", str(out), "--overwrite"], env=env, capture_output=True,
+                          text=True, timeout=300, **more)
+    check(done.returncode == status, name, done.returncode, done.stderr)
+    check(done.stderr.count("raycube: warning: ") == warnings, name, done.stderr)
+    for part in says:
+        check(part in done.stderr, name, part, done.stderr)
+    if status != 0:
+        check(done.stderr.count("raycube: error: ") == 1, name, done.stderr)
+    return record(out / "camera")["digest"] if status == 0 else "", done.stderr
+
+
+def kept_in(folder):
+    return sorted(folder.glob("*.kernels"))
+
+
+def mode(path):
+    return path.stat().st_mode & 0o7777
+
+
+def home_of_its_own(work, digest):
+    """The first run keeps, the second takes; private, and nothing beside it."""
+    env = environment(work, HOME=work / "home")
+    (work / "home").mkdir()
+    store = work / "home/.cache/raycube/kernels"
+    check(render(work, "cold", env)[0] == digest)
+    kept = {path: path.read_bytes() for path in kept_in(store)}
+    check(len(kept) >= 2 and mode(store) == 0o700 and all(mode(path) == 0o600 for path in kept), kept.keys())
+    check(sorted(store.iterdir()) == sorted(kept), list(store.iterdir()))  # this run's own folder is gone
+    check(not (work / "home/.cache/pocl").exists() and list((work / "tmp").iterdir()) == [])
+    before = max(path.stat().st_mtime for path in kept)
+    check(render(work, "warm", env)[0] == digest)
+    check({path: path.read_bytes() for path in kept_in(store)} == kept)
+    check(all(path.stat().st_mtime > before for path in kept))  # used, so not the next to be swept
+    return env, store, kept
+
+
+def damage(work, env, store, kept, digest):
+    """Whatever is done to a file: one warning each, the same result, and the file whole again."""
+    victim, whole = max(kept.items(), key=lambda item: len(item[1]))
+    middle = len(whole) // 2
+    ways = {"cut short": whole[:middle], "empty": b"", "garbage": b"garbage", "longer": whole + b"x",
+            "one bit": whole[:middle] + bytes([whole[middle] ^ 1]) + whole[middle + 1:],
+            "another program's": next(content for path, content in kept.items() if path != victim)}
+    for name, content in ways.items():
+        victim.write_bytes(content)
+        check(render(work, name, env, warnings=1, says=[str(victim), "damaged", "compiled anew"])[0] == digest)
+        check(victim.stat().st_size > middle, name)
+        check(render(work, name, env)[0] == digest)
+    victim.unlink()
+    victim.symlink_to(work / "elsewhere")
+    (work / "elsewhere").write_bytes(whole)
+    render(work, "link", env, warnings=1, says=["damaged"])
+    check(not victim.is_symlink() and (work / "elsewhere").read_bytes() == whole)
+    victim.chmod(0o666)
+    render(work, "open to others", env, warnings=1, says=["others may write it"])
+    check(mode(victim) == 0o600)
+
+
+def others(work, env, store, kept, digest):
+    """A folder that others may write is not trusted; one of another user's is not touched."""
+    store.chmod(0o777)
+    check(render(work, "open", env, warnings=1, says=["open for others to write", "emptied"])[0] == digest)
+    check(mode(store) == 0o700 and len(kept_in(store)) == len(kept))
+    if os.geteuid() == 0:
+        os.chown(store, 12345, 12345)
+        before = kept_in(store)
+        check(render(work, "foreign", env, warnings=1, says=["belongs to user 12345", "not kept", "XDG_CACHE_HOME"])[0] == digest)
+        check(kept_in(store) == before and list((work / "tmp").iterdir()) == [])
+        os.chown(store, 0, 0)
+
+
+def no_home(work, digest):
+    """Without a home, or with one that may not be written: a private folder that goes, and nothing of a known name in a shared place."""
+    before = {place: place.exists() for place in SHARED_PLACES}
+    file = work / "file"
+    file.write_text("")
+    for name, env, says in (("no home", environment(work), "neither XDG_CACHE_HOME nor HOME is set"),
+                            ("unwritable home", environment(work, HOME="/proc/self"), "/proc/self/.cache/raycube/kernels"),
+                            ("file for a home", environment(work, HOME=file), f"{file}/.cache")):
+        check(render(work, name, env, warnings=1, says=[says, "not kept"])[0] == digest)
+        check(list((work / "tmp").iterdir()) == [], name)
+    check({place: place.exists() for place in SHARED_PLACES} == before)
+    render(work, "no place", {**environment(work), "TMPDIR": "/proc/self/fd"}, status=3, says=["no place for compiled kernels", "TMPDIR"])
+    own = work / "users"
+    check(render(work, "user's", environment(work, POCL_CACHE_DIR=own))[0] == digest)  # left to the driver
+    check(any(own.rglob("*.so")) and not any(own.rglob("*.kernels")))
+
+
+def sweep(work, env, store, kept):
+    """What was not used for long goes, the oldest of too much goes, and so does what a killed run left; a run's that lives stays."""
+    old, big, left = store / ("0" * 64 + ".kernels"), [store / (f"{i}" * 64 + ".kernels") for i in range(1, 4)], store / "run-killed"
+    old.write_bytes(b"x")
+    os.utime(old, (time.time() - 100 * 86400,) * 2)
+    for age, path in enumerate(big):
+        with open(path, "wb") as file:
+            file.truncate(100 << 20)
+        os.utime(path, (time.time() - 86400 * (age + 1),) * 2)
+    left.mkdir()
+    (left / "program.bc").write_bytes(b"x")
+    living = store / "run-living"
+    living.mkdir()
+    for folder in (left, living):
+        os.utime(folder, (time.time() - 3600,) * 2)
+    lock = subprocess.Popen(["flock", str(living), "sleep", "60"])
+    time.sleep(0.3)
+    render(work, "swept", env)
+    lock.kill()
+    lock.wait()
+    check(not old.exists() and [path.exists() for path in big] == [True, True, False] and not left.exists() and living.exists())
+    check(all(path.exists() for path in kept))
+    for path in big:
+        path.unlink(missing_ok=True)
+
+
+def full_disk(work, digest):
+    """No room for kernels: one error of the environment, before anything is built or when the compiler gives up."""
+    env = environment(work, XDG_CACHE_HOME=work / "small")
+    (work / "small").mkdir()
+
+    for limit in (8 << 10, 24 << 10, 100 << 10):  # the program, the first kernel, a later one do not fit
+        def short_files():
+            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+            resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+
+        done = subprocess.run([program.path, "render", str(work / "tiny.toml"), "-o", str(work / "out/short")], env=env, capture_output=True,
+                              text=True, timeout=300, preexec_fn=short_files)
+        check(done.returncode == 3 and done.stderr.count("raycube: error: ") == 1 and "ree some space" in done.stderr, limit, done)
+        check(not list((work / "out/short").rglob("radiance*")), done)
+    script = f'mount -t tmpfs -o size=1m none {work}/small || exit 99; exec "$0" "$@"'
+    if subprocess.run(["unshare", "-m", "mount", "-t", "tmpfs", "none", work / "small"], capture_output=True).returncode == 0:
+        done = subprocess.run(["unshare", "-m", "sh", "-c", script, program.path, "render", work / "tiny.toml", "-o", work / "out/full"], env=env,
+                              capture_output=True, text=True, timeout=300)
+        check(done.returncode == 3 and done.stderr.count("raycube: error: ") == 1, done)
+        check("no room for compiled kernels" in done.stderr and "XDG_CACHE_HOME" in done.stderr, done.stderr)
+    else:
+        print("kernel cache: SKIPPED the full disk: mounts need root and CAP_SYS_ADMIN", flush=True)
+
+
+def at_once(work, digest):
+    """Four runs that find an empty cache at the same time."""
+    env = environment(work, XDG_CACHE_HOME=work / "together")
+    runs = [program.start("render", work / "tiny.toml", "-o", work / f"out/together{i}", env=env) for i in range(4)]
+    for i, run in enumerate(runs):
+        err = run.communicate(timeout=300)[1]
+        check(run.returncode == 0 and "warning" not in err, err)
+        check(record(work / f"out/together{i}/camera")["digest"] == digest)
+    names = sorted((work / "together/raycube/kernels").iterdir())
+    check(names and all(path.suffix == ".kernels" for path in names), names)
+
+
+with tempfile.TemporaryDirectory() as folder:
+    work = pathlib.Path(folder)
+    scene(work, "tiny.toml")
+    digest = render(work, "driver's", environment(work, POCL_CACHE_DIR=work / "pocl"))[0]
+    if not any((work / "pocl").rglob("*.so")):
+        print("kernel cache: SKIPPED: this OpenCL driver is not PoCL", flush=True)
+        sys.exit(77)
+    env, store, kept = home_of_its_own(work, digest)
+    damage(work, env, store, kept, digest)
+    others(work, env, store, kept, digest)
+    sweep(work, env, store, kept)
+    no_home(work, digest)
+    full_disk(work, digest)
+    at_once(work, digest)
+    shutil.rmtree(work / "out")
+print(f"kernel cache: {program.checks} checks")
