@@ -1,12 +1,11 @@
 #include "host/lidar/scintillation.h"
 
-#include <math.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "host/lidar/detector.h"
+#include "host/lidar/incomplete_gamma.h"
 #include "host/lidar/quadrature.h"
 
 namespace raycube::lidar {
@@ -51,30 +50,6 @@ double averaging(std::size_t column, double asymptote, double d) {
 GammaGamma gamma_gamma(double s, double large) {
   const double s12 = std::pow(s, 1.2);
   return {1 / std::expm1(0.49 * s / std::pow(1 + large * s12, 7.0 / 6)), 1 / std::expm1(0.51 * s / std::pow(1 + 0.69 * s12, 5.0 / 6))};
-}
-
-double log_gamma(double x) {
-  int sign = 0;
-  return ::lgamma_r(x, &sign);
-}
-
-/// Regularised lower incomplete gamma function: series below a + 1, continued fraction (Lentz) above; Numerical Recipes 6.2.
-double gamma_p(double a, double x) {
-  if (!(x > 0)) return 0;
-  const double scale = std::exp(a * std::log(x) - x - log_gamma(a));
-  if (x < a + 1) {
-    double term = 1 / a, sum = term;
-    for (double n = a + 1; term > 1e-16 * sum; ++n) sum += term *= x / n;
-    return scale * sum;
-  }
-  double b = x + 1 - a, c = 1e300, d = 1 / b, h = d;
-  for (int i = 1; i < 10000; ++i) {
-    const double an = -i * (i - a);
-    b += 2;
-    d = 1 / (an * d + b), c = b + an / c, h *= d * c;
-    if (std::abs(d * c - 1) < 1e-15) break;
-  }
-  return 1 - scale * h;
 }
 
 }  // namespace

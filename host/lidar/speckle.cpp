@@ -1,12 +1,11 @@
 #include "host/lidar/speckle.h"
 
-#include <math.h>
-
 #include <algorithm>
 #include <cmath>
 #include <map>
 
 #include "host/lidar/draws.h"
+#include "host/lidar/incomplete_gamma.h"
 #include "host/lidar/overlap.h"
 #include "host/lidar/quadrature.h"
 
@@ -15,11 +14,6 @@ namespace raycube::lidar {
 namespace {
 
 constexpr double kLight = 299792458.0;
-
-double log_gamma(double x) {
-  int sign = 0;
-  return ::lgamma_r(x, &sign);
-}
 
 /// Length of the pulse as speckle knows it, s.
 double pulse_length_s(const scene::LidarPulse& pulse) {
