@@ -80,7 +80,7 @@ void check_together(const Record& record, const Lidar& lidar, const LidarReport&
                         "set from = \"transmitter\", or give an array");
 }
 
-Lidar read_lidar(const Record& record, const SceneParts& parts, bool has_sun, const LidarReport& report) {
+Lidar read_lidar(const Record& record, const SceneParts& parts, const detail::PlacedBox& box, bool has_sun, const LidarReport& report) {
   Lidar out;
   out.name = record.text("name");
   const std::size_t before = report.problems.lines().size();
@@ -97,9 +97,13 @@ Lidar read_lidar(const Record& record, const SceneParts& parts, bool has_sun, co
   if (const auto* table = sound("gate")) detail::read_gate(*table, out, report);
   if (const auto* table = sound("turbulence")) detail::read_turbulence(*table, out, report);
   if (const auto* table = sound("detector")) detail::read_detector(*table, has_sun, out, report);
-  detail::read_outputs(sound("speckle"), sound("echoes"), sound("products"), out);
+  if (const auto* table = sound("echoes")) detail::read_echoes(*table, out, report);
+  detail::read_outputs(sound("speckle"), sound("products"), out);
   detail::read_platform(record, parts, out, report);
-  if (record.sound && report.problems.lines().size() == before) check_together(record, out, report);
+  if (record.sound && report.problems.lines().size() == before) {
+    check_together(record, out, report);
+    detail::check_before_first_pulse(record, parts, box, out, report);
+  }
   return out;
 }
 
@@ -109,13 +113,15 @@ std::vector<Lidar> read_lidars(const Record& root, const SceneParts& parts, bool
   std::vector<Lidar> out;
   std::map<std::string, base::Where> places;
   for (const auto& instrument : root.records("instrument")) places.emplace(instrument.text("name"), instrument.where);
+  if (root.records("lidar").empty()) return out;
+  const detail::PlacedBox box = detail::placed_box(parts);
   for (const auto& record : root.records("lidar")) {
     const std::string& name = record.text("name");
     if (name.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-") != std::string::npos)
       problems.add(record.place("name"), "a LIDAR's name is a folder's", "'" + name + "'", "use letters, digits, _ and -");
     if (const auto [place, fresh] = places.emplace(name, record.where); !fresh && !name.empty())
       problems.add(record.where, "the name '" + name + "' is taken", "first in " + place->second.text(), "rename one");
-    out.push_back(read_lidar(record, parts, has_sun, {name, notices, problems}));
+    out.push_back(read_lidar(record, parts, box, has_sun, {name, notices, problems}));
   }
   return out;
 }

@@ -10,14 +10,15 @@ void read_turbulence(const Record& turbulence, Lidar& out, const LidarReport& re
   if (profile == "constant") {
     t.profile = TurbulenceProfile::constant;
     want_keys(turbulence, {"cn2"}, because, report);
-    refuse_keys(turbulence, {"wind_m_s", "ground_cn2"}, because, report);
+    refuse_keys(turbulence, {"wind_m_s", "ground_cn2", "ground_z_m"}, because, report);
   } else if (profile == "hufnagel_valley") {
     t.profile = TurbulenceProfile::hufnagel_valley;
     refuse_keys(turbulence, {"cn2"}, because, report);
   } else {
-    refuse_keys(turbulence, {"cn2", "wind_m_s", "ground_cn2", "outer_scale_m", "wander_convention"}, because, report);
+    refuse_keys(turbulence, {"cn2", "wind_m_s", "ground_cn2", "ground_z_m", "outer_scale_m", "wander_convention"}, because, report);
   }
   t.cn2 = turbulence.number("cn2");
+  if (turbulence.given("ground_z_m")) t.ground_z_m = turbulence.number("ground_z_m");
   t.wind_m_s = turbulence.number("wind_m_s"), t.ground_cn2 = turbulence.number("ground_cn2");
   t.spread = turbulence.boolean("spread"), t.wander = turbulence.boolean("wander");
   t.scintillation = turbulence.boolean("scintillation"), t.blur = turbulence.boolean("blur");
@@ -48,17 +49,28 @@ void read_detector(const Record& detector, bool has_sun, Lidar& out, const Lidar
   d.cells = static_cast<int>(detector.integer("cells"));
 }
 
-void read_outputs(const Record* speckle, const Record* echoes, const Record* products, Lidar& out) {
+void read_echoes(const Record& echoes, Lidar& out, const LidarReport& report) {
+  LidarEchoes& e = out.echoes;
+  const std::string& method = echoes.text("method");
+  e.method = method == "peak" ? EchoMethod::peak : method == "gaussian" ? EchoMethod::gaussian : EchoMethod::constant_fraction;
+  if (out.detector.mode == DetectorMode::geiger)
+    refuse_keys(echoes, {"false_returns", "threshold_sigma", "air_is_background", "noise_class_above"}, "mode = \"geiger\"", report);
+  if (count_given(echoes, {"false_returns", "threshold_sigma"}) == 2)
+    report.problems.add(echoes.place("threshold_sigma"), "'false_returns' and 'threshold_sigma' exclude each other", "both", "remove one");
+  const bool by_sigma = echoes.given("threshold_sigma");
+  e.false_returns = by_sigma ? 0 : echoes.number("false_returns");
+  if (by_sigma) e.threshold_sigma = echoes.number("threshold_sigma");
+  e.air_is_background = echoes.boolean("air_is_background");
+  e.noise_class_above = echoes.number("noise_class_above");
+  e.threshold_pe = echoes.number("threshold_pe");
+  e.fraction = echoes.number("fraction");
+  e.max_returns = static_cast<int>(echoes.integer("max_returns"));
+}
+
+void read_outputs(const Record* speckle, const Record* products, Lidar& out) {
   if (speckle) {
     out.speckle.on = speckle->boolean("on");
     out.speckle.polarization_modes = speckle->number("polarization_modes");
-  }
-  if (echoes) {
-    const std::string& method = echoes->text("method");
-    out.echoes.method = method == "peak" ? EchoMethod::peak : method == "gaussian" ? EchoMethod::gaussian : EchoMethod::constant_fraction;
-    out.echoes.threshold_sigma = echoes->number("threshold_sigma"), out.echoes.threshold_pe = echoes->number("threshold_pe");
-    out.echoes.fraction = echoes->number("fraction");
-    out.echoes.max_returns = static_cast<int>(echoes->integer("max_returns"));
   }
   if (!products) return;
   LidarProducts& p = out.products;

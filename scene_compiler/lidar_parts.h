@@ -1,6 +1,7 @@
 // The tables of a [[lidar]], one function each. Internal to the builder.
 #pragma once
 
+#include <array>
 #include <initializer_list>
 #include <string>
 #include <vector>
@@ -33,6 +34,17 @@ void read_gate(const Record& gate, Lidar& out, const LidarReport& report);
 void read_sampling(const Record& sampling, Lidar& out, const LidarReport& report);
 void read_turbulence(const Record& turbulence, Lidar& out, const LidarReport& report);
 void read_detector(const Record& detector, bool has_sun, Lidar& out, const LidarReport& report);
-void read_outputs(const Record* speckle, const Record* echoes, const Record* products, Lidar& out);
+/// After the detector.
+void read_echoes(const Record& echoes, Lidar& out, const LidarReport& report);
+void read_outputs(const Record* speckle, const Record* products, Lidar& out);
+
+/// World box of everything placed, m; lo > hi of an empty scene.
+struct PlacedBox {
+  std::array<float, 3> lo, hi;
+};
+PlacedBox placed_box(const SceneParts& parts);
+/// What is known before the first pulse to leave records empty or turbulence unsure of its ground: notices, and errors where
+/// nothing can be meant by it.
+void check_before_first_pulse(const Record& record, const SceneParts& parts, const PlacedBox& box, const Lidar& lidar, const LidarReport& report);
 
 }  // namespace raycube::scene::detail

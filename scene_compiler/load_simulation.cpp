@@ -1,11 +1,13 @@
 #include "scene_compiler/load_simulation.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
 #include "scene_compiler/csv_file.h"
 #include "scene_compiler/document.h"
 #include "scene_compiler/document_values.h"
+#include "scene_compiler/ground.h"
 #include "scene_compiler/instrument_builder.h"
 #include "scene_compiler/lidar_builder.h"
 #include "scene_compiler/scene_builder.h"
@@ -188,6 +190,10 @@ Sun read_sun(const Record& root, const Origin& origin, Problems& problems) {
   return sun;
 }
 
+bool counts_from_ground(const Lidar& lidar) {
+  return lidar.turbulence.profile == TurbulenceProfile::hufnagel_valley && !lidar.turbulence.ground_z_m;
+}
+
 }  // namespace
 
 double standard_pressure_hPa(double height_m) {
@@ -225,6 +231,8 @@ Simulation load_simulation(const std::string& file, const LoadOptions& options) 
     problems.add(root.where, "no [[instrument]] or [[lidar]] looks at the scene", "", "add one");
   problems.throw_if_any();
 
+  if (std::any_of(out.lidars.begin(), out.lidars.end(), counts_from_ground))
+    out.ground = std::make_shared<const Ground>(parts.terrains);
   out.notices = std::move(parts.notices);
   out.resolved_json = document_json(root);
   if (options.compile) out.scene = compile_scene(std::move(parts), std::move(materials));

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -133,6 +134,8 @@ struct PlanOverrides {
   bool any() const { return sky_rank || height_nodes || view_nodes || path_nodes; }
 };
 
+class Ground;
+
 /// A whole simulation as one file describes it.
 struct Simulation {
   std::string file;               ///< absolute path
@@ -147,6 +150,7 @@ struct Simulation {
   std::vector<Instrument> instruments;
   std::vector<Lidar> lidars;
   CompiledScene scene;
+  std::shared_ptr<const Ground> ground;  ///< kept where a LIDAR counts heights from it, else null
   std::string resolved_json;      ///< every option with its value after defaults
   std::vector<std::string> notices;  ///< what the user should know though it is no error: dropped faces, sorted bands
 };

@@ -20,11 +20,19 @@ std::array<double, 2> TerrainGrid::local(double column, double row) const {
   return {t[0] + t[1] * column + t[2] * row, t[3] + t[4] * column + t[5] * row};
 }
 
-bool TerrainGrid::locate(double x_m, double y_m, std::size_t& cell, double& u, double& v) const {
+std::array<double, 2> TerrainGrid::post_at(double x_m, double y_m) const {
   const auto& t = local_from_pixel_;
   const double dx = x_m - t[0], dy = y_m - t[3];
-  double column = (dx * t[5] - dy * t[2]) / determinant_ - 0.5,
-         row = (dy * t[1] - dx * t[4]) / determinant_ - 0.5;
+  return {(dx * t[5] - dy * t[2]) / determinant_ - 0.5, (dy * t[1] - dx * t[4]) / determinant_ - 0.5};
+}
+
+std::array<double, 2> TerrainGrid::nearest(double x_m, double y_m) const {
+  const auto [column, row] = post_at(x_m, y_m);
+  return local(std::clamp(column, 0.0, columns_ - 1.0) + 0.5, std::clamp(row, 0.0, rows_ - 1.0) + 0.5);
+}
+
+bool TerrainGrid::locate(double x_m, double y_m, std::size_t& cell, double& u, double& v) const {
+  auto [column, row] = post_at(x_m, y_m);
   // A millionth of a cell beyond the edge is the rounding of georeferenced doubles.
   const double slack = 1e-6;
   if (column > -slack && column < columns_ - 1 + slack) column = std::clamp(column, 0.0, columns_ - 1.0);

@@ -36,6 +36,8 @@ class TerrainGrid {
   /// hits).
   std::optional<double> height_m(double x_m, double y_m) const;
   std::array<double, 2> cell_center(std::size_t cell) const;
+  /// The point itself on the terrain; off it a point of its edge, nearest in rows and columns.
+  std::array<double, 2> nearest(double x_m, double y_m) const;
   /// Local bounds: lowest x, lowest y, highest x, highest y.
   std::array<double, 4> bounds() const;
 
@@ -44,6 +46,8 @@ class TerrainGrid {
   TriangleMesh mesh(const std::vector<std::uint32_t>& surface_of_cell) const;
 
  private:
+  /// Posts counted from the first, of any point: column, row.
+  std::array<double, 2> post_at(double x_m, double y_m) const;
   bool locate(double x_m, double y_m, std::size_t& cell, double& u, double& v) const;
 
   int columns_, rows_;

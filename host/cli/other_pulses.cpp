@@ -4,34 +4,18 @@
 #include <cmath>
 #include <map>
 
+#include "scene_compiler/lidar_reach.h"
+
 namespace raycube::cli {
 
 namespace {
 
 constexpr double kLight_m_s = 299792458.0;
 
-/// Farthest corner of the scene and its volumes from any place of the platform, m; 0 in an empty scene.
-double farthest_m(const scene::CompiledScene& scene, const scene::Lidar& lidar) {
-  double farthest = 0;
-  const auto look_at = [&](double x, double y, double z) {
-    for (const auto& pose : lidar.trajectory) farthest = std::max(farthest, std::hypot(x - pose.x_m, y - pose.y_m, z - pose.z_m));
-  };
-  if (scene.lo[0] <= scene.hi[0])
-    for (int corner = 0; corner < 8; ++corner)
-      look_at(corner & 1 ? scene.hi[0] : scene.lo[0], corner & 2 ? scene.hi[1] : scene.lo[1], corner & 4 ? scene.hi[2] : scene.lo[2]);
-  for (const auto& volume : scene.volumes) {
-    const double reach = volume.shape == scene::Volume::Shape::plume ? volume.length_m : std::hypot(volume.size_m[0], volume.size_m[1]);
-    const double top = volume.shape == scene::Volume::Shape::plume ? volume.length_m : volume.size_m[2];
-    for (int corner = 0; corner < 8; ++corner)
-      look_at(volume.position_m[0] + (corner & 1 ? reach : -reach), volume.position_m[1] + (corner & 2 ? reach : -reach), volume.position_m[2] + (corner & 4 ? top : 0));
-  }
-  return lidar.transport.range_limit_m > 0 ? std::min(farthest, lidar.transport.range_limit_m) : farthest;
-}
-
 /// `back` of every pulse whose light can be in the gate of pulse 0, but its own.
 std::vector<std::int64_t> periods_back(const scene::CompiledScene& scene, const scene::Lidar& lidar) {
   std::vector<std::int64_t> out;
-  const double last_s = 2 * farthest_m(scene, lidar) * lidar.transport.group_index / kLight_m_s;
+  const double last_s = 2 * scene::reach_of(scene.lo, scene.hi, scene.volumes, lidar).farthest_m * lidar.transport.group_index / kLight_m_s;
   const double begin_s = lidar.gate.start_s, end_s = begin_s + lidar.gate.bins * lidar.gate.bin_s;
   for (std::int64_t back = -static_cast<std::int64_t>(std::floor(end_s * lidar.prf_hz)); begin_s + static_cast<double>(back) / lidar.prf_hz < last_s; ++back)
     if (back != 0 && end_s + static_cast<double>(back) / lidar.prf_hz > 0) out.push_back(back);

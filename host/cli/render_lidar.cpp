@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -14,6 +15,8 @@
 #include "host/cl/device.h"
 #include "host/cli/lidar_job.h"
 #include "host/cli/lidar_products.h"
+#include "host/cli/lidar_run_light.h"
+#include "host/cli/lidar_tables.h"
 #include "host/cli/other_pulses.h"
 #include "host/cli/simulation_job.h"
 #include "host/lidar/apply_turbulence.h"
@@ -23,6 +26,7 @@
 #include "host/reference/embree_scene.h"
 #include "host/reference/parallel.h"
 #include "host/render/lidar_renderer.h"
+#include "scene_compiler/ground.h"
 
 namespace raycube::cli {
 
@@ -46,36 +50,68 @@ std::int64_t batch_of(const lidar::LidarPlan& plan, std::size_t memory_bytes) {
   return std::clamp<std::int64_t>(static_cast<std::int64_t>(memory_bytes / 4 / std::max<std::size_t>(1, bytes_of_rows(plan))), 1, 4096);
 }
 
-/// What turbulence did to the survey's first shot, in words for the record; its own draws are left out.
-nlohmann::json turbulence_json(const lidar::TurbulenceTruth& t) {
-  return {{"path_m", t.path_m}, {"rytov_variance_spherical", t.rytov_spherical}, {"fried_m", t.fried_m}, {"beam_radius_m", t.beam_radius_m},
+/// What turbulence does to the survey's first shot, in words for the record; its own draws are left out. Everything is of the
+/// first line, but what `lines` has.
+nlohmann::json turbulence_json(const scene::Lidar& lidar, const lidar::TurbulenceTruth& t) {
+  nlohmann::json lines = nlohmann::json::array();
+  for (std::size_t i = 0; i < t.lines.size(); ++i) {
+    const auto& line = t.lines[i];
+    lines.push_back({{"name", line_name(lidar, static_cast<int>(i))}, {"rytov_variance_plane", line.rytov_plane},
+                     {"rytov_variance_spherical", line.rytov_spherical}, {"scintillation_index_one_way_down", line.index_down},
+                     {"scintillation_index_one_way_up", line.index_up},
+                     {"scintillation_index_two_way", (1 + line.index_down) * (1 + line.index_up) - 1},
+                     {"distribution", line.gamma_gamma ? "gamma-gamma" : "log-normal"}});
+  }
+  return {{"path_m", t.path_m}, {"start_height_m", t.start_height_m}, {"end_height_m", t.end_height_m},
+          {"rytov_variance_plane", t.rytov_plane}, {"rytov_variance_spherical", t.rytov_spherical}, {"fried_m", t.fried_m},
+          {"fried_plane_m", t.fried_plane_m}, {"isoplanatic_angle_rad", t.isoplanatic_rad}, {"beam_radius_m", t.beam_radius_m},
           {"short_term_radius_m", t.short_term_m}, {"long_term_radius_m", t.long_term_m}, {"wander_sigma_m", t.wander_sigma_m},
-          {"tilt_sigma_rad", t.tilt_sigma_rad}, {"blur_fwhm_rad", t.blur_fwhm_rad}, {"scintillation_index", t.index_total},
-          {"distribution", t.gamma_gamma ? "gamma-gamma" : "log-normal"}, {"broadening_s2", t.broadening_s2}, {"correlation_s", t.correlation_s}, {"warnings", t.warnings}};
+          {"tilt_sigma_rad", t.tilt_sigma_rad}, {"blur_fwhm_rad", t.blur_fwhm_rad},
+          {"scintillation_index_one_way_down", t.index_down}, {"scintillation_index_one_way_up", t.index_up},
+          {"scintillation_index_two_way", t.index_total}, {"distribution", t.gamma_gamma ? "gamma-gamma" : "log-normal"},
+          {"distribution_because", fmt::format("rytov_variance_plane {:.4g} is {} {}", t.rytov_plane,
+                                               t.gamma_gamma ? "not below" : "below", lidar::kGammaGammaFrom)},
+          {"lines", lines}, {"broadening_s2", t.broadening_s2}, {"correlation_s", t.correlation_s}, {"warnings", t.warnings}};
 }
 
 std::string main_file(const scene::Lidar& lidar, const std::string& folder) {
   return folder + (lidar.products.las ? "/returns.las" : lidar.products.cube ? "/waveforms.img" : "/run.json");
 }
 
-/// Height of the surface that a shot's axis meets, which turbulence counts from and where its path ends: the scene's lowest place for an axis
-/// that meets none, 0 in an empty scene.
-class GroundBelow {
+/// What turbulence needs to know of a shot's way: the ground below it, and the range of the surface that its axis meets.
+class WaysOfShots {
  public:
-  GroundBelow(const scene::CompiledScene& scene, const scene::Lidar& lidar) : scene_(scene) {
-    if (lidar.turbulence.profile != scene::TurbulenceProfile::none && !scene.instances.empty()) embree_.emplace(scene);
+  WaysOfShots(const scene::Simulation& simulation, const scene::Lidar& lidar) : scene_(simulation.scene) {
+    if (lidar.turbulence.profile == scene::TurbulenceProfile::none) return;
+    if (!scene_.instances.empty()) embree_.emplace(scene_);
+    flat_z_m_ = lidar.turbulence.ground_z_m.value_or(0.0);
+    if (simulation.ground && !lidar.turbulence.ground_z_m)
+      ground_ = [ground = simulation.ground](double x_m, double y_m) { return ground->z_m(x_m, y_m); };
   }
-  double operator()(const lidar::Shot& shot) const {
-    if (!embree_) return scene_.instances.empty() ? 0.0 : scene_.lo[2];
-    reference::Ray ray;
-    for (std::size_t i = 0; i < 3; ++i) ray.origin[i] = static_cast<float>(shot.exit_m[i]), ray.direction[i] = static_cast<float>(shot.exit_axis[i]);
-    const auto hit = embree_->intersect(ray);
-    return hit.miss() ? scene_.lo[2] : reference::hit_point(scene_, ray, hit).z;
+  lidar::ShotSurroundings operator()(const lidar::Shot& shot) const {
+    lidar::ShotSurroundings around(ground_, surface_range_m(shot));
+    around.flat_z_m = flat_z_m_;
+    return around;
   }
 
  private:
+  double surface_range_m(const lidar::Shot& shot) const {
+    if (!embree_) return 0;
+    reference::Ray ray;
+    for (std::size_t i = 0; i < 3; ++i) {
+      ray.origin[i] = static_cast<float>(shot.exit_m[i]);
+      ray.direction[i] = static_cast<float>(shot.exit_axis[i]);
+    }
+    const auto hit = embree_->intersect(ray);
+    if (hit.miss()) return 0;
+    const auto at = reference::hit_point(scene_, ray, hit);
+    return std::hypot(at.x - shot.exit_m[0], at.y - shot.exit_m[1], at.z - shot.exit_m[2]);
+  }
+
   const scene::CompiledScene& scene_;
   std::optional<reference::EmbreeScene> embree_;
+  std::function<double(double, double)> ground_;
+  double flat_z_m_ = 0;
 };
 
 }  // namespace
@@ -85,11 +121,11 @@ nlohmann::json render_lidar(const scene::Simulation& simulation, const scene::Li
   const auto settings = render_options(context.common);
   render::LidarRenderer renderer(simulation.scene, settings);
   LidarJob job = prepare_lidar(simulation, lidar, context, {&renderer, planning.replay, planning.replay_path, planning.estimate_given});
-  const GroundBelow ground(simulation.scene, lidar);
+  const WaysOfShots way(simulation, lidar);
   // The air of the first pulse fired lengthens them all: femtoseconds, but for the worst of paths.
   if (lidar.turbulence.profile != scene::TurbulenceProfile::none)
     if (const auto shots = lidar::make_shots(lidar, 0, std::min<std::int64_t>(lidar.pulses, 4096), simulation.seed); !shots.empty())
-      lidar::broaden_pulse(job.plan, lidar::turbulence_statistics(job.plan, ground(shots.front()), shots.front()).broadening_s2);
+      lidar::broaden_pulse(job.plan, lidar::turbulence_statistics(job.plan, way(shots.front()), shots.front()).broadening_s2);
   const lidar::LidarPlan& plan = job.plan;
   const auto start = std::chrono::steady_clock::now();
   LidarProducts output(folder, context.common.overwrite ? base::IfExists::replace : base::IfExists::refuse, simulation, plan);
@@ -109,6 +145,7 @@ nlohmann::json render_lidar(const scene::Simulation& simulation, const scene::Li
   };
   std::uint64_t rays = 0, echoes = 0;
   double worst_ledger = 0;
+  LidarRunLight light_of_run(plan);
   const std::int64_t batch = batch_of(plan, settings.memory_bytes);
   // Shots and background light come for many batches at once: a passive plan costs a second, whatever the number of views.
   const std::int64_t chunk = std::max<std::int64_t>(batch, 65536 / std::max(1, plan.pixels()));
@@ -116,10 +153,10 @@ nlohmann::json render_lidar(const scene::Simulation& simulation, const scene::Li
     const auto shots = lidar::make_shots(lidar, first, std::min(chunk, lidar.pulses - first), simulation.seed);
     std::vector<lidar::Shot> fired = shots;
     for (auto& shot : fired) {
-      const auto truth = lidar::apply_turbulence(plan, ground(shot), shot);
+      const auto truth = lidar::apply_turbulence(plan, way(shot), shot);
       if (!blur) blur.emplace(lidar, truth.fried_m);
       if (turbulence || lidar.turbulence.profile == scene::TurbulenceProfile::none) continue;
-      turbulence = turbulence_json(truth);
+      turbulence = turbulence_json(lidar, truth);
       for (const auto& warning : truth.warnings) context.log.warning(lidar.name + ": " + warning);
     }
     std::vector<std::vector<double>> light;
@@ -130,7 +167,7 @@ nlohmann::json render_lidar(const scene::Simulation& simulation, const scene::Li
       std::vector<lidar::ShotResult> results;
       timed("pulses", [&] {
         renderer.render(plan, now, [&](lidar::ShotResult&& result) { results.push_back(std::move(result)); }, true);
-        others.add_to(results, renderer, [&](lidar::Shot& shot) { lidar::apply_turbulence(plan, ground(shot), shot); });
+        others.add_to(results, renderer, [&](lidar::Shot& shot) { lidar::apply_turbulence(plan, way(shot), shot); });
       });
       std::vector<std::vector<lidar::Detection>> records(results.size());
       timed("detection", [&] {
@@ -143,6 +180,7 @@ nlohmann::json render_lidar(const scene::Simulation& simulation, const scene::Li
       timed("products", [&] {
         for (std::size_t i = 0; i < results.size(); ++i) {
           output.add(results[i], records[i]);
+          light_of_run.add(results[i], records[i]);
           rays += static_cast<std::uint64_t>(results[i].rays);
           for (const auto& record : records[i]) echoes += record.echoes.size();
           for (const auto& ledger : results[i].ledger) worst_ledger = std::max(worst_ledger, std::abs(ledger.emitted_error()));
@@ -181,6 +219,10 @@ nlohmann::json render_lidar(const scene::Simulation& simulation, const scene::Li
   nlohmann::json more = {{"pulses", lidar.pulses}, {"echoes", echoes}, {"pulses_per_s", pulses_per_s}, {"worst_ledger_error", worst_ledger}};
   if (turbulence) more["turbulence"] = *turbulence;
   record.more_json = {{"survey", more.dump()}, {"launches", render::tuning_json(renderer.tuning())}};
+  if (const std::string warning = light_of_run.warning(); !warning.empty()) {
+    record.warnings.push_back(warning);
+    context.log.warning(warning);
+  }
   output.publish(record);
   context.log.info(fmt::format("{}: {} pulses, {} returns, {:.1f} s, {:.3g} pulses/s, energy ledger within {:.1e}, {}", lidar.name, lidar.pulses,
                                echoes, render_s, pulses_per_s, worst_ledger, folder));

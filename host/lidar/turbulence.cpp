@@ -48,13 +48,15 @@ PathNodes path_nodes(const scene::LidarTurbulence& turbulence, const TurbulentPa
       const double z = (height - path.start_height_m) / climb * path.length_m;
       if (z > 0 && z < path.length_m) breaks.push_back(z);
     }
+  for (int piece = 1; piece < path.pieces; ++piece) breaks.push_back(path.length_m * piece / path.pieces);
   std::sort(breaks.begin(), breaks.end());
   for (std::size_t piece = 1; piece < breaks.size(); ++piece) {
     const double middle = 0.5 * (breaks[piece] + breaks[piece - 1]), half = 0.5 * (breaks[piece] - breaks[piece - 1]);
     for (std::size_t i = 0; i < rule.node.size(); ++i) {
       const double t = 0.5 * M_PI * rule.node[i], z = middle + half * std::sin(t);  // ends are branch points, see integrate_branch_ends
+      const double height_m = path.height_m ? path.height_m(z) : path.start_height_m + climb * z / path.length_m;
       nodes.z_m.push_back(z);
-      nodes.cn2_dz.push_back(rule.weight[i] * half * 0.5 * M_PI * std::cos(t) * cn2_at(turbulence, path.start_height_m + climb * z / path.length_m));
+      nodes.cn2_dz.push_back(rule.weight[i] * half * 0.5 * M_PI * std::cos(t) * cn2_at(turbulence, height_m));
     }
   }
   return nodes;

@@ -102,6 +102,55 @@ TEST_CASE("L-33: looking down from 1 km, turbulence near the aperture counts for
   CHECK(turbulence_statistics(plan, 250, nadir(0, 1250)).fried_m == doctest::Approx(fried_at_start_m(down, 1064e-9)).epsilon(1e-9));
 }
 
+TEST_CASE("L-17: heights count from the ground below the path, whatever the beam hits and wherever it is") {
+  const auto t = hufnagel_valley();
+  LidarPlan plan = airborne_plan(t);
+  plan.lidar.gate.start_s = 0, plan.lidar.gate.bin_s = 1e-6;  // 150 km: no end of the path
+  const double wavelength_m = plan.lidar.pulse.lines.front().wavelength_um * 1e-6, k = 2 * M_PI / wavelength_m;
+  const auto ground_at = [](double z) { return [z](double, double) { return z; }; };
+  Shot level = nadir(0, 300);
+  level.exit_axis = {0, 1, 0};
+  // All of a level path lies at 300 m over the ground; [0.423 k^2 Cn2 3/8 L]^(-3/5).
+  const double level_m = std::pow(0.423 * k * k * cn2_at(t, 300) * 0.375 * 1000, -0.6);
+  CHECK(level_m == doctest::Approx(0.345).epsilon(1e-3));
+  CHECK(turbulence_statistics(plan, {ground_at(0), 1000}, level).fried_m == doctest::Approx(level_m).epsilon(1e-7));
+  CHECK(turbulence_statistics(plan, {nullptr, 1000}, level).path_m == 1000);
+  // The same over ground that lies higher than the scene's zero, and along a slope.
+  level.exit_m[2] = 2100;
+  CHECK(turbulence_statistics(plan, {ground_at(1800), 1000}, level).fried_m == doctest::Approx(level_m).epsilon(1e-7));
+  Shot slope = nadir(0, 300);
+  slope.exit_axis = {0.6, 0, 0.8};
+  const auto rising = [](double x, double) { return x * 0.8 / 0.6; };
+  CHECK(turbulence_statistics(plan, {rising, 1000}, slope).fried_m == doctest::Approx(level_m).epsilon(1e-7));
+
+  // Waves of the ground under a slanting path, against 4e6 steps.
+  const auto waves = [](double x, double y) { return 30 * std::sin(x / 40) + 20 * std::cos(y / 90); };
+  Shot slant = nadir(0, 120);
+  slant.exit_axis = {0.6, 0.76, 0.25};
+  const double norm = std::sqrt(0.36 + 0.5776 + 0.0625), length = 3000;
+  for (double& c : slant.exit_axis) c /= norm;
+  constexpr int steps = 4000000;
+  double start = 0, plane = 0;
+  for (int i = 0; i < steps; ++i) {
+    const double z = (i + 0.5) / steps * length;
+    const double cn2 = cn2_at(t, 120 + slant.exit_axis[2] * z - waves(slant.exit_axis[0] * z, slant.exit_axis[1] * z)) * length / steps;
+    start += cn2 * std::pow(1 - z / length, 5.0 / 3), plane += cn2 * std::pow(length - z, 5.0 / 6);
+  }
+  const TurbulenceTruth found = turbulence_statistics(plan, {waves, length}, slant);
+  CHECK(found.fried_m == doctest::Approx(std::pow(0.423 * k * k * start, -0.6)).epsilon(1e-6));
+  CHECK(found.rytov_plane == doctest::Approx(2.25 * std::pow(k, 7.0 / 6) * plane).epsilon(1e-6));
+  CHECK(found.start_height_m == doctest::Approx(100));
+
+  // From the ground to space, ground at 1500 m: the profile's own name, 5 cm and 7 urad at 500 nm.
+  plan.lidar.pulse.lines.front().wavelength_um = 0.5;
+  Shot up = nadir(0, 1500);
+  up.exit_axis = {0, 0, 1};
+  const TurbulenceTruth space = turbulence_statistics(plan, {ground_at(1500), 100e3}, up);
+  CHECK(std::abs(space.fried_plane_m / 4.9606e-2 - 1) < 3e-5);
+  CHECK(std::abs(space.isoplanatic_rad / 6.8942e-6 - 1) < 3e-5);
+  CHECK(space.end_height_m == 100e3);
+}
+
 TEST_CASE("S33: spread, wander and short-term spot of the worked beams") {
   struct Row {
     double exit_m, cn2, diffraction_m, rho0_m, long_m, wander_m, short_m;
