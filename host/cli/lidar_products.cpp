@@ -165,7 +165,9 @@ struct LidarProducts::State {
     p.return_number = std::clamp(echo.number, 1, p.number_of_returns);
     p.scanner_channel = std::min(d.line, 3);
     p.user_data = static_cast<std::uint8_t>(std::min(d.line, 255));
-    p.classification = 1;  // unclassified
+    constexpr std::uint8_t kUnclassified = 1, kNoise = 7;  // ASPRS standard classes
+    const double doubtful = lidar.echoes.noise_class_above;
+    p.classification = doubtful > 0 && static_cast<double>(echo.chance) > doubtful ? kNoise : kUnclassified;
     p.scan_to_right = shot.scan_angle_rad > last_scan_angle_rad;
     p.scan_angle_deg = std::remainder(shot.scan_angle_rad * kDegrees, 360.0);
     p.source_id = static_cast<std::uint16_t>(d.pixel);

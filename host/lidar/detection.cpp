@@ -33,7 +33,14 @@ class Row {
     speckle_ = speckle_row(plan, result.shot, pixel, line, expected_.signal);
     for (const double s : expected_.signal) largest_ = std::max(largest_, s);
     noise_ = detector_noise(lidar_, expected_.background, largest_);
-    recorded_signal_ = convolve(expected_.signal, noise_.response);
+    recorded_ = convolve(expected_.signal, noise_.response);
+    recorded_signal_ = recorded_;
+    if (!lidar_.echoes.air_is_background || result.air.empty() || lidar_.detector.mode == scene::DetectorMode::geiger) return;
+    std::vector<double> air(bins);
+    for (std::size_t i = 0; i < bins; ++i) air[i] = efficiency * static_cast<double>(result.air[row * bins + i]);
+    noise_.air = convolve(air, noise_.response);
+    noise_.air_modes = speckle_.strongest_modes;
+    for (std::size_t i = 0; i < bins; ++i) recorded_signal_[i] = std::max(0.0, recorded_[i] - noise_.air[i]);
   }
 
   Detection drawn() {
@@ -52,11 +59,11 @@ class Row {
   }
 
   Detection expectation() {
-    std::vector<double> wave = recorded_signal_;
+    std::vector<double> wave = recorded_;
     for (double& value : wave) value += expected_.background;
     store_scaled(wave);
     DetectorNoise none = noise_;
-    none.excess = none.floor = 0;
+    none.drawn = false;
     if (!(none.full_scale > 0) || lidar_.detector.mode == scene::DetectorMode::geiger) none.full_scale = 0;
     record_.echoes = find_echoes(lidar_, record_.waveform_pe, none);
     return finished();
@@ -129,10 +136,45 @@ class Row {
     const double half = std::max(1.0, 0.5 * kFwhmOfSigma * recorded_sigma_s(lidar_) / lidar_.gate.bin_s);
     const auto bins = static_cast<double>(recorded_signal_.size());
     const auto first = static_cast<std::size_t>(std::clamp(std::floor(bin - half), 0.0, bins)), last = static_cast<std::size_t>(std::clamp(std::ceil(bin + half), 0.0, bins));
-    double top = 0, sum = 0;
-    for (std::size_t i = first; i < last; ++i) top = std::max(top, recorded_signal_[i]), sum += recorded_signal_[i];
+    double sum = 0;
+    std::size_t top = std::min(first, recorded_signal_.size() - 1);
+    for (std::size_t i = first; i < last; ++i) {
+      sum += recorded_signal_[i];
+      if (recorded_signal_[i] > recorded_signal_[top]) top = i;
+    }
     if (lidar_.detector.mode == scene::DetectorMode::geiger) return 1 - no_event_probability(sum, speckle_.strongest_modes);
-    return bin_detection(lidar_, noise_, top, speckle_.strongest_modes);
+    return bin_detection(lidar_, noise_of_bin(lidar_, noise_, top), first < last ? recorded_signal_[top] : 0, speckle_.strongest_modes);
+  }
+
+  /// Returns of a record, on average, that chance makes no more likely than an echo's least likely bin.
+  double chance_of(const Echo& echo) const {
+    const double bin = (echo.time_s - lidar_.gate.start_s) / lidar_.gate.bin_s, count = static_cast<double>(record_.waveform_pe.size());
+    // As far to either side as find_echoes looks for a bin above the threshold.
+    const double half = 0.5 + std::max(1.0, std::ceil(0.5 * kFwhmOfSigma * recorded_sigma_s(lidar_) / lidar_.gate.bin_s));
+    const auto first = static_cast<std::size_t>(std::clamp(std::floor(bin - half), 0.0, count)), last = static_cast<std::size_t>(std::clamp(std::ceil(bin + half), 0.0, count));
+    double least = 1;
+    for (std::size_t i = first; i < last; ++i) {
+      const double value = record_.waveform_pe[i] - noise_.background - noise_.air_at(i);
+      if (value > 0) least = std::min(least, noise_chance(lidar_, noise_, i, value));
+    }
+    return count * least;
+  }
+
+  /// Crossings of a bin's threshold by noise alone, averaged over the gate.
+  double false_alarms_a_bin() const {
+    const bool linear = lidar_.detector.mode == scene::DetectorMode::linear;
+    if (noise_.air.empty() && (noise_.gaussian || !linear)) return bin_detection(lidar_, noise_, 0, 0);
+    const auto alarms = [&](std::size_t bin) {
+      // A linear threshold lies where chance is bin_chance, or higher, at threshold_pe.
+      if (linear) return std::min(noise_.bin_chance, noise_chance(lidar_, noise_, bin, lidar_.echoes.threshold_pe));
+      return bin_detection(lidar_, noise_of_bin(lidar_, noise_, bin), 0, 0);
+    };
+    if (noise_.air.empty()) return alarms(0);
+    constexpr std::size_t kPlaces = 16;
+    const std::size_t places = std::min(kPlaces, noise_.air.size());
+    double sum = 0;
+    for (std::size_t i = 0; i < places; ++i) sum += alarms((2 * i + 1) * noise_.air.size() / (2 * places));
+    return sum / static_cast<double>(places);
   }
 
   Detection finished() {
@@ -147,11 +189,14 @@ class Row {
       const double dead_s = lidar_.detector.dead_time_s > 0 ? std::max(lidar_.detector.dead_time_s, lidar_.gate.bin_s) : gate_s;
       truth.saturated = most_within(dead_s / lidar_.gate.bin_s) > std::max(1, lidar_.detector.cells);
     } else {
-      double top = 0;
-      for (const double s : recorded_signal_) top = std::max(top, s);
-      truth.detection_probability = top > 0 ? bin_detection(lidar_, noise_, top, truth.speckle_modes) : 0;
-      truth.false_alarm_rate_hz = bin_detection(lidar_, noise_, 0, 0) / lidar_.gate.bin_s;
-      for (const Echo& echo : record_.echoes) truth.saturated = truth.saturated || echo.saturated;
+      const auto top = std::max_element(recorded_signal_.begin(), recorded_signal_.end());
+      const auto bin = static_cast<std::size_t>(top - recorded_signal_.begin());
+      truth.detection_probability = *top > 0 ? bin_detection(lidar_, noise_of_bin(lidar_, noise_, bin), *top, truth.speckle_modes) : 0;
+      truth.false_alarm_rate_hz = false_alarms_a_bin() / lidar_.gate.bin_s;
+      for (Echo& echo : record_.echoes) {
+        truth.saturated = truth.saturated || echo.saturated;
+        echo.chance = static_cast<float>(chance_of(echo));
+      }
     }
     for (Echo& echo : record_.echoes) echo.detection_probability = static_cast<float>(probability_near(echo.time_s));
     return std::move(record_);
@@ -177,7 +222,8 @@ class Row {
   RowExpectation expected_;
   SpeckleRow speckle_;
   DetectorNoise noise_;
-  std::vector<double> recorded_signal_;  ///< expected signal after the electronics
+  std::vector<double> recorded_;         ///< expected light of the pulse after the electronics, photo-electrons
+  std::vector<double> recorded_signal_;  ///< of it what is no background
   double largest_ = 0;
   Detection record_;
 };

@@ -39,8 +39,8 @@ class Finder {
  public:
   Finder(const scene::Lidar& lidar, const std::vector<float>& waveform, const DetectorNoise& noise)
       : lidar_(lidar), noise_(noise), sigma_bins_(std::max(recorded_sigma_s(lidar) / lidar.gate.bin_s, 0.3)) {
-    for (const float value : waveform) raw_.push_back(value - noise.background);
-    noisy_ = noise.excess > 0 || noise.floor > 0;
+    for (std::size_t i = 0; i < waveform.size(); ++i) raw_.push_back(waveform[i] - noise.background - noise.air_at(i));
+    noisy_ = noise.drawn && (noise.excess > 0 || noise.floor > 0);
     if (noisy_ && sigma_bins_ > 0.6) smoothing_bins_ = 0.5 * sigma_bins_;
     const std::vector<double> taps = response_taps(kFwhmOfSigma * smoothing_bins_, 1);
     smooth_ = convolve(raw_, taps);
@@ -64,16 +64,17 @@ class Finder {
   }
 
  private:
-  /// rms of the smoothed waveform where so much signal is expected.
-  double smooth_rms(double signal) const {
-    return std::sqrt(noise_.excess * (std::max(0.0, signal) + noise_.background) * shot_ + noise_.floor * noise_.floor * white_);
+  /// rms of the smoothed waveform about a bin where so much signal is expected.
+  double smooth_rms(std::size_t bin, double signal) const {
+    return std::sqrt(noise_.excess * (std::max(0.0, signal) + noise_.background + noise_.air_at(bin)) * shot_ + noise_.floor * noise_.floor * white_);
   }
 
   bool above_threshold(std::size_t at) const {
     const auto half = static_cast<std::size_t>(std::max(1.0, std::ceil(0.5 * kFwhmOfSigma * sigma_bins_)));
     const std::size_t first = at > half ? at - half : 0, last = std::min(raw_.size(), at + half + 1);
-    return std::any_of(raw_.begin() + static_cast<std::ptrdiff_t>(first), raw_.begin() + static_cast<std::ptrdiff_t>(last),
-                       [&](double value) { return value >= noise_.threshold; });
+    for (std::size_t i = first; i < last; ++i)
+      if (reaches_threshold(lidar_, noise_, i, raw_[i])) return true;
+    return false;
   }
 
   std::vector<Peak> find_peaks() const {
@@ -89,7 +90,7 @@ class Finder {
         const double lower = std::min(smooth_[kept.back()], smooth_[i]), dip = lower - smooth_[lowest];
         // Two maxima near each other differ by chance less than the highest and lowest of a long plateau do.
         const bool far = static_cast<double>(i - kept.back()) > 4 * sigma_bins_, apart = far && smooth_[lowest] < 0.5 * lower;
-        if (apart || dip > std::max(1e-5 * lower, noisy_ ? (far ? 5 : 3) * smooth_rms(lower) : 0)) break;
+        if (apart || dip > std::max(1e-5 * lower, noisy_ ? (far ? 5 : 3) * smooth_rms(lowest, lower) : 0)) break;
         if (smooth_[i] <= smooth_[kept.back()]) {
           stands = false;
           break;
@@ -103,7 +104,7 @@ class Finder {
     }
     std::vector<Peak> peaks;
     for (std::size_t k = 0; k < kept.size(); ++k) {
-      const double end = std::max(0.01 * smooth_[kept[k]], noisy_ ? 0.5 * smooth_rms(0) : 0);
+      const double end = std::max(0.01 * smooth_[kept[k]], noisy_ ? 0.5 * smooth_rms(kept[k], 0) : 0);
       Peak peak{kept[k], kept[k], kept[k] + 1};
       const std::size_t from = k == 0 ? 0 : valley[k], to = k + 1 < kept.size() ? valley[k + 1] : bins;
       while (peak.left > from && smooth_[peak.left - 1] > end) --peak.left;
@@ -145,8 +146,9 @@ class Finder {
 
   bool saturated(std::size_t left, std::size_t right) const {
     if (!(noise_.full_scale > 0)) return false;
-    return std::any_of(raw_.begin() + static_cast<std::ptrdiff_t>(left), raw_.begin() + static_cast<std::ptrdiff_t>(right),
-                       [&](double value) { return value + noise_.background >= noise_.full_scale * (1 - 1e-6); });
+    for (std::size_t i = left; i < right; ++i)
+      if (raw_[i] + noise_.background + noise_.air_at(i) >= noise_.full_scale * (1 - 1e-6)) return true;
+    return false;
   }
 
   double highest(std::size_t left, std::size_t right) const {
@@ -191,8 +193,11 @@ class Finder {
       const double share = std::erf(0.5 / (sigma * std::sqrt(2.0)));
       fitted.push_back({std::max(smooth_[peak.at], 1e-12) / share, static_cast<double>(peak.at) + 0.5, sigma});
     }
-    const double floor = noisy_ ? std::hypot(noise_.floor, std::sqrt(noise_.excess * noise_.background), kShapeError * highest(first, last)) : 0;
-    double chi = fit_gaussians(raw_, first, last, floor, noise_.excess, fitted);
+    double air = 0;
+    for (std::size_t i = first; i < last; ++i) air = std::max(air, noise_.air_at(i));
+    const double excess = noisy_ ? noise_.excess : 0;
+    const double floor = noisy_ ? std::hypot(noise_.floor, std::sqrt(excess * (noise_.background + air)), kShapeError * highest(first, last)) : 0;
+    double chi = fit_gaussians(raw_, first, last, floor, excess, fitted);
     while (fitted.size() < peaks.size() + 3 && 3 * fitted.size() + 3 < last - first && chi > static_cast<double>(last - first) + 30) {
       std::vector<double> residual(raw_.size(), 0.0);
       for (std::size_t i = first; i < last; ++i) {
@@ -205,7 +210,7 @@ class Finder {
       std::vector<GaussianEcho> trial = fitted;
       trial.push_back({*top * 3.5 * sigma_bins_, static_cast<double>(top - residual.begin()) + 0.5, sigma_bins_});
       if (trial.size() == 2) split(fitted.front(), trial);
-      const double trial_chi = fit_gaussians(raw_, first, last, floor, noise_.excess, trial);
+      const double trial_chi = fit_gaussians(raw_, first, last, floor, excess, trial);
       // No echo is narrower than the pulse; and what is much wider is air or leaves, which no number of Gaussians describes.
       const bool echoes_all = std::all_of(trial.begin(), trial.end(), [&](const GaussianEcho& e) {
         return e.area * std::erf(0.5 / (e.sigma * std::sqrt(2.0))) >= noise_.threshold && e.sigma > 0.6 * sigma_bins_;

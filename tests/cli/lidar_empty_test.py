@@ -1,0 +1,159 @@
+#!/usr/bin/env python3
+"""LIDAR runs that record nothing say so, before the first pulse where that is known and after the last one why; and returns that no
+surface made are few and doubtful.
+usage: lidar_empty_test.py RAYCUBE"""
+import csv
+import pathlib
+import struct
+import sys
+import tempfile
+
+from driver import PULSE_AND_RECEIVER, Program, record
+
+program = Program(sys.argv[1])
+run, check = program.run, program.check
+
+SCENE = """format = 1
+[[material]]
+name = "ground"
+reflectance = {reflectance}
+[[plane]]
+material = "ground"
+size_m = [200.0, 200.0]
+[atmosphere]
+model = "{air}"
+[[lidar]]
+name = "scan"
+position_m = [0.0, 0.0, {height}]
+{more}
+prf_khz = {prf}
+pulses = {pulses}
+""" + PULSE_AND_RECEIVER + """[lidar.gate]
+start_range_m = {start}
+stop_range_m = {stop}
+[lidar.sampling]
+subrays = 16
+{sampling}
+[lidar.echoes]
+{echoes}
+[lidar.products]
+png = false
+cube = false
+"""
+DEFAULTS = dict(reflectance=0.3, air="none", height=500.0, more="", prf=10.0, pulses=4, start=400.0, stop=600.0, sampling="", echoes="")
+
+
+def written(work, change=(), **values):
+    scene = work / "scene.toml"
+    text = SCENE.format(**{**DEFAULTS, **values})
+    for old, new in change:
+        check(old in text, old)
+        text = text.replace(old, new)
+    scene.write_text(text)
+    return scene
+
+
+def rendered(work, change=(), **values):
+    """Returns, warnings on stderr, warnings of run.json."""
+    done = run("render", written(work, change, **values), "-o", work / "out", "--overwrite")
+    with open(work / "out/scan/returns.csv", newline="") as file:
+        returns = list(csv.DictReader(file))
+    return returns, [line for line in done.stderr.splitlines() if "warning" in line], record(work / "out/scan")["warnings"]
+
+
+def one(lines, *parts):
+    found = [line for line in lines if all(part in line for part in parts)]
+    check(len(found) == 1, parts, lines)
+
+
+def known_before(work):
+    checked = lambda **values: run("scene", "check", written(work, **values)).stderr
+    # Ground lies 500 m below, its corners at 520 m; a gate beside it, and none of it said where it holds them.
+    check("the gate holds" not in checked() and "the gate holds" not in checked(start=0.0, stop=500.5), checked())
+    for start, stop in ((100.0, 400.0), (550.0, 700.0)):
+        check(f"the gate holds ranges of {start:.0f} to" in checked(start=start, stop=stop) and "lies 500 to 519.6" in checked(start=start, stop=stop), checked(start=start, stop=stop))
+    check("set start_range_m and stop_range_m" in checked(start=100.0, stop=400.0), checked(start=100.0, stop=400.0))
+    # 400 kHz: 374.74 m of range between pulses; the pulse before comes back at 125.26 m.
+    ambiguous = dict(prf=400.0, start=100.0, stop=200.0)
+    check("set fold_ambiguous = true" in checked(**ambiguous), checked(**ambiguous))
+    check("the gate holds" not in checked(more="fold_ambiguous = true", **ambiguous), checked(more="fold_ambiguous = true", **ambiguous))
+    check("the gate holds" in checked(more="fold_ambiguous = true", prf=400.0, start=200.0, stop=300.0))
+    # A bounce more can come from anywhere behind.
+    check("the gate holds" not in checked(start=550.0, stop=700.0, sampling="bounces = 2"))
+    check("rays end 300 m away" in checked(sampling="range_limit_m = 300.0"), checked(sampling="range_limit_m = 300.0"))
+    for change, says in (((("fov_mrad = 2.0", "fov_mrad = 0.0"),), "a field of view of 0 sees nothing"),
+                         ((("energy_J = 1e-4", "energy_J = 0.0"),), "'energy_J' is out of range"),
+                         ((("fov_mrad = 2.0", "fov_mrad = 2.0\nefficiency = 0.0"),), "'efficiency' is out of range"),
+                         ((("fov_mrad = 2.0", "fov_mrad = 2.0\nquantum_efficiency = 0"),), "'quantum_efficiency' is out of range"),
+                         ((("fwhm_ns = 4.0", "fwhm_ns = 4.0\ntransmit_efficiency = 0"),), "'transmit_efficiency' is out of range")):
+        program.refused("render", written(work, change), "-o", work / "none", status=2, says=[says])
+        check(not (work / "none").exists())
+    returns, _, _ = rendered(work, [("fov_mrad = 2.0", "fov_mrad = 0.0")], sampling='overlap = "off"')  # a receiver that sees all
+    check(len(returns) == 4, returns)
+    for echoes, says in (("false_returns = 0.0", "'false_returns' is out of range"), ("noise_class_above = -1", "'noise_class_above' is out of range"),
+                         ("false_returns = 0.1\nthreshold_sigma = 5", "'false_returns' and 'threshold_sigma' exclude each other"),
+                         ('air_is_background = "no"', "air_is_background")):
+        program.refused("render", written(work, echoes=echoes), "-o", work / "none", status=2, says=[says])
+    program.refused("render", written(work, [("[lidar.products]", '[lidar.detector]\nmode = "geiger"\n[lidar.products]')], echoes="false_returns = 0.1"),
+                    "-o", work / "none", status=2, says=["'false_returns' means nothing for mode = \"geiger\""])
+
+
+def known_after(work):
+    for values, parts in ((dict(start=100.0, stop=400.0), ("no return was found in 4 pulses", "100 % after it closes", "the gate holds 100 to 400")),
+                          (dict(start=550.0, stop=700.0), ("no return was found", "100 % came before the gate opens")),
+                          (dict(sampling="minimum_range_m = 510.0"), ("no return was found", "100 % from nearer than minimum_range_m")),
+                          (dict(more="roll_deg = 60.0"), ("no return was found", "no beam meets anything", "100 % left the scene")),
+                          (dict(reflectance=0.0), ("no return was found", "surfaces absorb all light", "100 % was absorbed by surfaces")),
+                          (dict(reflectance=1e-9), ("no return was found", "does not reach the threshold"))):
+        returns, said, kept = rendered(work, **values)
+        check(returns == [], values, returns)
+        one(said, *parts)
+        one(kept, *parts)
+    # The receiver looks elsewhere.
+    returns, said, _ = rendered(work, [("fov_mrad = 2.0", "fov_mrad = 2.0\ntilt_across_deg = 5.0")])
+    check(returns == [], returns)
+    one(said, "the receiver sees nothing of the light that surfaces scatter", "30 % was scattered by its last surface")
+    # In air the gate is not empty, but what it holds is the air's.
+    returns, said, _ = rendered(work, air="layered", start=100.0, stop=400.0)
+    check(all(row["order"] == "0" for row in returns), returns)
+    one(said, "after it closes", "the gate holds the air's own return")
+    # Where all is well nothing is said.
+    returns, said, kept = rendered(work)
+    check(len(returns) == 4 and said == [] and kept == [], said, kept)
+
+
+def classes_of(path):
+    """Classification of every point of a LAS 1.4 file: byte 16 of point formats 6 to 10."""
+    data = path.read_bytes()
+    start, = struct.unpack_from("<I", data, 96)
+    size, = struct.unpack_from("<H", data, 105)
+    count, = struct.unpack_from("<Q", data, 247)
+    return [data[start + i * size + 16] for i in range(count)]
+
+
+def clear_air(work):
+    """Default echoes from 500 m through clear air, the gate open from the exit on: before 93 % of the returns came from no surface."""
+    linear = [("[lidar.products]", '[lidar.detector]\nmode = "linear"\ngain = 20.0\nionization_ratio = 0.2\nreadout_noise_e = 100.0\n[lidar.products]')]
+    for change in ((), linear):
+        returns, said, _ = rendered(work, change, air="layered", pulses=300, start=0.0, stop=600.0)
+        none = [row for row in returns if row["order"] == "0"]
+        surface = {row["pulse"] for row in returns if row["order"] == "1"}
+        print(f"clear air, {'linear' if change else 'photons'}: {len(returns)} returns of 300 pulses, {len(none)} from no surface, {300 - len(surface)} surface returns lost")
+        check(len(surface) == 300 and said == [], len(surface), said)
+        check(len(none) <= 3 * 1.4 + 4 * 4.2**0.5, len(none))  # false_returns = 0.01 of each pulse, known to 40 % (linear)
+        classes = classes_of(work / "out/scan/returns.las")
+        check(len(classes) == len(returns))
+        for row, found in zip(returns, classes):
+            check(found == (7 if float(row["chance"]) > 0.001 else 1), row, found)
+            check(row["order"] == "0" or found == 1, row)
+        check(sum(found == 1 and row["order"] == "0" for row, found in zip(returns, classes)) <= 3, classes)
+    returns, _, _ = rendered(work, air="layered", pulses=4, start=0.0, stop=600.0, echoes="air_is_background = false\nnoise_class_above = 0")
+    check(len(returns) == 60 and set(classes_of(work / "out/scan/returns.las")) == {1}, len(returns))
+
+
+with tempfile.TemporaryDirectory() as folder:
+    folder = pathlib.Path(folder)
+    known_before(folder)
+    known_after(folder)
+    clear_air(folder)
+print(f"lidar_empty: {program.checks} checks, all well")
