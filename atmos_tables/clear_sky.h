@@ -17,8 +17,8 @@ inline constexpr double kClearSkyFirst_um = 0.3, kClearSkyLast_um = 4.0;
 
 /// Wavelengths ascending within 0.3..4 um. Target heights ascending, m above z = 0, none above the sensor; one height states
 /// that the scene is flat. sensor_height_m may lie on the ground, inside or above the air.
-/// Sun zenith from 90 to below 108 deg is refused (twilight is not modelled); from 108 deg on the sky is dark: the solar
-/// rows are exactly 0. Throws Error(input) with every problem found.
+/// From a sun zenith of 90 deg on the sky is dark, as twilight is not modelled: the solar rows are exactly 0 but for the sun above
+/// the air (clear_sky_inputs.h has the notice to give). Throws Error(input) with every problem found.
 RenderTable build_clear_sky(const scene::AtmosphereSpec& spec, const scene::Sun& sun, double sensor_height_m,
                             const std::vector<double>& wavelength_um, const std::vector<double>& target_height_m);
 

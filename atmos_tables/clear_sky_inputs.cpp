@@ -23,6 +23,11 @@ namespace {
 
 std::string number(double value) { return std::isfinite(value) ? nlohmann::json(value).dump() : "not a finite number"; }
 
+/// Beyond this reflected sunlight is nothing beside what anything at 250 K emits.
+constexpr double kReflectedTo_um = 5;
+/// End of astronomical twilight: a zenith angle of the sun.
+constexpr double kNight_deg = 108;
+
 void check_range(base::Problems& problems, const char* name, double value, double low, double high, const char* unit) {
   if (value >= low && value <= high) return;
   problems.add({"", 0, 0, std::string("atmosphere.") + name},
@@ -53,13 +58,10 @@ void check_grid(base::Problems& problems, double sensor_height_m, const std::vec
                  number(target_height_m.back()) + " m", "raise the sensor or drop the height");
 }
 
-void check_sun(base::Problems& problems, const scene::Sun& sun, bool has_air) {
+void check_sun(base::Problems& problems, const scene::Sun& sun) {
   const base::Where where{"", 0, 0, "sun"};
   if (!(sun.zenith_deg >= 0 && sun.zenith_deg <= 180))
     problems.add(where, "zenith must lie in 0 to 180 deg", number(sun.zenith_deg), "correct the angle");
-  else if (has_air && sun.moon_phase_deg < 0 && sun.zenith_deg >= 90 && sun.zenith_deg < 108)
-    problems.add(where, "the built-in model has no twilight (sun zenith 90 to 108 deg)", number(sun.zenith_deg) + " deg",
-                 "choose a time with the sun up, or import a table");
   if (!(sun.moon_phase_deg <= 180))
     problems.add(where, "phase angle of the moon must lie in 0 to 180 deg", number(sun.moon_phase_deg), "correct the angle");
   if (!(sun.azimuth_deg >= -360 && sun.azimuth_deg <= 360))
@@ -82,7 +84,7 @@ void check_clear_sky(const scene::AtmosphereSpec& spec, const scene::Sun& sun, d
   check_range(problems, "ssa", spec.ssa, 0, 1, "");
   check_range(problems, "asymmetry", spec.asymmetry, -0.95, 0.95, "");
   check_range(problems, "ground_albedo", spec.ground_albedo, 0, 1, "");
-  check_sun(problems, sun, true);
+  check_sun(problems, sun);
   check_grid(problems, sensor_height_m, wavelength_um, target_height_m, kClearSkyFirst_um, kClearSkyLast_um);
   problems.throw_if_any();
 }
@@ -90,9 +92,17 @@ void check_clear_sky(const scene::AtmosphereSpec& spec, const scene::Sun& sun, d
 void check_table_request(const scene::Sun& sun, double sensor_height_m, const std::vector<double>& wavelength_um,
                          const std::vector<double>& target_height_m, double first_um, double last_um) {
   base::Problems problems;
-  check_sun(problems, sun, true);
+  check_sun(problems, sun);
   check_grid(problems, sensor_height_m, wavelength_um, target_height_m, first_um, last_um);
   problems.throw_if_any();
+}
+
+std::optional<std::string> no_light_notice(const scene::AtmosphereSpec& spec, const scene::Sun& sun, double first_um) {
+  if (!spec.table_file.empty() || sun.zenith_deg < 90 || !(first_um < kReflectedTo_um)) return std::nullopt;
+  const std::string bands = ", below the horizon: bands below " + number(kReflectedTo_um) + " um hold no ";
+  if (sun.moon_phase_deg >= 0) return "the moon stands at a zenith angle of " + number(sun.zenith_deg) + " deg" + bands + "light of it";
+  return "the sun stands at a zenith angle of " + number(sun.zenith_deg) + " deg" + bands + "sunlight, and there is no twilight" +
+         (sun.zenith_deg < kNight_deg && !spec.none ? " (90 to 108 deg) in the built-in models; import a table of a code that has it" : "");
 }
 
 RenderTable sunlit_table(const scene::Sun& sun, double sensor_height_m, const std::vector<double>& wavelength_um,
@@ -155,7 +165,7 @@ std::vector<double> clear_sky_heights(double low_m, double high_m) {
 RenderTable vacuum_table(const scene::Sun& sun, double sensor_height_m, const std::vector<double>& wavelength_um,
                          const std::vector<double>& target_height_m) {
   base::Problems problems;
-  check_sun(problems, sun, false);
+  check_sun(problems, sun);
   check_grid(problems, sensor_height_m, wavelength_um, target_height_m, kClearSkyFirst_um, kClearSkyLast_um);
   problems.throw_if_any();
   RenderTable table = sunlit_table(sun, sensor_height_m, wavelength_um, target_height_m);

@@ -83,11 +83,13 @@ double path_radiance_between(double up_at_sensor, double transmission, double up
 std::vector<double> resample_linear(const std::vector<double>& from_um, const std::vector<double>& values,
                                     const std::vector<double>& to_um);
 
-/// Single-scatter shape that divides the sky: P mu0/(mu0 - mu)(exp(-tau/mu0) - exp(-tau/mu)), finite at mu = mu0 and mu = 0.
+/// Single-scatter shape that divides the sky: P mu0/(mu0 - mu)(exp(-tau/mu0) - exp(-tau/mu)), finite at mu = mu0 and mu = 0. For
+/// suns below 2.9 degrees of elevation it is that of 2.9 degrees, and tau counts up to 3 mu0: neither exponential falls below
+/// exp(-3) where the other does not, whatever the sun and the air.
 double sky_shape(double phase, double depth, double cos_sun, double cos_view);
 
 /// Sky nodes by which the light scattered once is told from the rest: the node nearest the sun first, then those around it.
-/// Pairs (zenith index, azimuth index).
+/// Of a sun below 2.9 degrees of elevation: at 87 degrees of zenith, and beside. Pairs (zenith index, azimuth index).
 std::vector<std::pair<std::size_t, std::size_t>> nodes_around_sun(const std::vector<double>& sky_zenith_deg,
                                                                   const std::vector<double>& sky_azimuth_deg,
                                                                   double sun_zenith_deg);

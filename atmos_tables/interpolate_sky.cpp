@@ -10,10 +10,17 @@ namespace raycube::atmos {
 namespace {
 using namespace detail;
 double radians(double degrees) { return degrees * std::numbers::pi / 180; }
+/// The shape's sun stands no lower than 2.9 degrees (airmass 20, as the round air has it at 88 degrees of zenith), and the air is
+/// no deeper than this along its path. Beyond, light scattered once is a vanishing part of the sky: exp(-tau / mu0) would span
+/// decades between two nodes of a sky that is nearly even, and 1e11 came out between them at 89.5 degrees. What it takes, rms
+/// between nodes with depths up to 2, 3 and without a limit: 23 km, sun at 80 degrees, 0.42 um 0.50, 0.43, 1.0 %; 5 km, 85 degrees
+/// 0.6, 0.6, 132 %; a cloud of depth 10, 75 degrees 0.4, 0.7, 7000 %. Skies within the limits keep their bits.
+constexpr double kLowestSun = 0.05, kDeepestSun = 3;
 }  // namespace
 
 double sky_shape(double phase, double depth, double cos_sun, double cos_view) {
-  const double mu0 = std::max(cos_sun, 1e-3), mu = std::max(cos_view, 1e-9);
+  const double mu0 = std::max(cos_sun, kLowestSun), mu = std::max(cos_view, 1e-9);
+  depth = std::min(depth, kDeepestSun * mu0);
   const double a = depth / mu0, b = depth / mu;
   // exp(-min) (1 - exp(-(max - min))) / (max - min) times depth / mu: no difference of like numbers, no overflow.
   const double low = std::min(a, b), gap = std::abs(b - a);
@@ -48,10 +55,15 @@ Spectrum sky_radiance_thermal(const RenderTable& table, double height_m, double 
 std::vector<std::pair<std::size_t, std::size_t>> nodes_around_sun(const std::vector<double>& sky_zenith_deg,
                                                                   const std::vector<double>& sky_azimuth_deg,
                                                                   double sun_zenith_deg) {
+  // A sun at the horizon is sought where its shape stands, and told by azimuth alone: between zeniths the light there changes with
+  // the air's depth rather than with the angle to the sun.
+  const bool low = std::cos(radians(sun_zenith_deg)) < kLowestSun && sky_azimuth_deg.size() > 1;
+  const double from_deg = low ? std::acos(kLowestSun) * 180 / std::numbers::pi : sun_zenith_deg;
   const auto nearest = std::min_element(sky_zenith_deg.begin(), sky_zenith_deg.end(), [&](double p, double q) {
-    return std::abs(p - sun_zenith_deg) < std::abs(q - sun_zenith_deg);
+    return std::abs(p - from_deg) < std::abs(q - from_deg);
   });
   const auto z = static_cast<std::size_t>(nearest - sky_zenith_deg.begin());
+  if (low) return {{z, 0}, {z, 1}};
   std::vector<std::pair<std::size_t, std::size_t>> nodes = {{z, 0}};
   if (z + 1 < sky_zenith_deg.size()) nodes.emplace_back(z + 1, 0);
   if (z > 0) nodes.emplace_back(z - 1, 0);

@@ -25,8 +25,8 @@ struct BuildWatch {
 };
 
 /// Wavelengths ascending within 0.3..30 um; target heights ascending, m above z = 0, none above the sensor. spec.layered must be
-/// set. Sun zenith from 90 to below 108 deg is refused (twilight); from 108 deg on the solar rows are 0. Throws Error(input)
-/// with every problem found.
+/// set. From a sun zenith of 90 deg on the solar rows are 0, as there is no twilight (clear_sky_inputs.h has the notice to give).
+/// Throws Error(input) with every problem found.
 /// Where spec.layered names lines or cross-sections, the gases they hold are resolved at the wavelength nodes themselves, not averaged
 /// over bins, and their band models are silent; the step between nodes is then the user's to choose.
 RenderTable build_layered(const scene::AtmosphereSpec& spec, const scene::Sun& sun, double sensor_height_m,

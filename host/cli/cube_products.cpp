@@ -12,6 +12,8 @@
 #include <optional>
 
 #include "host/base/error.h"
+#include "host/cli/radiance_guard.h"
+#include "host/plan/radiance_limit.h"
 #include "host/products/digest.h"
 #include "host/products/envi_writer.h"
 #include "host/products/exr_writer.h"
@@ -119,6 +121,7 @@ struct CubeProducts::State {
         instrument(*job_.instrument),
         plan(job_.plan),
         set(folder, if_exists),
+        guard(*job_.instrument, plan::radiance_limit(job_.plan, simulation_.scene, job_.table)),
         layers(render::truth_layer_names(simulation_.scene, *job_.instrument)),
         shown(shown_bands()) {
     const auto& origin = simulation.scene.origin;
@@ -221,6 +224,7 @@ struct CubeProducts::State {
   const scene::Instrument& instrument;
   const plan::Plan& plan;
   base::OutputSet set;
+  RadianceGuard guard;
   std::vector<render::LayerName> layers;
   std::vector<int> shown;
   products::Digest digest;
@@ -243,6 +247,7 @@ void CubeProducts::add(const render::Strip& strip) {
   const std::size_t bands = s.instrument.bands.size(), layers = s.layers.size();
   const products::Strip cube{strip.first_line, strip.lines, strip.radiance, bands};
   const products::Strip truth{strip.first_line, strip.lines, strip.truth, layers};
+  s.guard.add(strip.first_line, strip.lines, strip.radiance);
   s.digest.add_radiance(cube, s.instrument.pixels, static_cast<std::int64_t>(bands));
   s.radiance->write(cube);
   s.truth->write(truth);
@@ -258,8 +263,11 @@ void CubeProducts::add(const render::Strip& strip) {
   }
 }
 
+std::optional<std::string> CubeProducts::warning() const { return state_->guard.warning(); }
+
 void CubeProducts::publish(products::RunRecord& record) {
   State& s = *state_;
+  record.more_json.emplace_back("radiance_bound", s.guard.json());
   if (s.location) s.georeference();
   s.radiance->finish();
   s.truth->finish();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "host/base/output_file.h"
@@ -20,7 +21,10 @@ class CubeProducts {
   CubeProducts(const std::string& folder, base::IfExists if_exists, const scene::Simulation& simulation, const InstrumentJob& job);
   ~CubeProducts();
 
+  /// Throws Error(bug) when a radiance is no number (RadianceGuard).
   void add(const render::Strip& strip);
+  /// Of what was added: pixels brighter than can be.
+  std::optional<std::string> warning() const;
   /// Finishes every file, fills the record's digest, files and figures of the output, writes run.json and names them all.
   void publish(products::RunRecord& record);
 

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <tuple>
 
+#include "atmos_tables/clear_sky_inputs.h"
 #include "host/base/error.h"
 #include "host/cli/air_table.h"
 #include "host/planner/plan_file.h"
@@ -41,7 +42,15 @@ scene::Simulation load_job(const std::string& file, Context& context) {
   options.need_instruments = true;
   scene::Simulation simulation = scene::load_simulation(file, options);
   for (const auto& notice : simulation.notices) context.log.warning(notice);
+  for (const auto& instrument : simulation.instruments)
+    for (const auto& notice : light_notices(simulation, instrument)) context.log.warning(instrument.name + ": " + notice);
   return simulation;
+}
+
+std::vector<std::string> light_notices(const scene::Simulation& simulation, const scene::Instrument& instrument) {
+  if (instrument.bands.empty()) return {};
+  const auto notice = atmos::no_light_notice(simulation.atmosphere, simulation.sun, band_range(instrument.bands).first);
+  return notice ? std::vector{*notice} : std::vector<std::string>{};
 }
 
 std::vector<const scene::Instrument*> pick_instruments(const scene::Simulation& simulation, const std::string& name) {

@@ -21,6 +21,9 @@ namespace raycube::cli {
 /// Loads the file; notices go to the log. Throws Error(input) with every problem found.
 scene::Simulation load_job(const std::string& file, Context& context);
 
+/// What its user should know of an instrument's light: a sun or moon that is down. load_job logs them.
+std::vector<std::string> light_notices(const scene::Simulation& simulation, const scene::Instrument& instrument);
+
 /// The passive instruments called `name`, or all when it is empty. Throws Error(input) that lists instruments and LIDARs when neither has
 /// one of that name.
 std::vector<const scene::Instrument*> pick_instruments(const scene::Simulation& simulation, const std::string& name);

@@ -9,6 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "atmos_tables/clear_sky_inputs.h"
 #include "atmos_tables/optics/standard_air.h"
 #include "atmos_tables/rct_file.h"
 #include "atmos_tables/report.h"
@@ -124,6 +125,7 @@ int build(const BuildOptions& o, Context& context) {
   // A name that is taken or a folder that cannot be written is known before the work begins.
   { const base::OutputFile probe(output, if_exists(context.common)); }
   const atmos::RenderTable table = air_table({&air, simulation.sun, sensor_height, first_um, last_um, step_um, lowest, highest, !o.no_cache}, context);
+  if (const auto notice = atmos::no_light_notice(air, simulation.sun, first_um)) context.log.warning(*notice);
   const std::string hash = atmos::write_rct(table, output, if_exists(context.common));
   if (context.common.json)
     context.out << nlohmann::json{{"table", output}, {"content_hash", hash}}.dump() << "\n";

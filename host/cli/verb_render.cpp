@@ -84,6 +84,11 @@ nlohmann::json render_one(const scene::Simulation& simulation, const InstrumentJ
     record.more_json.emplace_back("adaptive", nlohmann::json({{"first", instrument.first_samples}, {"refined_share", refined}}).dump());
     context.log.info(fmt::format("{}: {:.1f} % of the pixels rendered anew with all samples", instrument.name, 100 * refined));
   }
+  record.warnings = light_notices(simulation, instrument);
+  if (const auto bright = output.warning()) {
+    context.log.warning(*bright);
+    record.warnings.push_back(*bright);
+  }
   output.publish(record);
   context.log.info(fmt::format("{}: {} x {} pixels, {} bands, {:.1f} s, {:.3g} rays/s, {}", instrument.name, instrument.pixels,
                                instrument.lines, instrument.bands.size(), render_s, record.rays_per_s, folder.string()));

@@ -24,6 +24,9 @@ constexpr int kReweightings = 10, kLimitings = 24;
 constexpr double kUnimportant = 1e-3;
 /// A sky fainter than this part of its brightest wavelength has no shape of its own.
 constexpr double kFaintest = 1e-9;
+/// A sun below 3 degrees of elevation: maps with intervals of 1.5 degrees make the skylight of thin air, which goes with the airmass, 0.7 %
+/// too bright, beside which direct sun is nothing any more.
+constexpr double kLowSun = 87 * kDegree;
 /// The decomposition weighs a direction by cos(zenith) + this: the horizon, which cos alone forgets, lights walls and crowns.
 constexpr double kHorizonShare = 0.1;
 
@@ -204,15 +207,20 @@ SkyFactorizer::SkyFactorizer(const TableSpectra& table, double height_m, double 
   if (sky == Sky::thermal) {  // few nodes, since azimuth says nothing; fine ones keep a limb that brightens as the airmass to 1e-4
     data_->basis.zenith_rad = refine(zenith, [](double t) { return kDegree * (t > 80 * kDegree ? 0.25 : 1.0); });
     data_->basis.azimuth_rad = azimuth;
-  } else {  // finer around the sun, where the aureole bends most, and towards the horizon
+  } else {  // finer around the sun, where the aureole bends most, and towards the horizon; finer still where skylight is all there is
+    const double finest = kDegree * (sun_zenith_rad > kLowSun ? 0.75 : 1.5);
     data_->basis.zenith_rad = refine(zenith, [&](double t) {
-      return kDegree * (std::abs(t - sun_zenith_rad) < 10 * kDegree || t > 80 * kDegree ? 1.5 : 3.0);
+      return std::abs(t - sun_zenith_rad) < 10 * kDegree || t > 80 * kDegree ? finest : 2 * finest;
     });
     data_->basis.azimuth_rad = refine(azimuth, [](double f) { return kDegree * (f < 6 * kDegree ? 2.0 : f < 30 * kDegree ? 4.0 : 7.5); });
   }
   data_->q = vector_of(cosine_weights(data_->basis));
   data_->shape = sample_sky(data_->basis, table, height_m, sky);
   const VectorXd sampled = normalise(data_->shape, data_->q);
+  if (!(sampled.maxCoeff() > 0)) {  // a table with light between ground and air has a sky by name, at night none by light
+    data_->shape.resize(0, 0);
+    return;
+  }
   data_->sampled_list.assign(sampled.data(), sampled.data() + sampled.size());
   data_->irradiance = flux_of(sampled, table, height_m, sky);
   data_->irradiance_list.assign(data_->irradiance.data(), data_->irradiance.data() + data_->irradiance.size());

@@ -73,7 +73,7 @@ ModelPixels compare_models(const scene::Simulation& simulation, const scene::Ins
 }
 
 ModelError model_error(const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan, const atmos::RenderTable& table,
-                       int threads) {
+                       int threads, int directions) {
   TrialImage image;
   std::vector<render::Tile> tiles;
   for (const render::Tile& run : trial_tiles(instrument, simulation.seed + kModelPixels)) {
@@ -81,7 +81,7 @@ ModelError model_error(const scene::Simulation& simulation, const scene::Instrum
     image.run_end.push_back(tiles.size());
   }
   ModelSettings settings;
-  settings.seed = simulation.seed, settings.threads = threads;
+  settings.seed = simulation.seed, settings.threads = threads, settings.directions = directions;
   const auto [ours, theirs] = compare_models(simulation, instrument, plan, table, tiles, settings);
   image.bands = plan.bands.size();
   const auto image_of = [&](const std::vector<reference::BandRadiance>& radiance, Band value) {

@@ -16,7 +16,9 @@ struct ModelPixels {
 };
 
 /// How they are compared: `side` x `side` jittered samples of a pixel under `directions`, turned by `turn_rad` about the zenith. Both sides
-/// look at the sky in the same directions and count what they see alike, so that their number is no part of the difference.
+/// look at the sky in the same directions and count what they see alike, so that their number is no part of the difference but for a sky
+/// that is steep: what the components leave out sums to no light over all directions, over a few to a remainder (sun at 88.5 degrees over
+/// a plane: 1.1 % over 256, 0.6 % over 1024, 0.4 % over 4096).
 struct ModelSettings {
   int side = 2, directions = 256;
   double turn_rad = 0;
@@ -36,6 +38,6 @@ struct ModelError {
 /// Over two of the eight pixels of each of at most 64 hashed runs, a few samples of each. Light of what hides the sky is left out: its one temperature is no level of
 /// the plan (`raycube check` reports its error).
 ModelError model_error(const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan, const atmos::RenderTable& table,
-                       int threads = 0);
+                       int threads = 0, int directions = ModelSettings{}.directions);
 
 }  // namespace raycube::planner

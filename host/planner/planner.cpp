@@ -23,6 +23,7 @@ constexpr int kMostTriedDirections = 256;
 constexpr int kSkyLevels[] = {4, 16, 64};
 constexpr int kMostRounds = 16;
 constexpr double kWorthATry = 0.85;             ///< of the cost
+constexpr int kFineDirections = 1024;           ///< of a plan that would not hold its tolerance by fewer; as many as `check` looks in
 constexpr double kWorthMeasuring = 0.3;         ///< of the tolerance: less takes 5 % of what is left for samples and sky
 
 double squared(double x) { return x * x; }
@@ -77,7 +78,8 @@ namespace {
 /// Puts what is measured in place of the estimate.
 void measure_plan(Decision& out, const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan, const atmos::RenderTable& table,
                   int threads) {
-  const ModelError error = model_error(simulation, instrument, plan, table, threads);
+  ModelError error = model_error(simulation, instrument, plan, table, threads);
+  if (error.total.bound > simulation.tolerance) error = model_error(simulation, instrument, plan, table, threads, kFineDirections);
   out.plan_error = error.total.bound;
   out.model_pixels = error.pixels;
   out.measured.push_back(fmt::format("nodes and components: {:.2g} %, at most {:.2g} % (sun {:.2g}, sky {:.2g}, path {:.2g}, ground around {:.2g}, emission {:.2g}), {} pixels against the whole tables",

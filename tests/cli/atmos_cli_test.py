@@ -65,7 +65,10 @@ assert rows["sky_radiance_solar"]["most"] == 0
 
 # Bad input: status 2 and a message that says what is wrong.
 assert "where is the sun" in run("build", "-o", folder / "x.rct", status=2).stderr
-assert "twilight" in run("build", "--sun-zenith", "95", "-o", folder / "x.rct", status=2).stderr
+dark = run("build", "--sun-zenith", "95", *layered[3:], "-o", folder / "dark.rct")
+assert "no twilight" in dark.stderr
+rows = {row["name"]: row for row in json.loads(run("info", folder / "dark.rct", "--json").stdout)["rows"]}
+assert rows["sky_radiance_solar"]["most"] == rows["path_radiance_solar"]["most"] == 0
 assert "above the sensor" in run("build", "--sun-zenith", "5", "--highest", "700", "-o", folder / "x.rct", status=2).stderr
 assert "--water" in run("build", "--sun-zenith", "5", "--water", "-1", "-o", folder / "x.rct", status=2).stderr
 assert not (folder / "x.rct").exists()

@@ -1,0 +1,58 @@
+#include "host/plan/radiance_limit.h"
+
+#include <algorithm>
+#include <numbers>
+
+#include "atmos_tables/interpolate.h"
+#include "host/base/planck.h"
+
+namespace raycube::plan {
+
+namespace {
+
+/// Largest value of a row at each of the table's wavelengths; wavelength is the first axis.
+std::vector<double> largest_of(const atmos::Row& row, std::size_t wavelengths) {
+  const std::size_t inner = row.values.size() / wavelengths;
+  std::vector<double> out;
+  for (std::size_t i = 0; i < wavelengths; ++i) {
+    const auto first = row.values.begin() + static_cast<std::ptrdiff_t>(i * inner);
+    out.push_back(*std::max_element(first, first + static_cast<std::ptrdiff_t>(inner)));
+  }
+  return out;
+}
+
+/// Largest emission on the plan's grid: of used materials, and of the sky they mirror.
+std::vector<double> largest_emission(const Plan& plan, const scene::CompiledScene& scene, const atmos::RenderTable& table) {
+  std::vector<double> out(plan.wavelength_um.size(), 0.0);
+  if (!plan.thermal.on) return out;
+  double hottest_K = plan.thermal.surroundings_K;
+  for (const auto curve : used_curves(scene)) hottest_K = std::max(hottest_K, double{scene.materials[curve - 1].temperature_K});
+  const auto& um = atmos::wavelengths(table);
+  const auto sky = atmos::resample_linear(um, largest_of(table.need("sky_radiance_thermal", "thermal light"), um.size()), plan.wavelength_um);
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = std::max(sky[i], base::planck_radiance(plan.wavelength_um[i], hottest_K));
+  return out;
+}
+
+}  // namespace
+
+std::vector<double> radiance_limit(const Plan& plan, const scene::CompiledScene& scene, const atmos::RenderTable& table) {
+  std::vector<double> limit = largest_emission(plan, scene, table);
+  if (plan.sun_up && table.has("solar_irradiance")) {
+    const auto e0 = atmos::resample_linear(atmos::wavelengths(table), atmos::solar_irradiance(table), plan.wavelength_um);
+    for (std::size_t i = 0; i < limit.size(); ++i) limit[i] += e0[i] / std::numbers::pi;
+  }
+  for (std::size_t i = 0; i < limit.size(); ++i) {
+    double brightest = 0;
+    for (const auto& spectrum : plan.path_spectrum) brightest = std::max(brightest, spectrum[i]);
+    limit[i] += brightest;
+  }
+  std::vector<double> out;
+  for (const BandQuadrature& band : plan.bands) {
+    double sum = 0;
+    for (std::size_t i = 0; i < band.weight.size(); ++i) sum += band.weight[i] * limit[band.first + i];
+    out.push_back(sum);
+  }
+  return out;
+}
+
+}  // namespace raycube::plan

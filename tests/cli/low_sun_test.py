@@ -1,0 +1,133 @@
+#!/usr/bin/env python3
+"""A sun at the horizon, below it, and what no pixel may hold. Oracle: the table's own formula for a flat plane,
+    L = L_path + rho / pi (T_view + T_dif) R2 (E_direct + E_sky) / (1 - rho S),
+worked out here in double from the rows of the .rct at its lowest target and straight down; T_dif = S = 0 where the model has none.
+usage: low_sun_test.py RAYCUBE"""
+import json
+import pathlib
+import struct
+import sys
+import tempfile
+
+import numpy
+
+from driver import Program, envi, record
+
+program = Program(sys.argv[1])
+run, check, refused = program.run, program.check, program.refused
+kReflectance = 0.3
+
+
+def rows_of(path):
+    """Header and rows of a table, by docs/table_format.md."""
+    data = pathlib.Path(path).read_bytes()
+    length = struct.unpack("<Q", data[16:24])[0]
+    header, start = json.loads(data[64:64 + length]), 64 + (length + 63) // 64 * 64
+    rows = {r["name"]: numpy.frombuffer(data, "<f4", int(numpy.prod(r["shape"])), start + r["offset"]).astype(float).reshape(r["shape"])
+            for r in header["rows"]}
+    return header, numpy.array({a["name"]: a["nodes"] for a in header["axes"]}["wavelength"]), rows
+
+
+def flat_plane(path, centers_um, fwhm_um):
+    """Band radiances by the formula; the plane lies at the table's lowest height, the camera looks straight down."""
+    header, um, rows = rows_of(path)
+    down = {name: row.reshape(len(um), -1)[:, 0] for name, row in rows.items()}
+    sun, view = numpy.exp(-down["sun_optical_depth"]), numpy.exp(-down["view_optical_depth"])
+    direct = down["solar_irradiance"] * numpy.cos(numpy.radians(header["sun_zenith_deg"])) * sun
+    back, around = down.get("spherical_albedo", 0), down.get("diffuse_view_transmission", 0)
+    ground = kReflectance / numpy.pi * (direct + down["diffuse_irradiance"]) / (1 - kReflectance * back)
+    light = down["path_radiance_solar"] + down["two_way_factor"] * (view + around) * ground
+    out = []
+    for center in centers_um:
+        fine = numpy.linspace(center - 2.5 * fwhm_um, center + 2.5 * fwhm_um, 4001)
+        response = numpy.exp(-4 * numpy.log(2) * ((fine - center) / fwhm_um) ** 2)
+        out.append((response * numpy.interp(fine, um, light)).sum() / response.sum())
+    return numpy.array(out), down["solar_irradiance"].max()
+
+
+def plane(folder, air, zenith, bands='{ first_nm = 440.0, step_nm = 40.0, count = 48, fwhm_nm = 20.0 }', name="camera", more=""):
+    path = folder / "plane.toml"
+    path.write_text(f"""format = 1
+material = [ {{ name = "grey", reflectance = {kReflectance}{', temperature_K = 300.0' if more else ''} }} ]
+plane = [ {{ material = "grey", size_m = [400.0, 400.0] }} ]
+atmosphere = {air}
+time = {{ sun = {{ zenith_deg = {zenith}, azimuth_deg = 150.0 }} }}
+[[instrument]]
+name = "{name}"
+kind = "framing"
+altitude_agl_m = 1000.0
+gsd_m = 1.0
+pixels = 4
+lines = 4
+samples = {{ grid = [4, 4] }}
+bands = {bands}
+{more}""")
+    return path
+
+
+with tempfile.TemporaryDirectory() as work:
+    work = pathlib.Path(work)
+    cache = {"XDG_CACHE_HOME": str(work / "cache")}
+    few = '{ first_nm = 440.0, step_nm = 40.0, count = 16, fwhm_nm = 20.0 }'  # of the model whose grid is 1 nm
+
+    # Between 88 degrees and the horizon: 2 % of the formula, where a band has light to speak of (1e-4 of the brightest, as the plan
+    # has it); the plan says no more than that of itself.
+    for model in ('{ model = "clear_sky" }', '{ model = "layered", spectral_step_nm = 20.0 }'):
+        for zenith in (85, 88.5, 88.8, 89.5, 89.99):
+            file, out = plane(work, model, zenith, *([few] if "clear" in model else [])), work / "out"
+            centers = 0.44 + 0.04 * numpy.arange(16 if "clear" in model else 48)
+            run("atmos", "build", file, "-o", work / "air.rct", "--overwrite", env=cache)
+            run("render", file, "-o", out, "--overwrite", env=cache)
+            want, sun = flat_plane(work / "air.rct", centers, 0.02)
+            found = envi(out / "camera", "radiance")[1].astype(float).reshape(16, -1)
+            seen = want > 1e-4 * want.max()
+            error = numpy.abs(found[:, seen] / want[seen] - 1).max()
+            said = record(out / "camera")
+            print(f"{model} {zenith}: worst band {error:.4f} of the formula")
+            check(numpy.isfinite(found).all() and error < 0.02, model, zenith, error)
+            check(said["radiance_bound"]["pixels_beyond"] == 0 and not said["warnings"], said["warnings"])
+            claimed = said["plan"]["planner"]["error"]
+            check(claimed["plan"] < 0.01, claimed)  # the file's tolerance, measured against the whole tables
+
+    # Below the horizon: dark, and said; at night too.
+    for model in ('{ model = "clear_sky" }', '{ model = "layered", spectral_step_nm = 20.0 }'):
+        for zenith in (90, 95, 110):
+            done = run("render", plane(work, model, zenith, few), "-o", work / "dark", "--overwrite", env=cache)
+            check("no twilight" in done.stderr, done.stderr)
+            check(any("no twilight" in warning for warning in record(work / "dark" / "camera")["warnings"]))
+            check((envi(work / "dark" / "camera", "radiance")[1] == 0).all(), model, zenith)
+
+    # Thermal light knows no hour: bit for bit that of deep night, and of a body of 300 K but for the air.
+    thermal = '{ first_nm = 9000.0, step_nm = 1000.0, count = 3, fwhm_nm = 400.0 }'
+    images = []
+    for zenith in (95, 120):
+        file = plane(work, '{ model = "layered", spectral_step_nm = 100.0 }', zenith, thermal, more='[thermal]\ndefault_temperature_K = 300.0\n')
+        done = run("render", file, "-o", work / "warm", "--overwrite", env=cache)
+        check("twilight" not in done.stderr, done.stderr)
+        images.append(envi(work / "warm" / "camera", "radiance")[1])
+    check((images[0] == images[1]).all() and images[0].min() > 5 and images[0].max() < 10.2, images[0])
+
+    # What a table may not make of a cube. E0 = 1000, both transmissions 1, no path: R2 = 20 is light from nowhere.
+    def tabled(e0, factor):
+        csv = work / "made.csv"
+        csv.write_text("wavelength [um],solar_irradiance [W m-2 um-1],sun_transmission [1],view_transmission [1],two_way_factor [1],"
+                       "path_radiance_solar [W m-2 sr-1 um-1],sky_radiance_solar [W m-2 sr-1 um-1]\n"
+                       + "".join(f"{um},{e0},1,1,{factor},0,0\n" for um in (0.4, 0.5, 0.6)))
+        run("atmos", "import", csv, "--sun-zenith", "60", "--sun-azimuth", "150", "--sensor-height", "1000", "-o", work / "made.rct", "--overwrite")
+        return plane(work, f'{{ tables = "{work / "made.rct"}" }}', 60, '{ first_nm = 480.0, step_nm = 20.0, count = 2, fwhm_nm = 8.0 }')
+
+    out = work / "bright"
+    done = run("render", tabled("1000", "20"), "-o", out, env=cache)
+    ratio = kReflectance * 0.5 * 20  # rho E0 cos 60 R2 / pi over E0 / pi
+    said = record(out / "camera")
+    check("16 of 16 pixels are brighter" in done.stderr, done.stderr)
+    check(said["radiance_bound"]["pixels_beyond"] == 16 and abs(said["radiance_bound"]["worst_ratio"] / ratio - 1) < 1e-4, said["radiance_bound"])
+    check(any("brighter" in warning for warning in said["warnings"]))
+    run("render", tabled("1000", "1"), "-o", out, "--overwrite", env=cache)
+    check(record(out / "camera")["radiance_bound"]["pixels_beyond"] == 0)
+    # Beyond single precision: refused, with nothing under its final name.
+    none = work / "none"
+    refused("render", tabled("1e38", "1e10"), "-o", none, status=70, env=cache,
+            says=["instrument 'camera'", "pixel 0 of line 0", "band 1 (0.48 um)", "no number", "nothing is published"])
+    check(not list((none / "camera").iterdir()))
+print(f"{program.checks} checks")
