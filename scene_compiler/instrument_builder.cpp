@@ -258,6 +258,8 @@ Instrument read_instrument(const Record& record, const SceneParts& parts, std::v
                       "' were not ascending and have been sorted");
   choose_quicklook(record, out, problems);
   out.interleave = record.text("interleave");
+  const std::string& small = record.text("small_objects");
+  out.small_objects = small == "on" ? SmallObjects::on : small == "off" ? SmallObjects::off : SmallObjects::automatic;
   const std::string& error = record.text("standard_error");
   out.standard_error = error == "off" ? StandardError::off : error == "worst" ? StandardError::worst : StandardError::bands;
   if (out.standard_error != StandardError::off && out.samples_given && out.samples_u * out.samples_v < 4)

@@ -16,6 +16,9 @@ namespace raycube::scene {
 enum class InstrumentKind { framing, whiskbroom, pushbroom };
 enum class SamplerKind { grid, lattice, jittered };
 enum class StandardError { off, worst, bands };  ///< a layer of the truth; bands: a cube beside the radiance too
+/// Pixels that hold objects smaller than their samples see get the samples they need (host/sensors/small_objects.h); automatic: where the
+/// planner chooses the samples. A renderer takes automatic for off.
+enum class SmallObjects { off, on, automatic };
 enum class PoseMotion { held, moving, automatic };
 
 /// One pose of the platform. Position in the scene frame, metres; roll about the flight axis (right wing down positive),
@@ -50,6 +53,7 @@ struct Instrument {
   bool samples_given = false;           ///< by the file; otherwise the planner chooses them (host/planner)
   int first_samples = 0;                ///< adaptive: lattice points of a first pass; pixels that it does not settle get all; 0: none
   bool adaptive() const { return first_samples > 0 && first_samples < samples_u * samples_v; }
+  SmallObjects small_objects = SmallObjects::off;
   StandardError standard_error = StandardError::off;
   double psf_sigma_px = 0;        ///< Gaussian PSF sigma in pixels; 0: box, no blur
   double psf_support_px = 1;      ///< width of the square the samples cover, pixels; 1 for the box

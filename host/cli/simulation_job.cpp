@@ -91,6 +91,7 @@ InstrumentJob prepare(const scene::Simulation& simulation, const scene::Instrume
     job.decision = planner::as_given(simulation, instrument, job.plan);
     planner::hold_tolerance(job.decision, simulation, instrument, job.plan, job.table, context.common.threads);
   }
+  planner::add_small_objects(job.decision, simulation, instrument);
   planner::apply(job.decision, simulation, *planned, job.plan);
   for (const auto& note : job.decision.notes) context.log.warning(note);
   job.plan_s = seconds_since(start);

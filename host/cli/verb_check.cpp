@@ -15,6 +15,7 @@
 #include "host/cli/lidar_job.h"
 #include "host/cli/simulation_job.h"
 #include "host/cli/verb.h"
+#include "host/planner/plan_lines.h"
 #include "host/products/png_writer.h"
 
 namespace raycube::cli {
@@ -67,6 +68,22 @@ struct Outcome {
   nlohmann::ordered_json all;
 };
 
+/// What no comparison of an instrument can see: both sides trace the same rays of the same scene.
+std::vector<std::string> not_looked_at(const InstrumentJob& job) {
+  const planner::Decision& d = job.decision;
+  const int samples = job.instrument->samples_u * job.instrument->samples_v;
+  std::string error = "how well " + std::to_string(samples) + (samples == 1 ? " sample tells" : " samples tell") + " what a pixel holds, since both sides trace the same ones: ";
+  if (d.samples_error >= 0)
+    error += "the plan's trial says " + planner::percent_text(d.samples_error) + " of " + planner::percent_text(d.tolerance) + (d.within ? "" : ", and that the tolerance is NOT KEPT");
+  else
+    error += "`raycube plan` estimates it, `raycube render` says what its own samples show";
+  std::vector<std::string> lines = {error};
+  if (!d.small.missed.empty())
+    lines.push_back(std::to_string(d.small.missed.size()) + " objects with too few samples on them, which an rms over pixels does not see: the warning above names them");
+  if (job.instrument->adaptive()) lines.push_back("which pixels the adaptive first pass settles: here all have all samples");
+  return lines;
+}
+
 void check_one(const scene::Simulation& simulation, const scene::Instrument& given, render::Renderer& renderer, const Options& options,
                Files* files, Context& context, Outcome& outcome) {
   CheckOptions check;
@@ -92,11 +109,21 @@ void check_one(const scene::Simulation& simulation, const scene::Instrument& giv
     report = check_instrument(renderer, simulation, instrument, job.plan, job.table, check, [&](std::uint64_t more) { progress.advance(more); });
   }
   report.first_hits = std::move(hits);
+  const auto small = check_small_objects(renderer, simulation, instrument, job.plan, job.table, job.decision.small, check);
   outcome.passed &= report.failures().empty();
-  if (context.common.json)
-    outcome.all[instrument.name] = nlohmann::ordered_json::parse(report.json());
-  else
+  for (const auto& one : small) outcome.passed &= one.report.failures().empty();
+  const std::vector<std::string> aside = not_looked_at(job);
+  if (context.common.json) {
+    auto& json = outcome.all[instrument.name] = nlohmann::ordered_json::parse(report.json());
+    for (const auto& one : small)
+      json["small_objects"].push_back({{"samples_per_pixel", one.samples}, {"pixels_of_the_image", one.pixels}, {"report", nlohmann::ordered_json::parse(one.report.json())}});
+    json["not_looked_at"] = aside;
+  } else {
     context.out << "instrument " << instrument.name << " on " << renderer.device_name() << "\n" << report.text(band_names(instrument));
+    for (const auto& one : small)
+      context.out << "pixels with small objects, " << one.samples << " samples each (" << one.pixels << " of the image):\n" << one.report.text(band_names(instrument));
+    for (const std::string& line : aside) context.out << "not looked at: " << line << "\n";
+  }
   if (!files) return;
   files->write(instrument, report);
   context.log.info("wrote " + files->set.folder() + "/check.json and difference.png");
@@ -176,6 +203,8 @@ Verb verb_check() {
       "Arithmetic: the reference sums the plan's spectra per sample and wavelength in double; every band's median difference "
       "stays below 1e-6 and every difference below 2e-5.\n\n"
       "Model: the reference uses the whole tables and 1024 sky directions; the difference stays within the file's tolerance.\n\n"
+      "Pixels whose small objects have them rendered with more samples are compared with those samples too. What no comparison sees, since both "
+      "sides trace the same rays, is said at the end: above all how well a pixel's samples tell what it holds.\n\n"
       "LIDARs: the waveforms of --pulses pulses, without turbulence. Every bin stays within 1e-5 of its pulse's peak bin where both sides follow "
       "the same rays; rays that differ are explained like first hits. Light scattered more than once is also compared on other random "
       "draws, by its energy and by chi-square. The return of air and particles, which the device integrates along the beam, stays within 1 % of its own peak bin, "

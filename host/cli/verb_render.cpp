@@ -12,8 +12,10 @@
 #include "host/cli/cube_products.h"
 #include "host/cli/dry_run.h"
 #include "host/cli/lidar_job.h"
+#include "host/cli/missed_samples.h"
 #include "host/cli/render_lidar.h"
 #include "host/cli/simulation_job.h"
+#include "host/planner/own_error.h"
 #include "host/planner/plan_file.h"
 
 namespace raycube::cli {
@@ -28,15 +30,32 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
+/// What is known of the error: one line in the log, a member of the record, a warning where the tolerance is not kept.
+void add_error(const planner::OwnError& error, const InstrumentJob& job, products::RunRecord& record, Context& context) {
+  const std::string text = job.instrument->name + ": " + planner::own_error_text(error);
+  record.more_json.emplace_back("error", planner::own_error_json(error));
+  if (error.known() && !error.kept() && !job.decision.estimated) {  // what a trial found is among the plan's notes
+    context.log.warning(text);
+    record.warnings.push_back(text);
+  } else {
+    context.log.info(text);
+  }
+}
+
 nlohmann::json render_one(const scene::Simulation& simulation, const InstrumentJob& job, render::Renderer& renderer,
                           const cl::DeviceInfo& device, const std::filesystem::path& folder, double load_s, Context& context) {
   const auto& instrument = *job.instrument;
   const auto start = std::chrono::steady_clock::now();
   CubeProducts output(folder.string(), context.common.overwrite ? base::IfExists::replace : base::IfExists::refuse, simulation, job);
   base::Progress progress(context.log, "render " + instrument.name, std::uint64_t(instrument.pixels) * instrument.lines, "pixels");
+  MissedSamples missed(simulation, instrument);
   std::uint64_t reported = 0;
   const auto statistics = renderer.render(
-      instrument, job.plan, simulation.sun, simulation.seed, [&](const render::Strip& strip) { output.add(strip); },
+      instrument, job.plan, simulation.sun, simulation.seed,
+      [&](const render::Strip& strip) {
+        output.add(strip);
+        missed.add(strip);
+      },
       [&](std::uint64_t done, std::uint64_t) {
         progress.advance(done - reported);
         reported = done;
@@ -89,6 +108,20 @@ nlohmann::json render_one(const scene::Simulation& simulation, const InstrumentJ
     context.log.warning(*bright);
     record.warnings.push_back(*bright);
   }
+  if (!statistics.small_object_pixels.empty()) {
+    nlohmann::json levels = nlohmann::json::array();
+    for (const auto& [samples, pixels] : statistics.small_object_pixels) levels.push_back({{"samples_per_pixel", samples}, {"pixels", pixels}});
+    record.more_json.emplace_back("small_objects", levels.dump());
+    context.log.info(fmt::format("{}: {} small objects in {} pixels, rendered anew with up to {} samples", instrument.name, job.decision.small.scarce,
+                                 job.decision.small.pixels, statistics.small_object_pixels.rbegin()->first));
+  }
+  record.warnings = job.decision.notes;
+  record.more_json.emplace_back("missed_samples", missed.json());
+  if (missed.any()) {
+    context.log.warning(missed.text());
+    record.warnings.push_back(missed.text());
+  }
+  add_error(planner::own_error(renderer, simulation, instrument, job.plan, job.decision), job, record, context);
   output.publish(record);
   context.log.info(fmt::format("{}: {} x {} pixels, {} bands, {:.1f} s, {:.3g} rays/s, {}", instrument.name, instrument.pixels,
                                instrument.lines, instrument.bands.size(), render_s, record.rays_per_s, folder.string()));

@@ -55,7 +55,49 @@ PlanLine sky_line(const Json& levels, const std::string& block, int components, 
   return line;
 }
 
+/// What small objects get, or would need.
+PlanLine small_objects_line(const sensors::SmallObjectSurvey& survey) {
+  PlanLine line;
+  line.block = "small objects";
+  line.level = survey.on ? plural(survey.scarce, "object") : "off";
+  line.cost = "none";
+  if (survey.on && !survey.levels.empty())
+    line.cost = fmt::format("{:.2g} rays in {} pixels, {} at most in one", survey.more_samples, survey.pixels, survey.levels.rbegin()->first);
+  line.why = survey.on ? "known from their boxes: an rms over pixels does not see them"
+                       : fmt::format("{} of {} have too few samples on them", survey.missed.size(), plural(survey.objects, "object"));
+  return line;
+}
+
+Json small_objects_json(const sensors::SmallObjectSurvey& survey) {
+  constexpr std::size_t most_named = 100;
+  Json out = {{"on", survey.on}, {"objects", survey.objects}, {"need_more_samples", survey.scarce}, {"pixels", survey.pixels}, {"samples", survey.more_samples}};
+  for (const auto& [samples, pixels] : survey.levels) out["levels"].push_back({{"samples_per_pixel", samples}, {"pixels", pixels}});
+  out["missed"] = survey.missed.size();
+  for (std::size_t i = 0; i < std::min(most_named, survey.missed.size()); ++i) {
+    const auto& o = survey.missed[i];
+    out["missed_objects"].push_back({{"name", o.name}, {"size_m", o.size_m}, {"share_of_a_pixel", o.share}, {"samples_on_it", o.points},
+                                     {"pixels", o.pixels}, {"line", o.line}, {"sample", o.sample}});
+  }
+  if (!survey.textures.empty()) out["as_texture"] = survey.textures;
+  return out;
+}
+
 }  // namespace
+
+std::string missed_objects_text(const sensors::SmallObjectSurvey& survey, const scene::Instrument& instrument) {
+  constexpr std::size_t named = 3;
+  std::string list;
+  for (std::size_t i = 0; i < std::min(named, survey.missed.size()); ++i) {
+    const auto& o = survey.missed[i];
+    list += fmt::format("{}'{}' ({:.2g} x {:.2g} x {:.2g} m, {:.2g} of a pixel's area, {:.2g} samples on it; {} from line {}, sample {})", i ? ", " : "", o.name,
+                        o.size_m[0], o.size_m[1], o.size_m[2], o.share, o.points, plural(o.pixels, "pixel"), o.line, o.sample);
+  }
+  if (survey.missed.size() > named) list += ", ...";
+  const std::string way_out = survey.on ? "they are smaller than the finest samples tell: use smaller pixels, or larger objects"
+                                        : "small_objects = \"on\" gives their pixels the samples they need, and so does a file without `samples`";
+  return fmt::format("{}: {} of {} smaller than {} pixels may be missed, or have an abundance wrong by more than 20 %, with fewer than {} of the samples on each: {}; {}",
+                     instrument.name, survey.missed.size(), plural(survey.objects, "object"), sensors::kWidest_px, sensors::kFewestPoints, list, way_out);
+}
 
 std::string percent_text(double error) {
   if (error < 0) return "-";
@@ -112,6 +154,7 @@ std::vector<PlanLine> plan_lines(const Decision& d, const plan::Plan& plan) {
   adaptive.cost = adaptive.given ? fmt::format("{} rays a pixel, then all where needed", d.sampling.first_samples) : "none";
   adaptive.why = adaptive.given ? "the file gives it; the samples' error above is without it" : "samples.first asks for it";
   lines.push_back(adaptive);
+  if (d.small.objects > 0) lines.push_back(small_objects_line(d.small));
   PlanLine sky;
   sky.block = "sky directions";
   sky.level = plan.components() > 0 ? std::to_string(d.sampling.directions) : "none";
@@ -159,6 +202,7 @@ std::string decision_json(const Decision& d, const std::vector<PlanLine>& lines)
               {"dear", d.dear},
               {"notes", d.notes},
               {"lines", Json::parse(lines_json(lines))}};
+  if (d.small.objects > 0 || !d.small.textures.empty()) out["small_objects"] = small_objects_json(d.small);
   if (d.model_pixels > 0) out["model_pixels"] = d.model_pixels;
   if (d.estimated) out["trial"] = {{"pixels", d.trial_pixels}, {"looked_at", d.looked_at}, {"rays", d.trial_rays}, {"measured", d.measured}};
   return out.dump();

@@ -15,6 +15,7 @@
 #include "host/planner/cost_model.h"
 #include "host/planner/error_law.h"
 #include "host/planner/trial.h"
+#include "host/sensors/small_objects.h"
 #include "scene_compiler/simulation.h"
 
 namespace raycube::planner {
@@ -56,6 +57,7 @@ struct Decision {
   bool dear = false;              ///< above kDear_s_per_megapixel
   std::size_t trial_pixels = 0, looked_at = 0;  ///< pixels of the trial, and of the first look
   std::uint64_t trial_rays = 0;
+  sensors::SmallObjectSurvey small;   ///< objects that an rms over pixels does not see
   std::vector<std::string> measured;  ///< each setting that the trial rendered, with estimate and bound of its error
   std::vector<std::string> notes; ///< what the user must know: a tolerance that is not kept, one that is dear
 };
@@ -91,7 +93,10 @@ Decision as_given(const scene::Simulation& simulation, const scene::Instrument& 
 void hold_tolerance(Decision& decision, const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan,
                     const atmos::RenderTable& table, int threads = 0);
 
-/// The instrument and the plan with the decision's settings; the plan's report gets the planner's lines under "planner".
+/// Surveys the instrument's small objects for the decision's samples; those that its image will miss become a note.
+void add_small_objects(Decision& decision, const scene::Simulation& simulation, const scene::Instrument& instrument);
+
+/// The instrument and the plan with the decision's settings, small objects included; the plan's report gets the planner's lines under "planner".
 void apply(const Decision& decision, const scene::Simulation& simulation, scene::Instrument& instrument, plan::Plan& plan);
 
 }  // namespace raycube::planner

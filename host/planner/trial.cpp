@@ -45,6 +45,7 @@ void set_directions(plan::Plan& plan, const scene::Simulation& simulation, int s
 Trial::Trial(render::Renderer& renderer, const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan)
     : renderer_(renderer), simulation_(simulation), instrument_(instrument), plan_(plan) {
   instrument_.first_samples = 0;  // errors of all samples
+  instrument_.small_objects = scene::SmallObjects::off;  // and of the law that holds for most pixels
   if (plan.components() > 0) {
     one_sky_ = sky_for(plan, simulation, kSharedDirections, 1, plan::kFewestSets);  // a share would add the sky to the samples' error
     const auto entries = static_cast<std::size_t>(kSharedDirections);

@@ -20,8 +20,6 @@ namespace raycube::render {
 
 namespace {
 
-constexpr std::size_t kChunkedCapacity = 256;  ///< rows of pixels whose samples come in chunks cannot be relaunched
-
 /// Finished strips on their way to the sink: one thread writes while the device traces. At most two wait, so that memory
 /// stays bounded; an error in the sink surfaces in push() or finish().
 class StripQueue {
@@ -191,7 +189,9 @@ RenderStatistics Renderer::probe(const scene::Instrument& instrument, const plan
     probe.tile = tile;
     probe.radiance.resize(tile.pixels() * setup.shape.bands);
     probe.truth.resize(tile.pixels() * layers);
-    passes.run(tile, {probe.radiance.data(), probe.truth.data(), layers, nullptr}, sink ? &probe : nullptr);
+    if (instrument.standard_error == scene::StandardError::bands) probe.band_error.resize(probe.radiance.size());
+    passes.run(tile, {probe.radiance.data(), probe.truth.data(), layers, probe.band_error.empty() ? nullptr : probe.band_error.data()},
+               sink ? &probe : nullptr);
     if (sink) sink(probe);
   }
   return passes.statistics();

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "host/base/interrupt.h"
 #include "host/plan/sky_sets.h"
 #include "host/render/adaptive.h"
 #include "host/render/picked_tiles.h"
@@ -39,7 +40,36 @@ void add(RenderStatistics& sum, const RenderStatistics& part) {
   sum.overflow_pixels += part.overflow_pixels, sum.per_sample_pixels += part.per_sample_pixels;
 }
 
+/// What a baked table of the plan's rows may take where small objects get the rest for their own tiles: they are few.
+constexpr std::size_t kFineShare = 8;
+constexpr std::size_t kMostFineGroups = 64;  ///< rendered at once
+
+/// The instrument's small objects, or nothing where it does not ask for them or the scene has none.
+std::optional<sensors::SmallObjectPixels> small_objects_of(const RenderSetup& setup) {
+  if (setup.instrument.small_objects != scene::SmallObjects::on) return {};
+  sensors::SmallObjectPixels small(setup.scene, setup.instrument);
+  if (small.empty()) return {};
+  return small;
+}
+
 }  // namespace
+
+/// Groups of one count of samples, a few at a time.
+struct TilePasses::Fine {
+  Fine(std::unique_ptr<scene::Instrument> instrument_, const RenderSetup& setup, BandTable& table, std::size_t groups_, std::size_t capacity, bool errors)
+      : instrument(std::move(instrument_)),
+        groups(groups_),
+        worker(setup, table, groups_ * static_cast<std::size_t>(setup.shape.pixels_per_group), static_cast<int>(groups_), capacity, errors) {}
+  std::unique_ptr<scene::Instrument> instrument;  ///< the worker's
+  std::size_t groups;                             ///< at once
+  TileWorker worker;
+};
+
+TilePasses::~TilePasses() = default;
+
+int fine_sky_share(const plan::Plan& plan, int samples) {
+  return std::max(plan.sky.share, plan::sky_share(0, samples, std::max(1, plan.sky.directions)));
+}
 
 std::size_t more_pixel_bytes(const scene::Instrument& instrument, const plan::Plan& plan, std::size_t row_capacity) {
   std::size_t bytes = 0;
@@ -60,11 +90,14 @@ std::size_t more_pixel_bytes(const scene::Instrument& instrument, const plan::Pl
 TilePasses::TilePasses(const RenderSetup& setup, int lines, int columns, std::size_t row_capacity, std::size_t table_bytes)
     : setup_(setup),
       layers_(truth_layer_names(setup.scene).size()),
-      table_(setup.context, setup.scene, setup.plan, setup.shape, table_bytes),
+      small_(small_objects_of(setup)),
+      fine_bytes_(small_ ? table_bytes / kFineShare : 0),
+      table_(setup.context, setup.scene, setup.plan, setup.shape, table_bytes - fine_bytes_),
       coarse_instrument_(setup.instrument.adaptive() ? with_first_samples(setup.instrument) : nullptr),
       full_(setup, table_, static_cast<std::size_t>(lines) * groups_across(columns, setup.shape.pixels_per_group) * setup.shape.pixels_per_group, lines,
             row_capacity, setup.instrument.standard_error != scene::StandardError::off),
-      most_groups_(static_cast<std::size_t>(lines) * groups_across(columns, setup.shape.pixels_per_group)) {
+      most_groups_(static_cast<std::size_t>(lines) * groups_across(columns, setup.shape.pixels_per_group)),
+      row_capacity_(row_capacity) {
   if (!coarse_instrument_) return;
   const std::size_t groups = static_cast<std::size_t>(lines + 2) * (groups_across(columns, setup.shape.pixels_per_group) + 2);
   RenderSetup coarse{setup.context, setup.scene, setup.buffers, *coarse_instrument_, setup.plan, setup.sun, setup.seed,
@@ -125,6 +158,7 @@ void TilePasses::run_pass(TileWorker& worker, const TileRays& rays, const TileOu
 void TilePasses::run_groups(TileWorker& worker, const Tile& tile, const std::vector<shared::RayGroup>& groups, const std::vector<std::size_t>& first_pixel,
                             const TileOutput& out) {
   if (groups.empty()) return;
+  base::throw_if_interrupted();
   const std::size_t bands = setup_.shape.bands, columns = static_cast<std::size_t>(tile.columns), width = static_cast<std::size_t>(setup_.shape.pixels_per_group);
   const TileRays rays = listed_rays(groups, setup_.shape.pixels_per_group);
   std::vector<float> radiance(rays.pixels() * bands), truth(rays.pixels() * out.layers), error(out.band_error ? rays.pixels() * bands : 0);
@@ -172,6 +206,49 @@ void TilePasses::run_adaptive(const Tile& tile, const TileOutput& out) {
   run_groups(full_, tile, groups[1], first_pixel[1], out);
 }
 
+TilePasses::Fine& TilePasses::fine(int samples) {
+  std::unique_ptr<Fine>& at = fine_[samples];
+  if (at) return *at;
+  auto instrument = std::make_unique<scene::Instrument>(sensors::with_fine_samples(setup_.instrument, samples));
+  RenderSetup setup{setup_.context, setup_.scene, setup_.buffers, *instrument, setup_.plan, setup_.sun, setup_.seed, shape_of(*instrument, setup_.plan)};
+  setup.shape.sky_share = fine_sky_share(setup_.plan, samples);
+  const std::size_t capacity = setup.shape.chunked() ? std::max(row_capacity_, kChunkedCapacity) : row_capacity_;
+  const bool errors = setup_.instrument.standard_error != scene::StandardError::off;
+  const std::size_t parts = errors && setup.shape.chunked() ? sensors::kSampleSubsets : 0;
+  const std::size_t pixel_bytes = setup.shape.pixel_bytes() + (1 + parts) * setup.shape.row_bytes(capacity);
+  const std::size_t group_bytes = static_cast<std::size_t>(setup.shape.pixels_per_group) * pixel_bytes;
+  const std::size_t groups = std::clamp<std::size_t>(fine_bytes_ / group_bytes, 1, std::min(kMostFineGroups, most_groups_));
+  at = std::make_unique<Fine>(std::move(instrument), setup, table_, groups, capacity, errors);
+  return *at;
+}
+
+void TilePasses::run_small_objects(const Tile& tile, const TileOutput& out) {
+  const int width = setup_.shape.pixels_per_group, across = static_cast<int>(groups_across(tile.columns, width));
+  const TileRays rays = tile_rays(setup_.instrument, setup_.scene, tile, width);
+  struct Lot {
+    std::vector<shared::RayGroup> groups;
+    std::vector<std::size_t> first_pixel;
+  };
+  std::map<int, Lot> lots;  // by samples
+  for (int line = 0; line < tile.lines; ++line)
+    for (int group = 0; group < across; ++group) {
+      const auto& here = rays.groups[static_cast<std::size_t>(line * across + group)];
+      // A tile that ends inside the image ends with a whole group.
+      const int used = std::min(width, tile.columns - group * width), samples = small_->samples_of(here, used);
+      if (samples == 0) continue;
+      lots[samples].groups.push_back(here);
+      lots[samples].first_pixel.push_back(static_cast<std::size_t>(line) * static_cast<std::size_t>(tile.columns) + static_cast<std::size_t>(group * width));
+      fine_pixels_[samples] += static_cast<std::uint64_t>(used);
+    }
+  for (auto& [samples, lot] : lots) {
+    Fine& here = fine(samples);
+    for (std::size_t first = 0; first < lot.groups.size(); first += here.groups) {
+      const auto from = static_cast<std::ptrdiff_t>(first), to = static_cast<std::ptrdiff_t>(std::min(first + here.groups, lot.groups.size()));
+      run_groups(here.worker, tile, {lot.groups.begin() + from, lot.groups.begin() + to}, {lot.first_pixel.begin() + from, lot.first_pixel.begin() + to}, out);
+    }
+  }
+}
+
 void TilePasses::run(const Tile& tile, TileOutput out, PixelProbe* probe) {
   const bool layers = out.layers > layers_;
   if (coarse_ || layers) scale();
@@ -179,6 +256,7 @@ void TilePasses::run(const Tile& tile, TileOutput out, PixelProbe* probe) {
     run_adaptive(tile, out);
   else
     run_pass(full_, tile_rays(setup_.instrument, setup_.scene, tile, setup_.shape.pixels_per_group), out, probe);
+  if (small_) run_small_objects(tile, out);
   for (std::size_t p = 0; layers && p < tile.pixels(); ++p) {
     float* at = out.truth + p * out.layers + layers_;
     at[1] = at[0] <= setup_.plan.tolerance ? 0.0f : 1.0f;  // an error that is not known has not converged
@@ -191,6 +269,8 @@ RenderStatistics TilePasses::statistics() const {
     std::uint64_t count = 0, below = 0;
     std::vector<std::uint64_t> terms = full_.term_histogram();
     for (std::size_t i = 0; coarse_ && i < terms.size(); ++i) terms[i] += coarse_->term_histogram()[i];  // a look's are not the image's
+    for (const auto& [unused, fine] : fine_)
+      for (std::size_t i = 0; i < terms.size(); ++i) terms[i] += fine->worker.term_histogram()[i];
     for (const auto n : terms) count += n;
     for (std::size_t i = 0; i < terms.size(); ++i) {
       below += terms[i];
@@ -199,6 +279,8 @@ RenderStatistics TilePasses::statistics() const {
     return 0u;
   };
   all.terms_p50 = histogram(0.5), all.terms_p95 = histogram(0.95);
+  for (const auto& [unused, fine] : fine_) add(all, fine->worker.statistics());
+  all.small_object_pixels = fine_pixels_;
   if (!coarse_) return all;
   add(all, look_->statistics());
   add(all, coarse_->statistics());

@@ -1,13 +1,18 @@
 // Tiles of one instrument, each in one pass or, where its samples are adaptive, after a look: few samples, without rays to the sky, in all its
 // pixels and one pixel around say which groups need all samples (adaptive.h); the others are rendered with the few. Which those are
 // does not depend on the tiles. The look leaves out the sky since a walk towards it costs nearly the same for few samples as for many.
+//
+// Where the instrument's small objects are on, groups of pixels that hold some that their samples cannot tell are rendered anew with as many as
+// they need (host/sensors/small_objects.h), radiance and truth alike; workers for those counts are made when the first such group comes.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <vector>
 
 #include "host/render/tile_worker.h"
+#include "host/sensors/small_objects.h"
 
 namespace raycube::render {
 
@@ -15,6 +20,7 @@ class TilePasses {
  public:
   /// For tiles of at most lines x columns pixels.
   TilePasses(const RenderSetup& setup, int lines, int columns, std::size_t row_capacity, std::size_t table_bytes);
+  ~TilePasses();
 
   /// Renders a tile, standard-error layers included where `out` has them (its band_error may be null even so).
   void run(const Tile& tile, TileOutput out, PixelProbe* probe = nullptr);
@@ -23,6 +29,11 @@ class TilePasses {
 
  private:
   void run_adaptive(const Tile& tile, const TileOutput& out);
+  /// Renders the tile's groups with small objects anew.
+  void run_small_objects(const Tile& tile, const TileOutput& out);
+  /// A worker for so many samples a pixel, of sensors::kFineLevels.
+  struct Fine;
+  Fine& fine(int samples);
   /// One pass over rays, the layer of standard errors included where `out` has it.
   void run_pass(TileWorker& worker, const TileRays& rays, const TileOutput& out, PixelProbe* probe);
   /// The same over some groups of a tile, each filed from its first pixel in the tile on.
@@ -33,6 +44,8 @@ class TilePasses {
 
   RenderSetup setup_;
   std::size_t layers_;                ///< of the scene; standard errors follow
+  std::optional<sensors::SmallObjectPixels> small_;  ///< none: nothing of the scene needs more samples
+  std::size_t fine_bytes_;            ///< of the table's, for tiles of pixels with more samples
   BandTable table_;
   std::unique_ptr<scene::Instrument> coarse_instrument_;
   std::optional<TileWorker> look_, coarse_;
@@ -40,7 +53,13 @@ class TilePasses {
   std::size_t most_groups_;           ///< of a tile
   std::vector<float> scale_;
   std::uint64_t refined_pixels_ = 0, adaptive_pixels_ = 0;
+  std::size_t row_capacity_;
+  std::map<int, std::unique_ptr<Fine>> fine_;  ///< by samples
+  std::map<int, std::uint64_t> fine_pixels_;     ///< rendered so
 };
+
+/// Parts that pixels with so many samples share the sky's directions out to: the plan's, or more by the plan's own rule.
+int fine_sky_share(const plan::Plan& plan, int samples);
 
 /// Device bytes of a pixel beside those of StageShape, for standard errors and the first pass.
 std::size_t more_pixel_bytes(const scene::Instrument& instrument, const plan::Plan& plan, std::size_t row_capacity);

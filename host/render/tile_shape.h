@@ -13,6 +13,9 @@ namespace raycube::render {
 /// Samples are traced in chunks of at most this many per pixel; more are accumulated chunk by chunk.
 inline constexpr int kMaxChunkSamples = 1024;
 
+/// Keys that a row of a pixel holds whose samples come in chunks: it cannot be relaunched.
+inline constexpr std::size_t kChunkedCapacity = 256;
+
 /// The sizes every stage is specialised for.
 struct StageShape {
   int samples = 0;              ///< of a pixel, all chunks

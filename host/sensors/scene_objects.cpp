@@ -1,0 +1,221 @@
+#include "host/sensors/scene_objects.h"
+
+#include <algorithm>
+#include <bit>
+#include <glm/common.hpp>
+#include <map>
+#include <numeric>
+#include <unordered_map>
+
+namespace raycube::sensors {
+
+namespace {
+
+using glm::dvec3;
+
+/// A surface with more triangles in one mesh is no collection of parts that are worth telling apart.
+constexpr std::size_t kMostTriangles = 65536;
+constexpr std::uint64_t kOfMesh = std::uint64_t{1}
+                                  << 32;  ///< kinds that are meshes, beside those that are surfaces
+
+struct Box {
+  dvec3 lo{1e300}, hi{-1e300};
+  void add(const dvec3& p) { lo = glm::min(lo, p), hi = glm::max(hi, p); }
+  /// The middle one of its three extents: a pole is as wide as it is thick.
+  double width() const {
+    const dvec3 size = hi - lo;
+    std::array<double, 3> extent{size.x, size.y, size.z};
+    std::sort(extent.begin(), extent.end());
+    return extent[1];
+  }
+};
+
+dvec3 placed(const shared::Instance& at, const dvec3& p) {
+  const auto row = [&](const shared::rc_float4& r) {
+    return double{r.x} * p.x + double{r.y} * p.y + double{r.z} * p.z + double{r.w};
+  };
+  return {row(at.world_from_local_0), row(at.world_from_local_1), row(at.world_from_local_2)};
+}
+
+std::array<dvec3, 3> local_triangle(const scene::CompiledScene& scene, std::uint32_t primitive) {
+  const shared::TriBlock& b = scene.blocks[primitive / 16];
+  const std::uint32_t i = primitive % 16;
+  return {{{b.v0_x[i], b.v0_y[i], b.v0_z[i]},
+           {b.v1_x[i], b.v1_y[i], b.v1_z[i]},
+           {b.v2_x[i], b.v2_y[i], b.v2_z[i]}}};
+}
+
+template <class Action>
+void for_each_triangle(const scene::CompiledScene& scene, const scene::Mesh& mesh, Action action) {
+  for (std::uint32_t block = mesh.first_block; block < mesh.first_block + mesh.block_count; ++block)
+    for (std::uint32_t lane = 0; lane < 16; ++lane)
+      if (const std::uint32_t surface = scene.blocks[block].surface[lane]; surface != RC_NONE)
+        action(block * 16 + lane, surface);
+}
+
+struct Corner {
+  float x, y, z;
+  bool operator==(const Corner&) const = default;
+};
+struct CornerHash {
+  std::size_t operator()(const Corner& c) const {
+    std::uint64_t h = 0;
+    for (const float f : {c.x, c.y, c.z})
+      h = (h ^ std::bit_cast<std::uint32_t>(f + 0.0f)) * 0x9e3779b97f4a7c15ull, h ^= h >> 29;
+    return static_cast<std::size_t>(h);
+  }
+};
+
+/// Triangles that hang together by shared corners, each lot in ascending order, lots in the order of their
+/// first triangle.
+std::vector<std::vector<std::uint32_t>> connected(const scene::CompiledScene& scene,
+                                                  const std::vector<std::uint32_t>& triangles) {
+  std::vector<std::uint32_t> parent(triangles.size());
+  std::iota(parent.begin(), parent.end(), 0u);
+  const auto root = [&](std::uint32_t i) {
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+    return i;
+  };
+  std::unordered_map<Corner, std::uint32_t, CornerHash> first;
+  for (std::uint32_t t = 0; t < triangles.size(); ++t)
+    for (const dvec3& p : local_triangle(scene, triangles[t])) {
+      const auto at =
+          first.try_emplace({static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)}, t)
+              .first;
+      const std::uint32_t a = root(at->second), b = root(t);
+      parent[std::max(a, b)] = std::min(a, b);
+    }
+  std::map<std::uint32_t, std::vector<std::uint32_t>> lots;
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) lots[root(t)].push_back(triangles[t]);
+  std::vector<std::vector<std::uint32_t>> out;
+  for (auto& [unused, lot] : lots) out.push_back(std::move(lot));
+  return out;
+}
+
+class Collector {
+ public:
+  Collector(const scene::CompiledScene& scene, double widest_m) : scene_(scene), widest_m_(widest_m) {}
+
+  void collect() {
+    std::vector<std::uint32_t> times(scene_.meshes.size(), 0);
+    for (const auto& instance : scene_.instances) ++times[instance.mesh];
+    for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) {
+      const std::uint32_t mesh = scene_.instances[i].mesh;
+      if (times[mesh] > 1)
+        add_whole(i, kOfMesh | mesh);
+      else if (!add_whole(i, first_surface(scene_.meshes[mesh])))
+        add_parts(i);
+    }
+  }
+
+  SceneObjects finish() {
+    SceneObjects out;
+    for (auto& object : objects_)
+      if (count_[object.kind] <= kMostOfAKind) out.objects.push_back(std::move(object));
+    for (const auto& [kind, count] : count_)
+      if (count > kMostOfAKind) out.textures.push_back(kind_name(kind));
+    return out;
+  }
+
+ private:
+  std::uint64_t first_surface(const scene::Mesh& mesh) const {
+    return mesh.block_count ? scene_.blocks[mesh.first_block].surface[0] : 0;
+  }
+
+  std::string kind_name(std::uint64_t kind) const {
+    if (kind & kOfMesh) return scene_.meshes[static_cast<std::uint32_t>(kind)].name;
+    const std::uint32_t curve = scene_.surfaces[static_cast<std::uint32_t>(kind)].curve[0];
+    return curve > 0 ? scene_.materials[curve - 1].name : "surface " + std::to_string(kind);
+  }
+
+  /// Files an object; of a kind that has too many only the count goes on.
+  void add(std::uint32_t instance, std::uint64_t kind, const Box& local,
+           std::vector<std::uint32_t> triangles) {
+    if (++count_[kind] > kMostOfAKind) return;
+    SceneObject& object = objects_.emplace_back();
+    object.instance = instance, object.kind = kind;
+    Box world;
+    for (std::size_t c = 0; c < 8; ++c) {
+      object.corners_m[c] = placed(scene_.instances[instance],
+                                   {c & 1 ? local.hi.x : local.lo.x, c & 2 ? local.hi.y : local.lo.y,
+                                    c & 4 ? local.hi.z : local.lo.z});
+      world.add(object.corners_m[c]);
+    }
+    object.lo_m = world.lo, object.hi_m = world.hi;
+    if (triangles.size() <= kFewTriangles) object.triangles = std::move(triangles);
+  }
+
+  /// How wide a box is once it is placed.
+  double placed_width(std::uint32_t instance, const Box& local) const {
+    Box world;
+    for (std::size_t c = 0; c < 8; ++c)
+      world.add(placed(scene_.instances[instance],
+                       {c & 1 ? local.hi.x : local.lo.x, c & 2 ? local.hi.y : local.lo.y,
+                        c & 4 ? local.hi.z : local.lo.z}));
+    return world.width();
+  }
+
+  bool add_whole(std::uint32_t instance, std::uint64_t kind) {
+    const scene::Mesh& mesh = scene_.meshes[scene_.instances[instance].mesh];
+    Box local;
+    local.add({mesh.lo[0], mesh.lo[1], mesh.lo[2]}), local.add({mesh.hi[0], mesh.hi[1], mesh.hi[2]});
+    if (mesh.triangle_count == 0) return true;
+    if (placed_width(instance, local) > widest_m_) return false;
+    std::vector<std::uint32_t> triangles;
+    if (mesh.triangle_count <= kFewTriangles)
+      for_each_triangle(scene_, mesh,
+                        [&](std::uint32_t primitive, std::uint32_t) { triangles.push_back(primitive); });
+    add(instance, kind, local, std::move(triangles));
+    return true;
+  }
+
+  void add_parts(std::uint32_t instance) {
+    const scene::Mesh& mesh = scene_.meshes[scene_.instances[instance].mesh];
+    std::map<std::uint32_t, std::vector<std::uint32_t>> of_surface;
+    std::uint32_t last = RC_NONE;
+    std::vector<std::uint32_t>* list = nullptr;
+    for_each_triangle(scene_, mesh, [&](std::uint32_t primitive, std::uint32_t surface) {
+      if (surface != last) list = &of_surface[surface], last = surface;
+      if (list->size() <= kMostTriangles) list->push_back(primitive);
+    });
+    for (const auto& [surface, triangles] : of_surface) {
+      if (triangles.size() > kMostTriangles) continue;
+      for (auto& part : connected(scene_, triangles)) {
+        Box local;
+        for (const std::uint32_t primitive : part)
+          for (const dvec3& p : local_triangle(scene_, primitive)) local.add(p);
+        if (placed_width(instance, local) <= widest_m_) add(instance, surface, local, std::move(part));
+      }
+    }
+  }
+
+  const scene::CompiledScene& scene_;
+  double widest_m_;
+  std::vector<SceneObject> objects_;
+  std::map<std::uint64_t, std::size_t> count_;
+};
+
+}  // namespace
+
+SceneObjects small_scene_objects(const scene::CompiledScene& scene, double widest_m) {
+  Collector collector(scene, widest_m);
+  collector.collect();
+  return collector.finish();
+}
+
+std::array<dvec3, 3> triangle_of(const scene::CompiledScene& scene, std::uint32_t instance,
+                                 std::uint32_t primitive) {
+  std::array<dvec3, 3> corners = local_triangle(scene, primitive);
+  for (dvec3& p : corners) p = placed(scene.instances[instance], p);
+  return corners;
+}
+
+std::string object_name(const scene::CompiledScene& scene, const SceneObject& object) {
+  const shared::Instance& instance = scene.instances[object.instance];
+  const std::string& name = scene.meshes[instance.mesh].name;
+  if (object.kind & kOfMesh) return name + ", placement " + std::to_string(instance.id);
+  const shared::Surface& surface = scene.surfaces[static_cast<std::uint32_t>(object.kind)];
+  return surface.curve[0] > 0 ? name + " (" + scene.materials[surface.curve[0] - 1].name + ")" : name;
+}
+
+}  // namespace raycube::sensors

@@ -1,0 +1,50 @@
+// Things of a scene that may be smaller than what the samples of a pixel see, known from their boxes before
+// any ray.
+//
+// A mesh that is placed several times is one object a placement. A mesh that is placed once is one object
+// when it is small itself; else each of its connected parts of one surface is (triangles that share corners):
+// plates of a file that holds a whole test site, or the rare cells of a class map. A kind of object is its
+// mesh (placed several times) or its surface. A kind of more than kMostOfAKind objects is a texture (leaves,
+// a forest, gravel): many pixels hold some, errors over pixels see them, and the ordinary samples serve them
+// as they do anything else.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <string>
+#include <vector>
+
+#include "scene_compiler/compiled_scene.h"
+
+namespace raycube::sensors {
+
+inline constexpr std::size_t kMostOfAKind = 4096;
+
+struct SceneObject {
+  std::uint32_t instance = 0;  ///< index into CompiledScene::instances
+  std::uint64_t kind = 0;
+  glm::dvec3 lo_m{0}, hi_m{0};            ///< box, scene frame
+  std::vector<std::uint32_t> triangles;   ///< its primitives; empty where they are more than kFewTriangles
+  std::array<glm::dvec3, 8> corners_m{};  ///< of its box in the mesh's frame, placed
+};
+
+/// More than so many triangles and the box stands for them.
+inline constexpr std::size_t kFewTriangles = 64;
+
+struct SceneObjects {
+  std::vector<SceneObject> objects;
+  std::vector<std::string> textures;  ///< kinds left out: "leaf (5000 and more)"
+};
+
+/// Every object whose box is at most `widest_m` wide in two of its three directions.
+SceneObjects small_scene_objects(const scene::CompiledScene& scene, double widest_m);
+
+/// Corners of a primitive of a placed mesh, scene frame.
+std::array<glm::dvec3, 3> triangle_of(const scene::CompiledScene& scene, std::uint32_t instance,
+                                      std::uint32_t primitive);
+
+/// "plane 2", "tree, placement 17".
+std::string object_name(const scene::CompiledScene& scene, const SceneObject& object);
+
+}  // namespace raycube::sensors
