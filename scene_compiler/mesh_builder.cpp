@@ -94,7 +94,7 @@ void add_mesh(const Record& record, bool strict, const MaterialTable& materials,
                             " of " + std::to_string(file->faces) +
                             " faces without area (first: " + file->first_dropped + ")");
   index[name] = static_cast<std::int64_t>(parts.meshes.size());
-  parts.meshes.push_back({name, std::move(file->mesh), record.where});
+  parts.meshes.push_back({name, std::move(file->mesh)});
 }
 
 /// Index of a mesh, or -1 after reporting (or because its own entry was reported).

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "scene_compiler/compiled_file.h"
-#include "scene_compiler/kept_places.h"
 #include "scene_compiler/panels.h"
 
 namespace raycube::scene {
@@ -28,9 +27,9 @@ bool too_many_cells(double width_m, double length_m, const Checker& checker, con
   return true;
 }
 
-void place_once(SceneParts& parts, std::string name, const Record& record, TriangleMesh mesh) {
+void place_once(SceneParts& parts, std::string name, TriangleMesh mesh) {
   parts.placed.push_back({static_cast<std::uint32_t>(parts.meshes.size()), kIdentity});
-  parts.meshes.push_back({std::move(name), std::move(mesh), record.where});
+  parts.meshes.push_back({std::move(name), std::move(mesh)});
 }
 
 void add_plane(const Record& record, const std::string& name, const MaterialTable& materials,
@@ -48,7 +47,7 @@ void add_plane(const Record& record, const std::string& name, const MaterialTabl
     checker.surface[0] = materials.surface(record.text("material"), record.place("material"), problems);
   const auto& size = record.numbers("size_m");
   if (too_many_cells(size[0], size[1], checker, record, problems)) return;
-  place_once(parts, name, record,
+  place_once(parts, name,
              plane_mesh(position_of(record, parts, problems), {size[0], size[1]}, record.number("yaw_deg"),
                         record.number("tilt_deg"), checker));
 }
@@ -83,7 +82,7 @@ void add_box(const Record& record, const std::string& name, const MaterialTable&
                    "give material, or materials = { " + std::string(kBoxFaceNames[i]) + " = ... }");
   const auto& size = record.numbers("size_m");
   if (too_many_cells(size[0], size[1], top, record, problems)) return;
-  place_once(parts, name, record,
+  place_once(parts, name,
              box_mesh(position_of(record, parts, problems), {size[0], size[1], size[2]},
                       record.number("yaw_deg"), surface, top));
 }
@@ -148,7 +147,6 @@ SceneParts read_scene_parts(const Record& root, MaterialTable& materials, Proble
   add_panels(root, materials, parts, problems);
   add_meshes_and_instances(root, materials, parts, problems);
   add_volumes(root, parts, problems);
-  check_kept_places(parts, problems);
   return parts;
 }
 

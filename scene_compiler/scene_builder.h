@@ -15,7 +15,6 @@ namespace raycube::scene {
 struct NamedMesh {
   std::string name;
   TriangleMesh mesh;
-  base::Where where;  ///< of its entry in the file
 };
 
 struct Placed {

@@ -274,7 +274,7 @@ void add_terrain(const Record& record, MaterialTable& materials, SceneParts& par
     if (record.given("mixture_map")) surfaces = mixture_surfaces(record, grid, materials, parts, problems);
   }
   parts.placed.push_back({static_cast<std::uint32_t>(parts.meshes.size()), kIdentity});
-  parts.meshes.push_back({record.text("name"), grid.mesh(surfaces), record.where});
+  parts.meshes.push_back({record.text("name"), grid.mesh(surfaces)});
   parts.terrains.push_back(grid);
   parts.terrain_classes.push_back(std::move(classes));
 }

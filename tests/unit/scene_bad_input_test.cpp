@@ -383,21 +383,3 @@ TEST_CASE("bad input: EPSG code that is no projected system") {
       refusal(folder, "format = 1\nscene = { origin = { epsg = 4326, easting_m = 1, northing_m = 2 } }\n"),
       "scene.toml:2:22: not a projected system in which the origin lies (found EPSG:4326");
 }
-
-TEST_CASE("bad input: a box too far from the origin for single precision; nearer, a notice; nearer still, nothing") {
-  const Folder folder;
-  const auto box_at = [](const char* x) {
-    return std::string(kHead) + kGrey + "[[box]]\nname = \"hut\"\nmaterial = \"grey\"\nposition_m = [" + x + ", 0, 0]\nsize_m = [2, 2, 2]\n";
-  };
-  const std::string message = refusal(folder, box_at("1e7"));  // shadow rays start 16 x 1e7 / 2^24 = 9.5 m off
-  CHECK_SAYS(message, "scene.toml:5:1");
-  CHECK_SAYS(message, "'hut' is too small for single precision so far from the scene's origin");
-  CHECK_SAYS(message, "2 m across at (1e+07, 0, 1) m, where shadow rays start 9.5 m off");
-  CHECK_SAYS(message, "[scene] origin");
-  CHECK(line_count(message) == 1);
-  const auto notices = load(folder, box_at("4e5")).notices;  // 0.38 m, of sides of 2.8 m (a face's diagonal)
-  REQUIRE(notices.size() == 1);
-  CHECK_SAYS(notices[0], "'hut' (triangles of 2.8 m) at (400000, 0, 1) m");
-  CHECK_SAYS(notices[0], "starts shadow rays 0.38 m off the surface");
-  CHECK(load(folder, box_at("2e5")).notices.empty());
-}
