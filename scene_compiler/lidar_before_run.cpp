@@ -70,37 +70,12 @@ void note_gate_without_returns(const Record& record, const PlacedBox& box, const
 void note_unsure_ground(const Record& record, const PlacedBox& box, const SceneParts& parts, const Lidar& lidar, const LidarReport& report) {
   const LidarTurbulence& turbulence = lidar.turbulence;
   if (turbulence.profile != TurbulenceProfile::hufnagel_valley || turbulence.ground_z_m || !parts.terrains.empty()) return;
-  if (!(box.lo[0] <= box.hi[0]) || std::abs(box.lo[2]) <= 10) return;
+  if (box.empty() || std::abs(box.lo[2]) <= 10) return;
   report.notice(record.table("turbulence")->where, "without [[terrain]] the ground of hufnagel_valley is z = 0, but the scene's lowest surface lies at z = " +
                                                        number_text(box.lo[2]) + " m; give ground_z_m");
 }
 
 }  // namespace
-
-PlacedBox placed_box(const SceneParts& parts) {
-  constexpr float kFar = std::numeric_limits<float>::max();
-  const PlacedBox none{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}};
-  std::vector<PlacedBox> of_mesh;
-  for (const auto& mesh : parts.meshes) {
-    PlacedBox box = none;
-    for (const auto& vertex : mesh.mesh.vertices)
-      for (std::size_t i = 0; i < 3; ++i) box.lo[i] = std::min(box.lo[i], vertex[i]), box.hi[i] = std::max(box.hi[i], vertex[i]);
-    of_mesh.push_back(box);
-  }
-  PlacedBox out = none;
-  for (const auto& placed : parts.placed) {
-    const PlacedBox& box = of_mesh[placed.mesh];
-    if (!(box.lo[0] <= box.hi[0])) continue;
-    const auto& m = placed.scene_from_mesh;
-    for (std::size_t corner = 0; corner < 8; ++corner)
-      for (std::size_t row = 0; row < 3; ++row) {
-        double at = m[4 * row + 3];
-        for (std::size_t i = 0; i < 3; ++i) at += m[4 * row + i] * static_cast<double>(corner >> i & 1 ? box.hi[i] : box.lo[i]);
-        out.lo[row] = std::min(out.lo[row], static_cast<float>(at)), out.hi[row] = std::max(out.hi[row], static_cast<float>(at));
-      }
-  }
-  return out;
-}
 
 void check_before_first_pulse(const Record& record, const SceneParts& parts, const PlacedBox& box, const Lidar& lidar, const LidarReport& report) {
   const auto& receiver = lidar.receiver;

@@ -1,12 +1,12 @@
 // The tables of a [[lidar]], one function each. Internal to the builder.
 #pragma once
 
-#include <array>
 #include <initializer_list>
 #include <string>
 #include <vector>
 
 #include "scene_compiler/lidar_builder.h"
+#include "scene_compiler/placed_box.h"
 
 namespace raycube::scene::detail {
 
@@ -38,11 +38,7 @@ void read_detector(const Record& detector, bool has_sun, Lidar& out, const Lidar
 void read_echoes(const Record& echoes, Lidar& out, const LidarReport& report);
 void read_outputs(const Record* speckle, const Record* products, Lidar& out);
 
-/// World box of everything placed, m; lo > hi of an empty scene.
-struct PlacedBox {
-  std::array<float, 3> lo, hi;
-};
-PlacedBox placed_box(const SceneParts& parts);
+/// `box`: around all that is placed.
 /// What is known before the first pulse to leave records empty or turbulence unsure of its ground: notices, and errors where
 /// nothing can be meant by it.
 void check_before_first_pulse(const Record& record, const SceneParts& parts, const PlacedBox& box, const Lidar& lidar, const LidarReport& report);

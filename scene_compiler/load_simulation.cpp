@@ -10,6 +10,7 @@
 #include "scene_compiler/ground.h"
 #include "scene_compiler/instrument_builder.h"
 #include "scene_compiler/lidar_builder.h"
+#include "scene_compiler/placed_box.h"
 #include "scene_compiler/scene_builder.h"
 #include "scene_compiler/sun_position.h"
 
@@ -226,7 +227,9 @@ Simulation load_simulation(const std::string& file, const LoadOptions& options) 
   if (!root.records("instrument").empty() || root.given("time"))
     out.sun = read_sun(root, parts.origin, problems);
   out.instruments = read_instruments(root, parts, parts.notices, problems);
-  out.lidars = read_lidars(root, parts, root.given("time"), parts.notices, problems);
+  const std::vector<PlacedBox> boxes = placed_boxes(parts);
+  check_resolution(parts, boxes, out.file, parts.notices, problems);
+  out.lidars = read_lidars(root, parts, box_around(boxes), root.given("time"), parts.notices, problems);
   if (options.need_instruments && root.records("instrument").empty() && root.records("lidar").empty())
     problems.add(root.where, "no [[instrument]] or [[lidar]] looks at the scene", "", "add one");
   problems.throw_if_any();

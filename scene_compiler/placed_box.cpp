@@ -1,0 +1,96 @@
+#include "scene_compiler/placed_box.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "scene_compiler/document_values.h"
+
+namespace raycube::scene {
+
+namespace {
+
+constexpr float kFar = std::numeric_limits<float>::max();
+constexpr PlacedBox kNothing{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}};
+constexpr double kNoticeAbove = 1e-3, kErrorAbove = 0.1;
+
+void widen(PlacedBox& box, std::size_t axis, float lo, float hi) {
+  box.lo[axis] = std::min(box.lo[axis], lo), box.hi[axis] = std::max(box.hi[axis], hi);
+}
+
+/// Distance of neighbouring floats at the coordinate farthest from the origin, m.
+double spacing_m(const PlacedBox& box) {
+  double far = 0;
+  for (std::size_t i = 0; i < 3; ++i)
+    far = std::max({far, std::abs(static_cast<double>(box.lo[i])), std::abs(static_cast<double>(box.hi[i]))});
+  return far > 0 ? std::ldexp(1.0, std::ilogb(far) - 23) : 0;
+}
+
+double size_m(const PlacedBox& box) {
+  double size = 0;
+  for (std::size_t i = 0; i < 3; ++i) size = std::max(size, static_cast<double>(box.hi[i]) - static_cast<double>(box.lo[i]));
+  return size;
+}
+
+}  // namespace
+
+std::vector<PlacedBox> placed_boxes(const SceneParts& parts) {
+  std::vector<PlacedBox> of_mesh;
+  for (const auto& mesh : parts.meshes) {
+    PlacedBox& box = of_mesh.emplace_back(kNothing);
+    for (const auto& vertex : mesh.mesh.vertices)
+      for (std::size_t i = 0; i < 3; ++i) widen(box, i, vertex[i], vertex[i]);
+  }
+  std::vector<PlacedBox> out;
+  for (const auto& placed : parts.placed) {
+    PlacedBox& world = out.emplace_back(kNothing);
+    const PlacedBox& box = of_mesh[placed.mesh];
+    if (box.empty()) continue;
+    const auto& m = placed.scene_from_mesh;
+    for (std::size_t row = 0; row < 3; ++row) {
+      // Each column of the matrix brings the least and the most by one end of the box.
+      double lo = m[4 * row + 3], hi = lo;
+      for (std::size_t i = 0; i < 3; ++i) {
+        const double a = m[4 * row + i] * static_cast<double>(box.lo[i]), b = m[4 * row + i] * static_cast<double>(box.hi[i]);
+        lo += std::min(a, b), hi += std::max(a, b);
+      }
+      widen(world, row, static_cast<float>(lo), static_cast<float>(hi));
+    }
+  }
+  return out;
+}
+
+PlacedBox box_around(const std::vector<PlacedBox>& boxes) {
+  PlacedBox out = kNothing;
+  for (const auto& box : boxes)
+    if (!box.empty())
+      for (std::size_t i = 0; i < 3; ++i) widen(out, i, box.lo[i], box.hi[i]);
+  return out;
+}
+
+void check_resolution(const SceneParts& parts, const std::vector<PlacedBox>& boxes, const std::string& file,
+                      std::vector<std::string>& notices, base::Problems& problems) {
+  double worst = 0;
+  std::size_t at = 0, coarse = 0;
+  const auto size_of = [&](std::size_t i) { return i < parts.terrains.size() ? std::sqrt(parts.terrains[i].cell_area_m2()) : size_m(boxes[i]); };
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    if (boxes[i].empty()) continue;
+    const double size = size_of(i), share = size > 0 ? spacing_m(boxes[i]) / size : 0;
+    coarse += share > kNoticeAbove;
+    if (share > worst) worst = share, at = i;
+  }
+  if (!(worst > kNoticeAbove)) return;
+  const PlacedBox& box = boxes[at];
+  const auto place = [&](std::size_t i) { return number_text(std::round(0.5 * (static_cast<double>(box.lo[i]) + static_cast<double>(box.hi[i])))); };
+  const std::string what = "'" + parts.meshes[parts.placed[at].mesh].name + "'";
+  const std::string found = (at < parts.terrains.size() ? "cells of " : "") + number_text(size_of(at)) + " m at " + place(0) + ", " + place(1) + ", " + place(2) +
+                            ", where coordinates are " + number_text(spacing_m(box)) + " m apart";
+  const std::string way_out = "move the scene to its origin: subtract easting and northing from positions and state them as scene.origin";
+  if (worst > kErrorAbove)
+    problems.add({file, 0, 0, ""}, "single precision does not resolve " + what + " so far from the scene's origin", found, way_out);
+  else
+    notices.push_back(file + ": " + std::to_string(coarse) + " objects or terrains lie so far from the scene's origin that single precision shows in their shadows (by up to 7 times the spacing of coordinates), worst " + what +
+                      ": " + found + "; " + way_out);
+}
+
+}  // namespace raycube::scene
