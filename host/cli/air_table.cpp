@@ -4,11 +4,14 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
 #include "atmos_tables/clear_sky.h"
+#include "atmos_tables/clear_sky_inputs.h"
 #include "atmos_tables/compiler/layered_air.h"
 #include "atmos_tables/rct_file.h"
 #include "host/base/cache_folder.h"
@@ -66,16 +69,33 @@ atmos::RenderTable build_with_progress(const AirRequest& request, const std::vec
 
 }  // namespace
 
+std::optional<atmos::RenderTable> known_table(const AirRequest& request) {
+  const scene::AtmosphereSpec& spec = *request.spec;
+  const auto& [first_um, last_um, step_um] = std::tie(request.first_um, request.last_um, request.step_um);
+  if (!spec.table_file.empty()) return atmos::make_table(spec, request.sun, request.sensor_height_m, {}, atmos::clear_sky_heights(request.low_m, request.high_m));
+  if (spec.none)
+    return atmos::make_table(spec, request.sun, request.sensor_height_m, atmos::clear_sky_wavelengths(first_um, last_um, step_um), {request.low_m});
+  const auto heights = atmos::clear_sky_heights(request.low_m, request.high_m);
+  if (spec.layered)
+    atmos::check_table_request(request.sun, request.sensor_height_m, atmos::layered_wavelengths(first_um, last_um, step_um), heights,
+                               atmos::kLayeredFirst_um, atmos::kLayeredLast_um);
+  else
+    atmos::check_clear_sky(spec, request.sun, request.sensor_height_m, atmos::clear_sky_wavelengths(first_um, last_um, step_um), heights);
+  return {};
+}
+
+bool model_is_thermal(const AirRequest& request) {
+  return request.spec->layered && request.spec->table_file.empty() && !request.spec->none && request.last_um >= atmos::kThermalFrom_um;
+}
+
 atmos::RenderTable air_table(const AirRequest& request, Context& context) {
   const base::Doing doing("making the table of the air");
   const scene::AtmosphereSpec& spec = *request.spec;
-  if (!spec.layered || !spec.table_file.empty() || spec.none) {
-    const bool from_file = !spec.table_file.empty();
-    return atmos::make_table(
-        spec, request.sun, request.sensor_height_m,
-        from_file ? std::vector<double>{} : atmos::clear_sky_wavelengths(request.first_um, request.last_um, request.step_um),
-        spec.none ? std::vector<double>{request.low_m} : atmos::clear_sky_heights(request.low_m, request.high_m));
-  }
+  if (auto known = known_table(request)) return std::move(*known);
+  if (!spec.layered)
+    return atmos::make_table(spec, request.sun, request.sensor_height_m,
+                             atmos::clear_sky_wavelengths(request.first_um, request.last_um, request.step_um),
+                             atmos::clear_sky_heights(request.low_m, request.high_m));
   const auto wavelengths = atmos::layered_wavelengths(request.first_um, request.last_um, request.step_um);
   const auto heights = atmos::clear_sky_heights(request.low_m, request.high_m);
   const std::filesystem::path folder = request.cached ? base::cache_folder("atmosphere") : std::filesystem::path();

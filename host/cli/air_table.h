@@ -1,6 +1,7 @@
 // The render table a simulation asks for: read from its file, built, or taken from the cache of tables built before.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,12 @@ struct AirRequest {
 /// Tables of the layered model are kept under $XDG_CACHE_HOME/raycube/atmosphere (else ~/.cache), named by the SHA-256 of the
 /// request and of this program: another build never reads them. A cache that cannot be read or written costs the build, no more.
 atmos::RenderTable air_table(const AirRequest& request, Context& context);
+
+/// The table where it takes no computing, read from its file or that of no air; none for the models, whose request is looked at as
+/// building it would. Throws Error(input) for what the table or the model refuses.
+std::optional<atmos::RenderTable> known_table(const AirRequest& request);
+/// True when the model's table would hold thermal light.
+bool model_is_thermal(const AirRequest& request);
 
 /// Wavelengths that the responses of some bands reach, um; a Gaussian is cut at 2.5 FWHM, where it has fallen to 3e-8.
 std::pair<double, double> band_range(const std::vector<scene::Band>& bands);

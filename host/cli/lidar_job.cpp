@@ -19,19 +19,22 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 
 }  // namespace
 
+void check_lidar_air(const scene::Simulation& simulation, const scene::Lidar& lidar) {
+  if (simulation.atmosphere.none || simulation.atmosphere.layered) return;
+  throw base::Error(base::Fault::input, simulation.file + ": LIDAR " + lidar.name +
+                                            ": the atmosphere has no profiles of extinction and backscatter; use model = \"layered\", or \"none\" for no air");
+}
+
 LidarJob prepare_lidar(const scene::Simulation& simulation, const scene::Lidar& lidar, Context& context, const LidarPlanning& planning) {
   LidarJob job;
   job.lidar = &lidar;
   auto start = std::chrono::steady_clock::now();
   const scene::AtmosphereSpec& air = simulation.atmosphere;
   std::unique_ptr<atmos::RenderTable> table;
-  if (!air.none) {
-    if (!air.layered)
-      throw base::Error(base::Fault::input, simulation.file + ": LIDAR " + lidar.name +
-                                                ": the atmosphere has no profiles of extinction and backscatter; use model = \"layered\", or \"none\" for no air");
+  check_lidar_air(simulation, lidar);
+  if (!air.none)
     table = std::make_unique<atmos::RenderTable>(
         atmos::build_lidar(air, lidar::table_wavelengths(lidar::make_nodes(lidar)), atmos::lidar_heights(air)));
-  }
   job.table_s = seconds_since(start);
   start = std::chrono::steady_clock::now();
   job.plan = lidar::make_lidar_plan(simulation, lidar, table.get());

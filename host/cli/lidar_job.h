@@ -32,6 +32,9 @@ struct LidarJob {
   double table_s = 0, plan_s = 0;
 };
 
+/// Throws Error(input) when the file's air has no profiles for pulses.
+void check_lidar_air(const scene::Simulation& simulation, const scene::Lidar& lidar);
+
 /// Air profiles of the layered model at the laser's wavelengths (none: no air; clear_sky has no profiles and is refused), then the plan.
 LidarJob prepare_lidar(const scene::Simulation& simulation, const scene::Lidar& lidar, Context& context, const LidarPlanning& planning = {});
 

@@ -6,7 +6,6 @@
 
 #include "atmos_tables/clear_sky_inputs.h"
 #include "host/base/error.h"
-#include "host/cli/air_table.h"
 #include "host/planner/plan_file.h"
 #include "host/sensors/view_bounds.h"
 #include "scene_compiler/load_simulation.h"
@@ -19,8 +18,9 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-atmos::RenderTable make_table(const scene::Simulation& simulation, const scene::Instrument& instrument, double sensor_height_m,
-                              Context& context) {
+}  // namespace
+
+AirRequest air_request(const scene::Simulation& simulation, const scene::Instrument& instrument, double sensor_height_m) {
   AirRequest request;
   request.spec = &simulation.atmosphere;
   request.sun = simulation.sun;
@@ -31,10 +31,8 @@ atmos::RenderTable make_table(const scene::Simulation& simulation, const scene::
   const bool empty = scene.instances.empty();
   request.low_m = empty ? 0.0 : scene.lo[2];
   request.high_m = empty ? 0.0 : std::min<double>(scene.hi[2], sensor_height_m);
-  return air_table(request, context);
+  return request;
 }
-
-}  // namespace
 
 scene::Simulation load_job(const std::string& file, Context& context) {
   scene::LoadOptions options;
@@ -77,7 +75,7 @@ InstrumentJob prepare(const scene::Simulation& simulation, const scene::Instrume
   job.instrument = planned.get();
   const plan::ViewBounds view = sensors::view_bounds(instrument);
   auto start = std::chrono::steady_clock::now();
-  job.table = make_table(simulation, instrument, view.sensor_height_m, context);
+  job.table = air_table(air_request(simulation, instrument, view.sensor_height_m), context);
   job.table_s = seconds_since(start);
   start = std::chrono::steady_clock::now();
   job.plan = plan::make_plan(simulation, instrument, job.table, view);

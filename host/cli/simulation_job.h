@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "atmos_tables/render_table.h"
+#include "host/cli/air_table.h"
 #include "host/cli/verb.h"
 #include "host/plan/plan.h"
 #include "host/planner/planner.h"
@@ -45,6 +46,9 @@ struct InstrumentJob {
   plan::Plan plan;
   double table_s = 0, plan_s = 0;
 };
+
+/// The air that an instrument's bands and height ask for, over the scene's heights.
+AirRequest air_request(const scene::Simulation& simulation, const scene::Instrument& instrument, double sensor_height_m);
 
 /// Reads or builds the table for the instrument's height and bands, then plans; the planner's notes go to the log.
 InstrumentJob prepare(const scene::Simulation& simulation, const scene::Instrument& instrument, Context& context, const Planning& planning = {});

@@ -11,6 +11,7 @@
 #include "host/base/output_file.h"
 #include "host/cl/device.h"
 #include "host/cli/chart_point.h"
+#include "host/cli/input_check.h"
 #include "host/cli/lidar_job.h"
 #include "host/cli/python_chart.h"
 #include "host/cli/simulation_job.h"
@@ -64,7 +65,7 @@ std::string processor() {
 
 int run(Context& context, const Options& options) {
   scene::Simulation simulation = load_job(options.file, context);
-  pick_instruments(simulation, options.instrument);  // refuses a name that nothing has
+  check_inputs(simulation, pick_instruments(simulation, options.instrument), pick_lidars(simulation, options.instrument));
   const auto wanted = [&](const std::string& name) { return options.instrument.empty() || name == options.instrument; };
   std::vector<std::string> devices;
   if (!context.common.device.empty()) devices = {context.common.device};

@@ -12,6 +12,7 @@
 #include "host/cli/check_instrument.h"
 #include "host/cli/check_lidar.h"
 #include "host/cli/difference_chart.h"
+#include "host/cli/input_check.h"
 #include "host/cli/lidar_job.h"
 #include "host/cli/simulation_job.h"
 #include "host/cli/verb.h"
@@ -168,6 +169,7 @@ int run(Context& context, const Options& options) {
     for (const scene::Instrument* instrument : instruments) files.try_emplace(instrument->name, context.common.output + "/" + instrument->name + "_check", if_exists);
     for (const scene::Lidar* lidar : lidars) lidar_files.try_emplace(lidar->name, context.common.output + "/" + lidar->name + "_check", if_exists);
   }
+  check_inputs(simulation, instruments, lidars);
   Outcome outcome;
   if (!instruments.empty()) {
     render::Renderer renderer(simulation.scene, render_options(context.common));

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "host/base/output_file.h"
+#include "host/cli/input_check.h"
 #include "host/cli/lidar_job.h"
 #include "host/cli/simulation_job.h"
 #include "host/planner/plan_file.h"
@@ -70,6 +71,7 @@ int run(const Options& options, Context& context) {
   std::optional<base::OutputFile> output;
   if (!context.common.output.empty())
     output.emplace(context.common.output, context.common.overwrite ? base::IfExists::replace : base::IfExists::refuse);
+  check_inputs(simulation, instruments, lidars);
   std::vector<Said> all;
   if (!instruments.empty()) {
     render::Renderer renderer(simulation.scene, settings);

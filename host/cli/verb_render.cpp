@@ -11,6 +11,7 @@
 #include "host/cl/device.h"
 #include "host/cli/cube_products.h"
 #include "host/cli/dry_run.h"
+#include "host/cli/input_check.h"
 #include "host/cli/lidar_job.h"
 #include "host/cli/missed_samples.h"
 #include "host/cli/render_lidar.h"
@@ -148,6 +149,7 @@ int run(const Options& options, Context& context) {
   nlohmann::json result = {{"instruments", nlohmann::json::array()}};
   if (!context.common.dry_run)
     for (const auto& name : names_of(instruments, lidars)) check_output_place((out / name).string(), context.common.overwrite);
+  check_inputs(simulation, instruments, lidars);
   std::optional<planner::PlanFile> replay;
   if (!options.plan.empty()) {
     replay = planner::read_plan_file(options.plan);

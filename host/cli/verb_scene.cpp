@@ -3,6 +3,7 @@
 #include <ostream>
 
 #include "host/base/error.h"
+#include "host/cli/input_check.h"
 #include "host/cli/verb.h"
 #include "scene_compiler/compiled_file.h"
 #include "scene_compiler/load_simulation.h"
@@ -53,10 +54,15 @@ Verb verb_check() {
   Verb verb;
   verb.name = "check";
   verb.summary = "Validate a simulation file and all it names, report every problem at once";
+  verb.description =
+      "Whatever a render would refuse that needs neither the air computed nor a ray sent is told here: bands beyond the atmosphere's table or "
+      "model, used materials whose curves do not cover them or that have no temperature for thermal light, views, point spreads. "
+      "render, check, plan, chart and tune begin with the same.";
   verb.examples = {"raycube scene check park.toml"};
   verb.add_options = [o](base::OptionTable& table) { table.argument("FILE", "A simulation file", o->file); };
   verb.run = [o](Context& context) {
-    const auto simulation = load(context, o->file, false);
+    const auto simulation = load(context, o->file, true);  // which materials are used, only the scene tells
+    check_inputs(simulation);
     if (context.common.json)
       context.out << simulation.resolved_json << "\n";
     else

@@ -13,6 +13,7 @@
 #include "host/base/error.h"
 #include "host/base/sha256.h"
 #include "host/cli/lidar_job.h"
+#include "host/cli/input_check.h"
 #include "host/cli/simulation_job.h"
 #include "host/lidar/shot.h"
 #include "host/render/tuner.h"
@@ -182,6 +183,7 @@ int run(const Options& options, Context& context) {
   const scene::Simulation simulation = load_job(options.file, context);
   const auto instruments = pick_instruments(simulation, options.instrument);
   const auto lidars = pick_lidars(simulation, options.instrument);
+  check_inputs(simulation, instruments, lidars);
   auto settings = render_options(context.common);
   settings.tuned = false;
   const cl::DeviceInfo device = render::pick_device(settings).info();

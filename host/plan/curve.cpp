@@ -1,5 +1,7 @@
 #include "host/plan/curve.h"
 
+#include <fmt/format.h>
+
 #include "host/base/error.h"
 #include "host/plan/sky_basis.h"
 
@@ -14,10 +16,11 @@ std::vector<double> sample_curve(const scene::Material& material, const std::vec
   out.reserve(wavelength_um.size());
   for (const double l : wavelength_um) {
     if (l < x.front() - 1e-9 || l > x.back() + 1e-9)
-      throw base::Error(base::Fault::input, "material '" + material.name + "': its curve ends at " +
-                                                std::to_string(1000 * (l < x.front() ? x.front() : x.back())) + " nm, " +
-                                                std::to_string(1000 * l) + " nm is needed (" + material.source +
-                                                "); give a curve that covers the instrument's bands");
+      throw base::Error(base::Fault::input,
+                        fmt::format("material '{}': its curve{} covers {:.6g} to {:.6g} nm and {}, {:.6g} nm is needed; give a curve "
+                                    "that covers what the instrument sees",
+                                    material.name, material.source.empty() ? "" : " (" + material.source + ")", 1000 * x.front(),
+                                    1000 * x.back(), l < x.front() ? "begins too late" : "ends too early", 1000 * l));
     const Cell cell = find_cell(x, l);
     out.push_back((1 - cell.fraction) * y[cell.index] + cell.fraction * y[cell.index + 1]);
   }

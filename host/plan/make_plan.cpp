@@ -141,8 +141,7 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
   const Domain domain = make_domain(simulation, table, view);
   const bool no_air = simulation.atmosphere.none;
   const auto& table_um = table.axis("wavelength").nodes;
-  const std::string table_name = simulation.atmosphere.table_file.empty() ? "of the built-in model" : "'" + simulation.atmosphere.table_file + "'";
-  SpectralPlan spectral = make_spectral_plan(simulation.scene, instrument, table_um, table_name);
+  SpectralPlan spectral = make_spectral_plan(simulation.scene, instrument, table_um, table_name(simulation));
 
   Plan plan;
   plan.tolerance = simulation.tolerance;
@@ -159,10 +158,7 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
   if (adjacency != scene::Adjacency::off)
     ground = plan_environment(plan, simulation, table, domain, adjacency == scene::Adjacency::local, covered, first);
   const TableSpectra air(table, no_air, plan.sun_up, first, last - first + 1, ground);
-  if (zenith_of_sec(view.sec_max) > air.last_view_zenith_rad() + 1e-9)
-    throw base::Error(base::Fault::input, fmt::format("instrument '{}' looks {:.2f} deg off nadir, the atmosphere table ends at {:.2f} deg; "
-                                                      "build a table with larger view zeniths or narrow the view",
-                                                      instrument.name, zenith_of_sec(view.sec_max) / kDegree, air.last_view_zenith_rad() / kDegree));
+  check_view(instrument, view, air.last_view_zenith_rad());
   const BandSpace bands(covered, spectral.wavelength_um, spectral.bands, spectral.mean_reflectance);
 
   const double share = kShare * simulation.tolerance;

@@ -1,12 +1,14 @@
 #include "host/plan/spectral_plan.h"
 
 #include <algorithm>
+#include <numbers>
 
 #include <fmt/format.h>
 
 #include "host/base/error.h"
 #include "host/plan/curve.h"
 #include "host/plan/quadrature.h"
+#include "host/plan/sources.h"
 
 namespace raycube::plan {
 
@@ -16,17 +18,26 @@ namespace {
 void check_range(base::Problems& problems, const base::Where& where, const std::vector<scene::Band>& bands, double lo, double hi,
                  const std::string& what, const std::string& way_out) {
   int count = 0;
+  bool late = false, early = false;
   std::string found;
   for (std::size_t b = 0; b < bands.size(); ++b) {
     const auto [from, to] = band_support(bands[b]);
     if (from >= lo - 1e-9 && to <= hi + 1e-9) continue;
+    late = late || from < lo - 1e-9;
+    early = early || to > hi + 1e-9;
     if (++count > 3) continue;
     found += fmt::format("{}band {}{} {:.6g} to {:.6g} nm", found.empty() ? "" : ", ", b + 1,
                          bands[b].name.empty() ? "" : " '" + bands[b].name + "'", 1000 * from, 1000 * to);
   }
   if (count > 3) found += fmt::format(" and {} more", count - 3);
-  if (count > 0) problems.add(where, fmt::format("{} covers {:.6g} to {:.6g} nm, a band needs more", what, 1000 * lo, 1000 * hi), found, way_out);
+  if (count > 0)
+    problems.add(where,
+                 fmt::format("{} covers {:.6g} to {:.6g} nm, a band needs more: it {}", what, 1000 * lo, 1000 * hi,
+                             late && early ? "begins too late and ends too early" : late ? "begins too late" : "ends too early"),
+                 found, way_out);
 }
+
+std::string gaussian_reach() { return fmt::format("a Gaussian response reaches {:g} FWHM to each side", kGaussianCutFwhm); }
 
 }  // namespace
 
@@ -45,11 +56,10 @@ std::vector<std::uint32_t> used_curves(const scene::CompiledScene& scene) {
   return out;
 }
 
-SpectralPlan make_spectral_plan(const scene::CompiledScene& scene, const scene::Instrument& instrument,
-                                const std::vector<double>& table_um, const std::string& table_name) {
-  const auto curves = used_curves(scene);
-  base::Problems problems;
-  const base::Where where{"", 0, 0, "instrument '" + instrument.name + "'"};
+base::Where place_of(const scene::Instrument& instrument) { return {"", 0, 0, "instrument '" + instrument.name + "'"}; }
+
+void check_bands(const scene::Instrument& instrument, base::Problems& problems) {
+  const base::Where where = place_of(instrument);
   if (instrument.bands.empty()) problems.add(where, "has no bands", "", "give a band list or a response file");
   for (std::size_t b = 0; b < instrument.bands.size(); ++b) {
     const auto& band = instrument.bands[b];
@@ -57,19 +67,49 @@ SpectralPlan make_spectral_plan(const scene::CompiledScene& scene, const scene::
       problems.add(where, fmt::format("band {} needs a centre and a FWHM above 0", b + 1),
                    fmt::format("centre {:g} nm, FWHM {:g} nm", 1000 * band.center_um, 1000 * band.fwhm_um), "or give a tabulated response");
   }
-  problems.throw_if_any();
-  const std::string gaussian = fmt::format("a Gaussian response reaches {:g} FWHM to each side", kGaussianCutFwhm);
-  check_range(problems, where, instrument.bands, table_um.front(), table_um.back(), "atmosphere table " + table_name,
-              "take these bands out or use a wider table (" + gaussian + ")");
-  for (const auto curve : curves) {
+}
+
+void check_table(const scene::Instrument& instrument, const std::vector<double>& table_um, const std::string& table_name,
+                 base::Problems& problems) {
+  check_range(problems, place_of(instrument), instrument.bands, table_um.front(), table_um.back(), "atmosphere table " + table_name,
+              "take these bands out or use a wider table (" + gaussian_reach() + ")");
+}
+
+std::string table_name(const scene::Simulation& simulation) {
+  const std::string& file = simulation.atmosphere.table_file;
+  return file.empty() ? "of the built-in model" : "'" + file + "'";
+}
+
+void check_view(const scene::Instrument& instrument, const ViewBounds& view, double last_zenith_rad) {
+  const double zenith_rad = zenith_of_sec(view.sec_max);
+  if (zenith_rad <= last_zenith_rad + 1e-9) return;
+  constexpr double kDegree = std::numbers::pi / 180;
+  throw base::Error(base::Fault::input, fmt::format("instrument '{}' looks {:.2f} deg off nadir, the atmosphere table ends at {:.2f} deg; "
+                                                    "build a table with larger view zeniths or narrow the view",
+                                                    instrument.name, zenith_rad / kDegree, last_zenith_rad / kDegree));
+}
+
+void check_curves(const scene::CompiledScene& scene, const scene::Instrument& instrument, base::Problems& problems) {
+  const base::Where where = place_of(instrument);
+  for (const auto curve : used_curves(scene)) {
     const auto& material = scene.materials[curve - 1];
     const auto& x = material.reflectance.wavelength_um;
     if (x.empty()) problems.add(where, "material '" + material.name + "' has no reflectance curve", "", "give one");
     if (x.size() > 1)
       check_range(problems, where, instrument.bands, x.front(), x.back(), "the curve of material '" + material.name + "'",
                   "take these bands out or give a wider curve than " + (material.source.empty() ? "this" : "'" + material.source + "'") +
-                      " (" + gaussian + ")");
+                      " (" + gaussian_reach() + ")");
   }
+}
+
+SpectralPlan make_spectral_plan(const scene::CompiledScene& scene, const scene::Instrument& instrument,
+                                const std::vector<double>& table_um, const std::string& table_name) {
+  const auto curves = used_curves(scene);
+  base::Problems problems;
+  check_bands(instrument, problems);
+  problems.throw_if_any();
+  check_table(instrument, table_um, table_name, problems);
+  check_curves(scene, instrument, problems);
   problems.throw_if_any();
 
   std::vector<double> breakpoints = table_um;

@@ -58,20 +58,27 @@ double area_scale(const shared::Instance& placed) {
 
 }  // namespace
 
-Emitters find_emitters(const scene::CompiledScene& scene, const std::string& file) {
-  Emitters out;
-  base::Problems problems;
-  double plain = 0;
-  const auto curves = used_curves(scene);
-  for (const auto curve : curves) {
+void check_temperatures(const scene::CompiledScene& scene, const std::string& file, base::Problems& problems) {
+  for (const auto curve : used_curves(scene)) {
     const auto& material = scene.materials[curve - 1];
     if (!(material.temperature_K > 0))
       problems.add({file, 0, 0, "material '" + material.name + "'"}, "has no temperature, and the atmosphere table holds thermal light", "",
                    "give it temperature_K, or give [thermal] default_temperature_K");
+  }
+}
+
+Emitters find_emitters(const scene::CompiledScene& scene, const std::string& file) {
+  Emitters out;
+  base::Problems problems;
+  check_temperatures(scene, file, problems);
+  problems.throw_if_any();
+  double plain = 0;
+  const auto curves = used_curves(scene);
+  for (const auto curve : curves) {
+    const auto& material = scene.materials[curve - 1];
     out.distinct_K.push_back(material.temperature_K);
     plain += material.temperature_K / static_cast<double>(curves.size());
   }
-  problems.throw_if_any();
   std::sort(out.distinct_K.begin(), out.distinct_K.end());
   out.distinct_K.erase(std::unique(out.distinct_K.begin(), out.distinct_K.end()), out.distinct_K.end());
   std::vector<double> surface_K;

@@ -2,6 +2,7 @@
 // the sky, the temperature nodes, and what they need of the plan.
 #pragma once
 
+#include "host/base/error.h"
 #include "host/plan/plan_errors.h"
 
 namespace raycube::plan {
@@ -11,6 +12,9 @@ struct Emitters {
   std::vector<double> distinct_K;  ///< ascending
   double surroundings_K = 0;       ///< mean over the area of all placed triangles
 };
+
+/// Adds a problem for every used material without a temperature.
+void check_temperatures(const scene::CompiledScene& scene, const std::string& file, base::Problems& problems);
 
 /// Throws one Error(input) that lists every used material without a temperature. A scene without triangles takes the plain
 /// mean over its materials, and 0 K without any.

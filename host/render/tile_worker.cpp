@@ -56,9 +56,8 @@ TileWorker::TileWorker(const RenderSetup& setup, BandTable& table, std::size_t p
   for (int subset = 0; errors && setup.shape.chunked() && subset < sensors::kSampleSubsets; ++subset)
     subset_rows_.emplace_back(setup.context, setup.shape, pixels, row_capacity);
   if (all_baked_) {
-    std::vector<std::uint64_t> keys(setup.scene.materials.size());
-    std::iota(keys.begin(), keys.end(), 1);
-    timed("bake", [&] { table_.ensure(keys); });
+    const auto used = plan::used_curves(setup.scene);  // others' curves need not cover the bands
+    timed("bake", [&] { table_.ensure({used.begin(), used.end()}); });
   }
   statistics_.build_options = trace_stages_.options();
   statistics_.program_hash = program_hash(trace_stages_, row_stages_);

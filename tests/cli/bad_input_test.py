@@ -53,7 +53,7 @@ kFaults = {
                         ["dark.csv: file is empty (found 0 bytes); restore it; ", "scene.toml:4:20 names it"]),
     "missing spectrum": ([kDarkFile], {}, ["scene.toml:4:20: cannot read file (found ", "dark.csv); check the path"]),
     "spectrum that ends inside a band": ([kDarkFile], spectrum("300,0.1\n905,0.2\n"),
-                                         ["'camera': the curve of material 'dark' covers 300 to 905 nm, a band needs more (found "
+                                         ["'camera': the curve of material 'dark' covers 300 to 905 nm, a band needs more: it ends too early (found "
                                           "band 10 850 to 950 nm); take these bands out or give a wider curve"]),
     "0-byte simulation": (None, {"scene.toml": ""}, ["scene.toml:1:1: file is empty (found 0 bytes); a simulation file begins with"]),
     "UTF-16": (None, {"scene.toml": "format = 1\n".encode("utf-16")}, ["scene.toml:1:1: TOML syntax: ", "see https://toml.io"]),

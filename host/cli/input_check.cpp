@@ -1,0 +1,135 @@
+#include "host/cli/input_check.h"
+
+#include <set>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "host/base/doing.h"
+#include "host/base/error.h"
+#include "host/cli/air_table.h"
+#include "host/cli/lidar_job.h"
+#include "host/cli/simulation_job.h"
+#include "host/lidar/air_column.h"
+#include "host/lidar/make_lidar_plan.h"
+#include "host/plan/adjacency.h"
+#include "host/plan/curve.h"
+#include "host/plan/spectral_plan.h"
+#include "host/plan/table_spectra.h"
+#include "host/plan/thermal_plan.h"
+#include "host/sensors/psf.h"
+#include "host/sensors/view_bounds.h"
+
+namespace raycube::cli {
+namespace {
+
+/// Every line once, in the order found: instruments share materials and air.
+class Found {
+ public:
+  void add(const std::string& line) {
+    if (seen_.insert(line).second) text_ += (text_.empty() ? "" : "\n") + line;
+  }
+  void add(const base::Problems& problems) {
+    for (const auto& line : problems.lines()) add(line);
+  }
+  /// Runs a part of the check; what it refuses of the input is added. False when it did.
+  template <class Part>
+  bool part(const Part& run) {
+    try {
+      run();
+      return true;
+    } catch (const base::Error& error) {
+      if (error.fault() != base::Fault::input) throw;
+      add(error.what());
+      return false;
+    }
+  }
+  void throw_if_any() const {
+    if (!text_.empty()) throw base::Error(base::Fault::input, text_);
+  }
+
+ private:
+  std::set<std::string> seen_;
+  std::string text_;
+};
+
+/// The table's own limits, where there is a table without computing one.
+void check_known_table(const scene::Simulation& simulation, const scene::Instrument& instrument,
+                       const plan::ViewBounds& view, const atmos::RenderTable& table, Found& found) {
+  const auto& table_um = table.axis("wavelength").nodes;
+  base::Problems problems;
+  plan::check_table(instrument, table_um, plan::table_name(simulation), problems);
+  found.add(problems);
+  found.part([&] { static_cast<void>(plan::choose_adjacency(simulation, table)); });
+  const plan::TableSpectra air(table, simulation.atmosphere.none, simulation.sun.zenith_deg < 90, 0,
+                               table_um.size());
+  found.part([&] { plan::check_view(instrument, view, air.last_view_zenith_rad()); });
+  base::Problems cold;
+  if (air.thermal()) plan::check_temperatures(simulation.scene, simulation.file, cold);
+  found.add(cold);
+}
+
+void check_instrument(const scene::Simulation& simulation, const scene::Instrument& instrument,
+                      Found& found) {
+  base::Problems problems;
+  plan::check_bands(instrument, problems);
+  const bool bands = problems.empty();
+  if (bands) plan::check_curves(simulation.scene, instrument, problems);
+  found.add(problems);
+  found.part([&] { static_cast<void>(sensors::SampleWeights(instrument)); });
+  plan::ViewBounds view;
+  if (!found.part([&] { view = sensors::view_bounds(instrument); }) || !bands) return;
+  const AirRequest request = air_request(simulation, instrument, view.sensor_height_m);
+  found.part([&] {
+    if (const auto table = known_table(request)) {
+      check_known_table(simulation, instrument, view, *table, found);
+    } else if (model_is_thermal(request)) {
+      base::Problems cold;
+      plan::check_temperatures(simulation.scene, simulation.file, cold);
+      found.add(cold);
+    }
+  });
+}
+
+void check_lidar(const scene::Simulation& simulation, const scene::Lidar& lidar, Found& found) {
+  found.part([&] { check_lidar_air(simulation, lidar); });
+  const auto wavelengths = lidar::table_wavelengths(lidar::make_nodes(lidar));
+  for (const auto curve : plan::used_curves(simulation.scene)) {
+    scene::Material material = simulation.scene.materials[curve - 1];
+    const auto covered = [&] {
+      try {
+        plan::sample_curve(material, wavelengths);
+      } catch (const base::Error& error) {
+        throw base::Error(error.fault(),
+                          "LIDAR '" + lidar.name + "': " + error.what() + "; or use another wavelength");
+      }
+    };
+    found.part(covered);
+    if (material.transmittance.wavelength_um.empty()) continue;
+    material.reflectance = material.transmittance;
+    material.source += material.source.empty() ? "transmittance" : ", transmittance";
+    found.part(covered);
+  }
+}
+
+}  // namespace
+
+void check_inputs(const scene::Simulation& simulation,
+                  const std::vector<const scene::Instrument*>& instruments,
+                  const std::vector<const scene::Lidar*>& lidars) {
+  const base::Doing doing("checking inputs");
+  Found found;
+  for (const auto* instrument : instruments) check_instrument(simulation, *instrument, found);
+  for (const auto* lidar : lidars) check_lidar(simulation, *lidar, found);
+  found.throw_if_any();
+}
+
+void check_inputs(const scene::Simulation& simulation) {
+  std::vector<const scene::Instrument*> instruments;
+  std::vector<const scene::Lidar*> lidars;
+  for (const auto& instrument : simulation.instruments) instruments.push_back(&instrument);
+  for (const auto& lidar : simulation.lidars) lidars.push_back(&lidar);
+  check_inputs(simulation, instruments, lidars);
+}
+
+}  // namespace raycube::cli

@@ -1,0 +1,21 @@
+// What a simulation's inputs alone say is wrong, all of it, before any air is computed or ray sent.
+#pragma once
+
+#include <vector>
+
+#include "scene_compiler/simulation.h"
+
+namespace raycube::cli {
+
+/// Throws one Error(input) that lists every problem of these instruments and LIDARs that needs no ray and no
+/// model of the air to be known: views, point spreads and bands; used materials' curves that do not cover
+/// them, and temperatures that thermal light needs; bands, sun, sensor, heights and views beyond the
+/// atmosphere's table or its model's range; light between ground and air that the table has no rows for.
+/// `scene check`, and what begins a render, a check, a plan, a chart and a tuning.
+void check_inputs(const scene::Simulation& simulation,
+                  const std::vector<const scene::Instrument*>& instruments,
+                  const std::vector<const scene::Lidar*>& lidars);
+/// The same for all instruments and LIDARs of the file.
+void check_inputs(const scene::Simulation& simulation);
+
+}  // namespace raycube::cli

@@ -1,0 +1,89 @@
+#!/usr/bin/env python3
+"""What inputs alone say is wrong is told before any air is computed or ray sent, by `scene check` and at the start of render, check, plan
+and chart alike; what nothing uses is not asked. The built-in air of these scenes would take a minute.
+usage: input_check_test.py RAYCUBE"""
+import pathlib
+import sys
+import tempfile
+import time
+
+from driver import Program, record, scene
+
+program = Program(sys.argv[1])
+run, check, refused = program.run, program.check, program.refused
+LAYERED = '{ model = "layered" }'
+SECONDS = 20  # of a loaded machine; the air takes longer than that on an idle one
+
+
+def edited(path, old, new):
+    text = path.read_text()
+    assert old in text, (path, old)
+    path.write_text(text.replace(old, new))
+    return path
+
+
+def all_refuse(work, file, says, more=()):
+    """Every verb that would compute refuses alike, at once."""
+    verbs = [["scene", "check", file], ["render", file, "-o", work / "out"], ["render", file, "--dry-run"], ["plan", file], ["check", file],
+             ["chart", file, "-o", work / "chart"]]
+    texts = set()
+    for verb in verbs:
+        began = time.monotonic()
+        done = run(*verb, status=2, env={"XDG_CACHE_HOME": str(work / "cache")})
+        check(time.monotonic() - began < SECONDS, verb, time.monotonic() - began)
+        texts.add("\n".join(line for line in done.stderr.splitlines() if line.startswith("raycube: error: ")))
+        check(done.stdout == "" and not (work / "out").exists(), verb, done.stdout)
+    check(len(texts) == 1, texts)
+    text = texts.pop()
+    for part in says:
+        check(part in text, part, text)
+    return text
+
+
+with tempfile.TemporaryDirectory() as work:
+    work = pathlib.Path(work)
+    (work / "narrow.csv").write_text("wavelength_nm,reflectance\n500,0.1\n700,0.2\n")
+    (work / "late.csv").write_text("wavelength_nm,reflectance\n500,0.1\n2500,0.2\n")
+    kDark = '{ name = "dark", reflectance = 0.10 }'
+
+    def with_material(name, text, **more):
+        return edited(scene(work, name, **more), kDark, text)
+
+    # A material nobody uses is not asked for its curve, nor for a temperature: the same bytes as without it.
+    plain = scene(work, "plain.toml")
+    unused = with_material("unused.toml", kDark + ',\n  { name = "nobody", file = "narrow.csv" }')
+    run("render", plain, "-o", work / "plain")
+    check("sound" in run("scene", "check", unused).stdout)
+    run("render", unused, "-o", work / "unused")
+    check((work / "unused/camera/radiance.img").read_bytes() == (work / "plain/camera/radiance.img").read_bytes())
+    run("check", unused, "--rays", "1000", "--pixels", "8")
+    run("plan", unused)
+
+    # One that is used is told with its file, its range, what is needed, and which end is short.
+    for name, file, ends in (("late.toml", "late.csv", "it begins too late"), ("narrow.toml", "narrow.csv", "it begins too late and ends too early")):
+        bad = with_material(name, f'{{ name = "dark", file = "{file}" }}', air=LAYERED)
+        all_refuse(work, bad, ["instrument 'camera'", "material 'dark'", "covers 500 to ", ends, "band 1 400 to 500 nm", file])
+
+    # Everything at once: a curve, a temperature, a view and a band out of the model.
+    several = with_material("several.toml", '{ name = "dark", file = "narrow.csv" }', air=LAYERED)
+    edited(several, "bands = { first_nm = 450.0, step_nm = 50.0, count = 10, fwhm_nm = 20.0 }",
+           "bands = { first_nm = 10000.0, step_nm = 50.0, count = 2, fwhm_nm = 20.0 }")
+    text = all_refuse(work, several, ["it ends too early",
+                      "material 'dark': has no temperature", "material 'light': has no temperature"])
+    check(text.count("\n") == 3, text)  # one curve, three temperatures
+    beyond = edited(scene(work, "beyond.toml", air=LAYERED), "first_nm = 450.0", "first_nm = 250.0")
+    all_refuse(work, beyond, ["the layered model covers 0.3 to 30 um"])
+    level = scene(work, "level.toml", air=LAYERED, instrument='pitch_deg = 90.0')
+    all_refuse(work, level, ["looks up or level"])
+
+    # A table that ends inside a band, of another sun or height, is refused by its file's name.
+    run("atmos", "build", "--model", "clear_sky", "--sun-zenith", "40", "--sun-azimuth", "150", "--sensor-height", "500", "--from", "0.42", "--to", "0.8",
+        "-o", work / "air.rct")
+    table = scene(work, "table.toml", air='{ tables = "air.rct" }')
+    all_refuse(work, table, ["air.rct' covers 420 to 800 nm", "it begins too late and ends too early"])
+
+    # An output that may not be replaced is known as early.
+    began = time.monotonic()
+    refused("render", scene(work, "again.toml", air=LAYERED), "-o", work / "plain", status=2, says=["is there already", "--overwrite"])
+    check(time.monotonic() - began < SECONDS)
+print(f"input check: {program.checks} checks")
