@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/scenes.h"
+#include "host/base/standard_streams.h"
 #include "host/lidar/gauss_hermite.h"
 #include "host/lidar/pulse_taps.h"
 #include "host/render/lidar_renderer.h"
@@ -213,6 +214,7 @@ json ranges() {
 }  // namespace
 
 int main(int count, char** arguments) {
+  raycube::base::claim_standard_descriptors();
   if (count != 2) {
     std::cerr << "usage: raycube_lidar_accuracy FILE.json\n";
     return 2;

@@ -5,10 +5,12 @@
 
 #include "bench/cases.h"
 #include "host/base/error.h"
+#include "host/base/standard_streams.h"
 
 using namespace raycube;
 
 int main(int argc, char** argv) {
+  raycube::base::claim_standard_descriptors();
   CLI::App app("Benchmarks of raycube against Embree and the machine's memory. Validates before it times.");
   std::string commit = "unknown", json = "bench.json", run_json;
   std::vector<std::string> names;

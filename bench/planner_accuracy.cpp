@@ -8,6 +8,7 @@
 #include "bench/planner_study.h"
 #include "host/base/error.h"
 #include "host/base/log.h"
+#include "host/base/standard_streams.h"
 #include "scene_compiler/load_simulation.h"
 
 namespace {
@@ -63,6 +64,7 @@ int run(const std::string& file, const std::vector<std::string>& scenes, const s
 }  // namespace
 
 int main(int argc, char** argv) {
+  raycube::base::claim_standard_descriptors();
   CLI::App app("The planner's decisions against converged references and a sweep of settings.");
   std::string file, only;
   std::vector<std::string> scenes;

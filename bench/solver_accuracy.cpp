@@ -19,6 +19,7 @@
 #include "atmos_tables/compiler/layered_air.h"
 #include "atmos_tables/table_rows.h"
 #include "host/base/error.h"
+#include "host/base/standard_streams.h"
 
 using namespace raycube;
 using namespace raycube::atmos;
@@ -293,6 +294,7 @@ void validate_rows() {
 }  // namespace
 
 int main(int argc, char** argv) {
+  raycube::base::claim_standard_descriptors();
   try {
     if (argc != 2) throw base::Error(base::Fault::input, "usage: raycube_solver_accuracy OUT.json");
     const double begin = cpu_s();

@@ -20,7 +20,10 @@ struct Slot {
 };
 std::array<Slot, 64> slots;
 std::atomic<int> arrived{0};
+std::atomic<bool> helper{false};
 static_assert(std::atomic<int>::is_always_lock_free, "the handler needs lock-free flags");
+
+extern "C" void raycube_on_nothing(int) {}
 
 extern "C" void raycube_on_signal(int number) {
   int none = 0;
@@ -41,6 +44,7 @@ void remove_temporaries() noexcept {
 }
 
 void leave_at_once(std::string_view message, Fault fault) noexcept {
+  if (helper) ::_exit(static_cast<int>(Fault::bug));
   remove_temporaries();
   for (const std::string_view part : {std::string_view("raycube: error: "), message, std::string_view("\n")})
     if (::write(STDERR_FILENO, part.data(), part.size()) < 0) break;
@@ -54,17 +58,30 @@ void install_signal_handlers() {
   action.sa_flags = SA_RESTART;
   ::sigaction(SIGINT, &action, nullptr);
   ::sigaction(SIGTERM, &action, nullptr);
+  struct sigaction before {};
+  if (::sigaction(SIGHUP, nullptr, &before) != 0 || before.sa_handler != SIG_IGN) ::sigaction(SIGHUP, &action, nullptr);
+  // A handler and not SIG_IGN: programs that this one starts then find them as they were.
+  action.sa_handler = raycube_on_nothing;
+  ::sigaction(SIGXFSZ, &action, nullptr);
+  ::sigaction(SIGPIPE, &action, nullptr);
   std::set_terminate(on_terminate);
-  ::signal(SIGXFSZ, SIG_IGN);
 }
 
 bool interrupted() noexcept { return arrived.load(std::memory_order_relaxed) != 0; }
 
-void throw_if_interrupted() {
+std::string interrupt_text() {
   const int number = arrived.load();
-  if (number == 0) return;
-  throw Error(Fault::interrupted, std::string("interrupted by ") + (number == SIGTERM ? "SIGTERM" : "Ctrl-C") +
-                                      "; unfinished output was removed");
+  const char* const name = number == SIGTERM ? "SIGTERM" : number == SIGHUP ? "SIGHUP (its terminal is gone)" : "Ctrl-C";
+  return std::string("interrupted by ") + name + "; unfinished output was removed";
+}
+
+void throw_if_interrupted() {
+  if (interrupted()) throw Error(Fault::interrupted, interrupt_text());
+}
+
+void become_helper() noexcept {
+  helper = true;
+  for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGXFSZ, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT}) ::signal(number, SIG_DFL);
 }
 
 void clear_interrupt() noexcept { arrived = 0; }

@@ -1,4 +1,4 @@
-// Ctrl-C and SIGTERM: the first one asks the program to stop at its next safe point, where destructors remove what was
+// Ctrl-C, SIGTERM and SIGHUP: the first one asks the program to stop at its next safe point, where destructors remove what was
 // half written; the second one removes the registered temporaries and leaves at once. This is the only process-wide
 // state of the program: a signal handler can reach nothing else.
 #pragma once
@@ -10,8 +10,9 @@
 
 namespace raycube::base {
 
-/// Installs the handlers of SIGINT and SIGTERM, gives std::terminate a message and exit status 70, and ignores SIGXFSZ so that
-/// a file-size limit is an error of write().
+/// Installs the handlers of SIGINT, SIGTERM and SIGHUP (not where the caller ignores SIGHUP, as nohup does), gives std::terminate
+/// a message and exit status 70, and passes over SIGXFSZ and SIGPIPE, so that a file-size limit and a reader that has gone are
+/// errors of write(): who reads the messages may leave and the work goes on.
 void install_signal_handlers();
 
 /// Unlinks the registered temporaries. Safe in a signal handler.
@@ -20,11 +21,18 @@ void remove_temporaries() noexcept;
 /// Removes the registered temporaries, prints `message` and ends the process, running nothing else. Safe in a signal handler.
 [[noreturn]] void leave_at_once(std::string_view message, Fault fault) noexcept;
 
-/// True once SIGINT or SIGTERM has arrived.
+/// True once SIGINT, SIGTERM or SIGHUP has arrived.
 bool interrupted() noexcept;
+
+/// What the error says once a signal has arrived.
+std::string interrupt_text();
 
 /// Throws Error(interrupted) once a signal has arrived. Call it between tiles, strips and nodes.
 void throw_if_interrupted();
+
+/// In a forked child that works for this process: signals end it as they end any program, the temporaries of the parent are no
+/// concern of its, and leave_at_once() says nothing, since the parent says what became of the child.
+void become_helper() noexcept;
 
 /// Forgets an interrupt (tests).
 void clear_interrupt() noexcept;

@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <mutex>
 #include <optional>
 
 #include <fcntl.h>
@@ -16,6 +17,7 @@
 #include "host/base/error.h"
 #include "host/base/interrupt.h"
 #include "host/base/memory.h"
+#include "host/base/publication.h"
 
 namespace raycube::base {
 namespace fs = std::filesystem;
@@ -34,6 +36,8 @@ Error exists(const std::string& path) {
   return Error(Fault::input, path + ": is there already; give --overwrite to replace it, or another -o");
 }
 
+constexpr std::string_view kMark = ".raycube-";
+
 bool present(const std::string& path) {
   struct stat status {};
   return ::lstat(path.c_str(), &status) == 0;
@@ -47,15 +51,38 @@ void make_folder(const fs::path& folder) {
   if (!fs::is_directory(folder, code)) throw failed(folder.string(), "is not a folder", ENOTDIR);
 }
 
-/// Temporaries of the same final name whose writer is gone: nobody holds their lock.
-void remove_stale(const fs::path& folder, const std::string& prefix) {
+/// Place of the six characters that mkostemp() put at the end of `.NAME.raycube-XXXXXX`; npos: no such name.
+std::size_t mark_of(const std::string& name) {
+  const std::size_t at = name.rfind(kMark);
+  const auto drawn = [&](std::size_t i) { return std::isalnum(static_cast<unsigned char>(name[i])) != 0; };
+  if (name.empty() || name[0] != '.' || at == std::string::npos || at < 2 || name.size() < at + kMark.size() + 6) return std::string::npos;
+  for (std::size_t i = at + kMark.size(); i < at + kMark.size() + 6; ++i)
+    if (!drawn(i)) return std::string::npos;
+  const std::size_t end = at + kMark.size() + 6;
+  return name.size() == end || name[end] == '.' ? at + kMark.size() : std::string::npos;
+}
+
+/// Temporaries, of whatever final name, whose writer is gone: nobody holds their lock. What was drawn beside a temporary (its name and
+/// an ending) lives as long as that one.
+void remove_stale(const fs::path& folder) {
+  std::vector<fs::path> beside;
   std::error_code code;
   for (const auto& entry : fs::directory_iterator(folder, code)) {
-    if (entry.path().filename().string().rfind(prefix, 0) != 0) continue;
-    const int fd = ::open(entry.path().c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+    const std::string name = entry.path().filename().string();
+    const std::size_t mark = mark_of(name);
+    if (mark == std::string::npos) continue;
+    if (name.size() > mark + 6) {
+      beside.push_back(entry.path());
+      continue;
+    }
+    const int fd = ::open(entry.path().c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
     if (fd < 0) continue;
     if (::flock(fd, LOCK_EX | LOCK_NB) == 0) ::unlink(entry.path().c_str());
     ::close(fd);
+  }
+  for (const fs::path& path : beside) {
+    const std::string name = path.filename().string();
+    if (!present((folder / name.substr(0, mark_of(name) + 6)).string())) ::unlink(path.c_str());
   }
 }
 
@@ -76,8 +103,20 @@ struct OutputFile::State {
   std::uint64_t appended = 0;
   std::atomic<std::uint64_t> end{0};
   std::uint64_t reserved = 0;
-  bool synced = false, published = false, was_new = true;
+  bool synced = false, published = false;
   std::optional<TemporaryPath> guard;
+  std::mutex hashing;
+  std::optional<BlockHashes> hashes;
+
+  void read_at(std::uint64_t offset, void* data, std::size_t bytes) const {
+    auto* next = static_cast<char*>(data);
+    while (bytes > 0) {
+      const ssize_t got = ::pread(fd, next, std::min<std::size_t>(bytes, 1u << 30), static_cast<off_t>(offset));
+      if (got < 0 && errno == EINTR) continue;
+      if (got <= 0) throw failed(final_path, "reading back failed", got < 0 ? errno : ENODATA);
+      next += got, offset += static_cast<std::uint64_t>(got), bytes -= static_cast<std::size_t>(got);
+    }
+  }
 
   ~State() {
     if (!published && !temporary_path.empty()) ::unlink(temporary_path.c_str());
@@ -94,14 +133,14 @@ OutputFile::OutputFile(const std::string& final_path, IfExists if_exists) : stat
   if (name.empty() || name == "." || name == "..") throw Error(Fault::input, final_path + ": is not a file name");
   s.folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
   make_folder(s.folder);
+  finish_publication(s.folder.string());
   if (present(final_path)) {
     std::error_code code;
     if (fs::is_directory(final_path, code)) throw Error(Fault::input, final_path + ": is a folder; name a file");
     if (if_exists == IfExists::refuse) throw exists(final_path);
-    s.was_new = false;
   }
-  const std::string prefix = "." + name + ".raycube-";
-  remove_stale(s.folder, prefix);
+  const std::string prefix = "." + name + std::string(kMark);
+  remove_stale(s.folder);
   struct stat status {};
   do {  // again when another run took the new file for a stale one before it was locked
     std::string pattern = (s.folder / (prefix + "XXXXXX")).string();
@@ -149,9 +188,24 @@ void OutputFile::append(const void* data, std::size_t bytes) {
   state_->appended += bytes;
 }
 
+void OutputFile::hash_blocks() {
+  if (size() > 0) throw Error(Fault::bug, final_path() + ": hashed from its middle");
+  state_->hashes.emplace(final_path(), [s = state_.get()](std::uint64_t offset, void* data, std::size_t bytes) { s->read_at(offset, data, bytes); });
+}
+
+FileHashes OutputFile::hashes() {
+  if (!state_->hashes) throw Error(Fault::bug, final_path() + ": nobody asked for its hashes");
+  return state_->hashes->finish(size());
+}
+
 void OutputFile::write_at(std::uint64_t offset, const void* data, std::size_t bytes) {
   State& s = *state_;
   if (s.published) throw Error(Fault::bug, s.final_path + ": written after it was published");
+  std::unique_lock<std::mutex> one_at_a_time;
+  if (s.hashes) {
+    one_at_a_time = std::unique_lock(s.hashing);
+    s.hashes->about_to_write(offset, data, bytes);
+  }
   auto* next = static_cast<const char*>(data);
   const std::uint64_t stop = offset + bytes;
   while (bytes > 0) {
@@ -165,15 +219,7 @@ void OutputFile::write_at(std::uint64_t offset, const void* data, std::size_t by
   }
 }
 
-void OutputFile::read_at(std::uint64_t offset, void* data, std::size_t bytes) const {
-  auto* next = static_cast<char*>(data);
-  while (bytes > 0) {
-    const ssize_t got = ::pread(state_->fd, next, std::min<std::size_t>(bytes, 1u << 30), static_cast<off_t>(offset));
-    if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) throw failed(state_->final_path, "reading back failed", got < 0 ? errno : ENODATA);
-    next += got, offset += static_cast<std::uint64_t>(got), bytes -= static_cast<std::size_t>(got);
-  }
-}
+void OutputFile::read_at(std::uint64_t offset, void* data, std::size_t bytes) const { state_->read_at(offset, data, bytes); }
 
 void OutputFile::sync() {
   State& s = *state_;
@@ -204,19 +250,26 @@ void OutputFile::publish() {
   sync_folder(s.folder);
 }
 
-void OutputFile::withdraw() {
-  if (state_->published && state_->was_new) ::unlink(state_->final_path.c_str());
+void OutputFile::hand_over() {
+  state_->published = true;
+  state_->guard.reset();
 }
 
 OutputSet::OutputSet(const std::string& folder, IfExists if_exists) : folder_(folder), if_exists_(if_exists) {
   make_folder(folder);
   lock_ = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (lock_ < 0) throw failed(folder, "the folder cannot be opened", errno);
-  if (::flock(lock_, LOCK_EX | LOCK_NB) == 0) return;
-  const int code = errno;
-  if (code != EWOULDBLOCK) return;  // file systems without locks: the names themselves still refuse each other
-  ::close(lock_);
-  throw Error(Fault::environment, folder + ": another run is writing into this folder; wait for it, or choose another -o");
+  // File systems without locks: the names themselves still refuse each other.
+  if (::flock(lock_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    ::close(lock_);
+    throw Error(Fault::environment, folder + ": another run is writing into this folder; wait for it, or choose another -o");
+  }
+  try {
+    finish_publication(folder, /*locked=*/true);
+  } catch (...) {
+    ::close(lock_);
+    throw;
+  }
 }
 
 OutputSet::~OutputSet() {
@@ -227,34 +280,36 @@ OutputSet::~OutputSet() {
 OutputFile& OutputSet::add(const std::string& name) {
   if (name != fs::path(name).filename()) throw Error(Fault::bug, "product name with a folder: " + name);
   files_.push_back(std::make_unique<OutputFile>((fs::path(folder_) / name).string(), if_exists_));
+  if (hashed_) files_.back()->hash_blocks();
   return *files_.back();
 }
 
-void OutputSet::remove_earlier() const {
-  if (if_exists_ != IfExists::replace) return;
-  for (const std::string& name : earlier_) {
-    if (name.empty() || name.find('\0') != std::string::npos || name != fs::path(name).filename()) continue;
-    const fs::path path = fs::path(folder_) / name;
-    std::error_code code;
-    if (!fs::is_regular_file(fs::symlink_status(path, code))) continue;
-    // By what the names mean to the file system: one that does not tell upper from lower case has two for our own.
-    const bool ours = std::any_of(files_.begin(), files_.end(), [&](const auto& file) { return fs::equivalent(file->final_path(), path, code); });
-    if (!ours) fs::remove(path, code);
-  }
+std::vector<std::pair<std::string, FileHashes>> OutputSet::hashes() {
+  std::vector<std::pair<std::string, FileHashes>> all;
+  for (auto& file : files_) all.emplace_back(fs::path(file->final_path()).filename().string(), file->hashes());
+  return all;
 }
 
 void OutputSet::publish() {
   throw_if_interrupted();
-  for (auto& file : files_) file->sync();
-  std::size_t named = 0;
+  if (files_.empty()) return;
+  Publication::List list;
+  list.replace = if_exists_ == IfExists::replace;
+  list.remove = earlier_;
+  for (auto& file : files_) {
+    file->sync();
+    list.files.emplace_back(fs::path(file->temporary_path()).filename().string(), fs::path(file->final_path()).filename().string());
+  }
+  // First, so that a second Ctrl-C removes no file of a set that is published.
+  for (auto& file : files_) file->hand_over();
+  std::optional<Publication> publication;
   try {
-    for (; named < files_.size(); ++named) {
-      if (named + 1 == files_.size()) remove_earlier();
-      files_[named]->publish();
-    }
+    publication.emplace(folder_, std::move(list));
   } catch (...) {
-    while (named > 0) files_[--named]->withdraw();
+    for (auto& file : files_) ::unlink(file->temporary_path().c_str());
     throw;
+  }
+  while (publication->step()) {
   }
   files_.clear();
 }

@@ -1,5 +1,5 @@
 // Files that appear under their final name only when they are whole. A run that ends early, by error or by signal, leaves
-// nothing there; one that is killed leaves at most a hidden temporary, which the next run of the same output removes.
+// nothing there; one that is killed leaves at most hidden temporaries, which the next run that writes into the folder removes.
 #pragma once
 
 #include <cstddef>
@@ -8,6 +8,8 @@
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "host/base/block_hashes.h"
 
 namespace raycube::base {
 
@@ -29,7 +31,11 @@ class OutputFile {
   /// Writes at the end of what append() wrote before.
   void append(const void* data, std::size_t bytes);
   void append(std::string_view text) { append(text.data(), text.size()); }
-  /// Writes at a byte offset. Thread-safe for disjoint ranges.
+  /// From here on keeps the hashes of all blocks written; to be called before the first byte.
+  void hash_blocks();
+  /// Of the whole file, as hash_blocks() wants; call it after the last byte.
+  FileHashes hashes();
+  /// Writes at a byte offset. Thread-safe for disjoint ranges; one after the other where blocks are hashed.
   void write_at(std::uint64_t offset, const void* data, std::size_t bytes);
   /// Reads back exactly `bytes` written before.
   void read_at(std::uint64_t offset, void* data, std::size_t bytes) const;
@@ -40,8 +46,8 @@ class OutputFile {
   void sync();
   /// Gives the file its final name. When two runs raced, the second one gets an error (refuse) or wins (replace).
   void publish();
-  /// After publish(): takes a file that was new under its name away again.
-  void withdraw();
+  /// The temporary, flushed, belongs to somebody else from now on, who names or removes it.
+  void hand_over();
 
   const std::string& final_path() const;
   const std::string& temporary_path() const;
@@ -51,8 +57,8 @@ class OutputFile {
   std::unique_ptr<State> state_;
 };
 
-/// The files of one product in one folder. None has its final name before all are whole; they then appear in the order they
-/// were added, so add headers and the run record last. While it lives, a second run into the folder is refused.
+/// The files of one product in one folder. None has its final name before all are whole; they then appear as one (publication.h), the last
+/// one added last, so add the run record last. While it lives, a second run into the folder is refused.
 class OutputSet {
  public:
   explicit OutputSet(const std::string& folder, IfExists if_exists = IfExists::refuse);
@@ -63,18 +69,22 @@ class OutputSet {
   /// Begins a file; name has no folder. The reference stays valid until publish().
   OutputFile& add(const std::string& name);
   const std::string& folder() const { return folder_; }
+  /// Files that are added from here on keep the hashes of their blocks.
+  void hash_blocks() { hashed_ = true; }
+  /// Name and hashes of each of these, in the order they were added.
+  std::vector<std::pair<std::string, FileHashes>> hashes();
   /// Names (no folders) of the product that this one replaces: publish() removes those that are not among its own before it names the last file, so that
   /// nothing of another run stays beside it. Not done with IfExists::refuse.
   void replaces(std::vector<std::string> names) { earlier_ = std::move(names); }
-  /// Syncs every file, then names them all. When one cannot be named, the ones named before are withdrawn.
+  /// Syncs every file, then names them all: whenever the program is killed, all of them or none. When one cannot be named because a
+  /// file has taken its name, none is.
   void publish();
 
  private:
-  void remove_earlier() const;
-
   std::string folder_;
   IfExists if_exists_;
   int lock_ = -1;
+  bool hashed_ = false;
   std::vector<std::unique_ptr<OutputFile>> files_;
   std::vector<std::string> earlier_;
 };

@@ -12,6 +12,7 @@
 #include <optional>
 
 #include "host/base/error.h"
+#include "host/base/publication.h"
 #include "host/cli/radiance_guard.h"
 #include "host/plan/radiance_limit.h"
 #include "host/products/digest.h"
@@ -101,6 +102,7 @@ std::size_t layer_index(const std::vector<render::LayerName>& layers, const std:
 void check_output_place(const std::string& folder, bool overwrite) {
   namespace fs = std::filesystem;
   std::error_code code;
+  base::finish_publication(folder);
   for (const char* name : {"radiance.img", "run.json"})
     if (!overwrite && fs::exists(fs::path(folder) / name, code))
       throw base::Error(base::Fault::input, (fs::path(folder) / name).string() +
@@ -124,6 +126,7 @@ struct CubeProducts::State {
         guard(*job_.instrument, plan::radiance_limit(job_.plan, simulation_.scene, job_.table)),
         layers(render::truth_layer_names(simulation_.scene, *job_.instrument)),
         shown(shown_bands()) {
+    set.hash_blocks();
     const auto& origin = simulation.scene.origin;
     const std::string where = fmt::format("scene origin: EPSG:{} easting {:.3f} m, northing {:.3f} m, height {:.3f} m", origin.epsg,
                                           origin.easting_m, origin.northing_m, origin.height_m);
@@ -256,10 +259,9 @@ void CubeProducts::add(const render::Strip& strip) {
   if (s.standard_error) s.standard_error->write({strip.first_line, strip.lines, strip.band_error, bands});
   if (s.quicklook) s.quicklook->add(cube);
   if (s.exr) {
-    s.exr->write(0, cube, {s.shown.begin(), s.shown.end()});
     std::vector<std::size_t> all(layers);
     for (std::size_t i = 0; i < layers; ++i) all[i] = i;
-    s.exr->write(1, truth, all);
+    s.exr->write({{cube, {s.shown.begin(), s.shown.end()}}, {truth, all}});
   }
 }
 
@@ -300,9 +302,7 @@ void CubeProducts::publish(products::RunRecord& record) {
   record.clipped_low = clipped.low;
   record.clipped_high = clipped.high;
   record.not_a_number = clipped.nan;
-  s.set.add("run.json").append(products::run_record_json(record));
-  s.set.replaces(products::files_of_run(s.set.folder()));
-  s.set.publish();
+  products::publish_run(s.set, record);
 }
 
 }  // namespace raycube::cli

@@ -13,7 +13,9 @@
 #include <nlohmann/json.hpp>
 
 #include "host/base/error.h"
+#include "host/base/input_file.h"
 #include "host/base/interrupt.h"
+#include "host/base/publication.h"
 #include "host/cli/dial_run.h"
 #include "host/cli/python_chart.h"
 #include "host/lidar/echoes.h"
@@ -35,6 +37,8 @@ struct Options {
 
 /// The simulation file a run's command names.
 std::string file_of_run(const std::string& folder) {
+  base::finish_publication(folder);
+  base::refuse_other_than_plain(folder + "/run.json");
   std::ifstream in(std::filesystem::path(folder) / "run.json");
   const auto record = nlohmann::json::parse(in, nullptr, false);
   if (record.is_object() && record.contains("command")) {

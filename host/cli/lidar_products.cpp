@@ -50,6 +50,7 @@ lidar::Vec3 sight(const lidar::LidarPlan& plan, const lidar::Shot& shot, int pix
 struct LidarProducts::State {
   State(const std::string& folder_, base::IfExists if_exists, const scene::Simulation& simulation_, const lidar::LidarPlan& plan_)
       : folder(folder_), simulation(simulation_), plan(plan_), lidar(plan_.lidar), volumes(lidar::flatten_volumes(simulation_.scene.volumes)), set(folder_, if_exists) {
+    set.hash_blocks();
     const auto& wanted = lidar.products;
     if (wanted.cube) cube_data = &set.add("waveforms.img"), cube_text = &set.add("waveforms.hdr");
     if (wanted.las) begin_las();
@@ -320,9 +321,7 @@ void LidarProducts::publish(products::RunRecord& record) {
   figures["pictures"] = s.picture_facts();
   record.more_json.emplace_back("lidar", figures.dump());
   if (s.lidar.products.png) s.draw(record);
-  s.set.add("run.json").append(products::run_record_json(record));
-  s.set.replaces(products::files_of_run(s.set.folder()));
-  s.set.publish();
+  products::publish_run(s.set, record);
 }
 
 }  // namespace raycube::cli

@@ -1,6 +1,8 @@
 // raycube: parses the command line, runs one verb, and turns every failure into one message and an exit status.
 #include <malloc.h>
+#include <unistd.h>
 
+#include <csignal>
 #include <exception>
 #include <iostream>
 #include <new>
@@ -10,6 +12,7 @@
 #include "host/base/error.h"
 #include "host/base/interrupt.h"
 #include "host/cl/kernel_cache.h"
+#include "host/base/standard_streams.h"
 #include "host/cli/parser.h"
 
 namespace {
@@ -30,6 +33,13 @@ int report(raycube::base::Log* log, int status, const std::string& message) {
   return status;
 }
 
+/// What the report was for has ended before it, as in `raycube info cube.img | head -1`: quietly, by SIGPIPE, as other programs do.
+[[noreturn]] void leave_like_others() {
+  ::signal(SIGPIPE, SIG_DFL);
+  ::raise(SIGPIPE);
+  ::_exit(128 + SIGPIPE);  // where it is blocked
+}
+
 int run(int argc, char** argv, std::unique_ptr<raycube::base::Log>& log) {
   using namespace raycube;
   const auto verbs = cli::all_verbs();
@@ -48,13 +58,16 @@ int run(int argc, char** argv, std::unique_ptr<raycube::base::Log>& log) {
     cli::Context context{values, *log, std::cout, command_line};
     status = parsed.verb->run(context);
   }
-  if (!std::cout.flush()) throw Error(Fault::environment, "stdout could not be written; is its disk full or its reader gone?");
+  const bool printed = static_cast<bool>(std::cout.flush());
+  if (!printed && base::stdout_reader_is_gone()) leave_like_others();
+  if (!printed) throw Error(Fault::environment, "stdout could not be written; is its disk full or its reader gone?");
   return status;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
+  raycube::base::claim_standard_descriptors();
   raycube::base::install_crash_report();
   std::unique_ptr<raycube::base::Log> log;
   // A fixed threshold: what is large goes back to the system when it is freed, so that peak memory does not depend on when.
@@ -62,6 +75,9 @@ int main(int argc, char** argv) {
   try {
     return run(argc, argv, log);
   } catch (const Error& error) {
+    // Ctrl-C reaches the whole process group: the driver's compiler dies of it, and what is seen here is a failed build.
+    const bool consequence = error.fault() == Fault::device && raycube::base::interrupted();
+    if (consequence) return report(log.get(), static_cast<int>(Fault::interrupted), raycube::base::interrupt_text());
     return report(log.get(), error.exit_status(), error.what());
   } catch (const std::bad_alloc&) {
     return report(log.get(), static_cast<int>(Fault::environment),

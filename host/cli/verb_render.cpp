@@ -138,7 +138,13 @@ std::vector<std::string> names_of(const std::vector<const scene::Instrument*>& i
   return names;
 }
 
-int run(const Options& options, Context& context) {
+/// What a run has done so far, for the message of an error that ends it.
+struct Done {
+  std::vector<std::string> names;  ///< of all its instruments, in order
+  nlohmann::json whole = nlohmann::json::array();
+};
+
+int run(const Options& options, Context& context, Done& done) {
   const auto start = std::chrono::steady_clock::now();
   const scene::Simulation simulation = load_job(options.file, context);
   const double load_s = seconds_since(start);
@@ -146,9 +152,9 @@ int run(const Options& options, Context& context) {
   const auto lidars = pick_lidars(simulation, options.instrument);
   const std::filesystem::path out = context.common.output.empty() ? "out" : context.common.output;
   const auto settings = render_options(context.common);
-  nlohmann::json result = {{"instruments", nlohmann::json::array()}};
+  done.names = names_of(instruments, lidars);
   if (!context.common.dry_run)
-    for (const auto& name : names_of(instruments, lidars)) check_output_place((out / name).string(), context.common.overwrite);
+    for (const auto& name : done.names) check_output_place((out / name).string(), context.common.overwrite);
   check_inputs(simulation, instruments, lidars);
   std::optional<planner::PlanFile> replay;
   if (!options.plan.empty()) {
@@ -169,26 +175,40 @@ int run(const Options& options, Context& context) {
     if (context.common.dry_run) {
       auto item = dry_run_json(simulation.scene, job, settings, renderer ? renderer->tuning().tile_samples : render::kTileSamples);
       if (renderer) item["estimated_s"] = estimate_render_s(*renderer, simulation, job);
-      result["instruments"].push_back(std::move(item));
+      done.whole.push_back(std::move(item));
       continue;
     }
-    result["instruments"].push_back(
+    done.whole.push_back(
         render_one(simulation, job, *renderer, cl::find_device(settings.device).info(), out / instrument->name, load_s, context));
   }
   for (const auto* lidar : lidars)
-    result["instruments"].push_back(context.common.dry_run ? dry_run_lidar(simulation, *lidar, context, planning)
+    done.whole.push_back(context.common.dry_run ? dry_run_lidar(simulation, *lidar, context, planning)
                                                            : render_lidar(simulation, *lidar, (out / lidar->name).string(), load_s, context, planning));
   if (context.common.json) {
-    context.out << result.dump(2) << "\n";
+    context.out << nlohmann::json{{"instruments", done.whole}}.dump(2) << "\n";
     return 0;
   }
-  for (const auto& item : result["instruments"]) {
+  for (const auto& item : done.whole) {
     if (context.common.dry_run)
       context.out << (item.contains("kind") ? dry_run_lidar_text(item) : dry_run_text(item));
     else
       context.out << item[item.contains("cube") ? "cube" : "main"].get<std::string>() << "\n";
   }
   return 0;
+}
+
+/// An error that comes after some instruments are whole says that they stay, and how to go on.
+int run_and_keep(const Options& options, Context& context) {
+  Done done;
+  try {
+    return run(options, context, done);
+  } catch (const base::Error& error) {
+    if (context.common.dry_run || done.whole.empty() || done.whole.size() == done.names.size()) throw;
+    std::string kept, rest;
+    for (const auto& item : done.whole) kept += (kept.empty() ? "" : ", ") + item["folder"].get<std::string>();
+    for (std::size_t i = done.whole.size(); i < done.names.size(); ++i) rest += (rest.empty() ? "--instrument " : ", then --instrument ") + done.names[i];
+    throw base::Error(error.fault(), std::string(error.what()) + "; whole and kept: " + kept + "; go on with " + rest);
+  }
 }
 
 }  // namespace
@@ -201,7 +221,7 @@ Verb verb_render() {
   verb.description =
       "Each instrument gets a folder of its own under the output folder: radiance.img (ENVI), truth.img, location.img when the "
       "scene is georeferenced (with map info in every header when the pixels lie on a map grid), preview.exr, quicklook.png and run.json. Files appear under these names only when all of them are "
-      "whole.\n\nSamples, sky directions and sub-rays that the file does not give are chosen by the tolerance (see `raycube plan`); "
+      "whole, and as one: `raycube info --verify` holds them against the hashes in run.json. Instruments that are whole stay when a later one fails.\n\nSamples, sky directions and sub-rays that the file does not give are chosen by the tolerance (see `raycube plan`); "
       "run.json holds every line of the plan.\n\nThe result on stdout is the path of each cube, one a line.";
   verb.examples = {"raycube render park.toml -o out", "raycube render park.toml --instrument spectir --memory 1G --overwrite"};
   verb.common = kOutput | kDryRun | kCompute;
@@ -211,7 +231,7 @@ Verb verb_render() {
     table.text("--instrument", "NAME", "Only this instrument", options->instrument);
     table.text("--plan", "FILE", "Replay a plan that `raycube plan -o FILE` wrote, instead of planning", options->plan);
   };
-  verb.run = [options](Context& context) { return run(*options, context); };
+  verb.run = [options](Context& context) { return run_and_keep(*options, context); };
   return verb;
 }
 

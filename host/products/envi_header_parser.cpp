@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/base/input_file.h"
 #include "host/base/memory.h"
 #include "host/products/envi_header.h"
 
@@ -278,6 +279,7 @@ class Parser {
 EnviHeader parse_envi_header(const std::string& text, const std::string& file) { return Parser(text, file).parse(); }
 
 EnviHeader read_envi_header(const std::string& path) {
+  base::refuse_other_than_plain(path);
   std::ifstream in(path, std::ios::binary | std::ios::ate);
   if (!in) throw Error(Fault::input, path + ": cannot be opened; check the name and the permissions");
   const auto bytes = static_cast<std::uintmax_t>(std::max<std::streamoff>(in.tellg(), 0));

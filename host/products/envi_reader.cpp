@@ -13,6 +13,8 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/base/input_file.h"
+#include "host/base/publication.h"
 #include "host/base/memory.h"
 
 namespace raycube::products {
@@ -98,11 +100,13 @@ struct EnviReader::State {
 
 EnviReader::EnviReader(const std::string& path) : state_(std::make_unique<State>()) {
   State& s = *state_;
+  base::finish_publication_around(path);
   s.paths = find_envi_pair(path);
   s.header = read_envi_header(s.paths.header);
   if (s.paths.data.empty())
     throw Error(Fault::input, s.paths.header + ": its data file is missing (looked for the same name without .hdr, with .img, .dat, "
                               ".sli, .bsq, .bil, .bip)");
+  base::refuse_other_than_plain(s.paths.data);
   s.fd = ::open(s.paths.data.c_str(), O_RDONLY | O_CLOEXEC);
   struct stat status {};
   if (s.fd < 0 || ::fstat(s.fd, &status) != 0)

@@ -1,5 +1,6 @@
 #include "host/products/exr_writer.h"
 
+#include <algorithm>
 #include <exception>
 
 #include <ImfChannelList.h>
@@ -20,6 +21,8 @@ namespace {
 
 using base::Error;
 using base::Fault;
+
+constexpr std::int64_t kChunkLines = 16;  ///< of ZIP_COMPRESSION
 
 /// OpenEXR's bytes into our output file, so that its errors and its temporary name are ours.
 class Stream : public Imf::OStream {
@@ -54,12 +57,12 @@ struct ExrWriter::State {
   std::int64_t width, height;
   std::vector<ExrPart> parts;
   std::unique_ptr<Imf::MultiPartOutputFile> file;
-  std::vector<std::int64_t> next_line;
+  std::int64_t next_line = 0;
 };
 
 ExrWriter::ExrWriter(base::OutputFile& file, std::int64_t width, std::int64_t height, const std::vector<ExrPart>& parts,
                      const std::map<std::string, std::string>& attributes)
-    : state_(new State{Stream(file), width, height, parts, nullptr, std::vector<std::int64_t>(parts.size(), 0)}) {
+    : state_(new State{Stream(file), width, height, parts, nullptr}) {
   std::vector<Imf::Header> headers;
   for (const auto& part : parts) {
     Imf::Header header(static_cast<int>(width), static_cast<int>(height));
@@ -80,35 +83,46 @@ ExrWriter::ExrWriter(base::OutputFile& file, std::int64_t width, std::int64_t he
 
 ExrWriter::~ExrWriter() = default;
 
-void ExrWriter::write(std::size_t part, const Strip& strip, const std::vector<std::size_t>& values_of) {
+void ExrWriter::write(const std::vector<ExrLines>& parts) {
   State& s = *state_;
-  const auto& channels = s.parts.at(part).channels;
-  if (strip.first_line != s.next_line[part] || values_of.size() != channels.size() || strip.pixel_stride == 0)
-    throw Error(Fault::bug, fmt::format("EXR part {}: line {} came, {} is next", s.parts[part].name, strip.first_line, s.next_line[part]));
-  const std::size_t x_step = strip.pixel_stride * sizeof(float), y_step = x_step * static_cast<std::size_t>(s.width);
-  Imf::FrameBuffer buffer;
-  for (std::size_t c = 0; c < channels.size(); ++c) {
-    // A slice's base is where pixel (0, 0) of the whole image would lie; only lines of the strip are touched.
-    const auto first = reinterpret_cast<std::uintptr_t>(strip.values + values_of[c]);
-    const auto base = first - static_cast<std::size_t>(strip.first_line) * y_step;
-    buffer.insert(channels[c], Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(base), x_step, y_step));
+  const std::int64_t first = parts.empty() ? 0 : parts[0].strip.first_line, lines = parts.empty() ? 0 : parts[0].strip.lines;
+  bool sound = parts.size() == s.parts.size();
+  for (std::size_t p = 0; sound && p < parts.size(); ++p) {
+    const Strip& strip = parts[p].strip;
+    sound = strip.first_line == first && strip.lines == lines && parts[p].values_of.size() == s.parts[p].channels.size() && strip.pixel_stride != 0;
   }
+  if (!sound || first != s.next_line) throw Error(Fault::bug, fmt::format("EXR: lines from {} came of {} parts, line {} is next", first, parts.size(), s.next_line));
   try {
-    Imf::OutputPart output(*s.file, static_cast<int>(part));
-    output.setFrameBuffer(buffer);
-    output.writePixels(static_cast<int>(strip.lines));
+    std::vector<Imf::OutputPart> outputs;
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+      const auto& [strip, values_of] = parts[p];
+      const std::size_t x_step = strip.pixel_stride * sizeof(float), y_step = x_step * static_cast<std::size_t>(s.width);
+      Imf::FrameBuffer buffer;
+      for (std::size_t c = 0; c < values_of.size(); ++c) {
+        // A slice's base is where pixel (0, 0) of the whole image would lie; only lines of the strip are touched.
+        const auto at = reinterpret_cast<std::uintptr_t>(strip.values + values_of[c]);
+        const auto base = at - static_cast<std::size_t>(first) * y_step;
+        buffer.insert(s.parts[p].channels[c], Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(base), x_step, y_step));
+      }
+      outputs.emplace_back(*s.file, static_cast<int>(p)).setFrameBuffer(buffer);
+    }
+    // A chunk goes to the file when its last line comes. Up to the end of one at a time, part after part, so that the chunks' order in the file is
+    // that of the image and not that of the strips, which memory cuts.
+    for (std::int64_t line = first; line < first + lines;) {
+      const std::int64_t next = std::min(first + lines, (line / kChunkLines + 1) * kChunkLines);
+      for (auto& output : outputs) output.writePixels(static_cast<int>(next - line));
+      line = next;
+    }
   } catch (const std::exception& failure) {
     s.stream.rethrow_failure();
     throw Error(Fault::bug, std::string("OpenEXR: ") + failure.what());
   }
-  s.next_line[part] += strip.lines;
+  s.next_line += lines;
 }
 
 void ExrWriter::finish() {
   State& s = *state_;
-  for (std::size_t p = 0; p < s.parts.size(); ++p)
-    if (s.next_line[p] != s.height)
-      throw Error(Fault::bug, fmt::format("EXR part {}: {} of {} lines were written", s.parts[p].name, s.next_line[p], s.height));
+  if (s.next_line != s.height) throw Error(Fault::bug, fmt::format("EXR: {} of {} lines were written", s.next_line, s.height));
   s.file.reset();
   s.stream.rethrow_failure();
 }

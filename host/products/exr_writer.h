@@ -17,6 +17,13 @@ struct ExrPart {
   std::vector<std::string> channels;  ///< unique in the part
 };
 
+/// Lines of one part: the strip must state its pixel stride; `values_of[c]` is the index in a pixel of channel c's value, in the order of
+/// ExrPart::channels.
+struct ExrLines {
+  Strip strip;
+  std::vector<std::size_t> values_of;
+};
+
 class ExrWriter {
  public:
   /// Begins a file of width x height pixels; attributes are stored as strings in every part.
@@ -24,8 +31,8 @@ class ExrWriter {
             const std::map<std::string, std::string>& attributes);
   ~ExrWriter();
 
-  /// Next lines of a part (the strip must state its pixel stride); `values_of[c]` is the index in a pixel of channel c's value, in the order of ExrPart::channels.
-  void write(std::size_t part, const Strip& strip, const std::vector<std::size_t>& values_of);
+  /// Next lines, the same of every part. The file's bytes do not depend on how the image is cut into strips.
+  void write(const std::vector<ExrLines>& parts);
   /// After the last line of every part. Throws Error(bug) when lines are missing.
   void finish();
 

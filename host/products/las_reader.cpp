@@ -8,6 +8,8 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/base/input_file.h"
+#include "host/base/publication.h"
 #include "host/products/las_layout.h"
 
 namespace raycube::products {
@@ -39,7 +41,9 @@ struct File {
   std::ifstream in;
   std::uint64_t bytes = 0;
 
-  explicit File(const std::string& name) : path(name), in(name, std::ios::binary) {
+  explicit File(const std::string& name) : path(name) {
+    base::refuse_other_than_plain(name);
+    in.open(name, std::ios::binary);
     std::error_code code;
     bytes = fs::file_size(name, code);
     if (!in || code) throw bad(path, "cannot be read" + (code ? " (" + code.message() + ")" : std::string()) + "; is the name right?");
@@ -134,6 +138,7 @@ const char* las_type_name(int type) {
 }
 
 LasInfo read_las_info(const std::string& path) {
+  base::finish_publication_around(path);
   File file(path);
   LasInfo info;
   info.path = path;

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/base/error.h"
+#include "host/base/input_file.h"
 #include "host/base/version.h"
 
 namespace raycube::products {
@@ -20,6 +21,12 @@ Json member(const char* name, const std::string& text) {
   } catch (const Json::parse_error& failure) {
     throw base::Error(base::Fault::bug, std::string("run record: ") + name + " is not JSON: " + failure.what());
   }
+}
+
+Json hashes_json(const std::vector<std::pair<std::string, base::FileHashes>>& hashes) {
+  Json files = Json::object();
+  for (const auto& [name, file] : hashes) files[name] = {{"bytes", file.bytes}, {"list", file.list}, {"blocks", file.blocks}};
+  return {{"block_bytes", base::kHashBlock_bytes}, {"files", files}};
 }
 
 }  // namespace
@@ -50,15 +57,25 @@ std::string run_record_json(const RunRecord& r) {
   out["warnings"] = r.warnings;
   out["files"] = Json::object();
   for (const auto& [name, text] : r.files) out["files"][name] = text;
+  out["sha256"] = hashes_json(r.hashes);
   out["configuration"] = member("configuration", r.configuration_json);
   out["plan"] = member("plan", r.plan_json);
   for (const auto& [name, text] : r.more_json) out[name] = member(name.c_str(), text);
   return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
+void publish_run(base::OutputSet& set, RunRecord& record) {
+  record.hashes = set.hashes();
+  set.add("run.json").append(run_record_json(record));
+  set.replaces(files_of_run(set.folder()));
+  set.publish();
+}
+
 std::vector<std::string> files_of_run(const std::string& folder) {
   std::vector<std::string> names;
-  std::ifstream file(std::filesystem::path(folder) / "run.json");
+  const std::string path = (std::filesystem::path(folder) / "run.json").string();
+  if (!base::why_no_plain_file(path).empty()) return names;
+  std::ifstream file(path);
   const Json record = Json::parse(file, nullptr, false);
   if (!record.is_object() || record.value("format", Json()) != "raycube run" || !record.contains("files") || !record["files"].is_object()) return names;
   for (const auto& [name, text] : record["files"].items()) {
