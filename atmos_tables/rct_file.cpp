@@ -13,6 +13,7 @@
 
 #include "atmos_tables/table_rows.h"
 #include "host/base/error.h"
+#include "host/base/input_file.h"
 #include "host/base/sha256.h"
 
 namespace raycube::atmos {
@@ -206,6 +207,7 @@ std::string write_rct(const RenderTable& table, const std::string& path, base::I
 }
 
 RenderTable read_rct(const std::string& path) {
+  base::refuse_other_than_plain(path);
   std::ifstream file(path, std::ios::binary | std::ios::ate);
   if (!file) throw base::Error(base::Fault::environment, path + ": cannot be opened; check the path and its permissions");
   const auto end = file.tellg();

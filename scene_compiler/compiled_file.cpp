@@ -8,6 +8,7 @@
 #include <type_traits>
 
 #include "host/base/error.h"
+#include "host/base/input_file.h"
 #include "host/base/output_file.h"
 #include "host/base/sha256.h"
 
@@ -184,6 +185,7 @@ void write_payload(const CompiledScene& scene, Add add) {
 }
 
 std::string read_file(const std::string& file) {
+  base::refuse_other_than_plain(file);
   std::error_code error;
   const auto bytes = std::filesystem::file_size(file, error);
   std::ifstream stream(file, std::ios::binary);

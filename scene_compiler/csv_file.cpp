@@ -8,6 +8,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "host/base/input_file.h"
+
 namespace raycube::scene {
 namespace {
 
@@ -60,13 +62,13 @@ std::optional<double> parse_number(std::string text) {
 
 bool check_readable(const std::string& file, const base::Where& asked_by, base::Problems& problems) {
   std::error_code ignored;
-  const std::ifstream stream(file, std::ios::binary);
-  if (!stream || std::filesystem::is_directory(file, ignored)) {
-    problems.add(asked_by, "cannot read file", file,
+  const std::string why = base::why_no_plain_file(file);
+  if (!why.empty()) {
+    problems.add(asked_by, "cannot read file", std::filesystem::exists(file, ignored) ? file + ", which " + why : file,
                  "check the path; it is relative to the file that names it");
     return false;
   }
-  if (std::filesystem::is_regular_file(file, ignored) && std::filesystem::file_size(file, ignored) == 0) {
+  if (std::filesystem::file_size(file, ignored) == 0) {
     problems.add({file, 0, 0, ""}, "file is empty", "0 bytes",
                  "restore it; " + asked_by.text() + " names it");
     return false;

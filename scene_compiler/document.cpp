@@ -6,8 +6,11 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <sstream>
+#include <string_view>
 
+#include "host/base/input_file.h"
 #include "scene_compiler/document_values.h"
 
 namespace raycube::scene {
@@ -21,6 +24,48 @@ struct File {
   std::string name;  ///< as reported
   fs::path folder;
 };
+
+constexpr int kKeyParts = 32;
+
+struct Place {
+  int line = 1, column = 1;
+};
+
+/// Where the first key begins to have more than kKeyParts parts. toml++ makes a table of each and goes through them by recursion, so that
+/// tens of thousands end the program. Dots in strings and comments do not count; numbers and times have one.
+std::optional<Place> too_deep_key(const std::string& text) {
+  Place at;
+  int dots = 0;
+  std::size_t i = 0;
+  const auto next = [&] {
+    if (text[i] == '\n') ++at.line, at.column = 0;
+    ++at.column, ++i;
+  };
+  const auto skip_string = [&] {
+    const char quote = text[i];
+    const bool many_lines = text.compare(i, 3, std::string(3, quote)) == 0;
+    const std::string end(many_lines ? 3 : 1, quote);
+    for (std::size_t k = 0; k < end.size(); ++k) next();
+    while (i < text.size() && text.compare(i, end.size(), end) != 0 && (many_lines || text[i] != '\n')) {
+      if (quote == '"' && text[i] == '\\' && i + 1 < text.size()) next();
+      next();
+    }
+    for (std::size_t k = 0; k < end.size() && i < text.size() && text[i] == quote; ++k) next();
+  };
+  while (i < text.size()) {
+    const char c = text[i];
+    if (c == '"' || c == '\'') {
+      skip_string();
+      continue;
+    }
+    if (c == '#')
+      while (i + 1 < text.size() && text[i + 1] != '\n') next();
+    if (std::string_view("\n=,[]{}#").find(c) != std::string_view::npos) dots = 0;
+    if (c == '.' && ++dots >= kKeyParts) return at;
+    next();
+  }
+  return std::nullopt;
+}
 
 Where where_of(const File& file, const toml::source_region& region) {
   return {file.name, static_cast<int>(region.begin.line), static_cast<int>(region.begin.column), ""};
@@ -65,18 +110,23 @@ class Reader {
         problems_.add(asked_by, "file is included twice", name, "include it once");
         return;
       }
-    std::ifstream stream(path, std::ios::binary);
-    if (!stream || fs::is_directory(path, ignored)) {
+    if (const std::string why = base::why_no_plain_file(path.string()); !why.empty()) {
       problems_.add(asked_by.file.empty() ? Where{name, 0, 0, ""} : asked_by, "cannot read simulation file",
-                    name, "check the path; it is relative to the file that names it");
+                    fs::exists(path, ignored) ? name + ", which " + why : name, "check the path; it is relative to the file that names it");
       return;
     }
+    std::ifstream stream(path, std::ios::binary);
     std::ostringstream text;
     text << stream.rdbuf();
     const File file{name, path.parent_path()};
     if (text.str().find_first_not_of(" \t\r\n") == std::string::npos) {
       problems_.add({name, 1, 1, ""}, "file is empty", std::to_string(text.str().size()) + " bytes",
                     "a simulation file begins with format = 1");
+      return;
+    }
+    if (const auto deep = too_deep_key(text.str())) {
+      problems_.add({name, deep->line, deep->column, ""}, "key has too many parts", "more than " + std::to_string(kKeyParts) + " between dots",
+                    "no key of a simulation file has more than four");
       return;
     }
     toml::table table;

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "host/base/limited_child.h"
 #include "scene_compiler/csv_file.h"
 #include "scene_compiler/document_values.h"
 #include "scene_compiler/polygon.h"
@@ -21,9 +22,66 @@ using base::Problems;
 using base::Where;
 
 constexpr std::size_t kMaxReports = 20;
+// What reading may take. Assimp needs about 1 us and 10 to 60 bytes for each byte of OBJ or PLY text; formats that compress more.
+constexpr double kBase_s = 60, kPerByte_s = 20e-6;
+constexpr std::uint64_t kBase_bytes = 2ull << 30, kPerByte_bytes = 200;
 
-std::string vertex_text(const aiVector3D& v) {
-  return "(" + number_text(v.x) + ", " + number_text(v.y) + ", " + number_text(v.z) + ")";
+/// Faces of one material and one group as Assimp has them, its node's transform applied.
+struct Part {
+  std::string material, group;
+  std::vector<std::array<float, 3>> vertices;
+  std::vector<std::uint32_t> face_corners, corners;
+};
+
+std::string vertex_text(const std::array<float, 3>& v) {
+  return "(" + number_text(v[0]) + ", " + number_text(v[1]) + ", " + number_text(v[2]) + ")";
+}
+
+void send_mesh(const aiScene& scene, const aiMesh& mesh, const aiMatrix4x4& file_from_node, base::Parcel& parcel) {
+  aiString material;
+  if (mesh.mMaterialIndex < scene.mNumMaterials)
+    scene.mMaterials[mesh.mMaterialIndex]->Get(AI_MATKEY_NAME, material);
+  std::vector<std::array<float, 3>> vertices(mesh.mNumVertices);
+  for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
+    const aiVector3D v = file_from_node * mesh.mVertices[i];
+    vertices[i] = {v.x, v.y, v.z};
+  }
+  std::vector<std::uint32_t> face_corners(mesh.mNumFaces), corners;
+  for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
+    face_corners[i] = mesh.mFaces[i].mNumIndices;
+    corners.insert(corners.end(), mesh.mFaces[i].mIndices, mesh.mFaces[i].mIndices + mesh.mFaces[i].mNumIndices);
+  }
+  parcel.value(true);
+  parcel.text(material.C_Str());
+  parcel.text(mesh.mName.C_Str());
+  parcel.list(vertices.data(), vertices.size());
+  parcel.list(face_corners.data(), face_corners.size());
+  parcel.list(corners.data(), corners.size());
+}
+
+void send_node(const aiScene& scene, const aiNode& node, const aiMatrix4x4& parent, base::Parcel& parcel) {
+  const aiMatrix4x4 file_from_node = parent * node.mTransformation;
+  for (unsigned i = 0; i < node.mNumMeshes; ++i)
+    send_mesh(scene, *scene.mMeshes[node.mMeshes[i]], file_from_node, parcel);
+  for (unsigned i = 0; i < node.mNumChildren; ++i) send_node(scene, *node.mChildren[i], file_from_node, parcel);
+}
+
+/// In the child: Assimp's word on the file (empty: it was read), then its meshes, each after a true, then a false.
+void read_by_assimp(const std::string& file, base::Parcel& parcel) {
+  Assimp::Importer importer;
+  // Polygons stay whole here so that face numbers are the file's; normals, colours and texture coordinates
+  // are not used.
+  importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS,
+                              aiComponent_NORMALS | aiComponent_TANGENTS_AND_BITANGENTS | aiComponent_COLORS |
+                                  aiComponent_TEXCOORDS | aiComponent_BONEWEIGHTS | aiComponent_ANIMATIONS |
+                                  aiComponent_TEXTURES | aiComponent_LIGHTS | aiComponent_CAMERAS);
+  const aiScene* scene = importer.ReadFile(file, aiProcess_RemoveComponent);
+  const bool read = scene != nullptr && scene->mRootNode != nullptr;
+  const std::string said = importer.GetErrorString();
+  parcel.text(read ? "" : said.empty() ? "no message" : said);
+  if (!read) return;
+  send_node(*scene, *scene->mRootNode, aiMatrix4x4(), parcel);
+  parcel.value(false);
 }
 
 /// Squared doubled area over squared longest edge to the fourth: 0 for a degenerate triangle, at most 3/4.
@@ -42,11 +100,26 @@ class Importer {
   Importer(std::string file, double unit_m, bool y_up, bool strict, Problems& problems)
       : file_(std::move(file)), unit_m_(unit_m), y_up_(y_up), strict_(strict), problems_(problems) {}
 
-  void add_node(const aiScene& scene, const aiNode& node, const aiMatrix4x4& parent) {
-    const aiMatrix4x4 file_from_node = parent * node.mTransformation;
-    for (unsigned i = 0; i < node.mNumMeshes; ++i)
-      add_mesh(scene, *scene.mMeshes[node.mMeshes[i]], file_from_node);
-    for (unsigned i = 0; i < node.mNumChildren; ++i) add_node(scene, *node.mChildren[i], file_from_node);
+  void add_mesh(const Part& mesh) {
+    const auto part = static_cast<std::uint32_t>(out.parts.size());
+    out.parts.push_back({mesh.material, mesh.group});
+    const auto first = static_cast<std::uint32_t>(out.mesh.vertices.size());
+    for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+      const auto& v = mesh.vertices[i];
+      if (!std::isfinite(v[0]) || !std::isfinite(v[1]) || !std::isfinite(v[2]))
+        report("vertex " + std::to_string(first + i), "vertex is not finite", vertex_text(v),
+               "correct the file");
+      const double x = v[0] * unit_m_, y = v[1] * unit_m_, z = v[2] * unit_m_;
+      if (y_up_)
+        out.mesh.vertices.push_back({float(x), float(-z), float(y)});
+      else
+        out.mesh.vertices.push_back({float(x), float(y), float(z)});
+    }
+    const std::uint32_t* corner = mesh.corners.data();
+    for (const std::uint32_t corners : mesh.face_corners) {
+      add_face(corner, corners, static_cast<std::uint32_t>(mesh.vertices.size()), first, part);
+      corner += corners;
+    }
   }
 
   MeshFile out;
@@ -57,48 +130,27 @@ class Importer {
     if (++reports_ <= kMaxReports) problems_.add({file_, 0, 0, element}, what, found, way_out);
   }
 
-  void add_mesh(const aiScene& scene, const aiMesh& mesh, const aiMatrix4x4& file_from_node) {
-    aiString material;
-    if (mesh.mMaterialIndex < scene.mNumMaterials)
-      scene.mMaterials[mesh.mMaterialIndex]->Get(AI_MATKEY_NAME, material);
-    const auto part = static_cast<std::uint32_t>(out.parts.size());
-    out.parts.push_back({material.C_Str(), mesh.mName.C_Str()});
-    const auto first = static_cast<std::uint32_t>(out.mesh.vertices.size());
-    for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
-      const aiVector3D v = file_from_node * mesh.mVertices[i];
-      if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.z))
-        report("vertex " + std::to_string(first + i), "vertex is not finite", vertex_text(v),
-               "correct the file");
-      const double x = v.x * unit_m_, y = v.y * unit_m_, z = v.z * unit_m_;
-      if (y_up_)
-        out.mesh.vertices.push_back({float(x), float(-z), float(y)});
-      else
-        out.mesh.vertices.push_back({float(x), float(y), float(z)});
-    }
-    for (unsigned i = 0; i < mesh.mNumFaces; ++i) add_face(mesh.mFaces[i], mesh.mNumVertices, first, part);
-  }
-
-  void add_face(const aiFace& face, unsigned vertex_count, std::uint32_t first, std::uint32_t part) {
+  void add_face(const std::uint32_t* corner, std::uint32_t corner_count, std::uint32_t vertex_count, std::uint32_t first, std::uint32_t part) {
     const auto number = static_cast<std::uint32_t>(out.faces++);
     const std::string element = "face " + std::to_string(number);
-    for (unsigned k = 0; k < face.mNumIndices; ++k)
-      if (face.mIndices[k] >= vertex_count) {
+    for (std::uint32_t k = 0; k < corner_count; ++k)
+      if (corner[k] >= vertex_count) {
         report(element, "face index out of range",
-               std::to_string(face.mIndices[k]) + " of " + std::to_string(vertex_count) + " vertices",
+               std::to_string(corner[k]) + " of " + std::to_string(vertex_count) + " vertices",
                "correct the file");
         return;
       }
-    if (face.mNumIndices < 3) return;  // points and lines have no surface
+    if (corner_count < 3) return;  // points and lines have no surface
     corners_.clear();
-    for (unsigned k = 0; k < face.mNumIndices; ++k) {
-      const auto& v = out.mesh.vertices[first + face.mIndices[k]];
+    for (std::uint32_t k = 0; k < corner_count; ++k) {
+      const auto& v = out.mesh.vertices[first + corner[k]];
       corners_.push_back({v[0], v[1], v[2]});
     }
     bool kept = false;
     for (const auto& triangle : triangulate_polygon(corners_)) {
-      const std::array<std::uint32_t, 3> index{first + face.mIndices[triangle[0]],
-                                               first + face.mIndices[triangle[1]],
-                                               first + face.mIndices[triangle[2]]};
+      const std::array<std::uint32_t, 3> index{first + corner[triangle[0]],
+                                               first + corner[triangle[1]],
+                                               first + corner[triangle[2]]};
       const auto& v = out.mesh.vertices;
       if (zero_area(v[index[0]], v[index[1]], v[index[2]])) continue;
       out.mesh.triangles.push_back(index);
@@ -108,7 +160,7 @@ class Importer {
     }
     if (kept) return;
     if (strict_)
-      report(element, "face has no area", std::to_string(face.mNumIndices) + " corners",
+      report(element, "face has no area", std::to_string(corner_count) + " corners",
              "remove it, or set scene.strict = false to drop such faces");
     if (out.dropped_faces++ == 0) out.first_dropped = element;
   }
@@ -130,23 +182,29 @@ std::optional<MeshFile> read_mesh_file(const std::string& file, double unit_m, b
   if (!text) return std::nullopt;
   if (lower_case(std::filesystem::path(file).extension().string()) == ".obj")
     check_obj_text(*text, file, problems);
+  if (text->starts_with("ply")) check_ply_header(*text, file, problems);
   if (problems.lines().size() != before) return std::nullopt;
 
-  Assimp::Importer importer;
-  // Polygons stay whole here so that face numbers are the file's; normals, colours and texture coordinates
-  // are not used.
-  importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS,
-                              aiComponent_NORMALS | aiComponent_TANGENTS_AND_BITANGENTS | aiComponent_COLORS |
-                                  aiComponent_TEXCOORDS | aiComponent_BONEWEIGHTS | aiComponent_ANIMATIONS |
-                                  aiComponent_TEXTURES | aiComponent_LIGHTS | aiComponent_CAMERAS);
-  const aiScene* scene = importer.ReadFile(file, aiProcess_RemoveComponent);
-  if (scene == nullptr || scene->mRootNode == nullptr) {
-    problems.add({file, 0, 0, ""}, "Assimp cannot read the mesh", importer.GetErrorString(),
+  // Damaged files hang, crash or bloat Assimp (5.2.5: a PLY header cut in a word). Whole ones take microseconds a byte.
+  const double bytes = static_cast<double>(text->size());
+  base::ChildLimits limits;
+  limits.cpu_s = kBase_s + kPerByte_s * bytes;
+  limits.memory_bytes = kBase_bytes + kPerByte_bytes * text->size();
+  base::Unpacked read = base::in_limited_child(limits, [&](base::Parcel& parcel) { read_by_assimp(file, parcel); });
+  const std::string said = read.end == base::ChildEnd::done ? read.text() : "it " + read.why;
+  if (!said.empty()) {
+    problems.add({file, 0, 0, ""}, "Assimp cannot read the mesh", said,
                  "correct or convert the file; " + asked_by.text() + " names it");
     return std::nullopt;
   }
   Importer reader(file, unit_m, y_up, strict, problems);
-  reader.add_node(*scene, *scene->mRootNode, aiMatrix4x4());
+  while (read.value<bool>()) {
+    Part part;
+    part.material = read.text(), part.group = read.text();
+    part.vertices = read.list<std::array<float, 3>>();
+    part.face_corners = read.list<std::uint32_t>(), part.corners = read.list<std::uint32_t>();
+    reader.add_mesh(part);
+  }
   if (problems.lines().size() != before) return std::nullopt;
   if (reader.out.mesh.triangles.empty()) {
     problems.add({file, 0, 0, ""}, "mesh has no faces with area",

@@ -1,4 +1,4 @@
-// Mesh files through Assimp, checked and triangulated.
+// Mesh files through Assimp, which works in a child process under a limit; checked and triangulated.
 #pragma once
 
 #include <optional>
@@ -36,5 +36,9 @@ std::optional<MeshFile> read_mesh_file(const std::string& file, double unit_m, b
 /// Reports numbers that do not parse and face indices out of range in an OBJ text, by line. Assimp reads past
 /// some of these silently ("3.1+e2" becomes 3.1).
 void check_obj_text(const std::string& text, const std::string& file, base::Problems& problems);
+
+/// Reports a PLY header that is cut short, misspelt, or counts more elements than the file has bytes for, by line. Assimp runs in a
+/// circle on the first and takes memory for the last.
+void check_ply_header(const std::string& text, const std::string& file, base::Problems& problems);
 
 }  // namespace raycube::scene

@@ -6,11 +6,14 @@
 #include <gdal_alg.h>
 #include <ogr_srs_api.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <memory>
 #include <mutex>
 
+#include "host/base/limited_child.h"
 #include "scene_compiler/csv_file.h"
 
 namespace raycube::scene {
@@ -18,6 +21,11 @@ namespace {
 
 using base::Problems;
 using base::Where;
+
+// What reading may take: GDAL needs some 10 ns a pixel of the 2^28 that are read at most, whatever a file's bytes unpack to.
+constexpr double kBase_s = 120, kPerByte_s = 4e-6;
+constexpr std::uint64_t kMemory_bytes = 6ull << 30;
+constexpr int kPiece_values = 1 << 20;
 
 /// GDAL's messages come through us, not through stderr.
 struct QuietGdal {
@@ -83,55 +91,113 @@ void read_reference(GDALDatasetH dataset, Raster& raster) {
   CPLFree(confidence);
 }
 
+/// What the child found before any sample, as it hands it back.
+struct Opened {
+  int columns = 0, rows = 0, band_count = 0, epsg = 0;
+  bool georeferenced = false, geographic = false;
+  std::array<double, 6> transform{};
+};
+
+bool fits(const Opened& opened, int count) { return double(opened.columns) * opened.rows * std::max(count, 1) <= double(1 << 28); }
+bool has_bands(const Opened& opened, int first_band, int count) { return count >= 1 && first_band + count - 1 <= opened.band_count; }
+
+/// In the child: GDAL's word on the file (empty: it was opened), what it is, then for each band asked for GDAL's word (empty: it could be
+/// read), its nodata value and its samples.
+void read_by_gdal(const std::string& file, int first_band, int count, base::Parcel& parcel) {
+  const QuietGdal quiet;
+  const Dataset dataset(GDALOpen(file.c_str(), GA_ReadOnly));
+  parcel.text(dataset ? "" : gdal_message());
+  if (!dataset) return;
+  Raster raster;
+  read_reference(dataset.get(), raster);
+  const Opened opened{GDALGetRasterXSize(dataset.get()), GDALGetRasterYSize(dataset.get()), GDALGetRasterCount(dataset.get()), raster.epsg,
+                      raster.georeferenced, raster.geographic, raster.transform};
+  parcel.value(opened);
+  if (count == 0) count = opened.band_count - first_band + 1;
+  if (!fits(opened, count) || !has_bands(opened, first_band, count)) return;
+  std::vector<double> values;
+  for (int i = 0; i < count; ++i) {
+    const GDALRasterBandH band = GDALGetRasterBand(dataset.get(), first_band + i);
+    int has_nodata = 0, block_columns = 0, block_rows = 1;
+    const double hole = GDALGetRasterNoDataValue(band, &has_nodata);
+    parcel.value(has_nodata != 0), parcel.value(hole);
+    GDALGetBlockSize(band, &block_columns, &block_rows);
+    // Whole rows of blocks at a time.
+    const int step = std::clamp(kPiece_values / std::max(opened.columns, 1) / block_rows * block_rows, std::min(block_rows, opened.rows), opened.rows);
+    for (int row = 0; row < opened.rows; row += step) {
+      const int rows = std::min(step, opened.rows - row);
+      values.resize(static_cast<std::size_t>(rows) * static_cast<std::size_t>(opened.columns));
+      const bool read = GDALRasterIO(band, GF_Read, 0, row, opened.columns, rows, values.data(), opened.columns, rows, GDT_Float64, 0, 0) == CE_None;
+      parcel.text(read ? "" : gdal_message());
+      if (!read) return;
+      parcel.list(values.data(), values.size());
+    }
+  }
+}
+
+/// Takes a band's samples as read_by_gdal() sends them; GDAL's word when they end early.
+std::string take_band(base::Unpacked& read, std::vector<double>& values, std::size_t pixels) {
+  values.reserve(pixels);
+  while (values.size() < pixels) {
+    std::string said = read.text();
+    if (!said.empty()) return said;
+    const auto piece = read.list<double>();
+    values.insert(values.end(), piece.begin(), piece.end());
+  }
+  return "";
+}
+
 }  // namespace
 
 std::optional<Raster> read_raster(const std::string& file, int first_band, int count, NoData nodata,
                                   const Where& asked_by, Problems& problems) {
   if (!check_readable(file, asked_by, problems)) return std::nullopt;
-  const QuietGdal quiet;
-  const Dataset dataset(GDALOpen(file.c_str(), GA_ReadOnly));
-  if (!dataset) {
-    problems.add({file, 0, 0, ""}, "GDAL cannot read the raster", gdal_message(),
+  base::ChildLimits limits;
+  limits.cpu_s = kBase_s + kPerByte_s * static_cast<double>(std::filesystem::file_size(file));
+  limits.memory_bytes = kMemory_bytes;
+  base::Unpacked read = base::in_limited_child(limits, [&](base::Parcel& parcel) { read_by_gdal(file, first_band, count, parcel); });
+  const std::string said = read.end == base::ChildEnd::done ? read.text() : "it " + read.why;
+  if (!said.empty()) {
+    problems.add({file, 0, 0, ""}, "GDAL cannot read the raster", said,
                  "correct or convert the file; " + asked_by.text() + " names it");
     return std::nullopt;
   }
+  const auto opened = read.value<Opened>();
   Raster raster;
   raster.file = file;
-  raster.columns = GDALGetRasterXSize(dataset.get());
-  raster.rows = GDALGetRasterYSize(dataset.get());
-  raster.band_count = GDALGetRasterCount(dataset.get());
+  raster.columns = opened.columns, raster.rows = opened.rows, raster.band_count = opened.band_count;
+  raster.georeferenced = opened.georeferenced, raster.transform = opened.transform;
+  raster.epsg = opened.epsg, raster.geographic = opened.geographic;
   if (count == 0) count = raster.band_count - first_band + 1;
-  const double pixels = double(raster.columns) * raster.rows;
-  if (pixels * std::max(count, 1) > double(1 << 28)) {
+  if (!fits(opened, count)) {
     problems.add({file, 0, 0, ""}, "raster is too large",
                  std::to_string(raster.columns) + " x " + std::to_string(raster.rows) + " pixels",
                  "at most 2^28 pixels; cut it with gdal_translate -projwin");
     return std::nullopt;
   }
-  if (count < 1 || first_band + count - 1 > raster.band_count) {
+  if (!has_bands(opened, first_band, count)) {
     problems.add(asked_by, "raster has no such band",
                  std::to_string(first_band) + " of " + std::to_string(raster.band_count), file);
     return std::nullopt;
   }
-  read_reference(dataset.get(), raster);
+  const std::size_t pixels = static_cast<std::size_t>(raster.columns) * static_cast<std::size_t>(raster.rows);
   for (int i = 0; i < count; ++i) {
-    const GDALRasterBandH band = GDALGetRasterBand(dataset.get(), first_band + i);
-    auto& values = raster.bands.emplace_back(static_cast<std::size_t>(pixels));
-    auto& valid = raster.valid.emplace_back(values.size(), true);
-    if (GDALRasterIO(band, GF_Read, 0, 0, raster.columns, raster.rows, values.data(), raster.columns,
-                     raster.rows, GDT_Float64, 0, 0) != CE_None) {
+    const bool has_nodata = read.value<bool>();
+    const double hole = read.value<double>();
+    auto& values = raster.bands.emplace_back();
+    if (const std::string failed = take_band(read, values, pixels); !failed.empty()) {
       problems.add({file, 0, 0, "band " + std::to_string(first_band + i)}, "raster is truncated or damaged",
-                   gdal_message(), "restore the file");
+                   failed, "restore the file");
       return std::nullopt;
     }
-    int has_nodata = 0;
-    const double hole = GDALGetRasterNoDataValue(band, &has_nodata);
+    auto& valid = raster.valid.emplace_back(values.size(), true);
     bool holes = false;
     for (std::size_t k = 0; k < values.size(); ++k) {
       valid[k] = std::isfinite(values[k]) && !(has_nodata && values[k] == hole);
       holes = holes || !valid[k];
     }
     if (!holes || nodata == NoData::mark) continue;
+    const QuietGdal quiet;
     if (!interpolate(values, valid, raster.columns, raster.rows)) {
       problems.add({file, 0, 0, ""}, "cannot interpolate the posts without data", gdal_message(),
                    "fill them with gdal_fillnodata.py");

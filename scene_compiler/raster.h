@@ -1,4 +1,4 @@
-// Rasters through GDAL, one band at a time, in double.
+// Rasters through GDAL, which works in a child process under a limit; one band at a time, in double.
 #pragma once
 
 #include <array>

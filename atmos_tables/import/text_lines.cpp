@@ -9,6 +9,8 @@
 #include <fstream>
 #include <iterator>
 
+#include "host/base/input_file.h"
+
 namespace raycube::atmos::imported {
 
 namespace {
@@ -18,6 +20,7 @@ bool blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 }  // namespace
 
 std::string read_bytes(const std::string& path) {
+  base::refuse_other_than_plain(path);
   std::ifstream in(path, std::ios::binary);
   std::string bytes;
   if (in) bytes.assign(std::istreambuf_iterator<char>(in), {});

@@ -10,6 +10,7 @@
 #include "atmos_tables/import/text_lines.h"
 #include "atmos_tables/lines/molecules.h"
 #include "host/base/error.h"
+#include "host/base/input_file.h"
 
 namespace raycube::atmos {
 
@@ -157,6 +158,7 @@ class Reader {
 }  // namespace
 
 LineList read_hitran_par(const std::string& file, double low_per_cm, double high_per_cm) {
+  base::refuse_other_than_plain(file);
   std::ifstream in(file, std::ios::binary);
   if (!in) throw base::Error(base::Fault::environment, file + ": cannot be read; check the name and its permissions");
   Reader reader(file, low_per_cm, high_per_cm);

@@ -10,6 +10,7 @@
 
 #include "atmos_tables/optics/profile_scaling.h"
 #include "host/base/error.h"
+#include "host/base/input_file.h"
 
 namespace raycube::atmos {
 
@@ -95,6 +96,7 @@ std::vector<Column> read_header(const std::vector<std::string>& names, const bas
 }  // namespace
 
 AirProfile read_profile_csv(const std::string& file) {
+  base::refuse_other_than_plain(file);
   std::ifstream in(file);
   if (!in) throw base::Error(base::Fault::environment, file + ": cannot be read; check the name and its permissions");
   return read_profile_csv(in, file);

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/base/error.h"
+#include "host/base/input_file.h"
 #include "host/plan/sky_sets.h"
 
 namespace raycube::planner {
@@ -68,6 +69,7 @@ std::string write_plan_file(const PlanFile& file) {
 }
 
 PlanFile read_plan_file(const std::string& path) {
+  base::refuse_other_than_plain(path);
   std::ifstream in(path);
   if (!in) throw base::Error(base::Fault::input, path + ": the plan cannot be read; `raycube plan SIM -o FILE` writes one");
   std::ostringstream text;

@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "host/base/error.h"
+#include "host/base/interrupt.h"
 #include "host/sensors/camera_frame.h"
 
 namespace raycube::sensors {
@@ -109,6 +110,16 @@ float ahead_of(const Plane& plane, double top_m, double half_a, double half_b) {
   return static_cast<float>(way / steepest * (1 - kClearance));
 }
 
+shared::RayGroup group_at(const scene::Instrument& instrument, int line, int group, int width, bool moving, double top_m) {
+  const Plane plane = plane_at(instrument, line, group * width + 0.5 * (width - 1), moving);
+  const double half = 0.5 * std::max(1.0, instrument.psf_support_px);
+  const float ahead = ahead_of(plane, top_m, 0.5 * (width - 1) + half, half);
+  shared::RayGroup out{rounded(plane.origin_m + static_cast<double>(ahead) * plane.d), rounded(plane.d), rounded(plane.du), rounded(plane.dv), rounded(plane.ov)};
+  out.d0.w = ahead;
+  out.origin.w = std::bit_cast<float>(pixel_number(instrument, line, group * width));
+  return out;
+}
+
 }  // namespace
 
 int pixels_per_group(const scene::Instrument& instrument) {
@@ -135,15 +146,12 @@ std::vector<shared::RayGroup> make_ray_groups(const scene::Instrument& instrumen
   std::vector<shared::RayGroup> groups;
   groups.reserve(static_cast<std::size_t>(per_line) * line_count);
   for (int line = first_line; line < first_line + line_count; ++line)
-    for (int group = 0; group < per_line; ++group) {
-      const Plane plane = plane_at(instrument, line, group * width + 0.5 * (width - 1), moving);
-      const double half = 0.5 * std::max(1.0, instrument.psf_support_px);
-      const float ahead = ahead_of(plane, top_m, 0.5 * (width - 1) + half, half);
-      groups.push_back({rounded(plane.origin_m + static_cast<double>(ahead) * plane.d), rounded(plane.d), rounded(plane.du), rounded(plane.dv), rounded(plane.ov)});
-      groups.back().d0.w = ahead;
-      groups.back().origin.w = std::bit_cast<float>(pixel_number(instrument, line, group * width));
-    }
+    for (int group = 0; group < per_line; ++group) groups.push_back(group_at(instrument, line, group, width, moving, top_m));
   return groups;
+}
+
+shared::RayGroup make_ray_group(const scene::Instrument& instrument, int line, int group, bool moving) {
+  return group_at(instrument, line, group, pixels_per_group(instrument), moving, std::numeric_limits<double>::infinity());
 }
 
 std::vector<shared::RayGroup> make_ray_groups(const scene::Instrument& instrument, const scene::CompiledScene& scene, int first_line, int line_count) {
@@ -162,7 +170,8 @@ bool pose_moves(const scene::Instrument& instrument, double share_px) {
   check_poses(instrument);
   if (instrument.lines < 2) return false;
   const auto ground = [](const glm::dvec3& o, const glm::dvec3& d) { return o - d * (o.z / d.z); };
-  for (int line = 0; line < instrument.lines; ++line)
+  for (int line = 0; line < instrument.lines; ++line) {
+    if (line % 1024 == 0) base::throw_if_interrupted();
     for (const double sample : {0.0, 0.5 * (instrument.pixels - 1), instrument.pixels - 1.0}) {
       const Plane held = plane_at(instrument, line, sample, false), moving = plane_at(instrument, line, sample, true);
       if (held.d.z >= 0) continue;  // view_bounds refuses rays that look up
@@ -173,6 +182,7 @@ bool pose_moves(const scene::Instrument& instrument, double share_px) {
         if (glm::length(apart) > share_px * pixel_m) return true;
       }
     }
+  }
   return false;
 }
 

@@ -29,6 +29,9 @@ std::vector<shared::RayGroup> make_ray_groups(const scene::Instrument& instrumen
 /// The same for a scene's own top.
 std::vector<shared::RayGroup> make_ray_groups(const scene::Instrument& instrument, const scene::CompiledScene& scene, int first_line, int line_count);
 
+/// One of these groups, from the sensor; `moving` as pose_moves() says.
+shared::RayGroup make_ray_group(const scene::Instrument& instrument, int line, int group, bool moving);
+
 /// A ray o + t d in the scene frame; d lies on the image plane at distance 1 and is not normalised.
 struct Ray {
   glm::dvec3 origin_m{0};
