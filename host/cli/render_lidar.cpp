@@ -50,6 +50,13 @@ std::int64_t batch_of(const lidar::LidarPlan& plan, std::size_t memory_bytes) {
   return std::clamp<std::int64_t>(static_cast<std::int64_t>(memory_bytes / 4 / std::max<std::size_t>(1, bytes_of_rows(plan))), 1, 4096);
 }
 
+/// Rows of one pulse are held at once whatever --memory says: it is refused when it cannot hold them.
+void require_memory(const lidar::LidarPlan& plan, std::size_t memory_bytes) {
+  if (bytes_of_rows(plan) <= memory_bytes) return;
+  throw base::Error(base::Fault::input, fmt::format("LIDAR '{}': --memory is too small for the rows of one pulse: need {} bytes, found {}; raise --memory, or give fewer "
+                                                    "pixels, bins or sub-rays", plan.lidar.name, bytes_of_rows(plan), memory_bytes));
+}
+
 /// What turbulence does to the survey's first shot, in words for the record; its own draws are left out. Everything is of the
 /// first line, but what `lines` has.
 nlohmann::json turbulence_json(const scene::Lidar& lidar, const lidar::TurbulenceTruth& t) {
@@ -127,6 +134,7 @@ nlohmann::json render_lidar(const scene::Simulation& simulation, const scene::Li
     if (const auto shots = lidar::make_shots(lidar, 0, std::min<std::int64_t>(lidar.pulses, 4096), simulation.seed); !shots.empty())
       lidar::broaden_pulse(job.plan, lidar::turbulence_statistics(job.plan, way(shots.front()), shots.front()).broadening_s2);
   const lidar::LidarPlan& plan = job.plan;
+  require_memory(plan, settings.memory_bytes);
   const auto start = std::chrono::steady_clock::now();
   LidarProducts output(folder, context.common.overwrite ? base::IfExists::replace : base::IfExists::refuse, simulation, plan);
   std::optional<LidarBackground> background;
@@ -241,6 +249,7 @@ nlohmann::json dry_run_lidar(const scene::Simulation& simulation, const scene::L
   }
   const LidarJob job = prepare_lidar(simulation, lidar, context, {renderer ? &*renderer : nullptr, planning.replay, planning.replay_path, planning.estimate_given});
   const auto& plan = job.plan;
+  require_memory(plan, context.common.memory_bytes);
   const auto rows = static_cast<std::uint64_t>(lidar.pulses) * static_cast<std::uint64_t>(plan.pixels()) * static_cast<std::uint64_t>(plan.lines());
   const std::uint64_t rays_per_pulse = job.decision.rays_per_pulse;
   return {{"name", lidar.name},

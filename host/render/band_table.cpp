@@ -8,12 +8,12 @@
 namespace raycube::render {
 
 namespace {
-/// All keys of one pixel (256 at most, its environment and the path) must be baked at once, whatever the budget.
-constexpr std::size_t kFewestRows = 261;
 std::size_t rows_that_fit(std::size_t bytes, std::size_t row_bytes, std::size_t most) {
   return std::min(std::max(bytes / row_bytes, kFewestRows), std::max<std::size_t>(2, most));
 }
 }  // namespace
+
+std::size_t most_rows(const scene::CompiledScene& scene, const plan::Plan& plan) { return scene.materials.size() + plan.environment.nodes() + 1; }
 
 BandTable::BandTable(const cl::Context& context, const scene::CompiledScene& scene, const plan::Plan& plan,
                      const StageShape& shape, std::size_t bytes)
@@ -22,7 +22,7 @@ BandTable::BandTable(const cl::Context& context, const scene::CompiledScene& sce
       row_floats_(static_cast<std::size_t>(shape.channels) * shape.bands_padded),
       channel_floats_(shape.bands_padded),
       capacity_(rows_that_fit(std::min<std::size_t>(bytes, context.device().info().max_alloc_bytes),
-                              row_floats_ * sizeof(float), scene.materials.size() + plan.environment.nodes() + 1)),
+                              row_floats_ * sizeof(float), most_rows(scene, plan))),
       values_(context, capacity_ * row_floats_, cl::Access::read_only, "band table"),
       keys_(context, capacity_, cl::Access::read_only, "keys of the band table"),
       rows_(context, capacity_, cl::Access::read_only, "rows of the band table") {

@@ -14,6 +14,9 @@
 
 namespace raycube::render {
 
+/// Rows a band table can come to: every material's, the environment nodes', the path's.
+std::size_t most_rows(const scene::CompiledScene& scene, const plan::Plan& plan);
+
 class BandTable {
  public:
   /// Holds as many rows as `bytes` allow, at least those of one pixel (261). Key 0 (path radiance) is baked at once and never leaves.

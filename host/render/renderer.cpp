@@ -113,7 +113,8 @@ struct Renderer::State {
     return shape.chunked() ? kChunkedCapacity : static_cast<std::size_t>(options.row_capacity);
   }
 
-  std::size_t tile_budget() const { return std::min<std::size_t>(options.memory_bytes, context.device().info().global_memory_bytes) / kBudgetShares; }
+  std::size_t memory() const { return std::min<std::size_t>(options.memory_bytes, context.device().info().global_memory_bytes); }
+  std::size_t tile_budget() const { return memory() / kBudgetShares; }
 
   const scene::CompiledScene& scene;
   RenderOptions options;
@@ -134,8 +135,10 @@ cl::Context& Renderer::context() { return state_->context; }
 TileSize Renderer::tile_size(const scene::Instrument& instrument, const plan::Plan& plan, std::size_t tile_samples) const {
   const StageShape shape = make_stage_shape(instrument, plan, sensors::pixels_per_group(instrument));
   const std::size_t capacity = state_->row_capacity(shape);
+  const LeastMemory least = least_memory(state_->scene, instrument, plan, capacity);
+  require_memory(shape, least, instrument.pixels, capacity, state_->memory());
   return choose_tile_size(shape, instrument.pixels, instrument.lines, capacity, state_->tile_budget(), tile_samples, state_->context.device().info().max_alloc_bytes,
-                          state_->options.tile_lines, more_pixel_bytes(instrument, plan, capacity));
+                          state_->options.tile_lines, least);
 }
 
 RenderStatistics Renderer::render(const scene::Instrument& instrument, const plan::Plan& plan, const scene::Sun& sun,

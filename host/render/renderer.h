@@ -26,7 +26,7 @@ namespace raycube::render {
 struct RenderOptions {
   std::string device;                       ///< part of the device's name, or its number; empty: the first
   int threads = 0;                          ///< CPU devices: worker threads; 0 = all
-  std::size_t memory_bytes = 2ull << 30;    ///< for tiles on device and host together
+  std::size_t memory_bytes = 2ull << 30;    ///< for tiles, band table and strips, on device and host together
   int tile_lines = 0;                       ///< forces the tile height (tests); 0 = from memory
   std::size_t page_bytes = 0;               ///< largest page of the scene's arrays (tests); 0 = half the device's largest buffer
   int row_capacity = 16;                    ///< keys a row holds before the overflow path (tests: 1, 2, 16, 256)

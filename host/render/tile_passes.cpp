@@ -71,8 +71,12 @@ int fine_sky_share(const plan::Plan& plan, int samples) {
   return std::max(plan.sky.share, plan::sky_share(0, samples, std::max(1, plan.sky.directions)));
 }
 
-std::size_t more_pixel_bytes(const scene::Instrument& instrument, const plan::Plan& plan, std::size_t row_capacity) {
-  std::size_t bytes = 0;
+LeastMemory least_memory(const scene::CompiledScene& scene, const scene::Instrument& instrument, const plan::Plan& plan, std::size_t row_capacity) {
+  const std::size_t cubes = instrument.standard_error == scene::StandardError::bands ? 2 : 1;
+  LeastMemory out;
+  out.strip_values = cubes * instrument.bands.size() + truth_layer_names(scene, instrument).size();
+  out.table_rows = std::min(kFewestRows, most_rows(scene, plan));
+  std::size_t& bytes = out.more_bytes;
   const auto add_parts = [&](const StageShape& shape) {
     if (shape.chunked()) bytes += sensors::kSampleSubsets * shape.row_bytes(row_capacity);
   };
@@ -84,7 +88,7 @@ std::size_t more_pixel_bytes(const scene::Instrument& instrument, const plan::Pl
       bytes += coarse.pixel_bytes() + coarse.row_bytes(row_capacity);
     }
   }
-  return bytes;
+  return out;
 }
 
 TilePasses::TilePasses(const RenderSetup& setup, int lines, int columns, std::size_t row_capacity, std::size_t table_bytes)

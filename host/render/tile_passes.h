@@ -61,7 +61,7 @@ class TilePasses {
 /// Parts that pixels with so many samples share the sky's directions out to: the plan's, or more by the plan's own rule.
 int fine_sky_share(const plan::Plan& plan, int samples);
 
-/// Device bytes of a pixel beside those of StageShape, for standard errors and the first pass.
-std::size_t more_pixel_bytes(const scene::Instrument& instrument, const plan::Plan& plan, std::size_t row_capacity);
+/// What a render of this instrument must hold at once, standard errors and the first pass with it.
+LeastMemory least_memory(const scene::CompiledScene& scene, const scene::Instrument& instrument, const plan::Plan& plan, std::size_t row_capacity);
 
 }  // namespace raycube::render
