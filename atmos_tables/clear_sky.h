@@ -22,7 +22,10 @@ inline constexpr double kClearSkyFirst_um = 0.3, kClearSkyLast_um = 4.0;
 RenderTable build_clear_sky(const scene::AtmosphereSpec& spec, const scene::Sun& sun, double sensor_height_m,
                             const std::vector<double>& wavelength_um, const std::vector<double>& target_height_m);
 
+inline constexpr double kVacuumLast_um = 1000;
+
 /// No air: every transmission is exactly 1, sky and path radiance exactly 0, which is the physics of vacuum.
+/// 0.3 to 1000 um: from where the sun's spectrum is known; what surfaces emit is not the table's to say.
 RenderTable vacuum_table(const scene::Sun& sun, double sensor_height_m, const std::vector<double>& wavelength_um,
                          const std::vector<double>& target_height_m);
 
@@ -33,6 +36,9 @@ RenderTable make_table(const scene::AtmosphereSpec& spec, const scene::Sun& sun,
 
 /// Default grid of the range: 1 nm to 1 um, 2 nm to 2.5 um, 10 nm beyond; step_um > 0 replaces all three.
 std::vector<double> clear_sky_wavelengths(double first_um, double last_um, double step_um = 0);
+
+/// The same for vacuum: 10 nm to 10 um, 50 nm to 100 um, 500 nm beyond.
+std::vector<double> vacuum_wavelengths(double first_um, double last_um, double step_um = 0);
 
 /// Heights over [low_m, high_m], both ends and 150 m steps (at most 16 nodes): transmissions between them within 0.2 %, in
 /// saturated bands within 1.3 % of the depth 235 m from the sensor. One height when the two are equal.

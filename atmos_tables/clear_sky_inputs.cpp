@@ -21,6 +21,8 @@ namespace raycube::atmos {
 
 namespace {
 
+constexpr double kLastMoon_um = 30;  ///< its albedo is constant from 5 um on
+
 std::string number(double value) { return std::isfinite(value) ? nlohmann::json(value).dump() : "not a finite number"; }
 
 /// Beyond this reflected sunlight is nothing beside what anything at 250 K emits.
@@ -36,7 +38,8 @@ void check_range(base::Problems& problems, const char* name, double value, doubl
 }
 
 void check_grid(base::Problems& problems, double sensor_height_m, const std::vector<double>& wavelength_um,
-                const std::vector<double>& target_height_m, double first_um, double last_um) {
+                const std::vector<double>& target_height_m, double first_um, double last_um,
+                const char* model = "the built-in model") {
   const base::Where grid{"", 0, 0, "atmosphere wavelengths"}, heights{"", 0, 0, "atmosphere target heights"};
   const auto ascending = [](const std::vector<double>& list) {
     return !list.empty() && std::adjacent_find(list.begin(), list.end(), [](double a, double b) { return !(a < b); }) == list.end();
@@ -44,9 +47,11 @@ void check_grid(base::Problems& problems, double sensor_height_m, const std::vec
   if (!ascending(wavelength_um))
     problems.add(grid, "must ascend strictly, at least one", std::to_string(wavelength_um.size()) + " values", "sort them");
   else if (!(wavelength_um.front() >= first_um && wavelength_um.back() <= last_um))
-    problems.add(grid, "the built-in model covers " + number(first_um) + " to " + number(last_um) + " um and ends there",
-                 number(wavelength_um.front()) + " to " + number(wavelength_um.back()) + " um",
-                 "narrow the bands, or import a table that reaches further");
+    problems.add(
+        grid,
+        std::string(model) + " covers " + number(first_um) + " to " + number(last_um) + " um and ends there",
+        number(wavelength_um.front()) + " to " + number(wavelength_um.back()) + " um",
+        "narrow the bands, or import a table that reaches further");
   if (!(sensor_height_m >= -1000 && sensor_height_m <= 1e9))
     problems.add({"", 0, 0, "sensor height"}, "must lie in -1000 to 1e9 m", number(sensor_height_m), "correct the height");
   if (!ascending(target_height_m))
@@ -119,20 +124,21 @@ RenderTable sunlit_table(const scene::Sun& sun, double sensor_height_m, const st
   Row& e0 = add_row(table, "solar_irradiance", source + ", times Spencer's earth-sun factor");
   const double factor = earth_sun_factor(sun.day_of_year);
   for (std::size_t i = 0; i < wavelength_um.size(); ++i)
-    e0.values[i] = static_cast<float>(factor * solar_irradiance_1au(wavelength_um[i]) *
-                                      (moon ? moon_over_sun(sun.moon_phase_deg, wavelength_um[i]) : 1.0));
+    e0.values[i] = static_cast<float>(
+        factor * solar_irradiance_1au(wavelength_um[i]) *
+        (moon ? moon_over_sun(sun.moon_phase_deg, std::min(wavelength_um[i], kLastMoon_um)) : 1.0));
   return table;
 }
 
-std::vector<double> clear_sky_wavelengths(double first_um, double last_um, double step_um) {
-  base::Problems problems;
-  if (!(first_um >= kClearSkyFirst_um && last_um <= kClearSkyLast_um && first_um < last_um))
-    problems.add({"", 0, 0, "atmosphere wavelengths"}, "the built-in model covers 0.3 to 4 um and ends there",
-                 number(first_um) + " to " + number(last_um) + " um", "narrow the range, or import a table");
-  if (!(step_um >= 0) || (step_um > 0 && (last_um - first_um) / step_um > 1e6))
-    problems.add({"", 0, 0, "atmosphere wavelength step"}, "must be positive and give at most 1e6 wavelengths",
-                 number(step_um) + " um", "choose a wider step");
-  problems.throw_if_any();
+namespace {
+
+struct Span {
+  double low_um, high_um, step_um;
+};
+
+/// first_um, last_um and the steps of the spans between them; step_um > 0 replaces those.
+std::vector<double> span_nodes(double first_um, double last_um, double step_um,
+                               const std::vector<Span>& spans) {
   std::vector<double> out;
   // Nodes are counted in picometres so that the grid does not depend on where it starts.
   const auto add_span = [&](double low, double high, double step) {
@@ -144,11 +150,41 @@ std::vector<double> clear_sky_wavelengths(double first_um, double last_um, doubl
   if (step_um > 0) {
     add_span(first_um, last_um, step_um);
   } else {
-    add_span(0, 1.0, 0.001), add_span(1.0, 2.5, 0.002), add_span(2.5, 4.1, 0.01);
+    for (const Span& span : spans) add_span(span.low_um, span.high_um, span.step_um);
   }
   if (last_um - out.back() < 1e-9) out.pop_back();
   out.push_back(last_um);
   return out;
+}
+
+void check_range_and_step(double first_um, double last_um, double step_um, double least_um, double most_um,
+                          const char* model, const char* way_out) {
+  base::Problems problems;
+  if (!(first_um >= least_um && last_um <= most_um && first_um < last_um))
+    problems.add(
+        {"", 0, 0, "atmosphere wavelengths"},
+        std::string(model) + " covers " + number(least_um) + " to " + number(most_um) + " um and ends there",
+        number(first_um) + " to " + number(last_um) + " um", way_out);
+  if (!(step_um >= 0) || (step_um > 0 && (last_um - first_um) / step_um > 1e6))
+    problems.add({"", 0, 0, "atmosphere wavelength step"},
+                 "must be positive and give at most 1e6 wavelengths", number(step_um) + " um",
+                 "choose a wider step");
+  problems.throw_if_any();
+}
+
+}  // namespace
+
+std::vector<double> clear_sky_wavelengths(double first_um, double last_um, double step_um) {
+  check_range_and_step(first_um, last_um, step_um, kClearSkyFirst_um, kClearSkyLast_um, "the built-in model",
+                       "narrow the range, or import a table");
+  return span_nodes(first_um, last_um, step_um, {{0, 1.0, 0.001}, {1.0, 2.5, 0.002}, {2.5, 4.1, 0.01}});
+}
+
+std::vector<double> vacuum_wavelengths(double first_um, double last_um, double step_um) {
+  check_range_and_step(first_um, last_um, step_um, kClearSkyFirst_um, kVacuumLast_um, "model = \"none\"",
+                       "narrow the range");
+  return span_nodes(first_um, last_um, step_um,
+                    {{0, 1.0, 0.001}, {1.0, 2.5, 0.002}, {2.5, 10, 0.01}, {10, 100, 0.05}, {100, 1001, 0.5}});
 }
 
 std::vector<double> clear_sky_heights(double low_m, double high_m) {
@@ -166,7 +202,8 @@ RenderTable vacuum_table(const scene::Sun& sun, double sensor_height_m, const st
                          const std::vector<double>& target_height_m) {
   base::Problems problems;
   check_sun(problems, sun);
-  check_grid(problems, sensor_height_m, wavelength_um, target_height_m, kClearSkyFirst_um, kClearSkyLast_um);
+  check_grid(problems, sensor_height_m, wavelength_um, target_height_m, kClearSkyFirst_um, kVacuumLast_um,
+             "model = \"none\"");
   problems.throw_if_any();
   RenderTable table = sunlit_table(sun, sensor_height_m, wavelength_um, target_height_m);
   table.provenance_json = R"({"model":"vacuum","sources":["no air: transmission 1, sky and path radiance 0"]})";

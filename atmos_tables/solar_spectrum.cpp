@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <iterator>
 
+#include "host/base/planck.h"
+
 namespace raycube::atmos {
 
 namespace {
@@ -12,10 +14,15 @@ struct Node {
 constexpr Node kNodes[] = {
 #include "atmos_tables/data/solar_tsis1_gueymard.inc"
 };
+constexpr double kFarKelvin =
+    5000;  ///< brightness temperature of the sun's far infrared, good to 10 % to 1000 um
 }  // namespace
 
 double solar_irradiance_1au(double wavelength_um) {
   const double nm = 1000 * wavelength_um;
+  if (const Node& last = std::end(kNodes)[-1]; nm > last.wavelength_nm)
+    return last.irradiance * base::planck_radiance(wavelength_um, kFarKelvin) /
+           base::planck_radiance(last.wavelength_nm / 1000, kFarKelvin);
   const Node* upper = std::upper_bound(std::begin(kNodes) + 1, std::end(kNodes) - 1, nm,
                                        [](double value, const Node& node) { return value < node.wavelength_nm; });
   const Node &a = upper[-1], &b = *upper;

@@ -216,6 +216,8 @@ Simulation load_simulation(const std::string& file, const LoadOptions& options) 
     problems.add(root.place("sky_share"), "does not divide sky_directions", std::to_string(out.sky_share) + " of " + std::to_string(out.sky_directions),
                  "give a divisor, or remove sky_share");
   out.plan = read_plan(root, problems);
+  if (const Record* thermal = root.table("thermal"))
+    out.thermal_below_3um = thermal->text("below_3um") != "left_out";
   // A file that could not be read at all has one problem; what it lacks is not worth a line.
   const bool readable =
       problems.empty() || root.given("format") || !root.records("material").empty() || root.given("scene");

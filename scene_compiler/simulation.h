@@ -149,6 +149,7 @@ struct Simulation {
   int sky_share = 1;              ///< each sample looks into one in so many of them; 0: as plan::sky_share has it
   bool sky_directions_given = false;  ///< by the file; otherwise the planner chooses them (host/planner)
   PlanOverrides plan;
+  bool thermal_below_3um = true;  ///< false: bands below 3 um go without thermal light whatever it makes
   AtmosphereSpec atmosphere;
   Sun sun;
   std::vector<Instrument> instruments;

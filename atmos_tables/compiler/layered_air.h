@@ -13,8 +13,10 @@
 namespace raycube::atmos {
 
 inline constexpr double kLayeredFirst_um = 0.3, kLayeredLast_um = 30.0;
-/// Tables that reach this far hold thermal rows: at 3 um a body of 300 K emits 2e-3 of what sunlit grass reflects.
-inline constexpr double kThermalFrom_um = 3.0;
+/// Tables that reach this far hold thermal rows: from here to 2.9 um the air absorbs so strongly that its own
+/// light is most there is. Shorter tables leave that out: black air of 294 K emits 0.007 W m-2 sr-1 um-1
+/// at 2.6 um.
+inline constexpr double kThermalFrom_um = 2.6;
 
 /// Most wavelengths of a table whose gases are resolved to lines: 1 nm in steps of 0.001 nm needs 1000.
 inline constexpr std::size_t kMostResolvedNodes = 20000;

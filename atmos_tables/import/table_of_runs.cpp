@@ -12,6 +12,7 @@
 #include "atmos_tables/import/run_samples.h"
 #include "atmos_tables/row_registry.h"
 #include "atmos_tables/table_rows.h"
+#include "host/base/planck.h"
 #include "host/base/units.h"
 
 namespace raycube::atmos::imported {
@@ -19,10 +20,10 @@ namespace raycube::atmos::imported {
 namespace {
 
 /// Sunlight matters below, emitted light above: a table that reaches across needs both.
-constexpr double kSolarTo_um = 5, kThermalFrom_um = 3;
+constexpr double kSolarTo_um = 5;
 const std::set<std::string> kSolarRows = {"solar_irradiance", "sun_transmission", "two_way_factor", "path_radiance_solar", "sky_radiance_solar",
                                           "direct_irradiance", "diffuse_irradiance", "spherical_albedo", "diffuse_view_transmission", "diffuse_return"};
-const std::set<std::string> kThermalRows = {"path_radiance_thermal", "sky_radiance_thermal", "two_way_factor_thermal"};
+const std::set<std::string> kThermalSkyRows = {"sky_radiance_thermal", "two_way_factor_thermal"};
 
 std::string shown(double value) {
   std::ostringstream out;
@@ -190,7 +191,7 @@ class Maker {
       return out;
     };
     const auto no_sun = lacking(solar);
-    const bool wants_sun = first < kSolarTo_um, wants_heat = last > kThermalFrom_um;
+    const bool wants_sun = first<kSolarTo_um, wants_heat = last> base::kHeatFrom_um;
     const auto miss = [&](const std::vector<std::string>& rows) {
       for (const auto& row : rows) missing_.emplace_back(row, "add such a run, or a CSV column of this name");
     };
@@ -209,8 +210,15 @@ class Maker {
       if (!names.empty()) note(std::string(what) + " left out (" + names + "): " + why);
     };
     if (!wants_sun && !no_sun.empty()) leave_out(kSolarRows, "sunlight", "beyond 5 um, and not all that a render needs of it is there");
-    // A table with emitted light asks every material for its temperature.
-    if (!wants_heat) leave_out(kThermalRows, "emitted light", "below 3 um, where a body of 300 K emits less than 0.002 of what sunlit ground reflects");
+    if (wants_heat) return;
+    // Below 3 um emitted light is taken as far as the runs have it; a render sees whether it matters.
+    if (!has("path_radiance_thermal"))
+      leave_out(kThermalSkyRows, "light the sky emits",
+                "no run says what the path emits, and below 3 um neither is needed");
+    else if (!has("sky_radiance_thermal"))
+      note(
+          "light that the path emits is taken; no run says what the sky emits, so the ground reflects none "
+          "of it (below 3 um)");
   }
 
   void assemble() {

@@ -74,7 +74,7 @@ std::optional<atmos::RenderTable> known_table(const AirRequest& request) {
   const auto& [first_um, last_um, step_um] = std::tie(request.first_um, request.last_um, request.step_um);
   if (!spec.table_file.empty()) return atmos::make_table(spec, request.sun, request.sensor_height_m, {}, atmos::clear_sky_heights(request.low_m, request.high_m));
   if (spec.none)
-    return atmos::make_table(spec, request.sun, request.sensor_height_m, atmos::clear_sky_wavelengths(first_um, last_um, step_um), {request.low_m});
+    return atmos::make_table(spec, request.sun, request.sensor_height_m, atmos::vacuum_wavelengths(first_um, last_um, step_um), {request.low_m});
   const auto heights = atmos::clear_sky_heights(request.low_m, request.high_m);
   if (spec.layered)
     atmos::check_table_request(request.sun, request.sensor_height_m, atmos::layered_wavelengths(first_um, last_um, step_um), heights,
@@ -82,10 +82,6 @@ std::optional<atmos::RenderTable> known_table(const AirRequest& request) {
   else
     atmos::check_clear_sky(spec, request.sun, request.sensor_height_m, atmos::clear_sky_wavelengths(first_um, last_um, step_um), heights);
   return {};
-}
-
-bool model_is_thermal(const AirRequest& request) {
-  return request.spec->layered && request.spec->table_file.empty() && !request.spec->none && request.last_um >= atmos::kThermalFrom_um;
 }
 
 atmos::RenderTable air_table(const AirRequest& request, Context& context) {

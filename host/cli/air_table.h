@@ -27,8 +27,6 @@ atmos::RenderTable air_table(const AirRequest& request, Context& context);
 /// The table where it takes no computing, read from its file or that of no air; none for the models, whose request is looked at as
 /// building it would. Throws Error(input) for what the table or the model refuses.
 std::optional<atmos::RenderTable> known_table(const AirRequest& request);
-/// True when the model's table would hold thermal light.
-bool model_is_thermal(const AirRequest& request);
 
 /// Wavelengths that the responses of some bands reach, um; a Gaussian is cut at 2.5 FWHM, where it has fallen to 3e-8.
 std::pair<double, double> band_range(const std::vector<scene::Band>& bands);

@@ -17,6 +17,7 @@
 #include "host/plan/spectral_plan.h"
 #include "host/plan/table_spectra.h"
 #include "host/plan/thermal_plan.h"
+#include "host/plan/thermal_use.h"
 #include "host/sensors/psf.h"
 #include "host/sensors/view_bounds.h"
 
@@ -55,7 +56,7 @@ class Found {
 
 /// The table's own limits, where there is a table without computing one.
 void check_known_table(const scene::Simulation& simulation, const scene::Instrument& instrument,
-                       const plan::ViewBounds& view, const atmos::RenderTable& table, Found& found) {
+                       const plan::ViewBounds& view, const atmos::RenderTable& table, double bands_to_um, Found& found) {
   const auto& table_um = table.axis("wavelength").nodes;
   base::Problems problems;
   plan::check_table(instrument, table_um, plan::table_name(simulation), problems);
@@ -65,7 +66,9 @@ void check_known_table(const scene::Simulation& simulation, const scene::Instrum
                                table_um.size());
   found.part([&] { plan::check_view(instrument, view, air.last_view_zenith_rad()); });
   base::Problems cold;
-  if (air.thermal()) plan::check_temperatures(simulation.scene, simulation.file, cold);
+  plan::check_temperatures(
+      simulation.scene, simulation.file,
+      plan::temperature_demand(simulation.atmosphere.none, bands_to_um, air.thermal(), table_um.back()), cold);
   found.add(cold);
 }
 
@@ -82,10 +85,12 @@ void check_instrument(const scene::Simulation& simulation, const scene::Instrume
   const AirRequest request = air_request(simulation, instrument, view.sensor_height_m);
   found.part([&] {
     if (const auto table = known_table(request)) {
-      check_known_table(simulation, instrument, view, *table, found);
-    } else if (model_is_thermal(request)) {
+      check_known_table(simulation, instrument, view, *table, request.last_um, found);
+    } else {
       base::Problems cold;
-      plan::check_temperatures(simulation.scene, simulation.file, cold);
+      plan::check_temperatures(
+          simulation.scene, simulation.file,
+          plan::temperature_demand(false, request.last_um, request.spec->layered.has_value(), request.last_um), cold);
       found.add(cold);
     }
   });

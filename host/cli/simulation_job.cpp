@@ -91,6 +91,7 @@ InstrumentJob prepare(const scene::Simulation& simulation, const scene::Instrume
   }
   planner::add_small_objects(job.decision, simulation, instrument);
   planner::apply(job.decision, simulation, *planned, job.plan);
+  for (const auto& notice : job.plan.notices) context.log.warning(notice);
   for (const auto& note : job.decision.notes) context.log.warning(note);
   job.plan_s = seconds_since(start);
   context.log.detail(instrument.name + ": atmosphere table in " + std::to_string(job.table_s) + " s, plan in " +

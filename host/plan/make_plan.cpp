@@ -18,6 +18,7 @@
 #include "host/plan/sources.h"
 #include "host/plan/spectral_plan.h"
 #include "host/plan/thermal_plan.h"
+#include "host/plan/thermal_use.h"
 
 namespace raycube::plan {
 
@@ -157,17 +158,20 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
   Spectrum ground;
   if (adjacency != scene::Adjacency::off)
     ground = plan_environment(plan, simulation, table, domain, adjacency == scene::Adjacency::local, covered, first);
-  const TableSpectra air(table, no_air, plan.sun_up, first, last - first + 1, ground);
+  TableSpectra air(table, no_air, plan.sun_up, first, last - first + 1, ground);
   check_view(instrument, view, air.last_view_zenith_rad());
   const BandSpace bands(covered, spectral.wavelength_um, spectral.bands, spectral.mean_reflectance);
 
   const double share = kShare * simulation.tolerance;
+  ThermalUse thermal = thermal_use(simulation, instrument, table, air, domain, bands, spectral, share);
+  if (!thermal.on) air.leave_out_emission();
+  plan.notices = std::move(thermal.notices);
   const SkyFactorizer sky(air, domain.z(0.5), domain.sun_zenith);
   const SkyFactorizer thermal_sky(air, domain.z(0.5), domain.sun_zenith, Sky::thermal);
   Emitters emitters;
   TypicalThermal emitted;
-  if (air.thermal()) {
-    emitters = find_emitters(simulation.scene, simulation.file);
+  if (thermal.on) {
+    emitters = find_emitters(simulation.scene, simulation.file, thermal.demanded_by);
     emitted = {planck_spectrum(covered, emitters.surroundings_K), thermal_sky.irradiance()};
   }
   const auto typical = typical_radiance(air, domain, bands, sky.irradiance(), emitted);
@@ -176,7 +180,7 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
   std::vector<TemperatureLevel> temperatures;
   SolarShare solar;
   bool skylight = true;
-  if (air.thermal()) {
+  if (thermal.on) {
     // Sun and sky that no band and no material can see beside the thermal light get no channels.
     solar = solar_share(air, domain, BandSpace(covered, spectral.wavelength_um, spectral.bands, spectral.largest_reflectance),
                         sky.irradiance(), typical);
@@ -222,9 +226,11 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
   plan.sky_basis = factors.basis;
   SkyFactors thermal_factors;
   if (choice.thermal_rank > 0) thermal_factors = thermal_levels[static_cast<std::size_t>(choice.thermal_rank - 1)].factors;
-  if (air.thermal()) plan.thermal = make_thermal(simulation.scene, emitters, temperatures[choice.temperature], thermal_factors);
+  if (thermal.on)
+    plan.thermal =
+        make_thermal(simulation.scene, emitters, temperatures[choice.temperature], thermal_factors);
   std::vector<std::vector<double>> planck;  // of the surroundings, then of the temperature nodes, on the grid
-  if (air.thermal()) planck.push_back(planck_spectrum(spectral.wavelength_um, plan.thermal.surroundings_K));
+  if (thermal.on) planck.push_back(planck_spectrum(spectral.wavelength_um, plan.thermal.surroundings_K));
   for (const double kelvin : plan.thermal.temperature_K) planck.push_back(planck_spectrum(spectral.wavelength_um, kelvin));
 
   plan.source_spectrum.resize(static_cast<std::size_t>(plan.source_channels()));
@@ -283,7 +289,7 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
       {"adjacency", describe(plan.environment, simulation.scene)},
       {"node_errors", describe(errors)}};
   if (given.any()) report["given"] = given_keys(given), report["within_tolerance"] = total <= simulation.tolerance;
-  if (air.thermal()) {
+  if (thermal.on) {
     report["error"]["temperature_nodes"] = choice.emission_error;
     report["error"]["left_out"] = choice.left_out;
     report["thermal"] = {{"sky_components", plan.thermal.sky_components},
@@ -296,6 +302,8 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
                          {"sun_left_out", plan.sun_sources == 0},
                          {"sky_left_out", !skylight}};
   }
+  if (!thermal.on && thermal.share > 0)
+    report["thermal_left_out"] = {{"share", thermal.share}, {"band", thermal.band}, {"from", thermal.from}};
   if (const double d = diffuse_row_difference(air, domain, bands, sky.sampled_irradiance()); d >= 0 && plan.sky_components > 0)
     report["sky"]["diffuse_irradiance_row_difference"] = d;
   plan.report_json = report.dump(2);

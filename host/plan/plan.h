@@ -90,9 +90,10 @@ std::array<EnvironmentWeight, 4> environment_at(const EnvironmentMap& map, doubl
 /// Keys of environment rows: this bit and the node. Above every product key.
 inline constexpr std::uint64_t kEnvironmentKey = std::uint64_t{1} << 63;
 
-/// Thermal light, where the table has its rows. The thermal sky has `sky_components` maps of zenith angle alone; one more
-/// component stands for the surroundings: all of a surface's hemisphere that is not open sky, filled with a black body at
-/// `surroundings_K`. Emission enters at temperature nodes, linear in between: (1 - reflectance) B(node) T_view.
+/// Thermal light, where there is any to be seen (host/plan/thermal_use.h). The thermal sky has
+/// `sky_components` maps of zenith angle alone; one more component stands for the surroundings: all of a
+/// surface's hemisphere that is not open sky, filled with a black body at `surroundings_K`. Emission enters
+/// at temperature nodes, linear in between: (1 - reflectance) B(node) T_view.
 struct Thermal {
   bool on = false;
   int sky_components = 0;                    ///< 1 or 2
@@ -137,6 +138,7 @@ struct Plan {
   SkySets sky;                                     ///< empty without sky components
   IrradianceMap irradiance;
   std::string refusal;                             ///< why the tolerance is not held, by worst-case estimates of its nodes and components; empty: it is
+  std::vector<std::string> notices;                ///< what the user should know though it is no error
   std::string report_json;                         ///< what was chosen, each block's estimated error (DESIGN section 6's table)
 
   int components() const { return sky_components + thermal.components(); }   ///< that directions are traced for

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "atmos_tables/interpolate.h"
+#include "host/base/planck.h"
 #include "host/plan/sky_basis.h"
 
 namespace raycube::plan {
@@ -50,15 +51,21 @@ double cos_scattering(double sun_zenith, double zenith, double azimuth) {
 TableSpectra::TableSpectra(const atmos::RenderTable& table, bool no_air, bool sun_up, std::size_t first, std::size_t count, Spectrum ground)
     : table_(table), no_air_(no_air), sun_up_(sun_up), first_(first), count_(count), ground_(std::move(ground)), last_view_zenith_(kPi / 2) {
   thermal_ = !no_air && (table.has("path_radiance_thermal") || table.has("sky_radiance_thermal"));
+  bool heat_alone = thermal_;  // both rows: a render without the sun's
   if (thermal_) {
     table.need("path_radiance_thermal", "thermal light");
-    const auto& sky = table.need("sky_radiance_thermal", "thermal light");
-    has_thermal_sky_ = std::any_of(sky.values.begin(), sky.values.end(), [](float v) { return v > 0; });
+    const bool dark_sky =
+        !table.has("sky_radiance_thermal") && table.axis("wavelength").nodes.back() < base::kHeatFrom_um;
+    heat_alone = !dark_sky;
+    if (!dark_sky) {
+      const auto& sky = table.need("sky_radiance_thermal", "thermal light");
+      has_thermal_sky_ = std::any_of(sky.values.begin(), sky.values.end(), [](float v) { return v > 0; });
+    }
   }
-  if (!thermal_) table.need("solar_irradiance", "every render");
+  if (!heat_alone) table.need("solar_irradiance", "every render");
   if (!table.has("solar_irradiance")) sun_up_ = false;
   if (no_air) return;
-  if (!thermal_) {
+  if (!heat_alone) {
     table.need("path_radiance_solar", "a render with air");
     table.need("sky_radiance_solar", "a render with air");
   }
@@ -130,9 +137,13 @@ Spectrum TableSpectra::path_radiance(double height_m, double zenith_rad, double 
   Spectrum out(count_, 0.0);
   if (path_scatters_) out = slice(atmos::path_radiance(table_, z, zenith, azimuth_rad * kDegrees));
   if (!thermal_) return out;
-  const Spectrum emitted = slice(atmos::path_radiance_thermal(table_, z, zenith));
+  const Spectrum emitted = emitted_path(height_m, zenith_rad);
   for (std::size_t i = 0; i < count_; ++i) out[i] += emitted[i];
   return out;
+}
+
+Spectrum TableSpectra::emitted_path(double height_m, double zenith_rad) const {
+  return slice(atmos::path_radiance_thermal(table_, clamp_height(height_m), zenith_rad * kDegrees));
 }
 
 Spectrum TableSpectra::diffuse_irradiance(double height_m) const {

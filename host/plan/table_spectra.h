@@ -17,15 +17,18 @@ enum class Sky { solar, thermal };
 
 class TableSpectra {
  public:
-  /// Covers table wavelengths first .. first + count - 1. `no_air`: only solar_irradiance is read; transmissions are 1, there
-  /// is no sky and no path radiance. Throws Error(input) when a row is missing that a render with air needs: the solar rows,
-  /// unless the table holds the thermal ones; then what it lacks of the sun's is dark.
-  /// `sun_up` false: no direct light. `ground`: mean reflectance of the ground on the covered wavelengths; given, light goes
-  /// between ground and air (S4.9), the sky carries what the air sends back down, and the table must have the rows for it.
+  /// Covers table wavelengths first .. first + count - 1. `no_air`: only solar_irradiance is read;
+  /// transmissions are 1, there is no sky and no path radiance. Throws Error(input) when a row is missing
+  /// that a render with air needs: the solar rows, unless the table holds both thermal ones; then what it
+  /// lacks of the sun's is dark. A table that ends below base::kHeatFrom_um may hold path_radiance_thermal
+  /// alone: its thermal sky is black. `sun_up` false: no direct light. `ground`: mean reflectance of the
+  /// ground on the covered wavelengths; given, light goes between ground and air (S4.9), the sky carries what
+  /// the air sends back down, and the table must have the rows for it.
   TableSpectra(const atmos::RenderTable& table, bool no_air, bool sun_up, std::size_t first, std::size_t count, Spectrum ground = {});
 
   std::size_t size() const { return count_; }
-  bool thermal() const { return thermal_; }                             ///< the table holds path_radiance_thermal and sky_radiance_thermal
+  bool thermal() const { return thermal_; }  ///< light that the air emits is read: the table's thermal rows
+  void leave_out_emission() { thermal_ = has_thermal_sky_ = false; }  ///< from now on the air emits nothing
   bool has_sky(Sky sky = Sky::solar) const { return sky == Sky::solar ? has_sky_ : has_thermal_sky_; }  ///< some sky radiance above zero
   const std::vector<double>& sky_zenith_rad() const { return sky_zenith_; }    ///< the table's own nodes
   std::vector<double> sky_azimuth_rad(Sky sky = Sky::solar) const;
@@ -37,6 +40,8 @@ class TableSpectra {
   Spectrum two_way_factor_thermal(double height_m, double zenith_rad) const;  ///< of reflected thermal sky
   Spectrum two_way_factor(double height_m, double zenith_rad) const;    ///< R2 = T(sun-target-sensor) / (T_sun T_view)
   Spectrum path_radiance(double height_m, double zenith_rad, double azimuth_rad) const;  ///< solar and thermal, W m-2 sr-1 um-1
+  Spectrum emitted_path(double height_m,
+                        double zenith_rad) const;  ///< its thermal part; the table must hold the row
   Spectrum solar_irradiance() const;                                    ///< E0; zero when the sun is down
   /// The table's own row, with what ground and air add to it; empty when it has none.
   Spectrum diffuse_irradiance(double height_m) const;

@@ -58,19 +58,21 @@ double area_scale(const shared::Instance& placed) {
 
 }  // namespace
 
-void check_temperatures(const scene::CompiledScene& scene, const std::string& file, base::Problems& problems) {
+void check_temperatures(const scene::CompiledScene& scene, const std::string& file, const std::string& demanded_by,
+                        base::Problems& problems) {
+  if (demanded_by.empty()) return;
   for (const auto curve : used_curves(scene)) {
     const auto& material = scene.materials[curve - 1];
     if (!(material.temperature_K > 0))
-      problems.add({file, 0, 0, "material '" + material.name + "'"}, "has no temperature, and the atmosphere table holds thermal light", "",
+      problems.add({file, 0, 0, "material '" + material.name + "'"}, "has no temperature, and " + demanded_by, "",
                    "give it temperature_K, or give [thermal] default_temperature_K");
   }
 }
 
-Emitters find_emitters(const scene::CompiledScene& scene, const std::string& file) {
+Emitters find_emitters(const scene::CompiledScene& scene, const std::string& file, const std::string& demanded_by) {
   Emitters out;
   base::Problems problems;
-  check_temperatures(scene, file, problems);
+  check_temperatures(scene, file, demanded_by, problems);
   problems.throw_if_any();
   double plain = 0;
   const auto curves = used_curves(scene);

@@ -13,12 +13,13 @@ struct Emitters {
   double surroundings_K = 0;       ///< mean over the area of all placed triangles
 };
 
-/// Adds a problem for every used material without a temperature.
-void check_temperatures(const scene::CompiledScene& scene, const std::string& file, base::Problems& problems);
+/// `demanded_by`, what needs temperatures (temperature_demand): adds a problem for every used material without one. Empty: nothing.
+void check_temperatures(const scene::CompiledScene& scene, const std::string& file, const std::string& demanded_by,
+                        base::Problems& problems);
 
-/// Throws one Error(input) that lists every used material without a temperature. A scene without triangles takes the plain
-/// mean over its materials, and 0 K without any.
-Emitters find_emitters(const scene::CompiledScene& scene, const std::string& file);
+/// Throws one Error(input) that lists what check_temperatures finds. Materials without a temperature stand at 0 K and emit nothing
+/// where none is demanded. A scene without triangles takes the plain mean over its materials, and 0 K without any.
+Emitters find_emitters(const scene::CompiledScene& scene, const std::string& file, const std::string& demanded_by);
 
 /// B at one temperature on a grid, W m-2 sr-1 um-1.
 Spectrum planck_spectrum(const std::vector<double>& wavelength_um, double temperature_K);

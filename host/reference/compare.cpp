@@ -23,6 +23,9 @@ struct Comparison::Result {
 
 namespace {
 
+/// Part of the tolerance from which on the light that surfaces emit is reported though the plan has none.
+constexpr double kThermalShown = 0.1;
+
 /// What each band's difference is relative to.
 std::vector<double> scales(const std::vector<double>& reference, double floor) {
   double largest = 0;
@@ -310,6 +313,8 @@ Report Comparison::report() const {
     report.model_emission = figure([](const Result& r, std::size_t b) { return r.arithmetic.emission[b] - r.model.emission[b]; });
     report.model_surroundings =
         figure([](const Result& r, std::size_t b) { return r.arithmetic.surroundings[b] - r.model.surroundings[b]; });
+    // A plan without thermal light where there is some to be seen.
+    report.thermal = report.thermal || report.model_emission.figure > kThermalShown * report.limits.model;
   }
   std::sort(ordered.begin(), ordered.end(), [](const Result* a, const Result* b) { return a->number < b->number; });
   for (const Result* r : ordered) {

@@ -83,9 +83,11 @@ struct SkyShare {
   static constexpr double kHalfStep_rad = 1.1999816148643266;
 };
 
-/// Model form: the whole table at each pixel's exact view and heights, and a dense set of sky directions. Thermal light: every
-/// material at its own temperature, and what hides the sky is looked up: it sends (1 - rho) B at its own temperature, and
-/// rho B at the plan's surroundings' for the light that falls on it.
+/// Model form: the whole table at each pixel's exact view and heights, and a dense set of sky directions.
+/// Thermal light, whether the plan has it or not: every material that has a temperature emits at it, and what
+/// the table says of path and sky is added. Where the plan has thermal light, what hides the sky is looked
+/// up: it sends (1 - rho) B at its own temperature, and rho B at the plan's surroundings' for the light that
+/// falls on it.
 class TableModel {
  public:
   /// Keeps references. `no_air`: transmissions 1, no sky, no path.
@@ -110,14 +112,17 @@ class TableModel {
   const atmos::RenderTable& table_;
   bool no_air_;
   bool sun_ = true, skylight_ = true;      ///< the table has rows of the sun's light
+  bool warm_path_ = false, warm_sky_ = false;  ///< and of the air's own
   std::vector<std::vector<double>> reflectance_;
+  std::vector<std::vector<double>>
+      emitted_;  ///< [material][grid] (1 - reflectance) B; empty without a temperature
   std::vector<glm::dvec3> direction_;
   std::size_t stride_ = 1;                 ///< a sample looks into every so many
   double solid_angle_ = 0;                 ///< sr, of each direction that a sample looks into
   double height_first_ = 0, height_step_ = 1;
   std::optional<EnvironmentModel> environment_;
   std::vector<std::vector<float>> sky_;    ///< [height node][direction * table wavelengths], W m-2 sr-1 um-1
-  std::vector<std::vector<float>> thermal_sky_;  ///< the same; empty without thermal light
+  std::vector<std::vector<float>> thermal_sky_;  ///< the same; empty where the table has none
 };
 
 }  // namespace raycube::reference

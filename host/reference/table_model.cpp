@@ -34,7 +34,15 @@ TableModel::TableModel(const ReferenceScene& scene, const plan::Plan& plan, cons
       reflectance_(reflectance_on(scene.compiled, plan.wavelength_um)) {
   sun_ = plan.sun_up && table.has("solar_irradiance");
   skylight_ = !no_air && table.has("sky_radiance_solar");
-  if (no_air) return;
+  warm_path_ = !no_air && table.has("path_radiance_thermal");
+  warm_sky_ = !no_air && table.has("sky_radiance_thermal");
+  for (std::size_t m = 0; m < scene.compiled.materials.size(); ++m) {
+    std::vector<double>& light = emitted_.emplace_back();
+    const double kelvin = scene.compiled.materials[m].temperature_K;
+    for (std::size_t i = 0; kelvin > 0 && i < plan.wavelength_um.size(); ++i)
+      light.push_back((1 - reflectance_[m][i]) * base::planck_radiance(plan.wavelength_um[i], kelvin));
+  }
+  if (no_air && !plan.thermal.on) return;  // nothing comes from anywhere but the sun
   if (!plan.environment.empty()) environment_.emplace(scene, plan, table);
   // Spiral of equal solid angles (Gonzalez 2010, Mathematical Geosciences 42, 49), upper half.
   const double turn = std::numbers::pi * (3 - std::sqrt(5.0));
@@ -66,7 +74,7 @@ TableModel::TableModel(const ReferenceScene& scene, const plan::Plan& plan, cons
     if (environment_)
       for (const glm::dvec3& d : direction_)
         for (double radiance : environment_->sky_increment(z, zenith_deg(d))) values[at++] += static_cast<float>(radiance);
-    if (!plan.thermal.on) continue;
+    if (!warm_sky_) continue;
     std::vector<float>& emitted = thermal_sky_.emplace_back();
     for (const glm::dvec3& d : direction_)
       for (double radiance : atmos::sky_radiance_thermal(table, z, zenith_deg(d))) emitted.push_back(static_cast<float>(radiance));
@@ -105,10 +113,11 @@ std::vector<double> TableModel::surface_light(std::uint32_t surface) const {
   for (int m = 0; m < 4; ++m) {
     if (s.curve[m] == 0) continue;
     const std::vector<double>& rho = reflectance_[s.curve[m] - 1];
-    const double own_K = scene_.compiled.materials[s.curve[m] - 1].temperature_K;
+    const std::vector<double>& own = emitted_[s.curve[m] - 1];
     for (std::size_t i = 0; i < out.size(); ++i)
-      out[i] += static_cast<double>(s.fraction[m]) * ((1 - rho[i]) * base::planck_radiance(plan_.wavelength_um[i], own_K) +
-                                                      rho[i] * base::planck_radiance(plan_.wavelength_um[i], plan_.thermal.surroundings_K));
+      out[i] += static_cast<double>(s.fraction[m]) *
+                ((own.empty() ? 0 : own[i]) +
+                 rho[i] * base::planck_radiance(plan_.wavelength_um[i], plan_.thermal.surroundings_K));
   }
   return out;
 }
@@ -185,7 +194,7 @@ BandRadiance TableModel::radiance(const SampledPixel& pixel) const {
       };
       if (table_.has("path_radiance_solar"))
         add(atmos::path_radiance(table_, z, zenith, azimuth_deg(pixel.to_sensor) - table_.sun_azimuth_deg));
-      if (plan_.thermal.on) add(atmos::path_radiance_thermal(table_, z, zenith));
+      if (warm_path_) add(atmos::path_radiance_thermal(table_, z, zenith));
     }
     if (environment_) {
       const std::vector<double> l = on_grid(environment_->light(around, z, zenith));
@@ -193,16 +202,17 @@ BandRadiance TableModel::radiance(const SampledPixel& pixel) const {
     }
     if (ends[end].empty()) continue;
     const std::vector<double> sun_light = on_grid(source(z, zenith, Light::sun)), through = source(z, zenith, Light::sky);
-    std::vector<double> thermal_through, direct;
-    if (plan_.thermal.on) thermal_through = source(z, zenith, Light::thermal_sky), direct = on_grid(source(z, zenith, Light::direct));
+    const std::vector<double> direct = on_grid(source(z, zenith, Light::direct));
+    std::vector<double> thermal_through;
+    if (warm_sky_) thermal_through = source(z, zenith, Light::thermal_sky);
     for (const auto& [material, sum] : ends[end]) {
       const std::vector<double>& rho = reflectance_[material];
       for (std::size_t i = 0; i < grid; ++i) sun[i] += rho[i] * sum.sun * sun_light[i];
+      const std::vector<double>& own = emitted_[material];
+      for (std::size_t i = 0; i < own.size(); ++i)
+        emission[i] += own[i] * sum.cover * std::numbers::pi * direct[i];
       if (direction_.empty()) continue;
       if (plan_.thermal.on) {
-        const double kelvin = scene_.compiled.materials[material].temperature_K;
-        for (std::size_t i = 0; i < grid; ++i)
-          emission[i] += (1 - rho[i]) * sum.cover * std::numbers::pi * direct[i] * base::planck_radiance(plan_.wavelength_um[i], kelvin);
         for (const auto& [blocker, weight] : sum.hidden) {
           std::vector<double> light;
           if (blocker != RC_NONE) light = surface_light(blocker);
@@ -221,13 +231,13 @@ BandRadiance TableModel::radiance(const SampledPixel& pixel) const {
           if (w == 0) continue;
           const float* l = sky_[node].data() + k * lines;
           for (std::size_t i = 0; i < lines; ++i) irradiance[i] += w * static_cast<double>(l[i]);
-          if (!plan_.thermal.on) continue;
+          if (!warm_sky_) continue;
           const float* e = thermal_sky_[node].data() + k * lines;
           for (std::size_t i = 0; i < lines; ++i) emitted[i] += w * static_cast<double>(e[i]);
         }
       }
       for (std::size_t i = 0; i < lines; ++i) irradiance[i] *= through[i];
-      if (plan_.thermal.on)
+      if (warm_sky_)
         for (std::size_t i = 0; i < lines; ++i) irradiance[i] += emitted[i] * thermal_through[i];
       const std::vector<double> light = on_grid(irradiance);
       for (std::size_t i = 0; i < grid; ++i) sky[i] += rho[i] * light[i];

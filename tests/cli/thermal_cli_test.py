@@ -110,4 +110,38 @@ with tempfile.TemporaryDirectory() as work:
     write_table(work / "air.rct", 290.0, 0.3, sky=False)
     program.refused("render", same, "-o", work / "half", status=2, says=["no row 'sky_radiance_thermal'", "thermal light"])
 
+    # A plate that fills the view, without air: 1200 K at 2.2 um by day (B = 9972.8), 300 K at 10 um by night
+    # (B = 9.92403).
+    def vacuum(name, material, zenith, center_nm):
+        path = work / f"{name}.toml"
+        path.write_text(f"""format = 1
+time = {{ sun = {{ zenith_deg = {zenith} }} }}
+atmosphere = {{ model = "none" }}
+material = [{{ name = "plate", {material} }}]
+plane = [{{ material = "plate", size_m = [60, 60] }}]
+[[instrument]]
+name = "camera"
+kind = "framing"
+pixels = 4
+lines = 4
+position_m = [0, 0, 500]
+ifov_mrad = 2
+samples = {{ grid = [4, 4] }}
+bands = {{ first_nm = {center_nm}, step_nm = 10, count = 1, fwhm_nm = 5 }}
+""")
+        return path
+
+    lava = vacuum("lava", "reflectance = 0.1, temperature_K = 1200", 40, 2200)
+    run("render", lava, "-o", work / "lava", "-q")
+    _, cube = envi(work / "lava" / "camera", "radiance")
+    check(8975 < cube.min() < 8980 and cube.max() < 8980, cube)  # 0.9 B, and 1.99 of the sun
+    check('"passed": true' in run("check", lava, "--json", "--pixels", 16).stdout)
+    black = vacuum("black", "reflectance = 0, temperature_K = 300", 120, 10000)
+    run("render", black, "-o", work / "black", "-q")
+    _, cube = envi(work / "black" / "camera", "radiance")
+    check(numpy.abs(cube / 9.92403 - 1).max() < 2e-6, cube)
+    cold = vacuum("cold", "reflectance = 0.5", 120, 10000)
+    says = ["cold.toml", "material 'plate'", "beyond 4 um"]
+    program.refused("render", cold, "-o", work / "cold", status=2, says=says)
+
 print(f"{program.checks} checks hold")

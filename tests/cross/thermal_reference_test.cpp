@@ -143,3 +143,35 @@ TEST_CASE("S61 more than four components of sky: glowing surfaces under a clear 
   CHECK(plan.components() > 4);
   CHECK(plan.sky.quads == 2);
 }
+
+TEST_CASE(
+    "S61 lava below 3 um, under a table that holds no thermal row: the reference has its light, so a plan "
+    "without it fails the check") {
+  auto simulation = village({{0.3, 300}, {0.2, 300}, {0.4, 300}, {0.1, 300}, {0.15, 300}}, 60);
+  simulation.scene.materials[0].temperature_K = 700;  // a field: little of it lights the others at 2.2 um
+  simulation.sun.zenith_deg = 40, simulation.sun.azimuth_deg = 200;
+  simulation.instruments[0].bands = test::gaussian_bands({1.0, 1.6, 2.2}, 0.02);
+  const auto table = atmos::build_clear_sky(
+      simulation.atmosphere, simulation.sun, 600, atmos::clear_sky_wavelengths(0.9, 2.3, 0.005),
+      atmos::clear_sky_heights(simulation.scene.lo[2], simulation.scene.hi[2]));
+  const scene::Instrument& camera = simulation.instruments[0];
+  const auto checked = [&] {
+    const plan::Plan plan = plan::make_plan(simulation, camera, table, sensors::view_bounds(camera));
+    render::Renderer renderer(simulation.scene, {});
+    cli::CheckOptions options;
+    options.pixels = 64, options.model_pixels = 48;
+    return cli::check_instrument(renderer, simulation, camera, plan, table, options);
+  };
+  const auto with = checked();
+  MESSAGE(with.text({}));
+  CHECK(with.thermal);
+  CHECK(with.model_emission.figure < 1e-3);  // nodes of height and view
+  CHECK(with.beyond_pixels == 0);
+  simulation.thermal_below_3um = false;
+  const auto without = checked();
+  MESSAGE(without.text({}));
+  CHECK(without.thermal);
+  CHECK(without.model_emission.figure > 0.5);
+  CHECK(without.model_total.figure > 0.5);
+  CHECK(!without.failures().empty());
+}

@@ -57,6 +57,15 @@ TEST_CASE("A-18 S6.3 a real .chn becomes a table: its columns come back through 
     worst = std::max(worst, std::abs(total * t_dif[i] / above - run.at("coefficient_b").values[i]));
   }
   // Diffuse irradiance is clamped at 0 where A and the direct column, both printed, leave less.
+  // What the path emits is the channels' own column: below 3 um too.
+  const auto emitted = path_radiance_thermal(table, 0, 0);
+  double most = 0;
+  for (std::size_t i = 0; i < emitted.size(); ++i) {
+    CHECK(emitted[i] == doctest::Approx(run.at("path_radiance_thermal").values[i]).epsilon(1e-6));
+    most = std::max(most, emitted[i] / run.at("radiance").values[i]);
+  }
+  MESSAGE("the path's own light: at most ", most, " of a channel");
+  CHECK(most > 0.005);
   MESSAGE("A and B through the table: worst difference ", worst);
   CHECK(worst < 1e-6);
 }
