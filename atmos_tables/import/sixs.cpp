@@ -45,6 +45,24 @@ const std::vector<Item>& items() {
   return kItems;
 }
 
+/// Heading and columns of the table by wavelength that 6S writes in steps of 2.5 nm (iwave = -2); "" = not
+/// kept. swl holds the earth-sun factor.
+constexpr const char* kTableHeading = "wave total total total total atm. swl step sbor dsol toar";
+struct TableColumn {
+  const char *name, *unit, *source;
+};
+constexpr TableColumn kTable[] = {{"", "um", "wave"},
+                                  {"sun_ground_sensor_transmittance_gas", "1", "total gas trans"},
+                                  {"sun_ground_transmittance_scattering", "1", "total scat down"},
+                                  {"ground_sensor_transmittance_scattering", "1", "total scat up"},
+                                  {"spherical_albedo", "1", "total spheri albedo"},
+                                  {"reflectance_path", "1", "atm. intr refl"},
+                                  {"solar_irradiance", "W m-2 um-1", "swl"},
+                                  {"", "um", "step"},
+                                  {"", "1", "sbor"},
+                                  {"", "1", "dsol"},
+                                  {"reflectance_apparent", "1", "toar"}};
+
 class Reader {
  public:
   explicit Reader(const std::string& path) : path_(path), lines_(read_lines(path)) {}
@@ -85,6 +103,13 @@ class Reader {
   }
 
   void line(const std::string& text) {
+    if (text.rfind(kTableHeading, 0) == 0) {
+      table_ = true;
+      for (const TableColumn& column : kTable)
+        rows_.push_back({column.name, column.unit, column.source, {}, {}, {}});
+      return;
+    }
+    if (table_ && table_row(text)) return;
     if (const auto zenith = after(text, "solar zenith angle:")) run_.geometry.sun_zenith_deg = zenith->value;
     if (const auto zenith = after(text, "view zenith angle:")) run_.geometry.view_zenith_deg = zenith->value;
     if (const auto azimuth = after(text, "azimuthal angle difference:")) run_.geometry.relative_azimuth_deg = folded_azimuth_deg(azimuth->value);
@@ -115,6 +140,41 @@ class Reader {
     }
   }
 
+  /// A line of as many numbers as the table has columns; others (its heading's lower lines, what follows) are
+  /// none of it.
+  bool table_row(const std::string& text) {
+    const auto words = split_blanks(text);
+    if (words.size() != std::size(kTable) ||
+        words[0].find_first_not_of("0123456789.") != std::string_view::npos)
+      return false;
+    for (std::size_t i = 0; i < words.size(); ++i) {
+      const Number number = need_number(words[i], here(), kTable[i].source, problems_);
+      rows_[i].values.push_back(number.value), rows_[i].rounding.push_back(number.rounding);
+    }
+    return true;
+  }
+
+  /// The table in place of the integrals over its whole range, which say nothing of any one wavelength.
+  void finish_table(const base::Where& title) {
+    run_.mode = "spectrum";
+    run_.wavelength_um = rows_[0].values;
+    if (run_.wavelength_um.size() < 2)
+      problems_.add(title, "a table by wavelength with fewer than 2 rows",
+                    std::to_string(run_.wavelength_um.size()), "the output is cut short");
+    for (std::size_t i = 1; i < run_.wavelength_um.size(); ++i)
+      if (!(run_.wavelength_um[i] > run_.wavelength_um[i - 1])) {
+        problems_.add(title, "wavelengths of the table do not ascend",
+                      std::to_string(run_.wavelength_um[i]) + " um", "rows are missing or out of order");
+        break;
+      }
+    run_.columns.clear();
+    for (Column& column : rows_)
+      if (!column.name.empty()) run_.columns.push_back(std::move(column));
+    run_.notes.push_back(
+        "a table by wavelength: means over its whole range (optical depths, irradiances, radiances) are left "
+        "out");
+  }
+
   void keep(const char* name, const char* unit, const char* source, const Number& number) {
     run_.columns.push_back({name, unit, source, {}, {number.value}, {number.rounding}});
   }
@@ -122,16 +182,27 @@ class Reader {
   void finish(Imported& out) {
     run_.mode = monochromatic_ ? "one wavelength" : "one band";
     const base::Where title{path_, title_line_, 0, ""};
-    if (run_.wavelength_um.size() != 1) problems_.add(title, "the run names no band (wl inf, wl sup)", "", "the output is cut short");
-    for (const char* name : {"reflectance_apparent", "radiance", "sun_ground_transmittance_gas", "spherical_albedo"})
-      if (!run_.find(name)) problems_.add(title, std::string("the run has no ") + name, "", "the output is cut short");
+    if (table_)
+      finish_table(title);
+    else
+      need_band(title);
     if (problems_.empty()) {
-      solar();
+      if (!table_) solar();
       check_run(run_, title, problems_);
       out.runs.push_back(std::move(run_));
     }
     run_ = {};
-    monochromatic_ = false;
+    rows_.clear();
+    monochromatic_ = table_ = false;
+  }
+
+  void need_band(const base::Where& title) {
+    if (run_.wavelength_um.size() != 1)
+      problems_.add(title, "the run names no band (wl inf, wl sup)", "", "the output is cut short");
+    for (const char* name :
+         {"reflectance_apparent", "radiance", "sun_ground_transmittance_gas", "spherical_albedo"})
+      if (!run_.find(name))
+        problems_.add(title, std::string("the run has no ") + name, "", "the output is cut short");
   }
 
   /// E0 = solar spectrum in the band / width of the filter; with it reflectance = pi L / (E0 cos sun), to the printed digits.
@@ -163,7 +234,8 @@ class Reader {
   base::Problems problems_;
   std::size_t at_ = 0;
   int title_line_ = 0;
-  bool started_ = false, monochromatic_ = false;
+  bool started_ = false, monochromatic_ = false, table_ = false;
+  std::vector<Column> rows_;  ///< of the table by wavelength
   Run run_;
   Column width_, in_band_;
 };

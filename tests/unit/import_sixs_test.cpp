@@ -65,6 +65,40 @@ TEST_CASE("S20 6S: bands, angles, transmittances, albedo, radiances, two runs in
   CHECK(run.find("filter_width") == nullptr);
 }
 
+TEST_CASE(
+    "S20 6SV: a table by wavelength (iwave = -2) is a spectrum; the optical depth of its whole range is "
+    "nobody's") {
+  // Layout of 6SV's formats 1500 and 1501: 6(F6.4,1X), F6.1, 4(F6.4,1X).
+  const std::string table =
+      "*wave   total  total  total  total  atm.   swl    step   sbor   dsol   toar *\n"
+      "*       gas    scat   scat   spheri intr                                    *\n"
+      "*       trans  down   up     albedo refl                                    *\n"
+      "*0.4500 0.9900 0.8100 0.8200 0.2100 0.0900 2069.7 0.0025 0.5000 1.0333 0.1500 *\n"
+      "*0.4525 0.9890 0.8110 0.8210 0.2090 0.0890 2060.1 0.0025 1.0000 1.0333 0.1490 *\n"
+      "*0.4550 0.9880 0.8120 0.8220 0.2080 0.0880 2050.5 0.0025 0.5000 1.0333 0.1480 *\n";
+  const TestFolder folder;
+  const std::size_t at = kRun.find("*        apparent");
+  folder.write("a.txt", kRun.substr(0, at) + table + kRun.substr(at) + kRun);
+  const Imported imported = import_file(folder / "a.txt");
+  REQUIRE(imported.runs.size() == 2);
+  const Run& run = imported.runs[0];
+  CHECK(run.mode == "spectrum");
+  REQUIRE(run.wavelength_um.size() == 3);
+  CHECK(run.wavelength_um[1] == doctest::Approx(0.4525));
+  CHECK(run.at("spherical_albedo").values[2] == 0.208);
+  CHECK(run.at("solar_irradiance").values[0] == 2069.7);
+  CHECK(run.at("ground_sensor_transmittance_scattering").values[1] == 0.821);
+  CHECK(run.at("reflectance_apparent").values[2] == 0.148);
+  CHECK(run.find("optical_depth_aerosol") == nullptr);
+  REQUIRE(run.notes.size() == 1);
+  CHECK(holds(run.notes[0], "whole range"));
+  CHECK(imported.runs[1].at("optical_depth_aerosol").values[0] == 0.2);
+  CHECK(holds(refused(kRun.substr(0, at) + table.substr(0, table.find("*0.4525")) + kRun.substr(at)),
+              "a.txt:1: a table by wavelength with fewer than 2 rows"));
+  CHECK(holds(refused(kRun.substr(0, at) + replaced(table, "0.4550", "0.4500") + kRun.substr(at)),
+              "do not ascend"));
+}
+
 TEST_CASE("S20 6S: faults are refused with file and line") {
   REQUIRE(refused(kRun).empty());
   const auto with = [](const std::string& from, const std::string& to) { return refused(replaced(kRun, from, to)); };
