@@ -22,6 +22,8 @@ using base::Problems;
 constexpr const char* kLayeredKeys[] = {"profile",       "profile_file", "co2_ppmv", "ch4_ppmv",  "aerosol", "visibility_km",
                                         "humidity_percent", "season", "stratosphere", "wind_m_s", "cloud", "gas_bands", "streams", "k_terms", "layering",
                                         "spectral_step_nm", "lines", "line_wing_cm1", "partition_sums", "cross_section"};
+/// Of both models; pressure_hPa and ground_height_m say where the ground lies, with a table too.
+constexpr const char* kColumnKeys[] = {"water_g_cm2", "ozone_atm_cm", "aod_550"};
 constexpr const char* kClearSkyKeys[] = {"angstrom", "ssa", "asymmetry", "ground_albedo"};
 
 /// A key that the chosen model would ignore is an error.
@@ -32,16 +34,26 @@ void refuse_keys(const Record& record, const char* const (&keys)[N], const char*
       problems.add(record.place(key), std::string("'") + key + "' belongs to model = \"" + model + "\"", "", "remove it, or choose that model");
 }
 
+/// What says how much aerosol there is, or of what kind, says nothing of none. A depth of 0 is no
+/// contradiction.
+void refuse_amounts_of_none(const Record& record, Problems& problems) {
+  for (const char* key :
+       {"aod_550", "visibility_km", "humidity_percent", "season", "stratosphere", "wind_m_s"})
+    if (record.given(key) && !(std::string(key) == "aod_550" && record.number(key) == 0))
+      problems.add(
+          record.place(key),
+          std::string("'") + key + "' belongs to an aerosol, and aerosol = \"none\" holds none at any height",
+          "", "remove it, or name an aerosol");
+}
+
 AirSpec read_layered(const Record& record, Problems& problems) {
   AirSpec air;
   const auto number = [&](const char* key, double& value) {
     if (record.given(key)) value = record.number(key);
   };
-  if (record.given("profile") && record.given("profile_file"))
-    problems.add(record.place("profile_file"), "'profile' and 'profile_file' exclude each other", "both", "remove one");
   air.profile = record.text("profile");
   if (record.given("profile_file")) {
-    air.profile = std::filesystem::absolute(record.text("profile_file")).lexically_normal().string();
+    air.profile_file = std::filesystem::absolute(record.text("profile_file")).lexically_normal().string();
     check_readable(record.text("profile_file"), record.place("profile_file"), problems);
   }
   number("pressure_hPa", air.pressure_hPa), number("water_g_cm2", air.water_g_cm2), number("ozone_atm_cm", air.ozone_atm_cm);
@@ -51,6 +63,10 @@ AirSpec read_layered(const Record& record, Problems& problems) {
     problems.add(record.place("aod_550"), "'aod_550' and 'visibility_km' exclude each other", "both", "remove one");
   air.visibility_km = record.number("visibility_km");
   air.aerosol = record.text("aerosol");
+  if (air.aerosol == "none") refuse_amounts_of_none(record, problems);
+  if (air.aerosol != "none" && air.aerosol != "desert" && record.given("wind_m_s"))
+    problems.add(record.place("wind_m_s"), "'wind_m_s' raises the desert aerosol alone",
+                 "aerosol = \"" + air.aerosol + "\"", "remove it, or choose that aerosol");
   air.season = record.text("season");
   air.stratosphere = record.text("stratosphere");
   air.wind_m_s = record.number("wind_m_s");
@@ -100,6 +116,20 @@ AtmosphereSpec read_atmosphere(const Record& root, const Origin& origin, Problem
   const bool table = record->given("tables");
   if (table || model != "layered") refuse_keys(*record, kLayeredKeys, "layered", problems);
   if (table || model != "clear_sky") refuse_keys(*record, kClearSkyKeys, "clear_sky", problems);
+  const auto refuse_columns = [&](const char* what) {
+    for (const char* key : kColumnKeys)
+      if (record->given(key))
+        problems.add(record->place(key), std::string("'") + key + "' " + what, "", "remove it");
+  };
+  if (table)
+    refuse_columns("would shape a model's air, and 'tables' holds its own");
+  else if (out.none)
+    refuse_columns("says something of air, and model = \"none\" has none");
+  for (const char* key : {"pressure_hPa", "adjacency"})
+    if (out.none && record->given(key) && !(std::string(key) == "adjacency" && record->text(key) == "off"))
+      problems.add(record->place(key),
+                   std::string("'") + key + "' says something of air, and model = \"none\" has none", "",
+                   "remove it");
   if (model == "layered") out.layered = read_layered(*record, problems);
   if (record->given("tables")) {
     out.table_file = std::filesystem::absolute(record->text("tables")).lexically_normal().string();

@@ -79,39 +79,25 @@ struct Sun {
 /// Light between ground and air; automatic: local where the table has the rows, else off.
 enum class Adjacency { automatic, local, mean, off };
 
-/// A cloud or fog that covers the whole sky. Heights above the sea.
+/// A cloud or fog that covers the whole sky; air_spec.def has the fields of this and the next two. Heights
+/// above the sea.
 struct CloudSpec {
-  std::string kind = "stratus";
-  double base_km = 0, top_km = 0, optical_depth_550 = 0;
+#define RC_CLOUD(type, name, fallback, text) type name = fallback;
+#include "scene_compiler/air_spec.def"
 };
 
 /// Absorption cross-sections of one gas from a user's file.
 struct CrossSectionSpec {
-  std::string gas;                       ///< any name; those of the profile's gases replace their band model
-  std::string file;                      ///< absolute path
-  double ppmv = -1;                      ///< mixing ratio at every height; below 0: the profile's
+#define RC_CROSS_SECTION(type, name, fallback, text) type name = fallback;
+#define RC_CROSS_SECTION_FILE(name, text) std::string name;
+#include "scene_compiler/air_spec.def"
 };
 
-/// The air of the layered model. A number below 0: as the profile has it.
+/// The air of the layered model.
 struct AirSpec {
-  std::string profile = "us_standard";   ///< an AFGL name, or the absolute path of a CSV profile
-  double pressure_hPa = -1;              ///< at the ground
-  double water_g_cm2 = -1, ozone_atm_cm = -1, co2_ppmv = -1, ch4_ppmv = -1;
-  std::string aerosol = "rural";         ///< of the boundary layer
-  double visibility_km = 23;             ///< meteorological range
-  double aod_550 = -1;                   ///< total vertical depth at 0.55 um; below 0: by visibility
-  double humidity_percent = -1;          ///< of the aerosol; below 0: the profile's at the ground
-  std::string season = "spring_summer", stratosphere = "background";
-  double wind_m_s = 10;                  ///< desert aerosol alone
-  std::vector<CloudSpec> clouds;
-  bool henyey_greenstein = false;        ///< phase functions by asymmetry alone (comparisons)
-  std::string gas_bands = "blended";     ///< or lowtran
-  int streams = 16, k_terms = 3, layering = 1;  ///< accuracy: docs/atmosphere.md
-  double spectral_step_um = 0;           ///< of the table; 0: the model's own grid
-  std::string lines;                     ///< HITRAN .par, absolute path; empty: band models alone
-  double line_wing_per_cm = 25;          ///< where a line ends
-  std::string partition_sums;            ///< CSV, absolute path; empty: by formula
-  std::vector<CrossSectionSpec> cross_sections;
+#define RC_AIR(type, name, fallback, text) type name = fallback;
+#define RC_AIR_FILE(name, text) std::string name;
+#include "scene_compiler/air_spec.def"
 };
 
 /// Parameters of the built-in clear-sky model, or the file of an imported table.

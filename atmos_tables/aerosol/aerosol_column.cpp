@@ -109,6 +109,7 @@ void AerosolColumn::add_aerosols(const AerosolSpec& spec, const AirProfile& prof
                        " of air at its clearest; all heights are scaled by " + text(spec.aod_550 / least));
     for (HeightProfile& region : heights) region.scale(spec.aod_550 / least);
   }
+  aod_550_ = total_depth(heights);
   humidity_percent_ = spec.humidity_percent;
   if (humidity_percent_ < 0)
     humidity_percent_ =

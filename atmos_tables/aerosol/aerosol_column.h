@@ -50,6 +50,9 @@ class AerosolColumn {
   double backscatter_per_sr(std::size_t component, double wavelength_um) const;
 
   double visibility_km() const { return visibility_km_; }        ///< used, also when a depth was asked for
+  double aod_550() const {
+    return aod_550_;
+  }  ///< whole vertical depth of the aerosols at 0.55 um; clouds do not count
   double humidity_percent() const { return humidity_percent_; }  ///< used
   /// What a user should know: held visibility or humidity, depth below the least, kinds without a phase function of their own.
   const std::vector<std::string>& notices() const { return notices_; }
@@ -69,7 +72,7 @@ class AerosolColumn {
   std::vector<Component> components_;
   bool henyey_greenstein_ = false;
   BetweenWaves between_waves_ = BetweenWaves::power_law;
-  double visibility_km_ = 0, humidity_percent_ = 0;
+  double visibility_km_ = 0, aod_550_ = 0, humidity_percent_ = 0;
   std::vector<std::string> notices_;
 };
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "atmos_tables/optics/profile_csv.h"
+#include "atmos_tables/optics/profile_fill.h"
 #include "atmos_tables/optics/profile_scaling.h"
 #include "atmos_tables/optics/rayleigh_air.h"
 #include "atmos_tables/optics/standard_air.h"
@@ -14,8 +14,7 @@ namespace raycube::atmos {
 
 namespace {
 
-/// Half a metre: levels closer than this are one.
-constexpr double kSame_km = 0.0005;
+constexpr double kSame_km = kSameHeight_km;
 /// Refraction is that of 0.55 um everywhere: dispersion changes airmass by less than 1e-4 up to 85 deg.
 constexpr double kRefractionAt_um = 0.55;
 /// Layers of the solver where nothing asks for finer ones, km above the sea.
@@ -23,10 +22,18 @@ constexpr double kBase_km[] = {0.5, 1, 2, 3, 4, 5, 6, 8, 10, 12, 15, 18, 21, 25,
 /// LOWTRAN7's layers are 1 km thick up to 25 km, then:
 constexpr double kLowtranAbove_km[] = {30, 35, 40, 45, 50, 70};
 
-AirProfile base_profile(const scene::AirSpec& spec) {
+AfglModel model_of(const scene::AirSpec& spec) {
   for (std::size_t i = 0; i < kAfglNames.size(); ++i)
-    if (spec.profile == kAfglNames[i]) return afgl_profile(static_cast<AfglModel>(i));
-  return read_profile_csv(spec.profile);
+    if (spec.profile == kAfglNames[i]) return static_cast<AfglModel>(i);
+  throw base::Error(base::Fault::input,
+                    "'" + spec.profile + "' is no model atmosphere; a file goes into profile_file");
+}
+
+AirProfile base_profile(const scene::AirSpec& spec, std::vector<std::string>& notices) {
+  if (spec.profile_file.empty()) return afgl_profile(model_of(spec));
+  CompletedProfile made = completed(read_profile_csv(spec.profile_file), model_of(spec), kTopOfStack_km);
+  notices.insert(notices.end(), made.notices.begin(), made.notices.end());
+  return std::move(made.air);
 }
 
 std::vector<double> stack_levels(const scene::AirSpec& spec, double ground_km, double top_km, const std::vector<double>& marks_km,
@@ -66,7 +73,7 @@ std::vector<double> stack_levels(const scene::AirSpec& spec, double ground_km, d
 }  // namespace
 
 AirProfile make_profile(const scene::AirSpec& spec, double ground_km, std::vector<std::string>& notices) {
-  AirProfile profile = cut_at_ground(extended_down(base_profile(spec), ground_km), ground_km);
+  AirProfile profile = cut_at_ground(extended_down(base_profile(spec, notices), ground_km), ground_km);
   if (spec.pressure_hPa >= 0) profile = with_ground_pressure(profile, spec.pressure_hPa);
   if (spec.co2_ppmv >= 0) profile = with_ground_mixing_ratio(profile, Gas::co2, spec.co2_ppmv);
   if (spec.ch4_ppmv >= 0) profile = with_ground_mixing_ratio(profile, Gas::ch4, spec.ch4_ppmv);

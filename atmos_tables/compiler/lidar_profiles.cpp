@@ -230,8 +230,15 @@ RenderTable build_lidar(const scene::AtmosphereSpec& spec, const std::vector<dou
   j["model"] = "raycube LIDAR profiles";
   j["sources"] = {"profile: " + profile.source(), "Rayleigh: Bodhaine et al. 1999; King factors Bates 1984",
                   "aerosols: LOWTRAN7 (Shettle & Fenn 1979), Mie phase functions"};
-  j["parameters"] = {{"ground_height_m", spec.ground_height_m}, {"profile", spec.layered->profile}, {"aerosol", spec.layered->aerosol},
-                     {"cabannes_only", options.cabannes_only}, {"lines", spec.layered->lines}, {"lidar_ratio_sr", ratios}};
+  j["parameters"] = {{"ground_height_m", spec.ground_height_m},
+                     {"profile", spec.layered->profile},
+                     {"profile_file", spec.layered->profile_file},
+                     {"aerosol", spec.layered->aerosol},
+                     {"visibility_km", aerosols.visibility_km()},
+                     {"aod_550", aerosols.aod_550()},
+                     {"cabannes_only", options.cabannes_only},
+                     {"lines", spec.layered->lines},
+                     {"lidar_ratio_sr", ratios}};
   j["notices"] = notices;
   j["stated_errors"] = {"molecules 0.1 %; lidar ratios of the aerosol models 30 %: 70 Mie functions are shared between models"};
   table.provenance_json = j.dump();

@@ -16,6 +16,11 @@ namespace raycube::atmos {
 
 namespace {
 
+/// Water over saturation that a level may hold, %: more is no air. Humidity of real sondes errs by up to 5 %.
+constexpr double kMostHumid = 105;
+/// Below this pressure the formula of saturation is out of its range and humidity means nothing.
+constexpr double kHumidFrom_hPa = 100;
+
 /// What a column sets. Gases come after height, pressure, temperature and air: their units may need those.
 struct Column {
   std::string quantity;  ///< two columns may not give the same one
@@ -49,8 +54,8 @@ bool find_column(const std::string& name, Column& out) {
     else if (name == "h2o_g_per_m3")
       out = {gas, 2, 0, 1000, [g](AirLevel& l, double v) { l.gas_per_cm3[g] = v * 1e-6 / kMolarMass_g[g] * kAvogadro; }};
     else if (name == "h2o_relative_humidity_percent")
-      out = {gas, 2, 0, 200, [g](AirLevel& l, double v) {
-               l.gas_per_cm3[g] = v * saturation_pressure_hPa(l.temperature_K) / (kBoltzmann_J_per_K * l.temperature_K) * 1e-6;
+      out = {gas, 2, 0, 1000, [g](AirLevel& l, double v) {
+               l.gas_per_cm3[g] = 0.01 * v * saturation_per_cm3(l.temperature_K);
              }};
     else continue;
     return true;
@@ -95,20 +100,42 @@ std::vector<Column> read_header(const std::vector<std::string>& names, const bas
 
 }  // namespace
 
-AirProfile read_profile_csv(const std::string& file) {
+namespace {
+
+/// Refuses what is wetter than air can be; holds a relative humidity at saturation, and says whether it did.
+bool hold_at_saturation(AirLevel& level, bool relative, const base::Where& where, base::Problems& problems) {
+  const double saturated = saturation_per_cm3(level.temperature_K),
+               humid = 100 * level.gas(Gas::h2o) / saturated;
+  const double rounding = 1 + 1e-9;
+  if (level.pressure_hPa <= kHumidFrom_hPa && !relative) return false;
+  if (humid > kMostHumid * rounding) {
+    char found[96];
+    std::snprintf(found, sizeof found, "%.6g %% at %.2f K", humid, level.temperature_K);
+    problems.add(where, "air holds no more water than 100 % relative humidity", found,
+                 "correct water or temperature; a relative humidity of up to 105 % is taken as a sonde's "
+                 "error and held at 100 %");
+  }
+  if (!relative || !(humid > 100 * rounding)) return false;
+  level.gas(Gas::h2o) = saturated;
+  return true;
+}
+
+}  // namespace
+
+ProfileFile read_profile_csv(const std::string& file) {
   base::refuse_other_than_plain(file);
   std::ifstream in(file);
   if (!in) throw base::Error(base::Fault::environment, file + ": cannot be read; check the name and its permissions");
   return read_profile_csv(in, file);
 }
 
-AirProfile read_profile_csv(std::istream& in, const std::string& name) {
+ProfileFile read_profile_csv(std::istream& in, const std::string& name) {
   base::Problems problems;
   std::vector<Column> columns;
   std::vector<AirLevel> levels;
   std::vector<int> line_of;
-  int number = 0;
-  bool has_header = false;
+  int number = 0, held = 0;
+  bool has_header = false, relative = false;
   for (std::string line; std::getline(in, line);) {
     ++number;
     if (number == 1 && line.rfind("\xef\xbb\xbf", 0) == 0) line.erase(0, 3);  // byte order mark
@@ -119,6 +146,7 @@ AirProfile read_profile_csv(std::istream& in, const std::string& name) {
     if (!has_header) {
       has_header = true;
       columns = read_header(cells, where, problems);
+      relative = std::find(cells.begin(), cells.end(), "h2o_relative_humidity_percent") != cells.end();
       problems.throw_if_any();  // rows cannot be judged without their columns
       continue;
     }
@@ -149,6 +177,7 @@ AirProfile read_profile_csv(std::istream& in, const std::string& name) {
       if (level.gas_per_cm3[g] > level.air_per_cm3)
         problems.add(where, std::string(kGasNames[g]) + " is more than all the air", std::to_string(level.ppmv(Gas(g))) + " ppmv",
                      "check its unit");
+    held += hold_at_saturation(level, relative, where, problems);
     levels.push_back(level);
     line_of.push_back(number);
   }
@@ -166,7 +195,15 @@ AirProfile read_profile_csv(std::istream& in, const std::string& name) {
       problems.add(where, "pressure must fall with height", std::to_string(levels[i].pressure_hPa) + " hPa", "correct the line");
   }
   problems.throw_if_any();
-  return AirProfile(std::move(levels), name);
+  ProfileFile out{AirProfile(std::move(levels), name), {}, {}};
+  for (std::size_t g = 0; g < kGases; ++g)
+    out.given[g] = std::any_of(columns.begin(), columns.end(),
+                               [&](const Column& c) { return c.quantity == kGasNames[g]; });
+  if (held > 0)
+    out.notices.push_back("profile " + name +
+                          ": water above saturation was held at 100 % relative humidity at " +
+                          std::to_string(held) + " levels");
+  return out;
 }
 
 }  // namespace raycube::atmos

@@ -29,7 +29,7 @@ std::vector<double> water_caps_per_cm3(const AirProfile& profile) {
   std::vector<double> out;
   double share = 0.5;
   for (const AirLevel& level : profile.levels()) {
-    const double saturated = 1e-4 * saturation_pressure_hPa(level.temperature_K) / (kBoltzmann_J_per_K * level.temperature_K);
+    const double saturated = saturation_per_cm3(level.temperature_K);
     if (level.pressure_hPa < 300) share = std::min(share, saturated / level.air_per_cm3);
     out.push_back(std::max(level.gas(Gas::h2o), std::min(saturated, share * level.air_per_cm3)));
   }
@@ -53,7 +53,7 @@ WaterScaling capped(const AirProfile& profile, double factor) {
 AirProfile extended_down(const AirProfile& profile, double ground_km) {
   // The gradient is that of the lowest kilometre: thin layers and inversions at the ground do not run away.
   const AirLevel &low = profile.levels()[0], next = profile.at(std::min(low.height_km + 1, profile.top_km()));
-  if (ground_km >= low.height_km) return profile;
+  if (ground_km >= low.height_km - kSameHeight_km) return profile;
   if (!(ground_km >= low.height_km - 1))
     throw base::Error(base::Fault::input, "ground at " + std::to_string(ground_km) + " km lies more than 1 km below the profile's lowest level (" +
                                               std::to_string(low.height_km) + " km); give a profile that reaches it");
@@ -71,9 +71,11 @@ AirProfile extended_down(const AirProfile& profile, double ground_km) {
 }
 
 AirProfile cut_at_ground(const AirProfile& profile, double ground_km) {
-  std::vector<AirLevel> levels{profile.at(ground_km)};
+  const bool below = ground_km < profile.ground_km() && ground_km >= profile.ground_km() - kSameHeight_km;
+  std::vector<AirLevel> levels{profile.at(below ? profile.ground_km() : ground_km)};
+  levels.front().height_km = ground_km;
   for (const AirLevel& level : profile.levels())
-    if (level.height_km > ground_km) levels.push_back(level);
+    if (level.height_km > ground_km + kSameHeight_km) levels.push_back(level);
   return AirProfile(std::move(levels), profile.source());
 }
 
@@ -92,6 +94,10 @@ AirProfile with_ground_pressure(const AirProfile& profile, double pressure_hPa) 
 double saturation_pressure_hPa(double temperature_K) {
   const double celsius = temperature_K - 273.15;
   return 6.1094 * std::exp(17.625 * celsius / (celsius + 243.04));
+}
+
+double saturation_per_cm3(double temperature_K) {
+  return 1e-4 * saturation_pressure_hPa(temperature_K) / (kBoltzmann_J_per_K * temperature_K);
 }
 
 WaterScaling with_water_column(const AirProfile& profile, double water_g_cm2) {

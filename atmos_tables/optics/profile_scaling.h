@@ -7,11 +7,16 @@
 
 namespace raycube::atmos {
 
-/// The profile with a level added at a ground below its lowest one (at most 1 km below, else Error(input)): temperature goes on
-/// with the gradient of the lowest kilometre, pressure and densities exponentially. A ground inside it: the profile as it is.
+/// Heights closer than half a metre are one: 350 m and 0.35 km may differ by rounding.
+inline constexpr double kSameHeight_km = 0.0005;
+
+/// The profile with a level added at a ground below its lowest one (at most 1 km below, else Error(input)):
+/// temperature goes on with the gradient of the lowest kilometre, pressure and densities exponentially. A
+/// ground inside it, or at its lowest level to half a metre: the profile as it is.
 AirProfile extended_down(const AirProfile& profile, double ground_km);
 
-/// The profile above a ground at this height inside it; levels above stay as they are.
+/// The profile above a ground at this height, inside it or half a metre below; levels more than half a metre
+/// above stay as they are.
 AirProfile cut_at_ground(const AirProfile& profile, double ground_km);
 
 /// Ground pressure set (300..1100 hPa): the hydrostatic change that leaves the temperatures alone is one factor on pressures at
@@ -21,6 +26,8 @@ AirProfile with_ground_pressure(const AirProfile& profile, double pressure_hPa);
 
 /// Saturation vapour pressure over water, hPa: 6.1094 exp(17.625 t / (t + 243.04)), t in C (Alduchov & Eskridge 1996).
 double saturation_pressure_hPa(double temperature_K);
+/// The same as molecules of water per cm3.
+double saturation_per_cm3(double temperature_K);
 
 struct WaterScaling {
   AirProfile profile;

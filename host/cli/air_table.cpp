@@ -1,13 +1,12 @@
 #include "host/cli/air_table.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <tuple>
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "atmos_tables/clear_sky.h"
@@ -19,40 +18,13 @@
 #include "host/base/error.h"
 #include "host/base/interrupt.h"
 #include "host/base/progress.h"
-#include "host/base/sha256.h"
 
 namespace raycube::cli {
 
 namespace {
 
-std::string file_text(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-/// Which bytes a file holds, without reading gigabytes: name, size and time of the last change.
-nlohmann::json file_stamp(const std::string& path) {
-  if (path.empty()) return nullptr;
-  std::error_code error;
-  const auto size = std::filesystem::file_size(path, error);
-  const auto changed = std::filesystem::last_write_time(path, error).time_since_epoch().count();
-  return {path, size, changed};
-}
-
-std::string request_hash(const AirRequest& r, const std::vector<double>& wavelengths, const std::vector<double>& heights) {
-  const scene::AirSpec& air = *r.spec->layered;
-  const bool own_profile = std::filesystem::path(air.profile).is_absolute();
-  nlohmann::json clouds;
-  for (const auto& cloud : air.clouds) clouds.push_back({cloud.kind, cloud.base_km, cloud.top_km, cloud.optical_depth_550});
-  nlohmann::json cross_sections;
-  for (const auto& table : air.cross_sections) cross_sections.push_back({table.gas, table.ppmv, file_stamp(table.file)});
-  const nlohmann::json key = {
-      base::program_hash(), r.spec->ground_height_m, r.sun.zenith_deg, r.sun.azimuth_deg, r.sun.day_of_year, r.sun.moon_phase_deg, r.sensor_height_m,
-      wavelengths, heights, own_profile ? base::sha256_hex(file_text(air.profile)) : air.profile, air.pressure_hPa,
-      air.water_g_cm2, air.ozone_atm_cm, air.co2_ppmv, air.ch4_ppmv, air.aerosol, air.visibility_km, air.aod_550,
-      air.humidity_percent, air.season, air.stratosphere, air.henyey_greenstein, air.gas_bands, air.streams, air.k_terms,
-      air.layering, air.wind_m_s, clouds, file_stamp(air.lines), air.line_wing_per_cm, file_stamp(air.partition_sums), cross_sections};
-  return base::sha256_hex(key.dump());
+nlohmann::json provenance_of(const atmos::RenderTable& table) {
+  return table.provenance_json.empty() ? nlohmann::json() : nlohmann::json::parse(table.provenance_json);
 }
 
 atmos::RenderTable build_with_progress(const AirRequest& request, const std::vector<double>& wavelengths,
@@ -84,8 +56,10 @@ std::optional<atmos::RenderTable> known_table(const AirRequest& request) {
   return {};
 }
 
-atmos::RenderTable air_table(const AirRequest& request, Context& context) {
-  const base::Doing doing("making the table of the air");
+namespace {
+
+/// Read, built, or taken from the cache.
+atmos::RenderTable made_table(const AirRequest& request, Context& context) {
   const scene::AtmosphereSpec& spec = *request.spec;
   if (auto known = known_table(request)) return std::move(*known);
   if (!spec.layered)
@@ -115,6 +89,31 @@ atmos::RenderTable air_table(const AirRequest& request, Context& context) {
     context.log.detail(std::string("atmosphere: the table could not be kept for the next run: ") + failed.what());
   }
   return table;
+}
+
+}  // namespace
+
+atmos::RenderTable air_table(const AirRequest& request, Context& context) {
+  const base::Doing doing("making the table of the air");
+  atmos::RenderTable table = made_table(request, context);
+  if (!request.spec->table_file.empty()) return table;  // its notices were said when it was made
+  const auto provenance = provenance_of(table);
+  if (provenance.contains("notices"))
+    for (const auto& notice : provenance["notices"]) context.log.warning(notice.get<std::string>());
+  if (const std::string aerosol = aerosol_text(table); !aerosol.empty())
+    context.log.detail("atmosphere: " + aerosol.substr(0, aerosol.size() - 1));
+  return table;
+}
+
+std::string aerosol_text(const atmos::RenderTable& table) {
+  const auto provenance = provenance_of(table);
+  if (!provenance.contains("parameters") || !provenance["parameters"].contains("aod_550")) return "";
+  const auto& p = provenance["parameters"];
+  std::string out = fmt::format("aerosol: optical depth {:.4g} at 550 nm", p["aod_550"].get<double>());
+  if (p.contains("aerosol")) out += " (" + p["aerosol"].get<std::string>();
+  if (p.contains("aerosol") && p["visibility_km"].is_number())
+    out += fmt::format(", visibility {:.3g} km", p["visibility_km"].get<double>());
+  return out + (p.contains("aerosol") ? ")\n" : "\n");
 }
 
 std::pair<double, double> band_range(const std::vector<scene::Band>& bands) {

@@ -12,10 +12,11 @@
 
 #include "atmos_tables/compiler/lidar_profiles.h"
 #include "atmos_tables/interpolate.h"
-#include "atmos_tables/optics/standard_air.h"
 #include "atmos_tables/rct_file.h"
 #include "host/base/error.h"
 #include "host/base/output_file.h"
+#include "host/cli/air_options.h"
+#include "host/cli/air_table.h"
 #include "scene_compiler/load_simulation.h"
 
 namespace raycube::cli {
@@ -25,10 +26,11 @@ namespace {
 constexpr double kUnset = std::numeric_limits<double>::quiet_NaN();
 
 struct Options {
-  std::string file, profile, aerosol, lines, partition_sums;
+  std::string file, lines, partition_sums;
+  AirOptions air;
   std::vector<std::string> wavelengths, heights, cross_sections, ratios, depolarizations;
   bool cabannes = false;
-  double ground = kUnset, visibility = kUnset, aod = kUnset, humidity = kUnset, ch4 = kUnset, water = kUnset;
+  double ground = kUnset, ch4 = kUnset, water = kUnset;
 };
 
 double number_of(const std::string& text, const std::string& option) {
@@ -77,13 +79,7 @@ scene::AtmosphereSpec spec_of(const Options& o) {
     if (!std::isnan(typed)) standing = typed;
   };
   replace(spec.ground_height_m, o.ground);
-  if (!o.profile.empty()) {
-    const auto known = std::find(atmos::kAfglNames.begin(), atmos::kAfglNames.end(), o.profile);
-    air.profile = known != atmos::kAfglNames.end() ? o.profile : absolute(o.profile);
-  }
-  if (!o.aerosol.empty()) air.aerosol = o.aerosol;
-  replace(air.visibility_km, o.visibility), replace(air.aod_550, o.aod), replace(air.humidity_percent, o.humidity);
-  if (!std::isnan(o.visibility)) air.aod_550 = -1;
+  apply(o.air, air);
   replace(air.ch4_ppmv, o.ch4), replace(air.water_g_cm2, o.water);
   if (!o.lines.empty()) air.lines = absolute(o.lines);
   if (!o.partition_sums.empty()) air.partition_sums = absolute(o.partition_sums);
@@ -147,9 +143,11 @@ int run(const Options& o, Context& context) {
   const std::string output = context.common.output.empty() ? "lidar.rct" : context.common.output;
   const std::string hash = atmos::write_rct(table, output, context.common.overwrite ? base::IfExists::replace : base::IfExists::refuse);
   if (context.common.json)
-    context.out << nlohmann::json{{"table", output}, {"content_hash", hash}}.dump() << "\n";
+    context.out
+        << nlohmann::json{{"table", output}, {"content_hash", hash}, {"atmosphere", provenance}}.dump()
+        << "\n";
   else
-    context.out << "table: " << output << "\n" << ground_text(table);
+    context.out << "table: " << output << "\n" << aerosol_text(table) << ground_text(table);
   return 0;
 }
 
@@ -195,11 +193,7 @@ Verb verb_atmos_lidar() {
     table.text("--lines", "FILE", "HITRAN line list (.par)", o->lines);
     table.text("--partition-sums", "FILE", "CSV of partition sums instead of the formula", o->partition_sums);
     table.texts("--cross-section", "GAS=FILE[,PPMV]", "CSV of cross-sections of a gas", o->cross_sections);
-    table.text("--profile", "NAME|FILE", "AFGL model atmosphere by name, or a CSV profile", o->profile).default_text = "FILE's, or us_standard";
-    table.text("--aerosol", "NAME", "Aerosol of the lowest 2 km", o->aerosol).default_text = "FILE's, or rural";
-    number("--visibility", "km", 0.02, 323, "Meteorological range", o->visibility, "FILE's, or 23");
-    number("--aod", "", 0, 5, "Aerosol optical depth at 0.55 um instead of a visibility", o->aod, "FILE's");
-    number("--humidity", "%", 0, 99, "Relative humidity that swells the aerosol", o->humidity, "FILE's, or the profile's");
+    add_air_options(table, o->air, "FILE's, or by --visibility");
     number("--water", "g/cm2", 0, 10, "Precipitable water", o->water, "FILE's, or the profile's");
     number("--ch4", "ppmv", 0, 1000, "Methane at the ground", o->ch4, "FILE's, or the profile's");
     number("--ground-height", "m", -500, 9000, "Height of z = 0 above the sea", o->ground, "FILE's, or 0");

@@ -10,11 +10,11 @@
 #include <nlohmann/json.hpp>
 
 #include "atmos_tables/clear_sky_inputs.h"
-#include "atmos_tables/optics/standard_air.h"
 #include "atmos_tables/rct_file.h"
 #include "atmos_tables/report.h"
 #include "host/base/error.h"
 #include "host/base/output_file.h"
+#include "host/cli/air_options.h"
 #include "host/cli/air_table.h"
 #include "host/cli/atmos_compare.h"
 #include "host/cli/atmos_import.h"
@@ -34,13 +34,14 @@ base::IfExists if_exists(const CommonOptions& common) {
 }
 
 struct BuildOptions {
-  std::string file, model, profile, aerosol, lines;
+  std::string file, model, lines;
+  AirOptions air;
   bool no_air = false, no_cache = false;
-  double visibility = kUnset, co2 = kUnset, ch4 = kUnset, humidity = kUnset;
+  double co2 = kUnset, ch4 = kUnset;
   double sun_zenith = kUnset, sun_azimuth = kUnset, day = kUnset;
   double sensor = kUnset, lowest = kUnset, highest = kUnset;
   double first_um = kUnset, last_um = kUnset, step_nm = 0;
-  double ground = kUnset, pressure = kUnset, water = kUnset, ozone = kUnset, aod = kUnset, angstrom = kUnset;
+  double ground = kUnset, pressure = kUnset, water = kUnset, ozone = kUnset, angstrom = kUnset;
   double ssa = kUnset, asymmetry = kUnset, albedo = kUnset;
 };
 
@@ -49,8 +50,42 @@ void replace(double& standing, double typed) {
   if (!std::isnan(typed)) standing = typed;
 }
 
-/// Options of one model alone are refused with the other; the shared ones go where the model reads them.
+/// An option that would shape air, as typed; empty: none.
+std::string typed_air(const BuildOptions& o) {
+  const std::pair<bool, const char*> given[] = {{!o.model.empty(), "--model"},
+                                                {!o.air.profile.empty(), "--profile"},
+                                                {!o.air.fill.empty(), "--fill"},
+                                                {!o.air.aerosol.empty(), "--aerosol"},
+                                                {!std::isnan(o.air.visibility_km), "--visibility"},
+                                                {!std::isnan(o.air.aod_550), "--aod"},
+                                                {!std::isnan(o.air.humidity_percent), "--humidity"},
+                                                {!o.lines.empty(), "--lines"},
+                                                {!std::isnan(o.co2), "--co2"},
+                                                {!std::isnan(o.ch4), "--ch4"},
+                                                {!std::isnan(o.pressure), "--pressure"},
+                                                {!std::isnan(o.water), "--water"},
+                                                {!std::isnan(o.ozone), "--ozone"},
+                                                {!std::isnan(o.angstrom), "--angstrom"},
+                                                {!std::isnan(o.ssa), "--ssa"},
+                                                {!std::isnan(o.asymmetry), "--asymmetry"},
+                                                {!std::isnan(o.albedo), "--ground-albedo"}};
+  for (const auto& [is, option] : given)
+    if (is) return option;
+  return "";
+}
+
+/// Options of one model alone are refused with the other, all of them without air; the shared ones go where
+/// the model reads them.
 void choose_model(const BuildOptions& o, scene::AtmosphereSpec& air) {
+  if (!o.no_air && !o.model.empty()) air.none = false;
+  if (air.none) {
+    if (const std::string option = typed_air(o); !option.empty())
+      throw base::Error(base::Fault::input, option + " means nothing without air (" +
+                                                (o.no_air ? "--no-air" : "the file has model = \"none\"") +
+                                                "); remove it" + (o.no_air ? "" : ", or choose a --model"));
+    air.layered.reset();
+    return;
+  }
   const bool layered = o.model == "layered" || (o.model.empty() && (air.layered || o.file.empty()));
   const auto refuse = [&](bool given, const char* option, const char* model) {
     if (given)
@@ -58,9 +93,10 @@ void choose_model(const BuildOptions& o, scene::AtmosphereSpec& air) {
   };
   if (!layered) {
     air.layered.reset();
-    refuse(!o.profile.empty(), "--profile", "layered"), refuse(!o.aerosol.empty(), "--aerosol", "layered");
-    refuse(!o.lines.empty(), "--lines", "layered");
-    refuse(!std::isnan(o.visibility), "--visibility", "layered"), refuse(!std::isnan(o.humidity), "--humidity", "layered");
+    refuse(!o.air.profile.empty(), "--profile", "layered"), refuse(!o.air.fill.empty(), "--fill", "layered");
+    refuse(!o.air.aerosol.empty(), "--aerosol", "layered"), refuse(!o.lines.empty(), "--lines", "layered");
+    refuse(!std::isnan(o.air.visibility_km), "--visibility", "layered"),
+        refuse(!std::isnan(o.air.humidity_percent), "--humidity", "layered");
     refuse(!std::isnan(o.co2), "--co2", "layered"), refuse(!std::isnan(o.ch4), "--ch4", "layered");
     return;
   }
@@ -68,13 +104,8 @@ void choose_model(const BuildOptions& o, scene::AtmosphereSpec& air) {
   refuse(!std::isnan(o.asymmetry), "--asymmetry", "clear_sky"), refuse(!std::isnan(o.albedo), "--ground-albedo", "clear_sky");
   if (!air.layered) air.layered.emplace();
   scene::AirSpec& spec = *air.layered;
-  if (!o.profile.empty()) {
-    const auto known = std::find(atmos::kAfglNames.begin(), atmos::kAfglNames.end(), o.profile);
-    spec.profile = known != atmos::kAfglNames.end() ? o.profile : std::filesystem::absolute(o.profile).string();
-  }
-  if (!o.aerosol.empty()) spec.aerosol = o.aerosol;
+  apply(o.air, spec);
   if (!o.lines.empty()) spec.lines = std::filesystem::absolute(o.lines).lexically_normal().string();
-  replace(spec.visibility_km, o.visibility), replace(spec.aod_550, o.aod), replace(spec.humidity_percent, o.humidity);
   replace(spec.pressure_hPa, o.pressure), replace(spec.water_g_cm2, o.water), replace(spec.ozone_atm_cm, o.ozone);
   replace(spec.co2_ppmv, o.co2), replace(spec.ch4_ppmv, o.ch4);
 }
@@ -109,7 +140,7 @@ int build(const BuildOptions& o, Context& context) {
     if (std::isnan(o.pressure)) air.pressure_hPa = scene::standard_pressure_hPa(o.ground);
   }
   replace(air.pressure_hPa, o.pressure), replace(air.water_g_cm2, o.water), replace(air.ozone_atm_cm, o.ozone);
-  replace(air.aod_550, o.aod), replace(air.angstrom, o.angstrom), replace(air.ssa, o.ssa);
+  replace(air.aod_550, o.air.aod_550), replace(air.angstrom, o.angstrom), replace(air.ssa, o.ssa);
   replace(air.asymmetry, o.asymmetry), replace(air.ground_albedo, o.albedo);
   replace(simulation.sun.zenith_deg, o.sun_zenith), replace(simulation.sun.azimuth_deg, o.sun_azimuth);
   if (!std::isnan(o.day)) simulation.sun.day_of_year = static_cast<int>(o.day);
@@ -128,9 +159,13 @@ int build(const BuildOptions& o, Context& context) {
   if (const auto notice = atmos::no_light_notice(air, simulation.sun, first_um)) context.log.warning(*notice);
   const std::string hash = atmos::write_rct(table, output, if_exists(context.common));
   if (context.common.json)
-    context.out << nlohmann::json{{"table", output}, {"content_hash", hash}}.dump() << "\n";
+    context.out << nlohmann::json{{"table", output},
+                                  {"content_hash", hash},
+                                  {"atmosphere", nlohmann::json::parse(table.provenance_json)}}
+                       .dump()
+                << "\n";
   else
-    context.out << "table: " << output << "\n";
+    context.out << "table: " << output << "\n" << aerosol_text(table);
   return 0;
 }
 
@@ -165,17 +200,16 @@ Verb verb_build() {
     number("--pressure", "hPa", 1, 1200, "Air pressure at the ground", o->pressure, "FILE's, or 1013.25");
     number("--water", "g/cm2", 0, 10, "Precipitable water", o->water, "FILE's, or 1.5");
     number("--ozone", "atm cm", 0, 1, "Ozone column", o->ozone, "FILE's, or 0.32");
-    number("--aod", "", 0, 5, "Aerosol optical depth at 0.55 um", o->aod, "FILE's, or 0.1");
     number("--angstrom", "", -1, 5, "Angstrom exponent", o->angstrom, "FILE's, or 1.2");
     number("--ssa", "", 0, 1, "Aerosol single-scattering albedo at 0.4 um", o->ssa, "FILE's, or 0.945");
     number("--asymmetry", "", -0.95, 0.95, "Aerosol asymmetry factor", o->asymmetry, "FILE's, or 0.65");
     number("--ground-albedo", "", 0, 1, "Albedo of the surroundings in the sky's light", o->albedo, "FILE's, or 0");
     table.choice("--model", {"layered", "clear_sky"}, "Model of the air", o->model).default_text = "FILE's, or layered";
-    table.text("--profile", "NAME|FILE", "layered: tropical, midlatitude_summer or _winter, subarctic_summer or _winter, us_standard, or a CSV profile", o->profile).default_text = "FILE's, or us_standard";
-    table.text("--aerosol", "NAME", "layered: aerosol of the lowest 2 km: none, rural, urban, maritime, desert, tropospheric, fog_advective, fog_radiative", o->aerosol).default_text = "FILE's, or rural";
-    table.text("--lines", "FILE", "layered: HITRAN line list (.par); its gases are resolved at the table's wavelengths", o->lines).default_text = "FILE's, or none";
-    number("--visibility", "km", 0.02, 323, "layered: meteorological range", o->visibility, "FILE's, or 23");
-    number("--humidity", "%", 0, 99, "layered: relative humidity that swells the aerosol", o->humidity, "FILE's, or the profile's");
+    add_air_options(table, o->air, "FILE's, or by --visibility (layered), 0.1 (clear_sky)");
+    table
+        .text("--lines", "FILE",
+              "layered: HITRAN line list (.par); its gases are resolved at the table's wavelengths", o->lines)
+        .default_text = "FILE's, or none";
     number("--co2", "ppmv", 0, 1e4, "layered: carbon dioxide", o->co2, "FILE's, or the profile's 330");
     number("--ch4", "ppmv", 0, 1000, "layered: methane", o->ch4, "FILE's, or the profile's");
     table.flag("--no-cache", "Neither read nor keep a table of the layered model", o->no_cache);

@@ -97,7 +97,9 @@ nlohmann::json render_one(const scene::Simulation& simulation, const InstrumentJ
                                {"terms_p95", statistics.terms_p95},
                                {"tile_lines", statistics.tile_lines},
                                {"tile_columns", statistics.tile_columns}};
-  record.more_json = {{"rows", rows.dump()}, {"trace_program_hash", nlohmann::json(statistics.trace_program_hash).dump()},
+  record.more_json = {{"atmosphere", job.table.provenance_json},
+                      {"rows", rows.dump()},
+                      {"trace_program_hash", nlohmann::json(statistics.trace_program_hash).dump()},
                       {"launches", render::tuning_json(renderer.tuning())}};
   if (instrument.adaptive()) {
     const double refined = static_cast<double>(statistics.refined_pixels) / static_cast<double>(std::max<std::uint64_t>(1, statistics.adaptive_pixels));

@@ -111,11 +111,18 @@ TEST_CASE("A-15 transmission and path radiance of the thermal infrared per 0.5 u
       for (Gas gas : {Gas::o3, Gas::n2o, Gas::co, Gas::ch4, Gas::o2}) out << ',' << air.ppmv(gas);
       out << '\n';
     }
+    // Nothing but air above, which a file must say: what it does not hold is filled from a model.
+    const double top_km = levels.back()["z_km"], top_hPa = levels.back()["p_hPa"];
+    const double factor = top_hPa / summer.at(top_km).pressure_hPa;
+    out << top_km + 0.001 << ',' << 0.9998 * top_hPa << ',' << levels.back()["T_K"] << ",0,0,0,0,0,0,0\n";
+    for (const AirLevel& level : summer.levels())
+      if (level.height_km > top_km + 0.5)
+        out << level.height_km << ',' << factor * level.pressure_hPa << ',' << level.temperature_K << ",0,0,0,0,0,0,0\n";
   }
   scene::AtmosphereSpec spec;
   spec.ground_height_m = 1155;
   spec.layered.emplace();
-  spec.layered->profile = file;
+  spec.layered->profile_file = file, spec.layered->profile = "midlatitude_summer";
   spec.layered->visibility_km = 50;
   // Transmission and emission are the band model's; the solver adds what aerosol of depth 0.01 scatters.
   spec.layered->k_terms = 2, spec.layered->streams = 4;

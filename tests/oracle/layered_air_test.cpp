@@ -208,6 +208,6 @@ TEST_CASE("layered air: bad requests are one error that names everything") {
   unknown.layered->aerosol = "chalk";
   CHECK_THROWS_AS(build_layered(unknown, sun_at(40), 500, {0.5}, {0}), base::Error);
   auto no_file = spec;
-  no_file.layered->profile = "/nowhere/profile.csv";
+  no_file.layered->profile_file = "/nowhere/profile.csv";
   CHECK_THROWS_AS(build_layered(no_file, sun_at(40), 500, {0.5}, {0}), base::Error);
 }

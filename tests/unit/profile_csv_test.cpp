@@ -15,7 +15,7 @@ using namespace raycube::atmos;
 namespace {
 AirProfile read(const std::string& text) {
   std::istringstream in(text);
-  return read_profile_csv(in, "air.csv");
+  return read_profile_csv(in, "air.csv").air;
 }
 
 std::string message(const std::string& text) {
