@@ -18,6 +18,7 @@ const std::vector<std::string> kAllowed = {
     "host/plan/plan.h", "kernels/shared/",     "kernels/sampling/sampler.h",
     "kernels/sampling/lidar_draws.h",
     "scene_compiler/compiled_scene.h",         "scene_compiler/simulation.h",
+    "scene_compiler/air_spec.def",
     "scene_compiler/lidar_spec.h",             "host/lidar/lidar_plan.h",
     "host/lidar/shot.h",
     "atmos_tables/render_table.h",             "atmos_tables/interpolate.h",
