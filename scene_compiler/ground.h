@@ -12,8 +12,8 @@ class Ground {
  public:
   explicit Ground(std::vector<TerrainGrid> terrains) : terrains_(std::move(terrains)) {}
 
-  /// Local z of the ground at local x, y, m: the highest terrain there; off all of them the edge of the nearest one;
-  /// z = 0 in a scene without terrain.
+  /// Local z of the ground at local x, y, m: the highest terrain there; off all of them the edge of the
+  /// nearest one; z = 0 in a scene without terrain.
   double z_m(double x_m, double y_m) const;
 
  private:

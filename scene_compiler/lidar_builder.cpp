@@ -80,7 +80,8 @@ void check_together(const Record& record, const Lidar& lidar, const LidarReport&
                         "set from = \"transmitter\", or give an array");
 }
 
-Lidar read_lidar(const Record& record, const SceneParts& parts, const PlacedBox& box, bool has_sun, const LidarReport& report) {
+Lidar read_lidar(const Record& record, const SceneParts& parts, const PlacedBox& box, bool has_sun,
+                 const LidarReport& report) {
   Lidar out;
   out.name = record.text("name");
   const std::size_t before = report.problems.lines().size();
@@ -109,7 +110,8 @@ Lidar read_lidar(const Record& record, const SceneParts& parts, const PlacedBox&
 
 }  // namespace
 
-std::vector<Lidar> read_lidars(const Record& root, const SceneParts& parts, const PlacedBox& box, bool has_sun, std::vector<std::string>& notices, Problems& problems) {
+std::vector<Lidar> read_lidars(const Record& root, const SceneParts& parts, const PlacedBox& box,
+                               bool has_sun, std::vector<std::string>& notices, Problems& problems) {
   std::vector<Lidar> out;
   std::map<std::string, base::Where> places;
   for (const auto& instrument : root.records("instrument")) places.emplace(instrument.text("name"), instrument.where);

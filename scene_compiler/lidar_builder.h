@@ -12,10 +12,11 @@
 
 namespace raycube::scene {
 
-/// Every LIDAR, checked; heights above ground come from the terrains of `parts` (0 off them). Problems are collected. `box` is around all that is
-/// placed. `has_sun`: the file says
-/// where the sun is, so background light can be had.
-std::vector<Lidar> read_lidars(const Record& root, const SceneParts& parts, const PlacedBox& box, bool has_sun, std::vector<std::string>& notices, base::Problems& problems);
+/// Every LIDAR, checked; heights above ground come from the terrains of `parts` (0 off them). Problems are
+/// collected. `box` is around all that is placed. `has_sun`: the file says where the sun is, so background
+/// light can be had.
+std::vector<Lidar> read_lidars(const Record& root, const SceneParts& parts, const PlacedBox& box,
+                               bool has_sun, std::vector<std::string>& notices, base::Problems& problems);
 
 /// Half width at 1/e2 of a Gaussian over the half width that `definition` names: 1 ("1/e^2"), sqrt 2 ("1/e"), sqrt(2 / ln 2) ("FWHM"), 2 ("1 sigma");
 /// edge: 1, of a uniform beam. nullopt: no such definition. (LIDAR specification, 2.1.)

@@ -15,7 +15,9 @@ void read_turbulence(const Record& turbulence, Lidar& out, const LidarReport& re
     t.profile = TurbulenceProfile::hufnagel_valley;
     refuse_keys(turbulence, {"cn2"}, because, report);
   } else {
-    refuse_keys(turbulence, {"cn2", "wind_m_s", "ground_cn2", "ground_z_m", "outer_scale_m", "wander_convention"}, because, report);
+    refuse_keys(turbulence,
+                {"cn2", "wind_m_s", "ground_cn2", "ground_z_m", "outer_scale_m", "wander_convention"},
+                because, report);
   }
   t.cn2 = turbulence.number("cn2");
   if (turbulence.given("ground_z_m")) t.ground_z_m = turbulence.number("ground_z_m");
@@ -52,11 +54,15 @@ void read_detector(const Record& detector, bool has_sun, Lidar& out, const Lidar
 void read_echoes(const Record& echoes, Lidar& out, const LidarReport& report) {
   LidarEchoes& e = out.echoes;
   const std::string& method = echoes.text("method");
-  e.method = method == "peak" ? EchoMethod::peak : method == "gaussian" ? EchoMethod::gaussian : EchoMethod::constant_fraction;
+  e.method = method == "peak"       ? EchoMethod::peak
+             : method == "gaussian" ? EchoMethod::gaussian
+                                    : EchoMethod::constant_fraction;
   if (out.detector.mode == DetectorMode::geiger)
-    refuse_keys(echoes, {"false_returns", "threshold_sigma", "air_is_background", "noise_class_above"}, "mode = \"geiger\"", report);
+    refuse_keys(echoes, {"false_returns", "threshold_sigma", "air_is_background", "noise_class_above"},
+                "mode = \"geiger\"", report);
   if (count_given(echoes, {"false_returns", "threshold_sigma"}) == 2)
-    report.problems.add(echoes.place("threshold_sigma"), "'false_returns' and 'threshold_sigma' exclude each other", "both", "remove one");
+    report.problems.add(echoes.place("threshold_sigma"),
+                        "'false_returns' and 'threshold_sigma' exclude each other", "both", "remove one");
   const bool by_sigma = echoes.given("threshold_sigma");
   e.false_returns = by_sigma ? 0 : echoes.number("false_returns");
   if (by_sigma) e.threshold_sigma = echoes.number("threshold_sigma");

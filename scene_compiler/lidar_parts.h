@@ -39,8 +39,9 @@ void read_echoes(const Record& echoes, Lidar& out, const LidarReport& report);
 void read_outputs(const Record* speckle, const Record* products, Lidar& out);
 
 /// `box`: around all that is placed.
-/// What is known before the first pulse to leave records empty or turbulence unsure of its ground: notices, and errors where
-/// nothing can be meant by it.
-void check_before_first_pulse(const Record& record, const SceneParts& parts, const PlacedBox& box, const Lidar& lidar, const LidarReport& report);
+/// What is known before the first pulse to leave records empty or turbulence unsure of its ground: notices,
+/// and errors where nothing can be meant by it.
+void check_before_first_pulse(const Record& record, const SceneParts& parts, const PlacedBox& box,
+                              const Lidar& lidar, const LidarReport& report);
 
 }  // namespace raycube::scene::detail

@@ -48,8 +48,10 @@ double nearest_between_m(const Box& box, const std::array<double, 3>& a, const s
   double low = 0, high = 1;
   for (int i = 0; i < 80; ++i) {
     const double third = (high - low) / 3;
-    if (at(low + third) <= at(high - third)) high -= third;
-    else low += third;
+    if (at(low + third) <= at(high - third))
+      high -= third;
+    else
+      low += third;
   }
   return std::min({at(0), at(1), at(0.5 * (low + high))});
 }
@@ -61,15 +63,16 @@ double nearest_on_way_m(const Box& box, const std::vector<LidarPose>& poses) {
     const auto a = place(poses[i - 1]), b = place(poses[i]);
     const double length = std::hypot(b[0] - a[0], b[1] - a[1], b[2] - a[2]);
     // No place between two poses is nearer than half of the way between them allows.
-    if (0.5 * (nearest_m(box, a) + nearest_m(box, b) - length) < nearest) nearest = std::min(nearest, nearest_between_m(box, a, b));
+    if (0.5 * (nearest_m(box, a) + nearest_m(box, b) - length) < nearest)
+      nearest = std::min(nearest, nearest_between_m(box, a, b));
   }
   return nearest;
 }
 
 }  // namespace
 
-Reach reach_of(const std::array<float, 3>& lo, const std::array<float, 3>& hi, const std::vector<Volume>& volumes,
-               const Lidar& lidar) {
+Reach reach_of(const std::array<float, 3>& lo, const std::array<float, 3>& hi,
+               const std::vector<Volume>& volumes, const Lidar& lidar) {
   std::vector<Box> boxes;
   if (lo[0] <= hi[0]) boxes.push_back({{lo[0], lo[1], lo[2]}, {hi[0], hi[1], hi[2]}});
   for (const auto& volume : volumes) boxes.push_back(box_of(volume));
@@ -77,14 +80,16 @@ Reach reach_of(const std::array<float, 3>& lo, const std::array<float, 3>& hi, c
   Reach reach{std::numeric_limits<double>::infinity(), 0};
   for (const auto& box : boxes) {
     reach.nearest_m = std::min(reach.nearest_m, nearest_on_way_m(box, lidar.trajectory));
-    for (const auto& pose : lidar.trajectory) reach.farthest_m = std::max(reach.farthest_m, farthest_m(box, place(pose)));
+    for (const auto& pose : lidar.trajectory)
+      reach.farthest_m = std::max(reach.farthest_m, farthest_m(box, place(pose)));
   }
   // The exit and the pupil lie up to so far from the platform's place.
   double arm_m = 0;
   for (const LidarMount* mount : {&lidar.transmitter, &lidar.receiver_mount})
     arm_m = std::max(arm_m, std::hypot(mount->offset_m[0], mount->offset_m[1], mount->offset_m[2]));
   reach.nearest_m = std::max(0.0, reach.nearest_m - arm_m), reach.farthest_m += arm_m;
-  if (lidar.transport.range_limit_m > 0) reach.farthest_m = std::min(reach.farthest_m, lidar.transport.range_limit_m);
+  if (lidar.transport.range_limit_m > 0)
+    reach.farthest_m = std::min(reach.farthest_m, lidar.transport.range_limit_m);
   return reach;
 }
 

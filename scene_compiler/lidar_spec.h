@@ -107,7 +107,8 @@ struct LidarTurbulence {
   TurbulenceProfile profile = TurbulenceProfile::none;
   double cn2 = 0;                  ///< m^-2/3, constant
   double wind_m_s = 21, ground_cn2 = 1.7e-14;  ///< Hufnagel-Valley v and A
-  std::optional<double> ground_z_m;  ///< scene z that Hufnagel-Valley heights count from; none: the ground below each place of the path
+  std::optional<double> ground_z_m;  ///< scene z that Hufnagel-Valley heights count from; none: the ground
+                                     ///< below each place of the path
   bool spread = true, wander = true, scintillation = true, blur = true, broadening = true;
   double outer_scale_m = 1;        ///< temporal broadening alone
   bool andrews_wander = false;     ///< 2.42 Cn2 L^3 w^-1/3 (two axes) instead of the first-order Gaussian weight
@@ -137,10 +138,13 @@ struct LidarDetector {
 enum class EchoMethod { peak, constant_fraction, gaussian };
 struct LidarEchoes {
   EchoMethod method = EchoMethod::gaussian;
-  double threshold_sigma = 4;      ///< above the noise of background and electronics, where false_returns is 0
-  double false_returns = 0;        ///< of a record by chance, at most; > 0: thresholds follow from it instead of threshold_sigma
-  bool air_is_background = false;  ///< the air's expected return counts as background light: subtracted, its noise in the threshold
-  double noise_class_above = 0;    ///< returns that chance makes more often in a record are LAS class 7; 0: none
+  double threshold_sigma = 4;  ///< above the noise of background and electronics, where false_returns is 0
+  double false_returns =
+      0;  ///< of a record by chance, at most; > 0: thresholds follow from it instead of threshold_sigma
+  bool air_is_background = false;  ///< the air's expected return counts as background light: subtracted, its
+                                   ///< noise in the threshold
+  double noise_class_above =
+      0;  ///< returns that chance makes more often in a record are LAS class 7; 0: none
   double threshold_pe = 1;         ///< and at least so many photo-electrons in the peak bin
   double fraction = 0.5;           ///< constant fraction
   int max_returns = 15;

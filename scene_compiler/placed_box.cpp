@@ -28,7 +28,8 @@ double spacing_m(const PlacedBox& box) {
 
 double size_m(const PlacedBox& box) {
   double size = 0;
-  for (std::size_t i = 0; i < 3; ++i) size = std::max(size, static_cast<double>(box.hi[i]) - static_cast<double>(box.lo[i]));
+  for (std::size_t i = 0; i < 3; ++i)
+    size = std::max(size, static_cast<double>(box.hi[i]) - static_cast<double>(box.lo[i]));
   return size;
 }
 
@@ -51,7 +52,8 @@ std::vector<PlacedBox> placed_boxes(const SceneParts& parts) {
       // Each column of the matrix brings the least and the most by one end of the box.
       double lo = m[4 * row + 3], hi = lo;
       for (std::size_t i = 0; i < 3; ++i) {
-        const double a = m[4 * row + i] * static_cast<double>(box.lo[i]), b = m[4 * row + i] * static_cast<double>(box.hi[i]);
+        const double a = m[4 * row + i] * static_cast<double>(box.lo[i]),
+                     b = m[4 * row + i] * static_cast<double>(box.hi[i]);
         lo += std::min(a, b), hi += std::max(a, b);
       }
       widen(world, row, static_cast<float>(lo), static_cast<float>(hi));
@@ -72,7 +74,9 @@ void check_resolution(const SceneParts& parts, const std::vector<PlacedBox>& box
                       std::vector<std::string>& notices, base::Problems& problems) {
   double worst = 0;
   std::size_t at = 0, coarse = 0;
-  const auto size_of = [&](std::size_t i) { return i < parts.terrains.size() ? std::sqrt(parts.terrains[i].cell_area_m2()) : size_m(boxes[i]); };
+  const auto size_of = [&](std::size_t i) {
+    return i < parts.terrains.size() ? std::sqrt(parts.terrains[i].cell_area_m2()) : size_m(boxes[i]);
+  };
   for (std::size_t i = 0; i < boxes.size(); ++i) {
     if (boxes[i].empty()) continue;
     const double size = size_of(i), share = size > 0 ? spacing_m(boxes[i]) / size : 0;
@@ -81,16 +85,25 @@ void check_resolution(const SceneParts& parts, const std::vector<PlacedBox>& box
   }
   if (!(worst > kNoticeAbove)) return;
   const PlacedBox& box = boxes[at];
-  const auto place = [&](std::size_t i) { return number_text(std::round(0.5 * (static_cast<double>(box.lo[i]) + static_cast<double>(box.hi[i])))); };
+  const auto place = [&](std::size_t i) {
+    return number_text(std::round(0.5 * (static_cast<double>(box.lo[i]) + static_cast<double>(box.hi[i]))));
+  };
   const std::string what = "'" + parts.meshes[parts.placed[at].mesh].name + "'";
-  const std::string found = (at < parts.terrains.size() ? "cells of " : "") + number_text(size_of(at)) + " m at " + place(0) + ", " + place(1) + ", " + place(2) +
+  const std::string found = (at < parts.terrains.size() ? "cells of " : "") + number_text(size_of(at)) +
+                            " m at " + place(0) + ", " + place(1) + ", " + place(2) +
                             ", where coordinates are " + number_text(spacing_m(box)) + " m apart";
-  const std::string way_out = "move the scene to its origin: subtract easting and northing from positions and state them as scene.origin";
+  const std::string way_out =
+      "move the scene to its origin: subtract easting and northing from positions and state them as "
+      "scene.origin";
   if (worst > kErrorAbove)
-    problems.add({file, 0, 0, ""}, "single precision does not resolve " + what + " so far from the scene's origin", found, way_out);
+    problems.add({file, 0, 0, ""},
+                 "single precision does not resolve " + what + " so far from the scene's origin", found,
+                 way_out);
   else
-    notices.push_back(file + ": " + std::to_string(coarse) + " objects or terrains lie so far from the scene's origin that single precision shows in their shadows (by up to 7 times the spacing of coordinates), worst " + what +
-                      ": " + found + "; " + way_out);
+    notices.push_back(file + ": " + std::to_string(coarse) +
+                      " objects or terrains lie so far from the scene's origin that single precision shows "
+                      "in their shadows (by up to 7 times the spacing of coordinates), worst " +
+                      what + ": " + found + "; " + way_out);
 }
 
 }  // namespace raycube::scene

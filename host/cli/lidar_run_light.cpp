@@ -32,17 +32,22 @@ void LidarRunLight::add(const lidar::ShotResult& result, const std::vector<lidar
   ++shots_;
   for (const auto* rows : {&result.first, &result.multiple}) {
     matter_photons_ += sum_of(*rows);
-    for (const float value : *rows) strongest_pe_ = std::max(strongest_pe_, plan_.lidar.receiver.quantum_efficiency * static_cast<double>(value));
+    for (const float value : *rows)
+      strongest_pe_ =
+          std::max(strongest_pe_, plan_.lidar.receiver.quantum_efficiency * static_cast<double>(value));
   }
   air_photons_ += sum_of(result.air);
   for (const auto& record : records) {
     echoes_ += record.echoes.size();
-    lowest_threshold_pe_ = records_ == 0 ? record.truth.threshold_pe : std::min(lowest_threshold_pe_, record.truth.threshold_pe);
+    lowest_threshold_pe_ =
+        records_ == 0 ? record.truth.threshold_pe : std::min(lowest_threshold_pe_, record.truth.threshold_pe);
     ++records_;
   }
   for (const auto& ledger : result.ledger) {
-    mean_.absorbed += ledger.absorbed, mean_.air += ledger.air, mean_.volumes += ledger.volumes, mean_.escaped += ledger.escaped;
-    mean_.truncated += ledger.truncated, mean_.collected += ledger.collected, mean_.early += ledger.early, mean_.late += ledger.late;
+    mean_.absorbed += ledger.absorbed, mean_.air += ledger.air, mean_.volumes += ledger.volumes,
+        mean_.escaped += ledger.escaped;
+    mean_.truncated += ledger.truncated, mean_.collected += ledger.collected, mean_.early += ledger.early,
+        mean_.late += ledger.late;
     mean_.near += ledger.near;
     ++ledgers_;
   }
@@ -54,33 +59,46 @@ std::string LidarRunLight::where_it_went() const {
   const std::string gate = fmt::format("the gate holds {:.6g} to {:.6g} m", per_s * lidar.gate.start_s,
                                        per_s * (lidar.gate.start_s + lidar.gate.bins * lidar.gate.bin_s));
   // Light is followed from the pixels of a flash array: shares are of what they see.
-  const std::string emitted = lidar.transport.sampling == scene::LidarSampling::receiver ? "of the ways that the pixels see, " : "of the light emitted ";
-  const std::string fate = emitted + shares_text({{mean_.escaped / ledgers_, "left the scene"},
-                                                  {mean_.absorbed / ledgers_, "was absorbed by surfaces"},
-                                                  {mean_.air / ledgers_, "was lost to the air"},
-                                                  {mean_.volumes / ledgers_, "was absorbed in volumes"},
-                                                  {mean_.truncated / ledgers_, "was scattered by its last surface"}});
+  const std::string emitted = lidar.transport.sampling == scene::LidarSampling::receiver
+                                  ? "of the ways that the pixels see, "
+                                  : "of the light emitted ";
+  const std::string fate =
+      emitted + shares_text({{mean_.escaped / ledgers_, "left the scene"},
+                             {mean_.absorbed / ledgers_, "was absorbed by surfaces"},
+                             {mean_.air / ledgers_, "was lost to the air"},
+                             {mean_.volumes / ledgers_, "was absorbed in volumes"},
+                             {mean_.truncated / ledgers_, "was scattered by its last surface"}});
   if (matter_photons_ > 0)
-    return fmt::format("the scene's light in the gate, {:.3g} photo-electrons a record and at most {:.3g} a bin, does not reach the threshold of {:.3g} "
-                       "above the background; give more energy_J or aperture, or lower the threshold ([lidar.echoes])",
-                       lidar.receiver.quantum_efficiency * matter_photons_ / std::max(1.0, records_), strongest_pe_, lowest_threshold_pe_);
-  const double met = (mean_.absorbed + mean_.truncated + mean_.volumes) / ledgers_, beside = mean_.early + mean_.late + mean_.near;
+    return fmt::format(
+        "the scene's light in the gate, {:.3g} photo-electrons a record and at most {:.3g} a bin, does not "
+        "reach the threshold of {:.3g} "
+        "above the background; give more energy_J or aperture, or lower the threshold ([lidar.echoes])",
+        lidar.receiver.quantum_efficiency * matter_photons_ / std::max(1.0, records_), strongest_pe_,
+        lowest_threshold_pe_);
+  const double met = (mean_.absorbed + mean_.truncated + mean_.volumes) / ledgers_,
+               beside = mean_.early + mean_.late + mean_.near;
   if (met < 1e-9) return "no beam meets anything: " + fate + "; point the LIDAR at the scene";
   if (beside > 0)
     return "the light of surfaces missed the gate: of what came back " +
-           shares_text({{mean_.early / mean_.collected, "came before the gate opens"}, {mean_.late / mean_.collected, "after it closes"},
+           shares_text({{mean_.early / mean_.collected, "came before the gate opens"},
+                        {mean_.late / mean_.collected, "after it closes"},
                         {mean_.near / mean_.collected, "from nearer than minimum_range_m"}}) +
            "; " + gate + ", set start_range_m and stop_range_m";
-  if (!(mean_.truncated > 0)) return "surfaces absorb all light that meets them: " + fate + "; see the materials' reflectance at the laser's wavelength";
-  return "the receiver sees nothing of the light that surfaces scatter: " + fate + "; see fov_mrad, tilts and offsets of transmitter and receiver";
+  if (!(mean_.truncated > 0))
+    return "surfaces absorb all light that meets them: " + fate +
+           "; see the materials' reflectance at the laser's wavelength";
+  return "the receiver sees nothing of the light that surfaces scatter: " + fate +
+         "; see fov_mrad, tilts and offsets of transmitter and receiver";
 }
 
 std::string LidarRunLight::warning() const {
   if (shots_ == 0 || records_ == 0 || !(ledgers_ > 0)) return {};
   const bool air_wanted = !plan_.lidar.echoes.air_is_background && air_photons_ > 0;
   if (echoes_ > 0 && (matter_photons_ > 0 || air_wanted)) return {};
-  const std::string what = echoes_ == 0 ? "no return was found" : fmt::format("all {} returns are noise, background or air", echoes_);
-  const std::string air = matter_photons_ > 0 || !(air_photons_ > 0) ? "" : "; the gate holds the air's own return";
+  const std::string what = echoes_ == 0 ? "no return was found"
+                                        : fmt::format("all {} returns are noise, background or air", echoes_);
+  const std::string air =
+      matter_photons_ > 0 || !(air_photons_ > 0) ? "" : "; the gate holds the air's own return";
   return fmt::format("{}: {} in {} pulses: {}{}", plan_.lidar.name, what, shots_, where_it_went(), air);
 }
 

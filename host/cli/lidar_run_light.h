@@ -17,7 +17,8 @@ class LidarRunLight {
 
   void add(const lidar::ShotResult& result, const std::vector<lidar::Detection>& records);
 
-  /// One sentence where no return was found, or none can be of a surface or volume; with the reason by the energy ledger. Empty: all is well.
+  /// One sentence where no return was found, or none can be of a surface or volume; with the reason by the
+  /// energy ledger. Empty: all is well.
   std::string warning() const;
 
  private:
@@ -25,10 +26,10 @@ class LidarRunLight {
 
   const lidar::LidarPlan& plan_;
   std::uint64_t shots_ = 0, echoes_ = 0;
-  double records_ = 0;                 ///< pixels and lines of all shots
-  double matter_photons_ = 0, air_photons_ = 0;  ///< in the gates, of surfaces and volumes, of the air
+  double records_ = 0;                                 ///< pixels and lines of all shots
+  double matter_photons_ = 0, air_photons_ = 0;        ///< in the gates, of surfaces and volumes, of the air
   double strongest_pe_ = 0, lowest_threshold_pe_ = 0;  ///< expected in a bin; of any record
-  lidar::Ledger mean_;                 ///< sums until divided by ledgers_
+  lidar::Ledger mean_;                                 ///< sums until divided by ledgers_
   double ledgers_ = 0;
 };
 

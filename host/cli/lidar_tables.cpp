@@ -29,9 +29,11 @@ std::vector<std::string> pulse_columns(const scene::Simulation& simulation) {
 }
 
 std::vector<std::string> return_columns(const scene::Simulation& simulation) {
-  return joined({{"pulse", "pixel", "line", "return", "of", "time_s", "gps_time_s"}, place_columns(simulation, ""),
-                 {"range_m", "delay_ns", "peak_pe", "energy_pe", "fwhm_ns", "detection_probability", "saturated", "chance", "range_true_m", "expected_pe", "order",
-                  "object", "material", "incidence_deg", "overlap", "transmission_2way", "footprint_share"}});
+  return joined({{"pulse", "pixel", "line", "return", "of", "time_s", "gps_time_s"},
+                 place_columns(simulation, ""),
+                 {"range_m", "delay_ns", "peak_pe", "energy_pe", "fwhm_ns", "detection_probability",
+                  "saturated", "chance", "range_true_m", "expected_pe", "order", "object", "material",
+                  "incidence_deg", "overlap", "transmission_2way", "footprint_share"}});
 }
 
 }  // namespace
@@ -52,7 +54,11 @@ void LidarTables::add_return(const lidar::Shot& shot, const lidar::Detection& d,
   returns_.add(d.pulse).add(d.pixel).add(line_name(plan_.lidar, d.line)).add(echo.number).add(echo.of).add(shot.time_s).add(plan_.lidar.gps_start_s + shot.time_s);
   returns_.add(origin.easting_m + at[0]).add(origin.northing_m + at[1]).add(origin.height_m + at[2]);
   returns_.add(echo.range_m).add(echo.time_s * 1e9).add(echo.peak_pe).add(echo.energy_pe).add(echo.fwhm_s * 1e9f).add(echo.detection_probability);
-  returns_.add(static_cast<int>(echo.saturated)).add(echo.chance).add(t.range_m).add(t.expected_pe).add(t.order);
+  returns_.add(static_cast<int>(echo.saturated))
+      .add(echo.chance)
+      .add(t.range_m)
+      .add(t.expected_pe)
+      .add(t.order);
   if (t.object == RC_NONE) returns_.add("");
   else returns_.add(static_cast<std::int64_t>(t.object));
   returns_.add(t.material < simulation_.scene.materials.size() ? simulation_.scene.materials[t.material].name : std::string());

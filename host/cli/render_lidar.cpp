@@ -57,35 +57,53 @@ void require_memory(const lidar::LidarPlan& plan, std::size_t memory_bytes) {
                                                     "pixels, bins or sub-rays", plan.lidar.name, bytes_of_rows(plan), memory_bytes));
 }
 
-/// What turbulence does to the survey's first shot, in words for the record; its own draws are left out. Everything is of the
-/// first line, but what `lines` has.
+/// What turbulence does to the survey's first shot, in words for the record; its own draws are left out.
+/// Everything is of the first line, but what `lines` has.
 nlohmann::json turbulence_json(const scene::Lidar& lidar, const lidar::TurbulenceTruth& t) {
   nlohmann::json lines = nlohmann::json::array();
   for (std::size_t i = 0; i < t.lines.size(); ++i) {
     const auto& line = t.lines[i];
-    lines.push_back({{"name", line_name(lidar, static_cast<int>(i))}, {"rytov_variance_plane", line.rytov_plane},
-                     {"rytov_variance_spherical", line.rytov_spherical}, {"scintillation_index_one_way_down", line.index_down},
+    lines.push_back({{"name", line_name(lidar, static_cast<int>(i))},
+                     {"rytov_variance_plane", line.rytov_plane},
+                     {"rytov_variance_spherical", line.rytov_spherical},
+                     {"scintillation_index_one_way_down", line.index_down},
                      {"scintillation_index_one_way_up", line.index_up},
                      {"scintillation_index_two_way", (1 + line.index_down) * (1 + line.index_up) - 1},
                      {"distribution", line.gamma_gamma ? "gamma-gamma" : "log-normal"}});
   }
-  return {{"path_m", t.path_m}, {"start_height_m", t.start_height_m}, {"end_height_m", t.end_height_m},
-          {"rytov_variance_plane", t.rytov_plane}, {"rytov_variance_spherical", t.rytov_spherical}, {"fried_m", t.fried_m},
-          {"fried_plane_m", t.fried_plane_m}, {"isoplanatic_angle_rad", t.isoplanatic_rad}, {"beam_radius_m", t.beam_radius_m},
-          {"short_term_radius_m", t.short_term_m}, {"long_term_radius_m", t.long_term_m}, {"wander_sigma_m", t.wander_sigma_m},
-          {"tilt_sigma_rad", t.tilt_sigma_rad}, {"blur_fwhm_rad", t.blur_fwhm_rad},
-          {"scintillation_index_one_way_down", t.index_down}, {"scintillation_index_one_way_up", t.index_up},
-          {"scintillation_index_two_way", t.index_total}, {"distribution", t.gamma_gamma ? "gamma-gamma" : "log-normal"},
-          {"distribution_because", fmt::format("rytov_variance_plane {:.4g} is {} {}", t.rytov_plane,
-                                               t.gamma_gamma ? "not below" : "below", lidar::kGammaGammaFrom)},
-          {"lines", lines}, {"broadening_s2", t.broadening_s2}, {"correlation_s", t.correlation_s}, {"warnings", t.warnings}};
+  return {
+      {"path_m", t.path_m},
+      {"start_height_m", t.start_height_m},
+      {"end_height_m", t.end_height_m},
+      {"rytov_variance_plane", t.rytov_plane},
+      {"rytov_variance_spherical", t.rytov_spherical},
+      {"fried_m", t.fried_m},
+      {"fried_plane_m", t.fried_plane_m},
+      {"isoplanatic_angle_rad", t.isoplanatic_rad},
+      {"beam_radius_m", t.beam_radius_m},
+      {"short_term_radius_m", t.short_term_m},
+      {"long_term_radius_m", t.long_term_m},
+      {"wander_sigma_m", t.wander_sigma_m},
+      {"tilt_sigma_rad", t.tilt_sigma_rad},
+      {"blur_fwhm_rad", t.blur_fwhm_rad},
+      {"scintillation_index_one_way_down", t.index_down},
+      {"scintillation_index_one_way_up", t.index_up},
+      {"scintillation_index_two_way", t.index_total},
+      {"distribution", t.gamma_gamma ? "gamma-gamma" : "log-normal"},
+      {"distribution_because", fmt::format("rytov_variance_plane {:.4g} is {} {}", t.rytov_plane,
+                                           t.gamma_gamma ? "not below" : "below", lidar::kGammaGammaFrom)},
+      {"lines", lines},
+      {"broadening_s2", t.broadening_s2},
+      {"correlation_s", t.correlation_s},
+      {"warnings", t.warnings}};
 }
 
 std::string main_file(const scene::Lidar& lidar, const std::string& folder) {
   return folder + (lidar.products.las ? "/returns.las" : lidar.products.cube ? "/waveforms.img" : "/run.json");
 }
 
-/// What turbulence needs to know of a shot's way: the ground below it, and the range of the surface that its axis meets.
+/// What turbulence needs to know of a shot's way: the ground below it, and the range of the surface that its
+/// axis meets.
 class WaysOfShots {
  public:
   WaysOfShots(const scene::Simulation& simulation, const scene::Lidar& lidar) : scene_(simulation.scene) {
@@ -132,7 +150,8 @@ nlohmann::json render_lidar(const scene::Simulation& simulation, const scene::Li
   // The air of the first pulse fired lengthens them all: femtoseconds, but for the worst of paths.
   if (lidar.turbulence.profile != scene::TurbulenceProfile::none)
     if (const auto shots = lidar::make_shots(lidar, 0, std::min<std::int64_t>(lidar.pulses, 4096), simulation.seed); !shots.empty())
-      lidar::broaden_pulse(job.plan, lidar::turbulence_statistics(job.plan, way(shots.front()), shots.front()).broadening_s2);
+      lidar::broaden_pulse(
+          job.plan, lidar::turbulence_statistics(job.plan, way(shots.front()), shots.front()).broadening_s2);
   const lidar::LidarPlan& plan = job.plan;
   require_memory(plan, settings.memory_bytes);
   const auto start = std::chrono::steady_clock::now();
@@ -175,7 +194,8 @@ nlohmann::json render_lidar(const scene::Simulation& simulation, const scene::Li
       std::vector<lidar::ShotResult> results;
       timed("pulses", [&] {
         renderer.render(plan, now, [&](lidar::ShotResult&& result) { results.push_back(std::move(result)); }, true);
-        others.add_to(results, renderer, [&](lidar::Shot& shot) { lidar::apply_turbulence(plan, way(shot), shot); });
+        others.add_to(results, renderer,
+                      [&](lidar::Shot& shot) { lidar::apply_turbulence(plan, way(shot), shot); });
       });
       std::vector<std::vector<lidar::Detection>> records(results.size());
       timed("detection", [&] {

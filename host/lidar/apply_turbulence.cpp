@@ -35,23 +35,28 @@ void tip(Vec3& axis, Vec3& u, const std::array<double, 2>& angle_rad) {
   u = unit(u);
 }
 
-/// Over uneven ground a piece of a path is at most this long on the map; its 24 nodes then lie some 10 m apart.
+/// Over uneven ground a piece of a path is at most this long on the map; its 24 nodes then lie some 10 m
+/// apart.
 constexpr double kPiece_m = 200;
 constexpr int kMostPieces = 64;
 
 TurbulentPath path_of(const scene::Lidar& lidar, const ShotSurroundings& around, const Shot& shot) {
   const Vec3 &exit = shot.exit_m, &axis = shot.exit_axis;
   const double height = exit[2] - around.ground_at(exit[0], exit[1]);
-  double length = 0.5 * kLight * (lidar.gate.start_s + lidar.gate.bins * lidar.gate.bin_s) / lidar.transport.group_index;
-  if (around.surface_range_m > 0) length = std::min(length, around.surface_range_m);
-  else if (axis[2] < 0 && height > 0) length = std::min(length, -height / axis[2]);
+  double length =
+      0.5 * kLight * (lidar.gate.start_s + lidar.gate.bins * lidar.gate.bin_s) / lidar.transport.group_index;
+  if (around.surface_range_m > 0)
+    length = std::min(length, around.surface_range_m);
+  else if (axis[2] < 0 && height > 0)
+    length = std::min(length, -height / axis[2]);
   if (!around.ground_z_m) return {length, height, height + axis[2] * length};
   // `around` outlives the path.
   const auto height_m = [&ground = around.ground_z_m, exit, axis](double z) {
     return exit[2] + axis[2] * z - ground(exit[0] + axis[0] * z, exit[1] + axis[1] * z);
   };
   const double across_m = std::hypot(axis[0], axis[1]) * length;
-  return {length, height, height_m(length), height_m, std::clamp(static_cast<int>(std::ceil(across_m / kPiece_m)), 1, kMostPieces)};
+  return {length, height, height_m(length), height_m,
+          std::clamp(static_cast<int>(std::ceil(across_m / kPiece_m)), 1, kMostPieces)};
 }
 
 /// Radius of the beam at a range without turbulence, 1/e2 or edge.
@@ -91,7 +96,8 @@ void warn_where_stretched(const scene::Lidar& lidar, const TurbulentPath& path, 
 /// Of one wavelength, over a footprint and an aperture of these diameters.
 LineScintillation scintillation_of(const PathNodes& nodes, double wavelength_m, double footprint_m, double aperture_m) {
   LineScintillation out;
-  out.rytov_plane = rytov_plane(nodes, wavelength_m), out.rytov_spherical = rytov_spherical(nodes, wavelength_m);
+  out.rytov_plane = rytov_plane(nodes, wavelength_m),
+  out.rytov_spherical = rytov_spherical(nodes, wavelength_m);
   out.gamma_gamma = out.rytov_plane >= kGammaGammaFrom;
   const double point = gamma_gamma_spherical(out.rytov_spherical).scintillation_index();  // the variance itself where it is small
   const auto averaged = [&](double width_m) { return point * aperture_averaging_spherical(2 * M_PI / wavelength_m * width_m * width_m / (4 * nodes.length_m)); };
@@ -111,7 +117,8 @@ double draw_gain(Stream draws, const LineScintillation& line) {
 
 }  // namespace
 
-TurbulenceTruth turbulence_statistics(const LidarPlan& plan, const ShotSurroundings& around, const Shot& shot) {
+TurbulenceTruth turbulence_statistics(const LidarPlan& plan, const ShotSurroundings& around,
+                                      const Shot& shot) {
   const scene::Lidar& lidar = plan.lidar;
   const scene::LidarTurbulence& turbulence = lidar.turbulence;
   TurbulenceTruth truth;
@@ -123,7 +130,8 @@ TurbulenceTruth turbulence_statistics(const LidarPlan& plan, const ShotSurroundi
   truth.rytov_plane = rytov_plane(nodes, wavelength_m), truth.rytov_spherical = rytov_spherical(nodes, wavelength_m);
   truth.beam_radius_m = truth.long_term_m = truth.short_term_m = beam_radius_m(lidar.pulse, shot.half_divergence_rad, length);
   if (!(truth.rytov_plane > 0)) return truth;  // no turbulence on the way
-  truth.fried_m = fried_at_start_m(nodes, wavelength_m), truth.fried_plane_m = fried_plane_m(nodes, wavelength_m);
+  truth.fried_m = fried_at_start_m(nodes, wavelength_m),
+  truth.fried_plane_m = fried_plane_m(nodes, wavelength_m);
   truth.isoplanatic_rad = isoplanatic_angle_rad(nodes, wavelength_m);
   truth.long_term_m = long_term_radius_m(nodes, wavelength_m, truth.beam_radius_m);
   // A beam from a point is no narrower than diffraction lets it.

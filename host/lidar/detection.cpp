@@ -35,9 +35,12 @@ class Row {
     noise_ = detector_noise(lidar_, expected_.background, largest_);
     recorded_ = convolve(expected_.signal, noise_.response);
     recorded_signal_ = recorded_;
-    if (!lidar_.echoes.air_is_background || result.air.empty() || lidar_.detector.mode == scene::DetectorMode::geiger) return;
+    if (!lidar_.echoes.air_is_background || result.air.empty() ||
+        lidar_.detector.mode == scene::DetectorMode::geiger)
+      return;
     std::vector<double> air(bins);
-    for (std::size_t i = 0; i < bins; ++i) air[i] = efficiency * static_cast<double>(result.air[row * bins + i]);
+    for (std::size_t i = 0; i < bins; ++i)
+      air[i] = efficiency * static_cast<double>(result.air[row * bins + i]);
     noise_.air = convolve(air, noise_.response);
     noise_.air_modes = speckle_.strongest_modes;
     for (std::size_t i = 0; i < bins; ++i) recorded_signal_[i] = std::max(0.0, recorded_[i] - noise_.air[i]);
@@ -143,15 +146,19 @@ class Row {
       if (recorded_signal_[i] > recorded_signal_[top]) top = i;
     }
     if (lidar_.detector.mode == scene::DetectorMode::geiger) return 1 - no_event_probability(sum, speckle_.strongest_modes);
-    return bin_detection(lidar_, noise_of_bin(lidar_, noise_, top), first < last ? recorded_signal_[top] : 0, speckle_.strongest_modes);
+    return bin_detection(lidar_, noise_of_bin(lidar_, noise_, top), first < last ? recorded_signal_[top] : 0,
+                         speckle_.strongest_modes);
   }
 
   /// Returns of a record, on average, that chance makes no more likely than an echo's least likely bin.
   double chance_of(const Echo& echo) const {
-    const double bin = (echo.time_s - lidar_.gate.start_s) / lidar_.gate.bin_s, count = static_cast<double>(record_.waveform_pe.size());
+    const double bin = (echo.time_s - lidar_.gate.start_s) / lidar_.gate.bin_s,
+                 count = static_cast<double>(record_.waveform_pe.size());
     // As far to either side as find_echoes looks for a bin above the threshold.
-    const double half = 0.5 + std::max(1.0, std::ceil(0.5 * kFwhmOfSigma * recorded_sigma_s(lidar_) / lidar_.gate.bin_s));
-    const auto first = static_cast<std::size_t>(std::clamp(std::floor(bin - half), 0.0, count)), last = static_cast<std::size_t>(std::clamp(std::ceil(bin + half), 0.0, count));
+    const double half =
+        0.5 + std::max(1.0, std::ceil(0.5 * kFwhmOfSigma * recorded_sigma_s(lidar_) / lidar_.gate.bin_s));
+    const auto first = static_cast<std::size_t>(std::clamp(std::floor(bin - half), 0.0, count)),
+               last = static_cast<std::size_t>(std::clamp(std::ceil(bin + half), 0.0, count));
     double least = 1;
     for (std::size_t i = first; i < last; ++i) {
       const double value = record_.waveform_pe[i] - noise_.background - noise_.air_at(i);
@@ -166,7 +173,8 @@ class Row {
     if (noise_.air.empty() && (noise_.gaussian || !linear)) return bin_detection(lidar_, noise_, 0, 0);
     const auto alarms = [&](std::size_t bin) {
       // A linear threshold lies where chance is bin_chance, or higher, at threshold_pe.
-      if (linear) return std::min(noise_.bin_chance, noise_chance(lidar_, noise_, bin, lidar_.echoes.threshold_pe));
+      if (linear)
+        return std::min(noise_.bin_chance, noise_chance(lidar_, noise_, bin, lidar_.echoes.threshold_pe));
       return bin_detection(lidar_, noise_of_bin(lidar_, noise_, bin), 0, 0);
     };
     if (noise_.air.empty()) return alarms(0);
@@ -191,7 +199,8 @@ class Row {
     } else {
       const auto top = std::max_element(recorded_signal_.begin(), recorded_signal_.end());
       const auto bin = static_cast<std::size_t>(top - recorded_signal_.begin());
-      truth.detection_probability = *top > 0 ? bin_detection(lidar_, noise_of_bin(lidar_, noise_, bin), *top, truth.speckle_modes) : 0;
+      truth.detection_probability =
+          *top > 0 ? bin_detection(lidar_, noise_of_bin(lidar_, noise_, bin), *top, truth.speckle_modes) : 0;
       truth.false_alarm_rate_hz = false_alarms_a_bin() / lidar_.gate.bin_s;
       for (Echo& echo : record_.echoes) {
         truth.saturated = truth.saturated || echo.saturated;
@@ -222,7 +231,7 @@ class Row {
   RowExpectation expected_;
   SpeckleRow speckle_;
   DetectorNoise noise_;
-  std::vector<double> recorded_;         ///< expected light of the pulse after the electronics, photo-electrons
+  std::vector<double> recorded_;  ///< expected light of the pulse after the electronics, photo-electrons
   std::vector<double> recorded_signal_;  ///< of it what is no background
   double largest_ = 0;
   Detection record_;

@@ -20,12 +20,13 @@ struct Photon {
 struct Echo {
   double range_m = 0;              ///< c time_s / (2 group_index): half the path
   double time_s = 0;               ///< of the echo's centre, after emission
-  float peak_pe = 0;               ///< highest value above background and (air_is_background) air, photo-electrons per bin
+  float peak_pe = 0;  ///< highest value above background and (air_is_background) air, photo-electrons per bin
   float energy_pe = 0;             ///< area, photo-electrons
   float fwhm_s = 0;                ///< of the echo as recorded: pulse, target and electronics together
   float detection_probability = 0; ///< analytic, of the expected return: its highest bin reaches the threshold (geiger: the expected
                                    ///< photo-electrons within an echo's width fire a cell)
-  float chance = 0;                ///< returns at least so unlikely that noise, background and air make of a record on average; geiger: 0
+  float chance = 0;  ///< returns at least so unlikely that noise, background and air make of a record on
+                     ///< average; geiger: 0
   int number = 1, of = 1;          ///< from 1, in order of time
   bool saturated = false;          ///< touches the full scale
 };
@@ -34,9 +35,11 @@ struct Echo {
 struct DetectionTruth {
   double background_pe = 0;        ///< expected photo-electrons per bin of background light and dark counts
   double noise_pe = 0;             ///< rms of a bin without signal, primary photo-electrons
-  double threshold_pe = 0;         ///< an echo's peak is at least that much above the background; more where air is (noise_of_bin)
+  double threshold_pe =
+      0;  ///< an echo's peak is at least that much above the background; more where air is (noise_of_bin)
   double detection_probability = 0;///< analytic: highest expected bin reaches the threshold (geiger: at least one event from the signal)
-  double false_alarm_rate_hz = 0;  ///< crossings of the threshold by noise alone, per second of gate (with air: mean of 16 places)
+  double false_alarm_rate_hz =
+      0;  ///< crossings of the threshold by noise alone, per second of gate (with air: mean of 16 places)
   double speckle_modes = 0;        ///< of the strongest return; 0: speckle off
   bool saturated = false;          ///< a sample at full scale, or (geiger) an expectation above one photo-electron per cell and dead time
 };

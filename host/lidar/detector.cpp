@@ -39,30 +39,38 @@ double linear_tail(const DetectorNoise& noise, double air, double value) {
   if (!(squares > 0)) return value > 0 ? 0 : 1;
   double cubes = 0;
   for (const double share : noise.response) cubes += share * share * share;
-  const double avalanches = squares - square(noise.floor), third = cubes * (noise.background + air) * noise.excess * (2 * noise.excess - 1);
-  const double sigma = std::sqrt(std::max(avalanches, 0.0)), skewness = sigma > 0 ? third / (avalanches * sigma) : 0;
+  const double avalanches = squares - square(noise.floor),
+               third = cubes * (noise.background + air) * noise.excess * (2 * noise.excess - 1);
+  const double sigma = std::sqrt(std::max(avalanches, 0.0)),
+               skewness = sigma > 0 ? third / (avalanches * sigma) : 0;
   if (noise.gaussian || skewness < 1e-3) return normal_tail(value / std::sqrt(squares));
   if (!(noise.floor > 1e-3 * sigma)) return gamma_tail(value, std::sqrt(squares), skewness);
-  // The avalanches' tail, averaged over the Gaussian floor: the trapezoidal rule converges exponentially on a Gaussian.
+  // The avalanches' tail, averaged over the Gaussian floor: the trapezoidal rule converges exponentially on a
+  // Gaussian.
   constexpr double kStep = 0.5, kReach = 8;
   double sum = 0;
-  for (double u = -kReach; u <= kReach; u += kStep) sum += std::exp(-0.5 * square(u)) * gamma_tail(value - noise.floor * u, sigma, skewness);
+  for (double u = -kReach; u <= kReach; u += kStep)
+    sum += std::exp(-0.5 * square(u)) * gamma_tail(value - noise.floor * u, sigma, skewness);
   return std::min(1.0, sum * kStep / std::sqrt(2 * M_PI));
 }
 
-/// Smallest value above the background that noise reaches no more often than bin_chance; linear. Logarithms of tails are nearly
-/// straight: regula falsi (Illinois) between brackets.
+/// Smallest value above the background that noise reaches no more often than bin_chance; linear. Logarithms
+/// of tails are nearly straight: regula falsi (Illinois) between brackets.
 double linear_threshold(const DetectorNoise& noise, double air) {
   const double rms = noise.rms(air), wanted = std::log(noise.bin_chance);
   if (!(rms > 0)) return 0;
-  const auto above = [&](double value) { return std::log(std::max(linear_tail(noise, air, value), 1e-300)) - wanted; };
+  const auto above = [&](double value) {
+    return std::log(std::max(linear_tail(noise, air, value), 1e-300)) - wanted;
+  };
   double low = 0, high = 4 * rms, at_low = above(0), at_high = above(high);
   while (at_high > 0 && high < 1e6 * rms) low = high, at_low = at_high, high *= 1.5, at_high = above(high);
   if (at_low <= 0) return low;
   for (int i = 0; i < 60 && high - low > 1e-6 * high; ++i) {
     const double middle = low + (high - low) * at_low / (at_low - at_high), at = above(middle);
-    if (at > 0) low = middle, at_low = at, at_high *= 0.5;
-    else high = middle, at_high = at, at_low *= 0.5;
+    if (at > 0)
+      low = middle, at_low = at, at_high *= 0.5;
+    else
+      high = middle, at_high = at, at_low *= 0.5;
     if (std::abs(at) < 1e-6) return middle;
   }
   return high;
@@ -74,10 +82,12 @@ double threshold_about(const scene::Lidar& lidar, const DetectorNoise& noise, do
   if (lidar.detector.mode != scene::DetectorMode::linear) {
     double level = count_quantile(mean, noise.bin_chance);
     if (noise.air_modes > 0)
-      while (count_at_least(level + 1, air, noise.background, noise.air_modes) > noise.bin_chance) level += std::max(1.0, std::floor(1e-3 * level));
+      while (count_at_least(level + 1, air, noise.background, noise.air_modes) > noise.bin_chance)
+        level += std::max(1.0, std::floor(1e-3 * level));
     return std::max(level + 0.5, std::ceil(echoes.threshold_pe) - 0.5) - mean;
   }
-  if (noise.gaussian && !(air > 0)) return std::max(echoes.threshold_sigma * noise.rms(), echoes.threshold_pe);
+  if (noise.gaussian && !(air > 0))
+    return std::max(echoes.threshold_sigma * noise.rms(), echoes.threshold_pe);
   return std::max(linear_threshold(noise, air), echoes.threshold_pe);
 }
 
@@ -155,7 +165,8 @@ DetectorNoise detector_noise(const scene::Lidar& lidar, double background, doubl
     noise.floor = std::hypot(noise.floor, step / std::sqrt(12.0));
   }
   noise.gaussian = !(lidar.echoes.false_returns > 0);
-  noise.bin_chance = noise.gaussian ? normal_tail(lidar.echoes.threshold_sigma) : std::min(0.5, lidar.echoes.false_returns / lidar.gate.bins);
+  noise.bin_chance = noise.gaussian ? normal_tail(lidar.echoes.threshold_sigma)
+                                    : std::min(0.5, lidar.echoes.false_returns / lidar.gate.bins);
   noise.threshold = threshold_about(lidar, noise, 0);
   return noise;
 }
@@ -164,17 +175,22 @@ double noise_chance(const scene::Lidar& lidar, const DetectorNoise& noise, std::
   const double air = noise.air_at(bin);
   if (lidar.detector.mode == scene::DetectorMode::linear) return linear_tail(noise, air, value);
   const double count = std::ceil(value + noise.background + air - 1e-6);  // single precision of the waveform
-  return noise.air_modes > 0 && air > 0 ? count_at_least(count, air, noise.background, noise.air_modes) : poisson_at_least(count, noise.background + air);
+  return noise.air_modes > 0 && air > 0 ? count_at_least(count, air, noise.background, noise.air_modes)
+                                        : poisson_at_least(count, noise.background + air);
 }
 
 bool reaches_threshold(const scene::Lidar& lidar, const DetectorNoise& noise, std::size_t bin, double value) {
   const double air = noise.air_at(bin);
   if (!(air > 0)) return value >= noise.threshold;
   if (!(value > 0)) return false;
-  const double above = lidar.detector.mode == scene::DetectorMode::linear ? value : value + noise.background + air + 0.5;
+  const double above =
+      lidar.detector.mode == scene::DetectorMode::linear ? value : value + noise.background + air + 0.5;
   if (!(above >= lidar.echoes.threshold_pe)) return false;
-  // Skewness makes high values more likely than a Gaussian has them: what that allows too often needs no second look.
-  if (lidar.detector.mode == scene::DetectorMode::linear && normal_tail(value / noise.rms(air)) > noise.bin_chance) return false;
+  // Skewness makes high values more likely than a Gaussian has them: what that allows too often needs no
+  // second look.
+  if (lidar.detector.mode == scene::DetectorMode::linear &&
+      normal_tail(value / noise.rms(air)) > noise.bin_chance)
+    return false;
   return noise_chance(lidar, noise, bin, value) <= noise.bin_chance;
 }
 

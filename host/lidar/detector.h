@@ -20,14 +20,15 @@ struct DetectorNoise {
   double excess = 1;               ///< variance of a bin per expected photo-electron: F (linear), 1 (photons, geiger)
   double floor = 0;                ///< rms of readout and digitiser, a bin
   std::vector<double> response{1}; ///< shares of neighbouring bins, middle one in the middle; white noise of `floor` comes after
-  double threshold = 0;            ///< above the background, where there is no air; a peak that reaches it counts
-  double bin_chance = 0;           ///< of noise reaching a bin's threshold, air or not
-  bool gaussian = true;            ///< linear: the noise counts as Gaussian (threshold_sigma); else with its skewness (false_returns)
+  double threshold = 0;   ///< above the background, where there is no air; a peak that reaches it counts
+  double bin_chance = 0;  ///< of noise reaching a bin's threshold, air or not
+  bool gaussian = true;   ///< linear: the noise counts as Gaussian (threshold_sigma); else with its skewness
+                          ///< (false_returns)
   double full_scale = 0;           ///< photo-electrons; 0: none
   /// Mean a bin of the air's return, after the response, where it counts as background; empty: none.
   std::vector<double> air;
-  double air_modes = 0;            ///< speckle modes of it; 0: no speckle
-  bool drawn = true;               ///< false: of a waveform without noise (expectations), judged by the same thresholds
+  double air_modes = 0;  ///< speckle modes of it; 0: no speckle
+  bool drawn = true;     ///< false: of a waveform without noise (expectations), judged by the same thresholds
 
   double air_at(std::size_t bin) const { return air.empty() ? 0 : air[bin]; }
   double rms(double signal = 0) const;  ///< of a bin with that expected signal, after the response
@@ -46,18 +47,22 @@ std::vector<double> convolve(const std::vector<double>& row, const std::vector<d
 /// Standard deviation of an echo of a flat target as recorded: pulse and electronics, s.
 double recorded_sigma_s(const scene::Lidar& lidar);
 
-/// Noise of photons and linear detectors for a row whose largest expectation (signal alone) is given. Thresholds: what noise reaches in a
-/// bin no more often than bin_chance, false_returns over the bins of a record or a Gaussian's tail beyond threshold_sigma, and at least
-/// threshold_pe (linear: above the background; photons: counts in all). Few counts are no Gaussian: 4 sigma of 0.1 counts would be met by
-/// chance once in 200 bins, so photons are judged by Poisson's law and, with false_returns, avalanches with their skewness.
+/// Noise of photons and linear detectors for a row whose largest expectation (signal alone) is given.
+/// Thresholds: what noise reaches in a bin no more often than bin_chance, false_returns over the bins of a
+/// record or a Gaussian's tail beyond threshold_sigma, and at least threshold_pe (linear: above the
+/// background; photons: counts in all). Few counts are no Gaussian: 4 sigma of 0.1 counts would be met by
+/// chance once in 200 bins, so photons are judged by Poisson's law and, with false_returns, avalanches with
+/// their skewness.
 DetectorNoise detector_noise(const scene::Lidar& lidar, double background, double largest_signal);
 
-/// Probability that noise alone (background, air, electronics) brings a bin to `value` or more above its background and air.
-/// photons: Poisson, or negative binomial about the air's speckle modes. linear: Gaussian, or (not `gaussian`) avalanches as a gamma
-/// distribution of their variance m F and third cumulant m F (2 F - 1), m carriers of gamma gains, beside the Gaussian floor. Within 40 % of
-/// drawn noise for chances of 1e-3 to 5e-6 and 0.01 to 300 carriers a bin (test lidar_false_returns).
+/// Probability that noise alone (background, air, electronics) brings a bin to `value` or more above its
+/// background and air. photons: Poisson, or negative binomial about the air's speckle modes. linear:
+/// Gaussian, or (not `gaussian`) avalanches as a gamma distribution of their variance m F and third cumulant
+/// m F (2 F - 1), m carriers of gamma gains, beside the Gaussian floor. Within 40 % of drawn noise for
+/// chances of 1e-3 to 5e-6 and 0.01 to 300 carriers a bin (test lidar_false_returns).
 double noise_chance(const scene::Lidar& lidar, const DetectorNoise& noise, std::size_t bin, double value);
-/// Whether a value above background and air is a signal's: its chance is at most bin_chance, and threshold_pe is met.
+/// Whether a value above background and air is a signal's: its chance is at most bin_chance, and threshold_pe
+/// is met.
 bool reaches_threshold(const scene::Lidar& lidar, const DetectorNoise& noise, std::size_t bin, double value);
 /// The noise as it is in one bin: its air is background, the threshold follows.
 DetectorNoise noise_of_bin(const scene::Lidar& lidar, const DetectorNoise& noise, std::size_t bin);

@@ -39,7 +39,8 @@ class Finder {
  public:
   Finder(const scene::Lidar& lidar, const std::vector<float>& waveform, const DetectorNoise& noise)
       : lidar_(lidar), noise_(noise), sigma_bins_(std::max(recorded_sigma_s(lidar) / lidar.gate.bin_s, 0.3)) {
-    for (std::size_t i = 0; i < waveform.size(); ++i) raw_.push_back(waveform[i] - noise.background - noise.air_at(i));
+    for (std::size_t i = 0; i < waveform.size(); ++i)
+      raw_.push_back(waveform[i] - noise.background - noise.air_at(i));
     noisy_ = noise.drawn && (noise.excess > 0 || noise.floor > 0);
     if (noisy_ && sigma_bins_ > 0.6) smoothing_bins_ = 0.5 * sigma_bins_;
     const std::vector<double> taps = response_taps(kFwhmOfSigma * smoothing_bins_, 1);
@@ -66,7 +67,9 @@ class Finder {
  private:
   /// rms of the smoothed waveform about a bin where so much signal is expected.
   double smooth_rms(std::size_t bin, double signal) const {
-    return std::sqrt(noise_.excess * (std::max(0.0, signal) + noise_.background + noise_.air_at(bin)) * shot_ + noise_.floor * noise_.floor * white_);
+    return std::sqrt(noise_.excess * (std::max(0.0, signal) + noise_.background + noise_.air_at(bin)) *
+                         shot_ +
+                     noise_.floor * noise_.floor * white_);
   }
 
   bool above_threshold(std::size_t at) const {
@@ -90,7 +93,8 @@ class Finder {
         const double lower = std::min(smooth_[kept.back()], smooth_[i]), dip = lower - smooth_[lowest];
         // Two maxima near each other differ by chance less than the highest and lowest of a long plateau do.
         const bool far = static_cast<double>(i - kept.back()) > 4 * sigma_bins_, apart = far && smooth_[lowest] < 0.5 * lower;
-        if (apart || dip > std::max(1e-5 * lower, noisy_ ? (far ? 5 : 3) * smooth_rms(lowest, lower) : 0)) break;
+        if (apart || dip > std::max(1e-5 * lower, noisy_ ? (far ? 5 : 3) * smooth_rms(lowest, lower) : 0))
+          break;
         if (smooth_[i] <= smooth_[kept.back()]) {
           stands = false;
           break;
@@ -196,7 +200,9 @@ class Finder {
     double air = 0;
     for (std::size_t i = first; i < last; ++i) air = std::max(air, noise_.air_at(i));
     const double excess = noisy_ ? noise_.excess : 0;
-    const double floor = noisy_ ? std::hypot(noise_.floor, std::sqrt(excess * (noise_.background + air)), kShapeError * highest(first, last)) : 0;
+    const double floor = noisy_ ? std::hypot(noise_.floor, std::sqrt(excess * (noise_.background + air)),
+                                             kShapeError * highest(first, last))
+                                : 0;
     double chi = fit_gaussians(raw_, first, last, floor, excess, fitted);
     while (fitted.size() < peaks.size() + 3 && 3 * fitted.size() + 3 < last - first && chi > static_cast<double>(last - first) + 30) {
       std::vector<double> residual(raw_.size(), 0.0);

@@ -54,7 +54,8 @@ PathNodes path_nodes(const scene::LidarTurbulence& turbulence, const TurbulentPa
     const double middle = 0.5 * (breaks[piece] + breaks[piece - 1]), half = 0.5 * (breaks[piece] - breaks[piece - 1]);
     for (std::size_t i = 0; i < rule.node.size(); ++i) {
       const double t = 0.5 * M_PI * rule.node[i], z = middle + half * std::sin(t);  // ends are branch points, see integrate_branch_ends
-      const double height_m = path.height_m ? path.height_m(z) : path.start_height_m + climb * z / path.length_m;
+      const double height_m =
+          path.height_m ? path.height_m(z) : path.start_height_m + climb * z / path.length_m;
       nodes.z_m.push_back(z);
       nodes.cn2_dz.push_back(rule.weight[i] * half * 0.5 * M_PI * std::cos(t) * cn2_at(turbulence, height_m));
     }

@@ -13,16 +13,17 @@ namespace raycube::lidar {
 /// 2.7e-16 exp(-h/1500) + A exp(-h/100); constant: everywhere the same; below the ground its value.
 double cn2_at(const scene::LidarTurbulence& turbulence, double height_m);
 
-/// A straight path from the transmitter: heights above the ground at its ends and, where the ground below is not one
-/// plane, between them.
+/// A straight path from the transmitter: heights above the ground at its ends and, where the ground below is
+/// not one plane, between them.
 struct TurbulentPath {
   double length_m = 0, start_height_m = 0, end_height_m = 0;
-  std::function<double(double z_m)> height_m = {};  ///< above the ground, z_m from the transmitter; empty: straight between the ends
-  int pieces = 1;                                   ///< equal ones that follow height_m
+  std::function<double(double z_m)> height_m =
+      {};          ///< above the ground, z_m from the transmitter; empty: straight between the ends
+  int pieces = 1;  ///< equal ones that follow height_m
 };
 
-/// Quadrature nodes of a path: distance from the transmitter and Cn2 times weight. Pieces follow the layers of the profile; powers such as
-/// z^(5/3) and (L - z)^(5/6) integrate to 1e-8 over plane ground.
+/// Quadrature nodes of a path: distance from the transmitter and Cn2 times weight. Pieces follow the layers
+/// of the profile; powers such as z^(5/3) and (L - z)^(5/6) integrate to 1e-8 over plane ground.
 struct PathNodes {
   double length_m = 0;
   std::vector<double> z_m, cn2_dz;

@@ -18,7 +18,8 @@ namespace {
 constexpr double kSigmaBins = 4 * test::kSigmaOfFwhm;
 constexpr int kBins = 800;
 
-/// Air that fades from 300 to 1 photo-electron a bin and ends at the ground, as a survey's gate from the exit on sees it.
+/// Air that fades from 300 to 1 photo-electron a bin and ends at the ground, as a survey's gate from the exit
+/// on sees it.
 LidarPlan airy_plan(scene::DetectorMode mode) {
   LidarPlan plan = test::small_plan(kBins);
   plan.lidar.detector.mode = mode;
@@ -26,7 +27,8 @@ LidarPlan airy_plan(scene::DetectorMode mode) {
   plan.lidar.echoes.method = scene::EchoMethod::peak;
   plan.lidar.echoes.air_is_background = true;
   if (mode == scene::DetectorMode::linear) {
-    plan.lidar.detector.gain = 20, plan.lidar.detector.ionization_ratio = 0.2, plan.lidar.detector.readout_noise_e = 60;
+    plan.lidar.detector.gain = 20, plan.lidar.detector.ionization_ratio = 0.2,
+    plan.lidar.detector.readout_noise_e = 60;
     plan.lidar.detector.full_scale_e = 4000;
   }
   return plan;
@@ -35,7 +37,8 @@ LidarPlan airy_plan(scene::DetectorMode mode) {
 ShotResult airy_shot(const LidarPlan& plan) {
   ShotResult shot = test::empty_shot(plan);
   shot.air.assign(shot.first.size(), 0.0F);
-  for (int i = 0; i < kBins - 100; ++i) shot.air[static_cast<std::size_t>(i)] = static_cast<float>(300 * std::exp(-i / 120.0));
+  for (int i = 0; i < kBins - 100; ++i)
+    shot.air[static_cast<std::size_t>(i)] = static_cast<float>(300 * std::exp(-i / 120.0));
   return shot;
 }
 
@@ -79,7 +82,9 @@ TEST_CASE("air that is no background makes returns of its own") {
   CHECK(echoes_of(plan, shot, 50) > 50);
 }
 
-TEST_CASE("surfaces behind and in the air are found where they are, with what they sent back, as often as foretold") {
+TEST_CASE(
+    "surfaces behind and in the air are found where they are, with what they sent back, as often as "
+    "foretold") {
   for (const auto mode : {scene::DetectorMode::photons, scene::DetectorMode::linear}) {
     LidarPlan plan = airy_plan(mode);
     plan.lidar.echoes.false_returns = 0.01, plan.lidar.echoes.method = scene::EchoMethod::gaussian;
@@ -91,7 +96,9 @@ TEST_CASE("surfaces behind and in the air are found where they are, with what th
       for (int pulse = 0; pulse < pulses; ++pulse) {
         shot.shot.pulse = pulse;
         const auto echoes = detect(plan, shot).front().echoes;
-        const auto strongest = std::max_element(echoes.begin(), echoes.end(), [](const Echo& a, const Echo& b) { return a.energy_pe < b.energy_pe; });
+        const auto strongest =
+            std::max_element(echoes.begin(), echoes.end(),
+                             [](const Echo& a, const Echo& b) { return a.energy_pe < b.energy_pe; });
         REQUIRE(strongest != echoes.end());
         REQUIRE(strongest->chance < 1e-9F);
         mean_m += ((strongest->time_s - plan.lidar.gate.start_s) / 1e-9 - at) / pulses;
@@ -135,14 +142,18 @@ TEST_CASE("chance of a linear detector's noise, against drawn avalanches: not a 
       std::vector<double> values(draws);
       const double spread = noise.excess - 1;
       for (int i = 0; i < draws; ++i) {
-        Stream counts(1, static_cast<std::uint32_t>(i), 0, DrawFor::counts), gains(1, static_cast<std::uint32_t>(i), 0, DrawFor::gain);
+        Stream counts(1, static_cast<std::uint32_t>(i), 0, DrawFor::counts),
+            gains(1, static_cast<std::uint32_t>(i), 0, DrawFor::gain);
         Stream floor(1, static_cast<std::uint32_t>(i), 0, DrawFor::readout);
         const double n = counts.poisson(carriers);
-        values[static_cast<std::size_t>(i)] = (n > 0 ? spread * gains.gamma(n / spread) : 0) - carriers + noise.floor * floor.normal();
+        values[static_cast<std::size_t>(i)] =
+            (n > 0 ? spread * gains.gamma(n / spread) : 0) - carriers + noise.floor * floor.normal();
       }
       for (const double sigmas : {3.0, 4.5}) {
         const double level = sigmas * noise.rms();
-        const double seen = static_cast<double>(std::count_if(values.begin(), values.end(), [&](double v) { return v >= level; })) / draws;
+        const double seen = static_cast<double>(std::count_if(values.begin(), values.end(),
+                                                              [&](double v) { return v >= level; })) /
+                            draws;
         const double chance = noise_chance(lidar, noise, 0, level);
         CAPTURE(carriers);
         CAPTURE(readout_e);
@@ -151,11 +162,14 @@ TEST_CASE("chance of a linear detector's noise, against drawn avalanches: not a 
         CHECK(chance > 1.5 * normal_tail(sigmas));
       }
       // The threshold is where chance is what was asked for.
-      CHECK(noise_chance(lidar, noise, 0, noise.threshold) == doctest::Approx(noise.bin_chance).epsilon(1e-4));
+      CHECK(noise_chance(lidar, noise, 0, noise.threshold) ==
+            doctest::Approx(noise.bin_chance).epsilon(1e-4));
     }
 }
 
-TEST_CASE("the chance of a return is that of its highest bin in all of a record, and expectations have none of noise") {
+TEST_CASE(
+    "the chance of a return is that of its highest bin in all of a record, and expectations have none of "
+    "noise") {
   LidarPlan plan = airy_plan(scene::DetectorMode::photons);
   plan.lidar.echoes.false_returns = 100;
   ShotResult shot = airy_shot(plan);

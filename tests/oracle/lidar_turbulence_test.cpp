@@ -106,18 +106,21 @@ TEST_CASE("L-17: heights count from the ground below the path, whatever the beam
   const auto t = hufnagel_valley();
   LidarPlan plan = airborne_plan(t);
   plan.lidar.gate.start_s = 0, plan.lidar.gate.bin_s = 1e-6;  // 150 km: no end of the path
-  const double wavelength_m = plan.lidar.pulse.lines.front().wavelength_um * 1e-6, k = 2 * M_PI / wavelength_m;
+  const double wavelength_m = plan.lidar.pulse.lines.front().wavelength_um * 1e-6,
+               k = 2 * M_PI / wavelength_m;
   const auto ground_at = [](double z) { return [z](double, double) { return z; }; };
   Shot level = nadir(0, 300);
   level.exit_axis = {0, 1, 0};
   // All of a level path lies at 300 m over the ground; [0.423 k^2 Cn2 3/8 L]^(-3/5).
   const double level_m = std::pow(0.423 * k * k * cn2_at(t, 300) * 0.375 * 1000, -0.6);
   CHECK(level_m == doctest::Approx(0.345).epsilon(1e-3));
-  CHECK(turbulence_statistics(plan, {ground_at(0), 1000}, level).fried_m == doctest::Approx(level_m).epsilon(1e-7));
+  CHECK(turbulence_statistics(plan, {ground_at(0), 1000}, level).fried_m ==
+        doctest::Approx(level_m).epsilon(1e-7));
   CHECK(turbulence_statistics(plan, {nullptr, 1000}, level).path_m == 1000);
   // The same over ground that lies higher than the scene's zero, and along a slope.
   level.exit_m[2] = 2100;
-  CHECK(turbulence_statistics(plan, {ground_at(1800), 1000}, level).fried_m == doctest::Approx(level_m).epsilon(1e-7));
+  CHECK(turbulence_statistics(plan, {ground_at(1800), 1000}, level).fried_m ==
+        doctest::Approx(level_m).epsilon(1e-7));
   Shot slope = nadir(0, 300);
   slope.exit_axis = {0.6, 0, 0.8};
   const auto rising = [](double x, double) { return x * 0.8 / 0.6; };
@@ -133,7 +136,9 @@ TEST_CASE("L-17: heights count from the ground below the path, whatever the beam
   double start = 0, plane = 0;
   for (int i = 0; i < steps; ++i) {
     const double z = (i + 0.5) / steps * length;
-    const double cn2 = cn2_at(t, 120 + slant.exit_axis[2] * z - waves(slant.exit_axis[0] * z, slant.exit_axis[1] * z)) * length / steps;
+    const double cn2 =
+        cn2_at(t, 120 + slant.exit_axis[2] * z - waves(slant.exit_axis[0] * z, slant.exit_axis[1] * z)) *
+        length / steps;
     start += cn2 * std::pow(1 - z / length, 5.0 / 3), plane += cn2 * std::pow(length - z, 5.0 / 6);
   }
   const TurbulenceTruth found = turbulence_statistics(plan, {waves, length}, slant);

@@ -387,7 +387,9 @@ TEST_CASE("bad input: EPSG code that is no projected system") {
 TEST_CASE("bad input: objects so far from the origin that single precision loses them, by their own size") {
   const Folder folder;
   const auto box_at = [](const std::string& place, double size) {
-    return std::string(kHead) + kGrey + "[[plane]]\nmaterial = \"grey\"\nsize_m = [40, 40]\n[[box]]\nname = \"hut\"\nmaterial = \"grey\"\nposition_m = " +
+    return std::string(kHead) + kGrey +
+           "[[plane]]\nmaterial = \"grey\"\nsize_m = [40, 40]\n[[box]]\nname = \"hut\"\nmaterial = "
+           "\"grey\"\nposition_m = " +
            place + "\nsize_m = [" + std::to_string(size) + ", 1.0, 1.0]\n";
   };
   // A float's spacing: 1 m above 2^23 = 8.4e6, 1/128 m above 65536, 1/1024 m above 8192.
@@ -398,13 +400,19 @@ TEST_CASE("bad input: objects so far from the origin that single precision loses
     CHECK_SAYS(message, "scene.origin");
     CHECK(line_count(message) == 1);
   }
-  const auto notices = [&](const std::string& place, double size) { return load(folder, box_at(place, size)).notices; };
+  const auto notices = [&](const std::string& place, double size) {
+    return load(folder, box_at(place, size)).notices;
+  };
   REQUIRE(notices("[1e5, 0, 0]", 2).size() == 1);
   CHECK_SAYS(notices("[1e5, 0, 0]", 2).front(), "1 objects or terrains lie so far");
   CHECK_SAYS(notices("[1e5, 0, 0]", 2).front(), "worst 'hut': 2 m at 1e+05, 0, ");
   CHECK(notices("[1e5, 0, 0]", 40).empty());
   CHECK(notices("[8e3, 0, 0]", 2).empty());
   // Terrain is as coarse as its cells, not as it is wide.
-  folder.write("dem.asc", "ncols 3\nnrows 3\nxllcorner 90000\nyllcorner 0\ncellsize 0.0625\n1 1 1\n1 1 1\n1 1 1\n");
-  CHECK_SAYS(refusal(folder, std::string(kHead) + kGrey + "[[terrain]]\nname = \"field\"\nraster = \"dem.asc\"\nmaterial = \"grey\"\n"), "cells of 0.0625 m");
+  folder.write("dem.asc",
+               "ncols 3\nnrows 3\nxllcorner 90000\nyllcorner 0\ncellsize 0.0625\n1 1 1\n1 1 1\n1 1 1\n");
+  CHECK_SAYS(
+      refusal(folder, std::string(kHead) + kGrey +
+                          "[[terrain]]\nname = \"field\"\nraster = \"dem.asc\"\nmaterial = \"grey\"\n"),
+      "cells of 0.0625 m");
 }

@@ -285,9 +285,12 @@ TEST_CASE(
   CHECK(!grid.height_m(0.5, -0.001));
 }
 
-TEST_CASE("ground: the highest terrain below a place, off all of them the edge of the nearest, z = 0 without any") {
-  // Rows from north: 0 1 / 2 3 over x 0..1, y 0..1; a raster turned by 90 degrees, all 7, over x 10..11, y 0..1.
-  const Ground ground({TerrainGrid(2, 2, {-0.5, 1, 0, 1.5, 0, -1}, {0, 1, 2, 3}), TerrainGrid(2, 2, {9.5, 0, 1, -0.5, 1, 0}, {7, 7, 7, 7})});
+TEST_CASE(
+    "ground: the highest terrain below a place, off all of them the edge of the nearest, z = 0 without any") {
+  // Rows from north: 0 1 / 2 3 over x 0..1, y 0..1; a raster turned by 90 degrees, all 7, over x 10..11, y
+  // 0..1.
+  const Ground ground({TerrainGrid(2, 2, {-0.5, 1, 0, 1.5, 0, -1}, {0, 1, 2, 3}),
+                       TerrainGrid(2, 2, {9.5, 0, 1, -0.5, 1, 0}, {7, 7, 7, 7})});
   CHECK(ground.z_m(0, 1) == doctest::Approx(0));
   CHECK(ground.z_m(0.5, 0) == doctest::Approx(2.5));
   CHECK(ground.z_m(0.5, -30) == doctest::Approx(2.5));
