@@ -138,10 +138,10 @@ struct LidarDetector {
 enum class EchoMethod { peak, constant_fraction, gaussian };
 struct LidarEchoes {
   EchoMethod method = EchoMethod::gaussian;
-  double threshold_sigma = 4;      ///< above the noise of background and electronics, where false_returns is 0
+  double threshold_sigma = 4;      ///< above the noise, where false_returns is 0
   double false_returns = 0;        ///< of a record by chance, at most; > 0: thresholds come from it instead
   bool air_is_background = false;  ///< the expected return of the air is subtracted, its noise in the threshold
-  double noise_class_above = 0;    ///< returns that chance makes more often in a record are LAS class 7; 0: none
+  double noise_class_above = 0;    ///< returns that chance makes more often are LAS class 7; 0: none
   double threshold_pe = 1;         ///< and at least so many photo-electrons in the peak bin
   double fraction = 0.5;           ///< constant fraction
   int max_returns = 15;
