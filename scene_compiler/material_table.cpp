@@ -112,8 +112,6 @@ MaterialTable::MaterialTable(const Record& root, Problems& problems) {
     material.name = name;
     material.temperature_K = record.given("temperature_K") ? record.number("temperature_K") : default_K;
     if (record.given("source")) material.source = record.text("source");
-    if (record.given("file"))
-      material.source = material.source.empty() ? record.text("file") : material.source + " (" + record.text("file") + ")";
     index_.emplace(name, static_cast<std::uint32_t>(materials_.size()));
     shared::Surface surface{};
     surface.curve[0] = static_cast<std::uint32_t>(materials_.size()) + 1;

@@ -1,9 +1,10 @@
 #include "host/cli/input_check.h"
 
+#include <map>
 #include <set>
 #include <string>
 
-#include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "host/base/doing.h"
 #include "host/base/error.h"
@@ -72,12 +73,23 @@ void check_known_table(const scene::Simulation& simulation, const scene::Instrum
   found.add(cold);
 }
 
+/// Files of the materials' curves, as the simulation file names them.
+std::map<std::string, std::string> curve_files(const scene::Simulation& simulation) {
+  std::map<std::string, std::string> files;
+  const auto resolved = nlohmann::json::parse(simulation.resolved_json);
+  if (!resolved.contains("material")) return files;
+  for (const auto& material : resolved["material"])
+    if (material.contains("name") && material.contains("file"))
+      files[material["name"].get<std::string>()] = material["file"].get<std::string>();
+  return files;
+}
+
 void check_instrument(const scene::Simulation& simulation, const scene::Instrument& instrument,
-                      Found& found) {
+                      const std::map<std::string, std::string>& files, Found& found) {
   base::Problems problems;
   plan::check_bands(instrument, problems);
   const bool bands = problems.empty();
-  if (bands) plan::check_curves(simulation.scene, instrument, problems);
+  if (bands) plan::check_curves(simulation.scene, instrument, problems, files);
   found.add(problems);
   found.part([&] { static_cast<void>(sensors::SampleWeights(instrument)); });
   plan::ViewBounds view;
@@ -96,11 +108,13 @@ void check_instrument(const scene::Simulation& simulation, const scene::Instrume
   });
 }
 
-void check_lidar(const scene::Simulation& simulation, const scene::Lidar& lidar, Found& found) {
+void check_lidar(const scene::Simulation& simulation, const scene::Lidar& lidar,
+                 const std::map<std::string, std::string>& files, Found& found) {
   found.part([&] { check_lidar_air(simulation, lidar); });
   const auto wavelengths = lidar::table_wavelengths(lidar::make_nodes(lidar));
   for (const auto curve : plan::used_curves(simulation.scene)) {
     scene::Material material = simulation.scene.materials[curve - 1];
+    if (const auto file = files.find(material.name); file != files.end()) material.source = file->second;
     const auto covered = [&] {
       try {
         plan::sample_curve(material, wavelengths);
@@ -124,8 +138,9 @@ void check_inputs(const scene::Simulation& simulation,
                   const std::vector<const scene::Lidar*>& lidars) {
   const base::Doing doing("checking inputs");
   Found found;
-  for (const auto* instrument : instruments) check_instrument(simulation, *instrument, found);
-  for (const auto* lidar : lidars) check_lidar(simulation, *lidar, found);
+  const auto files = curve_files(simulation);
+  for (const auto* instrument : instruments) check_instrument(simulation, *instrument, files, found);
+  for (const auto* lidar : lidars) check_lidar(simulation, *lidar, files, found);
   found.throw_if_any();
 }
 

@@ -89,16 +89,21 @@ void check_view(const scene::Instrument& instrument, const ViewBounds& view, dou
                                                     instrument.name, zenith_rad / kDegree, last_zenith_rad / kDegree));
 }
 
-void check_curves(const scene::CompiledScene& scene, const scene::Instrument& instrument, base::Problems& problems) {
+void check_curves(const scene::CompiledScene& scene, const scene::Instrument& instrument, base::Problems& problems,
+                  const std::map<std::string, std::string>& curve_file) {
   const base::Where where = place_of(instrument);
+  const auto source = [&](const scene::Material& material) {
+    const auto file = curve_file.find(material.name);
+    const std::string& name = file != curve_file.end() ? file->second : material.source;
+    return name.empty() ? std::string("this") : "'" + name + "'";
+  };
   for (const auto curve : used_curves(scene)) {
     const auto& material = scene.materials[curve - 1];
     const auto& x = material.reflectance.wavelength_um;
     if (x.empty()) problems.add(where, "material '" + material.name + "' has no reflectance curve", "", "give one");
     if (x.size() > 1)
       check_range(problems, where, instrument.bands, x.front(), x.back(), "the curve of material '" + material.name + "'",
-                  "take these bands out or give a wider curve than " + (material.source.empty() ? "this" : "'" + material.source + "'") +
-                      " (" + gaussian_reach() + ")");
+                  "take these bands out or give a wider curve than " + source(material) + " (" + gaussian_reach() + ")");
   }
 }
 

@@ -1,6 +1,9 @@
 // The spectral half of a plan: which curves count, whether every band can be served, the grid and the bands' weights.
 #pragma once
 
+#include <map>
+#include <string>
+
 #include "host/base/error.h"
 #include "host/plan/plan.h"
 
@@ -14,9 +17,11 @@ struct SpectralPlan {
 };
 
 /// What needs no air and no ray, added to `problems`: bands without a centre, a width or a response; used materials' curves that begin
-/// too late or end too early for a band. Materials that nothing carries are not asked.
+/// too late or end too early for a band. Materials that nothing carries are not asked. curve_file: a curve's file by its material's name,
+/// for messages, where the caller knows it.
 void check_bands(const scene::Instrument& instrument, base::Problems& problems);
-void check_curves(const scene::CompiledScene& scene, const scene::Instrument& instrument, base::Problems& problems);
+void check_curves(const scene::CompiledScene& scene, const scene::Instrument& instrument, base::Problems& problems,
+                  const std::map<std::string, std::string>& curve_file = {});
 /// Bands that leave a table's wavelengths. table_name: as messages name it.
 void check_table(const scene::Instrument& instrument, const std::vector<double>& table_um, const std::string& table_name,
                  base::Problems& problems);

@@ -43,7 +43,7 @@ def all_refuse(work, file, says, more=()):
 with tempfile.TemporaryDirectory() as work:
     work = pathlib.Path(work)
     (work / "narrow.csv").write_text("wavelength_nm,reflectance\n500,0.1\n700,0.2\n")
-    (work / "late.csv").write_text("wavelength_nm,reflectance\n500,0.1\n2500,0.2\n")
+    (work / "late.csv").write_text("# source: somebody's, who does not say which file\nwavelength_nm,reflectance\n500,0.1\n2500,0.2\n")
     kDark = '{ name = "dark", reflectance = 0.10 }'
 
     def with_material(name, text, **more):
