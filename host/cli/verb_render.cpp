@@ -47,6 +47,7 @@ nlohmann::json render_one(const scene::Simulation& simulation, const InstrumentJ
                           const cl::DeviceInfo& device, const std::filesystem::path& folder, double load_s, Context& context) {
   const auto& instrument = *job.instrument;
   const auto start = std::chrono::steady_clock::now();
+  renderer.tile_size(instrument, job.plan, renderer.tuning().tile_samples);  // refuses a --memory that is too small before anything is made
   CubeProducts output(folder.string(), context.common.overwrite ? base::IfExists::replace : base::IfExists::refuse, simulation, job);
   base::Progress progress(context.log, "render " + instrument.name, std::uint64_t(instrument.pixels) * instrument.lines, "pixels");
   MissedSamples missed(simulation, instrument);

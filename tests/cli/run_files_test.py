@@ -243,7 +243,7 @@ def later_failure(work):
     file = scene(work, "two.toml")
     text = file.read_text()
     file.write_text(text + text[text.index("[[instrument]]"):].replace('name = "camera"', 'name = "late"').replace("pixels = 24", "pixels = 1000").replace("lines = 12", "lines = 100"))
-    done = refused("render", file, "-o", work / "two", status=3, says=["late/radiance.img: no room for", "whole and kept: ", "two/camera; go on with --instrument late"],
+    done = refused("render", file, "-o", work / "two", status=3, says=["late/radiance.img: writing failed", "whole and kept: ", "two/camera; go on with --instrument late"],
                    preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (1 << 20, 1 << 20)))
     verified(work / "two/camera", 0)
     check(list((work / "two/late").iterdir()) == [])
