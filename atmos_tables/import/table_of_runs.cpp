@@ -315,13 +315,45 @@ class Maker {
 
 }  // namespace
 
+/// [first moment, centre, FWHM] um of every node of a table whose nodes are channels of one .chn; empty for other tables. Where a file's
+/// descriptions name neither, the moment, and the equivalent width as that of a Gaussian.
+nlohmann::ordered_json channels_of(const std::vector<Imported>& files, const Spectrum& nodes_um) {
+  constexpr double kWidthOverFwhm = 1.0644670194312262;  // of a Gaussian: sqrt(pi / (4 ln 2))
+  for (const Imported& file : files) {
+    if (file.format != "chn" || file.runs.empty()) continue;
+    const Run& run = file.runs.front();
+    const Column *center = run.find("channel_center"), *fwhm = run.find("channel_fwhm"), *width = run.find("channel_width");
+    auto out = nlohmann::ordered_json::array();
+    for (const double node : nodes_um)
+      for (std::size_t i = 0; i < run.wavelength_um.size(); ++i)
+        if (std::abs(run.wavelength_um[i] - node) <= 1e-9 && out.size() < nodes_um.size())
+          out.push_back({node, center ? center->values[i] : node, fwhm ? fwhm->values[i] : width ? width->values[i] / kWidthOverFwhm : 0.0});
+    if (out.size() == nodes_um.size()) return out;
+  }
+  return {};
+}
+
+/// What one line of sight leaves open.
+void note_one_direction(const RenderTable& table, const std::vector<Imported>& files, std::vector<std::string>& notices) {
+  const bool runs = std::any_of(files.begin(), files.end(), [](const Imported& file) { return file.format != "plain-csv"; });
+  const auto &zeniths = table.axis("view_zenith").nodes, &sky = table.axis("sky_zenith").nodes;
+  if (!runs || !table.has("view_transmission")) return;
+  if (zeniths.size() == 1)
+    notices.push_back("one line of sight, " + shown(zeniths[0]) + " deg of view zenith" +
+                      (zeniths[0] == 0 ? " (straight down where the files name none)" : "") + ": renders that look elsewhere are told so, or refused");
+  if (sky.size() == 1 && (table.has("sky_radiance_solar") || table.has("sky_radiance_thermal")))
+    notices.push_back("one direction of the sky, taken for all of it");
+}
+
 TableOfRuns table_of_runs(const std::vector<Imported>& files, const TableRequest& request) {
   Maker maker(samples_of(files, request), request);
   TableOfRuns out{maker.table(), {}};
   out.notices = maker.notices();
+  note_one_direction(out.table, files, out.notices);
   nlohmann::ordered_json provenance{{"model", "imported"}, {"files", nlohmann::ordered_json::array()}};
   for (const Imported& file : files) provenance["files"].push_back({{"file", file.file}, {"code", file.code}, {"format", file.format}, {"runs", file.runs.size()}});
   provenance["notices"] = out.notices;
+  if (auto channels = channels_of(files, out.table.axis("wavelength").nodes); !channels.empty()) provenance["channels"] = std::move(channels);
   out.table.provenance_json = provenance.dump(-1, ' ', false, std::decay_t<decltype(provenance)>::error_handler_t::replace);
   out.table.solar_source = "as the imported runs have it";
   validate(out.table, "the imported table");

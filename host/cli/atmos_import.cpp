@@ -84,7 +84,7 @@ Verb verb_atmos_import() {
       "must hold to the printed digits. docs/import_formats.md lists formats and columns.\n\n"
       "With -o TABLE.rct the runs of all FILEs become one render table: paths down give transmission and path radiance, runs that "
       "look up give the sky, runs over several albedos or the columns A, B and S of a .chn give the light between ground and air. "
-      "What a render needs and the runs lack is listed; directions must form full grids, and one direction alone says that nothing varies.";
+      "What a render needs and the runs lack is listed; directions must form full grids, and one direction alone serves what is near it: renders that look elsewhere are warned or refused.";
   verb.examples = {"raycube atmos import tape7", "raycube atmos import uvspec.out --uvspec-input uvspec.inp --json",
                    "raycube atmos import down.tp7 sky.tp7 -o flight.rct", "raycube atmos import run.chn --sun-zenith 52 --sensor-height 2000 --even-sky -o flight.rct"};
   verb.common = kOutput;

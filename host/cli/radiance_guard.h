@@ -1,4 +1,5 @@
-// The last look at a cube before it gets its name: numbers that are none are refused, light that cannot be is counted.
+// The last look at a cube before it gets its name: numbers that are none are refused, light that cannot be is
+// counted.
 #pragma once
 
 #include <cstdint>
@@ -15,12 +16,14 @@ class RadianceGuard {
   /// limit: W m-2 sr-1 um-1 of each band (plan::radiance_limit).
   RadianceGuard(const scene::Instrument& instrument, const std::vector<double>& limit);
 
-  /// Whole lines, [line][pixel][band]. Throws Error(bug) that names instrument, pixel and band of the first infinite value or NaN.
+  /// Whole lines, [line][pixel][band]. Throws Error(bug) that names instrument, pixel and band of the first
+  /// infinite value or NaN.
   void add(std::int64_t first_line, std::int64_t lines, const float* radiance);
 
   /// What to say of pixels beyond the limit; nothing when there are none.
   std::optional<std::string> warning() const;
-  /// For run.json: how many pixels have a band beyond its limit, and where the worst stands (all 0 without any).
+  /// For run.json: how many pixels have a band beyond its limit, and where the worst stands (all 0 without
+  /// any).
   std::string json() const;
 
  private:

@@ -6,6 +6,9 @@
 
 #include "atmos_tables/clear_sky_inputs.h"
 #include "host/base/error.h"
+#include "host/cli/air_table.h"
+#include "host/plan/channel_bands.h"
+#include "host/plan/one_direction.h"
 #include "host/planner/plan_file.h"
 #include "host/sensors/view_bounds.h"
 #include "scene_compiler/load_simulation.h"
@@ -77,6 +80,11 @@ InstrumentJob prepare(const scene::Simulation& simulation, const scene::Instrume
   auto start = std::chrono::steady_clock::now();
   job.table = air_table(air_request(simulation, instrument, view.sensor_height_m), context);
   job.table_s = seconds_since(start);
+  const auto& scene = simulation.scene;
+  const bool empty = scene.instances.empty();
+  job.notices = plan::one_direction_notices(job.table, instrument.name, view, {empty ? 0.0 : scene.lo[2], empty ? 0.0 : std::min<double>(scene.hi[2], view.sensor_height_m)});
+  for (auto& notice : plan::channel_bands(instrument, job.table).notices) job.notices.push_back(std::move(notice));
+  for (const auto& notice : job.notices) context.log.warning(instrument.name + ": " + notice);
   start = std::chrono::steady_clock::now();
   job.plan = plan::make_plan(simulation, instrument, job.table, view);
   if (planning.replay) {

@@ -44,6 +44,7 @@ struct InstrumentJob {
   planner::Decision decision;
   atmos::RenderTable table;
   plan::Plan plan;
+  std::vector<std::string> notices;                  ///< of table and instrument together; the log has them
   double table_s = 0, plan_s = 0;
 };
 

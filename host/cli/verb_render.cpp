@@ -108,6 +108,7 @@ nlohmann::json render_one(const scene::Simulation& simulation, const InstrumentJ
     context.log.info(fmt::format("{}: {:.1f} % of the pixels rendered anew with all samples", instrument.name, 100 * refined));
   }
   record.warnings = light_notices(simulation, instrument);
+  record.warnings.insert(record.warnings.end(), job.notices.begin(), job.notices.end());
   if (const auto bright = output.warning()) {
     context.log.warning(*bright);
     record.warnings.push_back(*bright);

@@ -10,6 +10,7 @@
 #include "host/base/error.h"
 #include "host/plan/adjacency.h"
 #include "host/plan/band_space.h"
+#include "host/plan/channel_bands.h"
 #include "host/plan/irradiance_map.h"
 #include "host/plan/plan.h"
 #include "host/plan/plan_errors.h"
@@ -142,7 +143,9 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
   const Domain domain = make_domain(simulation, table, view);
   const bool no_air = simulation.atmosphere.none;
   const auto& table_um = table.axis("wavelength").nodes;
-  SpectralPlan spectral = make_spectral_plan(simulation.scene, instrument, table_um, table_name(simulation));
+  scene::Instrument convolved = instrument;
+  convolved.bands = channel_bands(instrument, table).bands;
+  SpectralPlan spectral = make_spectral_plan(simulation.scene, convolved, table_um, table_name(simulation));
 
   Plan plan;
   plan.tolerance = simulation.tolerance;

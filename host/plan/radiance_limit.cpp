@@ -22,23 +22,29 @@ std::vector<double> largest_of(const atmos::Row& row, std::size_t wavelengths) {
 }
 
 /// Largest emission on the plan's grid: of used materials, and of the sky they mirror.
-std::vector<double> largest_emission(const Plan& plan, const scene::CompiledScene& scene, const atmos::RenderTable& table) {
+std::vector<double> largest_emission(const Plan& plan, const scene::CompiledScene& scene,
+                                     const atmos::RenderTable& table) {
   std::vector<double> out(plan.wavelength_um.size(), 0.0);
   if (!plan.thermal.on) return out;
   double hottest_K = plan.thermal.surroundings_K;
-  for (const auto curve : used_curves(scene)) hottest_K = std::max(hottest_K, double{scene.materials[curve - 1].temperature_K});
+  for (const auto curve : used_curves(scene))
+    hottest_K = std::max(hottest_K, double{scene.materials[curve - 1].temperature_K});
   const auto& um = atmos::wavelengths(table);
-  const auto sky = atmos::resample_linear(um, largest_of(table.need("sky_radiance_thermal", "thermal light"), um.size()), plan.wavelength_um);
-  for (std::size_t i = 0; i < out.size(); ++i) out[i] = std::max(sky[i], base::planck_radiance(plan.wavelength_um[i], hottest_K));
+  const auto sky = atmos::resample_linear(
+      um, largest_of(table.need("sky_radiance_thermal", "thermal light"), um.size()), plan.wavelength_um);
+  for (std::size_t i = 0; i < out.size(); ++i)
+    out[i] = std::max(sky[i], base::planck_radiance(plan.wavelength_um[i], hottest_K));
   return out;
 }
 
 }  // namespace
 
-std::vector<double> radiance_limit(const Plan& plan, const scene::CompiledScene& scene, const atmos::RenderTable& table) {
+std::vector<double> radiance_limit(const Plan& plan, const scene::CompiledScene& scene,
+                                   const atmos::RenderTable& table) {
   std::vector<double> limit = largest_emission(plan, scene, table);
   if (plan.sun_up && table.has("solar_irradiance")) {
-    const auto e0 = atmos::resample_linear(atmos::wavelengths(table), atmos::solar_irradiance(table), plan.wavelength_um);
+    const auto e0 =
+        atmos::resample_linear(atmos::wavelengths(table), atmos::solar_irradiance(table), plan.wavelength_um);
     for (std::size_t i = 0; i < limit.size(); ++i) limit[i] += e0[i] / std::numbers::pi;
   }
   for (std::size_t i = 0; i < limit.size(); ++i) {

@@ -1,0 +1,111 @@
+#!/usr/bin/env python3
+"""What an imported table cannot know is not made up: one line of sight is not every line of sight, means over channels are not a spectrum.
+The .chn is written here with a gas band in one channel of ten. Oracle: its own columns,
+    L = path + rho (A + B) (COSSUN TOA_SUN / PI) / (1 - rho S).
+Tolerances: the columns' seven digits and the cube's single precision. usage: import_limits_test.py RAYCUBE"""
+import math
+import pathlib
+import sys
+import tempfile
+
+import numpy
+
+from driver import Program, envi, record
+
+program = Program(sys.argv[1])
+run, check, refused = program.run, program.check, program.refused
+WIDTHS = (12, 3, 3, 13, 13, 8, 13, 9, 9, 9, 9) + (13,) * 10 + (10,) * 5
+CENTERS, FWHM = tuple(720.0 + 10 * i for i in range(10)), 9.5  # nm
+SUN, REFLECTANCE, DEEP = 60.0, 0.3, 4
+# path (W m-2 sr-1 um-1), T sun to target to sensor, A, B, S, T view: a gas band in the channel at 760 nm
+AIR = [(12.0 - 0.3 * i, 0.50, 0.60, 0.05, 0.10, 0.80) for i in range(10)]
+AIR[DEEP] = (2.0, 0.06, 0.07, 0.01, 0.02, 0.25)
+E0 = [1300.0 - 15 * i for i in range(10)]
+
+
+def chn(path):
+    text = "\n1ST SPECTRAL  LOS CHAN\n   MOMENT     NO.  NEL\n(NANOMETERS)       NO.\n" + "  ".join("-" * w for w in WIDTHS) + "  -----------\n"
+    above = []
+    for i, (center, e0, (light, joined, a, b, s, view)) in enumerate(zip(CENTERS, E0, AIR)):
+        width = 1.0645 * FWHM
+        cm2 = lambda per_um: per_um * width * 1e-3 * 1e-4  # W m-2 um-1 over the channel, in W cm-2
+        e = lambda x: f"{x:.6E}"
+        single, multiple = cm2(0.6 * light), cm2(0.4 * light)
+        total = float(e(single)) + float(e(multiple))
+        cos_over_pi = cm2(e0 * math.cos(math.radians(SUN)) / math.pi)
+        above.append(float(e(cos_over_pi)) / (float(f"{width:.4f}") * 1e-3 * 1e-4))
+        cells = [f"{center:.5f}", "1", str(i + 1), e(1e-9), e(total / width), "290.000", e(total), "100.0000", f"{width:.4f}", f"{center - 20:.4f}",
+                 f"{center + 20:.4f}", e(0), e(0), e(0), e(multiple), e(single), e(0), e(0), e(cos_over_pi), e(cm2(e0 * joined)), e(cm2(e0 * joined * 1.2)),
+                 f"{a:.7f}", f"{b:.7f}", f"{s:.7f}", f"{view:.7f}", "1.0000000"]
+        text += "  ".join(cell.rjust(w) for cell, w in zip(cells, WIDTHS)) + f"  CENTER:   {center:.2f} NM   FWHM:  {FWHM:.2f} NM\n"
+    pathlib.Path(path).write_text(text)
+    return numpy.array([light + REFLECTANCE * (a + b) * x / (1 - REFLECTANCE * s) for (light, _, a, b, s, _), x in zip(AIR, above)])
+
+
+def plane(folder, table, *, bands=None, pitch=0, height=0.0, agl=1000.0):
+    (folder / "bands.csv").write_text("center_nm,fwhm_nm\n" + "".join(f"{c},{w}\n" for c, w in bands or [(c, FWHM) for c in CENTERS]))
+    path = folder / "plane.toml"
+    path.write_text(f"""format = 1
+material = [ {{ name = "grey", reflectance = {REFLECTANCE} }} ]
+plane = [ {{ material = "grey", position_m = [0.0, 0.0, {height}], size_m = [4000.0, 4000.0] }} ]
+atmosphere = {{ tables = "{table}" }}
+time = {{ sun = {{ zenith_deg = {SUN}, azimuth_deg = 150.0 }} }}
+[[instrument]]
+name = "camera"
+kind = "framing"
+position_m = [0.0, 0.0, {agl}]
+pitch_deg = {pitch}
+ifov_mrad = 1.0
+pixels = 4
+lines = 4
+samples = {{ grid = [4, 4] }}
+bands = {{ file = "bands.csv" }}
+""")
+    return path
+
+
+with tempfile.TemporaryDirectory() as work:
+    work = pathlib.Path(work)
+    want, out = chn(work / "a.chn"), work / "out"
+    imported = ["atmos", "import", work / "a.chn", "--sun-zenith", SUN, "--sun-azimuth", 150, "--even-sky", "--overwrite"]
+    done = run(*imported, "--sensor-height", 1000, "-o", work / "a.rct")
+    check("one line of sight, 0 deg" in done.stderr, done.stderr)
+
+    def render(file):
+        done = run("render", file, "-o", out, "--overwrite")
+        return done, envi(out / "camera", "radiance")[1].astype(float).reshape(16, -1)
+
+    # The instrument's bands are the channels: their values as they are.
+    done, found = render(plane(work, work / "a.rct"))
+    worst = numpy.abs(found / want - 1).max()
+    print(f"the channels' own bands: {worst:.2e} of the columns")
+    check(worst < 2e-6 and not record(out / "camera")["warnings"], worst, done.stderr)
+    # So are some of them, in another order of digits: 2 % of the width.
+    _, found = render(plane(work, work / "a.rct", bands=[(750.0, 9.6), (760.15, 9.5), (770.0, 9.4)]))
+    check(numpy.abs(found / want[3:6] - 1).max() < 2e-6)
+    # Others are said, and are what a second average makes of them.
+    done, found = render(plane(work, work / "a.rct", bands=[(760.0, 14.0), (770.0, 9.5), (775.0, 9.5)]))
+    check("2 of 3 bands" in done.stderr and "band 1 is 760 nm, FWHM 14 nm" in done.stderr and "band 3 is 775 nm" in done.stderr, done.stderr)
+    check(any("2 of 3 bands" in warning for warning in record(out / "camera")["warnings"]))
+    check(abs(found[:, 1] / want[5] - 1).max() < 2e-6 and found[0, 0] > 1.3 * want[DEEP], found[0], want)
+    # What is finer than a channel is not in the table.
+    refused("render", plane(work, work / "a.rct", bands=[(765.0, 2.0)]), "-o", out, "--overwrite", status=2,
+            says=["means over channels", "band 1 is 765 nm, FWHM 2 nm", "FWHM 9.5 nm"])
+
+    # One line of sight: straight down it serves, aside it is said, far aside refused, with the angles.
+    done, _ = render(plane(work, work / "a.rct", pitch=10))
+    check("one view zenith, 0 deg" in done.stderr and any("one view zenith" in w for w in record(out / "camera")["warnings"]), done.stderr)
+    refused("render", plane(work, work / "a.rct", pitch=40), "-o", out, "--overwrite", status=2,
+            says=["instrument 'camera'", "one view zenith, 0 deg", "to 40.1", "deg off nadir", "import runs"])
+    # One target height, likewise; and the sensor's as ever.
+    done, _ = render(plane(work, work / "a.rct", height=20.0))
+    check("one target height, 0 m" in done.stderr, done.stderr)
+    refused("render", plane(work, work / "a.rct", height=200.0), "-o", out, "--overwrite", status=2, says=["one target height, 0 m", "from 200 to 200 m"])
+    refused("render", plane(work, work / "a.rct", agl=1500.0), "-o", out, "--overwrite", status=2, says=["another sensor height"])
+    # Columns that a user names state that nothing varies.
+    names = "solar_irradiance [W m-2 um-1],sun_transmission [1],view_transmission [1],two_way_factor [1],path_radiance_solar [W m-2 sr-1 um-1],sky_radiance_solar [W m-2 sr-1 um-1]"
+    (work / "even.csv").write_text(f"wavelength [um],{names}\n0.6,1000,1,1,1,0,0\n0.9,1000,1,1,1,0,0\n")
+    run("atmos", "import", work / "even.csv", *imported[3:], "--sensor-height", 1000, "-o", work / "even.rct")
+    done, _ = render(plane(work, work / "even.rct", pitch=40))
+    check(not record(out / "camera")["warnings"], done.stderr)
+print(f"{program.checks} checks")
