@@ -86,8 +86,6 @@ kFaults = {
                                ["the layered model covers 0.3 to 30 um and ends there (found 30.95", "import a table"]),
     "no table": ([('{ model = "none" }', '{ tables = "a.rct" }')], {"a.rct": "garbage"},
                  ["a.rct: is no render table: shorter than its 64-byte head (found 7 bytes); build or import the table again"]),
-    "sun below the horizon": ([("zenith_deg = 40.0", "zenith_deg = 95.0"), kAir], {},
-                              ["sun zenith 90 to 108 deg) (found 95.0 deg); choose a time with the sun up"]),
     "time without a place": ([(kSun, 'utc = "2012-09-20T15:30:00Z"')], {},
                              ["scene.toml:14:10: the sun at a time needs a place on earth (found no epsg"]),
     "no such time": ([(kSun, 'utc = "2012-13-20T15:30:00Z"'),

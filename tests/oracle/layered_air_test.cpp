@@ -200,7 +200,7 @@ TEST_CASE("layered air: the sun's light of wide bins is that of the spectrum") {
 
 TEST_CASE("layered air: bad requests are one error that names everything") {
   const auto spec = summer_rural();
-  CHECK_THROWS_AS(build_layered(spec, sun_at(95), 500, {0.5}, {0}), base::Error);
+  CHECK_THROWS_AS(build_layered(spec, sun_at(181), 500, {0.5}, {0}), base::Error);
   CHECK_THROWS_AS(build_layered(spec, sun_at(40), 500, {0.2, 0.5}, {0}), base::Error);
   CHECK_THROWS_AS(build_layered(spec, sun_at(40), 500, {0.5}, {600}), base::Error);
   CHECK_THROWS_AS(layered_wavelengths(0.4, 40), base::Error);
