@@ -35,7 +35,7 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 void add_error(const planner::OwnError& error, const InstrumentJob& job, products::RunRecord& record, Context& context) {
   const std::string text = job.instrument->name + ": " + planner::own_error_text(error);
   record.more_json.emplace_back("error", planner::own_error_json(error));
-  if (error.known() && !error.kept() && !job.decision.estimated) {  // what a trial found is among the plan's notes
+  if (!error.kept() && !job.decision.estimated) {  // what a trial found is among the plan's notes
     context.log.warning(text);
     record.warnings.push_back(text);
   } else {

@@ -1,11 +1,10 @@
 // What is known of a render's error, whoever chose its settings (S60).
 //
-// Where the planner made a trial, that. Where the file gives samples and directions no reference is rendered:
-// a few hundred pixels picked by hash are rendered twice as the image is, with two seeds. The spread of each
-// pixel's samples tells their error (host/render/standard_error.h: right within a factor of two for a grid),
-// half the mean square between the seeds what they draw: of a grid the sky's directions alone, of lattice and
-// jittered samples both together. Like every rms over pixels it says nothing of a few pixels with targets;
-// those are the small objects' matter.
+// Where the planner made a trial, that. Where the file gives samples and directions, a few hundred pixels
+// picked by hash (all of a small image) are rendered as the image is and twice more with as many samples at
+// random (a lattice's shift; jittered cells under a point spread) and other sets of directions: no reference,
+// and still without bias. Like every rms over pixels it says nothing of a few pixels with targets; those are
+// the small objects' matter.
 #pragma once
 
 #include <string>
@@ -15,13 +14,15 @@
 namespace raycube::planner {
 
 /// Parts and total as the tolerance means them: rms over pixels of the worst band over that band's mean;
-/// below 0: not known.
+/// below 0: not known apart. Like the plan's they are bounds, with one standard error on top.
 struct OwnError {
-  double total = -1, samples = -1, sky = -1, plan = 0;
+  double total = -1;
+  double drawn = -1;              ///< of samples and sky directions together
+  double samples = -1, sky = -1;  ///< of either
+  double plan = 0;                ///< of nodes and components, as the plan has it
   double tolerance = 0;
   std::string from;  ///< how it is known
-  bool known() const { return total >= 0; }
-  bool kept() const { return known() && total <= tolerance; }
+  bool kept() const { return total <= tolerance; }
 };
 
 /// Of an instrument as `apply` left it. Renders only where the decision was not made by a trial.

@@ -192,9 +192,7 @@ RenderStatistics Renderer::probe(const scene::Instrument& instrument, const plan
     probe.tile = tile;
     probe.radiance.resize(tile.pixels() * setup.shape.bands);
     probe.truth.resize(tile.pixels() * layers);
-    if (instrument.standard_error == scene::StandardError::bands) probe.band_error.resize(probe.radiance.size());
-    passes.run(tile, {probe.radiance.data(), probe.truth.data(), layers, probe.band_error.empty() ? nullptr : probe.band_error.data()},
-               sink ? &probe : nullptr);
+    passes.run(tile, {probe.radiance.data(), probe.truth.data(), layers, nullptr}, sink ? &probe : nullptr);
     if (sink) sink(probe);
   }
   return passes.statistics();

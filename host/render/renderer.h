@@ -74,7 +74,6 @@ struct PixelProbe : HitProbe {
   std::vector<float> sky_blocked;                          ///< [pixel][sample][component 0..3 or 0..7], irradiance taken away
   std::vector<float> radiance;                             ///< [pixel][band]
   std::vector<float> truth;                                ///< [pixel][layer]
-  std::vector<float> band_error;                           ///< [pixel][band], standard error where the instrument asks for bands
 };
 
 using ProbeSink = std::function<void(const PixelProbe&)>;

@@ -16,7 +16,7 @@ using glm::dvec3;
 /// A surface with more triangles in one mesh is no collection of parts that are worth telling apart.
 constexpr std::size_t kMostTriangles = 65536;
 constexpr std::uint64_t kOfMesh = std::uint64_t{1}
-                                  << 32;  ///< kinds that are meshes, beside those that are surfaces
+                                  << 32;  ///< kinds that are meshes, beside those that are materials
 
 struct Box {
   dvec3 lo{1e300}, hi{-1e300};
@@ -92,6 +92,11 @@ std::vector<std::vector<std::uint32_t>> connected(const scene::CompiledScene& sc
   return out;
 }
 
+std::string name_of_kind(const scene::CompiledScene& scene, std::uint64_t kind) {
+  if (kind & kOfMesh) return scene.meshes[static_cast<std::uint32_t>(kind)].name;
+  return kind > 0 ? scene.materials[kind - 1].name : "nothing";
+}
+
 class Collector {
  public:
   Collector(const scene::CompiledScene& scene, double widest_m) : scene_(scene), widest_m_(widest_m) {}
@@ -103,7 +108,7 @@ class Collector {
       const std::uint32_t mesh = scene_.instances[i].mesh;
       if (times[mesh] > 1)
         add_whole(i, kOfMesh | mesh);
-      else if (!add_whole(i, first_surface(scene_.meshes[mesh])))
+      else if (!add_whole(i, first_kind(scene_.meshes[mesh])))
         add_parts(i);
     }
   }
@@ -118,15 +123,19 @@ class Collector {
   }
 
  private:
-  std::uint64_t first_surface(const scene::Mesh& mesh) const {
-    return mesh.block_count ? scene_.blocks[mesh.first_block].surface[0] : 0;
+  /// A surface's kind: the material that it has most of. Mixtures of a class map are many surfaces of few
+  /// materials.
+  std::uint64_t kind_of(std::uint32_t surface) const {
+    const shared::Surface& mixed = scene_.surfaces[surface];
+    const auto most =
+        std::max_element(std::begin(mixed.fraction), std::end(mixed.fraction)) - std::begin(mixed.fraction);
+    return mixed.curve[most];
+  }
+  std::uint64_t first_kind(const scene::Mesh& mesh) const {
+    return mesh.block_count ? kind_of(scene_.blocks[mesh.first_block].surface[0]) : 0;
   }
 
-  std::string kind_name(std::uint64_t kind) const {
-    if (kind & kOfMesh) return scene_.meshes[static_cast<std::uint32_t>(kind)].name;
-    const std::uint32_t curve = scene_.surfaces[static_cast<std::uint32_t>(kind)].curve[0];
-    return curve > 0 ? scene_.materials[curve - 1].name : "surface " + std::to_string(kind);
-  }
+  std::string kind_name(std::uint64_t kind) const { return name_of_kind(scene_, kind); }
 
   /// Files an object; of a kind that has too many only the count goes on.
   void add(std::uint32_t instance, std::uint64_t kind, const Box& local,
@@ -184,7 +193,8 @@ class Collector {
         Box local;
         for (const std::uint32_t primitive : part)
           for (const dvec3& p : local_triangle(scene_, primitive)) local.add(p);
-        if (placed_width(instance, local) <= widest_m_) add(instance, surface, local, std::move(part));
+        if (placed_width(instance, local) <= widest_m_)
+          add(instance, kind_of(surface), local, std::move(part));
       }
     }
   }
@@ -214,8 +224,7 @@ std::string object_name(const scene::CompiledScene& scene, const SceneObject& ob
   const shared::Instance& instance = scene.instances[object.instance];
   const std::string& name = scene.meshes[instance.mesh].name;
   if (object.kind & kOfMesh) return name + ", placement " + std::to_string(instance.id);
-  const shared::Surface& surface = scene.surfaces[static_cast<std::uint32_t>(object.kind)];
-  return surface.curve[0] > 0 ? name + " (" + scene.materials[surface.curve[0] - 1].name + ")" : name;
+  return name + " (" + name_of_kind(scene, object.kind) + ")";
 }
 
 }  // namespace raycube::sensors

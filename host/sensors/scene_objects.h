@@ -4,9 +4,9 @@
 // A mesh that is placed several times is one object a placement. A mesh that is placed once is one object
 // when it is small itself; else each of its connected parts of one surface is (triangles that share corners):
 // plates of a file that holds a whole test site, or the rare cells of a class map. A kind of object is its
-// mesh (placed several times) or its surface. A kind of more than kMostOfAKind objects is a texture (leaves,
-// a forest, gravel): many pixels hold some, errors over pixels see them, and the ordinary samples serve them
-// as they do anything else.
+// mesh (placed several times) or the material it has most of. A kind of more than kMostOfAKind objects is a
+// texture (leaves, a forest, gravel): many pixels hold some, errors over pixels see them, and the ordinary
+// samples serve them as they do anything else.
 #pragma once
 
 #include <array>

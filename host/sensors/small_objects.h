@@ -5,7 +5,7 @@
 // instrument when its projection is at most kWidest_px pixels wide and long. With n samples in a pixel's area
 // and an object that covers the share a of that area, n a samples lie on it; of k points of a lattice or of
 // jittered cells on a compact shape the count errs by about k^1/4 (its outline crosses some k^1/2 cells), so
-// k = kPoints knows the area to 40^-3/4 = 6 % rms, and kFewestPoints to 15 %. A pixel needs
+// k = kPoints knows the area to 40^-3/4 = 6 % rms, and kFewestPoints to 19 %. A pixel needs
 //
 //     n = kPoints (1 - A) / A,    A = max(largest a, sum of a f) over objects of one kind, f: the part of an
 //     object's rectangle in the pixel
@@ -34,7 +34,7 @@
 namespace raycube::sensors {
 
 inline constexpr double kWidest_px = 2;
-inline constexpr double kPoints = 40, kFewestPoints = 12;
+inline constexpr double kPoints = 40, kFewestPoints = 9;
 /// Samples of a pixel, squares of even sides; the last is for point spreads alone, whose samples spread over
 /// more than a pixel.
 inline constexpr int kFineLevels[] = {256, 1024, 4096, 16384, 65536};

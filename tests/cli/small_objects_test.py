@@ -1,0 +1,158 @@
+#!/usr/bin/env python3
+"""What an rms over pixels does not see, told by the program as users drive it: targets smaller than the samples' spacing (found, or named), the
+error of settings that the file gives, samples that meet nothing (S43, S60). Oracles: shares of plates by their areas, counts by hand.
+usage: small_objects_test.py RAYCUBE"""
+import json
+import pathlib
+import random
+import sys
+import tempfile
+
+import numpy
+
+from driver import Program, envi, record, scene
+
+program = Program(sys.argv[1])
+run, check, refused = program.run, program.check, program.refused
+PIXEL, HEIGHT, COLUMNS, LINES = 1.5, 1500.0, 40, 30
+
+
+def targets(side):
+    """32 squares, one at a random place in each of 8 x 4 cells of 6 m."""
+    draw = random.Random(3)
+    return [(-24 + 6 * c + draw.uniform(0.6, 5.4), -12 + 6 * r + draw.uniform(0.6, 5.4), side) for r in range(4) for c in range(8)]
+
+
+def site(folder, name, plates, more=""):
+    """A soil plain with plates, seen straight down at 1.5 m."""
+    planes = ['{ material = "soil", size_m = [120.0, 120.0] }']
+    planes += [f'{{ material = "target", position_m = [{x:.4f}, {y:.4f}, 0.01], size_m = [{s:.4f}, {s:.4f}] }}' for x, y, s in plates]
+    path = pathlib.Path(folder) / name
+    path.write_text(f"""format = 1
+tolerance = 0.02
+material = [ {{ name = "soil", reflectance = 0.2 }}, {{ name = "target", reflectance = 0.7 }} ]
+plane = [ {", ".join(planes)} ]
+atmosphere = {{ model = "clear_sky", aod_550 = 0.1 }}
+time = {{ sun = {{ zenith_deg = 30.0, azimuth_deg = 160.0, day_of_year = 264 }} }}
+[[instrument]]
+name = "camera"
+kind = "framing"
+pixels = {COLUMNS}
+lines = {LINES}
+altitude_agl_m = {HEIGHT}
+gsd_m = {PIXEL}
+{more}
+bands = {{ first_nm = 450.0, step_nm = 100.0, count = 5, fwhm_nm = 20.0 }}
+""")
+    return path
+
+
+def layer_of(folder, name):
+    """A layer of the truth, by the name before its unit."""
+    header, truth = envi(folder, "truth")
+    return truth[:, :, [text.split(" ")[0] for text in header["band names"]].index(name)]
+
+
+def exact(plates):
+    """Share of each pixel that plates cover: overlap of two rectangles, [line][sample]."""
+    def inside(low, high, count):
+        edges = PIXEL * (numpy.arange(count + 1) - count / 2)
+        return numpy.clip(numpy.minimum(high, edges[1:]) - numpy.maximum(low, edges[:-1]), 0, None) / PIXEL
+    return sum(numpy.outer(inside(-y - s / 2, -y + s / 2, LINES), inside(x - s / 2, x + s / 2, COLUMNS)) for x, y, s in plates)
+
+
+def found(folder, plates):
+    """Of each plate the sum of abundances in the pixels about it, over what lies there; each pixel is held to 20 % of a plate's share too."""
+    layer, shares = layer_of(folder, "abundance_target"), exact(plates)
+    out = []
+    for x, y, side in plates:
+        at = numpy.s_[int(LINES / 2 - y / PIXEL) - 1:int(LINES / 2 - y / PIXEL) + 2, int(x / PIXEL + COLUMNS / 2) - 1:int(x / PIXEL + COLUMNS / 2) + 2]
+        out.append(layer[at].sum() / shares[at].sum())
+    return out, abs(layer - shares).max() / (plates[0][2] / PIXEL) ** 2
+
+
+with tempfile.TemporaryDirectory() as temporary:
+    folder = pathlib.Path(temporary)
+
+    # Targets of 4 % and of a tenth of a pixel's area, samples left to the planner: all found, abundance right to 20 %.
+    for name, side in (("tiny.toml", 0.3), ("tenth.toml", PIXEL * 0.1 ** 0.5)):
+        plates = targets(side)
+        simulation = site(folder, name, plates)
+        out = folder / ("out_" + name)
+        said = run("render", simulation, "-o", out).stderr
+        shares, worst = found(out / "camera", plates)
+        check(min(shares) > 0.8 and max(shares) < 1.2 and worst < 0.2, name, shares, worst)
+        check("32 small objects in" in said and "may be missed" not in said, said)
+        whole = record(out / "camera")
+        check(sum(level["pixels"] for level in whole["small_objects"]) == whole["plan"]["planner"]["small_objects"]["pixels"] >= 32, whole["small_objects"])
+        check(whole["plan"]["planner"]["small_objects"]["missed"] == 0 and whole["warnings"] == [], whole["warnings"])
+    check("small objects" in run("plan", simulation, "-o", folder / "plan.json").stdout)
+    run("render", simulation, "-o", folder / "replayed", "-q", "--plan", folder / "plan.json")
+    check(record(folder / "replayed" / "camera")["digest"] == whole["digest"])
+    run("render", simulation, "-o", folder / "memory", "-q", "--memory", "64M", "--threads", 1)
+    check(record(folder / "memory" / "camera")["digest"] == whole["digest"])
+
+    # check compares those pixels with their own samples, and says what it cannot see.
+    text = run("check", simulation, "--rays", 0, "--pixels", 64, "--model-pixels", 8).stdout
+    check("pixels with small objects, " in text and "not looked at: how well" in text and text.endswith("check: within limits\n"), text)
+    report = json.loads(run("check", simulation, "--rays", 0, "--pixels", 64, "--model-pixels", 8, "--json").stdout)["camera"]
+    check(all(one["report"]["passed"] and one["report"]["pixels"] >= 4 for one in report["small_objects"]) and report["not_looked_at"], report.keys())
+
+    # Samples that the file gives stay; what they may miss is named, with a way out that works.
+    plates = targets(0.3)
+    given = site(folder, "given.toml", plates, "samples = { grid = [3, 3] }")
+    done = run("render", given, "-o", folder / "given")
+    for part in ("32 of 32 objects", "plane", "(target)", "0.3 x 0.3", "line ", 'small_objects = "on"'):
+        check(part in done.stderr, part, done.stderr)
+    lost, _ = found(folder / "given" / "camera", plates)
+    check(sum(share == 0 for share in lost) >= 8, lost)  # what the warning is about
+    kept = record(folder / "given" / "camera")
+    check("small_objects" not in kept and len(kept["plan"]["planner"]["small_objects"]["missed_objects"]) == 32, kept["warnings"])
+    check(any("may be missed" in warning for warning in kept["warnings"]), kept["warnings"])
+    on = site(folder, "on.toml", plates, 'samples = { grid = [3, 3] }\nsmall_objects = "on"')
+    run("render", on, "-o", folder / "on", "-q")
+    check(all(0.8 < share < 1.2 for share in found(folder / "on" / "camera", plates)[0]))
+    off = site(folder, "off.toml", plates, 'samples = { grid = [3, 3] }\nsmall_objects = "off"')
+    check("may be missed" not in run("render", off, "-o", folder / "off").stderr)
+    check(record(folder / "off" / "camera")["digest"] == kept["digest"])
+    refused("render", site(folder, "bad.toml", plates, 'small_objects = "some"'), "-o", folder / "bad", status=2, says=["small_objects", "auto, on, off"])
+    # Smaller than the finest samples tell: named even so.
+    dust = run("render", site(folder, "dust.toml", plates + [(0.3, 0.2, 0.015)]), "-o", folder / "dust").stderr
+    check("1 of 33 objects" in dust and "0.015 x 0.015" in dust and "smaller than the finest samples" in dust, dust)
+
+    # What is known of a render's error is said, whoever chose the samples. Strips cross the pixels at 0.93 m, so that 3 x 3 samples miss 1 %.
+    for name, samples in (("grid", "grid = [3, 3]"), ("lattice", "lattice = 9"), ("jittered", "jittered = [3, 3]")):
+        strips = scene(folder, name + ".toml", head="sky_directions = 8\ntolerance = 0.001", air='{ model = "clear_sky" }')
+        strips.write_text(strips.read_text().replace("gsd_m = 1.0", "gsd_m = 0.93").replace("grid = [3, 3]", samples))
+        said = run("render", strips, "-o", folder / name).stderr
+        error = record(folder / name / "camera")["error"]
+        planned = json.loads(run("plan", strips, "--json", "-q").stdout)["instruments"][0]["decision"]["error"]["total"]
+        check("NOT KEPT" in said and "`raycube plan` measures it" in said, said)
+        check(error["within_tolerance"] is False and 0.5 * planned < error["total"] < 2 * planned, error, planned)
+    chosen = scene(folder, "chosen.toml", head="tolerance = 0.03")
+    chosen.write_text("".join(line for line in chosen.read_text().splitlines(True) if not line.startswith("samples")))
+    said = run("render", chosen, "-o", folder / "chosen").stderr
+    error = record(folder / "chosen" / "camera")["error"]
+    check("tolerated (" in said and error["within_tolerance"] and "trial" in error["from"], said, error)
+    # One sample in the middle of pixels that no edge crosses errs by the sky alone, which open ground does not show.
+    one = scene(folder, "one.toml", head="sky_directions = 8", grid=1, pixels=20, air='{ model = "clear_sky" }')
+    run("render", one, "-o", folder / "one", "-q")
+    error = record(folder / "one" / "camera")["error"]
+    check(error["samples_and_sky_directions"] < 1e-4 and error["within_tolerance"], error)
+
+    # Ground of 30 x 40 m in the middle of a view of 60 x 12 m: half of the pixels hold nothing; a plane under it holds them all.
+    wide = scene(folder, "wide.toml", pixels=60)
+    said = run("render", wide, "-o", folder / "wide").stderr
+    check("50 % of the samples meet nothing: 360 of 720 pixels" in said and "[[plane]]" in said, said)
+    missed = record(folder / "wide" / "camera")["missed_samples"]
+    check(missed == {"share": 0.5, "pixels_without_ground": 360, "pixels_partly_without": 0, "first": {"line": 0, "sample": 0}}, missed)
+    wide.write_text(wide.read_text().replace("gsd_m = 1.0", "gsd_m = 1.2"))  # edges at 12.5 pixels from the middle: one column each side is cut
+    run("render", wide, "-o", folder / "cut", "-q")
+    missed = record(folder / "cut" / "camera")["missed_samples"]
+    check(missed["pixels_partly_without"] == 24 and missed["pixels_without_ground"] == 34 * 12, missed)
+    wide.write_text(wide.read_text().replace("plane = [", 'plane = [\n  { material = "dark", position_m = [0.0, 0.0, -0.1], size_m = [400.0, 400.0] },'))
+    said = run("render", wide, "-o", folder / "whole").stderr
+    check("meet nothing" not in said and record(folder / "whole" / "camera")["missed_samples"]["share"] == 0, said)
+    check((layer_of(folder / "whole" / "camera", "hit_fraction") > 0.99999).all())
+
+print(f"small_objects: {program.checks} checks")
