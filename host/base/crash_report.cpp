@@ -15,6 +15,11 @@
 namespace raycube::base {
 namespace {
 
+#if defined(__SANITIZE_ADDRESS__)
+constexpr bool kSanitized = true;
+#else
+constexpr bool kSanitized = false;
+#endif
 constexpr std::array kSignals{SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
 constexpr unsigned kPatience_s =
     20;  ///< a report takes milliseconds; past this something in it waits for a lock
@@ -138,7 +143,7 @@ void end_by_abort() noexcept {
 }
 
 void install_crash_report() {
-#if !defined(__SANITIZE_ADDRESS__)
+  if (kSanitized) return;
   static const auto* main_stack = new CrashStack;  // to the very end of the process
   static_cast<void>(main_stack);
   void* first[1];
@@ -148,7 +153,6 @@ void install_crash_report() {
   sigemptyset(&action.sa_mask);
   action.sa_flags = SA_SIGINFO | SA_ONSTACK;
   for (const int number : kSignals) ::sigaction(number, &action, nullptr);
-#endif
 }
 
 }  // namespace raycube::base
