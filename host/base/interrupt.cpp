@@ -69,6 +69,11 @@ void install_signal_handlers() {
 
 bool interrupted() noexcept { return arrived.load(std::memory_order_relaxed) != 0; }
 
+bool interrupted_by_now() noexcept {
+  for (int glance = 0; glance < 50 && !interrupted(); ++glance) ::usleep(5000);
+  return interrupted();
+}
+
 std::string interrupt_text() {
   const int number = arrived.load();
   const char* const name = number == SIGTERM ? "SIGTERM" : number == SIGHUP ? "SIGHUP (its terminal is gone)" : "Ctrl-C";

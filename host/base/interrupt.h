@@ -24,6 +24,10 @@ void remove_temporaries() noexcept;
 /// True once SIGINT, SIGTERM or SIGHUP has arrived.
 bool interrupted() noexcept;
 
+/// The same, after waiting a moment for one: Ctrl-C reaches a whole group of processes, and a driver's compiler may have died of it, and its
+/// failure been seen here, before this process hears of it.
+bool interrupted_by_now() noexcept;
+
 /// What the error says once a signal has arrived.
 std::string interrupt_text();
 

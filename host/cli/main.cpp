@@ -76,7 +76,7 @@ int main(int argc, char** argv) {
     return run(argc, argv, log);
   } catch (const Error& error) {
     // Ctrl-C reaches the whole process group: the driver's compiler dies of it, and what is seen here is a failed build.
-    const bool consequence = error.fault() == Fault::device && raycube::base::interrupted();
+    const bool consequence = error.fault() == Fault::device && raycube::base::interrupted_by_now();
     if (consequence) return report(log.get(), static_cast<int>(Fault::interrupted), raycube::base::interrupt_text());
     return report(log.get(), error.exit_status(), error.what());
   } catch (const std::bad_alloc&) {

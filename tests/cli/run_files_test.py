@@ -163,6 +163,17 @@ def mid_render(file, out, **more):
     return process
 
 
+def children_of(pid):
+    """Processes that any thread of this one has started and that live."""
+    found = []
+    try:
+        for thread in pathlib.Path(f"/proc/{pid}/task").iterdir():
+            found += (thread / "children").read_text().split()
+    except OSError:
+        pass
+    return found
+
+
 def signals(work, tiny, long):
     process = mid_render(long, work / "hup")
     process.send_signal(signal.SIGHUP)
@@ -178,24 +189,24 @@ def signals(work, tiny, long):
     check(process.wait(timeout=100) == 130)
     process.communicate()
 
-    # Ctrl-C while the driver compiles kernels, which reaches the programs that it starts too.
-    draw = random.Random(3)
-    for trial in range(8):
+    # Ctrl-C while the driver compiles kernels, which reaches the linker that it starts too: at that very moment.
+    for trial in range(6):
         cache = work / f"cold{trial}"
         cache.mkdir()
         process = subprocess.Popen([program.path, "render", tiny, "-o", work / "cold", "-q"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
                                    env={**os.environ, "POCL_CACHE_DIR": str(cache), "XDG_CACHE_HOME": str(cache)}, start_new_session=True)
-        deadline = time.monotonic() + 100
-        while process.poll() is None and time.monotonic() < deadline and not any(cache.rglob("*")):
-            time.sleep(0.01)
-        time.sleep(draw.uniform(0, 2.5))
+        while process.poll() is None and not children_of(process.pid):
+            pass
         ended = process.poll() is not None
         if not ended:
             os.killpg(process.pid, signal.SIGINT)
         out, err = process.communicate(timeout=100)
-        check(process.returncode == 130 or (process.returncode == 0 and out != ""), process.returncode, err)
+        check(process.returncode == (0 if ended else 130), process.returncode, err)
         shutil.rmtree(cache)
         shutil.rmtree(work / "cold", ignore_errors=True)
+        if ended:
+            print("run files: SKIPPED Ctrl-C while kernels are built: this OpenCL driver starts no linker", flush=True)
+            break
 
 
 def kills(work):
