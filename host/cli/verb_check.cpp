@@ -46,12 +46,13 @@ struct Files {
   base::OutputSet set;
   base::OutputFile &picture, &json;
 
-  void write(const scene::Instrument& instrument, const reference::Report& report) {
+  /// all: the report as JSON, with what was looked at beside it.
+  void write(const scene::Instrument& instrument, const reference::Report& report, const nlohmann::ordered_json& all) {
     const products::Raster chart = difference_chart(report, instrument);
     products::write_png(picture, static_cast<std::uint32_t>(chart.width()), static_cast<std::uint32_t>(chart.height()), 3, chart.rgb(),
                         {{"Description", "relative difference of device and reference: columns bands, rows pixels in order of "
                                          "line and sample; black 1e-9, blue 1e-8, green 1e-7, yellow 1e-6, red 2e-5 and more"}});
-    json.append(report.json() + "\n");
+    json.append(all.dump(2) + "\n");
     set.publish();
   }
 };
@@ -114,11 +115,14 @@ void check_one(const scene::Simulation& simulation, const scene::Instrument& giv
   outcome.passed &= report.failures().empty();
   for (const auto& one : small) outcome.passed &= one.report.failures().empty();
   const std::vector<std::string> aside = not_looked_at(job);
+  auto json = nlohmann::ordered_json::parse(report.json());
+  for (const auto& one : small)
+    json["small_objects"].push_back({{"samples_per_pixel", one.samples},
+                                     {"pixels_of_the_image", one.pixels},
+                                     {"report", nlohmann::ordered_json::parse(one.report.json())}});
+  json["not_looked_at"] = aside;
   if (context.common.json) {
-    auto& json = outcome.all[instrument.name] = nlohmann::ordered_json::parse(report.json());
-    for (const auto& one : small)
-      json["small_objects"].push_back({{"samples_per_pixel", one.samples}, {"pixels_of_the_image", one.pixels}, {"report", nlohmann::ordered_json::parse(one.report.json())}});
-    json["not_looked_at"] = aside;
+    outcome.all[instrument.name] = json;
   } else {
     context.out << "instrument " << instrument.name << " on " << renderer.device_name() << "\n" << report.text(band_names(instrument));
     for (const auto& one : small)
@@ -126,7 +130,7 @@ void check_one(const scene::Simulation& simulation, const scene::Instrument& giv
     for (const std::string& line : aside) context.out << "not looked at: " << line << "\n";
   }
   if (!files) return;
-  files->write(instrument, report);
+  files->write(instrument, report, json);
   context.log.info("wrote " + files->set.folder() + "/check.json and difference.png");
 }
 
