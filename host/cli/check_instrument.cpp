@@ -32,9 +32,11 @@ reference::PixelAddress address_of(const render::HitProbe& probe, std::size_t p,
 }
 
 /// Device and reference in full, on the pixels of these tiles.
-reference::Report compare_tiles(render::Renderer& renderer, const scene::Simulation& simulation, const scene::Instrument& instrument,
-                                const plan::Plan& plan, const atmos::RenderTable& table, const CheckOptions& options,
-                                const std::vector<render::Tile>& tiles, const std::function<void(std::uint64_t)>& progress) {
+reference::Report compare_tiles(render::Renderer& renderer, const scene::Simulation& simulation,
+                                const scene::Instrument& instrument, const plan::Plan& plan,
+                                const atmos::RenderTable& table, const CheckOptions& options,
+                                const std::vector<render::Tile>& tiles,
+                                const std::function<void(std::uint64_t)>& progress) {
   reference::CompareOptions compare;
   compare.limits.model = simulation.tolerance;
   compare.threads = options.threads;
@@ -53,24 +55,24 @@ reference::Report compare_tiles(render::Renderer& renderer, const scene::Simulat
   scene::Instrument in_full = instrument;  // adaptive pixels keep no samples to compare
   in_full.first_samples = 0;
   in_full.small_objects = scene::SmallObjects::off;  // theirs are check_small_objects' matter
-  renderer.probe(in_full, plan, simulation.sun, simulation.seed, tiles,
-                 [&](const render::PixelProbe& probe) {
-                   const auto samples = static_cast<std::size_t>(probe.samples);
-                   const std::size_t bands = plan.bands.size();
-                   for (std::size_t p = 0; p < probe.tile.pixels(); ++p) {
-                     reference::DevicePixel& pixel = waiting.emplace_back();
-                     pixel.address = address_of(probe, p, width);
-                     for (std::size_t s = p * samples; s < (p + 1) * samples; ++s) {
-                       pixel.hits.push_back({probe.hit_instance[s], probe.hit_primitive[s]});
-                       pixel.sun_visible.push_back(probe.sun_visible[s]);
-                       const std::size_t planes = 4 * static_cast<std::size_t>(plan.components() > 4 ? 2 : 1);
-                       for (std::size_t m = 0; m < planes; ++m) pixel.sky_blocked.push_back(probe.sky_blocked[planes * s + m]);
-                     }
-                     pixel.radiance.assign(probe.radiance.begin() + static_cast<std::ptrdiff_t>(p * bands),
-                                           probe.radiance.begin() + static_cast<std::ptrdiff_t>((p + 1) * bands));
-                   }
-                   if (waiting.size() >= kBatch) flush();
-                 });
+  renderer.probe(in_full, plan, simulation.sun, simulation.seed, tiles, [&](const render::PixelProbe& probe) {
+    const auto samples = static_cast<std::size_t>(probe.samples);
+    const std::size_t bands = plan.bands.size();
+    for (std::size_t p = 0; p < probe.tile.pixels(); ++p) {
+      reference::DevicePixel& pixel = waiting.emplace_back();
+      pixel.address = address_of(probe, p, width);
+      for (std::size_t s = p * samples; s < (p + 1) * samples; ++s) {
+        pixel.hits.push_back({probe.hit_instance[s], probe.hit_primitive[s]});
+        pixel.sun_visible.push_back(probe.sun_visible[s]);
+        const std::size_t planes = 4 * static_cast<std::size_t>(plan.components() > 4 ? 2 : 1);
+        for (std::size_t m = 0; m < planes; ++m)
+          pixel.sky_blocked.push_back(probe.sky_blocked[planes * s + m]);
+      }
+      pixel.radiance.assign(probe.radiance.begin() + static_cast<std::ptrdiff_t>(p * bands),
+                            probe.radiance.begin() + static_cast<std::ptrdiff_t>((p + 1) * bands));
+    }
+    if (waiting.size() >= kBatch) flush();
+  });
   flush();
   return comparison.report();
 }
@@ -78,11 +80,12 @@ reference::Report compare_tiles(render::Renderer& renderer, const scene::Simulat
 }  // namespace
 
 reference::HitReport check_hits(render::Renderer& renderer, const scene::CompiledScene& scene,
-                                const scene::Instrument& instrument, std::uint64_t seed, std::uint64_t rays, int threads,
-                                const std::function<void(std::uint64_t)>& progress) {
+                                const scene::Instrument& instrument, std::uint64_t seed, std::uint64_t rays,
+                                int threads, const std::function<void(std::uint64_t)>& progress) {
   reference::HitComparison comparison(scene, instrument, seed, threads);
   const int width = sensors::pixels_per_group(instrument);
-  const auto samples = static_cast<std::uint64_t>(instrument.samples_u) * static_cast<std::uint64_t>(instrument.samples_v);
+  const auto samples =
+      static_cast<std::uint64_t>(instrument.samples_u) * static_cast<std::uint64_t>(instrument.samples_v);
   std::vector<reference::PixelHits> waiting;
   std::uint64_t waiting_rays = 0;
   const auto flush = [&] {
@@ -110,12 +113,15 @@ reference::Report check_instrument(render::Renderer& renderer, const scene::Simu
                                    const scene::Instrument& instrument, const plan::Plan& plan,
                                    const atmos::RenderTable& table, const CheckOptions& options,
                                    const std::function<void(std::uint64_t)>& progress) {
-  return compare_tiles(renderer, simulation, instrument, plan, table, options, pick_tiles(instrument, simulation.seed, options.pixels), progress);
+  return compare_tiles(renderer, simulation, instrument, plan, table, options,
+                       pick_tiles(instrument, simulation.seed, options.pixels), progress);
 }
 
-std::vector<SmallObjectReport> check_small_objects(render::Renderer& renderer, const scene::Simulation& simulation,
-                                                   const scene::Instrument& instrument, const plan::Plan& plan,
-                                                   const atmos::RenderTable& table, const sensors::SmallObjectSurvey& survey,
+std::vector<SmallObjectReport> check_small_objects(render::Renderer& renderer,
+                                                   const scene::Simulation& simulation,
+                                                   const scene::Instrument& instrument,
+                                                   const plan::Plan& plan, const atmos::RenderTable& table,
+                                                   const sensors::SmallObjectSurvey& survey,
                                                    const CheckOptions& options) {
   std::vector<SmallObjectReport> reports;
   if (!survey.on) return reports;
@@ -124,13 +130,15 @@ std::vector<SmallObjectReport> check_small_objects(render::Renderer& renderer, c
     std::vector<std::pair<rc_u32, render::Tile>> picked;  // hash, tile
     for (const auto& group : survey.groups) {
       if (group.samples != samples) continue;
-      const int column = group.sample / tile_width * tile_width;  // a tile starts at a multiple of 4 pixels, whatever the groups
+      const int column = group.sample / tile_width *
+                         tile_width;  // a tile starts at a multiple of 4 pixels, whatever the groups
       const auto number = sensors::pixel_number(instrument, group.line, column);
       picked.push_back({rc_hash(static_cast<rc_u32>(simulation.seed), number, 0, kSmallObjectDimension),
                         {group.line, 1, column, std::min(tile_width, instrument.pixels - column)}});
     }
     const auto before = [](const auto& a, const auto& b) {
-      return std::tie(a.first, a.second.first_line, a.second.first_column) < std::tie(b.first, b.second.first_line, b.second.first_column);
+      return std::tie(a.first, a.second.first_line, a.second.first_column) <
+             std::tie(b.first, b.second.first_line, b.second.first_column);
     };
     const auto same = [](const auto& a, const auto& b) {
       return a.second.first_line == b.second.first_line && a.second.first_column == b.second.first_column;
@@ -139,14 +147,16 @@ std::vector<SmallObjectReport> check_small_objects(render::Renderer& renderer, c
     picked.erase(std::unique(picked.begin(), picked.end(), same), picked.end());
     const std::uint64_t rays = static_cast<std::uint64_t>(samples) * static_cast<std::uint64_t>(tile_width);
     std::vector<render::Tile> tiles;
-    for (std::size_t i = 0; i < std::min<std::size_t>(picked.size(), std::max<std::uint64_t>(1, kSmallObjectRays / rays)); ++i)
+    for (std::size_t i = 0;
+         i < std::min<std::size_t>(picked.size(), std::max<std::uint64_t>(1, kSmallObjectRays / rays)); ++i)
       tiles.push_back(picked[i].second);
     const scene::Instrument fine = sensors::with_fine_samples(instrument, samples);
     plan::Plan shared = plan;
     shared.sky.share = render::fine_sky_share(plan, samples);
     CheckOptions arithmetic = options;
     arithmetic.model_pixels = 0;  // the model does not depend on how many samples there are
-    reports.push_back({samples, pixels, compare_tiles(renderer, simulation, fine, shared, table, arithmetic, tiles, {})});
+    reports.push_back(
+        {samples, pixels, compare_tiles(renderer, simulation, fine, shared, table, arithmetic, tiles, {})});
   }
   return reports;
 }

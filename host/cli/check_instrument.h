@@ -28,20 +28,24 @@ reference::HitReport check_hits(render::Renderer& renderer, const scene::Compile
                                 const scene::Instrument& instrument, std::uint64_t seed, std::uint64_t rays, int threads,
                                 const std::function<void(std::uint64_t)>& progress = {});
 
-/// The pixels that small objects have rendered with more samples: a report for each number of samples, of groups picked by hash, with at
-/// most kSmallObjectRays rays each (one group at least). Empty where there are none.
+/// The pixels that small objects have rendered with more samples: a report for each number of samples, of
+/// groups picked by hash, with at most kSmallObjectRays rays each (one group at least). Empty where there are
+/// none.
 struct SmallObjectReport {
-  int samples = 0;                     ///< of a pixel
-  std::uint64_t pixels = 0;            ///< of the image that have so many
+  int samples = 0;           ///< of a pixel
+  std::uint64_t pixels = 0;  ///< of the image that have so many
   reference::Report report;
 };
 inline constexpr std::uint64_t kSmallObjectRays = 1u << 17;
-std::vector<SmallObjectReport> check_small_objects(render::Renderer& renderer, const scene::Simulation& simulation,
-                                                   const scene::Instrument& instrument, const plan::Plan& plan,
-                                                   const atmos::RenderTable& table, const sensors::SmallObjectSurvey& survey,
+std::vector<SmallObjectReport> check_small_objects(render::Renderer& renderer,
+                                                   const scene::Simulation& simulation,
+                                                   const scene::Instrument& instrument,
+                                                   const plan::Plan& plan, const atmos::RenderTable& table,
+                                                   const sensors::SmallObjectSurvey& survey,
                                                    const CheckOptions& options);
 
-/// Pixels of pick_tiles with the ordinary samples. `progress`: called with the number of pixels compared since the last call.
+/// Pixels of pick_tiles with the ordinary samples. `progress`: called with the number of pixels compared
+/// since the last call.
 reference::Report check_instrument(render::Renderer& renderer, const scene::Simulation& simulation,
                                    const scene::Instrument& instrument, const plan::Plan& plan,
                                    const atmos::RenderTable& table, const CheckOptions& options,

@@ -1,4 +1,5 @@
-// Samples of an image that met nothing: beyond the scene's edge there is no ground, and its light is missing from the pixel.
+// Samples of an image that met nothing: beyond the scene's edge there is no ground, and its light is missing
+// from the pixel.
 #pragma once
 
 #include <cstdint>
@@ -24,8 +25,8 @@ class MissedSamples {
   std::string name_;
   std::size_t pixels_per_line_, layers_, layer_ = 0;
   std::uint64_t pixels_ = 0, empty_ = 0, partly_ = 0;
-  double missed_ = 0;                ///< sum over pixels of what missed
-  int line_ = -1, sample_ = -1;      ///< of the first pixel that partly or wholly misses
+  double missed_ = 0;            ///< sum over pixels of what missed
+  int line_ = -1, sample_ = -1;  ///< of the first pixel that partly or wholly misses
 };
 
 }  // namespace raycube::cli

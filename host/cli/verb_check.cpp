@@ -47,7 +47,8 @@ struct Files {
   base::OutputFile &picture, &json;
 
   /// all: the report as JSON, with what was looked at beside it.
-  void write(const scene::Instrument& instrument, const reference::Report& report, const nlohmann::ordered_json& all) {
+  void write(const scene::Instrument& instrument, const reference::Report& report,
+             const nlohmann::ordered_json& all) {
     const products::Raster chart = difference_chart(report, instrument);
     products::write_png(picture, static_cast<std::uint32_t>(chart.width()), static_cast<std::uint32_t>(chart.height()), 3, chart.rgb(),
                         {{"Description", "relative difference of device and reference: columns bands, rows pixels in order of "
@@ -74,15 +75,21 @@ struct Outcome {
 std::vector<std::string> not_looked_at(const InstrumentJob& job) {
   const planner::Decision& d = job.decision;
   const int samples = job.instrument->samples_u * job.instrument->samples_v;
-  std::string error = "how well " + std::to_string(samples) + (samples == 1 ? " sample tells" : " samples tell") + " what a pixel holds, since both sides trace the same ones: ";
+  std::string error = "how well " + std::to_string(samples) +
+                      (samples == 1 ? " sample tells" : " samples tell") +
+                      " what a pixel holds, since both sides trace the same ones: ";
   if (d.samples_error >= 0)
-    error += "the plan's trial says " + planner::percent_text(d.samples_error) + " of " + planner::percent_text(d.tolerance) + (d.within ? "" : ", and that the tolerance is NOT KEPT");
+    error += "the plan's trial says " + planner::percent_text(d.samples_error) + " of " +
+             planner::percent_text(d.tolerance) + (d.within ? "" : ", and that the tolerance is NOT KEPT");
   else
     error += "`raycube plan` estimates it, `raycube render` says what its own samples show";
   std::vector<std::string> lines = {error};
   if (!d.small.missed.empty())
-    lines.push_back(std::to_string(d.small.missed.size()) + " objects with too few samples on them, which an rms over pixels does not see: the warning above names them");
-  if (job.instrument->adaptive()) lines.push_back("which pixels the adaptive first pass settles: here all have all samples");
+    lines.push_back(std::to_string(d.small.missed.size()) +
+                    " objects with too few samples on them, which an rms over pixels does not see: the "
+                    "warning above names them");
+  if (job.instrument->adaptive())
+    lines.push_back("which pixels the adaptive first pass settles: here all have all samples");
   return lines;
 }
 
@@ -111,7 +118,8 @@ void check_one(const scene::Simulation& simulation, const scene::Instrument& giv
     report = check_instrument(renderer, simulation, instrument, job.plan, job.table, check, [&](std::uint64_t more) { progress.advance(more); });
   }
   report.first_hits = std::move(hits);
-  const auto small = check_small_objects(renderer, simulation, instrument, job.plan, job.table, job.decision.small, check);
+  const auto small =
+      check_small_objects(renderer, simulation, instrument, job.plan, job.table, job.decision.small, check);
   outcome.passed &= report.failures().empty();
   for (const auto& one : small) outcome.passed &= one.report.failures().empty();
   const std::vector<std::string> aside = not_looked_at(job);
@@ -126,7 +134,9 @@ void check_one(const scene::Simulation& simulation, const scene::Instrument& giv
   } else {
     context.out << "instrument " << instrument.name << " on " << renderer.device_name() << "\n" << report.text(band_names(instrument));
     for (const auto& one : small)
-      context.out << "pixels with small objects, " << one.samples << " samples each (" << one.pixels << " of the image):\n" << one.report.text(band_names(instrument));
+      context.out << "pixels with small objects, " << one.samples << " samples each (" << one.pixels
+                  << " of the image):\n"
+                  << one.report.text(band_names(instrument));
     for (const std::string& line : aside) context.out << "not looked at: " << line << "\n";
   }
   if (!files) return;
@@ -203,19 +213,31 @@ Verb verb_check() {
   verb.summary = "Compare rendered pixels and pulses with the Embree and double precision reference";
   verb.description =
       "Pixels are picked by a hash of the seed. Both sides trace the very same fp32 rays.\n\n"
-      "First hits, of many rays (--rays): those on which device and Embree differ are retraced in double and explained only "
-      "when an edge or a depth lies within the stated error bound; counted by class. None may be unexplained. For every ray "
-      "double also says whether it hits at all. The rest compares fewer pixels (--pixels) in full, sun and sky rays included.\n\n"
-      "Arithmetic: the reference sums the plan's spectra per sample and wavelength in double; every band's median difference "
+      "First hits, of many rays (--rays): those on which device and Embree differ are retraced in double and "
+      "explained only "
+      "when an edge or a depth lies within the stated error bound; counted by class. None may be "
+      "unexplained. For every ray "
+      "double also says whether it hits at all. The rest compares fewer pixels (--pixels) in full, sun and "
+      "sky rays included.\n\n"
+      "Arithmetic: the reference sums the plan's spectra per sample and wavelength in double; every band's "
+      "median difference "
       "stays below 1e-6 and every difference below 2e-5.\n\n"
-      "Model: the reference uses the whole tables and 1024 sky directions; the difference stays within the file's tolerance.\n\n"
-      "Pixels whose small objects have them rendered with more samples are compared with those samples too. What no comparison sees, since both "
-      "sides trace the same rays, is said at the end: above all how well a pixel's samples tell what it holds.\n\n"
-      "LIDARs: the waveforms of --pulses pulses, without turbulence. Every bin stays within 1e-5 of its pulse's peak bin where both sides follow "
-      "the same rays; rays that differ are explained like first hits. Light scattered more than once is also compared on other random "
-      "draws, by its energy and by chi-square. The return of air and particles, which the device integrates along the beam, stays within 1 % of its own peak bin, "
-      "5 % where surfaces end it, and what the number of sub-rays leaves open where the field's edge cuts the beam.\n\n"
-      "With -o DIR, DIR/INSTRUMENT_check/ gets check.json and, for cubes, difference.png. Beyond a limit the exit status is 1.";
+      "Model: the reference uses the whole tables and 1024 sky directions; the difference stays within the "
+      "file's tolerance.\n\n"
+      "Pixels whose small objects have them rendered with more samples are compared with those samples too. "
+      "What no comparison sees, since both "
+      "sides trace the same rays, is said at the end: above all how well a pixel's samples tell what it "
+      "holds.\n\n"
+      "LIDARs: the waveforms of --pulses pulses, without turbulence. Every bin stays within 1e-5 of its "
+      "pulse's peak bin where both sides follow "
+      "the same rays; rays that differ are explained like first hits. Light scattered more than once is also "
+      "compared on other random "
+      "draws, by its energy and by chi-square. The return of air and particles, which the device integrates "
+      "along the beam, stays within 1 % of its own peak bin, "
+      "5 % where surfaces end it, and what the number of sub-rays leaves open where the field's edge cuts "
+      "the beam.\n\n"
+      "With -o DIR, DIR/INSTRUMENT_check/ gets check.json and, for cubes, difference.png. Beyond a limit the "
+      "exit status is 1.";
   verb.examples = {"raycube check park.toml", "raycube check park.toml --instrument spectir --pixels 2000 -o out"};
   verb.common = kOutput | kCompute;
   verb.add_options = [o](base::OptionTable& table) {

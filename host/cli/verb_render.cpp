@@ -31,8 +31,10 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// What is known of the error: one line in the log, a member of the record, a warning where the tolerance is not kept.
-void add_error(const planner::OwnError& error, const InstrumentJob& job, products::RunRecord& record, Context& context) {
+/// What is known of the error: one line in the log, a member of the record, a warning where the tolerance is
+/// not kept.
+void add_error(const planner::OwnError& error, const InstrumentJob& job, products::RunRecord& record,
+               Context& context) {
   const std::string text = job.instrument->name + ": " + planner::own_error_text(error);
   record.more_json.emplace_back("error", planner::own_error_json(error));
   if (!error.kept() && !job.decision.estimated) {  // what a trial found is among the plan's notes
@@ -115,10 +117,12 @@ nlohmann::json render_one(const scene::Simulation& simulation, const InstrumentJ
   }
   if (!statistics.small_object_pixels.empty()) {
     nlohmann::json levels = nlohmann::json::array();
-    for (const auto& [samples, pixels] : statistics.small_object_pixels) levels.push_back({{"samples_per_pixel", samples}, {"pixels", pixels}});
+    for (const auto& [samples, pixels] : statistics.small_object_pixels)
+      levels.push_back({{"samples_per_pixel", samples}, {"pixels", pixels}});
     record.more_json.emplace_back("small_objects", levels.dump());
-    context.log.info(fmt::format("{}: {} small objects in {} pixels, rendered anew with up to {} samples", instrument.name, job.decision.small.scarce,
-                                 job.decision.small.pixels, statistics.small_object_pixels.rbegin()->first));
+    context.log.info(fmt::format("{}: {} small objects in {} pixels, rendered anew with up to {} samples",
+                                 instrument.name, job.decision.small.scarce, job.decision.small.pixels,
+                                 statistics.small_object_pixels.rbegin()->first));
   }
   record.warnings = job.decision.notes;
   record.more_json.emplace_back("missed_samples", missed.json());
@@ -126,7 +130,8 @@ nlohmann::json render_one(const scene::Simulation& simulation, const InstrumentJ
     context.log.warning(missed.text());
     record.warnings.push_back(missed.text());
   }
-  add_error(planner::own_error(renderer, simulation, instrument, job.plan, job.decision), job, record, context);
+  add_error(planner::own_error(renderer, simulation, instrument, job.plan, job.decision), job, record,
+            context);
   output.publish(record);
   context.log.info(fmt::format("{}: {} x {} pixels, {} bands, {:.1f} s, {:.3g} rays/s, {}", instrument.name, instrument.pixels,
                                instrument.lines, instrument.bands.size(), render_s, record.rays_per_s, folder.string()));

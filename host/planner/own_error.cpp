@@ -36,7 +36,8 @@ TrialImage few_pixels(render::Renderer& renderer, const scene::Simulation& simul
                  });
   for (const auto& tile : tiles)
     image.run_end.push_back((image.run_end.empty() ? 0 : image.run_end.back()) + tile.pixels());
-  image.whole = image.pixels() == static_cast<std::size_t>(instrument.pixels) * static_cast<std::size_t>(instrument.lines);
+  image.whole = image.pixels() ==
+                static_cast<std::size_t>(instrument.pixels) * static_cast<std::size_t>(instrument.lines);
   return image;
 }
 

@@ -62,21 +62,33 @@ PlanLine small_objects_line(const sensors::SmallObjectSurvey& survey) {
   line.level = survey.on ? plural(survey.scarce, "object") : "off";
   line.cost = "none";
   if (survey.on && !survey.levels.empty())
-    line.cost = fmt::format("{:.2g} rays in {} pixels, {} at most in one", survey.more_samples, survey.pixels, survey.levels.rbegin()->first);
+    line.cost = fmt::format("{:.2g} rays in {} pixels, {} at most in one", survey.more_samples, survey.pixels,
+                            survey.levels.rbegin()->first);
   line.why = survey.on ? "known from their boxes: an rms over pixels does not see them"
-                       : fmt::format("{} of {} have too few samples on them", survey.missed.size(), plural(survey.objects, "object"));
+                       : fmt::format("{} of {} have too few samples on them", survey.missed.size(),
+                                     plural(survey.objects, "object"));
   return line;
 }
 
 Json small_objects_json(const sensors::SmallObjectSurvey& survey) {
   constexpr std::size_t most_named = 100;
-  Json out = {{"on", survey.on}, {"objects", survey.objects}, {"need_more_samples", survey.scarce}, {"pixels", survey.pixels}, {"samples", survey.more_samples}};
-  for (const auto& [samples, pixels] : survey.levels) out["levels"].push_back({{"samples_per_pixel", samples}, {"pixels", pixels}});
+  Json out = {{"on", survey.on},
+              {"objects", survey.objects},
+              {"need_more_samples", survey.scarce},
+              {"pixels", survey.pixels},
+              {"samples", survey.more_samples}};
+  for (const auto& [samples, pixels] : survey.levels)
+    out["levels"].push_back({{"samples_per_pixel", samples}, {"pixels", pixels}});
   out["missed"] = survey.missed.size();
   for (std::size_t i = 0; i < std::min(most_named, survey.missed.size()); ++i) {
     const auto& o = survey.missed[i];
-    out["missed_objects"].push_back({{"name", o.name}, {"size_m", o.size_m}, {"share_of_a_pixel", o.share}, {"samples_on_it", o.points},
-                                     {"pixels", o.pixels}, {"line", o.line}, {"sample", o.sample}});
+    out["missed_objects"].push_back({{"name", o.name},
+                                     {"size_m", o.size_m},
+                                     {"share_of_a_pixel", o.share},
+                                     {"samples_on_it", o.points},
+                                     {"pixels", o.pixels},
+                                     {"line", o.line},
+                                     {"sample", o.sample}});
   }
   if (!survey.textures.empty()) out["as_texture"] = survey.textures;
   return out;
@@ -84,19 +96,28 @@ Json small_objects_json(const sensors::SmallObjectSurvey& survey) {
 
 }  // namespace
 
-std::string missed_objects_text(const sensors::SmallObjectSurvey& survey, const scene::Instrument& instrument) {
+std::string missed_objects_text(const sensors::SmallObjectSurvey& survey,
+                                const scene::Instrument& instrument) {
   constexpr std::size_t named = 3;
   std::string list;
   for (std::size_t i = 0; i < std::min(named, survey.missed.size()); ++i) {
     const auto& o = survey.missed[i];
-    list += fmt::format("{}'{}' ({:.2g} x {:.2g} x {:.2g} m, {:.2g} of a pixel's area, {:.2g} samples on it; {} from line {}, sample {})", i ? ", " : "", o.name,
-                        o.size_m[0], o.size_m[1], o.size_m[2], o.share, o.points, plural(o.pixels, "pixel"), o.line, o.sample);
+    list += fmt::format(
+        "{}'{}' ({:.2g} x {:.2g} x {:.2g} m, {:.2g} of a pixel's area, {:.2g} samples on it; {} from line "
+        "{}, sample {})",
+        i ? ", " : "", o.name, o.size_m[0], o.size_m[1], o.size_m[2], o.share, o.points,
+        plural(o.pixels, "pixel"), o.line, o.sample);
   }
   if (survey.missed.size() > named) list += ", ...";
-  const std::string way_out = survey.on ? "they are smaller than the finest samples tell: use smaller pixels, or larger objects"
-                                        : "small_objects = \"on\" gives their pixels the samples they need, and so does a file without `samples`";
-  return fmt::format("{}: {} of {} smaller than {} pixels may be missed, or have an abundance wrong by more than 20 %, with fewer than {} of the samples on each: {}; {}",
-                     instrument.name, survey.missed.size(), plural(survey.objects, "object"), sensors::kWidest_px, sensors::kFewestPoints, list, way_out);
+  const std::string way_out =
+      survey.on ? "they are smaller than the finest samples tell: use smaller pixels, or larger objects"
+                : "small_objects = \"on\" gives their pixels the samples they need, and so does a file "
+                  "without `samples`";
+  return fmt::format(
+      "{}: {} of {} smaller than {} pixels may be missed, or have an abundance wrong by more than 20 %, with "
+      "fewer than {} of the samples on each: {}; {}",
+      instrument.name, survey.missed.size(), plural(survey.objects, "object"), sensors::kWidest_px,
+      sensors::kFewestPoints, list, way_out);
 }
 
 std::string percent_text(double error) {

@@ -93,10 +93,13 @@ Decision as_given(const scene::Simulation& simulation, const scene::Instrument& 
 void hold_tolerance(Decision& decision, const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan,
                     const atmos::RenderTable& table, int threads = 0);
 
-/// Surveys the instrument's small objects for the decision's samples; those that its image will miss become a note.
-void add_small_objects(Decision& decision, const scene::Simulation& simulation, const scene::Instrument& instrument);
+/// Surveys the instrument's small objects for the decision's samples; those that its image will miss become a
+/// note.
+void add_small_objects(Decision& decision, const scene::Simulation& simulation,
+                       const scene::Instrument& instrument);
 
-/// The instrument and the plan with the decision's settings, small objects included; the plan's report gets the planner's lines under "planner".
+/// The instrument and the plan with the decision's settings, small objects included; the plan's report gets
+/// the planner's lines under "planner".
 void apply(const Decision& decision, const scene::Simulation& simulation, scene::Instrument& instrument, plan::Plan& plan);
 
 }  // namespace raycube::planner

@@ -56,7 +56,7 @@ struct RenderStatistics {
   std::string trace_program_hash;           ///< of the tracing program alone
   std::string build_options;
   int tile_lines = 0, tile_columns = 0;
-  std::map<int, std::uint64_t> small_object_pixels;  ///< by samples: rendered anew for small objects
+  std::map<int, std::uint64_t> small_object_pixels;       ///< by samples: rendered anew for small objects
   std::uint64_t adaptive_pixels = 0, refined_pixels = 0;  ///< given a first look; of these, rendered with all samples
 };
 
@@ -91,10 +91,11 @@ class Renderer {
   RenderStatistics render(const scene::Instrument& instrument, const plan::Plan& plan, const scene::Sun& sun,
                           std::uint64_t seed, const StripSink& sink, const ProgressSink& progress = {});
 
-  /// Renders tiles (first_column a multiple of 4; full width, or one line) and hands each to the sink with everything the
-  /// stages said about it: of an instrument with adaptive samples only radiance and truth; where small objects are on, hits and
-  /// visibilities are those of the ordinary samples in every pixel. Programs are built once for all of
-  /// them. Without a sink nothing is collected: what is timed is what render does.
+  /// Renders tiles (first_column a multiple of 4; full width, or one line) and hands each to the sink with
+  /// everything the stages said about it: of an instrument with adaptive samples only radiance and truth;
+  /// where small objects are on, hits and visibilities are those of the ordinary samples in every pixel.
+  /// Programs are built once for all of them. Without a sink nothing is collected: what is timed is what
+  /// render does.
   RenderStatistics probe(const scene::Instrument& instrument, const plan::Plan& plan, const scene::Sun& sun, std::uint64_t seed,
              const std::vector<Tile>& tiles, const ProbeSink& sink);
 

@@ -40,7 +40,8 @@ void add(RenderStatistics& sum, const RenderStatistics& part) {
   sum.overflow_pixels += part.overflow_pixels, sum.per_sample_pixels += part.per_sample_pixels;
 }
 
-/// What a baked table of the plan's rows may take where small objects get the rest for their own tiles: they are few.
+/// What a baked table of the plan's rows may take where small objects get the rest for their own tiles: they
+/// are few.
 constexpr std::size_t kFineShare = 8;
 constexpr std::size_t kMostFineGroups = 64;  ///< rendered at once
 
@@ -56,10 +57,12 @@ std::optional<sensors::SmallObjectPixels> small_objects_of(const RenderSetup& se
 
 /// Groups of one count of samples, a few at a time.
 struct TilePasses::Fine {
-  Fine(std::unique_ptr<scene::Instrument> instrument_, const RenderSetup& setup, BandTable& table, std::size_t groups_, std::size_t capacity, bool errors)
+  Fine(std::unique_ptr<scene::Instrument> instrument_, const RenderSetup& setup, BandTable& table,
+       std::size_t groups_, std::size_t capacity, bool errors)
       : instrument(std::move(instrument_)),
         groups(groups_),
-        worker(setup, table, groups_ * static_cast<std::size_t>(setup.shape.pixels_per_group), static_cast<int>(groups_), capacity, errors) {}
+        worker(setup, table, groups_ * static_cast<std::size_t>(setup.shape.pixels_per_group),
+               static_cast<int>(groups_), capacity, errors) {}
   std::unique_ptr<scene::Instrument> instrument;  ///< the worker's
   std::size_t groups;                             ///< at once
   TileWorker worker;
@@ -91,15 +94,18 @@ LeastMemory least_memory(const scene::CompiledScene& scene, const scene::Instrum
   return out;
 }
 
-TilePasses::TilePasses(const RenderSetup& setup, int lines, int columns, std::size_t row_capacity, std::size_t table_bytes)
+TilePasses::TilePasses(const RenderSetup& setup, int lines, int columns, std::size_t row_capacity,
+                       std::size_t table_bytes)
     : setup_(setup),
       layers_(truth_layer_names(setup.scene).size()),
       small_(small_objects_of(setup)),
       fine_bytes_(small_ ? table_bytes / kFineShare : 0),
       table_(setup.context, setup.scene, setup.plan, setup.shape, table_bytes - fine_bytes_),
       coarse_instrument_(setup.instrument.adaptive() ? with_first_samples(setup.instrument) : nullptr),
-      full_(setup, table_, static_cast<std::size_t>(lines) * groups_across(columns, setup.shape.pixels_per_group) * setup.shape.pixels_per_group, lines,
-            row_capacity, setup.instrument.standard_error != scene::StandardError::off),
+      full_(setup, table_,
+            static_cast<std::size_t>(lines) * groups_across(columns, setup.shape.pixels_per_group) *
+                setup.shape.pixels_per_group,
+            lines, row_capacity, setup.instrument.standard_error != scene::StandardError::off),
       most_groups_(static_cast<std::size_t>(lines) * groups_across(columns, setup.shape.pixels_per_group)),
       row_capacity_(row_capacity) {
   if (!coarse_instrument_) return;
@@ -213,21 +219,26 @@ void TilePasses::run_adaptive(const Tile& tile, const TileOutput& out) {
 TilePasses::Fine& TilePasses::fine(int samples) {
   std::unique_ptr<Fine>& at = fine_[samples];
   if (at) return *at;
-  auto instrument = std::make_unique<scene::Instrument>(sensors::with_fine_samples(setup_.instrument, samples));
-  RenderSetup setup{setup_.context, setup_.scene, setup_.buffers, *instrument, setup_.plan, setup_.sun, setup_.seed, shape_of(*instrument, setup_.plan)};
+  auto instrument =
+      std::make_unique<scene::Instrument>(sensors::with_fine_samples(setup_.instrument, samples));
+  RenderSetup setup{setup_.context, setup_.scene, setup_.buffers, *instrument,
+                    setup_.plan,    setup_.sun,   setup_.seed,    shape_of(*instrument, setup_.plan)};
   setup.shape.sky_share = fine_sky_share(setup_.plan, samples);
-  const std::size_t capacity = setup.shape.chunked() ? std::max(row_capacity_, kChunkedCapacity) : row_capacity_;
+  const std::size_t capacity =
+      setup.shape.chunked() ? std::max(row_capacity_, kChunkedCapacity) : row_capacity_;
   const bool errors = setup_.instrument.standard_error != scene::StandardError::off;
   const std::size_t parts = errors && setup.shape.chunked() ? sensors::kSampleSubsets : 0;
   const std::size_t pixel_bytes = setup.shape.pixel_bytes() + (1 + parts) * setup.shape.row_bytes(capacity);
   const std::size_t group_bytes = static_cast<std::size_t>(setup.shape.pixels_per_group) * pixel_bytes;
-  const std::size_t groups = std::clamp<std::size_t>(fine_bytes_ / group_bytes, 1, std::min(kMostFineGroups, most_groups_));
+  const std::size_t groups =
+      std::clamp<std::size_t>(fine_bytes_ / group_bytes, 1, std::min(kMostFineGroups, most_groups_));
   at = std::make_unique<Fine>(std::move(instrument), setup, table_, groups, capacity, errors);
   return *at;
 }
 
 void TilePasses::run_small_objects(const Tile& tile, const TileOutput& out) {
-  const int width = setup_.shape.pixels_per_group, across = static_cast<int>(groups_across(tile.columns, width));
+  const int width = setup_.shape.pixels_per_group,
+            across = static_cast<int>(groups_across(tile.columns, width));
   const TileRays rays = tile_rays(setup_.instrument, setup_.scene, tile, width);
   struct Lot {
     std::vector<shared::RayGroup> groups;
@@ -238,17 +249,22 @@ void TilePasses::run_small_objects(const Tile& tile, const TileOutput& out) {
     for (int group = 0; group < across; ++group) {
       const auto& here = rays.groups[static_cast<std::size_t>(line * across + group)];
       // A tile that ends inside the image ends with a whole group.
-      const int used = std::min(width, tile.columns - group * width), samples = small_->samples_of(here, used);
+      const int used = std::min(width, tile.columns - group * width),
+                samples = small_->samples_of(here, used);
       if (samples == 0) continue;
       lots[samples].groups.push_back(here);
-      lots[samples].first_pixel.push_back(static_cast<std::size_t>(line) * static_cast<std::size_t>(tile.columns) + static_cast<std::size_t>(group * width));
+      lots[samples].first_pixel.push_back(static_cast<std::size_t>(line) *
+                                              static_cast<std::size_t>(tile.columns) +
+                                          static_cast<std::size_t>(group * width));
       fine_pixels_[samples] += static_cast<std::uint64_t>(used);
     }
   for (auto& [samples, lot] : lots) {
     Fine& here = fine(samples);
     for (std::size_t first = 0; first < lot.groups.size(); first += here.groups) {
-      const auto from = static_cast<std::ptrdiff_t>(first), to = static_cast<std::ptrdiff_t>(std::min(first + here.groups, lot.groups.size()));
-      run_groups(here.worker, tile, {lot.groups.begin() + from, lot.groups.begin() + to}, {lot.first_pixel.begin() + from, lot.first_pixel.begin() + to}, out);
+      const auto from = static_cast<std::ptrdiff_t>(first),
+                 to = static_cast<std::ptrdiff_t>(std::min(first + here.groups, lot.groups.size()));
+      run_groups(here.worker, tile, {lot.groups.begin() + from, lot.groups.begin() + to},
+                 {lot.first_pixel.begin() + from, lot.first_pixel.begin() + to}, out);
     }
   }
 }

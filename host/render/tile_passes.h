@@ -1,9 +1,11 @@
-// Tiles of one instrument, each in one pass or, where its samples are adaptive, after a look: few samples, without rays to the sky, in all its
-// pixels and one pixel around say which groups need all samples (adaptive.h); the others are rendered with the few. Which those are
-// does not depend on the tiles. The look leaves out the sky since a walk towards it costs nearly the same for few samples as for many.
+// Tiles of one instrument, each in one pass or, where its samples are adaptive, after a look: few samples,
+// without rays to the sky, in all its pixels and one pixel around say which groups need all samples
+// (adaptive.h); the others are rendered with the few. Which those are does not depend on the tiles. The look
+// leaves out the sky since a walk towards it costs nearly the same for few samples as for many.
 //
-// Where the instrument's small objects are on, groups of pixels that hold some that their samples cannot tell are rendered anew with as many as
-// they need (host/sensors/small_objects.h), radiance and truth alike; workers for those counts are made when the first such group comes.
+// Where the instrument's small objects are on, groups of pixels that hold some that their samples cannot tell
+// are rendered anew with as many as they need (host/sensors/small_objects.h), radiance and truth alike;
+// workers for those counts are made when the first such group comes.
 #pragma once
 
 #include <map>
@@ -45,7 +47,7 @@ class TilePasses {
   RenderSetup setup_;
   std::size_t layers_;                ///< of the scene; standard errors follow
   std::optional<sensors::SmallObjectPixels> small_;  ///< none: nothing of the scene needs more samples
-  std::size_t fine_bytes_;            ///< of the table's, for tiles of pixels with more samples
+  std::size_t fine_bytes_;  ///< of the table's, for tiles of pixels with more samples
   BandTable table_;
   std::unique_ptr<scene::Instrument> coarse_instrument_;
   std::optional<TileWorker> look_, coarse_;
@@ -55,10 +57,11 @@ class TilePasses {
   std::uint64_t refined_pixels_ = 0, adaptive_pixels_ = 0;
   std::size_t row_capacity_;
   std::map<int, std::unique_ptr<Fine>> fine_;  ///< by samples
-  std::map<int, std::uint64_t> fine_pixels_;     ///< rendered so
+  std::map<int, std::uint64_t> fine_pixels_;   ///< rendered so
 };
 
-/// Parts that pixels with so many samples share the sky's directions out to: the plan's, or more by the plan's own rule.
+/// Parts that pixels with so many samples share the sky's directions out to: the plan's, or more by the
+/// plan's own rule.
 int fine_sky_share(const plan::Plan& plan, int samples);
 
 /// What a render of this instrument must hold at once, standard errors and the first pass with it.
