@@ -64,7 +64,8 @@ bool check_readable(const std::string& file, const base::Where& asked_by, base::
   std::error_code ignored;
   const std::string why = base::why_no_plain_file(file);
   if (!why.empty()) {
-    problems.add(asked_by, "cannot read file", std::filesystem::exists(file, ignored) ? file + ", which " + why : file,
+    problems.add(asked_by, "cannot read file",
+                 std::filesystem::exists(file, ignored) ? file + ", which " + why : file,
                  "check the path; it is relative to the file that names it");
     return false;
   }

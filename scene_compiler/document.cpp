@@ -31,8 +31,9 @@ struct Place {
   int line = 1, column = 1;
 };
 
-/// Where the first key begins to have more than kKeyParts parts. toml++ makes a table of each and goes through them by recursion, so that
-/// tens of thousands end the program. Dots in strings and comments do not count; numbers and times have one.
+/// Where the first key begins to have more than kKeyParts parts. toml++ makes a table of each and goes
+/// through them by recursion, so that tens of thousands end the program. Dots in strings and comments do not
+/// count; numbers and times have one.
 std::optional<Place> too_deep_key(const std::string& text) {
   Place at;
   int dots = 0;
@@ -112,7 +113,8 @@ class Reader {
       }
     if (const std::string why = base::why_no_plain_file(path.string()); !why.empty()) {
       problems_.add(asked_by.file.empty() ? Where{name, 0, 0, ""} : asked_by, "cannot read simulation file",
-                    fs::exists(path, ignored) ? name + ", which " + why : name, "check the path; it is relative to the file that names it");
+                    fs::exists(path, ignored) ? name + ", which " + why : name,
+                    "check the path; it is relative to the file that names it");
       return;
     }
     std::ifstream stream(path, std::ios::binary);
@@ -125,7 +127,8 @@ class Reader {
       return;
     }
     if (const auto deep = too_deep_key(text.str())) {
-      problems_.add({name, deep->line, deep->column, ""}, "key has too many parts", "more than " + std::to_string(kKeyParts) + " between dots",
+      problems_.add({name, deep->line, deep->column, ""}, "key has too many parts",
+                    "more than " + std::to_string(kKeyParts) + " between dots",
                     "no key of a simulation file has more than four");
       return;
     }

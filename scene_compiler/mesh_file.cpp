@@ -22,7 +22,8 @@ using base::Problems;
 using base::Where;
 
 constexpr std::size_t kMaxReports = 20;
-// What reading may take. Assimp needs about 1 us and 10 to 60 bytes for each byte of OBJ or PLY text; formats that compress more.
+// What reading may take. Assimp needs about 1 us and 10 to 60 bytes for each byte of OBJ or PLY text; formats
+// that compress more.
 constexpr double kBase_s = 60, kPerByte_s = 20e-6;
 constexpr std::uint64_t kBase_bytes = 2ull << 30, kPerByte_bytes = 200;
 
@@ -37,7 +38,8 @@ std::string vertex_text(const std::array<float, 3>& v) {
   return "(" + number_text(v[0]) + ", " + number_text(v[1]) + ", " + number_text(v[2]) + ")";
 }
 
-void send_mesh(const aiScene& scene, const aiMesh& mesh, const aiMatrix4x4& file_from_node, base::Parcel& parcel) {
+void send_mesh(const aiScene& scene, const aiMesh& mesh, const aiMatrix4x4& file_from_node,
+               base::Parcel& parcel) {
   aiString material;
   if (mesh.mMaterialIndex < scene.mNumMaterials)
     scene.mMaterials[mesh.mMaterialIndex]->Get(AI_MATKEY_NAME, material);
@@ -49,7 +51,8 @@ void send_mesh(const aiScene& scene, const aiMesh& mesh, const aiMatrix4x4& file
   std::vector<std::uint32_t> face_corners(mesh.mNumFaces), corners;
   for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
     face_corners[i] = mesh.mFaces[i].mNumIndices;
-    corners.insert(corners.end(), mesh.mFaces[i].mIndices, mesh.mFaces[i].mIndices + mesh.mFaces[i].mNumIndices);
+    corners.insert(corners.end(), mesh.mFaces[i].mIndices,
+                   mesh.mFaces[i].mIndices + mesh.mFaces[i].mNumIndices);
   }
   parcel.value(true);
   parcel.text(material.C_Str());
@@ -63,10 +66,12 @@ void send_node(const aiScene& scene, const aiNode& node, const aiMatrix4x4& pare
   const aiMatrix4x4 file_from_node = parent * node.mTransformation;
   for (unsigned i = 0; i < node.mNumMeshes; ++i)
     send_mesh(scene, *scene.mMeshes[node.mMeshes[i]], file_from_node, parcel);
-  for (unsigned i = 0; i < node.mNumChildren; ++i) send_node(scene, *node.mChildren[i], file_from_node, parcel);
+  for (unsigned i = 0; i < node.mNumChildren; ++i)
+    send_node(scene, *node.mChildren[i], file_from_node, parcel);
 }
 
-/// In the child: Assimp's word on the file (empty: it was read), then its meshes, each after a true, then a false.
+/// In the child: Assimp's word on the file (empty: it was read), then its meshes, each after a true, then a
+/// false.
 void read_by_assimp(const std::string& file, base::Parcel& parcel) {
   Assimp::Importer importer;
   // Polygons stay whole here so that face numbers are the file's; normals, colours and texture coordinates
@@ -130,7 +135,8 @@ class Importer {
     if (++reports_ <= kMaxReports) problems_.add({file_, 0, 0, element}, what, found, way_out);
   }
 
-  void add_face(const std::uint32_t* corner, std::uint32_t corner_count, std::uint32_t vertex_count, std::uint32_t first, std::uint32_t part) {
+  void add_face(const std::uint32_t* corner, std::uint32_t corner_count, std::uint32_t vertex_count,
+                std::uint32_t first, std::uint32_t part) {
     const auto number = static_cast<std::uint32_t>(out.faces++);
     const std::string element = "face " + std::to_string(number);
     for (std::uint32_t k = 0; k < corner_count; ++k)
@@ -185,12 +191,14 @@ std::optional<MeshFile> read_mesh_file(const std::string& file, double unit_m, b
   if (text->starts_with("ply")) check_ply_header(*text, file, problems);
   if (problems.lines().size() != before) return std::nullopt;
 
-  // Damaged files hang, crash or bloat Assimp (5.2.5: a PLY header cut in a word). Whole ones take microseconds a byte.
+  // Damaged files hang, crash or bloat Assimp (5.2.5: a PLY header cut in a word). Whole ones take
+  // microseconds a byte.
   const double bytes = static_cast<double>(text->size());
   base::ChildLimits limits;
   limits.cpu_s = kBase_s + kPerByte_s * bytes;
   limits.memory_bytes = kBase_bytes + kPerByte_bytes * text->size();
-  base::Unpacked read = base::in_limited_child(limits, [&](base::Parcel& parcel) { read_by_assimp(file, parcel); });
+  base::Unpacked read =
+      base::in_limited_child(limits, [&](base::Parcel& parcel) { read_by_assimp(file, parcel); });
   const std::string said = read.end == base::ChildEnd::done ? read.text() : "it " + read.why;
   if (!said.empty()) {
     problems.add({file, 0, 0, ""}, "Assimp cannot read the mesh", said,

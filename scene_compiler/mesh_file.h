@@ -37,8 +37,8 @@ std::optional<MeshFile> read_mesh_file(const std::string& file, double unit_m, b
 /// some of these silently ("3.1+e2" becomes 3.1).
 void check_obj_text(const std::string& text, const std::string& file, base::Problems& problems);
 
-/// Reports a PLY header that is cut short, misspelt, or counts more elements than the file has bytes for, by line. Assimp runs in a
-/// circle on the first and takes memory for the last.
+/// Reports a PLY header that is cut short, misspelt, or counts more elements than the file has bytes for, by
+/// line. Assimp runs in a circle on the first and takes memory for the last.
 void check_ply_header(const std::string& text, const std::string& file, base::Problems& problems);
 
 }  // namespace raycube::scene

@@ -14,11 +14,13 @@ namespace {
 
 constexpr std::size_t kLongestLine = 65536;
 
-/// Bytes of a scalar type in a binary file; none for an unknown name (Turk 1994, and the names with sizes that came later).
+/// Bytes of a scalar type in a binary file; none for an unknown name (Turk 1994, and the names with sizes
+/// that came later).
 std::optional<int> bytes_of(const std::string& type) {
   static const std::map<std::string, int> known = {
-      {"char", 1}, {"uchar", 1}, {"short", 2}, {"ushort", 2}, {"int", 4}, {"uint", 4}, {"float", 4}, {"double", 8},
-      {"int8", 1}, {"uint8", 1}, {"int16", 2}, {"uint16", 2}, {"int32", 4}, {"uint32", 4}, {"float32", 4}, {"float64", 8}};
+      {"char", 1},  {"uchar", 1},  {"short", 2},   {"ushort", 2}, {"int", 4},   {"uint", 4},
+      {"float", 4}, {"double", 8}, {"int8", 1},    {"uint8", 1},  {"int16", 2}, {"uint16", 2},
+      {"int32", 4}, {"uint32", 4}, {"float32", 4}, {"float64", 8}};
   const auto at = known.find(type);
   return at == known.end() ? std::nullopt : std::optional(at->second);
 }
@@ -32,7 +34,8 @@ struct Element {
 
 class HeaderCheck {
  public:
-  HeaderCheck(const std::string& text, const std::string& file, base::Problems& problems) : text_(text), file_(file), problems_(problems) {}
+  HeaderCheck(const std::string& text, const std::string& file, base::Problems& problems)
+      : text_(text), file_(file), problems_(problems) {}
 
   void run() {
     while (const auto line = next_line()) {
@@ -44,12 +47,16 @@ class HeaderCheck {
         check_counts();
         return;
       }
-      if (!(words[0] == "format" ? format(words) : words[0] == "element" ? element(words) : words[0] == "property" && property(words))) {
-        report(line_, "PLY header has a line that PLY does not know", "'" + std::string(line->substr(0, 60)) + "'", "correct the file; is it cut short?");
+      if (!(words[0] == "format"    ? format(words)
+            : words[0] == "element" ? element(words)
+                                    : words[0] == "property" && property(words))) {
+        report(line_, "PLY header has a line that PLY does not know",
+               "'" + std::string(line->substr(0, 60)) + "'", "correct the file; is it cut short?");
         return;
       }
     }
-    report(line_, "PLY header has no end", std::to_string(text_.size()) + " bytes without end_header", "restore the file: it is cut short");
+    report(line_, "PLY header has no end", std::to_string(text_.size()) + " bytes without end_header",
+           "restore the file: it is cut short");
   }
 
  private:
@@ -57,7 +64,8 @@ class HeaderCheck {
     problems_.add({file_, line, 0, ""}, what, found, way_out);
   }
 
-  /// Up to the line's end, which is \n, \r\n or, of old Macintoshes, \r; none past the text, or where a line goes on for ever.
+  /// Up to the line's end, which is \n, \r\n or, of old Macintoshes, \r; none past the text, or where a line
+  /// goes on for ever.
   std::optional<std::string_view> next_line() {
     if (at_ >= text_.size()) return std::nullopt;
     const std::size_t end = text_.find_first_of("\r\n", at_);
@@ -98,7 +106,8 @@ class HeaderCheck {
     for (const Element& e : elements_) {
       const double needed = e.count * (binary_ ? e.least_bytes_binary : 2 * e.values);
       if (needed > left) {
-        report(e.line, "PLY header counts more than the file holds", e.digits + " of '" + e.name + "' in " + std::to_string(text_.size()) + " bytes",
+        report(e.line, "PLY header counts more than the file holds",
+               e.digits + " of '" + e.name + "' in " + std::to_string(text_.size()) + " bytes",
                "restore the file: it is cut short, or its header is another file's");
         return;
       }
@@ -117,6 +126,8 @@ class HeaderCheck {
 
 }  // namespace
 
-void check_ply_header(const std::string& text, const std::string& file, base::Problems& problems) { HeaderCheck(text, file, problems).run(); }
+void check_ply_header(const std::string& text, const std::string& file, base::Problems& problems) {
+  HeaderCheck(text, file, problems).run();
+}
 
 }  // namespace raycube::scene

@@ -22,7 +22,8 @@ namespace {
 using base::Problems;
 using base::Where;
 
-// What reading may take: GDAL needs some 10 ns a pixel of the 2^28 that are read at most, whatever a file's bytes unpack to.
+// What reading may take: GDAL needs some 10 ns a pixel of the 2^28 that are read at most, whatever a file's
+// bytes unpack to.
 constexpr double kBase_s = 120, kPerByte_s = 4e-6;
 constexpr std::uint64_t kMemory_bytes = 6ull << 30;
 constexpr int kPiece_values = 1 << 20;
@@ -98,11 +99,15 @@ struct Opened {
   std::array<double, 6> transform{};
 };
 
-bool fits(const Opened& opened, int count) { return double(opened.columns) * opened.rows * std::max(count, 1) <= double(1 << 28); }
-bool has_bands(const Opened& opened, int first_band, int count) { return count >= 1 && first_band + count - 1 <= opened.band_count; }
+bool fits(const Opened& opened, int count) {
+  return double(opened.columns) * opened.rows * std::max(count, 1) <= double(1 << 28);
+}
+bool has_bands(const Opened& opened, int first_band, int count) {
+  return count >= 1 && first_band + count - 1 <= opened.band_count;
+}
 
-/// In the child: GDAL's word on the file (empty: it was opened), what it is, then for each band asked for GDAL's word (empty: it could be
-/// read), its nodata value and its samples.
+/// In the child: GDAL's word on the file (empty: it was opened), what it is, then for each band asked for
+/// GDAL's word (empty: it could be read), its nodata value and its samples.
 void read_by_gdal(const std::string& file, int first_band, int count, base::Parcel& parcel) {
   const QuietGdal quiet;
   const Dataset dataset(GDALOpen(file.c_str(), GA_ReadOnly));
@@ -110,8 +115,13 @@ void read_by_gdal(const std::string& file, int first_band, int count, base::Parc
   if (!dataset) return;
   Raster raster;
   read_reference(dataset.get(), raster);
-  const Opened opened{GDALGetRasterXSize(dataset.get()), GDALGetRasterYSize(dataset.get()), GDALGetRasterCount(dataset.get()), raster.epsg,
-                      raster.georeferenced, raster.geographic, raster.transform};
+  const Opened opened{GDALGetRasterXSize(dataset.get()),
+                      GDALGetRasterYSize(dataset.get()),
+                      GDALGetRasterCount(dataset.get()),
+                      raster.epsg,
+                      raster.georeferenced,
+                      raster.geographic,
+                      raster.transform};
   parcel.value(opened);
   if (count == 0) count = opened.band_count - first_band + 1;
   if (!fits(opened, count) || !has_bands(opened, first_band, count)) return;
@@ -123,11 +133,13 @@ void read_by_gdal(const std::string& file, int first_band, int count, base::Parc
     parcel.value(has_nodata != 0), parcel.value(hole);
     GDALGetBlockSize(band, &block_columns, &block_rows);
     // Whole rows of blocks at a time.
-    const int step = std::clamp(kPiece_values / std::max(opened.columns, 1) / block_rows * block_rows, std::min(block_rows, opened.rows), opened.rows);
+    const int step = std::clamp(kPiece_values / std::max(opened.columns, 1) / block_rows * block_rows,
+                                std::min(block_rows, opened.rows), opened.rows);
     for (int row = 0; row < opened.rows; row += step) {
       const int rows = std::min(step, opened.rows - row);
       values.resize(static_cast<std::size_t>(rows) * static_cast<std::size_t>(opened.columns));
-      const bool read = GDALRasterIO(band, GF_Read, 0, row, opened.columns, rows, values.data(), opened.columns, rows, GDT_Float64, 0, 0) == CE_None;
+      const bool read = GDALRasterIO(band, GF_Read, 0, row, opened.columns, rows, values.data(),
+                                     opened.columns, rows, GDT_Float64, 0, 0) == CE_None;
       parcel.text(read ? "" : gdal_message());
       if (!read) return;
       parcel.list(values.data(), values.size());
@@ -155,7 +167,8 @@ std::optional<Raster> read_raster(const std::string& file, int first_band, int c
   base::ChildLimits limits;
   limits.cpu_s = kBase_s + kPerByte_s * static_cast<double>(std::filesystem::file_size(file));
   limits.memory_bytes = kMemory_bytes;
-  base::Unpacked read = base::in_limited_child(limits, [&](base::Parcel& parcel) { read_by_gdal(file, first_band, count, parcel); });
+  base::Unpacked read = base::in_limited_child(
+      limits, [&](base::Parcel& parcel) { read_by_gdal(file, first_band, count, parcel); });
   const std::string said = read.end == base::ChildEnd::done ? read.text() : "it " + read.why;
   if (!said.empty()) {
     problems.add({file, 0, 0, ""}, "GDAL cannot read the raster", said,

@@ -16,8 +16,8 @@ std::uint64_t key_of_word(std::uint64_t word) {
   return (z ^ (z >> 31)) | 1u;
 }
 
-/// Sum of word x key over the bytes in their places; the parts of a word that others write count as zeros, so sums of disjoint
-/// bytes add up.
+/// Sum of word x key over the bytes in their places; the parts of a word that others write count as zeros, so
+/// sums of disjoint bytes add up.
 std::uint64_t weighted_sum(std::uint64_t offset, const unsigned char* data, std::size_t bytes) {
   std::uint64_t sum = 0;
   const auto partial = [&](std::size_t count) {
@@ -47,7 +47,8 @@ std::string hash_of_list(const std::vector<std::string>& blocks) {
   Sha256 sha;
   for (const std::string& hex : blocks) {
     std::string raw;
-    for (std::size_t i = 0; i + 1 < hex.size(); i += 2) raw += static_cast<char>(value_of(hex[i]) * 16 + value_of(hex[i + 1]));
+    for (std::size_t i = 0; i + 1 < hex.size(); i += 2)
+      raw += static_cast<char>(value_of(hex[i]) * 16 + value_of(hex[i + 1]));
     sha.add(raw);
   }
   return sha.hex();
@@ -60,8 +61,10 @@ std::vector<unsigned char> BlockHashes::read(std::uint64_t offset, std::uint64_t
 }
 
 void BlockHashes::changed(std::uint64_t start) const {
-  throw Error(Fault::environment, path_ + ": the file does not hold what was written to it (between bytes " + std::to_string(start) + " and " +
-                                      std::to_string(start + kHashBlock_bytes) + "): another program wrote into it, or the disk is failing; run again");
+  throw Error(Fault::environment, path_ + ": the file does not hold what was written to it (between bytes " +
+                                      std::to_string(start) + " and " +
+                                      std::to_string(start + kHashBlock_bytes) +
+                                      "): another program wrote into it, or the disk is failing; run again");
 }
 
 void BlockHashes::about_to_write(std::uint64_t offset, const void* data, std::size_t bytes) {
@@ -75,7 +78,8 @@ void BlockHashes::about_to_write(std::uint64_t offset, const void* data, std::si
   }
 }
 
-void BlockHashes::write_in_block(std::uint64_t number, std::uint64_t offset, const unsigned char* data, std::size_t bytes) {
+void BlockHashes::write_in_block(std::uint64_t number, std::uint64_t offset, const unsigned char* data,
+                                 std::size_t bytes) {
   Block& block = blocks_[number];
   const std::uint64_t start = number * kHashBlock_bytes;
   if (!block.scattered && offset == start + block.in_order) {
@@ -91,7 +95,8 @@ void BlockHashes::write_in_block(std::uint64_t number, std::uint64_t offset, con
   written.insert(std::lower_bound(written.begin(), written.end(), span), span);
   std::size_t last = 0;
   for (std::size_t i = 1; i < written.size(); ++i)
-    if (written[i].first <= written[last].second) written[last].second = std::max(written[last].second, written[i].second);
+    if (written[i].first <= written[last].second)
+      written[last].second = std::max(written[last].second, written[i].second);
     else written[++last] = written[i];
   written.resize(last + 1);
 }

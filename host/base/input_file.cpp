@@ -12,7 +12,8 @@ namespace raycube::base {
 
 std::string why_no_plain_file(const std::string& path) {
   struct stat status {};
-  if (::stat(path.c_str(), &status) != 0) return errno == ENOENT ? "is not there" : std::string("cannot be looked at: ") + std::strerror(errno);
+  if (::stat(path.c_str(), &status) != 0)
+    return errno == ENOENT ? "is not there" : std::string("cannot be looked at: ") + std::strerror(errno);
   if (S_ISDIR(status.st_mode)) return "is a folder";
   if (S_ISFIFO(status.st_mode)) return "is a pipe";
   if (S_ISSOCK(status.st_mode)) return "is a socket";

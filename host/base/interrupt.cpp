@@ -59,7 +59,8 @@ void install_signal_handlers() {
   ::sigaction(SIGINT, &action, nullptr);
   ::sigaction(SIGTERM, &action, nullptr);
   struct sigaction before {};
-  if (::sigaction(SIGHUP, nullptr, &before) != 0 || before.sa_handler != SIG_IGN) ::sigaction(SIGHUP, &action, nullptr);
+  if (::sigaction(SIGHUP, nullptr, &before) != 0 || before.sa_handler != SIG_IGN)
+    ::sigaction(SIGHUP, &action, nullptr);
   // A handler and not SIG_IGN: programs that this one starts then find them as they were.
   action.sa_handler = raycube_on_nothing;
   ::sigaction(SIGXFSZ, &action, nullptr);
@@ -76,7 +77,9 @@ bool interrupted_by_now() noexcept {
 
 std::string interrupt_text() {
   const int number = arrived.load();
-  const char* const name = number == SIGTERM ? "SIGTERM" : number == SIGHUP ? "SIGHUP (its terminal is gone)" : "Ctrl-C";
+  const char* const name = number == SIGTERM  ? "SIGTERM"
+                           : number == SIGHUP ? "SIGHUP (its terminal is gone)"
+                                              : "Ctrl-C";
   return std::string("interrupted by ") + name + "; unfinished output was removed";
 }
 
@@ -86,7 +89,9 @@ void throw_if_interrupted() {
 
 void become_helper() noexcept {
   helper = true;
-  for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGXFSZ, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT}) ::signal(number, SIG_DFL);
+  for (const int number :
+       {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGXFSZ, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT})
+    ::signal(number, SIG_DFL);
 }
 
 void clear_interrupt() noexcept { arrived = 0; }

@@ -1,6 +1,6 @@
-// Ctrl-C, SIGTERM and SIGHUP: the first one asks the program to stop at its next safe point, where destructors remove what was
-// half written; the second one removes the registered temporaries and leaves at once. This is the only process-wide
-// state of the program: a signal handler can reach nothing else.
+// Ctrl-C, SIGTERM and SIGHUP: the first one asks the program to stop at its next safe point, where
+// destructors remove what was half written; the second one removes the registered temporaries and leaves at
+// once. This is the only process-wide state of the program: a signal handler can reach nothing else.
 #pragma once
 
 #include <string>
@@ -10,9 +10,10 @@
 
 namespace raycube::base {
 
-/// Installs the handlers of SIGINT, SIGTERM and SIGHUP (not where the caller ignores SIGHUP, as nohup does), gives std::terminate
-/// a message and exit status 70, and passes over SIGXFSZ and SIGPIPE, so that a file-size limit and a reader that has gone are
-/// errors of write(): who reads the messages may leave and the work goes on.
+/// Installs the handlers of SIGINT, SIGTERM and SIGHUP (not where the caller ignores SIGHUP, as nohup does),
+/// gives std::terminate a message and exit status 70, and passes over SIGXFSZ and SIGPIPE, so that a
+/// file-size limit and a reader that has gone are errors of write(): who reads the messages may leave and the
+/// work goes on.
 void install_signal_handlers();
 
 /// Unlinks the registered temporaries. Safe in a signal handler.
@@ -24,8 +25,8 @@ void remove_temporaries() noexcept;
 /// True once SIGINT, SIGTERM or SIGHUP has arrived.
 bool interrupted() noexcept;
 
-/// The same, after waiting a moment for one: Ctrl-C reaches a whole group of processes, and a driver's compiler may have died of it, and its
-/// failure been seen here, before this process hears of it.
+/// The same, after waiting a moment for one: Ctrl-C reaches a whole group of processes, and a driver's
+/// compiler may have died of it, and its failure been seen here, before this process hears of it.
 bool interrupted_by_now() noexcept;
 
 /// What the error says once a signal has arrived.
@@ -34,8 +35,9 @@ std::string interrupt_text();
 /// Throws Error(interrupted) once a signal has arrived. Call it between tiles, strips and nodes.
 void throw_if_interrupted();
 
-/// In a forked child that works for this process: signals end it as they end any program, the temporaries of the parent are no
-/// concern of its, and leave_at_once() says nothing, since the parent says what became of the child.
+/// In a forked child that works for this process: signals end it as they end any program, the temporaries of
+/// the parent are no concern of its, and leave_at_once() says nothing, since the parent says what became of
+/// the child.
 void become_helper() noexcept;
 
 /// Forgets an interrupt (tests).

@@ -36,7 +36,10 @@ struct Descriptor {
   }
 };
 
-Error cannot(const char* what) { return Error(Fault::environment, std::string("a child process to read a file in cannot be ") + what + ": " + std::strerror(errno)); }
+Error cannot(const char* what) {
+  return Error(Fault::environment, std::string("a child process to read a file in cannot be ") + what + ": " +
+                                       std::strerror(errno));
+}
 
 std::uint64_t address_space_bytes() {
   std::ifstream file("/proc/self/statm");
@@ -97,7 +100,8 @@ std::string watch(pid_t child, int ended, const ChildLimits& limits) {
     if (cpu > last_cpu) last_cpu = cpu, moved_at = now;
     if (interrupted()) return "interrupted";
     if (cpu > limits.cpu_s) return "did not end in " + seconds_text(limits.cpu_s) + " of computing";
-    if (now - moved_at > limits.idle_s) return "waited " + seconds_text(limits.idle_s) + " for something that does not come";
+    if (now - moved_at > limits.idle_s)
+      return "waited " + seconds_text(limits.idle_s) + " for something that does not come";
   }
 }
 
@@ -141,10 +145,15 @@ Unpacked::~Unpacked() {
 }
 
 Unpacked::Unpacked(Unpacked&& other) noexcept
-    : end(other.end), why(std::move(other.why)), data_(std::exchange(other.data_, nullptr)), size_(other.size_), next_(other.next_) {}
+    : end(other.end),
+      why(std::move(other.why)),
+      data_(std::exchange(other.data_, nullptr)),
+      size_(other.size_),
+      next_(other.next_) {}
 
 const unsigned char* Unpacked::take(std::size_t bytes) {
-  if (bytes > size_ - next_) throw Error(Fault::bug, "more is taken from a child process than it handed back");
+  if (bytes > size_ - next_)
+    throw Error(Fault::bug, "more is taken from a child process than it handed back");
   next_ += bytes;
   return data_ + next_ - bytes;
 }

@@ -1,4 +1,5 @@
-// Work that other people's code does on a user's file, in a child process that cannot hang, crash or use up the memory of this one.
+// Work that other people's code does on a user's file, in a child process that cannot hang, crash or use up
+// the memory of this one.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +14,7 @@ namespace raycube::base {
 
 struct ChildLimits {
   double cpu_s = 60;                        ///< computing time
-  double idle_s = 60;                       ///< without any computing at all: it waits for something that does not come
+  double idle_s = 60;  ///< without any computing at all: it waits for something that does not come
   std::uint64_t memory_bytes = 4ull << 30;  ///< of address space beyond what this process has now
 };
 
@@ -52,7 +53,8 @@ class Unpacked {
   Unpacked& operator=(Unpacked&&) = delete;
 
   ChildEnd end = ChildEnd::done;
-  std::string why;  ///< for people: "did not end in 60 s of computing", "was ended by signal 11"; empty when done
+  std::string
+      why;  ///< for people: "did not end in 60 s of computing", "was ended by signal 11"; empty when done
 
   template <class T>
   T value() {
@@ -81,9 +83,9 @@ class Unpacked {
   std::size_t size_ = 0, next_ = 0;
 };
 
-/// Forks, runs `work` in the child and waits for its end; what `work` throws is bad_alloc (out_of_memory) or a crash. Ctrl-C ends the child
-/// and throws. The child sees this process as it was and changes nothing of it; it must not use OpenCL or other threads. Throws
-/// Error(environment) when no child can be made.
+/// Forks, runs `work` in the child and waits for its end; what `work` throws is bad_alloc (out_of_memory) or
+/// a crash. Ctrl-C ends the child and throws. The child sees this process as it was and changes nothing of
+/// it; it must not use OpenCL or other threads. Throws Error(environment) when no child can be made.
 Unpacked in_limited_child(const ChildLimits& limits, const std::function<void(Parcel&)>& work);
 
 }  // namespace raycube::base

@@ -55,15 +55,17 @@ void make_folder(const fs::path& folder) {
 std::size_t mark_of(const std::string& name) {
   const std::size_t at = name.rfind(kMark);
   const auto drawn = [&](std::size_t i) { return std::isalnum(static_cast<unsigned char>(name[i])) != 0; };
-  if (name.empty() || name[0] != '.' || at == std::string::npos || at < 2 || name.size() < at + kMark.size() + 6) return std::string::npos;
+  if (name.empty() || name[0] != '.' || at == std::string::npos || at < 2 ||
+      name.size() < at + kMark.size() + 6)
+    return std::string::npos;
   for (std::size_t i = at + kMark.size(); i < at + kMark.size() + 6; ++i)
     if (!drawn(i)) return std::string::npos;
   const std::size_t end = at + kMark.size() + 6;
   return name.size() == end || name[end] == '.' ? at + kMark.size() : std::string::npos;
 }
 
-/// Temporaries, of whatever final name, whose writer is gone: nobody holds their lock. What was drawn beside a temporary (its name and
-/// an ending) lives as long as that one.
+/// Temporaries, of whatever final name, whose writer is gone: nobody holds their lock. What was drawn beside
+/// a temporary (its name and an ending) lives as long as that one.
 void remove_stale(const fs::path& folder) {
   std::vector<fs::path> beside;
   std::error_code code;
@@ -111,7 +113,8 @@ struct OutputFile::State {
   void read_at(std::uint64_t offset, void* data, std::size_t bytes) const {
     auto* next = static_cast<char*>(data);
     while (bytes > 0) {
-      const ssize_t got = ::pread(fd, next, std::min<std::size_t>(bytes, 1u << 30), static_cast<off_t>(offset));
+      const ssize_t got =
+          ::pread(fd, next, std::min<std::size_t>(bytes, 1u << 30), static_cast<off_t>(offset));
       if (got < 0 && errno == EINTR) continue;
       if (got <= 0) throw failed(final_path, "reading back failed", got < 0 ? errno : ENODATA);
       next += got, offset += static_cast<std::uint64_t>(got), bytes -= static_cast<std::size_t>(got);
@@ -190,7 +193,10 @@ void OutputFile::append(const void* data, std::size_t bytes) {
 
 void OutputFile::hash_blocks() {
   if (size() > 0) throw Error(Fault::bug, final_path() + ": hashed from its middle");
-  state_->hashes.emplace(final_path(), [s = state_.get()](std::uint64_t offset, void* data, std::size_t bytes) { s->read_at(offset, data, bytes); });
+  state_->hashes.emplace(final_path(),
+                         [s = state_.get()](std::uint64_t offset, void* data, std::size_t bytes) {
+                           s->read_at(offset, data, bytes);
+                         });
 }
 
 FileHashes OutputFile::hashes() {
@@ -219,7 +225,9 @@ void OutputFile::write_at(std::uint64_t offset, const void* data, std::size_t by
   }
 }
 
-void OutputFile::read_at(std::uint64_t offset, void* data, std::size_t bytes) const { state_->read_at(offset, data, bytes); }
+void OutputFile::read_at(std::uint64_t offset, void* data, std::size_t bytes) const {
+  state_->read_at(offset, data, bytes);
+}
 
 void OutputFile::sync() {
   State& s = *state_;
@@ -262,7 +270,8 @@ OutputSet::OutputSet(const std::string& folder, IfExists if_exists) : folder_(fo
   // File systems without locks: the names themselves still refuse each other.
   if (::flock(lock_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
     ::close(lock_);
-    throw Error(Fault::environment, folder + ": another run is writing into this folder; wait for it, or choose another -o");
+    throw Error(Fault::environment,
+                folder + ": another run is writing into this folder; wait for it, or choose another -o");
   }
   try {
     finish_publication(folder, /*locked=*/true);
@@ -286,7 +295,8 @@ OutputFile& OutputSet::add(const std::string& name) {
 
 std::vector<std::pair<std::string, FileHashes>> OutputSet::hashes() {
   std::vector<std::pair<std::string, FileHashes>> all;
-  for (auto& file : files_) all.emplace_back(fs::path(file->final_path()).filename().string(), file->hashes());
+  for (auto& file : files_)
+    all.emplace_back(fs::path(file->final_path()).filename().string(), file->hashes());
   return all;
 }
 
@@ -298,7 +308,8 @@ void OutputSet::publish() {
   list.remove = earlier_;
   for (auto& file : files_) {
     file->sync();
-    list.files.emplace_back(fs::path(file->temporary_path()).filename().string(), fs::path(file->final_path()).filename().string());
+    list.files.emplace_back(fs::path(file->temporary_path()).filename().string(),
+                            fs::path(file->final_path()).filename().string());
   }
   // First, so that a second Ctrl-C removes no file of a set that is published.
   for (auto& file : files_) file->hand_over();

@@ -1,5 +1,6 @@
-// Files that appear under their final name only when they are whole. A run that ends early, by error or by signal, leaves
-// nothing there; one that is killed leaves at most hidden temporaries, which the next run that writes into the folder removes.
+// Files that appear under their final name only when they are whole. A run that ends early, by error or by
+// signal, leaves nothing there; one that is killed leaves at most hidden temporaries, which the next run that
+// writes into the folder removes.
 #pragma once
 
 #include <cstddef>
@@ -57,8 +58,9 @@ class OutputFile {
   std::unique_ptr<State> state_;
 };
 
-/// The files of one product in one folder. None has its final name before all are whole; they then appear as one (publication.h), the last
-/// one added last, so add the run record last. While it lives, a second run into the folder is refused.
+/// The files of one product in one folder. None has its final name before all are whole; they then appear as
+/// one (publication.h), the last one added last, so add the run record last. While it lives, a second run
+/// into the folder is refused.
 class OutputSet {
  public:
   explicit OutputSet(const std::string& folder, IfExists if_exists = IfExists::refuse);
@@ -76,8 +78,8 @@ class OutputSet {
   /// Names (no folders) of the product that this one replaces: publish() removes those that are not among its own before it names the last file, so that
   /// nothing of another run stays beside it. Not done with IfExists::refuse.
   void replaces(std::vector<std::string> names) { earlier_ = std::move(names); }
-  /// Syncs every file, then names them all: whenever the program is killed, all of them or none. When one cannot be named because a
-  /// file has taken its name, none is.
+  /// Syncs every file, then names them all: whenever the program is killed, all of them or none. When one
+  /// cannot be named because a file has taken its name, none is.
   void publish();
 
  private:

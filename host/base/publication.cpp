@@ -31,12 +31,14 @@ bool present(const std::string& path) {
 
 bool same_file(const std::string& a, const std::string& b) {
   struct stat first {}, second {};
-  return ::lstat(a.c_str(), &first) == 0 && ::lstat(b.c_str(), &second) == 0 && first.st_dev == second.st_dev && first.st_ino == second.st_ino;
+  return ::lstat(a.c_str(), &first) == 0 && ::lstat(b.c_str(), &second) == 0 &&
+         first.st_dev == second.st_dev && first.st_ino == second.st_ino;
 }
 
 /// A journal may come with a folder from anywhere: it reaches nothing outside.
 bool plain_name(const std::string& name) {
-  return !name.empty() && name.find('\0') == std::string::npos && name != "." && name != ".." && name == fs::path(name).filename();
+  return !name.empty() && name.find('\0') == std::string::npos && name != "." && name != ".." &&
+         name == fs::path(name).filename();
 }
 
 Error taken(const std::string& path) {
@@ -57,7 +59,8 @@ void sync_folder(const std::string& folder) {
 void write_journal(const std::string& folder, const Publication::List& list) {
   nlohmann::json files = nlohmann::json::array();
   for (const auto& [temporary, name] : list.files) files.push_back({temporary, name});
-  const auto text = nlohmann::json{{"replace", list.replace}, {"files", files}, {"remove", list.remove}}.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  const auto text = nlohmann::json{{"replace", list.replace}, {"files", files}, {"remove", list.remove}}.dump(
+      -1, ' ', false, nlohmann::json::error_handler_t::replace);
   write_output_file(folder + "/" + kJournalName, text, IfExists::refuse);
 }
 
@@ -68,12 +71,15 @@ Publication::List read_journal(const std::string& folder) {
     const auto json = nlohmann::json::parse(in);
     Publication::List list{json.at("replace"), json.at("files"), json.at("remove")};
     bool sound = !list.files.empty();
-    for (const auto& [temporary, name] : list.files) sound = sound && plain_name(temporary) && plain_name(name);
+    for (const auto& [temporary, name] : list.files)
+      sound = sound && plain_name(temporary) && plain_name(name);
     if (sound) return list;
   } catch (const nlohmann::json::exception&) {
   }
-  throw Error(Fault::environment, path + ": a run was cut short while its files got their names, and its list of them cannot be read; look at the "
-                                         "hidden files of the folder, then remove this one");
+  throw Error(Fault::environment, path +
+                                      ": a run was cut short while its files got their names, and its list "
+                                      "of them cannot be read; look at the "
+                                      "hidden files of the folder, then remove this one");
 }
 
 }  // namespace
@@ -120,19 +126,24 @@ bool Publication::name_file(std::size_t number) {
   if (!present(from)) return false;
   if (list_.replace) {
     if (::rename(from.c_str(), to.c_str()) != 0)
-      throw Error(Fault::environment, to + ": cannot be named: " + std::strerror(errno) + "; mend that, and the next look at the folder (`raycube info " + folder_ +
-                                          "`) or run into it names the rest");
+      throw Error(Fault::environment, to + ": cannot be named: " + std::strerror(errno) +
+                                          "; mend that, and the next look at the folder (`raycube info " +
+                                          folder_ + "`) or run into it names the rest");
     return true;
   }
   if (::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0) return true;
   int code = errno;
-  if (code == EINVAL || code == ENOSYS) {  // file systems without it: a hard link refuses an existing name just as well
+  if (code == EINVAL ||
+      code == ENOSYS) {  // file systems without it: a hard link refuses an existing name just as well
     code = ::link(from.c_str(), to.c_str()) == 0 || same_file(from, to) ? 0 : errno;
     if (code == 0) return ::unlink(from.c_str()), true;
   }
   if (resumed_)
-    throw Error(Fault::environment, to + ": stands where a run that was killed while its files got their names wants to put one; move it away "
-                                         "and look at the folder again (`raycube info " + folder_ + "`)");
+    throw Error(Fault::environment, to +
+                                        ": stands where a run that was killed while its files got their "
+                                        "names wants to put one; move it away "
+                                        "and look at the folder again (`raycube info " +
+                                        folder_ + "`)");
   take_back(number);
   throw code == EEXIST ? taken(to) : not_named(to, code);
 }
@@ -145,7 +156,8 @@ bool Publication::remove_earlier() {
     const std::string path = in_folder(name);
     std::error_code code;
     if (!fs::is_regular_file(fs::symlink_status(path, code))) continue;
-    // By what the names mean to the file system: one that does not tell upper from lower case has two for our own.
+    // By what the names mean to the file system: one that does not tell upper from lower case has two for our
+    // own.
     const bool ours = std::any_of(list_.files.begin(), list_.files.end(), [&](const auto& file) {
       return file.second == name || file.first == name || same_file(in_folder(file.second), path);
     });
@@ -154,7 +166,8 @@ bool Publication::remove_earlier() {
   return any;
 }
 
-/// Nothing was replaced: the files before `named` go back to their temporaries, the journal goes, then the temporaries.
+/// Nothing was replaced: the files before `named` go back to their temporaries, the journal goes, then the
+/// temporaries.
 void Publication::take_back(std::size_t named) {
   while (named-- > 0) {
     const std::string from = in_folder(list_.files[named].first), to = in_folder(list_.files[named].second);
@@ -175,7 +188,8 @@ bool finish_publication(const std::string& folder, bool locked) {
     }
   } close{fd};
   const auto deadline = std::chrono::steady_clock::now() + kPatience;
-  // Whoever publishes holds the folder's lock; file systems without locks answer otherwise and are taken to be free.
+  // Whoever publishes holds the folder's lock; file systems without locks answer otherwise and are taken to
+  // be free.
   while (!locked && fd >= 0 && ::flock(fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
     if (std::chrono::steady_clock::now() > deadline)
       throw Error(Fault::environment, folder + ": another run is giving its files their names; wait for it");
@@ -184,8 +198,10 @@ bool finish_publication(const std::string& folder, bool locked) {
   }
   if (!present(journal)) return true;
   if (::access(folder.c_str(), W_OK) != 0)
-    throw Error(Fault::environment, folder + ": a run was killed while its files got their names, and they cannot be changed here: " + std::strerror(errno) +
-                                        "; run `raycube info` on the folder as somebody who may write there");
+    throw Error(
+        Fault::environment,
+        folder + ": a run was killed while its files got their names, and they cannot be changed here: " +
+            std::strerror(errno) + "; run `raycube info` on the folder as somebody who may write there");
   Publication rest;
   rest.folder_ = folder;
   rest.list_ = read_journal(folder);

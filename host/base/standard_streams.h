@@ -3,8 +3,9 @@
 
 namespace raycube::base {
 
-/// Takes the numbers 0, 1 and 2 where the caller left them closed, so that no file opened later gets one of them and with it
-/// what is printed. They stay as unusable as they were: reading 0 and writing 1 or 2 fail. To be called first thing in main().
+/// Takes the numbers 0, 1 and 2 where the caller left them closed, so that no file opened later gets one of
+/// them and with it what is printed. They stay as unusable as they were: reading 0 and writing 1 or 2 fail.
+/// To be called first thing in main().
 void claim_standard_descriptors() noexcept;
 
 /// True when descriptor 1 is a pipe or socket that nobody reads any more.

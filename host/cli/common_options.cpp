@@ -15,7 +15,11 @@ void add_common_options(base::OptionTable& table, CommonOptions& values, unsigne
   if (set & kDevice)
     table.text("--device", "NAME", "OpenCL device: its number in `raycube devices` or a part of its name", values.device);
   if (set & kThreads) table.integer("--threads", "", 0, 4096, "CPU threads; 0: all of the machine", values.threads);
-  if (set & kMemory) table.memory("--memory", "Most that tiles, tables of band values and strips of a run take, on host and device together; the program with its OpenCL driver (some 150 MiB) and the scene come on top", values.memory_bytes);
+  if (set & kMemory)
+    table.memory("--memory",
+                 "Most that tiles, tables of band values and strips of a run take, on host and device "
+                 "together; the program with its OpenCL driver (some 150 MiB) and the scene come on top",
+                 values.memory_bytes);
   table.count("-q,--quiet", "Fewer messages on stderr: once keeps warnings and errors, twice errors", values.quiet);
   table.count("-v,--verbose", "More messages on stderr; twice for debugging", values.verbose);
   table.text("--log", "FILE", "Append every message to FILE as JSON lines", values.log_file);

@@ -23,12 +23,14 @@ nlohmann::json dry_run_json(const scene::CompiledScene& scene, const InstrumentJ
   const render::LeastMemory least = render::least_memory(scene, instrument, job.plan, options.row_capacity);
   render::require_memory(shape, least, instrument.pixels, options.row_capacity, options.memory_bytes);
   const auto size = render::choose_tile_size(shape, instrument.pixels, instrument.lines, options.row_capacity,
-                                             options.memory_bytes / render::kBudgetShares, tile_samples, options.memory_bytes, 0, least);
+                                             options.memory_bytes / render::kBudgetShares, tile_samples,
+                                             options.memory_bytes, 0, least);
   const std::uint64_t tile_pixels = std::uint64_t(size.lines) * size.columns;
   const std::uint64_t tile_bytes = tile_pixels * (shape.pixel_bytes() + shape.row_bytes(options.row_capacity));
   const std::uint64_t layers = render::truth_layer_names(scene, instrument).size();
   // A strip is being filled, one written, and two may wait.
-  const std::uint64_t strip_bytes = 4 * std::uint64_t(size.lines) * instrument.pixels * least.strip_values * sizeof(float);
+  const std::uint64_t strip_bytes =
+      4 * std::uint64_t(size.lines) * instrument.pixels * least.strip_values * sizeof(float);
   const std::uint64_t scene_bytes = scene::scene_info(scene).bytes;
   const std::uint64_t pixels = std::uint64_t(instrument.pixels) * instrument.lines;
   return {{"name", instrument.name},

@@ -10,9 +10,11 @@
 extern "C" {
 
 [[noreturn]] void abort() noexcept {
-  // Ctrl-C ends the programs that a driver's compiler calls, and the driver gives up: that is no fault of the device.
+  // Ctrl-C ends the programs that a driver's compiler calls, and the driver gives up: that is no fault of the
+  // device.
   if (raycube::base::interrupted_by_now())
-    raycube::base::leave_at_once("interrupted by Ctrl-C; unfinished output was removed", raycube::base::Fault::interrupted);
+    raycube::base::leave_at_once("interrupted by Ctrl-C; unfinished output was removed",
+                                 raycube::base::Fault::interrupted);
   raycube::base::print_stack();
   raycube::base::leave_at_once(
       "a library ended the program, most likely the OpenCL driver; what it said stands above. A damaged kernel cache of your own does "

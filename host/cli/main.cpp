@@ -33,7 +33,8 @@ int report(raycube::base::Log* log, int status, const std::string& message) {
   return status;
 }
 
-/// What the report was for has ended before it, as in `raycube info cube.img | head -1`: quietly, by SIGPIPE, as other programs do.
+/// What the report was for has ended before it, as in `raycube info cube.img | head -1`: quietly, by SIGPIPE,
+/// as other programs do.
 [[noreturn]] void leave_like_others() {
   ::signal(SIGPIPE, SIG_DFL);
   ::raise(SIGPIPE);
@@ -60,7 +61,8 @@ int run(int argc, char** argv, std::unique_ptr<raycube::base::Log>& log) {
   }
   const bool printed = static_cast<bool>(std::cout.flush());
   if (!printed && base::stdout_reader_is_gone()) leave_like_others();
-  if (!printed) throw Error(Fault::environment, "stdout could not be written; is its disk full or its reader gone?");
+  if (!printed)
+    throw Error(Fault::environment, "stdout could not be written; is its disk full or its reader gone?");
   return status;
 }
 
@@ -75,9 +77,11 @@ int main(int argc, char** argv) {
   try {
     return run(argc, argv, log);
   } catch (const Error& error) {
-    // Ctrl-C reaches the whole process group: the driver's compiler dies of it, and what is seen here is a failed build.
+    // Ctrl-C reaches the whole process group: the driver's compiler dies of it, and what is seen here is a
+    // failed build.
     const bool consequence = error.fault() == Fault::device && raycube::base::interrupted_by_now();
-    if (consequence) return report(log.get(), static_cast<int>(Fault::interrupted), raycube::base::interrupt_text());
+    if (consequence)
+      return report(log.get(), static_cast<int>(Fault::interrupted), raycube::base::interrupt_text());
     return report(log.get(), error.exit_status(), error.what());
   } catch (const std::bad_alloc&) {
     return report(log.get(), static_cast<int>(Fault::environment),

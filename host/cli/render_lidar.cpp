@@ -53,8 +53,11 @@ std::int64_t batch_of(const lidar::LidarPlan& plan, std::size_t memory_bytes) {
 /// Rows of one pulse are held at once whatever --memory says: it is refused when it cannot hold them.
 void require_memory(const lidar::LidarPlan& plan, std::size_t memory_bytes) {
   if (bytes_of_rows(plan) <= memory_bytes) return;
-  throw base::Error(base::Fault::input, fmt::format("LIDAR '{}': --memory is too small for the rows of one pulse: need {} bytes, found {}; raise --memory, or give fewer "
-                                                    "pixels, bins or sub-rays", plan.lidar.name, bytes_of_rows(plan), memory_bytes));
+  throw base::Error(base::Fault::input,
+                    fmt::format("LIDAR '{}': --memory is too small for the rows of one pulse: need {} bytes, "
+                                "found {}; raise --memory, or give fewer "
+                                "pixels, bins or sub-rays",
+                                plan.lidar.name, bytes_of_rows(plan), memory_bytes));
 }
 
 /// What turbulence does to the survey's first shot, in words for the record; its own draws are left out.

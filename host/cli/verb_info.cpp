@@ -33,7 +33,8 @@ struct Options {
   bool header_only = false, every_band = false, verify = false;
 };
 
-/// A folder stands for the run it holds. A run that was killed while its files got their names is ended first.
+/// A folder stands for the run it holds. A run that was killed while its files got their names is ended
+/// first.
 std::string resolve(const std::string& path) {
   if (fs::is_directory(path)) base::finish_publication(path);
   else base::finish_publication_around(path);
@@ -103,11 +104,15 @@ void print_table(Context& context, const std::string& path) {
 int print_verified(Context& context, const std::string& path) {
   const auto found = products::verify_run(path);
   if (context.common.json) {
-    context.out << Json{{"kind", "verification"}, {"file", path}, {"whole", found.whole()}, {"files", found.files}, {"bytes", found.bytes},
-                        {"differences", found.differences}}.dump(2) << "\n";
+    context.out << Json{{"kind", "verification"}, {"file", path},         {"whole", found.whole()},
+                        {"files", found.files},   {"bytes", found.bytes}, {"differences", found.differences}}
+                       .dump(2)
+                << "\n";
   } else {
-    for (const auto& difference : found.differences) context.out << (fs::path(path).parent_path() / difference).string() << "\n";
-    context.out << fmt::format("{}: {} of {} files are as they were written, {}\n", path, found.files - found.differences.size(), found.files,
+    for (const auto& difference : found.differences)
+      context.out << (fs::path(path).parent_path() / difference).string() << "\n";
+    context.out << fmt::format("{}: {} of {} files are as they were written, {}\n", path,
+                               found.files - found.differences.size(), found.files,
                                base::format_bytes(found.bytes));
   }
   return found.whole() ? 0 : static_cast<int>(Fault::check);
@@ -117,7 +122,8 @@ int run(Context& context, const Options& options) {
   const std::string path = resolve(options.file);
   const std::string extension = fs::path(path).extension().string();
   if (options.verify) {
-    if (extension != ".json") throw Error(Fault::input, path + ": --verify wants a run's folder or its run.json");
+    if (extension != ".json")
+      throw Error(Fault::input, path + ": --verify wants a run's folder or its run.json");
     return print_verified(context, path);
   }
   if (extension == ".rcs") print_scene(context, path);
@@ -136,14 +142,21 @@ Verb verb_info() {
   verb.name = "info";
   verb.summary = "Say what a product, scene or table holds";
   verb.description =
-      "FILE is an ENVI image or spectral library (either of its two files), a compiled scene (.rcs), a render table (.rct), a point cloud (.las), a run record (.json) or the folder "
-      "of a run. --verify names, of each file that is not as it was written, the first block of 4 MiB that differs. Statistics of an image read it once, line by line; its ignore value, NaN and infinities are counted apart.";
-  verb.examples = {"raycube info out/spectir/radiance.img", "raycube info --json out/spectir | jq .run.digest", "raycube info out/als/returns.las",
+      "FILE is an ENVI image or spectral library (either of its two files), a compiled scene (.rcs), a "
+      "render table (.rct), a point cloud (.las), a run record (.json) or the folder "
+      "of a run. --verify names, of each file that is not as it was written, the first block of 4 MiB that "
+      "differs. Statistics of an image read it once, line by line; its ignore value, NaN and infinities are "
+      "counted apart.";
+  verb.examples = {"raycube info out/spectir/radiance.img",
+                   "raycube info --json out/spectir | jq .run.digest", "raycube info out/als/returns.las",
                    "raycube info --verify out/spectir"};
   verb.add_options = [options](base::OptionTable& table) {
     table.argument("FILE", "What to look at", options->file);
     table.flag("--header", "Of an image the header alone, without reading its samples", options->header_only);
-    table.flag("--verify", "Of a run: read its files and compare them with the hashes in run.json; exit status 1 when one is missing or differs", options->verify);
+    table.flag("--verify",
+               "Of a run: read its files and compare them with the hashes in run.json; exit status 1 when "
+               "one is missing or differs",
+               options->verify);
     table.flag("--bands", "Of an image one line of statistics per band", options->every_band);
   };
   verb.run = [options](Context& context) { return run(context, *options); };

@@ -49,7 +49,9 @@ nlohmann::json render_one(const scene::Simulation& simulation, const InstrumentJ
                           const cl::DeviceInfo& device, const std::filesystem::path& folder, double load_s, Context& context) {
   const auto& instrument = *job.instrument;
   const auto start = std::chrono::steady_clock::now();
-  renderer.tile_size(instrument, job.plan, renderer.tuning().tile_samples);  // refuses a --memory that is too small before anything is made
+  renderer.tile_size(
+      instrument, job.plan,
+      renderer.tuning().tile_samples);  // refuses a --memory that is too small before anything is made
   CubeProducts output(folder.string(), context.common.overwrite ? base::IfExists::replace : base::IfExists::refuse, simulation, job);
   base::Progress progress(context.log, "render " + instrument.name, std::uint64_t(instrument.pixels) * instrument.lines, "pixels");
   MissedSamples missed(simulation, instrument);
@@ -214,9 +216,12 @@ int run_and_keep(const Options& options, Context& context) {
   } catch (const base::Error& error) {
     if (context.common.dry_run || done.whole.empty() || done.whole.size() == done.names.size()) throw;
     std::string kept, rest;
-    for (const auto& item : done.whole) kept += (kept.empty() ? "" : ", ") + item["folder"].get<std::string>();
-    for (std::size_t i = done.whole.size(); i < done.names.size(); ++i) rest += (rest.empty() ? "--instrument " : ", then --instrument ") + done.names[i];
-    throw base::Error(error.fault(), std::string(error.what()) + "; whole and kept: " + kept + "; go on with " + rest);
+    for (const auto& item : done.whole)
+      kept += (kept.empty() ? "" : ", ") + item["folder"].get<std::string>();
+    for (std::size_t i = done.whole.size(); i < done.names.size(); ++i)
+      rest += (rest.empty() ? "--instrument " : ", then --instrument ") + done.names[i];
+    throw base::Error(error.fault(),
+                      std::string(error.what()) + "; whole and kept: " + kept + "; go on with " + rest);
   }
 }
 
@@ -228,9 +233,13 @@ Verb verb_render() {
   verb.name = "render";
   verb.summary = "Render the instruments of a simulation file into radiance cubes with truth";
   verb.description =
-      "Each instrument gets a folder of its own under the output folder: radiance.img (ENVI), truth.img, location.img when the "
-      "scene is georeferenced (with map info in every header when the pixels lie on a map grid), preview.exr, quicklook.png and run.json. Files appear under these names only when all of them are "
-      "whole, and as one: `raycube info --verify` holds them against the hashes in run.json. Instruments that are whole stay when a later one fails.\n\nSamples, sky directions and sub-rays that the file does not give are chosen by the tolerance (see `raycube plan`); "
+      "Each instrument gets a folder of its own under the output folder: radiance.img (ENVI), truth.img, "
+      "location.img when the "
+      "scene is georeferenced (with map info in every header when the pixels lie on a map grid), "
+      "preview.exr, quicklook.png and run.json. Files appear under these names only when all of them are "
+      "whole, and as one: `raycube info --verify` holds them against the hashes in run.json. Instruments "
+      "that are whole stay when a later one fails.\n\nSamples, sky directions and sub-rays that the file "
+      "does not give are chosen by the tolerance (see `raycube plan`); "
       "run.json holds every line of the plan.\n\nThe result on stdout is the path of each cube, one a line.";
   verb.examples = {"raycube render park.toml -o out", "raycube render park.toml --instrument spectir --memory 1G --overwrite"};
   verb.common = kOutput | kDryRun | kCompute;

@@ -85,29 +85,36 @@ ExrWriter::~ExrWriter() = default;
 
 void ExrWriter::write(const std::vector<ExrLines>& parts) {
   State& s = *state_;
-  const std::int64_t first = parts.empty() ? 0 : parts[0].strip.first_line, lines = parts.empty() ? 0 : parts[0].strip.lines;
+  const std::int64_t first = parts.empty() ? 0 : parts[0].strip.first_line,
+                     lines = parts.empty() ? 0 : parts[0].strip.lines;
   bool sound = parts.size() == s.parts.size();
   for (std::size_t p = 0; sound && p < parts.size(); ++p) {
     const Strip& strip = parts[p].strip;
-    sound = strip.first_line == first && strip.lines == lines && parts[p].values_of.size() == s.parts[p].channels.size() && strip.pixel_stride != 0;
+    sound = strip.first_line == first && strip.lines == lines &&
+            parts[p].values_of.size() == s.parts[p].channels.size() && strip.pixel_stride != 0;
   }
-  if (!sound || first != s.next_line) throw Error(Fault::bug, fmt::format("EXR: lines from {} came of {} parts, line {} is next", first, parts.size(), s.next_line));
+  if (!sound || first != s.next_line)
+    throw Error(Fault::bug, fmt::format("EXR: lines from {} came of {} parts, line {} is next", first,
+                                        parts.size(), s.next_line));
   try {
     std::vector<Imf::OutputPart> outputs;
     for (std::size_t p = 0; p < parts.size(); ++p) {
       const auto& [strip, values_of] = parts[p];
-      const std::size_t x_step = strip.pixel_stride * sizeof(float), y_step = x_step * static_cast<std::size_t>(s.width);
+      const std::size_t x_step = strip.pixel_stride * sizeof(float),
+                        y_step = x_step * static_cast<std::size_t>(s.width);
       Imf::FrameBuffer buffer;
       for (std::size_t c = 0; c < values_of.size(); ++c) {
-        // A slice's base is where pixel (0, 0) of the whole image would lie; only lines of the strip are touched.
+        // A slice's base is where pixel (0, 0) of the whole image would lie; only lines of the strip are
+        // touched.
         const auto at = reinterpret_cast<std::uintptr_t>(strip.values + values_of[c]);
         const auto base = at - static_cast<std::size_t>(first) * y_step;
-        buffer.insert(s.parts[p].channels[c], Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(base), x_step, y_step));
+        buffer.insert(s.parts[p].channels[c],
+                      Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(base), x_step, y_step));
       }
       outputs.emplace_back(*s.file, static_cast<int>(p)).setFrameBuffer(buffer);
     }
-    // A chunk goes to the file when its last line comes. Up to the end of one at a time, part after part, so that the chunks' order in the file is
-    // that of the image and not that of the strips, which memory cuts.
+    // A chunk goes to the file when its last line comes. Up to the end of one at a time, part after part, so
+    // that the chunks' order in the file is that of the image and not that of the strips, which memory cuts.
     for (std::int64_t line = first; line < first + lines;) {
       const std::int64_t next = std::min(first + lines, (line / kChunkLines + 1) * kChunkLines);
       for (auto& output : outputs) output.writePixels(static_cast<int>(next - line));
@@ -122,7 +129,8 @@ void ExrWriter::write(const std::vector<ExrLines>& parts) {
 
 void ExrWriter::finish() {
   State& s = *state_;
-  if (s.next_line != s.height) throw Error(Fault::bug, fmt::format("EXR: {} of {} lines were written", s.next_line, s.height));
+  if (s.next_line != s.height)
+    throw Error(Fault::bug, fmt::format("EXR: {} of {} lines were written", s.next_line, s.height));
   s.file.reset();
   s.stream.rethrow_failure();
 }

@@ -17,8 +17,8 @@ struct ExrPart {
   std::vector<std::string> channels;  ///< unique in the part
 };
 
-/// Lines of one part: the strip must state its pixel stride; `values_of[c]` is the index in a pixel of channel c's value, in the order of
-/// ExrPart::channels.
+/// Lines of one part: the strip must state its pixel stride; `values_of[c]` is the index in a pixel of
+/// channel c's value, in the order of ExrPart::channels.
 struct ExrLines {
   Strip strip;
   std::vector<std::size_t> values_of;

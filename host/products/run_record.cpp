@@ -25,7 +25,8 @@ Json member(const char* name, const std::string& text) {
 
 Json hashes_json(const std::vector<std::pair<std::string, base::FileHashes>>& hashes) {
   Json files = Json::object();
-  for (const auto& [name, file] : hashes) files[name] = {{"bytes", file.bytes}, {"list", file.list}, {"blocks", file.blocks}};
+  for (const auto& [name, file] : hashes)
+    files[name] = {{"bytes", file.bytes}, {"list", file.list}, {"blocks", file.blocks}};
   return {{"block_bytes", base::kHashBlock_bytes}, {"files", files}};
 }
 

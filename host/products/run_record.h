@@ -31,7 +31,8 @@ struct RunRecord {
   std::uint64_t clipped_low = 0, clipped_high = 0, not_a_number = 0;
   std::vector<std::string> warnings;
   std::vector<std::pair<std::string, std::string>> files;  ///< name, what it holds
-  std::vector<std::pair<std::string, base::FileHashes>> hashes;  ///< of every file of the set, headers too, but this record
+  std::vector<std::pair<std::string, base::FileHashes>>
+      hashes;                       ///< of every file of the set, headers too, but this record
   std::string configuration_json;   ///< every option with its value (Simulation::resolved_json)
   std::string plan_json;            ///< Plan::report_json
   std::vector<std::pair<std::string, std::string>> more_json;  ///< further members: name, JSON text
@@ -41,7 +42,8 @@ struct RunRecord {
 /// Error(bug) when a member is not JSON.
 std::string run_record_json(const RunRecord& record);
 
-/// Ends an instrument's set: hashes of all its files, run.json as the last one, and the names of all (OutputSet::publish).
+/// Ends an instrument's set: hashes of all its files, run.json as the last one, and the names of all
+/// (OutputSet::publish).
 void publish_run(base::OutputSet& set, RunRecord& record);
 
 /// Names of the files that the run.json of a folder lists, with the headers of its .img; none where there is no such record.

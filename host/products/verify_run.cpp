@@ -26,7 +26,9 @@ using base::Fault;
 using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
-Error bad(const std::string& path, const std::string& what) { return Error(Fault::input, path + ": " + what); }
+Error bad(const std::string& path, const std::string& what) {
+  return Error(Fault::input, path + ": " + what);
+}
 
 /// Members of run.json that verification needs, and nothing that could lead out of its folder.
 struct Recorded {
@@ -40,16 +42,27 @@ Recorded recorded_in(const std::string& path) {
   Recorded out;
   try {
     const Json record = Json::parse(in);
-    if (!record.is_object() || record.value("format", "") != "raycube run") throw bad(path, "is no run record of raycube; name a run's folder or its run.json");
-    if (!record.contains("sha256")) throw bad(path, "has no member \"sha256\": it was written before raycube kept hashes of its files; render again to have them");
+    if (!record.is_object() || record.value("format", "") != "raycube run")
+      throw bad(path, "is no run record of raycube; name a run's folder or its run.json");
+    if (!record.contains("sha256"))
+      throw bad(path,
+                "has no member \"sha256\": it was written before raycube kept hashes of its files; render "
+                "again to have them");
     const Json& sha = record.at("sha256");
     out.block_bytes = sha.at("block_bytes");
     for (const auto& [name, file] : sha.at("files").items()) {
       out.files.push_back({name, {file.at("bytes"), file.at("blocks"), file.at("list")}});
       const auto& hashes = out.files.back().second;
-      if (name.empty() || name == ".." || name != fs::path(name).filename()) throw bad(path, fmt::format("names a file outside its folder: \"{}\"", name));
-      if (out.block_bytes == 0 || hashes.blocks.size() != (hashes.bytes + out.block_bytes - 1) / out.block_bytes || base::hash_of_list(hashes.blocks) != hashes.list)
-        throw bad(path, fmt::format("its own list of blocks of {} is damaged: it does not have the hash that stands beside it", name));
+      if (name.empty() || name == ".." || name != fs::path(name).filename())
+        throw bad(path, fmt::format("names a file outside its folder: \"{}\"", name));
+      if (out.block_bytes == 0 ||
+          hashes.blocks.size() != (hashes.bytes + out.block_bytes - 1) / out.block_bytes ||
+          base::hash_of_list(hashes.blocks) != hashes.list)
+        throw bad(
+            path,
+            fmt::format(
+                "its own list of blocks of {} is damaged: it does not have the hash that stands beside it",
+                name));
     }
   } catch (const Json::exception& failure) {
     throw bad(path, fmt::format("cannot be read as a run record: {}; is the file whole?", failure.what()));
@@ -59,7 +72,9 @@ Recorded recorded_in(const std::string& path) {
 
 class Reader {
  public:
-  explicit Reader(const std::string& path) : fd_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) { code_ = fd_ < 0 ? errno : 0; }
+  explicit Reader(const std::string& path) : fd_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {
+    code_ = fd_ < 0 ? errno : 0;
+  }
   ~Reader() {
     if (fd_ >= 0) ::close(fd_);
   }
@@ -69,7 +84,8 @@ class Reader {
   /// Empty: it can be read. Else why not.
   std::string why_not() const {
     struct stat status {};
-    if (fd_ < 0) return code_ == ENOENT ? "is missing" : std::string("cannot be opened: ") + std::strerror(code_);
+    if (fd_ < 0)
+      return code_ == ENOENT ? "is missing" : std::string("cannot be opened: ") + std::strerror(code_);
     if (::fstat(fd_, &status) != 0 || !S_ISREG(status.st_mode)) return "is no plain file";
     return "";
   }
@@ -94,21 +110,26 @@ class Reader {
 };
 
 /// The first difference in words; empty: none.
-std::string difference(const std::string& folder, const std::string& name, const base::FileHashes& wanted, std::uint64_t block_bytes,
-                       const std::function<void(std::uint64_t)>& done) {
+std::string difference(const std::string& folder, const std::string& name, const base::FileHashes& wanted,
+                       std::uint64_t block_bytes, const std::function<void(std::uint64_t)>& done) {
   const Reader file((fs::path(folder) / name).string());
   if (const std::string why = file.why_not(); !why.empty()) return fmt::format("{}: {}", name, why);
   std::vector<unsigned char> data(std::min(block_bytes, std::max<std::uint64_t>(1, wanted.bytes)));
   for (std::size_t i = 0; i < wanted.blocks.size(); ++i) {
     base::throw_if_interrupted();
     const std::uint64_t first = i * block_bytes, bytes = std::min(block_bytes, wanted.bytes - first);
-    const std::string where = fmt::format("{}: block {} of {} (bytes {} to {})", name, i, wanted.blocks.size(), first, first + bytes - 1);
+    const std::string where = fmt::format("{}: block {} of {} (bytes {} to {})", name, i,
+                                          wanted.blocks.size(), first, first + bytes - 1);
     const std::size_t got = file.read(first, data.data(), bytes);
-    if (got < bytes) return fmt::format("{}: the file ends, or cannot be read, at byte {} of {}", where, first + got, wanted.bytes);
-    if (base::Sha256().add(data.data(), bytes).hex() != wanted.blocks[i]) return where + ": not what was written";
+    if (got < bytes)
+      return fmt::format("{}: the file ends, or cannot be read, at byte {} of {}", where, first + got,
+                         wanted.bytes);
+    if (base::Sha256().add(data.data(), bytes).hex() != wanted.blocks[i])
+      return where + ": not what was written";
     if (done) done(bytes);
   }
-  if (file.size() != wanted.bytes) return fmt::format("{}: has {} bytes, {} were written", name, file.size(), wanted.bytes);
+  if (file.size() != wanted.bytes)
+    return fmt::format("{}: has {} bytes, {} were written", name, file.size(), wanted.bytes);
   return "";
 }
 

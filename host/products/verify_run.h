@@ -15,8 +15,9 @@ struct VerifiedRun {
   bool whole() const { return differences.empty(); }
 };
 
-/// Reads every file of the run beside `record_path` once, block by block; `done` hears of bytes as they are read. Throws Error(input)
-/// when the record is none, is damaged, or has no hashes (those written before hashes were kept).
+/// Reads every file of the run beside `record_path` once, block by block; `done` hears of bytes as they are
+/// read. Throws Error(input) when the record is none, is damaged, or has no hashes (those written before
+/// hashes were kept).
 VerifiedRun verify_run(const std::string& record_path, const std::function<void(std::uint64_t)>& done = {});
 
 }  // namespace raycube::products

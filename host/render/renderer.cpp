@@ -113,7 +113,9 @@ struct Renderer::State {
     return shape.chunked() ? kChunkedCapacity : static_cast<std::size_t>(options.row_capacity);
   }
 
-  std::size_t memory() const { return std::min<std::size_t>(options.memory_bytes, context.device().info().global_memory_bytes); }
+  std::size_t memory() const {
+    return std::min<std::size_t>(options.memory_bytes, context.device().info().global_memory_bytes);
+  }
   std::size_t tile_budget() const { return memory() / kBudgetShares; }
 
   const scene::CompiledScene& scene;

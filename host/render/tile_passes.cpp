@@ -74,7 +74,8 @@ int fine_sky_share(const plan::Plan& plan, int samples) {
   return std::max(plan.sky.share, plan::sky_share(0, samples, std::max(1, plan.sky.directions)));
 }
 
-LeastMemory least_memory(const scene::CompiledScene& scene, const scene::Instrument& instrument, const plan::Plan& plan, std::size_t row_capacity) {
+LeastMemory least_memory(const scene::CompiledScene& scene, const scene::Instrument& instrument,
+                         const plan::Plan& plan, std::size_t row_capacity) {
   const std::size_t cubes = instrument.standard_error == scene::StandardError::bands ? 2 : 1;
   LeastMemory out;
   out.strip_values = cubes * instrument.bands.size() + truth_layer_names(scene, instrument).size();

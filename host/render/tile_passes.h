@@ -65,6 +65,7 @@ class TilePasses {
 int fine_sky_share(const plan::Plan& plan, int samples);
 
 /// What a render of this instrument must hold at once, standard errors and the first pass with it.
-LeastMemory least_memory(const scene::CompiledScene& scene, const scene::Instrument& instrument, const plan::Plan& plan, std::size_t row_capacity);
+LeastMemory least_memory(const scene::CompiledScene& scene, const scene::Instrument& instrument,
+                         const plan::Plan& plan, std::size_t row_capacity);
 
 }  // namespace raycube::render

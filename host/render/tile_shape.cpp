@@ -60,27 +60,36 @@ namespace {
 
 /// Bytes that a pixel adds to the largest single buffer, which must stay inside one allocation.
 std::size_t largest_buffer(const StageShape& shape, std::size_t capacity) {
-  return std::max({static_cast<std::size_t>(shape.padded_samples) * 6 * sizeof(float), static_cast<std::size_t>(shape.bands_padded) * sizeof(float),
-                   shape.row_bytes(capacity)});
+  return std::max({static_cast<std::size_t>(shape.padded_samples) * 6 * sizeof(float),
+                   static_cast<std::size_t>(shape.bands_padded) * sizeof(float), shape.row_bytes(capacity)});
 }
 
 }  // namespace
 
-void require_memory(const StageShape& shape, const LeastMemory& least, int pixels, std::size_t capacity, std::size_t memory_bytes) {
+void require_memory(const StageShape& shape, const LeastMemory& least, int pixels, std::size_t capacity,
+                    std::size_t memory_bytes) {
   const std::size_t strip_pixel = kStripsAtOnce * least.strip_values * sizeof(float);
   const std::size_t device_pixel = shape.pixel_bytes() + shape.row_bytes(capacity) + least.more_bytes;
-  const std::size_t group = RC_GROUP_WIDTH * std::max({device_pixel, strip_pixel, largest_buffer(shape, capacity)});
+  const std::size_t group =
+      RC_GROUP_WIDTH * std::max({device_pixel, strip_pixel, largest_buffer(shape, capacity)});
   const std::size_t strips = strip_pixel * static_cast<std::size_t>(pixels);
-  const std::size_t rows = least.table_rows * static_cast<std::size_t>(shape.channels) * static_cast<std::size_t>(shape.bands_padded) * sizeof(float);
+  const std::size_t rows = least.table_rows * static_cast<std::size_t>(shape.channels) *
+                           static_cast<std::size_t>(shape.bands_padded) * sizeof(float);
   const std::size_t need = kBudgetShares * std::max({group, strips, rows});
   if (need <= memory_bytes) return;
-  const char* const what = strips >= group && strips >= rows ? "the strips of one line on their way out" : rows >= group ? "the band-table rows of one pixel" : "one group of pixels";
-  throw base::Error(base::Fault::input, std::string("--memory is too small for ") + what + ": need " + std::to_string(need) + " bytes, found " +
-                                            std::to_string(memory_bytes) + "; raise --memory, or lower the samples per pixel, the number of bands or the pixels of a line");
+  const char* const what = strips >= group && strips >= rows ? "the strips of one line on their way out"
+                           : rows >= group                   ? "the band-table rows of one pixel"
+                                                             : "one group of pixels";
+  throw base::Error(
+      base::Fault::input,
+      std::string("--memory is too small for ") + what + ": need " + std::to_string(need) + " bytes, found " +
+          std::to_string(memory_bytes) +
+          "; raise --memory, or lower the samples per pixel, the number of bands or the pixels of a line");
 }
 
-TileSize choose_tile_size(const StageShape& shape, int pixels, int lines, std::size_t capacity, std::size_t budget_bytes,
-                          std::size_t tile_samples, std::size_t max_alloc_bytes, int forced_lines, const LeastMemory& least) {
+TileSize choose_tile_size(const StageShape& shape, int pixels, int lines, std::size_t capacity,
+                          std::size_t budget_bytes, std::size_t tile_samples, std::size_t max_alloc_bytes,
+                          int forced_lines, const LeastMemory& least) {
   const std::size_t per_pixel = shape.pixel_bytes() + shape.row_bytes(capacity) + least.more_bytes;
   const std::size_t largest = largest_buffer(shape, capacity);
   constexpr std::size_t kFewestSamples = 32;  // an image of a few samples a pixel fills its memory with bands, not with samples

@@ -60,29 +60,34 @@ struct TileSize {
   int columns = 0;
 };
 
-/// Of --memory, which bounds them together, a third is for the tile's device buffers, a third for baked rows, a third for strips on their way out.
+/// Of --memory, which bounds them together, a third is for the tile's device buffers, a third for baked rows,
+/// a third for strips on their way out.
 inline constexpr std::size_t kBudgetShares = 3;
 
-/// Band-table rows of one pixel, all of which must be baked at once: 256 keys, its environment's four and the path.
+/// Band-table rows of one pixel, all of which must be baked at once: 256 keys, its environment's four and the
+/// path.
 inline constexpr std::size_t kFewestRows = 261;
 
 /// What a render must hold at once whatever the budget.
 struct LeastMemory {
-  std::size_t strip_values = 0;  ///< floats of a pixel on its way out: bands (twice with their standard errors) and truth layers
+  std::size_t strip_values =
+      0;  ///< floats of a pixel on its way out: bands (twice with their standard errors) and truth layers
   std::size_t table_rows = 0;    ///< the band table's: kFewestRows, or all there can be
   std::size_t more_bytes = 0;    ///< of a pixel on the device, beside the shape's
 };
 
-/// Throws Error(input) that names the least --memory when a third of `memory_bytes` holds less than a group of pixels, the waiting strips of
-/// one line, or one pixel's rows of the band table.
-void require_memory(const StageShape& shape, const LeastMemory& least, int pixels, std::size_t capacity, std::size_t memory_bytes);
+/// Throws Error(input) that names the least --memory when a third of `memory_bytes` holds less than a group
+/// of pixels, the waiting strips of one line, or one pixel's rows of the band table.
+void require_memory(const StageShape& shape, const LeastMemory& least, int pixels, std::size_t capacity,
+                    std::size_t memory_bytes);
 
 /// Strips that exist at once on the host: one being filled, two waiting, one being written.
 inline constexpr std::size_t kStripsAtOnce = 4;
 
 /// budget_bytes: what --memory grants for tiles, 1 / kBudgetShares of it; tile_samples: of the largest launch worth its memory (DeviceTuning); max_alloc_bytes: the device's largest buffer; forced_lines > 0 overrides;
 /// Throws Error(input) with need, limit and ways out when not even four pixels fit.
-TileSize choose_tile_size(const StageShape& shape, int pixels, int lines, std::size_t capacity, std::size_t budget_bytes,
-                          std::size_t tile_samples, std::size_t max_alloc_bytes, int forced_lines, const LeastMemory& least);
+TileSize choose_tile_size(const StageShape& shape, int pixels, int lines, std::size_t capacity,
+                          std::size_t budget_bytes, std::size_t tile_samples, std::size_t max_alloc_bytes,
+                          int forced_lines, const LeastMemory& least);
 
 }  // namespace raycube::render

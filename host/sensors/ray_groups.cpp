@@ -110,11 +110,13 @@ float ahead_of(const Plane& plane, double top_m, double half_a, double half_b) {
   return static_cast<float>(way / steepest * (1 - kClearance));
 }
 
-shared::RayGroup group_at(const scene::Instrument& instrument, int line, int group, int width, bool moving, double top_m) {
+shared::RayGroup group_at(const scene::Instrument& instrument, int line, int group, int width, bool moving,
+                          double top_m) {
   const Plane plane = plane_at(instrument, line, group * width + 0.5 * (width - 1), moving);
   const double half = 0.5 * std::max(1.0, instrument.psf_support_px);
   const float ahead = ahead_of(plane, top_m, 0.5 * (width - 1) + half, half);
-  shared::RayGroup out{rounded(plane.origin_m + static_cast<double>(ahead) * plane.d), rounded(plane.d), rounded(plane.du), rounded(plane.dv), rounded(plane.ov)};
+  shared::RayGroup out{rounded(plane.origin_m + static_cast<double>(ahead) * plane.d), rounded(plane.d),
+                       rounded(plane.du), rounded(plane.dv), rounded(plane.ov)};
   out.d0.w = ahead;
   out.origin.w = std::bit_cast<float>(pixel_number(instrument, line, group * width));
   return out;
@@ -146,12 +148,14 @@ std::vector<shared::RayGroup> make_ray_groups(const scene::Instrument& instrumen
   std::vector<shared::RayGroup> groups;
   groups.reserve(static_cast<std::size_t>(per_line) * line_count);
   for (int line = first_line; line < first_line + line_count; ++line)
-    for (int group = 0; group < per_line; ++group) groups.push_back(group_at(instrument, line, group, width, moving, top_m));
+    for (int group = 0; group < per_line; ++group)
+      groups.push_back(group_at(instrument, line, group, width, moving, top_m));
   return groups;
 }
 
 shared::RayGroup make_ray_group(const scene::Instrument& instrument, int line, int group, bool moving) {
-  return group_at(instrument, line, group, pixels_per_group(instrument), moving, std::numeric_limits<double>::infinity());
+  return group_at(instrument, line, group, pixels_per_group(instrument), moving,
+                  std::numeric_limits<double>::infinity());
 }
 
 std::vector<shared::RayGroup> make_ray_groups(const scene::Instrument& instrument, const scene::CompiledScene& scene, int first_line, int line_count) {

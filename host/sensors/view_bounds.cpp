@@ -19,9 +19,9 @@ using Vec = glm::dvec3;
 
 Vec exact(const shared::rc_float4& v) { return {v.x, v.y, v.z}; }
 
-// A component of a unit vector along a straight line of the image plane is a sine of the angle. Rounding to floats moves it by less than
-// 4e-7 of its size, so further than sqrt(2 x 4e-7) = 9e-4 rad from its highest place no pixel can be higher, and as far from an end only the
-// end itself. Twice that and some pixels:
+// A component of a unit vector along a straight line of the image plane is a sine of the angle. Rounding to
+// floats moves it by less than 4e-7 of its size, so further than sqrt(2 x 4e-7) = 9e-4 rad from its highest
+// place no pixel can be higher, and as far from an end only the end itself. Twice that and some pixels:
 constexpr double kFlat_rad = 2e-3;
 constexpr int kFlat_px = 16;
 
@@ -30,13 +30,14 @@ struct Run {
   int first = 0, last = 0;
 };
 
-/// Runs that hold every place of 0 .. count - 1 where x, y or z of the unit vector along a + s b can be extreme, whichever of the rays (a, b)
-/// it is.
+/// Runs that hold every place of 0 .. count - 1 where x, y or z of the unit vector along a + s b can be
+/// extreme, whichever of the rays (a, b) it is.
 std::vector<Run> extreme_runs(const std::vector<std::pair<Vec, Vec>>& rays, int count) {
   double step_rad = 1;  // the least angle from one place to the next
   for (const auto& [a, b] : rays) {
     const Vec end = a + double(count - 1) * b;
-    step_rad = std::min(step_rad, glm::length(glm::cross(a, b)) / std::max(glm::dot(a, a), glm::dot(end, end)));
+    step_rad =
+        std::min(step_rad, glm::length(glm::cross(a, b)) / std::max(glm::dot(a, a), glm::dot(end, end)));
   }
   const double reach = step_rad > 0 ? kFlat_rad / step_rad + kFlat_px : count;
   if (3 * reach >= count) return {{0, count - 1}};
@@ -48,7 +49,8 @@ std::vector<Run> extreme_runs(const std::vector<std::pair<Vec, Vec>>& rays, int 
       const double aa = glm::dot(a, a), ab = glm::dot(a, b), bb = glm::dot(b, b);
       const double place = (a[c] * ab - b[c] * aa) / (b[c] * ab - a[c] * bb);
       if (place > -reach && place < count + reach)
-        runs.push_back({std::max(0, static_cast<int>(place) - wide), std::min(count - 1, static_cast<int>(place) + wide)});
+        runs.push_back({std::max(0, static_cast<int>(place) - wide),
+                        std::min(count - 1, static_cast<int>(place) + wide)});
     }
   std::sort(runs.begin(), runs.end(), [](const Run& x, const Run& y) { return x.first < y.first; });
   std::vector<Run> apart = {runs.front()};
@@ -61,19 +63,24 @@ std::vector<Run> extreme_runs(const std::vector<std::pair<Vec, Vec>>& rays, int 
 class Look {
  public:
   explicit Look(const scene::Instrument& instrument)
-      : instrument_(instrument), moving_(pose_moves(instrument)), half_(0.5 * std::max(1.0, instrument.psf_support_px)),
+      : instrument_(instrument),
+        moving_(pose_moves(instrument)),
+        half_(0.5 * std::max(1.0, instrument.psf_support_px)),
         places_{{{0, 0}, {-half_, -half_}, {-half_, half_}, {half_, -half_}, {half_, half_}}} {}
 
-  /// Lines that can hold an extreme: all of a scanner's but those that look as the one before does; of a camera those where one of its edges,
-  /// or its view straight down, has one.
+  /// Lines that can hold an extreme: all of a scanner's but those that look as the one before does; of a
+  /// camera those where one of its edges, or its view straight down, has one.
   std::vector<Run> lines() const {
     const int last = instrument_.lines - 1, end = instrument_.pixels - 1;
     if (instrument_.kind != scene::InstrumentKind::framing || last == 0) return {{0, last}};
     std::vector<std::pair<Vec, Vec>> edges;
     for (const int sample : {0, end})
-      for (const auto& [u, v] : places_) edges.push_back(between(ray(0, sample, u, v), ray(last, sample, u, v), last));
-    // Straight down is where x and y of a + s b + l c vanish: the column through that place has the least zenith angle in it.
-    const Vec a = ray(0, 0, 0, 0), b = end > 0 ? (ray(0, end, 0, 0) - a) / double(end) : Vec(0), c = (ray(last, 0, 0, 0) - a) / double(last);
+      for (const auto& [u, v] : places_)
+        edges.push_back(between(ray(0, sample, u, v), ray(last, sample, u, v), last));
+    // Straight down is where x and y of a + s b + l c vanish: the column through that place has the least
+    // zenith angle in it.
+    const Vec a = ray(0, 0, 0, 0), b = end > 0 ? (ray(0, end, 0, 0) - a) / double(end) : Vec(0),
+              c = (ray(last, 0, 0, 0) - a) / double(last);
     const double determinant = b.x * c.y - c.x * b.y;
     if (determinant != 0) edges.push_back({a + b * ((c.x * a.y - a.x * c.y) / determinant), c});
     return extreme_runs(edges, instrument_.lines);
@@ -84,16 +91,19 @@ class Look {
     // A whiskbroom has a pose for every pixel: no line of it is straight.
     if (instrument_.kind == scene::InstrumentKind::whiskbroom || last == 0) return {{0, last}};
     std::vector<std::pair<Vec, Vec>> rays;
-    for (const auto& [u, v] : places_) rays.push_back(between(ray(line, 0, u, v), ray(line, last, u, v), last));
+    for (const auto& [u, v] : places_)
+      rays.push_back(between(ray(line, 0, u, v), ray(line, last, u, v), last));
     return extreme_runs(rays, instrument_.pixels);
   }
 
-  /// True where this line's rays have the directions of the line before: directions depend on attitudes alone, moving ones on the
-  /// neighbours' too.
+  /// True where this line's rays have the directions of the line before: directions depend on attitudes
+  /// alone, moving ones on the neighbours' too.
   bool as_before(int line) const {
-    if (instrument_.kind != scene::InstrumentKind::pushbroom || line < 3 || line + 1 >= instrument_.lines) return false;
+    if (instrument_.kind != scene::InstrumentKind::pushbroom || line < 3 || line + 1 >= instrument_.lines)
+      return false;
     const auto same = [&](int one, int other) {
-      const scene::Pose &p = instrument_.poses[static_cast<std::size_t>(one)], &q = instrument_.poses[static_cast<std::size_t>(other)];
+      const scene::Pose &p = instrument_.poses[static_cast<std::size_t>(one)],
+                        &q = instrument_.poses[static_cast<std::size_t>(other)];
       return p.roll_deg == q.roll_deg && p.pitch_deg == q.pitch_deg && p.heading_deg == q.heading_deg;
     };
     return same(line - 2, line - 1) && same(line - 1, line) && same(line, line + 1);
@@ -103,21 +113,30 @@ class Look {
     const int width = pixels_per_group(instrument_);
     for (int index = run.first / width; index <= run.last / width; ++index) {
       const auto group = make_ray_group(instrument_, line, index, moving_);
-      for (int sample = std::max(run.first, index * width); sample <= std::min(run.last, index * width + width - 1); ++sample)
+      for (int sample = std::max(run.first, index * width);
+           sample <= std::min(run.last, index * width + width - 1); ++sample)
         for (const auto& [u, v] : places_)
-          take(line, sample, exact(group.d0) + (sample % width - 0.5 * (width - 1) + u) * exact(group.du) + v * exact(group.dv), bounds);
+          take(line, sample,
+               exact(group.d0) + (sample % width - 0.5 * (width - 1) + u) * exact(group.du) +
+                   v * exact(group.dv),
+               bounds);
     }
   }
 
  private:
-  Vec ray(int line, int sample, double u, double v) const { return pixel_ray(instrument_, line, sample, u, v).direction; }
-  static std::pair<Vec, Vec> between(const Vec& first, const Vec& last, int steps) { return {first, (last - first) / double(steps)}; }
+  Vec ray(int line, int sample, double u, double v) const {
+    return pixel_ray(instrument_, line, sample, u, v).direction;
+  }
+  static std::pair<Vec, Vec> between(const Vec& first, const Vec& last, int steps) {
+    return {first, (last - first) / double(steps)};
+  }
 
   void take(int line, int sample, const Vec& d, plan::ViewBounds& bounds) const {
     if (!(d.z < 0))
       throw base::Error(base::Fault::input,
                         "instrument '" + instrument_.name + "': line " + std::to_string(line) + ", sample " +
-                            std::to_string(sample) + " looks up or level (direction z " + std::to_string(d.z) +
+                            std::to_string(sample) + " looks up or level (direction z " +
+                            std::to_string(d.z) +
                             "); every ray must look down: reduce roll, pitch or the field of view");
     const Vec to_sensor = -d / glm::length(d);
     const double sec = 1.0 / to_sensor.z;

@@ -90,7 +90,8 @@ TEST_CASE("OpenEXR: the file's bytes do not depend on the strips") {
   const auto bytes_of = [&](std::int64_t step) {
     const TestFolder folder;
     base::OutputSet set(folder.path.string());
-    ExrWriter writer(set.add("a.exr"), kWidth, kHeight, {{"truth", {"hit.X", "hit.Y", "sun_fraction"}}, {"radiance", {"650 nm"}}}, {});
+    ExrWriter writer(set.add("a.exr"), kWidth, kHeight,
+                     {{"truth", {"hit.X", "hit.Y", "sun_fraction"}}, {"radiance", {"650 nm"}}}, {});
     for (std::int64_t line = 0; line < kHeight; line += step) {
       const auto strip = strip_of(values, 8, line, std::min<std::int64_t>(step, kHeight - line));
       writer.write({{strip, {0, 1, 5}}, {strip, {7}}});

@@ -1,4 +1,5 @@
-// Hashes of a file's blocks, made while it is written in any order, against SHA-256 of the file as it lies on the disk.
+// Hashes of a file's blocks, made while it is written in any order, against SHA-256 of the file as it lies on
+// the disk.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -78,18 +79,23 @@ TEST_CASE("blocks in order: whole ones, a last short one, an empty file") {
 }
 
 TEST_CASE("an image in bands: each strip goes to many places, none in order") {
-  constexpr std::uint64_t kBands = 9, kLines = 40, kLine_bytes = 31 * 4 * 1021;  // planes of 5 MB that no block divides
+  constexpr std::uint64_t kBands = 9, kLines = 40,
+                          kLine_bytes = 31 * 4 * 1021;  // planes of 5 MB that no block divides
   std::vector<Write> writes;
   for (std::uint64_t line = 0; line < kLines; line += 8)
-    for (std::uint64_t band = 0; band < kBands; ++band) writes.push_back({(band * kLines + line) * kLine_bytes, 8 * kLine_bytes});
+    for (std::uint64_t band = 0; band < kBands; ++band)
+      writes.push_back({(band * kLines + line) * kLine_bytes, 8 * kLine_bytes});
   check_writes(writes);
 }
 
 TEST_CASE("headers filled in at the end, what is written twice, holes") {
   check_writes({{400, 3 * kBlock}, {0, 400}});                                  // a header last
-  check_writes({{0, 2 * kBlock}, {12, 2}, {kBlock - 3, 7}, {0, kBlock + 5}});   // parts replaced, across blocks, unaligned
+  check_writes({{0, 2 * kBlock},
+                {12, 2},
+                {kBlock - 3, 7},
+                {0, kBlock + 5}});  // parts replaced, across blocks, unaligned
   check_writes({{0, 100}, {50, 100}, {149, 3}, {10, 300}});
-  check_writes({{3 * kBlock + 5, 9}});                                          // three blocks that nobody writes
+  check_writes({{3 * kBlock + 5, 9}});  // three blocks that nobody writes
   check_writes({{0, 10}, {kBlock + 10, 1}, {20, 1}});
 }
 
@@ -128,7 +134,8 @@ TEST_CASE("a stranger's bytes in the file are told, or differ from the hashes") 
     file.write_at(kBlock / 2, bytes.data(), 1000);
     file.write_at(0, bytes.data(), kBlock / 2);
     tamper(file, 77);
-    CHECK_THROWS_WITH_AS(static_cast<void>(file.hashes()), doctest::Contains("another program wrote into it"), Error);
+    CHECK_THROWS_WITH_AS(static_cast<void>(file.hashes()), doctest::Contains("another program wrote into it"),
+                         Error);
   }
   SUBCASE("read back when a header is filled in") {
     OutputFile file(folder / "a");

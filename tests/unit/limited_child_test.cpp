@@ -53,7 +53,8 @@ TEST_CASE("what the child packs the parent unpacks, small and large") {
   CHECK(in_limited_child({}, [](Parcel&) {}).end == ChildEnd::done);
 }
 
-TEST_CASE("a child that computes for ever, waits for ever, takes all memory, crashes or throws ends in words") {
+TEST_CASE(
+    "a child that computes for ever, waits for ever, takes all memory, crashes or throws ends in words") {
   const TestFolder folder;
   OutputFile mine(folder / "a");  // a child that dies must leave it alone
   ChildLimits limits;
@@ -98,7 +99,8 @@ TEST_CASE("Ctrl-C ends the child and is told") {
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
     ::kill(::getpid(), SIGINT);
   }).detach();
-  CHECK_THROWS_WITH_AS(in_limited_child({}, [](Parcel&) { ::pause(); }), doctest::Contains("interrupted by Ctrl-C"), Error);
+  CHECK_THROWS_WITH_AS(in_limited_child({}, [](Parcel&) { ::pause(); }),
+                       doctest::Contains("interrupted by Ctrl-C"), Error);
   clear_interrupt();
   CHECK(::waitpid(-1, nullptr, WNOHANG) == -1);  // no child is left
 }
@@ -118,5 +120,6 @@ TEST_CASE("what is no plain file is told by its kind, and nothing is opened") {
   CHECK(why_no_plain_file("/dev/zero") == "is a device");
   refuse_other_than_plain(folder / "plain");
   refuse_other_than_plain(folder / "none");
-  CHECK_THROWS_WITH_AS(refuse_other_than_plain(folder / "fifo"), doctest::Contains("fifo: is a pipe; give the path of a plain file"), Error);
+  CHECK_THROWS_WITH_AS(refuse_other_than_plain(folder / "fifo"),
+                       doctest::Contains("fifo: is a pipe; give the path of a plain file"), Error);
 }

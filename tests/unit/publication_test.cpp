@@ -1,5 +1,5 @@
-// A set of files appears as one: killed after any single change of a publication, or at any instant of a thousand runs, the folder
-// holds all of the old set, or what the next look completes to all of the new one.
+// A set of files appears as one: killed after any single change of a publication, or at any instant of a
+// thousand runs, the folder holds all of the old set, or what the next look completes to all of the new one.
 #include <doctest/doctest.h>
 
 #include <chrono>
@@ -37,14 +37,16 @@ void begin(OutputSet& set, const std::string& generation) {
   set.add("run.json").append(generation);
 }
 
-void publish(const TestFolder& folder, const std::string& generation, IfExists if_exists = IfExists::replace, std::vector<std::string> earlier = {}) {
+void publish(const TestFolder& folder, const std::string& generation, IfExists if_exists = IfExists::replace,
+             std::vector<std::string> earlier = {}) {
   OutputSet set(folder.path.string(), if_exists);
   begin(set, generation);
   set.replaces(std::move(earlier));
   set.publish();
 }
 
-/// Temporaries as a run has them that is about to publish, locked while the object lives, and with nobody who would remove them after.
+/// Temporaries as a run has them that is about to publish, locked while the object lives, and with nobody who
+/// would remove them after.
 struct Orphans {
   Orphans(const TestFolder& folder, const std::string& generation, bool replace) {
     list.replace = replace;
@@ -84,7 +86,8 @@ std::string error_of(const std::function<void()>& action) {
 
 }  // namespace
 
-TEST_CASE("killed after any step: no record beside files of another run, and the next look completes the set") {
+TEST_CASE(
+    "killed after any step: no record beside files of another run, and the next look completes the set") {
   for (const bool replace : {true, false})
     for (int steps = 0;; ++steps) {
       CAPTURE(replace);
@@ -115,7 +118,9 @@ TEST_CASE("killed after any step: no record beside files of another run, and the
       CHECK(folder.names() == expected);
       CHECK_FALSE(finish_publication(folder.path.string()));
       if (more) continue;
-      CHECK(steps == 2 + 4 + replace + replace);  // the files, the journal, the end; the old record and what has no successor
+      CHECK(steps ==
+            2 + 4 + replace +
+                replace);  // the files, the journal, the end; the old record and what has no successor
       break;
     }
 }
@@ -151,7 +156,9 @@ TEST_CASE("kill -9 at random instants of hundreds of runs: all of the old set or
   std::mt19937 draw(11);
   const auto start = std::chrono::steady_clock::now();
   publish(folder, "0");
-  const auto longest = 1 + static_cast<unsigned>(std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::steady_clock::now() - start).count());
+  const auto longest = 1 + static_cast<unsigned>(std::chrono::duration_cast<std::chrono::microseconds>(
+                                                     std::chrono::steady_clock::now() - start)
+                                                     .count());
   int old_kept = 0, completed = 0, in_between = 0;
   for (int run = 1; run <= 200; ++run) {
     const std::string before = folder.read("run.json"), after = std::to_string(run);
@@ -185,12 +192,15 @@ TEST_CASE("kill -9 at random instants of hundreds of runs: all of the old set or
   }
   { OutputSet next(folder.path.string(), IfExists::replace); next.add("run.json"); }
   CHECK(folder.names() == kSet);  // what the killed runs left is swept
-  MESSAGE(old_kept << " kept the old set, " << completed << " have the new one, " << in_between << " were killed in between");
+  MESSAGE(old_kept << " kept the old set, " << completed << " have the new one, " << in_between
+                   << " were killed in between");
   CHECK(old_kept > 0);
   CHECK(completed > 0);
 }
 
-TEST_CASE("a publication that meets somebody's file gives nothing a name, and loses nothing when it was killed before") {
+TEST_CASE(
+    "a publication that meets somebody's file gives nothing a name, and loses nothing when it was killed "
+    "before") {
   const TestFolder folder;
   CHECK(error_of([&] {
           OutputSet set(folder.path.string());
@@ -223,7 +233,8 @@ TEST_CASE("a publication that meets somebody's file gives nothing a name, and lo
     CHECK(publication.step());
   }
   folder.write("truth.img", "somebody's");
-  CHECK(error_of([&] { finish_publication(folder.path.string()); }).find("move it away") != std::string::npos);
+  CHECK(error_of([&] { finish_publication(folder.path.string()); }).find("move it away") !=
+        std::string::npos);
   CHECK(error_of([&] { OutputFile other(folder / "x"); }).find("move it away") != std::string::npos);
   CHECK(folder.read("truth.img") == "somebody's");
   fs::rename(folder / "truth.img", folder / "kept");
@@ -258,14 +269,17 @@ TEST_CASE("a journal that was tampered with reaches nothing outside its folder")
   const TestFolder folder;
   fs::create_directory(folder / "in");
   folder.write("victim", "mine");
-  for (const char* text : {R"({"replace":true,"files":[["../victim","a"]],"remove":[]})", R"({"replace":true,"files":[["a","../victim"]],"remove":[]})",
-                           R"({"replace":true,"files":[],"remove":["../victim"]})", "{", "", "[1]", R"({"replace":1,"files":[["a","b"]],"remove":[]})"}) {
+  for (const char* text : {R"({"replace":true,"files":[["../victim","a"]],"remove":[]})",
+                           R"({"replace":true,"files":[["a","../victim"]],"remove":[]})",
+                           R"({"replace":true,"files":[],"remove":["../victim"]})", "{", "", "[1]",
+                           R"({"replace":1,"files":[["a","b"]],"remove":[]})"}) {
     CAPTURE(text);
     folder.write(std::string("in/") + kJournalName, text);
     CHECK(error_of([&] { finish_publication(folder / "in"); }).find("cannot be read") != std::string::npos);
     CHECK(folder.read("victim") == "mine");
   }
-  folder.write(std::string("in/") + kJournalName, R"({"replace":true,"files":[["a","b"]],"remove":["../victim"]})");
+  folder.write(std::string("in/") + kJournalName,
+               R"({"replace":true,"files":[["a","b"]],"remove":["../victim"]})");
   CHECK(finish_publication(folder / "in"));
   CHECK(folder.read("victim") == "mine");
 }
@@ -297,10 +311,13 @@ TEST_CASE("a second Ctrl-C in the middle of a publication removes none of its fi
 TEST_CASE("whatever killed runs left behind is swept, of other names too; a living run's temporaries stay") {
   const TestFolder folder;
   OutputFile living(folder / "living.img");
-  for (const char* name : {".gone.img.raycube-AbC123", ".pictures.json.raycube-aaaaaa", ".pictures.json.raycube-aaaaaa.points.png"}) folder.write(name, "x");
+  for (const char* name : {".gone.img.raycube-AbC123", ".pictures.json.raycube-aaaaaa",
+                           ".pictures.json.raycube-aaaaaa.points.png"})
+    folder.write(name, "x");
   const std::string beside = fs::path(living.temporary_path()).filename().string() + ".png";
   folder.write(beside, "x");
-  const Names strangers = {".raycube-abc123", ".a.raycube-abc12", ".a.raycube-abc1234", ".a.raycube-abc_23", "a.raycube-abc123", ".a.raycube-"};
+  const Names strangers = {".raycube-abc123",   ".a.raycube-abc12", ".a.raycube-abc1234",
+                           ".a.raycube-abc_23", "a.raycube-abc123", ".a.raycube-"};
   for (const auto& name : strangers) folder.write(name, "a user's");
   { OutputFile next(folder / "next.img"); }
   Names expected = strangers;
