@@ -14,6 +14,7 @@
 #include "host/lidar/air_column.h"
 #include "host/lidar/make_lidar_plan.h"
 #include "host/plan/adjacency.h"
+#include "host/plan/channel_bands.h"
 #include "host/plan/curve.h"
 #include "host/plan/spectral_plan.h"
 #include "host/plan/table_spectra.h"
@@ -60,7 +61,9 @@ void check_known_table(const scene::Simulation& simulation, const scene::Instrum
                        const plan::ViewBounds& view, const atmos::RenderTable& table, double bands_to_um, Found& found) {
   const auto& table_um = table.axis("wavelength").nodes;
   base::Problems problems;
-  plan::check_table(instrument, table_um, plan::table_name(simulation), problems);
+  scene::Instrument convolved = instrument;
+  convolved.bands = plan::channel_bands(instrument, table).bands;
+  plan::check_table(convolved, table_um, plan::table_name(simulation), problems);
   found.add(problems);
   found.part([&] { static_cast<void>(plan::choose_adjacency(simulation, table)); });
   const plan::TableSpectra air(table, simulation.atmosphere.none, simulation.sun.zenith_deg < 90, 0,

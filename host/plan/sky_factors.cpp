@@ -77,22 +77,6 @@ VectorXd normalise(MatrixXd& radiance, const VectorXd& q) {
   return irradiance;
 }
 
-/// Most that the traced sky's irradiance may differ from the table's row diffuse_irradiance and still be scaled to it: more is no
-/// interpolation's error but another sky.
-constexpr double kAnotherSky = 0.05;
-
-/// What a sky carries whose maps sum to `irradiance`: the table's own flux where light between ground and air takes that too, so that
-/// both speak of one sky. Between nodes the sky is 0.1 % brighter than its flux, maps of it 0.3 % (sun at 48 degrees, 0.41 um).
-VectorXd flux_of(VectorXd irradiance, const TableSpectra& table, double height_m, Sky sky) {
-  if (sky != Sky::solar || !table.couples_ground()) return irradiance;
-  const Spectrum row = table.diffuse_irradiance(height_m);
-  for (Index l = 0; l < irradiance.size(); ++l) {
-    const double flux = row[static_cast<std::size_t>(l)];
-    if (std::abs(irradiance[l] - flux) < kAnotherSky * flux) irradiance[l] = flux;
-  }
-  return irradiance;
-}
-
 /// c_m of every column of the normalised sky (rows m), weighted least squares. Columns of zeros (too faint) get the mean shape.
 MatrixXd project(const MatrixXd& shape, const MatrixXd& maps, const VectorXd& weight) {
   MatrixXd c = MatrixXd::Zero(maps.cols(), shape.cols());
@@ -184,17 +168,15 @@ struct SkyFactorizer::Data {
   VectorXd q, irradiance;
   MatrixXd shape;             ///< L / E, [node][wavelength]
   Sky sky = Sky::solar;
-  Spectrum irradiance_list, sampled_list;
+  Spectrum irradiance_list;
 };
 
 SkyFactorizer::~SkyFactorizer() = default;
 bool SkyFactorizer::black() const { return data_->shape.size() == 0; }
 const Spectrum& SkyFactorizer::irradiance() const { return data_->irradiance_list; }
-const Spectrum& SkyFactorizer::sampled_irradiance() const { return data_->sampled_list; }
 
 SkyFactorizer::SkyFactorizer(const TableSpectra& table, double height_m, double sun_zenith_rad, Sky sky) : data_(std::make_unique<Data>()) {
   data_->irradiance_list.assign(table.size(), 0.0);
-  data_->sampled_list = data_->irradiance_list;
   data_->sky = sky;
   if (!table.has_sky(sky)) return;
   if (sky == Sky::thermal) sun_zenith_rad = kPi;  // it knows of no sun
@@ -216,13 +198,11 @@ SkyFactorizer::SkyFactorizer(const TableSpectra& table, double height_m, double 
   }
   data_->q = vector_of(cosine_weights(data_->basis));
   data_->shape = sample_sky(data_->basis, table, height_m, sky);
-  const VectorXd sampled = normalise(data_->shape, data_->q);
-  if (!(sampled.maxCoeff() > 0)) {  // a table with light between ground and air has a sky by name, at night none by light
+  data_->irradiance = normalise(data_->shape, data_->q);
+  if (!(data_->irradiance.maxCoeff() > 0)) {  // a table with light between ground and air has a sky by name, at night none by light
     data_->shape.resize(0, 0);
     return;
   }
-  data_->sampled_list.assign(sampled.data(), sampled.data() + sampled.size());
-  data_->irradiance = flux_of(sampled, table, height_m, sky);
   data_->irradiance_list.assign(data_->irradiance.data(), data_->irradiance.data() + data_->irradiance.size());
 }
 
@@ -288,7 +268,7 @@ SkySpectra sky_spectra(const SkyFactors& factors, const TableSpectra& table, dou
   for (auto& spectrum : out) spectrum.assign(table.size(), 0.0);
   if (factors.rank == 0) return out;
   MatrixXd shape = sample_sky(factors.basis, table, height_m, factors.sky);
-  const VectorXd irradiance = flux_of(normalise(shape, vector_of(cosine_weights(factors.basis))), table, height_m, factors.sky);
+  const VectorXd irradiance = normalise(shape, vector_of(cosine_weights(factors.basis)));
   const MatrixXd maps = load(factors.basis, factors.rank);
   return spectra_of(irradiance, with_mean_shapes(project(shape, maps, fit_weights(factors.basis, maps.col(0))), factors.mean_shape));
 }

@@ -37,8 +37,7 @@ class SkyFactorizer {
   SkyFactorizer(const TableSpectra& table, double height_m, double sun_zenith_rad, Sky sky = Sky::solar);
   ~SkyFactorizer();
   bool black() const;
-  const Spectrum& irradiance() const;   ///< horizontal, W m-2 um-1: the table's flux where light goes between ground and air, else as sampled
-  const Spectrum& sampled_irradiance() const;  ///< the same by the sampled sky alone
+  const Spectrum& irradiance() const;   ///< horizontal, of the sampled sky, W m-2 um-1
 
   /// Maps for `rank` components that keep the largest occluder_error times `importance` (per table wavelength) small: the
   /// decomposition is repeated with wavelengths reweighted by their errors (Lawson 1961). Where a band's sum would fall below

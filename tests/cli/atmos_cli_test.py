@@ -22,7 +22,7 @@ table = folder / "clear.rct"
 build = ["build", "--model", "clear_sky", "--sun-zenith", "40", "--aod", "0.2", "--step", "20"]
 
 # S18: the same inputs give the same bytes; nothing is overwritten silently.
-assert run(*build, "-o", table).stdout == f"table: {table}\n"
+assert run(*build, "-o", table).stdout == f"table: {table}\naerosol: optical depth 0.2 at 550 nm\n"
 again = json.loads(run(*build, "-o", folder / "again.rct", "--json").stdout)
 assert (folder / "again.rct").read_bytes() == table.read_bytes()
 before = table.read_bytes()

@@ -108,7 +108,7 @@ with tempfile.TemporaryDirectory() as folder:
     (work / "garden" / "noisy.toml").write_text(noisy)
     few = ("--rays", 1000, "--pixels", 100, "--model-pixels", 100)
     done = run("check", work / "garden" / "noisy.toml", *few, "-o", work / "bad", status=1)
-    check(re.search(r"^BEYOND LIMITS: the full tables differ by [0-9.e-]+ in band \d+, tolerance 0\.01$", done.stdout, re.MULTILINE), done.stdout)
+    check(re.search(r"^BEYOND LIMITS: the full tables differ by [0-9.e-]+ in band \d+, tolerance 0\.02$", done.stdout, re.MULTILINE), done.stdout)
     check(done.stdout.endswith("check: BEYOND LIMITS\n"), done.stdout)
     report = json.loads((work / "bad" / "camera_check" / "check.json").read_text())
     check(report["passed"] is False and len(report["failures"]) == 1 and "full tables" in report["failures"][0], report["failures"])

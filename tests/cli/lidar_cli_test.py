@@ -26,7 +26,8 @@ def rows_of(table):
 table = folder / "lidar.rct"
 done = run("lidar", "--wavelengths", "1064,532", "-o", table)
 assert done.stdout.startswith(f"table: {table}\n") and "absorption by gases is absent" in done.stderr
-ground = done.stdout.splitlines()[2].split()
+assert "aerosol: optical depth" in done.stdout.splitlines()[1], done.stdout
+ground = done.stdout.splitlines()[3].split()
 assert math.isclose(float(ground[0]), 532) and math.isclose(float(ground[1]), 0.01316, rel_tol=2e-3), ground
 assert ground[3] == "absent" and math.isclose(float(ground[4]), 1.549e-3, rel_tol=2e-3), ground
 assert "lidar_extinction_gas" not in rows_of(table) and "lidar_depolarization" in rows_of(table)

@@ -7,7 +7,6 @@
 
 #include "atmos_tables/clear_sky.h"
 #include "atmos_tables/interpolate.h"
-#include "atmos_tables/table_rows.h"
 #include "host/plan/irradiance_map.h"
 #include "host/plan/quadrature.h"
 #include "host/plan/sky_factors.h"
@@ -172,31 +171,6 @@ TEST_CASE("S18 sky factors: component 0 carries the irradiance, the others none,
     last = worst;
   }
   CHECK(last < 0.05);
-}
-
-TEST_CASE("S4.9 where light goes between ground and air, shading's sky carries the very flux that lights the ground around") {
-  auto table = clear_sky(55);
-  const auto fill = [&](const char* name, float value) {
-    std::vector<float>& values = atmos::add_row(table, name, "test").values;
-    std::fill(values.begin(), values.end(), value);
-  };
-  fill("spherical_albedo", 0.1f), fill("diffuse_view_transmission", 0.05f), fill("diffuse_return", 0.1f);
-  const std::size_t count = table.axis("wavelength").nodes.size();
-  const plan::TableSpectra air(table, false, true, 0, count, plan::Spectrum(count, 0.3));
-  const plan::SkyFactorizer sky(air, 30, 55 * kPi / 180);
-  const auto flux = air.diffuse_irradiance(30);
-  for (std::size_t l = 0; l < count; ++l) {
-    CHECK(sky.irradiance()[l] == flux[l]);
-    CHECK(sky.sampled_irradiance()[l] == doctest::Approx(flux[l]).epsilon(0.01));  // its interpolation between nodes
-  }
-  const auto factors = sky.factor(2, plan::Spectrum(count, 1.0), [&](const plan::SkySpectra& s) {
-    return std::vector<plan::Mixture>(s[0].size(), plan::Mixture{1, 0, 0, 0});
-  });
-  CHECK(factors.spectra[0] == flux);
-  // At another height: the flux there.
-  const auto above = plan::sky_spectra(factors, air, 60);
-  const auto there = air.diffuse_irradiance(60);
-  for (std::size_t l = 0; l < count; ++l) CHECK(above[0][l] == doctest::Approx(there[l]).epsilon(1e-12));
 }
 
 TEST_CASE("S18 the sky sampled at once follows the table's own reading at every direction") {
