@@ -126,7 +126,8 @@ nlohmann::json render_one(const scene::Simulation& simulation, const InstrumentJ
                                  instrument.name, job.decision.small.scarce, job.decision.small.pixels,
                                  statistics.small_object_pixels.rbegin()->first));
   }
-  record.warnings = job.decision.notes;
+  for (const auto* more : {&job.plan.notices, &job.decision.notes})
+    record.warnings.insert(record.warnings.end(), more->begin(), more->end());
   record.more_json.emplace_back("missed_samples", missed.json());
   if (missed.any()) {
     context.log.warning(missed.text());

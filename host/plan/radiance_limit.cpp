@@ -30,8 +30,10 @@ std::vector<double> largest_emission(const Plan& plan, const scene::CompiledScen
   for (const auto curve : used_curves(scene))
     hottest_K = std::max(hottest_K, double{scene.materials[curve - 1].temperature_K});
   const auto& um = atmos::wavelengths(table);
-  const auto sky = atmos::resample_linear(
-      um, largest_of(table.need("sky_radiance_thermal", "thermal light"), um.size()), plan.wavelength_um);
+  std::vector<double> sky(plan.wavelength_um.size(), 0.0);  // tables that end below 3 um hold none
+  if (table.has("sky_radiance_thermal"))
+    sky = atmos::resample_linear(um, largest_of(table.need("sky_radiance_thermal", "thermal light"), um.size()),
+                                 plan.wavelength_um);
   for (std::size_t i = 0; i < out.size(); ++i)
     out[i] = std::max(sky[i], base::planck_radiance(plan.wavelength_um[i], hottest_K));
   return out;

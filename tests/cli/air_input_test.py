@@ -59,7 +59,7 @@ with tempfile.TemporaryDirectory() as name:
     check(not (folder / "air.rct").exists())
 
     # So are keys of a scene file: by key, all of them at once.
-    program.run("atmos", "build", "--model", "clear_sky", "--sun-zenith", 30, "-o", folder / "sky.rct")
+    program.run("atmos", "build", "--model", "clear_sky", "--sun-zenith", 50, "--sensor-height", 500, "--to", 4.0, "-o", folder / "sky.rct")
     columns = ("water_g_cm2", "ozone_atm_cm", "aod_550")
     values = "water_g_cm2 = 2\nozone_atm_cm = 0.3\naod_550 = 0.1"
     for keys, refused in (

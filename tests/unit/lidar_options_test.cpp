@@ -307,7 +307,7 @@ TEST_CASE("S27: an array samples from the receiver, a Geiger detector has its ke
   const Folder folder;
   const auto simulation = load(folder, lidar_text({{"receiver", "aperture_diameter_m = 0.2\narray = { columns = 128, rows = 64, pitch_um = 50, focal_length_mm = 400 }\n"},
                                                    {"detector", "mode = \"geiger\"\ndead_time_ns = 50\njitter_fwhm_ns = 0.3\nafterpulse_probability = 0.01\nafterpulse_time_ns = 80\ncells = 4\n"},
-                                                   {"turbulence", "profile = \"hufnagel_valley\"\nwind_m_s = 35\nground_cn2 = 1e-15\n"}}));
+                                                   {"turbulence", "profile = \"hufnagel_valley\"\nwind_m_s = 35\nground_cn2 = 1e-15\nground_z_m = 120\n"}}));
   const Lidar& l = simulation.lidars.at(0);
   CHECK(l.transport.sampling == LidarSampling::receiver);
   CHECK(l.receiver.columns == 128);
@@ -324,6 +324,20 @@ TEST_CASE("S27: an array samples from the receiver, a Geiger detector has its ke
   CHECK(l.turbulence.profile == TurbulenceProfile::hufnagel_valley);
   CHECK(l.turbulence.wind_m_s == 35);
   CHECK(l.turbulence.ground_cn2 == 1e-15);
+  CHECK(l.turbulence.ground_z_m == 120);
+}
+
+TEST_CASE("S40: thresholds by false returns of a record, air as background, and the class of noise") {
+  const Folder folder;
+  const auto echoes = [&](const std::string& text) { return load(folder, lidar_text({{"echoes", text}})).lidars.at(0).echoes; };
+  const auto plain = echoes("method = \"peak\"\n");
+  CHECK(plain.false_returns == 0.01);
+  CHECK(plain.air_is_background);
+  CHECK(plain.noise_class_above == 0.001);
+  const auto given = echoes("method = \"peak\"\nfalse_returns = 0.5\nair_is_background = false\nnoise_class_above = 0\n");
+  CHECK(given.false_returns == 0.5);
+  CHECK_FALSE(given.air_is_background);
+  CHECK(given.noise_class_above == 0);
 }
 
 TEST_CASE("S27-S41: the shipped LIDAR scenes that need no generated files load") {
