@@ -307,7 +307,7 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
   }
   if (!thermal.on && thermal.share > 0)
     report["thermal_left_out"] = {{"share", thermal.share}, {"band", thermal.band}, {"from", thermal.from}};
-  if (const double d = diffuse_row_difference(air, domain, bands, sky.irradiance()); d >= 0 && plan.sky_components > 0)
+  if (const double d = diffuse_row_difference(air, domain, bands, sky.sampled_irradiance()); d >= 0 && plan.sky_components > 0)
     report["sky"]["diffuse_irradiance_row_difference"] = d;
   plan.report_json = report.dump(2);
   plan.wavelength_um = std::move(spectral.wavelength_um);

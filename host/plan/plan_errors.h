@@ -49,7 +49,7 @@ SkyLevel judge_sky(SkyFactors factors, const TableSpectra& air, const Domain& do
 NodeErrors estimate_node_errors(const TableSpectra& air, const Domain& domain, const BandSpace& bands, const Spectrum& sky_irradiance,
                                 const std::vector<double>& typical, const TypicalThermal& thermal);
 
-/// Worst |integral of the sky / diffuse_irradiance row - 1| over the bands; -1 when the table has no such row.
+/// Worst |integral of the sampled sky / diffuse_irradiance row - 1| over the bands; -1 when the table has no such row.
 double diffuse_row_difference(const TableSpectra& air, const Domain& domain, const BandSpace& bands, const Spectrum& sky_irradiance);
 
 }  // namespace raycube::plan

@@ -29,6 +29,9 @@ constexpr double kFaintest = 1e-9;
 constexpr double kLowSun = 87 * kDegree;
 /// The decomposition weighs a direction by cos(zenith) + this: the horizon, which cos alone forgets, lights walls and crowns.
 constexpr double kHorizonShare = 0.1;
+/// Most that the sampled sky's irradiance may differ from the table's row diffuse_irradiance and still be scaled to it: more is no
+/// interpolation's error but another sky, which is left as it is and told.
+constexpr double kAnotherSky = 0.05;
 
 /// The axis with intervals no wider than `widest(middle)` (rad).
 template <class Widest>
@@ -75,6 +78,37 @@ VectorXd normalise(MatrixXd& radiance, const VectorXd& q) {
       radiance.col(l).setZero();
   }
   return irradiance;
+}
+
+/// What a sky carries whose maps sum to `irradiance` as sampled: the table's own flux where the table knows that of its sky.
+VectorXd flux_of(VectorXd irradiance, const TableSpectra& table, double height_m, Sky sky) {
+  if (sky != Sky::solar || !table.knows_flux_of_sky()) return irradiance;
+  const Spectrum row = table.diffuse_irradiance(height_m);
+  for (Index l = 0; l < irradiance.size(); ++l) irradiance[l] *= same_sky_scale(irradiance[l], row[static_cast<std::size_t>(l)]);
+  return irradiance;
+}
+
+/// Nodes of the maps.
+SkyBasis basis_of(const TableSpectra& table, double sun_zenith_rad, Sky sky) {
+  SkyBasis basis;
+  auto zenith = table.sky_zenith_rad(), azimuth = table.sky_azimuth_rad(sky);
+  std::erase_if(zenith, [](double t) { return t <= 0 || t >= kPi / 2 - 1e-9; });
+  zenith.insert(zenith.end(), {0.0, kPi / 2});
+  if (sun_zenith_rad < kPi / 2) zenith.push_back(sun_zenith_rad);
+  std::erase_if(azimuth, [](double f) { return f <= 0 || f >= kPi - 1e-9; });
+  azimuth.insert(azimuth.end(), {0.0, kPi});
+  if (sky == Sky::thermal) {  // few nodes, since azimuth says nothing; fine ones keep a limb that brightens as the airmass to 1e-4
+    basis.zenith_rad = refine(zenith, [](double t) { return kDegree * (t > 80 * kDegree ? 0.25 : 1.0); });
+    basis.azimuth_rad = azimuth;
+    return basis;
+  }
+  // finer around the sun, where the aureole bends most, and towards the horizon; finer still where skylight is all there is
+  const double finest = kDegree * (sun_zenith_rad > kLowSun ? 0.75 : 1.5);
+  basis.zenith_rad = refine(zenith, [&](double t) {
+    return std::abs(t - sun_zenith_rad) < 10 * kDegree || t > 80 * kDegree ? finest : 2 * finest;
+  });
+  basis.azimuth_rad = refine(azimuth, [](double f) { return kDegree * (f < 6 * kDegree ? 2.0 : f < 30 * kDegree ? 4.0 : 7.5); });
+  return basis;
 }
 
 /// c_m of every column of the normalised sky (rows m), weighted least squares. Columns of zeros (too faint) get the mean shape.
@@ -168,41 +202,29 @@ struct SkyFactorizer::Data {
   VectorXd q, irradiance;
   MatrixXd shape;             ///< L / E, [node][wavelength]
   Sky sky = Sky::solar;
-  Spectrum irradiance_list;
+  Spectrum irradiance_list, sampled_list;
 };
 
 SkyFactorizer::~SkyFactorizer() = default;
 bool SkyFactorizer::black() const { return data_->shape.size() == 0; }
 const Spectrum& SkyFactorizer::irradiance() const { return data_->irradiance_list; }
+const Spectrum& SkyFactorizer::sampled_irradiance() const { return data_->sampled_list; }
 
 SkyFactorizer::SkyFactorizer(const TableSpectra& table, double height_m, double sun_zenith_rad, Sky sky) : data_(std::make_unique<Data>()) {
   data_->irradiance_list.assign(table.size(), 0.0);
+  data_->sampled_list = data_->irradiance_list;
   data_->sky = sky;
   if (!table.has_sky(sky)) return;
-  if (sky == Sky::thermal) sun_zenith_rad = kPi;  // it knows of no sun
-  auto zenith = table.sky_zenith_rad(), azimuth = table.sky_azimuth_rad(sky);
-  std::erase_if(zenith, [](double t) { return t <= 0 || t >= kPi / 2 - 1e-9; });
-  zenith.insert(zenith.end(), {0.0, kPi / 2});
-  if (sun_zenith_rad < kPi / 2) zenith.push_back(sun_zenith_rad);
-  std::erase_if(azimuth, [](double f) { return f <= 0 || f >= kPi - 1e-9; });
-  azimuth.insert(azimuth.end(), {0.0, kPi});
-  if (sky == Sky::thermal) {  // few nodes, since azimuth says nothing; fine ones keep a limb that brightens as the airmass to 1e-4
-    data_->basis.zenith_rad = refine(zenith, [](double t) { return kDegree * (t > 80 * kDegree ? 0.25 : 1.0); });
-    data_->basis.azimuth_rad = azimuth;
-  } else {  // finer around the sun, where the aureole bends most, and towards the horizon; finer still where skylight is all there is
-    const double finest = kDegree * (sun_zenith_rad > kLowSun ? 0.75 : 1.5);
-    data_->basis.zenith_rad = refine(zenith, [&](double t) {
-      return std::abs(t - sun_zenith_rad) < 10 * kDegree || t > 80 * kDegree ? finest : 2 * finest;
-    });
-    data_->basis.azimuth_rad = refine(azimuth, [](double f) { return kDegree * (f < 6 * kDegree ? 2.0 : f < 30 * kDegree ? 4.0 : 7.5); });
-  }
+  data_->basis = basis_of(table, sky == Sky::thermal ? kPi : sun_zenith_rad, sky);  // the thermal one knows of no sun
   data_->q = vector_of(cosine_weights(data_->basis));
   data_->shape = sample_sky(data_->basis, table, height_m, sky);
-  data_->irradiance = normalise(data_->shape, data_->q);
-  if (!(data_->irradiance.maxCoeff() > 0)) {  // a table with light between ground and air has a sky by name, at night none by light
+  const VectorXd sampled = normalise(data_->shape, data_->q);
+  if (!(sampled.maxCoeff() > 0)) {  // a table with light between ground and air has a sky by name, at night none by light
     data_->shape.resize(0, 0);
     return;
   }
+  data_->sampled_list.assign(sampled.data(), sampled.data() + sampled.size());
+  data_->irradiance = flux_of(sampled, table, height_m, sky);
   data_->irradiance_list.assign(data_->irradiance.data(), data_->irradiance.data() + data_->irradiance.size());
 }
 
@@ -268,9 +290,23 @@ SkySpectra sky_spectra(const SkyFactors& factors, const TableSpectra& table, dou
   for (auto& spectrum : out) spectrum.assign(table.size(), 0.0);
   if (factors.rank == 0) return out;
   MatrixXd shape = sample_sky(factors.basis, table, height_m, factors.sky);
-  const VectorXd irradiance = normalise(shape, vector_of(cosine_weights(factors.basis)));
+  const VectorXd irradiance = flux_of(normalise(shape, vector_of(cosine_weights(factors.basis))), table, height_m, factors.sky);
   const MatrixXd maps = load(factors.basis, factors.rank);
   return spectra_of(irradiance, with_mean_shapes(project(shape, maps, fit_weights(factors.basis, maps.col(0))), factors.mean_shape));
+}
+
+double same_sky_scale(double sampled, double flux) {
+  return std::abs(sampled - flux) < kAnotherSky * flux && sampled > 0 ? flux / sampled : 1;
+}
+
+Spectrum sky_flux_scale(const TableSpectra& table, double height_m, double sun_zenith_rad) {
+  Spectrum out(table.size(), 1.0);
+  if (!table.has_sky() || !table.knows_flux_of_sky()) return out;
+  const SkyBasis basis = basis_of(table, sun_zenith_rad, Sky::solar);
+  const VectorXd sampled = sample_sky(basis, table, height_m, Sky::solar).transpose() * vector_of(cosine_weights(basis));
+  const Spectrum flux = table.diffuse_irradiance(height_m);
+  for (std::size_t l = 0; l < out.size(); ++l) out[l] = same_sky_scale(sampled[static_cast<Index>(l)], flux[l]);
+  return out;
 }
 
 Spectrum coarse_sky_irradiance(const TableSpectra& table, double height_m, Sky sky) {

@@ -155,6 +155,8 @@ Spectrum TableSpectra::diffuse_irradiance(double height_m) const {
   return out;
 }
 
+bool TableSpectra::knows_flux_of_sky() const { return !no_air_ && atmos::has_ground_coupling(table_); }
+
 Spectrum TableSpectra::ground_radiance(double height_m) const {
   const double z = clamp_height(height_m);
   Spectrum out = slice(atmos::diffuse_irradiance(table_, z));

@@ -46,6 +46,8 @@ class TableSpectra {
   /// The table's own row, with what ground and air add to it; empty when it has none.
   Spectrum diffuse_irradiance(double height_m) const;
 
+  /// The table holds what light between ground and air takes: its diffuse_irradiance is the flux of its very sky, over black ground.
+  bool knows_flux_of_sky() const;
   bool couples_ground() const { return !ground_.empty(); }
   /// Isotropic upward radiance of ground of unit reflectance: E_g0 / (pi (1 - ground S)), E_g0 sun and sky over black ground.
   Spectrum ground_radiance(double height_m) const;

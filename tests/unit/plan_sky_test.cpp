@@ -7,6 +7,7 @@
 
 #include "atmos_tables/clear_sky.h"
 #include "atmos_tables/interpolate.h"
+#include "atmos_tables/table_rows.h"
 #include "host/plan/irradiance_map.h"
 #include "host/plan/quadrature.h"
 #include "host/plan/sky_factors.h"
@@ -171,6 +172,40 @@ TEST_CASE("S18 sky factors: component 0 carries the irradiance, the others none,
     last = worst;
   }
   CHECK(last < 0.05);
+}
+
+TEST_CASE("S4.9 where light goes between ground and air, shading's sky carries the very flux that lights the ground around") {
+  auto table = clear_sky(55);
+  const auto fill = [&](const char* name, float value) {
+    std::vector<float>& values = atmos::add_row(table, name, "test").values;
+    std::fill(values.begin(), values.end(), value);
+  };
+  fill("spherical_albedo", 0.1f), fill("diffuse_view_transmission", 0.05f), fill("diffuse_return", 0.1f);
+  const std::size_t count = table.axis("wavelength").nodes.size();
+  const plan::TableSpectra air(table, false, true, 0, count, plan::Spectrum(count, 0.3));
+  const plan::SkyFactorizer sky(air, 30, 55 * kPi / 180);
+  const auto flux = air.diffuse_irradiance(30);
+  const auto scale = plan::sky_flux_scale(air, 30, 55 * kPi / 180);
+  for (std::size_t l = 0; l < count; ++l) {
+    CHECK(sky.irradiance()[l] == doctest::Approx(flux[l]).epsilon(1e-12));
+    CHECK(sky.sampled_irradiance()[l] == doctest::Approx(flux[l]).epsilon(0.01));  // its interpolation between nodes
+    CHECK(sky.sampled_irradiance()[l] * scale[l] == doctest::Approx(flux[l]).epsilon(1e-12));
+  }
+  const auto factors = sky.factor(2, plan::Spectrum(count, 1.0), [&](const plan::SkySpectra& s) {
+    return std::vector<plan::Mixture>(s[0].size(), plan::Mixture{1, 0, 0, 0});
+  });
+  for (std::size_t l = 0; l < count; ++l) CHECK(factors.spectra[0][l] == doctest::Approx(flux[l]).epsilon(1e-12));
+  // At another height: the flux there.
+  const auto above = plan::sky_spectra(factors, air, 60);
+  const auto there = air.diffuse_irradiance(60);
+  for (std::size_t l = 0; l < count; ++l) CHECK(above[0][l] == doctest::Approx(there[l]).epsilon(1e-12));
+}
+
+TEST_CASE("S4.9 a flux that is another sky's moves nothing") {
+  CHECK(plan::same_sky_scale(2.0, 2.02) == doctest::Approx(1.01).epsilon(1e-15));
+  CHECK(plan::same_sky_scale(2.0, 2.2) == 1);
+  CHECK(plan::same_sky_scale(2.0, 0.0) == 1);
+  CHECK(plan::same_sky_scale(0.0, 0.0) == 1);
 }
 
 TEST_CASE("S18 the sky sampled at once follows the table's own reading at every direction") {
