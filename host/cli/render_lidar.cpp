@@ -249,6 +249,7 @@ nlohmann::json render_lidar(const scene::Simulation& simulation, const scene::Li
   const double pulses_per_s = static_cast<double>(lidar.pulses) / render_s;
   nlohmann::json more = {{"pulses", lidar.pulses}, {"echoes", echoes}, {"pulses_per_s", pulses_per_s}, {"worst_ledger_error", worst_ledger}};
   if (turbulence) more["turbulence"] = *turbulence;
+  record.warnings = light_notices(simulation, lidar);
   record.more_json = {{"survey", more.dump()}, {"launches", render::tuning_json(renderer.tuning())}};
   if (const std::string warning = light_of_run.warning(); !warning.empty()) {
     record.warnings.push_back(warning);

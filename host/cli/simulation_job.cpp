@@ -45,6 +45,8 @@ scene::Simulation load_job(const std::string& file, Context& context) {
   for (const auto& notice : simulation.notices) context.log.warning(notice);
   for (const auto& instrument : simulation.instruments)
     for (const auto& notice : light_notices(simulation, instrument)) context.log.warning(instrument.name + ": " + notice);
+  for (const auto& lidar : simulation.lidars)
+    for (const auto& notice : light_notices(simulation, lidar)) context.log.warning(lidar.name + ": " + notice);
   return simulation;
 }
 
@@ -52,6 +54,14 @@ std::vector<std::string> light_notices(const scene::Simulation& simulation, cons
   if (instrument.bands.empty()) return {};
   const auto notice = atmos::no_light_notice(simulation.atmosphere, simulation.sun, band_range(instrument.bands).first);
   return notice ? std::vector{*notice} : std::vector<std::string>{};
+}
+
+std::vector<std::string> light_notices(const scene::Simulation& simulation, const scene::Lidar& lidar) {
+  if (!lidar.detector.solar_background || lidar.pulse.lines.empty()) return {};
+  double first_um = lidar.pulse.lines[0].wavelength_um;
+  for (const auto& line : lidar.pulse.lines) first_um = std::min(first_um, line.wavelength_um);
+  const auto notice = atmos::no_light_notice(simulation.atmosphere, simulation.sun, first_um);
+  return notice ? std::vector{"the background of scene and sky (solar_background): " + *notice} : std::vector<std::string>{};
 }
 
 std::vector<const scene::Instrument*> pick_instruments(const scene::Simulation& simulation, const std::string& name) {

@@ -24,6 +24,8 @@ scene::Simulation load_job(const std::string& file, Context& context);
 
 /// What its user should know of an instrument's light: a sun or moon that is down. load_job logs them.
 std::vector<std::string> light_notices(const scene::Simulation& simulation, const scene::Instrument& instrument);
+/// The same of a LIDAR's background of sunlight.
+std::vector<std::string> light_notices(const scene::Simulation& simulation, const scene::Lidar& lidar);
 
 /// The passive instruments called `name`, or all when it is empty. Throws Error(input) that lists instruments and LIDARs when neither has
 /// one of that name.

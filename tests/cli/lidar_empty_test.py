@@ -66,6 +66,16 @@ def one(lines, *parts):
     check(len(found) == 1, parts, lines)
 
 
+def by_night(work):
+    """A laser works at any hour; that its background is dark is said, where there is one to be."""
+    night = ("[[lidar]]", "[time]\nsun = { zenith_deg = 100.0, azimuth_deg = 150.0 }\n[[lidar]]")
+    returns, said, kept = rendered(work, [night])
+    check(len(returns) == 4, returns)
+    one(said, "scan", "solar_background", "no twilight"), one(kept, "solar_background", "no twilight")
+    _, said, kept = rendered(work, [night, ("[lidar.products]", "[lidar.detector]\nsolar_background = false\n[lidar.products]")])
+    check(not said and not kept, said, kept)
+
+
 def known_before(work):
     checked = lambda **values: run("scene", "check", written(work, **values)).stderr
     # Ground lies 500 m below, its corners at 520 m; a gate beside it, and none of it said where it holds them.
@@ -154,6 +164,7 @@ def clear_air(work):
 with tempfile.TemporaryDirectory() as folder:
     folder = pathlib.Path(folder)
     known_before(folder)
+    by_night(folder)
     known_after(folder)
     clear_air(folder)
 print(f"lidar_empty: {program.checks} checks, all well")
