@@ -26,13 +26,6 @@ double spacing_m(const PlacedBox& box) {
   return far > 0 ? std::ldexp(1.0, std::ilogb(far) - 23) : 0;
 }
 
-double size_m(const PlacedBox& box) {
-  double size = 0;
-  for (std::size_t i = 0; i < 3; ++i)
-    size = std::max(size, static_cast<double>(box.hi[i]) - static_cast<double>(box.lo[i]));
-  return size;
-}
-
 }  // namespace
 
 std::vector<PlacedBox> placed_boxes(const SceneParts& parts) {
@@ -57,6 +50,7 @@ std::vector<PlacedBox> placed_boxes(const SceneParts& parts) {
         lo += std::min(a, b), hi += std::max(a, b);
       }
       widen(world, row, static_cast<float>(lo), static_cast<float>(hi));
+      world.size_m = std::max(world.size_m, hi - lo);
     }
   }
   return out;
@@ -75,11 +69,13 @@ void check_resolution(const SceneParts& parts, const std::vector<PlacedBox>& box
   double worst = 0;
   std::size_t at = 0, coarse = 0;
   const auto size_of = [&](std::size_t i) {
-    return i < parts.terrains.size() ? std::sqrt(parts.terrains[i].cell_area_m2()) : size_m(boxes[i]);
+    return i < parts.terrains.size() ? std::sqrt(parts.terrains[i].cell_area_m2()) : boxes[i].size_m;
   };
   for (std::size_t i = 0; i < boxes.size(); ++i) {
     if (boxes[i].empty()) continue;
-    const double size = size_of(i), share = size > 0 ? spacing_m(boxes[i]) / size : 0;
+    // No size at all: its own file's coordinates, single precision too, have made one point of it.
+    const double size = size_of(i), spacing = spacing_m(boxes[i]),
+                 share = size > 0 ? spacing / size : spacing > 0 ? std::numeric_limits<double>::infinity() : 0;
     coarse += share > kNoticeAbove;
     if (share > worst) worst = share, at = i;
   }

@@ -12,6 +12,7 @@ namespace raycube::scene {
 /// World box, m; lo > hi: nothing in it.
 struct PlacedBox {
   std::array<float, 3> lo, hi;
+  double size_m = 0;  ///< its longest extent before the corners were rounded to single precision
   bool empty() const { return !(lo[0] <= hi[0]); }
 };
 

@@ -46,10 +46,11 @@ TrialImage few_pixels(render::Renderer& renderer, const scene::Simulation& simul
 void from_few_pixels(OwnError& out, render::Renderer& renderer, const scene::Simulation& simulation,
                      const scene::Instrument& given, const plan::Plan& plan) {
   scene::Instrument instrument = given;
-  instrument.first_samples = 0, instrument.small_objects = scene::SmallObjects::off;
+  instrument.small_objects = scene::SmallObjects::off;
   instrument.standard_error = scene::StandardError::off;
   scene::Instrument random = instrument;
   const bool box = given.psf_sigma_px == 0 && given.psf_support_px == 1;
+  random.first_samples = 0;
   random.sampler = box ? scene::SamplerKind::lattice : scene::SamplerKind::jittered;
   const TrialImage image = few_pixels(renderer, simulation, instrument, plan, simulation.seed);
   const TrialImage one = few_pixels(renderer, simulation, random, plan, simulation.seed + kOtherSeed);
@@ -67,7 +68,7 @@ OwnError own_error(render::Renderer& renderer, const scene::Simulation& simulati
                    const scene::Instrument& instrument, const plan::Plan& plan, const Decision& decision) {
   OwnError out;
   out.tolerance = simulation.tolerance, out.plan = decision.plan_error;
-  if (decision.total_error >= 0) {
+  if (decision.total_error >= 0 && !instrument.adaptive()) {  // the trial takes all samples of every pixel
     out.samples = decision.samples_error, out.sky = decision.sky_error, out.total = decision.total_error;
     out.drawn = std::hypot(out.samples, out.sky);
     out.from = fmt::format("the plan's trial of {} pixels", decision.trial_pixels);

@@ -108,6 +108,25 @@ def known_before(work):
                     "-o", work / "none", status=2, says=["'false_returns' means nothing for mode = \"geiger\""])
 
 
+def plume_aloft(work):
+    """A plume of particles 200 m up, its source's foot on the ground: what a gate of 5 to 60 m beside it records is told as possible."""
+    plume = """[[volume]]
+name = "stack"
+shape = "plume"
+source_g_s = 100.0
+wind_m_s = 3.0
+release_height_m = 200.0
+length_m = 60.0
+yaw_deg = 90.0
+particles = { extinction_per_m = %s }
+"""
+    aside = dict(height=200.0, more="roll_deg = 90.0\nheading_deg = 180.0", start=5.0, stop=60.0)
+    place = ("position_m = [0.0, 0.0, 200.0]", "position_m = [30.0, -20.0, 200.0]")
+    change = lambda extinction: [place, ("[atmosphere]", plume % extinction + "[atmosphere]")]
+    returns, said, _ = rendered(work, change("1.0"), **aside)
+    check(returns and not said, returns, said)
+
+
 def known_after(work):
     for values, parts in ((dict(start=100.0, stop=400.0), ("no return was found in 4 pulses", "100 % after it closes", "the gate holds 100 to 400")),
                           (dict(start=550.0, stop=700.0), ("no return was found", "100 % came before the gate opens")),
@@ -165,6 +184,7 @@ with tempfile.TemporaryDirectory() as folder:
     folder = pathlib.Path(folder)
     known_before(folder)
     by_night(folder)
+    plume_aloft(folder)
     known_after(folder)
     clear_air(folder)
 print(f"lidar_empty: {program.checks} checks, all well")
