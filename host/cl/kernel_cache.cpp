@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <set>
@@ -23,6 +24,7 @@
 #include "host/base/interrupt.h"
 #include "host/base/memory.h"
 #include "host/base/output_file.h"
+#include "host/base/own_file.h"
 #include "host/base/sha256.h"
 #include "host/cl/kernel_archive.h"
 
@@ -283,7 +285,7 @@ KeptKernels::KeptKernels(std::string_view key) : key_(base::sha256_hex(key)), bu
     std::error_code code;
     try {
       if (fs::exists(fs::symlink_status(file, code))) {
-        const KernelFiles files = unpack_kernels(key_, read_own_file(file));
+        const KernelFiles files = unpack_kernels(key_, base::read_own_file(file));
         write_files(c.driver, files);
         for (const auto& [name, content] : files) {
           const fs::path path(name);
@@ -332,7 +334,7 @@ void KeptKernels::keep() const {
   const fs::path file = file_of(key_);
   std::error_code code;
   if (fs::exists(file, code)) try {
-      KernelFiles kept = unpack_kernels(key_, read_own_file(file));
+      KernelFiles kept = unpack_kernels(key_, base::read_own_file(file));
       const std::size_t before = kept.size();
       files.merge(kept);  // of other work-group sizes, by another run
       if (files.size() == before) return;
