@@ -36,8 +36,8 @@ bool same_file(const std::string& a, const std::string& b) {
          first.st_dev == second.st_dev && first.st_ino == second.st_ino;
 }
 
-/// The folder's journal. Where everybody may put files that only their owners take away, as in /tmp, each user
-/// has one of their own, so that nobody waits for another's.
+/// The folder's journal. Where everybody may put files that only their owners take away, as in /tmp, each
+/// user has one of their own, so that nobody waits for another's.
 std::string journal_of(const std::string& folder) {
   struct stat status {};
   const bool shared = ::stat(folder.c_str(), &status) == 0 && (status.st_mode & S_ISVTX) != 0;

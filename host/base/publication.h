@@ -48,10 +48,9 @@ class Publication {
   /// Error(environment) when a temporary has gone or the journal cannot be written; the files then are still
   /// the caller's.
   Publication(const std::string& folder, List list);
-  /// The next change of step 3; false when there is none left. When it cannot be made, or a temporary has gone
-  /// that did not get its name, throws: with
-  /// `replace`, or of a publication that is taken up again, the journal stays and the error says how to go
-  /// on; else what was done is taken back, temporaries too.
+  /// The next change of step 3; false when there is none left. When it cannot be made, or a temporary has
+  /// gone that did not get its name, throws: with `replace`, or of a publication that is taken up again, the
+  /// journal stays and the error says how to go on; else what was done is taken back, temporaries too.
   bool step();
 
  private:
@@ -83,9 +82,9 @@ class Publication {
   bool resumed_ = false;  ///< read from a journal
 };
 
-/// Ends a publication of this user's that was cut short in this folder, if there is one: true. A living one is
-/// waited for (some seconds). `locked`: the caller holds the folder's lock. Throws Error(environment) where it
-/// cannot be ended, as on a read-only disk, and for somebody else's journal as `use` says.
+/// Ends a publication of this user's that was cut short in this folder, if there is one: true. A living one
+/// is waited for (some seconds). `locked`: the caller holds the folder's lock. Throws Error(environment) where
+/// it cannot be ended, as on a read-only disk, and for somebody else's journal as `use` says.
 bool finish_publication(const std::string& folder, FolderUse use = FolderUse::read, bool locked = false);
 
 /// The same for the folder of a file that is about to be read.

@@ -366,7 +366,8 @@ TEST_CASE("a journal that this user did not leave is obeyed by nobody and waited
   std::vector<std::pair<std::function<void()>, std::string>> ways = {
       {[&] { REQUIRE(::mkfifo(journal.c_str(), 0600) == 0); }, "it is no regular file"},
       {[&] { fs::create_symlink(folder / "elsewhere", journal); }, "it cannot be opened"},
-      {[&] { folder.write(kJournalName, kTempting), ::chmod(journal.c_str(), 0664); }, "others may write it"}};
+      {[&] { folder.write(kJournalName, kTempting), ::chmod(journal.c_str(), 0664); },
+       "others may write it"}};
   if (::geteuid() == 0)
     ways.emplace_back(
         [&] {
@@ -379,8 +380,9 @@ TEST_CASE("a journal that this user did not leave is obeyed by nobody and waited
     put();
     check_ignored(folder);
     // Where it stands in a folder of one's own, whoever would write is told its name.
-    for (const auto& write : std::vector<std::function<void()>>{[&] { OutputFile file(folder / "x"); },
-                                                                 [&] { OutputSet set(folder.path.string()); }}) {
+    const std::function<void()> file = [&] { OutputFile(folder / "x"); };
+    const std::function<void()> set = [&] { OutputSet(folder.path.string()); };
+    for (const auto& write : {file, set}) {
       const std::string error = error_of(write);
       CHECK(error.find(journal + ": ") == 0);
       CHECK(error.find(reason) != std::string::npos);
@@ -452,8 +454,8 @@ TEST_CASE("a temporary that vanishes names no record beside another run's files"
         if (replace) publish(folder, "old run");
         const Orphans orphans(folder, "new", replace);
         fs::remove(folder / temporary);
-        CHECK(error_of([&] { Publication(folder.path.string(), orphans.list); }).find(temporary + ": has gone") !=
-              std::string::npos);
+        const std::string error = error_of([&] { Publication(folder.path.string(), orphans.list); });
+        CHECK(error.find(temporary + ": has gone") != std::string::npos);
         CHECK_FALSE(fs::exists(folder / kJournalName));
         if (replace) CHECK(whole(folder, "old run"));
       }
