@@ -83,8 +83,8 @@ class Publication {
 };
 
 /// Ends a publication of this user's that was cut short in this folder, if there is one: true. A living one
-/// is waited for (some seconds). `locked`: the caller holds the folder's lock. Throws Error(environment) where
-/// it cannot be ended, as on a read-only disk, and for somebody else's journal as `use` says.
+/// is waited for (some seconds). `locked`: the caller holds the folder's lock. Throws Error(environment)
+/// where it cannot be ended, as on a read-only disk, and for somebody else's journal as `use` says.
 bool finish_publication(const std::string& folder, FolderUse use = FolderUse::read, bool locked = false);
 
 /// The same for the folder of a file that is about to be read.
