@@ -81,6 +81,11 @@ std::vector<const scene::Instrument*> pick_instruments(const scene::Simulation& 
   return picked;
 }
 
+plan::HeightRange seen_heights(const scene::CompiledScene& scene, const plan::ViewBounds& view) {
+  if (!(scene.lo[2] <= scene.hi[2])) return {};
+  return {scene.lo[2], std::min<double>(scene.hi[2], view.sensor_height_m)};
+}
+
 InstrumentJob prepare(const scene::Simulation& simulation, const scene::Instrument& instrument, Context& context, const Planning& planning) {
   InstrumentJob job;
   auto planned = std::make_shared<scene::Instrument>(instrument);
@@ -91,8 +96,7 @@ InstrumentJob prepare(const scene::Simulation& simulation, const scene::Instrume
   job.table = air_table(air_request(simulation, instrument, view.sensor_height_m), context);
   job.table_s = seconds_since(start);
   const auto& scene = simulation.scene;
-  const bool empty = scene.instances.empty();
-  job.notices = plan::one_direction_notices(job.table, instrument.name, view, {empty ? 0.0 : scene.lo[2], empty ? 0.0 : std::min<double>(scene.hi[2], view.sensor_height_m)});
+  job.notices = plan::one_direction_notices(job.table, instrument.name, view, seen_heights(scene, view));
   for (auto& notice : plan::channel_bands(instrument, job.table).notices) job.notices.push_back(std::move(notice));
   for (const auto& notice : job.notices) context.log.warning(instrument.name + ": " + notice);
   start = std::chrono::steady_clock::now();
