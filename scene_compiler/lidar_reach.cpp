@@ -6,6 +6,8 @@
 #include <optional>
 #include <vector>
 
+#include "scene_compiler/plume_width.h"
+
 namespace raycube::scene {
 
 namespace {
@@ -17,10 +19,14 @@ struct Box {
 /// What holds a volume whatever its azimuth.
 Box box_of(const Volume& volume) {
   const bool plume = volume.shape == Volume::Shape::plume;
-  const double reach = plume ? volume.length_m : std::hypot(volume.size_m[0], volume.size_m[1]);
-  const double top = plume ? volume.length_m : volume.size_m[2];
+  double reach = 0.5 * std::hypot(volume.size_m[0], volume.size_m[1]), low = 0, high = volume.size_m[2];
+  if (plume) {
+    const double rise = plume_rise_m(volume);
+    reach = std::hypot(volume.length_m, plume_side_m(volume));
+    low = std::max(volume.release_height_m - rise, 0.0), high = volume.release_height_m + rise;
+  }
   const auto& p = volume.position_m;
-  return {{p[0] - reach, p[1] - reach, p[2]}, {p[0] + reach, p[1] + reach, p[2] + top}};
+  return {{p[0] - reach, p[1] - reach, p[2] + low}, {p[0] + reach, p[1] + reach, p[2] + high}};
 }
 
 double nearest_m(const Box& box, const std::array<double, 3>& p) {
@@ -75,7 +81,8 @@ Reach reach_of(const std::array<float, 3>& lo, const std::array<float, 3>& hi,
                const std::vector<Volume>& volumes, const Lidar& lidar) {
   std::vector<Box> boxes;
   if (lo[0] <= hi[0]) boxes.push_back({{lo[0], lo[1], lo[2]}, {hi[0], hi[1], hi[2]}});
-  for (const auto& volume : volumes) boxes.push_back(box_of(volume));
+  for (const auto& volume : volumes)
+    if (volume.extinction_per_m > 0) boxes.push_back(box_of(volume));  // gas takes light, and sends none back
   if (boxes.empty()) return {};
   Reach reach{std::numeric_limits<double>::infinity(), 0};
   for (const auto& box : boxes) {

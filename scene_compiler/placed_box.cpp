@@ -26,12 +26,8 @@ double spacing_m(const PlacedBox& box) {
   return far > 0 ? std::ldexp(1.0, std::ilogb(far) - 23) : 0;
 }
 
-double size_m(const PlacedBox& box) {
-  double size = 0;
-  for (std::size_t i = 0; i < 3; ++i)
-    size = std::max(size, static_cast<double>(box.hi[i]) - static_cast<double>(box.lo[i]));
-  return size;
-}
+/// In the scene or in the object's own file, whichever is coarser.
+double spacing_of(const PlacedBox& box) { return std::max(spacing_m(box), box.own_spacing_m); }
 
 }  // namespace
 
@@ -48,6 +44,9 @@ std::vector<PlacedBox> placed_boxes(const SceneParts& parts) {
     const PlacedBox& box = of_mesh[placed.mesh];
     if (box.empty()) continue;
     const auto& m = placed.scene_from_mesh;
+    double scale = 0;
+    for (std::size_t i = 0; i < 3; ++i) scale = std::max(scale, std::hypot(m[i], m[4 + i], m[8 + i]));
+    world.own_spacing_m = scale * spacing_m(box);
     for (std::size_t row = 0; row < 3; ++row) {
       // Each column of the matrix brings the least and the most by one end of the box.
       double lo = m[4 * row + 3], hi = lo;
@@ -57,6 +56,7 @@ std::vector<PlacedBox> placed_boxes(const SceneParts& parts) {
         lo += std::min(a, b), hi += std::max(a, b);
       }
       widen(world, row, static_cast<float>(lo), static_cast<float>(hi));
+      world.size_m = std::max(world.size_m, hi - lo);
     }
   }
   return out;
@@ -75,11 +75,13 @@ void check_resolution(const SceneParts& parts, const std::vector<PlacedBox>& box
   double worst = 0;
   std::size_t at = 0, coarse = 0;
   const auto size_of = [&](std::size_t i) {
-    return i < parts.terrains.size() ? std::sqrt(parts.terrains[i].cell_area_m2()) : size_m(boxes[i]);
+    return i < parts.terrains.size() ? std::sqrt(parts.terrains[i].cell_area_m2()) : boxes[i].size_m;
   };
   for (std::size_t i = 0; i < boxes.size(); ++i) {
     if (boxes[i].empty()) continue;
-    const double size = size_of(i), share = size > 0 ? spacing_m(boxes[i]) / size : 0;
+    // No size at all: its own file's coordinates, single precision too, have made one point of it.
+    const double size = size_of(i), spacing = spacing_of(boxes[i]),
+                 share = size > 0 ? spacing / size : spacing > 0 ? std::numeric_limits<double>::infinity() : 0;
     coarse += share > kNoticeAbove;
     if (share > worst) worst = share, at = i;
   }
@@ -91,9 +93,10 @@ void check_resolution(const SceneParts& parts, const std::vector<PlacedBox>& box
   const std::string what = "'" + parts.meshes[parts.placed[at].mesh].name + "'";
   const std::string found = (at < parts.terrains.size() ? "cells of " : "") + number_text(size_of(at)) +
                             " m at " + place(0) + ", " + place(1) + ", " + place(2) +
-                            ", where coordinates are " + number_text(spacing_m(box)) + " m apart";
+                            ", where coordinates are " + number_text(spacing_of(box)) + " m apart" +
+                            (box.own_spacing_m > spacing_m(box) ? " in its own file" : "");
   const std::string way_out =
-      "move the scene to its origin: subtract easting and northing from positions and state them as "
+      "move the scene to its origin: subtract easting and northing from positions and meshes and state them as "
       "scene.origin";
   if (worst > kErrorAbove)
     problems.add({file, 0, 0, ""},

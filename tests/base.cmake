@@ -5,6 +5,12 @@ raycube_test(output_file SOURCES unit/output_file_test.cpp LIBS raycube_base LAB
 raycube_test(block_hashes SOURCES unit/block_hashes_test.cpp LIBS raycube_base LABELS fast)
 raycube_test(publication SOURCES unit/publication_test.cpp LIBS raycube_base LABELS fast)
 raycube_test(limited_child SOURCES unit/limited_child_test.cpp LIBS raycube_base LABELS fast)
+# Not with the test programs' main, which brings an abort() of its own.
+add_executable(test_library_abort unit/library_abort_test.cpp ../host/cli/library_abort.cpp)
+target_link_libraries(test_library_abort PRIVATE raycube_warnings raycube_base)
+set_target_properties(test_library_abort PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+add_test(NAME library_abort COMMAND test_library_abort)
+set_tests_properties(library_abort PROPERTIES LABELS fast)
 raycube_test(house_map SOURCES unit/house_map_test.cpp LABELS fast)
 target_compile_definitions(test_house_map PRIVATE RAYCUBE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 raycube_test(crash_report SOURCES unit/crash_report_test.cpp LIBS raycube_base LABELS fast)

@@ -5,7 +5,8 @@ find_package(Python3 COMPONENTS Interpreter REQUIRED)
 add_test(NAME cli COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_LIST_DIR}/cli/cli_test.py $<TARGET_FILE:raycube>)
 add_test(NAME install COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_LIST_DIR}/cli/install_test.py ${CMAKE_BINARY_DIR} ${CMAKE_COMMAND}
                               ${CMAKE_CPACK_COMMAND})
-set_tests_properties(cli install PROPERTIES LABELS fast)
+add_test(NAME soak COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_LIST_DIR}/cli/soak_test.py ${PROJECT_SOURCE_DIR})
+set_tests_properties(cli install soak PROPERTIES LABELS fast)
 # These read what the program writes with Debian's numpy, which another python3 in the PATH need not have.
 set(RAYCUBE_TEST_PYTHON /usr/bin/python3)
 function(raycube_cli_test name)

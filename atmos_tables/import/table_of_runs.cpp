@@ -191,7 +191,7 @@ class Maker {
       return out;
     };
     const auto no_sun = lacking(solar);
-    const bool wants_sun = first<kSolarTo_um, wants_heat = last> base::kHeatFrom_um;
+    const bool wants_sun = first < kSolarTo_um, wants_heat = base::asks_for_heat(last);
     const auto miss = [&](const std::vector<std::string>& rows) {
       for (const auto& row : rows) missing_.emplace_back(row, "add such a run, or a CSV column of this name");
     };

@@ -65,6 +65,8 @@ void install_signal_handlers() {
   action.sa_handler = raycube_on_nothing;
   ::sigaction(SIGXFSZ, &action, nullptr);
   ::sigaction(SIGPIPE, &action, nullptr);
+  // A caller may have ignored it, and exec keeps that: then no child could be waited for.
+  ::signal(SIGCHLD, SIG_DFL);
   std::set_terminate(on_terminate);
 }
 
@@ -93,6 +95,8 @@ void become_helper() noexcept {
        {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGXFSZ, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT})
     ::signal(number, SIG_DFL);
 }
+
+bool is_helper() noexcept { return helper; }
 
 void clear_interrupt() noexcept { arrived = 0; }
 

@@ -13,7 +13,7 @@ namespace raycube::base {
 /// Installs the handlers of SIGINT, SIGTERM and SIGHUP (not where the caller ignores SIGHUP, as nohup does),
 /// gives std::terminate a message and exit status 70, and passes over SIGXFSZ and SIGPIPE, so that a
 /// file-size limit and a reader that has gone are errors of write(): who reads the messages may leave and the
-/// work goes on.
+/// work goes on. A SIGCHLD that the caller ignored is heard again, else no child could be waited for.
 void install_signal_handlers();
 
 /// Unlinks the registered temporaries. Safe in a signal handler.
@@ -39,6 +39,9 @@ void throw_if_interrupted();
 /// the parent are no concern of its, and leave_at_once() says nothing, since the parent says what became of
 /// the child.
 void become_helper() noexcept;
+
+/// True in such a child.
+bool is_helper() noexcept;
 
 /// Forgets an interrupt (tests).
 void clear_interrupt() noexcept;

@@ -64,8 +64,9 @@ std::size_t mark_of(const std::string& name) {
   return name.size() == end || name[end] == '.' ? at + kMark.size() : std::string::npos;
 }
 
-/// Temporaries, of whatever final name, whose writer is gone: nobody holds their lock. What was drawn beside
-/// a temporary (its name and an ending) lives as long as that one.
+/// This user's temporaries, of whatever final name, whose writer is gone: nobody holds their lock. Another
+/// user's may wait for their names. What was drawn beside a temporary (its name and an ending) lives as long
+/// as that one.
 void remove_stale(const fs::path& folder) {
   std::vector<fs::path> beside;
   std::error_code code;
@@ -79,7 +80,9 @@ void remove_stale(const fs::path& folder) {
     }
     const int fd = ::open(entry.path().c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
     if (fd < 0) continue;
-    if (::flock(fd, LOCK_EX | LOCK_NB) == 0) ::unlink(entry.path().c_str());
+    struct stat status {};
+    const bool own = ::fstat(fd, &status) == 0 && status.st_uid == ::geteuid();
+    if (own && ::flock(fd, LOCK_EX | LOCK_NB) == 0) ::unlink(entry.path().c_str());
     ::close(fd);
   }
   for (const fs::path& path : beside) {
@@ -136,7 +139,7 @@ OutputFile::OutputFile(const std::string& final_path, IfExists if_exists) : stat
   if (name.empty() || name == "." || name == "..") throw Error(Fault::input, final_path + ": is not a file name");
   s.folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
   make_folder(s.folder);
-  finish_publication(s.folder.string());
+  finish_publication(s.folder.string(), FolderUse::write_file);
   if (present(final_path)) {
     std::error_code code;
     if (fs::is_directory(final_path, code)) throw Error(Fault::input, final_path + ": is a folder; name a file");
@@ -274,7 +277,7 @@ OutputSet::OutputSet(const std::string& folder, IfExists if_exists) : folder_(fo
                 folder + ": another run is writing into this folder; wait for it, or choose another -o");
   }
   try {
-    finish_publication(folder, /*locked=*/true);
+    finish_publication(folder, FolderUse::write_set, /*locked=*/true);
   } catch (...) {
     ::close(lock_);
     throw;

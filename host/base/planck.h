@@ -10,6 +10,9 @@ namespace raycube::base {
 /// (without air: 0.097), at 2.5 um 0.5 %, at 2.2 um 0.04 %. Below, thermal light is rendered where it can be
 /// seen.
 inline constexpr double kHeatFrom_um = 3.0;
+/// Whether wavelengths up to this one need what surfaces and air emit. A table that ends at 3 um, computed on wavenumbers, may end a last
+/// digit beyond it.
+inline bool asks_for_heat(double last_um) { return last_um > kHeatFrom_um * (1 + 1e-6); }
 
 inline constexpr double kFirstRadiationConstant = 1.191042972397188e8;  ///< 2 h c^2, W m-2 sr-1 um4
 inline constexpr double kSecondRadiationConstant = 14387.768775039337;  ///< h c / k, um K

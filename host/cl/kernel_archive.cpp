@@ -1,13 +1,8 @@
 #include "host/cl/kernel_archive.h"
 
-#include <cerrno>
 #include <cstdint>
-#include <cstring>
+#include <filesystem>
 #include <stdexcept>
-
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include "host/base/sha256.h"
 
@@ -16,7 +11,6 @@ namespace {
 
 constexpr std::string_view kMagic = "RCKERN1\n";
 constexpr std::size_t kDigits = 64;
-constexpr std::int64_t kMostBytes = std::int64_t{1} << 30;
 
 void add_number(std::string& to, std::uint64_t value) {
   for (int i = 0; i < 8; ++i) to += static_cast<char>(value >> (8 * i) & 255);
@@ -78,30 +72,6 @@ KernelFiles unpack_kernels(std::string_view key, std::string_view archive) {
     files[path] = reader.take(content_bytes);
   }
   return files;
-}
-
-std::string read_own_file(const std::filesystem::path& path) {
-  const int file = ::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
-  if (file < 0) throw std::runtime_error(std::string("it cannot be opened: ") + std::strerror(errno));
-  struct Closed {
-    int file;
-    ~Closed() { ::close(file); }
-  } closed{file};
-  struct stat status {};
-  if (::fstat(file, &status) != 0 || !S_ISREG(status.st_mode))
-    throw std::runtime_error("it is no regular file");
-  if (status.st_uid != ::geteuid())
-    throw std::runtime_error("it belongs to user " + std::to_string(status.st_uid));
-  if (status.st_mode & 022) throw std::runtime_error("others may write it");
-  if (status.st_size > kMostBytes) throw std::runtime_error("it is too long");
-  std::string content(static_cast<std::size_t>(status.st_size), '\0');
-  for (std::size_t done = 0; done < content.size();) {
-    const ssize_t got = ::read(file, content.data() + done, content.size() - done);
-    if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) throw std::runtime_error("it cannot be read");
-    done += static_cast<std::size_t>(got);
-  }
-  return content;
 }
 
 }  // namespace raycube::cl

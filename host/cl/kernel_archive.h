@@ -3,7 +3,6 @@
 // of all that stands before it (64 digits).
 #pragma once
 
-#include <filesystem>
 #include <map>
 #include <string>
 #include <string_view>
@@ -18,9 +17,5 @@ std::string pack_kernels(std::string_view key, const KernelFiles& files);
 /// The files of `archive`. Throws std::runtime_error that says what is wrong with it: cut short, not its
 /// checksum, of another key, a path that leads elsewhere.
 KernelFiles unpack_kernels(std::string_view key, std::string_view archive);
-
-/// All of a regular file that belongs to this user and that nobody else may write; links are not followed.
-/// Throws std::runtime_error that says why not.
-std::string read_own_file(const std::filesystem::path& path);
 
 }  // namespace raycube::cl

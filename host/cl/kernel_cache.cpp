@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <set>
@@ -23,6 +24,7 @@
 #include "host/base/interrupt.h"
 #include "host/base/memory.h"
 #include "host/base/output_file.h"
+#include "host/base/own_file.h"
 #include "host/base/sha256.h"
 #include "host/cl/kernel_archive.h"
 
@@ -228,6 +230,30 @@ void write_files(const fs::path& driver, const KernelFiles& files) {
   }
 }
 
+/// The driver's folder that a kept file belongs to.
+std::string folder_of(const fs::path& name) {
+  return (*name.begin() / *std::next(name.begin())).string();
+}
+
+/// Writes the files of the sound archive `file` where the driver looks. When that fails nothing of them stays
+/// there, the archive stays, and a full disk is the error; for any other reason false, with a warning.
+bool put_for_driver(const KernelFiles& files, const fs::path& file) {
+  const fs::path& driver = cache().driver;
+  const auto before = driver_folders(driver);
+  try {
+    write_files(driver, files);
+    return true;
+  } catch (const std::exception& failed) {
+    std::error_code code;
+    for (const auto& [name, content] : files)
+      if (!before.count(folder_of(name))) fs::remove_all(driver / folder_of(name), code);
+    blame_full_disk();
+    notice(Level::warning, "kernels kept in " + file.string() + " cannot be used by this run: " +
+                               failed.what() + "; they are compiled anew");
+    return false;
+  }
+}
+
 fs::path file_of(const std::string& key) { return cache().store / (key + kSuffix); }
 
 }  // namespace
@@ -278,27 +304,27 @@ DriverWork::~DriverWork() { --at_work; }
 KeptKernels::KeptKernels(std::string_view key) : key_(base::sha256_hex(key)), building_(cache().building) {
   Cache& c = cache();
   if (!c.ours) return;
-  if (!c.store.empty() && !c.folders.count(key_)) {
-    const fs::path file = file_of(key_);
-    std::error_code code;
-    try {
-      if (fs::exists(fs::symlink_status(file, code))) {
-        const KernelFiles files = unpack_kernels(key_, read_own_file(file));
-        write_files(c.driver, files);
-        for (const auto& [name, content] : files) {
-          const fs::path path(name);
-          c.folders[key_].insert((*path.begin() / *std::next(path.begin())).string());
-        }
-        fs::last_write_time(file, fs::file_time_type::clock::now(), code);
-        notice(Level::detail, "kernels: compiled ones from the cache, " + file.string());
-      }
-    } catch (const std::exception& damaged) {
-      fs::remove(file, code);
-      notice(Level::warning, "kernels kept in " + file.string() + " are damaged: " + damaged.what() +
-                                 "; they are compiled anew");
-    }
-  }
+  if (!c.store.empty() && !c.folders.count(key_)) take();
   before_ = driver_folders(c.driver);
+}
+
+void KeptKernels::take() const {
+  const fs::path file = file_of(key_);
+  std::error_code code;
+  if (!fs::exists(fs::symlink_status(file, code))) return;
+  KernelFiles files;
+  try {
+    files = unpack_kernels(key_, base::read_own_file(file));
+  } catch (const std::exception& damaged) {
+    fs::remove(file, code);
+    notice(Level::warning, "kernels kept in " + file.string() + " are damaged: " + damaged.what() +
+                               "; they are compiled anew");
+    return;
+  }
+  if (!put_for_driver(files, file)) return;
+  for (const auto& [name, content] : files) cache().folders[key_].insert(folder_of(name));
+  fs::last_write_time(file, fs::file_time_type::clock::now(), code);
+  notice(Level::detail, "kernels: compiled ones from the cache, " + file.string());
 }
 
 void KeptKernels::built() {
@@ -332,10 +358,11 @@ void KeptKernels::keep() const {
   const fs::path file = file_of(key_);
   std::error_code code;
   if (fs::exists(file, code)) try {
-      KernelFiles kept = unpack_kernels(key_, read_own_file(file));
-      const std::size_t before = kept.size();
-      files.merge(kept);  // of other work-group sizes, by another run
-      if (files.size() == before) return;
+      const KernelFiles kept = unpack_kernels(key_, base::read_own_file(file));
+      // Of other work-group sizes, by another run; not of a driver that does not look there any more.
+      for (const auto& entry : kept)
+        if (folders->second.count(folder_of(entry.first))) files.insert(entry);
+      if (files == kept) return;
     } catch (const std::exception&) {  // written anew
     }
   base::OutputFile out(file.string(), base::IfExists::replace);

@@ -48,7 +48,7 @@ class KeptKernels {
  public:
   /// Puts what was kept under `key` (all that the compiled code depends on) where the driver looks, if every
   /// byte of it is whole; removes it, with a warning, if not. Other programs wait with their builds until
-  /// built() or the end of this one.
+  /// built() or the end of this one. Throws Error(environment) where the disk is too full for it.
   explicit KeptKernels(std::string_view key);
   /// The driver has made its folders for the program.
   void built();
@@ -59,6 +59,7 @@ class KeptKernels {
   KeptKernels& operator=(const KeptKernels&) = delete;
 
  private:
+  void take() const;
   void keep() const;
   std::string key_;  ///< SHA-256, hexadecimal
   std::unique_lock<std::mutex> building_;

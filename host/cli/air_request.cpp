@@ -6,6 +6,7 @@
 
 #include "host/base/cache_folder.h"
 #include "host/base/error.h"
+#include "host/base/input_file.h"
 #include "host/base/sha256.h"
 
 namespace raycube::cli {
@@ -17,6 +18,7 @@ using nlohmann::json;
 /// SHA-256 of what a file holds, whatever it is called; null without one.
 json content_of(const std::string& path) {
   if (path.empty()) return nullptr;
+  base::refuse_other_than_plain(path);
   std::ifstream file(path, std::ios::binary);
   if (!file)
     throw base::Error(base::Fault::environment,

@@ -69,7 +69,7 @@ scene::AtmosphereSpec spec_of(const Options& o) {
     scene::LoadOptions load;
     load.compile = false;
     spec = scene::load_simulation(o.file, load).atmosphere;
-    if (!spec.layered)
+    if (!spec.layered || !spec.table_file.empty())
       throw base::Error(base::Fault::input, o.file + ": its [atmosphere] is not of model = \"layered\"; LIDAR profiles need that model");
   } else {
     spec.layered.emplace();

@@ -102,7 +102,7 @@ std::size_t layer_index(const std::vector<render::LayerName>& layers, const std:
 void check_output_place(const std::string& folder, bool overwrite) {
   namespace fs = std::filesystem;
   std::error_code code;
-  base::finish_publication(folder);
+  base::finish_publication(folder, base::FolderUse::write_set);
   for (const char* name : {"radiance.img", "run.json"})
     if (!overwrite && fs::exists(fs::path(folder) / name, code))
       throw base::Error(base::Fault::input, (fs::path(folder) / name).string() +

@@ -20,13 +20,14 @@ nlohmann::json dry_run_json(const scene::CompiledScene& scene, const InstrumentJ
                             std::size_t tile_samples) {
   const auto& instrument = *job.instrument;
   const auto shape = render::make_stage_shape(instrument, job.plan, sensors::pixels_per_group(instrument));
-  const render::LeastMemory least = render::least_memory(scene, instrument, job.plan, options.row_capacity);
-  render::require_memory(shape, least, instrument.pixels, options.row_capacity, options.memory_bytes);
-  const auto size = render::choose_tile_size(shape, instrument.pixels, instrument.lines, options.row_capacity,
+  const std::size_t capacity = render::row_capacity_of(shape, options.row_capacity);
+  const render::LeastMemory least = render::least_memory(scene, instrument, job.plan, capacity);
+  render::require_memory(shape, least, instrument.pixels, capacity, options.memory_bytes);
+  const auto size = render::choose_tile_size(shape, instrument.pixels, instrument.lines, capacity,
                                              options.memory_bytes / render::kBudgetShares, tile_samples,
                                              options.memory_bytes, 0, least);
   const std::uint64_t tile_pixels = std::uint64_t(size.lines) * size.columns;
-  const std::uint64_t tile_bytes = tile_pixels * (shape.pixel_bytes() + shape.row_bytes(options.row_capacity));
+  const std::uint64_t tile_bytes = tile_pixels * (shape.pixel_bytes() + shape.row_bytes(capacity));
   const std::uint64_t layers = render::truth_layer_names(scene, instrument).size();
   // A strip is being filled, one written, and two may wait.
   const std::uint64_t strip_bytes =

@@ -16,6 +16,7 @@
 #include "host/plan/adjacency.h"
 #include "host/plan/channel_bands.h"
 #include "host/plan/curve.h"
+#include "host/plan/one_direction.h"
 #include "host/plan/spectral_plan.h"
 #include "host/plan/table_spectra.h"
 #include "host/plan/thermal_plan.h"
@@ -69,6 +70,7 @@ void check_known_table(const scene::Simulation& simulation, const scene::Instrum
   const plan::TableSpectra air(table, simulation.atmosphere.none, simulation.sun.zenith_deg < 90, 0,
                                table_um.size());
   found.part([&] { plan::check_view(instrument, view, air.last_view_zenith_rad()); });
+  found.part([&] { static_cast<void>(plan::one_direction_notices(table, instrument.name, view, seen_heights(simulation.scene, view))); });
   base::Problems cold;
   plan::check_temperatures(
       simulation.scene, simulation.file,

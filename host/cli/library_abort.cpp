@@ -10,6 +10,8 @@
 extern "C" {
 
 [[noreturn]] void abort() noexcept {
+  // What became of a child that reads a file its parent says.
+  if (raycube::base::is_helper()) raycube::base::leave_at_once("", raycube::base::Fault::bug);
   // Ctrl-C ends the programs that a driver's compiler calls, and the driver gives up: that is no fault of the
   // device.
   if (raycube::base::interrupted_by_now())
@@ -23,7 +25,8 @@ extern "C" {
 }
 
 [[noreturn]] void __assert_fail(const char* assertion, const char* file, unsigned line, const char* function) noexcept {
-  std::fprintf(stderr, "%s:%u: %s: assertion `%s' failed\n", file, line, function, assertion);
+  if (!raycube::base::is_helper())
+    std::fprintf(stderr, "%s:%u: %s: assertion `%s' failed\n", file, line, function, assertion);
   abort();
 }
 }

@@ -3,6 +3,8 @@
 #include <chrono>
 #include <numbers>
 
+#include <fmt/format.h>
+
 #include "atmos_tables/compiler/lidar_profiles.h"
 #include "host/base/error.h"
 #include "host/lidar/air_column.h"
@@ -20,7 +22,12 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 }  // namespace
 
 void check_lidar_air(const scene::Simulation& simulation, const scene::Lidar& lidar) {
-  if (simulation.atmosphere.none || simulation.atmosphere.layered) return;
+  const scene::AtmosphereSpec& air = simulation.atmosphere;
+  if (!air.table_file.empty())
+    throw base::Error(base::Fault::input, fmt::format("{}: LIDAR {}: an atmosphere table has no profiles of extinction and backscatter (found tables = "
+                                                      "\"{}\"); give the LIDAR a file of its own with model = \"layered\", or \"none\" for no air",
+                                                      simulation.file, lidar.name, air.table_file));
+  if (air.none || air.layered) return;
   throw base::Error(base::Fault::input, simulation.file + ": LIDAR " + lidar.name +
                                             ": the atmosphere has no profiles of extinction and backscatter; use model = \"layered\", or \"none\" for no air");
 }

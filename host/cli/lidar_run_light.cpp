@@ -78,15 +78,15 @@ std::string LidarRunLight::where_it_went() const {
   const double met = (mean_.absorbed + mean_.truncated + mean_.volumes) / ledgers_,
                beside = mean_.early + mean_.late + mean_.near;
   if (met < 1e-9) return "no beam meets anything: " + fate + "; point the LIDAR at the scene";
+  if (!(mean_.truncated > 0) && mean_.absorbed > 0 && !(mean_.volumes > 0))
+    return "surfaces absorb all light that meets them: " + fate +
+           "; see the materials' reflectance at the laser's wavelength";
   if (beside > 0)
     return "the light of surfaces missed the gate: of what came back " +
            shares_text({{mean_.early / mean_.collected, "came before the gate opens"},
                         {mean_.late / mean_.collected, "after it closes"},
                         {mean_.near / mean_.collected, "from nearer than minimum_range_m"}}) +
            "; " + gate + ", set start_range_m and stop_range_m";
-  if (!(mean_.truncated > 0))
-    return "surfaces absorb all light that meets them: " + fate +
-           "; see the materials' reflectance at the laser's wavelength";
   return "the receiver sees nothing of the light that surfaces scatter: " + fate +
          "; see fov_mrad, tilts and offsets of transmitter and receiver";
 }

@@ -55,15 +55,15 @@ void RadianceGuard::add(std::int64_t first_line, std::int64_t lines, const float
 std::optional<std::string> RadianceGuard::warning() const {
   if (pixels_ == 0) return std::nullopt;
   return fmt::format(
-      "{}: {} of {} pixels are brighter than E0 / pi + B(T) + path radiance, which no Lambertian surface can "
-      "be: at worst {:.3g} "
+      "{}: {} of {} pixels are brighter than E0 / (pi (1 - S)) + B(T) + path radiance, which no Lambertian "
+      "surface can be: at worst {:.3g} "
       "times, pixel {} of line {} in {}; the atmosphere's table or a reflectance above 1 may be wrong",
       instrument_.name, pixels_, std::int64_t{instrument_.pixels} * instrument_.lines, worst_, worst_pixel_,
       worst_line_, band_text(worst_band_));
 }
 
 std::string RadianceGuard::json() const {
-  nlohmann::ordered_json out = {{"bound", "E0 / pi + B(T) + path radiance"}, {"pixels_beyond", pixels_}};
+  nlohmann::ordered_json out = {{"bound", "E0 / (pi (1 - S)) + B(T) + path radiance"}, {"pixels_beyond", pixels_}};
   if (pixels_ > 0) {
     out["worst_ratio"] =
         std::isfinite(worst_) ? nlohmann::ordered_json(worst_) : nlohmann::ordered_json(nullptr);

@@ -11,6 +11,7 @@
 
 #include "host/base/error.h"
 #include "host/base/memory.h"
+#include "host/base/planck.h"
 #include "host/base/progress.h"
 #include "host/cl/device.h"
 #include "host/cli/lidar_job.h"
@@ -22,6 +23,7 @@
 #include "host/lidar/apply_turbulence.h"
 #include "host/lidar/image_blur.h"
 #include "host/lidar/detection.h"
+#include "host/plan/plan.h"
 #include "host/reference/double_trace.h"
 #include "host/reference/embree_scene.h"
 #include "host/reference/parallel.h"
@@ -142,6 +144,18 @@ class WaysOfShots {
   double flat_z_m_ = 0;
 };
 
+/// Radiance below which nothing is a LIDAR's background: 2000 photons / s in a receiver of 10 cm and 2 mrad behind 1 nm at 1.5 um.
+constexpr double kDark_W_m2_sr_um = 1e-5;
+
+/// Whether the scene is bright in a laser's light of itself: by night too.
+bool emits_light(const scene::CompiledScene& scene, const scene::Lidar& lidar) {
+  double hottest_K = 0;
+  for (const auto curve : plan::used_curves(scene)) hottest_K = std::max(hottest_K, double{scene.materials[curve - 1].temperature_K});
+  return std::any_of(lidar.pulse.lines.begin(), lidar.pulse.lines.end(), [&](const scene::LidarLine& line) {
+    return line.wavelength_um > 2.5 || (hottest_K > 0 && base::planck_radiance(line.wavelength_um, hottest_K) > kDark_W_m2_sr_um);
+  });
+}
+
 }  // namespace
 
 nlohmann::json render_lidar(const scene::Simulation& simulation, const scene::Lidar& lidar, const std::string& folder, double load_s,
@@ -160,9 +174,7 @@ nlohmann::json render_lidar(const scene::Simulation& simulation, const scene::Li
   const auto start = std::chrono::steady_clock::now();
   LidarProducts output(folder, context.common.overwrite ? base::IfExists::replace : base::IfExists::refuse, simulation, plan);
   std::optional<LidarBackground> background;
-  // By night only what the scene emits, beyond 2.5 um.
-  const bool warm = std::any_of(lidar.pulse.lines.begin(), lidar.pulse.lines.end(), [](const auto& line) { return line.wavelength_um > 2.5; });
-  if (lidar.detector.solar_background && (simulation.sun.zenith_deg < 90 || warm)) background.emplace(simulation, plan, settings, context);
+  if (lidar.detector.solar_background && (simulation.sun.zenith_deg < 90 || emits_light(simulation.scene, lidar))) background.emplace(simulation, plan, settings, context);
   const OtherPulses others(simulation, plan);
   std::optional<nlohmann::json> turbulence;
   std::optional<lidar::PixelBlur> blur;  // of an array's image, as the first pulse's air makes it
@@ -249,6 +261,7 @@ nlohmann::json render_lidar(const scene::Simulation& simulation, const scene::Li
   const double pulses_per_s = static_cast<double>(lidar.pulses) / render_s;
   nlohmann::json more = {{"pulses", lidar.pulses}, {"echoes", echoes}, {"pulses_per_s", pulses_per_s}, {"worst_ledger_error", worst_ledger}};
   if (turbulence) more["turbulence"] = *turbulence;
+  record.warnings = light_notices(simulation, lidar);
   record.more_json = {{"survey", more.dump()}, {"launches", render::tuning_json(renderer.tuning())}};
   if (const std::string warning = light_of_run.warning(); !warning.empty()) {
     record.warnings.push_back(warning);

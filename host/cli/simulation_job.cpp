@@ -45,6 +45,8 @@ scene::Simulation load_job(const std::string& file, Context& context) {
   for (const auto& notice : simulation.notices) context.log.warning(notice);
   for (const auto& instrument : simulation.instruments)
     for (const auto& notice : light_notices(simulation, instrument)) context.log.warning(instrument.name + ": " + notice);
+  for (const auto& lidar : simulation.lidars)
+    for (const auto& notice : light_notices(simulation, lidar)) context.log.warning(lidar.name + ": " + notice);
   return simulation;
 }
 
@@ -52,6 +54,14 @@ std::vector<std::string> light_notices(const scene::Simulation& simulation, cons
   if (instrument.bands.empty()) return {};
   const auto notice = atmos::no_light_notice(simulation.atmosphere, simulation.sun, band_range(instrument.bands).first);
   return notice ? std::vector{*notice} : std::vector<std::string>{};
+}
+
+std::vector<std::string> light_notices(const scene::Simulation& simulation, const scene::Lidar& lidar) {
+  if (!lidar.detector.solar_background || lidar.pulse.lines.empty()) return {};
+  double first_um = lidar.pulse.lines[0].wavelength_um;
+  for (const auto& line : lidar.pulse.lines) first_um = std::min(first_um, line.wavelength_um);
+  const auto notice = atmos::no_light_notice(simulation.atmosphere, simulation.sun, first_um);
+  return notice ? std::vector{"the background of scene and sky (solar_background): " + *notice} : std::vector<std::string>{};
 }
 
 std::vector<const scene::Instrument*> pick_instruments(const scene::Simulation& simulation, const std::string& name) {
@@ -71,6 +81,11 @@ std::vector<const scene::Instrument*> pick_instruments(const scene::Simulation& 
   return picked;
 }
 
+plan::HeightRange seen_heights(const scene::CompiledScene& scene, const plan::ViewBounds& view) {
+  if (!(scene.lo[2] <= scene.hi[2])) return {};
+  return {scene.lo[2], std::min<double>(scene.hi[2], view.sensor_height_m)};
+}
+
 InstrumentJob prepare(const scene::Simulation& simulation, const scene::Instrument& instrument, Context& context, const Planning& planning) {
   InstrumentJob job;
   auto planned = std::make_shared<scene::Instrument>(instrument);
@@ -81,8 +96,7 @@ InstrumentJob prepare(const scene::Simulation& simulation, const scene::Instrume
   job.table = air_table(air_request(simulation, instrument, view.sensor_height_m), context);
   job.table_s = seconds_since(start);
   const auto& scene = simulation.scene;
-  const bool empty = scene.instances.empty();
-  job.notices = plan::one_direction_notices(job.table, instrument.name, view, {empty ? 0.0 : scene.lo[2], empty ? 0.0 : std::min<double>(scene.hi[2], view.sensor_height_m)});
+  job.notices = plan::one_direction_notices(job.table, instrument.name, view, seen_heights(scene, view));
   for (auto& notice : plan::channel_bands(instrument, job.table).notices) job.notices.push_back(std::move(notice));
   for (const auto& notice : job.notices) context.log.warning(instrument.name + ": " + notice);
   start = std::chrono::steady_clock::now();

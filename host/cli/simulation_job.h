@@ -8,6 +8,7 @@
 #include "atmos_tables/render_table.h"
 #include "host/cli/air_table.h"
 #include "host/cli/verb.h"
+#include "host/plan/one_direction.h"
 #include "host/plan/plan.h"
 #include "host/planner/planner.h"
 #include "host/render/renderer.h"
@@ -24,6 +25,11 @@ scene::Simulation load_job(const std::string& file, Context& context);
 
 /// What its user should know of an instrument's light: a sun or moon that is down. load_job logs them.
 std::vector<std::string> light_notices(const scene::Simulation& simulation, const scene::Instrument& instrument);
+/// The same of a LIDAR's background of sunlight.
+std::vector<std::string> light_notices(const scene::Simulation& simulation, const scene::Lidar& lidar);
+
+/// Of the scene, below the sensor; 0 where it is empty.
+plan::HeightRange seen_heights(const scene::CompiledScene& scene, const plan::ViewBounds& view);
 
 /// The passive instruments called `name`, or all when it is empty. Throws Error(input) that lists instruments and LIDARs when neither has
 /// one of that name.

@@ -183,9 +183,10 @@ bool reaches_threshold(const scene::Lidar& lidar, const DetectorNoise& noise, st
   const double air = noise.air_at(bin);
   if (!(air > 0)) return value >= noise.threshold;
   if (!(value > 0)) return false;
-  const double above =
-      lidar.detector.mode == scene::DetectorMode::linear ? value : value + noise.background + air + 0.5;
-  if (!(above >= lidar.echoes.threshold_pe)) return false;
+  // Counts are whole: a threshold of 5.4 takes 6 of them, in air and out of it.
+  const bool linear = lidar.detector.mode == scene::DetectorMode::linear;
+  const double above = linear ? value : value + noise.background + air + 0.5;
+  if (!(above >= (linear ? lidar.echoes.threshold_pe : std::ceil(lidar.echoes.threshold_pe)))) return false;
   // Skewness makes high values more likely than a Gaussian has them: what that allows too often needs no
   // second look.
   if (lidar.detector.mode == scene::DetectorMode::linear &&

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "kernels/lidar/volume.h"
+#include "scene_compiler/plume_width.h"
 
 namespace raycube::lidar {
 namespace {
@@ -13,12 +14,9 @@ constexpr double kMoleculesPerPpmM3 = kMoleculesPerPpmM * 1e4;  ///< per m3 at 1
 
 float f(double value) { return static_cast<float>(value); }
 
-double width(double x_m, double a, double b, double constant_m) { return constant_m > 0 ? constant_m : a * x_m / std::sqrt(1 + b * x_m); }
-
 void flatten_plume(const scene::Volume& volume, shared::LidarVolume& out) {
   const double end = volume.length_m;
-  const double side = RC_PLUME_WIDTHS * width(end, volume.sigma_y_a, volume.sigma_y_b, volume.sigma_y_m);
-  const double rise = RC_PLUME_WIDTHS * width(end, volume.sigma_z_a, volume.sigma_z_b, volume.sigma_z_m);
+  const double side = scene::plume_side_m(volume), rise = scene::plume_rise_m(volume);
   out.place.w = f(volume.release_height_m);
   out.lo.x = f(-side), out.lo.y = 0, out.lo.z = f(std::max(volume.release_height_m - rise, 0.0));
   out.hi.x = f(side), out.hi.y = f(end), out.hi.z = f(volume.release_height_m + rise);

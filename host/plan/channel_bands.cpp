@@ -75,9 +75,14 @@ ChannelBands channel_bands(const scene::Instrument& instrument, const atmos::Ren
   std::size_t mixed = 0;
   for (std::size_t b = 0; b < out.bands.size(); ++b) {
     const auto [center, fwhm] = shape_of(instrument.bands[b]);
+    // Of channels with one centre (a panchromatic one and a green one) that of the band's own width.
     const Channel& nearest = *std::min_element(
-        channels.begin(), channels.end(), [at = center](const Channel& p, const Channel& q) {
-          return std::abs(p.center_um - at) < std::abs(q.center_um - at);
+        channels.begin(), channels.end(), [at = center, wide = fwhm](const Channel& p, const Channel& q) {
+          const auto off = [&](const Channel& c) {
+            const double slack = kSame * std::max(c.fwhm_um, wide), beside = std::abs(c.center_um - at);
+            return std::pair(beside <= slack ? 0.0 : beside, std::abs(c.fwhm_um - wide));
+          };
+          return off(p) < off(q);
         });
     const double slack = kSame * nearest.fwhm_um;
     if (std::abs(center - nearest.center_um) <= slack && std::abs(fwhm - nearest.fwhm_um) <= slack) {

@@ -307,8 +307,13 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
   }
   if (!thermal.on && thermal.share > 0)
     report["thermal_left_out"] = {{"share", thermal.share}, {"band", thermal.band}, {"from", thermal.from}};
-  if (const double d = diffuse_row_difference(air, domain, bands, sky.sampled_irradiance()); d >= 0 && plan.sky_components > 0)
+  if (const double d = diffuse_row_difference(air, domain, bands, sky.sampled_irradiance()); d >= 0 && plan.sky_components > 0) {
     report["sky"]["diffuse_irradiance_row_difference"] = d;
+    if (d > kAnotherSky && air.knows_flux_of_sky())
+      plan.notices.push_back(fmt::format("the atmosphere table's sky_radiance_solar sums to another irradiance than its diffuse_irradiance, "
+                                         "{:.3g} % off in the worst band: the sky takes its shape from the one and its brightness from the other; "
+                                         "give the sky on a finer grid of directions, or mend the rows", 100 * d));
+  }
   plan.report_json = report.dump(2);
   plan.wavelength_um = std::move(spectral.wavelength_um);
   plan.bands = std::move(spectral.bands);

@@ -41,14 +41,12 @@ std::vector<std::string> one_direction_notices(const atmos::RenderTable& table, 
   if (!from_runs(table)) return notices;
   base::Problems problems;
   const base::Where where{"", 0, 0, "instrument '" + instrument + "'"};
-  const auto judge = [&](double off, const std::string& what, const std::string& found, const char* way_out) {
+  const auto judge = [&](double off, const char* of, const std::string& what, const std::string& found, const char* way_out) {
+    const std::string away = what + fmt::format(", {:.3g} % of {} away from what is seen", 100 * std::abs(off), of);
     if (std::abs(off) > kRefused)
-      problems.add(where,
-                   what + fmt::format(", {:.3g} % of the air away from what is seen", 100 * std::abs(off)),
-                   found, way_out);
+      problems.add(where, away, found, way_out);
     else if (std::abs(off) > kTold)
-      notices.push_back(
-          what + fmt::format(", {:.3g} % of the air away from what is seen: ", 100 * std::abs(off)) + found);
+      notices.push_back(away + ": " + found);
   };
   const auto angle = [](double sec) { return std::acos(1 / std::max(1.0, sec)) * kDegrees; };
   const auto farther = [](double a, double b) { return std::abs(a) > std::abs(b) ? a : b; };
@@ -56,19 +54,18 @@ std::vector<std::string> one_direction_notices(const atmos::RenderTable& table, 
              &azimuths = table.axis("relative_azimuth").nodes;
   if (zeniths.size() == 1) {
     const double sec = 1 / std::cos(zeniths[0] / kDegrees);
-    judge(farther(view.sec_max / sec - 1, view.sec_min / sec - 1),
+    judge(farther(view.sec_max / sec - 1, view.sec_min / sec - 1), "the air on the path",
           fmt::format("the imported atmosphere table holds one view zenith, {:.4g} deg", zeniths[0]),
           fmt::format("views from {:.4g} to {:.4g} deg off nadir", angle(view.sec_min), angle(view.sec_max)),
           "import runs at several view zeniths, or narrow the view");
   }
   if (targets.size() == 1) {
+    // Of the whole column, not of the path: from a hundred metres up the path is a hundredth of it, and what it adds as little of the light.
     const double air = air_below(view.sensor_height_m, targets[0]);
-    if (air > 0)
-      judge(farther(air_below(view.sensor_height_m, heights.lo_m) / air - 1,
-                    air_below(view.sensor_height_m, heights.hi_m) / air - 1),
-            fmt::format("the imported atmosphere table holds one target height, {:.5g} m", targets[0]),
-            fmt::format("scene from {:.5g} to {:.5g} m", heights.lo_m, heights.hi_m),
-            "import runs that end at several heights, or move the scene");
+    judge(farther(air_below(view.sensor_height_m, heights.lo_m) - air, air_below(view.sensor_height_m, heights.hi_m) - air),
+          "the column of air", fmt::format("the imported atmosphere table holds one target height, {:.5g} m", targets[0]),
+          fmt::format("scene from {:.5g} to {:.5g} m", heights.lo_m, heights.hi_m),
+          "import spectra of runs that end at several heights (channels of a .chn hold one), or move the scene to that height");
   }
   problems.throw_if_any();
   if (azimuths.size() == 1 && zeniths.back() > 0.01 && angle(view.sec_max) > kToldOffNadir_deg)

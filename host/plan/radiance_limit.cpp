@@ -10,6 +10,9 @@ namespace raycube::plan {
 
 namespace {
 
+/// No air sends more than this back: a table that says so bounds nothing.
+constexpr double kLargestReturn = 0.95;
+
 /// Largest value of a row at each of the table's wavelengths; wavelength is the first axis.
 std::vector<double> largest_of(const atmos::Row& row, std::size_t wavelengths) {
   const std::size_t inner = row.values.size() / wavelengths;
@@ -39,6 +42,16 @@ std::vector<double> largest_emission(const Plan& plan, const scene::CompiledScen
   return out;
 }
 
+/// S of the air above the ground on the plan's grid, at the height where it is largest; 0 where the plan has no light between ground and air.
+std::vector<double> largest_return(const Plan& plan, const atmos::RenderTable& table) {
+  std::vector<double> out(plan.wavelength_um.size(), 0.0);
+  if (plan.environment.empty()) return out;
+  const auto& um = atmos::wavelengths(table);
+  out = atmos::resample_linear(um, largest_of(table.need("spherical_albedo", "light between ground and air"), um.size()), plan.wavelength_um);
+  for (double& s : out) s = std::clamp(s, 0.0, kLargestReturn);
+  return out;
+}
+
 }  // namespace
 
 std::vector<double> radiance_limit(const Plan& plan, const scene::CompiledScene& scene,
@@ -47,7 +60,8 @@ std::vector<double> radiance_limit(const Plan& plan, const scene::CompiledScene&
   if (plan.sun_up && table.has("solar_irradiance")) {
     const auto e0 =
         atmos::resample_linear(atmos::wavelengths(table), atmos::solar_irradiance(table), plan.wavelength_um);
-    for (std::size_t i = 0; i < limit.size(); ++i) limit[i] += e0[i] / std::numbers::pi;
+    const std::vector<double> back = largest_return(plan, table);
+    for (std::size_t i = 0; i < limit.size(); ++i) limit[i] += e0[i] / (std::numbers::pi * (1 - back[i]));
   }
   for (std::size_t i = 0; i < limit.size(); ++i) {
     double brightest = 0;

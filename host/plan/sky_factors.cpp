@@ -29,9 +29,9 @@ constexpr double kFaintest = 1e-9;
 constexpr double kLowSun = 87 * kDegree;
 /// The decomposition weighs a direction by cos(zenith) + this: the horizon, which cos alone forgets, lights walls and crowns.
 constexpr double kHorizonShare = 0.1;
-/// Most that the sampled sky's irradiance may differ from the table's row diffuse_irradiance and still be scaled to it: more is no
-/// interpolation's error but another sky, which is left as it is and told.
-constexpr double kAnotherSky = 0.05;
+/// The sky is never brought to its flux by more than this factor: what two rows of a table may contradict each other by before neither
+/// means anything. Far below it is told (kAnotherSky).
+constexpr double kMostScaled = 2;
 
 /// The axis with intervals no wider than `widest(middle)` (rad).
 template <class Widest>
@@ -296,7 +296,7 @@ SkySpectra sky_spectra(const SkyFactors& factors, const TableSpectra& table, dou
 }
 
 double same_sky_scale(double sampled, double flux) {
-  return std::abs(sampled - flux) < kAnotherSky * flux && sampled > 0 ? flux / sampled : 1;
+  return sampled > 0 && flux > 0 ? std::clamp(flux / sampled, 1 / kMostScaled, kMostScaled) : 1;
 }
 
 Spectrum sky_flux_scale(const TableSpectra& table, double height_m, double sun_zenith_rad) {

@@ -54,9 +54,12 @@ class SkyFactorizer {
 /// Weighted least-squares spectra of the sky at another height on the maps already chosen.
 SkySpectra sky_spectra(const SkyFactors& factors, const TableSpectra& table, double height_m);
 
-/// What the sampled sky is multiplied by so that it carries the table's own flux: flux over sampled irradiance where they differ by less
-/// than 5 %, which is what interpolation and quadrature leave (0.3 % at 48 degrees and 0.41 um, 1.5 % with the sun in the horizon);
-/// 1 where they are two skies.
+/// More than interpolation and quadrature leave between the sampled sky and the table's flux of it (0.3 % at 48 degrees and 0.41 um, 1.5 %
+/// with the sun in the horizon): rows that contradict each other, or a sky on too coarse a grid, which is told.
+inline constexpr double kAnotherSky = 0.05;
+
+/// What the sampled sky is multiplied by so that it carries the table's own flux: flux over sampled irradiance, at most 2 and at least a
+/// half; 1 where either is 0.
 double same_sky_scale(double sampled, double flux);
 
 /// That factor per table wavelength at one height, the sky sampled as SkyFactorizer does; 1 where the table knows no such flux.

@@ -55,7 +55,7 @@ TableSpectra::TableSpectra(const atmos::RenderTable& table, bool no_air, bool su
   if (thermal_) {
     table.need("path_radiance_thermal", "thermal light");
     const bool dark_sky =
-        !table.has("sky_radiance_thermal") && table.axis("wavelength").nodes.back() < base::kHeatFrom_um;
+        !table.has("sky_radiance_thermal") && !base::asks_for_heat(table.axis("wavelength").nodes.back());
     heat_alone = !dark_sky;
     if (!dark_sky) {
       const auto& sky = table.need("sky_radiance_thermal", "thermal light");

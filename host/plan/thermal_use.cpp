@@ -71,7 +71,7 @@ void add_notices(ThermalUse& use, const scene::CompiledScene& scene, const std::
     hottest_K = std::max(hottest_K, material.temperature_K),
     coolest_K = std::min(coolest_K, material.temperature_K);
   }
-  const bool far = spectral.wavelength_um.back() > base::kHeatFrom_um;
+  const bool far = base::asks_for_heat(spectral.wavelength_um.back());
   if (!cold.empty() && (use.on || far))
     use.notices.push_back(fmt::format(
         "instrument '{}': {} without a temperature emits nothing: {}; give temperature_K, or [thermal] "
@@ -91,7 +91,7 @@ void add_notices(ThermalUse& use, const scene::CompiledScene& scene, const std::
 }  // namespace
 
 std::string temperature_demand(bool vacuum, double bands_to_um, bool thermal_rows, double table_to_um) {
-  if (thermal_rows && table_to_um >= base::kHeatFrom_um) return "the atmosphere table holds thermal light";
+  if (thermal_rows && base::asks_for_heat(table_to_um)) return "the atmosphere table holds thermal light";
   if (vacuum && bands_to_um > kVacuumHeatFrom_um) return "bands without air reach beyond 4 um";
   return "";
 }

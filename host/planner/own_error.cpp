@@ -46,16 +46,19 @@ TrialImage few_pixels(render::Renderer& renderer, const scene::Simulation& simul
 void from_few_pixels(OwnError& out, render::Renderer& renderer, const scene::Simulation& simulation,
                      const scene::Instrument& given, const plan::Plan& plan) {
   scene::Instrument instrument = given;
-  instrument.first_samples = 0, instrument.small_objects = scene::SmallObjects::off;
+  instrument.small_objects = scene::SmallObjects::off;
   instrument.standard_error = scene::StandardError::off;
   scene::Instrument random = instrument;
   const bool box = given.psf_sigma_px == 0 && given.psf_support_px == 1;
+  random.first_samples = 0;
   random.sampler = box ? scene::SamplerKind::lattice : scene::SamplerKind::jittered;
   const TrialImage image = few_pixels(renderer, simulation, instrument, plan, simulation.seed);
   const TrialImage one = few_pixels(renderer, simulation, random, plan, simulation.seed + kOtherSeed);
   const TrialImage two = few_pixels(renderer, simulation, random, plan, simulation.seed + 2 * kOtherSeed);
-  out.drawn = error_against(image, one, two, judged_means(image)).bound;
+  const TrialError drawn = error_against(image, one, two, judged_means(image));
+  out.drawn = drawn.bound;
   out.total = std::hypot(out.plan, out.drawn);
+  out.likely = std::hypot(out.plan, drawn.estimate);
   out.from = fmt::format("{} pixels rendered three times; `raycube plan` measures it", image.pixels());
 }
 
@@ -65,7 +68,7 @@ OwnError own_error(render::Renderer& renderer, const scene::Simulation& simulati
                    const scene::Instrument& instrument, const plan::Plan& plan, const Decision& decision) {
   OwnError out;
   out.tolerance = simulation.tolerance, out.plan = decision.plan_error;
-  if (decision.total_error >= 0) {
+  if (decision.total_error >= 0 && !instrument.adaptive()) {  // the trial takes all samples of every pixel
     out.samples = decision.samples_error, out.sky = decision.sky_error, out.total = decision.total_error;
     out.drawn = std::hypot(out.samples, out.sky);
     out.from = fmt::format("the plan's trial of {} pixels", decision.trial_pixels);
@@ -80,14 +83,16 @@ std::string own_error_text(const OwnError& e) {
       e.samples < 0
           ? fmt::format("samples and sky directions {}", percent_text(e.drawn))
           : fmt::format("samples {}, sky directions {}", percent_text(e.samples), percent_text(e.sky));
-  return fmt::format("error about {} of {:.3g} % tolerated{} ({}, nodes and components {}; by {})",
-                     percent_text(e.total), 100 * e.tolerance, e.kept() ? "" : ": NOT KEPT", drawn,
+  const std::string total = e.likely < 0 ? "at most " + percent_text(e.total)
+                                         : fmt::format("about {}, at most {},", percent_text(e.likely), percent_text(e.total));
+  return fmt::format("error {} of {:.3g} % tolerated{} (bounds: {}, nodes and components {}; by {})",
+                     total, 100 * e.tolerance, e.kept() ? "" : ": NOT KEPT", drawn,
                      percent_text(e.plan), e.from);
 }
 
 std::string own_error_json(const OwnError& e) {
   const auto number = [](double value) { return value < 0 ? nlohmann::json() : nlohmann::json(value); };
-  return nlohmann::json{{"tolerance", e.tolerance},       {"total", e.total},
+  return nlohmann::json{{"tolerance", e.tolerance},       {"total", e.total}, {"likely", number(e.likely)},
                         {"within_tolerance", e.kept()},   {"samples_and_sky_directions", e.drawn},
                         {"samples", number(e.samples)},   {"sky_directions", number(e.sky)},
                         {"nodes_and_components", e.plan}, {"from", e.from}}

@@ -30,6 +30,9 @@ Error bad(const std::string& path, const std::string& what) {
   return Error(Fault::input, path + ": " + what);
 }
 
+/// More is held of no file at once. A run writes 4 MiB (base::kHashBlock_bytes).
+constexpr std::uint64_t kMostBlock_bytes = 64u << 20;
+
 /// Members of run.json that verification needs, and nothing that could lead out of its folder.
 struct Recorded {
   std::uint64_t block_bytes = 0;
@@ -50,14 +53,17 @@ Recorded recorded_in(const std::string& path) {
                 "again to have them");
     const Json& sha = record.at("sha256");
     out.block_bytes = sha.at("block_bytes");
+    if (out.block_bytes == 0 || out.block_bytes > kMostBlock_bytes)
+      throw bad(path, fmt::format("is damaged: its block_bytes are not from 1 to {} (found {})",
+                                  kMostBlock_bytes, out.block_bytes));
     for (const auto& [name, file] : sha.at("files").items()) {
       out.files.push_back({name, {file.at("bytes"), file.at("blocks"), file.at("list")}});
       const auto& hashes = out.files.back().second;
       if (name.empty() || name == ".." || name != fs::path(name).filename())
         throw bad(path, fmt::format("names a file outside its folder: \"{}\"", name));
-      if (out.block_bytes == 0 ||
-          hashes.blocks.size() != (hashes.bytes + out.block_bytes - 1) / out.block_bytes ||
-          base::hash_of_list(hashes.blocks) != hashes.list)
+      const std::uint64_t blocks =
+          hashes.bytes / out.block_bytes + (hashes.bytes % out.block_bytes != 0 ? 1 : 0);
+      if (hashes.blocks.size() != blocks || base::hash_of_list(hashes.blocks) != hashes.list)
         throw bad(
             path,
             fmt::format(
@@ -114,13 +120,14 @@ std::string difference(const std::string& folder, const std::string& name, const
                        std::uint64_t block_bytes, const std::function<void(std::uint64_t)>& done) {
   const Reader file((fs::path(folder) / name).string());
   if (const std::string why = file.why_not(); !why.empty()) return fmt::format("{}: {}", name, why);
-  std::vector<unsigned char> data(std::min(block_bytes, std::max<std::uint64_t>(1, wanted.bytes)));
+  // Of what is there, whatever the record says: what is missing cannot be read.
+  std::vector<unsigned char> data(std::min(block_bytes, std::max<std::uint64_t>(1, file.size())));
   for (std::size_t i = 0; i < wanted.blocks.size(); ++i) {
     base::throw_if_interrupted();
     const std::uint64_t first = i * block_bytes, bytes = std::min(block_bytes, wanted.bytes - first);
     const std::string where = fmt::format("{}: block {} of {} (bytes {} to {})", name, i,
                                           wanted.blocks.size(), first, first + bytes - 1);
-    const std::size_t got = file.read(first, data.data(), bytes);
+    const std::size_t got = file.read(first, data.data(), std::min<std::uint64_t>(bytes, data.size()));
     if (got < bytes)
       return fmt::format("{}: the file ends, or cannot be read, at byte {} of {}", where, first + got,
                          wanted.bytes);

@@ -110,7 +110,7 @@ struct Renderer::State {
             make_stage_shape(instrument, plan, sensors::pixels_per_group(instrument))};
   }
   std::size_t row_capacity(const StageShape& shape) const {
-    return shape.chunked() ? kChunkedCapacity : static_cast<std::size_t>(options.row_capacity);
+    return row_capacity_of(shape, options.row_capacity);
   }
 
   std::size_t memory() const {

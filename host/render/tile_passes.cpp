@@ -45,6 +45,17 @@ void add(RenderStatistics& sum, const RenderStatistics& part) {
 constexpr std::size_t kFineShare = 8;
 constexpr std::size_t kMostFineGroups = 64;  ///< rendered at once
 
+std::size_t fine_capacity(const StageShape& shape, std::size_t row_capacity) {
+  return shape.chunked() ? std::max(row_capacity, kChunkedCapacity) : row_capacity;
+}
+
+/// What a group of pixels takes on the device.
+std::size_t fine_group_bytes(const StageShape& shape, std::size_t capacity, bool errors) {
+  const std::size_t parts = errors && shape.chunked() ? sensors::kSampleSubsets : 0;
+  return static_cast<std::size_t>(shape.pixels_per_group) *
+         (shape.pixel_bytes() + (1 + parts) * shape.row_bytes(capacity));
+}
+
 /// The instrument's small objects, or nothing where it does not ask for them or the scene has none.
 std::optional<sensors::SmallObjectPixels> small_objects_of(const RenderSetup& setup) {
   if (setup.instrument.small_objects != scene::SmallObjects::on) return {};
@@ -92,6 +103,13 @@ LeastMemory least_memory(const scene::CompiledScene& scene, const scene::Instrum
       bytes += coarse.pixel_bytes() + coarse.row_bytes(row_capacity);
     }
   }
+  if (instrument.small_objects == scene::SmallObjects::on)  // one group at a time of every level
+    for (const int samples : sensors::kFineLevels) {
+      if (samples > sensors::finest_level(instrument)) break;
+      const StageShape shape = shape_of(sensors::with_fine_samples(instrument, samples), plan);
+      out.fine_bytes += fine_group_bytes(shape, fine_capacity(shape, row_capacity),
+                                         instrument.standard_error != scene::StandardError::off);
+    }
   return out;
 }
 
@@ -207,7 +225,9 @@ void TilePasses::run_adaptive(const Tile& tile, const TileOutput& out) {
       const int row = tile.first_line + line - first_line, column = (tile_group + group - first_group) * width;
       const std::size_t from = static_cast<std::size_t>(row) * static_cast<std::size_t>(seen.columns) + static_cast<std::size_t>(column);
       const std::size_t used = std::min(wide, static_cast<std::size_t>(tile.columns - group * width));
-      const bool all = std::any_of(open.begin() + static_cast<std::ptrdiff_t>(from), open.begin() + static_cast<std::ptrdiff_t>(from + used), [](auto flag) { return flag != 0; });
+      const auto first = open.begin() + static_cast<std::ptrdiff_t>(from);
+      const bool all = std::any_of(first, first + static_cast<std::ptrdiff_t>(used), [](auto flag) { return flag != 0; }) ||
+                       (small_ && small_->needs_all(look.groups[from / wide], static_cast<int>(used)));
       groups[all].push_back(look.groups[from / wide]);
       first_pixel[all].push_back(static_cast<std::size_t>(line) * static_cast<std::size_t>(tile.columns) + static_cast<std::size_t>(group * width));
       adaptive_pixels_ += used;
@@ -225,14 +245,12 @@ TilePasses::Fine& TilePasses::fine(int samples) {
   RenderSetup setup{setup_.context, setup_.scene, setup_.buffers, *instrument,
                     setup_.plan,    setup_.sun,   setup_.seed,    shape_of(*instrument, setup_.plan)};
   setup.shape.sky_share = fine_sky_share(setup_.plan, samples);
-  const std::size_t capacity =
-      setup.shape.chunked() ? std::max(row_capacity_, kChunkedCapacity) : row_capacity_;
   const bool errors = setup_.instrument.standard_error != scene::StandardError::off;
-  const std::size_t parts = errors && setup.shape.chunked() ? sensors::kSampleSubsets : 0;
-  const std::size_t pixel_bytes = setup.shape.pixel_bytes() + (1 + parts) * setup.shape.row_bytes(capacity);
-  const std::size_t group_bytes = static_cast<std::size_t>(setup.shape.pixels_per_group) * pixel_bytes;
+  const std::size_t capacity = fine_capacity(setup.shape, row_capacity_);
+  const std::size_t group_bytes = fine_group_bytes(setup.shape, capacity, errors);
   const std::size_t groups =
-      std::clamp<std::size_t>(fine_bytes_ / group_bytes, 1, std::min(kMostFineGroups, most_groups_));
+      std::clamp<std::size_t>(fine_bytes_ / std::size(sensors::kFineLevels) / group_bytes, 1,
+                              std::min(kMostFineGroups, most_groups_));
   at = std::make_unique<Fine>(std::move(instrument), setup, table_, groups, capacity, errors);
   return *at;
 }

@@ -74,11 +74,15 @@ void require_memory(const StageShape& shape, const LeastMemory& least, int pixel
       RC_GROUP_WIDTH * std::max({device_pixel, strip_pixel, largest_buffer(shape, capacity)});
   const std::size_t strips = strip_pixel * static_cast<std::size_t>(pixels);
   const std::size_t rows = least.table_rows * static_cast<std::size_t>(shape.channels) *
-                           static_cast<std::size_t>(shape.bands_padded) * sizeof(float);
+                               static_cast<std::size_t>(shape.bands_padded) * sizeof(float) +
+                           least.fine_bytes;
   const std::size_t need = kBudgetShares * std::max({group, strips, rows});
   if (need <= memory_bytes) return;
   const char* const what = strips >= group && strips >= rows ? "the strips of one line on their way out"
-                           : rows >= group                   ? "the band-table rows of one pixel"
+                           : rows >= group && least.fine_bytes > 0
+                               ? "the band-table rows of one pixel and the samples of small objects "
+                                 "(small_objects = \"off\" spares these)"
+                           : rows >= group ? "the band-table rows of one pixel"
                                                              : "one group of pixels";
   throw base::Error(
       base::Fault::input,

@@ -46,6 +46,11 @@ struct StageShape {
 };
 
 /// Throws Error(input) when the sampler cannot be cut into chunks (a grid wider than kMaxChunkSamples).
+/// Keys that a pixel's row holds, for samples at once or in chunks. given: RenderOptions::row_capacity.
+inline std::size_t row_capacity_of(const StageShape& shape, int given) {
+  return shape.chunked() ? kChunkedCapacity : static_cast<std::size_t>(given);
+}
+
 StageShape make_stage_shape(const scene::Instrument& instrument, const plan::Plan& plan, int pixels_per_group);
 
 /// A rectangle of pixels: full-width strips of lines, or parts of one line when a line exceeds the budget.
@@ -74,10 +79,12 @@ struct LeastMemory {
       0;  ///< floats of a pixel on its way out: bands (twice with their standard errors) and truth layers
   std::size_t table_rows = 0;    ///< the band table's: kFewestRows, or all there can be
   std::size_t more_bytes = 0;    ///< of a pixel on the device, beside the shape's
+  std::size_t fine_bytes = 0;    ///< of the pixels of small objects, beside the band table's rows
 };
 
 /// Throws Error(input) that names the least --memory when a third of `memory_bytes` holds less than a group
-/// of pixels, the waiting strips of one line, or one pixel's rows of the band table.
+/// of pixels, the waiting strips of one line, or one pixel's rows of the band table with a group of pixels for
+/// every count of samples that small objects may ask for.
 void require_memory(const StageShape& shape, const LeastMemory& least, int pixels, std::size_t capacity,
                     std::size_t memory_bytes);
 

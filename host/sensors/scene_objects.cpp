@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <bit>
 #include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <map>
 #include <numeric>
+#include <set>
 #include <unordered_map>
 
 namespace raycube::sensors {
@@ -13,8 +15,10 @@ namespace {
 
 using glm::dvec3;
 
-/// A surface with more triangles in one mesh is no collection of parts that are worth telling apart.
-constexpr std::size_t kMostTriangles = 65536;
+/// A surface with more triangles in one mesh is told to be a texture: telling its parts apart takes a second a million.
+constexpr std::size_t kMostTriangles = std::size_t{1} << 21;
+/// However a box is turned, the middle one of its placed extents is no less than this part of its own.
+constexpr double kLeastTurned = 0.5;
 constexpr std::uint64_t kOfMesh = std::uint64_t{1}
                                   << 32;  ///< kinds that are meshes, beside those that are materials
 
@@ -106,10 +110,12 @@ class Collector {
     for (const auto& instance : scene_.instances) ++times[instance.mesh];
     for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) {
       const std::uint32_t mesh = scene_.instances[i].mesh;
-      if (times[mesh] > 1)
-        add_whole(i, kOfMesh | mesh);
-      else if (!add_whole(i, first_kind(scene_.meshes[mesh])))
-        add_parts(i);
+      const bool again = times[mesh] > 1;
+      if (add_whole(i, again ? kOfMesh | mesh : first_kind(scene_.meshes[mesh]))) continue;
+      auto known = parts_.find(mesh);
+      if (known == parts_.end()) known = parts_.emplace(mesh, surfaces_of(mesh)).first;
+      for (SurfaceParts& surface : known->second) add_parts(i, surface);
+      if (!again) parts_.erase(known);
     }
   }
 
@@ -119,10 +125,23 @@ class Collector {
       if (count_[object.kind] <= kMostOfAKind) out.objects.push_back(std::move(object));
     for (const auto& [kind, count] : count_)
       if (count > kMostOfAKind) out.textures.push_back(kind_name(kind));
+    for (const std::uint64_t kind : unread_)
+      if (count_[kind] <= kMostOfAKind) out.textures.push_back(kind_name(kind));
     return out;
   }
 
  private:
+  struct Part {
+    Box local;
+    std::vector<std::uint32_t> triangles;  ///< none where they are more than kFewTriangles
+  };
+  /// The connected parts of one surface of a mesh.
+  struct SurfaceParts {
+    std::uint64_t kind = 0;
+    double narrowest_m = 1e300;  ///< least width of a part, mesh frame
+    std::vector<Part> parts;
+  };
+
   /// A surface's kind: the material that it has most of. Mixtures of a class map are many surfaces of few
   /// materials.
   std::uint64_t kind_of(std::uint32_t surface) const {
@@ -178,8 +197,8 @@ class Collector {
     return true;
   }
 
-  void add_parts(std::uint32_t instance) {
-    const scene::Mesh& mesh = scene_.meshes[scene_.instances[instance].mesh];
+  std::vector<SurfaceParts> surfaces_of(std::uint32_t number) {
+    const scene::Mesh& mesh = scene_.meshes[number];
     std::map<std::uint32_t, std::vector<std::uint32_t>> of_surface;
     std::uint32_t last = RC_NONE;
     std::vector<std::uint32_t>* list = nullptr;
@@ -187,22 +206,47 @@ class Collector {
       if (surface != last) list = &of_surface[surface], last = surface;
       if (list->size() <= kMostTriangles) list->push_back(primitive);
     });
+    std::vector<SurfaceParts> out;
     for (const auto& [surface, triangles] : of_surface) {
-      if (triangles.size() > kMostTriangles) continue;
-      for (auto& part : connected(scene_, triangles)) {
-        Box local;
-        for (const std::uint32_t primitive : part)
-          for (const dvec3& p : local_triangle(scene_, primitive)) local.add(p);
-        if (placed_width(instance, local) <= widest_m_)
-          add(instance, kind_of(surface), local, std::move(part));
+      const std::uint64_t kind = kind_of(surface);
+      if (triangles.size() > kMostTriangles) {
+        unread_.insert(kind);
+        continue;
+      }
+      SurfaceParts& of = out.emplace_back();
+      of.kind = kind;
+      for (auto& lot : connected(scene_, triangles)) {
+        Part& part = of.parts.emplace_back();
+        for (const std::uint32_t primitive : lot)
+          for (const dvec3& p : local_triangle(scene_, primitive)) part.local.add(p);
+        of.narrowest_m = std::min(of.narrowest_m, part.local.width());
+        if (lot.size() <= kFewTriangles) part.triangles = std::move(lot);
       }
     }
+    return out;
+  }
+
+  /// The least a placement scales by, m per m of the mesh's frame.
+  double least_scale(std::uint32_t instance) const {
+    const shared::Instance& at = scene_.instances[instance];
+    const dvec3 origin = placed(at, dvec3(0));
+    return std::min({glm::length(placed(at, {1, 0, 0}) - origin), glm::length(placed(at, {0, 1, 0}) - origin),
+                     glm::length(placed(at, {0, 0, 1}) - origin)});
+  }
+
+  void add_parts(std::uint32_t instance, SurfaceParts& surface) {
+    if (count_[surface.kind] > kMostOfAKind) surface.parts.clear();  // a texture by now
+    if (surface.parts.empty() || kLeastTurned * least_scale(instance) * surface.narrowest_m > widest_m_) return;
+    for (const Part& part : surface.parts)
+      if (placed_width(instance, part.local) <= widest_m_) add(instance, surface.kind, part.local, part.triangles);
   }
 
   const scene::CompiledScene& scene_;
   double widest_m_;
   std::vector<SceneObject> objects_;
   std::map<std::uint64_t, std::size_t> count_;
+  std::map<std::uint32_t, std::vector<SurfaceParts>> parts_;  ///< of meshes that are placed again
+  std::set<std::uint64_t> unread_;                            ///< kinds with a surface of too many triangles
 };
 
 }  // namespace

@@ -1,10 +1,9 @@
 // Things of a scene that may be smaller than what the samples of a pixel see, known from their boxes before
 // any ray.
 //
-// A mesh that is placed several times is one object a placement. A mesh that is placed once is one object
-// when it is small itself; else each of its connected parts of one surface is (triangles that share corners):
-// plates of a file that holds a whole test site, or the rare cells of a class map. A kind of object is its
-// mesh (placed several times) or the material it has most of. A kind of more than kMostOfAKind objects is a
+// A placed mesh that is small is one object. Else each of its connected parts of one surface is (triangles
+// that share corners), at each of its places: plates of a file that holds a whole test site, or the rare cells
+// of a class map. A kind of object is its mesh (small, placed several times) or the material it has most of. A kind of more than kMostOfAKind objects is a
 // texture (leaves, a forest, gravel): many pixels hold some, errors over pixels see them, and the ordinary
 // samples serve them as they do anything else.
 #pragma once
@@ -34,7 +33,7 @@ inline constexpr std::size_t kFewTriangles = 64;
 
 struct SceneObjects {
   std::vector<SceneObject> objects;
-  std::vector<std::string> textures;  ///< kinds left out: "leaf (5000 and more)"
+  std::vector<std::string> textures;  ///< kinds left out: too many objects, or a surface of too many triangles to look
 };
 
 /// Every object whose box is at most `widest_m` wide in two of its three directions.

@@ -276,14 +276,21 @@ std::vector<double> SmallObjectPixels::covers(std::span<const ObjectInPixel> see
   return out;
 }
 
-int SmallObjectPixels::samples_of(std::span<const ObjectInPixel> seen) const {
+double SmallObjectPixels::needed(std::span<const ObjectInPixel> seen) const {
   const State& s = *state_;
-  const int ordinary = s.instrument.samples_u * s.instrument.samples_v, finest = finest_level(s.instrument);
+  const int finest = finest_level(s.instrument);
   double needed = 0;
   for (const double share : covers(seen))
     if (finest * share >= s.area)
       needed =
           std::max(needed, s.area * kPoints * (1 - share) / share);  // else not even the most would find it
+  return needed;
+}
+
+int SmallObjectPixels::samples_of(std::span<const ObjectInPixel> seen) const {
+  const State& s = *state_;
+  const int ordinary = s.instrument.samples_u * s.instrument.samples_v, finest = finest_level(s.instrument);
+  const double needed = this->needed(seen);
   if (needed <= ordinary) return 0;
   const auto* const level = std::find_if(std::begin(kFineLevels), std::end(kFineLevels),
                                          [&](int n) { return n >= needed || n == finest; });
@@ -292,6 +299,14 @@ int SmallObjectPixels::samples_of(std::span<const ObjectInPixel> seen) const {
 
 int SmallObjectPixels::samples_of(const shared::RayGroup& group, int used) const {
   return samples_of(in_group(group, used));
+}
+
+bool SmallObjectPixels::needs_all(std::span<const ObjectInPixel> seen) const {
+  return state_->instrument.adaptive() && needed(seen) > state_->instrument.first_samples;
+}
+
+bool SmallObjectPixels::needs_all(const shared::RayGroup& group, int used) const {
+  return needs_all(in_group(group, used));
 }
 
 SmallObjectSurvey survey_small_objects(const scene::CompiledScene& scene, const scene::Instrument& instrument,
@@ -303,7 +318,9 @@ SmallObjectSurvey survey_small_objects(const scene::CompiledScene& scene, const 
   if (small.empty()) return survey;
   scene::Instrument settled = instrument;
   settled.motion = pose_moves(instrument) ? scene::PoseMotion::moving : scene::PoseMotion::held;
-  const int width = pixels_per_group(instrument), ordinary = instrument.samples_u * instrument.samples_v;
+  // Of adaptive samples a pixel surely has those of the first look.
+  const int width = pixels_per_group(instrument), whole = instrument.samples_u * instrument.samples_v,
+            ordinary = instrument.adaptive() ? instrument.first_samples : whole;
   const double area = std::max(1.0, instrument.psf_support_px) * std::max(1.0, instrument.psf_support_px);
   std::map<std::uint32_t, SmallObjectSurvey::Object> objects;
   for (int line = 0; line < instrument.lines; ++line) {
@@ -313,7 +330,8 @@ SmallObjectSurvey survey_small_objects(const scene::CompiledScene& scene, const 
       const int used = std::min(width, instrument.pixels - group * width);
       const auto seen = small.in_group(groups[static_cast<std::size_t>(group)], used);
       if (seen.empty()) continue;
-      const int fine = small.samples_of(seen), samples = on && fine > 0 ? fine : ordinary;
+      const int fine = small.samples_of(seen);
+      const int samples = on && fine > 0 ? fine : on && small.needs_all(seen) ? whole : ordinary;
       if (on && fine > 0) {
         survey.groups.push_back({line, group * width, fine});
         survey.levels[fine] += static_cast<std::uint64_t>(used),

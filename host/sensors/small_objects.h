@@ -72,10 +72,16 @@ class SmallObjectPixels {
   /// Samples that the pixels of a group need, of kFineLevels; 0: the ordinary ones do.
   int samples_of(const shared::RayGroup& group, int used) const;
   int samples_of(std::span<const ObjectInPixel> seen) const;
+  /// Whether adaptive samples must not leave it at the first look there.
+  bool needs_all(const shared::RayGroup& group, int used) const;
+  bool needs_all(std::span<const ObjectInPixel> seen) const;
   /// A of each, in the pixel that sees it.
   std::vector<double> covers(std::span<const ObjectInPixel> seen) const;
 
  private:
+  /// Samples a pixel, before levels: the most that any of the objects asks for.
+  double needed(std::span<const ObjectInPixel> seen) const;
+
   struct State;
   std::unique_ptr<State> state_;
 };

@@ -83,6 +83,13 @@ with tempfile.TemporaryDirectory() as work:
     # So are some of them, in another order of digits: 2 % of the width.
     _, found = render(plane(work, work / "a.rct", bands=[(750.0, 9.6), (760.15, 9.5), (770.0, 9.4)]))
     check(numpy.abs(found / want[3:6] - 1).max() < 2e-6)
+    # Of two channels with one centre the one of the band's own width: a green band beside a panchromatic one.
+    wide = (work / "a.chn").read_text().replace("FWHM:  9.50 NM", "FWHM:  30.00 NM", 7).replace("FWHM:  30.00 NM", "FWHM:  9.50 NM", 6)
+    (work / "pan.chn").write_text(wide.replace("CENTER:   780.00 NM", "CENTER:   770.10 NM"))  # the seventh is wide, and lies about the sixth
+    run("atmos", "import", work / "pan.chn", *imported[3:], "--sensor-height", 1000, "-o", work / "pan.rct")
+    for width, channel in ((9.5, 5), (30.0, 6)):
+        done, found = render(plane(work, work / "pan.rct", bands=[(770.1, width)]))
+        check(numpy.abs(found[:, 0] / want[channel] - 1).max() < 2e-6 and not record(out / "camera")["warnings"], width, found[0], want, done.stderr)
     # Others are said, and are what a second average makes of them.
     done, found = render(plane(work, work / "a.rct", bands=[(760.0, 14.0), (770.0, 9.5), (775.0, 9.5)]))
     check("2 of 3 bands" in done.stderr and "band 1 is 760 nm, FWHM 14 nm" in done.stderr and "band 3 is 775 nm" in done.stderr, done.stderr)
@@ -98,9 +105,14 @@ with tempfile.TemporaryDirectory() as work:
     refused("render", plane(work, work / "a.rct", pitch=40), "-o", out, "--overwrite", status=2,
             says=["instrument 'camera'", "one view zenith, 0 deg", "to 40.1", "deg off nadir", "import runs"])
     # One target height, likewise; and the sensor's as ever.
-    done, _ = render(plane(work, work / "a.rct", height=20.0))
-    check("one target height, 0 m" in done.stderr, done.stderr)
-    refused("render", plane(work, work / "a.rct", height=200.0), "-o", out, "--overwrite", status=2, says=["one target height, 0 m", "from 200 to 200 m"])
+    # In parts of the whole column: 60 m are 0.75 % of it, 500 m 6 %.
+    done, _ = render(plane(work, work / "a.rct", height=60.0))
+    check("one target height, 0 m, 0.747 % of the column of air away" in done.stderr, done.stderr)
+    refused("render", plane(work, work / "a.rct", height=500.0), "-o", out, "--overwrite", status=2, says=["one target height, 0 m", "from 500 to 500 m"])
+    # Ten metres under a drone are a tenth of the path and nothing of the light.
+    run(*imported, "--sensor-height", 120, "-o", work / "low.rct")
+    done, _ = render(plane(work, work / "low.rct", height=10.0, agl=120.0))
+    check(not record(out / "camera")["warnings"], done.stderr)
     refused("render", plane(work, work / "a.rct", agl=1500.0), "-o", out, "--overwrite", status=2, says=["another sensor height"])
     # Columns that a user names state that nothing varies.
     names = "solar_irradiance [W m-2 um-1],sun_transmission [1],view_transmission [1],two_way_factor [1],path_radiance_solar [W m-2 sr-1 um-1],sky_radiance_solar [W m-2 sr-1 um-1]"
@@ -108,4 +120,27 @@ with tempfile.TemporaryDirectory() as work:
     run("atmos", "import", work / "even.csv", *imported[3:], "--sensor-height", 1000, "-o", work / "even.rct")
     done, _ = render(plane(work, work / "even.rct", pitch=40))
     check(not record(out / "camera")["warnings"], done.stderr)
+
+    # A table that ends at 3 um holds what the path emits and renders as one that ends before: surfaces owe it no temperature.
+    names += ",path_radiance_thermal [W m-2 sr-1 um-1]"
+    for last in ("2.99", "3.0", "3.0000001"):
+        (work / "to3.csv").write_text(f"wavelength [um],{names}\n2.0,100,0.8,0.8,1,0.1,0.5,0.001\n{last},100,0.8,0.8,1,0.1,0.5,0.001\n")
+        run("atmos", "import", work / "to3.csv", *imported[3:], "--sensor-height", 1000, "-o", work / "to3.rct")
+        _, found = render(plane(work, work / "to3.rct", bands=[(2200.0, 20.0), (2800.0, 20.0)]))
+        check(found.min() > 0.1, last, found)
+
+    # A sky whose radiances do not sum to its flux is said, and scaled without a step between the wavelengths.
+    rows = "solar_irradiance [W m-2 um-1],view_transmission [1],sun_transmission [1],two_way_factor [1],path_radiance_solar [W m-2 sr-1 um-1]," \
+           "sky_radiance_solar [W m-2 sr-1 um-1],diffuse_irradiance [W m-2 um-1],direct_irradiance [W m-2 um-1],spherical_albedo [1]," \
+           "diffuse_view_transmission [1],diffuse_return [1]"
+    text = f"wavelength [um],{rows}\n"
+    for um in numpy.linspace(0.66, 0.88, 89):
+        flux = math.pi * 60 * (1.08 - 0.06 * (um - 0.66) / 0.22)  # 8 to 2 % more than the sky's sum
+        text += f"{um},1000,0.9,0.3,1,1,60,{flux},{1000 * math.cos(math.radians(SUN)) * 0.3},0.1,0.05,0.1\n"
+    (work / "step.csv").write_text(text)
+    run("atmos", "import", work / "step.csv", *[word for word in imported[3:] if word != "--even-sky"], "--sensor-height", 1000, "-o", work / "step.rct")
+    done, found = render(plane(work, work / "step.rct"))
+    check("sums to another irradiance" in done.stderr and any("another irradiance" in w for w in record(out / "camera")["warnings"]), done.stderr)
+    steps = numpy.diff(found[0]) / found[0, :-1]
+    check(numpy.ptp(steps) < 5e-4, steps)  # a straight line; the 5 % beyond which it was once left alone made a step of 3 %
 print(f"{program.checks} checks")

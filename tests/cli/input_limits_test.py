@@ -88,6 +88,8 @@ with tempfile.TemporaryDirectory() as work:
     for end in ("\n", "\r\n"):
         (work / "m.ply").write_bytes((whole + body).replace("\n", end).encode())
         program.run("scene", "check", work / "mesh.toml")
+    # A caller that ignores SIGCHLD, which exec keeps.
+    program.run("scene", "check", work / "mesh.toml", preexec_fn=lambda: signal.signal(signal.SIGCHLD, signal.SIG_IGN))
     # What an OBJ refers to may be a pipe: Assimp opens it, and the limit on what does not compute ends that. Not waited for here.
 
     # A raster whose samples come from a pipe, as a VRT allows.

@@ -2,6 +2,7 @@
 """Where compiled kernels are kept (host/cl/kernel_cache.h): a folder of the user's own that is checked, healed and swept; a private one
 without a home; one error where the disk is full. The oracle is the digest of a run with the driver's own cache.
 usage: kernel_cache_test.py RAYCUBE"""
+import hashlib
 import os
 import pathlib
 import resource
@@ -167,6 +168,45 @@ def full_disk(work, digest):
         print("kernel cache: SKIPPED the full disk: mounts need root and CAP_SYS_ADMIN", flush=True)
 
 
+def full_with_sound_archives(work, env, store, digest):
+    """What was kept does not fit where the driver looks: one error of the environment, and nothing that is sound goes or is called damaged."""
+    before = {path: path.read_bytes() for path in kept_in(store)}
+    for limit in (4 << 10, 20 << 10, 60 << 10):
+        err = render(work, "no room for kept", env, status=3, says=["ree some space"],
+                     preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit)))[1]
+        check("damaged" not in err and {path: path.read_bytes() for path in kept_in(store)} == before, limit, err)
+        check(sorted(store.iterdir()) == sorted(before), list(store.iterdir()))
+    check(render(work, "room again", env)[0] == digest)
+
+
+def unpacked(archive):
+    """Files by path (host/cl/kernel_archive.h)."""
+    at, files = 80, {}
+    for _ in range(int.from_bytes(archive[72:80], "little")):
+        path, content = (int.from_bytes(archive[at + 8 * i:at + 8 * i + 8], "little") for i in (0, 1))
+        at += 16
+        files[archive[at:at + path].decode()] = archive[at + path:at + path + content]
+        at += path + content
+    return files
+
+
+def packed(stem, files):
+    out = b"RCKERN1\n" + stem.encode() + len(files).to_bytes(8, "little")
+    for path, content in files.items():
+        out += len(path.encode()).to_bytes(8, "little") + len(content).to_bytes(8, "little") + path.encode() + content
+    return out + hashlib.sha256(out).hexdigest().encode()
+
+
+def of_another_driver(work, env, store, digest):
+    """Kept by a driver that looked elsewhere: compiled anew, and what no driver here looks for is not carried along for ever."""
+    victim = min(kept_in(store), key=lambda path: path.stat().st_size)
+    files = unpacked(victim.read_bytes())
+    check(packed(victim.stem, files) == victim.read_bytes() and files)
+    victim.write_bytes(packed(victim.stem, {"ZZ/dead" + path[path.index("/", 3):]: content for path, content in files.items()}))
+    check(render(work, "other driver", env)[0] == digest)
+    check(set(unpacked(victim.read_bytes())) == set(files), set(unpacked(victim.read_bytes())))
+
+
 def at_once(work, digest):
     """Two runs that find an empty cache at the same time."""
     env = environment(work, XDG_CACHE_HOME=work / "together")
@@ -189,6 +229,8 @@ with tempfile.TemporaryDirectory() as folder:
     env, store, kept = home_of_its_own(work, digest)
     damage(work, env, store, kept, digest)
     others(work, env, store, kept, digest)
+    full_with_sound_archives(work, env, store, digest)
+    of_another_driver(work, env, store, digest)
     sweep(work, env, store, kept)
     no_home(work, digest)
     full_disk(work, digest)

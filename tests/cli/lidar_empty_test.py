@@ -66,6 +66,16 @@ def one(lines, *parts):
     check(len(found) == 1, parts, lines)
 
 
+def by_night(work):
+    """A laser works at any hour; that its background is dark is said, where there is one to be."""
+    night = ("[[lidar]]", "[time]\nsun = { zenith_deg = 100.0, azimuth_deg = 150.0 }\n[[lidar]]")
+    returns, said, kept = rendered(work, [night])
+    check(len(returns) == 4, returns)
+    one(said, "scan", "solar_background", "no twilight"), one(kept, "solar_background", "no twilight")
+    _, said, kept = rendered(work, [night, ("[lidar.products]", "[lidar.detector]\nsolar_background = false\n[lidar.products]")])
+    check(not said and not kept, said, kept)
+
+
 def known_before(work):
     checked = lambda **values: run("scene", "check", written(work, **values)).stderr
     # Ground lies 500 m below, its corners at 520 m; a gate beside it, and none of it said where it holds them.
@@ -96,6 +106,25 @@ def known_before(work):
         program.refused("render", written(work, echoes=echoes), "-o", work / "none", status=2, says=[says])
     program.refused("render", written(work, [("[lidar.products]", '[lidar.detector]\nmode = "geiger"\n[lidar.products]')], echoes="false_returns = 0.1"),
                     "-o", work / "none", status=2, says=["'false_returns' means nothing for mode = \"geiger\""])
+
+
+def plume_aloft(work):
+    """A plume of particles 200 m up, its source's foot on the ground: what a gate of 5 to 60 m beside it records is told as possible."""
+    plume = """[[volume]]
+name = "stack"
+shape = "plume"
+source_g_s = 100.0
+wind_m_s = 3.0
+release_height_m = 200.0
+length_m = 60.0
+yaw_deg = 90.0
+particles = { extinction_per_m = %s }
+"""
+    aside = dict(height=200.0, more="roll_deg = 90.0\nheading_deg = 180.0", start=5.0, stop=60.0)
+    place = ("position_m = [0.0, 0.0, 200.0]", "position_m = [30.0, -20.0, 200.0]")
+    change = lambda extinction: [place, ("[atmosphere]", plume % extinction + "[atmosphere]")]
+    returns, said, _ = rendered(work, change("1.0"), **aside)
+    check(returns and not said, returns, said)
 
 
 def known_after(work):
@@ -154,6 +183,8 @@ def clear_air(work):
 with tempfile.TemporaryDirectory() as folder:
     folder = pathlib.Path(folder)
     known_before(folder)
+    by_night(folder)
+    plume_aloft(folder)
     known_after(folder)
     clear_air(folder)
 print(f"lidar_empty: {program.checks} checks, all well")

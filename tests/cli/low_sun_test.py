@@ -110,6 +110,14 @@ with tempfile.TemporaryDirectory() as work:
         images.append(envi(work / "warm" / "camera", "radiance")[1])
     check((images[0] == images[1]).all() and images[0].min() > 5 and images[0].max() < 10.2, images[0])
 
+    # White ground under a high sun lights itself by way of the air: brighter than E0 / pi, and right.
+    white = plane(work, '{ model = "layered", aerosol = "rural", visibility_km = 23.0, spectral_step_nm = 20.0 }', 0,
+                  '{ first_nm = 400.0, step_nm = 20.0, count = 3, fwhm_nm = 10.0 }')
+    white.write_text(white.read_text().replace(f"reflectance = {kReflectance}", "reflectance = 0.98").replace("altitude_agl_m = 1000.0", "altitude_agl_m = 50.0")
+                     .replace("400.0, 400.0", "4000.0, 4000.0"))
+    run("render", white, "-o", work / "white", env=cache)
+    check(record(work / "white" / "camera")["radiance_bound"]["pixels_beyond"] == 0, record(work / "white" / "camera")["radiance_bound"])
+
     # What a table may not make of a cube. E0 = 1000, both transmissions 1, no path: R2 = 20 is light from nowhere.
     def tabled(e0, factor):
         csv = work / "made.csv"

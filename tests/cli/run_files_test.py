@@ -130,6 +130,12 @@ def verification(work, big):
     refused("info", "--verify", folder, status=2, says=["no member \"sha256\"", "render again"])
     with_record(lambda r: r["sha256"]["files"]["radiance.img"]["blocks"].reverse())
     refused("info", "--verify", folder, status=2, says=["its own list of blocks of radiance.img is damaged"])
+    # Sizes that nobody wrote: refused before anything of that size is taken.
+    for size in (0, (64 << 20) + 1, 1 << 62, (1 << 64) - 1):
+        with_record(lambda r: r["sha256"].update(block_bytes=size))
+        refused("info", "--verify", folder, status=2, says=["run.json: is damaged: its block_bytes", f"(found {size})"])
+    with_record(lambda r: r["sha256"]["files"]["truth.hdr"].update(bytes=(1 << 64) - 1))
+    refused("info", "--verify", folder, status=2, says=["its own list of blocks of truth.hdr is damaged"])
     with_record(lambda r: r["sha256"]["files"].update({"../x": r["sha256"]["files"]["truth.hdr"]}))
     refused("info", "--verify", folder, status=2, says=["outside its folder"])
     with_record(lambda r: r["sha256"]["files"].update({"radiance.img": 5}))

@@ -116,6 +116,31 @@ with tempfile.TemporaryDirectory() as temporary:
     check("may be missed" not in run("render", off, "-o", folder / "off").stderr)
     check(record(folder / "off" / "camera")["digest"] == kept["digest"])
     refused("render", site(folder, "bad.toml", plates, 'small_objects = "some"'), "-o", folder / "bad", status=2, says=["small_objects", "auto, on, off"])
+    # Where a first look may settle a pixel, its small targets are not left to that.
+    adaptive = "samples = { lattice = 1024, first = 16 }"
+    for key, said in (("on", False), ("auto", True)):
+        looked = site(folder, "looked.toml", plates, f'{adaptive}\nsmall_objects = "{key}"')
+        done = run("render", looked, "-o", folder / "looked", "--overwrite")
+        shares, _ = found(folder / "looked" / "camera", plates)
+        check(("may be missed" in done.stderr) == said and (min(shares) > 0.8) != said, key, done.stderr, shares)
+    # Plates of one large file, finely meshed, that is placed twice.
+    with open(folder / "plates.obj", "w") as file:
+        side, corners = 34, 0
+        for x, y, s in plates:
+            for j in range(side + 1):
+                for i in range(side + 1):
+                    file.write(f"v {x - s / 2 + s * i / side:.6f} {y - s / 2 + s * j / side:.6f} 0.01\n")
+            for j in range(side):
+                for i in range(side):
+                    a = corners + j * (side + 1) + i + 1
+                    file.write(f"f {a} {a + 1} {a + side + 2} {a + side + 1}\n")
+            corners += (side + 1) ** 2
+    twice = site(folder, "twice.toml", [])
+    placed = 'mesh = [ { name = "plates", file = "plates.obj", material = "target" } ]\n'
+    placed += 'instance = [ { mesh = "plates" }, { mesh = "plates", position_m = [500.0, 0.0, 0.0] } ]\n'
+    twice.write_text(twice.read_text().replace("[[instrument]]", placed + "[[instrument]]"))
+    said = run("render", twice, "-o", folder / "twice").stderr
+    check("32 small objects in" in said and all(0.8 < share < 1.2 for share in found(folder / "twice" / "camera", plates)[0]), said)
     # Smaller than the finest samples tell: named even so.
     dust = run("render", site(folder, "dust.toml", plates + [(0.3, 0.2, 0.015)]), "-o", folder / "dust").stderr
     check("1 of 33 objects" in dust and "0.015 x 0.015" in dust and "smaller than the finest samples" in dust, dust)
@@ -129,6 +154,16 @@ with tempfile.TemporaryDirectory() as temporary:
         planned = json.loads(run("plan", strips, "--json", "-q").stdout)["instruments"][0]["decision"]["error"]["total"]
         check("NOT KEPT" in said and "`raycube plan` measures it" in said, said)
         check(error["within_tolerance"] is False and 0.5 * planned < error["total"] < 2 * planned, error, planned)
+    # With adaptive samples it is that of the image, not of all samples.
+    errors = []
+    for samples in ("lattice = 256", "lattice = 256, first = 4"):
+        strips = site(folder, "first.toml", [], f"samples = {{ {samples} }}")
+        thin = [f'{{ material = "target", position_m = [{-19 + 4.07 * i:.3f}, 0.0, 0.01], size_m = [0.12, 100.0] }}' for i in range(10)]
+        strips.write_text(strips.read_text().replace("size_m = [120.0, 120.0] }", ", ".join(["size_m = [120.0, 120.0] }", *thin])))
+        run("render", strips, "-o", folder / "first", "--overwrite", "-q")
+        errors.append(record(folder / "first" / "camera")["error"])
+    print("strips, all samples and those after a look of 4:", [error["likely"] for error in errors])
+    check(errors[1]["likely"] > 2 * errors[0]["total"], errors)
     chosen = scene(folder, "chosen.toml", head="tolerance = 0.03")
     chosen.write_text("".join(line for line in chosen.read_text().splitlines(True) if not line.startswith("samples")))
     said = run("render", chosen, "-o", folder / "chosen").stderr

@@ -190,3 +190,16 @@ TEST_CASE(
   test::add_return(shot.first, 4000, 300, kSigmaBins);
   CHECK(expected_detections(plan, shot).front().echoes.size() == 1);
 }
+
+TEST_CASE("a threshold between two counts takes the higher one, in air and out of it") {
+  LidarPlan plan = airy_plan(scene::DetectorMode::photons);
+  plan.lidar.echoes.false_returns = 1e3;  // every bin's noise may pass: the threshold alone decides
+  plan.lidar.echoes.threshold_pe = 5.4;
+  DetectorNoise noise = detector_noise(plan.lidar, 1.0, 100);
+  noise.air = {0.0, 0.5};
+  for (const std::size_t bin : {std::size_t{0}, std::size_t{1}}) {
+    const double below = noise.background + noise.air_at(bin);  // values are counts less what is expected
+    CHECK_FALSE(reaches_threshold(plan.lidar, noise, bin, 5 - below));
+    CHECK(reaches_threshold(plan.lidar, noise, bin, 6 - below));
+  }
+}

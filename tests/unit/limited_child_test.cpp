@@ -105,6 +105,14 @@ TEST_CASE("Ctrl-C ends the child and is told") {
   CHECK(::waitpid(-1, nullptr, WNOHANG) == -1);  // no child is left
 }
 
+TEST_CASE("a caller that ignores SIGCHLD, which exec keeps, takes no child from us") {
+  ::signal(SIGCHLD, SIG_IGN);
+  install_signal_handlers();
+  auto out = in_limited_child({}, [](Parcel& parcel) { parcel.value(7); });
+  REQUIRE(out.end == ChildEnd::done);
+  CHECK(out.value<int>() == 7);
+}
+
 TEST_CASE("what is no plain file is told by its kind, and nothing is opened") {
   const TestFolder folder;
   folder.write("plain", "x");

@@ -201,9 +201,11 @@ TEST_CASE("S4.9 where light goes between ground and air, shading's sky carries t
   for (std::size_t l = 0; l < count; ++l) CHECK(above[0][l] == doctest::Approx(there[l]).epsilon(1e-12));
 }
 
-TEST_CASE("S4.9 a flux that is another sky's moves nothing") {
+TEST_CASE("S4.9 a sky is brought to its flux without steps, by no more than 2, and not at all where either is dark") {
   CHECK(plan::same_sky_scale(2.0, 2.02) == doctest::Approx(1.01).epsilon(1e-15));
-  CHECK(plan::same_sky_scale(2.0, 2.2) == 1);
+  CHECK(plan::same_sky_scale(2.0, 2.2) == doctest::Approx(1.1).epsilon(1e-15));
+  CHECK(plan::same_sky_scale(2.0, 9.0) == 2);
+  CHECK(plan::same_sky_scale(9.0, 2.0) == 0.5);
   CHECK(plan::same_sky_scale(2.0, 0.0) == 1);
   CHECK(plan::same_sky_scale(0.0, 0.0) == 1);
 }

@@ -408,6 +408,23 @@ TEST_CASE("bad input: objects so far from the origin that single precision loses
   CHECK_SAYS(notices("[1e5, 0, 0]", 2).front(), "worst 'hut': 2 m at 1e+05, 0, ");
   CHECK(notices("[1e5, 0, 0]", 40).empty());
   CHECK(notices("[8e3, 0, 0]", 2).empty());
+  // A mesh in map coordinates that its placement moves back has lost its digits in its own file.
+  std::string map = "";
+  for (const char* corner : {"276000 4753000 0", "276002 4753000 0", "276002 4753002 0", "276000 4753002 1"})
+    map += std::string("v ") + corner + "\n";
+  folder.write("map.obj", map + "f 1 2 3 4\n");
+  const std::string lost = refusal(folder, std::string(kHead) + kGrey +
+                                               "[[mesh]]\nname = \"shed\"\nfile = \"map.obj\"\nmaterial = \"grey\"\n"
+                                               "[[instance]]\nmesh = \"shed\"\nposition_m = [-276000, -4753000, 0]\n");
+  CHECK_SAYS(lost, "single precision does not resolve 'shed'");
+  CHECK_SAYS(lost, "0.5 m apart in its own file");
+  // What single precision makes a point of is no smaller thing that it resolves.
+  for (const char* size : {"0.6", "0.2"})
+    CHECK_SAYS(refusal(folder, std::string(kHead) + kGrey +
+                                   "[[plane]]\nname = \"plate\"\nmaterial = \"grey\"\nposition_m = [5e6, 5e6, "
+                                   "0]\nsize_m = [" +
+                                   size + ", " + size + "]\n"),
+               "single precision does not resolve");
   // Terrain is as coarse as its cells, not as it is wide.
   folder.write("dem.asc",
                "ncols 3\nnrows 3\nxllcorner 90000\nyllcorner 0\ncellsize 0.0625\n1 1 1\n1 1 1\n1 1 1\n");
