@@ -42,6 +42,7 @@ LidarJob prepare_lidar(const scene::Simulation& simulation, const scene::Lidar& 
   if (!air.none)
     table = std::make_unique<atmos::RenderTable>(
         atmos::build_lidar(air, lidar::table_wavelengths(lidar::make_nodes(lidar)), atmos::lidar_heights(air)));
+  if (table) job.air_json = table->provenance_json;
   job.table_s = seconds_since(start);
   start = std::chrono::steady_clock::now();
   job.plan = lidar::make_lidar_plan(simulation, lidar, table.get());

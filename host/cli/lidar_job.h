@@ -29,6 +29,7 @@ struct LidarJob {
   lidar::LidarPlan plan;
   planner::LidarDecision decision;
   std::string plan_json;                      ///< the decision and its lines
+  std::string air_json;                       ///< what the air was made of; empty: none
   double table_s = 0, plan_s = 0;
 };
 

@@ -263,6 +263,7 @@ nlohmann::json render_lidar(const scene::Simulation& simulation, const scene::Li
   if (turbulence) more["turbulence"] = *turbulence;
   record.warnings = light_notices(simulation, lidar);
   record.more_json = {{"survey", more.dump()}, {"launches", render::tuning_json(renderer.tuning())}};
+  if (!job.air_json.empty()) record.more_json.emplace_back("atmosphere", job.air_json);
   if (const std::string warning = light_of_run.warning(); !warning.empty()) {
     record.warnings.push_back(warning);
     context.log.warning(warning);
