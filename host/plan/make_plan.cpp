@@ -239,6 +239,7 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
   plan.source_spectrum.resize(static_cast<std::size_t>(plan.source_channels()));
   for (int h = 0; h < plan.height.count; ++h) {
     const double z = node_position(plan.height, h);
+    if (air.has_sky() && air.knows_flux_of_sky()) plan.sky_flux.add(z, first, sky_flux_scale(air, z, domain.sun_zenith));
     const SkySpectra component = sky_spectra(factors, air, z), emitted_sky = sky_spectra(thermal_factors, air, z);
     for (int v = 0; v < plan.view.count; ++v) {
       const double sec = node_position(plan.view, v);

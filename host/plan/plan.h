@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "atmos_tables/render_table.h"
@@ -109,6 +110,26 @@ struct Thermal {
   int nodes() const { return on ? static_cast<int>(temperature_K.size()) : 0; }
 };
 
+/// Factors that bring a table's sky to its flux, at some heights; linear between, 1 at wavelengths that no band sees and where there are none.
+struct SkyFlux {
+  std::vector<double> height_m;            ///< ascending
+  std::size_t first = 0;                   ///< wavelength of the table's axis that scale begins with
+  std::vector<std::vector<double>> scale;  ///< [height][wavelength]
+
+  void add(double at_m, std::size_t first_line, std::vector<double> factors) {
+    height_m.push_back(at_m), first = first_line;
+    scale.push_back(std::move(factors));
+  }
+  double at(double z_m, std::size_t line) const {
+    if (scale.empty() || line < first || line - first >= scale[0].size()) return 1;
+    std::size_t above = 0;
+    while (above < height_m.size() && height_m[above] <= z_m) ++above;
+    const std::size_t hi = above < height_m.size() ? above : above - 1, lo = above > 0 ? above - 1 : 0;
+    const double f = hi > lo ? (z_m - height_m[lo]) / (height_m[hi] - height_m[lo]) : 0;
+    return (1 - f) * scale[lo][line - first] + f * scale[hi][line - first];
+  }
+};
+
 /// Channels. Material rows (curve id >= 1): channel = (source * height.count + h) * view.count + v. Sources, in order: the
 /// direct sun (scalar: max(0, n.s) times visibility) unless it is left out as too dark; the sky components (scalar: irradiance
 /// of the component, unoccluded map minus blocked directions); thermal components likewise; temperature nodes (scalar: node
@@ -134,6 +155,7 @@ struct Plan {
   std::vector<std::vector<double>> transmission_spectrum;  ///< [h * view.count + v][grid], target to sensor (truth layer)
   EnvironmentMap environment;
   std::vector<std::vector<double>> environment_spectrum;  ///< [(0 molecules, 1 aerosol) * environment_channels() + channel][grid], per unit reflectance
+  SkyFlux sky_flux;                                ///< what the full tables' sky is multiplied by to carry its flux, as the components do
   SkyBasis sky_basis;                              ///< the components' angular maps, of which sets and map are made
   SkySets sky;                                     ///< empty without sky components
   IrradianceMap irradiance;

@@ -43,12 +43,13 @@ std::string gaussian_reach() { return fmt::format("a Gaussian response reaches {
 
 std::vector<std::uint32_t> used_curves(const scene::CompiledScene& scene) {
   std::vector<char> surface_used(scene.surfaces.size(), 0), curve_used(scene.materials.size() + 1, scene.blocks.empty() ? 1 : 0);
-  std::vector<char> placed(scene.meshes.size(), 0);
+  std::vector<char> placed(scene.meshes.size(), 0), seen(scene.blocks.size(), 1);
   for (const auto& instance : scene.instances) placed[instance.mesh] = 1;
   for (std::size_t m = 0; m < placed.size(); ++m)
-    for (std::uint32_t block = 0; placed[m] && block < scene.meshes[m].block_count; ++block)
-      for (const auto surface : scene.blocks[scene.meshes[m].first_block + block].surface)
-        if (surface < surface_used.size()) surface_used[surface] = 1;
+    if (!placed[m]) std::fill_n(seen.begin() + scene.meshes[m].first_block, scene.meshes[m].block_count, char{0});
+  for (std::size_t b = 0; b < scene.blocks.size(); ++b)
+    for (const auto surface : scene.blocks[b].surface)
+      if (seen[b] && surface < surface_used.size()) surface_used[surface] = 1;
   for (std::size_t s = 0; s < scene.surfaces.size(); ++s)
     if (surface_used[s])
       for (int k = 0; k < 4; ++k)

@@ -25,7 +25,6 @@ class EnvironmentModel {
   /// Keeps references. The plan must carry light between ground and air.
   EnvironmentModel(const ReferenceScene& scene, const plan::Plan& plan, const atmos::RenderTable& table);
 
-  const std::vector<double>& mean_reflectance() const { return mean_; }  ///< of the ground, on the table's wavelengths
   /// What the air sends back down from a zenith angle, on the table's wavelengths.
   std::vector<double> sky_increment(double height_m, double zenith_deg) const;
   /// Reflectance of the ground around a point on the table's wavelengths: [molecules, aerosol].

@@ -3,11 +3,9 @@
 #include <limits>
 #include <map>
 #include <numbers>
-#include <optional>
 
 #include "atmos_tables/interpolate.h"
 #include "host/base/planck.h"
-#include "host/plan/sky_factors.h"
 #include "host/reference/radiance.h"
 
 namespace raycube::reference {
@@ -28,42 +26,6 @@ double zenith_deg(const glm::dvec3& unit) { return std::acos(std::clamp(unit.z, 
 
 /// Clockwise from north (y), of the direction towards something.
 double azimuth_deg(const glm::dvec3& unit) { return std::atan2(unit.x, unit.y) * kDegree; }
-
-/// Wavelengths whose sky is held at a time while its flux is taken: 10 MB.
-constexpr std::size_t kFluxLines = 512;
-
-/// The factor that makes the table's sky carry the table's flux, at the ends of a range of heights and the table's nodes between them,
-/// linear there.
-class SkyFlux {
- public:
-  SkyFlux(const atmos::RenderTable& table, bool sun_up, const std::vector<double>& ground, double lo_m, double hi_m) : height_m_{lo_m} {
-    for (const double node : table.axis("target_height").nodes)
-      if (node > lo_m && node < hi_m) height_m_.push_back(node);
-    if (hi_m > lo_m) height_m_.push_back(hi_m);
-    scale_.resize(height_m_.size());
-    const std::size_t lines = atmos::wavelengths(table).size();
-    for (std::size_t first = 0; first < lines; first += kFluxLines) {
-      const std::size_t last = std::min(lines, first + kFluxLines);
-      std::vector<double> part;
-      if (!ground.empty()) part.assign(ground.begin() + static_cast<std::ptrdiff_t>(first), ground.begin() + static_cast<std::ptrdiff_t>(last));
-      const plan::TableSpectra air(table, false, sun_up, first, last - first, part);
-      for (std::size_t h = 0; h < height_m_.size(); ++h)
-        for (const double f : plan::sky_flux_scale(air, height_m_[h], table.sun_zenith_deg / kDegree)) scale_[h].push_back(f);
-    }
-  }
-  double at(double height_m, std::size_t line) const {
-    const auto above = std::upper_bound(height_m_.begin(), height_m_.end(), height_m) - height_m_.begin();
-    if (above == 0) return scale_.front()[line];
-    if (static_cast<std::size_t>(above) == height_m_.size()) return scale_.back()[line];
-    const auto k = static_cast<std::size_t>(above);
-    const double f = (height_m - height_m_[k - 1]) / (height_m_[k] - height_m_[k - 1]);
-    return (1 - f) * scale_[k - 1][line] + f * scale_[k][line];
-  }
-
- private:
-  std::vector<double> height_m_;
-  std::vector<std::vector<double>> scale_;  ///< [height][wavelength]
-};
 
 }  // namespace
 
@@ -100,8 +62,6 @@ TableModel::TableModel(const ReferenceScene& scene, const plan::Plan& plan, cons
   const int steps = static_cast<int>(std::ceil((height_hi_m - height_lo_m) / kSkyHeightStep_m));
   height_first_ = height_lo_m;
   height_step_ = steps > 0 ? (height_hi_m - height_lo_m) / steps : 1;
-  std::optional<SkyFlux> flux;
-  if (skylight_) flux.emplace(table, plan.sun_up, environment_ ? environment_->mean_reflectance() : std::vector<double>(), height_lo_m, height_hi_m);
   const std::size_t lines = atmos::wavelengths(table).size();
   for (int node = 0; node <= steps; ++node) {
     const double z = height_first_ + node * height_step_;
@@ -115,7 +75,7 @@ TableModel::TableModel(const ReferenceScene& scene, const plan::Plan& plan, cons
     if (environment_)
       for (const glm::dvec3& d : direction_)
         for (double radiance : environment_->sky_increment(z, zenith_deg(d))) values[at++] += static_cast<float>(radiance);
-    for (std::size_t i = 0; flux && i < values.size(); ++i) values[i] *= static_cast<float>(flux->at(z, i % lines));
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] *= static_cast<float>(plan.sky_flux.at(z, i % lines));
     if (!warm_sky_) continue;
     std::vector<float>& emitted = thermal_sky_.emplace_back();
     for (const glm::dvec3& d : direction_)
