@@ -1,16 +1,20 @@
 #include "host/cli/lidar_run_light.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "host/lidar/detector.h"
+
 namespace raycube::cli {
 
 namespace {
 
-constexpr double kLight_m_s = 299792458.0;
+constexpr double kLight_m_s = 299792458.0, kFwhmOfSigma = 2.3548200450309493;
+constexpr double kProbablyNone = 0.5;  ///< fewer expected returns of surfaces and volumes: most likely there is none
 
 double sum_of(const std::vector<float>& rows) {
   double sum = 0;
@@ -28,6 +32,30 @@ std::string shares_text(const std::vector<std::pair<double, const char*>>& share
 
 }  // namespace
 
+/// A linear record's noise is as good as light where it makes an echo; a Geiger record's events are all somebody's photons.
+void LidarRunLight::add_returns(const lidar::ShotResult& result, const lidar::Detection& record) {
+  const scene::Lidar& lidar = plan_.lidar;
+  const bool geiger = lidar.detector.mode == scene::DetectorMode::geiger;
+  const auto bins = static_cast<std::size_t>(lidar.gate.bins);
+  const std::size_t row = static_cast<std::size_t>(record.pixel * plan_.lines() + record.line) * bins;
+  const double half_bins = kFwhmOfSigma * lidar::recorded_sigma_s(lidar) / lidar.gate.bin_s + 1;
+  for (const lidar::Echo& echo : record.echoes) {
+    const double at = (echo.time_s - lidar.gate.start_s) / lidar.gate.bin_s - 0.5;
+    const double last = static_cast<double>(bins) - 1;
+    const auto from = static_cast<std::size_t>(std::clamp(std::round(at - half_bins), 0.0, last));
+    const auto to = static_cast<std::size_t>(std::clamp(std::round(at + half_bins), 0.0, last));
+    const auto within = [&](const std::vector<float>& rows) {
+      double sum = 0;
+      for (std::size_t bin = from; !rows.empty() && bin <= to; ++bin) sum += static_cast<double>(rows[row + bin]);
+      return lidar.receiver.quantum_efficiency * sum;
+    };
+    const double matter = within(result.first) + within(result.multiple), air = within(result.air);
+    const double width = static_cast<double>(to - from + 1), noise = record.truth.noise_pe;
+    const double other = geiger ? air + width * record.truth.background_pe : std::sqrt(air + width * noise * noise);
+    if (matter > 0) returns_of_matter_ += matter / (matter + other);
+  }
+}
+
 void LidarRunLight::add(const lidar::ShotResult& result, const std::vector<lidar::Detection>& records) {
   ++shots_;
   for (const auto* rows : {&result.first, &result.multiple}) {
@@ -39,6 +67,7 @@ void LidarRunLight::add(const lidar::ShotResult& result, const std::vector<lidar
   air_photons_ += sum_of(result.air);
   for (const auto& record : records) {
     echoes_ += record.echoes.size();
+    add_returns(result, record);
     lowest_threshold_pe_ =
         records_ == 0 ? record.truth.threshold_pe : std::min(lowest_threshold_pe_, record.truth.threshold_pe);
     ++records_;
@@ -68,6 +97,11 @@ std::string LidarRunLight::where_it_went() const {
                              {mean_.air / ledgers_, "was lost to the air"},
                              {mean_.volumes / ledgers_, "was absorbed in volumes"},
                              {mean_.truncated / ledgers_, "was scattered by its last surface"}});
+  if (matter_photons_ > 0 && lidar.detector.mode == scene::DetectorMode::geiger)
+    return fmt::format(
+        "the scene's light in the gate fires {:.3g} photo-electrons a record; give more energy_J, aperture or pulses, "
+        "or a shorter gate",
+        lidar.receiver.quantum_efficiency * matter_photons_ / std::max(1.0, records_));
   if (matter_photons_ > 0)
     return fmt::format(
         "the scene's light in the gate, {:.3g} photo-electrons a record and at most {:.3g} a bin, does not "
@@ -94,7 +128,7 @@ std::string LidarRunLight::where_it_went() const {
 std::string LidarRunLight::warning() const {
   if (shots_ == 0 || records_ == 0 || !(ledgers_ > 0)) return {};
   const bool air_wanted = !plan_.lidar.echoes.air_is_background && air_photons_ > 0;
-  if (echoes_ > 0 && (matter_photons_ > 0 || air_wanted)) return {};
+  if (echoes_ > 0 && (returns_of_matter_ >= kProbablyNone || air_wanted)) return {};
   const std::string what = echoes_ == 0 ? "no return was found"
                                         : fmt::format("all {} returns are noise, background or air", echoes_);
   const std::string air =

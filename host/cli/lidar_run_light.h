@@ -21,11 +21,17 @@ class LidarRunLight {
   /// energy ledger. Empty: all is well.
   std::string warning() const;
 
+  /// Returns that surfaces and volumes are expected to have made, of all found: each counts by their share of
+  /// what an echo's width of the record holds.
+  double returns_of_matter() const { return returns_of_matter_; }
+
  private:
+  void add_returns(const lidar::ShotResult& result, const lidar::Detection& record);
   std::string where_it_went() const;
 
   const lidar::LidarPlan& plan_;
   std::uint64_t shots_ = 0, echoes_ = 0;
+  double returns_of_matter_ = 0;
   double records_ = 0;                                 ///< pixels and lines of all shots
   double matter_photons_ = 0, air_photons_ = 0;        ///< in the gates, of surfaces and volumes, of the air
   double strongest_pe_ = 0, lowest_threshold_pe_ = 0;  ///< expected in a bin; of any record

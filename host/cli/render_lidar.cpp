@@ -156,6 +156,20 @@ bool emits_light(const scene::CompiledScene& scene, const scene::Lidar& lidar) {
   });
 }
 
+/// What is known of the error: one line in the log, a member of the record, a warning where the tolerance is
+/// not kept.
+void add_error(const planner::LidarOwnError& error, const LidarJob& job, products::RunRecord& record, Context& context) {
+  const std::string text = job.lidar->name + ": " + planner::own_error_text(error);
+  record.more_json.emplace_back("error", planner::own_error_json(error));
+  for (const auto& note : job.decision.notes) record.warnings.push_back(note);
+  if (error.kept() || error.total < 0 || job.decision.estimated) {  // what a trial found is among the plan's notes
+    context.log.info(text);
+    return;
+  }
+  context.log.warning(text);
+  record.warnings.push_back(text);
+}
+
 }  // namespace
 
 nlohmann::json render_lidar(const scene::Simulation& simulation, const scene::Lidar& lidar, const std::string& folder, double load_s,
@@ -259,7 +273,8 @@ nlohmann::json render_lidar(const scene::Simulation& simulation, const scene::Li
   record.configuration_json = simulation.resolved_json;
   record.plan_json = job.plan_json;
   const double pulses_per_s = static_cast<double>(lidar.pulses) / render_s;
-  nlohmann::json more = {{"pulses", lidar.pulses}, {"echoes", echoes}, {"pulses_per_s", pulses_per_s}, {"worst_ledger_error", worst_ledger}};
+  nlohmann::json more = {{"pulses", lidar.pulses}, {"echoes", echoes}, {"pulses_per_s", pulses_per_s}, {"worst_ledger_error", worst_ledger},
+                         {"returns_of_matter_expected", light_of_run.returns_of_matter()}};
   if (turbulence) more["turbulence"] = *turbulence;
   record.warnings = light_notices(simulation, lidar);
   record.more_json = {{"survey", more.dump()}, {"launches", render::tuning_json(renderer.tuning())}};
@@ -268,9 +283,10 @@ nlohmann::json render_lidar(const scene::Simulation& simulation, const scene::Li
     record.warnings.push_back(warning);
     context.log.warning(warning);
   }
+  add_error(planner::own_error(renderer, plan, job.decision), job, record, context);
   output.publish(record);
-  context.log.info(fmt::format("{}: {} pulses, {} returns, {:.1f} s, {:.3g} pulses/s, energy ledger within {:.1e}, {}", lidar.name, lidar.pulses,
-                               echoes, render_s, pulses_per_s, worst_ledger, folder));
+  context.log.info(fmt::format("{}: {} pulses, {} returns, {:.3g} expected of surfaces and volumes, {:.1f} s, {:.3g} pulses/s, energy ledger within {:.1e}, {}", lidar.name, lidar.pulses,
+                               echoes, light_of_run.returns_of_matter(), render_s, pulses_per_s, worst_ledger, folder));
   return {{"name", lidar.name},   {"folder", folder},     {"kind", "lidar"},  {"digest", record.digest},
           {"pulses", lidar.pulses}, {"returns", echoes}, {"seconds", render_s}, {"pulses_per_s", pulses_per_s},
           {"worst_ledger_error", worst_ledger}, {"main", main_file(lidar, folder)}};

@@ -93,6 +93,24 @@ std::vector<std::string> not_looked_at(const InstrumentJob& job) {
   return lines;
 }
 
+/// The same of a LIDAR.
+std::vector<std::string> not_looked_at(const LidarJob& job) {
+  const planner::LidarDecision& d = job.decision;
+  std::string error = "how well " + std::to_string(d.subrays) + (d.subrays == 1 ? " sub-ray tells" : " sub-rays tell") +
+                      " what a beam meets, since both sides trace the same ones: ";
+  if (d.estimated)
+    error += "the plan's trial says " + planner::percent_text(d.error) + " of " + planner::percent_text(d.tolerance) +
+             (d.within ? "" : ", and that the tolerance is NOT KEPT");
+  else
+    error += "`raycube plan` estimates it, `raycube render` says what its own sub-rays show";
+  std::vector<std::string> lines = {error,
+                                    "what comes after the expected photons: background light, noise, the digitiser and "
+                                    "the search for echoes"};
+  if (job.lidar->turbulence.profile != scene::TurbulenceProfile::none)
+    lines.emplace_back("turbulence: pulses are compared without it");
+  return lines;
+}
+
 void check_one(const scene::Simulation& simulation, const scene::Instrument& given, render::Renderer& renderer, const Options& options,
                Files* files, Context& context, Outcome& outcome) {
   CheckOptions check;
@@ -158,12 +176,17 @@ void check_one_lidar(const scene::Simulation& simulation, const scene::Lidar& li
     report = check_lidar(renderer, simulation.scene, job.plan, check, [&](std::uint64_t more) { progress.advance(more); });
   }
   outcome.passed &= report.failures().empty();
-  if (context.common.json)
-    outcome.all[lidar.name] = nlohmann::ordered_json::parse(report.json());
-  else
+  const std::vector<std::string> aside = not_looked_at(job);
+  auto json = nlohmann::ordered_json::parse(report.json());
+  json["not_looked_at"] = aside;
+  if (context.common.json) {
+    outcome.all[lidar.name] = json;
+  } else {
     context.out << "LIDAR " << lidar.name << " on " << renderer.device_name() << "\n" << report.text();
+    for (const std::string& line : aside) context.out << "not looked at: " << line << "\n";
+  }
   if (!files) return;
-  files->json.append(report.json() + "\n");
+  files->json.append(json.dump(2) + "\n");
   files->set.publish();
   context.log.info("wrote " + files->set.folder() + "/check.json");
 }

@@ -117,6 +117,33 @@ Diffuse diffuse(const scene::CompiledScene& scene, const LidarPlan& plan, std::u
   return out;
 }
 
+/// Distances from each echo within which a surface's return explains it: the recorded pulse's width and a bin.
+/// The first photons of a strong return fire a Geiger cell before its power has come: where surfaces send more
+/// to an echo's own bins (three, for the jitter of its time) than air and background do, the pulse's whole span.
+std::vector<double> windows_m(const LidarPlan& plan, const ShotResult& result, int pixel, int line, const std::vector<Echo>& echoes) {
+  const scene::Lidar& lidar = plan.lidar;
+  const double m_per_s = 0.5 * kLight_m_s / lidar.transport.group_index;
+  std::vector<double> out(echoes.size(), m_per_s * (kFwhmOfSigma * recorded_sigma_s(lidar) + lidar.gate.bin_s));
+  if (lidar.detector.mode != scene::DetectorMode::geiger || result.first.empty()) return out;
+  const auto bins = static_cast<std::ptrdiff_t>(lidar.gate.bins);
+  const std::size_t row = static_cast<std::size_t>(pixel * plan.lines() + line);
+  const PulseSpan span = pulse_span(lidar.pulse);
+  const double centre_s = pulse_centroid_s(lidar.pulse), wide_m = m_per_s * (std::max(centre_s - span.begin_s, span.end_s - centre_s) + lidar.gate.bin_s);
+  const double light_hz = lidar.detector.solar_background && !result.background_hz.empty() ? result.background_hz[row] : 0;
+  const double background = lidar.detector.dark_rate_hz * lidar.gate.bin_s + lidar.receiver.quantum_efficiency * light_hz * lidar.gate.bin_s;
+  for (std::size_t e = 0; e < echoes.size(); ++e) {
+    const auto own = static_cast<std::ptrdiff_t>(std::floor((echoes[e].time_s - lidar.gate.start_s) / lidar.gate.bin_s));
+    double surfaces = 0, others = 0;
+    for (std::ptrdiff_t bin = std::max<std::ptrdiff_t>(0, own - 1); bin <= std::min(bins - 1, own + 1); ++bin) {
+      const std::size_t at = row * static_cast<std::size_t>(bins) + static_cast<std::size_t>(bin);
+      surfaces += lidar.receiver.quantum_efficiency * static_cast<double>(result.first[at]);
+      others += background + (result.air.empty() ? 0 : lidar.receiver.quantum_efficiency * static_cast<double>(result.air[at]));
+    }
+    if (surfaces > others) out[e] = std::max(out[e], wide_m);
+  }
+  return out;
+}
+
 }  // namespace
 
 SubRay sub_ray(const LidarPlan& plan, const Shot& shot, int pixel, int k) {
@@ -167,7 +194,7 @@ std::vector<ReturnTruth> return_truth(const scene::CompiledScene& scene, const F
   const bool backwards = lidar.transport.sampling == scene::LidarSampling::receiver, array = plan.pixels() > 1;
   const int samples = static_cast<int>(plan.footprint.a.size());
   const double m_per_s = 0.5 * kLight_m_s / lidar.transport.group_index, late_m = m_per_s * pulse_centroid_s(lidar.pulse);
-  const double window_m = m_per_s * (kFwhmOfSigma * recorded_sigma_s(lidar) + lidar.gate.bin_s);
+  const std::vector<double> window_m = windows_m(plan, result, pixel, line, echoes);
   const double each = plan.photons[static_cast<std::size_t>(line)] / samples * collecting_area_m2(receiver) * receiver.efficiency * receiver.quantum_efficiency * shot.gain *
                       (shot.line_gain.empty() ? 1 : shot.line_gain[static_cast<std::size_t>(line)]);
   const Stop stop{receiver.aperture_radius_m, receiver.obscuration_radius_m, receiver.half_fov_rad, receiver.focus_m};
@@ -182,9 +209,11 @@ std::vector<ReturnTruth> return_truth(const scene::CompiledScene& scene, const F
     const Vec3 there = point.at_m - shot.exit_m, back = shot.pupil_m - point.at_m;
     const double out_m = length(there), home = length(back), half_path = 0.5 * (out_m + home);
     std::size_t nearest = echoes.size();
-    double off = window_m;
-    for (std::size_t e = 0; e < echoes.size(); ++e)
-      if (std::abs(echoes[e].range_m - late_m - half_path) <= off) off = std::abs(echoes[e].range_m - late_m - half_path), nearest = e;
+    double off = std::numeric_limits<double>::infinity();
+    for (std::size_t e = 0; e < echoes.size(); ++e) {
+      const double away = std::abs(echoes[e].range_m - late_m - half_path);
+      if (away <= window_m[e] && away <= off) off = away, nearest = e;
+    }
     if (nearest == echoes.size()) continue;
     const Diffuse matter = diffuse(scene, plan, point.surface, line);
     const double passed = transmission(plan, volumes, line, shot, point.at_m), off_axis = dot(-1.0 * shot.pupil_axis, (1 / home) * back);

@@ -37,7 +37,8 @@ struct SubRay {
 SubRay sub_ray(const LidarPlan& plan, const Shot& shot, int pixel, int k);
 
 /// One for each echo of a pixel's record. A sub-ray belongs to the nearest echo within the recorded pulse's width (2.355 standard deviations) and a bin
-/// of it; sub-rays into an array to the pixel that sees their surface. A plate is the first surface of its sub-rays: what lies behind it is
+/// of it (geiger: within the pulse's span of an event that surfaces most likely made: a strong return fires a cell long before its
+/// power has come); sub-rays into an array to the pixel that sees their surface. A plate is the first surface of its sub-rays: what lies behind it is
 /// not explained (order 0 unless other sub-rays met it directly). `result.hits` must be there; volumes: flatten_volumes of the scene's.
 std::vector<ReturnTruth> return_truth(const scene::CompiledScene& scene, const FlatVolumes& volumes, const LidarPlan& plan, const ShotResult& result,
                                       int pixel, int line, const std::vector<Echo>& echoes);

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""LIDAR runs that record nothing say so, before the first pulse where that is known and after the last one why; and returns that no
-surface made are few and doubtful.
+"""LIDAR runs that record nothing say so, before the first pulse where that is known and after the last one why; returns that no
+surface made are few and doubtful; and sub-rays that miss the tolerance are told by whoever uses them.
 usage: lidar_empty_test.py RAYCUBE"""
 import csv
+import json
 import pathlib
 import struct
 import sys
@@ -182,6 +183,44 @@ def clear_air(work):
     check(len(returns) == 60 and set(classes_of(work / "out/scan/returns.las")) == {1}, len(returns))
 
 
+def geiger(work):
+    """Cells that dark counts fire: 1e6 a second, 667 ns from the gate's opening to the ground and as long behind it. Of a strong pulse's 200
+    exp(-0.667) find the cell ready (before, none of these was known to be of the ground: its first photons come long before its power
+    has); of a hopeless one's nothing is left but 1 - exp(-1.334) dark counts, which passed without a word."""
+    kind = "[lidar.detector]\nmode = \"geiger\"\ndark_rate_hz = 1e6\n[lidar.products]"
+    for energy, of_ground, found in (("1e-4", 200 * 0.5134, 200), ("1e-16", 0, 200 * 0.7366)):
+        returns, said, kept = rendered(work, [("energy_J = 1e-4", f"energy_J = {energy}"), ("[lidar.products]", kind)], pulses=200)
+        deviation = 200**0.5 * 0.5
+        check(abs(len(returns) - found) <= 4 * deviation, len(returns), found)
+        near = sum(row["order"] == "1" for row in returns)
+        expected = record(work / "out/scan")["survey"]["returns_of_matter_expected"]
+        print(f"geiger, {energy} J: {len(returns)} returns, {near} at the ground, {expected:.4g} expected of it")
+        if of_ground:
+            check(abs(near - of_ground) <= 4 * deviation and abs(near - expected) < 1 and not said, near, of_ground, said)
+        else:
+            check(near <= 2 * 200 * 0.0134 + 4 and expected < 0.01, near, expected)  # events within the pulse's 13 ns by chance
+            one(said, f"all {len(returns)} returns are noise, background or air", "photo-electrons a record")
+            one(kept, "noise, background or air")
+
+
+def tolerance(work):
+    """Sub-rays that the file gives: a wide beam on a slope, whose range three rays make of three lumps."""
+    wide = [("divergence_mrad = 0.2", "divergence_mrad = 20.0"), ("fov_mrad = 2.0", "fov_mrad = 40.0")]
+    for subrays, keeps in ((3, False), (20000, True)):
+        sampling = ("subrays = 16", f"subrays = {subrays}")
+        returns, said, kept = rendered(work, wide + [sampling], more="roll_deg = 10.0")
+        error = record(work / "out/scan")["error"]
+        scene = work / "scene.toml"
+        planned = json.loads(run("plan", scene, "--json").stdout)["instruments"][0]["decision"]
+        print(f"{subrays} sub-rays: render says {error['likely']:.3g} to {error['total']:.3g}, plan {planned['error']:.3g}")
+        check(error["within_tolerance"] == keeps == planned["within_tolerance"], error, planned)
+        # Both are bounds of the same error, from few pulses: within twofold of one another where there is one to speak of.
+        check(keeps or 0.5 < error["total"] / planned["error"] < 2, error, planned)
+        check(len([line for line in said if "NOT KEPT" in line]) == len([line for line in kept if "NOT KEPT" in line]) == (not keeps), said, kept)
+        looked = run("check", scene, "--pulses", 2).stdout
+        check(f"not looked at: how well {subrays} sub-rays tell" in looked and "not looked at: what comes after" in looked, looked)
+
+
 with tempfile.TemporaryDirectory() as folder:
     folder = pathlib.Path(folder)
     known_before(folder)
@@ -189,4 +228,6 @@ with tempfile.TemporaryDirectory() as folder:
     plume_aloft(folder)
     known_after(folder)
     clear_air(folder)
+    geiger(folder)
+    tolerance(folder)
 print(f"lidar_empty: {program.checks} checks, all well")

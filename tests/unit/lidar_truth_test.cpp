@@ -174,6 +174,30 @@ TEST_CASE("truth of a tabulated pulse: an echo stands where its power's centroid
   for (const double off : {-0.38, 0.38}) CHECK(found(centre_m + off) == 0);
 }
 
+TEST_CASE("a strong return fires a Geiger cell before its power has come: the event is the surface's, dark counts there are not") {
+  const auto scene = plane_of(0.3, 0);
+  scene::Lidar spec = test::topographic_lidar();
+  spec.detector.mode = scene::DetectorMode::geiger;
+  spec.detector.dark_rate_hz = 1e6;
+  const auto plan = test::hand_plan(spec, scene);
+  const auto shot = test::shot_from(spec, {0, 0, 1000}, {0, 0, -1});
+  auto result = hits_everywhere(plan, shot);
+  const double arrives_s = 2000 / test::kLightSpeed, early_s = -4 * spec.pulse.fwhm_s / 2.3548;  // four standard deviations
+  const auto bin = static_cast<std::size_t>((arrives_s + early_s - spec.gate.start_s) / spec.gate.bin_s);
+  REQUIRE(bin < static_cast<std::size_t>(spec.gate.bins));
+  result.first.assign(static_cast<std::size_t>(spec.gate.bins), 0.0f);
+  lidar::Echo echo = echo_at(1000 + 0.5 * test::kLightSpeed * early_s);
+  echo.time_s = arrives_s + early_s;
+  const auto order = [&](float photons) {
+    result.first[bin] = photons;
+    return truth_of(scene, plan, result, 0, 0, {echo})[0].order;
+  };
+  // Dark counts in three bins: 3e-3 for a bin of 1 ns.
+  const double dark = 3 * spec.detector.dark_rate_hz * spec.gate.bin_s / spec.receiver.quantum_efficiency;
+  CHECK(order(static_cast<float>(1.01 * dark)) == 1);
+  CHECK(order(static_cast<float>(0.99 * dark)) == 0);
+}
+
 TEST_CASE("range is half the path: the apparent point of a bistatic return lies on the beam, its two legs add up") {
   scene::Lidar spec = test::topographic_lidar();
   scene::CompiledScene scene = test::scene_of({0.3});
