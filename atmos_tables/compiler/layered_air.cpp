@@ -109,7 +109,22 @@ void for_each_on_threads(std::size_t count, int threads, const std::function<voi
   if (failure) std::rethrow_exception(failure);
 }
 
+/// The air in layers, with a level at the sensor and every target.
+AirStack stack_of(const scene::AtmosphereSpec& spec, double sensor_height_m, const std::vector<double>& target_height_m, const LineAir& lines) {
+  const double z0_km = spec.ground_height_m / 1000;
+  std::vector<double> marks_km = {z0_km + sensor_height_m / 1000};
+  for (double height : target_height_m) marks_km.push_back(z0_km + height / 1000);
+  return {*spec.layered, z0_km + target_height_m.front() / 1000, marks_km, lines};
+}
+
 }  // namespace
+
+void check_layered(const scene::AtmosphereSpec& spec, const scene::Sun& sun, double sensor_height_m,
+                   const std::vector<double>& wavelength_um, const std::vector<double>& target_height_m) {
+  if (!spec.layered) throw base::Error(base::Fault::bug, "check_layered was given no layered air");
+  check_table_request(sun, sensor_height_m, wavelength_um, target_height_m, kLayeredFirst_um, kLayeredLast_um);
+  stack_of(spec, sensor_height_m, target_height_m, resolved_gases(*spec.layered, wavelength_um));
+}
 
 RenderTable build_layered(const scene::AtmosphereSpec& spec, const scene::Sun& sun, double sensor_height_m,
                           const std::vector<double>& wavelength_um, const std::vector<double>& target_height_m,
@@ -117,10 +132,8 @@ RenderTable build_layered(const scene::AtmosphereSpec& spec, const scene::Sun& s
   if (!spec.layered) throw base::Error(base::Fault::bug, "build_layered was given no layered air");
   check_table_request(sun, sensor_height_m, wavelength_um, target_height_m, kLayeredFirst_um, kLayeredLast_um);
   const double z0_km = spec.ground_height_m / 1000;
-  std::vector<double> marks_km = {z0_km + sensor_height_m / 1000};
-  for (double height : target_height_m) marks_km.push_back(z0_km + height / 1000);
   const LineAir lines = resolved_gases(*spec.layered, wavelength_um);
-  const AirStack stack(*spec.layered, z0_km + target_height_m.front() / 1000, marks_km, lines);
+  const AirStack stack = stack_of(spec, sensor_height_m, target_height_m, lines);
   std::optional<ResolvedGases> resolved;
   if (!lines.gases.empty()) {
     std::vector<double> wavenumbers;  // ascending, as wavelengths descend

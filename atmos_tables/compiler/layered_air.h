@@ -35,6 +35,10 @@ RenderTable build_layered(const scene::AtmosphereSpec& spec, const scene::Sun& s
                           const std::vector<double>& wavelength_um, const std::vector<double>& target_height_m,
                           const BuildWatch& watch = {});
 
+/// What build_layered refuses, without computing a table: profile and line files are read, the layers made.
+void check_layered(const scene::AtmosphereSpec& spec, const scene::Sun& sun, double sensor_height_m,
+                   const std::vector<double>& wavelength_um, const std::vector<double>& target_height_m);
+
 /// Default grid of the range: 1 nm to 1 um, 2 nm to 2.5 um, 5 cm-1 beyond; step_um > 0 replaces all three.
 std::vector<double> layered_wavelengths(double first_um, double last_um, double step_um = 0);
 

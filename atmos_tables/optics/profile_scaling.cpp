@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "host/base/error.h"
 
 namespace raycube::atmos {
@@ -55,8 +57,10 @@ AirProfile extended_down(const AirProfile& profile, double ground_km) {
   const AirLevel &low = profile.levels()[0], next = profile.at(std::min(low.height_km + 1, profile.top_km()));
   if (ground_km >= low.height_km - kSameHeight_km) return profile;
   if (!(ground_km >= low.height_km - 1))
-    throw base::Error(base::Fault::input, "ground at " + std::to_string(ground_km) + " km lies more than 1 km below the profile's lowest level (" +
-                                              std::to_string(low.height_km) + " km); give a profile that reaches it");
+    throw base::Error(base::Fault::input, fmt::format("{}: the ground lies more than 1 km below the profile's lowest level of {:.6g} km "
+                                                      "(found ground at {:.6g} km above the sea); give ground_height_m (--ground-height) "
+                                                      "of the site, or a profile that reaches it",
+                                                      profile.source(), low.height_km, ground_km));
   const double part = (low.height_km - ground_km) / (next.height_km - low.height_km);
   const auto beyond = [part](double at, double above) { return at > 0 && above > 0 ? at * std::pow(at / above, part) : at; };
   AirLevel ground = low;

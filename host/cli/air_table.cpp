@@ -49,8 +49,7 @@ std::optional<atmos::RenderTable> known_table(const AirRequest& request) {
     return atmos::make_table(spec, request.sun, request.sensor_height_m, atmos::vacuum_wavelengths(first_um, last_um, step_um), {request.low_m});
   const auto heights = atmos::clear_sky_heights(request.low_m, request.high_m);
   if (spec.layered)
-    atmos::check_table_request(request.sun, request.sensor_height_m, atmos::layered_wavelengths(first_um, last_um, step_um), heights,
-                               atmos::kLayeredFirst_um, atmos::kLayeredLast_um);
+    atmos::check_layered(spec, request.sun, request.sensor_height_m, atmos::layered_wavelengths(first_um, last_um, step_um), heights);
   else
     atmos::check_clear_sky(spec, request.sun, request.sensor_height_m, atmos::clear_sky_wavelengths(first_um, last_um, step_um), heights);
   return {};

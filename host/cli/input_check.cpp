@@ -113,9 +113,24 @@ void check_instrument(const scene::Simulation& simulation, const scene::Instrume
   });
 }
 
+/// What the plan refuses; and of the background light what the passive renderer does, in a few shots of the survey.
+void check_plan(const scene::Simulation& simulation, const scene::Lidar& lidar, const atmos::RenderTable* air,
+                const std::map<std::string, std::string>& files, Found& found) {
+  lidar::LidarPlan plan;
+  if (!found.part([&] { plan = lidar::make_lidar_plan(simulation, lidar, air); }) || !has_background(simulation, lidar)) return;
+  constexpr std::int64_t kShots = 64;
+  std::vector<lidar::Shot> shots;
+  const std::int64_t step = std::max<std::int64_t>(1, (lidar.pulses - 1) / kShots);
+  for (std::int64_t pulse = 0; pulse < lidar.pulses; pulse += step)
+    for (lidar::Shot& shot : lidar::make_shots(lidar, pulse, 1, simulation.seed)) shots.push_back(std::move(shot));
+  if (shots.empty()) return;
+  check_instrument(simulation, background_camera(plan, shots), files, found);
+}
+
 void check_lidar(const scene::Simulation& simulation, const scene::Lidar& lidar,
                  const std::map<std::string, std::string>& files, Found& found) {
-  found.part([&] { check_lidar_air(simulation, lidar); });
+  std::unique_ptr<atmos::RenderTable> air;
+  bool sound = found.part([&] { air = lidar_air(simulation, lidar); });
   const auto wavelengths = lidar::table_wavelengths(lidar::make_nodes(lidar));
   for (const auto curve : plan::used_curves(simulation.scene)) {
     scene::Material material = simulation.scene.materials[curve - 1];
@@ -128,12 +143,13 @@ void check_lidar(const scene::Simulation& simulation, const scene::Lidar& lidar,
                           "LIDAR '" + lidar.name + "': " + error.what() + "; or use another wavelength");
       }
     };
-    found.part(covered);
+    sound &= found.part(covered);
     if (material.transmittance.wavelength_um.empty()) continue;
     material.reflectance = material.transmittance;
     material.source += material.source.empty() ? "transmittance" : ", transmittance";
-    found.part(covered);
+    sound &= found.part(covered);
   }
+  if (sound) check_plan(simulation, lidar, air.get(), files, found);
 }
 
 }  // namespace

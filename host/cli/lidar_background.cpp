@@ -3,7 +3,10 @@
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 #include <numbers>
+#include <numeric>
+#include <span>
 
+#include "host/base/planck.h"
 #include "host/cli/lidar_job.h"
 #include "host/cli/simulation_job.h"
 #include "host/render/lidar_owners.h"
@@ -24,36 +27,62 @@ scene::Pose pose_towards(const lidar::Vec3& at, const lidar::Vec3& axis, const l
           kDegrees * std::asin(std::clamp(nose.z, -1.0, 1.0)), kDegrees * heading};
 }
 
-scene::Instrument field_camera(const lidar::LidarPlan& plan, int pixels, int lines) {
+/// Radiance below which nothing is a LIDAR's background: 2000 photons / s in a receiver of 10 cm and 2 mrad behind 1 nm at 1.5 um.
+constexpr double kDark_W_m2_sr_um = 1e-5;
+
+/// Whether the scene is bright in a laser's light of itself: by night too.
+bool emits_light(const scene::CompiledScene& scene, const scene::Lidar& lidar) {
+  double hottest_K = 0;
+  for (const auto curve : plan::used_curves(scene)) hottest_K = std::max(hottest_K, double{scene.materials[curve - 1].temperature_K});
+  return std::any_of(lidar.pulse.lines.begin(), lidar.pulse.lines.end(), [&](const scene::LidarLine& line) {
+    return line.wavelength_um > 2.5 || (hottest_K > 0 && base::planck_radiance(line.wavelength_um, hottest_K) > kDark_W_m2_sr_um);
+  });
+}
+
+/// Lines by wavelength, as an instrument's bands must ascend.
+std::vector<std::size_t> ascending_lines(const scene::Lidar& lidar) {
+  std::vector<std::size_t> order(lidar.pulse.lines.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return lidar.pulse.lines[a].wavelength_um < lidar.pulse.lines[b].wavelength_um; });
+  return order;
+}
+
+}  // namespace
+
+bool has_background(const scene::Simulation& simulation, const scene::Lidar& lidar) {
+  return lidar.detector.solar_background && (simulation.sun.zenith_deg < 90 || emits_light(simulation.scene, lidar));
+}
+
+scene::Instrument background_camera(const lidar::LidarPlan& plan, std::span<const lidar::Shot> shots) {
   const scene::LidarReceiver& receiver = plan.lidar.receiver;
+  const bool array = plan.pixels() > 1;
   scene::Instrument camera;
-  camera.name = plan.lidar.name;
-  camera.kind = plan.pixels() > 1 ? scene::InstrumentKind::framing : scene::InstrumentKind::pushbroom;
-  camera.pixels = pixels, camera.lines = lines;
+  camera.name = plan.lidar.name + " (solar_background)";
+  camera.kind = array ? scene::InstrumentKind::framing : scene::InstrumentKind::pushbroom;
+  camera.pixels = array ? receiver.columns : 1, camera.lines = array ? receiver.rows : static_cast<int>(shots.size());
   camera.ifov_along_rad = camera.ifov_across_rad =
-      plan.pixels() > 1 ? receiver.pixel_pitch_rad : std::sqrt(std::numbers::pi) * std::max(receiver.half_fov_rad, 1e-9);
+      array ? receiver.pixel_pitch_rad : std::sqrt(std::numbers::pi) * std::max(receiver.half_fov_rad, 1e-9);
   camera.samples_u = camera.samples_v = 3;
-  for (std::size_t l = 0; l < plan.lidar.pulse.lines.size(); ++l) {
+  for (const std::size_t l : ascending_lines(plan.lidar)) {
     scene::Band band;
     band.center_um = plan.lidar.pulse.lines[l].wavelength_um;
     band.fwhm_um = receiver.filter_fwhm_um;
     camera.bands.push_back(band);
   }
+  for (const auto& shot : array ? shots.first(1) : shots)
+    camera.poses.push_back(pose_towards(shot.pupil_m, shot.pupil_axis, shot.pupil_u));
   return camera;
 }
-
-}  // namespace
 
 struct LidarBackground::State {
   const scene::Simulation& simulation;
   const lidar::LidarPlan& plan;
   Context& context;
   render::Renderer renderer;
-  std::vector<std::size_t> order;  ///< lines by wavelength, as an instrument's bands must ascend
+  std::vector<std::size_t> order;  ///< of the camera's bands: the plan's lines
 
-  std::vector<float> radiance(scene::Instrument camera) {
-    const auto lines = camera.bands;
-    for (std::size_t i = 0; i < order.size(); ++i) camera.bands[i] = lines[order[i]];
+  std::vector<float> radiance(const scene::Instrument& camera) {
     const InstrumentJob job = prepare(simulation, camera, context);
     std::vector<float> out;
     renderer.render(camera, job.plan, simulation.sun, simulation.seed, [&](const render::Strip& strip) {
@@ -78,12 +107,7 @@ struct LidarBackground::State {
 
 LidarBackground::LidarBackground(const scene::Simulation& simulation, const lidar::LidarPlan& plan, const render::RenderOptions& options,
                                  Context& context)
-    : state_(new State{simulation, plan, context, render::Renderer(simulation.scene, options), {}}) {
-  for (std::size_t l = 0; l < plan.lidar.pulse.lines.size(); ++l) state_->order.push_back(l);
-  std::sort(state_->order.begin(), state_->order.end(), [&](std::size_t a, std::size_t b) {
-    return plan.lidar.pulse.lines[a].wavelength_um < plan.lidar.pulse.lines[b].wavelength_um;
-  });
-}
+    : state_(new State{simulation, plan, context, render::Renderer(simulation.scene, options), ascending_lines(plan.lidar)}) {}
 LidarBackground::~LidarBackground() = default;
 
 std::vector<std::vector<double>> LidarBackground::rates(const std::vector<lidar::Shot>& shots) {
@@ -96,20 +120,16 @@ std::vector<std::vector<double>> LidarBackground::rates(const std::vector<lidar:
         to[p * lines + s.order[i]] = s.rate(radiance[(from + p) * lines + i], s.order[i], p);
   };
   if (pixels > 1) {
-    scene::Instrument camera = field_camera(s.plan, s.plan.lidar.receiver.columns, s.plan.lidar.receiver.rows);
     for (std::size_t i = 0; i < shots.size(); ++i) {
       if (i > 0 && shots[i].pupil_m == shots[i - 1].pupil_m && shots[i].pupil_axis == shots[i - 1].pupil_axis) {
         out[i] = out[i - 1];
         continue;
       }
-      camera.poses = {pose_towards(shots[i].pupil_m, shots[i].pupil_axis, shots[i].pupil_u)};
-      take(s.radiance(camera), 0, out[i]);
+      take(s.radiance(background_camera(s.plan, std::span(shots).subspan(i, 1))), 0, out[i]);
     }
     return out;
   }
-  scene::Instrument camera = field_camera(s.plan, 1, static_cast<int>(shots.size()));
-  for (const auto& shot : shots) camera.poses.push_back(pose_towards(shot.pupil_m, shot.pupil_axis, shot.pupil_u));
-  const auto radiance = s.radiance(camera);
+  const auto radiance = s.radiance(background_camera(s.plan, shots));
   for (std::size_t i = 0; i < shots.size(); ++i) take(radiance, i, out[i]);
   return out;
 }

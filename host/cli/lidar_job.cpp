@@ -21,13 +21,16 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 
 }  // namespace
 
-void check_lidar_air(const scene::Simulation& simulation, const scene::Lidar& lidar) {
+std::unique_ptr<atmos::RenderTable> lidar_air(const scene::Simulation& simulation, const scene::Lidar& lidar) {
   const scene::AtmosphereSpec& air = simulation.atmosphere;
   if (!air.table_file.empty())
     throw base::Error(base::Fault::input, fmt::format("{}: LIDAR {}: an atmosphere table has no profiles of extinction and backscatter (found tables = "
                                                       "\"{}\"); give the LIDAR a file of its own with model = \"layered\", or \"none\" for no air",
                                                       simulation.file, lidar.name, air.table_file));
-  if (air.none || air.layered) return;
+  if (air.none) return {};
+  if (air.layered)
+    return std::make_unique<atmos::RenderTable>(
+        atmos::build_lidar(air, lidar::table_wavelengths(lidar::make_nodes(lidar)), atmos::lidar_heights(air)));
   throw base::Error(base::Fault::input, simulation.file + ": LIDAR " + lidar.name +
                                             ": the atmosphere has no profiles of extinction and backscatter; use model = \"layered\", or \"none\" for no air");
 }
@@ -36,12 +39,7 @@ LidarJob prepare_lidar(const scene::Simulation& simulation, const scene::Lidar& 
   LidarJob job;
   job.lidar = &lidar;
   auto start = std::chrono::steady_clock::now();
-  const scene::AtmosphereSpec& air = simulation.atmosphere;
-  std::unique_ptr<atmos::RenderTable> table;
-  check_lidar_air(simulation, lidar);
-  if (!air.none)
-    table = std::make_unique<atmos::RenderTable>(
-        atmos::build_lidar(air, lidar::table_wavelengths(lidar::make_nodes(lidar)), atmos::lidar_heights(air)));
+  const std::unique_ptr<atmos::RenderTable> table = lidar_air(simulation, lidar);
   if (table) job.air_json = table->provenance_json;
   job.table_s = seconds_since(start);
   start = std::chrono::steady_clock::now();

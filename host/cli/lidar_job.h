@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "host/cli/verb.h"
@@ -33,17 +34,23 @@ struct LidarJob {
   double table_s = 0, plan_s = 0;
 };
 
-/// Throws Error(input) when the file's air has no profiles for pulses.
-void check_lidar_air(const scene::Simulation& simulation, const scene::Lidar& lidar);
+/// Air profiles of the layered model at the laser's wavelengths; none: no air. Throws Error(input) when the file's air has no profiles
+/// for pulses, or is not one.
+std::unique_ptr<atmos::RenderTable> lidar_air(const scene::Simulation& simulation, const scene::Lidar& lidar);
 
-/// Air profiles of the layered model at the laser's wavelengths (none: no air; clear_sky has no profiles and is refused), then the plan.
+/// The air, then the plan.
 LidarJob prepare_lidar(const scene::Simulation& simulation, const scene::Lidar& lidar, Context& context, const LidarPlanning& planning = {});
 
 /// The LIDARs called `name`, or all when it is empty; none is no error.
 std::vector<const scene::Lidar*> pick_lidars(const scene::Simulation& simulation, const std::string& name);
 
-/// Sun and sky reflected by the scene, seen by the receiver through each line's filter: the passive renderer with one pixel for each
-/// field of view. A round field is a square of the same solid angle; 3 x 3 samples a pixel.
+/// Whether light of the scene falls on the detector besides the pulses': asked for, and by day, or warm enough to shine itself.
+bool has_background(const scene::Simulation& simulation, const scene::Lidar& lidar);
+/// The camera whose pixels see what the receiver does: a round field is a square of the same solid angle; 3 x 3
+/// samples a pixel; bands ascend as the lines' wavelengths. A line for each shot; of an array the first shot's image.
+scene::Instrument background_camera(const lidar::LidarPlan& plan, std::span<const lidar::Shot> shots);
+
+/// Sun and sky reflected by the scene, seen by the receiver through each line's filter: the passive renderer's background_camera.
 class LidarBackground {
  public:
   LidarBackground(const scene::Simulation& simulation, const lidar::LidarPlan& plan, const render::RenderOptions& options, Context& context);

@@ -11,7 +11,6 @@
 
 #include "host/base/error.h"
 #include "host/base/memory.h"
-#include "host/base/planck.h"
 #include "host/base/progress.h"
 #include "host/cl/device.h"
 #include "host/cli/lidar_job.h"
@@ -144,18 +143,6 @@ class WaysOfShots {
   double flat_z_m_ = 0;
 };
 
-/// Radiance below which nothing is a LIDAR's background: 2000 photons / s in a receiver of 10 cm and 2 mrad behind 1 nm at 1.5 um.
-constexpr double kDark_W_m2_sr_um = 1e-5;
-
-/// Whether the scene is bright in a laser's light of itself: by night too.
-bool emits_light(const scene::CompiledScene& scene, const scene::Lidar& lidar) {
-  double hottest_K = 0;
-  for (const auto curve : plan::used_curves(scene)) hottest_K = std::max(hottest_K, double{scene.materials[curve - 1].temperature_K});
-  return std::any_of(lidar.pulse.lines.begin(), lidar.pulse.lines.end(), [&](const scene::LidarLine& line) {
-    return line.wavelength_um > 2.5 || (hottest_K > 0 && base::planck_radiance(line.wavelength_um, hottest_K) > kDark_W_m2_sr_um);
-  });
-}
-
 /// What is known of the error: one line in the log, a member of the record, a warning where the tolerance is
 /// not kept.
 void add_error(const planner::LidarOwnError& error, const LidarJob& job, products::RunRecord& record, Context& context) {
@@ -188,7 +175,7 @@ nlohmann::json render_lidar(const scene::Simulation& simulation, const scene::Li
   const auto start = std::chrono::steady_clock::now();
   LidarProducts output(folder, context.common.overwrite ? base::IfExists::replace : base::IfExists::refuse, simulation, plan);
   std::optional<LidarBackground> background;
-  if (lidar.detector.solar_background && (simulation.sun.zenith_deg < 90 || emits_light(simulation.scene, lidar))) background.emplace(simulation, plan, settings, context);
+  if (has_background(simulation, lidar)) background.emplace(simulation, plan, settings, context);
   const OtherPulses others(simulation, plan);
   std::optional<nlohmann::json> turbulence;
   std::optional<lidar::PixelBlur> blur;  // of an array's image, as the first pulse's air makes it

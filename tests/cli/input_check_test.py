@@ -7,12 +7,45 @@ import sys
 import tempfile
 import time
 
-from driver import Program, record, scene
+from driver import PULSE_AND_RECEIVER, Program, record, scene
 
 program = Program(sys.argv[1])
 run, check, refused = program.run, program.check, program.refused
 LAYERED = '{ model = "layered" }'
 SECONDS = 20  # of a loaded machine; the air takes longer than that on an idle one
+
+
+SONDE = """height_km,pressure_hPa,temperature_K,h2o_relative_humidity_percent
+{ground},900,288,{humidity}
+5,540,255,50
+12,190,216,50
+"""
+LIDAR = """format = 1
+[[material]]
+name = "ground"
+reflectance = 0.3
+[[plane]]
+material = "ground"
+size_m = [200.0, 200.0]
+[time]
+sun = { zenith_deg = 30.0, azimuth_deg = 150.0 }
+[[lidar]]
+name = "scan"
+position_m = [0.0, 0.0, 500.0]
+prf_khz = 10.0
+pulses = 4
+""" + PULSE_AND_RECEIVER + """[lidar.gate]
+start_range_m = 400.0
+stop_range_m = 600.0
+[lidar.detector]
+solar_background = true
+"""
+
+
+def lidar(work, name, air):
+    path = work / name
+    path.write_text(LIDAR.replace("[[lidar]]", f"[atmosphere]\n{air.strip('{} ').replace(', ', chr(10))}\n[[lidar]]"))
+    return path
 
 
 def edited(path, old, new):
@@ -81,6 +114,23 @@ with tempfile.TemporaryDirectory() as work:
         "-o", work / "air.rct")
     table = scene(work, "table.toml", air='{ tables = "air.rct" }')
     all_refuse(work, table, ["air.rct' covers 420 to 800 nm", "it begins too late and ends too early"])
+
+    # A sounding is read, whoever asks for it: wetter than any air, or far above the ground.
+    (work / "wet.csv").write_text(SONDE.format(ground=0, humidity=140))
+    (work / "high.csv").write_text(SONDE.format(ground=1.5, humidity=40))
+    for name, says in (("wet", ["wet.csv:2", "no more water than 100 %", "140 %"]), ("high", ["high.csv", "lowest level of 1.5 km", "ground_height_m"])):
+        air = f'{{ model = "layered", profile_file = "{name}.csv" }}'
+        all_refuse(work, scene(work, name + ".toml", air=air), says)
+        all_refuse(work, lidar(work, name + "_lidar.toml", air), says)
+    # Lines that are not there.
+    all_refuse(work, scene(work, "lines.toml", air='{ model = "layered", lines = "none.par" }'), ["none.par"])
+    # What a LIDAR's background of light asks of the materials: temperatures at 3.3 um, curves over the whole filter.
+    (work / "line.csv").write_text("wavelength_nm,reflectance\n1063.9,0.1\n1064.1,0.2\n")
+    for name, change, says in (("cold", ("1064.0", "3300.0"), ["material 'ground': has no temperature"]),
+                               ("line", ("reflectance = 0.3", 'file = "line.csv"'), ["scan (solar_background)", "line.csv", "begins too late and ends too early"])):
+        all_refuse(work, edited(lidar(work, name + "_light.toml", LAYERED), *change), says)
+        dark = edited(edited(lidar(work, name + "_dark.toml", LAYERED), *change), "solar_background = true", "solar_background = false")
+        check("sound" in run("scene", "check", dark).stdout)
 
     # An output that may not be replaced is known as early.
     began = time.monotonic()
