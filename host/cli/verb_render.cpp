@@ -133,8 +133,9 @@ nlohmann::json render_one(const scene::Simulation& simulation, const InstrumentJ
     context.log.warning(missed.text());
     record.warnings.push_back(missed.text());
   }
-  add_error(planner::own_error(renderer, simulation, instrument, job.plan, job.decision), job, record,
-            context);
+  add_error(planner::own_error(renderer, simulation, instrument, job.plan, job.table, job.decision,
+                               context.common.threads),
+            job, record, context);
   output.publish(record);
   context.log.info(fmt::format("{}: {} x {} pixels, {} bands, {:.1f} s, {:.3g} rays/s, {}", instrument.name, instrument.pixels,
                                instrument.lines, instrument.bands.size(), render_s, record.rays_per_s, folder.string()));

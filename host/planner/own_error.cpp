@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "host/planner/model_trial.h"
 #include "host/planner/plan_lines.h"
 #include "host/planner/trial_pixels.h"
 
@@ -41,6 +42,18 @@ TrialImage few_pixels(render::Renderer& renderer, const scene::Simulation& simul
   return image;
 }
 
+void sum_up(OwnError& out, double likely_drawn) {
+  out.total = std::hypot(out.plan, out.drawn);
+  out.likely = std::hypot(out.plan, likely_drawn);
+}
+
+/// Puts what is measured in place of the bound for the worst place.
+void measure_plan(OwnError& out, const ModelError& measured) {
+  const double likely_drawn = std::sqrt(std::max(0.0, out.likely * out.likely - out.plan * out.plan));
+  out.plan = std::min(out.plan, measured.total.bound), out.plan_pixels = measured.pixels;
+  sum_up(out, likely_drawn);
+}
+
 /// E[(a - r1)(a - r2)] = E[(a - truth)^2] for r1 and r2 without bias and independent of each other and of a,
 /// however coarse they are.
 void from_few_pixels(OwnError& out, render::Renderer& renderer, const scene::Simulation& simulation,
@@ -57,15 +70,15 @@ void from_few_pixels(OwnError& out, render::Renderer& renderer, const scene::Sim
   const TrialImage two = few_pixels(renderer, simulation, random, plan, simulation.seed + 2 * kOtherSeed);
   const TrialError drawn = error_against(image, one, two, judged_means(image));
   out.drawn = drawn.bound;
-  out.total = std::hypot(out.plan, out.drawn);
-  out.likely = std::hypot(out.plan, drawn.estimate);
+  sum_up(out, drawn.estimate);
   out.from = fmt::format("{} pixels rendered three times; `raycube plan` measures it", image.pixels());
 }
 
 }  // namespace
 
 OwnError own_error(render::Renderer& renderer, const scene::Simulation& simulation,
-                   const scene::Instrument& instrument, const plan::Plan& plan, const Decision& decision) {
+                   const scene::Instrument& instrument, const plan::Plan& plan, const atmos::RenderTable& table,
+                   const Decision& decision, int threads) {
   OwnError out;
   out.tolerance = simulation.tolerance, out.plan = decision.plan_error;
   if (decision.total_error >= 0 && !instrument.adaptive()) {  // the trial takes all samples of every pixel
@@ -73,7 +86,10 @@ OwnError own_error(render::Renderer& renderer, const scene::Simulation& simulati
     out.drawn = std::hypot(out.samples, out.sky);
     out.from = fmt::format("the plan's trial of {} pixels", decision.trial_pixels);
   } else {
+    out.plan_pixels = decision.model_pixels;
     from_few_pixels(out, renderer, simulation, instrument, plan);
+    if (!out.kept() && out.drawn <= out.tolerance && out.plan_pixels == 0)
+      measure_plan(out, model_error(simulation, instrument, plan, table, threads));
   }
   return out;
 }
@@ -83,11 +99,15 @@ std::string own_error_text(const OwnError& e) {
       e.samples < 0
           ? fmt::format("samples and sky directions {}", percent_text(e.drawn))
           : fmt::format("samples {}, sky directions {}", percent_text(e.samples), percent_text(e.sky));
+  const auto percent_text = [&](double error) {  // as fine as it takes to tell it from the tolerance
+    const std::string text = planner::percent_text(error);
+    return text == planner::percent_text(e.tolerance) ? fmt::format("{:.3g} %", 100 * error) : text;
+  };
   const std::string total = e.likely < 0 ? "at most " + percent_text(e.total)
                                          : fmt::format("about {}, at most {},", percent_text(e.likely), percent_text(e.total));
-  return fmt::format("error {} of {:.3g} % tolerated{} (bounds: {}, nodes and components {}; by {})",
-                     total, 100 * e.tolerance, e.kept() ? "" : ": NOT KEPT", drawn,
-                     percent_text(e.plan), e.from);
+  return fmt::format("error {} of {:.3g} % tolerated{} (bounds: {}, nodes and components {}{}; by {})",
+                     total, 100 * e.tolerance, e.kept() ? "" : ": NOT KEPT", drawn, percent_text(e.plan),
+                     e.plan_pixels > 0 ? fmt::format(" on {} pixels", e.plan_pixels) : "", e.from);
 }
 
 std::string own_error_json(const OwnError& e) {
@@ -95,7 +115,8 @@ std::string own_error_json(const OwnError& e) {
   return nlohmann::json{{"tolerance", e.tolerance},       {"total", e.total}, {"likely", number(e.likely)},
                         {"within_tolerance", e.kept()},   {"samples_and_sky_directions", e.drawn},
                         {"samples", number(e.samples)},   {"sky_directions", number(e.sky)},
-                        {"nodes_and_components", e.plan}, {"from", e.from}}
+                        {"nodes_and_components", e.plan}, {"nodes_and_components_pixels", e.plan_pixels},
+                        {"from", e.from}}
       .dump();
 }
 

@@ -9,6 +9,7 @@
 
 #include <string>
 
+#include "atmos_tables/render_table.h"
 #include "host/planner/planner.h"
 
 namespace raycube::planner {
@@ -21,15 +22,19 @@ struct OwnError {
   double total = -1, likely = -1;
   double drawn = -1;              ///< of samples and sky directions together
   double samples = -1, sky = -1;  ///< of either
-  double plan = 0;                ///< of nodes and components, as the plan has it
+  double plan = 0;                ///< of nodes and components, as the plan has it, or measured
+  std::size_t plan_pixels = 0;    ///< that were measured; 0: none
   double tolerance = 0;
   std::string from;  ///< how it is known
   bool kept() const { return total <= tolerance; }
 };
 
-/// Of an instrument as `apply` left it. Renders only where the decision was not made by a trial.
+/// Of an instrument as `apply` left it. Renders only where the decision was not made by a trial. The plan's share
+/// is its bound for the worst place and obstacle; where the verdict hangs on it, it is measured on the scene's own
+/// pixels (model_trial.h), by as many threads, as `raycube plan` does.
 OwnError own_error(render::Renderer& renderer, const scene::Simulation& simulation,
-                   const scene::Instrument& instrument, const plan::Plan& plan, const Decision& decision);
+                   const scene::Instrument& instrument, const plan::Plan& plan, const atmos::RenderTable& table,
+                   const Decision& decision, int threads);
 
 /// One line: total against tolerance, parts, how it is known.
 std::string own_error_text(const OwnError& error);
