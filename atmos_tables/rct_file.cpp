@@ -14,6 +14,7 @@
 #include "atmos_tables/table_rows.h"
 #include "host/base/error.h"
 #include "host/base/input_file.h"
+#include "host/base/json_text.h"
 #include "host/base/sha256.h"
 
 namespace raycube::atmos {
@@ -254,7 +255,7 @@ RenderTable read_rct(const std::string& path) {
 
   std::string text(head.header_bytes, '\0');
   fetch(sizeof head, text.data(), text.size());
-  const json header = json::parse(text, nullptr, false);
+  const json header = json::parse(base::shallow_json(text), nullptr, false);
   if (header.is_discarded()) refuse(path, "header is not JSON", text.substr(0, 40));
   const Member member(path, header, "the header");
   RenderTable table;

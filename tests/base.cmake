@@ -3,6 +3,7 @@ raycube_test(base SOURCES unit/base_test.cpp LIBS raycube_base nlohmann_json::nl
 raycube_test(attitude SOURCES unit/attitude_test.cpp LIBS raycube::lidar raycube::sensors raycube::scene_compiler LABELS fast)
 raycube_test(output_file SOURCES unit/output_file_test.cpp LIBS raycube_base LABELS fast)
 raycube_test(block_hashes SOURCES unit/block_hashes_test.cpp LIBS raycube_base LABELS fast)
+raycube_test(json_text SOURCES unit/json_text_test.cpp LIBS raycube_base LABELS fast)
 raycube_test(publication SOURCES unit/publication_test.cpp LIBS raycube_base LABELS fast)
 raycube_test(limited_child SOURCES unit/limited_child_test.cpp LIBS raycube_base LABELS fast)
 # Not with the test programs' main, which brings an abort() of its own.

@@ -9,6 +9,7 @@
 #include "atmos_tables/import/modtran_cards.h"
 #include "atmos_tables/import/modtran_names.h"
 #include "atmos_tables/import/text_lines.h"
+#include "host/base/json_text.h"
 
 namespace raycube::atmos::imported {
 
@@ -30,7 +31,7 @@ double number_or(const json* object, const char* key, double standing) {
 json parse(const std::string& path) {
   const std::string text = read_bytes(path);
   try {
-    return json::parse(text);
+    return json::parse(base::shallow_json(text));
   } catch (const json::parse_error& error) {
     const std::size_t byte = std::min(error.byte == 0 ? std::size_t{0} : error.byte - 1, text.size());
     const auto lines = std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(byte), '\n');

@@ -16,6 +16,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/base/error.h"
+#include "host/base/json_text.h"
 #include "host/base/output_file.h"
 #include "host/base/own_file.h"
 
@@ -125,7 +126,7 @@ void Publication::write_journal() const {
 
 void Publication::read_journal() {
   try {
-    const auto json = nlohmann::json::parse(read_own_file(journal_));
+    const auto json = nlohmann::json::parse(shallow_json(read_own_file(journal_)));
     list_.replace = json.at("replace"), list_.remove = json.at("remove");
     bool sound = !json.at("files").empty();
     for (const auto& file : json.at("files")) {

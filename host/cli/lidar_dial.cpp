@@ -15,6 +15,7 @@
 #include "host/base/error.h"
 #include "host/base/input_file.h"
 #include "host/base/interrupt.h"
+#include "host/base/json_text.h"
 #include "host/base/publication.h"
 #include "host/cli/dial_run.h"
 #include "host/cli/python_chart.h"
@@ -40,7 +41,7 @@ std::string file_of_run(const std::string& folder) {
   base::finish_publication(folder);
   base::refuse_other_than_plain(folder + "/run.json");
   std::ifstream in(std::filesystem::path(folder) / "run.json");
-  const auto record = nlohmann::json::parse(in, nullptr, false);
+  const auto record = nlohmann::json::parse(base::shallow_json(in), nullptr, false);
   if (record.is_object() && record.contains("command")) {
     std::istringstream words(record["command"].get<std::string>());
     for (std::string word; words >> word;)

@@ -10,6 +10,7 @@
 #include "atmos_tables/report.h"
 #include "host/base/error.h"
 #include "host/base/input_file.h"
+#include "host/base/json_text.h"
 #include "host/base/memory.h"
 #include "host/base/publication.h"
 #include "host/cli/info_cube.h"
@@ -81,7 +82,7 @@ void print_run(Context& context, const std::string& path, const Json& run) {
 void print_run_file(Context& context, const std::string& path) {
   std::ifstream in(path);
   try {
-    print_run(context, path, Json::parse(in));
+    print_run(context, path, Json::parse(base::shallow_json(in)));
   } catch (const Json::parse_error& failure) {
     throw Error(Fault::input, fmt::format("{}: is not valid JSON at byte {}; is the file whole?", path, failure.byte));
   } catch (const Json::exception& failure) {

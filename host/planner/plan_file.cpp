@@ -2,13 +2,13 @@
 
 #include <cstdint>
 #include <fstream>
-#include <sstream>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "host/base/error.h"
 #include "host/base/input_file.h"
+#include "host/base/json_text.h"
 #include "host/plan/sky_sets.h"
 
 namespace raycube::planner {
@@ -72,11 +72,9 @@ PlanFile read_plan_file(const std::string& path) {
   base::refuse_other_than_plain(path);
   std::ifstream in(path);
   if (!in) throw base::Error(base::Fault::input, path + ": the plan cannot be read; `raycube plan SIM -o FILE` writes one");
-  std::ostringstream text;
-  text << in.rdbuf();
   PlanFile file;
   try {
-    const Json root = Json::parse(text.str());
+    const Json root = Json::parse(base::shallow_json(in));
     if (root.at("raycube_plan").get<int>() != kVersion) refuse(path, fmt::format("version {} of the plan's format, this program reads {}", root.at("raycube_plan").get<int>(), kVersion));
     file.simulation_file = root.at("simulation").get<std::string>();
     file.scene_hash = root.at("scene_hash").get<std::string>();

@@ -7,6 +7,7 @@
 
 #include "host/base/error.h"
 #include "host/base/input_file.h"
+#include "host/base/json_text.h"
 #include "host/base/version.h"
 
 namespace raycube::products {
@@ -77,7 +78,7 @@ std::vector<std::string> files_of_run(const std::string& folder) {
   const std::string path = (std::filesystem::path(folder) / "run.json").string();
   if (!base::why_no_plain_file(path).empty()) return names;
   std::ifstream file(path);
-  const Json record = Json::parse(file, nullptr, false);
+  const Json record = Json::parse(base::shallow_json(file), nullptr, false);
   if (!record.is_object() || record.value("format", Json()) != "raycube run" || !record.contains("files") || !record["files"].is_object()) return names;
   for (const auto& [name, text] : record["files"].items()) {
     names.push_back(name);

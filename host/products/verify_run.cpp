@@ -17,6 +17,7 @@
 #include "host/base/input_file.h"
 #include "host/base/error.h"
 #include "host/base/interrupt.h"
+#include "host/base/json_text.h"
 
 namespace raycube::products {
 namespace {
@@ -44,7 +45,7 @@ Recorded recorded_in(const std::string& path) {
   std::ifstream in(path);
   Recorded out;
   try {
-    const Json record = Json::parse(in);
+    const Json record = Json::parse(base::shallow_json(in));
     if (!record.is_object() || record.value("format", "") != "raycube run")
       throw bad(path, "is no run record of raycube; name a run's folder or its run.json");
     if (!record.contains("sha256"))

@@ -6,6 +6,7 @@
 
 #include "host/base/cache_folder.h"
 #include "host/base/error.h"
+#include "host/base/json_text.h"
 #include "host/base/sha256.h"
 #include "host/render/renderer.h"
 #include "kernels/kernel_source.h"
@@ -40,7 +41,7 @@ std::optional<DeviceTuning> read_tuning(const cl::DeviceInfo& device) {
   std::ifstream file(tuning_file(device));
   if (!file) return {};
   try {
-    const auto json = nlohmann::json::parse(file);
+    const auto json = nlohmann::json::parse(base::shallow_json(file));
     DeviceTuning tuning = default_tuning(device);
     for (const auto& [kernel, local] : json.at("local").items()) tuning.sizes.local[kernel] = size_in(local, kMostLocal);
     tuning.tile_samples = size_in(json.at("tile_samples"), kMostTileSamples);

@@ -268,6 +268,16 @@ def later_failure(work):
     verified(work / "two/late", 0)
 
 
+def nested(work):
+    """A record whose own member nests 200 000 levels deep: before, `info --json` ran out of stack."""
+    deep = 200000
+    text = (work / "plain/camera/run.json").read_text().rstrip()
+    (work / "nested").mkdir()
+    (work / "nested/run.json").write_text(text[:-1] + ',"more":' + "[" * deep + "]" * deep + "}")
+    for options in ([], ["--json"], ["--verify"]):
+        refused("info", *options, work / "nested", status=2, says=["run.json", "is the file whole?"])
+
+
 with tempfile.TemporaryDirectory() as work:
     work = pathlib.Path(work)
     tiny = scene(work, "tiny.toml")
@@ -278,4 +288,6 @@ with tempfile.TemporaryDirectory() as work:
     signals(work, tiny, scene(work, "long.toml", pixels=2000, lines=2000, grid=11))
     kills(work)
     later_failure(work)
+    run("render", tiny, "-o", work / "plain", "--overwrite")
+    nested(work)
 print(f"run files: {program.checks} checks")
