@@ -14,6 +14,7 @@ raycube_test(render_shadow SOURCES oracle/render_shadow_test.cpp LIBS raycube_re
 raycube_test(render_psf SOURCES oracle/render_psf_test.cpp LIBS raycube_render_support LABELS fast)
 raycube_test(render_adaptive SOURCES oracle/render_adaptive_test.cpp LIBS raycube_render_support LABELS fast)
 raycube_test(render_small_objects SOURCES oracle/render_small_objects_test.cpp LIBS raycube_render_support LABELS fast)
+raycube_test(group_finder SOURCES oracle/group_finder_test.cpp LIBS raycube_render_support LABELS fast)
 raycube_test(render_edge_cases SOURCES oracle/render_edge_cases_test.cpp LIBS raycube_render_support raycube::scene_compiler LABELS fast)
 raycube_test(tuner SOURCES unit/tuner_test.cpp LIBS raycube::render LABELS fast)
 raycube_test(device_parts SOURCES unit/device_parts_test.cpp LIBS raycube::cl LABELS fast)

@@ -122,6 +122,11 @@ shared::RayGroup group_at(const scene::Instrument& instrument, int line, int gro
   return out;
 }
 
+/// Height that nothing of a scene lies above; infinity where it holds nothing.
+double top_of(const scene::CompiledScene& scene) {
+  return scene.lo[2] <= scene.hi[2] ? scene.hi[2] : std::numeric_limits<double>::infinity();
+}
+
 }  // namespace
 
 int pixels_per_group(const scene::Instrument& instrument) {
@@ -158,8 +163,13 @@ shared::RayGroup make_ray_group(const scene::Instrument& instrument, int line, i
                   std::numeric_limits<double>::infinity());
 }
 
+shared::RayGroup make_ray_group(const scene::Instrument& instrument, const scene::CompiledScene& scene, int line,
+                                int group, bool moving) {
+  return group_at(instrument, line, group, pixels_per_group(instrument), moving, top_of(scene));
+}
+
 std::vector<shared::RayGroup> make_ray_groups(const scene::Instrument& instrument, const scene::CompiledScene& scene, int first_line, int line_count) {
-  return make_ray_groups(instrument, first_line, line_count, scene.lo[2] <= scene.hi[2] ? scene.hi[2] : std::numeric_limits<double>::infinity());
+  return make_ray_groups(instrument, first_line, line_count, top_of(scene));
 }
 
 Ray pixel_ray(const scene::Instrument& instrument, int line, int sample, double u, double v) {

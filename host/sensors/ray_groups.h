@@ -31,6 +31,9 @@ std::vector<shared::RayGroup> make_ray_groups(const scene::Instrument& instrumen
 
 /// One of these groups, from the sensor; `moving` as pose_moves() says.
 shared::RayGroup make_ray_group(const scene::Instrument& instrument, int line, int group, bool moving);
+/// The same from a scene's own top: bit for bit the one that make_ray_groups makes.
+shared::RayGroup make_ray_group(const scene::Instrument& instrument, const scene::CompiledScene& scene, int line,
+                                int group, bool moving);
 
 /// A ray o + t d in the scene frame; d lies on the image plane at distance 1 and is not normalised.
 struct Ray {

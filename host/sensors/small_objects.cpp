@@ -10,7 +10,7 @@
 #include <limits>
 #include <unordered_map>
 
-#include "host/base/interrupt.h"
+#include "host/sensors/group_finder.h"
 #include "host/sensors/ray_groups.h"
 
 namespace raycube::sensors {
@@ -24,6 +24,8 @@ constexpr double kFootprintMargin = 1.5;  ///< on the widest pixel found at a fe
 constexpr double kEdge_px = 1e-3;  ///< an object this near a pixel belongs to it: rounding of rays and boxes
 constexpr double kBoxFill = 0.785398163397448;  ///< pi / 4: of a projected box that what it holds fills
 constexpr int kMotionRounds = 4;  ///< of the distance of a point, which tells how far a moving origin reaches
+/// A last round that moves the distance by more, of it, has found no place: GroupFinder counts on that.
+constexpr double kUnsettled = 0.25;
 
 dvec3 exact(const shared::rc_float4& v) { return {v.x, v.y, v.z}; }
 
@@ -39,14 +41,17 @@ class GroupPlane {
         moves_(ov_ != dvec3{0}),
         inverse_(moves_ ? glm::dmat3(1) : glm::inverse(glm::dmat3(d_, du_, dv_))) {}
 
-  /// False behind the sensor.
+  /// False behind the sensor, and where a moving one's place is not to be found.
   bool project(const dvec3& point, dvec2& at) const {
     const dvec3 way = point - sensor_;
     dvec3 x = inverse_ * way;  // (T, T a, T b)
     if (moves_) x = dvec3{glm::dot(way, d_) / glm::dot(d_, d_), 0, 0};
-    for (int round = 0; moves_ && x.x > 0 && round < kMotionRounds; ++round)
-      x = glm::inverse(glm::dmat3(d_, du_, dv_ + ov_ / x.x)) * way;
-    if (!(x.x > 0)) return false;
+    double before = x.x;
+    for (int round = 0; moves_ && x.x > 0 && round < kMotionRounds; ++round) {
+      before = x.x;
+      x = glm::inverse(glm::dmat3(d_, du_, dv_ + ov_ / before)) * way;
+    }
+    if (!(x.x > 0) || !(std::abs(x.x - before) <= kUnsettled * before)) return false;
     at = {x.y / x.x, x.z / x.x};
     return std::isfinite(at.x) && std::isfinite(at.y);
   }
@@ -257,6 +262,16 @@ std::vector<ObjectInPixel> SmallObjectPixels::in_group(const shared::RayGroup& g
   return seen;
 }
 
+void SmallObjectPixels::visit_groups(const LookAtGroup& look) const {
+  const State& s = *state_;
+  if (empty()) return;
+  const bool moving = s.instrument.motion == scene::PoseMotion::moving;
+  GroupFinder(s.instrument, s.half_px + kEdge_px, kWidest_px)
+      .visit(s.objects.objects, [&](int line, int group) {
+        look(line, group, make_ray_group(s.instrument, s.scene, line, group, moving));
+      });
+}
+
 std::vector<double> SmallObjectPixels::covers(std::span<const ObjectInPixel> seen) const {
   const State& s = *state_;
   struct Cover {
@@ -316,41 +331,36 @@ SmallObjectSurvey survey_small_objects(const scene::CompiledScene& scene, const 
   const SmallObjectPixels small(scene, instrument);
   survey.textures = small.objects().textures;
   if (small.empty()) return survey;
-  scene::Instrument settled = instrument;
-  settled.motion = pose_moves(instrument) ? scene::PoseMotion::moving : scene::PoseMotion::held;
   // Of adaptive samples a pixel surely has those of the first look.
   const int width = pixels_per_group(instrument), whole = instrument.samples_u * instrument.samples_v,
             ordinary = instrument.adaptive() ? instrument.first_samples : whole;
   const double area = std::max(1.0, instrument.psf_support_px) * std::max(1.0, instrument.psf_support_px);
   std::map<std::uint32_t, SmallObjectSurvey::Object> objects;
-  for (int line = 0; line < instrument.lines; ++line) {
-    base::throw_if_interrupted();
-    const auto groups = make_ray_groups(settled, scene, line, 1);
-    for (int group = 0; group < static_cast<int>(groups.size()); ++group) {
-      const int used = std::min(width, instrument.pixels - group * width);
-      const auto seen = small.in_group(groups[static_cast<std::size_t>(group)], used);
-      if (seen.empty()) continue;
-      const int fine = small.samples_of(seen);
-      const int samples = on && fine > 0 ? fine : on && small.needs_all(seen) ? whole : ordinary;
-      if (on && fine > 0) {
-        survey.groups.push_back({line, group * width, fine});
-        survey.levels[fine] += static_cast<std::uint64_t>(used),
-            survey.pixels += static_cast<std::uint64_t>(used);
-        survey.more_samples += static_cast<double>(fine) * used;
-      }
-      const std::vector<double> covers = small.covers(seen);
-      for (std::size_t i = 0; i < seen.size(); ++i) {
-        const ObjectInPixel& one = seen[i];
-        const auto [at, anew] = objects.try_emplace(one.object);
-        SmallObjectSurvey::Object& object = at->second;
-        const double points = samples * covers[i] / area;
-        if (anew) object.line = line, object.sample = group * width + one.lane, object.points = points;
-        object.points = std::min(object.points, points);
-        object.share = std::max(object.share, one.share);
-        ++object.pixels;
-      }
+  small.visit_groups([&](int line, int group, const shared::RayGroup& rays) {
+    ++survey.looked_at;
+    const int used = std::min(width, instrument.pixels - group * width);
+    const auto seen = small.in_group(rays, used);
+    if (seen.empty()) return;
+    const int fine = small.samples_of(seen);
+    const int samples = on && fine > 0 ? fine : on && small.needs_all(seen) ? whole : ordinary;
+    if (on && fine > 0) {
+      survey.groups.push_back({line, group * width, fine});
+      survey.levels[fine] += static_cast<std::uint64_t>(used),
+          survey.pixels += static_cast<std::uint64_t>(used);
+      survey.more_samples += static_cast<double>(fine) * used;
     }
-  }
+    const std::vector<double> covers = small.covers(seen);
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+      const ObjectInPixel& one = seen[i];
+      const auto [at, anew] = objects.try_emplace(one.object);
+      SmallObjectSurvey::Object& object = at->second;
+      const double points = samples * covers[i] / area;
+      if (anew) object.line = line, object.sample = group * width + one.lane, object.points = points;
+      object.points = std::min(object.points, points);
+      object.share = std::max(object.share, one.share);
+      ++object.pixels;
+    }
+  });
   survey.objects = objects.size();
   for (auto& [index, object] : objects) {
     survey.scarce += ordinary * object.share / area < kPoints * (1 - std::min(1.0, object.share));

@@ -21,6 +21,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <span>
@@ -69,6 +70,11 @@ class SmallObjectPixels {
   /// their numbers.
   std::vector<ObjectInPixel> in_group(const shared::RayGroup& group, int used) const;
 
+  using LookAtGroup = std::function<void(int line, int group, const shared::RayGroup& rays)>;
+  /// Every group of the image that in_group may find something in, once, in image order; the others are not
+  /// made (group_finder.h). Throws Error(interrupted) after a signal.
+  void visit_groups(const LookAtGroup& look) const;
+
   /// Samples that the pixels of a group need, of kFineLevels; 0: the ordinary ones do.
   int samples_of(const shared::RayGroup& group, int used) const;
   int samples_of(std::span<const ObjectInPixel> seen) const;
@@ -100,6 +106,7 @@ struct SmallObjectSurvey {
     int line = 0, sample = 0, samples = 0;  ///< its first pixel, and the samples that its pixels get
   };
   bool on = false;                      ///< the instrument's small objects get the samples they need
+  std::uint64_t looked_at = 0;          ///< groups of rays: those that objects' boxes may project into
   std::size_t objects = 0;              ///< small ones that the image holds
   std::size_t scarce = 0;               ///< of them: need more than the ordinary samples
   std::uint64_t pixels = 0;             ///< rendered with more samples; on: whole groups
@@ -111,7 +118,7 @@ struct SmallObjectSurvey {
   std::vector<std::string> textures;  ///< kinds of more than kMostOfAKind objects
 };
 
-/// Walks the image once; nothing is walked where no object can be small. on: as the instrument is rendered.
+/// Looks at the groups that small objects project into, not at the image. on: as the instrument is rendered.
 SmallObjectSurvey survey_small_objects(const scene::CompiledScene& scene, const scene::Instrument& instrument,
                                        bool on);
 
