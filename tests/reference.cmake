@@ -5,6 +5,7 @@ target_compile_definitions(test_reference_includes PRIVATE RAYCUBE_SOURCE_DIR="$
 raycube_test(reference_radiance SOURCES oracle/reference_radiance_test.cpp LIBS raycube_reference raycube_sensors LABELS fast)
 raycube_test(table_model SOURCES oracle/table_model_test.cpp LIBS raycube_reference raycube_atmos_tables LABELS fast)
 raycube_test(compare SOURCES unit/compare_test.cpp LIBS raycube_reference nlohmann_json::nlohmann_json LABELS fast)
+raycube_test(tie_search SOURCES unit/tie_search_test.cpp LIBS raycube_reference LABELS fast)
 raycube_test(difference_chart SOURCES unit/difference_chart_test.cpp ../host/cli/difference_chart.cpp
              LIBS raycube_reference raycube_products LABELS fast)
 if(TARGET raycube_render AND TARGET raycube_plan)

@@ -6,7 +6,9 @@
 #include <numeric>
 
 #include "host/base/error.h"
+#include "host/base/interrupt.h"
 #include "host/reference/parallel.h"
+#include "host/reference/tie_search.h"
 
 namespace raycube::reference {
 
@@ -46,54 +48,10 @@ Comparison::Comparison(const scene::CompiledScene& scene, const plan::Plan& plan
 
 Comparison::~Comparison() = default;
 
-namespace {
-
-using Components = std::array<double, 8>;
-
-/// 2^19 sums of each half: 40 MB. Of the 2^38 subsets fewer than 1e-3 fit four components by chance.
-constexpr std::size_t kMostTies = 38;
-
-/// Of up to kMostTies ties a subset whose effects sum to `wanted` within `bound` in every component; empty when there is none. Both
-/// halves' sums are listed, one list sorted by its first component and searched for what the other leaves (Horowitz & Sahni,
-/// J. ACM 21(2), 1974).
-std::vector<std::size_t> subset_that_sums_to(const std::vector<std::size_t>& ties, const std::vector<Components>& effect,
-                                             const Components& wanted, const Components& bound) {
-  const std::size_t half = ties.size() / 2;
-  const auto sums = [&](std::size_t from, std::size_t to) {
-    std::vector<std::pair<Components, std::uint64_t>> all{{Components{}, 0u}};
-    for (std::size_t i = from; i < to; ++i)
-      for (std::size_t known = all.size(), s = 0; s < known; ++s) {
-        auto [sum, members] = all[s];
-        for (std::size_t m = 0; m < sum.size(); ++m) sum[m] += effect[ties[i]][m];
-        all.emplace_back(sum, members | std::uint64_t{1} << i);
-      }
-    return all;
-  };
-  const auto left = sums(0, half);
-  auto right = sums(half, ties.size());
-  std::sort(right.begin(), right.end(), [](const auto& x, const auto& y) { return x.first[0] < y.first[0]; });
-  for (const auto& [sum, members] : left) {
-    auto at = std::lower_bound(right.begin(), right.end(), wanted[0] - sum[0] - bound[0],
-                               [](const auto& x, double value) { return x.first[0] < value; });
-    for (; at != right.end() && at->first[0] <= wanted[0] - sum[0] + bound[0]; ++at) {
-      bool fits = true;
-      for (std::size_t m = 0; m < wanted.size(); ++m) fits &= std::abs(wanted[m] - sum[m] - at->first[m]) <= bound[m];
-      if (!fits) continue;
-      std::vector<std::size_t> subset;
-      for (std::size_t i = 0; i < ties.size(); ++i)
-        if ((members | at->second) >> i & 1u) subset.push_back(ties[i]);
-      return subset;
-    }
-  }
-  return {};
-}
-
-}  // namespace
-
 /// The device keeps, of a sample's sky rays, the irradiance that the blocked ones take away. Where that differs, directions
 /// are sought whose turning accounts for it in every component. Only ties of the double traversal may turn; then `blocked`
-/// follows the device. Any subset is tried of up to kMostTies ties, else up to three, or all seen (or blocked) ones at once: a
-/// leaf that passes through the point within rounding puts it on one side or the other for every direction.
+/// follows the device. Any subset is tried of up to kMostTies ties, else up to three (host/reference/tie_search.h), or all
+/// seen (or blocked) ones at once: a leaf that passes through the point within rounding puts it on one side or the other for every direction.
 void Comparison::compare_sky(const Sample& sample, std::size_t number_of_sample, std::uint32_t number, const float* device, BlockedDirections& blocked,
                              Result& result) const {
   const std::size_t first = first_direction(plan_, seed_, number), count = blocked.size();
@@ -112,16 +70,7 @@ void Comparison::compare_sky(const Sample& sample, std::size_t number_of_sample,
       if (blocked[k]) residual[m] += effect[k][m];
     }
   }
-  const auto within = [&](const Components& r) {
-    for (std::size_t m = 0; m < r.size(); ++m)
-      if (!(std::abs(r[m]) <= bound[m])) return false;
-    return true;
-  };
-  if (within(residual)) return;
-  const auto without = [](Components r, const Components& e) {
-    for (std::size_t m = 0; m < r.size(); ++m) r[m] -= e[m];
-    return r;
-  };
+  if (within(residual, bound)) return;
   std::vector<std::size_t> ties;
   for (std::size_t k = 0; k < count; ++k) {
     if (!looks_into(plan_.sky, seed_, number, number_of_sample, k)) continue;
@@ -131,8 +80,8 @@ void Comparison::compare_sky(const Sample& sample, std::size_t number_of_sample,
   }
   const auto turn = [&](const std::vector<std::size_t>& rays) {
     Components left = residual;
-    for (std::size_t k : rays) left = without(left, effect[k]);
-    if (rays.empty() || !within(left)) return false;
+    for (std::size_t k : rays) left = minus(left, effect[k]);
+    if (rays.empty() || !within(left, bound)) return false;
     for (std::size_t k : rays) blocked[k] = !blocked[k];
     result.sky_explained += rays.size();
     return true;
@@ -153,16 +102,8 @@ void Comparison::compare_sky(const Sample& sample, std::size_t number_of_sample,
     std::vector<std::size_t> seen, hidden;
     for (std::size_t k : ties) (blocked[k] ? hidden : seen).push_back(k);
     if (turn(seen) || turn(hidden)) return;
-    if (n <= kMostTies && turn(subset_that_sums_to(ties, effect, residual, bound))) return;
-    for (std::size_t i = 0; i < n; ++i)
-      for (std::size_t j = i; j < n; ++j)
-        for (std::size_t k = j; k < n; ++k) {
-          // i = j = k, and j = k: one and two rays.
-          std::vector<std::size_t> rays{ties[i]};
-          if (j > i) rays.push_back(ties[j]);
-          if (k > j) rays.push_back(ties[k]);
-          if ((j > i || k == j) && turn(rays)) return;
-        }
+    if (n <= kMostTies && turn(subset_that_sums_to(ties, effect, residual, bound).rays)) return;
+    if (turn(few_that_sum_to(ties, effect, residual, bound).rays)) return;
   }
   ++result.sky_unexplained;
   result.excluded = true;
@@ -184,6 +125,7 @@ Comparison::Result Comparison::compare(const DevicePixel& device, bool with_mode
   const glm::dvec3 sun = to_double(plan_.sun_direction);
   std::vector<BlockedDirections> blocked;
   for (std::size_t s = 0; s < samples; ++s) {
+    base::throw_if_interrupted();
     Sample& sample = pixel.samples[s];
     const Cause cause = scene_.tracer.explain(sample.ray, device.hits[s], sample.hit);
     ++result.hits[static_cast<std::size_t>(cause)];

@@ -2,9 +2,11 @@
 // reference's own numbers, rounded to fp32, then spoiled.
 #include <doctest/doctest.h>
 
+#include <csignal>
 #include <nlohmann/json.hpp>
 
 #include "host/base/error.h"
+#include "host/base/interrupt.h"
 #include "host/reference/compare.h"
 #include "tests/oracle/reference_plan.h"
 #include "tests/oracle/reference_scene.h"
@@ -248,4 +250,13 @@ TEST_CASE("S61: ties fall either way and are counted: sun on a shadow's edge, a 
   const Report plain = g.compare({g.device(0, 0, 6)});
   CHECK(plain.sky_unexplained == 1);
   CHECK(!plain.failures().empty());
+}
+
+TEST_CASE("S61: a signal stops the comparison of a pixel") {
+  base::install_signal_handlers();
+  Fixture f;
+  std::raise(SIGTERM);
+  CHECK_THROWS_AS(f.compare({f.device(0)}), base::Error);
+  base::clear_interrupt();
+  CHECK(f.compare({f.device(0)}).failures().empty());
 }
