@@ -9,10 +9,12 @@
 #include <thread>
 #include <vector>
 
+#include "host/base/interrupt.h"
+
 namespace raycube::reference {
 
 /// work(i) for every i below `count`, on `threads` threads (0: as many as the machine has), in any order. The first exception
-/// stops the loop and is thrown here.
+/// stops the loop and is thrown here, and so does a signal: Error(interrupted).
 template <class Work>
 void for_each_index(std::size_t count, int threads, const Work& work) {
   std::atomic<std::size_t> next{0};
@@ -21,6 +23,7 @@ void for_each_index(std::size_t count, int threads, const Work& work) {
   const auto run = [&] {
     for (std::size_t i; (i = next++) < count;) {
       try {
+        base::throw_if_interrupted();
         work(i);
       } catch (...) {
         const std::lock_guard lock(failure_mutex);

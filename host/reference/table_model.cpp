@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "atmos_tables/interpolate.h"
+#include "host/base/interrupt.h"
 #include "host/base/planck.h"
 #include "host/reference/radiance.h"
 
@@ -13,6 +14,7 @@ namespace raycube::reference {
 namespace {
 
 constexpr double kDegree = 180 / std::numbers::pi;
+constexpr std::size_t kDirectionsPerLook = 64;  ///< between two looks for a signal
 /// A target above the table's highest node, or below its lowest, is taken at that node (the plan does the same).
 double within_table(const atmos::RenderTable& table, double height_m) {
   const std::vector<double>& nodes = table.axis("target_height").nodes;
@@ -67,10 +69,13 @@ TableModel::TableModel(const ReferenceScene& scene, const plan::Plan& plan, cons
     const double z = height_first_ + node * height_step_;
     std::vector<float>& values = sky_.emplace_back();
     if (!skylight_) values.assign(direction_.size() * lines, 0.0f);
-    for (const glm::dvec3& d : direction_)
+    std::size_t done = 0;
+    for (const glm::dvec3& d : direction_) {
+      if (done++ % kDirectionsPerLook == 0) base::throw_if_interrupted();
       if (skylight_)
         for (double radiance : atmos::sky_radiance(table, z, zenith_deg(d), azimuth_deg(d) - table.sun_azimuth_deg))
           values.push_back(static_cast<float>(radiance));
+    }
     std::size_t at = 0;
     if (environment_)
       for (const glm::dvec3& d : direction_)
@@ -143,6 +148,7 @@ BandRadiance TableModel::radiance(const SampledPixel& pixel) const {
   // meet the same one again. Pixels start anywhere.
   std::size_t lot = pixel.number * 2654435769u;
   for (const Sample& sample : pixel.samples) {
+    base::throw_if_interrupted();
     lot += 13;
     const double z = sample.hit.miss() ? static_cast<double>(plan_.height.first) : sample.point.z;
     const double f = highest > lowest ? (z - lowest) / (highest - lowest) : 0;

@@ -2,12 +2,14 @@
 // reference's own numbers, rounded to fp32, then spoiled.
 #include <doctest/doctest.h>
 
+#include <atomic>
 #include <csignal>
 #include <nlohmann/json.hpp>
 
 #include "host/base/error.h"
 #include "host/base/interrupt.h"
 #include "host/reference/compare.h"
+#include "host/reference/parallel.h"
 #include "tests/oracle/reference_plan.h"
 #include "tests/oracle/reference_scene.h"
 
@@ -257,6 +259,10 @@ TEST_CASE("S61: a signal stops the comparison of a pixel") {
   Fixture f;
   std::raise(SIGTERM);
   CHECK_THROWS_AS(f.compare({f.device(0)}), base::Error);
+  base::clear_interrupt();
+  std::atomic<int> done{0};
+  CHECK_THROWS_AS(for_each_index(1000, 2, [&](std::size_t i) { ++done; if (i == 3) std::raise(SIGTERM); }), base::Error);
+  CHECK(done < 1000);
   base::clear_interrupt();
   CHECK(f.compare({f.device(0)}).failures().empty());
 }
