@@ -67,6 +67,9 @@ struct Record {
 /// what is sound is returned all the same, so that later stages can find more problems in the same run.
 Record read_document(const std::string& file, base::Problems& problems);
 
+/// What the file gives for one key of the record, or its default, as JSON on one line.
+std::string value_text(const Record& record, std::string_view key);
+
 /// The record and its sub-tables with every option of the table, defaults included, as JSON.
 std::string document_json(const Record& root);
 

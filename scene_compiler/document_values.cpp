@@ -169,6 +169,12 @@ const Record* Record::table(std::string_view key) const {
   return list.empty() ? nullptr : &list.front();
 }
 
+std::string value_text(const Record& record, std::string_view key) {
+  const nlohmann::ordered_json values = record_json(record);
+  const auto found = values.find(key);
+  return found == values.end() ? "" : found->dump();
+}
+
 std::string document_json(const Record& root) { return record_json(root).dump(2); }
 
 }  // namespace raycube::scene

@@ -26,12 +26,17 @@ constexpr const char* kLayeredKeys[] = {"profile",       "profile_file", "co2_pp
 constexpr const char* kColumnKeys[] = {"water_g_cm2", "ozone_atm_cm", "aod_550"};
 constexpr const char* kClearSkyKeys[] = {"angstrom", "ssa", "asymmetry", "ground_albedo"};
 
-/// A key that the chosen model would ignore is an error.
+/// A key that the chosen model would ignore is an error. `asked`: the model that the caller wants instead of
+/// the file's, or empty.
 template <std::size_t N>
-void refuse_keys(const Record& record, const char* const (&keys)[N], const char* model, Problems& problems) {
+void refuse_keys(const Record& record, const char* const (&keys)[N], const char* model,
+                 const std::string& asked, Problems& problems) {
+  const std::string instead = asked.empty() ? "" : ", and " + asked + " is asked for instead";
   for (const char* key : keys)
     if (record.given(key))
-      problems.add(record.place(key), std::string("'") + key + "' belongs to model = \"" + model + "\"", "", "remove it, or choose that model");
+      problems.add(record.place(key),
+                   std::string("'") + key + "' belongs to model = \"" + model + "\"" + instead,
+                   value_text(record, key), "remove it, or choose that model");
 }
 
 /// What says how much aerosol there is, or of what kind, says nothing of none. A depth of 0 is no
@@ -101,21 +106,22 @@ AirSpec read_layered(const Record& record, Problems& problems) {
   return air;
 }
 
-AtmosphereSpec read_atmosphere(const Record& root, const Origin& origin, Problems& problems) {
+AtmosphereSpec read_atmosphere(const Record& root, const Origin& origin, const std::string& asked,
+                               Problems& problems) {
   AtmosphereSpec out;
   out.ground_height_m = origin.height_m;
   const Record* record = root.table("atmosphere");
   if (record == nullptr) {
-    out.layered.emplace();
+    if (asked.empty() || asked == "layered") out.layered.emplace();
     out.pressure_hPa = standard_pressure_hPa(out.ground_height_m);
     return out;
   }
-  const std::string model = record->text("model");
+  const std::string model = asked.empty() ? record->text("model") : asked;
   out.none = model == "none";
   // A table holds its air: what would shape a model's is refused beside it.
   const bool table = record->given("tables");
-  if (table || model != "layered") refuse_keys(*record, kLayeredKeys, "layered", problems);
-  if (table || model != "clear_sky") refuse_keys(*record, kClearSkyKeys, "clear_sky", problems);
+  if (table || model != "layered") refuse_keys(*record, kLayeredKeys, "layered", table ? "" : asked, problems);
+  if (table || model != "clear_sky") refuse_keys(*record, kClearSkyKeys, "clear_sky", table ? "" : asked, problems);
   const auto refuse_columns = [&](const char* what) {
     for (const char* key : kColumnKeys)
       if (record->given(key))
@@ -255,7 +261,7 @@ Simulation load_simulation(const std::string& file, const LoadOptions& options) 
 
   MaterialTable materials(root, problems);
   SceneParts parts = read_scene_parts(root, materials, problems);
-  out.atmosphere = read_atmosphere(root, parts.origin, problems);
+  out.atmosphere = read_atmosphere(root, parts.origin, options.air_model, problems);
   if (!root.records("instrument").empty() || root.given("time"))
     out.sun = read_sun(root, parts.origin, problems);
   out.instruments = read_instruments(root, parts, parts.notices, problems);

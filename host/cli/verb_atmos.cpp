@@ -75,9 +75,8 @@ std::string typed_air(const BuildOptions& o) {
 }
 
 /// Options of one model alone are refused with the other, all of them without air; the shared ones go where
-/// the model reads them.
+/// the model reads them. A file's air comes as that of --model already (LoadOptions::air_model).
 void choose_model(const BuildOptions& o, scene::AtmosphereSpec& air) {
-  if (!o.no_air && !o.model.empty()) air.none = false;
   if (air.none) {
     if (const std::string option = typed_air(o); !option.empty())
       throw base::Error(base::Fault::input, option + " means nothing without air (" +
@@ -86,13 +85,12 @@ void choose_model(const BuildOptions& o, scene::AtmosphereSpec& air) {
     air.layered.reset();
     return;
   }
-  const bool layered = o.model == "layered" || (o.model.empty() && (air.layered || o.file.empty()));
+  const bool layered = o.file.empty() ? o.model != "clear_sky" : air.layered.has_value();
   const auto refuse = [&](bool given, const char* option, const char* model) {
     if (given)
       throw base::Error(base::Fault::input, std::string(option) + " belongs to --model " + model + "; remove it, or choose that model");
   };
   if (!layered) {
-    air.layered.reset();
     refuse(!o.air.profile.empty(), "--profile", "layered"), refuse(!o.air.fill.empty(), "--fill", "layered");
     refuse(!o.air.aerosol.empty(), "--aerosol", "layered"), refuse(!o.lines.empty(), "--lines", "layered");
     refuse(!std::isnan(o.air.visibility_km), "--visibility", "layered"),
@@ -116,6 +114,7 @@ int build(const BuildOptions& o, Context& context) {
   if (!o.file.empty()) {
     scene::LoadOptions load;
     load.need_instruments = true;
+    if (!o.no_air) load.air_model = o.model;
     load.compile = std::isnan(o.lowest) || std::isnan(o.highest);
     simulation = scene::load_simulation(o.file, load);
     if (simulation.instruments.empty())
@@ -137,7 +136,10 @@ int build(const BuildOptions& o, Context& context) {
   choose_model(o, air);
   if (!std::isnan(o.ground)) {
     air.ground_height_m = o.ground;
-    if (std::isnan(o.pressure)) air.pressure_hPa = scene::standard_pressure_hPa(o.ground);
+    if (std::isnan(o.pressure)) {
+      air.pressure_hPa = scene::standard_pressure_hPa(o.ground);
+      if (air.layered) air.layered->pressure_hPa = scene::AirSpec().pressure_hPa;  // the profile's, there
+    }
   }
   replace(air.pressure_hPa, o.pressure), replace(air.water_g_cm2, o.water), replace(air.ozone_atm_cm, o.ozone);
   replace(air.aod_550, o.air.aod_550), replace(air.angstrom, o.angstrom), replace(air.ssa, o.ssa);
@@ -175,7 +177,9 @@ Verb verb_build() {
   verb.name = "build";
   verb.summary = "Build a render table with a built-in model of the air";
   verb.description =
-      "Sun, air, heights, bands and sensor come from a scene FILE, or from options, which replace what the file says. The layered "
+      "Sun, air, heights, bands and sensor come from a scene FILE, or from options, which replace what the "
+      "file says; a --model that is not the file's takes over what both have (pressure, columns, AOD), and a "
+      "key of the file that it has not is refused. The layered "
       "model covers 0.3 to 30 um (profiles, gas bands, aerosols, multiple scattering), the clear-sky model 0.3 to 4 um by a few "
       "formulas; docs/atmosphere.md and docs/table_format.md say how good they are. Tables of the layered model are kept in "
       "~/.cache/raycube/atmosphere and read again when the same one is asked for.";

@@ -77,6 +77,43 @@ with tempfile.TemporaryDirectory() as name:
                  'tables = "sky.rct"\npressure_hPa = 950\nground_height_m = 100'):
         program.run("scene", "check", scene(keys))
 
+    # A model that is not the file's takes over what both know of the air, in either direction, exactly as if the
+    # file had named it, and refuses by name what it does not know.
+    other = {"clear_sky": "layered", "layered": "clear_sky"}
+    shared = "pressure_hPa = 950\nwater_g_cm2 = 1.1\nozone_atm_cm = 0.25\naod_550 = 0.4\nground_height_m = 300"
+    grid = ("--from", 3.9, "--to", 4.0, "--step", 100, "--highest", 0, "--overwrite", "-o", folder / "air.rct")
+
+    def made(keys, *options):
+        return json.loads(program.run("atmos", "build", scene(keys), *grid, "--json", *options, env=env).stdout)
+
+    def is_air(seen, water, ozone, aod):
+        p = seen["atmosphere"]["parameters"]
+        check(abs(p["water_g_cm2"] - water) < 0.01 and abs(p["ozone_atm_cm"] - ozone) < 1e-3, p)
+        check(abs(p["aod_550"] - aod) < 1e-9, p)
+
+    for model, wanted in other.items():
+        own, same = f'model = "{model}"\n{shared}', made(f'model = "{wanted}"\n{shared}')
+        turned = made(own, "--model", wanted)
+        is_air(turned, 1.1, 0.25, 0.4)
+        check(turned["content_hash"] == same["content_hash"], wanted)
+        check(made(own, "--model", model)["content_hash"] == made(own)["content_hash"])
+        # An option still goes before the file, and the file's word of no air gives way to a model.
+        is_air(made(own, "--model", wanted, "--water", 0.7, "--aod", 0.2), 0.7, 0.25, 0.2)
+        airless = made('model = "none"', "--model", wanted)
+        check(airless["content_hash"] == made(f'model = "{wanted}"')["content_hash"])
+    below = made("pressure_hPa = 700", "--ground-height", 300)["atmosphere"]["parameters"]
+    check(950 < below["ground_pressure_hPa"] < 1000, below)  # "sets the pressure too"
+    cloud = "[[atmosphere.cloud]]\nbase_km = 1\ntop_km = 2\noptical_depth_550 = 7"
+    for model, keys, refused in (
+            ("clear_sky", "angstrom = 1.3\nground_albedo = 0.2", {"angstrom": "1.3", "ground_albedo": "0.2"}),
+            ("layered", f'profile = "tropical"\nvisibility_km = 5\nk_terms = 2\n{cloud}',
+             {"profile": '"tropical"', "visibility_km": "5.0", "k_terms": "2", "cloud": '"top_km":2.0'})):
+        file, way = scene(f'model = "{model}"\n{keys}'), ("--model", other[model])
+        says = ["scene.toml:", f"and {other[model]} is asked for instead", "remove it, or choose that model"]
+        for key, value in refused.items():
+            says += [f"'{key}' belongs to model = \"{model}\"", value]
+        program.refused("atmos", "build", file, *grid, *way, status=2, messages=len(refused), says=says)
+
     # The depth that a visibility makes is told, in words, as JSON and in run.json; asked for by that depth the air is
     # the same.
     small = ("--from", 3.9, "--to", 4.0, "--step", 100, "--highest", 0, "--overwrite")
