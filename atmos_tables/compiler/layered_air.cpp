@@ -13,6 +13,7 @@
 
 #include "atmos_tables/bird_riordan.h"
 #include "atmos_tables/clear_sky_inputs.h"
+#include "atmos_tables/compiler/air_provenance.h"
 #include "atmos_tables/compiler/air_stack.h"
 #include "atmos_tables/compiler/bin_rows.h"
 #include "atmos_tables/solar_spectrum.h"
@@ -27,7 +28,6 @@ namespace {
 std::string provenance(const scene::AtmosphereSpec& spec, const scene::Sun& sun, const AirStack& stack) {
   const scene::AirSpec& air = *spec.layered;
   const AirLevel ground = stack.profile().levels().front();
-  const bool none = air.aerosol == "none";
   nlohmann::json j;
   j["model"] = "raycube layered air";
   j["sources"] = {"profile: " + stack.profile().source(),
@@ -36,26 +36,18 @@ std::string provenance(const scene::AtmosphereSpec& spec, const scene::Sun& sun,
                   "aerosols: LOWTRAN7 (Shettle & Fenn 1979), Mie phase functions",
                   "scattering: discrete ordinates (Stamnes et al. 1988), delta-M, Nakajima & Tanaka 1988",
                   "Spencer 1971"};
-  j["parameters"] = {
-      {"ground_height_m", spec.ground_height_m},
-      {"profile", air.profile},
-      {"profile_file", air.profile_file.empty() ? nlohmann::json() : nlohmann::json(air.profile_file)},
+  j["parameters"] = air_parameters(spec, stack.aerosols());
+  j["parameters"].update({
       {"ground_pressure_hPa", ground.pressure_hPa},
       {"ground_temperature_K", ground.temperature_K},
       {"water_g_cm2", stack.profile().water_g_cm2()},
       {"ozone_atm_cm", stack.profile().ozone_atm_cm()},
       {"co2_ppmv", ground.ppmv(Gas::co2)},
-      {"aerosol", air.aerosol},
-      {"visibility_km", none ? nlohmann::json() : nlohmann::json(stack.aerosols().visibility_km())},
-      {"aod_550", stack.aerosols().aod_550()},
-      {"aod_550_from", none               ? "no aerosol"
-                       : air.aod_550 >= 0 ? "stated"
-                                          : "visibility"},
       {"day_of_year", sun.day_of_year},
       {"streams", air.streams},
       {"k_terms", air.k_terms},
       {"layers", stack.layers()},
-      {"gas_bands", air.gas_bands}};
+      {"gas_bands", air.gas_bands}});
   if (!air.lines.empty()) j["sources"].push_back("lines: " + air.lines + ", Voigt profiles to " + nlohmann::json(air.line_wing_per_cm).dump() + " cm-1 (cite the list's edition)");
   for (const auto& table : air.cross_sections) j["sources"].push_back("cross-sections of " + table.gas + ": " + table.file);
   j["notices"] = stack.notices();

@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "atmos_tables/compiler/air_provenance.h"
 #include "atmos_tables/compiler/air_stack.h"
 #include "atmos_tables/compiler/line_air.h"
 #include "atmos_tables/gas/grey_gases.h"
@@ -205,6 +206,7 @@ RenderTable build_lidar(const scene::AtmosphereSpec& spec, const std::vector<dou
       depolarization.values[n] = static_cast<float>(parallel > 0 ? std::min(1.0, crossed / parallel) : 0);
     }
   }
+  std::vector<std::string> limits;
   if (has_line_air(*spec.layered)) {
     std::string names;
     Row& row = add_row(table, "lidar_extinction_gas", "");
@@ -224,22 +226,19 @@ RenderTable build_lidar(const scene::AtmosphereSpec& spec, const std::vector<dou
     }
     row.text = "lines or cross-sections of " + names + "; continua and ozone of the layered model";
   } else {
-    notices.push_back("no lines or cross-sections given: absorption by gases is absent, which band models cannot give at a laser's line");
+    const GasesLeftOut gases = gases_left_out(*spec.layered, profile.ground_km(), wavelength_um);
+    (gases.share >= kTellsGases ? notices : limits).push_back(gases.text);
   }
   nlohmann::json j;
   j["model"] = "raycube LIDAR profiles";
   j["sources"] = {"profile: " + profile.source(), "Rayleigh: Bodhaine et al. 1999; King factors Bates 1984",
                   "aerosols: LOWTRAN7 (Shettle & Fenn 1979), Mie phase functions"};
-  j["parameters"] = {{"ground_height_m", spec.ground_height_m},
-                     {"profile", spec.layered->profile},
-                     {"profile_file", spec.layered->profile_file},
-                     {"aerosol", spec.layered->aerosol},
-                     {"visibility_km", aerosols.visibility_km()},
-                     {"aod_550", aerosols.aod_550()},
-                     {"cabannes_only", options.cabannes_only},
-                     {"lines", spec.layered->lines},
-                     {"lidar_ratio_sr", ratios}};
+  j["parameters"] = air_parameters(spec, aerosols);
+  j["parameters"].update({{"cabannes_only", options.cabannes_only},
+                          {"lines", spec.layered->lines},
+                          {"lidar_ratio_sr", ratios}});
   j["notices"] = notices;
+  j["limits"] = limits;
   j["stated_errors"] = {"molecules 0.1 %; lidar ratios of the aerosol models 30 %: 70 Mie functions are shared between models"};
   table.provenance_json = j.dump();
   validate(table, "LIDAR profiles");

@@ -96,18 +96,28 @@ atmos::RenderTable air_table(const AirRequest& request, Context& context) {
   const base::Doing doing("making the table of the air");
   atmos::RenderTable table = made_table(request, context);
   if (!request.spec->table_file.empty()) return table;  // its notices were said when it was made
+  say_air(table, context);
+  return table;
+}
+
+std::vector<std::string> air_notices(const atmos::RenderTable& table) {
   const auto provenance = provenance_of(table);
-  if (provenance.contains("notices"))
-    for (const auto& notice : provenance["notices"]) context.log.warning(notice.get<std::string>());
+  if (!provenance.contains("notices")) return {};
+  return provenance["notices"].get<std::vector<std::string>>();
+}
+
+void say_air(const atmos::RenderTable& table, Context& context) {
+  for (const auto& notice : air_notices(table))
+    if (context.air_said.insert(notice).second) context.log.warning(notice);
   if (const std::string aerosol = aerosol_text(table); !aerosol.empty())
     context.log.detail("atmosphere: " + aerosol.substr(0, aerosol.size() - 1));
-  return table;
 }
 
 std::string aerosol_text(const atmos::RenderTable& table) {
   const auto provenance = provenance_of(table);
   if (!provenance.contains("parameters") || !provenance["parameters"].contains("aod_550")) return "";
   const auto& p = provenance["parameters"];
+  if (p.value("aod_550_from", "") == "no aerosol") return "aerosol: none\n";
   std::string out = fmt::format("aerosol: optical depth {:.4g} at 550 nm", p["aod_550"].get<double>());
   if (p.contains("aerosol")) out += " (" + p["aerosol"].get<std::string>();
   if (p.contains("aerosol") && p["visibility_km"].is_number())

@@ -22,8 +22,14 @@ atmos::RenderTable air_table(const AirRequest& request, Context& context);
 /// building it would. Throws Error(input) for what the table or the model refuses.
 std::optional<atmos::RenderTable> known_table(const AirRequest& request);
 
+/// What a user should know of the air of a built table: its provenance's notices.
+std::vector<std::string> air_notices(const atmos::RenderTable& table);
+
+/// Those as warnings, each once in a run whatever the number of its tables; the aerosol with -v.
+void say_air(const atmos::RenderTable& table, Context& context);
+
 /// The aerosol of a built table in words, one line: "aerosol: optical depth 0.235 at 550 nm (rural,
-/// visibility 23 km)\n"; empty where the table says nothing of it.
+/// visibility 23 km)\n", or "aerosol: none\n"; empty where the table says nothing of it.
 std::string aerosol_text(const atmos::RenderTable& table);
 
 /// Wavelengths that the responses of some bands reach, um; a Gaussian is cut at 2.5 FWHM, where it has fallen to 3e-8.

@@ -139,7 +139,8 @@ int run(const Options& o, Context& context) {
   const std::vector<double> heights = o.heights.empty() ? atmos::lidar_heights(spec) : numbers_of(o.heights, "--heights");
   const atmos::RenderTable table = atmos::build_lidar(spec, wavelength_um, heights, lidar_options(o));
   const nlohmann::json provenance = nlohmann::json::parse(table.provenance_json);
-  for (const auto& notice : provenance["notices"]) context.log.warning(notice.get<std::string>());
+  say_air(table, context);
+  for (const auto& limit : provenance["limits"]) context.log.warning(limit.get<std::string>());
   const std::string output = context.common.output.empty() ? "lidar.rct" : context.common.output;
   const std::string hash = atmos::write_rct(table, output, context.common.overwrite ? base::IfExists::replace : base::IfExists::refuse);
   if (context.common.json)

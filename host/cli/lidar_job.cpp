@@ -7,6 +7,7 @@
 
 #include "atmos_tables/compiler/lidar_profiles.h"
 #include "host/base/error.h"
+#include "host/cli/air_table.h"
 #include "host/lidar/air_column.h"
 #include "host/lidar/make_lidar_plan.h"
 #include "host/planner/plan_file.h"
@@ -40,7 +41,11 @@ LidarJob prepare_lidar(const scene::Simulation& simulation, const scene::Lidar& 
   job.lidar = &lidar;
   auto start = std::chrono::steady_clock::now();
   const std::unique_ptr<atmos::RenderTable> table = lidar_air(simulation, lidar);
-  if (table) job.air_json = table->provenance_json;
+  if (table) {
+    job.air_json = table->provenance_json;
+    job.air_notices = air_notices(*table);
+    say_air(*table, context);
+  }
   job.table_s = seconds_since(start);
   start = std::chrono::steady_clock::now();
   job.plan = lidar::make_lidar_plan(simulation, lidar, table.get());

@@ -31,6 +31,7 @@ struct LidarJob {
   planner::LidarDecision decision;
   std::string plan_json;                      ///< the decision and its lines
   std::string air_json;                       ///< what the air was made of; empty: none
+  std::vector<std::string> air_notices;       ///< of the air; the log has them
   double table_s = 0, plan_s = 0;
 };
 

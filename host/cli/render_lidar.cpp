@@ -264,6 +264,7 @@ nlohmann::json render_lidar(const scene::Simulation& simulation, const scene::Li
                          {"returns_of_matter_expected", light_of_run.returns_of_matter()}};
   if (turbulence) more["turbulence"] = *turbulence;
   record.warnings = light_notices(simulation, lidar);
+  record.warnings.insert(record.warnings.end(), job.air_notices.begin(), job.air_notices.end());
   record.more_json = {{"survey", more.dump()}, {"launches", render::tuning_json(renderer.tuning())}};
   if (!job.air_json.empty()) record.more_json.emplace_back("atmosphere", job.air_json);
   if (const std::string warning = light_of_run.warning(); !warning.empty()) {

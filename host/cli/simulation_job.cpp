@@ -99,6 +99,8 @@ InstrumentJob prepare(const scene::Simulation& simulation, const scene::Instrume
   job.notices = plan::one_direction_notices(job.table, instrument.name, view, seen_heights(scene, view));
   for (auto& notice : plan::channel_bands(instrument, job.table).notices) job.notices.push_back(std::move(notice));
   for (const auto& notice : job.notices) context.log.warning(instrument.name + ": " + notice);
+  if (simulation.atmosphere.table_file.empty())  // of a table of the user's its maker has heard them
+    for (auto& notice : air_notices(job.table)) job.notices.push_back(std::move(notice));
   start = std::chrono::steady_clock::now();
   job.plan = plan::make_plan(simulation, instrument, job.table, view);
   if (planning.replay) {

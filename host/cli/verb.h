@@ -22,6 +22,7 @@
 #include <functional>
 #include <iosfwd>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -61,6 +62,7 @@ struct Context {
   base::Log& log;
   std::ostream& out;
   std::string command_line;                ///< as typed, for sidecars
+  std::set<std::string> air_said = {};     ///< notices of the air that the log has (say_air of air_table.h)
 };
 
 struct Verb {

@@ -9,7 +9,10 @@
 #include <string>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 #include "atmos_tables/aerosol/aerosol_column.h"
+#include "atmos_tables/compiler/air_provenance.h"
 #include "atmos_tables/compiler/air_stack.h"
 #include "atmos_tables/compiler/lidar_profiles.h"
 #include "atmos_tables/interpolate.h"
@@ -204,6 +207,40 @@ TEST_CASE("S9 LIDAR: gas at a methane line by Beer's law; absent with a word whe
   const RenderTable back = read_rct(folder / "lidar.rct");
   CHECK(wavelengths(back) == um);
   CHECK(back.rows.at("lidar_extinction_gas").values == table.rows.at("lidar_extinction_gas").values);
+}
+
+TEST_CASE("LIDAR: what gases would take without a line list, and from where on it is a notice") {
+  // At the peak of Chappuis' band, 5.1e-21 cm2 at 0.602 um, two columns of ozone differ by Beer's law.
+  // LOWTRAN7's figures are older means over 200 cm-1 and measured 7 % off; the share is told to two digits.
+  const auto depth = [](double ozone_atm_cm) {
+    scene::AtmosphereSpec spec = rural("none");
+    spec.layered->ozone_atm_cm = ozone_atm_cm;
+    return -std::log1p(-gases_left_out(*spec.layered, 0, {0.602}).share);
+  };
+  CHECK(relative(depth(0.5) - depth(0.1), 0.4 * 2.6868e19 * 5.1e-21) <= 0.1);
+  // The wavelength that loses most speaks for all; from kTellsGases on it is a notice, below it a limit.
+  const auto said = [](const std::vector<double>& um, const char* list) {
+    const auto told = nlohmann::json::parse(build_lidar(rural(), um, {0, 1000}).provenance_json)[list];
+    return told.empty() ? std::string() : told[0].get<std::string>();
+  };
+  CHECK(said({0.532, 0.76, 1.064}, "notices").find("near 760 nm they have 5") != std::string::npos);
+  CHECK(said({0.532, 0.76, 1.064}, "limits").empty());
+  CHECK(said({0.532, 1.064}, "limits").find("near 532 nm they have 2.") != std::string::npos);
+  CHECK(said({0.532, 1.064}, "notices").empty());
+  // Drier air takes less of 940 nm.
+  scene::AtmosphereSpec dry = rural();
+  dry.layered->water_g_cm2 = 0.1;
+  CHECK(gases_left_out(*dry.layered, 0, {0.94}).share < 0.3 * gases_left_out(*rural().layered, 0, {0.94}).share);
+}
+
+TEST_CASE("S9 LIDAR: no aerosol has no visibility") {
+  const auto parameters = [](const std::string& aerosol) {
+    return nlohmann::json::parse(build_lidar(rural(aerosol), {0.532}, {0}).provenance_json)["parameters"];
+  };
+  CHECK(parameters("none")["visibility_km"].is_null());
+  CHECK(parameters("none")["aod_550_from"] == "no aerosol");
+  CHECK(parameters("rural")["visibility_km"] == 23);
+  CHECK(parameters("rural")["aod_550_from"] == "visibility");
 }
 
 TEST_CASE("S9 LIDAR: bad input is told, all at once") {
