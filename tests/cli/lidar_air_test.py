@@ -145,6 +145,9 @@ def by_night(work):
             # A filter of 1 nm and single precision: the radiance itself is exact at a material's own temperature.
             check(abs(found / want - 1) < 1e-4, nm, kelvin, found, want)
         print(f"{nm:.0f} nm, {kelvin} K by night: {float(pulses[0]['background_hz']):.6g} of {want:.6g} photons / s")
+    # Beyond 2.5 um the air emits too, over ground as cold as it may be: path and reflected sky, below a black body's.
+    _, _, pulses = rendered(work, written(work, "", nm=10600.0, time=NIGHT, material="temperature_K = 60"))
+    check(all(1e-3 < float(row["background_hz"]) / background_hz(10.6, 290, 1) < 0.5 for row in pulses), pulses)
     # Cold ground is dark below 2.5 um, and that is said; nothing is made up for it.
     for material in ("", "temperature_K = 300"):
         said, kept, pulses = rendered(work, written(work, 'model = "none"', time=NIGHT, material=material))
