@@ -52,6 +52,8 @@ struct Cache {
   std::function<void(Level, const std::string&)> notices;
   std::mutex building;
   std::map<std::string, std::set<std::string>> folders;  ///< by key: the driver's, relative
+  std::set<std::string> not_kept;                        ///< reasons that were said
+  std::set<std::string> useless;  ///< keys of archives that are whole and could not be put for the driver
 };
 Cache& cache() {
   static auto& one = *new Cache;
@@ -321,7 +323,10 @@ void KeptKernels::take() const {
                                "; they are compiled anew");
     return;
   }
-  if (!put_for_driver(files, file)) return;
+  if (!put_for_driver(files, file)) {
+    cache().useless.insert(key_);
+    return;
+  }
   for (const auto& [name, content] : files) cache().folders[key_].insert(folder_of(name));
   fs::last_write_time(file, fs::file_time_type::clock::now(), code);
   notice(Level::detail, "kernels: compiled ones from the cache, " + file.string());
@@ -342,9 +347,11 @@ void KeptKernels::built() {
 KeptKernels::~KeptKernels() {
   try {
     keep();
-  } catch (const std::exception& failed) {
-    notice(Level::warning,
-           std::string("compiled kernels could not be kept for the next run: ") + failed.what());
+  } catch (const std::exception& failed) {  // keep() holds no lock any more
+    const std::lock_guard lock(cache().building);
+    if (cache().not_kept.insert(failed.what()).second)
+      notice(Level::warning,
+             std::string("compiled kernels could not be kept for the next run: ") + failed.what());
   }
 }
 
@@ -357,7 +364,8 @@ void KeptKernels::keep() const {
   KernelFiles files = read_folders(c.driver, folders->second);
   const fs::path file = file_of(key_);
   std::error_code code;
-  if (fs::exists(file, code)) try {
+  // What could not be used is not carried along: the next run would meet it again.
+  if (fs::exists(file, code) && !c.useless.count(key_)) try {
       const KernelFiles kept = unpack_kernels(key_, base::read_own_file(file));
       // Of other work-group sizes, by another run; not of a driver that does not look there any more.
       for (const auto& entry : kept)

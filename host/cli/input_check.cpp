@@ -3,6 +3,7 @@
 #include <map>
 #include <set>
 #include <string>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -48,13 +49,18 @@ class Found {
       return false;
     }
   }
+  void notice(const scene::Instrument& instrument, const std::vector<std::string>& texts) {
+    for (const auto& text : texts) notices_.push_back(instrument.name + ": " + text);
+  }
   void throw_if_any() const {
     if (!text_.empty()) throw base::Error(base::Fault::input, text_);
   }
+  const std::vector<std::string>& notices() const { return notices_; }
 
  private:
   std::set<std::string> seen_;
   std::string text_;
+  std::vector<std::string> notices_;
 };
 
 /// The table's own limits, where there is a table without computing one.
@@ -63,14 +69,19 @@ void check_known_table(const scene::Simulation& simulation, const scene::Instrum
   const auto& table_um = table.axis("wavelength").nodes;
   base::Problems problems;
   scene::Instrument convolved = instrument;
-  convolved.bands = plan::channel_bands(instrument, table).bands;
+  auto channels = plan::channel_bands(instrument, table);
+  convolved.bands = std::move(channels.bands);
   plan::check_table(convolved, table_um, plan::table_name(simulation), problems);
   found.add(problems);
   found.part([&] { static_cast<void>(plan::choose_adjacency(simulation, table)); });
   const plan::TableSpectra air(table, simulation.atmosphere.none, simulation.sun.zenith_deg < 90, 0,
                                table_um.size());
   found.part([&] { plan::check_view(instrument, view, air.last_view_zenith_rad()); });
-  found.part([&] { static_cast<void>(plan::one_direction_notices(table, instrument.name, view, seen_heights(simulation.scene, view))); });
+  const auto heights = seen_heights(simulation.scene, view);
+  found.part([&] {
+    found.notice(instrument, plan::one_direction_notices(table, instrument.name, view, heights));
+  });
+  found.notice(instrument, channels.notices);
   base::Problems cold;
   plan::check_temperatures(
       simulation.scene, simulation.file,
@@ -154,23 +165,24 @@ void check_lidar(const scene::Simulation& simulation, const scene::Lidar& lidar,
 
 }  // namespace
 
-void check_inputs(const scene::Simulation& simulation,
-                  const std::vector<const scene::Instrument*>& instruments,
-                  const std::vector<const scene::Lidar*>& lidars) {
+std::vector<std::string> check_inputs(const scene::Simulation& simulation,
+                                      const std::vector<const scene::Instrument*>& instruments,
+                                      const std::vector<const scene::Lidar*>& lidars) {
   const base::Doing doing("checking inputs");
   Found found;
   const auto files = curve_files(simulation);
   for (const auto* instrument : instruments) check_instrument(simulation, *instrument, files, found);
   for (const auto* lidar : lidars) check_lidar(simulation, *lidar, files, found);
   found.throw_if_any();
+  return found.notices();
 }
 
-void check_inputs(const scene::Simulation& simulation) {
+std::vector<std::string> check_inputs(const scene::Simulation& simulation) {
   std::vector<const scene::Instrument*> instruments;
   std::vector<const scene::Lidar*> lidars;
   for (const auto& instrument : simulation.instruments) instruments.push_back(&instrument);
   for (const auto& lidar : simulation.lidars) lidars.push_back(&lidar);
-  check_inputs(simulation, instruments, lidars);
+  return check_inputs(simulation, instruments, lidars);
 }
 
 }  // namespace raycube::cli

@@ -1,6 +1,7 @@
 // What a simulation's inputs alone say is wrong, all of it, before any air is computed or ray sent.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "scene_compiler/simulation.h"
@@ -11,11 +12,12 @@ namespace raycube::cli {
 /// model of the air to be known: views, point spreads and bands; used materials' curves that do not cover
 /// them, and temperatures that thermal light needs; bands, sun, sensor, heights and views beyond the
 /// atmosphere's table or its model's range; light between ground and air that the table has no rows for.
-/// `scene check`, and what begins a render, a check, a plan, a chart and a tuning.
-void check_inputs(const scene::Simulation& simulation,
-                  const std::vector<const scene::Instrument*>& instruments,
-                  const std::vector<const scene::Lidar*>& lidars);
+/// `scene check`, and what begins a render, a check, a plan, a chart and a tuning. Returns what is not refused
+/// but to be known of instruments under a table that needs no computing, as a render says it later.
+std::vector<std::string> check_inputs(const scene::Simulation& simulation,
+                                      const std::vector<const scene::Instrument*>& instruments,
+                                      const std::vector<const scene::Lidar*>& lidars);
 /// The same for all instruments and LIDARs of the file.
-void check_inputs(const scene::Simulation& simulation);
+std::vector<std::string> check_inputs(const scene::Simulation& simulation);
 
 }  // namespace raycube::cli

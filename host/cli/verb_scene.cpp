@@ -62,12 +62,13 @@ Verb verb_check() {
   verb.add_options = [o](base::OptionTable& table) { table.argument("FILE", "A simulation file", o->file); };
   verb.run = [o](Context& context) {
     const auto simulation = load(context, o->file, true);  // which materials are used, only the scene tells
-    check_inputs(simulation);
+    const auto notices = check_inputs(simulation);
+    for (const auto& notice : notices) context.log.warning(notice);
     if (context.common.json)
       context.out << simulation.resolved_json << "\n";
     else
       context.out << o->file << ": sound; " << simulation.instruments.size() << " instruments, "
-                  << simulation.notices.size() << " notices\n";
+                  << simulation.notices.size() + notices.size() << " notices\n";
     return 0;
   };
   return verb;

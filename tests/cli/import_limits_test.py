@@ -92,6 +92,7 @@ with tempfile.TemporaryDirectory() as work:
         check(numpy.abs(found[:, 0] / want[channel] - 1).max() < 2e-6 and not record(out / "camera")["warnings"], width, found[0], want, done.stderr)
     # Others are said, and are what a second average makes of them.
     done, found = render(plane(work, work / "a.rct", bands=[(760.0, 14.0), (770.0, 9.5), (775.0, 9.5)]))
+    check("2 of 3 bands" in run("scene", "check", work / "plane.toml").stderr)
     check("2 of 3 bands" in done.stderr and "band 1 is 760 nm, FWHM 14 nm" in done.stderr and "band 3 is 775 nm" in done.stderr, done.stderr)
     check(any("2 of 3 bands" in warning for warning in record(out / "camera")["warnings"]))
     check(abs(found[:, 1] / want[5] - 1).max() < 2e-6 and found[0, 0] > 1.3 * want[DEEP], found[0], want)
@@ -102,8 +103,18 @@ with tempfile.TemporaryDirectory() as work:
     # One line of sight: straight down it serves, aside it is said, far aside refused, with the angles.
     done, _ = render(plane(work, work / "a.rct", pitch=10))
     check("one view zenith, 0 deg" in done.stderr and any("one view zenith" in w for w in record(out / "camera")["warnings"]), done.stderr)
-    refused("render", plane(work, work / "a.rct", pitch=40), "-o", out, "--overwrite", status=2,
-            says=["instrument 'camera'", "one view zenith, 0 deg", "to 40.1", "deg off nadir", "import runs"])
+
+    def warnings(text):
+        return sorted(line for line in text.splitlines() if "warning: " in line)
+
+    # `scene check` says the same, in the same words, and counts it; what it refuses it refuses in the render's words.
+    told = run("scene", "check", work / "plane.toml")
+    check(warnings(told.stderr) == warnings(done.stderr) != [] and "sound" in told.stdout, told.stderr, done.stderr)
+    check(f"{len(warnings(told.stderr))} notices" in told.stdout, told.stdout)
+    aside = plane(work, work / "a.rct", pitch=40)
+    says = ["instrument 'camera'", "one view zenith, 0 deg", "to 40.1", "deg off nadir", "import runs"]
+    for verb in (["render", aside, "-o", out, "--overwrite"], ["scene", "check", aside]):
+        refused(*verb, status=2, says=says)
     # One target height, likewise; and the sensor's as ever.
     # In parts of the whole column: 60 m are 0.75 % of it, 500 m 6 %.
     done, _ = render(plane(work, work / "a.rct", height=60.0))

@@ -92,6 +92,18 @@ with tempfile.TemporaryDirectory() as work:
     run("check", unused, "--rays", "1000", "--pixels", "8")
     run("plan", unused)
 
+    # Nor is that of a mesh which is listed and never placed; placed, it is used.
+    (work / "m.obj").write_text("v 0 0 1\nv 1 0 1\nv 0 1 1\nf 1 2 3\n")
+    mesh = 'mesh = [{ name = "spare", file = "m.obj", material = "nobody" }]\n'
+    listed = edited(with_material("listed.toml", kDark + ',\n  { name = "nobody", file = "narrow.csv" }'), "plane = [", mesh + "plane = [")
+    check("sound" in run("scene", "check", listed).stdout)
+    run("render", listed, "-o", work / "listed")
+    check((work / "listed/camera/radiance.img").read_bytes() == (work / "plain/camera/radiance.img").read_bytes())
+    run("check", listed, "--rays", "1000", "--pixels", "8")
+    run("plan", listed)
+    placed = edited(listed, "plane = [", 'instance = [{ mesh = "spare" }]\nplane = [')
+    all_refuse(work, placed, ["material 'nobody'", "covers 500 to ", "narrow.csv"])
+
     # One that is used is told with its file, its range, what is needed, and which end is short.
     for name, file, ends in (("late.toml", "late.csv", "it begins too late"), ("narrow.toml", "narrow.csv", "it begins too late and ends too early")):
         bad = with_material(name, f'{{ name = "dark", file = "{file}" }}', air=LAYERED)

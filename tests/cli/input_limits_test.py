@@ -58,6 +58,7 @@ def limited(*arguments, status, says):
 with tempfile.TemporaryDirectory() as work:
     work = pathlib.Path(work)
     small = scene(work, "small.toml").read_text()
+    (work / "none.par").write_text("")
     for name, word in kinds(work).items():
         for key, (old, new) in kKeys.items():
             check(old in small, old)
@@ -68,6 +69,14 @@ with tempfile.TemporaryDirectory() as work:
                           ["atmos", "import", name, "-o", work / "x.rct"], ["scene", "info", f"{name}.rcs"]):
             path = [work / part if str(part).startswith(name) else part for part in arguments]
             limited(*path, status=2, says=[word, "without run.json"])
+        # Files that options name, before the air is computed and without opening the pipe.
+        build, lidar = ("atmos", "build", "--sun-zenith", 40), ("atmos", "lidar", "--wavelengths", 1064)
+        path = work / name
+        for arguments in ((*build, "--profile", path), (*build, "--no-cache", "--profile", path), (*build, "--lines", path),
+                          (*lidar, "--profile", path), (*lidar, "--lines", path), (*lidar, "--cross-section", f"xy={path},1"),
+                          (*lidar, "--lines", work / "none.par", "--partition-sums", path)):
+            limited(*arguments, "-o", work / "x.rct", status=2, says=f"{path}: {word}")
+        check(not (work / "x.rct").exists())
     print(f"input limits: {program.checks} checks of what is no file")
 
     # Headers of PLY cut or lying: seen before Assimp (5.2.5 goes round in a circle).

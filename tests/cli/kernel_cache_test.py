@@ -207,6 +207,32 @@ def of_another_driver(work, env, store, digest):
     check(set(unpacked(victim.read_bytes())) == set(files), set(unpacked(victim.read_bytes())))
 
 
+def sound_but_useless(work, env, store, digest):
+    """Whole by its checksum and of no use here: one warning with the reason, compiled anew, nothing outside the folder, whole again."""
+    victim = min(kept_in(store), key=lambda path: path.stat().st_size)
+    sound = unpacked(victim.read_bytes())
+    first = next(iter(sound))
+    outside = store.parent / "escaped"
+    for name, files, says in (
+            ("too long a name", {first: b"x", first + "/" + "n" * 300: b"x"}, ["cannot be used by this run", "compiled anew"]),
+            ("no folder of the driver's", {"ZZ/" + "n" * 300: b"x", **sound}, ["cannot be used by this run"]),
+            ("a name that climbs", {"../../escaped": b"x"}, ["damaged", "names a file outside its folder"]),
+            ("a name from the root", {str(outside): b"x"}, ["damaged", "names a file outside its folder"])):
+        victim.write_bytes(packed(victim.stem, files))
+        check(render(work, name, env, warnings=1, says=[str(victim), *says])[0] == digest)
+        check(not outside.exists() and not (store / "escaped").exists(), name)
+        check(set(unpacked(victim.read_bytes())) == set(sound), name, set(unpacked(victim.read_bytes())))
+        check(render(work, name, env)[0] == digest)  # and without a word the next time
+    # A folder in its place can be neither read nor replaced: said twice, and the render stands.
+    whole = victim.read_bytes()
+    victim.unlink()
+    (victim / "full").mkdir(parents=True)
+    render(work, "a folder", env, warnings=2, says=[str(victim), "damaged", "could not be kept for the next run"])
+    shutil.rmtree(victim)
+    victim.write_bytes(whole)
+    victim.chmod(0o600)
+
+
 def at_once(work, digest):
     """Two runs that find an empty cache at the same time."""
     env = environment(work, XDG_CACHE_HOME=work / "together")
@@ -231,6 +257,7 @@ with tempfile.TemporaryDirectory() as folder:
     others(work, env, store, kept, digest)
     full_with_sound_archives(work, env, store, digest)
     of_another_driver(work, env, store, digest)
+    sound_but_useless(work, env, store, digest)
     sweep(work, env, store, kept)
     no_home(work, digest)
     full_disk(work, digest)
