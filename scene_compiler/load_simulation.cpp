@@ -120,8 +120,9 @@ AtmosphereSpec read_atmosphere(const Record& root, const Origin& origin, const s
   out.none = model == "none";
   // A table holds its air: what would shape a model's is refused beside it.
   const bool table = record->given("tables");
-  if (table || model != "layered") refuse_keys(*record, kLayeredKeys, "layered", table ? "" : asked, problems);
-  if (table || model != "clear_sky") refuse_keys(*record, kClearSkyKeys, "clear_sky", table ? "" : asked, problems);
+  const std::string instead = table ? "" : asked;
+  if (table || model != "layered") refuse_keys(*record, kLayeredKeys, "layered", instead, problems);
+  if (table || model != "clear_sky") refuse_keys(*record, kClearSkyKeys, "clear_sky", instead, problems);
   const auto refuse_columns = [&](const char* what) {
     for (const char* key : kColumnKeys)
       if (record->given(key))

@@ -1,4 +1,5 @@
-// What the provenance of every table of the layered model says of its air: one list for tables and LIDAR profiles.
+// What the provenance of every table of the layered model says of its air: one list for tables and LIDAR
+// profiles.
 #pragma once
 
 #include <string>

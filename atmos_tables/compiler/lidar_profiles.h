@@ -33,8 +33,8 @@ std::vector<double> lidar_heights(const scene::AtmosphereSpec& spec);
 /// lidar_extinction_molecular, _aerosol, lidar_backscatter_molecular, _aerosol and lidar_depolarization. lidar_extinction_gas is
 /// there when spec.layered names lines or cross-sections: those gases, and the continua and ozone of the layered model.
 /// depolarization: perpendicular over parallel backscatter of a linearly polarised beam, molecules and particles together.
-/// The provenance's "notices" are what a user should hear of this air; its "limits" hold what is known to be left out and takes
-/// little (gases_left_out of air_provenance.h). Throws Error(input) with every problem found.
+/// The provenance's "notices" are what a user should hear of this air; its "limits" hold what is left out and
+/// takes little (gases_left_out of air_provenance.h). Throws Error(input) with every problem found.
 RenderTable build_lidar(const scene::AtmosphereSpec& spec, const std::vector<double>& wavelength_um,
                         const std::vector<double>& height_m, const LidarOptions& options = {});
 
