@@ -39,6 +39,24 @@ atmos::RenderTable build_with_progress(const AirRequest& request, const std::vec
   return atmos::build_layered(*request.spec, request.sun, request.sensor_height_m, wavelengths, heights, watch);
 }
 
+/// Where the cache keeps the table of a request; empty: nowhere. Throws Error(environment) when a file that the
+/// request names cannot be read.
+std::filesystem::path kept_file(const AirRequest& request, const std::vector<double>& wavelengths, const std::vector<double>& heights) {
+  const std::filesystem::path folder = request.cached ? base::cache_folder("atmosphere") : std::filesystem::path();
+  return folder.empty() ? folder : folder / (request_hash(request, wavelengths, heights) + ".rct");
+}
+
+/// A table of lines that is kept was sound: long lists are not read again to say so.
+bool lines_are_kept(const AirRequest& request, const std::vector<double>& wavelengths, const std::vector<double>& heights) {
+  if (request.spec->layered->lines.empty()) return false;
+  try {
+    std::error_code none;
+    return std::filesystem::exists(kept_file(request, wavelengths, heights), none);
+  } catch (const base::Error&) {  // who reads the list says what is wrong with it
+    return false;
+  }
+}
+
 }  // namespace
 
 std::optional<atmos::RenderTable> known_table(const AirRequest& request) {
@@ -48,10 +66,13 @@ std::optional<atmos::RenderTable> known_table(const AirRequest& request) {
   if (spec.none)
     return atmos::make_table(spec, request.sun, request.sensor_height_m, atmos::vacuum_wavelengths(first_um, last_um, step_um), {request.low_m});
   const auto heights = atmos::clear_sky_heights(request.low_m, request.high_m);
-  if (spec.layered)
-    atmos::check_layered(spec, request.sun, request.sensor_height_m, atmos::layered_wavelengths(first_um, last_um, step_um), heights);
-  else
+  if (spec.layered) {
+    const auto wavelengths = atmos::layered_wavelengths(first_um, last_um, step_um);
+    if (!lines_are_kept(request, wavelengths, heights))
+      atmos::check_layered(spec, request.sun, request.sensor_height_m, wavelengths, heights);
+  } else {
     atmos::check_clear_sky(spec, request.sun, request.sensor_height_m, atmos::clear_sky_wavelengths(first_um, last_um, step_um), heights);
+  }
   return {};
 }
 
@@ -60,16 +81,16 @@ namespace {
 /// Read, built, or taken from the cache.
 atmos::RenderTable made_table(const AirRequest& request, Context& context) {
   const scene::AtmosphereSpec& spec = *request.spec;
-  if (auto known = known_table(request)) return std::move(*known);
-  if (!spec.layered)
+  if (!spec.layered) {
+    if (auto known = known_table(request)) return std::move(*known);
     return atmos::make_table(spec, request.sun, request.sensor_height_m,
                              atmos::clear_sky_wavelengths(request.first_um, request.last_um, request.step_um),
                              atmos::clear_sky_heights(request.low_m, request.high_m));
+  }
   const auto wavelengths = atmos::layered_wavelengths(request.first_um, request.last_um, request.step_um);
   const auto heights = atmos::clear_sky_heights(request.low_m, request.high_m);
-  const std::filesystem::path folder = request.cached ? base::cache_folder("atmosphere") : std::filesystem::path();
-  if (folder.empty()) return build_with_progress(request, wavelengths, heights, context);
-  const std::filesystem::path file = folder / (request_hash(request, wavelengths, heights) + ".rct");
+  const std::filesystem::path file = kept_file(request, wavelengths, heights), folder = file.parent_path();
+  if (file.empty()) return build_with_progress(request, wavelengths, heights, context);
   std::error_code error;
   if (std::filesystem::exists(file, error)) {
     try {

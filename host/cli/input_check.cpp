@@ -32,7 +32,7 @@ namespace {
 class Found {
  public:
   void add(const std::string& line) {
-    if (seen_.insert(line).second) text_ += (text_.empty() ? "" : "\n") + line;
+    if (seen_.insert(line).second) lines_.push_back(line);
   }
   void add(const base::Problems& problems) {
     for (const auto& line : problems.lines()) add(line);
@@ -53,13 +53,17 @@ class Found {
     for (const auto& text : texts) notices_.push_back(instrument.name + ": " + text);
   }
   void throw_if_any() const {
-    if (!text_.empty()) throw base::Error(base::Fault::input, text_);
+    if (lines_.empty()) return;
+    std::string text;
+    for (const auto& line : lines_) text += (text.empty() ? "" : "\n") + line;
+    throw base::Error(base::Fault::input, text);
   }
+  const std::vector<std::string>& lines() const { return lines_; }
   const std::vector<std::string>& notices() const { return notices_; }
 
  private:
   std::set<std::string> seen_;
-  std::string text_;
+  std::vector<std::string> lines_;
   std::vector<std::string> notices_;
 };
 
@@ -124,22 +128,25 @@ void check_instrument(const scene::Simulation& simulation, const scene::Instrume
   });
 }
 
-/// What the plan refuses; and of the background light what the passive renderer does, in a few shots of the survey.
-void check_plan(const scene::Simulation& simulation, const scene::Lidar& lidar, const atmos::RenderTable* air,
-                const std::map<std::string, std::string>& files, Found& found) {
-  lidar::LidarPlan plan;
-  if (!found.part([&] { plan = lidar::make_lidar_plan(simulation, lidar, air); }) || !has_background(simulation, lidar)) return;
+/// Of the background light what the passive renderer refuses, in some shots of the survey.
+void check_background(const scene::Simulation& simulation, const lidar::LidarPlan& plan,
+                      const std::map<std::string, std::string>& files, Found& found) {
+  const scene::Lidar& lidar = plan.lidar;
   constexpr std::int64_t kShots = 64;
   std::vector<lidar::Shot> shots;
   const std::int64_t step = std::max<std::int64_t>(1, (lidar.pulses - 1) / kShots);
   for (std::int64_t pulse = 0; pulse < lidar.pulses; pulse += step)
     for (lidar::Shot& shot : lidar::make_shots(lidar, pulse, 1, simulation.seed)) shots.push_back(std::move(shot));
   if (shots.empty()) return;
-  check_instrument(simulation, background_camera(plan, shots), files, found);
+  Found light;
+  check_instrument(simulation, background_camera(plan, shots), files, light);
+  for (const auto& line : light.lines())
+    found.add("LIDAR '" + lidar.name + "': the light of the scene in its field of view: " + line +
+              "; or set solar_background = false in [lidar.detector]");
 }
 
 void check_lidar(const scene::Simulation& simulation, const scene::Lidar& lidar,
-                 const std::map<std::string, std::string>& files, Found& found) {
+                 const std::map<std::string, std::string>& files, bool background, Found& found) {
   std::unique_ptr<atmos::RenderTable> air;
   bool sound = found.part([&] { air = lidar_air(simulation, lidar); });
   const auto wavelengths = lidar::table_wavelengths(lidar::make_nodes(lidar));
@@ -160,19 +167,21 @@ void check_lidar(const scene::Simulation& simulation, const scene::Lidar& lidar,
     material.source += material.source.empty() ? "transmittance" : ", transmittance";
     sound &= found.part(covered);
   }
-  if (sound) check_plan(simulation, lidar, air.get(), files, found);
+  lidar::LidarPlan plan;
+  sound = sound && found.part([&] { plan = lidar::make_lidar_plan(simulation, lidar, air.get()); });
+  if (sound && background && has_background(simulation, lidar)) check_background(simulation, plan, files, found);
 }
 
 }  // namespace
 
 std::vector<std::string> check_inputs(const scene::Simulation& simulation,
                                       const std::vector<const scene::Instrument*>& instruments,
-                                      const std::vector<const scene::Lidar*>& lidars) {
+                                      const std::vector<const scene::Lidar*>& lidars, bool background) {
   const base::Doing doing("checking inputs");
   Found found;
   const auto files = curve_files(simulation);
   for (const auto* instrument : instruments) check_instrument(simulation, *instrument, files, found);
-  for (const auto* lidar : lidars) check_lidar(simulation, *lidar, files, found);
+  for (const auto* lidar : lidars) check_lidar(simulation, *lidar, files, background, found);
   found.throw_if_any();
   return found.notices();
 }
@@ -182,7 +191,7 @@ std::vector<std::string> check_inputs(const scene::Simulation& simulation) {
   std::vector<const scene::Lidar*> lidars;
   for (const auto& instrument : simulation.instruments) instruments.push_back(&instrument);
   for (const auto& lidar : simulation.lidars) lidars.push_back(&lidar);
-  return check_inputs(simulation, instruments, lidars);
+  return check_inputs(simulation, instruments, lidars, true);
 }
 
 }  // namespace raycube::cli

@@ -23,6 +23,7 @@
 #include "host/lidar/image_blur.h"
 #include "host/lidar/detection.h"
 #include "host/plan/plan.h"
+#include "host/planner/lidar_own_error.h"
 #include "host/reference/double_trace.h"
 #include "host/reference/embree_scene.h"
 #include "host/reference/parallel.h"
@@ -144,12 +145,22 @@ class WaysOfShots {
 };
 
 /// What is known of the error: one line in the log, a member of the record, a warning where the tolerance is
-/// not kept.
-void add_error(const planner::LidarOwnError& error, const LidarJob& job, products::RunRecord& record, Context& context) {
+/// not kept. A run that is whole is not lost because its error cannot be told.
+void add_error(render::LidarRenderer& renderer, const LidarJob& job, products::RunRecord& record, Context& context) {
+  for (const auto& note : job.decision.notes) record.warnings.push_back(note);
+  planner::LidarOwnError error;
+  error.tolerance = job.decision.tolerance;
+  try {
+    error = planner::own_error(renderer, job.plan, job.decision);
+  } catch (const base::Error& failure) {
+    if (failure.fault() == base::Fault::interrupted) throw;
+    error.from = failure.what();
+  } catch (const std::bad_alloc&) {
+    error.from = "there is not enough memory for a trial";
+  }
   const std::string text = job.lidar->name + ": " + planner::own_error_text(error);
   record.more_json.emplace_back("error", planner::own_error_json(error));
-  for (const auto& note : job.decision.notes) record.warnings.push_back(note);
-  if (error.kept() || error.total < 0 || job.decision.estimated) {  // what a trial found is among the plan's notes
+  if (error.kept() || !error.known() || job.decision.estimated) {  // what a trial found is among the plan's notes
     context.log.info(text);
     return;
   }
@@ -271,7 +282,7 @@ nlohmann::json render_lidar(const scene::Simulation& simulation, const scene::Li
     record.warnings.push_back(warning);
     context.log.warning(warning);
   }
-  add_error(planner::own_error(renderer, plan, job.decision), job, record, context);
+  add_error(renderer, job, record, context);
   output.publish(record);
   context.log.info(fmt::format("{}: {} pulses, {} returns, {:.3g} expected of surfaces and volumes, {:.1f} s, {:.3g} pulses/s, energy ledger within {:.1e}, {}", lidar.name, lidar.pulses,
                                echoes, light_of_run.returns_of_matter(), render_s, pulses_per_s, worst_ledger, folder));

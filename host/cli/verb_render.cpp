@@ -32,9 +32,21 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 }
 
 /// What is known of the error: one line in the log, a member of the record, a warning where the tolerance is
-/// not kept.
-void add_error(const planner::OwnError& error, const InstrumentJob& job, products::RunRecord& record,
-               Context& context) {
+/// not kept. A run that is whole is not lost because its error cannot be told.
+void add_error(render::Renderer& renderer, const scene::Simulation& simulation, const InstrumentJob& job,
+               products::RunRecord& record, Context& context) {
+  planner::OwnError error;
+  try {
+    error = planner::own_error(renderer, simulation, *job.instrument, job.plan, job.table, job.decision,
+                               context.common.threads);
+  } catch (const base::Error& failure) {
+    if (failure.fault() == base::Fault::interrupted) throw;
+    context.log.warning(job.instrument->name + ": its error is not known: " + failure.what());
+    return;
+  } catch (const std::bad_alloc&) {
+    context.log.warning(job.instrument->name + ": its error is not known: there is not enough memory for a trial");
+    return;
+  }
   const std::string text = job.instrument->name + ": " + planner::own_error_text(error);
   record.more_json.emplace_back("error", planner::own_error_json(error));
   if (!error.kept() && !job.decision.estimated) {  // what a trial found is among the plan's notes
@@ -133,9 +145,7 @@ nlohmann::json render_one(const scene::Simulation& simulation, const InstrumentJ
     context.log.warning(missed.text());
     record.warnings.push_back(missed.text());
   }
-  add_error(planner::own_error(renderer, simulation, instrument, job.plan, job.table, job.decision,
-                               context.common.threads),
-            job, record, context);
+  add_error(renderer, simulation, job, record, context);
   output.publish(record);
   context.log.info(fmt::format("{}: {} x {} pixels, {} bands, {:.1f} s, {:.3g} rays/s, {}", instrument.name, instrument.pixels,
                                instrument.lines, instrument.bands.size(), render_s, record.rays_per_s, folder.string()));
@@ -168,7 +178,7 @@ int run(const Options& options, Context& context, Done& done) {
   done.names = names_of(instruments, lidars);
   if (!context.common.dry_run)
     for (const auto& name : done.names) check_output_place((out / name).string(), context.common.overwrite);
-  check_inputs(simulation, instruments, lidars);
+  check_inputs(simulation, instruments, lidars, true);
   std::optional<planner::PlanFile> replay;
   if (!options.plan.empty()) {
     replay = planner::read_plan_file(options.plan);

@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "host/lidar/footprint.h"
+#include "host/planner/lidar_fire.h"
 #include "host/planner/plan_lines.h"
-#include "kernels/sampling/sampler.h"
 
 namespace raycube::planner {
 
@@ -20,45 +19,23 @@ constexpr int kTrialPulses = 768, kFirstSubrays = 64, kReferenceSubrays = 2048, 
 constexpr double kUseOfPulses = 0.9;       ///< part of the tolerance that is spent
 /// Error of twice the sub-rays over that of a level, squared: taken off their difference.
 constexpr double kDoubleShare = 0.38;
-constexpr std::size_t kComparedFloats = std::size_t{1} << 24;  ///< of waveforms held while many pulses are compared: 64 MB a side
 constexpr double kWorthATry = 0.7;         ///< of the sub-rays
 constexpr double kReferenceRays = 8e6;     ///< neither a reference nor a look at all pulses traces more first rays than this
 constexpr double kFinerRays = 6.4e7;       ///< of a reference where the law asks for more sub-rays than the first can judge
 constexpr int kFinestSubrays = 16384;
-constexpr double kOwnRays = 3e5, kOwnPart = 0.01;  ///< of a short trial: in all, or this part of the survey's
-constexpr rc_u32 kPulseDimension = 45, kShiftDimension = 48;
-constexpr std::uint64_t kOther = 0x5bd1e995u;
-
-struct Waveforms {
-  std::vector<std::vector<float>> pulse;  ///< [pulse][pixel, line, bin]: surfaces, scattered once and more
-};
 
 class LidarTrial {
  public:
   LidarTrial(render::LidarRenderer& renderer, const lidar::LidarPlan& plan) : renderer_(renderer), plan_(plan) {
-    fans_ = receiver(plan) ? static_cast<double>(plan.pixels()) : 1;
+    fans_ = receiver_sampling(plan) ? static_cast<double>(plan.pixels()) : 1;
     look();
     const double fit = kReferenceRays / (fans_ * static_cast<double>(std::max<std::size_t>(1, pulses_.size())));
     reference_subrays_ = std::clamp(static_cast<int>(fit), 256, kReferenceSubrays);
   }
 
-  struct Short {};
-  /// A trial that costs little and tells of the plan's own sub-rays alone.
-  LidarTrial(render::LidarRenderer& renderer, const lidar::LidarPlan& plan, Short)
-      : renderer_(renderer), plan_(plan), fans_(receiver(plan) ? static_cast<double>(plan.pixels()) : 1) {
-    reference_subrays_ = plan.lidar.transport.subrays;
-    const double pulse = 3 * fans_ * reference_subrays_, survey = pulse * static_cast<double>(plan.lidar.pulses);
-    const double rays = std::max(kOwnRays, kOwnPart * survey) / pulse;
-    const double rows = static_cast<double>(kComparedFloats) / (3 * static_cast<double>(row()));
-    pulses_ = hashed(static_cast<std::uint64_t>(std::clamp(std::min(rays, rows), 2.0, double{kTrialPulses})));
-    draws_.assign(pulses_.size(), Draw{});
-  }
-
-  static bool receiver(const lidar::LidarPlan& plan) { return plan.lidar.transport.sampling == scene::LidarSampling::receiver; }
-
   /// Estimate and bound (two standard errors over the draws) of the error with `subrays`.
   TrialError error(int subrays) {
-    if (one_.pulse.empty()) one_ = fire(pulses_, reference_subrays_, plan_.seed + kOther, true), two_ = fire(pulses_, reference_subrays_, plan_.seed + 2 * kOther, true);
+    if (one_.pulse.empty()) one_ = fire(pulses_, reference_subrays_, plan_.seed + kOtherPulses, true), two_ = fire(pulses_, reference_subrays_, plan_.seed + 2 * kOtherPulses, true);
     const Waveforms tried = fire(pulses_, subrays, plan_.seed, false);
     double whole = 0, sum = 0, square_sum = 0, even_square_sum = 0, draws = 0;
     for (std::size_t p = 0; p < tried.pulse.size(); ++p) {
@@ -77,8 +54,7 @@ class LidarTrial {
       whole += draw.times * energy / draw.share;
       draws += draw.times;
     }
-    lit_ = whole > 0;
-    if (!lit_) return {};
+    if (!(whole > 0)) return {};
     const double average = sum / draws;
     double variance = draws > 1 ? std::max(0.0, square_sum / draws - average * average) / (draws - 1) : 0;
     // The pulses drawn from are themselves but a part of the survey.
@@ -96,8 +72,6 @@ class LidarTrial {
     return whole > 0 ? std::sqrt(squares / whole / (1 + kDoubleShare)) : 0;
   }
 
-  /// Whether the last error() saw light of surfaces in the gate: without it there is nothing to tell.
-  bool lit() const { return lit_; }
   std::size_t pulses() const { return pulses_.size(); }
   std::uint64_t rays() const { return rays_; }
   /// References with more sub-rays from now on; false: there are none to be had.
@@ -118,39 +92,19 @@ class LidarTrial {
     const auto all = static_cast<std::uint64_t>(std::max<std::int64_t>(plan_.lidar.pulses, 0));
     const double room = kReferenceRays / (fans_ * kReferenceSubrays);
     // A receiver's pulse has rows of many pixels: two say more than four whose reference has half the sub-rays.
-    const int draws = static_cast<int>(std::clamp(room, receiver(plan_) ? 2.0 : 4.0, static_cast<double>(kTrialPulses)));
-    const auto seen = static_cast<std::uint64_t>(receiver(plan_) ? draws : kLookPulses);
-    pulses_ = hashed(seen);
+    const int draws = static_cast<int>(std::clamp(room, receiver_sampling(plan_) ? 2.0 : 4.0, static_cast<double>(kTrialPulses)));
+    const auto seen = static_cast<std::uint64_t>(receiver_sampling(plan_) ? draws : kLookPulses);
+    pulses_ = hashed_pulses(plan_, seen);
     if (pulses_.size() <= static_cast<std::size_t>(draws)) {
       draws_.assign(pulses_.size(), Draw{});
       return;
     }
     left_out_ = 1 - static_cast<double>(std::min(seen, all)) / static_cast<double>(all);
     std::vector<double> error;
-    compare(pulses_, {kLookSubrays[0], plan_.seed + 3 * kOther}, {kLookSubrays[1], plan_.seed + 4 * kOther}, [&](double difference, double) { error.push_back(difference); });
+    compare(pulses_, {kLookSubrays[0], plan_.seed + 3 * kOtherPulses}, {kLookSubrays[1], plan_.seed + 4 * kOtherPulses}, [&](double difference, double) { error.push_back(difference); });
     std::swap(pulses_, looked_at_);
     draws_ = draw_runs(error, plan_.seed, draws);
     for (const Draw& draw : draws_) pulses_.push_back(looked_at_[draw.run]);
-  }
-
-  /// At most so many pulses of the survey, ascending: those among them that are fired.
-  std::vector<std::uint64_t> hashed(std::uint64_t most) const {
-    const auto all = static_cast<std::uint64_t>(std::max<std::int64_t>(plan_.lidar.pulses, 0));
-    const auto low = static_cast<rc_u32>(plan_.seed), high = static_cast<rc_u32>(plan_.seed >> 32);
-    std::set<std::uint64_t> picked;
-    for (rc_u32 i = 0; picked.size() < std::min(most, all); ++i)
-      picked.insert(all <= most ? i : rc_hash(low, i, high, kPulseDimension) % all);
-    std::vector<std::uint64_t> fired;
-    for (const std::uint64_t pulse : picked)  // a scanner that turns round fires in part of its pulses
-      if (!lidar::make_shots(plan_.lidar, static_cast<std::int64_t>(pulse), 1, plan_.seed).empty())
-        fired.push_back(pulse);
-    return fired;
-  }
-
-  /// Floats of a pulse's waveforms.
-  std::size_t row() const {
-    return static_cast<std::size_t>(plan_.pixels()) * static_cast<std::size_t>(plan_.lines()) *
-           static_cast<std::size_t>(plan_.lidar.gate.bins);
   }
 
   struct Setting {
@@ -160,7 +114,7 @@ class LidarTrial {
   /// each(squared difference, squared second) of every pulse in turn, few pulses at a time.
   template <class Each>
   void compare(const std::vector<std::uint64_t>& pulses, const Setting& first, const Setting& second, const Each& each) {
-    const std::size_t together = std::max<std::size_t>(1, kComparedFloats / std::max<std::size_t>(1, row()));
+    const std::size_t together = std::max<std::size_t>(1, kComparedFloats / std::max<std::size_t>(1, floats_of_pulse(plan_)));
     for (std::size_t from = 0; from < pulses.size(); from += together) {
       const auto at = pulses.begin() + static_cast<std::ptrdiff_t>(from);
       const std::vector<std::uint64_t> some(at, at + static_cast<std::ptrdiff_t>(std::min(together, pulses.size() - from)));
@@ -176,29 +130,8 @@ class LidarTrial {
     }
   }
 
-  /// `moved`: a receiver's samples, the same in every pixel of every pulse, move with the seed.
   Waveforms fire(const std::vector<std::uint64_t>& pulses, int subrays, std::uint64_t seed, bool moved) {
-    lidar::LidarPlan plan = plan_;
-    set_subrays(plan, subrays);
-    plan.seed = seed;
-    const auto low = static_cast<rc_u32>(seed), high = static_cast<rc_u32>(seed >> 32);
-    if (moved)
-      plan.footprint = lidar::make_footprint(plan.lidar, lidar::exit_matters(plan.lidar), {rc_hash(low, high, 0u, kShiftDimension) * 0x1p-32, rc_hash(low, high, 1u, kShiftDimension) * 0x1p-32});
-    // Air and particles are integrated along the beam, not by sub-rays: they would only hide what surfaces do.
-    plan.lidar.transport.air_return = false;
-    std::vector<lidar::Shot> shots;
-    for (const std::uint64_t pulse : pulses) {
-      const auto made = lidar::make_shots(plan.lidar, static_cast<std::int64_t>(pulse), 1, seed);
-      shots.insert(shots.end(), made.begin(), made.end());
-    }
-    Waveforms out;
-    renderer_.render(plan, shots, [&](lidar::ShotResult&& shot) {
-      std::vector<float> row = std::move(shot.first);
-      for (std::size_t i = 0; i < shot.multiple.size(); ++i) row[i] += shot.multiple[i];
-      rays_ += static_cast<std::uint64_t>(std::max<std::int64_t>(0, shot.rays));
-      out.pulse.push_back(std::move(row));
-    });
-    return out;
+    return fire_pulses(renderer_, plan_, pulses, {subrays, seed, moved}, rays_);
   }
 
   render::LidarRenderer& renderer_;
@@ -209,7 +142,6 @@ class LidarTrial {
   int reference_subrays_ = kReferenceSubrays;
   Waveforms one_, two_;
   std::uint64_t rays_ = 0;
-  bool lit_ = false;
 };
 
 }  // namespace
@@ -303,35 +235,6 @@ LidarDecision decide_subrays(render::LidarRenderer& renderer, const lidar::Lidar
     out.notes.push_back(fmt::format("{}: the tolerance of {:.3g} % is not kept: {} sub-rays leave an estimated {:.3g} % of the waveforms{}", plan.lidar.name, 100 * tolerance,
                                     out.subrays, 100 * out.error, out.given ? "; remove subrays from the file, or raise the tolerance" : "; raise the tolerance"));
   return out;
-}
-
-LidarOwnError own_error(render::LidarRenderer& renderer, const lidar::LidarPlan& plan, const LidarDecision& decision) {
-  LidarOwnError out;
-  out.tolerance = decision.tolerance;
-  if (decision.estimated) {
-    out.total = decision.error, out.likely = decision.likely;
-    out.from = fmt::format("the plan's trial of {} pulses", decision.trial_pulses);
-    return out;
-  }
-  LidarTrial trial(renderer, plan, LidarTrial::Short{});
-  const TrialError error = trial.error(plan.lidar.transport.subrays);
-  if (trial.lit()) out.total = error.bound, out.likely = error.estimate;
-  out.from = out.total < 0 ? fmt::format("{} pulses show no light of surfaces in the gate", trial.pulses())
-                           : fmt::format("{} pulses fired three times; `raycube plan` measures it", trial.pulses());
-  return out;
-}
-
-std::string own_error_text(const LidarOwnError& e) {
-  if (e.total < 0) return "error of the waveforms not known: " + e.from;
-  return fmt::format("error of the waveforms about {}, at most {}, of {:.3g} % tolerated{} (sub-rays, of surfaces; by {})",
-                     percent_text(e.likely), percent_text(e.total), 100 * e.tolerance, e.kept() ? "" : ": NOT KEPT", e.from);
-}
-
-std::string own_error_json(const LidarOwnError& e) {
-  using Json = nlohmann::json;
-  const bool known = e.total >= 0;
-  return Json{{"tolerance", e.tolerance}, {"total", known ? Json(e.total) : Json()}, {"likely", known ? Json(e.likely) : Json()},
-              {"within_tolerance", known ? Json(e.kept()) : Json()}, {"from", e.from}}.dump();
 }
 
 std::vector<PlanLine> lidar_lines(const LidarDecision& d, const lidar::LidarPlan& plan) {

@@ -41,22 +41,6 @@ LidarDecision decide_subrays(render::LidarRenderer& renderer, const lidar::Lidar
 /// What the file or the default says, without a trial.
 LidarDecision subrays_as_given(const lidar::LidarPlan& plan, double tolerance);
 
-/// What is known of a run's error, whoever chose its sub-rays (S60): the decision's where a trial made it; else
-/// of a few hundred pulses picked by hash, each fired as the run fires it and twice more on other patterns:
-/// E[(a - r1)(a - r2)] = E[(a - truth)^2] for r1 and r2 without bias and independent of each other and of a,
-/// however coarse they are. Of surfaces alone: the return of air and particles is integrated along the beam.
-struct LidarOwnError {
-  double total = -1, likely = -1;  ///< bound (two standard errors over the pulses) and estimate; below 0: not known
-  double tolerance = 0.01;
-  std::string from;  ///< how it is known, or why not
-  bool kept() const { return total <= tolerance; }
-};
-LidarOwnError own_error(render::LidarRenderer& renderer, const lidar::LidarPlan& plan, const LidarDecision& decision);
-/// One line: total against tolerance, how it is known.
-std::string own_error_text(const LidarOwnError& error);
-/// The same as a JSON object.
-std::string own_error_json(const LidarOwnError& error);
-
 std::vector<PlanLine> lidar_lines(const LidarDecision& decision, const lidar::LidarPlan& plan);
 std::string lidar_decision_json(const LidarDecision& decision, const std::vector<PlanLine>& lines);
 

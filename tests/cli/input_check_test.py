@@ -139,10 +139,17 @@ with tempfile.TemporaryDirectory() as work:
     # What a LIDAR's background of light asks of the materials: temperatures at 3.3 um, curves over the whole filter.
     (work / "line.csv").write_text("wavelength_nm,reflectance\n1063.9,0.1\n1064.1,0.2\n")
     for name, change, says in (("cold", ("1064.0", "3300.0"), ["material 'ground': has no temperature"]),
-                               ("line", ("reflectance = 0.3", 'file = "line.csv"'), ["scan (solar_background)", "line.csv", "begins too late and ends too early"])):
-        all_refuse(work, edited(lidar(work, name + "_light.toml", LAYERED), *change), says)
+                               ("line", ("reflectance = 0.3", 'file = "line.csv"'), ["line.csv", "begins too late and ends too early"])):
+        light = edited(lidar(work, name + "_light.toml", LAYERED), *change)
+        for verb in (["scene", "check", light], ["render", light, "-o", work / "out"]):
+            refused(*verb, status=2, says=["LIDAR 'scan': the light of the scene in its field of view", "set solar_background = false", *says])
+            check(not (work / "out").exists())
+        run("plan", light)  # which computes none of it
         dark = edited(edited(lidar(work, name + "_dark.toml", LAYERED), *change), "solar_background = true", "solar_background = false")
         check("sound" in run("scene", "check", dark).stdout)
+    up = edited(lidar(work, "up.toml", LAYERED), "prf_khz = 10.0", "prf_khz = 10.0\npitch_deg = 180.0")
+    refused("scene", "check", up, status=2, says=["LIDAR 'scan'", "looks up or level", "set solar_background = false"])
+    run("plan", up)
 
     # An output that may not be replaced is known as early.
     began = time.monotonic()
