@@ -81,7 +81,7 @@ namespace {
 /// Read, built, or taken from the cache.
 atmos::RenderTable made_table(const AirRequest& request, Context& context) {
   const scene::AtmosphereSpec& spec = *request.spec;
-  if (!spec.layered) {
+  if (!spec.layered || spec.none || !spec.table_file.empty()) {
     if (auto known = known_table(request)) return std::move(*known);
     return atmos::make_table(spec, request.sun, request.sensor_height_m,
                              atmos::clear_sky_wavelengths(request.first_um, request.last_um, request.step_um),
