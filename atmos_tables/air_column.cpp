@@ -7,7 +7,8 @@
 namespace raycube::atmos {
 
 AirColumn::AirColumn(std::vector<double> heights_m, double ground_height_m) {
-  for (double km : {0.0, 0.25, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 13.0, 17.0, 21.0, 25.0, 30.0, 40.0, 60.0})
+  for (double km :
+       {0.0, 0.25, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 13.0, 17.0, 21.0, 25.0, 30.0, 40.0, 60.0})
     heights_m.push_back(1000 * km);
   heights_m.push_back(kTopOfAir_m);
   const double lowest = *std::min_element(heights_m.begin(), heights_m.end());
@@ -37,7 +38,8 @@ std::size_t AirColumn::level_of(double height_m) const {
 std::vector<double> AirColumn::slant(std::size_t from, double zenith_deg) const {
   const double theta = zenith_deg * std::numbers::pi / 180;
   const double cosine = std::cos(theta), radius = kEarthRadius_m + levels_[from];
-  // Distance along the line to the shell dh above its start: the root of s^2 + 2 r cos s = (2 r + dh) dh, no cancellation.
+  // Distance along the line to the shell dh above its start: the root of s^2 + 2 r cos s = (2 r + dh) dh, no
+  // cancellation.
   const auto distance = [&](double dh) {
     const double square = (2 * radius + dh) * dh;
     return square / (radius * cosine + std::sqrt(radius * radius * cosine * cosine + square));

@@ -21,8 +21,8 @@ const std::vector<BirdRiordanLine>& bird_riordan_table();
 /// Linear in wavelength between the lines. The wavelength must lie within 0.3..4 um.
 BirdRiordanLine bird_riordan_at(double wavelength_um);
 
-/// Optical depths of a path. The band models of water and mixed gases are not linear in the amount: add amounts, not depths.
-/// water_cm: precipitable water along the path (g cm-2); eq. 2-8.
+/// Optical depths of a path. The band models of water and mixed gases are not linear in the amount: add amounts, not
+/// depths. water_cm: precipitable water along the path (g cm-2); eq. 2-8.
 double water_depth(double coefficient, double water_cm);
 /// mixed_airmass: path amount in units of one vertical air column of 1013 hPa; eq. 2-11.
 double mixed_gas_depth(double coefficient, double mixed_airmass);
@@ -48,7 +48,7 @@ double short_wave_correction(double wavelength_um);
 
 /// Inputs of the model as its authors wrote it.
 struct BirdRiordanCase {
-  double sun_zenith_deg = 0;     ///< apparent
+  double sun_zenith_deg = 0;  ///< apparent
   double airmass = 1;
   double pressure_Pa = 101300;
   double ozone_atm_cm = 0.3;

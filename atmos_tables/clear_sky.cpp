@@ -62,18 +62,25 @@ std::string provenance(const scene::AtmosphereSpec& spec, const scene::Sun& sun)
   j["model"] = "raycube built-in clear sky";
   j["sources"] = {"Bird & Riordan 1986 (gases, diffuse irradiance)", "Bodhaine et al. 1999 (Rayleigh)",
                   "Henyey & Greenstein 1941 (aerosol phase)", "Lacis & Hansen 1974 (ozone profile)", "Spencer 1971"};
-  j["parameters"] = {{"ground_height_m", spec.ground_height_m}, {"pressure_hPa", spec.pressure_hPa},
-                     {"water_g_cm2", spec.water_g_cm2},         {"ozone_atm_cm", spec.ozone_atm_cm},
-                     {"aod_550", spec.aod_550},                 {"angstrom", spec.angstrom},
-                     {"ssa_400nm", spec.ssa},                   {"asymmetry", spec.asymmetry},
-                     {"ground_albedo", spec.ground_albedo},     {"day_of_year", sun.day_of_year}};
+  j["parameters"] = {{"ground_height_m", spec.ground_height_m},
+                     {"pressure_hPa", spec.pressure_hPa},
+                     {"water_g_cm2", spec.water_g_cm2},
+                     {"ozone_atm_cm", spec.ozone_atm_cm},
+                     {"aod_550", spec.aod_550},
+                     {"angstrom", spec.angstrom},
+                     {"ssa_400nm", spec.ssa},
+                     {"asymmetry", spec.asymmetry},
+                     {"ground_albedo", spec.ground_albedo},
+                     {"day_of_year", sun.day_of_year}};
   j["stated_errors"] = {
-      {"transmission", "band means within 0.025 of LOWTRAN7 and MODTRAN 6 (sun to ground 0.04); 5 nm channels rms 0.02 to 0.09"},
+      {"transmission",
+       "band means within 0.025 of LOWTRAN7 and MODTRAN 6 (sun to ground 0.04); 5 nm channels rms 0.02 to 0.09"},
       {"two_way_factor", "T_sun T_view (1 - R2) within 0.02 of LOWTRAN7"},
       {"diffuse_irradiance", "0.45-0.88 um within 6 % of DISORT at the ground, 10 % at 0.6 km; 0.42 um -11 %"},
       {"sky_radiance_solar", "0.45-0.88 um within 17 % of DISORT by direction to 85 deg; below 0.45 um up to -30 %"},
       {"path_radiance_solar", "0.45-0.88 um from 0.6 km nadir within 6 %, 45 deg 13 %, from 3 km 17 % of DISORT"}};
-  j["limits"] = {"no thermal emission", "no polarisation", "no refraction", "rough for sun or view zeniths above 80 deg",
+  j["limits"] = {"no thermal emission", "no polarisation", "no refraction",
+                 "rough for sun or view zeniths above 80 deg",
                  "single-parameter aerosol: Henyey-Greenstein misses the backscatter lobe"};
   return j.dump();
 }
@@ -106,7 +113,8 @@ RenderTable build_clear_sky(const scene::AtmosphereSpec& spec, const scene::Sun&
   const Quadrature quadrature = gauss_legendre(24);
   for (std::size_t h = 0; h < heights; ++h) {
     level[h] = air.level_of(target_height_m[h]);
-    for (double zenith : kViewZeniths) view_paths.push_back(make_path(air, level[h], sensor, zenith, false, spec.asymmetry));
+    for (double zenith : kViewZeniths)
+      view_paths.push_back(make_path(air, level[h], sensor, zenith, false, spec.asymmetry));
     for (double zenith : kSkyZeniths) sky_paths.push_back(make_path(air, level[h], top, zenith, true, spec.asymmetry));
     for (double mu : quadrature.node)
       flux_paths.push_back(make_path(air, level[h], top, std::acos(mu) * 180 / kPi, true, spec.asymmetry));
@@ -126,7 +134,8 @@ RenderTable build_clear_sky(const scene::AtmosphereSpec& spec, const scene::Sun&
   Row& factor = add_row(table, "two_way_factor", "gas transmittance of the joined path over the product of both");
   Row& l_path = add_row(table, "path_radiance_solar", "single scattering per layer plus scattered diffuse fluxes");
   Row& l_sky = add_row(table, "sky_radiance_solar", "single scattering per layer, scaled to the diffuse irradiance");
-  Row& phase_mean = add_row(table, "sky_phase_mean", "Rayleigh and Henyey-Greenstein by scattering depth above the target");
+  Row& phase_mean =
+      add_row(table, "sky_phase_mean", "Rayleigh and Henyey-Greenstein by scattering depth above the target");
   Row& shape_depth = add_row(table, "sky_scattering_depth", "Rayleigh and aerosol extinction above the target");
   Row& e_dir = add_row(table, "direct_irradiance", "E0 cos(sun zenith) T_sun");
   Row& e_dif = add_row(table, "diffuse_irradiance", "Bird & Riordan 1986, eq. 3-5 .. 3-17");
@@ -192,7 +201,8 @@ RenderTable build_clear_sky(const scene::AtmosphereSpec& spec, const scene::Sun&
       const double black = day ? wave.diffuse_black(level[h], true) : 0;
       const double from_ground = day ? wave.diffuse_from_ground(level[h]) : 0;
       e_dif.values[at] = static_cast<float>(e0 * (black + from_ground));
-      // The further part carries what Bird & Riordan's irradiance leaves; where that is nothing, the first part shrinks.
+      // The further part carries what Bird & Riordan's irradiance leaves; where that is nothing, the first part
+      // shrinks.
       const bool room = black > once_irradiance && more_irradiance > 0;
       const double scale_once = room ? 1 : once_irradiance > 0 ? black / once_irradiance : 0;
       const double scale_more = room ? (black - once_irradiance) / more_irradiance : 0;
@@ -204,8 +214,8 @@ RenderTable build_clear_sky(const scene::AtmosphereSpec& spec, const scene::Sun&
       for (std::size_t s = 0; s < angles.size(); ++s) {
         const double c = std::cos(radians(angles[s]));
         const double total = rayleigh + aerosol;
-        phase_mean.values[at * angles.size() + s] = static_cast<float>(
-            total > 0 ? (rayleigh * (a + b * c * c) + aerosol * aerosol_phase(c)) / total : 1.0);
+        phase_mean.values[at * angles.size() + s] =
+            static_cast<float>(total > 0 ? (rayleigh * (a + b * c * c) + aerosol * aerosol_phase(c)) / total : 1.0);
       }
       for (std::size_t v = 0; day && v < zeniths; ++v) {
         const WaveColumn::Single single = wave.single(sky_paths[h * zeniths + v]);

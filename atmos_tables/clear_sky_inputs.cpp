@@ -42,22 +42,26 @@ void check_grid(base::Problems& problems, double sensor_height_m, const std::vec
                 const char* model = "the built-in model") {
   const base::Where grid{"", 0, 0, "atmosphere wavelengths"}, heights{"", 0, 0, "atmosphere target heights"};
   const auto ascending = [](const std::vector<double>& list) {
-    return !list.empty() && std::adjacent_find(list.begin(), list.end(), [](double a, double b) { return !(a < b); }) == list.end();
+    return !list.empty() &&
+           std::adjacent_find(list.begin(), list.end(), [](double a, double b) { return !(a < b); }) == list.end();
   };
   if (!ascending(wavelength_um))
-    problems.add(grid, "must ascend strictly, at least one", std::to_string(wavelength_um.size()) + " values", "sort them");
+    problems.add(grid, "must ascend strictly, at least one", std::to_string(wavelength_um.size()) + " values",
+                 "sort them");
   else if (!(wavelength_um.front() >= first_um && wavelength_um.back() <= last_um))
-    problems.add(
-        grid,
-        std::string(model) + " covers " + number(first_um) + " to " + number(last_um) + " um and ends there",
-        number(wavelength_um.front()) + " to " + number(wavelength_um.back()) + " um",
-        "narrow the bands, or import a table that reaches further");
+    problems.add(grid,
+                 std::string(model) + " covers " + number(first_um) + " to " + number(last_um) + " um and ends there",
+                 number(wavelength_um.front()) + " to " + number(wavelength_um.back()) + " um",
+                 "narrow the bands, or import a table that reaches further");
   if (!(sensor_height_m >= -1000 && sensor_height_m <= 1e9))
-    problems.add({"", 0, 0, "sensor height"}, "must lie in -1000 to 1e9 m", number(sensor_height_m), "correct the height");
+    problems.add({"", 0, 0, "sensor height"}, "must lie in -1000 to 1e9 m", number(sensor_height_m),
+                 "correct the height");
   if (!ascending(target_height_m))
-    problems.add(heights, "must ascend strictly, at least one", std::to_string(target_height_m.size()) + " values", "sort them");
+    problems.add(heights, "must ascend strictly, at least one", std::to_string(target_height_m.size()) + " values",
+                 "sort them");
   else if (!(target_height_m.front() >= -1000))
-    problems.add(heights, "must not lie below -1000 m", number(target_height_m.front()), "move the scene's origin down");
+    problems.add(heights, "must not lie below -1000 m", number(target_height_m.front()),
+                 "move the scene's origin down");
   else if (!(target_height_m.back() <= std::min(sensor_height_m, kTopOfAir_m)))
     problems.add(heights, "no target may lie above the sensor (" + number(sensor_height_m) + " m) or the air (100 km)",
                  number(target_height_m.back()) + " m", "raise the sensor or drop the height");
@@ -68,7 +72,8 @@ void check_sun(base::Problems& problems, const scene::Sun& sun) {
   if (!(sun.zenith_deg >= 0 && sun.zenith_deg <= 180))
     problems.add(where, "zenith must lie in 0 to 180 deg", number(sun.zenith_deg), "correct the angle");
   if (!(sun.moon_phase_deg <= 180))
-    problems.add(where, "phase angle of the moon must lie in 0 to 180 deg", number(sun.moon_phase_deg), "correct the angle");
+    problems.add(where, "phase angle of the moon must lie in 0 to 180 deg", number(sun.moon_phase_deg),
+                 "correct the angle");
   if (!(sun.azimuth_deg >= -360 && sun.azimuth_deg <= 360))
     problems.add(where, "azimuth must lie in -360 to 360 deg", number(sun.azimuth_deg), "correct the angle");
   if (sun.day_of_year < 0 || sun.day_of_year > 366)
@@ -105,16 +110,21 @@ void check_table_request(const scene::Sun& sun, double sensor_height_m, const st
 std::optional<std::string> no_light_notice(const scene::AtmosphereSpec& spec, const scene::Sun& sun, double first_um) {
   if (!spec.table_file.empty() || sun.zenith_deg < 90 || !(first_um < kReflectedTo_um)) return std::nullopt;
   const std::string bands = ", below the horizon: bands below " + number(kReflectedTo_um) + " um hold no ";
-  if (sun.moon_phase_deg >= 0) return "the moon stands at a zenith angle of " + number(sun.zenith_deg) + " deg" + bands + "light of it";
-  return "the sun stands at a zenith angle of " + number(sun.zenith_deg) + " deg" + bands + "sunlight, and there is no twilight" +
-         (sun.zenith_deg < kNight_deg && !spec.none ? " (90 to 108 deg) in the built-in models; import a table of a code that has it" : "");
+  if (sun.moon_phase_deg >= 0)
+    return "the moon stands at a zenith angle of " + number(sun.zenith_deg) + " deg" + bands + "light of it";
+  return "the sun stands at a zenith angle of " + number(sun.zenith_deg) + " deg" + bands +
+         "sunlight, and there is no twilight" +
+         (sun.zenith_deg < kNight_deg && !spec.none
+              ? " (90 to 108 deg) in the built-in models; import a table of a code that has it"
+              : "");
 }
 
 RenderTable sunlit_table(const scene::Sun& sun, double sensor_height_m, const std::vector<double>& wavelength_um,
                          const std::vector<double>& target_height_m) {
   RenderTable table;
   const bool moon = sun.moon_phase_deg >= 0;
-  const std::string source = moon ? moon_source_name() + ", of sunlight by " + solar_source_name() : solar_source_name();
+  const std::string source =
+      moon ? moon_source_name() + ", of sunlight by " + solar_source_name() : solar_source_name();
   table.solar_source = source;
   table.sun_zenith_deg = sun.zenith_deg;
   table.sun_azimuth_deg = sun.azimuth_deg;
@@ -124,9 +134,9 @@ RenderTable sunlit_table(const scene::Sun& sun, double sensor_height_m, const st
   Row& e0 = add_row(table, "solar_irradiance", source + ", times Spencer's earth-sun factor");
   const double factor = earth_sun_factor(sun.day_of_year);
   for (std::size_t i = 0; i < wavelength_um.size(); ++i)
-    e0.values[i] = static_cast<float>(
-        factor * solar_irradiance_1au(wavelength_um[i]) *
-        (moon ? moon_over_sun(sun.moon_phase_deg, std::min(wavelength_um[i], kLastMoon_um)) : 1.0));
+    e0.values[i] =
+        static_cast<float>(factor * solar_irradiance_1au(wavelength_um[i]) *
+                           (moon ? moon_over_sun(sun.moon_phase_deg, std::min(wavelength_um[i], kLastMoon_um)) : 1.0));
   return table;
 }
 
@@ -137,8 +147,7 @@ struct Span {
 };
 
 /// first_um, last_um and the steps of the spans between them; step_um > 0 replaces those.
-std::vector<double> span_nodes(double first_um, double last_um, double step_um,
-                               const std::vector<Span>& spans) {
+std::vector<double> span_nodes(double first_um, double last_um, double step_um, const std::vector<Span>& spans) {
   std::vector<double> out;
   // Nodes are counted in picometres so that the grid does not depend on where it starts.
   const auto add_span = [&](double low, double high, double step) {
@@ -161,14 +170,12 @@ void check_range_and_step(double first_um, double last_um, double step_um, doubl
                           const char* model, const char* way_out) {
   base::Problems problems;
   if (!(first_um >= least_um && last_um <= most_um && first_um < last_um))
-    problems.add(
-        {"", 0, 0, "atmosphere wavelengths"},
-        std::string(model) + " covers " + number(least_um) + " to " + number(most_um) + " um and ends there",
-        number(first_um) + " to " + number(last_um) + " um", way_out);
+    problems.add({"", 0, 0, "atmosphere wavelengths"},
+                 std::string(model) + " covers " + number(least_um) + " to " + number(most_um) + " um and ends there",
+                 number(first_um) + " to " + number(last_um) + " um", way_out);
   if (!(step_um >= 0) || (step_um > 0 && (last_um - first_um) / step_um > 1e6))
-    problems.add({"", 0, 0, "atmosphere wavelength step"},
-                 "must be positive and give at most 1e6 wavelengths", number(step_um) + " um",
-                 "choose a wider step");
+    problems.add({"", 0, 0, "atmosphere wavelength step"}, "must be positive and give at most 1e6 wavelengths",
+                 number(step_um) + " um", "choose a wider step");
   problems.throw_if_any();
 }
 
@@ -189,8 +196,8 @@ std::vector<double> vacuum_wavelengths(double first_um, double last_um, double s
 
 std::vector<double> clear_sky_heights(double low_m, double high_m) {
   if (!(high_m > low_m)) return {low_m};
-  // Depth is exponential with the 2 km scale of water and aerosol: steps of 150 m leave (150/2000)^2/8 = 7e-4 of the depth
-  // between nodes; at most 16 nodes, evenly spaced.
+  // Depth is exponential with the 2 km scale of water and aerosol: steps of 150 m leave (150/2000)^2/8 = 7e-4 of the
+  // depth between nodes; at most 16 nodes, evenly spaced.
   const int steps = static_cast<int>(std::clamp(std::ceil((high_m - low_m) / 150), 1.0, 15.0));
   std::vector<double> out;
   for (int i = 0; i <= steps; ++i) out.push_back(low_m + (high_m - low_m) * i / steps);
@@ -207,7 +214,8 @@ RenderTable vacuum_table(const scene::Sun& sun, double sensor_height_m, const st
   problems.throw_if_any();
   RenderTable table = sunlit_table(sun, sensor_height_m, wavelength_um, target_height_m);
   table.provenance_json = R"({"model":"vacuum","sources":["no air: transmission 1, sky and path radiance 0"]})";
-  for (const char* name : {"view_zenith", "relative_azimuth", "sky_zenith", "sky_azimuth"}) add_axis(table, name, {0.0});
+  for (const char* name : {"view_zenith", "relative_azimuth", "sky_zenith", "sky_azimuth"})
+    add_axis(table, name, {0.0});
   for (const char* name : {"sun_transmission", "view_transmission", "two_way_factor"}) {
     Row& row = add_row(table, name, "vacuum: exactly 1");
     std::fill(row.values.begin(), row.values.end(), 1.0f);

@@ -1,4 +1,5 @@
-// What every built table starts from: checked inputs, and the table with its axes of wavelength and height and the sun's light.
+// What every built table starts from: checked inputs, and the table with its axes of wavelength and height and the
+// sun's light.
 #pragma once
 
 #include <optional>
@@ -18,8 +19,9 @@ void check_clear_sky(const scene::AtmosphereSpec& spec, const scene::Sun& sun, d
 void check_table_request(const scene::Sun& sun, double sensor_height_m, const std::vector<double>& wavelength_um,
                          const std::vector<double>& target_height_m, double first_um, double last_um);
 
-/// What a user should know of an instrument that begins at `first_um` and looks at reflected light under a sun or moon below the
-/// horizon: it is dark, since the built-in models have no twilight. Nothing where light is up, thermal alone, or a table of the user's.
+/// What a user should know of an instrument that begins at `first_um` and looks at reflected light under a sun or moon
+/// below the horizon: it is dark, since the built-in models have no twilight. Nothing where light is up, thermal alone,
+/// or a table of the user's.
 std::optional<std::string> no_light_notice(const scene::AtmosphereSpec& spec, const scene::Sun& sun, double first_um);
 
 /// Wavelength and height axes and the row solar_irradiance.

@@ -56,7 +56,8 @@ Spectrum depths(const RenderTable& table, const DepthRow& row, const std::vector
   }
   for (const Corner& corner : corners_of(table, point)) {
     const std::size_t base = row.offset(point, corner);
-    const double scale = corner.weight * (zenith ? std::cos(radians(zenith->nodes[corner.node.back()])) : 1.0) / cos_here;
+    const double scale =
+        corner.weight * (zenith ? std::cos(radians(zenith->nodes[corner.node.back()])) : 1.0) / cos_here;
     for (std::size_t i = 0; i < count; ++i)
       for (std::size_t k = 0; k < terms; ++k) out[i * terms + k] += scale * row.at(base, i, k);
   }
@@ -82,7 +83,9 @@ Spectrum sum_of_terms(const RenderTable& table, const Spectrum& depth, bool has_
   return out;
 }
 
-DepthRow sun_depth_row(const RenderTable& t) { return {t, "sun_optical_depth", "sun_transmission", "sunlight on a target"}; }
+DepthRow sun_depth_row(const RenderTable& t) {
+  return {t, "sun_optical_depth", "sun_transmission", "sunlight on a target"};
+}
 DepthRow view_depth_row(const RenderTable& t) {
   return {t, "view_optical_depth", "view_transmission", "the path from target to sensor"};
 }
@@ -216,18 +219,22 @@ Spectrum path_light(const RenderTable& table, const Row& row, const std::vector<
 Spectrum path_radiance(const RenderTable& table, double height_m, double zenith_deg, double relative_azimuth_deg) {
   require_zenith(zenith_deg, 90, false, "view");
   return path_light(table, table.need("path_radiance_solar", "light scattered into the path"),
-                    {{"target_height", height_m}, {"view_zenith", zenith_deg}, {"relative_azimuth", fold_azimuth(relative_azimuth_deg)}});
+                    {{"target_height", height_m},
+                     {"view_zenith", zenith_deg},
+                     {"relative_azimuth", fold_azimuth(relative_azimuth_deg)}});
 }
 
 Spectrum path_radiance_thermal(const RenderTable& table, double height_m, double zenith_deg) {
   require_zenith(zenith_deg, 90, false, "view");
-  return path_light(table, table.need("path_radiance_thermal", "light the path emits"), {{"target_height", height_m}, {"view_zenith", zenith_deg}});
+  return path_light(table, table.need("path_radiance_thermal", "light the path emits"),
+                    {{"target_height", height_m}, {"view_zenith", zenith_deg}});
 }
 
 Spectrum two_way_factor_thermal(const RenderTable& table, double height_m, double zenith_deg) {
   require_zenith(zenith_deg, 90, false, "view");
   if (!table.has("two_way_factor_thermal")) return Spectrum(wavelengths(table).size(), 1.0);
-  return linear(table, table.need("two_way_factor_thermal", "reflected thermal sky"), {{"target_height", height_m}, {"view_zenith", zenith_deg}});
+  return linear(table, table.need("two_way_factor_thermal", "reflected thermal sky"),
+                {{"target_height", height_m}, {"view_zenith", zenith_deg}});
 }
 
 Spectrum diffuse_irradiance(const RenderTable& table, double height_m) {

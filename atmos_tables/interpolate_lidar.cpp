@@ -34,16 +34,18 @@ LidarAir lidar_air(const RenderTable& table, double height_m) {
   out.backscatter_molecular_per_m_sr = at_height(table, table.need("lidar_backscatter_molecular", kNeeds), height_m);
   out.backscatter_aerosol_per_m_sr = at_height(table, table.need("lidar_backscatter_aerosol", kNeeds), height_m);
   out.depolarization = linear(table, table.need("lidar_depolarization", kNeeds), {{"range_height", height_m}});
-  out.extinction_gas_per_m = table.has("lidar_extinction_gas") ? at_height(table, table.rows.at("lidar_extinction_gas"), height_m)
-                                                               : Spectrum(wavelengths(table).size(), 0.0);
+  out.extinction_gas_per_m = table.has("lidar_extinction_gas")
+                                 ? at_height(table, table.rows.at("lidar_extinction_gas"), height_m)
+                                 : Spectrum(wavelengths(table).size(), 0.0);
   return out;
 }
 
 std::vector<double> lidar_optical_depth(const RenderTable& table, double low_m, double high_m) {
   const Axis& axis = table.axis("range_height");
   if (!(low_m <= high_m))
-    throw base::Error(base::Fault::input, "LIDAR path: the lower height " + std::to_string(low_m) + " m lies above the higher one, " +
-                                              std::to_string(high_m) + " m; exchange them");
+    throw base::Error(base::Fault::input, "LIDAR path: the lower height " + std::to_string(low_m) +
+                                              " m lies above the higher one, " + std::to_string(high_m) +
+                                              " m; exchange them");
   const Bracket low = bracket(axis, low_m);
   bracket(axis, high_m);  // refuses what lies above the profile
   const std::size_t heights = axis.nodes.size(), count = wavelengths(table).size();
@@ -60,7 +62,8 @@ std::vector<double> lidar_optical_depth(const RenderTable& table, double low_m, 
       if (!(to > from)) continue;
       for (std::size_t i = 0; i < count; ++i) {
         const double at_a = row.values[i * heights + k], at_b = row.values[i * heights + k + 1];
-        out[i] += (to - from) * mean_between(between(at_a, at_b, (from - a) / (b - a)), between(at_a, at_b, (to - a) / (b - a)));
+        out[i] += (to - from) *
+                  mean_between(between(at_a, at_b, (from - a) / (b - a)), between(at_a, at_b, (to - a) / (b - a)));
       }
     }
   }

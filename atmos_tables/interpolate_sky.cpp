@@ -10,11 +10,12 @@ namespace raycube::atmos {
 namespace {
 using namespace detail;
 double radians(double degrees) { return degrees * std::numbers::pi / 180; }
-/// The shape's sun stands no lower than 2.9 degrees (airmass 20, as the round air has it at 88 degrees of zenith), and the air is
-/// no deeper than this along its path. Beyond, light scattered once is a vanishing part of the sky: exp(-tau / mu0) would span
-/// decades between two nodes of a sky that is nearly even, and 1e11 came out between them at 89.5 degrees. What it takes, rms
-/// between nodes with depths up to 2, 3 and without a limit: 23 km, sun at 80 degrees, 0.42 um 0.50, 0.43, 1.0 %; 5 km, 85 degrees
-/// 0.6, 0.6, 132 %; a cloud of depth 10, 75 degrees 0.4, 0.7, 7000 %. Skies within the limits keep their bits.
+/// The shape's sun stands no lower than 2.9 degrees (airmass 20, as the round air has it at 88 degrees of zenith), and
+/// the air is no deeper than this along its path. Beyond, light scattered once is a vanishing part of the sky: exp(-tau
+/// / mu0) would span decades between two nodes of a sky that is nearly even, and 1e11 came out between them at 89.5
+/// degrees. What it takes, rms between nodes with depths up to 2, 3 and without a limit: 23 km, sun at 80 degrees, 0.42
+/// um 0.50, 0.43, 1.0 %; 5 km, 85 degrees 0.6, 0.6, 132 %; a cloud of depth 10, 75 degrees 0.4, 0.7, 7000 %. Skies
+/// within the limits keep their bits.
 constexpr double kLowestSun = 0.05, kDeepestSun = 3;
 }  // namespace
 
@@ -40,7 +41,8 @@ Spectrum sky_radiance_thermal(const RenderTable& table, double height_m, double 
   const auto& zeniths = table.axis("sky_zenith").nodes;
   const Bracket b = bracket(table.axis("sky_zenith"), zenith_deg);
   if (b.weight > 0 && b.weight < 1) {  // the same nodes, weighed by airmass
-    const double low = airmass(zeniths[b.low]), high = airmass(zeniths[b.high]), w = (airmass(zenith_deg) - low) / (high - low);
+    const double low = airmass(zeniths[b.low]), high = airmass(zeniths[b.high]),
+                 w = (airmass(zenith_deg) - low) / (high - low);
     for (Corner& corner : corners) corner.weight *= corner.node[1] == b.low ? (1 - w) / (1 - b.weight) : w / b.weight;
   }
   const RowView view(table, row);
@@ -55,8 +57,8 @@ Spectrum sky_radiance_thermal(const RenderTable& table, double height_m, double 
 std::vector<std::pair<std::size_t, std::size_t>> nodes_around_sun(const std::vector<double>& sky_zenith_deg,
                                                                   const std::vector<double>& sky_azimuth_deg,
                                                                   double sun_zenith_deg) {
-  // A sun at the horizon is sought where its shape stands, and told by azimuth alone: between zeniths the light there changes with
-  // the air's depth rather than with the angle to the sun.
+  // A sun at the horizon is sought where its shape stands, and told by azimuth alone: between zeniths the light there
+  // changes with the air's depth rather than with the angle to the sun.
   const bool low = std::cos(radians(sun_zenith_deg)) < kLowestSun && sky_azimuth_deg.size() > 1;
   const double from_deg = low ? std::acos(kLowestSun) * 180 / std::numbers::pi : sun_zenith_deg;
   const auto nearest = std::min_element(sky_zenith_deg.begin(), sky_zenith_deg.end(), [&](double p, double q) {
@@ -84,7 +86,8 @@ Spectrum sky_radiance(const RenderTable& table, double height_m, double zenith_d
   require_zenith(zenith_deg, 90, true, "sky");
   const double azimuth = fold_azimuth(relative_azimuth_deg);
   const Row& row = table.need("sky_radiance_solar", "skylight");
-  const std::vector<Coordinate> point = {{"target_height", height_m}, {"sky_zenith", zenith_deg}, {"sky_azimuth", azimuth}};
+  const std::vector<Coordinate> point = {
+      {"target_height", height_m}, {"sky_zenith", zenith_deg}, {"sky_azimuth", azimuth}};
   if (!table.has("sky_phase_mean") || !table.has("sky_scattering_depth")) return linear(table, row, point);
 
   const Row& phase_row = table.need("sky_phase_mean", "skylight");

@@ -29,8 +29,8 @@ constexpr Node kPhase[] = {{0, 100},   {10, 73.2}, {20, 57.8}, {30, 42.3}, {40, 
 
 template <class Nodes>
 double linear(const Nodes& nodes, double x) {
-  const Node* upper =
-      std::lower_bound(std::begin(nodes) + 1, std::end(nodes) - 1, x, [](const Node& node, double at) { return node.at < at; });
+  const Node* upper = std::lower_bound(std::begin(nodes) + 1, std::end(nodes) - 1, x,
+                                       [](const Node& node, double at) { return node.at < at; });
   const Node &a = upper[-1], &b = *upper;
   return std::lerp(a.value, b.value, (x - a.at) / (b.at - a.at));
 }

@@ -56,7 +56,8 @@ std::vector<double> angles(std::pair<double, double> range, double step, double 
 
 json sky_map(const RenderTable& table, double h, std::size_t index) {
   const RenderTable one = of_one_wavelength(table, index);
-  const auto zenith = angles(readable(table, "sky_zenith", 90), 3, table.sun_zenith_deg), azimuth = angles(readable(table, "sky_azimuth", 180), 3, 0);
+  const auto zenith = angles(readable(table, "sky_zenith", 90), 3, table.sun_zenith_deg),
+             azimuth = angles(readable(table, "sky_azimuth", 180), 3, 0);
   json map = json::array(), plane_zenith = json::array(), plane = json::array();
   for (const double z : zenith) {
     json ring = json::array();
@@ -64,10 +65,15 @@ json sky_map(const RenderTable& table, double h, std::size_t index) {
     map.push_back(ring);
   }
   // From the horizon behind, through the zenith and the sun: behind counts negative.
-  for (auto z = zenith.rbegin(); z != zenith.rend() && *z > 0; ++z) plane_zenith.push_back(-*z), plane.push_back(sky_radiance(one, h, *z, azimuth.back())[0]);
+  for (auto z = zenith.rbegin(); z != zenith.rend() && *z > 0; ++z)
+    plane_zenith.push_back(-*z), plane.push_back(sky_radiance(one, h, *z, azimuth.back())[0]);
   for (const double z : zenith) plane_zenith.push_back(z), plane.push_back(sky_radiance(one, h, z, azimuth.front())[0]);
-  return {{"wavelength_um", wavelengths(table)[index]}, {"zenith_deg", zenith}, {"azimuth_deg", azimuth}, {"radiance", map},
-          {"plane_zenith_deg", plane_zenith}, {"plane_radiance", plane}};
+  return {{"wavelength_um", wavelengths(table)[index]},
+          {"zenith_deg", zenith},
+          {"azimuth_deg", azimuth},
+          {"radiance", map},
+          {"plane_zenith_deg", plane_zenith},
+          {"plane_radiance", plane}};
 }
 
 json thermal_sky(const RenderTable& table, double h) {
@@ -114,7 +120,8 @@ std::string plot_json(const RenderTable& table, const PlotChoice& choice, const 
   if (table.has("path_radiance_solar")) out["path_radiance"] = path_radiance(table, h, view, azimuth);
   if (table.has("path_radiance_thermal")) out["path_radiance_thermal"] = path_radiance_thermal(table, h, view);
   if (table.has("spherical_albedo")) out["spherical_albedo"] = spherical_albedo(table, h);
-  if (table.has("diffuse_view_transmission")) out["diffuse_view_transmission"] = diffuse_view_transmission(table, h, view);
+  if (table.has("diffuse_view_transmission"))
+    out["diffuse_view_transmission"] = diffuse_view_transmission(table, h, view);
 
   // Spectra of the sky straight up and slanted, moved into what the table covers.
   if (table.axes.count("sky_zenith")) {
@@ -129,10 +136,13 @@ std::string plot_json(const RenderTable& table, const PlotChoice& choice, const 
       out["sky"] = sky_map(table, h, nearest_node(wavelengths(table), choice.sky_wavelength_um));
     }
     if (table.has("sky_radiance_thermal")) {
-      out["thermal_sky_up"] = sky_radiance_thermal(table, h, up), out["thermal_sky_slant"] = sky_radiance_thermal(table, h, slant);
+      out["thermal_sky_up"] = sky_radiance_thermal(table, h, up),
+      out["thermal_sky_slant"] = sky_radiance_thermal(table, h, slant);
       out["thermal_sky"] = thermal_sky(table, h);
     }
-    if (table.has("diffuse_return")) out["diffuse_return_up"] = diffuse_return(table, h, up), out["diffuse_return_slant"] = diffuse_return(table, h, slant);
+    if (table.has("diffuse_return"))
+      out["diffuse_return_up"] = diffuse_return(table, h, up),
+      out["diffuse_return_slant"] = diffuse_return(table, h, slant);
   }
   return out.dump();
 }

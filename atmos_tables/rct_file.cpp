@@ -29,8 +29,8 @@ static_assert(std::endian::native == std::endian::little, "the file is little-en
 struct Head {
   std::array<char, 8> magic;
   std::uint32_t version;
-  std::uint32_t byte_order;      ///< 0x01020304 as written
-  std::uint64_t header_bytes;    ///< JSON that follows the head
+  std::uint32_t byte_order;    ///< 0x01020304 as written
+  std::uint64_t header_bytes;  ///< JSON that follows the head
   std::uint64_t file_bytes;
   std::array<std::uint8_t, 32> hash;  ///< SHA-256 of all bytes from 64 on
 };
@@ -67,8 +67,12 @@ std::uint64_t encode(const RenderTable& table, Sink&& sink) {
   for (const auto& [name, row] : table.rows) {
     json shape = json::array();
     for (const std::string& axis : row.axes) shape.push_back(table.axis(axis).nodes.size());
-    header["rows"].push_back({{"name", name}, {"unit", row.unit}, {"text", row.text}, {"axes", row.axes},
-                              {"shape", shape}, {"offset", offset}});
+    header["rows"].push_back({{"name", name},
+                              {"unit", row.unit},
+                              {"text", row.text},
+                              {"axes", row.axes},
+                              {"shape", shape},
+                              {"offset", offset}});
     offset += aligned(row.values.size() * sizeof(float));
   }
   const std::string text = header.dump(1);
@@ -120,7 +124,8 @@ class Member {
     return value.get<double>();
   }
   std::uint64_t integer(const json& value, const std::string& name) const {
-    if (!value.is_number_unsigned()) refuse(path_, where_ + " " + name + " must be a whole number from 0", text_of(value));
+    if (!value.is_number_unsigned())
+      refuse(path_, where_ + " " + name + " must be a whole number from 0", text_of(value));
     return value.get<std::uint64_t>();
   }
   const json& list(const char* key) const {
@@ -164,11 +169,14 @@ Placed decode_row(const std::string& path, const json& value, const RenderTable&
     if (axis == table.axes.end()) refuse(path, "row " + out.row.name + " uses an axis that is not there", name);
     const std::uint64_t length = member.integer(shape[i], "shape");
     if (length != axis->second.nodes.size())
-      refuse(path, "row " + out.row.name + " must be as long as its axis " + name + " (" +
-                       std::to_string(axis->second.nodes.size()) + " nodes)", std::to_string(length));
+      refuse(path,
+             "row " + out.row.name + " must be as long as its axis " + name + " (" +
+                 std::to_string(axis->second.nodes.size()) + " nodes)",
+             std::to_string(length));
     // The product stays below the file's size, so it cannot overflow.
     if (length == 0 || out.count > array_bytes / sizeof(float) / length)
-      refuse(path, "row " + out.row.name + " does not fit the file's " + std::to_string(array_bytes) + " bytes of arrays",
+      refuse(path,
+             "row " + out.row.name + " does not fit the file's " + std::to_string(array_bytes) + " bytes of arrays",
              "shape " + text_of(shape));
     out.count *= length;
     out.row.axes.push_back(name);
@@ -210,7 +218,8 @@ std::string write_rct(const RenderTable& table, const std::string& path, base::I
 RenderTable read_rct(const std::string& path) {
   base::refuse_other_than_plain(path);
   std::ifstream file(path, std::ios::binary | std::ios::ate);
-  if (!file) throw base::Error(base::Fault::environment, path + ": cannot be opened; check the path and its permissions");
+  if (!file)
+    throw base::Error(base::Fault::environment, path + ": cannot be opened; check the path and its permissions");
   const auto end = file.tellg();
   if (end < 0) throw base::Error(base::Fault::environment, path + ": is not a regular file that can be read");
   const std::uint64_t size = static_cast<std::uint64_t>(end);
@@ -221,14 +230,16 @@ RenderTable read_rct(const std::string& path) {
                                                       std::to_string(offset) + " could not be read");
   };
   Head head{};
-  if (size < sizeof head) refuse(path, "is no render table: shorter than its 64-byte head", std::to_string(size) + " bytes");
+  if (size < sizeof head)
+    refuse(path, "is no render table: shorter than its 64-byte head", std::to_string(size) + " bytes");
   fetch(0, &head, sizeof head);
   if (head.magic != kMagic) {
     static const char* digits = "0123456789abcdef";
     std::string found;
     for (const char c : head.magic)
       found += digits[static_cast<unsigned char>(c) >> 4], found += digits[static_cast<unsigned char>(c) & 15];
-    refuse(path, "is no render table: its first bytes must be 895243540d0a1a0a in hexadecimal", found, "name a .rct file");
+    refuse(path, "is no render table: its first bytes must be 895243540d0a1a0a in hexadecimal", found,
+           "name a .rct file");
   }
   if (head.byte_order != kByteOrder)
     refuse(path, "must be little-endian (byte-order mark 16909060)", std::to_string(head.byte_order));
@@ -251,7 +262,8 @@ RenderTable read_rct(const std::string& path) {
     hash.add(chunk.data(), bytes);
     at += bytes;
   }
-  if (hash.digest() != head.hash) refuse(path, "is corrupt: its content does not match its hash", hash.hex(), "copy or build it again");
+  if (hash.digest() != head.hash)
+    refuse(path, "is corrupt: its content does not match its hash", hash.hex(), "copy or build it again");
 
   std::string text(head.header_bytes, '\0');
   fetch(sizeof head, text.data(), text.size());

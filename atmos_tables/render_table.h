@@ -1,6 +1,7 @@
 // The one table format between atmosphere and renderer: self-describing rows over named axes. A row that is absent is
-// absent by name; a reader that needs it says so. Wavelengths vacuum, um; heights km are not used here: metres above the
-// scene's z = 0. Radiance W m-2 sr-1 um-1, irradiance W m-2 um-1. Azimuths relative to the sun, 0..180, 0 = sun's side.
+// absent by name; a reader that needs it says so. Wavelengths vacuum, um; heights km are not used here: metres above
+// the scene's z = 0. Radiance W m-2 sr-1 um-1, irradiance W m-2 um-1. Azimuths relative to the sun, 0..180, 0 = sun's
+// side.
 #pragma once
 
 #include <map>
@@ -11,7 +12,9 @@ namespace raycube::atmos {
 
 /// An axis: strictly ascending node values.
 struct Axis {
-  std::string name;    ///< wavelength | target_height | view_zenith | relative_azimuth | sky_zenith | sky_azimuth | range_height | k
+  std::string
+      /// wavelength | target_height | view_zenith | relative_azimuth | sky_zenith | sky_azimuth | range_height | k
+      name;
   std::string unit;
   std::vector<double> nodes;
 };
@@ -20,7 +23,7 @@ struct Axis {
 struct Row {
   std::string name;
   std::string unit;
-  std::string text;                ///< what it is, and its source
+  std::string text;  ///< what it is, and its source
   std::vector<std::string> axes;
   std::vector<float> values;
 };
@@ -33,7 +36,8 @@ struct Row {
 ///   two_way_factor              (wavelength, target_height, view_zenith)     T(sun-target-sensor) / (T_sun T_view)
 ///   path_radiance_solar         (wavelength, target_height, view_zenith, relative_azimuth)  upward, black ground
 ///   sky_radiance_solar          (wavelength, target_height, sky_zenith, sky_azimuth)        diffuse, disc excluded
-///   sky_phase_mean, sky_scattering_depth: column-mean phase function and depth whose single-scatter shape divides the sky
+///   sky_phase_mean, sky_scattering_depth: column-mean phase function and depth whose single-scatter shape divides the
+///   sky
 ///                               between nodes (S5.2); without them the sky is interpolated as it stands
 ///   diffuse_irradiance          (wavelength, target_height)                  on a horizontal plane
 ///   direct_irradiance           (wavelength, target_height)                  on a horizontal plane
@@ -44,12 +48,12 @@ struct Row {
 ///   lidar_extinction, lidar_backscatter ...                                 absent until a later model fills them
 struct RenderTable {
   int version = 1;
-  std::string solar_source;         ///< name of the solar spectrum's file or paper
-  std::string medium = "vacuum";    ///< of the wavelength axis
-  std::string provenance_json;      ///< model, parameters, stated errors
+  std::string solar_source;       ///< name of the solar spectrum's file or paper
+  std::string medium = "vacuum";  ///< of the wavelength axis
+  std::string provenance_json;    ///< model, parameters, stated errors
   double sun_zenith_deg = 0;
-  double sun_azimuth_deg = 0;       ///< clockwise from north; sky_azimuth nodes are relative to it
-  double sensor_height_m = 0;       ///< H, above the scene's z = 0
+  double sun_azimuth_deg = 0;  ///< clockwise from north; sky_azimuth nodes are relative to it
+  double sensor_height_m = 0;  ///< H, above the scene's z = 0
   std::map<std::string, Axis> axes;
   std::map<std::string, Row> rows;
 

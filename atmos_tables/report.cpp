@@ -29,7 +29,11 @@ json summary(const RenderTable& table, const std::string& hash) {
     const auto found = table.axes.find(spec.name);
     if (found == table.axes.end()) continue;
     const auto& nodes = found->second.nodes;
-    json axis = {{"name", spec.name}, {"unit", spec.unit}, {"count", nodes.size()}, {"first", nodes.front()}, {"last", nodes.back()}};
+    json axis = {{"name", spec.name},
+                 {"unit", spec.unit},
+                 {"count", nodes.size()},
+                 {"first", nodes.front()},
+                 {"last", nodes.back()}};
     if (nodes.size() > 1) {
       double least = std::numeric_limits<double>::max(), most = 0;
       for (std::size_t i = 1; i < nodes.size(); ++i)
@@ -50,8 +54,13 @@ json summary(const RenderTable& table, const std::string& hash) {
     json shape = json::array();
     for (const auto& axis : row.axes) shape.push_back(table.axis(axis).nodes.size());
     const auto [low, high] = std::minmax_element(row.values.begin(), row.values.end());
-    out["rows"].push_back({{"name", row.name}, {"unit", row.unit}, {"axes", row.axes}, {"shape", shape},
-                           {"least", *low}, {"most", *high}, {"text", row.text}});
+    out["rows"].push_back({{"name", row.name},
+                           {"unit", row.unit},
+                           {"axes", row.axes},
+                           {"shape", shape},
+                           {"least", *low},
+                           {"most", *high},
+                           {"text", row.text}});
   }
   return out;
 }
@@ -70,7 +79,9 @@ std::string padded(std::string text, std::size_t width) {
 
 }  // namespace
 
-std::string table_json(const RenderTable& table, const std::string& hash) { return summary(table, hash).dump(2) + "\n"; }
+std::string table_json(const RenderTable& table, const std::string& hash) {
+  return summary(table, hash).dump(2) + "\n";
+}
 
 std::string table_text(const RenderTable& table, const std::string& hash) {
   const json s = summary(table, hash);
@@ -91,7 +102,8 @@ std::string table_text(const RenderTable& table, const std::string& hash) {
   out << "\nrows\n";
   for (const auto& row : s["rows"]) {
     std::string shape;
-    for (const auto& length : row["shape"]) shape += (shape.empty() ? "" : " x ") + std::to_string(length.get<std::size_t>());
+    for (const auto& length : row["shape"])
+      shape += (shape.empty() ? "" : " x ") + std::to_string(length.get<std::size_t>());
     out << "  " << padded(row["name"], 25) << padded(shape, 19)
         << padded(rounded(row["least"]) + " to " + rounded(row["most"]) + " " + row["unit"].get<std::string>(), 40)
         << row["text"].get<std::string>() << "\n";

@@ -1,4 +1,5 @@
-// What a render table says to people and to programs: `raycube atmos info`, and the figures behind `raycube atmos plot`.
+// What a render table says to people and to programs: `raycube atmos info`, and the figures behind `raycube atmos
+// plot`.
 #pragma once
 
 #include <string>
@@ -18,8 +19,8 @@ struct PlotChoice {
   double relative_azimuth_deg = 90;  ///< of the sensor, for the slanted path
   double sky_wavelength_um = 0.55;   ///< of the sky map; the nearest of the table is taken
 };
-/// Spectra and a sky map read through the table's interpolation, as JSON for plots/atmos_plot.py. Absent rows are left out.
-/// Throws Error(input) when the choice lies outside the table.
+/// Spectra and a sky map read through the table's interpolation, as JSON for plots/atmos_plot.py. Absent rows are left
+/// out. Throws Error(input) when the choice lies outside the table.
 std::string plot_json(const RenderTable& table, const PlotChoice& choice, const std::string& title);
 
 }  // namespace raycube::atmos

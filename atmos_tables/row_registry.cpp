@@ -39,7 +39,8 @@ const std::vector<RowSpec>& row_registry() {
   static const std::vector<RowSpec> list = {
       {"solar_irradiance", kIrradiance, "wavelength", 0, kAny,
        "E0: exoatmospheric irradiance normal to the beam, after the earth-sun factor"},
-      {"sun_transmission", "1", "wavelength [k] target_height", 0, 1, "top of the air to the target along the sun's path"},
+      {"sun_transmission", "1", "wavelength [k] target_height", 0, 1,
+       "top of the air to the target along the sun's path"},
       {"sun_optical_depth", "1", "wavelength [k] target_height", 0, kAny,
        "-ln sun_transmission, where a float transmission would round to 1 or 0"},
       {"view_transmission", "1", "wavelength [k] target_height view_zenith", 0, 1, "target to sensor"},
@@ -64,16 +65,19 @@ const std::vector<RowSpec>& row_registry() {
        "sky on a horizontal plane, the sun's disc excluded"},
       {"spherical_albedo", "1", "wavelength target_height", 0, 1, "S: of the air seen from below, isotropic light"},
       {"diffuse_view_transmission", "1", "wavelength target_height view_zenith", 0, 1,
-       "T_dif: radiance at the sensor beside the direct path, per unit isotropic upward radiance of the ground at the target's level"},
+       "T_dif: radiance at the sensor beside the direct path, per unit isotropic upward radiance of the ground at the "
+       "target's level"},
       {"diffuse_return", "1", "wavelength target_height sky_zenith", 0, 1,
        "t: radiance that comes back down for unit isotropic upward radiance; S = 2 int t mu dmu"},
       {"air_temperature", "K", "range_height", 100, 400, "of the profile behind the thermal rows"},
       {"lidar_extinction_molecular", "m-1", "wavelength range_height", 0, kAny, "Rayleigh extinction profile"},
       {"lidar_extinction_aerosol", "m-1", "wavelength range_height", 0, kAny, "aerosol extinction profile"},
-      {"lidar_extinction_gas", "m-1", "wavelength range_height", 0, kAny, "gas absorption profile: lines or cross-sections of a user's file, continua, ozone; absent without such a file"},
+      {"lidar_extinction_gas", "m-1", "wavelength range_height", 0, kAny,
+       "gas absorption profile: lines or cross-sections of a user's file, continua, ozone; absent without such a file"},
       {"lidar_backscatter_molecular", "m-1 sr-1", "wavelength range_height", 0, kAny, "Rayleigh backscatter profile"},
       {"lidar_backscatter_aerosol", "m-1 sr-1", "wavelength range_height", 0, kAny, "aerosol backscatter profile"},
-      {"lidar_depolarization", "1", "wavelength range_height", 0, 1, "perpendicular over parallel backscatter of a linearly polarised beam"},
+      {"lidar_depolarization", "1", "wavelength range_height", 0, 1,
+       "perpendicular over parallel backscatter of a linearly polarised beam"},
       {"k_weight", "1", "wavelength k", 0, 1, "weights of the k-terms; sum 1 at every wavelength"},
   };
   return list;

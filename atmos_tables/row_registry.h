@@ -11,7 +11,7 @@ namespace raycube::atmos {
 struct AxisSpec {
   const char* name;
   const char* unit;
-  double min, max;   ///< inclusive limits of a node
+  double min, max;  ///< inclusive limits of a node
   const char* text;
 };
 

@@ -14,8 +14,7 @@ struct Node {
 constexpr Node kNodes[] = {
 #include "atmos_tables/data/solar_tsis1_gueymard.inc"
 };
-constexpr double kFarKelvin =
-    5000;  ///< brightness temperature of the sun's far infrared, good to 10 % to 1000 um
+constexpr double kFarKelvin = 5000;  ///< brightness temperature of the sun's far infrared, good to 10 % to 1000 um
 }  // namespace
 
 double solar_irradiance_1au(double wavelength_um) {
@@ -46,6 +45,8 @@ double mean_solar_irradiance_1au(double from_um, double to_um) {
   return sum / (to_um - from_um);
 }
 
-std::string solar_source_name() { return "TSIS-1 HSRS (Coddington 2021) 0.35-2.5 um, Gueymard 2004 outside; averages over 2 nm to 500 nm"; }
+std::string solar_source_name() {
+  return "TSIS-1 HSRS (Coddington 2021) 0.35-2.5 um, Gueymard 2004 outside; averages over 2 nm to 500 nm";
+}
 
 }  // namespace raycube::atmos

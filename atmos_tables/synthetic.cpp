@@ -13,8 +13,8 @@ namespace raycube::atmos {
 
 std::vector<double> wavelength_grid(double first_um, double last_um, double step_um) {
   if (!(step_um > 0) || !(last_um > first_um) || (last_um - first_um) / step_um > 1e7)
-    throw base::Error(base::Fault::input, "wavelength grid " + std::to_string(first_um) + " to " + std::to_string(last_um) +
-                                              " um in steps of " + std::to_string(step_um) +
+    throw base::Error(base::Fault::input, "wavelength grid " + std::to_string(first_um) + " to " +
+                                              std::to_string(last_um) + " um in steps of " + std::to_string(step_um) +
                                               " um: needs first < last, a positive step and at most 1e7 steps");
   const auto steps = static_cast<std::size_t>(std::floor((last_um - first_um) / step_um * (1 + 1e-12)));
   std::vector<double> out;
@@ -27,7 +27,8 @@ std::vector<double> wavelength_grid_with_line(double first_um, double last_um, d
                                               double half_width_um, double fine_step_um) {
   std::vector<double> out = wavelength_grid(first_um, last_um, step_um);
   const std::vector<double> fine = wavelength_grid(center_um - half_width_um, center_um + half_width_um, fine_step_um);
-  std::erase_if(out, [&](double l) { return l > fine.front() - 0.5 * fine_step_um && l < fine.back() + 0.5 * fine_step_um; });
+  std::erase_if(
+      out, [&](double l) { return l > fine.front() - 0.5 * fine_step_um && l < fine.back() + 0.5 * fine_step_um; });
   out.insert(out.end(), fine.begin(), fine.end());
   std::sort(out.begin(), out.end());
   return out;
@@ -51,7 +52,8 @@ RenderTable uniform_table(const UniformAir& air, const std::vector<double>& wave
   const double mu0 = air.sun_zenith_deg < 90 ? std::cos(air.sun_zenith_deg * std::numbers::pi / 180) : 0;
   const auto fill = [&](const char* name, const UniformAir::Spectrum& spectrum) {
     Row& row = add_row(table, name, "stated by the caller");
-    for (std::size_t i = 0; i < wavelength_um.size(); ++i) row.values[i] = static_cast<float>(spectrum(wavelength_um[i]));
+    for (std::size_t i = 0; i < wavelength_um.size(); ++i)
+      row.values[i] = static_cast<float>(spectrum(wavelength_um[i]));
   };
   fill("solar_irradiance", air.solar_irradiance);
   fill("sun_transmission", air.sun_transmission);
@@ -85,7 +87,8 @@ RenderTable isothermal_table(double temperature_K, const UniformAir::Spectrum& d
   std::vector<double> heights;
   for (const double part : {0.0, 0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.75, 1.0}) heights.push_back(part * sensor_height_m);
   add_axis(table, "target_height", heights);
-  const std::vector<double> views = {0, 20, 40, 55, 65, 75, 80}, zeniths = {0, 30, 45, 60, 70, 75, 80, 83, 85, 87, 88.5, 90};
+  const std::vector<double> views = {0, 20, 40, 55, 65, 75, 80},
+                            zeniths = {0, 30, 45, 60, 70, 75, 80, 83, 85, 87, 88.5, 90};
   add_axis(table, "view_zenith", views);
   add_axis(table, "sky_zenith", zeniths);
   Row& transmission = add_row(table, "view_transmission", "isothermal air");
@@ -100,7 +103,8 @@ RenderTable isothermal_table(double temperature_K, const UniformAir::Spectrum& d
         transmission.values[at_view] = static_cast<float>(t);
         path.values[at_view++] = static_cast<float>(source * (1 - t));
       }
-      for (const double zenith : zeniths) sky.values[at_sky++] = static_cast<float>(-source * std::expm1(-tau * above(z) * airmass(zenith)));
+      for (const double zenith : zeniths)
+        sky.values[at_sky++] = static_cast<float>(-source * std::expm1(-tau * above(z) * airmass(zenith)));
     }
   }
   return table;

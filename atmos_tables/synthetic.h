@@ -19,7 +19,7 @@ struct UniformAir {
   Spectrum path_radiance = [](double) { return 0.0; };  ///< W m-2 sr-1 um-1
   /// Both given: the table gets thermal rows. W m-2 sr-1 um-1, the sky the same in all directions.
   Spectrum thermal_sky_radiance, thermal_path_radiance;
-  Spectrum two_way_factor_thermal;                      ///< absent from the table when not given
+  Spectrum two_way_factor_thermal;  ///< absent from the table when not given
   /// Light between ground and air: S, T_dif and t. Empty: the table has no such row.
   Spectrum spherical_albedo, diffuse_view_transmission, diffuse_return;
   double sun_zenith_deg = 0, sun_azimuth_deg = 0;
@@ -29,9 +29,9 @@ struct UniformAir {
 /// One-node axes: nothing varies along them. Wavelengths ascending, um.
 RenderTable uniform_table(const UniformAir& air, const std::vector<double>& wavelength_um);
 
-/// Air of one temperature and a vertical optical depth (1) that falls exponentially with height (scale height 2 km), absorbing
-/// only: T = exp(-depth m), path B (1 - T_path), sky B (1 - T_sky), m = 1 / cos for the path and the airmass for the sky.
-/// Targets from 0 to the sensor, views to 80 deg; black sky above. Thermal rows only: no sun.
+/// Air of one temperature and a vertical optical depth (1) that falls exponentially with height (scale height 2 km),
+/// absorbing only: T = exp(-depth m), path B (1 - T_path), sky B (1 - T_sky), m = 1 / cos for the path and the airmass
+/// for the sky. Targets from 0 to the sensor, views to 80 deg; black sky above. Thermal rows only: no sun.
 RenderTable isothermal_table(double temperature_K, const UniformAir::Spectrum& depth, double sensor_height_m,
                              const std::vector<double>& wavelength_um);
 

@@ -39,7 +39,8 @@ std::set<std::string> quantities_of(const RenderTable& table) {
   for (const auto& [name, row] : table.rows)
     if (name != "k_weight") out.insert(stands_for(name));
   // Transmissions per k-term carry their two-way product.
-  if (table.has("k_weight") && out.count("sun_transmission") && out.count("view_transmission")) out.insert("two_way_factor");
+  if (table.has("k_weight") && out.count("sun_transmission") && out.count("view_transmission"))
+    out.insert("two_way_factor");
   return out;
 }
 
@@ -59,19 +60,23 @@ std::vector<std::string> what_differs(const RenderTable& a, const RenderTable& b
     if (in_a == a.axes.end() || in_b == b.axes.end() || in_a->second.nodes == in_b->second.nodes) continue;
     const auto range = [&](const std::vector<double>& nodes) {
       return nodes.size() == 1 ? "1 node at " + shown(nodes[0]) + " " + spec.unit
-                               : std::to_string(nodes.size()) + " nodes from " + shown(nodes.front()) + " to " + shown(nodes.back()) + " " + spec.unit;
+                               : std::to_string(nodes.size()) + " nodes from " + shown(nodes.front()) + " to " +
+                                     shown(nodes.back()) + " " + spec.unit;
     };
-    out.push_back(std::string("axis ") + spec.name + ": " + range(in_a->second.nodes) + ", and " + range(in_b->second.nodes));
+    out.push_back(std::string("axis ") + spec.name + ": " + range(in_a->second.nodes) + ", and " +
+                  range(in_b->second.nodes));
   }
   return out;
 }
 
-/// Nearest to `wanted` of the values both tables can be read at. An axis of one node can be read anywhere, and is meant for its
-/// node. Empty: their ranges do not meet.
+/// Nearest to `wanted` of the values both tables can be read at. An axis of one node can be read anywhere, and is meant
+/// for its node. Empty: their ranges do not meet.
 std::optional<double> common_point(const RenderTable& a, const RenderTable& b, const char* axis, double wanted) {
   const auto in_a = a.axes.find(axis), in_b = b.axes.find(axis);
-  const bool free_a = in_a == a.axes.end() || in_a->second.nodes.size() == 1, free_b = in_b == b.axes.end() || in_b->second.nodes.size() == 1;
-  if (free_a && free_b) return in_a != a.axes.end() ? in_a->second.nodes[0] : in_b != b.axes.end() ? in_b->second.nodes[0] : wanted;
+  const bool free_a = in_a == a.axes.end() || in_a->second.nodes.size() == 1,
+             free_b = in_b == b.axes.end() || in_b->second.nodes.size() == 1;
+  if (free_a && free_b)
+    return in_a != a.axes.end() ? in_a->second.nodes[0] : in_b != b.axes.end() ? in_b->second.nodes[0] : wanted;
   double low = -1e30, high = 1e30;
   for (const auto& [free, found] : {std::pair{free_a, in_a}, {free_b, in_b}})
     if (!free) low = std::max(low, found->second.nodes.front()), high = std::min(high, found->second.nodes.back());
@@ -81,7 +86,8 @@ std::optional<double> common_point(const RenderTable& a, const RenderTable& b, c
   return std::clamp(wanted, low, high);
 }
 
-Spectrum merged_grid(const Spectrum& a, const Spectrum& b, double first, double last, const std::vector<DifferenceBand>& bands) {
+Spectrum merged_grid(const Spectrum& a, const Spectrum& b, double first, double last,
+                     const std::vector<DifferenceBand>& bands) {
   Spectrum out{first, last};
   for (const Spectrum* nodes : {&a, &b})
     for (const double l : *nodes)
@@ -106,8 +112,8 @@ double response(const DifferenceBand& band, double um) {
   return std::exp(-4 * std::numbers::ln2 * x * x);
 }
 
-/// Trapezoids under response times the value. Box edges are grid points, and belong to the box from inside. Empty where the
-/// quantity has no value in the band.
+/// Trapezoids under response times the value. Box edges are grid points, and belong to the box from inside. Empty where
+/// the quantity has no value in the band.
 std::optional<BandDifference> in_band(const DifferenceBand& band, const Spectrum& grid, const QuantityDifference& q) {
   BandDifference out;
   out.band = band;
@@ -141,10 +147,11 @@ std::optional<BandDifference> in_band(const DifferenceBand& band, const Spectrum
 std::vector<DifferenceBand> atmospheric_windows() {
   std::vector<DifferenceBand> out;
   for (const auto& [low, high] : std::initializer_list<std::pair<double, double>>{
-           {0.30, 0.40}, {0.40, 0.50}, {0.50, 0.58}, {0.58, 0.70}, {0.70, 1.00}, {1.00, 1.30}, {1.30, 1.50}, {1.45, 1.75}, {1.75, 2.00},
-           {2.00, 2.40}, {2.40, 3.00}, {3.00, 3.40}, {3.40, 3.96}, {3.96, 4.40}, {4.40, 4.60}, {4.60, 4.80}, {4.80, 5.50}, {5.50, 8.00},
-           {8.0, 8.5},   {8.5, 9.0},   {9.0, 9.4},   {9.4, 10.0},  {10.0, 10.5}, {10.5, 11.0}, {11.0, 11.5}, {11.5, 12.0}, {12.0, 12.5},
-           {12.5, 13.0}, {13.0, 14.0}, {14.0, 17.0}, {17.0, 22.0}, {22.0, 30.0}})
+           {0.30, 0.40}, {0.40, 0.50}, {0.50, 0.58}, {0.58, 0.70}, {0.70, 1.00}, {1.00, 1.30}, {1.30, 1.50},
+           {1.45, 1.75}, {1.75, 2.00}, {2.00, 2.40}, {2.40, 3.00}, {3.00, 3.40}, {3.40, 3.96}, {3.96, 4.40},
+           {4.40, 4.60}, {4.60, 4.80}, {4.80, 5.50}, {5.50, 8.00}, {8.0, 8.5},   {8.5, 9.0},   {9.0, 9.4},
+           {9.4, 10.0},  {10.0, 10.5}, {10.5, 11.0}, {11.0, 11.5}, {11.5, 12.0}, {12.0, 12.5}, {12.5, 13.0},
+           {13.0, 14.0}, {14.0, 17.0}, {17.0, 22.0}, {22.0, 30.0}})
     out.push_back({low, high, (low + high) / 2, 0});
   return out;
 }
@@ -171,11 +178,15 @@ TableDifference table_difference(const RenderTable& a, const RenderTable& b, con
   out.first_um = std::max(nodes_a.front(), nodes_b.front());
   out.last_um = std::min(nodes_a.back(), nodes_b.back());
   if (out.first_um > out.last_um)
-    throw base::Error(base::Fault::input, "the tables have no wavelength in common: " + range(nodes_a) + ", and " + range(nodes_b));
+    throw base::Error(base::Fault::input,
+                      "the tables have no wavelength in common: " + range(nodes_a) + ", and " + range(nodes_b));
   out.differs = what_differs(a, b);
   // Wanted far below: the nearest is the lowest.
-  const auto height = common_point(a, b, "target_height", choice.height_m.value_or(find_axis_spec("target_height")->min));
-  if (!height) throw base::Error(base::Fault::input, "the tables have no target height in common (raycube atmos info names their axes)");
+  const auto height =
+      common_point(a, b, "target_height", choice.height_m.value_or(find_axis_spec("target_height")->min));
+  if (!height)
+    throw base::Error(base::Fault::input,
+                      "the tables have no target height in common (raycube atmos info names their axes)");
   out.height_m = *height;
 
   // Bands that lie in the range at all; boxes are clipped to it, a Gaussian must have its half-width points inside.
@@ -183,14 +194,16 @@ TableDifference table_difference(const RenderTable& a, const RenderTable& b, con
   for (DifferenceBand band : choice.bands) {
     const double half = band.fwhm_um / 2;
     if (band.fwhm_um > 0 ? band.center_um - half < out.first_um || band.center_um + half > out.last_um
-                         : std::min(band.high_um, out.last_um) - std::max(band.low_um, out.first_um) <= kSame_um && out.first_um < out.last_um)
+                         : std::min(band.high_um, out.last_um) - std::max(band.low_um, out.first_um) <= kSame_um &&
+                               out.first_um < out.last_um)
       continue;
     if (band.fwhm_um <= 0 && (band.low_um > out.last_um || band.high_um < out.first_um)) continue;
     band.low_um = std::max(band.low_um, out.first_um), band.high_um = std::min(band.high_um, out.last_um);
     bands.push_back(band);
   }
   if (bands.empty())
-    throw base::Error(base::Fault::input, "no band lies in the common range of " + shown(out.first_um) + " to " + shown(out.last_um) + " um");
+    throw base::Error(base::Fault::input, "no band lies in the common range of " + shown(out.first_um) + " to " +
+                                              shown(out.last_um) + " um");
   out.wavelength_um = merged_grid(nodes_a, nodes_b, out.first_um, out.last_um, bands);
 
   const std::set<std::string> has_a = quantities_of(a), has_b = quantities_of(b);
@@ -218,22 +231,28 @@ TableDifference table_difference(const RenderTable& a, const RenderTable& b, con
                             const std::function<Spectrum(const RenderTable&, double zenith, double azimuth)>& read) {
     if (!both(name)) return;
     const bool view = std::string(zenith_axis) == "view_zenith";
-    const auto azimuth = azimuth_axis ? common_point(a, b, azimuth_axis, fold_azimuth(choice.relative_azimuth_deg)) : 0.0;
+    const auto azimuth =
+        azimuth_axis ? common_point(a, b, azimuth_axis, fold_azimuth(choice.relative_azimuth_deg)) : 0.0;
     const auto straight = common_point(a, b, zenith_axis, 0), leaning = common_point(a, b, zenith_axis, slant);
     if (!azimuth || !straight || !leaning) {
       out.differs.push_back(std::string(name) + ": not compared, the tables have no direction in common");
       return;
     }
     const auto where = [&](double zenith) {
-      std::string text = zenith == 0 && view ? "nadir" : zenith == 0 ? "zenith" : (view ? "view zenith " : "sky zenith ") + shown(zenith) + " deg";
+      std::string text = zenith == 0 && view ? "nadir"
+                         : zenith == 0       ? "zenith"
+                                             : (view ? "view zenith " : "sky zenith ") + shown(zenith) + " deg";
       return zenith != 0 && azimuth_axis ? text + ", azimuth " + shown(*azimuth) + " deg" : text;
     };
     add(name, where(*straight), [&](const RenderTable& t) { return read(t, *straight, *azimuth); });
-    if (*leaning != *straight) add(name, where(*leaning), [&](const RenderTable& t) { return read(t, *leaning, *azimuth); });
+    if (*leaning != *straight)
+      add(name, where(*leaning), [&](const RenderTable& t) { return read(t, *leaning, *azimuth); });
   };
   const double view = choice.view_zenith_deg, sky = choice.sky_zenith_deg;
-  const auto no_azimuth = [&](const char* name, const char* axis, double slant, Spectrum (*read)(const RenderTable&, double, double)) {
-    directed(name, axis, slant, nullptr, [&, read](const RenderTable& t, double zenith, double) { return read(t, h, zenith); });
+  const auto no_azimuth = [&](const char* name, const char* axis, double slant,
+                              Spectrum (*read)(const RenderTable&, double, double)) {
+    directed(name, axis, slant, nullptr,
+             [&, read](const RenderTable& t, double zenith, double) { return read(t, h, zenith); });
   };
   if (both("solar_irradiance")) add("solar_irradiance", "", solar_irradiance);
   plain("sun_transmission", sun_transmission);
@@ -252,7 +271,8 @@ TableDifference table_difference(const RenderTable& a, const RenderTable& b, con
   no_azimuth("sky_radiance_thermal", "sky_zenith", sky, sky_radiance_thermal);
   no_azimuth("two_way_factor_thermal", "view_zenith", view, two_way_factor_thermal);
   if (out.quantities.empty())
-    throw base::Error(base::Fault::input, "the tables have no row in common that can be compared (raycube atmos info lists rows)");
+    throw base::Error(base::Fault::input,
+                      "the tables have no row in common that can be compared (raycube atmos info lists rows)");
   return out;
 }
 

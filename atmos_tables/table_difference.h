@@ -15,7 +15,8 @@ struct DifferenceBand {
   double center_um = 0, fwhm_um = 0;  ///< fwhm_um 0: a box
 };
 
-/// The atmosphere's windows and the bands between them, 0.3 to 30 um: 0.58-3.96 um as in ATMOSPHERE S3.2, 8-13 um as in S3.1.
+/// The atmosphere's windows and the bands between them, 0.3 to 30 um: 0.58-3.96 um as in ATMOSPHERE S3.2, 8-13 um as in
+/// S3.1.
 std::vector<DifferenceBand> atmospheric_windows();
 /// Boxes of one width from first to last; the last one may be narrower. width > 0.
 std::vector<DifferenceBand> even_bands(double first_um, double last_um, double width_um);
@@ -32,7 +33,7 @@ struct DifferenceChoice {
 
 /// B - A in one band. The weight of a wavelength is the response times the step between the grid points around it.
 struct BandDifference {
-  DifferenceBand band;             ///< clipped to the common range
+  DifferenceBand band;  ///< clipped to the common range
   double mean_a = 0, mean_b = 0;
   double mean = 0, rms = 0;
   double worst = 0, worst_um = 0;  ///< the largest, with its sign, where the response is at least half its peak
@@ -45,7 +46,8 @@ struct QuantityDifference {
   std::string where;  ///< "nadir", "view zenith 45 deg, azimuth 90 deg"; empty when it has no direction
   std::string unit;
   bool ratio = false;
-  std::vector<double> a, b;  ///< NaN: left out (two_way_factor where T_sun T_view is below 0.001); on Comparison::wavelength_um
+  std::vector<double> a,
+      b;  ///< NaN: left out (two_way_factor where T_sun T_view is below 0.001); on Comparison::wavelength_um
   std::vector<BandDifference> bands;
 };
 
@@ -53,12 +55,13 @@ struct TableDifference {
   std::vector<std::string> differs;         ///< sun, sensor, axes: each a sentence
   std::vector<std::string> only_a, only_b;  ///< rows
   double height_m = 0;
-  double first_um = 0, last_um = 0;         ///< common range
-  std::vector<double> wavelength_um;        ///< both tables' nodes within it; between nodes spectra are linear
+  double first_um = 0, last_um = 0;   ///< common range
+  std::vector<double> wavelength_um;  ///< both tables' nodes within it; between nodes spectra are linear
   std::vector<QuantityDifference> quantities;
 };
 
-/// Throws Error(input) when the tables have no wavelength, no height or no quantity in common, or no band lies in their range.
+/// Throws Error(input) when the tables have no wavelength, no height or no quantity in common, or no band lies in their
+/// range.
 TableDifference table_difference(const RenderTable& a, const RenderTable& b, const DifferenceChoice& choice = {});
 
 struct TableNames {

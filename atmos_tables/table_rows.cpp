@@ -48,14 +48,15 @@ void check_axis(const std::string& key, const Axis& axis, const std::string& fil
   const AxisSpec* spec = find_axis_spec(key);
   const base::Where where{file, 0, 0, "axis " + key};
   if (!spec || axis.name != key) return problems.add(where, "unknown axis", axis.name, "see docs/table_format.md");
-  if (axis.unit != spec->unit) problems.add(where, std::string("unit must be ") + spec->unit, axis.unit, "convert the nodes");
+  if (axis.unit != spec->unit)
+    problems.add(where, std::string("unit must be ") + spec->unit, axis.unit, "convert the nodes");
   if (axis.nodes.empty()) problems.add(where, "has no nodes", "0 nodes", "give at least one");
   for (std::size_t i = 0; i < axis.nodes.size(); ++i) {
     const double node = axis.nodes[i];
     const base::Where at{file, 0, 0, "axis " + key + " node " + std::to_string(i)};
     if (!(node >= spec->min && node <= spec->max))
-      return problems.add(at, "must lie in " + number(spec->min) + " to " + number(spec->max) + " " + spec->unit, number(node),
-                          "correct the node");
+      return problems.add(at, "must lie in " + number(spec->min) + " to " + number(spec->max) + " " + spec->unit,
+                          number(node), "correct the node");
     if (i > 0 && !(node > axis.nodes[i - 1]))
       return problems.add(at, "nodes must ascend strictly", number(axis.nodes[i - 1]) + " then " + number(node),
                           "sort and remove doubles");
@@ -67,14 +68,17 @@ void check_row(const RenderTable& table, const std::string& key, const Row& row,
   const RowSpec* spec = find_row_spec(key);
   const base::Where where{file, 0, 0, "row " + key};
   if (!spec || row.name != key) return problems.add(where, "unknown row", row.name, "see docs/table_format.md");
-  if (row.unit != spec->unit) problems.add(where, std::string("unit must be ") + spec->unit, row.unit, "convert the values");
+  if (row.unit != spec->unit)
+    problems.add(where, std::string("unit must be ") + spec->unit, row.unit, "convert the values");
   if (row.axes != registered_axes(*spec, false) && row.axes != registered_axes(*spec, true))
     return problems.add(where, std::string("axes must be ") + spec->axes, joined(row.axes), "reorder the values");
   for (const std::string& axis : row.axes)
-    if (!table.axes.count(axis)) return problems.add(where, "axis " + axis + " is not in the table", "", "add the axis");
+    if (!table.axes.count(axis))
+      return problems.add(where, "axis " + axis + " is not in the table", "", "add the axis");
   const std::size_t size = row_size(table, row.axes);
   if (row.values.size() != size)
-    return problems.add(where, "needs " + std::to_string(size) + " values", std::to_string(row.values.size()), "check the axes");
+    return problems.add(where, "needs " + std::to_string(size) + " values", std::to_string(row.values.size()),
+                        "check the axes");
   for (std::size_t i = 0; i < size; ++i) {
     const double value = row.values[i];
     if (value >= spec->min && value <= spec->max) continue;
@@ -96,8 +100,8 @@ void check_depth_agrees(const RenderTable& table, const char* depth_name, const 
     const double allowed = expected * (2.4e-7 * (1 + double(depth.values[i]))) + 1e-37;
     if (std::abs(expected - double(transmission.values[i])) <= allowed) continue;
     problems.add({file, 0, 0, std::string("row ") + transmission_name + " value " + std::to_string(i)},
-                 std::string("must equal exp(-") + depth_name + ") = " + number(expected), number(transmission.values[i]),
-                 "write both from one source");
+                 std::string("must equal exp(-") + depth_name + ") = " + number(expected),
+                 number(transmission.values[i]), "write both from one source");
     return;
   }
 }
@@ -134,7 +138,8 @@ void validate(const RenderTable& table, const std::string& file) {
   if (!(table.sun_azimuth_deg >= -360 && table.sun_azimuth_deg <= 360))
     problems.add(where, "sun azimuth must lie in -360 to 360 deg", number(table.sun_azimuth_deg), "correct the angle");
   if (!std::isfinite(table.sensor_height_m))
-    problems.add(where, "sensor height must be finite", number(table.sensor_height_m), "give metres above the scene's z = 0");
+    problems.add(where, "sensor height must be finite", number(table.sensor_height_m),
+                 "give metres above the scene's z = 0");
   if (!table.axes.count("wavelength")) problems.add(where, "has no axis 'wavelength'", "", "add the axis");
   for (const auto& [key, axis] : table.axes) check_axis(key, axis, file, problems);
   problems.throw_if_any();
@@ -149,8 +154,8 @@ void validate(const RenderTable& table, const std::string& file) {
       double sum = 0;
       for (std::size_t k = 0; k < terms; ++k) sum += weight.values[i + k];
       if (std::abs(sum - 1) < 1e-5) continue;
-      problems.add({file, 0, 0, "row k_weight wavelength " + std::to_string(i / terms)}, "weights must sum to 1", number(sum),
-                   "normalise them");
+      problems.add({file, 0, 0, "row k_weight wavelength " + std::to_string(i / terms)}, "weights must sum to 1",
+                   number(sum), "normalise them");
       break;
     }
   }

@@ -1,4 +1,5 @@
-// Filling a render table: axes and rows by the names, units and axes of the registry, values sized and zero until filled.
+// Filling a render table: axes and rows by the names, units and axes of the registry, values sized and zero until
+// filled.
 #pragma once
 
 #include <string>
@@ -18,9 +19,9 @@ Row& add_row(RenderTable& table, const std::string& name, const std::string& tex
 /// Number of values a row over these axes holds.
 std::size_t row_size(const RenderTable& table, const std::vector<std::string>& axes);
 
-/// Every rule of the format: registered names, units and axes; nodes finite, strictly ascending, inside their limits; value
-/// count; values finite and inside their limits; k weights sum to 1; depth and transmission rows agree. Reports all that is
-/// broken as one Error(input); `file` names the table in the messages.
+/// Every rule of the format: registered names, units and axes; nodes finite, strictly ascending, inside their limits;
+/// value count; values finite and inside their limits; k weights sum to 1; depth and transmission rows agree. Reports
+/// all that is broken as one Error(input); `file` names the table in the messages.
 void validate(const RenderTable& table, const std::string& file);
 
 }  // namespace raycube::atmos

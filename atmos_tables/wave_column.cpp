@@ -53,9 +53,13 @@ double scattering_cosine(double cos_sun, double zenith_deg, double relative_azim
   return std::clamp(looking_up ? cosine : -cosine, -1.0, 1.0);
 }
 
-WaveColumn::WaveColumn(const AirColumn& air, const std::vector<ColumnShare>& sun_share, const scene::AtmosphereSpec& spec,
-                       double wavelength_um, double cos_sun)
-    : air_(air), sun_share_(sun_share), spec_(spec), line_(bird_riordan_at(wavelength_um)), cos_sun_(cos_sun),
+WaveColumn::WaveColumn(const AirColumn& air, const std::vector<ColumnShare>& sun_share,
+                       const scene::AtmosphereSpec& spec, double wavelength_um, double cos_sun)
+    : air_(air),
+      sun_share_(sun_share),
+      spec_(spec),
+      line_(bird_riordan_at(wavelength_um)),
+      cos_sun_(cos_sun),
       rayleigh_(rayleigh_depth(wavelength_um, spec.pressure_hPa)),
       aerosol_(spec.aod_550 * std::pow(wavelength_um / 0.55, -spec.angstrom)),
       albedo_(aerosol_albedo(spec.ssa, wavelength_um)),
@@ -159,7 +163,8 @@ double WaveColumn::scattered_diffuse(const Path& path, const Fluxes& fluxes) con
     const double down = 0.5 * (fluxes.down[l] + fluxes.down[l + 1]) / kPi;
     const double up = 0.5 * (fluxes.up[l] + fluxes.up[l + 1]) / kPi;
     const double along = path.observer_below ? down : up, against = path.observer_below ? up : down;
-    const double source = rayleigh_part(l) * 0.5 * (along + against) + aerosol_part(l) * (turned * against + kept * along);
+    const double source =
+        rayleigh_part(l) * 0.5 * (along + against) + aerosol_part(l) * (turned * against + kept * along);
     sum += source * layer_emission(layer_depth(l), path.slant[l]) * joined(path, l);
   }
   return sum;

@@ -1,6 +1,7 @@
-// One wavelength in the air's layers: depths towards the sun, gas along joined paths, single scattering, diffuse fluxes.
-// Radiances use delta scaling (Wiscombe 1977, J. Atmos. Sci. 34, 1408): the share g^2 of aerosol scattering goes on as if it
-// had not scattered, while single scattering keeps the whole phase function (Nakajima & Tanaka 1988, TMS).
+// One wavelength in the air's layers: depths towards the sun, gas along joined paths, single scattering, diffuse
+// fluxes. Radiances use delta scaling (Wiscombe 1977, J. Atmos. Sci. 34, 1408): the share g^2 of aerosol scattering
+// goes on as if it had not scattered, while single scattering keeps the whole phase function (Nakajima & Tanaka 1988,
+// TMS).
 #pragma once
 
 #include <cstddef>
@@ -25,12 +26,12 @@ struct Path {
 Path make_path(const AirColumn& air, std::size_t from, std::size_t to, double zenith_deg, bool observer_below,
                double asymmetry);
 
-/// Share of light arriving evenly from one hemisphere that a Henyey-Greenstein scatterer turns into the direction with this
-/// zenith in the other one, relative to an isotropic scatterer's 1/2 + 1/2: mean of P/2 over the hemisphere.
+/// Share of light arriving evenly from one hemisphere that a Henyey-Greenstein scatterer turns into the direction with
+/// this zenith in the other one, relative to an isotropic scatterer's 1/2 + 1/2: mean of P/2 over the hemisphere.
 double aerosol_back_share(double asymmetry, double zenith_deg);
 
-/// Cosine between the travel of sunlight and that of the light that reaches an observer looking up (sky) or down (path).
-/// zenith and azimuth (relative to the sun) of the sky point, or of the sensor seen from the target.
+/// Cosine between the travel of sunlight and that of the light that reaches an observer looking up (sky) or down
+/// (path). zenith and azimuth (relative to the sun) of the sky point, or of the sensor seen from the target.
 double scattering_cosine(double cos_sun, double zenith_deg, double relative_azimuth_deg, bool looking_up);
 
 /// Everything per unit of E0. Keeps references to its arguments.
@@ -61,13 +62,16 @@ class WaveColumn {
     std::vector<double> down, up;
   };
   Fluxes fluxes() const;
-  /// Light that reaches a path's observer after the diffuse fluxes scattered in the path; each hemisphere counts as even.
+  /// Light that reaches a path's observer after the diffuse fluxes scattered in the path; each hemisphere counts as
+  /// even.
   double scattered_diffuse(const Path& path, const Fluxes& fluxes) const;
 
  private:
   SlantTransmission slant(std::size_t level, bool with_gas, double albedo) const;
   /// Delta-scaled depth of scatterers.
-  double scaled_depth(const ColumnShare& share) const { return rayleigh_ * share.air + scaled_aerosol_ * share.aerosol; }
+  double scaled_depth(const ColumnShare& share) const {
+    return rayleigh_ * share.air + scaled_aerosol_ * share.aerosol;
+  }
   double layer_depth(std::size_t layer) const { return scaled_depth(air_.share(layer)); }
   /// Diffuse flux up at a level over black ground, gases left out: a lossless sky sends up what it does not send down.
   double diffuse_up(std::size_t level, std::size_t ground) const;
@@ -75,7 +79,8 @@ class WaveColumn {
   double sun_slope(std::size_t layer) const;
   double rayleigh_part(std::size_t layer) const;
   double aerosol_part(std::size_t layer) const;
-  /// Transmission from the sun to the layer's middle and on to the observer by gas, and from the layer's edge by scatterers.
+  /// Transmission from the sun to the layer's middle and on to the observer by gas, and from the layer's edge by
+  /// scatterers.
   double joined(const Path& path, std::size_t layer) const;
 
   const AirColumn& air_;
@@ -84,7 +89,7 @@ class WaveColumn {
   BirdRiordanLine line_;
   double cos_sun_, rayleigh_, aerosol_, albedo_;
   double forward_, scaled_aerosol_;  ///< g^2; aerosol depth after delta scaling
-  std::vector<double> sun_depth_;  ///< of scatterers after delta scaling, per level
+  std::vector<double> sun_depth_;    ///< of scatterers after delta scaling, per level
 };
 
 }  // namespace raycube::atmos

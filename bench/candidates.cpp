@@ -30,7 +30,8 @@ Pyramid pyramid(const Vec& origin, const std::array<Vec, 4>& corner) {
 
 bool box_outside(const Pyramid& p, const shared::BvhNode& node, int i) {
   for (const Vec& n : p.normal) {
-    const Vec farthest(n.x > 0 ? node.hi_x[i] : node.lo_x[i], n.y > 0 ? node.hi_y[i] : node.lo_y[i], n.z > 0 ? node.hi_z[i] : node.lo_z[i]);
+    const Vec farthest(n.x > 0 ? node.hi_x[i] : node.lo_x[i], n.y > 0 ? node.hi_y[i] : node.lo_y[i],
+                       n.z > 0 ? node.hi_z[i] : node.lo_z[i]);
     if (glm::dot(n, farthest - p.origin) < 0) return true;
   }
   return false;
@@ -64,12 +65,14 @@ std::uint32_t in_block(const Pyramid& p, const std::array<Vec, 4>& corner, const
   return count;
 }
 
-Vec row_times(const shared::rc_float4& r0, const shared::rc_float4& r1, const shared::rc_float4& r2, const Vec& v, double w) {
+Vec row_times(const shared::rc_float4& r0, const shared::rc_float4& r1, const shared::rc_float4& r2, const Vec& v,
+              double w) {
   return {r0.x * v.x + r0.y * v.y + r0.z * v.z + r0.w * w, r1.x * v.x + r1.y * v.y + r1.z * v.z + r1.w * w,
           r2.x * v.x + r2.y * v.y + r2.z * v.z + r2.w * w};
 }
 
-std::uint32_t in_tree(const scene::CompiledScene& scene, const Pyramid& p, const std::array<Vec, 4>& corner, std::uint32_t root, bool top) {
+std::uint32_t in_tree(const scene::CompiledScene& scene, const Pyramid& p, const std::array<Vec, 4>& corner,
+                      std::uint32_t root, bool top) {
   std::uint32_t count = 0;
   const shared::BvhNode& node = scene.nodes[root];
   for (std::uint32_t i = 0; i < node.count; ++i) {
@@ -93,15 +96,17 @@ std::uint32_t in_tree(const scene::CompiledScene& scene, const Pyramid& p, const
 
 }  // namespace
 
-std::vector<std::uint32_t> count_candidates(const scene::CompiledScene& scene, const std::vector<shared::RayGroup>& groups,
-                                            int width, double half_px, int threads) {
+std::vector<std::uint32_t> count_candidates(const scene::CompiledScene& scene,
+                                            const std::vector<shared::RayGroup>& groups, int width, double half_px,
+                                            int threads) {
   std::vector<std::uint32_t> counts(groups.size() * static_cast<std::size_t>(width));
   std::atomic<std::size_t> next{0};
   const auto run = [&] {
     for (std::size_t g; (g = next.fetch_add(1)) < groups.size();)
       for (int i = 0; i < width; ++i) {
         const auto exact = [](const shared::rc_float4& v) { return Vec(v.x, v.y, v.z); };
-        const Vec d0 = exact(groups[g].d0), origin = exact(groups[g].origin) - double{groups[g].d0.w} * d0, du = exact(groups[g].du), dv = exact(groups[g].dv);
+        const Vec d0 = exact(groups[g].d0), origin = exact(groups[g].origin) - double{groups[g].d0.w} * d0,
+                  du = exact(groups[g].du), dv = exact(groups[g].dv);
         const double a = i - 0.5 * (width - 1);
         const std::array<Vec, 4> corner{d0 + (a - half_px) * du - half_px * dv, d0 + (a + half_px) * du - half_px * dv,
                                         d0 + (a + half_px) * du + half_px * dv, d0 + (a - half_px) * du + half_px * dv};

@@ -1,4 +1,5 @@
-// Generated tree crowns, merged into one mesh and instanced: what two levels cost, and the leaf figures without the park.
+// Generated tree crowns, merged into one mesh and instanced: what two levels cost, and the leaf figures without the
+// park.
 #include "bench/cases.h"
 #include "bench/rays.h"
 #include "bench/scenes.h"
@@ -31,7 +32,8 @@ void run_memory(Report& report, const scene::CompiledScene& merged) {
 }  // namespace
 
 void run_crowns(const Settings& settings, Report& report) {
-  const std::vector<scene::TriangleMesh> trees{crown_mesh(20000, 0.07, 1), crown_mesh(20000, 0.07, 2), crown_mesh(20000, 0.07, 3)};
+  const std::vector<scene::TriangleMesh> trees{crown_mesh(20000, 0.07, 1), crown_mesh(20000, 0.07, 2),
+                                               crown_mesh(20000, 0.07, 3)};
   const auto places = crown_places();
   std::vector<std::vector<std::array<double, 12>>> stands(4);
   scene::TriangleMesh all = crown_ground();
@@ -40,15 +42,17 @@ void run_crowns(const Settings& settings, Report& report) {
     stands[i % 3].push_back(places[i]);
     append(all, trees[i % 3], places[i]);
   }
-  const auto instanced = compile({trees[0], trees[1], trees[2], crown_ground()}, stands), merged = compile({all}, {{kIdentity}});
+  const auto instanced = compile({trees[0], trees[1], trees[2], crown_ground()}, stands),
+             merged = compile({all}, {{kIdentity}});
   run_memory(report, merged);
 
   const auto camera = crown_camera();
   const auto groups = groups_with_candidates(instanced, camera, 100, settings.threads);
   report.add("crown_leaf_pixels", static_cast<double>(groups.size() * RC_GROUP_WIDTH), "", Goal::at_least(1000));
-  // In crowns kernels and Embree part in 6.5e-4 of the rays by rounding alone, and 1e-3 may (PERFORMANCE.md section 11). With
-  // instances Embree parts more, for it rounds an origin 600 m away in the tree's frame by its own fp32 inverse: only our
-  // share is bounded. Shadow rays start near and part in at most 2.3e-5 there, ten times that over instances.
+  // In crowns kernels and Embree part in 6.5e-4 of the rays by rounding alone, and 1e-3 may (PERFORMANCE.md section
+  // 11). With instances Embree parts more, for it rounds an origin 600 m away in the tree's frame by its own fp32
+  // inverse: only our share is bounded. Shadow rays start near and part in at most 2.3e-5 there, ten times that over
+  // instances.
   const Limits limits{1e-3, 2.3e-4};
   const Comparison c = compare_traces(instanced, camera, groups, bench_sun(), true, limits, settings, report, "crowns");
   report.add("crown_leaf_primary_vs_embree16", c.primary.ratio(), "x");
@@ -62,7 +66,8 @@ void run_crowns(const Settings& settings, Report& report) {
   // The merged vertices were rounded once more, by up to half a float step of 40 m (2e-6 m), against 7 cm leaves.
   two_levels.run();
   one_level.run();
-  report.validate("merged against instanced: rays that hit in one and miss in the other", hit_or_miss(two_levels.hits(), one_level.hits()), 1e-4);
+  report.validate("merged against instanced: rays that hit in one and miss in the other",
+                  hit_or_miss(two_levels.hits(), one_level.hits()), 1e-4);
   std::vector<double> ratios;
   for (int i = 0; i < kPairs; ++i) {
     const double merged_s = one_level.run().primary_s;
@@ -85,7 +90,8 @@ void run_layers(const Settings& settings, Report& report) {
     const auto groups = sensors::make_ray_groups(camera, scene, 0, camera.lines);
     const std::string name = "layers" + std::to_string(layers);
     report.add(name + "_candidates", mean(candidates(scene, camera, groups, settings.threads)), "triangles/pixel");
-    const Comparison c = compare_traces(scene, camera, groups, bench_sun(), true, {1e-3, 2.3e-4}, settings, report, name);
+    const Comparison c =
+        compare_traces(scene, camera, groups, bench_sun(), true, {1e-3, 2.3e-4}, settings, report, name);
     report.add(name + "_primary_vs_embree16", c.primary.ratio(), "x");
     report.add(name + "_primary_vs_best_embree", c.primary_best.ratio(), "x");
     report.add(name + "_shadow_vs_embree16", c.shadow.ratio(), "x");

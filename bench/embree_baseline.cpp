@@ -16,7 +16,8 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 void check(RTCDevice device, const char* what) {
   if (const RTCError error = rtcGetDeviceError(device); error != RTC_ERROR_NONE)
-    throw base::Error(base::Fault::environment, std::string("bench: Embree could not ") + what + " (error " + std::to_string(error) + ")");
+    throw base::Error(base::Fault::environment,
+                      std::string("bench: Embree could not ") + what + " (error " + std::to_string(error) + ")");
 }
 
 bool count_bytes(void* total, ssize_t bytes, bool) {
@@ -28,9 +29,12 @@ bool count_bytes(void* total, ssize_t bytes, bool) {
 
 const char* mode_name(EmbreeMode mode) {
   switch (mode) {
-    case EmbreeMode::packet16_coherent: return "16 coherent";
-    case EmbreeMode::packet16: return "16";
-    case EmbreeMode::single: return "1";
+    case EmbreeMode::packet16_coherent:
+      return "16 coherent";
+    case EmbreeMode::packet16:
+      return "16";
+    case EmbreeMode::single:
+      return "1";
   }
   return "";
 }
@@ -54,8 +58,10 @@ struct EmbreeBaseline::Impl {
   RTCScene build(const scene::CompiledScene& scene, const scene::Mesh& mesh) {
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     const std::size_t triangles = mesh.triangle_count;
-    auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, 3 * triangles));
-    auto* indices = static_cast<unsigned*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, triangles));
+    auto* vertices = static_cast<float*>(
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, 3 * triangles));
+    auto* indices = static_cast<unsigned*>(
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, triangles));
     check(device, "make a mesh's buffers");
     std::vector<std::uint32_t>& numbers = primitive.emplace_back();
     std::size_t n = 0;
@@ -63,7 +69,8 @@ struct EmbreeBaseline::Impl {
       const shared::TriBlock& t = scene.blocks[b];
       for (int lane = 0; lane < RC_BLOCK; ++lane) {
         if (t.surface[lane] == RC_NONE) continue;
-        if (n == triangles) throw base::Error(base::Fault::bug, "bench: mesh '" + mesh.name + "' has more used lanes than triangles");
+        if (n == triangles)
+          throw base::Error(base::Fault::bug, "bench: mesh '" + mesh.name + "' has more used lanes than triangles");
         const float corners[9] = {t.v0_x[lane], t.v0_y[lane], t.v0_z[lane], t.v1_x[lane], t.v1_y[lane],
                                   t.v1_z[lane], t.v2_x[lane], t.v2_y[lane], t.v2_z[lane]};
         std::copy(corners, corners + 9, vertices + 9 * n);
@@ -72,7 +79,8 @@ struct EmbreeBaseline::Impl {
         ++n;
       }
     }
-    if (n != triangles) throw base::Error(base::Fault::bug, "bench: mesh '" + mesh.name + "' has fewer used lanes than triangles");
+    if (n != triangles)
+      throw base::Error(base::Fault::bug, "bench: mesh '" + mesh.name + "' has fewer used lanes than triangles");
     rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_MEDIUM);
     rtcCommitGeometry(geometry);
     RTCScene built = rtcNewScene(device);
@@ -101,7 +109,8 @@ EmbreeBaseline::EmbreeBaseline(const scene::CompiledScene& scene) : impl_(std::m
     RTCGeometry geometry = rtcNewGeometry(e.device, RTC_GEOMETRY_TYPE_INSTANCE);
     rtcSetGeometryInstancedScene(geometry, e.meshes[instance.mesh]);
     float matrix[12];
-    const shared::rc_float4* rows[] = {&instance.world_from_local_0, &instance.world_from_local_1, &instance.world_from_local_2};
+    const shared::rc_float4* rows[] = {&instance.world_from_local_0, &instance.world_from_local_1,
+                                       &instance.world_from_local_2};
     for (int r = 0; r < 3; ++r) {
       matrix[4 * r] = rows[r]->x;
       matrix[4 * r + 1] = rows[r]->y;
@@ -121,7 +130,9 @@ EmbreeBaseline::~EmbreeBaseline() = default;
 
 RTCSceneTy* EmbreeBaseline::handle() const { return impl_->flat ? impl_->meshes[0] : impl_->top; }
 bool EmbreeBaseline::flat() const { return impl_->flat; }
-std::uint32_t EmbreeBaseline::scene_primitive(std::uint32_t mesh, std::uint32_t primitive) const { return impl_->primitive[mesh][primitive]; }
+std::uint32_t EmbreeBaseline::scene_primitive(std::uint32_t mesh, std::uint32_t primitive) const {
+  return impl_->primitive[mesh][primitive];
+}
 
 std::size_t EmbreeBaseline::memory_bytes() const { return static_cast<std::size_t>(impl_->bytes.load()); }
 
@@ -136,7 +147,8 @@ void EmbreeBaseline::primary(const PrimaryRays& rays, EmbreeMode mode, int threa
   in_parallel(rays.group_count, 16, threads, [&](std::size_t begin, std::size_t end) {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    context.flags = mode == EmbreeMode::packet16_coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+    context.flags = mode == EmbreeMode::packet16_coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT
+                                                          : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
     alignas(64) RTCRayHit16 packet;
     alignas(64) int valid[16];
     for (std::size_t g = begin; g < end; ++g) {
@@ -150,9 +162,12 @@ void EmbreeBaseline::primary(const PrimaryRays& rays, EmbreeMode mode, int threa
             const float a = centre + us[16 * p + k], b = vs[16 * p + k];
             // The kernels' own operations (kernels/geometry/samples.h): the same rays to the bit.
             const float a_ahead = a * group.d0.w, b_ahead = b * group.d0.w;
-            packet.ray.org_x[k] = group.origin.x + std::fma(b, group.ov.x, std::fma(b_ahead, group.dv.x, a_ahead * group.du.x));
-            packet.ray.org_y[k] = group.origin.y + std::fma(b, group.ov.y, std::fma(b_ahead, group.dv.y, a_ahead * group.du.y));
-            packet.ray.org_z[k] = group.origin.z + std::fma(b, group.ov.z, std::fma(b_ahead, group.dv.z, a_ahead * group.du.z));
+            packet.ray.org_x[k] =
+                group.origin.x + std::fma(b, group.ov.x, std::fma(b_ahead, group.dv.x, a_ahead * group.du.x));
+            packet.ray.org_y[k] =
+                group.origin.y + std::fma(b, group.ov.y, std::fma(b_ahead, group.dv.y, a_ahead * group.du.y));
+            packet.ray.org_z[k] =
+                group.origin.z + std::fma(b, group.ov.z, std::fma(b_ahead, group.dv.z, a_ahead * group.du.z));
             packet.ray.dir_x[k] = std::fma(b, group.dv.x, std::fma(a, group.du.x, group.d0.x));
             packet.ray.dir_y[k] = std::fma(b, group.dv.y, std::fma(a, group.du.y, group.d0.y));
             packet.ray.dir_z[k] = std::fma(b, group.dv.z, std::fma(a, group.du.z, group.d0.z));
@@ -194,7 +209,8 @@ void EmbreeBaseline::shadow(const ShadowRays& rays, EmbreeMode mode, int threads
   in_parallel(count, 4096, threads, [&](std::size_t begin, std::size_t end) {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    context.flags = mode == EmbreeMode::packet16_coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+    context.flags = mode == EmbreeMode::packet16_coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT
+                                                          : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
     alignas(64) RTCRay16 packet;
     alignas(64) int valid[16];
     for (std::size_t first = begin; first < end; first += 16) {
@@ -234,7 +250,8 @@ void EmbreeBaseline::shadow(const ShadowRays& rays, EmbreeMode mode, int threads
 
 void EmbreeBaseline::to_scene(RayResult* results, std::size_t count) const {
   for (std::size_t i = 0; i < count; ++i)
-    if (results[i].instance != RC_NONE) results[i].primitive = impl_->primitive[impl_->mesh_of_instance[results[i].instance]][results[i].primitive];
+    if (results[i].instance != RC_NONE)
+      results[i].primitive = impl_->primitive[impl_->mesh_of_instance[results[i].instance]][results[i].primitive];
 }
 
 }  // namespace raycube::bench

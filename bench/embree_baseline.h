@@ -29,7 +29,8 @@ struct PrimaryRays {
   std::size_t rays() const { return pixels() * samples(); }
 };
 
-/// Shadow rays: one origin each (x, y, z apart), one direction for all. An origin with x = NaN is a ray that missed: skipped.
+/// Shadow rays: one origin each (x, y, z apart), one direction for all. An origin with x = NaN is a ray that missed:
+/// skipped.
 struct ShadowRays {
   std::vector<float> x, y, z;
   float direction[3] = {0, 0, 1};
@@ -57,7 +58,8 @@ class EmbreeBaseline {
   /// Bytes Embree holds for its trees and triangles.
   std::size_t memory_bytes() const;
 
-  /// For others who trace in the same scene: its handle, whether it is one flat mesh, and the scene's number of a mesh's triangle.
+  /// For others who trace in the same scene: its handle, whether it is one flat mesh, and the scene's number of a
+  /// mesh's triangle.
   RTCSceneTy* handle() const;
   bool flat() const;
   std::uint32_t scene_primitive(std::uint32_t mesh, std::uint32_t primitive) const;

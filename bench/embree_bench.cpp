@@ -1,5 +1,5 @@
-// Embree against itself: if its packets are not several times faster than its single rays, it was built or called wrong and
-// no ratio to it counts.
+// Embree against itself: if its packets are not several times faster than its single rays, it was built or called wrong
+// and no ratio to it counts.
 #include <cmath>
 #include <cstdio>
 

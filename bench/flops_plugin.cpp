@@ -1,7 +1,9 @@
-// A plugin of oclgrind that counts what kernels do: lanes of floating-point operations and bytes of global memory, per kernel, as JSON
-// in the file that RAYCUBE_FLOPS names. bench/flops.py compiles it against LLVM 14, oclgrind's own, and runs it; it is no part of the build.
+// A plugin of oclgrind that counts what kernels do: lanes of floating-point operations and bytes of global memory, per
+// kernel, as JSON in the file that RAYCUBE_FLOPS names. bench/flops.py compiles it against LLVM 14, oclgrind's own, and
+// runs it; it is no part of the build.
 //
-// An instruction on a vector counts once for each lane, whether a mask makes use of it or not: that is what the machine computes.
+// An instruction on a vector counts once for each lane, whether a mask makes use of it or not: that is what the machine
+// computes.
 #include <cstdio>
 #include <cstdlib>
 #include <map>
@@ -24,20 +26,28 @@ using Number = unsigned long long;
 
 struct Counts {
   Number launches = 0;
-  std::map<std::string, Number> lanes;  ///< of instructions by their names, of functions without a body of ours by theirs as mangled
+  std::map<std::string, Number>
+      lanes;  ///< of instructions by their names, of functions without a body of ours by theirs as mangled
   Number loaded_bytes = 0, stored_bytes = 0;
 };
 
 /// Instructions on floating-point numbers; the rest is addresses, integers and control.
 const char* name_of(unsigned opcode) {
   switch (opcode) {
-    case llvm::Instruction::FAdd: return "fadd";
-    case llvm::Instruction::FSub: return "fsub";
-    case llvm::Instruction::FMul: return "fmul";
-    case llvm::Instruction::FDiv: return "fdiv";
-    case llvm::Instruction::FRem: return "frem";
-    case llvm::Instruction::FCmp: return "fcmp";
-    default: return nullptr;
+    case llvm::Instruction::FAdd:
+      return "fadd";
+    case llvm::Instruction::FSub:
+      return "fsub";
+    case llvm::Instruction::FMul:
+      return "fmul";
+    case llvm::Instruction::FDiv:
+      return "fdiv";
+    case llvm::Instruction::FRem:
+      return "frem";
+    case llvm::Instruction::FCmp:
+      return "fcmp";
+    default:
+      return nullptr;
   }
 }
 
@@ -59,9 +69,11 @@ class Flops : public oclgrind::Plugin {
     write();
   }
 
-  void instructionExecuted(const oclgrind::WorkItem*, const llvm::Instruction* instruction, const oclgrind::TypedValue& result) override {
-    // oclgrind 21.10 negates a bool by all bits of its byte, so that the opposite of true is 0xfe, which is true: `~mask` then holds on every lane, and
-    // primary rays took triangles that they see for such as cross the sensor's plane, which cost ten times the work for the same hits.
+  void instructionExecuted(const oclgrind::WorkItem*, const llvm::Instruction* instruction,
+                           const oclgrind::TypedValue& result) override {
+    // oclgrind 21.10 negates a bool by all bits of its byte, so that the opposite of true is 0xfe, which is true:
+    // `~mask` then holds on every lane, and primary rays took triangles that they see for such as cross the sensor's
+    // plane, which cost ten times the work for the same hits.
     if (instruction->getOpcode() == llvm::Instruction::Xor && instruction->getType()->getScalarType()->isIntegerTy(1))
       for (unsigned i = 0; i < result.num * result.size; ++i) result.data[i] &= 1;
     if (!now_) return;
@@ -69,14 +81,16 @@ class Flops : public oclgrind::Plugin {
       now_->lanes[name] += result.num;
     } else if (instruction->getOpcode() == llvm::Instruction::Call) {
       const llvm::Function* called = llvm::cast<llvm::CallInst>(instruction)->getCalledFunction();
-      if (called && called->isDeclaration() && called->getReturnType()->isFPOrFPVectorTy()) now_->lanes[called->getName().str()] += result.num;
+      if (called && called->isDeclaration() && called->getReturnType()->isFPOrFPVectorTy())
+        now_->lanes[called->getName().str()] += result.num;
     }
   }
 
   void memoryLoad(const oclgrind::Memory* memory, const oclgrind::WorkItem*, size_t, size_t size) override {
     if (now_ && memory->getAddressSpace() == oclgrind::AddrSpaceGlobal) now_->loaded_bytes += size;
   }
-  void memoryStore(const oclgrind::Memory* memory, const oclgrind::WorkItem*, size_t, size_t size, const uint8_t*) override {
+  void memoryStore(const oclgrind::Memory* memory, const oclgrind::WorkItem*, size_t, size_t size,
+                   const uint8_t*) override {
     if (now_ && memory->getAddressSpace() == oclgrind::AddrSpaceGlobal) now_->stored_bytes += size;
   }
 
@@ -90,10 +104,12 @@ class Flops : public oclgrind::Plugin {
     std::fprintf(file, "{");
     const char* next = "";
     for (const auto& [kernel, counts] : all_) {
-      std::fprintf(file, "%s\n  \"%s\": {\"launches\": %llu, \"loaded_bytes\": %llu, \"stored_bytes\": %llu, \"lanes\": {", next, kernel.c_str(), counts.launches,
-                   counts.loaded_bytes, counts.stored_bytes);
+      std::fprintf(file,
+                   "%s\n  \"%s\": {\"launches\": %llu, \"loaded_bytes\": %llu, \"stored_bytes\": %llu, \"lanes\": {",
+                   next, kernel.c_str(), counts.launches, counts.loaded_bytes, counts.stored_bytes);
       const char* comma = "";
-      for (const auto& [name, lanes] : counts.lanes) std::fprintf(file, "%s\"%s\": %llu", comma, name.c_str(), lanes), comma = ", ";
+      for (const auto& [name, lanes] : counts.lanes)
+        std::fprintf(file, "%s\"%s\": %llu", comma, name.c_str(), lanes), comma = ", ";
       std::fprintf(file, "}}");
       next = ",";
     }

@@ -70,7 +70,8 @@ void run_integrate(const Settings& settings, Report& report) {
   const std::vector<float> baked = table.values().read_all();
 
   const std::size_t roof_floats = (std::size_t{384} << 20) / sizeof(float);
-  const std::unique_ptr<float, FreeDeleter> roof(static_cast<float*>(std::aligned_alloc(64, roof_floats * sizeof(float))));
+  const std::unique_ptr<float, FreeDeleter> roof(
+      static_cast<float*>(std::aligned_alloc(64, roof_floats * sizeof(float))));
   fill16(roof.get(), roof_floats, 1.0f, settings.threads);
   std::vector<double> bandwidth;
   for (const std::uint32_t terms : {4u, 8u}) {
@@ -86,7 +87,10 @@ void run_integrate(const Settings& settings, Report& report) {
     rows.term_count.write(count);
     rows.term_row.write(row);
     rows.term_weight.write(weight);
-    const auto integrate = [&] { stages.integrate(0, kPixels, {kPixels, nullptr}, table, rows, radiance); context.finish(); };
+    const auto integrate = [&] {
+      stages.integrate(0, kPixels, {kPixels, nullptr}, table, rows, radiance);
+      context.finish();
+    };
     integrate();
     double worst = 0;
     std::vector<float> line(padded);
@@ -94,7 +98,9 @@ void run_integrate(const Settings& settings, Report& report) {
       radiance.read(line, p * padded);
       for (std::size_t b = 0; b < kBands; ++b) {
         double exact = 0;
-        for (std::uint32_t t = 0; t < terms; ++t) exact += static_cast<double>(weight[p * rows.term_capacity + t]) * baked[row[p * rows.term_capacity + t] * padded + b];
+        for (std::uint32_t t = 0; t < terms; ++t)
+          exact += static_cast<double>(weight[p * rows.term_capacity + t]) *
+                   baked[row[p * rows.term_capacity + t] * padded + b];
         worst = std::max(worst, std::abs(line[b] - exact) / exact);
       }
     }
@@ -105,8 +111,10 @@ void run_integrate(const Settings& settings, Report& report) {
     const double scale = static_cast<double>(kPixels * padded) / static_cast<double>(roof_floats);
     Spread ratio = pairs.ratio();
     ratio = {ratio.median * scale, ratio.lowest * scale, ratio.highest * scale, ratio.count};
-    report.add("integrate" + std::to_string(terms) + "_vs_write_bandwidth", ratio, "x", Goal::at_least(terms == 4 ? 1.0 : 0.6));
-    for (const double s : pairs.reference_s) bandwidth.push_back(1e-9 * static_cast<double>(roof_floats * sizeof(float)) / s);
+    report.add("integrate" + std::to_string(terms) + "_vs_write_bandwidth", ratio, "x",
+               Goal::at_least(terms == 4 ? 1.0 : 0.6));
+    for (const double s : pairs.reference_s)
+      bandwidth.push_back(1e-9 * static_cast<double>(roof_floats * sizeof(float)) / s);
   }
   report.add("write_bandwidth_gb_s", spread_of(bandwidth), "GB/s");
 }

@@ -1,5 +1,5 @@
-// What a user waits for before the first tile: programs built and every kernel of the park launched once, in a process of
-// its own, with PoCL's cache empty and again with what that left.
+// What a user waits for before the first tile: programs built and every kernel of the park launched once, in a process
+// of its own, with PoCL's cache empty and again with what that left.
 #include <stdlib.h>
 
 #include <algorithm>
@@ -21,13 +21,15 @@ namespace {
 
 KernelBuild in_own_process(const Settings& settings, const std::string& cache) {
   const std::string self = std::filesystem::read_symlink("/proc/self/exe").string();
-  const std::string command = "POCL_CACHE_DIR=" + shell_quoted(cache) + " " + shell_quoted(self) + " --kernel-build --threads " +
-                              std::to_string(settings.threads) + " --scene " + shell_quoted(settings.park_file);
+  const std::string command = "POCL_CACHE_DIR=" + shell_quoted(cache) + " " + shell_quoted(self) +
+                              " --kernel-build --threads " + std::to_string(settings.threads) + " --scene " +
+                              shell_quoted(settings.park_file);
   const std::unique_ptr<FILE, int (*)(FILE*)> pipe(popen(command.c_str(), "r"), pclose);
   KernelBuild build;
   char all[65] = "", trace[65] = "";
   if (!pipe || std::fscanf(pipe.get(), "%lf %64s %64s", &build.seconds, all, trace) != 3)
-    throw base::Error(base::Fault::environment, "bench: the process that builds the kernels gave no figure: " + command);
+    throw base::Error(base::Fault::environment,
+                      "bench: the process that builds the kernels gave no figure: " + command);
   build.programs = {all, trace};
   return build;
 }
@@ -55,16 +57,20 @@ KernelBuild kernel_build(const Settings& settings) {
   std::vector<std::uint64_t> keys;
   for (std::size_t m = 1; m <= park.scene.materials.size(); ++m) keys.push_back(m);
   table.ensure(keys);
-  cl::Buffer<float> radiance(context, static_cast<std::size_t>(pixels) * static_cast<std::size_t>(shape.bands_padded), cl::Access::read_write, "radiance");
+  cl::Buffer<float> radiance(context, static_cast<std::size_t>(pixels) * static_cast<std::size_t>(shape.bands_padded),
+                             cl::Access::read_write, "radiance");
 
   std::unique_ptr<render::RowStages> row_stages;
   std::unique_ptr<render::TraceStages> trace_stages;
   const double build_s = seconds_of([&] {
-    row_stages = std::make_unique<render::RowStages>(context, buffers, job.plan, shape, sensors::SampleWeights(instrument));
-    trace_stages = std::make_unique<render::TraceStages>(context, park.scene, buffers, instrument, job.plan, shape, park.seed);
+    row_stages =
+        std::make_unique<render::RowStages>(context, buffers, job.plan, shape, sensors::SampleWeights(instrument));
+    trace_stages =
+        std::make_unique<render::TraceStages>(context, park.scene, buffers, instrument, job.plan, shape, park.seed);
   });
-  const render::TileLayout layout{static_cast<std::uint32_t>(instrument.pixels), static_cast<std::uint32_t>(sensors::groups_per_line(instrument)),
-                                 static_cast<std::uint32_t>(lines)};
+  const render::TileLayout layout{static_cast<std::uint32_t>(instrument.pixels),
+                                  static_cast<std::uint32_t>(sensors::groups_per_line(instrument)),
+                                  static_cast<std::uint32_t>(lines)};
   const auto launch_all = [&] {
     std::map<std::string, double> stage_s;
     trace_stages->run(layout, 0, traced, stage_s);
@@ -84,7 +90,8 @@ void run_kernel_build(const Settings& settings, Report& report) {
   std::vector<double> cold, cached;
   for (int i = 0; i < 3; ++i) {
     std::string cache = (std::filesystem::temp_directory_path() / "raycube_bench_XXXXXX").string();
-    if (!mkdtemp(cache.data())) throw base::Error(base::Fault::environment, "bench: no temporary folder can be made at " + cache);
+    if (!mkdtemp(cache.data()))
+      throw base::Error(base::Fault::environment, "bench: no temporary folder can be made at " + cache);
     for (auto* seconds : {&cold, &cached}) {
       const KernelBuild build = in_own_process(settings, cache);
       seconds->push_back(build.seconds);

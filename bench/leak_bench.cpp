@@ -16,7 +16,8 @@ constexpr double kRays = 1e8;
 
 std::uint64_t misses(const TraceRig& rig) {
   const auto hits = rig.hits();
-  return static_cast<std::uint64_t>(std::count_if(hits.begin(), hits.end(), [](const RayResult& r) { return r.instance == RC_NONE; }));
+  return static_cast<std::uint64_t>(
+      std::count_if(hits.begin(), hits.end(), [](const RayResult& r) { return r.instance == RC_NONE; }));
 }
 
 void camera_rays(const Settings& settings, Report& report) {
@@ -39,16 +40,20 @@ void camera_rays(const Settings& settings, Report& report) {
 
 // One group whose 484 rays run along one edge, from 2 % to 98 % of its length. b stays 0 (one row of samples); dv only
 // gives the pyramid a thickness.
-shared::RayGroup along_edge(const std::array<float, 3>& a, const std::array<float, 3>& b, const std::array<double, 3>& eye) {
+shared::RayGroup along_edge(const std::array<float, 3>& a, const std::array<float, 3>& b,
+                            const std::array<double, 3>& eye) {
   std::array<double, 3> edge, middle, side;
   for (std::size_t k = 0; k < 3; ++k) {
     edge[k] = static_cast<double>(b[k]) - a[k];
     middle[k] = 0.5 * (static_cast<double>(a[k]) + b[k]) - eye[k];
   }
-  for (std::size_t k = 0; k < 3; ++k) side[k] = edge[(k + 1) % 3] * middle[(k + 2) % 3] - edge[(k + 2) % 3] * middle[(k + 1) % 3];
-  const double length = std::hypot(edge[0], edge[1], edge[2]), thick = 0.24 * length / std::hypot(side[0], side[1], side[2]);
+  for (std::size_t k = 0; k < 3; ++k)
+    side[k] = edge[(k + 1) % 3] * middle[(k + 2) % 3] - edge[(k + 2) % 3] * middle[(k + 1) % 3];
+  const double length = std::hypot(edge[0], edge[1], edge[2]),
+               thick = 0.24 * length / std::hypot(side[0], side[1], side[2]);
   const auto rounded = [](const std::array<double, 3>& v, double scale) {
-    return shared::rc_float4{static_cast<float>(scale * v[0]), static_cast<float>(scale * v[1]), static_cast<float>(scale * v[2]), 0};
+    return shared::rc_float4{static_cast<float>(scale * v[0]), static_cast<float>(scale * v[1]),
+                             static_cast<float>(scale * v[2]), 0};
   };
   return {rounded(eye, 1), rounded(middle, 1), rounded(edge, 0.24), rounded(side, thick), {}};
 }
@@ -71,7 +76,8 @@ void edge_rays(const Settings& settings, Report& report) {
       const auto draw = [&](std::uint32_t dimension) { return rc_hash(31u, run * kGroups + g, 0u, dimension); };
       const auto& t = mesh.triangles[draw(0) % mesh.triangles.size()];
       const std::uint32_t k = draw(1) % 3;
-      const std::array<double, 3> eye{rc_unit_float(draw(2)) - 0.5, rc_unit_float(draw(3)) - 0.5, rc_unit_float(draw(4)) - 0.5};
+      const std::array<double, 3> eye{rc_unit_float(draw(2)) - 0.5, rc_unit_float(draw(3)) - 0.5,
+                                      rc_unit_float(draw(4)) - 0.5};
       groups[g] = along_edge(mesh.vertices[t[k]], mesh.vertices[t[(k + 1) % 3]], eye);
     }
     rig.set_groups(groups);

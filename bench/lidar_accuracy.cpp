@@ -1,5 +1,6 @@
-// Settings of a LIDAR against error and time, one JSON file for bench/lidar_accuracy.py: sub-rays, bins of the pulse's shape, bounces,
-// spectral nodes, and ranges at which plain floats fail. Every error is against a closed form or a converged run named beside it.
+// Settings of a LIDAR against error and time, one JSON file for bench/lidar_accuracy.py: sub-rays, bins of the pulse's
+// shape, bounces, spectral nodes, and ranges at which plain floats fail. Every error is against a closed form or a
+// converged run named beside it.
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -18,15 +19,18 @@ namespace {
 using namespace raycube;
 using nlohmann::json;
 
-std::vector<float> rows(const scene::CompiledScene& scene, const lidar::LidarPlan& plan, const std::vector<lidar::Shot>& shots, double* seconds = nullptr) {
+std::vector<float> rows(const scene::CompiledScene& scene, const lidar::LidarPlan& plan,
+                        const std::vector<lidar::Shot>& shots, double* seconds = nullptr) {
   render::LidarRenderer renderer(scene, {});
   std::vector<float> out;
   double best = 1e30;
   double spent = 0;
-  for (int repeat = 0; repeat < (seconds ? 40 : 1) && (repeat < 5 || spent < 0.3); ++repeat) {  // the first builds the program
+  for (int repeat = 0; repeat < (seconds ? 40 : 1) && (repeat < 5 || spent < 0.3);
+       ++repeat) {  // the first builds the program
     out.clear();
     renderer.render(plan, shots, [&](lidar::ShotResult&& r) {
-      for (std::size_t i = 0; i < r.first.size(); ++i) out.push_back(r.first[i] + (r.multiple.empty() ? 0.0f : r.multiple[i]));
+      for (std::size_t i = 0; i < r.first.size(); ++i)
+        out.push_back(r.first[i] + (r.multiple.empty() ? 0.0f : r.multiple[i]));
     });
     if (repeat > 0) best = std::min(best, renderer.launch_s()), spent += renderer.launch_s();
   }
@@ -39,7 +43,8 @@ double waveform_error(const std::vector<float>& found, const std::vector<float>&
   double square = 0, peaks = 0;
   for (std::size_t s = 0; s < exact.size(); s += bins) {
     double peak = 0;
-    for (std::size_t i = s; i < s + bins; ++i) square += std::pow(found[i] - exact[i], 2), peak = std::max<double>(peak, exact[i]);
+    for (std::size_t i = s; i < s + bins; ++i)
+      square += std::pow(found[i] - exact[i], 2), peak = std::max<double>(peak, exact[i]);
     peaks += peak * peak;
   }
   return std::sqrt(square / peaks);
@@ -56,7 +61,8 @@ scene::Lidar over_ground(int subrays) {
 std::vector<lidar::Shot> raster(const scene::Lidar& lidar) {
   std::vector<lidar::Shot> shots;
   for (int i = 0; i < 400; ++i)
-    shots.push_back(test::shot_from(lidar, {0, 0, 600}, {-90 + 9.0 * (i % 20) + 0.37, -90 + 9.0 * (i / 20) + 0.11, -600}, i));
+    shots.push_back(
+        test::shot_from(lidar, {0, 0, 600}, {-90 + 9.0 * (i % 20) + 0.37, -90 + 9.0 * (i / 20) + 0.11, -600}, i));
   return shots;
 }
 
@@ -66,7 +72,9 @@ json subrays() {
   test::add_plane(slope, 0, {0, 0, 0}, 400, M_PI / 4);
   scene::finish_top_tree(slope);
   json out = json::array();
-  for (const auto& [name, scene] : {std::pair<const char*, const scene::CompiledScene*>{"terrain with spheres and boxes", &terrain}, {"plane at 45 degrees", &slope}}) {
+  for (const auto& [name, scene] :
+       {std::pair<const char*, const scene::CompiledScene*>{"terrain with spheres and boxes", &terrain},
+        {"plane at 45 degrees", &slope}}) {
     const auto at = [&](int n, double* seconds) {
       const scene::Lidar lidar = over_ground(n);
       return rows(*scene, test::hand_plan(lidar, *scene), raster(lidar), seconds);
@@ -75,13 +83,17 @@ json subrays() {
     for (const int n : {1, 4, 16, 64, 256, 1024, 4096}) {
       double seconds = 0;
       const auto found = at(n, &seconds);
-      out.push_back({{"scene", name}, {"setting", n}, {"error", waveform_error(found, exact, 400)}, {"us_per_pulse", 1e6 * seconds / 400}});
+      out.push_back({{"scene", name},
+                     {"setting", n},
+                     {"error", waveform_error(found, exact, 400)},
+                     {"us_per_pulse", 1e6 * seconds / 400}});
     }
   }
   return out;
 }
 
-/// Bin values of one return at many places, against the pulse's integral: our shares between phases, and counting in sub-bins.
+/// Bin values of one return at many places, against the pulse's integral: our shares between phases, and counting in
+/// sub-bins.
 json shape() {
   scene::LidarPulse pulse;
   pulse.fwhm_s = 4e-9;
@@ -90,7 +102,8 @@ json shape() {
     double worst = 0, largest = 0;
     for (int k = 0; k < 997; ++k)
       for (int bin = 0; bin < 40; ++bin) {
-        const double at = 20 + k * 0.0010030090270812437, exact = lidar::pulse_share(pulse, (bin - at) * 1e-9, (bin + 1 - at) * 1e-9);
+        const double at = 20 + k * 0.0010030090270812437,
+                     exact = lidar::pulse_share(pulse, (bin - at) * 1e-9, (bin + 1 - at) * 1e-9);
         worst = std::max(worst, std::abs(share(at, bin) - exact)), largest = std::max(largest, exact);
       }
     return worst / largest;
@@ -149,15 +162,20 @@ json line_nodes() {
   const double gamma = 0.06, peak = 1.061032954e-18;
   for (const auto& [ppm_m, fwhm] : {std::pair{100.0, 0.05}, {1000.0, 0.10}, {10000.0, 0.10}}) {
     const double column = ppm_m * 2.479371580e15, sigma = 0.42466090014400953 * fwhm;
-    const auto transmission = [&](double x) { return std::exp(-2 * column * peak * gamma * gamma / (gamma * gamma + x * x)); };
+    const auto transmission = [&](double x) {
+      return std::exp(-2 * column * peak * gamma * gamma / (gamma * gamma + x * x));
+    };
     double exact = 0;
     const double step = 1e-4;
-    for (double z = -12; z <= 12; z += step) exact += step * std::exp(-z * z / 2) / std::sqrt(2 * M_PI) * transmission(sigma * z);
+    for (double z = -12; z <= 12; z += step)
+      exact += step * std::exp(-z * z / 2) / std::sqrt(2 * M_PI) * transmission(sigma * z);
     for (const int n : {1, 2, 4, 8, 16, 32, 64}) {
       const auto rule = lidar::gauss_hermite(n);
       double found = 0;
       for (std::size_t i = 0; i < rule.x.size(); ++i) found += rule.w[i] * transmission(sigma * rule.x[i]);
-      out.push_back({{"case", std::to_string(static_cast<int>(ppm_m)) + " ppm m, " + json(fwhm).dump() + " cm-1"}, {"setting", n}, {"error", std::abs(found / exact - 1)}});
+      out.push_back({{"case", std::to_string(static_cast<int>(ppm_m)) + " ppm m, " + json(fwhm).dump() + " cm-1"},
+                     {"setting", n},
+                     {"error", std::abs(found / exact - 1)}});
     }
   }
   return out;
@@ -182,7 +200,8 @@ json node_times() {
   return out;
 }
 
-/// Mean range of a plane's return along a row of shots 10 m long, slope 1e-3, 0.1 ns bins: ours, and what float seconds would say.
+/// Mean range of a plane's return along a row of shots 10 m long, slope 1e-3, 0.1 ns bins: ours, and what float seconds
+/// would say.
 json ranges() {
   json out = json::array();
   const double slope = 1e-3;
@@ -200,7 +219,8 @@ json ranges() {
     const auto found = rows(plane, test::hand_plan(lidar, plane), shots);
     double ours = 0, floats = 0;
     for (std::size_t s = 0; s < shots.size(); ++s) {
-      const auto m = test::moments({found.begin() + static_cast<std::ptrdiff_t>(s * 400), found.begin() + static_cast<std::ptrdiff_t>((s + 1) * 400)});
+      const auto m = test::moments({found.begin() + static_cast<std::ptrdiff_t>(s * 400),
+                                    found.begin() + static_cast<std::ptrdiff_t>((s + 1) * 400)});
       const double exact = height - slope * shots[s].exit_m[0];
       ours = std::max(ours, std::abs(0.5 * test::kLightSpeed * (lidar.gate.start_s + m.mean_bin * 0.1e-9) - exact));
       const float time = static_cast<float>(2 * exact / test::kLightSpeed);
@@ -219,7 +239,7 @@ int main(int count, char** arguments) {
     std::cerr << "usage: raycube_lidar_accuracy FILE.json\n";
     return 2;
   }
-  const json all = {{"subrays", subrays()}, {"shape", shape()},           {"bounces", bounces()},
+  const json all = {{"subrays", subrays()},       {"shape", shape()},           {"bounces", bounces()},
                     {"line_nodes", line_nodes()}, {"node_times", node_times()}, {"ranges", ranges()}};
   std::ofstream file(arguments[1]);
   file << all.dump(1) << "\n";

@@ -15,7 +15,8 @@
 
 namespace raycube::bench {
 
-LidarBaseline::LidarBaseline(const EmbreeBaseline& embree, const scene::CompiledScene& scene) : embree_(embree), scene_(scene) {
+LidarBaseline::LidarBaseline(const EmbreeBaseline& embree, const scene::CompiledScene& scene)
+    : embree_(embree), scene_(scene) {
   for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
     std::vector<std::uint32_t>& surface = surface_.emplace_back();
     for (std::uint32_t p = 0; p < scene.meshes[m].triangle_count; ++p) {
@@ -27,7 +28,7 @@ LidarBaseline::LidarBaseline(const EmbreeBaseline& embree, const scene::Compiled
 
 namespace {
 
-using Vec16 = float __attribute__((vector_size(64)));               // a whole packet, aligned
+using Vec16 = float __attribute__((vector_size(64)));                // a whole packet, aligned
 using Loose16 = float __attribute__((vector_size(64), aligned(4)));  // the same anywhere
 
 Vec16 all(float x) { return Vec16{} + x; }
@@ -55,7 +56,7 @@ void write_row(const float* row, std::size_t count, float* to) {
 
 /// Returns of a packet as numbers of lanes that send something.
 struct Returns {
-  alignas(64) float low[16], high[16];  ///< energy for the phases below and above
+  alignas(64) float low[16], high[16];   ///< energy for the phases below and above
   alignas(64) int start[16], share[16];  ///< first bin; where the lower phase's shares begin
   int count = 0;
 };
@@ -84,14 +85,21 @@ constexpr std::array<Deposit, 4> kDeposits{deposit<1>, deposit<2>, deposit<3>, d
 
 }  // namespace
 
-float* LidarBaseline::on_line(float* at) { return at + (64 - reinterpret_cast<std::uintptr_t>(at) % 64) % 64 / sizeof(float); }
-std::size_t LidarBaseline::row_pad(const LidarWork& work) { return (static_cast<std::size_t>(work.taps->taps) + 15) / 16 * 16; }
-std::size_t LidarBaseline::row_floats(const LidarWork& work) { return 2 * row_pad(work) + (static_cast<std::size_t>(work.bins) + 15) / 16 * 16; }
+float* LidarBaseline::on_line(float* at) {
+  return at + (64 - reinterpret_cast<std::uintptr_t>(at) % 64) % 64 / sizeof(float);
+}
+std::size_t LidarBaseline::row_pad(const LidarWork& work) {
+  return (static_cast<std::size_t>(work.taps->taps) + 15) / 16 * 16;
+}
+std::size_t LidarBaseline::row_floats(const LidarWork& work) {
+  return 2 * row_pad(work) + (static_cast<std::size_t>(work.bins) + 15) / 16 * 16;
+}
 
 void LidarBaseline::run(const LidarWork& work, int threads, float* rows) const {
   const RTCScene scene = embree_.handle();
   const bool flat = embree_.flat();
-  const std::size_t samples = work.a.size(), packets = (samples + 15) / 16, pad = row_pad(work), row_size = row_floats(work);
+  const std::size_t samples = work.a.size(), packets = (samples + 15) / 16, pad = row_pad(work),
+                    row_size = row_floats(work);
   std::vector<float> as(packets * 16 + 16, 0.0f), bs(packets * 16 + 16, 0.0f);
   std::copy(work.a.begin(), work.a.end(), as.begin());
   std::copy(work.b.begin(), work.b.end(), bs.begin());
@@ -117,8 +125,10 @@ void LidarBaseline::run(const LidarWork& work, int threads, float* rows) const {
       for (std::size_t p = 0; p < packets; ++p) {
         const int live = static_cast<int>(std::min<std::size_t>(16, samples - 16 * p));
         const Vec16 a = loose(as.data() + 16 * p), b = loose(bs.data() + 16 * p);
-        const Vec16 dx = b * g.dv.x + (a * g.du.x + g.d0.x), dy = b * g.dv.y + (a * g.du.y + g.d0.y), dz = b * g.dv.z + (a * g.du.z + g.d0.z);
-        lanes(packet.ray.org_x) = all(g.origin.x), lanes(packet.ray.org_y) = all(g.origin.y), lanes(packet.ray.org_z) = all(g.origin.z);
+        const Vec16 dx = b * g.dv.x + (a * g.du.x + g.d0.x), dy = b * g.dv.y + (a * g.du.y + g.d0.y),
+                    dz = b * g.dv.z + (a * g.du.z + g.d0.z);
+        lanes(packet.ray.org_x) = all(g.origin.x), lanes(packet.ray.org_y) = all(g.origin.y),
+        lanes(packet.ray.org_z) = all(g.origin.z);
         lanes(packet.ray.dir_x) = dx, lanes(packet.ray.dir_y) = dy, lanes(packet.ray.dir_z) = dz;
         lanes(packet.ray.tnear) = lanes(packet.ray.time) = all(0);
         lanes(packet.ray.tfar) = all(std::numeric_limits<float>::infinity());
@@ -134,17 +144,20 @@ void LidarBaseline::run(const LidarWork& work, int threads, float* rows) const {
             if (packet.hit.geomID[k] == RTC_INVALID_GEOMETRY_ID) continue;
             const shared::Instance& placed = scene_.instances[packet.hit.instID[0][k]];
             if (placed.flags & 1u) continue;
-            const shared::rc_float4 &r0 = placed.local_from_world_0, &r1 = placed.local_from_world_1, &r2 = placed.local_from_world_2;
+            const shared::rc_float4 &r0 = placed.local_from_world_0, &r1 = placed.local_from_world_1,
+                                    &r2 = placed.local_from_world_2;
             const float x = packet.hit.Ng_x[k], y = packet.hit.Ng_y[k], z = packet.hit.Ng_z[k];
             packet.hit.Ng_x[k] = r0.x * x + r1.x * y + r2.x * z;
             packet.hit.Ng_y[k] = r0.y * x + r1.y * y + r2.y * z;
             packet.hit.Ng_z[k] = r0.z * x + r1.z * y + r2.z * z;
           }
         }
-        const Vec16 nx = lanes(packet.hit.Ng_x), ny = lanes(packet.hit.Ng_y), nz = lanes(packet.hit.Ng_z), t = lanes(packet.ray.tfar);
+        const Vec16 nx = lanes(packet.hit.Ng_x), ny = lanes(packet.hit.Ng_y), nz = lanes(packet.hit.Ng_z),
+                    t = lanes(packet.ray.tfar);
         const Vec16 d2 = dx * dx + dy * dy + dz * dz, n2 = nx * nx + ny * ny + nz * nz, t2 = t * t;
         // cosine to the surface and to the axis over the range squared, in one division
-        lanes(energy) = work.weight * magnitude(nx * dx + ny * dy + nz * dz) * (g.d0.x * dx + g.d0.y * dy + g.d0.z * dz) / (d2 * d2 * t2 * root(n2));
+        lanes(energy) = work.weight * magnitude(nx * dx + ny * dy + nz * dz) *
+                        (g.d0.x * dx + g.d0.y * dy + g.d0.z * dz) / (d2 * d2 * t2 * root(n2));
         lanes(place) = (t * root(d2) - work.start_m[s]) * work.bins_per_m;
         returns.count = 0;
         std::uint32_t last_mesh = 0, last_primitive = RTC_INVALID_GEOMETRY_ID;

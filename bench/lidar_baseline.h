@@ -11,12 +11,12 @@ namespace raycube::bench {
 
 /// Shots as fp32 rays and what turns a hit into a return; Lambert, monostatic, one line, full overlap, no air.
 struct LidarWork {
-  std::vector<shared::RayGroup> groups;      ///< one a shot: origin, axis, u and v times the tangent of the divergence
-  std::vector<float> a, b;                   ///< sub-rays, shared by all shots
-  std::vector<float> start_m;                ///< one way distance at which each shot's gate begins
-  float bins_per_m = 0;                      ///< of one way distance
+  std::vector<shared::RayGroup> groups;  ///< one a shot: origin, axis, u and v times the tangent of the divergence
+  std::vector<float> a, b;               ///< sub-rays, shared by all shots
+  std::vector<float> start_m;            ///< one way distance at which each shot's gate begins
+  float bins_per_m = 0;                  ///< of one way distance
   int bins = 0;
-  float weight = 0;                          ///< photons times aperture over pi, of one sub-ray
+  float weight = 0;                                 ///< photons times aperture over pi, of one sub-ray
   const std::vector<float>* reflectance = nullptr;  ///< of each surface
   const lidar::PulseTaps* taps = nullptr;
 };
@@ -29,7 +29,8 @@ class LidarBaseline {
   static std::size_t row_floats(const LidarWork& work);
   /// The first place from `at` on that begins a cache line.
   static float* on_line(float* at);
-  /// rows[shot * row_floats + row_pad + bin], on a cache line, cleared first. Traced and binned in one pass over the shots; pulses of up to 64 taps.
+  /// rows[shot * row_floats + row_pad + bin], on a cache line, cleared first. Traced and binned in one pass over the
+  /// shots; pulses of up to 64 taps.
   void run(const LidarWork& work, int threads, float* rows) const;
 
  private:

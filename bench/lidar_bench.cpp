@@ -58,7 +58,8 @@ std::vector<lidar::Shot> raster(const scene::Lidar& lidar, int count) {
   std::vector<lidar::Shot> shots;
   const int side = static_cast<int>(std::ceil(std::sqrt(count)));
   for (int i = 0; i < count; ++i)
-    shots.push_back(shot_at(lidar, i, {0, 0, 600}, {-100 + 200.0 * (i % side + 0.5) / side, -100 + 200.0 * (i / side + 0.5) / side, 0}));
+    shots.push_back(shot_at(lidar, i, {0, 0, 600},
+                            {-100 + 200.0 * (i % side + 0.5) / side, -100 + 200.0 * (i / side + 0.5) / side, 0}));
   return shots;
 }
 
@@ -83,7 +84,8 @@ struct Rig {
       reflectance.push_back(static_cast<float>(sum));
     }
     const auto& receiver = lidar.receiver;
-    const double area = M_PI * (receiver.aperture_radius_m * receiver.aperture_radius_m - receiver.obscuration_radius_m * receiver.obscuration_radius_m);
+    const double area = M_PI * (receiver.aperture_radius_m * receiver.aperture_radius_m -
+                                receiver.obscuration_radius_m * receiver.obscuration_radius_m);
     work.a = plan.footprint.a, work.b = plan.footprint.b;
     work.bins = lidar.gate.bins;
     work.bins_per_m = static_cast<float>(2 / (kLight_m_s * lidar.gate.bin_s));
@@ -101,7 +103,8 @@ struct Rig {
 };
 
 /// Same rows to rounding? Then the two in turn. Times are those of tracing and binning alone on both sides.
-Spread compare(const Rig& rig, const EmbreeBaseline& embree, const Settings& settings, Report& report, const std::string& label) {
+Spread compare(const Rig& rig, const EmbreeBaseline& embree, const Settings& settings, Report& report,
+               const std::string& label) {
   const LidarBaseline baseline(embree, rig.scene);
   render::RenderOptions options;
   options.threads = settings.threads;
@@ -110,7 +113,9 @@ Spread compare(const Rig& rig, const EmbreeBaseline& embree, const Settings& set
   const std::size_t row_pad = LidarBaseline::row_pad(rig.work), row_floats = LidarBaseline::row_floats(rig.work);
   std::vector<float> unaligned(rig.shots.size() * row_floats + 16), ours;
   float* theirs = LidarBaseline::on_line(unaligned.data());
-  renderer.render(rig.plan, rig.shots, [&](lidar::ShotResult&& result) { ours.insert(ours.end(), result.first.begin(), result.first.end()); });
+  renderer.render(rig.plan, rig.shots, [&](lidar::ShotResult&& result) {
+    ours.insert(ours.end(), result.first.begin(), result.first.end());
+  });
   baseline.run(rig.work, settings.threads, theirs);
   double total = 0, off = 0;
   std::size_t shots_off = 0;
@@ -123,8 +128,10 @@ Spread compare(const Rig& rig, const EmbreeBaseline& embree, const Settings& set
     total += sum, off += difference;
     shots_off += difference > 1e-3 * sum;
   }
-  std::printf("  %s: %.2g of the shots differ by more than 1e-3 of their light\n", label.c_str(), static_cast<double>(shots_off) / static_cast<double>(rig.shots.size()));
-  // Hits part in up to 1e-3 of the rays among leaves by rounding alone; a range in fp32 from 600 m is good to 6e-5 m, 4e-4 bin.
+  std::printf("  %s: %.2g of the shots differ by more than 1e-3 of their light\n", label.c_str(),
+              static_cast<double>(shots_off) / static_cast<double>(rig.shots.size()));
+  // Hits part in up to 1e-3 of the rays among leaves by rounding alone; a range in fp32 from 600 m is good to 6e-5 m,
+  // 4e-4 bin.
   report.validate(label + ": light in other bins than Embree's, of all", off / total, 3e-3);
   Pairs times;
   for (int i = 0; i < kPairs; ++i) {
@@ -144,7 +151,8 @@ scene::CompiledScene toy_blocks() {
   };
   const auto quad = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
     mesh.triangles.push_back({a, b, c}), mesh.triangles.push_back({a, c, d});
-    for (int k = 0; k < 2; ++k) mesh.surface.push_back(0), mesh.user_face.push_back(static_cast<std::uint32_t>(mesh.user_face.size()));
+    for (int k = 0; k < 2; ++k)
+      mesh.surface.push_back(0), mesh.user_face.push_back(static_cast<std::uint32_t>(mesh.user_face.size()));
   };
   for (int i = 0; i < 9; ++i) {
     const double y0 = -120 + i * 240.0 / 9, y1 = -120 + (i + 1) * 240.0 / 9;
@@ -175,15 +183,19 @@ void pulses_per_second(const Settings& settings, Report& report) {
   std::size_t echoes = 0;
   for (int i = 0; i < 5; ++i) {
     std::vector<lidar::ShotResult> results;
-    const double traced_s = seconds_of([&] { renderer.render(plan, shots, [&](lidar::ShotResult&& r) { results.push_back(std::move(r)); }); });
+    const double traced_s = seconds_of(
+        [&] { renderer.render(plan, shots, [&](lidar::ShotResult&& r) { results.push_back(std::move(r)); }); });
     if (i == 0) {
-      const auto dark = std::count_if(results.begin(), results.end(), [](const lidar::ShotResult& r) { return r.ledger[0].collected <= 0; });
-      report.validate("toy blocks: share of pulses without a return", static_cast<double>(dark) / static_cast<double>(results.size()), 0.001);
+      const auto dark = std::count_if(results.begin(), results.end(),
+                                      [](const lidar::ShotResult& r) { return r.ledger[0].collected <= 0; });
+      report.validate("toy blocks: share of pulses without a return",
+                      static_cast<double>(dark) / static_cast<double>(results.size()), 0.001);
       continue;  // warm-up
     }
     std::vector<std::size_t> found(results.size());
     const double detected_s = seconds_of([&] {
-      reference::for_each_index(results.size(), settings.threads, [&](std::size_t s) { found[s] = lidar::detect(plan, results[s]).at(0).echoes.size(); });
+      reference::for_each_index(results.size(), settings.threads,
+                                [&](std::size_t s) { found[s] = lidar::detect(plan, results[s]).at(0).echoes.size(); });
     });
     echoes += std::accumulate(found.begin(), found.end(), std::size_t{0});
     rate.push_back(static_cast<double>(shots.size()) / traced_s);
@@ -192,7 +204,9 @@ void pulses_per_second(const Settings& settings, Report& report) {
   std::size_t triangles = 0;
   for (const auto& mesh : simulation.scene.meshes) triangles += mesh.triangle_count;
   report.add("lidar_toy_triangles", static_cast<double>(triangles), "");
-  report.validate("toy blocks: pulses per echo found in drawn waveforms", static_cast<double>(shots.size()) * static_cast<double>(rate.size()) / static_cast<double>(echoes), 1.01);
+  report.validate("toy blocks: pulses per echo found in drawn waveforms",
+                  static_cast<double>(shots.size()) * static_cast<double>(rate.size()) / static_cast<double>(echoes),
+                  1.01);
   report.add("lidar_pulses_s", spread_of(rate), "pulses/s");
   report.add("lidar_pulses_with_echoes_s", spread_of(echo_rate), "pulses/s");
 }
@@ -204,11 +218,17 @@ void run_lidar(const Settings& settings, Report& report) {
     scene::Simulation terrain;
     terrain.scene = compile({terrain_mesh()}, {{kIdentity}});
     const EmbreeBaseline embree(terrain.scene);
-    const std::size_t bytes = terrain.scene.nodes.size() * sizeof(shared::BvhNode) + terrain.scene.blocks.size() * sizeof(shared::TriBlock);
-    report.add("lidar_bytes_per_triangle", static_cast<double>(bytes) / terrain.scene.meshes[0].triangle_count, "bytes", Goal::at_most(100));
+    const std::size_t bytes =
+        terrain.scene.nodes.size() * sizeof(shared::BvhNode) + terrain.scene.blocks.size() * sizeof(shared::TriBlock);
+    report.add("lidar_bytes_per_triangle", static_cast<double>(bytes) / terrain.scene.meshes[0].triangle_count, "bytes",
+               Goal::at_most(100));
     const scene::Lidar few = bench_lidar(64), many = bench_lidar(1024);
-    report.add("lidar_terrain_vs_embree16_bin", compare(Rig(terrain, few, raster(few, 20000)), embree, settings, report, "terrain, 64 sub-rays"), "x", Goal::at_least(1.8));
-    report.add("lidar_terrain1024_vs_embree16_bin", compare(Rig(terrain, many, raster(many, 4000)), embree, settings, report, "terrain, 1024 sub-rays"), "x", Goal::at_least(3.0));
+    report.add("lidar_terrain_vs_embree16_bin",
+               compare(Rig(terrain, few, raster(few, 20000)), embree, settings, report, "terrain, 64 sub-rays"), "x",
+               Goal::at_least(1.8));
+    report.add("lidar_terrain1024_vs_embree16_bin",
+               compare(Rig(terrain, many, raster(many, 4000)), embree, settings, report, "terrain, 1024 sub-rays"), "x",
+               Goal::at_least(3.0));
   }
   {
     const std::string file = settings.park_file.substr(0, settings.park_file.rfind('/') + 1) + "park_survey.toml";
@@ -225,7 +245,9 @@ void run_lidar(const Settings& settings, Report& report) {
     std::vector<lidar::Shot> shots;
     for (std::int64_t pulse = 0; pulse < lidar.pulses; pulse += 20)
       for (const auto& shot : lidar::make_shots(lidar, pulse, 10, 1)) shots.push_back(shot);
-    report.add("lidar_park_vs_embree16_bin", compare(Rig(park, lidar, std::move(shots)), embree, settings, report, "park, 64 sub-rays"), "x", Goal::at_least(1.0));
+    report.add("lidar_park_vs_embree16_bin",
+               compare(Rig(park, lidar, std::move(shots)), embree, settings, report, "park, 64 sub-rays"), "x",
+               Goal::at_least(1.0));
   }
   pulses_per_second(settings, report);
 }

@@ -19,10 +19,15 @@ int main(int argc, char** argv) {
   app.add_option("--commit", commit, "Commit the figures belong to");
   app.add_option("--json", json, "File for the flat keys")->capture_default_str();
   app.add_option("--scene", settings.park_file, "Simulation file of the park")->capture_default_str();
-  app.add_option("--threads", settings.threads, "Threads of both sides")->capture_default_str()->check(CLI::Range(1, 1024));
+  app.add_option("--threads", settings.threads, "Threads of both sides")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1024));
   app.add_flag("--list", list, "Names of the groups");
-  app.add_flag("--kernel-build", kernel_build, "Print the seconds kernels take to build in this process (the group `build` calls it)");
-  app.add_option("--check-run", run_json, "Only compare the programs launched here for the scene's first instrument with those of this run.json of `raycube render`");
+  app.add_flag("--kernel-build", kernel_build,
+               "Print the seconds kernels take to build in this process (the group `build` calls it)");
+  app.add_option("--check-run", run_json,
+                 "Only compare the programs launched here for the scene's first instrument with those of this run.json "
+                 "of `raycube render`");
   app.add_option("names", names, "Groups to run");
   CLI11_PARSE(app, argc, argv);
   try {
@@ -42,7 +47,8 @@ int main(int argc, char** argv) {
       return 0;
     }
     for (const auto& name : names)
-      if (!bench::find_case(name)) throw base::Error(base::Fault::input, "bench: no group '" + name + "'; --list names them");
+      if (!bench::find_case(name))
+        throw base::Error(base::Fault::input, "bench: no group '" + name + "'; --list names them");
     bench::Report report(commit);
     for (const auto& entry : bench::all_cases()) {
       if (!names.empty() && std::find(names.begin(), names.end(), entry.name) == names.end()) continue;
@@ -59,7 +65,9 @@ int main(int argc, char** argv) {
     }
     report.print_table();
     std::printf("bench: %s\n", json.c_str());
-    if (!report.guards_hold()) throw base::Error(base::Fault::check, "bench: a guard failed: the baseline is not what it should be, no ratio counts");
+    if (!report.guards_hold())
+      throw base::Error(base::Fault::check,
+                        "bench: a guard failed: the baseline is not what it should be, no ratio counts");
   } catch (const base::Error& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return error.exit_status();

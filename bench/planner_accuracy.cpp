@@ -1,4 +1,5 @@
-// The planner's promises held against converged references and brute force, one JSON file for bench/planner_accuracy.py.
+// The planner's promises held against converged references and brute force, one JSON file for
+// bench/planner_accuracy.py.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <fstream>
@@ -17,16 +18,35 @@ using namespace raycube;
 using nlohmann::json;
 
 json to_json(const bench::SweepPoint& p) {
-  return {{"setting", p.setting.text()}, {"side", p.setting.side}, {"directions", p.setting.directions}, {"error", p.error}, {"low", p.low}, {"high", p.high}, {"s_per_megapixel", p.s_per_megapixel}};
+  return {{"setting", p.setting.text()},
+          {"side", p.setting.side},
+          {"directions", p.setting.directions},
+          {"error", p.error},
+          {"low", p.low},
+          {"high", p.high},
+          {"s_per_megapixel", p.s_per_megapixel}};
 }
 
 json to_json(const bench::PlannerRow& r) {
-  json out = {{"tolerance", r.tolerance}, {"setting", r.chosen.text()}, {"side", r.chosen.side}, {"directions", r.chosen.directions}, {"claimed", r.claimed}, {"nodes", r.plan_error}, {"samples", r.samples_error}, {"sky", r.sky_error},
-              {"within", r.within}, {"dear", r.dear}, {"s_per_megapixel", r.s_per_megapixel}, {"plan_s", r.plan_s}, {"judged", r.judged}};
+  json out = {{"tolerance", r.tolerance},
+              {"setting", r.chosen.text()},
+              {"side", r.chosen.side},
+              {"directions", r.chosen.directions},
+              {"claimed", r.claimed},
+              {"nodes", r.plan_error},
+              {"samples", r.samples_error},
+              {"sky", r.sky_error},
+              {"within", r.within},
+              {"dear", r.dear},
+              {"s_per_megapixel", r.s_per_megapixel},
+              {"plan_s", r.plan_s},
+              {"judged", r.judged}};
   if (r.tried) out.update({{"achieved", r.achieved}, {"low", r.low}, {"high", r.high}, {"own", r.own}});
   if (r.best_known) out.update({{"best", to_json(r.best)}, {"cost_over_best", r.cost_over_best}});
   if (r.time_over_best.count > 0)
-    out.update({{"time_over_best", r.time_over_best.median}, {"time_over_best_min", r.time_over_best.lowest}, {"time_over_best_max", r.time_over_best.highest}});
+    out.update({{"time_over_best", r.time_over_best.median},
+                {"time_over_best_min", r.time_over_best.lowest},
+                {"time_over_best_max", r.time_over_best.highest}});
   return out;
 }
 
@@ -34,11 +54,13 @@ json to_json(const bench::PlannerStudy& s) {
   json rows = json::array(), points = json::array();
   for (const auto& row : s.rows) rows.push_back(to_json(row));
   for (const auto& point : s.points) points.push_back(to_json(point));
-  return {{"scene", s.scene}, {"instrument", s.instrument}, {"kind", s.kind}, {"device", s.device}, {"reference", s.reference}, {"sweep", s.sweep},
-          {"pixels", s.pixels}, {"own", s.own}, {"seconds", s.seconds}, {"points", points}, {"rows", rows}};
+  return {{"scene", s.scene},         {"instrument", s.instrument}, {"kind", s.kind},     {"device", s.device},
+          {"reference", s.reference}, {"sweep", s.sweep},           {"pixels", s.pixels}, {"own", s.own},
+          {"seconds", s.seconds},     {"points", points},           {"rows", rows}};
 }
 
-int run(const std::string& file, const std::vector<std::string>& scenes, const std::string& only, const bench::PlannerStudySettings& settings) {
+int run(const std::string& file, const std::vector<std::string>& scenes, const std::string& only,
+        const bench::PlannerStudySettings& settings) {
   const cli::CommonOptions common;
   base::Log log;
   cli::Context context{common, log, std::cout, "raycube_planner_accuracy"};
@@ -54,9 +76,11 @@ int run(const std::string& file, const std::vector<std::string>& scenes, const s
     const std::string name = scene.substr(0, equals), path = scene.substr(equals + 1);
     scene::Simulation simulation = scene::load_simulation(path);
     for (std::size_t i = 0; i < simulation.instruments.size(); ++i)
-      if (only.empty() || simulation.instruments[i].name == only) keep(bench::study_instrument(simulation, i, name, settings, context));
+      if (only.empty() || simulation.instruments[i].name == only)
+        keep(bench::study_instrument(simulation, i, name, settings, context));
     for (std::size_t i = 0; i < simulation.lidars.size(); ++i)
-      if (only.empty() || simulation.lidars[i].name == only) keep(bench::study_lidar(simulation, i, name, settings, context));
+      if (only.empty() || simulation.lidars[i].name == only)
+        keep(bench::study_lidar(simulation, i, name, settings, context));
   }
   return 0;
 }

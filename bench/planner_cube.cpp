@@ -26,22 +26,25 @@ namespace {
 using planner::CostModel;
 using planner::pixel_counts;
 
-constexpr std::uint64_t kOtherPixels = 0x9E3779B9u;  ///< added to the seed: pixels and draws that the planner's trial does not have
-constexpr int kRuns = 256;                           ///< of 8 pixels
-constexpr std::size_t kWholeImage = 8192;            ///< pixels of an image that is judged whole
-constexpr int kReferenceSide = 128, kSharedDirections = 4;     ///< of the reference's samples
-constexpr int kCoarseSide = 8, kReferenceDirections = 64;      ///< of its skies
-constexpr int kModelSide = 3;                        ///< of what the whole tables add to the reference's nodes
+constexpr std::uint64_t kOtherPixels =
+    0x9E3779B9u;            ///< added to the seed: pixels and draws that the planner's trial does not have
+constexpr int kRuns = 256;  ///< of 8 pixels
+constexpr std::size_t kWholeImage = 8192;                   ///< pixels of an image that is judged whole
+constexpr int kReferenceSide = 128, kSharedDirections = 4;  ///< of the reference's samples
+constexpr int kCoarseSide = 8, kReferenceDirections = 64;   ///< of its skies
+constexpr int kModelSide = 3;                               ///< of what the whole tables add to the reference's nodes
 constexpr int kMostRounds = 32;
-constexpr double kSweep_s_per_megapixel = 60;        ///< twice what is dear: costlier settings are left out of the sweep
-constexpr double kTried_s_per_megapixel = 2000;      ///< a costlier decision is not rendered
-constexpr double kTimed_s = 0.15;                    ///< nominal, of one timed run
+constexpr double kSweep_s_per_megapixel = 60;    ///< twice what is dear: costlier settings are left out of the sweep
+constexpr double kTried_s_per_megapixel = 2000;  ///< a costlier decision is not rendered
+constexpr double kTimed_s = 0.15;                ///< nominal, of one timed run
 const std::vector<int> kSides = {1, 2, 3, 4, 6, 8, 11, 16};
 const std::vector<int> kDirections = {1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 64, 128};
 /// A reference whose own error is this part of the tolerance can judge it.
 constexpr double kFifth = 0.2;
 
-double seconds_since(std::chrono::steady_clock::time_point start) { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); }
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
 
 std::vector<render::Tile> judged_tiles(const scene::Instrument& instrument, std::uint64_t seed) {
   const std::size_t all = static_cast<std::size_t>(instrument.pixels) * static_cast<std::size_t>(instrument.lines);
@@ -51,14 +54,20 @@ std::vector<render::Tile> judged_tiles(const scene::Instrument& instrument, std:
 
 double s_per_megapixel(const plan::Plan& plan, const PlannerSetting& setting) {
   const int samples = setting.side * setting.side;
-  return 1e6 * CostModel().seconds(pixel_counts(plan, samples, setting.directions, plan::sky_share(0, samples, std::max(1, setting.directions))));
+  return 1e6 * CostModel().seconds(pixel_counts(plan, samples, setting.directions,
+                                                plan::sky_share(0, samples, std::max(1, setting.directions))));
 }
 
 class CubeStudy {
  public:
-  CubeStudy(scene::Simulation& simulation, std::size_t index, const PlannerStudySettings& settings, cli::Context& context)
-      : simulation_(simulation), instrument_(simulation.instruments[index]), settings_(settings), context_(context),
-        renderer_(simulation.scene, cli::render_options(context.common)), tiles_(judged_tiles(instrument_, simulation.seed)) {
+  CubeStudy(scene::Simulation& simulation, std::size_t index, const PlannerStudySettings& settings,
+            cli::Context& context)
+      : simulation_(simulation),
+        instrument_(simulation.instruments[index]),
+        settings_(settings),
+        context_(context),
+        renderer_(simulation.scene, cli::render_options(context.common)),
+        tiles_(judged_tiles(instrument_, simulation.seed)) {
     simulation_.plan = {};
     make_finest();
   }
@@ -72,21 +81,32 @@ class CubeStudy {
     correct_nodes();
     out.reference = reference_text_;
     out.own = study::own_error(reference_);
-    context_.log.info(fmt::format("{} {}: reference's own error {:.2g} %, {:.1f} s", name, instrument_.name, 100 * out.own, seconds_since(start)));
+    context_.log.info(fmt::format("{} {}: reference's own error {:.2g} %, {:.1f} s", name, instrument_.name,
+                                  100 * out.own, seconds_since(start)));
     sweep();
     out.points = points_;
     std::string sides, directions;
     for (const int n : kSides) sides += (sides.empty() ? "" : ", ") + std::to_string(n);
     for (const int k : kDirections) directions += (directions.empty() ? "" : ", ") + std::to_string(k);
-    out.sweep = fmt::format("grid and lattice of n x n samples, n = {}; {} sky directions; up to {:.0f} s per megapixel", sides, sky_ ? directions : "no", kSweep_s_per_megapixel);
-    context_.log.info(fmt::format("{} {}: sweep of {} settings, {:.1f} s", name, instrument_.name, points_.size(), seconds_since(start)));
+    out.sweep =
+        fmt::format("grid and lattice of n x n samples, n = {}; {} sky directions; up to {:.0f} s per megapixel", sides,
+                    sky_ ? directions : "no", kSweep_s_per_megapixel);
+    context_.log.info(fmt::format("{} {}: sweep of {} settings, {:.1f} s", name, instrument_.name, points_.size(),
+                                  seconds_since(start)));
     for (const double tolerance : settings_.tolerances) {
       out.rows.push_back(row(tolerance));
       const PlannerRow& r = out.rows.back();
-      context_.log.info(fmt::format("{} {}: {:.3g} %: {} claims {:.3g} % (nodes {:.3g}, samples {:.3g}, sky {:.3g}) achieves {:.3g} % ({:.3g} .. {:.3g}, own {:.2g}){}{}; {:.3g} s/Mpx, best {} {:.3g} %, cost {:.2f} x, time {:.2f} x; planned in {:.1f} s",
-                                    name, instrument_.name, 100 * tolerance, r.chosen.text(), 100 * r.claimed, 100 * r.plan_error, 100 * r.samples_error, 100 * r.sky_error, 100 * r.achieved, 100 * r.low, 100 * r.high, 100 * r.own,
-                                    r.judged ? "" : " not judged", r.dear ? " DEAR" : r.within ? "" : " NOT KEPT", r.s_per_megapixel, r.best_known ? r.best.setting.text() : "-",
-                                    100 * r.best.error, r.cost_over_best, r.time_over_best.median, r.plan_s));
+      context_.log.info(fmt::format(
+          "{} {}: {:.3g} %: {} claims {:.3g} % (nodes {:.3g}, samples {:.3g}, sky {:.3g}) achieves {:.3g} % ({:.3g} .. "
+          "{:.3g}, own {:.2g}){}{}; {:.3g} s/Mpx, best {} {:.3g} %, cost {:.2f} x, time {:.2f} x; planned in {:.1f} s",
+          name, instrument_.name, 100 * tolerance, r.chosen.text(), 100 * r.claimed, 100 * r.plan_error,
+          100 * r.samples_error, 100 * r.sky_error, 100 * r.achieved, 100 * r.low, 100 * r.high, 100 * r.own,
+          r.judged ? "" : " not judged",
+          r.dear     ? " DEAR"
+          : r.within ? ""
+                     : " NOT KEPT",
+          r.s_per_megapixel, r.best_known ? r.best.setting.text() : "-", 100 * r.best.error, r.cost_over_best,
+          r.time_over_best.median, r.plan_s));
     }
     out.seconds = seconds_since(start);
     return out;
@@ -130,18 +150,24 @@ class CubeStudy {
     return plan;
   }
 
-  /// Two independent halves, each without bias: many samples under a few directions that all pixels share, and, over many sets, what
-  /// other directions change at the same points. Samples and sky are so each paid for once.
+  /// Two independent halves, each without bias: many samples under a few directions that all pixels share, and, over
+  /// many sets, what other directions change at the same points. Samples and sky are so each paid for once.
   void make_reference() {
     const double pixels = static_cast<double>(render::pixels_of(tiles_));
-    const PlannerSetting fine{scene::SamplerKind::jittered, kReferenceSide, sky_ ? kSharedDirections : 0}, coarse{scene::SamplerKind::jittered, kCoarseSide, sky_ ? kReferenceDirections : 0};
+    const PlannerSetting fine{scene::SamplerKind::jittered, kReferenceSide, sky_ ? kSharedDirections : 0},
+        coarse{scene::SamplerKind::jittered, kCoarseSide, sky_ ? kReferenceDirections : 0};
     const auto rounds_of = [&](const PlannerSetting& setting) {
-      return std::clamp(static_cast<int>(settings_.reference_s / 4 / (s_per_megapixel(finest_, setting) * 1e-6 * pixels)), 1, kMostRounds);
+      return std::clamp(
+          static_cast<int>(settings_.reference_s / 4 / (s_per_megapixel(finest_, setting) * 1e-6 * pixels)), 1,
+          kMostRounds);
     };
     const int rounds = rounds_of(fine), skies = sky_ ? rounds_of(coarse) : 0;
     reference_text_ = fmt::format("2 x {} renders of {} x {} jittered samples", rounds, kReferenceSide, kReferenceSide);
-    if (sky_) reference_text_ += fmt::format(", 2 x {} sets of {} directions at {} x {} samples", skies, kReferenceDirections, kCoarseSide, kCoarseSide);
-    const std::string key = study::key_of(simulation_, instrument_, finest_, table_, tiles_, {kReferenceSide, rounds, skies, 0});
+    if (sky_)
+      reference_text_ += fmt::format(", 2 x {} sets of {} directions at {} x {} samples", skies, kReferenceDirections,
+                                     kCoarseSide, kCoarseSide);
+    const std::string key =
+        study::key_of(simulation_, instrument_, finest_, table_, tiles_, {kReferenceSide, rounds, skies, 0});
     reference_ = study::kept_or(base::cache_folder("reference").string(), key.empty() ? key : key + "-device", [&] {
       const plan::Plan shared = one_sky();
       plan::Plan many = with_directions(finest_, coarse);
@@ -155,7 +181,8 @@ class CubeStudy {
       };
       for (const int to : {0, 1}) {
         for (int i = 0; i < rounds; ++i) add(to, fine, shared, draw++, 1.0 / rounds);
-        for (int i = 0; i < skies; ++i, ++draw) add(to, coarse, many, draw, 1.0 / skies), add(to, coarse, shared, draw, -1.0 / skies);
+        for (int i = 0; i < skies; ++i, ++draw)
+          add(to, coarse, many, draw, 1.0 / skies), add(to, coarse, shared, draw, -1.0 / skies);
       }
       study::Converged out;
       out.bands = finest_.bands.size();
@@ -167,8 +194,8 @@ class CubeStudy {
     });
   }
 
-  /// Adds what the whole tables say of each pixel beyond the finest plan: by few samples, since it hardly varies inside a pixel, and in each half by
-  /// its own samples and directions.
+  /// Adds what the whole tables say of each pixel beyond the finest plan: by few samples, since it hardly varies inside
+  /// a pixel, and in each half by its own samples and directions.
   void correct_nodes() {
     std::vector<double> half[2];
     for (const int to : {0, 1}) {
@@ -176,16 +203,19 @@ class CubeStudy {
       settings.side = kModelSide;
       settings.turn_rad = to * reference::SkyShare::kHalfStep_rad;
       settings.seed = rc_hash(static_cast<rc_u32>(simulation_.seed), static_cast<rc_u32>(to), 0, 54);
-      const auto [planned, whole] = planner::compare_models(simulation_, instrument_, finest_, table_, tiles_, settings);
+      const auto [planned, whole] =
+          planner::compare_models(simulation_, instrument_, finest_, table_, tiles_, settings);
       for (std::size_t p = 0; p < planned.size(); ++p)
         for (std::size_t b = 0; b < finest_.bands.size(); ++b)
-          half[to].push_back((whole[p].total(b) - whole[p].surroundings[b]) - (planned[p].total(b) - planned[p].surroundings[b]));
+          half[to].push_back((whole[p].total(b) - whole[p].surroundings[b]) -
+                             (planned[p].total(b) - planned[p].surroundings[b]));
     }
     for (std::size_t k = 0; k < reference_.radiance.size(); ++k) {
       reference_.radiance[k] += (half[0][k] + half[1][k]) / 2;
       reference_.half[k] += (half[0][k] - half[1][k]) / 2;
     }
-    reference_text_ += fmt::format(", whole tables against its nodes at 2 x {} x {} samples under {} directions", kModelSide, kModelSide, planner::ModelSettings().directions);
+    reference_text_ += fmt::format(", whole tables against its nodes at 2 x {} x {} samples under {} directions",
+                                   kModelSide, kModelSide, planner::ModelSettings().directions);
   }
 
   /// The finest plan with one set of few directions for all pixels.
@@ -207,7 +237,8 @@ class CubeStudy {
           const PlannerSetting setting{sampler, side, directions};
           const double cost = s_per_megapixel(finest_, setting);
           if (cost > kSweep_s_per_megapixel) continue;
-          const auto error = study::error_of(reference_, render(setting, with_directions(finest_, setting), simulation_.seed));
+          const auto error =
+              study::error_of(reference_, render(setting, with_directions(finest_, setting), simulation_.seed));
           points_.push_back({setting, error.worst, error.low, error.high, cost});
         }
       }
@@ -241,19 +272,23 @@ class CubeStudy {
       out.judged = out.own <= kFifth * tolerance;
     }
     find_best(out, job.plan);
-    if (out.best_known && out.within && !out.dear) out.time_over_best = time_ratio(out.chosen, out.best.setting, job.plan);
+    if (out.best_known && out.within && !out.dear)
+      out.time_over_best = time_ratio(out.chosen, out.best.setting, job.plan);
     return out;
   }
 
-  /// The cheapest setting of the sweep that is inside the tolerance with the tolerance's own nodes too, the planner's own choice among them.
+  /// The cheapest setting of the sweep that is inside the tolerance with the tolerance's own nodes too, the planner's
+  /// own choice among them.
   void find_best(PlannerRow& out, const plan::Plan& plan) {
     std::vector<SweepPoint> points = points_;
     if (out.tried && !out.dear) points.push_back({out.chosen, out.achieved, out.low, out.high, 0});
     for (SweepPoint& point : points) point.s_per_megapixel = s_per_megapixel(plan, point.setting);
-    std::stable_sort(points.begin(), points.end(), [](const auto& a, const auto& b) { return a.s_per_megapixel < b.s_per_megapixel; });
+    std::stable_sort(points.begin(), points.end(),
+                     [](const auto& a, const auto& b) { return a.s_per_megapixel < b.s_per_megapixel; });
     for (SweepPoint& point : points) {
       if (point.error > out.tolerance) continue;
-      const auto error = study::error_of(reference_, render(point.setting, with_directions(plan, point.setting), simulation_.seed));
+      const auto error =
+          study::error_of(reference_, render(point.setting, with_directions(plan, point.setting), simulation_.seed));
       if (error.worst > out.tolerance) continue;
       point.error = error.worst, point.low = error.low, point.high = error.high;
       out.best_known = true, out.best = point;
@@ -277,7 +312,8 @@ class CubeStudy {
     const plan::Plan ours = with_directions(from, chosen), theirs = with_directions(from, best);
     const double pixels = kTimed_s / (1e-6 * std::max(s_per_megapixel(ours, chosen), s_per_megapixel(theirs, best)));
     const double image = static_cast<double>(instrument_.pixels) * instrument_.lines;
-    const auto tiles = render::timing_tiles(instrument_, static_cast<std::uint64_t>(std::clamp(pixels, 2048.0, std::min(image, 65536.0))));
+    const auto tiles = render::timing_tiles(
+        instrument_, static_cast<std::uint64_t>(std::clamp(pixels, 2048.0, std::min(image, 65536.0))));
     std::vector<double> ratios;
     for (int i = -1; i < settings_.timings; ++i) {
       const double a = seconds(chosen, ours, tiles), b = seconds(best, theirs, tiles);
@@ -304,7 +340,9 @@ class CubeStudy {
 
 std::string PlannerSetting::text() const {
   if (directions < 0) return fmt::format("{} sub-rays", side);
-  const char* kind = sampler == scene::SamplerKind::grid ? "grid" : sampler == scene::SamplerKind::lattice ? "lattice" : "jittered";
+  const char* kind = sampler == scene::SamplerKind::grid      ? "grid"
+                     : sampler == scene::SamplerKind::lattice ? "lattice"
+                                                              : "jittered";
   return fmt::format("{} {} x {}, {} directions", kind, side, side, directions);
 }
 
@@ -315,7 +353,8 @@ const SweepPoint* cheapest(const std::vector<SweepPoint>& points, double toleran
   return best;
 }
 
-PlannerStudy study_instrument(scene::Simulation& simulation, std::size_t index, const std::string& name, const PlannerStudySettings& settings, cli::Context& context) {
+PlannerStudy study_instrument(scene::Simulation& simulation, std::size_t index, const std::string& name,
+                              const PlannerStudySettings& settings, cli::Context& context) {
   return CubeStudy(simulation, index, settings, context).run(name);
 }
 

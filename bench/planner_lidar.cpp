@@ -1,4 +1,5 @@
-// A LIDAR: sub-rays. Error of all waveforms together, as host/planner/lidar_trial.h has it; air left out, which no sub-ray changes.
+// A LIDAR: sub-rays. Error of all waveforms together, as host/planner/lidar_trial.h has it; air left out, which no
+// sub-ray changes.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -17,18 +18,27 @@ namespace raycube::bench {
 
 namespace {
 
-constexpr std::uint64_t kPulses = 2000, kWholeSurvey = 16384;  ///< rows of a pulse and pixel that are judged; a survey of so many is judged whole
-constexpr double kReferenceRays = 3e8;         ///< both halves
+constexpr std::uint64_t kPulses = 2000,
+                        kWholeSurvey =
+                            16384;  ///< rows of a pulse and pixel that are judged; a survey of so many is judged whole
+constexpr double kReferenceRays = 3e8;  ///< both halves
 constexpr int kMostReference = 65536, kLargestSwept = 2048;
-constexpr rc_u32 kPulseDimension = 53;         ///< of the hash: not the trial's
+constexpr rc_u32 kPulseDimension = 53;  ///< of the hash: not the trial's
 constexpr double kFifth = 0.2;
 
-double seconds_since(std::chrono::steady_clock::time_point start) { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); }
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
 
 class LidarStudy {
  public:
-  LidarStudy(scene::Simulation& simulation, std::size_t index, const PlannerStudySettings& settings, cli::Context& context)
-      : simulation_(simulation), lidar_(simulation.lidars[index]), settings_(settings), context_(context), renderer_(simulation.scene, cli::render_options(context.common)) {
+  LidarStudy(scene::Simulation& simulation, std::size_t index, const PlannerStudySettings& settings,
+             cli::Context& context)
+      : simulation_(simulation),
+        lidar_(simulation.lidars[index]),
+        settings_(settings),
+        context_(context),
+        renderer_(simulation.scene, cli::render_options(context.common)) {
     lidar_.transport.subrays_given = false;
     plan_ = cli::prepare_lidar(simulation_, lidar_, context_).plan;
     pick_pulses();
@@ -45,15 +55,20 @@ class LidarStudy {
     for (const int subrays : planner::subray_levels())
       if (subrays <= std::min(kLargestSwept, reference_subrays_ / 4)) {
         const double error = error_of(fire(subrays, plan_.seed));
-        out.points.push_back({{scene::SamplerKind::grid, subrays, -1}, error, low_of(error), error, static_cast<double>(subrays)});
+        out.points.push_back(
+            {{scene::SamplerKind::grid, subrays, -1}, error, low_of(error), error, static_cast<double>(subrays)});
       }
-    out.sweep = fmt::format("{} .. {} sub-rays, every level the planner knows", planner::subray_levels().front(), out.points.back().setting.side);
+    out.sweep = fmt::format("{} .. {} sub-rays, every level the planner knows", planner::subray_levels().front(),
+                            out.points.back().setting.side);
     for (const double tolerance : settings_.tolerances) {
       out.rows.push_back(row(tolerance, out.points));
       const PlannerRow& r = out.rows.back();
-      context_.log.info(fmt::format("{} {}: {:.3g} %: {} claims {:.3g} % achieves {:.3g} % (own {:.2g}){}; best {} {:.3g} %, cost {:.2f} x, time {:.2f} x; planned in {:.1f} s", name,
-                                    lidar_.name, 100 * tolerance, r.chosen.text(), 100 * r.claimed, 100 * r.achieved, 100 * r.own, r.within ? "" : " NOT KEPT",
-                                    r.best_known ? r.best.setting.text() : "-", 100 * r.best.error, r.cost_over_best, r.time_over_best.median, r.plan_s));
+      context_.log.info(
+          fmt::format("{} {}: {:.3g} %: {} claims {:.3g} % achieves {:.3g} % (own {:.2g}){}; best {} {:.3g} %, cost "
+                      "{:.2f} x, time {:.2f} x; planned in {:.1f} s",
+                      name, lidar_.name, 100 * tolerance, r.chosen.text(), 100 * r.claimed, 100 * r.achieved,
+                      100 * r.own, r.within ? "" : " NOT KEPT", r.best_known ? r.best.setting.text() : "-",
+                      100 * r.best.error, r.cost_over_best, r.time_over_best.median, r.plan_s));
     }
     out.seconds = seconds_since(start);
     return out;
@@ -66,7 +81,10 @@ class LidarStudy {
     const std::uint64_t wanted = all * rows <= kWholeSurvey ? all : std::min(all, (kPulses + rows - 1) / rows);
     std::set<std::uint64_t> picked;
     for (rc_u32 i = 0; picked.size() < wanted; ++i)
-      picked.insert(all <= wanted ? i : rc_hash(static_cast<rc_u32>(plan_.seed), i, static_cast<rc_u32>(plan_.seed >> 32), kPulseDimension) % all);
+      picked.insert(all <= wanted ? i
+                                  : rc_hash(static_cast<rc_u32>(plan_.seed), i, static_cast<rc_u32>(plan_.seed >> 32),
+                                            kPulseDimension) %
+                                        all);
     for (const std::uint64_t pulse : picked) pulses_.push_back(static_cast<std::int64_t>(pulse));
   }
 
@@ -89,7 +107,8 @@ class LidarStudy {
     const lidar::LidarPlan plan = plan_with(subrays, seed);
     std::vector<float> out;
     renderer_.render(plan, shots(plan, seed), [&](lidar::ShotResult&& shot) {
-      for (std::size_t i = 0; i < shot.first.size(); ++i) out.push_back(shot.first[i] + (shot.multiple.empty() ? 0.0f : shot.multiple[i]));
+      for (std::size_t i = 0; i < shot.first.size(); ++i)
+        out.push_back(shot.first[i] + (shot.multiple.empty() ? 0.0f : shot.multiple[i]));
     });
     return out;
   }
@@ -99,7 +118,8 @@ class LidarStudy {
     reference_subrays_ = std::clamp(static_cast<int>(kReferenceRays / 2 / fans), 256, kMostReference);
     // A receiver's samples do not move with the seed: another number of them tells what the reference is off.
     const bool fixed = plan_.lidar.transport.sampling == scene::LidarSampling::receiver;
-    const auto one = fire(reference_subrays_, plan_.seed + 2 * kPulseDimension), two = fire(fixed ? reference_subrays_ * 3 / 4 : reference_subrays_, plan_.seed + 3 * kPulseDimension);
+    const auto one = fire(reference_subrays_, plan_.seed + 2 * kPulseDimension),
+               two = fire(fixed ? reference_subrays_ * 3 / 4 : reference_subrays_, plan_.seed + 3 * kPulseDimension);
     double squares = 0;
     for (std::size_t i = 0; i < one.size(); ++i) {
       mean_.push_back(0.5 * (static_cast<double>(one[i]) + two[i]));
@@ -174,7 +194,8 @@ class LidarStudy {
 
 }  // namespace
 
-PlannerStudy study_lidar(scene::Simulation& simulation, std::size_t index, const std::string& name, const PlannerStudySettings& settings, cli::Context& context) {
+PlannerStudy study_lidar(scene::Simulation& simulation, std::size_t index, const std::string& name,
+                         const PlannerStudySettings& settings, cli::Context& context) {
   return LidarStudy(simulation, index, settings, context).run(name);
 }
 

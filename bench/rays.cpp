@@ -14,7 +14,8 @@ namespace raycube::bench {
 
 PrimaryRays primary_rays(const scene::Instrument& instrument, const std::vector<shared::RayGroup>& groups) {
   if (instrument.sampler != scene::SamplerKind::grid)
-    throw base::Error(base::Fault::input, "bench: instrument '" + instrument.name + "' must use the grid sampler: both sides share one sample table");
+    throw base::Error(base::Fault::input, "bench: instrument '" + instrument.name +
+                                              "' must use the grid sampler: both sides share one sample table");
   PrimaryRays rays;
   rays.groups = groups.data();
   rays.group_count = groups.size();
@@ -23,14 +24,16 @@ PrimaryRays primary_rays(const scene::Instrument& instrument, const std::vector<
   rays.u.resize(static_cast<std::size_t>(count));
   rays.v.resize(static_cast<std::size_t>(count));
   for (int s = 0; s < count; ++s)
-    rc_sample_uv(RC_SAMPLER_GRID, instrument.samples_u, instrument.samples_v, static_cast<float>(instrument.psf_support_px), 0u, 0u, s,
-                 &rays.u[static_cast<std::size_t>(s)], &rays.v[static_cast<std::size_t>(s)]);
+    rc_sample_uv(RC_SAMPLER_GRID, instrument.samples_u, instrument.samples_v,
+                 static_cast<float>(instrument.psf_support_px), 0u, 0u, s, &rays.u[static_cast<std::size_t>(s)],
+                 &rays.v[static_cast<std::size_t>(s)]);
   return rays;
 }
 
 double differing(const std::vector<RayResult>& a, const std::vector<RayResult>& b) {
   std::size_t apart = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) apart += a[i].instance != b[i].instance || (a[i].instance != RC_NONE && a[i].primitive != b[i].primitive);
+  for (std::size_t i = 0; i < a.size(); ++i)
+    apart += a[i].instance != b[i].instance || (a[i].instance != RC_NONE && a[i].primitive != b[i].primitive);
   return static_cast<double>(apart) / static_cast<double>(a.size());
 }
 
@@ -42,8 +45,10 @@ double hit_or_miss(const std::vector<RayResult>& a, const std::vector<RayResult>
 
 namespace {
 
-// One hit, or two triangles of one mesh met at one place: the samples of a pixel's middle row run along the edges of a DEM of its spacing.
-bool same_place(const scene::CompiledScene& scene, const reference::Ray& ray, const reference::Hit& a, const reference::Hit& b) {
+// One hit, or two triangles of one mesh met at one place: the samples of a pixel's middle row run along the edges of a
+// DEM of its spacing.
+bool same_place(const scene::CompiledScene& scene, const reference::Ray& ray, const reference::Hit& a,
+                const reference::Hit& b) {
   if (a == b) return true;
   if (a.miss() || b.miss() || a.instance != b.instance) return false;
   constexpr double kSame = 1e-9;  // of the way: fp32 vertices part at 6e-8 of theirs
@@ -58,16 +63,22 @@ Judgement judge(const scene::CompiledScene& scene, const PrimaryRays& rays, cons
                 const std::vector<RayResult>& theirs, std::size_t most) {
   std::vector<std::size_t> differ;
   for (std::size_t i = 0; i < ours.size(); ++i)
-    if (ours[i].instance != theirs[i].instance || (ours[i].instance != RC_NONE && ours[i].primitive != theirs[i].primitive)) differ.push_back(i);
+    if (ours[i].instance != theirs[i].instance ||
+        (ours[i].instance != RC_NONE && ours[i].primitive != theirs[i].primitive))
+      differ.push_back(i);
   const reference::DoubleTracer tracer(scene);
   Judgement verdict;
   verdict.differ = differ.size();
   const std::size_t step = differ.size() / most + 1;
-  const auto hit = [](const RayResult& r) { return r.instance == RC_NONE ? reference::Hit{} : reference::Hit{r.instance, r.primitive}; };
+  const auto hit = [](const RayResult& r) {
+    return r.instance == RC_NONE ? reference::Hit{} : reference::Hit{r.instance, r.primitive};
+  };
   for (std::size_t n = 0; n < differ.size(); n += step) {
-    const std::size_t i = differ[n], pixel = i / rays.samples(), sample = i % rays.samples(), width = static_cast<std::size_t>(rays.width);
+    const std::size_t i = differ[n], pixel = i / rays.samples(), sample = i % rays.samples(),
+                      width = static_cast<std::size_t>(rays.width);
     const shared::RayGroup& g = rays.groups[pixel / width];
-    const reference::Ray ray = reference::sample_ray(g, static_cast<int>(pixel % width), static_cast<int>(width), rays.u[sample], rays.v[sample]);
+    const reference::Ray ray = reference::sample_ray(g, static_cast<int>(pixel % width), static_cast<int>(width),
+                                                     rays.u[sample], rays.v[sample]);
     const reference::Hit own = hit(ours[i]), other = hit(theirs[i]), exact = tracer.trace(ray).hit;
     ++verdict.judged;
     verdict.unexplained += tracer.explain(ray, own, exact) == reference::Cause::unexplained;
@@ -85,10 +96,12 @@ ShadowJudgement judge(const scene::CompiledScene& scene, const ShadowRays& rays,
   for (std::size_t i = 0; i < ours.size(); ++i) {
     if (ours[i].instance == theirs[i].instance) continue;
     ++verdict.differ;
-    const reference::DoubleRay ray{{rays.x[i], rays.y[i], rays.z[i]}, {rays.direction[0], rays.direction[1], rays.direction[2]}, 0};
+    const reference::DoubleRay ray{
+        {rays.x[i], rays.y[i], rays.z[i]}, {rays.direction[0], rays.direction[1], rays.direction[2]}, 0};
     const auto seen = tracer.visibility(ray, {hits[i].instance, hits[i].primitive});
     const bool ours_lit = ours[i].instance != RC_NONE;
-    verdict.ours_wrong += (seen == reference::Visibility::visible && !ours_lit) || (seen == reference::Visibility::blocked && ours_lit);
+    verdict.ours_wrong +=
+        (seen == reference::Visibility::visible && !ours_lit) || (seen == reference::Visibility::blocked && ours_lit);
   }
   return verdict;
 }
@@ -100,8 +113,9 @@ std::vector<std::uint32_t> candidates(const scene::CompiledScene& scene, const s
   return count_candidates(scene, groups, sensors::pixels_per_group(instrument), half_px, threads);
 }
 
-std::vector<shared::RayGroup> groups_with_candidates(const scene::CompiledScene& scene, const scene::Instrument& instrument,
-                                                     std::uint32_t least, int threads) {
+std::vector<shared::RayGroup> groups_with_candidates(const scene::CompiledScene& scene,
+                                                     const scene::Instrument& instrument, std::uint32_t least,
+                                                     int threads) {
   const auto all = sensors::make_ray_groups(instrument, scene, 0, instrument.lines);
   const auto counts = candidates(scene, instrument, all, threads);
   const auto width = static_cast<std::size_t>(sensors::pixels_per_group(instrument));
@@ -111,7 +125,8 @@ std::vector<shared::RayGroup> groups_with_candidates(const scene::CompiledScene&
   for (std::size_t g = 0; g < all.size(); ++g) {
     if (last_is_short && g % per_line == per_line - 1) continue;
     const auto first = counts.begin() + static_cast<std::ptrdiff_t>(g * width);
-    if (std::all_of(first, first + static_cast<std::ptrdiff_t>(width), [least](std::uint32_t n) { return n >= least; })) chosen.push_back(all[g]);
+    if (std::all_of(first, first + static_cast<std::ptrdiff_t>(width), [least](std::uint32_t n) { return n >= least; }))
+      chosen.push_back(all[g]);
   }
   return chosen;
 }

@@ -19,15 +19,16 @@ double hit_or_miss(const std::vector<RayResult>& a, const std::vector<RayResult>
 /// Rays of which ours and theirs differ, judged in double on the same fp32 ray (at most `most` of them, evenly chosen).
 struct Judgement {
   std::size_t differ = 0, judged = 0;
-  std::size_t unexplained = 0;         ///< ours lies outside every rounding bound of host/reference/contact.h
-  std::size_t theirs_unexplained = 0;  ///< Embree's does: it inverts instance matrices in fp32, which no bound of ours holds
+  std::size_t unexplained = 0;  ///< ours lies outside every rounding bound of host/reference/contact.h
+  std::size_t theirs_unexplained =
+      0;  ///< Embree's does: it inverts instance matrices in fp32, which no bound of ours holds
   std::size_t ours_right = 0, theirs_right = 0;  ///< agree with the hit in double
 };
 Judgement judge(const scene::CompiledScene& scene, const PrimaryRays& rays, const std::vector<RayResult>& ours,
                 const std::vector<RayResult>& theirs, std::size_t most);
 
-/// Shadow rays that differ, judged in double: `hits` name the surfaces they leave. wrong: double arithmetic is certain and
-/// contradicts ours.
+/// Shadow rays that differ, judged in double: `hits` name the surfaces they leave. wrong: double arithmetic is certain
+/// and contradicts ours.
 struct ShadowJudgement {
   std::size_t differ = 0, ours_wrong = 0;
 };
@@ -38,8 +39,9 @@ ShadowJudgement judge(const scene::CompiledScene& scene, const ShadowRays& rays,
 std::vector<std::uint32_t> candidates(const scene::CompiledScene& scene, const scene::Instrument& instrument,
                                       const std::vector<shared::RayGroup>& groups, int threads);
 /// Groups of the image all of whose pixels have at least `least` candidates, in image order.
-std::vector<shared::RayGroup> groups_with_candidates(const scene::CompiledScene& scene, const scene::Instrument& instrument,
-                                                     std::uint32_t least, int threads);
+std::vector<shared::RayGroup> groups_with_candidates(const scene::CompiledScene& scene,
+                                                     const scene::Instrument& instrument, std::uint32_t least,
+                                                     int threads);
 double mean(const std::vector<std::uint32_t>& counts);
 
 }  // namespace raycube::bench

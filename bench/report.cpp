@@ -58,19 +58,23 @@ void Report::validate(const std::string& what, double found, double limit) {
   fmt::print("  valid: {}: {:.4g} (limit {:.4g})\n", what, found, limit);
   std::fflush(stdout);
   if (!(found <= limit))
-    throw base::Error(base::Fault::check, fmt::format("bench: {}: found {:.6g}, limit {:.6g}; nothing wrong is timed", what, found, limit));
+    throw base::Error(base::Fault::check,
+                      fmt::format("bench: {}: found {:.6g}, limit {:.6g}; nothing wrong is timed", what, found, limit));
 }
 
 void Report::add_programs(const std::string& launcher, const Programs& programs) {
-  for (const auto& [key, hash] : {std::pair<std::string, std::string>{"program_hash", programs.all}, {"trace_program_hash", programs.trace}}) {
+  for (const auto& [key, hash] :
+       {std::pair<std::string, std::string>{"program_hash", programs.all}, {"trace_program_hash", programs.trace}}) {
     if (hash.empty()) continue;
     const auto [known, fresh] = programs_.try_emplace(key, hash, launcher);
     if (fresh) set_text(key, hash);
     if (fresh || known->second.second != launcher) fmt::print("  valid: {} of {}: {}\n", key, launcher, hash);
     if (known->second.first != hash)
-      throw base::Error(base::Fault::check, fmt::format("bench: {} differs: {} launched {}, {} launched {}; what is timed must be what `render` "
-                                                        "launches: build both from one commit",
-                                                        key, known->second.second, known->second.first, launcher, hash));
+      throw base::Error(
+          base::Fault::check,
+          fmt::format("bench: {} differs: {} launched {}, {} launched {}; what is timed must be what `render` "
+                      "launches: build both from one commit",
+                      key, known->second.second, known->second.first, launcher, hash));
   }
 }
 
@@ -78,7 +82,8 @@ std::vector<std::string> Report::missed() const {
   std::vector<std::string> out;
   for (const Figure& f : figures_)
     if (f.goal && !f.goal->met(f.spread.median))
-      out.push_back(fmt::format("{} {:.4g} ({} {:g})", f.key, f.spread.median, f.goal->sense == Goal::Sense::at_least ? ">=" : "<=", f.goal->value));
+      out.push_back(fmt::format("{} {:.4g} ({} {:g})", f.key, f.spread.median,
+                                f.goal->sense == Goal::Sense::at_least ? ">=" : "<=", f.goal->value));
   return out;
 }
 
@@ -86,18 +91,24 @@ void Report::print_table() const {
   fmt::print("\n{:<34} {:>11} {:>25}  {:<10} {}\n", "figure", "median", "[lowest .. highest] runs", "unit", "goal");
   for (const Figure& f : figures_) {
     const std::string range =
-        f.spread.count > 1 ? fmt::format("[{:.4g} .. {:.4g}] {}", f.spread.lowest, f.spread.highest, f.spread.count) : "";
+        f.spread.count > 1 ? fmt::format("[{:.4g} .. {:.4g}] {}", f.spread.lowest, f.spread.highest, f.spread.count)
+                           : "";
     std::string goal;
     if (f.goal)
       goal = fmt::format("{} {:g}: {}", f.goal->sense == Goal::Sense::at_least ? ">=" : "<=", f.goal->value,
-                         f.goal->met(f.spread.median) ? "met" : f.goal->guard ? "GUARD FAILED" : "MISSED");
+                         f.goal->met(f.spread.median) ? "met"
+                         : f.goal->guard              ? "GUARD FAILED"
+                                                      : "MISSED");
     fmt::print("{:<34} {:>11.5g} {:>25}  {:<10} {}\n", f.key, f.spread.median, range, f.unit, goal);
   }
   for (const auto& [key, value] : texts_) fmt::print("{}: {}\n", key, value);
-  const auto goals = std::count_if(figures_.begin(), figures_.end(), [](const Figure& f) { return f.goal.has_value(); });
+  const auto goals =
+      std::count_if(figures_.begin(), figures_.end(), [](const Figure& f) { return f.goal.has_value(); });
   const auto lost = missed();
-  if (goals && lost.empty()) fmt::print("goals: {} of {} met\n", goals, goals);
-  else if (goals) fmt::print("goals: {} of {} MISSED: {}\n", lost.size(), goals, fmt::join(lost, "; "));
+  if (goals && lost.empty())
+    fmt::print("goals: {} of {} met\n", goals, goals);
+  else if (goals)
+    fmt::print("goals: {} of {} MISSED: {}\n", lost.size(), goals, fmt::join(lost, "; "));
 }
 
 void Report::write_json(const std::string& path) const {
@@ -120,7 +131,8 @@ void Report::write_json(const std::string& path) const {
   std::ofstream file(partial);
   file << json.dump(2) << '\n';
   file.close();
-  if (!file) throw base::Error(base::Fault::environment, "bench: " + partial + " cannot be written; check space and rights");
+  if (!file)
+    throw base::Error(base::Fault::environment, "bench: " + partial + " cannot be written; check space and rights");
   std::filesystem::rename(partial, path);
 }
 

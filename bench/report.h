@@ -49,7 +49,8 @@ class Report {
 
   /// Figures, texts, and which goals were missed.
   void print_table() const;
-  /// Flat keys; a spread adds KEY_min, KEY_max and KEY_runs, a goal KEY_goal and KEY_goal_is. Written under a temporary name, then renamed.
+  /// Flat keys; a spread adds KEY_min, KEY_max and KEY_runs, a goal KEY_goal and KEY_goal_is. Written under a temporary
+  /// name, then renamed.
   void write_json(const std::string& path) const;
   bool guards_hold() const;
   /// "key found of goal" of each goal missed.

@@ -1,5 +1,5 @@
-// Each stage of a render of the park against what the machine can do: bytes it must move and additions and multiplications it must
-// make, counted from what its kernel reads and writes, over the seconds of run.json.
+// Each stage of a render of the park against what the machine can do: bytes it must move and additions and
+// multiplications it must make, counted from what its kernel reads and writes, over the seconds of run.json.
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -19,8 +19,8 @@
 namespace raycube::bench {
 namespace {
 
-// Twelve chains of fused multiply-adds, 16 wide, enough to hide four cycles of latency on two ports. a x + b with a = 1/2, b = 1/2
-// ends at 1 from any start, to a rounding: what is computed can be checked.
+// Twelve chains of fused multiply-adds, 16 wide, enough to hide four cycles of latency on two ports. a x + b with a =
+// 1/2, b = 1/2 ends at 1 from any start, to a rounding: what is computed can be checked.
 constexpr const char* kPeakSource = R"(
 kernel void fma_peak(global float16* out, uint rounds, float a, float b) {
   float16 x[12];
@@ -45,7 +45,10 @@ double fma_peak_gflop_s(const Settings& settings, Report& report) {
   kernel.arguments(out, cl_uint{kRounds}, 0.5f, 0.5f);
   double best = 1e9;
   for (int i = 0; i < kPairs + 1; ++i) {
-    const double s = seconds_of([&] { context.launch(kernel, kItems); context.finish(); });
+    const double s = seconds_of([&] {
+      context.launch(kernel, kItems);
+      context.finish();
+    });
     if (i > 0) best = std::min(best, s);
   }
   double worst = 0;
@@ -61,9 +64,13 @@ std::string small_park(const Settings& settings) {
   std::stringstream text;
   text << file.rdbuf();
   std::string toml = text.str();
-  for (const auto& [from, to] : {std::pair{"pixels = 320", "pixels = 128"}, {"lines = 320", "lines = 128"}, {"sky_directions = 48", "sky_directions = 4"}}) {
+  for (const auto& [from, to] : {std::pair{"pixels = 320", "pixels = 128"},
+                                 {"lines = 320", "lines = 128"},
+                                 {"sky_directions = 48", "sky_directions = 4"}}) {
     const auto at = toml.find(from);
-    if (at == std::string::npos) throw base::Error(base::Fault::input, "bench: " + settings.park_file + " has no '" + from + "'; is this the shipped park?");
+    if (at == std::string::npos)
+      throw base::Error(base::Fault::input,
+                        "bench: " + settings.park_file + " has no '" + from + "'; is this the shipped park?");
     toml.replace(at, std::string(from).size(), to);
   }
   const auto path = std::filesystem::path(settings.park_file).parent_path() / "park_roofline.toml";
@@ -82,7 +89,8 @@ void run_roofline(const Settings& settings, Report& report) {
   const std::string park = small_park(settings);
   const std::size_t roof_floats = (std::size_t{384} << 20) / sizeof(float);
   const auto release = [](float* p) { std::free(p); };
-  const std::unique_ptr<float, decltype(release)> roof(static_cast<float*>(std::aligned_alloc(64, roof_floats * sizeof(float))), release);
+  const std::unique_ptr<float, decltype(release)> roof(
+      static_cast<float*>(std::aligned_alloc(64, roof_floats * sizeof(float))), release);
   std::vector<double> write_gb_s;
   for (int i = 0; i < kPairs + 1; ++i) {
     const double s = seconds_of([&] { fill16(roof.get(), roof_floats, static_cast<float>(i), settings.threads); });
@@ -94,18 +102,22 @@ void run_roofline(const Settings& settings, Report& report) {
 
   const auto program = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "raycube";
   const auto folder = std::filesystem::path(park).parent_path() / "roofline_out";
-  const std::string command = shell_quoted(program.string()) + " render " + shell_quoted(park) + " --instrument spectir --threads " +
-                              std::to_string(settings.threads) + " -q --overwrite -o " + shell_quoted(folder.string()) + " > /dev/null";
+  const std::string command = shell_quoted(program.string()) + " render " + shell_quoted(park) +
+                              " --instrument spectir --threads " + std::to_string(settings.threads) +
+                              " -q --overwrite -o " + shell_quoted(folder.string()) + " > /dev/null";
   nlohmann::json run;
   for (int i = 0; i < 2; ++i) {  // the first compiles
-    if (std::system(command.c_str()) != 0) throw base::Error(base::Fault::environment, "bench: the park was not rendered by: " + command);
+    if (std::system(command.c_str()) != 0)
+      throw base::Error(base::Fault::environment, "bench: the park was not rendered by: " + command);
     run = nlohmann::json::parse(std::ifstream(folder / "spectir/run.json"));
   }
   const double pixels = run.at("image").at("samples").get<double>() * run.at("image").at("lines").get<double>();
-  const double samples = run.at("image").at("samples_per_pixel"), bands = run.at("image").at("bands"), terms = run.at("rows").at("terms_p50");
+  const double samples = run.at("image").at("samples_per_pixel"), bands = run.at("image").at("bands"),
+               terms = run.at("rows").at("terms_p50");
   const double padded = 16 * std::ceil(samples / 16), bands_padded = 16 * std::ceil(bands / 16);
-  // Bytes that pass through memory between stages (docs/design.md, stages); the scene's trees and triangles come on top and mostly
-  // from caches. make_surface gathers a triangle of 36 bytes a sample. integrate reads its table (terms rows) from the second cache.
+  // Bytes that pass through memory between stages (docs/design.md, stages); the scene's trees and triangles come on top
+  // and mostly from caches. make_surface gathers a triangle of 36 bytes a sample. integrate reads its table (terms
+  // rows) from the second cache.
   const Stage stages[] = {
       {"trace_primary", 8 * padded, 0},
       {"make_surface", (8 + 28) * padded + 36 * samples, 0},
@@ -119,12 +131,14 @@ void run_roofline(const Settings& settings, Report& report) {
   std::printf("  %-14s %9s %12s %8s %12s %8s\n", "stage", "s", "bytes/pixel", "of roof", "flop/pixel", "of peak");
   for (const Stage& stage : stages) {
     const double s = run.at("stage_s").at(stage.name).get<double>();
-    const double of_roof = 1e-9 * stage.bytes * pixels / s / bandwidth_gb_s, of_peak = 1e-9 * stage.flops * pixels / s / peak_gflop_s;
+    const double of_roof = 1e-9 * stage.bytes * pixels / s / bandwidth_gb_s,
+                 of_peak = 1e-9 * stage.flops * pixels / s / peak_gflop_s;
     std::printf("  %-14s %9.4f %12.0f %8.4f %12.0f %8.4f\n", stage.name, s, stage.bytes, of_roof, stage.flops, of_peak);
     report.add(std::string("roofline_") + stage.name + "_of_write_bandwidth", of_roof, "x");
     if (stage.flops > 0) report.add(std::string("roofline_") + stage.name + "_of_fma_peak", of_peak, "x");
   }
-  report.add("roofline_primary_mrays_s", 1e-6 * samples * pixels / run.at("stage_s").at("trace_primary").get<double>(), "Mrays/s");
+  report.add("roofline_primary_mrays_s", 1e-6 * samples * pixels / run.at("stage_s").at("trace_primary").get<double>(),
+             "Mrays/s");
 }
 
 }  // namespace raycube::bench

@@ -1,6 +1,7 @@
-// raycube_solver_accuracy OUT.json: the layered air's settings against their error and their time, on one scene: midlatitude
-// summer, rural aerosol, 23 km, sun at 40 degrees, seen from 3 km over ground at sea level. bench/solver_accuracy.py runs it and
-// draws the chart. Every setting alone leaves its default; its errors are those against its most careful value.
+// raycube_solver_accuracy OUT.json: the layered air's settings against their error and their time, on one scene:
+// midlatitude summer, rural aerosol, 23 km, sun at 40 degrees, seen from 3 km over ground at sea level.
+// bench/solver_accuracy.py runs it and draws the chart. Every setting alone leaves its default; its errors are those
+// against its most careful value.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -112,11 +113,13 @@ struct Quantity {
 
 std::vector<double> values_at(const RenderTable& table, const char* row, std::size_t i, std::size_t wavelengths) {
   const std::vector<float>& all = table.rows.at(row).values;
-  const auto size = static_cast<std::ptrdiff_t>(all.size() / wavelengths), begin = static_cast<std::ptrdiff_t>(i) * size;
+  const auto size = static_cast<std::ptrdiff_t>(all.size() / wavelengths),
+             begin = static_cast<std::ptrdiff_t>(i) * size;
   return {all.begin() + begin, all.begin() + begin + size};
 }
 
-/// Irradiance of a thermal sky: pi times the integral of radiance over sin^2 of the zenith angle, straight lines between nodes.
+/// Irradiance of a thermal sky: pi times the integral of radiance over sin^2 of the zenith angle, straight lines
+/// between nodes.
 double sky_irradiance(const std::vector<double>& radiance, const std::vector<double>& zenith_deg) {
   double sum = 0;
   for (std::size_t z = 0; z + 1 < zenith_deg.size(); ++z) {
@@ -162,18 +165,20 @@ Error relative_error(const Quantity& found, const Quantity& reference) {
       error.worst = std::max(error.worst, off);
       ++count;
     }
-  if (count == 0) throw base::Error(base::Fault::check, "bench: " + reference.name + " of the reference is nothing but zeros");
+  if (count == 0)
+    throw base::Error(base::Fault::check, "bench: " + reference.name + " of the reference is nothing but zeros");
   error.rms = std::sqrt(squares / static_cast<double>(count));
   return error;
 }
 
 class Chart {
  public:
-  void add(const std::string& knob, double setting, bool is_default, const Window& window, double cpu_ms, std::size_t layers,
-           const std::vector<Quantity>& found, const std::vector<Quantity>& reference) {
+  void add(const std::string& knob, double setting, bool is_default, const Window& window, double cpu_ms,
+           std::size_t layers, const std::vector<Quantity>& found, const std::vector<Quantity>& reference) {
     for (std::size_t q = 0; q < found.size(); ++q) {
       const Error error = relative_error(found[q], reference[q]);
-      if (!std::isfinite(error.rms)) throw base::Error(base::Fault::check, "bench: an error that is no number, " + knob);
+      if (!std::isfinite(error.rms))
+        throw base::Error(base::Fault::check, "bench: an error that is no number, " + knob);
       points_.push_back({{"knob", knob},
                          {"setting", setting},
                          {"default", is_default},
@@ -212,14 +217,15 @@ void sweep_air(Chart& chart, const std::string& knob, const std::vector<int>& se
       const bool is_default = air.streams == default_air().streams && air.k_terms == default_air().k_terms &&
                               air.layering == default_air().layering;
       const Rows rows = fill(air, bins, window.thermal, 3);
-      chart.add(knob, setting, is_default, window, rows.cpu_ms, rows.layers, quantities(rows, window.thermal), reference);
+      chart.add(knob, setting, is_default, window, rows.cpu_ms, rows.layers, quantities(rows, window.thermal),
+                reference);
     }
   }
 }
 
 /// Means over channels of a spectrum that is a straight line between its nodes.
-std::vector<Quantity> channel_means(const std::vector<Quantity>& spectrum, const std::vector<double>& wavelength_um, double width_um,
-                                    double low_um, double high_um) {
+std::vector<Quantity> channel_means(const std::vector<Quantity>& spectrum, const std::vector<double>& wavelength_um,
+                                    double width_um, double low_um, double high_um) {
   constexpr int kSamples = 200;
   std::vector<Quantity> out = spectrum;
   for (std::size_t q = 0; q < spectrum.size(); ++q) {
@@ -255,8 +261,9 @@ void sweep_step(Chart& chart) {
     for (double multiple : {1, 2, 4, 10, 20, 40}) {
       const std::vector<SpectralBin> bins = stepped_bins(window, multiple * window.nm / 1000);
       const Rows rows = fill(default_air(), bins, window.thermal, 1);
-      const std::vector<Quantity> means = channel_means(quantities(rows, window.thermal),
-                                                        rows.table.axes.at("wavelength").nodes, width_um, window.low_um, window.high_um);
+      const std::vector<Quantity> means =
+          channel_means(quantities(rows, window.thermal), rows.table.axes.at("wavelength").nodes, width_um,
+                        window.low_um, window.high_um);
       if (multiple == 1) {
         reference = means;
         continue;
@@ -281,13 +288,15 @@ void validate_rows() {
     Rows ours = fill(default_air(), bins, window.thermal, 1);
     for (const char* row : {"spherical_albedo", "diffuse_view_transmission", "view_transmission"})
       if (built.rows.at(row).values != ours.table.rows.at(row).values)
-        throw base::Error(base::Fault::check, std::string("bench: the rows ") + row + " are not those of raycube atmos build");
+        throw base::Error(base::Fault::check,
+                          std::string("bench: the rows ") + row + " are not those of raycube atmos build");
     validate(ours.table, "bench");
     const std::vector<Quantity> own = quantities(ours, window.thermal);
     for (const Quantity& quantity : own)
       for (const auto& values : quantity.values)
         for (double value : values)
-          if (!(value > 0)) throw base::Error(base::Fault::check, "bench: a " + quantity.name + " that is not above 0, " + window.name);
+          if (!(value > 0))
+            throw base::Error(base::Fault::check, "bench: a " + quantity.name + " that is not above 0, " + window.name);
   }
 }
 

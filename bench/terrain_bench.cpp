@@ -19,8 +19,8 @@ void run_terrain(const Settings& settings, Report& report) {
   const auto hits = rig.hits();
   const auto lost = std::count_if(hits.begin(), hits.end(), [](const RayResult& r) { return r.instance == RC_NONE; });
   report.validate("terrain: our rays that miss the closed ground", static_cast<double>(lost), 0);
-  // Embree's default and robust modes part in 1.7e-5 of the rays, kernels like ours from the default one in up to 4.3e-5;
-  // shadows in 1.0e-5 (PERFORMANCE.md 2.3).
+  // Embree's default and robust modes part in 1.7e-5 of the rays, kernels like ours from the default one in up to
+  // 4.3e-5; shadows in 1.0e-5 (PERFORMANCE.md 2.3).
   const Limits limits{4.3e-5, 1e-5};
   const Comparison c = compare_traces(scene, camera, groups, bench_sun(), false, limits, settings, report, "terrain");
   report.add("primary_vs_embree16", c.primary.ratio(), "x", Goal::at_least(3.6));

@@ -1,4 +1,5 @@
-// Alternating pairs: this machine's speed changes by 2x within minutes, so only ratios taken back to back mean anything.
+// Alternating pairs: this machine's speed changes by 2x within minutes, so only ratios taken back to back mean
+// anything.
 #pragma once
 
 #include <chrono>

@@ -10,8 +10,8 @@ namespace raycube::bench {
 
 std::array<float, 3> sun_vector(const scene::Sun& sun) {
   const double zenith = sun.zenith_deg * M_PI / 180, azimuth = sun.azimuth_deg * M_PI / 180;
-  return {static_cast<float>(std::sin(zenith) * std::sin(azimuth)), static_cast<float>(std::sin(zenith) * std::cos(azimuth)),
-          static_cast<float>(std::cos(zenith))};
+  return {static_cast<float>(std::sin(zenith) * std::sin(azimuth)),
+          static_cast<float>(std::sin(zenith) * std::cos(azimuth)), static_cast<float>(std::cos(zenith))};
 }
 
 std::array<float, 3> bench_sun() {
@@ -39,15 +39,22 @@ Comparison compare_traces(const scene::CompiledScene& scene, const scene::Instru
     embree.to_scene(theirs.data(), theirs.size());
     const std::string mode = label + ", Embree " + mode_name(kEmbreeModes[m]);
     const Judgement verdict = judge(scene, rays, ours, theirs, 2000);
-    std::printf("  %s: %.3g of the rays hit another primitive; of %zu of them judged in double ours are right in %zu, Embree's in %zu\n",
-                mode.c_str(), differing(ours, theirs), verdict.judged, verdict.ours_right, verdict.theirs_right);
-    std::printf("  %s: %zu of them lie outside every rounding bound on Embree's side\n", mode.c_str(), verdict.theirs_unexplained);
-    report.validate(mode + ": rays of ours that double contradicts beyond rounding", static_cast<double>(verdict.unexplained), 0);
-    const double off = verdict.judged ? 1 - static_cast<double>(verdict.ours_right) / static_cast<double>(verdict.judged) : 0;
-    report.validate(mode + ": rays where double arithmetic is not with us", off * differing(ours, theirs), limits.ours_off);
+    std::printf(
+        "  %s: %.3g of the rays hit another primitive; of %zu of them judged in double ours are right in %zu, Embree's "
+        "in %zu\n",
+        mode.c_str(), differing(ours, theirs), verdict.judged, verdict.ours_right, verdict.theirs_right);
+    std::printf("  %s: %zu of them lie outside every rounding bound on Embree's side\n", mode.c_str(),
+                verdict.theirs_unexplained);
+    report.validate(mode + ": rays of ours that double contradicts beyond rounding",
+                    static_cast<double>(verdict.unexplained), 0);
+    const double off =
+        verdict.judged ? 1 - static_cast<double>(verdict.ours_right) / static_cast<double>(verdict.judged) : 0;
+    report.validate(mode + ": rays where double arithmetic is not with us", off * differing(ours, theirs),
+                    limits.ours_off);
     embree.shadow(shadows, kEmbreeModes[m], settings.threads, theirs_sun.data());
     const ShadowJudgement shade = judge(scene, shadows, ours, ours_sun, theirs_sun);
-    report.validate(mode + ": shadow rays that differ", static_cast<double>(shade.differ) / static_cast<double>(rays.rays()), limits.shadows_off);
+    report.validate(mode + ": shadow rays that differ",
+                    static_cast<double>(shade.differ) / static_cast<double>(rays.rays()), limits.shadows_off);
     report.validate(mode + ": shadow rays of ours that are wrong in double", static_cast<double>(shade.ours_wrong), 0);
   }
 
@@ -57,7 +64,8 @@ Comparison compare_traces(const scene::CompiledScene& scene, const scene::Instru
     double primary_best = 1e300, shadow_best = 1e300, primary_s = 0, shadow_s = 0;
     for (std::size_t m = 0; m < modes; ++m) {
       const double p = seconds_of([&] { embree.primary(rays, kEmbreeModes[m], settings.threads, theirs.data()); });
-      const double s = seconds_of([&] { embree.shadow(shadows, kEmbreeModes[m], settings.threads, theirs_sun.data()); });
+      const double s =
+          seconds_of([&] { embree.shadow(shadows, kEmbreeModes[m], settings.threads, theirs_sun.data()); });
       primary_best = std::min(primary_best, p);
       shadow_best = std::min(shadow_best, s);
       if (m == 0) {

@@ -13,13 +13,15 @@ namespace raycube::bench {
 
 /// Largest shares of rays, with their reasons at the caller.
 struct Limits {
-  double ours_off = 0;     ///< our hit is not the one of double arithmetic (but within rounding: beyond it, none is allowed)
+  double ours_off =
+      0;  ///< our hit is not the one of double arithmetic (but within rounding: beyond it, none is allowed)
   double shadows_off = 0;  ///< shadow rays that differ from Embree's
 };
 
 struct Comparison {
-  Pairs primary, primary_best, shadow, shadow_best;  ///< reference: 16 coherent; the fastest of Embree's modes in each round
-  std::string program_hash;                          ///< of the tracing program that was timed
+  Pairs primary, primary_best, shadow,
+      shadow_best;           ///< reference: 16 coherent; the fastest of Embree's modes in each round
+  std::string program_hash;  ///< of the tracing program that was timed
 };
 
 /// modes: which of Embree's modes take part (16 coherent always does).

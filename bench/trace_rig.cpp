@@ -75,18 +75,21 @@ TraceRig::Times TraceRig::run(std::uint32_t first_line) {
 
 std::vector<RayResult> TraceRig::hits() const {
   const State& s = *state_;
-  const auto samples = static_cast<std::size_t>(s.shape.samples), padded = static_cast<std::size_t>(s.shape.padded_samples);
+  const auto samples = static_cast<std::size_t>(s.shape.samples),
+             padded = static_cast<std::size_t>(s.shape.padded_samples);
   std::vector<std::uint32_t> raw(s.pixels() * 2 * padded);
   s.traced.hits.read(raw);
   std::vector<RayResult> results(s.pixels() * samples);
   for (std::size_t p = 0; p < s.pixels(); ++p)
-    for (std::size_t k = 0; k < samples; ++k) results[p * samples + k] = {raw[p * 2 * padded + k], raw[(p * 2 + 1) * padded + k]};
+    for (std::size_t k = 0; k < samples; ++k)
+      results[p * samples + k] = {raw[p * 2 * padded + k], raw[(p * 2 + 1) * padded + k]};
   return results;
 }
 
 std::vector<RayResult> TraceRig::sun() const {
   const State& s = *state_;
-  const auto samples = static_cast<std::size_t>(s.shape.samples), words = static_cast<std::size_t>(s.shape.padded_samples) / 16;
+  const auto samples = static_cast<std::size_t>(s.shape.samples),
+             words = static_cast<std::size_t>(s.shape.padded_samples) / 16;
   std::vector<std::uint16_t> mask(s.pixels() * words);
   s.traced.sun.read(mask);
   const ShadowRays rays = shadow_rays();
@@ -101,7 +104,8 @@ std::vector<RayResult> TraceRig::sun() const {
 
 ShadowRays TraceRig::shadow_rays() const {
   const State& s = *state_;
-  const auto samples = static_cast<std::size_t>(s.shape.samples), padded = static_cast<std::size_t>(s.shape.padded_samples);
+  const auto samples = static_cast<std::size_t>(s.shape.samples),
+             padded = static_cast<std::size_t>(s.shape.padded_samples);
   std::vector<float> surface(s.pixels() * 6 * padded);
   s.traced.surface.read(surface);
   ShadowRays rays;

@@ -1,4 +1,5 @@
-// The tracing stages of render, launched on rays of one's choice: the same class, source and options, so the same programs.
+// The tracing stages of render, launched on rays of one's choice: the same class, source and options, so the same
+// programs.
 #pragma once
 
 #include <array>

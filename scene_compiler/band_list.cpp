@@ -128,8 +128,8 @@ std::vector<Band> wide_table(const CsvFile& csv, const UnitColumn& wavelength, b
   return bands;
 }
 
-std::vector<Band> long_table(const CsvFile& csv, const UnitColumn& wavelength, std::size_t name,
-                             std::size_t response, bool air, Problems& problems) {
+std::vector<Band> long_table(const CsvFile& csv, const UnitColumn& wavelength, std::size_t name, std::size_t response,
+                             bool air, Problems& problems) {
   std::vector<Band> bands;
   for (std::size_t row = 0; row < csv.rows.size(); ++row) {
     const std::string& band_name = csv.rows[row][name];
@@ -170,8 +170,7 @@ std::vector<Band> read_band_file(const std::string& file, const std::string& med
   return wide_table(*csv, wavelength, air, problems);
 }
 
-std::vector<Band> regular_bands(double first_nm, double step_nm, int count, double fwhm_nm,
-                                const std::string& medium) {
+std::vector<Band> regular_bands(double first_nm, double step_nm, int count, double fwhm_nm, const std::string& medium) {
   std::vector<Band> bands(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) {
     bands[static_cast<std::size_t>(i)].center_um = um_of((first_nm + i * step_nm) * 1e-3, medium == "air");

@@ -16,12 +16,11 @@ namespace raycube::scene {
 ///   blocks
 /// medium "air", "vacuum" or "" (what the file's `# medium:` line says, else vacuum). Centres of tabulated
 /// bands are the response-weighted mean wavelengths. Result in file order; reports every bad row.
-std::vector<Band> read_band_file(const std::string& file, const std::string& medium,
-                                 const base::Where& asked_by, base::Problems& problems);
+std::vector<Band> read_band_file(const std::string& file, const std::string& medium, const base::Where& asked_by,
+                                 base::Problems& problems);
 
 /// count Gaussian bands at first_nm + i step_nm.
-std::vector<Band> regular_bands(double first_nm, double step_nm, int count, double fwhm_nm,
-                                const std::string& medium);
+std::vector<Band> regular_bands(double first_nm, double step_nm, int count, double fwhm_nm, const std::string& medium);
 
 /// Sorts by centre, stable (duplicates and overlaps stay); true when the order changed.
 bool sort_bands(std::vector<Band>& bands);

@@ -23,8 +23,9 @@ struct Centroid {
   std::uint32_t triangle;
 };
 
-// Orders the range so that consecutive runs of 16 are spatially compact: recursive split of the longest centroid axis at
-// a count rounded up to full blocks. Equal keys fall back on the triangle number, so the order is the same everywhere.
+// Orders the range so that consecutive runs of 16 are spatially compact: recursive split of the longest centroid axis
+// at a count rounded up to full blocks. Equal keys fall back on the triangle number, so the order is the same
+// everywhere.
 void regroup(Centroid* first, Centroid* last) {
   while (last - first > static_cast<std::ptrdiff_t>(kBlock)) {
     Box box;
@@ -71,8 +72,8 @@ shared::rc_float4 row(const std::array<double, 12>& m, int i) {
           static_cast<float>(m[4 * i + 3])};
 }
 
-// World box of an instance: the eight corners of its mesh through the stored matrix in double, grown by what the rounded
-// matrices can move a point (16 ulp of the sums involved), so that no local hit lies outside.
+// World box of an instance: the eight corners of its mesh through the stored matrix in double, grown by what the
+// rounded matrices can move a point (16 ulp of the sums involved), so that no local hit lies outside.
 Box world_box(const shared::Instance& instance, const Mesh& mesh) {
   const shared::rc_float4* w = &instance.world_from_local_0;
   const shared::rc_float4* l = &instance.local_from_world_0;
@@ -85,7 +86,8 @@ Box world_box(const shared::Instance& instance, const Mesh& mesh) {
       const double z = corner & 4 ? mesh.hi[2] : mesh.lo[2];
       const double value = w[i].x * x + w[i].y * y + w[i].z * z + w[i].w;
       lo[i] = std::min(lo[i], value), hi[i] = std::max(hi[i], value);
-      size[i] = std::max(size[i], std::abs(w[i].x * x) + std::abs(w[i].y * y) + std::abs(w[i].z * z) + std::abs(w[i].w));
+      size[i] =
+          std::max(size[i], std::abs(w[i].x * x) + std::abs(w[i].y * y) + std::abs(w[i].z * z) + std::abs(w[i].w));
     }
     reach = std::max({reach, std::abs(lo[i]), std::abs(hi[i])});
   }
@@ -152,11 +154,13 @@ std::uint32_t append_mesh(CompiledScene& scene, const std::string& name, const T
   result.lo = bounds.lo, result.hi = bounds.hi;
 
   detail::Tree tree = detail::build_tree(boxes);
-  if (tree.depth > kMaxDepth) throw Error(Fault::bug, "mesh '" + name + "': tree of " + std::to_string(tree.depth) + " levels");
+  if (tree.depth > kMaxDepth)
+    throw Error(Fault::bug, "mesh '" + name + "': tree of " + std::to_string(tree.depth) + " levels");
   result.depth = tree.depth;
   result.root = static_cast<std::uint32_t>(scene.nodes.size());
   for (shared::BvhNode& node : tree.nodes)
-    for (std::uint32_t i = 0; i < node.count; ++i) node.child[i] += node.leaf_mask >> i & 1u ? result.first_block : result.root;
+    for (std::uint32_t i = 0; i < node.count; ++i)
+      node.child[i] += node.leaf_mask >> i & 1u ? result.first_block : result.root;
   scene.nodes.insert(scene.nodes.end(), tree.nodes.begin(), tree.nodes.end());
   scene.meshes.push_back(std::move(result));
   return static_cast<std::uint32_t>(scene.meshes.size() - 1);
@@ -167,8 +171,9 @@ void append_instance(CompiledScene& scene, std::uint32_t mesh, const std::array<
   if (mesh >= scene.meshes.size()) throw Error(Fault::bug, "instance " + std::to_string(id) + " of an unknown mesh");
   std::array<double, 12> inverse{};
   if (!invert(world_from_local, inverse))
-    throw Error(Fault::input, "instance " + std::to_string(id) + " of mesh '" + scene.meshes[mesh].name +
-                                  "': its matrix cannot be inverted (singular or not finite); give a scale other than zero");
+    throw Error(Fault::input,
+                "instance " + std::to_string(id) + " of mesh '" + scene.meshes[mesh].name +
+                    "': its matrix cannot be inverted (singular or not finite); give a scale other than zero");
   shared::Instance instance{};
   instance.world_from_local_0 = row(world_from_local, 0);
   instance.world_from_local_1 = row(world_from_local, 1);

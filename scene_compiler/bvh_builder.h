@@ -12,10 +12,10 @@ namespace raycube::scene {
 
 /// A triangle soup in one mesh frame, before blocks are made.
 struct TriangleMesh {
-  std::vector<std::array<float, 3>> vertices;          ///< m
-  std::vector<std::array<std::uint32_t, 3>> triangles; ///< vertex indices, counter-clockwise seen from outside
-  std::vector<std::uint32_t> surface;                  ///< per triangle: index into CompiledScene::surfaces
-  std::vector<std::uint32_t> user_face;                ///< per triangle: face number in the user's file
+  std::vector<std::array<float, 3>> vertices;           ///< m
+  std::vector<std::array<std::uint32_t, 3>> triangles;  ///< vertex indices, counter-clockwise seen from outside
+  std::vector<std::uint32_t> surface;                   ///< per triangle: index into CompiledScene::surfaces
+  std::vector<std::uint32_t> user_face;                 ///< per triangle: face number in the user's file
 };
 
 /// Appends a mesh's blocks and tree to the scene and returns its index in scene.meshes. Precondition: finite vertices,
@@ -27,8 +27,8 @@ std::uint32_t append_mesh(CompiledScene& scene, const std::string& name, const T
 void append_instance(CompiledScene& scene, std::uint32_t mesh, const std::array<double, 12>& world_from_local,
                      std::uint32_t id);
 
-/// Builds the top tree over the instances into scene.nodes[0..] (mesh roots and children are renumbered), sets bounds and
-/// top_depth. Call once, after the last instance.
+/// Builds the top tree over the instances into scene.nodes[0..] (mesh roots and children are renumbered), sets bounds
+/// and top_depth. Call once, after the last instance.
 void finish_top_tree(CompiledScene& scene);
 
 }  // namespace raycube::scene

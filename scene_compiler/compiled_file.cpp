@@ -54,8 +54,7 @@ class Writer {
 /// Reads from a buffer and refuses to pass its end; counts are checked before anything is allocated.
 class Reader {
  public:
-  Reader(const char* data, std::size_t bytes, std::string file)
-      : data_(data), left_(bytes), file_(std::move(file)) {}
+  Reader(const char* data, std::size_t bytes, std::string file) : data_(data), left_(bytes), file_(std::move(file)) {}
   void raw(void* out, std::size_t bytes) {
     if (bytes > left_) damaged("ends inside a field");
     if (bytes > 0) std::memcpy(out, data_, bytes);
@@ -84,8 +83,8 @@ class Reader {
   }
   std::size_t left() const { return left_; }
   [[noreturn]] void damaged(const std::string& what) const {
-    throw Error(Fault::input, file_ + ": compiled scene is damaged: it " + what +
-                                  "; compile it again with raycube scene compile");
+    throw Error(Fault::input,
+                file_ + ": compiled scene is damaged: it " + what + "; compile it again with raycube scene compile");
   }
 
  private:
@@ -146,9 +145,9 @@ void archive_pulse_matter(Archive& ar, Scene& scene) {
     ar(volume.concentration_ppm);
     ar(volume.cells);
     ar(volume.values);
-    for (auto* value : {&volume.source_g_s, &volume.wind_m_s, &volume.release_height_m, &volume.molar_mass_g, &volume.sigma_y_a, &volume.sigma_y_b,
-                        &volume.sigma_z_a, &volume.sigma_z_b, &volume.sigma_y_m, &volume.sigma_z_m, &volume.length_m, &volume.extinction_per_m,
-                        &volume.lidar_ratio_sr})
+    for (auto* value : {&volume.source_g_s, &volume.wind_m_s, &volume.release_height_m, &volume.molar_mass_g,
+                        &volume.sigma_y_a, &volume.sigma_y_b, &volume.sigma_z_a, &volume.sigma_z_b, &volume.sigma_y_m,
+                        &volume.sigma_z_m, &volume.length_m, &volume.extinction_per_m, &volume.lidar_ratio_sr})
       ar(*value);
     ar(volume.wavelength_um);
     ar(volume.cross_section_cm2);
@@ -156,9 +155,10 @@ void archive_pulse_matter(Archive& ar, Scene& scene) {
 }
 
 bool has_pulse_matter(const CompiledScene& scene) {
-  return !scene.volumes.empty() || std::any_of(scene.materials.begin(), scene.materials.end(), [](const Material& material) {
-    return material.transmission != Material::Transmission::leaf || material.gloss_f0 > 0;
-  });
+  return !scene.volumes.empty() ||
+         std::any_of(scene.materials.begin(), scene.materials.end(), [](const Material& material) {
+           return material.transmission != Material::Transmission::leaf || material.gloss_f0 > 0;
+         });
 }
 
 template <class Add>
@@ -200,8 +200,7 @@ std::string read_file(const std::string& file) {
 /// erred.
 void check_references(const CompiledScene& scene, const Reader& reader) {
   for (const auto& mesh : scene.meshes)
-    if (mesh.root >= scene.nodes.size() ||
-        std::uint64_t{mesh.first_block} + mesh.block_count > scene.blocks.size())
+    if (mesh.root >= scene.nodes.size() || std::uint64_t{mesh.first_block} + mesh.block_count > scene.blocks.size())
       reader.damaged("has a mesh outside its arrays");
   for (const auto& instance : scene.instances)
     if (instance.mesh >= scene.meshes.size() || instance.root >= scene.nodes.size())
@@ -213,9 +212,12 @@ void check_references(const CompiledScene& scene, const Reader& reader) {
     if (material.transmission != Material::Transmission::leaf && material.transmission != Material::Transmission::plate)
       reader.damaged("has a material with an unknown way of transmission");
   for (const auto& volume : scene.volumes) {
-    const bool known = volume.shape == Volume::Shape::box || volume.shape == Volume::Shape::grid || volume.shape == Volume::Shape::plume;
-    const std::int64_t cells = volume.shape == Volume::Shape::grid ? std::int64_t{volume.cells[0]} * volume.cells[1] * volume.cells[2] : 0;
-    if (!known || volume.values.size() != static_cast<std::size_t>(cells) || volume.wavelength_um.size() != volume.cross_section_cm2.size())
+    const bool known = volume.shape == Volume::Shape::box || volume.shape == Volume::Shape::grid ||
+                       volume.shape == Volume::Shape::plume;
+    const std::int64_t cells =
+        volume.shape == Volume::Shape::grid ? std::int64_t{volume.cells[0]} * volume.cells[1] * volume.cells[2] : 0;
+    if (!known || volume.values.size() != static_cast<std::size_t>(cells) ||
+        volume.wavelength_um.size() != volume.cross_section_cm2.size())
       reader.damaged("has a volume whose arrays do not fit");
   }
   for (const auto& block : scene.blocks)
@@ -236,8 +238,7 @@ std::string content_hash(const CompiledScene& scene) {
 }
 
 void save_compiled(const CompiledScene& scene, const std::string& file, bool overwrite) {
-  static_assert(std::endian::native == std::endian::little,
-                "the file's byte order is the host's: little endian");
+  static_assert(std::endian::native == std::endian::little, "the file's byte order is the host's: little endian");
   std::uint64_t payload_bytes = 0;
   write_payload(scene, [&](const void*, std::size_t bytes) { payload_bytes += bytes; });
   base::OutputFile out(file, overwrite ? base::IfExists::replace : base::IfExists::refuse);
@@ -269,8 +270,7 @@ void save_compiled(const CompiledScene& scene, const std::string& file, bool ove
 CompiledScene load_compiled(const std::string& file) {
   const std::string data = read_file(file);
   if (data.empty())
-    throw Error(Fault::input,
-                file + ": file is empty (0 bytes); compile the scene again with raycube scene compile");
+    throw Error(Fault::input, file + ": file is empty (0 bytes); compile the scene again with raycube scene compile");
   if (data.size() < sizeof kMagic || std::memcmp(data.data(), kMagic, sizeof kMagic) != 0)
     throw Error(Fault::input, file +
                                   ": not a compiled scene (its first bytes are not RAYCUBE-SCENE); compile "
@@ -288,8 +288,8 @@ CompiledScene load_compiled(const std::string& file) {
                                   "; compile it again with raycube scene compile");
   header(payload_bytes);
   if (header.left() < kTrailerBytes || payload_bytes != header.left() - kTrailerBytes)
-    header.damaged("has " + std::to_string(data.size()) + " bytes and should have " +
-                   std::to_string(payload_bytes) + " + " + std::to_string(kHeaderBytes + kTrailerBytes));
+    header.damaged("has " + std::to_string(data.size()) + " bytes and should have " + std::to_string(payload_bytes) +
+                   " + " + std::to_string(kHeaderBytes + kTrailerBytes));
   const auto digest = base::Sha256().add(data.data(), data.size() - kTrailerBytes).digest();
   if (std::memcmp(digest.data(), data.data() + data.size() - kTrailerBytes, kTrailerBytes) != 0)
     header.damaged("does not have the SHA-256 it carries");

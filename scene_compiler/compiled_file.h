@@ -11,8 +11,8 @@ namespace raycube::scene {
 inline constexpr std::uint32_t kCompiledFileVersion = 4;
 
 /// SHA-256 (hex) of the origin, materials (names, curves; not the text of their source), surfaces, meshes,
-/// instances, nodes and blocks, and of volumes, ways of transmission and gloss where there are any, in the byte order of the
-/// file. Equal hashes give equal results.
+/// instances, nodes and blocks, and of volumes, ways of transmission and gloss where there are any, in the byte order
+/// of the file. Equal hashes give equal results.
 std::string content_hash(const CompiledScene& scene);
 
 /// Writes atomically. Throws Error(environment) when the disk refuses.

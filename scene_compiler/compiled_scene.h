@@ -20,13 +20,14 @@ struct Curve {
 /// A named material. Its reflectance curve has id = index + 1 in term keys.
 struct Material {
   std::string name;
-  std::string source;         ///< where the curve comes from, as the user's file states it
+  std::string source;  ///< where the curve comes from, as the user's file states it
   Curve reflectance;
-  Curve transmittance;        ///< empty when opaque
-  double temperature_K = 0;   ///< fixed temperature of everything made of it; 0: none given
+  Curve transmittance;       ///< empty when opaque
+  double temperature_K = 0;  ///< fixed temperature of everything made of it; 0: none given
   /// What its transmittance means: a leaf scatters it into the half-space behind, a plate lets it go straight on.
   enum class Transmission { leaf, plate } transmission = Transmission::leaf;
-  /// GGX gloss beside the diffuse reflectance (pulses alone): roughness alpha, reflectance at normal incidence; 0: none.
+  /// GGX gloss beside the diffuse reflectance (pulses alone): roughness alpha, reflectance at normal incidence; 0:
+  /// none.
   double gloss_roughness = 0, gloss_f0 = 0;
 };
 
@@ -34,20 +35,22 @@ struct Material {
 struct Volume {
   enum class Shape { box, grid, plume } shape = Shape::box;
   std::string name;
-  std::array<double, 3> position_m{};  ///< box, grid: centre of the base; plume: the source's foot, on the ground it reflects from
-  std::array<double, 3> size_m{};      ///< box, grid: along x, y, z
-  double yaw_deg = 0;                  ///< azimuth of its +y axis; plume: of the wind's way
+  std::array<double, 3>
+      position_m{};  ///< box, grid: centre of the base; plume: the source's foot, on the ground it reflects from
+  std::array<double, 3> size_m{};  ///< box, grid: along x, y, z
+  double yaw_deg = 0;              ///< azimuth of its +y axis; plume: of the wind's way
   /// Gas: mixing ratio times the number density that cross sections assume (1 ppm m = 2.479371580e15 cm-2 at 296 K).
-  std::string gas;                     ///< empty: none
-  double concentration_ppm = 0;        ///< box; grid: factor on its values
-  std::array<int, 3> cells{};          ///< grid, values at cell centres, trilinear, zero outside
-  std::vector<float> values;           ///< grid, x fastest
-  // plume: Gaussian, reflected at its foot: C = Q/(2 pi u sy sz) exp(-y^2/2sy^2) [exp(-(z-H)^2/2sz^2) + exp(-(z+H)^2/2sz^2)]
+  std::string gas;               ///< empty: none
+  double concentration_ppm = 0;  ///< box; grid: factor on its values
+  std::array<int, 3> cells{};    ///< grid, values at cell centres, trilinear, zero outside
+  std::vector<float> values;     ///< grid, x fastest
+  // plume: Gaussian, reflected at its foot: C = Q/(2 pi u sy sz) exp(-y^2/2sy^2) [exp(-(z-H)^2/2sz^2) +
+  // exp(-(z+H)^2/2sz^2)]
   double source_g_s = 0, wind_m_s = 1, release_height_m = 0, molar_mass_g = 16.0425;
-  double sigma_y_a = 0.08, sigma_y_b = 1e-4;   ///< sy = a x / sqrt(1 + b x) (Briggs, x in m)
-  double sigma_z_a = 0.06, sigma_z_b = 1.5e-3; ///< sz = a x / sqrt(1 + b x)
-  double sigma_y_m = 0, sigma_z_m = 0;         ///< > 0: constant instead
-  double length_m = 1000;                      ///< it ends here
+  double sigma_y_a = 0.08, sigma_y_b = 1e-4;    ///< sy = a x / sqrt(1 + b x) (Briggs, x in m)
+  double sigma_z_a = 0.06, sigma_z_b = 1.5e-3;  ///< sz = a x / sqrt(1 + b x)
+  double sigma_y_m = 0, sigma_z_m = 0;          ///< > 0: constant instead
+  double length_m = 1000;                       ///< it ends here
   // particles
   double extinction_per_m = 0, lidar_ratio_sr = 50;
   /// Cross sections of the gas: vacuum wavelength ascending, cm2 per molecule; linear between.
@@ -56,11 +59,11 @@ struct Volume {
 
 struct Mesh {
   std::string name;
-  std::uint32_t root = 0;         ///< node index of the tree's root
+  std::uint32_t root = 0;  ///< node index of the tree's root
   std::uint32_t first_block = 0;
   std::uint32_t block_count = 0;
   std::uint32_t triangle_count = 0;
-  std::uint32_t depth = 0;        ///< levels of nodes from root to deepest leaf
+  std::uint32_t depth = 0;          ///< levels of nodes from root to deepest leaf
   std::array<float, 3> lo{}, hi{};  ///< bounds, m, mesh frame
   /// user_face[p - first_block * 16]: face number in the user's file of primitive p; RC_NONE in unused lanes
   std::vector<std::uint32_t> user_face;
@@ -76,14 +79,14 @@ struct CompiledScene {
   Origin origin;
   std::vector<Material> materials;
   std::vector<Volume> volumes;
-  std::vector<shared::Surface> surfaces;    ///< the first materials.size() are the pure materials, in order
+  std::vector<shared::Surface> surfaces;  ///< the first materials.size() are the pure materials, in order
   std::vector<Mesh> meshes;
   std::vector<shared::Instance> instances;
-  std::vector<shared::BvhNode> nodes;       ///< top tree first: node 0 is its root (count 0 in an empty scene)
+  std::vector<shared::BvhNode> nodes;  ///< top tree first: node 0 is its root (count 0 in an empty scene)
   std::vector<shared::TriBlock> blocks;
-  std::uint32_t top_depth = 0;              ///< levels of the top tree
-  std::array<float, 3> lo{}, hi{};          ///< world bounds, m; lo > hi in an empty scene
-  std::string content_hash;                 ///< SHA-256 (hex) of everything above that changes a result
+  std::uint32_t top_depth = 0;      ///< levels of the top tree
+  std::array<float, 3> lo{}, hi{};  ///< world bounds, m; lo > hi in an empty scene
+  std::string content_hash;         ///< SHA-256 (hex) of everything above that changes a result
 
   /// Deepest stack a depth-first traversal of 8-wide nodes can need: 7 * (top_depth + deepest mesh) + 8.
   std::uint32_t stack_bound() const {

@@ -64,14 +64,12 @@ bool check_readable(const std::string& file, const base::Where& asked_by, base::
   std::error_code ignored;
   const std::string why = base::why_no_plain_file(file);
   if (!why.empty()) {
-    problems.add(asked_by, "cannot read file",
-                 std::filesystem::exists(file, ignored) ? file + ", which " + why : file,
+    problems.add(asked_by, "cannot read file", std::filesystem::exists(file, ignored) ? file + ", which " + why : file,
                  "check the path; it is relative to the file that names it");
     return false;
   }
   if (std::filesystem::file_size(file, ignored) == 0) {
-    problems.add({file, 0, 0, ""}, "file is empty", "0 bytes",
-                 "restore it; " + asked_by.text() + " names it");
+    problems.add({file, 0, 0, ""}, "file is empty", "0 bytes", "restore it; " + asked_by.text() + " names it");
     return false;
   }
   return true;
@@ -102,8 +100,7 @@ base::Where CsvFile::at(std::size_t row, std::size_t column_index) const {
   return {file, row_lines[row], 0, "column '" + columns[column_index] + "'"};
 }
 
-std::optional<double> CsvFile::number(std::size_t row, std::size_t column_index,
-                                      base::Problems& problems) const {
+std::optional<double> CsvFile::number(std::size_t row, std::size_t column_index, base::Problems& problems) const {
   const std::string& cell = rows[row][column_index];
   const auto value = parse_number(cell);
   if (value && std::isfinite(*value)) return value;
@@ -112,8 +109,7 @@ std::optional<double> CsvFile::number(std::size_t row, std::size_t column_index,
   return std::nullopt;
 }
 
-std::optional<CsvFile> read_csv(const std::string& file, const base::Where& asked_by,
-                                base::Problems& problems) {
+std::optional<CsvFile> read_csv(const std::string& file, const base::Where& asked_by, base::Problems& problems) {
   const auto text = read_whole_file(file, asked_by, problems);
   if (!text) return std::nullopt;
   CsvFile csv;
@@ -133,8 +129,7 @@ std::optional<CsvFile> read_csv(const std::string& file, const base::Where& aske
     } else {
       auto cells = split_cells(bare);
       if (cells.size() != csv.columns.size()) {
-        problems.add({file, number, 0, ""}, "row has " + std::to_string(cells.size()) + " cells",
-                     bare.substr(0, 60),
+        problems.add({file, number, 0, ""}, "row has " + std::to_string(cells.size()) + " cells", bare.substr(0, 60),
                      "the header on line " + std::to_string(csv.header_line) + " names " +
                          std::to_string(csv.columns.size()) + " columns");
         sound = false;

@@ -14,8 +14,7 @@ namespace raycube::scene {
 /// the header.
 struct CsvFile {
   std::string file;
-  std::map<std::string, std::string>
-      comments;  ///< "# source: USGS ..." gives {"source", "USGS ..."}; lower-case keys
+  std::map<std::string, std::string> comments;  ///< "# source: USGS ..." gives {"source", "USGS ..."}; lower-case keys
   int header_line = 0;
   std::vector<std::string> columns;
   std::vector<std::vector<std::string>> rows;
@@ -30,8 +29,7 @@ struct CsvFile {
 
 /// Reads the file; nullopt after reporting one that is missing, empty, without rows, or whose rows differ in
 /// length. asked_by: the key that names the file.
-std::optional<CsvFile> read_csv(const std::string& file, const base::Where& asked_by,
-                                base::Problems& problems);
+std::optional<CsvFile> read_csv(const std::string& file, const base::Where& asked_by, base::Problems& problems);
 
 /// True when the file is there, readable and not empty; reports it otherwise.
 bool check_readable(const std::string& file, const base::Where& asked_by, base::Problems& problems);

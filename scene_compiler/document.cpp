@@ -170,8 +170,7 @@ class Reader {
       const auto name = node.value<std::string>();
       if (!name) continue;  // its type was reported with the key
       const fs::path path = fs::path(*name).is_absolute() ? fs::path(*name) : file.folder / *name;
-      read_file(path, (fs::path(file.name).parent_path() / *name).string(), where_of(file, node.source()),
-                root);
+      read_file(path, (fs::path(file.name).parent_path() / *name).string(), where_of(file, node.source()), root);
     }
   }
 
@@ -189,10 +188,8 @@ class Reader {
         read_tables(*spec, node, file, where, value);
       } else if (spec->type == KeyType::table || (spec->type == KeyType::path_or_table && node.is_table())) {
         read_sub_table(*spec, node, file, where, value);
-      } else if (value.given && !(path.empty() && name == "format") &&
-                 !(path == "scene" && name == "include")) {
-        problems_.add(where, "'" + name + "' is given twice", "first in " + value.where.text(),
-                      "keep one of them");
+      } else if (value.given && !(path.empty() && name == "format") && !(path == "scene" && name == "include")) {
+        problems_.add(where, "'" + name + "' is given twice", "first in " + value.where.text(), "keep one of them");
       } else {
         value = Value{};
         value.given = true;
@@ -216,8 +213,7 @@ class Reader {
                   "'" + name + "'", way_out);
   }
 
-  void read_tables(const KeySpec& spec, const toml::node& node, const File& file, const Where& where,
-                   Value& value) {
+  void read_tables(const KeySpec& spec, const toml::node& node, const File& file, const Where& where, Value& value) {
     const std::string path = sub_path(spec);
     const auto add = [&](const toml::table& table) {
       Record record;
@@ -248,8 +244,7 @@ class Reader {
     }
   }
 
-  void read_sub_table(const KeySpec& spec, const toml::node& node, const File& file, const Where& where,
-                      Value& value) {
+  void read_sub_table(const KeySpec& spec, const toml::node& node, const File& file, const Where& where, Value& value) {
     if (!node.is_table()) {
       problems_.add(where, "'" + std::string(spec.key) + "' wants a table", type_found(node),
                     "write [" + sub_path(spec) + "] or " + std::string(spec.key) + " = { ... }");
@@ -269,8 +264,8 @@ class Reader {
   }
 
   void wrong_type(const KeySpec& spec, const toml::node& node, const File& file, const std::string& wanted) {
-    problems_.add(where_of(file, node.source()), "'" + std::string(spec.key) + "' wants " + wanted,
-                  type_found(node), std::string(spec.text));
+    problems_.add(where_of(file, node.source()), "'" + std::string(spec.key) + "' wants " + wanted, type_found(node),
+                  std::string(spec.text));
   }
 
   bool read_number(const KeySpec& spec, const toml::node& node, const File& file, double& out) {
@@ -291,8 +286,7 @@ class Reader {
     return in_range(spec, static_cast<double>(out), where_of(file, node.source()), problems_);
   }
 
-  const toml::array* list(const KeySpec& spec, const toml::node& node, const File& file,
-                          const std::string& wanted) {
+  const toml::array* list(const KeySpec& spec, const toml::node& node, const File& file, const std::string& wanted) {
     const auto* array = node.as_array();
     if (array == nullptr) {
       wrong_type(spec, node, file, wanted);

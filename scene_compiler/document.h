@@ -29,8 +29,8 @@ struct Value {
   std::vector<std::string> texts;
   std::vector<base::Where> text_places;  ///< of each text
   std::vector<std::pair<double, double>> points;
-  std::vector<NamedValue> map;                     ///< text_map, in file order
-  std::vector<Record> records;                     ///< tables; a table is one record
+  std::vector<NamedValue> map;  ///< text_map, in file order
+  std::vector<Record> records;  ///< tables; a table is one record
 };
 
 /// An entry of a text_map.
@@ -48,8 +48,7 @@ struct Record {
   std::map<std::string, Value, std::less<>> values;
 
   bool given(std::string_view key) const;
-  const base::Where& place(
-      std::string_view key) const;  ///< of the key, or of the table when it was not given
+  const base::Where& place(std::string_view key) const;  ///< of the key, or of the table when it was not given
   bool boolean(std::string_view key) const { return value(key).boolean; }
   std::int64_t integer(std::string_view key) const { return value(key).integer; }
   double number(std::string_view key) const { return value(key).number; }

@@ -90,10 +90,9 @@ bool in_range(const KeySpec& spec, double value, const base::Where& where, base:
   if (std::isfinite(value) && !below && !above) return true;
   const std::string range = range_text(spec);
   const std::string unit = spec.unit.empty() ? "" : " " + std::string(spec.unit);
-  problems.add(
-      where,
-      "'" + std::string(spec.key) + "' is " + (std::isfinite(value) ? "out of range" : "not a finite number"),
-      number_text(value), range.empty() ? "give a finite number" + unit : "give a number " + range + unit);
+  problems.add(where,
+               "'" + std::string(spec.key) + "' is " + (std::isfinite(value) ? "out of range" : "not a finite number"),
+               number_text(value), range.empty() ? "give a finite number" + unit : "give a number " + range + unit);
   return false;
 }
 
@@ -114,8 +113,7 @@ void fill_default(const KeySpec& spec, Value& value) {
       value.numbers = parse_list(text);
       break;
     case KeyType::integers:
-      for (const double number : parse_list(text))
-        value.integers.push_back(static_cast<std::int64_t>(number));
+      for (const double number : parse_list(text)) value.integers.push_back(static_cast<std::int64_t>(number));
       break;
     default:
       value.text = text;
@@ -155,8 +153,7 @@ void fill_defaults(Record& record, base::Problems* problems) {
 const Value& Record::value(std::string_view key) const {
   const auto found = values.find(key);
   if (found == values.end())
-    throw base::Error(base::Fault::bug,
-                      "option table has no key '" + std::string(key) + "' in [" + path + "]");
+    throw base::Error(base::Fault::bug, "option table has no key '" + std::string(key) + "' in [" + path + "]");
   return found->second;
 }
 

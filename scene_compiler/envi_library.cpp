@@ -138,10 +138,9 @@ std::vector<double> read_wavelengths(HeaderReader& header, std::size_t count, Pr
   const HeaderValue* list = header.find("wavelength");
   const HeaderValue* units = header.find("wavelength units");
   if (list == nullptr || units == nullptr) {
-    problems.add(
-        header.at("samples"),
-        std::string("ENVI header lacks '") + (list == nullptr ? "wavelength" : "wavelength units") + "'", "",
-        "add it; units are Micrometers or Nanometers");
+    problems.add(header.at("samples"),
+                 std::string("ENVI header lacks '") + (list == nullptr ? "wavelength" : "wavelength units") + "'", "",
+                 "add it; units are Micrometers or Nanometers");
     return {};
   }
   const std::string unit = lower_case(units->text);
@@ -171,8 +170,7 @@ std::vector<double> read_wavelengths(HeaderReader& header, std::size_t count, Pr
 
 }  // namespace
 
-std::optional<EnviLibrary> read_envi_library(const std::string& file, const Where& asked_by,
-                                             Problems& problems) {
+std::optional<EnviLibrary> read_envi_library(const std::string& file, const Where& asked_by, Problems& problems) {
   const std::string header_file = header_of(file);
   if (header_file.empty()) {
     problems.add(asked_by, "spectral library has no header", file,
@@ -183,8 +181,7 @@ std::optional<EnviLibrary> read_envi_library(const std::string& file, const Wher
   const auto data = read_whole_file(file, asked_by, problems);
   if (!header_text || !data) return std::nullopt;
   if (!header_text->starts_with("ENVI")) {
-    problems.add({header_file, 1, 0, ""}, "not an ENVI header", header_text->substr(0, 20),
-                 "its first line is ENVI");
+    problems.add({header_file, 1, 0, ""}, "not an ENVI header", header_text->substr(0, 20), "its first line is ENVI");
     return std::nullopt;
   }
   const std::size_t before = problems.lines().size();
@@ -199,12 +196,10 @@ std::optional<EnviLibrary> read_envi_library(const std::string& file, const Wher
     problems.add(header.at("data type"), "ENVI data type is not a real number's", std::to_string(code),
                  "convert to 4 or 5");
   if (order > 1)
-    problems.add(header.at("byte order"), "byte order is 0 or 1", std::to_string(order),
-                 "0 little, 1 big endian");
+    problems.add(header.at("byte order"), "byte order is 0 or 1", std::to_string(order), "0 little, 1 big endian");
   if (problems.lines().size() != before) return std::nullopt;
   // Sizes come from a text file: compare by division so that no product can overflow.
-  if (samples == 0 || lines == 0 || offset > data->size() ||
-      lines > (data->size() - offset) / type->bytes / samples) {
+  if (samples == 0 || lines == 0 || offset > data->size() || lines > (data->size() - offset) / type->bytes / samples) {
     problems.add({file, 0, 0, ""}, "data file is shorter than its header says",
                  std::to_string(data->size()) + " bytes for " + std::to_string(lines) + " spectra of " +
                      std::to_string(samples) + " samples",
@@ -224,8 +219,7 @@ std::optional<EnviLibrary> read_envi_library(const std::string& file, const Wher
     if (number && *number > 0)
       library.scale_factor = *number;
     else
-      problems.add(header.at("reflectance scale factor"), "not a positive number", factor->text,
-                   "give a number > 0");
+      problems.add(header.at("reflectance scale factor"), "not a positive number", factor->text, "give a number > 0");
   }
   if (problems.lines().size() != before) return std::nullopt;
   const bool swap = (order == 1) != (std::endian::native == std::endian::big);

@@ -16,8 +16,7 @@ double Ground::z_m(double x_m, double y_m) const {
   for (const auto& terrain : terrains_) {
     const auto [edge_x, edge_y] = terrain.nearest(x_m, y_m);
     const double away_m = std::hypot(edge_x - x_m, edge_y - y_m);
-    if (const auto z = terrain.height_m(edge_x, edge_y); z && away_m < nearest_m)
-      nearest_m = away_m, at_edge_m = *z;
+    if (const auto z = terrain.height_m(edge_x, edge_y); z && away_m < nearest_m) nearest_m = away_m, at_edge_m = *z;
   }
   return at_edge_m;
 }

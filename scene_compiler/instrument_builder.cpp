@@ -16,21 +16,19 @@ using base::Problems;
 constexpr double kMaxPoses = 1e8;
 
 int count_given(const Record& record, std::initializer_list<const char*> keys) {
-  return static_cast<int>(
-      std::count_if(keys.begin(), keys.end(), [&](const char* key) { return record.given(key); }));
+  return static_cast<int>(std::count_if(keys.begin(), keys.end(), [&](const char* key) { return record.given(key); }));
 }
 
 std::vector<Pose> read_poses(const Record& record, Problems& problems) {
   const auto csv = read_csv(record.text("poses"), record.place("poses"), problems);
   if (!csv) return {};
-  static constexpr std::array<const char*, 6> kNames{"x_m",      "y_m",       "z_m",
-                                                     "roll_deg", "pitch_deg", "heading_deg"};
+  static constexpr std::array<const char*, 6> kNames{"x_m", "y_m", "z_m", "roll_deg", "pitch_deg", "heading_deg"};
   std::array<std::optional<std::size_t>, 6> columns;
   for (std::size_t i = 0; i < 6; ++i) columns[i] = csv->column(kNames[i]);
   bool sound = columns[0] && columns[1] && columns[2];
   if (!sound)
-    problems.add({csv->file, csv->header_line, 0, ""}, "columns x_m, y_m and z_m are needed",
-                 csv->columns_text(), "name them; roll_deg, pitch_deg and heading_deg are optional");
+    problems.add({csv->file, csv->header_line, 0, ""}, "columns x_m, y_m and z_m are needed", csv->columns_text(),
+                 "name them; roll_deg, pitch_deg and heading_deg are optional");
   for (const auto& name : csv->columns)
     if (std::find(kNames.begin(), kNames.end(), name) == kNames.end()) {
       problems.add({csv->file, csv->header_line, 0, ""}, "unknown column", "'" + name + "'",
@@ -55,16 +53,15 @@ std::vector<Band> read_bands(const Record& record, Problems& problems) {
   const bool file = table->given("file");
   const int regular = count_given(*table, {"first_nm", "step_nm", "count", "fwhm_nm"});
   if (file ? regular != 0 : regular != 4) {
-    problems.add(table->where, "bands need either file, or first_nm, step_nm, count and fwhm_nm",
-                 file ? "file and " + std::to_string(regular) + " of the four"
-                      : std::to_string(regular) + " of the four",
-                 "complete one of the two forms");
+    problems.add(
+        table->where, "bands need either file, or first_nm, step_nm, count and fwhm_nm",
+        file ? "file and " + std::to_string(regular) + " of the four" : std::to_string(regular) + " of the four",
+        "complete one of the two forms");
     return {};
   }
   if (file) return read_band_file(table->text("file"), table->text("medium"), table->place("file"), problems);
-  return regular_bands(table->number("first_nm"), table->number("step_nm"),
-                       static_cast<int>(table->integer("count")), table->number("fwhm_nm"),
-                       table->text("medium"));
+  return regular_bands(table->number("first_nm"), table->number("step_nm"), static_cast<int>(table->integer("count")),
+                       table->number("fwhm_nm"), table->text("medium"));
 }
 
 void read_samples(const Record& record, Instrument& out, Problems& problems) {
@@ -91,8 +88,8 @@ void read_samples(const Record& record, Instrument& out, Problems& problems) {
       out.first_samples = static_cast<int>(samples->integer("first"));
       const int all = out.samples_u * out.samples_v;
       if (out.first_samples >= all)
-        problems.add(samples->place("first"), "a first pass has fewer samples than the pixel", std::to_string(out.first_samples) + " of " + std::to_string(all),
-                     "give fewer, or remove first");
+        problems.add(samples->place("first"), "a first pass has fewer samples than the pixel",
+                     std::to_string(out.first_samples) + " of " + std::to_string(all), "give fewer, or remove first");
     }
   }
   if (const Record* psf = record.table("psf")) {
@@ -100,8 +97,8 @@ void read_samples(const Record& record, Instrument& out, Problems& problems) {
     out.psf_support_px = psf->given("support_px") ? psf->number("support_px") : 1.0 + 6.0 * out.psf_sigma_px;
     const bool plain = out.psf_sigma_px == 0 && out.psf_support_px == 1;
     if (!plain && out.first_samples > 0)
-      problems.add(psf->where, "a point spread does not go with adaptive samples, whose first pass is a lattice", "first = " + std::to_string(out.first_samples),
-                   "remove samples.first or psf");
+      problems.add(psf->where, "a point spread does not go with adaptive samples, whose first pass is a lattice",
+                   "first = " + std::to_string(out.first_samples), "remove samples.first or psf");
     if (!plain && out.sampler == SamplerKind::lattice)
       problems.add(psf->where, "a point spread needs the grid or jittered sampler", "lattice",
                    "use samples = { jittered = [n, n] }");
@@ -152,8 +149,7 @@ double read_ifov_rad(const Record& record, double agl_m, Problems& problems) {
   const bool optics = record.given("focal_length_mm") || record.given("pitch_um");
   const int ways = count_given(record, {"gsd_m", "ifov_mrad"}) + int(optics);
   if (ways != 1) {
-    problems.add(record.where,
-                 "instrument needs exactly one of gsd_m, ifov_mrad, focal_length_mm with pitch_um",
+    problems.add(record.where, "instrument needs exactly one of gsd_m, ifov_mrad, focal_length_mm with pitch_um",
                  std::to_string(ways), "remove or add one");
     return 0;
   }
@@ -166,8 +162,8 @@ double read_ifov_rad(const Record& record, double agl_m, Problems& problems) {
     return 0;
   }
   if (agl_m > 0) return record.number("gsd_m") / agl_m;
-  problems.add(record.place("gsd_m"), "gsd_m needs the instrument above the ground",
-               number_text(agl_m) + " m above it", "raise it, or give ifov_mrad");
+  problems.add(record.place("gsd_m"), "gsd_m needs the instrument above the ground", number_text(agl_m) + " m above it",
+               "raise it, or give ifov_mrad");
   return 0;
 }
 
@@ -184,8 +180,8 @@ void read_geometry(const Record& record, const SceneParts& parts, Instrument& ou
     return;
   }
   if (double(out.lines) * (out.kind == InstrumentKind::whiskbroom ? out.pixels : 1) > kMaxPoses) {
-    problems.add(record.place("lines"), "instrument needs more than 1e8 poses",
-                 std::to_string(out.lines) + " lines", "split the image");
+    problems.add(record.place("lines"), "instrument needs more than 1e8 poses", std::to_string(out.lines) + " lines",
+                 "split the image");
     return;
   }
   Pose middle{0, 0, 0, record.number("roll_deg"), record.number("pitch_deg"), record.number("heading_deg")};
@@ -228,9 +224,8 @@ void read_geometry(const Record& record, const SceneParts& parts, Instrument& ou
                  std::to_string(given.size()) + " poses, " + std::to_string(lines) + " lines of " +
                      std::to_string(pixels) + " pixels",
                  "framing: 1; pushbroom: one per line; whiskbroom: one per line or per pixel");
-  out.poses = per_line && !per_pixel && out.kind == InstrumentKind::whiskbroom
-                  ? poses_per_pixel(given, out.pixels)
-                  : std::move(given);
+  out.poses = per_line && !per_pixel && out.kind == InstrumentKind::whiskbroom ? poses_per_pixel(given, out.pixels)
+                                                                               : std::move(given);
 }
 
 Instrument read_instrument(const Record& record, const SceneParts& parts, std::vector<std::string>& notices,
@@ -244,9 +239,7 @@ Instrument read_instrument(const Record& record, const SceneParts& parts, std::v
   out.pixels = static_cast<int>(record.integer("pixels"));
   out.lines = static_cast<int>(record.integer("lines"));
   const std::string& motion = record.text("motion");
-  out.motion = motion == "held"     ? PoseMotion::held
-               : motion == "moving" ? PoseMotion::moving
-                                    : PoseMotion::automatic;
+  out.motion = motion == "held" ? PoseMotion::held : motion == "moving" ? PoseMotion::moving : PoseMotion::automatic;
   if (out.motion != PoseMotion::held && out.kind != InstrumentKind::pushbroom)
     problems.add(record.place("motion"), "only a pushbroom moves while it looks at a line", motion,
                  "remove motion, or set kind = \"pushbroom\"");
@@ -261,7 +254,9 @@ Instrument read_instrument(const Record& record, const SceneParts& parts, std::v
   const std::string& small = record.text("small_objects");
   out.small_objects = small == "on" ? SmallObjects::on : small == "off" ? SmallObjects::off : SmallObjects::automatic;
   const std::string& error = record.text("standard_error");
-  out.standard_error = error == "off" ? StandardError::off : error == "worst" ? StandardError::worst : StandardError::bands;
+  out.standard_error = error == "off"     ? StandardError::off
+                       : error == "worst" ? StandardError::worst
+                                          : StandardError::bands;
   if (out.standard_error != StandardError::off && out.samples_given && out.samples_u * out.samples_v < 4)
     problems.add(record.place("standard_error"), "a standard error needs at least 4 samples in a pixel",
                  std::to_string(out.samples_u * out.samples_v), "give more samples, or standard_error = \"off\"");
@@ -274,20 +269,19 @@ Instrument read_instrument(const Record& record, const SceneParts& parts, std::v
 
 }  // namespace
 
-std::vector<Instrument> read_instruments(const Record& root, const SceneParts& parts,
-                                         std::vector<std::string>& notices, Problems& problems) {
+std::vector<Instrument> read_instruments(const Record& root, const SceneParts& parts, std::vector<std::string>& notices,
+                                         Problems& problems) {
   std::vector<Instrument> out;
   std::map<std::string, base::Where> places;
   for (const auto& record : root.records("instrument")) {
     const std::string& name = record.text("name");
-    static constexpr std::string_view kAllowed =
-        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-";
+    static constexpr std::string_view kAllowed = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-";
     if (name.find_first_not_of(kAllowed) != std::string::npos)
       problems.add(record.place("name"), "an instrument's name is a folder's", "'" + name + "'",
                    "use letters, digits, _ and -");
     if (const auto [place, fresh] = places.emplace(name, record.where); !fresh && !name.empty())
-      problems.add(record.where, "instrument '" + name + "' is defined twice",
-                   "first in " + place->second.text(), "rename one");
+      problems.add(record.where, "instrument '" + name + "' is defined twice", "first in " + place->second.text(),
+                   "rename one");
     if (record.sound) out.push_back(read_instrument(record, parts, notices, problems));
   }
   return out;

@@ -11,8 +11,8 @@
 namespace raycube::scene {
 
 /// Every instrument, checked; heights above ground come from the terrains of `parts` (0 off them).
-std::vector<Instrument> read_instruments(const Record& root, const SceneParts& parts,
-                                         std::vector<std::string>& notices, base::Problems& problems);
+std::vector<Instrument> read_instruments(const Record& root, const SceneParts& parts, std::vector<std::string>& notices,
+                                         base::Problems& problems);
 
 /// Poses of a straight flight at constant height along heading_deg, the middle of the image at `middle`.
 /// Pushbroom: one per line, line_spacing_m apart, line 0 flown first. Whiskbroom: one per pixel; within a

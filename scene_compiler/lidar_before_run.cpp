@@ -32,8 +32,7 @@ double pulse_reach_s(const LidarPulse& pulse) {
 
 Span gate_of(const Lidar& lidar, double periods_later) {
   const double start_s = lidar.gate.start_s + periods_later / lidar.prf_hz;
-  return {metres_per_s(lidar) * start_s,
-          metres_per_s(lidar) * (start_s + lidar.gate.bins * lidar.gate.bin_s)};
+  return {metres_per_s(lidar) * start_s, metres_per_s(lidar) * (start_s + lidar.gate.bins * lidar.gate.bin_s)};
 }
 
 /// Whether a gate so many periods after (before: below 0) its own pulse's holds any of the returns, for a
@@ -45,14 +44,14 @@ bool earlier_pulses_meet(const Lidar& lidar, const Span& returns) {
   return first <= most && first <= std::floor((returns.to_m - own.from_m) / period_m);
 }
 
-void note_gate_without_returns(const Record& record, const PlacedBox& box, const SceneParts& parts,
-                               const Lidar& lidar, const LidarReport& report) {
+void note_gate_without_returns(const Record& record, const PlacedBox& box, const SceneParts& parts, const Lidar& lidar,
+                               const LidarReport& report) {
   const Reach reach = reach_of(box.lo, box.hi, parts.volumes, lidar);
   if (!(reach.farthest_m > 0)) return;  // nothing is placed
   if (reach.farthest_m < reach.nearest_m) {
     report.notice(record.table("sampling")->place("range_limit_m"),
-                  "rays end " + number_text(lidar.transport.range_limit_m) +
-                      " m away, but the scene begins " + number_text(reach.nearest_m) +
+                  "rays end " + number_text(lidar.transport.range_limit_m) + " m away, but the scene begins " +
+                      number_text(reach.nearest_m) +
                       " m from the platform: no surface can send light back; raise range_limit_m");
     return;
   }
@@ -67,8 +66,7 @@ void note_gate_without_returns(const Record& record, const PlacedBox& box, const
                      Span{reach.nearest_m, reach.farthest_m}.text() +
                      " from the platform: no surface's return can be recorded; ";
   const double period_m = metres_per_s(lidar) / lidar.prf_hz;
-  if (!lidar.fold_ambiguous && lidar.pulses > 1 && reach.nearest_m > period_m &&
-      earlier_pulses_meet(lidar, returns))
+  if (!lidar.fold_ambiguous && lidar.pulses > 1 && reach.nearest_m > period_m && earlier_pulses_meet(lidar, returns))
     text += "those of earlier pulses fall into it, since pulses are " + number_text(period_m) +
             " m of range apart: set fold_ambiguous = true to record them, or move the gate";
   else
@@ -78,11 +76,10 @@ void note_gate_without_returns(const Record& record, const PlacedBox& box, const
 
 /// Hufnagel-Valley heights count from z = 0 where there is no terrain; a tenth of its lowest layer, 10 m,
 /// changes Cn2 by a tenth.
-void note_unsure_ground(const Record& record, const PlacedBox& box, const SceneParts& parts,
-                        const Lidar& lidar, const LidarReport& report) {
+void note_unsure_ground(const Record& record, const PlacedBox& box, const SceneParts& parts, const Lidar& lidar,
+                        const LidarReport& report) {
   const LidarTurbulence& turbulence = lidar.turbulence;
-  if (turbulence.profile != TurbulenceProfile::hufnagel_valley || turbulence.ground_z_m ||
-      !parts.terrains.empty())
+  if (turbulence.profile != TurbulenceProfile::hufnagel_valley || turbulence.ground_z_m || !parts.terrains.empty())
     return;
   if (box.empty() || std::abs(box.lo[2]) <= 10) return;
   report.notice(record.table("turbulence")->where,
@@ -93,8 +90,8 @@ void note_unsure_ground(const Record& record, const PlacedBox& box, const SceneP
 
 }  // namespace
 
-void check_before_first_pulse(const Record& record, const SceneParts& parts, const PlacedBox& box,
-                              const Lidar& lidar, const LidarReport& report) {
+void check_before_first_pulse(const Record& record, const SceneParts& parts, const PlacedBox& box, const Lidar& lidar,
+                              const LidarReport& report) {
   const auto& receiver = lidar.receiver;
   if (receiver.columns * receiver.rows == 1 && !(receiver.half_fov_rad > 0) &&
       lidar.transport.overlap == LidarOverlap::exact)

@@ -15,8 +15,7 @@ void read_turbulence(const Record& turbulence, Lidar& out, const LidarReport& re
     t.profile = TurbulenceProfile::hufnagel_valley;
     refuse_keys(turbulence, {"cn2"}, because, report);
   } else {
-    refuse_keys(turbulence,
-                {"cn2", "wind_m_s", "ground_cn2", "ground_z_m", "outer_scale_m", "wander_convention"},
+    refuse_keys(turbulence, {"cn2", "wind_m_s", "ground_cn2", "ground_z_m", "outer_scale_m", "wander_convention"},
                 because, report);
   }
   t.cn2 = turbulence.number("cn2");
@@ -33,13 +32,18 @@ void read_detector(const Record& detector, bool has_sun, Lidar& out, const Lidar
   LidarDetector& d = out.detector;
   const std::string& mode = detector.text("mode");
   const std::string because = "mode = \"" + mode + "\"";
-  if (mode != "linear") refuse_keys(detector, {"gain", "ionization_ratio", "readout_noise_e", "response_fwhm_ns", "bits", "full_scale_e"}, because, report);
-  if (mode != "geiger") refuse_keys(detector, {"dead_time_ns", "jitter_fwhm_ns", "afterpulse_probability", "afterpulse_time_ns", "cells"}, because, report);
+  if (mode != "linear")
+    refuse_keys(detector, {"gain", "ionization_ratio", "readout_noise_e", "response_fwhm_ns", "bits", "full_scale_e"},
+                because, report);
+  if (mode != "geiger")
+    refuse_keys(detector, {"dead_time_ns", "jitter_fwhm_ns", "afterpulse_probability", "afterpulse_time_ns", "cells"},
+                because, report);
   d.mode = mode == "linear" ? DetectorMode::linear : mode == "geiger" ? DetectorMode::geiger : DetectorMode::photons;
   d.dark_rate_hz = detector.number("dark_rate_hz");
   d.solar_background = detector.given("solar_background") ? detector.boolean("solar_background") : has_sun;
   if (d.solar_background && !has_sun)
-    report.problems.add(detector.place("solar_background"), "background light needs the sun's place", "no [time]", "add [time], or set solar_background = false");
+    report.problems.add(detector.place("solar_background"), "background light needs the sun's place", "no [time]",
+                        "add [time], or set solar_background = false");
   d.gain = detector.number("gain"), d.ionization_ratio = detector.number("ionization_ratio");
   d.readout_noise_e = detector.number("readout_noise_e");
   d.response_fwhm_s = detector.number("response_fwhm_ns") * 1e-9;
@@ -61,8 +65,8 @@ void read_echoes(const Record& echoes, Lidar& out, const LidarReport& report) {
     refuse_keys(echoes, {"false_returns", "threshold_sigma", "air_is_background", "noise_class_above"},
                 "mode = \"geiger\"", report);
   if (count_given(echoes, {"false_returns", "threshold_sigma"}) == 2)
-    report.problems.add(echoes.place("threshold_sigma"),
-                        "'false_returns' and 'threshold_sigma' exclude each other", "both", "remove one");
+    report.problems.add(echoes.place("threshold_sigma"), "'false_returns' and 'threshold_sigma' exclude each other",
+                        "both", "remove one");
   const bool by_sigma = echoes.given("threshold_sigma");
   e.false_returns = by_sigma ? 0 : echoes.number("false_returns");
   if (by_sigma) e.threshold_sigma = echoes.number("threshold_sigma");

@@ -15,15 +15,19 @@ struct LidarReport {
   std::string name;
   std::vector<std::string>& notices;
   base::Problems& problems;
-  void notice(const base::Where& where, const std::string& text) const { notices.push_back(where.text() + ": LIDAR '" + name + "': " + text); }
+  void notice(const base::Where& where, const std::string& text) const {
+    notices.push_back(where.text() + ": LIDAR '" + name + "': " + text);
+  }
 };
 
 inline constexpr double kLight_m_s = 299792458.0;
 
 int count_given(const Record& record, std::initializer_list<const char*> keys);
 /// Keys that the choice `because` ("pattern = \"line\"") cannot do without, and those it would ignore.
-void want_keys(const Record& record, std::initializer_list<const char*> keys, const std::string& because, const LidarReport& report);
-void refuse_keys(const Record& record, std::initializer_list<const char*> keys, const std::string& because, const LidarReport& report);
+void want_keys(const Record& record, std::initializer_list<const char*> keys, const std::string& because,
+               const LidarReport& report);
+void refuse_keys(const Record& record, std::initializer_list<const char*> keys, const std::string& because,
+                 const LidarReport& report);
 
 void read_platform(const Record& lidar, const SceneParts& parts, Lidar& out, const LidarReport& report);
 void read_pulse(const Record& pulse, Lidar& out, const LidarReport& report);
@@ -41,7 +45,7 @@ void read_outputs(const Record* speckle, const Record* products, Lidar& out);
 /// `box`: around all that is placed.
 /// What is known before the first pulse to leave records empty or turbulence unsure of its ground: notices,
 /// and errors where nothing can be meant by it.
-void check_before_first_pulse(const Record& record, const SceneParts& parts, const PlacedBox& box,
-                              const Lidar& lidar, const LidarReport& report);
+void check_before_first_pulse(const Record& record, const SceneParts& parts, const PlacedBox& box, const Lidar& lidar,
+                              const LidarReport& report);
 
 }  // namespace raycube::scene::detail

@@ -38,15 +38,18 @@ void read_lines(const Record& pulse, LidarPulse& out, const LidarReport& report)
   if (lines.empty()) {
     want_keys(pulse, {"energy_J", "wavelength_nm"}, "a pulse without [[lidar.pulse.line]]", report);
     refuse_keys(pulse, {"separation_s"}, "a pulse of one wavelength", report);
-    out.lines = {{"laser", pulse.number("wavelength_nm") * 1e-3, pulse.number("line_fwhm_nm") * 1e-3, pulse.number("energy_J")}};
+    out.lines = {
+        {"laser", pulse.number("wavelength_nm") * 1e-3, pulse.number("line_fwhm_nm") * 1e-3, pulse.number("energy_J")}};
     return;
   }
   refuse_keys(pulse, {"energy_J", "wavelength_nm", "line_fwhm_nm"}, "a pulse with [[lidar.pulse.line]]", report);
   std::set<std::string> names;
   for (const Record& line : lines) {
-    out.lines.push_back({line.text("name"), line.number("wavelength_nm") * 1e-3, line.number("fwhm_nm") * 1e-3, line.number("energy_J")});
+    out.lines.push_back({line.text("name"), line.number("wavelength_nm") * 1e-3, line.number("fwhm_nm") * 1e-3,
+                         line.number("energy_J")});
     if (!names.insert(line.text("name")).second)
-      problems.add(line.place("name"), "two lines of a pulse have one name", "'" + line.text("name") + "'", "rename one");
+      problems.add(line.place("name"), "two lines of a pulse have one name", "'" + line.text("name") + "'",
+                   "rename one");
   }
   out.separation_s = pulse.number("separation_s");
 }
@@ -59,22 +62,28 @@ void read_beam(const Record& pulse, LidarPulse& out, const LidarReport& report) 
     const std::string& is = pulse.text(key);
     const bool edge = is.ends_with("edge");
     if (edge != uniform)
-      problems.add(pulse.place(key), std::string("'") + key + "' does not fit the profile", "'" + is + "' of a " + pulse.text("profile") + " beam",
-                   uniform ? "a uniform beam has edges alone" : "a Gaussian beam has no edge: say where it is measured");
+      problems.add(
+          pulse.place(key), std::string("'") + key + "' does not fit the profile",
+          "'" + is + "' of a " + pulse.text("profile") + " beam",
+          uniform ? "a uniform beam has edges alone" : "a Gaussian beam has no edge: say where it is measured");
     return edge == uniform;
   };
   if (!pulse.given("divergence_is")) {
-    problems.add(pulse.place("divergence_mrad"), "a divergence without its definition says nothing", number_text(pulse.number("divergence_mrad")) + " mrad",
-                 "add divergence_is = \"full angle at 1/e^2\", or one of: " + choices_text(*find_key(pulse.path, "divergence_is")));
+    problems.add(pulse.place("divergence_mrad"), "a divergence without its definition says nothing",
+                 number_text(pulse.number("divergence_mrad")) + " mrad",
+                 "add divergence_is = \"full angle at 1/e^2\", or one of: " +
+                     choices_text(*find_key(pulse.path, "divergence_is")));
   } else if (fits("divergence_is")) {
     out.half_divergence_rad = *half_divergence(pulse.number("divergence_mrad") * 1e-3, pulse.text("divergence_is"));
     if (out.half_divergence_rad > 1.4)
-      problems.add(pulse.place("divergence_mrad"), "the beam's half angle is above 1.4 rad", number_text(out.half_divergence_rad) + " rad", "lower it");
+      problems.add(pulse.place("divergence_mrad"), "the beam's half angle is above 1.4 rad",
+                   number_text(out.half_divergence_rad) + " rad", "lower it");
   }
   if (!pulse.given("exit_diameter_mm")) {
     refuse_keys(pulse, {"exit_is"}, "a pulse without exit_diameter_mm", report);
   } else if (!pulse.given("exit_is")) {
-    problems.add(pulse.place("exit_diameter_mm"), "a diameter without its definition says nothing", number_text(pulse.number("exit_diameter_mm")) + " mm",
+    problems.add(pulse.place("exit_diameter_mm"), "a diameter without its definition says nothing",
+                 number_text(pulse.number("exit_diameter_mm")) + " mm",
                  "add exit_is = \"1/e^2\", or one of: " + choices_text(*find_key(pulse.path, "exit_is")));
   } else if (fits("exit_is")) {
     out.exit_radius_m = 0.5e-3 * pulse.number("exit_diameter_mm") * *beam_width_factor(pulse.text("exit_is"));
@@ -98,7 +107,8 @@ void read_tabulated(const Record& pulse, LidarPulse& out, const LidarReport& rep
   if (!csv) return;
   const auto time = csv->column("time_ns"), power = csv->column("power");
   if (!time || !power || csv->columns.size() != 2) {
-    problems.add({csv->file, csv->header_line, 0, ""}, "a pulse's shape has the columns time_ns and power", csv->columns_text(), "name them so");
+    problems.add({csv->file, csv->header_line, 0, ""}, "a pulse's shape has the columns time_ns and power",
+                 csv->columns_text(), "name them so");
     return;
   }
   std::vector<double> t_s, p;
@@ -106,18 +116,25 @@ void read_tabulated(const Record& pulse, LidarPulse& out, const LidarReport& rep
   for (std::size_t row = 0; row < csv->rows.size() && problems.lines().size() < before + 20; ++row) {
     const auto t = csv->number(row, *time, problems), value = csv->number(row, *power, problems);
     if (!t || !value) continue;
-    if (*value < 0) problems.add(csv->at(row, *power), "power is negative", number_text(*value), "a pulse only emits: subtract no background below zero");
-    if (!t_s.empty() && *t * 1e-9 <= t_s.back()) problems.add(csv->at(row, *time), "times must ascend", number_text(*t) + " ns", "sort the rows");
+    if (*value < 0)
+      problems.add(csv->at(row, *power), "power is negative", number_text(*value),
+                   "a pulse only emits: subtract no background below zero");
+    if (!t_s.empty() && *t * 1e-9 <= t_s.back())
+      problems.add(csv->at(row, *time), "times must ascend", number_text(*t) + " ns", "sort the rows");
     t_s.push_back(*t * 1e-9), p.push_back(*value);
   }
   if (problems.lines().size() != before) return;
   const auto [area, first] = moments(t_s, p);
   if (!(area > 0)) {
-    problems.add({csv->file, 0, 0, ""}, "a pulse's shape needs two rows and power above 0", number_text(area) + " of area", "give its samples");
+    problems.add({csv->file, 0, 0, ""}, "a pulse's shape needs two rows and power above 0",
+                 number_text(area) + " of area", "give its samples");
     return;
   }
   const std::string& zero = pulse.text("zero_at");
-  const double zero_s = zero == "file" ? 0.0 : zero == "centroid" ? first / area : t_s[static_cast<std::size_t>(std::max_element(p.begin(), p.end()) - p.begin())];
+  const double zero_s = zero == "file" ? 0.0
+                        : zero == "centroid"
+                            ? first / area
+                            : t_s[static_cast<std::size_t>(std::max_element(p.begin(), p.end()) - p.begin())];
   for (double& t : t_s) t -= zero_s;
   for (double& value : p) value /= area;
   out.shape_time_s = std::move(t_s), out.shape_power = std::move(p);
@@ -151,10 +168,13 @@ void remark(const Record& pulse, const LidarPulse& out, const LidarReport& repor
     if (!(line.wavelength_um > 0)) continue;
     const double m2 = M_PI * out.exit_radius_m * out.half_divergence_rad / (line.wavelength_um * 1e-6);
     if (out.profile == BeamProfile::gaussian && out.exit_radius_m > 0 && m2 < 1)
-      report.notice(pulse.place("divergence_mrad"), "line '" + line.name + "' has M2 = " + number_text(m2) + ", below the diffraction limit of 1");
+      report.notice(pulse.place("divergence_mrad"),
+                    "line '" + line.name + "' has M2 = " + number_text(m2) + ", below the diffraction limit of 1");
     const double width_hz = kLight_m_s * line.fwhm_um * 1e-6 / (line.wavelength_um * line.wavelength_um * 1e-12);
-    if (out.shape == PulseShape::gaussian && line.fwhm_um > 0 && out.fwhm_s > 0 && width_hz * out.fwhm_s < kTransformLimit)
-      report.notice(pulse.place("fwhm_ns"), "line '" + line.name + "' times pulse is " + number_text(width_hz * out.fwhm_s) +
+    if (out.shape == PulseShape::gaussian && line.fwhm_um > 0 && out.fwhm_s > 0 &&
+        width_hz * out.fwhm_s < kTransformLimit)
+      report.notice(pulse.place("fwhm_ns"), "line '" + line.name + "' times pulse is " +
+                                                number_text(width_hz * out.fwhm_s) +
                                                 ", below the transform limit of 0.441");
   }
 }

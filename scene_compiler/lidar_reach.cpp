@@ -77,8 +77,8 @@ double nearest_on_way_m(const Box& box, const std::vector<LidarPose>& poses) {
 
 }  // namespace
 
-Reach reach_of(const std::array<float, 3>& lo, const std::array<float, 3>& hi,
-               const std::vector<Volume>& volumes, const Lidar& lidar) {
+Reach reach_of(const std::array<float, 3>& lo, const std::array<float, 3>& hi, const std::vector<Volume>& volumes,
+               const Lidar& lidar) {
   std::vector<Box> boxes;
   if (lo[0] <= hi[0]) boxes.push_back({{lo[0], lo[1], lo[2]}, {hi[0], hi[1], hi[2]}});
   for (const auto& volume : volumes)
@@ -95,8 +95,7 @@ Reach reach_of(const std::array<float, 3>& lo, const std::array<float, 3>& hi,
   for (const LidarMount* mount : {&lidar.transmitter, &lidar.receiver_mount})
     arm_m = std::max(arm_m, std::hypot(mount->offset_m[0], mount->offset_m[1], mount->offset_m[2]));
   reach.nearest_m = std::max(0.0, reach.nearest_m - arm_m), reach.farthest_m += arm_m;
-  if (lidar.transport.range_limit_m > 0)
-    reach.farthest_m = std::min(reach.farthest_m, lidar.transport.range_limit_m);
+  if (lidar.transport.range_limit_m > 0) reach.farthest_m = std::min(reach.farthest_m, lidar.transport.range_limit_m);
   return reach;
 }
 

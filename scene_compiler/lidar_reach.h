@@ -16,7 +16,7 @@ struct Reach {
 /// Of a scene's box (lo > hi: no surfaces) and of its volumes' boxes, over the whole trajectory: nothing lies
 /// nearer or farther, though something nearest or farthest need not touch the box there. Ends of rays
 /// (range_limit_m) cut it.
-Reach reach_of(const std::array<float, 3>& lo, const std::array<float, 3>& hi,
-               const std::vector<Volume>& volumes, const Lidar& lidar);
+Reach reach_of(const std::array<float, 3>& lo, const std::array<float, 3>& hi, const std::vector<Volume>& volumes,
+               const Lidar& lidar);
 
 }  // namespace raycube::scene

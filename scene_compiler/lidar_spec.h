@@ -1,8 +1,9 @@
-// A LIDAR as a simulation file describes it: validated, every default filled in, in SI units (m, s, J, rad) unless a name says
-// otherwise. Wavelengths are vacuum micrometres. Nothing here depends on the scene.
+// A LIDAR as a simulation file describes it: validated, every default filled in, in SI units (m, s, J, rad) unless a
+// name says otherwise. Wavelengths are vacuum micrometres. Nothing here depends on the scene.
 //
-// Platform frame of a mount: x right wing, y forward, z up. The boresight of a mount without angles is -z (the nadir of a level
-// platform). A positive tilt_along_rad turns it forwards (towards +y), a positive tilt_across_rad to the right (towards +x).
+// Platform frame of a mount: x right wing, y forward, z up. The boresight of a mount without angles is -z (the nadir of
+// a level platform). A positive tilt_along_rad turns it forwards (towards +y), a positive tilt_across_rad to the right
+// (towards +x).
 #pragma once
 
 #include <cstdint>
@@ -17,21 +18,23 @@ enum class PulseShape { gaussian, rectangular, tabulated };
 
 /// One laser wavelength. Several lines are fired by the same pulse number, as DIAL does; `separation_s` tells when.
 struct LidarLine {
-  std::string name;                ///< "on", "off", ...
+  std::string name;  ///< "on", "off", ...
   double wavelength_um = 1.064;
-  double fwhm_um = 0;              ///< Gaussian line, full width at half maximum; 0: monochromatic
-  double energy_J = 0;             ///< leaving the laser, before transmit_efficiency
+  double fwhm_um = 0;   ///< Gaussian line, full width at half maximum; 0: monochromatic
+  double energy_J = 0;  ///< leaving the laser, before transmit_efficiency
 };
 
 struct LidarPulse {
-  std::vector<LidarLine> lines;    ///< at least one
-  double separation_s = 0;         ///< between the lines of one shot; below the turbulence's correlation time they share its draw
+  std::vector<LidarLine> lines;  ///< at least one
+  double separation_s =
+      0;  ///< between the lines of one shot; below the turbulence's correlation time they share its draw
   BeamProfile profile = BeamProfile::gaussian;
   double exit_radius_m = 0;        ///< 1/e2 radius (gaussian) or edge (uniform) at the exit
   double half_divergence_rad = 0;  ///< half angle at 1/e2 (gaussian) or of the edge (uniform)
   PulseShape shape = PulseShape::gaussian;
-  double fwhm_s = 0;               ///< gaussian: full width at half maximum; rectangular: length; 0: an impulse
-  std::vector<double> shape_time_s, shape_power;  ///< tabulated: power at times, linear between, >= 0; area 1; t = 0 as declared
+  double fwhm_s = 0;  ///< gaussian: full width at half maximum; rectangular: length; 0: an impulse
+  std::vector<double> shape_time_s,
+      shape_power;  ///< tabulated: power at times, linear between, >= 0; area 1; t = 0 as declared
   double transmit_efficiency = 1;
 };
 
@@ -66,57 +69,59 @@ struct LidarMount {
 
 struct LidarReceiver {
   double aperture_radius_m = 0.05, obscuration_radius_m = 0;
-  double half_fov_rad = 0;         ///< field stop (one pixel); 0 with an array
-  int columns = 1, rows = 1;       ///< pixels of an array, rectangular, side pitch / focal length
-  double pixel_pitch_rad = 0;      ///< of an array
-  double focal_length_m = 0;       ///< 0: not given (needed by tangent_aperture alone)
-  double focus_m = 0;              ///< distance in focus; 0: infinity
-  double efficiency = 1;           ///< optics between aperture and detector
+  double half_fov_rad = 0;     ///< field stop (one pixel); 0 with an array
+  int columns = 1, rows = 1;   ///< pixels of an array, rectangular, side pitch / focal length
+  double pixel_pitch_rad = 0;  ///< of an array
+  double focal_length_m = 0;   ///< 0: not given (needed by tangent_aperture alone)
+  double focus_m = 0;          ///< distance in focus; 0: infinity
+  double efficiency = 1;       ///< optics between aperture and detector
   double quantum_efficiency = 1;
-  double filter_fwhm_um = 0.001;   ///< passband for background light
-  bool tangent_aperture = false;   ///< collect A_r/(R^2 (1 + 1/(4F^2)))-like as a thin camera: pi/(1 + 4F^2) instead of pi/(4F^2)
-  bool scans_with_beam = true;     ///< the field follows the scan
+  double filter_fwhm_um = 0.001;  ///< passband for background light
+  bool tangent_aperture =
+      false;  ///< collect A_r/(R^2 (1 + 1/(4F^2)))-like as a thin camera: pi/(1 + 4F^2) instead of pi/(4F^2)
+  bool scans_with_beam = true;  ///< the field follows the scan
 };
 
 struct LidarGate {
-  double start_s = 0;              ///< of the first bin, after emission (centre of the pulse)
+  double start_s = 0;  ///< of the first bin, after emission (centre of the pulse)
   double bin_s = 1e-9;
   int bins = 1000;
 };
 
-/// Where rays start. transmitter: equal-energy sub-rays of the beam. receiver: samples of a pixel's field, for flash arrays.
+/// Where rays start. transmitter: equal-energy sub-rays of the beam. receiver: samples of a pixel's field, for flash
+/// arrays.
 enum class LidarSampling { transmitter, receiver };
 /// off: 1; circle: hard circle against the beam, a debugging aid; exact: vignetting of every hit.
 enum class LidarOverlap { off, exact };
 
 struct LidarTransport {
   LidarSampling sampling = LidarSampling::transmitter;
-  int subrays = 256;               ///< per pulse (transmitter) or per pixel (receiver)
-  bool subrays_given = false;      ///< by the file; otherwise the planner chooses them (host/planner)
-  int max_bounces = 1;             ///< surface or volume scatterings a path may have
-  int line_nodes = 32;             ///< Gauss-Hermite nodes of a line with a width; 1 for a monochromatic one
-  double group_index = 1;          ///< time = group_index * path / c
+  int subrays = 256;           ///< per pulse (transmitter) or per pixel (receiver)
+  bool subrays_given = false;  ///< by the file; otherwise the planner chooses them (host/planner)
+  int max_bounces = 1;         ///< surface or volume scatterings a path may have
+  int line_nodes = 32;         ///< Gauss-Hermite nodes of a line with a width; 1 for a monochromatic one
+  double group_index = 1;      ///< time = group_index * path / c
   LidarOverlap overlap = LidarOverlap::exact;
-  bool air_return = true;          ///< elastic return of the air
-  double minimum_range_m = 0.1;    ///< hits nearer are counted, not recorded
-  double range_limit_m = 0;        ///< rays end here; 0: no limit
+  bool air_return = true;        ///< elastic return of the air
+  double minimum_range_m = 0.1;  ///< hits nearer are counted, not recorded
+  double range_limit_m = 0;      ///< rays end here; 0: no limit
 };
 
 enum class TurbulenceProfile { none, constant, hufnagel_valley };
 struct LidarTurbulence {
   TurbulenceProfile profile = TurbulenceProfile::none;
-  double cn2 = 0;                  ///< m^-2/3, constant
+  double cn2 = 0;                              ///< m^-2/3, constant
   double wind_m_s = 21, ground_cn2 = 1.7e-14;  ///< Hufnagel-Valley v and A
-  std::optional<double> ground_z_m;  ///< scene z that Hufnagel-Valley heights count from; none: the ground
-                                     ///< below each place of the path
+  std::optional<double> ground_z_m;            ///< scene z that Hufnagel-Valley heights count from; none: the ground
+                                               ///< below each place of the path
   bool spread = true, wander = true, scintillation = true, blur = true, broadening = true;
-  double outer_scale_m = 1;        ///< temporal broadening alone
-  bool andrews_wander = false;     ///< 2.42 Cn2 L^3 w^-1/3 (two axes) instead of the first-order Gaussian weight
+  double outer_scale_m = 1;     ///< temporal broadening alone
+  bool andrews_wander = false;  ///< 2.42 Cn2 L^3 w^-1/3 (two axes) instead of the first-order Gaussian weight
 };
 
 struct LidarSpeckle {
   bool on = false;
-  double polarization_modes = 2;   ///< 2 for targets that depolarise, 1 for those that do not
+  double polarization_modes = 2;  ///< 2 for targets that depolarise, 1 for those that do not
 };
 
 enum class DetectorMode { photons, linear, geiger };
@@ -124,15 +129,15 @@ struct LidarDetector {
   DetectorMode mode = DetectorMode::photons;  ///< photons: Poisson counts of photo-electrons
   double dark_rate_hz = 0;
   bool solar_background = true;
-  double gain = 1, ionization_ratio = 0;      ///< linear: APD gain M and k of F = k M + (1 - k)(2 - 1/M)
-  double readout_noise_e = 0;                 ///< rms electrons per bin after gain
-  double response_fwhm_s = 0;                 ///< impulse response of the electronics, Gaussian
-  int bits = 16;                              ///< of the digitiser
-  double full_scale_e = 0;                    ///< primary photo-electrons at full scale; 0: by the largest expected signal
-  double dead_time_s = 0;                     ///< geiger; 0: one photon per gate
-  double jitter_fwhm_s = 0;                   ///< geiger
+  double gain = 1, ionization_ratio = 0;  ///< linear: APD gain M and k of F = k M + (1 - k)(2 - 1/M)
+  double readout_noise_e = 0;             ///< rms electrons per bin after gain
+  double response_fwhm_s = 0;             ///< impulse response of the electronics, Gaussian
+  int bits = 16;                          ///< of the digitiser
+  double full_scale_e = 0;                ///< primary photo-electrons at full scale; 0: by the largest expected signal
+  double dead_time_s = 0;                 ///< geiger; 0: one photon per gate
+  double jitter_fwhm_s = 0;               ///< geiger
   double afterpulse_probability = 0, afterpulse_time_s = 1e-7;
-  int cells = 1;                              ///< parallel Geiger cells per pixel (hybrid photon counting)
+  int cells = 1;  ///< parallel Geiger cells per pixel (hybrid photon counting)
 };
 
 enum class EchoMethod { peak, constant_fraction, gaussian };
@@ -147,21 +152,22 @@ struct LidarEchoes {
   int max_returns = 15;
 };
 
-/// none: expectations alone are written; products: draws are made from stored expectations or during the run, with the same numbers.
+/// none: expectations alone are written; products: draws are made from stored expectations or during the run, with the
+/// same numbers.
 struct LidarProducts {
   bool waveforms = true, cube = true, las = true, csv = true, png = true;
-  bool internal_waveforms = false; ///< LAS packets inside the .las file instead of a .wdp
-  bool orders = false;             ///< keep single, multiple and air apart in the cube
+  bool internal_waveforms = false;  ///< LAS packets inside the .las file instead of a .wdp
+  bool orders = false;              ///< keep single, multiple and air apart in the cube
 };
 
 struct Lidar {
   std::string name;
-  std::vector<LidarPose> trajectory;   ///< ascending times; one pose: a platform at rest
+  std::vector<LidarPose> trajectory;  ///< ascending times; one pose: a platform at rest
   double prf_hz = 1000;
   std::int64_t pulses = 1;
-  double first_pulse_s = 0;            ///< time of pulse 0 on the trajectory's clock
-  double gps_start_s = 0;              ///< added to pulse times in LAS: adjusted standard GPS time
-  bool fold_ambiguous = false;         ///< returns of earlier pulses join the gate they arrive in
+  double first_pulse_s = 0;     ///< time of pulse 0 on the trajectory's clock
+  double gps_start_s = 0;       ///< added to pulse times in LAS: adjusted standard GPS time
+  bool fold_ambiguous = false;  ///< returns of earlier pulses join the gate they arrive in
   LidarScan scan;
   LidarMount transmitter, receiver_mount;
   LidarPulse pulse;

@@ -19,9 +19,10 @@ namespace {
 
 using base::Problems;
 
-constexpr const char* kLayeredKeys[] = {"profile",       "profile_file", "co2_ppmv", "ch4_ppmv",  "aerosol", "visibility_km",
-                                        "humidity_percent", "season", "stratosphere", "wind_m_s", "cloud", "gas_bands", "streams", "k_terms", "layering",
-                                        "spectral_step_nm", "lines", "line_wing_cm1", "partition_sums", "cross_section"};
+constexpr const char* kLayeredKeys[] = {
+    "profile",  "profile_file",     "co2_ppmv", "ch4_ppmv",      "aerosol",        "visibility_km", "humidity_percent",
+    "season",   "stratosphere",     "wind_m_s", "cloud",         "gas_bands",      "streams",       "k_terms",
+    "layering", "spectral_step_nm", "lines",    "line_wing_cm1", "partition_sums", "cross_section"};
 /// Of both models; pressure_hPa and ground_height_m say where the ground lies, with a table too.
 constexpr const char* kColumnKeys[] = {"water_g_cm2", "ozone_atm_cm", "aod_550"};
 constexpr const char* kClearSkyKeys[] = {"angstrom", "ssa", "asymmetry", "ground_albedo"};
@@ -29,26 +30,23 @@ constexpr const char* kClearSkyKeys[] = {"angstrom", "ssa", "asymmetry", "ground
 /// A key that the chosen model would ignore is an error. `asked`: the model that the caller wants instead of
 /// the file's, or empty.
 template <std::size_t N>
-void refuse_keys(const Record& record, const char* const (&keys)[N], const char* model,
-                 const std::string& asked, Problems& problems) {
+void refuse_keys(const Record& record, const char* const (&keys)[N], const char* model, const std::string& asked,
+                 Problems& problems) {
   const std::string instead = asked.empty() ? "" : ", and " + asked + " is asked for instead";
   for (const char* key : keys)
     if (record.given(key))
-      problems.add(record.place(key),
-                   std::string("'") + key + "' belongs to model = \"" + model + "\"" + instead,
+      problems.add(record.place(key), std::string("'") + key + "' belongs to model = \"" + model + "\"" + instead,
                    value_text(record, key), "remove it, or choose that model");
 }
 
 /// What says how much aerosol there is, or of what kind, says nothing of none. A depth of 0 is no
 /// contradiction.
 void refuse_amounts_of_none(const Record& record, Problems& problems) {
-  for (const char* key :
-       {"aod_550", "visibility_km", "humidity_percent", "season", "stratosphere", "wind_m_s"})
+  for (const char* key : {"aod_550", "visibility_km", "humidity_percent", "season", "stratosphere", "wind_m_s"})
     if (record.given(key) && !(std::string(key) == "aod_550" && record.number(key) == 0))
-      problems.add(
-          record.place(key),
-          std::string("'") + key + "' belongs to an aerosol, and aerosol = \"none\" holds none at any height",
-          "", "remove it, or name an aerosol");
+      problems.add(record.place(key),
+                   std::string("'") + key + "' belongs to an aerosol, and aerosol = \"none\" holds none at any height",
+                   "", "remove it, or name an aerosol");
 }
 
 AirSpec read_layered(const Record& record, Problems& problems) {
@@ -61,7 +59,8 @@ AirSpec read_layered(const Record& record, Problems& problems) {
     air.profile_file = std::filesystem::absolute(record.text("profile_file")).lexically_normal().string();
     check_readable(record.text("profile_file"), record.place("profile_file"), problems);
   }
-  number("pressure_hPa", air.pressure_hPa), number("water_g_cm2", air.water_g_cm2), number("ozone_atm_cm", air.ozone_atm_cm);
+  number("pressure_hPa", air.pressure_hPa), number("water_g_cm2", air.water_g_cm2),
+      number("ozone_atm_cm", air.ozone_atm_cm);
   number("co2_ppmv", air.co2_ppmv), number("ch4_ppmv", air.ch4_ppmv), number("aod_550", air.aod_550);
   number("humidity_percent", air.humidity_percent);
   if (record.given("aod_550") && record.given("visibility_km"))
@@ -76,9 +75,11 @@ AirSpec read_layered(const Record& record, Problems& problems) {
   air.stratosphere = record.text("stratosphere");
   air.wind_m_s = record.number("wind_m_s");
   for (const Record& cloud : record.records("cloud")) {
-    air.clouds.push_back({cloud.text("kind"), cloud.number("base_km"), cloud.number("top_km"), cloud.number("optical_depth_550")});
+    air.clouds.push_back(
+        {cloud.text("kind"), cloud.number("base_km"), cloud.number("top_km"), cloud.number("optical_depth_550")});
     if (!(air.clouds.back().base_km < air.clouds.back().top_km))
-      problems.add(cloud.place("top_km"), "a cloud's top must lie above its base", std::to_string(air.clouds.back().top_km) + " km", "swap or correct them");
+      problems.add(cloud.place("top_km"), "a cloud's top must lie above its base",
+                   std::to_string(air.clouds.back().top_km) + " km", "swap or correct them");
   }
   air.gas_bands = record.text("gas_bands");
   air.streams = static_cast<int>(record.integer("streams"));
@@ -94,7 +95,8 @@ AirSpec read_layered(const Record& record, Problems& problems) {
   air.line_wing_per_cm = record.number("line_wing_cm1");
   for (const char* key : {"line_wing_cm1", "partition_sums"})
     if (record.given(key) && air.lines.empty())
-      problems.add(record.place(key), std::string("'") + key + "' is for 'lines'", "no lines", "add the list or remove it");
+      problems.add(record.place(key), std::string("'") + key + "' is for 'lines'", "no lines",
+                   "add the list or remove it");
   for (const Record& table : record.records("cross_section")) {
     scene::CrossSectionSpec& one = air.cross_sections.emplace_back();
     one.gas = table.text("gas");
@@ -102,12 +104,12 @@ AirSpec read_layered(const Record& record, Problems& problems) {
     if (table.given("mixing_ratio_ppmv")) one.ppmv = table.number("mixing_ratio_ppmv");
   }
   if (air.streams % 2 != 0)
-    problems.add(record.place("streams"), "the number of streams must be even", std::to_string(air.streams), "take the next one");
+    problems.add(record.place("streams"), "the number of streams must be even", std::to_string(air.streams),
+                 "take the next one");
   return air;
 }
 
-AtmosphereSpec read_atmosphere(const Record& root, const Origin& origin, const std::string& asked,
-                               Problems& problems) {
+AtmosphereSpec read_atmosphere(const Record& root, const Origin& origin, const std::string& asked, Problems& problems) {
   AtmosphereSpec out;
   out.ground_height_m = origin.height_m;
   const Record* record = root.table("atmosphere");
@@ -125,8 +127,7 @@ AtmosphereSpec read_atmosphere(const Record& root, const Origin& origin, const s
   if (table || model != "clear_sky") refuse_keys(*record, kClearSkyKeys, "clear_sky", instead, problems);
   const auto refuse_columns = [&](const char* what) {
     for (const char* key : kColumnKeys)
-      if (record->given(key))
-        problems.add(record->place(key), std::string("'") + key + "' " + what, "", "remove it");
+      if (record->given(key)) problems.add(record->place(key), std::string("'") + key + "' " + what, "", "remove it");
   };
   if (table)
     refuse_columns("would shape a model's air, and 'tables' holds its own");
@@ -135,8 +136,7 @@ AtmosphereSpec read_atmosphere(const Record& root, const Origin& origin, const s
   for (const char* key : {"pressure_hPa", "adjacency"})
     if (out.none && record->given(key) && !(std::string(key) == "adjacency" && record->text(key) == "off"))
       problems.add(record->place(key),
-                   std::string("'") + key + "' says something of air, and model = \"none\" has none", "",
-                   "remove it");
+                   std::string("'") + key + "' says something of air, and model = \"none\" has none", "", "remove it");
   if (model == "layered") out.layered = read_layered(*record, problems);
   if (record->given("tables")) {
     out.table_file = std::filesystem::absolute(record->text("tables")).lexically_normal().string();
@@ -145,8 +145,8 @@ AtmosphereSpec read_atmosphere(const Record& root, const Origin& origin, const s
       problems.add(record->place("model"), "'model' and 'tables' exclude each other", "both", "remove one");
   }
   if (record->given("ground_height_m")) out.ground_height_m = record->number("ground_height_m");
-  out.pressure_hPa = record->given("pressure_hPa") ? record->number("pressure_hPa")
-                                                   : standard_pressure_hPa(out.ground_height_m);
+  out.pressure_hPa =
+      record->given("pressure_hPa") ? record->number("pressure_hPa") : standard_pressure_hPa(out.ground_height_m);
   if (record->given("water_g_cm2")) out.water_g_cm2 = record->number("water_g_cm2");
   if (record->given("ozone_atm_cm")) out.ozone_atm_cm = record->number("ozone_atm_cm");
   if (record->given("aod_550")) out.aod_550 = record->number("aod_550");
@@ -169,7 +169,9 @@ PlanOverrides read_plan(const Record& root, Problems& problems) {
     if (record->given(key)) value = static_cast<int>(record->integer(key));
   };
   number("sky_rank", out.sky_rank);
-  for (const auto& [key, value] : {std::pair{"height_nodes", &out.height_nodes}, {"view_nodes", &out.view_nodes}, {"path_nodes", &out.path_nodes}}) {
+  for (const auto& [key, value] : {std::pair{"height_nodes", &out.height_nodes},
+                                   {"view_nodes", &out.view_nodes},
+                                   {"path_nodes", &out.path_nodes}}) {
     number(key, *value);
     if (*value == 6) problems.add(record->place(key), "nodes come in 1, 2, 3, 4, 5 and 7", "6", "take 5 or 7");
   }
@@ -185,8 +187,7 @@ std::optional<GeoPlace> place_of_scene(const Record& root, const Origin& origin,
   const Record* record = scene ? scene->table("origin") : nullptr;
   if (record && record->given("latitude_deg") && record->given("longitude_deg"))
     return GeoPlace{record->number("longitude_deg"), record->number("latitude_deg"), 0.0};
-  problems.add(asked_by, "the sun at a time needs a place on earth",
-               "no epsg, no latitude_deg and longitude_deg",
+  problems.add(asked_by, "the sun at a time needs a place on earth", "no epsg, no latitude_deg and longitude_deg",
                "give scene.origin an epsg with easting and northing, or latitude_deg and longitude_deg");
   return std::nullopt;
 }
@@ -203,12 +204,13 @@ Sun read_sun(const Record& root, const Origin& origin, Problems& problems) {
   }
   const Record *angles = time->table("sun"), *moon = time->table("moon");
   if (static_cast<int>(time->given("utc")) + (angles != nullptr) + (moon != nullptr) != 1) {
-    problems.add(time->where, "[time] needs exactly one of utc, sun and moon", angles || moon || time->given("utc") ? "more than one" : "none",
-                 "remove or add one");
+    problems.add(time->where, "[time] needs exactly one of utc, sun and moon",
+                 angles || moon || time->given("utc") ? "more than one" : "none", "remove or add one");
     return sun;
   }
   if (time->given("light") && !time->given("utc"))
-    problems.add(time->place("light"), "'light' goes with utc", time->text("light"), "remove it: the table sun or moon says it already");
+    problems.add(time->place("light"), "'light' goes with utc", time->text("light"),
+                 "remove it: the table sun or moon says it already");
   if (const Record* given = angles ? angles : moon) {
     sun.zenith_deg = given->number("zenith_deg");
     sun.azimuth_deg = given->number("azimuth_deg");
@@ -234,9 +236,7 @@ bool counts_from_ground(const Lidar& lidar) {
 
 }  // namespace
 
-double standard_pressure_hPa(double height_m) {
-  return 1013.25 * std::pow(1.0 - 0.0065 * height_m / 288.15, 5.25588);
-}
+double standard_pressure_hPa(double height_m) { return 1013.25 * std::pow(1.0 - 0.0065 * height_m / 288.15, 5.25588); }
 
 Simulation load_simulation(const std::string& file, const LoadOptions& options) {
   Problems problems;
@@ -248,13 +248,14 @@ Simulation load_simulation(const std::string& file, const LoadOptions& options) 
   out.sky_directions_given = root.given("sky_directions");
   if (out.sky_directions_given) out.sky_directions = static_cast<int>(root.integer("sky_directions"));
   out.sky_share = root.given("sky_share") ? static_cast<int>(root.integer("sky_share")) : 0;
-  if (out.sky_share > 0 && !out.sky_directions_given) out.sky_directions = (out.sky_directions + out.sky_share - 1) / out.sky_share * out.sky_share;
+  if (out.sky_share > 0 && !out.sky_directions_given)
+    out.sky_directions = (out.sky_directions + out.sky_share - 1) / out.sky_share * out.sky_share;
   if (out.sky_share > 0 && out.sky_directions_given && out.sky_directions % out.sky_share != 0)
-    problems.add(root.place("sky_share"), "does not divide sky_directions", std::to_string(out.sky_share) + " of " + std::to_string(out.sky_directions),
+    problems.add(root.place("sky_share"), "does not divide sky_directions",
+                 std::to_string(out.sky_share) + " of " + std::to_string(out.sky_directions),
                  "give a divisor, or remove sky_share");
   out.plan = read_plan(root, problems);
-  if (const Record* thermal = root.table("thermal"))
-    out.thermal_below_3um = thermal->text("below_3um") != "left_out";
+  if (const Record* thermal = root.table("thermal")) out.thermal_below_3um = thermal->text("below_3um") != "left_out";
   // A file that could not be read at all has one problem; what it lacks is not worth a line.
   const bool readable =
       problems.empty() || root.given("format") || !root.records("material").empty() || root.given("scene");
@@ -263,8 +264,7 @@ Simulation load_simulation(const std::string& file, const LoadOptions& options) 
   MaterialTable materials(root, problems);
   SceneParts parts = read_scene_parts(root, materials, problems);
   out.atmosphere = read_atmosphere(root, parts.origin, options.air_model, problems);
-  if (!root.records("instrument").empty() || root.given("time"))
-    out.sun = read_sun(root, parts.origin, problems);
+  if (!root.records("instrument").empty() || root.given("time")) out.sun = read_sun(root, parts.origin, problems);
   out.instruments = read_instruments(root, parts, parts.notices, problems);
   const std::vector<PlacedBox> boxes = placed_boxes(parts);
   check_resolution(parts, boxes, out.file, parts.notices, problems);

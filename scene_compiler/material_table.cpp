@@ -44,10 +44,11 @@ std::optional<Material> read_material(const Record& record, Problems& problems) 
                  "remove or add one");
     return std::nullopt;
   }
-  for (const char* key : {"spectrum", "reflectance_column", "transmittance_column", "reflectance_beyond", "scale", "medium"})
+  for (const char* key :
+       {"spectrum", "reflectance_column", "transmittance_column", "reflectance_beyond", "scale", "medium"})
     if (constant && record.given(key)) {
-      problems.add(record.place(key), std::string("'") + key + "' means nothing for a constant reflectance",
-                   "", "remove it, or give file");
+      problems.add(record.place(key), std::string("'") + key + "' means nothing for a constant reflectance", "",
+                   "remove it, or give file");
       return std::nullopt;
     }
   if (file && record.given("transmittance")) {
@@ -74,19 +75,22 @@ std::optional<Material> read_material(const Record& record, Problems& problems) 
 
 /// What pulses see beyond the spectra: the way of transmitted light, and gloss.
 void read_pulse_matter(const Record& record, Material& out, Problems& problems) {
-  out.transmission = record.text("transmission") == "plate" ? Material::Transmission::plate : Material::Transmission::leaf;
+  out.transmission =
+      record.text("transmission") == "plate" ? Material::Transmission::plate : Material::Transmission::leaf;
   if (record.given("transmission") && out.transmittance.wavelength_um.empty())
-    problems.add(record.place("transmission"), "'transmission' needs a transmittance", "an opaque material", "remove it, or give transmittance");
+    problems.add(record.place("transmission"), "'transmission' needs a transmittance", "an opaque material",
+                 "remove it, or give transmittance");
   const Record* gloss = record.table("gloss");
   if (gloss == nullptr) return;
   out.gloss_roughness = gloss->number("roughness");
   out.gloss_f0 = gloss->number("f0");
   double most = 0;
   for (std::size_t i = 0; i < out.reflectance.value.size(); ++i)
-    most = std::max(most, out.reflectance.value[i] + (i < out.transmittance.value.size() ? out.transmittance.value[i] : 0));
+    most = std::max(most,
+                    out.reflectance.value[i] + (i < out.transmittance.value.size() ? out.transmittance.value[i] : 0));
   if (most + out.gloss_f0 > 1)
-    problems.add(gloss->place("f0"), "reflectance + transmittance + f0 above 1", number_text(most) + " + " + number_text(out.gloss_f0),
-                 "energy must not be gained: lower one");
+    problems.add(gloss->place("f0"), "reflectance + transmittance + f0 above 1",
+                 number_text(most) + " + " + number_text(out.gloss_f0), "energy must not be gained: lower one");
 }
 
 }  // namespace
@@ -94,7 +98,8 @@ void read_pulse_matter(const Record& record, Material& out, Problems& problems) 
 MaterialTable::MaterialTable(const Record& root, Problems& problems) {
   std::map<std::string, base::Where> places;
   const Record* thermal = root.table("thermal");
-  const double default_K = thermal && thermal->given("default_temperature_K") ? thermal->number("default_temperature_K") : 0;
+  const double default_K =
+      thermal && thermal->given("default_temperature_K") ? thermal->number("default_temperature_K") : 0;
   for (const auto& record : root.records("material")) {
     const std::string& name = record.text("name");
     Material material;
@@ -105,8 +110,8 @@ MaterialTable::MaterialTable(const Record& root, Problems& problems) {
       }
     if (name.empty()) continue;
     if (const auto [place, fresh] = places.emplace(name, record.where); !fresh) {
-      problems.add(record.where, "material '" + name + "' is defined twice",
-                   "first in " + place->second.text(), "rename or remove one");
+      problems.add(record.where, "material '" + name + "' is defined twice", "first in " + place->second.text(),
+                   "rename or remove one");
       continue;
     }
     material.name = name;
@@ -121,14 +126,12 @@ MaterialTable::MaterialTable(const Record& root, Problems& problems) {
   }
 }
 
-std::uint32_t MaterialTable::surface(const std::string& name, const base::Where& where,
-                                     Problems& problems) const {
+std::uint32_t MaterialTable::surface(const std::string& name, const base::Where& where, Problems& problems) const {
   if (const auto found = index_.find(name); found != index_.end()) return found->second;
   std::string known;
   for (const auto& [other, index] : index_) known += (known.empty() ? "" : ", ") + other;
-  problems.add(
-      where, "unknown material", "'" + name + "'",
-      known.empty() ? "define it with [[material]]" : "define it with [[material]], or use one of: " + known);
+  problems.add(where, "unknown material", "'" + name + "'",
+               known.empty() ? "define it with [[material]]" : "define it with [[material]], or use one of: " + known);
   return 0;
 }
 

@@ -34,8 +34,7 @@ std::string names_in(const MeshFile& file) {
 }
 
 /// Turns part numbers into surfaces.
-void assign_materials(const Record& record, const MaterialTable& materials, MeshFile& file,
-                      Problems& problems) {
+void assign_materials(const Record& record, const MaterialTable& materials, MeshFile& file, Problems& problems) {
   const auto& map = record.value("materials").map;
   std::map<std::string, std::uint32_t> by_name;
   std::set<std::string> used;
@@ -70,12 +69,11 @@ void assign_materials(const Record& record, const MaterialTable& materials, Mesh
   for (auto& surface : file.mesh.surface) surface = surface_of_part[surface];
 }
 
-void add_mesh(const Record& record, bool strict, const MaterialTable& materials, SceneParts& parts,
-              MeshIndex& index, Problems& problems) {
+void add_mesh(const Record& record, bool strict, const MaterialTable& materials, SceneParts& parts, MeshIndex& index,
+              Problems& problems) {
   const std::string& name = record.text("name");
   if (index.count(name)) {
-    problems.add(record.where, "mesh '" + name + "' is defined twice", record.text("file"),
-                 "rename or remove one");
+    problems.add(record.where, "mesh '" + name + "' is defined twice", record.text("file"), "rename or remove one");
     return;
   }
   index[name] = -1;
@@ -90,9 +88,8 @@ void add_mesh(const Record& record, bool strict, const MaterialTable& materials,
   if (!file) return;
   assign_materials(record, materials, *file, problems);
   if (file->dropped_faces > 0)
-    parts.notices.push_back(record.text("file") + ": dropped " + std::to_string(file->dropped_faces) +
-                            " of " + std::to_string(file->faces) +
-                            " faces without area (first: " + file->first_dropped + ")");
+    parts.notices.push_back(record.text("file") + ": dropped " + std::to_string(file->dropped_faces) + " of " +
+                            std::to_string(file->faces) + " faces without area (first: " + file->first_dropped + ")");
   index[name] = static_cast<std::int64_t>(parts.meshes.size());
   parts.meshes.push_back({name, std::move(file->mesh)});
 }
@@ -103,15 +100,13 @@ std::int64_t find_mesh(const Record& record, const MeshIndex& index, Problems& p
   if (found != index.end()) return found->second;
   std::string known;
   for (const auto& [name, unused] : index) known += (known.empty() ? "" : ", ") + name;
-  problems.add(
-      record.place("mesh"), "unknown mesh", "'" + record.text("mesh") + "'",
-      known.empty() ? "define it with [[mesh]]" : "define it with [[mesh]], or use one of: " + known);
+  problems.add(record.place("mesh"), "unknown mesh", "'" + record.text("mesh") + "'",
+               known.empty() ? "define it with [[mesh]]" : "define it with [[mesh]], or use one of: " + known);
   return -1;
 }
 
 double determinant(const std::array<double, 12>& m) {
-  return m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) +
-         m[2] * (m[4] * m[9] - m[5] * m[8]);
+  return m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) + m[2] * (m[4] * m[9] - m[5] * m[8]);
 }
 
 void add_instance(const Record& record, const MeshIndex& index, SceneParts& parts, Problems& problems) {
@@ -124,10 +119,10 @@ void add_instance(const Record& record, const MeshIndex& index, SceneParts& part
                      "remove one");
     const auto& m = record.numbers("matrix");
     if (m.size() == 16 && !(m[12] == 0 && m[13] == 0 && m[14] == 0 && m[15] == 1)) {
-      problems.add(record.place("matrix"), "last row of the matrix is not 0, 0, 0, 1",
-                   number_text(m[12]) + ", " + number_text(m[13]) + ", " + number_text(m[14]) + ", " +
-                       number_text(m[15]),
-                   "the matrix is row-major and affine");
+      problems.add(
+          record.place("matrix"), "last row of the matrix is not 0, 0, 0, 1",
+          number_text(m[12]) + ", " + number_text(m[13]) + ", " + number_text(m[14]) + ", " + number_text(m[15]),
+          "the matrix is row-major and affine");
       return;
     }
     std::copy_n(m.begin(), 12, matrix.begin());
@@ -170,8 +165,8 @@ bool drop(const Record& record, const SceneParts& parts, const Where& where, std
 void scatter_listed(const Record& record, std::int64_t mesh, SceneParts& parts, Problems& problems) {
   const auto csv = read_csv(record.text("positions"), record.place("positions"), problems);
   if (!csv) return;
-  const auto x = csv->column("x_m"), y = csv->column("y_m"), z = csv->column("z_m"),
-             yaw = csv->column("yaw_deg"), scale = csv->column("scale");
+  const auto x = csv->column("x_m"), y = csv->column("y_m"), z = csv->column("z_m"), yaw = csv->column("yaw_deg"),
+             scale = csv->column("scale");
   bool sound = x && y;
   if (!sound)
     problems.add({csv->file, csv->header_line, 0, ""}, "columns x_m and y_m are needed", csv->columns_text(),
@@ -190,8 +185,7 @@ void scatter_listed(const Record& record, std::int64_t mesh, SceneParts& parts, 
     const auto px = cell(x, 0), py = cell(y, 0), pz = cell(z, 0), turn = cell(yaw, 0), size = cell(scale, 1);
     if (!px || !py || !pz || !turn || !size) continue;
     if (!(*size > 0 && *size < 1e6)) {
-      problems.add(csv->at(row, *scale), "scale must be above 0", number_text(*size),
-                   "give a scale like 1.0");
+      problems.add(csv->at(row, *scale), "scale must be above 0", number_text(*size), "give a scale like 1.0");
       continue;
     }
     std::array<double, 3> p{*px, *py, *pz};
@@ -211,14 +205,12 @@ bool inside(const std::vector<std::pair<double, double>>& polygon, double x, dou
 }
 
 /// Bounding rectangle of the region, or nullopt after reporting one that is missing or empty.
-std::optional<std::array<double, 4>> region_bounds(const Record& record, const SceneParts& parts,
-                                                   Problems& problems) {
+std::optional<std::array<double, 4>> region_bounds(const Record& record, const SceneParts& parts, Problems& problems) {
   const bool rectangle = record.given("rectangle_m"), polygon = record.given("polygon_m"),
              by_class = record.given("class");
   if ((rectangle && polygon) || (!rectangle && !polygon && !by_class)) {
     problems.add(record.where, "a scatter by density needs one region",
-                 rectangle ? "rectangle_m and polygon_m" : "none",
-                 "give one of rectangle_m, polygon_m, or class");
+                 rectangle ? "rectangle_m and polygon_m" : "none", "give one of rectangle_m, polygon_m, or class");
     return std::nullopt;
   }
   if (by_class && std::none_of(parts.terrain_classes.begin(), parts.terrain_classes.end(),
@@ -238,8 +230,8 @@ std::optional<std::array<double, 4>> region_bounds(const Record& record, const S
   } else if (polygon) {
     const auto& points = record.value("polygon_m").points;
     if (points.size() < 3) {
-      problems.add(record.place("polygon_m"), "a polygon needs at least three corners",
-                   std::to_string(points.size()), "give [[x, y], [x, y], [x, y]]");
+      problems.add(record.place("polygon_m"), "a polygon needs at least three corners", std::to_string(points.size()),
+                   "give [[x, y], [x, y], [x, y]]");
       return std::nullopt;
     }
     for (const auto& [x, y] : points) grow(x, y);
@@ -273,8 +265,7 @@ void scatter_drawn(const Record& record, std::int64_t mesh, std::uint64_t stream
   const double expected = record.number("density_per_m2") * (b[2] - b[0]) * (b[3] - b[1]);
   if (expected > kMaxInstances) {
     problems.add(record.place("density_per_m2"), "scatter asks for too many instances",
-                 number_text(std::round(expected)) + " in the region's rectangle",
-                 "at most 5e7; lower the density");
+                 number_text(std::round(expected)) + " in the region's rectangle", "at most 5e7; lower the density");
     return;
   }
   const auto seed = static_cast<std::uint64_t>(record.integer("seed"));
@@ -292,8 +283,8 @@ void scatter_drawn(const Record& record, std::int64_t mesh, std::uint64_t stream
     if (record.given("polygon_m") && !inside(record.value("polygon_m").points, p[0], p[1])) continue;
     if (record.given("class") && !in_class(parts, p[0], p[1], record.integer("class"))) continue;
     if (drop(record, parts, record.where, p, problems) && mesh >= 0)
-      parts.placed.push_back({static_cast<std::uint32_t>(mesh),
-                              placement(p, draw(yaw[0], yaw[1], 2), draw(scale[0], scale[1], 3))});
+      parts.placed.push_back(
+          {static_cast<std::uint32_t>(mesh), placement(p, draw(yaw[0], yaw[1], 2), draw(scale[0], scale[1], 3))});
   }
 }
 
@@ -310,15 +301,13 @@ void add_scatter(const Record& record, std::uint64_t stream, const MeshIndex& in
   if (listed) {
     for (const char* key : {"rectangle_m", "polygon_m", "class", "yaw_range_deg", "scale_range", "seed"})
       if (record.given(key))
-        problems.add(record.place(key), std::string("'") + key + "' goes with density_per_m2", "",
-                     "remove it");
+        problems.add(record.place(key), std::string("'") + key + "' goes with density_per_m2", "", "remove it");
     scatter_listed(record, mesh, parts, problems);
   } else {
     scatter_drawn(record, mesh, stream, parts, problems);
   }
   if (mesh >= 0 && parts.placed.size() == placed && problems.lines().size() == before)
-    parts.notices.push_back(record.where.text() + ": scatter of '" + record.text("mesh") +
-                            "' placed nothing");
+    parts.notices.push_back(record.where.text() + ": scatter of '" + record.text("mesh") + "' placed nothing");
 }
 
 }  // namespace
@@ -341,8 +330,7 @@ void add_meshes_and_instances(const Record& root, const MaterialTable& materials
   for (std::size_t i = first; i < parts.placed.size(); ++i) used[parts.placed[i].mesh] = true;
   for (const auto& [name, mesh] : index)
     if (mesh >= 0 && !used[static_cast<std::size_t>(mesh)])
-      parts.notices.push_back("mesh '" + name + "' is never placed; add [[instance]] mesh = \"" + name +
-                              "\"");
+      parts.notices.push_back("mesh '" + name + "' is never placed; add [[instance]] mesh = \"" + name + "\"");
 }
 
 }  // namespace raycube::scene

@@ -38,11 +38,9 @@ std::string vertex_text(const std::array<float, 3>& v) {
   return "(" + number_text(v[0]) + ", " + number_text(v[1]) + ", " + number_text(v[2]) + ")";
 }
 
-void send_mesh(const aiScene& scene, const aiMesh& mesh, const aiMatrix4x4& file_from_node,
-               base::Parcel& parcel) {
+void send_mesh(const aiScene& scene, const aiMesh& mesh, const aiMatrix4x4& file_from_node, base::Parcel& parcel) {
   aiString material;
-  if (mesh.mMaterialIndex < scene.mNumMaterials)
-    scene.mMaterials[mesh.mMaterialIndex]->Get(AI_MATKEY_NAME, material);
+  if (mesh.mMaterialIndex < scene.mNumMaterials) scene.mMaterials[mesh.mMaterialIndex]->Get(AI_MATKEY_NAME, material);
   std::vector<std::array<float, 3>> vertices(mesh.mNumVertices);
   for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
     const aiVector3D v = file_from_node * mesh.mVertices[i];
@@ -51,8 +49,7 @@ void send_mesh(const aiScene& scene, const aiMesh& mesh, const aiMatrix4x4& file
   std::vector<std::uint32_t> face_corners(mesh.mNumFaces), corners;
   for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
     face_corners[i] = mesh.mFaces[i].mNumIndices;
-    corners.insert(corners.end(), mesh.mFaces[i].mIndices,
-                   mesh.mFaces[i].mIndices + mesh.mFaces[i].mNumIndices);
+    corners.insert(corners.end(), mesh.mFaces[i].mIndices, mesh.mFaces[i].mIndices + mesh.mFaces[i].mNumIndices);
   }
   parcel.value(true);
   parcel.text(material.C_Str());
@@ -66,8 +63,7 @@ void send_node(const aiScene& scene, const aiNode& node, const aiMatrix4x4& pare
   const aiMatrix4x4 file_from_node = parent * node.mTransformation;
   for (unsigned i = 0; i < node.mNumMeshes; ++i)
     send_mesh(scene, *scene.mMeshes[node.mMeshes[i]], file_from_node, parcel);
-  for (unsigned i = 0; i < node.mNumChildren; ++i)
-    send_node(scene, *node.mChildren[i], file_from_node, parcel);
+  for (unsigned i = 0; i < node.mNumChildren; ++i) send_node(scene, *node.mChildren[i], file_from_node, parcel);
 }
 
 /// In the child: Assimp's word on the file (empty: it was read), then its meshes, each after a true, then a
@@ -112,8 +108,7 @@ class Importer {
     for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
       const auto& v = mesh.vertices[i];
       if (!std::isfinite(v[0]) || !std::isfinite(v[1]) || !std::isfinite(v[2]))
-        report("vertex " + std::to_string(first + i), "vertex is not finite", vertex_text(v),
-               "correct the file");
+        report("vertex " + std::to_string(first + i), "vertex is not finite", vertex_text(v), "correct the file");
       const double x = v[0] * unit_m_, y = v[1] * unit_m_, z = v[2] * unit_m_;
       if (y_up_)
         out.mesh.vertices.push_back({float(x), float(-z), float(y)});
@@ -142,8 +137,7 @@ class Importer {
     for (std::uint32_t k = 0; k < corner_count; ++k)
       if (corner[k] >= vertex_count) {
         report(element, "face index out of range",
-               std::to_string(corner[k]) + " of " + std::to_string(vertex_count) + " vertices",
-               "correct the file");
+               std::to_string(corner[k]) + " of " + std::to_string(vertex_count) + " vertices", "correct the file");
         return;
       }
     if (corner_count < 3) return;  // points and lines have no surface
@@ -154,8 +148,7 @@ class Importer {
     }
     bool kept = false;
     for (const auto& triangle : triangulate_polygon(corners_)) {
-      const std::array<std::uint32_t, 3> index{first + corner[triangle[0]],
-                                               first + corner[triangle[1]],
+      const std::array<std::uint32_t, 3> index{first + corner[triangle[0]], first + corner[triangle[1]],
                                                first + corner[triangle[2]]};
       const auto& v = out.mesh.vertices;
       if (zero_area(v[index[0]], v[index[1]], v[index[2]])) continue;
@@ -186,8 +179,7 @@ std::optional<MeshFile> read_mesh_file(const std::string& file, double unit_m, b
   const std::size_t before = problems.lines().size();
   const auto text = read_whole_file(file, asked_by, problems);
   if (!text) return std::nullopt;
-  if (lower_case(std::filesystem::path(file).extension().string()) == ".obj")
-    check_obj_text(*text, file, problems);
+  if (lower_case(std::filesystem::path(file).extension().string()) == ".obj") check_obj_text(*text, file, problems);
   if (text->starts_with("ply")) check_ply_header(*text, file, problems);
   if (problems.lines().size() != before) return std::nullopt;
 
@@ -197,8 +189,7 @@ std::optional<MeshFile> read_mesh_file(const std::string& file, double unit_m, b
   base::ChildLimits limits;
   limits.cpu_s = kBase_s + kPerByte_s * bytes;
   limits.memory_bytes = kBase_bytes + kPerByte_bytes * text->size();
-  base::Unpacked read =
-      base::in_limited_child(limits, [&](base::Parcel& parcel) { read_by_assimp(file, parcel); });
+  base::Unpacked read = base::in_limited_child(limits, [&](base::Parcel& parcel) { read_by_assimp(file, parcel); });
   const std::string said = read.end == base::ChildEnd::done ? read.text() : "it " + read.why;
   if (!said.empty()) {
     problems.add({file, 0, 0, ""}, "Assimp cannot read the mesh", said,
@@ -216,9 +207,8 @@ std::optional<MeshFile> read_mesh_file(const std::string& file, double unit_m, b
   if (problems.lines().size() != before) return std::nullopt;
   if (reader.out.mesh.triangles.empty()) {
     problems.add({file, 0, 0, ""}, "mesh has no faces with area",
-                 std::to_string(reader.out.mesh.vertices.size()) + " vertices, " +
-                     std::to_string(reader.out.faces) + " faces, " +
-                     std::to_string(reader.out.dropped_faces) + " of them without area",
+                 std::to_string(reader.out.mesh.vertices.size()) + " vertices, " + std::to_string(reader.out.faces) +
+                     " faces, " + std::to_string(reader.out.dropped_faces) + " of them without area",
                  "give a surface mesh; point clouds and lines have nothing to hit");
     return std::nullopt;
   }

@@ -44,8 +44,7 @@ bool check_face(std::istringstream& words, long vertices, const Where& where, Pr
     }
     // Positive counts from 1; negative counts back from the last vertex read so far.
     if (index == 0 || index < -vertices || index > vertices) {
-      problems.add(where, "face index out of range",
-                   "'" + word + "' with " + std::to_string(vertices) + " vertices",
+      problems.add(where, "face index out of range", "'" + word + "' with " + std::to_string(vertices) + " vertices",
                    "indices run from 1, or from -1 backwards");
       return false;
     }

@@ -100,8 +100,7 @@ Json key_schema(const KeySpec& spec) {
     case KeyType::points:
       return {
           {"type", "array"},
-          {"items",
-           {{"type", "array"}, {"items", number_schema(spec, "number")}, {"minItems", 2}, {"maxItems", 2}}}};
+          {"items", {{"type", "array"}, {"items", number_schema(spec, "number")}, {"minItems", 2}, {"maxItems", 2}}}};
     case KeyType::texts:
       return list_schema(spec, text);
     case KeyType::text_map:
@@ -110,7 +109,8 @@ Json key_schema(const KeySpec& spec) {
       return table_schema(sub_path(spec));
     case KeyType::tables:
       // One entry inside another table may stand without the array's brackets.
-      return {{"type", spec.table.empty() ? Json("array") : Json::array({"array", "object"})}, {"items", table_schema(sub_path(spec))}};
+      return {{"type", spec.table.empty() ? Json("array") : Json::array({"array", "object"})},
+              {"items", table_schema(sub_path(spec))}};
     case KeyType::path_or_table:
       return {{"anyOf", Json::array({text, table_schema(sub_path(spec))})}};
   }
@@ -153,8 +153,7 @@ Json table_schema(std::string_view path) {
 }  // namespace
 
 std::string options_json_schema() {
-  Json out = {{"$schema", "https://json-schema.org/draft/2020-12/schema"},
-              {"title", "raycube simulation file"}};
+  Json out = {{"$schema", "https://json-schema.org/draft/2020-12/schema"}, {"title", "raycube simulation file"}};
   out.update(table_schema(""));
   return out.dump(2) + "\n";
 }
@@ -163,12 +162,9 @@ std::string options_markdown() {
   std::string out;
   for (const auto& table : option_tables()) {
     const std::string path(table.path);
-    std::string title = path.empty()           ? "Top level"
-                        : is_array_table(path) ? "`[[" + path + "]]`"
-                                               : "`[" + path + "]`";
+    std::string title = path.empty() ? "Top level" : is_array_table(path) ? "`[[" + path + "]]`" : "`[" + path + "]`";
     if (path.find('.') != std::string::npos && is_array_table(path.substr(0, path.find('.'))))
-      title = "`" + path.substr(path.find('.') + 1) + " = { ... }` of `[[" + path.substr(0, path.find('.')) +
-              "]]`";
+      title = "`" + path.substr(path.find('.') + 1) + " = { ... }` of `[[" + path.substr(0, path.find('.')) + "]]`";
     out += "### " + title + "\n\n" + std::string(table.text) + "\n\n";
     out += "| key | type | unit | default | range | meaning |\n|---|---|---|---|---|---|\n";
     for (const auto& spec : option_keys()) {
@@ -183,8 +179,7 @@ std::string options_markdown() {
                                    : spec.has_default() ? "`" + std::string(spec.fallback) + "`"
                                                         : "";
       out += "| `" + std::string(spec.key) + "` | " + std::string(type_name(spec.type)) + " | " +
-             std::string(spec.unit) + " | " + fallback + " | " + range + " | " + std::string(spec.text) +
-             " |\n";
+             std::string(spec.unit) + " | " + fallback + " | " + range + " | " + std::string(spec.text) + " |\n";
     }
     out += "\n";
   }

@@ -60,9 +60,8 @@ std::span<const KeySpec> option_keys() { return kKeys; }
 std::span<const TableSpec> option_tables() { return kTables; }
 
 const KeySpec* find_key(std::string_view table, std::string_view key) {
-  const auto found = std::find_if(kKeys.begin(), kKeys.end(), [&](const KeySpec& spec) {
-    return spec.table == table && spec.key == key;
-  });
+  const auto found = std::find_if(kKeys.begin(), kKeys.end(),
+                                  [&](const KeySpec& spec) { return spec.table == table && spec.key == key; });
   return found == kKeys.end() ? nullptr : &*found;
 }
 
@@ -72,8 +71,7 @@ std::string nearest_key(std::string_view table, std::string_view key) {
   for (const auto& spec : kKeys) {
     if (spec.table != table) continue;
     // A key typed without its unit ("altitude" for "altitude_agl_m") is as near as a typing slip.
-    const std::size_t distance =
-        key.size() > 2 && spec.key.starts_with(key) ? 1 : edit_distance(key, spec.key);
+    const std::size_t distance = key.size() > 2 && spec.key.starts_with(key) ? 1 : edit_distance(key, spec.key);
     if (distance < best_distance) best_distance = distance, best = spec.key;
   }
   return best;
@@ -103,8 +101,7 @@ std::string range_text(const KeySpec& spec) {
   if (low.open) return (high.exclusive ? "< " : "<= ") + bare(spec.high);
   if (low.value == high.value) return bare(spec.low);
   if (!low.exclusive && !high.exclusive) return bare(spec.low) + " .. " + bare(spec.high);
-  return (low.exclusive ? "> " : ">= ") + bare(spec.low) + " and " + (high.exclusive ? "< " : "<= ") +
-         bare(spec.high);
+  return (low.exclusive ? "> " : ">= ") + bare(spec.low) + " and " + (high.exclusive ? "< " : "<= ") + bare(spec.high);
 }
 
 std::string choices_text(const KeySpec& spec) {

@@ -12,8 +12,7 @@ using Vector = std::array<double, 3>;
 std::vector<double> edges(double size_m, double cell_m) {
   std::vector<double> out;
   // A millionth of a cell left over is rounding, not a square.
-  const auto count =
-      cell_m > 0 ? static_cast<std::size_t>(std::max(1.0, std::ceil(size_m / cell_m - 1e-6))) : 1;
+  const auto count = cell_m > 0 ? static_cast<std::size_t>(std::max(1.0, std::ceil(size_m / cell_m - 1e-6))) : 1;
   for (std::size_t i = 0; i < count; ++i) out.push_back(-0.5 * size_m + static_cast<double>(i) * cell_m);
   out.push_back(0.5 * size_m);
   return out;
@@ -55,17 +54,17 @@ std::array<double, 12> placement(const std::array<double, 3>& position_m, double
   return {x[0], y[0], 0, position_m[0], x[1], y[1], 0, position_m[1], 0, 0, scale, position_m[2]};
 }
 
-TriangleMesh plane_mesh(const std::array<double, 3>& position_m, const std::array<double, 2>& size_m,
-                        double yaw_deg, double tilt_deg, const Checker& checker) {
+TriangleMesh plane_mesh(const std::array<double, 3>& position_m, const std::array<double, 2>& size_m, double yaw_deg,
+                        double tilt_deg, const Checker& checker) {
   const double tilt = tilt_deg * M_PI / 180.0;
   TriangleMesh mesh;
-  add_rectangle(mesh, position_m, turned({1, 0, 0}, yaw_deg),
-                turned({0, std::cos(tilt), -std::sin(tilt)}, yaw_deg), size_m[0], size_m[1], checker);
+  add_rectangle(mesh, position_m, turned({1, 0, 0}, yaw_deg), turned({0, std::cos(tilt), -std::sin(tilt)}, yaw_deg),
+                size_m[0], size_m[1], checker);
   return mesh;
 }
 
-TriangleMesh box_mesh(const std::array<double, 3>& position_m, const std::array<double, 3>& size_m,
-                      double yaw_deg, const std::array<std::uint32_t, 6>& surface, const Checker& top) {
+TriangleMesh box_mesh(const std::array<double, 3>& position_m, const std::array<double, 3>& size_m, double yaw_deg,
+                      const std::array<std::uint32_t, 6>& surface, const Checker& top) {
   const Vector x = turned({1, 0, 0}, yaw_deg), y = turned({0, 1, 0}, yaw_deg), z{0, 0, 1};
   const auto minus = [](const Vector& v) { return Vector{-v[0], -v[1], -v[2]}; };
   const auto at = [&](double dx, double dy, double dz) {

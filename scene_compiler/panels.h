@@ -22,8 +22,8 @@ std::array<double, 3> turned(const std::array<double, 3>& local, double yaw_deg)
 std::array<double, 12> placement(const std::array<double, 3>& position_m, double yaw_deg, double scale);
 
 /// A rectangle of size_m about position_m, its normal up, leaning by tilt_deg towards azimuth yaw_deg.
-TriangleMesh plane_mesh(const std::array<double, 3>& position_m, const std::array<double, 2>& size_m,
-                        double yaw_deg, double tilt_deg, const Checker& checker);
+TriangleMesh plane_mesh(const std::array<double, 3>& position_m, const std::array<double, 2>& size_m, double yaw_deg,
+                        double tilt_deg, const Checker& checker);
 
 /// Faces of a box, in this order everywhere.
 enum BoxFace { kTop, kBottom, kNorth, kSouth, kEast, kWest };
@@ -31,7 +31,7 @@ inline constexpr std::array<const char*, 6> kBoxFaceNames{"top", "bottom", "nort
 
 /// A box standing with the centre of its base at position_m, faces outward. top: squares of the top face;
 /// surface[kTop] is not used.
-TriangleMesh box_mesh(const std::array<double, 3>& position_m, const std::array<double, 3>& size_m,
-                      double yaw_deg, const std::array<std::uint32_t, 6>& surface, const Checker& top);
+TriangleMesh box_mesh(const std::array<double, 3>& position_m, const std::array<double, 3>& size_m, double yaw_deg,
+                      const std::array<std::uint32_t, 6>& surface, const Checker& top);
 
 }  // namespace raycube::scene

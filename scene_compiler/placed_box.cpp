@@ -81,7 +81,9 @@ void check_resolution(const SceneParts& parts, const std::vector<PlacedBox>& box
     if (boxes[i].empty()) continue;
     // No size at all: its own file's coordinates, single precision too, have made one point of it.
     const double size = size_of(i), spacing = spacing_of(boxes[i]),
-                 share = size > 0 ? spacing / size : spacing > 0 ? std::numeric_limits<double>::infinity() : 0;
+                 share = size > 0      ? spacing / size
+                         : spacing > 0 ? std::numeric_limits<double>::infinity()
+                                       : 0;
     coarse += share > kNoticeAbove;
     if (share > worst) worst = share, at = i;
   }
@@ -91,17 +93,16 @@ void check_resolution(const SceneParts& parts, const std::vector<PlacedBox>& box
     return number_text(std::round(0.5 * (static_cast<double>(box.lo[i]) + static_cast<double>(box.hi[i]))));
   };
   const std::string what = "'" + parts.meshes[parts.placed[at].mesh].name + "'";
-  const std::string found = (at < parts.terrains.size() ? "cells of " : "") + number_text(size_of(at)) +
-                            " m at " + place(0) + ", " + place(1) + ", " + place(2) +
-                            ", where coordinates are " + number_text(spacing_of(box)) + " m apart" +
+  const std::string found = (at < parts.terrains.size() ? "cells of " : "") + number_text(size_of(at)) + " m at " +
+                            place(0) + ", " + place(1) + ", " + place(2) + ", where coordinates are " +
+                            number_text(spacing_of(box)) + " m apart" +
                             (box.own_spacing_m > spacing_m(box) ? " in its own file" : "");
   const std::string way_out =
       "move the scene to its origin: subtract easting and northing from positions and meshes and state them as "
       "scene.origin";
   if (worst > kErrorAbove)
-    problems.add({file, 0, 0, ""},
-                 "single precision does not resolve " + what + " so far from the scene's origin", found,
-                 way_out);
+    problems.add({file, 0, 0, ""}, "single precision does not resolve " + what + " so far from the scene's origin",
+                 found, way_out);
   else
     notices.push_back(file + ": " + std::to_string(coarse) +
                       " objects or terrains lie so far from the scene's origin that single precision shows "

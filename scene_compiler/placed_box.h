@@ -13,7 +13,7 @@ namespace raycube::scene {
 struct PlacedBox {
   std::array<float, 3> lo, hi;
   double own_spacing_m = 0;  ///< of coordinates in its file, where that is far from their origin, as placed
-  double size_m = 0;  ///< its longest extent before the corners were rounded to single precision
+  double size_m = 0;         ///< its longest extent before the corners were rounded to single precision
   bool empty() const { return !(lo[0] <= hi[0]); }
 };
 

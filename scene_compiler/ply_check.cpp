@@ -17,10 +17,10 @@ constexpr std::size_t kLongestLine = 65536;
 /// Bytes of a scalar type in a binary file; none for an unknown name (Turk 1994, and the names with sizes
 /// that came later).
 std::optional<int> bytes_of(const std::string& type) {
-  static const std::map<std::string, int> known = {
-      {"char", 1},  {"uchar", 1},  {"short", 2},   {"ushort", 2}, {"int", 4},   {"uint", 4},
-      {"float", 4}, {"double", 8}, {"int8", 1},    {"uint8", 1},  {"int16", 2}, {"uint16", 2},
-      {"int32", 4}, {"uint32", 4}, {"float32", 4}, {"float64", 8}};
+  static const std::map<std::string, int> known = {{"char", 1},  {"uchar", 1},  {"short", 2},   {"ushort", 2},
+                                                   {"int", 4},   {"uint", 4},   {"float", 4},   {"double", 8},
+                                                   {"int8", 1},  {"uint8", 1},  {"int16", 2},   {"uint16", 2},
+                                                   {"int32", 4}, {"uint32", 4}, {"float32", 4}, {"float64", 8}};
   const auto at = known.find(type);
   return at == known.end() ? std::nullopt : std::optional(at->second);
 }
@@ -50,8 +50,8 @@ class HeaderCheck {
       if (!(words[0] == "format"    ? format(words)
             : words[0] == "element" ? element(words)
                                     : words[0] == "property" && property(words))) {
-        report(line_, "PLY header has a line that PLY does not know",
-               "'" + std::string(line->substr(0, 60)) + "'", "correct the file; is it cut short?");
+        report(line_, "PLY header has a line that PLY does not know", "'" + std::string(line->substr(0, 60)) + "'",
+               "correct the file; is it cut short?");
         return;
       }
     }

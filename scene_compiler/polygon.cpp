@@ -38,8 +38,7 @@ bool inside(const Point& p, const Point& a, const Point& b, const Point& c) {
 
 }  // namespace
 
-std::vector<std::array<std::uint32_t, 3>> triangulate_polygon(
-    std::span<const std::array<double, 3>> corners) {
+std::vector<std::array<std::uint32_t, 3>> triangulate_polygon(std::span<const std::array<double, 3>> corners) {
   std::vector<std::array<std::uint32_t, 3>> out;
   if (corners.size() < 3) return out;
   if (corners.size() == 3) return {{0, 1, 2}};
@@ -65,8 +64,7 @@ std::vector<std::array<std::uint32_t, 3>> triangulate_polygon(
       }
       if (empty) ear = i;
     }
-    if (ear == ring.size())
-      ear = 1;  // no ear left: not a simple polygon; clip on so that every corner is used
+    if (ear == ring.size()) ear = 1;  // no ear left: not a simple polygon; clip on so that every corner is used
     const auto n = ring.size();
     out.push_back({ring[(ear + n - 1) % n], ring[ear], ring[(ear + 1) % n]});
     ring.erase(ring.begin() + static_cast<long>(ear));

@@ -63,15 +63,12 @@ bool interpolate(std::vector<double>& values, const std::vector<bool>& valid, in
   std::vector<unsigned char> bytes(valid.size());
   for (std::size_t i = 0; i < valid.size(); ++i) bytes[i] = valid[i] ? 255 : 0;
   const GDALRasterBandH band = GDALGetRasterBand(copy.get(), 1), mask_band = GDALGetRasterBand(mask.get(), 1);
-  if (GDALRasterIO(band, GF_Write, 0, 0, columns, rows, values.data(), columns, rows, GDT_Float64, 0, 0) !=
-          CE_None ||
-      GDALRasterIO(mask_band, GF_Write, 0, 0, columns, rows, bytes.data(), columns, rows, GDT_Byte, 0, 0) !=
-          CE_None)
+  if (GDALRasterIO(band, GF_Write, 0, 0, columns, rows, values.data(), columns, rows, GDT_Float64, 0, 0) != CE_None ||
+      GDALRasterIO(mask_band, GF_Write, 0, 0, columns, rows, bytes.data(), columns, rows, GDT_Byte, 0, 0) != CE_None)
     return false;
   const double reach = std::hypot(columns, rows);
   return GDALFillNodata(band, mask_band, reach, 0, 0, nullptr, nullptr, nullptr) == CE_None &&
-         GDALRasterIO(band, GF_Read, 0, 0, columns, rows, values.data(), columns, rows, GDT_Float64, 0, 0) ==
-             CE_None;
+         GDALRasterIO(band, GF_Read, 0, 0, columns, rows, values.data(), columns, rows, GDT_Float64, 0, 0) == CE_None;
 }
 
 void read_reference(GDALDatasetH dataset, Raster& raster) {
@@ -138,8 +135,8 @@ void read_by_gdal(const std::string& file, int first_band, int count, base::Parc
     for (int row = 0; row < opened.rows; row += step) {
       const int rows = std::min(step, opened.rows - row);
       values.resize(static_cast<std::size_t>(rows) * static_cast<std::size_t>(opened.columns));
-      const bool read = GDALRasterIO(band, GF_Read, 0, row, opened.columns, rows, values.data(),
-                                     opened.columns, rows, GDT_Float64, 0, 0) == CE_None;
+      const bool read = GDALRasterIO(band, GF_Read, 0, row, opened.columns, rows, values.data(), opened.columns, rows,
+                                     GDT_Float64, 0, 0) == CE_None;
       parcel.text(read ? "" : gdal_message());
       if (!read) return;
       parcel.list(values.data(), values.size());
@@ -167,8 +164,8 @@ std::optional<Raster> read_raster(const std::string& file, int first_band, int c
   base::ChildLimits limits;
   limits.cpu_s = kBase_s + kPerByte_s * static_cast<double>(std::filesystem::file_size(file));
   limits.memory_bytes = kMemory_bytes;
-  base::Unpacked read = base::in_limited_child(
-      limits, [&](base::Parcel& parcel) { read_by_gdal(file, first_band, count, parcel); });
+  base::Unpacked read =
+      base::in_limited_child(limits, [&](base::Parcel& parcel) { read_by_gdal(file, first_band, count, parcel); });
   const std::string said = read.end == base::ChildEnd::done ? read.text() : "it " + read.why;
   if (!said.empty()) {
     problems.add({file, 0, 0, ""}, "GDAL cannot read the raster", said,
@@ -199,8 +196,8 @@ std::optional<Raster> read_raster(const std::string& file, int first_band, int c
     const double hole = read.value<double>();
     auto& values = raster.bands.emplace_back();
     if (const std::string failed = take_band(read, values, pixels); !failed.empty()) {
-      problems.add({file, 0, 0, "band " + std::to_string(first_band + i)}, "raster is truncated or damaged",
-                   failed, "restore the file");
+      problems.add({file, 0, 0, "band " + std::to_string(first_band + i)}, "raster is truncated or damaged", failed,
+                   "restore the file");
       return std::nullopt;
     }
     auto& valid = raster.valid.emplace_back(values.size(), true);
@@ -237,10 +234,8 @@ std::optional<GeoPlace> geographic_place(int epsg, double easting_m, double nort
   if (!transform) return std::nullopt;
   // The second point lies 1 km to the grid's north.
   double x[2] = {easting_m, easting_m}, y[2] = {northing_m, northing_m + 1000.0};
-  if (!OCTTransform(static_cast<OGRCoordinateTransformationH>(transform.get()), 2, x, y, nullptr))
-    return std::nullopt;
-  if (!std::isfinite(x[0]) || !std::isfinite(y[0]) || !std::isfinite(x[1]) || !std::isfinite(y[1]))
-    return std::nullopt;
+  if (!OCTTransform(static_cast<OGRCoordinateTransformationH>(transform.get()), 2, x, y, nullptr)) return std::nullopt;
+  if (!std::isfinite(x[0]) || !std::isfinite(y[0]) || !std::isfinite(x[1]) || !std::isfinite(y[1])) return std::nullopt;
   const double to_rad = M_PI / 180.0;
   const double lat1 = y[0] * to_rad, lat2 = y[1] * to_rad, dlon = (x[1] - x[0]) * to_rad;
   // Over 1 km the ellipsoid is a plane: east = N cos(lat) dlon, north = M dlat, both over N (radii of WGS

@@ -19,8 +19,7 @@ Checker checker_of(const Record& checker, const MaterialTable& materials, Proble
   return out;
 }
 
-bool too_many_cells(double width_m, double length_m, const Checker& checker, const Record& record,
-                    Problems& problems) {
+bool too_many_cells(double width_m, double length_m, const Checker& checker, const Record& record, Problems& problems) {
   if (checker.cell_m <= 0 || (width_m / checker.cell_m) * (length_m / checker.cell_m) <= 1e7) return false;
   problems.add(record.place("checker"), "checkerboard has more than 1e7 squares",
                "cell_m " + std::to_string(checker.cell_m), "use larger squares");
@@ -32,12 +31,12 @@ void place_once(SceneParts& parts, std::string name, TriangleMesh mesh) {
   parts.meshes.push_back({std::move(name), std::move(mesh)});
 }
 
-void add_plane(const Record& record, const std::string& name, const MaterialTable& materials,
-               SceneParts& parts, Problems& problems) {
+void add_plane(const Record& record, const std::string& name, const MaterialTable& materials, SceneParts& parts,
+               Problems& problems) {
   const Record* checker_record = record.table("checker");
   if (record.given("material") == (checker_record != nullptr)) {
-    problems.add(record.where, "a plane needs exactly one of material and checker",
-                 checker_record ? "both" : "neither", "remove or add one");
+    problems.add(record.where, "a plane needs exactly one of material and checker", checker_record ? "both" : "neither",
+                 "remove or add one");
     return;
   }
   Checker checker;
@@ -83,8 +82,8 @@ void add_box(const Record& record, const std::string& name, const MaterialTable&
   const auto& size = record.numbers("size_m");
   if (too_many_cells(size[0], size[1], top, record, problems)) return;
   place_once(parts, name,
-             box_mesh(position_of(record, parts, problems), {size[0], size[1], size[2]},
-                      record.number("yaw_deg"), surface, top));
+             box_mesh(position_of(record, parts, problems), {size[0], size[1], size[2]}, record.number("yaw_deg"),
+                      surface, top));
 }
 
 }  // namespace
@@ -97,8 +96,7 @@ std::array<double, 3> position_of(const Record& record, const SceneParts& parts,
     position[2] += *z;
   } else if (parts.terrains_whole) {
     problems.add(record.place("position_m"), "on_terrain, but no terrain lies there",
-                 "x " + std::to_string(p[0]) + ", y " + std::to_string(p[1]),
-                 "move it, or set on_terrain = false");
+                 "x " + std::to_string(p[0]) + ", y " + std::to_string(p[1]), "move it, or set on_terrain = false");
   }
   return position;
 }
@@ -115,15 +113,15 @@ void add_panels(const Record& root, const MaterialTable& materials, SceneParts& 
   for (const auto& record : root.records("plane")) {
     ++number;
     if (record.sound)
-      add_plane(record, record.given("name") ? record.text("name") : "plane " + std::to_string(number),
-                materials, parts, problems);
+      add_plane(record, record.given("name") ? record.text("name") : "plane " + std::to_string(number), materials,
+                parts, problems);
   }
   number = 0;
   for (const auto& record : root.records("box")) {
     ++number;
     if (record.sound)
-      add_box(record, record.given("name") ? record.text("name") : "box " + std::to_string(number), materials,
-              parts, problems);
+      add_box(record, record.given("name") ? record.text("name") : "box " + std::to_string(number), materials, parts,
+              problems);
   }
 }
 
@@ -137,11 +135,10 @@ SceneParts read_scene_parts(const Record& root, MaterialTable& materials, Proble
       parts.origin.height_m = origin->number("height_m");
       if (parts.origin.epsg != 0 &&
           !geographic_place(parts.origin.epsg, parts.origin.easting_m, parts.origin.northing_m))
-        problems.add(
-            origin->place("epsg"), "not a projected system in which the origin lies",
-            "EPSG:" + std::to_string(parts.origin.epsg) + " at " + std::to_string(parts.origin.easting_m) +
-                ", " + std::to_string(parts.origin.northing_m),
-            "use a projected system in metres, like EPSG:32618 (UTM 18N), and its easting and northing");
+        problems.add(origin->place("epsg"), "not a projected system in which the origin lies",
+                     "EPSG:" + std::to_string(parts.origin.epsg) + " at " + std::to_string(parts.origin.easting_m) +
+                         ", " + std::to_string(parts.origin.northing_m),
+                     "use a projected system in metres, like EPSG:32618 (UTM 18N), and its easting and northing");
     }
   add_terrains(root, materials, parts, problems);
   add_panels(root, materials, parts, problems);
@@ -161,8 +158,7 @@ CompiledScene compile_scene(SceneParts&& parts, MaterialTable&& materials) {
   }
   scene.instances.reserve(parts.placed.size());
   for (std::size_t i = 0; i < parts.placed.size(); ++i)
-    append_instance(scene, parts.placed[i].mesh, parts.placed[i].scene_from_mesh,
-                    static_cast<std::uint32_t>(i));
+    append_instance(scene, parts.placed[i].mesh, parts.placed[i].scene_from_mesh, static_cast<std::uint32_t>(i));
   finish_top_tree(scene);
   scene.content_hash = content_hash(scene);
   return scene;

@@ -30,14 +30,17 @@ SceneInfo scene_info(const CompiledScene& scene) {
   }
   for (const auto& material : scene.materials) {
     const auto& w = material.reflectance.wavelength_um;
-    out.materials.push_back({material.name, material.source, w.empty() ? 0 : w.front(),
-                             w.empty() ? 0 : w.back(), w.size(), !material.transmittance.value.empty(),
+    out.materials.push_back({material.name, material.source, w.empty() ? 0 : w.front(), w.empty() ? 0 : w.back(),
+                             w.size(), !material.transmittance.value.empty(),
                              material.transmission == Material::Transmission::plate, material.gloss_f0 > 0});
   }
   for (const auto& volume : scene.volumes) {
     const auto& w = volume.wavelength_um;
-    const char* shape = volume.shape == Volume::Shape::box ? "box" : volume.shape == Volume::Shape::grid ? "grid" : "plume";
-    out.volumes.push_back({volume.name, shape, volume.gas, w.empty() ? 0 : w.front(), w.empty() ? 0 : w.back(), volume.extinction_per_m > 0});
+    const char* shape = volume.shape == Volume::Shape::box    ? "box"
+                        : volume.shape == Volume::Shape::grid ? "grid"
+                                                              : "plume";
+    out.volumes.push_back({volume.name, shape, volume.gas, w.empty() ? 0 : w.front(), w.empty() ? 0 : w.back(),
+                           volume.extinction_per_m > 0});
   }
   // The top tree comes first; finish_top_tree moves every mesh tree behind it.
   const std::uint64_t top_bytes = std::uint64_t{first_mesh_node} * sizeof(shared::BvhNode);
@@ -45,11 +48,9 @@ SceneInfo scene_info(const CompiledScene& scene) {
       (out.nodes - first_mesh_node) * sizeof(shared::BvhNode) + out.blocks * sizeof(shared::TriBlock);
   const std::uint64_t instance_bytes = out.instances * sizeof(shared::Instance);
   out.bytes = top_bytes + mesh_bytes + instance_bytes + out.surfaces * sizeof(shared::Surface);
-  if (out.triangles > 0)
-    out.bytes_per_triangle = static_cast<double>(mesh_bytes) / static_cast<double>(out.triangles);
+  if (out.triangles > 0) out.bytes_per_triangle = static_cast<double>(mesh_bytes) / static_cast<double>(out.triangles);
   if (out.instances > 0)
-    out.bytes_per_instance =
-        static_cast<double>(top_bytes + instance_bytes) / static_cast<double>(out.instances);
+    out.bytes_per_instance = static_cast<double>(top_bytes + instance_bytes) / static_cast<double>(out.instances);
   if (out.blocks > 0)
     out.block_fill = static_cast<double>(out.triangles) / (static_cast<double>(out.blocks) * RC_BLOCK);
   return out;
@@ -57,14 +58,14 @@ SceneInfo scene_info(const CompiledScene& scene) {
 
 std::string scene_info_text(const SceneInfo& info) {
   std::string out = fmt::format("content        {}\n", info.content_hash);
-  out += info.origin.epsg ? fmt::format("origin         EPSG:{} {} {} {} m\n", info.origin.epsg,
-                                        info.origin.easting_m, info.origin.northing_m, info.origin.height_m)
+  out += info.origin.epsg ? fmt::format("origin         EPSG:{} {} {} {} m\n", info.origin.epsg, info.origin.easting_m,
+                                        info.origin.northing_m, info.origin.height_m)
                           : "origin         local\n";
   if (info.instances > 0)
-    out += fmt::format("bounds         x {:.3f} .. {:.3f}, y {:.3f} .. {:.3f}, z {:.3f} .. {:.3f} m\n",
-                       info.lo[0], info.hi[0], info.lo[1], info.hi[1], info.lo[2], info.hi[2]);
-  out += fmt::format("triangles      {} stored, {} placed by {} instances\n", info.triangles,
-                     info.placed_triangles, info.instances);
+    out += fmt::format("bounds         x {:.3f} .. {:.3f}, y {:.3f} .. {:.3f}, z {:.3f} .. {:.3f} m\n", info.lo[0],
+                       info.hi[0], info.lo[1], info.hi[1], info.lo[2], info.hi[2]);
+  out += fmt::format("triangles      {} stored, {} placed by {} instances\n", info.triangles, info.placed_triangles,
+                     info.instances);
   out += fmt::format(
       "memory         {:.1f} MiB: {:.1f} bytes per triangle, {:.1f} bytes per instance, blocks {:.0f} % "
       "full\n",
@@ -76,12 +77,15 @@ std::string scene_info_text(const SceneInfo& info) {
     out += fmt::format("  {:<32} {:>9} triangles x {}\n", mesh.name, mesh.triangles, mesh.instances);
   out += "\nmaterials\n";
   for (const auto& m : info.materials)
-    out += fmt::format("  {:<32} {:.3f} .. {:.3f} um, {} points{}{}{}\n", m.name, m.first_um, m.last_um,
-                       m.points, m.plate ? ", plate" : m.transmits ? ", transmits" : "", m.gloss ? ", gloss" : "",
-                       m.source.empty() ? "" : "; " + m.source);
+    out += fmt::format("  {:<32} {:.3f} .. {:.3f} um, {} points{}{}{}\n", m.name, m.first_um, m.last_um, m.points,
+                       m.plate       ? ", plate"
+                       : m.transmits ? ", transmits"
+                                     : "",
+                       m.gloss ? ", gloss" : "", m.source.empty() ? "" : "; " + m.source);
   if (!info.volumes.empty()) out += "\nvolumes\n";
   for (const auto& v : info.volumes)
-    out += fmt::format("  {:<32} {}{}{}\n", v.name, v.shape, v.gas.empty() ? "" : fmt::format(", {} {:.4f} .. {:.4f} um", v.gas, v.first_um, v.last_um),
+    out += fmt::format("  {:<32} {}{}{}\n", v.name, v.shape,
+                       v.gas.empty() ? "" : fmt::format(", {} {:.4f} .. {:.4f} um", v.gas, v.first_um, v.last_um),
                        v.particles ? ", particles" : "");
   return out;
 }
@@ -104,7 +108,12 @@ std::string scene_info_json(const SceneInfo& info) {
                          {"plate", m.plate},
                          {"gloss", m.gloss}});
   for (const auto& v : info.volumes)
-    volumes.push_back({{"name", v.name}, {"shape", v.shape}, {"gas", v.gas}, {"first_um", v.first_um}, {"last_um", v.last_um}, {"particles", v.particles}});
+    volumes.push_back({{"name", v.name},
+                       {"shape", v.shape},
+                       {"gas", v.gas},
+                       {"first_um", v.first_um},
+                       {"last_um", v.last_um},
+                       {"particles", v.particles}});
   const nlohmann::ordered_json out = {{"content_hash", info.content_hash},
                                       {"origin",
                                        {{"epsg", info.origin.epsg},

@@ -24,7 +24,7 @@ struct MaterialInfo {
 };
 
 struct VolumeInfo {
-  std::string name, shape, gas;  ///< gas empty: none
+  std::string name, shape, gas;      ///< gas empty: none
   double first_um = 0, last_um = 0;  ///< range of its cross sections
   bool particles = false;
 };

@@ -1,5 +1,6 @@
 // What a simulation file says, validated and with every default filled in; the scene itself is compiled apart.
-// Angles in degrees and lengths in metres as typed; azimuth clockwise from north, of the direction towards the thing named.
+// Angles in degrees and lengths in metres as typed; azimuth clockwise from north, of the direction towards the thing
+// named.
 #pragma once
 
 #include <cstdint>
@@ -16,13 +17,14 @@ namespace raycube::scene {
 enum class InstrumentKind { framing, whiskbroom, pushbroom };
 enum class SamplerKind { grid, lattice, jittered };
 enum class StandardError { off, worst, bands };  ///< a layer of the truth; bands: a cube beside the radiance too
-/// Pixels that hold objects smaller than their samples see get the samples they need (host/sensors/small_objects.h); automatic: where the
-/// planner chooses the samples. A renderer takes automatic for off.
+/// Pixels that hold objects smaller than their samples see get the samples they need (host/sensors/small_objects.h);
+/// automatic: where the planner chooses the samples. A renderer takes automatic for off.
 enum class SmallObjects { off, on, automatic };
 enum class PoseMotion { held, moving, automatic };
 
-/// One pose of the platform. Position in the scene frame, metres; roll about the flight axis (right wing down positive),
-/// pitch (nose up positive), yaw = heading clockwise from north. Rotation order yaw, pitch, roll (z-y-x, intrinsic).
+/// One pose of the platform. Position in the scene frame, metres; roll about the flight axis (right wing down
+/// positive), pitch (nose up positive), yaw = heading clockwise from north. Rotation order yaw, pitch, roll (z-y-x,
+/// intrinsic).
 struct Pose {
   double x_m = 0, y_m = 0, z_m = 0;
   double roll_deg = 0, pitch_deg = 0, heading_deg = 0;
@@ -31,49 +33,50 @@ struct Pose {
 /// One band's relative spectral response. Either Gaussian (centre and FWHM) or tabulated.
 struct Band {
   double center_um = 0;
-  double fwhm_um = 0;                       ///< 0 when tabulated
-  std::vector<double> wavelength_um;        ///< tabulated response, ascending, vacuum
-  std::vector<double> response;             ///< >= 0
+  double fwhm_um = 0;                 ///< 0 when tabulated
+  std::vector<double> wavelength_um;  ///< tabulated response, ascending, vacuum
+  std::vector<double> response;       ///< >= 0
   std::string name;
 };
 
 struct Instrument {
   std::string name;
   InstrumentKind kind = InstrumentKind::framing;
-  int pixels = 0;                 ///< samples of a line
+  int pixels = 0;  ///< samples of a line
   int lines = 0;
-  double ifov_along_rad = 0;      ///< image-plane pixel pitch / focal length, across lines (v)
-  double ifov_across_rad = 0;     ///< along a line (u)
-  std::vector<Pose> poses;        ///< one (framing), one per line (pushbroom), or one per pixel in line-sample order (whiskbroom)
+  double ifov_along_rad = 0;   ///< image-plane pixel pitch / focal length, across lines (v)
+  double ifov_across_rad = 0;  ///< along a line (u)
+  std::vector<Pose>
+      poses;  ///< one (framing), one per line (pushbroom), or one per pixel in line-sample order (whiskbroom)
   /// Pushbroom with moving pose: platform velocity while a line is exposed, and the exposure, both zero when held.
   PoseMotion motion = PoseMotion::held;
-  double nominal_agl_m = 0;       ///< what the file called altitude above ground; 0 when poses were given
+  double nominal_agl_m = 0;  ///< what the file called altitude above ground; 0 when poses were given
   SamplerKind sampler = SamplerKind::grid;
-  int samples_u = 11, samples_v = 11;   ///< grid and jittered: cells; lattice: total = samples_u * samples_v points
-  bool samples_given = false;           ///< by the file; otherwise the planner chooses them (host/planner)
-  int first_samples = 0;                ///< adaptive: lattice points of a first pass; pixels that it does not settle get all; 0: none
+  int samples_u = 11, samples_v = 11;  ///< grid and jittered: cells; lattice: total = samples_u * samples_v points
+  bool samples_given = false;          ///< by the file; otherwise the planner chooses them (host/planner)
+  int first_samples = 0;  ///< adaptive: lattice points of a first pass; pixels that it does not settle get all; 0: none
   bool adaptive() const { return first_samples > 0 && first_samples < samples_u * samples_v; }
   SmallObjects small_objects = SmallObjects::off;
   StandardError standard_error = StandardError::off;
-  double psf_sigma_px = 0;        ///< Gaussian PSF sigma in pixels; 0: box, no blur
-  double psf_support_px = 1;      ///< width of the square the samples cover, pixels; 1 for the box
+  double psf_sigma_px = 0;    ///< Gaussian PSF sigma in pixels; 0: box, no blur
+  double psf_support_px = 1;  ///< width of the square the samples cover, pixels; 1 for the box
   std::vector<Band> bands;
-  std::vector<int> quicklook_bands;     ///< 0-based, red green blue (three) or grey (one)
+  std::vector<int> quicklook_bands;  ///< 0-based, red green blue (three) or grey (one)
   // products
-  std::string interleave = "bip";       ///< bip, bil, bsq
+  std::string interleave = "bip";  ///< bip, bil, bsq
   bool write_exr = true, write_png = true;
-  bool write_band_transmission = false; ///< path transmission per band as truth
-  std::optional<double> integer_scale;  ///< write uint16 of round(radiance * scale)
+  bool write_band_transmission = false;  ///< path transmission per band as truth
+  std::optional<double> integer_scale;   ///< write uint16 of round(radiance * scale)
 };
 
 /// Where the sun is. Towards the sun, seen from the scene origin.
 /// The light in the sky: the sun, or the moon in its place.
 struct Sun {
-  double moon_phase_deg = -1;     ///< angle sun, moon, earth: 0 full, 180 new; below 0: it is the sun
+  double moon_phase_deg = -1;  ///< angle sun, moon, earth: 0 full, 180 new; below 0: it is the sun
   double zenith_deg = 0;
   double azimuth_deg = 0;
-  int day_of_year = 0;            ///< 1..366; 0: earth-sun distance factor 1
-  std::string utc;                ///< empty when angles were given
+  int day_of_year = 0;  ///< 1..366; 0: earth-sun distance factor 1
+  std::string utc;      ///< empty when angles were given
 };
 
 /// Light between ground and air; automatic: local where the table has the rows, else off.
@@ -107,20 +110,21 @@ struct AtmosphereSpec {
   double pressure_hPa = 1013.25;  ///< at the ground
   double water_g_cm2 = 1.5;
   double ozone_atm_cm = 0.32;
-  double aod_550 = 0.1;           ///< aerosol optical depth at 0.55 um, vertical
+  double aod_550 = 0.1;  ///< aerosol optical depth at 0.55 um, vertical
   double angstrom = 1.2;
-  double ssa = 0.945;             ///< aerosol single-scattering albedo at 0.4 um (Bird & Riordan's rural)
+  double ssa = 0.945;  ///< aerosol single-scattering albedo at 0.4 um (Bird & Riordan's rural)
   double asymmetry = 0.65;
-  double ground_albedo = 0.0;     ///< for the sky's ground-reflected part
+  double ground_albedo = 0.0;  ///< for the sky's ground-reflected part
   Adjacency adjacency = Adjacency::automatic;
-  bool none = false;              ///< no air: T = 1, no sky, no path radiance (tests, laboratories)
-  std::optional<AirSpec> layered; ///< the layered model; of the fields above it uses ground_height_m alone
+  bool none = false;               ///< no air: T = 1, no sky, no path radiance (tests, laboratories)
+  std::optional<AirSpec> layered;  ///< the layered model; of the fields above it uses ground_height_m alone
 };
 
 /// What the user fixes of a plan; 0: the plan's own choice, by the tolerance. docs/accuracy.md has what each costs.
 struct PlanOverrides {
-  int sky_rank = 0;               ///< components of the sunlit sky, 1..4; a sky of fewer shapes is exact with those
-  int height_nodes = 0, view_nodes = 0, path_nodes = 0;  ///< of kNodeCounts (host/plan/node_choice.h); path: along each of its two axes
+  int sky_rank = 0;  ///< components of the sunlit sky, 1..4; a sky of fewer shapes is exact with those
+  int height_nodes = 0, view_nodes = 0,
+      path_nodes = 0;  ///< of kNodeCounts (host/plan/node_choice.h); path: along each of its two axes
   bool any() const { return sky_rank || height_nodes || view_nodes || path_nodes; }
 };
 
@@ -128,11 +132,11 @@ class Ground;
 
 /// A whole simulation as one file describes it.
 struct Simulation {
-  std::string file;               ///< absolute path
+  std::string file;  ///< absolute path
   double tolerance = 0.01;
   std::uint64_t seed = 1;
-  int sky_directions = 16;        ///< per pixel
-  int sky_share = 1;              ///< each sample looks into one in so many of them; 0: as plan::sky_share has it
+  int sky_directions = 16;            ///< per pixel
+  int sky_share = 1;                  ///< each sample looks into one in so many of them; 0: as plan::sky_share has it
   bool sky_directions_given = false;  ///< by the file; otherwise the planner chooses them (host/planner)
   PlanOverrides plan;
   bool thermal_below_3um = true;  ///< false: bands below 3 um go without thermal light whatever it makes
@@ -142,7 +146,7 @@ struct Simulation {
   std::vector<Lidar> lidars;
   CompiledScene scene;
   std::shared_ptr<const Ground> ground;  ///< kept where a LIDAR counts heights from it, else null
-  std::string resolved_json;      ///< every option with its value after defaults
+  std::string resolved_json;             ///< every option with its value after defaults
   std::vector<std::string> notices;  ///< what the user should know though it is no error: dropped faces, sorted bands
 };
 

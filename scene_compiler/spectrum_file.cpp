@@ -18,8 +18,7 @@ using base::Where;
 constexpr double kShortestUm = 0.05, kLongestUm = 1000.0;
 constexpr std::size_t kMaxReports = 20;
 
-bool is_air(const std::string& asked, const std::string& file_says, const std::string& file,
-            Problems& problems) {
+bool is_air(const std::string& asked, const std::string& file_says, const std::string& file, Problems& problems) {
   const std::string medium = lower_case(asked.empty() ? file_says : asked);
   if (medium == "air") return true;
   if (!medium.empty() && medium != "vacuum")
@@ -51,8 +50,7 @@ std::optional<Material> read_csv_spectrum(const SpectrumRequest& request, Proble
   const auto transmittance = csv->column(request.transmittance_column);
   const Where header{csv->file, csv->header_line, 0, ""};
   if (!wavelength)
-    problems.add(header, "no wavelength column", csv->columns_text(),
-                 "name one wavelength_nm or wavelength_um");
+    problems.add(header, "no wavelength column", csv->columns_text(), "name one wavelength_nm or wavelength_um");
   if (!reflectance)
     problems.add(header, "no column '" + request.reflectance_column + "'", csv->columns_text(),
                  "name it, or give reflectance_column");
@@ -63,8 +61,7 @@ std::optional<Material> read_csv_spectrum(const SpectrumRequest& request, Proble
   for (std::size_t row = 0; row < csv->rows.size() && problems.lines().size() < before + kMaxReports; ++row) {
     const auto w = csv->number(row, *wavelength, problems), r = csv->number(row, *reflectance, problems);
     const auto t = transmittance ? csv->number(row, *transmittance, problems) : std::optional(0.0);
-    if (w && r && t)
-      points.push_back({*w * unit_um, *r * scale, *t * scale, {csv->file, csv->row_lines[row], 0, ""}});
+    if (w && r && t) points.push_back({*w * unit_um, *r * scale, *t * scale, {csv->file, csv->row_lines[row], 0, ""}});
   }
   const bool numbers_sound = problems.lines().size() == before;
   const bool sound = check_spectrum(points, csv->file, problems);
@@ -88,12 +85,10 @@ std::optional<Material> read_library_spectrum(const SpectrumRequest& request, Pr
     line = static_cast<std::size_t>(found - library->names.begin());
     if (found == library->names.end()) {
       std::string names;
-      for (std::size_t i = 0; i < library->names.size() && i < 8; ++i)
-        names += (i ? ", " : "") + library->names[i];
+      for (std::size_t i = 0; i < library->names.size() && i < 8; ++i) names += (i ? ", " : "") + library->names[i];
       if (library->names.size() > 8) names += ", ... " + std::to_string(library->names.size()) + " in all";
       problems.add(request.asked_by, "spectral library has no spectrum of that name",
-                   request.spectrum.empty() ? "no 'spectrum' key" : "'" + request.spectrum + "'",
-                   "it holds: " + names);
+                   request.spectrum.empty() ? "no 'spectrum' key" : "'" + request.spectrum + "'", "it holds: " + names);
       return std::nullopt;
     }
   }
@@ -107,8 +102,7 @@ std::optional<Material> read_library_spectrum(const SpectrumRequest& request, Pr
          {request.file, 0, 0, "spectrum '" + library->names[line] + "', sample " + std::to_string(i + 1)}});
   if (!check_spectrum(points, request.file, problems)) return std::nullopt;
   Material out = material_of(points, false, is_air(request.medium, "", request.file, problems));
-  out.source =
-      std::filesystem::path(request.file).filename().string() + ", spectrum '" + library->names[line] + "'";
+  out.source = std::filesystem::path(request.file).filename().string() + ", spectrum '" + library->names[line] + "'";
   return out;
 }
 
@@ -132,8 +126,7 @@ bool check_spectrum(const std::vector<SpectrumPoint>& points, const std::string&
       report(p, "wavelength outside 0.05 .. 1000 um", number_text(p.wavelength_um) + " um",
              "check the unit in the column's name or header");
     else if (i > 0 && p.wavelength_um == points[i - 1].wavelength_um)
-      report(p, "wavelength is given twice", number_text(p.wavelength_um) + " um",
-             "keep one of the two values");
+      report(p, "wavelength is given twice", number_text(p.wavelength_um) + " um", "keep one of the two values");
     else if (i > 0 && p.wavelength_um < points[i - 1].wavelength_um)
       report(p, "wavelengths are not ascending",
              number_text(p.wavelength_um) + " um after " + number_text(points[i - 1].wavelength_um) + " um",

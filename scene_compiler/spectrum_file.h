@@ -10,7 +10,7 @@
 namespace raycube::scene {
 
 struct SpectrumRequest {
-  std::string file;      ///< .csv, or .sli with its header beside it
+  std::string file;           ///< .csv, or .sli with its header beside it
   std::string spectrum = {};  ///< name in a library; may be empty when it holds one
   std::string reflectance_column = "reflectance";
   std::string transmittance_column = "transmittance";
@@ -34,7 +34,6 @@ struct SpectrumPoint {
 };
 
 /// The rules above; true when all points keep them. Reports at most 20 points and counts the rest.
-bool check_spectrum(const std::vector<SpectrumPoint>& points, const std::string& file,
-                    base::Problems& problems);
+bool check_spectrum(const std::vector<SpectrumPoint>& points, const std::string& file, base::Problems& problems);
 
 }  // namespace raycube::scene

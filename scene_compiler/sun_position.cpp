@@ -32,11 +32,13 @@ ln_date parse_utc(const std::string& utc) {
   const bool shape = fields == 7 && zone == 'Z' && static_cast<std::size_t>(used) == utc.size();
   const bool range = shape && date.years >= 1900 && date.years <= 2100 && date.months >= 1 && date.months <= 12 &&
                      date.days >= 1 && date.days <= days_in_month(date.years, date.months) && date.hours >= 0 &&
-                     date.hours <= 23 && date.minutes >= 0 && date.minutes <= 59 && date.seconds >= 0 && date.seconds < 61;
+                     date.hours <= 23 && date.minutes >= 0 && date.minutes <= 59 && date.seconds >= 0 &&
+                     date.seconds < 61;
   if (!range)
-    throw base::Error(base::Fault::input, "time utc = \"" + utc +
-                                              "\" is no date and time; write it as \"2012-09-20T15:30:00Z\" (UTC, years "
-                                              "1900 to 2100)");
+    throw base::Error(base::Fault::input,
+                      "time utc = \"" + utc +
+                          "\" is no date and time; write it as \"2012-09-20T15:30:00Z\" (UTC, years "
+                          "1900 to 2100)");
   return date;
 }
 
@@ -48,9 +50,10 @@ int day_of_year(const ln_date& date) {
 
 void check_place(double latitude_deg, double longitude_deg) {
   if (!(latitude_deg >= -90 && latitude_deg <= 90) || !(longitude_deg >= -180 && longitude_deg <= 360))
-    throw base::Error(base::Fault::input, "place " + std::to_string(latitude_deg) + ", " + std::to_string(longitude_deg) +
-                                              " is not on earth; latitude is -90 to 90 (north positive), longitude -180 to "
-                                              "360 (east positive), degrees");
+    throw base::Error(base::Fault::input,
+                      "place " + std::to_string(latitude_deg) + ", " + std::to_string(longitude_deg) +
+                          " is not on earth; latitude is -90 to 90 (north positive), longitude -180 to "
+                          "360 (east positive), degrees");
 }
 
 }  // namespace
@@ -66,8 +69,9 @@ Sun sun_from_time(const std::string& utc, double latitude_deg, double longitude_
   const double julian_day = ln_get_julian_day(&date);  // universal time, for the earth's turn
   ln_equ_posn sun{};
   const double ephemeris_day = ln_get_jde(julian_day);  // ephemeris time, for the sun's place
-  // libnova 0.16 takes VSOP87 longitudes of the equinox J2000 for those of date (0.014 degrees a year) and scales aberration
-  // by 1 / 360. Hence precession here, and the sun as it stood one light time ago, which is what aberration does to it.
+  // libnova 0.16 takes VSOP87 longitudes of the equinox J2000 for those of date (0.014 degrees a year) and scales
+  // aberration by 1 / 360. Hence precession here, and the sun as it stood one light time ago, which is what aberration
+  // does to it.
   constexpr double kLightTime_day = 0.0057755183;  // 1 AU / c
   ln_equ_posn sun_j2000{};
   ln_get_solar_equ_coords(ephemeris_day - kLightTime_day, &sun_j2000);
@@ -95,7 +99,8 @@ Sun moon_from_time(const std::string& utc, double latitude_deg, double longitude
   ln_get_hrz_from_equ_sidereal_time(&moon, &observer, ln_get_apparent_sidereal_time(julian_day), &horizontal);
   // Seen from the ground instead of the earth's centre: tan z' = sin z / (cos z - radius / distance).
   constexpr double kEarthRadius_km = 6371.0, kDegree = 3.14159265358979323846 / 180;
-  const double zenith = (90.0 - horizontal.alt) * kDegree, near = kEarthRadius_km / ln_get_lunar_earth_dist(ephemeris_day);
+  const double zenith = (90.0 - horizontal.alt) * kDegree,
+               near = kEarthRadius_km / ln_get_lunar_earth_dist(ephemeris_day);
   Sun result;
   result.zenith_deg = std::atan2(std::sin(zenith), std::cos(zenith) - near) / kDegree;
   result.azimuth_deg = azimuth_from_libnova_deg(horizontal.az);

@@ -5,8 +5,7 @@
 
 namespace raycube::scene {
 
-TerrainGrid::TerrainGrid(int columns, int rows, const std::array<double, 6>& local_from_pixel,
-                         std::vector<double> z_m)
+TerrainGrid::TerrainGrid(int columns, int rows, const std::array<double, 6>& local_from_pixel, std::vector<double> z_m)
     : columns_(columns),
       rows_(rows),
       local_from_pixel_(local_from_pixel),
@@ -38,8 +37,7 @@ bool TerrainGrid::locate(double x_m, double y_m, std::size_t& cell, double& u, d
   if (column > -slack && column < columns_ - 1 + slack) column = std::clamp(column, 0.0, columns_ - 1.0);
   if (row > -slack && row < rows_ - 1 + slack) row = std::clamp(row, 0.0, rows_ - 1.0);
   if (!(column >= 0 && column <= columns_ - 1 && row >= 0 && row <= rows_ - 1)) return false;
-  const int c = std::min(static_cast<int>(column), columns_ - 2),
-            r = std::min(static_cast<int>(row), rows_ - 2);
+  const int c = std::min(static_cast<int>(column), columns_ - 2), r = std::min(static_cast<int>(row), rows_ - 2);
   cell = static_cast<std::size_t>(r) * static_cast<std::size_t>(cell_columns()) + static_cast<std::size_t>(c);
   u = column - c;
   v = row - r;
@@ -91,8 +89,7 @@ TriangleMesh TerrainGrid::mesh(const std::vector<std::uint32_t>& surface_of_cell
   out.triangles.reserve(2 * cell_count());
   for (std::size_t cell = 0; cell < cell_count(); ++cell) {
     const auto columns = static_cast<std::size_t>(cell_columns());
-    const auto nw =
-        static_cast<std::uint32_t>(cell / columns * static_cast<std::size_t>(columns_) + cell % columns);
+    const auto nw = static_cast<std::uint32_t>(cell / columns * static_cast<std::size_t>(columns_) + cell % columns);
     const std::uint32_t ne = nw + 1, sw = nw + static_cast<std::uint32_t>(columns_), se = sw + 1;
     // A north-up raster has a negative determinant (rows run south); a flipped one needs the other sense to
     // face up.
@@ -117,11 +114,10 @@ std::optional<std::vector<std::size_t>> map_pixels(const TerrainGrid& grid, cons
     const bool pixels = map.columns == grid.cell_columns() + 1 && map.rows == grid.cell_rows() + 1;
     const bool cells = map.columns == grid.cell_columns() && map.rows == grid.cell_rows();
     if (!pixels && !cells) {
-      problems.add(
-          asked_by, "map without georeferencing does not fit the terrain", size + " pixels in " + map.file,
-          "it needs the terrain's " + std::to_string(grid.cell_columns() + 1) + " x " +
-              std::to_string(grid.cell_rows() + 1) + " pixels or its " + std::to_string(grid.cell_columns()) +
-              " x " + std::to_string(grid.cell_rows()) + " cells, or georeferencing");
+      problems.add(asked_by, "map without georeferencing does not fit the terrain", size + " pixels in " + map.file,
+                   "it needs the terrain's " + std::to_string(grid.cell_columns() + 1) + " x " +
+                       std::to_string(grid.cell_rows() + 1) + " pixels or its " + std::to_string(grid.cell_columns()) +
+                       " x " + std::to_string(grid.cell_rows()) + " cells, or georeferencing");
       return std::nullopt;
     }
     for (std::size_t cell = 0; cell < out.size(); ++cell)
@@ -142,14 +138,13 @@ std::optional<std::vector<std::size_t>> map_pixels(const TerrainGrid& grid, cons
       ++outside;
       continue;
     }
-    out[cell] = static_cast<std::size_t>(row) * static_cast<std::size_t>(map.columns) +
-                static_cast<std::size_t>(column);
+    out[cell] =
+        static_cast<std::size_t>(row) * static_cast<std::size_t>(map.columns) + static_cast<std::size_t>(column);
   }
   if (outside > 0) {
-    problems.add(
-        asked_by, "map does not cover the terrain",
-        std::to_string(outside) + " of " + std::to_string(out.size()) + " cells lie outside " + map.file,
-        "give a map that covers it");
+    problems.add(asked_by, "map does not cover the terrain",
+                 std::to_string(outside) + " of " + std::to_string(out.size()) + " cells lie outside " + map.file,
+                 "give a map that covers it");
     return std::nullopt;
   }
   return out;

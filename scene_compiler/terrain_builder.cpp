@@ -41,13 +41,12 @@ bool check_reference(const Raster& raster, const SceneParts& parts, const Where&
     return false;
   }
   if (raster.epsg != 0 && raster.epsg != parts.origin.epsg) {
-    problems.add(
-        where, "raster and scene.origin are in different systems",
-        "EPSG:" + std::to_string(raster.epsg) + " and " +
-            (parts.origin.epsg == 0 ? std::string("no origin") : "EPSG:" + std::to_string(parts.origin.epsg)),
-        parts.origin.epsg == 0 ? "write in [scene]: " + origin_line
-                               : "gdalwarp -t_srs EPSG:" + std::to_string(parts.origin.epsg) +
-                                     ", or in [scene]: " + origin_line);
+    problems.add(where, "raster and scene.origin are in different systems",
+                 "EPSG:" + std::to_string(raster.epsg) + " and " +
+                     (parts.origin.epsg == 0 ? std::string("no origin") : "EPSG:" + std::to_string(parts.origin.epsg)),
+                 parts.origin.epsg == 0
+                     ? "write in [scene]: " + origin_line
+                     : "gdalwarp -t_srs EPSG:" + std::to_string(parts.origin.epsg) + ", or in [scene]: " + origin_line);
     return false;
   }
   if (std::hypot(east - parts.origin.easting_m, north - parts.origin.northing_m) > 1e5) {
@@ -64,8 +63,8 @@ std::optional<std::array<double, 6>> terrain_transform(const Record& record, con
   if (raster.georeferenced) {
     for (const char* key : {"cell_m", "upper_left_m"})
       if (record.given(key)) {
-        problems.add(record.place(key), std::string("'") + key + "' is for rasters without georeferencing",
-                     raster.file, "remove it");
+        problems.add(record.place(key), std::string("'") + key + "' is for rasters without georeferencing", raster.file,
+                     "remove it");
         return std::nullopt;
       }
     if (!check_reference(raster, parts, record.place("raster"), problems)) return std::nullopt;
@@ -78,8 +77,7 @@ std::optional<std::array<double, 6>> terrain_transform(const Record& record, con
   }
   const double cell = record.number("cell_m");
   double x = -0.5 * cell * raster.columns, y = 0.5 * cell * raster.rows;
-  if (record.given("upper_left_m"))
-    x = record.numbers("upper_left_m")[0], y = record.numbers("upper_left_m")[1];
+  if (record.given("upper_left_m")) x = record.numbers("upper_left_m")[0], y = record.numbers("upper_left_m")[1];
   return std::array<double, 6>{x, cell, 0, y, 0, -cell};
 }
 
@@ -131,16 +129,14 @@ std::map<long, std::uint32_t> numbered_materials(const Record& record, const Mat
   return out;
 }
 
-std::optional<std::vector<std::size_t>> pixels_of(const TerrainGrid& grid, const Raster& map,
-                                                  const SceneParts& parts, const Where& where,
-                                                  Problems& problems) {
+std::optional<std::vector<std::size_t>> pixels_of(const TerrainGrid& grid, const Raster& map, const SceneParts& parts,
+                                                  const Where& where, Problems& problems) {
   if (map.georeferenced && !check_reference(map, parts, where, problems)) return std::nullopt;
   return map_pixels(grid, map, local_from(map, parts.origin), where, problems);
 }
 
-std::vector<std::uint32_t> class_surfaces(const Record& record, const TerrainGrid& grid,
-                                          const MaterialTable& materials, SceneParts& parts,
-                                          std::vector<int>& classes, Problems& problems) {
+std::vector<std::uint32_t> class_surfaces(const Record& record, const TerrainGrid& grid, const MaterialTable& materials,
+                                          SceneParts& parts, std::vector<int>& classes, Problems& problems) {
   const auto known = numbered_materials(record, materials, problems);
   std::vector<std::uint32_t> out(grid.cell_count(), 0);
   const Where where = record.place("class_map");
@@ -152,9 +148,8 @@ std::vector<std::uint32_t> class_surfaces(const Record& record, const TerrainGri
   std::map<double, std::pair<std::size_t, std::size_t>> missing;  // value: cells, first pixel
   for (std::size_t cell = 0; cell < out.size(); ++cell) {
     const double value = map->bands[0][(*pixel)[cell]];
-    const auto found = value == std::round(value) && std::abs(value) < 1e9
-                           ? known.find(static_cast<long>(value))
-                           : known.end();
+    const auto found =
+        value == std::round(value) && std::abs(value) < 1e9 ? known.find(static_cast<long>(value)) : known.end();
     if (found == known.end()) {
       auto& entry = missing.emplace(value, std::pair{std::size_t{0}, (*pixel)[cell]}).first->second;
       ++entry.first;
@@ -172,8 +167,8 @@ std::vector<std::uint32_t> class_surfaces(const Record& record, const TerrainGri
   return out;
 }
 
-std::vector<std::uint32_t> mixture_surfaces(const Record& record, const TerrainGrid& grid,
-                                            MaterialTable& materials, SceneParts& parts, Problems& problems) {
+std::vector<std::uint32_t> mixture_surfaces(const Record& record, const TerrainGrid& grid, MaterialTable& materials,
+                                            SceneParts& parts, Problems& problems) {
   std::vector<std::uint32_t> out(grid.cell_count(), 0);
   const Where where = record.place("mixture_map");
   const auto map = read_raster(record.text("mixture_map"), 1, 0, NoData::mark, where, problems);
@@ -209,8 +204,7 @@ std::vector<std::uint32_t> mixture_surfaces(const Record& record, const TerrainG
       if (!(worst == 0))
         problems.add(place, "fraction outside 0 .. 1", number_text(worst), "correct the mixture map");
       else
-        problems.add(place, "fractions do not sum to 1 within 1e-3", number_text(sum),
-                     "normalise the mixture map");
+        problems.add(place, "fractions do not sum to 1 within 1e-3", number_text(sum), "normalise the mixture map");
       continue;
     }
     if (linear && mix.size() > 4) {
@@ -233,15 +227,13 @@ std::vector<std::uint32_t> mixture_surfaces(const Record& record, const TerrainG
 }
 
 void add_terrain(const Record& record, MaterialTable& materials, SceneParts& parts, Problems& problems) {
-  const int ways =
-      int(record.given("material")) + int(record.given("class_map")) + int(record.given("mixture_map"));
+  const int ways = int(record.given("material")) + int(record.given("class_map")) + int(record.given("mixture_map"));
   if (ways != 1)
-    problems.add(record.where, "a terrain needs exactly one of material, class_map, mixture_map",
-                 std::to_string(ways), "remove or add one");
+    problems.add(record.where, "a terrain needs exactly one of material, class_map, mixture_map", std::to_string(ways),
+                 "remove or add one");
   if (ways == 1 && record.given("material") == record.given("materials"))
     problems.add(record.where,
-                 record.given("material") ? "'materials' goes with class_map or mixture_map"
-                                          : "'materials' is missing",
+                 record.given("material") ? "'materials' goes with class_map or mixture_map" : "'materials' is missing",
                  "", record.given("material") ? "remove it" : "name the material of each class or band");
   const auto rule = record.text("nodata") == "interpolate" ? NoData::interpolate : NoData::mark;
   const auto raster = read_raster(record.text("raster"), static_cast<int>(record.integer("band")), 1, rule,
@@ -249,15 +241,13 @@ void add_terrain(const Record& record, MaterialTable& materials, SceneParts& par
   if (!raster) return;
   if (raster->columns < 2 || raster->rows < 2) {
     problems.add(record.place("raster"), "a terrain needs at least 2 x 2 posts",
-                 std::to_string(raster->columns) + " x " + std::to_string(raster->rows),
-                 "give a larger raster");
+                 std::to_string(raster->columns) + " x " + std::to_string(raster->rows), "give a larger raster");
     return;
   }
   const auto transform = terrain_transform(record, *raster, parts, problems);
   const auto z = heights(record, *raster, parts.origin, problems);
   if (!transform || !z) return;
-  if (const double det = (*transform)[1] * (*transform)[5] - (*transform)[2] * (*transform)[4];
-      !(std::abs(det) > 0)) {
+  if (const double det = (*transform)[1] * (*transform)[5] - (*transform)[2] * (*transform)[4]; !(std::abs(det) > 0)) {
     problems.add({raster->file, 0, 0, ""}, "pixels have no area", number_text(det) + " m2",
                  "correct the raster's geotransform");
     return;
@@ -269,8 +259,7 @@ void add_terrain(const Record& record, MaterialTable& materials, SceneParts& par
     if (record.given("material"))
       std::fill(surfaces.begin(), surfaces.end(),
                 materials.surface(record.text("material"), record.place("material"), problems));
-    if (record.given("class_map"))
-      surfaces = class_surfaces(record, grid, materials, parts, classes, problems);
+    if (record.given("class_map")) surfaces = class_surfaces(record, grid, materials, parts, classes, problems);
     if (record.given("mixture_map")) surfaces = mixture_surfaces(record, grid, materials, parts, problems);
   }
   parts.placed.push_back({static_cast<std::uint32_t>(parts.meshes.size()), kIdentity});

@@ -17,16 +17,20 @@ using base::Problems;
 
 constexpr std::int64_t kMostCells = std::int64_t{1} << 26;
 
-void refuse(const Record& record, std::initializer_list<const char*> keys, const std::string& shape, Problems& problems) {
+void refuse(const Record& record, std::initializer_list<const char*> keys, const std::string& shape,
+            Problems& problems) {
   for (const char* key : keys)
-    if (record.given(key)) problems.add(record.place(key), std::string("'") + key + "' means nothing for shape = \"" + shape + "\"", "", "remove it, or choose another shape");
+    if (record.given(key))
+      problems.add(record.place(key), std::string("'") + key + "' means nothing for shape = \"" + shape + "\"", "",
+                   "remove it, or choose another shape");
 }
 
 bool want(const Record& record, std::initializer_list<const char*> keys, const std::string& shape, Problems& problems) {
   bool all = true;
   for (const char* key : keys)
     if (!record.given(key)) {
-      problems.add(record.where, std::string("'") + key + "' is missing for shape = \"" + shape + "\"", "", std::string(find_key(record.path, key)->text));
+      problems.add(record.where, std::string("'") + key + "' is missing for shape = \"" + shape + "\"", "",
+                   std::string(find_key(record.path, key)->text));
       all = false;
     }
   return all;
@@ -37,7 +41,8 @@ void read_csv_values(const Record& record, Volume& out, Problems& problems) {
   if (!csv) return;
   const auto i = csv->column("i"), j = csv->column("j"), k = csv->column("k"), value = csv->column("value");
   if (!i || !j || !k || !value || csv->columns.size() != 4) {
-    problems.add({csv->file, csv->header_line, 0, ""}, "a grid's file has the columns i, j, k, value", csv->columns_text(), "name them so");
+    problems.add({csv->file, csv->header_line, 0, ""}, "a grid's file has the columns i, j, k, value",
+                 csv->columns_text(), "name them so");
     return;
   }
   if (!record.given("cells")) {
@@ -59,34 +64,42 @@ void read_csv_values(const Record& record, Volume& out, Problems& problems) {
       const std::size_t column = *std::array{i, j, k}[axis];
       const auto n = csv->number(row, column, problems);
       if (n && (*n != std::floor(*n) || *n < 0 || *n >= out.cells[axis]))
-        problems.add(csv->at(row, column), "no such cell", number_text(*n), "give 0 to " + std::to_string(out.cells[axis] - 1));
+        problems.add(csv->at(row, column), "no such cell", number_text(*n),
+                     "give 0 to " + std::to_string(out.cells[axis] - 1));
       sound = sound && n && problems.lines().size() == before;
       if (sound) at[axis] = static_cast<std::int64_t>(*n);
     }
     const auto v = csv->number(row, *value, problems);
     if (v && *v < 0) problems.add(csv->at(row, *value), "a value is negative", number_text(*v), "give 0 or more");
-    if (sound && v) out.values[static_cast<std::size_t>((at[2] * out.cells[1] + at[1]) * out.cells[0] + at[0])] = static_cast<float>(*v);
+    if (sound && v)
+      out.values[static_cast<std::size_t>((at[2] * out.cells[1] + at[1]) * out.cells[0] + at[0])] =
+          static_cast<float>(*v);
   }
 }
 
 void read_raster_values(const Record& record, Volume& out, Problems& problems) {
-  if (record.given("cells")) problems.add(record.place("cells"), "'cells' goes with a CSV", "", "remove it: a raster tells its own");
+  if (record.given("cells"))
+    problems.add(record.place("cells"), "'cells' goes with a CSV", "", "remove it: a raster tells its own");
   const auto raster = read_raster(record.text("values"), 1, 0, NoData::mark, record.place("values"), problems);
   if (!raster) return;
   out.cells = {raster->columns, raster->rows, static_cast<int>(raster->bands.size())};
   if (std::int64_t{out.cells[0]} * out.cells[1] * out.cells[2] > kMostCells) {
-    problems.add(record.place("values"), "a grid has at most 2^26 cells", std::to_string(raster->columns) + " x " + std::to_string(raster->rows), "use larger cells");
+    problems.add(record.place("values"), "a grid has at most 2^26 cells",
+                 std::to_string(raster->columns) + " x " + std::to_string(raster->rows), "use larger cells");
     return;
   }
   std::size_t bad = 0;
   for (std::size_t band = 0; band < raster->bands.size(); ++band)
     for (int row = raster->rows - 1; row >= 0; --row)
       for (int column = 0; column < raster->columns; ++column) {
-        const auto at = static_cast<std::size_t>(row) * static_cast<std::size_t>(raster->columns) + static_cast<std::size_t>(column);
+        const auto at = static_cast<std::size_t>(row) * static_cast<std::size_t>(raster->columns) +
+                        static_cast<std::size_t>(column);
         if (!raster->valid[band][at] || raster->bands[band][at] < 0) ++bad;
         out.values.push_back(static_cast<float>(raster->bands[band][at]));
       }
-  if (bad > 0) problems.add({raster->file, 0, 0, ""}, "cells of a grid are negative or without data", std::to_string(bad), "give 0 where there is nothing");
+  if (bad > 0)
+    problems.add({raster->file, 0, 0, ""}, "cells of a grid are negative or without data", std::to_string(bad),
+                 "give 0 where there is nothing");
 }
 
 void read_plume(const Record& record, Volume& out, Problems& problems) {
@@ -99,16 +112,22 @@ void read_plume(const Record& record, Volume& out, Problems& problems) {
   out.molar_mass_g = record.number("molar_mass_g_mol");
   out.length_m = record.number("length_m");
   // Briggs (1973), open country, classes A to D: a, b of sigma_y, then of sigma_z.
-  static const std::map<std::string, std::array<double, 4>> kBriggs = {
-      {"A", {0.22, 1e-4, 0.20, 0}}, {"B", {0.16, 1e-4, 0.12, 0}}, {"C", {0.11, 1e-4, 0.08, 2e-4}}, {"D", {0.08, 1e-4, 0.06, 1.5e-3}}};
+  static const std::map<std::string, std::array<double, 4>> kBriggs = {{"A", {0.22, 1e-4, 0.20, 0}},
+                                                                       {"B", {0.16, 1e-4, 0.12, 0}},
+                                                                       {"C", {0.11, 1e-4, 0.08, 2e-4}},
+                                                                       {"D", {0.08, 1e-4, 0.06, 1.5e-3}}};
   const auto& law = kBriggs.at(record.text("stability"));
   out.sigma_y_a = law[0], out.sigma_y_b = law[1], out.sigma_z_a = law[2], out.sigma_z_b = law[3];
   const auto width = [&](const char* law_key, const char* constant_key, double& a, double& b, double& constant_m) {
     if (record.given(law_key) && record.given(constant_key))
-      problems.add(record.place(law_key), std::string("'") + law_key + "' and '" + constant_key + "' exclude each other", "both", "remove one");
+      problems.add(record.place(law_key),
+                   std::string("'") + law_key + "' and '" + constant_key + "' exclude each other", "both",
+                   "remove one");
     if (record.given(law_key)) {
       a = record.numbers(law_key)[0], b = record.numbers(law_key)[1];
-      if (!(a > 0)) problems.add(record.place(law_key), "a plume widens: a must be above 0", number_text(a), "raise it, or give " + std::string(constant_key));
+      if (!(a > 0))
+        problems.add(record.place(law_key), "a plume widens: a must be above 0", number_text(a),
+                     "raise it, or give " + std::string(constant_key));
     }
     constant_m = record.number(constant_key);
   };
@@ -127,13 +146,17 @@ Volume read_volume(const Record& record, const SceneParts& parts, Problems& prob
     out.shape = Volume::Shape::plume;
     read_plume(record, out, problems);
   } else {
-    refuse(record, {"source_g_s", "wind_m_s", "release_height_m", "molar_mass_g_mol", "stability", "sigma_y_law", "sigma_z_law", "sigma_y_m", "sigma_z_m", "length_m"}, shape, problems);
+    refuse(record,
+           {"source_g_s", "wind_m_s", "release_height_m", "molar_mass_g_mol", "stability", "sigma_y_law", "sigma_z_law",
+            "sigma_y_m", "sigma_z_m", "length_m"},
+           shape, problems);
     if (want(record, {"size_m"}, shape, problems)) std::copy_n(record.numbers("size_m").begin(), 3, out.size_m.begin());
     if (shape == "grid") {
       out.shape = Volume::Shape::grid;
       out.concentration_ppm = record.given("concentration_ppm") ? record.number("concentration_ppm") : 1;
       if (want(record, {"values"}, shape, problems))
-        lower_case(record.text("values")).ends_with(".csv") ? read_csv_values(record, out, problems) : read_raster_values(record, out, problems);
+        lower_case(record.text("values")).ends_with(".csv") ? read_csv_values(record, out, problems)
+                                                            : read_raster_values(record, out, problems);
     } else {
       refuse(record, {"values", "cells"}, shape, problems);
       if (!out.gas.empty()) want(record, {"concentration_ppm"}, shape, problems);
@@ -142,7 +165,8 @@ Volume read_volume(const Record& record, const SceneParts& parts, Problems& prob
   }
   if (!out.gas.empty()) read_cross_section(record, out, problems);
   for (const char* key : {"concentration_ppm", "cross_section", "line"})
-    if (out.gas.empty() && record.given(key)) problems.add(record.place(key), std::string("'") + key + "' goes with a gas", "no gas", "name the gas");
+    if (out.gas.empty() && record.given(key))
+      problems.add(record.place(key), std::string("'") + key + "' goes with a gas", "no gas", "name the gas");
   if (const Record* particles = record.table("particles")) {
     out.extinction_per_m = particles->number("extinction_per_m");
     out.lidar_ratio_sr = particles->number("lidar_ratio_sr");
@@ -159,7 +183,8 @@ void add_volumes(const Record& root, SceneParts& parts, Problems& problems) {
   for (const auto& record : root.records("volume")) {
     const std::string& name = record.text("name");
     if (const auto [place, fresh] = places.emplace(name, record.where); !fresh && !name.empty())
-      problems.add(record.where, "volume '" + name + "' is defined twice", "first in " + place->second.text(), "rename one");
+      problems.add(record.where, "volume '" + name + "' is defined twice", "first in " + place->second.text(),
+                   "rename one");
     if (record.sound) parts.volumes.push_back(read_volume(record, parts, problems));
   }
 }

@@ -12,8 +12,8 @@ struct LorentzLine {
   double strength_cm = 0, half_width_per_cm = 0.06, center_per_cm = 1e4, wing_per_cm = 25;
 };
 
-/// Sum of the lines over wavelength, ascending, linear between nodes to 1e-7 of itself inside every line's wings (nodes even in
-/// asinh of the distance over the half width); 0 outside all wings.
+/// Sum of the lines over wavelength, ascending, linear between nodes to 1e-7 of itself inside every line's wings (nodes
+/// even in asinh of the distance over the half width); 0 outside all wings.
 void tabulate_lines(const std::vector<LorentzLine>& lines, Volume& out);
 
 /// The gas's cross sections from `cross_section` or [[volume.line]] of a record; reports what is wrong.

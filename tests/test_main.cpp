@@ -16,9 +16,7 @@ namespace {
 class Crumbs : public doctest::IReporter {
  public:
   explicit Crumbs(const doctest::ContextOptions&) {}
-  void test_case_start(const doctest::TestCaseData& test) override {
-    doing_.emplace("test case", test.m_name);
-  }
+  void test_case_start(const doctest::TestCaseData& test) override { doing_.emplace("test case", test.m_name); }
   void test_case_reenter(const doctest::TestCaseData&) override {}
   void test_case_end(const doctest::CurrentTestCaseStats&) override { doing_.reset(); }
   void subcase_start(const doctest::SubcaseSignature& part) override {

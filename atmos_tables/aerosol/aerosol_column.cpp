@@ -50,7 +50,8 @@ void check(const AerosolSpec& spec, const AirProfile& profile) {
   base::Problems problems;
   const auto range = [&](const std::string& element, const std::string& what, double value, double low, double high) {
     if (!(value >= low && value <= high))
-      problems.add({"", 0, 0, element}, what + " must lie in " + text(low) + ".." + text(high), text(value), "change it");
+      problems.add({"", 0, 0, element}, what + " must lie in " + text(low) + ".." + text(high), text(value),
+                   "change it");
   };
   const bool by_depth = !(spec.aod_550 < 0);
   if (spec.boundary != AerosolModel::none) {
@@ -68,7 +69,8 @@ void check(const AerosolSpec& spec, const AirProfile& profile) {
     range(element, "top, km above the sea,", cloud.top_km, profile.ground_km(), profile.top_km());
     range(element, "optical depth at 0.55 um", cloud.optical_depth_550, 0, kMaxCloudDepth);
     if (!(cloud.base_km < cloud.top_km))
-      problems.add({"", 0, 0, element}, "base must lie below top", text(cloud.base_km) + " and " + text(cloud.top_km) + " km",
+      problems.add({"", 0, 0, element}, "base must lie below top",
+                   text(cloud.base_km) + " and " + text(cloud.top_km) + " km",
                    "exchange them or give the layer a thickness");
   }
   problems.throw_if_any();
@@ -98,8 +100,9 @@ void AerosolColumn::add_aerosols(const AerosolSpec& spec, const AirProfile& prof
   if (!(spec.aod_550 < 0))
     visibility_km_ = visibility_for_depth_km(spec.aod_550, spec.spring_summer, spec.stratosphere, ground_km);
   if (visibility_km_ > max_visibility_km()) {
-    notices_.push_back("aerosol: visibility " + text(visibility_km_) + " km; without aerosol in the boundary layer it is " +
-                       text(max_visibility_km()) + " km, which is used");
+    notices_.push_back("aerosol: visibility " + text(visibility_km_) +
+                       " km; without aerosol in the boundary layer it is " + text(max_visibility_km()) +
+                       " km, which is used");
     visibility_km_ = max_visibility_km();
   }
   AerosolHeights heights = regions(visibility_km_);
@@ -112,8 +115,8 @@ void AerosolColumn::add_aerosols(const AerosolSpec& spec, const AirProfile& prof
   aod_550_ = total_depth(heights);
   humidity_percent_ = spec.humidity_percent;
   if (humidity_percent_ < 0)
-    humidity_percent_ =
-        spec.lowtran_rules ? mean_humidity_percent(heights[0], profile) : relative_humidity_percent(profile.levels()[0]);
+    humidity_percent_ = spec.lowtran_rules ? mean_humidity_percent(heights[0], profile)
+                                           : relative_humidity_percent(profile.levels()[0]);
   if (humidity_percent_ > kMaxHumidity_percent) {
     notices_.push_back("aerosol: relative humidity " + text(humidity_percent_) +
                        " % in the boundary layer; the figures end at 99 %, which is used");
@@ -172,8 +175,10 @@ PhaseFunction AerosolColumn::phase(const Component& component, double wavelength
   if (component.own) return component.own->phase(wavelength_um);
   if (component.substance.has_phase()) return component.substance.phase(wavelength_um);
   if (component.droplets.empty()) return PhaseFunction::henyey_greenstein(asymmetry);
-  // Water clouds: the Mie functions of the two fogs (droplets of the same order of size), mixed to the cloud's own asymmetry.
-  const PhaseFunction small = component.droplets[0].phase(wavelength_um), large = component.droplets[1].phase(wavelength_um);
+  // Water clouds: the Mie functions of the two fogs (droplets of the same order of size), mixed to the cloud's own
+  // asymmetry.
+  const PhaseFunction small = component.droplets[0].phase(wavelength_um),
+                      large = component.droplets[1].phase(wavelength_um);
   const double g0 = small.asymmetry(), g1 = large.asymmetry();
   const double share = g0 == g1 ? 0.5 : std::clamp((asymmetry - g0) / (g1 - g0), 0.0, 1.0);
   return PhaseFunction::mixture(small, 1 - share, large, share);

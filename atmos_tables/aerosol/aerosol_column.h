@@ -1,10 +1,10 @@
 // Aerosols, fogs and clouds above one ground: how much of each at what height, and its optics at any wavelength.
 //
-// Two figures exist for the mean cosine of scattering: the optics table's, and that of the tabulated Mie function, since 70
-// shapes are shared by all substances and wavelengths. From 0.35 to 2.3 um they differ by 0.01 rms in the boundary layer's
-// models, 0.02 in the troposphere's, 0.04 in the stratosphere's (rural at 0.55 um and 70 %: 0.664 and 0.641).
-// `phase` and its moments are the Mie function as it stands, so fluxes follow its own mean; `asymmetry` is the table's, for
-// Henyey-Greenstein. Mixing layers: S4.5.
+// Two figures exist for the mean cosine of scattering: the optics table's, and that of the tabulated Mie function,
+// since 70 shapes are shared by all substances and wavelengths. From 0.35 to 2.3 um they differ by 0.01 rms in the
+// boundary layer's models, 0.02 in the troposphere's, 0.04 in the stratosphere's (rural at 0.55 um and 70 %: 0.664 and
+// 0.641). `phase` and its moments are the Mie function as it stands, so fluxes follow its own mean; `asymmetry` is the
+// table's, for Henyey-Greenstein. Mixing layers: S4.5.
 #pragma once
 
 #include <cstddef>
@@ -22,8 +22,8 @@ namespace raycube::atmos {
 
 class AerosolColumn {
  public:
-  /// Ground altitude is the profile's lowest level, -1..5.5 km when there are aerosols. Throws Error(input) that lists every
-  /// bad figure of the spec.
+  /// Ground altitude is the profile's lowest level, -1..5.5 km when there are aerosols. Throws Error(input) that lists
+  /// every bad figure of the spec.
   AerosolColumn(const AerosolSpec& spec, const AirProfile& profile);
 
   /// Boundary layer, troposphere, stratosphere, upper air (none of them for AerosolModel::none), then the clouds.
@@ -49,12 +49,11 @@ class AerosolColumn {
   /// extinction_ratio / backscatter_per_sr.
   double backscatter_per_sr(std::size_t component, double wavelength_um) const;
 
-  double visibility_km() const { return visibility_km_; }        ///< used, also when a depth was asked for
-  double aod_550() const {
-    return aod_550_;
-  }  ///< whole vertical depth of the aerosols at 0.55 um; clouds do not count
+  double visibility_km() const { return visibility_km_; }  ///< used, also when a depth was asked for
+  double aod_550() const { return aod_550_; }  ///< whole vertical depth of the aerosols at 0.55 um; clouds do not count
   double humidity_percent() const { return humidity_percent_; }  ///< used
-  /// What a user should know: held visibility or humidity, depth below the least, kinds without a phase function of their own.
+  /// What a user should know: held visibility or humidity, depth below the least, kinds without a phase function of
+  /// their own.
   const std::vector<std::string>& notices() const { return notices_; }
 
  private:
@@ -62,7 +61,7 @@ class AerosolColumn {
     std::string name;
     HeightProfile heights;
     Substance substance;
-    std::vector<Substance> droplets;  ///< whose Mie functions stand in where the figures hold none
+    std::vector<Substance> droplets;           ///< whose Mie functions stand in where the figures hold none
     std::shared_ptr<const DropletOptics> own;  ///< a user's spheres instead of the substance
   };
   void add_aerosols(const AerosolSpec& spec, const AirProfile& profile);

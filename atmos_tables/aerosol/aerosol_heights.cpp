@@ -42,7 +42,8 @@ double max_visibility_km() {
 
 double koschmieder_extinction_per_km(double visibility_km) { return 3.912 / visibility_km - 0.01159; }
 
-AerosolHeights aerosol_heights(double visibility_km, bool spring_summer, StratosphereModel stratosphere, double ground_km) {
+AerosolHeights aerosol_heights(double visibility_km, bool spring_summer, StratosphereModel stratosphere,
+                               double ground_km) {
   const auto at = [&](double height_km, double extinction) {
     return HeightProfile::Knot{stretched_km(height_km, ground_km), extinction};
   };
@@ -58,7 +59,8 @@ AerosolHeights aerosol_heights(double visibility_km, bool spring_summer, Stratos
   troposphere.push_back(at(11, 0));
   for (const auto& row : kStratosphere) strato.push_back(at(row[0], row[1 + 4 * season + kind]));
   strato.push_back(at(35, 0));
-  for (const auto& row : kUpper) upper.push_back(at(row[0], row[stratosphere == StratosphereModel::background ? 1 : 2]));
+  for (const auto& row : kUpper)
+    upper.push_back(at(row[0], row[stratosphere == StratosphereModel::background ? 1 : 2]));
   return {HeightProfile(boundary), HeightProfile(troposphere), HeightProfile(strato), HeightProfile(upper)};
 }
 

@@ -14,7 +14,8 @@ Kind parse(const std::string& name, const Names& names, const char* what) {
   if (found != names.end()) return static_cast<Kind>(found - names.begin());
   std::string list;
   for (const char* known : names) list += (list.empty() ? "" : ", ") + std::string(known);
-  throw base::Error(base::Fault::input, std::string(what) + ": no such model (found \"" + name + "\"); use one of " + list);
+  throw base::Error(base::Fault::input,
+                    std::string(what) + ": no such model (found \"" + name + "\"); use one of " + list);
 }
 
 }  // namespace

@@ -12,9 +12,18 @@
 namespace raycube::atmos {
 
 /// Aerosol of the lowest 2 km. none: no aerosol at any height. tropospheric: rural without large particles.
-enum class AerosolModel : std::size_t { none, rural, urban, maritime, desert, tropospheric, fog_advective, fog_radiative };
-inline constexpr std::array<const char*, 8> kAerosolNames = {"none",   "rural",        "urban",         "maritime",
-                                                             "desert", "tropospheric", "fog_advective", "fog_radiative"};
+enum class AerosolModel : std::size_t {
+  none,
+  rural,
+  urban,
+  maritime,
+  desert,
+  tropospheric,
+  fog_advective,
+  fog_radiative
+};
+inline constexpr std::array<const char*, 8> kAerosolNames = {
+    "none", "rural", "urban", "maritime", "desert", "tropospheric", "fog_advective", "fog_radiative"};
 
 /// 10 to 30 km: background, or after volcanic eruptions (moderate: aged ash; high and extreme: fresh ash).
 enum class StratosphereModel : std::size_t { background, moderate_volcanic, high_volcanic, extreme_volcanic };
@@ -46,19 +55,23 @@ struct CloudLayer {
 
 struct AerosolSpec {
   AerosolModel boundary = AerosolModel::rural;  ///< 0..2 km above ground
-  /// Meteorological range, km: 3.912 / extinction at 0.55 um at the ground, Rayleigh included. 0.02..323.58 (more is held there).
+  /// Meteorological range, km: 3.912 / extinction at 0.55 um at the ground, Rayleigh included. 0.02..323.58 (more is
+  /// held there).
   double visibility_km = 23;
-  /// >= 0: vertical depth of all aerosols at 0.55 um, in place of visibility_km. The visibility that has this depth is found
-  /// (MODTRAN's practice: boundary layer and lower troposphere change); below the least depth all is scaled, with a notice.
+  /// >= 0: vertical depth of all aerosols at 0.55 um, in place of visibility_km. The visibility that has this depth is
+  /// found (MODTRAN's practice: boundary layer and lower troposphere change); below the least depth all is scaled, with
+  /// a notice.
   double aod_550 = -1;
-  /// Relative humidity of the boundary layer, %, < 0: that of the profile's lowest level. Above 99 the figures of 99 hold.
+  /// Relative humidity of the boundary layer, %, < 0: that of the profile's lowest level. Above 99 the figures of 99
+  /// hold.
   double humidity_percent = -1;
   bool spring_summer = true;  ///< season of the tropospheric and stratospheric profiles
   StratosphereModel stratosphere = StratosphereModel::background;
   double wind_m_s = 10;  ///< desert only, 0..30
   std::vector<CloudLayer> clouds;
-  /// LOWTRAN7's rules, for comparisons with it: optics linear between tabulated wavelengths (BetweenWaves in substance.h), and
-  /// for humidity_percent < 0 the mean over the boundary layer, weighted with its extinction, instead of the lowest level's.
+  /// LOWTRAN7's rules, for comparisons with it: optics linear between tabulated wavelengths (BetweenWaves in
+  /// substance.h), and for humidity_percent < 0 the mean over the boundary layer, weighted with its extinction, instead
+  /// of the lowest level's.
   bool lowtran_rules = false;
   /// Henyey-Greenstein with the table's asymmetry for every component: for comparisons with codes that use it.
   bool henyey_greenstein = false;

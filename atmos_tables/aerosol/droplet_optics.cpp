@@ -42,21 +42,24 @@ void check(const DropletModel& model) {
   const auto add = [&](const std::string& what, const std::string& found, const std::string& way_out) {
     problems.add({"", 0, 0, "droplets"}, what, found, way_out);
   };
-  if (model.index.empty()) add("a refractive index against wavelength is needed", "none", "give rows of wavelength, n, k");
+  if (model.index.empty())
+    add("a refractive index against wavelength is needed", "none", "give rows of wavelength, n, k");
   for (std::size_t i = 0; i < model.index.size(); ++i) {
     const DropletModel::Index& row = model.index[i];
     const std::string found =
         std::to_string(row.wavelength_um) + " um, " + std::to_string(row.n) + ", " + std::to_string(row.k);
     if (!(row.wavelength_um > 0 && row.n > 0 && row.k >= 0) || !std::isfinite(row.wavelength_um + row.n + row.k))
-      add("row " + std::to_string(i + 1) + " of the refractive index: wavelength and n must be positive, k not negative", found,
-          "correct it");
+      add("row " + std::to_string(i + 1) +
+              " of the refractive index: wavelength and n must be positive, k not negative",
+          found, "correct it");
     else if (i > 0 && !(row.wavelength_um > model.index[i - 1].wavelength_um))
       add("row " + std::to_string(i + 1) + " of the refractive index: wavelengths must ascend", found, "sort the rows");
   }
   if (!model.index.empty() &&
       !(model.index.front().wavelength_um <= kReference_um && model.index.back().wavelength_um >= kReference_um))
     add("the refractive index must cover 0.55 um, where optical depths are stated",
-        std::to_string(model.index.front().wavelength_um) + ".." + std::to_string(model.index.back().wavelength_um) + " um",
+        std::to_string(model.index.front().wavelength_um) + ".." + std::to_string(model.index.back().wavelength_um) +
+            " um",
         "add rows on both sides");
   problems.throw_if_any();
 }
@@ -66,8 +69,9 @@ void check(const DropletModel& model) {
 DropletOptics::DropletOptics(const DropletModel& model) {
   check(model);
   const SizeDistribution sizes = SizeDistribution::modified_gamma(model.alpha, model.b, model.gamma);
-  const auto above = std::lower_bound(model.index.begin(), model.index.end(), kReference_um,
-                                      [](const DropletModel::Index& row, double wave) { return row.wavelength_um < wave; });
+  const auto above =
+      std::lower_bound(model.index.begin(), model.index.end(), kReference_um,
+                       [](const DropletModel::Index& row, double wave) { return row.wavelength_um < wave; });
   std::complex<double> reference(above->n, above->k);
   if (above->wavelength_um > kReference_um) {
     const DropletModel::Index& below = above[-1];
@@ -97,14 +101,16 @@ DropletOptics::Place DropletOptics::place(double wavelength_um) const {
                                      [](const Node& node, double wave) { return node.wavelength_um < wave; });
   if (high->wavelength_um == wavelength_um) return {&*high, &*high, 0, 0};
   const double from = high[-1].wavelength_um, to = high->wavelength_um;
-  return {&high[-1], &*high, (wavelength_um - from) / (to - from), std::log(wavelength_um / from) / std::log(to / from)};
+  return {&high[-1], &*high, (wavelength_um - from) / (to - from),
+          std::log(wavelength_um / from) / std::log(to / from)};
 }
 
 SubstanceOptics DropletOptics::at(double wavelength_um) const {
   const Place at = place(wavelength_um);
   const SubstanceOptics &low = at.low->optics, &high = at.high->optics;
   const double extinction = std::pow(low.extinction, 1 - at.logarithmic) * std::pow(high.extinction, at.logarithmic);
-  return {extinction, extinction * std::lerp(low.absorption / low.extinction, high.absorption / high.extinction, at.linear),
+  return {extinction,
+          extinction * std::lerp(low.absorption / low.extinction, high.absorption / high.extinction, at.linear),
           std::lerp(low.asymmetry, high.asymmetry, at.linear)};
 }
 

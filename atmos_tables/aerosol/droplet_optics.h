@@ -1,4 +1,5 @@
-// Optics of a user's own spheres, by Mie's series: a modified gamma distribution and a refractive index against wavelength.
+// Optics of a user's own spheres, by Mie's series: a modified gamma distribution and a refractive index against
+// wavelength.
 #pragma once
 
 #include <memory>
@@ -18,8 +19,8 @@ struct DropletModel {
   std::vector<Index> index;  ///< wavelengths ascend and reach over 0.55 um; raycube ships no table of indices
 };
 
-/// Mie's series is summed at each wavelength of the index table; between them extinction follows a power law, albedo and
-/// asymmetry are linear, and phase functions are mixed.
+/// Mie's series is summed at each wavelength of the index table; between them extinction follows a power law, albedo
+/// and asymmetry are linear, and phase functions are mixed.
 class DropletOptics {
  public:
   /// Takes about a second per wavelength for cloud C.1 in the visible. Throws Error(input) that lists every bad figure.

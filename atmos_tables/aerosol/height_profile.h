@@ -1,4 +1,5 @@
-// Extinction at 0.55 um against height: exponential between knots, linear where one end is 0 (LOWTRAN7's rule), 0 outside.
+// Extinction at 0.55 um against height: exponential between knots, linear where one end is 0 (LOWTRAN7's rule), 0
+// outside.
 #pragma once
 
 #include <vector>

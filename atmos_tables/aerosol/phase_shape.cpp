@@ -14,7 +14,8 @@ namespace raycube::atmos {
 namespace {
 
 constexpr std::size_t kKeptMoments = 256;
-constexpr double kRoundingMiss = 2e-3;  ///< figures with 4 to 5 digits at 34 angles; functions without a peak miss below 1e-3
+constexpr double kRoundingMiss =
+    2e-3;  ///< figures with 4 to 5 digits at 34 angles; functions without a peak miss below 1e-3
 constexpr double kRadian = std::numbers::pi / 180;
 
 /// Slopes of the monotone cubic (weighted harmonic means), 0 at both ends.
@@ -32,8 +33,8 @@ std::vector<double> monotone_slopes(const std::vector<double>& x, const std::vec
 
 PhaseShape::PhaseShape(std::vector<double> angle_deg, std::vector<double> log_phase)
     : angle_deg_(std::move(angle_deg)), log_phase_(std::move(log_phase)) {
-  if (angle_deg_.size() < 4 || log_phase_.size() != angle_deg_.size() || angle_deg_.front() != 0 || angle_deg_.back() != 180 ||
-      !std::is_sorted(angle_deg_.begin(), angle_deg_.end()))
+  if (angle_deg_.size() < 4 || log_phase_.size() != angle_deg_.size() || angle_deg_.front() != 0 ||
+      angle_deg_.back() != 180 || !std::is_sorted(angle_deg_.begin(), angle_deg_.end()))
     throw base::Error(base::Fault::bug, "phase function: angles must ascend from 0 to 180 degrees, one value each");
   slope_ = monotone_slopes(angle_deg_, log_phase_);
   const auto integral = [this](std::size_t first, std::size_t end) {
@@ -62,7 +63,8 @@ double PhaseShape::log_at(double angle_deg) const {
       static_cast<std::size_t>(std::upper_bound(angle_deg_.begin(), angle_deg_.end(), angle_deg) - angle_deg_.begin());
   const std::size_t i = std::clamp<std::size_t>(above, 1, angle_deg_.size() - 1) - 1;
   const double width = angle_deg_[i + 1] - angle_deg_[i], t = std::clamp((angle_deg - angle_deg_[i]) / width, 0.0, 1.0);
-  if (i == 0 && peak_exponent_ > 0) return log_phase_[1] + (log_phase_[0] - log_phase_[1]) * (1 - std::pow(t, peak_exponent_));
+  if (i == 0 && peak_exponent_ > 0)
+    return log_phase_[1] + (log_phase_[0] - log_phase_[1]) * (1 - std::pow(t, peak_exponent_));
   const double s = 1 - t;
   return s * s * ((1 + 2 * t) * log_phase_[i] + t * width * slope_[i]) +
          t * t * ((1 + 2 * s) * log_phase_[i + 1] - s * width * slope_[i + 1]);

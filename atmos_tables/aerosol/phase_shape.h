@@ -1,10 +1,10 @@
 // One phase function known at a few angles: smooth between them, integral over the sphere 4 pi, moments kept.
 //
-// ln P is a monotone cubic (Fritsch & Carlson 1980, SIAM J. Numer. Anal. 17, 238) of the angle, flat at 0 and 180 degrees where
-// P is even. Tables with a narrow forward peak hold too few angles to say how wide it is; their integral does. Where the cubic
-// misses 4 pi by more than 2e-3, the first interval is ln P = ln P1 + (ln P0 - ln P1)(1 - (angle / angle1)^q) instead, and q
-// (1 = the log-linear rule) is the one that makes the integral 4 pi: sideways and backward scattering keep their figures. A
-// smaller miss is rounding, and one factor on everything.
+// ln P is a monotone cubic (Fritsch & Carlson 1980, SIAM J. Numer. Anal. 17, 238) of the angle, flat at 0 and 180
+// degrees where P is even. Tables with a narrow forward peak hold too few angles to say how wide it is; their integral
+// does. Where the cubic misses 4 pi by more than 2e-3, the first interval is ln P = ln P1 + (ln P0 - ln P1)(1 - (angle
+// / angle1)^q) instead, and q (1 = the log-linear rule) is the one that makes the integral 4 pi: sideways and backward
+// scattering keep their figures. A smaller miss is rounding, and one factor on everything.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,8 @@ namespace raycube::atmos {
 
 class PhaseShape {
  public:
-  /// angle_deg: 0 ... 180, ascending, at least 4; log_phase: ln P there, any factor. Throws Error(bug) when they do not match.
+  /// angle_deg: 0 ... 180, ascending, at least 4; log_phase: ln P there, any factor. Throws Error(bug) when they do not
+  /// match.
   PhaseShape(std::vector<double> angle_deg, std::vector<double> log_phase);
 
   double value(double cos_angle) const;

@@ -21,8 +21,10 @@ using figures::PhaseRow;
 #include "atmos_tables/aerosol/data/lowtran7_phases.inc"
 }  // namespace tables
 
-static_assert(std::size(tables::kWave_um) == figures::kWaves && std::size(tables::kPhaseWave_um) == figures::kPhaseWaves);
-static_assert(std::size(tables::kLogPhase) == figures::kPhases && std::size(tables::kPhaseAngle_deg) == figures::kPhaseAngles);
+static_assert(std::size(tables::kWave_um) == figures::kWaves &&
+              std::size(tables::kPhaseWave_um) == figures::kPhaseWaves);
+static_assert(std::size(tables::kLogPhase) == figures::kPhases &&
+              std::size(tables::kPhaseAngle_deg) == figures::kPhaseAngles);
 
 /// Neighbours of x among ascending nodes and the share of the upper one; held beyond the ends.
 struct Bracket {
@@ -49,8 +51,8 @@ double geometric(double low, double high, double share) {
 }  // namespace
 
 Substance::Substance(const std::string& name, double grade) : name_(name) {
-  const auto first =
-      std::find_if(std::begin(tables::kOptics), std::end(tables::kOptics), [&](const auto& row) { return name == row.name; });
+  const auto first = std::find_if(std::begin(tables::kOptics), std::end(tables::kOptics),
+                                  [&](const auto& row) { return name == row.name; });
   const auto last = std::find_if(first, std::end(tables::kOptics), [&](const auto& row) { return name != row.name; });
   if (first == last) throw base::Error(base::Fault::bug, "aerosol figures: no substance is called " + name);
   const std::size_t grades = static_cast<std::size_t>(last - first);
@@ -76,7 +78,8 @@ SubstanceOptics Substance::at(double wavelength_um, BetweenWaves rule) const {
     const double from = tables::kWave_um[at.low], to = tables::kWave_um[at.high];
     const double share = at.low == at.high ? 0 : std::log(wavelength_um / from) / std::log(to / from);
     const double extinction = geometric(low.extinction, high.extinction, share);
-    return {extinction, extinction * std::lerp(low.absorption / low.extinction, high.absorption / high.extinction, at.share),
+    return {extinction,
+            extinction * std::lerp(low.absorption / low.extinction, high.absorption / high.extinction, at.share),
             std::lerp(low.asymmetry, high.asymmetry, at.share)};
   }
   return {std::lerp(low.extinction, high.extinction, at.share), std::lerp(low.absorption, high.absorption, at.share),
@@ -84,7 +87,8 @@ SubstanceOptics Substance::at(double wavelength_um, BetweenWaves rule) const {
 }
 
 PhaseFunction Substance::phase(double wavelength_um) const {
-  const Bracket at = bracket(figures::kPhaseWaves, wavelength_um, [](std::size_t i) { return tables::kPhaseWave_um[i]; });
+  const Bracket at =
+      bracket(figures::kPhaseWaves, wavelength_um, [](std::size_t i) { return tables::kPhaseWave_um[i]; });
   std::vector<PhaseFunction::Part> parts;
   const auto add = [&](std::size_t number, double weight) {
     if (weight <= 0) return;

@@ -18,19 +18,19 @@ nlohmann::json air_parameters(const scene::AtmosphereSpec& spec, const AerosolCo
           {"aerosol", air.aerosol},
           {"visibility_km", none ? nlohmann::json() : nlohmann::json(aerosols.visibility_km())},
           {"aod_550", aerosols.aod_550()},
-          {"aod_550_from", none ? "no aerosol" : air.aod_550 >= 0 ? "stated" : "visibility"}};
+          {"aod_550_from", none               ? "no aerosol"
+                           : air.aod_550 >= 0 ? "stated"
+                                              : "visibility"}};
 }
 
-GasesLeftOut gases_left_out(const scene::AirSpec& spec, double ground_km,
-                            const std::vector<double>& wavelength_um) {
+GasesLeftOut gases_left_out(const scene::AirSpec& spec, double ground_km, const std::vector<double>& wavelength_um) {
   const AirStack stack(spec, ground_km, {});
   const std::vector<double> up(stack.layers(), 1.0);
   double most = -1, at_um = 0;
   for (const double um : wavelength_um) {
     const double per_cm = 1e4 / um;
     double depth = stack.gases().line_depth(per_cm, up);
-    for (std::size_t layer = 0; layer < stack.layers(); ++layer)
-      depth += stack.gases().grey_depth(per_cm, layer);
+    for (std::size_t layer = 0; layer < stack.layers(); ++layer) depth += stack.gases().grey_depth(per_cm, layer);
     if (const double share = -std::expm1(-depth); share > most) most = share, at_um = um;
   }
   char text[300];

@@ -28,7 +28,6 @@ inline constexpr double kTellsGases = 0.05;
 /// The light that gases take on the way straight up from the ground through all the air of `spec`, by the
 /// band models and continua of the layered model: means over 20 cm-1, which say how much there is to lose but
 /// not how much a laser's line loses of it.
-GasesLeftOut gases_left_out(const scene::AirSpec& spec, double ground_km,
-                            const std::vector<double>& wavelength_um);
+GasesLeftOut gases_left_out(const scene::AirSpec& spec, double ground_km, const std::vector<double>& wavelength_um);
 
 }  // namespace raycube::atmos

@@ -25,8 +25,7 @@ constexpr double kLowtranAbove_km[] = {30, 35, 40, 45, 50, 70};
 AfglModel model_of(const scene::AirSpec& spec) {
   for (std::size_t i = 0; i < kAfglNames.size(); ++i)
     if (spec.profile == kAfglNames[i]) return static_cast<AfglModel>(i);
-  throw base::Error(base::Fault::input,
-                    "'" + spec.profile + "' is no model atmosphere; a file goes into profile_file");
+  throw base::Error(base::Fault::input, "'" + spec.profile + "' is no model atmosphere; a file goes into profile_file");
 }
 
 AirProfile base_profile(const scene::AirSpec& spec, std::vector<std::string>& notices) {
@@ -36,13 +35,14 @@ AirProfile base_profile(const scene::AirSpec& spec, std::vector<std::string>& no
   return std::move(made.air);
 }
 
-std::vector<double> stack_levels(const scene::AirSpec& spec, double ground_km, double top_km, const std::vector<double>& marks_km,
-                                 const std::vector<double>& kinks_km) {
+std::vector<double> stack_levels(const scene::AirSpec& spec, double ground_km, double top_km,
+                                 const std::vector<double>& marks_km, const std::vector<double>& kinks_km) {
   std::vector<double> wanted = {ground_km, top_km};
   for (double mark : marks_km) {
     if (mark < ground_km - kSame_km)
-      throw base::Error(base::Fault::input, "a height of " + std::to_string(mark) + " km lies below the ground of the air, " +
-                                                std::to_string(ground_km) + " km");
+      throw base::Error(base::Fault::input, "a height of " + std::to_string(mark) +
+                                                " km lies below the ground of the air, " + std::to_string(ground_km) +
+                                                " km");
     if (mark < top_km) wanted.push_back(std::max(mark, ground_km));
   }
   std::vector<double> optional(std::begin(kBase_km), std::end(kBase_km));
@@ -60,7 +60,8 @@ std::vector<double> stack_levels(const scene::AirSpec& spec, double ground_km, d
       optional.push_back(sorted[i] + (sorted[i + 1] - sorted[i]) * part / spec.layering);
   std::vector<double> levels;
   const auto taken = [&](double height, double distance) {
-    return std::any_of(levels.begin(), levels.end(), [&](double level) { return std::abs(level - height) <= distance; });
+    return std::any_of(levels.begin(), levels.end(),
+                       [&](double level) { return std::abs(level - height) <= distance; });
   };
   for (double height : wanted)
     if (!taken(height, kSame_km)) levels.push_back(height);
@@ -104,7 +105,8 @@ AerosolSpec make_aerosols(const scene::AirSpec& spec) {
   return out;
 }
 
-AirStack::AirStack(const scene::AirSpec& spec, double ground_km, const std::vector<double>& marks_km, const LineAir& lines)
+AirStack::AirStack(const scene::AirSpec& spec, double ground_km, const std::vector<double>& marks_km,
+                   const LineAir& lines)
     : profile_(make_profile(spec, ground_km, notices_)),
       aerosols_(make_aerosols(spec), profile_),
       level_km_(stack_levels(spec, profile_.ground_km(), std::min(kTopOfStack_km, profile_.top_km()), marks_km,
@@ -113,7 +115,8 @@ AirStack::AirStack(const scene::AirSpec& spec, double ground_km, const std::vect
   for (const std::string& notice : aerosols_.notices()) notices_.push_back(notice);
   for (const std::string& notice : lines.notices) notices_.push_back(notice);
   if (!lines.gases.empty())
-    bands_.emplace(without_resolved(profile_, lines), level_km_, spec.gas_bands == "lowtran" ? BandModel::lowtran : BandModel::blended);
+    bands_.emplace(without_resolved(profile_, lines), level_km_,
+                   spec.gas_bands == "lowtran" ? BandModel::lowtran : BandModel::blended);
   co2_ppmv_ = profile_.levels().front().ppmv(Gas::co2);
   const double refractivity = air_refractivity(kRefractionAt_um, co2_ppmv_);
   // The refractive index is stated at 288.15 K and 1013.25 hPa; n - 1 goes with density.

@@ -1,5 +1,6 @@
 // The air of one scene in layers: profile, aerosols and gases as a user states them, cut at the scene's lowest ground.
-// Heights km above the sea, layers from the ground up; everything that does not depend on wavelength is prepared here once.
+// Heights km above the sea, layers from the ground up; everything that does not depend on wavelength is prepared here
+// once.
 #pragma once
 
 #include <cstddef>
@@ -18,8 +19,8 @@ namespace raycube::atmos {
 inline constexpr double kTopOfStack_km = 100;
 inline constexpr double kPlanetRadius_km = 6371.23;
 
-/// The profile of a specification, by name or from its file, scaled to the columns, pressure and mixing ratios stated and cut at
-/// the ground. Notes what was capped. Throws Error(input) with what is out of range.
+/// The profile of a specification, by name or from its file, scaled to the columns, pressure and mixing ratios stated
+/// and cut at the ground. Notes what was capped. Throws Error(input) with what is out of range.
 AirProfile make_profile(const scene::AirSpec& spec, double ground_km, std::vector<std::string>& notices);
 
 /// Aerosols and clouds of a specification. Throws Error(input) for names that do not exist.
@@ -27,10 +28,11 @@ AerosolSpec make_aerosols(const scene::AirSpec& spec);
 
 class AirStack {
  public:
-  /// ground_km: where the air begins. marks_km: heights that must be levels (targets, the sensor); those above the top are
-  /// dropped, those below the ground refused. With gas_bands "lowtran" the levels are LOWTRAN7's, 1 km apart up to 25 km.
-  /// lines: gases that are resolved by somebody else, whose band models are silent.
-  AirStack(const scene::AirSpec& spec, double ground_km, const std::vector<double>& marks_km, const LineAir& lines = {});
+  /// ground_km: where the air begins. marks_km: heights that must be levels (targets, the sensor); those above the top
+  /// are dropped, those below the ground refused. With gas_bands "lowtran" the levels are LOWTRAN7's, 1 km apart up to
+  /// 25 km. lines: gases that are resolved by somebody else, whose band models are silent.
+  AirStack(const scene::AirSpec& spec, double ground_km, const std::vector<double>& marks_km,
+           const LineAir& lines = {});
 
   const std::vector<double>& level_km() const { return level_km_; }
   std::size_t layers() const { return level_km_.size() - 1; }
@@ -49,8 +51,8 @@ class AirStack {
   double co2_ppmv() const { return co2_ppmv_; }
   const std::vector<std::string>& notices() const { return notices_; }
 
-  /// Path length over thickness in every layer (0 outside) of the ray that leaves level `from` upward at this apparent zenith
-  /// angle (0..90 deg) and ends at level `to` >= from: spherical shells, refracted (solver/slant_path.h).
+  /// Path length over thickness in every layer (0 outside) of the ray that leaves level `from` upward at this apparent
+  /// zenith angle (0..90 deg) and ends at level `to` >= from: spherical shells, refracted (solver/slant_path.h).
   std::vector<double> path_factors(std::size_t from, std::size_t to, double zenith_deg) const;
 
  private:

@@ -20,7 +20,8 @@ constexpr double kFourierTolerance = 1e-5;
 constexpr double kSmallestTransmission = 1e-30;
 constexpr double kLargestFactorLog = 20;
 
-/// Dense in the aureole, where tabulated Mie functions have a cusp (0.25 deg is the sun's radius), and around the glory.
+/// Dense in the aureole, where tabulated Mie functions have a cusp (0.25 deg is the sun's radius), and around the
+/// glory.
 std::vector<double> scattering_angles() {
   std::vector<double> out = {0, 0.25, 0.5, 0.75, 1, 1.25, 1.5, 1.75, 2, 2.5, 3, 3.5};
   for (int i = 4; i < 10; ++i) out.push_back(i);
@@ -97,7 +98,8 @@ BinRows::BinRows(RenderTable& table, const BinGeometry& geometry, bool thermal, 
   add_row(table, "sky_scattering_depth", "Rayleigh and aerosol extinction above the target");
   add_row(table, "direct_irradiance", "E0 cos(sun zenith) T_sun");
   if (!thermal) return;
-  const char* emitted = "band model along the path, Planck radiance across every layer; scattered light by discrete ordinates";
+  const char* emitted =
+      "band model along the path, Planck radiance across every layer; scattered light by discrete ordinates";
   for (const char* row : {"path_radiance_thermal", "sky_radiance_thermal"}) add_row(table, row, emitted);
   add_row(table, "two_way_factor_thermal", solver);
 }
@@ -152,8 +154,9 @@ void BinRows::fill_scattering(std::size_t i, const SpectralAir& air, int streams
   const std::size_t zeniths = g.sky_zenith.size(), sky_azimuths = g.sky_azimuth.size();
   const std::vector<double> view_cosine = cosines(g.view_zenith, 1), sky_cosine = cosines(g.sky_zenith, -1), none;
   const double e0 = row("solar_irradiance", i)[0];
-  // The solver counts azimuth from where the beam goes; the table from where the sun is (docs/conventions.md). Sky light towards
-  // the observer from the sun's side travels with the beam, light towards a sensor on the sun's side against it.
+  // The solver counts azimuth from where the beam goes; the table from where the sun is (docs/conventions.md). Sky
+  // light towards the observer from the sun's side travels with the beam, light towards a sensor on the sun's side
+  // against it.
   std::vector<double> view_turned;
   for (double azimuth : g.view_azimuth) view_turned.push_back(180 - azimuth);
   const auto count = [&](std::size_t extra) { return std::vector<double>(heights * extra, 0.0); };
@@ -165,7 +168,8 @@ void BinRows::fill_scattering(std::size_t i, const SpectralAir& air, int streams
     const solver::ColumnSolution solved =
         solver::solve_column(column, {.streams = streams, .fourier_tolerance = kFourierTolerance});
     const Depths at(solved, g);
-    const std::vector<double> up = e0 > 0 ? solved.radiances(at.sensor_and_targets, view_cosine, view_turned, {}) : none;
+    const std::vector<double> up =
+        e0 > 0 ? solved.radiances(at.sensor_and_targets, view_cosine, view_turned, {}) : none;
     const std::vector<double> down = e0 > 0 ? solved.radiances(at.targets, sky_cosine, g.sky_azimuth, {}) : none;
     const std::vector<solver::GroundTransmission> ground = solved.ground_transmissions({at.sensor}, view_cosine),
                                                   returned = solved.ground_transmissions({at.ground}, sky_cosine);
@@ -180,8 +184,8 @@ void BinRows::fill_scattering(std::size_t i, const SpectralAir& air, int streams
           const double above = up[v * azimuths + a], below = up[((h + 1) * views + v) * azimuths + a];
           path[(h * views + v) * azimuths + a] += weight * std::max(0.0, above - transmission * below);
         }
-        // Diffuse light of the ground is known for the lowest ground. From higher ground it is taken as the same share of what
-        // the path scatters: 1 - exp(-depth) of the scatterers.
+        // Diffuse light of the ground is known for the lowest ground. From higher ground it is taken as the same share
+        // of what the path scatters: 1 - exp(-depth) of the scatterers.
         const double from_ground = air.depth_between(j, 0, g.sensor_level);
         const double share = from_ground > 0 ? std::expm1(-between / mu) / std::expm1(-from_ground / mu) : 1;
         through[h * views + v] += weight * ground[v].diffuse * share;
@@ -217,11 +221,14 @@ void BinRows::fill_thermal(std::size_t i, const SpectralAir& air, int streams) c
   std::vector<double> plain_view = count(views);
   for (std::size_t h = 0; h < heights; ++h) {
     for (std::size_t v = 0; v < views; ++v)
-      path[h * views + v] = path_emission(air, *g.stack, g.view_path[h * views + v], g.level[h], g.sensor_level, true, emission_);
+      path[h * views + v] =
+          path_emission(air, *g.stack, g.view_path[h * views + v], g.level[h], g.sensor_level, true, emission_);
     for (std::size_t z = 0; z < zeniths; ++z)
-      sky[h * zeniths + z] = path_emission(air, *g.stack, g.sky_path[h * zeniths + z], g.level[h], top, false, emission_);
+      sky[h * zeniths + z] =
+          path_emission(air, *g.stack, g.sky_path[h * zeniths + z], g.level[h], top, false, emission_);
   }
-  // Thermal light scattered into the path: what the solver has beyond the same column in which scattering only takes away.
+  // Thermal light scattered into the path: what the solver has beyond the same column in which scattering only takes
+  // away.
   const bool scattered = emission_ == LayerEmission::graded;
   for (std::size_t j = 0; j < air.terms(); ++j) {
     const double weight = air.weight(j);
@@ -239,7 +246,8 @@ void BinRows::fill_thermal(std::size_t i, const SpectralAir& air, int streams) c
         plain_view[h * views + v] += weight * transmission;
         if (!scattered) continue;
         const double gained = up[v] - transmission * up[(h + 1) * views + v];
-        path[h * views + v] += weight * (gained - term_emission(air, *g.stack, j, mu, g.level[h], g.sensor_level, true));
+        path[h * views + v] +=
+            weight * (gained - term_emission(air, *g.stack, j, mu, g.level[h], g.sensor_level, true));
       }
       for (std::size_t z = 0; scattered && z < zeniths; ++z)
         sky[h * zeniths + z] +=

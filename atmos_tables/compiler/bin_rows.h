@@ -20,18 +20,20 @@ struct BinGeometry {
   double sun_zenith_deg, sun_azimuth_deg;
   bool day;
   std::size_t sensor_level;
-  std::vector<std::size_t> level;                       ///< [height]
-  /// Spaced so that light between nodes is right to 2 % (A-19): 5 degrees around the glory, 10 where Mie functions are steep.
+  std::vector<std::size_t> level;  ///< [height]
+  /// Spaced so that light between nodes is right to 2 % (A-19): 5 degrees around the glory, 10 where Mie functions are
+  /// steep.
   std::vector<double> view_zenith, view_azimuth, sky_zenith, sky_azimuth, scattering_angle;
-  std::vector<std::vector<double>> sun_path;            ///< [height] path factors
-  std::vector<std::vector<double>> view_path;           ///< [height * views + view]
-  std::vector<std::vector<double>> sky_path;            ///< [height * sky zeniths + zenith]
+  std::vector<std::vector<double>> sun_path;   ///< [height] path factors
+  std::vector<std::vector<double>> view_path;  ///< [height * views + view]
+  std::vector<std::vector<double>> sky_path;   ///< [height * sky zeniths + zenith]
 };
 
 class BinRows {
  public:
   /// Adds axes and rows to the table, which must outlive this.
-  BinRows(RenderTable& table, const BinGeometry& geometry, bool thermal, LayerEmission emission = LayerEmission::graded);
+  BinRows(RenderTable& table, const BinGeometry& geometry, bool thermal,
+          LayerEmission emission = LayerEmission::graded);
   /// Fills everything at wavelength i. Different wavelengths may be filled from different threads.
   void fill(std::size_t i, const SpectralAir& air, int streams) const;
 

@@ -37,41 +37,47 @@ std::string provenance(const scene::AtmosphereSpec& spec, const scene::Sun& sun,
                   "scattering: discrete ordinates (Stamnes et al. 1988), delta-M, Nakajima & Tanaka 1988",
                   "Spencer 1971"};
   j["parameters"] = air_parameters(spec, stack.aerosols());
-  j["parameters"].update({
-      {"ground_pressure_hPa", ground.pressure_hPa},
-      {"ground_temperature_K", ground.temperature_K},
-      {"water_g_cm2", stack.profile().water_g_cm2()},
-      {"ozone_atm_cm", stack.profile().ozone_atm_cm()},
-      {"co2_ppmv", ground.ppmv(Gas::co2)},
-      {"day_of_year", sun.day_of_year},
-      {"streams", air.streams},
-      {"k_terms", air.k_terms},
-      {"layers", stack.layers()},
-      {"gas_bands", air.gas_bands}});
-  if (!air.lines.empty()) j["sources"].push_back("lines: " + air.lines + ", Voigt profiles to " + nlohmann::json(air.line_wing_per_cm).dump() + " cm-1 (cite the list's edition)");
-  for (const auto& table : air.cross_sections) j["sources"].push_back("cross-sections of " + table.gas + ": " + table.file);
+  j["parameters"].update({{"ground_pressure_hPa", ground.pressure_hPa},
+                          {"ground_temperature_K", ground.temperature_K},
+                          {"water_g_cm2", stack.profile().water_g_cm2()},
+                          {"ozone_atm_cm", stack.profile().ozone_atm_cm()},
+                          {"co2_ppmv", ground.ppmv(Gas::co2)},
+                          {"day_of_year", sun.day_of_year},
+                          {"streams", air.streams},
+                          {"k_terms", air.k_terms},
+                          {"layers", stack.layers()},
+                          {"gas_bands", air.gas_bands}});
+  if (!air.lines.empty())
+    j["sources"].push_back("lines: " + air.lines + ", Voigt profiles to " +
+                           nlohmann::json(air.line_wing_per_cm).dump() + " cm-1 (cite the list's edition)");
+  for (const auto& table : air.cross_sections)
+    j["sources"].push_back("cross-sections of " + table.gas + ": " + table.file);
   j["notices"] = stack.notices();
   j["limits"] = {"no polarisation: Rayleigh light off by 1 to 5 %, up to 11 % at grazing angles",
-                 "gas structure finer than 20 cm-1 (LOWTRAN7) or 10 cm-1 (6S) is not resolved but for gases with lines or cross-sections, "
+                 "gas structure finer than 20 cm-1 (LOWTRAN7) or 10 cm-1 (6S) is not resolved but for gases with lines "
+                 "or cross-sections, "
                  "which are monochromatic at the wavelengths",
                  "plane-parallel scattering: rough for view zeniths above 80 deg"};
   return j.dump();
 }
 
-/// Lines or cross-sections of the specification for these wavelengths, with a word where the grid is too coarse for lines.
+/// Lines or cross-sections of the specification for these wavelengths, with a word where the grid is too coarse for
+/// lines.
 LineAir resolved_gases(const scene::AirSpec& air, const std::vector<double>& wavelength_um) {
   if (!has_line_air(air)) return {};
   if (wavelength_um.size() > kMostResolvedNodes)
-    throw base::Error(base::Fault::input, "atmosphere wavelengths: a table with lines or cross-sections holds at most " +
-                                              std::to_string(kMostResolvedNodes) + " wavelengths, not " +
-                                              std::to_string(wavelength_um.size()) + "; narrow the range or widen the step");
+    throw base::Error(base::Fault::input,
+                      "atmosphere wavelengths: a table with lines or cross-sections holds at most " +
+                          std::to_string(kMostResolvedNodes) + " wavelengths, not " +
+                          std::to_string(wavelength_um.size()) + "; narrow the range or widen the step");
   LineAir lines = read_line_air(air, 1e4 / wavelength_um.back(), 1e4 / wavelength_um.front());
   double widest_per_cm = 0;
   for (std::size_t i = 0; i + 1 < wavelength_um.size(); ++i)
     widest_per_cm = std::max(widest_per_cm, 1e4 / wavelength_um[i] - 1e4 / wavelength_um[i + 1]);
   if (!air.lines.empty() && widest_per_cm > 0.1)
-    lines.notices.push_back("wavelengths up to " + nlohmann::json(widest_per_cm).dump() +
-                            " cm-1 apart step over lines, whose half width is about 0.06 cm-1 at the ground; choose a finer spectral step");
+    lines.notices.push_back(
+        "wavelengths up to " + nlohmann::json(widest_per_cm).dump() +
+        " cm-1 apart step over lines, whose half width is about 0.06 cm-1 at the ground; choose a finer spectral step");
   return lines;
 }
 
@@ -102,7 +108,8 @@ void for_each_on_threads(std::size_t count, int threads, const std::function<voi
 }
 
 /// The air in layers, with a level at the sensor and every target.
-AirStack stack_of(const scene::AtmosphereSpec& spec, double sensor_height_m, const std::vector<double>& target_height_m, const LineAir& lines) {
+AirStack stack_of(const scene::AtmosphereSpec& spec, double sensor_height_m, const std::vector<double>& target_height_m,
+                  const LineAir& lines) {
   const double z0_km = spec.ground_height_m / 1000;
   std::vector<double> marks_km = {z0_km + sensor_height_m / 1000};
   for (double height : target_height_m) marks_km.push_back(z0_km + height / 1000);
@@ -154,7 +161,8 @@ RenderTable build_layered(const scene::AtmosphereSpec& spec, const scene::Sun& s
                                   mean_solar_irradiance_1au(1e4 / bins[i].high_per_cm, 1e4 / bins[i].low_per_cm));
   }
   for_each_on_threads(bins.size(), watch.threads, [&](std::size_t i) {
-    rows.fill(i, SpectralAir(stack, bins[i], static_cast<std::size_t>(spec.layered->k_terms), resolved_depths(i)), spec.layered->streams);
+    rows.fill(i, SpectralAir(stack, bins[i], static_cast<std::size_t>(spec.layered->k_terms), resolved_depths(i)),
+              spec.layered->streams);
     if (watch.finished) watch.finished(i);
   });
   validate(table, "layered air");
@@ -165,7 +173,8 @@ std::vector<double> layered_wavelengths(double first_um, double last_um, double 
   base::Problems problems;
   if (!(first_um >= kLayeredFirst_um && last_um <= kLayeredLast_um && first_um < last_um))
     problems.add({"", 0, 0, "atmosphere wavelengths"}, "the layered model covers 0.3 to 30 um and ends there",
-                 std::to_string(first_um) + " to " + std::to_string(last_um) + " um", "narrow the range, or import a table");
+                 std::to_string(first_um) + " to " + std::to_string(last_um) + " um",
+                 "narrow the range, or import a table");
   if (!(step_um >= 0) || (step_um > 0 && (last_um - first_um) / step_um > 1e6))
     problems.add({"", 0, 0, "atmosphere wavelength step"}, "must be positive and give at most 1e6 wavelengths",
                  std::to_string(step_um) + " um", "choose a wider step");

@@ -22,15 +22,16 @@ inline constexpr double kThermalFrom_um = 2.6;
 inline constexpr std::size_t kMostResolvedNodes = 20000;
 
 struct BuildWatch {
-  int threads = 0;                                   ///< 0: all cores; cannot change a result
-  std::function<void(std::size_t done)> finished;    ///< after every wavelength, from any thread; may throw to stop
+  int threads = 0;                                 ///< 0: all cores; cannot change a result
+  std::function<void(std::size_t done)> finished;  ///< after every wavelength, from any thread; may throw to stop
 };
 
-/// Wavelengths ascending within 0.3..30 um; target heights ascending, m above z = 0, none above the sensor. spec.layered must be
-/// set. From a sun zenith of 90 deg on the solar rows are 0, as there is no twilight (clear_sky_inputs.h has the notice to give).
-/// Throws Error(input) with every problem found.
-/// Where spec.layered names lines or cross-sections, the gases they hold are resolved at the wavelength nodes themselves, not averaged
-/// over bins, and their band models are silent; the step between nodes is then the user's to choose.
+/// Wavelengths ascending within 0.3..30 um; target heights ascending, m above z = 0, none above the sensor.
+/// spec.layered must be set. From a sun zenith of 90 deg on the solar rows are 0, as there is no twilight
+/// (clear_sky_inputs.h has the notice to give). Throws Error(input) with every problem found.
+/// Where spec.layered names lines or cross-sections, the gases they hold are resolved at the wavelength nodes
+/// themselves, not averaged over bins, and their band models are silent; the step between nodes is then the user's to
+/// choose.
 RenderTable build_layered(const scene::AtmosphereSpec& spec, const scene::Sun& sun, double sensor_height_m,
                           const std::vector<double>& wavelength_um, const std::vector<double>& target_height_m,
                           const BuildWatch& watch = {});

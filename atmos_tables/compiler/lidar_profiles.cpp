@@ -26,8 +26,8 @@ constexpr double kEdge_km = 0.0005;
 std::string text(double value) { return nlohmann::json(value).dump(); }
 
 /// Backscatter per extinction of molecules, sr-1, and its linear depolarisation. With the ratio x = (anisotropy / mean
-/// polarisability)^2 = 4.5 (F - 1) of the King factor F the parallel part goes as 45 + 4 x, the perpendicular one as 3 x; the
-/// Cabannes line holds a quarter of the anisotropic light (She 2001, Appl. Opt. 40, 4875).
+/// polarisability)^2 = 4.5 (F - 1) of the King factor F the parallel part goes as 45 + 4 x, the perpendicular one as 3
+/// x; the Cabannes line holds a quarter of the anisotropic light (She 2001, Appl. Opt. 40, 4875).
 struct MolecularBack {
   double per_sr, depolarization;
 };
@@ -57,13 +57,16 @@ std::vector<Particles> particles_at(const AerosolColumn& aerosols, double wavele
 }
 
 void check(const std::vector<double>& wavelength_um, const std::vector<double>& height_m, base::Problems& problems) {
-  const auto ascending = [&](const char* what, const std::vector<double>& list, double low, double high, const char* unit) {
+  const auto ascending = [&](const char* what, const std::vector<double>& list, double low, double high,
+                             const char* unit) {
     if (list.empty()) problems.add({"", 0, 0, what}, "none given", "", "give at least one");
     for (std::size_t i = 0; i < list.size(); ++i) {
       if (!(list[i] >= low && list[i] <= high))
-        problems.add({"", 0, 0, what}, "must lie in " + text(low) + " to " + text(high) + " " + unit, text(list[i]), "change it");
+        problems.add({"", 0, 0, what}, "must lie in " + text(low) + " to " + text(high) + " " + unit, text(list[i]),
+                     "change it");
       if (i > 0 && !(list[i] > list[i - 1]))
-        problems.add({"", 0, 0, what}, "must ascend strictly", text(list[i - 1]) + " then " + text(list[i]), "sort them and remove doubles");
+        problems.add({"", 0, 0, what}, "must ascend strictly", text(list[i - 1]) + " then " + text(list[i]),
+                     "sort them and remove doubles");
     }
   };
   ascending("LIDAR wavelengths", wavelength_um, kLidarFirst_um, kLidarLast_um, "um");
@@ -77,7 +80,9 @@ void check(const LidarOptions& options, const AerosolColumn& aerosols, base::Pro
     const base::Where where{"", 0, 0, "lidar ratio of " + own.component};
     bool found = false;
     for (std::size_t c = 0; c < aerosols.components(); ++c) found = found || aerosols.name(c) == own.component;
-    if (!found) problems.add(where, "the air has no such component", own.component, known.empty() ? "there is none" : "it has " + known);
+    if (!found)
+      problems.add(where, "the air has no such component", own.component,
+                   known.empty() ? "there is none" : "it has " + known);
     if (!(own.lidar_ratio_sr < 0 || (own.lidar_ratio_sr >= 1 && own.lidar_ratio_sr <= 1000)))
       problems.add(where, "must lie in 1 to 1000 sr", text(own.lidar_ratio_sr), "correct it");
     if (!(own.depolarization >= 0 && own.depolarization <= 1))
@@ -85,7 +90,8 @@ void check(const LidarOptions& options, const AerosolColumn& aerosols, base::Pro
   }
 }
 
-/// Wavelengths whose lines are read together: a list is read once for each group, so that 532 nm and 1.65 um do not read all between.
+/// Wavelengths whose lines are read together: a list is read once for each group, so that 532 nm and 1.65 um do not
+/// read all between.
 std::size_t end_of_group(const std::vector<double>& wavelength_um, std::size_t first, double wing_per_cm) {
   std::size_t end = first + 1;
   while (end < wavelength_um.size() && 1e4 / wavelength_um[end - 1] - 1e4 / wavelength_um[end] < 4 * wing_per_cm) ++end;
@@ -124,7 +130,8 @@ std::vector<double> lidar_heights(const scene::AtmosphereSpec& spec) {
   for (double knot : aerosols.level_km()) {
     double before = 0, after = 0;
     for (std::size_t c = 0; c < aerosols.components(); ++c) {
-      before += aerosols.extinction_550_per_km(c, knot - kEdge_km), after += aerosols.extinction_550_per_km(c, knot + kEdge_km);
+      before += aerosols.extinction_550_per_km(c, knot - kEdge_km),
+          after += aerosols.extinction_550_per_km(c, knot + kEdge_km);
     }
     if (std::abs(after - before) > 0.05 * std::max(after, before)) {
       wanted.push_back(knot - kEdge_km);
@@ -138,7 +145,8 @@ std::vector<double> lidar_heights(const scene::AtmosphereSpec& spec) {
     for (int i = 1; low + i * step <= high + 1e-9; ++i) {
       const double height = ground_km + low + i * step;
       // A node beside one that must be there buys nothing.
-      if (std::none_of(needed.begin(), needed.end(), [&](double other) { return std::abs(other - height) < 0.5 * step; }))
+      if (std::none_of(needed.begin(), needed.end(),
+                       [&](double other) { return std::abs(other - height) < 0.5 * step; }))
         wanted.push_back(height);
     }
   };
@@ -147,7 +155,8 @@ std::vector<double> lidar_heights(const scene::AtmosphereSpec& spec) {
   std::vector<double> out;
   for (double height : wanted) {
     if (height < ground_km || height > top_km) continue;
-    if (out.empty() || height - (out.back() / 1000 + ground_km) > 0.5 * kEdge_km) out.push_back(1000 * (height - ground_km));
+    if (out.empty() || height - (out.back() / 1000 + ground_km) > 0.5 * kEdge_km)
+      out.push_back(1000 * (height - ground_km));
   }
   return out;
 }
@@ -172,11 +181,14 @@ RenderTable build_lidar(const scene::AtmosphereSpec& spec, const std::vector<dou
   add_axis(table, "range_height", height_m);
   Row& mol_extinction = add_row(table, "lidar_extinction_molecular", "Bodhaine et al. 1999 times the profile's air");
   Row& aer_extinction = add_row(table, "lidar_extinction_aerosol", "components of the layered model");
-  Row& mol_back = add_row(table, "lidar_backscatter_molecular", options.cabannes_only ? "Cabannes line alone" : "Cabannes line and Raman wings");
-  Row& aer_back = add_row(table, "lidar_backscatter_aerosol", "Mie functions at 180 degrees, or the lidar ratios given");
+  Row& mol_back = add_row(table, "lidar_backscatter_molecular",
+                          options.cabannes_only ? "Cabannes line alone" : "Cabannes line and Raman wings");
+  Row& aer_back =
+      add_row(table, "lidar_backscatter_aerosol", "Mie functions at 180 degrees, or the lidar ratios given");
   Row& depolarization = add_row(table, "lidar_depolarization", "perpendicular over parallel, linearly polarised beam");
   std::vector<AirLevel> air;
-  for (double height : height_m) air.push_back(profile.at(std::clamp(z0_km + height / 1000, profile.ground_km(), profile.top_km())));
+  for (double height : height_m)
+    air.push_back(profile.at(std::clamp(z0_km + height / 1000, profile.ground_km(), profile.top_km())));
   const double co2_ppmv = profile.levels().front().ppmv(Gas::co2);
   nlohmann::json ratios = nlohmann::json::object();
   for (std::size_t i = 0; i < wavelength_um.size(); ++i) {
@@ -184,7 +196,8 @@ RenderTable build_lidar(const scene::AtmosphereSpec& spec, const std::vector<dou
     const MolecularBack molecules = molecular_back(wavelength_um[i], co2_ppmv, options.cabannes_only);
     const std::vector<Particles> particles = particles_at(aerosols, wavelength_um[i], options);
     for (std::size_t c = 0; c < particles.size(); ++c)
-      ratios[aerosols.name(c)].push_back(particles[c].back_per_sr > 0 ? particles[c].extinction_ratio / particles[c].back_per_sr : 0);
+      ratios[aerosols.name(c)].push_back(
+          particles[c].back_per_sr > 0 ? particles[c].extinction_ratio / particles[c].back_per_sr : 0);
     for (std::size_t h = 0; h < height_m.size(); ++h) {
       const std::size_t n = i * height_m.size() + h;
       const double molecular = 100 * cross_section * air[h].air_per_cm3;  // cm-1 to m-1
@@ -234,12 +247,12 @@ RenderTable build_lidar(const scene::AtmosphereSpec& spec, const std::vector<dou
   j["sources"] = {"profile: " + profile.source(), "Rayleigh: Bodhaine et al. 1999; King factors Bates 1984",
                   "aerosols: LOWTRAN7 (Shettle & Fenn 1979), Mie phase functions"};
   j["parameters"] = air_parameters(spec, aerosols);
-  j["parameters"].update({{"cabannes_only", options.cabannes_only},
-                          {"lines", spec.layered->lines},
-                          {"lidar_ratio_sr", ratios}});
+  j["parameters"].update(
+      {{"cabannes_only", options.cabannes_only}, {"lines", spec.layered->lines}, {"lidar_ratio_sr", ratios}});
   j["notices"] = notices;
   j["limits"] = limits;
-  j["stated_errors"] = {"molecules 0.1 %; lidar ratios of the aerosol models 30 %: 70 Mie functions are shared between models"};
+  j["stated_errors"] = {
+      "molecules 0.1 %; lidar ratios of the aerosol models 30 %: 70 Mie functions are shared between models"};
   table.provenance_json = j.dump();
   validate(table, "LIDAR profiles");
   return table;

@@ -20,9 +20,10 @@ struct LineAir {
 /// Whether the specification names any file of lines or cross-sections.
 bool has_line_air(const scene::AirSpec& spec);
 
-/// Reads the files for wavenumbers from low to high, cm-1. Every gas of the profile with a line anywhere in the list is resolved; of
-/// water the pedestal is left to the continuum. Lines of other molecules are left out, as are gases that a cross-section file
-/// gives. Notices: what stays with the band model, what the files do not cover. Throws Error as the readers do.
+/// Reads the files for wavenumbers from low to high, cm-1. Every gas of the profile with a line anywhere in the list is
+/// resolved; of water the pedestal is left to the continuum. Lines of other molecules are left out, as are gases that a
+/// cross-section file gives. Notices: what stays with the band model, what the files do not cover. Throws Error as the
+/// readers do.
 LineAir read_line_air(const scene::AirSpec& spec, double low_per_cm, double high_per_cm);
 
 /// The profile without the gases resolved: for the band models beside them.

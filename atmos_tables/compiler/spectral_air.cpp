@@ -11,7 +11,8 @@
 namespace raycube::atmos {
 
 namespace {
-/// Moments of the phase functions: the solver's streams, and beyond them what the small-angle correction of the aureole sums.
+/// Moments of the phase functions: the solver's streams, and beyond them what the small-angle correction of the aureole
+/// sums.
 constexpr std::size_t kLastMoment = 191;
 constexpr double kLoneHalfWidth_per_cm = 2.5;
 /// A node speaks for at most this part of its wavelength on either side: further apart, nodes are samples.
@@ -38,10 +39,12 @@ std::vector<SpectralBin> spectral_bins(const std::vector<double>& wavelength_um)
   return bins;
 }
 
-SpectralAir::SpectralAir(const AirStack& stack, const SpectralBin& bin, std::size_t k_terms, const std::vector<double>& resolved)
+SpectralAir::SpectralAir(const AirStack& stack, const SpectralBin& bin, std::size_t k_terms,
+                         const std::vector<double>& resolved)
     : stack_(stack), bin_(bin) {
   const double wavelength = bin.wavelength_um, width = bin.high_per_cm - bin.low_per_cm;
-  // Continua follow their bands (a factor of 3 within 20 nm at 1.12 um): their mean depth over the bin, in steps of the bands'.
+  // Continua follow their bands (a factor of 3 within 20 nm at 1.12 um): their mean depth over the bin, in steps of the
+  // bands'.
   const int points = 1 + static_cast<int>(width / LowtranLines::kStep);
   const double cross_section = rayleigh_cross_section_cm2(wavelength, stack.co2_ppmv());
   depolarization_ = air_depolarization(wavelength, stack.co2_ppmv());

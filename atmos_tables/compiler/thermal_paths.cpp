@@ -36,8 +36,8 @@ std::vector<Crossing> crossings(std::size_t low, std::size_t high, bool observer
 
 }  // namespace
 
-double path_emission(const SpectralAir& air, const AirStack& stack, const std::vector<double>& path_factor, std::size_t low,
-                     std::size_t high, bool observer_above, LayerEmission rule) {
+double path_emission(const SpectralAir& air, const AirStack& stack, const std::vector<double>& path_factor,
+                     std::size_t low, std::size_t high, bool observer_above, LayerEmission rule) {
   const double wavelength = air.bin().wavelength_um;
   const auto planck = [&](double temperature_K) { return base::planck_radiance(wavelength, temperature_K); };
   std::vector<double> crossed(path_factor.size(), 0.0);

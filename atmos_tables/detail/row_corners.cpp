@@ -37,7 +37,8 @@ std::vector<Corner> corners_of(const RenderTable& table, const std::vector<Coord
     const Bracket b = bracket(table.axis(coordinate.axis), coordinate.value);
     std::vector<Corner> next;
     for (const Corner& corner : corners) {
-      if (b.weight < 1) next.push_back({corner.weight * (1 - b.weight), corner.node}), next.back().node.push_back(b.low);
+      if (b.weight < 1)
+        next.push_back({corner.weight * (1 - b.weight), corner.node}), next.back().node.push_back(b.low);
       if (b.weight > 0) next.push_back({corner.weight * b.weight, corner.node}), next.back().node.push_back(b.high);
     }
     corners = std::move(next);

@@ -28,13 +28,15 @@ struct Bracket {
   double weight = 0;  ///< of high
 };
 
-/// The two nodes around a value. A one-node axis answers its node; a value outside is Error(input) naming axis and range.
+/// The two nodes around a value. A one-node axis answers its node; a value outside is Error(input) naming axis and
+/// range.
 Bracket bracket(const Axis& axis, double value);
 
 /// The nodes around a point, at most 2 per coordinate, those of weight 0 left out.
 std::vector<Corner> corners_of(const RenderTable& table, const std::vector<Coordinate>& point);
 
-/// Where a corner's values lie in a row: value(wavelength, k) = values[base + wavelength * wavelength_stride + k * k_stride].
+/// Where a corner's values lie in a row: value(wavelength, k) = values[base + wavelength * wavelength_stride + k *
+/// k_stride].
 class RowView {
  public:
   RowView(const RenderTable& table, const Row& row);

@@ -15,16 +15,17 @@ inline double power_law_depth(double log10_c, double amount, double exponent) {
   return amount > 0 ? std::exp(exponent * (2.302585092994046 * log10_c + std::log(amount))) : 0.0;
 }
 
-/// Goody (1952), exponential line strengths: a1 u / sqrt(1 + (a1/a2) u^2 / up). u, up >= 0: amount, and amount times pressure in
-/// atmospheres (g cm-2); up 0 means no line width, hence no absorption. Weak a1 u, strong sqrt(a1 a2 up). Written so that neither
-/// very large nor very small amounts overflow.
+/// Goody (1952), exponential line strengths: a1 u / sqrt(1 + (a1/a2) u^2 / up). u, up >= 0: amount, and amount times
+/// pressure in atmospheres (g cm-2); up 0 means no line width, hence no absorption. Weak a1 u, strong sqrt(a1 a2 up).
+/// Written so that neither very large nor very small amounts overflow.
 inline double goody_depth(double a1, double a2, double amount, double amount_pressure) {
   const double weak = a1 * amount, strong2 = a1 * a2 * amount_pressure;
   if (!(weak > 0 && strong2 > 0)) return 0;
   return 1 / std::sqrt(1 / weak / weak + 1 / strong2);
 }
 
-/// Malkmus (1967): (a2 up / 2u) (sqrt(1 + 4 (a1/a2) u^2 / up) - 1), written without the difference of like numbers. Same limits.
+/// Malkmus (1967): (a2 up / 2u) (sqrt(1 + 4 (a1/a2) u^2 / up) - 1), written without the difference of like numbers.
+/// Same limits.
 inline double malkmus_depth(double a1, double a2, double amount, double amount_pressure) {
   const double weak = a1 * amount, strong2 = a1 * a2 * amount_pressure;
   if (!(weak > 0 && strong2 > 0)) return 0;

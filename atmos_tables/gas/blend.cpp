@@ -12,8 +12,9 @@ struct Band {
 };
 constexpr double kHalfRamp = 25;
 /// The outer ramps lie inside 2500 to 17250 cm-1.
-constexpr Band kBands[] = {{2500 + kHalfRamp, 0.5}, {1e4 / 3.4, 0.25}, {1e4 / 3.0, 0.5}, {1e4 / 2.4, 1.0},  {1e4 / 2.0, 0.6},
-                           {1e4 / 1.75, 0.4},       {1e4 / 1.3, 0.65}, {1e4 / 1.0, 0.75}, {17250 - kHalfRamp, 0.0}};
+constexpr Band kBands[] = {{2500 + kHalfRamp, 0.5}, {1e4 / 3.4, 0.25}, {1e4 / 3.0, 0.5},
+                           {1e4 / 2.4, 1.0},        {1e4 / 2.0, 0.6},  {1e4 / 1.75, 0.4},
+                           {1e4 / 1.3, 0.65},       {1e4 / 1.0, 0.75}, {17250 - kHalfRamp, 0.0}};
 
 }  // namespace
 

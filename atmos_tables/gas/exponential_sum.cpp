@@ -66,10 +66,13 @@ Terms non_negative_least_squares(const Design& a, const Rows& b) {
 
 class Fit {
  public:
-  Fit(const std::vector<double>& amount, const std::vector<double>& transmittance, const std::vector<double>& importance)
+  Fit(const std::vector<double>& amount, const std::vector<double>& transmittance,
+      const std::vector<double>& importance)
       : amount_(Eigen::Map<const Eigen::VectorXd>(amount.data(), size(amount))),
-        importance_(Eigen::Map<const Eigen::VectorXd>(importance.data(), size(importance))), target_(size(amount) + 1) {
-    target_.head(size(amount)) = Eigen::Map<const Eigen::VectorXd>(transmittance.data(), size(amount)).cwiseProduct(importance_);
+        importance_(Eigen::Map<const Eigen::VectorXd>(importance.data(), size(importance))),
+        target_(size(amount) + 1) {
+    target_.head(size(amount)) =
+        Eigen::Map<const Eigen::VectorXd>(transmittance.data(), size(amount)).cwiseProduct(importance_);
     target_(size(amount)) = kSumWeight;
   }
 
@@ -91,7 +94,8 @@ class Fit {
     return residual.squaredNorm();
   }
 
-  /// Levenberg-Marquardt on the rates, differences for the slopes. Stops where a step gains less than 0.1 % of the residual.
+  /// Levenberg-Marquardt on the rates, differences for the slopes. Stops where a step gains less than 0.1 % of the
+  /// residual.
   void polish(Terms& log_rate) const {
     double damping = 1e-3;
     Rows residual, there;
@@ -145,9 +149,10 @@ double ExponentialSum::at(double amount) const {
 
 ExponentialSum fit_exponential_sum(const std::vector<double>& amount, const std::vector<double>& transmittance,
                                    const std::vector<double>& importance, std::size_t terms) {
-  if (amount.empty() || amount.size() > kMaxAmounts || transmittance.size() != amount.size() || importance.size() != amount.size() ||
-      terms < 1 || terms > kMaxTerms)
-    throw base::Error(base::Fault::bug, "exponential sum: " + std::to_string(amount.size()) + " amounts, " + std::to_string(terms) +
+  if (amount.empty() || amount.size() > kMaxAmounts || transmittance.size() != amount.size() ||
+      importance.size() != amount.size() || terms < 1 || terms > kMaxTerms)
+    throw base::Error(base::Fault::bug, "exponential sum: " + std::to_string(amount.size()) + " amounts, " +
+                                            std::to_string(terms) +
                                             " terms; give 1 to 32 amounts with as many values, and 1 to 20 terms");
   const Fit fit(amount, transmittance, importance);
   constexpr Eigen::Index grid = kMaxTerms;

@@ -46,7 +46,8 @@ GreyGases::GreyGases(const std::vector<LayerNode>& nodes, std::size_t layers) : 
 double GreyGases::depth(double v, std::size_t layer) const {
   const Amounts& amount = layer_.at(layer);
   double sum = 0;
-  const double warm = figure(kWaterSelf296, kWaterSelf296First, 10, v), cold = figure(kWaterSelf260, kWaterSelf260First, 10, v);
+  const double warm = figure(kWaterSelf296, kWaterSelf296First, 10, v),
+               cold = figure(kWaterSelf260, kWaterSelf260First, 10, v);
   // LOWTRAN7's straight line through 296 and 260 K meets 0 somewhere above 320 K.
   sum += std::max(1e-20 * (warm * amount.water_self + (cold - warm) * amount.water_self_cold), 0.0);
   sum += 1e-20 * figure(kWaterForeign, kWaterForeignFirst, 10, v) * amount.water_foreign;

@@ -32,7 +32,8 @@ std::vector<double> LayerGases::layer_shares(double low, double high, Column&& a
     path[level] = 1;
     above[level] = std::clamp(amount_of_depth(mean_line_depth(low, high, path)), above[level + 1], 1.0);
   }
-  // Where they do not join to 1, the smaller one is the better known: near the top the column above, near the ground that below.
+  // Where they do not join to 1, the smaller one is the better known: near the top the column above, near the ground
+  // that below.
   std::vector<double> share(layers_);
   double before = 0;
   for (std::size_t layer = layers_; layer-- > 0;) {
@@ -66,7 +67,8 @@ LayerGases::KTerms LayerGases::k_terms(double low, double high, std::size_t term
   const auto amount_of_depth = [&](double wanted) {
     if (!(wanted > 0)) return 0.0;
     const std::size_t k = std::clamp<std::size_t>(
-        static_cast<std::size_t>(std::upper_bound(depth.begin(), depth.end(), wanted) - depth.begin()), 1, depth.size() - 1);
+        static_cast<std::size_t>(std::upper_bound(depth.begin(), depth.end(), wanted) - depth.begin()), 1,
+        depth.size() - 1);
     const double step = std::log(depth[k] / depth[k - 1]);
     if (!(step > 1e-6)) return amount[k - 1];  // only the clear part of the bin still transmits
     return amount[k - 1] * std::exp(std::log(kRatio) * std::min(std::log(wanted / depth[k - 1]) / step, 1.0));

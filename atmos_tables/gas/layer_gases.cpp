@@ -50,7 +50,8 @@ void LayerGases::check(double low, double high, const std::vector<double>& path_
                                             std::to_string(layers_) + " layers; give one per layer");
   for (double factor : path_factor)
     if (!(factor >= 0))
-      throw base::Error(base::Fault::bug, "gases: path factor " + std::to_string(factor) + " is negative; give 0 or more");
+      throw base::Error(base::Fault::bug,
+                        "gases: path factor " + std::to_string(factor) + " is negative; give 0 or more");
 }
 
 double LayerGases::line_depth(double wavenumber_per_cm, const std::vector<double>& path_factor) const {
@@ -58,7 +59,8 @@ double LayerGases::line_depth(double wavenumber_per_cm, const std::vector<double
   return Path(*this, path_factor).depth_at(wavenumber_per_cm);
 }
 
-double LayerGases::line_transmission(double low_per_cm, double high_per_cm, const std::vector<double>& path_factor) const {
+double LayerGases::line_transmission(double low_per_cm, double high_per_cm,
+                                     const std::vector<double>& path_factor) const {
   return std::exp(-mean_line_depth(low_per_cm, high_per_cm, path_factor));
 }
 
@@ -70,7 +72,8 @@ double LayerGases::mean_line_depth(double low, double high, const std::vector<do
   std::vector<double> at, depth;
   const auto add = [&](double wavenumber) { at.push_back(wavenumber), depth.push_back(path.depth_at(wavenumber)); };
   add(std::max(low, first));
-  for (double k = std::floor((at[0] - first) / step) + 1; first + k * step < std::min(high, last); ++k) add(first + k * step);
+  for (double k = std::floor((at[0] - first) / step) + 1; first + k * step < std::min(high, last); ++k)
+    add(first + k * step);
   add(std::min(high, last));
   // Outside the model's range nothing is absorbed. Sums of 1 - exp(..) keep the digits of weak bins.
   const double outside = (high - low) - (at.back() - at.front());

@@ -1,7 +1,8 @@
 // Absorption by gases in the layers of a column: what the compiler of tables asks for.
 //
-// Lines: band models, LOWTRAN7 from 330 to 17860 cm-1 and, from 2500 to 17250 cm-1, blended with 6S (blend.h), in steps of 5 cm-1 at
-// a resolution of 20 cm-1. Band models do not add up over paths: ask for the whole path. Everything else is grey (grey_gases.h).
+// Lines: band models, LOWTRAN7 from 330 to 17860 cm-1 and, from 2500 to 17250 cm-1, blended with 6S (blend.h), in steps
+// of 5 cm-1 at a resolution of 20 cm-1. Band models do not add up over paths: ask for the whole path. Everything else
+// is grey (grey_gases.h).
 #pragma once
 
 #include <cstddef>
@@ -17,8 +18,8 @@ namespace raycube::atmos {
 
 enum class BandModel { blended, lowtran };
 
-/// Layers are given by levels from the ground up (km above the sea). Path factors are the path in a layer over its thickness, >= 0;
-/// 0: not crossed; two-way paths add their factors. Safe to share between threads.
+/// Layers are given by levels from the ground up (km above the sea). Path factors are the path in a layer over its
+/// thickness, >= 0; 0: not crossed; two-way paths add their factors. Safe to share between threads.
 class LayerGases {
  public:
   /// Throws Error(input) as layer_nodes does.
@@ -32,7 +33,8 @@ class LayerGases {
   /// Vertical depth of a layer by what is additive: continua, ozone in the visible and ultraviolet, N2, HNO3, O2.
   double grey_depth(double wavenumber_per_cm, std::size_t layer) const { return grey_.depth(wavenumber_per_cm, layer); }
 
-  /// Mean over [low, high] cm-1 of exp(-line_depth), by the trapezoidal rule over the model's points inside and both ends.
+  /// Mean over [low, high] cm-1 of exp(-line_depth), by the trapezoidal rule over the model's points inside and both
+  /// ends.
   double line_transmission(double low_per_cm, double high_per_cm, const std::vector<double>& path_factor) const;
   /// -ln of it, which does not run out of numbers in deep bands.
   double mean_line_depth(double low_per_cm, double high_per_cm, const std::vector<double>& path_factor) const;
@@ -41,13 +43,14 @@ class LayerGases {
   struct KTerms {
     std::vector<double> weight;                    ///< >= 0, sum 1; deepest term first
     std::vector<std::vector<double>> layer_depth;  ///< [term][layer], vertical
-    double fit_rms = 0;  ///< of T over the whole column times the factors of the fit
+    double fit_rms = 0;                            ///< of T over the whole column times the factors of the fit
   };
-  /// At most `terms` (1..5) terms; one where the vertical depth is below 1e-4. Fitted to the bin's mean transmittance of the whole
-  /// column times 2.5^-6 .. 2.5^5, and times less where even that is deep; factors near 1 count most. A layer's share is the one
-  /// that gives columns below and above each level the depth the band model has for them, so that pressure and temperature of
-  /// every layer count. Reached over 0.58..14 um, midlatitude summer, with 3 / 4 terms, rms of T: vertical 0.0023 / 0.0007, 60
-  /// degrees 0.0028 / 0.0010, ground to 3 km 0.005 / 0.004, 3 km to top 0.005 / 0.004, 10 km to top 0.014 / 0.007.
+  /// At most `terms` (1..5) terms; one where the vertical depth is below 1e-4. Fitted to the bin's mean transmittance
+  /// of the whole column times 2.5^-6 .. 2.5^5, and times less where even that is deep; factors near 1 count most. A
+  /// layer's share is the one that gives columns below and above each level the depth the band model has for them, so
+  /// that pressure and temperature of every layer count. Reached over 0.58..14 um, midlatitude summer, with 3 / 4
+  /// terms, rms of T: vertical 0.0023 / 0.0007, 60 degrees 0.0028 / 0.0010, ground to 3 km 0.005 / 0.004, 3 km to top
+  /// 0.005 / 0.004, 10 km to top 0.014 / 0.007.
   KTerms k_terms(double low_per_cm, double high_per_cm, std::size_t terms) const;
 
  private:

@@ -12,13 +12,17 @@ namespace {
 
 void check(const AirProfile& profile, const std::vector<double>& level_km) {
   base::Problems problems;
-  const auto place = [&](std::size_t i) { return base::Where{profile.source(), 0, 0, "layer level " + std::to_string(i + 1)}; };
+  const auto place = [&](std::size_t i) {
+    return base::Where{profile.source(), 0, 0, "layer level " + std::to_string(i + 1)};
+  };
   if (level_km.size() < 2)
-    problems.add({profile.source(), 0, 0, ""}, "layers need at least 2 levels", std::to_string(level_km.size()), "add levels");
+    problems.add({profile.source(), 0, 0, ""}, "layers need at least 2 levels", std::to_string(level_km.size()),
+                 "add levels");
   for (std::size_t i = 0; i < level_km.size(); ++i) {
     if (!(level_km[i] >= profile.ground_km() && level_km[i] <= profile.top_km()))
-      problems.add(place(i), "level must lie inside the profile, " + std::to_string(profile.ground_km()) + " to " +
-                                 std::to_string(profile.top_km()) + " km",
+      problems.add(place(i),
+                   "level must lie inside the profile, " + std::to_string(profile.ground_km()) + " to " +
+                       std::to_string(profile.top_km()) + " km",
                    std::to_string(level_km[i]), "move the level or give a taller profile");
     if (i > 0 && !(level_km[i] > level_km[i - 1]))
       problems.add(place(i), "levels must ascend strictly", std::to_string(level_km[i]), "sort the levels");

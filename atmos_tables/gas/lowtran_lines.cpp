@@ -18,7 +18,8 @@ struct LowtranRun {
 };
 #include "atmos_tables/gas/data/lowtran7_lines.inc"
 
-/// The atm-cm of LOWTRAN7's figures: 3.7194e-21 per km, molecule per cm3 and ppmv, 0.07 % less than Loschmidt's number gives.
+/// The atm-cm of LOWTRAN7's figures: 3.7194e-21 per km, molecule per cm3 and ppmv, 0.07 % less than Loschmidt's number
+/// gives.
 constexpr double kAtmCmPerKm = 3.7194e-15;  ///< per molecule cm-3
 
 /// Per km: g cm-2 of water, atm-cm of the others.

@@ -39,8 +39,8 @@ class LowtranLines {
     std::size_t run;
     double log10_c;
   };
-  std::vector<Entry> entry_;         ///< of all points, point after point
-  std::vector<std::size_t> begin_;   ///< [kPoints + 1]
+  std::vector<Entry> entry_;        ///< of all points, point after point
+  std::vector<std::size_t> begin_;  ///< [kPoints + 1]
 };
 
 }  // namespace raycube::atmos

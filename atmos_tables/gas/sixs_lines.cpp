@@ -28,7 +28,8 @@ SixsLines::SixsLines(const std::vector<LayerNode>& nodes, std::size_t layers) : 
       if (wavenumber < run.first_per_cm || k >= run.bins) continue;
       const int* figure = data::kBins + 6 * (run.place + k);
       const double a3 = 1e-6 * figure[2], a4 = 1e-8 * figure[3], a5 = 1e-6 * figure[4], a6 = 1e-8 * figure[5];
-      entry_.push_back({run.gas == LineGas::h2o, std::pow(10, 1e-4 * figure[0]), std::pow(10, 1e-4 * figure[1]), amount_.size()});
+      entry_.push_back(
+          {run.gas == LineGas::h2o, std::pow(10, 1e-4 * figure[0]), std::pow(10, 1e-4 * figure[1]), amount_.size()});
       amount_.resize(amount_.size() + 2 * layers);
       double* u = &amount_[entry_.back().amounts];
       const std::size_t gas = static_cast<std::size_t>(run.gas);
@@ -49,7 +50,8 @@ double SixsLines::depth(std::size_t bin, const double* path_factor) const {
     const Entry& entry = entry_[e];
     const double *of_layer = &amount_[entry.amounts], *with_pressure = of_layer + layers_;
     double u = 0, up = 0;
-    for (std::size_t i = 0; i < layers_; ++i) u += of_layer[i] * path_factor[i], up += with_pressure[i] * path_factor[i];
+    for (std::size_t i = 0; i < layers_; ++i)
+      u += of_layer[i] * path_factor[i], up += with_pressure[i] * path_factor[i];
     sum += entry.goody ? goody_depth(entry.a1, entry.a2, u, up) : malkmus_depth(entry.a1, entry.a2, u, up);
   }
   return sum;

@@ -1,4 +1,5 @@
-// Lines of 7 gases after 6S: random bands in bins of 10 cm-1, 2500 to 17260 cm-1. Water after Goody, the others after Malkmus.
+// Lines of 7 gases after 6S: random bands in bins of 10 cm-1, 2500 to 17260 cm-1. Water after Goody, the others after
+// Malkmus.
 #pragma once
 
 #include <cstddef>
@@ -15,12 +16,12 @@ class SixsLines {
 
   SixsLines(const std::vector<LayerNode>& nodes, std::size_t layers);
 
-  /// -ln T of all gases in a bin for one path. Temperatures outside 180 to 320 K count as these in the dependence on temperature,
-  /// which is a fit around 250 K.
+  /// -ln T of all gases in a bin for one path. Temperatures outside 180 to 320 K count as these in the dependence on
+  /// temperature, which is a fit around 250 K.
   double depth(std::size_t bin, const double* path_factor) const;
 
-  /// Depths at wavenumbers of the 5 cm-1 grid for one path, the last bins kept: inside a bin its own, at a joint the mean
-  /// transmittance of both.
+  /// Depths at wavenumbers of the 5 cm-1 grid for one path, the last bins kept: inside a bin its own, at a joint the
+  /// mean transmittance of both.
   class Path {
    public:
     Path(const SixsLines& lines, const double* path_factor) : lines_(lines), path_factor_(path_factor) {}

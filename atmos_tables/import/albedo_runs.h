@@ -1,4 +1,5 @@
-// What separates ground and air, from runs over ground of known albedo (ATMOSPHERE S4.9). Over Lambertian ground of albedo r
+// What separates ground and air, from runs over ground of known albedo (ATMOSPHERE S4.9). Over Lambertian ground of
+// albedo r
 //   L(r) = L0 + r C / (1 - r S),   C = (T_dir + T_dif) E_g0 / pi
 // with S the spherical albedo of the air from below and E_g0 the irradiance on a plane over black ground.
 #pragma once

@@ -12,7 +12,9 @@ namespace raycube::atmos::imported {
 enum class AxisUnit { per_cm, um, nm };
 
 constexpr double wavelength_um_from_axis(double value, AxisUnit unit) {
-  return unit == AxisUnit::per_cm ? base::um_from_wavenumber_per_cm(value) : unit == AxisUnit::nm ? base::um_from_nm(value) : value;
+  return unit == AxisUnit::per_cm ? base::um_from_wavenumber_per_cm(value)
+         : unit == AxisUnit::nm   ? base::um_from_nm(value)
+                                  : value;
 }
 
 constexpr const char* axis_unit_name(AxisUnit unit) {
@@ -38,14 +40,15 @@ constexpr double m_from_km(double length_km) { return length_km * 1e3; }
 /// Any azimuth difference folded to 0..180 degrees.
 inline double folded_azimuth_deg(double difference_deg) { return std::abs(std::remainder(difference_deg, 360.0)); }
 
-/// MODTRAN gives the zenith of the line of sight at the observer (180 = straight down) and the earth-centre angle of the path.
-/// In the plane of both points and the earth's centre the target sees the sensor at 180 - zenith + beta (refraction left out).
+/// MODTRAN gives the zenith of the line of sight at the observer (180 = straight down) and the earth-centre angle of
+/// the path. In the plane of both points and the earth's centre the target sees the sensor at 180 - zenith + beta
+/// (refraction left out).
 inline double view_zenith_deg_from_modtran(double observer_zenith_deg, double earth_centre_angle_deg) {
   return 180.0 - observer_zenith_deg + earth_centre_angle_deg;
 }
 
-/// MODTRAN's PARM1 (IPARM = 2): azimuth of the sun minus that of the line of sight, seen from the observer. The line of sight
-/// runs to the target, so the sensor lies 180 degrees from it.
+/// MODTRAN's PARM1 (IPARM = 2): azimuth of the sun minus that of the line of sight, seen from the observer. The line of
+/// sight runs to the target, so the sensor lies 180 degrees from it.
 inline double relative_azimuth_deg_from_modtran(double parm1_deg) { return folded_azimuth_deg(180.0 - parm1_deg); }
 /// The same of a sight above the horizon: the sky point lies along it.
 inline double sky_relative_azimuth_deg_from_modtran(double parm1_deg) { return folded_azimuth_deg(-parm1_deg); }
@@ -53,8 +56,8 @@ inline double sky_relative_azimuth_deg_from_modtran(double parm1_deg) { return f
 /// uvspec's umu > 0 is light going up, towards a sensor; umu < 0 light coming down from a sky point.
 inline double zenith_deg_from_umu(double umu) { return base::deg_from_rad(std::acos(std::abs(umu))); }
 
-/// uvspec's phi is the azimuth light travels in. Light coming down with phi = phi0 comes from the sun's side; light going up
-/// with phi = phi0 goes to a sensor on the far side.
+/// uvspec's phi is the azimuth light travels in. Light coming down with phi = phi0 comes from the sun's side; light
+/// going up with phi = phi0 goes to a sensor on the far side.
 inline double relative_azimuth_deg_from_uvspec(double umu, double phi_deg, double phi0_deg) {
   return folded_azimuth_deg(phi_deg - phi0_deg + (umu > 0 ? 180.0 : 0.0));
 }

@@ -56,7 +56,8 @@ std::string told_apart(const std::string& path, const std::string& uvspec_input)
   if (end == ".7sc" || end == ".scn" || name == "tape7.scn") return "7sc";
   if (!uvspec_input.empty()) return "uvspec";
   if (low.find("6s version") != std::string::npos || low.find("6sv version") != std::string::npos) return "6s";
-  if (end == ".tp7" || name.find("tape7") != std::string::npos || (holds("FREQ") && (holds("COMBIN") || holds("TOTAL_RAD") || holds("TOTAL RAD") || holds("SOL TR"))))
+  if (end == ".tp7" || name.find("tape7") != std::string::npos ||
+      (holds("FREQ") && (holds("COMBIN") || holds("TOTAL_RAD") || holds("TOTAL RAD") || holds("SOL TR"))))
     return "tape7";
   if (std::filesystem::exists(std::filesystem::path(path).replace_extension(".inp")) && end != ".inp") return "uvspec";
   std::string names;
@@ -83,14 +84,21 @@ Imported import_file(const std::string& path, const std::string& format, const s
 }
 
 std::string imported_json(const Imported& imported) {
-  nlohmann::ordered_json out{{"file", imported.file}, {"code", imported.code}, {"format", imported.format}, {"runs", nlohmann::ordered_json::array()}};
+  nlohmann::ordered_json out{{"file", imported.file},
+                             {"code", imported.code},
+                             {"format", imported.format},
+                             {"runs", nlohmann::ordered_json::array()}};
   const auto put = [](nlohmann::ordered_json& object, const char* key, const std::optional<double>& value) {
     if (value) object[key] = *value;
   };
   for (const Run& run : imported.runs) {
-    nlohmann::ordered_json r{{"mode", run.mode}, {"geometry", nlohmann::ordered_json::object()}, {"notes", run.notes}, {"wavelength_um", run.wavelength_um}};
+    nlohmann::ordered_json r{{"mode", run.mode},
+                             {"geometry", nlohmann::ordered_json::object()},
+                             {"notes", run.notes},
+                             {"wavelength_um", run.wavelength_um}};
     const Geometry& g = run.geometry;
-    put(r["geometry"], "sensor_height_m", g.sensor_height_m), put(r["geometry"], "path_end_height_m", g.path_end_height_m);
+    put(r["geometry"], "sensor_height_m", g.sensor_height_m),
+        put(r["geometry"], "path_end_height_m", g.path_end_height_m);
     put(r["geometry"], "path_length_m", g.path_length_m), put(r["geometry"], "sight_zenith_deg", g.sight_zenith_deg);
     put(r["geometry"], "view_zenith_deg", g.view_zenith_deg), put(r["geometry"], "sun_zenith_deg", g.sun_zenith_deg);
     put(r["geometry"], "relative_azimuth_deg", g.relative_azimuth_deg);
@@ -111,15 +119,18 @@ std::string imported_json(const Imported& imported) {
 
 std::string imported_text(const Imported& imported) {
   std::ostringstream out;
-  out << imported.file << ": " << imported.code << ", " << imported.format << ", " << imported.runs.size() << (imported.runs.size() == 1 ? " run\n" : " runs\n");
+  out << imported.file << ": " << imported.code << ", " << imported.format << ", " << imported.runs.size()
+      << (imported.runs.size() == 1 ? " run\n" : " runs\n");
   for (const Run& run : imported.runs) {
     const auto [least, most] = std::minmax_element(run.wavelength_um.begin(), run.wavelength_um.end());
-    out << run.mode << ": " << run.wavelength_um.size() << " wavelengths, " << *least << " to " << *most << " um (vacuum)\n";
+    out << run.mode << ": " << run.wavelength_um.size() << " wavelengths, " << *least << " to " << *most
+        << " um (vacuum)\n";
     const auto say = [&](const char* what, const std::optional<double>& value, const char* unit) {
       if (value) out << "  " << what << " " << *value << " " << unit << "\n";
     };
     say("sensor height", run.geometry.sensor_height_m, "m"), say("path ends at", run.geometry.path_end_height_m, "m");
-    say("path length", run.geometry.path_length_m, "m"), say("line of sight, zenith", run.geometry.sight_zenith_deg, "deg");
+    say("path length", run.geometry.path_length_m, "m"),
+        say("line of sight, zenith", run.geometry.sight_zenith_deg, "deg");
     say("view zenith", run.geometry.view_zenith_deg, "deg"), say("sun zenith", run.geometry.sun_zenith_deg, "deg");
     say("relative azimuth", run.geometry.relative_azimuth_deg, "deg");
     for (const auto& note : run.notes) out << "  note: " << note << "\n";

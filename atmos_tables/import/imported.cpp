@@ -44,21 +44,28 @@ void check_run(const Run& run, const base::Where& where, base::Problems& problem
     here.element = column.source;
     const Place& p = column.place;
     if (!seen.insert({column.name, p.height_m.value_or(-1e9), p.top_of_air, p.zenith_deg.value_or(-1),
-                      p.relative_azimuth_deg.value_or(-1), p.k.value_or(0)}).second)
+                      p.relative_azimuth_deg.value_or(-1), p.k.value_or(0)})
+             .second)
       problems.add(here, "two columns mean " + column.name, "", "is the header whole?");
     if (column.values.size() != run.wavelength_um.size() || column.rounding.size() != column.values.size()) {
-      problems.add(here, "the column is not as long as the axis", std::to_string(column.values.size()) + " values, " +
-                                                                      std::to_string(run.wavelength_um.size()) + " wavelengths", "");
+      problems.add(here, "the column is not as long as the axis",
+                   std::to_string(column.values.size()) + " values, " + std::to_string(run.wavelength_um.size()) +
+                       " wavelengths",
+                   "");
       continue;
     }
     const double most = at_most_one(column) ? 1 + slack : HUGE_VAL;
     for (std::size_t i = 0; i < column.values.size(); ++i) {
       const double value = column.values[i];
       const std::string place = " at " + shown(run.wavelength_um[i]) + " um";
-      if (!std::isfinite(value)) problems.add(here, "a value is not finite" + place, shown(value), "run the code anew");
-      else if (value < 0) problems.add(here, "a value is negative" + place, shown(value), "run the code anew");
-      else if (value > most + column.rounding[i]) problems.add(here, "a value is above 1" + place, shown(value), "run the code anew");
-      else continue;
+      if (!std::isfinite(value))
+        problems.add(here, "a value is not finite" + place, shown(value), "run the code anew");
+      else if (value < 0)
+        problems.add(here, "a value is negative" + place, shown(value), "run the code anew");
+      else if (value > most + column.rounding[i])
+        problems.add(here, "a value is above 1" + place, shown(value), "run the code anew");
+      else
+        continue;
       break;  // one message per column says it
     }
   }

@@ -29,7 +29,8 @@ std::vector<AxisUnit> allowed_units(const std::string& label, const std::optiona
 bool lies_in(double first, double last, AxisUnit unit, const BandRequest& band) {
   const auto wave = [](double value, AxisUnit from) { return wavelength_um_from_axis(std::max(value, 1e-30), from); };
   const double low = band.first - band.slack, high = band.last + band.slack;
-  const double from = std::min(wave(low, band.unit), wave(high, band.unit)), to = std::max(wave(low, band.unit), wave(high, band.unit));
+  const double from = std::min(wave(low, band.unit), wave(high, band.unit)),
+               to = std::max(wave(low, band.unit), wave(high, band.unit));
   const double a = wave(first, unit), b = wave(last, unit);
   constexpr double kDigits = 1e-4;  // axis values are printed to 0.01 cm-1 or to 6 digits
   return std::min(a, b) >= from * (1 - kDigits) && std::max(a, b) <= to * (1 + kDigits);
@@ -39,19 +40,29 @@ bool lies_in(double first, double last, AxisUnit unit, const BandRequest& band) 
 
 std::optional<AxisUnit> axis_unit_from_flag(char flag) {
   switch (flag) {
-    case ' ': case 'W': case 'w': return AxisUnit::per_cm;
-    case 'M': case 'm': return AxisUnit::um;
-    case 'N': case 'n': return AxisUnit::nm;
-    default: return std::nullopt;
+    case ' ':
+    case 'W':
+    case 'w':
+      return AxisUnit::per_cm;
+    case 'M':
+    case 'm':
+      return AxisUnit::um;
+    case 'N':
+    case 'n':
+      return AxisUnit::nm;
+    default:
+      return std::nullopt;
   }
 }
 
-std::optional<AxisUnit> settle_axis(const std::string& label, double first, double last, const std::optional<BandRequest>& band,
-                                    const base::Where& where, base::Problems& problems) {
+std::optional<AxisUnit> settle_axis(const std::string& label, double first, double last,
+                                    const std::optional<BandRequest>& band, const base::Where& where,
+                                    base::Problems& problems) {
   const auto units = allowed_units(label, band);
   if (!band) {
     if (units.size() == 1) return units.front();
-    problems.add(where, "the axis \"" + label + "\" may count in um or nm and no card says which", "", "keep the header of the run in the file");
+    problems.add(where, "the axis \"" + label + "\" may count in um or nm and no card says which", "",
+                 "keep the header of the run in the file");
     return std::nullopt;
   }
   for (const AxisUnit unit : units)

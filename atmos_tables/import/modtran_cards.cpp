@@ -39,10 +39,12 @@ Geometry geometry_from_modtran(const ModtranPath& path) {
   if (std::isnan(path.observer_zenith_deg)) return out;
   out.sight_zenith_deg = path.observer_zenith_deg;
   const bool down = path.observer_zenith_deg > 90;
-  if (down && !std::isnan(path.beta_deg)) out.view_zenith_deg = view_zenith_deg_from_modtran(path.observer_zenith_deg, path.beta_deg);
+  if (down && !std::isnan(path.beta_deg))
+    out.view_zenith_deg = view_zenith_deg_from_modtran(path.observer_zenith_deg, path.beta_deg);
   if (path.iparm == 2 && !std::isnan(path.parm1) && !std::isnan(path.parm2)) {
     out.sun_zenith_deg = path.parm2;
-    out.relative_azimuth_deg = down ? relative_azimuth_deg_from_modtran(path.parm1) : sky_relative_azimuth_deg_from_modtran(path.parm1);
+    out.relative_azimuth_deg =
+        down ? relative_azimuth_deg_from_modtran(path.parm1) : sky_relative_azimuth_deg_from_modtran(path.parm1);
   }
   return out;
 }
@@ -61,8 +63,9 @@ ModtranCards read_modtran_cards(const std::vector<std::string>& echo) {
     const auto card_3 = [&](std::size_t field) { return number_or_nan(card_field(echo[i - 3], 10 * field, 10)); };
     const auto parm = [&](std::size_t field) { return number_or_nan(card_field(echo[i - 1], 10 * field, 10)); };
     const Number iparm = read_number(card_field(echo[i - 2], 0, 5));
-    out.geometry = geometry_from_modtran({card_3(0), card_3(1), card_3(2), card_3(3), card_3(4),
-                                          iparm.good() ? whole_number(iparm.value, 0, 99).value_or(0) : 0, parm(0), parm(1)});
+    out.geometry =
+        geometry_from_modtran({card_3(0), card_3(1), card_3(2), card_3(3), card_3(4),
+                               iparm.good() ? whole_number(iparm.value, 0, 99).value_or(0) : 0, parm(0), parm(1)});
   }
   return out;
 }

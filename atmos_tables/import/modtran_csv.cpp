@@ -21,20 +21,25 @@ struct Table {
   std::vector<std::vector<Number>> rows;
   std::vector<int> lines;
 
-  void add(const Cells& cells, const std::vector<std::string>& labels, const base::Where& where, base::Problems& problems) {
+  void add(const Cells& cells, const std::vector<std::string>& labels, const base::Where& where,
+           base::Problems& problems) {
     if (cells.size() != labels.size()) {
       problems.add(where, "the row has another number of fields than the header",
-                   std::to_string(cells.size()) + " of " + std::to_string(labels.size()), "the row is damaged or cut short");
+                   std::to_string(cells.size()) + " of " + std::to_string(labels.size()),
+                   "the row is damaged or cut short");
       return;
     }
     std::vector<Number> row;
     for (std::size_t i = 0; i < cells.size(); ++i) row.push_back(need_number(cells[i], where, labels[i], problems));
-    if (row[0].good() && row[0].value <= 0) problems.add(where, "a frequency is not above 0", std::string(cells[0]), "");
+    if (row[0].good() && row[0].value <= 0)
+      problems.add(where, "a frequency is not above 0", std::string(cells[0]), "");
     const std::size_t n = rows.size();
     if (n > 0) {
-      const double before = rows[n - 1][0].value, first = n > 1 ? rows[1][0].value - rows[0][0].value : row[0].value - before;
+      const double before = rows[n - 1][0].value,
+                   first = n > 1 ? rows[1][0].value - rows[0][0].value : row[0].value - before;
       if (row[0].value == before || (row[0].value > before) != (first > 0))
-        problems.add(where, labels[0] + " does not keep its order", std::to_string(row[0].value) + " after " + std::to_string(before),
+        problems.add(where, labels[0] + " does not keep its order",
+                     std::to_string(row[0].value) + " after " + std::to_string(before),
                      "rows are out of order or doubled");
     }
     rows.push_back(std::move(row));
@@ -43,13 +48,15 @@ struct Table {
 };
 
 /// Axis and unit of a table into the run; false when there is nothing to go on with.
-bool set_axis(Run& run, AxisUnit& unit, const Table& table, const std::string& label, const base::Where& where, base::Problems& problems) {
+bool set_axis(Run& run, AxisUnit& unit, const Table& table, const std::string& label, const base::Where& where,
+              base::Problems& problems) {
   if (table.rows.empty()) {
     problems.add(where, "no data rows below the header", "", "the file is cut short");
     return false;
   }
   if (!problems.empty()) return false;
-  const auto settled = settle_axis(label, table.rows.front()[0].value, table.rows.back()[0].value, std::nullopt, where, problems);
+  const auto settled =
+      settle_axis(label, table.rows.front()[0].value, table.rows.back()[0].value, std::nullopt, where, problems);
   if (!settled) return false;
   unit = *settled;
   for (const auto& row : table.rows) run.wavelength_um.push_back(wavelength_um_from_axis(row[0].value, unit));
@@ -74,7 +81,8 @@ Imported read_spectra(const std::string& path, const std::vector<std::string>& l
         continue;
       }
       Column column = modtran_column(*quantity, labels[i]);
-      for (std::size_t k = 0; k < table.rows.size(); ++k) append_modtran(column, quantity->kind, table.rows[k][i], unit, run.wavelength_um[k]);
+      for (std::size_t k = 0; k < table.rows.size(); ++k)
+        append_modtran(column, quantity->kind, table.rows[k][i], unit, run.wavelength_um[k]);
       run.columns.push_back(std::move(column));
     }
     run.mode = run.find("radiance") ? "radiance" : "transmittance";
@@ -100,8 +108,10 @@ Imported read_spectra(const std::string& path, const std::vector<std::string>& l
       problems.add(here, "a row without numbers among the data", std::string(cells[0]), "is the file whole?");
     }
   }
-  if (labels.empty()) problems.add(header, "no row of labels that starts with Freq", "", "is it a CSV file of MODTRAN 6?");
-  else if (problems.lines().size() < kEnoughProblems) finish();
+  if (labels.empty())
+    problems.add(header, "no row of labels that starts with Freq", "", "is it a CSV file of MODTRAN 6?");
+  else if (problems.lines().size() < kEnoughProblems)
+    finish();
   problems.throw_if_any();
   return out;
 }
@@ -139,9 +149,11 @@ class FluxReader {
 
   std::optional<std::size_t> count(const char* word) {
     const Cells cells = next();
-    const Number number = cells.size() == 2 && label_key(cells[0]) == label_key(word) ? read_number(cells[1]) : Number{};
+    const Number number =
+        cells.size() == 2 && label_key(cells[0]) == label_key(word) ? read_number(cells[1]) : Number{};
     if (number.good() && number.value >= 1 && number.value < 1e8) return static_cast<std::size_t>(number.value);
-    problems_.add(here(), std::string("a line \"") + word + ", N\" belongs here", at_ < lines_.size() ? lines_[at_].substr(0, 40) : "the end of the file", "is the file whole?");
+    problems_.add(here(), std::string("a line \"") + word + ", N\" belongs here",
+                  at_ < lines_.size() ? lines_[at_].substr(0, 40) : "the end of the file", "is the file whole?");
     return std::nullopt;
   }
 
@@ -152,9 +164,12 @@ class FluxReader {
     const std::vector<std::string> labels(label_cells.begin(), label_cells.end());
     const base::Where header = here();
     const Cells units = next();
-    if (!starts_with_freq(label_cells) || (labels.size() != *columns && labels.size() != *columns + 1) || units.size() != labels.size()) {
-      problems_.add(header, "labels and levels do not fit \"num column\"", std::to_string(labels.size()) + " labels, " +
-                                std::to_string(units.size()) + " levels, " + std::to_string(*columns) + " columns", "is the file whole?");
+    if (!starts_with_freq(label_cells) || (labels.size() != *columns && labels.size() != *columns + 1) ||
+        units.size() != labels.size()) {
+      problems_.add(header, "labels and levels do not fit \"num column\"",
+                    std::to_string(labels.size()) + " labels, " + std::to_string(units.size()) + " levels, " +
+                        std::to_string(*columns) + " columns",
+                    "is the file whole?");
       return;
     }
     Run run;
@@ -162,20 +177,31 @@ class FluxReader {
     for (std::size_t i = 1; i < labels.size(); ++i) {
       const std::string key = label_key(labels[i]);
       const auto height = level_m(units[i]);
-      const char* name = key == "UP" ? "irradiance_up" : key == "DOWN" ? "irradiance_down_diffuse" : key == "SOLAR" ? "irradiance_down_direct" : nullptr;
-      if (!name || !height) problems_.add(header, "not UP, DOWN or SOLAR at a level in KM", labels[i] + ", " + std::string(units[i]), "");
-      else run.columns.push_back({name, "W m-2 um-1", labels[i] + " " + std::string(units[i]), {height, false, {}, {}, {}}, {}, {}});
+      const char* name = key == "UP"      ? "irradiance_up"
+                         : key == "DOWN"  ? "irradiance_down_diffuse"
+                         : key == "SOLAR" ? "irradiance_down_direct"
+                                          : nullptr;
+      if (!name || !height)
+        problems_.add(header, "not UP, DOWN or SOLAR at a level in KM", labels[i] + ", " + std::string(units[i]), "");
+      else
+        run.columns.push_back(
+            {name, "W m-2 um-1", labels[i] + " " + std::string(units[i]), {height, false, {}, {}, {}}, {}, {}});
     }
     const std::string axis_label = labels[0] + " " + std::string(units[0]);
     Table table;
     bool closed = false;
     for (Cells cells = next(); at_ < lines_.size() && problems_.lines().size() < kEnoughProblems; cells = next()) {
-      if (!cells.empty() && cells[0] == "}") { closed = true; break; }
+      if (!cells.empty() && cells[0] == "}") {
+        closed = true;
+        break;
+      }
       table.add(cells, labels, here(), problems_);
     }
     if (!closed || table.rows.size() != *rows)
-      problems_.add(here(), "the case is not whole", std::to_string(table.rows.size()) + " of " + std::to_string(*rows) + " frequencies" +
-                                                         (closed ? "" : ", no closing }"), "the file is cut short");
+      problems_.add(here(), "the case is not whole",
+                    std::to_string(table.rows.size()) + " of " + std::to_string(*rows) + " frequencies" +
+                        (closed ? "" : ", no closing }"),
+                    "the file is cut short");
     AxisUnit unit;
     if (!problems_.empty() || !set_axis(run, unit, table, axis_label, header, problems_)) return;
     for (std::size_t i = 1; i < labels.size(); ++i)
@@ -196,7 +222,8 @@ class FluxReader {
 
 Imported read_modtran_csv(const std::string& path) {
   const auto lines = read_lines(path);
-  const bool flux = std::any_of(lines.begin(), lines.end(), [](const std::string& line) { return line.rfind("case index", 0) == 0; });
+  const bool flux =
+      std::any_of(lines.begin(), lines.end(), [](const std::string& line) { return line.rfind("case index", 0) == 0; });
   return flux ? FluxReader(path, lines).read() : read_spectra(path, lines);
 }
 

@@ -37,10 +37,12 @@ json parse(const std::string& path) {
     const auto lines = std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(byte), '\n');
     const std::size_t start = byte == 0 ? std::string::npos : text.rfind('\n', byte - 1);
     const std::size_t column = byte - (start == std::string::npos ? 0 : start + 1) + 1;
-    throw base::Error(base::Fault::input, base::Where{path, static_cast<int>(lines) + 1, static_cast<int>(column), ""}.text() +
-                                              ": the text is no JSON; it is cut short, or holds NaN, Infinity or ****, which JSON has not");
+    throw base::Error(base::Fault::input,
+                      base::Where{path, static_cast<int>(lines) + 1, static_cast<int>(column), ""}.text() +
+                          ": the text is no JSON; it is cut short, or holds NaN, Infinity or ****, which JSON has not");
   } catch (const json::exception& error) {
-    throw base::Error(base::Fault::input, path + ": a number is beyond double precision (" + error.what() + "); run the code anew");
+    throw base::Error(base::Fault::input,
+                      path + ": a number is beyond double precision (" + error.what() + "); run the code anew");
   }
 }
 
@@ -49,7 +51,8 @@ std::optional<BandRequest> band_of(const json* input) {
   const double first = number_or(spectral, "V1", NAN), last = number_or(spectral, "V2", NAN);
   if (!(first >= 0 && last >= first)) return std::nullopt;
   const json* flags = member(*spectral, "FLAGS");
-  const auto unit = axis_unit_from_flag(flags && flags->is_string() && !flags->get<std::string>().empty() ? flags->get<std::string>()[0] : ' ');
+  const auto unit = axis_unit_from_flag(
+      flags && flags->is_string() && !flags->get<std::string>().empty() ? flags->get<std::string>()[0] : ' ');
   if (!unit) return std::nullopt;
   return BandRequest{first, last, *unit, number_or(spectral, "DV", 0) + number_or(spectral, "FWHM", 0)};
 }
@@ -58,8 +61,9 @@ Geometry geometry_of(const json* input) {
   const json* g = input ? member(*input, "GEOMETRY") : nullptr;
   if (!g) return {};
   return geometry_from_modtran({number_or(g, "H1ALT", NAN), number_or(g, "H2ALT", NAN), number_or(g, "OBSZEN", NAN),
-                                number_or(g, "HRANGE", NAN), number_or(g, "BETA", NAN), whole_number(number_or(g, "IPARM", 0), 0, 99).value_or(0),
-                                number_or(g, "PARM1", NAN), number_or(g, "PARM2", NAN)});
+                                number_or(g, "HRANGE", NAN), number_or(g, "BETA", NAN),
+                                whole_number(number_or(g, "IPARM", 0), 0, 99).value_or(0), number_or(g, "PARM1", NAN),
+                                number_or(g, "PARM2", NAN)});
 }
 
 /// The number at `place`, or a problem. JSON prints doubles or MODTRAN's floats: 7 digits are what is known of them.
@@ -70,14 +74,15 @@ Number number_at(const json& value, const std::string& file, const std::string& 
   }
   const double x = value.get<double>();
   if (!std::isfinite(x) || x < 0) {
-    problems.add({file, 0, 0, place}, x < 0 ? "a value is negative" : "a value is not finite", value.dump(), "run the code anew");
+    problems.add({file, 0, 0, place}, x < 0 ? "a value is negative" : "a value is not finite", value.dump(),
+                 "run the code anew");
     return {};
   }
   return {Number::State::good, x, 5e-7 * x};
 }
 
-void read_spectra(const json& spectra, const std::string& place, const std::string& kind, const json* input, const std::string& path,
-                  base::Problems& problems, std::vector<Run>& runs) {
+void read_spectra(const json& spectra, const std::string& place, const std::string& kind, const json* input,
+                  const std::string& path, base::Problems& problems, std::vector<Run>& runs) {
   const json* freq = member(spectra, "FREQ");
   const base::Where where{path, 0, 0, place};
   if (!freq || !freq->is_array() || freq->empty()) {
@@ -86,16 +91,19 @@ void read_spectra(const json& spectra, const std::string& place, const std::stri
   }
   Run run;
   run.mode = kind;
-  std::transform(run.mode.begin(), run.mode.end(), run.mode.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  std::transform(run.mode.begin(), run.mode.end(), run.mode.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   run.geometry = geometry_of(input);
   std::vector<double> axis;
   for (std::size_t i = 0; i < freq->size() && problems.lines().size() < kEnoughProblems; ++i) {
     const std::string at = place + ".FREQ[" + std::to_string(i) + "]";
     const Number value = number_at((*freq)[i], path, at, problems);
-    if (value.good() && value.value <= 0) problems.add({path, 0, 0, at}, "a frequency is not above 0", std::to_string(value.value), "");
+    if (value.good() && value.value <= 0)
+      problems.add({path, 0, 0, at}, "a frequency is not above 0", std::to_string(value.value), "");
     axis.push_back(value.value);
     if (i > 0 && (axis[i] == axis[i - 1] || (axis[i] > axis[i - 1]) != (axis[1] > axis[0])))
-      problems.add({path, 0, 0, at}, "FREQ does not keep its order", std::to_string(axis[i]) + " after " + std::to_string(axis[i - 1]),
+      problems.add({path, 0, 0, at}, "FREQ does not keep its order",
+                   std::to_string(axis[i]) + " after " + std::to_string(axis[i - 1]),
                    "values are out of order or doubled");
   }
   if (!problems.empty()) return;
@@ -110,13 +118,14 @@ void read_spectra(const json& spectra, const std::string& place, const std::stri
       continue;
     }
     if (values.size() != axis.size()) {
-      problems.add({path, 0, 0, place + "." + key}, "the array is not as long as FREQ", std::to_string(values.size()) + " of " + std::to_string(axis.size()),
-                   "the output is not whole");
+      problems.add({path, 0, 0, place + "." + key}, "the array is not as long as FREQ",
+                   std::to_string(values.size()) + " of " + std::to_string(axis.size()), "the output is not whole");
       continue;
     }
     Column column = modtran_column(*quantity, key);
     for (std::size_t i = 0; i < values.size() && problems.lines().size() < kEnoughProblems; ++i)
-      append_modtran(column, quantity->kind, number_at(values[i], path, place + "." + key + "[" + std::to_string(i) + "]", problems), *unit,
+      append_modtran(column, quantity->kind,
+                     number_at(values[i], path, place + "." + key + "[" + std::to_string(i) + "]", problems), *unit,
                      run.wavelength_um[i]);
     run.columns.push_back(std::move(column));
   }
@@ -143,13 +152,17 @@ Imported read_modtran_json(const std::string& path) {
     const json* output = member((*cases)[i], "MODTRANOUTPUT");
     const json* spectra = output ? member(*output, "SPECTRA") : nullptr;
     if (!spectra || !spectra->is_object() || spectra->empty()) {
-      problems.add({path, 0, 0, place}, "no MODTRANOUTPUT.SPECTRA", "", "this is the input of a run; run MODTRAN with JSON output and import that");
+      problems.add({path, 0, 0, place}, "no MODTRANOUTPUT.SPECTRA", "",
+                   "this is the input of a run; run MODTRAN with JSON output and import that");
       continue;
     }
     for (const auto& [kind, values] : spectra->items())
-      if (values.is_object()) read_spectra(values, place + ".MODTRANOUTPUT.SPECTRA." + kind, kind, member((*cases)[i], "MODTRANINPUT"), path, problems, out.runs);
+      if (values.is_object())
+        read_spectra(values, place + ".MODTRANOUTPUT.SPECTRA." + kind, kind, member((*cases)[i], "MODTRANINPUT"), path,
+                     problems, out.runs);
   }
-  if (out.runs.empty() && problems.empty()) problems.add({path, 0, 0, ""}, "no spectra in the file", "", "run MODTRAN with JSON output");
+  if (out.runs.empty() && problems.empty())
+    problems.add({path, 0, 0, ""}, "no spectra in the file", "", "run MODTRAN with JSON output");
   problems.throw_if_any();
   return out;
 }

@@ -1,6 +1,6 @@
-// MODTRAN 6 JSON output: MODTRAN[i].MODTRANOUTPUT.SPECTRA.<kind>, arrays of one length headed by FREQ. One run per case and
-// kind. The axis's unit and the geometry come from the MODTRANINPUT beside it. Values have no lines; messages name the JSON
-// place ("MODTRAN[0].MODTRANOUTPUT.SPECTRA.RADIANCE.TOT_TRANS[17]"), a broken text its line and column.
+// MODTRAN 6 JSON output: MODTRAN[i].MODTRANOUTPUT.SPECTRA.<kind>, arrays of one length headed by FREQ. One run per case
+// and kind. The axis's unit and the geometry come from the MODTRANINPUT beside it. Values have no lines; messages name
+// the JSON place ("MODTRAN[0].MODTRANOUTPUT.SPECTRA.RADIANCE.TOT_TRANS[17]"), a broken text its line and column.
 #pragma once
 
 #include <string>

@@ -94,8 +94,10 @@ struct Sum {
 std::string label_key(std::string_view label) {
   std::string out;
   for (const char c : label) {
-    if (std::isalnum(static_cast<unsigned char>(c))) out += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-    else if (!out.empty() && out.back() != '_') out += '_';
+    if (std::isalnum(static_cast<unsigned char>(c)))
+      out += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+    else if (!out.empty() && out.back() != '_')
+      out += '_';
   }
   while (!out.empty() && out.back() == '_') out.pop_back();
   return out;
@@ -127,7 +129,9 @@ Column modtran_column(const Quantity& quantity, std::string_view source) {
 
 void append_modtran(Column& column, Kind kind, const Number& number, AxisUnit unit, double wavelength_um) {
   const bool density = kind == Kind::radiance || kind == Kind::irradiance;
-  const auto converted = [&](double x) { return density ? W_per_m2_um_from_W_per_cm2_axis(x, unit, wavelength_um) : x; };
+  const auto converted = [&](double x) {
+    return density ? W_per_m2_um_from_W_per_cm2_axis(x, unit, wavelength_um) : x;
+  };
   column.values.push_back(converted(number.value));
   column.rounding.push_back(converted(number.rounding));
 }
@@ -136,7 +140,8 @@ void settle_radiance(Run& run, const base::Where& where, const std::vector<int>&
   const Column *thermal = run.find("path_radiance_thermal"), *emitted = run.find("path_radiance_thermal_emitted"),
                *scattered = run.find("path_radiance_thermal_scattered"), *solar = run.find("path_radiance_solar"),
                *single = run.find("path_radiance_solar_single"), *multiple = run.find("path_radiance_solar_multiple"),
-               *total = run.find("radiance"), *surface = run.find("surface_emission"), *ground = run.find("ground_reflected");
+               *total = run.find("radiance"), *surface = run.find("surface_emission"),
+               *ground = run.find("ground_reflected");
   const std::size_t rows = run.wavelength_um.size();
   Column path_thermal, path_solar;
   if (!thermal && emitted) path_thermal = *emitted, path_thermal.name = "path_radiance_thermal";
@@ -153,7 +158,8 @@ void settle_radiance(Run& run, const base::Where& where, const std::vector<int>&
       for (const Column* part : {heat, sun, surface, ground}) sum.add(part, i);
       if (add_scattered) sum.add(scattered, i);
       // MODTRAN adds in single precision: a few 6e-8 of the total beyond the printed digits.
-      if (!(std::abs(sum.value - total->values[i]) <= sum.allowed + total->rounding[i] + 3e-7 * total->values[i])) return i;
+      if (!(std::abs(sum.value - total->values[i]) <= sum.allowed + total->rounding[i] + 3e-7 * total->values[i]))
+        return i;
     }
     return rows;
   };
@@ -167,13 +173,16 @@ void settle_radiance(Run& run, const base::Where& where, const std::vector<int>&
   }
   if (row < rows) {
     base::Where here = where;
-    if (!lines.empty()) here.line = lines[row];
-    else here.element = total->source + "[" + std::to_string(row) + "]";
+    if (!lines.empty())
+      here.line = lines[row];
+    else
+      here.element = total->source + "[" + std::to_string(row) + "]";
     Sum sum;
     for (const Column* part : {heat, sun, surface, ground}) sum.add(part, row);
     if (apart) sum.add(scattered, row);
     problems.add(here, "the parts of " + total->source + " do not add up to it within the printed digits",
-                 shown(sum.value) + " against " + shown(total->values[row]) + " W m-2 sr-1 um-1", "columns have moved or a row is damaged");
+                 shown(sum.value) + " against " + shown(total->values[row]) + " W m-2 sr-1 um-1",
+                 "columns have moved or a row is damaged");
   }
   if (apart)
     for (std::size_t i = 0; i < rows; ++i)

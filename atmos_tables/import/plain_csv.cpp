@@ -22,8 +22,10 @@ constexpr Unit kUnits[] = {
     {"K", "K", [](double value, double) { return value; }},
     {"um", "um", [](double value, double) { return value; }},
     {"W m-2 sr-1 um-1", "W m-2 sr-1 um-1", [](double value, double) { return value; }},
-    {"W cm-2 sr-1 um-1", "W m-2 sr-1 um-1", [](double value, double) { return base::W_per_m2_sr_um_from_W_per_cm2_sr_um(value); }},
-    {"uW cm-2 sr-1 nm-1", "W m-2 sr-1 um-1", [](double value, double) { return base::W_per_m2_sr_um_from_uW_per_cm2_sr_nm(value); }},
+    {"W cm-2 sr-1 um-1", "W m-2 sr-1 um-1",
+     [](double value, double) { return base::W_per_m2_sr_um_from_W_per_cm2_sr_um(value); }},
+    {"uW cm-2 sr-1 nm-1", "W m-2 sr-1 um-1",
+     [](double value, double) { return base::W_per_m2_sr_um_from_uW_per_cm2_sr_nm(value); }},
     {"W cm-2 sr-1 (cm-1)-1", "W m-2 sr-1 um-1", per_cm},
     {"W m-2 um-1", "W m-2 um-1", [](double value, double) { return value; }},
     {"W m-2 nm-1", "W m-2 um-1", [](double value, double) { return W_per_m2_um_from_W_per_m2_nm(value); }},
@@ -44,7 +46,8 @@ struct Label {
 std::optional<Label> label_of(std::string_view cell) {
   const std::size_t open = cell.find('[');
   if (open == std::string_view::npos || cell.back() != ']') return std::nullopt;
-  Label label{std::string(trimmed(cell.substr(0, open))), std::string(trimmed(cell.substr(open + 1, cell.size() - open - 2)))};
+  Label label{std::string(trimmed(cell.substr(0, open))),
+              std::string(trimmed(cell.substr(open + 1, cell.size() - open - 2)))};
   for (const char c : label.name)
     if (!std::isalnum(static_cast<unsigned char>(c)) && c != '_') return std::nullopt;
   if (label.name.empty()) return std::nullopt;
@@ -68,10 +71,13 @@ class Reader {
       const std::string_view line = trimmed(lines[i]);
       if (line.empty() || line.front() == '#') continue;
       here_ = {path_, static_cast<int>(i) + 1, 0, ""};
-      if (header_.line > 0) row(split_commas(line));
-      else header(split_commas(line));
+      if (header_.line > 0)
+        row(split_commas(line));
+      else
+        header(split_commas(line));
     }
-    if (run_.wavelength_um.empty() && problems_.empty()) problems_.add({path_, 0, 0, ""}, "no data rows", "", "the file is cut short");
+    if (run_.wavelength_um.empty() && problems_.empty())
+      problems_.add({path_, 0, 0, ""}, "no data rows", "", "the file is cut short");
     if (problems_.empty()) {
       sort_ascending(run_);
       check_run(run_, header_, problems_);
@@ -93,9 +99,11 @@ class Reader {
       if (first && label && axis_of(*label)) {
         axis_ = *axis_of(*label);
       } else if (first) {
-        problems_.add(here_, "the first column is no axis", std::string(cell), "write wavelength [um], wavelength [nm] or wavenumber [cm-1]");
+        problems_.add(here_, "the first column is no axis", std::string(cell),
+                      "write wavelength [um], wavelength [nm] or wavenumber [cm-1]");
       } else if (!unit) {
-        problems_.add(here_, "a column is not `name [unit]` with a known unit", std::string(cell), "known: " + known_units());
+        problems_.add(here_, "a column is not `name [unit]` with a known unit", std::string(cell),
+                      "known: " + known_units());
       } else {
         units_.push_back(unit);
         run_.columns.push_back({label->name, unit->ours, std::string(cell), {}, {}, {}});
@@ -108,7 +116,8 @@ class Reader {
   void row(const std::vector<std::string_view>& cells) {
     if (cells.size() != units_.size() + 1) {
       problems_.add(here_, "the row has another number of fields than the header",
-                    std::to_string(cells.size()) + " of " + std::to_string(units_.size() + 1), "the row is damaged or cut short");
+                    std::to_string(cells.size()) + " of " + std::to_string(units_.size() + 1),
+                    "the row is damaged or cut short");
       return;
     }
     const Number axis = need_number(cells[0], here_, "the axis", problems_);
@@ -120,7 +129,8 @@ class Reader {
     const double um = wavelength_um_from_axis(axis.value, axis_);
     auto& known = run_.wavelength_um;
     if (!known.empty() && (um == known.back() || (known.size() > 1 && (um > known.back()) != (known[1] > known[0]))))
-      problems_.add(here_, "the axis does not keep its order", std::string(cells[0]), "rows are out of order or doubled");
+      problems_.add(here_, "the axis does not keep its order", std::string(cells[0]),
+                    "rows are out of order or doubled");
     known.push_back(um);
     for (std::size_t i = 0; i < units_.size(); ++i) {
       const Number number = need_number(cells[i + 1], here_, run_.columns[i].name, problems_);

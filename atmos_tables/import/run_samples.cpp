@@ -53,10 +53,14 @@ class Reader {
       for (const Run& run : file.runs) {
         const Role role = role_of(file, run);
         if (role == Role::unused)
-          out_.notices.push_back(file.file + ": " + run.mode + ": not used; a table takes paths down, skies, sun paths, fluxes, channels and columns");
-        else sources_.push_back({&file, &run, role});
+          out_.notices.push_back(
+              file.file + ": " + run.mode +
+              ": not used; a table takes paths down, skies, sun paths, fluxes, channels and columns");
+        else
+          sources_.push_back({&file, &run, role});
       }
-    if (sources_.empty()) throw base::Error(base::Fault::input, "none of the files holds a run that a render table can be made of");
+    if (sources_.empty())
+      throw base::Error(base::Fault::input, "none of the files holds a run that a render table can be made of");
     choose_grid();
   }
 
@@ -65,19 +69,37 @@ class Reader {
     std::size_t albedo_at = 0;
     for (const Source& source : sources_) {
       switch (source.role) {
-        case Role::down: down(source, albedo_at, paths); break;
-        case Role::sky: sky(source); break;
-        case Role::sun: sun(source); break;
-        case Role::levels: levels(source); break;
-        case Role::solver: solver(source); break;
-        case Role::channels: channels(source, albedo_at); break;
-        case Role::correction: correction(source); break;
-        case Role::columns: columns(source); break;
-        case Role::unused: break;
+        case Role::down:
+          down(source, albedo_at, paths);
+          break;
+        case Role::sky:
+          sky(source);
+          break;
+        case Role::sun:
+          sun(source);
+          break;
+        case Role::levels:
+          levels(source);
+          break;
+        case Role::solver:
+          solver(source);
+          break;
+        case Role::channels:
+          channels(source, albedo_at);
+          break;
+        case Role::correction:
+          correction(source);
+          break;
+        case Role::columns:
+          columns(source);
+          break;
+        case Role::unused:
+          break;
       }
     }
     if (!request_.albedo.empty() && request_.albedo.size() != albedo_at)
-      problems_.add({}, "one albedo is needed per run that looks down", std::to_string(request_.albedo.size()) + " for " + std::to_string(albedo_at) + " runs",
+      problems_.add({}, "one albedo is needed per run that looks down",
+                    std::to_string(request_.albedo.size()) + " for " + std::to_string(albedo_at) + " runs",
                     "give as many --albedo as runs");
     for (auto& [place, runs] : paths) over_ground(runs);
     problems_.throw_if_any();
@@ -111,14 +133,16 @@ class Reader {
     if (grid.empty())
       throw base::Error(base::Fault::input, "the runs have no wavelength in common; give runs of one range");
     if (grid.size() < all)
-      out_.notices.push_back(std::to_string(all - grid.size()) + " wavelengths of " + lead->file->file + " left out: other runs do not cover them");
+      out_.notices.push_back(std::to_string(all - grid.size()) + " wavelengths of " + lead->file->file +
+                             " left out: other runs do not cover them");
   }
 
   /// Values in ascending order of wavelength: channels stand as in their filter file.
   Spectrum sorted(const Run& run, const Spectrum& values) {
     std::vector<std::size_t> order(run.wavelength_um.size());
     std::iota(order.begin(), order.end(), 0);
-    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return run.wavelength_um[a] < run.wavelength_um[b]; });
+    std::sort(order.begin(), order.end(),
+              [&](std::size_t a, std::size_t b) { return run.wavelength_um[a] < run.wavelength_um[b]; });
     Spectrum out;
     for (const std::size_t i : order) out.push_back(values[i]);
     return out;
@@ -145,7 +169,8 @@ class Reader {
     out_.all.push_back(std::move(sample));
   }
 
-  void agree(std::optional<double>& standing, std::optional<double> found, double tolerance, const char* what, const Source& source) {
+  void agree(std::optional<double>& standing, std::optional<double> found, double tolerance, const char* what,
+             const Source& source) {
     if (!found) return;
     if (standing && std::abs(*standing - *found) > tolerance)
       problems_.add({source.file->file, 0, 0, source.run->mode}, std::string(what) + " is not that of the runs before",
@@ -153,26 +178,32 @@ class Reader {
     if (!standing) standing = found;
   }
 
-  double ground(std::optional<double> height) const { return height.value_or(request_.ground_height_m) - request_.ground_height_m; }
+  double ground(std::optional<double> height) const {
+    return height.value_or(request_.ground_height_m) - request_.ground_height_m;
+  }
 
   double albedo_of(const Source& source, std::size_t& at) {
     if (at++ < request_.albedo.size()) return request_.albedo[at - 1];
     const Column* emissivity = source.run->find("surface_emissivity");
     if (!emissivity) return 0;
     // Printed to 1e-4; ratios of single-precision sums are off by 1e-5.
-    const double mean = std::accumulate(emissivity->values.begin(), emissivity->values.end(), 0.0) / static_cast<double>(emissivity->values.size());
+    const double mean = std::accumulate(emissivity->values.begin(), emissivity->values.end(), 0.0) /
+                        static_cast<double>(emissivity->values.size());
     return 1 - mean < 5e-5 ? 0 : 1 - mean;
   }
 
-  void down(const Source& source, std::size_t& albedo_at, std::map<std::tuple<double, double, double>, std::vector<Seen>>& paths) {
+  void down(const Source& source, std::size_t& albedo_at,
+            std::map<std::tuple<double, double, double>, std::vector<Seen>>& paths) {
     const Geometry& g = source.run->geometry;
-    if (g.sensor_height_m) agree(out_.sensor_height_m, *g.sensor_height_m - request_.ground_height_m, 0.5, "the sensor's height", source);
+    if (g.sensor_height_m)
+      agree(out_.sensor_height_m, *g.sensor_height_m - request_.ground_height_m, 0.5, "the sensor's height", source);
     agree(out_.sun_zenith_deg, g.sun_zenith_deg, 0.05, "the sun's zenith", source);
     Sample place;
     place.height_m = ground(g.path_end_height_m);
     place.zenith_deg = g.view_zenith_deg.value_or(180 - *g.sight_zenith_deg);
     if (*place.zenith_deg > 0.01) place.azimuth_deg = g.relative_azimuth_deg;
-    paths[{*place.height_m, *place.zenith_deg, place.azimuth_deg.value_or(0)}].push_back({&source, albedo_of(source, albedo_at), place});
+    paths[{*place.height_m, *place.zenith_deg, place.azimuth_deg.value_or(0)}].push_back(
+        {&source, albedo_of(source, albedo_at), place});
   }
 
   /// All runs of one line of sight: black ground first, then what the others say of ground and air.
@@ -195,7 +226,8 @@ class Reader {
     add("path_radiance_thermal", no_azimuth, optional(first, "path_radiance_thermal"));
     const std::string name = runs.front().source->file->file;
     if (runs.front().albedo > 0)
-      out_.notices.push_back(name + ": the path's sunlight was computed over ground of albedo " + shown(runs.front().albedo) + ", not over black ground");
+      out_.notices.push_back(name + ": the path's sunlight was computed over ground of albedo " +
+                             shown(runs.front().albedo) + ", not over black ground");
     std::vector<const Seen*> bright;
     for (const Seen& seen : runs)
       if (seen.albedo > 0 && (bright.empty() || seen.albedo > bright.back()->albedo + 1e-6)) bright.push_back(&seen);
@@ -207,7 +239,8 @@ class Reader {
     };
     if (runs.front().albedo == 0 && bright.size() >= 2) {
       const Seen &low = *bright.front(), &high = *bright.back();
-      const Spectrum l0 = seen_light(runs.front()), l1 = seen_light(low), l2 = seen_light(high), reflected = optional(*high.source->run, "ground_reflected");
+      const Spectrum l0 = seen_light(runs.front()), l1 = seen_light(low), l2 = seen_light(high),
+                     reflected = optional(*high.source->run, "ground_reflected");
       if (l0.empty() || reflected.empty()) return;
       Spectrum s, t_dif, total;
       for (std::size_t i = 0; i < l0.size(); ++i) {
@@ -224,7 +257,8 @@ class Reader {
       const Seen& seen = *bright.front();
       const Spectrum reflected = optional(*seen.source->run, "ground_reflected");
       Spectrum total;
-      for (std::size_t i = 0; i < reflected.size(); ++i) total.push_back(t[i] > 0 ? kPi * reflected[i] / (seen.albedo * t[i]) : 0);
+      for (std::size_t i = 0; i < reflected.size(); ++i)
+        total.push_back(t[i] > 0 ? kPi * reflected[i] / (seen.albedo * t[i]) : 0);
       add(kTotalIrradiance, at_height, std::move(total));
       out_.notices.push_back(name + ": diffuse irradiance is that over ground of albedo " + shown(seen.albedo) +
                              "; three runs of albedo 0, r1 and r2 would separate ground and air");
@@ -267,8 +301,9 @@ class Reader {
   void channels(const Source& source, std::size_t& albedo_at) {
     const Run& run = *source.run;
     const double r = albedo_of(source, albedo_at);
-    const Spectrum t = on_grid(run, run.at("transmittance")), a = on_grid(run, run.at("coefficient_a")), b = on_grid(run, run.at("coefficient_b")),
-                   s = on_grid(run, run.at("spherical_albedo")), above = on_grid(run, run.at(kIrradianceCosOverPi));
+    const Spectrum t = on_grid(run, run.at("transmittance")), a = on_grid(run, run.at("coefficient_a")),
+                   b = on_grid(run, run.at("coefficient_b")), s = on_grid(run, run.at("spherical_albedo")),
+                   above = on_grid(run, run.at(kIrradianceCosOverPi));
     Spectrum path = on_grid(run, run.at("path_radiance_solar")), t_dif, total;
     for (std::size_t i = 0; i < t.size(); ++i) {
       path[i] = std::max(0.0, path[i] - r * b[i] * above[i] / (1 - r * s[i]));
@@ -298,20 +333,26 @@ class Reader {
     add("spherical_albedo", {}, sum_over_k("spherical_albedo"));
     add(kSunGroundDiffuse, {}, sum_over_k(kSunGroundDiffuse));
     if (source.run->find("k_weight") && source.run->find("k_weight")->place.k)
-      out_.notices.push_back(source.file->file + ": k-terms summed with their weights; the direct light from sun to sensor is summed as the product of each term");
+      out_.notices.push_back(source.file->file +
+                             ": k-terms summed with their weights; the direct light from sun to sensor is summed as "
+                             "the product of each term");
   }
 
   /// uvspec: levels by zout. Transmissions from the direct beam at two levels, which is Beer's law along another slant.
   void solver(const Source& source) {
     const Run& run = *source.run;
-    const auto same = [](const Place& a, const Place& b) { return a.top_of_air == b.top_of_air && a.height_m == b.height_m; };
+    const auto same = [](const Place& a, const Place& b) {
+      return a.top_of_air == b.top_of_air && a.height_m == b.height_m;
+    };
     std::vector<Place> places;
     for (const Column& column : run.columns)
       if (column.name == "irradiance_down_direct") places.push_back(column.place);
-    std::sort(places.begin(), places.end(), [](const Place& a, const Place& b) { return a.height_m.value_or(1e9) < b.height_m.value_or(1e9); });
+    std::sort(places.begin(), places.end(),
+              [](const Place& a, const Place& b) { return a.height_m.value_or(1e9) < b.height_m.value_or(1e9); });
     agree(out_.sun_zenith_deg, run.geometry.sun_zenith_deg, 0.05, "the sun's zenith", source);
     if (places.empty() || !run.geometry.sun_zenith_deg) {
-      problems_.add({source.file->file, 0, 0, ""}, "a uvspec run needs sza and the column edir to become a table", "", "ask for output_user lambda edir edn uu");
+      problems_.add({source.file->file, 0, 0, ""}, "a uvspec run needs sza and the column edir to become a table", "",
+                    "ask for output_user lambda edir edn uu");
       return;
     }
     const double mu0 = std::cos(base::rad_from_deg(*run.geometry.sun_zenith_deg));
@@ -332,17 +373,23 @@ class Reader {
     // The sensor's level: the one asked for, else the highest with a height, else the top of the air.
     const Place* sensor = nullptr;
     for (const Place& level : places)
-      if (level.height_m && (!request_.sensor_height_m || std::abs(*level.height_m - request_.ground_height_m - *request_.sensor_height_m) < 0.5)) sensor = &level;
+      if (level.height_m && (!request_.sensor_height_m ||
+                             std::abs(*level.height_m - request_.ground_height_m - *request_.sensor_height_m) < 0.5))
+        sensor = &level;
     if ((!sensor || sensor == &places.front()) && top.top_of_air) sensor = &top;
     if (!sensor || sensor == &places.front()) {
-      problems_.add({source.file->file, 0, 0, ""}, "no level of zout is the sensor's", request_.sensor_height_m ? shown(*request_.sensor_height_m) + " m" : "", "run uvspec with zout at ground, sensor and TOA");
+      problems_.add({source.file->file, 0, 0, ""}, "no level of zout is the sensor's",
+                    request_.sensor_height_m ? shown(*request_.sensor_height_m) + " m" : "",
+                    "run uvspec with zout at ground, sensor and TOA");
       return;
     }
-    if (sensor->height_m) agree(out_.sensor_height_m, *sensor->height_m - request_.ground_height_m, 0.5, "the sensor's height", source);
+    if (sensor->height_m)
+      agree(out_.sensor_height_m, *sensor->height_m - request_.ground_height_m, 0.5, "the sensor's height", source);
     const Spectrum beam_sensor = column_at("irradiance_down_direct", *sensor, 0, 0);
     std::set<std::pair<double, double>> up;
     for (const Column& c : run.columns)
-      if (c.name == "radiance_upward" && same(c.place, *sensor)) up.insert({*c.place.zenith_deg, c.place.relative_azimuth_deg.value_or(0)});
+      if (c.name == "radiance_upward" && same(c.place, *sensor))
+        up.insert({*c.place.zenith_deg, c.place.relative_azimuth_deg.value_or(0)});
     for (const Place& level : places) {
       if (&level == sensor) break;
       const Spectrum beam = column_at("irradiance_down_direct", level, 0, 0);
@@ -352,7 +399,8 @@ class Reader {
       add("diffuse_irradiance", at_height, column_at("irradiance_down_diffuse", level, 0, 0));
       const auto ratio = [&](const Spectrum& over, double power) {
         Spectrum out;
-        for (std::size_t i = 0; i < beam.size(); ++i) out.push_back(over[i] > 0 ? std::pow(std::min(1.0, beam[i] / over[i]), power) : 0);
+        for (std::size_t i = 0; i < beam.size(); ++i)
+          out.push_back(over[i] > 0 ? std::pow(std::min(1.0, beam[i] / over[i]), power) : 0);
         return out;
       };
       if (top.top_of_air) add("sun_transmission", at_height, ratio(beam_top, 1));
@@ -369,15 +417,20 @@ class Reader {
         const Spectrum t = ratio(beam_sensor, mu0 / std::cos(base::rad_from_deg(zenith)));
         add("view_transmission", place, t);
         if (zenith > 0.01) place.azimuth_deg = azimuth;
-        const Spectrum at_sensor = column_at("radiance_upward", *sensor, zenith, azimuth), at_target = column_at("radiance_upward", level, zenith, azimuth);
+        const Spectrum at_sensor = column_at("radiance_upward", *sensor, zenith, azimuth),
+                       at_target = column_at("radiance_upward", level, zenith, azimuth);
         Spectrum path;
-        for (std::size_t i = 0; i < at_sensor.size() && i < at_target.size(); ++i) path.push_back(std::max(0.0, at_sensor[i] - t[i] * at_target[i]));
+        for (std::size_t i = 0; i < at_sensor.size() && i < at_target.size(); ++i)
+          path.push_back(std::max(0.0, at_sensor[i] - t[i] * at_target[i]));
         add("path_radiance_solar", place, std::move(path));
       }
     }
-    out_.notices.push_back(source.file->file + ": view transmission is that of the direct beam between the levels, exp((mu0/mu) ln(edir(target)/edir(sensor)))");
+    out_.notices.push_back(source.file->file +
+                           ": view transmission is that of the direct beam between the levels, exp((mu0/mu) "
+                           "ln(edir(target)/edir(sensor)))");
     if (run.geometry.ground_albedo.value_or(0) > 0)
-      out_.notices.push_back(source.file->file + ": computed over ground of albedo " + shown(*run.geometry.ground_albedo) + "; path, sky and irradiance hold its light");
+      out_.notices.push_back(source.file->file + ": computed over ground of albedo " +
+                             shown(*run.geometry.ground_albedo) + "; path, sky and irradiance hold its light");
   }
 
   /// Plain columns named as rows, with the place behind the name: sky_radiance_solar_z30_a90, view_transmission_h0_z20.
@@ -387,19 +440,24 @@ class Reader {
       Sample place;
       for (;;) {
         const std::size_t at = name.rfind('_');
-        if (at == std::string::npos || at + 2 >= name.size() || std::string("hza").find(name[at + 1]) == std::string::npos ||
-            !std::all_of(name.begin() + static_cast<std::ptrdiff_t>(at) + 2, name.end(), [](unsigned char c) { return std::isdigit(c); }))
+        if (at == std::string::npos || at + 2 >= name.size() ||
+            std::string("hza").find(name[at + 1]) == std::string::npos ||
+            !std::all_of(name.begin() + static_cast<std::ptrdiff_t>(at) + 2, name.end(),
+                         [](unsigned char c) { return std::isdigit(c); }))
           break;
         const double value = std::stod(name.substr(at + 2));
         (name[at + 1] == 'h' ? place.height_m : name[at + 1] == 'z' ? place.zenith_deg : place.azimuth_deg) = value;
         name.resize(at);
       }
       const RowSpec* row = find_row_spec(name);
-      if (!row || std::string(row->axes).find("wavelength") == std::string::npos || std::string(row->axes).find("range_height") != std::string::npos ||
+      if (!row || std::string(row->axes).find("wavelength") == std::string::npos ||
+          std::string(row->axes).find("range_height") != std::string::npos ||
           std::string(row->axes).find("scattering_angle") != std::string::npos || name == "k_weight") {
-        out_.notices.push_back(source.file->file + ": " + column.name + " left out: no row of a table has this name (docs/table_format.md)");
+        out_.notices.push_back(source.file->file + ": " + column.name +
+                               " left out: no row of a table has this name (docs/table_format.md)");
       } else if (column.unit != row->unit) {
-        problems_.add({source.file->file, 0, 0, column.name}, std::string("the unit must be ") + row->unit, column.unit, "convert the column");
+        problems_.add({source.file->file, 0, 0, column.name}, std::string("the unit must be ") + row->unit, column.unit,
+                      "convert the column");
       } else {
         add(name, place, on_grid(*source.run, column));
       }
@@ -414,6 +472,8 @@ class Reader {
 
 }  // namespace
 
-Samples samples_of(const std::vector<Imported>& files, const TableRequest& request) { return Reader(files, request).read(); }
+Samples samples_of(const std::vector<Imported>& files, const TableRequest& request) {
+  return Reader(files, request).read();
+}
 
 }  // namespace raycube::atmos::imported

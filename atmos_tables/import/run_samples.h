@@ -20,7 +20,8 @@ struct Sample {
 };
 /// Not rows themselves: T(sun to target to sensor), and all light on a horizontal plane over black ground.
 inline constexpr const char *kTwoWay = "two_way_transmission", *kTotalIrradiance = "total_irradiance",
-                            *kSunGroundDiffuse = "sun_ground_transmittance_diffuse", *kIrradianceCosOverPi = "solar_irradiance_cos_over_pi";
+                            *kSunGroundDiffuse = "sun_ground_transmittance_diffuse",
+                            *kIrradianceCosOverPi = "solar_irradiance_cos_over_pi";
 
 struct Samples {
   Spectrum wavelength_um;
@@ -29,8 +30,8 @@ struct Samples {
   std::vector<std::string> notices;
 };
 
-/// Wavelengths are those of the first run that looks down from the sensor (else of the first run), within the range all runs
-/// cover; other runs are linear between their nodes. Throws Error(input) on contradictions.
+/// Wavelengths are those of the first run that looks down from the sensor (else of the first run), within the range all
+/// runs cover; other runs are linear between their nodes. Throws Error(input) on contradictions.
 Samples samples_of(const std::vector<Imported>& files, const TableRequest& request);
 
 }  // namespace raycube::atmos::imported

@@ -21,10 +21,10 @@ std::string plain(const std::string& line) {
 }
 
 struct Item {
-  const char* label;                  ///< what the plain line starts with, or holds
-  std::vector<const char*> names;     ///< one per number; "" = not kept
+  const char* label;               ///< what the plain line starts with, or holds
+  std::vector<const char*> names;  ///< one per number; "" = not kept
   const char* unit;
-  bool below = false;                 ///< the numbers stand on the next line
+  bool below = false;  ///< the numbers stand on the next line
 };
 
 const std::vector<Item>& items() {
@@ -32,11 +32,22 @@ const std::vector<Item>& items() {
       {"apparent reflectance", {"reflectance_apparent"}, "1"},
       {"appar. rad.(w/m2/sr/mic)", {"radiance"}, "W m-2 sr-1 um-1"},
       {"total gaseous transmittance", {""}, "1"},
-      {"direct solar irr. atm. diffuse irr. environment irr", {"irradiance_down_direct", "irradiance_down_diffuse", "irradiance_down_environment"}, "W m-2 um-1", true},
-      {"atm. intrin. rad. background rad. pixel radiance", {"path_radiance_solar", "ground_reflected_environment", "ground_reflected_pixel"}, "W m-2 sr-1 um-1", true},
+      {"direct solar irr. atm. diffuse irr. environment irr",
+       {"irradiance_down_direct", "irradiance_down_diffuse", "irradiance_down_environment"},
+       "W m-2 um-1",
+       true},
+      {"atm. intrin. rad. background rad. pixel radiance",
+       {"path_radiance_solar", "ground_reflected_environment", "ground_reflected_pixel"},
+       "W m-2 sr-1 um-1",
+       true},
       {"int. funct filter (in mic) int. sol. spect (in w/m2)", {"filter_width", "solar_irradiance_in_band"}, "", true},
-      {"global gas. trans. :", {"sun_ground_transmittance_gas", "ground_sensor_transmittance_gas", "sun_ground_sensor_transmittance_gas"}, "1"},
-      {"total sca. \" :", {"sun_ground_transmittance_scattering", "ground_sensor_transmittance_scattering", "sun_ground_sensor_transmittance_scattering"}, "1"},
+      {"global gas. trans. :",
+       {"sun_ground_transmittance_gas", "ground_sensor_transmittance_gas", "sun_ground_sensor_transmittance_gas"},
+       "1"},
+      {"total sca. \" :",
+       {"sun_ground_transmittance_scattering", "ground_sensor_transmittance_scattering",
+        "sun_ground_sensor_transmittance_scattering"},
+       "1"},
       {"spherical albedo :", {"", "", "spherical_albedo"}, "1"},
       {"optical depth total:", {"optical_depth_rayleigh", "optical_depth_aerosol", "optical_depth"}, "1"},
       {"reflectance I :", {"", "", "reflectance_path"}, "1"},
@@ -78,8 +89,10 @@ class Reader {
         line(text);
       }
     }
-    if (!started_) problems_.add({path_, 0, 0, ""}, "no title \"6S version\"", "", "is it the text output of 6S?");
-    else finish(out);
+    if (!started_)
+      problems_.add({path_, 0, 0, ""}, "no title \"6S version\"", "", "is it the text output of 6S?");
+    else
+      finish(out);
     problems_.throw_if_any();
     return out;
   }
@@ -105,14 +118,14 @@ class Reader {
   void line(const std::string& text) {
     if (text.rfind(kTableHeading, 0) == 0) {
       table_ = true;
-      for (const TableColumn& column : kTable)
-        rows_.push_back({column.name, column.unit, column.source, {}, {}, {}});
+      for (const TableColumn& column : kTable) rows_.push_back({column.name, column.unit, column.source, {}, {}, {}});
       return;
     }
     if (table_ && table_row(text)) return;
     if (const auto zenith = after(text, "solar zenith angle:")) run_.geometry.sun_zenith_deg = zenith->value;
     if (const auto zenith = after(text, "view zenith angle:")) run_.geometry.view_zenith_deg = zenith->value;
-    if (const auto azimuth = after(text, "azimuthal angle difference:")) run_.geometry.relative_azimuth_deg = folded_azimuth_deg(azimuth->value);
+    if (const auto azimuth = after(text, "azimuthal angle difference:"))
+      run_.geometry.relative_azimuth_deg = folded_azimuth_deg(azimuth->value);
     const auto first = after(text, "wl inf="), last = after(text, "wl sup=");
     if (first && last) {
       if (!(first->value > 0 && last->value >= first->value))
@@ -125,16 +138,20 @@ class Reader {
     if (monochromatic_ && run_.wavelength_um.empty())
       if (const auto words = split_blanks(text); words.size() > 1)
         for (std::size_t i = 1; i < words.size(); ++i)
-          if (words[i].rfind("mic", 0) == 0) run_.wavelength_um = {need_number(words[i - 1], here(), "wavelength", problems_).value};
+          if (words[i].rfind("mic", 0) == 0)
+            run_.wavelength_um = {need_number(words[i - 1], here(), "wavelength", problems_).value};
     for (const Item& item : items()) {
       const std::size_t found = text.find(item.label);
-      if (found == std::string::npos || (found != 0 && std::string_view(item.label).rfind("appar. rad", 0) != 0)) continue;
-      if (std::string_view(item.label) == "apparent reflectance" && text.find("appar. rad") == std::string::npos) continue;
+      if (found == std::string::npos || (found != 0 && std::string_view(item.label).rfind("appar. rad", 0) != 0))
+        continue;
+      if (std::string_view(item.label) == "apparent reflectance" && text.find("appar. rad") == std::string::npos)
+        continue;
       std::string numbers = text.substr(found + std::char_traits<char>::length(item.label));
       if (item.below) numbers = ++at_ < lines_.size() ? plain(lines_[at_]) : "";
       const auto words = split_blanks(numbers);
       for (std::size_t i = 0; i < item.names.size(); ++i) {
-        const Number number = need_number(i < words.size() ? words[i] : std::string_view(), here(), item.label, problems_);
+        const Number number =
+            need_number(i < words.size() ? words[i] : std::string_view(), here(), item.label, problems_);
         if (*item.names[i]) keep(item.names[i], item.unit, item.label, number);
       }
     }
@@ -144,8 +161,7 @@ class Reader {
   /// none of it.
   bool table_row(const std::string& text) {
     const auto words = split_blanks(text);
-    if (words.size() != std::size(kTable) ||
-        words[0].find_first_not_of("0123456789.") != std::string_view::npos)
+    if (words.size() != std::size(kTable) || words[0].find_first_not_of("0123456789.") != std::string_view::npos)
       return false;
     for (std::size_t i = 0; i < words.size(); ++i) {
       const Number number = need_number(words[i], here(), kTable[i].source, problems_);
@@ -159,12 +175,12 @@ class Reader {
     run_.mode = "spectrum";
     run_.wavelength_um = rows_[0].values;
     if (run_.wavelength_um.size() < 2)
-      problems_.add(title, "a table by wavelength with fewer than 2 rows",
-                    std::to_string(run_.wavelength_um.size()), "the output is cut short");
+      problems_.add(title, "a table by wavelength with fewer than 2 rows", std::to_string(run_.wavelength_um.size()),
+                    "the output is cut short");
     for (std::size_t i = 1; i < run_.wavelength_um.size(); ++i)
       if (!(run_.wavelength_um[i] > run_.wavelength_um[i - 1])) {
-        problems_.add(title, "wavelengths of the table do not ascend",
-                      std::to_string(run_.wavelength_um[i]) + " um", "rows are missing or out of order");
+        problems_.add(title, "wavelengths of the table do not ascend", std::to_string(run_.wavelength_um[i]) + " um",
+                      "rows are missing or out of order");
         break;
       }
     run_.columns.clear();
@@ -199,13 +215,12 @@ class Reader {
   void need_band(const base::Where& title) {
     if (run_.wavelength_um.size() != 1)
       problems_.add(title, "the run names no band (wl inf, wl sup)", "", "the output is cut short");
-    for (const char* name :
-         {"reflectance_apparent", "radiance", "sun_ground_transmittance_gas", "spherical_albedo"})
-      if (!run_.find(name))
-        problems_.add(title, std::string("the run has no ") + name, "", "the output is cut short");
+    for (const char* name : {"reflectance_apparent", "radiance", "sun_ground_transmittance_gas", "spherical_albedo"})
+      if (!run_.find(name)) problems_.add(title, std::string("the run has no ") + name, "", "the output is cut short");
   }
 
-  /// E0 = solar spectrum in the band / width of the filter; with it reflectance = pi L / (E0 cos sun), to the printed digits.
+  /// E0 = solar spectrum in the band / width of the filter; with it reflectance = pi L / (E0 cos sun), to the printed
+  /// digits.
   void solar() {
     std::erase_if(run_.columns, [&](const Column& c) {
       if (c.name == "filter_width") width_ = c;
@@ -216,16 +231,19 @@ class Reader {
     const double sun = in_band_.values[0] / width_.values[0];
     const double sun_part = in_band_.rounding[0] / in_band_.values[0] + width_.rounding[0] / width_.values[0];
     const Column reflectance = run_.at("reflectance_apparent"), radiance = run_.at("radiance");
-    run_.columns.push_back({"solar_irradiance", "W m-2 um-1", "int. sol. spect / int. funct filter", {}, {sun}, {sun * sun_part}});
+    run_.columns.push_back(
+        {"solar_irradiance", "W m-2 um-1", "int. sol. spect / int. funct filter", {}, {sun}, {sun * sun_part}});
     if (!run_.geometry.sun_zenith_deg) return;
     const double per_radiance = std::numbers::pi / (sun * std::cos(base::rad_from_deg(*run_.geometry.sun_zenith_deg)));
     const double expected = per_radiance * radiance.values[0];
     // The sun's zenith is printed to 0.01 deg: tan(zenith) times half of that, in the cosine.
     const double angle_part = std::tan(base::rad_from_deg(*run_.geometry.sun_zenith_deg)) * base::rad_from_deg(0.005);
-    const double allowed = reflectance.rounding[0] + per_radiance * radiance.rounding[0] + expected * (sun_part + angle_part + 1e-6);
+    const double allowed =
+        reflectance.rounding[0] + per_radiance * radiance.rounding[0] + expected * (sun_part + angle_part + 1e-6);
     if (!(std::abs(expected - reflectance.values[0]) <= allowed))
       problems_.add({path_, title_line_, 0, ""}, "apparent reflectance and radiance disagree: pi L / (E0 cos sun)",
-                    std::to_string(expected) + " against " + std::to_string(reflectance.values[0]), "lines are damaged or of two runs");
+                    std::to_string(expected) + " against " + std::to_string(reflectance.values[0]),
+                    "lines are damaged or of two runs");
     width_ = in_band_ = {};
   }
 

@@ -21,8 +21,9 @@ namespace {
 
 /// Sunlight matters below, emitted light above: a table that reaches across needs both.
 constexpr double kSolarTo_um = 5;
-const std::set<std::string> kSolarRows = {"solar_irradiance", "sun_transmission", "two_way_factor", "path_radiance_solar", "sky_radiance_solar",
-                                          "direct_irradiance", "diffuse_irradiance", "spherical_albedo", "diffuse_view_transmission", "diffuse_return"};
+const std::set<std::string> kSolarRows = {
+    "solar_irradiance",  "sun_transmission",   "two_way_factor",   "path_radiance_solar",       "sky_radiance_solar",
+    "direct_irradiance", "diffuse_irradiance", "spherical_albedo", "diffuse_view_transmission", "diffuse_return"};
 const std::set<std::string> kThermalSkyRows = {"sky_radiance_thermal", "two_way_factor_thermal"};
 
 std::string shown(double value) {
@@ -41,7 +42,9 @@ class Maker {
     two_ways();
     irradiances();
     ground_and_sky();
-    for (const char* helper : {kTwoWay, kTotalIrradiance, kSunGroundDiffuse, kIrradianceCosOverPi, "solar_irradiance_sun_ground_sensor"}) drop(helper);
+    for (const char* helper :
+         {kTwoWay, kTotalIrradiance, kSunGroundDiffuse, kIrradianceCosOverPi, "solar_irradiance_sun_ground_sensor"})
+      drop(helper);
     if (!request_.partial) demands();
     assemble();
     return std::move(table_);
@@ -53,7 +56,8 @@ class Maker {
     return std::any_of(s_.all.begin(), s_.all.end(), [&](const Sample& s) { return s.row == row; });
   }
   void drop(const std::string& row) {
-    s_.all.erase(std::remove_if(s_.all.begin(), s_.all.end(), [&](const Sample& s) { return s.row == row; }), s_.all.end());
+    s_.all.erase(std::remove_if(s_.all.begin(), s_.all.end(), [&](const Sample& s) { return s.row == row; }),
+                 s_.all.end());
   }
   std::vector<Sample> of(const std::string& row) const {
     std::vector<Sample> out;
@@ -61,9 +65,12 @@ class Maker {
       if (s.row == row) out.push_back(s);
     return out;
   }
-  static bool same(const std::optional<double>& a, const std::optional<double>& b, double within) { return !a || !b || std::abs(*a - *b) <= within; }
+  static bool same(const std::optional<double>& a, const std::optional<double>& b, double within) {
+    return !a || !b || std::abs(*a - *b) <= within;
+  }
   static bool same_place(const Sample& a, const Sample& b) {
-    return same(a.height_m, b.height_m, 0.5) && same(a.zenith_deg, b.zenith_deg, 0.01) && same(a.azimuth_deg, b.azimuth_deg, 0.01);
+    return same(a.height_m, b.height_m, 0.5) && same(a.zenith_deg, b.zenith_deg, 0.01) &&
+           same(a.azimuth_deg, b.azimuth_deg, 0.01);
   }
   const Sample* at(const std::string& row, const Sample& place) const {
     for (const Sample& s : s_.all)
@@ -78,9 +85,11 @@ class Maker {
   void note(const std::string& text) { s_.notices.push_back(text); }
 
   void sun_and_sensor() {
-    const bool solar = has("path_radiance_solar") || has("sun_transmission") || has("solar_irradiance") || has(kIrradianceCosOverPi);
+    const bool solar =
+        has("path_radiance_solar") || has("sun_transmission") || has("solar_irradiance") || has(kIrradianceCosOverPi);
     if (request_.sun_zenith_deg && s_.sun_zenith_deg && std::abs(*request_.sun_zenith_deg - *s_.sun_zenith_deg) > 0.05)
-      note("sun zenith " + shown(*request_.sun_zenith_deg) + " deg as asked for; the runs say " + shown(*s_.sun_zenith_deg) + " deg");
+      note("sun zenith " + shown(*request_.sun_zenith_deg) + " deg as asked for; the runs say " +
+           shown(*s_.sun_zenith_deg) + " deg");
     const auto zenith = request_.sun_zenith_deg ? request_.sun_zenith_deg : s_.sun_zenith_deg;
     if (solar && !zenith) missing_.emplace_back("the sun's zenith: these files do not name it", "give --sun-zenith");
     table_.sun_zenith_deg = zenith.value_or(0), table_.sun_azimuth_deg = request_.sun_azimuth_deg;
@@ -88,7 +97,8 @@ class Maker {
     if (!sensor) missing_.emplace_back("the sensor's height: these files do not name it", "give --sensor-height");
     table_.sensor_height_m = sensor.value_or(0);
     mu0_ = std::cos(base::rad_from_deg(table_.sun_zenith_deg));
-    if (solar && zenith && !(mu0_ > 0)) missing_.emplace_back("a sun above the horizon", "give the runs of a day, or a range beyond 5 um");
+    if (solar && zenith && !(mu0_ > 0))
+      missing_.emplace_back("a sun above the horizon", "give the runs of a day, or a range beyond 5 um");
   }
 
   void solar_irradiance() {
@@ -104,10 +114,13 @@ class Maker {
     }
   }
 
-  /// T_sun and R2 from what there is: T_sun alone (product), the joined path alone (T_sun = T2 / T_view, product), or both.
+  /// T_sun and R2 from what there is: T_sun alone (product), the joined path alone (T_sun = T2 / T_view, product), or
+  /// both.
   void two_ways() {
     auto joined = of(kTwoWay);
-    std::stable_sort(joined.begin(), joined.end(), [](const Sample& a, const Sample& b) { return a.zenith_deg.value_or(0) < b.zenith_deg.value_or(0); });
+    std::stable_sort(joined.begin(), joined.end(), [](const Sample& a, const Sample& b) {
+      return a.zenith_deg.value_or(0) < b.zenith_deg.value_or(0);
+    });
     if (!has("sun_transmission") && !joined.empty()) {
       for (const Sample& path : joined) {
         const Sample* view = at("view_transmission", path);
@@ -115,10 +128,13 @@ class Maker {
         place.zenith_deg.reset(), place.azimuth_deg.reset();
         if (!view || at("sun_transmission", place)) continue;
         Spectrum sun;
-        for (std::size_t i = 0; i < path.values.size(); ++i) sun.push_back(view->values[i] > 0 ? std::min(1.0, path.values[i] / view->values[i]) : 0);
+        for (std::size_t i = 0; i < path.values.size(); ++i)
+          sun.push_back(view->values[i] > 0 ? std::min(1.0, path.values[i] / view->values[i]) : 0);
         put("sun_transmission", place, std::move(sun));
       }
-      note("sun transmission is that of the path sun to target to sensor over that of target to sensor: their product is exact, the sun alone is not known");
+      note(
+          "sun transmission is that of the path sun to target to sensor over that of target to sensor: their product "
+          "is exact, the sun alone is not known");
     }
     if (!has("sun_transmission") || !has("view_transmission") || has("two_way_factor")) return;
     bool product = false;
@@ -132,7 +148,10 @@ class Maker {
       place.azimuth_deg.reset();
       put("two_way_factor", place, std::move(factor));
     }
-    if (product) note("two-way factor 1 where no run has the path from sun to target to sensor: the product of both transmissions is used");
+    if (product)
+      note(
+          "two-way factor 1 where no run has the path from sun to target to sensor: the product of both transmissions "
+          "is used");
   }
 
   void irradiances() {
@@ -144,7 +163,8 @@ class Maker {
       Spectrum diffuse;
       for (std::size_t i = 0; i < total.values.size(); ++i)
         // R2 acts on all that the ground reflects, so the light that was seen is R2 T_view E_g0.
-        diffuse.push_back(std::max(0.0, total.values[i] / (factor ? factor->values[i] : 1) - mu0_ * e0.front().values[i] * sun->values[i]));
+        diffuse.push_back(std::max(
+            0.0, total.values[i] / (factor ? factor->values[i] : 1) - mu0_ * e0.front().values[i] * sun->values[i]));
       put("diffuse_irradiance", total, std::move(diffuse));
     }
     for (const Sample& part : of(kSunGroundDiffuse)) {
@@ -176,14 +196,23 @@ class Maker {
     struct Need {
       const char *row, *from;
     };
-    const Need view{"view_transmission", "transmission from target to sensor: a MODTRAN run that looks down, .chn, .acd, uvspec with edir at ground and sensor"};
+    const Need view{"view_transmission",
+                    "transmission from target to sensor: a MODTRAN run that looks down, .chn, .acd, uvspec with edir "
+                    "at ground and sensor"};
     const std::vector<Need> solar = {
-        {"solar_irradiance", "sun above the air: TOA_SUN of tape7, .chn, a direct-irradiance run, uvspec with zout TOA"},
-        {"sun_transmission", "sun to target: REF_SOL and TOA_SUN of tape7, .chn, .acd, a direct-irradiance run (IEMSCT 3), uvspec with zout TOA"},
-        {"path_radiance_solar", "sunlight scattered into the path: SOL_SCAT of a run that looks down, .chn, uvspec with umu > 0"},
-        {"sky_radiance_solar", "sky: SOL_SCAT of runs that look up from the ground, uvspec with umu < 0; or --even-sky where the diffuse irradiance is known"}};
-    const std::vector<Need> thermal = {{"path_radiance_thermal", "light the path emits: PTH_THRML of a run that looks down, .chn"},
-                                       {"sky_radiance_thermal", "light the sky emits: PTH_THRML of runs that look up from the ground"}};
+        {"solar_irradiance",
+         "sun above the air: TOA_SUN of tape7, .chn, a direct-irradiance run, uvspec with zout TOA"},
+        {"sun_transmission",
+         "sun to target: REF_SOL and TOA_SUN of tape7, .chn, .acd, a direct-irradiance run (IEMSCT 3), uvspec with "
+         "zout TOA"},
+        {"path_radiance_solar",
+         "sunlight scattered into the path: SOL_SCAT of a run that looks down, .chn, uvspec with umu > 0"},
+        {"sky_radiance_solar",
+         "sky: SOL_SCAT of runs that look up from the ground, uvspec with umu < 0; or --even-sky where the diffuse "
+         "irradiance is known"}};
+    const std::vector<Need> thermal = {
+        {"path_radiance_thermal", "light the path emits: PTH_THRML of a run that looks down, .chn"},
+        {"sky_radiance_thermal", "light the sky emits: PTH_THRML of runs that look up from the ground"}};
     const auto lacking = [&](const std::vector<Need>& needs) {
       std::vector<std::string> out;
       for (const Need& need : needs)
@@ -200,7 +229,8 @@ class Maker {
     if (wants_heat) miss(lacking(thermal));
     if (!missing_.empty()) {
       base::Problems problems;
-      for (const auto& [what, way_out] : missing_) problems.add({}, "a render from " + shown(first) + " to " + shown(last) + " um lacks " + what, "", way_out);
+      for (const auto& [what, way_out] : missing_)
+        problems.add({}, "a render from " + shown(first) + " to " + shown(last) + " um lacks " + what, "", way_out);
       problems.throw_if_any();
     }
     const auto leave_out = [&](const std::set<std::string>& rows, const char* what, const char* why) {
@@ -209,7 +239,8 @@ class Maker {
         if (has(row)) names += (names.empty() ? "" : ", ") + row, drop(row);
       if (!names.empty()) note(std::string(what) + " left out (" + names + "): " + why);
     };
-    if (!wants_sun && !no_sun.empty()) leave_out(kSolarRows, "sunlight", "beyond 5 um, and not all that a render needs of it is there");
+    if (!wants_sun && !no_sun.empty())
+      leave_out(kSolarRows, "sunlight", "beyond 5 um, and not all that a render needs of it is there");
     if (wants_heat) return;
     // Below 3 um emitted light is taken as far as the runs have it; a render sees whether it matters.
     if (!has("path_radiance_thermal"))
@@ -233,8 +264,10 @@ class Maker {
       return out;
     };
     const auto coordinate = [](const Sample& s, const std::string& axis) {
-      return axis == "target_height" ? s.height_m : axis == "view_zenith" || axis == "sky_zenith" ? s.zenith_deg
-             : axis == "relative_azimuth" || axis == "sky_azimuth" ? s.azimuth_deg : std::optional<double>();
+      return axis == "target_height"                               ? s.height_m
+             : axis == "view_zenith" || axis == "sky_zenith"       ? s.zenith_deg
+             : axis == "relative_azimuth" || axis == "sky_azimuth" ? s.azimuth_deg
+                                                                   : std::optional<double>();
     };
     const auto slack = [](const std::string& axis) { return axis == "target_height" ? 0.5 : 0.01; };
     std::set<std::string> rows;
@@ -243,7 +276,9 @@ class Maker {
       for (const auto& axis : coordinates(*find_row_spec(s.row))) {
         auto& set = nodes[axis];
         const auto value = coordinate(s, axis);
-        if (value && std::none_of(set.begin(), set.end(), [&](double n) { return std::abs(n - *value) <= slack(axis); })) set.insert(*value);
+        if (value &&
+            std::none_of(set.begin(), set.end(), [&](double n) { return std::abs(n - *value) <= slack(axis); }))
+          set.insert(*value);
       }
     }
     if (rows.empty()) throw base::Error(base::Fault::input, "none of the runs says anything a render table can hold");
@@ -258,7 +293,8 @@ class Maker {
   }
 
   template <class Coordinate, class Slack>
-  void fill(const std::string& name, const std::vector<std::string>& axes, const Coordinate& coordinate, const Slack& slack, base::Problems& problems) {
+  void fill(const std::string& name, const std::vector<std::string>& axes, const Coordinate& coordinate,
+            const Slack& slack, base::Problems& problems) {
     Row& row = add_row(table_, name, "imported; the provenance names files and assumptions");
     const auto samples = of(name);
     const std::size_t wavelengths = s_.wavelength_um.size(), inner = row.values.size() / wavelengths;
@@ -277,12 +313,16 @@ class Maker {
           if (const auto c = coordinate(s, axis)) here = here && std::abs(*c - value) <= slack(axis);
         if (!here) continue;
         if (const auto i = found ? first_difference(found->values, s.values) : std::nullopt)
-          problems.add({"", 0, 0, name}, "two runs say different things of one place" + (place.empty() ? "" : ", " + text_of(place)),
-                       shown(found->values[*i]) + " and " + shown(s.values[*i]) + " at " + shown(s_.wavelength_um[*i]) + " um", "give runs of one sun and air, one per place");
+          problems.add(
+              {"", 0, 0, name},
+              "two runs say different things of one place" + (place.empty() ? "" : ", " + text_of(place)),
+              shown(found->values[*i]) + " and " + shown(s.values[*i]) + " at " + shown(s_.wavelength_um[*i]) + " um",
+              "give runs of one sun and air, one per place");
         if (!found) found = &s;
       }
       if (!found) {
-        problems.add({"", 0, 0, name}, "no run at", text_of(place), "directions and heights of one quantity must form a full grid");
+        problems.add({"", 0, 0, name}, "no run at", text_of(place),
+                     "directions and heights of one quantity must form a full grid");
         continue;
       }
       const RowSpec& spec = *find_row_spec(name);
@@ -315,32 +355,39 @@ class Maker {
 
 }  // namespace
 
-/// [first moment, centre, FWHM] um of every node of a table whose nodes are channels of one .chn; empty for other tables. Where a file's
-/// descriptions name neither, the moment, and the equivalent width as that of a Gaussian.
+/// [first moment, centre, FWHM] um of every node of a table whose nodes are channels of one .chn; empty for other
+/// tables. Where a file's descriptions name neither, the moment, and the equivalent width as that of a Gaussian.
 nlohmann::ordered_json channels_of(const std::vector<Imported>& files, const Spectrum& nodes_um) {
   constexpr double kWidthOverFwhm = 1.0644670194312262;  // of a Gaussian: sqrt(pi / (4 ln 2))
   for (const Imported& file : files) {
     if (file.format != "chn" || file.runs.empty()) continue;
     const Run& run = file.runs.front();
-    const Column *center = run.find("channel_center"), *fwhm = run.find("channel_fwhm"), *width = run.find("channel_width");
+    const Column *center = run.find("channel_center"), *fwhm = run.find("channel_fwhm"),
+                 *width = run.find("channel_width");
     auto out = nlohmann::ordered_json::array();
     for (const double node : nodes_um)
       for (std::size_t i = 0; i < run.wavelength_um.size(); ++i)
         if (std::abs(run.wavelength_um[i] - node) <= 1e-9 && out.size() < nodes_um.size())
-          out.push_back({node, center ? center->values[i] : node, fwhm ? fwhm->values[i] : width ? width->values[i] / kWidthOverFwhm : 0.0});
+          out.push_back({node, center ? center->values[i] : node,
+                         fwhm    ? fwhm->values[i]
+                         : width ? width->values[i] / kWidthOverFwhm
+                                 : 0.0});
     if (out.size() == nodes_um.size()) return out;
   }
   return {};
 }
 
 /// What one line of sight leaves open.
-void note_one_direction(const RenderTable& table, const std::vector<Imported>& files, std::vector<std::string>& notices) {
-  const bool runs = std::any_of(files.begin(), files.end(), [](const Imported& file) { return file.format != "plain-csv"; });
+void note_one_direction(const RenderTable& table, const std::vector<Imported>& files,
+                        std::vector<std::string>& notices) {
+  const bool runs =
+      std::any_of(files.begin(), files.end(), [](const Imported& file) { return file.format != "plain-csv"; });
   const auto &zeniths = table.axis("view_zenith").nodes, &sky = table.axis("sky_zenith").nodes;
   if (!runs || !table.has("view_transmission")) return;
   if (zeniths.size() == 1)
     notices.push_back("one line of sight, " + shown(zeniths[0]) + " deg of view zenith" +
-                      (zeniths[0] == 0 ? " (straight down where the files name none)" : "") + ": renders that look elsewhere are told so, or refused");
+                      (zeniths[0] == 0 ? " (straight down where the files name none)" : "") +
+                      ": renders that look elsewhere are told so, or refused");
   if (sky.size() == 1 && (table.has("sky_radiance_solar") || table.has("sky_radiance_thermal")))
     notices.push_back("one direction of the sky, taken for all of it");
 }
@@ -351,10 +398,14 @@ TableOfRuns table_of_runs(const std::vector<Imported>& files, const TableRequest
   out.notices = maker.notices();
   note_one_direction(out.table, files, out.notices);
   nlohmann::ordered_json provenance{{"model", "imported"}, {"files", nlohmann::ordered_json::array()}};
-  for (const Imported& file : files) provenance["files"].push_back({{"file", file.file}, {"code", file.code}, {"format", file.format}, {"runs", file.runs.size()}});
+  for (const Imported& file : files)
+    provenance["files"].push_back(
+        {{"file", file.file}, {"code", file.code}, {"format", file.format}, {"runs", file.runs.size()}});
   provenance["notices"] = out.notices;
-  if (auto channels = channels_of(files, out.table.axis("wavelength").nodes); !channels.empty()) provenance["channels"] = std::move(channels);
-  out.table.provenance_json = provenance.dump(-1, ' ', false, std::decay_t<decltype(provenance)>::error_handler_t::replace);
+  if (auto channels = channels_of(files, out.table.axis("wavelength").nodes); !channels.empty())
+    provenance["channels"] = std::move(channels);
+  out.table.provenance_json =
+      provenance.dump(-1, ' ', false, std::decay_t<decltype(provenance)>::error_handler_t::replace);
   out.table.solar_source = "as the imported runs have it";
   validate(out.table, "the imported table");
   return out;

@@ -16,14 +16,15 @@ struct TableRequest {
   double sun_azimuth_deg = 0;
   std::optional<double> sensor_height_m;  ///< above z = 0
   double ground_height_m = 0;             ///< z = 0 above the level the files count heights from
-  std::vector<double> albedo;             ///< of the ground, per run that looks down, in the order of files; empty: as the runs say
-  bool even_sky = false;                  ///< where no sky was computed: diffuse irradiance / pi in every direction
-  bool partial = false;                   ///< keep what there is, though no render can use it
+  std::vector<double>
+      albedo;             ///< of the ground, per run that looks down, in the order of files; empty: as the runs say
+  bool even_sky = false;  ///< where no sky was computed: diffuse irradiance / pi in every direction
+  bool partial = false;   ///< keep what there is, though no render can use it
 };
 
 struct TableOfRuns {
   RenderTable table;
-  std::vector<std::string> notices;       ///< assumptions made, rows left out
+  std::vector<std::string> notices;  ///< assumptions made, rows left out
 };
 
 /// Throws Error(input) that lists all that is missing for a render, or the runs that contradict each other.

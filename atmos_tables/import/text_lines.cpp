@@ -24,7 +24,8 @@ std::string read_bytes(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
   std::string bytes;
   if (in) bytes.assign(std::istreambuf_iterator<char>(in), {});
-  if (!in || in.bad()) throw base::Error(base::Fault::environment, path + ": cannot be read (" + std::strerror(errno) + ")");
+  if (!in || in.bad())
+    throw base::Error(base::Fault::environment, path + ": cannot be read (" + std::strerror(errno) + ")");
   if (bytes.empty()) throw base::Error(base::Fault::input, path + ": the file is empty; was the run cut short?");
   return bytes;
 }
@@ -37,7 +38,8 @@ std::vector<std::string> read_lines(const std::string& path) {
     lines.emplace_back(bytes, from, end - from);
     if (!lines.back().empty() && lines.back().back() == '\r') lines.back().pop_back();
     if (lines.back().find('\0') != std::string::npos)
-      throw base::Error(base::Fault::input, path + ":" + std::to_string(lines.size()) + ": a zero byte; this is no text file");
+      throw base::Error(base::Fault::input,
+                        path + ":" + std::to_string(lines.size()) + ": a zero byte; this is no text file");
     from = end + 1;
   }
   return lines;
@@ -88,14 +90,18 @@ Number read_number(std::string_view field) {
     ++i;
   }
   std::string word;
-  for (std::size_t j = i; j < field.size(); ++j) word += static_cast<char>(std::tolower(static_cast<unsigned char>(field[j])));
+  for (std::size_t j = i; j < field.size(); ++j)
+    word += static_cast<char>(std::tolower(static_cast<unsigned char>(field[j])));
   if (word.rfind("nan", 0) == 0 || word.rfind("inf", 0) == 0) return out.state = Number::State::not_finite, out;
   int digits = 0, decimals = 0;
   bool point = false;
   for (; i < field.size(); ++i) {
-    if (std::isdigit(static_cast<unsigned char>(field[i]))) ++digits, decimals += point;
-    else if (field[i] == '.' && !point) point = true;
-    else break;
+    if (std::isdigit(static_cast<unsigned char>(field[i])))
+      ++digits, decimals += point;
+    else if (field[i] == '.' && !point)
+      point = true;
+    else
+      break;
     plain += field[i];
   }
   if (digits == 0) return out;
@@ -105,8 +111,10 @@ Number read_number(std::string_view field) {
     const bool letter = std::strchr("eEdD", field[i]) != nullptr;
     if (letter) ++i;
     bool minus = false;
-    if (i < field.size() && (field[i] == '+' || field[i] == '-')) minus = field[i++] == '-';
-    else if (!letter) return out;
+    if (i < field.size() && (field[i] == '+' || field[i] == '-'))
+      minus = field[i++] == '-';
+    else if (!letter)
+      return out;
     const auto [end, error] = std::from_chars(field.data() + i, field.data() + field.size(), exponent);
     if (error != std::errc() || end != field.data() + field.size() || exponent < 0 || exponent > 400) return out;
     if (minus) exponent = -exponent;
@@ -120,7 +128,8 @@ Number read_number(std::string_view field) {
   } else if (error != std::errc() || at != end) {
     return out;
   }
-  // "0.0000E+00" is a zero, not a number below 0.00005: with an exponent of its own anything larger would have been printed.
+  // "0.0000E+00" is a zero, not a number below 0.00005: with an exponent of its own anything larger would have been
+  // printed.
   out.rounding = out.value == 0 && exponent_written ? 0 : 0.5 * std::pow(10.0, exponent - decimals);
   out.state = Number::State::good;
   return out;
@@ -131,29 +140,33 @@ std::optional<int> whole_number(double value, int lowest, int highest) {
   return static_cast<int>(value);
 }
 
-int need_whole(std::string_view field, const base::Where& where, const std::string& column, int lowest, int highest, base::Problems& problems) {
+int need_whole(std::string_view field, const base::Where& where, const std::string& column, int lowest, int highest,
+               base::Problems& problems) {
   const Number number = need_number(field, where, column, problems, true);
   if (!number.good()) return lowest;
   const auto whole = whole_number(number.value, lowest, highest);
   if (!whole)
-    problems.add(where, column + " is not a whole number from " + std::to_string(lowest) + " to " + std::to_string(highest),
+    problems.add(where,
+                 column + " is not a whole number from " + std::to_string(lowest) + " to " + std::to_string(highest),
                  std::string(trimmed(field)), "correct the row");
   return whole.value_or(lowest);
 }
 
-Number need_number(std::string_view field, const base::Where& where, const std::string& column, base::Problems& problems,
-                   bool negative_allowed) {
+Number need_number(std::string_view field, const base::Where& where, const std::string& column,
+                   base::Problems& problems, bool negative_allowed) {
   const Number number = read_number(field);
   const std::string found(trimmed(field));
   switch (number.state) {
     case Number::State::good:
-      if (number.value < 0 && !negative_allowed) problems.add(where, column + " is negative", found, "it cannot be; run the code anew");
+      if (number.value < 0 && !negative_allowed)
+        problems.add(where, column + " is negative", found, "it cannot be; run the code anew");
       break;
     case Number::State::blank:
       problems.add(where, column + " is blank", "", "the row is cut short or its fields have moved");
       break;
     case Number::State::overflow:
-      problems.add(where, column + " did not fit its field", found, "the code could not print it; run it anew with other units");
+      problems.add(where, column + " did not fit its field", found,
+                   "the code could not print it; run it anew with other units");
       break;
     case Number::State::not_finite:
       problems.add(where, column + " is not finite", found, "run the code anew");

@@ -10,14 +10,16 @@
 
 namespace raycube::atmos::imported {
 
-/// Lines of a file without their ends (LF or CR LF). Throws Error(environment) when it cannot be read, Error(input) when empty.
+/// Lines of a file without their ends (LF or CR LF). Throws Error(environment) when it cannot be read, Error(input)
+/// when empty.
 std::vector<std::string> read_lines(const std::string& path);
 /// The file's bytes.
 std::string read_bytes(const std::string& path);
 
 std::string_view trimmed(std::string_view text);
 std::vector<std::string_view> split_blanks(std::string_view line);
-/// Fields between commas, blanks around them taken off. A comma at the end of the line closes the last field and opens none.
+/// Fields between commas, blanks around them taken off. A comma at the end of the line closes the last field and opens
+/// none.
 std::vector<std::string_view> split_commas(std::string_view line);
 /// Columns [first, first + count) of a card, shorter where the line ends.
 std::string_view card_field(std::string_view line, std::size_t first, std::size_t count);
@@ -29,19 +31,22 @@ struct Number {
   bool good() const { return state == State::good; }
 };
 
-/// One field. Reads exponents written without E ("1.234-105"), D exponents and leading or trailing points; `****` is overflow.
+/// One field. Reads exponents written without E ("1.234-105"), D exponents and leading or trailing points; `****` is
+/// overflow.
 Number read_number(std::string_view field);
 
 /// As read_number; anything but a good number is added to `problems` with its place, naming `column`.
 /// Negative numbers are added too unless `negative_allowed`.
-Number need_number(std::string_view field, const base::Where& where, const std::string& column, base::Problems& problems,
-                   bool negative_allowed = false);
+Number need_number(std::string_view field, const base::Where& where, const std::string& column,
+                   base::Problems& problems, bool negative_allowed = false);
 
 /// The value as an int when it is a whole number from `lowest` to `highest`, else nothing.
 std::optional<int> whole_number(double value, int lowest, int highest);
 
-/// As need_number; what is not a whole number from `lowest` to `highest` is added to `problems` too and comes back as `lowest`.
-int need_whole(std::string_view field, const base::Where& where, const std::string& column, int lowest, int highest, base::Problems& problems);
+/// As need_number; what is not a whole number from `lowest` to `highest` is added to `problems` too and comes back as
+/// `lowest`.
+int need_whole(std::string_view field, const base::Where& where, const std::string& column, int lowest, int highest,
+               base::Problems& problems);
 
 /// Lines of sight and channels are numbered up to here at most.
 constexpr int kMostNumbered = 1000000000;

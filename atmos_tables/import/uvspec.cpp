@@ -46,7 +46,8 @@ class Reader {
       ++block;
     }
     if (block % levels != 0 && problems_.empty())
-      problems_.add(here(), "the last wavelength has not every level of the input file", std::to_string(block % levels) + " of " + std::to_string(levels),
+      problems_.add(here(), "the last wavelength has not every level of the input file",
+                    std::to_string(block % levels) + " of " + std::to_string(levels),
                     "the output is cut short, or the .inp is of another run");
     if (block == 0 && problems_.empty()) problems_.add(here(), "no data", "", "the run failed");
     if (problems_.empty()) {
@@ -64,7 +65,8 @@ class Reader {
     return at_ < lines_.size();
   }
 
-  void declare_column(std::string_view source, const Place& place, std::optional<double> umu, std::optional<double> phi) {
+  void declare_column(std::string_view source, const Place& place, std::optional<double> umu,
+                      std::optional<double> phi) {
     const bool up = umu && *umu > 0;
     const Meaning* meaning = meaning_of(source, up);
     Column column;
@@ -74,9 +76,15 @@ class Reader {
     if (umu && phi) column.place.relative_azimuth_deg = relative_azimuth_deg_from_uvspec(*umu, *phi, in_.phi0_deg);
     const std::string name = meaning->name, per_sr = meaning->radiance ? " sr-1" : "";
     switch (in_.quantity) {
-      case UvspecQuantity::transmittance: column.name = name + "_per_sun", column.unit = meaning->radiance ? "sr-1" : "1"; break;
-      case UvspecQuantity::reflectivity: column.name = name + "_reflectivity", column.unit = "1"; break;
-      case UvspecQuantity::brightness: column.name = name + "_brightness_temperature", column.unit = "K"; break;
+      case UvspecQuantity::transmittance:
+        column.name = name + "_per_sun", column.unit = meaning->radiance ? "sr-1" : "1";
+        break;
+      case UvspecQuantity::reflectivity:
+        column.name = name + "_reflectivity", column.unit = "1";
+        break;
+      case UvspecQuantity::brightness:
+        column.name = name + "_brightness_temperature", column.unit = "K";
+        break;
       case UvspecQuantity::radiometric:
         column.name = name;
         column.unit = "W m-2" + per_sr + (integrated() ? "" : " um-1");
@@ -111,10 +119,13 @@ class Reader {
   void declare_user(const std::string& name, const Place& place) {
     if (name == "uu" || name == "u0u") {
       for (const double umu : in_.umu) {
-        if (name == "u0u") declare_column(name, place, umu, {});
-        else for (const double phi : in_.phi_deg) declare_column(name, place, umu, phi);
+        if (name == "u0u")
+          declare_column(name, place, umu, {});
+        else
+          for (const double phi : in_.phi_deg) declare_column(name, place, umu, phi);
       }
-      if (in_.umu.empty() || (name == "uu" && in_.phi_deg.empty())) problems_.add({in_.file, 0, 0, ""}, "output_user " + name + " without umu or phi", "", "");
+      if (in_.umu.empty() || (name == "uu" && in_.phi_deg.empty()))
+        problems_.add({in_.file, 0, 0, ""}, "output_user " + name + " without umu or phi", "", "");
     } else if (meaning_of(name, false)) {
       declare_column(name, place, {}, {});
     } else if (name != "lambda" && name != "wavenumber" && name != "sza" && name != "zout") {
@@ -127,25 +138,34 @@ class Reader {
     const auto words = split_blanks(lines_[at_]);
     std::vector<Number> out;
     if (words.size() != expected) {
-      problems_.add(here(), std::string("a line of ") + what + " has another number of fields than the input file asks for",
-                    std::to_string(words.size()) + " of " + std::to_string(expected), "the output is cut short, or the .inp is of another run");
+      problems_.add(here(),
+                    std::string("a line of ") + what + " has another number of fields than the input file asks for",
+                    std::to_string(words.size()) + " of " + std::to_string(expected),
+                    "the output is cut short, or the .inp is of another run");
       return out;
     }
     for (const auto& word : words) out.push_back(need_number(word, here(), what, problems_, true));
     return out;
   }
 
-  bool integrated() const { return in_.density == UvspecDensity::integrated_W || in_.density == UvspecDensity::integrated_mW; }
+  bool integrated() const {
+    return in_.density == UvspecDensity::integrated_W || in_.density == UvspecDensity::integrated_mW;
+  }
 
   double converted(double value) const {
     const double um = run_.wavelength_um.back();
     if (in_.quantity != UvspecQuantity::radiometric) return value;
     switch (in_.density) {
-      case UvspecDensity::mW_per_nm: return W_per_m2_um_from_mW_per_m2_nm(value);
-      case UvspecDensity::W_per_nm: return W_per_m2_um_from_W_per_m2_nm(value);
-      case UvspecDensity::W_per_cm: return W_per_m2_um_from_W_per_m2_per_cm(value, um);
-      case UvspecDensity::integrated_mW: return W_per_m2_from_mW_per_m2(value);
-      case UvspecDensity::integrated_W: return value;
+      case UvspecDensity::mW_per_nm:
+        return W_per_m2_um_from_mW_per_m2_nm(value);
+      case UvspecDensity::W_per_nm:
+        return W_per_m2_um_from_W_per_m2_nm(value);
+      case UvspecDensity::W_per_cm:
+        return W_per_m2_um_from_W_per_m2_per_cm(value, um);
+      case UvspecDensity::integrated_mW:
+        return W_per_m2_from_mW_per_m2(value);
+      case UvspecDensity::integrated_W:
+        return value;
     }
     return value;
   }
@@ -154,7 +174,9 @@ class Reader {
     Column& column = run_.columns[next_column_++];
     double value = number.value;
     if (value < 0 && value >= -1e-9 * largest) value = 0;  // far below the seven digits printed of the largest
-    if (value < 0) problems_.add(here(), column.source + " is negative", std::to_string(number.value), "run uvspec with more streams");
+    if (value < 0)
+      problems_.add(here(), column.source + " is negative", std::to_string(number.value),
+                    "run uvspec with more streams");
     column.values.push_back(converted(value));
     column.rounding.push_back(converted(number.rounding));
   }
@@ -167,8 +189,10 @@ class Reader {
     const double um = base::um_from_nm(nm.value);
     auto& axis = run_.wavelength_um;
     if (level > 0 ? um != axis.back() : !axis.empty() && !(um > axis.back())) {
-      problems_.add(here(), level > 0 ? "the wavelength changes between the levels of one block" : "wavelengths do not ascend",
-                    std::to_string(nm.value) + " after " + std::to_string(base::nm_from_um(axis.back())) + " nm", "lines are missing, doubled or out of order");
+      problems_.add(here(),
+                    level > 0 ? "the wavelength changes between the levels of one block" : "wavelengths do not ascend",
+                    std::to_string(nm.value) + " after " + std::to_string(base::nm_from_um(axis.back())) + " nm",
+                    "lines are missing, doubled or out of order");
       return false;
     }
     if (level == 0) axis.push_back(um);
@@ -193,7 +217,9 @@ class Reader {
       const auto phis = numbers(in_.phi_deg.size(), "phi values");
       for (std::size_t i = 0; i < phis.size(); ++i)
         if (!(std::abs(phis[i].value - in_.phi_deg[i]) <= phis[i].rounding * 1.001))
-          problems_.add(here(), "phi is not that of the input file", std::to_string(phis[i].value) + " for " + std::to_string(in_.phi_deg[i]), "the .inp is of another run");
+          problems_.add(here(), "phi is not that of the input file",
+                        std::to_string(phis[i].value) + " for " + std::to_string(in_.phi_deg[i]),
+                        "the .inp is of another run");
       if (phis.empty()) return false;
       ++at_;
     }
@@ -202,7 +228,8 @@ class Reader {
       const auto radiances = numbers(2 + in_.phi_deg.size(), "radiances");
       if (radiances.empty()) return false;
       if (!(std::abs(radiances[0].value - umu) <= radiances[0].rounding * 1.001)) {
-        problems_.add(here(), "umu is not that of the input file", std::to_string(radiances[0].value) + " for " + std::to_string(umu),
+        problems_.add(here(), "umu is not that of the input file",
+                      std::to_string(radiances[0].value) + " for " + std::to_string(umu),
                       "lines are out of order, or the .inp is of another run");
         return false;
       }
@@ -227,7 +254,8 @@ class Reader {
     std::size_t field = 0;
     const auto check = [&](const char* what, double stands, double expected) {
       if (!(std::abs(stands - expected) <= line[field].rounding * 1.001))
-        problems_.add(here(), std::string(what) + " is not that of the input file", std::to_string(stands) + " for " + std::to_string(expected),
+        problems_.add(here(), std::string(what) + " is not that of the input file",
+                      std::to_string(stands) + " for " + std::to_string(expected),
                       "lines are out of order, or the .inp is of another run");
     };
     // The axis first, wherever it stands: conversions need it.
@@ -250,14 +278,19 @@ class Reader {
       const double nm = base::nm_from_um(base::um_from_wavenumber_per_cm(line[*wavenumber].value));
       const double digits = line[*lambda].rounding + line[*wavenumber].rounding * nm * nm * 1e-7;
       if (!(std::abs(nm - line[*lambda].value) <= digits * 1.001))
-        problems_.add(here(), "lambda and wavenumber disagree", std::to_string(nm) + " and " + std::to_string(line[*lambda].value) + " nm", "the columns have moved");
+        problems_.add(here(), "lambda and wavenumber disagree",
+                      std::to_string(nm) + " and " + std::to_string(line[*lambda].value) + " nm",
+                      "the columns have moved");
     }
     for (const auto& name : in_.output_user)
-      if (name != "lambda" && name != "wavenumber" && name != "sza" && name != "zout") largest = std::max(largest, std::abs(line[*column_of(name.c_str())].value));
+      if (name != "lambda" && name != "wavenumber" && name != "sza" && name != "zout")
+        largest = std::max(largest, std::abs(line[*column_of(name.c_str())].value));
     for (const auto& name : in_.output_user) {
       const std::size_t count = name == "uu" ? in_.umu.size() * in_.phi_deg.size() : name == "u0u" ? in_.umu.size() : 1;
-      if (name == "sza" && in_.sun_zenith_deg) check("sza", line[field].value, *in_.sun_zenith_deg);
-      else if (name == "zout" && in_.levels[level].height_m) check("zout", line[field].value, *in_.levels[level].height_m / 1e3);
+      if (name == "sza" && in_.sun_zenith_deg)
+        check("sza", line[field].value, *in_.sun_zenith_deg);
+      else if (name == "zout" && in_.levels[level].height_m)
+        check("zout", line[field].value, *in_.levels[level].height_m / 1e3);
       else if (meaning_of(name, false))
         for (std::size_t i = 0; i < count; ++i) put(line[field + i], largest);
       field += count;
@@ -272,10 +305,14 @@ class Reader {
     if (in_.last_nm <= 0) return;
     const double first = base::nm_from_um(axis.front()), last = base::nm_from_um(axis.back());
     // Steps of the solar file or of the band model: an end may miss the band's by one of them.
-    const double step = axis.size() > 1 ? base::nm_from_um(axis[axis.size() - 1] - axis[axis.size() - 2]) : in_.last_nm - in_.first_nm;
+    const double step =
+        axis.size() > 1 ? base::nm_from_um(axis[axis.size() - 1] - axis[axis.size() - 2]) : in_.last_nm - in_.first_nm;
     if (first < in_.first_nm - step || last > in_.last_nm + step || last < in_.last_nm - 1.001 * std::max(step, 1.0))
-      problems_.add(here(), "the wavelengths are not those of the input file, " + std::to_string(in_.first_nm) + " to " + std::to_string(in_.last_nm) + " nm",
-                    std::to_string(first) + " to " + std::to_string(last), "the output is cut short, or the .inp is of another run");
+      problems_.add(here(),
+                    "the wavelengths are not those of the input file, " + std::to_string(in_.first_nm) + " to " +
+                        std::to_string(in_.last_nm) + " nm",
+                    std::to_string(first) + " to " + std::to_string(last),
+                    "the output is cut short, or the .inp is of another run");
   }
 
   const std::string& path_;
@@ -293,7 +330,9 @@ Imported read_uvspec(const std::string& path, const std::string& input) {
   if (beside.empty()) {
     beside = std::filesystem::path(path).replace_extension(".inp").string();
     if (!std::filesystem::exists(beside))
-      throw base::Error(base::Fault::input, path + ": uvspec output does not name its levels, angles and units; name its input file (" + beside + " is not there)");
+      throw base::Error(base::Fault::input,
+                        path + ": uvspec output does not name its levels, angles and units; name its input file (" +
+                            beside + " is not there)");
   }
   const UvspecInput in = read_uvspec_input(beside);
   return Reader(path, in).read();

@@ -23,7 +23,8 @@ ResolvedGases::ResolvedGases(const std::vector<AbsorbingGas>& gases, const AirPr
     : layers_(level_km.size() - 1), depth_(wavenumber_per_cm.size() * layers_, 0.0) {
   for (const LayerNode& node : layer_nodes(profile, level_km, 2)) {
     const std::vector<double> absorption = absorption_per_km(gases, node.air, wavenumber_per_cm);
-    for (std::size_t i = 0; i < absorption.size(); ++i) depth_[i * layers_ + node.layer] += node.length_km * absorption[i];
+    for (std::size_t i = 0; i < absorption.size(); ++i)
+      depth_[i * layers_ + node.layer] += node.length_km * absorption[i];
   }
 }
 

@@ -11,7 +11,7 @@
 namespace raycube::atmos {
 
 struct GasState {
-  double pressure_hPa = 0;      ///< of the air, the gas included
+  double pressure_hPa = 0;  ///< of the air, the gas included
   double temperature_K = 0;
   double own_pressure_hPa = 0;  ///< of the gas
 };
@@ -20,7 +20,8 @@ class Absorber {
  public:
   virtual ~Absorber() = default;
   /// Absorption cross-section, cm2 per molecule, at wavenumbers (cm-1, vacuum) that ascend strictly.
-  virtual std::vector<double> cross_section_cm2(const std::vector<double>& wavenumber_per_cm, const GasState& state) const = 0;
+  virtual std::vector<double> cross_section_cm2(const std::vector<double>& wavenumber_per_cm,
+                                                const GasState& state) const = 0;
 };
 
 /// A gas in the air and what it absorbs. Amount: the profile's, or one mixing ratio at every height.
@@ -30,7 +31,9 @@ struct AbsorbingGas {
   double ppmv = 0;
   std::shared_ptr<const Absorber> absorber;
 
-  double per_cm3(const AirLevel& air) const { return in_profile ? air.gas(*in_profile) : 1e-6 * ppmv * air.air_per_cm3; }
+  double per_cm3(const AirLevel& air) const {
+    return in_profile ? air.gas(*in_profile) : 1e-6 * ppmv * air.air_per_cm3;
+  }
 };
 
 /// Absorption coefficient of some gases in air of one state, km-1.
@@ -40,8 +43,9 @@ std::vector<double> absorption_per_km(const std::vector<AbsorbingGas>& gases, co
 /// Depths of layers by gases whose lines are resolved. Monochromatic, so they add up over layers and paths.
 class ResolvedGases {
  public:
-  /// Layers between levels from the ground up, km above the sea, inside the profile (Error(input) otherwise); wavenumbers ascend.
-  /// Two Gauss points in every piece of a layer: the depth of a line's wing is right to 1e-4 where pressure halves in a piece.
+  /// Layers between levels from the ground up, km above the sea, inside the profile (Error(input) otherwise);
+  /// wavenumbers ascend. Two Gauss points in every piece of a layer: the depth of a line's wing is right to 1e-4 where
+  /// pressure halves in a piece.
   ResolvedGases(const std::vector<AbsorbingGas>& gases, const AirProfile& profile, const std::vector<double>& level_km,
                 const std::vector<double>& wavenumber_per_cm);
 

@@ -27,7 +27,8 @@ struct Field {
   const char* name;
 };
 constexpr Field kWavenumber{3, 12, "wavenumber"}, kIntensity{15, 10, "intensity"}, kGammaAir{35, 5, "gamma_air"},
-    kGammaSelf{40, 5, "gamma_self"}, kEnergy{45, 10, "lower energy"}, kExponent{55, 4, "n_air"}, kShift{59, 8, "delta_air"};
+    kGammaSelf{40, 5, "gamma_self"}, kEnergy{45, 10, "lower energy"}, kExponent{55, 4, "n_air"},
+    kShift{59, 8, "delta_air"};
 
 /// HITRAN's one character: 1-9, then 0, A, B ... 0 when it is none of these.
 int isotopologue_of(char c) {
@@ -65,7 +66,8 @@ class Reader {
     if (!quick(record, wavenumber) && !positive(record, kWavenumber, wavenumber)) return go_on();
     auto& extent = extents_[static_cast<std::size_t>(molecule)];
     if (extent.records++ == 0) extent.first_per_cm = extent.last_per_cm = wavenumber;
-    extent.first_per_cm = std::min(extent.first_per_cm, wavenumber), extent.last_per_cm = std::max(extent.last_per_cm, wavenumber);
+    extent.first_per_cm = std::min(extent.first_per_cm, wavenumber),
+    extent.last_per_cm = std::max(extent.last_per_cm, wavenumber);
     if (wavenumber >= low_ && wavenumber <= high_) add(record, molecule, wavenumber);
     return go_on();
   }
@@ -76,15 +78,17 @@ class Reader {
     problems_.throw_if_any();
     for (std::size_t m = 1; m < extents_.size(); ++m)
       if (extents_[m].records > 0) out_.molecules[static_cast<int>(m)] = extents_[m];
-    std::stable_sort(out_.lines.begin(), out_.lines.end(),
-                     [](const SpectralLine& a, const SpectralLine& b) { return a.wavenumber_per_cm < b.wavenumber_per_cm; });
+    std::stable_sort(out_.lines.begin(), out_.lines.end(), [](const SpectralLine& a, const SpectralLine& b) {
+      return a.wavenumber_per_cm < b.wavenumber_per_cm;
+    });
     return std::move(out_);
   }
 
  private:
   bool go_on() const { return problems_.lines().size() < imported::kEnoughProblems; }
   void fault(const std::string& what, const std::string& found, const std::string& way_out) {
-    problems_.add({out_.file, static_cast<int>(std::min<std::uint64_t>(line_, kMaxLineNumber)), 0, ""}, what, found, way_out);
+    problems_.add({out_.file, static_cast<int>(std::min<std::uint64_t>(line_, kMaxLineNumber)), 0, ""}, what, found,
+                  way_out);
   }
 
   /// The usual notation of a wavenumber, without the cost of the rest.
@@ -92,16 +96,19 @@ class Reader {
     const char *begin = record.data() + kWavenumber.first, *end = begin + kWavenumber.count;
     while (begin < end && *begin == ' ') ++begin;
     const auto read = std::from_chars(begin, end, value, std::chars_format::fixed);
-    return read.ec == std::errc() && read.ptr == end && value > 0 && std::memchr(begin, '.', static_cast<std::size_t>(end - begin));
+    return read.ec == std::errc() && read.ptr == end && value > 0 &&
+           std::memchr(begin, '.', static_cast<std::size_t>(end - begin));
   }
 
   /// A field that must hold a number with its point: without one Fortran would count digits from the right.
   bool number(std::string_view record, const Field& field, double& value) {
     const std::string_view text = record.substr(field.first, field.count);
     const Number read = imported::read_number(text);
-    const std::string columns = ", columns " + std::to_string(field.first + 1) + "-" + std::to_string(field.first + field.count);
+    const std::string columns =
+        ", columns " + std::to_string(field.first + 1) + "-" + std::to_string(field.first + field.count);
     if (!read.good()) {
-      fault(std::string(field.name) + columns + ", must be a number", "'" + std::string(text) + "'", "restore the record");
+      fault(std::string(field.name) + columns + ", must be a number", "'" + std::string(text) + "'",
+            "restore the record");
       return false;
     }
     if (text.find('.') == std::string_view::npos) {
@@ -115,8 +122,8 @@ class Reader {
   bool positive(std::string_view record, const Field& field, double& value) {
     if (!number(record, field, value)) return false;
     if (value > 0) return true;
-    fault(std::string(field.name) + " must be above 0", "'" + std::string(record.substr(field.first, field.count)) + "'",
-          "correct or remove the record");
+    fault(std::string(field.name) + " must be above 0",
+          "'" + std::string(record.substr(field.first, field.count)) + "'", "correct or remove the record");
     return false;
   }
 
@@ -127,14 +134,16 @@ class Reader {
     line.wavenumber_per_cm = wavenumber;
     bool good = true;
     if (line.isotopologue == 0) {
-      fault("unknown isotopologue", "'" + std::string(record.substr(2, 1)) + "'", "column 3 holds 1-9, 0 or a capital letter");
+      fault("unknown isotopologue", "'" + std::string(record.substr(2, 1)) + "'",
+            "column 3 holds 1-9, 0 or a capital letter");
       good = false;
     }
     good = positive(record, kIntensity, line.intensity) && good;
     good = positive(record, kGammaAir, line.gamma_air) && good;
     const std::string_view self = record.substr(kGammaSelf.first, kGammaSelf.count);
     line.gamma_self = line.gamma_air;
-    if (self.find_first_not_of(' ') != std::string_view::npos) good = number(record, kGammaSelf, line.gamma_self) && good;
+    if (self.find_first_not_of(' ') != std::string_view::npos)
+      good = number(record, kGammaSelf, line.gamma_self) && good;
     if (line.gamma_self < 0) {
       fault("gamma_self must not be negative", "'" + std::string(self) + "'", "correct or blank the field");
       good = false;

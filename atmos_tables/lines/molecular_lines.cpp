@@ -17,12 +17,14 @@ namespace {
 constexpr double kC2_cm_K = 1.438776877;  ///< hc/k (SI 2019)
 /// Pressure moves no centre further than this, cm-1, in an atmosphere.
 constexpr double kFarthestShift_per_cm = 1;
-/// Widths of a block, cm-1 and Doppler half widths. Lines nearer to its centre than twice its width are summed point by point: the
-/// others' poles lie outside the ellipse of Bernstein with rho = 7.9, and of their Gaussian core exp(-24^2 ln 2) is left.
+/// Widths of a block, cm-1 and Doppler half widths. Lines nearer to its centre than twice its width are summed point by
+/// point: the others' poles lie outside the ellipse of Bernstein with rho = 7.9, and of their Gaussian core exp(-24^2
+/// ln 2) is left.
 constexpr double kBlock_per_cm = 0.2, kBlockDopplers = 16;
 constexpr std::size_t kNodes = 14;
 
-/// Chebyshev points of the second kind on [-1, 1] and their barycentric weights (Berrut & Trefethen 2004, SIAM Rev. 46, 501).
+/// Chebyshev points of the second kind on [-1, 1] and their barycentric weights (Berrut & Trefethen 2004, SIAM Rev. 46,
+/// 501).
 struct Chebyshev {
   std::array<double, kNodes> node, weight;
   Chebyshev() : node{}, weight{} {
@@ -66,7 +68,8 @@ MolecularLines::MolecularLines(std::vector<SpectralLine> lines, LineOptions opti
                                std::shared_ptr<const PartitionSums> partition_sums)
     : lines_(std::move(lines)), options_(options), partition_sums_(std::move(partition_sums)) {
   if (!(options_.wing_per_cm > 0) || !(options_.weakest >= 0) || !partition_sums_)
-    throw base::Error(base::Fault::bug, "lines: the wing must be above 0, the weakest line not negative, partition sums given");
+    throw base::Error(base::Fault::bug,
+                      "lines: the wing must be above 0, the weakest line not negative, partition sums given");
   std::erase_if(lines_, [&](const SpectralLine& line) { return line.intensity < options_.weakest; });
 }
 
@@ -84,11 +87,15 @@ std::vector<MolecularLines::Shape> MolecularLines::shapes(double low, double hig
   for (auto line = first; line != lines_.end() && line->wavenumber_per_cm <= high + reach; ++line) {
     auto found = known.find(line->isotopologue);
     if (found == known.end())
-      found = known.emplace(line->isotopologue,
-                            PerIsotopologue{partition_sums_->ratio(line->molecule, line->isotopologue, state.temperature_K),
-                                            isotopologue_mass_g(line->molecule, line->isotopologue)}).first;
+      found =
+          known
+              .emplace(line->isotopologue,
+                       PerIsotopologue{partition_sums_->ratio(line->molecule, line->isotopologue, state.temperature_K),
+                                       isotopologue_mass_g(line->molecule, line->isotopologue)})
+              .first;
     const double v = line->wavenumber_per_cm, intensity = intensity_at(*line, state.temperature_K, found->second.ratio);
-    const double gamma = std::pow(warmth, line->n_air) * (line->gamma_air * (atm - own_atm) + line->gamma_self * own_atm);
+    const double gamma =
+        std::pow(warmth, line->n_air) * (line->gamma_air * (atm - own_atm) + line->gamma_self * own_atm);
     const VoigtProfile profile(doppler_half_width_per_cm(v, state.temperature_K, found->second.mass_g), gamma);
     const double pedestal = options_.without_pedestal ? intensity * profile(options_.wing_per_cm) : 0;
     out.push_back({v + line->delta_air * atm, intensity, pedestal, profile});
@@ -97,16 +104,19 @@ std::vector<MolecularLines::Shape> MolecularLines::shapes(double low, double hig
   return out;
 }
 
-std::vector<double> MolecularLines::every_line_cm2(const std::vector<double>& wavenumber_per_cm, const GasState& state) const {
+std::vector<double> MolecularLines::every_line_cm2(const std::vector<double>& wavenumber_per_cm,
+                                                   const GasState& state) const {
   std::vector<double> out(wavenumber_per_cm.size(), 0.0);
   if (out.empty()) return out;
   for (const Shape& shape : shapes(wavenumber_per_cm.front(), wavenumber_per_cm.back(), state))
     for (std::size_t i = 0; i < out.size(); ++i)
-      if (std::abs(wavenumber_per_cm[i] - shape.centre) <= options_.wing_per_cm) out[i] += shape.at(wavenumber_per_cm[i]);
+      if (std::abs(wavenumber_per_cm[i] - shape.centre) <= options_.wing_per_cm)
+        out[i] += shape.at(wavenumber_per_cm[i]);
   return out;
 }
 
-std::vector<double> MolecularLines::cross_section_cm2(const std::vector<double>& wavenumber_per_cm, const GasState& state) const {
+std::vector<double> MolecularLines::cross_section_cm2(const std::vector<double>& wavenumber_per_cm,
+                                                      const GasState& state) const {
   static const Chebyshev chebyshev;
   const std::vector<double>& v = wavenumber_per_cm;
   std::vector<double> out(v.size(), 0.0);
@@ -114,9 +124,11 @@ std::vector<double> MolecularLines::cross_section_cm2(const std::vector<double>&
   const std::vector<Shape> all = shapes(v.front(), v.back(), state);
   const double heaviest_doppler = doppler_half_width_per_cm(v.back(), state.temperature_K, 1.0);
   const double mass = isotopologue_mass_g(lines_.front().molecule, 1);
-  const double width = std::max(kBlock_per_cm, kBlockDopplers * heaviest_doppler / std::sqrt(mass)), wing = options_.wing_per_cm;
+  const double width = std::max(kBlock_per_cm, kBlockDopplers * heaviest_doppler / std::sqrt(mass)),
+               wing = options_.wing_per_cm;
   for (std::size_t begin = 0, end; begin < v.size(); begin = end) {
-    end = static_cast<std::size_t>(std::upper_bound(v.begin() + static_cast<std::ptrdiff_t>(begin), v.end(), v[begin] + width) - v.begin());
+    end = static_cast<std::size_t>(
+        std::upper_bound(v.begin() + static_cast<std::ptrdiff_t>(begin), v.end(), v[begin] + width) - v.begin());
     const double half = 0.5 * (v[end - 1] - v[begin]), centre = v[begin] + half;
     const auto first = std::lower_bound(all.begin(), all.end(), v[begin] - wing,
                                         [](const Shape& shape, double at) { return shape.centre < at; });

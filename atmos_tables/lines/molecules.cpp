@@ -60,7 +60,17 @@ const std::vector<Molecule>& molecules() {
       {"c2h2", 2, {{3374, 1}, {1974, 1}, {3289, 1}, {612, 2}, {730, 2}}},
       {"c2h6",
        3,
-       {{2954, 1}, {1388, 1}, {995, 1}, {289, 1}, {2896, 1}, {1379, 1}, {2969, 2}, {1468, 2}, {1190, 2}, {2985, 2}, {1469, 2},
+       {{2954, 1},
+        {1388, 1},
+        {995, 1},
+        {289, 1},
+        {2896, 1},
+        {1379, 1},
+        {2969, 2},
+        {1468, 2},
+        {1190, 2},
+        {2985, 2},
+        {1469, 2},
         {822, 2}}},
       {"ph3", 3, {{2323, 1}, {992, 1}, {2328, 2}, {1118, 2}}},
       {"cof2", 3, {}},
@@ -74,7 +84,17 @@ const std::vector<Molecule>& molecules() {
       {"hobr", 3, {}},
       {"c2h4",
        3,
-       {{3026, 1}, {1623, 1}, {1342, 1}, {1023, 1}, {3103, 1}, {1236, 1}, {949, 1}, {943, 1}, {3106, 1}, {826, 1}, {2989, 1},
+       {{3026, 1},
+        {1623, 1},
+        {1342, 1},
+        {1023, 1},
+        {3103, 1},
+        {1236, 1},
+        {949, 1},
+        {943, 1},
+        {3106, 1},
+        {826, 1},
+        {2989, 1},
         {1444, 1}}},
       {"ch3oh", 3, {}},
       {"ch3br", 3, {}},
@@ -127,11 +147,13 @@ double formula_mass(const std::string& formula) {
   double sum = 0;
   for (std::size_t i = 0; i < formula.size();) {
     // Two-letter symbols first: cl, br, ge.
-    std::size_t length = atom_mass(formula.substr(i, 2)) > 0 && i + 1 < formula.size() && formula.substr(i, 2).size() == 2 ? 2 : 1;
+    std::size_t length =
+        atom_mass(formula.substr(i, 2)) > 0 && i + 1 < formula.size() && formula.substr(i, 2).size() == 2 ? 2 : 1;
     const double mass = atom_mass(formula.substr(i, length));
     i += length;
     int count = 0;
-    while (i < formula.size() && std::isdigit(static_cast<unsigned char>(formula[i]))) count = 10 * count + (formula[i++] - '0');
+    while (i < formula.size() && std::isdigit(static_cast<unsigned char>(formula[i])))
+      count = 10 * count + (formula[i++] - '0');
     sum += mass * std::max(1, count);
   }
   return sum;
@@ -140,8 +162,8 @@ double formula_mass(const std::string& formula) {
 /// In HITRAN's order, by abundance on earth.
 const std::array<std::vector<double>, 7> kIsotopologueMass_g = {{
     {18.010565, 20.014811, 19.014780, 19.016740, 21.020985, 20.020956, 20.022915},
-    {43.989830, 44.993185, 45.994076, 44.994045, 46.997431, 45.997400, 47.998322, 46.998291, 45.994262, 49.001675, 48.001646,
-     47.001618},
+    {43.989830, 44.993185, 45.994076, 44.994045, 46.997431, 45.997400, 47.998322, 46.998291, 45.994262, 49.001675,
+     48.001646, 47.001618},
     {47.984745, 49.988991, 49.988991, 48.988960, 48.988960},
     {44.001062, 44.998096, 44.998096, 46.005308, 45.005278},
     {27.994915, 28.998270, 29.999161, 28.999130, 31.002516, 30.002485},
@@ -152,7 +174,8 @@ const std::array<std::vector<double>, 7> kIsotopologueMass_g = {{
 /// ln of Q without its constant factor.
 double formula_log_q(const Molecule& molecule, double temperature_K) {
   double sum = 0.5 * molecule.rotations * std::log(temperature_K);
-  for (const Vibration& v : molecule.vibrations) sum -= v.degeneracy * std::log1p(-std::exp(-kC2_cm_K * v.wavenumber_per_cm / temperature_K));
+  for (const Vibration& v : molecule.vibrations)
+    sum -= v.degeneracy * std::log1p(-std::exp(-kC2_cm_K * v.wavenumber_per_cm / temperature_K));
   return sum;
 }
 
@@ -171,7 +194,8 @@ double isotopologue_mass_g(int molecule, int isotopologue) {
   const Molecule& found = find(molecule);
   if (molecule <= static_cast<int>(kIsotopologueMass_g.size())) {
     const auto& masses = kIsotopologueMass_g[static_cast<std::size_t>(molecule - 1)];
-    if (isotopologue >= 1 && isotopologue <= static_cast<int>(masses.size())) return masses[static_cast<std::size_t>(isotopologue - 1)];
+    if (isotopologue >= 1 && isotopologue <= static_cast<int>(masses.size()))
+      return masses[static_cast<std::size_t>(isotopologue - 1)];
   }
   return formula_mass(found.name);
 }
@@ -187,8 +211,9 @@ double PartitionSums::log_q(const Table& table, double temperature_K) const {
   const double at = std::log(temperature_K);
   const auto& x = table.log_temperature;
   if (!(at >= x.front() && at <= x.back()))
-    throw base::Error(base::Fault::input, file_ + ": partition sum of " + molecule_name(table.molecule) + " isotopologue " +
-                                              std::to_string(table.isotopologue) + " ends before " + std::to_string(temperature_K) +
+    throw base::Error(base::Fault::input, file_ + ": partition sum of " + molecule_name(table.molecule) +
+                                              " isotopologue " + std::to_string(table.isotopologue) + " ends before " +
+                                              std::to_string(temperature_K) +
                                               " K; extend the table to the air's temperatures and 296 K");
   const std::size_t high = std::clamp<std::size_t>(
       static_cast<std::size_t>(std::upper_bound(x.begin(), x.end(), at) - x.begin()), 1, x.size() - 1);
@@ -223,9 +248,11 @@ PartitionSums PartitionSums::read_csv(const std::string& file) {
       continue;
     }
     const Number as_number = read_number(cells[0]);
-    const int molecule = as_number.good() ? whole_number(as_number.value, 1, molecule_count()).value_or(0) : molecule_number(std::string(cells[0]));
+    const int molecule = as_number.good() ? whole_number(as_number.value, 1, molecule_count()).value_or(0)
+                                          : molecule_number(std::string(cells[0]));
     if (molecule < 1 || molecule > molecule_count()) {
-      problems.add(where, "unknown molecule", "'" + std::string(cells[0]) + "'", "give HITRAN's number or a formula in lower case");
+      problems.add(where, "unknown molecule", "'" + std::string(cells[0]) + "'",
+                   "give HITRAN's number or a formula in lower case");
       continue;
     }
     const std::size_t before = problems.lines().size();
@@ -239,7 +266,8 @@ PartitionSums PartitionSums::read_csv(const std::string& file) {
     }
     auto table = std::find_if(out.tables_.begin(), out.tables_.end(),
                               [&](const Table& t) { return t.molecule == molecule && t.isotopologue == isotopologue; });
-    if (table == out.tables_.end()) table = out.tables_.insert(out.tables_.end(), Table{molecule, isotopologue, {}, {}});
+    if (table == out.tables_.end())
+      table = out.tables_.insert(out.tables_.end(), Table{molecule, isotopologue, {}, {}});
     if (!table->log_temperature.empty() && !(std::log(temperature.value) > table->log_temperature.back()))
       problems.add(where, "temperatures of one isotopologue must ascend", std::string(cells[2]), "sort the rows");
     table->log_temperature.push_back(std::log(temperature.value));
@@ -248,7 +276,8 @@ PartitionSums PartitionSums::read_csv(const std::string& file) {
   for (const Table& table : out.tables_)
     if (table.log_q.size() < 2)
       problems.add({file, 0, 0, molecule_name(table.molecule)}, "needs at least 2 temperatures", "1", "add rows");
-  if (problems.empty() && out.tables_.empty()) problems.add({file, 0, 0, ""}, "holds no partition sums", "no rows", "add rows");
+  if (problems.empty() && out.tables_.empty())
+    problems.add({file, 0, 0, ""}, "holds no partition sums", "no rows", "add rows");
   problems.throw_if_any();
   return out;
 }

@@ -12,22 +12,22 @@ int molecule_count();
 const std::string& molecule_name(int molecule);
 /// 0 when unknown.
 int molecule_number(const std::string& name);
-/// g mol-1. Isotopologues of the first seven molecules by their own mass, of others (and beyond the list) by the commonest
-/// isotopes, which is within 4 %: 2 % of a Doppler width.
+/// g mol-1. Isotopologues of the first seven molecules by their own mass, of others (and beyond the list) by the
+/// commonest isotopes, which is within 4 %: 2 % of a Doppler width.
 double isotopologue_mass_g(int molecule, int isotopologue);
 
 /// Partition sums Q(T) of molecules: by formula, or from a user's file.
 class PartitionSums {
  public:
-  /// Classical rotation (T for linear molecules, T^1.5 for others) times harmonic vibrations at the fundamental frequencies
-  /// (Shimanouchi 1972, NSRDS-NBS 39; Huber & Herzberg 1979; the rule of the AFGL line compilation, McClatchey et al. 1973,
-  /// AFCRL-TR-73-0096). Against levels summed one by one Q(296) / Q(T) is within 0.5 % between 180 and 330 K for linear molecules
-  /// and CH4; the first quantum correction of H2O is 0.9 % at 180 K and 0.7 % at 200 K, of O3 below 0.1 %;
-  /// molecules whose frequencies are not held (molecules.cpp) are taken as stiff.
+  /// Classical rotation (T for linear molecules, T^1.5 for others) times harmonic vibrations at the fundamental
+  /// frequencies (Shimanouchi 1972, NSRDS-NBS 39; Huber & Herzberg 1979; the rule of the AFGL line compilation,
+  /// McClatchey et al. 1973, AFCRL-TR-73-0096). Against levels summed one by one Q(296) / Q(T) is within 0.5 % between
+  /// 180 and 330 K for linear molecules and CH4; the first quantum correction of H2O is 0.9 % at 180 K and 0.7 % at 200
+  /// K, of O3 below 0.1 %; molecules whose frequencies are not held (molecules.cpp) are taken as stiff.
   PartitionSums() = default;
 
-  /// CSV: molecule (name or number), isotopologue, temperature_K, q under a header line of those names; temperatures ascending
-  /// for each. ln Q is linear in ln T between them. Isotopologues that the file leaves out keep the formula.
+  /// CSV: molecule (name or number), isotopologue, temperature_K, q under a header line of those names; temperatures
+  /// ascending for each. ln Q is linear in ln T between them. Isotopologues that the file leaves out keep the formula.
   /// Throws Error(environment) when it cannot be read, Error(input) with every fault by line.
   static PartitionSums read_csv(const std::string& file);
 

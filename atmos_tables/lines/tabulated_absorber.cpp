@@ -52,16 +52,19 @@ double TabulatedAbsorber::last_per_cm() const {
   return last;
 }
 
-std::vector<double> TabulatedAbsorber::cross_section_cm2(const std::vector<double>& wavenumber_per_cm, const GasState& state) const {
+std::vector<double> TabulatedAbsorber::cross_section_cm2(const std::vector<double>& wavenumber_per_cm,
+                                                         const GasState& state) const {
   std::vector<double> out(wavenumber_per_cm.size(), 0.0);
   const auto add = [&](const Group& group, double share) {
     if (!(share > 0)) return;
-    const Place t = place_of(group.by_temperature, state.temperature_K, [](const Spectrum& s) { return s.temperature_K; });
+    const Place t =
+        place_of(group.by_temperature, state.temperature_K, [](const Spectrum& s) { return s.temperature_K; });
     const Spectrum &cold = group.by_temperature[t.low], &warm = group.by_temperature[t.high];
     for (std::size_t i = 0; i < out.size(); ++i)
       out[i] += share * ((1 - t.weight) * cold.at(wavenumber_per_cm[i]) + t.weight * warm.at(wavenumber_per_cm[i]));
   };
-  const Place p = place_of(groups_, std::log(state.pressure_hPa), [](const Group& g) { return std::log(g.pressure_hPa); });
+  const Place p =
+      place_of(groups_, std::log(state.pressure_hPa), [](const Group& g) { return std::log(g.pressure_hPa); });
   add(groups_[p.low], 1 - p.weight);
   add(groups_[p.high], p.weight);
   return out;
@@ -80,8 +83,11 @@ TabulatedAbsorber TabulatedAbsorber::read_csv(const std::string& file) {
     const std::vector<std::string_view> cells = split_commas(line);
     if (!headed) {
       headed = true;
-      if (cells == std::vector<std::string_view>{"wavenumber_per_cm", "pressure_hPa", "temperature_K", "cross_section_cm2"}) continue;
-      problems.add(where, "the columns of cross-sections are wavenumber_per_cm,pressure_hPa,temperature_K,cross_section_cm2",
+      if (cells ==
+          std::vector<std::string_view>{"wavenumber_per_cm", "pressure_hPa", "temperature_K", "cross_section_cm2"})
+        continue;
+      problems.add(where,
+                   "the columns of cross-sections are wavenumber_per_cm,pressure_hPa,temperature_K,cross_section_cm2",
                    "'" + line + "'", "give that header line and those units");
       break;
     }
@@ -90,17 +96,20 @@ TabulatedAbsorber TabulatedAbsorber::read_csv(const std::string& file) {
       problems.add(where, "needs 4 cells", std::to_string(cells.size()), "complete the row");
       continue;
     }
-    const Number v = need_number(cells[0], where, "wavenumber_per_cm", problems), p = need_number(cells[1], where, "pressure_hPa", problems);
+    const Number v = need_number(cells[0], where, "wavenumber_per_cm", problems),
+                 p = need_number(cells[1], where, "pressure_hPa", problems);
     const Number t = need_number(cells[2], where, "temperature_K", problems);
     // Noise of a measurement may be negative; it is kept, so that means stay right.
     const Number sigma = need_number(cells[3], where, "cross_section_cm2", problems, true);
     if (!v.good() || !p.good() || !t.good() || !sigma.good()) continue;
     if (!(v.value > 0 && p.value > 0 && p.value < 1e5 && t.value >= 50 && t.value <= 2000)) {
-      problems.add(where, "needs wavenumber > 0, pressure within 0..1e5 hPa, temperature within 50..2000 K", line, "correct the row");
+      problems.add(where, "needs wavenumber > 0, pressure within 0..1e5 hPa, temperature within 50..2000 K", line,
+                   "correct the row");
       continue;
     }
     if (!(std::abs(sigma.value) < 1e-12)) {
-      problems.add(where, "a cross-section of a molecule is below 1e-12 cm2", std::string(cells[3]), "is the unit cm2 per molecule?");
+      problems.add(where, "a cross-section of a molecule is below 1e-12 cm2", std::string(cells[3]),
+                   "is the unit cm2 per molecule?");
       continue;
     }
     if (spectra.empty() || spectra.back().pressure_hPa != p.value || spectra.back().temperature_K != t.value) {
@@ -111,16 +120,19 @@ TabulatedAbsorber TabulatedAbsorber::read_csv(const std::string& file) {
     }
     Spectrum& spectrum = spectra.back();
     if (!spectrum.wavenumber_per_cm.empty() && !(v.value > spectrum.wavenumber_per_cm.back()))
-      problems.add(where, "wavenumbers must ascend strictly", std::string(cells[0]), "sort the rows and remove doubles");
+      problems.add(where, "wavenumbers must ascend strictly", std::string(cells[0]),
+                   "sort the rows and remove doubles");
     spectrum.wavenumber_per_cm.push_back(v.value);
     spectrum.sigma_cm2.push_back(sigma.value);
   }
   for (const Spectrum& s : spectra)
     if (problems.empty() && s.sigma_cm2.size() < 2)
       problems.add({file, 0, 0, ""}, "a spectrum needs at least 2 wavenumbers", "1", "add rows");
-  if (problems.empty() && spectra.empty()) problems.add({file, 0, 0, ""}, "holds no cross-sections", "no rows", "add rows");
+  if (problems.empty() && spectra.empty())
+    problems.add({file, 0, 0, ""}, "holds no cross-sections", "no rows", "add rows");
   problems.throw_if_any();
-  std::sort(spectra.begin(), spectra.end(), [](const Spectrum& a, const Spectrum& b) { return a.pressure_hPa < b.pressure_hPa; });
+  std::sort(spectra.begin(), spectra.end(),
+            [](const Spectrum& a, const Spectrum& b) { return a.pressure_hPa < b.pressure_hPa; });
   TabulatedAbsorber out;
   for (Spectrum& s : spectra) {
     if (out.groups_.empty() || s.pressure_hPa > out.groups_.back().pressure_hPa * (1 + kSamePressure))
@@ -129,7 +141,8 @@ TabulatedAbsorber TabulatedAbsorber::read_csv(const std::string& file) {
   }
   for (Group& group : out.groups_) {
     auto& list = group.by_temperature;
-    std::sort(list.begin(), list.end(), [](const Spectrum& a, const Spectrum& b) { return a.temperature_K < b.temperature_K; });
+    std::sort(list.begin(), list.end(),
+              [](const Spectrum& a, const Spectrum& b) { return a.temperature_K < b.temperature_K; });
     for (std::size_t i = 1; i < list.size(); ++i)
       if (!(list[i].temperature_K > list[i - 1].temperature_K))
         throw base::Error(base::Fault::input, file + ": two spectra of " + std::to_string(list[i].temperature_K) +

@@ -8,17 +8,19 @@
 
 namespace raycube::atmos {
 
-/// CSV under the header wavenumber_per_cm,pressure_hPa,temperature_K,cross_section_cm2; notes start with #. Rows of one pressure and
-/// temperature form a spectrum, wavenumbers ascending; spectra may follow one another in any order, rows may not be mixed.
-/// Between wavenumbers linear. Between states: linear in temperature among spectra of one pressure (within 1 %), then linear in
-/// ln p; held beyond the outermost, so a single spectrum serves every height, with the error of not knowing better.
+/// CSV under the header wavenumber_per_cm,pressure_hPa,temperature_K,cross_section_cm2; notes start with #. Rows of one
+/// pressure and temperature form a spectrum, wavenumbers ascending; spectra may follow one another in any order, rows
+/// may not be mixed. Between wavenumbers linear. Between states: linear in temperature among spectra of one pressure
+/// (within 1 %), then linear in ln p; held beyond the outermost, so a single spectrum serves every height, with the
+/// error of not knowing better.
 class TabulatedAbsorber : public Absorber {
  public:
   /// Throws Error(environment) when the file cannot be read, Error(input) with every fault by line.
   static TabulatedAbsorber read_csv(const std::string& file);
 
   /// 0 outside a spectrum's wavenumbers.
-  std::vector<double> cross_section_cm2(const std::vector<double>& wavenumber_per_cm, const GasState& state) const override;
+  std::vector<double> cross_section_cm2(const std::vector<double>& wavenumber_per_cm,
+                                        const GasState& state) const override;
 
   /// Wavenumbers that every spectrum covers.
   double first_per_cm() const;

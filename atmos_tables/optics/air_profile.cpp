@@ -24,9 +24,12 @@ void check(const std::vector<AirLevel>& levels, const std::string& source) {
       if (!kept) problems.add(where, what, std::to_string(found), "correct the level");
     };
     rule(level.height_km >= -1 && level.height_km <= 150, "height must lie in -1 to 150 km", level.height_km);
-    rule(level.pressure_hPa > 0 && level.pressure_hPa <= 1200, "pressure must lie above 0, up to 1200 hPa", level.pressure_hPa);
-    rule(level.temperature_K >= 100 && level.temperature_K <= 1000, "temperature must lie in 100 to 1000 K", level.temperature_K);
-    rule(level.air_per_cm3 > 0 && level.air_per_cm3 < 1e21, "molecules of air per cm3 must be positive", level.air_per_cm3);
+    rule(level.pressure_hPa > 0 && level.pressure_hPa <= 1200, "pressure must lie above 0, up to 1200 hPa",
+         level.pressure_hPa);
+    rule(level.temperature_K >= 100 && level.temperature_K <= 1000, "temperature must lie in 100 to 1000 K",
+         level.temperature_K);
+    rule(level.air_per_cm3 > 0 && level.air_per_cm3 < 1e21, "molecules of air per cm3 must be positive",
+         level.air_per_cm3);
     for (double density : level.gas_per_cm3)
       rule(density >= 0 && density <= level.air_per_cm3, "a gas must lie between 0 and all molecules", density);
     if (i == 0) continue;
@@ -63,9 +66,9 @@ AirProfile::AirProfile(std::vector<AirLevel> levels, std::string source)
 
 void AirProfile::check_inside(double height_km) const {
   if (height_km >= ground_km() && height_km <= top_km()) return;
-  throw base::Error(base::Fault::input, "profile " + source_ + ": height " + std::to_string(height_km) + " km lies outside " +
-                                            std::to_string(ground_km()) + " to " + std::to_string(top_km()) +
-                                            " km; give a profile that reaches it");
+  throw base::Error(base::Fault::input, "profile " + source_ + ": height " + std::to_string(height_km) +
+                                            " km lies outside " + std::to_string(ground_km()) + " to " +
+                                            std::to_string(top_km()) + " km; give a profile that reaches it");
 }
 
 AirLevel AirProfile::at(double height_km) const {
@@ -113,9 +116,12 @@ double AirProfile::air_above_per_cm2(double height_km) const {
 }
 
 double AirProfile::water_g_cm2() const {
-  return gas_column_per_cm2(Gas::h2o, ground_km(), top_km()) * kMolarMass_g[static_cast<std::size_t>(Gas::h2o)] / kAvogadro;
+  return gas_column_per_cm2(Gas::h2o, ground_km(), top_km()) * kMolarMass_g[static_cast<std::size_t>(Gas::h2o)] /
+         kAvogadro;
 }
 
-double AirProfile::ozone_atm_cm() const { return gas_column_per_cm2(Gas::o3, ground_km(), top_km()) / kLoschmidt_per_cm3; }
+double AirProfile::ozone_atm_cm() const {
+  return gas_column_per_cm2(Gas::o3, ground_km(), top_km()) / kLoschmidt_per_cm3;
+}
 
 }  // namespace raycube::atmos

@@ -26,8 +26,8 @@ void check(double x, Complex m) {
     problems.add(where, "size parameter must lie in 1e-6 to 2e5", text(x),
                  "smaller spheres: Rayleigh; larger ones: geometric optics");
   if (!(m.real() > 0 && m.imag() >= 0 && std::isfinite(m.real()) && std::isfinite(m.imag())))
-    problems.add(where, "refractive index n + ik needs n > 0, k >= 0, finite", text(m.real()) + " + i " + text(m.imag()),
-                 "give k as a positive number when the sphere absorbs");
+    problems.add(where, "refractive index n + ik needs n > 0, k >= 0, finite",
+                 text(m.real()) + " + i " + text(m.imag()), "give k as a positive number when the sphere absorbs");
   else if (!(std::abs(m - 1.0) >= 1e-6))
     problems.add(where, "the sphere must differ from the medium", text(m.real()) + " + i " + text(m.imag()),
                  "leave out a sphere that scatters nothing");
@@ -37,13 +37,14 @@ void check(double x, Complex m) {
   problems.throw_if_any();
 }
 
-/// Orders past the argument after which a downward recurrence has forgotten its wrong start: there the wanted solution has
-/// fallen by exp(-(4/3) (2^(1/3) 8)^(3/2)) ~ 1e-18 against the other (Airy's form of the Bessel functions).
+/// Orders past the argument after which a downward recurrence has forgotten its wrong start: there the wanted solution
+/// has fallen by exp(-(4/3) (2^(1/3) 8)^(3/2)) ~ 1e-18 against the other (Airy's form of the Bessel functions).
 std::size_t order_beyond(double argument) {
   return static_cast<std::size_t>(std::ceil(argument + 8 * std::cbrt(argument))) + 16;
 }
 
-/// D_n(z) = psi_n'(z) / psi_n(z), n = 0..last, by downward recurrence D_(n-1) = n/z - 1/(D_n + n/z): stable for every z.
+/// D_n(z) = psi_n'(z) / psi_n(z), n = 0..last, by downward recurrence D_(n-1) = n/z - 1/(D_n + n/z): stable for every
+/// z.
 std::vector<Complex> log_derivatives(Complex z, std::size_t last) {
   const std::size_t start = std::max(last + 16, order_beyond(std::abs(z)));
   const Complex inverse = 1.0 / z;
@@ -52,7 +53,8 @@ std::vector<Complex> log_derivatives(Complex z, std::size_t last) {
   for (std::size_t n = start; n >= 1; --n) {
     const Complex ratio = static_cast<double>(n) * inverse;
     Complex sum = d + ratio;
-    if (sum == 0.0) sum = 1e-300;  // z is a zero of psi_(n-1): the next value is infinite, the one after it finite again
+    if (sum == 0.0)
+      sum = 1e-300;  // z is a zero of psi_(n-1): the next value is infinite, the one after it finite again
     d = ratio - 1.0 / sum;
     if (n - 1 <= last) out[n - 1] = d;
   }
@@ -89,8 +91,8 @@ MieSphere::MieSphere(double size_parameter, Complex index) : size_parameter_(siz
   const std::vector<double> psi = riccati_psi(x, terms);
   a_.resize(terms), b_.resize(terms);
 
-  // chi_n = -x y_n, upward (stable); xi_n = psi_n - i chi_n. Bohren & Huffman eq. 4.88 with c = D/m + n/x (a) or m D + n/x (b):
-  // coefficient = (c psi_n - psi_(n-1)) / (c xi_n - xi_(n-1)).
+  // chi_n = -x y_n, upward (stable); xi_n = psi_n - i chi_n. Bohren & Huffman eq. 4.88 with c = D/m + n/x (a) or m D +
+  // n/x (b): coefficient = (c psi_n - psi_(n-1)) / (c xi_n - xi_(n-1)).
   double chi_before = -std::sin(x), chi = std::cos(x);  // orders -1 and 0
   double scattered = 0, absorbed = 0;
   Complex back = 0;

@@ -47,8 +47,9 @@ void add_mie_intensity(const MieSphere& sphere, const std::vector<double>& cosin
     }
     // |S1|^2 + |S2|^2 = (|S1 + S2|^2 + |S1 - S2|^2) / 2
     forward[j] += weight * 0.25 * (plus_re * plus_re + plus_im * plus_im + minus_re * minus_re + minus_im * minus_im);
-    backward[j] += weight * 0.25 * (back_plus_re * back_plus_re + back_plus_im * back_plus_im +
-                                    back_minus_re * back_minus_re + back_minus_im * back_minus_im);
+    backward[j] += weight * 0.25 *
+                   (back_plus_re * back_plus_re + back_plus_im * back_plus_im + back_minus_re * back_minus_re +
+                    back_minus_im * back_minus_im);
   }
 }
 

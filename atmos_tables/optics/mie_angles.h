@@ -1,7 +1,7 @@
 // Light scattered by a sphere against angle: amplitudes, phase function and its Legendre moments.
 //
-// A phase function P(mu), mu = cosine of the scattering angle, has the integral 4 pi over the sphere (1/2 int P dmu = 1).
-// Its moments are chi_k = 1/2 int P(mu) P_k(mu) dmu, so P = sum (2k + 1) chi_k P_k, chi_0 = 1, chi_1 = asymmetry.
+// A phase function P(mu), mu = cosine of the scattering angle, has the integral 4 pi over the sphere (1/2 int P dmu =
+// 1). Its moments are chi_k = 1/2 int P(mu) P_k(mu) dmu, so P = sum (2k + 1) chi_k P_k, chi_0 = 1, chi_1 = asymmetry.
 #pragma once
 
 #include <complex>
@@ -20,8 +20,8 @@ struct MieAmplitudes {
 };
 MieAmplitudes mie_amplitudes(const MieSphere& sphere, double cosine);
 
-/// (|S1|^2 + |S2|^2) / 2 at +-cosine[i], all in [0, 1], from one recurrence (Wiscombe 1980, eq. 22-23): forward at +cosine,
-/// backward at -cosine, added to the sums with a weight.
+/// (|S1|^2 + |S2|^2) / 2 at +-cosine[i], all in [0, 1], from one recurrence (Wiscombe 1980, eq. 22-23): forward at
+/// +cosine, backward at -cosine, added to the sums with a weight.
 void add_mie_intensity(const MieSphere& sphere, const std::vector<double>& cosine, double weight,
                        std::vector<double>& forward, std::vector<double>& backward);
 

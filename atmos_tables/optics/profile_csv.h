@@ -26,7 +26,8 @@ struct ProfileFile {
   std::vector<std::string> notices;
 };
 
-/// Throws Error(environment) when the file cannot be read, Error(input) that lists every fault with file:line otherwise.
+/// Throws Error(environment) when the file cannot be read, Error(input) that lists every fault with file:line
+/// otherwise.
 ProfileFile read_profile_csv(const std::string& file);
 /// The same from a stream; name stands for the file in messages.
 ProfileFile read_profile_csv(std::istream& in, const std::string& name);

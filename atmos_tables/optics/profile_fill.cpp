@@ -18,13 +18,10 @@ Levels with_model_heights(const AirProfile& own, const AirProfile& model) {
   for (const AirLevel& level : model.levels()) {
     const double height = level.height_km;
     const bool inside = height > own.ground_km() && height < own.top_km();
-    const auto beside = [&](const AirLevel& other) {
-      return std::abs(other.height_km - height) <= kSameHeight_km;
-    };
+    const auto beside = [&](const AirLevel& other) { return std::abs(other.height_km - height) <= kSameHeight_km; };
     if (inside && std::none_of(out.begin(), out.end(), beside)) out.push_back(own.at(height));
   }
-  std::sort(out.begin(), out.end(),
-            [](const AirLevel& a, const AirLevel& b) { return a.height_km < b.height_km; });
+  std::sort(out.begin(), out.end(), [](const AirLevel& a, const AirLevel& b) { return a.height_km < b.height_km; });
   return out;
 }
 
@@ -74,8 +71,8 @@ CompletedProfile completed(const ProfileFile& own, AfglModel model, double top_k
   if (ends) add_levels_above(levels, filler, own.given);
   const std::string above = ends ? "everything above " + shown(own.air.top_km()) + " km" : "";
   const std::string name = kAfglNames[static_cast<std::size_t>(model)];
-  out.notices.push_back("profile " + own.air.source() + ": " + missing +
-                        (missing.empty() || !ends ? "" : " and ") + above + " as in " + name +
+  out.notices.push_back("profile " + own.air.source() + ": " + missing + (missing.empty() || !ends ? "" : " and ") +
+                        above + " as in " + name +
                         (missing.empty() ? "" : " (give a gas a column, of zeros for none)"));
   out.air = AirProfile(std::move(levels), own.air.source() + ", completed from " + name);
   return out;

@@ -25,8 +25,9 @@ AirProfile scale_gas(const AirProfile& profile, Gas gas, double factor) {
   return AirProfile(std::move(levels), profile.source());
 }
 
-/// Most water a level may hold, molecules per cm3: 100 % relative humidity; above 300 hPa no larger share of the air than the
-/// coldest level passed on the way up lets through, or the warm stratosphere would fill. Never below what the table holds.
+/// Most water a level may hold, molecules per cm3: 100 % relative humidity; above 300 hPa no larger share of the air
+/// than the coldest level passed on the way up lets through, or the warm stratosphere would fill. Never below what the
+/// table holds.
 std::vector<double> water_caps_per_cm3(const AirProfile& profile) {
   std::vector<double> out;
   double share = 0.5;
@@ -57,12 +58,15 @@ AirProfile extended_down(const AirProfile& profile, double ground_km) {
   const AirLevel &low = profile.levels()[0], next = profile.at(std::min(low.height_km + 1, profile.top_km()));
   if (ground_km >= low.height_km - kSameHeight_km) return profile;
   if (!(ground_km >= low.height_km - 1))
-    throw base::Error(base::Fault::input, fmt::format("{}: the ground lies more than 1 km below the profile's lowest level of {:.6g} km "
-                                                      "(found ground at {:.6g} km above the sea); give ground_height_m (--ground-height) "
-                                                      "of the site, or a profile that reaches it",
-                                                      profile.source(), low.height_km, ground_km));
+    throw base::Error(base::Fault::input,
+                      fmt::format("{}: the ground lies more than 1 km below the profile's lowest level of {:.6g} km "
+                                  "(found ground at {:.6g} km above the sea); give ground_height_m (--ground-height) "
+                                  "of the site, or a profile that reaches it",
+                                  profile.source(), low.height_km, ground_km));
   const double part = (low.height_km - ground_km) / (next.height_km - low.height_km);
-  const auto beyond = [part](double at, double above) { return at > 0 && above > 0 ? at * std::pow(at / above, part) : at; };
+  const auto beyond = [part](double at, double above) {
+    return at > 0 && above > 0 ? at * std::pow(at / above, part) : at;
+  };
   AirLevel ground = low;
   ground.height_km = ground_km;
   ground.temperature_K = low.temperature_K + part * (low.temperature_K - next.temperature_K);
@@ -108,9 +112,11 @@ WaterScaling with_water_column(const AirProfile& profile, double water_g_cm2) {
   if (!(water_g_cm2 >= 0 && water_g_cm2 <= 20))
     refuse(profile, "water column must lie in 0 to 20 g cm-2", water_g_cm2, "correct it");
   const double here = profile.water_g_cm2();
-  if (!(here > 0)) refuse(profile, "it holds no water that could be scaled, g cm-2", here, "start from a profile with water");
+  if (!(here > 0))
+    refuse(profile, "it holds no water that could be scaled, g cm-2", here, "start from a profile with water");
   double low = 0, high = water_g_cm2 / here;  // without a cap the answer is `high`
-  for (int i = 0; i < 60 && capped(profile, high).profile.water_g_cm2() < water_g_cm2 * (1 - 1e-12); ++i) low = high, high *= 2;
+  for (int i = 0; i < 60 && capped(profile, high).profile.water_g_cm2() < water_g_cm2 * (1 - 1e-12); ++i)
+    low = high, high *= 2;
   const double most = capped(profile, high).profile.water_g_cm2();
   if (most < water_g_cm2 * (1 - 1e-12))
     refuse(profile, "no more than " + std::to_string(most) + " g cm-2 of water fit below saturation", water_g_cm2,
@@ -126,7 +132,8 @@ AirProfile with_ozone_column(const AirProfile& profile, double ozone_atm_cm) {
   if (!(ozone_atm_cm >= 0 && ozone_atm_cm <= 2))
     refuse(profile, "ozone column must lie in 0 to 2 atm-cm", ozone_atm_cm, "1000 Dobson units are 1 atm-cm");
   const double here = profile.ozone_atm_cm();
-  if (!(here > 0)) refuse(profile, "it holds no ozone that could be scaled, atm-cm", here, "start from a profile with ozone");
+  if (!(here > 0))
+    refuse(profile, "it holds no ozone that could be scaled, atm-cm", here, "start from a profile with ozone");
   return scale_gas(profile, Gas::o3, ozone_atm_cm / here);
 }
 
@@ -135,7 +142,8 @@ AirProfile with_ground_mixing_ratio(const AirProfile& profile, Gas gas, double p
   if (!(ppmv >= 0 && ppmv <= 5e5)) refuse(profile, name + " must lie in 0 to 500000 ppmv", ppmv, "correct it");
   const double here = profile.levels().front().ppmv(gas);
   if (!(here > 0))
-    refuse(profile, "it holds no " + name + " at the ground that could be scaled, ppmv", here, "start from another profile");
+    refuse(profile, "it holds no " + name + " at the ground that could be scaled, ppmv", here,
+           "start from another profile");
   return scale_gas(profile, gas, ppmv / here);
 }
 

@@ -19,9 +19,10 @@ AirProfile extended_down(const AirProfile& profile, double ground_km);
 /// above stay as they are.
 AirProfile cut_at_ground(const AirProfile& profile, double ground_km);
 
-/// Ground pressure set (300..1100 hPa): the hydrostatic change that leaves the temperatures alone is one factor on pressures at
-/// every height. Air, CO2, N2O, CO, CH4 and O2 take it too, so their mixing ratios stay and the column of air is proportional
-/// to the ground pressure; water and ozone keep their densities (their columns are stated by themselves).
+/// Ground pressure set (300..1100 hPa): the hydrostatic change that leaves the temperatures alone is one factor on
+/// pressures at every height. Air, CO2, N2O, CO, CH4 and O2 take it too, so their mixing ratios stay and the column of
+/// air is proportional to the ground pressure; water and ozone keep their densities (their columns are stated by
+/// themselves).
 AirProfile with_ground_pressure(const AirProfile& profile, double pressure_hPa);
 
 /// Saturation vapour pressure over water, hPa: 6.1094 exp(17.625 t / (t + 243.04)), t in C (Alduchov & Eskridge 1996).
@@ -31,17 +32,19 @@ double saturation_per_cm3(double temperature_K);
 
 struct WaterScaling {
   AirProfile profile;
-  double factor = 1;               ///< on every level that was not capped
-  std::size_t capped_levels = 0;   ///< held at 100 % relative humidity, the cold trap's share, or the table's own value if higher
+  double factor = 1;  ///< on every level that was not capped
+  std::size_t capped_levels =
+      0;  ///< held at 100 % relative humidity, the cold trap's share, or the table's own value if higher
 };
-/// Water column set, g cm-2, by one factor with a cap at saturation. Throws Error(input) with the largest possible column when
-/// the cap forbids it, or when the profile has no water.
+/// Water column set, g cm-2, by one factor with a cap at saturation. Throws Error(input) with the largest possible
+/// column when the cap forbids it, or when the profile has no water.
 WaterScaling with_water_column(const AirProfile& profile, double water_g_cm2);
 
 /// Ozone column set, atm-cm (0..2), by one factor.
 AirProfile with_ozone_column(const AirProfile& profile, double ozone_atm_cm);
 
-/// Mixing ratio at the lowest level set, ppmv, by one factor: CO2, CH4 and other gases that are well mixed near the ground.
+/// Mixing ratio at the lowest level set, ppmv, by one factor: CO2, CH4 and other gases that are well mixed near the
+/// ground.
 AirProfile with_ground_mixing_ratio(const AirProfile& profile, Gas gas, double ppmv);
 
 }  // namespace raycube::atmos

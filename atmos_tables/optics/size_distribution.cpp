@@ -19,10 +19,11 @@ SizeDistribution SizeDistribution::lognormal(const std::vector<LogNormalMode>& m
     if (!(mode.share > 0 && std::isfinite(mode.share)))
       problems.add(where, "the share must be positive", std::to_string(mode.share), "drop an empty mode");
     if (!(mode.median_radius_um >= 1e-5 && mode.median_radius_um <= 1e4))
-      problems.add(where, "the median radius must lie in 1e-5 to 1e4 um", std::to_string(mode.median_radius_um), "give it in um");
+      problems.add(where, "the median radius must lie in 1e-5 to 1e4 um", std::to_string(mode.median_radius_um),
+                   "give it in um");
     if (!(mode.geometric_sigma >= 1.01 && mode.geometric_sigma <= 10))
-      problems.add(where, "the geometric standard deviation must lie in 1.01 to 10", std::to_string(mode.geometric_sigma),
-                   "give the factor s itself, not its logarithm");
+      problems.add(where, "the geometric standard deviation must lie in 1.01 to 10",
+                   std::to_string(mode.geometric_sigma), "give the factor s itself, not its logarithm");
     total += mode.share;
   }
   problems.throw_if_any();
@@ -55,8 +56,8 @@ SizeDistribution SizeDistribution::modified_gamma(double alpha, double b, double
   base::Problems problems;
   for (double value : {alpha, b, gamma})
     if (!(value > 0 && std::isfinite(value)))
-      problems.add({"", 0, 0, "modified gamma distribution"}, "alpha, b and gamma must be positive", std::to_string(value),
-                   "correct it");
+      problems.add({"", 0, 0, "modified gamma distribution"}, "alpha, b and gamma must be positive",
+                   std::to_string(value), "correct it");
   problems.throw_if_any();
   // int r^alpha exp(-b r^gamma) dr = Gamma((alpha + 1)/gamma) / (gamma b^((alpha + 1)/gamma)).
   const double power = (alpha + 1) / gamma, log_norm = std::log(gamma) + power * std::log(b) - std::lgamma(power);

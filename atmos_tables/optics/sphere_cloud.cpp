@@ -20,9 +20,9 @@ struct Range {
   double first, last;  ///< ln(r / um)
 };
 
-/// The part of the distribution that matters. Below: no more than `part` of r^2 n(r) is left out, where efficiencies are at most
-/// twice those of large spheres. Above: no more than `part` of r^2 min(1, x^4) n(r), the shape of scattering (absorption is less
-/// steep).
+/// The part of the distribution that matters. Below: no more than `part` of r^2 n(r) is left out, where efficiencies
+/// are at most twice those of large spheres. Above: no more than `part` of r^2 min(1, x^4) n(r), the shape of
+/// scattering (absorption is less steep).
 Range range_that_matters(const SizeDistribution& sizes, double wavenumber, double part) {
   const int steps = 4000;
   const double first = sizes.first_log_radius(), step = (sizes.last_log_radius() - first) / steps;
@@ -52,7 +52,8 @@ void check(const SphereCloudRequest& request) {
   base::Problems problems;
   const base::Where where{"", 0, 0, "cloud of spheres"};
   if (!(request.wavelength_um >= 0.01 && request.wavelength_um <= 1e5))
-    problems.add(where, "the wavelength must lie in 0.01 to 1e5 um", std::to_string(request.wavelength_um), "give it in um");
+    problems.add(where, "the wavelength must lie in 0.01 to 1e5 um", std::to_string(request.wavelength_um),
+                 "give it in um");
   if (!(request.tolerance >= 1e-8 && request.tolerance <= 0.1))
     problems.add(where, "the tolerance must lie in 1e-8 to 0.1", std::to_string(request.tolerance), "1e-4 serves most");
   if (request.last_moment > 20000)
@@ -71,7 +72,8 @@ SphereCloudOptics integrate_spheres(const SizeDistribution& sizes, const SphereC
   const Range range = range_that_matters(sizes, wavenumber, request.tolerance / 20);
   const double largest = wavenumber * std::exp(range.last);
   if (!(largest <= kLargestSize))
-    throw base::Error(base::Fault::input, "cloud of spheres: spheres of size parameter up to " + std::to_string(largest) +
+    throw base::Error(base::Fault::input, "cloud of spheres: spheres of size parameter up to " +
+                                              std::to_string(largest) +
                                               " matter, the limit is 5000; use a longer wavelength or smaller spheres");
   SphereCloudOptics out;
   out.rule = gauss_legendre_rule(mie_nodes(mie_terms(largest), request.last_moment));
@@ -111,7 +113,8 @@ SphereCloudOptics integrate_spheres(const SizeDistribution& sizes, const SphereC
     double change = 1;
     if (sizes_now > kFirstSizes) {
       double phase_change = 0;
-      for (std::size_t i = 0; i < 2 * half; ++i) phase_change += 0.5 * out.rule.weight[i] * std::abs(phase[i] - out.phase[i]);
+      for (std::size_t i = 0; i < 2 * half; ++i)
+        phase_change += 0.5 * out.rule.weight[i] * std::abs(phase[i] - out.phase[i]);
       change = std::max({std::abs(extinction / out.extinction_um2 - 1), std::abs(scattering / out.scattering_um2 - 1),
                          std::abs(asymmetry - out.asymmetry), phase_change});
     }
@@ -119,8 +122,9 @@ SphereCloudOptics integrate_spheres(const SizeDistribution& sizes, const SphereC
     out.phase = phase, out.change = change;
     if (change <= request.tolerance) break;
     if (sizes_now >= kMostSizes)
-      throw base::Error(base::Fault::input, "cloud of spheres: " + std::to_string(out.spheres) + " sizes leave a change of " +
-                                                std::to_string(change) + "; ask for a larger tolerance");
+      throw base::Error(base::Fault::input, "cloud of spheres: " + std::to_string(out.spheres) +
+                                                " sizes leave a change of " + std::to_string(change) +
+                                                "; ask for a larger tolerance");
     for (std::size_t i = 0; i < sizes_now; ++i) add(range.first + (static_cast<double>(i) + 0.5) * step, 1);
     step /= 2;
   }

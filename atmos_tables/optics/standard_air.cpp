@@ -35,7 +35,8 @@ StandardAir us_standard_1976(double height_km) {
   StandardAir out{1013.25, 288.15, 0};
   for (std::size_t i = 0; i < std::size(base_km); ++i) {
     const bool last = i + 1 == std::size(base_km) || geopotential_km < base_km[i + 1];
-    const double step = (last ? geopotential_km : base_km[i + 1]) - base_km[i], end_K = out.temperature_K + gradient[i] * step;
+    const double step = (last ? geopotential_km : base_km[i + 1]) - base_km[i],
+                 end_K = out.temperature_K + gradient[i] * step;
     out.pressure_hPa *= gradient[i] == 0 ? std::exp(-hydrostatic * step / out.temperature_K)
                                          : std::pow(out.temperature_K / end_K, hydrostatic / gradient[i]);
     out.temperature_K = end_K;

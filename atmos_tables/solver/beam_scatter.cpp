@@ -18,8 +18,7 @@ using Eigen::MatrixXd;
 /// 20, smooth in between so that radiance stays continuous.
 double aureole_weight(double cos_angle) {
   constexpr double kWhole = 10 * std::numbers::pi / 180, kNone = 20 * std::numbers::pi / 180;
-  const double part =
-      std::clamp((kNone - std::acos(std::clamp(cos_angle, -1.0, 1.0))) / (kNone - kWhole), 0.0, 1.0);
+  const double part = std::clamp((kNone - std::acos(std::clamp(cos_angle, -1.0, 1.0))) / (kNone - kWhole), 0.0, 1.0);
   return part * part * (3 - 2 * part);
 }
 
@@ -32,8 +31,7 @@ bool own_phase(const Column& column, std::size_t layer, bool exact) {
 
 std::vector<MatrixXd> scatter_once(const Column& column, const ScaledColumn& scaled, const Rays& rays,
                                    const std::vector<Place>& places, bool exact) {
-  const auto layers = static_cast<Index>(scaled.layers.size()),
-             count = static_cast<Index>(rays.cosine.size());
+  const auto layers = static_cast<Index>(scaled.layers.size()), count = static_cast<Index>(rays.cosine.size());
   std::vector<MatrixXd> out(places.size(), MatrixXd::Zero(layers, count));
   if (layers == 0 || column.beam.flux <= 0) return out;
   const auto strength = [&](std::size_t i) {
@@ -49,8 +47,7 @@ std::vector<MatrixXd> scatter_once(const Column& column, const ScaledColumn& sca
       [&](std::size_t p, std::size_t i) {
         out[p] = weight;
         for (Index r = 0; r < count; ++r) {
-          const Sight sight{rays.cosine[static_cast<std::size_t>(r)], rays.up, scaled.layers[i].depth,
-                            places[p].u};
+          const Sight sight{rays.cosine[static_cast<std::size_t>(r)], rays.up, scaled.layers[i].depth, places[p].u};
           out[p].col(r) *= std::exp(-sight.seen_depth() / sight.cosine);
           out[p](static_cast<Index>(i), r) = strength(i) * sight_falling(sight, scaled.beam[i].slope);
         }
@@ -132,8 +129,7 @@ double Aureole::excess(double cosine, double cos_angle) const {
   if (weight <= 0) return 0;
   const double slant = depth_ / beam_cosine_, view = depth_ / cosine;
   return weight * flux_ / (4 * std::numbers::pi) * peak_albedo_ * peak_albedo_ / (1 - peak_albedo_) *
-         legendre_series(spike_, spike_.size(), cos_angle) * slant * view *
-         exp_difference(slant, slant, view);
+         legendre_series(spike_, spike_.size(), cos_angle) * slant * view * exp_difference(slant, slant, view);
 }
 
 }  // namespace raycube::atmos::solver

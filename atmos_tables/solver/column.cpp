@@ -31,8 +31,7 @@ void check_layer(const Layer& layer, const Rules& rules) {
       rules.need(std::abs(moment - 1) <= 1e-6, "phase moment 0 must be 1", moment,
                  "normalise the phase function to 4 pi");
     else if (!within(moment, -1 - 1e-9, 1 + 1e-9))
-      rules.need(false, "phase moments must be in [-1, 1]", moment,
-                 "leave the factor 2k+1 out of the moments");
+      rules.need(false, "phase moments must be in [-1, 1]", moment, "leave the factor 2k+1 out of the moments");
   }
 }
 
@@ -43,26 +42,26 @@ void check_column(const Column& column, const Options& options) {
   const Rules whole{problems, "column"};
   for (std::size_t i = 0; i < column.layers.size(); ++i)
     check_layer(column.layers[i], {problems, "layer " + std::to_string(i)});
-  whole.need(within(column.beam.flux, 0, 1e300), "beam flux must be finite and not negative",
-             column.beam.flux, "check the source");
-  whole.need(column.beam.cosine > 0 && column.beam.cosine <= 1, "beam cosine must be in (0, 1]",
-             column.beam.cosine, "leave the beam out when the sun is down");
+  whole.need(within(column.beam.flux, 0, 1e300), "beam flux must be finite and not negative", column.beam.flux,
+             "check the source");
+  whole.need(column.beam.cosine > 0 && column.beam.cosine <= 1, "beam cosine must be in (0, 1]", column.beam.cosine,
+             "leave the beam out when the sun is down");
   whole.need(std::isfinite(column.beam.azimuth_deg), "beam azimuth must be finite", column.beam.azimuth_deg,
              "give degrees");
   whole.need(within(column.top_radiance, 0, 1e300), "radiance at the top must be finite and not negative",
              column.top_radiance, "check the boundary");
   const std::size_t levels = column.layers.size() + 1;
   whole.need(column.planck.empty() || column.planck.size() == levels,
-             "Planck radiances are needed at each level or nowhere",
-             static_cast<double>(column.planck.size()), "give one more than there are layers");
+             "Planck radiances are needed at each level or nowhere", static_cast<double>(column.planck.size()),
+             "give one more than there are layers");
   for (double value : column.planck)
     whole.need(within(value, 0, 1e300), "Planck radiance must be finite and not negative", value,
                "check the temperatures");
   const std::vector<double>& height_m = column.level_height_m;
   whole.need(height_m.empty() || height_m.size() == levels, "heights are needed at each level or nowhere",
              static_cast<double>(height_m.size()), "give one more than there are layers");
-  whole.need(within(column.planet_radius_m, 1, 1e12), "planet radius must be in [1, 1e12] m",
-             column.planet_radius_m, "use 6371e3");
+  whole.need(within(column.planet_radius_m, 1, 1e12), "planet radius must be in [1, 1e12] m", column.planet_radius_m,
+             "use 6371e3");
   for (std::size_t i = 0; i < height_m.size(); ++i) {
     whole.need(height_m[i] > -column.planet_radius_m && height_m[i] < 1e12,
                "heights must lie above the planet's centre", height_m[i], "give metres");
@@ -80,10 +79,9 @@ void check_column(const Column& column, const Options& options) {
 void check_ground(const Ground& ground) {
   base::Problems problems;
   const Rules rules{problems, "ground"};
-  rules.need(within(ground.albedo, 0, 1), "albedo must be in [0, 1]", ground.albedo,
-             "give a fraction, not percent");
-  rules.need(within(ground.planck, 0, 1e300), "Planck radiance must be finite and not negative",
-             ground.planck, "check the temperature");
+  rules.need(within(ground.albedo, 0, 1), "albedo must be in [0, 1]", ground.albedo, "give a fraction, not percent");
+  rules.need(within(ground.planck, 0, 1e300), "Planck radiance must be finite and not negative", ground.planck,
+             "check the temperature");
   problems.throw_if_any();
 }
 

@@ -19,8 +19,7 @@ struct Layer {
 
 /// Parallel light on the top.
 struct Beam {
-  double flux =
-      0;  ///< irradiance normal to the beam (W m-2 um-1, or any unit: the answer has the same); >= 0
+  double flux = 0;         ///< irradiance normal to the beam (W m-2 um-1, or any unit: the answer has the same); >= 0
   double cosine = 1;       ///< cosine of the sun's zenith angle, (0, 1]
   double azimuth_deg = 0;  ///< azimuth into which the beam travels
 };
@@ -30,16 +29,16 @@ struct Beam {
 struct Column {
   std::vector<Layer> layers;  ///< may be empty
   Beam beam;
-  std::vector<double>
-      planck;  ///< Planck radiance at each level, linear in optical depth between; empty = no emission
-  double top_radiance = 0;  ///< isotropic radiance that enters at the top
+  std::vector<double> planck;  ///< Planck radiance at each level, linear in optical depth between; empty = no emission
+  double top_radiance = 0;     ///< isotropic radiance that enters at the top
   /// Height of each level, strictly falling (m): the beam then takes the straight slant path through
   /// spherical shells (pseudo-spherical, atmosphere specification S4.7), with `beam.cosine` as seen at every
   /// level. Empty = plane-parallel beam.
   std::vector<double> level_height_m;
   double planet_radius_m = 6371e3;  ///< radius at height 0
-  /// Phase functions of all layers at a cosine of the scattering angle, for light scattered once: where their moments converge
-  /// slowly (a cusp forward, a kink backward: tabulated Mie functions). Empty = the series of all moments given.
+  /// Phase functions of all layers at a cosine of the scattering angle, for light scattered once: where their moments
+  /// converge slowly (a cusp forward, a kink backward: tabulated Mie functions). Empty = the series of all moments
+  /// given.
   std::function<std::vector<double>(double cos_angle)> phase_values;
 };
 

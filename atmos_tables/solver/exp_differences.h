@@ -25,9 +25,8 @@ double exp_difference(double x, double y, double z);
 // exact to 1e-16.
 inline constexpr double kNear = 0.125;
 /// (-1)^n / (n + 2)!, n = 1 ... 9
-inline constexpr std::array<double, 9> kInverseFactorials = {-1.0 / 6,      1.0 / 24,      -1.0 / 120,
-                                                             1.0 / 720,     -1.0 / 5040,   1.0 / 40320,
-                                                             -1.0 / 362880, 1.0 / 3628800, -1.0 / 39916800};
+inline constexpr std::array<double, 9> kInverseFactorials = {
+    -1.0 / 6, 1.0 / 24, -1.0 / 120, 1.0 / 720, -1.0 / 5040, 1.0 / 40320, -1.0 / 362880, 1.0 / 3628800, -1.0 / 39916800};
 
 /// exp_difference(x, y) from exp_x = exp(-x), exp_y = exp(-y).
 inline double exp_pair(double x, double y, double exp_x, double exp_y) {

@@ -17,8 +17,8 @@ std::vector<double> normalized_legendre(int order, int degree_end, double x) {
   for (int l = order + 1; l < degree_end; ++l) {
     const auto at = static_cast<std::size_t>(l - order);
     const double down = std::sqrt(static_cast<double>(l - 1 - order) * (l - 1 + order));
-    value[at] = ((2 * l - 1) * x * value[at - 1] - down * before) /
-                std::sqrt(static_cast<double>(l - order) * (l + order));
+    value[at] =
+        ((2 * l - 1) * x * value[at - 1] - down * before) / std::sqrt(static_cast<double>(l - order) * (l + order));
     before = value[at - 1];
   }
   return value;

@@ -21,8 +21,7 @@ ParityBasis parity_basis(int order, int streams, double cosine) {
 
 InnerFlux inner_flux(const ScaledColumn& column, const OrderSolution& first, std::size_t layer, double u) {
   const auto count = static_cast<Index>(column.nodes.cosine.size()), at = static_cast<Index>(layer);
-  const Eigen::Map<const VectorXd> mu(column.nodes.cosine.data(), count),
-      weight(column.nodes.weight.data(), count);
+  const Eigen::Map<const VectorXd> mu(column.nodes.cosine.data(), count), weight(column.nodes.weight.data(), count);
   const VectorXd flux_root = (weight.array() * mu.array()).sqrt();
   const double depth = column.layers[layer].depth;
   InnerFlux flux;

@@ -21,16 +21,14 @@ struct Below {
 };
 
 OrderSolution empty_solution(const ScaledColumn& column, int order) {
-  const auto layers = static_cast<Index>(column.layers.size()),
-             count = static_cast<Index>(column.streams / 2);
+  const auto layers = static_cast<Index>(column.layers.size()), count = static_cast<Index>(column.streams / 2);
   OrderSolution solution;
   solution.order = order;
   solution.cases = order == 0 ? 2 : 1;
   solution.k.resize(count, layers);
   solution.decay.resize(count, layers);
   const Index lit = column.beam_flux > 0 ? layers : 0;
-  for (MatrixXd* matrix : {&solution.beam_source, &solution.beam_odd, &solution.beam_pair})
-    matrix->resize(count, lit);
+  for (MatrixXd* matrix : {&solution.beam_source, &solution.beam_odd, &solution.beam_pair}) matrix->resize(count, lit);
   solution.row_even.resize(count, count * layers);
   solution.row_odd.resize(count, count * layers);
   solution.scatters.resize(column.layers.size());
@@ -42,8 +40,7 @@ OrderSolution empty_solution(const ScaledColumn& column, int order) {
   solution.thermal.resize(count, column.emission.empty() ? 0 : layers);
   solution.x.resize(count, count * layers);
   solution.z.resize(count, count * layers);
-  for (std::size_t c = 0; c < 2; ++c)
-    solution.up[c].resize(count, layers + 1), solution.down[c] = solution.up[c];
+  for (std::size_t c = 0; c < 2; ++c) solution.up[c].resize(count, layers + 1), solution.down[c] = solution.up[c];
   return solution;
 }
 
@@ -78,8 +75,7 @@ void add_layers(const std::vector<LayerWork<N>>& layers, std::vector<Below<N, C>
       here.carry = layer.transmit;
       here.gain.setZero(count, C);
       here.gain.col(0) = layer.down;
-      here.reflect =
-          layer.transmit.diagonal().asDiagonal() * under.reflect * layer.transmit.diagonal().asDiagonal();
+      here.reflect = layer.transmit.diagonal().asDiagonal() * under.reflect * layer.transmit.diagonal().asDiagonal();
     }
     lit = under.source;
     lit.noalias() += under.reflect.lazyProduct(here.gain);

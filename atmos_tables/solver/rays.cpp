@@ -14,8 +14,7 @@ Rays make_rays(const ScaledColumn& column, bool up, std::vector<double> cosine) 
   rays.cosine = std::move(cosine);
   const auto count = static_cast<Eigen::Index>(rays.cosine.size()),
              layers = static_cast<Eigen::Index>(column.layers.size());
-  for (Eigen::MatrixXd* matrix : {&rays.slant, &rays.fade, &rays.constant, &rays.linear})
-    matrix->resize(count, layers);
+  for (Eigen::MatrixXd* matrix : {&rays.slant, &rays.fade, &rays.constant, &rays.linear}) matrix->resize(count, layers);
   const bool lit = column.beam_flux > 0;
   rays.beam.resize(count, lit ? layers : 0);
   for (Eigen::Index i = 0; i < layers; ++i)

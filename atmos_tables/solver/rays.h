@@ -23,7 +23,7 @@ struct Rays {
   Eigen::MatrixXd fade;      ///< exp(-slant)
   Eigen::MatrixXd constant;  ///< sight_constant (path_integrals.h)
   Eigen::MatrixXd linear;    ///< sight_linear
-  Eigen::MatrixXd beam;  ///< sight_falling at the beam's slope, over slant; no columns where there is no beam
+  Eigen::MatrixXd beam;      ///< sight_falling at the beam's slope, over slant; no columns where there is no beam
 };
 
 Rays make_rays(const ScaledColumn& column, bool up, std::vector<double> cosine);
@@ -32,8 +32,8 @@ Rays make_rays(const ScaledColumn& column, bool up, std::vector<double> cosine);
 /// inside(place index, layer) once per place: before a layer that the light has not entered yet at the place
 /// (or after the last), inside where the place lies within the layer, ahead of pass(layer).
 template <class Before, class Inside, class Pass>
-void travel(const ScaledColumn& column, bool up, const std::vector<Place>& places, Before&& before,
-            Inside&& inside, Pass&& pass) {
+void travel(const ScaledColumn& column, bool up, const std::vector<Place>& places, Before&& before, Inside&& inside,
+            Pass&& pass) {
   const std::size_t count = column.layers.size();
   std::size_t left = places.size();
   for (std::size_t step = 0; step < count && left > 0; ++step) {

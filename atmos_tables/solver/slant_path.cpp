@@ -27,9 +27,8 @@ void check_path(const RefractingAir& air, const std::vector<double>& density, do
        "give the heights from the top down");
   need(density.size() == levels, "one density is needed per level", static_cast<double>(density.size()),
        "match the heights");
-  need(air.refractivity.empty() || air.refractivity.size() == levels,
-       "one refractivity is needed per level, or none", static_cast<double>(air.refractivity.size()),
-       "match the heights");
+  need(air.refractivity.empty() || air.refractivity.size() == levels, "one refractivity is needed per level, or none",
+       static_cast<double>(air.refractivity.size()), "match the heights");
   need(zenith_deg >= 0 && zenith_deg <= 90, "the zenith angle must be in [0, 90] degrees", zenith_deg,
        "rays that rise");
   need(air.planet_radius_m >= 1 && air.planet_radius_m <= 1e12, "planet radius must be in [1, 1e12] m",
@@ -53,14 +52,11 @@ void walk_ray(const RefractingAir& air, double zenith_deg, Step&& step) {
   static const HalfRange rule = gauss_half_range(24);
   const double ground_m = air.height_m.back(), ground_radius = air.planet_radius_m + ground_m;
   const auto refractivity = [&air](std::size_t upper, double part) {
-    return air.refractivity.empty()
-               ? 0.0
-               : between_levels(air.refractivity[upper + 1], air.refractivity[upper], part);
+    return air.refractivity.empty() ? 0.0 : between_levels(air.refractivity[upper + 1], air.refractivity[upper], part);
   };
   const double ground_refractivity = air.refractivity.empty() ? 0 : air.refractivity.back();
   const double sine = std::sin(zenith_deg * std::numbers::pi / 180);
-  const double short_of_one =
-      2 * std::pow(std::sin((90 - zenith_deg) * std::numbers::pi / 360), 2);  // 1 - sine
+  const double short_of_one = 2 * std::pow(std::sin((90 - zenith_deg) * std::numbers::pi / 360), 2);  // 1 - sine
   const double bouguer = (1 + ground_refractivity) * ground_radius * sine;
   for (std::size_t i = 0; i + 1 < air.height_m.size(); ++i) {
     const double low = air.height_m[i + 1], high = air.height_m[i];
@@ -71,8 +67,7 @@ void walk_ray(const RefractingAir& air, double zenith_deg, Step&& step) {
       const double part = (ground_m + above - low) / (high - low);
       const double n1 = refractivity(i, part), optical_radius = (1 + n1) * (ground_radius + above);
       // n r - c without the difference of two earth radii.
-      const double excess = (n1 - ground_refractivity) * (ground_radius + above) +
-                            (1 + ground_refractivity) * above +
+      const double excess = (n1 - ground_refractivity) * (ground_radius + above) + (1 + ground_refractivity) * above +
                             (1 + ground_refractivity) * ground_radius * short_of_one;
       const double cosine = std::sqrt(std::max(excess, 1e-300) * (optical_radius + bouguer)) / optical_radius;
       step(i, part, rule.weight[q] * (w_high - w_low) * 2 * w / cosine);

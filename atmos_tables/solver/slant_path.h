@@ -21,7 +21,8 @@ struct RefractingAir {
 /// of the quadrature below 1e-8. Throws base::Error(Fault::input) where these ranges do not hold.
 double slant_amount(const RefractingAir& air, const std::vector<double>& density, double zenith_deg);
 
-/// Length of that ray in each layer over the layer's thickness, layers as in `air`: the first lies below the highest level.
+/// Length of that ray in each layer over the layer's thickness, layers as in `air`: the first lies below the highest
+/// level.
 std::vector<double> slant_factors(const RefractingAir& air, double zenith_deg);
 
 /// slant_amount over the vertical amount; 1 for an absorber that is nowhere.

@@ -122,8 +122,8 @@ void add_side(const Data& data, const Side& side, const std::vector<Place>& plac
     const double sines =
         std::sqrt(std::max(0.0, (1 - mu) * (1 + mu) * (1 - column.beam.cosine) * (1 + column.beam.cosine)));
     for (std::size_t a = 0; a < turn_deg.size(); ++a) {
-      const double cos_angle = std::clamp(
-          (side.up ? -mu : mu) * column.beam.cosine + sines * std::cos(kDegree * turn_deg[a]), -1.0, 1.0);
+      const double cos_angle =
+          std::clamp((side.up ? -mu : mu) * column.beam.cosine + sines * std::cos(kDegree * turn_deg[a]), -1.0, 1.0);
       first.setZero();
       once.add(static_cast<Eigen::Index>(r), cos_angle, first);
       for (std::size_t p = 0; p < places.size(); ++p) {
@@ -162,8 +162,7 @@ std::vector<Place> ColumnSolution::Data::places(const std::vector<double>& depth
 /// Diffuse flux of both cases (of the scaled problem); exact level values at the layers' faces.
 std::array<double, 2> ColumnSolution::Data::case_flux(const Place& at, bool up) const {
   const auto count = static_cast<Eigen::Index>(scaled.nodes.cosine.size());
-  const Eigen::Map<const VectorXd> mu(scaled.nodes.cosine.data(), count),
-      weight(scaled.nodes.weight.data(), count);
+  const Eigen::Map<const VectorXd> mu(scaled.nodes.cosine.data(), count), weight(scaled.nodes.weight.data(), count);
   const std::vector<ScaledLayer>& layers = scaled.layers;
   const bool at_bottom = !layers.empty() && at.u >= layers[at.layer].depth;
   if (!layers.empty() && !at_bottom && at.u > 0) {
@@ -223,10 +222,8 @@ Fluxes ColumnSolution::fluxes(double depth, const Ground& ground) const {
   return fluxes;
 }
 
-std::vector<double> ColumnSolution::radiances(const std::vector<double>& depths,
-                                              const std::vector<double>& cosines,
-                                              const std::vector<double>& azimuth_deg,
-                                              const Ground& ground) const {
+std::vector<double> ColumnSolution::radiances(const std::vector<double>& depths, const std::vector<double>& cosines,
+                                              const std::vector<double>& azimuth_deg, const Ground& ground) const {
   check_ground(ground);
   const std::vector<Place> places = data_->places(depths);
   std::vector<double> radiance(depths.size() * cosines.size() * azimuth_deg.size(), 0.0), turn_deg;
@@ -237,8 +234,7 @@ std::vector<double> ColumnSolution::radiances(const std::vector<double>& depths,
   return radiance;
 }
 
-std::vector<double> ColumnSolution::radiances(double depth, double cosine,
-                                              const std::vector<double>& azimuth_deg,
+std::vector<double> ColumnSolution::radiances(double depth, double cosine, const std::vector<double>& azimuth_deg,
                                               const Ground& ground) const {
   return radiances(std::vector<double>{depth}, {cosine}, azimuth_deg, ground);
 }
@@ -253,8 +249,8 @@ double ColumnSolution::path_radiance(double depth, double cosine, double azimuth
 
 GroundCoupling ColumnSolution::ground_coupling() const { return data_->coupling(); }
 
-std::vector<GroundTransmission> ColumnSolution::ground_transmissions(
-    const std::vector<double>& depths, const std::vector<double>& cosines) const {
+std::vector<GroundTransmission> ColumnSolution::ground_transmissions(const std::vector<double>& depths,
+                                                                     const std::vector<double>& cosines) const {
   const std::vector<Place> places = data_->places(depths);
   std::vector<GroundTransmission> out(depths.size() * cosines.size());
   for (const Side& side : split_sides(cosines)) {

@@ -33,9 +33,8 @@ struct GroundCoupling {
 
 /// Radiance at a place per unit isotropic radiance of the whole ground.
 struct GroundTransmission {
-  double direct = 0;  ///< exp(-depth / cosine) upward, 0 downward; of the true column
-  double diffuse =
-      0;  ///< the rest. Upward T_dif; downward the t of the sky term, S = 2 int t mu dmu at the ground
+  double direct = 0;   ///< exp(-depth / cosine) upward, 0 downward; of the true column
+  double diffuse = 0;  ///< the rest. Upward T_dif; downward the t of the sky term, S = 2 int t mu dmu at the ground
 };
 
 /// A solved column. Cheap to copy; safe to read from many threads.

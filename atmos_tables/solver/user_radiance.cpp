@@ -43,10 +43,7 @@ ModePair mode_pair(const OrderSolution& solution, std::size_t c, Index layer, In
 class LayerLight {
  public:
   LayerLight(const ScaledColumn& column, const OrderSolution& solution, const Rays& rays)
-      : column_(column),
-        solution_(solution),
-        rays_(rays),
-        basis_(ray_basis(rays, solution.order, column.streams)) {
+      : column_(column), solution_(solution), rays_(rays), basis_(ray_basis(rays, solution.order, column.streams)) {
     const auto count = static_cast<Index>(rays.cosine.size()), nodes = solution.k.rows();
     even_.resize(count, nodes);
     odd_.resize(count, nodes);
@@ -64,8 +61,7 @@ class LayerLight {
     const Index nodes = solution_.k.rows(), i = static_cast<Index>(layer);
     entered_ = solution_.scatters[layer] != 0;
     if (!entered_) return;
-    if (solution_.has_beam())
-      beam_decay_ = std::exp(-column_.beam[layer].slope * column_.layers[layer].depth);
+    if (solution_.has_beam()) beam_decay_ = std::exp(-column_.beam[layer].slope * column_.layers[layer].depth);
     even_.noalias() = basis_.even * solution_.row_even.middleCols(i * nodes, nodes).transpose();
     odd_.noalias() = basis_.odd * solution_.row_odd.middleCols(i * nodes, nodes).transpose();
   }
@@ -91,8 +87,8 @@ class LayerLight {
       const double constant = rays_.constant(r, i);
       const double even = entered_ ? even_.row(r).dot(solution_.thermal.col(i)) : 0.0;
       const double odd = entered_ ? odd_.row(r).dot(solution_.thermal.col(i)) : 0.0;
-      own_(r) += (even + bare) * (planck.top * constant + planck.slope * rays_.linear(r, i)) +
-                 odd * planck.slope * constant;
+      own_(r) +=
+          (even + bare) * (planck.top * constant + planck.slope * rays_.linear(r, i)) + odd * planck.slope * constant;
     }
   }
 
@@ -105,8 +101,7 @@ class LayerLight {
       const bool linear = k * sight.depth < kLinearMode;
       for (std::size_t c = 0; c < static_cast<std::size_t>(solution_.cases); ++c) {
         if (linear) {
-          const double first = sight_constant(sight),
-                       second = sight_linear(sight) - 0.5 * sight.depth * first;
+          const double first = sight_constant(sight), second = sight_linear(sight) - 0.5 * sight.depth * first;
           const double a = solution_.even[c](j, i), b = solution_.odd[c](j, i);
           light[c] += even * (a * first + b * second) + odd * (b * first + k * k * a * second);
         } else {
@@ -126,9 +121,9 @@ class LayerLight {
       const double constant = sight_constant(sight);
       const double even = entered_ ? even_.row(r).dot(solution_.thermal.col(i)) : 0.0;
       const double odd = entered_ ? odd_.row(r).dot(solution_.thermal.col(i)) : 0.0;
-      light[0] += (even + 1 - column_.layers[layer].albedo) *
-                      (planck.top * constant + planck.slope * sight_linear(sight)) +
-                  odd * planck.slope * constant;
+      light[0] +=
+          (even + 1 - column_.layers[layer].albedo) * (planck.top * constant + planck.slope * sight_linear(sight)) +
+          odd * planck.slope * constant;
     }
     return light;
   }
@@ -173,8 +168,7 @@ class LayerLight {
     own_ += slant * ((even - k * odd) * falling * own.falling + (even + k * odd) * rising * own.rising);
     if (solution_.cases == 1) return;
     const ModePair lit = mode_pair(solution_, 1, i, j);
-    from_ground_ +=
-        slant * ((even - k * odd) * falling * lit.falling + (even + k * odd) * rising * lit.rising);
+    from_ground_ += slant * ((even - k * odd) * falling * lit.falling + (even + k * odd) * rising * lit.rising);
   }
 
   void cross_beam(std::size_t layer, Index j) {
@@ -185,12 +179,11 @@ class LayerLight {
     const double beam_decay = beam_decay_, pair = solution_.beam_pair(j, i);
     for (Index r = 0; r < own_.size(); ++r) {
       const double y = rays_.slant(r, i), fade = rays_.fade(r, i), beam = rays_.beam(r, i);
-      const double difference =
-          rays_.up ? exp_triple({0, rate + y, slope + y}, {1, decay * fade, beam_decay * fade}, towards_(r),
-                                beam, fade * pair)
-                   : exp_triple({rate, slope, y}, {decay, beam_decay, fade}, pair, along_(r), beam);
-      own_(r) +=
-          y * (source * (k * odd_(r, j) - even_(r, j)) * depth * difference + odd_(r, j) * rest * beam);
+      const double difference = rays_.up
+                                    ? exp_triple({0, rate + y, slope + y}, {1, decay * fade, beam_decay * fade},
+                                                 towards_(r), beam, fade * pair)
+                                    : exp_triple({rate, slope, y}, {decay, beam_decay, fade}, pair, along_(r), beam);
+      own_(r) += y * (source * (k * odd_(r, j) - even_(r, j)) * depth * difference + odd_(r, j) * rest * beam);
     }
   }
 
@@ -223,8 +216,7 @@ OrderRadiance order_radiance(const ScaledColumn& column, const OrderSolution& so
       [&](std::size_t p, std::size_t i) {
         light.enter(i);
         for (Index r = 0; r < count; ++r) {
-          const Sight sight{rays.cosine[static_cast<std::size_t>(r)], rays.up, column.layers[i].depth,
-                            places[p].u};
+          const Sight sight{rays.cosine[static_cast<std::size_t>(r)], rays.up, column.layers[i].depth, places[p].u};
           const double fade = std::exp(-sight.seen_depth() / sight.cosine);
           const std::array<double, 2> part = light.look(i, r, sight);
           out.own(r, static_cast<Index>(p)) = own(r) * fade + part[0];
@@ -235,8 +227,7 @@ OrderRadiance order_radiance(const ScaledColumn& column, const OrderSolution& so
         light.enter(i);
         light.cross(i);
         own = own * rays.fade.col(static_cast<Index>(i)).array() + light.own();
-        if (first)
-          from_ground = from_ground * rays.fade.col(static_cast<Index>(i)).array() + light.from_ground();
+        if (first) from_ground = from_ground * rays.fade.col(static_cast<Index>(i)).array() + light.from_ground();
       });
   return out;
 }

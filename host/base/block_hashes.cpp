@@ -62,8 +62,7 @@ std::vector<unsigned char> BlockHashes::read(std::uint64_t offset, std::uint64_t
 
 void BlockHashes::changed(std::uint64_t start) const {
   throw Error(Fault::environment, path_ + ": the file does not hold what was written to it (between bytes " +
-                                      std::to_string(start) + " and " +
-                                      std::to_string(start + kHashBlock_bytes) +
+                                      std::to_string(start) + " and " + std::to_string(start + kHashBlock_bytes) +
                                       "): another program wrote into it, or the disk is failing; run again");
 }
 
@@ -97,7 +96,8 @@ void BlockHashes::write_in_block(std::uint64_t number, std::uint64_t offset, con
   for (std::size_t i = 1; i < written.size(); ++i)
     if (written[i].first <= written[last].second)
       written[last].second = std::max(written[last].second, written[i].second);
-    else written[++last] = written[i];
+    else
+      written[++last] = written[i];
   written.resize(last + 1);
 }
 

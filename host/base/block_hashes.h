@@ -33,8 +33,7 @@ class BlockHashes {
   /// Reads bytes of the file, all of which were written before.
   using ReadBack = std::function<void(std::uint64_t offset, void* data, std::size_t bytes)>;
 
-  BlockHashes(std::string path, ReadBack read_back)
-      : path_(std::move(path)), read_back_(std::move(read_back)) {}
+  BlockHashes(std::string path, ReadBack read_back) : path_(std::move(path)), read_back_(std::move(read_back)) {}
 
   /// Before the bytes go to the file, which still holds what they replace.
   void about_to_write(std::uint64_t offset, const void* data, std::size_t bytes);
@@ -45,15 +44,14 @@ class BlockHashes {
  private:
   using Span = std::pair<std::uint64_t, std::uint64_t>;  ///< first byte and the one after the last
   struct Block {
-    Sha256 sha;                  ///< of the first in_order bytes
+    Sha256 sha;  ///< of the first in_order bytes
     std::uint64_t in_order = 0;
-    bool scattered = false;      ///< then sum and written count instead
+    bool scattered = false;  ///< then sum and written count instead
     std::uint64_t sum = 0;
-    std::vector<Span> written;   ///< in order, apart from each other
+    std::vector<Span> written;  ///< in order, apart from each other
   };
 
-  void write_in_block(std::uint64_t number, std::uint64_t offset, const unsigned char* data,
-                      std::size_t bytes);
+  void write_in_block(std::uint64_t number, std::uint64_t offset, const unsigned char* data, std::size_t bytes);
   void scatter(Block& block, std::uint64_t start);
   void take_out_replaced(Block& block, const Span& span);
   std::vector<unsigned char> read(std::uint64_t offset, std::uint64_t bytes) const;

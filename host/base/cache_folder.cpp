@@ -9,8 +9,10 @@
 namespace raycube::base {
 
 std::filesystem::path cache_folder(const std::string& kind) {
-  if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache && *cache) return std::filesystem::path(cache) / "raycube" / kind;
-  if (const char* home = std::getenv("HOME"); home && *home) return std::filesystem::path(home) / ".cache/raycube" / kind;
+  if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache && *cache)
+    return std::filesystem::path(cache) / "raycube" / kind;
+  if (const char* home = std::getenv("HOME"); home && *home)
+    return std::filesystem::path(home) / ".cache/raycube" / kind;
   return {};
 }
 

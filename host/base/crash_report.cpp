@@ -21,8 +21,7 @@ constexpr bool kSanitized = true;
 constexpr bool kSanitized = false;
 #endif
 constexpr std::array kSignals{SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
-constexpr unsigned kPatience_s =
-    20;  ///< a report takes milliseconds; past this something in it waits for a lock
+constexpr unsigned kPatience_s = 20;  ///< a report takes milliseconds; past this something in it waits for a lock
 constexpr int kMostFrames = 64;
 
 std::atomic<int> reporter{0};  // the thread whose report this is

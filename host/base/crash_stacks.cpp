@@ -18,8 +18,8 @@ constexpr std::size_t kStackBytes = std::size_t{128}
                                     << 10;  ///< the unwinder's and the dynamic linker's frames, with room
 
 CrashStack::CrashStack() noexcept {
-  void* memory = ::mmap(nullptr, kStackBytes, PROT_READ | PROT_WRITE,
-                        MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  void* memory =
+      ::mmap(nullptr, kStackBytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   if (memory == MAP_FAILED) return;
   stack_t stack{};
   stack.ss_sp = memory;
@@ -60,8 +60,7 @@ void* with_crash_stack(void* given) {
 
 }  // namespace
 
-extern "C" int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, Body body,
-                              void* argument) noexcept {
+extern "C" int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, Body body, void* argument) noexcept {
   static const auto create = reinterpret_cast<Create>(::dlsym(RTLD_NEXT, "pthread_create"));
   auto* start = new (std::nothrow) Start{body, argument};
   if (!start) return create(thread, attributes, body, argument);

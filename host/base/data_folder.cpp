@@ -12,7 +12,8 @@ std::filesystem::path data_folder() {
   std::error_code ignored;
   if (const char* named = std::getenv("RAYCUBE_DATA"); named && *named) {
     if (fs::is_directory(named, ignored)) return named;
-    throw Error(Fault::environment, std::string("RAYCUBE_DATA is not a folder (found ") + named + "); unset it or correct it");
+    throw Error(Fault::environment,
+                std::string("RAYCUBE_DATA is not a folder (found ") + named + "); unset it or correct it");
   }
   const fs::path program = fs::read_symlink("/proc/self/exe", ignored).parent_path();
   const fs::path installed = program.parent_path() / "share/raycube", built = program / "share/raycube";

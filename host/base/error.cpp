@@ -10,8 +10,7 @@ std::string Where::text() const {
   return out;
 }
 
-void Problems::add(const Where& where, const std::string& what, const std::string& found,
-                   const std::string& way_out) {
+void Problems::add(const Where& where, const std::string& what, const std::string& found, const std::string& way_out) {
   std::string line = where.text();
   line += (line.empty() ? "" : ": ") + what;
   if (!found.empty()) line += " (found " + found + ")";

@@ -1,4 +1,5 @@
-// Errors of the four kinds a user meets, each with its exit status, and the collector that reports all bad input at once.
+// Errors of the four kinds a user meets, each with its exit status, and the collector that reports all bad input at
+// once.
 #pragma once
 
 #include <stdexcept>

@@ -59,8 +59,7 @@ void install_signal_handlers() {
   ::sigaction(SIGINT, &action, nullptr);
   ::sigaction(SIGTERM, &action, nullptr);
   struct sigaction before {};
-  if (::sigaction(SIGHUP, nullptr, &before) != 0 || before.sa_handler != SIG_IGN)
-    ::sigaction(SIGHUP, &action, nullptr);
+  if (::sigaction(SIGHUP, nullptr, &before) != 0 || before.sa_handler != SIG_IGN) ::sigaction(SIGHUP, &action, nullptr);
   // A handler and not SIG_IGN: programs that this one starts then find them as they were.
   action.sa_handler = raycube_on_nothing;
   ::sigaction(SIGXFSZ, &action, nullptr);
@@ -91,8 +90,7 @@ void throw_if_interrupted() {
 
 void become_helper() noexcept {
   helper = true;
-  for (const int number :
-       {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGXFSZ, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT})
+  for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGXFSZ, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT})
     ::signal(number, SIG_DFL);
 }
 

@@ -19,7 +19,8 @@ void install_signal_handlers();
 /// Unlinks the registered temporaries. Safe in a signal handler.
 void remove_temporaries() noexcept;
 
-/// Removes the registered temporaries, prints `message` and ends the process, running nothing else. Safe in a signal handler.
+/// Removes the registered temporaries, prints `message` and ends the process, running nothing else. Safe in a signal
+/// handler.
 [[noreturn]] void leave_at_once(std::string_view message, Fault fault) noexcept;
 
 /// True once SIGINT, SIGTERM or SIGHUP has arrived.
@@ -46,7 +47,8 @@ bool is_helper() noexcept;
 /// Forgets an interrupt (tests).
 void clear_interrupt() noexcept;
 
-/// While it lives, the second signal unlinks `path`. Up to 64 at a time; further ones are left to their owner's destructor.
+/// While it lives, the second signal unlinks `path`. Up to 64 at a time; further ones are left to their owner's
+/// destructor.
 class TemporaryPath {
  public:
   explicit TemporaryPath(const std::string& path) noexcept;

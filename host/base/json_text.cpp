@@ -27,8 +27,6 @@ std::string shallow_json(std::string text) {
   return text;
 }
 
-std::string shallow_json(std::istream& in) {
-  return shallow_json(std::string(std::istreambuf_iterator<char>(in), {}));
-}
+std::string shallow_json(std::istream& in) { return shallow_json(std::string(std::istreambuf_iterator<char>(in), {})); }
 
 }  // namespace raycube::base

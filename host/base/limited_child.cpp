@@ -37,8 +37,8 @@ struct Descriptor {
 };
 
 Error cannot(const char* what) {
-  return Error(Fault::environment, std::string("a child process to read a file in cannot be ") + what + ": " +
-                                       std::strerror(errno));
+  return Error(Fault::environment,
+               std::string("a child process to read a file in cannot be ") + what + ": " + std::strerror(errno));
 }
 
 std::uint64_t address_space_bytes() {
@@ -152,8 +152,7 @@ Unpacked::Unpacked(Unpacked&& other) noexcept
       next_(other.next_) {}
 
 const unsigned char* Unpacked::take(std::size_t bytes) {
-  if (bytes > size_ - next_)
-    throw Error(Fault::bug, "more is taken from a child process than it handed back");
+  if (bytes > size_ - next_) throw Error(Fault::bug, "more is taken from a child process than it handed back");
   next_ += bytes;
   return data_ + next_ - bytes;
 }

@@ -14,7 +14,7 @@ namespace raycube::base {
 
 struct ChildLimits {
   double cpu_s = 60;                        ///< computing time
-  double idle_s = 60;  ///< without any computing at all: it waits for something that does not come
+  double idle_s = 60;                       ///< without any computing at all: it waits for something that does not come
   std::uint64_t memory_bytes = 4ull << 30;  ///< of address space beyond what this process has now
 };
 
@@ -53,8 +53,7 @@ class Unpacked {
   Unpacked& operator=(Unpacked&&) = delete;
 
   ChildEnd end = ChildEnd::done;
-  std::string
-      why;  ///< for people: "did not end in 60 s of computing", "was ended by signal 11"; empty when done
+  std::string why;  ///< for people: "did not end in 60 s of computing", "was ended by signal 11"; empty when done
 
   template <class T>
   T value() {

@@ -21,11 +21,16 @@ using OrderedJson = nlohmann::ordered_json;
 
 const char* name_of(Level level) {
   switch (level) {
-    case Level::error: return "error";
-    case Level::warning: return "warning";
-    case Level::info: return "info";
-    case Level::detail: return "detail";
-    case Level::debug: return "debug";
+    case Level::error:
+      return "error";
+    case Level::warning:
+      return "warning";
+    case Level::info:
+      return "info";
+    case Level::detail:
+      return "detail";
+    case Level::debug:
+      return "debug";
   }
   return "?";
 }
@@ -95,7 +100,9 @@ Log::Log(const LogOptions& options) : state_(std::make_unique<State>()) {
 
 Log::~Log() { set_status(""); }
 
-bool Log::shows(Level level) const { return static_cast<int>(level) <= static_cast<int>(Level::info) + state_->options.verbosity; }
+bool Log::shows(Level level) const {
+  return static_cast<int>(level) <= static_cast<int>(Level::info) + state_->options.verbosity;
+}
 bool Log::on_terminal() const { return state_->terminal; }
 
 int Log::columns() const {
@@ -112,8 +119,7 @@ void Log::message(Level level, const std::string& text) {
   }
   if (state_->programs) {
     const OrderedJson line = {{"time", utc_now()}, {"level", name_of(level)}, {"message", text}};
-    state_->programs->log(spdlog::level::info,
-                          line.dump(-1, ' ', false, OrderedJson::error_handler_t::replace));
+    state_->programs->log(spdlog::level::info, line.dump(-1, ' ', false, OrderedJson::error_handler_t::replace));
   }
 }
 

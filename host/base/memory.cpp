@@ -26,11 +26,20 @@ std::uint64_t parse_memory_size(const std::string& text) {
     const std::string tail = unit.substr(1);
     if (tail != "" && tail != "B" && tail != "IB") throw refuse("unknown unit of memory");
     switch (unit[0]) {
-      case 'K': scale = 0x1p10; break;
-      case 'M': scale = 0x1p20; break;
-      case 'G': scale = 0x1p30; break;
-      case 'T': scale = 0x1p40; break;
-      default: throw refuse("unknown unit of memory");
+      case 'K':
+        scale = 0x1p10;
+        break;
+      case 'M':
+        scale = 0x1p20;
+        break;
+      case 'G':
+        scale = 0x1p30;
+        break;
+      case 'T':
+        scale = 0x1p40;
+        break;
+      default:
+        throw refuse("unknown unit of memory");
     }
   }
   const double bytes = number * scale;

@@ -6,8 +6,8 @@
 
 namespace raycube::base {
 
-/// Bytes in "256M", "8G", "512MiB", "1.5G", "4096" (bytes). Suffixes K, M, G, T are powers of 1024, optionally followed by
-/// B or iB, in either case. Throws Error(input) for anything else, for zero and for more than 2^60 bytes.
+/// Bytes in "256M", "8G", "512MiB", "1.5G", "4096" (bytes). Suffixes K, M, G, T are powers of 1024, optionally followed
+/// by B or iB, in either case. Throws Error(input) for anything else, for zero and for more than 2^60 bytes.
 std::uint64_t parse_memory_size(const std::string& text);
 
 /// "256 MiB", "1.5 GiB", "12 bytes": three significant digits, for people.

@@ -18,7 +18,8 @@ Error refuse(const std::string& name, const std::string& rule, const std::string
 
 template <class Number>
 std::string range_text(Number low, Number high) {
-  const bool open_low = low == std::numeric_limits<Number>::lowest(), open_high = high == std::numeric_limits<Number>::max();
+  const bool open_low = low == std::numeric_limits<Number>::lowest(),
+             open_high = high == std::numeric_limits<Number>::max();
   if (open_low && open_high) return "";
   if (open_high) return fmt::format("at least {}", low);
   if (open_low) return fmt::format("at most {}", high);
@@ -37,8 +38,8 @@ Number parse_in_range(const std::string& name, const char* kind, const std::stri
 }
 
 template <class Integer>
-Option integer_row(const std::string& names, const std::string& unit, Integer low, Integer high, const std::string& help,
-                   std::function<void(Integer)> store) {
+Option integer_row(const std::string& names, const std::string& unit, Integer low, Integer high,
+                   const std::string& help, std::function<void(Integer)> store) {
   Option row;
   row.names = names;
   row.type = "integer";
@@ -152,9 +153,10 @@ Option& OptionTable::integer(const std::string& names, const std::string& unit, 
   return add(integer_row<Integer>(names, unit, low, high, help, [&value](Integer typed) { value = typed; }));
 }
 
-#define RAYCUBE_INTEGER_OPTION(T)                                                                                        \
-  template Option& OptionTable::integer(const std::string&, const std::string&, T, T, const std::string&, T&);           \
-  template Option& OptionTable::integer(const std::string&, const std::string&, T, T, const std::string&, std::optional<T>&);
+#define RAYCUBE_INTEGER_OPTION(T)                                                                              \
+  template Option& OptionTable::integer(const std::string&, const std::string&, T, T, const std::string&, T&); \
+  template Option& OptionTable::integer(const std::string&, const std::string&, T, T, const std::string&,      \
+                                        std::optional<T>&);
 RAYCUBE_INTEGER_OPTION(int)
 RAYCUBE_INTEGER_OPTION(std::uint32_t)
 RAYCUBE_INTEGER_OPTION(std::int64_t)

@@ -1,5 +1,5 @@
-// Options of the command line, each declared once: name, unit, default, range and help. The parser, --help, the man page
-// and --json-usage all read this table.
+// Options of the command line, each declared once: name, unit, default, range and help. The parser, --help, the man
+// page and --json-usage all read this table.
 #pragma once
 
 #include <cstdint>
@@ -22,8 +22,8 @@ struct Option {
   std::string help;          ///< one sentence
   bool positional = false;
   bool required = false;
-  bool repeats = false;      ///< may be given, or list values, more than once
-  bool common = false;       ///< shared by several verbs
+  bool repeats = false;  ///< may be given, or list values, more than once
+  bool common = false;   ///< shared by several verbs
   std::function<void(const std::string&)> set;
 
   bool takes_value() const { return type != "flag" && type != "count"; }

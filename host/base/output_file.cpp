@@ -55,8 +55,7 @@ void make_folder(const fs::path& folder) {
 std::size_t mark_of(const std::string& name) {
   const std::size_t at = name.rfind(kMark);
   const auto drawn = [&](std::size_t i) { return std::isalnum(static_cast<unsigned char>(name[i])) != 0; };
-  if (name.empty() || name[0] != '.' || at == std::string::npos || at < 2 ||
-      name.size() < at + kMark.size() + 6)
+  if (name.empty() || name[0] != '.' || at == std::string::npos || at < 2 || name.size() < at + kMark.size() + 6)
     return std::string::npos;
   for (std::size_t i = at + kMark.size(); i < at + kMark.size() + 6; ++i)
     if (!drawn(i)) return std::string::npos;
@@ -116,8 +115,7 @@ struct OutputFile::State {
   void read_at(std::uint64_t offset, void* data, std::size_t bytes) const {
     auto* next = static_cast<char*>(data);
     while (bytes > 0) {
-      const ssize_t got =
-          ::pread(fd, next, std::min<std::size_t>(bytes, 1u << 30), static_cast<off_t>(offset));
+      const ssize_t got = ::pread(fd, next, std::min<std::size_t>(bytes, 1u << 30), static_cast<off_t>(offset));
       if (got < 0 && errno == EINTR) continue;
       if (got <= 0) throw failed(final_path, "reading back failed", got < 0 ? errno : ENODATA);
       next += got, offset += static_cast<std::uint64_t>(got), bytes -= static_cast<std::size_t>(got);
@@ -173,7 +171,8 @@ std::uint64_t OutputFile::size() const { return state_->end; }
 void OutputFile::reserve(std::uint64_t bytes) {
   State& s = *state_;
   if (bytes == 0) return;
-  // Asked first: a file system may hand out all it has before it finds that it is not enough, and whoever writes meanwhile meets a full disk.
+  // Asked first: a file system may hand out all it has before it finds that it is not enough, and whoever writes
+  // meanwhile meets a full disk.
   struct statvfs disk {};
   const bool known = ::fstatvfs(s.fd, &disk) == 0;
   const std::uint64_t free_bytes = std::uint64_t{disk.f_bavail} * disk.f_frsize;
@@ -196,10 +195,9 @@ void OutputFile::append(const void* data, std::size_t bytes) {
 
 void OutputFile::hash_blocks() {
   if (size() > 0) throw Error(Fault::bug, final_path() + ": hashed from its middle");
-  state_->hashes.emplace(final_path(),
-                         [s = state_.get()](std::uint64_t offset, void* data, std::size_t bytes) {
-                           s->read_at(offset, data, bytes);
-                         });
+  state_->hashes.emplace(final_path(), [s = state_.get()](std::uint64_t offset, void* data, std::size_t bytes) {
+    s->read_at(offset, data, bytes);
+  });
 }
 
 FileHashes OutputFile::hashes() {
@@ -253,7 +251,8 @@ void OutputFile::publish() {
     if (code == EEXIST) throw exists(s.final_path);
     // File systems without RENAME_NOREPLACE: a hard link refuses an existing name just as well.
     if (code != EINVAL && code != ENOSYS) throw failed(s.final_path, "cannot be named", code);
-    if (::link(from, to) != 0) throw errno == EEXIST ? exists(s.final_path) : failed(s.final_path, "cannot be named", errno);
+    if (::link(from, to) != 0)
+      throw errno == EEXIST ? exists(s.final_path) : failed(s.final_path, "cannot be named", errno);
     ::unlink(from);
   }
   s.published = true;
@@ -298,8 +297,7 @@ OutputFile& OutputSet::add(const std::string& name) {
 
 std::vector<std::pair<std::string, FileHashes>> OutputSet::hashes() {
   std::vector<std::pair<std::string, FileHashes>> all;
-  for (auto& file : files_)
-    all.emplace_back(fs::path(file->final_path()).filename().string(), file->hashes());
+  for (auto& file : files_) all.emplace_back(fs::path(file->final_path()).filename().string(), file->hashes());
   return all;
 }
 

@@ -16,9 +16,9 @@ namespace raycube::base {
 
 enum class IfExists { refuse, replace };
 
-/// One file under its temporary name `.NAME.raycube-XXXXXX` in the final folder, which is made when missing. Not copyable; the
-/// destructor removes the temporary unless publish() has been called. Every failure is Error(environment) that names the
-/// final path and the system's reason, except a file that is there already: Error(input).
+/// One file under its temporary name `.NAME.raycube-XXXXXX` in the final folder, which is made when missing. Not
+/// copyable; the destructor removes the temporary unless publish() has been called. Every failure is Error(environment)
+/// that names the final path and the system's reason, except a file that is there already: Error(input).
 class OutputFile {
  public:
   /// Refuses at once when the final name exists (IfExists::refuse) or the folder cannot be written.
@@ -75,8 +75,8 @@ class OutputSet {
   void hash_blocks() { hashed_ = true; }
   /// Name and hashes of each of these, in the order they were added.
   std::vector<std::pair<std::string, FileHashes>> hashes();
-  /// Names (no folders) of the product that this one replaces: publish() removes those that are not among its own before it names the last file, so that
-  /// nothing of another run stays beside it. Not done with IfExists::refuse.
+  /// Names (no folders) of the product that this one replaces: publish() removes those that are not among its own
+  /// before it names the last file, so that nothing of another run stays beside it. Not done with IfExists::refuse.
   void replaces(std::vector<std::string> names) { earlier_ = std::move(names); }
   /// Syncs every file, then names them all: whenever the program is killed, all of them or none. When one
   /// cannot be named because a file has taken its name, none is.

@@ -24,10 +24,8 @@ std::string read_own_file(const std::string& path) {
     ~Closed() { ::close(file); }
   } closed{file};
   struct stat status {};
-  if (::fstat(file, &status) != 0 || !S_ISREG(status.st_mode))
-    throw std::runtime_error("it is no regular file");
-  if (status.st_uid != ::geteuid())
-    throw std::runtime_error("it belongs to user " + std::to_string(status.st_uid));
+  if (::fstat(file, &status) != 0 || !S_ISREG(status.st_mode)) throw std::runtime_error("it is no regular file");
+  if (status.st_uid != ::geteuid()) throw std::runtime_error("it belongs to user " + std::to_string(status.st_uid));
   if (status.st_mode & 022) throw std::runtime_error("others may write it");
   if (status.st_size > kMostBytes) throw std::runtime_error("it is too long");
   std::string content(static_cast<std::size_t>(status.st_size), '\0');

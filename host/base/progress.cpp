@@ -74,7 +74,9 @@ void Progress::advance(std::uint64_t more) {
     s.log.set_status("");
     s.log.info(progress_text(s.what, s.done, s.total, s.unit, elapsed_s, 0));
   }
-  s.log.event("progress", {{"done", static_cast<double>(s.done)}, {"total", static_cast<double>(s.total)}, {"elapsed_s", elapsed_s}});
+  s.log.event(
+      "progress",
+      {{"done", static_cast<double>(s.done)}, {"total", static_cast<double>(s.total)}, {"elapsed_s", elapsed_s}});
 }
 
 }  // namespace raycube::base

@@ -10,8 +10,8 @@
 
 namespace raycube::base {
 
-/// The text of one report: "render spectir  42 % [=====>     ] 134/320 lines, 12.4 lines/s, 0:15 left". columns = 0 leaves the
-/// bar out. Time left comes from the mean rate so far; it is omitted while nothing is done.
+/// The text of one report: "render spectir  42 % [=====>     ] 134/320 lines, 12.4 lines/s, 0:15 left". columns = 0
+/// leaves the bar out. Time left comes from the mean rate so far; it is omitted while nothing is done.
 std::string progress_text(const std::string& what, std::uint64_t done, std::uint64_t total, const std::string& unit,
                           double elapsed_s, int columns);
 

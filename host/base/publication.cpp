@@ -32,9 +32,10 @@ bool present(const std::string& path) {
 }
 
 bool same_file(const std::string& a, const std::string& b) {
-  struct stat first {}, second {};
-  return ::lstat(a.c_str(), &first) == 0 && ::lstat(b.c_str(), &second) == 0 &&
-         first.st_dev == second.st_dev && first.st_ino == second.st_ino;
+  struct stat first {
+  }, second{};
+  return ::lstat(a.c_str(), &first) == 0 && ::lstat(b.c_str(), &second) == 0 && first.st_dev == second.st_dev &&
+         first.st_ino == second.st_ino;
 }
 
 /// The folder's journal. Where everybody may put files that only their owners take away, as in /tmp, each
@@ -62,9 +63,9 @@ void refuse_to_write_beside(const std::string& journal, const std::string& reaso
   const bool shared = fs::path(journal).filename() != kJournalName;
   if (use == FolderUse::read || (use == FolderUse::write_file && shared) || !present(journal)) return;
   throw Error(Fault::environment,
-              journal + ": a list of files that wait for their names is obeyed only if this user left it (" +
-                  reason + "); let whoever did run `raycube info` on the folder, or remove it, or choose "
-                           "another -o");
+              journal + ": a list of files that wait for their names is obeyed only if this user left it (" + reason +
+                  "); let whoever did run `raycube info` on the folder, or remove it, or choose "
+                  "another -o");
 }
 
 /// A journal may come with a folder from anywhere: it reaches nothing outside.
@@ -101,8 +102,7 @@ Publication::Publication(const std::string& folder, List list)
   write_journal();
 }
 
-Publication::Publication(const std::string& folder)
-    : folder_(folder), journal_(journal_of(folder)), resumed_(true) {
+Publication::Publication(const std::string& folder) : folder_(folder), journal_(journal_of(folder)), resumed_(true) {
   read_journal();
 }
 
@@ -115,8 +115,8 @@ Publication::Mark Publication::mark_of(const struct stat& status) {
 void Publication::write_journal() const {
   nlohmann::json files = nlohmann::json::array();
   for (std::size_t i = 0; i < marks_.size(); ++i)
-    files.push_back({list_.files[i].first, list_.files[i].second, marks_[i].bytes, marks_[i].inode,
-                     marks_[i].modified_ns});
+    files.push_back(
+        {list_.files[i].first, list_.files[i].second, marks_[i].bytes, marks_[i].inode, marks_[i].modified_ns});
   OutputFile out(journal_, IfExists::replace);
   ::chmod(out.temporary_path().c_str(), 0600);  // whatever the umask: one that others may write is not obeyed
   out.append(nlohmann::json{{"replace", list_.replace}, {"files", files}, {"remove", list_.remove}}.dump(
@@ -177,14 +177,12 @@ bool Publication::waits(std::size_t number) {
     // Some file systems number their files anew when they are mounted, and copies keep the time.
     if (is.bytes == was.bytes && (is.inode == was.inode || is.modified_ns == was.modified_ns)) return false;
   }
-  if (list_.replace || resumed_)
-    throw gone(temporary, name, "remove " + journal_ + " and run again with --overwrite");
+  if (list_.replace || resumed_) throw gone(temporary, name, "remove " + journal_ + " and run again with --overwrite");
   take_back(number);
   throw gone(temporary, name, "run again");
 }
 
-Error Publication::gone(const std::string& temporary, const std::string& name,
-                        const std::string& way_out) const {
+Error Publication::gone(const std::string& temporary, const std::string& name, const std::string& way_out) const {
   return Error(Fault::environment, in_folder(temporary) + ": has gone before it could be named " + name +
                                        ", so its run cannot be whole; " + way_out);
 }
@@ -202,14 +200,13 @@ bool Publication::name_file(std::size_t number) {
   if (list_.replace) {
     if (::rename(from.c_str(), to.c_str()) != 0)
       throw Error(Fault::environment, to + ": cannot be named: " + std::strerror(errno) +
-                                          "; mend that, and the next look at the folder (`raycube info " +
-                                          folder_ + "`) or run into it names the rest");
+                                          "; mend that, and the next look at the folder (`raycube info " + folder_ +
+                                          "`) or run into it names the rest");
     return true;
   }
   if (::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0) return true;
   int code = errno;
-  if (code == EINVAL ||
-      code == ENOSYS) {  // file systems without it: a hard link refuses an existing name just as well
+  if (code == EINVAL || code == ENOSYS) {  // file systems without it: a hard link refuses an existing name just as well
     code = ::link(from.c_str(), to.c_str()) == 0 ? 0 : errno;
     if (code == 0 || same_file(from, to)) return ::unlink(from.c_str()), true;
   }
@@ -278,10 +275,9 @@ bool finish_publication(const std::string& folder, FolderUse use, bool locked) {
   }
   if (!present(journal)) return true;
   if (::access(folder.c_str(), W_OK) != 0)
-    throw Error(
-        Fault::environment,
-        folder + ": a run was killed while its files got their names, and they cannot be changed here: " +
-            std::strerror(errno) + "; run `raycube info` on the folder as somebody who may write there");
+    throw Error(Fault::environment,
+                folder + ": a run was killed while its files got their names, and they cannot be changed here: " +
+                    std::strerror(errno) + "; run `raycube info` on the folder as somebody who may write there");
   Publication rest(folder);
   // Before anything changes: each file waits, or has its name.
   for (std::size_t i = 0; i < rest.list_.files.size(); ++i) rest.waits(i);

@@ -40,7 +40,7 @@ class Publication {
   struct List {
     bool replace = false;  ///< else a file that has one of the names already stops the publication
     std::vector<std::pair<std::string, std::string>>
-        files;  ///< temporary, name; none with a folder. The last one is the set's record
+        files;                        ///< temporary, name; none with a folder. The last one is the set's record
     std::vector<std::string> remove;  ///< names of the earlier set; those that are among `files` too stay
   };
 

@@ -1,5 +1,5 @@
-// Conversions between the units users write and the ones we store, each a named function. Stored: wavelength um in vacuum,
-// radiance W m-2 sr-1 um-1, angles rad inside formulas, degrees in files.
+// Conversions between the units users write and the ones we store, each a named function. Stored: wavelength um in
+// vacuum, radiance W m-2 sr-1 um-1, angles rad inside formulas, degrees in files.
 #pragma once
 
 #include <numbers>
@@ -11,7 +11,8 @@ constexpr double nm_from_um(double wavelength_um) { return wavelength_um * 1e3; 
 constexpr double um_from_wavenumber_per_cm(double wavenumber_per_cm) { return 1e4 / wavenumber_per_cm; }
 constexpr double wavenumber_per_cm_from_um(double wavelength_um) { return 1e4 / wavelength_um; }
 
-/// A width in wavenumber (cm-1) at a wavelength, as a width in wavelength: |d lambda| = lambda^2 / 1e4 |d nu| (first order).
+/// A width in wavenumber (cm-1) at a wavelength, as a width in wavelength: |d lambda| = lambda^2 / 1e4 |d nu| (first
+/// order).
 constexpr double width_um_from_per_cm(double width_per_cm, double wavelength_um) {
   return width_per_cm * wavelength_um * wavelength_um * 1e-4;
 }
@@ -22,7 +23,8 @@ constexpr double uW_per_cm2_sr_nm_from_W_per_m2_sr_um(double radiance) { return 
 /// 1 W cm-2 sr-1 um-1 (DIRSIG) = 1e4 W m-2 sr-1 um-1.
 constexpr double W_per_m2_sr_um_from_W_per_cm2_sr_um(double radiance) { return radiance * 1e4; }
 constexpr double W_per_cm2_sr_um_from_W_per_m2_sr_um(double radiance) { return radiance * 1e-4; }
-/// Per wavenumber to per wavelength: L_lambda = L_nu 1e4 / lambda^2 with lambda in um; W cm-2 sr-1 (cm-1)-1 (MODTRAN) in.
+/// Per wavenumber to per wavelength: L_lambda = L_nu 1e4 / lambda^2 with lambda in um; W cm-2 sr-1 (cm-1)-1 (MODTRAN)
+/// in.
 constexpr double W_per_m2_sr_um_from_W_per_cm2_sr_per_cm(double radiance, double wavelength_um) {
   return radiance * 1e4 * 1e4 / (wavelength_um * wavelength_um);
 }

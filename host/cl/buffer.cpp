@@ -15,8 +15,9 @@ RawBuffer::RawBuffer(const Context& context, std::size_t bytes, Access access, c
     : context_(&context), bytes_(bytes), what_(what) {
   const DeviceInfo& device = context.device().info();
   if (bytes > device.max_alloc_bytes)
-    throw base::Error(base::Fault::device, "OpenCL: the buffer for " + what + " needs " + mib(bytes) + ", the largest that device '" +
-                                               device.name + "' allows is " + mib(device.max_alloc_bytes) + "; use smaller tiles (--memory)");
+    throw base::Error(base::Fault::device, "OpenCL: the buffer for " + what + " needs " + mib(bytes) +
+                                               ", the largest that device '" + device.name + "' allows is " +
+                                               mib(device.max_alloc_bytes) + "; use smaller tiles (--memory)");
   const cl_mem_flags flags = access == Access::read_only    ? CL_MEM_READ_ONLY
                              : access == Access::write_only ? CL_MEM_WRITE_ONLY
                                                             : CL_MEM_READ_WRITE;
@@ -42,15 +43,16 @@ void RawBuffer::read(void* to, std::size_t bytes, std::size_t offset) const {
 void* RawBuffer::map(bool for_writing) {
   const DriverWork work;
   cl_int status = CL_SUCCESS;
-  void* mapped = clEnqueueMapBuffer(context_->queue(), memory_(), CL_TRUE, for_writing ? CL_MAP_WRITE | CL_MAP_READ : CL_MAP_READ, 0,
-                                    bytes_, 0, nullptr, nullptr, &status);
+  void* mapped =
+      clEnqueueMapBuffer(context_->queue(), memory_(), CL_TRUE, for_writing ? CL_MAP_WRITE | CL_MAP_READ : CL_MAP_READ,
+                         0, bytes_, 0, nullptr, nullptr, &status);
   check(status, "clEnqueueMapBuffer of " + what_, context_->device().name());
   return mapped;
 }
 
 void RawBuffer::unmap(void* mapped) {
-  check(clEnqueueUnmapMemObject(context_->queue(), memory_(), mapped, 0, nullptr, nullptr), "clEnqueueUnmapMemObject of " + what_,
-        context_->device().name());
+  check(clEnqueueUnmapMemObject(context_->queue(), memory_(), mapped, 0, nullptr, nullptr),
+        "clEnqueueUnmapMemObject of " + what_, context_->device().name());
 }
 
 }  // namespace raycube::cl

@@ -33,8 +33,8 @@ class RawBuffer {
   Handle<cl_mem, clReleaseMemObject> memory_;
 };
 
-/// `count` elements of T on the device. `what` names the contents in errors ("hits of a tile"). A count of 0 allocates one
-/// element, since OpenCL knows no empty buffer. Blocking calls; the context must outlive the buffer.
+/// `count` elements of T on the device. `what` names the contents in errors ("hits of a tile"). A count of 0 allocates
+/// one element, since OpenCL knows no empty buffer. Blocking calls; the context must outlive the buffer.
 template <typename T>
 class Buffer : public RawBuffer {
   static_assert(std::is_trivially_copyable_v<T>);

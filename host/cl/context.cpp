@@ -29,9 +29,12 @@ void Context::launch(const Kernel& kernel, std::size_t global) const {
     const cl_int status = clEnqueueNDRangeKernel(queue_(), kernel(), 1, &first, &count, &local, 0, nullptr, nullptr);
     if (status != CL_SUCCESS) blame_full_disk();
     check(status,
-          "clEnqueueNDRangeKernel of '" + kernel.name() + "', " + std::to_string(count) + " work-items by " + std::to_string(local), device_.name());
+          "clEnqueueNDRangeKernel of '" + kernel.name() + "', " + std::to_string(count) + " work-items by " +
+              std::to_string(local),
+          device_.name());
   };
-  const std::size_t local = std::clamp<std::size_t>(sizes_.of(kernel.name()), 1, kernel.most_local()), whole = global / local * local;
+  const std::size_t local = std::clamp<std::size_t>(sizes_.of(kernel.name()), 1, kernel.most_local()),
+                    whole = global / local * local;
   if (whole > 0 || global == 0) enqueue(0, whole, local);
   if (global > whole) enqueue(whole, global - whole, sizes_.rest_together ? global - whole : 1);
   if (!times_) return;

@@ -28,8 +28,9 @@ class Context {
   cl_context operator()() const { return context_(); }
   cl_command_queue queue() const { return queue_(); }
 
-  /// Enqueues `kernel` over `global` work-items; all arguments must be set. Does not wait. The local size is that of launch_sizes(), at most
-  /// what device and kernel allow; items past its last multiple follow in a launch of their own.
+  /// Enqueues `kernel` over `global` work-items; all arguments must be set. Does not wait. The local size is that of
+  /// launch_sizes(), at most what device and kernel allow; items past its last multiple follow in a launch of their
+  /// own.
   void launch(const Kernel& kernel, std::size_t global) const;
   const LaunchSizes& launch_sizes() const { return sizes_; }
   void set_launch_sizes(LaunchSizes sizes) { sizes_ = std::move(sizes); }

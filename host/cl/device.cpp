@@ -34,22 +34,27 @@ T value_of(cl_device_id device, cl_device_info what) {
 }
 
 std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return text;
 }
 
-/// The part of `units` compute units of a device, made when first asked for and never given back. PoCL 3.1 counts no context's or
-/// queue's use of a sub-device, and its worker releases a finished command's event, through event->queue->device, after clFinish
-/// has returned: a sub-device released by then is somebody else's memory, and the process dies now and then (POclReleaseEvent).
+/// The part of `units` compute units of a device, made when first asked for and never given back. PoCL 3.1 counts no
+/// context's or queue's use of a sub-device, and its worker releases a finished command's event, through
+/// event->queue->device, after clFinish has returned: a sub-device released by then is somebody else's memory, and the
+/// process dies now and then (POclReleaseEvent).
 cl_device_id part_of(cl_device_id device, std::uint32_t units, const std::string& name) {
   static std::mutex mutex;
-  static auto& parts = *new std::map<std::pair<cl_device_id, std::uint32_t>, cl_device_id>;  // workers outlive static objects
+  static auto& parts =
+      *new std::map<std::pair<cl_device_id, std::uint32_t>, cl_device_id>;  // workers outlive static objects
   const std::lock_guard lock(mutex);
   cl_device_id& part = parts[{device, units}];
   if (!part) {
-    const cl_device_partition_property split[] = {CL_DEVICE_PARTITION_BY_COUNTS, static_cast<cl_device_partition_property>(units),
+    const cl_device_partition_property split[] = {CL_DEVICE_PARTITION_BY_COUNTS,
+                                                  static_cast<cl_device_partition_property>(units),
                                                   CL_DEVICE_PARTITION_BY_COUNTS_LIST_END, 0};
-    check(clCreateSubDevices(device, split, 1, &part, nullptr), "clCreateSubDevices, " + std::to_string(units) + " units", name);
+    check(clCreateSubDevices(device, split, 1, &part, nullptr),
+          "clCreateSubDevices, " + std::to_string(units) + " units", name);
   }
   return part;
 }
@@ -68,8 +73,12 @@ void Device::query() {
   info_.max_alloc_bytes = value_of<cl_ulong>(id_, CL_DEVICE_MAX_MEM_ALLOC_SIZE);
   info_.compute_units = value_of<cl_uint>(id_, CL_DEVICE_MAX_COMPUTE_UNITS);
   std::array<std::size_t, 16> items{};
-  check(clGetDeviceInfo(id_, CL_DEVICE_MAX_WORK_ITEM_SIZES, std::min<std::size_t>(items.size(), value_of<cl_uint>(id_, CL_DEVICE_MAX_WORK_ITEM_DIMENSIONS)) * sizeof items[0], items.data(), nullptr),
-        "clGetDeviceInfo", info_.name);
+  check(
+      clGetDeviceInfo(id_, CL_DEVICE_MAX_WORK_ITEM_SIZES,
+                      std::min<std::size_t>(items.size(), value_of<cl_uint>(id_, CL_DEVICE_MAX_WORK_ITEM_DIMENSIONS)) *
+                          sizeof items[0],
+                      items.data(), nullptr),
+      "clGetDeviceInfo", info_.name);
   info_.max_work_items = std::max<std::size_t>(1, items[0]);
   info_.native_float_width = value_of<cl_uint>(id_, CL_DEVICE_NATIVE_VECTOR_WIDTH_FLOAT);
   info_.fp64 = text_of(id_, CL_DEVICE_EXTENSIONS).find("cl_khr_fp64") != std::string::npos;
@@ -78,15 +87,16 @@ void Device::query() {
   std::size_t size = 0;
   check(clGetPlatformInfo(platform, CL_PLATFORM_NAME, 0, nullptr, &size), "clGetPlatformInfo", info_.name);
   info_.platform.resize(size);
-  check(clGetPlatformInfo(platform, CL_PLATFORM_NAME, size, info_.platform.data(), nullptr), "clGetPlatformInfo", info_.name);
+  check(clGetPlatformInfo(platform, CL_PLATFORM_NAME, size, info_.platform.data(), nullptr), "clGetPlatformInfo",
+        info_.name);
   info_.platform.resize(size ? size - 1 : 0);
 }
 
 Device Device::with_compute_units(std::uint32_t units) const {
   if (units == 0 || units > info_.compute_units)
-    throw Error(Fault::input, "device '" + info_.name + "' has " + std::to_string(info_.compute_units) + " compute units, found " +
-                                  std::to_string(units) + "; give a number of threads from 1 to " +
-                                  std::to_string(info_.compute_units));
+    throw Error(Fault::input, "device '" + info_.name + "' has " + std::to_string(info_.compute_units) +
+                                  " compute units, found " + std::to_string(units) +
+                                  "; give a number of threads from 1 to " + std::to_string(info_.compute_units));
   return Device(units == info_.compute_units ? id_ : part_of(id_, units, info_.name));
 }
 
@@ -105,7 +115,9 @@ std::vector<Device> list_devices() {
     for (cl_device_id id : ids) devices.emplace_back(id);
   }
   if (devices.empty())
-    throw Error(Fault::device, "no OpenCL device found; install a driver (on Debian: apt-get install pocl-opencl-icd) and look at clinfo");
+    throw Error(
+        Fault::device,
+        "no OpenCL device found; install a driver (on Debian: apt-get install pocl-opencl-icd) and look at clinfo");
   return devices;
 }
 
@@ -115,7 +127,8 @@ Device find_device(const std::string& wanted) {
   std::vector<std::size_t> fitting;
   const bool number = std::all_of(wanted.begin(), wanted.end(), [](unsigned char c) { return std::isdigit(c); });
   for (std::size_t i = 0; i < devices.size(); ++i)
-    if (number ? wanted == std::to_string(i) : lower(devices[i].name()).find(lower(wanted)) != std::string::npos) fitting.push_back(i);
+    if (number ? wanted == std::to_string(i) : lower(devices[i].name()).find(lower(wanted)) != std::string::npos)
+      fitting.push_back(i);
   if (fitting.size() == 1) return std::move(devices[fitting[0]]);
   std::string list;
   for (std::size_t i = 0; i < devices.size(); ++i) list += "\n  " + std::to_string(i) + ": " + devices[i].name();

@@ -12,11 +12,11 @@ namespace raycube::cl {
 /// What `raycube devices` prints and what tiling needs.
 struct DeviceInfo {
   std::string name, vendor, platform, version, driver;
-  std::string c_version;                ///< OpenCL C version
+  std::string c_version;  ///< OpenCL C version
   std::uint64_t global_memory_bytes = 0;
-  std::uint64_t max_alloc_bytes = 0;    ///< largest buffer; changes between runs on PoCL: ask, never remember
+  std::uint64_t max_alloc_bytes = 0;  ///< largest buffer; changes between runs on PoCL: ask, never remember
   std::uint32_t compute_units = 0;
-  std::size_t max_work_items = 1;       ///< of a work-group along its first dimension
+  std::size_t max_work_items = 1;  ///< of a work-group along its first dimension
   std::uint32_t native_float_width = 0;
   bool fp64 = false;
   bool is_cpu = false;
@@ -40,7 +40,8 @@ class Device {
   DeviceInfo info_;
 };
 
-/// All devices of all platforms, in the loader's order; where an OpenCL program begins (kernel_cache.h). Throws Error(device) when there are none.
+/// All devices of all platforms, in the loader's order; where an OpenCL program begins (kernel_cache.h). Throws
+/// Error(device) when there are none.
 std::vector<Device> list_devices();
 
 /// The device whose number ("0") or part of whose name (any case) is given; empty: the first. Throws Error(input) that

@@ -11,7 +11,8 @@ Kernel::Kernel(const Program& program, const std::string& name) : name_(name), d
   cl_int status = CL_SUCCESS;
   kernel_ = Handle<cl_kernel, clReleaseKernel>(clCreateKernel(program(), name.c_str(), &status));
   check(status, "clCreateKernel of '" + name + "' in program '" + program.name() + "'", device_name_);
-  check(clGetKernelWorkGroupInfo(kernel_(), program.device(), CL_KERNEL_WORK_GROUP_SIZE, sizeof most_local_, &most_local_, nullptr),
+  check(clGetKernelWorkGroupInfo(kernel_(), program.device(), CL_KERNEL_WORK_GROUP_SIZE, sizeof most_local_,
+                                 &most_local_, nullptr),
         "clGetKernelWorkGroupInfo of '" + name + "'", device_name_);
   most_local_ = std::min(most_local_, program.most_local());
 }
@@ -22,16 +23,17 @@ void Kernel::set(cl_uint index, const RawBuffer& buffer) {
 }
 
 void Kernel::set_bytes(cl_uint index, const void* value, std::size_t bytes) {
-  check(clSetKernelArg(kernel_(), index, bytes, value), "clSetKernelArg " + std::to_string(index) + " of '" + name_ + "'", device_name_);
+  check(clSetKernelArg(kernel_(), index, bytes, value),
+        "clSetKernelArg " + std::to_string(index) + " of '" + name_ + "'", device_name_);
 }
 
 void Kernel::check_count(std::size_t given) const {
   cl_uint expected = 0;
-  check(clGetKernelInfo(kernel_(), CL_KERNEL_NUM_ARGS, sizeof expected, &expected, nullptr), "clGetKernelInfo of '" + name_ + "'",
-        device_name_);
+  check(clGetKernelInfo(kernel_(), CL_KERNEL_NUM_ARGS, sizeof expected, &expected, nullptr),
+        "clGetKernelInfo of '" + name_ + "'", device_name_);
   if (given != expected)
-    throw base::Error(base::Fault::bug, "kernel '" + name_ + "' takes " + std::to_string(expected) + " arguments, found " +
-                                            std::to_string(given));
+    throw base::Error(base::Fault::bug, "kernel '" + name_ + "' takes " + std::to_string(expected) +
+                                            " arguments, found " + std::to_string(given));
 }
 
 }  // namespace raycube::cl

@@ -18,8 +18,8 @@ class Kernel {
   /// Largest work-group the device takes of this kernel.
   std::size_t most_local() const { return most_local_; }
 
-  /// Sets all arguments in order: buffers, 32-bit scalars or rc_float4, and arrays in pages, which count as many arguments.
-  /// The number is checked against the kernel's.
+  /// Sets all arguments in order: buffers, 32-bit scalars or rc_float4, and arrays in pages, which count as many
+  /// arguments. The number is checked against the kernel's.
   template <typename... Arguments>
   Kernel& arguments(const Arguments&... values) {
     check_count((std::size_t{0} + ... + places(values)));
@@ -29,19 +29,24 @@ class Kernel {
   }
   void set(cl_uint index, const RawBuffer& buffer);
   template <typename T>
-    requires(std::is_same_v<T, cl_uint> || std::is_same_v<T, cl_int> || std::is_same_v<T, float> ||
-             std::is_same_v<T, shared::rc_float4>)
-  void set(cl_uint index, T value) {
+  requires(std::is_same_v<T, cl_uint> || std::is_same_v<T, cl_int> || std::is_same_v<T, float> ||
+           std::is_same_v<T, shared::rc_float4>) void set(cl_uint index, T value) {
     set_bytes(index, &value, sizeof value);
   }
 
  private:
   template <typename T>
-  static std::size_t places(const T&) { return 1; }
+  static std::size_t places(const T&) {
+    return 1;
+  }
   template <typename T>
-  static std::size_t places(const std::vector<Buffer<T>>& pages) { return pages.size(); }
+  static std::size_t places(const std::vector<Buffer<T>>& pages) {
+    return pages.size();
+  }
   template <typename T>
-  void set_next(cl_uint& index, const T& value) { set(index++, value); }
+  void set_next(cl_uint& index, const T& value) {
+    set(index++, value);
+  }
   template <typename T>
   void set_next(cl_uint& index, const std::vector<Buffer<T>>& pages) {
     for (const auto& page : pages) set(index++, page);

@@ -102,13 +102,11 @@ std::string claim(const fs::path& store) {
     why = store.string() + " belongs to user " + std::to_string(status.st_uid) + ", not to this one";
   } else if ((status.st_mode & 077) != 0) {
     const bool written = (status.st_mode & 022) != 0;
-    if (::fchmod(folder, 0700) != 0)
-      why = store.string() + " cannot be closed to others (" + reason(errno) + ")";
+    if (::fchmod(folder, 0700) != 0) why = store.string() + " cannot be closed to others (" + reason(errno) + ")";
     if (written && why.empty()) {
       for (const auto& entry : fs::directory_iterator(store, code)) fs::remove_all(entry.path(), code);
-      notice(Level::warning,
-             "kernels kept in " + store.string() +
-                 ": the folder was open for others to write; it was emptied and closed to them");
+      notice(Level::warning, "kernels kept in " + store.string() +
+                                 ": the folder was open for others to write; it was emptied and closed to them");
     }
   }
   ::close(folder);
@@ -131,8 +129,7 @@ void sweep_runs(const fs::path& parent, const char* prefix) {
   std::error_code code;
   for (const auto& entry : fs::directory_iterator(parent, code)) {
     struct stat status {};
-    if (entry.path().filename().string().rfind(prefix, 0) != 0 || ::lstat(entry.path().c_str(), &status) != 0)
-      continue;
+    if (entry.path().filename().string().rfind(prefix, 0) != 0 || ::lstat(entry.path().c_str(), &status) != 0) continue;
     if (!S_ISDIR(status.st_mode) || status.st_uid != ::geteuid()) continue;
     if (fs::file_time_type::clock::now() - entry.last_write_time(code) < std::chrono::seconds(10)) continue;
     const int lock = ::open(entry.path().c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
@@ -186,11 +183,10 @@ void prepare(Cache& c) {
     if (c.driver.empty())
       throw base::Error(base::Fault::environment, "no place for compiled kernels: " + why +
                                                       ", and the temporary folder " + temporary.string() +
-                                                      " cannot be written (" +
-                                                      (code ? code.message() : reason(errno)) +
+                                                      " cannot be written (" + (code ? code.message() : reason(errno)) +
                                                       "); XDG_CACHE_HOME or TMPDIR names another folder");
-    notice(Level::warning, "compiled kernels are not kept for the next run: " + why +
-                               "; XDG_CACHE_HOME names another folder for them");
+    notice(Level::warning,
+           "compiled kernels are not kept for the next run: " + why + "; XDG_CACHE_HOME names another folder for them");
   }
   c.ours = true;
   c.process = ::getpid();
@@ -204,8 +200,7 @@ std::set<std::string> driver_folders(const fs::path& driver) {
   for (const auto& first : fs::directory_iterator(driver, code)) {
     if (!first.is_directory(code)) continue;
     for (const auto& second : fs::directory_iterator(first.path(), code))
-      if (second.is_directory(code))
-        out.insert((first.path().filename() / second.path().filename()).string());
+      if (second.is_directory(code)) out.insert((first.path().filename() / second.path().filename()).string());
   }
   return out;
 }
@@ -233,9 +228,7 @@ void write_files(const fs::path& driver, const KernelFiles& files) {
 }
 
 /// The driver's folder that a kept file belongs to.
-std::string folder_of(const fs::path& name) {
-  return (*name.begin() / *std::next(name.begin())).string();
-}
+std::string folder_of(const fs::path& name) { return (*name.begin() / *std::next(name.begin())).string(); }
 
 /// Writes the files of the sound archive `file` where the driver looks. When that fails nothing of them stays
 /// there, the archive stays, and a full disk is the error; for any other reason false, with a warning.
@@ -250,8 +243,8 @@ bool put_for_driver(const KernelFiles& files, const fs::path& file) {
     for (const auto& [name, content] : files)
       if (!before.count(folder_of(name))) fs::remove_all(driver / folder_of(name), code);
     blame_full_disk();
-    notice(Level::warning, "kernels kept in " + file.string() + " cannot be used by this run: " +
-                               failed.what() + "; they are compiled anew");
+    notice(Level::warning, "kernels kept in " + file.string() + " cannot be used by this run: " + failed.what() +
+                               "; they are compiled anew");
     return false;
   }
 }
@@ -260,9 +253,7 @@ fs::path file_of(const std::string& key) { return cache().store / (key + kSuffix
 
 }  // namespace
 
-void set_cache_notices(std::function<void(Level, const std::string&)> notices) {
-  cache().notices = std::move(notices);
-}
+void set_cache_notices(std::function<void(Level, const std::string&)> notices) { cache().notices = std::move(notices); }
 
 void prepare_kernel_cache() {
   std::call_once(cache().prepared, [] { prepare(cache()); });
@@ -275,8 +266,7 @@ void require_room_for_kernels() {
   const std::uint64_t free_bytes = std::uint64_t{disk.f_bavail} * disk.f_frsize;
   if (free_bytes >= kRoom_bytes) return;
   throw base::Error(base::Fault::environment,
-                    folder.string() +
-                        ": no room for compiled kernels (free: " + base::format_bytes(free_bytes) +
+                    folder.string() + ": no room for compiled kernels (free: " + base::format_bytes(free_bytes) +
                         ", wanted: " + base::format_bytes(kRoom_bytes) + "); " + way_out());
 }
 
@@ -296,8 +286,8 @@ void blame_full_disk() {
     ::unlink(pattern.c_str());
   }
   if (code == 0) return;
-  throw base::Error(base::Fault::environment, folder.string() + ": compiled kernels cannot be written (" +
-                                                  reason(code) + "); " + way_out());
+  throw base::Error(base::Fault::environment,
+                    folder.string() + ": compiled kernels cannot be written (" + reason(code) + "); " + way_out());
 }
 
 DriverWork::DriverWork() noexcept { ++at_work; }
@@ -319,8 +309,8 @@ void KeptKernels::take() const {
     files = unpack_kernels(key_, base::read_own_file(file));
   } catch (const std::exception& damaged) {
     fs::remove(file, code);
-    notice(Level::warning, "kernels kept in " + file.string() + " are damaged: " + damaged.what() +
-                               "; they are compiled anew");
+    notice(Level::warning,
+           "kernels kept in " + file.string() + " are damaged: " + damaged.what() + "; they are compiled anew");
     return;
   }
   if (!put_for_driver(files, file)) {
@@ -350,8 +340,7 @@ KeptKernels::~KeptKernels() {
   } catch (const std::exception& failed) {  // keep() holds no lock any more
     const std::lock_guard lock(cache().building);
     if (cache().not_kept.insert(failed.what()).second)
-      notice(Level::warning,
-             std::string("compiled kernels could not be kept for the next run: ") + failed.what());
+      notice(Level::warning, std::string("compiled kernels could not be kept for the next run: ") + failed.what());
   }
 }
 

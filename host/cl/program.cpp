@@ -7,13 +7,18 @@
 namespace raycube::cl {
 
 Program::Program(const Context& context, const std::string& name, std::string_view source, const std::string& options)
-    : name_(name), options_(options), device_name_(context.device().name()), device_(context.device()()), most_local_(context.device().info().max_work_items) {
+    : name_(name),
+      options_(options),
+      device_name_(context.device().name()),
+      device_(context.device()()),
+      most_local_(context.device().info().max_work_items) {
   const base::Doing doing("building program", name);
   require_room_for_kernels();
   const DeviceInfo& on = context.device().info();
   std::string key;
-  for (const std::string_view part : {std::string_view(on.platform), std::string_view(on.name), std::string_view(on.version),
-                                      std::string_view(on.driver), std::string_view(options), source})
+  for (const std::string_view part :
+       {std::string_view(on.platform), std::string_view(on.name), std::string_view(on.version),
+        std::string_view(on.driver), std::string_view(options), source})
     (key += part) += '\0';
   kept_ = std::make_unique<KeptKernels>(key);
   const DriverWork work;
@@ -31,8 +36,9 @@ Program::Program(const Context& context, const std::string& name, std::string_vi
   }
   if (status != CL_SUCCESS) blame_full_disk();
   if (status != CL_SUCCESS)
-    throw base::Error(base::Fault::device, "OpenCL: clBuildProgram of '" + name + "' failed with " + status_name(status) +
-                                               " on device '" + device_name_ + "', options '" + options + "':\n" + log_);
+    throw base::Error(base::Fault::device, "OpenCL: clBuildProgram of '" + name + "' failed with " +
+                                               status_name(status) + " on device '" + device_name_ + "', options '" +
+                                               options + "':\n" + log_);
   kept_->built();
 }
 

@@ -14,8 +14,9 @@ namespace raycube::cl {
 class Program {
  public:
   /// Builds `source` with `options` (language version and exact-arithmetic options are not added here). A failed build
-  /// throws Error(device) with name, device, options and the log, whose lines name the kernel files. Kernels that an earlier run
-  /// compiled of the same come from the cache (kernel_cache.h); throws Error(environment) when that has no room.
+  /// throws Error(device) with name, device, options and the log, whose lines name the kernel files. Kernels that an
+  /// earlier run compiled of the same come from the cache (kernel_cache.h); throws Error(environment) when that has no
+  /// room.
   Program(const Context& context, const std::string& name, std::string_view source, const std::string& options);
   const std::string& name() const { return name_; }
   const std::string& options() const { return options_; }

@@ -12,21 +12,46 @@ struct Name {
   const char* text;
 };
 
-#define RC_STATUS(code) {code, #code}
-constexpr std::array kNames{
-    Name RC_STATUS(CL_DEVICE_NOT_FOUND), Name RC_STATUS(CL_DEVICE_NOT_AVAILABLE), Name RC_STATUS(CL_COMPILER_NOT_AVAILABLE),
-    Name RC_STATUS(CL_MEM_OBJECT_ALLOCATION_FAILURE), Name RC_STATUS(CL_OUT_OF_RESOURCES), Name RC_STATUS(CL_OUT_OF_HOST_MEMORY),
-    Name RC_STATUS(CL_MEM_COPY_OVERLAP), Name RC_STATUS(CL_BUILD_PROGRAM_FAILURE), Name RC_STATUS(CL_MAP_FAILURE),
-    Name RC_STATUS(CL_LINK_PROGRAM_FAILURE), Name RC_STATUS(CL_DEVICE_PARTITION_FAILED), Name RC_STATUS(CL_INVALID_VALUE),
-    Name RC_STATUS(CL_INVALID_DEVICE), Name RC_STATUS(CL_INVALID_CONTEXT), Name RC_STATUS(CL_INVALID_COMMAND_QUEUE),
-    Name RC_STATUS(CL_INVALID_HOST_PTR), Name RC_STATUS(CL_INVALID_MEM_OBJECT), Name RC_STATUS(CL_INVALID_BINARY),
-    Name RC_STATUS(CL_INVALID_BUILD_OPTIONS), Name RC_STATUS(CL_INVALID_PROGRAM), Name RC_STATUS(CL_INVALID_PROGRAM_EXECUTABLE),
-    Name RC_STATUS(CL_INVALID_KERNEL_NAME), Name RC_STATUS(CL_INVALID_KERNEL), Name RC_STATUS(CL_INVALID_ARG_INDEX),
-    Name RC_STATUS(CL_INVALID_ARG_VALUE), Name RC_STATUS(CL_INVALID_ARG_SIZE), Name RC_STATUS(CL_INVALID_KERNEL_ARGS),
-    Name RC_STATUS(CL_INVALID_WORK_DIMENSION), Name RC_STATUS(CL_INVALID_WORK_GROUP_SIZE), Name RC_STATUS(CL_INVALID_WORK_ITEM_SIZE),
-    Name RC_STATUS(CL_INVALID_GLOBAL_OFFSET), Name RC_STATUS(CL_INVALID_EVENT_WAIT_LIST), Name RC_STATUS(CL_INVALID_EVENT),
-    Name RC_STATUS(CL_INVALID_OPERATION), Name RC_STATUS(CL_INVALID_BUFFER_SIZE), Name RC_STATUS(CL_INVALID_GLOBAL_WORK_SIZE),
-    Name RC_STATUS(CL_INVALID_DEVICE_PARTITION_COUNT), Name{-1001, "CL_PLATFORM_NOT_FOUND_KHR"}};
+#define RC_STATUS(code) \
+  { code, #code }
+constexpr std::array kNames{Name RC_STATUS(CL_DEVICE_NOT_FOUND),
+                            Name RC_STATUS(CL_DEVICE_NOT_AVAILABLE),
+                            Name RC_STATUS(CL_COMPILER_NOT_AVAILABLE),
+                            Name RC_STATUS(CL_MEM_OBJECT_ALLOCATION_FAILURE),
+                            Name RC_STATUS(CL_OUT_OF_RESOURCES),
+                            Name RC_STATUS(CL_OUT_OF_HOST_MEMORY),
+                            Name RC_STATUS(CL_MEM_COPY_OVERLAP),
+                            Name RC_STATUS(CL_BUILD_PROGRAM_FAILURE),
+                            Name RC_STATUS(CL_MAP_FAILURE),
+                            Name RC_STATUS(CL_LINK_PROGRAM_FAILURE),
+                            Name RC_STATUS(CL_DEVICE_PARTITION_FAILED),
+                            Name RC_STATUS(CL_INVALID_VALUE),
+                            Name RC_STATUS(CL_INVALID_DEVICE),
+                            Name RC_STATUS(CL_INVALID_CONTEXT),
+                            Name RC_STATUS(CL_INVALID_COMMAND_QUEUE),
+                            Name RC_STATUS(CL_INVALID_HOST_PTR),
+                            Name RC_STATUS(CL_INVALID_MEM_OBJECT),
+                            Name RC_STATUS(CL_INVALID_BINARY),
+                            Name RC_STATUS(CL_INVALID_BUILD_OPTIONS),
+                            Name RC_STATUS(CL_INVALID_PROGRAM),
+                            Name RC_STATUS(CL_INVALID_PROGRAM_EXECUTABLE),
+                            Name RC_STATUS(CL_INVALID_KERNEL_NAME),
+                            Name RC_STATUS(CL_INVALID_KERNEL),
+                            Name RC_STATUS(CL_INVALID_ARG_INDEX),
+                            Name RC_STATUS(CL_INVALID_ARG_VALUE),
+                            Name RC_STATUS(CL_INVALID_ARG_SIZE),
+                            Name RC_STATUS(CL_INVALID_KERNEL_ARGS),
+                            Name RC_STATUS(CL_INVALID_WORK_DIMENSION),
+                            Name RC_STATUS(CL_INVALID_WORK_GROUP_SIZE),
+                            Name RC_STATUS(CL_INVALID_WORK_ITEM_SIZE),
+                            Name RC_STATUS(CL_INVALID_GLOBAL_OFFSET),
+                            Name RC_STATUS(CL_INVALID_EVENT_WAIT_LIST),
+                            Name RC_STATUS(CL_INVALID_EVENT),
+                            Name RC_STATUS(CL_INVALID_OPERATION),
+                            Name RC_STATUS(CL_INVALID_BUFFER_SIZE),
+                            Name RC_STATUS(CL_INVALID_GLOBAL_WORK_SIZE),
+                            Name RC_STATUS(CL_INVALID_DEVICE_PARTITION_COUNT),
+                            Name{-1001, "CL_PLATFORM_NOT_FOUND_KHR"}};
 #undef RC_STATUS
 
 }  // namespace
@@ -39,8 +64,8 @@ std::string status_name(cl_int status) {
 
 void check(cl_int status, const std::string& call, const std::string& device) {
   if (status == CL_SUCCESS) return;
-  throw base::Error(base::Fault::device,
-                    "OpenCL: " + call + " failed with " + status_name(status) + (device.empty() ? "" : " on device '" + device + "'"));
+  throw base::Error(base::Fault::device, "OpenCL: " + call + " failed with " + status_name(status) +
+                                             (device.empty() ? "" : " on device '" + device + "'"));
 }
 
 }  // namespace raycube::cl

@@ -42,10 +42,9 @@ std::string typed_amount(const AirOptions& o) {
 
 void apply_aerosol(const AirOptions& o, scene::AirSpec& air) {
   if (!std::isnan(o.visibility_km) && !std::isnan(o.aod_550))
-    throw base::Error(
-        base::Fault::input,
-        fmt::format("--visibility {:g} and --aod {:g} both say how much aerosol there is; remove one",
-                    o.visibility_km, o.aod_550));
+    throw base::Error(base::Fault::input,
+                      fmt::format("--visibility {:g} and --aod {:g} both say how much aerosol there is; remove one",
+                                  o.visibility_km, o.aod_550));
   const bool none = (o.aerosol.empty() ? air.aerosol : o.aerosol) == "none";
   if (const std::string amount = typed_amount(o); none && !amount.empty())
     throw base::Error(base::Fault::input,
@@ -55,8 +54,7 @@ void apply_aerosol(const AirOptions& o, scene::AirSpec& air) {
   if (!o.aerosol.empty()) air.aerosol = o.aerosol;
   if (none) {  // what a file said of another aerosol goes with it
     const scene::AirSpec fresh;
-    air.aod_550 = fresh.aod_550, air.visibility_km = fresh.visibility_km,
-    air.humidity_percent = fresh.humidity_percent;
+    air.aod_550 = fresh.aod_550, air.visibility_km = fresh.visibility_km, air.humidity_percent = fresh.humidity_percent;
   }
   if (!std::isnan(o.visibility_km)) air.visibility_km = o.visibility_km, air.aod_550 = -1;
   if (!std::isnan(o.aod_550) && !none) air.aod_550 = o.aod_550;
@@ -84,15 +82,11 @@ void add_air_options(base::OptionTable& table, AirOptions& o, const char* aod_st
             "fog_advective, fog_radiative",
             o.aerosol)
       .default_text = "FILE's, or rural";
-  table
-      .number("--visibility", "km", 0.02, 323, "layered: meteorological range; excluded by --aod",
-              o.visibility_km)
+  table.number("--visibility", "km", 0.02, 323, "layered: meteorological range; excluded by --aod", o.visibility_km)
       .default_text = "FILE's, or 23";
   table.number("--aod", "", 0, 5, "Aerosol optical depth at 0.55 um; excluded by --visibility", o.aod_550)
       .default_text = aod_standing;
-  table
-      .number("--humidity", "%", 0, 99, "layered: relative humidity that swells the aerosol",
-              o.humidity_percent)
+  table.number("--humidity", "%", 0, 99, "layered: relative humidity that swells the aerosol", o.humidity_percent)
       .default_text = "FILE's, or the profile's";
 }
 

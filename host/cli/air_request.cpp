@@ -20,9 +20,7 @@ json content_of(const std::string& path) {
   if (path.empty()) return nullptr;
   base::refuse_other_than_plain(path);
   std::ifstream file(path, std::ios::binary);
-  if (!file)
-    throw base::Error(base::Fault::environment,
-                      path + ": cannot be read; check the name and its permissions");
+  if (!file) throw base::Error(base::Fault::environment, path + ": cannot be read; check the name and its permissions");
   base::Sha256 hash;
   std::vector<char> block(std::size_t{1} << 20);
   while (file.read(block.data(), static_cast<std::streamsize>(block.size())) || file.gcount() > 0)

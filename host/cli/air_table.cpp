@@ -41,13 +41,15 @@ atmos::RenderTable build_with_progress(const AirRequest& request, const std::vec
 
 /// Where the cache keeps the table of a request; empty: nowhere. Throws Error(environment) when a file that the
 /// request names cannot be read.
-std::filesystem::path kept_file(const AirRequest& request, const std::vector<double>& wavelengths, const std::vector<double>& heights) {
+std::filesystem::path kept_file(const AirRequest& request, const std::vector<double>& wavelengths,
+                                const std::vector<double>& heights) {
   const std::filesystem::path folder = request.cached ? base::cache_folder("atmosphere") : std::filesystem::path();
   return folder.empty() ? folder : folder / (request_hash(request, wavelengths, heights) + ".rct");
 }
 
 /// A table of lines that is kept was sound: long lists are not read again to say so.
-bool lines_are_kept(const AirRequest& request, const std::vector<double>& wavelengths, const std::vector<double>& heights) {
+bool lines_are_kept(const AirRequest& request, const std::vector<double>& wavelengths,
+                    const std::vector<double>& heights) {
   if (request.spec->layered->lines.empty()) return false;
   try {
     std::error_code none;
@@ -62,16 +64,20 @@ bool lines_are_kept(const AirRequest& request, const std::vector<double>& wavele
 std::optional<atmos::RenderTable> known_table(const AirRequest& request) {
   const scene::AtmosphereSpec& spec = *request.spec;
   const auto& [first_um, last_um, step_um] = std::tie(request.first_um, request.last_um, request.step_um);
-  if (!spec.table_file.empty()) return atmos::make_table(spec, request.sun, request.sensor_height_m, {}, atmos::clear_sky_heights(request.low_m, request.high_m));
+  if (!spec.table_file.empty())
+    return atmos::make_table(spec, request.sun, request.sensor_height_m, {},
+                             atmos::clear_sky_heights(request.low_m, request.high_m));
   if (spec.none)
-    return atmos::make_table(spec, request.sun, request.sensor_height_m, atmos::vacuum_wavelengths(first_um, last_um, step_um), {request.low_m});
+    return atmos::make_table(spec, request.sun, request.sensor_height_m,
+                             atmos::vacuum_wavelengths(first_um, last_um, step_um), {request.low_m});
   const auto heights = atmos::clear_sky_heights(request.low_m, request.high_m);
   if (spec.layered) {
     const auto wavelengths = atmos::layered_wavelengths(first_um, last_um, step_um);
     if (!lines_are_kept(request, wavelengths, heights))
       atmos::check_layered(spec, request.sun, request.sensor_height_m, wavelengths, heights);
   } else {
-    atmos::check_clear_sky(spec, request.sun, request.sensor_height_m, atmos::clear_sky_wavelengths(first_um, last_um, step_um), heights);
+    atmos::check_clear_sky(spec, request.sun, request.sensor_height_m,
+                           atmos::clear_sky_wavelengths(first_um, last_um, step_um), heights);
   }
   return {};
 }

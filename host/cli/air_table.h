@@ -18,8 +18,8 @@ namespace raycube::cli {
 /// goes to the log.
 atmos::RenderTable air_table(const AirRequest& request, Context& context);
 
-/// The table where it takes no computing, read from its file or that of no air; none for the models, whose request is looked at as
-/// building it would. Throws Error(input) for what the table or the model refuses.
+/// The table where it takes no computing, read from its file or that of no air; none for the models, whose request is
+/// looked at as building it would. Throws Error(input) for what the table or the model refuses.
 std::optional<atmos::RenderTable> known_table(const AirRequest& request);
 
 /// What a user should know of the air of a built table: its provenance's notices.

@@ -32,7 +32,8 @@ std::vector<double> albedos(const std::string& typed) {
   std::vector<double> out;
   for (const auto& field : atmos::imported::split_commas(typed)) {
     const auto number = atmos::imported::need_number(field, {"", 0, 0, "--albedo"}, "an albedo", problems);
-    if (number.good() && number.value > 1) problems.add({"", 0, 0, "--albedo"}, "an albedo is above 1", std::string(field), "give 0 to 1");
+    if (number.good() && number.value > 1)
+      problems.add({"", 0, 0, "--albedo"}, "an albedo is above 1", std::string(field), "give 0 to 1");
     out.push_back(number.value);
   }
   problems.throw_if_any();
@@ -49,9 +50,12 @@ int write_table(const Options& o, const std::vector<atmos::imported::Imported>& 
   const auto made = atmos::imported::table_of_runs(files, request);
   for (const auto& notice : made.notices) context.log.warning(notice);
   const std::string& output = context.common.output;
-  const std::string hash = atmos::write_rct(made.table, output, context.common.overwrite ? base::IfExists::replace : base::IfExists::refuse);
+  const std::string hash =
+      atmos::write_rct(made.table, output, context.common.overwrite ? base::IfExists::replace : base::IfExists::refuse);
   if (context.common.json)
-    context.out << nlohmann::json{{"table", output}, {"content_hash", hash}, {"notices", made.notices}}.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
+    context.out << nlohmann::json{{"table", output}, {"content_hash", hash}, {"notices", made.notices}}.dump(
+                       -1, ' ', false, nlohmann::json::error_handler_t::replace)
+                << "\n";
   else
     context.out << "table: " << output << "\n";
   return 0;
@@ -59,7 +63,8 @@ int write_table(const Options& o, const std::vector<atmos::imported::Imported>& 
 
 int run(const Options& o, Context& context) {
   std::vector<atmos::imported::Imported> files;
-  for (const auto& file : o.files) files.push_back(atmos::imported::import_file(file, o.format == "auto" ? "" : o.format, o.uvspec_input));
+  for (const auto& file : o.files)
+    files.push_back(atmos::imported::import_file(file, o.format == "auto" ? "" : o.format, o.uvspec_input));
   if (!context.common.output.empty()) return write_table(o, files, context);
   // One document: of one file as it is, of several a list.
   if (context.common.json && files.size() > 1) {
@@ -68,7 +73,8 @@ int run(const Options& o, Context& context) {
     context.out << all.dump(-1, ' ', false, decltype(all)::error_handler_t::replace) << "\n";
     return 0;
   }
-  for (const auto& file : files) context.out << (context.common.json ? atmos::imported::imported_json(file) : atmos::imported::imported_text(file));
+  for (const auto& file : files)
+    context.out << (context.common.json ? atmos::imported::imported_json(file) : atmos::imported::imported_text(file));
   return 0;
 }
 
@@ -80,13 +86,18 @@ Verb verb_atmos_import() {
   verb.name = "import";
   verb.summary = "Read the output of MODTRAN, uvspec or 6S: say what it holds, or make a render table of it";
   verb.description =
-      "Units and angles are converted to the project's; damaged rows are refused with file and line; sums that the code prints "
+      "Units and angles are converted to the project's; damaged rows are refused with file and line; sums that the "
+      "code prints "
       "must hold to the printed digits. docs/import_formats.md lists formats and columns.\n\n"
-      "With -o TABLE.rct the runs of all FILEs become one render table: paths down give transmission and path radiance, runs that "
-      "look up give the sky, runs over several albedos or the columns A, B and S of a .chn give the light between ground and air. "
-      "What a render needs and the runs lack is listed; directions must form full grids, and one direction alone serves what is near it: renders that look elsewhere are warned or refused.";
+      "With -o TABLE.rct the runs of all FILEs become one render table: paths down give transmission and path "
+      "radiance, runs that "
+      "look up give the sky, runs over several albedos or the columns A, B and S of a .chn give the light between "
+      "ground and air. "
+      "What a render needs and the runs lack is listed; directions must form full grids, and one direction alone "
+      "serves what is near it: renders that look elsewhere are warned or refused.";
   verb.examples = {"raycube atmos import tape7", "raycube atmos import uvspec.out --uvspec-input uvspec.inp --json",
-                   "raycube atmos import down.tp7 sky.tp7 -o flight.rct", "raycube atmos import run.chn --sun-zenith 52 --sensor-height 2000 --even-sky -o flight.rct"};
+                   "raycube atmos import down.tp7 sky.tp7 -o flight.rct",
+                   "raycube atmos import run.chn --sun-zenith 52 --sensor-height 2000 --even-sky -o flight.rct"};
   verb.common = kOutput;
   verb.output_default = "FILEs are described, no table is made";
   verb.add_options = [o](base::OptionTable& table) {
@@ -95,14 +106,19 @@ Verb verb_atmos_import() {
     auto& files = table.texts("FILE", "FILE", "What the other code wrote", o->files);
     files.positional = files.required = true;
     table.choice("--format", formats, "Format of the FILEs; auto: by name and first lines", o->format);
-    table.text("--uvspec-input", "FILE", "Input file of a uvspec run", o->uvspec_input).default_text = "FILE with the ending .inp";
+    table.text("--uvspec-input", "FILE", "Input file of a uvspec run", o->uvspec_input).default_text =
+        "FILE with the ending .inp";
     table.number("--sun-zenith", "deg", 0, 180, "Table: sun zenith angle", o->sun_zenith).default_text = "the runs'";
     table.number("--sun-azimuth", "deg", -360, 360, "Table: sun azimuth, clockwise from north", o->sun_azimuth);
-    table.number("--sensor-height", "m", -1000, 1e9, "Table: sensor height above z = 0", o->sensor).default_text = "the runs'";
+    table.number("--sensor-height", "m", -1000, 1e9, "Table: sensor height above z = 0", o->sensor).default_text =
+        "the runs'";
     table.number("--ground-height", "m", -1000, 1e5, "Table: height of z = 0 in the runs' heights", o->ground);
-    table.text("--albedo", "LIST", "Table: ground albedo of each run that looks down, as 0,0.3,0.8", o->albedo).default_text = "1 - the runs' emissivity";
-    table.flag("--even-sky", "Table: where no sky was computed, spread the diffuse irradiance evenly over it", o->even_sky);
-    table.flag("--partial", "Table: write what there is, though a render needs more (for plot and compare)", o->partial);
+    table.text("--albedo", "LIST", "Table: ground albedo of each run that looks down, as 0,0.3,0.8", o->albedo)
+        .default_text = "1 - the runs' emissivity";
+    table.flag("--even-sky", "Table: where no sky was computed, spread the diffuse irradiance evenly over it",
+               o->even_sky);
+    table.flag("--partial", "Table: write what there is, though a render needs more (for plot and compare)",
+               o->partial);
   };
   verb.run = [o](Context& context) { return run(*o, context); };
   return verb;

@@ -70,7 +70,8 @@ scene::AtmosphereSpec spec_of(const Options& o) {
     load.compile = false;
     spec = scene::load_simulation(o.file, load).atmosphere;
     if (!spec.layered || !spec.table_file.empty())
-      throw base::Error(base::Fault::input, o.file + ": its [atmosphere] is not of model = \"layered\"; LIDAR profiles need that model");
+      throw base::Error(base::Fault::input,
+                        o.file + ": its [atmosphere] is not of model = \"layered\"; LIDAR profiles need that model");
   } else {
     spec.layered.emplace();
   }
@@ -118,13 +119,16 @@ atmos::LidarOptions lidar_options(const Options& o) {
 /// The lowest node at every wavelength.
 std::string ground_text(const atmos::RenderTable& table) {
   const atmos::LidarAir air = atmos::lidar_air(table, table.axis("range_height").nodes.front());
-  std::string out = "  wavelength nm   extinction 1/km: molecules    aerosol        gas   backscatter 1/(km sr): molecules    aerosol\n";
+  std::string out =
+      "  wavelength nm   extinction 1/km: molecules    aerosol        gas   backscatter 1/(km sr): molecules    "
+      "aerosol\n";
   for (std::size_t i = 0; i < atmos::wavelengths(table).size(); ++i) {
     char line[200], gas[32] = "absent";
     if (table.has("lidar_extinction_gas")) std::snprintf(gas, sizeof gas, "%.4e", 1000 * air.extinction_gas_per_m[i]);
-    std::snprintf(line, sizeof line, "  %13.4f   %26.4e %10.4e %10s   %33.4e %10.4e\n", 1000 * atmos::wavelengths(table)[i],
-                  1000 * air.extinction_molecular_per_m[i], 1000 * air.extinction_aerosol_per_m[i],
-                  gas, 1000 * air.backscatter_molecular_per_m_sr[i], 1000 * air.backscatter_aerosol_per_m_sr[i]);
+    std::snprintf(line, sizeof line, "  %13.4f   %26.4e %10.4e %10s   %33.4e %10.4e\n",
+                  1000 * atmos::wavelengths(table)[i], 1000 * air.extinction_molecular_per_m[i],
+                  1000 * air.extinction_aerosol_per_m[i], gas, 1000 * air.backscatter_molecular_per_m_sr[i],
+                  1000 * air.backscatter_aerosol_per_m_sr[i]);
     out += line;
   }
   return out;
@@ -136,17 +140,17 @@ int run(const Options& o, Context& context) {
   const scene::AtmosphereSpec spec = spec_of(o);
   std::vector<double> wavelength_um = numbers_of(o.wavelengths, "--wavelengths");
   for (double& value : wavelength_um) value /= 1000;
-  const std::vector<double> heights = o.heights.empty() ? atmos::lidar_heights(spec) : numbers_of(o.heights, "--heights");
+  const std::vector<double> heights =
+      o.heights.empty() ? atmos::lidar_heights(spec) : numbers_of(o.heights, "--heights");
   const atmos::RenderTable table = atmos::build_lidar(spec, wavelength_um, heights, lidar_options(o));
   const nlohmann::json provenance = nlohmann::json::parse(table.provenance_json);
   say_air(table, context);
   for (const auto& limit : provenance["limits"]) context.log.warning(limit.get<std::string>());
   const std::string output = context.common.output.empty() ? "lidar.rct" : context.common.output;
-  const std::string hash = atmos::write_rct(table, output, context.common.overwrite ? base::IfExists::replace : base::IfExists::refuse);
+  const std::string hash =
+      atmos::write_rct(table, output, context.common.overwrite ? base::IfExists::replace : base::IfExists::refuse);
   if (context.common.json)
-    context.out
-        << nlohmann::json{{"table", output}, {"content_hash", hash}, {"atmosphere", provenance}}.dump()
-        << "\n";
+    context.out << nlohmann::json{{"table", output}, {"content_hash", hash}, {"atmosphere", provenance}}.dump() << "\n";
   else
     context.out << "table: " << output << "\n" << aerosol_text(table) << ground_text(table);
   return 0;
@@ -155,7 +159,8 @@ int run(const Options& o, Context& context) {
 }  // namespace
 
 std::string lidar_figures_json(const atmos::RenderTable& table, const std::string& title) {
-  nlohmann::json out = {{"title", title}, {"wavelength_um", atmos::wavelengths(table)}, {"height_m", table.axis("range_height").nodes}};
+  nlohmann::json out = {
+      {"title", title}, {"wavelength_um", atmos::wavelengths(table)}, {"height_m", table.axis("range_height").nodes}};
   const std::size_t heights = table.axis("range_height").nodes.size();
   const std::string prefix = "lidar_";
   out["rows"] = nlohmann::json::object();
@@ -175,20 +180,27 @@ Verb verb_atmos_lidar() {
   verb.name = "lidar";
   verb.summary = "Profiles of extinction and backscatter at laser wavelengths";
   verb.description =
-      "Molecules, aerosols and, where lines or cross-sections are given, gases of the layered model, at heights from the ground to the "
-      "top of the air, as a table of its own. The air is that of a scene FILE with model = \"layered\", or of the options, which "
+      "Molecules, aerosols and, where lines or cross-sections are given, gases of the layered model, at heights from "
+      "the ground to the "
+      "top of the air, as a table of its own. The air is that of a scene FILE with model = \"layered\", or of the "
+      "options, which "
       "replace what the file says. docs/atmosphere.md says how good it is.";
-  verb.examples = {"raycube atmos lidar --wavelengths 532,1064 --visibility 23 -o lidar.rct",
-                   "raycube atmos lidar --wavelengths 3270.41,3269.68 --lines methane.par -o dial.rct",
-                   "raycube atmos lidar scene.toml --wavelengths 532 --lidar-ratio rural=55 --depolarization rural=0.05"};
+  verb.examples = {
+      "raycube atmos lidar --wavelengths 532,1064 --visibility 23 -o lidar.rct",
+      "raycube atmos lidar --wavelengths 3270.41,3269.68 --lines methane.par -o dial.rct",
+      "raycube atmos lidar scene.toml --wavelengths 532 --lidar-ratio rural=55 --depolarization rural=0.05"};
   verb.common = kOutput;
   verb.add_options = [o](base::OptionTable& table) {
-    const auto number = [&](const char* names, const char* unit, double low, double high, const char* help, double& value,
-                            const char* standing) { table.number(names, unit, low, high, help, value).default_text = standing; };
+    const auto number = [&](const char* names, const char* unit, double low, double high, const char* help,
+                            double& value, const char* standing) {
+      table.number(names, unit, low, high, help, value).default_text = standing;
+    };
     table.optional_argument("FILE", "A scene file", o->file);
     table.texts("--wavelengths", "NM", "Laser wavelengths, vacuum, nm, separated by commas", o->wavelengths);
-    table.texts("--heights", "M", "Heights above z = 0, m, separated by commas", o->heights).default_text = "about 80 from 0 to 100 km";
-    table.texts("--lidar-ratio", "NAME=SR", "Extinction over backscatter of a component (rural, troposphere, stratus ...)", o->ratios);
+    table.texts("--heights", "M", "Heights above z = 0, m, separated by commas", o->heights).default_text =
+        "about 80 from 0 to 100 km";
+    table.texts("--lidar-ratio", "NAME=SR",
+                "Extinction over backscatter of a component (rural, troposphere, stratus ...)", o->ratios);
     table.texts("--depolarization", "NAME=D", "Linear depolarisation of a component's backscatter", o->depolarizations);
     table.flag("--cabannes", "The receiver rejects rotational Raman light", o->cabannes);
     table.text("--lines", "FILE", "HITRAN line list (.par)", o->lines);

@@ -10,7 +10,8 @@ namespace raycube::cli {
 
 Verb verb_atmos_lidar();
 
-/// Figures of a table of LIDAR profiles for host/plots/lidar_plot.py: wavelengths, heights, extinction and backscatter, m-1 (sr-1).
+/// Figures of a table of LIDAR profiles for host/plots/lidar_plot.py: wavelengths, heights, extinction and backscatter,
+/// m-1 (sr-1).
 std::string lidar_figures_json(const atmos::RenderTable& table, const std::string& title);
 
 }  // namespace raycube::cli

@@ -25,16 +25,21 @@ Verb verb_atmos_plot() {
   Verb verb;
   verb.name = "plot";
   verb.summary = "Draw a render table: transmission, irradiance, path radiance, sky, ground and air; or LIDAR profiles";
-  verb.description = "Writes a PNG beside the table, and the figures in it as JSON. Panels of rows that the table lacks are left out; wavelengths are "
-                     "drawn on a logarithmic axis where they span more than a factor of 8. Needs python3-matplotlib.";
+  verb.description =
+      "Writes a PNG beside the table, and the figures in it as JSON. Panels of rows that the table lacks are left out; "
+      "wavelengths are "
+      "drawn on a logarithmic axis where they span more than a factor of 8. Needs python3-matplotlib.";
   verb.examples = {"raycube atmos plot park.rct -o park.png"};
   verb.common = kOutput;
   verb.add_options = [o](base::OptionTable& table) {
     table.argument("FILE", "A render table (.rct)", o->file);
     table.number("--height", "m", -1000, 1e5, "Target height", o->height).default_text = "the table's lowest";
-    table.number("--view-zenith", "deg", 0, 89, "Zenith of the sensor seen from the target", o->view).default_text = "the table's lowest";
-    table.number("--view-azimuth", "deg", -360, 360, "Azimuth of the sensor, and of the slant sky, minus the sun's", o->choice.relative_azimuth_deg);
-    table.number("--sky-wavelength", "um", 0.05, 1000, "Wavelength of the sky map, nearest of the table", o->choice.sky_wavelength_um);
+    table.number("--view-zenith", "deg", 0, 89, "Zenith of the sensor seen from the target", o->view).default_text =
+        "the table's lowest";
+    table.number("--view-azimuth", "deg", -360, 360, "Azimuth of the sensor, and of the slant sky, minus the sun's",
+                 o->choice.relative_azimuth_deg);
+    table.number("--sky-wavelength", "um", 0.05, 1000, "Wavelength of the sky map, nearest of the table",
+                 o->choice.sky_wavelength_um);
   };
   verb.run = [o](Context& context) {
     const atmos::RenderTable table = atmos::read_rct(o->file);
@@ -50,8 +55,9 @@ Verb verb_atmos_plot() {
     const auto title = std::filesystem::path(o->file).filename().string();
     const bool lidar = table.has("lidar_extinction_molecular") && !table.has("sun_transmission");
     const std::string figures =
-        draw_chart(lidar ? "lidar_plot.py" : "atmos_plot.py", lidar ? lidar_figures_json(table, title) : atmos::plot_json(table, choice, title),
-                   chart.string(), context.common.overwrite ? base::IfExists::replace : base::IfExists::refuse);
+        draw_chart(lidar ? "lidar_plot.py" : "atmos_plot.py",
+                   lidar ? lidar_figures_json(table, title) : atmos::plot_json(table, choice, title), chart.string(),
+                   context.common.overwrite ? base::IfExists::replace : base::IfExists::refuse);
     if (context.common.json)
       context.out << nlohmann::json{{"chart", chart.string()}, {"figures", figures}}.dump() << "\n";
     else

@@ -19,12 +19,14 @@ std::vector<const knobs::Knob*> chosen_knobs(const knobs::Subject& subject, cons
     if (names.empty() || std::find(names.begin(), names.end(), knob.name) != names.end()) out.push_back(&knob);
   }
   if (out.empty())
-    throw base::Error(base::Fault::input, "none of the knobs that are named changes anything of '" + (subject.instrument ? subject.instrument->name : subject.lidar->name) +
+    throw base::Error(base::Fault::input, "none of the knobs that are named changes anything of '" +
+                                              (subject.instrument ? subject.instrument->name : subject.lidar->name) +
                                               "'; there are: " + possible);
   return out;
 }
 
-void for_each_setting(const knobs::Subject& subject, const std::vector<const knobs::Knob*>& chosen, const std::function<void(ChartPoint)>& visit) {
+void for_each_setting(const knobs::Subject& subject, const std::vector<const knobs::Knob*>& chosen,
+                      const std::function<void(ChartPoint)>& visit) {
   knobs::Settings keep(subject);
   const auto give = [&](const std::string& knob, const std::string& label, double level) {
     ChartPoint point;
@@ -59,7 +61,8 @@ void mark_front(Chart& chart) {
     std::vector<std::size_t> index;
     std::vector<study::Cost> costs;
     for (std::size_t i = 0; i < chart.points.size(); ++i)
-      if (chart.points[i].device == device && chart.points[i].refused.empty()) index.push_back(i), costs.push_back({chart.points[i].time_s, chart.points[i].error});
+      if (chart.points[i].device == device && chart.points[i].refused.empty())
+        index.push_back(i), costs.push_back({chart.points[i].time_s, chart.points[i].error});
     for (const std::size_t f : study::pareto_front(costs)) chart.points[index[f]].front = true;
   }
 }
@@ -68,32 +71,54 @@ std::string chart_json(const Chart& chart) {
   using Json = nlohmann::ordered_json;
   Json points = Json::array();
   for (const ChartPoint& p : chart.points) {
-    Json point = {{"device", p.device}, {"knob", p.knob}, {"label", p.label}, {"level", p.level}, {"settings", p.settings}};
+    Json point = {
+        {"device", p.device}, {"knob", p.knob}, {"label", p.label}, {"level", p.level}, {"settings", p.settings}};
     if (!p.refused.empty()) {
       point["refused"] = p.refused;
     } else {
-      point.update({{"error", p.error}, {"error_low", p.error_low}, {"error_high", p.error_high}, {"rms", p.rms}, {"p95", p.p95}, {"worst_band", p.worst_band},
-                    {"time_s", p.time_s}, {"time_low_s", p.time_low_s}, {"time_high_s", p.time_high_s}, {"rays", p.rays}, {"terms", p.terms},
-                    {"stage_s", p.stage_s}, {"front", p.front}});
+      point.update({{"error", p.error},
+                    {"error_low", p.error_low},
+                    {"error_high", p.error_high},
+                    {"rms", p.rms},
+                    {"p95", p.p95},
+                    {"worst_band", p.worst_band},
+                    {"time_s", p.time_s},
+                    {"time_low_s", p.time_low_s},
+                    {"time_high_s", p.time_high_s},
+                    {"rays", p.rays},
+                    {"terms", p.terms},
+                    {"stage_s", p.stage_s},
+                    {"front", p.front}});
     }
     points.push_back(std::move(point));
   }
-  return Json{{"name", chart.name}, {"kind", chart.kind}, {"tolerance", chart.tolerance}, {"reference", chart.reference}, {"reference_error", chart.own_error},
-              {"validated", chart.validated}, {"time_of", chart.what_time}, {"machines", chart.machines}, {"points", points}}
+  return Json{{"name", chart.name},
+              {"kind", chart.kind},
+              {"tolerance", chart.tolerance},
+              {"reference", chart.reference},
+              {"reference_error", chart.own_error},
+              {"validated", chart.validated},
+              {"time_of", chart.what_time},
+              {"machines", chart.machines},
+              {"points", points}}
       .dump(2);
 }
 
 std::string chart_text(const Chart& chart) {
-  std::string out = fmt::format("{} {}: error against {} {} by {}\n  its own error {:.3g}, tolerance {:g}\n  time of {}\n", chart.kind, chart.name, chart.validated,
-                                chart.kind == "cube" ? "pixels" : "pulses", chart.reference, chart.own_error, chart.tolerance, chart.what_time);
-  out += fmt::format("  {:<27} {:<12} {:>9} {:>19} {:>9} {:>9} {:>21} {:>9}\n", "knob", "level", "error", "from to", "p95", "time s", "from to", "rays");
+  std::string out =
+      fmt::format("{} {}: error against {} {} by {}\n  its own error {:.3g}, tolerance {:g}\n  time of {}\n",
+                  chart.kind, chart.name, chart.validated, chart.kind == "cube" ? "pixels" : "pulses", chart.reference,
+                  chart.own_error, chart.tolerance, chart.what_time);
+  out += fmt::format("  {:<27} {:<12} {:>9} {:>19} {:>9} {:>9} {:>21} {:>9}\n", "knob", "level", "error", "from to",
+                     "p95", "time s", "from to", "rays");
   for (const ChartPoint& p : chart.points) {
     if (!p.refused.empty()) {
       out += fmt::format("  {:<27} {:<12} no plan: {}\n", p.knob, p.label, p.refused);
       continue;
     }
-    out += fmt::format("{} {:<27} {:<12} {:>9.2e} {:>9.2e} {:>9.2e} {:>9.2e} {:>9.4g} {:>10.4g} {:>10.4g} {:>9.0f}\n", p.front ? '*' : ' ', p.knob, p.label, p.error,
-                       p.error_low, p.error_high, p.p95, p.time_s, p.time_low_s, p.time_high_s, p.rays);
+    out += fmt::format("{} {:<27} {:<12} {:>9.2e} {:>9.2e} {:>9.2e} {:>9.2e} {:>9.4g} {:>10.4g} {:>10.4g} {:>9.0f}\n",
+                       p.front ? '*' : ' ', p.knob, p.label, p.error, p.error_low, p.error_high, p.p95, p.time_s,
+                       p.time_low_s, p.time_high_s, p.rays);
   }
   return out + "  * nothing is both faster and more accurate\n";
 }

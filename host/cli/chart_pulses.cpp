@@ -21,7 +21,8 @@ constexpr int kBeamRays = 4096, kPixelRays = 1024, kBounces = 4, kLineNodes = 32
 lidar::LidarPlan reference_plan(const knobs::Subject& subject, Context& context) {
   const knobs::Settings keep(subject);
   scene::LidarTransport& transport = subject.lidar->transport;
-  transport.subrays = std::max(transport.subrays, transport.sampling == scene::LidarSampling::receiver ? kPixelRays : kBeamRays);
+  transport.subrays =
+      std::max(transport.subrays, transport.sampling == scene::LidarSampling::receiver ? kPixelRays : kBeamRays);
   transport.max_bounces = std::max(transport.max_bounces, kBounces);
   transport.line_nodes = std::max(transport.line_nodes, kLineNodes);
   transport.overlap = scene::LidarOverlap::exact;
@@ -31,12 +32,14 @@ lidar::LidarPlan reference_plan(const knobs::Subject& subject, Context& context)
 
 }  // namespace
 
-Chart chart_pulses(scene::Simulation& simulation, std::size_t index, const ChartOptions& options, const std::vector<std::string>& devices, Context& context) {
+Chart chart_pulses(scene::Simulation& simulation, std::size_t index, const ChartOptions& options,
+                   const std::vector<std::string>& devices, Context& context) {
   scene::Lidar& lidar = simulation.lidars[index];
   const knobs::Subject subject{simulation, nullptr, &lidar};
   const auto chosen = chosen_knobs(subject, options.knobs);
   const LidarJob job = prepare_lidar(simulation, lidar, context);
-  const std::vector<lidar::Shot> shots = pick_shots(lidar, simulation.seed, options.pulses > 0 ? options.pulses : default_pulses(job.plan));
+  const std::vector<lidar::Shot> shots =
+      pick_shots(lidar, simulation.seed, options.pulses > 0 ? options.pulses : default_pulses(job.plan));
   std::vector<std::int64_t> pulses;
   for (const lidar::Shot& shot : shots) pulses.push_back(shot.pulse);
 
@@ -51,14 +54,17 @@ Chart chart_pulses(scene::Simulation& simulation, std::size_t index, const Chart
       base::cache_folder("reference").string(), study::key_of(simulation, finest, pulses),
       [&] {
         base::Progress progress(context.log, "reference of " + lidar.name, pulses.size(), "pulses");
-        study::ConvergedPulses rows = study::converge_pulses(simulation.scene, finest, pulses, context.common.threads, [&](std::uint64_t more) { progress.advance(more); });
+        study::ConvergedPulses rows = study::converge_pulses(simulation.scene, finest, pulses, context.common.threads,
+                                                             [&](std::uint64_t more) { progress.advance(more); });
         return study::Converged{rows.bins, std::move(rows.photons), std::move(rows.half)};
       },
       &kept);
   if (!kept.warning.empty()) context.log.warning(kept.warning);
   const study::ConvergedPulses reference{found.bands, finest.lidar.gate.bin_s, found.radiance, found.half};
-  chart.reference = "Embree and double, " + std::to_string(2 * finest.footprint.a.size()) + " sub-rays, " + std::to_string(finest.lidar.transport.max_bounces) + " bounces";
-  chart.what_time = "the survey's " + std::to_string(lidar.pulses) + " pulses: tracing and binning, without moving data";
+  chart.reference = "Embree and double, " + std::to_string(2 * finest.footprint.a.size()) + " sub-rays, " +
+                    std::to_string(finest.lidar.transport.max_bounces) + " bounces";
+  chart.what_time =
+      "the survey's " + std::to_string(lidar.pulses) + " pulses: tracing and binning, without moving data";
   for (const std::string& number : devices) {
     render::RenderOptions where = render_options(context.common);
     where.device = number;
@@ -76,13 +82,18 @@ Chart chart_pulses(scene::Simulation& simulation, std::size_t index, const Chart
           if (repeat > 0) return;
           rays += static_cast<double>(shot.rays);
           for (std::size_t i = 0; i < shot.first.size(); ++i)
-            photons.push_back(shot.first[i] + (shot.multiple.empty() ? 0.0f : shot.multiple[i]) + (shot.air.empty() ? 0.0f : shot.air[i]));
+            photons.push_back(shot.first[i] + (shot.multiple.empty() ? 0.0f : shot.multiple[i]) +
+                              (shot.air.empty() ? 0.0f : shot.air[i]));
         });
-        if (repeat > 0) seconds.push_back(renderer.launch_s() / static_cast<double>(shots.size()) * static_cast<double>(lidar.pulses));
+        if (repeat > 0)
+          seconds.push_back(renderer.launch_s() / static_cast<double>(shots.size()) *
+                            static_cast<double>(lidar.pulses));
       }
-      const study::PulseError error = study::pulse_error(reference, photons, static_cast<std::size_t>(plan.lidar.gate.bins), plan.lidar.gate.bin_s);
+      const study::PulseError error =
+          study::pulse_error(reference, photons, static_cast<std::size_t>(plan.lidar.gate.bins), plan.lidar.gate.bin_s);
       chart.own_error = error.own;
-      point.error = point.rms = error.rms, point.error_low = error.low, point.error_high = error.high, point.p95 = error.p95;
+      point.error = point.rms = error.rms, point.error_low = error.low, point.error_high = error.high,
+      point.p95 = error.p95;
       std::sort(seconds.begin(), seconds.end());
       point.time_s = (seconds[(seconds.size() - 1) / 2] + seconds[seconds.size() / 2]) / 2;
       point.time_low_s = seconds.front(), point.time_high_s = seconds.back();

@@ -65,8 +65,7 @@ reference::Report compare_tiles(render::Renderer& renderer, const scene::Simulat
         pixel.hits.push_back({probe.hit_instance[s], probe.hit_primitive[s]});
         pixel.sun_visible.push_back(probe.sun_visible[s]);
         const std::size_t planes = 4 * static_cast<std::size_t>(plan.components() > 4 ? 2 : 1);
-        for (std::size_t m = 0; m < planes; ++m)
-          pixel.sky_blocked.push_back(probe.sky_blocked[planes * s + m]);
+        for (std::size_t m = 0; m < planes; ++m) pixel.sky_blocked.push_back(probe.sky_blocked[planes * s + m]);
       }
       pixel.radiance.assign(probe.radiance.begin() + static_cast<std::ptrdiff_t>(p * bands),
                             probe.radiance.begin() + static_cast<std::ptrdiff_t>((p + 1) * bands));
@@ -117,10 +116,9 @@ reference::Report check_instrument(render::Renderer& renderer, const scene::Simu
                        pick_tiles(instrument, simulation.seed, options.pixels), progress);
 }
 
-std::vector<SmallObjectReport> check_small_objects(render::Renderer& renderer,
-                                                   const scene::Simulation& simulation,
-                                                   const scene::Instrument& instrument,
-                                                   const plan::Plan& plan, const atmos::RenderTable& table,
+std::vector<SmallObjectReport> check_small_objects(render::Renderer& renderer, const scene::Simulation& simulation,
+                                                   const scene::Instrument& instrument, const plan::Plan& plan,
+                                                   const atmos::RenderTable& table,
                                                    const sensors::SmallObjectSurvey& survey,
                                                    const CheckOptions& options) {
   std::vector<SmallObjectReport> reports;
@@ -130,8 +128,8 @@ std::vector<SmallObjectReport> check_small_objects(render::Renderer& renderer,
     std::vector<std::pair<rc_u32, render::Tile>> picked;  // hash, tile
     for (const auto& group : survey.groups) {
       if (group.samples != samples) continue;
-      const int column = group.sample / tile_width *
-                         tile_width;  // a tile starts at a multiple of 4 pixels, whatever the groups
+      const int column =
+          group.sample / tile_width * tile_width;  // a tile starts at a multiple of 4 pixels, whatever the groups
       const auto number = sensors::pixel_number(instrument, group.line, column);
       picked.push_back({rc_hash(static_cast<rc_u32>(simulation.seed), number, 0, kSmallObjectDimension),
                         {group.line, 1, column, std::min(tile_width, instrument.pixels - column)}});

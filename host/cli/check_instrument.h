@@ -13,20 +13,21 @@
 namespace raycube::cli {
 
 struct CheckOptions {
-  std::uint64_t pixels = 500;          ///< at least so many, whole groups; all of the image when it has fewer
-  std::size_t model_pixels = 64;       ///< of these, against the full tables
+  std::uint64_t pixels = 500;     ///< at least so many, whole groups; all of the image when it has fewer
+  std::size_t model_pixels = 64;  ///< of these, against the full tables
   int model_directions = 1024;
-  int threads = 0;                     ///< of the reference; 0: all
+  int threads = 0;  ///< of the reference; 0: all
 };
 
 using render::pick_tiles;
 using render::pixels_of;
 
-/// First hits of at least `rays` rays (of all when the image has fewer), device against Embree and double. Tiles of the image
-/// picked as above; memory does not grow with `rays`. `progress`: called with the number of rays compared since the last call.
+/// First hits of at least `rays` rays (of all when the image has fewer), device against Embree and double. Tiles of the
+/// image picked as above; memory does not grow with `rays`. `progress`: called with the number of rays compared since
+/// the last call.
 reference::HitReport check_hits(render::Renderer& renderer, const scene::CompiledScene& scene,
-                                const scene::Instrument& instrument, std::uint64_t seed, std::uint64_t rays, int threads,
-                                const std::function<void(std::uint64_t)>& progress = {});
+                                const scene::Instrument& instrument, std::uint64_t seed, std::uint64_t rays,
+                                int threads, const std::function<void(std::uint64_t)>& progress = {});
 
 /// The pixels that small objects have rendered with more samples: a report for each number of samples, of
 /// groups picked by hash, with at most kSmallObjectRays rays each (one group at least). Empty where there are
@@ -37,10 +38,9 @@ struct SmallObjectReport {
   reference::Report report;
 };
 inline constexpr std::uint64_t kSmallObjectRays = 1u << 17;
-std::vector<SmallObjectReport> check_small_objects(render::Renderer& renderer,
-                                                   const scene::Simulation& simulation,
-                                                   const scene::Instrument& instrument,
-                                                   const plan::Plan& plan, const atmos::RenderTable& table,
+std::vector<SmallObjectReport> check_small_objects(render::Renderer& renderer, const scene::Simulation& simulation,
+                                                   const scene::Instrument& instrument, const plan::Plan& plan,
+                                                   const atmos::RenderTable& table,
                                                    const sensors::SmallObjectSurvey& survey,
                                                    const CheckOptions& options);
 

@@ -11,19 +11,21 @@
 namespace raycube::cli {
 
 struct LidarCheckOptions {
-  std::uint64_t pulses = 100;          ///< all of the survey when it has fewer
-  int threads = 0;                     ///< of the reference; 0: all
+  std::uint64_t pulses = 100;  ///< all of the survey when it has fewer
+  int threads = 0;             ///< of the reference; 0: all
 };
 
-/// The pulses to check: picked by a hash of the seed and a counter, in order of number; what a scanner does not fire is passed over.
+/// The pulses to check: picked by a hash of the seed and a counter, in order of number; what a scanner does not fire is
+/// passed over.
 std::vector<lidar::Shot> pick_shots(const scene::Lidar& lidar, std::uint64_t seed, std::uint64_t pulses);
 
 /// 100, or as many as have 3e5 rays; at least 2.
 std::uint64_t default_pulses(const lidar::LidarPlan& plan);
 
-/// Expectations as the plan has them: turbulence and scintillation are drawn later and are not in it. `progress`: called with the number of
-/// pulses compared since the last call.
-reference::LidarReport check_lidar(render::LidarRenderer& renderer, const scene::CompiledScene& scene, const lidar::LidarPlan& plan,
-                                   const LidarCheckOptions& options, const std::function<void(std::uint64_t)>& progress = {});
+/// Expectations as the plan has them: turbulence and scintillation are drawn later and are not in it. `progress`:
+/// called with the number of pulses compared since the last call.
+reference::LidarReport check_lidar(render::LidarRenderer& renderer, const scene::CompiledScene& scene,
+                                   const lidar::LidarPlan& plan, const LidarCheckOptions& options,
+                                   const std::function<void(std::uint64_t)>& progress = {});
 
 }  // namespace raycube::cli

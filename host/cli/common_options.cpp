@@ -13,7 +13,8 @@ void add_common_options(base::OptionTable& table, CommonOptions& values, unsigne
     table.integer<std::uint64_t>("--seed", "", 0, std::numeric_limits<std::uint64_t>::max(),
                                  "Seed of every random number; without it the file's own", values.seed);
   if (set & kDevice)
-    table.text("--device", "NAME", "OpenCL device: its number in `raycube devices` or a part of its name", values.device);
+    table.text("--device", "NAME", "OpenCL device: its number in `raycube devices` or a part of its name",
+               values.device);
   if (set & kThreads) table.integer("--threads", "", 0, 4096, "CPU threads; 0: all of the machine", values.threads);
   if (set & kMemory)
     table.memory("--memory",

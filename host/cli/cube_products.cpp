@@ -110,15 +110,17 @@ void check_output_place(const std::string& folder, bool overwrite) {
   fs::path place = fs::absolute(folder);
   while (!fs::exists(place, code) && place.has_relative_path()) place = place.parent_path();
   if (!fs::is_directory(place, code))
-    throw base::Error(base::Fault::environment, folder + ": the folder cannot be made: " + place.string() +
-                                                    " is a file; choose another -o");
+    throw base::Error(base::Fault::environment,
+                      folder + ": the folder cannot be made: " + place.string() + " is a file; choose another -o");
   if (::access(place.c_str(), W_OK) != 0)
-    throw base::Error(base::Fault::environment, folder + ": cannot be written: " + place.string() + ": " + std::strerror(errno) +
+    throw base::Error(base::Fault::environment, folder + ": cannot be written: " + place.string() + ": " +
+                                                    std::strerror(errno) +
                                                     "; choose a folder you may write to with -o");
 }
 
 struct CubeProducts::State {
-  State(const std::string& folder, base::IfExists if_exists, const scene::Simulation& simulation_, const InstrumentJob& job_)
+  State(const std::string& folder, base::IfExists if_exists, const scene::Simulation& simulation_,
+        const InstrumentJob& job_)
       : simulation(simulation_),
         instrument(*job_.instrument),
         plan(job_.plan),
@@ -128,15 +130,17 @@ struct CubeProducts::State {
         shown(shown_bands()) {
     set.hash_blocks();
     const auto& origin = simulation.scene.origin;
-    const std::string where = fmt::format("scene origin: EPSG:{} easting {:.3f} m, northing {:.3f} m, height {:.3f} m", origin.epsg,
-                                          origin.easting_m, origin.northing_m, origin.height_m);
-    radiance.emplace(set, "radiance.img",
-                     cube_header(simulation, instrument, shown, "W m-2 sr-1 um-1",
-                                 "band-averaged spectral radiance at the sensor, response normalised; line 0 is the top"),
-                     instrument.integer_scale);
+    const std::string where = fmt::format("scene origin: EPSG:{} easting {:.3f} m, northing {:.3f} m, height {:.3f} m",
+                                          origin.epsg, origin.easting_m, origin.northing_m, origin.height_m);
+    radiance.emplace(
+        set, "radiance.img",
+        cube_header(simulation, instrument, shown, "W m-2 sr-1 um-1",
+                    "band-averaged spectral radiance at the sensor, response normalised; line 0 is the top"),
+        instrument.integer_scale);
     products::EnviHeader truth_header = base_header(simulation, instrument);
     truth_header.bands = static_cast<std::int64_t>(layers.size());
-    truth_header.description = "per-pixel truth; x, y, z in metres east, north and up from the " + where + "; not a number where nothing was hit";
+    truth_header.description = "per-pixel truth; x, y, z in metres east, north and up from the " + where +
+                               "; not a number where nothing was hit";
     for (const auto& layer : layers) truth_header.band_names.push_back(layer.name + " [" + layer.unit + "]");
     truth.emplace(set, "truth.img", truth_header);
     if (origin.epsg != 0) {
@@ -150,20 +154,24 @@ struct CubeProducts::State {
     }
     if (instrument.write_band_transmission) {
       node_transmission = band_transmission(plan);
-      transmission.emplace(set, "transmission.img",
-                           cube_header(simulation, instrument, shown, "1", "band-averaged transmission from target to sensor"));
+      transmission.emplace(
+          set, "transmission.img",
+          cube_header(simulation, instrument, shown, "1", "band-averaged transmission from target to sensor"));
     }
     if (instrument.standard_error == scene::StandardError::bands)
       standard_error.emplace(set, "standard_error.img",
-                             cube_header(simulation, instrument, shown, "W m-2 sr-1 um-1", "standard error of the radiance by its samples; not a number: not known"));
+                             cube_header(simulation, instrument, shown, "W m-2 sr-1 um-1",
+                                         "standard error of the radiance by its samples; not a number: not known"));
     if (instrument.write_png) quicklook.emplace(instrument.pixels, instrument.lines, shown);
     if (instrument.write_exr) {
       products::ExrPart radiance_part{"radiance", {}}, truth_part{"truth", {}};
       const bool colour = shown.size() == 3;
-      for (std::size_t i = 0; i < shown.size(); ++i) radiance_part.channels.push_back(colour ? std::string(1, "RGB"[i]) : "Y");
+      for (std::size_t i = 0; i < shown.size(); ++i)
+        radiance_part.channels.push_back(colour ? std::string(1, "RGB"[i]) : "Y");
       for (const auto& layer : layers) truth_part.channels.push_back(layer.name);
       exr.emplace(set.add("preview.exr"), instrument.pixels, instrument.lines, std::vector{radiance_part, truth_part},
-                  std::map<std::string, std::string>{{"units", "radiance W m-2 sr-1 um-1; truth layers as in truth.hdr"}, {"origin", where}});
+                  std::map<std::string, std::string>{
+                      {"units", "radiance W m-2 sr-1 um-1; truth layers as in truth.hdr"}, {"origin", where}});
     }
   }
 
@@ -188,20 +196,24 @@ struct CubeProducts::State {
 
   /// `map info` in every header when the pixels lie on a map grid; else location.img alone says where they look.
   void georeference() {
-    const auto grid = products::find_map_grid(instrument.pixels, instrument.lines, [&](std::int64_t line, double* values) {
-      const std::size_t bytes = static_cast<std::size_t>(instrument.pixels) * 3 * sizeof(double);
-      location->read_at(static_cast<std::uint64_t>(line) * bytes, values, bytes);
-    });
+    const auto grid =
+        products::find_map_grid(instrument.pixels, instrument.lines, [&](std::int64_t line, double* values) {
+          const std::size_t bytes = static_cast<std::size_t>(instrument.pixels) * 3 * sizeof(double);
+          location->read_at(static_cast<std::uint64_t>(line) * bytes, values, bytes);
+        });
     if (!grid) return;
-    for (auto* header : {&location_header, &radiance->header(), &truth->header(), transmission ? &transmission->header() : nullptr,
-                         standard_error ? &standard_error->header() : nullptr})
+    for (auto* header :
+         {&location_header, &radiance->header(), &truth->header(), transmission ? &transmission->header() : nullptr,
+          standard_error ? &standard_error->header() : nullptr})
       if (header)
-        products::set_map_grid(*header, simulation.scene.origin.epsg, grid->easting_m, grid->northing_m, grid->pixel_x_m, grid->pixel_y_m);
+        products::set_map_grid(*header, simulation.scene.origin.epsg, grid->easting_m, grid->northing_m,
+                               grid->pixel_x_m, grid->pixel_y_m);
   }
 
   /// Nodes weighted by the pixel's mean height and view zenith; not a number where nothing was hit.
   void add_transmission(const render::Strip& strip) {
-    const std::size_t pixels = static_cast<std::size_t>(strip.lines) * instrument.pixels, bands = instrument.bands.size();
+    const std::size_t pixels = static_cast<std::size_t>(strip.lines) * instrument.pixels,
+                      bands = instrument.bands.size();
     const std::size_t z = layer_index(layers, "z_m"), zenith = layer_index(layers, "view_zenith_deg");
     std::vector<float> values(pixels * bands);
     for (std::size_t p = 0; p < pixels; ++p) {
@@ -209,7 +221,8 @@ struct CubeProducts::State {
       int ih, iv;
       float fh, fv;
       rc_node_weights(at[z], plan.height.first, plan.height.step, plan.height.count, &ih, &fh);
-      rc_node_weights(static_cast<float>(1 / std::cos(at[zenith] * M_PI / 180)), plan.view.first, plan.view.step, plan.view.count, &iv, &fv);
+      rc_node_weights(static_cast<float>(1 / std::cos(at[zenith] * M_PI / 180)), plan.view.first, plan.view.step,
+                      plan.view.count, &iv, &fv);
       for (std::size_t b = 0; b < bands; ++b) {
         double sum = 0;
         for (int h = 0; h < 2; ++h)

@@ -13,15 +13,16 @@ namespace raycube::cli {
 /// What waveforms.img and pulses.csv of a run's folder say, record by record.
 class DialRun {
  public:
-  /// Finds the bands of every line of the plan. Error(input): files missing, no recorded waveforms, a gate or lines unlike the plan's.
+  /// Finds the bands of every line of the plan. Error(input): files missing, no recorded waveforms, a gate or lines
+  /// unlike the plan's.
   DialRun(const std::string& folder, const lidar::LidarPlan& plan);
   ~DialRun();
 
-  std::int64_t records() const;                 ///< pulses times pixels
+  std::int64_t records() const;  ///< pulses times pixels
 
   struct Line {
-    std::vector<float> recorded;                ///< photo-electrons a bin
-    std::vector<double> expected;               ///< photo-electrons a bin, noiseless, without background
+    std::vector<float> recorded;   ///< photo-electrons a bin
+    std::vector<double> expected;  ///< photo-electrons a bin, noiseless, without background
     double background_pe = 0, speckle_modes = 0;
   };
   struct Record {

@@ -16,8 +16,8 @@
 
 namespace raycube::cli {
 
-nlohmann::json dry_run_json(const scene::CompiledScene& scene, const InstrumentJob& job, const render::RenderOptions& options,
-                            std::size_t tile_samples) {
+nlohmann::json dry_run_json(const scene::CompiledScene& scene, const InstrumentJob& job,
+                            const render::RenderOptions& options, std::size_t tile_samples) {
   const auto& instrument = *job.instrument;
   const auto shape = render::make_stage_shape(instrument, job.plan, sensors::pixels_per_group(instrument));
   const std::size_t capacity = render::row_capacity_of(shape, options.row_capacity);
@@ -58,15 +58,18 @@ double estimate_render_s(render::Renderer& renderer, const scene::Simulation& si
   const auto& instrument = *job.instrument;
   const int columns = std::min(instrument.pixels, kStretch);
   const int first = (instrument.pixels - columns) / 2 / RC_GROUP_WIDTH * RC_GROUP_WIDTH;
-  std::vector<render::Tile> tiles = {{instrument.lines / 2, 1, first, columns}};  // builds programs, bakes rows; not timed
+  std::vector<render::Tile> tiles = {
+      {instrument.lines / 2, 1, first, columns}};  // builds programs, bakes rows; not timed
   for (int k = 0; k < kLines; ++k)
     tiles.push_back({static_cast<int>((2 * k + 1) * std::int64_t(instrument.lines) / (2 * kLines)), 1, first, columns});
   std::optional<std::chrono::steady_clock::time_point> start;
   double seconds = 0;
   renderer.probe(instrument, job.plan, simulation.sun, simulation.seed, tiles, [&](const render::PixelProbe&) {
     const auto now = std::chrono::steady_clock::now();
-    if (start) seconds = std::chrono::duration<double>(now - *start).count();
-    else start = now;
+    if (start)
+      seconds = std::chrono::duration<double>(now - *start).count();
+    else
+      start = now;
   });
   return seconds / (kLines * columns) * instrument.pixels * instrument.lines;
 }
@@ -88,23 +91,31 @@ std::string dry_run_text(const nlohmann::json& item) {
   const auto number = [](const nlohmann::json& value) { return value.get<double>(); };
   const auto &plan = item["plan"], &memory = item["memory"];
   return fmt::format(
-      "{}: {} x {} pixels, {} bands, {} samples per pixel\n"
-      "  plan      nodes: {} heights, {} view angles, {} x {} path directions; sky: {} components, {} sets of {} directions; {} "
-      "wavelengths\n"
-      "  adjacency {}\n"
-      "  error     {:.2g} estimated of {:.2g} that the plan may spend (tolerance {:.2g})\n"
-      "  memory    scene {}, tile of {} x {} pixels {}, strips {}: {} of {}, baked rows at most {} more; the OpenCL driver's own "
-      "comes on top\n"
-      "  products  cube {}, truth {}\n",
-      item["name"].get<std::string>(), item["pixels"].get<int>(), item["lines"].get<int>(), item["bands"].get<int>(),
-      item["samples_per_pixel"].get<int>(), plan["height_m"]["count"].get<int>(), plan["sec_view_zenith"]["count"].get<int>(),
-      plan["path_x"]["count"].get<int>(), plan["path_y"]["count"].get<int>(), plan["sky"]["components"].get<int>(),
-      plan["sky"]["sets"].get<int>(), plan["sky"]["directions"].get<int>(), plan["spectral_grid"]["points"].get<int>(), adjacency_text(plan["adjacency"]),
-      number(plan["error"]["total"]), number(plan["budget"]), number(plan["tolerance"]), bytes(memory["scene_bytes"]),
-      item["tile_columns"].get<int>(), item["tile_lines"].get<int>(), bytes(memory["tile_bytes"]), bytes(memory["strip_bytes"]),
-      bytes(memory["total_bytes"]), bytes(memory["budget_bytes"]), bytes(memory["baked_rows_bytes_at_most"]),
-      bytes(item["cube_bytes"]), bytes(item["truth_bytes"])) +
-         (item.contains("estimated_s") ? fmt::format("  time      about {:.1g} s to render, and the first time some seconds for the device's compiler\n", number(item["estimated_s"])) : "");
+             "{}: {} x {} pixels, {} bands, {} samples per pixel\n"
+             "  plan      nodes: {} heights, {} view angles, {} x {} path directions; sky: {} components, {} sets of "
+             "{} directions; {} "
+             "wavelengths\n"
+             "  adjacency {}\n"
+             "  error     {:.2g} estimated of {:.2g} that the plan may spend (tolerance {:.2g})\n"
+             "  memory    scene {}, tile of {} x {} pixels {}, strips {}: {} of {}, baked rows at most {} more; the "
+             "OpenCL driver's own "
+             "comes on top\n"
+             "  products  cube {}, truth {}\n",
+             item["name"].get<std::string>(), item["pixels"].get<int>(), item["lines"].get<int>(),
+             item["bands"].get<int>(), item["samples_per_pixel"].get<int>(), plan["height_m"]["count"].get<int>(),
+             plan["sec_view_zenith"]["count"].get<int>(), plan["path_x"]["count"].get<int>(),
+             plan["path_y"]["count"].get<int>(), plan["sky"]["components"].get<int>(), plan["sky"]["sets"].get<int>(),
+             plan["sky"]["directions"].get<int>(), plan["spectral_grid"]["points"].get<int>(),
+             adjacency_text(plan["adjacency"]), number(plan["error"]["total"]), number(plan["budget"]),
+             number(plan["tolerance"]), bytes(memory["scene_bytes"]), item["tile_columns"].get<int>(),
+             item["tile_lines"].get<int>(), bytes(memory["tile_bytes"]), bytes(memory["strip_bytes"]),
+             bytes(memory["total_bytes"]), bytes(memory["budget_bytes"]), bytes(memory["baked_rows_bytes_at_most"]),
+             bytes(item["cube_bytes"]), bytes(item["truth_bytes"])) +
+         (item.contains("estimated_s")
+              ? fmt::format(
+                    "  time      about {:.1g} s to render, and the first time some seconds for the device's compiler\n",
+                    number(item["estimated_s"]))
+              : "");
 }
 
 }  // namespace raycube::cli

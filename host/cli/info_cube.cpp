@@ -19,20 +19,33 @@ using namespace products;
 
 std::string band_text(const EnviHeader& h, std::size_t band) {
   std::string text = fmt::format("{}", band + 1);
-  if (band < h.band_names.size()) text += " " + h.band_names[band];
-  else if (const auto um = h.wavelength_um(); band < um.size() && !h.is_spectral_library()) text += fmt::format(" {:.6g} um", um[band]);
+  if (band < h.band_names.size())
+    text += " " + h.band_names[band];
+  else if (const auto um = h.wavelength_um(); band < um.size() && !h.is_spectral_library())
+    text += fmt::format(" {:.6g} um", um[band]);
   return text;
 }
 
 Json statistics_json(const BandStatistics& s) {
-  return {{"count", s.count}, {"min", s.min}, {"max", s.max}, {"mean", s.mean}, {"standard_deviation", s.standard_deviation()},
-          {"ignored", s.ignored}, {"not_finite", s.not_finite}};
+  return {{"count", s.count},
+          {"min", s.min},
+          {"max", s.max},
+          {"mean", s.mean},
+          {"standard_deviation", s.standard_deviation()},
+          {"ignored", s.ignored},
+          {"not_finite", s.not_finite}};
 }
 
 Json header_json(const EnviHeader& h) {
-  Json out = {{"samples", h.samples}, {"lines", h.lines}, {"bands", h.bands}, {"data_type", h.type().name},
-              {"interleave", to_string(h.interleave)}, {"byte_order", h.byte_order}, {"header_offset", h.header_offset},
-              {"data_bytes", h.data_bytes()}, {"file_type", h.file_type}};
+  Json out = {{"samples", h.samples},
+              {"lines", h.lines},
+              {"bands", h.bands},
+              {"data_type", h.type().name},
+              {"interleave", to_string(h.interleave)},
+              {"byte_order", h.byte_order},
+              {"header_offset", h.header_offset},
+              {"data_bytes", h.data_bytes()},
+              {"file_type", h.file_type}};
   const auto text = [&](const char* key, const std::string& value) {
     if (!value.empty()) out[key] = value;
   };
@@ -53,10 +66,12 @@ Json header_json(const EnviHeader& h) {
 }
 
 void print_header(std::ostream& out, const EnviPaths& paths, const EnviHeader& h) {
-  out << fmt::format("{}: {}\n", paths.data.empty() ? paths.header : paths.data, h.is_spectral_library() ? "ENVI spectral library" : "ENVI image");
-  out << fmt::format("  size          {} samples x {} lines x {} bands, {}, {}, {}\n", h.samples, h.lines, h.bands, h.type().name,
-                     to_string(h.interleave), h.byte_order == 1 ? "big endian" : "little endian");
-  out << fmt::format("  data          {}\n", paths.data.empty() ? "no data file beside this header" : base::format_bytes(h.data_bytes()));
+  out << fmt::format("{}: {}\n", paths.data.empty() ? paths.header : paths.data,
+                     h.is_spectral_library() ? "ENVI spectral library" : "ENVI image");
+  out << fmt::format("  size          {} samples x {} lines x {} bands, {}, {}, {}\n", h.samples, h.lines, h.bands,
+                     h.type().name, to_string(h.interleave), h.byte_order == 1 ? "big endian" : "little endian");
+  out << fmt::format("  data          {}\n",
+                     paths.data.empty() ? "no data file beside this header" : base::format_bytes(h.data_bytes()));
   const auto line = [&](const char* name, const std::string& value) {
     if (!value.empty()) out << fmt::format("  {:<13} {}\n", name, value);
   };
@@ -65,8 +80,9 @@ void print_header(std::ostream& out, const EnviPaths& paths, const EnviHeader& h
   line("description", description);
   if (const auto um = h.wavelength_um(); !um.empty()) {
     const bool ascending = std::is_sorted(um.begin(), um.end());
-    line("wavelengths", fmt::format("{:.6g} to {:.6g} um{}, in the file as {}", *std::min_element(um.begin(), um.end()),
-                                    *std::max_element(um.begin(), um.end()), ascending ? "" : " (not ascending)", h.wavelength_units));
+    line("wavelengths",
+         fmt::format("{:.6g} to {:.6g} um{}, in the file as {}", *std::min_element(um.begin(), um.end()),
+                     *std::max_element(um.begin(), um.end()), ascending ? "" : " (not ascending)", h.wavelength_units));
   }
   line("unit", h.data_units);
   line("sensor", h.sensor_type);
@@ -74,11 +90,13 @@ void print_header(std::ostream& out, const EnviPaths& paths, const EnviHeader& h
   if (h.sun_azimuth_deg && h.sun_elevation_deg)
     line("sun", fmt::format("azimuth {:.6g} deg, elevation {:.6g} deg", *h.sun_azimuth_deg, *h.sun_elevation_deg));
   if (!h.map_info.empty()) line("map", fmt::format("{}", fmt::join(h.map_info, ", ")));
-  if (!h.spectra_names.empty()) line("spectra", fmt::format("{}: {} ...", h.spectra_names.size(), h.spectra_names.front()));
+  if (!h.spectra_names.empty())
+    line("spectra", fmt::format("{}: {} ...", h.spectra_names.size(), h.spectra_names.front()));
 }
 
 std::string statistics_line(const std::string& name, const BandStatistics& s) {
-  std::string text = fmt::format("  {:<24} {:>12.6g} {:>12.6g} {:>12.6g} {:>12.6g}", name, s.min, s.max, s.mean, s.standard_deviation());
+  std::string text = fmt::format("  {:<24} {:>12.6g} {:>12.6g} {:>12.6g} {:>12.6g}", name, s.min, s.max, s.mean,
+                                 s.standard_deviation());
   if (s.ignored) text += fmt::format("  {} ignored", s.ignored);
   if (s.not_finite) text += fmt::format("  {} not finite", s.not_finite);
   return text + "\n";

@@ -69,7 +69,8 @@ class Found {
 
 /// The table's own limits, where there is a table without computing one.
 void check_known_table(const scene::Simulation& simulation, const scene::Instrument& instrument,
-                       const plan::ViewBounds& view, const atmos::RenderTable& table, double bands_to_um, Found& found) {
+                       const plan::ViewBounds& view, const atmos::RenderTable& table, double bands_to_um,
+                       Found& found) {
   const auto& table_um = table.axis("wavelength").nodes;
   base::Problems problems;
   scene::Instrument convolved = instrument;
@@ -78,13 +79,10 @@ void check_known_table(const scene::Simulation& simulation, const scene::Instrum
   plan::check_table(convolved, table_um, plan::table_name(simulation), problems);
   found.add(problems);
   found.part([&] { static_cast<void>(plan::choose_adjacency(simulation, table)); });
-  const plan::TableSpectra air(table, simulation.atmosphere.none, simulation.sun.zenith_deg < 90, 0,
-                               table_um.size());
+  const plan::TableSpectra air(table, simulation.atmosphere.none, simulation.sun.zenith_deg < 90, 0, table_um.size());
   found.part([&] { plan::check_view(instrument, view, air.last_view_zenith_rad()); });
   const auto heights = seen_heights(simulation.scene, view);
-  found.part([&] {
-    found.notice(instrument, plan::one_direction_notices(table, instrument.name, view, heights));
-  });
+  found.part([&] { found.notice(instrument, plan::one_direction_notices(table, instrument.name, view, heights)); });
   found.notice(instrument, channels.notices);
   base::Problems cold;
   plan::check_temperatures(
@@ -157,8 +155,7 @@ void check_lidar(const scene::Simulation& simulation, const scene::Lidar& lidar,
       try {
         plan::sample_curve(material, wavelengths);
       } catch (const base::Error& error) {
-        throw base::Error(error.fault(),
-                          "LIDAR '" + lidar.name + "': " + error.what() + "; or use another wavelength");
+        throw base::Error(error.fault(), "LIDAR '" + lidar.name + "': " + error.what() + "; or use another wavelength");
       }
     };
     sound &= found.part(covered);

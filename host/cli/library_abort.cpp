@@ -1,6 +1,7 @@
-// PoCL asserts or aborts when a file of its kernel cache is damaged, and LLVM's own SIGABRT handler keeps ours from being
-// called. So the program brings its own abort and __assert_fail, which libraries loaded into it call in place of libc's.
-// raycube itself calls neither (base::install_signal_handlers takes std::terminate), so an abort is a library's.
+// PoCL asserts or aborts when a file of its kernel cache is damaged, and LLVM's own SIGABRT handler keeps ours from
+// being called. So the program brings its own abort and __assert_fail, which libraries loaded into it call in place of
+// libc's. raycube itself calls neither (base::install_signal_handlers takes std::terminate), so an abort is a
+// library's.
 #include <cstdio>
 #include <cstdlib>
 
@@ -19,8 +20,10 @@ extern "C" {
                                  raycube::base::Fault::interrupted);
   raycube::base::print_stack();
   raycube::base::leave_at_once(
-      "a library ended the program, most likely the OpenCL driver; what it said stands above. A damaged kernel cache of your own does "
-      "that: where POCL_CACHE_DIR is set, remove that folder or unset it (raycube's own cache is checked), and run again",
+      "a library ended the program, most likely the OpenCL driver; what it said stands above. A damaged kernel cache "
+      "of your own does "
+      "that: where POCL_CACHE_DIR is set, remove that folder or unset it (raycube's own cache is checked), and run "
+      "again",
       raycube::base::Fault::device);
 }
 

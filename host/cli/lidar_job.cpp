@@ -25,18 +25,22 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 std::unique_ptr<atmos::RenderTable> lidar_air(const scene::Simulation& simulation, const scene::Lidar& lidar) {
   const scene::AtmosphereSpec& air = simulation.atmosphere;
   if (!air.table_file.empty())
-    throw base::Error(base::Fault::input, fmt::format("{}: LIDAR {}: an atmosphere table has no profiles of extinction and backscatter (found tables = "
-                                                      "\"{}\"); give the LIDAR a file of its own with model = \"layered\", or \"none\" for no air",
-                                                      simulation.file, lidar.name, air.table_file));
+    throw base::Error(
+        base::Fault::input,
+        fmt::format("{}: LIDAR {}: an atmosphere table has no profiles of extinction and backscatter (found tables = "
+                    "\"{}\"); give the LIDAR a file of its own with model = \"layered\", or \"none\" for no air",
+                    simulation.file, lidar.name, air.table_file));
   if (air.none) return {};
   if (air.layered)
     return std::make_unique<atmos::RenderTable>(
         atmos::build_lidar(air, lidar::table_wavelengths(lidar::make_nodes(lidar)), atmos::lidar_heights(air)));
   throw base::Error(base::Fault::input, simulation.file + ": LIDAR " + lidar.name +
-                                            ": the atmosphere has no profiles of extinction and backscatter; use model = \"layered\", or \"none\" for no air");
+                                            ": the atmosphere has no profiles of extinction and backscatter; use model "
+                                            "= \"layered\", or \"none\" for no air");
 }
 
-LidarJob prepare_lidar(const scene::Simulation& simulation, const scene::Lidar& lidar, Context& context, const LidarPlanning& planning) {
+LidarJob prepare_lidar(const scene::Simulation& simulation, const scene::Lidar& lidar, Context& context,
+                       const LidarPlanning& planning) {
   LidarJob job;
   job.lidar = &lidar;
   auto start = std::chrono::steady_clock::now();
@@ -50,7 +54,8 @@ LidarJob prepare_lidar(const scene::Simulation& simulation, const scene::Lidar& 
   start = std::chrono::steady_clock::now();
   job.plan = lidar::make_lidar_plan(simulation, lidar, table.get());
   if (planning.replay) {
-    job.decision = planner::replayed(planner::find_entry(*planning.replay, lidar.name, true, planning.replay_path), job.plan, simulation.tolerance, planning.replay_path);
+    job.decision = planner::replayed(planner::find_entry(*planning.replay, lidar.name, true, planning.replay_path),
+                                     job.plan, simulation.tolerance, planning.replay_path);
   } else if (planning.renderer) {
     job.decision = planner::decide_subrays(*planning.renderer, job.plan, simulation.tolerance, planning.estimate_given);
   } else {
@@ -60,7 +65,8 @@ LidarJob prepare_lidar(const scene::Simulation& simulation, const scene::Lidar& 
   job.plan_json = planner::lidar_decision_json(job.decision, planner::lidar_lines(job.decision, job.plan));
   for (const auto& note : job.decision.notes) context.log.warning(note);
   job.plan_s = seconds_since(start);
-  context.log.detail(lidar.name + ": air profiles in " + std::to_string(job.table_s) + " s, plan in " + std::to_string(job.plan_s) + " s");
+  context.log.detail(lidar.name + ": air profiles in " + std::to_string(job.table_s) + " s, plan in " +
+                     std::to_string(job.plan_s) + " s");
   return job;
 }
 

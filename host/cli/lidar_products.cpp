@@ -33,12 +33,14 @@ constexpr int kDescriptorRoom = 255;  ///< all LAS has; full scales are powers o
 /// Bin width in whole picoseconds, which is all LAS can say; 0: it is not whole.
 std::uint32_t spacing_ps(const scene::LidarGate& gate) {
   const double ps = gate.bin_s * 1e12, whole = std::round(ps);
-  return whole >= 1 && whole < 4294967296.0 && std::abs(ps - whole) < 1e-6 * whole ? static_cast<std::uint32_t>(whole) : 0;
+  return whole >= 1 && whole < 4294967296.0 && std::abs(ps - whole) < 1e-6 * whole ? static_cast<std::uint32_t>(whole)
+                                                                                   : 0;
 }
 
 /// Unit vector along which a pixel's returns move away.
 lidar::Vec3 sight(const lidar::LidarPlan& plan, const lidar::Shot& shot, int pixel, double range_m) {
-  const lidar::Vec3 near = lidar::apparent_point(plan, shot, pixel, range_m), far = lidar::apparent_point(plan, shot, pixel, range_m + 1);
+  const lidar::Vec3 near = lidar::apparent_point(plan, shot, pixel, range_m),
+                    far = lidar::apparent_point(plan, shot, pixel, range_m + 1);
   lidar::Vec3 d = {far[0] - near[0], far[1] - near[1], far[2] - near[2]};
   const double length = std::hypot(d[0], d[1], d[2]);
   for (double& c : d) c /= length;
@@ -48,28 +50,40 @@ lidar::Vec3 sight(const lidar::LidarPlan& plan, const lidar::Shot& shot, int pix
 }  // namespace
 
 struct LidarProducts::State {
-  State(const std::string& folder_, base::IfExists if_exists, const scene::Simulation& simulation_, const lidar::LidarPlan& plan_)
-      : folder(folder_), simulation(simulation_), plan(plan_), lidar(plan_.lidar), volumes(lidar::flatten_volumes(simulation_.scene.volumes)), set(folder_, if_exists) {
+  State(const std::string& folder_, base::IfExists if_exists, const scene::Simulation& simulation_,
+        const lidar::LidarPlan& plan_)
+      : folder(folder_),
+        simulation(simulation_),
+        plan(plan_),
+        lidar(plan_.lidar),
+        volumes(lidar::flatten_volumes(simulation_.scene.volumes)),
+        set(folder_, if_exists) {
     set.hash_blocks();
     const auto& wanted = lidar.products;
     if (wanted.cube) cube_data = &set.add("waveforms.img"), cube_text = &set.add("waveforms.hdr");
     if (wanted.las) begin_las();
     if (wanted.csv) tables.emplace(set, simulation, plan);
     if (wanted.png)
-      for (const char* name : kPictures) base::OutputFile((std::filesystem::path(folder) / name).string(), if_exists);  // refuses now, not after the run
+      for (const char* name : kPictures)
+        base::OutputFile((std::filesystem::path(folder) / name).string(), if_exists);  // refuses now, not after the run
   }
 
   void begin_las() {
     bool waveforms = lidar.products.waveforms;
     if (waveforms && spacing_ps(lidar.gate) == 0) {
-      warnings.push_back(fmt::format("returns.las has no waveforms: LAS wants bins of whole picoseconds (found {:.9g} ps); the time cube has them", lidar.gate.bin_s * 1e12));
+      warnings.push_back(fmt::format(
+          "returns.las has no waveforms: LAS wants bins of whole picoseconds (found {:.9g} ps); the time cube has them",
+          lidar.gate.bin_s * 1e12));
       waveforms = false;
     }
     base::OutputFile& points = *(las_file = &set.add("returns.las"));
     base::OutputFile* packets = nullptr;
     if (waveforms && lidar.products.internal_waveforms)
-      packets = (scratch = std::make_unique<base::OutputFile>((std::filesystem::path(folder) / ".returns.packets").string(), base::IfExists::replace)).get();
-    else if (waveforms) packets = &set.add("returns.wdp");
+      packets = (scratch = std::make_unique<base::OutputFile>(
+                     (std::filesystem::path(folder) / ".returns.packets").string(), base::IfExists::replace))
+                    .get();
+    else if (waveforms)
+      packets = &set.add("returns.wdp");
     const auto& origin = simulation.scene.origin;
     products::LasOptions options;
     options.offset_m = {origin.easting_m, origin.northing_m, origin.height_m};
@@ -103,7 +117,9 @@ struct LidarProducts::State {
       if (detected) bands.push_back({name + " recorded [photo-electrons]", um});
     }
     cube.emplace(*cube_data, *cube_text,
-                 products::TimeCubeAxis{lidar.gate.start_s, lidar.gate.bin_s, lidar.gate.bins, lidar.transport.group_index, plan.pixels()}, bands);
+                 products::TimeCubeAxis{lidar.gate.start_s, lidar.gate.bin_s, lidar.gate.bins,
+                                        lidar.transport.group_index, plan.pixels()},
+                 bands);
   }
 
   /// A pixel's bands, line by line, into `values`.
@@ -113,7 +129,9 @@ struct LidarProducts::State {
     for (std::size_t l = 0; l < lines; ++l) {
       const std::size_t record = static_cast<std::size_t>(pixel) * lines + l, at = record * bins;
       const auto append = [&](const std::vector<float>& row) {
-        if (!row.empty()) values.insert(values.end(), row.begin() + static_cast<std::ptrdiff_t>(at), row.begin() + static_cast<std::ptrdiff_t>(at + bins));
+        if (!row.empty())
+          values.insert(values.end(), row.begin() + static_cast<std::ptrdiff_t>(at),
+                        row.begin() + static_cast<std::ptrdiff_t>(at + bins));
       };
       append(r.first);
       if (lidar.products.orders) {
@@ -127,7 +145,9 @@ struct LidarProducts::State {
       }
       if (detected) {
         const auto& recorded = detections[record].waveform_pe;
-        if (recorded.size() != bins) throw base::Error(base::Fault::bug, fmt::format("a record of {} bins in a gate of {}", recorded.size(), bins));
+        if (recorded.size() != bins)
+          throw base::Error(base::Fault::bug,
+                            fmt::format("a record of {} bins in a gate of {}", recorded.size(), bins));
         values.insert(values.end(), recorded.begin(), recorded.end());
       }
     }
@@ -136,11 +156,13 @@ struct LidarProducts::State {
   void add_record(const lidar::ShotResult& result, const lidar::Detection& d) {
     products::LasPacket packet;
     if (las_waveforms) {
-      const int kind = las->descriptor({16, static_cast<std::uint32_t>(lidar.gate.bins), spacing_ps(lidar.gate), d.gain, d.offset});
+      const int kind =
+          las->descriptor({16, static_cast<std::uint32_t>(lidar.gate.bins), spacing_ps(lidar.gate), d.gain, d.offset});
       packet = las->add_packet(kind, d.samples);
     }
     std::vector<lidar::ReturnTruth> truth;
-    if (!result.hits.empty() && !d.echoes.empty()) truth = lidar::return_truth(simulation.scene, volumes, plan, result, d.pixel, d.line, d.echoes);
+    if (!result.hits.empty() && !d.echoes.empty())
+      truth = lidar::return_truth(simulation.scene, volumes, plan, result, d.pixel, d.line, d.echoes);
     lidar::ReturnTruth unknown;
     unknown.range_m = std::numeric_limits<double>::quiet_NaN();
     for (std::size_t i = 0; i < d.echoes.size(); ++i) {
@@ -157,8 +179,8 @@ struct LidarProducts::State {
     empty_records += d.echoes.empty();
   }
 
-  void add_point(const lidar::Shot& shot, const lidar::Detection& d, const lidar::Echo& echo, const lidar::Vec3& at, const lidar::ReturnTruth& behind,
-                 const products::LasPacket& packet) {
+  void add_point(const lidar::Shot& shot, const lidar::Detection& d, const lidar::Echo& echo, const lidar::Vec3& at,
+                 const lidar::ReturnTruth& behind, const products::LasPacket& packet) {
     const auto& origin = simulation.scene.origin;
     products::LasPoint p;
     p.x_m = origin.easting_m + at[0], p.y_m = origin.northing_m + at[1], p.z_m = origin.height_m + at[2];
@@ -176,7 +198,8 @@ struct LidarProducts::State {
     p.packet = packet;
     // Samples stand for the middles of their bins.
     p.return_location_ps = static_cast<float>((echo.time_s - lidar.gate.start_s - 0.5 * lidar.gate.bin_s) * 1e12);
-    p.direction_m_per_ps = products::las_direction(sight(plan, shot, d.pixel, echo.range_m), lidar.transport.group_index);
+    p.direction_m_per_ps =
+        products::las_direction(sight(plan, shot, d.pixel, echo.range_m), lidar.transport.group_index);
     auto& t = p.truth;
     t.pulse_id = static_cast<std::uint64_t>(shot.pulse);
     t.range_m = echo.range_m;
@@ -186,7 +209,8 @@ struct LidarProducts::State {
     t.detection_probability = echo.detection_probability;
     t.bounce_order = static_cast<std::uint8_t>(behind.order);
     t.object_id = behind.object;
-    t.material_id = behind.material == RC_NONE ? products::LasTruth::kNoMaterial : static_cast<std::uint16_t>(behind.material);
+    t.material_id =
+        behind.material == RC_NONE ? products::LasTruth::kNoMaterial : static_cast<std::uint16_t>(behind.material);
     t.incidence_deg = behind.incidence_deg;
     t.gff = behind.overlap;
     t.transmission_2way = behind.transmission_2way;
@@ -210,7 +234,8 @@ struct LidarProducts::State {
       collect(result, detections, pixel);
       digest.add(values.data(), values.size() * sizeof(float));
       if (cube) cube->add(values);
-      for (int l = 0; detected && l < plan.lines(); ++l) add_record(result, detections[static_cast<std::size_t>(pixel * plan.lines() + l)]);
+      for (int l = 0; detected && l < plan.lines(); ++l)
+        add_record(result, detections[static_cast<std::size_t>(pixel * plan.lines() + l)]);
     }
     if (tables) tables->add_shot(result, detections, static_cast<std::int64_t>(shots) * plan.pixels());
     without_return += returns == before;
@@ -221,8 +246,14 @@ struct LidarProducts::State {
 
   /// What the pictures need to know besides the files.
   Json picture_facts() const {
-    Json j = {{"title", lidar.name}, {"pixels", plan.pixels()}, {"columns", lidar.receiver.columns}, {"rows", lidar.receiver.rows},
-              {"quantum_efficiency", lidar.receiver.quantum_efficiency}, {"prf_hz", lidar.prf_hz}, {"scan_rate_hz", lidar.scan.scan_rate_hz}, {"first_pulse_s", lidar.first_pulse_s}};
+    Json j = {{"title", lidar.name},
+              {"pixels", plan.pixels()},
+              {"columns", lidar.receiver.columns},
+              {"rows", lidar.receiver.rows},
+              {"quantum_efficiency", lidar.receiver.quantum_efficiency},
+              {"prf_hz", lidar.prf_hz},
+              {"scan_rate_hz", lidar.scan.scan_rate_hz},
+              {"first_pulse_s", lidar.first_pulse_s}};
     static const char* const patterns[] = {"fixed", "line", "oscillating", "rotating", "palmer", "raster"};
     j["pattern"] = patterns[static_cast<int>(lidar.scan.pattern)];
     j["scan_columns"] = lidar.scan.columns;
@@ -239,7 +270,8 @@ struct LidarProducts::State {
     return j.dump();
   }
 
-  /// The pictures that could be drawn, read from the files as they are; without matplotlib a warning, the data are what counts.
+  /// The pictures that could be drawn, read from the files as they are; without matplotlib a warning, the data are what
+  /// counts.
   void draw(products::RunRecord& record) {
     base::OutputFile figures((std::filesystem::path(folder) / ".pictures.json").string(), base::IfExists::replace);
     const std::string stem = figures.temporary_path();
@@ -286,20 +318,28 @@ struct LidarProducts::State {
   std::uint64_t shots = 0, returns = 0, without_return = 0, record_count = 0, empty_records = 0, rays = 0;
 };
 
-LidarProducts::LidarProducts(const std::string& folder, base::IfExists if_exists, const scene::Simulation& simulation, const lidar::LidarPlan& plan)
+LidarProducts::LidarProducts(const std::string& folder, base::IfExists if_exists, const scene::Simulation& simulation,
+                             const lidar::LidarPlan& plan)
     : state_(std::make_unique<State>(folder, if_exists, simulation, plan)) {}
 LidarProducts::~LidarProducts() = default;
 
-void LidarProducts::add(const lidar::ShotResult& result, const std::vector<lidar::Detection>& detections) { state_->add(result, detections); }
+void LidarProducts::add(const lidar::ShotResult& result, const std::vector<lidar::Detection>& detections) {
+  state_->add(result, detections);
+}
 
 void LidarProducts::publish(products::RunRecord& record) {
   State& s = *state_;
   const auto& origin = s.simulation.scene.origin;
-  const std::string where =
-      origin.epsg ? fmt::format("EPSG:{}", origin.epsg) : fmt::format("the scene's metres from ({}, {}, {})", origin.easting_m, origin.northing_m, origin.height_m);
-  if (s.shots == 0) throw base::Error(base::Fault::input, s.lidar.name + ": the scan fires no pulse; widen its half_angle_deg or give more pulses");
+  const std::string where = origin.epsg ? fmt::format("EPSG:{}", origin.epsg)
+                                        : fmt::format("the scene's metres from ({}, {}, {})", origin.easting_m,
+                                                      origin.northing_m, origin.height_m);
+  if (s.shots == 0)
+    throw base::Error(base::Fault::input,
+                      s.lidar.name + ": the scan fires no pulse; widen its half_angle_deg or give more pulses");
   if (s.cube) {
-    s.cube->finish(fmt::format("waveforms, photons at the detector per bin; samples: range bins, lines: pulses in the order of pulses.csv, {} pixels each", s.plan.pixels()),
+    s.cube->finish(fmt::format("waveforms, photons at the detector per bin; samples: range bins, lines: pulses in the "
+                               "order of pulses.csv, {} pixels each",
+                               s.plan.pixels()),
                    "raycube " + s.lidar.name, s.simulation.sun.utc);
     record.files.emplace_back("waveforms.img", "waveforms of every pulse, ENVI");
     record.samples = s.lidar.gate.bins;
@@ -309,14 +349,20 @@ void LidarProducts::publish(products::RunRecord& record) {
   if (s.las) {
     s.las->finish(s.shots, s.without_return);
     record.files.emplace_back("returns.las", fmt::format("returns, LAS 1.4 format {}, {}", s.las->format(), where));
-    if (s.las_waveforms && !s.lidar.products.internal_waveforms) record.files.emplace_back("returns.wdp", "waveforms of returns.las");
+    if (s.las_waveforms && !s.lidar.products.internal_waveforms)
+      record.files.emplace_back("returns.wdp", "waveforms of returns.las");
   }
   if (s.tables) s.tables->finish(record);
   record.digest = s.digest.hex();
   record.rays += s.rays;
   record.warnings.insert(record.warnings.end(), s.warnings.begin(), s.warnings.end());
-  Json figures = {{"pulses", s.shots}, {"pulses_without_return", s.without_return}, {"records", s.record_count}, {"records_without_return", s.empty_records},
-                  {"returns", s.returns}, {"bin_s", s.lidar.gate.bin_s}, {"gate_start_s", s.lidar.gate.start_s}};
+  Json figures = {{"pulses", s.shots},
+                  {"pulses_without_return", s.without_return},
+                  {"records", s.record_count},
+                  {"records_without_return", s.empty_records},
+                  {"returns", s.returns},
+                  {"bin_s", s.lidar.gate.bin_s},
+                  {"gate_start_s", s.lidar.gate.start_s}};
   if (s.las) figures["las_intensity_unit_pe"] = s.las->intensity_unit_pe();
   figures["pictures"] = s.picture_facts();
   record.more_json.emplace_back("lidar", figures.dump());

@@ -32,7 +32,8 @@ std::string shares_text(const std::vector<std::pair<double, const char*>>& share
 
 }  // namespace
 
-/// A linear record's noise is as good as light where it makes an echo; a Geiger record's events are all somebody's photons.
+/// A linear record's noise is as good as light where it makes an echo; a Geiger record's events are all somebody's
+/// photons.
 void LidarRunLight::add_returns(const lidar::ShotResult& result, const lidar::Detection& record) {
   const scene::Lidar& lidar = plan_.lidar;
   const bool geiger = lidar.detector.mode == scene::DetectorMode::geiger;
@@ -61,8 +62,7 @@ void LidarRunLight::add(const lidar::ShotResult& result, const std::vector<lidar
   for (const auto* rows : {&result.first, &result.multiple}) {
     matter_photons_ += sum_of(*rows);
     for (const float value : *rows)
-      strongest_pe_ =
-          std::max(strongest_pe_, plan_.lidar.receiver.quantum_efficiency * static_cast<double>(value));
+      strongest_pe_ = std::max(strongest_pe_, plan_.lidar.receiver.quantum_efficiency * static_cast<double>(value));
   }
   air_photons_ += sum_of(result.air);
   for (const auto& record : records) {
@@ -91,12 +91,11 @@ std::string LidarRunLight::where_it_went() const {
   const std::string emitted = lidar.transport.sampling == scene::LidarSampling::receiver
                                   ? "of the ways that the pixels see, "
                                   : "of the light emitted ";
-  const std::string fate =
-      emitted + shares_text({{mean_.escaped / ledgers_, "left the scene"},
-                             {mean_.absorbed / ledgers_, "was absorbed by surfaces"},
-                             {mean_.air / ledgers_, "was lost to the air"},
-                             {mean_.volumes / ledgers_, "was absorbed in volumes"},
-                             {mean_.truncated / ledgers_, "was scattered by its last surface"}});
+  const std::string fate = emitted + shares_text({{mean_.escaped / ledgers_, "left the scene"},
+                                                  {mean_.absorbed / ledgers_, "was absorbed by surfaces"},
+                                                  {mean_.air / ledgers_, "was lost to the air"},
+                                                  {mean_.volumes / ledgers_, "was absorbed in volumes"},
+                                                  {mean_.truncated / ledgers_, "was scattered by its last surface"}});
   if (matter_photons_ > 0 && lidar.detector.mode == scene::DetectorMode::geiger)
     return fmt::format(
         "the scene's light in the gate fires {:.3g} photo-electrons a record; give more energy_J, aperture or pulses, "
@@ -129,10 +128,9 @@ std::string LidarRunLight::warning() const {
   if (shots_ == 0 || records_ == 0 || !(ledgers_ > 0)) return {};
   const bool air_wanted = !plan_.lidar.echoes.air_is_background && air_photons_ > 0;
   if (echoes_ > 0 && (returns_of_matter_ >= kProbablyNone || air_wanted)) return {};
-  const std::string what = echoes_ == 0 ? "no return was found"
-                                        : fmt::format("all {} returns are noise, background or air", echoes_);
-  const std::string air =
-      matter_photons_ > 0 || !(air_photons_ > 0) ? "" : "; the gate holds the air's own return";
+  const std::string what =
+      echoes_ == 0 ? "no return was found" : fmt::format("all {} returns are noise, background or air", echoes_);
+  const std::string air = matter_photons_ > 0 || !(air_photons_ > 0) ? "" : "; the gate holds the air's own return";
   return fmt::format("{}: {} in {} pulses: {}{}", plan_.lidar.name, what, shots_, where_it_went(), air);
 }
 

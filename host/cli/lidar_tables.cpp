@@ -21,19 +21,47 @@ std::vector<std::string> joined(std::initializer_list<std::vector<std::string>> 
 }
 
 std::vector<std::string> pulse_columns(const scene::Simulation& simulation) {
-  return joined({{"pulse", "line", "time_s", "gps_time_s"}, place_columns(simulation, "exit_"), {"axis_x", "axis_y", "axis_z"}, place_columns(simulation, "pupil_"),
-                 {"pupil_axis_x", "pupil_axis_y", "pupil_axis_z", "scan_angle_deg", "half_divergence_mrad", "scintillation", "gate_start_s", "cube_line",
-                  "photons_emitted", "photons_in_gate", "background_hz", "returns", "recorded_pe", "background_pe_per_bin", "noise_pe", "threshold_pe",
-                  "detection_probability", "false_alarm_hz", "speckle_modes", "saturated_records", "absorbed", "air", "volumes", "escaped", "truncated",
-                  "collected", "early", "late", "near"}});
+  return joined({{"pulse", "line", "time_s", "gps_time_s"},
+                 place_columns(simulation, "exit_"),
+                 {"axis_x", "axis_y", "axis_z"},
+                 place_columns(simulation, "pupil_"),
+                 {"pupil_axis_x",
+                  "pupil_axis_y",
+                  "pupil_axis_z",
+                  "scan_angle_deg",
+                  "half_divergence_mrad",
+                  "scintillation",
+                  "gate_start_s",
+                  "cube_line",
+                  "photons_emitted",
+                  "photons_in_gate",
+                  "background_hz",
+                  "returns",
+                  "recorded_pe",
+                  "background_pe_per_bin",
+                  "noise_pe",
+                  "threshold_pe",
+                  "detection_probability",
+                  "false_alarm_hz",
+                  "speckle_modes",
+                  "saturated_records",
+                  "absorbed",
+                  "air",
+                  "volumes",
+                  "escaped",
+                  "truncated",
+                  "collected",
+                  "early",
+                  "late",
+                  "near"}});
 }
 
 std::vector<std::string> return_columns(const scene::Simulation& simulation) {
   return joined({{"pulse", "pixel", "line", "return", "of", "time_s", "gps_time_s"},
                  place_columns(simulation, ""),
-                 {"range_m", "delay_ns", "peak_pe", "energy_pe", "fwhm_ns", "detection_probability",
-                  "saturated", "chance", "range_true_m", "expected_pe", "order", "object", "material",
-                  "incidence_deg", "overlap", "transmission_2way", "footprint_share"}});
+                 {"range_m", "delay_ns", "peak_pe", "energy_pe", "fwhm_ns", "detection_probability", "saturated",
+                  "chance", "range_true_m", "expected_pe", "order", "object", "material", "incidence_deg", "overlap",
+                  "transmission_2way", "footprint_share"}});
 }
 
 }  // namespace
@@ -44,24 +72,39 @@ std::string line_name(const scene::Lidar& lidar, int line) {
 }
 
 LidarTables::LidarTables(base::OutputSet& set, const scene::Simulation& simulation, const lidar::LidarPlan& plan)
-    : simulation_(simulation), plan_(plan), pulses_(set.add("pulses.csv"), pulse_columns(simulation)), returns_(set.add("returns.csv"), return_columns(simulation)) {
+    : simulation_(simulation),
+      plan_(plan),
+      pulses_(set.add("pulses.csv"), pulse_columns(simulation)),
+      returns_(set.add("returns.csv"), return_columns(simulation)) {
   if (plan.lidar.detector.mode == scene::DetectorMode::geiger)
-    photons_.emplace(set.add("photons.csv"), std::vector<std::string>{"pulse", "pixel", "line", "cell", "delay_ns", "range_m"});
+    photons_.emplace(set.add("photons.csv"),
+                     std::vector<std::string>{"pulse", "pixel", "line", "cell", "delay_ns", "range_m"});
 }
 
-void LidarTables::add_return(const lidar::Shot& shot, const lidar::Detection& d, const lidar::Echo& echo, const lidar::Vec3& at, const lidar::ReturnTruth& t) {
+void LidarTables::add_return(const lidar::Shot& shot, const lidar::Detection& d, const lidar::Echo& echo,
+                             const lidar::Vec3& at, const lidar::ReturnTruth& t) {
   const auto& origin = simulation_.scene.origin;
-  returns_.add(d.pulse).add(d.pixel).add(line_name(plan_.lidar, d.line)).add(echo.number).add(echo.of).add(shot.time_s).add(plan_.lidar.gps_start_s + shot.time_s);
+  returns_.add(d.pulse)
+      .add(d.pixel)
+      .add(line_name(plan_.lidar, d.line))
+      .add(echo.number)
+      .add(echo.of)
+      .add(shot.time_s)
+      .add(plan_.lidar.gps_start_s + shot.time_s);
   returns_.add(origin.easting_m + at[0]).add(origin.northing_m + at[1]).add(origin.height_m + at[2]);
-  returns_.add(echo.range_m).add(echo.time_s * 1e9).add(echo.peak_pe).add(echo.energy_pe).add(echo.fwhm_s * 1e9f).add(echo.detection_probability);
-  returns_.add(static_cast<int>(echo.saturated))
-      .add(echo.chance)
-      .add(t.range_m)
-      .add(t.expected_pe)
-      .add(t.order);
-  if (t.object == RC_NONE) returns_.add("");
-  else returns_.add(static_cast<std::int64_t>(t.object));
-  returns_.add(t.material < simulation_.scene.materials.size() ? simulation_.scene.materials[t.material].name : std::string());
+  returns_.add(echo.range_m)
+      .add(echo.time_s * 1e9)
+      .add(echo.peak_pe)
+      .add(echo.energy_pe)
+      .add(echo.fwhm_s * 1e9f)
+      .add(echo.detection_probability);
+  returns_.add(static_cast<int>(echo.saturated)).add(echo.chance).add(t.range_m).add(t.expected_pe).add(t.order);
+  if (t.object == RC_NONE)
+    returns_.add("");
+  else
+    returns_.add(static_cast<std::int64_t>(t.object));
+  returns_.add(t.material < simulation_.scene.materials.size() ? simulation_.scene.materials[t.material].name
+                                                               : std::string());
   returns_.add(t.incidence_deg).add(t.overlap).add(t.transmission_2way).add(t.subray_share).end_row();
 }
 
@@ -69,10 +112,17 @@ void LidarTables::add_photons(const lidar::Detection& d) {
   if (!photons_) return;
   const double metres_per_s = kLight_m_s / (2 * plan_.lidar.transport.group_index);
   for (const auto& tag : d.tags)
-    photons_->add(d.pulse).add(d.pixel).add(line_name(plan_.lidar, d.line)).add(tag.cell).add(tag.time_s * 1e9).add(tag.time_s * metres_per_s).end_row();
+    photons_->add(d.pulse)
+        .add(d.pixel)
+        .add(line_name(plan_.lidar, d.line))
+        .add(tag.cell)
+        .add(tag.time_s * 1e9)
+        .add(tag.time_s * metres_per_s)
+        .end_row();
 }
 
-void LidarTables::add_shot(const lidar::ShotResult& r, const std::vector<lidar::Detection>& detections, std::int64_t cube_line) {
+void LidarTables::add_shot(const lidar::ShotResult& r, const std::vector<lidar::Detection>& detections,
+                           std::int64_t cube_line) {
   const auto& shot = r.shot;
   const auto& origin = simulation_.scene.origin;
   const double base[3] = {origin.easting_m, origin.northing_m, origin.height_m};
@@ -82,12 +132,20 @@ void LidarTables::add_shot(const lidar::ShotResult& r, const std::vector<lidar::
   const auto vector = [&](const lidar::Vec3& v) {
     for (const double c : v) pulses_.add(c);
   };
-  const auto lines = static_cast<std::size_t>(plan_.lines()), pixels = static_cast<std::size_t>(plan_.pixels()), bins = static_cast<std::size_t>(plan_.lidar.gate.bins);
+  const auto lines = static_cast<std::size_t>(plan_.lines()), pixels = static_cast<std::size_t>(plan_.pixels()),
+             bins = static_cast<std::size_t>(plan_.lidar.gate.bins);
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   for (std::size_t l = 0; l < lines; ++l) {
-    pulses_.add(shot.pulse).add(line_name(plan_.lidar, static_cast<int>(l))).add(shot.time_s).add(plan_.lidar.gps_start_s + shot.time_s);
+    pulses_.add(shot.pulse)
+        .add(line_name(plan_.lidar, static_cast<int>(l)))
+        .add(shot.time_s)
+        .add(plan_.lidar.gps_start_s + shot.time_s);
     place(shot.exit_m), vector(shot.exit_axis), place(shot.pupil_m), vector(shot.pupil_axis);
-    pulses_.add(shot.scan_angle_rad * kDegrees).add(shot.half_divergence_rad * 1e3).add(shot.line_gain.empty() ? shot.gain : shot.gain * shot.line_gain[l]).add(plan_.lidar.gate.start_s).add(cube_line);
+    pulses_.add(shot.scan_angle_rad * kDegrees)
+        .add(shot.half_divergence_rad * 1e3)
+        .add(shot.line_gain.empty() ? shot.gain : shot.gain * shot.line_gain[l])
+        .add(plan_.lidar.gate.start_s)
+        .add(cube_line);
     double photons = 0, background_hz = r.background_hz.empty() ? kNone : 0;
     for (std::size_t p = 0; p < pixels; ++p) {
       const std::size_t at = p * lines + l;
@@ -116,11 +174,18 @@ void LidarTables::add_shot(const lidar::ShotResult& r, const std::vector<lidar::
         mean.false_alarm_rate_hz += share * d.truth.false_alarm_rate_hz;
         mean.speckle_modes += share * d.truth.speckle_modes;
       }
-      pulses_.add(returns).add(recorded).add(mean.background_pe).add(mean.noise_pe).add(mean.threshold_pe).add(mean.detection_probability);
+      pulses_.add(returns)
+          .add(recorded)
+          .add(mean.background_pe)
+          .add(mean.noise_pe)
+          .add(mean.threshold_pe)
+          .add(mean.detection_probability);
       pulses_.add(mean.false_alarm_rate_hz).add(mean.speckle_modes).add(saturated);
     }
-    const lidar::Ledger ledger = l < r.ledger.size() ? r.ledger[l] : lidar::Ledger{kNone, kNone, kNone, kNone, kNone, kNone, kNone, kNone, kNone};
-    for (const double share : {ledger.absorbed, ledger.air, ledger.volumes, ledger.escaped, ledger.truncated, ledger.collected, ledger.early, ledger.late, ledger.near})
+    const lidar::Ledger ledger = l < r.ledger.size() ? r.ledger[l] : lidar::Ledger{kNone, kNone, kNone, kNone, kNone,
+                                                                                   kNone, kNone, kNone, kNone};
+    for (const double share : {ledger.absorbed, ledger.air, ledger.volumes, ledger.escaped, ledger.truncated,
+                               ledger.collected, ledger.early, ledger.late, ledger.near})
       pulses_.add(share);
     pulses_.end_row();
   }

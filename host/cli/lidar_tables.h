@@ -1,4 +1,5 @@
-// The tables of a LIDAR run as CSV. Positions are in the scene's coordinate system (origin added), times on the trajectory's clock.
+// The tables of a LIDAR run as CSV. Positions are in the scene's coordinate system (origin added), times on the
+// trajectory's clock.
 #pragma once
 
 #include <cstdint>
@@ -19,15 +20,19 @@ namespace raycube::cli {
 /// The line's name, or its number from 1.
 std::string line_name(const scene::Lidar& lidar, int line);
 
-/// returns.csv (a row per return), pulses.csv (a row per pulse and line) and, of Geiger detectors, photons.csv (a row per event).
+/// returns.csv (a row per return), pulses.csv (a row per pulse and line) and, of Geiger detectors, photons.csv (a row
+/// per event).
 class LidarTables {
  public:
   LidarTables(base::OutputSet& set, const scene::Simulation& simulation, const lidar::LidarPlan& plan);
 
-  void add_return(const lidar::Shot& shot, const lidar::Detection& record, const lidar::Echo& echo, const lidar::Vec3& at_m, const lidar::ReturnTruth& truth);
+  void add_return(const lidar::Shot& shot, const lidar::Detection& record, const lidar::Echo& echo,
+                  const lidar::Vec3& at_m, const lidar::ReturnTruth& truth);
   void add_photons(const lidar::Detection& record);
-  /// cube_line: of the pulse's first pixel in the time cube. Records' figures are means over the pixels, sums where they count.
-  void add_shot(const lidar::ShotResult& result, const std::vector<lidar::Detection>& detections, std::int64_t cube_line);
+  /// cube_line: of the pulse's first pixel in the time cube. Records' figures are means over the pixels, sums where
+  /// they count.
+  void add_shot(const lidar::ShotResult& result, const std::vector<lidar::Detection>& detections,
+                std::int64_t cube_line);
   void finish(products::RunRecord& record);
 
  private:

@@ -61,8 +61,7 @@ int run(int argc, char** argv, std::unique_ptr<raycube::base::Log>& log) {
   }
   const bool printed = static_cast<bool>(std::cout.flush());
   if (!printed && base::stdout_reader_is_gone()) leave_like_others();
-  if (!printed)
-    throw Error(Fault::environment, "stdout could not be written; is its disk full or its reader gone?");
+  if (!printed) throw Error(Fault::environment, "stdout could not be written; is its disk full or its reader gone?");
   return status;
 }
 
@@ -72,7 +71,8 @@ int main(int argc, char** argv) {
   raycube::base::claim_standard_descriptors();
   raycube::base::install_crash_report();
   std::unique_ptr<raycube::base::Log> log;
-  // A fixed threshold: what is large goes back to the system when it is freed, so that peak memory does not depend on when.
+  // A fixed threshold: what is large goes back to the system when it is freed, so that peak memory does not depend on
+  // when.
   mallopt(M_MMAP_THRESHOLD, kMmapThreshold_bytes);
   try {
     return run(argc, argv, log);
@@ -80,8 +80,7 @@ int main(int argc, char** argv) {
     // Ctrl-C reaches the whole process group: the driver's compiler dies of it, and what is seen here is a
     // failed build.
     const bool consequence = error.fault() == Fault::device && raycube::base::interrupted_by_now();
-    if (consequence)
-      return report(log.get(), static_cast<int>(Fault::interrupted), raycube::base::interrupt_text());
+    if (consequence) return report(log.get(), static_cast<int>(Fault::interrupted), raycube::base::interrupt_text());
     return report(log.get(), error.exit_status(), error.what());
   } catch (const std::bad_alloc&) {
     return report(log.get(), static_cast<int>(Fault::environment),

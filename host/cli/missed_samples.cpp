@@ -20,8 +20,8 @@ MissedSamples::MissedSamples(const scene::Simulation& simulation, const scene::I
     : name_(instrument.name), pixels_per_line_(static_cast<std::size_t>(instrument.pixels)) {
   const auto layers = render::truth_layer_names(simulation.scene, instrument);
   layers_ = layers.size();
-  const auto at = std::find_if(layers.begin(), layers.end(),
-                               [](const auto& layer) { return layer.name == "hit_fraction"; });
+  const auto at =
+      std::find_if(layers.begin(), layers.end(), [](const auto& layer) { return layer.name == "hit_fraction"; });
   layer_ = static_cast<std::size_t>(at - layers.begin());
 }
 
@@ -49,8 +49,8 @@ std::string MissedSamples::text() const {
       "beyond the view ([[plane]] as large as the view, a little under the scene's rim), or narrow the view "
       "(hit_fraction in "
       "truth.img says which)",
-      name_, 100 * missed_ / static_cast<double>(std::max<std::uint64_t>(1, pixels_)), empty_, pixels_,
-      partly_, line_, sample_);
+      name_, 100 * missed_ / static_cast<double>(std::max<std::uint64_t>(1, pixels_)), empty_, pixels_, partly_, line_,
+      sample_);
 }
 
 std::string MissedSamples::json() const {

@@ -18,7 +18,8 @@ std::vector<std::int64_t> periods_back(const scene::CompiledScene& scene, const 
   const double last_s = 2 * scene::reach_of(scene.lo, scene.hi, scene.volumes, lidar).farthest_m *
                         lidar.transport.group_index / kLight_m_s;
   const double begin_s = lidar.gate.start_s, end_s = begin_s + lidar.gate.bins * lidar.gate.bin_s;
-  for (std::int64_t back = -static_cast<std::int64_t>(std::floor(end_s * lidar.prf_hz)); begin_s + static_cast<double>(back) / lidar.prf_hz < last_s; ++back)
+  for (std::int64_t back = -static_cast<std::int64_t>(std::floor(end_s * lidar.prf_hz));
+       begin_s + static_cast<double>(back) / lidar.prf_hz < last_s; ++back)
     if (back != 0 && end_s + static_cast<double>(back) / lidar.prf_hz > 0) out.push_back(back);
   return out;
 }
@@ -29,7 +30,8 @@ void add(std::vector<float>& to, const std::vector<float>& from) {
 
 }  // namespace
 
-OtherPulses::OtherPulses(const scene::Simulation& simulation, const lidar::LidarPlan& plan) : seed_(simulation.seed), pulses_(plan.lidar.pulses) {
+OtherPulses::OtherPulses(const scene::Simulation& simulation, const lidar::LidarPlan& plan)
+    : seed_(simulation.seed), pulses_(plan.lidar.pulses) {
   if (!plan.lidar.fold_ambiguous) return;
   for (const auto back : periods_back(simulation.scene, plan.lidar)) {
     others_.push_back({back, plan});
@@ -37,7 +39,8 @@ OtherPulses::OtherPulses(const scene::Simulation& simulation, const lidar::Lidar
   }
 }
 
-void OtherPulses::add_to(std::vector<lidar::ShotResult>& results, render::LidarRenderer& renderer, const std::function<void(lidar::Shot&)>& ready) const {
+void OtherPulses::add_to(std::vector<lidar::ShotResult>& results, render::LidarRenderer& renderer,
+                         const std::function<void(lidar::Shot&)>& ready) const {
   for (const auto& other : others_) {
     std::map<std::int64_t, lidar::ShotResult*> open;
     for (auto& result : results) open[result.shot.pulse - other.back] = &result;

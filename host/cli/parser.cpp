@@ -39,8 +39,8 @@ void wire(CLI::App& parent, const Verb& verb, const std::string& path, CommonOpt
       });
       continue;
     }
-    auto* option = app->add_option_function<std::vector<std::string>>(
-        row.names, [&row](const std::vector<std::string>& typed) {
+    auto* option =
+        app->add_option_function<std::vector<std::string>>(row.names, [&row](const std::vector<std::string>& typed) {
           for (const auto& text : typed) row.set(text);
         });
     option->required(row.required)->allow_extra_args(row.repeats && row.positional);
@@ -92,7 +92,8 @@ const Node* named(const std::deque<Node>& nodes) {
     throw Error(Fault::input, fmt::format("raycube {} has no option {}; {}{}", node.path, name,
                                           did_you_mean(name, option_names(node.table)), see));
   }
-  throw Error(Fault::input, fmt::format("raycube {} takes no further argument (found \"{}\"); {}", node.path, typed, see));
+  throw Error(Fault::input,
+              fmt::format("raycube {} takes no further argument (found \"{}\"); {}", node.path, typed, see));
 }
 
 }  // namespace
@@ -131,10 +132,13 @@ Parsed parse_command_line(int argc, const char* const* argv, const std::vector<V
   if (usage) return {nullptr, json_usage(verbs)};
   if (manual) return {nullptr, man_page(verbs)};
   const Node* node = named(nodes);
-  if (!node) throw Error(Fault::input, fmt::format("name a verb: {}; see raycube --help", fmt::join(names_of(verbs), ", ")));
+  if (!node)
+    throw Error(Fault::input, fmt::format("name a verb: {}; see raycube --help", fmt::join(names_of(verbs), ", ")));
   if (!node->verb->run)
-    throw Error(Fault::input, fmt::format("name a verb of {}: {}", node->path, fmt::join(names_of(node->verb->verbs), ", ")));
-  if (values.quiet > 0 && values.verbose > 0) throw Error(Fault::input, "--quiet and --verbose contradict each other; give one");
+    throw Error(Fault::input,
+                fmt::format("name a verb of {}: {}", node->path, fmt::join(names_of(node->verb->verbs), ", ")));
+  if (values.quiet > 0 && values.verbose > 0)
+    throw Error(Fault::input, "--quiet and --verbose contradict each other; give one");
   return {node->verb, ""};
 }
 

@@ -13,8 +13,8 @@ struct Parsed {
   std::string text;            ///< help, version, usage: printed on stdout
 };
 
-/// Parses argv; fills `values` and the variables the verb bound. Throws Error(input) for bad usage, with a suggestion where a
-/// name was nearly right.
+/// Parses argv; fills `values` and the variables the verb bound. Throws Error(input) for bad usage, with a suggestion
+/// where a name was nearly right.
 Parsed parse_command_line(int argc, const char* const* argv, const std::vector<Verb>& verbs, CommonOptions& values);
 
 }  // namespace raycube::cli

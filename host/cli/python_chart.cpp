@@ -21,7 +21,8 @@ namespace {
 /// chart: empty when the figures say where to draw. The script's stderr goes to ours.
 void run_script(const std::string& script, const std::string& figures, const std::string& chart) {
   const std::string python = "/usr/bin/python3", path = (base::data_folder() / "plots" / script).string();
-  const char* arguments[] = {python.c_str(), path.c_str(), figures.c_str(), chart.empty() ? nullptr : chart.c_str(), nullptr};
+  const char* arguments[] = {python.c_str(), path.c_str(), figures.c_str(), chart.empty() ? nullptr : chart.c_str(),
+                             nullptr};
   pid_t child = 0;
   const int failed = posix_spawn(&child, python.c_str(), nullptr, nullptr, const_cast<char**>(arguments), environ);
   if (failed)
@@ -31,7 +32,8 @@ void run_script(const std::string& script, const std::string& figures, const std
   while (waitpid(child, &status, 0) < 0)
     if (errno != EINTR) throw base::Error(base::Fault::environment, path + ": its end could not be waited for");
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
-    throw base::Error(base::Fault::environment, path + " failed (its message is above); charts need python3-matplotlib");
+    throw base::Error(base::Fault::environment,
+                      path + " failed (its message is above); charts need python3-matplotlib");
 }
 
 }  // namespace
@@ -46,7 +48,8 @@ void append_drawn(base::OutputFile& picture, const std::string& path) {
 }
 
 void draw_into(const std::string& script, base::OutputFile& figures, base::OutputFile& picture) {
-  // The script writes under a name of its own with the right ending; the bytes then go where an unfinished file is never seen.
+  // The script writes under a name of its own with the right ending; the bytes then go where an unfinished file is
+  // never seen.
   const std::string drawn = picture.temporary_path() + ".png";
   struct Remove {
     const std::string& path;
@@ -57,9 +60,11 @@ void draw_into(const std::string& script, base::OutputFile& figures, base::Outpu
   append_drawn(picture, drawn);
 }
 
-std::string draw_chart(const std::string& script, const std::string& figures_json, const std::string& chart, base::IfExists if_exists) {
+std::string draw_chart(const std::string& script, const std::string& figures_json, const std::string& chart,
+                       base::IfExists if_exists) {
   const std::string figures = std::filesystem::path(chart).replace_extension(".json").string();
-  if (figures == chart) throw base::Error(base::Fault::input, chart + ": a chart is a PNG; its figures go to the .json beside it");
+  if (figures == chart)
+    throw base::Error(base::Fault::input, chart + ": a chart is a PNG; its figures go to the .json beside it");
   base::OutputFile numbers(figures, if_exists), picture(chart, if_exists);
   numbers.append(figures_json);
   draw_into(script, numbers, picture);

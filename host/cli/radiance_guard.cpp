@@ -21,8 +21,7 @@ RadianceGuard::RadianceGuard(const scene::Instrument& instrument, const std::vec
 
 std::string RadianceGuard::band_text(std::size_t band) const {
   const scene::Band& b = instrument_.bands[band];
-  return fmt::format("band {}{} ({:.6g} um)", band + 1, b.name.empty() ? "" : " '" + b.name + "'",
-                     b.center_um);
+  return fmt::format("band {}{} ({:.6g} um)", band + 1, b.name.empty() ? "" : " '" + b.name + "'", b.center_um);
 }
 
 void RadianceGuard::refuse(std::int64_t line, std::int64_t pixel, std::size_t band, float value) const {
@@ -39,8 +38,7 @@ void RadianceGuard::add(std::int64_t first_line, std::int64_t lines, const float
   for (std::int64_t line = first_line; line < first_line + lines; ++line)
     for (std::int64_t pixel = 0; pixel < instrument_.pixels; ++pixel, radiance += bands) {
       std::uint32_t beyond = 0;  // or no number: neither compares
-      for (std::size_t b = 0; b < bands; ++b)
-        beyond += !(radiance[b] <= limit_[b]) || radiance[b] == -INFINITY;
+      for (std::size_t b = 0; b < bands; ++b) beyond += !(radiance[b] <= limit_[b]) || radiance[b] == -INFINITY;
       if (beyond == 0) continue;
       ++pixels_;
       for (std::size_t b = 0; b < bands; ++b) {
@@ -65,8 +63,7 @@ std::optional<std::string> RadianceGuard::warning() const {
 std::string RadianceGuard::json() const {
   nlohmann::ordered_json out = {{"bound", "E0 / (pi (1 - S)) + B(T) + path radiance"}, {"pixels_beyond", pixels_}};
   if (pixels_ > 0) {
-    out["worst_ratio"] =
-        std::isfinite(worst_) ? nlohmann::ordered_json(worst_) : nlohmann::ordered_json(nullptr);
+    out["worst_ratio"] = std::isfinite(worst_) ? nlohmann::ordered_json(worst_) : nlohmann::ordered_json(nullptr);
     out["worst_line"] = worst_line_, out["worst_pixel"] = worst_pixel_, out["worst_band"] = worst_band_ + 1;
   }
   return out.dump();

@@ -41,15 +41,18 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 std::size_t bytes_of_rows(const lidar::LidarPlan& plan) {
   const auto& transport = plan.lidar.transport;
   const std::size_t kinds = 1 + (transport.max_bounces > 1) + transport.air_return;
-  const std::size_t samples = static_cast<std::size_t>(transport.subrays) *
-                              (transport.sampling == scene::LidarSampling::receiver ? static_cast<std::size_t>(plan.pixels()) : 1u);
+  const std::size_t samples =
+      static_cast<std::size_t>(transport.subrays) *
+      (transport.sampling == scene::LidarSampling::receiver ? static_cast<std::size_t>(plan.pixels()) : 1u);
   // Expectations, and as much again for the record made of them; first hits.
-  return samples * sizeof(lidar::FirstHit) + 2 * kinds * static_cast<std::size_t>(plan.pixels()) * static_cast<std::size_t>(plan.lines()) *
-         static_cast<std::size_t>(plan.lidar.gate.bins) * sizeof(float);
+  return samples * sizeof(lidar::FirstHit) + 2 * kinds * static_cast<std::size_t>(plan.pixels()) *
+                                                 static_cast<std::size_t>(plan.lines()) *
+                                                 static_cast<std::size_t>(plan.lidar.gate.bins) * sizeof(float);
 }
 
 std::int64_t batch_of(const lidar::LidarPlan& plan, std::size_t memory_bytes) {
-  return std::clamp<std::int64_t>(static_cast<std::int64_t>(memory_bytes / 4 / std::max<std::size_t>(1, bytes_of_rows(plan))), 1, 4096);
+  return std::clamp<std::int64_t>(
+      static_cast<std::int64_t>(memory_bytes / 4 / std::max<std::size_t>(1, bytes_of_rows(plan))), 1, 4096);
 }
 
 /// Rows of one pulse are held at once whatever --memory says: it is refused when it cannot hold them.
@@ -76,31 +79,30 @@ nlohmann::json turbulence_json(const scene::Lidar& lidar, const lidar::Turbulenc
                      {"scintillation_index_two_way", (1 + line.index_down) * (1 + line.index_up) - 1},
                      {"distribution", line.gamma_gamma ? "gamma-gamma" : "log-normal"}});
   }
-  return {
-      {"path_m", t.path_m},
-      {"start_height_m", t.start_height_m},
-      {"end_height_m", t.end_height_m},
-      {"rytov_variance_plane", t.rytov_plane},
-      {"rytov_variance_spherical", t.rytov_spherical},
-      {"fried_m", t.fried_m},
-      {"fried_plane_m", t.fried_plane_m},
-      {"isoplanatic_angle_rad", t.isoplanatic_rad},
-      {"beam_radius_m", t.beam_radius_m},
-      {"short_term_radius_m", t.short_term_m},
-      {"long_term_radius_m", t.long_term_m},
-      {"wander_sigma_m", t.wander_sigma_m},
-      {"tilt_sigma_rad", t.tilt_sigma_rad},
-      {"blur_fwhm_rad", t.blur_fwhm_rad},
-      {"scintillation_index_one_way_down", t.index_down},
-      {"scintillation_index_one_way_up", t.index_up},
-      {"scintillation_index_two_way", t.index_total},
-      {"distribution", t.gamma_gamma ? "gamma-gamma" : "log-normal"},
-      {"distribution_because", fmt::format("rytov_variance_plane {:.4g} is {} {}", t.rytov_plane,
-                                           t.gamma_gamma ? "not below" : "below", lidar::kGammaGammaFrom)},
-      {"lines", lines},
-      {"broadening_s2", t.broadening_s2},
-      {"correlation_s", t.correlation_s},
-      {"warnings", t.warnings}};
+  return {{"path_m", t.path_m},
+          {"start_height_m", t.start_height_m},
+          {"end_height_m", t.end_height_m},
+          {"rytov_variance_plane", t.rytov_plane},
+          {"rytov_variance_spherical", t.rytov_spherical},
+          {"fried_m", t.fried_m},
+          {"fried_plane_m", t.fried_plane_m},
+          {"isoplanatic_angle_rad", t.isoplanatic_rad},
+          {"beam_radius_m", t.beam_radius_m},
+          {"short_term_radius_m", t.short_term_m},
+          {"long_term_radius_m", t.long_term_m},
+          {"wander_sigma_m", t.wander_sigma_m},
+          {"tilt_sigma_rad", t.tilt_sigma_rad},
+          {"blur_fwhm_rad", t.blur_fwhm_rad},
+          {"scintillation_index_one_way_down", t.index_down},
+          {"scintillation_index_one_way_up", t.index_up},
+          {"scintillation_index_two_way", t.index_total},
+          {"distribution", t.gamma_gamma ? "gamma-gamma" : "log-normal"},
+          {"distribution_because", fmt::format("rytov_variance_plane {:.4g} is {} {}", t.rytov_plane,
+                                               t.gamma_gamma ? "not below" : "below", lidar::kGammaGammaFrom)},
+          {"lines", lines},
+          {"broadening_s2", t.broadening_s2},
+          {"correlation_s", t.correlation_s},
+          {"warnings", t.warnings}};
 }
 
 std::string main_file(const scene::Lidar& lidar, const std::string& folder) {
@@ -170,21 +172,24 @@ void add_error(render::LidarRenderer& renderer, const LidarJob& job, products::R
 
 }  // namespace
 
-nlohmann::json render_lidar(const scene::Simulation& simulation, const scene::Lidar& lidar, const std::string& folder, double load_s,
-                            Context& context, const Planning& planning) {
+nlohmann::json render_lidar(const scene::Simulation& simulation, const scene::Lidar& lidar, const std::string& folder,
+                            double load_s, Context& context, const Planning& planning) {
   const auto settings = render_options(context.common);
   render::LidarRenderer renderer(simulation.scene, settings);
-  LidarJob job = prepare_lidar(simulation, lidar, context, {&renderer, planning.replay, planning.replay_path, planning.estimate_given});
+  LidarJob job = prepare_lidar(simulation, lidar, context,
+                               {&renderer, planning.replay, planning.replay_path, planning.estimate_given});
   const WaysOfShots way(simulation, lidar);
   // The air of the first pulse fired lengthens them all: femtoseconds, but for the worst of paths.
   if (lidar.turbulence.profile != scene::TurbulenceProfile::none)
-    if (const auto shots = lidar::make_shots(lidar, 0, std::min<std::int64_t>(lidar.pulses, 4096), simulation.seed); !shots.empty())
-      lidar::broaden_pulse(
-          job.plan, lidar::turbulence_statistics(job.plan, way(shots.front()), shots.front()).broadening_s2);
+    if (const auto shots = lidar::make_shots(lidar, 0, std::min<std::int64_t>(lidar.pulses, 4096), simulation.seed);
+        !shots.empty())
+      lidar::broaden_pulse(job.plan,
+                           lidar::turbulence_statistics(job.plan, way(shots.front()), shots.front()).broadening_s2);
   const lidar::LidarPlan& plan = job.plan;
   require_memory(plan, settings.memory_bytes);
   const auto start = std::chrono::steady_clock::now();
-  LidarProducts output(folder, context.common.overwrite ? base::IfExists::replace : base::IfExists::refuse, simulation, plan);
+  LidarProducts output(folder, context.common.overwrite ? base::IfExists::replace : base::IfExists::refuse, simulation,
+                       plan);
   std::optional<LidarBackground> background;
   if (has_background(simulation, lidar)) background.emplace(simulation, plan, settings, context);
   const OtherPulses others(simulation, plan);
@@ -201,7 +206,8 @@ nlohmann::json render_lidar(const scene::Simulation& simulation, const scene::Li
   double worst_ledger = 0;
   LidarRunLight light_of_run(plan);
   const std::int64_t batch = batch_of(plan, settings.memory_bytes);
-  // Shots and background light come for many batches at once: a passive plan costs a second, whatever the number of views.
+  // Shots and background light come for many batches at once: a passive plan costs a second, whatever the number of
+  // views.
   const std::int64_t chunk = std::max<std::int64_t>(batch, 65536 / std::max(1, plan.pixels()));
   for (std::int64_t first = 0; first < lidar.pulses; first += chunk) {
     const auto shots = lidar::make_shots(lidar, first, std::min(chunk, lidar.pulses - first), simulation.seed);
@@ -217,12 +223,13 @@ nlohmann::json render_lidar(const scene::Simulation& simulation, const scene::Li
     if (background && !shots.empty()) timed("background", [&] { light = background->rates(shots); });
     for (std::size_t begin = 0; begin < fired.size(); begin += static_cast<std::size_t>(batch)) {
       const std::size_t end = std::min(fired.size(), begin + static_cast<std::size_t>(batch));
-      const std::vector<lidar::Shot> now(fired.begin() + static_cast<std::ptrdiff_t>(begin), fired.begin() + static_cast<std::ptrdiff_t>(end));
+      const std::vector<lidar::Shot> now(fired.begin() + static_cast<std::ptrdiff_t>(begin),
+                                         fired.begin() + static_cast<std::ptrdiff_t>(end));
       std::vector<lidar::ShotResult> results;
       timed("pulses", [&] {
-        renderer.render(plan, now, [&](lidar::ShotResult&& result) { results.push_back(std::move(result)); }, true);
-        others.add_to(results, renderer,
-                      [&](lidar::Shot& shot) { lidar::apply_turbulence(plan, way(shot), shot); });
+        renderer.render(
+            plan, now, [&](lidar::ShotResult&& result) { results.push_back(std::move(result)); }, true);
+        others.add_to(results, renderer, [&](lidar::Shot& shot) { lidar::apply_turbulence(plan, way(shot), shot); });
       });
       std::vector<std::vector<lidar::Detection>> records(results.size());
       timed("detection", [&] {
@@ -238,7 +245,8 @@ nlohmann::json render_lidar(const scene::Simulation& simulation, const scene::Li
           light_of_run.add(results[i], records[i]);
           rays += static_cast<std::uint64_t>(results[i].rays);
           for (const auto& record : records[i]) echoes += record.echoes.size();
-          for (const auto& ledger : results[i].ledger) worst_ledger = std::max(worst_ledger, std::abs(ledger.emitted_error()));
+          for (const auto& ledger : results[i].ledger)
+            worst_ledger = std::max(worst_ledger, std::abs(ledger.emitted_error()));
         }
       });
       progress.advance(end - begin);
@@ -271,7 +279,10 @@ nlohmann::json render_lidar(const scene::Simulation& simulation, const scene::Li
   record.configuration_json = simulation.resolved_json;
   record.plan_json = job.plan_json;
   const double pulses_per_s = static_cast<double>(lidar.pulses) / render_s;
-  nlohmann::json more = {{"pulses", lidar.pulses}, {"echoes", echoes}, {"pulses_per_s", pulses_per_s}, {"worst_ledger_error", worst_ledger},
+  nlohmann::json more = {{"pulses", lidar.pulses},
+                         {"echoes", echoes},
+                         {"pulses_per_s", pulses_per_s},
+                         {"worst_ledger_error", worst_ledger},
                          {"returns_of_matter_expected", light_of_run.returns_of_matter()}};
   if (turbulence) more["turbulence"] = *turbulence;
   record.warnings = light_notices(simulation, lidar);
@@ -284,14 +295,25 @@ nlohmann::json render_lidar(const scene::Simulation& simulation, const scene::Li
   }
   add_error(renderer, job, record, context);
   output.publish(record);
-  context.log.info(fmt::format("{}: {} pulses, {} returns, {:.3g} expected of surfaces and volumes, {:.1f} s, {:.3g} pulses/s, energy ledger within {:.1e}, {}", lidar.name, lidar.pulses,
-                               echoes, light_of_run.returns_of_matter(), render_s, pulses_per_s, worst_ledger, folder));
-  return {{"name", lidar.name},   {"folder", folder},     {"kind", "lidar"},  {"digest", record.digest},
-          {"pulses", lidar.pulses}, {"returns", echoes}, {"seconds", render_s}, {"pulses_per_s", pulses_per_s},
-          {"worst_ledger_error", worst_ledger}, {"main", main_file(lidar, folder)}};
+  context.log.info(
+      fmt::format("{}: {} pulses, {} returns, {:.3g} expected of surfaces and volumes, {:.1f} s, {:.3g} pulses/s, "
+                  "energy ledger within {:.1e}, {}",
+                  lidar.name, lidar.pulses, echoes, light_of_run.returns_of_matter(), render_s, pulses_per_s,
+                  worst_ledger, folder));
+  return {{"name", lidar.name},
+          {"folder", folder},
+          {"kind", "lidar"},
+          {"digest", record.digest},
+          {"pulses", lidar.pulses},
+          {"returns", echoes},
+          {"seconds", render_s},
+          {"pulses_per_s", pulses_per_s},
+          {"worst_ledger_error", worst_ledger},
+          {"main", main_file(lidar, folder)}};
 }
 
-nlohmann::json dry_run_lidar(const scene::Simulation& simulation, const scene::Lidar& lidar, Context& context, const Planning& planning) {
+nlohmann::json dry_run_lidar(const scene::Simulation& simulation, const scene::Lidar& lidar, Context& context,
+                             const Planning& planning) {
   std::optional<render::LidarRenderer> renderer;
   try {
     renderer.emplace(simulation.scene, render_options(context.common));
@@ -299,10 +321,13 @@ nlohmann::json dry_run_lidar(const scene::Simulation& simulation, const scene::L
     if (error.fault() != base::Fault::device) throw;
     context.log.warning(std::string("the error of the sub-rays cannot be estimated: ") + error.what());
   }
-  const LidarJob job = prepare_lidar(simulation, lidar, context, {renderer ? &*renderer : nullptr, planning.replay, planning.replay_path, planning.estimate_given});
+  const LidarJob job =
+      prepare_lidar(simulation, lidar, context,
+                    {renderer ? &*renderer : nullptr, planning.replay, planning.replay_path, planning.estimate_given});
   const auto& plan = job.plan;
   require_memory(plan, context.common.memory_bytes);
-  const auto rows = static_cast<std::uint64_t>(lidar.pulses) * static_cast<std::uint64_t>(plan.pixels()) * static_cast<std::uint64_t>(plan.lines());
+  const auto rows = static_cast<std::uint64_t>(lidar.pulses) * static_cast<std::uint64_t>(plan.pixels()) *
+                    static_cast<std::uint64_t>(plan.lines());
   const std::uint64_t rays_per_pulse = job.decision.rays_per_pulse;
   return {{"name", lidar.name},
           {"kind", "lidar"},
@@ -318,13 +343,14 @@ nlohmann::json dry_run_lidar(const scene::Simulation& simulation, const scene::L
 }
 
 std::string dry_run_lidar_text(const nlohmann::json& item) {
-  return fmt::format("{}: {} pulses, {} pixels x {} wavelengths x {} bins\n"
-                     "  rays      {:.3g} first rays, {} spectral nodes\n"
-                     "  memory    {} pulses at a time\n"
-                     "  products  waveforms {}\n",
-                     item["name"].get<std::string>(), item["pulses"].get<std::int64_t>(), item["pixels"].get<int>(), item["lines"].get<int>(),
-                     item["bins"].get<int>(), item["rays"].get<double>(), item["spectral_nodes"].get<int>(),
-                     item["pulses_per_batch"].get<std::int64_t>(), base::format_bytes(item["waveform_bytes"].get<std::uint64_t>()));
+  return fmt::format(
+      "{}: {} pulses, {} pixels x {} wavelengths x {} bins\n"
+      "  rays      {:.3g} first rays, {} spectral nodes\n"
+      "  memory    {} pulses at a time\n"
+      "  products  waveforms {}\n",
+      item["name"].get<std::string>(), item["pulses"].get<std::int64_t>(), item["pixels"].get<int>(),
+      item["lines"].get<int>(), item["bins"].get<int>(), item["rays"].get<double>(), item["spectral_nodes"].get<int>(),
+      item["pulses_per_batch"].get<std::int64_t>(), base::format_bytes(item["waveform_bytes"].get<std::uint64_t>()));
 }
 
 }  // namespace raycube::cli

@@ -23,7 +23,8 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 
 }  // namespace
 
-AirRequest air_request(const scene::Simulation& simulation, const scene::Instrument& instrument, double sensor_height_m) {
+AirRequest air_request(const scene::Simulation& simulation, const scene::Instrument& instrument,
+                       double sensor_height_m) {
   AirRequest request;
   request.spec = &simulation.atmosphere;
   request.sun = simulation.sun;
@@ -44,7 +45,8 @@ scene::Simulation load_job(const std::string& file, Context& context) {
   scene::Simulation simulation = scene::load_simulation(file, options);
   for (const auto& notice : simulation.notices) context.log.warning(notice);
   for (const auto& instrument : simulation.instruments)
-    for (const auto& notice : light_notices(simulation, instrument)) context.log.warning(instrument.name + ": " + notice);
+    for (const auto& notice : light_notices(simulation, instrument))
+      context.log.warning(instrument.name + ": " + notice);
   for (const auto& lidar : simulation.lidars)
     for (const auto& notice : light_notices(simulation, lidar)) context.log.warning(lidar.name + ": " + notice);
   return simulation;
@@ -61,7 +63,8 @@ std::vector<std::string> light_notices(const scene::Simulation& simulation, cons
   double first_um = lidar.pulse.lines[0].wavelength_um;
   for (const auto& line : lidar.pulse.lines) first_um = std::min(first_um, line.wavelength_um);
   const auto notice = atmos::no_light_notice(simulation.atmosphere, simulation.sun, first_um);
-  return notice ? std::vector{"the background of scene and sky (solar_background): " + *notice} : std::vector<std::string>{};
+  return notice ? std::vector{"the background of scene and sky (solar_background): " + *notice}
+                : std::vector<std::string>{};
 }
 
 std::vector<const scene::Instrument*> pick_instruments(const scene::Simulation& simulation, const std::string& name) {
@@ -77,7 +80,8 @@ std::vector<const scene::Instrument*> pick_instruments(const scene::Simulation& 
     known += (known.empty() ? "" : ", ") + one.name;
   }
   if (picked.empty() && !lidar)
-    throw base::Error(base::Fault::input, simulation.file + ": no instrument is called '" + name + "'; there are: " + known);
+    throw base::Error(base::Fault::input,
+                      simulation.file + ": no instrument is called '" + name + "'; there are: " + known);
   return picked;
 }
 
@@ -86,7 +90,8 @@ plan::HeightRange seen_heights(const scene::CompiledScene& scene, const plan::Vi
   return {scene.lo[2], std::min<double>(scene.hi[2], view.sensor_height_m)};
 }
 
-InstrumentJob prepare(const scene::Simulation& simulation, const scene::Instrument& instrument, Context& context, const Planning& planning) {
+InstrumentJob prepare(const scene::Simulation& simulation, const scene::Instrument& instrument, Context& context,
+                      const Planning& planning) {
   InstrumentJob job;
   auto planned = std::make_shared<scene::Instrument>(instrument);
   job.planned = planned;
@@ -108,7 +113,8 @@ InstrumentJob prepare(const scene::Simulation& simulation, const scene::Instrume
     job.decision = planner::replayed(entry, simulation, instrument, job.plan, planning.replay_path);
     planner::hold_tolerance(job.decision, simulation, instrument, job.plan, job.table, context.common.threads);
   } else if (planning.renderer) {
-    job.decision = planner::decide(*planning.renderer, simulation, instrument, job.plan, job.table, planning.estimate_given, context.common.threads);
+    job.decision = planner::decide(*planning.renderer, simulation, instrument, job.plan, job.table,
+                                   planning.estimate_given, context.common.threads);
   } else {
     job.decision = planner::as_given(simulation, instrument, job.plan);
     planner::hold_tolerance(job.decision, simulation, instrument, job.plan, job.table, context.common.threads);

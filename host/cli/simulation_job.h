@@ -1,4 +1,5 @@
-// What `render` and `check` do first: a simulation file to a scene, and for each instrument its atmosphere table and plan.
+// What `render` and `check` do first: a simulation file to a scene, and for each instrument its atmosphere table and
+// plan.
 #pragma once
 
 #include <memory>
@@ -31,16 +32,16 @@ std::vector<std::string> light_notices(const scene::Simulation& simulation, cons
 /// Of the scene, below the sensor; 0 where it is empty.
 plan::HeightRange seen_heights(const scene::CompiledScene& scene, const plan::ViewBounds& view);
 
-/// The passive instruments called `name`, or all when it is empty. Throws Error(input) that lists instruments and LIDARs when neither has
-/// one of that name.
+/// The passive instruments called `name`, or all when it is empty. Throws Error(input) that lists instruments and
+/// LIDARs when neither has one of that name.
 std::vector<const scene::Instrument*> pick_instruments(const scene::Simulation& simulation, const std::string& name);
 
 /// How the planner settles what the file leaves open.
 struct Planning {
-  render::Renderer* renderer = nullptr;   ///< for its trial; null: no trial, the defaults stay
+  render::Renderer* renderer = nullptr;       ///< for its trial; null: no trial, the defaults stay
   const planner::PlanFile* replay = nullptr;  ///< instead of a trial; with the path it was read from
   std::string replay_path;
-  bool estimate_given = false;            ///< a trial even where the file gives everything
+  bool estimate_given = false;  ///< a trial even where the file gives everything
 };
 
 /// What one instrument's render needs besides the scene.
@@ -50,15 +51,17 @@ struct InstrumentJob {
   planner::Decision decision;
   atmos::RenderTable table;
   plan::Plan plan;
-  std::vector<std::string> notices;                  ///< of table and instrument together; the log has them
+  std::vector<std::string> notices;  ///< of table and instrument together; the log has them
   double table_s = 0, plan_s = 0;
 };
 
 /// The air that an instrument's bands and height ask for, over the scene's heights.
-AirRequest air_request(const scene::Simulation& simulation, const scene::Instrument& instrument, double sensor_height_m);
+AirRequest air_request(const scene::Simulation& simulation, const scene::Instrument& instrument,
+                       double sensor_height_m);
 
 /// Reads or builds the table for the instrument's height and bands, then plans; the planner's notes go to the log.
-InstrumentJob prepare(const scene::Simulation& simulation, const scene::Instrument& instrument, Context& context, const Planning& planning = {});
+InstrumentJob prepare(const scene::Simulation& simulation, const scene::Instrument& instrument, Context& context,
+                      const Planning& planning = {});
 
 render::RenderOptions render_options(const CommonOptions& common);
 

@@ -16,8 +16,10 @@ using Json = nlohmann::ordered_json;
 /// "-o, --output PATH" or "FILE".
 std::string left_column(const base::Option& row) {
   std::string names = row.names;
-  if (const auto comma = names.find(','); comma != std::string::npos) names.insert(comma + 1, " ");
-  else if (!row.positional) names = "    " + names;
+  if (const auto comma = names.find(','); comma != std::string::npos)
+    names.insert(comma + 1, " ");
+  else if (!row.positional)
+    names = "    " + names;
   if (row.takes_value() && !row.positional) names += " " + row.value_name;
   return names;
 }
@@ -106,10 +108,14 @@ Json verb_json(const Verb& verb) {
 std::string troff(const std::string& text) {
   std::string out;
   for (const char c : text) {
-    if (c == '\\') out += "\\e";
-    else if (c == '-') out += "\\-";
-    else if ((c == '.' || c == '\'') && (out.empty() || out.back() == '\n')) out += std::string("\\&") + c;
-    else out += c;
+    if (c == '\\')
+      out += "\\e";
+    else if (c == '-')
+      out += "\\-";
+    else if ((c == '.' || c == '\'') && (out.empty() || out.back() == '\n'))
+      out += std::string("\\&") + c;
+    else
+      out += c;
   }
   return out;
 }
@@ -127,7 +133,8 @@ void append_man_verb(std::string& out, const std::string& path, const Verb& verb
   CommonOptions values;
   if (verb.run) {
     const auto table = table_of(verb, values);
-    out += fmt::format(".SS {}\n.nf\n{}\n.fi\n.PP\n{}.\n", troff(path), troff(synopsis(path, table)), troff(verb.summary));
+    out +=
+        fmt::format(".SS {}\n.nf\n{}\n.fi\n.PP\n{}.\n", troff(path), troff(synopsis(path, table)), troff(verb.summary));
     if (!verb.description.empty()) out += ".PP\n" + troff(verb.description) + "\n";
     append_man_rows(out, table, is_positional);
     append_man_rows(out, table, is_own);
@@ -171,14 +178,16 @@ const std::vector<EnvironmentVariable>& environment_variables() {
 }
 
 std::string program_help(const std::vector<Verb>& verbs) {
-  std::string out = "raycube: radiance cubes and truth of imaging instruments, ray traced with OpenCL\n\n"
-                    "Usage: raycube VERB [options]\n\nVerbs:\n";
+  std::string out =
+      "raycube: radiance cubes and truth of imaging instruments, ray traced with OpenCL\n\n"
+      "Usage: raycube VERB [options]\n\nVerbs:\n";
   for (const auto& verb : verbs) out += fmt::format("  {:<12}{}\n", verb.name, verb.summary);
-  out += "\nOptions:\n"
-         "  -h, --help      This text; `raycube VERB --help` for one verb\n"
-         "  --version       Version, commit and compiler\n"
-         "  --json-usage    Every verb and option as one JSON document\n"
-         "\nExit status:\n";
+  out +=
+      "\nOptions:\n"
+      "  -h, --help      This text; `raycube VERB --help` for one verb\n"
+      "  --version       Version, commit and compiler\n"
+      "  --json-usage    Every verb and option as one JSON document\n"
+      "\nExit status:\n";
   for (const auto& [status, text] : exit_statuses()) out += fmt::format("  {:<4}{}\n", status, text);
   out += "\nEnvironment:\n";
   for (const auto& [name, text] : environment_variables()) out += fmt::format("  {:<16}{}\n", name, text);
@@ -215,12 +224,15 @@ std::string json_usage(const std::vector<Verb>& verbs) {
 std::string man_page(const std::vector<Verb>& verbs) {
   std::string out = fmt::format(".TH RAYCUBE 1 \"\" \"raycube {}\" \"User Commands\"\n", base::kVersion);
   out += ".SH NAME\nraycube \\- radiance cubes and truth of imaging instruments, ray traced with OpenCL\n";
-  out += ".SH SYNOPSIS\n.B raycube\n.I VERB\n[options]\n.br\n.B raycube \\-\\-help | \\-\\-version | \\-\\-json\\-usage\n";
-  out += ".SH DESCRIPTION\n" +
-         troff("raycube renders what an imaging spectrometer sees of a described scene: a radiance cube in ENVI form, the "
-               "truth behind every pixel, quicklooks and a record of the run. Results go to stdout and to files, messages "
-               "to stderr. Files that exist are kept unless --overwrite is given.") +
-         "\n.SH VERBS\n";
+  out +=
+      ".SH SYNOPSIS\n.B raycube\n.I VERB\n[options]\n.br\n.B raycube \\-\\-help | \\-\\-version | \\-\\-json\\-usage\n";
+  out +=
+      ".SH DESCRIPTION\n" +
+      troff(
+          "raycube renders what an imaging spectrometer sees of a described scene: a radiance cube in ENVI form, the "
+          "truth behind every pixel, quicklooks and a record of the run. Results go to stdout and to files, messages "
+          "to stderr. Files that exist are kept unless --overwrite is given.") +
+      "\n.SH VERBS\n";
   for (const auto& verb : verbs) append_man_verb(out, verb.name, verb);
   out += ".SH COMMON OPTIONS\n";
   CommonOptions values;

@@ -20,7 +20,8 @@ std::string json_usage(const std::vector<Verb>& verbs);
 /// raycube(1) in troff.
 std::string man_page(const std::vector<Verb>& verbs);
 
-/// The candidate closest to `typed`; empty when none is within an edit distance of 2 or a third of its length (1 up to 3 letters).
+/// The candidate closest to `typed`; empty when none is within an edit distance of 2 or a third of its length (1 up to
+/// 3 letters).
 std::string nearest(const std::string& typed, const std::vector<std::string>& candidates);
 
 /// Exit statuses, one line each.

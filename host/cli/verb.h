@@ -1,6 +1,7 @@
 // A verb of the command line: `raycube NAME ...`. To add one: write host/cli/verb_NAME.cpp with
 //     Verb raycube::cli::verb_NAME();
-// and name it in RAYCUBE_VERBS of host/cli/CMakeLists.txt. Help, man page and --json-usage follow from its option table.
+// and name it in RAYCUBE_VERBS of host/cli/CMakeLists.txt. Help, man page and --json-usage follow from its option
+// table.
 //
 //     Verb verb_example() {
 //       struct Options { std::string file; double gsd_m = 1; };
@@ -31,7 +32,8 @@
 
 namespace raycube::cli {
 
-/// Common options a verb obeys; -q, -v, --log, --json and --help belong to every verb. One that it does not obey is refused.
+/// Common options a verb obeys; -q, -v, --log, --json and --help belong to every verb. One that it does not obey is
+/// refused.
 enum CommonSet : unsigned {
   kOutput = 1,    ///< -o, --overwrite
   kDryRun = 2,    ///< --dry-run
@@ -44,16 +46,16 @@ enum CommonSet : unsigned {
 
 /// Values of the common options.
 struct CommonOptions {
-  std::string output;                      ///< empty: the verb's own default
+  std::string output;  ///< empty: the verb's own default
   bool overwrite = false;
   bool dry_run = false;
-  std::optional<std::uint64_t> seed;       ///< empty: what the file says
-  std::string device;                      ///< empty: first device; else its number or a part of its name
-  int threads = 0;                         ///< 0: as many as the machine has
+  std::optional<std::uint64_t> seed;                    ///< empty: what the file says
+  std::string device;                                   ///< empty: first device; else its number or a part of its name
+  int threads = 0;                                      ///< 0: as many as the machine has
   std::uint64_t memory_bytes = std::uint64_t{2} << 30;  ///< bound of host plus device memory
   int quiet = 0, verbose = 0;
   std::string log_file;
-  bool json = false;                       ///< the result on stdout is one JSON document
+  bool json = false;  ///< the result on stdout is one JSON document
 };
 
 /// What a running verb may use. Results go to `out` (stdout), all else to `log`.
@@ -61,21 +63,21 @@ struct Context {
   const CommonOptions& common;
   base::Log& log;
   std::ostream& out;
-  std::string command_line;                ///< as typed, for sidecars
-  std::set<std::string> air_said = {};     ///< notices of the air that the log has (say_air of air_table.h)
+  std::string command_line;             ///< as typed, for sidecars
+  std::set<std::string> air_said = {};  ///< notices of the air that the log has (say_air of air_table.h)
 };
 
 struct Verb {
   std::string name;
-  std::string summary;                     ///< one line, imperative, no full stop
-  std::string description;                 ///< paragraphs of the man page, split by empty lines; may be empty
-  std::vector<std::string> examples;       ///< complete commands
-  unsigned common = 0;                     ///< union of CommonSet
-  std::string output_default;              ///< what help says of -o when it is not given; empty: nothing
+  std::string summary;                ///< one line, imperative, no full stop
+  std::string description;            ///< paragraphs of the man page, split by empty lines; may be empty
+  std::vector<std::string> examples;  ///< complete commands
+  unsigned common = 0;                ///< union of CommonSet
+  std::string output_default;         ///< what help says of -o when it is not given; empty: nothing
   std::function<void(base::OptionTable&)> add_options;  ///< may be empty
   /// Returns 0, or 1 when a check found a difference beyond its limits; every other failure is a base::Error.
   std::function<int(Context&)> run;
-  std::vector<Verb> verbs;                 ///< second-level verbs (`raycube atmos build`); then run stays empty
+  std::vector<Verb> verbs;  ///< second-level verbs (`raycube atmos build`); then run stays empty
 };
 
 /// Every verb of this build, in the order help shows them.

@@ -88,7 +88,8 @@ void choose_model(const BuildOptions& o, scene::AtmosphereSpec& air) {
   const bool layered = o.file.empty() ? o.model != "clear_sky" : air.layered.has_value();
   const auto refuse = [&](bool given, const char* option, const char* model) {
     if (given)
-      throw base::Error(base::Fault::input, std::string(option) + " belongs to --model " + model + "; remove it, or choose that model");
+      throw base::Error(base::Fault::input,
+                        std::string(option) + " belongs to --model " + model + "; remove it, or choose that model");
   };
   if (!layered) {
     refuse(!o.air.profile.empty(), "--profile", "layered"), refuse(!o.air.fill.empty(), "--fill", "layered");
@@ -99,7 +100,8 @@ void choose_model(const BuildOptions& o, scene::AtmosphereSpec& air) {
     return;
   }
   refuse(!std::isnan(o.angstrom), "--angstrom", "clear_sky"), refuse(!std::isnan(o.ssa), "--ssa", "clear_sky");
-  refuse(!std::isnan(o.asymmetry), "--asymmetry", "clear_sky"), refuse(!std::isnan(o.albedo), "--ground-albedo", "clear_sky");
+  refuse(!std::isnan(o.asymmetry), "--asymmetry", "clear_sky"),
+      refuse(!std::isnan(o.albedo), "--ground-albedo", "clear_sky");
   if (!air.layered) air.layered.emplace();
   scene::AirSpec& spec = *air.layered;
   apply(o.air, spec);
@@ -118,7 +120,8 @@ int build(const BuildOptions& o, Context& context) {
     load.compile = std::isnan(o.lowest) || std::isnan(o.highest);
     simulation = scene::load_simulation(o.file, load);
     if (simulation.instruments.empty())
-      throw base::Error(base::Fault::input, o.file + ": no [[instrument]] whose bands a table could cover; a [[lidar]] needs none");
+      throw base::Error(base::Fault::input,
+                        o.file + ": no [[instrument]] whose bands a table could cover; a [[lidar]] needs none");
     if (load.compile) lowest = simulation.scene.lo[2], highest = simulation.scene.hi[2];
     sensor_height = simulation.instruments.front().poses.front().z_m;
     std::vector<scene::Band> bands;
@@ -157,7 +160,8 @@ int build(const BuildOptions& o, Context& context) {
   const std::string output = context.common.output.empty() ? "atmosphere.rct" : context.common.output;
   // A name that is taken or a folder that cannot be written is known before the work begins.
   { const base::OutputFile probe(output, if_exists(context.common)); }
-  const atmos::RenderTable table = air_table({&air, simulation.sun, sensor_height, first_um, last_um, step_um, lowest, highest, !o.no_cache}, context);
+  const atmos::RenderTable table = air_table(
+      {&air, simulation.sun, sensor_height, first_um, last_um, step_um, lowest, highest, !o.no_cache}, context);
   if (const auto notice = atmos::no_light_notice(air, simulation.sun, first_um)) context.log.warning(*notice);
   const std::string hash = atmos::write_rct(table, output, if_exists(context.common));
   if (context.common.json)
@@ -180,27 +184,33 @@ Verb verb_build() {
       "Sun, air, heights, bands and sensor come from a scene FILE, or from options, which replace what the "
       "file says; a --model that is not the file's takes over what both have (pressure, columns, AOD), and a "
       "key of the file that it has not is refused. The layered "
-      "model covers 0.3 to 30 um (profiles, gas bands, aerosols, multiple scattering), the clear-sky model 0.3 to 4 um by a few "
-      "formulas; docs/atmosphere.md and docs/table_format.md say how good they are. Tables of the layered model are kept in "
+      "model covers 0.3 to 30 um (profiles, gas bands, aerosols, multiple scattering), the clear-sky model 0.3 to 4 um "
+      "by a few "
+      "formulas; docs/atmosphere.md and docs/table_format.md say how good they are. Tables of the layered model are "
+      "kept in "
       "~/.cache/raycube/atmosphere and read again when the same one is asked for.";
   verb.examples = {"raycube atmos build scenes/park/park.toml -o park.rct",
                    "raycube atmos build --sun-zenith 40 --visibility 10 --sensor-height 3000 -o hazy.rct",
                    "raycube atmos build --model clear_sky --sun-zenith 40 --aod 0.2 -o quick.rct"};
   verb.common = kOutput | kThreads;
   verb.add_options = [o](base::OptionTable& table) {
-    const auto number = [&](const char* names, const char* unit, double low, double high, const char* help, double& value,
-                            const char* standing) { table.number(names, unit, low, high, help, value).default_text = standing; };
+    const auto number = [&](const char* names, const char* unit, double low, double high, const char* help,
+                            double& value, const char* standing) {
+      table.number(names, unit, low, high, help, value).default_text = standing;
+    };
     table.optional_argument("FILE", "A scene file", o->file);
     number("--sun-zenith", "deg", 0, 180, "Sun zenith angle", o->sun_zenith, "FILE's");
     number("--sun-azimuth", "deg", -360, 360, "Sun azimuth, clockwise from north", o->sun_azimuth, "FILE's, or 0");
     number("--day", "", 0, 366, "Day of the year for the earth-sun distance; 0: mean distance", o->day, "FILE's, or 0");
-    number("--sensor-height", "m", -1000, 1e9, "Sensor height above the scene's z = 0", o->sensor, "FILE's first pose, or 610");
+    number("--sensor-height", "m", -1000, 1e9, "Sensor height above the scene's z = 0", o->sensor,
+           "FILE's first pose, or 610");
     number("--lowest", "m", -1000, 1e5, "Lowest target height", o->lowest, "FILE's scene, or 0");
     number("--highest", "m", -1000, 1e5, "Highest target height", o->highest, "FILE's scene, or 100");
     number("--from", "um", 0.3, 30, "First wavelength", o->first_um, "FILE's bands, or 0.35");
     number("--to", "um", 0.3, 30, "Last wavelength", o->last_um, "FILE's bands, or 2.5");
     table.number("--step", "nm", 0, 100, "Wavelength step; 0: 1 nm to 1 um, 2 nm to 2.5 um, 10 nm beyond", o->step_nm);
-    number("--ground-height", "m", -500, 9000, "Height of z = 0 above the sea; sets the pressure too", o->ground, "FILE's, or 0");
+    number("--ground-height", "m", -500, 9000, "Height of z = 0 above the sea; sets the pressure too", o->ground,
+           "FILE's, or 0");
     number("--pressure", "hPa", 1, 1200, "Air pressure at the ground", o->pressure, "FILE's, or 1013.25");
     number("--water", "g/cm2", 0, 10, "Precipitable water", o->water, "FILE's, or 1.5");
     number("--ozone", "atm cm", 0, 1, "Ozone column", o->ozone, "FILE's, or 0.32");
@@ -211,8 +221,8 @@ Verb verb_build() {
     table.choice("--model", {"layered", "clear_sky"}, "Model of the air", o->model).default_text = "FILE's, or layered";
     add_air_options(table, o->air, "FILE's, or by --visibility (layered), 0.1 (clear_sky)");
     table
-        .text("--lines", "FILE",
-              "layered: HITRAN line list (.par); its gases are resolved at the table's wavelengths", o->lines)
+        .text("--lines", "FILE", "layered: HITRAN line list (.par); its gases are resolved at the table's wavelengths",
+              o->lines)
         .default_text = "FILE's, or none";
     number("--co2", "ppmv", 0, 1e4, "layered: carbon dioxide", o->co2, "FILE's, or the profile's 330");
     number("--ch4", "ppmv", 0, 1000, "layered: methane", o->ch4, "FILE's, or the profile's");
@@ -244,7 +254,8 @@ Verb verb_atmos() {
   Verb verb;
   verb.name = "atmos";
   verb.summary = "Build, describe, draw and compare render tables of the air; read what other codes wrote";
-  verb.verbs = {verb_build(), verb_info(), verb_atmos_plot(), verb_atmos_import(), verb_atmos_compare(), verb_atmos_lidar()};
+  verb.verbs = {verb_build(),        verb_info(),          verb_atmos_plot(),
+                verb_atmos_import(), verb_atmos_compare(), verb_atmos_lidar()};
   return verb;
 }
 

@@ -32,14 +32,18 @@ struct Files {
   base::OutputFile &csv, &png, &json;
 
   void write(const Chart& chart) {
-    products::CsvWriter table(csv, {"device", "knob", "label", "level", "error", "error_low", "error_high", "rms", "p95", "worst_band", "time_s", "time_low_s",
-                                    "time_high_s", "rays", "terms", "front", "refused"});
+    products::CsvWriter table(
+        csv, {"device", "knob", "label", "level", "error", "error_low", "error_high", "rms", "p95", "worst_band",
+              "time_s", "time_low_s", "time_high_s", "rays", "terms", "front", "refused"});
     for (const ChartPoint& p : chart.points) {
       table.add(p.device).add(p.knob).add(p.label).add(p.level);
       const bool refused = !p.refused.empty();
-      for (const double value : {p.error, p.error_low, p.error_high, p.rms, p.p95, static_cast<double>(p.worst_band), p.time_s, p.time_low_s, p.time_high_s, p.rays, p.terms}) {
-        if (refused) table.add("");
-        else table.add(value);
+      for (const double value : {p.error, p.error_low, p.error_high, p.rms, p.p95, static_cast<double>(p.worst_band),
+                                 p.time_s, p.time_low_s, p.time_high_s, p.rays, p.terms}) {
+        if (refused)
+          table.add("");
+        else
+          table.add(value);
       }
       table.add(p.front ? 1 : 0).add(p.refused);
       table.end_row();
@@ -65,10 +69,12 @@ std::string processor() {
 
 int run(Context& context, const Options& options) {
   scene::Simulation simulation = load_job(options.file, context);
-  check_inputs(simulation, pick_instruments(simulation, options.instrument), pick_lidars(simulation, options.instrument));
+  check_inputs(simulation, pick_instruments(simulation, options.instrument),
+               pick_lidars(simulation, options.instrument));
   const auto wanted = [&](const std::string& name) { return options.instrument.empty() || name == options.instrument; };
   std::vector<std::string> devices;
-  if (!context.common.device.empty()) devices = {context.common.device};
+  if (!context.common.device.empty())
+    devices = {context.common.device};
   else
     for (std::size_t i = 0; i < cl::list_devices().size(); ++i) devices.push_back(std::to_string(i));
   // A knob that is named need not belong to every instrument, but to one.
@@ -85,24 +91,34 @@ int run(Context& context, const Options& options) {
   };
   std::vector<Job> jobs;
   for (std::size_t i = 0; i < simulation.instruments.size(); ++i)
-    if (wanted(simulation.instruments[i].name) && applies({simulation, &simulation.instruments[i], nullptr})) jobs.push_back({i, false, simulation.instruments[i].name});
+    if (wanted(simulation.instruments[i].name) && applies({simulation, &simulation.instruments[i], nullptr}))
+      jobs.push_back({i, false, simulation.instruments[i].name});
   for (std::size_t i = 0; i < simulation.lidars.size(); ++i)
-    if (wanted(simulation.lidars[i].name) && applies({simulation, nullptr, &simulation.lidars[i]})) jobs.push_back({i, true, simulation.lidars[i].name});
-  if (jobs.empty()) throw base::Error(base::Fault::input, options.file + ": none of the knobs that are named changes anything of what it has");
+    if (wanted(simulation.lidars[i].name) && applies({simulation, nullptr, &simulation.lidars[i]}))
+      jobs.push_back({i, true, simulation.lidars[i].name});
+  if (jobs.empty())
+    throw base::Error(base::Fault::input,
+                      options.file + ": none of the knobs that are named changes anything of what it has");
   const std::string folder = context.common.output.empty() ? "out" : context.common.output;
   std::map<std::string, Files> files;
   for (const Job& job : jobs)
-    files.try_emplace(job.name, folder + "/" + job.name + "_chart", context.common.overwrite ? base::IfExists::replace : base::IfExists::refuse);
+    files.try_emplace(job.name, folder + "/" + job.name + "_chart",
+                      context.common.overwrite ? base::IfExists::replace : base::IfExists::refuse);
   nlohmann::ordered_json all;
   for (const Job& job : jobs) {
-    Chart chart = job.lidar ? chart_pulses(simulation, job.index, options, devices, context) : chart_cube(simulation, job.index, options, devices, context);
+    Chart chart = job.lidar ? chart_pulses(simulation, job.index, options, devices, context)
+                            : chart_cube(simulation, job.index, options, devices, context);
     chart.machines.push_back(processor());
     if (5 * chart.own_error > chart.tolerance)
-      context.log.warning(job.name + ": the reference's own error, " + std::to_string(100 * chart.own_error) + " %, is more than a fifth of the tolerance: what lies near it is not told apart; give a larger --reference-grid, or --pulses");
+      context.log.warning(job.name + ": the reference's own error, " + std::to_string(100 * chart.own_error) +
+                          " %, is more than a fifth of the tolerance: what lies near it is not told apart; give a "
+                          "larger --reference-grid, or --pulses");
     files.at(job.name).write(chart);
     context.log.info("wrote " + files.at(job.name).set.folder() + "/chart.csv, chart.json and chart.png");
-    if (context.common.json) all[job.name] = nlohmann::ordered_json::parse(chart_json(chart));
-    else context.out << chart_text(chart);
+    if (context.common.json)
+      all[job.name] = nlohmann::ordered_json::parse(chart_json(chart));
+    else
+      context.out << chart_text(chart);
   }
   if (context.common.json) context.out << all.dump(2) << "\n";
   return 0;
@@ -116,27 +132,42 @@ Verb verb_chart() {
   verb.name = "chart";
   verb.summary = "Chart error against time for every knob, on every device";
   std::string knobs;
-  for (const auto& knob : knobs::all_knobs()) knobs += "\n\n" + knob.name + (knob.unit.empty() ? "" : " (" + knob.unit + ")") + ": " + knob.text;
+  for (const auto& knob : knobs::all_knobs())
+    knobs += "\n\n" + knob.name + (knob.unit.empty() ? "" : " (" + knob.unit + ")") + ": " + knob.text;
   verb.description =
-      "Sweeps each knob around the file's own setting, and samples with sky directions together. Each setting is rendered at pixels picked by hash and held "
-      "against a converged reference: Embree and double precision, the full tables, about two thousand samples a pixel. It is computed once and kept in "
-      "~/.cache/raycube/reference (or $XDG_CACHE_HOME). The error is that of `tolerance`: rms over pixels, divided by the band's mean, worst band. Its bar "
+      "Sweeps each knob around the file's own setting, and samples with sky directions together. Each setting is "
+      "rendered at pixels picked by hash and held "
+      "against a converged reference: Embree and double precision, the full tables, about two thousand samples a "
+      "pixel. It is computed once and kept in "
+      "~/.cache/raycube/reference (or $XDG_CACHE_HOME). The error is that of `tolerance`: rms over pixels, divided by "
+      "the band's mean, worst band. Its bar "
       "takes the reference's own variance off and holds one standard error over the pixels.\n\n"
-      "Times are medians after a warm-up, their bars the least and the largest repeat. Cubes: stages of a few strips, scaled to the whole image. LIDARs: "
-      "launches of the picked pulses, scaled to the survey; the error is the rms of the waveforms over that of their peaks, without turbulence.\n\n"
+      "Times are medians after a warm-up, their bars the least and the largest repeat. Cubes: stages of a few strips, "
+      "scaled to the whole image. LIDARs: "
+      "launches of the picked pulses, scaled to the survey; the error is the rms of the waveforms over that of their "
+      "peaks, without turbulence.\n\n"
       "DIR/INSTRUMENT_chart/ gets chart.csv, chart.json and chart.png. Without --device every device is charted.\n\n"
-      "Knobs:" + knobs;
-  verb.examples = {"raycube chart park.toml --instrument spectir", "raycube chart park.toml --knob samples --knob sky_directions --pixels 2000 -o out"};
+      "Knobs:" +
+      knobs;
+  verb.examples = {"raycube chart park.toml --instrument spectir",
+                   "raycube chart park.toml --knob samples --knob sky_directions --pixels 2000 -o out"};
   verb.common = kOutput | kCompute;
   verb.output_default = "out";
   verb.add_options = [o](base::OptionTable& table) {
     table.argument("FILE", "A simulation file", o->file);
     table.text("--instrument", "NAME", "Only this instrument or LIDAR", o->instrument);
     table.texts("--knob", "NAME", "Only this knob; may be repeated", o->knobs);
-    table.integer<std::uint64_t>("--pixels", "", 4, 10000000, "Pixels of each instrument held against the reference, rounded up to groups of 4", o->pixels);
-    table.integer<std::uint64_t>("--pulses", "", 0, 10000000, "Pulses of each LIDAR; 0: 100, fewer where those have more than 3e5 rays", o->pulses);
-    table.integer<std::uint64_t>("--timed-pixels", "", 64, 100000000, "Pixels that are timed, fewer where those have more than 4e6 rays", o->timed_pixels);
-    table.integer<int>("--reference-grid", "", 4, 1000, "n of the two n x n samples of a pixel's reference; more where its own error is too near the tolerance", o->reference_grid);
+    table.integer<std::uint64_t>("--pixels", "", 4, 10000000,
+                                 "Pixels of each instrument held against the reference, rounded up to groups of 4",
+                                 o->pixels);
+    table.integer<std::uint64_t>("--pulses", "", 0, 10000000,
+                                 "Pulses of each LIDAR; 0: 100, fewer where those have more than 3e5 rays", o->pulses);
+    table.integer<std::uint64_t>("--timed-pixels", "", 64, 100000000,
+                                 "Pixels that are timed, fewer where those have more than 4e6 rays", o->timed_pixels);
+    table.integer<int>(
+        "--reference-grid", "", 4, 1000,
+        "n of the two n x n samples of a pixel's reference; more where its own error is too near the tolerance",
+        o->reference_grid);
     table.integer<int>("--repeats", "", 1, 1000, "Timings of each setting after the warm-up", o->repeats);
   };
   verb.run = [o](Context& context) { return run(context, *o); };

@@ -39,7 +39,8 @@ std::vector<std::string> band_names(const scene::Instrument& instrument) {
   return names;
 }
 
-/// What is written of one instrument. Both files are begun before anything is traced: what must not be replaced is known then.
+/// What is written of one instrument. Both files are begun before anything is traced: what must not be replaced is
+/// known then.
 struct Files {
   Files(const std::string& folder, base::IfExists if_exists)
       : set(folder, if_exists), picture(set.add("difference.png")), json(set.add("check.json")) {}
@@ -47,12 +48,13 @@ struct Files {
   base::OutputFile &picture, &json;
 
   /// all: the report as JSON, with what was looked at beside it.
-  void write(const scene::Instrument& instrument, const reference::Report& report,
-             const nlohmann::ordered_json& all) {
+  void write(const scene::Instrument& instrument, const reference::Report& report, const nlohmann::ordered_json& all) {
     const products::Raster chart = difference_chart(report, instrument);
-    products::write_png(picture, static_cast<std::uint32_t>(chart.width()), static_cast<std::uint32_t>(chart.height()), 3, chart.rgb(),
-                        {{"Description", "relative difference of device and reference: columns bands, rows pixels in order of "
-                                         "line and sample; black 1e-9, blue 1e-8, green 1e-7, yellow 1e-6, red 2e-5 and more"}});
+    products::write_png(picture, static_cast<std::uint32_t>(chart.width()), static_cast<std::uint32_t>(chart.height()),
+                        3, chart.rgb(),
+                        {{"Description",
+                          "relative difference of device and reference: columns bands, rows pixels in order of "
+                          "line and sample; black 1e-9, blue 1e-8, green 1e-7, yellow 1e-6, red 2e-5 and more"}});
     json.append(all.dump(2) + "\n");
     set.publish();
   }
@@ -60,7 +62,8 @@ struct Files {
 
 /// One report of a LIDAR, begun before anything is traced.
 struct LidarFiles {
-  LidarFiles(const std::string& folder, base::IfExists if_exists) : set(folder, if_exists), json(set.add("check.json")) {}
+  LidarFiles(const std::string& folder, base::IfExists if_exists)
+      : set(folder, if_exists), json(set.add("check.json")) {}
   base::OutputSet set;
   base::OutputFile& json;
 };
@@ -75,8 +78,7 @@ struct Outcome {
 std::vector<std::string> not_looked_at(const InstrumentJob& job) {
   const planner::Decision& d = job.decision;
   const int samples = job.instrument->samples_u * job.instrument->samples_v;
-  std::string error = "how well " + std::to_string(samples) +
-                      (samples == 1 ? " sample tells" : " samples tell") +
+  std::string error = "how well " + std::to_string(samples) + (samples == 1 ? " sample tells" : " samples tell") +
                       " what a pixel holds, since both sides trace the same ones: ";
   if (d.samples_error >= 0)
     error += "the plan's trial says " + planner::percent_text(d.samples_error) + " of " +
@@ -111,8 +113,8 @@ std::vector<std::string> not_looked_at(const LidarJob& job) {
   return lines;
 }
 
-void check_one(const scene::Simulation& simulation, const scene::Instrument& given, render::Renderer& renderer, const Options& options,
-               Files* files, Context& context, Outcome& outcome) {
+void check_one(const scene::Simulation& simulation, const scene::Instrument& given, render::Renderer& renderer,
+               const Options& options, Files* files, Context& context, Outcome& outcome) {
   CheckOptions check;
   check.pixels = options.pixels;
   check.model_pixels = options.model_pixels;
@@ -122,18 +124,23 @@ void check_one(const scene::Simulation& simulation, const scene::Instrument& giv
   planning.renderer = &renderer;
   const InstrumentJob job = prepare(simulation, given, context, planning);
   const scene::Instrument& instrument = *job.instrument;
-  const auto samples = static_cast<std::uint64_t>(instrument.samples_u) * static_cast<std::uint64_t>(instrument.samples_v);
-  const auto expected = [&](std::uint64_t pixels) { return pixels_of(pick_tiles(instrument, simulation.seed, pixels)); };
+  const auto samples =
+      static_cast<std::uint64_t>(instrument.samples_u) * static_cast<std::uint64_t>(instrument.samples_v);
+  const auto expected = [&](std::uint64_t pixels) {
+    return pixels_of(pick_tiles(instrument, simulation.seed, pixels));
+  };
   reference::HitReport hits;
   if (options.rays > 0) {
-    base::Progress progress(context.log, "hits of " + instrument.name, samples * expected((options.rays + samples - 1) / samples), "rays");
+    base::Progress progress(context.log, "hits of " + instrument.name,
+                            samples * expected((options.rays + samples - 1) / samples), "rays");
     hits = check_hits(renderer, simulation.scene, instrument, simulation.seed, options.rays, check.threads,
                       [&](std::uint64_t more) { progress.advance(more); });
   }
   reference::Report report;
   {
     base::Progress progress(context.log, "check " + instrument.name, expected(options.pixels), "pixels");
-    report = check_instrument(renderer, simulation, instrument, job.plan, job.table, check, [&](std::uint64_t more) { progress.advance(more); });
+    report = check_instrument(renderer, simulation, instrument, job.plan, job.table, check,
+                              [&](std::uint64_t more) { progress.advance(more); });
   }
   report.first_hits = std::move(hits);
   const auto small =
@@ -150,7 +157,8 @@ void check_one(const scene::Simulation& simulation, const scene::Instrument& giv
   if (context.common.json) {
     outcome.all[instrument.name] = json;
   } else {
-    context.out << "instrument " << instrument.name << " on " << renderer.device_name() << "\n" << report.text(band_names(instrument));
+    context.out << "instrument " << instrument.name << " on " << renderer.device_name() << "\n"
+                << report.text(band_names(instrument));
     for (const auto& one : small)
       context.out << "pixels with small objects, " << one.samples << " samples each (" << one.pixels
                   << " of the image):\n"
@@ -162,8 +170,8 @@ void check_one(const scene::Simulation& simulation, const scene::Instrument& giv
   context.log.info("wrote " + files->set.folder() + "/check.json and difference.png");
 }
 
-void check_one_lidar(const scene::Simulation& simulation, const scene::Lidar& lidar, render::LidarRenderer& renderer, const Options& options,
-                     LidarFiles* files, Context& context, Outcome& outcome) {
+void check_one_lidar(const scene::Simulation& simulation, const scene::Lidar& lidar, render::LidarRenderer& renderer,
+                     const Options& options, LidarFiles* files, Context& context, Outcome& outcome) {
   LidarPlanning planning;
   planning.renderer = &renderer;
   const LidarJob job = prepare_lidar(simulation, lidar, context, planning);
@@ -172,8 +180,10 @@ void check_one_lidar(const scene::Simulation& simulation, const scene::Lidar& li
   check.threads = context.common.threads;
   reference::LidarReport report;
   {
-    base::Progress progress(context.log, "check " + lidar.name, std::min<std::uint64_t>(check.pulses, static_cast<std::uint64_t>(lidar.pulses)), "pulses");
-    report = check_lidar(renderer, simulation.scene, job.plan, check, [&](std::uint64_t more) { progress.advance(more); });
+    base::Progress progress(context.log, "check " + lidar.name,
+                            std::min<std::uint64_t>(check.pulses, static_cast<std::uint64_t>(lidar.pulses)), "pulses");
+    report =
+        check_lidar(renderer, simulation.scene, job.plan, check, [&](std::uint64_t more) { progress.advance(more); });
   }
   outcome.passed &= report.failures().empty();
   const std::vector<std::string> aside = not_looked_at(job);
@@ -195,7 +205,8 @@ int run(Context& context, const Options& options) {
   const scene::Simulation simulation = load_job(options.file, context);
   const auto lidars = pick_lidars(simulation, options.instrument);
   std::vector<const scene::Instrument*> instruments;
-  if (lidars.empty()) instruments = pick_instruments(simulation, options.instrument);
+  if (lidars.empty())
+    instruments = pick_instruments(simulation, options.instrument);
   else
     for (const scene::Instrument& instrument : simulation.instruments)
       if (options.instrument.empty() || instrument.name == options.instrument) instruments.push_back(&instrument);
@@ -203,8 +214,10 @@ int run(Context& context, const Options& options) {
   std::map<std::string, LidarFiles> lidar_files;
   if (!context.common.output.empty()) {
     const base::IfExists if_exists = context.common.overwrite ? base::IfExists::replace : base::IfExists::refuse;
-    for (const scene::Instrument* instrument : instruments) files.try_emplace(instrument->name, context.common.output + "/" + instrument->name + "_check", if_exists);
-    for (const scene::Lidar* lidar : lidars) lidar_files.try_emplace(lidar->name, context.common.output + "/" + lidar->name + "_check", if_exists);
+    for (const scene::Instrument* instrument : instruments)
+      files.try_emplace(instrument->name, context.common.output + "/" + instrument->name + "_check", if_exists);
+    for (const scene::Lidar* lidar : lidars)
+      lidar_files.try_emplace(lidar->name, context.common.output + "/" + lidar->name + "_check", if_exists);
   }
   check_inputs(simulation, instruments, lidars);
   Outcome outcome;
@@ -212,18 +225,22 @@ int run(Context& context, const Options& options) {
     render::Renderer renderer(simulation.scene, render_options(context.common));
     for (const scene::Instrument* instrument : instruments) {
       const auto at = files.find(instrument->name);
-      check_one(simulation, *instrument, renderer, options, at == files.end() ? nullptr : &at->second, context, outcome);
+      check_one(simulation, *instrument, renderer, options, at == files.end() ? nullptr : &at->second, context,
+                outcome);
     }
   }
   if (!lidars.empty()) {
     render::LidarRenderer renderer(simulation.scene, render_options(context.common));
     for (const scene::Lidar* lidar : lidars) {
       const auto at = lidar_files.find(lidar->name);
-      check_one_lidar(simulation, *lidar, renderer, options, at == lidar_files.end() ? nullptr : &at->second, context, outcome);
+      check_one_lidar(simulation, *lidar, renderer, options, at == lidar_files.end() ? nullptr : &at->second, context,
+                      outcome);
     }
   }
-  if (context.common.json) context.out << outcome.all.dump(2) << "\n";
-  else context.out << (outcome.passed ? "check: within limits\n" : "check: BEYOND LIMITS\n");
+  if (context.common.json)
+    context.out << outcome.all.dump(2) << "\n";
+  else
+    context.out << (outcome.passed ? "check: within limits\n" : "check: BEYOND LIMITS\n");
   return outcome.passed ? 0 : 1;
 }
 
@@ -265,15 +282,19 @@ Verb verb_check() {
   verb.common = kOutput | kCompute;
   verb.add_options = [o](base::OptionTable& table) {
     table.argument("FILE", "A simulation file", o->file);
-    table.integer<std::uint64_t>("--rays", "", 0, 1000000000000,
-                                 "First hits of each instrument to compare, rounded up to groups of 4 pixels, at most the image's; "
-                                 "1e6 a second and more on 2 cores; 0: those of --pixels only",
-                                 o->rays);
-    table.integer<std::uint64_t>("--pixels", "", 1, 1000000000, "Pixels of each instrument to compare in full, rounded up to groups of 4",
-                                 o->pixels);
-    table.integer<std::uint64_t>("--pulses", "", 0, 1000000000, "Pulses of each LIDAR to compare; 0: 100, fewer where those have more than 3e5 rays, but 2", o->pulses);
+    table.integer<std::uint64_t>(
+        "--rays", "", 0, 1000000000000,
+        "First hits of each instrument to compare, rounded up to groups of 4 pixels, at most the image's; "
+        "1e6 a second and more on 2 cores; 0: those of --pixels only",
+        o->rays);
+    table.integer<std::uint64_t>("--pixels", "", 1, 1000000000,
+                                 "Pixels of each instrument to compare in full, rounded up to groups of 4", o->pixels);
+    table.integer<std::uint64_t>(
+        "--pulses", "", 0, 1000000000,
+        "Pulses of each LIDAR to compare; 0: 100, fewer where those have more than 3e5 rays, but 2", o->pulses);
     table.text("--instrument", "NAME", "Only this instrument or LIDAR", o->instrument);
-    table.integer<std::uint64_t>("--model-pixels", "", 0, 1000000, "How many of them also meet the whole tables", o->model_pixels);
+    table.integer<std::uint64_t>("--model-pixels", "", 0, 1000000, "How many of them also meet the whole tables",
+                                 o->model_pixels);
     table.integer<int>("--model-directions", "", 16, 65536, "Sky directions of that comparison", o->model_directions);
   };
   verb.run = [o](Context& context) { return run(context, *o); };

@@ -17,17 +17,28 @@ int run(Context& context) {
   for (std::size_t i = 0; i < devices.size(); ++i) {
     const cl::DeviceInfo& d = devices[i].info();
     if (context.common.json) {
-      list.push_back({{"number", i}, {"name", d.name}, {"vendor", d.vendor}, {"platform", d.platform}, {"version", d.version},
-                      {"c_version", d.c_version}, {"driver", d.driver}, {"cpu", d.is_cpu}, {"compute_units", d.compute_units},
-                      {"native_float_width", d.native_float_width}, {"fp64", d.fp64}, {"global_memory_bytes", d.global_memory_bytes},
+      list.push_back({{"number", i},
+                      {"name", d.name},
+                      {"vendor", d.vendor},
+                      {"platform", d.platform},
+                      {"version", d.version},
+                      {"c_version", d.c_version},
+                      {"driver", d.driver},
+                      {"cpu", d.is_cpu},
+                      {"compute_units", d.compute_units},
+                      {"native_float_width", d.native_float_width},
+                      {"fp64", d.fp64},
+                      {"global_memory_bytes", d.global_memory_bytes},
                       {"max_alloc_bytes", d.max_alloc_bytes}});
       continue;
     }
     context.out << fmt::format("{}  {}\n", i, d.name);
     context.out << fmt::format("   {}, {}, {}, driver {}\n", d.platform, d.version, d.c_version, d.driver);
-    context.out << fmt::format("   {}, {} compute units, native vectors of {} floats, {}double precision\n", d.is_cpu ? "CPU" : "GPU or accelerator",
-                               d.compute_units, d.native_float_width, d.fp64 ? "" : "no ");
-    context.out << fmt::format("   memory {}, largest buffer {}\n", base::format_bytes(d.global_memory_bytes), base::format_bytes(d.max_alloc_bytes));
+    context.out << fmt::format("   {}, {} compute units, native vectors of {} floats, {}double precision\n",
+                               d.is_cpu ? "CPU" : "GPU or accelerator", d.compute_units, d.native_float_width,
+                               d.fp64 ? "" : "no ");
+    context.out << fmt::format("   memory {}, largest buffer {}\n", base::format_bytes(d.global_memory_bytes),
+                               base::format_bytes(d.max_alloc_bytes));
   }
   if (context.common.json) context.out << Json{{"devices", list}}.dump(2) << "\n";
   return 0;
@@ -39,7 +50,8 @@ Verb verb_devices() {
   Verb verb;
   verb.name = "devices";
   verb.summary = "List the OpenCL devices of this machine";
-  verb.description = "The number or any part of the name can be given to --device. Without any device the exit status is 4.";
+  verb.description =
+      "The number or any part of the name can be given to --device. Without any device the exit status is 4.";
   verb.examples = {"raycube devices", "raycube devices --json"};
   verb.run = run;
   return verb;

@@ -37,8 +37,10 @@ struct Options {
 /// A folder stands for the run it holds. A run that was killed while its files got their names is ended
 /// first.
 std::string resolve(const std::string& path) {
-  if (fs::is_directory(path)) base::finish_publication(path);
-  else base::finish_publication_around(path);
+  if (fs::is_directory(path))
+    base::finish_publication(path);
+  else
+    base::finish_publication_around(path);
   if (!fs::exists(path)) throw Error(Fault::input, path + ": no such file");
   if (!fs::is_directory(path)) {
     base::refuse_other_than_plain(path);
@@ -51,7 +53,8 @@ std::string resolve(const std::string& path) {
 
 void print_run(Context& context, const std::string& path, const Json& run) {
   if (!run.is_object() || run.value("format", "") != "raycube run")
-    throw Error(Fault::input, path + ": is JSON but no run record of raycube (its member \"format\" is not \"raycube run\")");
+    throw Error(Fault::input,
+                path + ": is JSON but no run record of raycube (its member \"format\" is not \"raycube run\")");
   if (context.common.json) {
     context.out << Json{{"kind", "run"}, {"file", path}, {"run", run}}.dump(2) << "\n";
     return;
@@ -62,21 +65,26 @@ void print_run(Context& context, const std::string& path, const Json& run) {
   };
   const auto member = [&](const char* key) { return run.value(key, Json::object()); };
   auto& out = context.out;
-  out << fmt::format("{}: run of raycube {} ({})\n", path, text(member("program"), "version"), text(member("program"), "commit"));
+  out << fmt::format("{}: run of raycube {} ({})\n", path, text(member("program"), "version"),
+                     text(member("program"), "commit"));
   out << fmt::format("  command       {}\n  instrument    {}\n", text(run, "command"), text(run, "instrument"));
   const Json image = member("image");
-  out << fmt::format("  image         {} samples x {} lines x {} bands, {} samples per pixel\n", text(image, "samples"), text(image, "lines"),
-                     text(image, "bands"), text(image, "samples_per_pixel"));
+  out << fmt::format("  image         {} samples x {} lines x {} bands, {} samples per pixel\n", text(image, "samples"),
+                     text(image, "lines"), text(image, "bands"), text(image, "samples_per_pixel"));
   if (const Json pulses = member("lidar"); !pulses.empty())
-    out << fmt::format("  pulses        {}, {} without return, {} returns\n", text(pulses, "pulses"), text(pulses, "pulses_without_return"), text(pulses, "returns"));
+    out << fmt::format("  pulses        {}, {} without return, {} returns\n", text(pulses, "pulses"),
+                       text(pulses, "pulses_without_return"), text(pulses, "returns"));
   out << fmt::format("  device        {} ({})\n", text(member("device"), "name"), text(member("device"), "driver"));
-  out << fmt::format("  seed          {}\n  scene         {}\n  digest        {}\n", text(run, "seed"), text(run, "scene_hash"), text(run, "digest"));
-  out << fmt::format("  rate          {} rays/s, {} band samples/s\n", text(run, "rays_per_s"), text(run, "band_samples_per_s"));
+  out << fmt::format("  seed          {}\n  scene         {}\n  digest        {}\n", text(run, "seed"),
+                     text(run, "scene_hash"), text(run, "digest"));
+  out << fmt::format("  rate          {} rays/s, {} band samples/s\n", text(run, "rays_per_s"),
+                     text(run, "band_samples_per_s"));
   if (const Json memory = member("memory"); memory.contains("peak_bytes") && memory["peak_bytes"].is_number_unsigned())
     out << fmt::format("  peak memory   {}\n", base::format_bytes(memory["peak_bytes"].get<std::uint64_t>()));
   const Json stages = member("stage_s"), files = member("files");
   for (const auto& [stage, seconds] : stages.items()) out << fmt::format("  {:<13} {} s\n", stage, seconds.dump());
-  for (const auto& [name, what] : files.items()) out << fmt::format("  {:<20} {}\n", name, what.is_string() ? what.get<std::string>() : "");
+  for (const auto& [name, what] : files.items())
+    out << fmt::format("  {:<20} {}\n", name, what.is_string() ? what.get<std::string>() : "");
 }
 
 void print_run_file(Context& context, const std::string& path) {
@@ -86,7 +94,8 @@ void print_run_file(Context& context, const std::string& path) {
   } catch (const Json::parse_error& failure) {
     throw Error(Fault::input, fmt::format("{}: is not valid JSON at byte {}; is the file whole?", path, failure.byte));
   } catch (const Json::exception& failure) {
-    throw Error(Fault::input, fmt::format("{}: a member of the run record has the wrong type: {}", path, failure.what()));
+    throw Error(Fault::input,
+                fmt::format("{}: a member of the run record has the wrong type: {}", path, failure.what()));
   }
 }
 
@@ -113,8 +122,7 @@ int print_verified(Context& context, const std::string& path) {
     for (const auto& difference : found.differences)
       context.out << (fs::path(path).parent_path() / difference).string() << "\n";
     context.out << fmt::format("{}: {} of {} files are as they were written, {}\n", path,
-                               found.files - found.differences.size(), found.files,
-                               base::format_bytes(found.bytes));
+                               found.files - found.differences.size(), found.files, base::format_bytes(found.bytes));
   }
   return found.whole() ? 0 : static_cast<int>(Fault::check);
 }
@@ -123,15 +131,19 @@ int run(Context& context, const Options& options) {
   const std::string path = resolve(options.file);
   const std::string extension = fs::path(path).extension().string();
   if (options.verify) {
-    if (extension != ".json")
-      throw Error(Fault::input, path + ": --verify wants a run's folder or its run.json");
+    if (extension != ".json") throw Error(Fault::input, path + ": --verify wants a run's folder or its run.json");
     return print_verified(context, path);
   }
-  if (extension == ".rcs") print_scene(context, path);
-  else if (extension == ".rct") print_table(context, path);
-  else if (extension == ".json") print_run_file(context, path);
-  else if (extension == ".las" || extension == ".LAS" || extension == ".laz") print_las_info(context, path);
-  else print_cube_info(context, path, options.header_only, options.every_band);
+  if (extension == ".rcs")
+    print_scene(context, path);
+  else if (extension == ".rct")
+    print_table(context, path);
+  else if (extension == ".json")
+    print_run_file(context, path);
+  else if (extension == ".las" || extension == ".LAS" || extension == ".laz")
+    print_las_info(context, path);
+  else
+    print_cube_info(context, path, options.header_only, options.every_band);
   return 0;
 }
 
@@ -148,9 +160,8 @@ Verb verb_info() {
       "of a run. --verify names, of each file that is not as it was written, the first block of 4 MiB that "
       "differs. Statistics of an image read it once, line by line; its ignore value, NaN and infinities are "
       "counted apart.";
-  verb.examples = {"raycube info out/spectir/radiance.img",
-                   "raycube info --json out/spectir | jq .run.digest", "raycube info out/als/returns.las",
-                   "raycube info --verify out/spectir"};
+  verb.examples = {"raycube info out/spectir/radiance.img", "raycube info --json out/spectir | jq .run.digest",
+                   "raycube info out/als/returns.las", "raycube info --verify out/spectir"};
   verb.add_options = [options](base::OptionTable& table) {
     table.argument("FILE", "What to look at", options->file);
     table.flag("--header", "Of an image the header alone, without reading its samples", options->header_only);

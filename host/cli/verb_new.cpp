@@ -36,14 +36,16 @@ std::string content_of(const fs::path& path) {
   std::ifstream in(path, std::ios::binary);
   std::ostringstream out;
   if (!(out << in.rdbuf()))
-    throw Error(Fault::environment, path.string() + ": cannot be read; the installation is not whole (see RAYCUBE_DATA)");
+    throw Error(Fault::environment,
+                path.string() + ": cannot be read; the installation is not whole (see RAYCUBE_DATA)");
   return out.str();
 }
 
 int run(Context& context, std::string path) {
   while (path.size() > 1 && path.back() == '/') path.pop_back();
   const std::string name = fs::path(path).filename().string();
-  if (name.empty() || name.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-") != std::string::npos)
+  if (name.empty() ||
+      name.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-") != std::string::npos)
     throw Error(Fault::input, fmt::format("a scene's name has only letters, digits, _ and - (found \"{}\")", name));
   std::error_code ignored;
   if (fs::exists(path, ignored) && !(fs::is_directory(path, ignored) && fs::is_empty(path, ignored)))
@@ -58,8 +60,10 @@ int run(Context& context, std::string path) {
   }
   set.publish();
   const std::string scene = files.back();
-  if (context.common.json) context.out << nlohmann::ordered_json{{"scene", scene}, {"files", files}}.dump(2) << "\n";
-  else context.out << scene << "\n";
+  if (context.common.json)
+    context.out << nlohmann::ordered_json{{"scene", scene}, {"files", files}}.dump(2) << "\n";
+  else
+    context.out << scene << "\n";
   context.log.info(fmt::format("next: raycube render {} -o {}-out", scene, name));
   return 0;
 }
@@ -71,10 +75,13 @@ Verb verb_new() {
   Verb verb;
   verb.name = "new";
   verb.summary = "Write a small commented scene to start from";
-  verb.description = "Makes the folder NAME with NAME.toml and the few small files it names. It renders in seconds. A folder that "
-                     "holds anything is left alone.";
+  verb.description =
+      "Makes the folder NAME with NAME.toml and the few small files it names. It renders in seconds. A folder that "
+      "holds anything is left alone.";
   verb.examples = {"raycube new garden && raycube render garden/garden.toml -o out"};
-  verb.add_options = [path](base::OptionTable& table) { table.argument("NAME", "Folder to make; its last part names the scene", *path); };
+  verb.add_options = [path](base::OptionTable& table) {
+    table.argument("NAME", "Folder to make; its last part names the scene", *path);
+  };
   verb.run = [path](Context& context) { return run(context, *path); };
   return verb;
 }

@@ -1,4 +1,5 @@
-// raycube plan: what each block of the physics costs and leaves out for the tolerance, and the settings that render will use.
+// raycube plan: what each block of the physics costs and leaves out for the tolerance, and the settings that render
+// will use.
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
@@ -26,7 +27,8 @@ struct Said {
   std::vector<std::string> notes;
 };
 
-Said plan_instrument(const scene::Simulation& simulation, const scene::Instrument& instrument, render::Renderer& renderer, Context& context) {
+Said plan_instrument(const scene::Simulation& simulation, const scene::Instrument& instrument,
+                     render::Renderer& renderer, Context& context) {
   Planning planning;
   planning.renderer = &renderer;
   planning.estimate_given = true;
@@ -34,31 +36,42 @@ Said plan_instrument(const scene::Simulation& simulation, const scene::Instrumen
   const planner::Decision& d = job.decision;
   const auto lines = planner::plan_lines(d, job.plan);
   Said said;
-  said.heading = fmt::format("{}: {} x {} pixels, {} bands, tolerance {:.3g} %\n", instrument.name, instrument.pixels, instrument.lines, instrument.bands.size(),
-                             100 * simulation.tolerance);
+  said.heading = fmt::format("{}: {} x {} pixels, {} bands, tolerance {:.3g} %\n", instrument.name, instrument.pixels,
+                             instrument.lines, instrument.bands.size(), 100 * simulation.tolerance);
   said.table = planner::lines_text(lines);
-  said.summary = fmt::format("  estimated error {} of {:.3g} %: nodes and components {}{}, samples {}, sky directions {}, {}\n"
-                             "  cost            {:.0f} rays, {:.0f} terms of {:.0f} bands a pixel; {:.2g} s per megapixel on the nominal machine\n"
-                             "  trial           {} pixels, {:.2g} rays\n",
-                             planner::percent_text(d.total_error), 100 * simulation.tolerance, planner::percent_text(d.plan_error),
-                             d.model_pixels > 0 ? fmt::format(" (on {} pixels against the whole tables; in the table above {} for the worst place and obstacle)", d.model_pixels, planner::percent_text(d.plan_estimate)) : "",
-                             planner::percent_text(d.samples_error),
-                             planner::percent_text(d.sky_error), d.within ? "inside the tolerance" : "TOLERANCE NOT KEPT", d.counts.samples + d.counts.sun_rays + d.counts.sky_rays,
-                             d.counts.terms, d.counts.bands, d.s_per_megapixel, d.trial_pixels, static_cast<double>(d.trial_rays));
+  said.summary = fmt::format(
+      "  estimated error {} of {:.3g} %: nodes and components {}{}, samples {}, sky directions {}, {}\n"
+      "  cost            {:.0f} rays, {:.0f} terms of {:.0f} bands a pixel; {:.2g} s per megapixel on the nominal "
+      "machine\n"
+      "  trial           {} pixels, {:.2g} rays\n",
+      planner::percent_text(d.total_error), 100 * simulation.tolerance, planner::percent_text(d.plan_error),
+      d.model_pixels > 0
+          ? fmt::format(
+                " (on {} pixels against the whole tables; in the table above {} for the worst place and obstacle)",
+                d.model_pixels, planner::percent_text(d.plan_estimate))
+          : "",
+      planner::percent_text(d.samples_error), planner::percent_text(d.sky_error),
+      d.within ? "inside the tolerance" : "TOLERANCE NOT KEPT",
+      d.counts.samples + d.counts.sun_rays + d.counts.sky_rays, d.counts.terms, d.counts.bands, d.s_per_megapixel,
+      d.trial_pixels, static_cast<double>(d.trial_rays));
   said.entry = {instrument.name, false, d.sampling, 0, planner::axes_json(job.plan), planner::decision_json(d, lines)};
   said.notes = d.notes;
   return said;
 }
 
-Said plan_lidar(const scene::Simulation& simulation, const scene::Lidar& lidar, render::LidarRenderer& renderer, Context& context) {
+Said plan_lidar(const scene::Simulation& simulation, const scene::Lidar& lidar, render::LidarRenderer& renderer,
+                Context& context) {
   const LidarJob job = prepare_lidar(simulation, lidar, context, {&renderer, nullptr, "", true});
   const planner::LidarDecision& d = job.decision;
   Said said;
-  said.heading = fmt::format("{}: {} pulses, tolerance {:.3g} % of the waveforms\n", lidar.name, lidar.pulses, 100 * simulation.tolerance);
+  said.heading = fmt::format("{}: {} pulses, tolerance {:.3g} % of the waveforms\n", lidar.name, lidar.pulses,
+                             100 * simulation.tolerance);
   said.table = planner::lines_text(planner::lidar_lines(d, job.plan));
-  said.summary = fmt::format("  estimated error {}, {}\n  trial           {} pulses, {:.2g} rays\n", planner::percent_text(d.error),
-                             d.within ? "inside the tolerance" : "TOLERANCE NOT KEPT", d.trial_pulses, static_cast<double>(d.trial_rays));
-  said.entry.name = lidar.name, said.entry.lidar = true, said.entry.subrays = d.subrays, said.entry.decision = job.plan_json;
+  said.summary = fmt::format("  estimated error {}, {}\n  trial           {} pulses, {:.2g} rays\n",
+                             planner::percent_text(d.error), d.within ? "inside the tolerance" : "TOLERANCE NOT KEPT",
+                             d.trial_pulses, static_cast<double>(d.trial_rays));
+  said.entry.name = lidar.name, said.entry.lidar = true, said.entry.subrays = d.subrays,
+  said.entry.decision = job.plan_json;
   said.notes = d.notes;
   return said;
 }
@@ -75,7 +88,8 @@ int run(const Options& options, Context& context) {
   std::vector<Said> all;
   if (!instruments.empty()) {
     render::Renderer renderer(simulation.scene, settings);
-    for (const auto* instrument : instruments) all.push_back(plan_instrument(simulation, *instrument, renderer, context));
+    for (const auto* instrument : instruments)
+      all.push_back(plan_instrument(simulation, *instrument, renderer, context));
   }
   if (!lidars.empty()) {
     render::LidarRenderer renderer(simulation.scene, settings);
@@ -88,7 +102,8 @@ int run(const Options& options, Context& context) {
     context.out << text;
   } else {
     for (const auto& said : all) context.out << said.heading << said.table << said.summary;
-    context.out << "Errors are of the numerics and of levels left out, against the converged solution of the same scene and air; input data are not judged.\n";
+    context.out << "Errors are of the numerics and of levels left out, against the converged solution of the same "
+                   "scene and air; input data are not judged.\n";
   }
   if (output) {
     output->append(text);
@@ -106,11 +121,16 @@ Verb verb_plan() {
   verb.name = "plan";
   verb.summary = "Say what each block of the physics costs and which levels keep the tolerance";
   verb.description =
-      "For each instrument a table: block, level chosen, its estimated error, the error without it (with the level before), its cost, and why. "
-      "Errors are those of the tolerance: rms over the pixels of the worst band over that band's mean. Levels that the file gives are kept and "
-      "marked; the rest are the cheapest whose errors together fit the tolerance, by counts of rays, terms and bands and never by a clock: two runs give "
-      "one plan.\n\nSamples of a pixel and sky directions are tried on a few hundred pixels picked by a hash of the seed (all of a small image); sub-rays of LIDARs on a few "
-      "pulses. Where the tolerance cannot be kept, or only at more than 30 s per megapixel, the plan says so.\n\nWith -o FILE the plan "
+      "For each instrument a table: block, level chosen, its estimated error, the error without it (with the level "
+      "before), its cost, and why. "
+      "Errors are those of the tolerance: rms over the pixels of the worst band over that band's mean. Levels that the "
+      "file gives are kept and "
+      "marked; the rest are the cheapest whose errors together fit the tolerance, by counts of rays, terms and bands "
+      "and never by a clock: two runs give "
+      "one plan.\n\nSamples of a pixel and sky directions are tried on a few hundred pixels picked by a hash of the "
+      "seed (all of a small image); sub-rays of LIDARs on a few "
+      "pulses. Where the tolerance cannot be kept, or only at more than 30 s per megapixel, the plan says so.\n\nWith "
+      "-o FILE the plan "
       "is written as JSON, which `raycube render --plan FILE` replays.";
   verb.examples = {"raycube plan park.toml", "raycube plan park.toml --instrument wasp -o wasp_plan.json"};
   verb.common = kOutput | kCompute;

@@ -58,14 +58,16 @@ void add_error(render::Renderer& renderer, const scene::Simulation& simulation, 
 }
 
 nlohmann::json render_one(const scene::Simulation& simulation, const InstrumentJob& job, render::Renderer& renderer,
-                          const cl::DeviceInfo& device, const std::filesystem::path& folder, double load_s, Context& context) {
+                          const cl::DeviceInfo& device, const std::filesystem::path& folder, double load_s,
+                          Context& context) {
   const auto& instrument = *job.instrument;
   const auto start = std::chrono::steady_clock::now();
-  renderer.tile_size(
-      instrument, job.plan,
-      renderer.tuning().tile_samples);  // refuses a --memory that is too small before anything is made
-  CubeProducts output(folder.string(), context.common.overwrite ? base::IfExists::replace : base::IfExists::refuse, simulation, job);
-  base::Progress progress(context.log, "render " + instrument.name, std::uint64_t(instrument.pixels) * instrument.lines, "pixels");
+  renderer.tile_size(instrument, job.plan,
+                     renderer.tuning().tile_samples);  // refuses a --memory that is too small before anything is made
+  CubeProducts output(folder.string(), context.common.overwrite ? base::IfExists::replace : base::IfExists::refuse,
+                      simulation, job);
+  base::Progress progress(context.log, "render " + instrument.name, std::uint64_t(instrument.pixels) * instrument.lines,
+                          "pixels");
   MissedSamples missed(simulation, instrument);
   std::uint64_t reported = 0;
   const auto statistics = renderer.render(
@@ -119,9 +121,12 @@ nlohmann::json render_one(const scene::Simulation& simulation, const InstrumentJ
                       {"trace_program_hash", nlohmann::json(statistics.trace_program_hash).dump()},
                       {"launches", render::tuning_json(renderer.tuning())}};
   if (instrument.adaptive()) {
-    const double refined = static_cast<double>(statistics.refined_pixels) / static_cast<double>(std::max<std::uint64_t>(1, statistics.adaptive_pixels));
-    record.more_json.emplace_back("adaptive", nlohmann::json({{"first", instrument.first_samples}, {"refined_share", refined}}).dump());
-    context.log.info(fmt::format("{}: {:.1f} % of the pixels rendered anew with all samples", instrument.name, 100 * refined));
+    const double refined = static_cast<double>(statistics.refined_pixels) /
+                           static_cast<double>(std::max<std::uint64_t>(1, statistics.adaptive_pixels));
+    record.more_json.emplace_back(
+        "adaptive", nlohmann::json({{"first", instrument.first_samples}, {"refined_share", refined}}).dump());
+    context.log.info(
+        fmt::format("{}: {:.1f} % of the pixels rendered anew with all samples", instrument.name, 100 * refined));
   }
   record.warnings = light_notices(simulation, instrument);
   record.warnings.insert(record.warnings.end(), job.notices.begin(), job.notices.end());
@@ -147,14 +152,20 @@ nlohmann::json render_one(const scene::Simulation& simulation, const InstrumentJ
   }
   add_error(renderer, simulation, job, record, context);
   output.publish(record);
-  context.log.info(fmt::format("{}: {} x {} pixels, {} bands, {:.1f} s, {:.3g} rays/s, {}", instrument.name, instrument.pixels,
-                               instrument.lines, instrument.bands.size(), render_s, record.rays_per_s, folder.string()));
-  return {{"name", instrument.name},       {"folder", folder.string()},           {"digest", record.digest},
-          {"seconds", render_s},           {"rays_per_s", record.rays_per_s},     {"band_samples_per_s", record.band_samples_per_s},
+  context.log.info(fmt::format("{}: {} x {} pixels, {} bands, {:.1f} s, {:.3g} rays/s, {}", instrument.name,
+                               instrument.pixels, instrument.lines, instrument.bands.size(), render_s,
+                               record.rays_per_s, folder.string()));
+  return {{"name", instrument.name},
+          {"folder", folder.string()},
+          {"digest", record.digest},
+          {"seconds", render_s},
+          {"rays_per_s", record.rays_per_s},
+          {"band_samples_per_s", record.band_samples_per_s},
           {"cube", (folder / "radiance.img").string()}};
 }
 
-std::vector<std::string> names_of(const std::vector<const scene::Instrument*>& instruments, const std::vector<const scene::Lidar*>& lidars) {
+std::vector<std::string> names_of(const std::vector<const scene::Instrument*>& instruments,
+                                  const std::vector<const scene::Lidar*>& lidars) {
   std::vector<std::string> names;
   for (const auto* instrument : instruments) names.push_back(instrument->name);
   for (const auto* lidar : lidars) names.push_back(lidar->name);
@@ -191,22 +202,25 @@ int run(const Options& options, Context& context, Done& done) {
       if (!renderer) renderer.emplace(simulation.scene, settings);
     } catch (const base::Error& error) {
       if (error.fault() != base::Fault::device || !context.common.dry_run) throw;
-      context.log.warning(std::string("the time cannot be estimated, nor the errors of samples and sky directions: ") + error.what());
+      context.log.warning(std::string("the time cannot be estimated, nor the errors of samples and sky directions: ") +
+                          error.what());
     }
     planning.renderer = renderer ? &*renderer : nullptr;
     const InstrumentJob job = prepare(simulation, *instrument, context, planning);
     if (context.common.dry_run) {
-      auto item = dry_run_json(simulation.scene, job, settings, renderer ? renderer->tuning().tile_samples : render::kTileSamples);
+      auto item = dry_run_json(simulation.scene, job, settings,
+                               renderer ? renderer->tuning().tile_samples : render::kTileSamples);
       if (renderer) item["estimated_s"] = estimate_render_s(*renderer, simulation, job);
       done.whole.push_back(std::move(item));
       continue;
     }
-    done.whole.push_back(
-        render_one(simulation, job, *renderer, cl::find_device(settings.device).info(), out / instrument->name, load_s, context));
+    done.whole.push_back(render_one(simulation, job, *renderer, cl::find_device(settings.device).info(),
+                                    out / instrument->name, load_s, context));
   }
   for (const auto* lidar : lidars)
     done.whole.push_back(context.common.dry_run ? dry_run_lidar(simulation, *lidar, context, planning)
-                                                           : render_lidar(simulation, *lidar, (out / lidar->name).string(), load_s, context, planning));
+                                                : render_lidar(simulation, *lidar, (out / lidar->name).string(), load_s,
+                                                               context, planning));
   if (context.common.json) {
     context.out << nlohmann::json{{"instruments", done.whole}}.dump(2) << "\n";
     return 0;
@@ -228,12 +242,10 @@ int run_and_keep(const Options& options, Context& context) {
   } catch (const base::Error& error) {
     if (context.common.dry_run || done.whole.empty() || done.whole.size() == done.names.size()) throw;
     std::string kept, rest;
-    for (const auto& item : done.whole)
-      kept += (kept.empty() ? "" : ", ") + item["folder"].get<std::string>();
+    for (const auto& item : done.whole) kept += (kept.empty() ? "" : ", ") + item["folder"].get<std::string>();
     for (std::size_t i = done.whole.size(); i < done.names.size(); ++i)
       rest += (rest.empty() ? "--instrument " : ", then --instrument ") + done.names[i];
-    throw base::Error(error.fault(),
-                      std::string(error.what()) + "; whole and kept: " + kept + "; go on with " + rest);
+    throw base::Error(error.fault(), std::string(error.what()) + "; whole and kept: " + kept + "; go on with " + rest);
   }
 }
 
@@ -253,7 +265,8 @@ Verb verb_render() {
       "that are whole stay when a later one fails.\n\nSamples, sky directions and sub-rays that the file "
       "does not give are chosen by the tolerance (see `raycube plan`); "
       "run.json holds every line of the plan.\n\nThe result on stdout is the path of each cube, one a line.";
-  verb.examples = {"raycube render park.toml -o out", "raycube render park.toml --instrument spectir --memory 1G --overwrite"};
+  verb.examples = {"raycube render park.toml -o out",
+                   "raycube render park.toml --instrument spectir --memory 1G --overwrite"};
   verb.common = kOutput | kDryRun | kCompute;
   verb.output_default = "out";
   verb.add_options = [options](base::OptionTable& table) {

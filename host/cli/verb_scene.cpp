@@ -42,8 +42,7 @@ Verb verb_info() {
     table.argument("FILE", "A simulation file, or a compiled scene (.rcs)", o->file);
   };
   verb.run = [o](Context& context) {
-    print_info(context,
-               is_compiled(o->file) ? scene::load_compiled(o->file) : load(context, o->file, true).scene);
+    print_info(context, is_compiled(o->file) ? scene::load_compiled(o->file) : load(context, o->file, true).scene);
     return 0;
   };
   return verb;
@@ -55,8 +54,10 @@ Verb verb_check() {
   verb.name = "check";
   verb.summary = "Validate a simulation file and all it names, report every problem at once";
   verb.description =
-      "Whatever a render would refuse that needs neither the air computed nor a ray sent is told here: bands beyond the atmosphere's table or "
-      "model, used materials whose curves do not cover them or that have no temperature for thermal light, views, point spreads. "
+      "Whatever a render would refuse that needs neither the air computed nor a ray sent is told here: bands beyond "
+      "the atmosphere's table or "
+      "model, used materials whose curves do not cover them or that have no temperature for thermal light, views, "
+      "point spreads. "
       "render, check, plan, chart and tune begin with the same.";
   verb.examples = {"raycube scene check park.toml"};
   verb.add_options = [o](base::OptionTable& table) { table.argument("FILE", "A simulation file", o->file); };

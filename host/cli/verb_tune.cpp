@@ -23,8 +23,10 @@ namespace raycube::cli {
 namespace {
 
 constexpr int kRounds = 5;
-constexpr double kRun_s = 0.3;       ///< a run is at least so long, unless the tile or the survey ends
-constexpr double kTileRun_s = 0.7;   ///< about so long where tiles are compared, each kTileTimes in a row: memory is touched for the first time only once
+constexpr double kRun_s = 0.3;  ///< a run is at least so long, unless the tile or the survey ends
+constexpr double kTileRun_s =
+    /// about so long where tiles are compared, each kTileTimes in a row: memory is touched for the first time only once
+    0.7;
 constexpr int kTileTimes = 3;
 constexpr std::size_t kLocalSizes[] = {1, 2, 4, 8, 16, 32, 64, 128, 256};
 
@@ -50,7 +52,8 @@ void add(base::Sha256& hash, const std::vector<T>& values) {
   hash.add(values.data(), values.size() * sizeof(T));
 }
 
-/// The fastest local size of every kernel that `work` launches. Sizes that change a bit are a driver's fault: named and never used.
+/// The fastest local size of every kernel that `work` launches. Sizes that change a bit are a driver's fault: named and
+/// never used.
 std::map<std::string, render::SizeChoice> tune_local(cl::Context& device, const Work& work, Context& context) {
   const cl::LaunchSizes presets = cl::default_launch_sizes(device.device().info());
   const std::size_t preset = presets.other;
@@ -60,8 +63,12 @@ std::map<std::string, render::SizeChoice> tune_local(cl::Context& device, const 
   std::vector<std::size_t> sizes;
   for (const std::size_t size : kLocalSizes) {
     sized(size);
-    if (size == preset || work.digest() == expected) sizes.push_back(size);
-    else context.log.warning(fmt::format("work-groups of {} change results on this device, which its driver should not let happen; they are not used", size));
+    if (size == preset || work.digest() == expected)
+      sizes.push_back(size);
+    else
+      context.log.warning(fmt::format(
+          "work-groups of {} change results on this device, which its driver should not let happen; they are not used",
+          size));
   }
   return render::choose_sizes(sizes, preset, kRounds, [&](std::size_t size) {
     std::map<std::string, cl::KernelTime> times;
@@ -71,7 +78,8 @@ std::map<std::string, render::SizeChoice> tune_local(cl::Context& device, const 
     device.time_kernels(nullptr);
     std::map<std::string, double> seconds;
     for (const auto& [kernel, time] : times)
-      if (size == preset || time.most_items >= size) seconds[kernel] = time.seconds;  // a smaller launch has no work-group of that size
+      if (size == preset || time.most_items >= size)
+        seconds[kernel] = time.seconds;  // a smaller launch has no work-group of that size
     return seconds;
   });
 }
@@ -82,14 +90,18 @@ std::vector<render::Tile> cut(const scene::Instrument& instrument, int lines, co
   const int first = (instrument.lines - lines) / 2;
   for (int line = 0; line < lines; line += size.lines)
     for (int column = 0; column < instrument.pixels; column += size.columns)
-      tiles.push_back({first + line, std::min(size.lines, lines - line), column, std::min(size.columns, instrument.pixels - column)});
+      tiles.push_back({first + line, std::min(size.lines, lines - line), column,
+                       std::min(size.columns, instrument.pixels - column)});
   return tiles;
 }
 
 nlohmann::ordered_json choice_json(const render::SizeChoice& choice, const char* name) {
   auto candidates = nlohmann::ordered_json::array();
   for (const auto& [size, seconds] : choice.candidates) candidates.push_back({{name, size}, {"seconds", seconds}});
-  return {{name, choice.size}, {"seconds", choice.seconds}, {"seconds_of_the_preset", choice.preset_seconds}, {"candidates", std::move(candidates)}};
+  return {{name, choice.size},
+          {"seconds", choice.seconds},
+          {"seconds_of_the_preset", choice.preset_seconds},
+          {"candidates", std::move(candidates)}};
 }
 
 /// What was found on one instrument or LIDAR.
@@ -99,7 +111,8 @@ struct Found {
   std::optional<render::SizeChoice> tile;
 };
 
-Found tune_cube(const scene::Simulation& simulation, const InstrumentJob& job, render::Renderer& renderer, Context& context) {
+Found tune_cube(const scene::Simulation& simulation, const InstrumentJob& job, render::Renderer& renderer,
+                Context& context) {
   const auto& instrument = *job.instrument;
   auto& device = renderer.context();
   const auto size_of = [&](std::size_t samples) { return renderer.tile_size(instrument, job.plan, samples); };
@@ -116,14 +129,19 @@ Found tune_cube(const scene::Simulation& simulation, const InstrumentJob& job, r
   const auto tile = [&] { return std::vector<render::Tile>{cut(instrument, lines, usual).front()}; };
   stages_s(tile());
   while (lines < usual.lines && stages_s(tile()) < kRun_s) lines = std::min(2 * lines, usual.lines);
-  Found found{instrument.name, tune_local(device, {[&] { probe(tile(), {}); }, [&] {
-    base::Sha256 hash;
-    probe(tile(), [&](const render::PixelProbe& pixels) {
-      add(hash, pixels.radiance);
-      add(hash, pixels.truth);
-    });
-    return hash.hex();
-  }}, context), {}};
+  Found found{instrument.name,
+              tune_local(device,
+                         {[&] { probe(tile(), {}); },
+                          [&] {
+                            base::Sha256 hash;
+                            probe(tile(), [&](const render::PixelProbe& pixels) {
+                              add(hash, pixels.radiance);
+                              add(hash, pixels.truth);
+                            });
+                            return hash.hex();
+                          }},
+                         context),
+              {}};
   cl::LaunchSizes best = cl::default_launch_sizes(device.device().info());
   for (const auto& [kernel, choice] : found.kernels) best.local[kernel] = choice.size;
   device.set_launch_sizes(best);
@@ -132,7 +150,8 @@ Found tune_cube(const scene::Simulation& simulation, const InstrumentJob& job, r
   const int region = std::clamp(static_cast<int>(kTileRun_s / std::max(line_s, 1e-9)), usual.lines, instrument.lines);
   const auto digest = [&](std::size_t samples) {
     base::Sha256 hash;
-    probe(cut(instrument, region, size_of(samples)), [&](const render::PixelProbe& pixels) { add(hash, pixels.radiance); });
+    probe(cut(instrument, region, size_of(samples)),
+          [&](const render::PixelProbe& pixels) { add(hash, pixels.radiance); });
     return hash.hex();
   };
   const std::string expected = digest(render::kTileSamples);
@@ -142,20 +161,28 @@ Found tune_cube(const scene::Simulation& simulation, const InstrumentJob& job, r
     const std::size_t samples = power < 0 ? render::kTileSamples >> -power : render::kTileSamples << power;
     const auto size = size_of(samples);
     if (size.lines > region || !seen.insert({size.lines, size.columns}).second) continue;
-    if (digest(samples) == expected) sizes.push_back(samples);
-    else context.log.warning(fmt::format("tiles of {} samples change results on this device, which its driver should not let happen; they are not used", samples));
+    if (digest(samples) == expected)
+      sizes.push_back(samples);
+    else
+      context.log.warning(
+          fmt::format("tiles of {} samples change results on this device, which its driver should not let happen; they "
+                      "are not used",
+                      samples));
   }
-  const auto chosen = render::choose_sizes(sizes, render::kTileSamples, kRounds, [&](std::size_t samples) -> std::map<std::string, double> {
-    std::vector<render::Tile> tiles;
-    for (int time = 0; time < kTileTimes; ++time)
-      for (const auto& one : cut(instrument, region, size_of(samples))) tiles.push_back(one);
-    return {{"tile", stages_s(tiles)}};
-  });
+  const auto chosen = render::choose_sizes(sizes, render::kTileSamples, kRounds,
+                                           [&](std::size_t samples) -> std::map<std::string, double> {
+                                             std::vector<render::Tile> tiles;
+                                             for (int time = 0; time < kTileTimes; ++time)
+                                               for (const auto& one : cut(instrument, region, size_of(samples)))
+                                                 tiles.push_back(one);
+                                             return {{"tile", stages_s(tiles)}};
+                                           });
   found.tile = chosen.at("tile");
   return found;
 }
 
-Found tune_pulses(const scene::Simulation& simulation, const LidarJob& job, render::LidarRenderer& renderer, Context& context) {
+Found tune_pulses(const scene::Simulation& simulation, const LidarJob& job, render::LidarRenderer& renderer,
+                  Context& context) {
   std::int64_t count = std::min<std::int64_t>(64, job.lidar->pulses);
   auto shots = lidar::make_shots(*job.lidar, 0, count, simulation.seed);
   const auto render = [&](const render::ShotSink& sink) { renderer.render(job.plan, shots, sink, true); };
@@ -165,18 +192,24 @@ Found tune_pulses(const scene::Simulation& simulation, const LidarJob& job, rend
     count = std::min(2 * count, job.lidar->pulses);
     shots = lidar::make_shots(*job.lidar, 0, count, simulation.seed);
   }
-  return {job.lidar->name, tune_local(renderer.context(), {run, [&] {
-    base::Sha256 hash;
-    render([&](lidar::ShotResult&& shot) {
-      add(hash, shot.first);
-      add(hash, shot.multiple);
-      add(hash, shot.air);
-      add(hash, shot.hits);
-      for (const lidar::Ledger& l : shot.ledger)
-        add(hash, std::vector<double>{l.absorbed, l.air, l.volumes, l.escaped, l.truncated, l.collected, l.early, l.late, l.near});
-    });
-    return hash.hex();
-  }}, context), {}};
+  return {job.lidar->name,
+          tune_local(renderer.context(),
+                     {run,
+                      [&] {
+                        base::Sha256 hash;
+                        render([&](lidar::ShotResult&& shot) {
+                          add(hash, shot.first);
+                          add(hash, shot.multiple);
+                          add(hash, shot.air);
+                          add(hash, shot.hits);
+                          for (const lidar::Ledger& l : shot.ledger)
+                            add(hash, std::vector<double>{l.absorbed, l.air, l.volumes, l.escaped, l.truncated,
+                                                          l.collected, l.early, l.late, l.near});
+                        });
+                        return hash.hex();
+                      }},
+                     context),
+          {}};
 }
 
 int run(const Options& options, Context& context) {
@@ -193,28 +226,34 @@ int run(const Options& options, Context& context) {
     render::Renderer renderer(simulation.scene, settings);
     Planning planning;
     planning.renderer = &renderer;
-    all.push_back(tune_cube(simulation, prepare(simulation, *instruments.front(), context, planning), renderer, context));
+    all.push_back(
+        tune_cube(simulation, prepare(simulation, *instruments.front(), context, planning), renderer, context));
   }
   if (!lidars.empty()) {
     render::LidarRenderer renderer(simulation.scene, settings);
-    all.push_back(tune_pulses(simulation, prepare_lidar(simulation, *lidars.front(), context, {&renderer, nullptr, "", false}), renderer, context));
+    all.push_back(tune_pulses(simulation,
+                              prepare_lidar(simulation, *lidars.front(), context, {&renderer, nullptr, "", false}),
+                              renderer, context));
   }
   render::DeviceTuning tuning = render::read_tuning(device).value_or(render::default_tuning(device));
   nlohmann::ordered_json result = {{"device", device.name}, {"instruments", nlohmann::ordered_json::array()}};
   const std::size_t preset = cl::default_launch_sizes(device).other;
   for (const auto& found : all) {
     nlohmann::ordered_json kernels;
-    std::string text = fmt::format("{} on {}\n  {:<16} {:>10} {:>10} {:>10}\n", found.name, device.name, "kernel", "work-group", "s", fmt::format("s with {}", preset));
+    std::string text = fmt::format("{} on {}\n  {:<16} {:>10} {:>10} {:>10}\n", found.name, device.name, "kernel",
+                                   "work-group", "s", fmt::format("s with {}", preset));
     for (const auto& [kernel, choice] : found.kernels) {
       tuning.sizes.local[kernel] = choice.size;
       kernels[kernel] = choice_json(choice, "local_size");
-      text += fmt::format("  {:<16} {:>10} {:>10.4f} {:>10.4f}\n", kernel, choice.size, choice.seconds, choice.preset_seconds);
+      text += fmt::format("  {:<16} {:>10} {:>10.4f} {:>10.4f}\n", kernel, choice.size, choice.seconds,
+                          choice.preset_seconds);
     }
     nlohmann::ordered_json item = {{"name", found.name}, {"kernels", kernels}};
     if (found.tile) {
       tuning.tile_samples = found.tile->size;
       item["tile"] = choice_json(*found.tile, "samples");
-      text += fmt::format("  tiles of {:.3g} samples: {:.3f} s, of {:.3g}: {:.3f} s\n", static_cast<double>(found.tile->size), found.tile->seconds,
+      text += fmt::format("  tiles of {:.3g} samples: {:.3f} s, of {:.3g}: {:.3f} s\n",
+                          static_cast<double>(found.tile->size), found.tile->seconds,
                           static_cast<double>(render::kTileSamples), found.tile->preset_seconds);
     }
     result["instruments"].push_back(std::move(item));
@@ -222,8 +261,11 @@ int run(const Options& options, Context& context) {
   }
   render::keep_tuning(device, tuning, file);
   result["file"] = file.final_path();
-  if (context.common.json) context.out << result.dump(2) << "\n";
-  else context.out << "kept in " << file.final_path() << "; render, plan, chart and check use it on this device from now on\n";
+  if (context.common.json)
+    context.out << result.dump(2) << "\n";
+  else
+    context.out << "kept in " << file.final_path()
+                << "; render, plan, chart and check use it on this device from now on\n";
   return 0;
 }
 
@@ -235,9 +277,13 @@ Verb verb_tune() {
   verb.name = "tune";
   verb.summary = "Find and keep the launch sizes that are fastest on a device";
   verb.description =
-      "Times work-groups of 1 to 256 items for every kernel, and tiles of several sizes, on the simulation's first instrument and first LIDAR (or the one named), "
-      "in turn, and keeps the fastest for this device, driver and set of kernels under $XDG_CACHE_HOME/raycube/tuning (else ~/.cache). A size replaces the preset only where a kernel takes 0.05 s of the run, the size is 5 % faster, and faster in every round. "
-      "No result changes by a bit: what each size computes is compared before it is timed. Tiles are timed without writing. Do it once on a machine that does nothing else; it takes some minutes. run.json says which sizes a "
+      "Times work-groups of 1 to 256 items for every kernel, and tiles of several sizes, on the simulation's first "
+      "instrument and first LIDAR (or the one named), "
+      "in turn, and keeps the fastest for this device, driver and set of kernels under $XDG_CACHE_HOME/raycube/tuning "
+      "(else ~/.cache). A size replaces the preset only where a kernel takes 0.05 s of the run, the size is 5 % "
+      "faster, and faster in every round. "
+      "No result changes by a bit: what each size computes is compared before it is timed. Tiles are timed without "
+      "writing. Do it once on a machine that does nothing else; it takes some minutes. run.json says which sizes a "
       "render used. Delete the file to go back to the presets.";
   verb.examples = {"raycube tune park.toml", "raycube tune park.toml --instrument survey --device 1"};
   verb.common = kCompute;

@@ -30,8 +30,12 @@ const Knob& find_knob(const std::string& name) {
 }
 
 Settings::Settings(const Subject& subject)
-    : subject_(subject), sky_directions_(subject.simulation.sky_directions), sky_share_(subject.simulation.sky_share), plan_(subject.simulation.plan),
-      adjacency_(subject.simulation.atmosphere.adjacency), instrument_(subject.instrument ? *subject.instrument : scene::Instrument{}),
+    : subject_(subject),
+      sky_directions_(subject.simulation.sky_directions),
+      sky_share_(subject.simulation.sky_share),
+      plan_(subject.simulation.plan),
+      adjacency_(subject.simulation.atmosphere.adjacency),
+      instrument_(subject.instrument ? *subject.instrument : scene::Instrument{}),
       lidar_(subject.lidar ? *subject.lidar : scene::Lidar{}) {}
 
 Settings::~Settings() { restore(); }

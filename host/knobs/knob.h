@@ -1,5 +1,5 @@
-// A knob: one setting that trades accuracy for time, with its levels. `raycube chart` sweeps them, the planner picks among them.
-// To add one: write host/knobs/NAME.cpp with
+// A knob: one setting that trades accuracy for time, with its levels. `raycube chart` sweeps them, the planner picks
+// among them. To add one: write host/knobs/NAME.cpp with
 //     Knob raycube::knobs::knob_NAME();
 // and one line RC_KNOB(NAME) in knobs.def.
 #pragma once
@@ -11,8 +11,8 @@
 
 namespace raycube::knobs {
 
-/// What knobs turn: a simulation and one of its instruments or LIDARs; the other is null. A knob changes it in place (a scene may be
-/// gigabytes, so nobody copies a simulation): see Settings.
+/// What knobs turn: a simulation and one of its instruments or LIDARs; the other is null. A knob changes it in place (a
+/// scene may be gigabytes, so nobody copies a simulation): see Settings.
 struct Subject {
   scene::Simulation& simulation;
   scene::Instrument* instrument = nullptr;
@@ -21,10 +21,10 @@ struct Subject {
 
 /// A level is a number: a count, a width, or the place of a choice in a list; label() writes it.
 struct Knob {
-  std::string name;              ///< as on the command line and in files
-  std::string unit;              ///< of the levels; empty: a count or a choice
-  std::string text;              ///< one sentence
-  bool (*applies)(const Subject&) = nullptr;   ///< false: it changes nothing of this subject
+  std::string name;                           ///< as on the command line and in files
+  std::string unit;                           ///< of the levels; empty: a count or a choice
+  std::string text;                           ///< one sentence
+  bool (*applies)(const Subject&) = nullptr;  ///< false: it changes nothing of this subject
   /// Cheapest first, the subject's own among them; where 0 leaves the choice to the plan it comes first.
   std::vector<double> (*levels)(const Subject&) = nullptr;
   double (*get)(const Subject&) = nullptr;
@@ -56,11 +56,11 @@ class Settings {
 };
 
 // For the files of knobs.
-std::string whole_label(double level);                                  ///< "16"
-std::string plan_label(double level);                                   ///< the same; 0: "planner"
-std::string switch_label(double level);                                 ///< "off", "on"
+std::string whole_label(double level);   ///< "16"
+std::string plan_label(double level);    ///< the same; 0: "planner"
+std::string switch_label(double level);  ///< "off", "on"
 /// Ascending, `own` put in where it is missing.
 std::vector<double> with_own(std::vector<double> levels, double own);
-std::vector<double> node_levels(const Subject&);                        ///< 0 and kNodeCounts of the plan
+std::vector<double> node_levels(const Subject&);  ///< 0 and kNodeCounts of the plan
 
 }  // namespace raycube::knobs

@@ -7,7 +7,9 @@ namespace raycube::knobs {
 Knob knob_sky_share() {
   Knob knob;
   knob.name = "sky_share";
-  knob.text = "Each sample looks into one in so many of its pixel's sky directions; planner: by the samples that leaves to a direction.";
+  knob.text =
+      "Each sample looks into one in so many of its pixel's sky directions; planner: by the samples that leaves to a "
+      "direction.";
   knob.applies = [](const Subject& s) { return s.instrument != nullptr && !s.simulation.atmosphere.none; };
   knob.get = [](const Subject& s) { return static_cast<double>(s.simulation.sky_share); };
   knob.levels = [](const Subject& s) {

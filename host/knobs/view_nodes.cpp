@@ -11,7 +11,9 @@ Knob knob_view_nodes() {
   knob.applies = [](const Subject& s) { return s.instrument != nullptr && !s.simulation.atmosphere.none; };
   knob.get = [](const Subject& s) { return static_cast<double>(s.simulation.plan.view_nodes); };
   knob.levels = node_levels;
-  knob.set = [](const Subject& s, double level) { s.simulation.plan.view_nodes = static_cast<int>(std::lround(level)); };
+  knob.set = [](const Subject& s, double level) {
+    s.simulation.plan.view_nodes = static_cast<int>(std::lround(level));
+  };
   knob.label = plan_label;
   return knob;
 }

@@ -23,7 +23,8 @@ std::vector<double> table_wavelengths(const std::vector<SpectralNode>& nodes) {
   return out;
 }
 
-AirColumn make_air(const atmos::RenderTable& table, const std::vector<SpectralNode>& nodes, int lines, double low_m, double high_m) {
+AirColumn make_air(const atmos::RenderTable& table, const std::vector<SpectralNode>& nodes, int lines, double low_m,
+                   double high_m) {
   const auto& heights = table.axis("range_height").nodes;
   const auto& wavelengths = atmos::wavelengths(table);
   const double bottom = heights.front(), top = std::min(heights.back(), high_m);
@@ -47,15 +48,17 @@ AirColumn make_air(const atmos::RenderTable& table, const std::vector<SpectralNo
     const auto here = atmos::lidar_air(table, std::clamp(z, bottom, heights.back()));
     for (std::size_t n = 0; n < nodes.size(); ++n)
       air.backscatter_per_m_sr[static_cast<std::size_t>(nodes[n].line) * posts + i] +=
-          nodes[n].weight * (here.backscatter_molecular_per_m_sr[place[n]] + here.backscatter_aerosol_per_m_sr[place[n]]);
+          nodes[n].weight *
+          (here.backscatter_molecular_per_m_sr[place[n]] + here.backscatter_aerosol_per_m_sr[place[n]]);
     if (i == 0) continue;
     const double from = std::clamp(before, bottom, heights.back()), to = std::clamp(z, bottom, heights.back());
     const auto between = atmos::lidar_optical_depth(table, from, to);
     const auto lowest = atmos::lidar_air(table, bottom);
     for (std::size_t n = 0; n < nodes.size(); ++n) {
       const std::size_t w = place[n];
-      const double below = std::max(0.0, std::min(z, bottom) - before) *
-                           (lowest.extinction_molecular_per_m[w] + lowest.extinction_aerosol_per_m[w] + lowest.extinction_gas_per_m[w]);
+      const double below =
+          std::max(0.0, std::min(z, bottom) - before) *
+          (lowest.extinction_molecular_per_m[w] + lowest.extinction_aerosol_per_m[w] + lowest.extinction_gas_per_m[w]);
       air.depth[n * posts + i] = air.depth[n * posts + i - 1] + between[w] + below;
     }
   }

@@ -28,7 +28,8 @@ Vec3 unit(const Vec3& a) {
 void tip(Vec3& axis, Vec3& u, const std::array<double, 2>& angle_rad) {
   const Vec3 v = cross(axis, u);
   Vec3 tipped;
-  for (std::size_t i = 0; i < 3; ++i) tipped[i] = axis[i] + std::tan(angle_rad[0]) * u[i] + std::tan(angle_rad[1]) * v[i];
+  for (std::size_t i = 0; i < 3; ++i)
+    tipped[i] = axis[i] + std::tan(angle_rad[0]) * u[i] + std::tan(angle_rad[1]) * v[i];
   axis = unit(tipped);
   const double along = dot(u, axis);
   for (std::size_t i = 0; i < 3; ++i) u[i] -= along * axis[i];
@@ -62,13 +63,15 @@ TurbulentPath path_of(const scene::Lidar& lidar, const ShotSurroundings& around,
 /// Radius of the beam at a range without turbulence, 1/e2 or edge.
 double beam_radius_m(const scene::LidarPulse& pulse, double half_divergence_rad, double range_m) {
   const double grown = std::tan(half_divergence_rad) * range_m;
-  return pulse.profile == scene::BeamProfile::gaussian ? std::hypot(pulse.exit_radius_m, grown) : pulse.exit_radius_m + grown;
+  return pulse.profile == scene::BeamProfile::gaussian ? std::hypot(pulse.exit_radius_m, grown)
+                                                       : pulse.exit_radius_m + grown;
 }
 
 /// Half divergence that makes the beam so wide at a range.
 double divergence_for(const scene::LidarPulse& pulse, double radius_m, double range_m) {
-  const double grown = pulse.profile == scene::BeamProfile::gaussian ? std::sqrt(std::max(0.0, radius_m * radius_m - pulse.exit_radius_m * pulse.exit_radius_m))
-                                                                     : radius_m - pulse.exit_radius_m;
+  const double grown = pulse.profile == scene::BeamProfile::gaussian
+                           ? std::sqrt(std::max(0.0, radius_m * radius_m - pulse.exit_radius_m * pulse.exit_radius_m))
+                           : radius_m - pulse.exit_radius_m;
   return std::atan(std::max(0.0, grown) / range_m);
 }
 
@@ -83,24 +86,33 @@ void warn_where_stretched(const scene::Lidar& lidar, const TurbulentPath& path, 
   };
   warn(truth.rytov_plane > 25, "turbulence: Rytov variance above 25, gamma-gamma is extrapolated");
   warn(truth.rytov_plane > 1, "turbulence: Rytov variance above 1, aperture averaging is that of weak turbulence");
-  warn(path.length_m > 10e3 && std::min(path.start_height_m, path.end_height_m) < 100 && std::max(path.start_height_m, path.end_height_m) < 1000,
+  warn(path.length_m > 10e3 && std::min(path.start_height_m, path.end_height_m) < 100 &&
+           std::max(path.start_height_m, path.end_height_m) < 1000,
        "turbulence: more than 10 km of path near the ground");
-  warn(truth.spread_clamped, "turbulence: the beam is much narrower than the coherence length, so wander takes all its spread; the short-term spot keeps the beam's own width");
+  warn(truth.spread_clamped,
+       "turbulence: the beam is much narrower than the coherence length, so wander takes all its spread; the "
+       "short-term spot keeps the beam's own width");
   const auto& lines = lidar.pulse.lines;
   warn(lines.size() > 1 && draws_apart(lidar, truth) && (lidar.turbulence.wander || lidar.turbulence.blur),
-       "turbulence: lines of a shot are further apart than the correlation time: they scintillate apart but share wander and tilt");
-  warn(std::any_of(lines.begin(), lines.end(), [&](const auto& line) { return std::abs(line.wavelength_um / lines.front().wavelength_um - 1) > 0.05; }),
-       "turbulence: wavelengths of a shot differ by more than 5 %: spread and blur are the first line's, scintillation each line's own");
+       "turbulence: lines of a shot are further apart than the correlation time: they scintillate apart but share "
+       "wander and tilt");
+  warn(std::any_of(
+           lines.begin(), lines.end(),
+           [&](const auto& line) { return std::abs(line.wavelength_um / lines.front().wavelength_um - 1) > 0.05; }),
+       "turbulence: wavelengths of a shot differ by more than 5 %: spread and blur are the first line's, scintillation "
+       "each line's own");
 }
 
 /// Of one wavelength, over a footprint and an aperture of these diameters.
 LineScintillation scintillation_of(const PathNodes& nodes, double wavelength_m, double footprint_m, double aperture_m) {
   LineScintillation out;
-  out.rytov_plane = rytov_plane(nodes, wavelength_m),
-  out.rytov_spherical = rytov_spherical(nodes, wavelength_m);
+  out.rytov_plane = rytov_plane(nodes, wavelength_m), out.rytov_spherical = rytov_spherical(nodes, wavelength_m);
   out.gamma_gamma = out.rytov_plane >= kGammaGammaFrom;
-  const double point = gamma_gamma_spherical(out.rytov_spherical).scintillation_index();  // the variance itself where it is small
-  const auto averaged = [&](double width_m) { return point * aperture_averaging_spherical(2 * M_PI / wavelength_m * width_m * width_m / (4 * nodes.length_m)); };
+  const double point =
+      gamma_gamma_spherical(out.rytov_spherical).scintillation_index();  // the variance itself where it is small
+  const auto averaged = [&](double width_m) {
+    return point * aperture_averaging_spherical(2 * M_PI / wavelength_m * width_m * width_m / (4 * nodes.length_m));
+  };
   out.index_down = averaged(footprint_m), out.index_up = averaged(aperture_m);
   return out;
 }
@@ -117,8 +129,7 @@ double draw_gain(Stream draws, const LineScintillation& line) {
 
 }  // namespace
 
-TurbulenceTruth turbulence_statistics(const LidarPlan& plan, const ShotSurroundings& around,
-                                      const Shot& shot) {
+TurbulenceTruth turbulence_statistics(const LidarPlan& plan, const ShotSurroundings& around, const Shot& shot) {
   const scene::Lidar& lidar = plan.lidar;
   const scene::LidarTurbulence& turbulence = lidar.turbulence;
   TurbulenceTruth truth;
@@ -128,22 +139,24 @@ TurbulenceTruth turbulence_statistics(const LidarPlan& plan, const ShotSurroundi
   const double wavelength_m = lidar.pulse.lines.front().wavelength_um * 1e-6, length = path.length_m;
   truth.path_m = length, truth.start_height_m = path.start_height_m, truth.end_height_m = path.end_height_m;
   truth.rytov_plane = rytov_plane(nodes, wavelength_m), truth.rytov_spherical = rytov_spherical(nodes, wavelength_m);
-  truth.beam_radius_m = truth.long_term_m = truth.short_term_m = beam_radius_m(lidar.pulse, shot.half_divergence_rad, length);
+  truth.beam_radius_m = truth.long_term_m = truth.short_term_m =
+      beam_radius_m(lidar.pulse, shot.half_divergence_rad, length);
   if (!(truth.rytov_plane > 0)) return truth;  // no turbulence on the way
-  truth.fried_m = fried_at_start_m(nodes, wavelength_m),
-  truth.fried_plane_m = fried_plane_m(nodes, wavelength_m);
+  truth.fried_m = fried_at_start_m(nodes, wavelength_m), truth.fried_plane_m = fried_plane_m(nodes, wavelength_m);
   truth.isoplanatic_rad = isoplanatic_angle_rad(nodes, wavelength_m);
   truth.long_term_m = long_term_radius_m(nodes, wavelength_m, truth.beam_radius_m);
   // A beam from a point is no narrower than diffraction lets it.
-  const double exit_m = lidar.pulse.exit_radius_m > 0 ? lidar.pulse.exit_radius_m
-                        : shot.half_divergence_rad > 0 ? wavelength_m / (M_PI * std::tan(shot.half_divergence_rad)) : 0;
+  const double exit_m = lidar.pulse.exit_radius_m > 0  ? lidar.pulse.exit_radius_m
+                        : shot.half_divergence_rad > 0 ? wavelength_m / (M_PI * std::tan(shot.half_divergence_rad))
+                                                       : 0;
   truth.wander_sigma_m = wander_sigma_m(nodes, exit_m, shot.half_divergence_rad, turbulence.andrews_wander);
   const ShortTerm short_term = short_term_radius(truth.long_term_m, truth.wander_sigma_m, truth.beam_radius_m);
   truth.short_term_m = short_term.radius_m, truth.spread_clamped = short_term.clamped;
   const double diameter = 2 * lidar.receiver.aperture_radius_m;
   truth.tilt_sigma_rad = diameter > 0 ? image_tilt_rad(wavelength_m, truth.fried_m, diameter) : 0;
   truth.blur_fwhm_rad = 0.98 * wavelength_m / truth.fried_m;
-  for (const auto& line : lidar.pulse.lines) truth.lines.push_back(scintillation_of(nodes, line.wavelength_um * 1e-6, 2 * truth.short_term_m, diameter));
+  for (const auto& line : lidar.pulse.lines)
+    truth.lines.push_back(scintillation_of(nodes, line.wavelength_um * 1e-6, 2 * truth.short_term_m, diameter));
   const LineScintillation& first = truth.lines.front();
   truth.gamma_gamma = first.gamma_gamma, truth.index_down = first.index_down, truth.index_up = first.index_up;
   truth.index_total = (1 + truth.index_down) * (1 + truth.index_up) - 1;
@@ -157,10 +170,12 @@ TurbulenceTruth apply_turbulence(const LidarPlan& plan, const ShotSurroundings& 
   TurbulenceTruth truth = turbulence_statistics(plan, around, shot);
   if (!(truth.rytov_plane > 0)) return truth;
   const scene::LidarTurbulence& turbulence = plan.lidar.turbulence;
-  const std::uint32_t key = static_cast<std::uint32_t>(shot.pulse), high = static_cast<std::uint32_t>(static_cast<std::uint64_t>(shot.pulse) >> 32);
+  const std::uint32_t key = static_cast<std::uint32_t>(shot.pulse),
+                      high = static_cast<std::uint32_t>(static_cast<std::uint64_t>(shot.pulse) >> 32);
   const auto stream = [&](DrawFor purpose) { return Stream(plan.seed, key, high, purpose); };
   if (turbulence.spread)
-    shot.half_divergence_rad = divergence_for(plan.lidar.pulse, turbulence.wander ? truth.short_term_m : truth.long_term_m, truth.path_m);
+    shot.half_divergence_rad =
+        divergence_for(plan.lidar.pulse, turbulence.wander ? truth.short_term_m : truth.long_term_m, truth.path_m);
   if (turbulence.wander) {
     Stream draws = stream(DrawFor::wander);
     for (double& angle : truth.wander_rad) angle = truth.wander_sigma_m / truth.path_m * draws.normal();
@@ -175,7 +190,8 @@ TurbulenceTruth apply_turbulence(const LidarPlan& plan, const ShotSurroundings& 
     const bool apart = draws_apart(plan.lidar, truth);
     std::vector<double> gains;
     for (std::size_t line = 0; line < truth.lines.size(); ++line)
-      gains.push_back(draw_gain(Stream(plan.seed, key, high, DrawFor::scintillation, apart ? static_cast<int>(line) : 0), truth.lines[line]));
+      gains.push_back(draw_gain(
+          Stream(plan.seed, key, high, DrawFor::scintillation, apart ? static_cast<int>(line) : 0), truth.lines[line]));
     truth.gain = gains.front();
     if (gains.size() == 1)
       shot.gain *= truth.gain;
@@ -190,7 +206,8 @@ void apply_line_gain(const LidarPlan& plan, ShotResult& result) {
   if (gain.empty()) return;
   const auto bins = static_cast<std::size_t>(plan.lidar.gate.bins);
   for (std::vector<float>* rows : {&result.first, &result.multiple, &result.air})
-    for (std::size_t i = 0; i < rows->size(); ++i) (*rows)[i] = static_cast<float>((*rows)[i] * gain[i / bins % gain.size()]);
+    for (std::size_t i = 0; i < rows->size(); ++i)
+      (*rows)[i] = static_cast<float>((*rows)[i] * gain[i / bins % gain.size()]);
   for (std::size_t line = 0; line < result.ledger.size(); ++line) {
     Ledger& ledger = result.ledger[line];
     for (double* part : {&ledger.collected, &ledger.early, &ledger.late, &ledger.near}) *part *= gain[line];
@@ -199,7 +216,8 @@ void apply_line_gain(const LidarPlan& plan, ShotResult& result) {
 
 bool broaden_pulse(LidarPlan& plan, double broadening_s2) {
   scene::LidarPulse& pulse = plan.lidar.pulse;
-  if (!plan.lidar.turbulence.broadening || pulse.shape != scene::PulseShape::gaussian || !(pulse.fwhm_s > 0)) return false;
+  if (!plan.lidar.turbulence.broadening || pulse.shape != scene::PulseShape::gaussian || !(pulse.fwhm_s > 0))
+    return false;
   const double fwhm_s = broadened_fwhm_s(pulse.fwhm_s, broadening_s2);
   if (!(fwhm_s > pulse.fwhm_s * (1 + 1e-6))) return false;
   pulse.fwhm_s = fwhm_s;

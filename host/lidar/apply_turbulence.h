@@ -36,24 +36,25 @@ struct LineScintillation {
 /// Everything that was computed and drawn for a shot; angles rad, lengths m at the path's end.
 struct TurbulenceTruth {
   double path_m = 0, start_height_m = 0, end_height_m = 0;  ///< heights above the ground
-  double rytov_plane = 0, rytov_spherical = 0;      ///< variances
-  double fried_m = 0;  ///< of the image and the outgoing spot: a point at the path's end seen from its start
+  double rytov_plane = 0, rytov_spherical = 0;              ///< variances
+  double fried_m = 0;          ///< of the image and the outgoing spot: a point at the path's end seen from its start
   double fried_plane_m = 0;    ///< of a plane wave over the same path
   double isoplanatic_rad = 0;  ///< seen from the path's start
   double beam_radius_m = 0, long_term_m = 0, short_term_m = 0, wander_sigma_m = 0;
-  bool spread_clamped = false;                      ///< wander took more than all spread: the short-term spot stays the beam's
-  std::array<double, 2> wander_rad{}, tilt_rad{};   ///< drawn, along u and v
-  double tilt_sigma_rad = 0;                        ///< per axis, motion of the image's centroid
-  double blur_fwhm_rad = 0;                         ///< long exposure, 0.98 lambda / r0
+  bool spread_clamped = false;  ///< wander took more than all spread: the short-term spot stays the beam's
+  std::array<double, 2> wander_rad{}, tilt_rad{};  ///< drawn, along u and v
+  double tilt_sigma_rad = 0;                       ///< per axis, motion of the image's centroid
+  double blur_fwhm_rad = 0;                        ///< long exposure, 0.98 lambda / r0
   double index_down = 0,
-         index_up = 0;     ///< one-way scintillation, averaged over footprint (down) and aperture (up)
-  double index_total = 0;  ///< two-way, of what is received
-  bool gamma_gamma = false;                         ///< else log-normal
-  std::vector<LineScintillation> lines;             ///< each at its own wavelength; everything else is the first line's
-  double gain = 1;                                  ///< of the first line
-  double broadening_s2 = 0;                         ///< temporal, see turbulence.h
-  double correlation_s = 0;                         ///< max(short-term spot, fried) / wind, 0 without wind: lines of a shot closer than this share a draws
-  std::vector<std::string> warnings;                ///< where the models are stretched; same text for the same cause
+         index_up = 0;                   ///< one-way scintillation, averaged over footprint (down) and aperture (up)
+  double index_total = 0;                ///< two-way, of what is received
+  bool gamma_gamma = false;              ///< else log-normal
+  std::vector<LineScintillation> lines;  ///< each at its own wavelength; everything else is the first line's
+  double gain = 1;                       ///< of the first line
+  double broadening_s2 = 0;              ///< temporal, see turbulence.h
+  double correlation_s =
+      0;  ///< max(short-term spot, fried) / wind, 0 without wind: lines of a shot closer than this share a draws
+  std::vector<std::string> warnings;  ///< where the models are stretched; same text for the same cause
 };
 
 /// Widens half_divergence_rad by the short-term spread (long-term where wander is off), moves exit_axis and
@@ -72,12 +73,11 @@ TurbulenceTruth apply_turbulence(const LidarPlan& plan, const ShotSurroundings& 
 /// Multiplies a result's rows, and what its ledgers say reached the pupil, by shot.line_gain.
 void apply_line_gain(const LidarPlan& plan, ShotResult& result);
 
-/// Lengthens a plan's Gaussian pulse in quadrature (`broadening` on, not an impulse) where that changes its width by more than 1e-6 of itself;
-/// tells whether it did. Other shapes stay.
+/// Lengthens a plan's Gaussian pulse in quadrature (`broadening` on, not an impulse) where that changes its width by
+/// more than 1e-6 of itself; tells whether it did. Other shapes stay.
 bool broaden_pulse(LidarPlan& plan, double broadening_s2);
 
 /// The same statistics without a draw (wander_rad, tilt_rad 0; gain 1).
-TurbulenceTruth turbulence_statistics(const LidarPlan& plan, const ShotSurroundings& around,
-                                      const Shot& shot);
+TurbulenceTruth turbulence_statistics(const LidarPlan& plan, const ShotSurroundings& around, const Shot& shot);
 
 }  // namespace raycube::lidar

@@ -22,25 +22,26 @@ class Row {
       : plan_(plan), lidar_(plan.lidar), seed_(plan.seed), key_(draw_key(plan, result.shot.pulse, pixel)), line_(line) {
     record_.pulse = result.shot.pulse, record_.pixel = pixel, record_.line = line;
     const auto bins = static_cast<std::size_t>(lidar_.gate.bins);
-    const std::size_t row = static_cast<std::size_t>(pixel) * static_cast<std::size_t>(plan.lines()) + static_cast<std::size_t>(line);
+    const std::size_t row =
+        static_cast<std::size_t>(pixel) * static_cast<std::size_t>(plan.lines()) + static_cast<std::size_t>(line);
     const double efficiency = lidar_.receiver.quantum_efficiency;
     expected_.signal.assign(bins, 0.0);
     for (const std::vector<float>* part : {&result.first, &result.multiple, &result.air})
       if (!part->empty())
-        for (std::size_t i = 0; i < bins; ++i) expected_.signal[i] += efficiency * static_cast<double>((*part)[row * bins + i]);
-    const double light_hz = lidar_.detector.solar_background && !result.background_hz.empty() ? result.background_hz[row] : 0;
+        for (std::size_t i = 0; i < bins; ++i)
+          expected_.signal[i] += efficiency * static_cast<double>((*part)[row * bins + i]);
+    const double light_hz =
+        lidar_.detector.solar_background && !result.background_hz.empty() ? result.background_hz[row] : 0;
     expected_.background = (light_hz * efficiency + lidar_.detector.dark_rate_hz) * lidar_.gate.bin_s;
     speckle_ = speckle_row(plan, result.shot, pixel, line, expected_.signal);
     for (const double s : expected_.signal) largest_ = std::max(largest_, s);
     noise_ = detector_noise(lidar_, expected_.background, largest_);
     recorded_ = convolve(expected_.signal, noise_.response);
     recorded_signal_ = recorded_;
-    if (!lidar_.echoes.air_is_background || result.air.empty() ||
-        lidar_.detector.mode == scene::DetectorMode::geiger)
+    if (!lidar_.echoes.air_is_background || result.air.empty() || lidar_.detector.mode == scene::DetectorMode::geiger)
       return;
     std::vector<double> air(bins);
-    for (std::size_t i = 0; i < bins; ++i)
-      air[i] = efficiency * static_cast<double>(result.air[row * bins + i]);
+    for (std::size_t i = 0; i < bins; ++i) air[i] = efficiency * static_cast<double>(result.air[row * bins + i]);
     noise_.air = convolve(air, noise_.response);
     noise_.air_modes = speckle_.strongest_modes;
     for (std::size_t i = 0; i < bins; ++i) recorded_signal_[i] = std::max(0.0, recorded_[i] - noise_.air[i]);
@@ -77,16 +78,20 @@ class Row {
   std::vector<double> amplify(const std::vector<double>& counts) const {
     std::vector<double> out(counts.size());
     for (std::size_t i = 0; i < counts.size(); ++i) {
-      // Sum of `counts` gains of mean 1 and variance F - 1, each a gamma variate: exact for one carrier (F = 2), and never negative.
+      // Sum of `counts` gains of mean 1 and variance F - 1, each a gamma variate: exact for one carrier (F = 2), and
+      // never negative.
       const double spread = noise_.excess - 1;
-      out[i] = counts[i] > 0 && spread > 1e-12
-                   ? spread * Stream(seed_, key_, static_cast<std::uint32_t>(i), DrawFor::gain, line_).gamma(counts[i] / spread)
-                   : counts[i];
+      out[i] =
+          counts[i] > 0 && spread > 1e-12
+              ? spread *
+                    Stream(seed_, key_, static_cast<std::uint32_t>(i), DrawFor::gain, line_).gamma(counts[i] / spread)
+              : counts[i];
     }
     out = convolve(out, noise_.response);
     const double readout = lidar_.detector.readout_noise_e / lidar_.detector.gain;
     if (readout > 0)
-      for (std::size_t i = 0; i < out.size(); ++i) out[i] += readout * Stream(seed_, key_, static_cast<std::uint32_t>(i), DrawFor::readout, line_).normal();
+      for (std::size_t i = 0; i < out.size(); ++i)
+        out[i] += readout * Stream(seed_, key_, static_cast<std::uint32_t>(i), DrawFor::readout, line_).normal();
     return out;
   }
 
@@ -112,7 +117,8 @@ class Row {
   void store_scaled(const std::vector<double>& wave) {
     double top = 0;
     for (const double value : wave) top = std::max(top, value);
-    const bool counts = lidar_.detector.mode == scene::DetectorMode::photons || lidar_.detector.mode == scene::DetectorMode::geiger;
+    const bool counts =
+        lidar_.detector.mode == scene::DetectorMode::photons || lidar_.detector.mode == scene::DetectorMode::geiger;
     record_.offset = 0;
     record_.gain = counts && top <= 65535 ? 1 : std::exp2(std::ceil(std::log2(std::max(top, 1e-30) / 65535)));
     for (const double value : wave) {
@@ -138,14 +144,16 @@ class Row {
     const double bin = (time_s - lidar_.gate.start_s) / lidar_.gate.bin_s;
     const double half = std::max(1.0, 0.5 * kFwhmOfSigma * recorded_sigma_s(lidar_) / lidar_.gate.bin_s);
     const auto bins = static_cast<double>(recorded_signal_.size());
-    const auto first = static_cast<std::size_t>(std::clamp(std::floor(bin - half), 0.0, bins)), last = static_cast<std::size_t>(std::clamp(std::ceil(bin + half), 0.0, bins));
+    const auto first = static_cast<std::size_t>(std::clamp(std::floor(bin - half), 0.0, bins)),
+               last = static_cast<std::size_t>(std::clamp(std::ceil(bin + half), 0.0, bins));
     double sum = 0;
     std::size_t top = std::min(first, recorded_signal_.size() - 1);
     for (std::size_t i = first; i < last; ++i) {
       sum += recorded_signal_[i];
       if (recorded_signal_[i] > recorded_signal_[top]) top = i;
     }
-    if (lidar_.detector.mode == scene::DetectorMode::geiger) return 1 - no_event_probability(sum, speckle_.strongest_modes);
+    if (lidar_.detector.mode == scene::DetectorMode::geiger)
+      return 1 - no_event_probability(sum, speckle_.strongest_modes);
     return bin_detection(lidar_, noise_of_bin(lidar_, noise_, top), first < last ? recorded_signal_[top] : 0,
                          speckle_.strongest_modes);
   }
@@ -173,8 +181,7 @@ class Row {
     if (noise_.air.empty() && (noise_.gaussian || !linear)) return bin_detection(lidar_, noise_, 0, 0);
     const auto alarms = [&](std::size_t bin) {
       // A linear threshold lies where chance is bin_chance, or higher, at threshold_pe.
-      if (linear)
-        return std::min(noise_.bin_chance, noise_chance(lidar_, noise_, bin, lidar_.echoes.threshold_pe));
+      if (linear) return std::min(noise_.bin_chance, noise_chance(lidar_, noise_, bin, lidar_.echoes.threshold_pe));
       return bin_detection(lidar_, noise_of_bin(lidar_, noise_, bin), 0, 0);
     };
     if (noise_.air.empty()) return alarms(0);
@@ -191,10 +198,12 @@ class Row {
     truth.speckle_modes = speckle_.strongest_modes;
     if (lidar_.detector.mode == scene::DetectorMode::geiger) {
       truth.threshold_pe = lidar_.echoes.threshold_pe;
-      truth.detection_probability = geiger_detection(lidar_, expected_.signal, expected_.background, truth.speckle_modes);
+      truth.detection_probability =
+          geiger_detection(lidar_, expected_.signal, expected_.background, truth.speckle_modes);
       truth.false_alarm_rate_hz = geiger_noise_hz(lidar_, expected_.background, expected_.signal.size());
       const double gate_s = static_cast<double>(expected_.signal.size()) * lidar_.gate.bin_s;
-      const double dead_s = lidar_.detector.dead_time_s > 0 ? std::max(lidar_.detector.dead_time_s, lidar_.gate.bin_s) : gate_s;
+      const double dead_s =
+          lidar_.detector.dead_time_s > 0 ? std::max(lidar_.detector.dead_time_s, lidar_.gate.bin_s) : gate_s;
       truth.saturated = most_within(dead_s / lidar_.gate.bin_s) > std::max(1, lidar_.detector.cells);
     } else {
       const auto top = std::max_element(recorded_signal_.begin(), recorded_signal_.end());
@@ -231,7 +240,7 @@ class Row {
   RowExpectation expected_;
   SpeckleRow speckle_;
   DetectorNoise noise_;
-  std::vector<double> recorded_;  ///< expected light of the pulse after the electronics, photo-electrons
+  std::vector<double> recorded_;         ///< expected light of the pulse after the electronics, photo-electrons
   std::vector<double> recorded_signal_;  ///< of it what is no background
   double largest_ = 0;
   Detection record_;

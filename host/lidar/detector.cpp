@@ -41,8 +41,7 @@ double linear_tail(const DetectorNoise& noise, double air, double value) {
   for (const double share : noise.response) cubes += share * share * share;
   const double avalanches = squares - square(noise.floor),
                third = cubes * (noise.background + air) * noise.excess * (2 * noise.excess - 1);
-  const double sigma = std::sqrt(std::max(avalanches, 0.0)),
-               skewness = sigma > 0 ? third / (avalanches * sigma) : 0;
+  const double sigma = std::sqrt(std::max(avalanches, 0.0)), skewness = sigma > 0 ? third / (avalanches * sigma) : 0;
   if (noise.gaussian || skewness < 1e-3) return normal_tail(value / std::sqrt(squares));
   if (!(noise.floor > 1e-3 * sigma)) return gamma_tail(value, std::sqrt(squares), skewness);
   // The avalanches' tail, averaged over the Gaussian floor: the trapezoidal rule converges exponentially on a
@@ -59,9 +58,7 @@ double linear_tail(const DetectorNoise& noise, double air, double value) {
 double linear_threshold(const DetectorNoise& noise, double air) {
   const double rms = noise.rms(air), wanted = std::log(noise.bin_chance);
   if (!(rms > 0)) return 0;
-  const auto above = [&](double value) {
-    return std::log(std::max(linear_tail(noise, air, value), 1e-300)) - wanted;
-  };
+  const auto above = [&](double value) { return std::log(std::max(linear_tail(noise, air, value), 1e-300)) - wanted; };
   double low = 0, high = 4 * rms, at_low = above(0), at_high = above(high);
   while (at_high > 0 && high < 1e6 * rms) low = high, at_low = at_high, high *= 1.5, at_high = above(high);
   if (at_low <= 0) return low;
@@ -86,8 +83,7 @@ double threshold_about(const scene::Lidar& lidar, const DetectorNoise& noise, do
         level += std::max(1.0, std::floor(1e-3 * level));
     return std::max(level + 0.5, std::ceil(echoes.threshold_pe) - 0.5) - mean;
   }
-  if (noise.gaussian && !(air > 0))
-    return std::max(echoes.threshold_sigma * noise.rms(), echoes.threshold_pe);
+  if (noise.gaussian && !(air > 0)) return std::max(echoes.threshold_sigma * noise.rms(), echoes.threshold_pe);
   return std::max(linear_threshold(noise, air), echoes.threshold_pe);
 }
 
@@ -97,7 +93,9 @@ double excess_noise(double gain, double ionization_ratio) {
   return ionization_ratio * gain + (1 - ionization_ratio) * (2 - 1 / gain);
 }
 
-double linear_variance(double counts, double excess, double readout_e, double gain) { return excess * counts + square(readout_e / gain); }
+double linear_variance(double counts, double excess, double readout_e, double gain) {
+  return excess * counts + square(readout_e / gain);
+}
 
 double DetectorNoise::rms(double signal) const {
   double squares = 0;
@@ -128,7 +126,8 @@ std::vector<double> convolve(const std::vector<double>& row, const std::vector<d
     const double tap = taps[static_cast<std::size_t>(k + reach)];
     const double* const from = row.data();
     double* const to = out.data();
-    for (std::ptrdiff_t i = std::max<std::ptrdiff_t>(0, k), end = std::min(count, count + k); i < end; ++i) to[i] += tap * from[i - k];
+    for (std::ptrdiff_t i = std::max<std::ptrdiff_t>(0, k), end = std::min(count, count + k); i < end; ++i)
+      to[i] += tap * from[i - k];
   }
   return out;
 }
@@ -139,15 +138,20 @@ double recorded_sigma_s(const scene::Lidar& lidar) {
   if (pulse.shape == scene::PulseShape::rectangular) variance = square(pulse.fwhm_s) / 12;
   if (pulse.shape == scene::PulseShape::tabulated) {
     double area = 0, first = 0, second = 0;
-    for (std::size_t i = 1; i < pulse.shape_time_s.size(); ++i) {  // moments of straight pieces, exact by Simpson's rule up to cubics
-      const double a = pulse.shape_time_s[i - 1], b = pulse.shape_time_s[i], m = 0.5 * (a + b), p = pulse.shape_power[i - 1], q = pulse.shape_power[i];
+    for (std::size_t i = 1; i < pulse.shape_time_s.size();
+         ++i) {  // moments of straight pieces, exact by Simpson's rule up to cubics
+      const double a = pulse.shape_time_s[i - 1], b = pulse.shape_time_s[i], m = 0.5 * (a + b),
+                   p = pulse.shape_power[i - 1], q = pulse.shape_power[i];
       const double wide = (b - a) / 6, middle = 2 * (p + q);
-      area += wide * (p + middle + q), first += wide * (p * a + middle * m + q * b), second += wide * (p * a * a + middle * m * m + q * b * b);
+      area += wide * (p + middle + q), first += wide * (p * a + middle * m + q * b),
+          second += wide * (p * a * a + middle * m * m + q * b * b);
     }
     variance = area > 0 ? std::max(0.0, second / area - square(first / area)) : 0;
   }
-  if (lidar.detector.mode == scene::DetectorMode::linear) variance += square(kSigmaOfFwhm * lidar.detector.response_fwhm_s);
-  if (lidar.detector.mode == scene::DetectorMode::geiger) variance += square(kSigmaOfFwhm * lidar.detector.jitter_fwhm_s);
+  if (lidar.detector.mode == scene::DetectorMode::linear)
+    variance += square(kSigmaOfFwhm * lidar.detector.response_fwhm_s);
+  if (lidar.detector.mode == scene::DetectorMode::geiger)
+    variance += square(kSigmaOfFwhm * lidar.detector.jitter_fwhm_s);
   return std::sqrt(variance);
 }
 
@@ -160,7 +164,9 @@ DetectorNoise detector_noise(const scene::Lidar& lidar, double background, doubl
     noise.floor = detector.readout_noise_e / detector.gain;
     noise.response = response_taps(detector.response_fwhm_s, lidar.gate.bin_s);
     noise.full_scale = detector.full_scale_e;
-    if (!(noise.full_scale > 0)) noise.full_scale = std::exp2(std::ceil(std::log2(std::max(1.0, background + largest_signal + 6 * noise.rms(largest_signal)))));
+    if (!(noise.full_scale > 0))
+      noise.full_scale =
+          std::exp2(std::ceil(std::log2(std::max(1.0, background + largest_signal + 6 * noise.rms(largest_signal)))));
     const double step = noise.full_scale / (std::exp2(detector.bits) - 1);
     noise.floor = std::hypot(noise.floor, step / std::sqrt(12.0));
   }
@@ -189,8 +195,7 @@ bool reaches_threshold(const scene::Lidar& lidar, const DetectorNoise& noise, st
   if (!(above >= (linear ? lidar.echoes.threshold_pe : std::ceil(lidar.echoes.threshold_pe)))) return false;
   // Skewness makes high values more likely than a Gaussian has them: what that allows too often needs no
   // second look.
-  if (lidar.detector.mode == scene::DetectorMode::linear &&
-      normal_tail(value / noise.rms(air)) > noise.bin_chance)
+  if (lidar.detector.mode == scene::DetectorMode::linear && normal_tail(value / noise.rms(air)) > noise.bin_chance)
     return false;
   return noise_chance(lidar, noise, bin, value) <= noise.bin_chance;
 }
@@ -217,16 +222,21 @@ double count_at_least(double level, double signal, double background, double mod
   const auto counts = static_cast<std::size_t>(highest) + 1;
   std::vector<double> cumulated(counts);
   double sum = 0;
-  for (std::size_t k = 0; k < counts; ++k) cumulated[k] = sum += negative_binomial_probability(static_cast<double>(k), background, 0);
+  for (std::size_t k = 0; k < counts; ++k)
+    cumulated[k] = sum += negative_binomial_probability(static_cast<double>(k), background, 0);
   double below = 0;
-  for (std::size_t k = 0; k < counts; ++k) below += negative_binomial_probability(static_cast<double>(k), signal, modes) * cumulated[counts - 1 - k];
+  for (std::size_t k = 0; k < counts; ++k)
+    below += negative_binomial_probability(static_cast<double>(k), signal, modes) * cumulated[counts - 1 - k];
   return std::clamp(1 - below, 0.0, 1.0);
 }
 
 double bin_detection(const scene::Lidar& lidar, const DetectorNoise& noise, double signal, double modes) {
-  if (lidar.detector.mode != scene::DetectorMode::linear) return count_at_least(noise.background + noise.threshold, signal, noise.background, modes);
+  if (lidar.detector.mode != scene::DetectorMode::linear)
+    return count_at_least(noise.background + noise.threshold, signal, noise.background, modes);
   const double variance = square(noise.rms(signal)) + (modes > 0 ? square(signal) / modes : 0);
-  return variance > 0 ? normal_tail((noise.threshold - signal) / std::sqrt(variance)) : signal >= noise.threshold ? 1 : 0;
+  return variance > 0                ? normal_tail((noise.threshold - signal) / std::sqrt(variance))
+         : signal >= noise.threshold ? 1
+                                     : 0;
 }
 
 }  // namespace raycube::lidar

@@ -1,4 +1,5 @@
-// Parts of detection that know no files and no plan: expectations of a row in photo-electrons, noise, thresholds, probabilities.
+// Parts of detection that know no files and no plan: expectations of a row in photo-electrons, noise, thresholds,
+// probabilities.
 #pragma once
 
 #include <vector>
@@ -10,21 +11,22 @@ namespace raycube::lidar {
 
 /// Expected photo-electrons of one row.
 struct RowExpectation {
-  std::vector<double> signal;      ///< [bin], quantum efficiency included
-  double background = 0;           ///< a bin: background light and dark counts
+  std::vector<double> signal;  ///< [bin], quantum efficiency included
+  double background = 0;       ///< a bin: background light and dark counts
 };
 
 /// What a record's noise is made of, primary photo-electrons.
 struct DetectorNoise {
-  double background = 0;           ///< mean a bin
-  double excess = 1;               ///< variance of a bin per expected photo-electron: F (linear), 1 (photons, geiger)
-  double floor = 0;                ///< rms of readout and digitiser, a bin
-  std::vector<double> response{1}; ///< shares of neighbouring bins, middle one in the middle; white noise of `floor` comes after
+  double background = 0;  ///< mean a bin
+  double excess = 1;      ///< variance of a bin per expected photo-electron: F (linear), 1 (photons, geiger)
+  double floor = 0;       ///< rms of readout and digitiser, a bin
+  std::vector<double> response{
+      1};                 ///< shares of neighbouring bins, middle one in the middle; white noise of `floor` comes after
   double threshold = 0;   ///< above the background, where there is no air; a peak that reaches it counts
   double bin_chance = 0;  ///< of noise reaching a bin's threshold, air or not
   bool gaussian = true;   ///< linear: the noise counts as Gaussian (threshold_sigma); else with its skewness
                           ///< (false_returns)
-  double full_scale = 0;           ///< photo-electrons; 0: none
+  double full_scale = 0;  ///< photo-electrons; 0: none
   /// Mean a bin of the air's return, after the response, where it counts as background; empty: none.
   std::vector<double> air;
   double air_modes = 0;  ///< speckle modes of it; 0: no speckle
@@ -69,7 +71,8 @@ DetectorNoise noise_of_bin(const scene::Lidar& lidar, const DetectorNoise& noise
 
 /// Upper tail of the standard normal.
 double normal_tail(double z);
-/// P(count >= level) of Poisson background and signal with speckle modes (0: none). Sums below 4096 counts, Gaussian with the same variance above.
+/// P(count >= level) of Poisson background and signal with speckle modes (0: none). Sums below 4096 counts, Gaussian
+/// with the same variance above.
 double count_at_least(double level, double signal, double background, double modes);
 /// Probability that a bin with that expected signal reaches background + threshold; photons: counts, linear: Gaussian.
 double bin_detection(const scene::Lidar& lidar, const DetectorNoise& noise, double signal, double modes);

@@ -30,7 +30,9 @@ LogReturn log_return(const NetCounts& n) {
 }
 
 void require_fired(const NetCounts& n) {
-  if (!(n.photons > 0)) throw base::Error(base::Fault::input, "DIAL: a line that fires no photons (" + std::to_string(n.photons) + ") has no return to compare");
+  if (!(n.photons > 0))
+    throw base::Error(base::Fault::input, "DIAL: a line that fires no photons (" + std::to_string(n.photons) +
+                                              ") has no return to compare");
 }
 
 }  // namespace
@@ -38,10 +40,13 @@ void require_fired(const NetCounts& n) {
 DialColumn dial_column(const NetCounts& on, const NetCounts& off, double d_sigma_cm2, double extra_variance) {
   require_fired(on), require_fired(off);
   if (!(d_sigma_cm2 > 0))
-    throw base::Error(base::Fault::input, "DIAL: the cross-section on the line must exceed that off it, but differs by " + std::to_string(d_sigma_cm2) + " cm2");
+    throw base::Error(base::Fault::input,
+                      "DIAL: the cross-section on the line must exceed that off it, but differs by " +
+                          std::to_string(d_sigma_cm2) + " cm2");
   const LogReturn a = log_return(on), b = log_return(off);
   if (!b.seen) return {};
-  return {(b.value - a.value) / (2 * d_sigma_cm2), std::sqrt(a.variance + b.variance + extra_variance) / (2 * d_sigma_cm2),
+  return {(b.value - a.value) / (2 * d_sigma_cm2),
+          std::sqrt(a.variance + b.variance + extra_variance) / (2 * d_sigma_cm2),
           a.seen ? DialState::good : DialState::saturated};
 }
 
@@ -57,13 +62,15 @@ double LineSection::mean_sigma_cm2() const {
   return sum;
 }
 
-DialColumn dial_column_of_line(const NetCounts& on, const NetCounts& off, const LineSection& on_line, const LineSection& off_line, double extra_variance) {
+DialColumn dial_column_of_line(const NetCounts& on, const NetCounts& off, const LineSection& on_line,
+                               const LineSection& off_line, double extra_variance) {
   require_fired(on), require_fired(off);
   const LogReturn a = log_return(on), b = log_return(off);
   if (!b.seen) return {};
   // ln T_off(C) - ln T_on(C) rises from 0; negative ratios (noise) go on along the tangent at 0.
   const double target = b.value - a.value, slope_at_zero = 2 * (on_line.mean_sigma_cm2() - off_line.mean_sigma_cm2());
-  if (!(slope_at_zero > 0)) throw base::Error(base::Fault::input, "DIAL: the on line absorbs no more than the off line; exchange them");
+  if (!(slope_at_zero > 0))
+    throw base::Error(base::Fault::input, "DIAL: the on line absorbs no more than the off line; exchange them");
   const auto depth = [&](double column) {
     const double on_t = on_line.transmission(column), off_t = off_line.transmission(column);
     return on_t > 0 && off_t > 0 ? std::log(off_t / on_t) : 1e300;
@@ -77,13 +84,20 @@ DialColumn dial_column_of_line(const NetCounts& on, const NetCounts& off, const 
     }
   }
   const double step = std::max(1e-6 * std::abs(column), 1e-9 / slope_at_zero);
-  const double slope = target > 0 ? std::max((depth(column + step) - depth(std::max(0.0, column - step))) / (step + std::min(step, column)), 1e-12 * slope_at_zero) : slope_at_zero;
-  return {column, std::sqrt(a.variance + b.variance + extra_variance) / slope, a.seen ? DialState::good : DialState::saturated};
+  const double slope =
+      target > 0
+          ? std::max((depth(column + step) - depth(std::max(0.0, column - step))) / (step + std::min(step, column)),
+                     1e-12 * slope_at_zero)
+          : slope_at_zero;
+  return {column, std::sqrt(a.variance + b.variance + extra_variance) / slope,
+          a.seen ? DialState::good : DialState::saturated};
 }
 
 DialGases dial_gases(const std::vector<NetCounts>& returns, const std::vector<std::vector<double>>& sigma_cm2) {
   if (returns.size() != sigma_cm2.size() || sigma_cm2.empty() || sigma_cm2.front().empty())
-    throw base::Error(base::Fault::input, "DIAL: " + std::to_string(returns.size()) + " returns but cross-sections at " + std::to_string(sigma_cm2.size()) + " wavelengths");
+    throw base::Error(base::Fault::input, "DIAL: " + std::to_string(returns.size()) +
+                                              " returns but cross-sections at " + std::to_string(sigma_cm2.size()) +
+                                              " wavelengths");
   const auto gases = static_cast<Eigen::Index>(sigma_cm2.front().size());
   std::vector<std::size_t> used;
   DialGases out;
@@ -108,7 +122,8 @@ DialGases dial_gases(const std::vector<NetCounts>& returns, const std::vector<st
     noisy = noisy || r.variance > 0;
     const double weight = r.variance > 0 ? 1 / std::sqrt(r.variance) : 1;
     a(i, 0) = weight, y[i] = weight * r.value;
-    for (Eigen::Index g = 0; g < gases; ++g) a(i, g + 1) = -2 * weight * sigma_cm2[row][static_cast<std::size_t>(g)] / scale;
+    for (Eigen::Index g = 0; g < gases; ++g)
+      a(i, g + 1) = -2 * weight * sigma_cm2[row][static_cast<std::size_t>(g)] / scale;
   }
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(a);
   if (qr.rank() < a.cols()) return out;  // the wavelengths left cannot tell the gases apart
@@ -122,17 +137,20 @@ DialGases dial_gases(const std::vector<NetCounts>& returns, const std::vector<st
   return out;
 }
 
-std::vector<DialColumn> dial_profile(const std::vector<NetCounts>& on, const std::vector<NetCounts>& off, double d_sigma_cm2, double bin_m, int bins_apart) {
+std::vector<DialColumn> dial_profile(const std::vector<NetCounts>& on, const std::vector<NetCounts>& off,
+                                     double d_sigma_cm2, double bin_m, int bins_apart) {
   std::vector<DialColumn> out;
   const auto apart = static_cast<std::size_t>(std::max(1, bins_apart));
   const double length_cm = 100 * bin_m * static_cast<double>(apart);
   for (std::size_t i = 0; i + apart < std::min(on.size(), off.size()); ++i) {
-    const LogReturn near_on = log_return(on[i]), near_off = log_return(off[i]), far_on = log_return(on[i + apart]), far_off = log_return(off[i + apart]);
+    const LogReturn near_on = log_return(on[i]), near_off = log_return(off[i]), far_on = log_return(on[i + apart]),
+                    far_off = log_return(off[i + apart]);
     DialColumn cell;
     if (near_on.seen && near_off.seen && far_off.seen) {
       cell.state = far_on.seen ? DialState::good : DialState::saturated;
       cell.column_cm2 = (far_off.value + near_on.value - far_on.value - near_off.value) / (2 * d_sigma_cm2 * length_cm);
-      cell.error_cm2 = std::sqrt(near_on.variance + near_off.variance + far_on.variance + far_off.variance) / (2 * d_sigma_cm2 * length_cm);
+      cell.error_cm2 = std::sqrt(near_on.variance + near_off.variance + far_on.variance + far_off.variance) /
+                       (2 * d_sigma_cm2 * length_cm);
     } else if (near_off.seen && far_off.seen) {
       cell.state = DialState::saturated;
     }
@@ -146,21 +164,25 @@ LineSection line_section(const LidarPlan& plan, int volume, int line) {
   const auto at = static_cast<std::size_t>(line);
   for (int node = plan.first_node[at]; node < plan.first_node[at + 1]; ++node) {
     out.weight.push_back(plan.nodes[static_cast<std::size_t>(node)].weight);
-    out.sigma_cm2.push_back(plan.cross_section_cm2[static_cast<std::size_t>(volume) * plan.nodes.size() + static_cast<std::size_t>(node)]);
+    out.sigma_cm2.push_back(
+        plan.cross_section_cm2[static_cast<std::size_t>(volume) * plan.nodes.size() + static_cast<std::size_t>(node)]);
   }
   return out;
 }
 
 const Echo* strongest_echo(const Detection& record) {
-  const auto found = std::max_element(record.echoes.begin(), record.echoes.end(), [](const Echo& a, const Echo& b) { return a.energy_pe < b.energy_pe; });
+  const auto found = std::max_element(record.echoes.begin(), record.echoes.end(),
+                                      [](const Echo& a, const Echo& b) { return a.energy_pe < b.energy_pe; });
   return found == record.echoes.end() ? nullptr : &*found;
 }
 
 NetCounts net_counts(const LidarPlan& plan, const Detection& record, double time_s) {
   const scene::Lidar& lidar = plan.lidar;
-  const double middle = (time_s - lidar.gate.start_s) / lidar.gate.bin_s, half = std::max(1.5, 3 * recorded_sigma_s(lidar) / lidar.gate.bin_s);
+  const double middle = (time_s - lidar.gate.start_s) / lidar.gate.bin_s,
+               half = std::max(1.5, 3 * recorded_sigma_s(lidar) / lidar.gate.bin_s);
   const auto bins = static_cast<double>(record.waveform_pe.size());
-  const auto first = static_cast<std::size_t>(std::clamp(std::floor(middle - half), 0.0, bins)), last = static_cast<std::size_t>(std::clamp(std::ceil(middle + half), 0.0, bins));
+  const auto first = static_cast<std::size_t>(std::clamp(std::floor(middle - half), 0.0, bins)),
+             last = static_cast<std::size_t>(std::clamp(std::ceil(middle + half), 0.0, bins));
   const bool linear = lidar.detector.mode == scene::DetectorMode::linear;
   const double excess = linear ? excess_noise(lidar.detector.gain, lidar.detector.ionization_ratio) : 1;
   const double readout = linear ? lidar.detector.readout_noise_e / lidar.detector.gain : 0;

@@ -24,12 +24,13 @@ class Stream {
  public:
   Stream(DrawSeed seed, std::uint32_t key, std::uint32_t index, DrawFor purpose, int line = 0);
 
-  double uniform();                  ///< in (0, 1), 53 bits
-  double normal();                   ///< mean 0, variance 1; inverse of the distribution function (Wichura, Appl. Stat. 37 (1988) 477, AS 241)
-  double exponential();              ///< mean 1
-  double gamma(double shape);        ///< mean and variance `shape` > 0; Marsaglia & Tsang, ACM TOMS 26 (2000) 363
-  /// Count with a mean >= 0: inversion below 10, PTRS (Hoermann, Insurance: Math. and Econ. 12 (1993) 39) up to 1e6, both exact; above,
-  /// a Gaussian rounded to whole counts. Not a number stays not a number.
+  double uniform();  ///< in (0, 1), 53 bits
+  double
+  normal();  ///< mean 0, variance 1; inverse of the distribution function (Wichura, Appl. Stat. 37 (1988) 477, AS 241)
+  double exponential();        ///< mean 1
+  double gamma(double shape);  ///< mean and variance `shape` > 0; Marsaglia & Tsang, ACM TOMS 26 (2000) 363
+  /// Count with a mean >= 0: inversion below 10, PTRS (Hoermann, Insurance: Math. and Econ. 12 (1993) 39) up to 1e6,
+  /// both exact; above, a Gaussian rounded to whole counts. Not a number stays not a number.
   double poisson(double mean);
   /// Photo-electrons of light with `modes` speckle modes: Poisson(Gamma(modes, mean / modes)); modes 0: Poisson.
   double negative_binomial(double mean, double modes);

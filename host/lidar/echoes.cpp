@@ -27,7 +27,8 @@ std::vector<double> combine(const std::vector<double>& a, const std::vector<doub
   return out;
 }
 
-/// Bins of a return follow a Gaussian no better than this share of its peak: pulse and footprint are not exactly Gaussian.
+/// Bins of a return follow a Gaussian no better than this share of its peak: pulse and footprint are not exactly
+/// Gaussian.
 constexpr double kShapeError = 3e-4;
 
 /// A maximum of the smoothed waveform with the bins that belong to it, [left, right).
@@ -39,8 +40,7 @@ class Finder {
  public:
   Finder(const scene::Lidar& lidar, const std::vector<float>& waveform, const DetectorNoise& noise)
       : lidar_(lidar), noise_(noise), sigma_bins_(std::max(recorded_sigma_s(lidar) / lidar.gate.bin_s, 0.3)) {
-    for (std::size_t i = 0; i < waveform.size(); ++i)
-      raw_.push_back(waveform[i] - noise.background - noise.air_at(i));
+    for (std::size_t i = 0; i < waveform.size(); ++i) raw_.push_back(waveform[i] - noise.background - noise.air_at(i));
     noisy_ = noise.drawn && (noise.excess > 0 || noise.floor > 0);
     if (noisy_ && sigma_bins_ > 0.6) smoothing_bins_ = 0.5 * sigma_bins_;
     const std::vector<double> taps = response_taps(kFwhmOfSigma * smoothing_bins_, 1);
@@ -58,7 +58,8 @@ class Finder {
     for (std::size_t first = 0; first < peaks.size();) {
       std::size_t last = first + 1;
       while (last < peaks.size() && last - first < 6 && peaks[last].left <= peaks[last - 1].right + 1) ++last;
-      fit_group({peaks.begin() + static_cast<std::ptrdiff_t>(first), peaks.begin() + static_cast<std::ptrdiff_t>(last)}, out);
+      fit_group({peaks.begin() + static_cast<std::ptrdiff_t>(first), peaks.begin() + static_cast<std::ptrdiff_t>(last)},
+                out);
       first = last;
     }
     return out;
@@ -67,8 +68,7 @@ class Finder {
  private:
   /// rms of the smoothed waveform about a bin where so much signal is expected.
   double smooth_rms(std::size_t bin, double signal) const {
-    return std::sqrt(noise_.excess * (std::max(0.0, signal) + noise_.background + noise_.air_at(bin)) *
-                         shot_ +
+    return std::sqrt(noise_.excess * (std::max(0.0, signal) + noise_.background + noise_.air_at(bin)) * shot_ +
                      noise_.floor * noise_.floor * white_);
   }
 
@@ -86,15 +86,16 @@ class Finder {
     std::size_t lowest = 0;
     for (std::size_t i = 0; i < bins; ++i) {
       if (smooth_[i] < smooth_[lowest]) lowest = i;
-      const bool maximum = smooth_[i] > 0 && (i == 0 || smooth_[i] > smooth_[i - 1]) && (i + 1 == bins || smooth_[i] >= smooth_[i + 1]);
+      const bool maximum =
+          smooth_[i] > 0 && (i == 0 || smooth_[i] > smooth_[i - 1]) && (i + 1 == bins || smooth_[i] >= smooth_[i + 1]);
       if (!maximum || !above_threshold(i)) continue;
       bool stands = true;
       while (!kept.empty()) {
         const double lower = std::min(smooth_[kept.back()], smooth_[i]), dip = lower - smooth_[lowest];
         // Two maxima near each other differ by chance less than the highest and lowest of a long plateau do.
-        const bool far = static_cast<double>(i - kept.back()) > 4 * sigma_bins_, apart = far && smooth_[lowest] < 0.5 * lower;
-        if (apart || dip > std::max(1e-5 * lower, noisy_ ? (far ? 5 : 3) * smooth_rms(lowest, lower) : 0))
-          break;
+        const bool far = static_cast<double>(i - kept.back()) > 4 * sigma_bins_,
+                   apart = far && smooth_[lowest] < 0.5 * lower;
+        if (apart || dip > std::max(1e-5 * lower, noisy_ ? (far ? 5 : 3) * smooth_rms(lowest, lower) : 0)) break;
         if (smooth_[i] <= smooth_[kept.back()]) {
           stands = false;
           break;
@@ -128,8 +129,10 @@ class Finder {
     double share = (here - level) / (here - next);
     if (i - step >= 0 && i - step < bins && next > 0 && here > level) {
       // Parabola through the logarithms of the two and the one before: exact for a Gaussian.
-      const double y0 = std::log(here), y1 = std::log(next), before = std::log(std::max(smooth_[static_cast<std::size_t>(i - step)], 1e-300));
-      const double bend = 0.5 * (y1 + before) - y0, slope = 0.5 * (y1 - before), root = slope * slope - 4 * bend * (y0 - std::log(level));
+      const double y0 = std::log(here), y1 = std::log(next),
+                   before = std::log(std::max(smooth_[static_cast<std::size_t>(i - step)], 1e-300));
+      const double bend = 0.5 * (y1 + before) - y0, slope = 0.5 * (y1 - before),
+                   root = slope * slope - 4 * bend * (y0 - std::log(level));
       const double found = 2 * (y0 - std::log(level)) / (-slope + std::sqrt(std::max(root, 0.0)));
       if (root >= 0 && found >= 0 && found <= 1) share = found;
     }
@@ -156,7 +159,8 @@ class Finder {
   }
 
   double highest(std::size_t left, std::size_t right) const {
-    return *std::max_element(raw_.begin() + static_cast<std::ptrdiff_t>(left), raw_.begin() + static_cast<std::ptrdiff_t>(right));
+    return *std::max_element(raw_.begin() + static_cast<std::ptrdiff_t>(left),
+                             raw_.begin() + static_cast<std::ptrdiff_t>(right));
   }
 
   double width_bins(const Peak& peak) const {
@@ -189,7 +193,8 @@ class Finder {
 
   void fit_group(const std::vector<Peak>& peaks, std::vector<Echo>& out) const {
     const std::size_t margin = static_cast<std::size_t>(std::ceil(sigma_bins_));
-    const std::size_t first = peaks.front().left > margin ? peaks.front().left - margin : 0, last = std::min(raw_.size(), peaks.back().right + margin);
+    const std::size_t first = peaks.front().left > margin ? peaks.front().left - margin : 0,
+                      last = std::min(raw_.size(), peaks.back().right + margin);
     std::vector<GaussianEcho> fitted;
     for (const Peak& peak : peaks) {
       // One echo's width comes from its own half height; among neighbours the recorded pulse is the better guess.
@@ -204,40 +209,51 @@ class Finder {
                                              kShapeError * highest(first, last))
                                 : 0;
     double chi = fit_gaussians(raw_, first, last, floor, excess, fitted);
-    while (fitted.size() < peaks.size() + 3 && 3 * fitted.size() + 3 < last - first && chi > static_cast<double>(last - first) + 30) {
+    while (fitted.size() < peaks.size() + 3 && 3 * fitted.size() + 3 < last - first &&
+           chi > static_cast<double>(last - first) + 30) {
       std::vector<double> residual(raw_.size(), 0.0);
       for (std::size_t i = first; i < last; ++i) {
         residual[i] = raw_[i];
         for (const GaussianEcho& echo : fitted) residual[i] -= gaussian_bin(echo, static_cast<double>(i));
       }
       residual = convolve(residual, response_taps(kFwhmOfSigma * sigma_bins_, 1));
-      const auto top = std::max_element(residual.begin() + static_cast<std::ptrdiff_t>(first), residual.begin() + static_cast<std::ptrdiff_t>(last));
+      const auto top = std::max_element(residual.begin() + static_cast<std::ptrdiff_t>(first),
+                                        residual.begin() + static_cast<std::ptrdiff_t>(last));
       if (!(*top > 0)) break;
       std::vector<GaussianEcho> trial = fitted;
       trial.push_back({*top * 3.5 * sigma_bins_, static_cast<double>(top - residual.begin()) + 0.5, sigma_bins_});
       if (trial.size() == 2) split(fitted.front(), trial);
       const double trial_chi = fit_gaussians(raw_, first, last, floor, excess, trial);
-      // No echo is narrower than the pulse; and what is much wider is air or leaves, which no number of Gaussians describes.
-      const bool echoes_all = std::all_of(trial.begin(), trial.end(), [&](const GaussianEcho& e) {
-        return e.area * std::erf(0.5 / (e.sigma * std::sqrt(2.0))) >= noise_.threshold && e.sigma > 0.6 * sigma_bins_;
-      }) && wide(trial) <= wide(fitted);
+      // No echo is narrower than the pulse; and what is much wider is air or leaves, which no number of Gaussians
+      // describes.
+      const bool echoes_all =
+          std::all_of(trial.begin(), trial.end(),
+                      [&](const GaussianEcho& e) {
+                        return e.area * std::erf(0.5 / (e.sigma * std::sqrt(2.0))) >= noise_.threshold &&
+                               e.sigma > 0.6 * sigma_bins_;
+                      }) &&
+          wide(trial) <= wide(fitted);
       if (!(trial_chi < chi - 30) || !echoes_all) break;
       chi = trial_chi, fitted = std::move(trial);
     }
-    std::sort(fitted.begin(), fitted.end(), [](const GaussianEcho& a, const GaussianEcho& b) { return a.position < b.position; });
+    std::sort(fitted.begin(), fitted.end(),
+              [](const GaussianEcho& a, const GaussianEcho& b) { return a.position < b.position; });
     for (const GaussianEcho& echo : fitted) {
       const double reach = std::max(1.0, 2 * echo.sigma);
       const auto left = static_cast<std::size_t>(std::max(0.0, std::floor(echo.position - reach)));
       const auto right = std::min(raw_.size(), static_cast<std::size_t>(std::ceil(echo.position + reach)));
-      out.push_back(echo_at(echo.position, echo.area * std::erf(0.5 / (echo.sigma * std::sqrt(2.0))), echo.area, kFwhmOfSigma * echo.sigma, saturated(left, right)));
+      out.push_back(echo_at(echo.position, echo.area * std::erf(0.5 / (echo.sigma * std::sqrt(2.0))), echo.area,
+                            kFwhmOfSigma * echo.sigma, saturated(left, right)));
     }
   }
 
   std::ptrdiff_t wide(const std::vector<GaussianEcho>& echoes) const {
-    return std::count_if(echoes.begin(), echoes.end(), [&](const GaussianEcho& e) { return e.sigma > 3 * sigma_bins_; });
+    return std::count_if(echoes.begin(), echoes.end(),
+                         [&](const GaussianEcho& e) { return e.sigma > 3 * sigma_bins_; });
   }
 
-  /// Two echoes hidden under one maximum, wider than the pulse: half of the light to either side, with the same second moment.
+  /// Two echoes hidden under one maximum, wider than the pulse: half of the light to either side, with the same second
+  /// moment.
   void split(const GaussianEcho& one, std::vector<GaussianEcho>& two) const {
     const double apart = std::sqrt(one.sigma * one.sigma - sigma_bins_ * sigma_bins_);
     if (!(apart > 0.2 * sigma_bins_)) return;
@@ -253,7 +269,8 @@ class Finder {
 
 }  // namespace
 
-std::vector<Echo> find_echoes(const scene::Lidar& lidar, const std::vector<float>& waveform_pe, const DetectorNoise& noise) {
+std::vector<Echo> find_echoes(const scene::Lidar& lidar, const std::vector<float>& waveform_pe,
+                              const DetectorNoise& noise) {
   std::vector<Echo> echoes = Finder(lidar, waveform_pe, noise).echoes();
   number_echoes(lidar, echoes);
   return echoes;
@@ -290,7 +307,8 @@ std::vector<Echo> cluster_tags(const scene::Lidar& lidar, const std::vector<Phot
 void number_echoes(const scene::Lidar& lidar, std::vector<Echo>& echoes) {
   const auto most = static_cast<std::size_t>(std::max(1, lidar.echoes.max_returns));
   if (echoes.size() > most) {
-    std::stable_sort(echoes.begin(), echoes.end(), [](const Echo& a, const Echo& b) { return a.energy_pe > b.energy_pe; });
+    std::stable_sort(echoes.begin(), echoes.end(),
+                     [](const Echo& a, const Echo& b) { return a.energy_pe > b.energy_pe; });
     echoes.resize(most);
   }
   std::stable_sort(echoes.begin(), echoes.end(), [](const Echo& a, const Echo& b) { return a.time_s < b.time_s; });

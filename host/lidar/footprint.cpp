@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numeric>
 
-
 namespace raycube::lidar {
 
 namespace {
@@ -25,7 +24,8 @@ Point spiral(scene::BeamProfile profile, int i, int n, double turn) {
 
 double fraction(double x) { return x - std::floor(x); }
 
-/// Cuts first..last by the longer side of its bounds until runs of 16 are left: neighbours stay together for the kernel's culling.
+/// Cuts first..last by the longer side of its bounds until runs of 16 are left: neighbours stay together for the
+/// kernel's culling.
 void sort_compact(const std::vector<Point>& points, std::vector<int>::iterator first, std::vector<int>::iterator last) {
   const auto count = last - first;
   if (count <= 16) return;
@@ -54,14 +54,19 @@ Footprint make_footprint(const scene::Lidar& lidar, bool distributed, std::array
   const bool receiver = lidar.transport.sampling == scene::LidarSampling::receiver;
   std::vector<Point> points, exits;
   for (int i = 0; i < n; ++i) {
-    // R2 sequence: Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018; 1/g and 1/g^2, g^3 = g + 1.
-    points.push_back(receiver ? Point{fraction(0.5 + shift[0] + i * 0.7548776662466927) - 0.5, fraction(0.5 + shift[1] + i * 0.5698402909980532) - 0.5}
+    // R2 sequence: Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018; 1/g and 1/g^2, g^3 = g +
+    // 1.
+    points.push_back(receiver ? Point{fraction(0.5 + shift[0] + i * 0.7548776662466927) - 0.5,
+                                      fraction(0.5 + shift[1] + i * 0.5698402909980532) - 0.5}
                               : spiral(lidar.pulse.profile, i, n, 0));
-    // Exits take the spiral's rings in the order of a van der Corput-like walk, so that place and direction do not go together.
+    // Exits take the spiral's rings in the order of a van der Corput-like walk, so that place and direction do not go
+    // together.
     const int ring = static_cast<int>(fraction((i + 0.5) * 0.6180339887498949) * n);
     // A uniform beam stays a disc of radius exit + divergence x range: rays leave where they go.
     if (distributed && !receiver)
-      exits.push_back(lidar.pulse.profile == scene::BeamProfile::uniform ? points.back() : spiral(lidar.pulse.profile, ring, n, 1.0 + 2.399963 * i));
+      exits.push_back(lidar.pulse.profile == scene::BeamProfile::uniform
+                          ? points.back()
+                          : spiral(lidar.pulse.profile, ring, n, 1.0 + 2.399963 * i));
   }
   std::vector<int> order(static_cast<std::size_t>(n));
   std::iota(order.begin(), order.end(), 0);
@@ -80,7 +85,8 @@ Footprint make_footprint(const scene::Lidar& lidar, bool distributed, std::array
 
 bool exit_matters(const scene::Lidar& lidar) {
   if (lidar.transport.sampling == scene::LidarSampling::receiver || lidar.pulse.exit_radius_m == 0) return false;
-  const double nearest_m = std::max(lidar.transport.minimum_range_m, 0.5 * 299792458.0 * lidar.gate.start_s / lidar.transport.group_index);
+  const double nearest_m =
+      std::max(lidar.transport.minimum_range_m, 0.5 * 299792458.0 * lidar.gate.start_s / lidar.transport.group_index);
   return lidar.pulse.exit_radius_m > 0.02 * std::tan(lidar.pulse.half_divergence_rad) * nearest_m;
 }
 

@@ -24,7 +24,8 @@ HermiteRule gauss_hermite(int n) {
     const bool middle = 2 * i + 1 == n;
     double x = middle ? 0 : solver.eigenvalues()[n - 1 - i], weight = 0;
     for (int step = 0; step < 3; ++step) {
-      // Orthonormal polynomials h_k: sqrt(k+1) h_{k+1} = x h_k - sqrt(k) h_{k-1}; h_n' = sqrt(n) h_{n-1}; weight = 1 / sum h_k^2.
+      // Orthonormal polynomials h_k: sqrt(k+1) h_{k+1} = x h_k - sqrt(k) h_{k-1}; h_n' = sqrt(n) h_{n-1}; weight = 1 /
+      // sum h_k^2.
       double before = 0, here = 1, sum = 0;
       for (int k = 0; k < n; ++k) {
         sum += here * here;

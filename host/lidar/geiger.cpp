@@ -25,13 +25,16 @@ std::vector<double> first_photon_probabilities(const std::vector<double>& expect
   return out;
 }
 
-double no_event_probability(double mu, double modes) { return modes > 0 ? std::exp(-modes * std::log1p(mu / modes)) : std::exp(-mu); }
+double no_event_probability(double mu, double modes) {
+  return modes > 0 ? std::exp(-modes * std::log1p(mu / modes)) : std::exp(-mu);
+}
 
 double non_paralysable_rate_hz(double rate_hz, double dead_time_s) { return rate_hz / (1 + rate_hz * dead_time_s); }
 
 double paralysable_rate_hz(double rate_hz, double dead_time_s) { return rate_hz * std::exp(-rate_hz * dead_time_s); }
 
-EventClock::EventClock(const std::vector<double>& expected) : sum_(expected.size() + 1, 0.0), slope_(expected.size() + 1, 0.0) {
+EventClock::EventClock(const std::vector<double>& expected)
+    : sum_(expected.size() + 1, 0.0), slope_(expected.size() + 1, 0.0) {
   const std::size_t bins = expected.size();
   for (std::size_t i = 0; i < bins; ++i) sum_[i + 1] = sum_[i] + std::max(0.0, expected[i]);
   for (std::size_t i = 1; i < bins; ++i) {
@@ -67,7 +70,8 @@ double EventClock::position_of(double events) const {
   return static_cast<double>(bin) + 0.5 * (lo + hi);
 }
 
-std::vector<Photon> geiger_events(const scene::Lidar& lidar, const std::vector<double>& expected, std::uint64_t seed, std::uint32_t key, int line) {
+std::vector<Photon> geiger_events(const scene::Lidar& lidar, const std::vector<double>& expected, std::uint64_t seed,
+                                  std::uint32_t key, int line) {
   const scene::LidarDetector& detector = lidar.detector;
   const EventClock clock(expected);
   const int cells = std::max(1, detector.cells);
@@ -88,7 +92,8 @@ std::vector<Photon> geiger_events(const scene::Lidar& lidar, const std::vector<d
       if (!(dead_bins > 0)) break;
       armed = at + dead_bins;
       const bool trapped = detector.afterpulse_probability > 0 && stream.uniform() < detector.afterpulse_probability;
-      released = trapped ? armed + stream.exponential() * detector.afterpulse_time_s / bin_s : std::numeric_limits<double>::infinity();
+      released = trapped ? armed + stream.exponential() * detector.afterpulse_time_s / bin_s
+                         : std::numeric_limits<double>::infinity();
     }
   }
   std::stable_sort(events.begin(), events.end(), [](const Photon& a, const Photon& b) { return a.time_s < b.time_s; });
@@ -97,15 +102,17 @@ std::vector<Photon> geiger_events(const scene::Lidar& lidar, const std::vector<d
 
 double geiger_detection(const scene::Lidar& lidar, const std::vector<double>& signal, double background, double modes) {
   const int cells = std::max(1, lidar.detector.cells);
-  // Walk of a cell through the gate: armed and not yet hit by signal, or dead after noise and back after the dead time (its part of a
-  // bin shared between the two bins it ends in).
-  const double dead_bins = lidar.detector.dead_time_s / lidar.gate.bin_s, whole = std::floor(dead_bins), part = dead_bins - whole;
+  // Walk of a cell through the gate: armed and not yet hit by signal, or dead after noise and back after the dead time
+  // (its part of a bin shared between the two bins it ends in).
+  const double dead_bins = lidar.detector.dead_time_s / lidar.gate.bin_s, whole = std::floor(dead_bins),
+               part = dead_bins - whole;
   const auto back = static_cast<std::size_t>(std::min(whole, 1e9)) + 1;
   std::vector<double> returns(signal.size() + 1, 0.0);
   double armed = 1, hit = 0;
   for (std::size_t i = 0; i < signal.size(); ++i) {
     armed += returns[i];
-    const double m = (signal[i] + background) / cells, fired = armed * -std::expm1(-m), by_signal = m > 0 ? fired * signal[i] / (signal[i] + background) : 0;
+    const double m = (signal[i] + background) / cells, fired = armed * -std::expm1(-m),
+                 by_signal = m > 0 ? fired * signal[i] / (signal[i] + background) : 0;
     armed -= fired, hit += by_signal;
     if (!(dead_bins > 0)) continue;
     if (i + back < returns.size()) returns[i + back] += (fired - by_signal) * (1 - part);

@@ -17,11 +17,15 @@ constexpr int kMostReach = 15;
 double sinc(double x) { return x == 0 ? 1 : std::sin(M_PI * x) / (M_PI * x); }
 
 /// Modulation of a clear circular aperture at a share of its cut-off.
-double aperture_mtf(double share) { return share >= 1 ? 0 : 2 / M_PI * (std::acos(share) - share * std::sqrt(1 - share * share)); }
+double aperture_mtf(double share) {
+  return share >= 1 ? 0 : 2 / M_PI * (std::acos(share) - share * std::sqrt(1 - share * share));
+}
 
-/// Shares of the pixels 0 .. reach away along columns and rows: integral of modulation x sinc^2 x sinc^2 x cosines over all frequencies (cycles / pixel).
+/// Shares of the pixels 0 .. reach away along columns and rows: integral of modulation x sinc^2 x sinc^2 x cosines over
+/// all frequencies (cycles / pixel).
 Eigen::MatrixXd quadrant(const scene::Lidar& lidar, double fried_m, int reach) {
-  const double wavelength_m = lidar.pulse.lines.front().wavelength_um * 1e-6, diameter_m = 2 * lidar.receiver.aperture_radius_m, pitch = lidar.receiver.pixel_pitch_rad;
+  const double wavelength_m = lidar.pulse.lines.front().wavelength_um * 1e-6,
+               diameter_m = 2 * lidar.receiver.aperture_radius_m, pitch = lidar.receiver.pixel_pitch_rad;
   // sinc^2 of light and pixel leaves 1e-3 beyond 20 cycles: that part stays where it came from.
   const double highest = std::min(diameter_m / wavelength_m * pitch, 20.0);
   const auto count = static_cast<Eigen::Index>(std::ceil(24 + 6 * highest * (1 + 0.25 * reach)));
@@ -30,13 +34,15 @@ Eigen::MatrixXd quadrant(const scene::Lidar& lidar, double fried_m, int reach) {
   Eigen::MatrixXd cosine(count, reach + 1), modulation(count, count);
   for (Eigen::Index i = 0; i < count; ++i) {
     frequency[i] = 0.5 * highest * (rule.node[static_cast<std::size_t>(i)] + 1);
-    const double weight = highest * rule.weight[static_cast<std::size_t>(i)] * sinc(frequency[i]) * sinc(frequency[i]);  // both signs
+    const double weight =
+        highest * rule.weight[static_cast<std::size_t>(i)] * sinc(frequency[i]) * sinc(frequency[i]);  // both signs
     for (int k = 0; k <= reach; ++k) cosine(i, k) = weight * std::cos(2 * M_PI * k * frequency[i]);
   }
   for (Eigen::Index i = 0; i < count; ++i)
     for (Eigen::Index j = 0; j <= i; ++j) {
       const double nu = std::hypot(frequency[i], frequency[j]) / pitch;  // cycles / rad
-      modulation(i, j) = modulation(j, i) = short_exposure_mtf(nu, wavelength_m, fried_m, diameter_m) * aperture_mtf(wavelength_m * nu / diameter_m);
+      modulation(i, j) = modulation(j, i) =
+          short_exposure_mtf(nu, wavelength_m, fried_m, diameter_m) * aperture_mtf(wavelength_m * nu / diameter_m);
     }
   return cosine.transpose() * modulation * cosine;
 }
@@ -45,9 +51,12 @@ Eigen::MatrixXd quadrant(const scene::Lidar& lidar, double fried_m, int reach) {
 
 PixelBlur::PixelBlur(const scene::Lidar& lidar, double fried_m) {
   const scene::LidarReceiver& receiver = lidar.receiver;
-  if (!(fried_m > 0) || !lidar.turbulence.blur || receiver.columns * receiver.rows < 2 || !(receiver.pixel_pitch_rad > 0) || !(receiver.aperture_radius_m > 0)) return;
+  if (!(fried_m > 0) || !lidar.turbulence.blur || receiver.columns * receiver.rows < 2 ||
+      !(receiver.pixel_pitch_rad > 0) || !(receiver.aperture_radius_m > 0))
+    return;
   const double wavelength_m = lidar.pulse.lines.front().wavelength_um * 1e-6;
-  const double width = std::hypot(0.98 * wavelength_m / fried_m, 1.03 * wavelength_m / (2 * receiver.aperture_radius_m));
+  const double width =
+      std::hypot(0.98 * wavelength_m / fried_m, 1.03 * wavelength_m / (2 * receiver.aperture_radius_m));
   // A spot of width w leaves about 2 w / (3 pitch) of an even pixel's light outside.
   if (width < 0.03 * receiver.pixel_pitch_rad) return;
   const int reach = std::clamp(static_cast<int>(std::ceil(3 * width / receiver.pixel_pitch_rad)), 1, kMostReach);
@@ -83,7 +92,9 @@ void PixelBlur::apply_to(std::vector<float>& rows, int columns, int lines_of_pix
           const float* from = rows.data() + static_cast<std::size_t>(v * columns + u) * per_pixel;
           for (std::size_t i = 0; i < per_pixel; ++i) sum[i] += weight * from[i];
         }
-      std::transform(sum.begin(), sum.end(), out.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(y * columns + x) * per_pixel), [](double value) { return static_cast<float>(value); });
+      std::transform(sum.begin(), sum.end(),
+                     out.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(y * columns + x) * per_pixel),
+                     [](double value) { return static_cast<float>(value); });
     }
   rows = std::move(out);
 }
@@ -92,7 +103,8 @@ void PixelBlur::apply(const LidarPlan& plan, ShotResult& result) const {
   if (!any()) return;
   const int columns = plan.lidar.receiver.columns, rows = plan.lidar.receiver.rows;
   const auto per_pixel = static_cast<std::size_t>(plan.lines()) * static_cast<std::size_t>(plan.lidar.gate.bins);
-  for (std::vector<float>* part : {&result.first, &result.multiple, &result.air}) apply_to(*part, columns, rows, per_pixel);
+  for (std::vector<float>* part : {&result.first, &result.multiple, &result.air})
+    apply_to(*part, columns, rows, per_pixel);
 }
 
 }  // namespace raycube::lidar

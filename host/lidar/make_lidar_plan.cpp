@@ -26,7 +26,8 @@ std::vector<double> wavelengths_of(const std::vector<SpectralNode>& nodes) {
 /// Mean over each line of values at the nodes.
 std::vector<double> line_means(const LidarPlan& plan, const std::vector<double>& at_nodes) {
   std::vector<double> out(static_cast<std::size_t>(plan.lines()), 0.0);
-  for (std::size_t n = 0; n < plan.nodes.size(); ++n) out[static_cast<std::size_t>(plan.nodes[n].line)] += plan.nodes[n].weight * at_nodes[n];
+  for (std::size_t n = 0; n < plan.nodes.size(); ++n)
+    out[static_cast<std::size_t>(plan.nodes[n].line)] += plan.nodes[n].weight * at_nodes[n];
   return out;
 }
 
@@ -54,7 +55,8 @@ std::vector<Matter> matter_of(const LidarPlan& plan, const scene::CompiledScene&
     std::vector<double> reflectance, transmittance(lines, 0.0);
     try {
       reflectance = line_means(plan, plan::sample_curve(material, wavelengths));
-      if (!material.transmittance.wavelength_um.empty()) transmittance = line_means(plan, plan::sample_curve(through, wavelengths));
+      if (!material.transmittance.wavelength_um.empty())
+        transmittance = line_means(plan, plan::sample_curve(through, wavelengths));
     } catch (const base::Error& error) {
       problems.add({"", 0, 0, plan.lidar.name}, error.what(), "", "or use another wavelength");
       continue;
@@ -81,8 +83,10 @@ std::vector<double> cross_sections(const LidarPlan& plan, const scene::CompiledS
       const auto& x = volume.wavelength_um;
       if (!volume.gas.empty()) {
         if (x.empty() || node.wavelength_um < x.front() || node.wavelength_um > x.back())
-          problems.add({"", 0, 0, "volume " + volume.name}, "its gas has no cross section at a wavelength of LIDAR " + plan.lidar.name,
-                       std::to_string(1e3 * node.wavelength_um) + " nm", "give cross sections that cover the laser's line");
+          problems.add({"", 0, 0, "volume " + volume.name},
+                       "its gas has no cross section at a wavelength of LIDAR " + plan.lidar.name,
+                       std::to_string(1e3 * node.wavelength_um) + " nm",
+                       "give cross sections that cover the laser's line");
         else
           value = linear_at(x, volume.cross_section_cm2, node.wavelength_um);
       }
@@ -92,14 +96,17 @@ std::vector<double> cross_sections(const LidarPlan& plan, const scene::CompiledS
   return out;
 }
 
-/// Highest place that a beam reaches within the gate: of pulses that look up, where the gate ends. 256 pulses spread over the survey speak for all.
+/// Highest place that a beam reaches within the gate: of pulses that look up, where the gate ends. 256 pulses spread
+/// over the survey speak for all.
 double highest_view_m(const scene::Lidar& lidar, std::uint64_t seed) {
-  const double reach = 0.5 * kLight_m_s * (lidar.gate.start_s + lidar.gate.bins * lidar.gate.bin_s) / lidar.transport.group_index;
+  const double reach =
+      0.5 * kLight_m_s * (lidar.gate.start_s + lidar.gate.bins * lidar.gate.bin_s) / lidar.transport.group_index;
   double highest = -1e30;
   const std::int64_t step = std::max<std::int64_t>(1, lidar.pulses / 256);
   for (std::int64_t pulse = 0; pulse < lidar.pulses; pulse += step)
     for (const auto& shot : make_shots(lidar, pulse, 1, seed)) {
-      const double up = std::min(1.0, shot.exit_axis[2] + 3 * lidar.pulse.half_divergence_rad + lidar.receiver.half_fov_rad);
+      const double up =
+          std::min(1.0, shot.exit_axis[2] + 3 * lidar.pulse.half_divergence_rad + lidar.receiver.half_fov_rad);
       highest = std::max(highest, shot.exit_m[2] + std::max(0.0, up) * std::max(0.0, reach));
     }
   return highest;
@@ -123,7 +130,8 @@ std::vector<SpectralNode> make_nodes(const scene::Lidar& lidar) {
   return out;
 }
 
-LidarPlan make_lidar_plan(const scene::Simulation& simulation, const scene::Lidar& lidar, const atmos::RenderTable* table) {
+LidarPlan make_lidar_plan(const scene::Simulation& simulation, const scene::Lidar& lidar,
+                          const atmos::RenderTable* table) {
   LidarPlan plan;
   plan.lidar = lidar;
   plan.seed = simulation.seed;
@@ -132,16 +140,20 @@ LidarPlan make_lidar_plan(const scene::Simulation& simulation, const scene::Lida
     if (n == 0 || plan.nodes[n].line != plan.nodes[n - 1].line) plan.first_node.push_back(static_cast<int>(n));
   plan.first_node.push_back(static_cast<int>(plan.nodes.size()));
   for (const auto& line : lidar.pulse.lines)
-    plan.photons.push_back(lidar.pulse.transmit_efficiency * line.energy_J * line.wavelength_um * 1e-6 / (kPlanck_J_s * kLight_m_s));
+    plan.photons.push_back(lidar.pulse.transmit_efficiency * line.energy_J * line.wavelength_um * 1e-6 /
+                           (kPlanck_J_s * kLight_m_s));
   plan.sensor_low_m = 1e30, plan.sensor_high_m = -1e30;
   for (const auto& pose : lidar.trajectory) {
     plan.sensor_low_m = std::min(plan.sensor_low_m, pose.z_m);
     plan.sensor_high_m = std::max(plan.sensor_high_m, pose.z_m);
   }
   const bool empty = simulation.scene.instances.empty();
-  const double low = empty ? std::min(0.0, plan.sensor_low_m) : std::min<double>(simulation.scene.lo[2], plan.sensor_low_m);
+  const double low =
+      empty ? std::min(0.0, plan.sensor_low_m) : std::min<double>(simulation.scene.lo[2], plan.sensor_low_m);
   const double high = empty ? plan.sensor_high_m : std::max<double>(simulation.scene.hi[2], plan.sensor_high_m);
-  if (table != nullptr) plan.air = make_air(*table, plan.nodes, plan.lines(), low, std::max(high, highest_view_m(lidar, simulation.seed)) + 10);
+  if (table != nullptr)
+    plan.air =
+        make_air(*table, plan.nodes, plan.lines(), low, std::max(high, highest_view_m(lidar, simulation.seed)) + 10);
   plan.matter = matter_of(plan, simulation.scene);
   plan.cross_section_cm2 = cross_sections(plan, simulation.scene);
   plan.taps = make_taps(lidar.pulse, lidar.gate.bin_s);

@@ -12,7 +12,8 @@ namespace raycube::lidar {
 
 namespace {
 
-/// Twice the area of a segment of half angle `angle` in a unit circle: 2 angle - sin(2 angle), without cancellation at small angles.
+/// Twice the area of a segment of half angle `angle` in a unit circle: 2 angle - sin(2 angle), without cancellation at
+/// small angles.
 double twice_segment(double angle) {
   const double x = 2 * angle;
   if (x > 0.5) return x - std::sin(x);
@@ -26,22 +27,27 @@ double twice_segment(double angle) {
 double distance_density(bool gaussian, double beam_m, double offset_m, double rho_m) {
   if (gaussian) {
     const double t = (rho_m - offset_m) / beam_m;  // Rice distribution, 1/e2 radius = 2 sigma
-    return 4 * rho_m / (beam_m * beam_m) * scaled_bessel_i0(4 * rho_m * offset_m / (beam_m * beam_m)) * std::exp(-2 * t * t);
+    return 4 * rho_m / (beam_m * beam_m) * scaled_bessel_i0(4 * rho_m * offset_m / (beam_m * beam_m)) *
+           std::exp(-2 * t * t);
   }
   if (rho_m + offset_m <= beam_m) return 2 * rho_m / (beam_m * beam_m);
   // Half angle of the arc of radius rho inside the disc, about the disc's direction.
-  const double across = (rho_m + offset_m + beam_m) * (rho_m + offset_m - beam_m) * (rho_m + beam_m - offset_m) * (beam_m + offset_m - rho_m);
+  const double across = (rho_m + offset_m + beam_m) * (rho_m + offset_m - beam_m) * (rho_m + beam_m - offset_m) *
+                        (beam_m + offset_m - rho_m);
   const double along = rho_m * rho_m + offset_m * offset_m - beam_m * beam_m;
   return 2 * rho_m * std::atan2(std::sqrt(std::max(0.0, across)), along) / (M_PI * beam_m * beam_m);
 }
 
-/// Mean over the beam of a function of the distance to the receiver's axis that is 0 beyond `end_m` and smooth between `breaks_m`.
+/// Mean over the beam of a function of the distance to the receiver's axis that is 0 beyond `end_m` and smooth between
+/// `breaks_m`.
 template <class F>
-double beam_mean(bool gaussian, double beam_m, double offset_m, double end_m, std::vector<double> breaks_m, F&& weight) {
+double beam_mean(bool gaussian, double beam_m, double offset_m, double end_m, std::vector<double> breaks_m,
+                 F&& weight) {
   if (beam_m <= 0) return weight(offset_m);
   double lo = 0, hi = end_m;
   if (gaussian) {
-    // Parts of half a beam radius, from the point nearest to the beam's centre outwards, until what is left cannot be seen.
+    // Parts of half a beam radius, from the point nearest to the beam's centre outwards, until what is left cannot be
+    // seen.
     const double nearest = std::min(offset_m, end_m);
     lo = std::max(0.0, nearest - 8 * beam_m), hi = std::min(end_m, nearest + 8 * beam_m);
     const int parts = static_cast<int>(std::ceil(2 * (hi - lo) / beam_m));
@@ -60,7 +66,8 @@ double beam_mean(bool gaussian, double beam_m, double offset_m, double end_m, st
   for (std::size_t i = 1; i < breaks_m.size(); ++i) {
     const double a = std::max(lo, breaks_m[i - 1]), b = std::min(hi, breaks_m[i]);
     if (a < b)
-      sum += integrate_branch_ends([&](double rho) { return weight(rho) * distance_density(gaussian, beam_m, offset_m, rho); }, a, b);
+      sum += integrate_branch_ends(
+          [&](double rho) { return weight(rho) * distance_density(gaussian, beam_m, offset_m, rho); }, a, b);
   }
   return std::clamp(sum, 0.0, 1.0);
 }
@@ -72,7 +79,9 @@ double circle_overlap(double a, double b, double d) {
   const double small = std::min(a, b);
   if (d <= std::abs(a - b)) return M_PI * small * small;
   // Half angles of the two segments by tangents: defined everywhere, where acos fails just above d = |a - b|.
-  const auto side = [](double x) { return std::sqrt(std::max(0.0, x)); };  // one by one: their product underflows at d near 0
+  const auto side = [](double x) {
+    return std::sqrt(std::max(0.0, x));
+  };  // one by one: their product underflows at d near 0
   const double root = side((a + b - d) * (d + a + b)) * side(d + (a - b)) * side(d - (a - b));
   const double at_a = std::atan2(root, (d - b) * (d + b) + a * a), at_b = std::atan2(root, (d - a) * (d + a) + b * b);
   return std::clamp(0.5 * (a * a * twice_segment(at_a) + b * b * twice_segment(at_b)), 0.0, M_PI * small * small);
@@ -86,7 +95,8 @@ double vignetting(const Stop& stop, double range_m, double offset_m) {
   const double clear = M_PI * (outer - inner) * (outer + inner);
   if (!(range_m > 0)) return 0;
   if (!(outer > 1e-9 * field) || !(clear > 0)) return offset_m < field ? 1 : 0;
-  return std::clamp((circle_overlap(field, outer, offset_m) - circle_overlap(field, inner, offset_m)) / clear, 0.0, 1.0);
+  return std::clamp((circle_overlap(field, outer, offset_m) - circle_overlap(field, inner, offset_m)) / clear, 0.0,
+                    1.0);
 }
 
 double beam_overlap(const Stop& stop, bool gaussian, double beam_radius_m, double range_m, double offset_m) {
@@ -95,7 +105,8 @@ double beam_overlap(const Stop& stop, bool gaussian, double beam_radius_m, doubl
   const double defocus = stop.focus_m > 0 ? std::abs(1 - range_m / stop.focus_m) : 1;
   const double outer = stop.pupil_m * defocus, inner = stop.obscuration_m * defocus;
   const double end = outer > 1e-9 * field ? field + outer : field;
-  return beam_mean(gaussian, beam_radius_m, offset_m, end, {std::abs(field - outer), std::abs(field - inner), field + inner},
+  return beam_mean(gaussian, beam_radius_m, offset_m, end,
+                   {std::abs(field - outer), std::abs(field - inner), field + inner},
                    [&](double rho) { return vignetting(stop, range_m, rho); });
 }
 

@@ -49,7 +49,8 @@ int phases_of(const scene::LidarPulse& pulse, double bin_s) {
     return phases_for(half - std::floor(half), 256);
   }
   if (pulse.shape == scene::PulseShape::tabulated) return kMostPhases;
-  // Error of linear interpolation h^2/8 |S''|: S'' over the peak is below 1/s^2 for wide pulses and 0.49/s^2 for narrow ones.
+  // Error of linear interpolation h^2/8 |S''|: S'' over the peak is below 1/s^2 for wide pulses and 0.49/s^2 for narrow
+  // ones.
   const double sigma_bins = kSigmaOfFwhm * pulse.fwhm_s / bin_s;
   return std::clamp(static_cast<int>(std::ceil(250.0 / sigma_bins)), 64, kMostPhases);
 }
@@ -57,7 +58,8 @@ int phases_of(const scene::LidarPulse& pulse, double bin_s) {
 }  // namespace
 
 double pulse_share(const scene::LidarPulse& pulse, double begin_s, double end_s) {
-  if (pulse.shape == scene::PulseShape::tabulated) return table_between(pulse.shape_time_s, pulse.shape_power, begin_s, end_s);
+  if (pulse.shape == scene::PulseShape::tabulated)
+    return table_between(pulse.shape_time_s, pulse.shape_power, begin_s, end_s);
   if (pulse.fwhm_s == 0) return begin_s <= 0 && end_s > 0 ? 1 : 0;
   if (pulse.shape == scene::PulseShape::rectangular)
     return std::max(0.0, std::min(end_s, 0.5 * pulse.fwhm_s) - std::max(begin_s, -0.5 * pulse.fwhm_s)) / pulse.fwhm_s;
@@ -74,8 +76,10 @@ PulseSpan pulse_span(const scene::LidarPulse& pulse) {
 double pulse_centroid_s(const scene::LidarPulse& pulse) {
   if (pulse.shape != scene::PulseShape::tabulated) return 0;
   double area = 0, first = 0;
-  for (std::size_t i = 1; i < pulse.shape_time_s.size(); ++i) {  // straight pieces: Simpson's rule is exact for time times power
-    const double a = pulse.shape_time_s[i - 1], b = pulse.shape_time_s[i], p = pulse.shape_power[i - 1], q = pulse.shape_power[i];
+  for (std::size_t i = 1; i < pulse.shape_time_s.size();
+       ++i) {  // straight pieces: Simpson's rule is exact for time times power
+    const double a = pulse.shape_time_s[i - 1], b = pulse.shape_time_s[i], p = pulse.shape_power[i - 1],
+                 q = pulse.shape_power[i];
     area += (b - a) * 0.5 * (p + q), first += (b - a) / 6 * (p * a + (p + q) * (a + b) + q * b);
   }
   return area > 0 ? first / area : 0;
@@ -90,8 +94,11 @@ PulseTaps make_taps(const scene::LidarPulse& pulse, double bin_s) {
   }
   const double bins = (span.end_s - span.begin_s) / bin_s;
   if (!(bins <= kMostTaps))
-    throw base::Error(base::Fault::input, "a LIDAR's pulse is too long for the gate's bins (found " + std::to_string((span.end_s - span.begin_s) * 1e9) + " ns from end to end in bins of " +
-                                              std::to_string(bin_s * 1e9) + " ns, more than " + std::to_string(kMostTaps) + " bins); give wider bins (bin_ns) or a shorter pulse");
+    throw base::Error(base::Fault::input, "a LIDAR's pulse is too long for the gate's bins (found " +
+                                              std::to_string((span.end_s - span.begin_s) * 1e9) +
+                                              " ns from end to end in bins of " + std::to_string(bin_s * 1e9) +
+                                              " ns, more than " + std::to_string(kMostTaps) +
+                                              " bins); give wider bins (bin_ns) or a shorter pulse");
   out.phases = phases_of(pulse, bin_s);
   out.first = static_cast<int>(std::floor(span.begin_s / bin_s));
   out.taps = static_cast<int>(std::floor(span.end_s / bin_s + 1)) - out.first + 1;

@@ -31,7 +31,9 @@ double integrate(F&& f, double lo, double hi, int pieces = 1) {
 template <class F>
 double integrate_branch_ends(F&& f, double lo, double hi) {
   const double middle = 0.5 * (lo + hi), half = 0.5 * (hi - lo), quarter_turn = 0.5 * M_PI;
-  return half * quarter_turn * integrate([&](double t) { return std::cos(quarter_turn * t) * f(middle + half * std::sin(quarter_turn * t)); }, -1, 1);
+  return half * quarter_turn *
+         integrate([&](double t) { return std::cos(quarter_turn * t) * f(middle + half * std::sin(quarter_turn * t)); },
+                   -1, 1);
 }
 
 }  // namespace raycube::lidar

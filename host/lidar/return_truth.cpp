@@ -27,7 +27,8 @@ Vec3 cross(const Vec3& a, const Vec3& b) {
 
 double row(const shared::rc_float4& r, const Vec3& p) { return r.x * p[0] + r.y * p[1] + r.z * p[2] + r.w; }
 Vec3 place(const shared::Instance& instance, const Vec3& p) {
-  return {row(instance.world_from_local_0, p), row(instance.world_from_local_1, p), row(instance.world_from_local_2, p)};
+  return {row(instance.world_from_local_0, p), row(instance.world_from_local_1, p),
+          row(instance.world_from_local_2, p)};
 }
 
 /// Depth of a node's air along a segment: mean extinction between its heights.
@@ -45,9 +46,11 @@ double air_depth(const AirColumn& air, std::size_t node, const Vec3& a, const Ve
   return (at(high) - at(low)) / (high - low) * length(b - a);
 }
 
-/// What air and volumes let through of a line on the way from the exit over a point to the pupil: nodes are averaged after the exponential.
+/// What air and volumes let through of a line on the way from the exit over a point to the pupil: nodes are averaged
+/// after the exponential.
 double transmission(const LidarPlan& plan, const FlatVolumes& volumes, int line, const Shot& shot, const Vec3& point) {
-  const std::size_t nodes = plan.nodes.size(), first = static_cast<std::size_t>(plan.first_node[static_cast<std::size_t>(line)]);
+  const std::size_t nodes = plan.nodes.size(),
+                    first = static_cast<std::size_t>(plan.first_node[static_cast<std::size_t>(line)]);
   const std::size_t last = static_cast<std::size_t>(plan.first_node[static_cast<std::size_t>(line) + 1]);
   std::vector<double> fields;
   for (std::size_t v = 0; v < volumes.volumes.size(); ++v)
@@ -56,8 +59,10 @@ double transmission(const LidarPlan& plan, const FlatVolumes& volumes, int line,
   for (std::size_t n = first; n < last; ++n) {
     double depth = air_depth(plan.air, n, shot.exit_m, point) + air_depth(plan.air, n, point, shot.pupil_m);
     for (std::size_t v = 0; v < fields.size(); ++v) {
-      const double per_ppm_m = v * nodes + n < plan.cross_section_cm2.size() ? plan.cross_section_cm2[v * nodes + n] * kMoleculesPerPpmM : 0;
-      depth += fields[v] * (static_cast<double>(volumes.volumes[v].strength.x) * per_ppm_m + static_cast<double>(volumes.volumes[v].particles.x));
+      const double per_ppm_m =
+          v * nodes + n < plan.cross_section_cm2.size() ? plan.cross_section_cm2[v * nodes + n] * kMoleculesPerPpmM : 0;
+      depth += fields[v] * (static_cast<double>(volumes.volumes[v].strength.x) * per_ppm_m +
+                            static_cast<double>(volumes.volumes[v].particles.x));
     }
     sum += plan.nodes[n].weight * std::exp(-depth);
   }
@@ -66,7 +71,8 @@ double transmission(const LidarPlan& plan, const FlatVolumes& volumes, int line,
 
 /// Clear aperture, m2; a thin camera's is pi / (1 + 4 F^2) in place of pi / (4 F^2) of it.
 double collecting_area_m2(const scene::LidarReceiver& receiver) {
-  const double area = M_PI * (receiver.aperture_radius_m * receiver.aperture_radius_m - receiver.obscuration_radius_m * receiver.obscuration_radius_m);
+  const double area = M_PI * (receiver.aperture_radius_m * receiver.aperture_radius_m -
+                              receiver.obscuration_radius_m * receiver.obscuration_radius_m);
   if (!receiver.tangent_aperture || receiver.focal_length_m == 0) return area;
   const double f_number = receiver.focal_length_m / (2 * receiver.aperture_radius_m), square = 4 * f_number * f_number;
   return area * square / (1 + square);
@@ -108,10 +114,12 @@ Diffuse diffuse(const scene::CompiledScene& scene, const LidarPlan& plan, std::u
   for (int m = 0; m < 4; ++m) {
     if (surface.curve[m] == 0) continue;
     const std::size_t number = surface.curve[m] - 1;
-    const Matter& matter = plan.matter[number * static_cast<std::size_t>(plan.lines()) + static_cast<std::size_t>(line)];
+    const Matter& matter =
+        plan.matter[number * static_cast<std::size_t>(plan.lines()) + static_cast<std::size_t>(line)];
     const double share = static_cast<double>(surface.fraction[m]);
     out.reflectance += share * matter.reflectance;
-    if (scene.materials[number].transmission == scene::Material::Transmission::leaf) out.through += share * matter.transmittance;
+    if (scene.materials[number].transmission == scene::Material::Transmission::leaf)
+      out.through += share * matter.transmittance;
     if (surface.fraction[m] > largest) largest = surface.fraction[m], out.material = surface.curve[m] - 1;
   }
   return out;
@@ -120,7 +128,8 @@ Diffuse diffuse(const scene::CompiledScene& scene, const LidarPlan& plan, std::u
 /// Distances from each echo within which a surface's return explains it: the recorded pulse's width and a bin.
 /// The first photons of a strong return fire a Geiger cell before its power has come: where surfaces send more
 /// to an echo's own bins (three, for the jitter of its time) than air and background do, the pulse's whole span.
-std::vector<double> windows_m(const LidarPlan& plan, const ShotResult& result, int pixel, int line, const std::vector<Echo>& echoes) {
+std::vector<double> windows_m(const LidarPlan& plan, const ShotResult& result, int pixel, int line,
+                              const std::vector<Echo>& echoes) {
   const scene::Lidar& lidar = plan.lidar;
   const double m_per_s = 0.5 * kLight_m_s / lidar.transport.group_index;
   std::vector<double> out(echoes.size(), m_per_s * (kFwhmOfSigma * recorded_sigma_s(lidar) + lidar.gate.bin_s));
@@ -128,16 +137,21 @@ std::vector<double> windows_m(const LidarPlan& plan, const ShotResult& result, i
   const auto bins = static_cast<std::ptrdiff_t>(lidar.gate.bins);
   const std::size_t row = static_cast<std::size_t>(pixel * plan.lines() + line);
   const PulseSpan span = pulse_span(lidar.pulse);
-  const double centre_s = pulse_centroid_s(lidar.pulse), wide_m = m_per_s * (std::max(centre_s - span.begin_s, span.end_s - centre_s) + lidar.gate.bin_s);
-  const double light_hz = lidar.detector.solar_background && !result.background_hz.empty() ? result.background_hz[row] : 0;
-  const double background = lidar.detector.dark_rate_hz * lidar.gate.bin_s + lidar.receiver.quantum_efficiency * light_hz * lidar.gate.bin_s;
+  const double centre_s = pulse_centroid_s(lidar.pulse),
+               wide_m = m_per_s * (std::max(centre_s - span.begin_s, span.end_s - centre_s) + lidar.gate.bin_s);
+  const double light_hz =
+      lidar.detector.solar_background && !result.background_hz.empty() ? result.background_hz[row] : 0;
+  const double background =
+      lidar.detector.dark_rate_hz * lidar.gate.bin_s + lidar.receiver.quantum_efficiency * light_hz * lidar.gate.bin_s;
   for (std::size_t e = 0; e < echoes.size(); ++e) {
-    const auto own = static_cast<std::ptrdiff_t>(std::floor((echoes[e].time_s - lidar.gate.start_s) / lidar.gate.bin_s));
+    const auto own =
+        static_cast<std::ptrdiff_t>(std::floor((echoes[e].time_s - lidar.gate.start_s) / lidar.gate.bin_s));
     double surfaces = 0, others = 0;
     for (std::ptrdiff_t bin = std::max<std::ptrdiff_t>(0, own - 1); bin <= std::min(bins - 1, own + 1); ++bin) {
       const std::size_t at = row * static_cast<std::size_t>(bins) + static_cast<std::size_t>(bin);
       surfaces += lidar.receiver.quantum_efficiency * static_cast<double>(result.first[at]);
-      others += background + (result.air.empty() ? 0 : lidar.receiver.quantum_efficiency * static_cast<double>(result.air[at]));
+      others += background +
+                (result.air.empty() ? 0 : lidar.receiver.quantum_efficiency * static_cast<double>(result.air[at]));
     }
     if (surfaces > others) out[e] = std::max(out[e], wide_m);
   }
@@ -158,13 +172,16 @@ SubRay sub_ray(const LidarPlan& plan, const Shot& shot, int pixel, int k) {
   }
   const Vec3 v = cross(shot.exit_axis, shot.exit_u);
   const double spread = std::tan(shot.half_divergence_rad);
-  SubRay ray{shot.exit_m, unit(shot.exit_axis + spread * plan.footprint.a[i] * shot.exit_u + spread * plan.footprint.b[i] * v)};
+  SubRay ray{shot.exit_m,
+             unit(shot.exit_axis + spread * plan.footprint.a[i] * shot.exit_u + spread * plan.footprint.b[i] * v)};
   if (!plan.footprint.exit_a.empty())
-    ray.from_m = ray.from_m + plan.lidar.pulse.exit_radius_m * (plan.footprint.exit_a[i] * shot.exit_u + plan.footprint.exit_b[i] * v);
+    ray.from_m = ray.from_m + plan.lidar.pulse.exit_radius_m *
+                                  (plan.footprint.exit_a[i] * shot.exit_u + plan.footprint.exit_b[i] * v);
   return ray;
 }
 
-SurfacePoint surface_point(const scene::CompiledScene& scene, const LidarPlan& plan, const Shot& shot, int pixel, int k, const FirstHit& hit) {
+SurfacePoint surface_point(const scene::CompiledScene& scene, const LidarPlan& plan, const Shot& shot, int pixel, int k,
+                           const FirstHit& hit) {
   SurfacePoint out;
   if (hit.instance == RC_NONE) return out;
   const shared::TriBlock& block = scene.blocks[hit.primitive / RC_BLOCK];
@@ -185,17 +202,20 @@ SurfacePoint surface_point(const scene::CompiledScene& scene, const LidarPlan& p
   return out;
 }
 
-std::vector<ReturnTruth> return_truth(const scene::CompiledScene& scene, const FlatVolumes& volumes, const LidarPlan& plan, const ShotResult& result,
-                                      int pixel, int line, const std::vector<Echo>& echoes) {
+std::vector<ReturnTruth> return_truth(const scene::CompiledScene& scene, const FlatVolumes& volumes,
+                                      const LidarPlan& plan, const ShotResult& result, int pixel, int line,
+                                      const std::vector<Echo>& echoes) {
   std::vector<ReturnTruth> out(echoes.size());
   const scene::Lidar& lidar = plan.lidar;
   const auto& receiver = lidar.receiver;
   const Shot& shot = result.shot;
   const bool backwards = lidar.transport.sampling == scene::LidarSampling::receiver, array = plan.pixels() > 1;
   const int samples = static_cast<int>(plan.footprint.a.size());
-  const double m_per_s = 0.5 * kLight_m_s / lidar.transport.group_index, late_m = m_per_s * pulse_centroid_s(lidar.pulse);
+  const double m_per_s = 0.5 * kLight_m_s / lidar.transport.group_index,
+               late_m = m_per_s * pulse_centroid_s(lidar.pulse);
   const std::vector<double> window_m = windows_m(plan, result, pixel, line, echoes);
-  const double each = plan.photons[static_cast<std::size_t>(line)] / samples * collecting_area_m2(receiver) * receiver.efficiency * receiver.quantum_efficiency * shot.gain *
+  const double each = plan.photons[static_cast<std::size_t>(line)] / samples * collecting_area_m2(receiver) *
+                      receiver.efficiency * receiver.quantum_efficiency * shot.gain *
                       (shot.line_gain.empty() ? 1 : shot.line_gain[static_cast<std::size_t>(line)]);
   const Stop stop{receiver.aperture_radius_m, receiver.obscuration_radius_m, receiver.half_fov_rad, receiver.focus_m};
   const bool vignetted = lidar.transport.overlap == scene::LidarOverlap::exact && !array && !backwards;
@@ -216,7 +236,8 @@ std::vector<ReturnTruth> return_truth(const scene::CompiledScene& scene, const F
     }
     if (nearest == echoes.size()) continue;
     const Diffuse matter = diffuse(scene, plan, point.surface, line);
-    const double passed = transmission(plan, volumes, line, shot, point.at_m), off_axis = dot(-1.0 * shot.pupil_axis, (1 / home) * back);
+    const double passed = transmission(plan, volumes, line, shot, point.at_m),
+                 off_axis = dot(-1.0 * shot.pupil_axis, (1 / home) * back);
     // Angle with the way to the end of the path: the pupil, or back to the exit. Behind a leaf: what it lets through.
     const double facing = backwards ? -dot(point.normal, (1 / out_m) * there) : dot(point.normal, (1 / home) * back);
     const double scattered = (facing > 0 ? matter.reflectance : matter.through) / M_PI * std::abs(facing);
@@ -224,7 +245,9 @@ std::vector<ReturnTruth> return_truth(const scene::CompiledScene& scene, const F
     if (backwards) {
       const double along = dot(there, shot.exit_axis), aside = std::sqrt(std::max(0.0, out_m * out_m - along * along));
       const double solid_angle = receiver.pixel_pitch_rad * receiver.pixel_pitch_rad * off_axis * off_axis * off_axis;
-      if (along > 0) geometry = off_axis * solid_angle * fluence_per_m2(lidar.pulse, shot.half_divergence_rad, along, aside) * out_m / along;
+      if (along > 0)
+        geometry = off_axis * solid_angle * fluence_per_m2(lidar.pulse, shot.half_divergence_rad, along, aside) *
+                   out_m / along;
     } else {
       const double along = home * off_axis, aside = std::sqrt(std::max(0.0, home * home - along * along));
       if (vignetted) eta = vignetting(stop, along, aside);
@@ -234,7 +257,8 @@ std::vector<ReturnTruth> return_truth(const scene::CompiledScene& scene, const F
     ReturnTruth& truth = out[nearest];
     truth.order = 1;
     truth.expected_pe += static_cast<float>(sent);
-    truth.incidence_deg += static_cast<float>(180 / M_PI * std::acos(std::min(1.0, std::abs(dot(point.normal, (1 / out_m) * there)))));
+    truth.incidence_deg +=
+        static_cast<float>(180 / M_PI * std::acos(std::min(1.0, std::abs(dot(point.normal, (1 / out_m) * there)))));
     truth.overlap += static_cast<float>(eta);
     truth.transmission_2way += static_cast<float>(passed);
     truth.subray_share += 1;
@@ -247,8 +271,10 @@ std::vector<ReturnTruth> return_truth(const scene::CompiledScene& scene, const F
     truth.range_m = weight[e] > 0 ? range[e] / weight[e] : std::numeric_limits<double>::quiet_NaN();
     if (truth.order == 0) continue;
     const float count = truth.subray_share;
-    truth.incidence_deg /= count, truth.overlap /= count, truth.transmission_2way /= count, truth.subray_share /= static_cast<float>(samples);
-    const auto most = std::max_element(senders[e].begin(), senders[e].end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+    truth.incidence_deg /= count, truth.overlap /= count, truth.transmission_2way /= count,
+        truth.subray_share /= static_cast<float>(samples);
+    const auto most = std::max_element(senders[e].begin(), senders[e].end(),
+                                       [](const auto& a, const auto& b) { return a.second < b.second; });
     truth.object = scene.instances[most->first.first].id;
     truth.material = most->first.second;
   }

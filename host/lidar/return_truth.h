@@ -1,4 +1,5 @@
-// What stands behind a return: the surfaces that the pulse's sub-rays met within the echo, for truth beside every point.
+// What stands behind a return: the surfaces that the pulse's sub-rays met within the echo, for truth beside every
+// point.
 #pragma once
 
 #include <vector>
@@ -11,40 +12,45 @@
 namespace raycube::lidar {
 
 struct ReturnTruth {
-  double range_m = 0;               ///< half the path over the surfaces, weighted by what they send back; NaN: no first surface there
-  float expected_pe = 0;            ///< photo-electrons of these surfaces, once scattered, without gloss and the image's blur
-  int order = 0;                    ///< 1; 0 where no first surface explains the echo (noise, air, later bounces)
-  std::uint32_t object = RC_NONE;   ///< the user's instance number of the surface that sends most
-  std::uint32_t material = RC_NONE; ///< its material with the largest share
-  float incidence_deg = 0;          ///< mean angle between beam and normal
-  float overlap = 0;                ///< mean vignetting
-  float transmission_2way = 0;      ///< of air and volumes from exit to pupil, mean of the line after the exponential
-  float subray_share = 0;           ///< of the pulse's sub-rays (receiver sampling: of the pixel's samples)
+  double range_m =
+      0;  ///< half the path over the surfaces, weighted by what they send back; NaN: no first surface there
+  float expected_pe = 0;  ///< photo-electrons of these surfaces, once scattered, without gloss and the image's blur
+  int order = 0;          ///< 1; 0 where no first surface explains the echo (noise, air, later bounces)
+  std::uint32_t object = RC_NONE;    ///< the user's instance number of the surface that sends most
+  std::uint32_t material = RC_NONE;  ///< its material with the largest share
+  float incidence_deg = 0;           ///< mean angle between beam and normal
+  float overlap = 0;                 ///< mean vignetting
+  float transmission_2way = 0;       ///< of air and volumes from exit to pupil, mean of the line after the exponential
+  float subray_share = 0;            ///< of the pulse's sub-rays (receiver sampling: of the pixel's samples)
 };
 
 /// A sub-ray's first surface.
 struct SurfacePoint {
-  Vec3 at_m{}, normal{};            ///< unit normal towards the sub-ray's start
+  Vec3 at_m{}, normal{};  ///< unit normal towards the sub-ray's start
   std::uint32_t surface = RC_NONE, instance = RC_NONE;
   bool hit = false;
 };
-/// Where sub-ray k of a shot (of a pixel, receiver sampling) meets its first surface, in double, on the plane of the triangle that was hit.
-SurfacePoint surface_point(const scene::CompiledScene& scene, const LidarPlan& plan, const Shot& shot, int pixel, int k, const FirstHit& hit);
+/// Where sub-ray k of a shot (of a pixel, receiver sampling) meets its first surface, in double, on the plane of the
+/// triangle that was hit.
+SurfacePoint surface_point(const scene::CompiledScene& scene, const LidarPlan& plan, const Shot& shot, int pixel, int k,
+                           const FirstHit& hit);
 /// Start and unit direction of it.
 struct SubRay {
   Vec3 from_m{}, direction{};
 };
 SubRay sub_ray(const LidarPlan& plan, const Shot& shot, int pixel, int k);
 
-/// One for each echo of a pixel's record. A sub-ray belongs to the nearest echo within the recorded pulse's width (2.355 standard deviations) and a bin
-/// of it (geiger: within the pulse's span of an event that surfaces most likely made: a strong return fires a cell long before its
-/// power has come); sub-rays into an array to the pixel that sees their surface. A plate is the first surface of its sub-rays: what lies behind it is
-/// not explained (order 0 unless other sub-rays met it directly). `result.hits` must be there; volumes: flatten_volumes of the scene's.
-std::vector<ReturnTruth> return_truth(const scene::CompiledScene& scene, const FlatVolumes& volumes, const LidarPlan& plan, const ShotResult& result,
-                                      int pixel, int line, const std::vector<Echo>& echoes);
+/// One for each echo of a pixel's record. A sub-ray belongs to the nearest echo within the recorded pulse's width
+/// (2.355 standard deviations) and a bin of it (geiger: within the pulse's span of an event that surfaces most likely
+/// made: a strong return fires a cell long before its power has come); sub-rays into an array to the pixel that sees
+/// their surface. A plate is the first surface of its sub-rays: what lies behind it is not explained (order 0 unless
+/// other sub-rays met it directly). `result.hits` must be there; volumes: flatten_volumes of the scene's.
+std::vector<ReturnTruth> return_truth(const scene::CompiledScene& scene, const FlatVolumes& volumes,
+                                      const LidarPlan& plan, const ShotResult& result, int pixel, int line,
+                                      const std::vector<Echo>& echoes);
 
-/// Where a return appears: on the line of sight (the beam's axis; receiver sampling: the pixel's) so far from its start that the path
-/// from the exit and to the pupil is twice its range.
+/// Where a return appears: on the line of sight (the beam's axis; receiver sampling: the pixel's) so far from its start
+/// that the path from the exit and to the pupil is twice its range.
 Vec3 apparent_point(const LidarPlan& plan, const Shot& shot, int pixel, double range_m);
 
 }  // namespace raycube::lidar

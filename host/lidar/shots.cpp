@@ -34,14 +34,16 @@ Turn along(double angle_rad) {
   return {{1, 0, 0}, {0, c, s}, {0, -s, c}};
 }
 
-/// The shortest turn that takes -z away by `angle_rad`, towards +y turned by `azimuth_rad` to the right: the instrument does not roll about its axis.
+/// The shortest turn that takes -z away by `angle_rad`, towards +y turned by `azimuth_rad` to the right: the instrument
+/// does not roll about its axis.
 Turn lean(double angle_rad, double azimuth_rad) {
   const double ca = std::cos(azimuth_rad), sa = std::sin(azimuth_rad);
   const Turn to{{ca, -sa, 0}, {sa, ca, 0}, {0, 0, 1}}, back{{ca, sa, 0}, {-sa, ca, 0}, {0, 0, 1}};
   return to * along(angle_rad) * back;
 }
 
-/// Scene (x east, y north, z up) from platform (x right, y forward, z up): yaw, pitch, roll (z-y-x, intrinsic), as instruments have it.
+/// Scene (x east, y north, z up) from platform (x right, y forward, z up): yaw, pitch, roll (z-y-x, intrinsic), as
+/// instruments have it.
 Turn scene_from_platform(const scene::LidarPose& pose) {
   constexpr double kRad = M_PI / 180;
   const double ch = std::cos(pose.heading_deg * kRad), sh = std::sin(pose.heading_deg * kRad);
@@ -55,20 +57,28 @@ Turn scene_from_platform(const scene::LidarPose& pose) {
 base::Attitude attitude_of(const scene::LidarPose& pose) { return {pose.roll_deg, pose.pitch_deg, pose.heading_deg}; }
 
 scene::LidarPose pose_at(const std::vector<scene::LidarPose>& poses, double time_s) {
-  const auto after = std::upper_bound(poses.begin(), poses.end(), time_s, [](double t, const scene::LidarPose& pose) { return t < pose.time_s; });
+  const auto after = std::upper_bound(poses.begin(), poses.end(), time_s,
+                                      [](double t, const scene::LidarPose& pose) { return t < pose.time_s; });
   if (after == poses.begin()) return poses.front();
   if (after == poses.end()) return poses.back();
   const scene::LidarPose &a = *(after - 1), &b = *after;
   const double share = (time_s - a.time_s) / (b.time_s - a.time_s);
   const base::Attitude turned = base::attitude_between(attitude_of(a), attitude_of(b), share);
-  return {time_s, a.x_m + share * (b.x_m - a.x_m), a.y_m + share * (b.y_m - a.y_m), a.z_m + share * (b.z_m - a.z_m),
-          turned.roll_deg, turned.pitch_deg, turned.heading_deg};
+  return {time_s,
+          a.x_m + share * (b.x_m - a.x_m),
+          a.y_m + share * (b.y_m - a.y_m),
+          a.z_m + share * (b.z_m - a.z_m),
+          turned.roll_deg,
+          turned.pitch_deg,
+          turned.heading_deg};
 }
 
-/// How the scanner turns a mount's boresight for a pulse; nullopt: it does not fire. Phases count from pulse 0, so they stay exact on any clock.
+/// How the scanner turns a mount's boresight for a pulse; nullopt: it does not fire. Phases count from pulse 0, so they
+/// stay exact on any clock.
 std::optional<Turn> scan_turn(const scene::Lidar& lidar, std::int64_t pulse) {
   const scene::LidarScan& scan = lidar.scan;
-  const double cycles = scan.scan_rate_hz * static_cast<double>(pulse) / lidar.prf_hz, phase = cycles - std::floor(cycles);
+  const double cycles = scan.scan_rate_hz * static_cast<double>(pulse) / lidar.prf_hz,
+               phase = cycles - std::floor(cycles);
   switch (scan.pattern) {
     case scene::ScanPattern::fixed:
       break;
@@ -93,7 +103,9 @@ std::optional<Turn> scan_turn(const scene::Lidar& lidar, std::int64_t pulse) {
 }
 
 /// Platform from mount: tilted across, then along.
-Turn platform_from_mount(const scene::LidarMount& mount) { return along(mount.tilt_along_rad) * across(mount.tilt_across_rad); }
+Turn platform_from_mount(const scene::LidarMount& mount) {
+  return along(mount.tilt_along_rad) * across(mount.tilt_across_rad);
+}
 
 Vec3 placed(const scene::LidarPose& pose, const Turn& scene_from_platform, const scene::LidarMount& mount) {
   const Vec3 lever = scene_from_platform({mount.offset_m[0], mount.offset_m[1], mount.offset_m[2]});
@@ -112,7 +124,8 @@ double footprint_turn_rad(std::uint64_t seed, std::uint64_t key) {
 std::vector<Shot> make_shots(const scene::Lidar& lidar, std::int64_t first, std::int64_t count, std::uint64_t seed) {
   std::vector<Shot> shots;
   const Turn transmitter = platform_from_mount(lidar.transmitter), receiver = platform_from_mount(lidar.receiver_mount);
-  const auto pixels = static_cast<std::uint64_t>(lidar.receiver.columns) * static_cast<std::uint64_t>(lidar.receiver.rows);
+  const auto pixels =
+      static_cast<std::uint64_t>(lidar.receiver.columns) * static_cast<std::uint64_t>(lidar.receiver.rows);
   for (std::int64_t pulse = first; pulse < first + count; ++pulse) {
     const auto scan = scan_turn(lidar, pulse);
     if (!scan) continue;
@@ -124,14 +137,16 @@ std::vector<Shot> make_shots(const scene::Lidar& lidar, std::int64_t first, std:
     const Turn field = platform * (lidar.receiver.scans_with_beam ? receiver * *scan : receiver);
     shot.exit_m = placed(pose, platform, lidar.transmitter);
     shot.exit_axis = minus(beam.z);
-    const double turn_rad = footprint_turn_rad(seed, static_cast<std::uint64_t>(pulse) * pixels), c = std::cos(turn_rad), s = std::sin(turn_rad);
+    const double turn_rad = footprint_turn_rad(seed, static_cast<std::uint64_t>(pulse) * pixels),
+                 c = std::cos(turn_rad), s = std::sin(turn_rad);
     for (std::size_t i = 0; i < 3; ++i) shot.exit_u[i] = c * beam.x[i] + s * beam.y[i];
     shot.pupil_m = placed(pose, platform, lidar.receiver_mount);
     shot.pupil_axis = minus(field.z);
     shot.pupil_u = field.x;
     shot.half_divergence_rad = lidar.pulse.half_divergence_rad;
     const double heading_rad = pose.heading_deg * M_PI / 180;
-    shot.scan_angle_rad = std::atan2(shot.exit_axis[0] * std::cos(heading_rad) - shot.exit_axis[1] * std::sin(heading_rad), -shot.exit_axis[2]);
+    shot.scan_angle_rad = std::atan2(
+        shot.exit_axis[0] * std::cos(heading_rad) - shot.exit_axis[1] * std::sin(heading_rad), -shot.exit_axis[2]);
   }
   return shots;
 }

@@ -17,17 +17,20 @@ constexpr double kLight = 299792458.0;
 
 /// Length of the pulse as speckle knows it, s.
 double pulse_length_s(const scene::LidarPulse& pulse) {
-  if (pulse.shape == scene::PulseShape::tabulated && !pulse.shape_time_s.empty()) return pulse.shape_time_s.back() - pulse.shape_time_s.front();
+  if (pulse.shape == scene::PulseShape::tabulated && !pulse.shape_time_s.empty())
+    return pulse.shape_time_s.back() - pulse.shape_time_s.front();
   return pulse.fwhm_s;
 }
 
 }  // namespace
 
 double pupil_autocorrelation(double pupil_m, double obscuration_m, double shift_m) {
-  return circle_overlap(pupil_m, pupil_m, shift_m) - 2 * circle_overlap(pupil_m, obscuration_m, shift_m) + circle_overlap(obscuration_m, obscuration_m, shift_m);
+  return circle_overlap(pupil_m, pupil_m, shift_m) - 2 * circle_overlap(pupil_m, obscuration_m, shift_m) +
+         circle_overlap(obscuration_m, obscuration_m, shift_m);
 }
 
-double spatial_modes(double pupil_m, double obscuration_m, bool gaussian, double spot_m, double wavelength_m, double range_m) {
+double spatial_modes(double pupil_m, double obscuration_m, bool gaussian, double spot_m, double wavelength_m,
+                     double range_m) {
   const double area = M_PI * (pupil_m * pupil_m - obscuration_m * obscuration_m);
   if (!(area > 0) || !(spot_m > 0) || !(range_m > 0)) return 1;
   const double scale = M_PI * spot_m / (wavelength_m * range_m);  // 1/m
@@ -46,8 +49,9 @@ double spatial_modes(double pupil_m, double obscuration_m, bool gaussian, double
   std::sort(breaks.begin(), breaks.end());
   double integral = 0;
   for (std::size_t i = 1; i < breaks.size() && breaks[i - 1] < end; ++i)
-    integral += integrate_branch_ends([&](double s) { return 2 * M_PI * s * pupil_autocorrelation(pupil_m, obscuration_m, s) / area * coherence(s); },
-                                      breaks[i - 1], std::min(end, breaks[i]));
+    integral += integrate_branch_ends(
+        [&](double s) { return 2 * M_PI * s * pupil_autocorrelation(pupil_m, obscuration_m, s) / area * coherence(s); },
+        breaks[i - 1], std::min(end, breaks[i]));
   return std::max(1.0, area / integral);
 }
 
@@ -62,7 +66,9 @@ double effective_area_m2(const std::vector<double>& energy, const std::vector<do
 
 double temporal_modes(double width_hz, double pulse_s) { return std::hypot(1.0, width_hz * pulse_s); }
 
-double line_width_hz(double wavelength_um, double fwhm_um) { return kLight * fwhm_um * 1e-6 / (wavelength_um * wavelength_um * 1e-12); }
+double line_width_hz(double wavelength_um, double fwhm_um) {
+  return kLight * fwhm_um * 1e-6 / (wavelength_um * wavelength_um * 1e-12);
+}
 
 double speckle_modes(const scene::Lidar& lidar, int line, double half_divergence_rad, double range_m) {
   const scene::LidarLine& at = lidar.pulse.lines[static_cast<std::size_t>(line)];
@@ -75,11 +81,14 @@ double speckle_modes(const scene::Lidar& lidar, int line, double half_divergence
     const double pixel = lidar.receiver.pixel_pitch_rad * range_m / std::sqrt(M_PI);
     if (pixel < spot) spot = pixel, spot_gaussian = false;
   }
-  return spatial_modes(lidar.receiver.aperture_radius_m, lidar.receiver.obscuration_radius_m, spot_gaussian, spot, at.wavelength_um * 1e-6, range_m) *
-         lidar.speckle.polarization_modes * temporal_modes(line_width_hz(at.wavelength_um, at.fwhm_um), pulse_length_s(lidar.pulse));
+  return spatial_modes(lidar.receiver.aperture_radius_m, lidar.receiver.obscuration_radius_m, spot_gaussian, spot,
+                       at.wavelength_um * 1e-6, range_m) *
+         lidar.speckle.polarization_modes *
+         temporal_modes(line_width_hz(at.wavelength_um, at.fwhm_um), pulse_length_s(lidar.pulse));
 }
 
-SpeckleRow speckle_row(const LidarPlan& plan, const Shot& shot, int pixel, int line, const std::vector<double>& expected) {
+SpeckleRow speckle_row(const LidarPlan& plan, const Shot& shot, int pixel, int line,
+                       const std::vector<double>& expected) {
   const scene::Lidar& lidar = plan.lidar;
   SpeckleRow row{std::vector<double>(expected.size(), 1.0), 0};
   if (!lidar.speckle.on) return row;
@@ -87,7 +96,8 @@ SpeckleRow speckle_row(const LidarPlan& plan, const Shot& shot, int pixel, int l
   const auto pulse_bins = static_cast<std::size_t>(std::max(1.0, std::round(pulse_length_s(lidar.pulse) / bin_s)));
   const std::uint32_t key = draw_key(plan, shot.pulse, pixel);
   double strongest = 0;
-  // Modes change slowly with range: exact at steps of 10 %, between them a power of the range (within 1e-3 of the exact integral).
+  // Modes change slowly with range: exact at steps of 10 %, between them a power of the range (within 1e-3 of the exact
+  // integral).
   constexpr double kStep = 0.1;
   std::map<int, double> log_modes;
   const auto modes_at = [&](double range_m) {
@@ -103,7 +113,8 @@ SpeckleRow speckle_row(const LidarPlan& plan, const Shot& shot, int pixel, int l
   };
   const auto draw = [&](std::size_t first, std::size_t last) {  // [first, last)
     double sum = 0, moment = 0;
-    for (std::size_t i = first; i < last; ++i) sum += expected[i], moment += expected[i] * (static_cast<double>(i) + 0.5);
+    for (std::size_t i = first; i < last; ++i)
+      sum += expected[i], moment += expected[i] * (static_cast<double>(i) + 0.5);
     if (!(sum > 0)) return;
     const double time_s = lidar.gate.start_s + bin_s * moment / sum;
     const double modes = modes_at(std::max(1e-3, 0.5 * kLight * time_s / lidar.transport.group_index));
@@ -139,7 +150,8 @@ SpeckleRow speckle_row(const LidarPlan& plan, const Shot& shot, int pixel, int l
 double negative_binomial_probability(double k, double mean, double modes) {
   if (!(mean > 0)) return k == 0 ? 1 : 0;
   if (!(modes > 0)) return std::exp(k * std::log(mean) - mean - log_gamma(k + 1));
-  return std::exp(log_gamma(k + modes) - log_gamma(k + 1) - log_gamma(modes) - k * std::log1p(modes / mean) - modes * std::log1p(mean / modes));
+  return std::exp(log_gamma(k + modes) - log_gamma(k + 1) - log_gamma(modes) - k * std::log1p(modes / mean) -
+                  modes * std::log1p(mean / modes));
 }
 
 }  // namespace raycube::lidar

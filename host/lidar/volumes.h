@@ -20,7 +20,9 @@ struct FlatVolumes {
 /// Constants of kernels/lidar/volume.h, computed in double and rounded once.
 FlatVolumes flatten_volumes(const std::vector<scene::Volume>& volumes);
 
-/// Integral of a volume's field from a point to another (scene frame), m; a plume: g/m2. As the device has it, single precision.
-double volume_path(const FlatVolumes& flat, std::size_t volume, const std::array<double, 3>& from_m, const std::array<double, 3>& to_m);
+/// Integral of a volume's field from a point to another (scene frame), m; a plume: g/m2. As the device has it, single
+/// precision.
+double volume_path(const FlatVolumes& flat, std::size_t volume, const std::array<double, 3>& from_m,
+                   const std::array<double, 3>& to_m);
 
 }  // namespace raycube::lidar

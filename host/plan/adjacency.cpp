@@ -23,21 +23,24 @@ Spectrum ground_of(const EnvironmentMap& map, const scene::Simulation& simulatio
     const Spectrum back = atmos::spherical_albedo(table, z);
     for (std::size_t i = 0; i < ground.size(); ++i)
       if (!(ground[i] * back[first + i] < 1 - 1e-6))
-        throw base::Error(base::Fault::input,
-                          fmt::format("atmosphere table: at {:.6g} um the ground's mean reflectance {:.6g} times the spherical albedo {:.6g} "
-                                      "reaches 1: light would grow without end; check the row spherical_albedo",
-                                      covered_um[i], ground[i], back[first + i]));
+        throw base::Error(
+            base::Fault::input,
+            fmt::format(
+                "atmosphere table: at {:.6g} um the ground's mean reflectance {:.6g} times the spherical albedo {:.6g} "
+                "reaches 1: light would grow without end; check the row spherical_albedo",
+                covered_um[i], ground[i], back[first + i]));
   }
   return ground;
 }
 
 /// Part of T_dif that has the molecules' environment function.
-Spectrum molecular_share(const TableSpectra& air, const std::vector<double>& covered_um, double pressure_hPa, double z, double sensor_z,
-                         double zenith_rad) {
+Spectrum molecular_share(const TableSpectra& air, const std::vector<double>& covered_um, double pressure_hPa, double z,
+                         double sensor_z, double zenith_rad) {
   Spectrum share = air.diffuse_view_transmission(z, zenith_rad);
   const Spectrum factor = air.two_way_factor(z, zenith_rad);  // which that carries
   for (std::size_t i = 0; i < share.size(); ++i) {
-    const double molecules = factor[i] * atmos::molecular_diffuse_transmission(covered_um[i], pressure_hPa, z, sensor_z, std::cos(zenith_rad));
+    const double molecules = factor[i] * atmos::molecular_diffuse_transmission(covered_um[i], pressure_hPa, z, sensor_z,
+                                                                               std::cos(zenith_rad));
     share[i] = share[i] > molecules ? molecules / share[i] : 1.0;
   }
   return share;
@@ -52,21 +55,23 @@ scene::Adjacency choose_adjacency(const scene::Simulation& simulation, const atm
   if (spec.adjacency != scene::Adjacency::off && !possible)
     throw base::Error(base::Fault::input,
                       simulation.file + ": atmosphere.adjacency asks for light between ground and air, " +
-                          (spec.none ? "the model is 'none'" : "the atmosphere table lacks one of spherical_albedo, diffuse_view_transmission, "
-                                                               "diffuse_return, diffuse_irradiance") +
+                          (spec.none ? "the model is 'none'"
+                                     : "the atmosphere table lacks one of spherical_albedo, diffuse_view_transmission, "
+                                       "diffuse_return, diffuse_irradiance") +
                           "; use a table that has them, or adjacency = \"off\"");
   return spec.adjacency;
 }
 
-Spectrum plan_environment(Plan& plan, const scene::Simulation& simulation, const atmos::RenderTable& table, const Domain& domain,
-                          bool local, const std::vector<double>& covered_um, std::size_t first) {
+Spectrum plan_environment(Plan& plan, const scene::Simulation& simulation, const atmos::RenderTable& table,
+                          const Domain& domain, bool local, const std::vector<double>& covered_um, std::size_t first) {
   plan.environment = make_environment(simulation.scene, domain.view, domain.z_lo, domain.z_hi, local);
   plan.environment.pressure_hPa = simulation.atmosphere.pressure_hPa;
   return ground_of(plan.environment, simulation, table, covered_um, first);
 }
 
-void add_environment_spectra(Plan& plan, const scene::Simulation& simulation, const TableSpectra& air, const BandSpace& bands,
-                             const std::vector<double>& covered_um, const std::vector<double>& grid_um) {
+void add_environment_spectra(Plan& plan, const scene::Simulation& simulation, const TableSpectra& air,
+                             const BandSpace& bands, const std::vector<double>& covered_um,
+                             const std::vector<double>& grid_um) {
   sample_environment(plan.environment, simulation.scene, grid_um);
   const auto channels = static_cast<std::size_t>(plan.environment_channels());
   plan.environment_spectrum.resize(2 * channels);
@@ -74,7 +79,8 @@ void add_environment_spectra(Plan& plan, const scene::Simulation& simulation, co
     for (int v = 0; v < plan.view.count; ++v) {
       const double z = node_position(plan.height, h), sec = node_position(plan.view, v);
       const Spectrum light = environment_source(air, z, sec);
-      Spectrum part = molecular_share(air, covered_um, plan.environment.pressure_hPa, z, plan.environment.sensor_z_m, zenith_of_sec(sec));
+      Spectrum part = molecular_share(air, covered_um, plan.environment.pressure_hPa, z, plan.environment.sensor_z_m,
+                                      zenith_of_sec(sec));
       const auto channel = static_cast<std::size_t>(h * plan.view.count + v);
       plan.environment_spectrum[channel] = bands.to_grid(product(light, part));
       for (double& p : part) p = 1 - p;

@@ -1,4 +1,5 @@
-// Light between ground and air (S4.9) in the plan: whether there is any, the map of the ground around every place, its spectra.
+// Light between ground and air (S4.9) in the plan: whether there is any, the map of the ground around every place, its
+// spectra.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -12,14 +13,15 @@ namespace raycube::plan {
 /// What of [atmosphere] adjacency this table and air allow. Error(input) when the file asks for what the table lacks.
 scene::Adjacency choose_adjacency(const scene::Simulation& simulation, const atmos::RenderTable& table);
 
-/// Makes plan.environment and returns the scene's mean reflectance on the covered wavelengths, the first of which is number
-/// `first` of the table's. Error(input) where mean and spherical albedo let light grow without end.
-Spectrum plan_environment(Plan& plan, const scene::Simulation& simulation, const atmos::RenderTable& table, const Domain& domain,
-                          bool local, const std::vector<double>& covered_um, std::size_t first);
+/// Makes plan.environment and returns the scene's mean reflectance on the covered wavelengths, the first of which is
+/// number `first` of the table's. Error(input) where mean and spherical albedo let light grow without end.
+Spectrum plan_environment(Plan& plan, const scene::Simulation& simulation, const atmos::RenderTable& table,
+                          const Domain& domain, bool local, const std::vector<double>& covered_um, std::size_t first);
 
 /// Fills plan.environment_spectrum at the plan's nodes of height and view, and the map's curves on the plan's grid.
-void add_environment_spectra(Plan& plan, const scene::Simulation& simulation, const TableSpectra& air, const BandSpace& bands,
-                             const std::vector<double>& covered_um, const std::vector<double>& grid_um);
+void add_environment_spectra(Plan& plan, const scene::Simulation& simulation, const TableSpectra& air,
+                             const BandSpace& bands, const std::vector<double>& covered_um,
+                             const std::vector<double>& grid_um);
 
 /// For the plan's report.
 nlohmann::json describe(const EnvironmentMap& map, const scene::CompiledScene& scene);

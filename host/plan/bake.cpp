@@ -14,7 +14,8 @@ namespace {
 std::vector<std::vector<double>> environment_spectra(const Plan& plan, std::size_t node) {
   const EnvironmentMap& map = plan.environment;
   if (node >= map.nodes())
-    throw base::Error(base::Fault::bug, "bake_row: environment " + std::to_string(node) + " of " + std::to_string(map.nodes()));
+    throw base::Error(base::Fault::bug,
+                      "bake_row: environment " + std::to_string(node) + " of " + std::to_string(map.nodes()));
   const std::size_t grid = plan.wavelength_um.size(), channels = static_cast<std::size_t>(plan.environment_channels());
   std::vector<double> molecules(grid, 0.0), aerosol(grid, 0.0);
   for (std::size_t p = map.first_part[node]; p < map.first_part[node + 1]; ++p) {
@@ -26,7 +27,8 @@ std::vector<std::vector<double>> environment_spectra(const Plan& plan, std::size
   std::vector<std::vector<double>> out(channels, std::vector<double>(grid));
   for (std::size_t c = 0; c < channels; ++c)
     for (std::size_t i = 0; i < grid; ++i)
-      out[c][i] = molecules[i] * plan.environment_spectrum[c][i] + aerosol[i] * plan.environment_spectrum[channels + c][i];
+      out[c][i] =
+          molecules[i] * plan.environment_spectrum[c][i] + aerosol[i] * plan.environment_spectrum[channels + c][i];
   return out;
 }
 
@@ -36,12 +38,14 @@ std::vector<float> bake_row(const Plan& plan, const scene::CompiledScene& scene,
   const std::size_t bands = plan.bands.size(), padded = (bands + 15) / 16 * 16;
   const bool around = (key & kEnvironmentKey) != 0;
   const std::uint64_t curve = around ? 0 : key;
-  const auto environment = around ? environment_spectra(plan, static_cast<std::size_t>(key ^ kEnvironmentKey)) : std::vector<std::vector<double>>{};
+  const auto environment = around ? environment_spectra(plan, static_cast<std::size_t>(key ^ kEnvironmentKey))
+                                  : std::vector<std::vector<double>>{};
   const auto& spectra = around ? environment : curve == 0 ? plan.path_spectrum : plan.source_spectrum;
   std::vector<double> reflectance(plan.wavelength_um.size(), 1.0);
   if (curve > 0) {
     if (curve > scene.materials.size())
-      throw base::Error(base::Fault::bug, "bake_row: curve " + std::to_string(curve) + " of " + std::to_string(scene.materials.size()));
+      throw base::Error(base::Fault::bug,
+                        "bake_row: curve " + std::to_string(curve) + " of " + std::to_string(scene.materials.size()));
     reflectance = sample_curve(scene.materials[curve - 1], plan.wavelength_um);
   }
   std::vector<double> emissivity;

@@ -34,14 +34,16 @@ std::vector<double> BandSpace::to_grid(const Spectrum& on_table) const {
   std::vector<double> out;
   out.reserve(cell_.size());
   for (const Cell& c : cell_)
-    out.push_back(c.fraction > 0 ? (1 - c.fraction) * on_table[c.index] + c.fraction * on_table[c.index + 1] : on_table[c.index]);
+    out.push_back(c.fraction > 0 ? (1 - c.fraction) * on_table[c.index] + c.fraction * on_table[c.index + 1]
+                                 : on_table[c.index]);
   return out;
 }
 
 Spectrum BandSpace::spread(const std::vector<double>& band_value) const {
   Spectrum out(table_size_, 0.0);
   for (std::size_t b = 0; b < plain_.size(); ++b)
-    for (std::size_t i = 0; i < plain_[b].weight.size(); ++i) out[plain_[b].first + i] = std::max(out[plain_[b].first + i], band_value[b]);
+    for (std::size_t i = 0; i < plain_[b].weight.size(); ++i)
+      out[plain_[b].first + i] = std::max(out[plain_[b].first + i], band_value[b]);
   return out;
 }
 
@@ -57,6 +59,8 @@ std::vector<double> BandSpace::apply(const std::vector<Functional>& functionals,
 }
 
 std::vector<double> BandSpace::band_mean(const Spectrum& on_table) const { return apply(plain_, on_table); }
-std::vector<double> BandSpace::reflected_band_mean(const Spectrum& on_table) const { return apply(reflected_, on_table); }
+std::vector<double> BandSpace::reflected_band_mean(const Spectrum& on_table) const {
+  return apply(reflected_, on_table);
+}
 
 }  // namespace raycube::plan

@@ -8,13 +8,13 @@
 
 namespace raycube::plan {
 
-/// Linear interpolation of table spectra (wavelengths first .. first + count - 1 of the axis) onto the plan's grid, and band
-/// averages of table spectra, with and without a reflectance on the way.
+/// Linear interpolation of table spectra (wavelengths first .. first + count - 1 of the axis) onto the plan's grid, and
+/// band averages of table spectra, with and without a reflectance on the way.
 class BandSpace {
  public:
   /// table_um: the covered part of the table's axis; it must enclose the grid (1e-9 um).
-  BandSpace(const std::vector<double>& table_um, const std::vector<double>& grid_um, const std::vector<BandQuadrature>& bands,
-            const std::vector<double>& reflectance_on_grid);
+  BandSpace(const std::vector<double>& table_um, const std::vector<double>& grid_um,
+            const std::vector<BandQuadrature>& bands, const std::vector<double>& reflectance_on_grid);
 
   std::vector<double> to_grid(const Spectrum& on_table) const;
   std::vector<double> band_mean(const Spectrum& on_table) const;

@@ -14,8 +14,8 @@ namespace {
 
 constexpr double kSame = 0.02;      ///< of the FWHM
 constexpr double kNarrowest = 0.5;  ///< of a channel's FWHM
-constexpr double kNode_um = 1e-9;  ///< half the width of a band that stands for one node: its neighbours leak
-                                   ///< in by 1e-7 of their difference
+constexpr double kNode_um = 1e-9;   ///< half the width of a band that stands for one node: its neighbours leak
+                                    ///< in by 1e-7 of their difference
 
 struct Channel {
   double node_um, center_um, fwhm_um;
@@ -26,8 +26,7 @@ std::vector<Channel> channels_of(const atmos::RenderTable& table) {
   std::vector<Channel> out;
   if (!provenance.is_object() || !provenance.contains("channels")) return out;
   for (const auto& c : provenance["channels"])
-    if (c.is_array() && c.size() == 3)
-      out.push_back({c[0].get<double>(), c[1].get<double>(), c[2].get<double>()});
+    if (c.is_array() && c.size() == 3) out.push_back({c[0].get<double>(), c[1].get<double>(), c[2].get<double>()});
   return out;
 }
 
@@ -94,22 +93,21 @@ ChannelBands channel_bands(const scene::Instrument& instrument, const atmos::Ren
       continue;
     }
     const std::string found =
-        fmt::format("band {} is {:.6g} nm, FWHM {:.4g} nm, the nearest channel {:.6g} nm, FWHM {:.4g} nm",
-                    b + 1, 1000 * center, 1000 * fwhm, 1000 * nearest.center_um, 1000 * nearest.fwhm_um);
+        fmt::format("band {} is {:.6g} nm, FWHM {:.4g} nm, the nearest channel {:.6g} nm, FWHM {:.4g} nm", b + 1,
+                    1000 * center, 1000 * fwhm, 1000 * nearest.center_um, 1000 * nearest.fwhm_um);
     if (fwhm < kNarrowest * nearest.fwhm_um)
       problems.add({"", 0, 0, "instrument '" + instrument.name + "'"},
-                   "the atmosphere table holds means over channels, which say nothing of narrower bands",
-                   found, "import a spectrum of this resolution, or channels of this instrument");
+                   "the atmosphere table holds means over channels, which say nothing of narrower bands", found,
+                   "import a spectrum of this resolution, or channels of this instrument");
     if (mixed++ < 3) others += (others.empty() ? "" : "; ") + found;
   }
   problems.throw_if_any();
   if (mixed > 0)
-    out.notices.push_back(
-        fmt::format("the atmosphere table holds means over {} channels; {} of {} bands are none of them and "
-                    "average those means once more, which "
-                    "smears gas bands (5 % rms with bands as wide as the channels): {}{}",
-                    channels.size(), mixed, out.bands.size(), others,
-                    mixed > 3 ? fmt::format("; and {} more", mixed - 3) : ""));
+    out.notices.push_back(fmt::format(
+        "the atmosphere table holds means over {} channels; {} of {} bands are none of them and "
+        "average those means once more, which "
+        "smears gas bands (5 % rms with bands as wide as the channels): {}{}",
+        channels.size(), mixed, out.bands.size(), others, mixed > 3 ? fmt::format("; and {} more", mixed - 3) : ""));
   return out;
 }
 

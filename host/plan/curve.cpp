@@ -16,11 +16,12 @@ std::vector<double> sample_curve(const scene::Material& material, const std::vec
   out.reserve(wavelength_um.size());
   for (const double l : wavelength_um) {
     if (l < x.front() - 1e-9 || l > x.back() + 1e-9)
-      throw base::Error(base::Fault::input,
-                        fmt::format("material '{}': its curve{} covers {:.6g} to {:.6g} nm and {}, {:.6g} nm is needed; give a curve "
-                                    "that covers what the instrument sees",
-                                    material.name, material.source.empty() ? "" : " (" + material.source + ")", 1000 * x.front(),
-                                    1000 * x.back(), l < x.front() ? "begins too late" : "ends too early", 1000 * l));
+      throw base::Error(
+          base::Fault::input,
+          fmt::format("material '{}': its curve{} covers {:.6g} to {:.6g} nm and {}, {:.6g} nm is needed; give a curve "
+                      "that covers what the instrument sees",
+                      material.name, material.source.empty() ? "" : " (" + material.source + ")", 1000 * x.front(),
+                      1000 * x.back(), l < x.front() ? "begins too late" : "ends too early", 1000 * l));
     const Cell cell = find_cell(x, l);
     out.push_back((1 - cell.fraction) * y[cell.index] + cell.fraction * y[cell.index + 1]);
   }

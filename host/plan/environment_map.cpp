@@ -12,12 +12,12 @@ namespace raycube::plan {
 
 namespace {
 
-constexpr std::size_t kPlaces = 4096;        ///< around a node, for each environment function
-constexpr int kRasterPoints = 256;           ///< of a raster, along its longer side
-constexpr int kMostNodes = 128;              ///< of the map along a side
-constexpr std::size_t kMostParts = 1u << 22; ///< of the map, 24 bytes each
-/// Nodes this part of the sensor's height apart, raster points a sixteenth of that: what bilinear weights then cost is in
-/// docs/design.md.
+constexpr std::size_t kPlaces = 4096;         ///< around a node, for each environment function
+constexpr int kRasterPoints = 256;            ///< of a raster, along its longer side
+constexpr int kMostNodes = 128;               ///< of the map along a side
+constexpr std::size_t kMostParts = 1u << 22;  ///< of the map, 24 bytes each
+/// Nodes this part of the sensor's height apart, raster points a sixteenth of that: what bilinear weights then cost is
+/// in docs/design.md.
 constexpr double kStepOfHeight = 1.0 / 64, kPointsPerStep = 8;
 /// Rasters from fine to coarse reach past the view to where this much of the aerosol's light comes from.
 constexpr double kShares[] = {0.3, 0.75, 0.99};
@@ -68,8 +68,8 @@ class GroundRaster {
 };
 
 /// Counts of surfaces become shares of curves. Only surfaces in `touched` are read, and their counts set back to zero.
-void add_shares(const scene::CompiledScene& scene, std::vector<std::uint32_t>& count, std::vector<std::uint32_t>& touched,
-                double total, std::vector<double>& curve_share) {
+void add_shares(const scene::CompiledScene& scene, std::vector<std::uint32_t>& count,
+                std::vector<std::uint32_t>& touched, double total, std::vector<double>& curve_share) {
   std::sort(touched.begin(), touched.end());  // one order of summation, whatever was met first
   for (const auto s : touched) {
     const shared::Surface& surface = scene.surfaces[s];
@@ -121,16 +121,17 @@ struct Offset {
   double x, y;
 };
 
-/// Places around a node: equal shares of the environment function, golden angle from one to the next (Vogel's spiral), each
-/// moved within a cell of the map (additive recurrence of the plastic number): a node speaks for its cell, so that rows and
-/// roofs do not beat against the nodes.
+/// Places around a node: equal shares of the environment function, golden angle from one to the next (Vogel's spiral),
+/// each moved within a cell of the map (additive recurrence of the plastic number): a node speaks for its cell, so that
+/// rows and roofs do not beat against the nodes.
 std::vector<Offset> spiral(atmos::Scatterer scatterer, double height_m, double cos_view, double step_m) {
   const double turn = std::numbers::pi * (3 - std::sqrt(5.0));
   std::vector<Offset> out;
   for (std::size_t k = 0; k < kPlaces; ++k) {
     const double share = (static_cast<double>(k) + 0.5) / kPlaces;
     const double r = 1000 * atmos::environment_radius_km(scatterer, share, height_m / 1000, cos_view);
-    const double n = static_cast<double>(k) + 1, a = std::fmod(0.7548776662466927 * n, 1.0), b = std::fmod(0.5698402909980532 * n, 1.0);
+    const double n = static_cast<double>(k) + 1, a = std::fmod(0.7548776662466927 * n, 1.0),
+                 b = std::fmod(0.5698402909980532 * n, 1.0);
     out.push_back({r * std::sin(turn * n) + (a - 0.5) * step_m, r * std::cos(turn * n) + (b - 0.5) * step_m});
   }
   return out;
@@ -138,7 +139,8 @@ std::vector<Offset> spiral(atmos::Scatterer scatterer, double height_m, double c
 
 }  // namespace
 
-EnvironmentMap make_environment(const scene::CompiledScene& scene, const ViewBounds& view, double z_lo, double z_hi, bool local) {
+EnvironmentMap make_environment(const scene::CompiledScene& scene, const ViewBounds& view, double z_lo, double z_hi,
+                                bool local) {
   EnvironmentMap map;
   map.height_m = std::max(1.0, view.sensor_height_m - 0.5 * (z_lo + z_hi));
   map.sensor_z_m = view.sensor_height_m;
@@ -149,7 +151,8 @@ EnvironmentMap make_environment(const scene::CompiledScene& scene, const ViewBou
   const double step = map.height_m * kStepOfHeight;
   std::vector<Region> regions;
   for (const double share : kShares) {
-    const double reach = 1000 * atmos::environment_radius_km(atmos::Scatterer::aerosol, share, map.height_m / 1000, map.cos_view);
+    const double reach =
+        1000 * atmos::environment_radius_km(atmos::Scatterer::aerosol, share, map.height_m / 1000, map.cos_view);
     regions.push_back(footprint(view, z_lo, z_hi).grown(reach).inside(world));
   }
   if (!local) regions.erase(regions.begin(), regions.end() - 1);
@@ -180,8 +183,10 @@ EnvironmentMap make_environment(const scene::CompiledScene& scene, const ViewBou
     return map;
   }
 
-  const auto curves = static_cast<std::size_t>(std::count_if(map.mean.begin(), map.mean.end(), [](double m) { return m > 0; }));
-  const double most = std::min<double>(kMostNodes, std::sqrt(static_cast<double>(kMostParts / std::max<std::size_t>(1, curves))));
+  const auto curves =
+      static_cast<std::size_t>(std::count_if(map.mean.begin(), map.mean.end(), [](double m) { return m > 0; }));
+  const double most =
+      std::min<double>(kMostNodes, std::sqrt(static_cast<double>(kMostParts / std::max<std::size_t>(1, curves))));
   map.step_m = std::max(step, seen.longer() / (most - 1));
   map.first_x_m = seen.x_lo;
   map.first_y_m = seen.y_lo;
@@ -200,8 +205,10 @@ EnvironmentMap make_environment(const scene::CompiledScene& scene, const ViewBou
         std::size_t unknown = 0;
         for (const Offset& offset : places[f]) {
           const std::uint32_t surface = ground.at(x + offset.x, y + offset.y);
-          if (surface == RC_NONE) ++unknown;
-          else meet(surface);
+          if (surface == RC_NONE)
+            ++unknown;
+          else
+            meet(surface);
         }
         share[f] = map.mean;
         for (double& s : share[f]) s *= static_cast<double>(unknown) / kPlaces;
@@ -209,7 +216,8 @@ EnvironmentMap make_environment(const scene::CompiledScene& scene, const ViewBou
       }
       const std::size_t begin = map.part.size();
       for (std::size_t k = 0; k < share[0].size(); ++k)
-        if (share[0][k] > 0 || share[1][k] > 0) map.part.push_back({static_cast<std::uint32_t>(k + 1), share[0][k], share[1][k]});
+        if (share[0][k] > 0 || share[1][k] > 0)
+          map.part.push_back({static_cast<std::uint32_t>(k + 1), share[0][k], share[1][k]});
       close_node();
       all_alike = all_alike && map.part.size() - begin == map.first_part[1] &&
                   std::equal(map.part.begin(), map.part.begin() + static_cast<std::ptrdiff_t>(map.first_part[1]),
@@ -233,10 +241,14 @@ std::array<EnvironmentWeight, 4> environment_at(const EnvironmentMap& map, doubl
   const auto [r, fy] = place(y_m, map.first_y_m, map.rows);
   const int right = std::min(c + 1, map.columns - 1), up = std::min(r + 1, map.rows - 1);
   const auto node = [&](int row, int column) { return static_cast<std::uint32_t>(row * map.columns + column); };
-  return {{{node(r, c), (1 - fx) * (1 - fy)}, {node(r, right), fx * (1 - fy)}, {node(up, c), (1 - fx) * fy}, {node(up, right), fx * fy}}};
+  return {{{node(r, c), (1 - fx) * (1 - fy)},
+           {node(r, right), fx * (1 - fy)},
+           {node(up, c), (1 - fx) * fy},
+           {node(up, right), fx * fy}}};
 }
 
-std::vector<double> mean_reflectance(const EnvironmentMap& map, const scene::CompiledScene& scene, const std::vector<double>& wavelength_um) {
+std::vector<double> mean_reflectance(const EnvironmentMap& map, const scene::CompiledScene& scene,
+                                     const std::vector<double>& wavelength_um) {
   std::vector<double> out(wavelength_um.size(), 0.0);
   for (std::size_t c = 0; c < map.mean.size(); ++c) {
     if (map.mean[c] == 0) continue;
@@ -250,7 +262,8 @@ std::vector<double> mean_reflectance(const EnvironmentMap& map, const scene::Com
   return out;
 }
 
-void sample_environment(EnvironmentMap& map, const scene::CompiledScene& scene, const std::vector<double>& wavelength_um) {
+void sample_environment(EnvironmentMap& map, const scene::CompiledScene& scene,
+                        const std::vector<double>& wavelength_um) {
   map.reflectance.assign(scene.materials.size(), {});
   for (const auto& part : map.part)
     if (map.reflectance[part.curve - 1].empty())

@@ -30,7 +30,8 @@ double dot(const Vec& a, const Vec& b) { return a[0] * b[0] + a[1] * b[1] + a[2]
 constexpr double kBoxSlack = 1e-6;
 
 bool meets_box(const shared::BvhNode& node, std::uint32_t slot, const Ray& ray, double t_max) {
-  const Vec lo{node.lo_x[slot], node.lo_y[slot], node.lo_z[slot]}, hi{node.hi_x[slot], node.hi_y[slot], node.hi_z[slot]};
+  const Vec lo{node.lo_x[slot], node.lo_y[slot], node.lo_z[slot]},
+      hi{node.hi_x[slot], node.hi_y[slot], node.hi_z[slot]};
   double enter = 0, leave = t_max;
   for (std::size_t i = 0; i < 3; ++i) {
     const double pad = kBoxSlack * std::max({std::abs(lo[i]), std::abs(hi[i]), std::abs(ray.origin[i])});
@@ -75,7 +76,8 @@ void walk_mesh(const scene::CompiledScene& scene, std::uint32_t index, const Ray
 
 /// A world ray in an instance's frame; t stays the same.
 Ray to_local(const shared::Instance& instance, const Ray& ray) {
-  const shared::rc_float4 rows[3] = {instance.local_from_world_0, instance.local_from_world_1, instance.local_from_world_2};
+  const shared::rc_float4 rows[3] = {instance.local_from_world_0, instance.local_from_world_1,
+                                     instance.local_from_world_2};
   Ray out;
   for (std::size_t i = 0; i < 3; ++i) {
     const Vec linear{rows[i].x, rows[i].y, rows[i].z};

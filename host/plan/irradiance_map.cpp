@@ -19,7 +19,8 @@ constexpr std::size_t kTilts = 201, kAzimuths = 101;
 std::size_t cubic_weights(double at, std::size_t count, std::array<double, 4>& weight) {
   const auto last = static_cast<double>(count - 4);
   const double first = std::clamp(std::floor(at) - 1, 0.0, last), t = at - first;
-  weight = {-(t - 1) * (t - 2) * (t - 3) / 6, t * (t - 2) * (t - 3) / 2, -t * (t - 1) * (t - 3) / 2, t * (t - 1) * (t - 2) / 6};
+  weight = {-(t - 1) * (t - 2) * (t - 3) / 6, t * (t - 2) * (t - 3) / 2, -t * (t - 1) * (t - 3) / 2,
+            t * (t - 1) * (t - 2) / 6};
   return static_cast<std::size_t>(first);
 }
 
@@ -87,7 +88,8 @@ std::array<double, 4> SkyIrradiance::at(double tilt_rad, double azimuth_rad, int
   }();
   const auto& rule = rules.at(static_cast<std::size_t>(points));
   const double psi = std::abs(std::remainder(azimuth_rad, 2 * kPi));
-  const double cos_tilt = std::cos(tilt_rad), sin_tilt = std::sin(tilt_rad), cos_psi = std::cos(psi), sin_psi = std::sin(psi);
+  const double cos_tilt = std::cos(tilt_rad), sin_tilt = std::sin(tilt_rad), cos_psi = std::cos(psi),
+               sin_psi = std::sin(psi);
   const double cut = std::abs(kPi / 2 - tilt_rad);  // rings beyond this zenith angle are cut by the surface's plane
   Four sum{};
   for (std::size_t ring = 0; ring + 1 < zenith_.size(); ++ring) {
@@ -122,17 +124,20 @@ std::array<double, 4> SkyIrradiance::at(double tilt_rad, double azimuth_rad, int
   return sum;
 }
 
-IrradianceGrid::IrradianceGrid(const SkyIrradiance& exact, double sun_azimuth_rad) : sun_azimuth_(sun_azimuth_rad), value_(kTilts * kAzimuths) {
+IrradianceGrid::IrradianceGrid(const SkyIrradiance& exact, double sun_azimuth_rad)
+    : sun_azimuth_(sun_azimuth_rad), value_(kTilts * kAzimuths) {
   for (std::size_t i = 0; i < kTilts; ++i)
     for (std::size_t j = 0; j < kAzimuths; ++j)
-      value_[i * kAzimuths + j] = exact.at(kPi * static_cast<double>(i) / (kTilts - 1), kPi * static_cast<double>(j) / (kAzimuths - 1));
+      value_[i * kAzimuths + j] =
+          exact.at(kPi * static_cast<double>(i) / (kTilts - 1), kPi * static_cast<double>(j) / (kAzimuths - 1));
 }
 
 std::array<double, 4> IrradianceGrid::at(double x, double y, double z) const {
   const double tilt = std::atan2(std::sqrt(x * x + y * y), z);
   const double psi = std::abs(std::remainder(std::atan2(x, y) - sun_azimuth_, 2 * kPi));
   std::array<double, 4> wt, wp;
-  const std::size_t i = cubic_weights(tilt / kPi * (kTilts - 1), kTilts, wt), j = cubic_weights(psi / kPi * (kAzimuths - 1), kAzimuths, wp);
+  const std::size_t i = cubic_weights(tilt / kPi * (kTilts - 1), kTilts, wt),
+                    j = cubic_weights(psi / kPi * (kAzimuths - 1), kAzimuths, wp);
   Four sum{};
   for (std::size_t a = 0; a < 4; ++a)
     for (std::size_t b = 0; b < 4; ++b) {
@@ -174,7 +179,8 @@ IrradianceMap make_irradiance_map(const IrradianceGrid& grid, int size) {
     for (int u = 0; u < size; ++u) {
       const auto [x, y, z] = node_direction(size, u, v);
       const Four e = grid.at(x, y, z);
-      map.value.push_back({static_cast<float>(e[0]), static_cast<float>(e[1]), static_cast<float>(e[2]), static_cast<float>(e[3])});
+      map.value.push_back(
+          {static_cast<float>(e[0]), static_cast<float>(e[1]), static_cast<float>(e[2]), static_cast<float>(e[3])});
     }
   return map;
 }

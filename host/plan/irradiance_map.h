@@ -8,14 +8,15 @@
 
 namespace raycube::plan {
 
-/// Integrals I_m(n) = integral over the upper hemisphere of A_m(w) max(0, n.w) dOmega for maps that are linear between nodes.
-/// In azimuth the integral is closed (piecewise linear times cosine); in zenith Gauss-Legendre per node interval, split where
-/// the plane of the surface begins to cut the ring.
+/// Integrals I_m(n) = integral over the upper hemisphere of A_m(w) max(0, n.w) dOmega for maps that are linear between
+/// nodes. In azimuth the integral is closed (piecewise linear times cosine); in zenith Gauss-Legendre per node
+/// interval, split where the plane of the surface begins to cut the ring.
 class SkyIrradiance {
  public:
   explicit SkyIrradiance(const SkyBasis& basis);
 
-  /// tilt of the normal from the zenith (0..pi); azimuth of the normal relative to the sun. points: Gauss points per interval.
+  /// tilt of the normal from the zenith (0..pi); azimuth of the normal relative to the sun. points: Gauss points per
+  /// interval.
   std::array<double, 4> at(double tilt_rad, double azimuth_rad, int points = 4) const;
 
  private:
@@ -29,7 +30,7 @@ class SkyIrradiance {
   Moments moments_to(std::size_t ring, double fraction, double phi) const;
 
   std::vector<double> zenith_, azimuth_;
-  std::vector<Piece> piece_;                           ///< [ring][cell]
+  std::vector<Piece> piece_;                                       ///< [ring][cell]
   std::vector<std::array<double, 4>> circle_one_, circle_cosine_;  ///< whole rings
 };
 

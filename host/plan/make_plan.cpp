@@ -44,11 +44,13 @@ Domain make_domain(const scene::Simulation& simulation, const atmos::RenderTable
   domain.sun_azimuth = simulation.sun.azimuth_deg * kDegree;
   domain.view = view;
   // A table without sunlight holds for any sun.
-  if (!simulation.atmosphere.none && table.has("solar_irradiance") && std::abs(table.sun_zenith_deg - simulation.sun.zenith_deg) > 0.05)
-    throw base::Error(base::Fault::input,
-                      fmt::format("the atmosphere table is for a sun zenith of {:.4f} deg, the simulation has {:.4f} deg; build or "
-                                  "import a table for this sun, or set the sun to the table's",
-                                  table.sun_zenith_deg, simulation.sun.zenith_deg));
+  if (!simulation.atmosphere.none && table.has("solar_irradiance") &&
+      std::abs(table.sun_zenith_deg - simulation.sun.zenith_deg) > 0.05)
+    throw base::Error(
+        base::Fault::input,
+        fmt::format("the atmosphere table is for a sun zenith of {:.4f} deg, the simulation has {:.4f} deg; build or "
+                    "import a table for this sun, or set the sun to the table's",
+                    table.sun_zenith_deg, simulation.sun.zenith_deg));
   return domain;
 }
 
@@ -61,7 +63,8 @@ double fit_map(Plan& plan, double sun_azimuth, const std::vector<Mixture>& mixtu
     worst = 0;
     constexpr int checks = 600;
     for (int k = 0; k < checks; ++k) {  // spiral over the whole sphere of normals
-      const double z = 1 - (2 * k + 1.0) / checks, azimuth = 2 * std::numbers::pi * std::fmod(k * (std::numbers::phi - 1), 1.0);
+      const double z = 1 - (2 * k + 1.0) / checks,
+                   azimuth = 2 * std::numbers::pi * std::fmod(k * (std::numbers::phi - 1), 1.0);
       const double r = std::sqrt(1 - z * z);
       const auto want = exact.at(std::acos(z), azimuth - sun_azimuth);
       const auto found = read_between_nodes(grid, size, r * std::sin(azimuth), r * std::cos(azimuth), z);
@@ -79,8 +82,9 @@ double fit_map(Plan& plan, double sun_azimuth, const std::vector<Mixture>& mixtu
 }
 
 /// The sky with 1, 2, ... components, up to the first of at least `least` that meets its share.
-std::vector<SkyLevel> sky_levels(const SkyFactorizer& sky, Sky kind, const TableSpectra& air, const Domain& domain, const BandSpace& bands,
-                                 const std::vector<double>& typical, double share, int least = 1) {
+std::vector<SkyLevel> sky_levels(const SkyFactorizer& sky, Sky kind, const TableSpectra& air, const Domain& domain,
+                                 const BandSpace& bands, const std::vector<double>& typical, double share,
+                                 int least = 1) {
   std::vector<SkyLevel> levels;
   if (sky.black()) return levels;
   const int most = kind == Sky::thermal ? kMaxThermalComponents : kMaxSkyComponents;
@@ -111,7 +115,10 @@ nlohmann::json describe(const std::vector<SkyLevel>& levels) {
 /// Each override that is given and its value.
 nlohmann::json given_keys(const scene::PlanOverrides& given) {
   nlohmann::json out = nlohmann::json::object();
-  for (const auto& [key, value] : {std::pair{"sky_rank", given.sky_rank}, {"height_nodes", given.height_nodes}, {"view_nodes", given.view_nodes}, {"path_nodes", given.path_nodes}})
+  for (const auto& [key, value] : {std::pair{"sky_rank", given.sky_rank},
+                                   {"height_nodes", given.height_nodes},
+                                   {"view_nodes", given.view_nodes},
+                                   {"path_nodes", given.path_nodes}})
     if (value > 0) out[key] = value;
   return out;
 }
@@ -126,20 +133,27 @@ std::string describe_given(const scene::PlanOverrides& given) {
 
 /// Error of each axis of nodes with each count of them.
 nlohmann::json describe(const NodeErrors& errors) {
-  return {{"counts", kNodeCounts},           {"source_height", errors.source_height}, {"source_view", errors.source_view},
-          {"path_height", errors.path_height}, {"path_x", errors.path_x},             {"path_y", errors.path_y}};
+  return {{"counts", kNodeCounts},
+          {"source_height", errors.source_height},
+          {"source_view", errors.source_view},
+          {"path_height", errors.path_height},
+          {"path_x", errors.path_x},
+          {"path_y", errors.path_y}};
 }
 
-nlohmann::json describe(const NodeAxis& axis) { return {{"first", axis.first}, {"step", axis.step}, {"count", axis.count}}; }
+nlohmann::json describe(const NodeAxis& axis) {
+  return {{"first", axis.first}, {"step", axis.step}, {"count", axis.count}};
+}
 
 }  // namespace
 
-Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& instrument, const atmos::RenderTable& table,
-               const ViewBounds& view) {
+Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& instrument,
+               const atmos::RenderTable& table, const ViewBounds& view) {
   const base::Doing doing("planning instrument", instrument.name);
   if (simulation.sky_directions < 1 || simulation.sky_directions > kMostDirections)
-    throw base::Error(base::Fault::input, fmt::format("{}: sky_directions must be 1 to {} (found {}); 16 is the default", simulation.file,
-                                                      kMostDirections, simulation.sky_directions));
+    throw base::Error(base::Fault::input,
+                      fmt::format("{}: sky_directions must be 1 to {} (found {}); 16 is the default", simulation.file,
+                                  kMostDirections, simulation.sky_directions));
   const Domain domain = make_domain(simulation, table, view);
   const bool no_air = simulation.atmosphere.none;
   const auto& table_um = table.axis("wavelength").nodes;
@@ -156,7 +170,8 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
 
   const std::size_t first = find_cell(table_um, spectral.wavelength_um.front()).index;
   const std::size_t last = std::min(find_cell(table_um, spectral.wavelength_um.back()).index + 1, table_um.size() - 1);
-  const std::vector<double> covered(table_um.begin() + static_cast<std::ptrdiff_t>(first), table_um.begin() + static_cast<std::ptrdiff_t>(last) + 1);
+  const std::vector<double> covered(table_um.begin() + static_cast<std::ptrdiff_t>(first),
+                                    table_um.begin() + static_cast<std::ptrdiff_t>(last) + 1);
   const scene::Adjacency adjacency = choose_adjacency(simulation, table);
   Spectrum ground;
   if (adjacency != scene::Adjacency::off)
@@ -185,38 +200,47 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
   bool skylight = true;
   if (thermal.on) {
     // Sun and sky that no band and no material can see beside the thermal light get no channels.
-    solar = solar_share(air, domain, BandSpace(covered, spectral.wavelength_um, spectral.bands, spectral.largest_reflectance),
+    solar = solar_share(air, domain,
+                        BandSpace(covered, spectral.wavelength_um, spectral.bands, spectral.largest_reflectance),
                         sky.irradiance(), typical);
     if (solar.sun <= share) errors.sun_sources = 0, errors.left_out += solar.sun;
     if (solar.sky <= share) skylight = false, errors.left_out += solar.sky;
-    if (!plan.environment.empty() && solar.environment <= share) plan.environment = {}, errors.left_out += solar.environment;
+    if (!plan.environment.empty() && solar.environment <= share)
+      plan.environment = {}, errors.left_out += solar.environment;
     errors.surroundings = 1;
     thermal_levels = sky_levels(thermal_sky, Sky::thermal, air, domain, bands, typical, share);
     temperatures = temperature_levels(emitters, air, domain, bands, covered, typical);
-    for (const auto& level : temperatures) errors.temperature.emplace_back(static_cast<int>(level.node_K.size()), level.error);
+    for (const auto& level : temperatures)
+      errors.temperature.emplace_back(static_cast<int>(level.node_K.size()), level.error);
   }
   const scene::PlanOverrides& given = simulation.plan;
   if (skylight) levels = sky_levels(sky, Sky::solar, air, domain, bands, typical, share, given.sky_rank);
-  for (const auto& level : levels) errors.sky_rank.push_back(level.negative ? std::numeric_limits<double>::infinity() : level.error);
-  for (const auto& level : thermal_levels) errors.thermal_rank.push_back(level.negative ? std::numeric_limits<double>::infinity() : level.error);
+  for (const auto& level : levels)
+    errors.sky_rank.push_back(level.negative ? std::numeric_limits<double>::infinity() : level.error);
+  for (const auto& level : thermal_levels)
+    errors.thermal_rank.push_back(level.negative ? std::numeric_limits<double>::infinity() : level.error);
   NodeChoice choice;
   double budget = 0;
-  for (const double part : {kBudget, 0.75, 1.0}) {  // where the channels do not hold the budget, the cheapest that holds more
+  for (const double part :
+       {kBudget, 0.75, 1.0}) {  // where the channels do not hold the budget, the cheapest that holds more
     budget = part * simulation.tolerance;
     choice = choose_nodes(errors, budget, given);
     if (choice.within_budget) break;
   }
   if (!choice.possible)
     throw base::Error(base::Fault::input,
-                      fmt::format("{}: [plan] asks for what no plan can have{}: more than {} channels, or a sky of so few components that it takes away more "
+                      fmt::format("{}: [plan] asks for what no plan can have{}: more than {} channels, or a sky of so "
+                                  "few components that it takes away more "
                                   "than there is; give fewer nodes, another sky_rank, or remove a key",
                                   simulation.file, describe_given(given), RC_MAX_CHANNELS));
   const double total = choice.total();
   if (total > simulation.tolerance && !given.any())
-    plan.refusal = fmt::format("instrument '{}': {} channels cannot hold the tolerance of {:g}: the nodes of height, view and path and the "
-                               "sky's components leave an estimated error of {:.3g} (source {:.3g}, path {:.3g}, sky {:.3g}, temperatures {:.3g})",
-                               instrument.name, RC_MAX_CHANNELS, simulation.tolerance, total, choice.source_error, choice.path_error, choice.sky_error,
-                               choice.emission_error);
+    plan.refusal = fmt::format(
+        "instrument '{}': {} channels cannot hold the tolerance of {:g}: the nodes of height, view and path and the "
+        "sky's components leave an estimated error of {:.3g} (source {:.3g}, path {:.3g}, sky {:.3g}, temperatures "
+        "{:.3g})",
+        instrument.name, RC_MAX_CHANNELS, simulation.tolerance, total, choice.source_error, choice.path_error,
+        choice.sky_error, choice.emission_error);
 
   plan.height = make_axis(domain.z_lo, domain.z_hi, choice.height);
   plan.view = make_axis(view.sec_min, view.sec_max, choice.view);
@@ -228,68 +252,86 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
   if (choice.sky_rank > 0) factors = levels[static_cast<std::size_t>(choice.sky_rank - 1)].factors;
   plan.sky_basis = factors.basis;
   SkyFactors thermal_factors;
-  if (choice.thermal_rank > 0) thermal_factors = thermal_levels[static_cast<std::size_t>(choice.thermal_rank - 1)].factors;
+  if (choice.thermal_rank > 0)
+    thermal_factors = thermal_levels[static_cast<std::size_t>(choice.thermal_rank - 1)].factors;
   if (thermal.on)
-    plan.thermal =
-        make_thermal(simulation.scene, emitters, temperatures[choice.temperature], thermal_factors);
+    plan.thermal = make_thermal(simulation.scene, emitters, temperatures[choice.temperature], thermal_factors);
   std::vector<std::vector<double>> planck;  // of the surroundings, then of the temperature nodes, on the grid
   if (thermal.on) planck.push_back(planck_spectrum(spectral.wavelength_um, plan.thermal.surroundings_K));
-  for (const double kelvin : plan.thermal.temperature_K) planck.push_back(planck_spectrum(spectral.wavelength_um, kelvin));
+  for (const double kelvin : plan.thermal.temperature_K)
+    planck.push_back(planck_spectrum(spectral.wavelength_um, kelvin));
 
   plan.source_spectrum.resize(static_cast<std::size_t>(plan.source_channels()));
   for (int h = 0; h < plan.height.count; ++h) {
     const double z = node_position(plan.height, h);
-    if (air.has_sky() && air.knows_flux_of_sky()) plan.sky_flux.add(z, first, sky_flux_scale(air, z, domain.sun_zenith));
+    if (air.has_sky() && air.knows_flux_of_sky())
+      plan.sky_flux.add(z, first, sky_flux_scale(air, z, domain.sun_zenith));
     const SkySpectra component = sky_spectra(factors, air, z), emitted_sky = sky_spectra(thermal_factors, air, z);
     for (int v = 0; v < plan.view.count; ++v) {
       const double sec = node_position(plan.view, v);
-      const auto channel = [&](int source) { return static_cast<std::size_t>((source * plan.height.count + h) * plan.view.count + v); };
+      const auto channel = [&](int source) {
+        return static_cast<std::size_t>((source * plan.height.count + h) * plan.view.count + v);
+      };
       if (plan.sun_sources > 0) plan.source_spectrum[channel(0)] = bands.to_grid(sun_source(air, z, sec));
       const Spectrum up = sky_path(air, z, sec);
       for (int m = 0; m < plan.sky_components; ++m)
-        plan.source_spectrum[channel(plan.first_component() + m)] = bands.to_grid(product(component[static_cast<std::size_t>(m)], up));
+        plan.source_spectrum[channel(plan.first_component() + m)] =
+            bands.to_grid(product(component[static_cast<std::size_t>(m)], up));
       plan.transmission_spectrum.push_back(bands.to_grid(air.view_transmission(z, zenith_of_sec(sec))));
       if (!plan.thermal.on) continue;
       const Spectrum thermal_up = sky_path(air, z, sec, Sky::thermal);
-      const int warm_sky = plan.first_component() + plan.sky_components, surroundings = warm_sky + plan.thermal.sky_components;
+      const int warm_sky = plan.first_component() + plan.sky_components,
+                surroundings = warm_sky + plan.thermal.sky_components;
       for (int m = 0; m < plan.thermal.sky_components; ++m)
-        plan.source_spectrum[channel(warm_sky + m)] = bands.to_grid(product(emitted_sky[static_cast<std::size_t>(m)], thermal_up));
-      plan.source_spectrum[channel(surroundings)] = product(planck[0], plan.transmission_spectrum.back(), 1 / std::numbers::pi);
+        plan.source_spectrum[channel(warm_sky + m)] =
+            bands.to_grid(product(emitted_sky[static_cast<std::size_t>(m)], thermal_up));
+      plan.source_spectrum[channel(surroundings)] =
+          product(planck[0], plan.transmission_spectrum.back(), 1 / std::numbers::pi);
       for (int k = 0; k < plan.thermal.nodes(); ++k)
-        plan.source_spectrum[channel(plan.first_emission() + k)] = product(planck[static_cast<std::size_t>(1 + k)], plan.transmission_spectrum.back());
+        plan.source_spectrum[channel(plan.first_emission() + k)] =
+            product(planck[static_cast<std::size_t>(1 + k)], plan.transmission_spectrum.back());
     }
     for (int y = 0; y < plan.path_y.count; ++y)
       for (int x = 0; x < plan.path_x.count; ++x)
-        plan.path_spectrum.push_back(bands.to_grid(path_source(air, domain, z, node_position(plan.path_x, x), node_position(plan.path_y, y))));
+        plan.path_spectrum.push_back(
+            bands.to_grid(path_source(air, domain, z, node_position(plan.path_x, x), node_position(plan.path_y, y))));
   }
 
   if (!plan.environment.empty()) add_environment_spectra(plan, simulation, air, bands, covered, spectral.wavelength_um);
 
   double map_error = 0;
-  if (plan.sky_components > 0) map_error = fit_map(plan, domain.sun_azimuth, levels[static_cast<std::size_t>(choice.sky_rank - 1)].mixture);
+  if (plan.sky_components > 0)
+    map_error = fit_map(plan, domain.sun_azimuth, levels[static_cast<std::size_t>(choice.sky_rank - 1)].mixture);
   if (plan.components() > 0)
-    plan.sky = make_sky_sets(plan.sky_basis, domain.sun_azimuth, simulation.sky_directions, simulation.seed, plan.sky_components,
-                             plan.thermal.on ? &plan.thermal : nullptr);
-  if (plan.components() > 0) plan.sky.share = sky_share(simulation.sky_share, instrument.samples_u * instrument.samples_v, plan.sky.directions);
+    plan.sky = make_sky_sets(plan.sky_basis, domain.sun_azimuth, simulation.sky_directions, simulation.seed,
+                             plan.sky_components, plan.thermal.on ? &plan.thermal : nullptr);
+  if (plan.components() > 0)
+    plan.sky.share = sky_share(simulation.sky_share, instrument.samples_u * instrument.samples_v, plan.sky.directions);
 
   nlohmann::json report = {
       {"tolerance", simulation.tolerance},
       {"budget", budget},
-      {"spectral_grid", {{"points", spectral.wavelength_um.size()}, {"table_nodes", covered.size()}, {"bands", spectral.bands.size()}}},
+      {"spectral_grid",
+       {{"points", spectral.wavelength_um.size()}, {"table_nodes", covered.size()}, {"bands", spectral.bands.size()}}},
       {"height_m", describe(plan.height)},
       {"sec_view_zenith", describe(plan.view)},
       {"path_x", describe(plan.path_x)},
       {"path_y", describe(plan.path_y)},
       {"source_channels", plan.source_channels()},
       {"path_channels", plan.path_channels()},
-      {"error", {{"source_nodes", choice.source_error}, {"path_nodes", choice.path_error}, {"sky_components", choice.sky_error}, {"total", total}}},
-      {"sky", {{"components", plan.sky_components},
-               {"levels", describe(levels)},
-               {"sets", plan.sky.sets},
-               {"directions", plan.sky.directions},
-               {"share", plan.sky.share},
-               {"irradiance_map_size", plan.irradiance.size},
-               {"irradiance_map_error", map_error}}},
+      {"error",
+       {{"source_nodes", choice.source_error},
+        {"path_nodes", choice.path_error},
+        {"sky_components", choice.sky_error},
+        {"total", total}}},
+      {"sky",
+       {{"components", plan.sky_components},
+        {"levels", describe(levels)},
+        {"sets", plan.sky.sets},
+        {"directions", plan.sky.directions},
+        {"share", plan.sky.share},
+        {"irradiance_map_size", plan.irradiance.size},
+        {"irradiance_map_error", map_error}}},
       {"adjacency", describe(plan.environment, simulation.scene)},
       {"node_errors", describe(errors)}};
   if (given.any()) report["given"] = given_keys(given), report["within_tolerance"] = total <= simulation.tolerance;
@@ -308,12 +350,15 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
   }
   if (!thermal.on && thermal.share > 0)
     report["thermal_left_out"] = {{"share", thermal.share}, {"band", thermal.band}, {"from", thermal.from}};
-  if (const double d = diffuse_row_difference(air, domain, bands, sky.sampled_irradiance()); d >= 0 && plan.sky_components > 0) {
+  if (const double d = diffuse_row_difference(air, domain, bands, sky.sampled_irradiance());
+      d >= 0 && plan.sky_components > 0) {
     report["sky"]["diffuse_irradiance_row_difference"] = d;
     if (d > kAnotherSky && air.knows_flux_of_sky())
-      plan.notices.push_back(fmt::format("the atmosphere table's sky_radiance_solar sums to another irradiance than its diffuse_irradiance, "
-                                         "{:.3g} % off in the worst band: the sky takes its shape from the one and its brightness from the other; "
-                                         "give the sky on a finer grid of directions, or mend the rows", 100 * d));
+      plan.notices.push_back(fmt::format(
+          "the atmosphere table's sky_radiance_solar sums to another irradiance than its diffuse_irradiance, "
+          "{:.3g} % off in the worst band: the sky takes its shape from the one and its brightness from the other; "
+          "give the sky on a finer grid of directions, or mend the rows",
+          100 * d));
   }
   plan.report_json = report.dump(2);
   plan.wavelength_um = std::move(spectral.wavelength_um);

@@ -68,18 +68,23 @@ NodeChoice choose_nodes(const NodeErrors& errors, double budget, const scene::Pl
         for (std::size_t v = 0; v < kNodeCounts.size(); ++v)
           for (std::size_t x = 0; x < kNodeCounts.size(); ++x)
             for (std::size_t y = 0; y < kNodeCounts.size(); ++y) {
-              if (!allowed(given.height_nodes, h) || !allowed(given.view_nodes, v) || !allowed(given.path_nodes, x) || !allowed(given.path_nodes, y)) continue;
+              if (!allowed(given.height_nodes, h) || !allowed(given.view_nodes, v) || !allowed(given.path_nodes, x) ||
+                  !allowed(given.path_nodes, y))
+                continue;
               const int sources = errors.sun_sources + static_cast<int>(rank) + level.rank + errors.surroundings;
-              const int source = sources * kNodeCounts[h] * kNodeCounts[v], emission = level.nodes * kNodeCounts[h] * kNodeCounts[v];
+              const int source = sources * kNodeCounts[h] * kNodeCounts[v],
+                        emission = level.nodes * kNodeCounts[h] * kNodeCounts[v];
               const int path = kNodeCounts[h] * kNodeCounts[x] * kNodeCounts[y];
               if (source > RC_MAX_CHANNELS || emission > RC_MAX_CHANNELS || path > RC_MAX_CHANNELS) continue;
               NodeChoice choice;
               choice.height = kNodeCounts[h], choice.view = kNodeCounts[v];
               choice.path_x = kNodeCounts[x], choice.path_y = kNodeCounts[y];
-              choice.sky_rank = static_cast<int>(rank), choice.thermal_rank = level.rank, choice.temperature = level.temperature;
+              choice.sky_rank = static_cast<int>(rank), choice.thermal_rank = level.rank,
+              choice.temperature = level.temperature;
               choice.source_error = errors.source_height[h] + errors.source_view[v];
               choice.path_error = errors.path_height[h] + errors.path_x[x] + errors.path_y[y];
-              choice.sky_error = sky_error, choice.emission_error = level.emission_error, choice.left_out = errors.left_out;
+              choice.sky_error = sky_error, choice.emission_error = level.emission_error,
+              choice.left_out = errors.left_out;
               choice.within_budget = choice.total() <= budget;
               const int cost = 4 * (source + emission) + path;  // material rows are many, the path row is one
               bool better = !found;

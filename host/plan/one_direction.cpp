@@ -23,9 +23,8 @@ bool from_runs(const atmos::RenderTable& table) {
   const auto provenance = nlohmann::json::parse(table.provenance_json, nullptr, false);
   if (!provenance.is_object() || provenance.value("model", "") != "imported" || !provenance.contains("files"))
     return false;
-  return std::any_of(provenance["files"].begin(), provenance["files"].end(), [](const auto& file) {
-    return file.is_object() && file.value("format", "") != "plain-csv";
-  });
+  return std::any_of(provenance["files"].begin(), provenance["files"].end(),
+                     [](const auto& file) { return file.is_object() && file.value("format", "") != "plain-csv"; });
 }
 
 /// Air between a height and the sensor, in parts of the whole above z = 0.
@@ -41,7 +40,8 @@ std::vector<std::string> one_direction_notices(const atmos::RenderTable& table, 
   if (!from_runs(table)) return notices;
   base::Problems problems;
   const base::Where where{"", 0, 0, "instrument '" + instrument + "'"};
-  const auto judge = [&](double off, const char* of, const std::string& what, const std::string& found, const char* way_out) {
+  const auto judge = [&](double off, const char* of, const std::string& what, const std::string& found,
+                         const char* way_out) {
     const std::string away = what + fmt::format(", {:.3g} % of {} away from what is seen", 100 * std::abs(off), of);
     if (std::abs(off) > kRefused)
       problems.add(where, away, found, way_out);
@@ -60,12 +60,16 @@ std::vector<std::string> one_direction_notices(const atmos::RenderTable& table, 
           "import runs at several view zeniths, or narrow the view");
   }
   if (targets.size() == 1) {
-    // Of the whole column, not of the path: from a hundred metres up the path is a hundredth of it, and what it adds as little of the light.
+    // Of the whole column, not of the path: from a hundred metres up the path is a hundredth of it, and what it adds as
+    // little of the light.
     const double air = air_below(view.sensor_height_m, targets[0]);
-    judge(farther(air_below(view.sensor_height_m, heights.lo_m) - air, air_below(view.sensor_height_m, heights.hi_m) - air),
-          "the column of air", fmt::format("the imported atmosphere table holds one target height, {:.5g} m", targets[0]),
+    judge(farther(air_below(view.sensor_height_m, heights.lo_m) - air,
+                  air_below(view.sensor_height_m, heights.hi_m) - air),
+          "the column of air",
+          fmt::format("the imported atmosphere table holds one target height, {:.5g} m", targets[0]),
           fmt::format("scene from {:.5g} to {:.5g} m", heights.lo_m, heights.hi_m),
-          "import spectra of runs that end at several heights (channels of a .chn hold one), or move the scene to that height");
+          "import spectra of runs that end at several heights (channels of a .chn hold one), or move the scene to that "
+          "height");
   }
   problems.throw_if_any();
   if (azimuths.size() == 1 && zeniths.back() > 0.01 && angle(view.sec_max) > kToldOffNadir_deg)

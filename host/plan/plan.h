@@ -1,5 +1,6 @@
-// The plan of one instrument's render: which nodes, sky components and direction sets carry the physics, and the spectra
-// that go with them. Pure data: made once on the host in double, read by the kernels' driver and by the reference.
+// The plan of one instrument's render: which nodes, sky components and direction sets carry the physics, and the
+// spectra that go with them. Pure data: made once on the host in double, read by the kernels' driver and by the
+// reference.
 #pragma once
 
 #include <array>
@@ -15,7 +16,8 @@
 
 namespace raycube::plan {
 
-/// Uniform nodes first, first + step, ...; a value between two nodes gets linear weights, outside the range it is clamped.
+/// Uniform nodes first, first + step, ...; a value between two nodes gets linear weights, outside the range it is
+/// clamped.
 struct NodeAxis {
   float first = 0, step = 1;
   int count = 1;
@@ -23,20 +25,20 @@ struct NodeAxis {
 
 /// Quadrature of one band on the spectral grid: L_band = sum_i weight[i] L(wavelength[first + i]), weights sum to 1.
 /// The grid holds the midpoint of every interval between nodes of the table and the curves, and the weights integrate
-/// quadratics against the response: exact for a curve times a spectrum, both linear between those nodes. A weight may be
-/// slightly negative where a narrow response sits inside one interval.
+/// quadratics against the response: exact for a curve times a spectrum, both linear between those nodes. A weight may
+/// be slightly negative where a narrow response sits inside one interval.
 struct BandQuadrature {
   std::size_t first = 0;
   std::vector<double> weight;
 };
 
-/// Sky directions: `sets` sets of `directions` unit vectors; a pixel takes set hash(seed, pixel) % sets. The weights carry
-/// solid angle times component map: sum_k weight[m] max(0, n.d) estimates component m's irradiance on normal n. That of the
-/// surroundings is minus the solid angle: what the sky loses, they gain.
+/// Sky directions: `sets` sets of `directions` unit vectors; a pixel takes set hash(seed, pixel) % sets. The weights
+/// carry solid angle times component map: sum_k weight[m] max(0, n.d) estimates component m's irradiance on normal n.
+/// That of the surroundings is minus the solid angle: what the sky loses, they gain.
 struct SkySets {
   int sets = 0, directions = 0;
-  int share = 1;                             ///< each sample looks into one in `share` of the directions (rc_sky_part); divides them
-  int quads = 1;                             ///< float4s of weights per direction: 2 where there are more than 4 components
+  int share = 1;  ///< each sample looks into one in `share` of the directions (rc_sky_part); divides them
+  int quads = 1;  ///< float4s of weights per direction: 2 where there are more than 4 components
   std::vector<shared::rc_float4> direction;  ///< [set][k], towards the sky; w = 0
   std::vector<shared::rc_float4> weight;     ///< [set][k][quad], components 4 quad .. 4 quad + 3 (sr)
   /// Weights of entry set * directions + k, zero past the components there are.
@@ -51,32 +53,34 @@ struct SkySets {
 };
 
 /// Unoccluded irradiance per sky component (up to 4) against the surface normal, octahedral map of size x size nodes
-/// (node (0,0) at corner -1,-1, node (size-1,size-1) at 1,1; size odd; linear on half-cells between: rc_octahedral_nodes).
-/// Per unit of the component's spectrum.
+/// (node (0,0) at corner -1,-1, node (size-1,size-1) at 1,1; size odd; linear on half-cells between:
+/// rc_octahedral_nodes). Per unit of the component's spectrum.
 struct IrradianceMap {
   int size = 0;
   std::vector<shared::rc_float4> value;  ///< [v * size + u]
 };
 
 /// The ground around every place: nodes on a uniform grid, each with the shares of materials in its environment, by the
-/// environment functions of molecules and of aerosol; bilinear between nodes, clamped outside. Row kEnvironmentKey | node.
+/// environment functions of molecules and of aerosol; bilinear between nodes, clamped outside. Row kEnvironmentKey |
+/// node.
 struct EnvironmentMap {
-  int columns = 0, rows = 0;                ///< nodes, index = row * columns + column; 0: no light between ground and air
+  int columns = 0, rows = 0;  ///< nodes, index = row * columns + column; 0: no light between ground and air
   double first_x_m = 0, first_y_m = 0, step_m = 1;  ///< of node 0, scene frame; row and column step
   struct Part {
-    std::uint32_t curve = 0;                ///< curve id
-    double molecules = 0, aerosol = 0;      ///< share of the environment; over a node's parts each sums to 1 (0: black)
+    std::uint32_t curve = 0;            ///< curve id
+    double molecules = 0, aerosol = 0;  ///< share of the environment; over a node's parts each sums to 1 (0: black)
     bool operator==(const Part&) const = default;
   };
-  std::vector<Part> part;                   ///< of all nodes, by node, then curve
-  std::vector<std::size_t> first_part;      ///< [node], and the end
-  std::vector<double> mean;                 ///< [curve id - 1]: area share of the scene's mean
-  std::array<double, 2> mean_lo_m{}, mean_hi_m{};   ///< where the mean was taken: x, y
-  double height_m = 1, cos_view = 1;        ///< of the sensor over the ground, for which the environment functions were taken
-  double sensor_z_m = 0, pressure_hPa = 0;  ///< sensor above, pressure at the scene's z = 0: for the molecules' part of T_dif
-  bool local = true;                        ///< false: the mean alone was asked for
-  double raster_m = 0;                      ///< spacing of the points that say what the ground is, near the view
-  std::vector<std::vector<double>> reflectance;     ///< [curve id - 1][grid] of the curves in `part`; empty for others
+  std::vector<Part> part;                          ///< of all nodes, by node, then curve
+  std::vector<std::size_t> first_part;             ///< [node], and the end
+  std::vector<double> mean;                        ///< [curve id - 1]: area share of the scene's mean
+  std::array<double, 2> mean_lo_m{}, mean_hi_m{};  ///< where the mean was taken: x, y
+  double height_m = 1, cos_view = 1;  ///< of the sensor over the ground, for which the environment functions were taken
+  double sensor_z_m = 0,
+         pressure_hPa = 0;  ///< sensor above, pressure at the scene's z = 0: for the molecules' part of T_dif
+  bool local = true;        ///< false: the mean alone was asked for
+  double raster_m = 0;      ///< spacing of the points that say what the ground is, near the view
+  std::vector<std::vector<double>> reflectance;  ///< [curve id - 1][grid] of the curves in `part`; empty for others
   bool empty() const { return columns == 0; }
   std::size_t nodes() const { return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows); }
 };
@@ -97,20 +101,22 @@ inline constexpr std::uint64_t kEnvironmentKey = std::uint64_t{1} << 63;
 /// at temperature nodes, linear in between: (1 - reflectance) B(node) T_view.
 struct Thermal {
   bool on = false;
-  int sky_components = 0;                    ///< 1 or 2
-  std::vector<double> temperature_K;         ///< nodes, ascending
+  int sky_components = 0;             ///< 1 or 2
+  std::vector<double> temperature_K;  ///< nodes, ascending
   double surroundings_K = 0;
   /// Where each material of a surface lies among the nodes: index + fraction, [surface][0..3].
   std::vector<shared::rc_float4> surface_node;
-  SkyBasis basis;                            ///< the thermal sky's maps
-  /// Unoccluded irradiance against the vertical component of the normal, RC_TILT_NODES from -1 to 1: the sky's components,
-  /// then the surroundings' (pi (1 - nz) / 2, what lies below the horizon). Per unit of the component's spectrum.
+  SkyBasis basis;  ///< the thermal sky's maps
+  /// Unoccluded irradiance against the vertical component of the normal, RC_TILT_NODES from -1 to 1: the sky's
+  /// components, then the surroundings' (pi (1 - nz) / 2, what lies below the horizon). Per unit of the component's
+  /// spectrum.
   std::vector<shared::rc_float4> tilt_irradiance;
   int components() const { return on ? sky_components + 1 : 0; }
   int nodes() const { return on ? static_cast<int>(temperature_K.size()) : 0; }
 };
 
-/// Factors that bring a table's sky to its flux, at some heights; linear between, 1 at wavelengths that no band sees and where there are none.
+/// Factors that bring a table's sky to its flux, at some heights; linear between, 1 at wavelengths that no band sees
+/// and where there are none.
 struct SkyFlux {
   std::vector<double> height_m;            ///< ascending
   std::size_t first = 0;                   ///< wavelength of the table's axis that scale begins with
@@ -130,42 +136,47 @@ struct SkyFlux {
   }
 };
 
-/// Channels. Material rows (curve id >= 1): channel = (source * height.count + h) * view.count + v. Sources, in order: the
-/// direct sun (scalar: max(0, n.s) times visibility) unless it is left out as too dark; the sky components (scalar: irradiance
-/// of the component, unoccluded map minus blocked directions); thermal components likewise; temperature nodes (scalar: node
-/// weight of the material's temperature). Sources up to there carry the reflectance, emission carries 1 - reflectance.
-/// Row 0 (no curve): channel = (h * path_y.count + y) * path_x.count + x, path radiance.
-/// Environment rows: channel = h * view.count + v, light of the ground around that the air scatters into the path; a pixel
-/// adds it for every sample, hit or not, as it does path radiance.
+/// Channels. Material rows (curve id >= 1): channel = (source * height.count + h) * view.count + v. Sources, in order:
+/// the direct sun (scalar: max(0, n.s) times visibility) unless it is left out as too dark; the sky components (scalar:
+/// irradiance of the component, unoccluded map minus blocked directions); thermal components likewise; temperature
+/// nodes (scalar: node weight of the material's temperature). Sources up to there carry the reflectance, emission
+/// carries 1 - reflectance. Row 0 (no curve): channel = (h * path_y.count + y) * path_x.count + x, path radiance.
+/// Environment rows: channel = h * view.count + v, light of the ground around that the air scatters into the path; a
+/// pixel adds it for every sample, hit or not, as it does path radiance.
 /// At most RC_MAX_CHANNELS of reflected sources, of emission, of the path and of the environment.
 struct Plan {
-  double tolerance = 0.01;      ///< the simulation's
-  std::vector<double> wavelength_um;               ///< spectral grid: table axis, curve nodes and midpoints near bands, ascending
+  double tolerance = 0.01;            ///< the simulation's
+  std::vector<double> wavelength_um;  ///< spectral grid: table axis, curve nodes and midpoints near bands, ascending
   std::vector<BandQuadrature> bands;
-  std::array<float, 3> sun_direction{0, 0, 1};     ///< unit, towards the sun
+  std::array<float, 3> sun_direction{0, 0, 1};  ///< unit, towards the sun
   bool sun_up = true;
-  int sun_sources = 1;                             ///< 0: too dark beside the thermal light to be a source
-  int sky_components = 0;                          ///< 0..4, of sunlight
+  int sun_sources = 1;     ///< 0: too dark beside the thermal light to be a source
+  int sky_components = 0;  ///< 0..4, of sunlight
   Thermal thermal;
-  NodeAxis height;                                 ///< target height, m above scene z = 0
-  NodeAxis view;                                   ///< sec(view zenith)
-  NodeAxis path_x, path_y;                         ///< horizontal components of the unit vector target -> sensor
-  std::vector<std::vector<double>> source_spectrum;  ///< [channel][grid]: radiance at the sensor per unit reflectance and scalar (1/pi inside)
-  std::vector<std::vector<double>> path_spectrum;    ///< [channel][grid]
-  std::vector<std::vector<double>> transmission_spectrum;  ///< [h * view.count + v][grid], target to sensor (truth layer)
+  NodeAxis height;          ///< target height, m above scene z = 0
+  NodeAxis view;            ///< sec(view zenith)
+  NodeAxis path_x, path_y;  ///< horizontal components of the unit vector target -> sensor
+  std::vector<std::vector<double>>
+      source_spectrum;  ///< [channel][grid]: radiance at the sensor per unit reflectance and scalar (1/pi inside)
+  std::vector<std::vector<double>> path_spectrum;  ///< [channel][grid]
+  std::vector<std::vector<double>>
+      transmission_spectrum;  ///< [h * view.count + v][grid], target to sensor (truth layer)
   EnvironmentMap environment;
-  std::vector<std::vector<double>> environment_spectrum;  ///< [(0 molecules, 1 aerosol) * environment_channels() + channel][grid], per unit reflectance
-  SkyFlux sky_flux;                                ///< what the full tables' sky is multiplied by to carry its flux, as the components do
-  SkyBasis sky_basis;                              ///< the components' angular maps, of which sets and map are made
-  SkySets sky;                                     ///< empty without sky components
+  std::vector<std::vector<double>>
+      /// [(0 molecules, 1 aerosol) * environment_channels() + channel][grid], per unit reflectance
+      environment_spectrum;
+  SkyFlux sky_flux;    ///< what the full tables' sky is multiplied by to carry its flux, as the components do
+  SkyBasis sky_basis;  ///< the components' angular maps, of which sets and map are made
+  SkySets sky;         ///< empty without sky components
   IrradianceMap irradiance;
-  std::string refusal;                             ///< why the tolerance is not held, by worst-case estimates of its nodes and components; empty: it is
-  std::vector<std::string> notices;                ///< what the user should know though it is no error
-  std::string report_json;                         ///< what was chosen, each block's estimated error (DESIGN section 6's table)
+  std::string
+      refusal;  ///< why the tolerance is not held, by worst-case estimates of its nodes and components; empty: it is
+  std::vector<std::string> notices;  ///< what the user should know though it is no error
+  std::string report_json;           ///< what was chosen, each block's estimated error (DESIGN section 6's table)
 
-  int components() const { return sky_components + thermal.components(); }   ///< that directions are traced for
-  int first_component() const { return sun_sources; }                        ///< its source number
-  int first_emission() const { return sun_sources + components(); }          ///< source number of temperature node 0
+  int components() const { return sky_components + thermal.components(); }  ///< that directions are traced for
+  int first_component() const { return sun_sources; }                       ///< its source number
+  int first_emission() const { return sun_sources + components(); }         ///< source number of temperature node 0
   int sources() const { return first_emission() + thermal.nodes(); }
   int source_channels() const { return sources() * height.count * view.count; }
   int environment_channels() const { return environment.empty() ? 0 : height.count * view.count; }
@@ -174,26 +185,27 @@ struct Plan {
 
 /// The extremes a plan must cover, over the centres and corners of all pixels of the instrument.
 struct ViewBounds {
-  double sec_min = 1, sec_max = 1;         ///< sec of view zenith
+  double sec_min = 1, sec_max = 1;                    ///< sec of view zenith
   double x_min = 0, x_max = 0, y_min = 0, y_max = 0;  ///< horizontal part of the unit vector target -> sensor
-  double sensor_height_m = 0;              ///< above scene z = 0
+  double sensor_height_m = 0;                         ///< above scene z = 0
   double sensor_x_min = 0, sensor_x_max = 0, sensor_y_min = 0, sensor_y_max = 0;  ///< m, scene frame
 };
 
-/// Makes the plan: spectral grid and band quadrature, node counts by bisection until the midpoint error is inside its share
-/// of `simulation.tolerance`, sky components by weighted SVD (component 0 carries the irradiance exactly), direction sets
-/// by hash of the seed. Throws Error(input) when a band leaves the table or a material's curve, or the table lacks a row. A plan that may not
-/// hold the tolerance says so in `refusal`: the caller measures it, or stops there.
-Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& instrument, const atmos::RenderTable& table,
-               const ViewBounds& view);
+/// Makes the plan: spectral grid and band quadrature, node counts by bisection until the midpoint error is inside its
+/// share of `simulation.tolerance`, sky components by weighted SVD (component 0 carries the irradiance exactly),
+/// direction sets by hash of the seed. Throws Error(input) when a band leaves the table or a material's curve, or the
+/// table lacks a row. A plan that may not hold the tolerance says so in `refusal`: the caller measures it, or stops
+/// there.
+Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& instrument,
+               const atmos::RenderTable& table, const ViewBounds& view);
 
 /// Curve ids (1-based, ascending) that some triangle carries; every material's in a scene without triangles. Only these
 /// must cover the bands.
 std::vector<std::uint32_t> used_curves(const scene::CompiledScene& scene);
 
-/// Bakes one term row in double: E[channel][band] for a curve id (0 = path) or kEnvironmentKey | node, stored as float, bands padded with zeros to a
-/// multiple of 16: result[channel * bands_padded + band]. Error(input) when the material's curve does not cover the grid,
-/// which cannot happen to a used curve.
+/// Bakes one term row in double: E[channel][band] for a curve id (0 = path) or kEnvironmentKey | node, stored as float,
+/// bands padded with zeros to a multiple of 16: result[channel * bands_padded + band]. Error(input) when the material's
+/// curve does not cover the grid, which cannot happen to a used curve.
 std::vector<float> bake_row(const Plan& plan, const scene::CompiledScene& scene, std::uint64_t key);
 
 }  // namespace raycube::plan

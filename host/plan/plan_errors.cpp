@@ -48,8 +48,8 @@ Bands emitted_bands(const TableSpectra& air, const BandSpace& bands, const Spect
 
 }  // namespace
 
-std::vector<double> typical_radiance(const TableSpectra& air, const Domain& domain, const BandSpace& bands, const Spectrum& sky_irradiance,
-                                     const TypicalThermal& thermal) {
+std::vector<double> typical_radiance(const TableSpectra& air, const Domain& domain, const BandSpace& bands,
+                                     const Spectrum& sky_irradiance, const TypicalThermal& thermal) {
   const double mu0 = std::max(0.0, std::cos(domain.sun_zenith)), z = domain.z(0.5), sec = domain.sec(0.5);
   Bands typical = sum(bands.reflected_band_mean(sun_source(air, z, sec)),
                       bands.reflected_band_mean(product(sky_irradiance, sky_path(air, z, sec))), mu0);
@@ -57,26 +57,32 @@ std::vector<double> typical_radiance(const TableSpectra& air, const Domain& doma
   typical = sum(typical, bands.band_mean(path_source(air, domain, z, domain.x(0.5), domain.y(0.5))));
   if (!thermal.planck.empty()) {
     typical = sum(typical, emitted_bands(air, bands, thermal.planck, z, sec));
-    typical = sum(typical, bands.reflected_band_mean(product(thermal.sky_irradiance, sky_path(air, z, sec, Sky::thermal))));
+    typical =
+        sum(typical, bands.reflected_band_mean(product(thermal.sky_irradiance, sky_path(air, z, sec, Sky::thermal))));
   }
   const double largest = *std::max_element(typical.begin(), typical.end());
-  for (double& value : typical) value = std::max(value, std::max(kBandFloor * largest, std::numeric_limits<double>::min()));
+  for (double& value : typical)
+    value = std::max(value, std::max(kBandFloor * largest, std::numeric_limits<double>::min()));
   return typical;
 }
 
-SolarShare solar_share(const TableSpectra& air, const Domain& domain, const BandSpace& brightest, const Spectrum& sky_irradiance,
-                       const std::vector<double>& typical) {
+SolarShare solar_share(const TableSpectra& air, const Domain& domain, const BandSpace& brightest,
+                       const Spectrum& sky_irradiance, const std::vector<double>& typical) {
   const Bands sun = divide(brightest.reflected_band_mean(sun_source(air, domain.z(0.5), domain.sec(0.5))), typical);
-  const Bands sky = divide(brightest.reflected_band_mean(product(sky_irradiance, sky_path(air, domain.z(0.5), domain.sec(0.5)))), typical);
+  const Bands sky = divide(
+      brightest.reflected_band_mean(product(sky_irradiance, sky_path(air, domain.z(0.5), domain.sec(0.5)))), typical);
   // a surface that faces the sun, however low that stands; it is zero at night
   Bands around(typical.size(), 0.0);
-  if (air.couples_ground()) around = divide(brightest.reflected_band_mean(environment_source(air, domain.z(0.5), domain.sec(0.5))), typical);
-  return {*std::max_element(sun.begin(), sun.end()), *std::max_element(sky.begin(), sky.end()), *std::max_element(around.begin(), around.end())};
+  if (air.couples_ground())
+    around = divide(brightest.reflected_band_mean(environment_source(air, domain.z(0.5), domain.sec(0.5))), typical);
+  return {*std::max_element(sun.begin(), sun.end()), *std::max_element(sky.begin(), sky.end()),
+          *std::max_element(around.begin(), around.end())};
 }
 
-Spectrum sky_importance(const TableSpectra& air, const Domain& domain, const BandSpace& bands, const Spectrum& sky_irradiance,
-                        const std::vector<double>& typical, Sky kind) {
-  const Bands sky = bands.reflected_band_mean(product(sky_irradiance, sky_path(air, domain.z(0.5), domain.sec(0.5), kind)));
+Spectrum sky_importance(const TableSpectra& air, const Domain& domain, const BandSpace& bands,
+                        const Spectrum& sky_irradiance, const std::vector<double>& typical, Sky kind) {
+  const Bands sky =
+      bands.reflected_band_mean(product(sky_irradiance, sky_path(air, domain.z(0.5), domain.sec(0.5), kind)));
   return bands.spread(divide(sky, typical));
 }
 
@@ -86,7 +92,8 @@ std::vector<Mixture> band_mixtures(const SkySpectra& sky, const Spectrum& up, co
   const double faintest = kFaintestBand * *std::max_element(component[0].begin(), component[0].end());
   std::vector<Mixture> out(bands.bands(), Mixture{});
   for (std::size_t b = 0; b < out.size(); ++b)
-    for (std::size_t m = 0; m < component.size() && component[0][b] > faintest; ++m) out[b][m] = component[m][b] / component[0][b];
+    for (std::size_t m = 0; m < component.size() && component[0][b] > faintest; ++m)
+      out[b][m] = component[m][b] / component[0][b];
   return out;
 }
 
@@ -111,7 +118,8 @@ SkyLevel judge_sky(SkyFactors factors, const TableSpectra& air, const Domain& do
   return out;
 }
 
-double diffuse_row_difference(const TableSpectra& air, const Domain& domain, const BandSpace& bands, const Spectrum& sky_irradiance) {
+double diffuse_row_difference(const TableSpectra& air, const Domain& domain, const BandSpace& bands,
+                              const Spectrum& sky_irradiance) {
   const Spectrum row = air.diffuse_irradiance(domain.z(0.5));
   if (row.empty()) return -1;
   double worst = 0;
@@ -121,25 +129,34 @@ double diffuse_row_difference(const TableSpectra& air, const Domain& domain, con
   return worst;
 }
 
-NodeErrors estimate_node_errors(const TableSpectra& air, const Domain& domain, const BandSpace& bands, const Spectrum& sky_irradiance,
-                                const std::vector<double>& typical, const TypicalThermal& thermal) {
+NodeErrors estimate_node_errors(const TableSpectra& air, const Domain& domain, const BandSpace& bands,
+                                const Spectrum& sky_irradiance, const std::vector<double>& typical,
+                                const TypicalThermal& thermal) {
   NodeErrors out;
   const double mu0 = std::max(0.0, std::cos(domain.sun_zenith));
   const auto scaled = [&](Bands value, double factor) {
     for (double& v : value) v *= factor;
     return divide(std::move(value), typical);
   };
-  const auto sun_bands = [&](double z, double sec) { return scaled(bands.reflected_band_mean(sun_source(air, z, sec)), mu0); };
+  const auto sun_bands = [&](double z, double sec) {
+    return scaled(bands.reflected_band_mean(sun_source(air, z, sec)), mu0);
+  };
   const auto sky_bands = [&](const Spectrum& irradiance, double z, double sec) {
     return scaled(bands.reflected_band_mean(product(irradiance, sky_path(air, z, sec))), 1);
   };
-  const auto environment_bands = [&](double z, double sec) { return scaled(bands.reflected_band_mean(environment_source(air, z, sec)), 1); };
+  const auto environment_bands = [&](double z, double sec) {
+    return scaled(bands.reflected_band_mean(environment_source(air, z, sec)), 1);
+  };
   const bool emits = !thermal.planck.empty();
-  const auto emission_bands = [&](double z, double sec) { return divide(emitted_bands(air, bands, thermal.planck, z, sec), typical); };
+  const auto emission_bands = [&](double z, double sec) {
+    return divide(emitted_bands(air, bands, thermal.planck, z, sec), typical);
+  };
   const auto thermal_sky_bands = [&](const Spectrum& irradiance, double z, double sec) {
     return divide(bands.reflected_band_mean(product(irradiance, sky_path(air, z, sec, Sky::thermal))), typical);
   };
-  const auto path_bands = [&](double z, double x, double y) { return scaled(bands.band_mean(path_source(air, domain, z, x, y)), 1); };
+  const auto path_bands = [&](double z, double x, double y) {
+    return scaled(bands.band_mean(path_source(air, domain, z, x, y)), 1);
+  };
 
   const auto always = [](double) { return true; };
   const auto inside = [&](double x, double y) { return std::hypot(x, y) <= domain.horizontal_max() + 1e-6; };
@@ -180,12 +197,14 @@ NodeErrors estimate_node_errors(const TableSpectra& air, const Domain& domain, c
     std::vector<Line> source;
     for (const double h : {0.0, 1.0}) {
       source.push_back(make_line([&](double t) { return sun_bands(domain.z(h), domain.sec(t)); }, always));
-      source.push_back(make_line([&](double t) { return sky_bands(sky_irradiance, domain.z(h), domain.sec(t)); }, always));
+      source.push_back(
+          make_line([&](double t) { return sky_bands(sky_irradiance, domain.z(h), domain.sec(t)); }, always));
       if (air.couples_ground())
         source.push_back(make_line([&](double t) { return environment_bands(domain.z(h), domain.sec(t)); }, always));
       if (!emits) continue;
       source.push_back(make_line([&](double t) { return emission_bands(domain.z(h), domain.sec(t)); }, always));
-      source.push_back(make_line([&](double t) { return thermal_sky_bands(thermal.sky_irradiance, domain.z(h), domain.sec(t)); }, always));
+      source.push_back(make_line(
+          [&](double t) { return thermal_sky_bands(thermal.sky_irradiance, domain.z(h), domain.sec(t)); }, always));
     }
     out.source_view = node_errors(source);
   }

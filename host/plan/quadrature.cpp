@@ -119,8 +119,8 @@ BandQuadrature band_quadrature(const scene::Band& band, const SpectralGrid& grid
     }
   }
   if (!(total > 0))
-    throw base::Error(base::Fault::input, "band '" + band.name + "': its response integrates to " + std::to_string(total) +
-                                              "; give a response with a positive area");
+    throw base::Error(base::Fault::input, "band '" + band.name + "': its response integrates to " +
+                                              std::to_string(total) + "; give a response with a positive area");
   for (auto& w : quadrature.weight) w /= total;
   return quadrature;
 }

@@ -42,12 +42,14 @@ std::vector<double> largest_emission(const Plan& plan, const scene::CompiledScen
   return out;
 }
 
-/// S of the air above the ground on the plan's grid, at the height where it is largest; 0 where the plan has no light between ground and air.
+/// S of the air above the ground on the plan's grid, at the height where it is largest; 0 where the plan has no light
+/// between ground and air.
 std::vector<double> largest_return(const Plan& plan, const atmos::RenderTable& table) {
   std::vector<double> out(plan.wavelength_um.size(), 0.0);
   if (plan.environment.empty()) return out;
   const auto& um = atmos::wavelengths(table);
-  out = atmos::resample_linear(um, largest_of(table.need("spherical_albedo", "light between ground and air"), um.size()), plan.wavelength_um);
+  out = atmos::resample_linear(
+      um, largest_of(table.need("spherical_albedo", "light between ground and air"), um.size()), plan.wavelength_um);
   for (double& s : out) s = std::clamp(s, 0.0, kLargestReturn);
   return out;
 }

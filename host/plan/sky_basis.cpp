@@ -33,7 +33,8 @@ std::array<double, 4> sky_value(const SkyBasis& basis, double sun_azimuth_rad, d
 
 namespace {
 
-/// Integrals of the nodes' hat functions against density(zenith) sin(zenith) over both sides of the sun's vertical plane.
+/// Integrals of the nodes' hat functions against density(zenith) sin(zenith) over both sides of the sun's vertical
+/// plane.
 template <class Density>
 std::vector<double> hat_weights(const SkyBasis& basis, Density density) {
   static const auto rule = gauss_legendre(8);

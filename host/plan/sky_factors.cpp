@@ -24,13 +24,14 @@ constexpr int kReweightings = 10, kLimitings = 24;
 constexpr double kUnimportant = 1e-3;
 /// A sky fainter than this part of its brightest wavelength has no shape of its own.
 constexpr double kFaintest = 1e-9;
-/// A sun below 3 degrees of elevation: maps with intervals of 1.5 degrees make the skylight of thin air, which goes with the airmass, 0.7 %
-/// too bright, beside which direct sun is nothing any more.
+/// A sun below 3 degrees of elevation: maps with intervals of 1.5 degrees make the skylight of thin air, which goes
+/// with the airmass, 0.7 % too bright, beside which direct sun is nothing any more.
 constexpr double kLowSun = 87 * kDegree;
-/// The decomposition weighs a direction by cos(zenith) + this: the horizon, which cos alone forgets, lights walls and crowns.
+/// The decomposition weighs a direction by cos(zenith) + this: the horizon, which cos alone forgets, lights walls and
+/// crowns.
 constexpr double kHorizonShare = 0.1;
-/// The sky is never brought to its flux by more than this factor: what two rows of a table may contradict each other by before neither
-/// means anything. Far below it is told (kAnotherSky).
+/// The sky is never brought to its flux by more than this factor: what two rows of a table may contradict each other by
+/// before neither means anything. Far below it is told (kAnotherSky).
 constexpr double kMostScaled = 2;
 
 /// The axis with intervals no wider than `widest(middle)` (rad).
@@ -57,11 +58,13 @@ MatrixXd sample_sky(const SkyBasis& basis, const TableSpectra& table, double hei
   return Eigen::Map<const Rows>(radiance.data(), static_cast<Index>(basis.nodes()), static_cast<Index>(table.size()));
 }
 
-VectorXd vector_of(const std::vector<double>& v) { return Eigen::Map<const VectorXd>(v.data(), static_cast<Index>(v.size())); }
+VectorXd vector_of(const std::vector<double>& v) {
+  return Eigen::Map<const VectorXd>(v.data(), static_cast<Index>(v.size()));
+}
 
-/// Weights of the decomposition: (cos + horizon share) dOmega / A_0, so that a difference counts relative to the mean sky
-/// there. Without the division the dark side of the sky, 10 times fainter than the aureole, is fitted so loosely that
-/// truncations go negative.
+/// Weights of the decomposition: (cos + horizon share) dOmega / A_0, so that a difference counts relative to the mean
+/// sky there. Without the division the dark side of the sky, 10 times fainter than the aureole, is fitted so loosely
+/// that truncations go negative.
 VectorXd fit_weights(const SkyBasis& basis, const VectorXd& mean) {
   const VectorXd w = vector_of(cosine_weights(basis)) + kHorizonShare * vector_of(solid_angle_weights(basis));
   return w.array() / mean.array().max(1e-6 * mean.maxCoeff());
@@ -80,11 +83,13 @@ VectorXd normalise(MatrixXd& radiance, const VectorXd& q) {
   return irradiance;
 }
 
-/// What a sky carries whose maps sum to `irradiance` as sampled: the table's own flux where the table knows that of its sky.
+/// What a sky carries whose maps sum to `irradiance` as sampled: the table's own flux where the table knows that of its
+/// sky.
 VectorXd flux_of(VectorXd irradiance, const TableSpectra& table, double height_m, Sky sky) {
   if (sky != Sky::solar || !table.knows_flux_of_sky()) return irradiance;
   const Spectrum row = table.diffuse_irradiance(height_m);
-  for (Index l = 0; l < irradiance.size(); ++l) irradiance[l] *= same_sky_scale(irradiance[l], row[static_cast<std::size_t>(l)]);
+  for (Index l = 0; l < irradiance.size(); ++l)
+    irradiance[l] *= same_sky_scale(irradiance[l], row[static_cast<std::size_t>(l)]);
   return irradiance;
 }
 
@@ -97,21 +102,27 @@ SkyBasis basis_of(const TableSpectra& table, double sun_zenith_rad, Sky sky) {
   if (sun_zenith_rad < kPi / 2) zenith.push_back(sun_zenith_rad);
   std::erase_if(azimuth, [](double f) { return f <= 0 || f >= kPi - 1e-9; });
   azimuth.insert(azimuth.end(), {0.0, kPi});
-  if (sky == Sky::thermal) {  // few nodes, since azimuth says nothing; fine ones keep a limb that brightens as the airmass to 1e-4
+  if (sky == Sky::
+                 // few nodes, since azimuth says nothing; fine ones keep a limb that brightens as the airmass to 1e-4
+      thermal) {
     basis.zenith_rad = refine(zenith, [](double t) { return kDegree * (t > 80 * kDegree ? 0.25 : 1.0); });
     basis.azimuth_rad = azimuth;
     return basis;
   }
-  // finer around the sun, where the aureole bends most, and towards the horizon; finer still where skylight is all there is
+  // finer around the sun, where the aureole bends most, and towards the horizon; finer still where skylight is all
+  // there is
   const double finest = kDegree * (sun_zenith_rad > kLowSun ? 0.75 : 1.5);
   basis.zenith_rad = refine(zenith, [&](double t) {
     return std::abs(t - sun_zenith_rad) < 10 * kDegree || t > 80 * kDegree ? finest : 2 * finest;
   });
-  basis.azimuth_rad = refine(azimuth, [](double f) { return kDegree * (f < 6 * kDegree ? 2.0 : f < 30 * kDegree ? 4.0 : 7.5); });
+  basis.azimuth_rad = refine(azimuth, [](double f) {
+    return kDegree * (f < 6 * kDegree ? 2.0 : f < 30 * kDegree ? 4.0 : 7.5);
+  });
   return basis;
 }
 
-/// c_m of every column of the normalised sky (rows m), weighted least squares. Columns of zeros (too faint) get the mean shape.
+/// c_m of every column of the normalised sky (rows m), weighted least squares. Columns of zeros (too faint) get the
+/// mean shape.
 MatrixXd project(const MatrixXd& shape, const MatrixXd& maps, const VectorXd& weight) {
   MatrixXd c = MatrixXd::Zero(maps.cols(), shape.cols());
   c.row(0).setOnes();
@@ -131,8 +142,8 @@ MatrixXd with_mean_shapes(MatrixXd c, const std::vector<bool>& mean_shape) {
   return c;
 }
 
-/// Pulls maps 1.. towards zero at the nodes where some mixture is negative, then takes the irradiance they got out again.
-/// Returns whether there was anything to do.
+/// Pulls maps 1.. towards zero at the nodes where some mixture is negative, then takes the irradiance they got out
+/// again. Returns whether there was anything to do.
 bool limit(MatrixXd& maps, const VectorXd& q, const std::vector<Mixture>& mixtures) {
   bool any = false;
   for (Index i = 0; i < maps.rows(); ++i) {
@@ -177,13 +188,15 @@ VectorXd occluder_error(const MatrixXd& shape, const MatrixXd& maps, const Matri
 void store(SkyBasis& basis, const MatrixXd& maps) {
   basis.value.assign(basis.nodes(), {0, 0, 0, 0});
   for (Index i = 0; i < maps.rows(); ++i)
-    for (Index m = 0; m < maps.cols(); ++m) basis.value[static_cast<std::size_t>(i)][static_cast<std::size_t>(m)] = maps(i, m);
+    for (Index m = 0; m < maps.cols(); ++m)
+      basis.value[static_cast<std::size_t>(i)][static_cast<std::size_t>(m)] = maps(i, m);
 }
 
 MatrixXd load(const SkyBasis& basis, int rank) {
   MatrixXd maps(static_cast<Index>(basis.nodes()), static_cast<Index>(rank));
   for (Index i = 0; i < maps.rows(); ++i)
-    for (Index m = 0; m < maps.cols(); ++m) maps(i, m) = basis.value[static_cast<std::size_t>(i)][static_cast<std::size_t>(m)];
+    for (Index m = 0; m < maps.cols(); ++m)
+      maps(i, m) = basis.value[static_cast<std::size_t>(i)][static_cast<std::size_t>(m)];
   return maps;
 }
 
@@ -191,16 +204,17 @@ SkySpectra spectra_of(const VectorXd& irradiance, const MatrixXd& c) {
   SkySpectra out;
   for (auto& spectrum : out) spectrum.assign(static_cast<std::size_t>(irradiance.size()), 0.0);
   for (Index m = 0; m < c.rows(); ++m)
-    for (Index l = 0; l < c.cols(); ++l) out[static_cast<std::size_t>(m)][static_cast<std::size_t>(l)] = irradiance[l] * c(m, l);
+    for (Index l = 0; l < c.cols(); ++l)
+      out[static_cast<std::size_t>(m)][static_cast<std::size_t>(l)] = irradiance[l] * c(m, l);
   return out;
 }
 
 }  // namespace
 
 struct SkyFactorizer::Data {
-  SkyBasis basis;             ///< nodes only
+  SkyBasis basis;  ///< nodes only
   VectorXd q, irradiance;
-  MatrixXd shape;             ///< L / E, [node][wavelength]
+  MatrixXd shape;  ///< L / E, [node][wavelength]
   Sky sky = Sky::solar;
   Spectrum irradiance_list, sampled_list;
 };
@@ -210,7 +224,8 @@ bool SkyFactorizer::black() const { return data_->shape.size() == 0; }
 const Spectrum& SkyFactorizer::irradiance() const { return data_->irradiance_list; }
 const Spectrum& SkyFactorizer::sampled_irradiance() const { return data_->sampled_list; }
 
-SkyFactorizer::SkyFactorizer(const TableSpectra& table, double height_m, double sun_zenith_rad, Sky sky) : data_(std::make_unique<Data>()) {
+SkyFactorizer::SkyFactorizer(const TableSpectra& table, double height_m, double sun_zenith_rad, Sky sky)
+    : data_(std::make_unique<Data>()) {
   data_->irradiance_list.assign(table.size(), 0.0);
   data_->sampled_list = data_->irradiance_list;
   data_->sky = sky;
@@ -219,7 +234,8 @@ SkyFactorizer::SkyFactorizer(const TableSpectra& table, double height_m, double 
   data_->q = vector_of(cosine_weights(data_->basis));
   data_->shape = sample_sky(data_->basis, table, height_m, sky);
   const VectorXd sampled = normalise(data_->shape, data_->q);
-  if (!(sampled.maxCoeff() > 0)) {  // a table with light between ground and air has a sky by name, at night none by light
+  if (!(sampled.maxCoeff() >
+        0)) {  // a table with light between ground and air has a sky by name, at night none by light
     data_->shape.resize(0, 0);
     return;
   }
@@ -262,12 +278,14 @@ SkyFactors SkyFactorizer::factor(int rank, const Spectrum& importance,
     column_weight *= static_cast<double>(used) / column_weight.sum();
   }
   const VectorXd weight = fit_weights(data_->basis, maps.col(0));
-  // Where the sky is too small a part of the light to matter, its shape is the mean one: never negative, and no band that nobody
-  // sees bends the maps of those that are seen. Its error counts like any other.
+  // Where the sky is too small a part of the light to matter, its shape is the mean one: never negative, and no band
+  // that nobody sees bends the maps of those that are seen. Its error counts like any other.
   for (double part : importance) out.mean_shape.push_back(part < kUnimportant);
   const auto fit = [&] { return with_mean_shapes(project(data_->shape, maps, weight), out.mean_shape); };
   MatrixXd c = fit();
-  for (int round = 0; round < kLimitings && maps.cols() > 1 && limit(maps, data_->q, mixtures(spectra_of(data_->irradiance, c))); ++round)
+  for (int round = 0;
+       round < kLimitings && maps.cols() > 1 && limit(maps, data_->q, mixtures(spectra_of(data_->irradiance, c)));
+       ++round)
     c = fit();
   for (Index m = 1; m < maps.cols(); ++m) {  // largest coefficient 1, which keeps float sums well conditioned
     const double largest = c.row(m).cwiseAbs().maxCoeff();
@@ -290,9 +308,11 @@ SkySpectra sky_spectra(const SkyFactors& factors, const TableSpectra& table, dou
   for (auto& spectrum : out) spectrum.assign(table.size(), 0.0);
   if (factors.rank == 0) return out;
   MatrixXd shape = sample_sky(factors.basis, table, height_m, factors.sky);
-  const VectorXd irradiance = flux_of(normalise(shape, vector_of(cosine_weights(factors.basis))), table, height_m, factors.sky);
+  const VectorXd irradiance =
+      flux_of(normalise(shape, vector_of(cosine_weights(factors.basis))), table, height_m, factors.sky);
   const MatrixXd maps = load(factors.basis, factors.rank);
-  return spectra_of(irradiance, with_mean_shapes(project(shape, maps, fit_weights(factors.basis, maps.col(0))), factors.mean_shape));
+  return spectra_of(
+      irradiance, with_mean_shapes(project(shape, maps, fit_weights(factors.basis, maps.col(0))), factors.mean_shape));
 }
 
 double same_sky_scale(double sampled, double flux) {
@@ -303,7 +323,8 @@ Spectrum sky_flux_scale(const TableSpectra& table, double height_m, double sun_z
   Spectrum out(table.size(), 1.0);
   if (!table.has_sky() || !table.knows_flux_of_sky()) return out;
   const SkyBasis basis = basis_of(table, sun_zenith_rad, Sky::solar);
-  const VectorXd sampled = sample_sky(basis, table, height_m, Sky::solar).transpose() * vector_of(cosine_weights(basis));
+  const VectorXd sampled =
+      sample_sky(basis, table, height_m, Sky::solar).transpose() * vector_of(cosine_weights(basis));
   const Spectrum flux = table.diffuse_irradiance(height_m);
   for (std::size_t l = 0; l < out.size(); ++l) out[l] = same_sky_scale(sampled[static_cast<Index>(l)], flux[l]);
   return out;

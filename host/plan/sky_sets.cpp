@@ -15,19 +15,20 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// Share of uniform directions in the density p(d) = (1 - u) A_0 cos + u/(2 pi), A_0 cos being the light that arrives on level
-/// ground. Without it (u = 0) max(0, n.d)/p grows without bound near the horizon, which makes walls and leaves noisy; half of
-/// each is as good as none on level ground (4.5 against 4.8 % rms at 16 directions beside a wall) and 3.5 times better on a
-/// vertical surface.
+/// Share of uniform directions in the density p(d) = (1 - u) A_0 cos + u/(2 pi), A_0 cos being the light that arrives
+/// on level ground. Without it (u = 0) max(0, n.d)/p grows without bound near the horizon, which makes walls and leaves
+/// noisy; half of each is as good as none on level ground (4.5 against 4.8 % rms at 16 directions beside a wall) and
+/// 3.5 times better on a vertical surface.
 constexpr double kUniformShare = 0.5;
 constexpr int kDirectionsInAll = 1 << 17;
 
-/// Draws directions from p: z = cos(zenith) from a fine step function, then the azimuth from p itself at that zenith, whose
-/// parts between the maps' nodes are linear and inverted in closed form.
+/// Draws directions from p: z = cos(zenith) from a fine step function, then the azimuth from p itself at that zenith,
+/// whose parts between the maps' nodes are linear and inverted in closed form.
 class SkyDensity {
  public:
   explicit SkyDensity(const SkyBasis& basis) : basis_(basis), ring_(basis.azimuth_rad.size()), below_(kSteps + 1, 0.0) {
-    for (std::size_t i = 0; i < kSteps; ++i) below_[i + 1] = below_[i] + load_ring(1 - (static_cast<double>(i) + 0.5) / kSteps);
+    for (std::size_t i = 0; i < kSteps; ++i)
+      below_[i + 1] = below_[i] + load_ring(1 - (static_cast<double>(i) + 0.5) / kSteps);
     for (double& b : below_) b /= below_.back();
   }
 
@@ -66,7 +67,8 @@ class SkyDensity {
       ring_[j] = (1 - kUniformShare) * a * z + kUniformShare / (2 * kPi);
     }
     double around = 0;
-    for (std::size_t j = 0; j + 1 < row; ++j) around += (ring_[j] + ring_[j + 1]) * (basis_.azimuth_rad[j + 1] - basis_.azimuth_rad[j]);
+    for (std::size_t j = 0; j + 1 < row; ++j)
+      around += (ring_[j] + ring_[j + 1]) * (basis_.azimuth_rad[j + 1] - basis_.azimuth_rad[j]);
     return around;
   }
 
@@ -88,14 +90,16 @@ class Weights {
     std::copy(solar.begin(), solar.end(), a.begin());
     if (thermal_) {
       const auto emitted = sky_value(thermal_->basis, sun_azimuth_rad_, x, y, z);
-      const auto first = static_cast<std::size_t>(components_), sky = static_cast<std::size_t>(thermal_->sky_components);
+      const auto first = static_cast<std::size_t>(components_),
+                 sky = static_cast<std::size_t>(thermal_->sky_components);
       std::fill(a.begin() + components_, a.end(), 0.0);
       std::copy(emitted.begin(), emitted.begin() + thermal_->sky_components, a.begin() + components_);
       a[first + sky] = -1;
     }
     to.direction.push_back({static_cast<float>(x), static_cast<float>(y), static_cast<float>(z), 0});
     for (std::size_t q = 0; q < 4 * static_cast<std::size_t>(to.quads); q += 4)
-      to.weight.push_back({static_cast<float>(a[q] * solid_angle_sr), static_cast<float>(a[q + 1] * solid_angle_sr), static_cast<float>(a[q + 2] * solid_angle_sr),
+      to.weight.push_back({static_cast<float>(a[q] * solid_angle_sr), static_cast<float>(a[q + 1] * solid_angle_sr),
+                           static_cast<float>(a[q + 2] * solid_angle_sr),
                            static_cast<float>(a[q + 3] * solid_angle_sr)});
   }
 
@@ -121,10 +125,10 @@ SkySets make_sky_sets(const SkyBasis& basis, double sun_azimuth_rad, int directi
   out.direction.reserve(total);
   out.weight.reserve(total);
 
-  // Sunflower lattice: point k lies in ring k of equal probability, a golden angle further in probability around the ring
-  // (Vogel, Math. Biosci. 44, 1979). A set shifts it within the rings and turns it; the pairs (shift, turn) follow the R2
-  // sequence (Roberts 2018: powers of the plastic number) from a start made of the seed, so that the mean over all sets is far
-  // closer than with independent shifts.
+  // Sunflower lattice: point k lies in ring k of equal probability, a golden angle further in probability around the
+  // ring (Vogel, Math. Biosci. 44, 1979). A set shifts it within the rings and turns it; the pairs (shift, turn) follow
+  // the R2 sequence (Roberts 2018: powers of the plastic number) from a start made of the seed, so that the mean over
+  // all sets is far closer than with independent shifts.
   constexpr double golden = std::numbers::phi - 1, plastic = 1.32471795724474602596;
   const auto low = static_cast<rc_u32>(seed), high = static_cast<rc_u32>(seed >> 32);
   const double start_shift = rc_hash(low, high, 0u, 31u) * 0x1p-32, start_turn = rc_hash(low, high, 1u, 31u) * 0x1p-32;
@@ -143,8 +147,8 @@ SkySets make_sky_sets(const SkyBasis& basis, double sun_azimuth_rad, int directi
   return out;
 }
 
-SkySets sky_set_of(const SkyBasis& basis, double sun_azimuth_rad, const std::vector<std::array<double, 3>>& directions, double solid_angle_sr, int components,
-                   const Thermal* thermal) {
+SkySets sky_set_of(const SkyBasis& basis, double sun_azimuth_rad, const std::vector<std::array<double, 3>>& directions,
+                   double solid_angle_sr, int components, const Thermal* thermal) {
   const Weights weights(basis, sun_azimuth_rad, components, thermal);
   SkySets out;
   out.sets = 1;
@@ -156,7 +160,9 @@ SkySets sky_set_of(const SkyBasis& basis, double sun_azimuth_rad, const std::vec
 
 int sky_share(int given, int samples, int directions) {
   if (given > 0) {
-    if (directions % given != 0) throw base::Error(base::Fault::bug, fmt::format("a sky share of {} does not divide {} directions", given, directions));
+    if (directions % given != 0)
+      throw base::Error(base::Fault::bug,
+                        fmt::format("a sky share of {} does not divide {} directions", given, directions));
     return given;
   }
   int share = 1;

@@ -17,14 +17,16 @@ Spectrum product(const Spectrum& a, const Spectrum& b, double factor) {
 
 Spectrum sun_source(const TableSpectra& air, double z, double sec) {
   const Spectrum sun = air.solar_irradiance();
-  if (std::all_of(sun.begin(), sun.end(), [](double e) { return e == 0; })) return sun;  // night: such a table may lack the rest
+  if (std::all_of(sun.begin(), sun.end(), [](double e) { return e == 0; }))
+    return sun;  // night: such a table may lack the rest
   return product(sun, air.two_way_transmission(z, zenith_of_sec(sec)), 1 / std::numbers::pi);
 }
 
 Spectrum sky_path(const TableSpectra& air, double z, double sec, Sky sky) {
   if (!air.has_sky(sky)) return Spectrum(air.size(), 0.0);
   const double zenith = zenith_of_sec(sec);
-  if (sky == Sky::thermal) return product(air.view_transmission(z, zenith), air.two_way_factor_thermal(z, zenith), 1 / std::numbers::pi);
+  if (sky == Sky::thermal)
+    return product(air.view_transmission(z, zenith), air.two_way_factor_thermal(z, zenith), 1 / std::numbers::pi);
   return product(air.view_transmission(z, zenith), air.two_way_factor(z, zenith), 1 / std::numbers::pi);
 }
 

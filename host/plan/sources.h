@@ -10,14 +10,14 @@ namespace raycube::plan {
 
 /// Ranges of the continuous quantities, each reached by a fraction t in 0..1.
 struct Domain {
-  double z_lo = 0, z_hi = 0;                      ///< target height, m
-  double sun_zenith = 0, sun_azimuth = 0;         ///< rad
+  double z_lo = 0, z_hi = 0;               ///< target height, m
+  double sun_zenith = 0, sun_azimuth = 0;  ///< rad
   ViewBounds view;
   double z(double t) const { return z_lo + t * (z_hi - z_lo); }
   double sec(double t) const { return view.sec_min + t * (view.sec_max - view.sec_min); }
   double x(double t) const { return view.x_min + t * (view.x_max - view.x_min); }
   double y(double t) const { return view.y_min + t * (view.y_max - view.y_min); }
-  double horizontal_max() const;                  ///< sine of the largest view zenith
+  double horizontal_max() const;  ///< sine of the largest view zenith
 };
 
 double zenith_of_sec(double sec);
@@ -25,12 +25,14 @@ Spectrum product(const Spectrum& a, const Spectrum& b, double factor = 1);
 
 /// Reflected sun: E0 T_sun T_view R2 / pi, per unit of reflectance and of cos(incidence) times visibility.
 Spectrum sun_source(const TableSpectra& air, double z, double sec);
-/// What a reflected sky component meets on its way up: T_view R2 / pi, with the factor of its kind. Zero without such a sky.
+/// What a reflected sky component meets on its way up: T_view R2 / pi, with the factor of its kind. Zero without such a
+/// sky.
 Spectrum sky_path(const TableSpectra& air, double z, double sec, Sky sky = Sky::solar);
-/// Light of ground of unit reflectance all around that the air scatters into the path: T_dif R2 E_g0 / (pi (1 - rho S)).
+/// Light of ground of unit reflectance all around that the air scatters into the path: T_dif R2 E_g0 / (pi (1 - rho
+/// S)).
 Spectrum environment_source(const TableSpectra& air, double z, double sec);
-/// Path radiance towards a sensor in the horizontal direction (x, y); slants beyond the table's last view zenith, which only
-/// nodes outside the view reach, take that zenith.
+/// Path radiance towards a sensor in the horizontal direction (x, y); slants beyond the table's last view zenith, which
+/// only nodes outside the view reach, take that zenith.
 Spectrum path_source(const TableSpectra& air, const Domain& domain, double z, double x, double y);
 
 }  // namespace raycube::plan

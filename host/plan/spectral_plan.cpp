@@ -15,8 +15,8 @@ namespace raycube::plan {
 namespace {
 
 /// Adds one problem for all bands whose support leaves lo..hi (um).
-void check_range(base::Problems& problems, const base::Where& where, const std::vector<scene::Band>& bands, double lo, double hi,
-                 const std::string& what, const std::string& way_out) {
+void check_range(base::Problems& problems, const base::Where& where, const std::vector<scene::Band>& bands, double lo,
+                 double hi, const std::string& what, const std::string& way_out) {
   int count = 0;
   bool late = false, early = false;
   std::string found;
@@ -33,16 +33,21 @@ void check_range(base::Problems& problems, const base::Where& where, const std::
   if (count > 0)
     problems.add(where,
                  fmt::format("{} covers {:.6g} to {:.6g} nm, a band needs more: it {}", what, 1000 * lo, 1000 * hi,
-                             late && early ? "begins too late and ends too early" : late ? "begins too late" : "ends too early"),
+                             late && early ? "begins too late and ends too early"
+                             : late        ? "begins too late"
+                                           : "ends too early"),
                  found, way_out);
 }
 
-std::string gaussian_reach() { return fmt::format("a Gaussian response reaches {:g} FWHM to each side", kGaussianCutFwhm); }
+std::string gaussian_reach() {
+  return fmt::format("a Gaussian response reaches {:g} FWHM to each side", kGaussianCutFwhm);
+}
 
 }  // namespace
 
 std::vector<std::uint32_t> used_curves(const scene::CompiledScene& scene) {
-  std::vector<char> surface_used(scene.surfaces.size(), 0), curve_used(scene.materials.size() + 1, scene.blocks.empty() ? 1 : 0);
+  std::vector<char> surface_used(scene.surfaces.size(), 0),
+      curve_used(scene.materials.size() + 1, scene.blocks.empty() ? 1 : 0);
   std::vector<char> placed(scene.meshes.size(), 0), seen(scene.blocks.size(), 1);
   for (const auto& instance : scene.instances) placed[instance.mesh] = 1;
   for (std::size_t m = 0; m < placed.size(); ++m)
@@ -53,7 +58,8 @@ std::vector<std::uint32_t> used_curves(const scene::CompiledScene& scene) {
   for (std::size_t s = 0; s < scene.surfaces.size(); ++s)
     if (surface_used[s])
       for (int k = 0; k < 4; ++k)
-        if (const auto curve = scene.surfaces[s].curve[k]; curve > 0 && curve < curve_used.size()) curve_used[curve] = 1;
+        if (const auto curve = scene.surfaces[s].curve[k]; curve > 0 && curve < curve_used.size())
+          curve_used[curve] = 1;
   std::vector<std::uint32_t> out;
   for (std::uint32_t curve = 1; curve < curve_used.size(); ++curve)
     if (curve_used[curve]) out.push_back(curve);
@@ -69,14 +75,15 @@ void check_bands(const scene::Instrument& instrument, base::Problems& problems) 
     const auto& band = instrument.bands[b];
     if (band.wavelength_um.size() < 2 && !(band.fwhm_um > 0 && band.center_um > 0))
       problems.add(where, fmt::format("band {} needs a centre and a FWHM above 0", b + 1),
-                   fmt::format("centre {:g} nm, FWHM {:g} nm", 1000 * band.center_um, 1000 * band.fwhm_um), "or give a tabulated response");
+                   fmt::format("centre {:g} nm, FWHM {:g} nm", 1000 * band.center_um, 1000 * band.fwhm_um),
+                   "or give a tabulated response");
   }
 }
 
-void check_table(const scene::Instrument& instrument, const std::vector<double>& table_um, const std::string& table_name,
-                 base::Problems& problems) {
-  check_range(problems, place_of(instrument), instrument.bands, table_um.front(), table_um.back(), "atmosphere table " + table_name,
-              "take these bands out or use a wider table (" + gaussian_reach() + ")");
+void check_table(const scene::Instrument& instrument, const std::vector<double>& table_um,
+                 const std::string& table_name, base::Problems& problems) {
+  check_range(problems, place_of(instrument), instrument.bands, table_um.front(), table_um.back(),
+              "atmosphere table " + table_name, "take these bands out or use a wider table (" + gaussian_reach() + ")");
 }
 
 std::string table_name(const scene::Simulation& simulation) {
@@ -88,9 +95,10 @@ void check_view(const scene::Instrument& instrument, const ViewBounds& view, dou
   const double zenith_rad = zenith_of_sec(view.sec_max);
   if (zenith_rad <= last_zenith_rad + 1e-9) return;
   constexpr double kDegree = std::numbers::pi / 180;
-  throw base::Error(base::Fault::input, fmt::format("instrument '{}' looks {:.2f} deg off nadir, the atmosphere table ends at {:.2f} deg; "
-                                                    "build a table with larger view zeniths or narrow the view",
-                                                    instrument.name, zenith_rad / kDegree, last_zenith_rad / kDegree));
+  throw base::Error(base::Fault::input,
+                    fmt::format("instrument '{}' looks {:.2f} deg off nadir, the atmosphere table ends at {:.2f} deg; "
+                                "build a table with larger view zeniths or narrow the view",
+                                instrument.name, zenith_rad / kDegree, last_zenith_rad / kDegree));
 }
 
 void check_curves(const scene::CompiledScene& scene, const scene::Instrument& instrument, base::Problems& problems,
@@ -106,8 +114,9 @@ void check_curves(const scene::CompiledScene& scene, const scene::Instrument& in
     const auto& x = material.reflectance.wavelength_um;
     if (x.empty()) problems.add(where, "material '" + material.name + "' has no reflectance curve", "", "give one");
     if (x.size() > 1)
-      check_range(problems, where, instrument.bands, x.front(), x.back(), "the curve of material '" + material.name + "'",
-                  "take these bands out or give a wider curve than " + source(material) + " (" + gaussian_reach() + ")");
+      check_range(
+          problems, where, instrument.bands, x.front(), x.back(), "the curve of material '" + material.name + "'",
+          "take these bands out or give a wider curve than " + source(material) + " (" + gaussian_reach() + ")");
   }
 }
 

@@ -24,7 +24,8 @@ struct View {
   const float* value = nullptr;
   std::size_t wavelength = 0, height = 0, a = 0, b = 0;  ///< strides; a, b: the remaining axes as asked
 
-  View(const atmos::RenderTable& table, const atmos::Row& row, const char* axis_a, const char* axis_b) : value(row.values.data()) {
+  View(const atmos::RenderTable& table, const atmos::Row& row, const char* axis_a, const char* axis_b)
+      : value(row.values.data()) {
     std::size_t stride = 1;
     for (auto name = row.axes.rbegin(); name != row.axes.rend(); ++name) {
       if (*name == "wavelength") wavelength = stride;
@@ -43,13 +44,21 @@ std::vector<double> radians(const std::vector<double>& degrees) {
 }
 
 double cos_scattering(double sun_zenith, double zenith, double azimuth) {
-  return std::clamp(std::cos(sun_zenith) * std::cos(zenith) + std::sin(sun_zenith) * std::sin(zenith) * std::cos(azimuth), -1.0, 1.0);
+  return std::clamp(
+      std::cos(sun_zenith) * std::cos(zenith) + std::sin(sun_zenith) * std::sin(zenith) * std::cos(azimuth), -1.0, 1.0);
 }
 
 }  // namespace
 
-TableSpectra::TableSpectra(const atmos::RenderTable& table, bool no_air, bool sun_up, std::size_t first, std::size_t count, Spectrum ground)
-    : table_(table), no_air_(no_air), sun_up_(sun_up), first_(first), count_(count), ground_(std::move(ground)), last_view_zenith_(kPi / 2) {
+TableSpectra::TableSpectra(const atmos::RenderTable& table, bool no_air, bool sun_up, std::size_t first,
+                           std::size_t count, Spectrum ground)
+    : table_(table),
+      no_air_(no_air),
+      sun_up_(sun_up),
+      first_(first),
+      count_(count),
+      ground_(std::move(ground)),
+      last_view_zenith_(kPi / 2) {
   thermal_ = !no_air && (table.has("path_radiance_thermal") || table.has("sky_radiance_thermal"));
   bool heat_alone = thermal_;  // both rows: a render without the sun's
   if (thermal_) {
@@ -180,9 +189,11 @@ std::vector<double> TableSpectra::sky_grid(double height_m, const std::vector<do
   if (!has_sky(kind)) return out;
   if (kind == Sky::thermal) {
     for (std::size_t z = 0; z < zenith_rad.size(); ++z) {
-      const Spectrum emitted = slice(atmos::sky_radiance_thermal(table_, clamp_height(height_m), std::min(zenith_rad[z] * kDegrees, 90.0)));
+      const Spectrum emitted =
+          slice(atmos::sky_radiance_thermal(table_, clamp_height(height_m), std::min(zenith_rad[z] * kDegrees, 90.0)));
       for (std::size_t f = 0; f < azimuth_rad.size(); ++f)
-        std::copy(emitted.begin(), emitted.end(), out.begin() + static_cast<std::ptrdiff_t>((z * azimuth_rad.size() + f) * count_));
+        std::copy(emitted.begin(), emitted.end(),
+                  out.begin() + static_cast<std::ptrdiff_t>((z * azimuth_rad.size() + f) * count_));
     }
     return out;
   }
@@ -199,7 +210,8 @@ std::vector<double> TableSpectra::sky_grid(double height_m, const std::vector<do
     if (!shaped) return cells;
     const auto& angles = table_.axis("scattering_angle").nodes;
     for (const double t : zenith)
-      for (const double f : azimuth) cells.push_back(find_cell(angles, std::acos(cos_scattering(sun_zenith, t, f)) * kDegrees));
+      for (const double f : azimuth)
+        cells.push_back(find_cell(angles, std::acos(cos_scattering(sun_zenith, t, f)) * kDegrees));
     return cells;
   };
   const auto node_angle = locate(sky_zenith_, sky_azimuth_), grid_angle = locate(zenith_rad, azimuth_rad);
@@ -209,9 +221,9 @@ std::vector<double> TableSpectra::sky_grid(double height_m, const std::vector<do
 
   const std::size_t nodes = sky_zenith_.size() * sky_azimuth_.size();
   std::vector<double> plain(nodes), rest(nodes), grid_fall(zenith_rad.size());
-  const auto around_sun =
-      shaped ? atmos::nodes_around_sun(table_.axis("sky_zenith").nodes, table_.axis("sky_azimuth").nodes, table_.sun_zenith_deg)
-             : std::vector<std::pair<std::size_t, std::size_t>>();
+  const auto around_sun = shaped ? atmos::nodes_around_sun(table_.axis("sky_zenith").nodes,
+                                                           table_.axis("sky_azimuth").nodes, table_.sun_zenith_deg)
+                                 : std::vector<std::pair<std::size_t, std::size_t>>();
   const auto bilinear = [&](const std::vector<double>& v, const Cell& z, const Cell& f) {
     const double* at = &v[z.index * sky_azimuth_.size() + f.index];
     const std::size_t row = z.fraction > 0 ? sky_azimuth_.size() : 0, next = f.fraction > 0 ? 1 : 0;
@@ -248,7 +260,8 @@ std::vector<double> TableSpectra::sky_grid(double height_m, const std::vector<do
       std::vector<atmos::SkyNode> list;
       for (const auto& [z, f] : around_sun) {
         const double fall = atmos::sky_shape(1.0, depth[h], cos_sun, std::cos(sky_zenith_[z]));
-        if (fall > 0) list.push_back({phase_at(phase[h], node_angle[z * sky_azimuth_.size() + f]), sky_at(h, z, f) / fall});
+        if (fall > 0)
+          list.push_back({phase_at(phase[h], node_angle[z * sky_azimuth_.size() + f]), sky_at(h, z, f) / fall});
       }
       once += height_weight[h] * atmos::once_scattered_level(list);
     }
@@ -260,7 +273,8 @@ std::vector<double> TableSpectra::sky_grid(double height_m, const std::vector<do
           const double value = sky_at(h, z, f);
           plain[n] += height_weight[h] * value;
           if (!shaped) continue;
-          rest[n] = fall > 0 ? rest[n] + height_weight[h] * (value / fall - once * phase_at(phase[h], node_angle[n])) : none;
+          rest[n] =
+              fall > 0 ? rest[n] + height_weight[h] * (value / fall - once * phase_at(phase[h], node_angle[n])) : none;
         }
       }
     }
@@ -272,7 +286,8 @@ std::vector<double> TableSpectra::sky_grid(double height_m, const std::vector<do
         const std::size_t n = z * azimuth_rad.size() + f;
         double value = none;
         if (shaped) {
-          const double p = height_weight[0] * phase_at(phase[0], grid_angle[n]) + height_weight[1] * phase_at(phase[1], grid_angle[n]);
+          const double p = height_weight[0] * phase_at(phase[0], grid_angle[n]) +
+                           height_weight[1] * phase_at(phase[1], grid_angle[n]);
           value = (once * p + bilinear(rest, zenith_cell[z], azimuth_cell[f])) * grid_fall[z];
         }
         if (std::isnan(value)) value = bilinear(plain, zenith_cell[z], azimuth_cell[f]);
@@ -287,7 +302,8 @@ std::vector<double> TableSpectra::sky_grid(double height_m, const std::vector<do
     for (std::size_t i = 0; i < count_; ++i) {
       double t = 0;
       for (std::size_t h = 0; h < static_cast<std::size_t>(heights); ++h) {
-        const float* at = back.value + (first_ + i) * back.wavelength + (height.index + h) * back.height + zenith_cell[z].index * back.a;
+        const float* at = back.value + (first_ + i) * back.wavelength + (height.index + h) * back.height +
+                          zenith_cell[z].index * back.a;
         const double f = zenith_cell[z].fraction;
         t += height_weight[h] * (f > 0 ? (1 - f) * double{at[0]} + f * double{at[back.a]} : double{at[0]});
       }

@@ -31,14 +31,15 @@ double mean_temperature(const scene::CompiledScene& scene, const shared::Surface
 }
 
 /// Area of a mesh and its integral of temperature, m2 and m2 K, in its own frame.
-std::pair<double, double> mesh_area(const scene::CompiledScene& scene, const scene::Mesh& mesh, const std::vector<double>& surface_K) {
+std::pair<double, double> mesh_area(const scene::CompiledScene& scene, const scene::Mesh& mesh,
+                                    const std::vector<double>& surface_K) {
   double area = 0, warm = 0;
   for (std::uint32_t b = mesh.first_block; b < mesh.first_block + mesh.block_count; ++b) {
     const shared::TriBlock& block = scene.blocks[b];
     for (int k = 0; k < RC_BLOCK; ++k) {
       if (block.surface[k] >= surface_K.size()) continue;  // an unused lane
-      const Eigen::Vector3d a(block.v0_x[k], block.v0_y[k], block.v0_z[k]), p(block.v1_x[k], block.v1_y[k], block.v1_z[k]),
-          q(block.v2_x[k], block.v2_y[k], block.v2_z[k]);
+      const Eigen::Vector3d a(block.v0_x[k], block.v0_y[k], block.v0_z[k]),
+          p(block.v1_x[k], block.v1_y[k], block.v1_z[k]), q(block.v2_x[k], block.v2_y[k], block.v2_z[k]);
       const double here = 0.5 * (p - a).cross(q - a).norm();
       area += here;
       warm += here * surface_K[block.surface[k]];
@@ -50,9 +51,9 @@ std::pair<double, double> mesh_area(const scene::CompiledScene& scene, const sce
 /// Areas of an instance against those of its mesh; exact for turns and uniform scales, the mean over directions else.
 double area_scale(const shared::Instance& placed) {
   Eigen::Matrix3d m;
-  m << placed.world_from_local_0.x, placed.world_from_local_0.y, placed.world_from_local_0.z, placed.world_from_local_1.x,
-      placed.world_from_local_1.y, placed.world_from_local_1.z, placed.world_from_local_2.x, placed.world_from_local_2.y,
-      placed.world_from_local_2.z;
+  m << placed.world_from_local_0.x, placed.world_from_local_0.y, placed.world_from_local_0.z,
+      placed.world_from_local_1.x, placed.world_from_local_1.y, placed.world_from_local_1.z,
+      placed.world_from_local_2.x, placed.world_from_local_2.y, placed.world_from_local_2.z;
   return std::pow(std::abs(m.determinant()), 2.0 / 3.0);
 }
 
@@ -103,8 +104,9 @@ Spectrum planck_spectrum(const std::vector<double>& wavelength_um, double temper
   return out;
 }
 
-std::vector<TemperatureLevel> temperature_levels(const Emitters& emitters, const TableSpectra& air, const Domain& domain,
-                                                 const BandSpace& bands, const std::vector<double>& table_um,
+std::vector<TemperatureLevel> temperature_levels(const Emitters& emitters, const TableSpectra& air,
+                                                 const Domain& domain, const BandSpace& bands,
+                                                 const std::vector<double>& table_um,
                                                  const std::vector<double>& typical) {
   const auto& distinct = emitters.distinct_K;
   std::vector<TemperatureLevel> out;
@@ -118,9 +120,11 @@ std::vector<TemperatureLevel> temperature_levels(const Emitters& emitters, const
     for (std::size_t b = 0; b < whole.size(); ++b) whole[b] -= reflected[b];
     return whole;
   };
-  const auto largest = [&](const std::vector<double>& here, const std::vector<double>& low, const std::vector<double>& high) {
+  const auto largest = [&](const std::vector<double>& here, const std::vector<double>& low,
+                           const std::vector<double>& high) {
     double worst = 0;
-    for (std::size_t b = 0; b < here.size(); ++b) worst = std::max(worst, std::abs(here[b] - 0.5 * (low[b] + high[b])) / typical[b]);
+    for (std::size_t b = 0; b < here.size(); ++b)
+      worst = std::max(worst, std::abs(here[b] - 0.5 * (low[b] + high[b])) / typical[b]);
     return worst;
   };
   if (hi > lo) {
@@ -145,7 +149,8 @@ double node_coordinate(const std::vector<double>& node_K, double temperature_K) 
   return static_cast<double>(cell.index) + cell.fraction;
 }
 
-Thermal make_thermal(const scene::CompiledScene& scene, const Emitters& emitters, const TemperatureLevel& nodes, const SkyFactors& factors) {
+Thermal make_thermal(const scene::CompiledScene& scene, const Emitters& emitters, const TemperatureLevel& nodes,
+                     const SkyFactors& factors) {
   Thermal out;
   out.on = true;
   out.sky_components = factors.rank;
@@ -170,7 +175,8 @@ Thermal make_thermal(const scene::CompiledScene& scene, const Emitters& emitters
     const double nz = -1 + 2.0 * i / (RC_TILT_NODES - 1);
     auto value = open.at(std::acos(nz), 0);
     value[static_cast<std::size_t>(out.sky_components)] = kPi * (1 - nz) / 2;
-    out.tilt_irradiance.push_back({static_cast<float>(value[0]), static_cast<float>(value[1]), static_cast<float>(value[2]), 0});
+    out.tilt_irradiance.push_back(
+        {static_cast<float>(value[0]), static_cast<float>(value[1]), static_cast<float>(value[2]), 0});
   }
   return out;
 }

@@ -1,5 +1,5 @@
-// Thermal light of a scene with fixed temperatures: which temperatures there are, the surroundings that stand for whatever hides
-// the sky, the temperature nodes, and what they need of the plan.
+// Thermal light of a scene with fixed temperatures: which temperatures there are, the surroundings that stand for
+// whatever hides the sky, the temperature nodes, and what they need of the plan.
 #pragma once
 
 #include "host/base/error.h"
@@ -13,12 +13,14 @@ struct Emitters {
   double surroundings_K = 0;       ///< mean over the area of all placed triangles
 };
 
-/// `demanded_by`, what needs temperatures (temperature_demand): adds a problem for every used material without one. Empty: nothing.
+/// `demanded_by`, what needs temperatures (temperature_demand): adds a problem for every used material without one.
+/// Empty: nothing.
 void check_temperatures(const scene::CompiledScene& scene, const std::string& file, const std::string& demanded_by,
                         base::Problems& problems);
 
-/// Throws one Error(input) that lists what check_temperatures finds. Materials without a temperature stand at 0 K and emit nothing
-/// where none is demanded. A scene without triangles takes the plain mean over its materials, and 0 K without any.
+/// Throws one Error(input) that lists what check_temperatures finds. Materials without a temperature stand at 0 K and
+/// emit nothing where none is demanded. A scene without triangles takes the plain mean over its materials, and 0 K
+/// without any.
 Emitters find_emitters(const scene::CompiledScene& scene, const std::string& file, const std::string& demanded_by);
 
 /// B at one temperature on a grid, W m-2 sr-1 um-1.
@@ -31,16 +33,18 @@ struct TemperatureLevel {
   double error = 0;
 };
 
-/// Nodes evenly spread over the temperatures there are, 1, 2, 3, ... of them, and the temperatures themselves where they are few
-/// enough: those leave no error. table_um: the covered part of the table's axis.
-std::vector<TemperatureLevel> temperature_levels(const Emitters& emitters, const TableSpectra& air, const Domain& domain,
-                                                 const BandSpace& bands, const std::vector<double>& table_um,
+/// Nodes evenly spread over the temperatures there are, 1, 2, 3, ... of them, and the temperatures themselves where
+/// they are few enough: those leave no error. table_um: the covered part of the table's axis.
+std::vector<TemperatureLevel> temperature_levels(const Emitters& emitters, const TableSpectra& air,
+                                                 const Domain& domain, const BandSpace& bands,
+                                                 const std::vector<double>& table_um,
                                                  const std::vector<double>& typical);
 
 /// Where a temperature lies among the nodes: index + fraction, clamped.
 double node_coordinate(const std::vector<double>& node_K, double temperature_K);
 
 /// Fills nodes, surfaces, maps and the table over tilt; factors: of the thermal sky, empty where it is black.
-Thermal make_thermal(const scene::CompiledScene& scene, const Emitters& emitters, const TemperatureLevel& nodes, const SkyFactors& factors);
+Thermal make_thermal(const scene::CompiledScene& scene, const Emitters& emitters, const TemperatureLevel& nodes,
+                     const SkyFactors& factors);
 
 }  // namespace raycube::plan

@@ -29,8 +29,7 @@ void judge(ThermalUse& use, const Bands& emitted, const Bands& typical, const st
 }
 
 /// Band means of (1 - reflectance) B T_view.
-Bands emitted_bands(const scene::Material& material, const Spectrum& up_on_grid,
-                    const SpectralPlan& spectral) {
+Bands emitted_bands(const scene::Material& material, const Spectrum& up_on_grid, const SpectralPlan& spectral) {
   const Spectrum planck = planck_spectrum(spectral.wavelength_um, material.temperature_K);
   const Spectrum reflectance = sample_curve(material, spectral.wavelength_um);
   Bands out;
@@ -68,8 +67,7 @@ void add_notices(ThermalUse& use, const scene::CompiledScene& scene, const std::
   for (const auto curve : used_curves(scene)) {
     const auto& material = scene.materials[curve - 1];
     if (!(material.temperature_K > 0)) cold.push_back(material.name);
-    hottest_K = std::max(hottest_K, material.temperature_K),
-    coolest_K = std::min(coolest_K, material.temperature_K);
+    hottest_K = std::max(hottest_K, material.temperature_K), coolest_K = std::min(coolest_K, material.temperature_K);
   }
   const bool far = base::asks_for_heat(spectral.wavelength_um.back());
   if (!cold.empty() && (use.on || far))
@@ -77,8 +75,7 @@ void add_notices(ThermalUse& use, const scene::CompiledScene& scene, const std::
         "instrument '{}': {} without a temperature emits nothing: {}; give temperature_K, or [thermal] "
         "default_temperature_K{}",
         instrument, cold.size() == 1 ? "a material" : "every material", listed(cold),
-        use.on ? fmt::format(" ({} makes {:.2g} times the other light of band {})", use.from, use.share,
-                             use.band + 1)
+        use.on ? fmt::format(" ({} makes {:.2g} times the other light of band {})", use.from, use.share, use.band + 1)
                : fmt::format(" (bands reach beyond {:g} um)", base::kHeatFrom_um)));
   if (use.on && use.share > 1 && hottest_K > coolest_K)
     use.notices.push_back(

@@ -26,7 +26,8 @@ struct ThermalUse {
   std::vector<std::string> notices;
 };
 
-/// `ThermalUse::demanded_by` of bands up to bands_to_um under a table with or without thermal rows that ends at table_to_um.
+/// `ThermalUse::demanded_by` of bands up to bands_to_um under a table with or without thermal rows that ends at
+/// table_to_um.
 std::string temperature_demand(bool vacuum, double bands_to_um, bool thermal_rows, double table_to_um);
 
 /// limit: the share from which on thermal light is rendered. Radiance below 1e-12 W m-2 sr-1 um-1 is dark

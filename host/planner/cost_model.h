@@ -1,5 +1,5 @@
-// What a render costs, from counts of rays, terms and bands: never a clock, so that two runs give one plan. Seconds are those of a
-// nominal machine and serve to compare settings and to say when a tolerance is out of reach.
+// What a render costs, from counts of rays, terms and bands: never a clock, so that two runs give one plan. Seconds are
+// those of a nominal machine and serve to compare settings and to say when a tolerance is out of reach.
 #pragma once
 
 #include <cstdint>
@@ -10,18 +10,19 @@ namespace raycube::planner {
 
 /// Counts of one pixel.
 struct PixelCounts {
-  double samples = 1;        ///< rays from the camera
+  double samples = 1;  ///< rays from the camera
   double sun_rays = 0, sky_rays = 0, sky_bundles = 0;
-  double terms = 0;          ///< of the band integration
+  double terms = 0;  ///< of the band integration
   double bands = 0;
 };
 
-/// Nominal seconds: two cores of an AVX-512 server, PoCL (bench/RESULTS.md, park, figures of rays that face their light). A sample
-/// pays for its ray, its surface point and its shading.
+/// Nominal seconds: two cores of an AVX-512 server, PoCL (bench/RESULTS.md, park, figures of rays that face their
+/// light). A sample pays for its ray, its surface point and its shading.
 struct CostModel {
   double sample_s = 3.0e-8, sun_ray_s = 2.0e-8, sky_ray_s = 1.5e-8, sky_bundle_s = 1.5e-7, term_band_s = 1.5e-10;
   double seconds(const PixelCounts& c) const {
-    return c.samples * sample_s + c.sun_rays * sun_ray_s + c.sky_rays * sky_ray_s + c.sky_bundles * sky_bundle_s + c.terms * c.bands * term_band_s;
+    return c.samples * sample_s + c.sun_rays * sun_ray_s + c.sky_rays * sky_ray_s + c.sky_bundles * sky_bundle_s +
+           c.terms * c.bands * term_band_s;
   }
 };
 
@@ -30,7 +31,8 @@ inline constexpr double kDear_s_per_megapixel = 30;
 /// Settings past this are never chosen: a tolerance that needs them is not kept.
 inline constexpr double kMost_s_per_megapixel = 1000;
 
-/// Counts for `samples` a pixel and `directions` towards the sky, shared out among them by `share` (plan::sky_share), with the plan's sources and nodes.
+/// Counts for `samples` a pixel and `directions` towards the sky, shared out among them by `share` (plan::sky_share),
+/// with the plan's sources and nodes.
 PixelCounts pixel_counts(const plan::Plan& plan, double samples, double directions, int share = 1);
 
 }  // namespace raycube::planner

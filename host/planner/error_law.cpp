@@ -18,12 +18,15 @@ void ErrorLaw::measured(double level, double estimate, double bound) {
 double ErrorLaw::hope(double level) const {
   if (has(level) || empty()) return bound(level);
   double least = std::numeric_limits<double>::infinity();
-  for (const auto& [measured, point] : points_) least = std::min(least, point.estimate * std::pow(measured / level, measured < level ? exponents_.hope : exponents_.hope_before));
-  if (level < smallest()) least = std::min(least, points_.begin()->second.estimate * std::pow(smallest() / level, exponents_.hope_below));
+  for (const auto& [measured, point] : points_)
+    least = std::min(least, point.estimate * std::pow(measured / level,
+                                                      measured < level ? exponents_.hope : exponents_.hope_before));
+  if (level < smallest())
+    least = std::min(least, points_.begin()->second.estimate * std::pow(smallest() / level, exponents_.hope_below));
   return least;
 }
 
-double ErrorLaw::at(double level, double Point::* what) const {
+double ErrorLaw::at(double level, double Point::*what) const {
   if (points_.empty()) return std::numeric_limits<double>::infinity();
   const auto value = [&](auto i) { return i->second.*what; };
   const auto above = points_.lower_bound(level);

@@ -32,8 +32,8 @@ std::vector<std::uint64_t> hashed_pulses(const lidar::LidarPlan& plan, std::uint
   return fired;
 }
 
-Waveforms fire_pulses(render::LidarRenderer& renderer, const lidar::LidarPlan& given, const std::vector<std::uint64_t>& pulses,
-                      const Firing& firing, std::uint64_t& rays) {
+Waveforms fire_pulses(render::LidarRenderer& renderer, const lidar::LidarPlan& given,
+                      const std::vector<std::uint64_t>& pulses, const Firing& firing, std::uint64_t& rays) {
   lidar::LidarPlan plan = given;
   plan.lidar.transport.subrays = firing.subrays;
   plan.seed = firing.seed;

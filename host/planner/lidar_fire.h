@@ -35,7 +35,7 @@ struct Waveforms {
 };
 /// Adds the rays traced to `rays`. Air and particles are left out: they are integrated along the beam, not by
 /// sub-rays, and would only hide what surfaces do.
-Waveforms fire_pulses(render::LidarRenderer& renderer, const lidar::LidarPlan& plan, const std::vector<std::uint64_t>& pulses,
-                      const Firing& firing, std::uint64_t& rays);
+Waveforms fire_pulses(render::LidarRenderer& renderer, const lidar::LidarPlan& plan,
+                      const std::vector<std::uint64_t>& pulses, const Firing& firing, std::uint64_t& rays);
 
 }  // namespace raycube::planner

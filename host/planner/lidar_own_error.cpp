@@ -24,7 +24,8 @@ constexpr double kLeastShared = 0.1;
 lidar::LidarPlan cropped(const lidar::LidarPlan& plan) {
   lidar::LidarPlan out = plan;
   auto& receiver = out.lidar.receiver;
-  if (receiver_sampling(plan)) receiver.columns = std::min(receiver.columns, kCrop_px), receiver.rows = std::min(receiver.rows, kCrop_px);
+  if (receiver_sampling(plan))
+    receiver.columns = std::min(receiver.columns, kCrop_px), receiver.rows = std::min(receiver.rows, kCrop_px);
   return out;
 }
 
@@ -72,12 +73,14 @@ struct Compared {
 /// Draws of the error: pulses on each pattern; of a receiver patterns.
 std::vector<Compared> drawn(render::LidarRenderer& renderer, const lidar::LidarPlan& plan, const Shooting& shooting) {
   std::uint64_t rays = 0;
-  const Waveforms own = fire_pulses(renderer, plan, shooting.pulses, {plan.lidar.transport.subrays, plan.seed, false}, rays);
+  const Waveforms own =
+      fire_pulses(renderer, plan, shooting.pulses, {plan.lidar.transport.subrays, plan.seed, false}, rays);
   std::vector<Compared> out;
   for (int round = 0; round < shooting.rounds; ++round) {
     const std::uint64_t first = plan.seed + static_cast<std::uint64_t>(5 + 2 * round) * kOtherPulses;
     const Waveforms one = fire_pulses(renderer, plan, shooting.pulses, {shooting.reference_subrays, first, true}, rays);
-    const Waveforms two = fire_pulses(renderer, plan, shooting.pulses, {shooting.reference_subrays, first + kOtherPulses, true}, rays);
+    const Waveforms two =
+        fire_pulses(renderer, plan, shooting.pulses, {shooting.reference_subrays, first + kOtherPulses, true}, rays);
     for (std::size_t p = 0; p < own.pulse.size(); ++p) {
       if (p == 0 || !receiver_sampling(plan)) out.emplace_back();
       out.back().add(own.pulse[p], one.pulse[p], two.pulse[p]);
@@ -109,27 +112,32 @@ LidarOwnError own_error(render::LidarRenderer& renderer, const lidar::LidarPlan&
   const std::vector<Compared> draws = drawn(renderer, plan, shooting);
   double sum = 0, squares = 0, shared = 0, power = 0, own = 0;
   for (const Compared& one : draws)
-    sum += one.difference, squares += one.difference * one.difference, shared += one.shared, power += one.power, own += one.own;
+    sum += one.difference, squares += one.difference * one.difference, shared += one.shared, power += one.power,
+        own += one.own;
   const auto count = static_cast<double>(draws.size());
   const double whole = std::max(shared, kLeastShared * power) / count;
   if (!(whole > 0)) {
-    out.from = "of " + std::to_string(shooting.pulses.size()) + " tried, " +
-               (own > 0 ? "no pulse shows light in the gate to others than the run's own sub-rays; `raycube plan` tries more"
-                        : "no pulse shows light of surfaces in the gate");
+    out.from =
+        "of " + std::to_string(shooting.pulses.size()) + " tried, " +
+        (own > 0 ? "no pulse shows light in the gate to others than the run's own sub-rays; `raycube plan` tries more"
+                 : "no pulse shows light of surfaces in the gate");
     return out;
   }
-  const double average = sum / count, standard_error = std::sqrt(std::max(0.0, squares / count - average * average) / (count - 1));
+  const double average = sum / count,
+               standard_error = std::sqrt(std::max(0.0, squares / count - average * average) / (count - 1));
   out.likely = std::sqrt(std::max(0.0, average) / whole);
   out.total = std::sqrt((std::max(0.0, average) + 2 * standard_error) / whole);
-  out.from = fmt::format("{} {} fired {} times{}; `raycube plan` measures it", shooting.pulses.size(), shooting.pulses.size() == 1 ? "pulse" : "pulses", 1 + 2 * shooting.rounds,
+  out.from = fmt::format("{} {} fired {} times{}; `raycube plan` measures it", shooting.pulses.size(),
+                         shooting.pulses.size() == 1 ? "pulse" : "pulses", 1 + 2 * shooting.rounds,
                          plan.pixels() < given.pixels() ? fmt::format(" in the middle {} pixels", plan.pixels()) : "");
   return out;
 }
 
 std::string own_error_text(const LidarOwnError& e) {
   if (!e.known()) return "error of the waveforms not known: " + e.from;
-  return fmt::format("error of the waveforms about {}, at most {}, of {:.3g} % tolerated{} (sub-rays, of surfaces; by {})",
-                     percent_text(e.likely), percent_text(e.total), 100 * e.tolerance, e.kept() ? "" : ": NOT KEPT", e.from);
+  return fmt::format(
+      "error of the waveforms about {}, at most {}, of {:.3g} % tolerated{} (sub-rays, of surfaces; by {})",
+      percent_text(e.likely), percent_text(e.total), 100 * e.tolerance, e.kept() ? "" : ": NOT KEPT", e.from);
 }
 
 std::string own_error_json(const LidarOwnError& e) {

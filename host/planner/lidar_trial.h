@@ -1,7 +1,7 @@
 // Sub-rays of a LIDAR for a tolerance, by a trial of a few pulses.
 //
-// Error of a LIDAR here: root of the summed squared differences of the expected waveforms (all pulses, pixels, lines and bins) from the
-// converged ones, over the root of the summed squares of those.
+// Error of a LIDAR here: root of the summed squared differences of the expected waveforms (all pulses, pixels, lines
+// and bins) from the converged ones, over the root of the summed squares of those.
 #pragma once
 
 #include <cstdint>
@@ -17,8 +17,8 @@ namespace raycube::planner {
 struct LidarDecision {
   int subrays = 256;
   bool given = false, estimated = false;
-  double error = -1, less_error = -1;   ///< bounds: of the sub-rays chosen and of the level before
-  double likely = -1;                   ///< as `error`, without the margin that makes it a bound
+  double error = -1, less_error = -1;  ///< bounds: of the sub-rays chosen and of the level before
+  double likely = -1;                  ///< as `error`, without the margin that makes it a bound
   double tolerance = 0.01;
   bool within = true;
   std::size_t trial_pulses = 0;
@@ -35,8 +35,10 @@ std::uint64_t rays_of_pulse(const lidar::LidarPlan& plan, int subrays);
 /// The plan with another number of sub-rays.
 void set_subrays(lidar::LidarPlan& plan, int subrays);
 
-/// The fewest sub-rays whose error is inside the tolerance; those the file gives stay, and are tried only when `estimate_given`.
-LidarDecision decide_subrays(render::LidarRenderer& renderer, const lidar::LidarPlan& plan, double tolerance, bool estimate_given);
+/// The fewest sub-rays whose error is inside the tolerance; those the file gives stay, and are tried only when
+/// `estimate_given`.
+LidarDecision decide_subrays(render::LidarRenderer& renderer, const lidar::LidarPlan& plan, double tolerance,
+                             bool estimate_given);
 
 /// What the file or the default says, without a trial.
 LidarDecision subrays_as_given(const lidar::LidarPlan& plan, double tolerance);

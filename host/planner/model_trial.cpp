@@ -14,7 +14,7 @@ namespace raycube::planner {
 
 namespace {
 
-constexpr int kPixelStep = 4;           ///< of a run: two of its eight
+constexpr int kPixelStep = 4;                        ///< of a run: two of its eight
 constexpr std::uint64_t kModelPixels = 0x2545f491u;  ///< added to the seed
 
 using Band = double (*)(const reference::BandRadiance&, std::size_t);
@@ -23,20 +23,22 @@ double part(const std::vector<double>& value, std::size_t band) { return value.e
 
 }  // namespace
 
-ModelPixels compare_models(const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan, const atmos::RenderTable& table,
+ModelPixels compare_models(const scene::Simulation& simulation, const scene::Instrument& instrument,
+                           const plan::Plan& plan, const atmos::RenderTable& table,
                            const std::vector<render::Tile>& tiles, const ModelSettings& settings) {
   scene::Instrument few = instrument;
   few.sampler = scene::SamplerKind::jittered;
   few.samples_u = few.samples_v = settings.side;
   const reference::ReferenceScene scene(simulation.scene);
-  const reference::TableModel whole(scene, plan, table, simulation.atmosphere.none, settings.directions, {0, settings.turn_rad});
+  const reference::TableModel whole(scene, plan, table, simulation.atmosphere.none, settings.directions,
+                                    {0, settings.turn_rad});
 
   plan::Plan same = plan;  // that looks where the table does
   std::vector<std::array<double, 3>> directions;
   for (const glm::dvec3& d : whole.directions()) directions.push_back({d.x, d.y, d.z});
   if (plan.components() > 0)
-    same.sky = plan::sky_set_of(plan.sky_basis, simulation.sun.azimuth_deg * std::numbers::pi / 180, directions, whole.solid_angle_sr(), plan.sky_components,
-                                plan.thermal.on ? &plan.thermal : nullptr);
+    same.sky = plan::sky_set_of(plan.sky_basis, simulation.sun.azimuth_deg * std::numbers::pi / 180, directions,
+                                whole.solid_angle_sr(), plan.sky_components, plan.thermal.on ? &plan.thermal : nullptr);
   // The open sky as those directions add it up; the surroundings, of one radiance, in closed form.
   const auto open = [&](const glm::dvec3& normal) {
     std::array<double, 8> sum{};
@@ -56,7 +58,8 @@ ModelPixels compare_models(const scene::Simulation& simulation, const scene::Ins
   for (const render::Tile& tile : tiles) {
     const auto groups = sensors::make_ray_groups(instrument, simulation.scene, tile.first_line, tile.lines);
     for (int line = 0; line < tile.lines; ++line)
-      reference::append_addresses(pixels, tile.first_line + line, tile.first_column, tile.columns, groups.data() + line * per_line, width);
+      reference::append_addresses(pixels, tile.first_line + line, tile.first_column, tile.columns,
+                                  groups.data() + line * per_line, width);
   }
   ModelPixels out;
   out.planned.resize(pixels.size()), out.whole.resize(pixels.size());
@@ -72,12 +75,13 @@ ModelPixels compare_models(const scene::Simulation& simulation, const scene::Ins
   return out;
 }
 
-ModelError model_error(const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan, const atmos::RenderTable& table,
-                       int threads, int directions) {
+ModelError model_error(const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan,
+                       const atmos::RenderTable& table, int threads, int directions) {
   TrialImage image;
   std::vector<render::Tile> tiles;
   for (const render::Tile& run : trial_tiles(instrument, simulation.seed + kModelPixels)) {
-    for (int column = run.first_column; column < run.first_column + run.columns; column += kPixelStep) tiles.push_back({run.first_line, 1, column, 1});
+    for (int column = run.first_column; column < run.first_column + run.columns; column += kPixelStep)
+      tiles.push_back({run.first_line, 1, column, 1});
     image.run_end.push_back(tiles.size());
   }
   ModelSettings settings;
@@ -91,7 +95,8 @@ ModelError model_error(const scene::Simulation& simulation, const scene::Instrum
     return out;
   };
   const auto all = [](const reference::BandRadiance& r, std::size_t b) { return r.total(b) - r.surroundings[b]; };
-  const std::vector<double> mean = judged_means(image_of(theirs, [](const reference::BandRadiance& r, std::size_t b) { return r.total(b); }));
+  const std::vector<double> mean =
+      judged_means(image_of(theirs, [](const reference::BandRadiance& r, std::size_t b) { return r.total(b); }));
   const auto error = [&](Band value) { return error_from(image_of(ours, value), image_of(theirs, value), mean); };
   ModelError out;
   out.pixels = tiles.size();

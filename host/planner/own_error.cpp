@@ -15,8 +15,8 @@ namespace raycube::planner {
 namespace {
 
 constexpr std::uint64_t kOtherSeed = 0x632be5abu;  ///< added: draws that neither the image nor a trial makes
-constexpr double kFewRays = 3e5, kPart = 0.01;  ///< rays of an image that is tried whole; part of any other
-constexpr int kWidestTile = 512;                ///< pixels traced at once
+constexpr double kFewRays = 3e5, kPart = 0.01;     ///< rays of an image that is tried whole; part of any other
+constexpr int kWidestTile = 512;                   ///< pixels traced at once
 
 /// Runs of kRunPixels pixels: all of an image whose rays are soon traced, else a hundredth of it.
 int runs_of(const scene::Instrument& instrument) {
@@ -37,8 +37,8 @@ TrialImage few_pixels(render::Renderer& renderer, const scene::Simulation& simul
                  });
   for (const auto& tile : tiles)
     image.run_end.push_back((image.run_end.empty() ? 0 : image.run_end.back()) + tile.pixels());
-  image.whole = image.pixels() ==
-                static_cast<std::size_t>(instrument.pixels) * static_cast<std::size_t>(instrument.lines);
+  image.whole =
+      image.pixels() == static_cast<std::size_t>(instrument.pixels) * static_cast<std::size_t>(instrument.lines);
   return image;
 }
 
@@ -76,9 +76,8 @@ void from_few_pixels(OwnError& out, render::Renderer& renderer, const scene::Sim
 
 }  // namespace
 
-OwnError own_error(render::Renderer& renderer, const scene::Simulation& simulation,
-                   const scene::Instrument& instrument, const plan::Plan& plan, const atmos::RenderTable& table,
-                   const Decision& decision, int threads) {
+OwnError own_error(render::Renderer& renderer, const scene::Simulation& simulation, const scene::Instrument& instrument,
+                   const plan::Plan& plan, const atmos::RenderTable& table, const Decision& decision, int threads) {
   OwnError out;
   out.tolerance = simulation.tolerance, out.plan = decision.plan_error;
   if (decision.total_error >= 0 && !instrument.adaptive()) {  // the trial takes all samples of every pixel
@@ -96,26 +95,31 @@ OwnError own_error(render::Renderer& renderer, const scene::Simulation& simulati
 
 std::string own_error_text(const OwnError& e) {
   const std::string drawn =
-      e.samples < 0
-          ? fmt::format("samples and sky directions {}", percent_text(e.drawn))
-          : fmt::format("samples {}, sky directions {}", percent_text(e.samples), percent_text(e.sky));
+      e.samples < 0 ? fmt::format("samples and sky directions {}", percent_text(e.drawn))
+                    : fmt::format("samples {}, sky directions {}", percent_text(e.samples), percent_text(e.sky));
   const auto percent_text = [&](double error) {  // as fine as it takes to tell it from the tolerance
     const std::string text = planner::percent_text(error);
     return text == planner::percent_text(e.tolerance) ? fmt::format("{:.3g} %", 100 * error) : text;
   };
-  const std::string total = e.likely < 0 ? "at most " + percent_text(e.total)
-                                         : fmt::format("about {}, at most {},", percent_text(e.likely), percent_text(e.total));
-  return fmt::format("error {} of {:.3g} % tolerated{} (bounds: {}, nodes and components {}{}; by {})",
-                     total, 100 * e.tolerance, e.kept() ? "" : ": NOT KEPT", drawn, percent_text(e.plan),
+  const std::string total = e.likely < 0
+                                ? "at most " + percent_text(e.total)
+                                : fmt::format("about {}, at most {},", percent_text(e.likely), percent_text(e.total));
+  return fmt::format("error {} of {:.3g} % tolerated{} (bounds: {}, nodes and components {}{}; by {})", total,
+                     100 * e.tolerance, e.kept() ? "" : ": NOT KEPT", drawn, percent_text(e.plan),
                      e.plan_pixels > 0 ? fmt::format(" on {} pixels", e.plan_pixels) : "", e.from);
 }
 
 std::string own_error_json(const OwnError& e) {
   const auto number = [](double value) { return value < 0 ? nlohmann::json() : nlohmann::json(value); };
-  return nlohmann::json{{"tolerance", e.tolerance},       {"total", e.total}, {"likely", number(e.likely)},
-                        {"within_tolerance", e.kept()},   {"samples_and_sky_directions", e.drawn},
-                        {"samples", number(e.samples)},   {"sky_directions", number(e.sky)},
-                        {"nodes_and_components", e.plan}, {"nodes_and_components_pixels", e.plan_pixels},
+  return nlohmann::json{{"tolerance", e.tolerance},
+                        {"total", e.total},
+                        {"likely", number(e.likely)},
+                        {"within_tolerance", e.kept()},
+                        {"samples_and_sky_directions", e.drawn},
+                        {"samples", number(e.samples)},
+                        {"sky_directions", number(e.sky)},
+                        {"nodes_and_components", e.plan},
+                        {"nodes_and_components_pixels", e.plan_pixels},
                         {"from", e.from}}
       .dump();
 }

@@ -15,9 +15,9 @@
 namespace raycube::planner {
 
 /// Parts and total as the tolerance means them: rms over pixels of the worst band over that band's mean;
-/// below 0: not known apart. Like the plan's they are bounds, with one standard error on top; `likely` has none. A few pixels at the
-/// edges of crowns carry most of a park's error: of 1024 pixels the likely one scatters by a third (2.3 to 4.3 % over three seeds
-/// where its chart has 3.1 %), and the bound with it.
+/// below 0: not known apart. Like the plan's they are bounds, with one standard error on top; `likely` has none. A few
+/// pixels at the edges of crowns carry most of a park's error: of 1024 pixels the likely one scatters by a third (2.3
+/// to 4.3 % over three seeds where its chart has 3.1 %), and the bound with it.
 struct OwnError {
   double total = -1, likely = -1;
   double drawn = -1;              ///< of samples and sky directions together
@@ -32,9 +32,8 @@ struct OwnError {
 /// Of an instrument as `apply` left it. Renders only where the decision was not made by a trial. The plan's share
 /// is its bound for the worst place and obstacle; where the verdict hangs on it, it is measured on the scene's own
 /// pixels (model_trial.h), by as many threads, as `raycube plan` does.
-OwnError own_error(render::Renderer& renderer, const scene::Simulation& simulation,
-                   const scene::Instrument& instrument, const plan::Plan& plan, const atmos::RenderTable& table,
-                   const Decision& decision, int threads);
+OwnError own_error(render::Renderer& renderer, const scene::Simulation& simulation, const scene::Instrument& instrument,
+                   const plan::Plan& plan, const atmos::RenderTable& table, const Decision& decision, int threads);
 
 /// One line: total against tolerance, parts, how it is known.
 std::string own_error_text(const OwnError& error);

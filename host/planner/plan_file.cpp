@@ -30,9 +30,12 @@ std::string sampler_text(scene::SamplerKind sampler, int u, int v) {
 }
 
 /// Error(input): the simulation's own `key` is not what the plan has.
-[[noreturn]] void conflict(const std::string& path, const std::string& name, const std::string& key, const std::string& given, const std::string& planned) {
-  throw base::Error(base::Fault::input, fmt::format("{}: '{}': the plan has {}, the simulation gives {} = {}; remove {} from the simulation, or make the plan anew: raycube plan SIM -o {}",
-                                                    path, name, planned, key, given, key, path));
+[[noreturn]] void conflict(const std::string& path, const std::string& name, const std::string& key,
+                           const std::string& given, const std::string& planned) {
+  throw base::Error(base::Fault::input,
+                    fmt::format("{}: '{}': the plan has {}, the simulation gives {} = {}; remove {} from the "
+                                "simulation, or make the plan anew: raycube plan SIM -o {}",
+                                path, name, planned, key, given, key, path));
 }
 
 }  // namespace
@@ -55,15 +58,24 @@ std::string axes_json(const plan::Plan& plan) {
 std::string write_plan_file(const PlanFile& file) {
   Json list = Json::array();
   for (const auto& entry : file.entries) {
-    Json item = {{"name", entry.name}, {"kind", entry.lidar ? "lidar" : "instrument"}, {"decision", Json::parse(entry.decision)}};
+    Json item = {{"name", entry.name},
+                 {"kind", entry.lidar ? "lidar" : "instrument"},
+                 {"decision", Json::parse(entry.decision)}};
     if (entry.lidar)
       item["subrays"] = entry.subrays;
     else
-      item["sampler"] = static_cast<int>(entry.sampling.sampler), item["samples"] = {entry.sampling.samples_u, entry.sampling.samples_v},
-      item["sky_directions"] = entry.sampling.directions, item["sky_share"] = entry.sampling.share, item["plan"] = Json::parse(entry.axes);
+      item["sampler"] = static_cast<int>(entry.sampling.sampler),
+      item["samples"] = {entry.sampling.samples_u, entry.sampling.samples_v},
+      item["sky_directions"] = entry.sampling.directions, item["sky_share"] = entry.sampling.share,
+      item["plan"] = Json::parse(entry.axes);
     list.push_back(std::move(item));
   }
-  return Json{{"raycube_plan", kVersion}, {"simulation", file.simulation_file}, {"scene_hash", file.scene_hash}, {"tolerance", file.tolerance}, {"seed", file.seed}, {"instruments", list}}
+  return Json{{"raycube_plan", kVersion},
+              {"simulation", file.simulation_file},
+              {"scene_hash", file.scene_hash},
+              {"tolerance", file.tolerance},
+              {"seed", file.seed},
+              {"instruments", list}}
              .dump(2) +
          "\n";
 }
@@ -71,11 +83,14 @@ std::string write_plan_file(const PlanFile& file) {
 PlanFile read_plan_file(const std::string& path) {
   base::refuse_other_than_plain(path);
   std::ifstream in(path);
-  if (!in) throw base::Error(base::Fault::input, path + ": the plan cannot be read; `raycube plan SIM -o FILE` writes one");
+  if (!in)
+    throw base::Error(base::Fault::input, path + ": the plan cannot be read; `raycube plan SIM -o FILE` writes one");
   PlanFile file;
   try {
     const Json root = Json::parse(base::shallow_json(in));
-    if (root.at("raycube_plan").get<int>() != kVersion) refuse(path, fmt::format("version {} of the plan's format, this program reads {}", root.at("raycube_plan").get<int>(), kVersion));
+    if (root.at("raycube_plan").get<int>() != kVersion)
+      refuse(path, fmt::format("version {} of the plan's format, this program reads {}",
+                               root.at("raycube_plan").get<int>(), kVersion));
     file.simulation_file = root.at("simulation").get<std::string>();
     file.scene_hash = root.at("scene_hash").get<std::string>();
     file.tolerance = root.at("tolerance").get<double>();
@@ -87,19 +102,25 @@ PlanFile read_plan_file(const std::string& path) {
       entry.decision = item.at("decision").dump();
       if (entry.lidar) {
         entry.subrays = item.at("subrays").get<int>();
-        if (entry.subrays < 1 || entry.subrays > 65536) refuse(path, fmt::format("'{}': subrays {} are not in 1 to 65536", entry.name, entry.subrays));
+        if (entry.subrays < 1 || entry.subrays > 65536)
+          refuse(path, fmt::format("'{}': subrays {} are not in 1 to 65536", entry.name, entry.subrays));
       } else {
         const int sampler = item.at("sampler").get<int>();
-        entry.sampling = {static_cast<scene::SamplerKind>(sampler), item.at("samples").at(0).get<int>(), item.at("samples").at(1).get<int>(), item.at("sky_directions").get<int>(), item.at("sky_share").get<int>()};
+        entry.sampling = {static_cast<scene::SamplerKind>(sampler), item.at("samples").at(0).get<int>(),
+                          item.at("samples").at(1).get<int>(), item.at("sky_directions").get<int>(),
+                          item.at("sky_share").get<int>()};
         entry.axes = item.at("plan").dump();
         const auto& s = entry.sampling;
         const bool lattice = s.sampler == scene::SamplerKind::lattice;
         const int most_u = lattice ? kMostSamples : kMostSide, most_v = kMostSide;
-        if (sampler < 0 || sampler > 2 || s.samples_u < 1 || s.samples_u > most_u || s.samples_v < 1 || s.samples_v > most_v ||
-            std::int64_t{s.samples_u} * s.samples_v > kMostSamples || s.directions < 1 || s.directions > plan::kMostDirections)
-          refuse(path, fmt::format("'{}': samples {} x {} or {} sky directions are out of range", entry.name, s.samples_u, s.samples_v, s.directions));
+        if (sampler < 0 || sampler > 2 || s.samples_u < 1 || s.samples_u > most_u || s.samples_v < 1 ||
+            s.samples_v > most_v || std::int64_t{s.samples_u} * s.samples_v > kMostSamples || s.directions < 1 ||
+            s.directions > plan::kMostDirections)
+          refuse(path, fmt::format("'{}': samples {} x {} or {} sky directions are out of range", entry.name,
+                                   s.samples_u, s.samples_v, s.directions));
         if (s.share < 1 || s.share > s.directions || s.directions % s.share != 0)
-          refuse(path, fmt::format("'{}': a sky share of {} does not divide {} sky directions", entry.name, s.share, s.directions));
+          refuse(path, fmt::format("'{}': a sky share of {} does not divide {} sky directions", entry.name, s.share,
+                                   s.directions));
       }
       file.entries.push_back(std::move(entry));
     }
@@ -110,9 +131,13 @@ PlanFile read_plan_file(const std::string& path) {
 }
 
 void require_match(const PlanFile& file, const scene::Simulation& simulation, const std::string& path) {
-  if (file.scene_hash != simulation.scene.content_hash) refuse(path, "the plan was made for another scene (" + file.simulation_file + "), or the scene has changed since");
-  if (file.tolerance != simulation.tolerance) refuse(path, fmt::format("the plan was made for a tolerance of {:g}, the simulation has {:g}", file.tolerance, simulation.tolerance));
-  if (file.seed != simulation.seed) refuse(path, fmt::format("the plan was made with seed {}, the simulation has {}", file.seed, simulation.seed));
+  if (file.scene_hash != simulation.scene.content_hash)
+    refuse(path, "the plan was made for another scene (" + file.simulation_file + "), or the scene has changed since");
+  if (file.tolerance != simulation.tolerance)
+    refuse(path, fmt::format("the plan was made for a tolerance of {:g}, the simulation has {:g}", file.tolerance,
+                             simulation.tolerance));
+  if (file.seed != simulation.seed)
+    refuse(path, fmt::format("the plan was made with seed {}, the simulation has {}", file.seed, simulation.seed));
 }
 
 const PlanFile::Entry& find_entry(const PlanFile& file, const std::string& name, bool lidar, const std::string& path) {
@@ -121,35 +146,51 @@ const PlanFile::Entry& find_entry(const PlanFile& file, const std::string& name,
     if (entry.name == name && entry.lidar == lidar) return entry;
     known += (known.empty() ? "" : ", ") + entry.name;
   }
-  throw base::Error(base::Fault::input, path + ": the plan has no " + (lidar ? "LIDAR" : "instrument") + " '" + name + "'; there are: " + (known.empty() ? "none" : known));
+  throw base::Error(base::Fault::input, path + ": the plan has no " + (lidar ? "LIDAR" : "instrument") + " '" + name +
+                                            "'; there are: " + (known.empty() ? "none" : known));
 }
 
-Decision replayed(const PlanFile::Entry& entry, const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan, const std::string& path) {
+Decision replayed(const PlanFile::Entry& entry, const scene::Simulation& simulation,
+                  const scene::Instrument& instrument, const plan::Plan& plan, const std::string& path) {
   if (Json::parse(entry.axes) != Json::parse(axes_json(plan)))
-    refuse(path, fmt::format("'{}': the plan has {}, the simulation as it is now needs {}: air, instrument or [plan] have changed since", entry.name, entry.axes, axes_json(plan)));
+    refuse(
+        path,
+        fmt::format(
+            "'{}': the plan has {}, the simulation as it is now needs {}: air, instrument or [plan] have changed since",
+            entry.name, entry.axes, axes_json(plan)));
   const Sampling& s = entry.sampling;
-  if (instrument.samples_given && (instrument.sampler != s.sampler || instrument.samples_u != s.samples_u || instrument.samples_v != s.samples_v))
-    conflict(path, entry.name, "samples", sampler_text(instrument.sampler, instrument.samples_u, instrument.samples_v), sampler_text(s.sampler, s.samples_u, s.samples_v));
+  if (instrument.samples_given &&
+      (instrument.sampler != s.sampler || instrument.samples_u != s.samples_u || instrument.samples_v != s.samples_v))
+    conflict(path, entry.name, "samples", sampler_text(instrument.sampler, instrument.samples_u, instrument.samples_v),
+             sampler_text(s.sampler, s.samples_u, s.samples_v));
   if (simulation.sky_directions_given && plan.components() > 0 && simulation.sky_directions != s.directions)
-    conflict(path, entry.name, "sky_directions", std::to_string(simulation.sky_directions), std::to_string(s.directions) + " sky directions");
-  // set_directions finds the rule's share again; one that is neither the rule's nor the simulation's cannot be replayed.
-  const int share = plan.components() > 0 ? plan::sky_share(simulation.sky_share, s.samples_u * s.samples_v, s.directions) : s.share;
-  if (share != s.share) conflict(path, entry.name, "sky_share", std::to_string(share), "a share of " + std::to_string(s.share));
+    conflict(path, entry.name, "sky_directions", std::to_string(simulation.sky_directions),
+             std::to_string(s.directions) + " sky directions");
+  // set_directions finds the rule's share again; one that is neither the rule's nor the simulation's cannot be
+  // replayed.
+  const int share =
+      plan.components() > 0 ? plan::sky_share(simulation.sky_share, s.samples_u * s.samples_v, s.directions) : s.share;
+  if (share != s.share)
+    conflict(path, entry.name, "sky_share", std::to_string(share), "a share of " + std::to_string(s.share));
   const Json saved = Json::parse(entry.decision);
   Decision out = as_given(simulation, instrument, plan);
   out.sampling = entry.sampling;
   out.sampling.first_samples = instrument.first_samples;
-  out.counts = pixel_counts(plan, static_cast<double>(entry.sampling.samples_u) * entry.sampling.samples_v, entry.sampling.directions, entry.sampling.share);
+  out.counts = pixel_counts(plan, static_cast<double>(entry.sampling.samples_u) * entry.sampling.samples_v,
+                            entry.sampling.directions, entry.sampling.share);
   out.s_per_megapixel = 1e6 * CostModel().seconds(out.counts);
   const auto number = [](const Json& value) { return value.is_number() ? value.get<double>() : -1.0; };
   try {
     out.plan_error = saved.at("error").at("plan").get<double>();
     if (saved.contains("model_pixels")) out.model_pixels = saved.at("model_pixels").get<std::size_t>();
-    out.samples_error = number(saved.at("error").at("samples")), out.sky_error = number(saved.at("error").at("sky_directions"));
+    out.samples_error = number(saved.at("error").at("samples")),
+    out.sky_error = number(saved.at("error").at("sky_directions"));
     out.total_error = number(saved.at("error").at("total"));
     out.within = !saved.at("within_tolerance").is_boolean() || saved.at("within_tolerance").get<bool>();
     out.estimated = saved.contains("trial");
-    if (out.estimated) out.trial_pixels = saved.at("trial").at("pixels").get<std::size_t>(), out.trial_rays = saved.at("trial").at("rays").get<std::uint64_t>();
+    if (out.estimated)
+      out.trial_pixels = saved.at("trial").at("pixels").get<std::size_t>(),
+      out.trial_rays = saved.at("trial").at("rays").get<std::uint64_t>();
     for (const auto& note : saved.at("notes")) out.notes.push_back(note.get<std::string>());
     for (const auto& line : saved.at("lines")) {
       if (line.at("block") == "samples") out.samples_less_error = number(line.at("error_without"));
@@ -162,7 +203,8 @@ Decision replayed(const PlanFile::Entry& entry, const scene::Simulation& simulat
   return out;
 }
 
-LidarDecision replayed(const PlanFile::Entry& entry, const lidar::LidarPlan& plan, double tolerance, const std::string& path) {
+LidarDecision replayed(const PlanFile::Entry& entry, const lidar::LidarPlan& plan, double tolerance,
+                       const std::string& path) {
   LidarDecision out = subrays_as_given(plan, tolerance);
   if (out.given && out.subrays != entry.subrays)
     conflict(path, entry.name, "subrays", std::to_string(out.subrays), std::to_string(entry.subrays) + " sub-rays");

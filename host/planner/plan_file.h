@@ -13,10 +13,10 @@ struct PlanFile {
   struct Entry {
     std::string name;
     bool lidar = false;
-    Sampling sampling;           ///< of an instrument
-    int subrays = 0;             ///< of a LIDAR
-    std::string axes;            ///< nodes and components that make_plan chose: what a replay must find again (JSON text)
-    std::string decision;        ///< the whole decision with its lines (JSON text)
+    Sampling sampling;     ///< of an instrument
+    int subrays = 0;       ///< of a LIDAR
+    std::string axes;      ///< nodes and components that make_plan chose: what a replay must find again (JSON text)
+    std::string decision;  ///< the whole decision with its lines (JSON text)
   };
   std::string simulation_file, scene_hash;
   double tolerance = 0;
@@ -37,11 +37,14 @@ void require_match(const PlanFile& file, const scene::Simulation& simulation, co
 /// The entry of that name. Throws Error(input) that lists the names there are.
 const PlanFile::Entry& find_entry(const PlanFile& file, const std::string& name, bool lidar, const std::string& path);
 
-/// The decision that a file holds, for apply(). Throws Error(input) when the plan's own nodes are not those of the file (the atmosphere
-/// or the instrument has changed since), and when the simulation itself gives samples or directions that are not the plan's.
-Decision replayed(const PlanFile::Entry& entry, const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan, const std::string& path);
+/// The decision that a file holds, for apply(). Throws Error(input) when the plan's own nodes are not those of the file
+/// (the atmosphere or the instrument has changed since), and when the simulation itself gives samples or directions
+/// that are not the plan's.
+Decision replayed(const PlanFile::Entry& entry, const scene::Simulation& simulation,
+                  const scene::Instrument& instrument, const plan::Plan& plan, const std::string& path);
 
 /// The same of a LIDAR.
-LidarDecision replayed(const PlanFile::Entry& entry, const lidar::LidarPlan& plan, double tolerance, const std::string& path);
+LidarDecision replayed(const PlanFile::Entry& entry, const lidar::LidarPlan& plan, double tolerance,
+                       const std::string& path);
 
 }  // namespace raycube::planner

@@ -16,10 +16,13 @@ using Json = nlohmann::json;
 /// A number, or null below 0: not estimated.
 Json number(double value) { return value < 0 ? Json() : Json(value); }
 
-std::string plural(std::size_t count, const std::string& what) { return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s"); }
+std::string plural(std::size_t count, const std::string& what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
 
 /// Error of an axis with `count` nodes, and with the next fewer.
-PlanLine axis_line(const Json& report, const std::string& block, const std::string& axis, const std::vector<std::string>& errors, const std::string& cost) {
+PlanLine axis_line(const Json& report, const std::string& block, const std::string& axis,
+                   const std::vector<std::string>& errors, const std::string& cost) {
   PlanLine line;
   line.block = block;
   const int count = report[axis]["count"].get<int>();
@@ -27,7 +30,9 @@ PlanLine axis_line(const Json& report, const std::string& block, const std::stri
   line.cost = cost;
   line.why = "linear between nodes; midpoints inside their share of the tolerance";
   if (report.contains("given") && !report["given"].empty()) {
-    const std::string key = axis == "height_m" ? "height_nodes" : axis == "sec_view_zenith" ? "view_nodes" : "path_nodes";
+    const std::string key = axis == "height_m"          ? "height_nodes"
+                            : axis == "sec_view_zenith" ? "view_nodes"
+                                                        : "path_nodes";
     line.given = report["given"].contains(key);
   }
   const auto& counts = report["node_errors"]["counts"];
@@ -45,13 +50,20 @@ PlanLine axis_line(const Json& report, const std::string& block, const std::stri
 }
 
 PlanLine sky_line(const Json& levels, const std::string& block, int components, int channels) {
-  PlanLine line{block, components == 0 ? "off" : plural(static_cast<std::size_t>(components), "component"), 0, -1, plural(static_cast<std::size_t>(components), "source"), "", false};
+  PlanLine line{block,
+                components == 0 ? "off" : plural(static_cast<std::size_t>(components), "component"),
+                0,
+                -1,
+                plural(static_cast<std::size_t>(components), "source"),
+                "",
+                false};
   for (const auto& level : levels) {
     const int here = level["components"].get<int>();
     if (here == components && !level["error"].is_null()) line.error = level["error"].get<double>();
     if (here == components - 1 && !level["error"].is_null()) line.next_error = level["error"].get<double>();
   }
-  line.why = components == 0 ? "no light of the sky, or too dark to be seen" : fmt::format("worst obstacle beside typical surfaces; {} channels in all", channels);
+  line.why = components == 0 ? "no light of the sky, or too dark to be seen"
+                             : fmt::format("worst obstacle beside typical surfaces; {} channels in all", channels);
   return line;
 }
 
@@ -96,8 +108,7 @@ Json small_objects_json(const sensors::SmallObjectSurvey& survey) {
 
 }  // namespace
 
-std::string missed_objects_text(const sensors::SmallObjectSurvey& survey,
-                                const scene::Instrument& instrument) {
+std::string missed_objects_text(const sensors::SmallObjectSurvey& survey, const scene::Instrument& instrument) {
   constexpr std::size_t named = 3;
   std::string list;
   for (std::size_t i = 0; i < std::min(named, survey.missed.size()); ++i) {
@@ -105,8 +116,8 @@ std::string missed_objects_text(const sensors::SmallObjectSurvey& survey,
     list += fmt::format(
         "{}'{}' ({:.2g} x {:.2g} x {:.2g} m, {:.2g} of a pixel's area, {:.2g} samples on it; {} from line "
         "{}, sample {})",
-        i ? ", " : "", o.name, o.size_m[0], o.size_m[1], o.size_m[2], o.share, o.points,
-        plural(o.pixels, "pixel"), o.line, o.sample);
+        i ? ", " : "", o.name, o.size_m[0], o.size_m[1], o.size_m[2], o.share, o.points, plural(o.pixels, "pixel"),
+        o.line, o.sample);
   }
   if (survey.missed.size() > named) list += ", ...";
   const std::string way_out =
@@ -134,46 +145,63 @@ std::vector<PlanLine> plan_lines(const Decision& d, const plan::Plan& plan) {
   const bool thermal = report.contains("thermal");
   if (thermal) {
     const auto& warm = report["thermal"];
-    lines.push_back({"sun", plan.sun_sources > 0 ? "on" : "left out", plan.sun_sources > 0 ? 0 : warm["sun_share"].get<double>(), plan.sun_sources > 0 ? warm["sun_share"].get<double>() : -1,
-                     fmt::format("{:.0f} rays a pixel", d.counts.sun_rays), "its largest share of any band beside thermal light", false});
+    lines.push_back({"sun", plan.sun_sources > 0 ? "on" : "left out",
+                     plan.sun_sources > 0 ? 0 : warm["sun_share"].get<double>(),
+                     plan.sun_sources > 0 ? warm["sun_share"].get<double>() : -1,
+                     fmt::format("{:.0f} rays a pixel", d.counts.sun_rays),
+                     "its largest share of any band beside thermal light", false});
   } else {
-    lines.push_back({"sun", plan.sun_up ? "on" : "below the horizon", 0, -1, fmt::format("{:.0f} rays a pixel", d.counts.sun_rays), "", false});
+    lines.push_back({"sun", plan.sun_up ? "on" : "below the horizon", 0, -1,
+                     fmt::format("{:.0f} rays a pixel", d.counts.sun_rays), "", false});
   }
   lines.push_back(sky_line(report["sky"]["levels"], "sky", plan.sky_components, plan.source_channels()));
   lines.back().given = report.contains("given") && report["given"].contains("sky_rank");
   if (thermal) {
-    lines.push_back(sky_line(report["thermal"]["sky_levels"], "thermal sky", plan.thermal.sky_components, plan.source_channels()));
-    lines.push_back({"temperatures", plural(static_cast<std::size_t>(plan.thermal.nodes()), "node"), report["error"]["temperature_nodes"].get<double>(), -1,
+    lines.push_back(
+        sky_line(report["thermal"]["sky_levels"], "thermal sky", plan.thermal.sky_components, plan.source_channels()));
+    lines.push_back({"temperatures", plural(static_cast<std::size_t>(plan.thermal.nodes()), "node"),
+                     report["error"]["temperature_nodes"].get<double>(), -1,
                      plural(static_cast<std::size_t>(plan.thermal.nodes()), "source"),
-                     fmt::format("{} distinct temperatures in the scene", report["thermal"]["temperatures"].get<int>()), false});
+                     fmt::format("{} distinct temperatures in the scene", report["thermal"]["temperatures"].get<int>()),
+                     false});
   }
   const auto channels = [](int count, const char* of) { return fmt::format("{} channels of {}", count, of); };
-  lines.push_back(axis_line(report, "target height", "height_m", {"source_height", "path_height"}, channels(plan.source_channels(), "sources")));
-  lines.push_back(axis_line(report, "view zenith", "sec_view_zenith", {"source_view"}, channels(plan.source_channels(), "sources")));
+  lines.push_back(axis_line(report, "target height", "height_m", {"source_height", "path_height"},
+                            channels(plan.source_channels(), "sources")));
+  lines.push_back(axis_line(report, "view zenith", "sec_view_zenith", {"source_view"},
+                            channels(plan.source_channels(), "sources")));
   lines.push_back(axis_line(report, "path, east", "path_x", {"path_x"}, channels(plan.path_channels(), "path")));
   lines.push_back(axis_line(report, "path, north", "path_y", {"path_y"}, channels(plan.path_channels(), "path")));
   const std::string ground = report["adjacency"]["mode"].get<std::string>();
-  lines.push_back({"ground around", ground, -1, -1, plan.environment.empty() ? "none" : "4 rows of the band table a pixel",
-                   ground == "off" ? "no air between, or no rows for it in the table" : ground == "mean" ? "the scene's mean ground, as the file asks" : "local environment of each pixel", false});
+  lines.push_back({"ground around", ground, -1, -1,
+                   plan.environment.empty() ? "none" : "4 rows of the band table a pixel",
+                   ground == "off"    ? "no air between, or no rows for it in the table"
+                   : ground == "mean" ? "the scene's mean ground, as the file asks"
+                                      : "local environment of each pixel",
+                   false});
 
   const bool grid_sampler = d.sampling.sampler == scene::SamplerKind::grid;
   PlanLine samples;
   samples.block = "samples";
-  samples.level = grid_sampler || d.sampling.sampler == scene::SamplerKind::jittered
-                      ? fmt::format("{} {} x {}", grid_sampler ? "grid" : "jittered", d.sampling.samples_u, d.sampling.samples_v)
-                      : fmt::format("lattice {}", d.sampling.samples_u * d.sampling.samples_v);
+  samples.level =
+      grid_sampler || d.sampling.sampler == scene::SamplerKind::jittered
+          ? fmt::format("{} {} x {}", grid_sampler ? "grid" : "jittered", d.sampling.samples_u, d.sampling.samples_v)
+          : fmt::format("lattice {}", d.sampling.samples_u * d.sampling.samples_v);
   samples.error = d.samples_error, samples.next_error = d.samples_less_error, samples.given = d.samples_given;
   samples.cost = fmt::format("{:.0f} rays a pixel", d.counts.samples);
-  samples.why = d.samples_given ? d.estimated ? "the file gives them" : "the file gives them; `raycube plan` estimates their error"
+  samples.why = d.samples_given
+                    ? d.estimated ? "the file gives them" : "the file gives them; `raycube plan` estimates their error"
                 : d.estimated ? fmt::format("trial of {} pixels", d.trial_pixels)
-                : "the default: nothing could be tried";
+                              : "the default: nothing could be tried";
   lines.push_back(samples);
   PlanLine adaptive;
   adaptive.block = "adaptive";
   adaptive.given = d.sampling.first_samples > 0;
   adaptive.level = adaptive.given ? fmt::format("first {}", d.sampling.first_samples) : "off";
-  adaptive.cost = adaptive.given ? fmt::format("{} rays a pixel, then all where needed", d.sampling.first_samples) : "none";
-  adaptive.why = adaptive.given ? "the file gives it; the samples' error above is without it" : "samples.first asks for it";
+  adaptive.cost =
+      adaptive.given ? fmt::format("{} rays a pixel, then all where needed", d.sampling.first_samples) : "none";
+  adaptive.why =
+      adaptive.given ? "the file gives it; the samples' error above is without it" : "samples.first asks for it";
   lines.push_back(adaptive);
   if (d.small.objects > 0) lines.push_back(small_objects_line(d.small));
   PlanLine sky;
@@ -182,18 +210,21 @@ std::vector<PlanLine> plan_lines(const Decision& d, const plan::Plan& plan) {
   sky.error = d.sky_error, sky.next_error = d.sky_less_error, sky.given = d.directions_given;
   sky.cost = fmt::format("{:.0f} rays a pixel", d.counts.sky_rays);
   sky.why = plan.components() == 0 ? "nothing comes from the sky"
-            : d.directions_given ? d.estimated ? "the file gives them" : "the file gives them; `raycube plan` estimates their error"
+            : d.directions_given
+                ? d.estimated ? "the file gives them" : "the file gives them; `raycube plan` estimates their error"
             : d.estimated ? fmt::format("trial of {} pixels", d.trial_pixels)
-            : "the default: nothing could be tried";
+                          : "the default: nothing could be tried";
   lines.push_back(sky);
   PlanLine share;
   share.block = "sky share";
   share.level = plan.components() > 0 ? std::to_string(d.sampling.share) : "none";
   share.given = d.share_given;
-  share.cost = plan.components() > 0 ? fmt::format("{} directions a sample", d.sampling.directions / d.sampling.share) : "none";
+  share.cost =
+      plan.components() > 0 ? fmt::format("{} directions a sample", d.sampling.directions / d.sampling.share) : "none";
   share.why = plan.components() == 0 ? "nothing comes from the sky"
-              : d.share_given        ? "the file gives it"
-                                     : fmt::format("samples share out the directions, {} samples to each at least", plan::kFewestPoints);
+              : d.share_given
+                  ? "the file gives it"
+                  : fmt::format("samples share out the directions, {} samples to each at least", plan::kFewestPoints);
   lines.push_back(share);
   return lines;
 }
@@ -201,8 +232,13 @@ std::vector<PlanLine> plan_lines(const Decision& d, const plan::Plan& plan) {
 std::string lines_json(const std::vector<PlanLine>& lines) {
   Json list = Json::array();
   for (const auto& line : lines)
-    list.push_back({{"block", line.block}, {"level", line.level}, {"error", number(line.error)}, {"error_without", number(line.next_error)},
-                    {"cost", line.cost}, {"why", line.why}, {"given", line.given}});
+    list.push_back({{"block", line.block},
+                    {"level", line.level},
+                    {"error", number(line.error)},
+                    {"error_without", number(line.next_error)},
+                    {"cost", line.cost},
+                    {"why", line.why},
+                    {"given", line.given}});
   return list.dump();
 }
 
@@ -212,7 +248,12 @@ std::string decision_json(const Decision& d, const std::vector<PlanLine>& lines)
               {"sampler", static_cast<int>(d.sampling.sampler)},
               {"sky_directions", d.sampling.directions},
               {"sky_share", d.sampling.share},
-              {"error", {{"plan", d.plan_error}, {"plan_estimate", d.plan_estimate}, {"samples", number(d.samples_error)}, {"sky_directions", number(d.sky_error)}, {"total", number(d.total_error)}}},
+              {"error",
+               {{"plan", d.plan_error},
+                {"plan_estimate", d.plan_estimate},
+                {"samples", number(d.samples_error)},
+                {"sky_directions", number(d.sky_error)},
+                {"total", number(d.total_error)}}},
               {"within_tolerance", d.estimated ? Json(d.within) : Json()},
               {"cost",
                {{"samples", d.counts.samples},
@@ -225,7 +266,9 @@ std::string decision_json(const Decision& d, const std::vector<PlanLine>& lines)
               {"lines", Json::parse(lines_json(lines))}};
   if (d.small.objects > 0 || !d.small.textures.empty()) out["small_objects"] = small_objects_json(d.small);
   if (d.model_pixels > 0) out["model_pixels"] = d.model_pixels;
-  if (d.estimated) out["trial"] = {{"pixels", d.trial_pixels}, {"looked_at", d.looked_at}, {"rays", d.trial_rays}, {"measured", d.measured}};
+  if (d.estimated)
+    out["trial"] = {
+        {"pixels", d.trial_pixels}, {"looked_at", d.looked_at}, {"rays", d.trial_rays}, {"measured", d.measured}};
   return out.dump();
 }
 
@@ -236,9 +279,11 @@ std::string lines_text(const std::vector<PlanLine>& lines) {
     level = std::max(level, line.level.size() + (line.given ? 8 : 0));
     cost = std::max(cost, line.cost.size());
   }
-  std::string out = fmt::format("  {:<{}}  {:<{}}  {:>9}  {:>9}  {:<{}}  {}\n", "block", block, "level", level, "error", "without", "cost", cost, "why");
+  std::string out = fmt::format("  {:<{}}  {:<{}}  {:>9}  {:>9}  {:<{}}  {}\n", "block", block, "level", level, "error",
+                                "without", "cost", cost, "why");
   for (const auto& line : lines) {
-    std::string row = fmt::format("  {:<{}}  {:<{}}  {:>9}  {:>9}  {:<{}}  {}", line.block, block, line.level + (line.given ? " (given)" : ""), level, percent_text(line.error),
+    std::string row = fmt::format("  {:<{}}  {:<{}}  {:>9}  {:>9}  {:<{}}  {}", line.block, block,
+                                  line.level + (line.given ? " (given)" : ""), level, percent_text(line.error),
                                   percent_text(line.next_error), line.cost, cost, line.why);
     while (!row.empty() && row.back() == ' ') row.pop_back();
     out += row + "\n";

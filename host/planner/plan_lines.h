@@ -21,8 +21,7 @@ std::string lines_json(const std::vector<PlanLine>& lines);
 std::string lines_text(const std::vector<PlanLine>& lines);
 
 /// What an image will miss of its small objects, and the way out.
-std::string missed_objects_text(const sensors::SmallObjectSurvey& survey,
-                                const scene::Instrument& instrument);
+std::string missed_objects_text(const sensors::SmallObjectSurvey& survey, const scene::Instrument& instrument);
 
 /// "0.42 %", "1e-05 %"; "-" below 0.
 std::string percent_text(double error);

@@ -17,14 +17,15 @@ namespace raycube::planner {
 
 namespace {
 
-constexpr int kFirstSide = 4;                    ///< of the samples' trial, and the grid of the sky's
-constexpr int kLargestTriedSide = 32;            ///< beyond, the law holds: 1024 samples a pixel tell less than they cost
+constexpr int kFirstSide = 4;          ///< of the samples' trial, and the grid of the sky's
+constexpr int kLargestTriedSide = 32;  ///< beyond, the law holds: 1024 samples a pixel tell less than they cost
 constexpr int kMostTriedDirections = 256;
 constexpr int kSkyLevels[] = {4, 16, 64};
 constexpr int kMostRounds = 16;
-constexpr double kWorthATry = 0.85;             ///< of the cost
-constexpr int kFineDirections = 1024;           ///< of a plan that would not hold its tolerance by fewer; as many as `check` looks in
-constexpr double kWorthMeasuring = 0.3;         ///< of the tolerance: less takes 5 % of what is left for samples and sky
+constexpr double kWorthATry = 0.85;  ///< of the cost
+constexpr int kFineDirections =
+    1024;  ///< of a plan that would not hold its tolerance by fewer; as many as `check` looks in
+constexpr double kWorthMeasuring = 0.3;  ///< of the tolerance: less takes 5 % of what is left for samples and sky
 
 double squared(double x) { return x * x; }
 
@@ -40,19 +41,21 @@ const std::vector<int>& side_levels() {
   static const std::vector<int> all = [] {
     std::vector<int> levels;
     for (int side = 1; side <= 32; ++side) levels.push_back(side);
-    for (const int side : {36, 40, 45, 50, 56, 64, 72, 80, 90, 100, 112, 128, 144, 160, 180, 200, 225, 256}) levels.push_back(side);
+    for (const int side : {36, 40, 45, 50, 56, 64, 72, 80, 90, 100, 112, 128, 144, 160, 180, 200, 225, 256})
+      levels.push_back(side);
     return levels;
   }();
   return all;
 }
 
 const std::vector<int>& direction_levels() {
-  static const std::vector<int> all = {1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 24, 32, 40, 48, 64, 80, 96, 128, 160, 192, 256, 384, 512, 768, 1024, 1536, 2048, 3072, 4096};
+  static const std::vector<int> all = {1,  2,  3,  4,   5,   6,   8,   10,  12,  16,  20,   24,   32,   40,   48,
+                                       64, 80, 96, 128, 160, 192, 256, 384, 512, 768, 1024, 1536, 2048, 3072, 4096};
   return all;
 }
 
-Choice choose(const std::function<double(int)>& side, const ErrorLaw& direction, double budget, const PixelCost& cost_s, const std::vector<int>& sides,
-              const std::vector<int>& directions) {
+Choice choose(const std::function<double(int)>& side, const ErrorLaw& direction, double budget, const PixelCost& cost_s,
+              const std::vector<int>& sides, const std::vector<int>& directions) {
   Choice best;
   double best_cost = std::numeric_limits<double>::infinity(), best_error = best_cost;
   bool any_affordable = false;
@@ -63,9 +66,12 @@ Choice choose(const std::function<double(int)>& side, const ErrorLaw& direction,
         if (!any_affordable && cost < best_cost) best = {n, k, error <= squared(budget)}, best_cost = cost;
         continue;
       }
-      if (!any_affordable) any_affordable = true, best = {}, best_cost = best_error = std::numeric_limits<double>::infinity();
+      if (!any_affordable)
+        any_affordable = true, best = {}, best_cost = best_error = std::numeric_limits<double>::infinity();
       const bool within = error <= squared(budget);
-      const bool better = within != best.within ? within : within ? cost < best_cost : error < best_error || (error == best_error && cost < best_cost);
+      const bool better = within != best.within ? within
+                          : within              ? cost < best_cost
+                                                : error < best_error || (error == best_error && cost < best_cost);
       if (!better) continue;
       best = {n, k, within};
       best_cost = cost, best_error = error;
@@ -76,64 +82,77 @@ Choice choose(const std::function<double(int)>& side, const ErrorLaw& direction,
 namespace {
 
 /// Puts what is measured in place of the estimate.
-void measure_plan(Decision& out, const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan, const atmos::RenderTable& table,
-                  int threads) {
+void measure_plan(Decision& out, const scene::Simulation& simulation, const scene::Instrument& instrument,
+                  const plan::Plan& plan, const atmos::RenderTable& table, int threads) {
   ModelError error = model_error(simulation, instrument, plan, table, threads);
-  if (error.total.bound > simulation.tolerance) error = model_error(simulation, instrument, plan, table, threads, kFineDirections);
+  if (error.total.bound > simulation.tolerance)
+    error = model_error(simulation, instrument, plan, table, threads, kFineDirections);
   out.plan_error = error.total.bound;
   out.model_pixels = error.pixels;
-  out.measured.push_back(fmt::format("nodes and components: {:.2g} %, at most {:.2g} % (sun {:.2g}, sky {:.2g}, path {:.2g}, ground around {:.2g}, emission {:.2g}), {} pixels against the whole tables",
-                                     100 * error.total.estimate, 100 * error.total.bound, 100 * error.sun.estimate, 100 * error.sky.estimate, 100 * error.path.estimate,
-                                     100 * error.environment.estimate, 100 * error.emission.estimate, error.pixels));
+  out.measured.push_back(fmt::format(
+      "nodes and components: {:.2g} %, at most {:.2g} % (sun {:.2g}, sky {:.2g}, path {:.2g}, ground around {:.2g}, "
+      "emission {:.2g}), {} pixels against the whole tables",
+      100 * error.total.estimate, 100 * error.total.bound, 100 * error.sun.estimate, 100 * error.sky.estimate,
+      100 * error.path.estimate, 100 * error.environment.estimate, 100 * error.emission.estimate, error.pixels));
 }
 
 }  // namespace
 
 Decision as_given(const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan) {
   Decision out;
-  out.sampling = {instrument.sampler, instrument.samples_u, instrument.samples_v, simulation.sky_directions, plan.sky.share, instrument.first_samples};
-  out.samples_given = instrument.samples_given, out.directions_given = simulation.sky_directions_given, out.share_given = simulation.sky_share > 0;
+  out.sampling = {instrument.sampler,        instrument.samples_u, instrument.samples_v,
+                  simulation.sky_directions, plan.sky.share,       instrument.first_samples};
+  out.samples_given = instrument.samples_given, out.directions_given = simulation.sky_directions_given,
+  out.share_given = simulation.sky_share > 0;
   out.tolerance = simulation.tolerance;
   out.plan_error = out.plan_estimate = nlohmann::json::parse(plan.report_json)["error"]["total"].get<double>();
-  out.counts = pixel_counts(plan, static_cast<double>(instrument.samples_u) * instrument.samples_v, simulation.sky_directions, plan.sky.share);
+  out.counts = pixel_counts(plan, static_cast<double>(instrument.samples_u) * instrument.samples_v,
+                            simulation.sky_directions, plan.sky.share);
   out.s_per_megapixel = 1e6 * CostModel().seconds(out.counts);
   return out;
 }
 
-void hold_tolerance(Decision& decision, const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan,
-                    const atmos::RenderTable& table, int threads) {
+void hold_tolerance(Decision& decision, const scene::Simulation& simulation, const scene::Instrument& instrument,
+                    const plan::Plan& plan, const atmos::RenderTable& table, int threads) {
   if (plan.refusal.empty()) return;
   measure_plan(decision, simulation, instrument, plan, table, threads);
   if (decision.plan_error > simulation.tolerance)
-    throw base::Error(base::Fault::input, fmt::format("{}; measured on {} pixels of this scene: {:.3g}; raise the tolerance, narrow the field of view or split the scene's relief",
+    throw base::Error(base::Fault::input, fmt::format("{}; measured on {} pixels of this scene: {:.3g}; raise the "
+                                                      "tolerance, narrow the field of view or split the scene's relief",
                                                       plan.refusal, decision.model_pixels, decision.plan_error));
 }
 
-Decision decide(render::Renderer& renderer, const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan,
-                const atmos::RenderTable& table, bool estimate_given, int threads) {
+Decision decide(render::Renderer& renderer, const scene::Simulation& simulation, const scene::Instrument& instrument,
+                const plan::Plan& plan, const atmos::RenderTable& table, bool estimate_given, int threads) {
   Decision out = as_given(simulation, instrument, plan);
   hold_tolerance(out, simulation, instrument, plan, table, threads);
   const bool sky = plan.components() > 0;
   if (out.samples_given && (out.directions_given || !sky) && !estimate_given) return out;
-  if (out.model_pixels == 0 && out.plan_estimate > kWorthMeasuring * simulation.tolerance) measure_plan(out, simulation, instrument, plan, table, threads);
+  if (out.model_pixels == 0 && out.plan_estimate > kWorthMeasuring * simulation.tolerance)
+    measure_plan(out, simulation, instrument, plan, table, threads);
 
   Trial trial(renderer, simulation, instrument, plan);
   ErrorLaw direction(kDirectionLaw);
   const auto add = [&](ErrorLaw& law, int level, const TrialError& error, const char* what) {
     law.measured(level, error.estimate, error.bound);
-    out.measured.push_back(fmt::format("{} {}: {:.2g} %, at most {:.2g} %", what, level, 100 * error.estimate, 100 * error.bound));
+    out.measured.push_back(
+        fmt::format("{} {}: {:.2g} %, at most {:.2g} %", what, level, 100 * error.estimate, 100 * error.bound));
   };
   std::vector<int> directions = direction_levels();
-  if (out.directions_given) directions = {simulation.sky_directions};
-  else if (simulation.sky_share > 1) std::erase_if(directions, [&](int k) { return k % simulation.sky_share != 0; });
+  if (out.directions_given)
+    directions = {simulation.sky_directions};
+  else if (simulation.sky_share > 1)
+    std::erase_if(directions, [&](int k) { return k % simulation.sky_share != 0; });
   if (!sky) {
     directions = {1};
     add(direction, 1, {}, "directions");
   } else if (out.directions_given) {
-    add(direction, simulation.sky_directions, trial.sky_error(simulation.sky_directions, kFirstSide, kFirstSide), "directions");
+    add(direction, simulation.sky_directions, trial.sky_error(simulation.sky_directions, kFirstSide, kFirstSide),
+        "directions");
   } else {
     for (const int level : kSkyLevels)
-      if (simulation.sky_share <= 1 || level % simulation.sky_share == 0) add(direction, level, trial.sky_error(level, kFirstSide, kFirstSide), "directions");
+      if (simulation.sky_share <= 1 || level % simulation.sky_share == 0)
+        add(direction, level, trial.sky_error(level, kFirstSide, kFirstSide), "directions");
   }
 
   const double left = squared(kUse * simulation.tolerance) - squared(out.plan_error);
@@ -141,7 +160,8 @@ Decision decide(render::Renderer& renderer, const scene::Simulation& simulation,
   const double given_samples = static_cast<double>(instrument.samples_u) * instrument.samples_v;
   const PixelCost cost_s = [&](int n, int k) {
     const double samples = out.samples_given ? given_samples : static_cast<double>(n) * n;
-    return CostModel().seconds(pixel_counts(plan, samples, k, sky ? plan::sky_share(simulation.sky_share, static_cast<int>(samples), k) : 1));
+    return CostModel().seconds(
+        pixel_counts(plan, samples, k, sky ? plan::sky_share(simulation.sky_share, static_cast<int>(samples), k) : 1));
   };
   std::set<int> fine_sky;  // directions tried with the very samples chosen, where those are few
   /// The cheapest levels with one sampler; `side` holds what was measured of it.
@@ -149,7 +169,8 @@ Decision decide(render::Renderer& renderer, const scene::Simulation& simulation,
     const char* const name = sampler == scene::SamplerKind::lattice ? "lattice, side" : "grid, side";
     const std::vector<int> sides = out.samples_given ? std::vector<int>{1} : side_levels();
     if (out.samples_given)
-      add(side, 1, trial.sampling_error(sampler, instrument.samples_u, instrument.samples_v), "samples given, as");  // 1 stands for them
+      add(side, 1, trial.sampling_error(sampler, instrument.samples_u, instrument.samples_v),
+          "samples given, as");  // 1 stands for them
     else
       add(side, kFirstSide, trial.sampling_error(sampler, kFirstSide, kFirstSide), name);
     const auto known = [&](int n) { return side.bound(n); };
@@ -159,17 +180,20 @@ Decision decide(render::Renderer& renderer, const scene::Simulation& simulation,
       choice = choose(hoped, direction, budget, cost_s, sides, directions);
       // A level that only might do is worth a try where it saves much.
       const Choice safe = choose(known, direction, budget, cost_s, sides, directions);
-      if (safe.within && cost_s(choice.side, choice.directions) > kWorthATry * cost_s(safe.side, safe.directions)) choice = safe;
+      if (safe.within && cost_s(choice.side, choice.directions) > kWorthATry * cost_s(safe.side, safe.directions))
+        choice = safe;
       bool changed = false;
       if (!out.samples_given && !side.has(choice.side) && choice.side <= kLargestTriedSide) {
         add(side, choice.side, trial.sampling_error(sampler, choice.side, choice.side), name);
         changed = true;
       }
-      // Once the side stands: fewer samples average the sky less, and what is measured with few would stay where more are taken after all.
+      // Once the side stands: fewer samples average the sky less, and what is measured with few would stay where more
+      // are taken after all.
       const int tried = out.samples_given ? kFirstSide : std::min(kFirstSide, choice.side);
       if (!changed && sky && choice.directions <= kMostTriedDirections && !out.directions_given &&
           (!direction.has(choice.directions) || (tried < kFirstSide && !fine_sky.count(choice.directions)))) {
-        add(direction, choice.directions, trial.sky_error(choice.directions, tried, tried), tried < kFirstSide ? "directions, few samples" : "directions");
+        add(direction, choice.directions, trial.sky_error(choice.directions, tried, tried),
+            tried < kFirstSide ? "directions, few samples" : "directions");
         fine_sky.insert(choice.directions);
         changed = true;
       }
@@ -187,40 +211,51 @@ Decision decide(render::Renderer& renderer, const scene::Simulation& simulation,
     ErrorLaw other(kSideLaw);
     const Choice lattice = settle(scene::SamplerKind::lattice, other);
     const double ours = cost_s(lattice.side, lattice.directions), theirs = cost_s(choice.side, choice.directions);
-    if (lattice.within != choice.within ? lattice.within : ours < theirs) choice = lattice, side = other, sampler = scene::SamplerKind::lattice;
+    if (lattice.within != choice.within ? lattice.within : ours < theirs)
+      choice = lattice, side = other, sampler = scene::SamplerKind::lattice;
   }
 
   out.estimated = true;
   if (!out.samples_given) out.sampling.sampler = sampler, out.sampling.samples_u = out.sampling.samples_v = choice.side;
   if (!out.directions_given) out.sampling.directions = choice.directions;
-  if (sky) out.sampling.share = plan::sky_share(simulation.sky_share, out.sampling.samples_u * out.sampling.samples_v, out.sampling.directions);
+  if (sky)
+    out.sampling.share =
+        plan::sky_share(simulation.sky_share, out.sampling.samples_u * out.sampling.samples_v, out.sampling.directions);
   out.samples_error = side.bound(choice.side);
   out.sky_error = sky ? direction.bound(choice.directions) : 0;
-  if (const int less = before(side_levels(), choice.side); less > 0 && !out.samples_given) out.samples_less_error = side.estimate(less);
-  if (const int less = before(direction_levels(), choice.directions); less > 0 && sky && !out.directions_given) out.sky_less_error = direction.estimate(less);
+  if (const int less = before(side_levels(), choice.side); less > 0 && !out.samples_given)
+    out.samples_less_error = side.estimate(less);
+  if (const int less = before(direction_levels(), choice.directions); less > 0 && sky && !out.directions_given)
+    out.sky_less_error = direction.estimate(less);
   out.total_error = std::sqrt(squared(out.plan_error) + squared(out.samples_error) + squared(out.sky_error));
   out.within = out.total_error <= simulation.tolerance;
-  out.counts = pixel_counts(plan, static_cast<double>(out.sampling.samples_u) * out.sampling.samples_v, out.sampling.directions, out.sampling.share);
+  out.counts = pixel_counts(plan, static_cast<double>(out.sampling.samples_u) * out.sampling.samples_v,
+                            out.sampling.directions, out.sampling.share);
   out.s_per_megapixel = 1e6 * CostModel().seconds(out.counts);
   out.dear = out.s_per_megapixel > kDear_s_per_megapixel;
   out.trial_pixels = trial.pixels(), out.looked_at = trial.looked_at(), out.trial_rays = trial.rays();
   if (!out.within)
-    out.notes.push_back(fmt::format("{}: the tolerance of {:.3g} % is not kept: estimated error {:.3g} % (nodes and components {:.3g} %, samples {:.3g} %, sky "
-                                    "directions {:.3g} %){}; raise the tolerance{}",
-                                    instrument.name, 100 * simulation.tolerance, 100 * out.total_error, 100 * out.plan_error, 100 * out.samples_error,
-                                    100 * out.sky_error,
-                                    out.samples_given || out.directions_given ? std::string(", with what the file gives") : fmt::format(", with the best that takes {:.0f} s per megapixel", kMost_s_per_megapixel),
-                                    out.samples_given || out.directions_given ? " or remove samples and sky_directions from the file" : ""));
+    out.notes.push_back(fmt::format(
+        "{}: the tolerance of {:.3g} % is not kept: estimated error {:.3g} % (nodes and components {:.3g} %, samples "
+        "{:.3g} %, sky "
+        "directions {:.3g} %){}; raise the tolerance{}",
+        instrument.name, 100 * simulation.tolerance, 100 * out.total_error, 100 * out.plan_error,
+        100 * out.samples_error, 100 * out.sky_error,
+        out.samples_given || out.directions_given
+            ? std::string(", with what the file gives")
+            : fmt::format(", with the best that takes {:.0f} s per megapixel", kMost_s_per_megapixel),
+        out.samples_given || out.directions_given ? " or remove samples and sky_directions from the file" : ""));
   else if (out.dear)
-    out.notes.push_back(fmt::format("{}: the tolerance of {:.3g} % cannot be kept within {:.0f} s per megapixel (nominal machine of 2 cores): {} x {} samples and {} sky "
-                                    "directions take about {:.3g} s; raise the tolerance, or give fewer of either",
-                                    instrument.name, 100 * simulation.tolerance, kDear_s_per_megapixel, out.sampling.samples_u, out.sampling.samples_v,
-                                    out.sampling.directions, out.s_per_megapixel));
+    out.notes.push_back(
+        fmt::format("{}: the tolerance of {:.3g} % cannot be kept within {:.0f} s per megapixel (nominal machine of 2 "
+                    "cores): {} x {} samples and {} sky "
+                    "directions take about {:.3g} s; raise the tolerance, or give fewer of either",
+                    instrument.name, 100 * simulation.tolerance, kDear_s_per_megapixel, out.sampling.samples_u,
+                    out.sampling.samples_v, out.sampling.directions, out.s_per_megapixel));
   return out;
 }
 
-void add_small_objects(Decision& decision, const scene::Simulation& simulation,
-                       const scene::Instrument& instrument) {
+void add_small_objects(Decision& decision, const scene::Simulation& simulation, const scene::Instrument& instrument) {
   using scene::SmallObjects;
   scene::Instrument sampled = instrument;
   sampled.sampler = decision.sampling.sampler;
@@ -234,12 +269,15 @@ void add_small_objects(Decision& decision, const scene::Simulation& simulation,
     decision.notes.push_back(note);  // a plan's file may have it
 }
 
-void apply(const Decision& decision, const scene::Simulation& simulation, scene::Instrument& instrument, plan::Plan& plan) {
+void apply(const Decision& decision, const scene::Simulation& simulation, scene::Instrument& instrument,
+           plan::Plan& plan) {
   instrument.sampler = decision.sampling.sampler;
   instrument.samples_u = decision.sampling.samples_u, instrument.samples_v = decision.sampling.samples_v;
   instrument.small_objects = decision.small.on ? scene::SmallObjects::on : scene::SmallObjects::off;
-  if (plan.components() > 0 && (plan.sky.directions != decision.sampling.directions || plan.sky.share != decision.sampling.share))
-    set_directions(plan, simulation, decision.sampling.samples_u * decision.sampling.samples_v, decision.sampling.directions);
+  if (plan.components() > 0 &&
+      (plan.sky.directions != decision.sampling.directions || plan.sky.share != decision.sampling.share))
+    set_directions(plan, simulation, decision.sampling.samples_u * decision.sampling.samples_v,
+                   decision.sampling.directions);
   auto report = nlohmann::json::parse(plan.report_json);
   report["planner"] = nlohmann::json::parse(decision_json(decision, plan_lines(decision, plan)));
   plan.report_json = report.dump(2);

@@ -1,9 +1,9 @@
-// The planner: the cheapest samples of a pixel and sky directions whose errors, with those of the plan's nodes and components, fit the
-// tolerance (DESIGN 6). What the file gives is kept and its error estimated.
+// The planner: the cheapest samples of a pixel and sky directions whose errors, with those of the plan's nodes and
+// components, fit the tolerance (DESIGN 6). What the file gives is kept and its error estimated.
 //
 //   budget    samples^2 + directions^2 + plan^2 <= (kUse tolerance)^2: their errors are independent of each other
-//   errors    of the worst band, measured on the trial's pixels, with one standard error on top; by power laws between levels
-//   cost      CostModel; two runs give one plan
+//   errors    of the worst band, measured on the trial's pixels, with one standard error on top; by power laws between
+//   levels cost      CostModel; two runs give one plan
 #pragma once
 
 #include <functional>
@@ -26,40 +26,42 @@ inline constexpr double kUse = 0.95;
 /// One row of the table of `raycube plan`.
 struct PlanLine {
   std::string block, level;
-  double error = -1;        ///< estimated, of the level chosen; below 0: not estimated
-  double next_error = -1;   ///< of leaving the next level out, that is of the level before this one; below 0: there is none, or not estimated
+  double error = -1;  ///< estimated, of the level chosen; below 0: not estimated
+  double next_error =
+      /// of leaving the next level out, that is of the level before this one; below 0: there is none, or not estimated
+      -1;
   std::string cost, why;
-  bool given = false;       ///< by the file, not chosen
+  bool given = false;  ///< by the file, not chosen
 };
 
 /// What the planner settles besides the plan itself.
 struct Sampling {
   scene::SamplerKind sampler = scene::SamplerKind::grid;
   int samples_u = 1, samples_v = 1, directions = 1;
-  int share = 1;                  ///< of the directions (plan::sky_share)
-  int first_samples = 0;          ///< of adaptive samples, as the file has them; errors are judged without
+  int share = 1;          ///< of the directions (plan::sky_share)
+  int first_samples = 0;  ///< of adaptive samples, as the file has them; errors are judged without
 };
 
 struct Decision {
   Sampling sampling;
   bool samples_given = false, directions_given = false, share_given = false;
-  bool estimated = false;         ///< a trial was made; false: everything was given and none was asked for
-  double plan_error = 0;          ///< of nodes and components: as make_plan has it, or measured
-  double plan_estimate = 0;       ///< as make_plan has it: worst places and obstacles
-  std::size_t model_pixels = 0;   ///< that met the whole tables; 0: not measured
+  bool estimated = false;        ///< a trial was made; false: everything was given and none was asked for
+  double plan_error = 0;         ///< of nodes and components: as make_plan has it, or measured
+  double plan_estimate = 0;      ///< as make_plan has it: worst places and obstacles
+  std::size_t model_pixels = 0;  ///< that met the whole tables; 0: not measured
   double samples_error = -1, samples_less_error = -1;  ///< bounds: of the level chosen and of the one before
   double sky_error = -1, sky_less_error = -1;
   double total_error = -1;
   double tolerance = 0.01;
-  bool within = true;             ///< total_error <= tolerance
+  bool within = true;  ///< total_error <= tolerance
   PixelCounts counts;
-  double s_per_megapixel = 0;     ///< nominal, by the cost model
-  bool dear = false;              ///< above kDear_s_per_megapixel
+  double s_per_megapixel = 0;                   ///< nominal, by the cost model
+  bool dear = false;                            ///< above kDear_s_per_megapixel
   std::size_t trial_pixels = 0, looked_at = 0;  ///< pixels of the trial, and of the first look
   std::uint64_t trial_rays = 0;
   sensors::SmallObjectSurvey small;   ///< objects that an rms over pixels does not see
   std::vector<std::string> measured;  ///< each setting that the trial rendered, with estimate and bound of its error
-  std::vector<std::string> notes; ///< what the user must know: a tolerance that is not kept, one that is dear
+  std::vector<std::string> notes;     ///< what the user must know: a tolerance that is not kept, one that is dear
 };
 
 /// A pair of levels with its errors, and what choose() saw.
@@ -75,31 +77,34 @@ const std::vector<int>& direction_levels();
 /// Nominal seconds a pixel with one side and one number of directions.
 using PixelCost = std::function<double(int side, int directions)>;
 
-/// The cheapest pair with side law^2 + direction law^2 <= budget^2; where none of at most kMost_s_per_megapixel has that, the pair of
-/// those with the least error, and where none is that cheap, the cheapest. Fixed levels: one-element lists. `side`: error of a side.
-Choice choose(const std::function<double(int)>& side, const ErrorLaw& direction, double budget, const PixelCost& cost_s, const std::vector<int>& sides,
-              const std::vector<int>& directions);
+/// The cheapest pair with side law^2 + direction law^2 <= budget^2; where none of at most kMost_s_per_megapixel has
+/// that, the pair of those with the least error, and where none is that cheap, the cheapest. Fixed levels: one-element
+/// lists. `side`: error of a side.
+Choice choose(const std::function<double(int)>& side, const ErrorLaw& direction, double budget, const PixelCost& cost_s,
+              const std::vector<int>& sides, const std::vector<int>& directions);
 
-/// Makes the decision for an instrument. `plan`: of make_plan with `table`, any directions. With samples and directions both given nothing is
-/// tried unless `estimate_given`; else the nodes' and components' error is measured too where its estimate takes much of the tolerance.
-/// `threads`: of what is computed on the host; 0: all. Throws Error(input) as hold_tolerance does.
-Decision decide(render::Renderer& renderer, const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan,
-                const atmos::RenderTable& table, bool estimate_given, int threads = 0);
+/// Makes the decision for an instrument. `plan`: of make_plan with `table`, any directions. With samples and directions
+/// both given nothing is tried unless `estimate_given`; else the nodes' and components' error is measured too where its
+/// estimate takes much of the tolerance. `threads`: of what is computed on the host; 0: all. Throws Error(input) as
+/// hold_tolerance does.
+Decision decide(render::Renderer& renderer, const scene::Simulation& simulation, const scene::Instrument& instrument,
+                const plan::Plan& plan, const atmos::RenderTable& table, bool estimate_given, int threads = 0);
 
 /// The decision where nothing may be tried (no device, an internal camera): what the file or the defaults say.
 Decision as_given(const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan);
 
-/// Measures a plan that by its estimates may not hold the tolerance (Plan::refusal); throws Error(input) where it does not.
-void hold_tolerance(Decision& decision, const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan,
-                    const atmos::RenderTable& table, int threads = 0);
+/// Measures a plan that by its estimates may not hold the tolerance (Plan::refusal); throws Error(input) where it does
+/// not.
+void hold_tolerance(Decision& decision, const scene::Simulation& simulation, const scene::Instrument& instrument,
+                    const plan::Plan& plan, const atmos::RenderTable& table, int threads = 0);
 
 /// Surveys the instrument's small objects for the decision's samples; those that its image will miss become a
 /// note.
-void add_small_objects(Decision& decision, const scene::Simulation& simulation,
-                       const scene::Instrument& instrument);
+void add_small_objects(Decision& decision, const scene::Simulation& simulation, const scene::Instrument& instrument);
 
 /// The instrument and the plan with the decision's settings, small objects included; the plan's report gets
 /// the planner's lines under "planner".
-void apply(const Decision& decision, const scene::Simulation& simulation, scene::Instrument& instrument, plan::Plan& plan);
+void apply(const Decision& decision, const scene::Simulation& simulation, scene::Instrument& instrument,
+           plan::Plan& plan);
 
 }  // namespace raycube::planner

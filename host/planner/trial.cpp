@@ -6,28 +6,30 @@
 
 #include <nlohmann/json.hpp>
 
-
 namespace raycube::planner {
 
 namespace {
 
-/// Cells of a reference's grid along a side, each with a random point: 1024 points, whose own error is a third of that of 11 x 11 grid
-/// points and drops out of the estimate but for its noise.
+/// Cells of a reference's grid along a side, each with a random point: 1024 points, whose own error is a third of that
+/// of 11 x 11 grid points and drops out of the estimate but for its noise.
 constexpr int kReferenceSide = 32;
-constexpr int kWidestTile = 512;               ///< pixels traced at once
-constexpr int kLookSide = 4;                   ///< of the first look's lattice
+constexpr int kWidestTile = 512;  ///< pixels traced at once
+constexpr int kLookSide = 4;      ///< of the first look's lattice
 /// Directions of the one set that all pixels share while samples are tried.
 constexpr int kSharedDirections = 8;
-/// Sets of directions in the sky's trial: two seeds pick the same set for one pixel in 256, which is lost in the standard error.
+/// Sets of directions in the sky's trial: two seeds pick the same set for one pixel in 256, which is lost in the
+/// standard error.
 constexpr int kTrialSets = 256;
 /// Added to the seed for draws that must not repeat the render's.
 constexpr std::uint64_t kOther = 0x5bd1e995u;
 
 }  // namespace
 
-plan::SkySets sky_for(const plan::Plan& plan, const scene::Simulation& simulation, int directions, int share, int most_sets) {
-  plan::SkySets sky = plan::make_sky_sets(plan.sky_basis, simulation.sun.azimuth_deg * std::numbers::pi / 180, directions, simulation.seed, plan.sky_components,
-                                          plan.thermal.on ? &plan.thermal : nullptr, most_sets);
+plan::SkySets sky_for(const plan::Plan& plan, const scene::Simulation& simulation, int directions, int share,
+                      int most_sets) {
+  plan::SkySets sky =
+      plan::make_sky_sets(plan.sky_basis, simulation.sun.azimuth_deg * std::numbers::pi / 180, directions,
+                          simulation.seed, plan.sky_components, plan.thermal.on ? &plan.thermal : nullptr, most_sets);
   sky.share = share;
   return sky;
 }
@@ -42,12 +44,14 @@ void set_directions(plan::Plan& plan, const scene::Simulation& simulation, int s
   plan.report_json = report.dump(2);
 }
 
-Trial::Trial(render::Renderer& renderer, const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan)
+Trial::Trial(render::Renderer& renderer, const scene::Simulation& simulation, const scene::Instrument& instrument,
+             const plan::Plan& plan)
     : renderer_(renderer), simulation_(simulation), instrument_(instrument), plan_(plan) {
-  instrument_.first_samples = 0;  // errors of all samples
+  instrument_.first_samples = 0;                         // errors of all samples
   instrument_.small_objects = scene::SmallObjects::off;  // and of the law that holds for most pixels
   if (plan.components() > 0) {
-    one_sky_ = sky_for(plan, simulation, kSharedDirections, 1, plan::kFewestSets);  // a share would add the sky to the samples' error
+    one_sky_ = sky_for(plan, simulation, kSharedDirections, 1,
+                       plan::kFewestSets);  // a share would add the sky to the samples' error
     const auto entries = static_cast<std::size_t>(kSharedDirections);
     one_sky_.sets = 1;
     one_sky_.direction.resize(entries);
@@ -68,7 +72,8 @@ void Trial::look() {
   for (const auto& tile : tiles_) pixels_ += tile.pixels();
   looked_at_ = pixels_;
   const scene::Instrument few = sampled(scene::SamplerKind::lattice, kLookSide, kLookSide);
-  const TrialImage one = render(few, one_sky_, simulation_.seed + 3 * kOther), two = render(few, one_sky_, simulation_.seed + 4 * kOther);
+  const TrialImage one = render(few, one_sky_, simulation_.seed + 3 * kOther),
+                   two = render(few, one_sky_, simulation_.seed + 4 * kOther);
   mean_ = judged_means(one);
   std::vector<double> error = run_differences(one, two, mean_);
   const double sampling = std::accumulate(error.begin(), error.end(), 0.0);
@@ -76,7 +81,8 @@ void Trial::look() {
     const plan::SkySets sky = sky_for(plan_, simulation_, kSharedDirections, 1, kTrialSets);
     const auto changed = run_differences(one, render(few, sky, simulation_.seed + 3 * kOther), mean_);
     // Either kind of error draws half.
-    const double all = std::accumulate(changed.begin(), changed.end(), 0.0), scale = all > 0 && sampling > 0 ? sampling / all : 1;
+    const double all = std::accumulate(changed.begin(), changed.end(), 0.0),
+                 scale = all > 0 && sampling > 0 ? sampling / all : 1;
     for (std::size_t r = 0; r < error.size(); ++r) error[r] += scale * changed[r];
   }
   draws_ = draw_runs(error, simulation_.seed, kDraws, kWholeRuns);
@@ -98,10 +104,15 @@ TrialImage Trial::render(const scene::Instrument& instrument, const plan::SkySet
   image.drawn_from = drawn_from_, image.left_out = left_out_;
   image.whole = whole_;
   renderer_.probe(instrument, plan_, simulation_.sun, seed, joined(tiles_, kWidestTile),
-                  [&](const render::PixelProbe& probe) { image.radiance.insert(image.radiance.end(), probe.radiance.begin(), probe.radiance.end()); });
-  for (const auto& tile : tiles_) image.run_end.push_back((image.run_end.empty() ? 0 : image.run_end.back()) + tile.pixels());
-  const PixelCounts counts = pixel_counts(plan_, static_cast<double>(instrument.samples_u) * instrument.samples_v, sky.directions, sky.share);
-  rays_ += static_cast<std::uint64_t>((counts.samples + counts.sun_rays + counts.sky_rays) * static_cast<double>(pixels_));
+                  [&](const render::PixelProbe& probe) {
+                    image.radiance.insert(image.radiance.end(), probe.radiance.begin(), probe.radiance.end());
+                  });
+  for (const auto& tile : tiles_)
+    image.run_end.push_back((image.run_end.empty() ? 0 : image.run_end.back()) + tile.pixels());
+  const PixelCounts counts =
+      pixel_counts(plan_, static_cast<double>(instrument.samples_u) * instrument.samples_v, sky.directions, sky.share);
+  rays_ +=
+      static_cast<std::uint64_t>((counts.samples + counts.sun_rays + counts.sky_rays) * static_cast<double>(pixels_));
   cost_s_ += CostModel().seconds(counts) * static_cast<double>(pixels_);
   return image;
 }
@@ -122,7 +133,9 @@ TrialError Trial::sky_error(int directions, int samples_u, int samples_v) {
   if (plan_.components() == 0) return {};
   // Points that the seed moves would put the samples' noise into the difference.
   const scene::Instrument tried = sampled(scene::SamplerKind::grid, samples_u, samples_v);
-  const plan::SkySets sky = sky_for(plan_, simulation_, directions, plan::sky_share(simulation_.sky_share, samples_u * samples_v, directions), kTrialSets);
+  const plan::SkySets sky =
+      sky_for(plan_, simulation_, directions, plan::sky_share(simulation_.sky_share, samples_u * samples_v, directions),
+              kTrialSets);
   const TrialImage one = render(tried, sky, simulation_.seed), two = render(tried, sky, simulation_.seed + kOther);
   return error_between(one, two, mean_);
 }

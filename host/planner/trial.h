@@ -1,7 +1,8 @@
 // A sparse render of a few hundred pixels at several settings, and what it says of their errors. Its rays are counted.
 //
-// A first look at a few thousand pixels, three renders with few samples, says where errors are; the trial's runs are drawn by it. Where a
-// lawn has three trees, an even draw of a few hundred pixels does not see them, and all the error is there. A small image is tried whole.
+// A first look at a few thousand pixels, three renders with few samples, says where errors are; the trial's runs are
+// drawn by it. Where a lawn has three trees, an even draw of a few hundred pixels does not see them, and all the error
+// is there. A small image is tried whole.
 #pragma once
 
 #include <cstdint>
@@ -15,21 +16,23 @@ namespace raycube::planner {
 
 class Trial {
  public:
-  /// `plan`: of the instrument, with any number of directions. Nothing is rendered yet. All must live as long as the trial.
-  Trial(render::Renderer& renderer, const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan);
+  /// `plan`: of the instrument, with any number of directions. Nothing is rendered yet. All must live as long as the
+  /// trial.
+  Trial(render::Renderer& renderer, const scene::Simulation& simulation, const scene::Instrument& instrument,
+        const plan::Plan& plan);
 
   /// Error of a sampler with u x v cells, against random points in the cells of two finer grids: unbiased and
-  /// independent of each other. Every pixel looks at the sky by the same few directions, so that the sky's own noise, which is the
-  /// sky trial's matter, is the same on all sides.
+  /// independent of each other. Every pixel looks at the sky by the same few directions, so that the sky's own noise,
+  /// which is the sky trial's matter, is the same on all sides.
   TrialError sampling_error(scene::SamplerKind sampler, int samples_u, int samples_v);
 
   /// Error of sets of `directions`: two seeds, by which a pixel picks its set, and the same samples (u x v).
   TrialError sky_error(int directions, int samples_u, int samples_v);
 
-  std::size_t pixels() const { return pixels_; }            ///< of the trial
-  std::size_t looked_at() const { return looked_at_; }      ///< of the first look
-  std::uint64_t rays() const { return rays_; }   ///< traced so far, sky rays towards a surface's back included
-  double cost_s() const { return cost_s_; }      ///< by the cost model
+  std::size_t pixels() const { return pixels_; }        ///< of the trial
+  std::size_t looked_at() const { return looked_at_; }  ///< of the first look
+  std::uint64_t rays() const { return rays_; }          ///< traced so far, sky rays towards a surface's back included
+  double cost_s() const { return cost_s_; }             ///< by the cost model
 
  private:
   TrialImage render(const scene::Instrument& instrument, const plan::SkySets& sky, std::uint64_t seed);
@@ -40,12 +43,12 @@ class Trial {
   render::Renderer& renderer_;
   const scene::Simulation& simulation_;
   scene::Instrument instrument_;
-  plan::Plan plan_;                    ///< with the sky of the last render: its maps are large, so that no more copies are made
-  plan::SkySets one_sky_;              ///< a single set of few directions
+  plan::Plan plan_;        ///< with the sky of the last render: its maps are large, so that no more copies are made
+  plan::SkySets one_sky_;  ///< a single set of few directions
   std::vector<render::Tile> tiles_;
-  std::vector<Draw> draws_;            ///< of the tiles; empty: the first look
+  std::vector<Draw> draws_;  ///< of the tiles; empty: the first look
   double pixels_per_run_ = 0, drawn_from_ = 0, left_out_ = 0;
-  bool whole_ = false;                 ///< every pixel is tried
+  bool whole_ = false;  ///< every pixel is tried
   std::size_t pixels_ = 0, looked_at_ = 0;
   TrialImage one_, two_;
   std::vector<double> mean_;
@@ -54,7 +57,8 @@ class Trial {
 };
 
 /// Sets of `directions` for the plan, with this share.
-plan::SkySets sky_for(const plan::Plan& plan, const scene::Simulation& simulation, int directions, int share, int most_sets = plan::kMostSets);
+plan::SkySets sky_for(const plan::Plan& plan, const scene::Simulation& simulation, int directions, int share,
+                      int most_sets = plan::kMostSets);
 
 /// The plan with sets of `directions` in place of its own, shared out among `samples`.
 void set_directions(plan::Plan& plan, const scene::Simulation& simulation, int samples, int directions);

@@ -14,8 +14,9 @@ constexpr rc_u32 kTrialDimension = 43;  ///< of the hash: no sampler uses it
 constexpr rc_u32 kDrawDimension = 46;   ///< of the hash, for the draws
 constexpr double kDarkShare = 1e-4;     ///< DESIGN 5a: darker bands are judged against this share of the brightest
 
-/// Worst band of a mean over pixels of `square(pixel, band)`, over the judged mean squared. A run that was drawn with more than an even chance counts for less.
-/// `noise(pixel, band)`: variance of the square by the random points of the renders, for images that no draw of pixels makes uncertain.
+/// Worst band of a mean over pixels of `square(pixel, band)`, over the judged mean squared. A run that was drawn with
+/// more than an even chance counts for less. `noise(pixel, band)`: variance of the square by the random points of the
+/// renders, for images that no draw of pixels makes uncertain.
 template <class Square, class Noise>
 TrialError worst_band(const TrialImage& image, const std::vector<double>& mean, Square square, Noise noise) {
   TrialError worst;
@@ -23,7 +24,9 @@ TrialError worst_band(const TrialImage& image, const std::vector<double>& mean, 
   const std::size_t runs = image.run_end.size();
   double draws = 0;
   for (std::size_t r = 0; r < runs; ++r) draws += image.draw.empty() ? 1 : image.draw[r].times;
-  const double pixels_per_run = image.pixels_per_run > 0 ? image.pixels_per_run : static_cast<double>(image.pixels()) / static_cast<double>(std::max<std::size_t>(1, runs));
+  const double pixels_per_run = image.pixels_per_run > 0 ? image.pixels_per_run
+                                                         : static_cast<double>(image.pixels()) /
+                                                               static_cast<double>(std::max<std::size_t>(1, runs));
   for (std::size_t b = 0; b < image.bands; ++b) {
     // Runs as the units of the standard error: pixels side by side are not independent.
     double sum = 0, square_sum = 0, even_square_sum = 0, noise_sum = 0;
@@ -42,9 +45,12 @@ TrialError worst_band(const TrialImage& image, const std::vector<double>& mean, 
     }
     const double average = sum / draws;
     const double pixels = static_cast<double>(image.pixels());
-    double variance = image.whole ? std::max(0.0, noise_sum) / (pixels * pixels) : draws > 1 ? std::max(0.0, square_sum / draws - average * average) / (draws - 1) : 0;
+    double variance = image.whole ? std::max(0.0, noise_sum) / (pixels * pixels)
+                      : draws > 1 ? std::max(0.0, square_sum / draws - average * average) / (draws - 1)
+                                  : 0;
     // The runs drawn from are themselves but a part of the image.
-    if (image.drawn_from > 1) variance += image.left_out * std::max(0.0, even_square_sum / draws - average * average) / (image.drawn_from - 1);
+    if (image.drawn_from > 1)
+      variance += image.left_out * std::max(0.0, even_square_sum / draws - average * average) / (image.drawn_from - 1);
     const double deviation = std::sqrt(variance);
     const double here = average / (mean[b] * mean[b]), bound = here + deviation / (mean[b] * mean[b]);
     worst_square = std::max(worst_square, here);
@@ -66,7 +72,8 @@ std::vector<render::Tile> trial_tiles(const scene::Instrument& instrument, std::
   // A 64-bit place from two draws: an image may have more than 2^32 runs.
   for (rc_u32 i = 0; places.size() < std::min<std::uint64_t>(all, static_cast<std::uint64_t>(runs)); ++i) {
     const std::uint64_t high = rc_hash(static_cast<rc_u32>(seed), i, static_cast<rc_u32>(seed >> 32), kTrialDimension);
-    const std::uint64_t low = rc_hash(static_cast<rc_u32>(seed), i, static_cast<rc_u32>(seed >> 32), kTrialDimension + 1);
+    const std::uint64_t low =
+        rc_hash(static_cast<rc_u32>(seed), i, static_cast<rc_u32>(seed >> 32), kTrialDimension + 1);
     places.insert((high << 32 | low) % all);
   }
   std::vector<render::Tile> tiles;
@@ -89,10 +96,13 @@ std::vector<Draw> draw_runs(const std::vector<double>& error, std::uint64_t seed
   for (const double e : error) sum += e, roots += std::sqrt(e);
   const double even = 1.0 / static_cast<double>(runs);
   const auto chance = [&](std::size_t r) {
-    return 0.25 * even + 0.5 * (sum > 0 ? error[r] / sum : even) + 0.25 * (roots > 0 ? std::sqrt(error[r]) / roots : even);
+    return 0.25 * even + 0.5 * (sum > 0 ? error[r] / sum : even) +
+           0.25 * (roots > 0 ? std::sqrt(error[r]) / roots : even);
   };
   const double step = 1.0 / draws;
-  double next = step * rc_unit_float(rc_hash(static_cast<rc_u32>(seed), 0, static_cast<rc_u32>(seed >> 32), kDrawDimension)), reached = 0;
+  double next = step *
+                rc_unit_float(rc_hash(static_cast<rc_u32>(seed), 0, static_cast<rc_u32>(seed >> 32), kDrawDimension)),
+         reached = 0;
   for (std::size_t r = 0; r < runs; ++r) {
     reached += chance(r);
     Draw draw{r, 0, chance(r) / even};
@@ -107,7 +117,8 @@ std::vector<double> run_differences(const TrialImage& one, const TrialImage& two
   std::size_t i = 0;
   for (const std::size_t end : one.run_end) {
     double sum = 0;
-    for (; i < end * one.bands; ++i) sum += std::pow((static_cast<double>(one.radiance[i]) - two.radiance[i]) / mean[i % one.bands], 2);
+    for (; i < end * one.bands; ++i)
+      sum += std::pow((static_cast<double>(one.radiance[i]) - two.radiance[i]) / mean[i % one.bands], 2);
     out.push_back(sum / static_cast<double>(one.bands));
   }
   return out;
@@ -118,7 +129,8 @@ std::vector<render::Tile> joined(const std::vector<render::Tile>& runs, int colu
   for (const render::Tile& run : runs) {
     if (!out.empty()) {
       render::Tile& last = out.back();
-      if (last.first_line == run.first_line && last.first_column + last.columns == run.first_column && last.columns + run.columns <= columns) {
+      if (last.first_line == run.first_line && last.first_column + last.columns == run.first_column &&
+          last.columns + run.columns <= columns) {
         last.columns += run.columns;
         continue;
       }
@@ -132,18 +144,20 @@ std::vector<double> judged_means(const TrialImage& image) {
   std::vector<double> mean(image.bands, 0.0);
   for (std::size_t i = 0; i < image.radiance.size(); ++i) mean[i % image.bands] += image.radiance[i];
   double largest = 0;
-  for (double& m : mean) m = std::abs(m) / static_cast<double>(std::max<std::size_t>(1, image.pixels())), largest = std::max(largest, m);
+  for (double& m : mean)
+    m = std::abs(m) / static_cast<double>(std::max<std::size_t>(1, image.pixels())), largest = std::max(largest, m);
   for (double& m : mean) m = std::max({m, kDarkShare * largest, 1e-300});
   return mean;
 }
 
-TrialError error_against(const TrialImage& image, const TrialImage& one, const TrialImage& two, const std::vector<double>& mean) {
+TrialError error_against(const TrialImage& image, const TrialImage& one, const TrialImage& two,
+                         const std::vector<double>& mean) {
   const auto square = [&](std::size_t i) {
     const double a = image.radiance[i];
     return (a - one.radiance[i]) * (a - two.radiance[i]);
   };
-  // r = truth + n, n Gaussian of variance s^2, d = n1 - n2: the square's variance is 2 e^2 s^2 + s^4, and the means of square d^2 and of d^4 / 4
-  // are 2 e^2 s^2 - 2 s^4 and 3 s^4.
+  // r = truth + n, n Gaussian of variance s^2, d = n1 - n2: the square's variance is 2 e^2 s^2 + s^4, and the means of
+  // square d^2 and of d^4 / 4 are 2 e^2 s^2 - 2 s^4 and 3 s^4.
   const auto noise = [&](std::size_t i) {
     const double d = static_cast<double>(one.radiance[i]) - two.radiance[i];
     return d * d * (square(i) + 0.25 * d * d);

@@ -1,5 +1,5 @@
-// The pixels of a trial: short runs of a line, picked by a hash of seed and a counter, more often where a first look found errors; and
-// statistics over them.
+// The pixels of a trial: short runs of a line, picked by a hash of seed and a counter, more often where a first look
+// found errors; and statistics over them.
 #pragma once
 
 #include <cstdint>
@@ -18,17 +18,19 @@ inline constexpr int kWholeRuns = 512;
 
 /// How a run came into a trial.
 struct Draw {
-  std::size_t run = 0;     ///< of those it was drawn from
+  std::size_t run = 0;  ///< of those it was drawn from
   int times = 1;
-  double share = 1;        ///< its chance over that of an even draw
+  double share = 1;  ///< its chance over that of an even draw
 };
 
-/// At most `draws` draws, run i with a chance that grows with `error[i]` (>= 0: mean squares that a first look found): half of the draws by it, a quarter by
-/// its root, a quarter even. Evenly spaced along the sum of chances from one hashed place, in the order of the runs. All runs, evenly, where there
-/// are no more than `whole`.
-std::vector<Draw> draw_runs(const std::vector<double>& error, std::uint64_t seed, int draws = kDraws, int whole = kTrialRuns);
+/// At most `draws` draws, run i with a chance that grows with `error[i]` (>= 0: mean squares that a first look found):
+/// half of the draws by it, a quarter by its root, a quarter even. Evenly spaced along the sum of chances from one
+/// hashed place, in the order of the runs. All runs, evenly, where there are no more than `whole`.
+std::vector<Draw> draw_runs(const std::vector<double>& error, std::uint64_t seed, int draws = kDraws,
+                            int whole = kTrialRuns);
 
-/// At most `runs` runs of kRunPixels pixels (fewer at a line's end), in the order of the image; every pixel of a small image.
+/// At most `runs` runs of kRunPixels pixels (fewer at a line's end), in the order of the image; every pixel of a small
+/// image.
 std::vector<render::Tile> trial_tiles(const scene::Instrument& instrument, std::uint64_t seed, int runs = kTrialRuns);
 
 /// The same runs, those side by side on a line as one tile of at most `columns` pixels: fewer launches.
@@ -37,20 +39,23 @@ std::vector<render::Tile> joined(const std::vector<render::Tile>& runs, int colu
 /// Radiances of the trial's pixels.
 struct TrialImage {
   std::size_t bands = 0;
-  std::vector<std::size_t> run_end;   ///< pixels up to and with each run
-  std::vector<float> radiance;        ///< [pixel][band]
-  std::vector<Draw> draw;             ///< of each run; empty: an even draw, each once
-  double pixels_per_run = 0;          ///< on average, of the runs drawn from; 0: of these
-  double drawn_from = 0;              ///< so many runs; 0: of all the image
-  double left_out = 0;                ///< share of the image that those leave out
-  bool whole = false;                 ///< every pixel of the image, once
+  std::vector<std::size_t> run_end;  ///< pixels up to and with each run
+  std::vector<float> radiance;       ///< [pixel][band]
+  std::vector<Draw> draw;            ///< of each run; empty: an even draw, each once
+  double pixels_per_run = 0;         ///< on average, of the runs drawn from; 0: of these
+  double drawn_from = 0;             ///< so many runs; 0: of all the image
+  double left_out = 0;               ///< share of the image that those leave out
+  bool whole = false;                ///< every pixel of the image, once
   std::size_t pixels() const { return bands ? radiance.size() / bands : 0; }
 };
 
 /// An error as DESIGN 5a has it, relative to the band's mean, of the worst band.
 struct TrialError {
-  double estimate = 0;   ///< from the mean square found (0 where that is below 0)
-  double bound = 0;      ///< with one standard error of the mean square on top: over the runs; of a whole image that of its random points alone
+  double estimate = 0;  ///< from the mean square found (0 where that is below 0)
+  double bound =
+      /// with one standard error of the mean square on top: over the runs; of a whole image that of its random points
+      /// alone
+      0;
 };
 
 /// Mean radiance of each band, held against 1e-4 of the largest.
@@ -59,9 +64,10 @@ std::vector<double> judged_means(const TrialImage& image);
 /// Mean square over pixels and bands of each run's difference between two images, over the bands' means.
 std::vector<double> run_differences(const TrialImage& one, const TrialImage& two, const std::vector<double>& mean);
 
-/// Error of an image against the truth that `one` and `two` scatter about: E[(a - r1)(a - r2)] = E[(a - truth)^2] for references that
-/// are without bias and independent of each other, however coarse they are.
-TrialError error_against(const TrialImage& image, const TrialImage& one, const TrialImage& two, const std::vector<double>& mean);
+/// Error of an image against the truth that `one` and `two` scatter about: E[(a - r1)(a - r2)] = E[(a - truth)^2] for
+/// references that are without bias and independent of each other, however coarse they are.
+TrialError error_against(const TrialImage& image, const TrialImage& one, const TrialImage& two,
+                         const std::vector<double>& mean);
 
 /// Error of an image against another that is the truth.
 TrialError error_from(const TrialImage& image, const TrialImage& truth, const std::vector<double>& mean);

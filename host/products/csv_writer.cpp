@@ -49,7 +49,9 @@ CsvWriter& CsvWriter::add(std::string_view text) {
 }
 
 void CsvWriter::end_row() {
-  if (fields_ != columns_) throw base::Error(base::Fault::bug, fmt::format("{}: a row of {} fields under {} columns", file_.final_path(), fields_, columns_));
+  if (fields_ != columns_)
+    throw base::Error(base::Fault::bug,
+                      fmt::format("{}: a row of {} fields under {} columns", file_.final_path(), fields_, columns_));
   buffer_ += '\n';
   fields_ = 0;
   ++rows_;

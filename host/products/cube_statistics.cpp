@@ -33,7 +33,8 @@ void BandStatistics::merge(const BandStatistics& other) {
   count += other.count;
 }
 
-std::vector<BandStatistics> band_statistics(const EnviReader& reader, const std::function<void(std::int64_t)>& after_lines) {
+std::vector<BandStatistics> band_statistics(const EnviReader& reader,
+                                            const std::function<void(std::int64_t)>& after_lines) {
   const EnviHeader& h = reader.header();
   const std::size_t bands = static_cast<std::size_t>(h.bands), parts = static_cast<std::size_t>(h.type().components);
   std::vector<BandStatistics> out(bands);

@@ -5,7 +5,8 @@
 namespace raycube::products {
 
 void Digest::add_radiance(const Strip& strip, std::int64_t samples, std::int64_t bands) {
-  const std::size_t pixels = static_cast<std::size_t>(strip.lines * samples), pixel_bytes = static_cast<std::size_t>(bands) * sizeof(float);
+  const std::size_t pixels = static_cast<std::size_t>(strip.lines * samples),
+                    pixel_bytes = static_cast<std::size_t>(bands) * sizeof(float);
   const std::size_t stride = strip.pixel_stride ? strip.pixel_stride : static_cast<std::size_t>(bands);
   if (stride == static_cast<std::size_t>(bands)) {
     hash_.add(strip.values, pixels * pixel_bytes);
@@ -17,7 +18,8 @@ void Digest::add_radiance(const Strip& strip, std::int64_t samples, std::int64_t
 void Digest::add_truth(const EnviWriter& truth) {
   const EnviHeader& h = truth.header();
   const std::size_t line_values = static_cast<std::size_t>(h.samples * h.bands);
-  const std::int64_t step = std::max<std::int64_t>(1, static_cast<std::int64_t>((4u << 20) / (line_values * sizeof(float))));
+  const std::int64_t step =
+      std::max<std::int64_t>(1, static_cast<std::int64_t>((4u << 20) / (line_values * sizeof(float))));
   std::vector<float> values;
   for (std::int64_t line = 0; line < truth.lines_written(); line += step) {
     const std::int64_t lines = std::min(step, truth.lines_written() - line);

@@ -1,5 +1,5 @@
-// The digest of a result: SHA-256 over the radiance samples in (line, sample, band) order as little-endian float32, then the
-// truth layers in (line, sample, layer) order. It says nothing of interleave, scaling, tiles or time.
+// The digest of a result: SHA-256 over the radiance samples in (line, sample, band) order as little-endian float32,
+// then the truth layers in (line, sample, layer) order. It says nothing of interleave, scaling, tiles or time.
 #pragma once
 
 #include <cstdint>

@@ -56,9 +56,10 @@ void append_list(std::string& out, const char* key, const Items& items, std::siz
 /// Factor to micrometres of a unit that is proportional to wavelength; 0 when it is not.
 double um_per_unit(const std::string& unit) {
   static const std::map<std::string, double> factors = {
-      {"micrometers", 1},    {"micrometer", 1},    {"microns", 1}, {"micron", 1}, {"um", 1},     {"nanometers", 1e-3}, {"nanometer", 1e-3},
-      {"nm", 1e-3},          {"millimeters", 1e3}, {"mm", 1e3},    {"cm", 1e4},   {"centimeters", 1e4}, {"m", 1e6},
-      {"meters", 1e6},       {"angstroms", 1e-4},  {"angstrom", 1e-4}};
+      {"micrometers", 1},   {"micrometer", 1},    {"microns", 1}, {"micron", 1},        {"um", 1},
+      {"nanometers", 1e-3}, {"nanometer", 1e-3},  {"nm", 1e-3},   {"millimeters", 1e3}, {"mm", 1e3},
+      {"cm", 1e4},          {"centimeters", 1e4}, {"m", 1e6},     {"meters", 1e6},      {"angstroms", 1e-4},
+      {"angstrom", 1e-4}};
   const auto found = factors.find(lower(unit));
   return found == factors.end() ? 0 : found->second;
 }
@@ -78,7 +79,8 @@ const char* to_string(Interleave interleave) {
 }
 
 const EnviType* find_envi_type(int code) {
-  const auto found = std::find_if(kTypes.begin(), kTypes.end(), [&](const EnviType& type) { return type.code == code; });
+  const auto found =
+      std::find_if(kTypes.begin(), kTypes.end(), [&](const EnviType& type) { return type.code == code; });
   return found == kTypes.end() ? nullptr : &*found;
 }
 
@@ -88,7 +90,8 @@ const EnviType& EnviHeader::type() const {
 }
 
 std::uint64_t EnviHeader::data_bytes() const {
-  return static_cast<std::uint64_t>(samples) * static_cast<std::uint64_t>(lines) * static_cast<std::uint64_t>(bands) * type().bytes;
+  return static_cast<std::uint64_t>(samples) * static_cast<std::uint64_t>(lines) * static_cast<std::uint64_t>(bands) *
+         type().bytes;
 }
 
 std::vector<double> EnviHeader::wavelength_um() const {
@@ -96,11 +99,16 @@ std::vector<double> EnviHeader::wavelength_um() const {
   const std::string unit = lower(wavelength_units);
   const double factor = um_per_unit(unit);
   for (const double value : wavelength) {
-    if (factor > 0) out.push_back(value * factor);
-    else if (unit == "wavenumber") out.push_back(base::um_from_wavenumber_per_cm(value));
-    else if (unit == "ghz") out.push_back(299792.458 / value);  // c / f, exact in um for f in GHz
-    else if (unit == "mhz") out.push_back(299792458.0 / value);
-    else return {};
+    if (factor > 0)
+      out.push_back(value * factor);
+    else if (unit == "wavenumber")
+      out.push_back(base::um_from_wavenumber_per_cm(value));
+    else if (unit == "ghz")
+      out.push_back(299792.458 / value);  // c / f, exact in um for f in GHz
+    else if (unit == "mhz")
+      out.push_back(299792458.0 / value);
+    else
+      return {};
   }
   return out;
 }
@@ -119,8 +127,8 @@ std::string envi_header_text(const EnviHeader& h) {
   const auto name = [](const std::string& text) { return plain(text, true); };
   std::string out = "ENVI\n";
   if (!h.description.empty()) out += fmt::format("description = {{{}}}\n", plain(h.description, false));
-  out += fmt::format("samples = {}\nlines = {}\nbands = {}\nheader offset = {}\nfile type = {}\ndata type = {}\n", h.samples, h.lines,
-                     h.bands, h.header_offset, h.file_type, h.data_type);
+  out += fmt::format("samples = {}\nlines = {}\nbands = {}\nheader offset = {}\nfile type = {}\ndata type = {}\n",
+                     h.samples, h.lines, h.bands, h.header_offset, h.file_type, h.data_type);
   out += fmt::format("interleave = {}\nbyte order = {}\n", to_string(h.interleave), h.byte_order);
   const auto line = [&](const char* key, const std::string& text) {
     if (!text.empty()) out += fmt::format("{} = {}\n", key, plain(text, false));
@@ -136,7 +144,8 @@ std::string envi_header_text(const EnviHeader& h) {
   value("data ignore value", h.data_ignore_value);
   value("reflectance scale factor", h.reflectance_scale_factor);
   append_list(out, "map info", h.map_info, 64, name);
-  if (!h.coordinate_system.empty()) out += fmt::format("coordinate system string = {{{}}}\n", plain(h.coordinate_system, false));
+  if (!h.coordinate_system.empty())
+    out += fmt::format("coordinate system string = {{{}}}\n", plain(h.coordinate_system, false));
   append_list(out, "default bands", h.default_bands, 64, [](int v) { return fmt::format("{}", v); });
   line("wavelength units", h.wavelength_units);
   append_list(out, "wavelength", h.wavelength, 8, number);

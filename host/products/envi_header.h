@@ -16,47 +16,47 @@ const char* to_string(Interleave interleave);
 
 /// One of ENVI's pixel types.
 struct EnviType {
-  int code;                ///< value of the key `data type`
-  std::size_t bytes;       ///< of one sample; complex: both parts
-  int components;          ///< 1, complex 2
-  const char* name;        ///< "float32"
+  int code;           ///< value of the key `data type`
+  std::size_t bytes;  ///< of one sample; complex: both parts
+  int components;     ///< 1, complex 2
+  const char* name;   ///< "float32"
 };
 /// The type of a code, null when ENVI has none such.
 const EnviType* find_envi_type(int code);
 
 struct EnviHeader {
   std::int64_t samples = 0, lines = 0, bands = 0;
-  std::uint64_t header_offset = 0;               ///< bytes before the first sample
+  std::uint64_t header_offset = 0;  ///< bytes before the first sample
   std::string file_type = "ENVI Standard";
   int data_type = 4;
   Interleave interleave = Interleave::bip;
-  int byte_order = 0;                            ///< 0 little endian, 1 big endian
+  int byte_order = 0;  ///< 0 little endian, 1 big endian
   std::string description, sensor_type, data_units;
-  std::string acquisition_time;                  ///< ISO 8601, UTC
+  std::string acquisition_time;                              ///< ISO 8601, UTC
   std::optional<double> sun_azimuth_deg, sun_elevation_deg;  ///< azimuth clockwise from north
-  std::string wavelength_units;                  ///< as in the file
-  std::vector<double> wavelength, fwhm;          ///< in wavelength_units, one per band (spectral library: per sample)
-  std::vector<int> bad_bands;                    ///< key bbl: 1 good, 0 bad
+  std::string wavelength_units;                              ///< as in the file
+  std::vector<double> wavelength, fwhm;  ///< in wavelength_units, one per band (spectral library: per sample)
+  std::vector<int> bad_bands;            ///< key bbl: 1 good, 0 bad
   std::vector<std::string> band_names, spectra_names;
-  std::vector<int> default_bands;                ///< 1-based as in the file: red, green, blue or one
-  std::vector<double> data_gain, data_offset;    ///< physical = stored * gain + offset, one per band
+  std::vector<int> default_bands;              ///< 1-based as in the file: red, green, blue or one
+  std::vector<double> data_gain, data_offset;  ///< physical = stored * gain + offset, one per band
   std::optional<double> data_ignore_value;
   std::optional<double> reflectance_scale_factor;
-  std::vector<std::string> map_info;             ///< items; reference pixel (1, 1) is the upper left corner
-  std::string coordinate_system;                 ///< ESRI WKT
-  std::map<std::string, std::string> other;      ///< every other key, lower case, with its text as it stands
-  std::vector<std::string> warnings;             ///< what reading had to leave out, one sentence each
+  std::vector<std::string> map_info;         ///< items; reference pixel (1, 1) is the upper left corner
+  std::string coordinate_system;             ///< ESRI WKT
+  std::map<std::string, std::string> other;  ///< every other key, lower case, with its text as it stands
+  std::vector<std::string> warnings;         ///< what reading had to leave out, one sentence each
 
-  const EnviType& type() const;                  ///< Error(bug) for an unknown code
-  std::uint64_t data_bytes() const;              ///< samples * lines * bands * sample size
+  const EnviType& type() const;      ///< Error(bug) for an unknown code
+  std::uint64_t data_bytes() const;  ///< samples * lines * bands * sample size
   /// Wavelengths in micrometres; empty when there are none or their unit is no wavelength (Index, Unknown).
   std::vector<double> wavelength_um() const;
   std::vector<double> fwhm_um() const;
   bool is_spectral_library() const { return file_type == "ENVI Spectral Library"; }
 };
 
-/// Parses header text; file is for messages. Keys in any case, lists over several lines, CR LF, comments (;). Throws one
-/// Error(input) that lists every problem: not ENVI, missing keys, bad or absurd numbers, open braces.
+/// Parses header text; file is for messages. Keys in any case, lists over several lines, CR LF, comments (;). Throws
+/// one Error(input) that lists every problem: not ENVI, missing keys, bad or absurd numbers, open braces.
 EnviHeader parse_envi_header(const std::string& text, const std::string& file);
 
 /// Reads and parses a header file.

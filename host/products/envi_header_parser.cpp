@@ -69,15 +69,18 @@ class Parser {
     dimension("lines", h.lines);
     dimension("bands", h.bands);
     if (const auto* entry = take("header offset"))
-      if (!parse_number(entry->value, h.header_offset)) problem("header offset", *entry, "must be a whole number of bytes");
+      if (!parse_number(entry->value, h.header_offset))
+        problem("header offset", *entry, "must be a whole number of bytes");
     text("file type", h.file_type);
     if (const auto* entry = required("data type"))
       if (!parse_number(entry->value, h.data_type) || !find_envi_type(h.data_type))
         problem("data type", *entry, "must be one of 1, 2, 3, 4, 5, 6, 9, 12, 13, 14, 15");
     if (const auto* entry = required("interleave")) {
       const std::string name = lower(trim(entry->value));
-      if (name == "bsq" || name == "bil" || name == "bip") h.interleave = parse_interleave(name);
-      else problem("interleave", *entry, "must be bip, bil or bsq");
+      if (name == "bsq" || name == "bil" || name == "bip")
+        h.interleave = parse_interleave(name);
+      else
+        problem("interleave", *entry, "must be bip, bil or bsq");
     }
     if (const auto* entry = take("byte order"))
       if (!parse_number(entry->value, h.byte_order) || (h.byte_order != 0 && h.byte_order != 1))
@@ -117,7 +120,8 @@ class Parser {
     if (line.rfind("\xef\xbb\xbf", 0) == 0) line.erase(0, 3);
     if (trim(line) != "ENVI") {
       problems_.add({file_, 1, 0, ""}, "is not an ENVI header: its first line must be ENVI",
-                    text.empty() ? "an empty file" : "\"" + trim(line).substr(0, 40) + "\"", "name the .hdr file or its data file");
+                    text.empty() ? "an empty file" : "\"" + trim(line).substr(0, 40) + "\"",
+                    "name the .hdr file or its data file");
       problems_.throw_if_any();
     }
     for (int number = 2; std::getline(in, line); ++number) {
@@ -133,7 +137,8 @@ class Parser {
       if (!entry.value.empty() && entry.value[0] == '{') read_braces(in, key, entry, number);
       const auto [old, is_new] = entries_.try_emplace(key, entry);
       if (!is_new && old->second.value != entry.value)
-        problems_.add({file_, entry.line, 0, ""}, fmt::format("\"{}\" stands twice, first in line {}", key, old->second.line),
+        problems_.add({file_, entry.line, 0, ""},
+                      fmt::format("\"{}\" stands twice, first in line {}", key, old->second.line),
                       entry.value.substr(0, 40), "keep one of the two");
     }
   }
@@ -152,7 +157,8 @@ class Parser {
     entry.braced = true;
     const auto close = entry.value.rfind('}');
     if (open > 0 || close == std::string::npos) {
-      problems_.add({file_, entry.line, 0, ""}, fmt::format("the brace of \"{}\" is never closed", key), "", "add the missing }");
+      problems_.add({file_, entry.line, 0, ""}, fmt::format("the brace of \"{}\" is never closed", key), "",
+                    "add the missing }");
       problems_.throw_if_any();  // everything after it has been swallowed
     }
     entry.value = trim(entry.value.substr(1, close - 1));
@@ -168,12 +174,14 @@ class Parser {
 
   const Entry* required(const std::string& key) {
     const Entry* entry = take(key);
-    if (!entry) problems_.add({file_, 0, 0, ""}, "the key \"" + key + "\" is missing", "", "add it: ENVI cannot be read without");
+    if (!entry)
+      problems_.add({file_, 0, 0, ""}, "the key \"" + key + "\" is missing", "", "add it: ENVI cannot be read without");
     return entry;
   }
 
   void problem(const std::string& key, const Entry& entry, const std::string& rule) {
-    problems_.add({file_, entry.line, 0, ""}, "\"" + key + "\" " + rule, entry.value.substr(0, 40), "correct the header");
+    problems_.add({file_, entry.line, 0, ""}, "\"" + key + "\" " + rule, entry.value.substr(0, 40),
+                  "correct the header");
   }
 
   void dimension(const std::string& key, std::int64_t& value) {
@@ -190,8 +198,10 @@ class Parser {
     const Entry* entry = take(key);
     if (!entry) return;
     double parsed = 0;
-    if (parse_number(entry->value, parsed)) value = parsed;
-    else problem(key, *entry, "must be a number");
+    if (parse_number(entry->value, parsed))
+      value = parsed;
+    else
+      problem(key, *entry, "must be a number");
   }
 
   void names(const std::string& key, std::vector<std::string>& values) {
@@ -227,7 +237,8 @@ class Parser {
     numbers(key, reals);
     for (const double value : reals) {
       if (!(value >= 0 && value <= most) || value != std::floor(value)) {
-        problems_.add({file_, line, 0, ""}, fmt::format("\"{}\" must be whole numbers from 0 to {}", key, most), fmt::format("{:g}", value), "correct the header");
+        problems_.add({file_, line, 0, ""}, fmt::format("\"{}\" must be whole numbers from 0 to {}", key, most),
+                      fmt::format("{:g}", value), "correct the header");
         return;
       }
       values.push_back(static_cast<int>(value));
@@ -236,7 +247,8 @@ class Parser {
 
   void check_dimensions(const EnviHeader& h) {
     if (h.samples < 1 || h.lines < 1 || h.bands < 1 || !find_envi_type(h.data_type)) return;
-    const long double bytes = static_cast<long double>(h.samples) * h.lines * h.bands * h.type().bytes + h.header_offset;
+    const long double bytes =
+        static_cast<long double>(h.samples) * h.lines * h.bands * h.type().bytes + h.header_offset;
     if (bytes > 0x1p62L)
       problems_.add({file_, 0, 0, ""}, "the image would have more than 2^62 bytes",
                     fmt::format("{} samples x {} lines x {} bands", h.samples, h.lines, h.bands), "correct the header");
@@ -245,7 +257,8 @@ class Parser {
   template <class List>
   void check_length(const char* key, List& list, std::size_t wanted) {
     if (list.empty() || list.size() == wanted) return;
-    warnings_.push_back(fmt::format("{}: \"{}\" has {} values, not {}; it is ignored", file_, key, list.size(), wanted));
+    warnings_.push_back(
+        fmt::format("{}: \"{}\" has {} values, not {}; it is ignored", file_, key, list.size(), wanted));
     list.clear();
   }
 
@@ -261,7 +274,8 @@ class Parser {
     if (h.is_spectral_library()) check_length("spectra names", h.spectra_names, static_cast<std::size_t>(h.lines));
     for (const int band : h.default_bands)
       if (band < 1 || band > h.bands) {
-        warnings_.push_back(fmt::format("{}: \"default bands\" names band {} of {}; it is ignored", file_, band, h.bands));
+        warnings_.push_back(
+            fmt::format("{}: \"default bands\" names band {} of {}; it is ignored", file_, band, h.bands));
         h.default_bands.clear();
         break;
       }
@@ -284,7 +298,8 @@ EnviHeader read_envi_header(const std::string& path) {
   if (!in) throw Error(Fault::input, path + ": cannot be opened; check the name and the permissions");
   const auto bytes = static_cast<std::uintmax_t>(std::max<std::streamoff>(in.tellg(), 0));
   if (bytes > kLargestHeader_bytes)
-    throw Error(Fault::input, fmt::format("{}: is too large for a header (found {}); is it the data file?", path, base::format_bytes(bytes)));
+    throw Error(Fault::input, fmt::format("{}: is too large for a header (found {}); is it the data file?", path,
+                                          base::format_bytes(bytes)));
   std::string text(bytes, '\0');
   in.seekg(0).read(text.data(), static_cast<std::streamsize>(bytes));
   if (!in) throw Error(Fault::environment, path + ": could not be read to its end");

@@ -49,15 +49,26 @@ using Decode = double (*)(const unsigned char*, bool);
 /// Decoder of one component of a data type.
 Decode decoder(int data_type) {
   switch (data_type) {
-    case 1: return as_double<std::uint8_t>;
-    case 2: return as_double<std::int16_t>;
-    case 3: return as_double<std::int32_t>;
-    case 4: case 6: return as_double<float>;
-    case 5: case 9: return as_double<double>;
-    case 12: return as_double<std::uint16_t>;
-    case 13: return as_double<std::uint32_t>;
-    case 14: return as_double<std::int64_t>;
-    default: return as_double<std::uint64_t>;
+    case 1:
+      return as_double<std::uint8_t>;
+    case 2:
+      return as_double<std::int16_t>;
+    case 3:
+      return as_double<std::int32_t>;
+    case 4:
+    case 6:
+      return as_double<float>;
+    case 5:
+    case 9:
+      return as_double<double>;
+    case 12:
+      return as_double<std::uint16_t>;
+    case 13:
+      return as_double<std::uint32_t>;
+    case 14:
+      return as_double<std::int64_t>;
+    default:
+      return as_double<std::uint64_t>;
   }
 }
 
@@ -67,7 +78,8 @@ EnviPaths find_envi_pair(const std::string& path) {
   if (ends_with_hdr(path)) {
     if (!is_file(path)) throw Error(Fault::input, path + ": no such file");
     const std::string stem = path.substr(0, path.size() - 4);
-    for (const char* extension : {"", ".img", ".dat", ".sli", ".bsq", ".bil", ".bip", ".raw", ".bin", ".lib", ".IMG", ".DAT"})
+    for (const char* extension :
+         {"", ".img", ".dat", ".sli", ".bsq", ".bil", ".bip", ".raw", ".bin", ".lib", ".IMG", ".DAT"})
       if (is_file(stem + extension)) return {path, stem + extension};
     return {path, ""};
   }
@@ -75,7 +87,8 @@ EnviPaths find_envi_pair(const std::string& path) {
   const std::string stem = fs::path(path).replace_extension().string();
   for (const std::string& header : {path + ".hdr", path + ".HDR", stem + ".hdr", stem + ".HDR"})
     if (is_file(header)) return {header, path};
-  throw Error(Fault::input, fmt::format("{}: its ENVI header is missing (looked for {}.hdr and {}.hdr)", path, path, stem));
+  throw Error(Fault::input,
+              fmt::format("{}: its ENVI header is missing (looked for {}.hdr and {}.hdr)", path, path, stem));
 }
 
 struct EnviReader::State {
@@ -104,22 +117,25 @@ EnviReader::EnviReader(const std::string& path) : state_(std::make_unique<State>
   s.paths = find_envi_pair(path);
   s.header = read_envi_header(s.paths.header);
   if (s.paths.data.empty())
-    throw Error(Fault::input, s.paths.header + ": its data file is missing (looked for the same name without .hdr, with .img, .dat, "
-                              ".sli, .bsq, .bil, .bip)");
+    throw Error(Fault::input, s.paths.header +
+                                  ": its data file is missing (looked for the same name without .hdr, with .img, .dat, "
+                                  ".sli, .bsq, .bil, .bip)");
   base::refuse_other_than_plain(s.paths.data);
   s.fd = ::open(s.paths.data.c_str(), O_RDONLY | O_CLOEXEC);
   struct stat status {};
   if (s.fd < 0 || ::fstat(s.fd, &status) != 0)
     throw Error(Fault::input, fmt::format("{}: cannot be opened: {}", s.paths.data, std::strerror(errno)));
-  const std::uint64_t wanted = s.header.header_offset + s.header.data_bytes(), found = static_cast<std::uint64_t>(status.st_size);
+  const std::uint64_t wanted = s.header.header_offset + s.header.data_bytes(),
+                      found = static_cast<std::uint64_t>(status.st_size);
   if (found < wanted)
-    throw Error(Fault::input,
-                fmt::format("{}: is too short: {} samples x {} lines x {} bands of {} and a header offset of {} need {} bytes (found {}); "
-                            "the file is truncated or the header is another file's",
-                            s.paths.data, s.header.samples, s.header.lines, s.header.bands, s.header.type().name,
-                            s.header.header_offset, wanted, found));
+    throw Error(Fault::input, fmt::format("{}: is too short: {} samples x {} lines x {} bands of {} and a header "
+                                          "offset of {} need {} bytes (found {}); "
+                                          "the file is truncated or the header is another file's",
+                                          s.paths.data, s.header.samples, s.header.lines, s.header.bands,
+                                          s.header.type().name, s.header.header_offset, wanted, found));
   if (found > wanted)
-    s.header.warnings.push_back(fmt::format("{}: has {} bytes more than its header describes", s.paths.data, found - wanted));
+    s.header.warnings.push_back(
+        fmt::format("{}: has {} bytes more than its header describes", s.paths.data, found - wanted));
 }
 
 EnviReader::~EnviReader() = default;
@@ -135,9 +151,11 @@ std::vector<double> EnviReader::read_lines(std::int64_t first, std::int64_t coun
   const State& s = *state_;
   const EnviHeader& h = s.header;
   if (first < 0 || count < 0 || first + count > h.lines)
-    throw Error(Fault::bug, fmt::format("{}: lines {} to {} of {} asked for", s.paths.data, first, first + count, h.lines));
+    throw Error(Fault::bug,
+                fmt::format("{}: lines {} to {} of {} asked for", s.paths.data, first, first + count, h.lines));
   const std::size_t samples = static_cast<std::size_t>(h.samples), bands = static_cast<std::size_t>(h.bands);
-  const std::size_t bytes = h.type().bytes, parts = static_cast<std::size_t>(h.type().components), part_bytes = bytes / parts;
+  const std::size_t bytes = h.type().bytes, parts = static_cast<std::size_t>(h.type().components),
+                    part_bytes = bytes / parts;
   const bool swap = (h.byte_order == 1) != (std::endian::native == std::endian::big);
   const Decode decode = decoder(h.data_type);
   const std::size_t line_bytes = samples * bands * bytes;
@@ -149,9 +167,12 @@ std::vector<double> EnviReader::read_lines(std::int64_t first, std::int64_t coun
     if (h.interleave != Interleave::bsq) s.read_at(h.header_offset + line_number * line_bytes, raw.data(), line_bytes);
     for (std::size_t b = 0; b < bands; ++b) {
       if (h.interleave == Interleave::bsq)
-        s.read_at(h.header_offset + (b * static_cast<std::uint64_t>(h.lines) + line_number) * samples * bytes, raw.data(), samples * bytes);
+        s.read_at(h.header_offset + (b * static_cast<std::uint64_t>(h.lines) + line_number) * samples * bytes,
+                  raw.data(), samples * bytes);
       for (std::size_t x = 0; x < samples; ++x) {
-        const std::size_t at = h.interleave == Interleave::bsq ? x : h.interleave == Interleave::bil ? b * samples + x : x * bands + b;
+        const std::size_t at = h.interleave == Interleave::bsq   ? x
+                               : h.interleave == Interleave::bil ? b * samples + x
+                                                                 : x * bands + b;
         for (std::size_t part = 0; part < parts; ++part)
           line[(x * bands + b) * parts + part] = decode(raw.data() + at * bytes + part * part_bytes, swap);
       }

@@ -10,7 +10,8 @@
 
 namespace raycube::products {
 
-/// The two files of an ENVI pair. header: `name.img.hdr` or `name.hdr`; data: `name.img`, `name`, `name.dat`, `name.sli` ...
+/// The two files of an ENVI pair. header: `name.img.hdr` or `name.hdr`; data: `name.img`, `name`, `name.dat`,
+/// `name.sli` ...
 struct EnviPaths {
   std::string header;
   std::string data;  ///< empty: a header without data
@@ -19,11 +20,12 @@ struct EnviPaths {
 /// Finds the pair from the name of either file. Throws Error(input) when there is no header.
 EnviPaths find_envi_pair(const std::string& path);
 
-/// An open ENVI file. Values are handed out in (line, sample, band) order whatever the interleave; a complex sample gives two
-/// values, real and imaginary. 64-bit integers beyond 2^53 round to the nearest double.
+/// An open ENVI file. Values are handed out in (line, sample, band) order whatever the interleave; a complex sample
+/// gives two values, real and imaginary. 64-bit integers beyond 2^53 round to the nearest double.
 class EnviReader {
  public:
-  /// Opens the pair. Throws Error(input) when a file is missing, the header is bad or the data file is too short for it.
+  /// Opens the pair. Throws Error(input) when a file is missing, the header is bad or the data file is too short for
+  /// it.
   explicit EnviReader(const std::string& path);
   ~EnviReader();
   EnviReader(EnviReader&&) noexcept;

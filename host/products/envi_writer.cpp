@@ -19,12 +19,12 @@ using base::Error;
 using base::Fault;
 
 constexpr std::size_t kPiece_bytes = 8u << 20;  // rearranged at a time: fits the outer cache, keeps memory bounded
-constexpr std::size_t kBlock = 64;              // side of a transposed block: 64 x 64 floats are 16 KiB, half of an L1 cache
+constexpr std::size_t kBlock = 64;  // side of a transposed block: 64 x 64 floats are 16 KiB, half of an L1 cache
 
 /// to[b * pixels + p] = convert(from[p * stride + b]) in cache-sized blocks.
 template <class Sample, class Convert>
-void transpose(const float* from, std::size_t stride, std::size_t pixels, std::size_t bands, Sample* to, std::size_t to_stride,
-               const Convert& convert) {
+void transpose(const float* from, std::size_t stride, std::size_t pixels, std::size_t bands, Sample* to,
+               std::size_t to_stride, const Convert& convert) {
   for (std::size_t b0 = 0; b0 < bands; b0 += kBlock)
     for (std::size_t p0 = 0; p0 < pixels; p0 += kBlock) {
       const std::size_t b1 = std::min(bands, b0 + kBlock), p1 = std::min(pixels, p0 + kBlock);
@@ -35,24 +35,28 @@ void transpose(const float* from, std::size_t stride, std::size_t pixels, std::s
 
 }  // namespace
 
-EnviWriter::EnviWriter(base::OutputSet& set, const std::string& name, EnviHeader header, std::optional<double> integer_scale)
+EnviWriter::EnviWriter(base::OutputSet& set, const std::string& name, EnviHeader header,
+                       std::optional<double> integer_scale)
     : data_(set.add(name)),
       text_(set.add(std::filesystem::path(name).replace_extension(".hdr").string())),
       header_(std::move(header)),
       integer_scale_(integer_scale) {
-  if (header_.samples < 1 || header_.lines < 1 || header_.bands < 1) throw Error(Fault::bug, name + ": image without extent");
+  if (header_.samples < 1 || header_.lines < 1 || header_.bands < 1)
+    throw Error(Fault::bug, name + ": image without extent");
   const auto bands = static_cast<std::size_t>(header_.bands);
   const auto fits = [&](std::size_t length) { return length == 0 || length == bands; };
   if (!fits(header_.wavelength.size()) || !fits(header_.fwhm.size()) || !fits(header_.band_names.size()))
     throw Error(Fault::bug, name + ": a header list has another length than the number of bands");
-  if (!header_.wavelength.empty() && header_.wavelength_units != "Micrometers" && header_.wavelength_units != "Nanometers")
+  if (!header_.wavelength.empty() && header_.wavelength_units != "Micrometers" &&
+      header_.wavelength_units != "Nanometers")
     throw Error(Fault::bug, name + ": wavelength units must be Micrometers or Nanometers");
   header_.byte_order = 0;
   header_.header_offset = 0;
   header_.data_type = 4;
   if (integer_scale_) {
     if (!(*integer_scale_ > 0) || !std::isfinite(*integer_scale_))
-      throw Error(Fault::input, fmt::format("{}: the integer scale must be a positive number (found {})", name, *integer_scale_));
+      throw Error(Fault::input,
+                  fmt::format("{}: the integer scale must be a positive number (found {})", name, *integer_scale_));
     header_.data_type = 12;
     header_.data_gain.assign(bands, 1.0 / *integer_scale_);
     header_.data_offset.assign(bands, 0.0);
@@ -64,12 +68,14 @@ EnviWriter::EnviWriter(base::OutputSet& set, const std::string& name, EnviHeader
 template <class Sample, class Convert>
 void EnviWriter::write_as(const Strip& strip, Convert convert) {
   const auto samples = static_cast<std::size_t>(header_.samples), bands = static_cast<std::size_t>(header_.bands);
-  const auto all_lines = static_cast<std::uint64_t>(header_.lines), first = static_cast<std::uint64_t>(strip.first_line);
+  const auto all_lines = static_cast<std::uint64_t>(header_.lines),
+             first = static_cast<std::uint64_t>(strip.first_line);
   const std::size_t stride = strip.pixel_stride ? strip.pixel_stride : bands;
   const std::size_t line_samples = samples * bands;
   const std::size_t piece_lines = std::max<std::size_t>(1, kPiece_bytes / (line_samples * sizeof(Sample)));
   for (std::size_t l0 = 0; l0 < static_cast<std::size_t>(strip.lines); l0 += piece_lines) {
-    const std::size_t lines = std::min(piece_lines, static_cast<std::size_t>(strip.lines) - l0), pixels = lines * samples;
+    const std::size_t lines = std::min(piece_lines, static_cast<std::size_t>(strip.lines) - l0),
+                      pixels = lines * samples;
     const float* const from = strip.values + l0 * samples * stride;
     buffer_.resize(lines * line_samples * sizeof(Sample));
     auto* const to = reinterpret_cast<Sample*>(buffer_.data());
@@ -87,7 +93,8 @@ void EnviWriter::write_as(const Strip& strip, Convert convert) {
       case Interleave::bsq:
         transpose(from, stride, pixels, bands, to, pixels, convert);
         for (std::size_t b = 0; b < bands; ++b)
-          data_.write_at((b * all_lines + first + l0) * samples * sizeof(Sample), to + b * pixels, pixels * sizeof(Sample));
+          data_.write_at((b * all_lines + first + l0) * samples * sizeof(Sample), to + b * pixels,
+                         pixels * sizeof(Sample));
         break;
     }
   }
@@ -113,9 +120,10 @@ void EnviWriter::count_clipped(const Strip& strip, float scale) {
 void EnviWriter::write(const Strip& strip) {
   const auto bands = static_cast<std::size_t>(header_.bands);
   if (strip.first_line != next_line_ || strip.lines < 0 || strip.first_line + strip.lines > header_.lines)
-    throw Error(Fault::bug, fmt::format("{}: lines {} to {} of {} came, line {} is next", data_.final_path(), strip.first_line,
-                                        strip.first_line + strip.lines, header_.lines, next_line_));
-  if (strip.pixel_stride != 0 && strip.pixel_stride < bands) throw Error(Fault::bug, "pixel stride shorter than the bands");
+    throw Error(Fault::bug, fmt::format("{}: lines {} to {} of {} came, line {} is next", data_.final_path(),
+                                        strip.first_line, strip.first_line + strip.lines, header_.lines, next_line_));
+  if (strip.pixel_stride != 0 && strip.pixel_stride < bands)
+    throw Error(Fault::bug, "pixel stride shorter than the bands");
   if (integer_scale_) {
     const float scale = static_cast<float>(*integer_scale_);
     count_clipped(strip, scale);
@@ -136,7 +144,8 @@ void EnviWriter::write(const Strip& strip) {
 
 void EnviWriter::finish() {
   if (next_line_ != header_.lines)
-    throw Error(Fault::bug, fmt::format("{}: {} of {} lines were written", data_.final_path(), next_line_, header_.lines));
+    throw Error(Fault::bug,
+                fmt::format("{}: {} of {} lines were written", data_.final_path(), next_line_, header_.lines));
   text_.append(envi_header_text(header_));
 }
 
@@ -153,8 +162,9 @@ void EnviWriter::read_back(std::int64_t first_line, std::int64_t lines, float* v
       continue;
     }
     for (std::size_t b = 0; b < bands; ++b) {
-      const std::uint64_t run = header_.interleave == Interleave::bil ? number * bands + b
-                                                                      : b * static_cast<std::uint64_t>(header_.lines) + number;
+      const std::uint64_t run = header_.interleave == Interleave::bil
+                                    ? number * bands + b
+                                    : b * static_cast<std::uint64_t>(header_.lines) + number;
       data_.read_at(run * samples * sizeof(float), row.data(), samples * sizeof(float));
       for (std::size_t x = 0; x < samples; ++x) line[x * bands + b] = row[x];
     }

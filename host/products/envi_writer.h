@@ -28,10 +28,11 @@ struct ClippedSamples {
 
 class EnviWriter {
  public:
-  /// Begins `name` (".img") and its header (same name with ".hdr") in the set and claims the disk space. From `header` all but
-  /// data type, byte order, header offset and gains is taken as it stands; interleave is the one it names. With integer_scale
-  /// the file holds uint16 = round(value * scale) and the header data gain 1 / scale.
-  EnviWriter(base::OutputSet& set, const std::string& name, EnviHeader header, std::optional<double> integer_scale = {});
+  /// Begins `name` (".img") and its header (same name with ".hdr") in the set and claims the disk space. From `header`
+  /// all but data type, byte order, header offset and gains is taken as it stands; interleave is the one it names. With
+  /// integer_scale the file holds uint16 = round(value * scale) and the header data gain 1 / scale.
+  EnviWriter(base::OutputSet& set, const std::string& name, EnviHeader header,
+             std::optional<double> integer_scale = {});
 
   /// Next lines. Throws Error(bug) when a strip does not begin where the last one ended.
   void write(const Strip& strip);

@@ -33,7 +33,8 @@ class Stream : public Imf::OStream {
     try {
       file_.write_at(position_, bytes, static_cast<std::size_t>(count));
     } catch (...) {
-      failure_ = std::current_exception();  // the library may swallow what its destructors meet: rethrow_failure() does not
+      failure_ =
+          std::current_exception();  // the library may swallow what its destructors meet: rethrow_failure() does not
       throw;
     }
     position_ += static_cast<std::uint64_t>(count);
@@ -74,7 +75,8 @@ ExrWriter::ExrWriter(base::OutputFile& file, std::int64_t width, std::int64_t he
     headers.push_back(std::move(header));
   }
   try {
-    state_->file = std::make_unique<Imf::MultiPartOutputFile>(state_->stream, headers.data(), static_cast<int>(headers.size()), false, 0);
+    state_->file = std::make_unique<Imf::MultiPartOutputFile>(state_->stream, headers.data(),
+                                                              static_cast<int>(headers.size()), false, 0);
   } catch (const std::exception& failure) {
     state_->stream.rethrow_failure();
     throw Error(Fault::bug, file.final_path() + ": OpenEXR refused the header: " + failure.what());
@@ -94,8 +96,8 @@ void ExrWriter::write(const std::vector<ExrLines>& parts) {
             parts[p].values_of.size() == s.parts[p].channels.size() && strip.pixel_stride != 0;
   }
   if (!sound || first != s.next_line)
-    throw Error(Fault::bug, fmt::format("EXR: lines from {} came of {} parts, line {} is next", first,
-                                        parts.size(), s.next_line));
+    throw Error(Fault::bug,
+                fmt::format("EXR: lines from {} came of {} parts, line {} is next", first, parts.size(), s.next_line));
   try {
     std::vector<Imf::OutputPart> outputs;
     for (std::size_t p = 0; p < parts.size(); ++p) {
@@ -108,8 +110,7 @@ void ExrWriter::write(const std::vector<ExrLines>& parts) {
         // touched.
         const auto at = reinterpret_cast<std::uintptr_t>(strip.values + values_of[c]);
         const auto base = at - static_cast<std::size_t>(first) * y_step;
-        buffer.insert(s.parts[p].channels[c],
-                      Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(base), x_step, y_step));
+        buffer.insert(s.parts[p].channels[c], Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(base), x_step, y_step));
       }
       outputs.emplace_back(*s.file, static_cast<int>(p)).setFrameBuffer(buffer);
     }

@@ -13,12 +13,14 @@ namespace raycube::products::las {
 static_assert(std::endian::native == std::endian::little, "LAS records are copied as they lie in memory");
 
 constexpr std::size_t kHeader = 375, kVlrHeader = 54, kEvlrHeader = 60, kDescriptor = 26, kExtraBytes = 192;
-constexpr std::uint16_t kWktId = 2112, kExtraBytesId = 4, kFirstDescriptorId = 100, kLastDescriptorId = 354, kPacketsId = 65535;
+constexpr std::uint16_t kWktId = 2112, kExtraBytesId = 4, kFirstDescriptorId = 100, kLastDescriptorId = 354,
+                        kPacketsId = 65535;
 constexpr char kProjectionUser[] = "LASF_Projection", kSpecUser[] = "LASF_Spec", kOurUser[] = "raycube";
 constexpr std::uint16_t kOurCountsId = 1;  ///< user id "raycube": pulses fired and pulses without return, as text
 
 /// Bits of the global encoding.
-constexpr std::uint16_t kAdjustedGpsTime = 1, kInternalPackets = 2, kExternalPackets = 4, kSyntheticReturns = 8, kWkt = 16;
+constexpr std::uint16_t kAdjustedGpsTime = 1, kInternalPackets = 2, kExternalPackets = 4, kSyntheticReturns = 8,
+                        kWkt = 16;
 
 /// Bytes of a point record without extra bytes, formats 0 to 10.
 constexpr std::array<std::uint16_t, 11> kPointBytes = {20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};

@@ -46,11 +46,13 @@ struct File {
     in.open(name, std::ios::binary);
     std::error_code code;
     bytes = fs::file_size(name, code);
-    if (!in || code) throw bad(path, "cannot be read" + (code ? " (" + code.message() + ")" : std::string()) + "; is the name right?");
+    if (!in || code)
+      throw bad(path, "cannot be read" + (code ? " (" + code.message() + ")" : std::string()) + "; is the name right?");
   }
   std::vector<unsigned char> read(std::uint64_t at, std::uint64_t count, const std::string& what) {
     if (at > bytes || count > bytes - at)
-      throw bad(path, fmt::format("is cut short: {} needs bytes {} to {}, the file has {}; copy it again", what, at, at + count, bytes));
+      throw bad(path, fmt::format("is cut short: {} needs bytes {} to {}, the file has {}; copy it again", what, at,
+                                  at + count, bytes));
     std::vector<unsigned char> out(count);
     in.seekg(static_cast<std::streamoff>(at));
     in.read(reinterpret_cast<char*>(out.data()), static_cast<std::streamsize>(count));
@@ -63,12 +65,17 @@ struct File {
 std::uint64_t read_records(File& file, LasInfo& info, std::uint64_t at, std::uint32_t count, bool extended) {
   const std::size_t header_bytes = extended ? kEvlrHeader : kVlrHeader;
   for (std::uint32_t i = 0; i < count; ++i) {
-    const auto header = file.read(at, header_bytes, fmt::format("{} {} of {}", extended ? "extended record" : "record", i + 1, count));
-    LasRecord record{text_at(header.data(), 2, 16), get<std::uint16_t>(header.data(), 18), text_at(header.data(), extended ? 28 : 22, 32), at + header_bytes,
-                     extended ? get<std::uint64_t>(header.data(), 20) : get<std::uint16_t>(header.data(), 20), extended};
+    const auto header =
+        file.read(at, header_bytes, fmt::format("{} {} of {}", extended ? "extended record" : "record", i + 1, count));
+    LasRecord record{text_at(header.data(), 2, 16),
+                     get<std::uint16_t>(header.data(), 18),
+                     text_at(header.data(), extended ? 28 : 22, 32),
+                     at + header_bytes,
+                     extended ? get<std::uint64_t>(header.data(), 20) : get<std::uint16_t>(header.data(), 20),
+                     extended};
     if (record.bytes > file.bytes - record.at)
-      throw bad(file.path, fmt::format("is cut short: record {} \"{}\"/{} has {} bytes from byte {}, the file has {}", i + 1, record.user, record.id, record.bytes,
-                                       record.at, file.bytes));
+      throw bad(file.path, fmt::format("is cut short: record {} \"{}\"/{} has {} bytes from byte {}, the file has {}",
+                                       i + 1, record.user, record.id, record.bytes, record.at, file.bytes));
     at = record.at + record.bytes;
     info.records.push_back(std::move(record));
   }
@@ -93,12 +100,15 @@ void understand(File& file, LasInfo& info, const LasRecord& record) {
   } else if (record.user == kSpecUser && record.id == kExtraBytesId) {
     const auto bytes = data();
     for (std::size_t at = 0; at + kExtraBytes <= bytes.size(); at += kExtraBytes)
-      info.extra_fields.push_back({text_at(bytes.data(), at + 4, 32), text_at(bytes.data(), at + 160, 32), bytes[at + 2]});
-  } else if (record.user == kSpecUser && record.id >= kFirstDescriptorId && record.id <= kLastDescriptorId && record.bytes == kDescriptor) {
+      info.extra_fields.push_back(
+          {text_at(bytes.data(), at + 4, 32), text_at(bytes.data(), at + 160, 32), bytes[at + 2]});
+  } else if (record.user == kSpecUser && record.id >= kFirstDescriptorId && record.id <= kLastDescriptorId &&
+             record.bytes == kDescriptor) {
     const auto bytes = data();
-    info.descriptors.emplace_back(record.id - kFirstDescriptorId + 1,
-                                  LasDescriptor{bytes[0], get<std::uint32_t>(bytes.data(), 2), get<std::uint32_t>(bytes.data(), 6),
-                                                get<double>(bytes.data(), 10), get<double>(bytes.data(), 18)});
+    info.descriptors.emplace_back(
+        record.id - kFirstDescriptorId + 1,
+        LasDescriptor{bytes[0], get<std::uint32_t>(bytes.data(), 2), get<std::uint32_t>(bytes.data(), 6),
+                      get<double>(bytes.data(), 10), get<double>(bytes.data(), 18)});
   } else if (record.user == kOurUser && record.id == kOurCountsId && record.bytes <= 4096) {
     const auto bytes = data();
     understand_ours(info, bytes_at(bytes.data(), 0, bytes.size()));
@@ -116,18 +126,21 @@ void find_packet_file(LasInfo& info) {
     const auto bytes = fs::file_size(beside, code);
     if (code) continue;
     info.packet_file = beside.string();
-    if (bytes < kEvlrHeader) throw bad(info.packet_file, fmt::format("is cut short: {} bytes, not even the header's 60", bytes));
+    if (bytes < kEvlrHeader)
+      throw bad(info.packet_file, fmt::format("is cut short: {} bytes, not even the header's 60", bytes));
     const auto header = File(info.packet_file).read(0, kEvlrHeader, "the header");
     const auto said = get<std::uint64_t>(header.data(), 20);
     if (text_at(header.data(), 2, 16) != kSpecUser || get<std::uint16_t>(header.data(), 18) != kPacketsId) {
       info.warnings.push_back(info.packet_file + ": does not begin with the header of a waveform record");
     } else if (said > bytes - kEvlrHeader) {
-      throw bad(info.packet_file, fmt::format("is cut short: {} bytes of waveforms announced, {} there; copy it again", said, bytes - kEvlrHeader));
+      throw bad(info.packet_file, fmt::format("is cut short: {} bytes of waveforms announced, {} there; copy it again",
+                                              said, bytes - kEvlrHeader));
     }
     info.packet_bytes = bytes - kEvlrHeader;
     return;
   }
-  info.warnings.push_back(info.path + ": its waveforms should lie in a file of the same name with the ending .wdp, which is missing");
+  info.warnings.push_back(
+      info.path + ": its waveforms should lie in a file of the same name with the ending .wdp, which is missing");
 }
 
 }  // namespace
@@ -144,17 +157,24 @@ LasInfo read_las_info(const std::string& path) {
   info.path = path;
   info.file_bytes = file.bytes;
   const auto start = file.read(0, std::min<std::uint64_t>(file.bytes, kHeader), "the header");
-  if (start.size() < 4 || text_at(start.data(), 0, 4) != "LASF") throw bad(path, "is no LAS file: it does not begin with LASF");
-  if (start.size() < 227) throw bad(path, fmt::format("is cut short: {} bytes, a LAS header has at least 227; copy it again", start.size()));
+  if (start.size() < 4 || text_at(start.data(), 0, 4) != "LASF")
+    throw bad(path, "is no LAS file: it does not begin with LASF");
+  if (start.size() < 227)
+    throw bad(path, fmt::format("is cut short: {} bytes, a LAS header has at least 227; copy it again", start.size()));
   const unsigned char* h = start.data();
   info.source_id = get<std::uint16_t>(h, 4);
   info.global_encoding = get<std::uint16_t>(h, 6);
   info.major = h[24], info.minor = h[25];
-  if (info.major != 1 || info.minor > 4) throw bad(path, fmt::format("is LAS {}.{}; known are 1.0 to 1.4", info.major, info.minor));
+  if (info.major != 1 || info.minor > 4)
+    throw bad(path, fmt::format("is LAS {}.{}; known are 1.0 to 1.4", info.major, info.minor));
   const std::size_t needed = info.minor == 4 ? kHeader : info.minor == 3 ? 235 : 227;
   const auto header_bytes = get<std::uint16_t>(h, 94);
-  if (header_bytes < needed) throw bad(path, fmt::format("the header says it has {} bytes, LAS 1.{} has at least {}", header_bytes, info.minor, needed));
-  if (start.size() < needed) throw bad(path, fmt::format("is cut short: {} bytes, the header alone has {}; copy it again", start.size(), header_bytes));
+  if (header_bytes < needed)
+    throw bad(path, fmt::format("the header says it has {} bytes, LAS 1.{} has at least {}", header_bytes, info.minor,
+                                needed));
+  if (start.size() < needed)
+    throw bad(path, fmt::format("is cut short: {} bytes, the header alone has {}; copy it again", start.size(),
+                                header_bytes));
   info.system_id = text_at(h, 26, 32);
   info.software = text_at(h, 58, 32);
   info.creation_day = get<std::uint16_t>(h, 90);
@@ -165,8 +185,8 @@ LasInfo read_las_info(const std::string& path) {
   info.record_bytes = get<std::uint16_t>(h, 105);
   if (info.format > 10) throw bad(path, fmt::format("has point format {}; LAS knows 0 to 10", info.format));
   if (info.record_bytes < kPointBytes[static_cast<std::size_t>(info.format)])
-    throw bad(path, fmt::format("points of format {} have at least {} bytes (found {})", info.format, kPointBytes[static_cast<std::size_t>(info.format)],
-                                info.record_bytes));
+    throw bad(path, fmt::format("points of format {} have at least {} bytes (found {})", info.format,
+                                kPointBytes[static_cast<std::size_t>(info.format)], info.record_bytes));
   const bool wide = info.minor == 4;
   info.points = wide ? get<std::uint64_t>(h, 247) : get<std::uint32_t>(h, 107);
   for (std::size_t i = 0; i < (wide ? 15u : 5u); ++i)
@@ -178,18 +198,25 @@ LasInfo read_las_info(const std::string& path) {
     info.low[i] = get<double>(h, 187 + 16 * i);
   }
   const std::uint64_t vlr_end = read_records(file, info, header_bytes, get<std::uint32_t>(h, 100), false);
-  if (vlr_end > point_start) throw bad(path, fmt::format("its records end at byte {}, behind the start of the points at {}", vlr_end, point_start));
+  if (vlr_end > point_start)
+    throw bad(path,
+              fmt::format("its records end at byte {}, behind the start of the points at {}", vlr_end, point_start));
   const std::uint64_t room = file.bytes < point_start ? 0 : file.bytes - point_start;
   if (!info.compressed && info.points > room / static_cast<std::uint64_t>(info.record_bytes))
-    throw bad(path, fmt::format("is cut short: {} points of {} bytes from byte {} on do not fit into its {} bytes; copy it again", info.points, info.record_bytes,
-                                point_start, file.bytes));
-  if (wide && get<std::uint32_t>(h, 243) > 0) read_records(file, info, get<std::uint64_t>(h, 235), get<std::uint32_t>(h, 243), true);
+    throw bad(
+        path,
+        fmt::format("is cut short: {} points of {} bytes from byte {} on do not fit into its {} bytes; copy it again",
+                    info.points, info.record_bytes, point_start, file.bytes));
+  if (wide && get<std::uint32_t>(h, 243) > 0)
+    read_records(file, info, get<std::uint64_t>(h, 235), get<std::uint32_t>(h, 243), true);
   for (std::size_t i = 0; i < info.records.size(); ++i) understand(file, info, info.records[i]);
   if (info.minor >= 3) info.packets_at = get<std::uint64_t>(h, 227);
   if (info.minor >= 3 && has_packets(info.format) && info.packets_at == 0) find_packet_file(info);
   std::uint64_t sum = 0;
   for (const auto n : info.by_return) sum += n;
-  if (wide && sum != info.points) info.warnings.push_back(fmt::format("{}: its counts by return add up to {}, not to its {} points", path, sum, info.points));
+  if (wide && sum != info.points)
+    info.warnings.push_back(
+        fmt::format("{}: its counts by return add up to {}, not to its {} points", path, sum, info.points));
   return info;
 }
 

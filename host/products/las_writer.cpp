@@ -17,7 +17,8 @@ using base::Fault;
 using namespace las;
 
 constexpr std::size_t kBuffer_bytes = std::size_t{4} << 20;
-constexpr std::size_t kCounts_bytes = 192;  ///< of the text of our VLR, padded: its place comes before the numbers are known
+constexpr std::size_t kCounts_bytes =
+    192;  ///< of the text of our VLR, padded: its place comes before the numbers are known
 constexpr std::uint16_t kTruth_bytes = 63;
 constexpr double kLightSpeed_m_s = 299792458.0;
 
@@ -25,7 +26,7 @@ struct ExtraField {
   int type;
   const char* name;
   const char* description;
-  bool no_data;           ///< all bits set means none
+  bool no_data;  ///< all bits set means none
 };
 constexpr ExtraField kExtraFields[] = {{7, "pulse_id", "number of the pulse", false},
                                        {10, "range", "measured range, m", false},
@@ -110,31 +111,41 @@ void put_truth(unsigned char* record, const LasTruth& truth) {
 }
 
 void check_descriptor(const std::string& name, const LasDescriptor& d) {
-  if ((d.bits != 8 && d.bits != 16) || d.samples == 0 || d.spacing_ps == 0 || !(d.gain != 0) || !std::isfinite(d.gain) || !std::isfinite(d.offset))
-    throw Error(Fault::input, fmt::format("{}: a LAS waveform has 8 or 16 bits, at least one sample, a spacing of whole picoseconds and a gain (found {} bits, "
-                                          "{} samples, {} ps, gain {})", name, d.bits, d.samples, d.spacing_ps, d.gain));
+  if ((d.bits != 8 && d.bits != 16) || d.samples == 0 || d.spacing_ps == 0 || !(d.gain != 0) ||
+      !std::isfinite(d.gain) || !std::isfinite(d.offset))
+    throw Error(Fault::input, fmt::format("{}: a LAS waveform has 8 or 16 bits, at least one sample, a spacing of "
+                                          "whole picoseconds and a gain (found {} bits, "
+                                          "{} samples, {} ps, gain {})",
+                                          name, d.bits, d.samples, d.spacing_ps, d.gain));
 }
 
 }  // namespace
 
 std::array<float, 3> las_direction(const std::array<double, 3>& beam, double group_index) {
   const double speed = kLightSpeed_m_s * 1e-12 / (2 * group_index);
-  return {static_cast<float>(-beam[0] * speed), static_cast<float>(-beam[1] * speed), static_cast<float>(-beam[2] * speed)};
+  return {static_cast<float>(-beam[0] * speed), static_cast<float>(-beam[1] * speed),
+          static_cast<float>(-beam[2] * speed)};
 }
 
 LasWriter::LasWriter(base::OutputFile& points, base::OutputFile* packets, LasOptions options)
     : points_file_(points), packets_file_(packets), options_(std::move(options)) {
   const std::string& name = points.final_path();
   if (!(options_.scale_m > 0) || !std::isfinite(options_.scale_m))
-    throw Error(Fault::input, fmt::format("{}: the scale of LAS coordinates must be above 0 (found {} m)", name, options_.scale_m));
+    throw Error(Fault::input,
+                fmt::format("{}: the scale of LAS coordinates must be above 0 (found {} m)", name, options_.scale_m));
   descriptor_places_ = options_.descriptors.size() + static_cast<std::size_t>(std::max(options_.descriptor_room, 0));
   if (descriptor_places_ > kLastDescriptorId - kFirstDescriptorId + 1u)
-    throw Error(Fault::input, fmt::format("{}: LAS holds at most 255 kinds of waveform (found {}); write fewer, or no waveforms", name, descriptor_places_));
+    throw Error(Fault::input,
+                fmt::format("{}: LAS holds at most 255 kinds of waveform (found {}); write fewer, or no waveforms",
+                            name, descriptor_places_));
   for (const auto& d : options_.descriptors) check_descriptor(name, d);
-  if ((descriptor_places_ == 0) == (packets != nullptr)) throw Error(Fault::bug, name + ": packets and their descriptors go together");
-  if (options_.wkt.empty()) options_.wkt = R"(LOCAL_CS["scene, metres",UNIT["metre",1],AXIS["East",EAST],AXIS["North",NORTH]])";
+  if ((descriptor_places_ == 0) == (packets != nullptr))
+    throw Error(Fault::bug, name + ": packets and their descriptors go together");
+  if (options_.wkt.empty())
+    options_.wkt = R"(LOCAL_CS["scene, metres",UNIT["metre",1],AXIS["East",EAST],AXIS["North",NORTH]])";
   if (options_.wkt.size() > 65534)
-    throw Error(Fault::input, fmt::format("{}: the text of the coordinate system has {} bytes, LAS holds 65534", name, options_.wkt.size()));
+    throw Error(Fault::input, fmt::format("{}: the text of the coordinate system has {} bytes, LAS holds 65534", name,
+                                          options_.wkt.size()));
   record_bytes_ = static_cast<std::uint16_t>(kPointBytes[static_cast<std::size_t>(format())] + kTruth_bytes);
   point_start_ = static_cast<std::uint32_t>(kHeader + vlrs(0, 0).size());
   low_.fill(std::numeric_limits<std::int32_t>::max());
@@ -146,7 +157,8 @@ std::string LasWriter::vlrs(std::uint64_t pulses, std::uint64_t without_return) 
   for (std::size_t i = 0; i < options_.descriptors.size(); ++i) out += descriptor_vlr(options_.descriptors[i], i);
   out += extra_bytes_vlr();
   std::string counts = fmt::format("pulses = {}\npulses without return = {}\n", pulses, without_return);
-  if (options_.intensity_from_energy) counts += fmt::format("photo-electrons per unit of intensity = {}\n", intensity_unit_pe());
+  if (options_.intensity_from_energy)
+    counts += fmt::format("photo-electrons per unit of intensity = {}\n", intensity_unit_pe());
   // This record also fills the places of descriptors that did not come.
   counts.resize(kCounts_bytes + (descriptor_places_ - options_.descriptors.size()) * (kVlrHeader + kDescriptor), '\0');
   return out + vlr(kOurUser, kOurCountsId, "pulses, with and without return", counts);
@@ -155,12 +167,13 @@ std::string LasWriter::vlrs(std::uint64_t pulses, std::uint64_t without_return) 
 int LasWriter::descriptor(const LasDescriptor& wanted) {
   auto& known = options_.descriptors;
   for (std::size_t i = 0; i < known.size(); ++i)
-    if (known[i].bits == wanted.bits && known[i].samples == wanted.samples && known[i].spacing_ps == wanted.spacing_ps && known[i].gain == wanted.gain &&
-        known[i].offset == wanted.offset)
+    if (known[i].bits == wanted.bits && known[i].samples == wanted.samples &&
+        known[i].spacing_ps == wanted.spacing_ps && known[i].gain == wanted.gain && known[i].offset == wanted.offset)
       return static_cast<int>(i);
   check_descriptor(points_file_.final_path(), wanted);
   if (known.size() == descriptor_places_)
-    throw Error(Fault::input, fmt::format("{}: more than {} kinds of waveform (gains of the digitiser); give the detector a fixed full scale, or write no LAS waveforms",
+    throw Error(Fault::input, fmt::format("{}: more than {} kinds of waveform (gains of the digitiser); give the "
+                                          "detector a fixed full scale, or write no LAS waveforms",
                                           points_file_.final_path(), descriptor_places_));
   known.push_back(wanted);
   return static_cast<int>(known.size()) - 1;
@@ -171,18 +184,22 @@ LasPacket LasWriter::add_packet(int descriptor, const std::vector<std::uint16_t>
     throw Error(Fault::bug, fmt::format("{}: no waveform descriptor {}", points_file_.final_path(), descriptor));
   const LasDescriptor& d = options_.descriptors[static_cast<std::size_t>(descriptor)];
   if (samples.size() != d.samples)
-    throw Error(Fault::bug, fmt::format("{}: a waveform of {} samples came where {} were announced", points_file_.final_path(), samples.size(), d.samples));
+    throw Error(Fault::bug, fmt::format("{}: a waveform of {} samples came where {} were announced",
+                                        points_file_.final_path(), samples.size(), d.samples));
   const std::size_t sample_bytes = d.bits == 8 ? 1 : 2, bytes = samples.size() * sample_bytes;
   if (bytes > std::numeric_limits<std::uint32_t>::max())
-    throw Error(Fault::input, fmt::format("{}: a waveform of {} samples is longer than LAS holds; record fewer bins", points_file_.final_path(), samples.size()));
-  const LasPacket packet{descriptor, kEvlrHeader + packets_written_ + packet_buffer_.size(), static_cast<std::uint32_t>(bytes)};
+    throw Error(Fault::input, fmt::format("{}: a waveform of {} samples is longer than LAS holds; record fewer bins",
+                                          points_file_.final_path(), samples.size()));
+  const LasPacket packet{descriptor, kEvlrHeader + packets_written_ + packet_buffer_.size(),
+                         static_cast<std::uint32_t>(bytes)};
   const std::size_t at = packet_buffer_.size();
   packet_buffer_.resize(at + bytes);
   if (d.bits == 16) {
     std::memcpy(packet_buffer_.data() + at, samples.data(), bytes);
   } else {
     for (std::size_t i = 0; i < samples.size(); ++i) {
-      if (samples[i] > 255) throw Error(Fault::bug, fmt::format("{}: sample {} of 8 bits", points_file_.final_path(), samples[i]));
+      if (samples[i] > 255)
+        throw Error(Fault::bug, fmt::format("{}: sample {} of 8 bits", points_file_.final_path(), samples[i]));
       packet_buffer_[at + i] = static_cast<unsigned char>(samples[i]);
     }
   }
@@ -193,10 +210,14 @@ LasPacket LasWriter::add_packet(int descriptor, const std::vector<std::uint16_t>
 
 void LasWriter::add_point(const LasPoint& p) {
   const std::string& name = points_file_.final_path();
-  if (p.number_of_returns < 1 || p.number_of_returns > 15 || p.return_number < 1 || p.return_number > p.number_of_returns)
-    throw Error(Fault::bug, fmt::format("{}: return {} of {}: LAS counts from 1 to 15", name, p.return_number, p.number_of_returns));
-  if (!(std::abs(p.scan_angle_deg) <= 180)) throw Error(Fault::bug, fmt::format("{}: scan angle {} deg", name, p.scan_angle_deg));
-  if (p.scanner_channel < 0 || p.scanner_channel > 3) throw Error(Fault::bug, fmt::format("{}: scanner channel {}", name, p.scanner_channel));
+  if (p.number_of_returns < 1 || p.number_of_returns > 15 || p.return_number < 1 ||
+      p.return_number > p.number_of_returns)
+    throw Error(Fault::bug, fmt::format("{}: return {} of {}: LAS counts from 1 to 15", name, p.return_number,
+                                        p.number_of_returns));
+  if (!(std::abs(p.scan_angle_deg) <= 180))
+    throw Error(Fault::bug, fmt::format("{}: scan angle {} deg", name, p.scan_angle_deg));
+  if (p.scanner_channel < 0 || p.scanner_channel > 3)
+    throw Error(Fault::bug, fmt::format("{}: scanner channel {}", name, p.scanner_channel));
   const std::size_t start = point_buffer_.size();
   point_buffer_.resize(start + record_bytes_);
   unsigned char* const record = point_buffer_.data() + start;
@@ -204,9 +225,11 @@ void LasWriter::add_point(const LasPoint& p) {
   for (std::size_t i = 0; i < 3; ++i) {
     const double stored = std::round((position[i] - options_.offset_m[i]) / options_.scale_m);
     if (!(std::abs(stored) <= 2147483647.0))
-      throw Error(Fault::input, fmt::format("{}: {} = {} m lies further than {:.6g} m from the file's offset {}: 32 bits at {} m cannot hold it; use a coarser scale or "
-                                            "a scene origin nearer to the points", name, "xyz"[i], position[i], 2147483647.0 * options_.scale_m, options_.offset_m[i],
-                                            options_.scale_m));
+      throw Error(Fault::input, fmt::format("{}: {} = {} m lies further than {:.6g} m from the file's offset {}: 32 "
+                                            "bits at {} m cannot hold it; use a coarser scale or "
+                                            "a scene origin nearer to the points",
+                                            name, "xyz"[i], position[i], 2147483647.0 * options_.scale_m,
+                                            options_.offset_m[i], options_.scale_m));
     const auto integer = static_cast<std::int32_t>(stored);
     low_[i] = std::min(low_[i], integer);
     high_[i] = std::max(high_[i], integer);
@@ -214,8 +237,8 @@ void LasWriter::add_point(const LasPoint& p) {
   }
   put(record, 12, p.intensity);
   record[14] = static_cast<unsigned char>(p.return_number | p.number_of_returns << 4);
-  record[15] = static_cast<unsigned char>(p.synthetic | p.key_point << 1 | p.withheld << 2 | p.overlap << 3 | p.scanner_channel << 4 | p.scan_to_right << 6 |
-                                          p.edge_of_line << 7);
+  record[15] = static_cast<unsigned char>(p.synthetic | p.key_point << 1 | p.withheld << 2 | p.overlap << 3 |
+                                          p.scanner_channel << 4 | p.scan_to_right << 6 | p.edge_of_line << 7);
   record[16] = p.classification;
   record[17] = p.user_data;
   put(record, 18, static_cast<std::int16_t>(std::lround(p.scan_angle_deg / 0.006)));
@@ -250,7 +273,8 @@ double LasWriter::intensity_unit_pe() const {
 /// The points once more: their energies are in the file, the unit is known only now.
 void LasWriter::set_intensities() {
   const double unit = intensity_unit_pe();
-  const std::size_t energy_at = static_cast<std::size_t>(record_bytes_) - sizeof(float), piece_points = kBuffer_bytes / record_bytes_;
+  const std::size_t energy_at = static_cast<std::size_t>(record_bytes_) - sizeof(float),
+                    piece_points = kBuffer_bytes / record_bytes_;
   for (std::uint64_t first = 0; first < count_; first += piece_points) {
     const std::size_t points = std::min<std::uint64_t>(piece_points, count_ - first);
     point_buffer_.resize(points * record_bytes_);
@@ -295,7 +319,11 @@ void LasWriter::finish(std::uint64_t pulses, std::uint64_t without_return) {
   unsigned char h[kHeader] = {};
   put_text(h, 0, 4, "LASF");
   put(h, 4, options_.source_id);
-  put(h, 6, static_cast<std::uint16_t>(kAdjustedGpsTime | kWkt | (!packets_file_ ? 0 : packets_at ? kInternalPackets : kExternalPackets)));
+  put(h, 6,
+      static_cast<std::uint16_t>(kAdjustedGpsTime | kWkt |
+                                 (!packets_file_ ? 0
+                                  : packets_at   ? kInternalPackets
+                                                 : kExternalPackets)));
   h[24] = 1, h[25] = 4;
   put_text(h, 26, 32, options_.system_id);
   put_text(h, 58, 32, options_.software);

@@ -19,8 +19,10 @@ OGRSpatialReference projected_system(int epsg) {
   const bool known = system.importFromEPSG(epsg) == OGRERR_NONE;
   CPLPopErrorHandler();
   if (!known || !system.IsProjected() || std::abs(system.GetLinearUnits() - 1) > 1e-12)
-    throw base::Error(base::Fault::input, fmt::format("epsg must be a projected system in metres that PROJ knows (found {}); "
-                                                      "UTM north is 32601 to 32660", epsg));
+    throw base::Error(base::Fault::input,
+                      fmt::format("epsg must be a projected system in metres that PROJ knows (found {}); "
+                                  "UTM north is 32601 to 32660",
+                                  epsg));
   return system;
 }
 
@@ -58,14 +60,16 @@ std::optional<MapGrid> find_map_grid(std::int64_t samples, std::int64_t lines,
   return MapGrid{first_easting - x_m / 2, first_northing + y_m / 2, x_m, y_m};
 }
 
-void set_map_grid(EnviHeader& header, int epsg, double easting_m, double northing_m, double pixel_x_m, double pixel_y_m) {
+void set_map_grid(EnviHeader& header, int epsg, double easting_m, double northing_m, double pixel_x_m,
+                  double pixel_y_m) {
   const OGRSpatialReference system = projected_system(epsg);
   int north = 0;
   const int zone = system.GetUTMZone(&north);
   const char* datum = system.GetAttrValue("DATUM");
   const bool wgs84 = datum && std::string(datum).find("WGS_1984") != std::string::npos;
   const auto number = [](double value) { return fmt::format("{:.10g}", value); };
-  header.map_info = {zone ? "UTM" : "Arbitrary", "1", "1", number(easting_m), number(northing_m), number(pixel_x_m), number(pixel_y_m)};
+  header.map_info = {zone ? "UTM" : "Arbitrary", "1", "1", number(easting_m), number(northing_m), number(pixel_x_m),
+                     number(pixel_y_m)};
   if (zone) {
     header.map_info.push_back(std::to_string(zone));
     header.map_info.push_back(north ? "North" : "South");

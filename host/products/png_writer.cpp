@@ -27,7 +27,8 @@ void fail(png_structp png, png_const_charp message) {
 }
 void ignore(png_structp, png_const_charp) {}
 
-bool encode(Sink& sink, std::uint32_t width, std::uint32_t height, int channels, png_bytep pixels, png_textp text, int texts) {
+bool encode(Sink& sink, std::uint32_t width, std::uint32_t height, int channels, png_bytep pixels, png_textp text,
+            int texts) {
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &sink, fail, ignore);
   png_infop info = png ? png_create_info_struct(png) : nullptr;
   if (!info || setjmp(png_jmpbuf(png))) {
@@ -35,11 +36,12 @@ bool encode(Sink& sink, std::uint32_t width, std::uint32_t height, int channels,
     return false;
   }
   png_set_write_fn(png, &sink, take, nothing);
-  png_set_IHDR(png, info, width, height, 8, channels == 3 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
-               PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  png_set_IHDR(png, info, width, height, 8, channels == 3 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_GRAY,
+               PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   if (texts > 0) png_set_text(png, info, text, texts);
   png_write_info(png, info);
-  for (std::uint32_t y = 0; y < height; ++y) png_write_row(png, pixels + static_cast<std::size_t>(y) * width * channels);
+  for (std::uint32_t y = 0; y < height; ++y)
+    png_write_row(png, pixels + static_cast<std::size_t>(y) * width * channels);
   png_write_end(png, info);
   png_destroy_write_struct(&png, &info);
   return true;
@@ -47,8 +49,8 @@ bool encode(Sink& sink, std::uint32_t width, std::uint32_t height, int channels,
 
 }  // namespace
 
-void write_png(base::OutputFile& file, std::uint32_t width, std::uint32_t height, int channels, const std::vector<std::uint8_t>& pixels,
-               const std::map<std::string, std::string>& text) {
+void write_png(base::OutputFile& file, std::uint32_t width, std::uint32_t height, int channels,
+               const std::vector<std::uint8_t>& pixels, const std::map<std::string, std::string>& text) {
   if ((channels != 1 && channels != 3) || pixels.size() != static_cast<std::size_t>(width) * height * channels)
     throw base::Error(base::Fault::bug, file.final_path() + ": PNG of another size than its pixels");
   std::vector<png_text> chunks;
@@ -61,7 +63,8 @@ void write_png(base::OutputFile& file, std::uint32_t width, std::uint32_t height
     chunks.push_back(chunk);
   }
   Sink sink;
-  if (!encode(sink, width, height, channels, const_cast<png_bytep>(pixels.data()), chunks.data(), static_cast<int>(chunks.size())))
+  if (!encode(sink, width, height, channels, const_cast<png_bytep>(pixels.data()), chunks.data(),
+              static_cast<int>(chunks.size())))
     throw base::Error(base::Fault::bug, file.final_path() + ": libpng: " + sink.message);
   file.append(sink.bytes.data(), sink.bytes.size());
 }

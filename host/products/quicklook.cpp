@@ -39,8 +39,11 @@ std::vector<int> default_quicklook_bands(const std::vector<double>& wavelength_u
 
 Quicklook::Quicklook(std::int64_t samples, std::int64_t lines, std::vector<int> bands)
     : samples_(samples), lines_(lines), bands_(std::move(bands)) {
-  if (bands_.size() != 1 && bands_.size() != 3) throw base::Error(base::Fault::bug, "a quicklook takes one band or three");
-  while (std::ceil(static_cast<double>(samples) / step_) * std::ceil(static_cast<double>(lines) / step_) > kLargestPixels) ++step_;
+  if (bands_.size() != 1 && bands_.size() != 3)
+    throw base::Error(base::Fault::bug, "a quicklook takes one band or three");
+  while (std::ceil(static_cast<double>(samples) / step_) * std::ceil(static_cast<double>(lines) / step_) >
+         kLargestPixels)
+    ++step_;
   if (step_ > 255) throw base::Error(base::Fault::input, "the image is too large for a quicklook; switch the PNG off");
   width_ = (samples + step_ - 1) / step_;
   height_ = (lines + step_ - 1) / step_;
@@ -50,7 +53,8 @@ Quicklook::Quicklook(std::int64_t samples, std::int64_t lines, std::vector<int> 
 
 void Quicklook::add(const Strip& strip) {
   if (strip.first_line != next_line_ || strip.first_line + strip.lines > lines_ || strip.pixel_stride == 0)
-    throw base::Error(base::Fault::bug, fmt::format("quicklook: line {} came, {} is next", strip.first_line, next_line_));
+    throw base::Error(base::Fault::bug,
+                      fmt::format("quicklook: line {} came, {} is next", strip.first_line, next_line_));
   for (std::int64_t l = 0; l < strip.lines; ++l)
     for (std::int64_t x = 0; x < samples_; ++x) {
       const float* pixel = strip.values + static_cast<std::size_t>(l * samples_ + x) * strip.pixel_stride;
@@ -65,9 +69,11 @@ void Quicklook::add(const Strip& strip) {
   next_line_ += strip.lines;
 }
 
-std::vector<Quicklook::Stretch> Quicklook::write(base::OutputFile& file, const std::vector<std::string>& band_text) const {
+std::vector<Quicklook::Stretch> Quicklook::write(base::OutputFile& file,
+                                                 const std::vector<std::string>& band_text) const {
   const std::size_t channels = bands_.size();
-  if (next_line_ != lines_ || band_text.size() != channels) throw base::Error(base::Fault::bug, "quicklook of an unfinished image");
+  if (next_line_ != lines_ || band_text.size() != channels)
+    throw base::Error(base::Fault::bug, "quicklook of an unfinished image");
   std::vector<Stretch> stretches;
   std::vector<std::uint8_t> pixels(sum_.size());
   std::string text;
@@ -86,14 +92,17 @@ std::vector<Quicklook::Stretch> Quicklook::write(base::OutputFile& file, const s
       pixels[i] = static_cast<std::uint8_t>(std::lround(255 * std::clamp(share, 0.0, 1.0)));
     }
     text += fmt::format("{}{}: band {} ({}), linear from {:.6g} to {:.6g}", text.empty() ? "" : "; ",
-                        channels == 1 ? "grey" : c == 0 ? "red" : c == 1 ? "green" : "blue", bands_[c] + 1, band_text[c], stretch.low,
-                        stretch.high);
+                        channels == 1 ? "grey"
+                        : c == 0      ? "red"
+                        : c == 1      ? "green"
+                                      : "blue",
+                        bands_[c] + 1, band_text[c], stretch.low, stretch.high);
     stretches.push_back(stretch);
   }
   text += " (2nd to 98th percentile)";
   if (step_ > 1) text += fmt::format("; means over {0} x {0} pixels", step_);
-  write_png(file, static_cast<std::uint32_t>(width_), static_cast<std::uint32_t>(height_), static_cast<int>(channels), pixels,
-            {{"Description", text}, {"Software", "raycube"}});
+  write_png(file, static_cast<std::uint32_t>(width_), static_cast<std::uint32_t>(height_), static_cast<int>(channels),
+            pixels, {{"Description", text}, {"Software", "raycube"}});
   return stretches;
 }
 

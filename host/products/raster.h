@@ -23,10 +23,13 @@ class Raster {
 
   /// What lies outside the image is left out.
   void fill(int x, int y, int width, int height, const Colour& colour);
-  /// Upper left corner of the first letter. Digits, English letters and " ()+,-./:=<>%"; any other character becomes a box.
+  /// Upper left corner of the first letter. Digits, English letters and " ()+,-./:=<>%"; any other character becomes a
+  /// box.
   void text(int x, int y, const std::string& text, int scale, const Colour& colour);
 
-  static int text_width(const std::string& text, int scale) { return static_cast<int>(text.size()) * kLetterAdvance * scale; }
+  static int text_width(const std::string& text, int scale) {
+    return static_cast<int>(text.size()) * kLetterAdvance * scale;
+  }
 
  private:
   int width_, height_;

@@ -37,24 +37,29 @@ std::string run_record_json(const RunRecord& r) {
   Json out;
   out["format"] = "raycube run";
   out["format_version"] = 1;
-  out["program"] = {{"name", "raycube"}, {"version", base::kVersion}, {"commit", base::kCommit}, {"compiler", base::kCompiler}};
+  out["program"] = {
+      {"name", "raycube"}, {"version", base::kVersion}, {"commit", base::kCommit}, {"compiler", base::kCompiler}};
   out["command"] = r.command;
   out["instrument"] = r.instrument;
   out["scene_hash"] = r.scene_hash;
   out["seed"] = r.seed;
   out["digest"] = r.digest;
-  out["device"] = {{"platform", r.platform}, {"name", r.device}, {"driver", r.driver}, {"opencl", r.opencl_version},
-                   {"compute_units", r.compute_units}, {"threads", r.threads}};
+  out["device"] = {
+      {"platform", r.platform},           {"name", r.device},    {"driver", r.driver}, {"opencl", r.opencl_version},
+      {"compute_units", r.compute_units}, {"threads", r.threads}};
   out["program_hash"] = r.program_hash;
   out["kernel_variants"] = r.kernel_variants;
-  out["image"] = {{"samples", r.samples}, {"lines", r.lines}, {"bands", r.bands}, {"samples_per_pixel", r.samples_per_pixel}};
+  out["image"] = {
+      {"samples", r.samples}, {"lines", r.lines}, {"bands", r.bands}, {"samples_per_pixel", r.samples_per_pixel}};
   out["stage_s"] = Json::object();
   for (const auto& [stage, seconds] : r.stage_s) out["stage_s"][stage] = seconds;
   out["total_s"] = r.total_s;
   out["rays"] = r.rays;
   out["rays_per_s"] = r.rays_per_s;
   out["band_samples_per_s"] = r.band_samples_per_s;
-  out["memory"] = {{"budget_bytes", r.memory_budget_bytes}, {"peak_bytes", r.peak_memory_bytes}, {"device_bytes", r.device_memory_bytes}};
+  out["memory"] = {{"budget_bytes", r.memory_budget_bytes},
+                   {"peak_bytes", r.peak_memory_bytes},
+                   {"device_bytes", r.device_memory_bytes}};
   out["clipped"] = {{"low", r.clipped_low}, {"high", r.clipped_high}, {"not_a_number", r.not_a_number}};
   out["warnings"] = r.warnings;
   out["files"] = Json::object();
@@ -79,10 +84,13 @@ std::vector<std::string> files_of_run(const std::string& folder) {
   if (!base::why_no_plain_file(path).empty()) return names;
   std::ifstream file(path);
   const Json record = Json::parse(base::shallow_json(file), nullptr, false);
-  if (!record.is_object() || record.value("format", Json()) != "raycube run" || !record.contains("files") || !record["files"].is_object()) return names;
+  if (!record.is_object() || record.value("format", Json()) != "raycube run" || !record.contains("files") ||
+      !record["files"].is_object())
+    return names;
   for (const auto& [name, text] : record["files"].items()) {
     names.push_back(name);
-    if (std::filesystem::path(name).extension() == ".img") names.push_back(std::filesystem::path(name).replace_extension(".hdr").string());
+    if (std::filesystem::path(name).extension() == ".img")
+      names.push_back(std::filesystem::path(name).replace_extension(".hdr").string());
   }
   return names;
 }

@@ -1,5 +1,6 @@
-// Waveforms as an ENVI raster: samples are range bins, lines are records (pulse by pulse, of a pulse pixel by pixel), bands are
-// what a record holds (laser lines, orders of scattering, expected and recorded). float32, BIL: each waveform is one run of bytes.
+// Waveforms as an ENVI raster: samples are range bins, lines are records (pulse by pulse, of a pulse pixel by pixel),
+// bands are what a record holds (laser lines, orders of scattering, expected and recorded). float32, BIL: each waveform
+// is one run of bytes.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +12,7 @@
 namespace raycube::products {
 
 struct TimeCubeBand {
-  std::string name;                    ///< with its unit
+  std::string name;  ///< with its unit
   double wavelength_um = 0;
 };
 

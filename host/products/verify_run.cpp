@@ -27,9 +27,7 @@ using base::Fault;
 using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
-Error bad(const std::string& path, const std::string& what) {
-  return Error(Fault::input, path + ": " + what);
-}
+Error bad(const std::string& path, const std::string& what) { return Error(Fault::input, path + ": " + what); }
 
 /// More is held of no file at once. A run writes 4 MiB (base::kHashBlock_bytes).
 constexpr std::uint64_t kMostBlock_bytes = 64u << 20;
@@ -55,21 +53,18 @@ Recorded recorded_in(const std::string& path) {
     const Json& sha = record.at("sha256");
     out.block_bytes = sha.at("block_bytes");
     if (out.block_bytes == 0 || out.block_bytes > kMostBlock_bytes)
-      throw bad(path, fmt::format("is damaged: its block_bytes are not from 1 to {} (found {})",
-                                  kMostBlock_bytes, out.block_bytes));
+      throw bad(path, fmt::format("is damaged: its block_bytes are not from 1 to {} (found {})", kMostBlock_bytes,
+                                  out.block_bytes));
     for (const auto& [name, file] : sha.at("files").items()) {
       out.files.push_back({name, {file.at("bytes"), file.at("blocks"), file.at("list")}});
       const auto& hashes = out.files.back().second;
       if (name.empty() || name == ".." || name != fs::path(name).filename())
         throw bad(path, fmt::format("names a file outside its folder: \"{}\"", name));
-      const std::uint64_t blocks =
-          hashes.bytes / out.block_bytes + (hashes.bytes % out.block_bytes != 0 ? 1 : 0);
+      const std::uint64_t blocks = hashes.bytes / out.block_bytes + (hashes.bytes % out.block_bytes != 0 ? 1 : 0);
       if (hashes.blocks.size() != blocks || base::hash_of_list(hashes.blocks) != hashes.list)
-        throw bad(
-            path,
-            fmt::format(
-                "its own list of blocks of {} is damaged: it does not have the hash that stands beside it",
-                name));
+        throw bad(path, fmt::format(
+                            "its own list of blocks of {} is damaged: it does not have the hash that stands beside it",
+                            name));
     }
   } catch (const Json::exception& failure) {
     throw bad(path, fmt::format("cannot be read as a run record: {}; is the file whole?", failure.what()));
@@ -91,8 +86,7 @@ class Reader {
   /// Empty: it can be read. Else why not.
   std::string why_not() const {
     struct stat status {};
-    if (fd_ < 0)
-      return code_ == ENOENT ? "is missing" : std::string("cannot be opened: ") + std::strerror(code_);
+    if (fd_ < 0) return code_ == ENOENT ? "is missing" : std::string("cannot be opened: ") + std::strerror(code_);
     if (::fstat(fd_, &status) != 0 || !S_ISREG(status.st_mode)) return "is no plain file";
     return "";
   }
@@ -126,14 +120,12 @@ std::string difference(const std::string& folder, const std::string& name, const
   for (std::size_t i = 0; i < wanted.blocks.size(); ++i) {
     base::throw_if_interrupted();
     const std::uint64_t first = i * block_bytes, bytes = std::min(block_bytes, wanted.bytes - first);
-    const std::string where = fmt::format("{}: block {} of {} (bytes {} to {})", name, i,
-                                          wanted.blocks.size(), first, first + bytes - 1);
+    const std::string where =
+        fmt::format("{}: block {} of {} (bytes {} to {})", name, i, wanted.blocks.size(), first, first + bytes - 1);
     const std::size_t got = file.read(first, data.data(), std::min<std::uint64_t>(bytes, data.size()));
     if (got < bytes)
-      return fmt::format("{}: the file ends, or cannot be read, at byte {} of {}", where, first + got,
-                         wanted.bytes);
-    if (base::Sha256().add(data.data(), bytes).hex() != wanted.blocks[i])
-      return where + ": not what was written";
+      return fmt::format("{}: the file ends, or cannot be read, at byte {} of {}", where, first + got, wanted.bytes);
+    if (base::Sha256().add(data.data(), bytes).hex() != wanted.blocks[i]) return where + ": not what was written";
     if (done) done(bytes);
   }
   if (file.size() != wanted.bytes)
@@ -150,8 +142,10 @@ VerifiedRun verify_run(const std::string& record_path, const std::function<void(
   out.files = recorded.files.size();
   for (const auto& [name, hashes] : recorded.files) {
     const std::string found = difference(folder, name, hashes, recorded.block_bytes, done);
-    if (found.empty()) out.bytes += hashes.bytes;
-    else out.differences.push_back(found);
+    if (found.empty())
+      out.bytes += hashes.bytes;
+    else
+      out.differences.push_back(found);
   }
   return out;
 }

@@ -9,8 +9,8 @@
 namespace raycube::products {
 
 struct VerifiedRun {
-  std::size_t files = 0;          ///< that run.json has hashes of
-  std::uint64_t bytes = 0;        ///< read and found as they were written
+  std::size_t files = 0;                 ///< that run.json has hashes of
+  std::uint64_t bytes = 0;               ///< read and found as they were written
   std::vector<std::string> differences;  ///< of each file the first: file, block, bytes
   bool whole() const { return differences.empty(); }
 };

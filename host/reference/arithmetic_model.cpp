@@ -27,17 +27,21 @@ double weight_of(const NodeWeight& w, int node) { return node == w.low ? 1 - w.f
 
 }  // namespace
 
-std::vector<std::vector<double>> reflectance_on(const scene::CompiledScene& scene, const std::vector<double>& wavelength_um) {
+std::vector<std::vector<double>> reflectance_on(const scene::CompiledScene& scene,
+                                                const std::vector<double>& wavelength_um) {
   std::vector<std::vector<double>> out;
   for (const scene::Material& material : scene.materials) {
     const std::vector<double>&x = material.reflectance.wavelength_um, &y = material.reflectance.value;
     std::vector<double>& values = out.emplace_back();
     for (double wavelength : wavelength_um) {
       const auto above = static_cast<std::size_t>(std::upper_bound(x.begin(), x.end(), wavelength) - x.begin());
-      if (above == 0) values.push_back(y.front());
-      else if (above == x.size()) values.push_back(y.back());
+      if (above == 0)
+        values.push_back(y.front());
+      else if (above == x.size())
+        values.push_back(y.back());
       else
-        values.push_back(y[above - 1] + (y[above] - y[above - 1]) * (wavelength - x[above - 1]) / (x[above] - x[above - 1]));
+        values.push_back(y[above - 1] +
+                         (y[above] - y[above - 1]) * (wavelength - x[above - 1]) / (x[above] - x[above - 1]));
     }
   }
   return out;
@@ -55,7 +59,8 @@ std::vector<double> band_values(const plan::Plan& plan, const std::vector<double
 
 std::array<double, 4> unoccluded_irradiance(const plan::IrradianceMap& map, const glm::dvec3& normal) {
   if (map.size < 3 || map.size % 2 == 0)
-    throw base::Error(base::Fault::bug, "irradiance map of " + std::to_string(map.size) + " nodes a side; an odd number >= 3 is due");
+    throw base::Error(base::Fault::bug,
+                      "irradiance map of " + std::to_string(map.size) + " nodes a side; an odd number >= 3 is due");
   const glm::dvec3 p = glm::abs(normal) / (std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z));
   const int half = (map.size - 1) / 2;
   // Distances from the map's centre lines, in nodes; the lower half is mirrored at the diamond's sides.
@@ -64,14 +69,16 @@ std::array<double, 4> unoccluded_irradiance(const plan::IrradianceMap& map, cons
   const double a = u - i, b = v - j;
   const auto node = [&](int di, int dj) {
     const int column = half + (normal.x < 0 ? -(i + di) : i + di), row = half + (normal.y < 0 ? -(j + dj) : j + dj);
-    return map.value[static_cast<std::size_t>(row) * static_cast<std::size_t>(map.size) + static_cast<std::size_t>(column)];
+    return map
+        .value[static_cast<std::size_t>(row) * static_cast<std::size_t>(map.size) + static_cast<std::size_t>(column)];
   };
   const shared::rc_float4 right = node(1, 0), up = node(0, 1), corner = a + b <= 1 ? node(0, 0) : node(1, 1);
   const double w_right = a + b <= 1 ? a : 1 - b, w_up = a + b <= 1 ? b : 1 - a, w_corner = std::abs(1 - a - b);
   const auto mix = [&](float c, float r, float t) {
     return w_corner * static_cast<double>(c) + w_right * static_cast<double>(r) + w_up * static_cast<double>(t);
   };
-  return {mix(corner.x, right.x, up.x), mix(corner.y, right.y, up.y), mix(corner.z, right.z, up.z), mix(corner.w, right.w, up.w)};
+  return {mix(corner.x, right.x, up.x), mix(corner.y, right.y, up.y), mix(corner.z, right.z, up.z),
+          mix(corner.w, right.w, up.w)};
 }
 
 std::array<double, 4> thermal_unoccluded(const plan::Thermal& thermal, double normal_z) {
@@ -95,7 +102,8 @@ glm::dvec3 xyz(const shared::rc_float4& v) { return {v.x, v.y, v.z}; }
 
 }  // namespace
 
-bool looks_into(const plan::SkySets& sky, std::uint64_t seed, std::uint32_t pixel, std::size_t number_of_sample, std::size_t k) {
+bool looks_into(const plan::SkySets& sky, std::uint64_t seed, std::uint32_t pixel, std::size_t number_of_sample,
+                std::size_t k) {
   const auto share = static_cast<rc_u32>(sky.share);
   const rc_u32 part = rc_sky_part(static_cast<rc_u32>(seed), pixel, static_cast<rc_u32>(number_of_sample), share);
   return rc_sky_direction(part, static_cast<rc_u32>(k) / share, share) == k;
@@ -115,8 +123,13 @@ BlockedDirections blocked_directions(const ReferenceScene& scene, const plan::Pl
   return blocked;
 }
 
-ArithmeticModel::ArithmeticModel(const scene::CompiledScene& scene, const plan::Plan& plan, std::uint64_t seed, OpenSky open)
-    : scene_(scene), plan_(plan), seed_(seed), open_(std::move(open)), reflectance_(reflectance_on(scene, plan.wavelength_um)) {
+ArithmeticModel::ArithmeticModel(const scene::CompiledScene& scene, const plan::Plan& plan, std::uint64_t seed,
+                                 OpenSky open)
+    : scene_(scene),
+      plan_(plan),
+      seed_(seed),
+      open_(std::move(open)),
+      reflectance_(reflectance_on(scene, plan.wavelength_um)) {
   if (open_) return;
   open_ = [&plan](const glm::dvec3& normal) {
     std::array<double, 8> irradiance{};
@@ -153,7 +166,8 @@ void ArithmeticModel::add_source(const SampledPixel& pixel, const Sample& sample
     }
 }
 
-void ArithmeticModel::add_emission(const SampledPixel& pixel, const Sample& sample, std::vector<double>& spectrum) const {
+void ArithmeticModel::add_emission(const SampledPixel& pixel, const Sample& sample,
+                                   std::vector<double>& spectrum) const {
   const NodeWeight h = locate(plan_.height, sample.point.z), v = locate(plan_.view, 1 / pixel.to_sensor.z);
   const std::vector<double>& nodes = plan_.thermal.temperature_K;
   const shared::Surface& surface =
@@ -172,7 +186,8 @@ void ArithmeticModel::add_emission(const SampledPixel& pixel, const Sample& samp
     for (int k = 0; k < plan_.thermal.nodes(); ++k)
       for (int ih = 0; ih < plan_.height.count; ++ih)
         for (int iv = 0; iv < plan_.view.count; ++iv) {
-          const double w = sample.weight * static_cast<double>(surface.fraction[m]) * weight_of(at, k) * weight_of(h, ih) * weight_of(v, iv);
+          const double w = sample.weight * static_cast<double>(surface.fraction[m]) * weight_of(at, k) *
+                           weight_of(h, ih) * weight_of(v, iv);
           if (w == 0) continue;
           const std::vector<double>& light = plan_.source_spectrum[static_cast<std::size_t>(
               ((plan_.first_emission() + k) * plan_.height.count + ih) * plan_.view.count + iv)];
@@ -189,7 +204,8 @@ BandRadiance ArithmeticModel::radiance(const SampledPixel& pixel, const std::vec
   for (std::size_t s = 0; s < pixel.samples.size(); ++s) {
     const Sample& sample = pixel.samples[s];
     const bool hit = !sample.hit.miss();
-    if (hit && sample.sun_visible && plan_.sun_sources > 0) add_source(pixel, sample, 0, std::max(0.0, sample.cos_sun), sun);
+    if (hit && sample.sun_visible && plan_.sun_sources > 0)
+      add_source(pixel, sample, 0, std::max(0.0, sample.cos_sun), sun);
     if (hit && plan_.components() > 0) {
       const auto all = static_cast<std::size_t>(plan_.components());
       std::array<double, 8> irradiance = open_(sample.normal);
@@ -216,8 +232,8 @@ BandRadiance ArithmeticModel::radiance(const SampledPixel& pixel, const std::vec
           for (std::size_t i = 0; i < grid; ++i) path[i] += weight * light[i];
         }
   }
-  BandRadiance out{band_values(plan_, sun), band_values(plan_, sky), band_values(plan_, path), {}, band_values(plan_, emission),
-                   band_values(plan_, surroundings)};
+  BandRadiance out{band_values(plan_, sun),      band_values(plan_, sky),         band_values(plan_, path), {},
+                   band_values(plan_, emission), band_values(plan_, surroundings)};
   if (!plan_.environment.empty()) out.environment = band_values(plan_, environment_light(pixel, plan_, reflectance_));
   return out;
 }

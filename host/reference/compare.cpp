@@ -18,9 +18,9 @@ struct Comparison::Result {
                 sky_explained = 0, sky_unexplained = 0;
   std::array<std::uint64_t, kCauses> hits{};
   bool excluded = false, beyond = false;
-  std::vector<double> device, reference;   ///< [band]
-  std::vector<float> difference;           ///< [band], relative, explained ties taken the device's way
-  BandRadiance arithmetic, model;          ///< model empty when it was not asked for
+  std::vector<double> device, reference;  ///< [band]
+  std::vector<float> difference;          ///< [band], relative, explained ties taken the device's way
+  BandRadiance arithmetic, model;         ///< model empty when it was not asked for
 };
 
 namespace {
@@ -41,23 +41,30 @@ std::vector<double> scales(const std::vector<double>& reference, double floor) {
 
 Comparison::Comparison(const scene::CompiledScene& scene, const plan::Plan& plan, const scene::Instrument& instrument,
                        std::uint64_t seed, const CompareOptions& options)
-    : plan_(plan), instrument_(instrument), seed_(seed), options_(options), scene_(scene), arithmetic_(scene, plan, seed) {
+    : plan_(plan),
+      instrument_(instrument),
+      seed_(seed),
+      options_(options),
+      scene_(scene),
+      arithmetic_(scene, plan, seed) {
   if (!options_.table || options_.model_pixels == 0) return;
   model_ = std::make_unique<TableModel>(scene_, plan, *options_.table, options_.no_air, options_.model_directions);
 }
 
 Comparison::~Comparison() = default;
 
-/// The device keeps, of a sample's sky rays, the irradiance that the blocked ones take away. Where that differs, directions
-/// are sought whose turning accounts for it in every component. Only ties of the double traversal may turn; then `blocked`
-/// follows the device. Any subset is tried of up to kMostTies ties, else up to three (host/reference/tie_search.h), or all
-/// seen (or blocked) ones at once: a leaf that passes through the point within rounding puts it on one side or the other for every direction.
-void Comparison::compare_sky(const Sample& sample, std::size_t number_of_sample, std::uint32_t number, const float* device, BlockedDirections& blocked,
-                             Result& result) const {
+/// The device keeps, of a sample's sky rays, the irradiance that the blocked ones take away. Where that differs,
+/// directions are sought whose turning accounts for it in every component. Only ties of the double traversal may turn;
+/// then `blocked` follows the device. Any subset is tried of up to kMostTies ties, else up to three
+/// (host/reference/tie_search.h), or all seen (or blocked) ones at once: a leaf that passes through the point within
+/// rounding puts it on one side or the other for every direction.
+void Comparison::compare_sky(const Sample& sample, std::size_t number_of_sample, std::uint32_t number,
+                             const float* device, BlockedDirections& blocked, Result& result) const {
   const std::size_t first = first_direction(plan_, seed_, number), count = blocked.size();
   std::vector<Components> effect(count);
   Components residual{}, bound{};
-  for (std::size_t m = 0; m < 4 * static_cast<std::size_t>(plan_.sky.quads); ++m) residual[m] = static_cast<double>(device[m]);
+  for (std::size_t m = 0; m < 4 * static_cast<std::size_t>(plan_.sky.quads); ++m)
+    residual[m] = static_cast<double>(device[m]);
   for (std::size_t k = 0; k < count; ++k) {
     if (!looks_into(plan_.sky, seed_, number, number_of_sample, k)) continue;
     const shared::rc_float4 d = plan_.sky.direction[first + k];
@@ -76,7 +83,8 @@ void Comparison::compare_sky(const Sample& sample, std::size_t number_of_sample,
     if (!looks_into(plan_.sky, seed_, number, number_of_sample, k)) continue;
     const shared::rc_float4 d = plan_.sky.direction[first + k];
     const glm::dvec3 direction(d.x, d.y, d.z);
-    if (glm::dot(sample.normal, direction) > 0 && scene_.sees_in_double(sample, direction) == Visibility::uncertain) ties.push_back(k);
+    if (glm::dot(sample.normal, direction) > 0 && scene_.sees_in_double(sample, direction) == Visibility::uncertain)
+      ties.push_back(k);
   }
   const auto turn = [&](const std::vector<std::size_t>& rays) {
     Components left = residual;
@@ -90,7 +98,8 @@ void Comparison::compare_sky(const Sample& sample, std::size_t number_of_sample,
   if (n <= 16) {
     std::vector<std::uint32_t> subsets(std::size_t{1} << n);
     std::iota(subsets.begin(), subsets.end(), 0u);
-    std::stable_sort(subsets.begin(), subsets.end(), [](std::uint32_t x, std::uint32_t y) { return std::popcount(x) < std::popcount(y); });
+    std::stable_sort(subsets.begin(), subsets.end(),
+                     [](std::uint32_t x, std::uint32_t y) { return std::popcount(x) < std::popcount(y); });
     std::vector<std::size_t> rays;
     for (std::uint32_t subset : subsets) {
       rays.clear();
@@ -111,13 +120,14 @@ void Comparison::compare_sky(const Sample& sample, std::size_t number_of_sample,
 
 Comparison::Result Comparison::compare(const DevicePixel& device, bool with_model) const {
   SampledPixel pixel = scene_.sample_pixel(instrument_, plan_, seed_, device.address);
-  const std::size_t samples = pixel.samples.size(), planes = 4 * static_cast<std::size_t>(plan_.components() > 4 ? 2 : 1);
+  const std::size_t samples = pixel.samples.size(),
+                    planes = 4 * static_cast<std::size_t>(plan_.components() > 4 ? 2 : 1);
   if (device.hits.size() != samples || device.sun_visible.size() != samples ||
       device.sky_blocked.size() != planes * samples || device.radiance.size() != plan_.bands.size())
-    throw base::Error(base::Fault::bug, "check: the device handed over " + std::to_string(device.hits.size()) + " hits and " +
-                                            std::to_string(device.radiance.size()) + " bands of a pixel with " +
-                                            std::to_string(samples) + " samples and " + std::to_string(plan_.bands.size()) +
-                                            " bands");
+    throw base::Error(base::Fault::bug, "check: the device handed over " + std::to_string(device.hits.size()) +
+                                            " hits and " + std::to_string(device.radiance.size()) +
+                                            " bands of a pixel with " + std::to_string(samples) + " samples and " +
+                                            std::to_string(plan_.bands.size()) + " bands");
   Result result;
   result.number = pixel.number;
   result.line = device.address.line, result.sample = device.address.sample;
@@ -182,7 +192,8 @@ namespace {
 
 /// Section 5a: bands whose mean is below 1e-4 of the largest are judged against that floor.
 template <typename Difference>
-ModelDifference model_figure(std::size_t bands, std::size_t pixels, const std::vector<double>& mean, Difference difference) {
+ModelDifference model_figure(std::size_t bands, std::size_t pixels, const std::vector<double>& mean,
+                             Difference difference) {
   ModelDifference out;
   double largest = 0;
   for (double value : mean) largest = std::max(largest, value);
@@ -244,15 +255,18 @@ Report Comparison::report() const {
     for (const Result* r : modelled)
       for (std::size_t b = 0; b < bands; ++b) mean[b] += r->model.total(b) / static_cast<double>(modelled.size());
     const auto figure = [&](auto difference) {
-      return model_figure(bands, modelled.size(), mean, [&](std::size_t p, std::size_t b) { return difference(*modelled[p], b); });
+      return model_figure(bands, modelled.size(), mean,
+                          [&](std::size_t p, std::size_t b) { return difference(*modelled[p], b); });
     };
     report.model_total = figure([](const Result& r, std::size_t b) { return r.device[b] - r.model.total(b); });
     report.model_sun = figure([](const Result& r, std::size_t b) { return r.arithmetic.sun[b] - r.model.sun[b]; });
     report.model_sky = figure([](const Result& r, std::size_t b) { return r.arithmetic.sky[b] - r.model.sky[b]; });
     if (report.adjacency)
-      report.model_environment = figure([](const Result& r, std::size_t b) { return r.arithmetic.environment[b] - r.model.environment[b]; });
+      report.model_environment =
+          figure([](const Result& r, std::size_t b) { return r.arithmetic.environment[b] - r.model.environment[b]; });
     report.model_path = figure([](const Result& r, std::size_t b) { return r.arithmetic.path[b] - r.model.path[b]; });
-    report.model_emission = figure([](const Result& r, std::size_t b) { return r.arithmetic.emission[b] - r.model.emission[b]; });
+    report.model_emission =
+        figure([](const Result& r, std::size_t b) { return r.arithmetic.emission[b] - r.model.emission[b]; });
     report.model_surroundings =
         figure([](const Result& r, std::size_t b) { return r.arithmetic.surroundings[b] - r.model.surroundings[b]; });
     // A plan without thermal light where there is some to be seen.

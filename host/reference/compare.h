@@ -1,4 +1,5 @@
-// Device against reference, pixel by pixel, on the same fp32 rays: hits, sun, radiance of every band, and the full tables.
+// Device against reference, pixel by pixel, on the same fp32 rays: hits, sun, radiance of every band, and the full
+// tables.
 #pragma once
 
 #include <array>
@@ -16,27 +17,29 @@ namespace raycube::reference {
 /// What the device said about one pixel.
 struct DevicePixel {
   PixelAddress address;
-  std::vector<Hit> hits;                   ///< [sample]
-  std::vector<std::uint8_t> sun_visible;   ///< [sample]; read where the surface faces the sun
-  std::vector<float> sky_blocked;          ///< [sample][component 0..3, or 0..7 where the plan has more than 4]: irradiance that blocked directions take away
-  std::vector<float> radiance;             ///< [band], W m-2 sr-1 um-1
+  std::vector<Hit> hits;                  ///< [sample]
+  std::vector<std::uint8_t> sun_visible;  ///< [sample]; read where the surface faces the sun
+  std::vector<float>
+      /// [sample][component 0..3, or 0..7 where the plan has more than 4]: irradiance that blocked directions take away
+      sky_blocked;
+  std::vector<float> radiance;  ///< [band], W m-2 sr-1 um-1
 };
 
 /// Beyond these the check fails (DESIGN section 7).
 struct Limits {
-  double median = 1e-6;        ///< of each band's relative differences
-  double worst = 2e-5;         ///< of any band of any pixel
-  double band_floor = 1e-9;    ///< differences are relative to max(|L_b|, band_floor x the pixel's largest band)
-  double model = 0.01;         ///< `tolerance`: rms over pixels / band mean, worst band
-  double sky = 4e-6;           ///< of a sample's blocked sky, relative to all its set could take: 16 fp32 terms and cosines
+  double median = 1e-6;      ///< of each band's relative differences
+  double worst = 2e-5;       ///< of any band of any pixel
+  double band_floor = 1e-9;  ///< differences are relative to max(|L_b|, band_floor x the pixel's largest band)
+  double model = 0.01;       ///< `tolerance`: rms over pixels / band mean, worst band
+  double sky = 4e-6;  ///< of a sample's blocked sky, relative to all its set could take: 16 fp32 terms and cosines
 };
 
 struct CompareOptions {
   Limits limits;
-  int threads = 0;             ///< 0: all
+  int threads = 0;                            ///< 0: all
   const atmos::RenderTable* table = nullptr;  ///< null: no comparison with the model
   bool no_air = false;
-  std::size_t model_pixels = 64;              ///< the first so many pixels are compared with the model
+  std::size_t model_pixels = 64;  ///< the first so many pixels are compared with the model
   int model_directions = 1024;
 };
 
@@ -53,10 +56,10 @@ struct ModelDifference {
 
 struct Report {
   Limits limits;
-  HitReport first_hits;                           ///< of many more rays than those of the pixels below; may be empty
+  HitReport first_hits;  ///< of many more rays than those of the pixels below; may be empty
   std::uint64_t pixels = 0, rays = 0;
-  std::array<std::uint64_t, kCauses> hits{};      ///< by Cause
-  std::uint64_t hit_miss = 0;                     ///< of the disagreements: one hit, the other missed
+  std::array<std::uint64_t, kCauses> hits{};  ///< by Cause
+  std::uint64_t hit_miss = 0;                 ///< of the disagreements: one hit, the other missed
   std::uint64_t sun_rays = 0, sun_explained = 0, sun_unexplained = 0;
   std::uint64_t sky_rays = 0, sky_explained = 0;  ///< rays
   std::uint64_t sky_unexplained = 0;              ///< samples whose blocked sky no ties account for
@@ -65,18 +68,18 @@ struct Report {
   double worst_median = 0, worst = 0;
   std::size_t worst_band = 0;
   std::uint32_t worst_line = 0, worst_sample = 0;
-  std::uint64_t beyond_pixels = 0;                ///< pixels with a band beyond limits.worst that nothing explains
+  std::uint64_t beyond_pixels = 0;  ///< pixels with a band beyond limits.worst that nothing explains
   std::size_t model_pixels = 0;
   ModelDifference model_total, model_sun, model_sky, model_path;
-  bool adjacency = false;                         ///< the plan carries light between ground and air
+  bool adjacency = false;  ///< the plan carries light between ground and air
   ModelDifference model_environment;
   bool thermal = false;
   ModelDifference model_emission, model_surroundings;
   /// log10 of each pixel's relative difference, [pixel in order of number][band]
   std::vector<std::vector<float>> picture;
-  std::vector<std::uint32_t> picture_line;        ///< image line of each of its rows
+  std::vector<std::uint32_t> picture_line;  ///< image line of each of its rows
 
-  std::vector<std::string> failures() const;      ///< one line per limit that is not met; empty: the check holds
+  std::vector<std::string> failures() const;  ///< one line per limit that is not met; empty: the check holds
   std::string text(const std::vector<std::string>& band_names) const;
   std::string json() const;
 };
@@ -85,7 +88,7 @@ struct Report {
 /// black below 1e-9, blue, green, yellow at 1e-6, red from 2e-5. RGB, 8 bit.
 struct Picture {
   int width = 0, height = 0;
-  int bunch = 1;                                  ///< pixels that a row stands for
+  int bunch = 1;  ///< pixels that a row stands for
   std::vector<std::uint8_t> rgb;
 };
 /// Its colour of a relative difference, given as the logarithm.
@@ -106,8 +109,8 @@ class Comparison {
  private:
   struct Result;
   Result compare(const DevicePixel& pixel, bool with_model) const;
-  void compare_sky(const Sample& sample, std::size_t number_of_sample, std::uint32_t number, const float* device, BlockedDirections& blocked,
-                   Result& result) const;
+  void compare_sky(const Sample& sample, std::size_t number_of_sample, std::uint32_t number, const float* device,
+                   BlockedDirections& blocked, Result& result) const;
 
   const plan::Plan& plan_;
   const scene::Instrument& instrument_;

@@ -25,8 +25,8 @@ LocalRay to_local(const shared::Instance& instance, const DoubleRay& ray) {
   LocalRay local;
   local.origin = apply(ray.origin) + translation;
   local.direction = apply(ray.direction);
-  local.origin_error_m = kTransformUlp * kUlp * (norm * glm::length(ray.origin) + glm::length(translation)) +
-                         norm * ray.origin_slack_m;
+  local.origin_error_m =
+      kTransformUlp * kUlp * (norm * glm::length(ray.origin) + glm::length(translation)) + norm * ray.origin_slack_m;
   local.direction_error = (kTransformUlp + kDirectionUlp) * kUlp * norm * direction_length;
   return local;
 }
@@ -50,15 +50,16 @@ Contact contact(const scene::CompiledScene& scene, std::uint32_t primitive, cons
   const double vertex_error = kVertexUlp * kUlp * farthest + ray.origin_error_m;
 
   Contact result;
-  bool any_above = false, any_below = false, all_above = true, all_below = true, all_positive = true, all_negative = true;
+  bool any_above = false, any_below = false, all_above = true, all_below = true, all_positive = true,
+       all_negative = true;
   double sum = 0, sum_bound = 0;
   result.edge_ulp = std::numeric_limits<double>::infinity();
   for (int edge = 0; edge < 3; ++edge) {
     const glm::dvec3 &p = corners[(edge + 1) % 3], &q = corners[(edge + 2) % 3];
     // d . (e x s) with e = q - p, s = p + q is 2 d . (p x q): the same for both triangles of an edge but for its sign.
     const double value = 2 * glm::dot(d, glm::cross(p, q));
-    const double moved = 2 * vertex_error * (glm::length(glm::cross(p, d)) + glm::length(glm::cross(q, d)) +
-                                             vertex_error * d_length);
+    const double moved =
+        2 * vertex_error * (glm::length(glm::cross(p, d)) + glm::length(glm::cross(q, d)) + vertex_error * d_length);
     const double e_s = glm::length(q - p) * glm::length(p + q);
     const double bound = moved + kEdgeUlp * kUlp * d_length * e_s + ray.direction_error * e_s;
     any_above |= value > bound;

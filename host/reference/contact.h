@@ -12,17 +12,18 @@ namespace raycube::reference {
 /// Unit round-off of float, 2^-24. Every bound below is a count of these ("ulp") times a magnitude.
 inline constexpr double kUlp = 5.9604644775390625e-8;
 
-/// Rounding of a vertex relative to the ray's origin, in ulp of its distance: one subtraction in the Pluecker form; three
-/// more for forms that project the vertex onto the image plane (two dot products and a division).
+/// Rounding of a vertex relative to the ray's origin, in ulp of its distance: one subtraction in the Pluecker form;
+/// three more for forms that project the vertex onto the image plane (two dot products and a division).
 inline constexpr double kVertexUlp = 4;
 /// Rounding of an edge function d . (e x s), e = edge, s = sum of its two vertices relative to the origin, in ulp of
 /// |d| |e| |s|: one each for e and s, two for the cross product, three for the dot product, one spare.
 inline constexpr double kEdgeUlp = 8;
-/// Rounding of the ray's direction, in ulp of |d|: two fused multiply-adds, or none where edge functions are linear in the
-/// image plane.
+/// Rounding of the ray's direction, in ulp of |d|: two fused multiply-adds, or none where edge functions are linear in
+/// the image plane.
 inline constexpr double kDirectionUlp = 2;
-/// Rounding of a point or vector carried into an instance's frame, in ulp of |M| |x| + |translation|: four for the affine
-/// product, one for rounding the stored inverse, and eleven for Embree, which inverts world_from_local in fp32 itself.
+/// Rounding of a point or vector carried into an instance's frame, in ulp of |M| |x| + |translation|: four for the
+/// affine product, one for rounding the stored inverse, and eleven for Embree, which inverts world_from_local in fp32
+/// itself.
 inline constexpr double kTransformUlp = 16;
 /// Rounding of a hit's depth beside that of the vertices, in ulp of the depth: triple product, division, refinement.
 inline constexpr double kDepthUlp = 16;
@@ -54,11 +55,11 @@ enum class Side { outside, uncertain, inside };
 /// Closest-approach record of one ray and one triangle.
 struct Contact {
   Side side = Side::outside;
-  bool grazing = false;    ///< the plane is edge-on within the bound: depth means nothing
-  bool hit = false;        ///< double arithmetic says: inside or on an edge, t >= 0, not edge-on
-  double t = 0;            ///< of the plane, in units of the direction's length
-  double t_bound = 0;      ///< half width of the interval that fp32 may report; infinite when grazing
-  double edge_ulp = 0;     ///< smallest |edge function| in units of its bound: < 1 is an edge tie
+  bool grazing = false;  ///< the plane is edge-on within the bound: depth means nothing
+  bool hit = false;      ///< double arithmetic says: inside or on an edge, t >= 0, not edge-on
+  double t = 0;          ///< of the plane, in units of the direction's length
+  double t_bound = 0;    ///< half width of the interval that fp32 may report; infinite when grazing
+  double edge_ulp = 0;   ///< smallest |edge function| in units of its bound: < 1 is an edge tie
   bool certain() const { return side == Side::inside && !grazing && t - t_bound > 0; }
   bool possible() const { return side != Side::outside && t + t_bound >= 0; }
 };

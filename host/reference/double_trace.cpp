@@ -8,7 +8,8 @@ namespace raycube::reference {
 
 namespace {
 
-/// Two depths of one ray are the same to rounding in double: some 1e3 times 2^-53, for a plane seen edge-on loses digits.
+/// Two depths of one ray are the same to rounding in double: some 1e3 times 2^-53, for a plane seen edge-on loses
+/// digits.
 constexpr double kSameDepth = 1e-13;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -92,8 +93,10 @@ struct Shadow {
   void operator()(const Hit& hit, const LocalRay& ray) {
     if (hit == from || result == Visibility::blocked) return;
     const Contact c = contact(scene, hit.primitive, ray);
-    if (c.certain()) result = Visibility::blocked;
-    else if (c.possible()) result = Visibility::uncertain;
+    if (c.certain())
+      result = Visibility::blocked;
+    else if (c.possible())
+      result = Visibility::uncertain;
   }
 };
 
@@ -113,12 +116,18 @@ bool names_a_triangle(const scene::CompiledScene& scene, const Hit& hit) {
 
 const char* cause_name(Cause cause) {
   switch (cause) {
-    case Cause::agree: return "agree";
-    case Cause::exact_tie: return "exact tie";
-    case Cause::edge_tie: return "edge tie";
-    case Cause::depth_tie: return "depth tie";
-    case Cause::grazing: return "grazing";
-    case Cause::unexplained: break;
+    case Cause::agree:
+      return "agree";
+    case Cause::exact_tie:
+      return "exact tie";
+    case Cause::edge_tie:
+      return "edge tie";
+    case Cause::depth_tie:
+      return "depth tie";
+    case Cause::grazing:
+      return "grazing";
+    case Cause::unexplained:
+      break;
   }
   return "unexplained";
 }

@@ -9,11 +9,11 @@ namespace raycube::reference {
 
 /// What double arithmetic says about one ray.
 struct Trace {
-  Hit hit;                    ///< smallest (t, instance, primitive); edges belong to both their triangles
-  double t = 0;               ///< of that hit; infinite for a miss
+  Hit hit;       ///< smallest (t, instance, primitive); edges belong to both their triangles
+  double t = 0;  ///< of that hit; infinite for a miss
   /// No correct fp32 traversal can report anything beyond this depth: the nearest certain hit's t + bound.
   double certain_t = 0;
-  Hit certain;                ///< that hit; a miss when no hit is certain
+  Hit certain;  ///< that hit; a miss when no hit is certain
 };
 
 /// Why two first hits of one ray differ.
@@ -35,9 +35,9 @@ class DoubleTracer {
   Trace trace_brute_force(const Ray& ray) const;
 
   /// A hit is admissible when fp32 arithmetic within the bounds of contact.h may report it: not clearly outside its
-  /// triangle and not clearly behind a certain hit; a miss, when no hit is certain. Two different admissible answers are
-  /// explained, and the class names the first that applies: exact tie (in double the ray meets both triangles at one depth and
-  /// nothing before: two right answers), grazing, edge tie, depth tie.
+  /// triangle and not clearly behind a certain hit; a miss, when no hit is certain. Two different admissible answers
+  /// are explained, and the class names the first that applies: exact tie (in double the ray meets both triangles at
+  /// one depth and nothing before: two right answers), grazing, edge tie, depth tie.
   Cause explain(const Ray& ray, const Hit& a, const Hit& b) const { return explain(to_double(ray), a, b); }
   /// The same for a ray that each side rounded its own way, within the ray's slack.
   Cause explain(const DoubleRay& ray, const Hit& a, const Hit& b) const;
@@ -45,7 +45,8 @@ class DoubleTracer {
   /// Does the ray meet any triangle in double? `guess`: a hit tried first, which spares the walk where it is one.
   bool hits_anything(const Ray& ray, const Hit& guess) const;
 
-  /// For a spawned ray (direction towards the light, infinite); `from` is the surface it leaves and is never its blocker.
+  /// For a spawned ray (direction towards the light, infinite); `from` is the surface it leaves and is never its
+  /// blocker.
   Visibility visibility(const DoubleRay& ray, const Hit& from) const;
 
  private:

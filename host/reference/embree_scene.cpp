@@ -20,7 +20,9 @@ struct Owner {
   explicit Owner(Handle h) : handle(h) {}
   Owner(Owner&& other) noexcept : handle(other.handle) { other.handle = nullptr; }
   Owner& operator=(Owner&&) = delete;
-  ~Owner() { if (handle) release(handle); }
+  ~Owner() {
+    if (handle) release(handle);
+  }
 };
 using Device = Owner<RTCDevice, rtcReleaseDevice>;
 using Scene = Owner<RTCScene, rtcReleaseScene>;
@@ -61,8 +63,8 @@ EmbreeScene::EmbreeScene(const scene::CompiledScene& scene) : impl_(std::make_un
       if (scene.blocks[p / RC_BLOCK].surface[p % RC_BLOCK] != RC_NONE) names.push_back(p);
     impl_->meshes.emplace_back(new_scene(device));
     const Geometry geometry(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE));
-    auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry.handle, RTC_BUFFER_TYPE_VERTEX, 0,
-                                                                 RTC_FORMAT_FLOAT3, 12, names.size() * 3));
+    auto* vertices = static_cast<float*>(
+        rtcSetNewGeometryBuffer(geometry.handle, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, names.size() * 3));
     auto* indices = static_cast<std::uint32_t*>(
         rtcSetNewGeometryBuffer(geometry.handle, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, names.size()));
     check(device, "allocating a mesh");
@@ -106,7 +108,8 @@ EmbreeScene::~EmbreeScene() = default;
 namespace {
 
 void fill(RTCRay& out, const Ray& ray) {
-  out.org_x = ray.origin[0] + ray.offset[0], out.org_y = ray.origin[1] + ray.offset[1], out.org_z = ray.origin[2] + ray.offset[2];
+  out.org_x = ray.origin[0] + ray.offset[0], out.org_y = ray.origin[1] + ray.offset[1],
+  out.org_z = ray.origin[2] + ray.offset[2];
   out.dir_x = ray.direction[0], out.dir_y = ray.direction[1], out.dir_z = ray.direction[2];
   out.tnear = 0;
   out.tfar = std::numeric_limits<float>::infinity();

@@ -1,4 +1,5 @@
-// The compiled scene in Embree 3, robust mode: the reference's own intersection, sharing nothing with the device but data.
+// The compiled scene in Embree 3, robust mode: the reference's own intersection, sharing nothing with the device but
+// data.
 #pragma once
 
 #include <limits>
@@ -9,11 +10,12 @@
 
 namespace raycube::reference {
 
-/// One Embree scene per mesh (its blocks' triangles), one Embree instance per placed mesh, with the stored fp32 matrices.
-/// Safe to query from several threads.
+/// One Embree scene per mesh (its blocks' triangles), one Embree instance per placed mesh, with the stored fp32
+/// matrices. Safe to query from several threads.
 class EmbreeScene {
  public:
-  /// Reads the scene once; keeps nothing of it. Throws Error(environment) when Embree cannot start or runs out of memory.
+  /// Reads the scene once; keeps nothing of it. Throws Error(environment) when Embree cannot start or runs out of
+  /// memory.
   explicit EmbreeScene(const scene::CompiledScene& scene);
   ~EmbreeScene();
   EmbreeScene(const EmbreeScene&) = delete;

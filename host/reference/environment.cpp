@@ -19,8 +19,8 @@ double hat(const plan::NodeAxis& axis, double value, int i) {
   return std::max(0.0, 1 - std::abs(std::clamp(t, 0.0, static_cast<double>(axis.count - 1)) - i));
 }
 
-constexpr int kMeanPoints = 192;   ///< along a side of the region that the mean is taken over
-constexpr int kPlaces = 1024;      ///< around a pixel, for each environment function
+constexpr int kMeanPoints = 192;  ///< along a side of the region that the mean is taken over
+constexpr int kPlaces = 1024;     ///< around a pixel, for each environment function
 
 }  // namespace
 
@@ -34,7 +34,8 @@ glm::dvec3 ground_point(const SampledPixel& pixel, const plan::Plan& plan) {
   return pixel.sensor - down * pixel.to_sensor;
 }
 
-std::vector<double> environment_light(const SampledPixel& pixel, const plan::Plan& plan, const Reflectances& reflectance) {
+std::vector<double> environment_light(const SampledPixel& pixel, const plan::Plan& plan,
+                                      const Reflectances& reflectance) {
   const plan::EnvironmentMap& map = plan.environment;
   const std::size_t grid = plan.wavelength_um.size(), channels = static_cast<std::size_t>(plan.environment_channels());
   std::vector<double> molecules(grid, 0.0), aerosol(grid, 0.0), light(grid, 0.0);
@@ -59,35 +60,43 @@ std::vector<double> environment_light(const SampledPixel& pixel, const plan::Pla
   for (int h = 0; h < plan.height.count; ++h) {
     double at_height = 0;  // of all samples: light joins the path whatever it ends on
     for (const Sample& sample : pixel.samples)
-      at_height += sample.weight * hat(plan.height, sample.hit.miss() ? static_cast<double>(plan.height.first) : sample.point.z, h);
+      at_height += sample.weight *
+                   hat(plan.height, sample.hit.miss() ? static_cast<double>(plan.height.first) : sample.point.z, h);
     for (int v = 0; v < plan.view.count; ++v) {
       const double w = at_height * hat(plan.view, 1 / pixel.to_sensor.z, v);
       if (w == 0) continue;
       const auto channel = static_cast<std::size_t>(h * plan.view.count + v);
       for (std::size_t i = 0; i < grid; ++i)
-        light[i] += w * (molecules[i] * plan.environment_spectrum[channel][i] + aerosol[i] * plan.environment_spectrum[channels + channel][i]);
+        light[i] += w * (molecules[i] * plan.environment_spectrum[channel][i] +
+                         aerosol[i] * plan.environment_spectrum[channels + channel][i]);
     }
   }
   return light;
 }
 
 EnvironmentModel::EnvironmentModel(const ReferenceScene& scene, const plan::Plan& plan, const atmos::RenderTable& table)
-    : scene_(scene), plan_(plan), table_(table), reflectance_(reflectance_on(scene.compiled, atmos::wavelengths(table))) {
+    : scene_(scene),
+      plan_(plan),
+      table_(table),
+      reflectance_(reflectance_on(scene.compiled, atmos::wavelengths(table))) {
   const auto& lo = plan.environment.mean_lo_m;
   const auto& hi = plan.environment.mean_hi_m;
   mean_.assign(atmos::wavelengths(table).size(), 0.0);
   double seen = 0;
   for (int j = 0; j < kMeanPoints; ++j)
     for (int i = 0; i < kMeanPoints; ++i)
-      seen += add_ground(lo[0] + (hi[0] - lo[0]) * (i + 0.5) / kMeanPoints, lo[1] + (hi[1] - lo[1]) * (j + 0.5) / kMeanPoints, 1, mean_);
+      seen += add_ground(lo[0] + (hi[0] - lo[0]) * (i + 0.5) / kMeanPoints,
+                         lo[1] + (hi[1] - lo[1]) * (j + 0.5) / kMeanPoints, 1, mean_);
   for (double& value : mean_) value /= std::max(1.0, seen);
 }
 
 bool EnvironmentModel::add_ground(double x_m, double y_m, double weight, std::vector<double>& sum) const {
   const scene::CompiledScene& scene = scene_.compiled;
-  const Hit hit = scene_.embree.intersect({{static_cast<float>(x_m), static_cast<float>(y_m), scene.hi[2] + 1}, {0, 0, -1}});
+  const Hit hit =
+      scene_.embree.intersect({{static_cast<float>(x_m), static_cast<float>(y_m), scene.hi[2] + 1}, {0, 0, -1}});
   if (hit.miss()) return false;
-  const shared::Surface& surface = scene.surfaces[scene.blocks[hit.primitive / RC_BLOCK].surface[hit.primitive % RC_BLOCK]];
+  const shared::Surface& surface =
+      scene.surfaces[scene.blocks[hit.primitive / RC_BLOCK].surface[hit.primitive % RC_BLOCK]];
   for (int m = 0; m < 4; ++m) {
     if (surface.curve[m] == 0) continue;
     const std::vector<double>& rho = reflectance_[surface.curve[m] - 1];
@@ -99,7 +108,8 @@ bool EnvironmentModel::add_ground(double x_m, double y_m, double weight, std::ve
 
 std::vector<double> EnvironmentModel::ground_radiance(double height_m) const {
   std::vector<double> out = atmos::diffuse_irradiance(table_, height_m);
-  const std::vector<double> direct = atmos::direct_irradiance(table_, height_m), back = atmos::spherical_albedo(table_, height_m);
+  const std::vector<double> direct = atmos::direct_irradiance(table_, height_m),
+                            back = atmos::spherical_albedo(table_, height_m);
   for (std::size_t i = 0; i < out.size(); ++i)
     out[i] = (out[i] + (plan_.sun_up ? direct[i] : 0)) / std::numbers::pi / (1 - mean_[i] * back[i]);
   return out;
@@ -121,24 +131,29 @@ std::array<std::vector<double>, 2> EnvironmentModel::around(const glm::dvec3& po
     double unknown = 0;
     for (int k = 0; k < kPlaces; ++k) {
       const double share = (k + 0.5) / kPlaces;
-      const double r = 1000 * atmos::environment_radius_km(f == 0 ? atmos::Scatterer::molecules : atmos::Scatterer::aerosol, share,
-                                                           plan_.environment.height_m / 1000, plan_.environment.cos_view);
-      if (!add_ground(point.x + r * std::cos(turn * k), point.y + r * std::sin(turn * k), 1.0 / kPlaces, out[f])) unknown += 1.0 / kPlaces;
+      const double r =
+          1000 * atmos::environment_radius_km(f == 0 ? atmos::Scatterer::molecules : atmos::Scatterer::aerosol, share,
+                                              plan_.environment.height_m / 1000, plan_.environment.cos_view);
+      if (!add_ground(point.x + r * std::cos(turn * k), point.y + r * std::sin(turn * k), 1.0 / kPlaces, out[f]))
+        unknown += 1.0 / kPlaces;
     }
     for (std::size_t i = 0; i < mean_.size(); ++i) out[f][i] += unknown * mean_[i];
   }
   return out;
 }
 
-std::vector<double> EnvironmentModel::light(const std::array<std::vector<double>, 2>& around, double height_m, double zenith_deg) const {
-  const std::vector<double> up = ground_radiance(height_m), t_dif = atmos::diffuse_view_transmission(table_, height_m, zenith_deg),
+std::vector<double> EnvironmentModel::light(const std::array<std::vector<double>, 2>& around, double height_m,
+                                            double zenith_deg) const {
+  const std::vector<double> up = ground_radiance(height_m),
+                            t_dif = atmos::diffuse_view_transmission(table_, height_m, zenith_deg),
                             factor = atmos::two_way_factor(table_, height_m, zenith_deg);
   const std::vector<double>& wavelength = atmos::wavelengths(table_);
   std::vector<double> out(up.size());
   for (std::size_t i = 0; i < out.size(); ++i) {
-    const double by_molecules = std::min(t_dif[i], atmos::molecular_diffuse_transmission(
-                                                       wavelength[i], plan_.environment.pressure_hPa, height_m,
-                                                       plan_.environment.sensor_z_m, std::cos(zenith_deg * std::numbers::pi / 180)));
+    const double by_molecules =
+        std::min(t_dif[i], atmos::molecular_diffuse_transmission(wavelength[i], plan_.environment.pressure_hPa,
+                                                                 height_m, plan_.environment.sensor_z_m,
+                                                                 std::cos(zenith_deg * std::numbers::pi / 180)));
     out[i] = up[i] * factor[i] * (by_molecules * around[0][i] + (t_dif[i] - by_molecules) * around[1][i]);
   }
   return out;

@@ -1,5 +1,5 @@
-// Light between ground and air (S4.9) as the reference has it: once from the plan's map and spectra, once from the full table,
-// with the ground around each pixel found by Embree.
+// Light between ground and air (S4.9) as the reference has it: once from the plan's map and spectra, once from the full
+// table, with the ground around each pixel found by Embree.
 #pragma once
 
 #include <array>
@@ -13,11 +13,13 @@ namespace raycube::reference {
 /// [material][wavelength]
 using Reflectances = std::vector<std::vector<double>>;
 
-/// Where a pixel looks: the mean of its samples' points; where its centre ray meets the plan's lowest height when none hits.
+/// Where a pixel looks: the mean of its samples' points; where its centre ray meets the plan's lowest height when none
+/// hits.
 glm::dvec3 ground_point(const SampledPixel& pixel, const plan::Plan& plan);
 
 /// Arithmetic form: spectrum on the plan's grid, from the plan's nodes. reflectance: on that grid.
-std::vector<double> environment_light(const SampledPixel& pixel, const plan::Plan& plan, const Reflectances& reflectance);
+std::vector<double> environment_light(const SampledPixel& pixel, const plan::Plan& plan,
+                                      const Reflectances& reflectance);
 
 /// Model form: S, T_dif, t and E_g0 of the table where they are needed, and the ground around by vertical rays.
 class EnvironmentModel {
@@ -40,7 +42,7 @@ class EnvironmentModel {
   const ReferenceScene& scene_;
   const plan::Plan& plan_;
   const atmos::RenderTable& table_;
-  Reflectances reflectance_;       ///< on the table's wavelengths
+  Reflectances reflectance_;  ///< on the table's wavelengths
   std::vector<double> mean_;
 };
 

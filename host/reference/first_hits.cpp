@@ -33,7 +33,8 @@ HitComparison::HitComparison(const scene::CompiledScene& scene, const scene::Ins
     : instrument_(instrument), seed_(seed), threads_(threads), scene_(scene) {}
 
 HitReport HitComparison::compare(const PixelHits& pixel) const {
-  const auto samples = static_cast<std::size_t>(instrument_.samples_u) * static_cast<std::size_t>(instrument_.samples_v);
+  const auto samples =
+      static_cast<std::size_t>(instrument_.samples_u) * static_cast<std::size_t>(instrument_.samples_v);
   if (pixel.hits.size() != samples)
     throw base::Error(base::Fault::bug, "check: the device handed over " + std::to_string(pixel.hits.size()) +
                                             " hits of a pixel with " + std::to_string(samples) + " samples");
@@ -46,7 +47,8 @@ HitReport HitComparison::compare(const PixelHits& pixel) const {
     report.hit_miss += device.miss() != embree.miss();
     if (scene_.tracer.hits_anything(ray, device) == device.miss()) {
       ++report.hit_miss_double;
-      if (scene_.tracer.explain(ray, device, scene_.tracer.trace(ray).hit) == Cause::unexplained) cause = Cause::unexplained;
+      if (scene_.tracer.explain(ray, device, scene_.tracer.trace(ray).hit) == Cause::unexplained)
+        cause = Cause::unexplained;
     }
     ++report.hits[static_cast<std::size_t>(cause)];
     if (cause == Cause::agree) continue;
@@ -55,7 +57,8 @@ HitReport HitComparison::compare(const PixelHits& pixel) const {
       report.device_right += device == exact;
       report.embree_right += embree == exact;
     } else if (report.unexplained.size() < HitReport::kMostNamed) {
-      report.unexplained.push_back({pixel.address.line, pixel.address.sample, static_cast<std::uint32_t>(s), device, embree, exact});
+      report.unexplained.push_back(
+          {pixel.address.line, pixel.address.sample, static_cast<std::uint32_t>(s), device, embree, exact});
     }
   }
   return report;

@@ -29,7 +29,8 @@ constexpr int kAirRays = 256;
 /// A bin with so much of a pulse's peak from surfaces holds an echo.
 constexpr double kEcho = 1e-9;
 constexpr double kLight_m_s = 299792458.0;
-/// Roundings of floats in a path, each relative to the way from the scene's edge to the surface: the vertex, the ways to both ends, and twice that their sum and its bins.
+/// Roundings of floats in a path, each relative to the way from the scene's edge to the surface: the vertex, the ways
+/// to both ends, and twice that their sum and its bins.
 constexpr double kRoundings = 6;
 double float_path_m(const LidarReference& reference) { return kRoundings * kUlp * reference.deepest_m; }
 
@@ -51,8 +52,8 @@ double at(const std::vector<double>& row, std::size_t i) { return row.empty() ? 
 double at(const std::vector<float>& row, std::size_t i) { return row.empty() ? 0 : static_cast<double>(row[i]); }
 
 double difference(const lidar::Ledger& a, const lidar::Ledger& b) {
-  return std::max({std::abs(a.absorbed - b.absorbed), std::abs(a.air - b.air), std::abs(a.volumes - b.volumes), std::abs(a.escaped - b.escaped),
-                   std::abs(a.truncated - b.truncated)});
+  return std::max({std::abs(a.absorbed - b.absorbed), std::abs(a.air - b.air), std::abs(a.volumes - b.volumes),
+                   std::abs(a.escaped - b.escaped), std::abs(a.truncated - b.truncated)});
 }
 
 /// Sum of rows over pixels: [line * bins].
@@ -65,7 +66,8 @@ std::vector<double> over_pixels(const std::vector<Number>& rows, std::size_t wid
 
 }  // namespace
 
-LidarComparison::LidarComparison(const scene::CompiledScene& scene, const lidar::LidarPlan& plan, const LidarCompareOptions& options)
+LidarComparison::LidarComparison(const scene::CompiledScene& scene, const lidar::LidarPlan& plan,
+                                 const LidarCompareOptions& options)
     : scene_(scene), plan_(plan), options_(options), embree_(scene), judge_(scene) {}
 LidarComparison::~LidarComparison() = default;
 
@@ -74,13 +76,16 @@ LidarComparison::Result LidarComparison::compare(const lidar::ShotResult& device
   result.pulse = device.shot.pulse;
   const std::vector<LidarRay> rays = lidar_rays(plan_, device.shot);
   LidarShotOptions options;
-  if (plan_.lidar.transport.sampling == scene::LidarSampling::receiver) options.air_pixel_step = std::max(1, static_cast<int>(rays.size()) / kAirRays);
+  if (plan_.lidar.transport.sampling == scene::LidarSampling::receiver)
+    options.air_pixel_step = std::max(1, static_cast<int>(rays.size()) / kAirRays);
   const LidarReference reference = reference_shot(scene_, embree_, plan_, device.shot, options);
   result.rays = rays.size();
   for (std::size_t i = 0; i < rays.size(); ++i) {
     const Hit hit = i < device.hits.size() ? Hit{device.hits[i].instance, device.hits[i].primitive} : Hit{};
-    const Cause cause = hit == reference.hits[i] ? Cause::agree : judge_.explain(judged(scene_, rays[i]), hit, reference.hits[i]);
-    if (cause == Cause::unexplained && result.hits[static_cast<std::size_t>(cause)] == 0) result.unexplained_ray = static_cast<std::uint32_t>(i);
+    const Cause cause =
+        hit == reference.hits[i] ? Cause::agree : judge_.explain(judged(scene_, rays[i]), hit, reference.hits[i]);
+    if (cause == Cause::unexplained && result.hits[static_cast<std::size_t>(cause)] == 0)
+      result.unexplained_ray = static_cast<std::uint32_t>(i);
     ++result.hits[static_cast<std::size_t>(cause)];
     result.parted |= cause != Cause::agree;
   }
@@ -104,7 +109,8 @@ LidarComparison::Result LidarComparison::compare(const lidar::ShotResult& device
         const std::size_t i = (pixel * lines + line) * bins + bin;
         // Where a surface's echo is, the air ends.
         double& worst_air = rows.first[i] > kEcho * peak ? result.air_end : result.air;
-        if (with_air && !device.air.empty() && air_peak > 0) worst_air = std::max(worst_air, std::abs(at(device.air, i) - at(rows.air, i)) / air_peak);
+        if (with_air && !device.air.empty() && air_peak > 0)
+          worst_air = std::max(worst_air, std::abs(at(device.air, i) - at(rows.air, i)) / air_peak);
         if (!rows.particles.empty() && !with_air) continue;
         double off = std::abs(at(device.first, i) - rows.first[i] - at(rows.particles, i));
         // Particles share the surfaces' row on the device; a bin that holds some is judged by their limit.
@@ -114,8 +120,10 @@ LidarComparison::Result LidarComparison::compare(const lidar::ShotResult& device
         }
         // A bin of less than 1e-9 photons in a pulse without an echo has no peak to be measured by.
         off /= std::max(peak, 1e-9);
-        if (off > result.worst) result.worst = off, result.line = static_cast<int>(line), result.bin = static_cast<int>(bin);
-        result.scattered_same &= device.multiple.empty() || std::abs(at(device.multiple, i) - at(rows.multiple, i)) <= options_.limits.bin * std::max(peak, 1e-9);
+        if (off > result.worst)
+          result.worst = off, result.line = static_cast<int>(line), result.bin = static_cast<int>(bin);
+        result.scattered_same &= device.multiple.empty() || std::abs(at(device.multiple, i) - at(rows.multiple, i)) <=
+                                                                options_.limits.bin * std::max(peak, 1e-9);
       }
     }
   }
@@ -135,13 +143,15 @@ LidarComparison::Result LidarComparison::compare(const lidar::ShotResult& device
       own.own_seed = true;
       own.seed = plan_.seed + 0x9E3779B9u * static_cast<std::uint64_t>(replica + 1);
       own.scattered_only = true;
-      result.scattered.push_back(over_pixels(reference_shot(scene_, embree_, plan_, device.shot, own).rows.multiple, lines * bins));
+      result.scattered.push_back(
+          over_pixels(reference_shot(scene_, embree_, plan_, device.shot, own).rows.multiple, lines * bins));
     }
   }
   return result;
 }
 
-/// Every bin is within the limit and what the rounding of paths in floats may change: the pulse's slope is the reference's own.
+/// Every bin is within the limit and what the rounding of paths in floats may change: the pulse's slope is the
+/// reference's own.
 bool LidarComparison::within_rounding(const lidar::ShotResult& device, const LidarReference& reference) const {
   const LidarRows& rows = reference.rows;
   LidarShotOptions options;
@@ -151,10 +161,13 @@ bool LidarComparison::within_rounding(const lidar::ShotResult& device, const Lid
   const LidarRows changes = reference_shot(scene_, embree_, plan_, device.shot, options).rows;
   const auto bins = static_cast<std::size_t>(plan_.lidar.gate.bins), lines = static_cast<std::size_t>(plan_.lines());
   std::vector<double> peak(lines, 0.0);
-  for (std::size_t i = 0; i < rows.first.size(); ++i) peak[i / bins % lines] = std::max(peak[i / bins % lines], rows.first[i] + at(rows.multiple, i));
+  for (std::size_t i = 0; i < rows.first.size(); ++i)
+    peak[i / bins % lines] = std::max(peak[i / bins % lines], rows.first[i] + at(rows.multiple, i));
   for (std::size_t i = 0; i < rows.first.size(); ++i) {
     if (at(rows.particles, i) > 0) continue;
-    if (std::abs(at(device.first, i) - rows.first[i]) > options_.limits.bin * peak[i / bins % lines] + shifts * changes.first[i]) return false;
+    if (std::abs(at(device.first, i) - rows.first[i]) >
+        options_.limits.bin * peak[i / bins % lines] + shifts * changes.first[i])
+      return false;
   }
   return true;
 }
@@ -175,7 +188,8 @@ void LidarComparison::add(const std::vector<lidar::ShotResult>& shots) {
 
 double footprint_noise(const lidar::LidarPlan& plan) {
   const scene::LidarTransport& transport = plan.lidar.transport;
-  const bool edges = transport.sampling == scene::LidarSampling::transmitter && (plan.pixels() > 1 || transport.overlap == scene::LidarOverlap::exact);
+  const bool edges = transport.sampling == scene::LidarSampling::transmitter &&
+                     (plan.pixels() > 1 || transport.overlap == scene::LidarOverlap::exact);
   return edges ? 4 * 0.0151 * std::pow(64.0 / static_cast<double>(plan.footprint.a.size()), 0.79) : 0;
 }
 
@@ -200,7 +214,9 @@ LidarReport LidarComparison::report() const {
       continue;
     }
     out.rounded_pulses += r.rounded;
-    if (r.rounded) out.rounded_worst = std::max(out.rounded_worst, r.worst), out.float_path_m = std::max(out.float_path_m, r.float_path_m);
+    if (r.rounded)
+      out.rounded_worst = std::max(out.rounded_worst, r.worst),
+      out.float_path_m = std::max(out.float_path_m, r.float_path_m);
     if (r.edge) {
       ++out.edge_pulses;
       continue;
@@ -210,7 +226,8 @@ LidarReport LidarComparison::report() const {
     worst.push_back(r.worst);
     air.push_back(r.air);
     if (!out.has_scattered) out.ledger_difference = std::max(out.ledger_difference, r.ledger);
-    if (r.worst >= out.worst) out.worst = r.worst, out.worst_pulse = r.pulse, out.worst_line = r.line, out.worst_bin = r.bin;
+    if (r.worst >= out.worst)
+      out.worst = r.worst, out.worst_pulse = r.pulse, out.worst_line = r.line, out.worst_bin = r.bin;
     out.air_worst = std::max(out.air_worst, r.air), out.air_end_worst = std::max(out.air_end_worst, r.air_end);
   }
   const auto median = [](std::vector<double> values) {

@@ -9,7 +9,8 @@
 
 namespace raycube::reference::lidar_walk {
 
-std::vector<double> Walk::open_share(const glm::dvec3& from, const LidarConnection& way, const Hit& leaving, const glm::dvec3& lift_m) {
+std::vector<double> Walk::open_share(const glm::dvec3& from, const LidarConnection& way, const Hit& leaving,
+                                     const glm::dvec3& lift_m) {
   std::vector<double> share(lines_, 1);
   Hit last = leaving;
   glm::dvec3 lift = lift_m;
@@ -28,13 +29,15 @@ std::vector<double> Walk::open_share(const glm::dvec3& from, const LidarConnecti
 }
 
 void Walk::connect(const Path& path, double piece_m, const LidarConnection& way, const std::vector<double>& sent,
-             const std::vector<double>& depth, const std::vector<double>& plates, std::vector<double>& rows) {
+                   const std::vector<double>& depth, const std::vector<double>& plates, std::vector<double>& rows) {
   const double time_s = plan_.lidar.transport.group_index * (path.length_m + piece_m + way.length_m) / kLight_m_s;
   const int pixel = way.pixel >= 0 ? way.pixel : path.start.pixel;
   for (std::size_t line = 0; line < lines_; ++line) {
-    const double photons = plan_.photons[line] * path.weight * path.share[line] * plates[line] * sent[line] * way.factor * transmission(line, depth);
+    const double photons = plan_.photons[line] * path.weight * path.share[line] * plates[line] * sent[line] *
+                           way.factor * transmission(line, depth);
     if (!(photons > 0)) continue;
-    const double pupil_m = ends_.receiver_sampling() ? (path.order == 0 ? path.length_m + piece_m : path.first_m) : way.pupil_m;
+    const double pupil_m =
+        ends_.receiver_sampling() ? (path.order == 0 ? path.length_m + piece_m : path.first_m) : way.pupil_m;
     if (pupil_m < plan_.lidar.transport.minimum_range_m) {
       result_.ledger[line].collected += photons / plan_.photons[line];
       result_.ledger[line].near += photons / plan_.photons[line];
@@ -46,7 +49,8 @@ void Walk::connect(const Path& path, double piece_m, const LidarConnection& way,
 
 bool Walk::retraces(const Path& path) const { return path.order == 0 && shot_.exit_m == shot_.pupil_m; }
 
-void Walk::count_uncertain(const glm::dvec3& point, const LidarConnection& way, const LidarHit& hit, const glm::dvec3& normal) {
+void Walk::count_uncertain(const glm::dvec3& point, const LidarConnection& way, const LidarHit& hit,
+                           const glm::dvec3& normal) {
   ++result_.connections;
   if (!options_.count_uncertain) return;
   const glm::dvec3 origin = point + hit.clear_m * normal;
@@ -63,8 +67,11 @@ void Walk::connect_surface(const Path& path, const LidarHit& hit) {
   double most = 0;
   for (std::size_t line = 0; line < lines_; ++line) {
     const LidarMatter matter = matter_of(scene_, plan_, hit.surface, static_cast<int>(line));
-    sent[line] = cosine > 0 ? (matter.reflectance / M_PI + gloss_of(scene_, hit.surface, hit.normal, -path.direction, way->direction)) * cosine
-                            : matter.leaf / M_PI * -cosine;
+    sent[line] =
+        cosine > 0
+            ? (matter.reflectance / M_PI + gloss_of(scene_, hit.surface, hit.normal, -path.direction, way->direction)) *
+                  cosine
+            : matter.leaf / M_PI * -cosine;
     most = std::max(most, sent[line]);
   }
   if (!(most > 0)) return;
@@ -93,7 +100,8 @@ void Walk::scatter_on_the_way(const Path& path, double from, double to) {
     const double way = time_s / n_c;
     return way <= base ? 0.0 : (way * way - squared) / (2 * (way + along));
   };
-  const double first = std::max(std::floor((gate_.earliest_s() - gate_.start_s()) / cell_s), -gate_.start_s() / cell_s - 1);
+  const double first =
+      std::max(std::floor((gate_.earliest_s() - gate_.start_s()) / cell_s), -gate_.start_s() / cell_s - 1);
   const double last = std::ceil((gate_.latest_s() - gate_.start_s()) / cell_s);
   std::vector<double> depth = path.depth, sent(lines_);
   double reached = from;
@@ -112,7 +120,8 @@ void Walk::scatter_on_the_way(const Path& path, double from, double to) {
   edges.push_back(kInfinity);
   double s_from = std::max(from, where(gate_.start_s() + first * cell_s));
   for (double cell = first; cell < last && s_from < to;) {
-    const double cell_end = where(gate_.start_s() + (cell + 1) * cell_s), edge = *std::upper_bound(edges.begin(), edges.end(), s_from);
+    const double cell_end = where(gate_.start_s() + (cell + 1) * cell_s),
+                 edge = *std::upper_bound(edges.begin(), edges.end(), s_from);
     const double s_to = std::min({to, cell_end, edge, s_from + std::max(0.002 * s_from, 1e-3)});
     if (s_to >= cell_end) ++cell;
     if (s_to > s_from) {
@@ -133,13 +142,15 @@ void Walk::scatter_on_the_way(const Path& path, double from, double to) {
         add_depths({point, way->direction, way->length_m}, total);
       }
       if (air) {
-        for (std::size_t line = 0; line < lines_; ++line) sent[line] = air_.backscatter(static_cast<int>(line), point.z) * step;
+        for (std::size_t line = 0; line < lines_; ++line)
+          sent[line] = air_.backscatter(static_cast<int>(line), point.z) * step;
         connect(path, s, *way, sent, total, open, result_.rows.air);
       }
       double beta = 0;
       for (std::size_t v = 0; v < volumes_.size(); ++v)
         if (scene_.volumes[v].extinction_per_m > 0)
-          beta += scene_.volumes[v].extinction_per_m / scene_.volumes[v].lidar_ratio_sr * volumes_[v].particles_at(point);
+          beta +=
+              scene_.volumes[v].extinction_per_m / scene_.volumes[v].lidar_ratio_sr * volumes_[v].particles_at(point);
       if (!(beta > 0)) continue;
       sent.assign(lines_, beta * step);
       connect(path, s, *way, sent, total, open, result_.rows.particles);

@@ -24,8 +24,11 @@ std::vector<LidarRay> lidar_rays(const lidar::LidarPlan& plan, const lidar::Shot
     const double spread = std::tan(shot.half_divergence_rad), exit_m = plan.lidar.pulse.exit_radius_m;
     for (int k = 0; k < count; ++k) {
       const auto i = static_cast<std::size_t>(k);
-      LidarRay ray{vec(shot.exit_m), glm::normalize(axis + spread * (static_cast<double>(f.a[i]) * u + static_cast<double>(f.b[i]) * v)), 0, k};
-      if (!f.exit_a.empty()) ray.origin += exit_m * (static_cast<double>(f.exit_a[i]) * u + static_cast<double>(f.exit_b[i]) * v);
+      LidarRay ray{vec(shot.exit_m),
+                   glm::normalize(axis + spread * (static_cast<double>(f.a[i]) * u + static_cast<double>(f.b[i]) * v)),
+                   0, k};
+      if (!f.exit_a.empty())
+        ray.origin += exit_m * (static_cast<double>(f.exit_a[i]) * u + static_cast<double>(f.exit_b[i]) * v);
       rays.push_back(ray);
     }
     return rays;
@@ -35,22 +38,31 @@ std::vector<LidarRay> lidar_rays(const lidar::LidarPlan& plan, const lidar::Shot
   for (int pixel = 0; pixel < plan.pixels(); ++pixel)
     for (int k = 0; k < count; ++k) {
       const auto i = static_cast<std::size_t>(k);
-      const double x = (pixel % receiver.columns - 0.5 * (receiver.columns - 1) + static_cast<double>(f.a[i])) * receiver.pixel_pitch_rad;
-      const double y = (pixel / receiver.columns - 0.5 * (receiver.rows - 1) + static_cast<double>(f.b[i])) * receiver.pixel_pitch_rad;
+      const double x = (pixel % receiver.columns - 0.5 * (receiver.columns - 1) + static_cast<double>(f.a[i])) *
+                       receiver.pixel_pitch_rad;
+      const double y = (pixel / receiver.columns - 0.5 * (receiver.rows - 1) + static_cast<double>(f.b[i])) *
+                       receiver.pixel_pitch_rad;
       rays.push_back({vec(shot.pupil_m), glm::normalize(axis + x * u + y * v), pixel, k});
     }
   return rays;
 }
 
 LidarEnds::LidarEnds(const lidar::LidarPlan& plan, const lidar::Shot& shot)
-    : plan_(plan), shot_(shot), receiver_sampling_(plan.lidar.transport.sampling == scene::LidarSampling::receiver), exit_(vec(shot.exit_m)),
-      exit_axis_(vec(shot.exit_axis)), pupil_(vec(shot.pupil_m)), pupil_axis_(vec(shot.pupil_axis)), pupil_u_(vec(shot.pupil_u)),
+    : plan_(plan),
+      shot_(shot),
+      receiver_sampling_(plan.lidar.transport.sampling == scene::LidarSampling::receiver),
+      exit_(vec(shot.exit_m)),
+      exit_axis_(vec(shot.exit_axis)),
+      pupil_(vec(shot.pupil_m)),
+      pupil_axis_(vec(shot.pupil_axis)),
+      pupil_u_(vec(shot.pupil_u)),
       pupil_v_(glm::cross(pupil_axis_, pupil_u_)) {}
 
 double LidarEnds::weight(const LidarRay& ray) const {
   if (!receiver_sampling_) return shot_.gain;
   const double cos_psi = glm::dot(ray.direction, pupil_axis_), pitch = plan_.lidar.receiver.pixel_pitch_rad;
-  return shot_.gain * collecting_area(plan_.lidar.receiver) * cos_psi * pitch * pitch * std::pow(cos_psi, 3) * plan_.lidar.receiver.efficiency;
+  return shot_.gain * collecting_area(plan_.lidar.receiver) * cos_psi * pitch * pitch * std::pow(cos_psi, 3) *
+         plan_.lidar.receiver.efficiency;
 }
 
 std::optional<LidarConnection> LidarEnds::connect(const glm::dvec3& point) const {
@@ -69,7 +81,8 @@ std::optional<LidarConnection> LidarEnds::to_pupil(const glm::dvec3& point) cons
     const double y = glm::dot(way, pupil_v_) / along / receiver.pixel_pitch_rad + 0.5 * receiver.rows;
     const double slack = kAngle_rad / receiver.pixel_pitch_rad + 8 * kUlp * (receiver.columns + receiver.rows);
     out.edge = std::abs(x - std::round(x)) < slack || std::abs(y - std::round(y)) < slack;
-    if (!(x >= 0 && x < receiver.columns && y >= 0 && y < receiver.rows)) return out.edge ? std::optional(out) : std::nullopt;
+    if (!(x >= 0 && x < receiver.columns && y >= 0 && y < receiver.rows))
+      return out.edge ? std::optional(out) : std::nullopt;
     out.pixel = static_cast<int>(y) * receiver.columns + static_cast<int>(x);
   } else if (plan_.lidar.transport.overlap == scene::LidarOverlap::exact) {
     share = pupil_share(receiver, along, glm::length(way - along * pupil_axis_));

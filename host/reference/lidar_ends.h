@@ -8,14 +8,15 @@
 
 namespace raycube::reference {
 
-/// A point joined to the end that rays do not start from: the pupil (transmitter sampling) or the exit (receiver sampling).
+/// A point joined to the end that rays do not start from: the pupil (transmitter sampling) or the exit (receiver
+/// sampling).
 struct LidarConnection {
-  glm::dvec3 direction{0};       ///< unit, from the point
+  glm::dvec3 direction{0};  ///< unit, from the point
   double length_m = 0;
-  int pixel = -1;                ///< -1: keep the ray's
-  double pupil_m = 0;            ///< distance from the point to the pupil
-  bool edge = false;             ///< floats may see the point in another pixel, or on the other side of the beam's rim
-  double factor = 0;             ///< A_r cos(psi) eta / R^2 E_rx, or the beam's share of photons per m2 across the way to the exit
+  int pixel = -1;      ///< -1: keep the ray's
+  double pupil_m = 0;  ///< distance from the point to the pupil
+  bool edge = false;   ///< floats may see the point in another pixel, or on the other side of the beam's rim
+  double factor = 0;  ///< A_r cos(psi) eta / R^2 E_rx, or the beam's share of photons per m2 across the way to the exit
 };
 
 class LidarEnds {

@@ -35,7 +35,8 @@ double lens_area(double a, double b, double d) {
   // Twice the triangle's area, sides sorted; then half angles at both centres.
   double s[3] = {a, b, d};
   std::sort(s, s + 3, std::greater<>());
-  const double four_area = std::sqrt(std::max(0.0, (s[0] + (s[1] + s[2])) * (s[2] - (s[0] - s[1])) * (s[2] + (s[0] - s[1])) * (s[0] + (s[1] - s[2]))));
+  const double four_area = std::sqrt(
+      std::max(0.0, (s[0] + (s[1] + s[2])) * (s[2] - (s[0] - s[1])) * (s[2] + (s[0] - s[1])) * (s[0] + (s[1] - s[2]))));
   const double at_a = std::atan2(four_area, d * d + (a - b) * (a + b));
   const double at_b = std::atan2(four_area, d * d + (b - a) * (b + a));
   return a * a * segment(2 * at_a) + b * b * segment(2 * at_b);
@@ -52,22 +53,26 @@ double pupil_share(const scene::LidarReceiver& receiver, double range_m, double 
 }
 
 double collecting_area(const scene::LidarReceiver& receiver) {
-  const double area = M_PI * (receiver.aperture_radius_m - receiver.obscuration_radius_m) * (receiver.aperture_radius_m + receiver.obscuration_radius_m);
+  const double area = M_PI * (receiver.aperture_radius_m - receiver.obscuration_radius_m) *
+                      (receiver.aperture_radius_m + receiver.obscuration_radius_m);
   if (!receiver.tangent_aperture) return area;
   const double f_number = receiver.focal_length_m / (2 * receiver.aperture_radius_m);
   return area * 4 * f_number * f_number / (1 + 4 * f_number * f_number);
 }
 
-LidarMatter matter_of(const scene::CompiledScene& scene, const lidar::LidarPlan& plan, std::uint32_t surface, int line) {
+LidarMatter matter_of(const scene::CompiledScene& scene, const lidar::LidarPlan& plan, std::uint32_t surface,
+                      int line) {
   LidarMatter out;
   const shared::Surface& mixed = scene.surfaces[surface];
   for (int i = 0; i < 4; ++i) {
     if (mixed.curve[i] == 0) continue;
     const std::size_t material = mixed.curve[i] - 1;
-    const lidar::Matter& matter = plan.matter[material * static_cast<std::size_t>(plan.lines()) + static_cast<std::size_t>(line)];
+    const lidar::Matter& matter =
+        plan.matter[material * static_cast<std::size_t>(plan.lines()) + static_cast<std::size_t>(line)];
     const double share = mixed.fraction[i];
     out.reflectance += share * matter.reflectance;
-    (scene.materials[material].transmission == scene::Material::Transmission::plate ? out.plate : out.leaf) += share * matter.transmittance;
+    (scene.materials[material].transmission == scene::Material::Transmission::plate ? out.plate : out.leaf) +=
+        share * matter.transmittance;
   }
   return out;
 }
@@ -83,13 +88,16 @@ double gloss(double roughness, double f0, const glm::dvec3& normal, const glm::d
   const double l_in = lambda(roughness, std::min(cos_in, 1.0)), l_out = lambda(roughness, std::min(cos_out, 1.0));
   // Masking of ways whose azimuths lie together is the same masking (van Ginneken et al. 1998; Heitz 2014, eq. 106).
   const glm::dvec3 flat_in = in - cos_in * normal, flat_out = out - cos_out * normal;
-  const double apart = glm::length(flat_in) * glm::length(flat_out) > 0 ? std::atan2(glm::length(glm::cross(flat_in, flat_out)), glm::dot(flat_in, flat_out)) : 0;
+  const double apart = glm::length(flat_in) * glm::length(flat_out) > 0
+                           ? std::atan2(glm::length(glm::cross(flat_in, flat_out)), glm::dot(flat_in, flat_out))
+                           : 0;
   const double uncorrelated = 4.41 * apart / (4.41 * apart + 1);
   const double masking = 1 / (1 + std::max(l_in, l_out) + uncorrelated * std::min(l_in, l_out));
   return fresnel * density * masking / (4 * cos_in * cos_out);
 }
 
-double gloss_of(const scene::CompiledScene& scene, std::uint32_t surface, const glm::dvec3& normal, const glm::dvec3& in, const glm::dvec3& out) {
+double gloss_of(const scene::CompiledScene& scene, std::uint32_t surface, const glm::dvec3& normal,
+                const glm::dvec3& in, const glm::dvec3& out) {
   const shared::Surface& mixed = scene.surfaces[surface];
   double sum = 0;
   for (int i = 0; i < 4; ++i) {

@@ -7,14 +7,16 @@
 
 namespace raycube::reference {
 
-/// Area common to two circles of radii a and b whose centres are d apart, all >= 0: two circular segments, each by a form that
-/// keeps its digits when the lens is thin (Kahan, "Miscalculating area and angles of a needle-like triangle", 2014).
+/// Area common to two circles of radii a and b whose centres are d apart, all >= 0: two circular segments, each by a
+/// form that keeps its digits when the lens is thin (Kahan, "Miscalculating area and angles of a needle-like triangle",
+/// 2014).
 double lens_area(double a, double b, double d);
 
 /// Share of the clear pupil through which a point `range_m` along the axis and `offset_m` off it passes the field stop.
 double pupil_share(const scene::LidarReceiver& receiver, double range_m, double offset_m);
 
-/// Clear area of the pupil, m2, with the thin camera's factor 4F^2 / (1 + 4F^2), F = focal length / diameter, where it is asked for.
+/// Clear area of the pupil, m2, with the thin camera's factor 4F^2 / (1 + 4F^2), F = focal length / diameter, where it
+/// is asked for.
 double collecting_area(const scene::LidarReceiver& receiver);
 
 /// Scattering matter of a hit at one line: area means over the surface's materials.
@@ -27,11 +29,13 @@ struct LidarMatter {
 };
 LidarMatter matter_of(const scene::CompiledScene& scene, const lidar::LidarPlan& plan, std::uint32_t surface, int line);
 
-/// Microfacet lobe f_r (1/sr): GGX (Walter et al. 2007), Schlick's Fresnel term, Smith masking. Light comes from `in` and leaves to `out`, both
-/// unit vectors away from the surface. Masking of the two ways is correlated: equal ways mask once (zero phase).
+/// Microfacet lobe f_r (1/sr): GGX (Walter et al. 2007), Schlick's Fresnel term, Smith masking. Light comes from `in`
+/// and leaves to `out`, both unit vectors away from the surface. Masking of the two ways is correlated: equal ways mask
+/// once (zero phase).
 double gloss(double roughness, double f0, const glm::dvec3& normal, const glm::dvec3& in, const glm::dvec3& out);
 
 /// Area mean of the lobes of a surface's materials.
-double gloss_of(const scene::CompiledScene& scene, std::uint32_t surface, const glm::dvec3& normal, const glm::dvec3& in, const glm::dvec3& out);
+double gloss_of(const scene::CompiledScene& scene, std::uint32_t surface, const glm::dvec3& normal,
+                const glm::dvec3& in, const glm::dvec3& out);
 
 }  // namespace raycube::reference

@@ -22,7 +22,8 @@ void AirPath::add_depth(const Straight& piece, std::vector<double>& depth) const
   const double z_from = piece.origin.z, z_to = piece.at(piece.length_m).z;
   const double low = std::min(z_from, z_to), high = std::max(z_from, z_to);
   const auto layer_of = [&](double z) {
-    return static_cast<std::size_t>(std::clamp(std::floor((z - air_.z0_m) / air_.dz_m), 0.0, static_cast<double>(air_.posts - 2)));
+    return static_cast<std::size_t>(
+        std::clamp(std::floor((z - air_.z0_m) / air_.dz_m), 0.0, static_cast<double>(air_.posts - 2)));
   };
   const double top = air_.z0_m + (air_.posts - 1) * air_.dz_m;
   const std::size_t first = layer_of(low), last = layer_of(high);
@@ -43,7 +44,8 @@ void AirPath::add_depth(const Straight& piece, std::vector<double>& depth) const
 
 double AirPath::backscatter(int line, double height_m) const {
   if (air_.posts == 0 || air_.backscatter_per_m_sr.empty()) return 0;
-  const double* post = air_.backscatter_per_m_sr.data() + static_cast<std::size_t>(line) * static_cast<std::size_t>(air_.posts);
+  const double* post =
+      air_.backscatter_per_m_sr.data() + static_cast<std::size_t>(line) * static_cast<std::size_t>(air_.posts);
   const double x = (height_m - air_.z0_m) / air_.dz_m;
   if (x > air_.posts - 1) return 0;
   if (x <= 0 || air_.posts == 1) return post[0];
@@ -58,7 +60,9 @@ VolumePath::VolumePath(const scene::Volume& volume) : volume_(volume) {
   if (volume.shape == scene::Volume::Shape::plume) {
     // Beyond 12 widths nothing is left in double.
     const double end = volume.length_m;
-    const auto width = [&](double a, double b, double constant) { return constant > 0 ? constant : a * end / std::sqrt(1 + b * end); };
+    const auto width = [&](double a, double b, double constant) {
+      return constant > 0 ? constant : a * end / std::sqrt(1 + b * end);
+    };
     const double side = 12 * width(volume.sigma_y_a, volume.sigma_y_b, volume.sigma_y_m);
     const double height = volume.release_height_m + 12 * width(volume.sigma_z_a, volume.sigma_z_b, volume.sigma_z_m);
     lo_ = {-side, 0, 0}, hi_ = {side, end, height};
@@ -74,7 +78,8 @@ glm::dvec3 VolumePath::local(const glm::dvec3& point) const {
 }
 
 std::pair<double, double> VolumePath::clip(const Straight& piece) const {
-  const glm::dvec3 from = local(piece.origin), d{glm::dot(piece.direction, x_), glm::dot(piece.direction, y_), piece.direction.z};
+  const glm::dvec3 from = local(piece.origin),
+                   d{glm::dot(piece.direction, x_), glm::dot(piece.direction, y_), piece.direction.z};
   double enter = 0, leave = piece.length_m;
   for (int axis = 0; axis < 3; ++axis) {
     if (d[axis] == 0) {
@@ -93,7 +98,8 @@ double VolumePath::grid_value(const glm::dvec3& p) const {
   double part[3];
   for (int axis = 0; axis < 3; ++axis) {
     const int n = volume_.cells[static_cast<std::size_t>(axis)];
-    const double x = std::clamp((p[axis] - lo_[axis]) / (hi_[axis] - lo_[axis]) * n - 0.5, 0.0, static_cast<double>(n - 1));
+    const double x =
+        std::clamp((p[axis] - lo_[axis]) / (hi_[axis] - lo_[axis]) * n - 0.5, 0.0, static_cast<double>(n - 1));
     cell[axis] = std::min(static_cast<int>(x), std::max(0, n - 2));
     part[axis] = x - cell[axis];
   }
@@ -114,22 +120,29 @@ double VolumePath::grid_value(const glm::dvec3& p) const {
 double VolumePath::plume_g_m3(const glm::dvec3& p) const {
   const double x = p.y, y = p.x, z = p.z;
   if (x <= 0) return 0;
-  const double sy = volume_.sigma_y_m > 0 ? volume_.sigma_y_m : volume_.sigma_y_a * x / std::sqrt(1 + volume_.sigma_y_b * x);
-  const double sz = volume_.sigma_z_m > 0 ? volume_.sigma_z_m : volume_.sigma_z_a * x / std::sqrt(1 + volume_.sigma_z_b * x);
+  const double sy =
+      volume_.sigma_y_m > 0 ? volume_.sigma_y_m : volume_.sigma_y_a * x / std::sqrt(1 + volume_.sigma_y_b * x);
+  const double sz =
+      volume_.sigma_z_m > 0 ? volume_.sigma_z_m : volume_.sigma_z_a * x / std::sqrt(1 + volume_.sigma_z_b * x);
   const auto bell = [](double u) { return std::exp(-0.5 * u * u); };
   const double h = volume_.release_height_m;
-  return volume_.source_g_s / (2 * M_PI * volume_.wind_m_s * sy * sz) * bell(y / sy) * (bell((z - h) / sz) + bell((z + h) / sz));
+  return volume_.source_g_s / (2 * M_PI * volume_.wind_m_s * sy * sz) * bell(y / sy) *
+         (bell((z - h) / sz) + bell((z + h) / sz));
 }
 
 /// Where the integrand may bend: walls of a grid's cell centres, or closing in on the plume's axis and its foot.
 std::vector<double> VolumePath::cuts(const Straight& piece, double from, double to) const {
   std::vector<double> out{from, to};
-  const auto add = [&](double s) { if (s > from && s < to) out.push_back(s); };
-  const glm::dvec3 o = local(piece.origin), d{glm::dot(piece.direction, x_), glm::dot(piece.direction, y_), piece.direction.z};
+  const auto add = [&](double s) {
+    if (s > from && s < to) out.push_back(s);
+  };
+  const glm::dvec3 o = local(piece.origin),
+                   d{glm::dot(piece.direction, x_), glm::dot(piece.direction, y_), piece.direction.z};
   if (volume_.shape == scene::Volume::Shape::grid) {
     for (int axis = 0; axis < 3; ++axis) {
       const int n = volume_.cells[static_cast<std::size_t>(axis)];
-      for (int i = 0; i < n && d[axis] != 0; ++i) add((lo_[axis] + (i + 0.5) / n * (hi_[axis] - lo_[axis]) - o[axis]) / d[axis]);
+      for (int i = 0; i < n && d[axis] != 0; ++i)
+        add((lo_[axis] + (i + 0.5) / n * (hi_[axis] - lo_[axis]) - o[axis]) / d[axis]);
     }
   } else if (volume_.shape == scene::Volume::Shape::plume) {
     for (const double height : {volume_.release_height_m, 0.0}) {
@@ -153,9 +166,11 @@ double VolumePath::integral(const Straight& piece, const std::function<double(co
 double VolumePath::column_cm2(const Straight& piece) const {
   if (volume_.gas.empty()) return 0;
   if (volume_.shape == scene::Volume::Shape::plume)
-    return integral(piece, [&](const glm::dvec3& p) { return plume_g_m3(p); }) / volume_.molar_mass_g * kAvogadro * 1e-4;
+    return integral(piece, [&](const glm::dvec3& p) { return plume_g_m3(p); }) / volume_.molar_mass_g * kAvogadro *
+           1e-4;
   if (volume_.shape == scene::Volume::Shape::grid)
-    return kMoleculesPerPpmM * volume_.concentration_ppm * integral(piece, [&](const glm::dvec3& p) { return grid_value(p); });
+    return kMoleculesPerPpmM * volume_.concentration_ppm *
+           integral(piece, [&](const glm::dvec3& p) { return grid_value(p); });
   const auto [from, to] = clip(piece);
   return to > from ? kMoleculesPerPpmM * volume_.concentration_ppm * (to - from) : 0;
 }
@@ -166,7 +181,9 @@ double VolumePath::particles_m(const Straight& piece) const {
     const auto [from, to] = clip(piece);
     return std::max(0.0, to - from);
   }
-  return integral(piece, [&](const glm::dvec3& p) { return volume_.shape == scene::Volume::Shape::grid ? grid_value(p) : plume_g_m3(p); });
+  return integral(piece, [&](const glm::dvec3& p) {
+    return volume_.shape == scene::Volume::Shape::grid ? grid_value(p) : plume_g_m3(p);
+  });
 }
 
 double VolumePath::particles_at(const glm::dvec3& point) const {

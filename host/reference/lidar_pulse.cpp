@@ -35,10 +35,12 @@ double LidarPulseShape::share(double from_s, double to_s) const {
   if (!(to_s > from_s)) return 0;
   if (first_s_ == last_s_) return from_s <= 0 && 0 < to_s ? 1 : 0;
   switch (shape_) {
-    case scene::PulseShape::tabulated: return tabulated(to_s) - tabulated(from_s);
+    case scene::PulseShape::tabulated:
+      return tabulated(to_s) - tabulated(from_s);
     case scene::PulseShape::rectangular:
       return std::max(0.0, std::min(to_s, last_s_) - std::max(from_s, first_s_)) / (last_s_ - first_s_);
-    case scene::PulseShape::gaussian: break;
+    case scene::PulseShape::gaussian:
+      break;
   }
   const double scale = sigma_s_ * std::sqrt(2.0);
   if (from_s < 0 && to_s > 0) return 0.5 * (std::erf(to_s / scale) - std::erf(from_s / scale));

@@ -11,8 +11,8 @@ class LidarPulseShape {
  public:
   explicit LidarPulseShape(const scene::LidarPulse& pulse);
 
-  /// Share of the energy between two times (s) after the pulse's t = 0. Half open at the end: an impulse at `from_s` counts.
-  /// Relative error 1e-13 in the Gaussian's tails too (differences of erfc on one side).
+  /// Share of the energy between two times (s) after the pulse's t = 0. Half open at the end: an impulse at `from_s`
+  /// counts. Relative error 1e-13 in the Gaussian's tails too (differences of erfc on one side).
   double share(double from_s, double to_s) const;
   /// Nothing above 1e-18 of the energy lies outside.
   double first_s() const { return first_s_; }

@@ -33,7 +33,8 @@ Pair rule(const std::function<double(double)>& value, double from, double to) {
   return out;
 }
 
-double refine(const std::function<double(double)>& value, double from, double to, double absolute, int levels, const Pair& whole) {
+double refine(const std::function<double(double)>& value, double from, double to, double absolute, int levels,
+              const Pair& whole) {
   if (levels == 0 || std::abs(whole.kronrod - whole.gauss) <= absolute) return whole.kronrod;
   const double middle = 0.5 * (from + to);
   return refine(value, from, middle, 0.5 * absolute, levels - 1, rule(value, from, middle)) +
@@ -45,7 +46,8 @@ double refine(const std::function<double(double)>& value, double from, double to
 double adaptive_integral(const std::function<double(double)>& value, const std::vector<double>& cuts, double relative) {
   std::vector<Pair> pieces;
   double whole = 0;
-  for (std::size_t i = 1; i < cuts.size(); ++i) whole += std::abs(pieces.emplace_back(rule(value, cuts[i - 1], cuts[i])).kronrod);
+  for (std::size_t i = 1; i < cuts.size(); ++i)
+    whole += std::abs(pieces.emplace_back(rule(value, cuts[i - 1], cuts[i])).kronrod);
   double sum = 0;
   for (std::size_t i = 0; i < pieces.size(); ++i)
     sum += refine(value, cuts[i], cuts[i + 1], relative * whole / static_cast<double>(pieces.size()), 12, pieces[i]);

@@ -26,46 +26,67 @@ std::string key_of(Cause cause) {
 
 std::vector<std::string> LidarReport::failures() const {
   std::vector<std::string> out;
-  if (pulses == 0) out.push_back("no pulse was compared");
-  else if (compared_pulses == 0) out.push_back("no pulse's rays agree with the reference, so no bin was compared");
+  if (pulses == 0)
+    out.push_back("no pulse was compared");
+  else if (compared_pulses == 0)
+    out.push_back("no pulse's rays agree with the reference, so no bin was compared");
   if (const std::uint64_t count = hits[static_cast<std::size_t>(Cause::unexplained)]; count > 0)
-    out.push_back(std::to_string(count) + " of " + std::to_string(rays) + " first hits differ without explanation, the first in pulse " +
-                  std::to_string(unexplained_pulse) + ", ray " + std::to_string(unexplained_ray));
+    out.push_back(std::to_string(count) + " of " + std::to_string(rays) +
+                  " first hits differ without explanation, the first in pulse " + std::to_string(unexplained_pulse) +
+                  ", ray " + std::to_string(unexplained_ray));
   if (beyond_pulses > 0)
-    out.push_back(std::to_string(beyond_pulses) + " pulses differ by more than " + number(limits.bin) + " of their peak bin, the worst by " +
-                  number(worst) + " in pulse " + std::to_string(worst_pulse) + ", line " + std::to_string(worst_line + 1) + ", bin " + std::to_string(worst_bin));
-  if (!(ledger_closure <= limits.ledger)) out.push_back("a ledger is " + number(ledger_closure) + " of the emitted energy from closed, limit " + number(limits.ledger));
+    out.push_back(std::to_string(beyond_pulses) + " pulses differ by more than " + number(limits.bin) +
+                  " of their peak bin, the worst by " + number(worst) + " in pulse " + std::to_string(worst_pulse) +
+                  ", line " + std::to_string(worst_line + 1) + ", bin " + std::to_string(worst_bin));
+  if (!(ledger_closure <= limits.ledger))
+    out.push_back("a ledger is " + number(ledger_closure) + " of the emitted energy from closed, limit " +
+                  number(limits.ledger));
   if (!(ledger_difference <= 10 * limits.ledger))
-    out.push_back("a ledger's entry differs by " + number(ledger_difference) + " of the emitted energy, limit " + number(10 * limits.ledger));
-  if (has_air && !(air_worst <= limits.air)) out.push_back("the return of air and particles differs by " + number(air_worst) + " of its peak bin, limit " + number(limits.air));
+    out.push_back("a ledger's entry differs by " + number(ledger_difference) + " of the emitted energy, limit " +
+                  number(10 * limits.ledger));
+  if (has_air && !(air_worst <= limits.air))
+    out.push_back("the return of air and particles differs by " + number(air_worst) + " of its peak bin, limit " +
+                  number(limits.air));
   if (has_air && !(air_end_worst <= limits.air_end))
-    out.push_back("the return of air and particles in bins with a surface's echo differs by " + number(air_end_worst) + " of its peak bin, limit " + number(limits.air_end));
+    out.push_back("the return of air and particles in bins with a surface's echo differs by " + number(air_end_worst) +
+                  " of its peak bin, limit " + number(limits.air_end));
   if (has_scattered && !(std::abs(scattered.energy_z) <= limits.deviations))
-    out.push_back("light scattered more than once is " + number(scattered.energy_ratio) + " of the reference's, " + number(scattered.energy_z) + " standard errors off");
+    out.push_back("light scattered more than once is " + number(scattered.energy_ratio) + " of the reference's, " +
+                  number(scattered.energy_z) + " standard errors off");
   if (has_scattered && !(scattered.chi_z <= limits.deviations))
-    out.push_back("light scattered more than once has a chi-square of " + number(scattered.chi_square) + " per group, " + number(scattered.chi_z) + " deviations too large");
+    out.push_back("light scattered more than once has a chi-square of " + number(scattered.chi_square) +
+                  " per group, " + number(scattered.chi_z) + " deviations too large");
   return out;
 }
 
 std::string LidarReport::text() const {
   std::string out = "pulses " + std::to_string(pulses) + ", rays " + std::to_string(rays) + "\nfirst hits:";
-  for (std::size_t c = 0; c < kCauses; ++c) out += std::string(c ? ", " : " ") + cause_name(static_cast<Cause>(c)) + " " + std::to_string(hits[c]);
-  out += "\npulses with the same hits " + std::to_string(pulses - parted_pulses) + ", of these decided by rounding on the way to the receiver " +
-         std::to_string(edge_pulses) + ", compared " + std::to_string(compared_pulses);
-  out += "\nbins, over the peak bin: median of pulses " + number(median) + ", worst " + number(worst) + " (limit " + number(limits.bin) + ")";
-  if (worst_pulse >= 0) out += " in pulse " + std::to_string(worst_pulse) + ", line " + std::to_string(worst_line + 1) + ", bin " + std::to_string(worst_bin);
+  for (std::size_t c = 0; c < kCauses; ++c)
+    out += std::string(c ? ", " : " ") + cause_name(static_cast<Cause>(c)) + " " + std::to_string(hits[c]);
+  out += "\npulses with the same hits " + std::to_string(pulses - parted_pulses) +
+         ", of these decided by rounding on the way to the receiver " + std::to_string(edge_pulses) + ", compared " +
+         std::to_string(compared_pulses);
+  out += "\nbins, over the peak bin: median of pulses " + number(median) + ", worst " + number(worst) + " (limit " +
+         number(limits.bin) + ")";
+  if (worst_pulse >= 0)
+    out += " in pulse " + std::to_string(worst_pulse) + ", line " + std::to_string(worst_line + 1) + ", bin " +
+           std::to_string(worst_bin);
   if (rounded_pulses > 0)
-    out += "; " + std::to_string(rounded_pulses) + " pulses beyond it by no more than rounded paths do (" + number(1e6 * float_path_m) +
-           " um), the worst by " + number(rounded_worst);
-  if (has_air) out += "\nreturns of air and particles, over their own peak bin: median of pulses " + number(air_median) + ", worst " + number(air_worst) + " (limit " + number(limits.air) +
-                      "), in bins with a surface's echo " + number(air_end_worst) + " (limit " + number(limits.air_end) + ")";
+    out += "; " + std::to_string(rounded_pulses) + " pulses beyond it by no more than rounded paths do (" +
+           number(1e6 * float_path_m) + " um), the worst by " + number(rounded_worst);
+  if (has_air)
+    out += "\nreturns of air and particles, over their own peak bin: median of pulses " + number(air_median) +
+           ", worst " + number(air_worst) + " (limit " + number(limits.air) + "), in bins with a surface's echo " +
+           number(air_end_worst) + " (limit " + number(limits.air_end) + ")";
   out += "\nledger: closes to " + number(ledger_closure) + " (limit " + number(limits.ledger) + ")";
   if (!has_scattered) out += ", entries differ by " + number(ledger_difference);
   if (has_scattered)
-    out += "\nscattered more than once: on the same draws " + std::to_string(scattered.same_draws) + " of " + std::to_string(scattered.pulses) +
-           " pulses agree in every bin; on others energy " + number(scattered.energy_ratio) + " of the reference's (" + number(scattered.energy_z) +
-           " standard errors), chi-square " + number(scattered.chi_square) + " in each of " + std::to_string(scattered.groups) + " groups of bins (" +
-           number(scattered.chi_z) + " deviations, limit " + number(limits.deviations) + ")";
+    out += "\nscattered more than once: on the same draws " + std::to_string(scattered.same_draws) + " of " +
+           std::to_string(scattered.pulses) + " pulses agree in every bin; on others energy " +
+           number(scattered.energy_ratio) + " of the reference's (" + number(scattered.energy_z) +
+           " standard errors), chi-square " + number(scattered.chi_square) + " in each of " +
+           std::to_string(scattered.groups) + " groups of bins (" + number(scattered.chi_z) + " deviations, limit " +
+           number(limits.deviations) + ")";
   for (const std::string& failure : failures()) out += "\nBEYOND LIMITS: " + failure;
   return out + "\n";
 }
@@ -93,11 +114,21 @@ std::string LidarReport::json() const {
   out["ledger_closure"] = ledger_closure;
   out["ledger_limit"] = limits.ledger;
   if (!has_scattered) out["ledger_difference"] = ledger_difference;
-  if (has_air) out["air"] = {{"median", air_median}, {"worst", air_worst}, {"limit", limits.air}, {"worst_at_echoes", air_end_worst}, {"limit_at_echoes", limits.air_end}};
+  if (has_air)
+    out["air"] = {{"median", air_median},
+                  {"worst", air_worst},
+                  {"limit", limits.air},
+                  {"worst_at_echoes", air_end_worst},
+                  {"limit_at_echoes", limits.air_end}};
   if (has_scattered)
-    out["scattered"] = {{"pulses", scattered.pulses},           {"same_draws", scattered.same_draws}, {"energy_ratio", scattered.energy_ratio},
-                        {"energy_z", scattered.energy_z},       {"groups", scattered.groups},         {"chi_square", scattered.chi_square},
-                        {"chi_z", scattered.chi_z},             {"limit", limits.deviations}};
+    out["scattered"] = {{"pulses", scattered.pulses},
+                        {"same_draws", scattered.same_draws},
+                        {"energy_ratio", scattered.energy_ratio},
+                        {"energy_z", scattered.energy_z},
+                        {"groups", scattered.groups},
+                        {"chi_square", scattered.chi_square},
+                        {"chi_z", scattered.chi_z},
+                        {"limit", limits.deviations}};
   return out.dump(2);
 }
 

@@ -25,8 +25,10 @@ class LidarGate {
   double latest_s() const { return end_s_ - shape_.first_s(); }
   double start_s() const { return start_s_; }
 
-  /// Adds an echo whose middle arrives at `time_s`; its parts before and after the gate go to the ledger with all of it.
-  void deposit(std::vector<double>& rows, int pixel, int line, double time_s, double photons, lidar::Ledger& ledger) const;
+  /// Adds an echo whose middle arrives at `time_s`; its parts before and after the gate go to the ledger with all of
+  /// it.
+  void deposit(std::vector<double>& rows, int pixel, int line, double time_s, double photons,
+               lidar::Ledger& ledger) const;
 
  private:
   LidarPulseShape shape_;

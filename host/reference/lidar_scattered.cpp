@@ -20,8 +20,10 @@ Group group_of(const std::vector<std::vector<double>>& sums, std::size_t member,
   for (std::size_t r = 0; r < sums.size(); ++r) {
     double sum = 0;
     for (std::size_t i = from; i < to; ++i) sum += sums[r][i];
-    if (r == member) g.own = sum;
-    else if (r > 0) others.push_back(sum);
+    if (r == member)
+      g.own = sum;
+    else if (r > 0)
+      others.push_back(sum);
   }
   g.count = static_cast<double>(others.size());
   for (const double x : others) g.mean += x / g.count;
@@ -35,7 +37,8 @@ LidarScattered compare_scattered(const std::vector<std::vector<double>>& sums, c
   LidarScattered out;
   if (sums.size() < 8) return out;
   const std::size_t bins = static_cast<std::size_t>(lidar.gate.bins), lines = sums[0].size() / bins;
-  // Neighbouring bins share a pulse's light: groups are several pulses wide, and wide enough for the noise to be normal.
+  // Neighbouring bins share a pulse's light: groups are several pulses wide, and wide enough for the noise to be
+  // normal.
   const auto least = static_cast<std::size_t>(std::max(4.0, std::ceil(4 * lidar.pulse.fwhm_s / lidar.gate.bin_s)));
   std::vector<double> chi(sums.size(), 0.0);
   for (std::size_t line = 0; line < lines; ++line)
@@ -50,7 +53,8 @@ LidarScattered compare_scattered(const std::vector<std::vector<double>>& sums, c
   out.energy_ratio = all.mean > 0 ? all.own / all.mean : 1;
   out.energy_z = all.own == all.mean ? 0 : std::copysign(std::sqrt(all.t2()), all.own - all.mean);
   if (out.groups == 0) return out;
-  // Lines share draws and pulses share bins, so groups are not independent: how far the sum may go is told by the replicas' own.
+  // Lines share draws and pulses share bins, so groups are not independent: how far the sum may go is told by the
+  // replicas' own.
   double mean = 0, variance = 0;
   for (std::size_t r = 1; r < chi.size(); ++r) mean += chi[r] / all.count;
   for (std::size_t r = 1; r < chi.size(); ++r) variance += (chi[r] - mean) * (chi[r] - mean) / (all.count - 1);

@@ -4,8 +4,8 @@
 
 namespace raycube::reference {
 
-LidarReference reference_shot(const scene::CompiledScene& scene, const EmbreeScene& embree, const lidar::LidarPlan& plan, const lidar::Shot& shot,
-                              const LidarShotOptions& options) {
+LidarReference reference_shot(const scene::CompiledScene& scene, const EmbreeScene& embree,
+                              const lidar::LidarPlan& plan, const lidar::Shot& shot, const LidarShotOptions& options) {
   return lidar_walk::Walk(scene, embree, plan, shot, options).run();
 }
 

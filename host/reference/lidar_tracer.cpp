@@ -11,9 +11,12 @@ namespace raycube::reference {
 
 namespace {
 
-std::array<float, 3> rounded(const glm::dvec3& v) { return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)}; }
+std::array<float, 3> rounded(const glm::dvec3& v) {
+  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+}
 
-/// One ulp of the sizes that a ray's origin on this triangle is rounded relative to, m (as ReferenceScene::point_ulp_m).
+/// One ulp of the sizes that a ray's origin on this triangle is rounded relative to, m (as
+/// ReferenceScene::point_ulp_m).
 double ulp_at(const scene::CompiledScene& scene, const Hit& hit, const glm::dvec3& point) {
   const shared::Instance& placed = scene.instances[hit.instance];
   const shared::rc_float4 rows[3] = {placed.world_from_local_0, placed.world_from_local_1, placed.world_from_local_2};
@@ -30,7 +33,8 @@ double ulp_at(const scene::CompiledScene& scene, const Hit& hit, const glm::dvec
 
 }  // namespace
 
-std::pair<double, double> LidarTracer::inside(const glm::dvec3& origin, const glm::dvec3& direction, double from_m, double to_m) const {
+std::pair<double, double> LidarTracer::inside(const glm::dvec3& origin, const glm::dvec3& direction, double from_m,
+                                              double to_m) const {
   constexpr double kNone = std::numeric_limits<double>::infinity();
   double enter = from_m, leave = to_m;
   for (int axis = 0; axis < 3; ++axis) {
@@ -48,8 +52,8 @@ std::pair<double, double> LidarTracer::inside(const glm::dvec3& origin, const gl
   return {enter <= leave ? enter : kNone, leave};
 }
 
-std::optional<LidarHit> LidarTracer::next(const glm::dvec3& origin, const glm::dvec3& direction, double from_m, double to_m, const Hit& leaving,
-                                          const glm::dvec3& lift_m) const {
+std::optional<LidarHit> LidarTracer::next(const glm::dvec3& origin, const glm::dvec3& direction, double from_m,
+                                          double to_m, const Hit& leaving, const glm::dvec3& lift_m) const {
   auto [enter, leave] = inside(origin, direction, from_m, to_m);
   const std::array<float, 3> way = rounded(direction);
   for (int skipped = 0; skipped < 8 && enter <= leave; ++skipped) {

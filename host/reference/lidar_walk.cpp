@@ -9,12 +9,21 @@
 
 namespace raycube::reference::lidar_walk {
 
-Walk::Walk(const scene::CompiledScene& scene, const EmbreeScene& embree, const lidar::LidarPlan& plan, const lidar::Shot& shot,
-     const LidarShotOptions& options)
-    : scene_(scene), plan_(plan), shot_(shot), options_(options), tracer_(scene, embree), judge_(scene), ends_(plan, shot), gate_(plan, options.slope_s), air_(plan.air),
+Walk::Walk(const scene::CompiledScene& scene, const EmbreeScene& embree, const lidar::LidarPlan& plan,
+           const lidar::Shot& shot, const LidarShotOptions& options)
+    : scene_(scene),
+      plan_(plan),
+      shot_(shot),
+      options_(options),
+      tracer_(scene, embree),
+      judge_(scene),
+      ends_(plan, shot),
+      gate_(plan, options.slope_s),
+      air_(plan.air),
       lines_(static_cast<std::size_t>(plan.lines())) {
   for (const scene::Volume& volume : scene.volumes) volumes_.emplace_back(volume);
-  const std::size_t size = static_cast<std::size_t>(plan.pixels()) * lines_ * static_cast<std::size_t>(plan.lidar.gate.bins);
+  const std::size_t size =
+      static_cast<std::size_t>(plan.pixels()) * lines_ * static_cast<std::size_t>(plan.lidar.gate.bins);
   result_.rows.first.resize(size);
   if (plan.lidar.transport.max_bounces > 1) result_.rows.multiple.resize(size);
   if (scatters_air() && !options.scattered_only) result_.rows.air.resize(size);
@@ -24,10 +33,13 @@ Walk::Walk(const scene::CompiledScene& scene, const EmbreeScene& embree, const l
   reach_m_ = transport.range_limit_m > 0 ? transport.range_limit_m : kInfinity;
 }
 
-bool Walk::scatters_air() const { return plan_.lidar.transport.air_return && plan_.air.posts > 0 && !plan_.air.backscatter_per_m_sr.empty(); }
+bool Walk::scatters_air() const {
+  return plan_.lidar.transport.air_return && plan_.air.posts > 0 && !plan_.air.backscatter_per_m_sr.empty();
+}
 
 bool Walk::scatters_particles() const {
-  return std::any_of(scene_.volumes.begin(), scene_.volumes.end(), [](const scene::Volume& volume) { return volume.extinction_per_m > 0; });
+  return std::any_of(scene_.volumes.begin(), scene_.volumes.end(),
+                     [](const scene::Volume& volume) { return volume.extinction_per_m > 0; });
 }
 
 LidarReference Walk::run() {
@@ -59,8 +71,10 @@ std::vector<double> Walk::air_depth(const Straight& piece) const {
 std::vector<double> Walk::volume_depth(const Straight& piece) const {
   std::vector<double> depth(plan_.nodes.size(), 0);
   for (std::size_t v = 0; v < volumes_.size(); ++v) {
-    const double column = volumes_[v].column_cm2(piece), particles = scene_.volumes[v].extinction_per_m * volumes_[v].particles_m(piece);
-    for (std::size_t n = 0; n < depth.size(); ++n) depth[n] += column * plan_.cross_section_cm2[v * depth.size() + n] + particles;
+    const double column = volumes_[v].column_cm2(piece),
+                 particles = scene_.volumes[v].extinction_per_m * volumes_[v].particles_m(piece);
+    for (std::size_t n = 0; n < depth.size(); ++n)
+      depth[n] += column * plan_.cross_section_cm2[v * depth.size() + n] + particles;
   }
   return depth;
 }
@@ -80,10 +94,12 @@ void Walk::add_depths(const Straight& piece, std::vector<double>& depth) const {
 void Walk::travel(Path& path, const Straight& piece) {
   const std::vector<double> air = air_depth(piece), volumes = volume_depth(piece);
   for (std::size_t line = 0; line < lines_; ++line)
-    for (auto n = static_cast<std::size_t>(plan_.first_node[line]); n < static_cast<std::size_t>(plan_.first_node[line + 1]); ++n) {
+    for (auto n = static_cast<std::size_t>(plan_.first_node[line]);
+         n < static_cast<std::size_t>(plan_.first_node[line + 1]); ++n) {
       const double both = air[n] + volumes[n];
       if (!(both > 0)) continue;
-      const double lost = ledger_share_ * path.energy[line] * plan_.nodes[n].weight * std::exp(-path.depth[n]) * -std::expm1(-both);
+      const double lost =
+          ledger_share_ * path.energy[line] * plan_.nodes[n].weight * std::exp(-path.depth[n]) * -std::expm1(-both);
       result_.ledger[line].air += lost * air[n] / both;
       result_.ledger[line].volumes += lost * volumes[n] / both;
     }
@@ -104,10 +120,14 @@ void Walk::escape(const Path& path) {
     result_.ledger[line].escaped += ledger_share_ * path.energy[line] * transmission(line, path.depth);
 }
 
-std::optional<Walk::Drawn> Walk::draw(const Path& path, const LidarHit& hit, unsigned step, bool diffuse, bool straight) const {
+std::optional<Walk::Drawn> Walk::draw(const Path& path, const LidarHit& hit, unsigned step, bool diffuse,
+                                      bool straight) const {
   const auto seed = static_cast<rc_u32>(options_.own_seed ? options_.seed : plan_.seed);
-  const rc_u32 key = lidar::draw_key(plan_, shot_.pulse, path.start.pixel), number = static_cast<rc_u32>(path.start.number);
-  const auto unit = [&](rc_u32 dimension) { return static_cast<double>(rc_unit_float(rc_hash(seed, key, number, dimension))); };
+  const rc_u32 key = lidar::draw_key(plan_, shot_.pulse, path.start.pixel),
+               number = static_cast<rc_u32>(path.start.number);
+  const auto unit = [&](rc_u32 dimension) {
+    return static_cast<double>(rc_unit_float(rc_hash(seed, key, number, dimension)));
+  };
   double up = 0, down = 0, on = 0;  // sums over lines: one choice for all, each line's weight makes up for it
   for (std::size_t line = 0; line < lines_; ++line) {
     const LidarMatter matter = matter_of(scene_, plan_, hit.surface, static_cast<int>(line));
@@ -169,7 +189,8 @@ void Walk::follow(Path path, Hit* first_hit) {
     if (first_hit) *first_hit = hit ? hit->hit : Hit{};
     if (hit) result_.deepest_m = std::max(result_.deepest_m, hit->t_m - tracer_.entry_m(path.origin, path.direction));
     first_hit = nullptr;
-    if (!options_.scattered_only && path.start.pixel % options_.air_pixel_step == 0) scatter_on_the_way(path, travelled, std::min(reach_m_, hit ? hit->t_m : kInfinity));
+    if (!options_.scattered_only && path.start.pixel % options_.air_pixel_step == 0)
+      scatter_on_the_way(path, travelled, std::min(reach_m_, hit ? hit->t_m : kInfinity));
     if (!hit || hit->t_m > reach_m_) return escape(path);
     travel(path, {path.origin + travelled * path.direction, path.direction, hit->t_m - travelled});
     connect_surface(path, *hit);

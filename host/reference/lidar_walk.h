@@ -19,19 +19,19 @@ struct Path {
   LidarRay start;
   glm::dvec3 origin{0}, direction{0}, lift_m{0};
   Hit leaving;
-  double length_m = 0;          ///< of all pieces before `origin`
-  int order = 0;                ///< scatterings so far
-  double first_m = 0;           ///< from the start to the first vertex
-  double weight = 1;            ///< same for all lines
-  std::vector<double> share;    ///< [line], of the photons: what each vertex before left
-  std::vector<double> energy;   ///< [line], the same for the ledger: all that may go on, whichever lobe was drawn
-  std::vector<double> depth;    ///< [node], of all pieces before
+  double length_m = 0;         ///< of all pieces before `origin`
+  int order = 0;               ///< scatterings so far
+  double first_m = 0;          ///< from the start to the first vertex
+  double weight = 1;           ///< same for all lines
+  std::vector<double> share;   ///< [line], of the photons: what each vertex before left
+  std::vector<double> energy;  ///< [line], the same for the ledger: all that may go on, whichever lobe was drawn
+  std::vector<double> depth;   ///< [node], of all pieces before
 };
 
 class Walk {
  public:
-  Walk(const scene::CompiledScene& scene, const EmbreeScene& embree, const lidar::LidarPlan& plan, const lidar::Shot& shot,
-       const LidarShotOptions& options);
+  Walk(const scene::CompiledScene& scene, const EmbreeScene& embree, const lidar::LidarPlan& plan,
+       const lidar::Shot& shot, const LidarShotOptions& options);
   LidarReference run();
 
  private:
@@ -45,21 +45,26 @@ class Walk {
   /// Goes on along a piece: losses to the ledger, depths to the path.
   void travel(Path& path, const Straight& piece);
   /// What is left of each line between two points: plates on the way; empty when something opaque is there.
-  std::vector<double> open_share(const glm::dvec3& from, const LidarConnection& way, const Hit& leaving, const glm::dvec3& lift_m);
-  /// Light scattered at a point reaches the other end: `sent` per line is f_r cos(theta) (1/sr) or backscatter times a length.
+  std::vector<double> open_share(const glm::dvec3& from, const LidarConnection& way, const Hit& leaving,
+                                 const glm::dvec3& lift_m);
+  /// Light scattered at a point reaches the other end: `sent` per line is f_r cos(theta) (1/sr) or backscatter times a
+  /// length.
   void connect(const Path& path, double piece_m, const LidarConnection& way, const std::vector<double>& sent,
                const std::vector<double>& depth, const std::vector<double>& plates, std::vector<double>& rows);
-  /// The way out is the way back, and what let light out lets it back. Exits of their own (Footprint::exit_a) count as the middle.
+  /// The way out is the way back, and what let light out lets it back. Exits of their own (Footprint::exit_a) count as
+  /// the middle.
   bool retraces(const Path& path) const;
-  void count_uncertain(const glm::dvec3& point, const LidarConnection& way, const LidarHit& hit, const glm::dvec3& normal);
+  void count_uncertain(const glm::dvec3& point, const LidarConnection& way, const LidarHit& hit,
+                       const glm::dvec3& normal);
   void connect_surface(const Path& path, const LidarHit& hit);
-  /// Books what a surface takes: energy that arrives is absorbed, truncated (scattered after the last vertex allowed) or kept.
+  /// Books what a surface takes: energy that arrives is absorbed, truncated (scattered after the last vertex allowed)
+  /// or kept.
   void book(Path& path, const LidarHit& hit, bool last);
   void escape(const Path& path);
   struct Drawn {
     glm::dvec3 direction{0};
-    bool scattered = false;       ///< else straight on
-    std::vector<double> factor;   ///< [line]
+    bool scattered = false;      ///< else straight on
+    std::vector<double> factor;  ///< [line]
   };
   /// One lobe of a vertex by the draws of a step (kernels/sampling/lidar_draws.h). Nothing: no light goes on.
   std::optional<Drawn> draw(const Path& path, const LidarHit& hit, unsigned step, bool diffuse, bool straight) const;

@@ -13,8 +13,8 @@
 
 namespace raycube::reference {
 
-/// work(i) for every i below `count`, on `threads` threads (0: as many as the machine has), in any order. The first exception
-/// stops the loop and is thrown here, and so does a signal: Error(interrupted).
+/// work(i) for every i below `count`, on `threads` threads (0: as many as the machine has), in any order. The first
+/// exception stops the loop and is thrown here, and so does a signal: Error(interrupted).
 template <class Work>
 void for_each_index(std::size_t count, int threads, const Work& work) {
   std::atomic<std::size_t> next{0};

@@ -19,25 +19,28 @@ struct BandRadiance {
   std::vector<double> environment;             ///< [band]; empty without light between ground and air
   std::vector<double> emission, surroundings;  ///< the surface's own light; that of what hides the sky, reflected
   double total(std::size_t band) const {
-    return sun[band] + sky[band] + path[band] + (environment.empty() ? 0 : environment[band]) + emission[band] + surroundings[band];
+    return sun[band] + sky[band] + path[band] + (environment.empty() ? 0 : environment[band]) + emission[band] +
+           surroundings[band];
   }
 };
 
 /// Reflectance of each material on a wavelength grid: linear between the curve's nodes, its end values outside.
-std::vector<std::vector<double>> reflectance_on(const scene::CompiledScene& scene, const std::vector<double>& wavelength_um);
+std::vector<std::vector<double>> reflectance_on(const scene::CompiledScene& scene,
+                                                const std::vector<double>& wavelength_um);
 
 /// Quadrature of a spectrum on the plan's grid over every band.
 std::vector<double> band_values(const plan::Plan& plan, const std::vector<double>& spectrum);
 
-/// The plan's irradiance map at a unit normal, components 0..3. Own double form of the documented interpolant: octahedron
-/// |x|+|y|+|z| = 1 unfolded on [-1,1]^2, each cell cut along the diagonal parallel to its quadrant's fold, linear on the
-/// triangles.
+/// The plan's irradiance map at a unit normal, components 0..3. Own double form of the documented interpolant:
+/// octahedron |x|+|y|+|z| = 1 unfolded on [-1,1]^2, each cell cut along the diagonal parallel to its quadrant's fold,
+/// linear on the triangles.
 std::array<double, 4> unoccluded_irradiance(const plan::IrradianceMap& map, const glm::dvec3& normal);
 
 /// The plan's table of thermal sky and surroundings at a normal's vertical component, linear between its nodes.
 std::array<double, 4> thermal_unoccluded(const plan::Thermal& thermal, double normal_z);
 
-/// Directions of a pixel's set that a sample does not see; index k of the set. Those of other samples' parts (plan.sky.share) are false.
+/// Directions of a pixel's set that a sample does not see; index k of the set. Those of other samples' parts
+/// (plan.sky.share) are false.
 using BlockedDirections = std::vector<bool>;
 
 /// First entry of the pixel's direction set in plan.sky.
@@ -48,7 +51,8 @@ BlockedDirections blocked_directions(const ReferenceScene& scene, const plan::Pl
                                      std::uint32_t pixel, const Sample& sample, std::size_t number_of_sample);
 
 /// Whether direction k belongs to the part of the sample (rc_sky_part).
-bool looks_into(const plan::SkySets& sky, std::uint64_t seed, std::uint32_t pixel, std::size_t number_of_sample, std::size_t k);
+bool looks_into(const plan::SkySets& sky, std::uint64_t seed, std::uint32_t pixel, std::size_t number_of_sample,
+                std::size_t k);
 
 /// Arithmetic form: the plan's nodes, sky components and direction sets taken as spectra.
 class ArithmeticModel {
@@ -74,8 +78,9 @@ class ArithmeticModel {
   std::vector<std::vector<double>> reflectance_;  ///< [material][grid]
 };
 
-/// How a pixel's samples share the sky directions of the model form: each looks into `per_sample` of them, evenly spread, another lot for
-/// each sample, and what it sees counts for all. 0: every sample looks into all. `turn_rad`: the whole set is turned about the zenith.
+/// How a pixel's samples share the sky directions of the model form: each looks into `per_sample` of them, evenly
+/// spread, another lot for each sample, and what it sees counts for all. 0: every sample looks into all. `turn_rad`:
+/// the whole set is turned about the zenith.
 struct SkyShare {
   int per_sample = 0;
   double turn_rad = 0;
@@ -91,8 +96,8 @@ struct SkyShare {
 class TableModel {
  public:
   /// Keeps references. `no_air`: transmissions 1, no sky, no path.
-  TableModel(const ReferenceScene& scene, const plan::Plan& plan, const atmos::RenderTable& table, bool no_air, int directions = 1024,
-             const SkyShare& share = {});
+  TableModel(const ReferenceScene& scene, const plan::Plan& plan, const atmos::RenderTable& table, bool no_air,
+             int directions = 1024, const SkyShare& share = {});
 
   BandRadiance radiance(const SampledPixel& pixel) const;
 
@@ -111,17 +116,16 @@ class TableModel {
   const plan::Plan& plan_;
   const atmos::RenderTable& table_;
   bool no_air_;
-  bool sun_ = true, skylight_ = true;      ///< the table has rows of the sun's light
+  bool sun_ = true, skylight_ = true;          ///< the table has rows of the sun's light
   bool warm_path_ = false, warm_sky_ = false;  ///< and of the air's own
   std::vector<std::vector<double>> reflectance_;
-  std::vector<std::vector<double>>
-      emitted_;  ///< [material][grid] (1 - reflectance) B; empty without a temperature
+  std::vector<std::vector<double>> emitted_;  ///< [material][grid] (1 - reflectance) B; empty without a temperature
   std::vector<glm::dvec3> direction_;
-  std::size_t stride_ = 1;                 ///< a sample looks into every so many
-  double solid_angle_ = 0;                 ///< sr, of each direction that a sample looks into
+  std::size_t stride_ = 1;  ///< a sample looks into every so many
+  double solid_angle_ = 0;  ///< sr, of each direction that a sample looks into
   double height_first_ = 0, height_step_ = 1;
   std::optional<EnvironmentModel> environment_;
-  std::vector<std::vector<float>> sky_;    ///< [height node][direction * table wavelengths], W m-2 sr-1 um-1
+  std::vector<std::vector<float>> sky_;          ///< [height node][direction * table wavelengths], W m-2 sr-1 um-1
   std::vector<std::vector<float>> thermal_sky_;  ///< the same; empty where the table has none
 };
 

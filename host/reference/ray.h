@@ -13,8 +13,9 @@
 
 namespace raycube::reference {
 
-/// Origin (m, scene frame) and direction as the device holds them: not normalised, so a hit lies at origin + offset + t direction. The
-/// offset of camera rays that start ahead of the sensor is small, and its sum with the origin is not rounded.
+/// Origin (m, scene frame) and direction as the device holds them: not normalised, so a hit lies at origin + offset + t
+/// direction. The offset of camera rays that start ahead of the sensor is small, and its sum with the origin is not
+/// rounded.
 struct Ray {
   std::array<float, 3> origin{}, direction{}, offset{};
 };
@@ -35,17 +36,20 @@ inline float group_abscissa(int lane, int width, float u) {
   return (static_cast<float>(lane) - static_cast<float>(width - 1) * 0.5f) + u;
 }
 
-/// The ray of the point (u, v), in pixels from the centre of pixel `lane` of the group, each component by the device's own operations
-/// (kernels/geometry/samples.h), so that any exact fma gives the same bits.
+/// The ray of the point (u, v), in pixels from the centre of pixel `lane` of the group, each component by the device's
+/// own operations (kernels/geometry/samples.h), so that any exact fma gives the same bits.
 inline Ray sample_ray(const shared::RayGroup& group, int lane, int width, float u, float v) {
   const float a = group_abscissa(lane, width, u);
   const auto direction = [&](float d0, float du, float dv) { return std::fma(v, dv, std::fma(a, du, d0)); };
   const float a_ahead = a * group.d0.w, v_ahead = v * group.d0.w;
-  const auto offset = [&](float du, float dv, float ov) { return std::fma(v, ov, std::fma(v_ahead, dv, a_ahead * du)); };
+  const auto offset = [&](float du, float dv, float ov) {
+    return std::fma(v, ov, std::fma(v_ahead, dv, a_ahead * du));
+  };
   return {{group.origin.x, group.origin.y, group.origin.z},
           {direction(group.d0.x, group.du.x, group.dv.x), direction(group.d0.y, group.du.y, group.dv.y),
            direction(group.d0.z, group.du.z, group.dv.z)},
-          {offset(group.du.x, group.dv.x, group.ov.x), offset(group.du.y, group.dv.y, group.ov.y), offset(group.du.z, group.dv.z, group.ov.z)}};
+          {offset(group.du.x, group.dv.x, group.ov.x), offset(group.du.y, group.dv.y, group.ov.y),
+           offset(group.du.z, group.dv.z, group.ov.z)}};
 }
 
 inline glm::dvec3 to_double(const std::array<float, 3>& v) { return {v[0], v[1], v[2]}; }

@@ -17,7 +17,8 @@ std::string number(double value) {
 }
 
 std::string name_of(const Hit& hit) {
-  return hit.miss() ? "a miss" : "instance " + std::to_string(hit.instance) + " primitive " + std::to_string(hit.primitive);
+  return hit.miss() ? "a miss"
+                    : "instance " + std::to_string(hit.instance) + " primitive " + std::to_string(hit.primitive);
 }
 
 std::string key_of(Cause cause) {
@@ -44,11 +45,16 @@ nlohmann::ordered_json json_of(const HitReport& report) {
   out["hit_against_miss_in_double"] = report.hit_miss_double;
   out["unexplained_rays"] = nlohmann::ordered_json::array();
   const auto hit = [](const Hit& h) {
-    return h.miss() ? nlohmann::ordered_json() : nlohmann::ordered_json{{"instance", h.instance}, {"primitive", h.primitive}};
+    return h.miss() ? nlohmann::ordered_json()
+                    : nlohmann::ordered_json{{"instance", h.instance}, {"primitive", h.primitive}};
   };
   for (const UnexplainedRay& r : report.unexplained)
-    out["unexplained_rays"].push_back({{"line", r.line}, {"sample", r.sample}, {"ray", r.ray}, {"device", hit(r.device)},
-                                       {"embree", hit(r.embree)}, {"double", hit(r.exact)}});
+    out["unexplained_rays"].push_back({{"line", r.line},
+                                       {"sample", r.sample},
+                                       {"ray", r.ray},
+                                       {"device", hit(r.device)},
+                                       {"embree", hit(r.embree)},
+                                       {"double", hit(r.exact)}});
   return out;
 }
 
@@ -65,7 +71,8 @@ std::array<std::uint8_t, 3> difference_colour(float log10_difference) {
   while (i < 3 && log10_difference > at[i + 1]) ++i;
   const float f = std::clamp((log10_difference - at[i]) / (at[i + 1] - at[i]), 0.0f, 1.0f);
   std::array<std::uint8_t, 3> out{};
-  for (std::size_t c = 0; c < 3; ++c) out[c] = static_cast<std::uint8_t>(std::lround(rgb[i][c] + f * (rgb[i + 1][c] - rgb[i][c])));
+  for (std::size_t c = 0; c < 3; ++c)
+    out[c] = static_cast<std::uint8_t>(std::lround(rgb[i][c] + f * (rgb[i + 1][c] - rgb[i][c])));
   return out;
 }
 
@@ -74,23 +81,27 @@ std::vector<std::string> Report::failures() const {
   if (pixels == 0) out.push_back("no pixel was compared");
   if (const std::uint64_t count = first_hits.of(Cause::unexplained); count > 0) {
     const UnexplainedRay& r = first_hits.unexplained.at(0);
-    out.push_back(std::to_string(count) + " of " + std::to_string(first_hits.rays) + " first hits differ without explanation, "
-                  "the first at line " + std::to_string(r.line) + ", sample " + std::to_string(r.sample) + ", ray " +
-                  std::to_string(r.ray) + ": the device says " + name_of(r.device) + ", Embree " + name_of(r.embree) +
-                  ", double " + name_of(r.exact));
+    out.push_back(std::to_string(count) + " of " + std::to_string(first_hits.rays) +
+                  " first hits differ without explanation, "
+                  "the first at line " +
+                  std::to_string(r.line) + ", sample " + std::to_string(r.sample) + ", ray " + std::to_string(r.ray) +
+                  ": the device says " + name_of(r.device) + ", Embree " + name_of(r.embree) + ", double " +
+                  name_of(r.exact));
   }
-  if (unexplained(*this) > 0) out.push_back(std::to_string(unexplained(*this)) + " first hits differ without explanation");
+  if (unexplained(*this) > 0)
+    out.push_back(std::to_string(unexplained(*this)) + " first hits differ without explanation");
   if (sun_unexplained > 0) out.push_back(std::to_string(sun_unexplained) + " sun rays differ without explanation");
-  if (sky_unexplained > 0) out.push_back(std::to_string(sky_unexplained) + " samples see another sky without explanation");
+  if (sky_unexplained > 0)
+    out.push_back(std::to_string(sky_unexplained) + " samples see another sky without explanation");
   if (!(worst_median < limits.median))
     out.push_back("a band's median difference is " + number(worst_median) + ", limit " + number(limits.median));
   if (beyond_pixels > 0)
-    out.push_back(std::to_string(beyond_pixels) + " pixels differ by more than " + number(limits.worst) + ", the worst by " +
-                  number(worst) + " in band " + std::to_string(worst_band + 1) + " at line " + std::to_string(worst_line) +
-                  ", sample " + std::to_string(worst_sample));
+    out.push_back(std::to_string(beyond_pixels) + " pixels differ by more than " + number(limits.worst) +
+                  ", the worst by " + number(worst) + " in band " + std::to_string(worst_band + 1) + " at line " +
+                  std::to_string(worst_line) + ", sample " + std::to_string(worst_sample));
   if (model_pixels > 0 && !(model_total.figure <= limits.model))
-    out.push_back("the full tables differ by " + number(model_total.figure) + " in band " + std::to_string(model_total.band + 1) +
-                  ", tolerance " + number(limits.model));
+    out.push_back("the full tables differ by " + number(model_total.figure) + " in band " +
+                  std::to_string(model_total.band + 1) + ", tolerance " + number(limits.model));
   return out;
 }
 
@@ -98,27 +109,29 @@ std::string Report::text(const std::vector<std::string>& band_names) const {
   const auto band = [&](std::size_t b) { return b < band_names.size() ? band_names[b] : std::to_string(b); };
   std::string out;
   if (first_hits.rays > 0)
-    out += "first hits of " + std::to_string(first_hits.rays) + " rays:" + counts_text(first_hits.hits) + "; share explained " +
-           number(first_hits.explained_share()) + " (double sides with the device in " + std::to_string(first_hits.device_right) +
-           ", with Embree in " + std::to_string(first_hits.embree_right) + "); hit against miss: Embree " + std::to_string(first_hits.hit_miss) +
-           ", double " + std::to_string(first_hits.hit_miss_double) + "\n";
-  out += "pixels compared in full " + std::to_string(pixels) + ", their rays " + std::to_string(rays) + "\nfirst hits:" +
-         counts_text(hits) + "; hit against miss " + std::to_string(hit_miss);
+    out += "first hits of " + std::to_string(first_hits.rays) + " rays:" + counts_text(first_hits.hits) +
+           "; share explained " + number(first_hits.explained_share()) + " (double sides with the device in " +
+           std::to_string(first_hits.device_right) + ", with Embree in " + std::to_string(first_hits.embree_right) +
+           "); hit against miss: Embree " + std::to_string(first_hits.hit_miss) + ", double " +
+           std::to_string(first_hits.hit_miss_double) + "\n";
+  out += "pixels compared in full " + std::to_string(pixels) + ", their rays " + std::to_string(rays) +
+         "\nfirst hits:" + counts_text(hits) + "; hit against miss " + std::to_string(hit_miss);
   out += "\nsun rays: " + std::to_string(sun_rays) + ", explained " + std::to_string(sun_explained) + ", unexplained " +
          std::to_string(sun_unexplained);
-  out += "\nsky rays: " + std::to_string(sky_rays) + ", explained " + std::to_string(sky_explained) + ", samples unexplained " +
-         std::to_string(sky_unexplained);
+  out += "\nsky rays: " + std::to_string(sky_rays) + ", explained " + std::to_string(sky_explained) +
+         ", samples unexplained " + std::to_string(sky_unexplained);
   out += "\narithmetic: worst band median " + number(worst_median) + " (limit " + number(limits.median) + "), worst " +
          number(worst) + " (limit " + number(limits.worst) + ") in band " + band(worst_band) + " at line " +
          std::to_string(worst_line) + ", sample " + std::to_string(worst_sample) + "; pixels left out " +
          std::to_string(excluded_pixels);
   if (model_pixels > 0)
     out += "\nmodel (" + std::to_string(model_pixels) + " pixels): " + number(model_total.figure) + " in band " +
-           band(model_total.band) + " (tolerance " + number(limits.model) + "); sun " + number(model_sun.figure) + ", sky " +
-           number(model_sky.figure) + ", path " + number(model_path.figure);
+           band(model_total.band) + " (tolerance " + number(limits.model) + "); sun " + number(model_sun.figure) +
+           ", sky " + number(model_sky.figure) + ", path " + number(model_path.figure);
   if (model_pixels > 0 && adjacency) out += ", ground around " + number(model_environment.figure);
   if (model_pixels > 0 && thermal)
-    out += ", emission " + number(model_emission.figure) + ", surroundings at one temperature " + number(model_surroundings.figure);
+    out += ", emission " + number(model_emission.figure) + ", surroundings at one temperature " +
+           number(model_surroundings.figure);
   for (const std::string& failure : failures()) out += "\nBEYOND LIMITS: " + failure;
   return out + "\n";
 }
@@ -148,9 +161,11 @@ std::string Report::json() const {
   out["worst_line"] = worst_line;
   out["worst_sample"] = worst_sample;
   if (model_pixels > 0) {
-    const auto block = [](const ModelDifference& d) { return nlohmann::ordered_json{{"figure", d.figure}, {"band", d.band}}; };
-    out["model"] = {{"pixels", model_pixels},        {"tolerance", limits.model},  {"total", block(model_total)},
-                    {"sun", block(model_sun)},       {"sky", block(model_sky)},    {"path", block(model_path)}};
+    const auto block = [](const ModelDifference& d) {
+      return nlohmann::ordered_json{{"figure", d.figure}, {"band", d.band}};
+    };
+    out["model"] = {{"pixels", model_pixels},  {"tolerance", limits.model}, {"total", block(model_total)},
+                    {"sun", block(model_sun)}, {"sky", block(model_sky)},   {"path", block(model_path)}};
     if (thermal) {
       out["model"]["emission"] = block(model_emission);
       out["model"]["surroundings"] = block(model_surroundings);

@@ -37,9 +37,12 @@ std::vector<double> line_weights(int cells, double support, double sigma) {
 
 int sampler_code(scene::SamplerKind kind) {
   switch (kind) {
-    case scene::SamplerKind::lattice: return RC_SAMPLER_LATTICE;
-    case scene::SamplerKind::jittered: return RC_SAMPLER_JITTERED;
-    case scene::SamplerKind::grid: break;
+    case scene::SamplerKind::lattice:
+      return RC_SAMPLER_LATTICE;
+    case scene::SamplerKind::jittered:
+      return RC_SAMPLER_JITTERED;
+    case scene::SamplerKind::grid:
+      break;
   }
   return RC_SAMPLER_GRID;
 }
@@ -50,9 +53,11 @@ std::array<float, 3> rounded(const glm::dvec3& v) {
 
 }  // namespace
 
-void append_addresses(std::vector<PixelAddress>& to, int line, int first, int count, const shared::RayGroup* groups, int width) {
+void append_addresses(std::vector<PixelAddress>& to, int line, int first, int count, const shared::RayGroup* groups,
+                      int width) {
   for (int column = first; column < first + count; ++column)
-    to.push_back({static_cast<std::uint32_t>(line), static_cast<std::uint32_t>(column), groups[column / width], column % width, width});
+    to.push_back({static_cast<std::uint32_t>(line), static_cast<std::uint32_t>(column), groups[column / width],
+                  column % width, width});
 }
 
 Ray pixel_ray(const scene::Instrument& instrument, std::uint64_t seed, const PixelAddress& address, int sample) {
@@ -64,8 +69,10 @@ Ray pixel_ray(const scene::Instrument& instrument, std::uint64_t seed, const Pix
 }
 
 std::vector<double> sample_weights(const scene::Instrument& instrument) {
-  const std::size_t count = static_cast<std::size_t>(instrument.samples_u) * static_cast<std::size_t>(instrument.samples_v);
-  if (instrument.sampler == scene::SamplerKind::lattice) return std::vector<double>(count, 1.0 / static_cast<double>(count));
+  const std::size_t count =
+      static_cast<std::size_t>(instrument.samples_u) * static_cast<std::size_t>(instrument.samples_v);
+  if (instrument.sampler == scene::SamplerKind::lattice)
+    return std::vector<double>(count, 1.0 / static_cast<double>(count));
   const auto along = line_weights(instrument.samples_u, instrument.psf_support_px, instrument.psf_sigma_px);
   const auto across = line_weights(instrument.samples_v, instrument.psf_support_px, instrument.psf_sigma_px);
   std::vector<double> weights;
@@ -85,7 +92,8 @@ double ReferenceScene::farthest_corner_m(const Sample& sample) const {
                           placed.world_from_local_0.z, placed.world_from_local_1.z, placed.world_from_local_2.z);
   double corner = 0;
   for (int i = 0; i < 3; ++i)
-    corner = std::max(corner, glm::length(linear * vertex(compiled, sample.hit.primitive, i) + translation - sample.point));
+    corner =
+        std::max(corner, glm::length(linear * vertex(compiled, sample.hit.primitive, i) + translation - sample.point));
   return corner;
 }
 
@@ -131,8 +139,8 @@ void ReferenceScene::place(Sample& sample, const plan::Plan& plan) const {
   sample.sun_visible = plan.sun_up && sample.cos_sun > 0 && sees(sample, sun);
 }
 
-SampledPixel ReferenceScene::sample_pixel(const scene::Instrument& instrument, const plan::Plan& plan, std::uint64_t seed,
-                                          const PixelAddress& address) const {
+SampledPixel ReferenceScene::sample_pixel(const scene::Instrument& instrument, const plan::Plan& plan,
+                                          std::uint64_t seed, const PixelAddress& address) const {
   SampledPixel pixel;
   pixel.number = address.line * static_cast<std::uint32_t>(instrument.pixels) + address.sample;
   const Ray center = sample_ray(address.group, address.lane, address.group_width, 0, 0);

@@ -15,30 +15,31 @@ namespace raycube::reference {
 struct PixelAddress {
   std::uint32_t line = 0, sample = 0;
   shared::RayGroup group{};
-  int lane = 0;                  ///< place of the pixel in its group
+  int lane = 0;  ///< place of the pixel in its group
   int group_width = RC_GROUP_WIDTH;
 };
 
 /// Appends pixels `first` .. `first + count - 1` of a line; `groups`: all of the line, of `width` pixels each.
-void append_addresses(std::vector<PixelAddress>& to, int line, int first, int count, const shared::RayGroup* groups, int width);
+void append_addresses(std::vector<PixelAddress>& to, int line, int first, int count, const shared::RayGroup* groups,
+                      int width);
 
 /// The fp32 ray of one sample of a pixel, bit for bit the device's.
 Ray pixel_ray(const scene::Instrument& instrument, std::uint64_t seed, const PixelAddress& address, int sample);
 
 struct Sample {
   Ray ray;
-  double weight = 0;             ///< of the point spread; a pixel's weights sum to 1
+  double weight = 0;  ///< of the point spread; a pixel's weights sum to 1
   Hit hit;
-  glm::dvec3 point{0};           ///< m, scene frame
-  glm::dvec3 normal{0};          ///< unit, turned to the viewer
-  double cos_sun = 0;            ///< n . s
-  bool sun_visible = false;      ///< meaningful where cos_sun > 0
+  glm::dvec3 point{0};       ///< m, scene frame
+  glm::dvec3 normal{0};      ///< unit, turned to the viewer
+  double cos_sun = 0;        ///< n . s
+  bool sun_visible = false;  ///< meaningful where cos_sun > 0
 };
 
 struct SampledPixel {
-  std::uint32_t number = 0;      ///< line * pixels + sample: the key of its random numbers
-  glm::dvec3 sensor{0};          ///< m, scene frame: for the centre ray
-  glm::dvec3 to_sensor{0};       ///< unit vector target -> sensor of the pixel's centre ray
+  std::uint32_t number = 0;  ///< line * pixels + sample: the key of its random numbers
+  glm::dvec3 sensor{0};      ///< m, scene frame: for the centre ray
+  glm::dvec3 to_sensor{0};   ///< unit vector target -> sensor of the pixel's centre ray
   std::vector<Sample> samples;
 };
 
@@ -46,15 +47,16 @@ struct SampledPixel {
 /// (psf_sigma_px), integrated over the sample's cell, normalised. The lattice has no cells: 1/N.
 std::vector<double> sample_weights(const scene::Instrument& instrument);
 
-/// How far a spawned ray starts off its surface, in ulp of the point's size: its distance from the scene's origin plus that
-/// of its instance, plus the distance to its triangle's farthest corner. More than the 16 ulp (contact.h) by which Embree may misplace the ray's origin in the instance's frame.
+/// How far a spawned ray starts off its surface, in ulp of the point's size: its distance from the scene's origin plus
+/// that of its instance, plus the distance to its triangle's farthest corner. More than the 16 ulp (contact.h) by which
+/// Embree may misplace the ray's origin in the instance's frame.
 inline constexpr double kOffsetUlp = 24;
 /// How far the origin of another correct fp32 computation of the same spawned ray may lie from the reference's. An
-/// error-bounded offset is up to 6 ulp of each of two transforms of either size, times 3 where it is summed over the axes
-/// of an oblique normal: 36, rounded up, and the reference's own.
+/// error-bounded offset is up to 6 ulp of each of two transforms of either size, times 3 where it is summed over the
+/// axes of an oblique normal: 36, rounded up, and the reference's own.
 inline constexpr double kOriginSlackUlp = 64;
-/// In an instance's frame the primary ray itself is rounded, and its hit slides along the surface: ulp of the ray's origin
-/// and range.
+/// In an instance's frame the primary ray itself is rounded, and its hit slides along the surface: ulp of the ray's
+/// origin and range.
 inline constexpr double kSlideUlp = 16;
 
 /// The scene in the three forms the reference needs; all const members may be used from several threads.

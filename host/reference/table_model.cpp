@@ -31,8 +31,12 @@ double azimuth_deg(const glm::dvec3& unit) { return std::atan2(unit.x, unit.y) *
 
 }  // namespace
 
-TableModel::TableModel(const ReferenceScene& scene, const plan::Plan& plan, const atmos::RenderTable& table, bool no_air, int directions, const SkyShare& share)
-    : scene_(scene), plan_(plan), table_(table), no_air_(no_air),
+TableModel::TableModel(const ReferenceScene& scene, const plan::Plan& plan, const atmos::RenderTable& table,
+                       bool no_air, int directions, const SkyShare& share)
+    : scene_(scene),
+      plan_(plan),
+      table_(table),
+      no_air_(no_air),
       reflectance_(reflectance_on(scene.compiled, plan.wavelength_um)) {
   sun_ = plan.sun_up && table.has("solar_irradiance");
   skylight_ = !no_air && table.has("sky_radiance_solar");
@@ -59,7 +63,8 @@ TableModel::TableModel(const ReferenceScene& scene, const plan::Plan& plan, cons
   const auto& compiled = scene.compiled;
   const bool empty = !(compiled.lo[2] <= compiled.hi[2]);
   const double lowest = empty ? floor_m : std::min(floor_m, static_cast<double>(compiled.lo[2]));
-  const double highest = empty ? floor_m : std::max(lowest, std::min(static_cast<double>(compiled.hi[2]), table.sensor_height_m));
+  const double highest =
+      empty ? floor_m : std::max(lowest, std::min(static_cast<double>(compiled.hi[2]), table.sensor_height_m));
   const double height_lo_m = within_table(table, lowest), height_hi_m = within_table(table, highest);
   const int steps = static_cast<int>(std::ceil((height_hi_m - height_lo_m) / kSkyHeightStep_m));
   height_first_ = height_lo_m;
@@ -79,12 +84,14 @@ TableModel::TableModel(const ReferenceScene& scene, const plan::Plan& plan, cons
     std::size_t at = 0;
     if (environment_)
       for (const glm::dvec3& d : direction_)
-        for (double radiance : environment_->sky_increment(z, zenith_deg(d))) values[at++] += static_cast<float>(radiance);
+        for (double radiance : environment_->sky_increment(z, zenith_deg(d)))
+          values[at++] += static_cast<float>(radiance);
     for (std::size_t i = 0; i < values.size(); ++i) values[i] *= static_cast<float>(plan.sky_flux.at(z, i % lines));
     if (!warm_sky_) continue;
     std::vector<float>& emitted = thermal_sky_.emplace_back();
     for (const glm::dvec3& d : direction_)
-      for (double radiance : atmos::sky_radiance_thermal(table, z, zenith_deg(d))) emitted.push_back(static_cast<float>(radiance));
+      for (double radiance : atmos::sky_radiance_thermal(table, z, zenith_deg(d)))
+        emitted.push_back(static_cast<float>(radiance));
   }
 }
 
@@ -95,8 +102,10 @@ std::vector<double> TableModel::on_grid(const std::vector<double>& table_spectru
 /// Radiance at the sensor per unit reflectance and per unit (cosine, or sky irradiance spectrum), 1/pi inside.
 std::vector<double> TableModel::source(double height_m, double zenith, Light light) const {
   const bool sun = light == Light::sun;
-  if ((sun && !sun_) || (light == Light::sky && !skylight_ && !no_air_)) return std::vector<double>(atmos::wavelengths(table_).size(), 0.0);
-  std::vector<double> out = sun ? atmos::solar_irradiance(table_) : std::vector<double>(atmos::wavelengths(table_).size(), 1.0);
+  if ((sun && !sun_) || (light == Light::sky && !skylight_ && !no_air_))
+    return std::vector<double>(atmos::wavelengths(table_).size(), 0.0);
+  std::vector<double> out =
+      sun ? atmos::solar_irradiance(table_) : std::vector<double>(atmos::wavelengths(table_).size(), 1.0);
   std::vector<double> through(out.size(), 1.0);
   if (!no_air_) {
     if (sun) {
@@ -130,22 +139,24 @@ std::vector<double> TableModel::surface_light(std::uint32_t surface) const {
 }
 
 BandRadiance TableModel::radiance(const SampledPixel& pixel) const {
-  // Within the pixel, spectra are linear between its own lowest and highest point: second order in metres over kilometres.
+  // Within the pixel, spectra are linear between its own lowest and highest point: second order in metres over
+  // kilometres.
   double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
   for (const Sample& sample : pixel.samples) {
     const double z = sample.hit.miss() ? static_cast<double>(plan_.height.first) : sample.point.z;
     lowest = std::min(lowest, z), highest = std::max(highest, z);
   }
   struct PerMaterial {
-    double sun = 0;                    ///< sum of weight x fraction x cosine over lit samples
-    std::vector<double> sky;           ///< [direction]: sum of weight x fraction x cosine x solid angle where seen
-    double cover = 0;                  ///< sum of weight x fraction
-    std::map<std::uint32_t, double> hidden;  ///< the same as sky, by the surface that is met instead; RC_NONE: beyond the scene
+    double sun = 0;           ///< sum of weight x fraction x cosine over lit samples
+    std::vector<double> sky;  ///< [direction]: sum of weight x fraction x cosine x solid angle where seen
+    double cover = 0;         ///< sum of weight x fraction
+    std::map<std::uint32_t, double>
+        hidden;  ///< the same as sky, by the surface that is met instead; RC_NONE: beyond the scene
   };
   std::map<std::uint32_t, PerMaterial> ends[2];  // by material
   double path_weight[2] = {0, 0};
-  // Samples that follow each other look into other lots: the step is odd, so all lots come up, and so many apart that rows of a grid do not
-  // meet the same one again. Pixels start anywhere.
+  // Samples that follow each other look into other lots: the step is odd, so all lots come up, and so many apart that
+  // rows of a grid do not meet the same one again. Pixels start anywhere.
   std::size_t lot = pixel.number * 2654435769u;
   for (const Sample& sample : pixel.samples) {
     base::throw_if_interrupted();
@@ -169,8 +180,9 @@ BandRadiance TableModel::radiance(const SampledPixel& pixel) const {
       const double down = glm::dot(sample.normal, below);
       if (down > 0) hidden[surface_of(scene_.meets(sample, below))] += down * solid_angle_;
     }
-    const shared::Surface& surface = scene_.compiled.surfaces[scene_.compiled.blocks[sample.hit.primitive / RC_BLOCK]
-                                                                  .surface[sample.hit.primitive % RC_BLOCK]];
+    const shared::Surface& surface =
+        scene_.compiled
+            .surfaces[scene_.compiled.blocks[sample.hit.primitive / RC_BLOCK].surface[sample.hit.primitive % RC_BLOCK]];
     for (int m = 0; m < 4; ++m) {
       if (surface.curve[m] == 0) continue;
       for (int end = 0; end < 2; ++end) {
@@ -209,7 +221,8 @@ BandRadiance TableModel::radiance(const SampledPixel& pixel) const {
       for (std::size_t i = 0; i < grid; ++i) environment[i] += path_weight[end] * l[i];
     }
     if (ends[end].empty()) continue;
-    const std::vector<double> sun_light = on_grid(source(z, zenith, Light::sun)), through = source(z, zenith, Light::sky);
+    const std::vector<double> sun_light = on_grid(source(z, zenith, Light::sun)),
+                              through = source(z, zenith, Light::sky);
     const std::vector<double> direct = on_grid(source(z, zenith, Light::direct));
     std::vector<double> thermal_through;
     if (warm_sky_) thermal_through = source(z, zenith, Light::thermal_sky);
@@ -217,15 +230,16 @@ BandRadiance TableModel::radiance(const SampledPixel& pixel) const {
       const std::vector<double>& rho = reflectance_[material];
       for (std::size_t i = 0; i < grid; ++i) sun[i] += rho[i] * sum.sun * sun_light[i];
       const std::vector<double>& own = emitted_[material];
-      for (std::size_t i = 0; i < own.size(); ++i)
-        emission[i] += own[i] * sum.cover * std::numbers::pi * direct[i];
+      for (std::size_t i = 0; i < own.size(); ++i) emission[i] += own[i] * sum.cover * std::numbers::pi * direct[i];
       if (direction_.empty()) continue;
       if (plan_.thermal.on) {
         for (const auto& [blocker, weight] : sum.hidden) {
           std::vector<double> light;
-          if (blocker != RC_NONE) light = surface_light(blocker);
+          if (blocker != RC_NONE)
+            light = surface_light(blocker);
           else
-            for (const double l : plan_.wavelength_um) light.push_back(base::planck_radiance(l, plan_.thermal.surroundings_K));
+            for (const double l : plan_.wavelength_um)
+              light.push_back(base::planck_radiance(l, plan_.thermal.surroundings_K));
           for (std::size_t i = 0; i < grid; ++i) surroundings[i] += rho[i] * weight * direct[i] * light[i];
         }
       }
@@ -251,8 +265,8 @@ BandRadiance TableModel::radiance(const SampledPixel& pixel) const {
       for (std::size_t i = 0; i < grid; ++i) sky[i] += rho[i] * light[i];
     }
   }
-  BandRadiance out{band_values(plan_, sun), band_values(plan_, sky), band_values(plan_, path), {}, band_values(plan_, emission),
-                   band_values(plan_, surroundings)};
+  BandRadiance out{band_values(plan_, sun),      band_values(plan_, sky),         band_values(plan_, path), {},
+                   band_values(plan_, emission), band_values(plan_, surroundings)};
   if (environment_) out.environment = band_values(plan_, environment);
   return out;
 }

@@ -37,7 +37,8 @@ std::vector<std::uint8_t> unsettled(const FirstLook& look, double tolerance) {
         for (int x = std::max(0, column - 1); x <= std::min(look.columns - 1, column + 1); ++x) {
           const std::size_t there = static_cast<std::size_t>(y) * columns + static_cast<std::size_t>(x);
           const float* truth = look.truth.data() + there * look.layers;
-          even = even && whole_and_same(here[hit_fraction], truth[hit_fraction]) && whole_and_same(here[sun_fraction], truth[sun_fraction]);
+          even = even && whole_and_same(here[hit_fraction], truth[hit_fraction]) &&
+                 whole_and_same(here[sun_fraction], truth[sun_fraction]);
           square += double{look.error[there]} * double{look.error[there]};
           ++pixels;
         }

@@ -1,5 +1,5 @@
-// The baked band values E[row][channel][band] on the device. Rows are kept by product key and replaced least recently used
-// first; which slot a key gets cannot change a result, since terms are summed in key order.
+// The baked band values E[row][channel][band] on the device. Rows are kept by product key and replaced least recently
+// used first; which slot a key gets cannot change a result, since terms are summed in key order.
 #pragma once
 
 #include <cstdint>
@@ -19,9 +19,10 @@ std::size_t most_rows(const scene::CompiledScene& scene, const plan::Plan& plan)
 
 class BandTable {
  public:
-  /// Holds as many rows as `bytes` allow, at least those of one pixel (261). Key 0 (path radiance) is baked at once and never leaves.
-  BandTable(const cl::Context& context, const scene::CompiledScene& scene, const plan::Plan& plan, const StageShape& shape,
-            std::size_t bytes);
+  /// Holds as many rows as `bytes` allow, at least those of one pixel (261). Key 0 (path radiance) is baked at once and
+  /// never leaves.
+  BandTable(const cl::Context& context, const scene::CompiledScene& scene, const plan::Plan& plan,
+            const StageShape& shape, std::size_t bytes);
 
   std::size_t capacity() const { return capacity_; }
   /// Bakes what is missing of `keys` (ascending, without 0, at most capacity() - 1 of them) and uploads it.

@@ -1,5 +1,6 @@
-// The device of a render and the sizes of its launches: as `raycube tune` found and kept them for that device, else the defaults.
-// None of them can change a bit of a result; what could (how bundles split, when single rays take over) is a constant of the kernels.
+// The device of a render and the sizes of its launches: as `raycube tune` found and kept them for that device, else the
+// defaults. None of them can change a bit of a result; what could (how bundles split, when single rays take over) is a
+// constant of the kernels.
 #pragma once
 
 #include <filesystem>
@@ -14,8 +15,8 @@ namespace raycube::render {
 
 struct RenderOptions;
 
-/// Samples of a tile past which a launch gains nothing: smaller tiles let writing overlap tracing, and memory that does not help is not
-/// taken (with it, 961 samples a pixel would need more than 16 as long as the budget lasts).
+/// Samples of a tile past which a launch gains nothing: smaller tiles let writing overlap tracing, and memory that does
+/// not help is not taken (with it, 961 samples a pixel would need more than 16 as long as the budget lasts).
 inline constexpr std::size_t kTileSamples = std::size_t{1} << 21;
 
 struct DeviceTuning {
@@ -27,14 +28,16 @@ struct DeviceTuning {
 /// What is used on a device where nothing was tuned.
 DeviceTuning default_tuning(const cl::DeviceInfo& device);
 
-/// Where the sizes found for a device are kept, by its name, vendor, driver and compute units and by the kernels' sources: what was
-/// found for other kernels says nothing of these. Empty when the user has no home.
+/// Where the sizes found for a device are kept, by its name, vendor, driver and compute units and by the kernels'
+/// sources: what was found for other kernels says nothing of these. Empty when the user has no home.
 std::filesystem::path tuning_file(const cl::DeviceInfo& device);
 
-/// What `raycube tune` kept; nothing when it never ran here or the file cannot be read (a cache: then the defaults serve).
+/// What `raycube tune` kept; nothing when it never ran here or the file cannot be read (a cache: then the defaults
+/// serve).
 std::optional<DeviceTuning> read_tuning(const cl::DeviceInfo& device);
 
-/// The file to be, claimed before anything is timed. Throws Error(environment) when the user has no home or may not write there.
+/// The file to be, claimed before anything is timed. Throws Error(environment) when the user has no home or may not
+/// write there.
 base::OutputFile claim_tuning(const cl::DeviceInfo& device);
 
 /// Keeps sizes there; those of kernels that the file had and `tuning` has not stay.

@@ -1,4 +1,5 @@
-// The ways in which exit and pupil of shots lie to one another: tables of a beam's overlap with the field are made once for each.
+// The ways in which exit and pupil of shots lie to one another: tables of a beam's overlap with the field are made once
+// for each.
 #pragma once
 
 #include <array>
@@ -11,8 +12,9 @@
 
 namespace raycube::render {
 
-/// Number of a geometry among those met so far, and a record of each (kernels/lidar/layout.h) in a frame of its own: exit at 0, beam along z. It
-/// depends on the geometry alone, rounded to 1 um and 1 nrad, never on the shots that came before. The footprint's turn is left out.
+/// Number of a geometry among those met so far, and a record of each (kernels/lidar/layout.h) in a frame of its own:
+/// exit at 0, beam along z. It depends on the geometry alone, rounded to 1 um and 1 nrad, never on the shots that came
+/// before. The footprint's turn is left out.
 class LidarBeams {
  public:
   LidarBeams(const lidar::LidarPlan& plan) : plan_(plan) {}

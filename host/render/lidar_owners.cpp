@@ -19,17 +19,21 @@ Vec3 plus(const Vec3& a, double f, const Vec3& b) { return {a[0] + f * b[0], a[1
 Vec3 minus(const Vec3& a, const Vec3& b) { return plus(a, -1, b); }
 double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 double length(const Vec3& a) { return std::sqrt(dot(a, a)); }
-Vec3 cross(const Vec3& a, const Vec3& b) { return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]}; }
+Vec3 cross(const Vec3& a, const Vec3& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
 shared::rc_float4 pack(const Vec3& v, double w = 0) {
   return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2]), static_cast<float>(w)};
 }
 
 double diagonal(const scene::CompiledScene& scene) {
   if (scene.lo[0] > scene.hi[0]) return 0;
-  return length({double(scene.hi[0]) - scene.lo[0], double(scene.hi[1]) - scene.lo[1], double(scene.hi[2]) - scene.lo[2]});
+  return length(
+      {double(scene.hi[0]) - scene.lo[0], double(scene.hi[1]) - scene.lo[1], double(scene.hi[2]) - scene.lo[2]});
 }
 
-/// Where a ray enters the scene's box, in units of its direction; a ray that misses it: the plane across it before the scene.
+/// Where a ray enters the scene's box, in units of its direction; a ray that misses it: the plane across it before the
+/// scene.
 double entry(const scene::CompiledScene& scene, const Vec3& at, const Vec3& way) {
   if (scene.lo[0] > scene.hi[0]) return 0;
   double enter = 0, leave = std::numeric_limits<double>::infinity();
@@ -71,14 +75,19 @@ void append_owner(const lidar::LidarPlan& plan, const scene::CompiledScene& scen
     axis = plus(axis, (row + 0.5 - 0.5 * lidar.receiver.rows) * pitch, pupil_v);
   }
   const double s = entry(scene, start, axis);
-  const Vec3 reference = plus(start, s, axis), rounded{static_cast<float>(reference[0]), static_cast<float>(reference[1]), static_cast<float>(reference[2])};
+  const Vec3 reference = plus(start, s, axis),
+             rounded{static_cast<float>(reference[0]), static_cast<float>(reference[1]),
+                     static_cast<float>(reference[2])};
   const Vec3 from_start = minus(reference, start), from_end = minus(reference, end);
 
   const double radius = lidar.receiver.aperture_radius_m, hidden = lidar.receiver.obscuration_radius_m;
-  double weight = M_PI * (radius * radius - hidden * hidden) * camera_factor(lidar.receiver) * lidar.receiver.efficiency * shot.gain / lidar.transport.subrays;
+  double weight = M_PI * (radius * radius - hidden * hidden) * camera_factor(lidar.receiver) *
+                  lidar.receiver.efficiency * shot.gain / lidar.transport.subrays;
   if (receiver) weight *= pitch * pitch;
 
-  const double position = ((length(from_start) + length(from_end)) * lidar.transport.group_index / kLightSpeed - lidar.gate.start_s) / lidar.gate.bin_s;
+  const double position =
+      ((length(from_start) + length(from_end)) * lidar.transport.group_index / kLightSpeed - lidar.gate.start_s) /
+      lidar.gate.bin_s;
   const double bin = std::clamp(std::floor(position), -1e9, 1e9);
   const std::uint32_t key = lidar::draw_key(plan, shot.pulse, pixel);
 
@@ -103,12 +112,14 @@ void append_owner(const lidar::LidarPlan& plan, const scene::CompiledScene& scen
   at[RC_SHOT_EXIT_V] = pack(plus(nil, lidar.pulse.exit_radius_m, exit_v));
   // Where the ray is when the gate opens; its whole way cannot be shorter than the two ends are apart.
   const Vec3 way = plus(nil, 1 / length(axis), axis), apart = minus(start, end);
-  const double gate_way = lidar.gate.start_s * kLightSpeed / lidar.transport.group_index, bin_way = lidar.gate.bin_s * kLightSpeed / lidar.transport.group_index;
+  const double gate_way = lidar.gate.start_s * kLightSpeed / lidar.transport.group_index,
+               bin_way = lidar.gate.bin_s * kLightSpeed / lidar.transport.group_index;
   const double along = dot(apart, way), squared = dot(apart, apart), whole = std::max(gate_way, std::sqrt(squared));
   const double past = whole + along > 0 ? std::max(0.0, (whole * whole - squared) / (2 * (whole + along))) : 0;
   at[RC_SHOT_GATE] = pack(plus(start, past, way), past);
   at[RC_SHOT_GATE_WAY] = {static_cast<float>(whole), static_cast<float>((whole - gate_way) / bin_way), 0, 0};
-  at[RC_SHOT_TIME] = {std::bit_cast<float>(static_cast<std::int32_t>(bin)), static_cast<float>(position - bin), std::bit_cast<float>(key), 0};
+  at[RC_SHOT_TIME] = {std::bit_cast<float>(static_cast<std::int32_t>(bin)), static_cast<float>(position - bin),
+                      std::bit_cast<float>(key), 0};
 }
 
 }  // namespace raycube::render

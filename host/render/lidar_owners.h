@@ -9,7 +9,8 @@
 
 namespace raycube::render {
 
-/// Factor of a thin camera whose image lies on a plane of tangents, pi / (1 + 4 F^2), against pi / (4 F^2); 1 unless asked for.
+/// Factor of a thin camera whose image lies on a plane of tangents, pi / (1 + 4 F^2), against pi / (4 F^2); 1 unless
+/// asked for.
 double camera_factor(const scene::LidarReceiver& receiver);
 
 /// Appends the record of a shot's pixel (transmitter sampling: pixel 0) to `records`, RC_SHOT_FLOAT4S elements.

@@ -37,11 +37,19 @@ cl::Buffer<T> upload(const cl::Context& context, const std::vector<T>& from, con
 /// Tables on the device.
 struct DeviceTables {
   DeviceTables(const cl::Context& context, const LidarTables& t)
-      : samples(upload(context, t.samples, "sub-rays")), exits(upload(context, t.exits, "exits of sub-rays")), gloss(upload(context, t.gloss, "gloss")),
-        photons(upload(context, t.photons, "photons")), node_weight(upload(context, t.node_weight, "nodes")), taps(upload(context, t.taps, "pulse")),
-        settings(upload(context, t.settings, "settings")), air(upload(context, t.air, "air")), first_node(upload(context, t.first_node, "first nodes")),
-        backscatter(upload(context, t.backscatter, "backscatter of the air")), volume_values(upload(context, t.volumes.values, "grids of volumes")),
-        volume_depth(upload(context, t.volume_depth, "depths of gases")), volumes(upload(context, t.volumes.volumes, "volumes")),
+      : samples(upload(context, t.samples, "sub-rays")),
+        exits(upload(context, t.exits, "exits of sub-rays")),
+        gloss(upload(context, t.gloss, "gloss")),
+        photons(upload(context, t.photons, "photons")),
+        node_weight(upload(context, t.node_weight, "nodes")),
+        taps(upload(context, t.taps, "pulse")),
+        settings(upload(context, t.settings, "settings")),
+        air(upload(context, t.air, "air")),
+        first_node(upload(context, t.first_node, "first nodes")),
+        backscatter(upload(context, t.backscatter, "backscatter of the air")),
+        volume_values(upload(context, t.volumes.values, "grids of volumes")),
+        volume_depth(upload(context, t.volume_depth, "depths of gases")),
+        volumes(upload(context, t.volumes.volumes, "volumes")),
         optics(upload(context, t.optics, "matter")) {}
   cl::Buffer<float> samples, exits, gloss, photons, node_weight, taps, settings, air;
   cl::Buffer<std::uint32_t> first_node;
@@ -52,17 +60,23 @@ struct DeviceTables {
 
 /// What a batch of owners leaves.
 struct BatchBuffers {
-  BatchBuffers(const cl::Context& context, const LidarTables& t, std::size_t owners, std::size_t lines, std::size_t padded_rays, bool with_hits)
+  BatchBuffers(const cl::Context& context, const LidarTables& t, std::size_t owners, std::size_t lines,
+               std::size_t padded_rays, bool with_hits)
       : shots(context, owners * RC_SHOT_FLOAT4S, cl::Access::read_only, "records of shots"),
         first(context, owners * t.owner_rows * t.row_floats, cl::Access::read_write, "rows of shots"),
-        multiple(context, t.multiple ? owners * t.owner_rows * t.row_floats : 16, cl::Access::read_write, "rows of shots, multiple scattering"),
+        multiple(context, t.multiple ? owners * t.owner_rows * t.row_floats : 16, cl::Access::read_write,
+                 "rows of shots, multiple scattering"),
         stopped(context, t.way ? owners * t.stopped_floats : 16, cl::Access::read_write, "shares of rays stopped"),
-        scratch(context, t.way ? 2 * t.way_rows * owners * lines * (t.row_floats + t.row_pad) : 16, cl::Access::read_write, "impulses of air"),
-        way(context, t.way ? t.way_rows * owners * t.owner_rows * t.row_floats : 16, cl::Access::read_write, "rows of air and particles"),
+        scratch(context, t.way ? 2 * t.way_rows * owners * lines * (t.row_floats + t.row_pad) : 16,
+                cl::Access::read_write, "impulses of air"),
+        way(context, t.way ? t.way_rows * owners * t.owner_rows * t.row_floats : 16, cl::Access::read_write,
+            "rows of air and particles"),
         beams(context, t.way ? owners * RC_SHOT_FLOAT4S : 1, cl::Access::read_only, "records of beams"),
-        beam_tables(context, t.way ? owners * (t.owner_rows / lines) * RC_BEAM_FLOATS : 16, cl::Access::read_write, "tables of beams"),
+        beam_tables(context, t.way ? owners * (t.owner_rows / lines) * RC_BEAM_FLOATS : 16, cl::Access::read_write,
+                    "tables of beams"),
         beam_of(context, t.way ? owners : 1, cl::Access::read_only, "beams of shots"),
-        way_sums(context, t.way ? owners * lines * RC_SUM_COUNT * 2 : 2, cl::Access::read_write, "sums of air and particles"),
+        way_sums(context, t.way ? owners * lines * RC_SUM_COUNT * 2 : 2, cl::Access::read_write,
+                 "sums of air and particles"),
         ledger(context, owners * lines * RC_LEDGER_COUNT, cl::Access::read_write, "ledger of shots"),
         sums(context, owners * lines * RC_SUM_COUNT * 2, cl::Access::read_write, "sums of shots"),
         counts(context, owners, cl::Access::read_write, "ray counts"),
@@ -90,7 +104,11 @@ struct Stage {
 
 struct LidarRenderer::State {
   State(const scene::CompiledScene& scene_, const RenderOptions& options_)
-      : scene(scene_), options(options_), context(pick_device(options_)), tuning(tuning_for(options_, context.device().info())), buffers(context, scene_, options_.page_bytes) {
+      : scene(scene_),
+        options(options_),
+        context(pick_device(options_)),
+        tuning(tuning_for(options_, context.device().info())),
+        buffers(context, scene_, options_.page_bytes) {
     context.set_launch_sizes(tuning.sizes);
   }
 
@@ -123,8 +141,14 @@ struct Batch {
 /// Shots in the making: an owner's rows are copied to their place when its batch is done.
 class Collector {
  public:
-  Collector(const lidar::LidarPlan& plan, const LidarTables& tables, const std::vector<lidar::Shot>& shots, const ShotSink& sink, bool hits)
-      : plan_(plan), tables_(tables), shots_(shots), sink_(sink), hits_(hits), receiver_(plan.lidar.transport.sampling == scene::LidarSampling::receiver),
+  Collector(const lidar::LidarPlan& plan, const LidarTables& tables, const std::vector<lidar::Shot>& shots,
+            const ShotSink& sink, bool hits)
+      : plan_(plan),
+        tables_(tables),
+        shots_(shots),
+        sink_(sink),
+        hits_(hits),
+        receiver_(plan.lidar.transport.sampling == scene::LidarSampling::receiver),
         owners_of_shot_(receiver_ ? static_cast<std::size_t>(plan.pixels()) : 1) {}
   std::size_t owners() const { return shots_.size() * owners_of_shot_; }
   std::size_t owners_of_shot() const { return owners_of_shot_; }
@@ -165,7 +189,8 @@ class Collector {
   void copy_rows(const float* from, std::size_t owner, std::size_t pixel, std::vector<float>& to) const {
     const auto bins = static_cast<std::size_t>(plan_.lidar.gate.bins);
     for (std::size_t row = 0; row < tables_.owner_rows; ++row)
-      std::copy_n(from + (owner * tables_.owner_rows + row) * tables_.row_floats + tables_.row_pad, bins, to.data() + (pixel * tables_.owner_rows + row) * bins);
+      std::copy_n(from + (owner * tables_.owner_rows + row) * tables_.row_floats + tables_.row_pad, bins,
+                  to.data() + (pixel * tables_.owner_rows + row) * bins);
   }
   void add_rows(const float* from, std::size_t owner, std::size_t pixel, std::vector<float>& to) const {
     const auto bins = static_cast<std::size_t>(plan_.lidar.gate.bins);
@@ -189,7 +214,10 @@ class Collector {
   void add_sums(const float* sums, std::size_t owner) {
     for (std::size_t line = 0; line < result_.ledger.size(); ++line) {
       const float* at = sums + 2 * (owner * result_.ledger.size() + line) * RC_SUM_COUNT;
-      const auto share = [&](int entry) { return plan_.photons[line] > 0 ? (static_cast<double>(at[2 * entry]) + at[2 * entry + 1]) / plan_.photons[line] : 0.0; };
+      const auto share = [&](int entry) {
+        return plan_.photons[line] > 0 ? (static_cast<double>(at[2 * entry]) + at[2 * entry + 1]) / plan_.photons[line]
+                                       : 0.0;
+      };
       lidar::Ledger& to = result_.ledger[line];
       to.collected += share(RC_SUM_COLLECTED);
       to.early += share(RC_SUM_EARLY);
@@ -219,31 +247,43 @@ class Collector {
 };
 
 std::size_t owner_bytes(const LidarTables& tables, std::size_t lines, std::size_t padded_rays, bool hits) {
-  return tables.owner_rows * tables.row_floats * sizeof(float) * (1 + (tables.multiple ? 1 : 0) + (tables.way ? tables.way_rows : 0)) + (tables.way ? (tables.stopped_floats + lines * 2 * tables.way_rows * (tables.row_floats + tables.row_pad)) * sizeof(float) + tables.owner_rows / lines * RC_BEAM_FLOATS * sizeof(float) + RC_SHOT_FLOAT4S * 16 : 0) + RC_SHOT_FLOAT4S * sizeof(shared::rc_float4) +
-         lines * (RC_LEDGER_COUNT * 8 + RC_SUM_COUNT * 8) + sizeof(std::uint32_t) + (hits ? padded_rays * 8 : 0);
+  return tables.owner_rows * tables.row_floats * sizeof(float) *
+             (1 + (tables.multiple ? 1 : 0) + (tables.way ? tables.way_rows : 0)) +
+         (tables.way ? (tables.stopped_floats + lines * 2 * tables.way_rows * (tables.row_floats + tables.row_pad)) *
+                               sizeof(float) +
+                           tables.owner_rows / lines * RC_BEAM_FLOATS * sizeof(float) + RC_SHOT_FLOAT4S * 16
+                     : 0) +
+         RC_SHOT_FLOAT4S * sizeof(shared::rc_float4) + lines * (RC_LEDGER_COUNT * 8 + RC_SUM_COUNT * 8) +
+         sizeof(std::uint32_t) + (hits ? padded_rays * 8 : 0);
 }
 
 }  // namespace
 
-LidarRenderer::LidarRenderer(const scene::CompiledScene& scene, const RenderOptions& options) : state_(std::make_unique<State>(scene, options)) {}
+LidarRenderer::LidarRenderer(const scene::CompiledScene& scene, const RenderOptions& options)
+    : state_(std::make_unique<State>(scene, options)) {}
 LidarRenderer::~LidarRenderer() = default;
 LidarRenderer::LidarRenderer(LidarRenderer&&) noexcept = default;
 
 std::string LidarRenderer::device_name() const { return state_->context.device().name(); }
-DeviceTuning LidarRenderer::tuning() const { return {state_->context.launch_sizes(), state_->tuning.tile_samples, state_->tuning.tuned}; }
+DeviceTuning LidarRenderer::tuning() const {
+  return {state_->context.launch_sizes(), state_->tuning.tile_samples, state_->tuning.tuned};
+}
 cl::Context& LidarRenderer::context() { return state_->context; }
 std::string LidarRenderer::program_hash() const { return base::sha256_hex(state_->identity); }
 double LidarRenderer::launch_s() const { return state_->launch_s; }
 
-void LidarRenderer::render(const lidar::LidarPlan& plan, const std::vector<lidar::Shot>& shots, const ShotSink& sink, bool hits) {
+void LidarRenderer::render(const lidar::LidarPlan& plan, const std::vector<lidar::Shot>& shots, const ShotSink& sink,
+                           bool hits) {
   const base::Doing doing("rendering LIDAR", plan.lidar.name);
   State& s = *state_;
   s.launch_s = 0;
   if (shots.empty()) return;
   const LidarTables tables = make_lidar_tables(plan, s.scene);
-  const bool apart = std::any_of(shots.begin(), shots.end(), [](const lidar::Shot& shot) { return shot.exit_m != shot.pupil_m; });
+  const bool apart =
+      std::any_of(shots.begin(), shots.end(), [](const lidar::Shot& shot) { return shot.exit_m != shot.pupil_m; });
   s.identity.clear();
-  Stage& stage = s.stage("lidar_shots", tables.options + " -DRC_SHADOWS=" + (apart ? "1" : "0") + " -DRC_HITS=" + (hits ? "1" : "0") + s.buffers.options);
+  Stage& stage = s.stage("lidar_shots", tables.options + " -DRC_SHADOWS=" + (apart ? "1" : "0") +
+                                            " -DRC_HITS=" + (hits ? "1" : "0") + s.buffers.options);
   Stage* air_stage = tables.way ? &s.stage("lidar_air", tables.options) : nullptr;
   Stage* beam_stage = tables.way ? &s.stage("lidar_beam", tables.options) : nullptr;
   LidarBeams beams(plan);
@@ -253,16 +293,25 @@ void LidarRenderer::render(const lidar::LidarPlan& plan, const std::vector<lidar
   Collector collector(plan, tables, shots, sink, hits);
 
   const auto lines = static_cast<std::size_t>(plan.lines());
-  const std::size_t padded_rays = (plan.footprint.a.size() + 15) / 16 * 16, bytes = owner_bytes(tables, lines, padded_rays, hits);
+  const std::size_t padded_rays = (plan.footprint.a.size() + 15) / 16 * 16,
+                    bytes = owner_bytes(tables, lines, padded_rays, hits);
   const auto& info = s.context.device().info();
   const std::size_t row_bytes = tables.owner_rows * tables.row_floats * sizeof(float);
-  const std::size_t budget = std::min<std::size_t>(std::min<std::size_t>(s.options.memory_bytes, info.global_memory_bytes) / kBudgetShares, info.max_alloc_bytes * (bytes / row_bytes));
+  const std::size_t budget =
+      std::min<std::size_t>(std::min<std::size_t>(s.options.memory_bytes, info.global_memory_bytes) / kBudgetShares,
+                            info.max_alloc_bytes * (bytes / row_bytes));
   if (bytes > budget)
-    throw base::Error(base::Fault::input, "LIDAR '" + plan.lidar.name + "': one shot needs " + base::format_bytes(bytes) + " on the device for its rows (" +
-                                              std::to_string(plan.pixels()) + " pixels, " + std::to_string(plan.lines()) + " lines, " + std::to_string(plan.lidar.gate.bins) +
-                                              " bins), found " + base::format_bytes(budget) + "; give more --memory, a shorter gate, or sampling = \"receiver\" for arrays");
-  const std::size_t owners = std::min(collector.owners(), std::max<std::size_t>(1, std::min(budget, kMostBatchBytes) / bytes));
-  const std::vector<std::size_t> shape{owners, tables.owner_rows, tables.row_floats, std::size_t{tables.multiple}, tables.way ? tables.way_rows : 0, lines, hits ? padded_rays : 0};
+    throw base::Error(base::Fault::input,
+                      "LIDAR '" + plan.lidar.name + "': one shot needs " + base::format_bytes(bytes) +
+                          " on the device for its rows (" + std::to_string(plan.pixels()) + " pixels, " +
+                          std::to_string(plan.lines()) + " lines, " + std::to_string(plan.lidar.gate.bins) +
+                          " bins), found " + base::format_bytes(budget) +
+                          "; give more --memory, a shorter gate, or sampling = \"receiver\" for arrays");
+  const std::size_t owners =
+      std::min(collector.owners(), std::max<std::size_t>(1, std::min(budget, kMostBatchBytes) / bytes));
+  const std::vector<std::size_t> shape{
+      owners, tables.owner_rows,     tables.row_floats, std::size_t{tables.multiple}, tables.way ? tables.way_rows : 0,
+      lines,  hits ? padded_rays : 0};
   if (!s.batch || s.batch_shape != shape) {
     s.batch.reset();
     s.batch = std::make_unique<BatchBuffers>(s.context, tables, owners, lines, padded_rays, hits);
@@ -276,33 +325,41 @@ void LidarRenderer::render(const lidar::LidarPlan& plan, const std::vector<lidar
     batch.count = std::min(owners, collector.owners() - batch.first);
     records.clear();
     for (std::size_t i = batch.first; i < batch.first + batch.count; ++i)
-      append_owner(plan, s.scene, shots[i / collector.owners_of_shot()], static_cast<int>(i % collector.owners_of_shot()), records);
+      append_owner(plan, s.scene, shots[i / collector.owners_of_shot()],
+                   static_cast<int>(i % collector.owners_of_shot()), records);
     batch_buffers.shots.write(records);
     if (tables.way) {
       beams.clear();
       beam_of.clear();
       for (std::size_t i = batch.first; i < batch.first + batch.count; ++i)
-        beam_of.push_back(beams.number(shots[i / collector.owners_of_shot()], static_cast<int>(i % collector.owners_of_shot())));
+        beam_of.push_back(
+            beams.number(shots[i / collector.owners_of_shot()], static_cast<int>(i % collector.owners_of_shot())));
       batch_buffers.beam_of.write(beam_of);
       batch_buffers.beams.write(beams.records());
     }
-    stage.kernel.arguments(s.buffers.nodes, s.buffers.blocks, s.buffers.instances, batch_buffers.shots, device.samples, device.exits, device.optics, device.gloss,
-                           device.photons, device.node_weight, device.first_node, device.air, device.volumes, device.volume_values, device.volume_depth, device.taps, device.settings, batch_buffers.first,
-                           batch_buffers.multiple, batch_buffers.stopped, batch_buffers.ledger, batch_buffers.sums, batch_buffers.counts, batch_buffers.hits,
-                           static_cast<std::uint32_t>(plan.seed), plan.lidar.gate.bins, plan.taps.taps, plan.taps.first, plan.taps.phases);
+    stage.kernel.arguments(s.buffers.nodes, s.buffers.blocks, s.buffers.instances, batch_buffers.shots, device.samples,
+                           device.exits, device.optics, device.gloss, device.photons, device.node_weight,
+                           device.first_node, device.air, device.volumes, device.volume_values, device.volume_depth,
+                           device.taps, device.settings, batch_buffers.first, batch_buffers.multiple,
+                           batch_buffers.stopped, batch_buffers.ledger, batch_buffers.sums, batch_buffers.counts,
+                           batch_buffers.hits, static_cast<std::uint32_t>(plan.seed), plan.lidar.gate.bins,
+                           plan.taps.taps, plan.taps.first, plan.taps.phases);
     s.context.finish();
     const auto start = std::chrono::steady_clock::now();
     s.context.launch(stage.kernel, batch.count);
     if (air_stage) {
-      if (tabulated.size() != beams.records().size() || std::memcmp(tabulated.data(), beams.records().data(), tabulated.size() * sizeof tabulated[0]) != 0) {
-        beam_stage->kernel.arguments(batch_buffers.beams, device.samples, device.exits, device.settings, batch_buffers.beam_tables, plan.lidar.gate.bins);
+      if (tabulated.size() != beams.records().size() ||
+          std::memcmp(tabulated.data(), beams.records().data(), tabulated.size() * sizeof tabulated[0]) != 0) {
+        beam_stage->kernel.arguments(batch_buffers.beams, device.samples, device.exits, device.settings,
+                                     batch_buffers.beam_tables, plan.lidar.gate.bins);
         s.context.launch(beam_stage->kernel, beams.size());
         tabulated = beams.records();
       }
-      air_stage->kernel.arguments(batch_buffers.shots, batch_buffers.beam_of, batch_buffers.beam_tables, device.photons, device.node_weight, device.first_node,
-                                  device.air, device.backscatter, device.volumes, device.volume_values, device.volume_depth, device.taps, device.settings,
-                                  batch_buffers.stopped, batch_buffers.way, batch_buffers.scratch, batch_buffers.way_sums, plan.lidar.gate.bins, plan.taps.taps, plan.taps.first,
-                                  plan.taps.phases);
+      air_stage->kernel.arguments(
+          batch_buffers.shots, batch_buffers.beam_of, batch_buffers.beam_tables, device.photons, device.node_weight,
+          device.first_node, device.air, device.backscatter, device.volumes, device.volume_values, device.volume_depth,
+          device.taps, device.settings, batch_buffers.stopped, batch_buffers.way, batch_buffers.scratch,
+          batch_buffers.way_sums, plan.lidar.gate.bins, plan.taps.taps, plan.taps.first, plan.taps.phases);
       s.context.launch(air_stage->kernel, batch.count);
     }
     s.context.finish();

@@ -1,10 +1,11 @@
 // Pulses on one device: a compiled scene uploaded once, then shots in batches that the memory budget allows.
 //
-//   records of shots (double, host) -> lidar_shots: rays, rows of expected photons, ledger -> lidar_air -> results in order
+//   records of shots (double, host) -> lidar_shots: rays, rows of expected photons, ledger -> lidar_air -> results in
+//   order
 //
-// One work-item owns a shot's rows (receiver sampling: a pixel's) and adds to them in the order of its rays: batches, threads and
-// work-groups cannot change a bit. Points are kept relative to a place of the shot near the scene, so ranges of hundreds of
-// kilometres lose nothing.
+// One work-item owns a shot's rows (receiver sampling: a pixel's) and adds to them in the order of its rays: batches,
+// threads and work-groups cannot change a bit. Points are kept relative to a place of the shot near the scene, so
+// ranges of hundreds of kilometres lose nothing.
 #pragma once
 
 #include <functional>
@@ -26,9 +27,10 @@ class LidarRenderer {
   ~LidarRenderer();
   LidarRenderer(LidarRenderer&&) noexcept;
 
-  /// Computes the shots' expectations and hands them to the sink in order. `hits`: with first hits. Throws Error(interrupted) on
-  /// Ctrl-C, Error(input) when a single shot's rows do not fit the memory budget.
-  void render(const lidar::LidarPlan& plan, const std::vector<lidar::Shot>& shots, const ShotSink& sink, bool hits = false);
+  /// Computes the shots' expectations and hands them to the sink in order. `hits`: with first hits. Throws
+  /// Error(interrupted) on Ctrl-C, Error(input) when a single shot's rows do not fit the memory budget.
+  void render(const lidar::LidarPlan& plan, const std::vector<lidar::Shot>& shots, const ShotSink& sink,
+              bool hits = false);
 
   std::string device_name() const;
   /// What launches use now.

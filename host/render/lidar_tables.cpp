@@ -15,7 +15,8 @@ constexpr int kMostBundle = 1024;
 /// Floats of an owner's rows that a work-item keeps in its own memory: 16 KiB, within a core's first cache.
 constexpr std::size_t kRowWindow = 4096;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-/// Half divergence below which a bundle's rounding, 16 ulp of a direction, passes 5 % of its unit: single rays are faster then.
+/// Half divergence below which a bundle's rounding, 16 ulp of a direction, passes 5 % of its unit: single rays are
+/// faster then.
 constexpr double kNarrow = 2e-5;
 
 int round_up(int n) { return (n + 15) / 16 * 16; }
@@ -26,7 +27,8 @@ std::vector<float> bundle_samples(const lidar::Footprint& footprint, int chunk) 
   const int slots = round_up(chunk), bounds = round_up(slots / 16), rays = static_cast<int>(footprint.a.size());
   std::vector<float> out;
   for (int begin = 0; begin < rays; begin += chunk) {
-    std::vector<float> a(slots, kInfinity), b(slots, kInfinity), lo_a(bounds, kInfinity), hi_a(bounds, -kInfinity), lo_b = lo_a, hi_b = hi_a;
+    std::vector<float> a(slots, kInfinity), b(slots, kInfinity), lo_a(bounds, kInfinity), hi_a(bounds, -kInfinity),
+        lo_b = lo_a, hi_b = hi_a;
     for (int k = 0; k < std::min(chunk, rays - begin); ++k) {
       a[k] = footprint.a[begin + k];
       b[k] = footprint.b[begin + k];
@@ -60,7 +62,8 @@ void fill_matter(const lidar::LidarPlan& plan, const scene::CompiledScene& scene
         const std::size_t material = surface.curve[i] - 1;
         const lidar::Matter& matter = plan.matter[material * lines + line];
         rho += surface.fraction[i] * matter.reflectance;
-        (scene.materials[material].transmission == scene::Material::Transmission::plate ? plate : leaf) += surface.fraction[i] * matter.transmittance;
+        (scene.materials[material].transmission == scene::Material::Transmission::plate ? plate : leaf) +=
+            surface.fraction[i] * matter.transmittance;
       }
       leaves |= leaf > 0;
       plates |= plate > 0;
@@ -75,7 +78,8 @@ void fill_matter(const lidar::LidarPlan& plan, const scene::CompiledScene& scene
       tables.gloss.push_back(shines ? surface.fraction[i] : 0.0f);
     }
   }
-  tables.options += define("RC_LEAVES", int{leaves}) + define("RC_PLATES", int{plates}) + define("RC_GLOSS", int{gloss});
+  tables.options +=
+      define("RC_LEAVES", int{leaves}) + define("RC_PLATES", int{plates}) + define("RC_GLOSS", int{gloss});
 }
 
 void fill_air(const lidar::LidarPlan& plan, LidarTables& tables) {
@@ -96,7 +100,10 @@ void fill_volumes(const lidar::LidarPlan& plan, const scene::CompiledScene& scen
   for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
     particles |= scene.volumes[v].extinction_per_m > 0;
     for (std::size_t node = 0; node < nodes; ++node)
-      tables.volume_depth.push_back(scene.volumes[v].gas.empty() ? 0.0f : static_cast<float>(lidar::kMoleculesPerPpmM * plan.cross_section_cm2[v * nodes + node]));
+      tables.volume_depth.push_back(
+          scene.volumes[v].gas.empty()
+              ? 0.0f
+              : static_cast<float>(lidar::kMoleculesPerPpmM * plan.cross_section_cm2[v * nodes + node]));
   }
   for (const double beta : plan.air.backscatter_per_m_sr) tables.backscatter.push_back(static_cast<float>(beta));
   tables.air_rows = plan.lidar.transport.air_return;
@@ -111,18 +118,23 @@ void fill_taps(const lidar::LidarPlan& plan, LidarTables& tables) {
   const auto padded = static_cast<std::size_t>(round_up(taps.taps));
   for (int q = 0; q <= taps.phases; ++q)
     for (std::size_t i = 0; i < padded; ++i)
-      tables.taps.push_back(i < static_cast<std::size_t>(taps.taps) ? taps.share[static_cast<std::size_t>(q) * taps.taps + i] : 0.0f);
+      tables.taps.push_back(
+          i < static_cast<std::size_t>(taps.taps) ? taps.share[static_cast<std::size_t>(q) * taps.taps + i] : 0.0f);
   tables.row_pad = padded;
   tables.row_floats = 2 * padded + static_cast<std::size_t>(round_up(plan.lidar.gate.bins));
-  tables.options += define("RC_TAPS_PADDED", padded) +
-                    define("RC_ROW_WINDOW", tables.owner_rows * tables.row_floats <= kRowWindow && !tables.multiple ? kRowWindow : 0);
-  tables.stopped_floats = tables.owner_rows * tables.row_floats + (tables.owner_rows / static_cast<std::size_t>(plan.lines()) + 15) / 16 * 16;
+  tables.options +=
+      define("RC_TAPS_PADDED", padded) +
+      define("RC_ROW_WINDOW", tables.owner_rows * tables.row_floats <= kRowWindow && !tables.multiple ? kRowWindow : 0);
+  tables.stopped_floats = tables.owner_rows * tables.row_floats +
+                          (tables.owner_rows / static_cast<std::size_t>(plan.lines()) + 15) / 16 * 16;
 }
 
 void fill_settings(const lidar::LidarPlan& plan, LidarTables& tables) {
   const scene::Lidar& lidar = plan.lidar;
   tables.settings.resize(RC_SET_COUNT);
-  const auto set = [&](int i, double value) { tables.settings[static_cast<std::size_t>(i)] = static_cast<float>(value); };
+  const auto set = [&](int i, double value) {
+    tables.settings[static_cast<std::size_t>(i)] = static_cast<float>(value);
+  };
   set(RC_SET_BINS_PER_M, lidar.transport.group_index / (299792458.0 * lidar.gate.bin_s));
   set(RC_SET_HALF_FOV, lidar.receiver.half_fov_rad);
   set(RC_SET_PUPIL, lidar.receiver.aperture_radius_m);
@@ -141,9 +153,11 @@ void fill_settings(const lidar::LidarPlan& plan, LidarTables& tables) {
 
 LidarTables make_lidar_tables(const lidar::LidarPlan& plan, const scene::CompiledScene& scene) {
   const scene::Lidar& lidar = plan.lidar;
-  const bool receiver = lidar.transport.sampling == scene::LidarSampling::receiver, exits = !plan.footprint.exit_a.empty();
+  const bool receiver = lidar.transport.sampling == scene::LidarSampling::receiver,
+             exits = !plan.footprint.exit_a.empty();
   if ((receiver || plan.pixels() > 1) && !(lidar.receiver.pixel_pitch_rad > 0))
-    throw base::Error(base::Fault::input, "LIDAR '" + lidar.name + "': arrays and receiver sampling need receiver.pixel_pitch > 0, found " +
+    throw base::Error(base::Fault::input, "LIDAR '" + lidar.name +
+                                              "': arrays and receiver sampling need receiver.pixel_pitch > 0, found " +
                                               std::to_string(lidar.receiver.pixel_pitch_rad));
   LidarTables tables;
   const auto rays = static_cast<int>(plan.footprint.a.size());
@@ -160,10 +174,12 @@ LidarTables make_lidar_tables(const lidar::LidarPlan& plan, const scene::Compile
   }
   tables.multiple = lidar.transport.max_bounces > 1;
   tables.owner_rows = static_cast<std::size_t>(plan.lines()) * static_cast<std::size_t>(receiver ? 1 : plan.pixels());
-  tables.options = " -cl-std=CL1.2 -DRC_NU=1 -DRC_NV=1 -DRC_SCATTER=1 -DRC_GROUP_PIXELS=1" + define("RC_CHUNK", tables.chunk) +
-                   define("RC_SUPPORT", std::ceil(32.01f * largest) / 16) + "f" + define("RC_STACK", (scene.stack_bound() + 31) / 32 * 32) + define("RC_RECEIVER", int{receiver}) +
-                   define("RC_LASER_LINES", plan.lines()) + define("RC_LINE_NODES", plan.nodes.size()) + define("RC_COLUMNS", lidar.receiver.columns) +
-                   define("RC_ROWS", lidar.receiver.rows) + define("RC_RAY_COUNT", rays) + define("RC_BOUNCES", lidar.transport.max_bounces) +
+  tables.options = " -cl-std=CL1.2 -DRC_NU=1 -DRC_NV=1 -DRC_SCATTER=1 -DRC_GROUP_PIXELS=1" +
+                   define("RC_CHUNK", tables.chunk) + define("RC_SUPPORT", std::ceil(32.01f * largest) / 16) + "f" +
+                   define("RC_STACK", (scene.stack_bound() + 31) / 32 * 32) + define("RC_RECEIVER", int{receiver}) +
+                   define("RC_LASER_LINES", plan.lines()) + define("RC_LINE_NODES", plan.nodes.size()) +
+                   define("RC_COLUMNS", lidar.receiver.columns) + define("RC_ROWS", lidar.receiver.rows) +
+                   define("RC_RAY_COUNT", rays) + define("RC_BOUNCES", lidar.transport.max_bounces) +
                    define("RC_SINGLE", int{tables.single}) + define("RC_EXITS", int{exits}) +
                    define("RC_OVERLAP", lidar.transport.overlap == scene::LidarOverlap::exact ? 1 : 0) +
                    define("RC_GAUSSIAN", lidar.pulse.profile == scene::BeamProfile::gaussian ? 1 : 0);

@@ -11,21 +11,21 @@
 namespace raycube::render {
 
 struct LidarTables {
-  int chunk = 0;                    ///< rays of a bundle
-  bool single = false;              ///< rays are traced one by one
+  int chunk = 0;        ///< rays of a bundle
+  bool single = false;  ///< rays are traced one by one
   std::vector<float> samples, exits, gloss, photons, node_weight, taps, settings, backscatter, volume_depth;
   std::vector<std::uint32_t> first_node;
   std::vector<shared::rc_float4> optics;
-  std::vector<float> air;           ///< pairs
+  std::vector<float> air;  ///< pairs
   lidar::FlatVolumes volumes;
-  bool way = false;                 ///< air or particles send light back on the way: lidar_air runs
+  bool way = false;  ///< air or particles send light back on the way: lidar_air runs
   bool air_rows = false;
-  std::size_t way_rows = 1;         ///< air, and with volumes particles
-  std::string options;              ///< but what depends on the shots
+  std::size_t way_rows = 1;                 ///< air, and with volumes particles
+  std::string options;                      ///< but what depends on the shots
   std::size_t row_floats = 0, row_pad = 0;  ///< of a padded row
-  std::size_t owner_rows = 0;       ///< of one order of scattering
-  std::size_t stopped_floats = 0;   ///< of an owner: rows of rays stopped, rays of every pixel
-  bool multiple = false;            ///< rows of light scattered more than once
+  std::size_t owner_rows = 0;               ///< of one order of scattering
+  std::size_t stopped_floats = 0;           ///< of an owner: rows of rays stopped, rays of every pixel
+  bool multiple = false;                    ///< rows of light scattered more than once
 };
 
 /// Throws Error(input) when the plan asks what no device can do (receiver sampling without pixels).

@@ -31,12 +31,14 @@ std::vector<Tile> pick_tiles(const scene::Instrument& instrument, std::uint64_t 
   const int tile_width = std::max(width, RC_GROUP_WIDTH);
   const int tiles_per_line = (instrument.pixels + tile_width - 1) / tile_width;
   const auto all = static_cast<rc_u32>(tiles_per_line * instrument.lines);
-  const std::uint64_t count = (pixels + static_cast<std::uint64_t>(tile_width) - 1) / static_cast<std::uint64_t>(tile_width);
+  const std::uint64_t count =
+      (pixels + static_cast<std::uint64_t>(tile_width) - 1) / static_cast<std::uint64_t>(tile_width);
   std::set<rc_u32> taken;
   for (rc_u32 i = 0; tiles.size() < std::min<std::uint64_t>(count, all); ++i) {
     const rc_u32 place = rc_hash(static_cast<rc_u32>(seed), i, static_cast<rc_u32>(seed >> 32), kPickDimension) % all;
     if (!taken.insert(place).second) continue;
-    const int line = static_cast<int>(place) / tiles_per_line, column = static_cast<int>(place) % tiles_per_line * tile_width;
+    const int line = static_cast<int>(place) / tiles_per_line,
+              column = static_cast<int>(place) % tiles_per_line * tile_width;
     tiles.push_back({line, 1, column, std::min(tile_width, instrument.pixels - column)});
   }
   return tiles;
@@ -50,11 +52,16 @@ std::uint64_t pixels_of(const std::vector<Tile>& tiles) {
 
 std::vector<Tile> timing_tiles(const scene::Instrument& instrument, std::uint64_t pixels) {
   constexpr int strips = 4, widest = 1024;
-  const std::uint64_t of_strip = (pixels + strips - 1) / strips, whole_groups = (of_strip + RC_GROUP_WIDTH - 1) / RC_GROUP_WIDTH * RC_GROUP_WIDTH;
-  const int columns = static_cast<int>(std::min<std::uint64_t>({static_cast<std::uint64_t>(instrument.pixels), widest, whole_groups}));
+  const std::uint64_t of_strip = (pixels + strips - 1) / strips,
+                      whole_groups = (of_strip + RC_GROUP_WIDTH - 1) / RC_GROUP_WIDTH * RC_GROUP_WIDTH;
+  const int columns =
+      static_cast<int>(std::min<std::uint64_t>({static_cast<std::uint64_t>(instrument.pixels), widest, whole_groups}));
   const std::uint64_t wanted = std::max<std::uint64_t>(1, of_strip / static_cast<std::uint64_t>(columns));
   // Only a tile of full width may have several lines.
-  const int lines = columns < instrument.pixels ? 1 : static_cast<int>(std::min<std::uint64_t>(wanted, static_cast<std::uint64_t>(instrument.lines)));
+  const int lines =
+      columns < instrument.pixels
+          ? 1
+          : static_cast<int>(std::min<std::uint64_t>(wanted, static_cast<std::uint64_t>(instrument.lines)));
   std::vector<Tile> tiles;
   const int count = std::clamp(instrument.lines / lines, 1, strips);
   for (int strip = 0; strip < count; ++strip) {

@@ -14,7 +14,8 @@ std::vector<Tile> pick_tiles(const scene::Instrument& instrument, std::uint64_t 
 /// Pixels that tiles hold.
 std::uint64_t pixels_of(const std::vector<Tile>& tiles);
 
-/// Up to four strips, evenly over the image, of about so many pixels together: enough work-items at once to time what a render does.
+/// Up to four strips, evenly over the image, of about so many pixels together: enough work-items at once to time what a
+/// render does.
 std::vector<Tile> timing_tiles(const scene::Instrument& instrument, std::uint64_t pixels);
 
 }  // namespace raycube::render

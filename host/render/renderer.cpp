@@ -20,8 +20,8 @@ namespace raycube::render {
 
 namespace {
 
-/// Finished strips on their way to the sink: one thread writes while the device traces. At most two wait, so that memory
-/// stays bounded; an error in the sink surfaces in push() or finish().
+/// Finished strips on their way to the sink: one thread writes while the device traces. At most two wait, so that
+/// memory stays bounded; an error in the sink surfaces in push() or finish().
 class StripQueue {
  public:
   struct Item {
@@ -101,17 +101,20 @@ class StripQueue {
 
 struct Renderer::State {
   State(const scene::CompiledScene& scene_, const RenderOptions& options_)
-      : scene(scene_), options(options_), context(pick_device(options_)), tuning(tuning_for(options_, context.device().info())), buffers(context, scene_, options_.page_bytes) {
+      : scene(scene_),
+        options(options_),
+        context(pick_device(options_)),
+        tuning(tuning_for(options_, context.device().info())),
+        buffers(context, scene_, options_.page_bytes) {
     context.set_launch_sizes(tuning.sizes);
   }
 
-  RenderSetup setup(const scene::Instrument& instrument, const plan::Plan& plan, const scene::Sun& sun, std::uint64_t seed) const {
-    return {context, scene, buffers, instrument, plan, sun, seed,
-            make_stage_shape(instrument, plan, sensors::pixels_per_group(instrument))};
+  RenderSetup setup(const scene::Instrument& instrument, const plan::Plan& plan, const scene::Sun& sun,
+                    std::uint64_t seed) const {
+    return {context, scene, buffers, instrument,
+            plan,    sun,   seed,    make_stage_shape(instrument, plan, sensors::pixels_per_group(instrument))};
   }
-  std::size_t row_capacity(const StageShape& shape) const {
-    return row_capacity_of(shape, options.row_capacity);
-  }
+  std::size_t row_capacity(const StageShape& shape) const { return row_capacity_of(shape, options.row_capacity); }
 
   std::size_t memory() const {
     return std::min<std::size_t>(options.memory_bytes, context.device().info().global_memory_bytes);
@@ -131,16 +134,19 @@ Renderer::~Renderer() = default;
 Renderer::Renderer(Renderer&&) noexcept = default;
 
 std::string Renderer::device_name() const { return state_->context.device().name(); }
-DeviceTuning Renderer::tuning() const { return {state_->context.launch_sizes(), state_->tuning.tile_samples, state_->tuning.tuned}; }
+DeviceTuning Renderer::tuning() const {
+  return {state_->context.launch_sizes(), state_->tuning.tile_samples, state_->tuning.tuned};
+}
 cl::Context& Renderer::context() { return state_->context; }
 
-TileSize Renderer::tile_size(const scene::Instrument& instrument, const plan::Plan& plan, std::size_t tile_samples) const {
+TileSize Renderer::tile_size(const scene::Instrument& instrument, const plan::Plan& plan,
+                             std::size_t tile_samples) const {
   const StageShape shape = make_stage_shape(instrument, plan, sensors::pixels_per_group(instrument));
   const std::size_t capacity = state_->row_capacity(shape);
   const LeastMemory least = least_memory(state_->scene, instrument, plan, capacity);
   require_memory(shape, least, instrument.pixels, capacity, state_->memory());
-  return choose_tile_size(shape, instrument.pixels, instrument.lines, capacity, state_->tile_budget(), tile_samples, state_->context.device().info().max_alloc_bytes,
-                          state_->options.tile_lines, least);
+  return choose_tile_size(shape, instrument.pixels, instrument.lines, capacity, state_->tile_budget(), tile_samples,
+                          state_->context.device().info().max_alloc_bytes, state_->options.tile_lines, least);
 }
 
 RenderStatistics Renderer::render(const scene::Instrument& instrument, const plan::Plan& plan, const scene::Sun& sun,
@@ -157,7 +163,9 @@ RenderStatistics Renderer::render(const scene::Instrument& instrument, const pla
   for (int line = 0; line < instrument.lines; line += size.lines) {
     const int lines = std::min(size.lines, instrument.lines - line);
     const std::size_t pixels = static_cast<std::size_t>(lines) * instrument.pixels;
-    StripQueue::Item item{{line, lines, nullptr, nullptr, nullptr}, std::vector<float>(pixels * bands), std::vector<float>(pixels * layers),
+    StripQueue::Item item{{line, lines, nullptr, nullptr, nullptr},
+                          std::vector<float>(pixels * bands),
+                          std::vector<float>(pixels * layers),
                           std::vector<float>(band_errors ? pixels * bands : 0)};
     for (int column = 0; column < instrument.pixels; column += size.columns) {
       base::throw_if_interrupted();
@@ -165,7 +173,8 @@ RenderStatistics Renderer::render(const scene::Instrument& instrument, const pla
       passes.run(tile, {item.radiance.data() + column * bands, item.truth.data() + column * layers, layers,
                         band_errors ? item.band_error.data() + column * bands : nullptr});
       if (progress)
-        progress(static_cast<std::uint64_t>(line) * instrument.pixels + tile.first_column * std::uint64_t(lines) + tile.pixels(),
+        progress(static_cast<std::uint64_t>(line) * instrument.pixels + tile.first_column * std::uint64_t(lines) +
+                     tile.pixels(),
                  all_pixels);
     }
     queue.push(std::move(item));
@@ -186,7 +195,8 @@ RenderStatistics Renderer::probe(const scene::Instrument& instrument, const plan
     columns = std::max(columns, tile.columns);
     lines = std::max(lines, tile.lines);
   }
-  TilePasses passes(setup, lines, columns, state_->row_capacity(setup.shape), state_->options.memory_bytes / kBudgetShares);
+  TilePasses passes(setup, lines, columns, state_->row_capacity(setup.shape),
+                    state_->options.memory_bytes / kBudgetShares);
   const std::size_t layers = truth_layer_names(state_->scene).size();
   for (const auto& tile : tiles) {
     base::throw_if_interrupted();
@@ -211,7 +221,9 @@ void Renderer::probe_hits(const scene::Instrument& instrument, std::uint64_t see
   const StageShape shape = make_stage_shape(instrument, dark, sensors::pixels_per_group(instrument));
   std::size_t pixels = 1, groups = 1;
   const auto wide = static_cast<std::size_t>(shape.pixels_per_group);
-  const auto groups_of_line = [&](const Tile& tile) { return (static_cast<std::size_t>(tile.columns) + wide - 1) / wide; };
+  const auto groups_of_line = [&](const Tile& tile) {
+    return (static_cast<std::size_t>(tile.columns) + wide - 1) / wide;
+  };
   for (const auto& tile : tiles) {
     pixels = std::max(pixels, tile.pixels());
     groups = std::max(groups, static_cast<std::size_t>(tile.lines) * groups_of_line(tile));

@@ -3,8 +3,9 @@
 //   ray groups -> trace_primary -> make_surface -> trace_light (sun, sky) -> shade -> (host bakes missing rows)
 //              -> resolve -> integrate_bands -> strip on the host
 //
-// Light from neighbouring surfaces will join between trace_light and shade: it adds product keys and accumulators to the row,
-// nothing else changes. Light that the air scatters in from the ground around joins in resolve, as rows of the band table.
+// Light from neighbouring surfaces will join between trace_light and shade: it adds product keys and accumulators to
+// the row, nothing else changes. Light that the air scatters in from the ground around joins in resolve, as rows of the
+// band table.
 #pragma once
 
 #include <cstdint>
@@ -24,13 +25,13 @@
 namespace raycube::render {
 
 struct RenderOptions {
-  std::string device;                       ///< part of the device's name, or its number; empty: the first
-  int threads = 0;                          ///< CPU devices: worker threads; 0 = all
-  std::size_t memory_bytes = 2ull << 30;    ///< for tiles, band table and strips, on device and host together
-  int tile_lines = 0;                       ///< forces the tile height (tests); 0 = from memory
-  std::size_t page_bytes = 0;               ///< largest page of the scene's arrays (tests); 0 = half the device's largest buffer
-  int row_capacity = 16;                    ///< keys a row holds before the overflow path (tests: 1, 2, 16, 256)
-  bool tuned = false;                       ///< launches of the sizes that `raycube tune` kept for the device, where it did
+  std::string device;                     ///< part of the device's name, or its number; empty: the first
+  int threads = 0;                        ///< CPU devices: worker threads; 0 = all
+  std::size_t memory_bytes = 2ull << 30;  ///< for tiles, band table and strips, on device and host together
+  int tile_lines = 0;                     ///< forces the tile height (tests); 0 = from memory
+  std::size_t page_bytes = 0;  ///< largest page of the scene's arrays (tests); 0 = half the device's largest buffer
+  int row_capacity = 16;       ///< keys a row holds before the overflow path (tests: 1, 2, 16, 256)
+  bool tuned = false;          ///< launches of the sizes that `raycube tune` kept for the device, where it did
   std::optional<DeviceTuning> tuning = {};  ///< forces sizes of launches (tests)
 };
 
@@ -39,21 +40,22 @@ struct Strip {
   int first_line = 0, lines = 0;
   const float* radiance = nullptr;  ///< [line][sample][band], W m-2 sr-1 um-1
   const float* truth = nullptr;     ///< [line][sample][layer], see truth_layer_names(scene, instrument)
-  const float* band_error = nullptr;///< [line][sample][band], standard error of the radiance; null unless the instrument asks for bands
+  const float* band_error =
+      nullptr;  ///< [line][sample][band], standard error of the radiance; null unless the instrument asks for bands
 };
 using StripSink = std::function<void(const Strip&)>;
 using ProgressSink = std::function<void(std::uint64_t done_pixels, std::uint64_t all_pixels)>;
 
 /// What a render did and took.
 struct RenderStatistics {
-  std::map<std::string, double> stage_s;    ///< wall seconds by stage, device stages by their events
+  std::map<std::string, double> stage_s;  ///< wall seconds by stage, device stages by their events
   std::uint64_t primary_rays = 0, sun_rays = 0, sky_rays = 0;
   std::uint64_t band_samples = 0;
-  std::uint64_t overflow_pixels = 0;        ///< pixels that left the first row capacity
-  std::uint64_t per_sample_pixels = 0;      ///< pixels past the largest row
+  std::uint64_t overflow_pixels = 0;    ///< pixels that left the first row capacity
+  std::uint64_t per_sample_pixels = 0;  ///< pixels past the largest row
   std::uint32_t terms_p50 = 0, terms_p95 = 0;
-  std::string program_hash;                 ///< SHA-256 of source and options of the programs launched
-  std::string trace_program_hash;           ///< of the tracing program alone
+  std::string program_hash;        ///< SHA-256 of source and options of the programs launched
+  std::string trace_program_hash;  ///< of the tracing program alone
   std::string build_options;
   int tile_lines = 0, tile_columns = 0;
   std::map<int, std::uint64_t> small_object_pixels;       ///< by samples: rendered anew for small objects
@@ -63,17 +65,17 @@ struct RenderStatistics {
 /// First hits of a tile's rays.
 struct HitProbe {
   Tile tile;
-  int samples = 0;                          ///< per pixel
+  int samples = 0;  ///< per pixel
   std::vector<shared::RayGroup> groups;
   std::vector<std::uint32_t> hit_instance, hit_primitive;  ///< [pixel][sample], RC_NONE = miss; samples unpadded
 };
 
 /// A few pixels with everything the stages said about them, for `check` and the tests.
 struct PixelProbe : HitProbe {
-  std::vector<std::uint8_t> sun_visible;                   ///< [pixel][sample]
-  std::vector<float> sky_blocked;                          ///< [pixel][sample][component 0..3 or 0..7], irradiance taken away
-  std::vector<float> radiance;                             ///< [pixel][band]
-  std::vector<float> truth;                                ///< [pixel][layer]
+  std::vector<std::uint8_t> sun_visible;  ///< [pixel][sample]
+  std::vector<float> sky_blocked;         ///< [pixel][sample][component 0..3 or 0..7], irradiance taken away
+  std::vector<float> radiance;            ///< [pixel][band]
+  std::vector<float> truth;               ///< [pixel][layer]
 };
 
 using ProbeSink = std::function<void(const PixelProbe&)>;
@@ -96,11 +98,12 @@ class Renderer {
   /// where small objects are on, hits and visibilities are those of the ordinary samples in every pixel.
   /// Programs are built once for all of them. Without a sink nothing is collected: what is timed is what
   /// render does.
-  RenderStatistics probe(const scene::Instrument& instrument, const plan::Plan& plan, const scene::Sun& sun, std::uint64_t seed,
-             const std::vector<Tile>& tiles, const ProbeSink& sink);
+  RenderStatistics probe(const scene::Instrument& instrument, const plan::Plan& plan, const scene::Sun& sun,
+                         std::uint64_t seed, const std::vector<Tile>& tiles, const ProbeSink& sink);
 
   /// The same tiles' first hits and nothing else: trace_primary alone, by the very program that render launches.
-  void probe_hits(const scene::Instrument& instrument, std::uint64_t seed, const std::vector<Tile>& tiles, const HitSink& sink);
+  void probe_hits(const scene::Instrument& instrument, std::uint64_t seed, const std::vector<Tile>& tiles,
+                  const HitSink& sink);
 
   /// Largest tile of a render whose launches are of about `tile_samples` samples, as memory and image allow.
   TileSize tile_size(const scene::Instrument& instrument, const plan::Plan& plan, std::size_t tile_samples) const;

@@ -15,11 +15,11 @@ std::string define(const char* name, int value) { return " -D" + std::string(nam
 std::string row_options(const StageShape& shape, const SceneBuffers& scene) {
   return "-cl-std=CL1.2" + define("RC_NSAMP", shape.chunk_samples) + define("RC_NPAD", shape.padded_samples) +
          define("RC_SUN", shape.sun) + define("RC_COMPONENTS", shape.components) +
-         define("RC_THERMAL_COMPONENTS", shape.thermal_components) + define("RC_TEMPERATURES", shape.temperatures) + define("RC_HEIGHTS", shape.heights) +
-         define("RC_VIEWS", shape.views) + define("RC_PATH_X", shape.path_x) + define("RC_PATH_Y", shape.path_y) +
-         define("RC_CHANNELS", shape.channels) + define("RC_BANDS_PADDED", shape.bands_padded) +
-         define("RC_PIXELS_PER_GROUP", shape.pixels_per_group) + define("RC_CHUNKED", shape.chunked()) + define("RC_ENVIRONMENT", shape.environment) +
-         scene.options;
+         define("RC_THERMAL_COMPONENTS", shape.thermal_components) + define("RC_TEMPERATURES", shape.temperatures) +
+         define("RC_HEIGHTS", shape.heights) + define("RC_VIEWS", shape.views) + define("RC_PATH_X", shape.path_x) +
+         define("RC_PATH_Y", shape.path_y) + define("RC_CHANNELS", shape.channels) +
+         define("RC_BANDS_PADDED", shape.bands_padded) + define("RC_PIXELS_PER_GROUP", shape.pixels_per_group) +
+         define("RC_CHUNKED", shape.chunked()) + define("RC_ENVIRONMENT", shape.environment) + scene.options;
 }
 
 std::size_t times_if_chunked(const StageShape& shape) { return shape.chunked() ? 2 : 1; }
@@ -32,16 +32,19 @@ RowBuffers::RowBuffers(const cl::Context& context, const StageShape& shape, std:
       term_capacity(shape.term_capacity(capacity_)),
       count(context, items_, cl::Access::read_write, "key counts"),
       keys(context, items_ * capacity_, cl::Access::read_write, "product keys"),
-      sums(context, items_ * capacity_ * shape.accumulators() * times_if_chunked(shape), cl::Access::read_write, "row sums"),
+      sums(context, items_ * capacity_ * shape.accumulators() * times_if_chunked(shape), cl::Access::read_write,
+           "row sums"),
       path(context, items_ * shape.heights * times_if_chunked(shape), cl::Access::read_write, "path sums"),
       truth(context, items_ * RC_TRUTH_SUMS * times_if_chunked(shape), cl::Access::read_write, "truth sums"),
       environment_row(context, shape.environment ? items_ * 4 : 1, cl::Access::read_only, "rows of the environment"),
-      environment_weight(context, shape.environment ? items_ * 4 : 1, cl::Access::read_only, "weights of the environment"),
+      environment_weight(context, shape.environment ? items_ * 4 : 1, cl::Access::read_only,
+                         "weights of the environment"),
       term_count(context, items_, cl::Access::read_write, "term counts"),
       term_row(context, items_ * term_capacity, cl::Access::read_write, "term rows"),
       term_weight(context, items_ * term_capacity, cl::Access::read_write, "term weights") {}
 
-TraceBuffers::TraceBuffers(const cl::Context& context, const StageShape& shape, std::size_t pixels, std::size_t group_count)
+TraceBuffers::TraceBuffers(const cl::Context& context, const StageShape& shape, std::size_t pixels,
+                           std::size_t group_count)
     : groups(context, group_count, cl::Access::read_only, "ray groups"),
       hits(context, pixels * 2 * shape.padded_samples, cl::Access::read_write, "hits"),
       surface(context, pixels * 6 * shape.padded_samples, cl::Access::read_write, "surface points"),
@@ -68,11 +71,12 @@ RowStages::RowStages(const cl::Context& context, const SceneBuffers& scene, cons
       surface_node_(context, plan.thermal.surface_node, cl::Access::read_only, "temperatures of surfaces"),
       no_list_(context, 1, cl::Access::read_only, "empty pixel list") {}
 
-void RowStages::shade(const PixelSelection& pixels, const TileLayout& layout, const TraceBuffers& traced,
-                      int chunk, int subset, bool fresh, RowBuffers& rows) {
+void RowStages::shade(const PixelSelection& pixels, const TileLayout& layout, const TraceBuffers& traced, int chunk,
+                      int subset, bool fresh, RowBuffers& rows) {
   if (chunk != loaded_chunk_ || subset != loaded_subset_) {
     const std::size_t first = static_cast<std::size_t>(chunk) * shape_.chunk_samples;
-    std::vector<float> padded = weights_.stretch(first, std::min<std::size_t>(shape_.chunk_samples, weights_.count() - first), subset);
+    std::vector<float> padded =
+        weights_.stretch(first, std::min<std::size_t>(shape_.chunk_samples, weights_.count() - first), subset);
     padded.resize(shape_.padded_samples, 0.0f);
     context_.finish();  // a launch may still read the chunk before
     sample_weight_.write(padded);
@@ -80,31 +84,32 @@ void RowStages::shade(const PixelSelection& pixels, const TileLayout& layout, co
   }
   const auto& s = plan_.sun_direction;
   shade_.arguments(pixels.count, pixels.list ? *pixels.list : no_list_, cl_uint{pixels.list != nullptr},
-                    static_cast<cl_uint>(rows.capacity), static_cast<cl_uint>(fresh),
-                    traced.groups, layout.width, layout.groups_per_line, traced.hits, traced.surface, traced.lift, traced.sun,
-                    traced.sky, scene_.blocks, scene_.surfaces, sample_weight_,
-                    static_cast<float>(weights_.count()), shared::rc_float4{s[0], s[1], s[2], 0}, irradiance_,
-                    static_cast<cl_uint>(plan_.irradiance.size), tilt_irradiance_, surface_node_, plan_.height.first, plan_.height.step, rows.count,
-                    rows.keys, rows.sums, rows.path, rows.truth);
+                   static_cast<cl_uint>(rows.capacity), static_cast<cl_uint>(fresh), traced.groups, layout.width,
+                   layout.groups_per_line, traced.hits, traced.surface, traced.lift, traced.sun, traced.sky,
+                   scene_.blocks, scene_.surfaces, sample_weight_, static_cast<float>(weights_.count()),
+                   shared::rc_float4{s[0], s[1], s[2], 0}, irradiance_, static_cast<cl_uint>(plan_.irradiance.size),
+                   tilt_irradiance_, surface_node_, plan_.height.first, plan_.height.step, rows.count, rows.keys,
+                   rows.sums, rows.path, rows.truth);
   context_.launch(shade_, pixels.count);
 }
 
 void RowStages::resolve(std::uint32_t first_item, std::uint32_t item_count, const PixelSelection& pixels,
-                        const TileLayout& layout, const TraceBuffers& traced, const BandTable& table, RowBuffers& rows) {
+                        const TileLayout& layout, const TraceBuffers& traced, const BandTable& table,
+                        RowBuffers& rows) {
   resolve_.arguments(first_item, item_count, pixels.list ? *pixels.list : no_list_, cl_uint{pixels.list != nullptr},
-                      static_cast<cl_uint>(rows.capacity), static_cast<cl_uint>(rows.term_capacity), traced.groups,
-                      layout.width, layout.groups_per_line, rows.count, rows.keys, rows.sums, rows.path, table.keys(),
-                      table.rows(), cl_uint{table.count()}, plan_.view.first, plan_.view.step, plan_.path_x.first,
-                      plan_.path_x.step, plan_.path_y.first, plan_.path_y.step, rows.environment_row, rows.environment_weight,
-                      rows.term_count, rows.term_row, rows.term_weight);
+                     static_cast<cl_uint>(rows.capacity), static_cast<cl_uint>(rows.term_capacity), traced.groups,
+                     layout.width, layout.groups_per_line, rows.count, rows.keys, rows.sums, rows.path, table.keys(),
+                     table.rows(), cl_uint{table.count()}, plan_.view.first, plan_.view.step, plan_.path_x.first,
+                     plan_.path_x.step, plan_.path_y.first, plan_.path_y.step, rows.environment_row,
+                     rows.environment_weight, rows.term_count, rows.term_row, rows.term_weight);
   context_.launch(resolve_, item_count);
 }
 
 void RowStages::integrate(std::uint32_t first_item, std::uint32_t item_count, const PixelSelection& pixels,
                           const BandTable& table, const RowBuffers& rows, cl::Buffer<float>& radiance) {
   integrate_.arguments(first_item, item_count, pixels.list ? *pixels.list : no_list_, cl_uint{pixels.list != nullptr},
-                        static_cast<cl_uint>(rows.term_capacity), rows.term_count, rows.term_row, rows.term_weight,
-                        table.values(), radiance);
+                       static_cast<cl_uint>(rows.term_capacity), rows.term_count, rows.term_row, rows.term_weight,
+                       table.values(), radiance);
   context_.launch(integrate_, item_count);
 }
 

@@ -22,8 +22,8 @@ struct RowBuffers {
   cl::Buffer<float> sums;
   cl::Buffer<float> path;
   cl::Buffer<float> truth;
-  cl::Buffer<std::uint32_t> environment_row;   ///< [item][4], of the band table
-  cl::Buffer<float> environment_weight;        ///< [item][4]
+  cl::Buffer<std::uint32_t> environment_row;  ///< [item][4], of the band table
+  cl::Buffer<float> environment_weight;       ///< [item][4]
   cl::Buffer<std::uint32_t> term_count;
   cl::Buffer<std::uint32_t> term_row;
   cl::Buffer<float> term_weight;
@@ -47,7 +47,7 @@ struct PixelSelection {
 
 /// Where a tile's pixels lie in its groups.
 struct TileLayout {
-  std::uint32_t width = 0;            ///< pixels of a line of the tile
+  std::uint32_t width = 0;  ///< pixels of a line of the tile
   std::uint32_t groups_per_line = 0;
   std::uint32_t lines = 0;
   std::size_t groups() const { return static_cast<std::size_t>(lines) * groups_per_line; }
@@ -60,13 +60,13 @@ class RowStages {
             sensors::SampleWeights weights);
 
   /// subset: one part of the samples (host/sensors/psf.h), or all of them.
-  void shade(const PixelSelection& pixels, const TileLayout& layout, const TraceBuffers& traced,
-             int chunk, int subset, bool fresh, RowBuffers& rows);
+  void shade(const PixelSelection& pixels, const TileLayout& layout, const TraceBuffers& traced, int chunk, int subset,
+             bool fresh, RowBuffers& rows);
   /// Items first_item .. first_item + item_count - 1 of the selection; every key of theirs is in the table.
-  void resolve(std::uint32_t first_item, std::uint32_t item_count, const PixelSelection& pixels, const TileLayout& layout,
-               const TraceBuffers& traced, const BandTable& table, RowBuffers& rows);
-  void integrate(std::uint32_t first_item, std::uint32_t item_count, const PixelSelection& pixels, const BandTable& table,
-                 const RowBuffers& rows, cl::Buffer<float>& radiance);
+  void resolve(std::uint32_t first_item, std::uint32_t item_count, const PixelSelection& pixels,
+               const TileLayout& layout, const TraceBuffers& traced, const BandTable& table, RowBuffers& rows);
+  void integrate(std::uint32_t first_item, std::uint32_t item_count, const PixelSelection& pixels,
+                 const BandTable& table, const RowBuffers& rows, cl::Buffer<float>& radiance);
 
   /// Text that the program hash covers: names, options and sources.
   const std::string& identity() const { return identity_; }

@@ -25,13 +25,15 @@ void for_each_array(const scene::CompiledScene& scene, Action action) {
 template <class T>
 std::vector<cl::Buffer<T>> upload(const cl::Context& context, const std::vector<T>& from, const char* what,
                                   std::uint64_t page_bytes) {
-  const Paging paging = cut_into_pages(from.size(), sizeof(T), context.device().info().max_alloc_bytes, page_bytes).value();
+  const Paging paging =
+      cut_into_pages(from.size(), sizeof(T), context.device().info().max_alloc_bytes, page_bytes).value();
   const std::size_t step = paging.pages == 1 ? from.size() : std::size_t{1} << paging.shift;
   const std::string name = std::string("scene ") + what;
   std::vector<cl::Buffer<T>> pages;
   if (from.empty()) pages.emplace_back(context, std::vector<T>(1), cl::Access::read_only, name);
   for (std::size_t first = 0; first < from.size(); first += step)
-    pages.emplace_back(context, std::span(from).subspan(first, std::min(step, from.size() - first)), cl::Access::read_only, name);
+    pages.emplace_back(context, std::span(from).subspan(first, std::min(step, from.size() - first)),
+                       cl::Access::read_only, name);
   return pages;
 }
 
@@ -42,8 +44,8 @@ std::string options_of(const cl::Context& context, const scene::CompiledScene& s
   for_each_array(scene, [&](const auto& array, const std::string& name, const char*) {
     const Paging paging = cut_into_pages(array.size(), sizeof array[0], device.max_alloc_bytes, page_bytes).value();
     if (paging.pages > 1)
-      options += " -DRC_" + name + "_PAGES=" + std::to_string(paging.pages) + " -DRC_" + name + "_SHIFT=" +
-                 std::to_string(paging.shift);
+      options += " -DRC_" + name + "_PAGES=" + std::to_string(paging.pages) + " -DRC_" + name +
+                 "_SHIFT=" + std::to_string(paging.shift);
   });
   return options;
 }
@@ -78,12 +80,13 @@ void check_fits(const scene::CompiledScene& scene, const cl::DeviceInfo& device,
                    std::to_string((most * each) >> 20) + " MiB";
   });
   if (!too_large.empty() || all > device.global_memory_bytes)
-    throw base::Error(base::Fault::device,
-                      "the scene needs " + mib(all) + " on device '" + device.name + "', which has " +
-                          mib(device.global_memory_bytes) + " and takes " + mib(device.max_alloc_bytes) + " in one buffer" +
-                          (too_large.empty() ? "" : "; too large even in " + std::to_string(kMostPages) + " buffers: " + too_large) +
-                          "; place repeated meshes as instances, use coarser meshes or terrain, cut the scene to what the "
-                          "instrument sees, or choose another device (--device)");
+    throw base::Error(
+        base::Fault::device,
+        "the scene needs " + mib(all) + " on device '" + device.name + "', which has " +
+            mib(device.global_memory_bytes) + " and takes " + mib(device.max_alloc_bytes) + " in one buffer" +
+            (too_large.empty() ? "" : "; too large even in " + std::to_string(kMostPages) + " buffers: " + too_large) +
+            "; place repeated meshes as instances, use coarser meshes or terrain, cut the scene to what the "
+            "instrument sees, or choose another device (--device)");
 }
 
 SceneBuffers::SceneBuffers(const cl::Context& context, const scene::CompiledScene& scene, std::uint64_t page_bytes)

@@ -1,5 +1,5 @@
-// A compiled scene on the device. An array past half of the device's largest buffer comes in up to 8 pages, which kernels
-// address through kernels/geometry/scene_arrays.h; indices do not change.
+// A compiled scene on the device. An array past half of the device's largest buffer comes in up to 8 pages, which
+// kernels address through kernels/geometry/scene_arrays.h; indices do not change.
 #pragma once
 
 #include <cstdint>
@@ -21,17 +21,19 @@ constexpr std::uint32_t kMostPages = 8;
 /// A triangle's number, block * 16 + lane, has 32 bits; the stack of a traversal keeps bit 31 of an index for itself.
 constexpr std::uint64_t kMostElements = std::uint64_t{1} << 28;
 
-/// Elements that 8 pages hold when each is a power of two of them in a buffer of at most largest_bytes (page_bytes, when > 0).
+/// Elements that 8 pages hold when each is a power of two of them in a buffer of at most largest_bytes (page_bytes,
+/// when > 0).
 std::uint64_t most_elements(std::size_t element_bytes, std::uint64_t largest_bytes, std::uint64_t page_bytes = 0);
 
-/// The cut of `count` elements on a device whose buffers take `largest_bytes`: one page when they fit half of that, else pages
-/// of the largest power of two of elements that fits half; where 8 of those are too few, the next power, if a whole buffer
-/// takes it. page_bytes > 0 (tests) stands for that half and allows no next power. Nothing past most_elements().
+/// The cut of `count` elements on a device whose buffers take `largest_bytes`: one page when they fit half of that,
+/// else pages of the largest power of two of elements that fits half; where 8 of those are too few, the next power, if
+/// a whole buffer takes it. page_bytes > 0 (tests) stands for that half and allows no next power. Nothing past
+/// most_elements().
 std::optional<Paging> cut_into_pages(std::uint64_t count, std::size_t element_bytes, std::uint64_t largest_bytes,
                                      std::uint64_t page_bytes = 0);
 
-/// One error that names need, limits and ways out when 8 pages do not hold an array of the scene, or the device's memory
-/// not all of them.
+/// One error that names need, limits and ways out when 8 pages do not hold an array of the scene, or the device's
+/// memory not all of them.
 void check_fits(const scene::CompiledScene& scene, const cl::DeviceInfo& device, std::uint64_t page_bytes = 0);
 
 /// Checked with check_fits before anything is copied.

@@ -16,12 +16,14 @@ std::array<plan::EnvironmentWeight, 4> TileWorker::environment_of(std::uint32_t 
   const auto& group = groups_[pixel / layout_.width * layout_.groups_per_line +
                               pixel % layout_.width / static_cast<std::uint32_t>(setup_.shape.pixels_per_group)];
   // d - d0 is the pixel's place in its group: its ray starts that much beside the group's, times the way ahead.
-  const double ahead = group.d0.w, t = (double{plan.height.first} - (group.origin.z + ahead * (d[2] - group.d0.z))) / d[2];
+  const double ahead = group.d0.w,
+               t = (double{plan.height.first} - (group.origin.z + ahead * (d[2] - group.d0.z))) / d[2];
   return plan::environment_at(plan.environment, group.origin.x + ahead * (d[0] - group.d0.x) + t * d[0],
                               group.origin.y + ahead * (d[1] - group.d0.y) + t * d[1]);
 }
 
-void TileWorker::write_environment(std::span<const std::array<plan::EnvironmentWeight, 4>> around, std::size_t first_item, RowBuffers& rows) {
+void TileWorker::write_environment(std::span<const std::array<plan::EnvironmentWeight, 4>> around,
+                                   std::size_t first_item, RowBuffers& rows) {
   std::vector<std::uint32_t> row;
   std::vector<float> weight;
   for (const auto& pixel : around)
@@ -40,14 +42,15 @@ void TileWorker::add_environment(std::uint32_t pixel, const float* truth_sums, c
   const auto d = centre_direction(pixel);
   int view;
   float fraction;
-  rc_node_weights(static_cast<float>(-std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) / d[2]), plan.view.first, plan.view.step,
-                  plan.view.count, &view, &fraction);
+  rc_node_weights(static_cast<float>(-std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) / d[2]), plan.view.first,
+                  plan.view.step, plan.view.count, &view, &fraction);
   for (const auto& node : environment_of(pixel, truth_sums)) {
     if (node.weight == 0) continue;
     const auto baked = plan::bake_row(plan, setup_.scene, plan::kEnvironmentKey | node.node);
     for (int h = 0; h < shape.heights; ++h)
       for (int v = view; v < std::min(view + 2, shape.views); ++v) {
-        const double weight = path[static_cast<std::size_t>(h)] * node.weight * (v == view ? 1.0 - double{fraction} : double{fraction});
+        const double weight =
+            path[static_cast<std::size_t>(h)] * node.weight * (v == view ? 1.0 - double{fraction} : double{fraction});
         const float* e = baked.data() + static_cast<std::size_t>(h * shape.views + v) * shape.bands_padded;
         for (std::size_t b = 0; b < radiance.size(); ++b) radiance[b] += weight * e[b];
       }

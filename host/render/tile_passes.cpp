@@ -68,8 +68,8 @@ std::optional<sensors::SmallObjectPixels> small_objects_of(const RenderSetup& se
 
 /// Groups of one count of samples, a few at a time.
 struct TilePasses::Fine {
-  Fine(std::unique_ptr<scene::Instrument> instrument_, const RenderSetup& setup, BandTable& table,
-       std::size_t groups_, std::size_t capacity, bool errors)
+  Fine(std::unique_ptr<scene::Instrument> instrument_, const RenderSetup& setup, BandTable& table, std::size_t groups_,
+       std::size_t capacity, bool errors)
       : instrument(std::move(instrument_)),
         groups(groups_),
         worker(setup, table, groups_ * static_cast<std::size_t>(setup.shape.pixels_per_group),
@@ -85,8 +85,8 @@ int fine_sky_share(const plan::Plan& plan, int samples) {
   return std::max(plan.sky.share, plan::sky_share(0, samples, std::max(1, plan.sky.directions)));
 }
 
-LeastMemory least_memory(const scene::CompiledScene& scene, const scene::Instrument& instrument,
-                         const plan::Plan& plan, std::size_t row_capacity) {
+LeastMemory least_memory(const scene::CompiledScene& scene, const scene::Instrument& instrument, const plan::Plan& plan,
+                         std::size_t row_capacity) {
   const std::size_t cubes = instrument.standard_error == scene::StandardError::bands ? 2 : 1;
   LeastMemory out;
   out.strip_values = cubes * instrument.bands.size() + truth_layer_names(scene, instrument).size();
@@ -128,11 +128,14 @@ TilePasses::TilePasses(const RenderSetup& setup, int lines, int columns, std::si
       most_groups_(static_cast<std::size_t>(lines) * groups_across(columns, setup.shape.pixels_per_group)),
       row_capacity_(row_capacity) {
   if (!coarse_instrument_) return;
-  const std::size_t groups = static_cast<std::size_t>(lines + 2) * (groups_across(columns, setup.shape.pixels_per_group) + 2);
-  RenderSetup coarse{setup.context, setup.scene, setup.buffers, *coarse_instrument_, setup.plan, setup.sun, setup.seed,
-                     shape_of(*coarse_instrument_, setup.plan)};
-  coarse.shape.sky_share = std::min(setup.plan.sky.share, plan::sky_share(0, setup.instrument.first_samples, std::max(1, setup.plan.sky.directions)));
-  coarse_.emplace(coarse, table_, most_groups_ * setup.shape.pixels_per_group, lines, row_capacity, setup.instrument.standard_error != scene::StandardError::off);
+  const std::size_t groups =
+      static_cast<std::size_t>(lines + 2) * (groups_across(columns, setup.shape.pixels_per_group) + 2);
+  RenderSetup coarse{setup.context, setup.scene, setup.buffers, *coarse_instrument_,
+                     setup.plan,    setup.sun,   setup.seed,    shape_of(*coarse_instrument_, setup.plan)};
+  coarse.shape.sky_share = std::min(
+      setup.plan.sky.share, plan::sky_share(0, setup.instrument.first_samples, std::max(1, setup.plan.sky.directions)));
+  coarse_.emplace(coarse, table_, most_groups_ * setup.shape.pixels_per_group, lines, row_capacity,
+                  setup.instrument.standard_error != scene::StandardError::off);
   coarse.shape.sky_shadows = false;
   look_.emplace(coarse, table_, groups * setup.shape.pixels_per_group, 1, row_capacity, true);
 }
@@ -141,7 +144,9 @@ std::vector<shared::RayGroup> TilePasses::groups_of(int first_line, int lines, i
   const auto all = sensors::make_ray_groups(setup_.instrument, setup_.scene, first_line, lines);
   const int per_line = sensors::groups_per_line(setup_.instrument);
   std::vector<shared::RayGroup> out;
-  for (int line = 0; line < lines; ++line) out.insert(out.end(), all.begin() + line * per_line + first_group, all.begin() + line * per_line + first_group + groups);
+  for (int line = 0; line < lines; ++line)
+    out.insert(out.end(), all.begin() + line * per_line + first_group,
+               all.begin() + line * per_line + first_group + groups);
   return out;
 }
 
@@ -155,14 +160,17 @@ const std::vector<float>& TilePasses::scale() {
     const auto rays = tile_rays(setup_.instrument, setup_.scene, tile, width);
     groups.insert(groups.end(), rays.groups.begin(), rays.groups.end());
     for (int line = 0; line < tile.lines; ++line)
-      for (int column = 0; column < tile.columns; column += width) used.push_back(std::min(width, tile.columns - column)), pixels += used.back();
+      for (int column = 0; column < tile.columns; column += width)
+        used.push_back(std::min(width, tile.columns - column)), pixels += used.back();
   }
   const std::size_t bands = setup_.shape.bands;
   std::vector<double> mean(bands);
   std::vector<float> radiance(most_groups_ * width * bands), truth(most_groups_ * width * layers_);
   for (std::size_t first = 0; first < groups.size(); first += most_groups_) {
     const std::size_t end = std::min(first + most_groups_, groups.size());
-    const TileRays rays = listed_rays({groups.begin() + static_cast<std::ptrdiff_t>(first), groups.begin() + static_cast<std::ptrdiff_t>(end)}, width);
+    const TileRays rays = listed_rays(
+        {groups.begin() + static_cast<std::ptrdiff_t>(first), groups.begin() + static_cast<std::ptrdiff_t>(end)},
+        width);
     (coarse_ ? *coarse_ : full_).run(rays, {radiance.data(), truth.data(), layers_, nullptr});
     for (std::size_t p = 0; p < rays.pixels(); ++p) {
       const auto wide = static_cast<std::size_t>(width);
@@ -181,16 +189,19 @@ void TilePasses::run_pass(TileWorker& worker, const TileRays& rays, const TileOu
   TileOutput here = out;
   if (!own.empty()) here.band_error = own.data();
   worker.run(rays, here, probe);
-  for (std::size_t p = 0; layers && p < rays.pixels(); ++p) out.truth[p * out.layers + layers_] = worst_error(here.band_error + p * bands, scale_);
+  for (std::size_t p = 0; layers && p < rays.pixels(); ++p)
+    out.truth[p * out.layers + layers_] = worst_error(here.band_error + p * bands, scale_);
 }
 
-void TilePasses::run_groups(TileWorker& worker, const Tile& tile, const std::vector<shared::RayGroup>& groups, const std::vector<std::size_t>& first_pixel,
-                            const TileOutput& out) {
+void TilePasses::run_groups(TileWorker& worker, const Tile& tile, const std::vector<shared::RayGroup>& groups,
+                            const std::vector<std::size_t>& first_pixel, const TileOutput& out) {
   if (groups.empty()) return;
   base::throw_if_interrupted();
-  const std::size_t bands = setup_.shape.bands, columns = static_cast<std::size_t>(tile.columns), width = static_cast<std::size_t>(setup_.shape.pixels_per_group);
+  const std::size_t bands = setup_.shape.bands, columns = static_cast<std::size_t>(tile.columns),
+                    width = static_cast<std::size_t>(setup_.shape.pixels_per_group);
   const TileRays rays = listed_rays(groups, setup_.shape.pixels_per_group);
-  std::vector<float> radiance(rays.pixels() * bands), truth(rays.pixels() * out.layers), error(out.band_error ? rays.pixels() * bands : 0);
+  std::vector<float> radiance(rays.pixels() * bands), truth(rays.pixels() * out.layers),
+      error(out.band_error ? rays.pixels() * bands : 0);
   run_pass(worker, rays, {radiance.data(), truth.data(), out.layers, out.band_error ? error.data() : nullptr}, nullptr);
   for (std::size_t g = 0; g < first_pixel.size(); ++g) {
     const std::size_t from = g * width, to = first_pixel[g], used = std::min(width, columns - to % columns);
@@ -204,10 +215,13 @@ void TilePasses::run_adaptive(const Tile& tile, const TileOutput& out) {
   const int width = setup_.shape.pixels_per_group;
   const std::size_t bands = setup_.shape.bands, wide = static_cast<std::size_t>(width);
   // The look reaches one line and one group beyond the tile where the image does.
-  const int first_line = std::max(0, tile.first_line - 1), end_line = std::min(setup_.instrument.lines, tile.first_line + tile.lines + 1);
+  const int first_line = std::max(0, tile.first_line - 1),
+            end_line = std::min(setup_.instrument.lines, tile.first_line + tile.lines + 1);
   const int tile_group = tile.first_column / width, tile_groups = static_cast<int>(groups_across(tile.columns, width));
-  const int first_group = std::max(0, tile_group - 1), end_group = std::min(sensors::groups_per_line(setup_.instrument), tile_group + tile_groups + 1);
-  const TileRays look = listed_rays(groups_of(first_line, end_line - first_line, first_group, end_group - first_group), width);
+  const int first_group = std::max(0, tile_group - 1),
+            end_group = std::min(sensors::groups_per_line(setup_.instrument), tile_group + tile_groups + 1);
+  const TileRays look =
+      listed_rays(groups_of(first_line, end_line - first_line, first_group, end_group - first_group), width);
 
   FirstLook seen;
   seen.lines = end_line - first_line, seen.columns = (end_group - first_group) * width;
@@ -218,18 +232,21 @@ void TilePasses::run_adaptive(const Tile& tile, const TileOutput& out) {
   for (std::size_t p = 0; p < look.pixels(); ++p) seen.error.push_back(worst_error(error.data() + p * bands, scale_));
   const std::vector<std::uint8_t> open = unsettled(seen, setup_.plan.tolerance);
 
-  std::vector<shared::RayGroup> groups[2];     // settled, and those that need all samples
-  std::vector<std::size_t> first_pixel[2];     // of each, in the tile
+  std::vector<shared::RayGroup> groups[2];  // settled, and those that need all samples
+  std::vector<std::size_t> first_pixel[2];  // of each, in the tile
   for (int line = 0; line < tile.lines; ++line)
     for (int group = 0; group < tile_groups; ++group) {
       const int row = tile.first_line + line - first_line, column = (tile_group + group - first_group) * width;
-      const std::size_t from = static_cast<std::size_t>(row) * static_cast<std::size_t>(seen.columns) + static_cast<std::size_t>(column);
+      const std::size_t from =
+          static_cast<std::size_t>(row) * static_cast<std::size_t>(seen.columns) + static_cast<std::size_t>(column);
       const std::size_t used = std::min(wide, static_cast<std::size_t>(tile.columns - group * width));
       const auto first = open.begin() + static_cast<std::ptrdiff_t>(from);
-      const bool all = std::any_of(first, first + static_cast<std::ptrdiff_t>(used), [](auto flag) { return flag != 0; }) ||
-                       (small_ && small_->needs_all(look.groups[from / wide], static_cast<int>(used)));
+      const bool all =
+          std::any_of(first, first + static_cast<std::ptrdiff_t>(used), [](auto flag) { return flag != 0; }) ||
+          (small_ && small_->needs_all(look.groups[from / wide], static_cast<int>(used)));
       groups[all].push_back(look.groups[from / wide]);
-      first_pixel[all].push_back(static_cast<std::size_t>(line) * static_cast<std::size_t>(tile.columns) + static_cast<std::size_t>(group * width));
+      first_pixel[all].push_back(static_cast<std::size_t>(line) * static_cast<std::size_t>(tile.columns) +
+                                 static_cast<std::size_t>(group * width));
       adaptive_pixels_ += used;
       if (all) refined_pixels_ += used;
     }
@@ -240,24 +257,21 @@ void TilePasses::run_adaptive(const Tile& tile, const TileOutput& out) {
 TilePasses::Fine& TilePasses::fine(int samples) {
   std::unique_ptr<Fine>& at = fine_[samples];
   if (at) return *at;
-  auto instrument =
-      std::make_unique<scene::Instrument>(sensors::with_fine_samples(setup_.instrument, samples));
+  auto instrument = std::make_unique<scene::Instrument>(sensors::with_fine_samples(setup_.instrument, samples));
   RenderSetup setup{setup_.context, setup_.scene, setup_.buffers, *instrument,
                     setup_.plan,    setup_.sun,   setup_.seed,    shape_of(*instrument, setup_.plan)};
   setup.shape.sky_share = fine_sky_share(setup_.plan, samples);
   const bool errors = setup_.instrument.standard_error != scene::StandardError::off;
   const std::size_t capacity = fine_capacity(setup.shape, row_capacity_);
   const std::size_t group_bytes = fine_group_bytes(setup.shape, capacity, errors);
-  const std::size_t groups =
-      std::clamp<std::size_t>(fine_bytes_ / std::size(sensors::kFineLevels) / group_bytes, 1,
-                              std::min(kMostFineGroups, most_groups_));
+  const std::size_t groups = std::clamp<std::size_t>(fine_bytes_ / std::size(sensors::kFineLevels) / group_bytes, 1,
+                                                     std::min(kMostFineGroups, most_groups_));
   at = std::make_unique<Fine>(std::move(instrument), setup, table_, groups, capacity, errors);
   return *at;
 }
 
 void TilePasses::run_small_objects(const Tile& tile, const TileOutput& out) {
-  const int width = setup_.shape.pixels_per_group,
-            across = static_cast<int>(groups_across(tile.columns, width));
+  const int width = setup_.shape.pixels_per_group, across = static_cast<int>(groups_across(tile.columns, width));
   const TileRays rays = tile_rays(setup_.instrument, setup_.scene, tile, width);
   struct Lot {
     std::vector<shared::RayGroup> groups;
@@ -268,12 +282,10 @@ void TilePasses::run_small_objects(const Tile& tile, const TileOutput& out) {
     for (int group = 0; group < across; ++group) {
       const auto& here = rays.groups[static_cast<std::size_t>(line * across + group)];
       // A tile that ends inside the image ends with a whole group.
-      const int used = std::min(width, tile.columns - group * width),
-                samples = small_->samples_of(here, used);
+      const int used = std::min(width, tile.columns - group * width), samples = small_->samples_of(here, used);
       if (samples == 0) continue;
       lots[samples].groups.push_back(here);
-      lots[samples].first_pixel.push_back(static_cast<std::size_t>(line) *
-                                              static_cast<std::size_t>(tile.columns) +
+      lots[samples].first_pixel.push_back(static_cast<std::size_t>(line) * static_cast<std::size_t>(tile.columns) +
                                           static_cast<std::size_t>(group * width));
       fine_pixels_[samples] += static_cast<std::uint64_t>(used);
     }
@@ -307,13 +319,15 @@ RenderStatistics TilePasses::statistics() const {
   const auto histogram = [&](double share) {
     std::uint64_t count = 0, below = 0;
     std::vector<std::uint64_t> terms = full_.term_histogram();
-    for (std::size_t i = 0; coarse_ && i < terms.size(); ++i) terms[i] += coarse_->term_histogram()[i];  // a look's are not the image's
+    for (std::size_t i = 0; coarse_ && i < terms.size(); ++i)
+      terms[i] += coarse_->term_histogram()[i];  // a look's are not the image's
     for (const auto& [unused, fine] : fine_)
       for (std::size_t i = 0; i < terms.size(); ++i) terms[i] += fine->worker.term_histogram()[i];
     for (const auto n : terms) count += n;
     for (std::size_t i = 0; i < terms.size(); ++i) {
       below += terms[i];
-      if (count && static_cast<double>(below) >= share * static_cast<double>(count)) return static_cast<std::uint32_t>(i);
+      if (count && static_cast<double>(below) >= share * static_cast<double>(count))
+        return static_cast<std::uint32_t>(i);
     }
     return 0u;
   };

@@ -39,20 +39,21 @@ class TilePasses {
   /// One pass over rays, the layer of standard errors included where `out` has it.
   void run_pass(TileWorker& worker, const TileRays& rays, const TileOutput& out, PixelProbe* probe);
   /// The same over some groups of a tile, each filed from its first pixel in the tile on.
-  void run_groups(TileWorker& worker, const Tile& tile, const std::vector<shared::RayGroup>& groups, const std::vector<std::size_t>& first_pixel, const TileOutput& out);
+  void run_groups(TileWorker& worker, const Tile& tile, const std::vector<shared::RayGroup>& groups,
+                  const std::vector<std::size_t>& first_pixel, const TileOutput& out);
   /// error_scale of the band means over a few hashed pixels of the image, the same for any tiles.
   const std::vector<float>& scale();
   std::vector<shared::RayGroup> groups_of(int first_line, int lines, int first_group, int groups) const;
 
   RenderSetup setup_;
-  std::size_t layers_;                ///< of the scene; standard errors follow
+  std::size_t layers_;                               ///< of the scene; standard errors follow
   std::optional<sensors::SmallObjectPixels> small_;  ///< none: nothing of the scene needs more samples
-  std::size_t fine_bytes_;  ///< of the table's, for tiles of pixels with more samples
+  std::size_t fine_bytes_;                           ///< of the table's, for tiles of pixels with more samples
   BandTable table_;
   std::unique_ptr<scene::Instrument> coarse_instrument_;
   std::optional<TileWorker> look_, coarse_;
   TileWorker full_;
-  std::size_t most_groups_;           ///< of a tile
+  std::size_t most_groups_;  ///< of a tile
   std::vector<float> scale_;
   std::uint64_t refined_pixels_ = 0, adaptive_pixels_ = 0;
   std::size_t row_capacity_;
@@ -65,7 +66,7 @@ class TilePasses {
 int fine_sky_share(const plan::Plan& plan, int samples);
 
 /// What a render of this instrument must hold at once, standard errors and the first pass with it.
-LeastMemory least_memory(const scene::CompiledScene& scene, const scene::Instrument& instrument,
-                         const plan::Plan& plan, std::size_t row_capacity);
+LeastMemory least_memory(const scene::CompiledScene& scene, const scene::Instrument& instrument, const plan::Plan& plan,
+                         std::size_t row_capacity);
 
 }  // namespace raycube::render

@@ -12,14 +12,15 @@ namespace raycube::render {
 std::size_t StageShape::row_bytes(std::size_t capacity) const {
   const std::size_t floats = static_cast<std::size_t>(accumulators()) * (chunked() ? 2 : 1);
   return sizeof(std::uint32_t) + capacity * (sizeof(std::uint64_t) + floats * sizeof(float)) +  // row
-         (environment ? 4 * (sizeof(std::uint32_t) + sizeof(float)) : 0) + sizeof(std::uint32_t) + term_capacity(capacity) * (sizeof(std::uint32_t) + sizeof(float));
+         (environment ? 4 * (sizeof(std::uint32_t) + sizeof(float)) : 0) + sizeof(std::uint32_t) +
+         term_capacity(capacity) * (sizeof(std::uint32_t) + sizeof(float));
 }
 
 std::size_t StageShape::pixel_bytes() const {
   const std::size_t padded = static_cast<std::size_t>(padded_samples);
   const std::size_t sums = (static_cast<std::size_t>(heights) + RC_TRUTH_SUMS) * (chunked() ? 2 : 1) * sizeof(float);
-  return padded * (2 + 6 + 1 + 4 * static_cast<std::size_t>(sky_quads())) * sizeof(float) + padded / 8 + sums + sizeof(shared::RayGroup) +
-         static_cast<std::size_t>(bands_padded) * sizeof(float);
+  return padded * (2 + 6 + 1 + 4 * static_cast<std::size_t>(sky_quads())) * sizeof(float) + padded / 8 + sums +
+         sizeof(shared::RayGroup) + static_cast<std::size_t>(bands_padded) * sizeof(float);
 }
 
 StageShape make_stage_shape(const scene::Instrument& instrument, const plan::Plan& plan, int pixels_per_group) {
@@ -31,10 +32,10 @@ StageShape make_stage_shape(const scene::Instrument& instrument, const plan::Pla
     shape.chunk_samples = kMaxChunkSamples;
   } else {
     if (instrument.samples_u > kMaxChunkSamples)
-      throw base::Error(base::Fault::input,
-                        "instrument '" + instrument.name + "': a sample grid is at most " +
-                            std::to_string(kMaxChunkSamples) + " samples wide (found " +
-                            std::to_string(instrument.samples_u) + "); make it taller instead, or use samples = { lattice = N }");
+      throw base::Error(base::Fault::input, "instrument '" + instrument.name + "': a sample grid is at most " +
+                                                std::to_string(kMaxChunkSamples) + " samples wide (found " +
+                                                std::to_string(instrument.samples_u) +
+                                                "); make it taller instead, or use samples = { lattice = N }");
     shape.chunk_samples = kMaxChunkSamples / instrument.samples_u * instrument.samples_u;
   }
   shape.chunks = (shape.samples + shape.chunk_samples - 1) / shape.chunk_samples;
@@ -70,8 +71,7 @@ void require_memory(const StageShape& shape, const LeastMemory& least, int pixel
                     std::size_t memory_bytes) {
   const std::size_t strip_pixel = kStripsAtOnce * least.strip_values * sizeof(float);
   const std::size_t device_pixel = shape.pixel_bytes() + shape.row_bytes(capacity) + least.more_bytes;
-  const std::size_t group =
-      RC_GROUP_WIDTH * std::max({device_pixel, strip_pixel, largest_buffer(shape, capacity)});
+  const std::size_t group = RC_GROUP_WIDTH * std::max({device_pixel, strip_pixel, largest_buffer(shape, capacity)});
   const std::size_t strips = strip_pixel * static_cast<std::size_t>(pixels);
   const std::size_t rows = least.table_rows * static_cast<std::size_t>(shape.channels) *
                                static_cast<std::size_t>(shape.bands_padded) * sizeof(float) +
@@ -83,7 +83,7 @@ void require_memory(const StageShape& shape, const LeastMemory& least, int pixel
                                ? "the band-table rows of one pixel and the samples of small objects "
                                  "(small_objects = \"off\" spares these)"
                            : rows >= group ? "the band-table rows of one pixel"
-                                                             : "one group of pixels";
+                                           : "one group of pixels";
   throw base::Error(
       base::Fault::input,
       std::string("--memory is too small for ") + what + ": need " + std::to_string(need) + " bytes, found " +
@@ -96,19 +96,22 @@ TileSize choose_tile_size(const StageShape& shape, int pixels, int lines, std::s
                           int forced_lines, const LeastMemory& least) {
   const std::size_t per_pixel = shape.pixel_bytes() + shape.row_bytes(capacity) + least.more_bytes;
   const std::size_t largest = largest_buffer(shape, capacity);
-  constexpr std::size_t kFewestSamples = 32;  // an image of a few samples a pixel fills its memory with bands, not with samples
+  constexpr std::size_t kFewestSamples =
+      32;  // an image of a few samples a pixel fills its memory with bands, not with samples
   const std::size_t useful = tile_samples / std::max(kFewestSamples, static_cast<std::size_t>(shape.padded_samples));
   const std::size_t strips = kStripsAtOnce * least.strip_values * sizeof(float);
-  const std::size_t fit = std::min({budget_bytes / std::max(per_pixel, strips), max_alloc_bytes / largest, std::max(useful, static_cast<std::size_t>(pixels))});
+  const std::size_t fit = std::min({budget_bytes / std::max(per_pixel, strips), max_alloc_bytes / largest,
+                                    std::max(useful, static_cast<std::size_t>(pixels))});
   const std::size_t width = static_cast<std::size_t>(pixels);
   if (forced_lines > 0) return {std::min(forced_lines, lines), pixels};
-  if (fit >= width) return {static_cast<int>(std::min<std::size_t>(fit / width, static_cast<std::size_t>(lines))), pixels};
+  if (fit >= width)
+    return {static_cast<int>(std::min<std::size_t>(fit / width, static_cast<std::size_t>(lines))), pixels};
   const std::size_t columns = fit / RC_GROUP_WIDTH * RC_GROUP_WIDTH;
   if (columns == 0)
     throw base::Error(base::Fault::input,
                       "--memory is too small for one group of pixels: need " +
-                          std::to_string(kBudgetShares * std::max(per_pixel, largest) * RC_GROUP_WIDTH) + " bytes, found " +
-                          std::to_string(kBudgetShares * budget_bytes) +
+                          std::to_string(kBudgetShares * std::max(per_pixel, largest) * RC_GROUP_WIDTH) +
+                          " bytes, found " + std::to_string(kBudgetShares * budget_bytes) +
                           "; raise --memory, or lower the samples per pixel or the number of bands");
   return {1, static_cast<int>(columns)};
 }

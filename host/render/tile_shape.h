@@ -18,25 +18,26 @@ inline constexpr std::size_t kChunkedCapacity = 256;
 
 /// The sizes every stage is specialised for.
 struct StageShape {
-  int samples = 0;              ///< of a pixel, all chunks
-  int chunk_samples = 0;        ///< of one chunk (the last chunk may hold fewer)
+  int samples = 0;        ///< of a pixel, all chunks
+  int chunk_samples = 0;  ///< of one chunk (the last chunk may hold fewer)
   int chunks = 1;
-  int padded_samples = 0;       ///< chunk_samples rounded up to 16
+  int padded_samples = 0;  ///< chunk_samples rounded up to 16
   int pixels_per_group = 4;
   int sun = 1, components = 0, thermal_components = 0, temperatures = 0;  ///< sources of a material row
   int heights = 1, views = 1, path_x = 1, path_y = 1;
-  int channels = 1;             ///< rows of the band table per key: max of source and path channels
+  int channels = 1;  ///< rows of the band table per key: max of source and path channels
   int bands = 0, bands_padded = 0;
-  int sky_share = 1;            ///< each sample looks into one in so many of the sky's directions
-  bool sky_shadows = true;      ///< false: nothing hides the sky, no rays are sent to it
-  bool environment = false;     ///< light of the ground around joins: 4 rows of the band table per pixel
+  int sky_share = 1;         ///< each sample looks into one in so many of the sky's directions
+  bool sky_shadows = true;   ///< false: nothing hides the sky, no rays are sent to it
+  bool environment = false;  ///< light of the ground around joins: 4 rows of the band table per pixel
   bool chunked() const { return chunks > 1; }
   int sources() const { return sun + components + temperatures; }
   int sky_quads() const { return components > 4 ? 2 : 1; }
   int accumulators() const { return sources() * heights + 1; }
   /// Terms a pixel with `capacity` keys can have.
   std::size_t term_capacity(std::size_t capacity) const {
-    return static_cast<std::size_t>(heights) * path_x * path_y + (environment ? 4 * static_cast<std::size_t>(heights) * views : 0) +
+    return static_cast<std::size_t>(heights) * path_x * path_y +
+           (environment ? 4 * static_cast<std::size_t>(heights) * views : 0) +
            capacity * static_cast<std::size_t>(sources()) * heights * views;
   }
   /// Device bytes of a pixel's row, terms and counts at a given key capacity.
@@ -77,9 +78,9 @@ inline constexpr std::size_t kFewestRows = 261;
 struct LeastMemory {
   std::size_t strip_values =
       0;  ///< floats of a pixel on its way out: bands (twice with their standard errors) and truth layers
-  std::size_t table_rows = 0;    ///< the band table's: kFewestRows, or all there can be
-  std::size_t more_bytes = 0;    ///< of a pixel on the device, beside the shape's
-  std::size_t fine_bytes = 0;    ///< of the pixels of small objects, beside the band table's rows
+  std::size_t table_rows = 0;  ///< the band table's: kFewestRows, or all there can be
+  std::size_t more_bytes = 0;  ///< of a pixel on the device, beside the shape's
+  std::size_t fine_bytes = 0;  ///< of the pixels of small objects, beside the band table's rows
 };
 
 /// Throws Error(input) that names the least --memory when a third of `memory_bytes` holds less than a group
@@ -91,8 +92,9 @@ void require_memory(const StageShape& shape, const LeastMemory& least, int pixel
 /// Strips that exist at once on the host: one being filled, two waiting, one being written.
 inline constexpr std::size_t kStripsAtOnce = 4;
 
-/// budget_bytes: what --memory grants for tiles, 1 / kBudgetShares of it; tile_samples: of the largest launch worth its memory (DeviceTuning); max_alloc_bytes: the device's largest buffer; forced_lines > 0 overrides;
-/// Throws Error(input) with need, limit and ways out when not even four pixels fit.
+/// budget_bytes: what --memory grants for tiles, 1 / kBudgetShares of it; tile_samples: of the largest launch worth its
+/// memory (DeviceTuning); max_alloc_bytes: the device's largest buffer; forced_lines > 0 overrides; Throws Error(input)
+/// with need, limit and ways out when not even four pixels fit.
 TileSize choose_tile_size(const StageShape& shape, int pixels, int lines, std::size_t capacity,
                           std::size_t budget_bytes, std::size_t tile_samples, std::size_t max_alloc_bytes,
                           int forced_lines, const LeastMemory& least);

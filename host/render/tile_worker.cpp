@@ -21,7 +21,7 @@ namespace raycube::render {
 namespace {
 
 constexpr std::size_t kOverflowCapacities[] = {64, 256};
-constexpr std::size_t kOverflowBatch = 256;      ///< flagged pixels relaunched at once
+constexpr std::size_t kOverflowBatch = 256;  ///< flagged pixels relaunched at once
 constexpr std::size_t kHistogramBins = 4096;
 
 /// Sum number i of an item, with its compensation when sums are carried over chunks.
@@ -42,7 +42,8 @@ void TileWorker::timed(const std::string& stage, Action action) {
   statistics_.stage_s[stage] += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-TileWorker::TileWorker(const RenderSetup& setup, BandTable& table, std::size_t pixels, int lines, std::size_t row_capacity, bool errors)
+TileWorker::TileWorker(const RenderSetup& setup, BandTable& table, std::size_t pixels, int lines,
+                       std::size_t row_capacity, bool errors)
     : setup_(setup),
       row_stages_(setup.context, setup.buffers, setup.plan, setup.shape, sensors::SampleWeights(setup.instrument)),
       trace_stages_(setup.context, setup.scene, setup.buffers, setup.instrument, setup.plan, setup.shape, setup.seed),
@@ -80,7 +81,8 @@ void TileWorker::write_truth(std::uint32_t pixel, const float* sums, const float
 void collect_hits(const StageShape& shape, int chunk, const TraceBuffers& traced, HitProbe& probe) {
   const auto hits = traced.hits.read_all();
   const std::size_t pixels = probe.tile.pixels(), padded = shape.padded_samples, samples = shape.samples;
-  const std::size_t first = std::size_t(chunk) * shape.chunk_samples, end = std::min(first + shape.chunk_samples, samples);
+  const std::size_t first = std::size_t(chunk) * shape.chunk_samples,
+                    end = std::min(first + shape.chunk_samples, samples);
   probe.samples = shape.samples;
   probe.hit_instance.resize(pixels * samples);
   probe.hit_primitive.resize(pixels * samples);
@@ -97,7 +99,8 @@ void TileWorker::collect(int chunk, PixelProbe& probe) const {
   const auto sun = traced_.sun.read_all();
   const auto sky = traced_.sky.read_all();
   const std::size_t pixels = probe.tile.pixels(), padded = shape.padded_samples, samples = shape.samples;
-  const std::size_t first = std::size_t(chunk) * shape.chunk_samples, end = std::min(first + shape.chunk_samples, samples);
+  const std::size_t first = std::size_t(chunk) * shape.chunk_samples,
+                    end = std::min(first + shape.chunk_samples, samples);
   probe.sun_visible.resize(pixels * samples);
   const std::size_t planes = 4 * static_cast<std::size_t>(shape.sky_quads());
   probe.sky_blocked.resize(pixels * samples * planes);
@@ -105,7 +108,8 @@ void TileWorker::collect(int chunk, PixelProbe& probe) const {
     for (std::size_t s = first; s < end; ++s) {
       const std::size_t i = s - first;
       probe.sun_visible[p * samples + s] = (sun[p * (padded / 16) + i / 16] >> (i % 16)) & 1u;
-      for (int m = 0; m < shape.components; ++m) probe.sky_blocked[planes * (p * samples + s) + m] = sky[(p * planes + m) * padded + i];
+      for (int m = 0; m < shape.components; ++m)
+        probe.sky_blocked[planes * (p * samples + s) + m] = sky[(p * planes + m) * padded + i];
     }
 }
 
@@ -143,7 +147,8 @@ void TileWorker::run(const TileRays& tile, const TileOutput& out, PixelProbe* pr
       std::memcpy(out.radiance + p * bands, mapped.data() + p * std::size_t(shape.bands_padded), bands * sizeof(float));
     radiance_.unmap(mapped);
     for (const auto& [pixel, values] : host_radiance_)
-      std::transform(values.begin(), values.end(), out.radiance + pixel * bands, [](double v) { return static_cast<float>(v); });
+      std::transform(values.begin(), values.end(), out.radiance + pixel * bands,
+                     [](double v) { return static_cast<float>(v); });
   });
   if (out.band_error) add_errors(all_pixels, out);
   double hit = 0;
@@ -152,11 +157,13 @@ void TileWorker::run(const TileRays& tile, const TileOutput& out, PixelProbe* pr
   statistics_.primary_rays += static_cast<std::uint64_t>(rays);
   const double hit_rays = hit / std::max(1u, pixels) * rays;
   if (setup_.plan.sun_up) statistics_.sun_rays += static_cast<std::uint64_t>(hit_rays);
-  if (shape.sky_shadows) statistics_.sky_rays += static_cast<std::uint64_t>(hit_rays * (setup_.plan.sky.directions / shape.sky_share));
+  if (shape.sky_shadows)
+    statistics_.sky_rays += static_cast<std::uint64_t>(hit_rays * (setup_.plan.sky.directions / shape.sky_share));
   statistics_.band_samples += static_cast<std::uint64_t>(pixels) * shape.bands;
 }
 
-std::vector<std::uint32_t> TileWorker::finish_all(RowBuffers& rows, const std::vector<std::uint32_t>& pixels, int subset, const TileOutput& out) {
+std::vector<std::uint32_t> TileWorker::finish_all(RowBuffers& rows, const std::vector<std::uint32_t>& pixels,
+                                                  int subset, const TileOutput& out) {
   std::vector<std::uint32_t> flagged = finish_rows(rows, pixels, false, out);
   if (out.truth) statistics_.overflow_pixels += flagged.size();
   if (!setup_.shape.chunked())
@@ -177,7 +184,8 @@ void TileWorker::add_errors(const std::vector<std::uint32_t>& pixels, const Tile
     RowBuffers& rows = shape.chunked() ? subset_rows_[subset] : rows_;
     if (!shape.chunked())
       timed("shade", [&] {
-        row_stages_.shade({static_cast<std::uint32_t>(pixels.size()), nullptr}, layout_, traced_, 0, subset, true, rows);
+        row_stages_.shade({static_cast<std::uint32_t>(pixels.size()), nullptr}, layout_, traced_, 0, subset, true,
+                          rows);
       });
     const std::vector<std::uint32_t> unknown = finish_all(rows, pixels, subset, {});
     timed("standard error", [&] {
@@ -188,7 +196,8 @@ void TileWorker::add_errors(const std::vector<std::uint32_t>& pixels, const Tile
         for (std::size_t b = 0; b < bands; ++b) sum[b] += (part[b] - whole[b]) * (part[b] - whole[b]);
       }
       radiance_.unmap(mapped);
-      for (const std::uint32_t pixel : unknown) std::fill_n(out.band_error + pixel * bands, bands, std::numeric_limits<float>::quiet_NaN());
+      for (const std::uint32_t pixel : unknown)
+        std::fill_n(out.band_error + pixel * bands, bands, std::numeric_limits<float>::quiet_NaN());
     });
   }
   const float factor = static_cast<float>(error_of_spread(setup_.instrument.sampler));
@@ -205,7 +214,7 @@ std::vector<std::uint32_t> TileWorker::finish_rows(RowBuffers& rows, const std::
   const PixelSelection selection{static_cast<std::uint32_t>(items), list ? &*list : nullptr};
   std::vector<std::uint32_t> flagged;
   std::vector<std::array<plan::EnvironmentWeight, 4>> around(shape.environment ? items : 0);
-  std::vector<std::size_t> range_ends;            // items whose keys fit the band table together
+  std::vector<std::size_t> range_ends;  // items whose keys fit the band table together
   std::vector<std::vector<std::uint64_t>> range_keys;
   timed("collect", [&] {
     const auto count = rows.count.map(false);
@@ -232,7 +241,8 @@ std::vector<std::uint32_t> TileWorker::finish_rows(RowBuffers& rows, const std::
           if (node.weight > 0) wanted.insert(plan::kEnvironmentKey | node.node);
       }
       if (!all_baked_) wanted.insert(row_keys, row_keys + count[i]);  // else rows of the environment alone come up anew
-      const auto anew = static_cast<std::size_t>(std::count_if(wanted.begin(), wanted.end(), [&](auto key) { return used.count(key) == 0; }));
+      const auto anew = static_cast<std::size_t>(
+          std::count_if(wanted.begin(), wanted.end(), [&](auto key) { return used.count(key) == 0; }));
       if (used.size() + anew + 1 > table_.capacity() && !used.empty()) {
         range_ends.push_back(i);
         range_keys.emplace_back(used.begin(), used.end());
@@ -255,7 +265,8 @@ std::vector<std::uint32_t> TileWorker::finish_rows(RowBuffers& rows, const std::
   });
   std::size_t first = 0;
   for (std::size_t r = 0; r < range_ends.size(); ++r) {
-    const auto first_item = static_cast<std::uint32_t>(first), item_count = static_cast<std::uint32_t>(range_ends[r] - first);
+    const auto first_item = static_cast<std::uint32_t>(first),
+               item_count = static_cast<std::uint32_t>(range_ends[r] - first);
     if (!all_baked_ || !range_keys[r].empty()) timed("bake", [&] { table_.ensure(range_keys[r]); });
     if (shape.environment && item_count) write_environment(std::span(around).subspan(first, item_count), first, rows);
     if (item_count) {
@@ -271,7 +282,8 @@ std::vector<std::uint32_t> TileWorker::finish_rows(RowBuffers& rows, const std::
   return flagged;
 }
 
-std::vector<std::uint32_t> TileWorker::relaunch(const std::vector<std::uint32_t>& flagged, std::size_t capacity, int subset, const TileOutput& out) {
+std::vector<std::uint32_t> TileWorker::relaunch(const std::vector<std::uint32_t>& flagged, std::size_t capacity,
+                                                int subset, const TileOutput& out) {
   std::vector<std::uint32_t> still_flagged;
   RowBuffers rows(setup_.context, setup_.shape, std::min(flagged.size(), kOverflowBatch), capacity);
   for (std::size_t first = 0; first < flagged.size(); first += kOverflowBatch) {
@@ -298,22 +310,24 @@ void TileWorker::sum_per_sample(const std::vector<std::uint32_t>& flagged, const
     std::vector<double> radiance, abundance, path;
     double truth[RC_TRUTH_SUMS] = {};
   };
-  std::vector<Sum> results(flagged.size(), {std::vector<double>(bands), std::vector<double>(materials), std::vector<double>(shape.heights), {}});
+  std::vector<Sum> results(
+      flagged.size(),
+      {std::vector<double>(bands), std::vector<double>(materials), std::vector<double>(shape.heights), {}});
   const std::vector<float> path_row = plan::bake_row(plan, setup_.scene, 0);
   for (int chunk = 0; chunk < shape.chunks; ++chunk) {
     if (shape.chunked()) trace_stages_.run(layout_, chunk, traced_, statistics_.stage_s);
     for (std::size_t f = 0; f < flagged.size(); ++f) {
       cl::Buffer<std::uint32_t> list(setup_.context, std::span(&flagged[f], 1), cl::Access::read_only, "one pixel");
-      timed("shade", [&] {
-        row_stages_.shade({1, &list}, layout_, traced_, chunk, sensors::kAllSamples, true, rows);
-      });
+      timed("shade", [&] { row_stages_.shade({1, &list}, layout_, traced_, chunk, sensors::kAllSamples, true, rows); });
       const auto d = centre_direction(flagged[f]);
       const double length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
       int iv, ix, iy;
       float fv, fx, fy;
       rc_node_weights(static_cast<float>(-length / d[2]), plan.view.first, plan.view.step, plan.view.count, &iv, &fv);
-      rc_node_weights(static_cast<float>(-d[0] / length), plan.path_x.first, plan.path_x.step, plan.path_x.count, &ix, &fx);
-      rc_node_weights(static_cast<float>(-d[1] / length), plan.path_y.first, plan.path_y.step, plan.path_y.count, &iy, &fy);
+      rc_node_weights(static_cast<float>(-d[0] / length), plan.path_x.first, plan.path_x.step, plan.path_x.count, &ix,
+                      &fx);
+      rc_node_weights(static_cast<float>(-d[1] / length), plan.path_y.first, plan.path_y.step, plan.path_y.count, &iy,
+                      &fy);
       const auto add = [&](const std::vector<float>& baked, int channel, double weight) {
         if (weight == 0) return;
         const float* e = baked.data() + static_cast<std::size_t>(channel) * shape.bands_padded;
@@ -321,7 +335,8 @@ void TileWorker::sum_per_sample(const std::vector<std::uint32_t>& flagged, const
       };
       timed("per sample", [&] {
         const auto path = rows.path.read_all();
-        for (int h = 0; h < shape.heights; ++h) results[f].path[h] += total(path.data(), shape.heights, shape.chunked(), h);
+        for (int h = 0; h < shape.heights; ++h)
+          results[f].path[h] += total(path.data(), shape.heights, shape.chunked(), h);
         for (int h = 0; h < shape.heights; ++h)
           for (int y = 0; y < shape.path_y; ++y)
             for (int x = 0; x < shape.path_x; ++x)
@@ -340,7 +355,8 @@ void TileWorker::sum_per_sample(const std::vector<std::uint32_t>& flagged, const
             for (int v = 0; v < shape.views; ++v)
               add(baked, i * shape.views + v,
                   total(row, shape.accumulators(), shape.chunked(), i) * weight_of(v, iv, fv));
-          results[f].abundance[keys[k] - 1] += total(row, shape.accumulators(), shape.chunked(), shape.accumulators() - 1);
+          results[f].abundance[keys[k] - 1] +=
+              total(row, shape.accumulators(), shape.chunked(), shape.accumulators() - 1);
         }
       });
     }

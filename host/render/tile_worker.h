@@ -27,10 +27,11 @@ struct RenderSetup {
 
 /// What becomes of a tile: arrays of the caller's, pixels in line order.
 struct TileOutput {
-  float* radiance = nullptr;    ///< [pixel][band]
-  float* truth = nullptr;       ///< [pixel][layers]; the layers of truth_layer_names(scene) are filled
+  float* radiance = nullptr;  ///< [pixel][band]
+  float* truth = nullptr;     ///< [pixel][layers]; the layers of truth_layer_names(scene) are filled
   std::size_t layers = 0;
-  float* band_error = nullptr;  ///< [pixel][band], standard error of the radiance (standard_error.h); NaN: not known. Or not wanted
+  float* band_error =
+      nullptr;  ///< [pixel][band], standard error of the radiance (standard_error.h); NaN: not known. Or not wanted
 };
 
 /// Files the hits of one chunk of the tile's samples in the probe.
@@ -38,9 +39,10 @@ void collect_hits(const StageShape& shape, int chunk, const TraceBuffers& traced
 
 class TileWorker {
  public:
-  /// Buffers for tiles of at most `pixels` pixels in at most `lines` lines. `table`: of the setup's plan. errors: standard errors may be
-  /// asked for.
-  TileWorker(const RenderSetup& setup, BandTable& table, std::size_t pixels, int lines, std::size_t row_capacity, bool errors);
+  /// Buffers for tiles of at most `pixels` pixels in at most `lines` lines. `table`: of the setup's plan. errors:
+  /// standard errors may be asked for.
+  TileWorker(const RenderSetup& setup, BandTable& table, std::size_t pixels, int lines, std::size_t row_capacity,
+             bool errors);
 
   /// Renders a tile. Fills `probe` when given; its tile is set.
   void run(const TileRays& rays, const TileOutput& out, PixelProbe* probe = nullptr);
@@ -50,25 +52,31 @@ class TileWorker {
   const std::vector<std::uint64_t>& term_histogram() const { return term_histogram_; }
 
  private:
-  /// Resolves and integrates the items of `rows`; writes their truth unless `out` has none; returns the tile pixels that overflowed.
+  /// Resolves and integrates the items of `rows`; writes their truth unless `out` has none; returns the tile pixels
+  /// that overflowed.
   std::vector<std::uint32_t> finish_rows(RowBuffers& rows, const std::vector<std::uint32_t>& pixels, bool use_list,
                                          const TileOutput& out);
-  /// Finishes `rows` of all pixels and launches those that overflow anew with more room; returns those that need still more.
-  std::vector<std::uint32_t> finish_all(RowBuffers& rows, const std::vector<std::uint32_t>& pixels, int subset, const TileOutput& out);
+  /// Finishes `rows` of all pixels and launches those that overflow anew with more room; returns those that need still
+  /// more.
+  std::vector<std::uint32_t> finish_all(RowBuffers& rows, const std::vector<std::uint32_t>& pixels, int subset,
+                                        const TileOutput& out);
   /// Radiance of each part of the samples, and their spread about the whole's.
   void add_errors(const std::vector<std::uint32_t>& pixels, const TileOutput& out);
   /// Rows of the band table and weights of the items' environment; every node of theirs is in the table.
-  void write_environment(std::span<const std::array<plan::EnvironmentWeight, 4>> around, std::size_t first_item, RowBuffers& rows);
+  void write_environment(std::span<const std::array<plan::EnvironmentWeight, 4>> around, std::size_t first_item,
+                         RowBuffers& rows);
   /// The same for a pixel summed on the host; path: its weights at the height nodes.
-  void add_environment(std::uint32_t pixel, const float* truth_sums, const std::vector<double>& path, std::vector<double>& radiance) const;
-  std::vector<std::uint32_t> relaunch(const std::vector<std::uint32_t>& flagged, std::size_t capacity, int subset, const TileOutput& out);
+  void add_environment(std::uint32_t pixel, const float* truth_sums, const std::vector<double>& path,
+                       std::vector<double>& radiance) const;
+  std::vector<std::uint32_t> relaunch(const std::vector<std::uint32_t>& flagged, std::size_t capacity, int subset,
+                                      const TileOutput& out);
   void sum_per_sample(const std::vector<std::uint32_t>& flagged, const TileOutput& out);
   void write_truth(std::uint32_t pixel, const float* sums, const float* abundance, const TileOutput& out);
   /// Files what the stages left of one chunk of samples.
   void collect(int chunk, PixelProbe& probe) const;
   std::array<double, 3> centre_direction(std::uint32_t pixel) const;
-  /// Nodes of the environment map around the mean of a pixel's hit points; around where its centre ray meets the lowest height
-  /// when it hits nothing.
+  /// Nodes of the environment map around the mean of a pixel's hit points; around where its centre ray meets the lowest
+  /// height when it hits nothing.
   std::array<plan::EnvironmentWeight, 4> environment_of(std::uint32_t pixel, const float* truth_sums) const;
   template <class Action>
   void timed(const std::string& stage, Action action);
@@ -79,7 +87,8 @@ class TileWorker {
   BandTable& table_;
   TraceBuffers traced_;
   RowBuffers rows_;
-  std::vector<RowBuffers> subset_rows_;  ///< of the parts of samples that come in chunks; else rows_ serves them one by one
+  std::vector<RowBuffers>
+      subset_rows_;  ///< of the parts of samples that come in chunks; else rows_ serves them one by one
   cl::Buffer<float> radiance_;
   TileLayout layout_;
   std::vector<shared::RayGroup> groups_;

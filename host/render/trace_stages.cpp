@@ -13,16 +13,17 @@ namespace raycube::render {
 
 namespace {
 
-std::string trace_options(const scene::CompiledScene& scene, const SceneBuffers& buffers, const scene::Instrument& instrument,
-                          const StageShape& shape) {
-  const auto define = [](const char* name, auto value) { return " -D" + std::string(name) + "=" + std::to_string(value); };
+std::string trace_options(const scene::CompiledScene& scene, const SceneBuffers& buffers,
+                          const scene::Instrument& instrument, const StageShape& shape) {
+  const auto define = [](const char* name, auto value) {
+    return " -D" + std::string(name) + "=" + std::to_string(value);
+  };
   const bool plain_grid = instrument.sampler == scene::SamplerKind::grid && instrument.psf_support_px == 1;
   return "-cl-std=CL1.2" + define("RC_NU", instrument.samples_u) + define("RC_NV", instrument.samples_v) +
          define("RC_CHUNK", shape.chunk_samples) + define("RC_SAMPLER", static_cast<int>(instrument.sampler)) +
          define("RC_SUPPORT", static_cast<float>(instrument.psf_support_px)) + "f" +
-         define("RC_SCATTER", plain_grid ? 0 : 1) +
-         define("RC_GROUP_PIXELS", shape.pixels_per_group) + define("RC_STACK", scene.stack_bound()) +
-         define("RC_MOVING", sensors::pose_moves(instrument) ? 1 : 0) +
+         define("RC_SCATTER", plain_grid ? 0 : 1) + define("RC_GROUP_PIXELS", shape.pixels_per_group) +
+         define("RC_STACK", scene.stack_bound()) + define("RC_MOVING", sensors::pose_moves(instrument) ? 1 : 0) +
          (shape.sky_quads() > 1 ? define("RC_SKY_QUADS", shape.sky_quads()) : "") + buffers.options;
 }
 
@@ -59,8 +60,7 @@ struct TraceStages::State {
         light(program, "trace_light"),
         sun(upload(context_, sun_only(plan_), "sun direction")),
         directions(upload(context_, plan_.sky.direction, "sky directions")),
-        weights(upload(context_, plan_.sky.weight, "sky weights")) {
-  }
+        weights(upload(context_, plan_.sky.weight, "sky weights")) {}
 
   cl_uint first_sample(int chunk) const { return static_cast<cl_uint>(chunk * shape.chunk_samples); }
   cl_uint sample_count(int chunk) const {
@@ -92,14 +92,19 @@ TraceStages::~TraceStages() = default;
 
 const std::string& TraceStages::identity() const { return state_->identity; }
 std::string TraceStages::program_hash() const { return base::sha256_hex(identity()); }
-std::string program_hash(const TraceStages& trace, const RowStages& rows) { return base::sha256_hex(trace.identity() + rows.identity()); }
+std::string program_hash(const TraceStages& trace, const RowStages& rows) {
+  return base::sha256_hex(trace.identity() + rows.identity());
+}
 const std::string& TraceStages::options() const { return state_->options; }
 
-TileRays tile_rays(const scene::Instrument& instrument, const scene::CompiledScene& scene, const Tile& tile, int pixels_per_group) {
+TileRays tile_rays(const scene::Instrument& instrument, const scene::CompiledScene& scene, const Tile& tile,
+                   int pixels_per_group) {
   const auto all = sensors::make_ray_groups(instrument, scene, tile.first_line, tile.lines);
-  const int image_groups = sensors::groups_per_line(instrument), per_line = (tile.columns + pixels_per_group - 1) / pixels_per_group;
+  const int image_groups = sensors::groups_per_line(instrument),
+            per_line = (tile.columns + pixels_per_group - 1) / pixels_per_group;
   TileRays rays;
-  rays.layout = {static_cast<std::uint32_t>(tile.columns), static_cast<std::uint32_t>(per_line), static_cast<std::uint32_t>(tile.lines)};
+  rays.layout = {static_cast<std::uint32_t>(tile.columns), static_cast<std::uint32_t>(per_line),
+                 static_cast<std::uint32_t>(tile.lines)};
   for (int line = 0; line < tile.lines; ++line) {
     const auto first = all.begin() + line * image_groups + tile.first_column / pixels_per_group;
     rays.groups.insert(rays.groups.end(), first, first + per_line);
@@ -139,16 +144,20 @@ void TraceStages::run(const TileLayout& layout, int chunk, TraceBuffers& traced,
     s.zeroed = &traced;
   }
   launch("trace_primary", s.primary_of(layout, chunk, traced));
-  launch("make_surface", s.surface.arguments(s.buffers.blocks, s.buffers.instances, traced.groups, traced.hits,
-                                              traced.surface, traced.lift, s.seed, layout.width, first_sample, sample_count));
-  const auto light = [&](const char* stage, const auto& directions, const auto& weights, bool sky, int sets, int count, int share) {
-    launch(stage, s.light.arguments(s.buffers.nodes, s.buffers.blocks, s.buffers.instances, traced.groups, traced.surface, directions, weights,
-                                    traced.sun, traced.sky, cl_uint{sky}, static_cast<cl_uint>(sets), static_cast<cl_uint>(count),
+  launch("make_surface",
+         s.surface.arguments(s.buffers.blocks, s.buffers.instances, traced.groups, traced.hits, traced.surface,
+                             traced.lift, s.seed, layout.width, first_sample, sample_count));
+  const auto light = [&](const char* stage, const auto& directions, const auto& weights, bool sky, int sets, int count,
+                         int share) {
+    launch(stage, s.light.arguments(s.buffers.nodes, s.buffers.blocks, s.buffers.instances, traced.groups,
+                                    traced.surface, directions, weights, traced.sun, traced.sky, cl_uint{sky},
+                                    static_cast<cl_uint>(sets), static_cast<cl_uint>(count),
                                     static_cast<cl_uint>(share), s.seed, layout.width, first_sample));
   };
   if (s.plan.sun_up) light("trace_sun", s.sun, s.sun, false, 1, 1, 1);
   if (s.sends_to_sky())
-    light("trace_sky", s.directions, s.weights, true, static_cast<int>(s.plan.sky.sets), static_cast<int>(s.plan.sky.directions), s.shape.sky_share);
+    light("trace_sky", s.directions, s.weights, true, static_cast<int>(s.plan.sky.sets),
+          static_cast<int>(s.plan.sky.directions), s.shape.sky_share);
 }
 
 }  // namespace raycube::render

@@ -12,14 +12,15 @@
 
 namespace raycube::render {
 
-/// The groups that pixels belong to and where the pixels lie in them. A tile's come line by line; any list of groups is a tile too,
-/// each group a line of its own.
+/// The groups that pixels belong to and where the pixels lie in them. A tile's come line by line; any list of groups is
+/// a tile too, each group a line of its own.
 struct TileRays {
   std::vector<shared::RayGroup> groups;
   TileLayout layout;
   std::size_t pixels() const { return static_cast<std::size_t>(layout.lines) * layout.width; }
 };
-TileRays tile_rays(const scene::Instrument& instrument, const scene::CompiledScene& scene, const Tile& tile, int pixels_per_group);
+TileRays tile_rays(const scene::Instrument& instrument, const scene::CompiledScene& scene, const Tile& tile,
+                   int pixels_per_group);
 /// The last group of an image's line may bring pixels past its end; they are rendered like any other.
 TileRays listed_rays(std::vector<shared::RayGroup> groups, int pixels_per_group);
 
@@ -30,8 +31,7 @@ class TraceStages {
   ~TraceStages();
 
   /// Traces one chunk of samples of every pixel of the tile into `traced`. Adds the stages' wall seconds to `stage_s`.
-  void run(const TileLayout& layout, int chunk, TraceBuffers& traced,
-           std::map<std::string, double>& stage_s);
+  void run(const TileLayout& layout, int chunk, TraceBuffers& traced, std::map<std::string, double>& stage_s);
 
   /// Only the primary rays of that chunk: traced.hits.
   void run_primary(const TileLayout& layout, int chunk, TraceBuffers& traced);

@@ -23,7 +23,8 @@ std::vector<LayerName> truth_layer_names(const scene::CompiledScene& scene) {
 std::vector<LayerName> truth_layer_names(const scene::CompiledScene& scene, const scene::Instrument& instrument) {
   std::vector<LayerName> layers = truth_layer_names(scene);
   if (instrument.standard_error == scene::StandardError::off) return layers;
-  layers.push_back({"standard_error", "1", "of the samples: the worst band's, over that band's mean over the scene; not a number: not known"});
+  layers.push_back({"standard_error", "1",
+                    "of the samples: the worst band's, over that band's mean over the scene; not a number: not known"});
   layers.push_back({"not_converged", "1", "1: the standard error is above the tolerance or not known"});
   return layers;
 }
@@ -63,7 +64,8 @@ void fill_truth(const PixelTruth& pixel, std::size_t materials, const scene::Sun
   layers[sun_zenith_deg] = static_cast<float>(sun.zenith_deg);
   layers[sun_azimuth_deg] = static_cast<float>(sun.azimuth_deg);
   layers[sun_incidence_deg] =
-      hit > 0 ? static_cast<float>(std::acos(std::clamp(double{mean(RC_TRUTH_INCIDENCE)}, -1.0, 1.0)) * kDegree) : kNone;
+      hit > 0 ? static_cast<float>(std::acos(std::clamp(double{mean(RC_TRUTH_INCIDENCE)}, -1.0, 1.0)) * kDegree)
+              : kNone;
 }
 
 }  // namespace raycube::render

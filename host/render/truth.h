@@ -23,9 +23,9 @@ std::vector<LayerName> truth_layer_names(const scene::CompiledScene& scene, cons
 
 /// What the shading stage left of one pixel.
 struct PixelTruth {
-  const float* sums = nullptr;       ///< RC_TRUTH_SUMS floats
-  const float* abundance = nullptr;  ///< one float per material
-  std::array<double, 3> to_target{}; ///< pixel-centre ray direction, any length
+  const float* sums = nullptr;        ///< RC_TRUTH_SUMS floats
+  const float* abundance = nullptr;   ///< one float per material
+  std::array<double, 3> to_target{};  ///< pixel-centre ray direction, any length
 };
 
 /// Fills one pixel's layers (truth_layer_names().size() floats).

@@ -18,9 +18,7 @@ CameraFrame frame_at(const glm::dvec3& origin_m, const glm::dquat& rotation) {
 
 }  // namespace
 
-CameraFrame frame_of(const scene::Pose& pose) {
-  return frame_at({pose.x_m, pose.y_m, pose.z_m}, ned_from_body(pose));
-}
+CameraFrame frame_of(const scene::Pose& pose) { return frame_at({pose.x_m, pose.y_m, pose.z_m}, ned_from_body(pose)); }
 
 CameraFrame interpolate(const scene::Pose& from, const scene::Pose& to, double fraction) {
   const glm::dvec3 a(from.x_m, from.y_m, from.z_m), b(to.x_m, to.y_m, to.z_m);

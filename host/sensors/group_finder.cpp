@@ -19,8 +19,7 @@ namespace {
 
 using glm::dvec3;
 
-constexpr std::size_t kRun =
-    16;  ///< leaves of a run; bounds of single leaves are made when they are asked for
+constexpr std::size_t kRun = 16;  ///< leaves of a run; bounds of single leaves are made when they are asked for
 constexpr std::size_t kLeavesPerLook = 4096;  ///< between two looks for a signal
 /// Rays are rounded to floats (2^-24 of the origin and, at the distance of a point, of the way there): this
 /// times either is 16 times that and more.
@@ -52,8 +51,8 @@ struct GroupFinder::Test {
 /// Where a box lies as seen from the origins, with the rounding of the rays.
 GroupFinder::Box GroupFinder::away(const Box& box, const Box& origin_m) {
   const Box w{box.lo - origin_m.hi, box.hi - origin_m.lo};
-  const dvec3 error_m(kRounding * (std::max(largest(origin_m.lo), largest(origin_m.hi)) +
-                                   std::max(largest(w.lo), largest(w.hi))));
+  const dvec3 error_m(kRounding *
+                      (std::max(largest(origin_m.lo), largest(origin_m.hi)) + std::max(largest(w.lo), largest(w.hi))));
   return {w.lo - error_m, w.hi + error_m};
 }
 
@@ -80,15 +79,13 @@ GroupFinder::Test GroupFinder::test(const Rays& rays, double first_px, double la
   const double first = first_px - rays.beside_px, last = last_px + rays.beside_px;
   const double least = first / (first < 0 ? 1 - rays.stretch : 1 + rays.stretch),
                most = last / (last < 0 ? 1 + rays.stretch : 1 - rays.stretch);
-  out.inside = {rays.a, sum(rays.u, rays.a, -least), sum(negative_u, rays.a, most),
-                sum(rays.v, rays.a, rays.reach_b), sum(negative_v, rays.a, rays.reach_b)};
+  out.inside = {rays.a, sum(rays.u, rays.a, -least), sum(negative_u, rays.a, most), sum(rays.v, rays.a, rays.reach_b),
+                sum(negative_v, rays.a, rays.reach_b)};
   return out;
 }
 
 GroupFinder::Rays GroupFinder::both(const Rays& x, const Rays& y) {
-  const auto hull = [](const Box& p, const Box& q) {
-    return Box{glm::min(p.lo, q.lo), glm::max(p.hi, q.hi)};
-  };
+  const auto hull = [](const Box& p, const Box& q) { return Box{glm::min(p.lo, q.lo), glm::max(p.hi, q.hi)}; };
   return {hull(x.origin_m, y.origin_m),
           hull(x.a, y.a),
           hull(x.u, y.u),
@@ -120,14 +117,11 @@ GroupFinder::Rays GroupFinder::leaf(std::size_t index) const {
   const std::size_t of_line = static_cast<std::size_t>(per_line_ / per_leaf_);
   const int line = static_cast<int>(index / of_line), group = static_cast<int>(index % of_line) * per_leaf_;
   const shared::RayGroup first = make_ray_group(instrument_, line, group, moving_),
-                         last = per_leaf_ > 1
-                                    ? make_ray_group(instrument_, line, group + per_leaf_ - 1, moving_)
-                                    : first;
-  const dvec3 d = 0.5 * (exact(first.d0) + exact(last.d0)), dv_first = exact(first.dv),
-              dv_last = exact(last.dv);
-  const dvec3 du = per_leaf_ > 1
-                       ? (exact(last.d0) - exact(first.d0)) / (double(per_leaf_ - 1) * double(width_))
-                       : exact(first.du);
+                         last =
+                             per_leaf_ > 1 ? make_ray_group(instrument_, line, group + per_leaf_ - 1, moving_) : first;
+  const dvec3 d = 0.5 * (exact(first.d0) + exact(last.d0)), dv_first = exact(first.dv), dv_last = exact(last.dv);
+  const dvec3 du =
+      per_leaf_ > 1 ? (exact(last.d0) - exact(first.d0)) / (double(per_leaf_ - 1) * double(width_)) : exact(first.du);
   const dvec3 normal = glm::cross(d, du);
   const dvec3 third = moving_ ? normal * (glm::length(du) / glm::length(normal)) : dv_first;
   const glm::dmat3 inverse = glm::inverse(glm::dmat3(d, du, third));
@@ -160,10 +154,10 @@ GroupFinder::Rays GroupFinder::turned(std::size_t first, std::size_t end) const 
   for (std::size_t i = first; i < end; ++i) {
     const scene::Pose& pose = instrument_.poses[i];
     const double steps = std::abs(double(i % pixels) - double(middle % pixels));
-    turn_rad = std::max(turn_rad, kDegree_rad * (std::abs(pose.roll_deg - about.roll_deg) +
-                                                 std::abs(pose.pitch_deg - about.pitch_deg) +
-                                                 std::abs(pose.heading_deg - about.heading_deg)) +
-                                      steps * instrument_.ifov_across_rad);
+    turn_rad = std::max(
+        turn_rad, kDegree_rad * (std::abs(pose.roll_deg - about.roll_deg) + std::abs(pose.pitch_deg - about.pitch_deg) +
+                                 std::abs(pose.heading_deg - about.heading_deg)) +
+                      steps * instrument_.ifov_across_rad);
     const dvec3 origin_m(pose.x_m, pose.y_m, pose.z_m);
     out.origin_m = {glm::min(out.origin_m.lo, origin_m), glm::max(out.origin_m.hi, origin_m)};
   }
@@ -221,8 +215,7 @@ void GroupFinder::descend(std::size_t level, std::size_t index, std::span<const 
     if (inside.passes({objects[i].lo_m, objects[i].hi_m})) here.push_back(i);
   if (here.empty()) return;
   if (level == 0) {
-    for (std::size_t i = index * kRun; i < std::min((index + 1) * kRun, leaves_); ++i)
-      look_at(i, objects, here, look);
+    for (std::size_t i = index * kRun; i < std::min((index + 1) * kRun, leaves_); ++i) look_at(i, objects, here, look);
     return;
   }
   for (const std::size_t half : {2 * index, 2 * index + 1})
@@ -248,16 +241,14 @@ void GroupFinder::look_at(std::size_t index, std::span<const SceneObject> object
         break;
       }
       const double left = -upper(rays.u, minus), right = upper(rays.u, w);
-      const double least = left / (left < 0 ? t_least : t_most),
-                   most = right / (right < 0 ? t_most : t_least);
+      const double least = left / (left < 0 ? t_least : t_most), most = right / (right < 0 ? t_most : t_least);
       lo = std::min(lo, least * (least < 0 ? 1 + rays.stretch : 1 - rays.stretch) - rays.beside_px);
       hi = std::max(hi, most * (most < 0 ? 1 - rays.stretch : 1 + rays.stretch) + rays.beside_px);
     }
     const double first = std::ceil((lo - reach_px) / width_ + middle),
                  last = std::floor((hi + reach_px) / width_ + middle);
     if (!(first < per_leaf_ && last >= 0 && first <= last)) continue;
-    runs.emplace_back(static_cast<int>(std::max(first, 0.0)),
-                      static_cast<int>(std::min(last, per_leaf_ - 1.0)));
+    runs.emplace_back(static_cast<int>(std::max(first, 0.0)), static_cast<int>(std::min(last, per_leaf_ - 1.0)));
   }
   std::sort(runs.begin(), runs.end());
   const std::size_t of_line = static_cast<std::size_t>(per_line_ / per_leaf_);

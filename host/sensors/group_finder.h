@@ -60,8 +60,8 @@ class GroupFinder {
   void build();
   void descend(std::size_t level, std::size_t index, std::span<const SceneObject> objects,
                const std::vector<std::uint32_t>& from_above, const Look& look) const;
-  void look_at(std::size_t leaf, std::span<const SceneObject> objects,
-               const std::vector<std::uint32_t>& of_run, const Look& look) const;
+  void look_at(std::size_t leaf, std::span<const SceneObject> objects, const std::vector<std::uint32_t>& of_run,
+               const Look& look) const;
   static Rays both(const Rays& x, const Rays& y);
   static Test test(const Rays& rays, double first_px, double last_px);
   static Box away(const Box& box, const Box& origin_m);

@@ -34,23 +34,26 @@ SampleWeights::SampleWeights(const scene::Instrument& instrument) {
   const auto refuse = [&](const std::string& what) {
     return base::Error(base::Fault::input, "instrument '" + instrument.name + "': " + what);
   };
-  if (nu < 1 || nv < 1) throw refuse("a pixel has at least one sample, found " + std::to_string(nu) + " x " + std::to_string(nv));
+  if (nu < 1 || nv < 1)
+    throw refuse("a pixel has at least one sample, found " + std::to_string(nu) + " x " + std::to_string(nv));
   if (!(sigma >= 0) || !(support > 0))
-    throw refuse("point spread needs sigma >= 0 and support > 0, found " + std::to_string(sigma) + " and " + std::to_string(support));
+    throw refuse("point spread needs sigma >= 0 and support > 0, found " + std::to_string(sigma) + " and " +
+                 std::to_string(support));
   count_ = static_cast<std::size_t>(nu) * nv;
   columns_ = instrument.sampler == scene::SamplerKind::lattice || nu < 2 || nv < 2 ? 0 : static_cast<std::size_t>(nu);
   if (sigma == 0 && support == 1) return;
   if (instrument.sampler == scene::SamplerKind::lattice)
-    throw refuse("a point spread needs the grid or jittered sampler: the lattice is shifted in each pixel and has no cells");
+    throw refuse(
+        "a point spread needs the grid or jittered sampler: the lattice is shifted in each pixel and has no cells");
   along_ = cell_shares(nu, support, sigma);
   across_ = cell_shares(nv, support, sigma);
   double sum_u = 0, sum_v = 0;
   for (double share : along_) sum_u += share;
   for (double share : across_) sum_v += share;
   if (sum_u * sum_v < 0.99)
-    throw refuse("point spread sigma " + std::to_string(sigma) + " px needs a wider support than " + std::to_string(support) +
-                 " px, which holds only " + std::to_string(100 * sum_u * sum_v) + " % of it; try " +
-                 std::to_string(std::ceil(1 + 5 * sigma)));
+    throw refuse("point spread sigma " + std::to_string(sigma) + " px needs a wider support than " +
+                 std::to_string(support) + " px, which holds only " + std::to_string(100 * sum_u * sum_v) +
+                 " % of it; try " + std::to_string(std::ceil(1 + 5 * sigma)));
   for (double& share : along_) share /= sum_u;
   for (double& share : across_) share /= sum_v;
 }
@@ -59,7 +62,8 @@ std::vector<float> SampleWeights::stretch(std::size_t first, std::size_t count) 
   std::vector<float> weights(count, 1.0f);
   if (along_.empty()) return weights;
   for (std::size_t s = 0; s < count; ++s)
-    weights[s] = static_cast<float>(along_[(first + s) % along_.size()] * across_[(first + s) / along_.size()] * double(count_));
+    weights[s] =
+        static_cast<float>(along_[(first + s) % along_.size()] * across_[(first + s) / along_.size()] * double(count_));
   return weights;
 }
 
@@ -76,7 +80,8 @@ std::vector<float> SampleWeights::stretch(std::size_t first, std::size_t count, 
   for (std::size_t s = 0; s < count_; ++s)
     if (subset_of(s) == subset) part += all[s];
   for (std::size_t s = 0; s < count; ++s)
-    weights[s] = subset_of(first + s) == subset ? static_cast<float>(weights[s] * static_cast<double>(count_) / part) : 0.0f;
+    weights[s] =
+        subset_of(first + s) == subset ? static_cast<float>(weights[s] * static_cast<double>(count_) / part) : 0.0f;
   return weights;
 }
 

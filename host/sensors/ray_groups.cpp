@@ -18,8 +18,9 @@ struct Plane {  // a pixel's rays are d + a du + b dv, o + b ov, a and b in pixe
   glm::dvec3 origin_m{0}, d{0}, du{0}, dv{0}, ov{0};
 };
 
-// Lines of a scanner come in time order, so its image plane is a framing camera's turned by 180 degrees (docs/conventions.md):
-// +1 when samples run to the right wing and lines to the tail, -1 when they run to the left wing and to the nose.
+// Lines of a scanner come in time order, so its image plane is a framing camera's turned by 180 degrees
+// (docs/conventions.md): +1 when samples run to the right wing and lines to the tail, -1 when they run to the left wing
+// and to the nose.
 double image_sense(const scene::Instrument& instrument) {
   return instrument.kind == InstrumentKind::framing ? 1.0 : -1.0;
 }
@@ -27,28 +28,34 @@ double image_sense(const scene::Instrument& instrument) {
 std::size_t poses_needed(const scene::Instrument& instrument) {
   const auto lines = static_cast<std::size_t>(instrument.lines), pixels = static_cast<std::size_t>(instrument.pixels);
   switch (instrument.kind) {
-    case InstrumentKind::framing: return 1;
-    case InstrumentKind::pushbroom: return lines;
-    case InstrumentKind::whiskbroom: return lines * pixels;
+    case InstrumentKind::framing:
+      return 1;
+    case InstrumentKind::pushbroom:
+      return lines;
+    case InstrumentKind::whiskbroom:
+      return lines * pixels;
   }
   throw base::Error(base::Fault::bug, "instrument kind outside its enum");
 }
 
 void check_poses(const scene::Instrument& instrument) {
   if (instrument.pixels <= 0 || instrument.lines <= 0)
-    throw base::Error(base::Fault::input, "instrument '" + instrument.name + "': an image has at least one pixel, found " +
-                                              std::to_string(instrument.pixels) + " x " + std::to_string(instrument.lines) +
-                                              "; give pixels and lines");
+    throw base::Error(base::Fault::input, "instrument '" + instrument.name +
+                                              "': an image has at least one pixel, found " +
+                                              std::to_string(instrument.pixels) + " x " +
+                                              std::to_string(instrument.lines) + "; give pixels and lines");
   const std::size_t needed = poses_needed(instrument);
   if (instrument.poses.size() != needed)
     throw base::Error(base::Fault::input,
                       "instrument '" + instrument.name + "': found " + std::to_string(instrument.poses.size()) +
                           " poses, needs " + std::to_string(needed) +
                           " (framing: one; pushbroom: one per line; whiskbroom: one per pixel, line by line)");
-  if (instrument.kind == InstrumentKind::pushbroom && instrument.motion == scene::PoseMotion::moving && instrument.lines < 2)
-    throw base::Error(base::Fault::input, "instrument '" + instrument.name +
-                                              "': a moving pose needs at least two lines to move between, found one; use a "
-                                              "held pose");
+  if (instrument.kind == InstrumentKind::pushbroom && instrument.motion == scene::PoseMotion::moving &&
+      instrument.lines < 2)
+    throw base::Error(base::Fault::input,
+                      "instrument '" + instrument.name +
+                          "': a moving pose needs at least two lines to move between, found one; use a "
+                          "held pose");
 }
 
 // Position along a line, pixels from its middle.
@@ -99,7 +106,8 @@ shared::rc_float4 rounded(const glm::dvec3& v) {
   return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z), 0.0f};
 }
 
-constexpr double kClearance = 1e-5, kClearance_m = 1;  // rays start this far above the scene: a part of the sensor's height, and
+constexpr double kClearance = 1e-5,
+                 kClearance_m = 1;  // rays start this far above the scene: a part of the sensor's height, and
 
 // How far ahead of the sensor, in units of d, the rays of a group may start with all of its field still above top_m.
 float ahead_of(const Plane& plane, double top_m, double half_a, double half_b) {
@@ -139,14 +147,16 @@ int groups_per_line(const scene::Instrument& instrument) {
 }
 
 std::uint32_t pixel_number(const scene::Instrument& instrument, int line, int sample) {
-  return static_cast<std::uint32_t>(line) * static_cast<std::uint32_t>(instrument.pixels) + static_cast<std::uint32_t>(sample);
+  return static_cast<std::uint32_t>(line) * static_cast<std::uint32_t>(instrument.pixels) +
+         static_cast<std::uint32_t>(sample);
 }
 
-std::vector<shared::RayGroup> make_ray_groups(const scene::Instrument& instrument, int first_line, int line_count, double top_m) {
+std::vector<shared::RayGroup> make_ray_groups(const scene::Instrument& instrument, int first_line, int line_count,
+                                              double top_m) {
   check_poses(instrument);
   if (first_line < 0 || line_count < 0 || line_count > instrument.lines - first_line)
-    throw base::Error(base::Fault::bug, "instrument '" + instrument.name + "': lines " + std::to_string(first_line) + " + " +
-                                            std::to_string(line_count) + " lie outside the image of " +
+    throw base::Error(base::Fault::bug, "instrument '" + instrument.name + "': lines " + std::to_string(first_line) +
+                                            " + " + std::to_string(line_count) + " lie outside the image of " +
                                             std::to_string(instrument.lines));
   const bool moving = pose_moves(instrument);
   const int width = pixels_per_group(instrument), per_line = groups_per_line(instrument);
@@ -168,7 +178,8 @@ shared::RayGroup make_ray_group(const scene::Instrument& instrument, const scene
   return group_at(instrument, line, group, pixels_per_group(instrument), moving, top_of(scene));
 }
 
-std::vector<shared::RayGroup> make_ray_groups(const scene::Instrument& instrument, const scene::CompiledScene& scene, int first_line, int line_count) {
+std::vector<shared::RayGroup> make_ray_groups(const scene::Instrument& instrument, const scene::CompiledScene& scene,
+                                              int first_line, int line_count) {
   return make_ray_groups(instrument, first_line, line_count, top_of(scene));
 }
 

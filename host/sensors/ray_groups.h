@@ -14,20 +14,23 @@ namespace raycube::sensors {
 /// Pixel i of a group lies at a = i - (width - 1) / 2.0 from the group's centre.
 int pixels_per_group(const scene::Instrument& instrument);
 
-/// ceil(pixels / pixels_per_group). The last group of a line may reach past the line's end; those pixels are not rendered.
+/// ceil(pixels / pixels_per_group). The last group of a line may reach past the line's end; those pixels are not
+/// rendered.
 int groups_per_line(const scene::Instrument& instrument);
 
 /// A pixel's place in the image, line * pixels + sample: what its random numbers are keyed by.
 std::uint32_t pixel_number(const scene::Instrument& instrument, int line, int sample);
 
-/// Groups of lines first_line .. first_line + line_count - 1, line by line. Each depends on its line alone, so any split
-/// of the image into tiles gives the same bits. `top_m`: nothing of the scene lies above this height (scene frame); rays of a
-/// sensor far above start there, where fp32 is fine (RayGroup.d0.w); by default at the sensor. All that must see the same rays, bit for bit,
-/// give the same. Throws Error(input) when the poses do not match the image, Error(bug) when the lines lie outside it.
+/// Groups of lines first_line .. first_line + line_count - 1, line by line. Each depends on its line alone, so any
+/// split of the image into tiles gives the same bits. `top_m`: nothing of the scene lies above this height (scene
+/// frame); rays of a sensor far above start there, where fp32 is fine (RayGroup.d0.w); by default at the sensor. All
+/// that must see the same rays, bit for bit, give the same. Throws Error(input) when the poses do not match the image,
+/// Error(bug) when the lines lie outside it.
 std::vector<shared::RayGroup> make_ray_groups(const scene::Instrument& instrument, int first_line, int line_count,
                                               double top_m = std::numeric_limits<double>::infinity());
 /// The same for a scene's own top.
-std::vector<shared::RayGroup> make_ray_groups(const scene::Instrument& instrument, const scene::CompiledScene& scene, int first_line, int line_count);
+std::vector<shared::RayGroup> make_ray_groups(const scene::Instrument& instrument, const scene::CompiledScene& scene,
+                                              int first_line, int line_count);
 
 /// One of these groups, from the sensor; `moving` as pose_moves() says.
 shared::RayGroup make_ray_group(const scene::Instrument& instrument, int line, int group, bool moving);
@@ -46,9 +49,9 @@ struct Ray {
 Ray pixel_ray(const scene::Instrument& instrument, int line, int sample, double u, double v);
 
 /// True when v is time: a pushbroom whose pose moves while a line is exposed. Then the slit is narrow and sweeps: the
-/// pixel's extent across lines is the way flown from line - 1/2 to line + 1/2, and ifov_along_rad is not used. Held: the
-/// pose stands still and the extent is ifov_along_rad. PoseMotion::automatic becomes moving when the two differ on the
-/// ground z = 0 by more than `share_px` pixels at a line's ends or centre; resolve it once when calling per tile.
+/// pixel's extent across lines is the way flown from line - 1/2 to line + 1/2, and ifov_along_rad is not used. Held:
+/// the pose stands still and the extent is ifov_along_rad. PoseMotion::automatic becomes moving when the two differ on
+/// the ground z = 0 by more than `share_px` pixels at a line's ends or centre; resolve it once when calling per tile.
 bool pose_moves(const scene::Instrument& instrument, double share_px = 0.05);
 
 }  // namespace raycube::sensors

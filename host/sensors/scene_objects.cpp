@@ -19,8 +19,7 @@ using glm::dvec3;
 constexpr std::size_t kMostTriangles = std::size_t{1} << 21;
 /// However a box is turned, the middle one of its placed extents is no less than this part of its own.
 constexpr double kLeastTurned = 0.5;
-constexpr std::uint64_t kOfMesh = std::uint64_t{1}
-                                  << 32;  ///< kinds that are meshes, beside those that are materials
+constexpr std::uint64_t kOfMesh = std::uint64_t{1} << 32;  ///< kinds that are meshes, beside those that are materials
 
 struct Box {
   dvec3 lo{1e300}, hi{-1e300};
@@ -44,9 +43,7 @@ dvec3 placed(const shared::Instance& at, const dvec3& p) {
 std::array<dvec3, 3> local_triangle(const scene::CompiledScene& scene, std::uint32_t primitive) {
   const shared::TriBlock& b = scene.blocks[primitive / 16];
   const std::uint32_t i = primitive % 16;
-  return {{{b.v0_x[i], b.v0_y[i], b.v0_z[i]},
-           {b.v1_x[i], b.v1_y[i], b.v1_z[i]},
-           {b.v2_x[i], b.v2_y[i], b.v2_z[i]}}};
+  return {{{b.v0_x[i], b.v0_y[i], b.v0_z[i]}, {b.v1_x[i], b.v1_y[i], b.v1_z[i]}, {b.v2_x[i], b.v2_y[i], b.v2_z[i]}}};
 }
 
 template <class Action>
@@ -84,8 +81,7 @@ std::vector<std::vector<std::uint32_t>> connected(const scene::CompiledScene& sc
   for (std::uint32_t t = 0; t < triangles.size(); ++t)
     for (const dvec3& p : local_triangle(scene, triangles[t])) {
       const auto at =
-          first.try_emplace({static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)}, t)
-              .first;
+          first.try_emplace({static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)}, t).first;
       const std::uint32_t a = root(at->second), b = root(t);
       parent[std::max(a, b)] = std::min(a, b);
     }
@@ -157,16 +153,15 @@ class Collector {
   std::string kind_name(std::uint64_t kind) const { return name_of_kind(scene_, kind); }
 
   /// Files an object; of a kind that has too many only the count goes on.
-  void add(std::uint32_t instance, std::uint64_t kind, const Box& local,
-           std::vector<std::uint32_t> triangles) {
+  void add(std::uint32_t instance, std::uint64_t kind, const Box& local, std::vector<std::uint32_t> triangles) {
     if (++count_[kind] > kMostOfAKind) return;
     SceneObject& object = objects_.emplace_back();
     object.instance = instance, object.kind = kind;
     Box world;
     for (std::size_t c = 0; c < 8; ++c) {
-      object.corners_m[c] = placed(scene_.instances[instance],
-                                   {c & 1 ? local.hi.x : local.lo.x, c & 2 ? local.hi.y : local.lo.y,
-                                    c & 4 ? local.hi.z : local.lo.z});
+      object.corners_m[c] =
+          placed(scene_.instances[instance],
+                 {c & 1 ? local.hi.x : local.lo.x, c & 2 ? local.hi.y : local.lo.y, c & 4 ? local.hi.z : local.lo.z});
       world.add(object.corners_m[c]);
     }
     object.lo_m = world.lo, object.hi_m = world.hi;
@@ -177,9 +172,8 @@ class Collector {
   double placed_width(std::uint32_t instance, const Box& local) const {
     Box world;
     for (std::size_t c = 0; c < 8; ++c)
-      world.add(placed(scene_.instances[instance],
-                       {c & 1 ? local.hi.x : local.lo.x, c & 2 ? local.hi.y : local.lo.y,
-                        c & 4 ? local.hi.z : local.lo.z}));
+      world.add(placed(scene_.instances[instance], {c & 1 ? local.hi.x : local.lo.x, c & 2 ? local.hi.y : local.lo.y,
+                                                    c & 4 ? local.hi.z : local.lo.z}));
     return world.width();
   }
 
@@ -191,8 +185,7 @@ class Collector {
     if (placed_width(instance, local) > widest_m_) return false;
     std::vector<std::uint32_t> triangles;
     if (mesh.triangle_count <= kFewTriangles)
-      for_each_triangle(scene_, mesh,
-                        [&](std::uint32_t primitive, std::uint32_t) { triangles.push_back(primitive); });
+      for_each_triangle(scene_, mesh, [&](std::uint32_t primitive, std::uint32_t) { triangles.push_back(primitive); });
     add(instance, kind, local, std::move(triangles));
     return true;
   }
@@ -257,8 +250,7 @@ SceneObjects small_scene_objects(const scene::CompiledScene& scene, double wides
   return collector.finish();
 }
 
-std::array<dvec3, 3> triangle_of(const scene::CompiledScene& scene, std::uint32_t instance,
-                                 std::uint32_t primitive) {
+std::array<dvec3, 3> triangle_of(const scene::CompiledScene& scene, std::uint32_t instance, std::uint32_t primitive) {
   std::array<dvec3, 3> corners = local_triangle(scene, primitive);
   for (dvec3& p : corners) p = placed(scene.instances[instance], p);
   return corners;

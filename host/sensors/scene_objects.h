@@ -3,9 +3,9 @@
 //
 // A placed mesh that is small is one object. Else each of its connected parts of one surface is (triangles
 // that share corners), at each of its places: plates of a file that holds a whole test site, or the rare cells
-// of a class map. A kind of object is its mesh (small, placed several times) or the material it has most of. A kind of more than kMostOfAKind objects is a
-// texture (leaves, a forest, gravel): many pixels hold some, errors over pixels see them, and the ordinary
-// samples serve them as they do anything else.
+// of a class map. A kind of object is its mesh (small, placed several times) or the material it has most of. A kind of
+// more than kMostOfAKind objects is a texture (leaves, a forest, gravel): many pixels hold some, errors over pixels see
+// them, and the ordinary samples serve them as they do anything else.
 #pragma once
 
 #include <array>

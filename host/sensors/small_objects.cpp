@@ -21,7 +21,7 @@ using glm::dvec2;
 using glm::dvec3;
 
 constexpr double kFootprintMargin = 1.5;  ///< on the widest pixel found at a few lines, for the lines between
-constexpr double kEdge_px = 1e-3;  ///< an object this near a pixel belongs to it: rounding of rays and boxes
+constexpr double kEdge_px = 1e-3;         ///< an object this near a pixel belongs to it: rounding of rays and boxes
 constexpr double kBoxFill = 0.785398163397448;  ///< pi / 4: of a projected box that what it holds fills
 constexpr int kMotionRounds = 4;  ///< of the distance of a point, which tells how far a moving origin reaches
 /// A last round that moves the distance by more, of it, has found no place: GroupFinder counts on that.
@@ -97,9 +97,7 @@ double hull_area(std::vector<dvec2> points) {
   return 0.5 * std::abs(twice);
 }
 
-bool is_small(const dvec2& lo, const dvec2& hi) {
-  return hi.x - lo.x <= kWidest_px && hi.y - lo.y <= kWidest_px;
-}
+bool is_small(const dvec2& lo, const dvec2& hi) { return hi.x - lo.x <= kWidest_px && hi.y - lo.y <= kWidest_px; }
 
 /// Length of [lo, hi] that lies in [from, to], as a share of it; a length of nothing lies in it whole.
 double share_inside(double lo, double hi, double from, double to) {
@@ -126,8 +124,7 @@ scene::Instrument with_fine_samples(const scene::Instrument& instrument, int sam
 }
 
 struct SmallObjectPixels::State {
-  State(const scene::CompiledScene& scene_, const scene::Instrument& given)
-      : scene(scene_), instrument(given) {
+  State(const scene::CompiledScene& scene_, const scene::Instrument& given) : scene(scene_), instrument(given) {
     instrument.motion = pose_moves(given) ? scene::PoseMotion::moving : scene::PoseMotion::held;
     half_px = 0.5 * std::max(1.0, instrument.psf_support_px);
     area = 4 * half_px * half_px;
@@ -160,8 +157,7 @@ struct SmallObjectPixels::State {
     const SceneObject& object = objects.objects[i];
     low_m = std::min(low_m, object.lo_m.z), high_m = std::max(high_m, object.hi_m.z);
     for (std::int64_t y = cell_of(object.lo_m.y); y <= cell_of(object.hi_m.y); ++y)
-      for (std::int64_t x = cell_of(object.lo_m.x); x <= cell_of(object.hi_m.x); ++x)
-        cells[cell(x, y)].push_back(i);
+      for (std::int64_t x = cell_of(object.lo_m.x); x <= cell_of(object.hi_m.x); ++x) cells[cell(x, y)].push_back(i);
   }
 
   /// Objects whose boxes may project into the group, ascending.
@@ -173,8 +169,7 @@ struct SmallObjectPixels::State {
       for (const double b : {-half_px, half_px})
         for (const double z : {low_m, high_m}) {
           const dvec2 at = plane.meets(a, b, z);
-          lo = {std::min(lo.x, at.x), std::min(lo.y, at.y)},
-          hi = {std::max(hi.x, at.x), std::max(hi.y, at.y)};
+          lo = {std::min(lo.x, at.x), std::min(lo.y, at.y)}, hi = {std::max(hi.x, at.x), std::max(hi.y, at.y)};
         }
     std::vector<std::uint32_t> found;
     const double cells_across = ((hi.x - lo.x) / cell_m + 1) * ((hi.y - lo.y) / cell_m + 1);
@@ -193,8 +188,7 @@ struct SmallObjectPixels::State {
 
   /// Area of an object's outline over a pixel's: of its triangles, or of its box where they are many; never
   /// more than the box's.
-  double share_of(const SceneObject& object, const GroupPlane& plane,
-                  const std::vector<dvec2>& corners) const {
+  double share_of(const SceneObject& object, const GroupPlane& plane, const std::vector<dvec2>& corners) const {
     const double box = hull_area(corners);
     if (object.triangles.empty()) return kBoxFill * box;
     double sum = 0;
@@ -209,8 +203,7 @@ struct SmallObjectPixels::State {
       const dvec3 normal = glm::cross(p[1] - p[0], p[2] - p[0]);
       open += normal, surface += glm::length(normal);
     }
-    const bool closed =
-        glm::length(open) < 1e-4 * surface;  // the areas of a closed surface add up to nothing
+    const bool closed = glm::length(open) < 1e-4 * surface;  // the areas of a closed surface add up to nothing
     return std::min(box, closed ? 0.5 * sum : sum);
   }
 
@@ -218,8 +211,7 @@ struct SmallObjectPixels::State {
   scene::Instrument instrument;    ///< with automatic motion settled
   double half_px = 0.5, area = 1;  ///< of the square that the samples cover, pixels
   SceneObjects objects;
-  double cell_m = 1, low_m = std::numeric_limits<double>::infinity(),
-         high_m = -std::numeric_limits<double>::infinity();
+  double cell_m = 1, low_m = std::numeric_limits<double>::infinity(), high_m = -std::numeric_limits<double>::infinity();
   std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> cells;
 };
 
@@ -266,10 +258,9 @@ void SmallObjectPixels::visit_groups(const LookAtGroup& look) const {
   const State& s = *state_;
   if (empty()) return;
   const bool moving = s.instrument.motion == scene::PoseMotion::moving;
-  GroupFinder(s.instrument, s.half_px + kEdge_px, kWidest_px)
-      .visit(s.objects.objects, [&](int line, int group) {
-        look(line, group, make_ray_group(s.instrument, s.scene, line, group, moving));
-      });
+  GroupFinder(s.instrument, s.half_px + kEdge_px, kWidest_px).visit(s.objects.objects, [&](int line, int group) {
+    look(line, group, make_ray_group(s.instrument, s.scene, line, group, moving));
+  });
 }
 
 std::vector<double> SmallObjectPixels::covers(std::span<const ObjectInPixel> seen) const {
@@ -279,9 +270,7 @@ std::vector<double> SmallObjectPixels::covers(std::span<const ObjectInPixel> see
     double share() const { return std::min(1.0, std::max(largest, sum)); }
   };
   std::map<std::pair<int, std::uint64_t>, Cover> of_kind;
-  const auto kind = [&](const ObjectInPixel& one) {
-    return std::pair{one.lane, s.objects.objects[one.object].kind};
-  };
+  const auto kind = [&](const ObjectInPixel& one) { return std::pair{one.lane, s.objects.objects[one.object].kind}; };
   for (const ObjectInPixel& one : seen) {
     Cover& cover = of_kind[kind(one)];
     cover.largest = std::max(cover.largest, one.share), cover.sum += one.share * one.part;
@@ -297,8 +286,7 @@ double SmallObjectPixels::needed(std::span<const ObjectInPixel> seen) const {
   double needed = 0;
   for (const double share : covers(seen))
     if (finest * share >= s.area)
-      needed =
-          std::max(needed, s.area * kPoints * (1 - share) / share);  // else not even the most would find it
+      needed = std::max(needed, s.area * kPoints * (1 - share) / share);  // else not even the most would find it
   return needed;
 }
 
@@ -307,8 +295,8 @@ int SmallObjectPixels::samples_of(std::span<const ObjectInPixel> seen) const {
   const int ordinary = s.instrument.samples_u * s.instrument.samples_v, finest = finest_level(s.instrument);
   const double needed = this->needed(seen);
   if (needed <= ordinary) return 0;
-  const auto* const level = std::find_if(std::begin(kFineLevels), std::end(kFineLevels),
-                                         [&](int n) { return n >= needed || n == finest; });
+  const auto* const level =
+      std::find_if(std::begin(kFineLevels), std::end(kFineLevels), [&](int n) { return n >= needed || n == finest; });
   return *level > ordinary ? *level : 0;
 }
 
@@ -345,8 +333,7 @@ SmallObjectSurvey survey_small_objects(const scene::CompiledScene& scene, const 
     const int samples = on && fine > 0 ? fine : on && small.needs_all(seen) ? whole : ordinary;
     if (on && fine > 0) {
       survey.groups.push_back({line, group * width, fine});
-      survey.levels[fine] += static_cast<std::uint64_t>(used),
-          survey.pixels += static_cast<std::uint64_t>(used);
+      survey.levels[fine] += static_cast<std::uint64_t>(used), survey.pixels += static_cast<std::uint64_t>(used);
       survey.more_samples += static_cast<double>(fine) * used;
     }
     const std::vector<double> covers = small.covers(seen);

@@ -119,7 +119,6 @@ struct SmallObjectSurvey {
 };
 
 /// Looks at the groups that small objects project into, not at the image. on: as the instrument is rendered.
-SmallObjectSurvey survey_small_objects(const scene::CompiledScene& scene, const scene::Instrument& instrument,
-                                       bool on);
+SmallObjectSurvey survey_small_objects(const scene::CompiledScene& scene, const scene::Instrument& instrument, bool on);
 
 }  // namespace raycube::sensors

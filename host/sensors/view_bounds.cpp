@@ -36,8 +36,7 @@ std::vector<Run> extreme_runs(const std::vector<std::pair<Vec, Vec>>& rays, int 
   double step_rad = 1;  // the least angle from one place to the next
   for (const auto& [a, b] : rays) {
     const Vec end = a + double(count - 1) * b;
-    step_rad =
-        std::min(step_rad, glm::length(glm::cross(a, b)) / std::max(glm::dot(a, a), glm::dot(end, end)));
+    step_rad = std::min(step_rad, glm::length(glm::cross(a, b)) / std::max(glm::dot(a, a), glm::dot(end, end)));
   }
   const double reach = step_rad > 0 ? kFlat_rad / step_rad + kFlat_px : count;
   if (3 * reach >= count) return {{0, count - 1}};
@@ -49,14 +48,16 @@ std::vector<Run> extreme_runs(const std::vector<std::pair<Vec, Vec>>& rays, int 
       const double aa = glm::dot(a, a), ab = glm::dot(a, b), bb = glm::dot(b, b);
       const double place = (a[c] * ab - b[c] * aa) / (b[c] * ab - a[c] * bb);
       if (place > -reach && place < count + reach)
-        runs.push_back({std::max(0, static_cast<int>(place) - wide),
-                        std::min(count - 1, static_cast<int>(place) + wide)});
+        runs.push_back(
+            {std::max(0, static_cast<int>(place) - wide), std::min(count - 1, static_cast<int>(place) + wide)});
     }
   std::sort(runs.begin(), runs.end(), [](const Run& x, const Run& y) { return x.first < y.first; });
   std::vector<Run> apart = {runs.front()};
   for (const Run& run : runs)
-    if (run.first <= apart.back().last + 1) apart.back().last = std::max(apart.back().last, run.last);
-    else apart.push_back(run);
+    if (run.first <= apart.back().last + 1)
+      apart.back().last = std::max(apart.back().last, run.last);
+    else
+      apart.push_back(run);
   return apart;
 }
 
@@ -75,8 +76,7 @@ class Look {
     if (instrument_.kind != scene::InstrumentKind::framing || last == 0) return {{0, last}};
     std::vector<std::pair<Vec, Vec>> edges;
     for (const int sample : {0, end})
-      for (const auto& [u, v] : places_)
-        edges.push_back(between(ray(0, sample, u, v), ray(last, sample, u, v), last));
+      for (const auto& [u, v] : places_) edges.push_back(between(ray(0, sample, u, v), ray(last, sample, u, v), last));
     // Straight down is where x and y of a + s b + l c vanish: the column through that place has the least
     // zenith angle in it.
     const Vec a = ray(0, 0, 0, 0), b = end > 0 ? (ray(0, end, 0, 0) - a) / double(end) : Vec(0),
@@ -91,16 +91,14 @@ class Look {
     // A whiskbroom has a pose for every pixel: no line of it is straight.
     if (instrument_.kind == scene::InstrumentKind::whiskbroom || last == 0) return {{0, last}};
     std::vector<std::pair<Vec, Vec>> rays;
-    for (const auto& [u, v] : places_)
-      rays.push_back(between(ray(line, 0, u, v), ray(line, last, u, v), last));
+    for (const auto& [u, v] : places_) rays.push_back(between(ray(line, 0, u, v), ray(line, last, u, v), last));
     return extreme_runs(rays, instrument_.pixels);
   }
 
   /// True where this line's rays have the directions of the line before: directions depend on attitudes
   /// alone, moving ones on the neighbours' too.
   bool as_before(int line) const {
-    if (instrument_.kind != scene::InstrumentKind::pushbroom || line < 3 || line + 1 >= instrument_.lines)
-      return false;
+    if (instrument_.kind != scene::InstrumentKind::pushbroom || line < 3 || line + 1 >= instrument_.lines) return false;
     const auto same = [&](int one, int other) {
       const scene::Pose &p = instrument_.poses[static_cast<std::size_t>(one)],
                         &q = instrument_.poses[static_cast<std::size_t>(other)];
@@ -113,12 +111,11 @@ class Look {
     const int width = pixels_per_group(instrument_);
     for (int index = run.first / width; index <= run.last / width; ++index) {
       const auto group = make_ray_group(instrument_, line, index, moving_);
-      for (int sample = std::max(run.first, index * width);
-           sample <= std::min(run.last, index * width + width - 1); ++sample)
+      for (int sample = std::max(run.first, index * width); sample <= std::min(run.last, index * width + width - 1);
+           ++sample)
         for (const auto& [u, v] : places_)
           take(line, sample,
-               exact(group.d0) + (sample % width - 0.5 * (width - 1) + u) * exact(group.du) +
-                   v * exact(group.dv),
+               exact(group.d0) + (sample % width - 0.5 * (width - 1) + u) * exact(group.du) + v * exact(group.dv),
                bounds);
     }
   }
@@ -133,11 +130,10 @@ class Look {
 
   void take(int line, int sample, const Vec& d, plan::ViewBounds& bounds) const {
     if (!(d.z < 0))
-      throw base::Error(base::Fault::input,
-                        "instrument '" + instrument_.name + "': line " + std::to_string(line) + ", sample " +
-                            std::to_string(sample) + " looks up or level (direction z " +
-                            std::to_string(d.z) +
-                            "); every ray must look down: reduce roll, pitch or the field of view");
+      throw base::Error(base::Fault::input, "instrument '" + instrument_.name + "': line " + std::to_string(line) +
+                                                ", sample " + std::to_string(sample) +
+                                                " looks up or level (direction z " + std::to_string(d.z) +
+                                                "); every ray must look down: reduce roll, pitch or the field of view");
     const Vec to_sensor = -d / glm::length(d);
     const double sec = 1.0 / to_sensor.z;
     bounds.sec_min = std::min(bounds.sec_min, sec);
@@ -172,10 +168,13 @@ plan::ViewBounds view_bounds(const scene::Instrument& given) {
   bounds.sensor_x_min = bounds.sensor_y_min = kInfinity;
   bounds.sensor_x_max = bounds.sensor_y_max = -kInfinity;
   for (const auto& pose : instrument.poses) {
-    bounds.sensor_x_min = std::min(bounds.sensor_x_min, pose.x_m), bounds.sensor_x_max = std::max(bounds.sensor_x_max, pose.x_m);
-    bounds.sensor_y_min = std::min(bounds.sensor_y_min, pose.y_m), bounds.sensor_y_max = std::max(bounds.sensor_y_max, pose.y_m);
+    bounds.sensor_x_min = std::min(bounds.sensor_x_min, pose.x_m),
+    bounds.sensor_x_max = std::max(bounds.sensor_x_max, pose.x_m);
+    bounds.sensor_y_min = std::min(bounds.sensor_y_min, pose.y_m),
+    bounds.sensor_y_max = std::max(bounds.sensor_y_max, pose.y_m);
   }
-  for (const auto& pose : instrument.poses) bounds.sensor_height_m += pose.z_m / static_cast<double>(instrument.poses.size());
+  for (const auto& pose : instrument.poses)
+    bounds.sensor_height_m += pose.z_m / static_cast<double>(instrument.poses.size());
   return bounds;
 }
 

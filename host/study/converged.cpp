@@ -16,29 +16,34 @@ namespace {
 constexpr rc_u32 kSeedDimension = 47;  ///< of the hash: no sampler uses it
 constexpr int kHalves = 2;
 
-std::vector<reference::PixelAddress> addresses(const scene::Instrument& instrument, const scene::CompiledScene& scene, const std::vector<render::Tile>& tiles) {
+std::vector<reference::PixelAddress> addresses(const scene::Instrument& instrument, const scene::CompiledScene& scene,
+                                               const std::vector<render::Tile>& tiles) {
   const int width = sensors::pixels_per_group(instrument), per_line = sensors::groups_per_line(instrument);
   std::vector<reference::PixelAddress> out;
   for (const render::Tile& tile : tiles) {
     const auto groups = sensors::make_ray_groups(instrument, scene, tile.first_line, tile.lines);
     for (int line = 0; line < tile.lines; ++line)
-      reference::append_addresses(out, tile.first_line + line, tile.first_column, tile.columns, groups.data() + line * per_line, width);
+      reference::append_addresses(out, tile.first_line + line, tile.first_column, tile.columns,
+                                  groups.data() + line * per_line, width);
   }
   return out;
 }
 
 }  // namespace
 
-Converged converge(const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan, const atmos::RenderTable& table,
-                   const std::vector<render::Tile>& tiles, const ConvergedSettings& settings, const std::function<void(std::uint64_t)>& progress) {
+Converged converge(const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan,
+                   const atmos::RenderTable& table, const std::vector<render::Tile>& tiles,
+                   const ConvergedSettings& settings, const std::function<void(std::uint64_t)>& progress) {
   scene::Instrument fine = instrument;
   fine.sampler = scene::SamplerKind::jittered;
   fine.samples_u = fine.samples_v = settings.grid;
   const reference::ReferenceScene scene(simulation.scene);
-  // The second half's sky is turned by half the spiral's step, so that what the spiral itself is off shows between them.
+  // The second half's sky is turned by half the spiral's step, so that what the spiral itself is off shows between
+  // them.
   std::vector<reference::TableModel> models;
   for (int half = 0; half < kHalves; ++half)
-    models.emplace_back(scene, plan, table, simulation.atmosphere.none, settings.directions, reference::SkyShare{settings.per_sample, half * reference::SkyShare::kHalfStep_rad});
+    models.emplace_back(scene, plan, table, simulation.atmosphere.none, settings.directions,
+                        reference::SkyShare{settings.per_sample, half * reference::SkyShare::kHalfStep_rad});
 
   const std::vector<reference::PixelAddress> pixels = addresses(instrument, simulation.scene, tiles);
   Converged out;
@@ -50,7 +55,8 @@ Converged converge(const scene::Simulation& simulation, const scene::Instrument&
     base::throw_if_interrupted();
     reference::BandRadiance found[kHalves];
     for (rc_u32 half = 0; half < kHalves; ++half) {
-      const std::uint64_t seed = rc_hash(static_cast<rc_u32>(simulation.seed), half, static_cast<rc_u32>(simulation.seed >> 32), kSeedDimension);
+      const std::uint64_t seed = rc_hash(static_cast<rc_u32>(simulation.seed), half,
+                                         static_cast<rc_u32>(simulation.seed >> 32), kSeedDimension);
       found[half] = models[half].radiance(scene.sample_pixel(fine, plan, seed, pixels[p]));
     }
     for (std::size_t b = 0; b < out.bands; ++b) {

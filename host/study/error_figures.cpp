@@ -31,10 +31,12 @@ double rms_of(const std::vector<double>& values, std::size_t bands, std::size_t 
 ErrorFigures error_of(const Converged& reference, const std::vector<float>& radiance) {
   const std::size_t bands = reference.bands, pixels = reference.pixels();
   if (radiance.size() != reference.radiance.size() || pixels == 0)
-    throw base::Error(base::Fault::bug, "error_of: " + std::to_string(radiance.size()) + " radiances for " + std::to_string(reference.radiance.size()) + " of the reference");
+    throw base::Error(base::Fault::bug, "error_of: " + std::to_string(radiance.size()) + " radiances for " +
+                                            std::to_string(reference.radiance.size()) + " of the reference");
   const std::vector<double> divisor = divisors(reference);
   std::vector<double> difference(radiance.size());
-  for (std::size_t i = 0; i < difference.size(); ++i) difference[i] = (static_cast<double>(radiance[i]) - reference.radiance[i]) / divisor[i % bands];
+  for (std::size_t i = 0; i < difference.size(); ++i)
+    difference[i] = (static_cast<double>(radiance[i]) - reference.radiance[i]) / divisor[i % bands];
   ErrorFigures out;
   for (std::size_t b = 0; b < bands; ++b) {
     const double error = rms_of(difference, bands, b);
@@ -61,7 +63,8 @@ ErrorFigures error_of(const Converged& reference, const std::vector<float>& radi
 double own_error(const Converged& reference) {
   const std::vector<double> divisor = divisors(reference);
   double worst = 0;
-  for (std::size_t b = 0; b < reference.bands; ++b) worst = std::max(worst, rms_of(reference.half, reference.bands, b) / divisor[b]);
+  for (std::size_t b = 0; b < reference.bands; ++b)
+    worst = std::max(worst, rms_of(reference.half, reference.bands, b) / divisor[b]);
   return worst;
 }
 

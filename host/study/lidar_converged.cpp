@@ -37,17 +37,20 @@ std::vector<double> spread(const float* row, std::size_t bins, double ratio, std
 
 }  // namespace
 
-ConvergedPulses converge_pulses(const scene::CompiledScene& scene, const lidar::LidarPlan& plan, const std::vector<std::int64_t>& pulses, int threads,
+ConvergedPulses converge_pulses(const scene::CompiledScene& scene, const lidar::LidarPlan& plan,
+                                const std::vector<std::int64_t>& pulses, int threads,
                                 const std::function<void(std::uint64_t)>& progress) {
   const reference::EmbreeScene embree(scene);
   ConvergedPulses out;
   out.bins = static_cast<std::size_t>(plan.lidar.gate.bins);
   out.bin_s = plan.lidar.gate.bin_s;
-  const std::size_t values = out.bins * static_cast<std::size_t>(plan.pixels()) * static_cast<std::size_t>(plan.lines());
+  const std::size_t values =
+      out.bins * static_cast<std::size_t>(plan.pixels()) * static_cast<std::size_t>(plan.lines());
   std::vector<lidar::Shot> shots[2];
   for (std::uint64_t half = 0; half < 2; ++half)
     for (const std::int64_t pulse : pulses)
-      for (lidar::Shot& shot : lidar::make_shots(plan.lidar, pulse, 1, plan.seed + half * kSeedStep)) shots[half].push_back(shot);
+      for (lidar::Shot& shot : lidar::make_shots(plan.lidar, pulse, 1, plan.seed + half * kSeedStep))
+        shots[half].push_back(shot);
   out.photons.resize(shots[0].size() * values);
   out.half.resize(out.photons.size());
   std::mutex mutex;
@@ -71,10 +74,12 @@ ConvergedPulses converge_pulses(const scene::CompiledScene& scene, const lidar::
   return out;
 }
 
-PulseError pulse_error(const ConvergedPulses& reference, const std::vector<float>& photons, std::size_t bins, double bin_s) {
+PulseError pulse_error(const ConvergedPulses& reference, const std::vector<float>& photons, std::size_t bins,
+                       double bin_s) {
   const std::size_t rows = reference.photons.size() / reference.bins;
   if (bins == 0 || photons.size() != rows * bins)
-    throw base::Error(base::Fault::bug, "pulse_error: " + std::to_string(photons.size()) + " values for " + std::to_string(rows) + " rows of " + std::to_string(bins) + " bins");
+    throw base::Error(base::Fault::bug, "pulse_error: " + std::to_string(photons.size()) + " values for " +
+                                            std::to_string(rows) + " rows of " + std::to_string(bins) + " bins");
   const double ratio = bin_s / reference.bin_s;
   double peaks = 0, own = 0, all = 0;
   std::vector<double> squares(rows, 0.0);
@@ -90,7 +95,10 @@ PulseError pulse_error(const ConvergedPulses& reference, const std::vector<float
     peaks += peak * peak, all += squares[r];
   }
   PulseError out;
-  if (!(peaks > 0)) throw base::Error(base::Fault::input, "none of the pulses that were picked has a return inside the gate: widen it, or pick more pulses");
+  if (!(peaks > 0))
+    throw base::Error(
+        base::Fault::input,
+        "none of the pulses that were picked has a return inside the gate: widen it, or pick more pulses");
   out.rms = std::sqrt(all / peaks);
   out.own = std::sqrt(own / peaks);
   const double n = static_cast<double>(rows), mean = all / n;

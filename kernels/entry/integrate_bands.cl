@@ -16,9 +16,11 @@
 
 #define VECTORS (RC_BANDS_PADDED / 16)
 
-#define INTEGRATE_BANDS_PARAMETERS uint first_item, uint item_count, global const uint* restrict pixel_list, uint use_list, \
-  uint term_capacity, global const uint* restrict term_count, global const uint* restrict term_row, \
-  global const float* restrict term_weight, global const float16* restrict table, global float16* restrict radiance
+#define INTEGRATE_BANDS_PARAMETERS                                                                             \
+  uint first_item, uint item_count, global const uint *restrict pixel_list, uint use_list, uint term_capacity, \
+      global const uint *restrict term_count, global const uint *restrict term_row,                            \
+      global const float *restrict term_weight, global const float16 *restrict table,                          \
+      global float16 *restrict radiance
 
 RC_BODY integrate_bands_body(uint index, INTEGRATE_BANDS_PARAMETERS) {
   const uint item = first_item + index;
@@ -53,6 +55,6 @@ RC_BODY integrate_bands_body(uint index, INTEGRATE_BANDS_PARAMETERS) {
 }
 
 kernel void integrate_bands(INTEGRATE_BANDS_PARAMETERS) {
-  integrate_bands_body((uint)get_global_id(0), first_item, item_count, pixel_list, use_list, term_capacity, term_count, term_row,
-                       term_weight, table, radiance);
+  integrate_bands_body((uint)get_global_id(0), first_item, item_count, pixel_list, use_list, term_capacity, term_count,
+                       term_row, term_weight, table, radiance);
 }

@@ -1,18 +1,21 @@
-/* Reads: owners' records, tables of their beams (lidar_beam), air, volumes, shares of rays that surfaces stopped (lidar_shots). Writes: rows
- * of expected photons that air and particles send back once scattered, and their sums. One work-item is one owner. Every bin is two cells
- * of the whole way's length; a cell's light is taken at its Gauss point on the middle ray, what particles scatter by their integral over
- * the cell. Impulses of all bins come first, at two phases, and are spread by the pulse's shares in one pass. Next: the host. */
-#undef RC_ROW_WINDOW  /* an option of lidar_shots: rows here are added up where they lie */
+/* Reads: owners' records, tables of their beams (lidar_beam), air, volumes, shares of rays that surfaces stopped
+ * (lidar_shots). Writes: rows of expected photons that air and particles send back once scattered, and their sums. One
+ * work-item is one owner. Every bin is two cells of the whole way's length; a cell's light is taken at its Gauss point
+ * on the middle ray, what particles scatter by their integral over the cell. Impulses of all bins come first, at two
+ * phases, and are spread by the pulse's shares in one pass. Next: the host. */
+#undef RC_ROW_WINDOW /* an option of lidar_shots: rows here are added up where they lie */
 #include "kernels/lidar/context.h"
 #include "kernels/lidar/beam.h"
 #include "kernels/lidar/deposit.h"
 #include "kernels/lidar/media.h"
 
-#define LIDAR_AIR_PARAMETERS global const float4* restrict shots, global const uint* restrict beam_of, global const float* restrict tables, \
-  global const float* restrict photons, global const float* restrict node_weight, global const uint* restrict first_node, \
-  global const float2* restrict air, global const float* restrict backscatter, RC_VOLUME_PARAMETERS, global const float* restrict taps, \
-  global const float* restrict settings, global const float* restrict stopped, global float* restrict rows, global float* restrict scratch, global float* restrict sums, \
-  int bins, int taps_used, int first_tap, int phases
+#define LIDAR_AIR_PARAMETERS                                                                                     \
+  global const float4 *restrict shots, global const uint *restrict beam_of, global const float *restrict tables, \
+      global const float *restrict photons, global const float *restrict node_weight,                            \
+      global const uint *restrict first_node, global const float2 *restrict air,                                 \
+      global const float *restrict backscatter, RC_VOLUME_PARAMETERS, global const float *restrict taps,         \
+      global const float *restrict settings, global const float *restrict stopped, global float *restrict rows,  \
+      global float *restrict scratch, global float *restrict sums, int bins, int taps_used, int first_tap, int phases
 
 #define RC_WAY_ROWS (RC_VOLUMES ? 2u : 1u)
 #define RC_GAUSS_POINT 0.211324865f
@@ -21,10 +24,11 @@
 /* Backscatter of the air at heights, 1 / (m sr): linear between posts, nothing above the last. */
 static inline float16 rc_backscatter(const LidarTables* t, global const float* posts, float16 z) {
   const float last = t->settings[RC_SET_AIR_POSTS] - 1.0f;
-  const float16 x = (z - t->settings[RC_SET_AIR_Z0]) / t->settings[RC_SET_AIR_DZ], at = clamp(x, 0.0f, last), low = fmin(floor(at), fmax(last - 1.0f, 0.0f));
+  const float16 x = (z - t->settings[RC_SET_AIR_Z0]) / t->settings[RC_SET_AIR_DZ], at = clamp(x, 0.0f, last),
+                low = fmin(floor(at), fmax(last - 1.0f, 0.0f));
   RC_LINE float lane[16], from[16], to[16];
   rc_store16(low, 0, lane);
-  if (lane[0] == lane[15]) {  /* heights rise or fall along the ray */
+  if (lane[0] == lane[15]) { /* heights rise or fall along the ray */
     const uint i = (uint)lane[0];
     const float low_value = posts[i], high_value = last > 0.0f ? posts[i + 1u] : low_value;
     return select(fma(at - low, (float16)(high_value - low_value), (float16)(low_value)), (float16)(0.0f), x > last);
@@ -43,7 +47,8 @@ static inline void rc_way_depths(const LidarTables* t, float from_z, float16 to_
   const uint posts = (uint)t->settings[RC_SET_AIR_POSTS];
   RC_LINE float z[16];
   rc_store16(to_z, 0, z);
-  const int start = rc_air_cell(from_z, z0, dz, posts), a = rc_air_cell(z[0], z0, dz, posts), b = rc_air_cell(z[15], z0, dz, posts);
+  const int start = rc_air_cell(from_z, z0, dz, posts), a = rc_air_cell(z[0], z0, dz, posts),
+            b = rc_air_cell(z[15], z0, dz, posts);
   if (a != b) {
     rc_air_depths(t, (float16)(from_z), to_z, length, depth);
     return;
@@ -51,29 +56,35 @@ static inline void rc_way_depths(const LidarTables* t, float from_z, float16 to_
   const bool up = a > start;
   const int low = min(a, start), high = max(a, start);
   const float above_low = z0 + dz * (float)(low + 1), below_high = z0 + dz * (float)high;
-  const float16 first = above_low - (up ? (float16)(from_z) : to_z), last = (up ? to_z : (float16)(from_z)) - below_high;
+  const float16 first = above_low - (up ? (float16)(from_z) : to_z),
+                last = (up ? to_z : (float16)(from_z)) - below_high;
   const float16 whole = (first + last) + (below_high - above_low);
   for (uint node = 0; node < RC_LINE_NODES; ++node) {
     global const float2* cells = t->air + node * posts;
     if (low == high)
       depth[node] = fma(length, (float16)(cells[low].y), depth[node]);
     else
-      depth[node] += length * fma(first, (float16)(cells[low].y), fma(last, (float16)(cells[high].y), (float16)(cells[high].x - cells[low + 1].x))) / whole;
+      depth[node] += length *
+                     fma(first, (float16)(cells[low].y),
+                         fma(last, (float16)(cells[high].y), (float16)(cells[high].x - cells[low + 1].x))) /
+                     whole;
   }
 }
 #endif
 
 /* 16 cells, one in each of 16 bins: Gauss points at bin + part. */
 typedef struct Cells {
-  float16 s, span, rest;   /* m from the start; length; from the Gauss point to the end */
-  float16 past;            /* m, Gauss point from RC_SHOT_GATE, of small numbers alone: floats of s are 3 cm apart at 400 km */
+  float16 s, span, rest; /* m from the start; length; from the Gauss point to the end */
+  float16 past; /* m, Gauss point from RC_SHOT_GATE, of small numbers alone: floats of s are 3 cm apart at 400 km */
   int16 good;
 } Cells;
 
 static inline Cells rc_cells(const LidarTables* t, const Beam* beam, int bin, float part) {
-  const float16 lane = (float16)(0.0f, 1.0f, 2.0f, 3.0f, 4.0f, 5.0f, 6.0f, 7.0f, 8.0f, 9.0f, 10.0f, 11.0f, 12.0f, 13.0f, 14.0f, 15.0f);
+  const float16 lane =
+      (float16)(0.0f, 1.0f, 2.0f, 3.0f, 4.0f, 5.0f, 6.0f, 7.0f, 8.0f, 9.0f, 10.0f, 11.0f, 12.0f, 13.0f, 14.0f, 15.0f);
   const float step = 1.0f / t->settings[RC_SET_BINS_PER_M];
-  const float16 bins = lane + ((float)bin + part), whole = fma(bins, (float16)(step), (float16)(t->settings[RC_SET_GATE_WAY]));
+  const float16 bins = lane + ((float)bin + part),
+                whole = fma(bins, (float16)(step), (float16)(t->settings[RC_SET_GATE_WAY]));
   const float4 at_gate = t->shot[RC_SHOT_GATE_WAY];
   Cells cells;
   cells.s = rc_beam_distance(beam, fmax(whole, 0.0f));
@@ -83,18 +94,20 @@ static inline Cells rc_cells(const LidarTables* t, const Beam* beam, int bin, fl
   cells.rest = fmax(whole - cells.s, 1e-20f);
   /* d whole / d s = 1 + the cosine between the ray and the way back from the end. */
   cells.span = 0.5f * step / fmax(1.0f + (cells.s + beam->along) / cells.rest, 1e-6f);
-  cells.good = (cells.s > 0.0f) & (cells.s <= t->settings[RC_SET_RANGE_LIMIT]) & ((RC_RECEIVER ? cells.s : cells.rest) >= t->settings[RC_SET_MINIMUM_RANGE]);
+  cells.good = (cells.s > 0.0f) & (cells.s <= t->settings[RC_SET_RANGE_LIMIT]) &
+               ((RC_RECEIVER ? cells.s : cells.rest) >= t->settings[RC_SET_MINIMUM_RANGE]);
   return cells;
 }
 
 /* The table at distances, over the square of the distance to the end. */
 static inline float16 rc_geometry(global const float* table, const Cells* cells) {
   const float log_near = table[RC_BEAM_LOG_NEAR], per_log = table[RC_BEAM_POSTS_PER_LOG];
-  const float16 at = clamp((log(fmax(cells->s, 1e-20f)) - log_near) * per_log, 0.0f, table[RC_BEAM_LAST]), low = floor(at);
+  const float16 at = clamp((log(fmax(cells->s, 1e-20f)) - log_near) * per_log, 0.0f, table[RC_BEAM_LAST]),
+                low = floor(at);
   RC_LINE float lane[16], from[16], to[16];
   rc_store16(low, 0, lane);
   float16 a, b;
-  if (lane[0] == lane[15]) {  /* distances rise */
+  if (lane[0] == lane[15]) { /* distances rise */
     a = table[(uint)lane[0]];
     b = table[(uint)lane[0] + 1u];
   } else {
@@ -120,8 +133,9 @@ static inline float16 rc_geometry(global const float* table, const Cells* cells)
 #if RC_VOLUMES
 /* Volumes along the middle ray, cell after cell. */
 typedef struct Swept {
-  float came_to, too_far;  /* m from RC_SHOT_GATE, and how much rounding added to it */
-  float depth[RC_LINE_NODES], lost[RC_LINE_NODES];  /* and what rounding took of its sum (Kahan): 1e-4 of it over 20000 bins */
+  float came_to, too_far; /* m from RC_SHOT_GATE, and how much rounding added to it */
+  float depth[RC_LINE_NODES],
+      lost[RC_LINE_NODES]; /* and what rounding took of its sum (Kahan): 1e-4 of it over 20000 bins */
 } Swept;
 
 static inline void rc_deepen(Swept* swept, uint node, float more) {
@@ -131,7 +145,8 @@ static inline void rc_deepen(Swept* swept, uint node, float more) {
 }
 
 /* Depths at the cells' Gauss points and what particles scatter in each cell, integrated over it. */
-static inline void rc_sweep(const LidarTables* t, const Beam* beam, const Cells* cells, float part, Swept* swept, float16* depth, float16* particles) {
+static inline void rc_sweep(const LidarTables* t, const Beam* beam, const Cells* cells, float part, Swept* swept,
+                            float16* depth, float16* particles) {
   RC_LINE float s[16], span[16], scattered[16];
   RC_LINE float here[RC_LINE_NODES][16];
   const float4 gate = t->shot[RC_SHOT_GATE];
@@ -147,12 +162,13 @@ static inline void rc_sweep(const LidarTables* t, const Beam* beam, const Cells*
     float cell[RC_LINE_NODES];
     for (uint node = 0; node < RC_LINE_NODES; ++node) cell[node] = 0.0f;
     for (uint i = 0; i < RC_VOLUMES; ++i) {
-      if (before > 0.01f * span[k]) {  /* the first cell begins past the start */
+      if (before > 0.01f * span[k]) { /* the first cell begins past the start */
         const float gap = rc_volume_path(t->volumes + i, t->volume_values, at, beam->way, -before, 0.0f);
         for (uint node = 0; node < RC_LINE_NODES; ++node) rc_deepen(swept, node, rc_volume_depth(t, i, node, gap));
       }
       const float field = rc_volume_path(t->volumes + i, t->volume_values, at, beam->way, 0.0f, span[k]);
-      scattered[k] += t->volumes[i].particles.x > 0.0f ? field * t->volumes[i].particles.x / t->volumes[i].particles.z : 0.0f;
+      scattered[k] +=
+          t->volumes[i].particles.x > 0.0f ? field * t->volumes[i].particles.x / t->volumes[i].particles.z : 0.0f;
       for (uint node = 0; node < RC_LINE_NODES; ++node) cell[node] += rc_volume_depth(t, i, node, field);
     }
     for (uint node = 0; node < RC_LINE_NODES; ++node) {
@@ -167,9 +183,10 @@ static inline void rc_sweep(const LidarTables* t, const Beam* beam, const Cells*
 }
 #endif
 
-/* Impulses of 16 bins, at two phases, to their place by the slot where their shares start. Bins whose pulse lies outside the gate are left
- * out. */
-static inline void rc_put(const LidarTables* t, global float* impulses, uint line_floats, float sums[RC_SUM_COUNT][2], int bin, const float16* energy) {
+/* Impulses of 16 bins, at two phases, to their place by the slot where their shares start. Bins whose pulse lies
+ * outside the gate are left out. */
+static inline void rc_put(const LidarTables* t, global float* impulses, uint line_floats, float sums[RC_SUM_COUNT][2],
+                          int bin, const float16* energy) {
   const int16 start = (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15) + (bin + t->first_tap);
   const int16 in = (start + t->tap_count > 0) & (start < t->bins);
   const float16 a = select((float16)(0.0f), energy[0], in), b = select((float16)(0.0f), energy[1], in);
@@ -181,11 +198,30 @@ static inline void rc_put(const LidarTables* t, global float* impulses, uint lin
 
 RC_BODY lidar_air_body(uint owner, LIDAR_AIR_PARAMETERS) {
   const uint row_floats = rc_row_floats((uint)bins);
-  const LidarTables all = {shots + (size_t)owner * RC_SHOT_FLOAT4S, 0, 0, 0, 0, photons, node_weight, first_node, air, volumes, volume_values, volume_depth, taps, settings, 0, row_floats, bins, taps_used, first_tap, phases};
+  const LidarTables all = {shots + (size_t)owner * RC_SHOT_FLOAT4S,
+                           0,
+                           0,
+                           0,
+                           0,
+                           photons,
+                           node_weight,
+                           first_node,
+                           air,
+                           volumes,
+                           volume_values,
+                           volume_depth,
+                           taps,
+                           settings,
+                           0,
+                           row_floats,
+                           bins,
+                           taps_used,
+                           first_tap,
+                           phases};
   const LidarTables* t = &all;
   const Beam beam = rc_beam(t);
   const size_t own_rows = (size_t)RC_OWN_PIXELS * RC_LASER_LINES;
-  global float* own = rows + (size_t)owner * RC_WAY_ROWS * own_rows * row_floats;  /* air, then particles */
+  global float* own = rows + (size_t)owner * RC_WAY_ROWS * own_rows * row_floats; /* air, then particles */
   /* Impulses, [kind][line][phase], and shares of bins at their two phases. */
   const uint line_floats = row_floats + RC_TAPS_PADDED;
   global float* impulses = scratch + (size_t)owner * RC_WAY_ROWS * 2u * RC_LASER_LINES * line_floats;
@@ -206,7 +242,8 @@ RC_BODY lidar_air_body(uint owner, LIDAR_AIR_PARAMETERS) {
 
   for (uint pixel = 0; pixel < RC_OWN_PIXELS; ++pixel) {
     global const float* table = tables + ((size_t)beam_of[owner] * RC_OWN_PIXELS + pixel) * RC_BEAM_FLOATS;
-    for (uint i = 0; i < RC_WAY_ROWS * 2u * RC_LASER_LINES * line_floats; i += 16u) rc_store16((float16)(0.0f), 0, impulses + i);
+    for (uint i = 0; i < RC_WAY_ROWS * 2u * RC_LASER_LINES * line_floats; i += 16u)
+      rc_store16((float16)(0.0f), 0, impulses + i);
     /* Rays stopped: of a pixel's own, or of all. */
     const bool own_rays = rc_stops_by_pixel(t);
     global const float* of_owner = stopped + owner * rc_stopped_floats(row_floats);
@@ -215,7 +252,7 @@ RC_BODY lidar_air_body(uint owner, LIDAR_AIR_PARAMETERS) {
     float ended[RC_LASER_LINES];
     for (uint line = 0; line < RC_LASER_LINES; ++line) ended[line] = 0.0f;
 #if RC_VOLUMES
-    Swept swept[2];  /* the two cells of a bin are one behind the other: each chain sweeps all */
+    Swept swept[2]; /* the two cells of a bin are one behind the other: each chain sweeps all */
     for (uint g = 0; g < 2u; ++g) {
       swept[g].came_to = -t->shot[RC_SHOT_GATE].w;
       swept[g].too_far = 0.0f;
@@ -260,17 +297,20 @@ RC_BODY lidar_air_body(uint owner, LIDAR_AIR_PARAMETERS) {
           const float16 inverse = 1.0f / cells.rest;
           const float4 end_at = beam.start - beam.apart;
           const Vector16 end = {(float16)(end_at.x), (float16)(end_at.y), (float16)(end_at.z)};
-          const Vector16 unit = {-fma(cells.s, (float16)(beam.way.x), (float16)(beam.apart.x)) * inverse, -fma(cells.s, (float16)(beam.way.y), (float16)(beam.apart.y)) * inverse,
+          const Vector16 unit = {-fma(cells.s, (float16)(beam.way.x), (float16)(beam.apart.x)) * inverse,
+                                 -fma(cells.s, (float16)(beam.way.y), (float16)(beam.apart.y)) * inverse,
                                  -fma(cells.s, (float16)(beam.way.z), (float16)(beam.apart.z)) * inverse};
           rc_volume_depths(t, end, unit, cells.rest, rc_mask16(cells.good), depth);
 #endif
         }
         for (uint line = 0; line < RC_LASER_LINES; ++line) {
-          const float16 arrives = geometry * (weight * t->photons[line]) * rc_line_transmission(t, line, depth) * lit[line];
+          const float16 arrives =
+              geometry * (weight * t->photons[line]) * rc_line_transmission(t, line, depth) * lit[line];
           of_air[line][g] = of_particles[line][g] = 0.0f;
           (void)arrives;
 #if RC_AIR_RETURN
-          of_air[line][g] = arrives * cells.span * rc_backscatter(t, backscatter + line * (uint)settings[RC_SET_AIR_POSTS], z);
+          of_air[line][g] =
+              arrives * cells.span * rc_backscatter(t, backscatter + line * (uint)settings[RC_SET_AIR_POSTS], z);
 #endif
 #if RC_VOLUMES
           of_particles[line][g] = arrives * particles;
@@ -280,7 +320,8 @@ RC_BODY lidar_air_body(uint owner, LIDAR_AIR_PARAMETERS) {
       for (uint line = 0; line < RC_LASER_LINES; ++line) {
         rc_put(t, impulses + line * 2u * line_floats, line_floats, total[line], bin, of_air[line]);
 #if RC_VOLUMES
-        rc_put(t, impulses + (RC_LASER_LINES + line) * 2u * line_floats, line_floats, total[line], bin, of_particles[line]);
+        rc_put(t, impulses + (RC_LASER_LINES + line) * 2u * line_floats, line_floats, total[line], bin,
+               of_particles[line]);
 #endif
       }
     }
@@ -293,7 +334,8 @@ RC_BODY lidar_air_body(uint owner, LIDAR_AIR_PARAMETERS) {
           float16 sum = 0.0f;
           for (int i = 0; i < taps_used; ++i) {
             global const float* at = from + (int)slot - i;
-            sum = fma((float16)(share[0][i]), rc_load16(0, at), fma((float16)(share[1][i]), rc_load16(0, at + line_floats), sum));
+            sum = fma((float16)(share[0][i]), rc_load16(0, at),
+                      fma((float16)(share[1][i]), rc_load16(0, at + line_floats), sum));
           }
           rc_store16(sum, 0, row + slot);
         }
@@ -301,7 +343,8 @@ RC_BODY lidar_air_body(uint owner, LIDAR_AIR_PARAMETERS) {
   }
   for (uint line = 0; line < RC_LASER_LINES; ++line) {
     for (uint kind = 0; kind < RC_WAY_ROWS; ++kind)
-      for (uint pixel = 0; pixel < RC_OWN_PIXELS; ++pixel) rc_close_row(t, own + (kind * own_rows + pixel * RC_LASER_LINES + line) * row_floats, total[line]);
+      for (uint pixel = 0; pixel < RC_OWN_PIXELS; ++pixel)
+        rc_close_row(t, own + (kind * own_rows + pixel * RC_LASER_LINES + line) * row_floats, total[line]);
     for (uint i = 0; i < RC_SUM_COUNT; ++i) {
       const size_t at = ((size_t)owner * RC_LASER_LINES + line) * RC_SUM_COUNT + i;
       sums[2u * at] = total[line][i][0];
@@ -311,6 +354,7 @@ RC_BODY lidar_air_body(uint owner, LIDAR_AIR_PARAMETERS) {
 }
 
 kernel void lidar_air(LIDAR_AIR_PARAMETERS) {
-  lidar_air_body((uint)get_global_id(0), shots, beam_of, tables, photons, node_weight, first_node, air, backscatter, volumes, volume_values, volume_depth, taps,
-                 settings, stopped, rows, scratch, sums, bins, taps_used, first_tap, phases);
+  lidar_air_body((uint)get_global_id(0), shots, beam_of, tables, photons, node_weight, first_node, air, backscatter,
+                 volumes, volume_values, volume_depth, taps, settings, stopped, rows, scratch, sums, bins, taps_used,
+                 first_tap, phases);
 }

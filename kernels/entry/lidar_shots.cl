@@ -1,6 +1,6 @@
-/* Reads: owners' records (kernels/lidar/layout.h), sub-rays, the scene, matter, air, pulse. Writes: rows of expected photons of
- * light scattered once and more, ledger, first hits. One work-item is one owner: a shot, or a pixel of a shot; its rows are its own,
- * so sums have one order whatever the launch. Next: lidar_air, then the host. */
+/* Reads: owners' records (kernels/lidar/layout.h), sub-rays, the scene, matter, air, pulse. Writes: rows of expected
+ * photons of light scattered once and more, ledger, first hits. One work-item is one owner: a shot, or a pixel of a
+ * shot; its rows are its own, so sums have one order whatever the launch. Next: lidar_air, then the host. */
 #include "kernels/lidar/context.h"
 #include "kernels/lidar/paths.h"
 #if !RC_SINGLE
@@ -17,12 +17,15 @@
 #define RC_STORE_ONCE(value, to) *(to) = (value)
 #endif
 
-#define LIDAR_SHOTS_PARAMETERS RC_NODES, RC_BLOCKS, RC_INSTANCES, global const float4* restrict shots, global const float* restrict samples, \
-  global const float* restrict exits, global const float4* restrict optics, global const float* restrict gloss, \
-  global const float* restrict photons, global const float* restrict node_weight, global const uint* restrict first_node, \
-  global const float2* restrict air, RC_VOLUME_PARAMETERS, global const float* restrict taps, global const float* restrict settings, \
-  global float* restrict first, global float* restrict multiple, global float* restrict stopped, global long* restrict ledger, \
-  global float* restrict sums, global uint* restrict counts, global uint* restrict first_hits, uint seed, int bins, int taps_used, int first_tap, int phases
+#define LIDAR_SHOTS_PARAMETERS                                                                                      \
+  RC_NODES, RC_BLOCKS, RC_INSTANCES, global const float4 *restrict shots, global const float *restrict samples,     \
+      global const float *restrict exits, global const float4 *restrict optics, global const float *restrict gloss, \
+      global const float *restrict photons, global const float *restrict node_weight,                               \
+      global const uint *restrict first_node, global const float2 *restrict air, RC_VOLUME_PARAMETERS,              \
+      global const float *restrict taps, global const float *restrict settings, global float *restrict first,       \
+      global float *restrict multiple, global float *restrict stopped, global long *restrict ledger,                \
+      global float *restrict sums, global uint *restrict counts, global uint *restrict first_hits, uint seed,       \
+      int bins, int taps_used, int first_tap, int phases
 
 RC_BODY lidar_shots_body(uint owner, LIDAR_SHOTS_PARAMETERS) {
   SceneArrays scene;
@@ -30,7 +33,26 @@ RC_BODY lidar_shots_body(uint owner, LIDAR_SHOTS_PARAMETERS) {
   RC_GATHER_BLOCKS(scene);
   RC_GATHER_INSTANCES(scene);
   const uint row_floats = rc_row_floats((uint)bins);
-  const LidarTables tables = {shots + (size_t)owner * RC_SHOT_FLOAT4S, samples, exits, optics, gloss, photons, node_weight, first_node, air, volumes, volume_values, volume_depth, taps, settings, seed, row_floats, bins, taps_used, first_tap, phases};
+  const LidarTables tables = {shots + (size_t)owner * RC_SHOT_FLOAT4S,
+                              samples,
+                              exits,
+                              optics,
+                              gloss,
+                              photons,
+                              node_weight,
+                              first_node,
+                              air,
+                              volumes,
+                              volume_values,
+                              volume_depth,
+                              taps,
+                              settings,
+                              seed,
+                              row_floats,
+                              bins,
+                              taps_used,
+                              first_tap,
+                              phases};
   const LidarTables* t = &tables;
   LidarSums total;
   total.rays = 0;
@@ -42,7 +64,8 @@ RC_BODY lidar_shots_body(uint owner, LIDAR_SHOTS_PARAMETERS) {
 #if RC_ROW_WINDOW
   /* Rows to come lie in no cache: whole lines go there once, past the caches, and nothing waits for what was there. */
   RC_LINE float window[RC_ROW_WINDOW];
-  private float *own_first = window, *own_multiple = window;
+ private
+  float *own_first = window, *own_multiple = window;
 #else
   global float* own_first = first + owner * rows * row_floats;
   global float* own_multiple = multiple + (RC_BOUNCES > 1 ? owner * rows * row_floats : 0);
@@ -53,13 +76,16 @@ RC_BODY lidar_shots_body(uint owner, LIDAR_SHOTS_PARAMETERS) {
     if (RC_BOUNCES > 1) rc_store16((float16)(0.0f), 0, own_multiple + i);
   }
   if (RC_STOPPED)
-    for (size_t i = 0; i < (rc_stops_by_pixel(t) ? rc_stopped_floats(row_floats) : (size_t)RC_LASER_LINES * row_floats); i += 16) rc_store16((float16)(0.0f), 0, own_stopped + i);
+    for (size_t i = 0; i < (rc_stops_by_pixel(t) ? rc_stopped_floats(row_floats) : (size_t)RC_LASER_LINES * row_floats);
+         i += 16)
+      rc_store16((float16)(0.0f), 0, own_stopped + i);
 
   for (uint begin = 0; begin < RC_RAY_COUNT; begin += RC_CHUNK) {
     const uint words = (min((uint)RC_CHUNK, RC_RAY_COUNT - begin) + 15u) / 16u;
 #if RC_SINGLE
     global const float* at = samples + begin * 2u;
-    const float4 reference = t->shot[RC_SHOT_REFERENCE], axis = t->shot[RC_SHOT_AXIS], du = t->shot[RC_SHOT_DU], dv = t->shot[RC_SHOT_DV], residual = t->shot[RC_SHOT_RESIDUAL];
+    const float4 reference = t->shot[RC_SHOT_REFERENCE], axis = t->shot[RC_SHOT_AXIS], du = t->shot[RC_SHOT_DU],
+                 dv = t->shot[RC_SHOT_DV], residual = t->shot[RC_SHOT_RESIDUAL];
     const float s = t->shot[RC_SHOT_START].w, back = reference.w;
 #else
     global const Scatter* scatter = (global const Scatter*)samples + begin / RC_CHUNK;
@@ -90,9 +116,11 @@ RC_BODY lidar_shots_body(uint owner, LIDAR_SHOTS_PARAMETERS) {
         const float4 tilt = fma((float4)(lane_a[k]), du, lane_b[k] * dv);
         float4 offset = residual;
 #if RC_EXITS
-        offset += fma((float4)(exits[ray + k]), t->shot[RC_SHOT_EXIT_U], exits[(RC_RAY_COUNT + 15) / 16 * 16 + ray + k] * t->shot[RC_SHOT_EXIT_V]);
+        offset += fma((float4)(exits[ray + k]), t->shot[RC_SHOT_EXIT_U],
+                      exits[(RC_RAY_COUNT + 15) / 16 * 16 + ray + k] * t->shot[RC_SHOT_EXIT_V]);
 #endif
-        const float4 direction = axis + tilt, origin = reference + fma((float4)(-back), direction, fma((float4)(s), tilt, offset));
+        const float4 direction = axis + tilt,
+                     origin = reference + fma((float4)(-back), direction, fma((float4)(s), tilt, offset));
         const Hit hit = rc_trace_ray(scene, (float4)(origin.xyz, 0.0f), (float4)(direction.xyz, 0.0f), false);
         hits.instance[k] = hit.instance;
         if (hit.instance != RC_NONE) hits.primitive[k] = hit.primitive;
@@ -101,7 +129,8 @@ RC_BODY lidar_shots_body(uint owner, LIDAR_SHOTS_PARAMETERS) {
 #else
       const float16 a = rc_load16(0, scatter->a + slot), b = rc_load16(0, scatter->b + slot);
       const int16 none = rc_load16(0, closest.near + slot) == 0.0f;
-      const uint16 instances = select(rc_load16(0, closest.instance + slot), (uint16)(RC_NONE), none), primitives = select(rc_load16(0, closest.primitive + slot), (uint16)(0u), none);
+      const uint16 instances = select(rc_load16(0, closest.instance + slot), (uint16)(RC_NONE), none),
+                   primitives = select(rc_load16(0, closest.primitive + slot), (uint16)(0u), none);
 #endif
 #if RC_HITS
       RC_LINE uint instance_of[16], primitive_of[16];
@@ -138,6 +167,8 @@ RC_BODY lidar_shots_body(uint owner, LIDAR_SHOTS_PARAMETERS) {
 }
 
 kernel void lidar_shots(LIDAR_SHOTS_PARAMETERS) {
-  lidar_shots_body((uint)get_global_id(0), RC_PASS_NODES, RC_PASS_BLOCKS, RC_PASS_INSTANCES, shots, samples, exits, optics, gloss, photons,
-                   node_weight, first_node, air, volumes, volume_values, volume_depth, taps, settings, first, multiple, stopped, ledger, sums, counts, first_hits, seed, bins, taps_used, first_tap, phases);
+  lidar_shots_body((uint)get_global_id(0), RC_PASS_NODES, RC_PASS_BLOCKS, RC_PASS_INSTANCES, shots, samples, exits,
+                   optics, gloss, photons, node_weight, first_node, air, volumes, volume_values, volume_depth, taps,
+                   settings, first, multiple, stopped, ledger, sums, counts, first_hits, seed, bins, taps_used,
+                   first_tap, phases);
 }

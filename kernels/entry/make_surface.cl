@@ -1,5 +1,5 @@
-/* Reads: hits of trace_primary, ray groups, the scene. Writes: offset point and normal of every sample, and how far the point was
- * moved. Next: trace_light, shading. */
+/* Reads: hits of trace_primary, ray groups, the scene. Writes: offset point and normal of every sample, and how far the
+ * point was moved. Next: trace_light, shading. */
 #include "kernels/geometry/trace_args.h"
 #include "kernels/geometry/lanes.h"
 #include "kernels/geometry/samples.h"
@@ -11,9 +11,10 @@ typedef struct Gathered {
   float corner[9][16], origin[3][16], direction[3][16];
 } RC_LINE Gathered;
 
-#define MAKE_SURFACE_PARAMETERS RC_BLOCKS, RC_INSTANCES, global const RayGroup* restrict groups, \
-  global const uint* restrict hits, global float* restrict surface, global float* restrict lift, uint seed, uint columns, uint first_sample, \
-  uint sample_count
+#define MAKE_SURFACE_PARAMETERS                                                                                \
+  RC_BLOCKS, RC_INSTANCES, global const RayGroup *restrict groups, global const uint *restrict hits,           \
+      global float *restrict surface, global float *restrict lift, uint seed, uint columns, uint first_sample, \
+      uint sample_count
 
 RC_BODY make_surface_body(uint index, MAKE_SURFACE_PARAMETERS) {
   SceneArrays scene;
@@ -31,7 +32,7 @@ RC_BODY make_surface_body(uint index, MAKE_SURFACE_PARAMETERS) {
         const uint primitive = in[k] == RC_NONE ? 0u : in[RC_NPAD + k];
         global const float* at = (global const float*)rc_block(scene, primitive / RC_BLOCK) + primitive % RC_BLOCK;
         left |= in[k] == RC_NONE ? 0u : 1u << k;
-        #pragma unroll
+#pragma unroll
         for (uint c = 0; c < 9u; ++c) g.corner[c][k] = at[16u * c];
         float a, b;
         rc_group_sample(seed, place.number + p, p, first_sample + word * 16u + k, &a, &b);
@@ -51,8 +52,9 @@ RC_BODY make_surface_body(uint index, MAKE_SURFACE_PARAMETERS) {
         v[c].z = rc_load16(0, g.corner[3u * c + 2u]);
       }
       const Vector16 origin = {rc_load16(0, g.origin[0]), rc_load16(0, g.origin[1]), rc_load16(0, g.origin[2])};
-      const Vector16 direction = {rc_load16(0, g.direction[0]), rc_load16(0, g.direction[1]), rc_load16(0, g.direction[2])};
-      while (left) {  /* one instance after the other: its matrices are shared */
+      const Vector16 direction = {rc_load16(0, g.direction[0]), rc_load16(0, g.direction[1]),
+                                  rc_load16(0, g.direction[2])};
+      while (left) { /* one instance after the other: its matrices are shared */
         const uint instance = in[rc_lowest(left)];
         const int16 lanes = rc_load16(0, in) == instance;
         left &= ~rc_mask16(lanes);
@@ -78,6 +80,6 @@ RC_BODY make_surface_body(uint index, MAKE_SURFACE_PARAMETERS) {
 }
 
 kernel void make_surface(MAKE_SURFACE_PARAMETERS) {
-  make_surface_body((uint)get_global_id(0), RC_PASS_BLOCKS, RC_PASS_INSTANCES, groups, hits, surface, lift, seed, columns,
-                    first_sample, sample_count);
+  make_surface_body((uint)get_global_id(0), RC_PASS_BLOCKS, RC_PASS_INSTANCES, groups, hits, surface, lift, seed,
+                    columns, first_sample, sample_count);
 }

@@ -1,5 +1,5 @@
-/* Reads: nothing. Writes: for every shared struct its size, then the offset of every field, in the order of structs.def.
- * Next: a test compares them with the host's. */
+/* Reads: nothing. Writes: for every shared struct its size, then the offset of every field, in the order of
+ * structs.def. Next: a test compares them with the host's. */
 #pragma OPENCL FP_CONTRACT OFF
 #include "kernels/shared/structs.h"
 
@@ -7,7 +7,10 @@
 
 kernel void probe_structs(global uint* report) {
   uint i = 0;
-#define RC_STRUCT_BEGIN(name, text) { typedef name This; report[i++] = (uint)sizeof(This);
+#define RC_STRUCT_BEGIN(name, text) \
+  {                                 \
+    typedef name This;              \
+    report[i++] = (uint)sizeof(This);
 #define RC_FIELD(type, name, text) report[i++] = RC_OFFSET(This, name);
 #define RC_ARRAY(type, name, count, text) report[i++] = RC_OFFSET(This, name);
 #define RC_STRUCT_END(name, bytes) }

@@ -1,7 +1,8 @@
 /* resolve: from a pixel's row of (product key, sums) to its list of (row of the band table, weight).
- * Reads:  rows of shade, the sorted table of baked keys, rows and weights of the pixel's environment. Writes: term count and terms. Next: integrate_bands.
- * Terms come in key order (the path row first, then the environment's up to four rows), channels ascending: row numbers and eviction cannot change a sum.
- * One work-item per pixel, any local size. */
+ * Reads:  rows of shade, the sorted table of baked keys, rows and weights of the pixel's environment. Writes: term
+ * count and terms. Next: integrate_bands. Terms come in key order (the path row first, then the environment's up to
+ * four rows), channels ascending: row numbers and eviction cannot change a sum. One work-item per pixel, any local
+ * size. */
 #pragma OPENCL FP_CONTRACT OFF
 #include "kernels/shared/structs.h"
 #include "kernels/shared/rows.h"
@@ -24,7 +25,10 @@ inline uint baked_row(__global const ulong* baked_keys, __global const uint* bak
   uint lo = 0, hi = baked_count - 1;
   while (lo < hi) {
     const uint mid = (lo + hi) / 2;
-    if (baked_keys[mid] < key) lo = mid + 1; else hi = mid;
+    if (baked_keys[mid] < key)
+      lo = mid + 1;
+    else
+      hi = mid;
   }
   return baked_rows[lo];
 }
@@ -32,13 +36,15 @@ inline uint baked_row(__global const ulong* baked_keys, __global const uint* bak
 /* Linear weight of node i when a value lies a fraction f past node k. */
 inline float weight_of(int i, int k, float f) { return i == k ? 1.0f - f : i == k + 1 ? f : 0.0f; }
 
-#define RESOLVE_PARAMETERS uint first_item, uint item_count, global const uint* restrict pixel_list, uint use_list, \
-  uint capacity, uint term_capacity, global const RayGroup* restrict groups, uint tile_width, uint groups_per_line, \
-  global const uint* restrict row_count, global const ulong* restrict row_keys, global const float* restrict row_sums, \
-  global const float* restrict path_sums, global const ulong* restrict baked_keys, global const uint* restrict baked_rows, \
-  uint baked_count, float view_first, float view_step, float path_x_first, float path_x_step, float path_y_first, \
-  float path_y_step, global const uint* restrict environment_row, global const float* restrict environment_weight, \
-  global uint* restrict term_count, global uint* restrict term_row, global float* restrict term_weight
+#define RESOLVE_PARAMETERS                                                                                             \
+  uint first_item, uint item_count, global const uint *restrict pixel_list, uint use_list, uint capacity,              \
+      uint term_capacity, global const RayGroup *restrict groups, uint tile_width, uint groups_per_line,               \
+      global const uint *restrict row_count, global const ulong *restrict row_keys,                                    \
+      global const float *restrict row_sums, global const float *restrict path_sums,                                   \
+      global const ulong *restrict baked_keys, global const uint *restrict baked_rows, uint baked_count,               \
+      float view_first, float view_step, float path_x_first, float path_x_step, float path_y_first, float path_y_step, \
+      global const uint *restrict environment_row, global const float *restrict environment_weight,                    \
+      global uint *restrict term_count, global uint *restrict term_row, global float *restrict term_weight
 
 RC_BODY resolve_body(uint index, RESOLVE_PARAMETERS) {
   const uint item = first_item + index;
@@ -81,7 +87,8 @@ RC_BODY resolve_body(uint index, RESOLVE_PARAMETERS) {
       }
   }
 #if RC_ENVIRONMENT
-  /* Light of the ground around: it reaches the sensor beside the direct path, so every sample has it, as path radiance. */
+  /* Light of the ground around: it reaches the sensor beside the direct path, so every sample has it, as path radiance.
+   * */
   for (int node = 0; node < 4; ++node) {
     const float share = environment_weight[item * 4 + node];
     if (share == 0.0f) continue;
@@ -124,7 +131,8 @@ RC_BODY resolve_body(uint index, RESOLVE_PARAMETERS) {
 }
 
 kernel void resolve(RESOLVE_PARAMETERS) {
-  resolve_body((uint)get_global_id(0), first_item, item_count, pixel_list, use_list, capacity, term_capacity, groups, tile_width,
-               groups_per_line, row_count, row_keys, row_sums, path_sums, baked_keys, baked_rows, baked_count, view_first,
-               view_step, path_x_first, path_x_step, path_y_first, path_y_step, environment_row, environment_weight, term_count, term_row, term_weight);
+  resolve_body((uint)get_global_id(0), first_item, item_count, pixel_list, use_list, capacity, term_capacity, groups,
+               tile_width, groups_per_line, row_count, row_keys, row_sums, path_sums, baked_keys, baked_rows,
+               baked_count, view_first, view_step, path_x_first, path_x_step, path_y_first, path_y_step,
+               environment_row, environment_weight, term_count, term_row, term_weight);
 }

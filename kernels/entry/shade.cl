@@ -1,9 +1,9 @@
 /* shade: from hits, surface points, sun visibility and blocked sky to per-pixel rows of (product key, scalar sums).
  * Reads:  hits, surface and lift, sun bits, blocked sky of the tile (or of one chunk of its samples).
  * Writes: row count, keys, sums, path sums, truth sums. Next: resolve.
- * One work-item per pixel, any local size. Sums are masked float16 sums over sample groups in sample order, then one fixed
- * lane tree, so that row capacity, tile and work-group cannot change a bit. Sample weights come relative to their mean, 1 for
- * the plain box, so that a chunk's counts are exact; their number divides the chunk's sums. */
+ * One work-item per pixel, any local size. Sums are masked float16 sums over sample groups in sample order, then one
+ * fixed lane tree, so that row capacity, tile and work-group cannot change a bit. Sample weights come relative to their
+ * mean, 1 for the plain box, so that a chunk's counts are exact; their number divides the chunk's sums. */
 #pragma OPENCL FP_CONTRACT OFF
 #include "kernels/shared/structs.h"
 #include "kernels/shared/rows.h"
@@ -15,7 +15,8 @@
 #ifndef RC_CHUNKED
 #define RC_CHUNKED 0 /* 1: sums are carried from chunk to chunk of a pixel's samples, with compensation */
 #endif
-/* Sources that have a value per sample: sun, sky, surroundings; emission at RC_TEMPERATURES nodes follows them in a row. */
+/* Sources that have a value per sample: sun, sky, surroundings; emission at RC_TEMPERATURES nodes follows them in a
+ * row. */
 #define LIT (RC_SUN + RC_COMPONENTS)
 #define SOLAR_COMPONENTS (RC_COMPONENTS - RC_THERMAL_COMPONENTS)
 #define SOURCES (RC_SUN + RC_COMPONENTS + RC_TEMPERATURES)
@@ -56,10 +57,11 @@ inline uint find_key(__global ulong* keys, __global float* sums, uint* count, ui
 }
 
 /* The masked sums of one surface's samples, times its material fractions, into the row. Returns 0 when the row is full.
- * values: [LIT * heights], then coverage. cover: coverage per height node; nodes: where each material's temperature lies among
- * the temperature nodes (both read only when there are any). */
-inline int deposit(__global ulong* keys, __global float* sums, uint* count, uint capacity, __global const Surface* surface,
-                   const float* values, const float* cover, __global const float* nodes) {
+ * values: [LIT * heights], then coverage. cover: coverage per height node; nodes: where each material's temperature
+ * lies among the temperature nodes (both read only when there are any). */
+inline int deposit(__global ulong* keys, __global float* sums, uint* count, uint capacity,
+                   __global const Surface* surface, const float* values, const float* cover,
+                   __global const float* nodes) {
   for (int c = 0; c < 4; ++c) {
     const float fraction = surface->fraction[c];
     if (surface->curve[c] == 0u || fraction == 0.0f) continue;
@@ -81,14 +83,16 @@ inline int deposit(__global ulong* keys, __global float* sums, uint* count, uint
   return 1;
 }
 
-#define SHADE_PARAMETERS uint pixel_count, global const uint* restrict pixel_list, uint use_list, uint capacity, uint fresh, \
-  global const RayGroup* restrict groups, uint tile_width, uint groups_per_line, global const uint* restrict hits, \
-  global const float* restrict surface_points, global const float* restrict lifts, global const ushort* restrict sun_bits, \
-  global const float* restrict sky_blocked, RC_BLOCKS, RC_SURFACES, global const float* restrict chunk_weight, \
-  float sample_total, float4 sun_direction, global const float4* restrict irradiance_map, uint map_size, \
-  global const float4* restrict tilt_irradiance, global const float* restrict surface_nodes, float height_first, \
-  float height_step, global uint* restrict row_count, global ulong* restrict row_keys, global float* restrict row_sums, \
-  global float* restrict path_sums, global float* restrict truth
+#define SHADE_PARAMETERS                                                                                               \
+  uint pixel_count, global const uint *restrict pixel_list, uint use_list, uint capacity, uint fresh,                  \
+      global const RayGroup *restrict groups, uint tile_width, uint groups_per_line, global const uint *restrict hits, \
+      global const float *restrict surface_points, global const float *restrict lifts,                                 \
+      global const ushort *restrict sun_bits, global const float *restrict sky_blocked, RC_BLOCKS, RC_SURFACES,        \
+      global const float *restrict chunk_weight, float sample_total, float4 sun_direction,                             \
+      global const float4 *restrict irradiance_map, uint map_size, global const float4 *restrict tilt_irradiance,      \
+      global const float *restrict surface_nodes, float height_first, float height_step,                               \
+      global uint *restrict row_count, global ulong *restrict row_keys, global float *restrict row_sums,               \
+      global float *restrict path_sums, global float *restrict truth
 
 RC_BODY shade_body(uint item, SHADE_PARAMETERS) {
   SceneArrays scene;
@@ -126,7 +130,7 @@ RC_BODY shade_body(uint item, SHADE_PARAMETERS) {
 
   const uint line = pixel / tile_width, column = pixel - line * tile_width;
   const RayGroup rays = groups[line * groups_per_line + column / RC_PIXELS_PER_GROUP];
-  const float4 sensor = fma((float4)(-rays.d0.w), rays.d0, rays.origin);  /* of a moving pose: at the pixel's middle */
+  const float4 sensor = fma((float4)(-rays.d0.w), rays.d0, rays.origin); /* of a moving pose: at the pixel's middle */
 
 #if SOLAR_COMPONENTS > 0
   float last_x = 2.0f, last_y = 2.0f, last_z = 2.0f;
@@ -194,7 +198,8 @@ RC_BODY shade_body(uint item, SHADE_PARAMETERS) {
     const float16 px = rc_load16(g, point), py = rc_load16(g, point + RC_NPAD), pz = rc_load16(g, point + 2 * RC_NPAD);
     const float16 nx = rc_load16(g, point + 3 * RC_NPAD), ny = rc_load16(g, point + 4 * RC_NPAD);
     const float16 nz = rc_load16(g, point + 5 * RC_NPAD);
-    const float16 cosine = fma(nx, (float16)(sun_direction.x), fma(ny, (float16)(sun_direction.y), nz * sun_direction.z));
+    const float16 cosine =
+        fma(nx, (float16)(sun_direction.x), fma(ny, (float16)(sun_direction.y), nz * sun_direction.z));
     const int16 lit = hit & (((((uint16)((uint)sun[g])) >> lane) & 1u) != 0u);
     const float16 w_hit = masked(weight, hit);
 #if RC_SUN
@@ -254,7 +259,8 @@ RC_BODY shade_body(uint item, SHADE_PARAMETERS) {
       const uint16 hi = rc_load16(g, height_index);
       const float16 hf = rc_load16(g, height_fraction);
       for (uint h = 0; h < RC_HEIGHTS; ++h) {
-        const float16 part = masked(1.0f - hf, mine & (hi == (uint16)(h))) + masked(hf, mine & (hi + 1u == (uint16)(h)));
+        const float16 part =
+            masked(1.0f - hf, mine & (hi == (uint16)(h))) + masked(hf, mine & (hi + 1u == (uint16)(h)));
         for (int m = 0; m < LIT; ++m)
           sum[m * RC_HEIGHTS + h] = fma(rc_load16(g, value[m]), part, sum[m * RC_HEIGHTS + h]);
 #if RC_TEMPERATURES > 0
@@ -281,7 +287,8 @@ RC_BODY shade_body(uint item, SHADE_PARAMETERS) {
 }
 
 kernel void shade(SHADE_PARAMETERS) {
-  shade_body((uint)get_global_id(0), pixel_count, pixel_list, use_list, capacity, fresh, groups, tile_width, groups_per_line,
-             hits, surface_points, lifts, sun_bits, sky_blocked, RC_PASS_BLOCKS, RC_PASS_SURFACES, chunk_weight, sample_total,
-             sun_direction, irradiance_map, map_size, tilt_irradiance, surface_nodes, height_first, height_step, row_count, row_keys, row_sums, path_sums, truth);
+  shade_body((uint)get_global_id(0), pixel_count, pixel_list, use_list, capacity, fresh, groups, tile_width,
+             groups_per_line, hits, surface_points, lifts, sun_bits, sky_blocked, RC_PASS_BLOCKS, RC_PASS_SURFACES,
+             chunk_weight, sample_total, sun_direction, irradiance_map, map_size, tilt_irradiance, surface_nodes,
+             height_first, height_step, row_count, row_keys, row_sums, path_sums, truth);
 }

@@ -1,5 +1,5 @@
-/* Reads: surface points of make_surface, the scene, directions to the sun or into the sky. Writes, for the sun: one bit per
- * sample, seen or not; for the sky: per sample and component the irradiance that the blocked ones
+/* Reads: surface points of make_surface, the scene, directions to the sun or into the sky. Writes, for the sun: one bit
+ * per sample, seen or not; for the sky: per sample and component the irradiance that the blocked ones
  * of its directions take away. Launched once
  * for each, as one kernel: the walk through the scene is compiled once. Next: shading. */
 #include "kernels/geometry/trace_args.h"
@@ -17,7 +17,8 @@ static inline global const float* rc_surface_word(global const float* surface, u
 #endif
 
 static inline float16 rc_cosines(float4 direction, global const float* at) {
-  return rc_project_row(direction, rc_load16(0, at + 3 * RC_NPAD), rc_load16(0, at + 4 * RC_NPAD), rc_load16(0, at + 5 * RC_NPAD));
+  return rc_project_row(direction, rc_load16(0, at + 3 * RC_NPAD), rc_load16(0, at + 4 * RC_NPAD),
+                        rc_load16(0, at + 5 * RC_NPAD));
 }
 
 /* The samples of one part of a pixel side by side: where they came from, and their normals. */
@@ -28,7 +29,8 @@ typedef struct SkyPart {
 } RC_LINE SkyPart;
 
 /* Gathers the slots of part `part` of `share`; points left over in the last word lie on the first and face nothing. */
-static inline void rc_gather_part(global const float* in, uint seed, uint number, uint first_sample, uint part, uint share, Points* points, SkyPart* held) {
+static inline void rc_gather_part(global const float* in, uint seed, uint number, uint first_sample, uint part,
+                                  uint share, Points* points, SkyPart* held) {
   uint n = 0;
   for (uint slot = 0; slot < RC_NPAD; ++slot) {
     if (rc_sky_part(seed, number, first_sample + slot, share) != part) continue;
@@ -50,9 +52,11 @@ static inline void rc_gather_part(global const float* in, uint seed, uint number
   }
 }
 
-#define TRACE_LIGHT_PARAMETERS RC_NODES, RC_BLOCKS, RC_INSTANCES, global const RayGroup* restrict groups, global const float* restrict surface, \
-  global const float4* restrict directions, global const float4* restrict weights, global ushort* restrict sun_mask, \
-  global float* restrict blocked, uint sky, uint sets, uint count, uint share, uint seed, uint columns, uint first_sample
+#define TRACE_LIGHT_PARAMETERS                                                                                       \
+  RC_NODES, RC_BLOCKS, RC_INSTANCES, global const RayGroup *restrict groups, global const float *restrict surface,   \
+      global const float4 *restrict directions, global const float4 *restrict weights,                               \
+      global ushort *restrict sun_mask, global float *restrict blocked, uint sky, uint sets, uint count, uint share, \
+      uint seed, uint columns, uint first_sample
 
 RC_BODY trace_light_body(uint index, TRACE_LIGHT_PARAMETERS) {
   SceneArrays scene;
@@ -62,7 +66,7 @@ RC_BODY trace_light_body(uint index, TRACE_LIGHT_PARAMETERS) {
   const GroupPlace place = rc_group_place(groups, index, columns);
   /* The next group's points come from memory while this one's rays are traced. */
   if (!sky) rc_prefetch(surface + (size_t)(place.pixel + place.used) * (6u * RC_NPAD), RC_GROUP_PIXELS * 24u * RC_NPAD);
-  const uint sharing = sky ? 1u : place.used;  /* pixels whose samples share a direction */
+  const uint sharing = sky ? 1u : place.used; /* pixels whose samples share a direction */
   for (uint p = 0; p < place.used; p += sharing) {
     const uint first = sky ? rc_hash(seed, place.number + p, 0u, 21u) % sets * count : 0u;
     global const float* in = surface + (size_t)(place.pixel + p) * (6u * RC_NPAD);
@@ -91,14 +95,16 @@ RC_BODY trace_light_body(uint index, TRACE_LIGHT_PARAMETERS) {
         const uint m = rc_sky_direction(part, j, share);
         const float4 direction = directions[first + m];
         for (uint word = 0; word < points.words; ++word) {
-          const float16 facing = sky ? rc_project_row(direction, rc_load16(word, held.nx), rc_load16(word, held.ny), rc_load16(word, held.nz))
+          const float16 facing = sky ? rc_project_row(direction, rc_load16(word, held.nx), rc_load16(word, held.ny),
+                                                      rc_load16(word, held.nz))
                                      : rc_cosines(direction, rc_surface_word(in, word));
           points.live[word] = rc_mask16(facing > 0.0f);
         }
         rc_shadow_points(scene, direction, &points);
         if (!sky) break;
         for (uint word = 0; word < points.words; ++word) {
-          const float16 facing = rc_project_row(direction, rc_load16(word, held.nx), rc_load16(word, held.ny), rc_load16(word, held.nz));
+          const float16 facing =
+              rc_project_row(direction, rc_load16(word, held.nx), rc_load16(word, held.ny), rc_load16(word, held.nz));
           const uint dark = rc_mask16(facing > 0.0f) & ~points.live[word];
           if (!dark) continue;
           const float16 cosine = select((float16)(0.0f), facing, rc_lanes(dark)) * (float)share;
@@ -155,6 +161,6 @@ RC_BODY trace_light_body(uint index, TRACE_LIGHT_PARAMETERS) {
 }
 
 kernel void trace_light(TRACE_LIGHT_PARAMETERS) {
-  trace_light_body((uint)get_global_id(0), RC_PASS_NODES, RC_PASS_BLOCKS, RC_PASS_INSTANCES, groups, surface, directions,
-                   weights, sun_mask, blocked, sky, sets, count, share, seed, columns, first_sample);
+  trace_light_body((uint)get_global_id(0), RC_PASS_NODES, RC_PASS_BLOCKS, RC_PASS_INSTANCES, groups, surface,
+                   directions, weights, sun_mask, blocked, sky, sets, count, share, seed, columns, first_sample);
 }

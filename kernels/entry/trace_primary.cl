@@ -4,8 +4,9 @@
 #include "kernels/geometry/bundle_primary.h"
 #include "kernels/geometry/ray_trace.h"
 
-#define TRACE_PRIMARY_PARAMETERS RC_NODES, RC_BLOCKS, RC_INSTANCES, global const RayGroup* restrict groups, \
-  global uint* restrict hits, uint seed, uint columns, uint first_sample, uint sample_count
+#define TRACE_PRIMARY_PARAMETERS                                                                                    \
+  RC_NODES, RC_BLOCKS, RC_INSTANCES, global const RayGroup *restrict groups, global uint *restrict hits, uint seed, \
+      uint columns, uint first_sample, uint sample_count
 
 RC_BODY trace_primary_body(uint index, TRACE_PRIMARY_PARAMETERS) {
   SceneArrays scene;
@@ -35,7 +36,8 @@ RC_BODY trace_primary_body(uint index, TRACE_PRIMARY_PARAMETERS) {
     for (uint word = 0; word < RC_NWORDS; ++word) {
       const int16 none = rc_load16(p * RC_NWORDS + word, closest.near) == 0.0f;
       rc_store16(select(rc_load16(p * RC_NWORDS + word, closest.instance), (uint16)(RC_NONE), none), word, out);
-      rc_store16(select(rc_load16(p * RC_NWORDS + word, closest.primitive), (uint16)(RC_NONE), none), word, out + RC_NPAD);
+      rc_store16(select(rc_load16(p * RC_NWORDS + word, closest.primitive), (uint16)(RC_NONE), none), word,
+                 out + RC_NPAD);
     }
   }
 #else
@@ -62,6 +64,6 @@ RC_BODY trace_primary_body(uint index, TRACE_PRIMARY_PARAMETERS) {
 }
 
 kernel void trace_primary(TRACE_PRIMARY_PARAMETERS) {
-  trace_primary_body((uint)get_global_id(0), RC_PASS_NODES, RC_PASS_BLOCKS, RC_PASS_INSTANCES, groups, hits, seed, columns,
-                     first_sample, sample_count);
+  trace_primary_body((uint)get_global_id(0), RC_PASS_NODES, RC_PASS_BLOCKS, RC_PASS_INSTANCES, groups, hits, seed,
+                     columns, first_sample, sample_count);
 }

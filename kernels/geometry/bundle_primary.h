@@ -1,5 +1,5 @@
-/* A group's primary rays, all from one origin, through one traversal of the two-level tree. A buffer of nearness and ids, one slot
- * per sample, keeps the closest hits. */
+/* A group's primary rays, all from one origin, through one traversal of the two-level tree. A buffer of nearness and
+ * ids, one slot per sample, keeps the closest hits. */
 #ifndef RAYCUBE_KERNELS_GEOMETRY_BUNDLE_PRIMARY_H
 #define RAYCUBE_KERNELS_GEOMETRY_BUNDLE_PRIMARY_H
 
@@ -8,7 +8,7 @@
 
 /* frame: rays in the scene frame and the samples; the rest is set here. */
 static inline void rc_primary_group(SceneArrays scene, GroupFrame* frame, Closest* closest) {
-  GroupFrame placed;  /* the group in the frame of an instance that is moved */
+  GroupFrame placed; /* the group in the frame of an instance that is moved */
   Cull world_cull, placed_cull;
   frame->world = placed.world = frame->rays;
   frame->same = true;
@@ -28,7 +28,7 @@ static inline void rc_primary_group(SceneArrays scene, GroupFrame* frame, Closes
   Pending pending;
   rc_begin_pending(&pending);
   uint stack[RC_STACK];
-  uint top = 1, base = 0, instance = RC_NONE;  /* entries from base upwards belong to the instance's tree */
+  uint top = 1, base = 0, instance = RC_NONE; /* entries from base upwards belong to the instance's tree */
   stack[0] = 0;
   while (top) {
     if (top == base) {
@@ -47,7 +47,8 @@ static inline void rc_primary_group(SceneArrays scene, GroupFrame* frame, Closes
       global const Instance* moved = rc_instance(scene, index);
       instance = index;
       if (!(moved->flags & 1u)) {
-        const float4 r0 = placed.l0 = moved->local_from_world_0, r1 = placed.l1 = moved->local_from_world_1, r2 = placed.l2 = moved->local_from_world_2;
+        const float4 r0 = placed.l0 = moved->local_from_world_0, r1 = placed.l1 = moved->local_from_world_1,
+                     r2 = placed.l2 = moved->local_from_world_2;
         placed.rays.origin = rc_map_point(r0, r1, r2, frame->rays.origin);
         placed.rays.d0 = rc_map_vector(r0, r1, r2, frame->rays.d0);
         placed.rays.du = rc_map_vector(r0, r1, r2, frame->rays.du);

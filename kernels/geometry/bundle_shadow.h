@@ -1,33 +1,34 @@
-/* Points that share a direction (sun, sky), projected to the plane across it, against blocks of 16 triangles set up at once
- * and tested on words of 16 points. Every decision is that of the single-ray test. */
+/* Points that share a direction (sun, sky), projected to the plane across it, against blocks of 16 triangles set up at
+ * once and tested on words of 16 points. Every decision is that of the single-ray test. */
 #ifndef RAYCUBE_KERNELS_GEOMETRY_BUNDLE_SHADOW_H
 #define RAYCUBE_KERNELS_GEOMETRY_BUNDLE_SHADOW_H
 
 #include "kernels/geometry/bundle.h"
 
-#define RC_BLOCK_COST 4u   /* setting up a block, in candidate triangles */
+#define RC_BLOCK_COST 4u /* setting up a block, in candidate triangles */
 #define RC_POINTS (RC_GROUP_PIXELS * RC_NPAD)
 #define RC_POINT_WORDS (RC_POINTS / 16)
 #define RC_WORD_SLOTS ((RC_POINT_WORDS + 15) / 16 * 16)
 typedef struct Points {
-  float x[RC_POINTS], y[RC_POINTS], z[RC_POINTS];   /* scene frame, m */
-  float a[RC_POINTS], b[RC_POINTS], d[RC_POINTS];   /* plane coordinates and distance along the direction, m, about `centre` */
+  float x[RC_POINTS], y[RC_POINTS], z[RC_POINTS]; /* scene frame, m */
+  float a[RC_POINTS], b[RC_POINTS],
+      d[RC_POINTS]; /* plane coordinates and distance along the direction, m, about `centre` */
   float lo_a[RC_WORD_SLOTS], hi_a[RC_WORD_SLOTS], lo_b[RC_WORD_SLOTS], hi_b[RC_WORD_SLOTS], lo_d[RC_WORD_SLOTS];
-  uint live[RC_WORD_SLOTS];                         /* bits of points that are neither blocked nor out of use */
+  uint live[RC_WORD_SLOTS]; /* bits of points that are neither blocked nor out of use */
   uint words;
-  uint costly;                                      /* bit m % 32: bundles through mesh m did not pay; start with 0 */
-  float4 centre, towards, across_a, across_b;       /* scene frame; unit vectors */
+  uint costly;                                /* bit m % 32: bundles through mesh m did not pay; start with 0 */
+  float4 centre, towards, across_a, across_b; /* scene frame; unit vectors */
 } RC_LINE Points;
 
 typedef struct Cluster {
-  float lo_a, hi_a, lo_b, hi_b, lo_d, reach;        /* bounds of the live points; reach: largest coordinate */
+  float lo_a, hi_a, lo_b, hi_b, lo_d, reach; /* bounds of the live points; reach: largest coordinate */
 } Cluster;
 
 typedef struct ShadowFrame {
   Projection map;
-  Ray ray;                    /* of the single-ray test; its origin is not used */
-  float4 l0, l1, l2;          /* local_from_world */
-  bool same;                  /* the frame is the scene's */
+  Ray ray;           /* of the single-ray test; its origin is not used */
+  float4 l0, l1, l2; /* local_from_world */
+  bool same;         /* the frame is the scene's */
 } ShadowFrame;
 
 /* Of numbers, as rc_min16. */
@@ -104,14 +105,17 @@ static inline float4 rc_row_of(float4 e, float4 w0, float4 w1, float4 w2) {
                   fma(e.x, w0.z, fma(e.y, w1.z, e.z * w2.z)), 0.0f);
 }
 
-/* Errors in m, of this map and of the single-ray test together. In the scene's frame only differences and their products
- * with unit rows are rounded: 5 ulp of a length here and 4 there, lengths being at most sqrt(3) times the largest coordinate:
- * 16 ulp of the vertex, 10 of the point. In another frame the centre's and the point's maps (4 roundings each of sums of
- * absolute products), mapped back, and both matrices' own rounding come on top: 12 ulp of those sums; and the vertex's error
- * is multiplied by the matrices' condition. `extent` (m) bounds the mesh across the direction: the single-ray test lets in rays
- * within 4.3 ulp of a triangle's longest edge (ray_trace.h), which the planes must hold too: 8 ulp. */
-__attribute__((noinline)) static void rc_frame_bundle(const Points* points, const Cluster* cluster, global const Instance* placed, float extent,
-                                                      ShadowFrame* frame, Cull* cull) {
+/* Errors in m, of this map and of the single-ray test together. In the scene's frame only differences and their
+ * products with unit rows are rounded: 5 ulp of a length here and 4 there, lengths being at most sqrt(3) times the
+ * largest coordinate:
+ * 16 ulp of the vertex, 10 of the point. In another frame the centre's and the point's maps (4 roundings each of sums
+ * of absolute products), mapped back, and both matrices' own rounding come on top: 12 ulp of those sums; and the
+ * vertex's error is multiplied by the matrices' condition. `extent` (m) bounds the mesh across the direction: the
+ * single-ray test lets in rays within 4.3 ulp of a triangle's longest edge (ray_trace.h), which the planes must hold
+ * too: 8 ulp. */
+__attribute__((noinline)) static void rc_frame_bundle(const Points* points, const Cluster* cluster,
+                                                      global const Instance* placed, float extent, ShadowFrame* frame,
+                                                      Cull* cull) {
   const float4 w0 = placed->world_from_local_0, w1 = placed->world_from_local_1, w2 = placed->world_from_local_2;
   frame->map.error_square = 0.0f;
   if (frame->same) {
@@ -153,11 +157,13 @@ static inline void rc_frame_rays(const Points* points, global const Instance* pl
   frame->l1 = placed->local_from_world_1;
   frame->l2 = placed->local_from_world_2;
   frame->same = placed->flags & 1u;
-  frame->ray = rc_make_ray(points->centre, frame->same ? points->towards : rc_map_vector(frame->l0, frame->l1, frame->l2, points->towards));
+  frame->ray = rc_make_ray(
+      points->centre, frame->same ? points->towards : rc_map_vector(frame->l0, frame->l1, frame->l2, points->towards));
 }
 
 /* The single-ray test of one triangle for 16 points: bit i = point i is blocked. */
-static inline uint rc_block_word(const ShadowFrame* frame, const Points* points, uint word, global const TriBlock* block, uint lane) {
+static inline uint rc_block_word(const ShadowFrame* frame, const Points* points, uint word,
+                                 global const TriBlock* block, uint lane) {
   global const float* at = (global const float*)block + lane;
   const float16 wx = rc_load16(word, points->x), wy = rc_load16(word, points->y), wz = rc_load16(word, points->z);
   float16 from[3];
@@ -187,7 +193,8 @@ static inline bool rc_points_left(const Points* points) {
 }
 
 /* Clears the bits of points that the block's triangles hide. Returns what it cost, in candidates. */
-__attribute__((noinline)) static uint rc_shadow_block(const ShadowFrame* frame, const Cluster* cluster, Points* points, global const TriBlock* block) {
+__attribute__((noinline)) static uint rc_shadow_block(const ShadowFrame* frame, const Cluster* cluster, Points* points,
+                                                      global const TriBlock* block) {
   const Setup s = rc_setup_block(&frame->map, block, false);
   const float16 depth_band = fma(s.band, fabs(s.q1) + fabs(s.q2), 2.0f * s.error);
   const float16 hi_d = rc_max16(s.q0, rc_max16(s.q0 + s.q1, s.q0 + s.q2)) + depth_band;
@@ -206,20 +213,26 @@ __attribute__((noinline)) static uint rc_shadow_block(const ShadowFrame* frame, 
     const uint lane = rc_lowest(lanes);
     const float16 band = form.band[lane], depth = depth_bands[lane];
     for (uint base = 0; base < points->words; base += 32u) {
-      uint touched = 0;  /* of 32 words: one loop of unforeseeable length, not two */
+      uint touched = 0; /* of 32 words: one loop of unforeseeable length, not two */
       for (uint first = 0; first < 32u && base + first < RC_WORD_SLOTS; first += 16u) {
         const uint at = base + first;
-        touched |= rc_mask16((rc_load16(0, points->lo_a + at) <= box.hi_a[lane]) & (rc_load16(0, points->hi_a + at) >= box.lo_a[lane]) &
-                             (rc_load16(0, points->lo_b + at) <= box.hi_b[lane]) & (rc_load16(0, points->hi_b + at) >= box.lo_b[lane]) &
-                             (rc_load16(0, points->lo_d + at) <= depths[lane])) << first;
+        touched |= rc_mask16((rc_load16(0, points->lo_a + at) <= box.hi_a[lane]) &
+                             (rc_load16(0, points->hi_a + at) >= box.lo_a[lane]) &
+                             (rc_load16(0, points->lo_b + at) <= box.hi_b[lane]) &
+                             (rc_load16(0, points->hi_b + at) >= box.lo_b[lane]) &
+                             (rc_load16(0, points->lo_d + at) <= depths[lane]))
+                   << first;
       }
       for (; touched; touched &= touched - 1u) {
         const uint word = base + rc_lowest(touched);
         const float16 a = rc_load16(word, points->a), b = rc_load16(word, points->b), d = rc_load16(word, points->d);
-        const float16 l1 = fma((float16)(form.l1a[lane]), a, fma((float16)(form.l1b[lane]), b, (float16)(form.l1c[lane])));
-        const float16 l2 = fma((float16)(form.l2a[lane]), a, fma((float16)(form.l2b[lane]), b, (float16)(form.l2c[lane])));
+        const float16 l1 =
+            fma((float16)(form.l1a[lane]), a, fma((float16)(form.l1b[lane]), b, (float16)(form.l1c[lane])));
+        const float16 l2 =
+            fma((float16)(form.l2a[lane]), a, fma((float16)(form.l2b[lane]), b, (float16)(form.l2c[lane])));
         const float16 least = rc_min16(rc_min16(l1, l2), (1.0f - l1) - l2);
-        const float16 gap = fma(l1, (float16)(form.q1[lane]), fma(l2, (float16)(form.q2[lane]), (float16)(form.q0[lane]))) - d;
+        const float16 gap =
+            fma(l1, (float16)(form.q1[lane]), fma(l2, (float16)(form.q2[lane]), (float16)(form.q0[lane]))) - d;
         const uint maybe = rc_mask16((least >= -band) & (gap >= -depth)) & points->live[word];
         if (!maybe) continue;
         uint dark = rc_mask16((least > band) & (gap > depth)) & maybe;

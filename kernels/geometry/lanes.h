@@ -44,18 +44,21 @@ static inline uint rc_mask16(int16 m) {
 
 /* The other way: bit i of a word to 0 / -1 in lane i. */
 static inline int16 rc_bits16(uint bits) {
-  return ((int16)((int)bits) & (int16)(1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768)) != 0;
+  return ((int16)((int)bits) & (int16)(1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768)) !=
+         0;
 }
 
-/* Least and most of numbers (no NaN): one instruction each, where fmin and fmax spend three on NaN. For float8 and float16. */
+/* Least and most of numbers (no NaN): one instruction each, where fmin and fmax spend three on NaN. For float8 and
+ * float16. */
 static inline float8 rc_min8(float8 a, float8 b) { return a < b ? a : b; }
 static inline float8 rc_max8(float8 a, float8 b) { return a > b ? a : b; }
 static inline float16 rc_min16(float16 a, float16 b) { return a < b ? a : b; }
 static inline float16 rc_max16(float16 a, float16 b) { return a > b ? a : b; }
 
-/* vstore16 and vload16 as one access where the compiler is clang. Its library's are of quarters and halves, which are not always joined again: a
- * load of the whole soon after such a store waits for all of it to reach the cache, and shadow rays took a third longer by loads of halves from the
- * work-item's own memory. Loads from global memory are joined, and oclgrind takes them for the crossing of a struct's arrays when they are not its own. */
+/* vstore16 and vload16 as one access where the compiler is clang. Its library's are of quarters and halves, which are
+ * not always joined again: a load of the whole soon after such a store waits for all of it to reach the cache, and
+ * shadow rays took a third longer by loads of halves from the work-item's own memory. Loads from global memory are
+ * joined, and oclgrind takes them for the crossing of a struct's arrays when they are not its own. */
 #if defined(__clang__)
 typedef float16 __attribute__((aligned(4))) rc_float16_packed;
 typedef uint16 __attribute__((aligned(4))) rc_uint16_packed;
@@ -64,7 +67,9 @@ RC_OVERLOAD void rc_store16(float16 v, size_t i, private float* p) { *(private r
 RC_OVERLOAD void rc_store16(float16 v, size_t i, global float* p) { *(global rc_float16_packed*)(p + 16 * i) = v; }
 RC_OVERLOAD void rc_store16(uint16 v, size_t i, private uint* p) { *(private rc_uint16_packed*)(p + 16 * i) = v; }
 RC_OVERLOAD void rc_store16(uint16 v, size_t i, global uint* p) { *(global rc_uint16_packed*)(p + 16 * i) = v; }
-RC_OVERLOAD float16 rc_load16(size_t i, const private float* p) { return *(const private rc_float16_packed*)(p + 16 * i); }
+RC_OVERLOAD float16 rc_load16(size_t i, const private float* p) {
+  return *(const private rc_float16_packed*)(p + 16 * i);
+}
 RC_OVERLOAD float16 rc_load16(size_t i, const global float* p) { return vload16(i, p); }
 RC_OVERLOAD uint16 rc_load16(size_t i, const private uint* p) { return *(const private rc_uint16_packed*)(p + 16 * i); }
 RC_OVERLOAD uint16 rc_load16(size_t i, const global uint* p) { return vload16(i, p); }

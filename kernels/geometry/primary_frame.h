@@ -1,5 +1,5 @@
-/* A group of primary rays in the frame of one instance: its projection and culling planes, the closest hits so far, and the
- * samples that linear forms leave open, decided 16 at a time by the single-ray test. */
+/* A group of primary rays in the frame of one instance: its projection and culling planes, the closest hits so far, and
+ * the samples that linear forms leave open, decided 16 at a time by the single-ray test. */
 #ifndef RAYCUBE_KERNELS_GEOMETRY_PRIMARY_FRAME_H
 #define RAYCUBE_KERNELS_GEOMETRY_PRIMARY_FRAME_H
 
@@ -24,7 +24,7 @@
 #define RC_SAMPLE_WORDS (RC_SLOTS / 16)
 #define RC_BOUND_SLOTS ((RC_SAMPLE_WORDS + 15) / 16 * 16)
 typedef struct Scatter {
-  float a[RC_SLOTS], b[RC_SLOTS];  /* INFINITY: no sample */
+  float a[RC_SLOTS], b[RC_SLOTS]; /* INFINITY: no sample */
   float lo_a[RC_BOUND_SLOTS], hi_a[RC_BOUND_SLOTS], lo_b[RC_BOUND_SLOTS], hi_b[RC_BOUND_SLOTS];
 } Scatter;
 /* Where a kernel keeps its samples. */
@@ -34,28 +34,28 @@ typedef struct Scatter {
 #endif
 
 typedef struct Closest {
-  float near[RC_SLOTS];                          /* nearness of the closest hit; 0: none */
-  uint instance[RC_SLOTS], primitive[RC_SLOTS];  /* set where there is a hit */
+  float near[RC_SLOTS];                         /* nearness of the closest hit; 0: none */
+  uint instance[RC_SLOTS], primitive[RC_SLOTS]; /* set where there is a hit */
 } RC_LINE Closest;
 
 /* The group in the frame of one instance (or of the scene). */
 typedef struct GroupFrame {
-  RayGroup rays;               /* in this frame, for the projection */
-  RayGroup world;              /* in the scene frame: a single ray is made there and then mapped, as rc_trace_ray does */
-  float4 l0, l1, l2;           /* local_from_world */
-  bool same;                   /* the frame is the scene's */
+  RayGroup rays;     /* in this frame, for the projection */
+  RayGroup world;    /* in the scene frame: a single ray is made there and then mapped, as rc_trace_ray does */
+  float4 l0, l1, l2; /* local_from_world */
+  bool same;         /* the frame is the scene's */
   Projection map;
 #if RC_SCATTER
   const RC_SAMPLE_SPACE Scatter* samples;
 #else
-  uint first_row, rows;  /* of the chunk */
-  uint columns;          /* of the pixels that exist */
+  uint first_row, rows; /* of the chunk */
+  uint columns;         /* of the pixels that exist */
 #endif
 } GroupFrame;
 
 /* Samples that the linear forms leave open, each with a triangle of the frame's mesh: decided 16 at a time. */
 typedef struct Open {
-  uint primitive[16], sample[16];  /* sample: slot (RC_SCATTER), or row * 65536 + column */
+  uint primitive[16], sample[16]; /* sample: slot (RC_SCATTER), or row * 65536 + column */
   uint count;
 } Open;
 
@@ -72,8 +72,11 @@ static inline float4 rc_frame_offset(const GroupFrame* frame, float a, float b) 
   return frame->same ? offset : rc_map_vector(frame->l0, frame->l1, frame->l2, offset);
 }
 
-/* Largest components of the ways from the group's start to points in its field, over their z; far: the largest (z - ahead) / z. */
-static inline float4 rc_field(RayGroup g, float far) { return far * fabs(g.d0) + RC_HALF_A * fabs(g.du) + RC_HALF_B * fabs(g.dv); }
+/* Largest components of the ways from the group's start to points in its field, over their z; far: the largest (z -
+ * ahead) / z. */
+static inline float4 rc_field(RayGroup g, float far) {
+  return far * fabs(g.d0) + RC_HALF_A * fabs(g.du) + RC_HALF_B * fabs(g.dv);
+}
 
 /* The most that the tree below a root reaches beyond the group's start, z - ahead, or beyond it all. */
 static inline float rc_reach_beyond(const Projection* map, global const BvhNode* root) {
@@ -88,25 +91,27 @@ static inline float rc_reach_beyond(const Projection* map, global const BvhNode*
   return most * 1.001f;
 }
 
-/* Nearness orders hits and is linear over the image plane, as all of A + B / z are. From the sensor itself it is 1 / z. Far ahead of
- * it that would tell only depths apart that differ by some ulp of the whole way: there it is (limit - (z - ahead)) / z, above 0 up to the
- * limit, and tells depths apart by ulp of the limit. limit: beyond all of the scene. */
+/* Nearness orders hits and is linear over the image plane, as all of A + B / z are. From the sensor itself it is 1 / z.
+ * Far ahead of it that would tell only depths apart that differ by some ulp of the whole way: there it is (limit - (z -
+ * ahead)) / z, above 0 up to the limit, and tells depths apart by ulp of the limit. limit: beyond all of the scene. */
 static inline void rc_set_nearness(Projection* map, float limit) {
   map->near_0 = map->ahead > 0.0f ? limit : 1.0f;
   map->near_1 = map->ahead > 0.0f ? -1.0f : 0.0f;
 }
 static inline float16 rc_nearness(const Projection* map, float16 beyond) {
-  /* Of a triangle seen edge-on the single-ray test's distance is all rounding, and may lie past the limit: still a hit. */
-  return rc_max16(fma((float16)(map->near_1), beyond, (float16)(map->near_0)), (float16)(1e-6f * map->near_0)) / (beyond + map->ahead);
+  /* Of a triangle seen edge-on the single-ray test's distance is all rounding, and may lie past the limit: still a hit.
+   * */
+  return rc_max16(fma((float16)(map->near_1), beyond, (float16)(map->near_0)), (float16)(1e-6f * map->near_0)) /
+         (beyond + map->ahead);
 }
 
-/* Dual basis of (du, dv, d0): p - sensor = z (d0 + a du + b dv), so p - origin = (z - ahead) d0 + z (a du + b dv). Errors, in pixels, of a
- * and b at points inside the group's field, for this map and for the single-ray test together, relative to what is subtracted there:
- * |p - origin| / z, of which d0 has the share `far`. Rows 3 ulp, sum of products 3 ulp; there the direction 3, its shear 3, the
- * moved vertex 1, and 3 in reserve: 16 ulp of the sum of absolute products. In the frame of an instance the three basis vectors
- * are mapped here and every direction there, 3 ulp each of the absolute products with the matrix, as is their sum: 24 ulp.
- * Offsets of single rays, 3 ulp, are part of |p - origin|. z = ahead + its row rounds 4 ulp. The nearness is the scene frame's for all
- * instances. */
+/* Dual basis of (du, dv, d0): p - sensor = z (d0 + a du + b dv), so p - origin = (z - ahead) d0 + z (a du + b dv).
+ * Errors, in pixels, of a and b at points inside the group's field, for this map and for the single-ray test together,
+ * relative to what is subtracted there: |p - origin| / z, of which d0 has the share `far`. Rows 3 ulp, sum of products
+ * 3 ulp; there the direction 3, its shear 3, the moved vertex 1, and 3 in reserve: 16 ulp of the sum of absolute
+ * products. In the frame of an instance the three basis vectors are mapped here and every direction there, 3 ulp each
+ * of the absolute products with the matrix, as is their sum: 24 ulp. Offsets of single rays, 3 ulp, are part of |p -
+ * origin|. z = ahead + its row rounds 4 ulp. The nearness is the scene frame's for all instances. */
 static inline void rc_frame_group(SceneArrays scene, uint root, GroupFrame* frame, Cull* cull) {
   const float4 du = frame->rays.du, dv = frame->rays.dv, d0 = frame->rays.d0;
   const float4 a = rc_cross(dv, d0), b = rc_cross(d0, du), z = rc_cross(du, dv);
@@ -117,17 +122,19 @@ static inline void rc_frame_group(SceneArrays scene, uint root, GroupFrame* fram
   frame->map.z = z * scale;
   frame->map.ahead = frame->world.d0.w;
   const float half_a = RC_HALF_A, half_b = RC_HALF_B;
-  const float beyond = frame->map.ahead > 0.0f ? rc_reach_beyond(&frame->map, rc_node(scene, root)) : 1.0f, far = beyond / (beyond + frame->map.ahead);
+  const float beyond = frame->map.ahead > 0.0f ? rc_reach_beyond(&frame->map, rc_node(scene, root)) : 1.0f,
+              far = beyond / (beyond + frame->map.ahead);
   if (frame->same) rc_set_nearness(&frame->map, 1.01f * beyond + 1.0f);
   const float4 span = fabs(du) + fabs(dv);
   float4 field = rc_field(frame->world, far);
   if (!frame->same) field = rc_map_vector(fabs(frame->l0), fabs(frame->l1), fabs(frame->l2), field);
   const float size = fmax(rc_sum3(rc_sum_products(frame->map.a, field)), rc_sum3(rc_sum_products(frame->map.b, field)));
   const float depth = rc_sum3(rc_sum_products(frame->map.z, field));
-  const float growth = fmax(rc_sum3(rc_sum_products(frame->map.a, span)), rc_sum3(rc_sum_products(frame->map.b, span))) + depth;
-  frame->map.error = (frame->same ? 16.0f : 24.0f) * RC_ULP * (size + half_a * depth) + (frame->map.ahead > 0.0f ? 4.0f * RC_ULP * half_a : 0.0f);
-  if (frame->map.ahead > 0.0f)
-    frame->map.near_slack = 64.0f * RC_ULP * (frame->map.near_0 / frame->map.ahead + depth);
+  const float growth =
+      fmax(rc_sum3(rc_sum_products(frame->map.a, span)), rc_sum3(rc_sum_products(frame->map.b, span))) + depth;
+  frame->map.error = (frame->same ? 16.0f : 24.0f) * RC_ULP * (size + half_a * depth) +
+                     (frame->map.ahead > 0.0f ? 4.0f * RC_ULP * half_a : 0.0f);
+  if (frame->map.ahead > 0.0f) frame->map.near_slack = 64.0f * RC_ULP * (frame->map.near_0 / frame->map.ahead + depth);
   frame->map.error_growth = 32.0f * RC_ULP * growth;
   frame->map.error_square = 32.0f * RC_ULP * rc_sum3(rc_sum_products(frame->map.z, span));
   /* A thousandth of a pixel for the single-ray test, which lets in rays within 1.5 ulp of a long edge (ray_trace.h). */
@@ -144,8 +151,9 @@ static inline void rc_frame_group(SceneArrays scene, uint root, GroupFrame* fram
 
 /* Keeps the larger nearness; of equal ones the lower instance, then the lower primitive. */
 static inline void rc_keep(Closest* closest, uint slot, float near, uint instance, uint primitive) {
-  const bool first = near == closest->near[slot] &&
-                     (instance < closest->instance[slot] || (instance == closest->instance[slot] && primitive < closest->primitive[slot]));
+  const bool first =
+      near == closest->near[slot] && (instance < closest->instance[slot] ||
+                                      (instance == closest->instance[slot] && primitive < closest->primitive[slot]));
   if (near > closest->near[slot] || first) {
     closest->near[slot] = near;
     closest->instance[slot] = instance;
@@ -159,9 +167,11 @@ static inline uint rc_behind(const GroupFrame* frame, global const TriBlock* blo
   const float edge_a = RC_HALF_A + 2.0f * frame->map.error, edge_b = RC_HALF_B + 2.0f * frame->map.error;
   int16 back = -1, left = -1, right = -1, above = -1, below = -1;
   for (int i = 0; i < 3; ++i) {
-    const float16 x = rc_load16(0, at + 48 * i) - frame->map.origin.x, y = rc_load16(0, at + 48 * i + 16) - frame->map.origin.y;
+    const float16 x = rc_load16(0, at + 48 * i) - frame->map.origin.x,
+                  y = rc_load16(0, at + 48 * i + 16) - frame->map.origin.y;
     const float16 z = rc_load16(0, at + 48 * i + 32) - frame->map.origin.z;
-    const float16 a = rc_project_row(frame->map.a, x, y, z), b = rc_project_row(frame->map.b, x, y, z), depth = rc_project_row(frame->map.z, x, y, z) + frame->map.ahead;
+    const float16 a = rc_project_row(frame->map.a, x, y, z), b = rc_project_row(frame->map.b, x, y, z),
+                  depth = rc_project_row(frame->map.z, x, y, z) + frame->map.ahead;
     const float16 slack = (fabs(a) + fabs(b) + fabs(depth)) * (frame->map.error + frame->map.error_growth);
     back &= depth <= 0.0f;
     left &= fma((float16)(edge_a), depth, a) < -slack;
@@ -191,11 +201,13 @@ static inline void rc_open_position(const GroupFrame* frame, uint sample, float*
 #endif
 
 /* Decides the open samples by the single-ray test and empties the list. */
-__attribute__((noinline)) static void rc_decide(SceneArrays scene, const GroupFrame* frame, Closest* closest, uint instance, Open* open) {
+__attribute__((noinline)) static void rc_decide(SceneArrays scene, const GroupFrame* frame, Closest* closest,
+                                                uint instance, Open* open) {
   RC_LINE float corner[9][16], offset[3][16], direction[3][16];
   for (uint k = 0; k < open->count; ++k) {
-    global const float* at = (global const float*)rc_block(scene, open->primitive[k] / RC_BLOCK) + open->primitive[k] % RC_BLOCK;
-    #pragma unroll
+    global const float* at =
+        (global const float*)rc_block(scene, open->primitive[k] / RC_BLOCK) + open->primitive[k] % RC_BLOCK;
+#pragma unroll
     for (uint i = 0; i < 9u; ++i) corner[i][k] = at[16u * i];
     float a, b;
     rc_open_position(frame, open->sample[k], &a, &b);
@@ -207,25 +219,36 @@ __attribute__((noinline)) static void rc_decide(SceneArrays scene, const GroupFr
     offset[1][k] = o.y;
     offset[2][k] = o.z;
   }
-  /* Each ray's own axes, as rc_make_ray takes them. Lanes without a pair get numbers: what lies there may be subnormal, which is slow. */
+  /* Each ray's own axes, as rc_make_ray takes them. Lanes without a pair get numbers: what lies there may be subnormal,
+   * which is slow. */
   const int16 real = (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15) < (int)open->count;
-  const float16 dx = select((float16)(1.0f), rc_load16(0, direction[0]), real), dy = select((float16)(1.0f), rc_load16(0, direction[1]), real);
+  const float16 dx = select((float16)(1.0f), rc_load16(0, direction[0]), real),
+                dy = select((float16)(1.0f), rc_load16(0, direction[1]), real);
   const float16 dz = select((float16)(1.0f), rc_load16(0, direction[2]), real);
   const int16 z_first = (fabs(dz) >= fabs(dx)) & (fabs(dz) >= fabs(dy)), y_first = fabs(dy) >= fabs(dx);
   const float16 none = 0.0f;
-  float16 v[6][3];  /* corners, offset, origin, direction */
-  #pragma unroll
+  float16 v[6][3]; /* corners, offset, origin, direction */
+#pragma unroll
   for (uint i = 0; i < 6u; ++i) {
     const float4 o = frame->rays.origin;
-    const float16 x = i < 4u ? select(none, i < 3u ? rc_load16(0, corner[3u * i % 9u]) : rc_load16(0, offset[0]), real) : i == 4u ? (float16)(o.x) : dx;
-    const float16 y = i < 4u ? select(none, i < 3u ? rc_load16(0, corner[(3u * i + 1u) % 9u]) : rc_load16(0, offset[1]), real) : i == 4u ? (float16)(o.y) : dy;
-    const float16 z = i < 4u ? select(none, i < 3u ? rc_load16(0, corner[(3u * i + 2u) % 9u]) : rc_load16(0, offset[2]), real) : i == 4u ? (float16)(o.z) : dz;
+    const float16 x = i < 4u ? select(none, i < 3u ? rc_load16(0, corner[3u * i % 9u]) : rc_load16(0, offset[0]), real)
+                      : i == 4u ? (float16)(o.x)
+                                : dx;
+    const float16 y =
+        i < 4u    ? select(none, i < 3u ? rc_load16(0, corner[(3u * i + 1u) % 9u]) : rc_load16(0, offset[1]), real)
+        : i == 4u ? (float16)(o.y)
+                  : dy;
+    const float16 z =
+        i < 4u    ? select(none, i < 3u ? rc_load16(0, corner[(3u * i + 2u) % 9u]) : rc_load16(0, offset[2]), real)
+        : i == 4u ? (float16)(o.z)
+                  : dz;
     v[i][0] = select(select(y, z, y_first), x, z_first);
     v[i][1] = select(select(z, x, y_first), y, z_first);
     v[i][2] = select(select(x, y, y_first), z, z_first);
   }
   float16 t;
-  uint hits = rc_hit_pairs(v[0], v[1], v[2], v[4], v[3], v[5][0] / v[5][2], v[5][1] / v[5][2], 1.0f / v[5][2], &t) & ((1u << open->count) - 1u);
+  uint hits = rc_hit_pairs(v[0], v[1], v[2], v[4], v[3], v[5][0] / v[5][2], v[5][1] / v[5][2], 1.0f / v[5][2], &t) &
+              ((1u << open->count) - 1u);
   open->count = 0;
   if (!hits) return;
   RC_LINE float near[16];
@@ -236,15 +259,16 @@ __attribute__((noinline)) static void rc_decide(SceneArrays scene, const GroupFr
   }
 }
 
-static inline void rc_leave_open(SceneArrays scene, const GroupFrame* frame, Closest* closest, uint instance, Open* open, uint primitive, uint sample) {
+static inline void rc_leave_open(SceneArrays scene, const GroupFrame* frame, Closest* closest, uint instance,
+                                 Open* open, uint primitive, uint sample) {
   open->primitive[open->count] = primitive;
   open->sample[open->count] = sample;
   if (++open->count == 16u) rc_decide(scene, frame, closest, instance, open);
 }
 
-/* How far above its linear form a triangle's nearness may lie by the single-ray test, on samples that may belong to it: what the
- * form moves in the band outside, and 64 roundings of the farthest corner's distance, or of what the start ahead leaves of it. An open
- * sample whose nearness stays below what is kept already needs no decision. */
+/* How far above its linear form a triangle's nearness may lie by the single-ray test, on samples that may belong to it:
+ * what the form moves in the band outside, and 64 roundings of the farthest corner's distance, or of what the start
+ * ahead leaves of it. An open sample whose nearness stays below what is kept already needs no decision. */
 static inline float16 rc_near_slack(const Projection* map, const Setup* s) {
   const float16 q1 = s->q0 + s->q1, q2 = s->q0 + s->q2;
   const float16 most = rc_max16(s->q0, rc_max16(q1, q2)), least = rc_min16(s->q0, rc_min16(q1, q2));

@@ -1,5 +1,6 @@
-/* A block of 16 triangles against the plain sample grid: projected at once and dropped unless a sample lies in their rectangle;
- * small ones (at most 3 x 3 samples) are tested with their pairs of triangle and sample as lanes, large ones with a tile of 4 x 4 samples as lanes. */
+/* A block of 16 triangles against the plain sample grid: projected at once and dropped unless a sample lies in their
+ * rectangle; small ones (at most 3 x 3 samples) are tested with their pairs of triangle and sample as lanes, large ones
+ * with a tile of 4 x 4 samples as lanes. */
 #ifndef RAYCUBE_KERNELS_GEOMETRY_PRIMARY_GRID_H
 #define RAYCUBE_KERNELS_GEOMETRY_PRIMARY_GRID_H
 
@@ -10,7 +11,9 @@
 static inline float16 rc_column_a(float16 column) {
   return fma(column, (float16)(1.0f / RC_NU), (float16)(0.5f / RC_NU - 0.5f * RC_GROUP_PIXELS));
 }
-static inline float16 rc_row_b(float16 row) { return fma(row, (float16)(1.0f / RC_NV), (float16)(0.5f / RC_NV - 0.5f)); }
+static inline float16 rc_row_b(float16 row) {
+  return fma(row, (float16)(1.0f / RC_NV), (float16)(0.5f / RC_NV - 0.5f));
+}
 
 /* What a block leaves for later. */
 typedef struct Pending {
@@ -19,21 +22,26 @@ typedef struct Pending {
 
 static inline void rc_begin_pending(Pending* pending) { pending->open.count = 0; }
 /* Before another frame is taken, and at the end. */
-static inline void rc_settle(SceneArrays scene, const GroupFrame* frame, Closest* closest, uint instance, Pending* pending) {
+static inline void rc_settle(SceneArrays scene, const GroupFrame* frame, Closest* closest, uint instance,
+                             Pending* pending) {
   if (pending->open.count) rc_decide(scene, frame, closest, instance, &pending->open);
 }
 
-static inline void rc_primary_block(SceneArrays scene, const GroupFrame* frame, Closest* closest, Pending* pending, uint index, uint instance) {
+static inline void rc_primary_block(SceneArrays scene, const GroupFrame* frame, Closest* closest, Pending* pending,
+                                    uint index, uint instance) {
   Open* open = &pending->open;
   global const TriBlock* block = rc_block(scene, index);
   const uint first = index * RC_BLOCK;
   const Setup s = rc_setup_block(&frame->map, block, true);
   /* Samples inside each rectangle: first and last column and row. The 1e-5 covers the rounding of these four lines. */
-  const float16 left = rc_max16(ceil(fma(s.lo_a, (float16)(RC_NU), (float16)(0.5f * RC_GRID_COLUMNS - 0.5f - 1e-5f))), (float16)(0.0f));
-  const float16 right = rc_min16(floor(fma(s.hi_a, (float16)(RC_NU), (float16)(0.5f * RC_GRID_COLUMNS - 0.5f + 1e-5f))), (float16)((float)frame->columns - 1.0f));
+  const float16 left =
+      rc_max16(ceil(fma(s.lo_a, (float16)(RC_NU), (float16)(0.5f * RC_GRID_COLUMNS - 0.5f - 1e-5f))), (float16)(0.0f));
+  const float16 right = rc_min16(floor(fma(s.hi_a, (float16)(RC_NU), (float16)(0.5f * RC_GRID_COLUMNS - 0.5f + 1e-5f))),
+                                 (float16)((float)frame->columns - 1.0f));
   const float row_shift = 0.5f * RC_NV - 0.5f - (float)frame->first_row;
   const float16 above = rc_max16(ceil(fma(s.lo_b, (float16)(RC_NV), (float16)(row_shift - 1e-5f))), (float16)(0.0f));
-  const float16 below = rc_min16(floor(fma(s.hi_b, (float16)(RC_NV), (float16)(row_shift + 1e-5f))), (float16)((float)(frame->rows - 1u)));
+  const float16 below = rc_min16(floor(fma(s.hi_b, (float16)(RC_NV), (float16)(row_shift + 1e-5f))),
+                                 (float16)((float)(frame->rows - 1u)));
   const float16 columns = right - left, rows = below - above;
   const int16 seen = s.usable & (columns >= 0.0f) & (rows >= 0.0f);
   const uint seen_bits = rc_mask16(seen);
@@ -61,20 +69,26 @@ static inline void rc_primary_block(SceneArrays scene, const GroupFrame* frame, 
     for (uint done = 0; done < count; done += 16u) {
       const int16 real = as_int16(own) < (int)(count - done);
       const uint16 pair = select((uint16)(0u), rc_load16(0, pairs + done), as_uint16(real)), lane_of = pair & 15u;
-      const float16 column_of = rc_permute16(left, lane_of) + convert_float16(pair >> 4 & 15u), row_of = rc_permute16(above, lane_of) + convert_float16(pair >> 8);
+      const float16 column_of = rc_permute16(left, lane_of) + convert_float16(pair >> 4 & 15u),
+                    row_of = rc_permute16(above, lane_of) + convert_float16(pair >> 8);
       const float16 a = rc_column_a(column_of), b = rc_row_b(row_of + (float)frame->first_row);
-      const float16 l1 = fma(rc_permute16(s.l1a, lane_of), a, fma(rc_permute16(s.l1b, lane_of), b, rc_permute16(s.l1c, lane_of)));
-      const float16 l2 = fma(rc_permute16(s.l2a, lane_of), a, fma(rc_permute16(s.l2b, lane_of), b, rc_permute16(s.l2c, lane_of)));
+      const float16 l1 =
+          fma(rc_permute16(s.l1a, lane_of), a, fma(rc_permute16(s.l1b, lane_of), b, rc_permute16(s.l1c, lane_of)));
+      const float16 l2 =
+          fma(rc_permute16(s.l2a, lane_of), a, fma(rc_permute16(s.l2b, lane_of), b, rc_permute16(s.l2c, lane_of)));
       const float16 least = rc_min16(rc_min16(l1, l2), (1.0f - l1) - l2), band = rc_permute16(s.band, lane_of);
       uint bits = rc_mask16(real & (least >= -band));
       if (!bits) continue;
       const uint undecided = rc_mask16(least <= band);
-      const float16 here = fma(l1, rc_permute16(s.q1, lane_of), fma(l2, rc_permute16(s.q2, lane_of), rc_permute16(s.q0, lane_of)));
+      const float16 here =
+          fma(l1, rc_permute16(s.q1, lane_of), fma(l2, rc_permute16(s.q2, lane_of), rc_permute16(s.q0, lane_of)));
       const uint16 row_u = convert_uint16(row_of), column_u = convert_uint16(column_of);
       const uint16 slot_of = (row_u / 4u * RC_TILE_COLUMNS + column_u / 4u) * 16u + (row_u % 4u * 4u + column_u % 4u);
       const float16 here_most = here + rc_permute16(slack, lane_of);
-#ifdef RC_HAS_GATHER512  /* Without pairs that something nearer hides already: the loop below would drop them one by one. */
-      const float16 before = __builtin_ia32_gathersiv16sf((float16)(0.0f), (const void*)closest->near, as_int16(slot_of), (ushort)bits, 4);
+/* Without pairs that something nearer hides already: the loop below would drop them one by one. */
+#ifdef RC_HAS_GATHER512
+      const float16 before =
+          __builtin_ia32_gathersiv16sf((float16)(0.0f), (const void*)closest->near, as_int16(slot_of), (ushort)bits, 4);
       bits &= rc_mask16(select(here, here_most, least <= band) >= before);
       if (!bits) continue;
 #endif
@@ -87,8 +101,10 @@ static inline void rc_primary_block(SceneArrays scene, const GroupFrame* frame, 
       rc_store16(lane_of + first, 0, primitives);
       for (; bits; bits &= bits - 1u) {
         const uint k = rc_lowest(bits), slot = slots[k];
-        if (!(undecided >> k & 1u)) rc_keep(closest, slot, near[k], instance, primitives[k]);
-        else if (near_most[k] >= closest->near[slot]) rc_leave_open(scene, frame, closest, instance, open, primitives[k], samples[k]);
+        if (!(undecided >> k & 1u))
+          rc_keep(closest, slot, near[k], instance, primitives[k]);
+        else if (near_most[k] >= closest->near[slot])
+          rc_leave_open(scene, frame, closest, instance, open, primitives[k], samples[k]);
       }
     }
   }
@@ -113,19 +129,23 @@ static inline void rc_primary_block(SceneArrays scene, const GroupFrame* frame, 
       for (uint tile_row = above_of[lane] / 4u; tile_row <= last_row; ++tile_row) {
         const float16 b = rc_row_b(lane_row + (float)(4u * tile_row));
         float16 column_of = lane_column + (float)(4u * first_column);
-        const float16 l1_row = fma((float16)(form.l1b[lane]), b, (float16)(form.l1c[lane])), l2_row = fma((float16)(form.l2b[lane]), b, (float16)(form.l2c[lane]));
+        const float16 l1_row = fma((float16)(form.l1b[lane]), b, (float16)(form.l1c[lane])),
+                      l2_row = fma((float16)(form.l2b[lane]), b, (float16)(form.l2c[lane]));
         for (uint tile_column = first_column; tile_column <= last_column; ++tile_column, column_of += 4.0f) {
           const uint slot = (tile_row * RC_TILE_COLUMNS + tile_column) * 16u;
           const float16 a = rc_column_a(column_of);
           const float16 l1 = fma((float16)(form.l1a[lane]), a, l1_row), l2 = fma((float16)(form.l2a[lane]), a, l2_row);
           const float16 least = rc_min16(rc_min16(l1, l2), (1.0f - l1) - l2);
-          const float16 near = fma(l1, (float16)(form.q1[lane]), fma(l2, (float16)(form.q2[lane]), (float16)(form.q0[lane])));
+          const float16 near =
+              fma(l1, (float16)(form.q1[lane]), fma(l2, (float16)(form.q2[lane]), (float16)(form.q0[lane])));
           const float16 before = rc_load16(0, closest->near + slot);
           const int16 inside = least > uncertain, nearer = inside & (near > before);
           uint rest = rc_mask16((least >= -uncertain) & (~inside | (near == before)));
           rc_store16(select(before, near, nearer), 0, closest->near + slot);
-          rc_store16(select(rc_load16(0, closest->instance + slot), (uint16)(instance), nearer), 0, closest->instance + slot);
-          rc_store16(select(rc_load16(0, closest->primitive + slot), (uint16)(first + lane), nearer), 0, closest->primitive + slot);
+          rc_store16(select(rc_load16(0, closest->instance + slot), (uint16)(instance), nearer), 0,
+                     closest->instance + slot);
+          rc_store16(select(rc_load16(0, closest->primitive + slot), (uint16)(first + lane), nearer), 0,
+                     closest->primitive + slot);
           if (rest) {
             rest &= rc_mask16(near + slack_of[lane] >= before);
             const uint tied = rc_mask16(inside);
@@ -134,8 +154,10 @@ static inline void rc_primary_block(SceneArrays scene, const GroupFrame* frame, 
             for (; rest; rest &= rest - 1u) {
               const uint k = rc_lowest(rest), row = tile_row * 4u + k / 4u, column = tile_column * 4u + k % 4u;
               if (row >= frame->rows || column >= frame->columns) continue;
-              if (tied >> k & 1u) rc_keep(closest, slot + k, near_of[k], instance, first + lane);
-              else rc_leave_open(scene, frame, closest, instance, open, first + lane, row << 16 | column);
+              if (tied >> k & 1u)
+                rc_keep(closest, slot + k, near_of[k], instance, first + lane);
+              else
+                rc_leave_open(scene, frame, closest, instance, open, first + lane, row << 16 | column);
             }
           }
         }
@@ -143,7 +165,7 @@ static inline void rc_primary_block(SceneArrays scene, const GroupFrame* frame, 
     }
   }
 
-  for (uint lanes = behind_bits; lanes; lanes &= lanes - 1u) {  /* crosses the sensor's plane: every sample alone */
+  for (uint lanes = behind_bits; lanes; lanes &= lanes - 1u) { /* crosses the sensor's plane: every sample alone */
     const uint lane = rc_lowest(lanes);
     for (uint row = 0; row < frame->rows; ++row)
       for (uint column = 0; column < frame->columns; ++column)
@@ -151,14 +173,17 @@ static inline void rc_primary_block(SceneArrays scene, const GroupFrame* frame, 
   }
 }
 
-/* From the tiles of a group to the slots of its pixels, by way of whole rows; samples without a hit and empty slots become
- * RC_NONE. Each step reads what the one before has long written: a load that spans fresh stores waits for them. */
-static inline void rc_write_pixels(const float* near, const uint* tiles, uint used, uint rows, global uint* out, size_t stride) {
+/* From the tiles of a group to the slots of its pixels, by way of whole rows; samples without a hit and empty slots
+ * become RC_NONE. Each step reads what the one before has long written: a load that spans fresh stores waits for them.
+ * */
+static inline void rc_write_pixels(const float* near, const uint* tiles, uint used, uint rows, global uint* out,
+                                   size_t stride) {
   RC_LINE uint lines[RC_TILE_ROWS * RC_TILE_COLUMNS * 16 + 16], slots[RC_GROUP_PIXELS * RC_NPAD + 16];
   for (uint tile = 0; tile < RC_TILE_ROWS * RC_TILE_COLUMNS; tile += 4u) {
     uint16 t[4];
-    #pragma unroll
-    for (uint i = 0; i < 4u; ++i) t[i] = select(rc_load16(tile + i, tiles), (uint16)(RC_NONE), rc_load16(tile + i, near) == 0.0f);
+#pragma unroll
+    for (uint i = 0; i < 4u; ++i)
+      t[i] = select(rc_load16(tile + i, tiles), (uint16)(RC_NONE), rc_load16(tile + i, near) == 0.0f);
     uint* line = lines + (tile / RC_TILE_COLUMNS * (RC_TILE_COLUMNS * 4u) + tile % RC_TILE_COLUMNS) * 4u;
     rc_store16((uint16)(t[0].s0123, t[1].s0123, t[2].s0123, t[3].s0123), 0, line);
     rc_store16((uint16)(t[0].s4567, t[1].s4567, t[2].s4567, t[3].s4567), 0, line + RC_TILE_COLUMNS * 4);
@@ -168,11 +193,13 @@ static inline void rc_write_pixels(const float* near, const uint* tiles, uint us
   for (uint p = 0; p < used; ++p) {
     for (uint row = 0; row < rows; ++row)
       for (uint i = 0; i < RC_NU; i += 16u)
-        rc_store16(rc_load16(0, lines + row * (RC_TILE_COLUMNS * 4u) + p * RC_NU + i), 0, slots + p * RC_NPAD + row * RC_NU + i);
+        rc_store16(rc_load16(0, lines + row * (RC_TILE_COLUMNS * 4u) + p * RC_NU + i), 0,
+                   slots + p * RC_NPAD + row * RC_NU + i);
     for (uint k = rows * RC_NU; k < RC_NPAD; ++k) slots[p * RC_NPAD + k] = RC_NONE;
   }
   for (uint p = 0; p < used; ++p)
-    for (uint word = 0; word < RC_NWORDS; ++word) rc_store16(rc_load16(p * RC_NWORDS + word, slots), word, out + p * stride);
+    for (uint word = 0; word < RC_NWORDS; ++word)
+      rc_store16(rc_load16(p * RC_NWORDS + word, slots), word, out + p * stride);
 }
 
 #endif

@@ -6,7 +6,7 @@
 #include "kernels/geometry/triangle.h"
 
 typedef struct Hit {
-  float t;                   /* in units of the direction's length; INFINITY: none */
+  float t; /* in units of the direction's length; INFINITY: none */
   uint instance, primitive;
 } Hit;
 
@@ -14,27 +14,34 @@ typedef struct Hit {
 static inline float rc_tree_reach(global const BvhNode* root) {
   float reach = 0.0f;
   for (uint i = 0; i < root->count; ++i)
-    reach = fmax(reach, fmax(fmax(fmax(fabs(root->lo_x[i]), fabs(root->hi_x[i])), fmax(fabs(root->lo_y[i]), fabs(root->hi_y[i]))),
-                             fmax(fabs(root->lo_z[i]), fabs(root->hi_z[i]))));
+    reach =
+        fmax(reach,
+             fmax(fmax(fmax(fabs(root->lo_x[i]), fabs(root->hi_x[i])), fmax(fabs(root->lo_y[i]), fabs(root->hi_y[i]))),
+                  fmax(fabs(root->lo_z[i]), fabs(root->hi_z[i]))));
   return reach;
 }
 
-/* How far outside a box, in ulp of M = the tree's reach plus the largest coordinate of the ray's origin, a ray may pass and
- * still be given a hit by rc_hit_block, plus what the box test itself rounds. In a mesh's frame, at the depth of the hit:
- *   6   the sheared corners: difference 1, quotient of the shear 1, its product and sum 3 (the shear is at most 1), less the offset 1;
- *   24  edge functions: two products that round to one number count as zero, so a ray is inside while no farther from an edge
- *       than 2 ulp |b| |c| / |b - c|: for the longest edge E of a triangle around it at most 1.4 E, E at most 5.7 M, and three
- *       times that beyond a corner (half as much again where two edges meet at right angles, less at slivers);
+/* How far outside a box, in ulp of M = the tree's reach plus the largest coordinate of the ray's origin, a ray may pass
+ * and still be given a hit by rc_hit_block, plus what the box test itself rounds. In a mesh's frame, at the depth of
+ * the hit:
+ *   6   the sheared corners: difference 1, quotient of the shear 1, its product and sum 3 (the shear is at most 1),
+ *   less the offset 1;
+ *   24  edge functions: two products that round to one number count as zero, so a ray is inside while no farther from
+ *   an edge
+ *       than 2 ulp |b| |c| / |b - c|: for the longest edge E of a triangle around it at most 1.4 E, E at most 5.7 M,
+ *       and three times that beyond a corner (half as much again where two edges meet at right angles, less at
+ *       slivers);
  *   5   here: origin plus offset 1, plus slack 1, difference 1, inverse 1, product 1.
- * 34, doubled. Slack moves the ray's origin, not every box, so that a box costs no operation more, and being absolute it holds
- * where a ray runs in a face or starts there: a share of the distance is nothing at distance 0. A direction component of zero
- * has the inverse 1e18: inside the slab by the slack, its interval is -+6e-8 M 1e18, longer than any scene.
- * Rounding is monotone and child boxes lie inside their parents, so a ray that meets a leaf's box meets all above it.
- * In the scene's frame the slack of a mesh comes back through a rotation and scale (|W| |L| <= 3), with the map of the origin
- * (4) and of the direction (3): 3 (64 + 7) = 213; the boxes there carry the rounding of both matrices already.
- * Not covered: a triangle seen edge-on, narrower on the shear plane than its rounding. Its edge functions are all rounding, and
- * may let a ray in anywhere on the triangle's extension. Nor is a sliver behind the origin whose normal, all rounding too, tells
- * that it lies ahead (rc_ahead16). There a bundle and a single ray can differ: 1 of 73 728 shadow rays aimed at lines of 30 m x
+ * 34, doubled. Slack moves the ray's origin, not every box, so that a box costs no operation more, and being absolute
+ * it holds where a ray runs in a face or starts there: a share of the distance is nothing at distance 0. A direction
+ * component of zero has the inverse 1e18: inside the slab by the slack, its interval is -+6e-8 M 1e18, longer than any
+ * scene. Rounding is monotone and child boxes lie inside their parents, so a ray that meets a leaf's box meets all
+ * above it. In the scene's frame the slack of a mesh comes back through a rotation and scale (|W| |L| <= 3), with the
+ * map of the origin (4) and of the direction (3): 3 (64 + 7) = 213; the boxes there carry the rounding of both matrices
+ * already. Not covered: a triangle seen edge-on, narrower on the shear plane than its rounding. Its edge functions are
+ * all rounding, and may let a ray in anywhere on the triangle's extension. Nor is a sliver behind the origin whose
+ * normal, all rounding too, tells that it lies ahead (rc_ahead16). There a bundle and a single ray can differ: 1 of 73
+ * 728 shadow rays aimed at lines of 30 m x
  * 5 cm in tilted planes, from anywhere between 1e-7 and 8000 m off. */
 #define RC_MESH_SLACK 64.0f
 #define RC_WORLD_SLACK 256.0f
@@ -58,7 +65,8 @@ static inline uint rc_ray_boxes(Ray ray, global const BvhNode* node, float t_max
   return rc_mask8((enter <= leave) & (enter <= t_max * 1.0000008f)) & ((1u << node->count) - 1u);
 }
 
-/* Keeps the smallest (t, instance, primitive); ties are told by 1 / t, as a bundle that starts at the sensor keeps it. */
+/* Keeps the smallest (t, instance, primitive); ties are told by 1 / t, as a bundle that starts at the sensor keeps it.
+ * */
 static inline void rc_take_closest(Hit* hit, uint instance, uint block, uint lanes, float16 t) {
   float lane_t[16];
   rc_store16(t, 0, lane_t);
@@ -66,8 +74,8 @@ static inline void rc_take_closest(Hit* hit, uint instance, uint block, uint lan
     const uint lane = rc_lowest(lanes), primitive = block * RC_BLOCK + lane;
     lanes &= lanes - 1u;
     const float near = 1.0f / lane_t[lane], before = 1.0f / hit->t;
-    const bool first = near == before &&
-                       (instance < hit->instance || (instance == hit->instance && primitive < hit->primitive));
+    const bool first =
+        near == before && (instance < hit->instance || (instance == hit->instance && primitive < hit->primitive));
     if (near > before || first) {
       hit->t = lane_t[lane];
       hit->instance = instance;
@@ -77,7 +85,8 @@ static inline void rc_take_closest(Hit* hit, uint instance, uint block, uint lan
 }
 
 /* The ray through one placed mesh. The stack is used from `base` upwards. */
-static inline void rc_trace_instance(SceneArrays scene, uint instance, Ray world, uint* stack, uint base, bool any, Hit* hit) {
+static inline void rc_trace_instance(SceneArrays scene, uint instance, Ray world, uint* stack, uint base, bool any,
+                                     Hit* hit) {
   global const Instance* placed = rc_instance(scene, instance);
   Ray ray = world;
   if (!(placed->flags & 1u)) {
@@ -106,9 +115,10 @@ static inline void rc_trace_instance(SceneArrays scene, uint instance, Ray world
   }
 }
 
-/* Not inlined, for compile time; unused where all rays go in bundles. Closest hit; with `any` set, returns at the first hit
- * found, whichever it is. The offset counts where RC_OFFSETS is set. */
-__attribute__((noinline, unused)) static Hit rc_trace_from(SceneArrays scene, float4 origin, float4 offset, float4 direction, bool any) {
+/* Not inlined, for compile time; unused where all rays go in bundles. Closest hit; with `any` set, returns at the first
+ * hit found, whichever it is. The offset counts where RC_OFFSETS is set. */
+__attribute__((noinline, unused)) static Hit rc_trace_from(SceneArrays scene, float4 origin, float4 offset,
+                                                           float4 direction, bool any) {
   Hit hit;
   hit.t = INFINITY;
   hit.instance = RC_NONE;
@@ -128,7 +138,7 @@ __attribute__((noinline, unused)) static Hit rc_trace_from(SceneArrays scene, fl
       stack[top++] = node->child[rc_lowest(boxes)];
       boxes &= boxes - 1u;
     }
-    while (leaves) {  /* leaves of the top tree are instances; each is traced to its end before the next */
+    while (leaves) { /* leaves of the top tree are instances; each is traced to its end before the next */
       const uint instance = node->child[rc_lowest(leaves)];
       leaves &= leaves - 1u;
       rc_trace_instance(scene, instance, world, stack, top, any, &hit);

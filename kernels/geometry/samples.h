@@ -1,4 +1,5 @@
-/* Where the rays of a group go: samples of its pixels in group coordinates (a, b), in pixels about the group's centre. */
+/* Where the rays of a group go: samples of its pixels in group coordinates (a, b), in pixels about the group's centre.
+ * */
 #ifndef RAYCUBE_KERNELS_GEOMETRY_SAMPLES_H
 #define RAYCUBE_KERNELS_GEOMETRY_SAMPLES_H
 
@@ -6,9 +7,9 @@
 
 /* Place of a work-item's group in its tile and in the image. */
 typedef struct GroupPlace {
-  uint pixel;   /* first pixel: index in the tile */
-  uint number;  /* first pixel: index in the image, for hashes */
-  uint used;    /* pixels that exist, 1 .. RC_GROUP_PIXELS */
+  uint pixel;  /* first pixel: index in the tile */
+  uint number; /* first pixel: index in the image, for hashes */
+  uint used;   /* pixels that exist, 1 .. RC_GROUP_PIXELS */
 } GroupPlace;
 
 static inline GroupPlace rc_group_place(global const RayGroup* groups, uint group, uint columns) {
@@ -21,7 +22,8 @@ static inline GroupPlace rc_group_place(global const RayGroup* groups, uint grou
   return place;
 }
 
-/* A group's rays, without the number: as a float it would be subnormal, which is slow. d0.w stays: how far ahead of the sensor they start. */
+/* A group's rays, without the number: as a float it would be subnormal, which is slow. d0.w stays: how far ahead of the
+ * sensor they start. */
 static inline RayGroup rc_group_rays(global const RayGroup* groups, uint group) {
   RayGroup rays = groups[group];
   rays.origin.w = 0.0f;
@@ -42,8 +44,8 @@ static inline float4 rc_group_direction(RayGroup g, float a, float b) {
   return direction;
 }
 
-/* Where the ray of (a, b) starts, from the group's origin: as far ahead of the sensor as that, near what it will meet. A start 20 km off
- * would round every difference from it to 1 mm. */
+/* Where the ray of (a, b) starts, from the group's origin: as far ahead of the sensor as that, near what it will meet.
+ * A start 20 km off would round every difference from it to 1 mm. */
 static inline float4 rc_group_offset(RayGroup g, float a, float b) {
   float4 offset = fma((float4)(b * g.d0.w), g.dv, (float4)(a * g.d0.w) * g.du);
 #if RC_MOVING

@@ -1,13 +1,15 @@
 /* The scene's arrays as kernels see them, and the only way to an element: rc_node, rc_block, rc_instance, rc_surface.
  *
- * A device takes buffers up to a limit. An array past half of it comes as 2 to 8 pages of 2^SHIFT elements, each a buffer and a
- * kernel argument of its own, since OpenCL C 1.2 knows no pointers inside buffers. An index counts through all pages, so that
- * ids, leaf bits and the order of ties are the same for any pages; where one page suffices, an access is pointer + index.
+ * A device takes buffers up to a limit. An array past half of it comes as 2 to 8 pages of 2^SHIFT elements, each a
+ * buffer and a kernel argument of its own, since OpenCL C 1.2 knows no pointers inside buffers. An index counts through
+ * all pages, so that ids, leaf bits and the order of ties are the same for any pages; where one page suffices, an
+ * access is pointer + index.
  *
  * Build options, for each array (NODE, BLOCK, INSTANCE, SURFACE):
  *   RC_NODE_PAGES   1 .. 8; default 1
  *   RC_NODE_SHIFT   log2 of a page's elements; needed when there are several pages
- * A kernel names its arrays as parameters (RC_NODES, RC_BLOCKS, ...: as many arguments as pages) and gathers them first:
+ * A kernel names its arrays as parameters (RC_NODES, RC_BLOCKS, ...: as many arguments as pages) and gathers them
+ * first:
  *   kernel void k(RC_NODES, RC_BLOCKS, ...) { SceneArrays scene; RC_GATHER_NODES(scene); RC_GATHER_BLOCKS(scene); ... }
  * and hands them to a function with the same parameters as RC_PASS_NODES, RC_PASS_BLOCKS, ... */
 #ifndef RAYCUBE_KERNELS_GEOMETRY_SCENE_ARRAYS_H
@@ -87,13 +89,16 @@ static inline global const BvhNode* rc_paged_node(global const BvhNode* const* p
   return RC_NODE_PAGES == 1 ? pages[0] + index : pages[index >> RC_NODE_SHIFT] + rc_page_offset(index, RC_NODE_SHIFT);
 }
 static inline global const TriBlock* rc_paged_block(global const TriBlock* const* pages, uint index) {
-  return RC_BLOCK_PAGES == 1 ? pages[0] + index : pages[index >> RC_BLOCK_SHIFT] + rc_page_offset(index, RC_BLOCK_SHIFT);
+  return RC_BLOCK_PAGES == 1 ? pages[0] + index
+                             : pages[index >> RC_BLOCK_SHIFT] + rc_page_offset(index, RC_BLOCK_SHIFT);
 }
 static inline global const Instance* rc_paged_instance(global const Instance* const* pages, uint index) {
-  return RC_INSTANCE_PAGES == 1 ? pages[0] + index : pages[index >> RC_INSTANCE_SHIFT] + rc_page_offset(index, RC_INSTANCE_SHIFT);
+  return RC_INSTANCE_PAGES == 1 ? pages[0] + index
+                                : pages[index >> RC_INSTANCE_SHIFT] + rc_page_offset(index, RC_INSTANCE_SHIFT);
 }
 static inline global const Surface* rc_paged_surface(global const Surface* const* pages, uint index) {
-  return RC_SURFACE_PAGES == 1 ? pages[0] + index : pages[index >> RC_SURFACE_SHIFT] + rc_page_offset(index, RC_SURFACE_SHIFT);
+  return RC_SURFACE_PAGES == 1 ? pages[0] + index
+                               : pages[index >> RC_SURFACE_SHIFT] + rc_page_offset(index, RC_SURFACE_SHIFT);
 }
 
 /* Macros, so that the struct is read where it lies and never copied. */

@@ -1,31 +1,35 @@
-/* Which of many points see a direction that they share (sun, sky). One walk of the top tree serves them all; a placed mesh
- * that it reaches is met by a bundle while that pays (terrain, walls: few triangles per point), else ray by ray (crowns).
- * Every decision is that of the single-ray test, so the choice cannot change a result. */
+/* Which of many points see a direction that they share (sun, sky). One walk of the top tree serves them all; a placed
+ * mesh that it reaches is met by a bundle while that pays (terrain, walls: few triangles per point), else ray by ray
+ * (crowns). Every decision is that of the single-ray test, so the choice cannot change a result. */
 #ifndef RAYCUBE_KERNELS_GEOMETRY_SHADOW_POINTS_H
 #define RAYCUBE_KERNELS_GEOMETRY_SHADOW_POINTS_H
 
 #include "kernels/geometry/bundle_shadow.h"
 #include "kernels/geometry/ray_trace.h"
 
-/* What a bundle may spend in one placed mesh, in candidate triangles as rc_shadow_block counts them: a constant, which holds
- * what terrain and walls take, and a share per point whose ray meets the mesh's box. Past it the remaining points go ray by
- * ray: in crowns a bundle sets up many triangles per point. Choice changes time, never a result. */
+/* What a bundle may spend in one placed mesh, in candidate triangles as rc_shadow_block counts them: a constant, which
+ * holds what terrain and walls take, and a share per point whose ray meets the mesh's box. Past it the remaining points
+ * go ray by ray: in crowns a bundle sets up many triangles per point. Choice changes time, never a result. */
 #define RC_BUNDLE_BUDGET(points) (64u + (points) / 2u)
 #define RC_FEW_POINTS 4u
 
 /* A ray of the frame's direction against one placed mesh: any hit? The same boxes and triangles as rc_trace_ray. */
 static inline bool rc_ray_meets(SceneArrays scene, uint root, Ray ray, uint* stack, uint base) {
-  const float4 near = select(ray.hi_origin, ray.lo_origin, ray.inverse >= 0.0f), far = select(ray.lo_origin, ray.hi_origin, ray.inverse >= 0.0f);
-  const uint x = ray.inverse.x < 0.0f ? 24u : 0u, y = ray.inverse.y < 0.0f ? 24u : 0u, z = ray.inverse.z < 0.0f ? 24u : 0u;
+  const float4 near = select(ray.hi_origin, ray.lo_origin, ray.inverse >= 0.0f),
+               far = select(ray.lo_origin, ray.hi_origin, ray.inverse >= 0.0f);
+  const uint x = ray.inverse.x < 0.0f ? 24u : 0u, y = ray.inverse.y < 0.0f ? 24u : 0u,
+             z = ray.inverse.z < 0.0f ? 24u : 0u;
   uint top = base;
   stack[top++] = root;
   while (top > base) {
     global const BvhNode* node = rc_node(scene, stack[--top]);
     global const float* at = (global const float*)node;
-    const float8 enter = rc_max8(rc_max8((vload8(0, at + x) - near.x) * ray.inverse.x, (vload8(0, at + 8u + y) - near.y) * ray.inverse.y),
-                              rc_max8((vload8(0, at + 16u + z) - near.z) * ray.inverse.z, 0.0f));
-    const float8 leave = rc_min8(rc_min8((vload8(0, at + 24u - x) - far.x) * ray.inverse.x, (vload8(0, at + 32u - y) - far.y) * ray.inverse.y),
-                              (vload8(0, at + 40u - z) - far.z) * ray.inverse.z);
+    const float8 enter = rc_max8(
+        rc_max8((vload8(0, at + x) - near.x) * ray.inverse.x, (vload8(0, at + 8u + y) - near.y) * ray.inverse.y),
+        rc_max8((vload8(0, at + 16u + z) - near.z) * ray.inverse.z, 0.0f));
+    const float8 leave = rc_min8(
+        rc_min8((vload8(0, at + 24u - x) - far.x) * ray.inverse.x, (vload8(0, at + 32u - y) - far.y) * ray.inverse.y),
+        (vload8(0, at + 40u - z) - far.z) * ray.inverse.z);
     uint boxes = rc_mask8(enter <= leave) & ((1u << node->count) - 1u);
     uint leaves = boxes & node->leaf_mask;
     for (boxes &= ~leaves; boxes; boxes &= boxes - 1u) {
@@ -58,9 +62,12 @@ __attribute__((noinline)) static void rc_shadow_rays(SceneArrays scene, uint roo
   }
 }
 
-/* The live points whose rays meet a box of the top tree grown by `slack` (m), and their number. The test of rc_ray_boxes. */
-static inline uint rc_rays_at_box(const Points* points, global const BvhNode* node, uint slot, float slack, ushort* met) {
-  const float ix = rc_safe_inverse(points->towards.x), iy = rc_safe_inverse(points->towards.y), iz = rc_safe_inverse(points->towards.z);
+/* The live points whose rays meet a box of the top tree grown by `slack` (m), and their number. The test of
+ * rc_ray_boxes. */
+static inline uint rc_rays_at_box(const Points* points, global const BvhNode* node, uint slot, float slack,
+                                  ushort* met) {
+  const float ix = rc_safe_inverse(points->towards.x), iy = rc_safe_inverse(points->towards.y),
+              iz = rc_safe_inverse(points->towards.z);
   const float lo_x = node->lo_x[slot] - slack, lo_y = node->lo_y[slot] - slack, lo_z = node->lo_z[slot] - slack;
   const float hi_x = node->hi_x[slot] + slack, hi_y = node->hi_y[slot] + slack, hi_z = node->hi_z[slot] + slack;
   const float16 near_x = ix < 0.0f ? hi_x : lo_x, far_x = ix < 0.0f ? lo_x : hi_x;
@@ -80,7 +87,8 @@ static inline uint rc_rays_at_box(const Points* points, global const BvhNode* no
 
 /* One bundle through one placed mesh; stops when it has cost more than `budget`. Returns whether it came to the end. */
 __attribute__((noinline)) static bool rc_shadow_mesh(SceneArrays scene, uint root, const ShadowFrame* frame,
-                                                     const Cull* cull, const Cluster* cluster, Points* points, uint budget, uint* stack, uint base) {
+                                                     const Cull* cull, const Cluster* cluster, Points* points,
+                                                     uint budget, uint* stack, uint base) {
   uint top = base, cost = 0;
   stack[top++] = root;
   while (top > base) {
@@ -110,7 +118,9 @@ static inline void rc_shadow_cluster(SceneArrays scene, Points* points, Cluster 
   rc_set_plane(&world, 3, widen - points->across_b, slack + cluster.hi_b);
   rc_set_plane(&world, 4, points->towards, slack - cluster.lo_d);
   const float4 centre = fabs(points->centre);
-  const float box_slack = RC_WORLD_SLACK * RC_ULP * (rc_tree_reach(rc_node(scene, 0u)) + fmax(centre.x, fmax(centre.y, centre.z)) + 2.0f * cluster.reach);
+  const float box_slack =
+      RC_WORLD_SLACK * RC_ULP *
+      (rc_tree_reach(rc_node(scene, 0u)) + fmax(centre.x, fmax(centre.y, centre.z)) + 2.0f * cluster.reach);
   ushort met[RC_WORD_SLOTS];
   uint stack[RC_STACK];
   uint top = 1;
@@ -118,7 +128,8 @@ static inline void rc_shadow_cluster(SceneArrays scene, Points* points, Cluster 
   while (top) {
     global const BvhNode* node = rc_node(scene, stack[--top]);
     const uint boxes = rc_cull_boxes(&world, 5, node);
-    for (uint inner = boxes & ~node->leaf_mask; inner; inner &= inner - 1u) stack[top++] = node->child[rc_lowest(inner)];
+    for (uint inner = boxes & ~node->leaf_mask; inner; inner &= inner - 1u)
+      stack[top++] = node->child[rc_lowest(inner)];
     for (uint leaves = boxes & node->leaf_mask; leaves; leaves &= leaves - 1u) {
       const uint slot = rc_lowest(leaves);
       uint count = rc_rays_at_box(points, node, slot, box_slack, met);
@@ -129,7 +140,8 @@ static inline void rc_shadow_cluster(SceneArrays scene, Points* points, Cluster 
       rc_frame_rays(points, placed, &frame);
       if (count > RC_FEW_POINTS && !(points->costly & mesh)) {
         Cull cull;
-        const float extent = (node->hi_x[slot] - node->lo_x[slot]) + (node->hi_y[slot] - node->lo_y[slot]) + (node->hi_z[slot] - node->lo_z[slot]);
+        const float extent = (node->hi_x[slot] - node->lo_x[slot]) + (node->hi_y[slot] - node->lo_y[slot]) +
+                             (node->hi_z[slot] - node->lo_z[slot]);
         rc_frame_bundle(points, &cluster, placed, extent, &frame, &cull);
         if (!rc_shadow_mesh(scene, placed->root, &frame, &cull, &cluster, points, RC_BUNDLE_BUDGET(count), stack, top))
           points->costly |= mesh;
@@ -142,8 +154,8 @@ static inline void rc_shadow_cluster(SceneArrays scene, Points* points, Cluster 
   }
 }
 
-/* Clears from points->live the points that something hides in the direction. Precondition: x, y, z, live, words and costly
- * set. */
+/* Clears from points->live the points that something hides in the direction. Precondition: x, y, z, live, words and
+ * costly set. */
 static inline void rc_shadow_points(SceneArrays scene, float4 towards, Points* points) {
   if (!rc_points_left(points)) return;
   for (uint word = points->words; word < RC_WORD_SLOTS; ++word) rc_empty_word(points, word);

@@ -61,15 +61,15 @@ static inline float16 rc_clamp_to(float16 p, float16 a, float16 b, float16 c) {
   return fmin(fmax(p, fmin(a, fmin(b, c))), fmax(a, fmax(b, c)));
 }
 
-/* Position (m, scene frame, moved off the surface to the viewer's side by its error bound, `lift`, m) and normal (unit, geometric,
- * towards the viewer) of 16 samples that hit the same instance; v: their triangles' corners. origin, direction: the primary
- * rays, unnormalised, scene frame. The intersection is taken in the mesh's own frame about the ray's origin:
- * t = n.(v0 - o) / n.d, then one correction by the plane's residual at the rounded point. The error bound holds for the local
- * point (sums of at most 6 rounded terms of its size, doubled so that a bundle of shadow rays is sure of its own triangle),
- * its way to the scene frame and the way back that a shadow ray takes, each 4 roundings of the sums of absolute products, and
- * both matrices' own rounding. */
-static inline void rc_surface_points(global const Instance* placed, const Vector16* v, Vector16 origin, Vector16 direction,
-                                     Vector16* position, Vector16* towards_viewer, float16* lift) {
+/* Position (m, scene frame, moved off the surface to the viewer's side by its error bound, `lift`, m) and normal (unit,
+ * geometric, towards the viewer) of 16 samples that hit the same instance; v: their triangles' corners. origin,
+ * direction: the primary rays, unnormalised, scene frame. The intersection is taken in the mesh's own frame about the
+ * ray's origin: t = n.(v0 - o) / n.d, then one correction by the plane's residual at the rounded point. The error bound
+ * holds for the local point (sums of at most 6 rounded terms of its size, doubled so that a bundle of shadow rays is
+ * sure of its own triangle), its way to the scene frame and the way back that a shadow ray takes, each 4 roundings of
+ * the sums of absolute products, and both matrices' own rounding. */
+static inline void rc_surface_points(global const Instance* placed, const Vector16* v, Vector16 origin,
+                                     Vector16 direction, Vector16* position, Vector16* towards_viewer, float16* lift) {
   const float4 l0 = placed->local_from_world_0, l1 = placed->local_from_world_1, l2 = placed->local_from_world_2;
   const float4 w0 = placed->world_from_local_0, w1 = placed->world_from_local_1, w2 = placed->world_from_local_2;
   const bool same = placed->flags & 1u;
@@ -96,10 +96,12 @@ static inline void rc_surface_points(global const Instance* placed, const Vector
   const Vector16 size = {fabs(p.x) + rc_most3(v[0].x, v[1].x, v[2].x), fabs(p.y) + rc_most3(v[0].y, v[1].y, v[2].y),
                          fabs(p.z) + rc_most3(v[0].z, v[1].z, v[2].z)};
   const float16 here = 8.0f * RC_ULP;
-  /* Shadow rays meet the triangle in a frame turned towards their direction, where every coordinate's rounding reaches the
-   * depth: no axis may have less than its share of all three, or level ground at z = 0 would have no bound at all. */
+  /* Shadow rays meet the triangle in a frame turned towards their direction, where every coordinate's rounding reaches
+   * the depth: no axis may have less than its share of all three, or level ground at z = 0 would have no bound at all.
+   * */
   const float16 shared_error = (size.x + size.y + size.z) * (4.0f * RC_ULP);
-  Vector16 error = {fmax(size.x * here, shared_error), fmax(size.y * here, shared_error), fmax(size.z * here, shared_error)};
+  Vector16 error = {fmax(size.x * here, shared_error), fmax(size.y * here, shared_error),
+                    fmax(size.z * here, shared_error)};
   Vector16 normal = n, point = p;
   if (!same) {
     point = rc_map_points16(w0, w1, w2, p);

@@ -1,25 +1,27 @@
-/* How much of a beam's light, spread over its sub-rays, reaches the end from a distance along the owner's middle ray. */
+/* How much of a beam's light, spread over its sub-rays, reaches the end from a distance along the owner's middle ray.
+ * */
 #ifndef RAYCUBE_KERNELS_LIDAR_BEAM_H
 #define RAYCUBE_KERNELS_LIDAR_BEAM_H
 
 #include "kernels/geometry/surface_point.h"
 #include "kernels/lidar/overlap.h"
 
-/* A table: sums over the sub-rays at distances that rise geometrically, the last once more, log of the first distance, posts per unit of log
- * distance, number of the last post; see layout.h. */
+/* A table: sums over the sub-rays at distances that rise geometrically, the last once more, log of the first distance,
+ * posts per unit of log distance, number of the last post; see layout.h. */
 
 /* Middle ray and the other end. */
 typedef struct Beam {
-  float4 start, way, apart;  /* m; unit; start - end */
-  float stretch;             /* length of the record's direction */
-  float squared, along;      /* of apart, and along the way */
-  float beside;              /* square of what lies across the way */
+  float4 start, way, apart; /* m; unit; start - end */
+  float stretch;            /* length of the record's direction */
+  float squared, along;     /* of apart, and along the way */
+  float beside;             /* square of what lies across the way */
 } Beam;
 
 static inline Beam rc_beam(const LidarTables* t) {
   global const float4* shot = t->shot;
   Beam beam;
-  const float4 axis = (float4)(shot[RC_SHOT_AXIS].xyz, 0.0f), from_start = (float4)(shot[RC_SHOT_FROM_START].xyz, 0.0f), from_end = (float4)(shot[RC_SHOT_FROM_END].xyz, 0.0f);
+  const float4 axis = (float4)(shot[RC_SHOT_AXIS].xyz, 0.0f), from_start = (float4)(shot[RC_SHOT_FROM_START].xyz, 0.0f),
+               from_end = (float4)(shot[RC_SHOT_FROM_END].xyz, 0.0f);
   beam.stretch = length(axis);
   beam.way = axis / beam.stretch;
   beam.start = (float4)(shot[RC_SHOT_REFERENCE].xyz, 0.0f) - from_start;
@@ -31,38 +33,48 @@ static inline Beam rc_beam(const LidarTables* t) {
   return beam;
 }
 
-/* Distance from the start at which the whole way, to the ray and on to the end, has a length: s + |P(s) - end| = whole. */
+/* Distance from the start at which the whole way, to the ray and on to the end, has a length: s + |P(s) - end| = whole.
+ * */
 static inline float16 rc_beam_distance(const Beam* beam, float16 whole) {
   const float16 more = 2.0f * (whole + beam->along);
-  return select((float16)(0.0f), fma(whole, whole, (float16)(-beam->squared)) / more, (whole * whole > beam->squared) & (more > 0.0f));
+  return select((float16)(0.0f), fma(whole, whole, (float16)(-beam->squared)) / more,
+                (whole * whole > beam->squared) & (more > 0.0f));
 }
 
 static inline float16 rc_dot_axis(Vector16 v, float4 axis) {
   return fma((float16)(axis.x), v.x, fma((float16)(axis.y), v.y, axis.z * v.z));
 }
 
-/* What 16 rays (a, b) bring to the end from distance s along their owner's axis, times the square of the middle ray's distance to the
- * end; to pixel `pixel`. transmitter: cos(psi) eta / R^2; receiver: cos^4(psi) F / cos. */
-static inline float16 rc_beam_rays(const LidarTables* t, const Beam* beam, float s, float16 a, float16 b, Vector16 leaves, float pixel) {
+/* What 16 rays (a, b) bring to the end from distance s along their owner's axis, times the square of the middle ray's
+ * distance to the end; to pixel `pixel`. transmitter: cos(psi) eta / R^2; receiver: cos^4(psi) F / cos. */
+static inline float16 rc_beam_rays(const LidarTables* t, const Beam* beam, float s, float16 a, float16 b,
+                                   Vector16 leaves, float pixel) {
   global const float4* shot = t->shot;
-  const float4 axis = shot[RC_SHOT_END_AXIS], middle = beam->apart + s * beam->way, whole = beam->way * beam->stretch, du = shot[RC_SHOT_DU], dv = shot[RC_SHOT_DV];
+  const float4 axis = shot[RC_SHOT_END_AXIS], middle = beam->apart + s * beam->way, whole = beam->way * beam->stretch,
+               du = shot[RC_SHOT_DU], dv = shot[RC_SHOT_DV];
   const float norm = dot(middle, middle);
-  const Vector16 d = {fma(a, (float16)(du.x), fma(b, (float16)(dv.x), (float16)(whole.x))), fma(a, (float16)(du.y), fma(b, (float16)(dv.y), (float16)(whole.y))),
+  const Vector16 d = {fma(a, (float16)(du.x), fma(b, (float16)(dv.x), (float16)(whole.x))),
+                      fma(a, (float16)(du.y), fma(b, (float16)(dv.y), (float16)(whole.y))),
                       fma(a, (float16)(du.z), fma(b, (float16)(dv.z), (float16)(whole.z)))};
   const float16 unit = rsqrt(d.x * d.x + d.y * d.y + d.z * d.z), far = s * unit;
-  const Vector16 v = {fma(far, d.x, leaves.x + beam->apart.x), fma(far, d.y, leaves.y + beam->apart.y), fma(far, d.z, leaves.z + beam->apart.z)};
+  const Vector16 v = {fma(far, d.x, leaves.x + beam->apart.x), fma(far, d.y, leaves.y + beam->apart.y),
+                      fma(far, d.z, leaves.z + beam->apart.z)};
   const float16 square = fmax(rc_dot16(v, v), 1e-30f), deep = rc_dot_axis(v, axis), cosine = deep * rsqrt(square);
   const int16 ahead = deep > 0.0f;
 #if RC_RECEIVER || (RC_COLUMNS * RC_ROWS == 1 && RC_OVERLAP)
-  const Vector16 beside = {fma(-deep, (float16)(axis.x), v.x), fma(-deep, (float16)(axis.y), v.y), fma(-deep, (float16)(axis.z), v.z)};
+  const Vector16 beside = {fma(-deep, (float16)(axis.x), v.x), fma(-deep, (float16)(axis.y), v.y),
+                           fma(-deep, (float16)(axis.z), v.z)};
   const float16 aside = rc_dot16(beside, beside);
 #endif
 #if RC_RECEIVER
   const float16 off = rc_dot_axis(d, shot[RC_SHOT_START_AXIS]) * unit, spread = deep * shot[RC_SHOT_END_U].w;
 #if RC_GAUSSIAN
-  const float16 spot = fmax(fma(spread, spread, (float16)(axis.w * axis.w)), 1e-30f), fluence = 0.636619772f / spot * exp(-2.0f * aside / spot);
+  const float16 spot = fmax(fma(spread, spread, (float16)(axis.w * axis.w)), 1e-30f),
+                fluence = 0.636619772f / spot * exp(-2.0f * aside / spot);
 #else
-  const float16 radius = spread + axis.w, fluence = select((float16)(0.0f), 0.318309886f / fmax(radius * radius, 1e-30f), aside <= radius * radius);
+  const float16 radius = spread + axis.w,
+                fluence =
+                    select((float16)(0.0f), 0.318309886f / fmax(radius * radius, 1e-30f), aside <= radius * radius);
 #endif
   return select((float16)(0.0f), off * off * off * off * fluence / fmax(cosine, 1e-6f) * norm, ahead);
 #else
@@ -102,7 +114,8 @@ static inline float rc_beam_sum(const LidarTables* t, const Beam* beam, float s,
   if (!(deep > 0.0f)) return 0.0f;
 #if RC_OVERLAP
   const float4 beside = v - deep * axis;
-  const float reach = 0.75f * RC_SUPPORT * s * length(t->shot[RC_SHOT_DU].xyz) + (RC_EXITS ? 2.5f * length(t->shot[RC_SHOT_EXIT_U].xyz) : 0.0f);
+  const float reach = 0.75f * RC_SUPPORT * s * length(t->shot[RC_SHOT_DU].xyz) +
+                      (RC_EXITS ? 2.5f * length(t->shot[RC_SHOT_EXIT_U].xyz) : 0.0f);
   const float blur = fabs(1.0f / deep - t->settings[RC_SET_FOCUS]) * t->settings[RC_SET_PUPIL];
   if ((length(beside.xyz) + reach) / deep + blur < t->settings[RC_SET_HALF_FOV])
 #endif

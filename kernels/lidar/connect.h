@@ -11,30 +11,30 @@
 
 /* 16 paths at a scattering vertex. */
 typedef struct Paths16 {
-  Vector16 place;                     /* of the vertex, relative to Q */
-  Vector16 way;                       /* unit, in which light arrived */
-  float16 path;                       /* m, so far, minus |Q - start| */
-  float16 weight[RC_LASER_LINES];     /* photons at the end per (1/sr of the vertex and what follows) */
-  float16 depth[RC_LINE_NODES];       /* so far */
-  float16 passed[RC_LASER_LINES];     /* transmission of `depth` */
+  Vector16 place;                 /* of the vertex, relative to Q */
+  Vector16 way;                   /* unit, in which light arrived */
+  float16 path;                   /* m, so far, minus |Q - start| */
+  float16 weight[RC_LASER_LINES]; /* photons at the end per (1/sr of the vertex and what follows) */
+  float16 depth[RC_LINE_NODES];   /* so far */
+  float16 passed[RC_LASER_LINES]; /* transmission of `depth` */
 #if RC_STOPPED
-  float16 open[RC_LASER_LINES];       /* share of the ray that plates let through so far */
+  float16 open[RC_LASER_LINES]; /* share of the ray that plates let through so far */
 #endif
 #if RC_LANE_ENERGY
-  long16 energy[RC_LASER_LINES];      /* arriving, for the ledger */
+  long16 energy[RC_LASER_LINES]; /* arriving, for the ledger */
 #else
   uint first_ray;
 #endif
-  float16 first_range;                /* m, from the start to the first vertex */
-  uint order[16];                     /* scatterings, this one included */
+  float16 first_range; /* m, from the start to the first vertex */
+  uint order[16];      /* scatterings, this one included */
   uint live;
 } RC_LINE Paths16;
 
 /* From an end of paths to points near Q. */
 typedef struct Leg16 {
-  Vector16 way;             /* m */
-  float16 range, inverse;   /* its length, and 1 over it */
-  float16 more;             /* range minus |Q - end|, of small numbers alone */
+  Vector16 way;           /* m */
+  float16 range, inverse; /* its length, and 1 over it */
+  float16 more;           /* range minus |Q - end|, of small numbers alone */
 } Leg16;
 
 /* c: Q - end, with its length; e: points relative to Q. */
@@ -42,7 +42,7 @@ static inline Leg16 rc_leg16(float4 c, Vector16 e) {
   Leg16 leg;
   leg.way = rc_plus16(rc_vector16(c), e);
   leg.range = sqrt(rc_max16(rc_dot16(leg.way, leg.way), (float16)(1e-30f)));
-  const float16 both = leg.range + c.w, over = 1.0f / (leg.range * both);  /* one division for two */
+  const float16 both = leg.range + c.w, over = 1.0f / (leg.range * both); /* one division for two */
   leg.inverse = both * over;
   const float16 dot = fma((float16)(c.x), e.x, fma((float16)(c.y), e.y, c.z * e.z));
   leg.more = fma((float16)(2.0f), dot, rc_dot16(e, e)) * (leg.range * over);
@@ -54,15 +54,19 @@ static inline Leg16 rc_leg16(float4 c, Vector16 e) {
 static inline float16 rc_pixel16(const LidarTables* t, Vector16 v, float16 deep) {
   const float4 u = t->shot[RC_SHOT_END_U], w = t->shot[RC_SHOT_END_V];
   const float16 step = 1.0f / (fmax(deep, 1e-30f) * t->settings[RC_SET_PITCH]);
-  const float16 column = floor(fma(fma((float16)(u.x), v.x, fma((float16)(u.y), v.y, u.z * v.z)), step, (float16)(0.5f * (float)RC_COLUMNS)));
-  const float16 row = floor(fma(fma((float16)(w.x), v.x, fma((float16)(w.y), v.y, w.z * v.z)), step, (float16)(0.5f * (float)RC_ROWS)));
-  const int16 seen = (deep > 0.0f) & (column >= 0.0f) & (column < (float)RC_COLUMNS) & (row >= 0.0f) & (row < (float)RC_ROWS);
+  const float16 column = floor(
+      fma(fma((float16)(u.x), v.x, fma((float16)(u.y), v.y, u.z * v.z)), step, (float16)(0.5f * (float)RC_COLUMNS)));
+  const float16 row =
+      floor(fma(fma((float16)(w.x), v.x, fma((float16)(w.y), v.y, w.z * v.z)), step, (float16)(0.5f * (float)RC_ROWS)));
+  const int16 seen =
+      (deep > 0.0f) & (column >= 0.0f) & (column < (float)RC_COLUMNS) & (row >= 0.0f) & (row < (float)RC_ROWS);
   return select((float16)(-1.0f), fma(row, (float16)((float)RC_COLUMNS), column), seen);
 }
 #endif
 
 #if RC_CONTINUES || RC_SHADOWS
-/* Share of light that goes from a point to the end, plates on the way: visible[line]. towards: from the point to the end. */
+/* Share of light that goes from a point to the end, plates on the way: visible[line]. towards: from the point to the
+ * end. */
 static inline uint rc_way_open(SceneArrays scene, const LidarTables* t, float4 from, float4 towards, float* share) {
   uint rays = 0;
   for (uint line = 0; line < RC_LASER_LINES; ++line) share[line] = 1.0f;
@@ -94,13 +98,14 @@ static inline uint rc_way_open(SceneArrays scene, const LidarTables* t, float4 f
 #endif
 
 /* Deposits what the live vertices send. rows: of the owner, [pixel][line]. shadow: the ways are traced. */
-static inline void rc_connect(SceneArrays scene, const LidarTables* t, const Paths16* paths, const Vertex16* vertex, bool shadow,
-                              RC_ROW_SPACE float* rows, LidarSums* sums) {
+static inline void rc_connect(SceneArrays scene, const LidarTables* t, const Paths16* paths, const Vertex16* vertex,
+                              bool shadow, RC_ROW_SPACE float* rows, LidarSums* sums) {
   global const float4* shot = t->shot;
   global const float* settings = t->settings;
-  const float4 from_end = shot[RC_SHADOWS ? RC_SHOT_FROM_END : RC_SHOT_FROM_START], axis = shot[RC_SHOT_END_AXIS];  /* one place if there are no shadows */
+  const float4 from_end = shot[RC_SHADOWS ? RC_SHOT_FROM_END : RC_SHOT_FROM_START],
+               axis = shot[RC_SHOT_END_AXIS]; /* one place if there are no shadows */
   const Leg16 leg = rc_leg16(from_end, paths->place);
-  const Vector16 v = leg.way;  /* from the end to the vertex */
+  const Vector16 v = leg.way; /* from the end to the vertex */
   const float16 range = leg.range, inverse = leg.inverse;
   const float16 facing = -rc_dot16(v, vertex->normal) * inverse;
   const float16 depth_along = fma((float16)(axis.x), v.x, fma((float16)(axis.y), v.y, axis.z * v.z));
@@ -108,7 +113,8 @@ static inline void rc_connect(SceneArrays scene, const LidarTables* t, const Pat
   int16 seen = (depth_along > 0.0f) & rc_bits16(paths->live);
   const float16 off_axis = depth_along * inverse;
 #if RC_RECEIVER
-  const Vector16 beside = {fma(-depth_along, (float16)(axis.x), v.x), fma(-depth_along, (float16)(axis.y), v.y), fma(-depth_along, (float16)(axis.z), v.z)};
+  const Vector16 beside = {fma(-depth_along, (float16)(axis.x), v.x), fma(-depth_along, (float16)(axis.y), v.y),
+                           fma(-depth_along, (float16)(axis.z), v.z)};
   const float16 radius = fma(depth_along, (float16)(shot[RC_SHOT_END_U].w), (float16)(RC_GAUSSIAN ? 0.0f : axis.w));
   const float16 aside = rc_dot16(beside, beside);
 #if RC_GAUSSIAN
@@ -128,7 +134,8 @@ static inline void rc_connect(SceneArrays scene, const LidarTables* t, const Pat
   rc_store16(in_pixel, 0, pixel_lanes);
 #elif RC_OVERLAP
   {
-    const Vector16 beside = {fma(-depth_along, (float16)(axis.x), v.x), fma(-depth_along, (float16)(axis.y), v.y), fma(-depth_along, (float16)(axis.z), v.z)};
+    const Vector16 beside = {fma(-depth_along, (float16)(axis.x), v.x), fma(-depth_along, (float16)(axis.y), v.y),
+                             fma(-depth_along, (float16)(axis.z), v.z)};
     const float16 near = fmax(depth_along, 1e-20f), offset = sqrt(rc_dot16(beside, beside));
     geometry *= rc_vignetting(settings, near, offset);
   }
@@ -155,12 +162,15 @@ static inline void rc_connect(SceneArrays scene, const LidarTables* t, const Pat
       float share[RC_LASER_LINES];
       for (uint line = 0; line < RC_LASER_LINES; ++line) share[line] = 0.0f;
       if (lanes >> k & 1u) {
-        const float4 from = side[k] > 0.0f ? (float4)(front[0][k], front[1][k], front[2][k], 0.0f) : (float4)(back[0][k], back[1][k], back[2][k], 0.0f);
+        const float4 from = side[k] > 0.0f ? (float4)(front[0][k], front[1][k], front[2][k], 0.0f)
+                                           : (float4)(back[0][k], back[1][k], back[2][k], 0.0f);
         bool any = side[k] > 0.0f;
 #if RC_LEAVES
-        for (uint line = 0; line < RC_LASER_LINES; ++line) any |= t->optics[vertex->surface[k] * RC_LASER_LINES + line].y > 0.0f;
+        for (uint line = 0; line < RC_LASER_LINES; ++line)
+          any |= t->optics[vertex->surface[k] * RC_LASER_LINES + line].y > 0.0f;
 #endif
-        if (any) sums->rays += rc_way_open(scene, t, from, (float4)(-place[0][k], -place[1][k], -place[2][k], 0.0f), share);
+        if (any)
+          sums->rays += rc_way_open(scene, t, from, (float4)(-place[0][k], -place[1][k], -place[2][k], 0.0f), share);
       }
       for (uint line = 0; line < RC_LASER_LINES; ++line) visible[line][k] = share[line];
     }
@@ -169,7 +179,8 @@ static inline void rc_connect(SceneArrays scene, const LidarTables* t, const Pat
 
 #if RC_MEDIA
   float16 depth[RC_LINE_NODES];
-  for (uint node = 0; node < RC_LINE_NODES; ++node) depth[node] = paths->depth[node] * (shadow ? 1.0f : 2.0f);  /* a retraced way is met twice */
+  for (uint node = 0; node < RC_LINE_NODES; ++node)
+    depth[node] = paths->depth[node] * (shadow ? 1.0f : 2.0f); /* a retraced way is met twice */
   if (shadow) {
     const float4 reference = shot[RC_SHOT_REFERENCE];
 #if RC_AIR
@@ -197,12 +208,15 @@ static inline void rc_connect(SceneArrays scene, const LidarTables* t, const Pat
     rc_store16(-v.y * inverse, 0, lane[7]);
     rc_store16(-v.z * inverse, 0, lane[8]);
     for (uint k = 0; k < 16u; ++k)
-      shine[k] = lanes >> k & 1u ? rc_gloss(t, vertex->surface[k], (float4)(lane[0][k], lane[1][k], lane[2][k], 0.0f), (float4)(lane[3][k], lane[4][k], lane[5][k], 0.0f),
-                                            (float4)(lane[6][k], lane[7][k], lane[8][k], 0.0f)) : 0.0f;
+      shine[k] = lanes >> k & 1u ? rc_gloss(t, vertex->surface[k], (float4)(lane[0][k], lane[1][k], lane[2][k], 0.0f),
+                                            (float4)(lane[3][k], lane[4][k], lane[5][k], 0.0f),
+                                            (float4)(lane[6][k], lane[7][k], lane[8][k], 0.0f))
+                                 : 0.0f;
   }
 #endif
 
-  const float16 position = fma(paths->path + leg.more, (float16)(settings[RC_SET_BINS_PER_M]), (float16)(shot[RC_SHOT_TIME].y));
+  const float16 position =
+      fma(paths->path + leg.more, (float16)(settings[RC_SET_BINS_PER_M]), (float16)(shot[RC_SHOT_TIME].y));
   const float16 whole = clamp(floor(position), -1e9f, 1e9f);
   const float16 phases = position - whole;
   const int16 bins = convert_int16(whole) + as_int(shot[RC_SHOT_TIME].x);
@@ -240,7 +254,8 @@ static inline void rc_connect(SceneArrays scene, const LidarTables* t, const Pat
     rc_store16(photons, 0, energy);
     for (uint left = sent & ~near_lanes; left; left &= left - 1u) {
       const uint k = rc_lowest(left), pixel = (uint)pixel_lanes[k];
-      rc_deposit(t, rows + (size_t)(pixel * RC_LASER_LINES + line) * t->row, sums->sum[line], bin[k], phase[k], energy[k]);
+      rc_deposit(t, rows + (size_t)(pixel * RC_LASER_LINES + line) * t->row, sums->sum[line], bin[k], phase[k],
+                 energy[k]);
     }
 #else
     rc_deposit_lanes(t, rows + (size_t)line * t->row, sums->sum[line], sent & ~near_lanes, bins, phases, photons);

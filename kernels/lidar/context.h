@@ -3,17 +3,18 @@
  *   RC_RECEIVER      0: rays from the exit (sub-rays), 1: rays from the pupil (samples of a pixel)
  *   RC_LASER_LINES   lines;  RC_LINE_NODES: spectral nodes of all of them
  *   RC_COLUMNS, RC_ROWS   pixels of the array (transmitter: 1 x 1 has the circular stop)
- *   RC_TAPS_PADDED   taps of the pulse rounded up to 16 (gate and pulse else are arguments: another gate needs no other program)
- *   RC_RAY_COUNT     rays of an owner;  RC_CHUNK: of one bundle (trace_args.h)
+ *   RC_TAPS_PADDED   taps of the pulse rounded up to 16 (gate and pulse else are arguments: another gate needs no other
+ *   program) RC_RAY_COUNT     rays of an owner;  RC_CHUNK: of one bundle (trace_args.h)
  *   RC_BOUNCES       scatterings a path may have
- *   RC_AIR           1: there is air;  RC_AIR_RETURN 1: it sends light back;  RC_VOLUMES: number of gas and particle volumes
- *   RC_SINGLE        1: single rays (narrow beams, exits of their own), 0: bundles
+ *   RC_AIR           1: there is air;  RC_AIR_RETURN 1: it sends light back;  RC_VOLUMES: number of gas and particle
+ *   volumes RC_SINGLE        1: single rays (narrow beams, exits of their own), 0: bundles
  *   RC_EXITS         1: every sub-ray leaves from a place of its own
  *   RC_SHADOWS       1: some shot's ends differ: connections of the first vertex are traced
  *   RC_PLATES, RC_LEAVES, RC_GLOSS   some material has such a thing
  *   RC_OVERLAP       1: vignetting;  RC_GAUSSIAN: profile of the beam (receiver)
- *   RC_ROW_WINDOW    floats of private memory that hold an owner's rows until they are whole (one bounce); 0: rows are added up where they lie
- *   RC_STOPPED       1: shares of rays stopped, for lidar_air;  RC_HITS 1: first hits are written */
+ *   RC_ROW_WINDOW    floats of private memory that hold an owner's rows until they are whole (one bounce); 0: rows are
+ *   added up where they lie RC_STOPPED       1: shares of rays stopped, for lidar_air;  RC_HITS 1: first hits are
+ *   written */
 #ifndef RAYCUBE_KERNELS_LIDAR_CONTEXT_H
 #define RAYCUBE_KERNELS_LIDAR_CONTEXT_H
 
@@ -24,7 +25,7 @@
 #define RC_CHUNK 256
 #define RC_SUPPORT 4.0f
 #endif
-#define RC_SAMPLE_SPACE global  /* all owners share theirs */
+#define RC_SAMPLE_SPACE global /* all owners share theirs */
 #include "kernels/geometry/trace_args.h"
 #include "kernels/geometry/lanes.h"
 #include "kernels/geometry/scene_arrays.h"
@@ -103,7 +104,8 @@
 
 /* Pixels whose rows an owner writes. */
 #define RC_OWN_PIXELS (RC_RECEIVER ? 1 : RC_COLUMNS * RC_ROWS)
-/* A row is padding, bins, padding: pulses that hang over the gate's ends need no branch, and what they lose is counted after. */
+/* A row is padding, bins, padding: pulses that hang over the gate's ends need no branch, and what they lose is counted
+ * after. */
 #define RC_ROW_PAD RC_TAPS_PADDED
 static inline uint rc_row_floats(uint bins) { return 2u * RC_ROW_PAD + (bins + 15u) / 16u * 16u; }
 /* Rays start again after the first surface. */
@@ -114,32 +116,36 @@ static inline uint rc_row_floats(uint bins) { return 2u * RC_ROW_PAD + (bins + 1
 #define RC_LANE_ENERGY (RC_CONTINUES || RC_MEDIA)
 
 typedef struct LidarTables {
-  global const float4* shot;         /* the owner's record */
-  global const float* samples;       /* [chunk] as struct Scatter */
-  global const float* exits;         /* [2][rays, padded]: exit_a, exit_b */
-  global const float4* optics;       /* [surface][line]: reflectance, diffuse transmittance, straight transmittance, 0 */
-  global const float* gloss;         /* [surface][4][3]: reflectance at normal incidence, roughness, share */
-  global const float* photons;       /* [line] */
-  global const float* node_weight;   /* [node] */
-  global const uint* first_node;     /* [line + 1] */
-  global const float2* air;          /* [node][post]: depth from post 0, extinction per m of the cell above the post */
+  global const float4* shot;       /* the owner's record */
+  global const float* samples;     /* [chunk] as struct Scatter */
+  global const float* exits;       /* [2][rays, padded]: exit_a, exit_b */
+  global const float4* optics;     /* [surface][line]: reflectance, diffuse transmittance, straight transmittance, 0 */
+  global const float* gloss;       /* [surface][4][3]: reflectance at normal incidence, roughness, share */
+  global const float* photons;     /* [line] */
+  global const float* node_weight; /* [node] */
+  global const uint* first_node;   /* [line + 1] */
+  global const float2* air;        /* [node][post]: depth from post 0, extinction per m of the cell above the post */
   global const LidarVolume* volumes;
   global const float* volume_values; /* of grids */
   global const float* volume_depth;  /* [volume][node]: depth of 1 ppm m of its gas */
   global const float* taps;          /* [phase][RC_TAPS_PADDED] */
   global const float* settings;
-  uint seed, row;                    /* row: floats of a padded row */
+  uint seed, row;                         /* row: floats of a padded row */
   int bins, tap_count, first_tap, phases; /* gate and pulse, host/lidar/lidar_plan.h */
 } LidarTables;
 
 /* Rays stopped, of an owner: rows [pixel][line], then how many rays each pixel has. */
-static inline size_t rc_stopped_floats(uint row) { return (size_t)RC_OWN_PIXELS * RC_LASER_LINES * row + (RC_OWN_PIXELS + 15) / 16 * 16; }
+static inline size_t rc_stopped_floats(uint row) {
+  return (size_t)RC_OWN_PIXELS * RC_LASER_LINES * row + (RC_OWN_PIXELS + 15) / 16 * 16;
+}
 /* Whether they are kept for every pixel: where a ray stays in one, as pupil and exit are one point. */
 static inline bool rc_stops_by_pixel(const LidarTables* t) {
   return (RC_OWN_PIXELS > 1) & (RC_EXITS == 0) & (t->shot[RC_SHOT_AXIS].w == 1.0f);
 }
 
-#define RC_VOLUME_PARAMETERS global const LidarVolume* restrict volumes, global const float* restrict volume_values, global const float* restrict volume_depth
+#define RC_VOLUME_PARAMETERS                                                              \
+  global const LidarVolume *restrict volumes, global const float *restrict volume_values, \
+      global const float *restrict volume_depth
 
 /* What one owner adds up beside its rows. */
 typedef struct LidarSums {

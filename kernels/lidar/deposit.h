@@ -5,7 +5,8 @@
 #include "kernels/lidar/context.h"
 
 /* bin + phase (0 <= phase < 1): position of the pulse's centre. */
-static inline void rc_deposit(const LidarTables* t, RC_ROW_SPACE float* row, float sums[RC_SUM_COUNT][2], int bin, float phase, float energy) {
+static inline void rc_deposit(const LidarTables* t, RC_ROW_SPACE float* row, float sums[RC_SUM_COUNT][2], int bin,
+                              float phase, float energy) {
   const int start = bin + t->first_tap;
   if (start + t->tap_count <= 0) {
     rc_add_float(sums[RC_SUM_EARLY], energy);
@@ -17,7 +18,7 @@ static inline void rc_deposit(const LidarTables* t, RC_ROW_SPACE float* row, flo
     const float f = x - (float)q;
     global const float* low = t->taps + q * RC_TAPS_PADDED;
     RC_ROW_SPACE float* to = row + (RC_ROW_PAD + start);
-    #pragma unroll
+#pragma unroll
     for (int i = 0; i < RC_TAPS_PADDED; i += 16) {
       const float16 a = rc_load16(0, low + i), b = rc_load16(0, low + RC_TAPS_PADDED + i);
       rc_store16(fma((float16)(energy), fma((float16)(f), b - a, a), rc_load16(0, to + i)), 0, to + i);
@@ -25,11 +26,12 @@ static inline void rc_deposit(const LidarTables* t, RC_ROW_SPACE float* row, flo
   }
 }
 
-/* The same for lanes of a word, one after the other, into one row. Neighbours mostly fall into the same bins: these are kept in
- * registers until another start comes. bin, phase: as above; energy: 0 in lanes that send nothing. */
-static inline void rc_deposit_lanes(const LidarTables* t, RC_ROW_SPACE float* row, float sums[RC_SUM_COUNT][2], uint lanes, int16 bin, float16 phase,
-                                    float16 energy) {
-  const int16 start_lanes = bin + t->first_tap, begins_early = start_lanes + t->tap_count <= 0, begins_late = start_lanes >= t->bins;
+/* The same for lanes of a word, one after the other, into one row. Neighbours mostly fall into the same bins: these are
+ * kept in registers until another start comes. bin, phase: as above; energy: 0 in lanes that send nothing. */
+static inline void rc_deposit_lanes(const LidarTables* t, RC_ROW_SPACE float* row, float sums[RC_SUM_COUNT][2],
+                                    uint lanes, int16 bin, float16 phase, float16 energy) {
+  const int16 start_lanes = bin + t->first_tap, begins_early = start_lanes + t->tap_count <= 0,
+              begins_late = start_lanes >= t->bins;
   const uint early = rc_mask16(begins_early) & lanes, late = rc_mask16(begins_late) & lanes;
   if (early | late) {
     rc_add_float(sums[RC_SUM_EARLY], rc_lane_sum(select((float16)(0.0f), energy, rc_bits16(early))));
@@ -38,7 +40,7 @@ static inline void rc_deposit_lanes(const LidarTables* t, RC_ROW_SPACE float* ro
   }
   if (!lanes) return;
   const float16 x = phase * (float)t->phases;
-  const int16 q = min(convert_int16(x), (int16)(t->phases - 1));  /* oclgrind takes scalars for lane 0 alone */
+  const int16 q = min(convert_int16(x), (int16)(t->phases - 1)); /* oclgrind takes scalars for lane 0 alone */
   const float16 high_lanes = energy * (x - convert_float16(q));
   RC_LINE float high[16], low[16];
   RC_LINE int starts[16], shares[16];
@@ -51,7 +53,7 @@ static inline void rc_deposit_lanes(const LidarTables* t, RC_ROW_SPACE float* ro
     /* Two sums, of lower and upper phases: half as long a chain of additions. */
     float16 kept[RC_TAPS_PADDED / 16], kept_high[RC_TAPS_PADDED / 16];
     RC_ROW_SPACE float* to = row + (RC_ROW_PAD + start);
-    #pragma unroll
+#pragma unroll
     for (int i = 0; i < RC_TAPS_PADDED / 16; ++i) {
       kept[i] = rc_load16(i, to);
       kept_high[i] = 0.0f;
@@ -61,13 +63,13 @@ static inline void rc_deposit_lanes(const LidarTables* t, RC_ROW_SPACE float* ro
     for (; here; here &= here - 1u) {
       const uint k = rc_lowest(here);
       global const float* at = t->taps + shares[k];
-      #pragma unroll
+#pragma unroll
       for (int i = 0; i < RC_TAPS_PADDED / 16; ++i) {
         kept[i] = fma((float16)(low[k]), rc_load16(i, at), kept[i]);
         kept_high[i] = fma((float16)(high[k]), rc_load16(i, at + RC_TAPS_PADDED), kept_high[i]);
       }
     }
-    #pragma unroll
+#pragma unroll
     for (int i = 0; i < RC_TAPS_PADDED / 16; ++i) rc_store16(kept[i] + kept_high[i], i, to);
   }
 }

@@ -1,4 +1,5 @@
-/* Where the light of 16 paths goes, for the ledger: integers in units of 2^-40 of what an owner emits, so that shares add up exactly. */
+/* Where the light of 16 paths goes, for the ledger: integers in units of 2^-40 of what an owner emits, so that shares
+ * add up exactly. */
 #ifndef RAYCUBE_KERNELS_LIDAR_ENERGY_H
 #define RAYCUBE_KERNELS_LIDAR_ENERGY_H
 
@@ -19,8 +20,10 @@ static inline long16 rc_share16(long16 energy, float16 share) {
   return convert_long16(convert_float16(energy) * share);
 }
 
-/* A segment of the live paths that ends at `to` (relative to Q), with what air and volumes keep of its light. from_z: height of its start. */
-static inline void rc_pass_segment(const LidarTables* t, Paths16* paths, float16 from_z, Vector16 to, Vector16 unit, float16 length, LidarSums* sums) {
+/* A segment of the live paths that ends at `to` (relative to Q), with what air and volumes keep of its light. from_z:
+ * height of its start. */
+static inline void rc_pass_segment(const LidarTables* t, Paths16* paths, float16 from_z, Vector16 to, Vector16 unit,
+                                   float16 length, LidarSums* sums) {
 #if RC_MEDIA
   const int16 live = rc_bits16(paths->live);
   const long16 live_long = convert_long16(live);
@@ -46,7 +49,8 @@ static inline void rc_pass_segment(const LidarTables* t, Paths16* paths, float16
     /* Between air and volumes in the ratio of their depths, node by node. */
     float16 all = 1e-30f, volumes = 0.0f;
     for (uint node = t->first_node[line]; node < t->first_node[line + 1u]; ++node) {
-      const float16 both = paths->depth[node] - before[node], taken = t->node_weight[node] * exp(-before[node]) * -expm1(-both);
+      const float16 both = paths->depth[node] - before[node],
+                    taken = t->node_weight[node] * exp(-before[node]) * -expm1(-both);
       all += taken;
       volumes += taken * select((float16)(0.0f), clamp(of_volumes[node] / fmax(both, 1e-30f), 0.0f, 1.0f), both > 0.0f);
     }
@@ -74,9 +78,10 @@ static inline void rc_end_lanes(Paths16* paths, uint lanes, LidarSums* sums, uin
   paths->live &= ~lanes;
 }
 
-/* Splits the energy at the vertices: `kept` stays on its way into the next segment, the rest of `leaving` goes to an entry, the
- * remainder is absorbed. Shares of what arrives. */
-static inline void rc_split_energy(Paths16* paths, uint line, float16 kept, float16 booked, LidarSums* sums, uint entry) {
+/* Splits the energy at the vertices: `kept` stays on its way into the next segment, the rest of `leaving` goes to an
+ * entry, the remainder is absorbed. Shares of what arrives. */
+static inline void rc_split_energy(Paths16* paths, uint line, float16 kept, float16 booked, LidarSums* sums,
+                                   uint entry) {
   const long16 live = convert_long16(rc_bits16(paths->live));
   const long16 arrives = select((long16)(0), paths->energy[line], live);
   const long16 stays = rc_share16(arrives, kept), goes = rc_share16(arrives, booked);
@@ -97,9 +102,11 @@ static inline void rc_end_lanes(Paths16* paths, uint lanes, LidarSums* sums, uin
   paths->live &= ~lanes;
 }
 
-static inline void rc_split_energy(Paths16* paths, uint line, float16 kept, float16 booked, LidarSums* sums, uint entry) {
+static inline void rc_split_energy(Paths16* paths, uint line, float16 kept, float16 booked, LidarSums* sums,
+                                   uint entry) {
   const long arrives = rc_emitted(paths->first_ray, paths->live);
-  const long goes = min((long)((float)RC_LEDGER_UNIT * rc_lane_sum(select((float16)(0.0f), booked, rc_bits16(paths->live)))), arrives);
+  const long goes = min(
+      (long)((float)RC_LEDGER_UNIT * rc_lane_sum(select((float16)(0.0f), booked, rc_bits16(paths->live)))), arrives);
   sums->ledger[line][entry] += goes;
   sums->ledger[line][RC_LEDGER_ABSORBED] += arrives - goes;
 }

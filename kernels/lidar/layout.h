@@ -1,37 +1,45 @@
-/* How host and device name the numbers of a LIDAR's launch. Valid C++20 and OpenCL C 1.2. An owner is what one work-item
- * computes: a shot (transmitter sampling) or a pixel of a shot (receiver sampling). */
+/* How host and device name the numbers of a LIDAR's launch. Valid C++20 and OpenCL C 1.2. An owner is what one
+ * work-item computes: a shot (transmitter sampling) or a pixel of a shot (receiver sampling). */
 #ifndef RAYCUBE_KERNELS_LIDAR_LAYOUT_H
 #define RAYCUBE_KERNELS_LIDAR_LAYOUT_H
 
-/* float4s of an owner's record. Q is a point on the middle ray near the scene, at distance s from where it starts; points are
- * kept relative to Q, so that only small numbers are rounded. A ray is Q + s (a du + b dv) + exit offset + tau (axis + a du + b dv).
- * "start": where rays start (exit, or pupil in receiver sampling); "end": where connections go (pupil, or exit). */
+/* float4s of an owner's record. Q is a point on the middle ray near the scene, at distance s from where it starts;
+ * points are kept relative to Q, so that only small numbers are rounded. A ray is Q + s (a du + b dv) + exit offset +
+ * tau (axis + a du + b dv). "start": where rays start (exit, or pupil in receiver sampling); "end": where connections
+ * go (pupil, or exit). */
 enum {
-  RC_SHOT_START,        /* xyz: start, m;  w: s, m */
-  RC_SHOT_AXIS,         /* xyz: direction of the middle ray, unit (receiver: third component along the pupil's axis is 1);  w: 1 where start and end are one point */
-  RC_SHOT_DU,           /* xyz: change of direction per unit of a;  w: weight: share of each ray, all constant factors but photons */
+  RC_SHOT_START, /* xyz: start, m;  w: s, m */
+  /* xyz: direction of the middle ray, unit (receiver: third component along the pupil's axis is 1);  w: 1 where start
+   * and end are one point */
+  RC_SHOT_AXIS,
+  /* xyz: change of direction per unit of a;  w: weight: share of each ray, all constant factors but photons */
+  RC_SHOT_DU,
   RC_SHOT_DV,
-  RC_SHOT_REFERENCE,    /* xyz: Q rounded;  w: how far back single rays start, m */
-  RC_SHOT_RESIDUAL,     /* xyz: Q minus Q rounded */
-  RC_SHOT_FROM_START,   /* xyz: Q - start;  w: its length */
-  RC_SHOT_FROM_END,     /* xyz: Q - end;  w: its length */
-  RC_SHOT_END_AXIS,     /* xyz: axis at the end (transmitter: pupil's, receiver: exit's);  w: exit radius, m (receiver) */
-  RC_SHOT_END_U,        /* xyz: pupil's u, v (transmitter), for arrays;  w: tan(half divergence) (receiver) */
+  RC_SHOT_REFERENCE,  /* xyz: Q rounded;  w: how far back single rays start, m */
+  RC_SHOT_RESIDUAL,   /* xyz: Q minus Q rounded */
+  RC_SHOT_FROM_START, /* xyz: Q - start;  w: its length */
+  RC_SHOT_FROM_END,   /* xyz: Q - end;  w: its length */
+  RC_SHOT_END_AXIS,   /* xyz: axis at the end (transmitter: pupil's, receiver: exit's);  w: exit radius, m (receiver) */
+  RC_SHOT_END_U,      /* xyz: pupil's u, v (transmitter), for arrays;  w: tan(half divergence) (receiver) */
   RC_SHOT_END_V,
-  RC_SHOT_START_AXIS,   /* xyz: axis at the start */
-  RC_SHOT_EXIT_U,       /* xyz: exit radius times u, v: where a sub-ray leaves, per unit of exit_a, exit_b */
+  RC_SHOT_START_AXIS, /* xyz: axis at the start */
+  RC_SHOT_EXIT_U,     /* xyz: exit radius times u, v: where a sub-ray leaves, per unit of exit_a, exit_b */
   RC_SHOT_EXIT_V,
-  RC_SHOT_TIME,         /* x: bits of the int bin of path |from start| + |from end|;  y: position in that bin;  z: bits of the draw key */
-  RC_SHOT_GATE,         /* where the middle ray is when the gate opens (at its start, if that comes later). xyz: place, m;  w: m from the start */
-  RC_SHOT_GATE_WAY,     /* x: whole way over it and on to the end, m;  y: position in bins, 0 but where the ray starts later */
+  /* x: bits of the int bin of path |from start| + |from end|;  y: position in that bin;  z: bits of the draw key */
+  RC_SHOT_TIME,
+  /* where the middle ray is when the gate opens (at its start, if that comes later). xyz: place, m;  w: m from the
+   * start */
+  RC_SHOT_GATE,
+  /* x: whole way over it and on to the end, m;  y: position in bins, 0 but where the ray starts later */
+  RC_SHOT_GATE_WAY,
   RC_SHOT_FLOAT4S
 };
 
 /* Settings of a launch, floats. */
 enum {
-  RC_SET_BINS_PER_M,    /* group index / (c bin) */
-  RC_SET_HALF_FOV,      /* rad, circular field stop */
-  RC_SET_PUPIL,         /* radii of pupil and obscuration, m */
+  RC_SET_BINS_PER_M, /* group index / (c bin) */
+  RC_SET_HALF_FOV,   /* rad, circular field stop */
+  RC_SET_PUPIL,      /* radii of pupil and obscuration, m */
   RC_SET_OBSCURATION,
   RC_SET_FOCUS,         /* 1 / distance in focus, 1 / m */
   RC_SET_PITCH,         /* rad, of an array */
@@ -40,12 +48,12 @@ enum {
   RC_SET_AIR_Z0,        /* m, first post; spacing, m */
   RC_SET_AIR_DZ,
   RC_SET_AIR_POSTS,
-  RC_SET_GATE_WAY,      /* m, whole way at the start of bin 0 */
+  RC_SET_GATE_WAY, /* m, whole way at the start of bin 0 */
   RC_SET_COUNT
 };
 
-/* Table of a beam, floats: how much of it reaches the end from distances along its middle ray (beam.h). Up to RC_POSTS posts, 1 % apart
- * (1.08 % over the six decades that a table may span). */
+/* Table of a beam, floats: how much of it reaches the end from distances along its middle ray (beam.h). Up to RC_POSTS
+ * posts, 1 % apart (1.08 % over the six decades that a table may span). */
 #define RC_POSTS 1280
 enum { RC_BEAM_LOG_NEAR = RC_POSTS + 1, RC_BEAM_POSTS_PER_LOG, RC_BEAM_LAST, RC_BEAM_FLOATS = RC_POSTS + 16 };
 

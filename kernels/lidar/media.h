@@ -16,7 +16,8 @@ static inline float rc_volume_depth(const LidarTables* t, uint volume, uint node
 }
 
 /* Adds the volumes' depths along the last `length` m of ways that end at `to` (scene frame), of the lanes in `live`. */
-__attribute__((noinline)) static void rc_volume_depths(const LidarTables* t, Vector16 to, Vector16 unit, float16 length, uint live, float16* depth) {
+__attribute__((noinline)) static void rc_volume_depths(const LidarTables* t, Vector16 to, Vector16 unit, float16 length,
+                                                       uint live, float16* depth) {
   RC_LINE float lane[7][16];
   RC_LINE float sum[RC_LINE_NODES][16];
   rc_store16(to.x, 0, lane[0]);
@@ -30,8 +31,9 @@ __attribute__((noinline)) static void rc_volume_depths(const LidarTables* t, Vec
     for (uint node = 0; node < RC_LINE_NODES; ++node) sum[node][k] = 0.0f;
     if (!(live >> k & 1u)) continue;
     for (uint i = 0; i < RC_VOLUMES; ++i) {
-      const float field = rc_volume_path(t->volumes + i, t->volume_values, (float4)(lane[0][k], lane[1][k], lane[2][k], 0.0f),
-                                         (float4)(lane[3][k], lane[4][k], lane[5][k], 0.0f), -lane[6][k], 0.0f);
+      const float field =
+          rc_volume_path(t->volumes + i, t->volume_values, (float4)(lane[0][k], lane[1][k], lane[2][k], 0.0f),
+                         (float4)(lane[3][k], lane[4][k], lane[5][k], 0.0f), -lane[6][k], 0.0f);
       for (uint node = 0; node < RC_LINE_NODES; ++node) sum[node][k] += rc_volume_depth(t, i, node, field);
     }
   }

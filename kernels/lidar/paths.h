@@ -12,11 +12,13 @@ static inline float16 rc_pixel_of_way(const LidarTables* t, Vector16 way) {
 }
 #endif
 
-/* Rays that a surface ends, at its place in time: half-way numbers split them over two bins, so that running sums of the row are what is
- * stopped on average during each bin. What a plate lets through meets it again on the way back. Rows of pixels take their own rays. */
+/* Rays that a surface ends, at its place in time: half-way numbers split them over two bins, so that running sums of
+ * the row are what is stopped on average during each bin. What a plate lets through meets it again on the way back.
+ * Rows of pixels take their own rays. */
 static inline void rc_stop(const LidarTables* t, Paths16* paths, const Vertex16* vertex, global float* stopped) {
   const float4 from_end = t->shot[RC_SHOT_FROM_END];
-  const float16 position = fma(paths->path + rc_leg16(from_end, paths->place).more, (float16)(t->settings[RC_SET_BINS_PER_M]), (float16)(t->shot[RC_SHOT_TIME].y));
+  const float16 position = fma(paths->path + rc_leg16(from_end, paths->place).more,
+                               (float16)(t->settings[RC_SET_BINS_PER_M]), (float16)(t->shot[RC_SHOT_TIME].y));
   RC_LINE float lane[16];
   rc_store16(clamp(position, -1e9f, 1e9f), 0, lane);
 #if RC_OWN_PIXELS > 1
@@ -48,15 +50,18 @@ static inline void rc_stop(const LidarTables* t, Paths16* paths, const Vertex16*
 #endif
 
 /* The rays of a word from their first hits on. a, b: sub-rays or samples (INFINITY: none). */
-static inline void rc_follow_word(SceneArrays scene, const LidarTables* t, float16 a, float16 b, uint first_ray, uint16 instances, uint16 primitives,
-                                  RC_ROW_SPACE float* first, RC_ROW_SPACE float* multiple, global float* stopped, LidarSums* sums) {
+static inline void rc_follow_word(SceneArrays scene, const LidarTables* t, float16 a, float16 b, uint first_ray,
+                                  uint16 instances, uint16 primitives, RC_ROW_SPACE float* first,
+                                  RC_ROW_SPACE float* multiple, global float* stopped, LidarSums* sums) {
   global const float4* shot = t->shot;
-  const float4 reference = shot[RC_SHOT_REFERENCE], from_start = shot[RC_SHOT_FROM_START], axis = shot[RC_SHOT_AXIS], du = shot[RC_SHOT_DU], dv = shot[RC_SHOT_DV];
+  const float4 reference = shot[RC_SHOT_REFERENCE], from_start = shot[RC_SHOT_FROM_START], axis = shot[RC_SHOT_AXIS],
+               du = shot[RC_SHOT_DU], dv = shot[RC_SHOT_DV];
   const float s = shot[RC_SHOT_START].w;
   const int16 exists = a < INFINITY;
   a = select((float16)(0.0f), a, exists);
   b = select((float16)(0.0f), b, exists);
-  const Vector16 tilt = {fma(a, (float16)(du.x), b * dv.x), fma(a, (float16)(du.y), b * dv.y), fma(a, (float16)(du.z), b * dv.z)};
+  const Vector16 tilt = {fma(a, (float16)(du.x), b * dv.x), fma(a, (float16)(du.y), b * dv.y),
+                         fma(a, (float16)(du.z), b * dv.z)};
   Rays16 rays;
   rays.origin = rc_vector16(reference);
   rays.direction = rc_plus16(rc_vector16(axis), tilt);
@@ -64,7 +69,8 @@ static inline void rc_follow_word(SceneArrays scene, const LidarTables* t, float
   Vector16 leaves = {0.0f, 0.0f, 0.0f};
 #if RC_EXITS
   const float4 eu = shot[RC_SHOT_EXIT_U], ev = shot[RC_SHOT_EXIT_V];
-  const float16 ea = rc_load16(0, t->exits + first_ray), eb = rc_load16(0, t->exits + (RC_RAY_COUNT + 15) / 16 * 16 + first_ray);
+  const float16 ea = rc_load16(0, t->exits + first_ray),
+                eb = rc_load16(0, t->exits + (RC_RAY_COUNT + 15) / 16 * 16 + first_ray);
   leaves.x = fma(ea, (float16)(eu.x), eb * ev.x);
   leaves.y = fma(ea, (float16)(eu.y), eb * ev.y);
   leaves.z = fma(ea, (float16)(eu.z), eb * ev.z);
@@ -82,7 +88,8 @@ static inline void rc_follow_word(SceneArrays scene, const LidarTables* t, float
 #if RC_RECEIVER
   /* A_r cos(psi) dOmega, dOmega = pitch^2 cos^3(psi): pixels on a plane of tangents. */
   const float4 start_axis = shot[RC_SHOT_START_AXIS];
-  const float16 off = fma((float16)(start_axis.x), paths.way.x, fma((float16)(start_axis.y), paths.way.y, start_axis.z * paths.way.z));
+  const float16 off =
+      fma((float16)(start_axis.x), paths.way.x, fma((float16)(start_axis.y), paths.way.y, start_axis.z * paths.way.z));
   weight *= (off * off) * (off * off);
 #endif
   paths.live = rc_mask16(exists);
@@ -94,7 +101,8 @@ static inline void rc_follow_word(SceneArrays scene, const LidarTables* t, float
 #endif
 #if RC_LANE_ENERGY
     const long16 lane = (long16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-    paths.energy[line] = select((long16)(RC_LEDGER_UNIT), (long16)(RC_LEDGER_UNIT + 1), lane < RC_LEDGER_REST - (long)first_ray);
+    paths.energy[line] =
+        select((long16)(RC_LEDGER_UNIT), (long16)(RC_LEDGER_UNIT + 1), lane < RC_LEDGER_REST - (long)first_ray);
 #endif
   }
 #if !RC_LANE_ENERGY
@@ -116,13 +124,14 @@ static inline void rc_follow_word(SceneArrays scene, const LidarTables* t, float
   }
 #endif
 #if RC_PLATES
-  float16 gone[RC_LASER_LINES];  /* what plates on the way let through: the way back meets them again */
+  float16 gone[RC_LASER_LINES]; /* what plates on the way let through: the way back meets them again */
   for (uint line = 0; line < RC_LASER_LINES; ++line) gone[line] = 1.0f;
 #endif
 
   for (uint node = 0; node < RC_LINE_NODES; ++node) paths.depth[node] = 0.0f;
-  float16 begins_z = (reference.z - from_start.z) + leaves.z, reached = 0.0f;  /* where the piece of the ray in question begins */
-  for (uint crossings = 64u; crossings > 0u; --crossings) {  /* ends by itself: the last lets nothing through */
+  float16 begins_z = (reference.z - from_start.z) + leaves.z,
+          reached = 0.0f;                                   /* where the piece of the ray in question begins */
+  for (uint crossings = 64u; crossings > 0u; --crossings) { /* ends by itself: the last lets nothing through */
     const uint missed = rc_mask16(instances == RC_NONE);
     rc_end_lanes(&paths, missed & paths.live, sums, RC_LEDGER_ESCAPED);
     if (!paths.live) return;
@@ -194,7 +203,8 @@ static inline void rc_follow_word(SceneArrays scene, const LidarTables* t, float
       hits.primitive[k] = 0;
       if (!(paths.live >> k & 1u)) continue;
       float plate = 0.0f;
-      for (uint line = 0; line < RC_LASER_LINES; ++line) plate += t->optics[vertex.surface[k] * RC_LASER_LINES + line].z;
+      for (uint line = 0; line < RC_LASER_LINES; ++line)
+        plate += t->optics[vertex.surface[k] * RC_LASER_LINES + line].z;
       if (!(plate > 0.0f) || crossings == 1u) continue;
       through |= 1u << k;
       ++sums->rays;

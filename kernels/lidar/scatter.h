@@ -9,17 +9,19 @@
 /* Direction about a normal by the cosine law; see sampling/lidar_draws.h. */
 static inline float4 rc_cosine_direction(float4 n, float u, float v) {
   const float s = copysign(1.0f, n.z), a = -1.0f / (s + n.z), c = n.x * n.y * a;
-  const float4 t = (float4)(fma(s * n.x * a, n.x, 1.0f), s * c, -s * n.x, 0.0f), b = (float4)(c, fma(n.y * a, n.y, s), -n.y, 0.0f);
+  const float4 t = (float4)(fma(s * n.x * a, n.x, 1.0f), s * c, -s * n.x, 0.0f),
+               b = (float4)(c, fma(n.y * a, n.y, s), -n.y, 0.0f);
   const float r = sqrt(u), angle = 6.28318531f * v;
   return r * cos(angle) * t + r * sin(angle) * b + sqrt(1.0f - u) * n;
 }
 #endif
 
 #if RC_BOUNCES > 1
-/* Follows the paths that scattered at their first vertex until they end; deposits at every further one. `first`: number of the
- * word's first ray. */
-__attribute__((noinline)) static void rc_scatter_on(SceneArrays scene, const LidarTables* t, Paths16* paths, const Vertex16* at, uint first_ray,
-                                                    RC_ROW_SPACE float* rows, LidarSums* sums) {
+/* Follows the paths that scattered at their first vertex until they end; deposits at every further one. `first`: number
+ * of the word's first ray. */
+__attribute__((noinline)) static void rc_scatter_on(SceneArrays scene, const LidarTables* t, Paths16* paths,
+                                                    const Vertex16* at, uint first_ray, RC_ROW_SPACE float* rows,
+                                                    LidarSums* sums) {
   const uint key = as_uint(t->shot[RC_SHOT_TIME].z);
   const float4 reference = t->shot[RC_SHOT_REFERENCE];
   Vertex16 vertex = *at;
@@ -45,7 +47,8 @@ __attribute__((noinline)) static void rc_scatter_on(SceneArrays scene, const Lid
         const float4 optics = t->optics[vertex.surface[k] * RC_LASER_LINES + line];
         rho += optics.x;
         tau += optics.y;
-        plate += paths->order[k] && step > 1u ? optics.z : 0.0f;  /* at the first vertex the straight part is followed apart */
+        plate += paths->order[k] && step > 1u ? optics.z
+                                              : 0.0f; /* at the first vertex the straight part is followed apart */
       }
       const bool last = paths->order[k] >= RC_BOUNCES;
       if (last) rho = tau = 0.0f;
@@ -61,7 +64,8 @@ __attribute__((noinline)) static void rc_scatter_on(SceneArrays scene, const Lid
         straight |= 1u << k;
         direction = rc_lane4(way, k);
       } else {
-        const float u = rc_unit_float(rc_hash(t->seed, key, ray, RC_DRAW_RADIUS(step))), v = rc_unit_float(rc_hash(t->seed, key, ray, RC_DRAW_ANGLE(step)));
+        const float u = rc_unit_float(rc_hash(t->seed, key, ray, RC_DRAW_RADIUS(step))),
+                    v = rc_unit_float(rc_hash(t->seed, key, ray, RC_DRAW_ANGLE(step)));
         const float4 n = rc_lane4(normal, k);
         direction = rc_cosine_direction(lobe < rho ? n : -n, u, v);
       }
@@ -89,7 +93,8 @@ __attribute__((noinline)) static void rc_scatter_on(SceneArrays scene, const Lid
       RC_LINE float kept[16], booked[16];
       for (uint k = 0; k < 16u; ++k) {
         const float4 optics = t->optics[vertex.surface[k] * RC_LASER_LINES + line];
-        const float diffuse = step > 1u ? optics.x + optics.y : 1.0f, plate = step > 1u ? optics.z : 0.0f;  /* first vertex: split by the caller */
+        const float diffuse = step > 1u ? optics.x + optics.y : 1.0f,
+                    plate = step > 1u ? optics.z : 0.0f; /* first vertex: split by the caller */
         const bool last = paths->order[k] >= RC_BOUNCES;
         kept[k] = ended >> k & 1u ? 0.0f : last ? plate : diffuse + plate;
         booked[k] = ended >> k & 1u ? diffuse + plate : last ? diffuse : 0.0f;
@@ -109,7 +114,8 @@ __attribute__((noinline)) static void rc_scatter_on(SceneArrays scene, const Lid
     rc_meet(scene, rc_load16(0, hits.instance), rc_load16(0, hits.primitive), paths->live, &rays, &vertex);
     const int16 live = rc_bits16(paths->live);
     const float16 along = select((float16)(0.0f), fmax(vertex.along, 0.0f), live);
-    const Vector16 start = rc_minus16(rays.origin, rc_vector16(reference)), place = rc_along16(start, along, rays.direction);
+    const Vector16 start = rc_minus16(rays.origin, rc_vector16(reference)),
+                   place = rc_along16(start, along, rays.direction);
     paths->place = rc_select_vector16(paths->place, place, live);
     paths->way = rc_select_vector16(paths->way, rays.direction, live);
     paths->path += along;

@@ -12,17 +12,17 @@ typedef struct Rays16 {
 } Rays16;
 
 typedef struct Hits16 {
-  uint instance[16], primitive[16];  /* primitive 0 where nothing was hit */
+  uint instance[16], primitive[16]; /* primitive 0 where nothing was hit */
 } RC_LINE Hits16;
 
 typedef struct Vertex16 {
-  float16 along;            /* tau */
-  Vector16 normal;          /* unit, geometric, to the side the ray came from */
+  float16 along;   /* tau */
+  Vector16 normal; /* unit, geometric, to the side the ray came from */
 #if RC_CONTINUES || RC_SHADOWS
-  Vector16 front, back;     /* m, scene frame: off the surface by its error bound, on the ray's side and behind */
+  Vector16 front, back; /* m, scene frame: off the surface by its error bound, on the ray's side and behind */
 #endif
-  uint surface[16];         /* 0 in lanes that met nothing */
-  uint common;              /* the surface of all lanes that met something; RC_NONE: they differ */
+  uint surface[16]; /* 0 in lanes that met nothing */
+  uint common;      /* the surface of all lanes that met something; RC_NONE: they differ */
 } Vertex16;
 
 static inline Vector16 rc_vector16(float4 v) {
@@ -47,14 +47,17 @@ static inline Vector16 rc_select_vector16(Vector16 a, Vector16 b, int16 take_b) 
   return r;
 }
 
-static inline float16 rc_largest16(float16 a, float16 b, float16 c) { return rc_max16(fabs(a), rc_max16(fabs(b), fabs(c))); }
+static inline float16 rc_largest16(float16 a, float16 b, float16 c) {
+  return rc_max16(fabs(a), rc_max16(fabs(b), fabs(c)));
+}
 /* How far p is outside the range of a, b, c; NaN where p is. */
 static inline float16 rc_beyond16(float16 p, float16 a, float16 b, float16 c) {
   return rc_max16((float16)(0.0f), rc_max16(p - rc_max16(a, rc_max16(b, c)), rc_min16(a, rc_min16(b, c)) - p));
 }
 
 /* One instance's lanes; the others come out as numbers nobody reads. */
-static inline void rc_meet_instance(global const Instance* placed, const Vector16* v, const Rays16* rays, int16 lanes, float16* along, Vector16* towards) {
+static inline void rc_meet_instance(global const Instance* placed, const Vector16* v, const Rays16* rays, int16 lanes,
+                                    float16* along, Vector16* towards) {
   const float4 l0 = placed->local_from_world_0, l1 = placed->local_from_world_1, l2 = placed->local_from_world_2;
   const bool same = placed->flags & 1u;
   Vector16 o = rays->origin, s = rays->offset, d = rays->direction;
@@ -72,18 +75,22 @@ static inline void rc_meet_instance(global const Instance* placed, const Vector1
   const Vector16 to_corner = rc_minus16(rc_minus16(v[0], o), s);
   float16 tau = rc_dot16(n, to_corner) * over_nd;
   tau = fma(rc_dot16(n, rc_along16(to_corner, -tau, d)), over_nd, tau);
-  /* A grazing ray or sliver can throw the point off its triangle (0 / 0 included): then it is the box's nearest point. */
+  /* A grazing ray or sliver can throw the point off its triangle (0 / 0 included): then it is the box's nearest point.
+   * */
   const Vector16 start = rc_plus16(o, s), p = rc_along16(start, tau, d);
-  const float16 size = rc_largest16(rc_largest16(v[0].x, v[0].y, v[0].z), rc_largest16(v[1].x, v[1].y, v[1].z), rc_largest16(o.x, o.y, o.z));
-  const float16 off = rc_beyond16(p.x, v[0].x, v[1].x, v[2].x) + rc_beyond16(p.y, v[0].y, v[1].y, v[2].y) + rc_beyond16(p.z, v[0].z, v[1].z, v[2].z);
+  const float16 size = rc_largest16(rc_largest16(v[0].x, v[0].y, v[0].z), rc_largest16(v[1].x, v[1].y, v[1].z),
+                                    rc_largest16(o.x, o.y, o.z));
+  const float16 off = rc_beyond16(p.x, v[0].x, v[1].x, v[2].x) + rc_beyond16(p.y, v[0].y, v[1].y, v[2].y) +
+                      rc_beyond16(p.z, v[0].z, v[1].z, v[2].z);
   const int16 on = off <= size * (256.0f * RC_ULP);
   if (rc_mask16(lanes & ~on)) {
-    const Vector16 kept = {rc_clamp_to(p.x, v[0].x, v[1].x, v[2].x), rc_clamp_to(p.y, v[0].y, v[1].y, v[2].y), rc_clamp_to(p.z, v[0].z, v[1].z, v[2].z)};
+    const Vector16 kept = {rc_clamp_to(p.x, v[0].x, v[1].x, v[2].x), rc_clamp_to(p.y, v[0].y, v[1].y, v[2].y),
+                           rc_clamp_to(p.z, v[0].z, v[1].z, v[2].z)};
     tau = select(rc_dot16(rc_minus16(kept, start), d) / rc_dot16(d, d), tau, on);
   }
   *along = tau;
   Vector16 normal = n;
-  if (!same) {  /* normals go by the transposed inverse */
+  if (!same) { /* normals go by the transposed inverse */
     normal.x = fma((float16)(l0.x), n.x, fma((float16)(l1.x), n.y, l2.x * n.z));
     normal.y = fma((float16)(l0.y), n.x, fma((float16)(l1.y), n.y, l2.y * n.z));
     normal.z = fma((float16)(l0.z), n.x, fma((float16)(l1.z), n.y, l2.z * n.z));
@@ -101,7 +108,8 @@ static inline void rc_meet_instance(global const Instance* placed, const Vector1
 }
 
 /* The vertices of the lanes in `live`. */
-static inline void rc_meet(SceneArrays scene, uint16 instances, uint16 primitives, uint live, const Rays16* rays, Vertex16* vertex) {
+static inline void rc_meet(SceneArrays scene, uint16 instances, uint16 primitives, uint live, const Rays16* rays,
+                           Vertex16* vertex) {
   RC_LINE uint instance_of[16], primitive_of[16];
   rc_store16(instances, 0, instance_of);
   rc_store16(primitives, 0, primitive_of);
@@ -109,13 +117,13 @@ static inline void rc_meet(SceneArrays scene, uint16 instances, uint16 primitive
   uint16 surface = 0u;
   v[0].x = v[0].y = v[0].z = v[1].x = v[1].y = v[1].z = v[2].x = v[2].y = v[2].z = 0.0f;
   uint surfaces = 0, last = 0;
-  for (uint left = live; left;) {  /* neighbours share triangles */
+  for (uint left = live; left;) { /* neighbours share triangles */
     const uint primitive = primitive_of[rc_lowest(left)], lane = primitive % RC_BLOCK;
     const int16 same = (primitives == primitive) & rc_bits16(left);
     left &= ~rc_mask16(same);
     global const TriBlock* block = rc_block(scene, primitive / RC_BLOCK);
     global const float* at = (global const float*)block + lane;
-    #pragma unroll
+#pragma unroll
     for (uint c = 0; c < 3u; ++c) {
       v[c].x = select(v[c].x, (float16)(at[48u * c]), same);
       v[c].y = select(v[c].y, (float16)(at[48u * c + 16u]), same);
@@ -134,7 +142,7 @@ static inline void rc_meet(SceneArrays scene, uint16 instances, uint16 primitive
   vertex->front = vertex->back = zero;
   Vector16 backwards = {-rays->direction.x, -rays->direction.y, -rays->direction.z};
 #endif
-  while (live) {  /* one instance after the other: its matrices are shared */
+  while (live) { /* one instance after the other: its matrices are shared */
     const uint instance = instance_of[rc_lowest(live)];
     const int16 lanes = (instances == instance) & rc_bits16(live);
     live &= ~rc_mask16(lanes);
@@ -158,8 +166,7 @@ static inline void rc_meet(SceneArrays scene, uint16 instances, uint16 primitive
 /* One factor of the lanes' surfaces at a line: reflectance, diffuse or straight transmittance (0, 1, 2). */
 static inline float16 rc_matter16(const LidarTables* t, const Vertex16* vertex, uint line, uint which) {
   global const float* optics = (global const float*)t->optics;
-  if (vertex->common != RC_NONE)
-    return (float16)(optics[(vertex->common * RC_LASER_LINES + line) * 4u + which]);
+  if (vertex->common != RC_NONE) return (float16)(optics[(vertex->common * RC_LASER_LINES + line) * 4u + which]);
   RC_LINE float value[16];
   for (uint k = 0; k < 16u; ++k) value[k] = optics[(vertex->surface[k] * RC_LASER_LINES + line) * 4u + which];
   return rc_load16(0, value);

@@ -1,5 +1,6 @@
-/* Where a pixel's samples lie. Valid C++20 and OpenCL C 1.2; only exactly rounded operations, so host and device agree to
- * the bit (contraction off). Positions are relative to the pixel centre, in pixels: u along the line, v across lines. */
+/* Where a pixel's samples lie. Valid C++20 and OpenCL C 1.2; only exactly rounded operations, so host and device agree
+ * to the bit (contraction off). Positions are relative to the pixel centre, in pixels: u along the line, v across
+ * lines. */
 #ifndef RAYCUBE_KERNELS_SAMPLING_SAMPLER_H
 #define RAYCUBE_KERNELS_SAMPLING_SAMPLER_H
 
@@ -21,9 +22,18 @@ typedef std::uint32_t rc_u32;
 RC_INLINE rc_u32 rc_hash(rc_u32 seed, rc_u32 pixel, rc_u32 sample, rc_u32 dimension) {
   rc_u32 x = seed * 1664525u + 1013904223u, y = pixel * 1664525u + 1013904223u;
   rc_u32 z = sample * 1664525u + 1013904223u, w = dimension * 1664525u + 1013904223u;
-  x += y * w; y += z * x; z += x * y; w += y * z;
-  x ^= x >> 16; y ^= y >> 16; z ^= z >> 16; w ^= w >> 16;
-  x += y * w; y += z * x; z += x * y; w += y * z;
+  x += y * w;
+  y += z * x;
+  z += x * y;
+  w += y * z;
+  x ^= x >> 16;
+  y ^= y >> 16;
+  z ^= z >> 16;
+  w ^= w >> 16;
+  x += y * w;
+  y += z * x;
+  z += x * y;
+  w += y * z;
   return x ^ w;
 }
 
@@ -33,8 +43,10 @@ RC_INLINE float rc_unit_float(rc_u32 bits) { return (float)(bits >> 8) * 5.96046
 /* Position of sample s of nu * nv, over a square of `support` pixels. pixel = line * pixels_per_line + sample index.
  *   grid:     cell centres, row by row (u fastest)
  *   jittered: a random point in each cell
- *   lattice:  rank-1 golden-ratio lattice (x = (s + 0.5) / N, y = frac(s * 0.6180339887)), shifted per pixel, wrapped */
-RC_INLINE void rc_sample_uv(int kind, int nu, int nv, float support, rc_u32 seed, rc_u32 pixel, int s, float* u, float* v) {
+ *   lattice:  rank-1 golden-ratio lattice (x = (s + 0.5) / N, y = frac(s * 0.6180339887)), shifted per pixel, wrapped
+ *   */
+RC_INLINE void rc_sample_uv(int kind, int nu, int nv, float support, rc_u32 seed, rc_u32 pixel, int s, float* u,
+                            float* v) {
   float x, y;
   if (kind == RC_SAMPLER_LATTICE) {
     x = ((float)s + 0.5f) / (float)(nu * nv) + rc_unit_float(rc_hash(seed, pixel, 0u, 11u));
@@ -52,15 +64,15 @@ RC_INLINE void rc_sample_uv(int kind, int nu, int nv, float support, rc_u32 seed
   *v = (y - 0.5f) * support;
 }
 
-/* Sky directions of a pixel are shared out among its samples: sample s, counted through the whole pixel, looks into those of one of
- * `share` parts (0 .. share - 1), and what they hide counts `share` times. Neighbours have different parts along lines and across
- * them; where some parts have a sample more than others, the pixel's hash says which. */
+/* Sky directions of a pixel are shared out among its samples: sample s, counted through the whole pixel, looks into
+ * those of one of `share` parts (0 .. share - 1), and what they hide counts `share` times. Neighbours have different
+ * parts along lines and across them; where some parts have a sample more than others, the pixel's hash says which. */
 RC_INLINE rc_u32 rc_sky_part(rc_u32 seed, rc_u32 pixel, rc_u32 s, rc_u32 share) {
   return share == 1u ? 0u : (s + s / share + rc_hash(seed, pixel, 1u, 21u) % share) % share;
 }
 
-/* The j-th direction of a part. Directions come one golden angle after the other; every eighth or sixteenth of them would lie within a
- * third of the horizon, every seventh or fifteenth goes round it. */
+/* The j-th direction of a part. Directions come one golden angle after the other; every eighth or sixteenth of them
+ * would lie within a third of the horizon, every seventh or fifteenth goes round it. */
 RC_INLINE rc_u32 rc_sky_direction(rc_u32 part, rc_u32 j, rc_u32 share) {
   return j * share + (share < 8u ? part : (part + share - j % share) % share);
 }

@@ -2,24 +2,27 @@
 #ifndef RAYCUBE_KERNELS_SHARED_STRUCTS_H
 #define RAYCUBE_KERNELS_SHARED_STRUCTS_H
 
-#define RC_NONE 0xFFFFFFFFu   /* no instance, no primitive, no surface */
-#define RC_GROUP_WIDTH 4      /* pixels of one line that share a traversal: a constant of the plan, part of the results */
-#define RC_BLOCK 16           /* triangles per leaf block */
-#define RC_MAX_CHANNELS 32    /* channels (source x node) of a term row */
-#define RC_VOLUME_BOX 0u        /* shapes of a LidarVolume */
+#define RC_NONE 0xFFFFFFFFu /* no instance, no primitive, no surface */
+#define RC_GROUP_WIDTH 4    /* pixels of one line that share a traversal: a constant of the plan, part of the results */
+#define RC_BLOCK 16         /* triangles per leaf block */
+#define RC_MAX_CHANNELS 32  /* channels (source x node) of a term row */
+#define RC_VOLUME_BOX 0u    /* shapes of a LidarVolume */
 #define RC_VOLUME_GRID 1u
 #define RC_VOLUME_PLUME 2u
-#define RC_PLUME_WIDTHS 6.5f    /* a plume ends so many of its widths from the axis; a bell's share beyond is 8e-11 */
+#define RC_PLUME_WIDTHS 6.5f /* a plume ends so many of its widths from the axis; a bell's share beyond is 8e-11 */
 
 #ifdef __OPENCL_C_VERSION__
-/* What a kernel does, in a function of its own that the kernel only calls: PoCL makes three copies of a kernel, each with all
- * that is inlined into it, and compiles them all. A kernel passes its index; the body asks for no work-item function. */
+/* What a kernel does, in a function of its own that the kernel only calls: PoCL makes three copies of a kernel, each
+ * with all that is inlined into it, and compiles them all. A kernel passes its index; the body asks for no work-item
+ * function. */
 #define RC_BODY __attribute__((noinline)) static void
 typedef uint rc_uint;
 typedef float rc_float;
 typedef float4 rc_float4;
 #define RC_STRUCT_BEGIN(name, text) typedef struct name {
+/* clang-format off */
 #define RC_STRUCT_END(name, bytes) } name;
+/* clang-format on */
 #else
 #include <cstdint>
 namespace raycube::shared {
@@ -29,7 +32,10 @@ struct alignas(16) rc_float4 {
   float x = 0, y = 0, z = 0, w = 0;
 };
 #define RC_STRUCT_BEGIN(name, text) struct alignas(16) name {
-#define RC_STRUCT_END(name, bytes) }; static_assert(sizeof(name) == bytes, #name " has padding the field list does not name");
+/* clang-format off */
+#define RC_STRUCT_END(name, bytes) }; \
+  static_assert(sizeof(name) == bytes, #name " has padding the field list does not name");
+/* clang-format on */
 #endif
 #define RC_FIELD(type, name, text) type name;
 #define RC_ARRAY(type, name, count, text) type name[count];
@@ -39,6 +45,6 @@ struct alignas(16) rc_float4 {
 #undef RC_FIELD
 #undef RC_ARRAY
 #ifndef __OPENCL_C_VERSION__
-}  /* namespace raycube::shared */
+} /* namespace raycube::shared */
 #endif
 #endif

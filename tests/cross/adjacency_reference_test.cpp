@@ -1,6 +1,6 @@
-// Light between ground and air on the device against the reference (S4.9, S61): relief of several materials with trees of
-// spheres, a wide camera, so that height and view get several nodes and the environment many; the clear sky with rows for S,
-// T_dif and t of a hazy air. Limits are DESIGN section 7's; the model's are the simulation's tolerance.
+// Light between ground and air on the device against the reference (S4.9, S61): relief of several materials with trees
+// of spheres, a wide camera, so that height and view get several nodes and the environment many; the clear sky with
+// rows for S, T_dif and t of a hazy air. Limits are DESIGN section 7's; the model's are the simulation's tolerance.
 #include <doctest/doctest.h>
 
 #include "atmos_tables/clear_sky.h"
@@ -17,7 +17,8 @@ scene::Simulation patches() {
   scene::Simulation simulation;
   auto& scene = simulation.scene;
   std::vector<std::uint32_t> material;
-  for (const double r : {0.03, 0.1, 0.25, 0.5, 0.8}) material.push_back(test::add_material(scene, "m" + std::to_string(material.size()), r));
+  for (const double r : {0.03, 0.1, 0.25, 0.5, 0.8})
+    material.push_back(test::add_material(scene, "m" + std::to_string(material.size()), r));
   shared::Surface mixture{};
   mixture.curve[0] = 2, mixture.curve[1] = 5;
   mixture.fraction[0] = 0.25f, mixture.fraction[1] = 0.75f;
@@ -34,7 +35,10 @@ scene::Simulation patches() {
   std::fill(ball.surface.begin(), ball.surface.end(), material[3]);
   const auto tree = append_mesh(scene, "tree", ball);
   for (std::uint32_t i = 0; i < 60; ++i)
-    append_instance(scene, tree, test::placement(0, 0, 1, 400 * test::unit_random(1, i, 0) - 200, 400 * test::unit_random(1, i, 1) - 200, 12), i + 1);
+    append_instance(
+        scene, tree,
+        test::placement(0, 0, 1, 400 * test::unit_random(1, i, 0) - 200, 400 * test::unit_random(1, i, 1) - 200, 12),
+        i + 1);
   finish_top_tree(scene);
   simulation.sun.zenith_deg = 50, simulation.sun.azimuth_deg = 140;
   simulation.seed = 7;
@@ -48,18 +52,20 @@ scene::Simulation patches() {
 
 }  // namespace
 
-TEST_CASE("S4.9 S61 light between ground and air: device and reference agree on every band; map and table within tolerance") {
+TEST_CASE(
+    "S4.9 S61 light between ground and air: device and reference agree on every band; map and table within tolerance") {
   scene::Simulation simulation = patches();
   const scene::Instrument& camera = simulation.instruments[0];
-  atmos::RenderTable table = atmos::build_clear_sky(simulation.atmosphere, simulation.sun, 800, atmos::clear_sky_wavelengths(0.38, 0.95, 0.005),
-                                                    atmos::clear_sky_heights(simulation.scene.lo[2], simulation.scene.hi[2]));
+  atmos::RenderTable table = atmos::build_clear_sky(
+      simulation.atmosphere, simulation.sun, 800, atmos::clear_sky_wavelengths(0.38, 0.95, 0.005),
+      atmos::clear_sky_heights(simulation.scene.lo[2], simulation.scene.hi[2]));
   test::add_ground_coupling(table);
   render::Renderer renderer(simulation.scene, {});
   for (const auto mode : {scene::Adjacency::local, scene::Adjacency::mean}) {
     simulation.atmosphere.adjacency = mode;
     const plan::Plan plan = plan::make_plan(simulation, camera, table, sensors::view_bounds(camera));
-    MESSAGE("nodes: height " << plan.height.count << ", view " << plan.view.count << ", environment " << plan.environment.columns << " x "
-                             << plan.environment.rows);
+    MESSAGE("nodes: height " << plan.height.count << ", view " << plan.view.count << ", environment "
+                             << plan.environment.columns << " x " << plan.environment.rows);
     REQUIRE(plan.height.count > 1);
     CHECK((plan.environment.nodes() > 100) == (mode == scene::Adjacency::local));
     cli::CheckOptions options;

@@ -38,8 +38,8 @@ struct GdalFile {
     const int nx = set->GetRasterXSize(), ny = set->GetRasterYSize(), nb = set->GetRasterCount();
     std::vector<double> out(static_cast<std::size_t>(nx) * ny * nb * parts);
     const GSpacing item = 8 * parts;
-    REQUIRE(set->RasterIO(GF_Read, 0, 0, nx, ny, out.data(), nx, ny, parts == 2 ? GDT_CFloat64 : GDT_Float64, nb, nullptr, item * nb,
-                          item * nb * nx, item, nullptr) == CE_None);
+    REQUIRE(set->RasterIO(GF_Read, 0, 0, nx, ny, out.data(), nx, ny, parts == 2 ? GDT_CFloat64 : GDT_Float64, nb,
+                          nullptr, item * nb, item * nb * nx, item, nullptr) == CE_None);
     return out;
   }
 };
@@ -70,7 +70,8 @@ std::string write_cube(const TestFolder& folder, const EnviHeader& h, std::int64
     for (std::int64_t l = 0; l < lines; ++l)
       for (std::int64_t x = 0; x < h.samples; ++x)
         for (std::int64_t b = 0; b < h.bands; ++b)
-          values[static_cast<std::size_t>(l * h.samples + x) * stride + static_cast<std::size_t>(b)] = value_at(line + l, x, b);
+          values[static_cast<std::size_t>(l * h.samples + x) * stride + static_cast<std::size_t>(b)] =
+              value_at(line + l, x, b);
     const Strip strip{line, lines, values.data(), stride};
     writer.write(strip);
     hash.add_radiance(strip, h.samples, h.bands);
@@ -113,7 +114,8 @@ TEST_CASE("what we write in each interleave, GDAL reads: samples, wavelengths, n
         std::size_t wrong = 0;
         for (int l = 0; l < 23; ++l)
           for (int x = 0; x < 70; ++x)
-            for (int b = 0; b < 67; ++b) wrong += values[(static_cast<std::size_t>(l) * 70 + x) * 67 + b] != value_at(l, x, b);
+            for (int b = 0; b < 67; ++b)
+              wrong += values[(static_cast<std::size_t>(l) * 70 + x) * 67 + b] != value_at(l, x, b);
         CHECK(wrong == 0);
         CHECK(std::string(gdal.set->GetRasterBand(31)->GetMetadataItem("wavelength")) == "0.7");
         CHECK(std::string(gdal.set->GetRasterBand(31)->GetMetadataItem("wavelength_units")) == "Micrometers");
@@ -156,7 +158,8 @@ TEST_CASE("scaled uint16: GDAL sees the gain, values return within half a step, 
 TEST_CASE("every ENVI data type and interleave that GDAL writes, we read alike") {
   GDALAllRegister();
   auto* driver = GetGDALDriverManager()->GetDriverByName("ENVI");
-  for (const auto type : {GDT_Byte, GDT_Int16, GDT_Int32, GDT_Float32, GDT_Float64, GDT_CFloat32, GDT_CFloat64, GDT_UInt16, GDT_UInt32})
+  for (const auto type :
+       {GDT_Byte, GDT_Int16, GDT_Int32, GDT_Float32, GDT_Float64, GDT_CFloat32, GDT_CFloat64, GDT_UInt16, GDT_UInt32})
     for (const char* interleave : {"INTERLEAVE=BSQ", "INTERLEAVE=BIL", "INTERLEAVE=BIP"})
       for (const char* suffix : {"SUFFIX=ADD", static_cast<const char*>(nullptr)}) {  // g.img.hdr, g.hdr
         CAPTURE(GDALGetDataTypeName(type));
@@ -167,8 +170,10 @@ TEST_CASE("every ENVI data type and interleave that GDAL writes, we read alike")
         auto* set = driver->Create(path.c_str(), 5, 4, 3, type, const_cast<char**>(options));
         REQUIRE(set != nullptr);
         std::vector<std::complex<double>> values(60);
-        for (std::size_t i = 0; i < values.size(); ++i) values[i] = {static_cast<double>(i * 4 + 1), static_cast<double>(i) * 0.5};
-        REQUIRE(set->RasterIO(GF_Write, 0, 0, 5, 4, values.data(), 5, 4, GDT_CFloat64, 3, nullptr, 48, 240, 16, nullptr) == CE_None);
+        for (std::size_t i = 0; i < values.size(); ++i)
+          values[i] = {static_cast<double>(i * 4 + 1), static_cast<double>(i) * 0.5};
+        REQUIRE(set->RasterIO(GF_Write, 0, 0, 5, 4, values.data(), 5, 4, GDT_CFloat64, 3, nullptr, 48, 240, 16,
+                              nullptr) == CE_None);
         GDALClose(set);
         const EnviReader reader(path);
         const int parts = reader.header().type().components;
@@ -186,19 +191,22 @@ TEST_CASE("big-endian files of every type give the numbers of their little-endia
     const auto* type = find_envi_type(code);
     const std::size_t part = type->bytes / static_cast<std::size_t>(type->components);
     std::string little;
-    for (std::size_t i = 0; i < 6 * type->bytes; ++i) little += static_cast<char>(i % part == part - 1 ? 0x40 + i % 5 : i * 29 + 7);
+    for (std::size_t i = 0; i < 6 * type->bytes; ++i)
+      little += static_cast<char>(i % part == part - 1 ? 0x40 + i % 5 : i * 29 + 7);
     std::string big = little;
     for (std::size_t at = 0; at < big.size(); at += part)
       std::reverse(big.begin() + static_cast<std::ptrdiff_t>(at), big.begin() + static_cast<std::ptrdiff_t>(at + part));
-    const std::string header = "ENVI\nsamples = 3\nlines = 2\nbands = 1\nheader offset = 5\ndata type = " + std::to_string(code) +
-                               "\ninterleave = bip\nfile type = ENVI Standard\n";
+    const std::string header =
+        "ENVI\nsamples = 3\nlines = 2\nbands = 1\nheader offset = 5\ndata type = " + std::to_string(code) +
+        "\ninterleave = bip\nfile type = ENVI Standard\n";
     folder.write("l.img", "12345" + little);
     folder.write("l.img.hdr", header + "byte order = 0\n");
     folder.write("b.img", "12345" + big);
     folder.write("b.hdr", header + "byte order = 1\n");
     const auto values = EnviReader(folder / "l.img.hdr").read_lines(0, 2);
     CHECK(EnviReader(folder / "b.img").read_lines(0, 2) == values);
-    if (code < 14) CHECK(GdalFile(folder / "b.img").all(type->components) == values);  // GDAL 3.6 has no 64-bit integers in ENVI
+    if (code < 14)
+      CHECK(GdalFile(folder / "b.img").all(type->components) == values);  // GDAL 3.6 has no 64-bit integers in ENVI
   }
 }
 
@@ -273,7 +281,8 @@ TEST_CASE("real ENVI files from seven instruments read as GDAL reads them") {
     const auto ours = reader.read_lines(0, reader.header().lines), theirs = gdal.all(reader.header().type().components);
     REQUIRE(ours.size() == theirs.size());
     std::size_t different = 0;
-    for (std::size_t i = 0; i < ours.size(); ++i) different += !(ours[i] == theirs[i] || (std::isnan(ours[i]) && std::isnan(theirs[i])));
+    for (std::size_t i = 0; i < ours.size(); ++i)
+      different += !(ours[i] == theirs[i] || (std::isnan(ours[i]) && std::isnan(theirs[i])));
     CHECK(different == 0);
     ++read;
   }

@@ -1,5 +1,5 @@
-// Device against the LIDAR reference, bin by bin, over a small zoo: every bin within 1e-5 of the pulse's peak bin where both follow the
-// same rays.
+// Device against the LIDAR reference, bin by bin, over a small zoo: every bin within 1e-5 of the pulse's peak bin where
+// both follow the same rays.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -28,7 +28,8 @@ reference::LidarReport compare(const Zoo& zoo, int replicas = 16) {
   options.replicas = replicas;
   reference::LidarComparison comparison(zoo.scene, zoo.plan, options);
   std::vector<lidar::ShotResult> results;
-  renderer.render(zoo.plan, zoo.shots, [&](lidar::ShotResult&& shot) { results.push_back(std::move(shot)); }, true);
+  renderer.render(
+      zoo.plan, zoo.shots, [&](lidar::ShotResult&& shot) { results.push_back(std::move(shot)); }, true);
   comparison.add(results);
   const reference::LidarReport report = comparison.report();
   MESSAGE(report.text());
@@ -44,11 +45,14 @@ double shoot_sum(const Zoo& zoo) {
 }
 
 /// Shots from `at`, spread over directions about a middle one, each with a turn of its footprint.
-std::vector<lidar::Shot> fan(const scene::Lidar& lidar, const lidar::Vec3& at, const lidar::Vec3& towards, int count, double spread) {
+std::vector<lidar::Shot> fan(const scene::Lidar& lidar, const lidar::Vec3& at, const lidar::Vec3& towards, int count,
+                             double spread) {
   std::vector<lidar::Shot> shots;
   for (int i = 0; i < count; ++i) {
-    const double x = spread * (2 * unit_random(5, static_cast<std::uint32_t>(i), 0) - 1), y = spread * (2 * unit_random(5, static_cast<std::uint32_t>(i), 1) - 1);
-    const lidar::Vec3 place{at[0] + 3 * unit_random(5, static_cast<std::uint32_t>(i), 2), at[1], at[2] + unit_random(5, static_cast<std::uint32_t>(i), 3)};
+    const double x = spread * (2 * unit_random(5, static_cast<std::uint32_t>(i), 0) - 1),
+                 y = spread * (2 * unit_random(5, static_cast<std::uint32_t>(i), 1) - 1);
+    const lidar::Vec3 place{at[0] + 3 * unit_random(5, static_cast<std::uint32_t>(i), 2), at[1],
+                            at[2] + unit_random(5, static_cast<std::uint32_t>(i), 3)};
     shots.push_back(shot_from(lidar, place, {towards[0] + x, towards[1] + y, towards[2]}, i));
   }
   return shots;
@@ -92,7 +96,9 @@ TEST_CASE("I8: the plan's own taps: a tabulated pulse with a tail, a Gaussian as
   lidar.pulse.shape_time_s = {-3e-9, -1e-9, 0, 2e-9, 5e-9, 12e-9};
   lidar.pulse.shape_power = {0, 0.6e8, 1.9e8, 1.2e8, 0.3e8, 0};
   double area = 0;
-  for (std::size_t i = 1; i < 6; ++i) area += 0.5 * (lidar.pulse.shape_power[i] + lidar.pulse.shape_power[i - 1]) * (lidar.pulse.shape_time_s[i] - lidar.pulse.shape_time_s[i - 1]);
+  for (std::size_t i = 1; i < 6; ++i)
+    area += 0.5 * (lidar.pulse.shape_power[i] + lidar.pulse.shape_power[i - 1]) *
+            (lidar.pulse.shape_time_s[i] - lidar.pulse.shape_time_s[i - 1]);
   for (double& power : lidar.pulse.shape_power) power /= area;
   for (const bool table : {true, false}) {
     if (!table) lidar.pulse.shape = scene::PulseShape::gaussian, lidar.pulse.fwhm_s = lidar.gate.bin_s;
@@ -114,7 +120,8 @@ TEST_CASE("I8: a crown of leaves, placed five times, over the ground") {
   scene::CompiledScene scene = scene_of({0.45, 0.2});
   scene.materials[0].transmittance = {{0.3, 4.0}, {0.4, 0.4}};
   const auto crown_mesh = scene::append_mesh(scene, "crown", crown(400, 0.2, 2, 3));
-  for (std::uint32_t i = 0; i < 5; ++i) scene::append_instance(scene, crown_mesh, placement(i, 0.1 * i, 1 + 0.1 * i, 3.0 * i - 6, 1.0 * i, 4), i);
+  for (std::uint32_t i = 0; i < 5; ++i)
+    scene::append_instance(scene, crown_mesh, placement(i, 0.1 * i, 1 + 0.1 * i, 3.0 * i - 6, 1.0 * i, 4), i);
   add_plane(scene, 1, {0, 0, 0}, 60);
   auto lidar = topographic_lidar();
   lidar.pulse.half_divergence_rad = 1e-3;
@@ -201,7 +208,9 @@ TEST_CASE("I8: gas on the way: box, grid and plume") {
     }();
     CHECK(shoot_sum(zoo) < 0.9 * clear);  // there is something to be right about
     for (const bool apart : {false, true}) {
-      if (apart) for (lidar::Shot& shot : zoo.shots) place_pupil(shot, {shot.pupil_m[0] + 0.3, shot.pupil_m[1], shot.pupil_m[2]}, shot.pupil_axis);
+      if (apart)
+        for (lidar::Shot& shot : zoo.shots)
+          place_pupil(shot, {shot.pupil_m[0] + 0.3, shot.pupil_m[1], shot.pupil_m[2]}, shot.pupil_axis);
       holds(compare(zoo));
     }
   }
@@ -247,7 +256,8 @@ TEST_CASE("I8: scattered light among leaves and plates, two lines, on the same d
   scene.materials[1].transmittance = {{0.3, 4.0}, {0.5, 0.5}};
   scene.materials[1].transmission = scene::Material::Transmission::plate;
   const auto crown_mesh = scene::append_mesh(scene, "crown", crown(300, 0.3, 2, 3));
-  for (std::uint32_t i = 0; i < 4; ++i) scene::append_instance(scene, crown_mesh, placement(i, 0.1 * i, 1 + 0.1 * i, 3.0 * i - 5, 1.0 * i, 5), i);
+  for (std::uint32_t i = 0; i < 4; ++i)
+    scene::append_instance(scene, crown_mesh, placement(i, 0.1 * i, 1 + 0.1 * i, 3.0 * i - 5, 1.0 * i, 5), i);
   add_rectangle(scene, 1, {-20, -20, 2}, {40, 0, 0.5}, {0, 40, 0});
   add_plane(scene, 2, {0, 0, 0}, 60);
   auto lidar = topographic_lidar();
@@ -260,7 +270,8 @@ TEST_CASE("I8: scattered light among leaves and plates, two lines, on the same d
   const auto report = compare(zoo);
   for (const std::string& failure : report.failures()) FAIL_CHECK(failure);
   CHECK(report.compared_pulses > 12);
-  // Paths of five bounces meet thousands of small leaves; one that passes an edge on the other side changes its pulse's bins.
+  // Paths of five bounces meet thousands of small leaves; one that passes an edge on the other side changes its pulse's
+  // bins.
   CHECK(report.scattered.same_draws > 0.5 * static_cast<double>(report.pulses));
   CHECK(report.scattered.groups > 3);
 }
@@ -293,7 +304,8 @@ TEST_CASE("I8: the comparison finds what it is for") {
   zoo.plan = hand_plan(lidar, zoo.scene);
   render::LidarRenderer renderer(zoo.scene, {});
   std::vector<lidar::ShotResult> good;
-  renderer.render(zoo.plan, zoo.shots, [&](lidar::ShotResult&& shot) { good.push_back(std::move(shot)); }, true);
+  renderer.render(
+      zoo.plan, zoo.shots, [&](lidar::ShotResult&& shot) { good.push_back(std::move(shot)); }, true);
   const auto failures = [&](const std::function<void(std::vector<lidar::ShotResult>&)>& spoil) {
     std::vector<lidar::ShotResult> results = good;
     spoil(results);
@@ -304,8 +316,12 @@ TEST_CASE("I8: the comparison finds what it is for") {
     return all;
   };
   CHECK(failures([](auto&) {}).empty());
-  CHECK(failures([](auto& r) { *std::max_element(r[3].first.begin(), r[3].first.end()) *= 1.00003f; }).find("1 pulses differ by more than 1e-05") == 0);
-  CHECK(failures([](auto& r) { r[2].hits[40].primitive ^= 1; }).find("first hits differ without explanation, the first in pulse 2, ray 40") != std::string::npos);
+  CHECK(failures([](auto& r) {
+          *std::max_element(r[3].first.begin(), r[3].first.end()) *= 1.00003f;
+        }).find("1 pulses differ by more than 1e-05") == 0);
+  CHECK(failures([](auto& r) {
+          r[2].hits[40].primitive ^= 1;
+        }).find("first hits differ without explanation, the first in pulse 2, ray 40") != std::string::npos);
   CHECK(failures([](auto& r) { r[0].ledger[0].absorbed += 2e-6; }).find("from closed") != std::string::npos);
   CHECK(failures([](auto& r) {
           for (auto& shot : r)

@@ -20,10 +20,14 @@ using raycube::testing::TestFolder;
 namespace {
 constexpr int kBins = 333, kPixels = 3, kPulses = 41;
 /// A value that no wrong order of axes reproduces.
-float value_at(int line, int bin, int band) { return static_cast<float>(line * 1000 + bin) + 0.25f * static_cast<float>(band); }
+float value_at(int line, int bin, int band) {
+  return static_cast<float>(line * 1000 + bin) + 0.25f * static_cast<float>(band);
+}
 }  // namespace
 
-TEST_CASE("LIDAR 11.1: a time cube whose number of lines nobody knew before is read by GDAL and by our reader, time axis in the header") {
+TEST_CASE(
+    "LIDAR 11.1: a time cube whose number of lines nobody knew before is read by GDAL and by our reader, time axis in "
+    "the header") {
   TestFolder folder;
   {
     base::OutputSet set(folder.path.string());
@@ -32,7 +36,8 @@ TEST_CASE("LIDAR 11.1: a time cube whose number of lines nobody knew before is r
     std::vector<float> row(2 * kBins);
     for (int line = 0; line < kPulses * kPixels; ++line) {
       for (int band = 0; band < 2; ++band)
-        for (int bin = 0; bin < kBins; ++bin) row[static_cast<std::size_t>(band * kBins + bin)] = value_at(line, bin, band);
+        for (int bin = 0; bin < kBins; ++bin)
+          row[static_cast<std::size_t>(band * kBins + bin)] = value_at(line, bin, band);
       writer.add(row);
     }
     CHECK_THROWS_AS(writer.add({1.0f}), base::Error);
@@ -47,10 +52,12 @@ TEST_CASE("LIDAR 11.1: a time cube whose number of lines nobody knew before is r
   CHECK(set->GetRasterCount() == 2);
   std::vector<float> band_values(static_cast<std::size_t>(kBins) * kPulses * kPixels);
   for (int band = 0; band < 2; ++band) {
-    REQUIRE(set->GetRasterBand(band + 1)->RasterIO(GF_Read, 0, 0, kBins, kPulses * kPixels, band_values.data(), kBins, kPulses * kPixels, GDT_Float32, 0, 0) == CE_None);
+    REQUIRE(set->GetRasterBand(band + 1)->RasterIO(GF_Read, 0, 0, kBins, kPulses * kPixels, band_values.data(), kBins,
+                                                   kPulses * kPixels, GDT_Float32, 0, 0) == CE_None);
     std::size_t wrong = 0;
     for (int line = 0; line < kPulses * kPixels; ++line)
-      for (int bin = 0; bin < kBins; ++bin) wrong += band_values[static_cast<std::size_t>(line * kBins + bin)] != value_at(line, bin, band);
+      for (int bin = 0; bin < kBins; ++bin)
+        wrong += band_values[static_cast<std::size_t>(line * kBins + bin)] != value_at(line, bin, band);
     CHECK(wrong == 0);
   }
   const char* const start = set->GetMetadataItem("raycube_bin_start_ns", "ENVI");
@@ -85,7 +92,8 @@ TEST_CASE("LIDAR 11.1: tables keep every digit, quote what must be quoted, and l
     csv.finish();
     file.publish();
   }
-  CHECK(folder.read("b.csv") == "name,value_m,count\nplain,0.1,-9007199254740993\n\"with \"\"quotes\"\", comma\",,0.1\n");
+  CHECK(folder.read("b.csv") ==
+        "name,value_m,count\nplain,0.1,-9007199254740993\n\"with \"\"quotes\"\", comma\",,0.1\n");
 }
 
 TEST_CASE("L-28: LAS: the coordinate system of a LAS file is OGC WKT 1 that GDAL knows as the code it came from") {

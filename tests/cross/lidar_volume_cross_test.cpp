@@ -18,8 +18,8 @@ struct Worst {
   int rays = 0;
 };
 
-/// Rays from 200 m up and away to points in a box about the volume; both codes get the same floats. Columns below a thousandth of the
-/// largest are left out: at a plume's rim single precision counts, not the rule.
+/// Rays from 200 m up and away to points in a box about the volume; both codes get the same floats. Columns below a
+/// thousandth of the largest are left out: at a plume's rim single precision counts, not the rule.
 Worst compare(const Volume& volume, glm::dvec3 lo, glm::dvec3 hi) {
   const auto flat = lidar::flatten_volumes({volume});
   const reference::VolumePath path(volume);
@@ -27,14 +27,22 @@ Worst compare(const Volume& volume, glm::dvec3 lo, glm::dvec3 hi) {
   std::uniform_real_distribution<double> unit(0, 1);
   std::vector<std::pair<double, double>> both;
   for (int i = 0; i < 400; ++i) {
-    const auto to_float = [](const glm::dvec3& v) { return shared::rc_float4{static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z), 0}; };
-    const auto to_double = [](const shared::rc_float4& v) { return glm::dvec3(static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)); };
+    const auto to_float = [](const glm::dvec3& v) {
+      return shared::rc_float4{static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z), 0};
+    };
+    const auto to_double = [](const shared::rc_float4& v) {
+      return glm::dvec3(static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z));
+    };
     const glm::dvec3 to = lo + (hi - lo) * glm::dvec3(unit(random), unit(random), unit(random));
-    const shared::rc_float4 from = to_float(to + glm::dvec3(400 * (unit(random) - 0.5), 400 * (unit(random) - 0.5), 200));
+    const shared::rc_float4 from =
+        to_float(to + glm::dvec3(400 * (unit(random) - 0.5), 400 * (unit(random) - 0.5), 200));
     const shared::rc_float4 way = to_float(glm::normalize(to - to_double(from)));
     const float length = static_cast<float>((0.5 + unit(random)) * glm::distance(to, to_double(from)));
-    const double found = static_cast<double>(flat.volumes[0].strength.x * shared::rc_volume_path(flat.volumes.data(), flat.values.data(), from, way, 0, length));
-    both.emplace_back(found, path.column_cm2({to_double(from), to_double(way), static_cast<double>(length)}) / lidar::kMoleculesPerPpmM);
+    const double found =
+        static_cast<double>(flat.volumes[0].strength.x *
+                            shared::rc_volume_path(flat.volumes.data(), flat.values.data(), from, way, 0, length));
+    both.emplace_back(found, path.column_cm2({to_double(from), to_double(way), static_cast<double>(length)}) /
+                                 lidar::kMoleculesPerPpmM);
   }
   Worst out;
   for (const auto& [found, expected] : both) out.columns = std::max(out.columns, expected);
@@ -46,7 +54,8 @@ Worst compare(const Volume& volume, glm::dvec3 lo, glm::dvec3 hi) {
     ++out.rays;
     out.relative = std::max(out.relative, std::abs(found / expected - 1));
   }
-  MESSAGE(volume.name << ": " << out.rays << " rays, largest column " << out.columns << " ppm m, worst relative difference " << out.relative);
+  MESSAGE(volume.name << ": " << out.rays << " rays, largest column " << out.columns
+                      << " ppm m, worst relative difference " << out.relative);
   return out;
 }
 
@@ -60,7 +69,8 @@ Volume base(const char* name, Volume::Shape shape) {
 }  // namespace
 
 TEST_CASE("S61: device's and reference's columns through box, grid and plumes agree, whole and cut off inside") {
-  // Single precision places a ray's entry within 2e-5 m: of columns a few metres long, and of plumes a metre wide, 1e-5.
+  // Single precision places a ray's entry within 2e-5 m: of columns a few metres long, and of plumes a metre wide,
+  // 1e-5.
   const Worst box = compare(base("box", Volume::Shape::box), {-20, -60, 0}, {80, 20, 35});
   CHECK(box.rays > 100);
   CHECK(box.relative < 5e-5);

@@ -1,5 +1,5 @@
-// OpenEXR, PNG, map grid and run record, each read back by an independent library: OpenEXR's reader, libpng's simplified
-// reader, GDAL, a JSON parser.
+// OpenEXR, PNG, map grid and run record, each read back by an independent library: OpenEXR's reader, libpng's
+// simplified reader, GDAL, a JSON parser.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -58,7 +58,8 @@ TEST_CASE("OpenEXR: two parts written in strips read back exactly, with channel 
   const TestFolder folder;
   const auto values = image(8);
   base::OutputSet set(folder.path.string());
-  ExrWriter writer(set.add("a.exr"), kWidth, kHeight, {{"truth", {"hit.X", "hit.Y", "sun_fraction"}}, {"radiance", {"650 nm"}}},
+  ExrWriter writer(set.add("a.exr"), kWidth, kHeight,
+                   {{"truth", {"hit.X", "hit.Y", "sun_fraction"}}, {"radiance", {"650 nm"}}},
                    {{"dataUnits", "W m-2 sr-1 um-1"}});
   for (std::int64_t line = 0; line < kHeight; line += 10) {
     const auto lines = std::min<std::int64_t>(10, kHeight - line);
@@ -81,7 +82,8 @@ TEST_CASE("OpenEXR: two parts written in strips read back exactly, with channel 
   };
   const auto x = channel(0, "hit.X"), sun = channel(0, "sun_fraction"), red = channel(1, "650 nm");
   std::size_t wrong = 0;
-  for (std::size_t i = 0; i < kWidth * kHeight; ++i) wrong += x[i] != values[i * 8] || sun[i] != values[i * 8 + 5] || red[i] != values[i * 8 + 7];
+  for (std::size_t i = 0; i < kWidth * kHeight; ++i)
+    wrong += x[i] != values[i * 8] || sun[i] != values[i * 8 + 5] || red[i] != values[i * 8 + 7];
   CHECK(wrong == 0);
 }
 
@@ -119,9 +121,9 @@ TEST_CASE("quicklook: percentiles of a known ramp, black and full outside them, 
   const TestFolder folder;
   std::vector<float> values(101 * 3);
   for (int i = 0; i < 101; ++i) {
-    values[i * 3] = static_cast<float>(i);           // 0..100: percentiles 2 and 98 are 2 and 98 by nearest rank
+    values[i * 3] = static_cast<float>(i);  // 0..100: percentiles 2 and 98 are 2 and 98 by nearest rank
     values[i * 3 + 1] = static_cast<float>(1000 - i);
-    values[i * 3 + 2] = 7.0f;                        // uniform
+    values[i * 3 + 2] = 7.0f;  // uniform
   }
   values[50 * 3] = NAN;
   base::OutputFile file(folder / "q.png");
@@ -153,7 +155,8 @@ TEST_CASE("quicklook of a large image is averaged: memory stays bounded") {
   CHECK(look.averaged_over() == 3);
   std::vector<float> line(static_cast<std::size_t>(side));
   for (std::int64_t y = 0; y < side; ++y) {
-    for (std::int64_t x = 0; x < side; ++x) line[static_cast<std::size_t>(x)] = static_cast<float>(x % 3 + x / 3);  // mean of a triple: 1 + x/3
+    for (std::int64_t x = 0; x < side; ++x)
+      line[static_cast<std::size_t>(x)] = static_cast<float>(x % 3 + x / 3);  // mean of a triple: 1 + x/3
     look.add({y, 1, line.data(), 1});
   }
   const TestFolder folder;
@@ -228,7 +231,8 @@ TEST_CASE("run record is JSON with every figure of S62") {
   CHECK(json["stage_s"]["trace"] == 3.5);
   CHECK(json["configuration"]["tolerance"] == 0.01);
   CHECK(json["plan"].is_null());
-  for (const char* key : {"program", "device", "digest", "rays_per_s", "band_samples_per_s", "memory", "total_s"}) CHECK(json.contains(key));
+  for (const char* key : {"program", "device", "digest", "rays_per_s", "band_samples_per_s", "memory", "total_s"})
+    CHECK(json.contains(key));
   r.plan_json = "{broken";
   CHECK_THROWS_AS(run_record_json(r), base::Error);
 }

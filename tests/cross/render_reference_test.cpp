@@ -1,6 +1,6 @@
-// The whole chain on the device against the reference (S60, S61): what `raycube check` does, on a small scene that has every
-// kind of trouble at once. Geometry: rolling terrain, a box, leaf clouds placed with turn, tilt and scale; clear sky, sun
-// at 50 degrees; framing camera at 600 m, 5 x 5 samples. Limits are DESIGN section 7's.
+// The whole chain on the device against the reference (S60, S61): what `raycube check` does, on a small scene that has
+// every kind of trouble at once. Geometry: rolling terrain, a box, leaf clouds placed with turn, tilt and scale; clear
+// sky, sun at 50 degrees; framing camera at 600 m, 5 x 5 samples. Limits are DESIGN section 7's.
 #include <doctest/doctest.h>
 
 #include <set>
@@ -58,8 +58,10 @@ scene::Simulation small_park() {
   scene::append_instance(scene, base, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}, 0);
   for (int i = 0; i < 12; ++i) {
     const glm::dmat3 m = rotation(0.7 * i, 0.05 * i, 0.7 + 0.05 * i);
-    scene::append_instance(scene, tree, {m[0][0], m[1][0], m[2][0], 6.0 * (i % 4) - 9, m[0][1], m[1][1], m[2][1], 7.0 * (i / 4) - 8,
-                                         m[0][2], m[1][2], m[2][2], 0.5}, static_cast<std::uint32_t>(i + 1));
+    scene::append_instance(scene, tree,
+                           {m[0][0], m[1][0], m[2][0], 6.0 * (i % 4) - 9, m[0][1], m[1][1], m[2][1], 7.0 * (i / 4) - 8,
+                            m[0][2], m[1][2], m[2][2], 0.5},
+                           static_cast<std::uint32_t>(i + 1));
   }
   scene::finish_top_tree(scene);
   simulation.sun.zenith_deg = 50, simulation.sun.azimuth_deg = 140;
@@ -85,9 +87,10 @@ scene::Simulation small_park() {
 TEST_CASE("S60 S61: device and reference agree on hits, sun and radiance of every band; the tables within tolerance") {
   const scene::Simulation simulation = small_park();
   const scene::Instrument& camera = simulation.instruments[0];
-  const atmos::RenderTable table = atmos::build_clear_sky(
-      simulation.atmosphere, simulation.sun, 600, atmos::clear_sky_wavelengths(0.36, 1.1, 0.005),
-      atmos::clear_sky_heights(static_cast<double>(simulation.scene.lo[2]), static_cast<double>(simulation.scene.hi[2])));
+  const atmos::RenderTable table =
+      atmos::build_clear_sky(simulation.atmosphere, simulation.sun, 600, atmos::clear_sky_wavelengths(0.36, 1.1, 0.005),
+                             atmos::clear_sky_heights(static_cast<double>(simulation.scene.lo[2]),
+                                                      static_cast<double>(simulation.scene.hi[2])));
   const plan::Plan plan = plan::make_plan(simulation, camera, table, sensors::view_bounds(camera));
   render::Renderer renderer(simulation.scene, {});
   cli::CheckOptions options;
@@ -129,7 +132,8 @@ TEST_CASE("S60 S61: a pixel of more samples than one chunk holds is probed and c
     camera.samples_u = camera.samples_v = 41;  // 1681: a chunk of 1024 at most and a shorter one
     const atmos::RenderTable table = atmos::build_clear_sky(
         simulation.atmosphere, simulation.sun, 600, atmos::clear_sky_wavelengths(0.36, 1.1, 0.005),
-        atmos::clear_sky_heights(static_cast<double>(simulation.scene.lo[2]), static_cast<double>(simulation.scene.hi[2])));
+        atmos::clear_sky_heights(static_cast<double>(simulation.scene.lo[2]),
+                                 static_cast<double>(simulation.scene.hi[2])));
     const plan::Plan plan = plan::make_plan(simulation, camera, table, sensors::view_bounds(camera));
     render::Renderer renderer(simulation.scene, {});
     cli::CheckOptions options;
@@ -150,7 +154,8 @@ TEST_CASE("S60 S61: a pixel of more samples than one chunk holds is probed and c
 TEST_CASE("S61: pixels to check are picked by seed, without repeats, inside the image") {
   scene::Instrument camera;
   camera.pixels = 322, camera.lines = 50;
-  const auto a = cli::pick_tiles(camera, 1, 400), again = cli::pick_tiles(camera, 1, 400), b = cli::pick_tiles(camera, 2, 400);
+  const auto a = cli::pick_tiles(camera, 1, 400), again = cli::pick_tiles(camera, 1, 400),
+             b = cli::pick_tiles(camera, 2, 400);
   REQUIRE(a.size() == 100);
   bool same = true, other = false;
   std::set<std::pair<int, int>> places;

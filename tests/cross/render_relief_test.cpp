@@ -51,8 +51,8 @@ TEST_CASE(
       atmos::clear_sky_heights(static_cast<double>(simulation.scene.lo[2]),
                                static_cast<double>(simulation.scene.hi[2])));
   const plan::Plan plan = plan::make_plan(simulation, camera, table, sensors::view_bounds(camera));
-  MESSAGE("nodes: height " << plan.height.count << ", view " << plan.view.count << ", path "
-                           << plan.path_x.count << " x " << plan.path_y.count);
+  MESSAGE("nodes: height " << plan.height.count << ", view " << plan.view.count << ", path " << plan.path_x.count
+                           << " x " << plan.path_y.count);
   REQUIRE(plan.height.count > 1);
   REQUIRE(plan.view.count > 1);
   REQUIRE(plan.path_x.count > 1);

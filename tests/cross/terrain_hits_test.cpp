@@ -1,5 +1,6 @@
-// First hits on the terrain of the benchmarks (1 048 600 triangles, closed under every ray of its camera) against Embree and
-// double: what `ci/bench check` does with 1.6e7 rays, here with a million. 5e-5 is the limit of differences within rounding.
+// First hits on the terrain of the benchmarks (1 048 600 triangles, closed under every ray of its camera) against
+// Embree and double: what `ci/bench check` does with 1.6e7 rays, here with a million. 5e-5 is the limit of differences
+// within rounding.
 #include <doctest/doctest.h>
 
 #include "bench/scenes.h"

@@ -1,6 +1,7 @@
-// Thermal light on the device against the reference (S61, S4.8): fields on relief, houses and trees, every material at its own
-// temperature. The reference looks up what hides the sky; the plan puts a black body of one temperature there: the model block
-// "surroundings" says what that costs. Limits are DESIGN section 7's; the model's are the simulation's tolerance.
+// Thermal light on the device against the reference (S61, S4.8): fields on relief, houses and trees, every material at
+// its own temperature. The reference looks up what hides the sky; the plan puts a black body of one temperature there:
+// the model block "surroundings" says what that costs. Limits are DESIGN section 7's; the model's are the simulation's
+// tolerance.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -43,14 +44,19 @@ scene::Simulation village(const std::vector<Warm>& warm, double spacing_m) {
     const auto field = static_cast<std::uint32_t>(std::floor(v[0] / 20) * 7 + std::floor(v[1] / 20) * 3 + 1000) % 4;
     ground.surface[t] = field < 3 ? field : mixed;
   }
-  append_instance(scene, append_mesh(scene, "land", ground), test::placement(0, 0, 1, 0, 0, 8), 0);  // all of it above z = 0
-  const auto house = append_mesh(scene, "house", test::join({test::box({-4, -6, -3}, {4, 6, 9}, 3), test::box({-2, -2, 9}, {0, 0, 12}, 4)}));
+  append_instance(scene, append_mesh(scene, "land", ground), test::placement(0, 0, 1, 0, 0, 8),
+                  0);  // all of it above z = 0
+  const auto house = append_mesh(
+      scene, "house", test::join({test::box({-4, -6, -3}, {4, 6, 9}, 3), test::box({-2, -2, 9}, {0, 0, 12}, 4)}));
   append_instance(scene, house, test::placement(0.4, 0, 1, 6, 4, 11), 1);
   auto crown = test::crown(600, 0.5, 3, 9);
   std::fill(crown.surface.begin(), crown.surface.end(), 4u);
   const auto tree = append_mesh(scene, "tree", crown);
   for (std::uint32_t i = 0; i < 30; ++i)
-    append_instance(scene, tree, test::placement(i, 0.1, 1, spacing_m * (test::unit_random(1, i, 0) - 0.5), spacing_m * (test::unit_random(1, i, 1) - 0.5), 16), i + 2);
+    append_instance(scene, tree,
+                    test::placement(i, 0.1, 1, spacing_m * (test::unit_random(1, i, 0) - 0.5),
+                                    spacing_m * (test::unit_random(1, i, 1) - 0.5), 16),
+                    i + 2);
   finish_top_tree(scene);
   simulation.seed = 7;
   simulation.sky_directions = 64;
@@ -68,9 +74,11 @@ reference::Report compare(const scene::Simulation& simulation, const atmos::Rend
   options.pixels = 16 * 16;
   options.model_pixels = 24;
   const reference::Report report = cli::check_instrument(renderer, simulation, camera, plan, table, options);
-  MESSAGE(plan.sun_sources << " sun, " << plan.sky_components << " sky, " << plan.thermal.sky_components << " thermal sky, "
-                           << plan.thermal.nodes() << " temperatures, " << plan.height.count << " heights, " << plan.view.count
-                           << " views, surroundings " << plan.thermal.surroundings_K << " K\n" << report.text({}));
+  MESSAGE(plan.sun_sources << " sun, " << plan.sky_components << " sky, " << plan.thermal.sky_components
+                           << " thermal sky, " << plan.thermal.nodes() << " temperatures, " << plan.height.count
+                           << " heights, " << plan.view.count << " views, surroundings " << plan.thermal.surroundings_K
+                           << " K\n"
+                           << report.text({}));
   for (const std::string& failure : report.failures()) FAIL_CHECK(failure);
   CHECK(report.pixels == 256);
   CHECK(report.thermal);
@@ -87,23 +95,28 @@ void add_thermal(atmos::RenderTable& table, double path_K, double sky_K, double 
   for (const double z : table.axis("target_height").nodes)
     for (const double view : table.axis("view_zenith").nodes) t.push_back(atmos::view_transmission(table, z, view));
   for (std::size_t i = 0; i < um.size(); ++i)
-    for (const auto& transmission : t) path.values[at++] = static_cast<float>(base::planck_radiance(um[i], path_K) * (1 - transmission[i]));
+    for (const auto& transmission : t)
+      path.values[at++] = static_cast<float>(base::planck_radiance(um[i], path_K) * (1 - transmission[i]));
   at = 0;
   for (const double l : um)
     for (std::size_t h = 0; h < table.axis("target_height").nodes.size(); ++h)
       for (const double zenith : table.axis("sky_zenith").nodes)
-        sky.values[at++] = static_cast<float>(-base::planck_radiance(l, sky_K) * std::expm1(-sky_depth * atmos::airmass(zenith)));
+        sky.values[at++] =
+            static_cast<float>(-base::planck_radiance(l, sky_K) * std::expm1(-sky_depth * atmos::airmass(zenith)));
 }
 
 const std::vector<Warm> kSummer = {{0.02, 299}, {0.05, 312}, {0.08, 305}, {0.1, 318}, {0.03, 297}};
 
 }  // namespace
 
-TEST_CASE("S4.8 S61 long-wave night: device and reference agree on every band; one temperature of the surroundings within tolerance") {
+TEST_CASE(
+    "S4.8 S61 long-wave night: device and reference agree on every band; one temperature of the surroundings within "
+    "tolerance") {
   auto simulation = village(kSummer, 60);
   simulation.sun.zenith_deg = 120;
   simulation.instruments[0].bands = test::gaussian_bands({8.3, 9.1, 10.2, 11.4, 12.4}, 0.2);
-  const auto table = atmos::isothermal_table(285, [](double um) { return 0.3 + 0.15 * std::pow(um - 10, 2); }, 600, atmos::wavelength_grid(7, 14, 0.02));
+  const auto table = atmos::isothermal_table(
+      285, [](double um) { return 0.3 + 0.15 * std::pow(um - 10, 2); }, 600, atmos::wavelength_grid(7, 14, 0.02));
   plan::Plan plan;
   const auto report = compare(simulation, table, plan);
   CHECK(plan.sun_sources == 0);
@@ -119,8 +132,9 @@ TEST_CASE("S4.8 S61 3.6 to 3.9 um by day: sun, skylight and thermal light on dev
   auto simulation = village({{0.05, 299}, {0.1, 306}, {0.15, 303}, {0.2, 310}, {0.05, 298}}, 60);
   simulation.sun.zenith_deg = 40, simulation.sun.azimuth_deg = 200;
   simulation.instruments[0].bands = test::gaussian_bands({3.6, 3.7, 3.8}, 0.04);
-  auto table = atmos::build_clear_sky(simulation.atmosphere, simulation.sun, 600, atmos::clear_sky_wavelengths(3.4, 3.99, 0.005),
-                                      atmos::clear_sky_heights(simulation.scene.lo[2], simulation.scene.hi[2]));
+  auto table =
+      atmos::build_clear_sky(simulation.atmosphere, simulation.sun, 600, atmos::clear_sky_wavelengths(3.4, 3.99, 0.005),
+                             atmos::clear_sky_heights(simulation.scene.lo[2], simulation.scene.hi[2]));
   add_thermal(table, 288, 270, 0.1);
   plan::Plan plan;
   const auto report = compare(simulation, table, plan);
@@ -128,16 +142,19 @@ TEST_CASE("S4.8 S61 3.6 to 3.9 um by day: sun, skylight and thermal light on dev
   CHECK(report.sun_rays > 1000);
 }
 
-TEST_CASE("S61 more than four components of sky: glowing surfaces under a clear sky in the visible, two float4s of weights") {
+TEST_CASE(
+    "S61 more than four components of sky: glowing surfaces under a clear sky in the visible, two float4s of weights") {
   auto simulation = village({{0.3, 1279}, {0.2, 1281}, {0.4, 1280}, {0.1, 1282}, {0.15, 1280.5}}, 60);
   simulation.sun.zenith_deg = 60, simulation.sun.azimuth_deg = 140;
   simulation.tolerance = 0.01;
   simulation.sky_directions = 128;
   simulation.instruments[0].bands = test::gaussian_bands({0.42, 0.5, 0.66, 0.8, 0.95}, 0.01);
-  auto table = atmos::build_clear_sky(simulation.atmosphere, simulation.sun, 600, atmos::clear_sky_wavelengths(0.38, 1.0, 0.005),
-                                      atmos::clear_sky_heights(simulation.scene.lo[2], simulation.scene.hi[2]));
+  auto table =
+      atmos::build_clear_sky(simulation.atmosphere, simulation.sun, 600, atmos::clear_sky_wavelengths(0.38, 1.0, 0.005),
+                             atmos::clear_sky_heights(simulation.scene.lo[2], simulation.scene.hi[2]));
   add_thermal(table, 1000, 1200, 0.5);
-  plan::Plan plan = plan::make_plan(simulation, simulation.instruments[0], table, sensors::view_bounds(simulation.instruments[0]));
+  plan::Plan plan =
+      plan::make_plan(simulation, simulation.instruments[0], table, sensors::view_bounds(simulation.instruments[0]));
   MESSAGE(plan.report_json);
   compare(simulation, table, plan);
   CHECK(plan.components() > 4);
@@ -151,9 +168,9 @@ TEST_CASE(
   simulation.scene.materials[0].temperature_K = 700;  // a field: little of it lights the others at 2.2 um
   simulation.sun.zenith_deg = 40, simulation.sun.azimuth_deg = 200;
   simulation.instruments[0].bands = test::gaussian_bands({1.0, 1.6, 2.2}, 0.02);
-  const auto table = atmos::build_clear_sky(
-      simulation.atmosphere, simulation.sun, 600, atmos::clear_sky_wavelengths(0.9, 2.3, 0.005),
-      atmos::clear_sky_heights(simulation.scene.lo[2], simulation.scene.hi[2]));
+  const auto table =
+      atmos::build_clear_sky(simulation.atmosphere, simulation.sun, 600, atmos::clear_sky_wavelengths(0.9, 2.3, 0.005),
+                             atmos::clear_sky_heights(simulation.scene.lo[2], simulation.scene.hi[2]));
   const scene::Instrument& camera = simulation.instruments[0];
   const auto checked = [&] {
     const plan::Plan plan = plan::make_plan(simulation, camera, table, sensors::view_bounds(camera));

@@ -1,5 +1,6 @@
-// Feeds every file of every corpus to its target in the ordinary build: replay CORPUS_FOLDER. What once crashed stays in the corpora.
-// An exception that is no base::Error, or a signal, fails the test; a target without a corpus, or a corpus without a target, too.
+// Feeds every file of every corpus to its target in the ordinary build: replay CORPUS_FOLDER. What once crashed stays
+// in the corpora. An exception that is no base::Error, or a signal, fails the test; a target without a corpus, or a
+// corpus without a target, too.
 #include <exception>
 #include <filesystem>
 #include <fstream>

@@ -29,7 +29,8 @@ namespace {
 namespace fs = std::filesystem;
 
 void write(const std::string& path, const void* data, std::size_t bytes) {
-  std::ofstream(path, std::ios::binary | std::ios::trunc).write(static_cast<const char*>(data), static_cast<std::streamsize>(bytes));
+  std::ofstream(path, std::ios::binary | std::ios::trunc)
+      .write(static_cast<const char*>(data), static_cast<std::streamsize>(bytes));
 }
 void write(const std::string& path, const std::string& text) { write(path, text.data(), text.size()); }
 
@@ -111,40 +112,50 @@ void mesh(const std::string& path) {
 void poses(const std::string& path) {
   in_simulation(path,
                 "[[instrument]]\nname = \"c\"\nkind = \"pushbroom\"\nposes = " + quoted(path) +
-                    "\nifov_mrad = 1.0\npixels = 4\nlines = 2\nbands = { first_nm = 500.0, step_nm = 10.0, count = 1, fwhm_nm = 5.0 }\n",
+                    "\nifov_mrad = 1.0\npixels = 4\nlines = 2\nbands = { first_nm = 500.0, step_nm = 10.0, count = 1, "
+                    "fwhm_nm = 5.0 }\n",
                 false);
 }
 void trajectory(const std::string& path) {
-  in_simulation(path,
-                "[[lidar]]\nname = \"l\"\nprf_khz = 1.0\ntrajectory = " + quoted(path) +
-                    "\n[lidar.pulse]\nenergy_J = 1e-5\nwavelength_nm = 1064.0\nfwhm_ns = 4.0\ndivergence_mrad = 0.5\n"
-                    "divergence_is = \"full angle at 1/e^2\"\n[lidar.receiver]\naperture_diameter_m = 0.1\nfov_mrad = 1.0\n"
-                    "[lidar.gate]\nstart_range_m = 0.0\nstop_range_m = 100.0\nbin_ns = 1.0\n",
-                false);
+  in_simulation(
+      path,
+      "[[lidar]]\nname = \"l\"\nprf_khz = 1.0\ntrajectory = " + quoted(path) +
+          "\n[lidar.pulse]\nenergy_J = 1e-5\nwavelength_nm = 1064.0\nfwhm_ns = 4.0\ndivergence_mrad = 0.5\n"
+          "divergence_is = \"full angle at 1/e^2\"\n[lidar.receiver]\naperture_diameter_m = 0.1\nfov_mrad = 1.0\n"
+          "[lidar.gate]\nstart_range_m = 0.0\nstop_range_m = 100.0\nbin_ns = 1.0\n",
+      false);
 }
 void pulse_shape(const std::string& path) {
   in_simulation(path,
-                "[[lidar]]\nname = \"l\"\nprf_khz = 1.0\npulses = 1\nposition_m = [0.0, 0.0, 50.0]\n[lidar.pulse]\nenergy_J = 1e-5\n"
-                "wavelength_nm = 1064.0\nshape = \"tabulated\"\nshape_file = " + quoted(path) +
-                    "\ndivergence_mrad = 0.5\ndivergence_is = \"full angle at 1/e^2\"\n[lidar.receiver]\naperture_diameter_m = 0.1\n"
+                "[[lidar]]\nname = \"l\"\nprf_khz = 1.0\npulses = 1\nposition_m = [0.0, 0.0, "
+                "50.0]\n[lidar.pulse]\nenergy_J = 1e-5\n"
+                "wavelength_nm = 1064.0\nshape = \"tabulated\"\nshape_file = " +
+                    quoted(path) +
+                    "\ndivergence_mrad = 0.5\ndivergence_is = \"full angle at "
+                    "1/e^2\"\n[lidar.receiver]\naperture_diameter_m = 0.1\n"
                     "fov_mrad = 1.0\n[lidar.gate]\nstart_range_m = 0.0\nstop_range_m = 100.0\nbin_ns = 1.0\n",
                 false);
 }
 void scatter(const std::string& path) {
   in_simulation(path,
-                "mesh = [ { name = \"t\", file = " + quoted(scratch_folder() + "/t.obj") + ", material = \"m\" } ]\nscatter = [ { mesh = \"t\", positions = " +
-                    quoted(path) + " } ]\n",
+                "mesh = [ { name = \"t\", file = " + quoted(scratch_folder() + "/t.obj") +
+                    ", material = \"m\" } ]\nscatter = [ { mesh = \"t\", positions = " + quoted(path) + " } ]\n",
                 true);
 }
 void volume_grid(const std::string& path) {
   in_simulation(path,
                 "[[volume]]\nname = \"v\"\nshape = \"grid\"\nvalues = " + quoted(path) +
-                    "\ncells = [2, 3, 2]\nsize_m = [4.0, 4.0, 4.0]\ngas = \"methane\"\nconcentration_ppm = 1.0\nline = [ { center_per_cm = 3000.0, "
+                    "\ncells = [2, 3, 2]\nsize_m = [4.0, 4.0, 4.0]\ngas = \"methane\"\nconcentration_ppm = 1.0\nline = "
+                    "[ { center_per_cm = 3000.0, "
                     "strength_cm = 1e-20, half_width_per_cm = 0.1 } ]\n",
                 true);
 }
 void volume_gas(const std::string& path) {
-  in_simulation(path, "[[volume]]\nname = \"v\"\nshape = \"box\"\nsize_m = [1.0, 1.0, 1.0]\ngas = \"methane\"\nconcentration_ppm = 1.0\ncross_section = " + quoted(path) + "\n", true);
+  in_simulation(path,
+                "[[volume]]\nname = \"v\"\nshape = \"box\"\nsize_m = [1.0, 1.0, 1.0]\ngas = "
+                "\"methane\"\nconcentration_ppm = 1.0\ncross_section = " +
+                    quoted(path) + "\n",
+                true);
 }
 void profile(const std::string& path) { atmos::read_profile_csv(path); }
 void line_list(const std::string& path) { atmos::read_hitran_par(path, 0, 1e5); }
@@ -163,7 +174,9 @@ void uvspec(const std::string& path) {
   const std::string input = scratch_folder() + "/uvspec.inp";
   atmos::imported::import_file(path, "uvspec", input);
 }
-void uvspec_input(const std::string& path) { atmos::imported::import_file(scratch_folder() + "/uvspec.out", "uvspec", path); }
+void uvspec_input(const std::string& path) {
+  atmos::imported::import_file(scratch_folder() + "/uvspec.out", "uvspec", path);
+}
 
 #define RC_FORMAT(function, text) \
   const char* function() { return text; }
@@ -197,14 +210,14 @@ constexpr Target kTargets[] = {
     {"line_list", "in.par", line_list},
     {"partition_sums", "in.csv", partition_sums},
     {"cross_section", "in.csv", cross_section},
-    {"import_tape7", "in.tp7", import<tape7>},
-    {"import_chn", "in.chn", import<chn>},
-    {"import_json", "in.json", import<json>},
-    {"import_csv", "in.csv", import<csv>},
-    {"import_acd", "in.acd", import<acd>},
-    {"import_acd_binary", "in.acd", import<acd_binary>},
-    {"import_6s", "in.txt", import<sixs>},
-    {"import_plain_csv", "in.csv", import<plain_csv>},
+    {"import_tape7", "in.tp7", import <tape7>},
+    {"import_chn", "in.chn", import <chn>},
+    {"import_json", "in.json", import <json>},
+    {"import_csv", "in.csv", import <csv>},
+    {"import_acd", "in.acd", import <acd>},
+    {"import_acd_binary", "in.acd", import <acd_binary>},
+    {"import_6s", "in.txt", import <sixs>},
+    {"import_plain_csv", "in.csv", import <plain_csv>},
     {"import_uvspec", "in.out", uvspec},
     {"import_uvspec_input", "in.inp", uvspec_input},
 };
@@ -212,7 +225,8 @@ constexpr Target kTargets[] = {
 /// Files that targets need beside the one under test.
 void write_companions(const std::string& folder) {
   write(folder + "/t.obj", "v 0 0 0\nv 1 0 0\nv 0 1 1\nf 1 2 3\n");
-  write(folder + "/uvspec.inp", "source solar\nwavelength 500 501\nsza 30\nphi0 0\nzout 0 TOA\numu -1 0.5 1\nphi 0 90\nrte_solver disort\n");
+  write(folder + "/uvspec.inp",
+        "source solar\nwavelength 500 501\nsza 30\nphi0 0\nzout 0 TOA\numu -1 0.5 1\nphi 0 90\nrte_solver disort\n");
   write(folder + "/uvspec.out", " 500.000  1.0e+02  2.0e+01  3.0e+00  1.0e+01  2.0e+00  3.0e-01 \n");
 }
 

@@ -1,5 +1,5 @@
-// Aerosol optics and columns. Oracles: LOWTRAN7's own aerosol transmittances, lidar ratios computed by another hand from the same
-// public figures, MODTRAN 6's transmittances.
+// Aerosol optics and columns. Oracles: LOWTRAN7's own aerosol transmittances, lidar ratios computed by another hand
+// from the same public figures, MODTRAN 6's transmittances.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -60,7 +60,8 @@ struct Worst {
   double extinction = 0, absorption = 0;
 };
 /// Largest differences in transmittance from LOWTRAN7 over a path of these depths; airmass per component.
-Worst against_lowtran(const std::string& file, const AerosolColumn& column, double top_km, const std::vector<double>& airmass) {
+Worst against_lowtran(const std::string& file, const AerosolColumn& column, double top_km,
+                      const std::vector<double>& airmass) {
   Worst worst;
   for (const Row& row : rows(file)) {
     const double wave = 1e4 / number(row, "nu_cm1");
@@ -88,8 +89,9 @@ TEST_CASE("A-11 aerosol: transmittance and absorptance of rural air at 23 km, 0.
   std::vector<double> airmass;
   for (double height_km : {1.0, 5.0, 19.0, 37.0}) airmass.push_back(2 - 6 * height_km / 6371.23);
   const Worst slant = against_lowtran("anchors/lowtran7_components_sky_60.csv", column, 120, airmass);
-  MESSAGE("humidity " << column.humidity_percent() << " %; 3 km vertical " << vertical.extinction << ", " << vertical.absorption
-                      << "; space at 60 degrees " << slant.extinction << ", " << slant.absorption);
+  MESSAGE("humidity " << column.humidity_percent() << " %; 3 km vertical " << vertical.extinction << ", "
+                      << vertical.absorption << "; space at 60 degrees " << slant.extinction << ", "
+                      << slant.absorption);
   // A-11 allows 0.003 for whole transmittances.
   CHECK(vertical.extinction <= 1e-3);
   CHECK(vertical.absorption <= 1e-3);
@@ -114,17 +116,21 @@ TEST_CASE("S9 lidar ratios of every model and humidity at ten laser wavelengths"
     worst_optics = std::max({worst_optics, std::abs(at.extinction / number(row, "ext_rel_550") - 1),
                              std::abs((1 - at.absorption / at.extinction) - number(row, "ssa")),
                              std::abs(at.asymmetry - number(row, "g"))});
-    const double ratio = 1 / ((1 - at.absorption / at.extinction) * substance.phase(wave).value(-1) / (4 * std::numbers::pi));
+    const double ratio =
+        1 / ((1 - at.absorption / at.extinction) * substance.phase(wave).value(-1) / (4 * std::numbers::pi));
     const double miss = std::abs(ratio / number(row, "lidar_ratio_sr") - 1);
-    if (miss > worst_ratio) worst_ratio = miss, where = model + " " + row.at("rh_percent") + " " + row.at("wavelength_um");
+    if (miss > worst_ratio)
+      worst_ratio = miss, where = model + " " + row.at("rh_percent") + " " + row.at("wavelength_um");
     sum += miss * miss, ++count;
   }
   if (count == 0) return;
-  MESSAGE("lidar ratio: rms " << std::sqrt(sum / count) << ", largest " << worst_ratio << " at " << where << " of " << count);
+  MESSAGE("lidar ratio: rms " << std::sqrt(sum / count) << ", largest " << worst_ratio << " at " << where << " of "
+                              << count);
   CHECK(count >= 200);
   CHECK(worst_optics <= 1e-4);  // five printed digits, four of the albedo
-  // The file takes ln P(180) linear in wavelength between two functions, we mix the functions. The arithmetic mean of neighbours
-  // with the ratio r exceeds the geometric one by up to (1 + r) / (2 sqrt r): 3 % for r = 1.6, 20 % for r = 3.
+  // The file takes ln P(180) linear in wavelength between two functions, we mix the functions. The arithmetic mean of
+  // neighbours with the ratio r exceeds the geometric one by up to (1 + r) / (2 sqrt r): 3 % for r = 1.6, 20 % for r =
+  // 3.
   CHECK(std::sqrt(sum / count) <= 0.02);
   CHECK(worst_ratio <= 0.2);
 }
@@ -143,7 +149,8 @@ TEST_CASE("S9 lidar ratios as stated: rural 42, 46, 59, 80 sr and others, humidi
     for (std::size_t i = 0; i < wave.size(); ++i) {
       CAPTURE(wave[i]);
       const double ratio = column.optics(0, wave[i]).extinction_ratio / column.backscatter_per_sr(0, wave[i]);
-      CHECK(std::abs(ratio - ratios[i]) <= 0.5 + 0.01 * ratios[i]);  // whole numbers are stated; 1 % for the mixing rule
+      CHECK(std::abs(ratio - ratios[i]) <=
+            0.5 + 0.01 * ratios[i]);  // whole numbers are stated; 1 % for the mixing rule
     }
   }
 }
@@ -160,7 +167,8 @@ TEST_CASE("S9 lidar: profile of extinction and backscatter of the example, 0.532
       double alpha = 0, beta = 0;
       for (std::size_t i = 0; i < column.components(); ++i) {
         const double extinction = column.extinction_550_per_km(i, z), at = std::strtod(wave, nullptr);
-        alpha += extinction * column.optics(i, at).extinction_ratio, beta += extinction * column.backscatter_per_sr(i, at);
+        alpha += extinction * column.optics(i, at).extinction_ratio,
+            beta += extinction * column.backscatter_per_sr(i, at);
       }
       const double alpha_file = number(row, std::string("alpha_aer_") + wave),
                    beta_file = number(row, std::string("beta_aer_") + wave);
@@ -180,8 +188,8 @@ TEST_CASE("S9 lidar: profile of extinction and backscatter of the example, 0.532
 }
 
 TEST_CASE("A-14 aerosol: how much lies below 2.3 km when a depth of 0.10 is asked for, against MODTRAN 6") {
-  // Two runs that differ in aerosol only: depth 0.039 (clearest air) and 0.10; ground 0.35 km, sensor 2.3 km, nadir. The ratio
-  // of their transmittances is the aerosol's alone.
+  // Two runs that differ in aerosol only: depth 0.039 (clearest air) and 0.10; ground 0.35 km, sensor 2.3 km, nadir.
+  // The ratio of their transmittances is the aerosol's alone.
   const AirProfile air = cut_at_ground(summer(), 0.35);
   AerosolSpec hazy, clear;
   hazy.aod_550 = 0.10, clear.visibility_km = 1000;
@@ -201,14 +209,14 @@ TEST_CASE("A-14 aerosol: how much lies below 2.3 km when a depth of 0.10 is aske
   if (count == 0) return;
   MESSAGE("largest difference in aerosol depth below the sensor, 0.4 to 1.0 um: " << worst);
   CHECK(count >= 100);
-  // A-14: transmittance to 0.003 outside bands. What is left is the depth of the clearest air, 0.0389 here and 0.041 in MODTRAN's
-  // listing: the same 0.10 leaves 3 % less to add.
+  // A-14: transmittance to 0.003 outside bands. What is left is the depth of the clearest air, 0.0389 here and 0.041 in
+  // MODTRAN's listing: the same 0.10 leaves 3 % less to add.
   CHECK(worst <= 5e-4);
 }
 
 TEST_CASE("A-14 aerosol: humidity of the ground gives MODTRAN 6's printed single-scattering albedo and asymmetry") {
-  // Its listing: relative humidity 72.38 % at 0.35 km, boundary layer 0.949119 and 0.670929 at 0.55 um, troposphere 0.963462 and
-  // 0.650960, stratosphere 1.000000 and 0.684511, upper 0.994932 and 0.690804.
+  // Its listing: relative humidity 72.38 % at 0.35 km, boundary layer 0.949119 and 0.670929 at 0.55 um, troposphere
+  // 0.963462 and 0.650960, stratosphere 1.000000 and 0.684511, upper 0.994932 and 0.690804.
   AerosolSpec spec;
   spec.humidity_percent = 72.38;
   const AerosolColumn column(spec, summer());

@@ -1,5 +1,5 @@
-// Profiles. Oracles: the exponential atmosphere in closed form, the tables of the US Standard Atmosphere 1976, column amounts
-// published for the AFGL models, hydrostatic equilibrium.
+// Profiles. Oracles: the exponential atmosphere in closed form, the tables of the US Standard Atmosphere 1976, column
+// amounts published for the AFGL models, hydrostatic equilibrium.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -69,8 +69,9 @@ TEST_CASE("S18 profiles: an exponential atmosphere is met exactly, whatever the 
 
 TEST_CASE("S18 profiles: US Standard Atmosphere 1976 at its printed values") {
   // Table 4: pressures at the layers' bases, geopotential km; here as geometric heights r H / (r - H).
-  const double table[][3] = {{0, 1013.25, 288.15}, {11, 226.3206, 216.65}, {20, 54.74889, 216.65}, {32, 8.680187, 228.65},
-                             {47, 1.109063, 270.65},   {51, 0.6693887, 270.65},  {71, 0.03956420, 214.65}};
+  const double table[][3] = {{0, 1013.25, 288.15},    {11, 226.3206, 216.65}, {20, 54.74889, 216.65},
+                             {32, 8.680187, 228.65},  {47, 1.109063, 270.65}, {51, 0.6693887, 270.65},
+                             {71, 0.03956420, 214.65}};
   for (const auto& row : table) {
     CAPTURE(row[0]);
     const StandardAir air = us_standard_1976(6356.766 * row[0] / (6356.766 - row[0]));
@@ -78,7 +79,8 @@ TEST_CASE("S18 profiles: US Standard Atmosphere 1976 at its printed values") {
     CHECK(std::abs(air.temperature_K - row[2]) <= 1e-9);
   }
   // Tables I and VIII, geometric km: 5 digits.
-  const double geometric[][4] = {{5, 540.48, 255.676, 1.5312e19}, {10, 264.99, 223.252, 8.5976e18},
+  const double geometric[][4] = {{5, 540.48, 255.676, 1.5312e19},
+                                 {10, 264.99, 223.252, 8.5976e18},
                                  {30, 11.970, 226.509, 3.8278e17},
                                  {50, 0.79779, 270.650, 2.1351e16}};
   for (const auto& row : geometric) {
@@ -133,7 +135,8 @@ TEST_CASE("S18 profiles: the AFGL models are hydrostatic and hold the published 
 }
 
 TEST_CASE("ground below a profile's lowest level: US Standard Atmosphere formulas below the sea") {
-  // The Dead Sea's shore, -0.43 km: formulas of US Standard 1976 against the AFGL profile carried on by its lowest layer.
+  // The Dead Sea's shore, -0.43 km: formulas of US Standard 1976 against the AFGL profile carried on by its lowest
+  // layer.
   const AirProfile low = extended_down(afgl_profile(AfglModel::us_standard), -0.43);
   const StandardAir exact = us_standard_1976(-0.43);
   CHECK(low.ground_km() == -0.43);
@@ -205,7 +208,8 @@ TEST_CASE("S18 profiles: every fault of the levels is listed") {
   const std::string text = message([&] {
     AirProfile({level(0, 1000, 288, 2.5e19), level(0, 1001, 288, 2e19), level(5, nan, 20, -1)}, "bad");
   });
-  for (const char* part : {"level 2", "ascend", "fall with height", "level 3", "0, up to 1200 hPa", "100 to 1000 K", "must be positive"})
+  for (const char* part :
+       {"level 2", "ascend", "fall with height", "level 3", "0, up to 1200 hPa", "100 to 1000 K", "must be positive"})
     CHECK(text.find(part) != std::string::npos);
   CHECK(message([] { AirProfile({}, "empty"); }).find("at least 2") != std::string::npos);
   const AirProfile fine({level(0, 1000, 288, 2.5e19), level(5, 500, 260, 1.4e19)}, "fine");

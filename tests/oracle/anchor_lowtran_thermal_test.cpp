@@ -1,7 +1,7 @@
-// A-12: thermal light of paths and of the sky in whole tables with LOWTRAN7's bands and rules (gas_bands = "lowtran") against
-// LOWTRAN7's own (anchors/lowtran7_paths_mwir_lwir.csv, lowtran7_sky_mwir_lwir.csv): 2 % + 1e-4 of Planck's law at the ground.
-// Its rules are a mean temperature for every layer and scattered light counted as absorbed; raycube's own are graded layers and
-// scattering by the solver. What lies between the two is shown below.
+// A-12: thermal light of paths and of the sky in whole tables with LOWTRAN7's bands and rules (gas_bands = "lowtran")
+// against LOWTRAN7's own (anchors/lowtran7_paths_mwir_lwir.csv, lowtran7_sky_mwir_lwir.csv): 2 % + 1e-4 of Planck's law
+// at the ground. Its rules are a mean temperature for every layer and scattered light counted as absorbed; raycube's
+// own are graded layers and scattering by the solver. What lies between the two is shown below.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -40,8 +40,10 @@ struct Bins {
 }  // namespace
 
 TEST_CASE("A-12 A-11 LOWTRAN7's rules: thermal paths and skies, their transmission, 2.5 to 29 um") {
-  auto paths = testing::anchor_rows("anchors/lowtran7_paths_mwir_lwir.csv", "thermal paths were not compared with LOWTRAN7");
-  auto skies = testing::anchor_rows("anchors/lowtran7_sky_mwir_lwir.csv", "thermal skies were not compared with LOWTRAN7");
+  auto paths =
+      testing::anchor_rows("anchors/lowtran7_paths_mwir_lwir.csv", "thermal paths were not compared with LOWTRAN7");
+  auto skies =
+      testing::anchor_rows("anchors/lowtran7_sky_mwir_lwir.csv", "thermal skies were not compared with LOWTRAN7");
   if (paths.empty() || skies.empty()) return;
   auto spec = testing::summer_rural_air();
   spec.layered->gas_bands = "lowtran";
@@ -51,7 +53,8 @@ TEST_CASE("A-12 A-11 LOWTRAN7's rules: thermal paths and skies, their transmissi
   std::vector<std::vector<double>> drawn(4);
 
   // worst: error over 2 % + 1e-4 of Planck's law; at most 1.
-  const auto compare = [&](const std::vector<double>& found, const std::vector<testing::AnchorRow>& rows, const std::string& column) {
+  const auto compare = [&](const std::vector<double>& found, const std::vector<testing::AnchorRow>& rows,
+                           const std::string& column) {
     double worst = 0, place = 0;
     std::vector<double> reference;
     for (std::size_t k = 0; k < bins.at.size(); ++k) {
@@ -70,7 +73,8 @@ TEST_CASE("A-12 A-11 LOWTRAN7's rules: thermal paths and skies, their transmissi
     const char* name;
   };
   for (double sensor_km : {0.61, 3.0, 100.0}) {
-    const RenderTable table = build_layered(spec, testing::sun_at(testing::kNight_deg), 1000 * sensor_km, bins.wavelength_um, {0});
+    const RenderTable table =
+        build_layered(spec, testing::sun_at(testing::kNight_deg), 1000 * sensor_km, bins.wavelength_um, {0});
     const std::string height = sensor_km < 1 ? "0p61" : sensor_km < 50 ? "3p0" : "100";
     // Zenith angles at the ground; the reference's 150 degrees at 3 km are 29.98 there.
     for (const Path& path : {Path{0, "180"}, Path{30, "150"}}) {
@@ -116,8 +120,8 @@ TEST_CASE("A-12 S4.8 graded layers are the limit of thin layers of one temperatu
     };
     for (bool up : {true, false}) {
       const double graded = emission(thick, coarse, LayerEmission::graded, up);
-      // Against the fine layers' own graded sum: what the thickness of layers costs. Line centres see less far than the mean, so
-      // a layer shows its near edge more than one exponential says: 2 % in the worst of these.
+      // Against the fine layers' own graded sum: what the thickness of layers costs. Line centres see less far than the
+      // mean, so a layer shows its near edge more than one exponential says: 2 % in the worst of these.
       CHECK(graded == doctest::Approx(emission(thin, fine, LayerEmission::graded, up)).epsilon(0.02));
       CHECK(graded == doctest::Approx(emission(thin, fine, LayerEmission::one_temperature, up)).epsilon(0.02));
     }

@@ -1,6 +1,7 @@
-// A-13: whole tables against MODTRAN 5.2.1 (anchors/modtran521_pybsm_mls_rural.csv: US Air Force Research Laboratory runs published
-// with pyBSM). Scene: midlatitude summer, rural aerosol of 23 or 5 km, CO2 360 ppmv, sun at 50 degrees on day 236, 90 degrees
-// beside the view, forest around (its albedo is in the file's header) at 297 K; triangular slit, 20 nm wide, every 10 nm.
+// A-13: whole tables against MODTRAN 5.2.1 (anchors/modtran521_pybsm_mls_rural.csv: US Air Force Research Laboratory
+// runs published with pyBSM). Scene: midlatitude summer, rural aerosol of 23 or 5 km, CO2 360 ppmv, sun at 50 degrees
+// on day 236, 90 degrees beside the view, forest around (its albedo is in the file's header) at 297 K; triangular slit,
+// 20 nm wide, every 10 nm.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -44,11 +45,12 @@ scene::AtmosphereSpec scene_of(const Path& path) {
 /// The forest around the target, from the header of the reference.
 double forest_albedo(double um) {
   const std::pair<double, double> nodes[] = {
-      {0.2, .025}, {0.5, .036}, {0.7, .032}, {0.725, .097}, {0.75, .254}, {0.775, .314}, {0.9, .31}, {0.925, .419}, {1, .4},
-      {1.25, .384}, {1.3, .337}, {1.35, .287}, {1.4, .236}, {1.45, .191}, {1.5, .162}, {1.55, .19}, {1.6, .216}, {1.65, .24},
-      {1.7, .265}, {1.75, .321}, {1.8, .238}, {1.85, .185}, {1.9, .135}, {1.95, .098}, {2, .058}, {2.5, .05}, {3, .057},
-      {3.5, .062}, {4, .054}, {4.5, .048}, {5, .042}, {5.5, .036}, {6, .034}, {6.5, .033}, {7, .031}, {7.5, .03}, {8, .03},
-      {11, .03}, {12, .038}, {13, .03}, {14, .016}};
+      {0.2, .025},   {0.5, .036}, {0.7, .032},  {0.725, .097}, {0.75, .254}, {0.775, .314}, {0.9, .31},
+      {0.925, .419}, {1, .4},     {1.25, .384}, {1.3, .337},   {1.35, .287}, {1.4, .236},   {1.45, .191},
+      {1.5, .162},   {1.55, .19}, {1.6, .216},  {1.65, .24},   {1.7, .265},  {1.75, .321},  {1.8, .238},
+      {1.85, .185},  {1.9, .135}, {1.95, .098}, {2, .058},     {2.5, .05},   {3, .057},     {3.5, .062},
+      {4, .054},     {4.5, .048}, {5, .042},    {5.5, .036},   {6, .034},    {6.5, .033},   {7, .031},
+      {7.5, .03},    {8, .03},    {11, .03},    {12, .038},    {13, .03},    {14, .016}};
   std::size_t i = 1;
   while (i + 1 < std::size(nodes) && nodes[i].first < um) ++i;
   const auto [a, low] = nodes[i - 1];
@@ -127,7 +129,8 @@ TEST_CASE("A-13 S3.2 tables' transmission 0.58 to 3.96 um against MODTRAN 5.2.1"
   for (std::size_t k = 4; k + 4 < um.size(); k += 2) {
     std::vector<double> line = {um[k]};
     for (std::size_t c = 0; c < columns.size(); ++c)
-      line.insert(line.end(), {found[c][k], reference_mean(rows, um[k], 0.001, std::string("T_") + kPaths[columns[c]].name)});
+      line.insert(line.end(),
+                  {found[c][k], reference_mean(rows, um[k], 0.001, std::string("T_") + kPaths[columns[c]].name)});
     chart.add(line);
   }
 }
@@ -142,26 +145,31 @@ TEST_CASE("A-13 S3.1 tables' transmission and thermal path radiance 3.4 to 13 um
     Band band;
     std::array<double, 3> t, ratio;  ///< S3.1 at 1, 2, 20 km
   };
-  const Limit limits[] = {{{3.4, 3.6}, {-.082, -.086, -.072}, {1.70, 1.45, 1.19}}, {{3.6, 3.8}, {-.081, -.087, -.085}, {1.80, 1.53, 1.29}},
-                          {{3.8, 4.0}, {-.044, -.052, -.039}, {1.79, 1.53, 1.24}}, {{4.4, 4.6}, {-.023, -.014, -.006}, {1.06, 1.03, 1.06}},
-                          {{4.6, 4.8}, {-.028, -.026, -.012}, {1.11, 1.06, 1.01}}, {{8.0, 8.5}, {-.047, -.051, -.048}, {1.15, 1.12, 1.06}},
-                          {{8.5, 9.0}, {-.002, -.007, -.015}, {1.02, 1.03, 1.03}}, {{9.0, 9.4}, {-.003, -.004, -.006}, {1.02, 1.02, 0.98}},
-                          {{9.4, 10}, {-.021, -.022, .059}, {1.13, 1.09, 1.00}},   {{10, 10.5}, {-.006, -.002, -.007}, {1.04, 1.01, 0.97}},
-                          {{10.5, 11}, {.012, .019, .023}, {0.94, 0.93, 0.91}},    {{11, 11.5}, {.018, .024, .026}, {0.93, 0.92, 0.92}},
-                          {{11.5, 12}, {.020, .024, .027}, {0.93, 0.94, 0.93}},    {{12, 12.5}, {-.001, .001, -.003}, {1.00, 1.00, 0.98}},
-                          {{12.5, 13}, {.036, .038, .030}, {0.93, 0.94, 0.92}},    {{8, 13}, {-.005, -.005, .005}, {1.00, 1.00, 0.97}}};
+  const Limit limits[] = {
+      {{3.4, 3.6}, {-.082, -.086, -.072}, {1.70, 1.45, 1.19}}, {{3.6, 3.8}, {-.081, -.087, -.085}, {1.80, 1.53, 1.29}},
+      {{3.8, 4.0}, {-.044, -.052, -.039}, {1.79, 1.53, 1.24}}, {{4.4, 4.6}, {-.023, -.014, -.006}, {1.06, 1.03, 1.06}},
+      {{4.6, 4.8}, {-.028, -.026, -.012}, {1.11, 1.06, 1.01}}, {{8.0, 8.5}, {-.047, -.051, -.048}, {1.15, 1.12, 1.06}},
+      {{8.5, 9.0}, {-.002, -.007, -.015}, {1.02, 1.03, 1.03}}, {{9.0, 9.4}, {-.003, -.004, -.006}, {1.02, 1.02, 0.98}},
+      {{9.4, 10}, {-.021, -.022, .059}, {1.13, 1.09, 1.00}},   {{10, 10.5}, {-.006, -.002, -.007}, {1.04, 1.01, 0.97}},
+      {{10.5, 11}, {.012, .019, .023}, {0.94, 0.93, 0.91}},    {{11, 11.5}, {.018, .024, .026}, {0.93, 0.92, 0.92}},
+      {{11.5, 12}, {.020, .024, .027}, {0.93, 0.94, 0.93}},    {{12, 12.5}, {-.001, .001, -.003}, {1.00, 1.00, 0.98}},
+      {{12.5, 13}, {.036, .038, .030}, {0.93, 0.94, 0.92}},    {{8, 13}, {-.005, -.005, .005}, {1.00, 1.00, 0.97}}};
   for (const Path& path : kPaths) {
     auto spec = scene_of(path);
-    spec.layered->streams = 8;  // the solver gives what is scattered, a tenth of this light at most: 1e-3 of it from 16 streams
+    spec.layered->streams =
+        8;  // the solver gives what is scattered, a tenth of this light at most: 1e-3 of it from 16 streams
     const RenderTable table = build_layered(spec, testing::sun_at(testing::kNight_deg), path.sensor_m, um, {0});
     const auto t = view_transmission(table, 0, path.zenith_deg);
     auto light = path_radiance_thermal(table, 0, path.zenith_deg);
-    // MODTRAN's path radiance holds what the air scatters of the forest's light: T_dif times what leaves the ground (S4.9).
+    // MODTRAN's path radiance holds what the air scatters of the forest's light: T_dif times what leaves the ground
+    // (S4.9).
     const auto through = diffuse_view_transmission(table, 0, path.zenith_deg), albedo = spherical_albedo(table, 0);
-    const auto sky = sky_radiance_thermal(table, 0, 53);  // stands for its hemisphere; the forest reflects 3 to 6 % of it
+    const auto sky =
+        sky_radiance_thermal(table, 0, 53);  // stands for its hemisphere; the forest reflects 3 to 6 % of it
     for (std::size_t k = 0; k < um.size(); ++k) {
       const double reflects = forest_albedo(um[k]);
-      const double ground = ((1 - reflects) * base::planck_radiance(um[k], 297) + reflects * sky[k]) / (1 - reflects * albedo[k]);
+      const double ground =
+          ((1 - reflects) * base::planck_radiance(um[k], 297) + reflects * sky[k]) / (1 - reflects * albedo[k]);
       light[k] += through[k] * ground;
     }
     std::vector<double> rt, rl;
@@ -181,14 +189,15 @@ TEST_CASE("A-13 S3.1 tables' transmission and thermal path radiance 3.4 to 13 um
       }
       mean /= weights;
       const double ratio = ours / theirs;
-      std::printf("  %4.1f-%4.1f um: T %+.4f (%+.3f)  L %.3f (%.2f)\n", limit.band.from_um, limit.band.to_um, mean, limit.t[column],
-                  ratio, limit.ratio[column]);
+      std::printf("  %4.1f-%4.1f um: T %+.4f (%+.3f)  L %.3f (%.2f)\n", limit.band.from_um, limit.band.to_um, mean,
+                  limit.t[column], ratio, limit.ratio[column]);
       CAPTURE(path.name);
       CAPTURE(limit.band.from_um);
       CHECK(std::abs(mean) <= std::abs(limit.t[column]) + 0.01);
-      // S3.1 prints two digits: half of the last is added to 0.01. Its ratios are LOWTRAN7's at nadir (the slant path is 1.12 times
-      // as long), with layers of one temperature. These tables miss them where T does: 4.4 to 4.8 um (LOWTRAN7's N2O and CO bands:
-      // T -0.034 at 1 km) and 12 to 12.5 um (between its water lines T is 0.007 too high, of an emissivity of 0.3).
+      // S3.1 prints two digits: half of the last is added to 0.01. Its ratios are LOWTRAN7's at nadir (the slant path
+      // is 1.12 times as long), with layers of one temperature. These tables miss them where T does: 4.4 to 4.8 um
+      // (LOWTRAN7's N2O and CO bands: T -0.034 at 1 km) and 12 to 12.5 um (between its water lines T is 0.007 too high,
+      // of an emissivity of 0.3).
       const bool known = limit.band.from_um < 4.7 && limit.band.from_um > 4.3;
       const double more = known ? 0.03 : limit.band.from_um == 12 || path.zenith_deg > 0 ? 0.025 : 0.015;
       CHECK(std::abs(ratio - 1) <= std::abs(limit.ratio[column] - 1) + more);
@@ -203,14 +212,15 @@ TEST_CASE("A-13 S3.1 tables' transmission and thermal path radiance 3.4 to 13 um
   }
 }
 
-// MODTRAN's own solar spectrum is not in the figures; it and the table's differ by up to 2 %. Found: within 5 % below 0.7 um and 7.7 %
-// beyond, in haze too. From 0.72 to 0.76 um the forest's red edge inside a bin of 40 nm decides, in the bands of water, CO2 and O2
-// (1.27 um, which the model lacks) the absorption; they are left out.
+// MODTRAN's own solar spectrum is not in the figures; it and the table's differ by up to 2 %. Found: within 5 % below
+// 0.7 um and 7.7 % beyond, in haze too. From 0.72 to 0.76 um the forest's red edge inside a bin of 40 nm decides, in
+// the bands of water, CO2 and O2 (1.27 um, which the model lacks) the absorption; they are left out.
 TEST_CASE("A-13 tables' solar path radiance in the windows from 0.4 to 2.4 um against MODTRAN 5.2.1") {
   auto rows = testing::anchor_rows(kFile, "solar path radiance was not compared with MODTRAN 5.2.1");
   if (rows.empty()) return;
   testing::ChartRows chart("modtran5_path", "um,l1,r1,l20,r20,l5,r5");
-  for (const Band& window : {Band{0.40, 0.68}, Band{0.80, 0.88}, Band{1.00, 1.08}, Band{1.56, 1.72}, Band{2.12, 2.36}}) {
+  for (const Band& window :
+       {Band{0.40, 0.68}, Band{0.80, 0.88}, Band{1.00, 1.08}, Band{1.56, 1.72}, Band{2.12, 2.36}}) {
     const std::vector<double> um = grid(window.from_um, window.to_um, 0.04);
     std::vector<std::vector<double>> drawn = {um};
     for (const Path& path : {kPaths[0], kPaths[2], kPaths[4]}) {
@@ -228,7 +238,8 @@ TEST_CASE("A-13 tables' solar path radiance in the windows from 0.4 to 2.4 um ag
         error.add(light[k] / reference[k] - 1);
       }
       error.close();
-      std::printf("%-16s %.2f-%.2f um: path radiance %+.3f, worst %+.3f\n", path.name, window.from_um, window.to_um, error.mean, error.worst);
+      std::printf("%-16s %.2f-%.2f um: path radiance %+.3f, worst %+.3f\n", path.name, window.from_um, window.to_um,
+                  error.mean, error.worst);
       CAPTURE(path.name);
       CAPTURE(window.from_um);
       CHECK(std::abs(error.mean) <= 0.07);

@@ -1,7 +1,8 @@
-// Whole tables against MODTRAN 6 (channel files of the isofit-tutorials, Apache-2.0; correlated-k, DISORT of 8 streams).
-// A-14: anchors/modtran6_isofit_pasadena_vswir.csv. Midlatitude summer, ground 0.35 km, nadir from 2.3 km, sun at 51.993 degrees on
-// day 312, CO2 450 ppmv, ozone 0.300 atm-cm, water 1.5 g cm-2, rural aerosol of depth 0.039 (the clearest MODTRAN has) and 0.10.
-// A-15: anchors/modtran6_isofit_hytes_lwir.csv. A sounding from 1.155 to 19 km, water 0.5 to 2.5 g cm-2, rural aerosol of 50 km.
+// Whole tables against MODTRAN 6 (channel files of the isofit-tutorials, Apache-2.0; correlated-k, DISORT of 8
+// streams). A-14: anchors/modtran6_isofit_pasadena_vswir.csv. Midlatitude summer, ground 0.35 km, nadir from 2.3 km,
+// sun at 51.993 degrees on day 312, CO2 450 ppmv, ozone 0.300 atm-cm, water 1.5 g cm-2, rural aerosol of depth 0.039
+// (the clearest MODTRAN has) and 0.10. A-15: anchors/modtran6_isofit_hytes_lwir.csv. A sounding from 1.155 to 19 km,
+// water 0.5 to 2.5 g cm-2, rural aerosol of 50 km.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -24,12 +25,15 @@ using namespace raycube::atmos;
 namespace {
 
 /// Bands of O2 (0.69, 0.76 um) and water (0.72, 0.82 um), with the channels their edges reach.
-bool in_band(double um) { return (um > 0.678 && um < 0.738) || (um > 0.752 && um < 0.776) || (um > 0.804 && um < 0.842); }
+bool in_band(double um) {
+  return (um > 0.678 && um < 0.738) || (um > 0.752 && um < 0.776) || (um > 0.804 && um < 0.842);
+}
 
 }  // namespace
 
 TEST_CASE("A-14 path radiance, transmission and spherical albedo 0.40 to 0.87 um against MODTRAN 6") {
-  auto rows = testing::anchor_rows("anchors/modtran6_isofit_pasadena_vswir.csv", "tables were not compared with MODTRAN 6 (VSWIR)");
+  auto rows = testing::anchor_rows("anchors/modtran6_isofit_pasadena_vswir.csv",
+                                   "tables were not compared with MODTRAN 6 (VSWIR)");
   if (rows.empty()) return;
   testing::ChartRows chart("modtran6_path", "um,ratio_clear,ratio_010,s_error_clear,s_error_010");
   testing::ChartRows t_chart("modtran6_transmission", "um,t_error_clear,t_error_010");
@@ -38,8 +42,10 @@ TEST_CASE("A-14 path radiance, transmission and spherical albedo 0.40 to 0.87 um
   std::vector<double> um;
   for (std::size_t i = 1; i + 1 < rows.size(); i += 2) {
     testing::AnchorRow mean;
-    for (const auto& [label, value] : rows[i]) mean[label] = 0.25 * (rows[i - 1].at(label) + rows[i + 1].at(label)) + 0.5 * value;
-    if (mean["center_nm"] > 385 && mean["center_nm"] < 890) channels.push_back(mean), um.push_back(mean["center_nm"] / 1000);
+    for (const auto& [label, value] : rows[i])
+      mean[label] = 0.25 * (rows[i - 1].at(label) + rows[i + 1].at(label)) + 0.5 * value;
+    if (mean["center_nm"] > 385 && mean["center_nm"] < 890)
+      channels.push_back(mean), um.push_back(mean["center_nm"] / 1000);
   }
   std::size_t first = 0;
   while (rows[first]["center_nm"] < 385) ++first;
@@ -51,8 +57,12 @@ TEST_CASE("A-14 path radiance, transmission and spherical albedo 0.40 to 0.87 um
     spec.ground_height_m = 350;
     scene::AirSpec& air = *spec.layered;
     air.co2_ppmv = 450, air.ozone_atm_cm = 0.300, air.water_g_cm2 = 1.5;
-    // The clearest air is a visibility beyond the tables' end; a depth below that would scale all heights, which MODTRAN does not.
-    if (hazy) air.aod_550 = 0.10; else air.visibility_km = 1000;
+    // The clearest air is a visibility beyond the tables' end; a depth below that would scale all heights, which
+    // MODTRAN does not.
+    if (hazy)
+      air.aod_550 = 0.10;
+    else
+      air.visibility_km = 1000;
     const std::string column = hazy ? "_a0.10_w1.5" : "_a0.01_w1.5";
     // Solar spectra differ by up to 6 % in a channel: radiances are compared over each code's own irradiance.
     const RenderTable table = build_layered(spec, testing::sun_at(51.993, 312), 1950, um, {0});
@@ -70,33 +80,40 @@ TEST_CASE("A-14 path radiance, transmission and spherical albedo 0.40 to 0.87 um
     }
     // Transmission at every channel: the band model's, so neither k-terms, streams nor sun touch it.
     air.k_terms = 1, air.streams = 2;
-    const auto t = view_transmission(build_layered(spec, testing::sun_at(testing::kNight_deg), 1950, channel_um, {0}), 0, 0);
+    const auto t =
+        view_transmission(build_layered(spec, testing::sun_at(testing::kNight_deg), 1950, channel_um, {0}), 0, 0);
     for (std::size_t k = 1; k + 1 < channel_um.size(); ++k) {
       t_error[hazy].push_back(t[k] - rows[first + k].at("Tlos" + column));
       if (channel_um[k] > 0.40 && channel_um[k] < 0.87 && !in_band(channel_um[k])) t_outside.add(t_error[hazy].back());
     }
     outside.close(), inside.close(), t_outside.close(), s_outside.close(), s_inside.close();
-    std::printf("depth %s: path radiance %+.4f worst %+.4f; in bands %+.4f worst %+.4f; T worst %+.4f; S worst %+.4f, in bands %+.4f\n",
-                hazy ? "0.10 " : "0.039", outside.mean, outside.worst, inside.mean, inside.worst, t_outside.worst, s_outside.worst, s_inside.worst);
+    std::printf(
+        "depth %s: path radiance %+.4f worst %+.4f; in bands %+.4f worst %+.4f; T worst %+.4f; S worst %+.4f, in bands "
+        "%+.4f\n",
+        hazy ? "0.10 " : "0.039", outside.mean, outside.worst, inside.mean, inside.worst, t_outside.worst,
+        s_outside.worst, s_inside.worst);
     CHECK(outside.count > 30);
     CHECK(t_outside.count > 60);
     CHECK(std::abs(outside.worst) <= (hazy ? 0.08 : 0.03));
     CHECK(std::abs(t_outside.worst) <= 0.003);
     CHECK(std::abs(s_outside.worst) <= 0.01);
-    // In the A band of oxygen S is 0.010 too low of 0.022: on paths as short as those of light that comes straight back, three k-terms fitted to the
-    // whole column absorb too much.
+    // In the A band of oxygen S is 0.010 too low of 0.022: on paths as short as those of light that comes straight
+    // back, three k-terms fitted to the whole column absorb too much.
     CHECK(std::abs(s_inside.worst) <= 0.011);
     // Band edges within a channel: 10 nm there are as wide as the edge; O2 A from 0.76 um is the worst.
     CHECK(std::abs(inside.mean) <= 0.03);
   }
   for (std::size_t k = 1; k + 1 < um.size(); ++k)
     chart.add({um[k], ratio[0][k - 1], ratio[1][k - 1], s_error[0][k - 1], s_error[1][k - 1]});
-  for (std::size_t k = 1; k + 1 < channel_um.size(); ++k) t_chart.add({channel_um[k], t_error[0][k - 1], t_error[1][k - 1]});
+  for (std::size_t k = 1; k + 1 < channel_um.size(); ++k)
+    t_chart.add({channel_um[k], t_error[0][k - 1], t_error[1][k - 1]});
 }
 
 TEST_CASE("A-15 transmission and path radiance of the thermal infrared per 0.5 um band against MODTRAN 6") {
-  auto rows = testing::anchor_rows("anchors/modtran6_isofit_hytes_lwir.csv", "tables were not compared with MODTRAN 6 (LWIR)");
-  auto levels = testing::anchor_rows("anchors/modtran6_isofit_hytes_profile.csv", "tables were not compared with MODTRAN 6 (LWIR)");
+  auto rows =
+      testing::anchor_rows("anchors/modtran6_isofit_hytes_lwir.csv", "tables were not compared with MODTRAN 6 (LWIR)");
+  auto levels = testing::anchor_rows("anchors/modtran6_isofit_hytes_profile.csv",
+                                     "tables were not compared with MODTRAN 6 (LWIR)");
   if (rows.empty() || levels.empty()) return;
   // The sounding, other gases after midlatitude summer; ozone's shape as well, all of the stated column below 19 km.
   const testing::TestFolder folder;
@@ -117,7 +134,8 @@ TEST_CASE("A-15 transmission and path radiance of the thermal infrared per 0.5 u
     out << top_km + 0.001 << ',' << 0.9998 * top_hPa << ',' << levels.back()["T_K"] << ",0,0,0,0,0,0,0\n";
     for (const AirLevel& level : summer.levels())
       if (level.height_km > top_km + 0.5)
-        out << level.height_km << ',' << factor * level.pressure_hPa << ',' << level.temperature_K << ",0,0,0,0,0,0,0\n";
+        out << level.height_km << ',' << factor * level.pressure_hPa << ',' << level.temperature_K
+            << ",0,0,0,0,0,0,0\n";
   }
   scene::AtmosphereSpec spec;
   spec.ground_height_m = 1155;
@@ -133,8 +151,8 @@ TEST_CASE("A-15 transmission and path radiance of the thermal infrared per 0.5 u
     const char* name;
     double water, ozone;
   };
-  for (const Case& c : {Case{"w0.5_o0.2", 0.5, 0.2}, Case{"w1.0_o0.2", 1.0, 0.2}, Case{"w1.5_o0.2", 1.5, 0.2}, Case{"w2.0_o0.2", 2.0, 0.2},
-                        Case{"w2.5_o0.2", 2.5, 0.2}, Case{"w2.0_o0.075", 2.0, 0.075}}) {
+  for (const Case& c : {Case{"w0.5_o0.2", 0.5, 0.2}, Case{"w1.0_o0.2", 1.0, 0.2}, Case{"w1.5_o0.2", 1.5, 0.2},
+                        Case{"w2.0_o0.2", 2.0, 0.2}, Case{"w2.5_o0.2", 2.5, 0.2}, Case{"w2.0_o0.075", 2.0, 0.075}}) {
     spec.layered->water_g_cm2 = c.water, spec.layered->ozone_atm_cm = c.ozone;
     const RenderTable table = build_layered(spec, testing::sun_at(testing::kNight_deg), 18945 - 1155, um, {0});
     const auto t = view_transmission(table, 0, 0), light = path_radiance_thermal(table, 0, 0);
@@ -148,7 +166,8 @@ TEST_CASE("A-15 transmission and path radiance of the thermal infrared per 0.5 u
       for (testing::AnchorRow& row : rows) {
         const double at = row["center_nm"] / 1000;
         if (at < from || at >= from + 0.5) continue;
-        t_reference += row["T_" + std::string(c.name)], l_reference += row["Lem_" + std::string(c.name)] + row["Lthscat_" + std::string(c.name)];
+        t_reference += row["T_" + std::string(c.name)],
+            l_reference += row["Lem_" + std::string(c.name)] + row["Lthscat_" + std::string(c.name)];
         ++count;
       }
       t_found /= weights, l_found /= weights, t_reference /= count, l_reference /= count;
@@ -156,8 +175,8 @@ TEST_CASE("A-15 transmission and path radiance of the thermal infrared per 0.5 u
       chart.add({from, c.water, t_found, t_reference, l_found, l_reference});
       CAPTURE(c.name);
       CAPTURE(from);
-      // Ozone's 9.6 um band: 0.055 where the bar is 0.05. LOWTRAN7 gives it one exponent per 20 cm-1, too transparent for long
-      // paths (S3.1: +0.059 from 20 km); all 0.2 atm-cm lie below 19 km here. With 0.075 atm-cm it is 0.034.
+      // Ozone's 9.6 um band: 0.055 where the bar is 0.05. LOWTRAN7 gives it one exponent per 20 cm-1, too transparent
+      // for long paths (S3.1: +0.059 from 20 km); all 0.2 atm-cm lie below 19 km here. With 0.075 atm-cm it is 0.034.
       CHECK(std::abs(t_found - t_reference) <= (from == 9.5 ? 0.06 : 0.05));
     }
     std::printf("\n");

@@ -1,4 +1,5 @@
-// Closed forms of the atmosphere's scattering. Oracles: the textbook formulas written plainly, quadrature, published figures.
+// Closed forms of the atmosphere's scattering. Oracles: the textbook formulas written plainly, quadrature, published
+// figures.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -33,7 +34,8 @@ TEST_CASE("S18 single scattering of a slab equals its integral, mu = mu0 and dep
         CAPTURE(mu0);
         CAPTURE(mu);
         // Midpoint error of exp(-k t): (k depth / n)^2 / 24, below 4e-8 for k depth = 400 (relative to the integral).
-        const double up = by_quadrature(depth, 1 / mu0, 1 / mu, true), down = by_quadrature(depth, 1 / mu0, 1 / mu, false);
+        const double up = by_quadrature(depth, 1 / mu0, 1 / mu, true),
+                     down = by_quadrature(depth, 1 / mu0, 1 / mu, false);
         CHECK(std::abs(layer_scatter_up(depth, 1 / mu0, 1 / mu) - up) <= 2e-7 * up);
         CHECK(std::abs(layer_scatter_down(depth, 1 / mu0, 1 / mu) - down) <= 2e-7 * down);
       }
@@ -47,7 +49,8 @@ TEST_CASE("S18 single scattering of a slab equals the textbook formulas") {
       const double down = mu0 / (mu0 - mu) * (std::exp(-depth / mu0) - std::exp(-depth / mu));
       CHECK(layer_scatter_up(depth, 1 / mu0, 1 / mu) == doctest::Approx(up).epsilon(1e-13));
       CHECK(layer_scatter_down(depth, 1 / mu0, 1 / mu) == doctest::Approx(down).epsilon(1e-12));
-      CHECK(layer_scatter_down(depth, 1 / mu, 1 / mu) == doctest::Approx(depth / mu * std::exp(-depth / mu)).epsilon(1e-14));
+      CHECK(layer_scatter_down(depth, 1 / mu, 1 / mu) ==
+            doctest::Approx(depth / mu * std::exp(-depth / mu)).epsilon(1e-14));
     }
 }
 

@@ -1,5 +1,5 @@
-// Stability of the layered model where atmospheres fail (REQUIREMENTS section 4, "Volumes and atmosphere"): every table is finite,
-// keeps its limits (validate) and obeys the law or the limit named.
+// Stability of the layered model where atmospheres fail (REQUIREMENTS section 4, "Volumes and atmosphere"): every table
+// is finite, keeps its limits (validate) and obeys the law or the limit named.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -63,8 +63,10 @@ TEST_CASE("stability: optical depth 0, 1e-6, 1 and 700 of a cloud") {
   CHECK(sun_transmission(one, 0)[0] / sun_transmission(clear, 0)[0] ==
         doctest::Approx(std::exp(-1 / std::cos(40 * std::numbers::pi / 180))).epsilon(0.002));
   CHECK(sun_transmission(thick, 0)[0] == 0);
-  // Diffusion: a nearly conservative cloud of depth 700 lets about 4/3 / (1 + 0.75 (1 - g) tau) of the light through, g 0.86.
-  const double through = diffuse_irradiance(thick, 0)[0] / (solar_irradiance(thick)[0] * std::cos(40 * std::numbers::pi / 180));
+  // Diffusion: a nearly conservative cloud of depth 700 lets about 4/3 / (1 + 0.75 (1 - g) tau) of the light through, g
+  // 0.86.
+  const double through =
+      diffuse_irradiance(thick, 0)[0] / (solar_irradiance(thick)[0] * std::cos(40 * std::numbers::pi / 180));
   CHECK(through > 0);
   CHECK(through < 0.03);
   // What comes down from below is what went up: a thick cloud returns nearly all.
@@ -73,8 +75,9 @@ TEST_CASE("stability: optical depth 0, 1e-6, 1 and 700 of a cloud") {
 }
 
 TEST_CASE("stability: single-scattering albedo exactly 1, nothing is lost") {
-  // No aerosol, no gas absorption worth naming at 0.45 um but ozone's 1e-3: what the ground gets and what the air returns to space
-  // is the light that came; checked as direct + diffuse + up = E0 mu0 through the albedo of the column.
+  // No aerosol, no gas absorption worth naming at 0.45 um but ozone's 1e-3: what the ground gets and what the air
+  // returns to space is the light that came; checked as direct + diffuse + up = E0 mu0 through the albedo of the
+  // column.
   auto spec = air();
   spec.layered->aerosol = "none";
   spec.layered->ozone_atm_cm = 0;
@@ -85,7 +88,8 @@ TEST_CASE("stability: single-scattering albedo exactly 1, nothing is lost") {
   for (int i = 0; i < kZenith; ++i) {
     const double zenith = std::acos(std::sqrt((i + 0.5) / kZenith)) * 180 / std::numbers::pi;
     for (int a = 0; a < kAzimuth; ++a)
-      up += path_radiance(table, 0, std::min(zenith, 80.0), 180 * (a + 0.5) / kAzimuth)[0] * std::numbers::pi / (kZenith * kAzimuth);
+      up += path_radiance(table, 0, std::min(zenith, 80.0), 180 * (a + 0.5) / kAzimuth)[0] * std::numbers::pi /
+            (kZenith * kAzimuth);
   }
   const double in = solar_irradiance(table)[0] * std::cos(30 * std::numbers::pi / 180);
   // Views end at 80 deg (the last 3 % of the hemisphere taken as there): 1 %.

@@ -26,8 +26,10 @@ BirdRiordanCase worked_example() {
 
 TEST_CASE("S18 Bird and Riordan's worked example, figures restated") {
   // wavelength, diffuse horizontal, direct normal, extraterrestrial; W m-2 um-1; six printed digits.
-  const double rows[][4] = {{0.3, 0.766597, 0.403357, 541.685}, {0.31, 36.4874, 25.0514, 628.714},
-                            {0.35, 206.687, 304.39, 986.03},    {0.4, 274.637, 717.152, 1495.07}};
+  const double rows[][4] = {{0.3, 0.766597, 0.403357, 541.685},
+                            {0.31, 36.4874, 25.0514, 628.714},
+                            {0.35, 206.687, 304.39, 986.03},
+                            {0.4, 274.637, 717.152, 1495.07}};
   const auto light = bird_riordan_model(worked_example());
   const auto& table = bird_riordan_table();
   REQUIRE(table.size() == 122);

@@ -1,5 +1,5 @@
-// The built-in clear sky against programs nobody here wrote: LOWTRAN7, libRadtran's DISORT, MODTRAN 6. The limits are the
-// errors docs/table_format.md states for the model; they are its accuracy, not rounding.
+// The built-in clear sky against programs nobody here wrote: LOWTRAN7, libRadtran's DISORT, MODTRAN 6. The limits are
+// the errors docs/table_format.md states for the model; they are its accuracy, not rounding.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -95,19 +95,22 @@ TEST_CASE("S18 transmissions and the two-way factor against LOWTRAN7") {
   const RenderTable high = build_clear_sky(midlatitude_summer_rural(), sun_at(40), 3000, grid, {0, 500});
   const auto column = [&](const std::vector<Line>& rows, const char* name) {
     std::vector<double> l, v;
-    for (auto row = rows.rbegin(); row != rows.rend(); ++row) l.push_back(row->at("wavelength_um")), v.push_back(row->at(name));
+    for (auto row = rows.rbegin(); row != rows.rend(); ++row)
+      l.push_back(row->at("wavelength_um")), v.push_back(row->at(name));
     if (l.front() > l.back()) std::reverse(l.begin(), l.end()), std::reverse(v.begin(), v.end());
     std::vector<double> to = grid;
     to.back() = std::min(to.back(), l.back());
     return resample_linear(l, v, to);
   };
-  const auto t_low = view_transmission(low, 0, 0), t_high = view_transmission(high, 0, 0), t_sun = sun_transmission(low, 0);
-  const auto ref_low = column(paths, "T_0p61_180"), ref_high = column(paths, "T_3p0_180"), ref_sun = column(direct, "T_0.0_s40");
+  const auto t_low = view_transmission(low, 0, 0), t_high = view_transmission(high, 0, 0),
+             t_sun = sun_transmission(low, 0);
+  const auto ref_low = column(paths, "T_0p61_180"), ref_high = column(paths, "T_3p0_180"),
+             ref_sun = column(direct, "T_0.0_s40");
   const auto factor = two_way_factor(high, 0, 0);
   std::vector<double> lost(grid.size());
   for (std::size_t i = 0; i < grid.size(); ++i) lost[i] = t_high[i] * t_sun[i] * (1 - factor[i]);
   // Band edges, um, and the mean of T_sun T_view - T_two-way of S5.3 of the atmosphere specification (3 km).
-  const double bands[][3] = {{0.4, 0.7, -0.001}, {0.7, 0.9, -0.016}, {0.9, 1.0, -0.048}, {1.1, 1.17, -0.047},
+  const double bands[][3] = {{0.4, 0.7, -0.001}, {0.7, 0.9, -0.016},  {0.9, 1.0, -0.048}, {1.1, 1.17, -0.047},
                              {1.2, 1.3, -0.024}, {1.5, 1.75, -0.023}, {2.0, 2.4, -0.049}};
   for (const auto& band : bands) {
     CAPTURE(band[0]);
@@ -131,7 +134,8 @@ TEST_CASE("S17 S18 diffuse irradiance, sky and path radiance against DISORT") {
   }
   const double mu0 = std::cos(40 * 3.14159265358979 / 180);
   /// Largest error of band means, each program divided by its own sun.
-  const auto compare = [&](const RenderTable& t, const std::vector<double>& ours, int height, const std::string& label) {
+  const auto compare = [&](const RenderTable& t, const std::vector<double>& ours, int height,
+                           const std::string& label) {
     const auto e0 = solar_irradiance(t);
     std::vector<double> a(grid.size()), b(grid.size());
     for (std::size_t i = 0; i < grid.size(); ++i) {

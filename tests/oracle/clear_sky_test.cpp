@@ -60,7 +60,8 @@ TEST_CASE("S18 Beer-Lambert: without gas and haze the sun's depth is Rayleigh ti
   scene::AtmosphereSpec air;
   air.water_g_cm2 = air.ozone_atm_cm = air.aod_550 = 0;
   const RenderTable t = build_clear_sky(air, sun_at(60), 610, {0.45, 0.55}, {0, 200});
-  // LOWTRAN7's refracting spherical airmass of the density at 60 deg is 1.9938 (midlatitude summer); 0.2 %: other profile.
+  // LOWTRAN7's refracting spherical airmass of the density at 60 deg is 1.9938 (midlatitude summer); 0.2 %: other
+  // profile.
   CHECK(-std::log(sun_transmission(t, 0)[1]) / rayleigh_depth(0.55, 1013.25) == doctest::Approx(1.9938).epsilon(2e-3));
   const RenderTable low = build_clear_sky(air, sun_at(80), 610, {0.45, 0.55}, {0, 200});
   CHECK(-std::log(sun_transmission(low, 0)[1]) / rayleigh_depth(0.55, 1013.25) == doctest::Approx(5.58).epsilon(0.01));
@@ -104,10 +105,12 @@ TEST_CASE("S17 S18 vacuum has exact ones and zeros; sun below the horizon is dar
   CHECK(direct_irradiance(night, 0)[0] == 0);
   CHECK(sky_radiance(night, 0, 30, 0)[0] == 0);
   CHECK(path_radiance(night, 0, 30, 0)[0] == 0);
-  CHECK(diffuse_irradiance(build_clear_sky({}, sun_at(95), 610, {0.4, 0.5}, {0}), 0)[0] == 0);  // no twilight: see no_light_notice
+  CHECK(diffuse_irradiance(build_clear_sky({}, sun_at(95), 610, {0.4, 0.5}, {0}), 0)[0] ==
+        0);  // no twilight: see no_light_notice
 }
 
-TEST_CASE("S18 heights between the nodes: transmission within 0.2 percent, 1.3 percent of the depth in saturated bands") {
+TEST_CASE(
+    "S18 heights between the nodes: transmission within 0.2 percent, 1.3 percent of the depth in saturated bands") {
   const auto heights = clear_sky_heights(0, 450);
   REQUIRE(heights.size() == 4);
   std::vector<double> middles;
@@ -122,7 +125,8 @@ TEST_CASE("S18 heights between the nodes: transmission within 0.2 percent, 1.3 p
     close(sun_transmission(nodes, h), sun_transmission(exact, h), 2e-3);
     const auto ours = view_transmission(nodes, h, 30), direct = view_transmission(exact, h, 30);
     for (std::size_t i = 0; i < grid.size(); ++i)
-      // Saturated: depth ~ amount^0.55, whose curvature leaves 0.55 0.45 (step / distance to the sensor)^2 / 8 of the depth.
+      // Saturated: depth ~ amount^0.55, whose curvature leaves 0.55 0.45 (step / distance to the sensor)^2 / 8 of the
+      // depth.
       CHECK(std::abs(ours[i] / direct[i] - 1) < 2e-3 + 0.031 * std::pow(150 / (610 - h), 2) * -std::log(direct[i]));
     close(two_way_factor(nodes, h, 30), two_way_factor(exact, h, 30), 2e-2);
     close(diffuse_irradiance(nodes, h), diffuse_irradiance(exact, h), 2e-3);
@@ -172,7 +176,8 @@ TEST_CASE("S18 single scattering alone is Rayleigh's closed form in thin air") {
 }
 
 TEST_CASE("S17 S18 thin haze: sky and path show the phase function on the right side of the sun") {
-  // Depth 1e-3: L = E0 omega P(angle) tau / (4 pi cos(zenith)); 1 %: attenuation 0.3 %, sphericity 0.1 %, further light.
+  // Depth 1e-3: L = E0 omega P(angle) tau / (4 pi cos(zenith)); 1 %: attenuation 0.3 %, sphericity 0.1 %, further
+  // light.
   scene::AtmosphereSpec air;
   air.water_g_cm2 = air.ozone_atm_cm = 0;
   air.pressure_hPa = 1;
@@ -183,7 +188,8 @@ TEST_CASE("S17 S18 thin haze: sky and path show the phase function on the right 
   const double albedo = std::exp(-0.095 * std::pow(std::log(0.55 / 0.4), 2));
   for (double azimuth : {0.0, 90.0, 180.0}) {
     CAPTURE(azimuth);
-    const double cosine = std::cos(40 * s) * std::cos(50 * s) + std::sin(40 * s) * std::sin(50 * s) * std::cos(azimuth * s);
+    const double cosine =
+        std::cos(40 * s) * std::cos(50 * s) + std::sin(40 * s) * std::sin(50 * s) * std::cos(azimuth * s);
     const auto radiance = [&](double c) {
       return e0 * albedo * (1 - 0.4225) / std::pow(1 + 0.4225 - 1.3 * c, 1.5) * 1e-3 / (4 * kPi * std::cos(50 * s));
     };
@@ -193,7 +199,8 @@ TEST_CASE("S17 S18 thin haze: sky and path show the phase function on the right 
       const double c90 = std::cos(40 * s) * std::cos(50 * s);
       const double other = e0 * 0.75 * (1 + c90 * c90) * rayleigh_depth(0.55, 1) / (4 * kPi * std::cos(50 * s));
       const double expected = (radiance(cosine) + rayleigh) / (radiance(c90) + other);
-      CHECK(sky_radiance(t, 0, 50, azimuth)[0] / sky_radiance(t, 0, 50, 90)[0] == doctest::Approx(expected).epsilon(0.02));
+      CHECK(sky_radiance(t, 0, 50, azimuth)[0] / sky_radiance(t, 0, 50, 90)[0] ==
+            doctest::Approx(expected).epsilon(0.02));
     }
     CHECK(path_radiance(t, 0, 50, azimuth)[0] == doctest::Approx(radiance(-cosine) + rayleigh).epsilon(0.02));
   }

@@ -20,7 +20,8 @@ glm::vec3 random_point(std::mt19937& random, float size) {
   return {x, y, u(random)};
 }
 
-/// Random soup with slivers and coincident faces, placed several times, turned and scaled; a terrain and a box below it.
+/// Random soup with slivers and coincident faces, placed several times, turned and scaled; a terrain and a box below
+/// it.
 scene::CompiledScene mixed_scene(std::vector<glm::vec3>& vertices) {
   std::mt19937 random(7);
   SceneBuilder builder;
@@ -28,7 +29,7 @@ scene::CompiledScene mixed_scene(std::vector<glm::vec3>& vertices) {
   for (int i = 0; i < 300; ++i) {
     const glm::vec3 p = random_point(random, 5);
     soup.push_back({p, p + random_point(random, 1), p + random_point(random, 1), 0});
-    if (i % 10 == 0) soup.push_back(soup.back());                                             // coincident
+    if (i % 10 == 0) soup.push_back(soup.back());                                                 // coincident
     if (i % 15 == 0) soup.push_back({p, p + glm::vec3(2, 0, 0), p + glm::vec3(1, 1e-6f, 0), 0});  // sliver
   }
   const std::uint32_t cloud = builder.mesh(soup);
@@ -48,13 +49,21 @@ std::vector<Ray> mixed_rays(int count, const std::vector<glm::vec3>& vertices) {
     const glm::vec3 from = random_point(random, 10) + glm::vec3(0, 0, 40);
     const glm::vec3 &a = vertices[random() % vertices.size()], &b = vertices[random() % vertices.size()];
     switch (i % 4) {
-      case 0: rays.push_back(ray_between(from, random_point(random, 18))); break;
-      case 1: rays.push_back(ray_between(from, a)); break;
-      case 2: rays.push_back(ray_between(from, a + 0.37f * glm::vec3(2.5f, 0, 0))); break;
-      default: rays.push_back({{b.x, b.y, 40}, {0, 0, -1}}); break;
+      case 0:
+        rays.push_back(ray_between(from, random_point(random, 18)));
+        break;
+      case 1:
+        rays.push_back(ray_between(from, a));
+        break;
+      case 2:
+        rays.push_back(ray_between(from, a + 0.37f * glm::vec3(2.5f, 0, 0)));
+        break;
+      default:
+        rays.push_back({{b.x, b.y, 40}, {0, 0, -1}});
+        break;
     }
   }
-  rays.push_back({{-3, -20, 2}, {0, 1, 0}});   // within a face's plane: 0 * inf in naive slabs
+  rays.push_back({{-3, -20, 2}, {0, 1, 0}});  // within a face's plane: 0 * inf in naive slabs
   rays.push_back({{3, 0, 40}, {0, 0, -1}});
   rays.push_back({{-20, 0, 4}, {1, 0, 0}});
   return rays;
@@ -82,7 +91,8 @@ TEST_CASE("S7 S61: Embree in robust mode differs from double only within the sta
   const DoubleTracer tracer(scene);
   const EmbreeScene embree(scene);
   std::map<Cause, int> count;
-  for (const Ray& ray : mixed_rays(100000, vertices)) ++count[tracer.explain(ray, embree.intersect(ray), tracer.trace(ray).hit)];
+  for (const Ray& ray : mixed_rays(100000, vertices))
+    ++count[tracer.explain(ray, embree.intersect(ray), tracer.trace(ray).hit)];
   for (const auto& [cause, n] : count) MESSAGE(std::string(cause_name(cause)) << ": " << n);
   CHECK(count[Cause::unexplained] == 0);
   CHECK(count[Cause::agree] > 50000);
@@ -99,8 +109,8 @@ TEST_CASE("S8 S61: a closed box leaks no ray aimed at its edges or vertices") {
   std::mt19937 random(3);
   int leaks = 0;
   for (int i = 0; i < 20000; ++i) {  // from inside: every direction must hit
-    const glm::vec3 to = i % 2 ? box[random() % box.size()].a
-                               : 0.5f * (box[random() % box.size()].a + box[random() % box.size()].c);
+    const glm::vec3 to =
+        i % 2 ? box[random() % box.size()].a : 0.5f * (box[random() % box.size()].a + box[random() % box.size()].c);
     const glm::dvec3 inside = rotation(0.3, 0.2, 1.7) * glm::dvec3(0.05) + glm::dvec3(100, -30, 5);
     const glm::dvec3 target = rotation(0.3, 0.2, 1.7) * glm::dvec3(to) + glm::dvec3(100, -30, 5);
     leaks += tracer.trace(ray_between(glm::vec3(inside), glm::vec3(target))).hit.miss();
@@ -111,14 +121,14 @@ TEST_CASE("S8 S61: a closed box leaks no ray aimed at its edges or vertices") {
 TEST_CASE("S61: explain names exact tie, edge tie, depth tie, grazing, and leaves real differences unexplained") {
   SceneBuilder builder;
   std::vector<Triangle> list;
-  add_quad(list, {0, 0, 0}, {1, 0, 0}, {0, 1, 0});            // primitives 0, 1: diagonal x = y
-  add_quad(list, {0, 0, -1}, {1, 0, 0}, {0, 1, 0});           // 2, 3: one metre below
-  add_quad(list, {2, 0, 0}, {1, 0, 0}, {0, 1, 0});            // 4, 5
-  add_quad(list, {2, 0, 0}, {1, 0, 0}, {0, 1, 0});            // 6, 7: coincident with 4, 5
-  list.push_back({{5, 0, 0}, {5, 1, 0}, {5, 0.5f, 1}, 0});    // 8: vertical, edge-on from above
+  add_quad(list, {0, 0, 0}, {1, 0, 0}, {0, 1, 0});                      // primitives 0, 1: diagonal x = y
+  add_quad(list, {0, 0, -1}, {1, 0, 0}, {0, 1, 0});                     // 2, 3: one metre below
+  add_quad(list, {2, 0, 0}, {1, 0, 0}, {0, 1, 0});                      // 4, 5
+  add_quad(list, {2, 0, 0}, {1, 0, 0}, {0, 1, 0});                      // 6, 7: coincident with 4, 5
+  list.push_back({{5, 0, 0}, {5, 1, 0}, {5, 0.5f, 1}, 0});              // 8: vertical, edge-on from above
   list.push_back({{0.4f, -5, 1}, {0.6f, -5, 1}, {0.5f, 0.25f, 1}, 0});  // 9: tip at (0.5, 0.25), one metre above
-  add_quad(list, {7, 0, 0}, {1, 0, 0}, {0, 1, 0});            // 10, 11
-  add_quad(list, {7, 0, -1e-5f}, {1, 0, 0}, {0, 1, 0});       // 12, 13: 10 um below, a third of one ulp of 610 m
+  add_quad(list, {7, 0, 0}, {1, 0, 0}, {0, 1, 0});                      // 10, 11
+  add_quad(list, {7, 0, -1e-5f}, {1, 0, 0}, {0, 1, 0});  // 12, 13: 10 um below, a third of one ulp of 610 m
   builder.instance(builder.mesh(list));
   const scene::CompiledScene scene = builder.finish();
   const DoubleTracer tracer(scene);
@@ -128,13 +138,14 @@ TEST_CASE("S61: explain names exact tie, edge tie, depth tie, grazing, and leave
 
   SUBCASE("edge between two faces of one surface") {
     CHECK(tracer.explain(down(0.5f, 0.5f), hit(0), hit(1)) == Cause::exact_tie);
-    CHECK(tracer.explain(down(0.5f, 0.5f), hit(2), hit(3)) == Cause::edge_tie);  // within the bounds, but 0 and 1 lie before
+    CHECK(tracer.explain(down(0.5f, 0.5f), hit(2), hit(3)) ==
+          Cause::edge_tie);  // within the bounds, but 0 and 1 lie before
     CHECK(tracer.explain(down(0.5f, 0.5f + 1e-5f), hit(0), hit(1)) == Cause::edge_tie);
     CHECK(tracer.explain(down(0.5f, 0.51f), hit(0), hit(1)) == Cause::unexplained);  // 1 cm off: 270 ulp of 610 m
   }
   SUBCASE("vertex and silhouette") {
-    CHECK(tracer.explain(down(0, 0), hit(0), miss) == Cause::edge_tie);        // both layers have a corner here
-    CHECK(tracer.explain(down(1, 0.4f), hit(0), miss) == Cause::edge_tie);     // both layers end here
+    CHECK(tracer.explain(down(0, 0), hit(0), miss) == Cause::edge_tie);     // both layers have a corner here
+    CHECK(tracer.explain(down(1, 0.4f), hit(0), miss) == Cause::edge_tie);  // both layers end here
     CHECK(tracer.explain(down(0.99f, 0.4f), hit(0), miss) == Cause::unexplained);
     CHECK(tracer.explain(down(1.01f, 0.4f), hit(0), miss) == Cause::unexplained);
     CHECK(tracer.explain(down(0.5f, 0.25f), hit(9), hit(0)) == Cause::edge_tie);
@@ -208,8 +219,10 @@ TEST_CASE("S4 S7: on a scene of the compiler's own trees the walk equals brute f
   scene::append_instance(scene, ground, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}, 0);
   for (int i = 0; i < 20; ++i) {
     const glm::dmat3 m = rotation(0.7 * i, 0.1 * i, 0.6 + 0.05 * i);
-    scene::append_instance(scene, tree, {m[0][0], m[1][0], m[2][0], 3.1 * (i % 5) - 8, m[0][1], m[1][1], m[2][1], 4.7 * (i / 5) - 8,
-                                         m[0][2], m[1][2], m[2][2], 4}, static_cast<std::uint32_t>(i + 1));
+    scene::append_instance(scene, tree,
+                           {m[0][0], m[1][0], m[2][0], 3.1 * (i % 5) - 8, m[0][1], m[1][1], m[2][1], 4.7 * (i / 5) - 8,
+                            m[0][2], m[1][2], m[2][2], 4},
+                           static_cast<std::uint32_t>(i + 1));
   }
   scene::finish_top_tree(scene);
   const DoubleTracer tracer(scene);

@@ -1,5 +1,6 @@
-// The environment functions (S4.9) against their published figures, the laws they must keep, and single scattering integrated
-// here along the line of sight; the molecules' share of the diffuse transmission against exact first-order scattering.
+// The environment functions (S4.9) against their published figures, the laws they must keep, and single scattering
+// integrated here along the line of sight; the molecules' share of the diffuse transmission against exact first-order
+// scattering.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -41,12 +42,14 @@ TEST_CASE("S4.9 environment functions: the published figures at their nodes, bet
   const auto molecules = [](double r) { return environment_function(Scatterer::molecules, r, 100, 1); };
   for (const double r : {0.1, 1.0, 5.0, 20.0}) {
     CHECK(air(r) == doctest::Approx(1 - 0.448 * std::exp(-0.27 * r) - 0.552 * std::exp(-2.83 * r)).epsilon(1e-12));
-    CHECK(molecules(r) == doctest::Approx(1 - 0.070 * std::exp(-0.868 * r) - 0.93 * std::exp(-0.08 * r)).epsilon(1e-12));
+    CHECK(molecules(r) ==
+          doctest::Approx(1 - 0.070 * std::exp(-0.868 * r) - 0.93 * std::exp(-0.08 * r)).epsilon(1e-12));
   }
   CHECK(environment_function(Scatterer::molecules, 1, 1.5, 1) ==
         doctest::Approx(1 - 0.683 * std::exp(-1.1775) - 0.317 * std::exp(-0.08)).epsilon(1e-12));
   // Below 0.5 km one length is left: the height.
-  CHECK(environment_function(Scatterer::aerosol, 0.02, 0.1, 1) == doctest::Approx(environment_function(Scatterer::aerosol, 0.1, 0.5, 1)));
+  CHECK(environment_function(Scatterer::aerosol, 0.02, 0.1, 1) ==
+        doctest::Approx(environment_function(Scatterer::aerosol, 0.1, 0.5, 1)));
 }
 
 TEST_CASE("S4.9 environment functions rise from 0 to 1 at every height and view, and their radii invert them") {
@@ -63,13 +66,17 @@ TEST_CASE("S4.9 environment functions rise from 0 to 1 at every height and view,
         }
         CHECK(last == doctest::Approx(1).epsilon(1e-6));
         for (const double share : {0.01, 0.3, 0.9})
-          CHECK(environment_function(s, environment_radius_km(s, share, height, mu), height, mu) == doctest::Approx(share).epsilon(1e-9));
+          CHECK(environment_function(s, environment_radius_km(s, share, height, mu), height, mu) ==
+                doctest::Approx(share).epsilon(1e-9));
       }
 }
 
-TEST_CASE("S4.9 the molecules' environment function lies below single scattering of a nadir path at 0.5 km, by at most 0.14") {
-  // Light scattered more than once comes from farther away, so that single scattering bounds F from above: the fit's second
-  // exponential (0.08 per km) is that light, a tenth of all from beyond 2 km. Aerosol scatters forward, which draws F in.
+TEST_CASE(
+    "S4.9 the molecules' environment function lies below single scattering of a nadir path at 0.5 km, by at most "
+    "0.14") {
+  // Light scattered more than once comes from farther away, so that single scattering bounds F from above: the fit's
+  // second exponential (0.08 per km) is that light, a tenth of all from beyond 2 km. Aerosol scatters forward, which
+  // draws F in.
   const auto phase = [](double c) { return phase_rayleigh(0.0283, c); };
   const double all = scattered(1e6, 0.5, phase);
   for (const double r : {0.05, 0.1, 0.2, 0.4, 0.8, 2.0}) {
@@ -83,8 +90,8 @@ TEST_CASE("S4.9 the molecules' environment function lies below single scattering
 }
 
 TEST_CASE("S4.9 molecular diffuse transmission: first order in thin air, none without air, energy below 1") {
-  // Isotropic upward radiance 1 scattered once into a vertical path of depth tau from below: half of tau (the phase function
-  // is symmetric), minus nothing yet lost.
+  // Isotropic upward radiance 1 scattered once into a vertical path of depth tau from below: half of tau (the phase
+  // function is symmetric), minus nothing yet lost.
   const double t = molecular_diffuse_transmission(2.0, 1013.25, 0, 1000, 1);
   const double depth = rayleigh_depth(2.0, 1013.25) * (1 - std::exp(-1.0 / 8));
   CHECK(t == doctest::Approx(depth / 2).epsilon(1e-4));  // next order: tau^2
@@ -100,7 +107,8 @@ TEST_CASE("S4.9 molecular diffuse transmission: first order in thin air, none wi
 TEST_CASE("S5.1 S, T_dif and t are read linearly; a table without them says so by name") {
   UniformAir air;
   CHECK(!has_ground_coupling(uniform_table(air, {0.4, 0.5})));
-  CHECK_THROWS_WITH_AS(spherical_albedo(uniform_table(air, {0.4, 0.5}), 0), doctest::Contains("spherical_albedo"), raycube::base::Error);
+  CHECK_THROWS_WITH_AS(spherical_albedo(uniform_table(air, {0.4, 0.5}), 0), doctest::Contains("spherical_albedo"),
+                       raycube::base::Error);
   air.spherical_albedo = [](double) { return 0.25; };
   air.diffuse_view_transmission = [](double um) { return um; };
   air.diffuse_return = [](double) { return 0.25; };

@@ -1,5 +1,5 @@
-// Band models, grey gases and layers without reference files. Oracles: limits and series of the closed forms, Beer's law, the ray of
-// a homogeneous column, values of LOWTRAN7 restated here by hand.
+// Band models, grey gases and layers without reference files. Oracles: limits and series of the closed forms, Beer's
+// law, the ray of a homogeneous column, values of LOWTRAN7 restated here by hand.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -33,7 +33,9 @@ std::vector<double> levels_between(const AirProfile& profile, double low_km, dou
   return out;
 }
 
-std::vector<double> whole(const LayerGases& gases, double factor = 1) { return std::vector<double>(gases.layers(), factor); }
+std::vector<double> whole(const LayerGases& gases, double factor = 1) {
+  return std::vector<double>(gases.layers(), factor);
+}
 
 double grey_column(const LayerGases& gases, double wavenumber) {
   double sum = 0;
@@ -57,7 +59,8 @@ TEST_CASE("S4.4 random bands: Beer's law for few molecules, square root for many
   // As the 6S papers print them, where no digits are lost.
   const double u = 4.0, up = 2.5;
   CHECK(relative(goody_depth(a1, a2, u, up), a1 * u / std::sqrt(1 + a1 / a2 * u * u / up)) <= 1e-14);
-  CHECK(relative(malkmus_depth(a1, a2, u, up), a2 * up / (2 * u) * (std::sqrt(1 + 4 * a1 / a2 * u * u / up) - 1)) <= 1e-12);
+  CHECK(relative(malkmus_depth(a1, a2, u, up), a2 * up / (2 * u) * (std::sqrt(1 + 4 * a1 / a2 * u * u / up) - 1)) <=
+        1e-12);
   CHECK(relative(power_law_depth(-1, 40, 0.5), 2.0) <= 1e-14);
   CHECK(power_law_depth(3, 0, 0.5) == 0);
 }
@@ -73,16 +76,19 @@ TEST_CASE("S4.4 a bin of 6S by hand: water after Goody, carbon dioxide after Mal
     double wavenumber, per_cm3, g_mol, a1, a2, a3, a4, a5, a6;
   };
   // Figures of 6S (Vermote et al. 1997). At 2.02 and 2.22 um q is 1, so LOWTRAN7 does not enter.
-  for (const Bin& bin : {Bin{Gas::h2o, 4505, 3e17, 18.0153, 2.23170e-03, 1.52290e-01, 1.25350e-02, -1.37950e-05, 1.08750e-02, -3.71230e-05},
-                         Bin{Gas::co2, 4955, 8e15, 44.0095, 6.36400, 3.84630e-01, 2.42250e-03, -1.70140e-05, 5.11560e-03, -1.36770e-05}}) {
+  for (const Bin& bin : {Bin{Gas::h2o, 4505, 3e17, 18.0153, 2.23170e-03, 1.52290e-01, 1.25350e-02, -1.37950e-05,
+                             1.08750e-02, -3.71230e-05},
+                         Bin{Gas::co2, 4955, 8e15, 44.0095, 6.36400, 3.84630e-01, 2.42250e-03, -1.70140e-05,
+                             5.11560e-03, -1.36770e-05}}) {
     low.gas_per_cm3 = {}, high.gas_per_cm3 = {};
     low.gas(bin.gas) = high.gas(bin.gas) = bin.per_cm3;
     const LayerGases gases(AirProfile({low, high}, "ten metres"), {0, 0.01});
     const double column = factor * 1e3 * bin.per_cm3 * bin.g_mol / 6.02214076e23;  // g cm-2
-    const double u = column * std::exp(bin.a3 * t + bin.a4 * t * t), up = column * std::exp(bin.a5 * t + bin.a6 * t * t) * 800 / 1013.25;
+    const double u = column * std::exp(bin.a3 * t + bin.a4 * t * t),
+                 up = column * std::exp(bin.a5 * t + bin.a6 * t * t) * 800 / 1013.25;
     const double weak = bin.a1 / bin.a2 * u * u / up;
-    const double depth = bin.gas == Gas::h2o ? bin.a1 * u / std::sqrt(1 + weak)
-                                             : bin.a2 * up / (2 * u) * (std::sqrt(1 + 4 * weak) - 1);
+    const double depth =
+        bin.gas == Gas::h2o ? bin.a1 * u / std::sqrt(1 + weak) : bin.a2 * up / (2 * u) * (std::sqrt(1 + 4 * weak) - 1);
     // Shipped figures are rounded: 1.2e-4 of a1 and a2, less of the others.
     CHECK(relative(gases.line_depth(bin.wavenumber, whole(gases, factor)), depth) <= 3e-4);
   }
@@ -117,8 +123,8 @@ TEST_CASE("S4.4 columns: water 2.92 g cm-2 and ozone of midlatitude summer, what
     CHECK(relative(coarse.line_depth(v, whole(coarse)), fine.line_depth(v, whole(fine))) <= 1e-9);
     CHECK(std::abs(grey_column(coarse, v) - grey_column(fine, v)) <= 1e-9 * grey_column(fine, v));
   }
-  // Ozone is grey in the visible: Chappuis at 16600 cm-1 has 0.129 per atm-cm (LOWTRAN7's figure), and nothing else absorbs there
-  // but the far wing of the water continuum.
+  // Ozone is grey in the visible: Chappuis at 16600 cm-1 has 0.129 per atm-cm (LOWTRAN7's figure), and nothing else
+  // absorbs there but the far wing of the water continuum.
   CHECK(std::abs(grey_column(fine, 16600) / air.ozone_atm_cm() - 0.129) <= 0.002);
 }
 
@@ -126,7 +132,8 @@ TEST_CASE("S4.4 spot values of LOWTRAN7: vertical path of 3 km, midlatitude summ
   const AirProfile air = afgl_profile(AfglModel::midlatitude_summer);
   const LayerGases gases(air, {0, 1, 2, 3}, BandModel::lowtran);
   const AirProfile dry = changed(air, [](AirLevel& level) { level.gas(Gas::h2o) = 0; });
-  // Product of the component transmittances of lines (water, mixed gases, ozone in the infrared, trace); its program prints 5 digits.
+  // Product of the component transmittances of lines (water, mixed gases, ozone in the infrared, trace); its program
+  // prints 5 digits.
   struct Spot {
     double wavenumber, lines, water_continuum;
   };
@@ -136,9 +143,11 @@ TEST_CASE("S4.4 spot values of LOWTRAN7: vertical path of 3 km, midlatitude summ
                            Spot{5900, 0.96625, 0.98798}, Spot{8820, 0.16394, 0.75962}, Spot{10600, 0.38519, 0.89835},
                            Spot{13100, 0.63795, 1.00000}, Spot{16500, 0.99977, 1.00000}}) {
     CAPTURE(spot.wavenumber);
-    // The component tests of S3.2: 3.3e-4 water lines, 1.9e-4 mixed gases, 7e-5 ozone; 0.09 % in density from p / T (gas_lowtran).
+    // The component tests of S3.2: 3.3e-4 water lines, 1.9e-4 mixed gases, 7e-5 ozone; 0.09 % in density from p / T
+    // (gas_lowtran).
     CHECK(std::abs(gases.line_transmission(spot.wavenumber, spot.wavenumber, whole(gases)) - spot.lines) <= 6e-4);
-    const double others = spot.wavenumber > 2000 && spot.wavenumber < 2800 ? grey_column(LayerGases(dry, {0, 3}), spot.wavenumber) : 0;
+    const double others =
+        spot.wavenumber > 2000 && spot.wavenumber < 2800 ? grey_column(LayerGases(dry, {0, 3}), spot.wavenumber) : 0;
     CHECK(std::abs(std::exp(others - grey_column(gases, spot.wavenumber)) - spot.water_continuum) <= 2.5e-3);
   }
 }
@@ -198,7 +207,8 @@ TEST_CASE("S4.4 bins: the mean lies between the ends' values, halves join to the
 TEST_CASE("S4.4 grey gases: Beer's law, layers add up, nothing where no figures are") {
   const AirProfile air = afgl_profile(AfglModel::midlatitude_winter);
   const LayerGases one(air, {0, 100}), many(air, levels_between(air, 0, 100));
-  for (double v : {350.0, 880.0, 1000.0, 1320.0, 1580.0, 2400.0, 4000.0, 16000.0, 20000.0, 30000.0, 33390.0, 33410.0, 38000.0, 45000.0}) {
+  for (double v : {350.0, 880.0, 1000.0, 1320.0, 1580.0, 2400.0, 4000.0, 16000.0, 20000.0, 30000.0, 33390.0, 33410.0,
+                   38000.0, 45000.0}) {
     CHECK(grey_column(one, v) > 0);
     CHECK(relative(grey_column(many, v), one.grey_depth(v, 0)) <= 1e-9);
   }

@@ -1,5 +1,5 @@
-// Exponential sums for multiple scattering. Oracles: sums that are known, Beer's law, and the band model whose transmittances the
-// terms stand for (S4.4: rms of T below 0.003).
+// Exponential sums for multiple scattering. Oracles: sums that are known, Beer's law, and the band model whose
+// transmittances the terms stand for (S4.4: rms of T below 0.003).
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -60,7 +60,8 @@ const std::vector<double> kLevels = [] {
 
 std::vector<double> between_km(double low, double high, double factor = 1) {
   std::vector<double> out;
-  for (std::size_t i = 0; i + 1 < kLevels.size(); ++i) out.push_back(kLevels[i] >= low && kLevels[i + 1] <= high ? factor : 0);
+  for (std::size_t i = 0; i + 1 < kLevels.size(); ++i)
+    out.push_back(kLevels[i] >= low && kLevels[i + 1] <= high ? factor : 0);
   return out;
 }
 
@@ -170,14 +171,15 @@ TEST_CASE("S4.4 rms of T over 0.58 to 14 um in bins of 1 %: whole column below 0
     std::transform(a.begin(), a.end(), b.begin(), a.begin(), [](double x, double y) { return x + y; });
     return a;
   };
-  // Partial columns hold other mixtures of gases and pressures than the whole one that the terms were fitted to: one share per
-  // layer for all terms cannot give both ends of the column their depth at once.
-  const std::vector<Path> paths = {{"vertical", between_km(0, 100), {0.003, 0.001}},
-                                   {"60 degrees", between_km(0, 100, 2), {0.003, 0.0015}},
-                                   {"sun 40 degrees and up to 3 km", sum(between_km(0, 100, 1.3), between_km(0, 3)), {0.004, 0.003}},
-                                   {"ground to 3 km", between_km(0, 3), {0.006, 0.005}},
-                                   {"3 km to top", between_km(3, 100), {0.006, 0.005}},
-                                   {"10 km to top", between_km(10, 100), {0.016, 0.008}}};
+  // Partial columns hold other mixtures of gases and pressures than the whole one that the terms were fitted to: one
+  // share per layer for all terms cannot give both ends of the column their depth at once.
+  const std::vector<Path> paths = {
+      {"vertical", between_km(0, 100), {0.003, 0.001}},
+      {"60 degrees", between_km(0, 100, 2), {0.003, 0.0015}},
+      {"sun 40 degrees and up to 3 km", sum(between_km(0, 100, 1.3), between_km(0, 3)), {0.004, 0.003}},
+      {"ground to 3 km", between_km(0, 3), {0.006, 0.005}},
+      {"3 km to top", between_km(3, 100), {0.006, 0.005}},
+      {"10 km to top", between_km(10, 100), {0.016, 0.008}}};
   for (std::size_t count : {3u, 4u}) {
     std::vector<double> squares(paths.size(), 0.0);
     double bins = 0;
@@ -185,7 +187,8 @@ TEST_CASE("S4.4 rms of T over 0.58 to 14 um in bins of 1 %: whole column below 0
       const double low = 1e4 / (um * 1.01), high = 1e4 / um;
       const auto terms = gases.k_terms(low, high, count);
       for (std::size_t p = 0; p < paths.size(); ++p)
-        squares[p] += std::pow(transmittance(terms, paths[p].factor) - gases.line_transmission(low, high, paths[p].factor), 2);
+        squares[p] +=
+            std::pow(transmittance(terms, paths[p].factor) - gases.line_transmission(low, high, paths[p].factor), 2);
     }
     for (std::size_t p = 0; p < paths.size(); ++p) {
       const double found = std::sqrt(squares[p] / bins);

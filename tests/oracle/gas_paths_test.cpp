@@ -1,6 +1,6 @@
-// A-11: transmittance of the whole air, LOWTRAN7 bands alone, against LOWTRAN7's paths to the ground, to the sky and to the sun
-// (anchors/lowtran7_paths_*, sky_*, direct_*). Scene: its midlatitude summer, rural aerosol of 23 km by its rules, ground at 0 km;
-// Rayleigh scattering is raycube's own. Limits of S8: 0.003, above 75 degrees 0.005.
+// A-11: transmittance of the whole air, LOWTRAN7 bands alone, against LOWTRAN7's paths to the ground, to the sky and to
+// the sun (anchors/lowtran7_paths_*, sky_*, direct_*). Scene: its midlatitude summer, rural aerosol of 23 km by its
+// rules, ground at 0 km; Rayleigh scattering is raycube's own. Limits of S8: 0.003, above 75 degrees 0.005.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -31,8 +31,10 @@ struct Path {
 class Amounts {
  public:
   Amounts(const AirProfile& air, const AerosolColumn& aerosol, const Path& path)
-      : level_km_(levels(path)), gases_(air, level_km_, BandModel::lowtran),
-        slope_(testing::curved_path_factors(air, level_km_, path.zenith_deg, path.at_km)), aerosol_550_(aerosol.components()) {
+      : level_km_(levels(path)),
+        gases_(air, level_km_, BandModel::lowtran),
+        slope_(testing::curved_path_factors(air, level_km_, path.zenith_deg, path.at_km)),
+        aerosol_550_(aerosol.components()) {
     for (std::size_t i = 0; i < slope_.size(); ++i) {
       molecules_ += slope_[i] * air.air_column_per_cm2(level_km_[i], level_km_[i + 1]);
       for (std::size_t c = 0; c < aerosol_550_.size(); ++c)
@@ -73,14 +75,17 @@ TEST_CASE("A-11 LOWTRAN7 bands alone: transmittances of paths, skies and suns of
                                        {"T_100_180", 0, 100, 180, 100}};
   const std::vector<Path> to_sky = {{"T_0", 0, 100, 0, 0},   {"T_30", 0, 100, 30, 0}, {"T_45", 0, 100, 45, 0},
                                     {"T_60", 0, 100, 60, 0}, {"T_75", 0, 100, 75, 0}, {"T_85", 0, 100, 85, 0}};
-  const std::vector<Path> to_sun = {{"T_0.0_s40", 0, 100, 40, 0}, {"T_0.61_s40", 0.61, 100, 40, 0.61}, {"T_3.0_s40", 3, 100, 40, 3}};
+  const std::vector<Path> to_sun = {
+      {"T_0.0_s40", 0, 100, 40, 0}, {"T_0.61_s40", 0.61, 100, 40, 0.61}, {"T_3.0_s40", 3, 100, 40, 3}};
   struct File {
     const char* name;
     const std::vector<Path>& paths;
   };
-  for (const File& file : {File{"paths_vnir_swir", to_ground}, File{"paths_mwir_lwir", to_ground}, File{"sky_vnir_swir", to_sky},
-                           File{"sky_mwir_lwir", to_sky}, File{"direct_vnir_swir", to_sun}, File{"direct_mwir_lwir", to_sun}}) {
-    auto rows = testing::anchor_rows("anchors/lowtran7_" + std::string(file.name) + ".csv", "paths were not compared with LOWTRAN7");
+  for (const File& file :
+       {File{"paths_vnir_swir", to_ground}, File{"paths_mwir_lwir", to_ground}, File{"sky_vnir_swir", to_sky},
+        File{"sky_mwir_lwir", to_sky}, File{"direct_vnir_swir", to_sun}, File{"direct_mwir_lwir", to_sun}}) {
+    auto rows = testing::anchor_rows("anchors/lowtran7_" + std::string(file.name) + ".csv",
+                                     "paths were not compared with LOWTRAN7");
     if (rows.empty()) return;
     std::vector<Amounts> amounts;
     for (const Path& path : file.paths) amounts.emplace_back(air, aerosol, path);

@@ -24,8 +24,7 @@ using scene::InstrumentKind;
 scene::Simulation plain(int count, double within_m, double side_m, double half_m = 4000) {
   scene::Simulation simulation;
   scene::CompiledScene& scene = simulation.scene;
-  const auto ground = test::add_material(scene, "ground", 0.2),
-             target = test::add_material(scene, "target", 0.9);
+  const auto ground = test::add_material(scene, "ground", 0.2), target = test::add_material(scene, "target", 0.9);
   test::place(scene, test::rectangle({-half_m, -half_m, 0}, {2 * half_m, 0, 0}, {0, 2 * half_m, 0}, ground));
   std::mt19937 random(11);
   std::uniform_real_distribution<double> place(-within_m, within_m);
@@ -57,10 +56,10 @@ scene::Instrument flown(scene::Instrument out, double pixel_m, double jitter_deg
   const int each = out.kind == InstrumentKind::whiskbroom ? out.pixels : 1, count = out.lines * each;
   for (int i = 0; i < count; ++i) {
     const double way = static_cast<double>(i) / each + 0.5 - 0.5 * out.lines;
-    out.poses.push_back(
-        {0.05 * draw(random), pixel_m * way - height_m * std::tan(pitch_deg * M_PI / 180),
-         height_m + 0.05 * draw(random), jitter_deg * draw(random), pitch_deg + jitter_deg * draw(random),
-         turn_deg * static_cast<double>(i) / count - turn_deg / 2 + jitter_deg * draw(random)});
+    out.poses.push_back({0.05 * draw(random), pixel_m * way - height_m * std::tan(pitch_deg * M_PI / 180),
+                         height_m + 0.05 * draw(random), jitter_deg * draw(random),
+                         pitch_deg + jitter_deg * draw(random),
+                         turn_deg * static_cast<double>(i) / count - turn_deg / 2 + jitter_deg * draw(random)});
   }
   return out;
 }
@@ -96,8 +95,7 @@ sensors::SmallObjectSurvey walked(const scene::CompiledScene& scene, scene::Inst
 }
 
 /// Same groups, counts and objects; few groups more than those that see something were looked at.
-void check_as_walked(const scene::Simulation& simulation, const scene::Instrument& instrument,
-                     double looks_per_group) {
+void check_as_walked(const scene::Simulation& simulation, const scene::Instrument& instrument, double looks_per_group) {
   const auto key = [](const auto& object) {
     return std::tuple(object.line, object.sample, object.share, object.pixels);
   };
@@ -119,8 +117,8 @@ void check_as_walked(const scene::Simulation& simulation, const scene::Instrumen
                         [&](const auto& object) { return key(object) == key(missed); }));
     if (!on) CHECK(2 * survey.missed.size() > walk.missed.size());
     CHECK(survey.looked_at >= walk.looked_at);
-    MESSAGE(instrument.lines << " x " << instrument.pixels << ": " << walk.objects << " objects in "
-                             << walk.looked_at << " groups, looked at " << survey.looked_at << " of "
+    MESSAGE(instrument.lines << " x " << instrument.pixels << ": " << walk.objects << " objects in " << walk.looked_at
+                             << " groups, looked at " << survey.looked_at << " of "
                              << instrument.lines * sensors::groups_per_line(instrument));
     CHECK(static_cast<double>(survey.looked_at) <= looks_per_group * static_cast<double>(walk.looked_at));
   }
@@ -148,8 +146,7 @@ TEST_CASE("S43 small objects: the survey finds what a walk over the image finds"
     camera.poses = {{0, -160, 20, 0, 83, 0}};
     check_as_walked(simulation, camera, 3);
   }
-  for (const auto motion :
-       {scene::PoseMotion::held, scene::PoseMotion::moving, scene::PoseMotion::automatic}) {
+  for (const auto motion : {scene::PoseMotion::held, scene::PoseMotion::moving, scene::PoseMotion::automatic}) {
     CAPTURE(static_cast<int>(motion));
     scene::Instrument broom = instrument(InstrumentKind::pushbroom, 150, 130, 1500, 1.5);
     broom.motion = motion;
@@ -157,9 +154,7 @@ TEST_CASE("S43 small objects: the survey finds what a walk over the image finds"
     // count; jitter makes its steps long.
     SUBCASE("push-broom, steady") { check_as_walked(simulation, flown(broom, 1.5, 0, 0), 8); }
     SUBCASE("push-broom, jitter of 5 lines") { check_as_walked(simulation, flown(broom, 1.5, 0.3, 0), 30); }
-    SUBCASE("push-broom, a full turn with jitter") {
-      check_as_walked(simulation, flown(broom, 1.5, 0.02, 400), 30);
-    }
+    SUBCASE("push-broom, a full turn with jitter") { check_as_walked(simulation, flown(broom, 1.5, 0.02, 400), 30); }
     SUBCASE("push-broom, looking ahead") { check_as_walked(simulation, flown(broom, 1.5, 0.02, 30, 35), 40); }
     SUBCASE("push-broom, a point spread") {
       broom.psf_sigma_px = 0.4, broom.psf_support_px = 3.4;
@@ -198,8 +193,8 @@ TEST_CASE("S43 small objects: one plate in 9e8 pixels is looked for where it is"
     CHECK(survey.looked_at < 1000);
   }
   // A camera's lines cost nothing either.
-  const auto tall = sensors::survey_small_objects(
-      simulation.scene, instrument(InstrumentKind::framing, 1, 1000000000, 1500, 0.3), true);
+  const auto tall = sensors::survey_small_objects(simulation.scene,
+                                                  instrument(InstrumentKind::framing, 1, 1000000000, 1500, 0.3), true);
   CHECK(tall.looked_at < 300);
 }
 

@@ -41,7 +41,8 @@ std::vector<double> sky_irradiance(const RenderTable& table, double height_m) {
   std::vector<double> sum(wavelengths(table).size(), 0.0);
   constexpr int kZenith = 240, kAzimuth = 240;
   for (int i = 0; i < kZenith; ++i) {
-    const double mu2 = (i + 0.5) / kZenith, zenith = std::acos(std::sqrt(mu2)) * 180 / kPi;  // even in mu^2: mu dmu is constant
+    const double mu2 = (i + 0.5) / kZenith,
+                 zenith = std::acos(std::sqrt(mu2)) * 180 / kPi;  // even in mu^2: mu dmu is constant
     for (int a = 0; a < kAzimuth; ++a) {
       const auto sky = sky_radiance(table, height_m, zenith, 180 * (a + 0.5) / kAzimuth);
       for (std::size_t w = 0; w < sum.size(); ++w) sum[w] += sky[w] * kPi / (kZenith * kAzimuth);
@@ -53,8 +54,8 @@ std::vector<double> sky_irradiance(const RenderTable& table, double height_m) {
 }  // namespace
 
 TEST_CASE("layered air: transmissions and radiances of the reference scene (S8 spot values)") {
-  // Midlatitude summer, rural 23 km, sun 40 deg (atmosphere specification S8). LOWTRAN7: T from 3 km nadir and T sun to ground
-  // within the 0.003 of A-11. uvspec-DISORT with Henyey-Greenstein aerosols: path radiance per solar
+  // Midlatitude summer, rural 23 km, sun 40 deg (atmosphere specification S8). LOWTRAN7: T from 3 km nadir and T sun to
+  // ground within the 0.003 of A-11. uvspec-DISORT with Henyey-Greenstein aerosols: path radiance per solar
   // irradiance within the 3 % of A-16 (solar spectra differ by 5 % at the calcium line beside 0.865 um).
   struct Spot {
     double wavelength_um, t_view, t_sun, path, solar;
@@ -69,7 +70,8 @@ TEST_CASE("layered air: transmissions and radiances of the reference scene (S8 s
     const RenderTable table = build_layered(spec, sun_at(40), 3000, {spot.wavelength_um}, {0});
     CHECK(std::abs(view_transmission(table, 0, 0)[0] - spot.t_view) < 0.003);
     CHECK(std::abs(sun_transmission(table, 0)[0] - spot.t_sun) < 0.003);
-    CHECK(path_radiance(table, 0, 0, 0)[0] / solar_irradiance(table)[0] == doctest::Approx(spot.path / spot.solar).epsilon(0.03));
+    CHECK(path_radiance(table, 0, 0, 0)[0] / solar_irradiance(table)[0] ==
+          doctest::Approx(spot.path / spot.solar).epsilon(0.03));
   }
 }
 
@@ -142,10 +144,12 @@ TEST_CASE("layered air: thread count and the company of other wavelengths change
 TEST_CASE("layered air: moonlight is the sun's by phase and albedo in every solar row") {
   scene::Sun moon = sun_at(40);
   moon.moon_phase_deg = 30;
-  const RenderTable day = build_layered(summer_rural(), sun_at(40), 500, {0.55}, {0}), lit = build_layered(summer_rural(), moon, 500, {0.55}, {0});
+  const RenderTable day = build_layered(summer_rural(), sun_at(40), 500, {0.55}, {0}),
+                    lit = build_layered(summer_rural(), moon, 500, {0.55}, {0});
   const double part = moon_over_sun(30, 0.55);
   CHECK(part < 1e-5);
-  for (const char* row : {"solar_irradiance", "direct_irradiance", "diffuse_irradiance", "sky_radiance_solar", "path_radiance_solar"})
+  for (const char* row :
+       {"solar_irradiance", "direct_irradiance", "diffuse_irradiance", "sky_radiance_solar", "path_radiance_solar"})
     for (std::size_t k = 0; k < day.rows.at(row).values.size(); ++k)
       CHECK(lit.rows.at(row).values[k] == doctest::Approx(part * day.rows.at(row).values[k]).epsilon(1e-5));
 }
@@ -163,7 +167,8 @@ TEST_CASE("layered air: more aerosol dims the beam and brightens the path; more 
   hazy.layered->visibility_km = 5;
   wet.layered->water_g_cm2 = 4;
   const RenderTable clear = build_layered(summer_rural(), sun_at(40), 1000, grid, {0});
-  const RenderTable haze = build_layered(hazy, sun_at(40), 1000, grid, {0}), water = build_layered(wet, sun_at(40), 1000, grid, {0});
+  const RenderTable haze = build_layered(hazy, sun_at(40), 1000, grid, {0}),
+                    water = build_layered(wet, sun_at(40), 1000, grid, {0});
   CHECK(sun_transmission(haze, 0)[0] < 0.7 * sun_transmission(clear, 0)[0]);
   CHECK(path_radiance(haze, 0, 0, 90)[0] > 1.5 * path_radiance(clear, 0, 0, 90)[0]);
   CHECK(sun_transmission(water, 0)[1] < 0.95 * sun_transmission(clear, 0)[1]);

@@ -23,15 +23,20 @@ scene::Lidar sounder() {
   return lidar;
 }
 
-void gate(scene::Lidar& lidar, double from_m, double bin_m, int bins) { lidar.gate = {2 * from_m / kLightSpeed, 2 * bin_m / kLightSpeed, bins}; }
+void gate(scene::Lidar& lidar, double from_m, double bin_m, int bins) {
+  lidar.gate = {2 * from_m / kLightSpeed, 2 * bin_m / kLightSpeed, bins};
+}
 
-lidar::LidarPlan plan_of(const scene::Lidar& lidar, const scene::CompiledScene& scene, double extinction = kExtinction, double backscatter = kBackscatter) {
+lidar::LidarPlan plan_of(const scene::Lidar& lidar, const scene::CompiledScene& scene, double extinction = kExtinction,
+                         double backscatter = kBackscatter) {
   lidar::LidarPlan plan = hand_plan(lidar, scene);
   set_air(plan, extinction, backscatter, -20000, 20000);
   return plan;
 }
 
-lidar::ShotResult one(const scene::CompiledScene& scene, const lidar::LidarPlan& plan, const lidar::Shot& shot) { return render_shots(scene, plan, {shot}).at(0); }
+lidar::ShotResult one(const scene::CompiledScene& scene, const lidar::LidarPlan& plan, const lidar::Shot& shot) {
+  return render_shots(scene, plan, {shot}).at(0);
+}
 
 scene::CompiledScene nothing() {
   scene::CompiledScene scene = scene_of({0.3});
@@ -42,7 +47,8 @@ scene::CompiledScene nothing() {
 /// Photons times m2 / share, of a bin of constant air: the LIDAR equation without eta / R^2.
 double level(const lidar::LidarPlan& plan) {
   const auto& receiver = plan.lidar.receiver;
-  return plan.photons[0] * kBackscatter * M_PI * (std::pow(receiver.aperture_radius_m, 2) - std::pow(receiver.obscuration_radius_m, 2)) * receiver.efficiency;
+  return plan.photons[0] * kBackscatter * M_PI *
+         (std::pow(receiver.aperture_radius_m, 2) - std::pow(receiver.obscuration_radius_m, 2)) * receiver.efficiency;
 }
 
 /// Simpson's rule over 400 pieces.
@@ -53,7 +59,9 @@ double integral(double from, double to, const std::function<double(double)>& val
 }
 
 /// Rectangle across a level beam along x, from y_m to 50 m.
-void add_screen(scene::CompiledScene& scene, double x_m, double y_m) { add_rectangle(scene, 0, {x_m, y_m, -50}, {0, 50 - y_m, 0}, {0, 0, 100}); }
+void add_screen(scene::CompiledScene& scene, double x_m, double y_m) {
+  add_rectangle(scene, 0, {x_m, y_m, -50}, {0, 50 - y_m, 0}, {0, 0, 100});
+}
 
 scene::CompiledScene glass(double tau, const std::vector<double>& places_m, double y_m = -50) {
   scene::CompiledScene scene = scene_of({0.0});
@@ -78,10 +86,13 @@ TEST_CASE("L-04, S28: air next to the telescope in a gate of 15 km") {
   for (const std::size_t bin : {1u, 2u, 3u, 6u, 9u, 12u, 20u, 40u, 60u, 100u, 300u}) {
     const double from = 1.5 * static_cast<double>(bin);
     const double expected = level(plan) * integral(from, from + 1.5, [&](double range) {
-      return lidar::beam_overlap(stop, true, 0.25e-3 * range, range, 0) / (range * range) * std::exp(-2 * kExtinction * range);
-    });
+                              return lidar::beam_overlap(stop, true, 0.25e-3 * range, range, 0) / (range * range) *
+                                     std::exp(-2 * kExtinction * range);
+                            });
     CAPTURE(bin);
-    CHECK(result.air[bin] == doctest::Approx(expected).epsilon(bin < 20 ? 2e-4 : 2e-3));  // posts 1 % apart, eta as R^2; farther: 256 sub-rays at the field's edge
+    CHECK(result.air[bin] ==
+          doctest::Approx(expected).epsilon(
+              bin < 20 ? 2e-4 : 2e-3));  // posts 1 % apart, eta as R^2; farther: 256 sub-rays at the field's edge
     if (from < 20) CHECK(result.air[bin] / (1.5 * level(plan)) == doctest::Approx(1e-4).epsilon(1e-3));  // (phi / r)^2
   }
 }
@@ -99,9 +110,10 @@ TEST_CASE("L-04: nothing comes from the blind zone of an obscured pupil, in a ga
   for (std::size_t bin = 0; bin < 5; ++bin) CHECK(result.air[bin] == 0.0f);  // up to r_o / phi = 30 m
   for (const std::size_t bin : {8u, 10u, 12u, 15u, 20u, 30u, 1000u}) {
     const double from = 6.0 * static_cast<double>(bin);
-    const double expected = level(plan) * integral(from, from + 6, [&](double range) {
-      return lidar::vignetting(stop, range, 0) / (range * range) * std::exp(-2 * kExtinction * range);
-    });
+    const double expected =
+        level(plan) * integral(from, from + 6, [&](double range) {
+          return lidar::vignetting(stop, range, 0) / (range * range) * std::exp(-2 * kExtinction * range);
+        });
     CAPTURE(bin);
     CHECK(result.air[bin] == doctest::Approx(expected).epsilon(1e-3));  // two Gauss points in 6 m at 50 m
   }
@@ -116,15 +128,21 @@ TEST_CASE("S31: air behind plates has passed each of them twice") {
   const auto open = one(nothing(), plan_of(lidar, nothing()), shot);
   constexpr double tau = 0.45;
   const auto whole = glass(tau, {1000}), two = glass(tau, {1000, 1400}), half = glass(tau, {1000}, 0);
-  const auto behind_one = one(whole, plan_of(lidar, whole), shot), behind_two = one(two, plan_of(lidar, two), shot), beside = one(half, plan_of(lidar, half), shot);
+  const auto behind_one = one(whole, plan_of(lidar, whole), shot), behind_two = one(two, plan_of(lidar, two), shot),
+             beside = one(half, plan_of(lidar, half), shot);
   const auto reference = shoot(two, plan_of(lidar, two), shot).rows.air;
   for (std::size_t bin = 0; bin < 100; ++bin) {
     const double from = 500 + 15.0 * static_cast<double>(bin), to = from + 15;
     if (to < 999) CHECK(behind_two.air[bin] == doctest::Approx(open.air[bin]).epsilon(1e-6));
-    if (from > 1001) CHECK(behind_one.air[bin] == doctest::Approx(tau * tau * open.air[bin]).epsilon(1e-4));  // 1024 shares added up in float
+    if (from > 1001)
+      CHECK(behind_one.air[bin] ==
+            doctest::Approx(tau * tau * open.air[bin]).epsilon(1e-4));  // 1024 shares added up in float
     if (from > 1401) CHECK(behind_two.air[bin] == doctest::Approx(std::pow(tau, 4) * open.air[bin]).epsilon(1e-4));
-    if (from > 1001) CHECK(beside.air[bin] == doctest::Approx((0.5 + 0.5 * tau * tau) * open.air[bin]).epsilon(4 * 0.00161));  // 1024 sub-rays, 2.1
-    if (to < 999 || (from > 1001 && to < 1399) || from > 1401) CHECK(behind_two.air[bin] == doctest::Approx(reference[bin]).epsilon(1e-4));
+    if (from > 1001)
+      CHECK(beside.air[bin] ==
+            doctest::Approx((0.5 + 0.5 * tau * tau) * open.air[bin]).epsilon(4 * 0.00161));  // 1024 sub-rays, 2.1
+    if (to < 999 || (from > 1001 && to < 1399) || from > 1401)
+      CHECK(behind_two.air[bin] == doctest::Approx(reference[bin]).epsilon(1e-4));
   }
 }
 
@@ -164,7 +182,8 @@ TEST_CASE("L-06, L-08: bins of 0.1 ns at 400 km, air and cloud") {
     const double range = 399900 + (static_cast<double>(bin) + 0.5) * kBin_m, in = range - 399900;
     sum += result.first[bin] * range * range;
     if (bin == 0 || in + kBin_m > 100) continue;  // the cloud's edge is a float: 8 um of a bin's 15 mm
-    const double cell = 0.01 * kBin_m, expected = level(plan) / kBackscatter / 50 / (range * range) * std::exp(-0.02 * in) * std::sinh(cell);
+    const double cell = 0.01 * kBin_m,
+                 expected = level(plan) / kBackscatter / 50 / (range * range) * std::exp(-0.02 * in) * std::sinh(cell);
     worst = std::max(worst, std::abs(result.first[bin] / expected - 1));
     all += result.first[bin];
   }
@@ -192,7 +211,8 @@ TEST_CASE("S31: air that is only met on the way is not among the light collected
     CHECK(bins > 0);
     for (const float x : result.air) bins += x;
     CHECK(result.air.empty() == !returns);
-    CHECK(bins / plan.photons[0] + ledger.early + ledger.late + ledger.near == doctest::Approx(ledger.collected).epsilon(5e-6));
+    CHECK(bins / plan.photons[0] + ledger.early + ledger.late + ledger.near ==
+          doctest::Approx(ledger.collected).epsilon(5e-6));
   }
 }
 

@@ -1,4 +1,5 @@
-// Light that air and particles send back on the way: closed forms of the specification (L-06, L-07, L-08), shadows of surfaces, overlap.
+// Light that air and particles send back on the way: closed forms of the specification (L-06, L-07, L-08), shadows of
+// surfaces, overlap.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -33,7 +34,8 @@ scene::CompiledScene nothing() {
   return scene;
 }
 
-lidar::ShotResult one(const scene::Lidar& lidar, const scene::CompiledScene& scene, const lidar::Shot& shot, double extinction = kExtinction, double backscatter = kBackscatter) {
+lidar::ShotResult one(const scene::Lidar& lidar, const scene::CompiledScene& scene, const lidar::Shot& shot,
+                      double extinction = kExtinction, double backscatter = kBackscatter) {
   lidar::LidarPlan plan = hand_plan(lidar, scene);
   set_air(plan, extinction, backscatter, -20000, 20000);
   return render_shots(scene, plan, {shot}).at(0);
@@ -48,12 +50,16 @@ void gate(scene::Lidar& lidar, double from_m, double bin_m, int bins) {
 TEST_CASE("L-06: a homogeneous atmosphere, expected photo-electrons by exponential integrals") {
   scene::Lidar lidar = air_lidar();
   const auto level = shot_from(lidar, {0, 0, 0}, {1, 0, 0});
-  for (const auto& [from_m, bin_m, expected] : {std::array{1000.0, 15.0, 5109.970564}, {3000.0, 15.0, 364.4835546}, {5000.0, 15.0, 83.56984206}, {10000.0, 15.0, 6.739853574}}) {
+  for (const auto& [from_m, bin_m, expected] : {std::array{1000.0, 15.0, 5109.970564},
+                                                {3000.0, 15.0, 364.4835546},
+                                                {5000.0, 15.0, 83.56984206},
+                                                {10000.0, 15.0, 6.739853574}}) {
     gate(lidar, from_m, bin_m, 4);
     CHECK(one(lidar, nothing(), level).air[0] * 0.2 == doctest::Approx(expected).epsilon(3e-6));
   }
   gate(lidar, 1000, 150, 2);
-  CHECK(one(lidar, nothing(), level).air[0] * 0.2 == doctest::Approx(44453.43271).epsilon(2e-5));  // two Gauss cells of a 150 m bin: 120 h^4 / (16 4320 R^4)
+  CHECK(one(lidar, nothing(), level).air[0] * 0.2 ==
+        doctest::Approx(44453.43271).epsilon(2e-5));  // two Gauss cells of a 150 m bin: 120 h^4 / (16 4320 R^4)
 }
 
 TEST_CASE("L-07: the logarithm of N R^2 falls by twice the extinction, up and down as well") {
@@ -65,9 +71,11 @@ TEST_CASE("L-07: the logarithm of N R^2 falls by twice the extinction, up and do
       const double near = 500 + 15.0 * bin, far = near + 15;
       return std::log(result.air[static_cast<std::size_t>(bin)] / (1 / near - 1 / far));
     };
-    CHECK((level(20) - level(280)) / (260 * 15.0) == doctest::Approx(2 * kExtinction).epsilon(1e-4));  // curvature of exp within a bin
+    CHECK((level(20) - level(280)) / (260 * 15.0) ==
+          doctest::Approx(2 * kExtinction).epsilon(1e-4));  // curvature of exp within a bin
     const double bins = moments(result.air).sum;
-    CHECK(bins / hand_plan(lidar, nothing()).photons[0] + result.ledger[0].early + result.ledger[0].late == doctest::Approx(result.ledger[0].collected).epsilon(5e-6));
+    CHECK(bins / hand_plan(lidar, nothing()).photons[0] + result.ledger[0].early + result.ledger[0].late ==
+          doctest::Approx(result.ledger[0].collected).epsilon(5e-6));
   }
 }
 
@@ -86,7 +94,8 @@ TEST_CASE("L-08: a thick cloud's attenuated backscatter integrates to (1 - exp(-
   const auto result = render_shots(scene, hand_plan(lidar, scene), {shot_from(lidar, {0, 0, 0}, {1, 0, 0})}).at(0);
   REQUIRE(result.air.empty());
   double sum = 0;
-  for (std::size_t i = 0; i < result.first.size(); ++i) sum += result.first[i] * std::pow(900 + static_cast<double>(i) + 0.5, 2);
+  for (std::size_t i = 0; i < result.first.size(); ++i)
+    sum += result.first[i] * std::pow(900 + static_cast<double>(i) + 0.5, 2);
   const double unit = hand_plan(lidar, scene).photons[0] * 0.4 * M_PI * 0.01;
   CHECK(sum / unit == doctest::Approx(0.008646647).epsilon(1e-5));
   CHECK(*std::max_element(result.first.begin(), result.first.begin() + 100) == 0.0f);
@@ -108,7 +117,8 @@ TEST_CASE("S31: air behind a surface is dark, a half target hides half") {
     const double from_m = 500 + 15.0 * static_cast<double>(i);
     if (from_m + 15 < 999) CHECK(closed.air[i] == doctest::Approx(open.air[i]).epsilon(1e-6));
     if (from_m > 1001) CHECK(closed.air[i] <= 1e-4 * open.air[i]);
-    if (from_m > 1001) CHECK(split.air[i] / open.air[i] == doctest::Approx(0.5).epsilon(4 * 0.00161));  // 1024 sub-rays, 2.1
+    if (from_m > 1001)
+      CHECK(split.air[i] / open.air[i] == doctest::Approx(0.5).epsilon(4 * 0.00161));  // 1024 sub-rays, 2.1
   }
   const double part = (1000 - (500 + 15 * 33)) / 15.0;  // the wall stands in bin 33
   CHECK(closed.air[33] / open.air[33] == doctest::Approx(part).epsilon(2e-3));
@@ -131,7 +141,8 @@ TEST_CASE("S28: the air's return carries the beam's overlap with the field") {
   for (const std::size_t bin : {4u, 10u, 15u, 20u, 25u, 30u, 40u}) {
     const double range = 402.5 + 5.0 * static_cast<double>(bin), w = std::hypot(0.010, 0.1e-3 * range);
     const double expected = lidar::beam_overlap(stop, true, w, range, std::abs(1.0 - range / 500));
-    CHECK(std::abs(seen.air[bin] / all.air[bin] - expected) <= 4 * 0.00161);  // 1024 sub-rays against the integral: 0.16 % rms of an edge, two edges
+    CHECK(std::abs(seen.air[bin] / all.air[bin] - expected) <=
+          4 * 0.00161);  // 1024 sub-rays against the integral: 0.16 % rms of an edge, two edges
   }
 }
 

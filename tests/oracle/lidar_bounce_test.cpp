@@ -59,20 +59,25 @@ TEST_CASE("L-16: a Lambert corner: energies of the orders, first arrival and spr
   CHECK(second / first == doctest::Approx(0.4 * 0.5).epsilon(4 / std::sqrt(double(kRays)) + 5e-4));
   CHECK(std::abs(two.ledger[0].emitted_error()) <= 1e-6);
 
-  const auto first_bin = [](const std::vector<float>& row) { return std::find_if(row.begin(), row.end(), [](float x) { return x > 0; }) - row.begin(); };
+  const auto first_bin = [](const std::vector<float>& row) {
+    return std::find_if(row.begin(), row.end(), [](float x) { return x > 0; }) - row.begin();
+  };
   const double bin_m = 0.1e-9 * kLightSpeed;
   // Order 2 begins at the apex range, sqrt 2 m of path after order 1.
   const auto one_at = first_bin(two.first), two_at = first_bin(two.multiple);
-  CHECK(std::abs((two_at - one_at) * bin_m - std::sqrt(2.0)) <= bin_m + 1e-3);  // earliest of 26 000 hits is 1e-4 m late
+  CHECK(std::abs((two_at - one_at) * bin_m - std::sqrt(2.0)) <=
+        bin_m + 1e-3);  // earliest of 26 000 hits is 1e-4 m late
   const double quantile[5] = {0.10, 0.25, 0.50, 0.75, 0.90}, excess_m[5] = {1.46817, 1.57064, 1.89960, 2.9995, 6.372};
-  // Density of the excess at those quantiles, from their neighbours: 4 standard errors sqrt(q (1 - q) / hits) / density.
+  // Density of the excess at those quantiles, from their neighbours: 4 standard errors sqrt(q (1 - q) / hits) /
+  // density.
   const double density[5] = {1.6, 1.25, 0.42, 0.11, 0.02};
   double sum = 0;
   std::size_t bin = 0;
   for (int i = 0; i < 5; ++i) {
     for (; sum < quantile[i] * second; ++bin) sum += two.multiple[bin];
     const double got_m = (static_cast<double>(bin) - 0.5 - static_cast<double>(one_at)) * bin_m;
-    CHECK(std::abs(got_m - excess_m[i]) <= bin_m + 4 * std::sqrt(quantile[i] * (1 - quantile[i]) / (0.5 * kRays)) / density[i]);
+    CHECK(std::abs(got_m - excess_m[i]) <=
+          bin_m + 4 * std::sqrt(quantile[i] * (1 - quantile[i]) / (0.5 * kRays)) / density[i]);
   }
 
   lidar.transport.max_bounces = 12;
@@ -89,11 +94,13 @@ TEST_CASE("L-16: a finite plate B takes its form factor") {
     const scene::Lidar lidar = corner_lidar(2, kRays);
     const auto scene = corner(0.5, 0.4, 3000, half_m, half_m);
     const auto result = render_shots(scene, pencil_plan(lidar, scene), {corner_shot(lidar)}).at(0);
-    CHECK(std::abs(total(result.multiple) / total(result.first) / 0.4 - expected) <= 4 * 0.5 / std::sqrt(double(kRays)));
+    CHECK(std::abs(total(result.multiple) / total(result.first) / 0.4 - expected) <=
+          4 * 0.5 / std::sqrt(double(kRays)));
   }
 }
 
-TEST_CASE("I1, S41: the ledger of a mixed scene with bounces, air, leaves and plates closes; bins are what was collected") {
+TEST_CASE(
+    "I1, S41: the ledger of a mixed scene with bounces, air, leaves and plates closes; bins are what was collected") {
   scene::CompiledScene scene = scene_of({0.6, 0.3, 0.2});
   scene.materials[1].transmittance = {{0.3, 4.0}, {0.4, 0.4}};
   scene.materials[2].transmittance = {{0.3, 4.0}, {0.7, 0.7}};
@@ -120,15 +127,18 @@ TEST_CASE("I1, S41: the ledger of a mixed scene with bounces, air, leaves and pl
     CHECK(ledger.escaped > 0.01);
     CHECK(ledger.truncated > 1e-4);
     const auto from = static_cast<std::ptrdiff_t>(line * 1000);
-    const double bins = total({result.first.begin() + from, result.first.begin() + from + 1000}) + total({result.multiple.begin() + from, result.multiple.begin() + from + 1000});
-    CHECK(bins / plan.photons[line] + ledger.early + ledger.late + ledger.near == doctest::Approx(ledger.collected).epsilon(5e-6));
+    const double bins = total({result.first.begin() + from, result.first.begin() + from + 1000}) +
+                        total({result.multiple.begin() + from, result.multiple.begin() + from + 1000});
+    CHECK(bins / plan.photons[line] + ledger.early + ledger.late + ledger.near ==
+          doctest::Approx(ledger.collected).epsilon(5e-6));
     for (const float x : result.multiple) REQUIRE(x >= 0);
   }
   CHECK(total({result.multiple.begin(), result.multiple.begin() + 1000}) > 0);
 }
 
 TEST_CASE("I3: transmitter and receiver may change places") {
-  // A small exit and a small pupil over a corner; beam and field uniform and alike. Sub-rays one way, samples the other.
+  // A small exit and a small pupil over a corner; beam and field uniform and alike. Sub-rays one way, samples the
+  // other.
   const auto scene = corner(0.5, 0.4, 30, 30, 30);
   scene::Lidar lidar = topographic_lidar();
   lidar.pulse.profile = scene::BeamProfile::gaussian;
@@ -137,7 +147,8 @@ TEST_CASE("I3: transmitter and receiver may change places") {
   lidar.transport.max_bounces = 2;
   lidar.receiver.columns = 1, lidar.receiver.rows = 1;
   lidar.receiver.pixel_pitch_rad = 20e-3;
-  lidar.receiver.half_fov_rad = 1;  // wide open: all of the beam is seen one way; the samples' square holds the beam the other way
+  lidar.receiver.half_fov_rad =
+      1;  // wide open: all of the beam is seen one way; the samples' square holds the beam the other way
   lidar.gate = {600e-9, 1e-9, 2000};
   const auto shot = shot_from(lidar, {100, 0, 100}, {-98, 0, -99.0});
   auto apart = shot;
@@ -145,7 +156,9 @@ TEST_CASE("I3: transmitter and receiver may change places") {
   const auto forward = render_shots(scene, hand_plan(lidar, scene), {apart}).at(0);
   lidar.transport.sampling = scene::LidarSampling::receiver;
   const auto backward = render_shots(scene, hand_plan(lidar, scene), {apart}).at(0);
-  CHECK(total(forward.first) == doctest::Approx(total(backward.first)).epsilon(5e-3));  // edges of the beam against 16384 samples, each ray 4 beams' share
+  CHECK(total(forward.first) ==
+        doctest::Approx(total(backward.first))
+            .epsilon(5e-3));  // edges of the beam against 16384 samples, each ray 4 beams' share
   // Scattered light: the pixel's field cuts what comes from beyond it, which sub-rays see whole.
   CHECK(total(backward.multiple) < total(forward.multiple));
   CHECK(total(backward.multiple) > 0);

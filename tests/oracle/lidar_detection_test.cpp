@@ -1,4 +1,5 @@
-// Linear and counting detectors: the specification's numbers, moments of drawn records, thresholds against counts of exceedance.
+// Linear and counting detectors: the specification's numbers, moments of drawn records, thresholds against counts of
+// exceedance.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -46,7 +47,8 @@ TEST_CASE("L-23: drawn waveforms have that mean and variance, with quantum effic
   CHECK(std::abs(squares / n / variance - 1) < 4 * std::sqrt(2.4 / n));  // kurtosis of a gamma-mixed count 3.4
 }
 
-TEST_CASE("L-23: response of the electronics keeps the charge and adds widths in quadrature; full scale clips and says so") {
+TEST_CASE(
+    "L-23: response of the electronics keeps the charge and adds widths in quadrature; full scale clips and says so") {
   const auto taps = response_taps(3e-9, 1e-9);
   double total = 0, second = 0;
   for (std::size_t i = 0; i < taps.size(); ++i) {
@@ -54,7 +56,9 @@ TEST_CASE("L-23: response of the electronics keeps the charge and adds widths in
     total += taps[i], second += taps[i] * at * at;
   }
   CHECK(total == doctest::Approx(1).epsilon(1e-15));
-  CHECK(second == doctest::Approx(std::pow(3 * test::kSigmaOfFwhm, 2) + 1.0 / 12).epsilon(1e-7));  // a bin's own width comes on top
+  CHECK(
+      second ==
+      doctest::Approx(std::pow(3 * test::kSigmaOfFwhm, 2) + 1.0 / 12).epsilon(1e-7));  // a bin's own width comes on top
   CHECK(response_taps(0, 1e-9).size() == 1);
 
   LidarPlan plan = test::small_plan();
@@ -64,7 +68,8 @@ TEST_CASE("L-23: response of the electronics keeps the charge and adds widths in
   test::add_return(shot.first, 1e6, 100.3, 4 * test::kSigmaOfFwhm);
   const Detection expected = expected_detections(plan, shot).front();
   REQUIRE(expected.echoes.size() == 1);
-  CHECK(expected.echoes[0].fwhm_s == doctest::Approx(std::sqrt(16 + 9 + 1 / (12 * test::kSigmaOfFwhm * test::kSigmaOfFwhm)) * 1e-9).epsilon(1e-3));
+  CHECK(expected.echoes[0].fwhm_s ==
+        doctest::Approx(std::sqrt(16 + 9 + 1 / (12 * test::kSigmaOfFwhm * test::kSigmaOfFwhm)) * 1e-9).epsilon(1e-3));
   CHECK(expected.echoes[0].energy_pe == doctest::Approx(1e6).epsilon(1e-4));
   CHECK(!expected.truth.saturated);
   plan.lidar.detector.full_scale_e = 1e5, plan.lidar.detector.bits = 12;
@@ -76,7 +81,8 @@ TEST_CASE("L-23: response of the electronics keeps the charge and adds widths in
   plan.lidar.detector.full_scale_e = 0;
   const Detection automatic = detect(plan, shot).front();
   CHECK(!automatic.truth.saturated);
-  CHECK(std::exp2(std::round(std::log2(automatic.gain * 4095))) == doctest::Approx(automatic.gain * 4095).epsilon(1e-12));
+  CHECK(std::exp2(std::round(std::log2(automatic.gain * 4095))) ==
+        doctest::Approx(automatic.gain * 4095).epsilon(1e-12));
 }
 
 TEST_CASE("S37: counts are exact Poisson draws of the expectation, background and dark counts included") {
@@ -125,9 +131,11 @@ TEST_CASE("S39: probability of detection and false alarms against counted exceed
   for (const auto mode : {scene::DetectorMode::photons, scene::DetectorMode::linear}) {
     LidarPlan plan = test::small_plan(256);
     plan.lidar.detector.mode = mode;
-    plan.lidar.detector.dark_rate_hz = 5e8, plan.lidar.echoes.threshold_sigma = 2.5, plan.lidar.echoes.method = scene::EchoMethod::peak;
+    plan.lidar.detector.dark_rate_hz = 5e8, plan.lidar.echoes.threshold_sigma = 2.5,
+    plan.lidar.echoes.method = scene::EchoMethod::peak;
     if (mode == scene::DetectorMode::linear) {
-      plan.lidar.detector.readout_noise_e = 40, plan.lidar.detector.gain = 20, plan.lidar.detector.ionization_ratio = 0.02;
+      plan.lidar.detector.readout_noise_e = 40, plan.lidar.detector.gain = 20,
+      plan.lidar.detector.ionization_ratio = 0.02;
       plan.lidar.detector.full_scale_e = 200;
     }
     ShotResult shot = test::empty_shot(plan);
@@ -139,12 +147,14 @@ TEST_CASE("S39: probability of detection and false alarms against counted exceed
       shot.shot.pulse = pulse;
       const Detection record = detect(plan, shot).front();
       truth = record.truth;
-      for (std::size_t i = 0; i < 256; ++i) (i < 128 ? seen : alarms) += record.waveform_pe[i] - 0.5 >= truth.threshold_pe;
+      for (std::size_t i = 0; i < 256; ++i)
+        (i < 128 ? seen : alarms) += record.waveform_pe[i] - 0.5 >= truth.threshold_pe;
     }
     const double n = 128.0 * pulses, p = truth.detection_probability, q = truth.false_alarm_rate_hz * 1e-9;
     CAPTURE(static_cast<int>(mode));
     CHECK(truth.background_pe == doctest::Approx(0.5).epsilon(1e-12));
-    // The linear detector's sum of carriers is taken as Gaussian: skewness 3 F / 2 / sqrt(8 F) shifts the tail by up to 3 % here.
+    // The linear detector's sum of carriers is taken as Gaussian: skewness 3 F / 2 / sqrt(8 F) shifts the tail by up to
+    // 3 % here.
     const double model = mode == scene::DetectorMode::linear ? 0.03 : 0;
     CHECK(std::abs(seen / n - p) < 4 * std::sqrt(p * (1 - p) / n) + model);
     if (mode == scene::DetectorMode::photons) CHECK(std::abs(alarms / n - q) < 4 * std::sqrt(q * (1 - q) / n));

@@ -34,7 +34,9 @@ NetCounts noiseless(double transmission) { return {1e6 * transmission, 0, 1}; }
 
 }  // namespace
 
-TEST_CASE("L-09: a laser line's width is averaged after the exponential; retrievals with the peak's and the averaged cross-section") {
+TEST_CASE(
+    "L-09: a laser line's width is averaged after the exponential; retrievals with the peak's and the averaged "
+    "cross-section") {
   const double peak = lorentz_cm2(0), off_sigma = lorentz_cm2(1.5);
   CHECK(std::abs(peak / 1.061032954e-18 - 1) < 5e-10);
   CHECK(std::abs(off_sigma / 1.694941e-21 - 1) < 3e-7);
@@ -43,10 +45,12 @@ TEST_CASE("L-09: a laser line's width is averaged after the exponential; retriev
   struct Row {
     double ppm_m, fwhm, on, off, by_peak, by_voigt;
   };
-  for (const Row& r : {Row{100, 0, 0.5908820, 0.999160, 1, 0}, Row{100, 0.05, 0.6221263, 0.999160, 0.901909, 0.996515},
-                       Row{100, 0.10, 0.6757258, 0.999160, 0.744581, 0.983298}, Row{1000, 0, 5.188089e-3, 0.991630, 1, 0},
-                       Row{1000, 0.05, 1.061674e-2, 0.991630, 0.863684, 0.954280}, Row{1000, 0.10, 3.897977e-2, 0.991630, 0.616089, 0.813611},
-                       Row{10000, 0.10, 1.484220e-6, 0.919387, 0.253886, 0.335283}}) {
+  for (const Row& r :
+       {Row{100, 0, 0.5908820, 0.999160, 1, 0}, Row{100, 0.05, 0.6221263, 0.999160, 0.901909, 0.996515},
+        Row{100, 0.10, 0.6757258, 0.999160, 0.744581, 0.983298}, Row{1000, 0, 5.188089e-3, 0.991630, 1, 0},
+        Row{1000, 0.05, 1.061674e-2, 0.991630, 0.863684, 0.954280},
+        Row{1000, 0.10, 3.897977e-2, 0.991630, 0.616089, 0.813611},
+        Row{10000, 0.10, 1.484220e-6, 0.919387, 0.253886, 0.335283}}) {
     const double column = r.ppm_m * kPpmM;
     // The off line is narrow against its distance: its own width changes nothing here, as in the table.
     const LineSection on = laser(0, r.fwhm, 64), off = laser(1.5, 0, 1);
@@ -56,7 +60,9 @@ TEST_CASE("L-09: a laser line's width is averaged after the exponential; retriev
     CHECK(std::abs(off.transmission(column) - r.off) < 5.1e-7);
     const NetCounts n_on = noiseless(on.transmission(column)), n_off = noiseless(off.transmission(column));
     CHECK(std::abs(dial_column(n_on, n_off, peak - off_sigma).column_cm2 / column - r.by_peak) < 1.1e-6);
-    if (r.by_voigt > 0) CHECK(std::abs(dial_column(n_on, n_off, laser(0, r.fwhm, 128).mean_sigma_cm2() - off_sigma).column_cm2 / column - r.by_voigt) < 2e-6);
+    if (r.by_voigt > 0)
+      CHECK(std::abs(dial_column(n_on, n_off, laser(0, r.fwhm, 128).mean_sigma_cm2() - off_sigma).column_cm2 / column -
+                     r.by_voigt) < 2e-6);
     // With the line's shape known there is no bias.
     const DialColumn exact = dial_column_of_line(n_on, n_off, on, off);
     CHECK(exact.state == DialState::good);
@@ -76,7 +82,8 @@ TEST_CASE("L-09: an opaque column is saturated with a lower bound, no light is n
   CHECK(result.column_cm2 == doctest::Approx(std::log(1e6 / std::sqrt(3.0)) / (2 * peak)).epsilon(1e-12));
   CHECK(result.column_cm2 < column);
   for (const NetCounts& dark : {NetCounts{0, 0, 1}, NetCounts{-4, 9, 1}, NetCounts{0, 1, 1}}) {
-    const DialColumn a = dial_column(dark, off, peak), b = dial_column(off, dark, peak), c = dial_column(dark, dark, peak);
+    const DialColumn a = dial_column(dark, off, peak), b = dial_column(off, dark, peak),
+                     c = dial_column(dark, dark, peak);
     CHECK(a.state == DialState::saturated);
     CHECK(std::isfinite(a.column_cm2));
     CHECK(std::isfinite(a.error_cm2));
@@ -101,7 +108,8 @@ TEST_CASE("S36: error of a column against counts drawn") {
   double sum = 0, squares = 0;
   const double truth = std::log(3.0) / 2.122e-18;
   for (int i = 0; i < n; ++i) {
-    Stream on(5, static_cast<std::uint32_t>(i), 0, DrawFor::counts), off(5, static_cast<std::uint32_t>(i), 1, DrawFor::counts);
+    Stream on(5, static_cast<std::uint32_t>(i), 0, DrawFor::counts),
+        off(5, static_cast<std::uint32_t>(i), 1, DrawFor::counts);
     const double a = on.poisson(400), b = off.poisson(1200);
     const double z = (dial_column({a, a, 1}, {b, b, 1}, 1.061e-18).column_cm2 - truth) / one.error_cm2;
     sum += z, squares += z * z;
@@ -182,12 +190,14 @@ TEST_CASE("S36: columns from drawn records lie around the truth by their stated 
   plan.lidar.pulse.lines.push_back(plan.lidar.pulse.lines[0]);
   plan.photons = {1e14, 2e14};
   plan.lidar.detector.mode = scene::DetectorMode::linear;
-  plan.lidar.detector.gain = 50, plan.lidar.detector.ionization_ratio = 0.02, plan.lidar.detector.readout_noise_e = 100, plan.lidar.detector.full_scale_e = 4096;
+  plan.lidar.detector.gain = 50, plan.lidar.detector.ionization_ratio = 0.02, plan.lidar.detector.readout_noise_e = 100,
+  plan.lidar.detector.full_scale_e = 4096;
   plan.lidar.detector.dark_rate_hz = 3e8;
   ShotResult shot = test::empty_shot(plan);
   std::vector<float> on(120, 0.0F), off(120, 0.0F);
   const double column = 100 * kPpmM, sigma = 1e-18;
-  test::add_return(on, 4000 * std::exp(-2 * sigma * column), 60.3, 4 * test::kSigmaOfFwhm), test::add_return(off, 8000, 60.3, 4 * test::kSigmaOfFwhm);
+  test::add_return(on, 4000 * std::exp(-2 * sigma * column), 60.3, 4 * test::kSigmaOfFwhm),
+      test::add_return(off, 8000, 60.3, 4 * test::kSigmaOfFwhm);
   std::copy(on.begin(), on.end(), shot.first.begin()), std::copy(off.begin(), off.end(), shot.first.begin() + 120);
   double sum = 0, squares = 0;
   constexpr int n = 2000;
@@ -203,6 +213,7 @@ TEST_CASE("S36: columns from drawn records lie around the truth by their stated 
     sum += z, squares += z * z;
   }
   // Both windows are the same and cut the same 0.3 % of both returns.
-  CHECK(std::abs(sum / n) < 4 / std::sqrt(n) + 0.02);  // curvature of the logarithm, 1/2 relative variance over its root
+  CHECK(std::abs(sum / n) <
+        4 / std::sqrt(n) + 0.02);  // curvature of the logarithm, 1/2 relative variance over its root
   CHECK(std::abs(squares / n - 1) < 4 * std::sqrt(2.0 / n) + 0.01);
 }

@@ -13,12 +13,15 @@ namespace {
 
 constexpr int kDraws = 100000;
 
-Stream stream(int i, DrawFor purpose = DrawFor::counts) { return Stream(42, 5, static_cast<std::uint32_t>(i), purpose); }
+Stream stream(int i, DrawFor purpose = DrawFor::counts) {
+  return Stream(42, 5, static_cast<std::uint32_t>(i), purpose);
+}
 
 /// Chi-square of counts against a negative binomial (modes 0: Poisson), classes of at least 10 expected; pass below
 /// dof + 4 sqrt(2 dof) (4 standard deviations of the statistic).
 void check_counts(double mean, double modes) {
-  const auto classes = static_cast<std::size_t>(mean + 12 * std::sqrt(mean + (modes > 0 ? mean * mean / modes : 0)) + 20);
+  const auto classes =
+      static_cast<std::size_t>(mean + 12 * std::sqrt(mean + (modes > 0 ? mean * mean / modes : 0)) + 20);
   std::vector<int> seen(classes, 0);
   double sum = 0, squares = 0;
   for (int i = 0; i < kDraws; ++i) {
@@ -40,7 +43,8 @@ void check_counts(double mean, double modes) {
   CHECK(chi < dof + 4 * std::sqrt(2.0 * dof) + 1);
   const double variance = mean + (modes > 0 ? mean * mean / modes : 0);
   CHECK(std::abs(sum / kDraws - mean) < 4 * std::sqrt(variance / kDraws));
-  // Spread of the variance estimate of a gamma-mixed Poisson: (kurtosis - 1) variance^2 / n; kurtosis at most 9 + 1 / variance here.
+  // Spread of the variance estimate of a gamma-mixed Poisson: (kurtosis - 1) variance^2 / n; kurtosis at most 9 + 1 /
+  // variance here.
   CHECK(std::abs(squares / kDraws / variance - 1) < 4 * std::sqrt((8 + 1 / variance) / kDraws));
 }
 
@@ -55,7 +59,8 @@ TEST_CASE("L-22: counts under speckle follow the negative binomial (chi-square, 
   check_counts(60, 3.5);
   // Probability of none from N = 2 and variances N + N^2 / M.
   const double none[][2] = {{1, 0.333333}, {2, 0.25}, {10, 0.161506}, {100, 0.138033}, {0, 0.135335}};
-  for (const auto& [modes, expected] : none) CHECK(std::abs(negative_binomial_probability(0, 2, modes) - expected) < 5.1e-7);
+  for (const auto& [modes, expected] : none)
+    CHECK(std::abs(negative_binomial_probability(0, 2, modes) - expected) < 5.1e-7);
   const double variances[][2] = {{1, 6}, {2, 4}, {10, 2.4}, {100, 2.04}, {0, 2}};
   for (const auto& [modes, expected] : variances) {
     double total = 0, mean = 0, squares = 0;
@@ -67,7 +72,8 @@ TEST_CASE("L-22: counts under speckle follow the negative binomial (chi-square, 
     CHECK(squares - mean * mean == doctest::Approx(expected).epsilon(1e-10));
   }
   // Limits: many modes are Poisson, one mode is thermal light (Bose-Einstein): N^k / (1 + N)^(k + 1).
-  CHECK(negative_binomial_probability(3, 2, 1e7) == doctest::Approx(negative_binomial_probability(3, 2, 0)).epsilon(1e-6));
+  CHECK(negative_binomial_probability(3, 2, 1e7) ==
+        doctest::Approx(negative_binomial_probability(3, 2, 0)).epsilon(1e-6));
   CHECK(negative_binomial_probability(5, 2, 1) == doctest::Approx(std::pow(2.0 / 3, 5) / 3).epsilon(1e-12));
 }
 
@@ -96,7 +102,8 @@ TEST_CASE("S35: gamma and normal draws have their moments") {
     }
     CAPTURE(shape);
     CHECK(std::abs(sum / kDraws - shape) < 4 * std::sqrt(shape / kDraws));
-    CHECK(std::abs(squares / kDraws / shape - 1) < 4 * std::sqrt((2 + 6 / shape) / kDraws));  // excess kurtosis of a gamma: 6 / shape
+    CHECK(std::abs(squares / kDraws / shape - 1) <
+          4 * std::sqrt((2 + 6 / shape) / kDraws));  // excess kurtosis of a gamma: 6 / shape
   }
 }
 

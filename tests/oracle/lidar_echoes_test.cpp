@@ -1,4 +1,5 @@
-// Echoes: time, width and area of known returns by each method; separability; precision against the bound; order and count.
+// Echoes: time, width and area of known returns by each method; separability; precision against the bound; order and
+// count.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -25,10 +26,12 @@ std::vector<Echo> expected_echoes(LidarPlan& plan, const std::vector<float>& row
 }  // namespace
 
 TEST_CASE("S39: one return of known time, width and area, by every method, at any place within a bin") {
-  for (const auto method : {scene::EchoMethod::peak, scene::EchoMethod::constant_fraction, scene::EchoMethod::gaussian}) {
+  for (const auto method :
+       {scene::EchoMethod::peak, scene::EchoMethod::constant_fraction, scene::EchoMethod::gaussian}) {
     LidarPlan plan = test::small_plan();
     plan.lidar.echoes.method = method;
-    // Bins of 0.59 sigma: the logarithm of a bin's integral is a parabola, of variance s^2 + 1/12, but for terms of (bin/s)^4 / 480.
+    // Bins of 0.59 sigma: the logarithm of a bin's integral is a parabola, of variance s^2 + 1/12, but for terms of
+    // (bin/s)^4 / 480.
     const double place = method == scene::EchoMethod::gaussian ? 1e-4 : 3e-3;
     for (double f = 0; f < 1; f += 0.125) {
       std::vector<float> row(200, 0.0F);
@@ -58,7 +61,8 @@ TEST_CASE("L-13: two equal Gaussian echoes show two maxima only if further apart
     plan.lidar.pulse.fwhm_s = 40e-9;  // bins of 1/17 sigma
     std::vector<float> row(800, 0.0F);
     const double sigma = 40 * test::kSigmaOfFwhm;
-    test::add_return(row, 1e5, 400.5 - 0.5 * apart * sigma, sigma), test::add_return(row, 1e5, 400.5 + 0.5 * apart * sigma, sigma);
+    test::add_return(row, 1e5, 400.5 - 0.5 * apart * sigma, sigma),
+        test::add_return(row, 1e5, 400.5 + 0.5 * apart * sigma, sigma);
     CAPTURE(apart);
     CHECK(expected_echoes(plan, row).size() == (apart > 2 ? 2 : 1));
   }
@@ -90,14 +94,16 @@ TEST_CASE("S39: Gaussian decomposition parts overlapping echoes, also under one 
 }
 
 TEST_CASE("S39: precision against the bound (c/2) s / sqrt(N), counts drawn") {
-  // Every photon is counted, none else: the Gaussian method is maximum likelihood and should reach the bound of binned data,
-  // s^2 + bin^2/12 in place of s^2; the others stay within the factor stated. N = 1500 pulses: error of a deviation 1.8 %, 4 of them.
+  // Every photon is counted, none else: the Gaussian method is maximum likelihood and should reach the bound of binned
+  // data, s^2 + bin^2/12 in place of s^2; the others stay within the factor stated. N = 1500 pulses: error of a
+  // deviation 1.8 %, 4 of them.
   struct Row {
     scene::EchoMethod method;
     double photons, factor;
   };
-  for (const Row& r : {Row{scene::EchoMethod::gaussian, 1000, 1.03}, Row{scene::EchoMethod::gaussian, 1e5, 1.03}, Row{scene::EchoMethod::gaussian, 40, 1.12},
-                       Row{scene::EchoMethod::peak, 1000, 1.8}, Row{scene::EchoMethod::constant_fraction, 1000, 1.8}}) {
+  for (const Row& r : {Row{scene::EchoMethod::gaussian, 1000, 1.03}, Row{scene::EchoMethod::gaussian, 1e5, 1.03},
+                       Row{scene::EchoMethod::gaussian, 40, 1.12}, Row{scene::EchoMethod::peak, 1000, 1.8},
+                       Row{scene::EchoMethod::constant_fraction, 1000, 1.8}}) {
     LidarPlan plan = test::small_plan(60);
     plan.lidar.echoes.method = r.method;
     ShotResult shot = test::empty_shot(plan);
@@ -157,7 +163,9 @@ TEST_CASE("S39: thresholds from the noise, number of returns, false returns of n
   CHECK(detect(plan, shot).front().echoes.empty());
 }
 
-TEST_CASE("S39: air before a strong return is one echo, and a return of 10^8 photo-electrons is not taken apart by its pulse's faint tails") {
+TEST_CASE(
+    "S39: air before a strong return is one echo, and a return of 10^8 photo-electrons is not taken apart by its "
+    "pulse's faint tails") {
   LidarPlan plan = test::small_plan(120);
   ShotResult shot = test::empty_shot(plan);
   for (std::size_t i = 0; i < 70; ++i) shot.first[i] = 300 - 2 * static_cast<float>(i);
@@ -180,7 +188,8 @@ TEST_CASE("S39: a threshold is reached by a peak of exactly so many photo-electr
   DetectorNoise noise;
   noise.excess = 0, noise.threshold = 40;
   std::vector<float> wave(50, 0.0F);
-  for (const auto method : {scene::EchoMethod::peak, scene::EchoMethod::constant_fraction, scene::EchoMethod::gaussian}) {
+  for (const auto method :
+       {scene::EchoMethod::peak, scene::EchoMethod::constant_fraction, scene::EchoMethod::gaussian}) {
     lidar.echoes.method = method;
     wave[19] = wave[21] = 20, wave[20] = 40;
     CHECK(find_echoes(lidar, wave, noise).size() == 1);

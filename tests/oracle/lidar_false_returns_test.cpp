@@ -27,8 +27,7 @@ LidarPlan airy_plan(scene::DetectorMode mode) {
   plan.lidar.echoes.method = scene::EchoMethod::peak;
   plan.lidar.echoes.air_is_background = true;
   if (mode == scene::DetectorMode::linear) {
-    plan.lidar.detector.gain = 20, plan.lidar.detector.ionization_ratio = 0.2,
-    plan.lidar.detector.readout_noise_e = 60;
+    plan.lidar.detector.gain = 20, plan.lidar.detector.ionization_ratio = 0.2, plan.lidar.detector.readout_noise_e = 60;
     plan.lidar.detector.full_scale_e = 4000;
   }
   return plan;
@@ -96,9 +95,8 @@ TEST_CASE(
       for (int pulse = 0; pulse < pulses; ++pulse) {
         shot.shot.pulse = pulse;
         const auto echoes = detect(plan, shot).front().echoes;
-        const auto strongest =
-            std::max_element(echoes.begin(), echoes.end(),
-                             [](const Echo& a, const Echo& b) { return a.energy_pe < b.energy_pe; });
+        const auto strongest = std::max_element(echoes.begin(), echoes.end(),
+                                                [](const Echo& a, const Echo& b) { return a.energy_pe < b.energy_pe; });
         REQUIRE(strongest != echoes.end());
         REQUIRE(strongest->chance < 1e-9F);
         mean_m += ((strongest->time_s - plan.lidar.gate.start_s) / 1e-9 - at) / pulses;
@@ -151,9 +149,9 @@ TEST_CASE("chance of a linear detector's noise, against drawn avalanches: not a 
       }
       for (const double sigmas : {3.0, 4.5}) {
         const double level = sigmas * noise.rms();
-        const double seen = static_cast<double>(std::count_if(values.begin(), values.end(),
-                                                              [&](double v) { return v >= level; })) /
-                            draws;
+        const double seen =
+            static_cast<double>(std::count_if(values.begin(), values.end(), [&](double v) { return v >= level; })) /
+            draws;
         const double chance = noise_chance(lidar, noise, 0, level);
         CAPTURE(carriers);
         CAPTURE(readout_e);
@@ -162,8 +160,7 @@ TEST_CASE("chance of a linear detector's noise, against drawn avalanches: not a 
         CHECK(chance > 1.5 * normal_tail(sigmas));
       }
       // The threshold is where chance is what was asked for.
-      CHECK(noise_chance(lidar, noise, 0, noise.threshold) ==
-            doctest::Approx(noise.bin_chance).epsilon(1e-4));
+      CHECK(noise_chance(lidar, noise, 0, noise.threshold) == doctest::Approx(noise.bin_chance).epsilon(1e-4));
     }
 }
 

@@ -60,7 +60,8 @@ TEST_CASE("L-24: first photon in bin k") {
     ++seen[events.empty() ? 3 : static_cast<int>(events[0].time_s / lidar.gate.bin_s)];
   }
   double chi = 0;
-  for (int k = 0; k < 4; ++k) chi += std::pow(seen[k] - n * p[static_cast<std::size_t>(k)], 2) / (n * p[static_cast<std::size_t>(k)]);
+  for (int k = 0; k < 4; ++k)
+    chi += std::pow(seen[k] - n * p[static_cast<std::size_t>(k)], 2) / (n * p[static_cast<std::size_t>(k)]);
   CHECK(chi < 3 + 4 * std::sqrt(6.0));
 }
 
@@ -69,7 +70,10 @@ TEST_CASE("L-25: first-photon bias of a rectangular pulse") {
   for (const auto& [mu, expected] : table) {
     CAPTURE(mu);
     CHECK(std::abs(1 / mu - std::exp(-mu) / -std::expm1(-mu) - expected) < 5.1e-7);
-    CHECK(std::abs(first_event(mu, 0, 1, [](double) { return 1.0; }, [](double t) { return t; }).mean - expected) < 5.1e-7);
+    CHECK(std::abs(first_event(
+                       mu, 0, 1, [](double) { return 1.0; }, [](double t) { return t; })
+                       .mean -
+                   expected) < 5.1e-7);
     // Drawn inside one single bin: tags lie inside the bin by its own shape, not in its middle.
     double sum = 0, squares = 0;
     int found = 0;
@@ -86,14 +90,14 @@ TEST_CASE("L-26: first-photon bias and spread of a Gaussian pulse") {
   struct Row {
     double mu, mean, deviation;
   };
-  for (const Row& r : {Row{0.1, -0.028205, 0.999832}, Row{1, -0.278064, 0.983696}, Row{2, -0.534004, 0.940310}, Row{5, -1.081569, 0.770378},
-                       Row{10, -1.504486, 0.624335}, Row{100, -2.505579, 0.431258}}) {
+  for (const Row& r : {Row{0.1, -0.028205, 0.999832}, Row{1, -0.278064, 0.983696}, Row{2, -0.534004, 0.940310},
+                       Row{5, -1.081569, 0.770378}, Row{10, -1.504486, 0.624335}, Row{100, -2.505579, 0.431258}}) {
     CAPTURE(r.mu);
     const FirstEvent q = first_event(r.mu, -9, 9, pdf, cdf);
     CHECK(std::abs(q.mean - r.mean) < 5.1e-7);
     CHECK(std::abs(q.deviation - r.deviation) < 5.1e-7);
-    // Drawn from bins of 1/4 sigma: 4 standard errors of N = 20000, and what the cubic inside a bin misses of the Gaussian's curve,
-    // (bin / sigma)^4 / 100 or so.
+    // Drawn from bins of 1/4 sigma: 4 standard errors of N = 20000, and what the cubic inside a bin misses of the
+    // Gaussian's curve, (bin / sigma)^4 / 100 or so.
     constexpr double bins_per_sigma = 4;
     std::vector<float> row(80, 0.0F);
     test::add_return(row, r.mu, 40, bins_per_sigma);
@@ -120,8 +124,9 @@ TEST_CASE("L-27: dead time: rates in closed form, and registered events of a ste
   CHECK(std::abs(non_paralysable_rate_hz(1e8, 50e-9) / 1.6667e7 - 1) < 3e-5);
   CHECK(std::abs(paralysable_rate_hz(1e8, 50e-9) / 6.738e5 - 1) < 1e-4);
   CHECK(std::exp(-1e7 * 100e-9) == doctest::Approx(0.3679).epsilon(2e-4));
-  // 100 us gates of 100 ns bins; counting of a renewal process: mean T / (t + 1/r) + (1 - var ratio) / 2 of an event from the armed
-  // start, variance r_out T (1 - r_out t)^2 (Mueller, NIM 112 (1973) 47). N = 200 gates, 4 standard errors.
+  // 100 us gates of 100 ns bins; counting of a renewal process: mean T / (t + 1/r) + (1 - var ratio) / 2 of an event
+  // from the armed start, variance r_out T (1 - r_out t)^2 (Mueller, NIM 112 (1973) 47). N = 200 gates, 4 standard
+  // errors.
   for (const double rate : {1e7, 1e8}) {
     scene::Lidar lidar = geiger_lidar();
     lidar.gate.bin_s = 100e-9;
@@ -131,12 +136,14 @@ TEST_CASE("L-27: dead time: rates in closed form, and registered events of a ste
     constexpr int gates = 200;
     for (int i = 0; i < gates; ++i) {
       const auto events = geiger_events(lidar, expected, 4, static_cast<std::uint32_t>(i), 0);
-      for (std::size_t k = 1; k < events.size(); ++k) REQUIRE(events[k].time_s - events[k - 1].time_s >= 50e-9 * (1 - 1e-9));
+      for (std::size_t k = 1; k < events.size(); ++k)
+        REQUIRE(events[k].time_s - events[k - 1].time_s >= 50e-9 * (1 - 1e-9));
       total += static_cast<double>(events.size());
     }
     const double out = non_paralysable_rate_hz(rate, 50e-9), mean = out * 1e-4, live = 1 - out * 50e-9;
     CAPTURE(rate);
-    CHECK(std::abs(total / gates - mean) < 4 * std::sqrt(mean * live * live / gates) + 1);  // 1: an event of the start's transient
+    CHECK(std::abs(total / gates - mean) <
+          4 * std::sqrt(mean * live * live / gates) + 1);  // 1: an event of the start's transient
   }
 }
 
@@ -186,12 +193,14 @@ TEST_CASE("S38: jitter widens, afterpulses add their share, cells share the ligh
     sum += t, squares += t * t, pairs += events.size() > 1;
   }
   const double mean = sum / n, variance = squares / n - mean * mean;
-  // First of 30 events evenly in 1 ns: mean 1/30, variance 1/900; jitter (0.42466 ns)^2. The first bin's slope into the impulse is gentle: 2 %.
+  // First of 30 events evenly in 1 ns: mean 1/30, variance 1/900; jitter (0.42466 ns)^2. The first bin's slope into the
+  // impulse is gentle: 2 %.
   CHECK(variance == doctest::Approx(1.0 / 900 + 0.18034).epsilon(0.04));
   CHECK(std::abs(pairs - 0.1 * n) < 4 * std::sqrt(0.09 * n));
   lidar.detector.cells = 8, lidar.detector.afterpulse_probability = 0;
   double events = 0;
-  for (int i = 0; i < n / 4; ++i) events += static_cast<double>(geiger_events(lidar, expected, 7, static_cast<std::uint32_t>(i), 0).size());
+  for (int i = 0; i < n / 4; ++i)
+    events += static_cast<double>(geiger_events(lidar, expected, 7, static_cast<std::uint32_t>(i), 0).size());
   CHECK(std::abs(events / (n / 4) - 8 * -std::expm1(-30.0 / 8)) < 4 * std::sqrt(8 * 0.023 / (n / 4.0)));
 }
 
@@ -205,5 +214,6 @@ TEST_CASE("S38: clock of events keeps every bin's share, rises, and inverts") {
     REQUIRE(now >= before - 1e-15);
     before = now;
   }
-  for (double e = 0.01; e < 9.4; e += 0.173) CHECK(clock.events_until(clock.position_of(e)) == doctest::Approx(e).epsilon(1e-10));
+  for (double e = 0.01; e < 9.4; e += 0.173)
+    CHECK(clock.events_until(clock.position_of(e)) == doctest::Approx(e).epsilon(1e-10));
 }

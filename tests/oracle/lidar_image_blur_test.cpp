@@ -54,10 +54,15 @@ TEST_CASE("S33: a column of pixels gets the line spread integrated over light an
   std::vector<double> expected;
   double total = 0;
   for (int k = 0; k <= blur.reach(); ++k) {
-    expected.push_back(2 * integrate([&](double f) {
-      const double a = f / cut_off, aperture = 2 / M_PI * (std::acos(a) - a * std::sqrt(1 - a * a)), s = std::sin(M_PI * f) / (M_PI * f);
-      return aperture * short_exposure_mtf(f / pitch, wavelength, fried, diameter) * s * s * std::cos(2 * M_PI * k * f);
-    }, 0, cut_off, 20));
+    expected.push_back(2 * integrate(
+                               [&](double f) {
+                                 const double a = f / cut_off,
+                                              aperture = 2 / M_PI * (std::acos(a) - a * std::sqrt(1 - a * a)),
+                                              s = std::sin(M_PI * f) / (M_PI * f);
+                                 return aperture * short_exposure_mtf(f / pitch, wavelength, fried, diameter) * s * s *
+                                        std::cos(2 * M_PI * k * f);
+                               },
+                               0, cut_off, 20));
     total += (k == 0 ? 1 : 2) * expected.back();
   }
   CHECK(total > 0.96);  // the rest are rings of the aperture's image beyond the reach, given back in proportion
@@ -65,11 +70,13 @@ TEST_CASE("S33: a column of pixels gets the line spread integrated over light an
     double column = 0;
     for (int v = -blur.reach(); v <= blur.reach(); ++v) column += blur.share(k, v);
     CAPTURE(k);
-    CHECK(std::abs(column - expected[static_cast<std::size_t>(k)] / total) < 1 - total);  // rows beyond the reach are cut here alone: at most as much again
+    CHECK(std::abs(column - expected[static_cast<std::size_t>(k)] / total) <
+          1 - total);  // rows beyond the reach are cut here alone: at most as much again
   }
 }
 
-TEST_CASE("S33: an even image keeps its light away from the rim, a point becomes the blur, and little blur changes nothing") {
+TEST_CASE(
+    "S33: an even image keeps its light away from the rim, a point becomes the blur, and little blur changes nothing") {
   LidarPlan plan = array_plan(15, 20e-6);
   const PixelBlur blur(plan.lidar, 0.05);
   REQUIRE(blur.any());

@@ -19,7 +19,8 @@ scene::CompiledScene ground(double reflectance, double z_m = 0, double tilt_rad 
   return scene;
 }
 
-lidar::ShotResult nadir(const scene::Lidar& lidar, const scene::CompiledScene& scene, double z_m = 1000, double extinction_per_m = 0, double x_m = 0) {
+lidar::ShotResult nadir(const scene::Lidar& lidar, const scene::CompiledScene& scene, double z_m = 1000,
+                        double extinction_per_m = 0, double x_m = 0) {
   lidar::LidarPlan plan = hand_plan(lidar, scene);
   if (extinction_per_m > 0) set_air(plan, extinction_per_m, 0, 0, 2000);
   return render_shots(scene, plan, {shot_from(lidar, {x_m, 0, z_m}, {0, 0, -1})}).at(0);
@@ -43,8 +44,10 @@ TEST_CASE("L-01: link budget of an airborne pulse, energy, time and bins") {
   CHECK(m.sum == doctest::Approx(134685.6010).epsilon(2e-6));  // float weights and 13 float shares
   CHECK(m.sum * lidar.receiver.quantum_efficiency == doctest::Approx(40405.68031).epsilon(2e-6));
   CHECK(m.mean_bin + 6600 == doctest::Approx(6671.281903963).epsilon(1e-8));  // 0.07 ps: position's float, 1e-5 bins
-  const double expected[13] = {33.4762, 198.7032, 841.2644, 2541.5635, 5480.9961, 8439.5091, 9279.7738, 7286.7561, 4085.7507, 1635.5598, 467.2943, 95.2532, 13.8465};
-  for (std::size_t i = 0; i < 13; ++i)  // 5e-6 of a bin in position times the steepest slope, 3.3 per bin, and five printed digits
+  const double expected[13] = {33.4762,   198.7032,  841.2644,  2541.5635, 5480.9961, 8439.5091, 9279.7738,
+                               7286.7561, 4085.7507, 1635.5598, 467.2943,  95.2532,   13.8465};
+  for (std::size_t i = 0; i < 13;
+       ++i)  // 5e-6 of a bin in position times the steepest slope, 3.3 per bin, and five printed digits
     CHECK(result.first[65 + i] * 0.3 == doctest::Approx(expected[i]).epsilon(3e-5));
   const lidar::Ledger& ledger = result.ledger.at(0);
   CHECK(std::abs(ledger.emitted_error()) <= 1e-6);
@@ -108,7 +111,8 @@ TEST_CASE("I7: coarse bins are sums of fine ones") {
   lidar.gate = {6600e-9, 0.25e-9, 640};
   const auto fine = nadir(lidar, scene);
   for (std::size_t i = 0; i < coarse.first.size(); ++i) {
-    const double sum = double(fine.first[4 * i]) + fine.first[4 * i + 1] + fine.first[4 * i + 2] + fine.first[4 * i + 3];
+    const double sum =
+        double(fine.first[4 * i]) + fine.first[4 * i + 1] + fine.first[4 * i + 2] + fine.first[4 * i + 3];
     // Position's rounding in bins times the steepest slope, and the taps' linear phases.
     CHECK(std::abs(coarse.first[i] - sum) <= 2e-6 * moments(coarse.first).sum);
   }
@@ -129,14 +133,16 @@ TEST_CASE("L-31: a pulse on a bin's edge, an impulse, a pulse that hangs over th
   lidar.pulse.fwhm_s = 0;
   lidar.gate.start_s = 1899.5e-9;
   const auto impulse = nadir(lidar, scene, range_m);
-  for (std::size_t i = 0; i < impulse.first.size(); ++i) CHECK(impulse.first[i] == (i == 100 ? doctest::Approx(whole).epsilon(1e-6) : doctest::Approx(0)));
+  for (std::size_t i = 0; i < impulse.first.size(); ++i)
+    CHECK(impulse.first[i] == (i == 100 ? doctest::Approx(whole).epsilon(1e-6) : doctest::Approx(0)));
 
   lidar.pulse.fwhm_s = 4e-9;
   lidar.gate = {2000e-9, 1e-9, 100};
   const auto half = nadir(lidar, scene, range_m);
   CHECK(moments(half.first).sum / whole == doctest::Approx(0.5).epsilon(1e-4));
   CHECK(half.ledger[0].early / half.ledger[0].collected == doctest::Approx(0.5).epsilon(1e-4));
-  CHECK(half.ledger[0].early + half.ledger[0].late + moments(half.first).sum / whole * half.ledger[0].collected == doctest::Approx(half.ledger[0].collected).epsilon(5e-6));
+  CHECK(half.ledger[0].early + half.ledger[0].late + moments(half.first).sum / whole * half.ledger[0].collected ==
+        doctest::Approx(half.ledger[0].collected).epsilon(5e-6));
 
   lidar.gate = {3000e-9, 1e-9, 100};
   const auto early = nadir(lidar, scene, range_m);
@@ -154,7 +160,8 @@ TEST_CASE("S27: the axis misses and part of the footprint hits; near hits are co
   scene::Lidar lidar = topographic_lidar();
   lidar.transport.subrays = 1024;
   const auto part = nadir(lidar, scene), all = nadir(lidar, ground(0.3));
-  CHECK(moments(part.first).sum / moments(all.first).sum == doctest::Approx(0.158655254).epsilon(4 * 0.00161 / 0.158655));  // 4 rms of 1024 sub-rays
+  CHECK(moments(part.first).sum / moments(all.first).sum ==
+        doctest::Approx(0.158655254).epsilon(4 * 0.00161 / 0.158655));  // 4 rms of 1024 sub-rays
   CHECK(part.ledger[0].escaped == doctest::Approx(1 - 0.158655254).epsilon(4 * 0.00161));
   lidar.transport.minimum_range_m = 1001;
   const auto near = nadir(lidar, ground(0.3));
@@ -183,8 +190,10 @@ TEST_CASE("S27: a tilted plane broadens the echo by the footprint's depth") {
   const double expected_ns[4] = {1.704996, 1.765557, 1.892299, 2.229711}, tilt_deg[4] = {10, 30, 45, 60};
   for (int i = 0; i < 4; ++i) {
     const Moments m = moments(nadir(lidar, ground(0.3, 0, tilt_deg[i] * M_PI / 180)).first);
-    const double deviation_ns = std::sqrt(m.deviation_bins * m.deviation_bins - 1.0 / 12) * 0.25;  // less the bin's own width
-    CHECK(deviation_ns == doctest::Approx(expected_ns[i]).epsilon(1e-3));  // collimated formula: footprint / range, 2.5e-4
+    const double deviation_ns =
+        std::sqrt(m.deviation_bins * m.deviation_bins - 1.0 / 12) * 0.25;  // less the bin's own width
+    CHECK(deviation_ns ==
+          doctest::Approx(expected_ns[i]).epsilon(1e-3));  // collimated formula: footprint / range, 2.5e-4
   }
 }
 
@@ -199,7 +208,8 @@ TEST_CASE("S27: results do not depend on batches, threads, work-groups or order 
   lidar::LidarPlan plan = hand_plan(lidar, scene);
   set_air(plan, 1e-4, 2e-6, -10, 1100);
   std::vector<lidar::Shot> shots;
-  for (int i = 0; i < 40; ++i) shots.push_back(shot_from(lidar, {0.05 * i - 1, 0.02 * i, 1000}, {0.0001 * i, 0, -1}, i));
+  for (int i = 0; i < 40; ++i)
+    shots.push_back(shot_from(lidar, {0.05 * i - 1, 0.02 * i, 1000}, {0.0001 * i, 0, -1}, i));
   for (std::size_t i = 0; i < shots.size(); ++i) shots[i].exit_m[0] += 0.02 * static_cast<double>(i % 5);  // five beams
   render::RenderOptions few;
   few.threads = 1;

@@ -1,4 +1,5 @@
-// Gas on the way of pulses on the device: lines averaged after the exponential (L-09), plumes (L-11), the ledger's share.
+// Gas on the way of pulses on the device: lines averaged after the exponential (L-09), plumes (L-11), the ledger's
+// share.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -28,15 +29,21 @@ struct Layer {
     lidar.pulse.half_divergence_rad = 0;
     lidar.transport.subrays = 1;
   }
-  lidar::ShotResult shoot(const lidar::LidarPlan& plan) const { return render_shots(scene, plan, {shot_from(lidar, {0, 0, 1000}, {0, 0, -1})}).at(0); }
+  lidar::ShotResult shoot(const lidar::LidarPlan& plan) const {
+    return render_shots(scene, plan, {shot_from(lidar, {0, 0, 1000}, {0, 0, -1})}).at(0);
+  }
 };
 
 }  // namespace
 
 TEST_CASE("L-09: a laser line on an absorption line is averaged after the exponential") {
   const double centre_cm = 1e4 / 3.3, strength = 2.0e-19, half_width_cm = 0.06;
-  for (const auto& [ppm_m, fwhm_cm, on, off] : {std::array{100.0, 0.0, 0.5908820, 0.999160}, {100.0, 0.05, 0.6221263, 0.999160}, {100.0, 0.10, 0.6757258, 0.999160},
-                                                {1000.0, 0.0, 5.188089e-3, 0.991630}, {1000.0, 0.05, 1.061674e-2, 0.991630}, {1000.0, 0.10, 3.897977e-2, 0.991630}}) {
+  for (const auto& [ppm_m, fwhm_cm, on, off] : {std::array{100.0, 0.0, 0.5908820, 0.999160},
+                                                {100.0, 0.05, 0.6221263, 0.999160},
+                                                {100.0, 0.10, 0.6757258, 0.999160},
+                                                {1000.0, 0.0, 5.188089e-3, 0.991630},
+                                                {1000.0, 0.05, 1.061674e-2, 0.991630},
+                                                {1000.0, 0.10, 3.897977e-2, 0.991630}}) {
     Layer layer;
     scene::Volume gas;
     gas.name = "gas", gas.gas = "synthetic";
@@ -44,7 +51,8 @@ TEST_CASE("L-09: a laser line on an absorption line is averaged after the expone
     gas.concentration_ppm = ppm_m / 10;
     layer.scene.volumes.push_back(gas);
     const double centre_um = 1e4 / centre_cm, off_um = 1e4 / (centre_cm - 1.5);
-    layer.lidar.pulse.lines = {{"on", centre_um, fwhm_cm * centre_um * centre_um / 1e4, 1e-4}, {"off", off_um, 0, 1e-4}};
+    layer.lidar.pulse.lines = {{"on", centre_um, fwhm_cm * centre_um * centre_um / 1e4, 1e-4},
+                               {"off", off_um, 0, 1e-4}};
     layer.lidar.transport.line_nodes = 64;
     lidar::LidarPlan plan = hand_plan(layer.lidar, layer.scene);
     plan.nodes = lidar::make_nodes(layer.lidar);
@@ -52,15 +60,19 @@ TEST_CASE("L-09: a laser line on an absorption line is averaged after the expone
     plan.cross_section_cm2.clear();
     for (const auto& node : plan.nodes) {
       const double away_cm = 1e4 / node.wavelength_um - centre_cm;
-      plan.cross_section_cm2.push_back(strength * half_width_cm / (M_PI * (away_cm * away_cm + half_width_cm * half_width_cm)));
+      plan.cross_section_cm2.push_back(strength * half_width_cm /
+                                       (M_PI * (away_cm * away_cm + half_width_cm * half_width_cm)));
     }
     const auto seen = layer.shoot(plan);
     std::fill(plan.cross_section_cm2.begin(), plan.cross_section_cm2.end(), 0.0);
     const auto clear = layer.shoot(plan);
     const auto share = [&](std::ptrdiff_t line) {
-      return total({seen.first.begin() + line * 1000, seen.first.begin() + line * 1000 + 1000}) / total({clear.first.begin() + line * 1000, clear.first.begin() + line * 1000 + 1000});
+      return total({seen.first.begin() + line * 1000, seen.first.begin() + line * 1000 + 1000}) /
+             total({clear.first.begin() + line * 1000, clear.first.begin() + line * 1000 + 1000});
     };
-    CHECK(share(0) == doctest::Approx(on).epsilon(2e-5));  // depth 5.3 in float, to 3 ulp; the line's shape even in wavelength, not in wavenumber
+    CHECK(share(0) ==
+          doctest::Approx(on).epsilon(
+              2e-5));  // depth 5.3 in float, to 3 ulp; the line's shape even in wavelength, not in wavenumber
     CHECK(share(1) == doctest::Approx(off).epsilon(2e-6));
     // What the gas took on the way down, for the ledger.
     CHECK(std::abs(seen.ledger[1].volumes - (1 - std::sqrt(off))) <= 2e-6);
@@ -123,6 +135,8 @@ TEST_CASE("S31: a bounced path pays for every piece of its way") {
   for (std::size_t i = 0; i < 1000; ++i) {
     if (!(clear.multiple[i] > 0)) continue;
     const double way_m = (600 + static_cast<double>(i) + 0.5) * 1e-9 * kLightSpeed;
-    CHECK(hazy.multiple[i] / clear.multiple[i] == doctest::Approx(std::exp(-1e-3 * way_m)).epsilon(0.5 * 1e-3 * kLightSpeed * 1e-9 + 1e-5));  // half a bin's way
+    CHECK(
+        hazy.multiple[i] / clear.multiple[i] ==
+        doctest::Approx(std::exp(-1e-3 * way_m)).epsilon(0.5 * 1e-3 * kLightSpeed * 1e-9 + 1e-5));  // half a bin's way
   }
 }

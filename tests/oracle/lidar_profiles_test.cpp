@@ -1,5 +1,5 @@
-// Profiles for LIDAR. Oracles: closed forms of molecular scattering, profiles and lidar ratios computed elsewhere (reference lidar/),
-// columns of the same air by other code, Beer's law at a methane line.
+// Profiles for LIDAR. Oracles: closed forms of molecular scattering, profiles and lidar ratios computed elsewhere
+// (reference lidar/), columns of the same air by other code, Beer's law at a methane line.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -49,7 +49,8 @@ double at(const RenderTable& table, const char* row, std::size_t wavelength, std
   return table.rows.at(row).values[wavelength * table.axis("range_height").nodes.size() + height];
 }
 
-std::string message(const scene::AtmosphereSpec& spec, const std::vector<double>& um, const std::vector<double>& m, const LidarOptions& o = {}) {
+std::string message(const scene::AtmosphereSpec& spec, const std::vector<double>& um, const std::vector<double>& m,
+                    const LidarOptions& o = {}) {
   try {
     build_lidar(spec, um, m, o);
   } catch (const base::Error& error) {
@@ -63,7 +64,8 @@ std::string message(const scene::AtmosphereSpec& spec, const std::vector<double>
 TEST_CASE("S9 LIDAR: midlatitude summer, rural, 23 km at five wavelengths against the profile computed elsewhere") {
   const auto rows = anchor_rows("lidar/lidar_profile_mls_rural23.csv", "LIDAR profiles are not compared");
   if (rows.empty()) return;
-  const std::vector<std::pair<double, std::string>> waves = {{0.532, "0.532"}, {1.064, "1.064"}, {1.55, "1.55"}, {1.645, "1.645"}, {3.3, "3.3"}};
+  const std::vector<std::pair<double, std::string>> waves = {
+      {0.532, "0.532"}, {1.064, "1.064"}, {1.55, "1.55"}, {1.645, "1.645"}, {3.3, "3.3"}};
   std::vector<double> um, heights;
   for (const auto& [value, name] : waves) um.push_back(value);
   for (const auto& row : rows) heights.push_back(1000 * row.at("z_km"));
@@ -83,12 +85,13 @@ TEST_CASE("S9 LIDAR: midlatitude summer, rural, 23 km at five wavelengths agains
       (heights[h] <= 10000 ? back : back_high) = std::max(heights[h] <= 10000 ? back : back_high, b);
       by_power = std::max(by_power, relative(at(power, "lidar_extinction_aerosol", i, h), truth("alpha_aer")));
     }
-  MESSAGE("worst: molecules " << molecular << ", aerosol extinction " << extinction << ", backscatter " << back << ", above 10 km " << back_high << "; extinction by the default rule " << by_power);
+  MESSAGE("worst: molecules " << molecular << ", aerosol extinction " << extinction << ", backscatter " << back
+                              << ", above 10 km " << back_high << "; extinction by the default rule " << by_power);
   // Printed digits and 360 instead of 330 ppmv of CO2.
   CHECK(molecular <= 1e-4);
   CHECK(extinction <= 1e-4);
-  // Between tabulated wavelengths Mie functions are mixed here, the logarithm of P(180) is linear there: the stratosphere's differ by
-  // a factor of 1.8 from 0.355 to 0.532 um.
+  // Between tabulated wavelengths Mie functions are mixed here, the logarithm of P(180) is linear there: the
+  // stratosphere's differ by a factor of 1.8 from 0.355 to 0.532 um.
   CHECK(back <= 0.012);
   CHECK(back_high <= 0.03);
   // Extinction as a power law of wavelength instead of linear, 12 % in the hollow between 2.5 and 3.39 um.
@@ -101,7 +104,8 @@ TEST_CASE("S9 LIDAR: molecular backscatter, lidar ratio and depolarisation") {
   const RenderTable table = build_lidar(rural("none"), {0.532}, {0, 1000});
   const double ratio = at(table, "lidar_extinction_molecular", 0, 0) / at(table, "lidar_backscatter_molecular", 0, 0);
   CHECK(std::abs(ratio - 8.4966) <= 0.001);
-  const double per_molecule = 1e3 * at(table, "lidar_extinction_molecular", 0, 0) / afgl_profile(AfglModel::midlatitude_summer).levels()[0].air_per_cm3;
+  const double per_molecule = 1e3 * at(table, "lidar_extinction_molecular", 0, 0) /
+                              afgl_profile(AfglModel::midlatitude_summer).levels()[0].air_per_cm3;
   CHECK(relative(per_molecule * air_per_cm3, 0.01316) <= 1e-3);
   CHECK(relative(per_molecule * air_per_cm3 / ratio, 1.549e-3) <= 1e-3);
   // (45 + 4 x) and 3 x with x = 4.5 (F - 1), F = 1.04899: 0.01444; the Cabannes line with x / 4: 0.00365.
@@ -109,7 +113,8 @@ TEST_CASE("S9 LIDAR: molecular backscatter, lidar ratio and depolarisation") {
   LidarOptions cabannes;
   cabannes.cabannes_only = true;
   const RenderTable line = build_lidar(rural("none"), {0.532}, {0, 1000}, cabannes);
-  CHECK(std::abs(at(line, "lidar_backscatter_molecular", 0, 0) / at(table, "lidar_backscatter_molecular", 0, 0) - 0.975) <= 0.001);
+  CHECK(std::abs(at(line, "lidar_backscatter_molecular", 0, 0) / at(table, "lidar_backscatter_molecular", 0, 0) -
+                 0.975) <= 0.001);
   CHECK(at(line, "lidar_extinction_molecular", 0, 0) == at(table, "lidar_extinction_molecular", 0, 0));
   CHECK(std::abs(at(line, "lidar_depolarization", 0, 0) - 0.00365) <= 5e-5);
 
@@ -120,8 +125,9 @@ TEST_CASE("S9 LIDAR: molecular backscatter, lidar ratio and depolarisation") {
   const RenderTable many = build_lidar(rural("none"), um, {0, 1000});
   double worst = 0;
   for (std::size_t i = 0; i < um.size(); ++i)
-    worst = std::max(worst, relative(at(many, "lidar_extinction_molecular", i, 0) / at(many, "lidar_backscatter_molecular", i, 0),
-                                     rows[i].at("lidar_ratio_sr")));
+    worst = std::max(
+        worst, relative(at(many, "lidar_extinction_molecular", i, 0) / at(many, "lidar_backscatter_molecular", i, 0),
+                        rows[i].at("lidar_ratio_sr")));
   MESSAGE("molecular lidar ratio, worst of " << um.size() << " wavelengths: " << worst);
   CHECK(worst <= 2e-5);
 }
@@ -129,11 +135,14 @@ TEST_CASE("S9 LIDAR: molecular backscatter, lidar ratio and depolarisation") {
 TEST_CASE("S9 LIDAR: stated lidar ratios and depolarisation of components") {
   LidarOptions own;
   own.particles = {{"rural", 55, 0.3}};
-  const RenderTable plain = build_lidar(rural(), {0.532}, {0, 5000}), stated = build_lidar(rural(), {0.532}, {0, 5000}, own);
-  CHECK(relative(at(stated, "lidar_extinction_aerosol", 0, 0) / at(stated, "lidar_backscatter_aerosol", 0, 0), 55) <= 1e-6);
+  const RenderTable plain = build_lidar(rural(), {0.532}, {0, 5000}),
+                    stated = build_lidar(rural(), {0.532}, {0, 5000}, own);
+  CHECK(relative(at(stated, "lidar_extinction_aerosol", 0, 0) / at(stated, "lidar_backscatter_aerosol", 0, 0), 55) <=
+        1e-6);
   CHECK(at(stated, "lidar_backscatter_aerosol", 0, 1) == at(plain, "lidar_backscatter_aerosol", 0, 1));  // troposphere
   // Mixed: beta_perp = sum beta d / (1 + d).
-  const double aerosol = at(stated, "lidar_backscatter_aerosol", 0, 0), molecules = at(stated, "lidar_backscatter_molecular", 0, 0);
+  const double aerosol = at(stated, "lidar_backscatter_aerosol", 0, 0),
+               molecules = at(stated, "lidar_backscatter_molecular", 0, 0);
   const double crossed = aerosol * 0.3 / 1.3 + molecules * 0.01441 / 1.01441;
   CHECK(relative(at(stated, "lidar_depolarization", 0, 0), crossed / (aerosol + molecules - crossed)) <= 1e-3);
   CHECK(at(plain, "lidar_depolarization", 0, 0) < at(stated, "lidar_depolarization", 0, 0));
@@ -153,20 +162,25 @@ TEST_CASE("S9 LIDAR: default heights hold the columns; reading is exponential in
     const AirProfile profile = make_profile(*spec.layered, ground_m / 1000, notices);
     const AerosolColumn aerosols(make_aerosols(*spec.layered), profile);
     // A base of exponential pieces between AFGL levels (5e-5), and cloud edges 0.5 m wide (1e-3 of the cloud).
-    const std::pair<double, double> paths[] = {{0.0, 610.0}, {0.0, 1400.0 - ground_m}, {130.0, 2900.0}, {2000.0, 20000.0}, {0.0, 60000.0}};
+    const std::pair<double, double> paths[] = {
+        {0.0, 610.0}, {0.0, 1400.0 - ground_m}, {130.0, 2900.0}, {2000.0, 20000.0}, {0.0, 60000.0}};
     for (const auto& [low, high] : paths) {
       const std::vector<double> depth = lidar_optical_depth(table, low, high);
       const double a = (ground_m + low) / 1000, b = (ground_m + high) / 1000;
       for (std::size_t i = 0; i < um.size(); ++i) {
-        double truth = rayleigh_cross_section_cm2(um[i], profile.levels()[0].ppmv(Gas::co2)) * profile.air_column_per_cm2(a, b);
-        for (std::size_t c = 0; c < aerosols.components(); ++c) truth += aerosols.optics(c, um[i]).extinction_ratio * aerosols.depth_550(c, a, b);
+        double truth =
+            rayleigh_cross_section_cm2(um[i], profile.levels()[0].ppmv(Gas::co2)) * profile.air_column_per_cm2(a, b);
+        for (std::size_t c = 0; c < aerosols.components(); ++c)
+          truth += aerosols.optics(c, um[i]).extinction_ratio * aerosols.depth_550(c, a, b);
         CHECK(relative(depth[i], truth) <= 2e-3);
       }
     }
     const LidarAir low = lidar_air(table, 100), mid = lidar_air(table, 150), high = lidar_air(table, 200);
     for (std::size_t i = 0; i < um.size(); ++i) {
-      CHECK(relative(mid.extinction_molecular_per_m[i], std::sqrt(low.extinction_molecular_per_m[i] * high.extinction_molecular_per_m[i])) <= 1e-6);
-      CHECK(relative(mid.backscatter_aerosol_per_m_sr[i], std::sqrt(low.backscatter_aerosol_per_m_sr[i] * high.backscatter_aerosol_per_m_sr[i])) <= 1e-6);
+      CHECK(relative(mid.extinction_molecular_per_m[i],
+                     std::sqrt(low.extinction_molecular_per_m[i] * high.extinction_molecular_per_m[i])) <= 1e-6);
+      CHECK(relative(mid.backscatter_aerosol_per_m_sr[i],
+                     std::sqrt(low.backscatter_aerosol_per_m_sr[i] * high.backscatter_aerosol_per_m_sr[i])) <= 1e-6);
     }
     CHECK_THROWS_AS(lidar_air(table, -1), base::Error);
     CHECK_THROWS_AS(lidar_optical_depth(table, 200, 100), base::Error);
@@ -174,7 +188,8 @@ TEST_CASE("S9 LIDAR: default heights hold the columns; reading is exponential in
   }
 }
 
-TEST_CASE("S9 LIDAR: gas at a methane line by Beer's law; absent with a word where no lines are given; a file keeps it all") {
+TEST_CASE(
+    "S9 LIDAR: gas at a methane line by Beer's law; absent with a word where no lines are given; a file keeps it all") {
   const testing::TestFolder folder;
   const SpectralLine line{6, 1, 3057.687, 2.1e-19, 0.058, 0.078, 104.77, 0.75, -0.006};
   folder.write("one.par", testing::hitran_record(line));
@@ -247,7 +262,8 @@ TEST_CASE("S9 LIDAR: no aerosol has no visibility") {
 TEST_CASE("S9 LIDAR: bad input is told, all at once") {
   CHECK(message(rural(), {}, {0}).find("LIDAR wavelengths") != std::string::npos);
   const std::string all = message(rural(), {0.1, 0.1}, {5000, 2e5});
-  for (const char* part : {"must lie in 0.25", "must ascend strictly", "must lie in -1000"}) CHECK(all.find(part) != std::string::npos);
+  for (const char* part : {"must lie in 0.25", "must ascend strictly", "must lie in -1000"})
+    CHECK(all.find(part) != std::string::npos);
   LidarOptions own;
   own.particles = {{"dust", 50, 0}, {"rural", 0.2, 2}};
   const std::string parts = message(rural(), {0.532}, {0}, own);

@@ -96,7 +96,8 @@ TEST_CASE("L-09: transmission of a gas is averaged over the line after the expon
   plan.cross_section_cm2 = {1.061032954e-18, 1.694941e-21};
   const auto result = shoot(scene, plan, shot);
   CHECK(total(result.rows.first) / clear == doctest::Approx(0.5 * (5.188089e-3 + 0.991630)).epsilon(1e-6));
-  CHECK(result.ledger[0].volumes == doctest::Approx(1 - 0.5 * (std::sqrt(5.188089e-3) + std::sqrt(0.991630))).epsilon(1e-6));
+  CHECK(result.ledger[0].volumes ==
+        doctest::Approx(1 - 0.5 * (std::sqrt(5.188089e-3) + std::sqrt(0.991630))).epsilon(1e-6));
   CHECK(std::abs(result.ledger[0].emitted_error()) < 1e-14);
 }
 
@@ -105,7 +106,8 @@ TEST_CASE("L-11: columns of volumes") {
   plume.shape = scene::Volume::Shape::plume, plume.name = "plume", plume.gas = "CH4";
   plume.position_m = {100, 50, 3}, plume.yaw_deg = 30, plume.source_g_s = 1, plume.wind_m_s = 3;
   plume.sigma_y_m = 10, plume.molar_mass_g = 16.0425;
-  const glm::dvec3 down_wind{std::sin(M_PI / 6), std::cos(M_PI / 6), 0}, across{std::cos(M_PI / 6), -std::sin(M_PI / 6), 0};
+  const glm::dvec3 down_wind{std::sin(M_PI / 6), std::cos(M_PI / 6), 0},
+      across{std::cos(M_PI / 6), -std::sin(M_PI / 6), 0};
   for (const double sigma_z : {2.0, 15.0})
     for (const double height : {0.0, 5.0})
       for (const double y : {0.0, 12.0}) {
@@ -118,7 +120,8 @@ TEST_CASE("L-11: columns of volumes") {
   plume.sigma_y_m = plume.sigma_z_m = 0, plume.release_height_m = 4;
   const double x = 3, sz = 0.06 * x / std::sqrt(1 + 1.5e-3 * x);
   const glm::dvec3 middle = glm::dvec3(100, 50, 3 + 4.1) + x * down_wind;
-  const double line = reference::VolumePath(plume).column_cm2(between(middle + 5000.0 * across, middle - 700.0 * across));
+  const double line =
+      reference::VolumePath(plume).column_cm2(between(middle + 5000.0 * across, middle - 700.0 * across));
   const double g_m2 = 1 / (std::sqrt(2 * M_PI) * 3 * sz) * std::exp(-0.5 * 0.1 * 0.1 / (sz * sz));
   CHECK(line == doctest::Approx(g_m2 / 16.0425 * 6.02214076e19).epsilon(1e-9));
 

@@ -8,8 +8,8 @@
 
 namespace raycube::test {
 
-inline reference::LidarReference shoot(const scene::CompiledScene& scene, const lidar::LidarPlan& plan, const lidar::Shot& shot,
-                                       const reference::LidarShotOptions& options = {}) {
+inline reference::LidarReference shoot(const scene::CompiledScene& scene, const lidar::LidarPlan& plan,
+                                       const lidar::Shot& shot, const reference::LidarShotOptions& options = {}) {
   const reference::EmbreeScene embree(scene);
   return reference::reference_shot(scene, embree, plan, shot, options);
 }

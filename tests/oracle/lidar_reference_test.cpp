@@ -33,8 +33,10 @@ void closes(const reference::LidarReference& result, const lidar::LidarPlan& pla
     const lidar::Ledger& l = result.ledger[line];
     CHECK(std::abs(l.emitted_error()) < 1e-12);
     double recorded = 0;
-    for (const auto* row : {&result.rows.first, &result.rows.multiple, &result.rows.air, &result.rows.particles}) recorded += total(*row);
-    if (plan.lines() == 1) CHECK(std::abs(recorded / plan.photons[0] + l.early + l.late + l.near - l.collected) <= 1e-12 * l.collected);
+    for (const auto* row : {&result.rows.first, &result.rows.multiple, &result.rows.air, &result.rows.particles})
+      recorded += total(*row);
+    if (plan.lines() == 1)
+      CHECK(std::abs(recorded / plan.photons[0] + l.early + l.late + l.near - l.collected) <= 1e-12 * l.collected);
   }
 }
 
@@ -49,7 +51,8 @@ TEST_CASE("L-01: link budget of one ray, bin by bin") {
   // Printed to ten digits.
   CHECK(total(result.rows.first) == doctest::Approx(134685.6010).epsilon(1e-9));
   CHECK(0.3 * total(result.rows.first) == doctest::Approx(40405.68031).epsilon(1e-9));
-  const double pe[] = {33.4762, 198.7032, 841.2644, 2541.5635, 5480.9961, 8439.5091, 9279.7738, 7286.7561, 4085.7507, 1635.5598, 467.2943, 95.2532, 13.8465};
+  const double pe[] = {33.4762,   198.7032,  841.2644,  2541.5635, 5480.9961, 8439.5091, 9279.7738,
+                       7286.7561, 4085.7507, 1635.5598, 467.2943,  95.2532,   13.8465};
   for (std::size_t i = 0; i < std::size(pe); ++i) CHECK(std::abs(0.3 * result.rows.first[465 + i] - pe[i]) < 6e-5);
   // Sums over bins of a Gaussian's bins keep its centroid; tails beyond 9 deviations are left out.
   CHECK(std::abs(centroid_s(result.rows.first, lidar.gate) - 6671.281903963e-9) < 2e-18);
@@ -66,7 +69,8 @@ TEST_CASE("L-32: the receiver's cosine counts, not the laser's") {
   lidar.gate.start_s = 9500e-9;
   const auto plan = hand_plan(lidar, scene);
   // Laser 60 degrees off the normal, receiver on the normal at 1000 m.
-  auto shot = shot_from(lidar, {2000 * std::sin(M_PI / 3), 0, 2000 * std::cos(M_PI / 3)}, {-std::sin(M_PI / 3), 0, -std::cos(M_PI / 3)});
+  auto shot = shot_from(lidar, {2000 * std::sin(M_PI / 3), 0, 2000 * std::cos(M_PI / 3)},
+                        {-std::sin(M_PI / 3), 0, -std::cos(M_PI / 3)});
   place_pupil(shot, {0, 0, 1000}, {0, 0, -1});
   const auto result = shoot(scene, plan, shot);
   const double expected = plan.photons[0] * 0.3 / M_PI * M_PI * (0.05 * 0.05 - 0.015 * 0.015) * 1e-6 * 0.5;
@@ -119,15 +123,18 @@ TEST_CASE("I1, I4, I6: energy of a footprint, range shift, equal ranges add") {
   const auto far = shoot(scene, plan, shot_from(lidar, {0, 0, 1010}, {0, 0, -1}));
   closes(near, plan);
   // The footprint is one cone: every path scales with the range.
-  CHECK(centroid_s(far.rows.first, lidar.gate) / centroid_s(near.rows.first, lidar.gate) == doctest::Approx(1.01).epsilon(1e-13));
+  CHECK(centroid_s(far.rows.first, lidar.gate) / centroid_s(near.rows.first, lidar.gate) ==
+        doctest::Approx(1.01).epsilon(1e-13));
   CHECK(total(far.rows.first) / total(near.rows.first) == doctest::Approx(1 / (1.01 * 1.01)).epsilon(1e-12));
-  // Mean of cos(theta)^3 cos(psi)... over the beam: 1 - 2 <tan^2>, <tan^2> = theta^2 / 2 for a Gaussian of 1/e2 half angle theta.
+  // Mean of cos(theta)^3 cos(psi)... over the beam: 1 - 2 <tan^2>, <tan^2> = theta^2 / 2 for a Gaussian of 1/e2 half
+  // angle theta.
   const double on_axis = plan.photons[0] * 0.3 * (0.05 * 0.05 - 0.015 * 0.015) * 1e-6 * 0.5;
   CHECK(total(near.rows.first) == doctest::Approx(on_axis * (1 - 2 * 0.5 * 0.25e-3 * 0.25e-3)).epsilon(1e-9));
   lidar.pulse.half_divergence_rad = 0;
   const auto one = shoot(scene, hand_plan(pencil(), scene), shot_from(lidar, {0, 0, 1000}, {0, 0, -1}));
   const auto many = shoot(scene, hand_plan(lidar, scene), shot_from(lidar, {0, 0, 1000}, {0, 0, -1}));
-  for (std::size_t i = 0; i < one.rows.first.size(); ++i) CHECK(std::abs(one.rows.first[i] - many.rows.first[i]) <= 1e-12 * total(one.rows.first));
+  for (std::size_t i = 0; i < one.rows.first.size(); ++i)
+    CHECK(std::abs(one.rows.first[i] - many.rows.first[i]) <= 1e-12 * total(one.rows.first));
 }
 
 TEST_CASE("L-31: gate's ends and bin edges") {
@@ -165,7 +172,8 @@ TEST_CASE("L-13: two equal echoes show two maxima only beyond two standard devia
     lidar.gate = {6640e-9, 0.1e-9, 500};
     const auto row = shoot(scene, hand_plan(lidar, scene), shot_from(lidar, {0, 0, 1000}, {0, 0, -1})).rows.first;
     int maxima = 0;
-    for (std::size_t i = 1; i + 1 < row.size(); ++i) maxima += row[i] > row[i - 1] && row[i] >= row[i + 1] && row[i] > 1;
+    for (std::size_t i = 1; i + 1 < row.size(); ++i)
+      maxima += row[i] > row[i - 1] && row[i] >= row[i + 1] && row[i] > 1;
     CHECK(maxima == (step_m > 0.509 ? 2 : 1));
   }
 }
@@ -239,7 +247,8 @@ TEST_CASE("L-16: energy and path of the double bounce in a Lambert corner") {
     const auto plan = hand_plan(lidar, scene, 7);
     const auto result = shoot(scene, plan, shot);
     const double f = size == 5 ? 0.3887500640 : 0.4434773417;
-    const double ratio = (total(result.rows.multiple) + result.ledger[0].late * plan.photons[0]) / total(result.rows.first);
+    const double ratio =
+        (total(result.rows.multiple) + result.ledger[0].late * plan.photons[0]) / total(result.rows.first);
     // Four standard errors of a share f of 20000 independent draws; the far receiver is 1e6 m away: 1e-5.
     CHECK(std::abs(ratio / 0.4 - f) < 4 * std::sqrt(f * (1 - f) / 20000));
     CHECK(std::abs(result.ledger[0].emitted_error()) < 1e-12);
@@ -251,8 +260,10 @@ TEST_CASE("L-16: energy and path of the double bounce in a Lambert corner") {
       if (static_cast<double>(i) * 0.1e-9 < 1e-9 + 1.89960 / kLightSpeed) soon += result.rows.multiple[i];
     }
     CHECK(early == 0);
-    // Half of an infinite corner's double bounces come within 1.8996 m of path: 0.25 of all that leaves A. Bin: 0.03 m of 1.9.
-    if (size == 10) CHECK(std::abs(soon / total(result.rows.first) / 0.4 - 0.25) < 4 * std::sqrt(0.25 * 0.75 / 20000) + 0.005);
+    // Half of an infinite corner's double bounces come within 1.8996 m of path: 0.25 of all that leaves A. Bin: 0.03 m
+    // of 1.9.
+    if (size == 10)
+      CHECK(std::abs(soon / total(result.rows.first) / 0.4 - 0.25) < 4 * std::sqrt(0.25 * 0.75 / 20000) + 0.005);
   }
 }
 
@@ -302,10 +313,12 @@ TEST_CASE("I3: rays from the transmitter and rays from the receiver find the sam
       options.own_seed = true, options.seed = static_cast<std::uint64_t>(seed);
       const auto rows = reference::reference_shot(scene, embree, plan, shot, options).rows;
       const double sums[2] = {total(rows.first), total(rows.multiple)};
-      for (int order = 0; order < 2; ++order) mean[receiver][order] += sums[order] / kSeeds, square[receiver][order] += sums[order] * sums[order] / kSeeds;
+      for (int order = 0; order < 2; ++order)
+        mean[receiver][order] += sums[order] / kSeeds, square[receiver][order] += sums[order] * sums[order] / kSeeds;
     }
   }
-  // Once: no chance but the edge of the beam and of plates between samples, 0.5 % of 4096 and of the 1500 samples in the spot.
+  // Once: no chance but the edge of the beam and of plates between samples, 0.5 % of 4096 and of the 1500 samples in
+  // the spot.
   CHECK(mean[1][0] == doctest::Approx(mean[0][0]).epsilon(0.01));
   double error = 0.005 * 0.005 * mean[0][1] * mean[0][1];
   for (int side = 0; side < 2; ++side) error += (square[side][1] - mean[side][1] * mean[side][1]) / (kSeeds - 1);

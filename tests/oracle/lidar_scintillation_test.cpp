@@ -13,8 +13,9 @@ using namespace raycube::lidar;
 
 namespace {
 
-/// Averaging of a weak plane or spherical wave by a circular aperture: ratio of int xi int kappa of kappa^(-8/3) (1 - cos(phase)) and that with
-/// [2 J1(x)/x]^2; kappa in units of sqrt(k / L), D^2 = 4 d. Written apart from the program, which only interpolates a table.
+/// Averaging of a weak plane or spherical wave by a circular aperture: ratio of int xi int kappa of kappa^(-8/3) (1 -
+/// cos(phase)) and that with [2 J1(x)/x]^2; kappa in units of sqrt(k / L), D^2 = 4 d. Written apart from the program,
+/// which only interpolates a table.
 double averaging(bool spherical, double d) {
   const double diameter = std::sqrt(4 * d);
   const auto inner = [&](double kappa, bool averaged) {
@@ -26,20 +27,24 @@ double averaging(bool spherical, double d) {
     const double u = kappa * kappa;
     // xi runs from the source; a spherical wave's pattern grows by 1 / xi on its way to the aperture.
     if (!spherical) return (u < 1e-3 ? u * u / 6 : 1 - std::sin(u) / u) * filter(1);
-    return integrate([&](double xi) { return (1 - std::cos(u * xi * (1 - xi))) * filter(xi); }, 0, 1, 1 + static_cast<int>((u / 4 + kappa * diameter) / 40));
+    return integrate([&](double xi) { return (1 - std::cos(u * xi * (1 - xi))) * filter(xi); }, 0, 1,
+                     1 + static_cast<int>((u / 4 + kappa * diameter) / 40));
   };
   const auto total = [&](bool averaged) {
     double sum = 0;
     for (double a = std::log(1e-3); a < std::log(60.0) - 1e-9; a += std::log(6e4) / 44)
-      sum += integrate([&](double t) { return std::exp(-5 * t / 3) * inner(std::exp(t), averaged); }, a, a + std::log(6e4) / 44);
+      sum += integrate([&](double t) { return std::exp(-5 * t / 3) * inner(std::exp(t), averaged); }, a,
+                       a + std::log(6e4) / 44);
     // Beyond 60 the cosine averages out: 3/5 60^(-5/3) without an aperture; with one, what it passes from 60 to 1200.
     if (!averaged) return sum + 0.6 * std::pow(60.0, -5.0 / 3);
     const auto passed = [&](double kappa) {
       const auto filter = [&](double x) { return x < 1e-8 ? 1.0 : std::pow(2 * std::cyl_bessel_j(1.0, x) / x, 2); };
       if (!spherical) return filter(0.5 * kappa * diameter);
-      return integrate([&](double xi) { return filter(0.5 * kappa * diameter * xi); }, 0, 1, 1 + static_cast<int>(kappa * diameter / 60));
+      return integrate([&](double xi) { return filter(0.5 * kappa * diameter * xi); }, 0, 1,
+                       1 + static_cast<int>(kappa * diameter / 60));
     };
-    return sum + integrate([&](double t) { return std::exp(-5 * t / 3) * passed(std::exp(t)); }, std::log(60.0), std::log(1200.0), 1);
+    return sum + integrate([&](double t) { return std::exp(-5 * t / 3) * passed(std::exp(t)); }, std::log(60.0),
+                           std::log(1200.0), 1);
   };
   return total(true) / total(false);
 }
@@ -50,8 +55,9 @@ TEST_CASE("L-18: gamma-gamma parameters of the worked paths") {
   struct Row {
     double rytov, alpha, beta, index, s2;
   };
-  for (const Row& r : {Row{0.308804, 8.2517, 6.7407, 0.28752, 0.25272}, Row{5.90375, 4.7957, 1.1933, 1.2213, 0.79808}, Row{3.08804, 4.1377, 1.4204, 1.1159, 0.74946},
-                       Row{0.0824484, 25.868, 23.968, 0.081994, 0.078806}}) {
+  for (const Row& r :
+       {Row{0.308804, 8.2517, 6.7407, 0.28752, 0.25272}, Row{5.90375, 4.7957, 1.1933, 1.2213, 0.79808},
+        Row{3.08804, 4.1377, 1.4204, 1.1159, 0.74946}, Row{0.0824484, 25.868, 23.968, 0.081994, 0.078806}}) {
     const GammaGamma g = gamma_gamma_plane(r.rytov);
     CAPTURE(r.rytov);
     CHECK(std::abs(g.alpha / r.alpha - 1) < 2e-5);
@@ -88,8 +94,10 @@ TEST_CASE("L-18: probability of a fade below half, and moments drawn") {
 }
 
 TEST_CASE("S34: aperture averaging: the table's rows, an independent integral between them, asymptotes, and no jumps") {
-  const double table[][3] = {{0.01, 0.96845, 0.97199}, {0.03, 0.92973, 0.93848}, {0.1, 0.83913, 0.86234}, {0.3, 0.68142, 0.73487}, {1, 0.41345, 0.52387},
-                             {3, 0.17049, 0.30869}, {10, 0.04905, 0.13211}, {14.763, 0.03228, 0.09531}, {30, 0.01486, 0.05009}, {100, 0.00388, 0.01515}, {300, 0.00111, 0.00473}};
+  const double table[][3] = {{0.01, 0.96845, 0.97199}, {0.03, 0.92973, 0.93848},   {0.1, 0.83913, 0.86234},
+                             {0.3, 0.68142, 0.73487},  {1, 0.41345, 0.52387},      {3, 0.17049, 0.30869},
+                             {10, 0.04905, 0.13211},   {14.763, 0.03228, 0.09531}, {30, 0.01486, 0.05009},
+                             {100, 0.00388, 0.01515},  {300, 0.00111, 0.00473}};
   for (const auto& [d, plane_wave, spherical_wave] : table) {  // half a unit of the last digit, and interpolation
     CHECK(std::abs(aperture_averaging_plane(d) - plane_wave) < 5e-5);
     CHECK(std::abs(aperture_averaging_spherical(d) - spherical_wave) < 5e-5);
@@ -115,7 +123,8 @@ TEST_CASE("S34: aperture averaging: the table's rows, an independent integral be
   CHECK(aperture_averaging_spherical(1e9) == doctest::Approx(4.675 * std::pow(1e9, -7.0 / 6)).epsilon(5e-3));
 }
 
-TEST_CASE("S34: gains of shots: log-normal in weak turbulence, gamma-gamma in strong, with the total index of both ways") {
+TEST_CASE(
+    "S34: gains of shots: log-normal in weak turbulence, gamma-gamma in strong, with the total index of both ways") {
   for (const double cn2 : {2e-15, 3e-13}) {
     LidarPlan plan = test::small_plan(1000);
     plan.lidar.turbulence.profile = scene::TurbulenceProfile::constant, plan.lidar.turbulence.cn2 = cn2;
@@ -137,7 +146,8 @@ TEST_CASE("S34: gains of shots: log-normal in weak turbulence, gamma-gamma in st
     CHECK(truth.index_up < 1.5 * truth.rytov_spherical);
     CHECK(std::abs(sum / n - 1) < 4 * std::sqrt(truth.index_total / n));
     // Kurtosis of the product near 3 + 16 index for weak and up to 60 for strong.
-    CHECK(std::abs(squares / n / truth.index_total - 1) < 4 * std::sqrt((cn2 > 1e-13 ? 59 : 3) / static_cast<double>(n)));
+    CHECK(std::abs(squares / n / truth.index_total - 1) <
+          4 * std::sqrt((cn2 > 1e-13 ? 59 : 3) / static_cast<double>(n)));
   }
 }
 
@@ -165,8 +175,10 @@ TEST_CASE("S34: lines of a shot flicker with their own variance, together or apa
   CHECK(together.gain == 1);
   CHECK(together.line_gain[0] == alone);
   CHECK(together.line_gain[1] == alone);
-  // Log-normal of one normal deviate: ln gain + index / 2 scales with the indices' square roots; k^(7/6) of the spherical wave.
-  CHECK(truth.lines[2].rytov_spherical / truth.lines[0].rytov_spherical == doctest::Approx(std::pow(2.0, 7.0 / 6)).epsilon(1e-9));
+  // Log-normal of one normal deviate: ln gain + index / 2 scales with the indices' square roots; k^(7/6) of the
+  // spherical wave.
+  CHECK(truth.lines[2].rytov_spherical / truth.lines[0].rytov_spherical ==
+        doctest::Approx(std::pow(2.0, 7.0 / 6)).epsilon(1e-9));
   CHECK(truth.warnings.size() >= 1);  // wavelengths a factor of 2 apart
 
   // Index of the rest: 4 standard errors of a log-normal's variance, kurtosis near 3.
@@ -184,8 +196,10 @@ TEST_CASE("S34: lines of a shot flicker with their own variance, together or apa
       CHECK(std::abs(squares[line] / index - 1) < 4 * std::sqrt(3.0 / n));
     }
     const double correlation = product / std::sqrt(squares[0] * squares[1]);
-    if (apart) CHECK(std::abs(correlation) < 4 / std::sqrt(static_cast<double>(n)));
-    else CHECK(correlation == doctest::Approx(1).epsilon(1e-12));
+    if (apart)
+      CHECK(std::abs(correlation) < 4 / std::sqrt(static_cast<double>(n)));
+    else
+      CHECK(correlation == doctest::Approx(1).epsilon(1e-12));
   }
 
   ShotResult result;

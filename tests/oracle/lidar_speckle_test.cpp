@@ -1,4 +1,5 @@
-// Speckle modes: the integral's published values, an annulus, discs, and a simulated field (direct sum of random scatterers).
+// Speckle modes: the integral's published values, an annulus, discs, and a simulated field (direct sum of random
+// scatterers).
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -15,10 +16,12 @@ TEST_CASE("L-21: spatial modes of a Gaussian spot, exact integral") {
   struct Row {
     double diameter_m, w_m, wavelength_m, range_m, exact, approximate;
   };
-  for (const Row& r : {Row{0.10, 0.25, 1064e-9, 1000, 1383.33, 1363.19}, Row{0.10, 0.020, 3.3e-6, 200, 25.6946, 23.6575},
-                       Row{0.020, 0.0125, 1064e-9, 100, 16.0665, 14.6219}, Row{0.020, 0.0020, 1064e-9, 100, 1.36566, 1.34872}}) {
+  for (const Row& r :
+       {Row{0.10, 0.25, 1064e-9, 1000, 1383.33, 1363.19}, Row{0.10, 0.020, 3.3e-6, 200, 25.6946, 23.6575},
+        Row{0.020, 0.0125, 1064e-9, 100, 16.0665, 14.6219}, Row{0.020, 0.0020, 1064e-9, 100, 1.36566, 1.34872}}) {
     CAPTURE(r.exact);
-    CHECK(std::abs(spatial_modes(r.diameter_m / 2, 0, true, r.w_m, r.wavelength_m, r.range_m) / r.exact - 1) < 4e-6);  // six digits printed
+    CHECK(std::abs(spatial_modes(r.diameter_m / 2, 0, true, r.w_m, r.wavelength_m, r.range_m) / r.exact - 1) <
+          4e-6);  // six digits printed
     const double cell = std::pow(r.wavelength_m * r.range_m / r.w_m, 2) / M_PI;
     CHECK(std::abs((1 + M_PI * r.diameter_m * r.diameter_m / 4 / cell) / r.approximate - 1) < 4e-6);
   }
@@ -27,9 +30,11 @@ TEST_CASE("L-21: spatial modes of a Gaussian spot, exact integral") {
 TEST_CASE("L-21: limits: one mode for a small pupil, area over speckle area for a large one, discs and annuli") {
   CHECK(spatial_modes(1e-6, 0, true, 0.01, 1e-6, 1000) == doctest::Approx(1).epsilon(1e-9));
   CHECK(spatial_modes(0.05, 0, true, 0, 1e-6, 1000) == 1);
-  // Speckle much smaller than the pupil: integral of the coherence alone, (lambda R)^2 / (pi w^2) and, for a disc, (lambda R)^2 / (pi a^2).
+  // Speckle much smaller than the pupil: integral of the coherence alone, (lambda R)^2 / (pi w^2) and, for a disc,
+  // (lambda R)^2 / (pi a^2).
   const double large = M_PI * 0.25 / std::pow(1e-6 * 1000, 2);
-  CHECK(spatial_modes(0.5, 0, true, 1, 1e-6, 1000) == doctest::Approx(large * M_PI).epsilon(2e-3));  // next order: speckle size over pupil size
+  CHECK(spatial_modes(0.5, 0, true, 1, 1e-6, 1000) ==
+        doctest::Approx(large * M_PI).epsilon(2e-3));  // next order: speckle size over pupil size
   CHECK(spatial_modes(0.5, 0, false, 1, 1e-6, 1000) == doctest::Approx(large * M_PI).epsilon(2e-3));
   // An annulus counts by its own area where speckle is small.
   CHECK(spatial_modes(0.5, 0.3, true, 1, 1e-6, 1000) == doctest::Approx(large * (1 - 0.36) * M_PI).epsilon(4e-3));
@@ -56,9 +61,10 @@ TEST_CASE("S35: effective area of the sub-rays' footprint is pi w^2 for a Gaussi
 }
 
 TEST_CASE("L-21: modes agree with a simulated field: random scatterers summed at the points of the pupil") {
-  // 400 scatterers of random phase, Gaussian spot, far field phase exp(i k x.p / R). M = mean^2 / variance of the pupil's power over
-  // 4000 fields; relative error of a variance estimate near sqrt(2 + 6/M) / sqrt(4000), 4 standard errors; the field of 400 phasors is
-  // Gaussian to 1 / 400 of its variance.
+  // 400 scatterers of random phase, Gaussian spot, far field phase exp(i k x.p / R). M = mean^2 / variance of the
+  // pupil's power over
+  // 4000 fields; relative error of a variance estimate near sqrt(2 + 6/M) / sqrt(4000), 4 standard errors; the field of
+  // 400 phasors is Gaussian to 1 / 400 of its variance.
   constexpr int fields = 4000, scatterers = 400, side = 13;
   const double w = 0.0125, wavelength = 1064e-9, range = 100, radius = 0.005, k = 2 * M_PI / wavelength;
   std::vector<std::array<double, 2>> points;
@@ -95,7 +101,8 @@ TEST_CASE("L-21: modes agree with a simulated field: random scatterers summed at
   const double expected = spatial_modes(radius, 0, true, w, wavelength, range);
   CAPTURE(measured);
   CAPTURE(expected);
-  CHECK(std::abs(measured / expected - 1) < 4 * std::sqrt((2 + 6 / expected) / fields) + 0.01);  // 0.01: 137 points stand for the disc
+  CHECK(std::abs(measured / expected - 1) <
+        4 * std::sqrt((2 + 6 / expected) / fields) + 0.01);  // 0.01: 137 points stand for the disc
 }
 
 TEST_CASE("S35: modes of polarisation and of the line multiply; widths in Hz") {
@@ -129,7 +136,8 @@ TEST_CASE("S35: a return shares one draw, two returns have their own; factors ha
     const double a = row.factor[60] - 1, b = row.factor[120] - 1;
     sum += a, squares += a * a, both += a * b;
   }
-  CHECK(modes == doctest::Approx(speckle_modes(plan.lidar, 0, 2e-6, 0.5 * 299792458.0 * 6660.3e-9)).epsilon(1e-3));  // the row's modes lie on a power of the range between exact ones
+  CHECK(modes == doctest::Approx(speckle_modes(plan.lidar, 0, 2e-6, 0.5 * 299792458.0 * 6660.3e-9))
+                     .epsilon(1e-3));  // the row's modes lie on a power of the range between exact ones
   CHECK(std::abs(sum / n) < 4 / std::sqrt(modes * n));
   CHECK(std::abs(squares / n * modes - 1) < 4 * std::sqrt((2 + 6 / modes) / n));
   CHECK(std::abs(both / n * modes) < 4 / std::sqrt(n));

@@ -69,7 +69,9 @@ TEST_CASE("L-02: DIRSIG's published photons per pixel with its camera, and A / R
   const auto tangent = one(lidar, scene, shot);
   REQUIRE(aperture.first.size() == 900);
   for (std::size_t pixel = 0; pixel < 9; ++pixel) {
-    const auto sum = [&](const lidar::ShotResult& result) { return total({result.first.begin() + pixel * 100, result.first.begin() + pixel * 100 + 100}); };
+    const auto sum = [&](const lidar::ShotResult& result) {
+      return total({result.first.begin() + pixel * 100, result.first.begin() + pixel * 100 + 100});
+    };
     CHECK(sum(aperture) == doctest::Approx(7.804369).epsilon(2e-6));
     CHECK(sum(tangent) == doctest::Approx(7.345289).epsilon(2e-6));
     CHECK(sum(tangent) == doctest::Approx(7.34537).epsilon(2e-5));  // as published
@@ -148,7 +150,8 @@ TEST_CASE("L-14: plates dim twice and let go on, leaves do not; the return retra
     for (const bool plate : {true, false}) {
       scene::CompiledScene scene = scene_of({0.45, 0.20});
       scene.materials[0].transmittance = {{0.3, 4.0}, {0.45, 0.45}};
-      scene.materials[0].transmission = plate ? scene::Material::Transmission::plate : scene::Material::Transmission::leaf;
+      scene.materials[0].transmission =
+          plate ? scene::Material::Transmission::plate : scene::Material::Transmission::leaf;
       // Strips that cover a share of the layer, far finer than the footprint.
       const int strips = 400;
       scene::TriangleMesh layer;
@@ -170,9 +173,11 @@ TEST_CASE("L-14: plates dim twice and let go on, leaves do not; the return retra
       const double unit = total(one(pencil(), plane(1.0), shot_from(lidar, {0, 0, 1000}, {0, 0, -1})).first);
       const double upper = total({result.first.begin(), result.first.begin() + 140}) / unit * std::pow(990.0 / 1000, 2);
       const double ground = total({result.first.begin() + 140, result.first.end()}) / unit;
-      const double sampling = cover < 1 ? 0.02 : 2e-5;  // strips against 1024 sub-rays: 0.5 / sqrt(1024) of a random cover
+      const double sampling =
+          cover < 1 ? 0.02 : 2e-5;  // strips against 1024 sub-rays: 0.5 / sqrt(1024) of a random cover
       CHECK(std::abs(upper - cover * 0.45) <= sampling);
-      CHECK(std::abs(ground - (plate ? (cover * 0.45 * 0.45 + 1 - cover) * 0.20 : (1 - cover) * 0.20)) <= sampling * 0.2);
+      CHECK(std::abs(ground - (plate ? (cover * 0.45 * 0.45 + 1 - cover) * 0.20 : (1 - cover) * 0.20)) <=
+            sampling * 0.2);
       CHECK(std::abs(result.ledger[0].emitted_error()) <= 1e-6);
     }
 }
@@ -199,7 +204,10 @@ TEST_CASE("L-29: 400 km away, sub-millimetre slopes of a plane, no staircase") {
 
 TEST_CASE("L-30: neither the order of triangles nor of sub-rays changes a bin beyond rounding") {
   scene::CompiledScene forward = scene_of({0.3, 0.6, 0.1}), backward = scene_of({0.3, 0.6, 0.1});
-  const auto add = [](scene::CompiledScene& scene, int i) { add_plane(scene, static_cast<std::uint32_t>(i % 3), {0.1 * i - 0.5, 0.03 * i, 0.7 * i}, 0.15 + 0.2 / (i + 1), 0.1 * i - 0.4); };
+  const auto add = [](scene::CompiledScene& scene, int i) {
+    add_plane(scene, static_cast<std::uint32_t>(i % 3), {0.1 * i - 0.5, 0.03 * i, 0.7 * i}, 0.15 + 0.2 / (i + 1),
+              0.1 * i - 0.4);
+  };
   for (int i = 0; i < 10; ++i) add(forward, i);
   for (int i = 9; i >= 0; --i) add(backward, i);
   scene::finish_top_tree(forward);
@@ -214,20 +222,23 @@ TEST_CASE("L-30: neither the order of triangles nor of sub-rays changes a bin be
   const double peak = *std::max_element(a.first.begin(), a.first.end());
   CHECK(peak > 0);
   CHECK(a.first == b.first);
-  for (std::size_t i = 0; i < a.first.size(); ++i) CHECK(std::abs(a.first[i] - c.first[i]) <= 256 * 6e-8 * peak);  // sums of at most 256 terms
+  for (std::size_t i = 0; i < a.first.size(); ++i)
+    CHECK(std::abs(a.first[i] - c.first[i]) <= 256 * 6e-8 * peak);  // sums of at most 256 terms
 }
 
 TEST_CASE("I2: a split triangle changes nothing beyond rounding") {
   scene::CompiledScene whole = plane(0.3, 0.3), split = scene_of({0.3});
   const double c = std::cos(0.3), s = std::sin(0.3);
   for (int i = 0; i < 8; ++i)
-    for (int j = 0; j < 8; ++j) add_rectangle(split, 0, {(-20 + 5 * i) * c, -20.0 + 5 * j, -(-20 + 5 * i) * s}, {5 * c, 0, -5 * s}, {0, 5, 0});
+    for (int j = 0; j < 8; ++j)
+      add_rectangle(split, 0, {(-20 + 5 * i) * c, -20.0 + 5 * j, -(-20 + 5 * i) * s}, {5 * c, 0, -5 * s}, {0, 5, 0});
   scene::finish_top_tree(split);
   const scene::Lidar lidar = topographic_lidar();
   const auto shot = shot_from(lidar, {0.3, 0.2, 1000}, {0.001, 0, -1});
   const auto a = one(lidar, whole, shot), b = one(lidar, split, shot);
   const double peak = *std::max_element(a.first.begin(), a.first.end());
-  for (std::size_t i = 0; i < a.first.size(); ++i) CHECK(std::abs(a.first[i] - b.first[i]) <= 2e-5 * peak);  // vertices rounded to 1e-6 m
+  for (std::size_t i = 0; i < a.first.size(); ++i)
+    CHECK(std::abs(a.first[i] - b.first[i]) <= 2e-5 * peak);  // vertices rounded to 1e-6 m
 }
 
 TEST_CASE("L-04: a coaxial obscured receiver is blind near by and full beyond r / phi") {
@@ -237,7 +248,8 @@ TEST_CASE("L-04: a coaxial obscured receiver is blind near by and full beyond r 
   lidar.receiver.half_fov_rad = 0.5e-3;
   lidar.gate = {0, 2e-9, 1000};
   const auto scene = plane(0.3);
-  for (const auto& [range_m, eta] : {std::pair{60.0, 0.0}, {80.0, 0.0}, {100.0, 0.107142857}, {150.0, 0.479166667}, {200.0, 1.0}, {250.0, 1.0}}) {
+  for (const auto& [range_m, eta] :
+       {std::pair{60.0, 0.0}, {80.0, 0.0}, {100.0, 0.107142857}, {150.0, 0.479166667}, {200.0, 1.0}, {250.0, 1.0}}) {
     const auto shot = shot_from(lidar, {0, 0, range_m}, {0, 0, -1});
     lidar.transport.overlap = scene::LidarOverlap::off;
     const double all = total(one(lidar, scene, shot).first);
@@ -257,14 +269,22 @@ TEST_CASE("L-03: a tilted biaxial beam seen through the stop, each hit by its ow
   lidar.transport.overlap = scene::LidarOverlap::exact;
   lidar.gate = {0, 4e-9, 2000};
   const auto scene = plane(0.3);
-  for (const auto& [range_m, o] : {std::pair{425.0, 0.088138}, {450.0, 0.317491}, {475.0, 0.606800}, {500.0, 0.798252}, {525.0, 0.679700}, {550.0, 0.442462}, {600.0, 0.064448}, {1000.0, 0.0}}) {
+  for (const auto& [range_m, o] : {std::pair{425.0, 0.088138},
+                                   {450.0, 0.317491},
+                                   {475.0, 0.606800},
+                                   {500.0, 0.798252},
+                                   {525.0, 0.679700},
+                                   {550.0, 0.442462},
+                                   {600.0, 0.064448},
+                                   {1000.0, 0.0}}) {
     auto shot = shot_from(lidar, {1.0, 0, range_m}, {-2e-3, 0, -1});
     place_pupil(shot, {0, 0, range_m}, {0, 0, -1});
     lidar.transport.overlap = scene::LidarOverlap::exact;
     const double seen = one(lidar, scene, shot).ledger[0].collected;
     lidar.transport.overlap = scene::LidarOverlap::off;
     const double all = one(lidar, scene, shot).ledger[0].collected;
-    CHECK(std::abs(seen / all - o) <= 4 * 0.001);  // 4096 sub-rays across a stop's edge: 0.0006 rms (2.1), exits from a second spiral
+    CHECK(std::abs(seen / all - o) <=
+          4 * 0.001);  // 4096 sub-rays across a stop's edge: 0.0006 rms (2.1), exits from a second spiral
   }
 }
 

@@ -52,8 +52,10 @@ TEST_CASE("L-17: Hufnagel-Valley profile, Fried's length and isoplanatic angle o
   CHECK(cn2_at(t, -50) == cn2_at(t, 0));
   CHECK(cn2_at(constant(3e-15), 700) == 3e-15);
   // Five digits of the specification's own quadrature; textbook values (Sasiela) are met within 0.2 %.
-  const double table[][5] = {{21, 4.9606e-2, 6.8942e-6, 4.96e-2, 6.90e-6}, {35, 4.6754e-2, 3.9578e-6, 4.67e-2, 3.95e-6},
-                             {54, 4.1854e-2, 2.4001e-6, 4.18e-2, 2.40e-6}, {72, 3.7037e-2, 1.7106e-6, 3.70e-2, 1.71e-6}};
+  const double table[][5] = {{21, 4.9606e-2, 6.8942e-6, 4.96e-2, 6.90e-6},
+                             {35, 4.6754e-2, 3.9578e-6, 4.67e-2, 3.95e-6},
+                             {54, 4.1854e-2, 2.4001e-6, 4.18e-2, 2.40e-6},
+                             {72, 3.7037e-2, 1.7106e-6, 3.70e-2, 1.71e-6}};
   for (const auto& row : table) {
     const PathNodes path = path_nodes(hufnagel_valley(row[0]), {100e3, 0, 100e3});
     CAPTURE(row[0]);
@@ -68,8 +70,10 @@ TEST_CASE("L-17: Rytov variances and Fried's lengths of level paths") {
   struct Row {
     double cn2, length_m, wavelength_m, plane, spherical, fried, fried_point;
   };
-  for (const Row& r : {Row{1e-14, 1e3, 1064e-9, 0.308804, 0.124651, 4.997e-2, 9.001e-2}, Row{1e-14, 5e3, 1064e-9, 5.90375, 2.3831, 1.9025e-2, 3.427e-2},
-                       Row{1e-13, 1e3, 1064e-9, 3.08804, 1.24651, 1.2552e-2, 2.261e-2}, Row{1e-14, 1e3, 3.3e-6, 0.0824484, 0.033281, 19.44e-2, 35.01e-2}}) {
+  for (const Row& r : {Row{1e-14, 1e3, 1064e-9, 0.308804, 0.124651, 4.997e-2, 9.001e-2},
+                       Row{1e-14, 5e3, 1064e-9, 5.90375, 2.3831, 1.9025e-2, 3.427e-2},
+                       Row{1e-13, 1e3, 1064e-9, 3.08804, 1.24651, 1.2552e-2, 2.261e-2},
+                       Row{1e-14, 1e3, 3.3e-6, 0.0824484, 0.033281, 19.44e-2, 35.01e-2}}) {
     const PathNodes path = level_path(r.cn2, r.length_m);
     // The table takes 1.23 for 2.25 * 6/11 = 1.22727 in the plane wave, and 0.4967 rounded.
     CHECK(std::abs(rytov_plane(path, r.wavelength_m) / r.plane - 1) < 2.5e-3);
@@ -80,13 +84,18 @@ TEST_CASE("L-17: Rytov variances and Fried's lengths of level paths") {
     const double k76 = std::pow(2 * M_PI / r.wavelength_m, 7.0 / 6) * r.cn2 * std::pow(r.length_m, 11.0 / 6);
     CHECK(std::abs(rytov_plane(path, r.wavelength_m) / (2.25 * 6 / 11 * k76) - 1) < 1e-8);
     CHECK(std::abs(rytov_spherical(path, r.wavelength_m) / (2.25 * std::beta(11.0 / 6, 11.0 / 6) * k76) - 1) < 1e-8);
-    CHECK(std::abs(fried_at_start_m(path, r.wavelength_m) / (fried_plane_m(path, r.wavelength_m) * std::pow(3.0 / 8, -0.6)) - 1) < 1e-8);
+    CHECK(std::abs(fried_at_start_m(path, r.wavelength_m) /
+                       (fried_plane_m(path, r.wavelength_m) * std::pow(3.0 / 8, -0.6)) -
+                   1) < 1e-8);
     CHECK(std::abs(fried_at_end_m(path, r.wavelength_m) / fried_at_start_m(path, r.wavelength_m) - 1) < 1e-8);
   }
 }
 
-TEST_CASE("L-33: looking down from 1 km, turbulence near the aperture counts for spot and image, near the ground for the target alone") {
-  const PathNodes down = path_nodes(hufnagel_valley(), {1000, 1000, 0}), up = path_nodes(hufnagel_valley(), {1000, 0, 1000});
+TEST_CASE(
+    "L-33: looking down from 1 km, turbulence near the aperture counts for spot and image, near the ground for the "
+    "target alone") {
+  const PathNodes down = path_nodes(hufnagel_valley(), {1000, 1000, 0}),
+                  up = path_nodes(hufnagel_valley(), {1000, 0, 1000});
   CHECK(std::abs(rytov_spherical(down, 1064e-9) / 0.01361 - 1) < 4e-4);
   CHECK(std::abs(fried_at_start_m(down, 1064e-9) / 0.717 - 1) < 7e-4);
   CHECK(std::abs(fried_at_end_m(down, 1064e-9) / 0.155 - 1) < 3.5e-3);
@@ -97,30 +106,29 @@ TEST_CASE("L-33: looking down from 1 km, turbulence near the aperture counts for
   CHECK(rytov_plane(up, 1064e-9) > 3 * rytov_plane(down, 1064e-9));
   // Shots use the start's: twice the height, the same axis.
   const LidarPlan plan = airborne_plan(hufnagel_valley());
-  CHECK(turbulence_statistics(plan, 0, nadir(0, 1000)).fried_m == doctest::Approx(fried_at_start_m(down, 1064e-9)).epsilon(1e-9));
+  CHECK(turbulence_statistics(plan, 0, nadir(0, 1000)).fried_m ==
+        doctest::Approx(fried_at_start_m(down, 1064e-9)).epsilon(1e-9));
   // Heights count from the ground, wherever the scene's zero is.
-  CHECK(turbulence_statistics(plan, 250, nadir(0, 1250)).fried_m == doctest::Approx(fried_at_start_m(down, 1064e-9)).epsilon(1e-9));
+  CHECK(turbulence_statistics(plan, 250, nadir(0, 1250)).fried_m ==
+        doctest::Approx(fried_at_start_m(down, 1064e-9)).epsilon(1e-9));
 }
 
 TEST_CASE("L-17: heights count from the ground below the path, whatever the beam hits and wherever it is") {
   const auto t = hufnagel_valley();
   LidarPlan plan = airborne_plan(t);
   plan.lidar.gate.start_s = 0, plan.lidar.gate.bin_s = 1e-6;  // 150 km: no end of the path
-  const double wavelength_m = plan.lidar.pulse.lines.front().wavelength_um * 1e-6,
-               k = 2 * M_PI / wavelength_m;
+  const double wavelength_m = plan.lidar.pulse.lines.front().wavelength_um * 1e-6, k = 2 * M_PI / wavelength_m;
   const auto ground_at = [](double z) { return [z](double, double) { return z; }; };
   Shot level = nadir(0, 300);
   level.exit_axis = {0, 1, 0};
   // All of a level path lies at 300 m over the ground; [0.423 k^2 Cn2 3/8 L]^(-3/5).
   const double level_m = std::pow(0.423 * k * k * cn2_at(t, 300) * 0.375 * 1000, -0.6);
   CHECK(level_m == doctest::Approx(0.345).epsilon(1e-3));
-  CHECK(turbulence_statistics(plan, {ground_at(0), 1000}, level).fried_m ==
-        doctest::Approx(level_m).epsilon(1e-7));
+  CHECK(turbulence_statistics(plan, {ground_at(0), 1000}, level).fried_m == doctest::Approx(level_m).epsilon(1e-7));
   CHECK(turbulence_statistics(plan, {nullptr, 1000}, level).path_m == 1000);
   // The same over ground that lies higher than the scene's zero, and along a slope.
   level.exit_m[2] = 2100;
-  CHECK(turbulence_statistics(plan, {ground_at(1800), 1000}, level).fried_m ==
-        doctest::Approx(level_m).epsilon(1e-7));
+  CHECK(turbulence_statistics(plan, {ground_at(1800), 1000}, level).fried_m == doctest::Approx(level_m).epsilon(1e-7));
   Shot slope = nadir(0, 300);
   slope.exit_axis = {0.6, 0, 0.8};
   const auto rising = [](double x, double) { return x * 0.8 / 0.6; };
@@ -136,9 +144,8 @@ TEST_CASE("L-17: heights count from the ground below the path, whatever the beam
   double start = 0, plane = 0;
   for (int i = 0; i < steps; ++i) {
     const double z = (i + 0.5) / steps * length;
-    const double cn2 =
-        cn2_at(t, 120 + slant.exit_axis[2] * z - waves(slant.exit_axis[0] * z, slant.exit_axis[1] * z)) *
-        length / steps;
+    const double cn2 = cn2_at(t, 120 + slant.exit_axis[2] * z - waves(slant.exit_axis[0] * z, slant.exit_axis[1] * z)) *
+                       length / steps;
     start += cn2 * std::pow(1 - z / length, 5.0 / 3), plane += cn2 * std::pow(length - z, 5.0 / 6);
   }
   const TurbulenceTruth found = turbulence_statistics(plan, {waves, length}, slant);
@@ -160,7 +167,8 @@ TEST_CASE("S33: spread, wander and short-term spot of the worked beams") {
   struct Row {
     double exit_m, cn2, diffraction_m, rho0_m, long_m, wander_m, short_m;
   };
-  for (const Row& r : {Row{0.05, 1e-14, 50.457e-3, 42.804e-3, 51.683e-3, 4.546e-3, 50.876e-3}, Row{0.025, 1e-13, 28.435e-3, 10.752e-3, 52.849e-3, 16.138e-3, 41.848e-3}}) {
+  for (const Row& r : {Row{0.05, 1e-14, 50.457e-3, 42.804e-3, 51.683e-3, 4.546e-3, 50.876e-3},
+                       Row{0.025, 1e-13, 28.435e-3, 10.752e-3, 52.849e-3, 16.138e-3, 41.848e-3}}) {
     const PathNodes path = level_path(r.cn2, 1000);
     const double angle = 1064e-9 / (M_PI * r.exit_m), w = std::hypot(r.exit_m, angle * 1000);
     CHECK(std::abs(w / r.diffraction_m - 1) < 2e-5);
@@ -168,7 +176,8 @@ TEST_CASE("S33: spread, wander and short-term spot of the worked beams") {
     const double long_term = long_term_radius_m(path, 1064e-9, w), wander = wander_sigma_m(path, r.exit_m, 0, false);
     CHECK(std::abs(long_term / r.long_m - 1) < 2e-5);
     CHECK(std::abs(wander / r.wander_m - 1) < 2e-4);
-    CHECK(std::abs(short_term_radius(long_term, wander, w).radius_m / r.short_m - 1) < 1e-4);  // the table's 0.7614 is 2.284 / 3 rounded up
+    CHECK(std::abs(short_term_radius(long_term, wander, w).radius_m / r.short_m - 1) <
+          1e-4);  // the table's 0.7614 is 2.284 / 3 rounded up
     // Conventions: 0.7614 Cn2 L^3 w^(-1/3) per axis, and 2.42 for both axes.
     CHECK(wander * wander == doctest::Approx(2.284 / 3 * r.cn2 * 1e9 * std::pow(r.exit_m, -1.0 / 3)).epsilon(1e-8));
     const double andrews = wander_sigma_m(path, r.exit_m, 0, true);
@@ -180,8 +189,8 @@ TEST_CASE("S33: spread, wander and short-term spot of the worked beams") {
 }
 
 TEST_CASE("L-19: short-term spots that wander add up to the long-term spot (Monte Carlo)") {
-  // N = 40000 shots; second moment per axis of the mean spot = wander variance + w_ST^2 / 4; relative error of a variance
-  // sqrt(2 / N), 4 of them.
+  // N = 40000 shots; second moment per axis of the mean spot = wander variance + w_ST^2 / 4; relative error of a
+  // variance sqrt(2 / N), 4 of them.
   for (const bool andrews : {false, true}) {
     LidarPlan plan = airborne_plan(constant(2e-13));
     plan.lidar.turbulence.andrews_wander = andrews;
@@ -195,10 +204,12 @@ TEST_CASE("L-19: short-term spots that wander add up to the long-term spot (Mont
       const TurbulenceTruth truth = apply_turbulence(plan, 0, shot);
       const double x = -shot.exit_axis[0] / shot.exit_axis[2] * 800, y = -shot.exit_axis[1] / shot.exit_axis[2] * 800;
       xx += x * x / n, yy += y * y / n, xy += x * y / n;
-      short_m = std::hypot(0.02, std::tan(shot.half_divergence_rad) * 800), long_m = truth.long_term_m, sigma_m = truth.wander_sigma_m;
+      short_m = std::hypot(0.02, std::tan(shot.half_divergence_rad) * 800), long_m = truth.long_term_m,
+      sigma_m = truth.wander_sigma_m;
       REQUIRE(!truth.spread_clamped);
       if (pulse == 7) {
-        CHECK(std::abs(shot.exit_axis[0] * shot.exit_u[0] + shot.exit_axis[1] * shot.exit_u[1] + shot.exit_axis[2] * shot.exit_u[2]) < 1e-15);
+        CHECK(std::abs(shot.exit_axis[0] * shot.exit_u[0] + shot.exit_axis[1] * shot.exit_u[1] +
+                       shot.exit_axis[2] * shot.exit_u[2]) < 1e-15);
         CHECK(short_m == doctest::Approx(truth.short_term_m).epsilon(1e-12));
         CHECK(x == doctest::Approx(800 * std::tan(truth.wander_rad[0])).epsilon(1e-9));
       }
@@ -207,8 +218,10 @@ TEST_CASE("L-19: short-term spots that wander add up to the long-term spot (Mont
     CHECK(std::abs(xx / (sigma_m * sigma_m) - 1) < error);
     CHECK(std::abs(yy / (sigma_m * sigma_m) - 1) < error);
     CHECK(std::abs(xy / (sigma_m * sigma_m)) < 4 / std::sqrt(n));
-    CHECK(std::abs((4 * xx + short_m * short_m) / (long_m * long_m) - 1) < error * 4 * sigma_m * sigma_m / (long_m * long_m));
-    CHECK(std::abs((4 * yy + short_m * short_m) / (long_m * long_m) - 1) < error * 4 * sigma_m * sigma_m / (long_m * long_m));
+    CHECK(std::abs((4 * xx + short_m * short_m) / (long_m * long_m) - 1) <
+          error * 4 * sigma_m * sigma_m / (long_m * long_m));
+    CHECK(std::abs((4 * yy + short_m * short_m) / (long_m * long_m) - 1) <
+          error * 4 * sigma_m * sigma_m / (long_m * long_m));
   }
 }
 
@@ -218,13 +231,18 @@ TEST_CASE("L-20: angle of arrival and image blur") {
   CHECK(std::abs(image_tilt_rad(1064e-9, plane, 0.1) / 7.82e-6 - 1) < 7e-4);
   CHECK(std::abs(image_tilt_rad(1064e-9, point, 0.1) / 4.79e-6 - 1) < 1.1e-3);
   CHECK(std::abs(wave_tilt_rad(1064e-9, plane, 0.1) / 8.09e-6 - 1) < 7e-4);
-  CHECK(std::pow(image_tilt_rad(1064e-9, plane, 0.1), 2) == doctest::Approx(2.84 * 1e-14 * 1e3 * std::pow(0.1, -1.0 / 3)).epsilon(1e-3));
-  CHECK(std::pow(image_tilt_rad(1064e-9, point, 0.1), 2) == doctest::Approx(1.065 * 1e-14 * 1e3 * std::pow(0.1, -1.0 / 3)).epsilon(1e-3));
-  CHECK(std::pow(wave_tilt_rad(1064e-9, plane, 0.1), 2) == doctest::Approx(3.04 * 1e-14 * 1e3 * std::pow(0.1, -1.0 / 3)).epsilon(2e-3));
+  CHECK(std::pow(image_tilt_rad(1064e-9, plane, 0.1), 2) ==
+        doctest::Approx(2.84 * 1e-14 * 1e3 * std::pow(0.1, -1.0 / 3)).epsilon(1e-3));
+  CHECK(std::pow(image_tilt_rad(1064e-9, point, 0.1), 2) ==
+        doctest::Approx(1.065 * 1e-14 * 1e3 * std::pow(0.1, -1.0 / 3)).epsilon(1e-3));
+  CHECK(std::pow(wave_tilt_rad(1064e-9, plane, 0.1), 2) ==
+        doctest::Approx(3.04 * 1e-14 * 1e3 * std::pow(0.1, -1.0 / 3)).epsilon(2e-3));
   CHECK(long_exposure_mtf(0, 1064e-9, 0.05) == 1);
   CHECK(long_exposure_mtf(0.05 / 1064e-9, 1064e-9, 0.05) == doctest::Approx(std::exp(-3.44)).epsilon(1e-12));
-  CHECK(short_exposure_mtf(0.1 / 1064e-9, 1064e-9, 0.05, 0.1) == 1);  // at the aperture's cut-off the tilt was all there was
-  CHECK(short_exposure_mtf(0.0125 / 1064e-9, 1064e-9, 0.05, 0.1) == doctest::Approx(std::exp(-3.44 * std::pow(0.25, 5.0 / 3) * 0.5)).epsilon(1e-12));
+  CHECK(short_exposure_mtf(0.1 / 1064e-9, 1064e-9, 0.05, 0.1) ==
+        1);  // at the aperture's cut-off the tilt was all there was
+  CHECK(short_exposure_mtf(0.0125 / 1064e-9, 1064e-9, 0.05, 0.1) ==
+        doctest::Approx(std::exp(-3.44 * std::pow(0.25, 5.0 / 3) * 0.5)).epsilon(1e-12));
 }
 
 TEST_CASE("S33: temporal broadening is what the specification says: nothing to see") {
@@ -256,8 +274,13 @@ TEST_CASE("S33: broadening adds to the pulse's variance in quadrature, where it 
   CHECK_FALSE(broaden_pulse(plan, 4e-18));
 }
 
-TEST_CASE("S33: each effect can be switched off, none changes anything without turbulence, and a tilt keeps the pupil's frame") {
-  const auto axes = [](const Shot& s) { return std::array<double, 6>{s.exit_axis[0], s.exit_axis[1], s.half_divergence_rad, s.pupil_axis[0], s.pupil_axis[1], s.gain}; };
+TEST_CASE(
+    "S33: each effect can be switched off, none changes anything without turbulence, and a tilt keeps the pupil's "
+    "frame") {
+  const auto axes = [](const Shot& s) {
+    return std::array<double, 6>{s.exit_axis[0],  s.exit_axis[1],  s.half_divergence_rad,
+                                 s.pupil_axis[0], s.pupil_axis[1], s.gain};
+  };
   for (int only = -1; only < 4; ++only) {
     LidarPlan plan = airborne_plan(constant(1e-13));
     plan.lidar.turbulence.spread = only == 0, plan.lidar.turbulence.wander = only == 1;
@@ -270,7 +293,8 @@ TEST_CASE("S33: each effect can be switched off, none changes anything without t
     CHECK((a[0] != b[0]) == (only == 1));
     CHECK((a[3] != b[3]) == (only == 2));
     CHECK((a[5] != b[5]) == (only == 3));
-    CHECK(std::abs(shot.pupil_axis[0] * shot.pupil_u[0] + shot.pupil_axis[1] * shot.pupil_u[1] + shot.pupil_axis[2] * shot.pupil_u[2]) < 1e-15);
+    CHECK(std::abs(shot.pupil_axis[0] * shot.pupil_u[0] + shot.pupil_axis[1] * shot.pupil_u[1] +
+                   shot.pupil_axis[2] * shot.pupil_u[2]) < 1e-15);
   }
   LidarPlan none = airborne_plan({});
   Shot shot = nadir(3, 900);

@@ -1,5 +1,5 @@
-// Methane's R(3) manifold near 3.27 um: cross-sections computed elsewhere from the same lines (reference lidar/), through a line
-// list in HITRAN's format that the test writes.
+// Methane's R(3) manifold near 3.27 um: cross-sections computed elsewhere from the same lines (reference lidar/),
+// through a line list in HITRAN's format that the test writes.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -16,8 +16,8 @@
 
 using namespace raycube;
 using namespace raycube::atmos;
-using raycube::testing::AnchorRow;
 using raycube::testing::anchor_rows;
+using raycube::testing::AnchorRow;
 
 namespace {
 
@@ -27,8 +27,8 @@ std::string record(const AnchorRow& row) {
   char text[200], self[16], air[16];
   std::snprintf(air, sizeof air, "%.4f", row.at("gamma_air"));
   std::snprintf(self, sizeof self, "%5.3f", row.at("gamma_self"));
-  std::snprintf(text, sizeof text, "%2d1%12.6f%10.3E%10.3E%5s%5s%10.4f%4.2f%8.6f", 6, row.at("nu0_cm1"), row.at("S_296"), 1.0, air + 1,
-                self, row.at("E_lower_cm1"), row.at("n_air"), row.at("delta_air"));
+  std::snprintf(text, sizeof text, "%2d1%12.6f%10.3E%10.3E%5s%5s%10.4f%4.2f%8.6f", 6, row.at("nu0_cm1"),
+                row.at("S_296"), 1.0, air + 1, self, row.at("E_lower_cm1"), row.at("n_air"), row.at("delta_air"));
   std::string line = text;
   // -0.006109 takes 9 columns; HITRAN prints -.006109.
   const std::size_t shift = line.find("-0.", 59);
@@ -74,7 +74,9 @@ TEST_CASE("S9 methane R(3): the whole curve of 3056.5 to 3058.9 cm-1 at three st
   }
 }
 
-TEST_CASE("S9 methane R(3): 2.02e-18 cm2 on line at 1 atm and 296 K, 2.63e-18 at 0.69 atm and 280 K, 1.94e-20 off line; 100 ppm m") {
+TEST_CASE(
+    "S9 methane R(3): 2.02e-18 cm2 on line at 1 atm and 296 K, 2.63e-18 at 0.69 atm and 280 K, 1.94e-20 off line; 100 "
+    "ppm m") {
   if (anchor_rows("lidar/ch4_lines_3057cm1.csv", kNotShown).empty()) return;
   const MolecularLines lines = methane();
   std::vector<double> v;
@@ -84,7 +86,8 @@ TEST_CASE("S9 methane R(3): 2.02e-18 cm2 on line at 1 atm and 296 K, 2.63e-18 at
     return *std::max_element(sigma.begin(), sigma.end());
   };
   const double ground = peak(kStates[0].state), higher = peak(kStates[1].state);
-  MESSAGE("peaks " << ground << " and " << higher << " cm2, off line " << lines.cross_section_cm2({3058.4}, kStates[0].state)[0]);
+  MESSAGE("peaks " << ground << " and " << higher << " cm2, off line "
+                   << lines.cross_section_cm2({3058.4}, kStates[0].state)[0]);
   CHECK(std::abs(ground - 2.02e-18) <= 0.005e-18);
   CHECK(std::abs(higher - 2.63e-18) <= 0.0065e-18);
   CHECK(std::abs(lines.cross_section_cm2({3058.4}, kStates[0].state)[0] - 1.94e-20) <= 0.005e-20);

@@ -1,5 +1,5 @@
-// Sums over lines, strengths and layers. Oracles: area of a line, every profile at every wavenumber, rotational levels summed one
-// by one, Beer's law in homogeneous air.
+// Sums over lines, strengths and layers. Oracles: area of a line, every profile at every wavenumber, rotational levels
+// summed one by one, Beer's law in homogeneous air.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -29,8 +29,10 @@ std::vector<SpectralLine> crowd(std::size_t count, double low, double high) {
   std::uniform_real_distribution<double> uniform(0, 1);
   std::vector<SpectralLine> out;
   for (std::size_t i = 0; i < count; ++i)
-    out.push_back(line(low + (high - low) * uniform(random), std::pow(10, -25 + 5 * uniform(random)), 0.03 + 0.07 * uniform(random)));
-  std::sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.wavenumber_per_cm < b.wavenumber_per_cm; });
+    out.push_back(line(low + (high - low) * uniform(random), std::pow(10, -25 + 5 * uniform(random)),
+                       0.03 + 0.07 * uniform(random)));
+  std::sort(out.begin(), out.end(),
+            [](const auto& a, const auto& b) { return a.wavenumber_per_cm < b.wavenumber_per_cm; });
   return out;
 }
 
@@ -42,7 +44,9 @@ std::vector<double> grid(double low, double high, double step) {
 
 }  // namespace
 
-TEST_CASE("S9 lines: the area of a line is its strength, less what the cut wings hold; shift and self-broadening by pressure") {
+TEST_CASE(
+    "S9 lines: the area of a line is its strength, less what the cut wings hold; shift and self-broadening by "
+    "pressure") {
   const MolecularLines one({line(3000, 1e-20)}, {}, sums());
   const GasState state{506.625, 296, 101.325};
   const std::vector<double> v = grid(2974, 3026, 0.0005), sigma = one.cross_section_cm2(v, state);
@@ -111,12 +115,17 @@ TEST_CASE("S9 lines: strength with temperature, and partition sums against rotat
   const PartitionSums formula;
   double worst = 0;
   for (double t : {180.0, 220.0, 260.0, 330.0}) {
-    const auto compare = [&](int molecule, double q296, double q) { worst = std::max(worst, relative(formula.ratio(molecule, 1, t), q296 / q)); };
+    const auto compare = [&](int molecule, double q296, double q) {
+      worst = std::max(worst, relative(formula.ratio(molecule, 1, t), q296 / q));
+    };
     const auto co = [&](double at) { return linear(1.9225, at) * vibration({{2143, 1}}, at); };
     const auto co2 = [&](double at) { return linear(0.3902, at) * vibration({{1333, 1}, {667, 2}, {2349, 1}}, at); };
     const auto n2o = [&](double at) { return linear(0.4190, at) * vibration({{2224, 1}, {1285, 1}, {589, 2}}, at); };
-    const auto ch4 = [&](double at) { return spherical(5.241, at) * vibration({{2917, 1}, {1534, 2}, {3019, 3}, {1306, 3}}, at); };
-    compare(5, co(296), co(t)), compare(2, co2(296), co2(t)), compare(4, n2o(296), n2o(t)), compare(6, ch4(296), ch4(t));
+    const auto ch4 = [&](double at) {
+      return spherical(5.241, at) * vibration({{2917, 1}, {1534, 2}, {3019, 3}, {1306, 3}}, at);
+    };
+    compare(5, co(296), co(t)), compare(2, co2(296), co2(t)), compare(4, n2o(296), n2o(t)),
+        compare(6, ch4(296), ch4(t));
   }
   MESSAGE("classical rotation, worst ratio " << worst);
   // First quantum correction: linear B c2 / (3 T), spherical top B c2 / (4 T): 0.4 % for methane at 180 K.
@@ -125,17 +134,20 @@ TEST_CASE("S9 lines: strength with temperature, and partition sums against rotat
   const SpectralLine l = line(3000, 1e-20);
   const double t = 220;
   const auto populations = [&](double at) { return std::exp(-c2 * 300 / at) - std::exp(-c2 * 3300 / at); };
-  CHECK(relative(line_intensity(l, t, formula), 1e-20 * formula.ratio(6, 1, t) * populations(t) / populations(296)) <= 1e-12);
+  CHECK(relative(line_intensity(l, t, formula), 1e-20 * formula.ratio(6, 1, t) * populations(t) / populations(296)) <=
+        1e-12);
   CHECK(relative(line_intensity(l, 296, formula), 1e-20) <= 1e-15);
 }
 
 TEST_CASE("S9 layers: Beer's law in homogeneous air, sums over layers that do not depend on how it is cut, speed") {
   // One kilometre of homogeneous air with 2 ppm of methane.
   AirLevel low;
-  low.height_km = 0, low.pressure_hPa = 1000, low.temperature_K = 296, low.air_per_cm3 = 2.4e19, low.gas(Gas::ch4) = 4.8e13;
+  low.height_km = 0, low.pressure_hPa = 1000, low.temperature_K = 296, low.air_per_cm3 = 2.4e19,
+  low.gas(Gas::ch4) = 4.8e13;
   AirLevel high = low;
   high.height_km = 1, high.pressure_hPa = 999.9999;
-  const auto absorber = std::make_shared<MolecularLines>(std::vector<SpectralLine>{line(3000, 1e-20)}, LineOptions{}, sums());
+  const auto absorber =
+      std::make_shared<MolecularLines>(std::vector<SpectralLine>{line(3000, 1e-20)}, LineOptions{}, sums());
   const std::vector<AbsorbingGas> gases = {{"ch4", Gas::ch4, 0, absorber}};
   const std::vector<double> v = {2999, 2999.994, 3000.2};
   const ResolvedGases whole(gases, AirProfile({low, high}, "test"), {0, 0.25, 1}, v);
@@ -146,7 +158,8 @@ TEST_CASE("S9 layers: Beer's law in homogeneous air, sums over layers that do no
   }
   // By mixing ratio.
   const std::vector<AbsorbingGas> mixed = {{"plume", {}, 2, absorber}};
-  CHECK(relative(ResolvedGases(mixed, AirProfile({low, high}, "test"), {0, 1}, v).depth(1, 0), whole.depth(1, 0) + whole.depth(1, 1)) <= 1e-12);
+  CHECK(relative(ResolvedGases(mixed, AirProfile({low, high}, "test"), {0, 1}, v).depth(1, 0),
+                 whole.depth(1, 0) + whole.depth(1, 1)) <= 1e-12);
 
   const AirProfile air = afgl_profile(AfglModel::midlatitude_summer);
   const auto many = std::make_shared<MolecularLines>(crowd(3000, 2970, 3030), LineOptions{}, sums());

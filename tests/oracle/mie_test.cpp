@@ -1,5 +1,5 @@
-// Mie's series for one sphere. Oracles: printed tables (Bohren & Huffman 1983; Wiscombe 1979), the series in 60 to 160 digits
-// (mie_reference.py), limits for small and large spheres, and physical laws.
+// Mie's series for one sphere. Oracles: printed tables (Bohren & Huffman 1983; Wiscombe 1979), the series in 60 to 160
+// digits (mie_reference.py), limits for small and large spheres, and physical laws.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -33,9 +33,9 @@ TEST_CASE("S18 Mie: Bohren & Huffman 1983, appendix A: efficiencies and angular 
   CHECK(std::abs(sphere.efficiencies().backscatter - 2.92534) <= 0.51e-5);
   CHECK(std::abs(sphere.efficiencies().asymmetry - 0.63314) <= 0.51e-5);
   // S11 over its forward value at 0, 9, ... 180 degrees, six printed digits.
-  const double printed[] = {1.00000,    0.785390,   0.356897,   0.0766119,  0.0355355,  0.0701845,  0.0574313,
-                            0.0219660,  0.0125959,  0.0173750,  0.0124601,  0.00679093, 0.00954239, 0.00863419,
-                            0.00227421, 0.00543998, 0.0160243,  0.0188852,  0.0195254,  0.0301676,  0.0383189};
+  const double printed[] = {1.00000,    0.785390,   0.356897,  0.0766119, 0.0355355,  0.0701845,  0.0574313,
+                            0.0219660,  0.0125959,  0.0173750, 0.0124601, 0.00679093, 0.00954239, 0.00863419,
+                            0.00227421, 0.00543998, 0.0160243, 0.0188852, 0.0195254,  0.0301676,  0.0383189};
   const double forward = mie_phase(sphere, 1);
   for (int i = 0; i < 21; ++i) {
     CAPTURE(i);
@@ -74,9 +74,9 @@ TEST_CASE("S18 Mie: Wiscombe 1979 (NCAR/TN-140), printed to six decimals, size p
 }
 
 TEST_CASE("S18 Mie: Wiscombe's amplitudes for x = 1, index 1.5 + i, every 30 degrees") {
-  const double printed[7][4] = {{0.584080, 0.190515, 0.584080, 0.190515},    {0.565702, 0.187200, 0.500161, 0.145611},
-                                {0.517525, 0.178443, 0.287964, 0.041054},    {0.456340, 0.167167, 0.0362285, -0.0618265},
-                                {0.400212, 0.156643, -0.174875, -0.122959},  {0.362157, 0.149391, -0.305682, -0.143846},
+  const double printed[7][4] = {{0.584080, 0.190515, 0.584080, 0.190515},   {0.565702, 0.187200, 0.500161, 0.145611},
+                                {0.517525, 0.178443, 0.287964, 0.041054},   {0.456340, 0.167167, 0.0362285, -0.0618265},
+                                {0.400212, 0.156643, -0.174875, -0.122959}, {0.362157, 0.149391, -0.305682, -0.143846},
                                 {0.348844, 0.146829, -0.348844, -0.146829}};
   const MieSphere sphere(1, {1.5, 1});
   for (int i = 0; i < 7; ++i) {
@@ -98,15 +98,17 @@ TEST_CASE("S18 Mie: the same series in 60 to 160 digits, size parameters 1e-4 to
     CAPTURE(row.k);
     CAPTURE(row.x);
     const MieEfficiencies q = MieSphere(row.x, {row.n, row.k}).efficiencies();
-    // Rounding: the argument itself is known to 1e-16, and phases of n terms shift by x 1e-16; a clear sphere's resonances and
-    // an index near 1 multiply that.
+    // Rounding: the argument itself is known to 1e-16, and phases of n terms shift by x 1e-16; a clear sphere's
+    // resonances and an index near 1 multiply that.
     const double noise = 1e-12 + 2e-16 * row.x + 4e-16 / std::abs(Complex(row.n - 1, row.k));
     CHECK(relative(q.extinction, row.extinction) <= 10 * noise);
     CHECK(relative(q.scattering, row.scattering) <= 10 * noise);
     CHECK(std::abs(q.asymmetry - row.asymmetry) <= 10 * noise);
     CHECK(relative(q.backscatter, row.backscatter) <= 10 * noise);
-    if (row.k > 0) CHECK(relative(q.absorption, row.absorption) <= 10 * noise);
-    else CHECK(q.absorption == 0);
+    if (row.k > 0)
+      CHECK(relative(q.absorption, row.absorption) <= 10 * noise);
+    else
+      CHECK(q.absorption == 0);
   }
 }
 
@@ -132,10 +134,10 @@ TEST_CASE("S18 Mie: large spheres remove twice their area (extinction paradox) a
     for (Complex m : {Complex(1.5, 1), Complex(1.33, 0.3), Complex(10, 10)}) {
       CAPTURE(x);
       const MieEfficiencies q = MieSphere(x, m).efficiencies();
-      // Nussenzveig & Wiscombe (1980), Phys. Rev. Lett. 45, 1490, opaque spheres: edge terms; the next is of order x^(-5/3) and
-      // grows with the index.
-      const double edge = 2 + 1.9923861 * std::pow(x, -2.0 / 3) + 2 / x * ((m * m + 1.0) / std::sqrt(m * m - 1.0)).imag() -
-                          0.7153537 * std::pow(x, -4.0 / 3);
+      // Nussenzveig & Wiscombe (1980), Phys. Rev. Lett. 45, 1490, opaque spheres: edge terms; the next is of order
+      // x^(-5/3) and grows with the index.
+      const double edge = 2 + 1.9923861 * std::pow(x, -2.0 / 3) +
+                          2 / x * ((m * m + 1.0) / std::sqrt(m * m - 1.0)).imag() - 0.7153537 * std::pow(x, -4.0 / 3);
       CHECK(std::abs(q.extinction - edge) <= 3 * std::pow(std::abs(m), 3) * std::pow(x, -5.0 / 3));
       // An opaque sphere reflects its central ray by Fresnel's formula; the curved face adds terms of order 1/x^2.
       CHECK(relative(q.backscatter, std::norm((m - 1.0) / (m + 1.0))) <= 10 / (x * x) + 1e-8);
@@ -154,7 +156,8 @@ TEST_CASE("S18 Mie: energy, optical theorem, normalisation and moments hold for 
       if (m.imag() == 0) CHECK(q.scattering == q.extinction);
       const MieAmplitudes ahead = mie_amplitudes(sphere, 1), behind = mie_amplitudes(sphere, -1);
       CHECK(std::abs(ahead.s1 - ahead.s2) <= 1e-12 * std::abs(ahead.s1));
-      // Extinction is absorption plus scattering here, summed without S(0); a clear small sphere's S(0) has next to no real part.
+      // Extinction is absorption plus scattering here, summed without S(0); a clear small sphere's S(0) has next to no
+      // real part.
       const double theorem = 4 / (x * x) * ahead.s1.real();
       CHECK(std::abs(theorem - q.extinction) <= 1e-11 * q.extinction + 4 / (x * x) * 1e-14 * std::abs(ahead.s1));
       CHECK(relative(4 / (x * x) * std::norm(behind.s1), q.backscatter) <= 1e-9);

@@ -1,4 +1,5 @@
-// What the planner measures of nodes and sky components against the whole tables, held against the device rendering coarse and fine plans (S60, S61).
+// What the planner measures of nodes and sky components against the whole tables, held against the device rendering
+// coarse and fine plans (S60, S61).
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -29,7 +30,10 @@ scene::Simulation balls_on_hills() {
   std::fill(ball.surface.begin(), ball.surface.end(), leaf);
   const auto tree = append_mesh(scene, "tree", ball);
   for (std::uint32_t i = 0; i < 60; ++i)
-    append_instance(scene, tree, test::placement(0, 0, 1, 400 * test::unit_random(1, i, 0) - 200, 60 * test::unit_random(1, i, 1) - 30, 12), i + 1);
+    append_instance(
+        scene, tree,
+        test::placement(0, 0, 1, 400 * test::unit_random(1, i, 0) - 200, 60 * test::unit_random(1, i, 1) - 30, 12),
+        i + 1);
   finish_top_tree(scene);
   simulation.sun.zenith_deg = 50, simulation.sun.azimuth_deg = 140;
   simulation.seed = 7;
@@ -42,14 +46,16 @@ scene::Simulation balls_on_hills() {
 }
 
 atmos::RenderTable clear_sky(const scene::Simulation& simulation) {
-  return atmos::build_clear_sky(simulation.atmosphere, simulation.sun, 800, atmos::clear_sky_wavelengths(0.38, 0.95, 0.005),
+  return atmos::build_clear_sky(simulation.atmosphere, simulation.sun, 800,
+                                atmos::clear_sky_wavelengths(0.38, 0.95, 0.005),
                                 atmos::clear_sky_heights(simulation.scene.lo[2], simulation.scene.hi[2]));
 }
 
 std::vector<float> image_of(render::Renderer& renderer, const scene::Simulation& simulation, const plan::Plan& plan) {
   std::vector<float> out;
-  renderer.probe(simulation.instruments[0], plan, simulation.sun, simulation.seed, {{0, 8, 0, 64}},
-                 [&](const render::PixelProbe& probe) { out.insert(out.end(), probe.radiance.begin(), probe.radiance.end()); });
+  renderer.probe(
+      simulation.instruments[0], plan, simulation.sun, simulation.seed, {{0, 8, 0, 64}},
+      [&](const render::PixelProbe& probe) { out.insert(out.end(), probe.radiance.begin(), probe.radiance.end()); });
   return out;
 }
 
@@ -58,7 +64,8 @@ double difference(const std::vector<float>& image, const std::vector<float>& tru
   double worst = 0;
   for (std::size_t b = 0; b < bands; ++b) {
     double squares = 0, mean = 0;
-    for (std::size_t k = b; k < image.size(); k += bands) squares += std::pow(double{image[k]} - double{truth[k]}, 2), mean += double{truth[k]};
+    for (std::size_t k = b; k < image.size(); k += bands)
+      squares += std::pow(double{image[k]} - double{truth[k]}, 2), mean += double{truth[k]};
     const auto pixels = static_cast<double>(image.size() / bands);
     worst = std::max(worst, std::sqrt(squares / pixels) / (mean / pixels));
   }
@@ -78,17 +85,20 @@ TEST_CASE("S60: under a uniform sky one component and one node are exact, whatev
   CHECK(error.total.bound < 3e-6);  // the weights' floats
 }
 
-TEST_CASE("S60 S61: what coarse nodes and few components are off by, as a device says that renders them and finer ones") {
+TEST_CASE(
+    "S60 S61: what coarse nodes and few components are off by, as a device says that renders them and finer ones") {
   scene::Simulation simulation = balls_on_hills();
   const scene::Instrument& camera = simulation.instruments[0];
   const auto table = clear_sky(simulation);
   const auto view = sensors::view_bounds(camera);
   render::Renderer renderer(simulation.scene, {});
   simulation.tolerance = 1e-4;
-  simulation.plan.sky_rank = 4, simulation.plan.height_nodes = 2, simulation.plan.view_nodes = 3, simulation.plan.path_nodes = 4;
+  simulation.plan.sky_rank = 4, simulation.plan.height_nodes = 2, simulation.plan.view_nodes = 3,
+  simulation.plan.path_nodes = 4;
   const plan::Plan fine = plan::make_plan(simulation, camera, table, view);
   const ModelError finest = model_error(simulation, camera, fine, table);
-  MESSAGE("fine: " << finest.total.estimate << ", sky " << finest.sky.estimate << ", path " << finest.path.estimate << ", sun " << finest.sun.estimate);
+  MESSAGE("fine: " << finest.total.estimate << ", sky " << finest.sky.estimate << ", path " << finest.path.estimate
+                   << ", sun " << finest.sun.estimate);
   const std::vector<float> truth = image_of(renderer, simulation, fine);
   struct Case {
     const char* what;
@@ -102,14 +112,19 @@ TEST_CASE("S60 S61: what coarse nodes and few components are off by, as a device
     const ModelError measured = model_error(simulation, camera, plan, table);
     const double device = difference(image_of(renderer, simulation, plan), truth, camera.bands.size());
     CAPTURE(coarse.what);
-    MESSAGE(coarse.what << ": measured " << measured.total.estimate << " (at most " << measured.total.bound << "), device " << device);
+    MESSAGE(coarse.what << ": measured " << measured.total.estimate << " (at most " << measured.total.bound
+                        << "), device " << device);
     REQUIRE(device > 1.8 * finest.total.estimate);
-    // 128 of 512 pixels: two standard errors of their mean square. The fine plan's own error, of other parts, adds its square.
-    const double room = 2 * (measured.total.bound - measured.total.estimate) + finest.total.estimate * finest.total.estimate / (2 * device);
+    // 128 of 512 pixels: two standard errors of their mean square. The fine plan's own error, of other parts, adds its
+    // square.
+    const double room = 2 * (measured.total.bound - measured.total.estimate) +
+                        finest.total.estimate * finest.total.estimate / (2 * device);
     CHECK(std::abs(measured.total.estimate - device) < room);
     CHECK(room < 0.3 * device);
     // The parts name the culprit.
-    const double part = coarse.what == std::string("path") ? measured.path.estimate : coarse.what == std::string("components") ? measured.sky.estimate : measured.sun.estimate;
+    const double part = coarse.what == std::string("path")         ? measured.path.estimate
+                        : coarse.what == std::string("components") ? measured.sky.estimate
+                                                                   : measured.sun.estimate;
     CHECK(part > 0.5 * measured.total.estimate);
     CHECK(model_error(simulation, camera, plan, table, 1).total.bound == measured.total.bound);
   }

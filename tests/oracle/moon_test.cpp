@@ -36,7 +36,8 @@ TEST_CASE("S4.11 moon: the full moon is 2e-6 of the sun in the visible, and wane
 TEST_CASE("S4.11 moon: LOWTRAN7's lunar irradiance above the air and on the ground, 0.3 to 2.5 um") {
   const char* shared = std::getenv("RAYCUBE_SHARED");
   if (!shared) {
-    std::cerr << "SKIPPED: RAYCUBE_SHARED is not set, the moon was not compared with anchors/lowtran7_direct_vnir_swir.csv\n";
+    std::cerr
+        << "SKIPPED: RAYCUBE_SHARED is not set, the moon was not compared with anchors/lowtran7_direct_vnir_swir.csv\n";
     return;
   }
   std::ifstream file(std::string(shared) + "/reference/atmosphere/anchors/lowtran7_direct_vnir_swir.csv");
@@ -55,7 +56,8 @@ TEST_CASE("S4.11 moon: LOWTRAN7's lunar irradiance above the air and on the grou
     CHECK(std::abs(moon_over_sun(30, wavelength_um) * sun / moon - 1) <= 7e-4);
     // The transmission is printed to 5e-6.
     if (transmission > 0.02)
-      CHECK(std::abs(moon_over_sun(30, wavelength_um) * sun * transmission / moon_on_ground - 1) <= 1e-3 + 5e-6 / transmission);
+      CHECK(std::abs(moon_over_sun(30, wavelength_um) * sun * transmission / moon_on_ground - 1) <=
+            1e-3 + 5e-6 / transmission);
     ++rows;
   }
   CHECK(rows >= 1400);

@@ -11,8 +11,8 @@ using namespace raycube::planner;
 
 namespace {
 
-/// A mirror that turns round above a plane and fires in a ninth of its pulses. Roofs 1 m wide stand on the last third of the flight line alone: edges, and with them
-/// all the error, are in the last of the pulses that fire.
+/// A mirror that turns round above a plane and fires in a ninth of its pulses. Roofs 1 m wide stand on the last third
+/// of the flight line alone: edges, and with them all the error, are in the last of the pulses that fire.
 struct Survey {
   scene::CompiledScene scene = test::scene_of({0.2, 0.6});
   lidar::LidarPlan plan;
@@ -34,17 +34,21 @@ struct Survey {
   }
 };
 
-std::vector<std::vector<float>> all_pulses(render::LidarRenderer& renderer, lidar::LidarPlan plan, int subrays, std::uint64_t seed) {
+std::vector<std::vector<float>> all_pulses(render::LidarRenderer& renderer, lidar::LidarPlan plan, int subrays,
+                                           std::uint64_t seed) {
   set_subrays(plan, subrays);
   plan.seed = seed;
   std::vector<std::vector<float>> out;
-  renderer.render(plan, lidar::make_shots(plan.lidar, 0, plan.lidar.pulses, seed), [&](lidar::ShotResult&& shot) { out.push_back(std::move(shot.first)); });
+  renderer.render(plan, lidar::make_shots(plan.lidar, 0, plan.lidar.pulses, seed),
+                  [&](lidar::ShotResult&& shot) { out.push_back(std::move(shot.first)); });
   return out;
 }
 
 }  // namespace
 
-TEST_CASE("S60 S61: of a scanner that fires in a ninth of its pulses the planner judges those, wherever on the line the error is") {
+TEST_CASE(
+    "S60 S61: of a scanner that fires in a ninth of its pulses the planner judges those, wherever on the line the "
+    "error is") {
   const Survey survey(18000);
   render::LidarRenderer renderer(survey.scene, {});
   const auto truth = all_pulses(renderer, survey.plan, 16384, 99);
@@ -54,7 +58,8 @@ TEST_CASE("S60 S61: of a scanner that fires in a ninth of its pulses the planner
     const auto found = all_pulses(renderer, survey.plan, subrays, survey.plan.seed);
     double squares = 0, whole = 0;
     for (std::size_t p = 0; p < truth.size(); ++p)
-      for (std::size_t i = 0; i < truth[p].size(); ++i) squares += std::pow(double{found[p][i]} - double{truth[p][i]}, 2), whole += std::pow(double{truth[p][i]}, 2);
+      for (std::size_t i = 0; i < truth[p].size(); ++i)
+        squares += std::pow(double{found[p][i]} - double{truth[p][i]}, 2), whole += std::pow(double{truth[p][i]}, 2);
     return std::sqrt(squares / whole);
   };
   bool beyond_the_first = false;
@@ -64,7 +69,8 @@ TEST_CASE("S60 S61: of a scanner that fires in a ninth of its pulses the planner
     CAPTURE(d.subrays);
     REQUIRE(d.within);
     const double achieved = error_of(d.subrays);
-    MESSAGE(d.subrays << " sub-rays of " << d.trial_pulses << " pulses: claimed " << d.error << ", achieved " << achieved);
+    MESSAGE(d.subrays << " sub-rays of " << d.trial_pulses << " pulses: claimed " << d.error << ", achieved "
+                      << achieved);
     CHECK(achieved <= tolerance);
     CHECK(d.error >= 0.9 * achieved);
     beyond_the_first = beyond_the_first || d.subrays > 1024;  // which the first references cannot judge

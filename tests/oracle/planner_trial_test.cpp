@@ -26,7 +26,8 @@ struct Stripes {
   double period_m, first_m;
 
   explicit Stripes(double period, double bright = kBright) : period_m(period) {
-    const auto a = test::add_material(simulation.scene, "dark", kDark), b = test::add_material(simulation.scene, "bright", bright);
+    const auto a = test::add_material(simulation.scene, "dark", kDark),
+               b = test::add_material(simulation.scene, "bright", bright);
     std::vector<scene::TriangleMesh> parts;
     const double half = 32 * kGsd_m + 2 * period_m;
     first_m = -half;
@@ -54,7 +55,9 @@ struct Stripes {
   /// rms of a side's error over columns, over the mean radiance.
   double error(const std::vector<int>& columns, int side) const {
     double squares = 0, mean = 0;
-    for (const int c : columns) squares += std::pow((kBright - kDark) * (sampled(c, side) - exact(c)), 2), mean += kDark + (kBright - kDark) * exact(c);
+    for (const int c : columns)
+      squares += std::pow((kBright - kDark) * (sampled(c, side) - exact(c)), 2),
+          mean += kDark + (kBright - kDark) * exact(c);
     const auto n = static_cast<double>(columns.size());
     return std::sqrt(squares / n) / (mean / n);
   }
@@ -102,7 +105,8 @@ TEST_CASE("S60: the trial finds the sampling error of stripes that integration g
     const double want = scene.error(columns, side);
     const TrialError found = trial.sampling_error(scene::SamplerKind::grid, side, side);
     CAPTURE(side);
-    // The references' 32 rows of random points leave 0.4 / 32 / sqrt(32) of the contrast, a twentieth of the error sought; the pixels average it.
+    // The references' 32 rows of random points leave 0.4 / 32 / sqrt(32) of the contrast, a twentieth of the error
+    // sought; the pixels average it.
     CHECK(found.estimate == doctest::Approx(want).epsilon(0.03));
     CHECK(found.bound >= found.estimate);
   }
@@ -112,17 +116,20 @@ TEST_CASE("S61: planned samples keep their tolerance on all pixels, and finer to
   const Stripes scene(5.37 * kGsd_m);
   scene::Simulation simulation = scene.simulation;
   render::Renderer renderer(simulation.scene, {});
-  // rms over all pixels of the image that the decision makes, against integration: stripes run along the pixels, so a lattice may be chosen.
+  // rms over all pixels of the image that the decision makes, against integration: stripes run along the pixels, so a
+  // lattice may be chosen.
   const auto achieved = [&](const Decision& d, const plan::Plan& plan) {
     scene::Instrument camera = simulation.instruments[0];
-    camera.sampler = d.sampling.sampler, camera.samples_u = d.sampling.samples_u, camera.samples_v = d.sampling.samples_v;
+    camera.sampler = d.sampling.sampler, camera.samples_u = d.sampling.samples_u,
+    camera.samples_v = d.sampling.samples_v;
     double squares = 0, mean = 0;
-    renderer.probe(camera, plan, simulation.sun, simulation.seed, {{0, 64, 0, 64}}, [&](const render::PixelProbe& probe) {
-      for (std::size_t p = 0; p < 64 * 64; ++p) {
-        const double want = kDark + (kBright - kDark) * scene.exact(static_cast<int>(p % 64));
-        squares += std::pow(probe.radiance[p * camera.bands.size()] - want, 2), mean += want;
-      }
-    });
+    renderer.probe(camera, plan, simulation.sun, simulation.seed, {{0, 64, 0, 64}},
+                   [&](const render::PixelProbe& probe) {
+                     for (std::size_t p = 0; p < 64 * 64; ++p) {
+                       const double want = kDark + (kBright - kDark) * scene.exact(static_cast<int>(p % 64));
+                       squares += std::pow(probe.radiance[p * camera.bands.size()] - want, 2), mean += want;
+                     }
+                   });
     return std::sqrt(squares / 4096) / (mean / 4096);
   };
   double last_cost = 0;
@@ -150,7 +157,8 @@ TEST_CASE("S60: one sample is tried where 4 x 4 fit; where it does not do, nothi
   render::Renderer renderer(simulation.scene, {});
   const Decision d = decide(renderer, simulation, simulation.instruments[0], plan_of(simulation), sky_of_one(), false);
   const auto tried = [&](const std::string& what) {
-    return std::any_of(d.measured.begin(), d.measured.end(), [&](const std::string& line) { return line.rfind(what + ":", 0) == 0; });
+    return std::any_of(d.measured.begin(), d.measured.end(),
+                       [&](const std::string& line) { return line.rfind(what + ":", 0) == 0; });
   };
   CHECK(d.sampling.samples_u == 4);
   CHECK(tried("grid, side 1"));
@@ -184,7 +192,8 @@ TEST_CASE("S60: what the file gives stays, its error is told, and a tolerance it
   CHECK(given == 3);  // samples, directions, and the share of a Simulation made by hand
 
   // A replay of it changes nothing, and is refused once the plan has other nodes.
-  PlanFile::Entry entry{"camera", false, d.sampling, 0, axes_json(plan), nlohmann::json::parse(plan.report_json)["planner"].dump()};
+  PlanFile::Entry entry{"camera", false,           d.sampling,
+                        0,        axes_json(plan), nlohmann::json::parse(plan.report_json)["planner"].dump()};
   const Decision replay = replayed(entry, simulation, camera, plan, "plan.json");
   CHECK(replay.sampling.samples_u == 2);
   CHECK(replay.samples_error == d.samples_error);

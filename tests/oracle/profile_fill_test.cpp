@@ -23,15 +23,14 @@ using raycube::testing::TestFolder;
 namespace {
 
 /// The model's levels from low to high km as a sonde has them: pressure times a factor, temperature, water.
-std::string sonde(AfglModel model, double low_km, double high_km, double pressure_factor = 1,
-                  bool water = true) {
+std::string sonde(AfglModel model, double low_km, double high_km, double pressure_factor = 1, bool water = true) {
   std::string out = std::string("height_m,pressure_hPa,temperature_K") + (water ? ",h2o_ppmv" : "") + "\n";
   const AirProfile whole = afgl_profile(model);
   for (const AirLevel& level : whole.levels()) {
     if (level.height_km < low_km || level.height_km > high_km) continue;
     char line[200];
-    std::snprintf(line, sizeof line, "%.17g,%.17g,%.17g", 1000 * level.height_km,
-                  pressure_factor * level.pressure_hPa, level.temperature_K);
+    std::snprintf(line, sizeof line, "%.17g,%.17g,%.17g", 1000 * level.height_km, pressure_factor * level.pressure_hPa,
+                  level.temperature_K);
     out += line;
     std::snprintf(line, sizeof line, ",%.17g", level.ppmv(Gas::h2o));
     out += (water ? line : "") + std::string("\n");
@@ -48,9 +47,7 @@ ProfileFile read(const std::string& text) {
 /// km.
 double worst_column(const AirProfile& a, const AirProfile& b) {
   double worst = 0;
-  const auto differ = [&](double x, double y) {
-    worst = std::max(worst, std::abs(x - y) / std::max(y, 1e-3));
-  };
+  const auto differ = [&](double x, double y) { worst = std::max(worst, std::abs(x - y) / std::max(y, 1e-3)); };
   for (double low = 0; low < 80; ++low) {
     differ(a.air_column_per_cm2(low, low + 1), b.air_column_per_cm2(low, low + 1));
     for (std::size_t g = 0; g < kGases; ++g)
@@ -66,8 +63,7 @@ TEST_CASE("S18 a sonde made of a model's own lowest 14 km becomes that model aga
     const auto whole = completed(read(sonde(model, 0, 14)), model, kTopOfStack_km);
     const double worst = worst_column(whole.air, afgl_profile(model));
     MESSAGE(kAfglNames[static_cast<std::size_t>(model)] << ": columns of 1 km within " << worst);
-    CHECK(worst <
-          5e-3);  // the model's densities are printed to three digits, a sonde's follow from the gas law
+    CHECK(worst < 5e-3);  // the model's densities are printed to three digits, a sonde's follow from the gas law
     CHECK(whole.air.top_km() == 120);
     REQUIRE(whole.notices.size() == 1);
     CHECK(holds(whole.notices[0], "sonde.csv: co2, o3, n2o, co, ch4, o2 and everything above 14 km as in"));
@@ -78,8 +74,8 @@ TEST_CASE("S18 a sonde made of a model's own lowest 14 km becomes that model aga
   std::string coarse = "height_km,pressure_hPa,temperature_K,h2o_ppmv\n";
   for (const double z : {0.0, 10.0, 40.0}) {
     const AirLevel level = model.at(z);
-    coarse += std::to_string(z) + "," + std::to_string(level.pressure_hPa) + "," +
-              std::to_string(level.temperature_K) + "," + std::to_string(level.ppmv(Gas::h2o)) + "\n";
+    coarse += std::to_string(z) + "," + std::to_string(level.pressure_hPa) + "," + std::to_string(level.temperature_K) +
+              "," + std::to_string(level.ppmv(Gas::h2o)) + "\n";
   }
   const double ozone = completed(read(coarse), AfglModel::us_standard, kTopOfStack_km).air.ozone_atm_cm();
   MESSAGE("ozone of three levels: " << ozone << " atm-cm for " << model.ozone_atm_cm());
@@ -101,9 +97,9 @@ TEST_CASE(
       CHECK(here.ppmv(Gas(g)) == doctest::Approx(there.ppmv(Gas(g))).epsilon(1e-9));
   }
   CHECK(whole.air.at(10).ppmv(Gas::o2) == doctest::Approx(model.at(10).ppmv(Gas::o2)).epsilon(1e-9));
-  const auto none = completed(
-      read("height_km,pressure_hPa,temperature_K,h2o_ppmv,o3_ppmv\n0,1000,290,9000,0\n5,540,258,900,0\n"),
-      AfglModel::tropical, kTopOfStack_km);
+  const auto none =
+      completed(read("height_km,pressure_hPa,temperature_K,h2o_ppmv,o3_ppmv\n0,1000,290,9000,0\n5,540,258,900,0\n"),
+                AfglModel::tropical, kTopOfStack_km);
   CHECK(none.air.ozone_atm_cm() == 0);
   CHECK(none.air.gas_column_per_cm2(Gas::o2, 0, 80) > 0);
   // Water that a sonde of cold air has no column for: the model's, at most saturation.
@@ -142,10 +138,10 @@ TEST_CASE("S18 oxygen's A band through a sonde: that of the model it was made of
 
 TEST_CASE("S18 the ground at the height of the sonde's first level, whichever way its height is rounded") {
   const TestFolder folder;
-  for (const char* head : {"height_m,pressure_hPa,temperature_K\n350,970,288\n",
-                           "height_km,pressure_hPa,temperature_K\n0.35,970,288\n",
-                           "height_m,pressure_hPa,temperature_K\n350.2,970,288\n",
-                           "height_m,pressure_hPa,temperature_K\n349.8,970,288\n"}) {
+  for (const char* head :
+       {"height_m,pressure_hPa,temperature_K\n350,970,288\n", "height_km,pressure_hPa,temperature_K\n0.35,970,288\n",
+        "height_m,pressure_hPa,temperature_K\n350.2,970,288\n",
+        "height_m,pressure_hPa,temperature_K\n349.8,970,288\n"}) {
     folder.write("sonde.csv", std::string(head) + (std::string(head).find("_km") != std::string::npos
                                                        ? "3,705,272\n12,200,220\n"
                                                        : "3000,705,272\n12000,200,220\n"));
@@ -155,8 +151,7 @@ TEST_CASE("S18 the ground at the height of the sonde's first level, whichever wa
       std::vector<std::string> notices;
       const AirProfile air = make_profile(spec, ground_km, notices);
       CHECK(air.ground_km() == ground_km);
-      CHECK(air.levels().front().pressure_hPa ==
-            doctest::Approx(970).epsilon(1e-4));  // half a metre is 6e-5 of it
+      CHECK(air.levels().front().pressure_hPa == doctest::Approx(970).epsilon(1e-4));  // half a metre is 6e-5 of it
       CHECK(air.levels()[1].height_km - ground_km > kSameHeight_km);
     }
   }
@@ -182,8 +177,7 @@ TEST_CASE(
   CHECK(holds(held.notices[0], "held at 100 % relative humidity at 1 level"));
   CHECK(read(humid("100")).notices.empty());
   // 40 000 ppmv of 900 hPa are 36 hPa of vapour; saturation at 14 C is 16.
-  CHECK(holds(refusal([&] {
-                read("height_km,pressure_hPa,temperature_C,h2o_ppmv\n0,1000,20,10000\n1,900,14,40000\n");
-              }),
-              "sonde.csv:3"));
+  CHECK(
+      holds(refusal([&] { read("height_km,pressure_hPa,temperature_C,h2o_ppmv\n0,1000,20,10000\n1,900,14,40000\n"); }),
+            "sonde.csv:3"));
 }

@@ -1,5 +1,5 @@
-// Scattering by molecules. Oracles: the fit that Bodhaine et al. (1999) printed beside their full formula, King factors at two
-// wavelengths, quadrature of the phase function, the pressure's column, a calculation by another hand.
+// Scattering by molecules. Oracles: the fit that Bodhaine et al. (1999) printed beside their full formula, King factors
+// at two wavelengths, quadrature of the phase function, the pressure's column, a calculation by another hand.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -29,7 +29,8 @@ TEST_CASE("S18 Rayleigh: the full formula equals the printed fit (Bodhaine et al
   for (double l = 0.25; l <= 1.0001; l += 0.01) {
     CAPTURE(l);
     const double l2 = l * l, il2 = 1 / l2;
-    const double fit = 1e-28 * (1.0455996 - 341.29061 * il2 - 0.90230850 * l2) / (1 + 0.0027059889 * il2 - 85.968563 * l2);
+    const double fit =
+        1e-28 * (1.0455996 - 341.29061 * il2 - 0.90230850 * l2) / (1 + 0.0027059889 * il2 - 85.968563 * l2);
     CHECK(relative(rayleigh_cross_section_cm2(l, 360), fit) <= (l <= 0.8501 ? 1e-4 : 5e-4));
   }
 }
@@ -51,35 +52,42 @@ TEST_CASE("S18 Rayleigh: moments are those of the phase function by quadrature; 
     std::vector<double> phase;
     for (double cosine : rule.node) phase.push_back(phase_rayleigh(rho, cosine));
     const std::vector<double> by_quadrature = legendre_moments(rule, phase, 5), closed = rayleigh_moments(rho);
-    for (std::size_t k = 0; k < 6; ++k) CHECK(std::abs(by_quadrature[k] - (k < closed.size() ? closed[k] : 0)) <= 1e-14);
+    for (std::size_t k = 0; k < 6; ++k)
+      CHECK(std::abs(by_quadrature[k] - (k < closed.size() ? closed[k] : 0)) <= 1e-14);
     CHECK(legendre_series(closed, -0.3) == doctest::Approx(phase_rayleigh(rho, -0.3)).epsilon(1e-13));
   }
 }
 
 TEST_CASE("S18 Rayleigh: depth above a height follows the pressure there, and is proportional to the ground's") {
-  for (AfglModel model : {AfglModel::tropical, AfglModel::midlatitude_summer, AfglModel::subarctic_winter, AfglModel::us_standard}) {
+  for (AfglModel model :
+       {AfglModel::tropical, AfglModel::midlatitude_summer, AfglModel::subarctic_winter, AfglModel::us_standard}) {
     const AirProfile profile = afgl_profile(model);
     CAPTURE(profile.source());
     for (double height : {0.0, 0.61, 3.0, 12.0}) {
       CAPTURE(height);
-      // Bodhaine eq. 30 carries the pressure's column; the tables' densities and pressures agree to their printed digits, moist
-      // air is up to 1 % lighter (tropical), gravity falls 0.3 % per 10 km.
-      CHECK(relative(rayleigh_depth_above(profile, height, 0.55), rayleigh_depth(0.55, profile.at(height).pressure_hPa)) <= 1e-2);
+      // Bodhaine eq. 30 carries the pressure's column; the tables' densities and pressures agree to their printed
+      // digits, moist air is up to 1 % lighter (tropical), gravity falls 0.3 % per 10 km.
+      CHECK(relative(rayleigh_depth_above(profile, height, 0.55),
+                     rayleigh_depth(0.55, profile.at(height).pressure_hPa)) <= 1e-2);
     }
     const double here = rayleigh_depth_above(profile, 0, 0.45);
     const AirProfile other = with_ground_pressure(profile, 850);
-    CHECK(rayleigh_depth_above(other, 0, 0.45) / here == doctest::Approx(850 / profile.levels()[0].pressure_hPa).epsilon(1e-12));
+    CHECK(rayleigh_depth_above(other, 0, 0.45) / here ==
+          doctest::Approx(850 / profile.levels()[0].pressure_hPa).epsilon(1e-12));
   }
-  // A profile that ends at 10 km loses nothing: the pressure there tells what lies above (moist air and gravity as before).
+  // A profile that ends at 10 km loses nothing: the pressure there tells what lies above (moist air and gravity as
+  // before).
   const AirProfile whole = afgl_profile(AfglModel::us_standard);
   std::vector<AirLevel> low(whole.levels().begin(), whole.levels().begin() + 11);
-  CHECK(relative(rayleigh_depth_above(AirProfile(low, "low part"), 0, 0.55), rayleigh_depth_above(whole, 0, 0.55)) <= 2e-3);
+  CHECK(relative(rayleigh_depth_above(AirProfile(low, "low part"), 0, 0.55), rayleigh_depth_above(whole, 0, 0.55)) <=
+        2e-3);
 }
 
 TEST_CASE("S18 Rayleigh: an independent calculation of refractivity, King factor, cross-section and extinction") {
   const char* shared = std::getenv("RAYCUBE_SHARED");
   if (!shared) {
-    std::cerr << "SKIPPED: RAYCUBE_SHARED is not set, Rayleigh scattering was not compared with lidar/rayleigh_cross_section.csv\n";
+    std::cerr << "SKIPPED: RAYCUBE_SHARED is not set, Rayleigh scattering was not compared with "
+                 "lidar/rayleigh_cross_section.csv\n";
     return;
   }
   std::ifstream file(std::string(shared) + "/reference/atmosphere/lidar/rayleigh_cross_section.csv");
@@ -96,8 +104,8 @@ TEST_CASE("S18 Rayleigh: an independent calculation of refractivity, King factor
     CHECK(std::abs(air_king_factor(v[0], 360) - v[2]) <= 0.6e-5);
     CHECK(std::abs(air_depolarization(v[0], 360) - v[3]) <= 0.6e-5);
     CHECK(relative(rayleigh_cross_section_cm2(v[0], 360), v[4]) <= 8e-5);
-    const double backscatter = rayleigh_cross_section_cm2(v[0], 360) * phase_rayleigh(air_depolarization(v[0], 360), -1) /
-                               (4 * std::numbers::pi);
+    const double backscatter = rayleigh_cross_section_cm2(v[0], 360) *
+                               phase_rayleigh(air_depolarization(v[0], 360), -1) / (4 * std::numbers::pi);
     CHECK(relative(backscatter, v[5]) <= 8e-5);
     ++rows;
   }

@@ -1,6 +1,6 @@
-// Closed forms of the reference itself. Geometry: small scenes around the origin, camera straight above, sun and sky of unit
-// strength, so that the expected radiance is a number one can write down. Rays and vertices are fp32: tolerances of 1e-6
-// are their rounding (2^-24 each, a dozen of them); everything else is double.
+// Closed forms of the reference itself. Geometry: small scenes around the origin, camera straight above, sun and sky of
+// unit strength, so that the expected radiance is a number one can write down. Rays and vertices are fp32: tolerances
+// of 1e-6 are their rounding (2^-24 each, a dozen of them); everything else is double.
 #include <doctest/doctest.h>
 
 #include "host/base/error.h"
@@ -16,11 +16,13 @@ using doctest::Approx;
 
 namespace {
 
-BandRadiance render(const scene::CompiledScene& compiled, const plan::Plan& plan, const NadirPixel& pixel, std::uint64_t seed = 1) {
+BandRadiance render(const scene::CompiledScene& compiled, const plan::Plan& plan, const NadirPixel& pixel,
+                    std::uint64_t seed = 1) {
   const ReferenceScene scene(compiled);
   const SampledPixel traced = scene.sample_pixel(pixel.instrument, plan, seed, pixel.address);
   std::vector<BlockedDirections> blocked;
-  for (const Sample& sample : traced.samples) blocked.push_back(blocked_directions(scene, plan, seed, traced.number, sample, blocked.size()));
+  for (const Sample& sample : traced.samples)
+    blocked.push_back(blocked_directions(scene, plan, seed, traced.number, sample, blocked.size()));
   return ArithmeticModel(compiled, plan, seed).radiance(traced, blocked);
 }
 
@@ -49,7 +51,8 @@ TEST_CASE("S15: tilted Lambertian plane under the sun, L = rho E cos / pi") {
     CHECK(l.path[0] == 0);
   }
   // Turned away from the sun by more than 90 degrees: dark.
-  CHECK(render(tilted_plane(std::sin(1.2), std::cos(1.2), 0.37), sun_plan(80, 270), nadir_pixel(0, 0, 100, 1)).sun[0] == 0);
+  CHECK(render(tilted_plane(std::sin(1.2), std::cos(1.2), 0.37), sun_plan(80, 270), nadir_pixel(0, 0, 100, 1)).sun[0] ==
+        0);
 }
 
 TEST_CASE("S16: tilted plane under a uniform sky, E = pi (1 + cos b) / 2") {
@@ -72,8 +75,10 @@ TEST_CASE("S16: irradiance map between nodes: linear functions of the octahedron
   for (int j = 0; j < 9; ++j)
     for (int i = 0; i < 9; ++i) {
       const double u = i / 4.0 - 1, v = j / 4.0 - 1, z = 1 - std::abs(u) - std::abs(v);
-      const double x = z < 0 ? (1 - std::abs(v)) * (u < 0 ? -1 : 1) : u, y = z < 0 ? (1 - std::abs(u)) * (v < 0 ? -1 : 1) : v;
-      map.value.push_back({static_cast<float>(2 + x + 3 * y + 5 * z), static_cast<float>(z), static_cast<float>(std::abs(x)), 1});
+      const double x = z < 0 ? (1 - std::abs(v)) * (u < 0 ? -1 : 1) : u,
+                   y = z < 0 ? (1 - std::abs(u)) * (v < 0 ? -1 : 1) : v;
+      map.value.push_back(
+          {static_cast<float>(2 + x + 3 * y + 5 * z), static_cast<float>(z), static_cast<float>(std::abs(x)), 1});
     }
   std::mt19937 random(5);
   std::normal_distribution<double> normal;
@@ -92,8 +97,8 @@ TEST_CASE("S16: irradiance map between nodes: linear functions of the octahedron
 }
 
 TEST_CASE("S15 S16: sky beside a wall against the closed view factor") {
-  // Floor point 2 m from the foot of a wall 3 m high and 40 m long, uniform sky. View factor of a horizontal element to a
-  // perpendicular rectangle of height a, width b from its foot, distance c (Howell, catalogue B-4):
+  // Floor point 2 m from the foot of a wall 3 m high and 40 m long, uniform sky. View factor of a horizontal element to
+  // a perpendicular rectangle of height a, width b from its foot, distance c (Howell, catalogue B-4):
   //   F = (1/2 pi) [atan(b/c) - c/sqrt(a^2+c^2) atan(b/sqrt(a^2+c^2))], twice for both halves of the wall.
   SceneBuilder builder;
   const std::uint32_t surface = builder.material("grey", {0.3, 1.0}, {0.5, 0.5});
@@ -115,18 +120,21 @@ TEST_CASE("S15 S16: sky beside a wall against the closed view factor") {
 
 TEST_CASE("S26 S43: a checkerboard's samples carry the exact area where cell edges fall between samples") {
   SceneBuilder builder;
-  const std::uint32_t dark = builder.material("dark", {0.3, 1.0}, {0.1, 0.1}), bright = builder.material("bright", {0.3, 1.0}, {0.8, 0.8});
+  const std::uint32_t dark = builder.material("dark", {0.3, 1.0}, {0.1, 0.1}),
+                      bright = builder.material("bright", {0.3, 1.0}, {0.8, 0.8});
   std::vector<Triangle> list;
   for (int j = -4; j < 4; ++j)
     for (int i = -4; i < 4; ++i)
-      add_quad(list, {0.5f * static_cast<float>(i), 0.5f * static_cast<float>(j), 0}, {0.5f, 0, 0}, {0, 0.5f, 0}, (i + j) % 2 ? dark : bright);
+      add_quad(list, {0.5f * static_cast<float>(i), 0.5f * static_cast<float>(j), 0}, {0.5f, 0, 0}, {0, 0.5f, 0},
+               (i + j) % 2 ? dark : bright);
   builder.instance(builder.mesh(list));
   const scene::CompiledScene scene = builder.finish();
   // The pixel reaches 0.3 m over one column and 0.5 + 0.2 m over the next two, likewise in y: areas by hand.
   const NadirPixel pixel = nadir_pixel(0.2, 0.2, 100, 1);
   const double columns_even = 0.3 + 0.2, columns_odd = 0.5;  // cells -1 (0.3), 0 (0.5), 1 (0.2)
   const double bright_area = columns_odd * columns_odd + columns_even * columns_even;
-  CHECK(render(scene, sun_plan(), pixel).sun[0] == Approx((0.8 * bright_area + 0.1 * (1 - bright_area)) / kPi).epsilon(1e-6));
+  CHECK(render(scene, sun_plan(), pixel).sun[0] ==
+        Approx((0.8 * bright_area + 0.1 * (1 - bright_area)) / kPi).epsilon(1e-6));
   const double phase = 0.3;  // x only: 0.2 | 0.5 | 0.3 by y as before
   CHECK(render(scene, sun_plan(), nadir_pixel(phase, 0.2, 100, 1)).sun[0] == Approx(0.45 / kPi).epsilon(1e-6));
 }
@@ -142,7 +150,8 @@ TEST_CASE("S15 S26: shadow of a box ends where the sun says") {
   const ReferenceScene scene(compiled);
   const plan::Plan plan = sun_plan(40, 270);  // sun in the west: the shadow lies east, from x = 1 to 1 + 2 tan 40
   const double reach = 1 + 2 * std::tan(40 * kPi / 180);
-  const SampledPixel pixel = scene.sample_pixel(nadir_pixel(2, 0, 100, 4, 40).instrument, plan, 1, nadir_pixel(2, 0, 100, 4, 40).address);
+  const SampledPixel pixel =
+      scene.sample_pixel(nadir_pixel(2, 0, 100, 4, 40).instrument, plan, 1, nadir_pixel(2, 0, 100, 4, 40).address);
   int lit = 0, dark = 0;
   for (const Sample& sample : pixel.samples) {
     if (sample.point.z > 0.5) {  // the roof is lit
@@ -151,7 +160,8 @@ TEST_CASE("S15 S26: shadow of a box ends where the sun says") {
     }
     const bool shadow = sample.point.x > 1 && sample.point.x < reach && std::abs(sample.point.y) < 1;
     CHECK(sample.sun_visible == !shadow);
-    CHECK(scene.sees_in_double(sample, to_double(plan.sun_direction)) == (shadow ? Visibility::blocked : Visibility::visible));
+    CHECK(scene.sees_in_double(sample, to_double(plan.sun_direction)) ==
+          (shadow ? Visibility::blocked : Visibility::visible));
     ++(shadow ? dark : lit);
   }
   CHECK(dark > 100);
@@ -167,7 +177,9 @@ TEST_CASE("S15: path radiance alone, linear between height, view and azimuth nod
   // channel (h, y, x): 10 h + x + wavelength
   plan.path_spectrum.clear();
   for (int h = 0; h < 2; ++h)
-    for (int x = 0; x < 2; ++x) plan.path_spectrum.push_back({10.0 * h + x + 0.4, 10.0 * h + x + 0.5, 10.0 * h + x + 0.6, 10.0 * h + x + 0.7, 10.0 * h + x + 0.8});
+    for (int x = 0; x < 2; ++x)
+      plan.path_spectrum.push_back(
+          {10.0 * h + x + 0.4, 10.0 * h + x + 0.5, 10.0 * h + x + 0.6, 10.0 * h + x + 0.7, 10.0 * h + x + 0.8});
   SceneBuilder builder;
   const std::uint32_t surface = builder.material("black", {0.3, 1.0}, {0, 0});
   std::vector<Triangle> list;
@@ -199,8 +211,7 @@ TEST_CASE("S15: reflected sun, linear between height and view nodes; mixed surfa
   plan.view = {1, 0.5f, 2};
   plan.source_spectrum.clear();
   for (int h = 0; h < 2; ++h)
-    for (int v = 0; v < 2; ++v)
-      plan.source_spectrum.push_back(std::vector<double>(5, 1 + 4.0 * h + 2.0 * v));
+    for (int v = 0; v < 2; ++v) plan.source_spectrum.push_back(std::vector<double>(5, 1 + 4.0 * h + 2.0 * v));
   plan.path_spectrum.assign(2, std::vector<double>(5, 0.0));
   SceneBuilder builder;
   builder.material("ramp", {0.4, 0.8}, {0.0, 0.4});

@@ -1,5 +1,5 @@
-// Small compiled scenes made by hand for the reference's tests: triangles packed in order into blocks and a bottom-up tree,
-// so that nothing of the scene compiler is needed (or trusted).
+// Small compiled scenes made by hand for the reference's tests: triangles packed in order into blocks and a bottom-up
+// tree, so that nothing of the scene compiler is needed (or trusted).
 #pragma once
 
 #include <algorithm>
@@ -103,7 +103,8 @@ class SceneBuilder {
                                static_cast<float>(matrix[2][r]), static_cast<float>(shift[r])};
     };
     shared::Instance placed{};
-    placed.world_from_local_0 = row(m, t, 0), placed.world_from_local_1 = row(m, t, 1), placed.world_from_local_2 = row(m, t, 2);
+    placed.world_from_local_0 = row(m, t, 0), placed.world_from_local_1 = row(m, t, 1),
+    placed.world_from_local_2 = row(m, t, 2);
     placed.local_from_world_0 = row(inverse, back, 0), placed.local_from_world_1 = row(inverse, back, 1);
     placed.local_from_world_2 = row(inverse, back, 2);
     placed.mesh = mesh, placed.root = scene.meshes[mesh].root;
@@ -128,7 +129,8 @@ class SceneBuilder {
     return scene;
   }
 
-  std::uint32_t material(const std::string& name, const std::vector<double>& wavelength_um, const std::vector<double>& value) {
+  std::uint32_t material(const std::string& name, const std::vector<double>& wavelength_um,
+                         const std::vector<double>& value) {
     scene.materials.push_back({name, "test", {wavelength_um, value}, {}});
     shared::Surface surface{};
     surface.curve[0] = static_cast<std::uint32_t>(scene.materials.size());
@@ -156,7 +158,8 @@ inline void add_box(std::vector<Triangle>& out, glm::vec3 lo, glm::vec3 hi, std:
 }
 
 /// A rolling height field of n x n quads of `cell` metres, centred on the origin; returns its vertices too.
-inline std::vector<Triangle> terrain(int n, float cell, std::uint32_t surface, std::vector<glm::vec3>* vertices = nullptr) {
+inline std::vector<Triangle> terrain(int n, float cell, std::uint32_t surface,
+                                     std::vector<glm::vec3>* vertices = nullptr) {
   const auto at = [&](int i, int j) {
     const float x = (static_cast<float>(i) - 0.5f * static_cast<float>(n)) * cell;
     const float y = (static_cast<float>(j) - 0.5f * static_cast<float>(n)) * cell;

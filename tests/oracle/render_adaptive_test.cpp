@@ -1,6 +1,6 @@
-// Adaptive samples, standard errors and the mask of pixels that have not converged (S43, S62). Oracles: a straight edge whose pixels
-// are counted by hand, renders with all samples and with the first pass's alone, Student's distribution for stripes finer than
-// the cells of a jittered grid, and equality whatever the tiles.
+// Adaptive samples, standard errors and the mask of pixels that have not converged (S43, S62). Oracles: a straight edge
+// whose pixels are counted by hand, renders with all samples and with the first pass's alone, Student's distribution
+// for stripes finer than the cells of a jittered grid, and equality whatever the tiles.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -18,9 +18,11 @@ constexpr double kDark = 0.1, kLight = 0.8, kSky = 40;
 /// Light right of x = edge_m, dark left of it, under a uniform sky alone; 12 x 5 pixels of 1 m, pixel i from x = i - 6.
 scene::Simulation edge_scene(double edge_m) {
   scene::Simulation simulation;
-  const auto dark = test::add_material(simulation.scene, "dark", kDark), light = test::add_material(simulation.scene, "light", kLight);
-  test::place(simulation.scene, test::join({test::rectangle({-50, -50, 0}, {50 + edge_m, 0, 0}, {0, 100, 0}, dark),
-                                            test::rectangle({edge_m, -50, 0}, {50 - edge_m, 0, 0}, {0, 100, 0}, light)}));
+  const auto dark = test::add_material(simulation.scene, "dark", kDark),
+             light = test::add_material(simulation.scene, "light", kLight);
+  test::place(simulation.scene,
+              test::join({test::rectangle({-50, -50, 0}, {50 + edge_m, 0, 0}, {0, 100, 0}, dark),
+                          test::rectangle({edge_m, -50, 0}, {50 - edge_m, 0, 0}, {0, 100, 0}, light)}));
   finish_top_tree(simulation.scene);
   simulation.sun.zenith_deg = 120;
   simulation.sky_directions = 1;
@@ -52,11 +54,13 @@ test::Image first_pass(scene::Simulation simulation) {
 /// Stripes along y of 0.01 m, dark and light by turns, finer than the cells of 8 x 8 samples in pixels of 1 m.
 scene::Simulation stripes_scene(int pixels, int lines) {
   scene::Simulation simulation;
-  const auto dark = test::add_material(simulation.scene, "dark", kDark), light = test::add_material(simulation.scene, "light", kLight);
+  const auto dark = test::add_material(simulation.scene, "dark", kDark),
+             light = test::add_material(simulation.scene, "light", kLight);
   std::vector<scene::TriangleMesh> parts;
   const double half = pixels / 2.0 + 1;
   for (int i = 0; i < static_cast<int>(200 * half); ++i)
-    parts.push_back(test::rectangle({-half + 0.01 * i, -half, 0}, {0.01, 0, 0}, {0, 2 * half, 0}, i % 2 ? light : dark));
+    parts.push_back(
+        test::rectangle({-half + 0.01 * i, -half, 0}, {0.01, 0, 0}, {0, 2 * half, 0}, i % 2 ? light : dark));
   test::place(simulation.scene, test::join(parts));
   finish_top_tree(simulation.scene);
   simulation.sun.zenith_deg = 120;
@@ -78,15 +82,19 @@ TEST_CASE("S43 adaptive: pixels about an edge have all samples, those far from i
   for (int line = 0; line < 5; ++line)
     for (int pixel = 0; pixel < 12; ++pixel)
       for (int band = 0; band < 3; ++band) {
-        const double share = pixel < 6 ? 1 : pixel == 6 ? 3 / 11.0 : 0;  // columns with centres (k + 0.5) / 11 below the edge
-        CHECK(adaptive.at(line, pixel, band) == doctest::Approx(kSky * (kDark * share + kLight * (1 - share))).epsilon(1e-5));
+        const double share = pixel < 6    ? 1
+                             : pixel == 6 ? 3 / 11.0
+                                          : 0;  // columns with centres (k + 0.5) / 11 below the edge
+        CHECK(adaptive.at(line, pixel, band) ==
+              doctest::Approx(kSky * (kDark * share + kLight * (1 - share))).epsilon(1e-5));
         // Groups of 4 pixels are rendered anew together: 4 .. 7 hold the edge and its neighbours.
         const std::size_t at = static_cast<std::size_t>((line * 12 + pixel) * 3 + band);
         CHECK(std::memcmp(&adaptive.radiance[at], &(pixel / 4 == 1 ? all : first).radiance[at], sizeof(float)) == 0);
       }
   CHECK(adaptive.statistics.adaptive_pixels == 60);
   CHECK(adaptive.statistics.refined_pixels == 20);
-  // The look, one more pass of the pixels that tell the scene's mean (all of so small an image), the settled pixels, and the edge's groups.
+  // The look, one more pass of the pixels that tell the scene's mean (all of so small an image), the settled pixels,
+  // and the edge's groups.
   CHECK(adaptive.statistics.primary_rays == (2 * 60 + 40) * 16 + 20 * 121);
 }
 
@@ -100,13 +108,17 @@ TEST_CASE("S43 adaptive: an edge that a pixel's own samples miss is found by its
   const auto first = first_pass(simulation);
   const auto adaptive = test::render_image(simulation, sky_table());
   int met = 0, anew = 0, by_neighbours = 0;
-  const auto spread = [&](int line) { return line >= 0 && line < 40 && first.band_error[static_cast<std::size_t>((line * 12 + 6) * 3)] > 1e-2; };
+  const auto spread = [&](int line) {
+    return line >= 0 && line < 40 && first.band_error[static_cast<std::size_t>((line * 12 + 6) * 3)] > 1e-2;
+  };
   for (int line = 0; line < 40; ++line) {
     for (int pixel = 0; pixel < 12; ++pixel)
       if (pixel != 6) CHECK(first.band_error[static_cast<std::size_t>((line * 12 + pixel) * 3)] < 1e-4);
     const bool expected = spread(line - 1) || spread(line) || spread(line + 1);
-    // With all samples, none of the 11 columns lies within 0.02 m of the pixel's side: it is light; of the first pass, it has a spread or it is light too.
-    const bool refined = adaptive.band_error[static_cast<std::size_t>((line * 12 + 6) * 3)] != first.band_error[static_cast<std::size_t>((line * 12 + 6) * 3)];
+    // With all samples, none of the 11 columns lies within 0.02 m of the pixel's side: it is light; of the first pass,
+    // it has a spread or it is light too.
+    const bool refined = adaptive.band_error[static_cast<std::size_t>((line * 12 + 6) * 3)] !=
+                         first.band_error[static_cast<std::size_t>((line * 12 + 6) * 3)];
     if (spread(line)) CHECK(refined);
     met += spread(line), anew += expected, by_neighbours += expected && !spread(line);
   }
@@ -155,19 +167,24 @@ TEST_CASE("S43 standard error: stripes finer than the cells follow Student's dis
       inside += std::abs(error) <= 2 * se;
     }
     const double n = static_cast<double>(pixels), share = inside / n;
-    MESSAGE(side << " x " << side << ": rms error " << std::sqrt(square / n) / sigma << " sigma, rms standard error " << std::sqrt(stated / n) / sigma
-                 << " sigma, within two of its own " << share);
-    // Cells of 40 a side hold 2.5 stripes: the share of dark in them is 0.4 or 0.6, which takes a twenty-fifth of the variance away.
+    MESSAGE(side << " x " << side << ": rms error " << std::sqrt(square / n) / sigma << " sigma, rms standard error "
+                 << std::sqrt(stated / n) / sigma << " sigma, within two of its own " << share);
+    // Cells of 40 a side hold 2.5 stripes: the share of dark in them is 0.4 or 0.6, which takes a twenty-fifth of the
+    // variance away.
     const double expected = side == 8 ? 1 : std::sqrt(0.96);
-    // Relative standard deviations: 1 / sqrt(2 n) of the rms error, 1 / sqrt(6 n) of the rms of three degrees of freedom; four of them.
+    // Relative standard deviations: 1 / sqrt(2 n) of the rms error, 1 / sqrt(6 n) of the rms of three degrees of
+    // freedom; four of them.
     CHECK(std::sqrt(square / n) / sigma == doctest::Approx(expected).epsilon(4 / std::sqrt(2 * n)));
     CHECK(std::sqrt(stated / n) / sigma == doctest::Approx(expected).epsilon(4 / std::sqrt(6 * n)));
-    // P(|t| <= 2) with 3 degrees of freedom is 0.8607; four standard deviations, and 0.005 for the steps of a mean of 16 draws.
+    // P(|t| <= 2) with 3 degrees of freedom is 0.8607; four standard deviations, and 0.005 for the steps of a mean of
+    // 16 draws.
     CHECK(std::abs(share - 0.8607) < 4 * std::sqrt(0.8607 * 0.1393 / n) + 0.005);
   }
 }
 
-TEST_CASE("S43 S62 not converged: the layer is the worst band over its mean over the scene, the mask what exceeds the tolerance") {
+TEST_CASE(
+    "S43 S62 not converged: the layer is the worst band over its mean over the scene, the mask what exceeds the "
+    "tolerance") {
   auto simulation = edge_scene(0.3);
   simulation.tolerance = 0.02;
   scene::Instrument& camera = simulation.instruments[0];

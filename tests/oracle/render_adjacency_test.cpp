@@ -1,6 +1,9 @@
-// Light between ground and air (S4.9) through the whole chain, against closed forms with tables whose rows the test states:
-//   L = L0 + [rho_t T_dir + rho_e T_dif] E_g0 / (pi (1 - rho_m S)),   L_sky = L_sky0 + rho_m E_g0 / (pi (1 - rho_m S)) t
-// with rho_t under the pixel, rho_e in its environment, rho_m the scene's mean. Flat ground, framing camera straight above.
+// Light between ground and air (S4.9) through the whole chain, against closed forms with tables whose rows the test
+// states:
+//   L = L0 + [rho_t T_dir + rho_e T_dif] E_g0 / (pi (1 - rho_m S)),   L_sky = L_sky0 + rho_m E_g0 / (pi (1 - rho_m S))
+//   t
+// with rho_t under the pixel, rho_e in its environment, rho_m the scene's mean. Flat ground, framing camera straight
+// above.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -73,7 +76,8 @@ double share_in_square(atmos::Scatterer scatterer, double x_m, double y_m, doubl
   double sum = 0;
   for (int i = 0; i < n; ++i) {
     const double a = 2 * kPi * (i + 0.5) / n, dx = std::cos(a), dy = std::sin(a);
-    const double r = std::min(((dx > 0 ? side_m / 2 : -side_m / 2) - x_m) / dx, ((dy > 0 ? side_m / 2 : -side_m / 2) - y_m) / dy);
+    const double r =
+        std::min(((dx > 0 ? side_m / 2 : -side_m / 2) - x_m) / dx, ((dy > 0 ? side_m / 2 : -side_m / 2) - y_m) / dy);
     sum += atmos::environment_function(scatterer, r / 1000, height_m / 1000, 1) / n;
   }
   return sum;
@@ -83,11 +87,13 @@ double share_in_square(atmos::Scatterer scatterer, double x_m, double y_m, doubl
 
 TEST_CASE("S4.9 uniform ground of albedo r: L0 + r (T_dir + T_dif) E_g0 / (pi (1 - r S)) to 1e-5") {
   double worst = 0;
-  for (const auto& [albedo_of_air, rs] : std::vector<std::pair<double, std::vector<double>>>{{0.0, {1.0}}, {0.25, {0.0, 0.05}}, {0.96875, {0.4, 1.0}}})
+  for (const auto& [albedo_of_air, rs] :
+       std::vector<std::pair<double, std::vector<double>>>{{0.0, {1.0}}, {0.25, {0.0, 0.05}}, {0.96875, {0.4, 1.0}}})
     for (const double r : rs) {
       const auto image = test::render_image(ground(r), atmos::uniform_table(coupled_air(albedo_of_air, 0.25), grid()));
       const double rho = r;
-      worst = std::max(worst, worst_against(image, 6 + rho * (0.625 + 0.25) * sun_and_sky() / (kPi * (1 - rho * albedo_of_air))));
+      worst = std::max(
+          worst, worst_against(image, 6 + rho * (0.625 + 0.25) * sun_and_sky() / (kPi * (1 - rho * albedo_of_air))));
       CHECK(image.plan.environment.nodes() == 1);
     }
   MESSAGE("largest relative error " << worst);
@@ -129,12 +135,13 @@ TEST_CASE("S4.9 the modes: off is the table without the rows, bit for bit; mean 
   CHECK(chosen.plan.report_json.find("\"mode\": \"local\"") != std::string::npos);
   for (const auto mode : {scene::Adjacency::local, scene::Adjacency::mean}) {
     simulation.atmosphere.adjacency = mode;
-    CHECK_THROWS_WITH_AS(test::render_image(simulation, plain), doctest::Contains("lacks one of spherical_albedo"), base::Error);
+    CHECK_THROWS_WITH_AS(test::render_image(simulation, plain), doctest::Contains("lacks one of spherical_albedo"),
+                         base::Error);
   }
   simulation.atmosphere.adjacency = scene::Adjacency::automatic;
   simulation.scene.materials[0].reflectance.value = {1, 1};
-  CHECK_THROWS_WITH_AS(test::render_image(simulation, atmos::uniform_table(coupled_air(1, 0.25), grid())), doctest::Contains("reaches 1"),
-                       base::Error);
+  CHECK_THROWS_WITH_AS(test::render_image(simulation, atmos::uniform_table(coupled_air(1, 0.25), grid())),
+                       doctest::Contains("reaches 1"), base::Error);
 }
 
 TEST_CASE("S4.9 target in a field: the environment equals direct integration of the environment functions") {
@@ -146,25 +153,28 @@ TEST_CASE("S4.9 target in a field: the environment equals direct integration of 
     const auto image = test::render_image(simulation, table);
     const double share = side * side / (4e6 * 4);  // of the mean, if the coarse raster sees it
     MESSAGE("map " << image.plan.environment.columns << " x " << image.plan.environment.rows << ", step "
-                   << image.plan.environment.step_m << " m, mean of the target " << image.plan.environment.mean[1] << " (area " << share << ")");
+                   << image.plan.environment.step_m << " m, mean of the target " << image.plan.environment.mean[1]
+                   << " (area " << share << ")");
     const double mean = field + (target - field) * image.plan.environment.mean[1];
     const double up = sun_and_sky() / (kPi * (1 - mean * s));
     for (int pixel = 0; pixel < 4; ++pixel)
       for (int band = 0; band < 3; ++band) {
         const double x = pixel - 1.5, y = 0;  // the middle line
         const double um = simulation.instruments[0].bands[band].center_um;
-        const double molecules =
-            std::min(1.0, atmos::molecular_diffuse_transmission(um, simulation.atmosphere.pressure_hPa, 0, height, 1) / t_dif);
+        const double molecules = std::min(
+            1.0, atmos::molecular_diffuse_transmission(um, simulation.atmosphere.pressure_hPa, 0, height, 1) / t_dif);
         const double inside = molecules * share_in_square(atmos::Scatterer::molecules, x, y, side, height) +
                               (1 - molecules) * share_in_square(atmos::Scatterer::aerosol, x, y, side, height);
         const double around = field + (target - field) * inside;
         const double expected = 6 + (target * 0.625 + around * t_dif) * up;
         const double found = ((image.at(1, pixel, band) - 6) / up - target * 0.625) / t_dif;
-        if (pixel == 1) MESSAGE("side " << side << " m, " << um << " um: environment " << around << ", found " << found << ", radiance off by "
-                                        << image.at(1, pixel, band) / expected - 1);
+        if (pixel == 1)
+          MESSAGE("side " << side << " m, " << um << " um: environment " << around << ", found " << found
+                          << ", radiance off by " << image.at(1, pixel, band) / expected - 1);
         const double error = std::abs(image.at(1, pixel, band) / expected - 1);
         worst = std::max(worst, error);
-        // A node speaks for its cell of 9.4 m: of the light that a target of 8 m sends itself, F(4 m) = 3 %, half is the field's.
+        // A node speaks for its cell of 9.4 m: of the light that a target of 8 m sends itself, F(4 m) = 3 %, half is
+        // the field's.
         CHECK(error < (side < 9.4 ? 8e-3 : 3e-3));
       }
   }
@@ -174,7 +184,8 @@ TEST_CASE("S4.9 target in a field: the environment equals direct integration of 
 TEST_CASE("S4.9 checkerboard of two materials, finer than the air's reach: each tile shows itself and the mean") {
   const double dark = 0.1, bright = 0.7, s = 0.2, t_dif = 0.25, tile = 4;
   scene::Simulation simulation;
-  const std::uint32_t material[2] = {test::add_material(simulation.scene, "dark", dark), test::add_material(simulation.scene, "bright", bright)};
+  const std::uint32_t material[2] = {test::add_material(simulation.scene, "dark", dark),
+                                     test::add_material(simulation.scene, "bright", bright)};
   std::vector<scene::TriangleMesh> tiles;
   for (int i = -30; i < 30; ++i)
     for (int j = -30; j < 30; ++j)

@@ -1,9 +1,10 @@
-// Abundance over a checkerboard of 1-foot cells (S26, S43, S52): the share of a pixel that each fabric covers. Oracles, both in
-// double: the sample positions counted on the board's own formula, and exact areas, the pixel's square clipped by each cell.
-// The distance to the exact areas is the sampling floor that REQUIREMENTS section 3 states for this board in line with the
-// pixels: 11 x 11 samples in 1 m pixels, rms 0.0135, largest 0.047, true share 0.476 to 0.524. That largest is of a finite draw of
-// phases: where the 11 samples of both axes fall 4, 3, 4 on three cells, the error is ((5/11)^2 - m^2) / 2 = 0.0793 with
-// m = (4 - 1 / 0.3048) 0.3048 = 0.2192; 0.14 % of all phases miss by more than 0.047.
+// Abundance over a checkerboard of 1-foot cells (S26, S43, S52): the share of a pixel that each fabric covers. Oracles,
+// both in double: the sample positions counted on the board's own formula, and exact areas, the pixel's square clipped
+// by each cell. The distance to the exact areas is the sampling floor that REQUIREMENTS section 3 states for this board
+// in line with the pixels: 11 x 11 samples in 1 m pixels, rms 0.0135, largest 0.047, true share 0.476 to 0.524. That
+// largest is of a finite draw of phases: where the 11 samples of both axes fall 4, 3, 4 on three cells, the error is
+// ((5/11)^2 - m^2) / 2 = 0.0793 with m = (4 - 1 / 0.3048) 0.3048 = 0.2192; 0.14 % of all phases miss by more than
+// 0.047.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -92,7 +93,8 @@ double exact_share(const Board& board, double x, double y) {
   double covered = 0;
   for (double u = std::floor(lo[0]); u < hi[0]; ++u)
     for (double v = std::floor(lo[1]); v < hi[1]; ++v)
-      if (dark(u + 0.5, v + 0.5)) covered += area(clip(clip(clip(clip(square, -1, 0, -u), 1, 0, u + 1), 0, -1, -v), 0, 1, v + 1));
+      if (dark(u + 0.5, v + 0.5))
+        covered += area(clip(clip(clip(clip(square, -1, 0, -u), 1, 0, u + 1), 0, -1, -v), 0, 1, v + 1));
   return covered * kFoot * kFoot;
 }
 
@@ -118,7 +120,8 @@ Floor check_board(const Board& board) {
         count += dark(at[0], at[1]);
         for (const double t : at) near_edge += std::abs(t - std::round(t)) < 5e-4;  // 0.15 mm: fp32 rays from 610 m
       }
-      const double light = image.layer(line, pixel, image.layers - 2), shown = image.layer(line, pixel, image.layers - 1);
+      const double light = image.layer(line, pixel, image.layers - 2),
+                   shown = image.layer(line, pixel, image.layers - 1);
       worst_sum = std::max(worst_sum, std::abs(light + shown - image.layer(line, pixel, 1)));
       worst_count = std::max(worst_count, std::abs(shown - count / 121.0) - near_edge / 121.0);
       const double exact = exact_share(board, x, y), error = shown - exact;
@@ -129,9 +132,9 @@ Floor check_board(const Board& board) {
       floor.most_share = std::max(floor.most_share, exact);
     }
   floor.rms = std::sqrt(square / (kPixels * kPixels));
-  MESSAGE("turn " << board.turn_deg << ": error of the dark share rms " << floor.rms << ", largest " << floor.largest << ", "
-                  << floor.above << " of " << kPixels * kPixels << " pixels above 0.047; true share " << floor.least_share
-                  << " to " << floor.most_share);
+  MESSAGE("turn " << board.turn_deg << ": error of the dark share rms " << floor.rms << ", largest " << floor.largest
+                  << ", " << floor.above << " of " << kPixels * kPixels << " pixels above 0.047; true share "
+                  << floor.least_share << " to " << floor.most_share);
   CHECK(worst_count < 1e-6);
   CHECK(worst_sum < 1e-6);
   return floor;
@@ -150,7 +153,8 @@ TEST_CASE("S26 S52 checkerboard abundance in line with the pixels is at the stat
   }
 }
 
-TEST_CASE("S26 S52 checkerboard abundance of a turned board is the count of its samples, twice as close as random ones") {
+TEST_CASE(
+    "S26 S52 checkerboard abundance of a turned board is the count of its samples, twice as close as random ones") {
   for (const auto& board : {Board{13, 0.011, 0.023}, Board{45, 0.1, 0.2}, Board{71.5, -0.07, 0.13}})
     CHECK(check_board(board).rms < 0.5 * std::sqrt(0.25 / 121));
 }

@@ -1,5 +1,6 @@
-// Scenes at the edge of what can be rendered (REQUIREMENTS section 4): nothing, one triangle, slivers, the inside of a box,
-// UTM-sized origins, reflectance 0 and 1, path radiance alone. Oracles: closed forms, and equality with the plain case.
+// Scenes at the edge of what can be rendered (REQUIREMENTS section 4): nothing, one triangle, slivers, the inside of a
+// box, UTM-sized origins, reflectance 0 and 1, path radiance alone. Oracles: closed forms, and equality with the plain
+// case.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -52,7 +53,8 @@ TEST_CASE("S63 an empty scene shows path radiance alone; S17 truth says that not
     const auto image = test::render_image(scene_of({}, simulation), hazy_table());
     for (int line = 0; line < 7; ++line)
       for (int pixel = 0; pixel < 9; ++pixel) {
-        for (int band = 0; band < image.bands; ++band) CHECK(image.at(line, pixel, band) == doctest::Approx(kPath).epsilon(1e-6));
+        for (int band = 0; band < image.bands; ++band)
+          CHECK(image.at(line, pixel, band) == doctest::Approx(kPath).epsilon(1e-6));
         CHECK(image.layer(line, pixel, 0) == 0);
         CHECK(image.layer(line, pixel, 1) == 0);
         CHECK(image.layer(line, pixel, 2) == 0);
@@ -65,8 +67,8 @@ TEST_CASE("S15 reflectance 0, tiny and 1: path radiance alone, and the closed fo
   for (const double reflectance : {0.0, 1e-6, 1.0}) {
     scene::Simulation simulation;
     const auto surface = test::add_material(simulation.scene, "m", reflectance);
-    const auto image =
-        test::render_image(scene_of(test::rectangle({-50, -50, 0}, {100, 0, 0}, {0, 100, 0}, surface), simulation), hazy_table());
+    const auto image = test::render_image(
+        scene_of(test::rectangle({-50, -50, 0}, {100, 0, 0}, {0, 100, 0}, surface), simulation), hazy_table());
     for (const float l : image.radiance) CHECK(l == doctest::Approx(plane_radiance(reflectance)).epsilon(1e-6));
   }
 }
@@ -154,7 +156,8 @@ TEST_CASE("S63 sensor inside a closed box: no sun at all, no sky within 4 standa
       CHECK(image.layer(line, pixel, 1) == 1);
       CHECK(image.layer(line, pixel, 2) == 0);
       CHECK(image.layer(line, pixel, 5) == doctest::Approx(-1).epsilon(1e-5));
-      const double sky = (image.at(line, pixel, 0) - kPath) / open;  // share of the open sky: all 16 directions are subtracted
+      const double sky =
+          (image.at(line, pixel, 0) - kPath) / open;  // share of the open sky: all 16 directions are subtracted
       sum += sky;
       square += sky * sky;
     }
@@ -175,14 +178,17 @@ TEST_CASE("S63 the same terrain at UTM northing 4.7e6 m and at the origin gives 
                             const std::string& corner_y) {
     folder.write(name + ".asc",
                  "ncols 40\nnrows 40\nxllcorner " + corner_x + "\nyllcorner " + corner_y + "\ncellsize 1\n" + heights);
-    folder.write(
-        name + ".toml",
-        "format = 1\nmaterial = [ { name = \"soil\", reflectance = 0.3, source = \"test\" } ]\n[scene]\norigin = { easting_m = " +
-            std::to_string(easting) + ", northing_m = " + std::to_string(northing) + " }\n[[terrain]]\nraster = \"" + name +
-            ".asc\"\nmaterial = \"soil\"\n[time]\nsun = { zenith_deg = 60.0, azimuth_deg = 150.0 }\n[[instrument]]\nname = "
-            "\"camera\"\n"
-            "kind = \"framing\"\naltitude_agl_m = 500.0\ngsd_m = 1.0\npixels = 30\nlines = 30\nsamples = { grid = [4, 4] }\n"
-            "bands = { first_nm = 500.0, step_nm = 100.0, count = 4, fwhm_nm = 10.0 }\n");
+    folder.write(name + ".toml",
+                 "format = 1\nmaterial = [ { name = \"soil\", reflectance = 0.3, source = \"test\" } "
+                 "]\n[scene]\norigin = { easting_m = " +
+                     std::to_string(easting) + ", northing_m = " + std::to_string(northing) +
+                     " }\n[[terrain]]\nraster = \"" + name +
+                     ".asc\"\nmaterial = \"soil\"\n[time]\nsun = { zenith_deg = 60.0, azimuth_deg = 150.0 "
+                     "}\n[[instrument]]\nname = "
+                     "\"camera\"\n"
+                     "kind = \"framing\"\naltitude_agl_m = 500.0\ngsd_m = 1.0\npixels = 30\nlines = 30\nsamples = { "
+                     "grid = [4, 4] }\n"
+                     "bands = { first_nm = 500.0, step_nm = 100.0, count = 4, fwhm_nm = 10.0 }\n");
     const auto simulation = scene::load_simulation(folder / (name + ".toml"));
     return test::render_image(simulation, atmos::uniform_sky_table(kSun, kSky, {0.3, 1.0, 4.0}, 60, 150));
   };

@@ -1,5 +1,5 @@
-// White furnace (S16, REQUIREMENTS section 4): a white plane under a uniform sky of radiance 1 shows radiance 1, whatever the
-// number of samples. Plain float sums stall at 2^24 = 1.7e7 samples; chunked, compensated sums do not.
+// White furnace (S16, REQUIREMENTS section 4): a white plane under a uniform sky of radiance 1 shows radiance 1,
+// whatever the number of samples. Plain float sums stall at 2^24 = 1.7e7 samples; chunked, compensated sums do not.
 // Tolerance 1e-6: the weight 1 / N, the map's value pi / pi and the baked band value are each one fp32 rounding (6e-8).
 #include <doctest/doctest.h>
 
@@ -14,7 +14,8 @@ namespace {
 
 using namespace raycube;
 
-test::Image furnace(int samples_u, int samples_v, int pixels = 1, scene::SamplerKind sampler = scene::SamplerKind::grid) {
+test::Image furnace(int samples_u, int samples_v, int pixels = 1,
+                    scene::SamplerKind sampler = scene::SamplerKind::grid) {
   scene::Simulation simulation;
   const auto white = test::add_material(simulation.scene, "white", 1.0);
   test::place(simulation.scene, test::rectangle({-50, -50, 0}, {100, 0, 0}, {0, 100, 0}, white));
@@ -43,7 +44,8 @@ double worst_error(const test::Image& image) {
 
 TEST_CASE("S16 S43 white furnace for grids of 1 x 1 to 31 x 31") {
   double worst = 0;
-  for (const int n : {1, 4, 11, 31}) worst = std::max(worst, worst_error(furnace(n, n, 5)));  // each builds its own kernels
+  for (const int n : {1, 4, 11, 31})
+    worst = std::max(worst, worst_error(furnace(n, n, 5)));  // each builds its own kernels
   worst = std::max({worst, worst_error(furnace(31, 1, 5)), worst_error(furnace(3, 7, 5))});
   MESSAGE("worst error " << worst);
   CHECK(worst < 1e-6);

@@ -27,8 +27,7 @@ double path(double l) { return 0.3 / (l * l); }
 atmos::UniformAir day_air() {
   atmos::UniformAir air;
   air.sun_zenith_deg = kZenith_deg;
-  air.solar_irradiance = sunlight, air.view_transmission = through, air.sky_radiance = sky,
-  air.path_radiance = path;
+  air.solar_irradiance = sunlight, air.view_transmission = through, air.sky_radiance = sky, air.path_radiance = path;
   air.sun_transmission = [](double) { return kSunThrough; };
   air.two_way_factor = [](double) { return kTwoWay; };
   return air;
@@ -67,8 +66,7 @@ double band_mean(double center, Function f) {
 }
 
 double sunlit(double l) {
-  return kRho * (sunlight(l) * kSunThrough * std::cos(kZenith_deg * kDegree) / kPi + sky(l)) * through(l) *
-             kTwoWay +
+  return kRho * (sunlight(l) * kSunThrough * std::cos(kZenith_deg * kDegree) / kPi + sky(l)) * through(l) * kTwoWay +
          path(l);
 }
 double glow(double l, double kelvin) { return (1 - kRho) * base::planck_radiance(l, kelvin) * through(l); }
@@ -78,8 +76,7 @@ double glow(double l, double kelvin) { return (1 - kRho) * base::planck_radiance
 std::vector<double> grid(double last_um) { return atmos::wavelength_grid(0.9, last_um, 0.001); }
 
 bool says(const std::vector<std::string>& notices, const std::string& what) {
-  return std::any_of(notices.begin(), notices.end(),
-                     [&](const auto& n) { return n.find(what) != std::string::npos; });
+  return std::any_of(notices.begin(), notices.end(), [&](const auto& n) { return n.find(what) != std::string::npos; });
 }
 
 }  // namespace
@@ -89,15 +86,15 @@ TEST_CASE(
     "transmission, by day") {
   for (const double kelvin : {600.0, 1200.0, 1500.0})
     for (const std::vector<double>& centers : {std::vector<double>{1.0, 1.6, 2.2}, {1.0, 1.6, 2.2, 3.9}}) {
-      const auto image = test::render_image(plate(kelvin, centers),
-                                            atmos::uniform_table(day_air(), grid(centers.back() + 0.1)));
+      const auto image =
+          test::render_image(plate(kelvin, centers), atmos::uniform_table(day_air(), grid(centers.back() + 0.1)));
       CHECK(image.plan.thermal.on);
       for (std::size_t b = 0; b < centers.size(); ++b) {
         const double own = band_mean(centers[b], [&](double l) { return glow(l, kelvin); }),
                      rest = band_mean(centers[b], sunlit);
         const double found = image.at(1, 2, static_cast<int>(b)), error = std::abs(found / (own + rest) - 1);
-        MESSAGE(kelvin << " K, " << centers[b] << " um: " << found << ", closed form " << own + rest
-                       << " (own light " << own << "), off by " << error);
+        MESSAGE(kelvin << " K, " << centers[b] << " um: " << found << ", closed form " << own + rest << " (own light "
+                       << own << "), off by " << error);
         // 0.001: sun and sky may be left out where they are that part of a band's light (1500 K at 3.9 um);
         // else float and the grid.
         CHECK(error < (rest < 0.01 * own ? 1e-3 : 1e-5));
@@ -128,8 +125,8 @@ TEST_CASE(
     "before") {
   // B of the temperatures just below and above the limit, from the closed form.
   const double l = 2.2, limit = 1e-3 * sunlit(l) / ((1 - kRho) * through(l));
-  const double kelvin = base::kSecondRadiationConstant /
-                        (l * std::log1p(base::kFirstRadiationConstant / (std::pow(l, 5) * limit)));
+  const double kelvin =
+      base::kSecondRadiationConstant / (l * std::log1p(base::kFirstRadiationConstant / (std::pow(l, 5) * limit)));
   const auto table = atmos::uniform_table(day_air(), grid(2.3));
   for (const auto& [factor, on] : {std::pair{0.99, false}, {1.01, true}}) {
     const auto s = plate(kelvin * factor, {1.0, 2.2});
@@ -212,8 +209,7 @@ TEST_CASE(
     emitted.values[i] = static_cast<float>(10 * base::planck_radiance(um[i], 300));
   const auto image = test::render_image(plate(0, {1.0, 2.45}), table);
   CHECK(image.plan.thermal.on);
-  const double want =
-      band_mean(2.45, [](double l) { return sunlit(l) + 10 * base::planck_radiance(l, 300); });
+  const double want = band_mean(2.45, [](double l) { return sunlit(l) + 10 * base::planck_radiance(l, 300); });
   CHECK(std::abs(image.at(1, 1, 1) / want - 1) < 1e-5);
   CHECK(says(image.plan.notices, "the air of the table"));
   // 1.0 to 1.6 um: it makes nothing there, so bits are those of the table without
@@ -223,16 +219,15 @@ TEST_CASE(
   CHECK(near.radiance == test::render_image(plate(0, {1.0, 1.6}), table).radiance);
 }
 
-TEST_CASE(
-    "S14 bands on both sides of 3 um: the table's thermal rows ask for temperatures, as they do beyond") {
+TEST_CASE("S14 bands on both sides of 3 um: the table's thermal rows ask for temperatures, as they do beyond") {
   auto air = day_air();
   air.thermal_sky_radiance = [](double l) { return 0.01 * l; };
   air.thermal_path_radiance = [](double l) { return 0.005 * l; };
   const auto table = atmos::uniform_table(air, grid(3.2));
   const auto image = test::render_image(plate(310, {2.2, 3.1}), table);
   for (const auto& [b, center] : {std::pair{0, 2.2}, {1, 3.1}}) {
-    const double want = band_mean(
-        center, [](double l) { return sunlit(l) + glow(l, 310) + kRho * 0.01 * l * through(l) + 0.005 * l; });
+    const double want =
+        band_mean(center, [](double l) { return sunlit(l) + glow(l, 310) + kRho * 0.01 * l * through(l) + 0.005 * l; });
     CHECK(std::abs(image.at(1, 1, b) / want - 1) < 1e-5);
   }
   CHECK_THROWS_AS(test::render_image(plate(0, {2.2, 3.1}), table), base::Error);
@@ -247,11 +242,9 @@ TEST_CASE(
     s.scene.materials[0].reflectance = {{0.3, 100.0}, {0.0, 0.0}};
     s.atmosphere.none = true;
     s.sun.zenith_deg = 120;
-    const auto table =
-        atmos::vacuum_table(s.sun, 1000, atmos::vacuum_wavelengths(center - 0.06, center + 0.06), {0});
+    const auto table = atmos::vacuum_table(s.sun, 1000, atmos::vacuum_wavelengths(center - 0.06, center + 0.06), {0});
     const auto image = test::render_image(s, table);
-    const double want =
-        band_mean(center, [kelvin = kelvin](double l) { return base::planck_radiance(l, kelvin); });
+    const double want = band_mean(center, [kelvin = kelvin](double l) { return base::planck_radiance(l, kelvin); });
     const double error = std::abs(image.at(1, 1, 0) / want - 1);
     MESSAGE(center << " um, " << kelvin << " K in vacuum: " << image.at(1, 1, 0) << ", off by " << error);
     CHECK(error < 1e-5);
@@ -260,6 +253,5 @@ TEST_CASE(
   s.atmosphere.none = true;
   const auto table = atmos::vacuum_table(s.sun, 1000, atmos::vacuum_wavelengths(9.9, 10.1), {0});
   CHECK_THROWS_WITH_AS(test::render_image(s, table),
-                       doctest::Contains("has no temperature, and bands without air reach beyond 4 um"),
-                       base::Error);
+                       doctest::Contains("has no temperature, and bands without air reach beyond 4 um"), base::Error);
 }

@@ -23,8 +23,7 @@ using Vec = std::array<double, 3>;
 /// Rows of the placement: turn about the vertical, tilt about x, unequal scale, move.
 std::array<double, 12> placement() {
   const double c = std::cos(0.7), s = std::sin(0.7), ct = std::cos(0.3), st = std::sin(0.3);
-  const double turn[3][3] = {{c, -s * ct, s * st}, {s, c * ct, -c * st}, {0, st, ct}},
-               scale[3] = {1.5, 0.6, 2.0};
+  const double turn[3][3] = {{c, -s * ct, s * st}, {s, c * ct, -c * st}, {0, st, ct}}, scale[3] = {1.5, 0.6, 2.0};
   const double move[3] = {3, -2, 20};
   std::array<double, 12> m{};
   for (int i = 0; i < 3; ++i) {
@@ -43,8 +42,7 @@ Vec moved(const std::array<double, 12>& m, const Vec& v) {
 double dot(const Vec& a, const Vec& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 /// Truth layer by name.
-double layer(const test::Image& image, const scene::CompiledScene& scene, const char* name, int line,
-             int pixel) {
+double layer(const test::Image& image, const scene::CompiledScene& scene, const char* name, int line, int pixel) {
   const auto names = render::truth_layer_names(scene);
   for (std::size_t i = 0; i < names.size(); ++i)
     if (names[i].name == name) return image.layer(line, pixel, static_cast<int>(i));
@@ -84,8 +82,7 @@ TEST_CASE(
   air.path_radiance = [](double) { return 5.0; };
   air.sun_zenith_deg = simulation.sun.zenith_deg;
   air.sun_azimuth_deg = simulation.sun.azimuth_deg;
-  const auto image =
-      test::render_image(simulation, atmos::uniform_table(air, atmos::wavelength_grid(0.3, 2.6, 0.01)));
+  const auto image = test::render_image(simulation, atmos::uniform_table(air, atmos::wavelength_grid(0.3, 2.6, 0.01)));
 
   const Vec e = moved(m, a), f = moved(m, b);
   Vec n{e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]};
@@ -138,9 +135,9 @@ TEST_CASE(
     }
 }
 
-// A shadow ray's start is lifted off the surface by the error bound of its place, 2e-7 of the mesh: 2 cm on a plane of 90 km.
-// Truth must not tell that. Level ground at height 0 is met at z = 0 exactly; range over 3 km rounds by 1 ulp of it (2.4e-4 m)
-// in each of a few steps, of 9 samples' mean.
+// A shadow ray's start is lifted off the surface by the error bound of its place, 2e-7 of the mesh: 2 cm on a plane of
+// 90 km. Truth must not tell that. Level ground at height 0 is met at z = 0 exactly; range over 3 km rounds by 1 ulp of
+// it (2.4e-4 m) in each of a few steps, of 9 samples' mean.
 TEST_CASE("S26 height and range on a plane of 90 km are the surface's own, not those of its shadow rays") {
   scene::Simulation simulation;
   const auto surface = test::add_material(simulation.scene, "plain", 0.3);

@@ -1,6 +1,6 @@
-// The same bits whatever the tiles, the memory, the threads and the row capacity (REQUIREMENTS section 4, "results identical for
-// any tile size, work-group size, memory budget"; DESIGN sections 1b and 4). The oracle is equality: one rendering against
-// another of the same scene, all bytes of radiance and truth.
+// The same bits whatever the tiles, the memory, the threads and the row capacity (REQUIREMENTS section 4, "results
+// identical for any tile size, work-group size, memory budget"; DESIGN sections 1b and 4). The oracle is equality: one
+// rendering against another of the same scene, all bytes of radiance and truth.
 #include <doctest/doctest.h>
 
 #include <cstring>
@@ -18,11 +18,13 @@ using namespace raycube;
 /// More than the smallest band table holds (261 rows), so that rows are evicted where memory is short.
 constexpr int kMaterials = 400;
 
-/// Relief of 400 materials and 6 mixtures, 7 turned, tilted and scaled bumpy spheres, low sun: shadows, four nodes and more.
+/// Relief of 400 materials and 6 mixtures, 7 turned, tilted and scaled bumpy spheres, low sun: shadows, four nodes and
+/// more.
 scene::Simulation busy_scene() {
   scene::Simulation simulation;
   auto& scene = simulation.scene;
-  for (int m = 0; m < kMaterials; ++m) test::add_material(scene, "material " + std::to_string(m), 0.05 + 0.9 * m / kMaterials);
+  for (int m = 0; m < kMaterials; ++m)
+    test::add_material(scene, "material " + std::to_string(m), 0.05 + 0.9 * m / kMaterials);
   for (std::uint32_t m = 0; m < 6; ++m) {
     shared::Surface mixture{};
     for (std::uint32_t k = 0; k < 4; ++k) mixture.curve[k] = 1 + 5 * m + 3 * k;
@@ -32,13 +34,16 @@ scene::Simulation busy_scene() {
   }
   auto ground = test::terrain(150, 90);
   for (std::size_t t = 0; t < ground.surface.size(); ++t)
-    ground.surface[t] = static_cast<std::uint32_t>(test::unit_random(3, static_cast<std::uint32_t>(t), 0) * (kMaterials + 6));
+    ground.surface[t] =
+        static_cast<std::uint32_t>(test::unit_random(3, static_cast<std::uint32_t>(t), 0) * (kMaterials + 6));
   test::place(scene, ground);
   auto ball = test::sphere(2, 3, 0.2);
-  for (std::size_t t = 0; t < ball.surface.size(); ++t) ball.surface[t] = static_cast<std::uint32_t>(kMaterials - 2 + t % 4);
+  for (std::size_t t = 0; t < ball.surface.size(); ++t)
+    ball.surface[t] = static_cast<std::uint32_t>(kMaterials - 2 + t % 4);
   const auto mesh = append_mesh(scene, "ball", ball);
   for (std::uint32_t i = 0; i < 7; ++i)
-    append_instance(scene, mesh, test::placement(0.7 * i, 0.3 * i, 0.5 + 0.2 * i, 8.0 * i - 24, 11.0 * (i % 3) - 9, 5), i + 1);
+    append_instance(scene, mesh, test::placement(0.7 * i, 0.3 * i, 0.5 + 0.2 * i, 8.0 * i - 24, 11.0 * (i % 3) - 9, 5),
+                    i + 1);
   finish_top_tree(scene);
   simulation.sun.zenith_deg = 62;
   simulation.sun.azimuth_deg = 130;
@@ -99,14 +104,15 @@ void check_same(const scene::Simulation& simulation, const test::Image& first, c
   check_same(simulation, first, variants, table_for(simulation));
 }
 
-/// Hardly more than the least that works, the band table's rows of one pixel (twice as many where light goes between ground and
-/// air), and a line that it does not hold.
+/// Hardly more than the least that works, the band table's rows of one pixel (twice as many where light goes between
+/// ground and air), and a line that it does not hold.
 constexpr std::size_t kLittle_bytes = 1000 << 10;
 constexpr int kWide = 48;
 
 /// Work-groups of `local` items, of three for two kernels; tiles of about so many samples.
 Variant launches(std::size_t local, std::size_t tile_samples = render::kTileSamples) {
-  Variant variant{"work-groups of " + std::to_string(local) + ", tiles of " + std::to_string(tile_samples) + " samples", {}};
+  Variant variant{"work-groups of " + std::to_string(local) + ", tiles of " + std::to_string(tile_samples) + " samples",
+                  {}};
   variant.options.tuning = render::DeviceTuning{{local, {{"trace_light", 3}, {"resolve", 3}}}, tile_samples, false};
   return variant;
 }
@@ -116,7 +122,8 @@ Variant launches(std::size_t local, std::size_t tile_samples = render::kTileSamp
 TEST_CASE("S60 S63 radiance and truth are the same bytes for any tiles, memory, threads and row capacity") {
   const auto simulation = busy_scene();
   const auto first = test::render_image(simulation, table_for(simulation));
-  // The scene must be able to show a difference: overflow, several nodes and components, shadow, instances, many values.
+  // The scene must be able to show a difference: overflow, several nodes and components, shadow, instances, many
+  // values.
   CHECK(first.statistics.overflow_pixels > 10);
   CHECK(first.plan.sky_components > 1);
   CHECK(first.plan.height.count > 1);
@@ -125,12 +132,13 @@ TEST_CASE("S60 S63 radiance and truth are the same bytes for any tiles, memory, 
   for (int line = 0; line < first.lines; ++line) lit += first.layer(line, 3, 2);
   CHECK(lit < 0.95 * first.lines);
   MESSAGE(first.statistics.overflow_pixels << " of " << first.lines * first.pixels << " pixels overflow 16 keys, "
-                                           << first.plan.source_channels() << " source and " << first.plan.path_channels()
-                                           << " path channels");
-  check_same(simulation, first,
-             {Variant{"the same once more", {}}, tiles(1), tiles(7), tiles(64), tiles(67), memory(std::size_t{256} << 20),
-              memory(std::size_t{8} << 30), threads(1), threads(2), capacity(1), capacity(2), capacity(16), capacity(256),
-              launches(5), launches(1 << 20), launches(5, 6 * 128 * 10), launches(1, std::size_t{1} << 30)});
+                                           << first.plan.source_channels() << " source and "
+                                           << first.plan.path_channels() << " path channels");
+  check_same(
+      simulation, first,
+      {Variant{"the same once more", {}}, tiles(1), tiles(7), tiles(64), tiles(67), memory(std::size_t{256} << 20),
+       memory(std::size_t{8} << 30), threads(1), threads(2), capacity(1), capacity(2), capacity(16), capacity(256),
+       launches(5), launches(1 << 20), launches(5, 6 * 128 * 10), launches(1, std::size_t{1} << 30)});
 }
 
 TEST_CASE("S63 tiles follow the samples that a launch is worth") {

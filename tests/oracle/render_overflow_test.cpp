@@ -1,8 +1,8 @@
-// Pixels with more product keys than a row holds (DESIGN section 1b): the relaunch with 64 and 256 keys and the sum per sample.
-// Oracle: a square of n x n tiles, each its own constant material, fills one pixel of a camera straight above; which sample
-// meets which tile is an integer division, and the radiance is a sum over samples in double under a uniform sun and sky.
-// Tolerance 2e-6: one fp32 rounding of the band value, one of each weight, and float16 sums of up to 64 groups (PERFORMANCE:
-// float32 terms against double 2.5e-7, here with sums of a thousand samples).
+// Pixels with more product keys than a row holds (DESIGN section 1b): the relaunch with 64 and 256 keys and the sum per
+// sample. Oracle: a square of n x n tiles, each its own constant material, fills one pixel of a camera straight above;
+// which sample meets which tile is an integer division, and the radiance is a sum over samples in double under a
+// uniform sun and sky. Tolerance 2e-6: one fp32 rounding of the band value, one of each weight, and float16 sums of up
+// to 64 groups (PERFORMANCE: float32 terms against double 2.5e-7, here with sums of a thousand samples).
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -45,7 +45,8 @@ struct TiledLine {
           mesh.vertices.push_back({float(left + pixel * i / n), float(pixel / 2 - pixel * j / n), 0.0f});
       for (int j = 0; j < n; ++j)
         for (int i = 0; i < n; ++i) {
-          const auto at = base + static_cast<std::uint32_t>(j * (n + 1) + i), below = at + static_cast<std::uint32_t>(n) + 1;
+          const auto at = base + static_cast<std::uint32_t>(j * (n + 1) + i),
+                     below = at + static_cast<std::uint32_t>(n) + 1;
           mesh.triangles.push_back({at, below, below + 1});
           mesh.triangles.push_back({at, below + 1, at + 1});
           mesh.surface.insert(mesh.surface.end(), 2,
@@ -63,7 +64,8 @@ struct TiledLine {
   }
 
   test::Image render(const render::RenderOptions& options = {}) const {
-    return test::render_image(simulation, atmos::uniform_sky_table(kSun, kSky, {0.3, 1.0, 4.0}, kSunZenith_deg), options);
+    return test::render_image(simulation, atmos::uniform_sky_table(kSun, kSky, {0.3, 1.0, 4.0}, kSunZenith_deg),
+                              options);
   }
 
   /// Samples of pixel p in tile t, over all samples.
@@ -79,7 +81,8 @@ struct TiledLine {
   double radiance(std::size_t p) const {
     const double unit = kSun * std::cos(kSunZenith_deg * std::numbers::pi / 180) / std::numbers::pi + kSky;
     double sum = 0;
-    for (int t = 0; t < tiles[p] * tiles[p]; ++t) sum += tile_reflectance(first[p] + std::size_t(t), materials) * share(p, t);
+    for (int t = 0; t < tiles[p] * tiles[p]; ++t)
+      sum += tile_reflectance(first[p] + std::size_t(t), materials) * share(p, t);
     return unit * sum;
   }
 };
@@ -93,7 +96,8 @@ void check_line(const TiledLine& line, const test::Image& image, double toleranc
     double abundances = 0;
     for (int layer = image.layers - int(line.materials); layer < image.layers; ++layer)
       abundances += image.layer(0, int(p), layer);
-    CHECK(abundances == doctest::Approx(image.layer(0, int(p), 1)).epsilon(1e-5));  // S26: abundances sum to the hit fraction
+    CHECK(abundances ==
+          doctest::Approx(image.layer(0, int(p), 1)).epsilon(1e-5));  // S26: abundances sum to the hit fraction
     CHECK(image.layer(0, int(p), 1) == doctest::Approx(1).epsilon(1e-6));
     for (int t = 0; t < n * n; t += 1 + n * n / 400) {
       const int layer = image.layers - int(line.materials) + int(line.first[p]) + t;
@@ -111,7 +115,8 @@ void check_line(const TiledLine& line, const test::Image& image, double toleranc
 }  // namespace
 
 TEST_CASE("S60 pixels of 1 to 324 curves equal the sum over samples in double, with and without the overflow path") {
-  const TiledLine line({1, 4, 5, 10, 18, 15, 17, 3}, 32);  // 1, 16, 25, 100, 324, 225, 289, 9 curves; rows hold 16, 64, 256
+  const TiledLine line({1, 4, 5, 10, 18, 15, 17, 3},
+                       32);  // 1, 16, 25, 100, 324, 225, 289, 9 curves; rows hold 16, 64, 256
   const auto image = line.render();
   check_line(line, image, 2e-6);
   CHECK(image.statistics.overflow_pixels == 5);
@@ -137,11 +142,13 @@ TEST_CASE("S4.9 S60 light of the ground around joins pixels of 1, 100 and 324 cu
     const auto image = test::render_image(line.simulation, atmos::uniform_table(air, {0.3, 1.0, 4.0}));
     CHECK(image.statistics.per_sample_pixels == 1);
     double mean = 0;
-    for (std::size_t m = 0; m < line.materials; ++m) mean += image.plan.environment.mean[m] * tile_reflectance(m, line.materials);
+    for (std::size_t m = 0; m < line.materials; ++m)
+      mean += image.plan.environment.mean[m] * tile_reflectance(m, line.materials);
     CHECK(mean > 0.1);
     const double light = kSun * std::cos(kSunZenith_deg * std::numbers::pi / 180) / std::numbers::pi + kSky;
     for (std::size_t p = 0; p < line.tiles.size(); ++p)
-      CHECK(image.at(0, int(p), 1) == doctest::Approx((line.radiance(p) + 0.25 * mean * light) / (1 - 0.25 * mean)).epsilon(2e-6));
+      CHECK(image.at(0, int(p), 1) ==
+            doctest::Approx((line.radiance(p) + 0.25 * mean * light) / (1 - 0.25 * mean)).epsilon(2e-6));
   }
 }
 

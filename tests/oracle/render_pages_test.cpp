@@ -1,5 +1,5 @@
-// Scene arrays in pages (DESIGN section 2; S60, S63): the same bits as in one buffer. The oracle is equality, stage by stage, with
-// what one page of each array gives; scene_pages_test.cpp compares the elements themselves.
+// Scene arrays in pages (DESIGN section 2; S60, S63): the same bits as in one buffer. The oracle is equality, stage by
+// stage, with what one page of each array gives; scene_pages_test.cpp compares the elements themselves.
 #include <doctest/doctest.h>
 
 #include <cstring>
@@ -33,7 +33,8 @@ scene::Simulation large_scene() {
   constexpr std::uint32_t kMixtures = 40000, kMaterials = 8, kStones = 24000, kPerRow = 155;
   scene::Simulation simulation;
   auto& scene = simulation.scene;
-  for (std::uint32_t m = 0; m < kMaterials; ++m) test::add_material(scene, "material " + std::to_string(m), 0.1 + 0.1 * m);
+  for (std::uint32_t m = 0; m < kMaterials; ++m)
+    test::add_material(scene, "material " + std::to_string(m), 0.1 + 0.1 * m);
   for (std::uint32_t k = 0; k < kMixtures; ++k) {
     shared::Surface mixture{};
     const float part = static_cast<float>(test::unit_random(4, k, 0));
@@ -45,7 +46,8 @@ scene::Simulation large_scene() {
   }
   const auto any_surface = [&](scene::TriangleMesh& mesh, std::uint32_t seed) {
     for (std::size_t t = 0; t < mesh.surface.size(); ++t)
-      mesh.surface[t] = static_cast<std::uint32_t>(test::unit_random(seed, static_cast<std::uint32_t>(t), 0) * (kMixtures + kMaterials));
+      mesh.surface[t] = static_cast<std::uint32_t>(test::unit_random(seed, static_cast<std::uint32_t>(t), 0) *
+                                                   (kMixtures + kMaterials));
   };
   auto ground = test::terrain(200, 160);
   any_surface(ground, 5);
@@ -55,8 +57,10 @@ scene::Simulation large_scene() {
   append_instance(scene, ground_mesh, test::kIdentity, 0);
   for (std::uint32_t i = 0; i < kStones; ++i)
     append_instance(scene, stone_mesh,
-                    test::placement(0.7 * i, 0.3 * i, 0.6 + 0.8 * test::unit_random(7, i, 0), i % kPerRow - 77.0 + 0.3 * test::unit_random(7, i, 1),
-                                    i / kPerRow - 77.0, 3 + test::unit_random(7, i, 2)), i + 1);
+                    test::placement(0.7 * i, 0.3 * i, 0.6 + 0.8 * test::unit_random(7, i, 0),
+                                    i % kPerRow - 77.0 + 0.3 * test::unit_random(7, i, 1), i / kPerRow - 77.0,
+                                    3 + test::unit_random(7, i, 2)),
+                    i + 1);
   finish_top_tree(scene);
   simulation.sun.zenith_deg = 55;
   simulation.sun.azimuth_deg = 130;
@@ -77,7 +81,8 @@ const scene::Simulation& large() {
 
 }  // namespace
 
-TEST_CASE("S8 S60 S63 pages of 1 MiB: hits, surface points, sun and sky are those of one page, in bundles and ray by ray") {
+TEST_CASE(
+    "S8 S60 S63 pages of 1 MiB: hits, surface points, sun and sky are those of one page, in bundles and ray by ray") {
   const auto& scene = large().scene;
   const render::SceneBuffers buffers(context(), scene, kMiB);
   MESSAGE("pages: nodes " << buffers.nodes.size() << ", triangles " << buffers.blocks.size() << ", instances "
@@ -119,8 +124,9 @@ TEST_CASE("S8 S60 S63 pages of 1 MiB: hits, surface points, sun and sky are thos
 
 TEST_CASE("S60 S63 pages of 1 MiB: radiance and truth are the same bytes") {
   const auto& simulation = large();
-  const auto table = atmos::build_clear_sky(simulation.atmosphere, simulation.sun, 300, atmos::wavelength_grid(0.46, 0.74, 0.004),
-                                            atmos::clear_sky_heights(simulation.scene.lo[2], simulation.scene.hi[2]));
+  const auto table =
+      atmos::build_clear_sky(simulation.atmosphere, simulation.sun, 300, atmos::wavelength_grid(0.46, 0.74, 0.004),
+                             atmos::clear_sky_heights(simulation.scene.lo[2], simulation.scene.hi[2]));
   const auto plain = test::render_image(simulation, table);
   render::RenderOptions options;
   options.page_bytes = kMiB;

@@ -1,6 +1,6 @@
 // A tilted Lambertian plane with nothing to block its light: the whole chain against closed forms (S15, S16, S18).
-// Geometry: one rectangle tilted 25 degrees, framing camera straight above, 16 samples a pixel. The sky is integrated on the
-// whole hemisphere by the test itself, in double, from the same table.
+// Geometry: one rectangle tilted 25 degrees, framing camera straight above, 16 samples a pixel. The sky is integrated
+// on the whole hemisphere by the test itself, in double, from the same table.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -22,7 +22,8 @@ scene::Simulation tilted_plane(double tilt_deg, double azimuth_deg, double sun_z
   const auto surface = test::add_material(simulation.scene, "grey", 0.3);
   const double c = std::cos(tilt_deg * kDegree), s = std::sin(tilt_deg * kDegree);
   const double ax = std::sin(azimuth_deg * kDegree), ay = std::cos(azimuth_deg * kDegree);
-  const std::array<double, 3> down{100 * ax * c, 100 * ay * c, -100 * s}, side{-200 * ay, 200 * ax, 0};  // down: along the fall line
+  const std::array<double, 3> down{100 * ax * c, 100 * ay * c, -100 * s},
+      side{-200 * ay, 200 * ax, 0};  // down: along the fall line
   test::place(simulation.scene, test::rectangle({-down[0] - side[0] / 2, -down[1] - side[1] / 2, -down[2]},
                                                 {2 * down[0], 2 * down[1], 2 * down[2]}, side, surface));
   finish_top_tree(simulation.scene);
@@ -73,35 +74,40 @@ TEST_CASE("S18 tilted plane under a real clear sky equals quadrature of the tabl
   for (const double tilt_deg : {0.0, 35.0}) {
     const double azimuth_deg = 200, sun_zenith_deg = 50, sun_azimuth_deg = 150;
     auto simulation = tilted_plane(tilt_deg, azimuth_deg, sun_zenith_deg, sun_azimuth_deg);
-    // Four close wavelengths: four sky components carry the table exactly, and a product of linear spectra is linear to 1e-6
-    // (what truncation and coarse grids cost is measured by the plan's own tests).
+    // Four close wavelengths: four sky components carry the table exactly, and a product of linear spectra is linear to
+    // 1e-6 (what truncation and coarse grids cost is measured by the plan's own tests).
     // One height: the table states that nothing varies with it, so that the closed form needs no height integral.
     simulation.sun.day_of_year = 264;
-    const auto table = atmos::build_clear_sky(simulation.atmosphere, simulation.sun, 1000.0,
-                                              {0.546, 0.549, 0.552, 0.555}, {0.0});
+    const auto table =
+        atmos::build_clear_sky(simulation.atmosphere, simulation.sun, 1000.0, {0.546, 0.549, 0.552, 0.555}, {0.0});
     simulation.instruments[0].bands = test::gaussian_bands({0.549, 0.5505, 0.552}, 0.001);
     simulation.tolerance = 1e-4;
     const auto image = test::render_image(simulation, table, {}, [](plan::Plan& plan) {
       // Path radiance and view transmission have their own tests; here they would add their interpolation.
       for (auto& spectrum : plan.path_spectrum) std::fill(spectrum.begin(), spectrum.end(), 0.0);
     });
-    // Irradiance on the plane per sky component: midpoint rule on 0.25 degree cells of the hemisphere, weights exact in zenith.
-    // The table's own sky, summed by the same rule, shows what the plan's angular maps (linear between their nodes) cost.
+    // Irradiance on the plane per sky component: midpoint rule on 0.25 degree cells of the hemisphere, weights exact in
+    // zenith. The table's own sky, summed by the same rule, shows what the plan's angular maps (linear between their
+    // nodes) cost.
     const auto& wavelength = atmos::wavelengths(table);
     const std::array<double, 3> normal{std::sin(tilt_deg * kDegree) * std::sin(azimuth_deg * kDegree),
-                                       std::sin(tilt_deg * kDegree) * std::cos(azimuth_deg * kDegree), std::cos(tilt_deg * kDegree)};
+                                       std::sin(tilt_deg * kDegree) * std::cos(azimuth_deg * kDegree),
+                                       std::cos(tilt_deg * kDegree)};
     std::array<double, 4> component{};
     std::vector<double> from_table(wavelength.size(), 0.0);
     const double step = 0.25;
     for (double zenith = step / 2; zenith < 90; zenith += step)
       for (double azimuth = step / 2; azimuth < 360; azimuth += step) {
-        const double s = std::sin(zenith * kDegree), x = s * std::sin(azimuth * kDegree), y = s * std::cos(azimuth * kDegree);
+        const double s = std::sin(zenith * kDegree), x = s * std::sin(azimuth * kDegree),
+                     y = s * std::cos(azimuth * kDegree);
         const double z = std::cos(zenith * kDegree), cosine = normal[0] * x + normal[1] * y + normal[2] * z;
         if (cosine <= 0) continue;
-        const double omega = (std::cos((zenith - step / 2) * kDegree) - std::cos((zenith + step / 2) * kDegree)) * step * kDegree;
+        const double omega =
+            (std::cos((zenith - step / 2) * kDegree) - std::cos((zenith + step / 2) * kDegree)) * step * kDegree;
         const auto maps = plan::sky_value(image.plan.sky_basis, sun_azimuth_deg * kDegree, x, y, z);
         for (int m = 0; m < 4; ++m) component[m] += maps[m] * cosine * omega;
-        if (std::fmod(zenith, 1) != 0.625 || std::fmod(azimuth, 1) != 0.625) continue;  // one cell in 16 is enough for 1e-3
+        if (std::fmod(zenith, 1) != 0.625 || std::fmod(azimuth, 1) != 0.625)
+          continue;  // one cell in 16 is enough for 1e-3
         const auto sky = atmos::sky_radiance(table, 0, zenith, azimuth - sun_azimuth_deg);
         for (std::size_t i = 0; i < sky.size(); ++i) from_table[i] += sky[i] * cosine * omega * 16;
       }
@@ -115,7 +121,8 @@ TEST_CASE("S18 tilted plane under a real clear sky equals quadrature of the tabl
     std::vector<double> radiance(wavelength.size());
     for (std::size_t i = 0; i < radiance.size(); ++i) {
       const auto at = std::find_if(image.plan.wavelength_um.begin(), image.plan.wavelength_um.end(),
-                                   [&](double l) { return std::abs(l - wavelength[i]) < 1e-9; }) - image.plan.wavelength_um.begin();
+                                   [&](double l) { return std::abs(l - wavelength[i]) < 1e-9; }) -
+                      image.plan.wavelength_um.begin();
       double sky = 0;  // radiance of unit reflectance, the air on the way to the sensor included
       for (int m = 0; m < image.plan.sky_components; ++m) sky += image.plan.source_spectrum[1 + m][at] * component[m];
       CHECK(sky == doctest::Approx(from_table[i] * view[i] * factor[i] / kPi).epsilon(2e-3));
@@ -127,8 +134,8 @@ TEST_CASE("S18 tilted plane under a real clear sky equals quadrature of the tabl
       double sum = 0, norm = 0;
       for (double l = 0.54601; l <= 0.55499; l += 1e-6) {
         const double response = std::exp(-4 * std::log(2.0) * std::pow((l - band.center_um) / band.fwhm_um, 2));
-        const auto at = std::min<std::size_t>(std::upper_bound(wavelength.begin(), wavelength.end(), l) - wavelength.begin(),
-                                              wavelength.size() - 1);
+        const auto at = std::min<std::size_t>(
+            std::upper_bound(wavelength.begin(), wavelength.end(), l) - wavelength.begin(), wavelength.size() - 1);
         const double f = (l - wavelength[at - 1]) / (wavelength[at] - wavelength[at - 1]);
         sum += response * (radiance[at - 1] * (1 - f) + radiance[at] * f);
         norm += response;

@@ -1,6 +1,7 @@
-// A straight edge between two fabrics seen through a point spread (S48, S58): the pixel values across it are the integral of the
-// detector's box convolved with the optics' Gaussian, cut to the sampled square. Oracle: that integral by Simpson's rule in double.
-// The edge lies on cell borders of the sampler, so that no sampling error remains; tolerance 1e-6: fp32 sums of 1600 weights.
+// A straight edge between two fabrics seen through a point spread (S48, S58): the pixel values across it are the
+// integral of the detector's box convolved with the optics' Gaussian, cut to the sampled square. Oracle: that integral
+// by Simpson's rule in double. The edge lies on cell borders of the sampler, so that no sampling error remains;
+// tolerance 1e-6: fp32 sums of 1600 weights.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -14,19 +15,23 @@ namespace {
 using namespace raycube;
 constexpr double kDark = 0.1, kLight = 0.8, kSky = 40;
 
-/// Response of a pixel to what lies left of x (pixels from its centre): box of 1 convolved with a Gaussian, from `from`.
+/// Response of a pixel to what lies left of x (pixels from its centre): box of 1 convolved with a Gaussian, from
+/// `from`.
 double response(double from, double x, double sigma) {
   const auto normal = [&](double t) { return 0.5 * std::erfc(-t / (sigma * std::sqrt(2.0))); };
   const auto density = [&](double t) { return normal(t + 0.5) - normal(t - 0.5); };
   constexpr int kSteps = 2000;
   double sum = 0;
-  for (int i = 0; i <= kSteps; ++i) sum += density(from + (x - from) * i / kSteps) * (i == 0 || i == kSteps ? 1 : i % 2 ? 4 : 2);
+  for (int i = 0; i <= kSteps; ++i)
+    sum += density(from + (x - from) * i / kSteps) * (i == 0 || i == kSteps ? 1 : i % 2 ? 4 : 2);
   return sum * (x - from) / kSteps / 3;
 }
 
 }  // namespace
 
-TEST_CASE("S48 S58 an edge through box and Gaussian equals the integral of the point spread, samples in one chunk and in two") {
+TEST_CASE(
+    "S48 S58 an edge through box and Gaussian equals the integral of the point spread, samples in one chunk and in "
+    "two") {
   for (const int samples : {24, 40}) {  // 576, and 1600 in chunks of 1000
     scene::Simulation simulation;
     const auto dark = test::add_material(simulation.scene, "dark", kDark),
@@ -47,7 +52,8 @@ TEST_CASE("S48 S58 an edge through box and Gaussian equals the integral of the p
     for (int line = 0; line < 3; ++line)
       for (int pixel = 0; pixel < 8; ++pixel) {
         const double edge = std::clamp(3.5 - pixel, -2.0, 2.0), share = response(-2, edge, camera.psf_sigma_px) / whole;
-        worst = std::max(worst, std::abs(image.at(line, pixel, 0) / (kSky * (kDark * share + kLight * (1 - share))) - 1));
+        worst =
+            std::max(worst, std::abs(image.at(line, pixel, 0) / (kSky * (kDark * share + kLight * (1 - share))) - 1));
         CHECK(image.layer(line, pixel, image.layers - 2) == doctest::Approx(share).epsilon(1e-6));
         CHECK(image.layer(line, pixel, 1) == doctest::Approx(1).epsilon(1e-6));
       }

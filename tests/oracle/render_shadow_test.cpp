@@ -1,6 +1,6 @@
-// Shadow geometry and grazing views through the whole chain (S15, S63): a box on a plane, suns from the zenith to below the
-// horizon, views almost level. Oracles in double, in closed form: each sample's hit on box or plane and the slab test of its way
-// to the sun; the shadow's edge lies height * tan(zenith) behind the box.
+// Shadow geometry and grazing views through the whole chain (S15, S63): a box on a plane, suns from the zenith to below
+// the horizon, views almost level. Oracles in double, in closed form: each sample's hit on box or plane and the slab
+// test of its way to the sun; the shadow's edge lies height * tan(zenith) behind the box.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -23,8 +23,9 @@ struct Vec {
   double x, y, z;
 };
 
-/// How far inside the box the ray o + t d (t > 0) comes: largest clearance over the ray of min(distance to each face), m;
-/// positive: it hits. Piecewise linear and concave in t, so the best t is where two of the faces' clearances cross, or t = 0.
+/// How far inside the box the ray o + t d (t > 0) comes: largest clearance over the ray of min(distance to each face),
+/// m; positive: it hits. Piecewise linear and concave in t, so the best t is where two of the faces' clearances cross,
+/// or t = 0.
 double depth_in_box(const Vec& o, const Vec& d) {
   const double offset[6] = {kHalf - o.x, kHalf + o.x, kHalf - o.y, kHalf + o.y, kHeight - o.z, o.z};
   const double slope[6] = {-d.x, d.x, -d.y, d.y, -d.z, d.z};
@@ -41,11 +42,13 @@ double depth_in_box(const Vec& o, const Vec& d) {
   return best;
 }
 
-scene::Simulation box_scene(double sun_zenith_deg, double sun_azimuth_deg, int pixels, int lines, double gsd_m, double x_m,
-                            bool with_box = true) {
+scene::Simulation box_scene(double sun_zenith_deg, double sun_azimuth_deg, int pixels, int lines, double gsd_m,
+                            double x_m, bool with_box = true) {
   scene::Simulation simulation;
-  const auto ground = test::add_material(simulation.scene, "ground", 0.3), top = test::add_material(simulation.scene, "box", 0.6);
-  // Shadow rays start off the surface by an error bound that grows with the triangle: 1.4 cm on one of 60 km, 50 um on 200 m.
+  const auto ground = test::add_material(simulation.scene, "ground", 0.3),
+             top = test::add_material(simulation.scene, "box", 0.6);
+  // Shadow rays start off the surface by an error bound that grows with the triangle: 1.4 cm on one of 60 km, 50 um on
+  // 200 m.
   const double reach = with_box ? 100 : 30000;
   test::place(simulation.scene, test::rectangle({-reach, -reach, 0}, {2 * reach, 0, 0}, {0, 2 * reach, 0}, ground));
   if (with_box) test::place(simulation.scene, test::box({-kHalf, -kHalf, 0}, {kHalf, kHalf, kHeight}, top));
@@ -60,17 +63,18 @@ scene::Simulation box_scene(double sun_zenith_deg, double sun_azimuth_deg, int p
 }
 
 test::Image rendered(const scene::Simulation& simulation, double sun = 1000, double sky = 0) {
-  return test::render_image(
-      simulation, atmos::uniform_sky_table(sun, sky, {0.3, 1.0, 4.0}, simulation.sun.zenith_deg, simulation.sun.azimuth_deg));
+  return test::render_image(simulation, atmos::uniform_sky_table(sun, sky, {0.3, 1.0, 4.0}, simulation.sun.zenith_deg,
+                                                                 simulation.sun.azimuth_deg));
 }
 
 Vec to_sun(const scene::Sun& sun) {
   const double s = std::sin(sun.zenith_deg * kDegree);
-  return {s * std::sin(sun.azimuth_deg * kDegree), s * std::cos(sun.azimuth_deg * kDegree), std::cos(sun.zenith_deg * kDegree)};
+  return {s * std::sin(sun.azimuth_deg * kDegree), s * std::cos(sun.azimuth_deg * kDegree),
+          std::cos(sun.zenith_deg * kDegree)};
 }
 
-/// Whether the face of the box that the ray meets first is lit: 1 or 0 (nothing shades a face turned to the sun), -1 when the
-/// ray passes within 2 mm of an edge between faces.
+/// Whether the face of the box that the ray meets first is lit: 1 or 0 (nothing shades a face turned to the sun), -1
+/// when the ray passes within 2 mm of an edge between faces.
 int box_face(const Vec& o, const Vec& d, const Vec& sun) {
   const double top = (kHeight - o.z) / d.z, x = o.x + top * d.x, y = o.y + top * d.y;
   const double beyond = std::max(std::abs(x), std::abs(y)) - kHalf;
@@ -79,8 +83,9 @@ int box_face(const Vec& o, const Vec& d, const Vec& sun) {
   return (std::abs(x) > std::abs(y) ? x * sun.x : y * sun.y) > 0;
 }
 
-/// Lit samples of a pixel in closed form, and those within 2 mm of an outline of box or shadow (fp32 rays from 500 m know
-/// the ground to 0.1 mm; the sun's direction in fp32 and the offset of shadow rays add to that along long shadows).
+/// Lit samples of a pixel in closed form, and those within 2 mm of an outline of box or shadow (fp32 rays from 500 m
+/// know the ground to 0.1 mm; the sun's direction in fp32 and the offset of shadow rays add to that along long
+/// shadows).
 struct Count {
   int lit = 0, near = 0;
 };
@@ -134,8 +139,8 @@ TEST_CASE("S15 S63 shadow of a box: every sample as in closed form, edge at heig
         worst = std::max({worst, count.lit - lit, lit - count.lit - count.near});
       }
     }
-    MESSAGE("sun " << zenith_deg << ", " << azimuth_deg << ": worst difference " << worst << " samples, " << near << " of "
-                   << image.lines * image.pixels * kSide * kSide << " too close to tell, " << dark_pixels
+    MESSAGE("sun " << zenith_deg << ", " << azimuth_deg << ": worst difference " << worst << " samples, " << near
+                   << " of " << image.lines * image.pixels * kSide * kSide << " too close to tell, " << dark_pixels
                    << " pixels in full shadow");
     CHECK(worst < 1e-3);
     CHECK(near < 0.01 * image.lines * image.pixels * kSide * kSide);

@@ -46,8 +46,7 @@ scene::Simulation plain(const std::vector<Plate>& plates, Carrier carrier = Carr
   const auto plate = [&](double x, double y, double side) {
     return test::rectangle({x - side / 2, y - side / 2, kHeight_m}, {side, 0, 0}, {0, side, 0}, target);
   };
-  std::vector<scene::TriangleMesh> all = {
-      test::rectangle({-2000, -2000, 0}, {4000, 0, 0}, {0, 4000, 0}, ground)};
+  std::vector<scene::TriangleMesh> all = {test::rectangle({-2000, -2000, 0}, {4000, 0, 0}, {0, 4000, 0}, ground)};
   for (const Plate& p : plates) all.push_back(plate(p.x_m, p.y_m, p.side_m));
   if (carrier == Carrier::one_mesh) {
     test::place(scene, test::join(all));
@@ -83,8 +82,7 @@ test::Image shoot(const scene::Simulation& simulation, const scene::Instrument& 
 using Point = std::array<double, 2>;
 
 /// Place (u, v) in a pixel, pixels from its centre, of a point of the scene: Newton's method on the rays.
-Point place_in_pixel(const scene::Instrument& instrument, int line, int sample, double x, double y,
-                     double z) {
+Point place_in_pixel(const scene::Instrument& instrument, int line, int sample, double x, double y, double z) {
   const auto ground = [&](double u, double v) {
     const auto ray = sensors::pixel_ray(instrument, line, sample, u, v);
     const double t = (z - ray.origin_m.z) / ray.direction.z;
@@ -94,8 +92,8 @@ Point place_in_pixel(const scene::Instrument& instrument, int line, int sample, 
   for (int round = 0; round < 20; ++round) {
     constexpr double step = 1e-4;
     const Point here = ground(u, v), along = ground(u + step, v), across = ground(u, v + step);
-    const double a = (along[0] - here[0]) / step, b = (across[0] - here[0]) / step,
-                 c = (along[1] - here[1]) / step, d = (across[1] - here[1]) / step;
+    const double a = (along[0] - here[0]) / step, b = (across[0] - here[0]) / step, c = (along[1] - here[1]) / step,
+                 d = (across[1] - here[1]) / step;
     const double det = a * d - b * c;
     u -= (d * here[0] - b * here[1]) / det, v -= (a * here[1] - c * here[0]) / det;
   }
@@ -147,8 +145,8 @@ std::vector<double> exact_shares(const scene::Instrument& instrument, const std:
         if (std::abs(middle[0]) > reach || std::abs(middle[1]) > reach) continue;
         std::vector<Point> corners;
         for (const auto& [i, j] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}})
-          corners.push_back(place_in_pixel(instrument, line, sample, p.x_m + i * p.side_m / 2,
-                                           p.y_m + j * p.side_m / 2, kHeight_m));
+          corners.push_back(
+              place_in_pixel(instrument, line, sample, p.x_m + i * p.side_m / 2, p.y_m + j * p.side_m / 2, kHeight_m));
         double& share = shares[static_cast<std::size_t>(line * instrument.pixels + sample)];
         if (instrument.psf_sigma_px == 0) {
           share += area_in_pixel(corners);
@@ -176,8 +174,7 @@ Judged judge(const test::Image& image, const std::vector<double>& shares, double
       const double share = shares[static_cast<std::size_t>(line * image.pixels + sample)];
       const double got = image.layer(line, sample, kFirstAbundance + 1),
                    ground = image.layer(line, sample, kFirstAbundance);
-      out.mix =
-          std::max(out.mix, std::abs(image.at(line, sample, 0) / kSky - (got * kPlate + ground * kGround)));
+      out.mix = std::max(out.mix, std::abs(image.at(line, sample, 0) / kSky - (got * kPlate + ground * kGround)));
       sum += got, exact += share;
       if (share < 0.1 * whole) continue;
       ++out.holding, out.missed += got == 0;
@@ -194,8 +191,7 @@ double whole_share(const scene::Instrument& instrument, double side_m) {
   box.psf_sigma_px = 0, box.psf_support_px = 1;
   std::vector<Point> corners;
   for (const auto& [i, j] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}})
-    corners.push_back(
-        place_in_pixel(box, box.lines / 2, box.pixels / 2, i * side_m / 2, j * side_m / 2, kHeight_m));
+    corners.push_back(place_in_pixel(box, box.lines / 2, box.pixels / 2, i * side_m / 2, j * side_m / 2, kHeight_m));
   double twice = 0;
   for (std::size_t i = 0; i < 4; ++i)
     twice += corners[i][0] * corners[(i + 1) % 4][1] - corners[i][1] * corners[(i + 1) % 4][0];
@@ -218,8 +214,7 @@ void check_found(const scene::Instrument& instrument, const std::vector<Plate>& 
   CHECK(now.rms < 0.1);
   CHECK(now.mix < 2e-3);
   CHECK(std::abs(now.found - 1) < 0.03);
-  MESSAGE("holding " << now.holding << ", worst " << now.worst << ", rms " << now.rms << ", sum "
-                     << now.found);
+  MESSAGE("holding " << now.holding << ", worst " << now.worst << ", rms " << now.rms << ", sum " << now.found);
 }
 
 bool same_bytes(const std::vector<float>& a, const std::vector<float>& b) {
@@ -306,18 +301,15 @@ TEST_CASE("S43 small objects: tilted frames, push-brooms standing and moving, wh
     blurred.psf_sigma_px = 0.4, blurred.psf_support_px = 3.4;
     const auto image = shoot(simulation, blurred);
     REQUIRE(image.statistics.small_object_pixels.size() == 1);
-    CHECK(image.statistics.small_object_pixels.begin()->first ==
-          16384);  // 960 in a pixel's area, on 11.6 of them
-    const Judged now =
-        judge(image, exact_shares(blurred, plates), 0.04 * 0.6);  // a blurred plate's largest share
+    CHECK(image.statistics.small_object_pixels.begin()->first == 16384);  // 960 in a pixel's area, on 11.6 of them
+    const Judged now = judge(image, exact_shares(blurred, plates), 0.04 * 0.6);  // a blurred plate's largest share
     MESSAGE("holding " << now.holding << ", worst " << now.worst << ", rms " << now.rms);
     CHECK(now.missed == 0);
     CHECK(now.worst < 0.2);
   }
 }
 
-TEST_CASE(
-    "S43 S60 small objects: pixels without any keep their bits, and tiles, threads and memory change none") {
+TEST_CASE("S43 S60 small objects: pixels without any keep their bits, and tiles, threads and memory change none") {
   const auto plates = field_of_plates(0.3);
   const auto simulation = plain(plates);
   scene::Instrument instrument = camera();
@@ -336,8 +328,7 @@ TEST_CASE(
   for (std::size_t p = 0; p < anew.size(); ++p) {
     pixels += anew[p] != 0;
     if (shares[p] > 0) CHECK(anew[p]);  // no pixel with a plate is left out
-    if (!anew[p])
-      CHECK(std::memcmp(&image.radiance[p * 3], &ordinary.radiance[p * 3], 3 * sizeof(float)) == 0);
+    if (!anew[p]) CHECK(std::memcmp(&image.radiance[p * 3], &ordinary.radiance[p * 3], 3 * sizeof(float)) == 0);
   }
   CHECK(survey.pixels == pixels);
   CHECK(image.statistics.small_object_pixels.at(1024) == pixels);
@@ -345,8 +336,7 @@ TEST_CASE(
   CHECK(survey.missed.empty());
   for (const int lines : {1, 5}) {
     render::RenderOptions options;
-    options.tile_lines = lines, options.threads = lines == 1 ? 1 : 2,
-    options.row_capacity = lines == 1 ? 1 : 16;
+    options.tile_lines = lines, options.threads = lines == 1 ? 1 : 2, options.row_capacity = lines == 1 ? 1 : 16;
     const auto other = shoot(simulation, instrument, options);
     CHECK(same_bytes(image.radiance, other.radiance));
     CHECK(same_bytes(image.truth, other.truth));
@@ -387,8 +377,7 @@ TEST_CASE(
   CHECK(cover.missed.empty());
 }
 
-TEST_CASE(
-    "S43 small objects: what even the finest samples miss, or the file's own, is named with size and place") {
+TEST_CASE("S43 small objects: what even the finest samples miss, or the file's own, is named with size and place") {
   auto plates = field_of_plates(0.3);
   plates.push_back({1.0, 1.0, 0.02});  // 1.8e-4 of a pixel: 2.9 of 16384 samples
   const auto simulation = plain(plates);

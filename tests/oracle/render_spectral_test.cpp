@@ -1,6 +1,6 @@
-// Bands through the whole chain (S11, S18, S42; REQUIREMENTS section 4, "Spectral"): a plane seen through air whose spectra the test
-// states. Oracle: fine quadrature of the same continuous spectra in double, response exp(-4 ln2 (l - lc)^2 / FWHM^2) cut at
-// 2.5 FWHM as documented.
+// Bands through the whole chain (S11, S18, S42; REQUIREMENTS section 4, "Spectral"): a plane seen through air whose
+// spectra the test states. Oracle: fine quadrature of the same continuous spectra in double, response exp(-4 ln2 (l -
+// lc)^2 / FWHM^2) cut at 2.5 FWHM as documented.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -66,9 +66,9 @@ TEST_CASE("S11 S18 an absorption line of 0.01 nm inside a band equals fine quadr
   air.sky_radiance = [](double l) { return 50 * atmos::gaussian_line(l, center, width, depth); };
   air.path_radiance = [](double) { return 4.0; };
   const auto table = atmos::uniform_table(
-      air,
-      atmos::wavelength_grid_with_line(0.7, 0.82, 1e-3, center, 8e-5,
-                                       5e-8));  // a band as narrow as the line needs the line resolved: 200 nodes in its width
+      air, atmos::wavelength_grid_with_line(
+               0.7, 0.82, 1e-3, center, 8e-5,
+               5e-8));  // a band as narrow as the line needs the line resolved: 200 nodes in its width
   auto& bands = simulation.instruments[0].bands;
   bands = test::gaussian_bands({center, center + 1e-3}, 5e-3);
   for (const double fwhm : {5e-4, 5e-5, 1e-5}) bands.push_back(test::gaussian_bands({center}, fwhm)[0]);
@@ -86,8 +86,8 @@ TEST_CASE("S11 S18 an absorption line of 0.01 nm inside a band equals fine quadr
     const double error = image.at(0, 0, int(b)) / expected - 1;
     least = std::min(least, expected);
     most = std::max(most, expected);
-    MESSAGE("band " << bands[b].center_um << " um, FWHM " << bands[b].fwhm_um * 1000 << " nm: " << expected << ", relative error "
-                    << error);
+    MESSAGE("band " << bands[b].center_um << " um, FWHM " << bands[b].fwhm_um * 1000 << " nm: " << expected
+                    << ", relative error " << error);
     CHECK(std::abs(error) < 1e-4);
   }
   CHECK(least < 0.2 * most);  // the line shows
@@ -108,8 +108,9 @@ TEST_CASE("S11 S63 bands narrower than the table's step equal fine quadrature of
   const auto image = test::render_image(simulation, atmos::uniform_table(air, nodes));
   double worst = 0;
   for (std::size_t b = 0; b < bands.size(); ++b) {
-    const double expected = fine_mean(bands[b], bands[b].fwhm_um / 20000,
-                                      [&](double l) { return linear(curve_um, curve, l) * linear(nodes, irradiance, l) / kPi; });
+    const double expected = fine_mean(bands[b], bands[b].fwhm_um / 20000, [&](double l) {
+      return linear(curve_um, curve, l) * linear(nodes, irradiance, l) / kPi;
+    });
     worst = std::max(worst, std::abs(image.at(0, 0, int(b)) / expected - 1));
   }
   MESSAGE("worst relative error " << worst);
@@ -127,7 +128,8 @@ TEST_CASE("S11 S63 bands out of order, duplicate and overlapping: each as if it 
   CHECK(together.at(0, 0, 1) == together.at(0, 0, 3));
   for (std::size_t b = 0; b < centers.size(); ++b) {
     simulation.instruments[0].bands = test::gaussian_bands({centers[b]}, 0.01);
-    CHECK(test::render_image(simulation, table).at(0, 0, 0) == doctest::Approx(together.at(0, 0, int(b))).epsilon(2e-7));
+    CHECK(test::render_image(simulation, table).at(0, 0, 0) ==
+          doctest::Approx(together.at(0, 0, int(b))).epsilon(2e-7));
   }
 }
 
@@ -164,8 +166,8 @@ TEST_CASE("S18 S63 transmission of 1e-12: no radiance negative or not a number, 
   camera.bands.clear();
   for (int b = 0; b < 30; ++b) camera.bands.push_back(test::gaussian_bands({0.86 + 0.005 * b}, 0.004)[0]);
   simulation.instruments = {camera};
-  const auto clear = atmos::build_clear_sky(simulation.atmosphere, simulation.sun, 1000, atmos::wavelength_grid(0.8, 1.1, 0.002),
-                                            atmos::clear_sky_heights(-8, 8));
+  const auto clear = atmos::build_clear_sky(simulation.atmosphere, simulation.sun, 1000,
+                                            atmos::wavelength_grid(0.8, 1.1, 0.002), atmos::clear_sky_heights(-8, 8));
   auto dark = clear;  // flat bottom of 1e-12 from 0.92 to 0.96 um with walls of 2 nm; soft shoulders beyond
   const auto absorption = [](double l) {
     return std::pow(10.0, -12 * std::min(1.0, std::exp(-std::max(0.0, std::abs(l - 0.94) - 0.02) / 0.004)));
@@ -193,7 +195,8 @@ TEST_CASE("S18 S63 transmission of 1e-12: no radiance negative or not a number, 
         ++deep;
         most_deep = std::max(most_deep, l / (1e-12 * open.at(line, pixel, band)));
       }
-  MESSAGE("least radiance " << least << ", " << deep << " deep values, at most " << most_deep << " of 1e-12 of the open window");
+  MESSAGE("least radiance " << least << ", " << deep << " deep values, at most " << most_deep
+                            << " of 1e-12 of the open window");
   CHECK(bad == 0);
   CHECK(least < 1e-10);
   CHECK(deep > 0);
@@ -203,7 +206,8 @@ TEST_CASE("S18 S63 transmission of 1e-12: no radiance negative or not a number, 
 TEST_CASE("S18 transmission of 1e-12 keeps its relative accuracy: a plane equals fine quadrature to 1e-5") {
   const std::vector<double> nodes = atmos::wavelength_grid(0.8, 1.1, 0.002);
   std::vector<double> transmission;
-  for (const double l : nodes) transmission.push_back(float(std::pow(10.0, -12 * std::exp(-std::pow((l - 0.94) / 0.02, 2)))));
+  for (const double l : nodes)
+    transmission.push_back(float(std::pow(10.0, -12 * std::exp(-std::pow((l - 0.94) / 0.02, 2)))));
   auto simulation = plane({0.8, 1.1}, {0.3, 0.5});
   atmos::UniformAir air;
   air.sun_transmission = [&](double l) { return linear(nodes, transmission, l); };

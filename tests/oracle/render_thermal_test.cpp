@@ -33,7 +33,10 @@ std::vector<double> band_means(const std::function<double(double)>& f) {
     double sum = 0, norm = 0;
     constexpr int n = 400;
     for (int i = 0; i <= n; ++i) {
-      const double x = (2.0 * i / n - 1) * 2.5 * kFwhm, w = (i == 0 || i == n ? 1 : i % 2 ? 4 : 2) * std::exp(-4 * std::numbers::ln2 * x * x / (kFwhm * kFwhm));
+      const double x = (2.0 * i / n - 1) * 2.5 * kFwhm, w = (i == 0 || i == n ? 1
+                                                             : i % 2          ? 4
+                                                                              : 2) *
+                                                            std::exp(-4 * std::numbers::ln2 * x * x / (kFwhm * kFwhm));
       sum += w * f(center + x);
       norm += w;
     }
@@ -45,7 +48,8 @@ std::vector<double> band_planck(double kelvin) {
   return band_means([&](double l) { return base::planck_radiance(l, kelvin); });
 }
 
-/// 3.5 to 13 um in steps of 2 nm: between them Planck's law is off a line by at most (x / l)^2 h^2 / 8 = 6e-6, x = 13 (3.8 um).
+/// 3.5 to 13 um in steps of 2 nm: between them Planck's law is off a line by at most (x / l)^2 h^2 / 8 = 6e-6, x = 13
+/// (3.8 um).
 std::vector<double> fine_grid() { return atmos::wavelength_grid(3.5, 13, 0.002); }
 
 atmos::UniformAir night_air() {
@@ -69,7 +73,8 @@ double worst_relative(const test::Image& image, const std::vector<double>& expec
   double worst = 0;
   for (int line = 0; line < image.lines; ++line)
     for (int pixel = 0; pixel < image.pixels; ++pixel)
-      for (int b = 0; b < image.bands; ++b) worst = std::max(worst, std::abs(image.at(line, pixel, b) / expected[b] - 1));
+      for (int b = 0; b < image.bands; ++b)
+        worst = std::max(worst, std::abs(image.at(line, pixel, b) / expected[b] - 1));
   return worst;
 }
 
@@ -94,13 +99,17 @@ scene::Simulation courtyard(double kelvin) {
 
 }  // namespace
 
-TEST_CASE("S16 isothermal furnace: ground, walls, roofs, air and sky at 288.15 K show B(288.15 K) exactly, whatever their emissivity") {
+TEST_CASE(
+    "S16 isothermal furnace: ground, walls, roofs, air and sky at 288.15 K show B(288.15 K) exactly, whatever their "
+    "emissivity") {
   const double kelvin = 288.15;
   const auto s = courtyard(kelvin);
   auto air = night_air();
   air.view_transmission = [](double l) { return 0.4 + 0.05 * (l - 3.5); };
   air.thermal_sky_radiance = [&](double l) { return base::planck_radiance(l, kelvin); };
-  air.thermal_path_radiance = [&](double l) { return base::planck_radiance(l, kelvin) * (1 - (0.4 + 0.05 * (l - 3.5))); };
+  air.thermal_path_radiance = [&](double l) {
+    return base::planck_radiance(l, kelvin) * (1 - (0.4 + 0.05 * (l - 3.5)));
+  };
   const auto image = test::render_image(s, atmos::uniform_table(air, fine_grid()));
   const double worst = worst_relative(image, band_planck(kelvin));
   MESSAGE("isothermal furnace: worst " << worst << ", " << image.plan.source_channels() << " source channels");
@@ -120,13 +129,15 @@ TEST_CASE("S16 isothermal furnace in layered air, relief and several nodes of he
   s.instruments[0].ifov_across_rad = s.instruments[0].ifov_along_rad = 0.012;
   s.instruments[0].poses[0].z_m = 2000;
   s.tolerance = 0.003;
-  auto table = atmos::isothermal_table(kelvin, [](double l) { return 0.3 + 0.1 * std::sin(l); }, 2000, atmos::wavelength_grid(3.5, 13, 0.01));
+  auto table = atmos::isothermal_table(
+      kelvin, [](double l) { return 0.3 + 0.1 * std::sin(l); }, 2000, atmos::wavelength_grid(3.5, 13, 0.01));
   auto& heights = table.axes.at("target_height").nodes;
   for (double& z : heights) z -= 400 * (1 - z / 2000);  // the same column over a deeper valley
   auto& sky = table.rows.at("sky_radiance_thermal");
   const auto& um = atmos::wavelengths(table);
   const std::size_t per_line = sky.values.size() / um.size();
-  for (std::size_t i = 0; i < sky.values.size(); ++i) sky.values[i] = static_cast<float>(base::planck_radiance(um[i / per_line], kelvin));
+  for (std::size_t i = 0; i < sky.values.size(); ++i)
+    sky.values[i] = static_cast<float>(base::planck_radiance(um[i / per_line], kelvin));
   const auto image = test::render_image(s, table);
   const auto want = band_planck(kelvin);
   double square = 0;
@@ -135,17 +146,21 @@ TEST_CASE("S16 isothermal furnace in layered air, relief and several nodes of he
       CHECK(image.layer(line, pixel, 1) == doctest::Approx(1));
       for (int b = 0; b < image.bands; ++b) square = std::max(square, std::abs(image.at(line, pixel, b) / want[b] - 1));
     }
-  MESSAGE("layered furnace: worst pixel " << square << " at tolerance " << s.tolerance << ", " << image.plan.height.count << " heights, "
-                                          << image.plan.view.count << " views");
+  MESSAGE("layered furnace: worst pixel " << square << " at tolerance " << s.tolerance << ", "
+                                          << image.plan.height.count << " heights, " << image.plan.view.count
+                                          << " views");
   CHECK(image.plan.height.count > 1);
   CHECK(image.plan.view.count > 1);
   CHECK(square < s.tolerance);
 }
 
-TEST_CASE("S15 tilted plane under a uniform thermal sky equals its closed form to 1e-5: emission, sky, surroundings, air, path") {
+TEST_CASE(
+    "S15 tilted plane under a uniform thermal sky equals its closed form to 1e-5: emission, sky, surroundings, air, "
+    "path") {
   for (const double tilt_deg : {0.0, 20.0, 65.0}) {
     auto s = night(5);
-    const double c = std::cos(tilt_deg * kDegree), n = std::sin(tilt_deg * kDegree), own_K = 310, other_K = 270, rho = 0.3, t = 0.7, factor = 0.9;
+    const double c = std::cos(tilt_deg * kDegree), n = std::sin(tilt_deg * kDegree), own_K = 310, other_K = 270,
+                 rho = 0.3, t = 0.7, factor = 0.9;
     const auto plane = warm_material(s.scene, "plane", rho, own_K), far = warm_material(s.scene, "far", 0.1, other_K);
     test::place(s.scene, test::rectangle({-50 * c, -50, -50 * n}, {100 * c, 0, 100 * n}, {0, 100, 0}, plane));
     test::place(s.scene, test::rectangle({5000, 5000, -500}, {100, 0, 0}, {0, 300, 0}, far));  // three times the area
@@ -158,10 +173,12 @@ TEST_CASE("S15 tilted plane under a uniform thermal sky equals its closed form t
     const auto image = test::render_image(s, atmos::uniform_table(air, fine_grid()));
     CHECK(image.plan.thermal.surroundings_K == doctest::Approx(280).epsilon(1e-6));
     const auto own = band_planck(own_K), around = band_planck(280);
-    const auto sky = band_means([](double l) { return 0.5 + 0.1 * l; }), path = band_means([](double l) { return 0.2 + 0.05 * l; });
+    const auto sky = band_means([](double l) { return 0.5 + 0.1 * l; }),
+               path = band_means([](double l) { return 0.2 + 0.05 * l; });
     std::vector<double> expected;
     for (std::size_t b = 0; b < own.size(); ++b)
-      expected.push_back((1 - rho) * own[b] * t + rho * t * (factor * sky[b] * (1 + c) / 2 + around[b] * (1 - c) / 2) + path[b]);
+      expected.push_back((1 - rho) * own[b] * t + rho * t * (factor * sky[b] * (1 + c) / 2 + around[b] * (1 - c) / 2) +
+                         path[b]);
     const double worst = worst_relative(image, expected);
     MESSAGE("tilt " << tilt_deg << ": worst " << worst);
     CHECK(worst < 1e-5);
@@ -170,7 +187,8 @@ TEST_CASE("S15 tilted plane under a uniform thermal sky equals its closed form t
 
 TEST_CASE("S4.8 tilted planes under a sky that brightens to the horizon: quadrature of the table to 1e-4") {
   // T_sky = exp(-0.4 m): one map carries one spectrum shape exactly, since every wavelength has the same depth
-  const auto table = atmos::isothermal_table(280, [](double) { return 0.4; }, 1000, fine_grid());
+  const auto table = atmos::isothermal_table(
+      280, [](double) { return 0.4; }, 1000, fine_grid());
   for (const double tilt_deg : {0.0, 40.0}) {
     auto s = night(3);
     const double c = std::cos(tilt_deg * kDegree), n = std::sin(tilt_deg * kDegree), rho = 1.0;
@@ -183,11 +201,14 @@ TEST_CASE("S4.8 tilted planes under a sky that brightens to the horizon: quadrat
     double shares = 0;  // irradiance over pi B
     const double step = 0.1;
     for (double zenith = step / 2; zenith < 90; zenith += step) {
-      const double light = atmos::sky_radiance_thermal(table, 0, zenith)[0] / base::planck_radiance(atmos::wavelengths(table)[0], 280);
+      const double light =
+          atmos::sky_radiance_thermal(table, 0, zenith)[0] / base::planck_radiance(atmos::wavelengths(table)[0], 280);
       double around = 0;  // of max(0, n . d) over azimuth, in closed form
-      const double a = c * std::cos(zenith * kDegree), b = n * std::sin(zenith * kDegree), cut = b > a ? std::acos(-a / b) : kPi;
+      const double a = c * std::cos(zenith * kDegree), b = n * std::sin(zenith * kDegree),
+                   cut = b > a ? std::acos(-a / b) : kPi;
       around = 2 * (a * cut + b * std::sin(cut));
-      shares += light * around * (std::cos((zenith - step / 2) * kDegree) - std::cos((zenith + step / 2) * kDegree)) / kPi;
+      shares +=
+          light * around * (std::cos((zenith - step / 2) * kDegree) - std::cos((zenith + step / 2) * kDegree)) / kPi;
     }
     const auto b280 = band_planck(280), b300 = band_planck(300);
     const double t = std::exp(-0.4 * (1 - std::exp(-0.5)));
@@ -196,7 +217,8 @@ TEST_CASE("S4.8 tilted planes under a sky that brightens to the horizon: quadrat
       const double want = t * (b280[b] * shares + b300[b] * (1 - c) / 2) + b280[b] * (1 - t);
       worst = std::max(worst, std::abs(image.at(1, 1, b) / want - 1));
     }
-    MESSAGE("limb-brightened sky, tilt " << tilt_deg << ": worst " << worst << ", " << image.plan.thermal.sky_components << " components");
+    MESSAGE("limb-brightened sky, tilt " << tilt_deg << ": worst " << worst << ", " << image.plan.thermal.sky_components
+                                         << " components");
     CHECK(worst < 1e-4);  // maps linear between zeniths 1 degree apart
   }
 }
@@ -207,7 +229,8 @@ TEST_CASE("S16 ground beside a wall: sky and wall share its hemisphere by the cl
     auto s = night(24);
     s.sky_directions = directions;
     s.instruments[0].poses[0].x_m = 15;  // ground 3 to 27 m before the wall
-    const auto ground = warm_material(s.scene, "ground", rho, ground_K), wall = warm_material(s.scene, "wall", 0.1, wall_K);
+    const auto ground = warm_material(s.scene, "ground", rho, ground_K),
+               wall = warm_material(s.scene, "wall", 0.1, wall_K);
     test::place(s.scene, test::rectangle({0, -400, 0}, {40, 0, 0}, {0, 800, 0}, ground));
     test::place(s.scene, test::rectangle({0, -half_length, 0}, {0, 2 * half_length, 0}, {0, 0, height}, wall));
     finish_top_tree(s.scene);
@@ -229,7 +252,8 @@ TEST_CASE("S16 ground beside a wall: sky and wall share its hemisphere by the cl
         sum += error;
         square += error * error;
       }
-    const double mean = sum / 576, rms = std::sqrt(square / 576), standard_error = std::sqrt((square / 576 - mean * mean) / 575);
+    const double mean = sum / 576, rms = std::sqrt(square / 576),
+                 standard_error = std::sqrt((square / 576 - mean * mean) / 575);
     MESSAGE(directions << " directions: mean " << mean / standard_error << " standard errors, rms " << rms);
     CHECK(std::abs(mean) < 4 * standard_error + 1e-5);
     CHECK(rms < limit);
@@ -272,7 +296,8 @@ TEST_CASE("S14 mixtures emit by material, and temperature nodes keep their state
     for (int c = 0; c < 2; ++c) {
       const auto& material = s.scene.materials[surface.curve[c] - 1];
       const auto b = band_planck(material.temperature_K);
-      for (std::size_t i = 0; i < b.size(); ++i) sum[i] += double{surface.fraction[c]} * (1 - material.reflectance.value[0]) * b[i];
+      for (std::size_t i = 0; i < b.size(); ++i)
+        sum[i] += double{surface.fraction[c]} * (1 - material.reflectance.value[0]) * b[i];
     }
     for (std::size_t i = 0; i < sum.size(); ++i) mean[i] += sum[i] / 36;
     want.push_back(sum);
@@ -281,7 +306,9 @@ TEST_CASE("S14 mixtures emit by material, and temperature nodes keep their state
   for (int line = 0; line < 6; ++line)
     for (int pixel = 0; pixel < 6; ++pixel)
       for (std::size_t b = 0; b < mean.size(); ++b)
-        worst = std::max(worst, std::abs(image.at(line, pixel, static_cast<int>(b)) - want[static_cast<std::size_t>(line * 6 + pixel)][b]) / mean[b]);
+        worst = std::max(worst, std::abs(image.at(line, pixel, static_cast<int>(b)) -
+                                         want[static_cast<std::size_t>(line * 6 + pixel)][b]) /
+                                    mean[b]);
   MESSAGE(nodes << " nodes: stated " << stated << " of the typical radiance, worst " << worst << " of the mean");
   CHECK(worst < s.tolerance);
   CHECK(worst < 1.5 * stated + 1e-6);  // typical radiance and the scene's mean differ
@@ -310,14 +337,18 @@ TEST_CASE("S15 3.8 um by day: sun, skylight and thermal light together; at 10 um
   air.thermal_path_radiance = [](double) { return 0.05; };
   const auto table = atmos::uniform_table(air, fine_grid());
   const auto day = test::render_image(s, table);
-  const auto planck = band_planck(kelvin), e0 = band_means(sun), thermal_sky = band_means([](double l) { return 0.1 * l; });
+  const auto planck = band_planck(kelvin), e0 = band_means(sun),
+             thermal_sky = band_means([](double l) { return 0.1 * l; });
   std::vector<double> expected, without_sky;
   for (std::size_t b = 0; b < planck.size(); ++b) {
-    without_sky.push_back((1 - rho) * planck[b] * 0.9 + rho * 0.9 * (e0[b] * 0.8 * 1.02 * std::cos(zenith_deg * kDegree) / kPi + thermal_sky[b]) + 0.053);
+    without_sky.push_back((1 - rho) * planck[b] * 0.9 +
+                          rho * 0.9 * (e0[b] * 0.8 * 1.02 * std::cos(zenith_deg * kDegree) / kPi + thermal_sky[b]) +
+                          0.053);
     expected.push_back(without_sky.back() + rho * 0.9 * 1.02 * e0[b] / 1100);
   }
   const double worst = worst_relative(day, expected);
-  MESSAGE("day: worst " << worst << ", " << day.plan.sun_sources << " sun, " << day.plan.sky_components << " sky\n" << day.plan.report_json);
+  MESSAGE("day: worst " << worst << ", " << day.plan.sun_sources << " sun, " << day.plan.sky_components << " sky\n"
+                        << day.plan.report_json);
   CHECK(day.plan.sun_sources == 1);
   CHECK(worst < 2e-3);  // skylight, 0.8 % of the sun's, may be left out within its share of the tolerance
   // ground of reflectance 0.05: 4e-4 of its light at 9.5 um is the sun's
@@ -334,7 +365,8 @@ TEST_CASE("S15 3.8 um by day: sun, skylight and thermal light together; at 10 um
 
 TEST_CASE("S60 thermal light: row capacity, chunks of samples and the sum on the host give the same picture") {
   auto s = courtyard(290);
-  for (std::size_t m = 0; m < s.scene.materials.size(); ++m) s.scene.materials[m].temperature_K = 280 + 9.0 * static_cast<double>(m);
+  for (std::size_t m = 0; m < s.scene.materials.size(); ++m)
+    s.scene.materials[m].temperature_K = 280 + 9.0 * static_cast<double>(m);
   s.instruments[0].pixels = s.instruments[0].lines = 12;
   s.instruments[0].ifov_across_rad = s.instruments[0].ifov_along_rad = 0.002;
   auto air = night_air();
@@ -349,7 +381,9 @@ TEST_CASE("S60 thermal light: row capacity, chunks of samples and the sum on the
   CHECK(overflown.radiance == plain.radiance);
 }
 
-TEST_CASE("S16 isothermal furnace through 1681 samples in two chunks, and through the sum on the host of 324 curves in a pixel") {
+TEST_CASE(
+    "S16 isothermal furnace through 1681 samples in two chunks, and through the sum on the host of 324 curves in a "
+    "pixel") {
   const double kelvin = 295;
   auto air = night_air();
   air.view_transmission = [](double) { return 0.8; };
@@ -365,7 +399,8 @@ TEST_CASE("S16 isothermal furnace through 1681 samples in two chunks, and throug
   many.instruments[0].samples_u = many.instruments[0].samples_v = 18;
   for (int k = 0; k < 324; ++k) {
     const auto surface = warm_material(many.scene, "m" + std::to_string(k), k / 400.0, kelvin);
-    test::place(many.scene, test::rectangle({k % 18 / 18.0 - 0.5, k / 18 / 18.0 - 0.5, 0}, {1 / 18.0, 0, 0}, {0, 1 / 18.0, 0}, surface));
+    test::place(many.scene, test::rectangle({k % 18 / 18.0 - 0.5, k / 18 / 18.0 - 0.5, 0}, {1 / 18.0, 0, 0},
+                                            {0, 1 / 18.0, 0}, surface));
   }
   finish_top_tree(many.scene);
   const auto image = test::render_image(many, table);
@@ -375,9 +410,11 @@ TEST_CASE("S16 isothermal furnace through 1681 samples in two chunks, and throug
 
 TEST_CASE("bad input: thermal rows and materials without temperature, half of the thermal rows") {
   auto s = night(2);
-  const auto a = warm_material(s.scene, "grass", 0.1, 0), b = warm_material(s.scene, "roof", 0.1, 300), c = warm_material(s.scene, "gravel", 0.1, 0);
+  const auto a = warm_material(s.scene, "grass", 0.1, 0), b = warm_material(s.scene, "roof", 0.1, 300),
+             c = warm_material(s.scene, "gravel", 0.1, 0);
   warm_material(s.scene, "unused", 0.1, 0);
-  for (const auto surface : {a, b, c}) test::place(s.scene, test::rectangle({-5, -5, -double(surface)}, {10, 0, 0}, {0, 10, 0}, surface));
+  for (const auto surface : {a, b, c})
+    test::place(s.scene, test::rectangle({-5, -5, -double(surface)}, {10, 0, 0}, {0, 10, 0}, surface));
   finish_top_tree(s.scene);
   auto air = night_air();
   air.thermal_sky_radiance = air.thermal_path_radiance = [](double) { return 1.0; };

@@ -1,6 +1,7 @@
-// Sky that a wall hides, through the whole chain (S15, S16, S18): a plane beside a tall long wall. Oracles: the same sky
-// directions summed here in double, each judged against the wall in closed form; and the closed view factor of a rectangle that
-// stands on the plane of a small level element (Howell, A Catalog of Radiation Heat Transfer Configuration Factors, B-4).
+// Sky that a wall hides, through the whole chain (S15, S16, S18): a plane beside a tall long wall. Oracles: the same
+// sky directions summed here in double, each judged against the wall in closed form; and the closed view factor of a
+// rectangle that stands on the plane of a small level element (Howell, A Catalog of Radiation Heat Transfer
+// Configuration Factors, B-4).
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -27,8 +28,8 @@ struct Wall {
   double along(double x, double y) const { return x * ny() - y * nx(); }
 
   enum class Answer { free, blocked, edge };
-  /// From a ground point in front towards (dx, dy, dz). `edge`: nearer to the wall's edge than the 1e-4 m to which fp32 knows a
-  /// ground point 1000 m below the camera, times what the slope of the ray makes of it.
+  /// From a ground point in front towards (dx, dy, dz). `edge`: nearer to the wall's edge than the 1e-4 m to which fp32
+  /// knows a ground point 1000 m below the camera, times what the slope of the ray makes of it.
   Answer ask(double x, double y, double dx, double dy, double dz) const {
     const double approach = -(dx * nx() + dy * ny());
     if (approach <= 1e-9) return Answer::free;
@@ -75,20 +76,23 @@ GroundPoint ground_point(const scene::Instrument& camera, int line, int pixel, d
   return {group.origin.x + t * dx, group.origin.y + t * dy, std::sqrt(dx * dx + dy * dy + dz * dz) / -dz};
 }
 
-/// Irradiance per sky component on level ground that the pixel's directions lose to the wall, and whether one of them was too
-/// close to an edge to tell.
+/// Irradiance per sky component on level ground that the pixel's directions lose to the wall, and whether one of them
+/// was too close to an edge to tell.
 struct Blocked {
   std::array<double, 4> sum{};
   int edges = 0;
 };
-/// Part of the directions that sample s looks into (each `share` times): as many as there are over `share`, and no two samples' parts meet.
+/// Part of the directions that sample s looks into (each `share` times): as many as there are over `share`, and no two
+/// samples' parts meet.
 bool shares(int share, std::uint64_t seed, std::uint32_t number, int s, int k) {
-  const int turn = share == 1 ? 0 : int(rc_hash(static_cast<std::uint32_t>(seed), number, 1u, 21u) % std::uint32_t(share));
+  const int turn =
+      share == 1 ? 0 : int(rc_hash(static_cast<std::uint32_t>(seed), number, 1u, 21u) % std::uint32_t(share));
   const int part = (s + s / share + turn) % share;
   return (share < 8 ? k : k + k / share) % share == part;
 }
 
-Blocked blocked_sky(const Wall& wall, const plan::Plan& plan, std::uint64_t seed, std::uint32_t number, const GroundPoint& at, int s = 0) {
+Blocked blocked_sky(const Wall& wall, const plan::Plan& plan, std::uint64_t seed, std::uint32_t number,
+                    const GroundPoint& at, int s = 0) {
   const std::uint32_t set =
       rc_hash(static_cast<std::uint32_t>(seed), number, 0u, 21u) % static_cast<std::uint32_t>(plan.sky.sets);
   Blocked out;
@@ -123,9 +127,11 @@ TEST_CASE("S16 uniform sky blocked by a wall equals the same directions summed i
         ++judged;
         shaded += blocked.sum[0] > 0;
         for (int band = 0; band < image.bands; ++band)
-          worst = std::max(worst, std::abs(image.at(line, pixel, band) / (kReflectance * kSkyRadiance) - (1 - blocked.sum[0])));
+          worst = std::max(
+              worst, std::abs(image.at(line, pixel, band) / (kReflectance * kSkyRadiance) - (1 - blocked.sum[0])));
       }
-    MESSAGE("wall facing " << facing_deg << ": worst difference " << worst << " of the open sky, " << judged << " pixels judged");
+    MESSAGE("wall facing " << facing_deg << ": worst difference " << worst << " of the open sky, " << judged
+                           << " pixels judged");
     CHECK(worst < 1e-5);
     CHECK(judged > 4050);  // a direction in 1e4 is too close to an edge
     CHECK(shaded > 4000);
@@ -148,7 +154,8 @@ TEST_CASE("S16 directions shared out among a pixel's samples equal each sample's
         double sum = 0;
         int edges = 0;
         for (int s = 0; s < columns * lines; ++s) {
-          const auto at = ground_point(camera, line, pixel, (s % columns + 0.5) / columns - 0.5, (s / columns + 0.5) / lines - 0.5);
+          const auto at =
+              ground_point(camera, line, pixel, (s % columns + 0.5) / columns - 0.5, (s / columns + 0.5) / lines - 0.5);
           const auto blocked = blocked_sky(wall, image.plan, simulation.seed, std::uint32_t(line * 64 + pixel), at, s);
           edges += blocked.edges, sum += blocked.sum[0] / (columns * lines);
         }
@@ -156,7 +163,8 @@ TEST_CASE("S16 directions shared out among a pixel's samples equal each sample's
         ++judged;
         worst = std::max(worst, std::abs(image.at(line, pixel, 0) / (kReflectance * kSkyRadiance) - (1 - sum)));
       }
-    MESSAGE("share " << share << " of " << columns << " x " << lines << " samples: worst difference " << worst << " of the open sky, " << judged << " pixels judged");
+    MESSAGE("share " << share << " of " << columns << " x " << lines << " samples: worst difference " << worst
+                     << " of the open sky, " << judged << " pixels judged");
     CHECK(worst < 1e-5);
     CHECK(judged > 900);
   }
@@ -168,12 +176,13 @@ TEST_CASE("S18 clear sky and sun beside a wall equal the same directions summed 
     auto simulation = wall_scene(wall, 16);
     simulation.sun.zenith_deg = 31;
     simulation.sun.azimuth_deg = sun_azimuth_deg;
-    const auto table =
-        atmos::build_clear_sky(simulation.atmosphere, simulation.sun, 1000.0, atmos::wavelength_grid(0.45, 0.95, 0.005), {0.0});
+    const auto table = atmos::build_clear_sky(simulation.atmosphere, simulation.sun, 1000.0,
+                                              atmos::wavelength_grid(0.45, 0.95, 0.005), {0.0});
     const auto image = test::render_image(simulation, table);
     REQUIRE(image.plan.sky_components > 1);
     const auto& view = image.plan.view;
-    const auto source = plan::bake_row(image.plan, simulation.scene, 1), path = plan::bake_row(image.plan, simulation.scene, 0);
+    const auto source = plan::bake_row(image.plan, simulation.scene, 1),
+               path = plan::bake_row(image.plan, simulation.scene, 0);
     const auto& s = image.plan.sun_direction;
     const int middle = (image.plan.irradiance.size - 1) / 2;
     const auto& open = image.plan.irradiance.value[std::size_t(middle) * image.plan.irradiance.size + middle];
@@ -208,8 +217,9 @@ TEST_CASE("S18 clear sky and sun beside a wall equal the same directions summed 
         }
         CHECK(image.layer(line, pixel, 2) == (sun == Wall::Answer::free ? 1.0f : 0.0f));
       }
-    MESSAGE("sun at azimuth " << sun_azimuth_deg << ": worst difference " << worst << " of the open radiance, " << judged
-                              << " pixels judged, " << sunlit << " sunlit, " << image.plan.sky_components << " components");
+    MESSAGE("sun at azimuth " << sun_azimuth_deg << ": worst difference " << worst << " of the open radiance, "
+                              << judged << " pixels judged, " << sunlit << " sunlit, " << image.plan.sky_components
+                              << " components");
     CHECK(worst < 1e-5);
     CHECK(judged > 4000);
     CHECK((sun_azimuth_deg < 180 ? sunlit == judged : sunlit > 500 && sunlit < judged - 500));
@@ -221,7 +231,8 @@ TEST_CASE("S16 sky beside a wall: mean within 4 standard errors of the view fact
     int directions, share;
     double limit;
   };
-  // One sample a pixel, so that a share of 8 leaves it 2 directions of 16, which part the pixel's hash says: noisy, yet without bias.
+  // One sample a pixel, so that a share of 8 leaves it 2 directions of 16, which part the pixel's hash says: noisy, yet
+  // without bias.
   for (const auto& [directions, share, limit] : {Case{16, 1, 0.06}, {1024, 1, 0.003}, {16, 8, 0.6}, {1024, 16, 0.03}}) {
     const Wall wall{90};
     auto simulation = wall_scene(wall, directions);
@@ -231,14 +242,15 @@ TEST_CASE("S16 sky beside a wall: mean within 4 standard errors of the view fact
     for (int line = 0; line < 64; ++line)
       for (int pixel = 0; pixel < 64; ++pixel) {
         const auto at = ground_point(simulation.instruments[0], line, pixel);
-        const double error = image.at(line, pixel, 0) / (kReflectance * kSkyRadiance) - (1 - wall.view_factor(at.x, at.y));
+        const double error =
+            image.at(line, pixel, 0) / (kReflectance * kSkyRadiance) - (1 - wall.view_factor(at.x, at.y));
         sum += error;
         square += error * error;
       }
     const double mean = sum / 4096, rms = std::sqrt(square / 4096),
                  standard_error = std::sqrt((square / 4096 - mean * mean) / 4095);
-    MESSAGE(directions << " directions, share " << share << ": mean error " << mean / standard_error << " standard errors, rms " << 100 * rms
-                       << " % of the open sky");
+    MESSAGE(directions << " directions, share " << share << ": mean error " << mean / standard_error
+                       << " standard errors, rms " << 100 * rms << " % of the open sky");
     CHECK(std::abs(mean) < 4 * standard_error);
     CHECK(rms < limit);
   }

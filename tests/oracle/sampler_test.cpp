@@ -53,8 +53,8 @@ EdgeError edge_error(int kind, int n, bool axis_aligned) {
 
 }  // namespace
 
-// Section 3 of the requirements: published to two digits from an unstated number and distribution of edges; 20 000 edges
-// leave 0.7 % (grid errors are far from Gaussian: 1 %). Ours reproduce them to 5 %, 6 % is asked.
+// Section 3 of the requirements: published to two digits from an unstated number and distribution of edges; 20 000
+// edges leave 0.7 % (grid errors are far from Gaussian: 1 %). Ours reproduce them to 5 %, 6 % is asked.
 TEST_CASE("S43 samplers: rms area error of a random half-plane edge, regular grid") {
   struct Published {
     int n;
@@ -74,7 +74,8 @@ TEST_CASE("S43 samplers: jittered cells, and the grid's weakness on edges parall
   CHECK(std::abs(aligned - 0.0267) < 0.03 * 0.0267);
   CHECK(std::abs(aligned - 1 / (11 * std::sqrt(12.0))) < 0.02 * aligned);  // closed form: uniform error in one row
   // A golden-ratio lattice has no rows: random and parallel edges alike, and better than the grid on the latter.
-  const double lattice = edge_error(RC_SAMPLER_LATTICE, 11, false).rms, lattice_aligned = edge_error(RC_SAMPLER_LATTICE, 11, true).rms;
+  const double lattice = edge_error(RC_SAMPLER_LATTICE, 11, false).rms,
+               lattice_aligned = edge_error(RC_SAMPLER_LATTICE, 11, true).rms;
   MESSAGE("lattice 121: " << lattice << ", axis-aligned " << lattice_aligned);
   CHECK(lattice < 1.5 * 0.0073);
   CHECK(lattice_aligned < 0.5 * aligned);
@@ -138,9 +139,10 @@ TEST_CASE("S43 samplers: jitter along and across the line is independent") {
   CHECK(std::abs(product) < 5 / std::sqrt(double(kCells)));  // 5 standard errors
 }
 
-// Each pixel's lattice is shifted by a hash of its own, so that over many pixels the mean has no preference for any phase of a
-// pattern that keeps step with the pixels: 1e6 of them leave 1e-3 / sqrt(samples) or less, and 4 standard errors are allowed.
-// What is left in one image of 64 x 64 pixels is chance: one sample a pixel has a standard error of 1.6 % there.
+// Each pixel's lattice is shifted by a hash of its own, so that over many pixels the mean has no preference for any
+// phase of a pattern that keeps step with the pixels: 1e6 of them leave 1e-3 / sqrt(samples) or less, and 4 standard
+// errors are allowed. What is left in one image of 64 x 64 pixels is chance: one sample a pixel has a standard error of
+// 1.6 % there.
 TEST_CASE("S43 samplers: lattices of a few samples do not shift the mean of checkers in step with the pixels") {
   constexpr rc_u32 kPixels = 1000000;
   for (const int side : {1, 2, 4})
@@ -151,7 +153,9 @@ TEST_CASE("S43 samplers: lattices of a few samples do not shift the mean of chec
         for (int s = 0; s < side * side; ++s) {
           float u, v;
           rc_sample_uv(RC_SAMPLER_LATTICE, side, side, 1.0f, 3u, pixel, s, &u, &v);
-          const auto cell = [&](float x) { return static_cast<int>(std::floor((x + 0.5f) * static_cast<float>(cells))); };
+          const auto cell = [&](float x) {
+            return static_cast<int>(std::floor((x + 0.5f) * static_cast<float>(cells)));
+          };
           white += (cell(u) + cell(v)) % 2 == 0;
         }
         const double share = static_cast<double>(white) / (side * side);

@@ -1,5 +1,5 @@
-// What kernels read through kernels/geometry/scene_arrays.h, element by element, against the host's own arrays (DESIGN section 2,
-// S60): pages of every array, and scenes that no pages hold.
+// What kernels read through kernels/geometry/scene_arrays.h, element by element, against the host's own arrays (DESIGN
+// section 2, S60): pages of every array, and scenes that no pages hold.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -71,9 +71,10 @@ scene::CompiledScene read_on_device(const scene::CompiledScene& scene, std::size
   cl::Buffer<shared::Instance> instances(context(), scene.instances.size(), cl::Access::write_only, "instances read");
   cl::Buffer<shared::Surface> surfaces(context(), scene.surfaces.size(), cl::Access::write_only, "surfaces read");
   const auto count = [](const auto& array) { return static_cast<cl_uint>(array.size()); };
-  kernel.arguments(buffers.nodes, buffers.blocks, buffers.instances, buffers.surfaces, nodes, blocks, instances, surfaces,
-                   count(scene.nodes), count(scene.blocks), count(scene.instances), count(scene.surfaces));
-  context().launch(kernel, std::max({scene.nodes.size(), scene.blocks.size(), scene.instances.size(), scene.surfaces.size()}));
+  kernel.arguments(buffers.nodes, buffers.blocks, buffers.instances, buffers.surfaces, nodes, blocks, instances,
+                   surfaces, count(scene.nodes), count(scene.blocks), count(scene.instances), count(scene.surfaces));
+  context().launch(kernel,
+                   std::max({scene.nodes.size(), scene.blocks.size(), scene.instances.size(), scene.surfaces.size()}));
   context().finish();
   scene::CompiledScene read;
   read.nodes = nodes.read_all();

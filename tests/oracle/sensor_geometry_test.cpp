@@ -29,8 +29,9 @@ Mat operator*(const Mat& a, const Mat& b) {
 
 // Columns: forward, right, down in east-north-up. Textbook Rz(yaw) Ry(pitch) Rx(roll) from body to north-east-down.
 Mat enu_from_body(const scene::Pose& p) {
-  const double cy = std::cos(p.heading_deg * kDeg), sy = std::sin(p.heading_deg * kDeg), cp = std::cos(p.pitch_deg * kDeg),
-               sp = std::sin(p.pitch_deg * kDeg), cr = std::cos(p.roll_deg * kDeg), sr = std::sin(p.roll_deg * kDeg);
+  const double cy = std::cos(p.heading_deg * kDeg), sy = std::sin(p.heading_deg * kDeg),
+               cp = std::cos(p.pitch_deg * kDeg), sp = std::sin(p.pitch_deg * kDeg), cr = std::cos(p.roll_deg * kDeg),
+               sr = std::sin(p.roll_deg * kDeg);
   const Mat enu_from_ned{{{0, 1, 0}, {1, 0, 0}, {0, 0, -1}}};
   return enu_from_ned * Mat{{{cy, -sy, 0}, {sy, cy, 0}, {0, 0, 1}}} * Mat{{{cp, 0, sp}, {0, 1, 0}, {-sp, 0, cp}}} *
          Mat{{{1, 0, 0}, {0, cr, -sr}, {0, sr, cr}}};
@@ -45,16 +46,20 @@ Vec body_direction(const scene::Instrument& c, int line, double sample, double v
 
 const scene::Pose& pose_of(const scene::Instrument& c, int line, int sample) {
   switch (c.kind) {
-    case scene::InstrumentKind::framing: return c.poses[0];
-    case scene::InstrumentKind::pushbroom: return c.poses[line];
-    default: return c.poses[static_cast<std::size_t>(line) * c.pixels + sample];
+    case scene::InstrumentKind::framing:
+      return c.poses[0];
+    case scene::InstrumentKind::pushbroom:
+      return c.poses[line];
+    default:
+      return c.poses[static_cast<std::size_t>(line) * c.pixels + sample];
   }
 }
 
 Vec direction(const scene::Instrument& c, int line, int sample, double u, double v) {
   const Mat m = enu_from_body(pose_of(c, line, sample));
   Vec b = body_direction(c, line, sample + (c.kind == scene::InstrumentKind::whiskbroom ? 0 : u), v);
-  if (c.kind == scene::InstrumentKind::whiskbroom) {  // within a pixel the image plane is flat: tangent of the scan circle
+  if (c.kind ==
+      scene::InstrumentKind::whiskbroom) {  // within a pixel the image plane is flat: tangent of the scan circle
     const double x = (sample + 0.5 - c.pixels / 2.0) * c.ifov_across_rad;
     b[1] -= u * c.ifov_across_rad * std::cos(x);
     b[2] -= u * c.ifov_across_rad * std::sin(x);
@@ -75,10 +80,14 @@ scene::Instrument make(scene::InstrumentKind kind, int pixels, int lines, bool t
   c.motion = scene::PoseMotion::held;
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> unit(-1, 1);
-  const int poses = kind == scene::InstrumentKind::framing ? 1 : kind == scene::InstrumentKind::pushbroom ? lines : lines * pixels;
+  const int poses = kind == scene::InstrumentKind::framing     ? 1
+                    : kind == scene::InstrumentKind::pushbroom ? lines
+                                                               : lines * pixels;
   for (int i = 0; i < poses; ++i) {
     scene::Pose p{10, -20, 610, 0, 0, 0};
-    if (tilted) p = {100 * unit(random), 100 * unit(random), 610 + 30 * unit(random), 12 * unit(random), 9 * unit(random), 180 * unit(random)};
+    if (tilted)
+      p = {100 * unit(random), 100 * unit(random), 610 + 30 * unit(random),
+           12 * unit(random),  9 * unit(random),   180 * unit(random)};
     c.poses.push_back(p);
   }
   return c;
@@ -96,7 +105,8 @@ FloatRay float_ray(const scene::Instrument& c, const shared::RayGroup& g, int sa
           {g.d0.x + a * g.du.x + v * g.dv.x, g.d0.y + a * g.du.y + v * g.dv.y, g.d0.z + a * g.du.z + v * g.dv.z}};
 }
 
-constexpr std::array kKinds{scene::InstrumentKind::framing, scene::InstrumentKind::pushbroom, scene::InstrumentKind::whiskbroom};
+constexpr std::array kKinds{scene::InstrumentKind::framing, scene::InstrumentKind::pushbroom,
+                            scene::InstrumentKind::whiskbroom};
 constexpr double kHalfUlp = 6e-8;  // relative rounding error of one float operation
 
 }  // namespace
@@ -148,7 +158,8 @@ TEST_CASE("S9 rays of sensors 610 m, 20 km and 700 km up start just above the sc
             const auto ray = float_ray(camera, g, sample, u, v);
             const float a = static_cast<float>(sample % width - (width - 1) / 2.0) + u;
             const double way = g.d0.w;
-            const Vec start{ray.o[0] + way * (double{a} * g.du.x + double{v} * g.dv.x), ray.o[1] + way * (double{a} * g.du.y + double{v} * g.dv.y),
+            const Vec start{ray.o[0] + way * (double{a} * g.du.x + double{v} * g.dv.x),
+                            ray.o[1] + way * (double{a} * g.du.y + double{v} * g.dv.y),
                             ray.o[2] + way * (double{a} * g.du.z + double{v} * g.dv.z)};
             lowest = std::min(lowest, start[2]), highest = std::max(highest, start[2]);
             const auto exact = sensors::pixel_ray(camera, line, sample, u, v);
@@ -156,9 +167,12 @@ TEST_CASE("S9 rays of sensors 610 m, 20 km and 700 km up start just above the sc
             // The start rounds by its size, what follows by the few tens of metres left; offsets by theirs.
             const double size = std::abs(start[0]) + std::abs(start[1]) + std::abs(start[2]) + 3 * t;
             for (int k = 0; k < 2; ++k)
-              worst = std::max(worst, std::abs(start[k] + t * ray.d[k] - (exact.origin_m[k] + exact_t * exact.direction[k])) / (kHalfUlp * size));
+              worst = std::max(worst,
+                               std::abs(start[k] + t * ray.d[k] - (exact.origin_m[k] + exact_t * exact.direction[k])) /
+                                   (kHalfUlp * size));
           }
-      INFO("height " << height_m << " m: lowest start " << lowest << ", highest " << highest << " m, worst " << worst << " roundings");
+      INFO("height " << height_m << " m: lowest start " << lowest << ", highest " << highest << " m, worst " << worst
+                     << " roundings");
       CHECK(worst < 4);
       CHECK(lowest > kTop_m);
       // A metre and 2e-5 of the height, and what a group's field of 7 x 3 pixels tilts by.
@@ -284,8 +298,10 @@ TEST_CASE("S10 moving pose: linear in time, continuous from line to line, and th
       CHECK(g.ov.x == doctest::Approx(0.2).epsilon(1e-6));
       CHECK(g.ov.y == doctest::Approx(1.0).epsilon(1e-6));
       CHECK(g.ov.z == doctest::Approx(-0.1).epsilon(1e-6));
-      // Axes at line +- 1/2 by the angles themselves: for three small rates slerp and linear angles differ by rate^2 / 8
-      const auto begin = sensors::pixel_ray(camera, line, sample, 0, -0.5), end = sensors::pixel_ray(camera, line, sample, 0, 0.5);
+      // Axes at line +- 1/2 by the angles themselves: for three small rates slerp and linear angles differ by rate^2 /
+      // 8
+      const auto begin = sensors::pixel_ray(camera, line, sample, 0, -0.5),
+                 end = sensors::pixel_ray(camera, line, sample, 0, 0.5);
       auto half = camera;
       half.motion = scene::PoseMotion::held;
       for (const double v : {-0.5, 0.5}) {
@@ -299,7 +315,8 @@ TEST_CASE("S10 moving pose: linear in time, continuous from line to line, and th
           CHECK(std::abs(f.d[k] - ray.direction[k]) < 4 * kHalfUlp + 1.5 * camera.ifov_across_rad * 0.06 * kDeg * 0.5);
       }
       const auto middle = sensors::pixel_ray(camera, line, sample, 0.2, 0);
-      const auto start = sensors::pixel_ray(camera, line, sample, 0.2, -0.5), stop = sensors::pixel_ray(camera, line, sample, 0.2, 0.5);
+      const auto start = sensors::pixel_ray(camera, line, sample, 0.2, -0.5),
+                 stop = sensors::pixel_ray(camera, line, sample, 0.2, 0.5);
       for (int k = 0; k < 3; ++k) {
         CHECK(std::abs(middle.origin_m[k] - 0.5 * (start.origin_m[k] + stop.origin_m[k])) < 1e-12);
         CHECK(std::abs(middle.direction[k] - 0.5 * (start.direction[k] + stop.direction[k])) < 1e-12);
@@ -369,7 +386,8 @@ TEST_CASE("S9 view bounds: closed form of a nadir frame's corners; rays that loo
 TEST_CASE("S9 poses that do not match the image and empty images are refused with the counts") {
   auto camera = make(scene::InstrumentKind::pushbroom, 4, 5, false);
   camera.poses.pop_back();
-  CHECK_THROWS_WITH_AS(sensors::make_ray_groups(camera, 0, 1), doctest::Contains("found 4 poses, needs 5"), base::Error);
+  CHECK_THROWS_WITH_AS(sensors::make_ray_groups(camera, 0, 1), doctest::Contains("found 4 poses, needs 5"),
+                       base::Error);
   camera.pixels = 0;
   CHECK_THROWS_WITH_AS(sensors::make_ray_groups(camera, 0, 1), doctest::Contains("0 x 5"), base::Error);
   auto single = make(scene::InstrumentKind::pushbroom, 4, 1, false);

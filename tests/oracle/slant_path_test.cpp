@@ -49,8 +49,7 @@ TEST_CASE("S18 A-17 an exponential absorber has Chapman's airmass at the horizon
   CHECK(relative_airmass(air, std::vector<double>(density.size(), 0.0), 80) == 1);
 }
 
-TEST_CASE(
-    "S18 A-17 uniform refraction bends nothing; air thinning upward lengthens the horizontal path's amount") {
+TEST_CASE("S18 A-17 uniform refraction bends nothing; air thinning upward lengthens the horizontal path's amount") {
   RefractingAir air = plain_air();
   std::vector<double> density;
   for (double height : air.height_m) density.push_back(std::exp(-height / 8000));
@@ -84,8 +83,7 @@ TEST_CASE(
     air.refractivity.push_back(2.77e-4 * number(*row, "p_hPa") / 1013.25 * 288.15 / number(*row, "T_K"));
     molecules.push_back(density);
     ozone.push_back(density * number(*row, "o3_ppmv"));
-    water.push_back(density * density *
-                    number(*row, "h2o_ppmv"));  // foreign continuum: product of the densities
+    water.push_back(density * density * number(*row, "h2o_ppmv"));  // foreign continuum: product of the densities
     double low = 0, high = 0;  // rural haze of 23 km, spring-summer: 0 to 2 km and 2 to 10 km
     for (const CsvRow& level : haze)
       if (number(level, "z_km") == number(*row, "z_km")) {
@@ -109,8 +107,8 @@ TEST_CASE(
                              slant_amount(air, one, zenith) / 1000 / number(row, "range_km") - 1};
     for (double error : errors) worst[band] = std::max(worst[band], std::abs(error));
   }
-  std::cout << "A-17 air, ozone, water continuum, haze, length: worst " << worst[0] << " to 80 deg, "
-            << worst[1] << " to 88, " << worst[2] << " to 90\n";
+  std::cout << "A-17 air, ozone, water continuum, haze, length: worst " << worst[0] << " to 80 deg, " << worst[1]
+            << " to 88, " << worst[2] << " to 90\n";
   CHECK(worst[0] <= 0.003);
   CHECK(worst[1] <= 0.01);
   CHECK(worst[2] <= 0.03);

@@ -30,8 +30,7 @@ TEST_CASE("S18 half-range Gauss nodes integrate x^p on [0, 1] exactly up to degr
     const HalfRange rule = gauss_half_range(count);
     for (int power = 0; power < 2 * count; ++power) {
       double sum = 0;
-      for (std::size_t i = 0; i < rule.cosine.size(); ++i)
-        sum += rule.weight[i] * std::pow(rule.cosine[i], power);
+      for (std::size_t i = 0; i < rule.cosine.size(); ++i) sum += rule.weight[i] * std::pow(rule.cosine[i], power);
       CHECK(sum == doctest::Approx(1.0 / (power + 1)).epsilon(1e-13));
     }
   }
@@ -58,14 +57,12 @@ TEST_CASE("S18 divided differences of exp: plain formulas where they hold, limit
   CHECK(exp_difference(2, 2) == doctest::Approx(std::exp(-2.0)).epsilon(1e-15));
   CHECK(exp_difference(0, 1e9) == doctest::Approx(1e-9).epsilon(1e-14));
   const auto plain = [](double x, double y, double z) {
-    return std::exp(-x) / ((y - x) * (z - x)) + std::exp(-y) / ((x - y) * (z - y)) +
-           std::exp(-z) / ((x - z) * (y - z));
+    return std::exp(-x) / ((y - x) * (z - x)) + std::exp(-y) / ((x - y) * (z - y)) + std::exp(-z) / ((x - z) * (y - z));
   };
   CHECK(exp_difference(0.5, 2, 7) == doctest::Approx(plain(0.5, 2, 7)).epsilon(1e-13));
   CHECK(exp_difference(7, 0.5, 2) == doctest::Approx(plain(0.5, 2, 7)).epsilon(1e-13));
   CHECK(exp_difference(1.3, 1.3, 1.3) == doctest::Approx(std::exp(-1.3) / 2).epsilon(1e-14));
-  CHECK(exp_difference(1, 1, 2) ==
-        doctest::Approx(std::exp(-2.0)).epsilon(1e-14));  // (e^-1 - (e^-1 - e^-2)) / 1
+  CHECK(exp_difference(1, 1, 2) == doctest::Approx(std::exp(-2.0)).epsilon(1e-14));  // (e^-1 - (e^-1 - e^-2)) / 1
   // Both branches agree across their border.
   for (double q : {0.299999999, 0.300000001}) {
     const double exact = (exp_mean(0.1) - exp_difference(0.1, q)) / q;
@@ -119,14 +116,11 @@ TEST_CASE("S18 A-03 pure absorption: emission linear in depth has its closed for
   column.planck = {2, 5};
   const ColumnSolution solution = solve_column(column);
   const double mu = 0.6, fade = std::exp(-1.5 / mu), slope = 2.0;
-  CHECK(solution.radiance(0, mu, 0, {}) ==
-        doctest::Approx(2 + slope * mu - (5 + slope * mu) * fade).epsilon(1e-12));
-  CHECK(solution.radiance(1.5, -mu, 0, {}) ==
-        doctest::Approx(5 - slope * mu - (2 - slope * mu) * fade).epsilon(1e-12));
+  CHECK(solution.radiance(0, mu, 0, {}) == doctest::Approx(2 + slope * mu - (5 + slope * mu) * fade).epsilon(1e-12));
+  CHECK(solution.radiance(1.5, -mu, 0, {}) == doctest::Approx(5 - slope * mu - (2 - slope * mu) * fade).epsilon(1e-12));
 }
 
-TEST_CASE(
-    "S18 A-03 an isothermal cavity is a black body at every place and direction, whatever scatters in it") {
+TEST_CASE("S18 A-03 an isothermal cavity is a black body at every place and direction, whatever scatters in it") {
   Column column;
   column.layers = {{0.3, 0.9, henyey_greenstein_moments(0.7, 60)},
                    {2, 0.5, rayleigh_moments()},
@@ -154,10 +148,8 @@ TEST_CASE("S18 A-01 a thin conservative layer scatters once") {
   const auto phase = [](double cosine) { return (1 - 0.36) / std::pow(1 + 0.36 - 1.2 * cosine, 1.5); };
   const double sines = std::sqrt((1 - mu * mu) * (1 - mu0 * mu0)), turn = std::cos(50 * kPi / 180);
   const double unit = 2 / (4 * kPi) * depth / mu;
-  CHECK(solution.radiance(0, mu, 80, {}) ==
-        doctest::Approx(unit * phase(-mu * mu0 + sines * turn)).epsilon(1e-5));
-  CHECK(solution.radiance(depth, -mu, 80, {}) ==
-        doctest::Approx(unit * phase(mu * mu0 + sines * turn)).epsilon(1e-5));
+  CHECK(solution.radiance(0, mu, 80, {}) == doctest::Approx(unit * phase(-mu * mu0 + sines * turn)).epsilon(1e-5));
+  CHECK(solution.radiance(depth, -mu, 80, {}) == doctest::Approx(unit * phase(mu * mu0 + sines * turn)).epsilon(1e-5));
 }
 
 TEST_CASE("S18 A-01 two streams: closed forms of the conservative slab and of the half-space") {

@@ -39,8 +39,7 @@ TEST_CASE("S18 A-08 conservative columns keep the net flux to 1e-8") {
         for (double albedo : {0.0, 0.6, 1.0}) {
           const double net = solution.fluxes(0, {albedo, 0}).net_down();
           for (double part : {0.01, 0.3, 0.9, 1.0})
-            worst =
-                std::max(worst, std::abs(solution.fluxes(part * depth, {albedo, 0}).net_down() - net) / mu0);
+            worst = std::max(worst, std::abs(solution.fluxes(part * depth, {albedo, 0}).net_down() - net) / mu0);
           if (albedo == 1) worst = std::max(worst, std::abs(net) / mu0);  // nothing absorbs at all
         }
       }
@@ -61,8 +60,7 @@ TEST_CASE("S18 A-08 absorption is the divergence of the flux: 4 pi (1 - omega) m
   const ColumnSolution solution = solve_column(column);
   const double depth = 0.45, step = 1e-3;
   const double divergence =
-      (solution.fluxes(depth - step, {}).net_down() - solution.fluxes(depth + step, {}).net_down()) /
-      (2 * step);
+      (solution.fluxes(depth - step, {}).net_down() - solution.fluxes(depth + step, {}).net_down()) / (2 * step);
   // Mean diffuse radiance from azimuth-averaged radiances at many angles; Gauss in the cosine, 24 azimuths.
   double mean = 0;
   const HalfRange rule = gauss_half_range(40);
@@ -132,8 +130,7 @@ TEST_CASE("S18 A-04 a layer cut in pieces is the same layer") {
     Column whole, cut;
     const std::vector<double> moments = henyey_greenstein_moments(0.75, 200);
     whole.layers = {{6, albedo, moments}};
-    cut.layers = {
-        {0.01, albedo, moments}, {0, albedo, moments}, {3.99, albedo, moments}, {2, albedo, moments}};
+    cut.layers = {{0.01, albedo, moments}, {0, albedo, moments}, {3.99, albedo, moments}, {2, albedo, moments}};
     whole.planck = {1, 7};
     cut.planck = {1, 1.01, 1.01, 5, 7};
     whole.beam = cut.beam = {4, 0.7, 0};
@@ -149,13 +146,11 @@ TEST_CASE("S18 A-04 a layer cut in pieces is the same layer") {
   }
 }
 
-TEST_CASE(
-    "S18 A-02 few streams with delta-M and the corrections converge to many streams that truncate nothing") {
+TEST_CASE("S18 A-02 few streams with delta-M and the corrections converge to many streams that truncate nothing") {
   // g = 0.8: 0.8^160 = 3e-16, so 160 streams hold the whole phase function and need no correction.
   const auto solved = [](int streams, bool corrected) {
     Column column;
-    column.layers = {{0.3, 0.95, henyey_greenstein_moments(0.8, 300)},
-                     {0.7, 0.9, henyey_greenstein_moments(0.8, 300)}};
+    column.layers = {{0.3, 0.95, henyey_greenstein_moments(0.8, 300)}, {0.7, 0.9, henyey_greenstein_moments(0.8, 300)}};
     column.beam = {1, 0.6, 0};
     Options options;
     options.streams = streams;
@@ -168,16 +163,14 @@ TEST_CASE(
       for (double azimuth : {0.0, 4.0, 40.0, 90.0, 180.0}) {
         const bool near_sun = mu == -0.65 && azimuth < 10;  // 4 degrees from the beam
         if (near_sun != aureole) continue;
-        worst = std::max(
-            worst, std::abs(few.radiance(0.6, mu, azimuth, {}) / many.radiance(0.6, mu, azimuth, {}) - 1));
+        worst = std::max(worst, std::abs(few.radiance(0.6, mu, azimuth, {}) / many.radiance(0.6, mu, azimuth, {}) - 1));
       }
     return worst;
   };
   const ColumnSolution exact = solved(160, false), corrected = solved(16, true), plain = solved(16, false);
   const double away = worst_error(corrected, exact, false), near = worst_error(corrected, exact, true);
-  std::cout << "A-02 16 streams, g 0.8: worst " << away << " away from the sun ("
-            << worst_error(plain, exact, false) << " without correction), " << near << " in the aureole ("
-            << worst_error(plain, exact, true) << ")\n";
+  std::cout << "A-02 16 streams, g 0.8: worst " << away << " away from the sun (" << worst_error(plain, exact, false)
+            << " without correction), " << near << " in the aureole (" << worst_error(plain, exact, true) << ")\n";
   // 1 %: what atmosphere specification S0 fact 5 states for 8 streams and g 0.7; the truncated part 0.7^8 =
   // 0.06 is here 0.8^16 = 0.03.
   CHECK(away <= 0.01);

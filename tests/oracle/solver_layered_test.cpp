@@ -19,8 +19,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 
 /// Layers of a layered case; heights of the levels come out beside it.
-Column layered_column(const std::string& name, const std::vector<CsvRow>& rows,
-                      std::vector<double>& height_km) {
+Column layered_column(const std::string& name, const std::vector<CsvRow>& rows, std::vector<double>& height_km) {
   Column column;
   for (const CsvRow& row : rows) {
     if (row.at("case") != name) continue;
@@ -32,8 +31,7 @@ Column layered_column(const std::string& name, const std::vector<CsvRow>& rows,
       layer.phase_moments = henyey_greenstein_moments(number(row, "g"), 600);
       const std::vector<double> molecules = rayleigh_moments(0.029);
       for (std::size_t k = 0; k < layer.phase_moments.size(); ++k)
-        layer.phase_moments[k] =
-            (aerosol * layer.phase_moments[k] + rayleigh * (k < 3 ? molecules[k] : 0)) / scatter;
+        layer.phase_moments[k] = (aerosol * layer.phase_moments[k] + rayleigh * (k < 3 ? molecules[k] : 0)) / scatter;
     }
     column.layers.push_back(layer);
     if (height_km.empty()) height_km.push_back(number(row, "z_top"));
@@ -55,8 +53,8 @@ double depth_at(double z_km, const std::vector<double>& height_km, const ColumnS
   return solution.total_depth();
 }
 
-void compare_layered(const std::vector<std::string>& names, const char* test, const Ground& ground,
-                     double beam, double flux_tolerance, double radiance_tolerance) {
+void compare_layered(const std::vector<std::string>& names, const char* test, const Ground& ground, double beam,
+                     double flux_tolerance, double radiance_tolerance) {
   const std::vector<CsvRow> layers = benchmark("layered_layers.csv", test);
   if (layers.empty()) return;
   for (const std::string& name : names) {
@@ -85,9 +83,8 @@ void compare_layered(const std::vector<std::string>& names, const char* test, co
       radiance_error = std::max(radiance_error, std::abs(ours / number(row, "radiance") - 1));
       ++count;
     }
-    std::cout << test << " " << name << ": fluxes " << flux_error << " (allowed " << flux_tolerance << "), "
-              << count << " radiances " << radiance_error << " (allowed " << radiance_tolerance
-              << "), relative\n";
+    std::cout << test << " " << name << ": fluxes " << flux_error << " (allowed " << flux_tolerance << "), " << count
+              << " radiances " << radiance_error << " (allowed " << radiance_tolerance << "), relative\n";
     CHECK(count > 20);
     CHECK(flux_error <= flux_tolerance);
     CHECK(radiance_error <= radiance_tolerance);
@@ -108,8 +105,7 @@ double cosine_of(double degrees) { return std::cos(degrees * kPi / 180); }
 
 }  // namespace
 
-TEST_CASE(
-    "S18 A-05 49-layer summer, sun: 16 streams within 2e-4 in flux and 1e-3 in radiance of 64 streams") {
+TEST_CASE("S18 A-05 49-layer summer, sun: 16 streams within 2e-4 in flux and 1e-3 in radiance of 64 streams") {
   compare_layered({"S450", "S550", "S870"}, "A-05", {0.3, 0}, 1, 2e-4, 1e-3);
 }
 
@@ -125,15 +121,13 @@ TEST_CASE("S18 A-07 Rayleigh slabs of Natraj, Li & Yung and of Natraj & Hovenier
     const std::string key = std::to_string(depth) + "/" + std::to_string(mu0);
     const auto found = solved.try_emplace(key, rayleigh_slab(depth, 0, mu0, kPi)).first;
     const double mu = number(row, "mu");
-    const double ours =
-        found->second.radiance(up ? 0 : depth, up ? mu : -mu, number(row, "phi_deg"), {albedo, 0});
+    const double ours = found->second.radiance(up ? 0 : depth, up ? mu : -mu, number(row, "phi_deg"), {albedo, 0});
     worst = std::max(worst, std::abs(ours / number(row, "I_scalar_disort") - 1));
     ++count;
   };
   for (const CsvRow& row : benchmark("natraj_selected.csv", "A-07"))
     compare(row, number(row, "tau"), number(row, "mu0"), number(row, "albedo"), row.at("level") == "top_up");
-  for (const CsvRow& row : benchmark("natraj2009_tau0p5_mu0p2_A0_up.csv", "A-07"))
-    compare(row, 0.5, 0.2, 0, true);
+  for (const CsvRow& row : benchmark("natraj2009_tau0p5_mu0p2_A0_up.csv", "A-07")) compare(row, 0.5, 0.2, 0, true);
   std::cout << "A-07 Natraj: " << count << " radiances, worst " << worst << " relative; allowed 1e-4\n";
   CHECK(worst <= 1e-4);
 }
@@ -160,8 +154,7 @@ TEST_CASE("S18 A-07 IPRT cases A1 and A2, depolarised and over Lambertian ground
     const bool second = std::string(file).find("a2") != std::string::npos;
     for (const CsvRow& row : benchmark(file, "A-07")) {
       const double depth = second ? 0.1 : 0.5;
-      const ColumnSolution slab =
-          rayleigh_slab(depth, number(row, "depol"), cosine_of(number(row, "sza")), 1);
+      const ColumnSolution slab = rayleigh_slab(depth, number(row, "depol"), cosine_of(number(row, "sza")), 1);
       const bool up = row.at("level") == "top_up";
       const double ours = slab.radiance(up ? 0 : depth, -cosine_of(number(row, "vza")),
                                         number(row, "vaa") - number(row, "saa"), {second ? 0.3 : 0.0, 0});
@@ -182,13 +175,11 @@ TEST_CASE("S18 A-07 6SV's Rayleigh table: scalar column to 1e-4 and its last dig
     const double mu0 = cosine_of(number(row, "sza_deg")), depth = number(row, "tau");
     const auto found =
         solved.try_emplace(row.at("tau") + "/" + row.at("sza_deg"), rayleigh_slab(depth, 0, mu0, 1)).first;
-    const double ours =
-        kPi / mu0 *
-        found->second.radiance(0, cosine_of(number(row, "vza_deg")), number(row, "azimuth_deg"),
-                               {number(row, "surface_albedo"), 0});
+    const double ours = kPi / mu0 *
+                        found->second.radiance(0, cosine_of(number(row, "vza_deg")), number(row, "azimuth_deg"),
+                                               {number(row, "surface_albedo"), 0});
     // Printed with five decimals.
-    worst = std::max(
-        worst, (std::abs(ours - number(row, "R_scalar_disort")) - 5e-6) / number(row, "R_scalar_disort"));
+    worst = std::max(worst, (std::abs(ours - number(row, "R_scalar_disort")) - 5e-6) / number(row, "R_scalar_disort"));
   }
   std::cout << "A-07 6SV: worst " << worst << " relative beyond the printed digit; allowed 1e-4\n";
   CHECK(worst <= 1e-4);

@@ -20,9 +20,8 @@ void compare(const std::string& problems, const char* test, double tolerance) {
     Options options;
     options.streams = problem.streams;
     const Deviation worst = disort_deviation(problem, solve_column(problem.column, options));
-    std::cout << test << " case " << problem.name << ": flux " << worst.flux << " (" << worst.fluxes
-              << "), radiance " << worst.radiance << " (" << worst.radiances << ") of the largest; allowed "
-              << tolerance << "\n";
+    std::cout << test << " case " << problem.name << ": flux " << worst.flux << " (" << worst.fluxes << "), radiance "
+              << worst.radiance << " (" << worst.radiances << ") of the largest; allowed " << tolerance << "\n";
     CHECK(worst.fluxes > 0);
     CHECK(worst.flux <= tolerance);
     CHECK(worst.radiance <= tolerance);

@@ -76,8 +76,7 @@ TEST_CASE("S18 A-08 albedo 1 is the limit of albedo near 1") {
       CAPTURE(depth);
       // Absorbed part: of order depth^2 (1 - omega).
       const double allowed = 1e-9 + 10 * depth * depth * below;
-      CHECK(reflected(depth, 1 - below, 0.6, 0.4) ==
-            doctest::Approx(reflected(depth, 1, 0.6, 0.4)).epsilon(allowed));
+      CHECK(reflected(depth, 1 - below, 0.6, 0.4) == doctest::Approx(reflected(depth, 1, 0.6, 0.4)).epsilon(allowed));
     }
   // Sums of optical depths may end a digit above 1.
   CHECK(reflected(1, 1 + 1e-12, 0.6, 0.4) == doctest::Approx(reflected(1, 1, 0.6, 0.4)).epsilon(1e-12));
@@ -106,9 +105,8 @@ TEST_CASE("S18 A-08 optical depth 700 and beyond: finite, positive, energy kept"
   for (double depth : {700.0, 1e5})
     for (double albedo : {0.0, 0.5, 1 - 1e-12, 1.0}) {
       Column column;
-      column.layers = {{depth, albedo, henyey_greenstein_moments(0.85, 300)},
-                       {0, 1, {}},
-                       {depth, albedo, rayleigh_moments()}};
+      column.layers = {
+          {depth, albedo, henyey_greenstein_moments(0.85, 300)}, {0, 1, {}}, {depth, albedo, rayleigh_moments()}};
       column.beam = {1, 0.02, 0};
       column.planck = {1, 1, 1, 1};
       const ColumnSolution solution = solve_column(column);
@@ -135,8 +133,7 @@ TEST_CASE("S18 A-02 a phase function that is all forward peak is no scattering")
   options.intensity_correction = false;
   const ColumnSolution solution = solve_column(column, options);
   const Fluxes ground = solution.fluxes(2, {});
-  CHECK(ground.direct_down + ground.diffuse_down ==
-        doctest::Approx(0.5 * std::exp(-0.6 / 0.5)).epsilon(1e-12));
+  CHECK(ground.direct_down + ground.diffuse_down == doctest::Approx(0.5 * std::exp(-0.6 / 0.5)).epsilon(1e-12));
   CHECK(std::abs(solution.fluxes(0, {}).up) < 1e-14);
 }
 
@@ -174,8 +171,8 @@ TEST_CASE("S18 a wrong column is refused with every fault named") {
   } catch (const raycube::base::Error& error) {
     const std::string text = error.what();
     CHECK(error.exit_status() == 2);
-    for (const char* part : {"layer 0", "layer 1", "optical depth", "single-scattering albedo",
-                             "phase moment 0", "[-1, 1]", "beam cosine", "Planck", "streams"})
+    for (const char* part : {"layer 0", "layer 1", "optical depth", "single-scattering albedo", "phase moment 0",
+                             "[-1, 1]", "beam cosine", "Planck", "streams"})
       CHECK_MESSAGE(text.find(part) != std::string::npos, part);
   }
   column.layers = {{1, 0.5, {}}};

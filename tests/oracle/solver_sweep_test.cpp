@@ -42,10 +42,8 @@ double largest(const std::vector<double>& values) {
 double sweep_error(const Column& column, const Options& options) {
   const ColumnSolution solution = solve_column(column, options);
   const double total = solution.total_depth();
-  const std::vector<double> depths = {total, 0,           0.5 * total, solution.level_depth(3),
-                                      0.41,  total - 0.2, total},
-                            cosines = {1,     -1,      0.7,   -0.7, 0.3,  -0.3, 0.05,
-                                       -0.05, -0.0175, -1e-9, 0,    1e-9, -0.62},
+  const std::vector<double> depths = {total, 0, 0.5 * total, solution.level_depth(3), 0.41, total - 0.2, total},
+                            cosines = {1, -1, 0.7, -0.7, 0.3, -0.3, 0.05, -0.05, -0.0175, -1e-9, 0, 1e-9, -0.62},
                             azimuths = {0, 25, 40, 115, 180, 205, 300};
   const Ground ground{0.3, 0.5};
   const std::vector<double> swept = solution.radiances(depths, cosines, azimuths, ground);
@@ -56,12 +54,12 @@ double sweep_error(const Column& column, const Options& options) {
   for (double depth : depths)
     for (double cosine : cosines) {
       const GroundTransmission alone = solution.ground_transmission(depth, cosine);
-      worst = std::max(
-          {worst, std::abs(alone.direct - through[g].direct), std::abs(alone.diffuse - through[g].diffuse)});
+      worst =
+          std::max({worst, std::abs(alone.direct - through[g].direct), std::abs(alone.diffuse - through[g].diffuse)});
       ++g;
       for (double azimuth : azimuths)
-        worst = std::max(
-            worst, std::abs(swept[i++] - solution.radiance(depth, cosine, azimuth, ground)) / largest(swept));
+        worst =
+            std::max(worst, std::abs(swept[i++] - solution.radiance(depth, cosine, azimuth, ground)) / largest(swept));
     }
   return worst;
 }
@@ -75,9 +73,8 @@ TEST_CASE("S4.6 a sweep over levels, directions and azimuths equals single calls
       for (bool emits : {false, true}) {
         if (mu0 <= 0 && !emits) continue;
         worst = std::max(worst, sweep_error(many_layers(mu0, emits), {.streams = streams}));
-        worst = std::max(worst,
-                         sweep_error(many_layers(mu0, emits),
-                                     {.streams = streams, .delta_m = false, .intensity_correction = false}));
+        worst = std::max(worst, sweep_error(many_layers(mu0, emits),
+                                            {.streams = streams, .delta_m = false, .intensity_correction = false}));
       }
   Column spherical = many_layers(0.2, false);
   spherical.level_height_m = {60e3, 40e3, 20e3, 12e3, 10e3, 8e3, 3e3, 2e3, 0};
@@ -104,8 +101,7 @@ TEST_CASE("S4.6 whole layers and parts of layers, by other formulas, give one ra
       const ColumnSolution solution = solve_column(column, {.streams = streams});
       const std::vector<double> cosines = {1, -1, 0.3, -0.3, 0.05, -0.05}, azimuths = {25, 115};
       for (std::size_t level = 1; level < column.layers.size(); ++level) {
-        const double face = solution.level_depth(level),
-                     above = 1e-9 * column.layers[level - 1].optical_depth,
+        const double face = solution.level_depth(level), above = 1e-9 * column.layers[level - 1].optical_depth,
                      below = 1e-9 * column.layers[level].optical_depth;
         const std::vector<double> values =
             solution.radiances({face, face - above, face + below}, cosines, azimuths, {});
@@ -122,19 +118,18 @@ TEST_CASE("S4.6 whole layers and parts of layers, by other formulas, give one ra
 
 TEST_CASE("differences of known exponentials equal those that find them") {
   const auto close = [](double a, double b) { return std::abs(a - b) <= 2e-14 * std::abs(b) + 1e-300; };
-  const std::vector<double> at = {0,   1e-12, 1e-6, 1e-3, 0.03, 0.1, 0.1249, 0.1251,
-                                  0.2, 0.5,   1,    1.05, 3,    20,  200,    1e5};
+  const std::vector<double> at = {0, 1e-12, 1e-6, 1e-3, 0.03, 0.1, 0.1249, 0.1251, 0.2, 0.5, 1, 1.05, 3, 20, 200, 1e5};
   int wrong = 0;
   for (double x : at)
     for (double y : at) {
       const auto pair = [](double a, double b) { return exp_pair(a, b, std::exp(-a), std::exp(-b)); };
       wrong += close(pair(x, y), exp_difference(x, y)) ? 0 : 1;
       for (double z : at)
-        wrong += close(exp_triple({x, y, z}, {std::exp(-x), std::exp(-y), std::exp(-z)}, pair(x, y),
-                                  pair(x, z), pair(y, z)),
-                       exp_difference(x, y, z))
-                     ? 0
-                     : 1;
+        wrong +=
+            close(exp_triple({x, y, z}, {std::exp(-x), std::exp(-y), std::exp(-z)}, pair(x, y), pair(x, z), pair(y, z)),
+                  exp_difference(x, y, z))
+                ? 0
+                : 1;
     }
   CHECK(wrong == 0);
 }
@@ -143,9 +138,7 @@ namespace {
 template <int N>
 double dense_error(std::mt19937& random) {
   std::uniform_real_distribution<double> uniform(-1, 1);
-  const auto fill = [&](auto& matrix) {
-    matrix = matrix.unaryExpr([&](double) { return uniform(random); }).eval();
-  };
+  const auto fill = [&](auto& matrix) { matrix = matrix.unaryExpr([&](double) { return uniform(random); }).eval(); };
   Square<N> a = Square<N>::Zero(), b = a, out = a, root = a, inverse = a;
   fill(a), fill(b);
   multiply<N>(a, b, out);
@@ -166,8 +159,7 @@ double dense_error(std::mt19937& random) {
   augmented << a.transpose(), right.transpose();
   solve_augmented<N, 3>(augmented);
   const Eigen::Matrix<double, N, 3> answer = augmented.template bottomRows<3>().transpose();
-  return std::max(worst,
-                  (a * answer - right).cwiseAbs().maxCoeff() / std::max(1.0, answer.cwiseAbs().maxCoeff()));
+  return std::max(worst, (a * answer - right).cwiseAbs().maxCoeff() / std::max(1.0, answer.cwiseAbs().maxCoeff()));
 }
 }  // namespace
 
@@ -175,7 +167,7 @@ TEST_CASE("small matrices: products, inverses, roots and solutions are what they
   std::mt19937 random(7);
   double worst = 0;
   for (int i = 0; i < 50; ++i)
-    worst = std::max({worst, dense_error<2>(random), dense_error<4>(random), dense_error<8>(random),
-                      dense_error<16>(random)});
+    worst = std::max(
+        {worst, dense_error<2>(random), dense_error<4>(random), dense_error<8>(random), dense_error<16>(random)});
   CHECK(worst <= 1e-11);  // condition numbers to a few thousand times 1e-16 times 16
 }

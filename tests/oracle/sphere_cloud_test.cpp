@@ -1,5 +1,5 @@
-// Spheres of many sizes. Oracles: closed moments of the lognormal in Rayleigh's limit, a plain midpoint sum over radii, the
-// moments of Haze L and cloud C.1 that Garcia & Siewert (1985) printed, LOWTRAN7's phase functions of two fogs.
+// Spheres of many sizes. Oracles: closed moments of the lognormal in Rayleigh's limit, a plain midpoint sum over radii,
+// the moments of Haze L and cloud C.1 that Garcia & Siewert (1985) printed, LOWTRAN7's phase functions of two fogs.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -38,7 +38,8 @@ TEST_CASE("S18 sphere clouds: tiny lognormal spheres follow the closed moments o
   const Complex m(1.7, 0.3), polarizability = (m * m - 1.0) / (m * m + 2.0);
   const SphereCloudOptics cloud =
       integrate_spheres(SizeDistribution::lognormal({{3, median, sigma}}), request(wavelength, m, 1e-6, 3));
-  const double r3 = std::pow(median, 3) * std::exp(4.5 * width * width), r6 = std::pow(median, 6) * std::exp(18 * width * width);
+  const double r3 = std::pow(median, 3) * std::exp(4.5 * width * width),
+               r6 = std::pow(median, 6) * std::exp(18 * width * width);
   // Size parameters stay below 0.004: next terms below 1e-4 of themselves; tolerance 1e-6 of the integral.
   CHECK(relative(cloud.scattering_um2, 8.0 / 3 * kPi * std::pow(k, 4) * std::norm(polarizability) * r6) <= 2e-5);
   CHECK(relative(cloud.extinction_um2, 4 * kPi * k * polarizability.imag() * r3) <= 2e-5);
@@ -58,8 +59,8 @@ TEST_CASE("S18 sphere clouds: one and two modes equal a plain sum over radii wit
       ask.angle_deg = {0, 90, 137, 180};
       const SphereCloudOptics cloud = integrate_spheres(SizeDistribution::lognormal(modes), ask);
       CHECK(cloud.change <= tolerance);
-      // Midpoints in r (the integrator steps in ln r); the density written out again. Step 0.7 nm, to 14 um: 9 widths out for the
-      // coarse mode's area; the smallest radii, where steps are coarse, scatter as r^6.
+      // Midpoints in r (the integrator steps in ln r); the density written out again. Step 0.7 nm, to 14 um: 9 widths
+      // out for the coarse mode's area; the smallest radii, where steps are coarse, scatter as r^6.
       double extinction = 0, scattering = 0, forward = 0, p90 = 0, p137 = 0, p180 = 0;
       const int steps = 20000;
       const double step = 14.0 / steps;
@@ -68,13 +69,15 @@ TEST_CASE("S18 sphere clouds: one and two modes equal a plain sum over radii wit
         double number = 0;
         for (const LogNormalMode& mode : modes) {
           const double t = std::log(r / mode.median_radius_um) / std::log(mode.geometric_sigma);
-          number += mode.share * std::exp(-0.5 * t * t) / (std::sqrt(2 * kPi) * std::log(mode.geometric_sigma) * r) * step;
+          number +=
+              mode.share * std::exp(-0.5 * t * t) / (std::sqrt(2 * kPi) * std::log(mode.geometric_sigma) * r) * step;
         }
         if (number * r * r < 1e-15) continue;
         const MieSphere sphere(k * r, m);
         const MieEfficiencies& q = sphere.efficiencies();
         const double area = number * kPi * r * r;
-        extinction += area * q.extinction, scattering += area * q.scattering, forward += area * q.scattering * q.asymmetry;
+        extinction += area * q.extinction, scattering += area * q.scattering,
+            forward += area * q.scattering * q.asymmetry;
         p90 += area * q.scattering * mie_phase(sphere, 0), p180 += area * q.scattering * mie_phase(sphere, -1);
         p137 += area * q.scattering * mie_phase(sphere, std::cos(137 * kPi / 180));
       }
@@ -115,11 +118,16 @@ TEST_CASE("S18 sphere clouds: Haze L and cloud C.1 give the moments of Garcia & 
     std::size_t column;
     double tolerance;  ///< asked for: bounds the change of every moment; resonances make clear drops costly
   };
-  std::vector<Cloud> clouds{
-      {"Haze L", SizeDistribution::modified_gamma(2, 15.1186, 0.5),
-       {{1, 0.8042}, {2, 0.646094}, {5, 0.263045455}, {10, 0.0560542857}}, 1, 1e-5},
-      {"cloud C.1", SizeDistribution::modified_gamma(6, 1.5, 1),
-       {{1, 0.848}, {2, 0.7766}, {5, 0.535181818}, {10, 0.442190476}, {28, 0.3215}}, 2, 3e-4}};
+  std::vector<Cloud> clouds{{"Haze L",
+                             SizeDistribution::modified_gamma(2, 15.1186, 0.5),
+                             {{1, 0.8042}, {2, 0.646094}, {5, 0.263045455}, {10, 0.0560542857}},
+                             1,
+                             1e-5},
+                            {"cloud C.1",
+                             SizeDistribution::modified_gamma(6, 1.5, 1),
+                             {{1, 0.848}, {2, 0.7766}, {5, 0.535181818}, {10, 0.442190476}, {28, 0.3215}},
+                             2,
+                             3e-4}};
   for (const Cloud& cloud : clouds) {
     CAPTURE(cloud.name);
     const SphereCloudOptics optics = integrate_spheres(cloud.sizes, request(0.7, 1.33, cloud.tolerance, 299));
@@ -146,13 +154,15 @@ TEST_CASE("S18 sphere clouds: Haze L and cloud C.1 give the moments of Garcia & 
       worst = std::max(worst, std::abs(optics.moments[k] - std::strtod(cells[cloud.column].c_str(), nullptr)));
       ++compared;
     }
-    MESSAGE(cloud.name << ": " << compared << " moments, largest difference " << worst << ", " << optics.spheres << " sizes");
+    MESSAGE(cloud.name << ": " << compared << " moments, largest difference " << worst << ", " << optics.spheres
+                       << " sizes");
     CHECK(compared >= 80);
     CHECK(worst <= cloud.tolerance);
   }
 }
 
-TEST_CASE("S18 sphere clouds: two fogs of Shettle & Fenn 1979 against LOWTRAN7's tables of them, backscatter included") {
+TEST_CASE(
+    "S18 sphere clouds: two fogs of Shettle & Fenn 1979 against LOWTRAN7's tables of them, backscatter included") {
   const char* shared = std::getenv("RAYCUBE_SHARED");
   if (!shared) {
     std::cerr << "SKIPPED: RAYCUBE_SHARED is not set, fogs were not compared with LOWTRAN7's phase functions\n";
@@ -182,7 +192,8 @@ TEST_CASE("S18 sphere clouds: two fogs of Shettle & Fenn 1979 against LOWTRAN7's
     // Water, Hale & Querry (1973), Appl. Opt. 12, 555; its absorption does not show at these wavelengths.
     for (const auto& [wavelength, water] : {std::pair<std::string, double>{"0.55", 1.333}, {"0.6943", 1.331}}) {
       SphereCloudRequest ask = request(std::strtod(wavelength.c_str(), nullptr), water, 2e-3);
-      for (std::size_t i = 1; i < functions.size(); ++i) ask.angle_deg.push_back(std::strtod(functions[i][0].c_str(), nullptr));
+      for (std::size_t i = 1; i < functions.size(); ++i)
+        ask.angle_deg.push_back(std::strtod(functions[i][0].c_str(), nullptr));
       const SphereCloudOptics cloud = integrate_spheres(fog.sizes, ask);
       if (wavelength == "0.55") green_um2 = cloud.extinction_um2;
       CAPTURE(fog.model);
@@ -206,11 +217,13 @@ TEST_CASE("S18 sphere clouds: two fogs of Shettle & Fenn 1979 against LOWTRAN7's
       for (std::size_t i = 1; i < functions.size(); ++i) {
         const double ratio = cloud.phase_at_angle[i - 1] / (4 * kPi) / std::strtod(functions[i][at].c_str(), nullptr);
         if (ask.angle_deg[i - 1] == 180) back = ratio;
-        if (ask.angle_deg[i - 1] < 10) continue;  // the diffraction peak belongs to whichever model the shape is shared with
+        if (ask.angle_deg[i - 1] < 10)
+          continue;  // the diffraction peak belongs to whichever model the shape is shared with
         squares += std::log(ratio) * std::log(ratio), worst = std::max(worst, std::abs(std::log(ratio))), ++count;
       }
-      MESSAGE(fog.model << " " << wavelength << " um: g " << cloud.asymmetry << ", phase function against " << name << ": rms of ln "
-                        << std::sqrt(squares / count) << ", worst " << worst << ", ratio at 180 degrees " << back);
+      MESSAGE(fog.model << " " << wavelength << " um: g " << cloud.asymmetry << ", phase function against " << name
+                        << ": rms of ln " << std::sqrt(squares / count) << ", worst " << worst
+                        << ", ratio at 180 degrees " << back);
       // One shape serves both wavelengths in the tables; it is that of 0.6943 um.
       CHECK(std::sqrt(squares / count) <= (wavelength == "0.6943" ? 0.1 : 0.2));
       CHECK(std::abs(back - 1) <= 0.1);
@@ -234,6 +247,7 @@ TEST_CASE("S18 sphere clouds: bad figures are refused, all in one message") {
   CHECK(modes.find("not its logarithm") != std::string::npos);
   CHECK(message([] { SizeDistribution::modified_gamma(0, 1, 1); }).find("must be positive") != std::string::npos);
   const SizeDistribution drops = SizeDistribution::lognormal({{1, 1000, 1.5}});
-  CHECK(message([&] { integrate_spheres(drops, request(0.5, 1.33, 1e-4)); }).find("limit is 5000") != std::string::npos);
+  CHECK(message([&] { integrate_spheres(drops, request(0.5, 1.33, 1e-4)); }).find("limit is 5000") !=
+        std::string::npos);
   CHECK(message([&] { integrate_spheres(drops, request(0.5, 1.33, 0)); }).find("tolerance") != std::string::npos);
 }

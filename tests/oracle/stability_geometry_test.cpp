@@ -1,5 +1,6 @@
-// Where ray tracing fails (REQUIREMENTS section 4, Geometry), on every device found, in bundles and ray by ray. Oracles: brute
-// force in double over the same rays (judge_hits), and closed forms of planes, convex bodies and counted hits.
+// Where ray tracing fails (REQUIREMENTS section 4, Geometry), on every device found, in bundles and ray by ray.
+// Oracles: brute force in double over the same rays (judge_hits), and closed forms of planes, convex bodies and counted
+// hits.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -26,8 +27,8 @@ TraceShape tile(std::uint32_t columns, std::uint32_t lines, int n) {
 }
 
 /// All rays of a tile in bundles and one by one: none wrong, at most a share of them on an edge or at a tie in depth.
-void require_right(const scene::CompiledScene& scene, TraceShape shape, const std::vector<shared::RayGroup>& groups, double least_hits,
-                   double most_explained = 1e-3) {
+void require_right(const scene::CompiledScene& scene, TraceShape shape, const std::vector<shared::RayGroup>& groups,
+                   double least_hits, double most_explained = 1e-3) {
   test::on_every_device([&](const cl::Context& context) {
     for (const bool bundle : {true, false}) {
       CAPTURE(bundle);
@@ -52,12 +53,13 @@ scene::CompiledScene placed(const std::vector<scene::TriangleMesh>& meshes) {
 struct Lit {
   std::size_t hits = 0, lit = 0;
 };
-Lit lit_samples(const cl::Context& context, const scene::CompiledScene& scene, const TraceShape& shape, const std::vector<shared::RayGroup>& groups,
-                double zenith_rad) {
+Lit lit_samples(const cl::Context& context, const scene::CompiledScene& scene, const TraceShape& shape,
+                const std::vector<shared::RayGroup>& groups, double zenith_rad) {
   test::TraceChain chain(context, scene, shape);
   const auto hits = chain.primary(groups);
   chain.surface();
-  const auto mask = chain.sun({static_cast<float>(std::sin(zenith_rad)), 0, static_cast<float>(std::cos(zenith_rad)), 0});
+  const auto mask =
+      chain.sun({static_cast<float>(std::sin(zenith_rad)), 0, static_cast<float>(std::cos(zenith_rad)), 0});
   Lit sum;
   for (std::uint32_t pixel = 0; pixel < shape.pixels(); ++pixel)
     for (std::uint32_t s = 0; s < shape.samples(); ++s) {
@@ -68,7 +70,8 @@ Lit lit_samples(const cl::Context& context, const scene::CompiledScene& scene, c
   return sum;
 }
 
-/// Nodes that a walk can have waiting at once: the siblings left behind on the way down, whatever the order of children.
+/// Nodes that a walk can have waiting at once: the siblings left behind on the way down, whatever the order of
+/// children.
 std::uint32_t most_waiting(const scene::CompiledScene& scene, std::uint32_t index) {
   const auto& node = scene.nodes[index];
   std::uint32_t deepest = 0;
@@ -79,7 +82,9 @@ std::uint32_t most_waiting(const scene::CompiledScene& scene, std::uint32_t inde
 
 }  // namespace
 
-TEST_CASE("stability: views at 80 to 89.9 degrees hit a plane always and relief where double does; no self-shadow under a sun as low") {
+TEST_CASE(
+    "stability: views at 80 to 89.9 degrees hit a plane always and relief where double does; no self-shadow under a "
+    "sun as low") {
   const auto plane = placed({test::rectangle({-50000, -50000, 0}, {100000, 0, 0}, {0, 100000, 0}, 0)});
   const auto relief = test::single(test::terrain(40, 400));
   for (const double angle_deg : {80.0, 89.0, 89.9}) {
@@ -95,13 +100,14 @@ TEST_CASE("stability: views at 80 to 89.9 degrees hit a plane always and relief 
       CHECK(seen.lit == seen.hits);
     });
     // 12 m above the hills, or among them where the ray falls by 0.7 m only on its way across.
-    require_right(relief, shape, test::nadir_groups(shape, -150, 0, angle_deg > 89.5 ? 1.5 : 12, 5e-3 * tilt, 1, tilt), 0.2);
+    require_right(relief, shape, test::nadir_groups(shape, -150, 0, angle_deg > 89.5 ? 1.5 : 12, 5e-3 * tilt, 1, tilt),
+                  0.2);
   }
 }
 
 TEST_CASE("stability: a low-poly sphere and a view from 20 km: each face is lit exactly where it faces the sun") {
-  // A convex body has no shadows but its own faces turned away: the lit share of a convex polyhedron's samples follows from the
-  // faces' normals alone. Near a terminator's edge nothing is doubtful, for a sample belongs to one face.
+  // A convex body has no shadows but its own faces turned away: the lit share of a convex polyhedron's samples follows
+  // from the faces' normals alone. Near a terminator's edge nothing is doubtful, for a sample belongs to one face.
   const auto mesh = test::sphere(1, 5, 0);
   const auto scene = placed({mesh});
   const double zenith = 70 * kDegree, sun[3] = {std::sin(zenith), 0, std::cos(zenith)};
@@ -113,7 +119,8 @@ TEST_CASE("stability: a low-poly sphere and a view from 20 km: each face is lit 
       test::TraceChain chain(context, scene, shape);
       const auto hits = chain.primary(groups);
       chain.surface();
-      const auto mask = chain.sun({static_cast<float>(sun[0]), static_cast<float>(sun[1]), static_cast<float>(sun[2]), 0});
+      const auto mask =
+          chain.sun({static_cast<float>(sun[0]), static_cast<float>(sun[1]), static_cast<float>(sun[2]), 0});
       std::size_t lit = 0, dark = 0, wrong = 0;
       for (std::uint32_t pixel = 0; pixel < shape.pixels(); ++pixel)
         for (std::uint32_t s = 0; s < shape.samples(); ++s) {
@@ -147,7 +154,8 @@ TEST_CASE("stability: a plane of 40 km seen from 20 km, tilted and level, is lit
     TraceShape shape = tile(20, 20, 4);
     const auto groups = test::nadir_groups(shape, 300, 100, 20000, 1500, 20000, 0);
     test::on_every_device([&](const cl::Context& context) {
-      const Lit seen = lit_samples(context, scene, shape, groups, 60 * kDegree);  // 30 deg high, the slope of 17 deg turned from it
+      const Lit seen =
+          lit_samples(context, scene, shape, groups, 60 * kDegree);  // 30 deg high, the slope of 17 deg turned from it
       CHECK(seen.hits > 0.9 * shape.pixels() * shape.samples());
       CHECK(seen.lit == seen.hits);
     });
@@ -155,12 +163,13 @@ TEST_CASE("stability: a plane of 40 km seen from 20 km, tilted and level, is lit
 }
 
 TEST_CASE("stability: trees of the greatest depth: the stack holds every node that can wait, and no hit is lost") {
-  // Triangles that grow by 2^(1/8) each, from 1 mm to 1000 km, one inside the next: every split cuts off the largest few, so that the tree is as
-  // deep as such a tree gets.
+  // Triangles that grow by 2^(1/8) each, from 1 mm to 1000 km, one inside the next: every split cuts off the largest
+  // few, so that the tree is as deep as such a tree gets.
   scene::TriangleMesh mesh;
   for (std::uint32_t i = 0; i < 240; ++i) {
     const float size = static_cast<float>(1e-3 * std::exp2(i / 8.0));
-    mesh.vertices.insert(mesh.vertices.end(), {{-size, -size, -size}, {size, -size, -size}, {0.1f * size, size, -size}});
+    mesh.vertices.insert(mesh.vertices.end(),
+                         {{-size, -size, -size}, {size, -size, -size}, {0.1f * size, size, -size}});
     mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
     mesh.surface.push_back(0);
     mesh.user_face.push_back(i);
@@ -169,21 +178,24 @@ TEST_CASE("stability: trees of the greatest depth: the stack holds every node th
   scene::CompiledScene scene;
   const auto index = scene::append_mesh(scene, "nested", mesh);
   for (std::uint32_t i = 0; i < 60; ++i)
-    scene::append_instance(scene, index, test::placement(0.1 * i, 0, std::exp2(-0.5 * i), 0, 0, -0.1 * std::exp2(-0.5 * i)), i);
+    scene::append_instance(scene, index,
+                           test::placement(0.1 * i, 0, std::exp2(-0.5 * i), 0, 0, -0.1 * std::exp2(-0.5 * i)), i);
   scene::finish_top_tree(scene);
   MESSAGE("levels: top " << scene.top_depth << ", mesh " << scene.meshes[0].depth << "; stack " << scene.stack_bound());
   CHECK(scene.top_depth + scene.meshes[0].depth >= 6);
   CHECK(most_waiting(scene, 0) + most_waiting(scene, scene.meshes[0].root) <= scene.stack_bound());
   TraceShape shape = tile(6, 6, 4);
   // Seen from far above, small ones lie closer together than rounding parts them: ties in depth, 9 in 576 at most.
-  for (const double height_m : {0.01, 1.0, 1000.0}) require_right(scene, shape, test::nadir_groups(shape, 0.1 * height_m, 0, height_m, 0.2, 1, 0.05), 0.3, 0.03);
+  for (const double height_m : {0.01, 1.0, 1000.0})
+    require_right(scene, shape, test::nadir_groups(shape, 0.1 * height_m, 0, height_m, 0.2, 1, 0.05), 0.3, 0.03);
 }
 
 TEST_CASE("stability: a part of 1 mm on and above terrain of 100 km is hit by the rays that meet it, and by no other") {
   const double kHalf = 5e-4;  // m
   for (const double relief_m : {0.0, 800.0}) {
     scene::TriangleMesh ground = test::terrain(50, 100000);  // cells of 2 km
-    for (auto& v : ground.vertices) v[2] = static_cast<float>(relief_m * std::sin(v[0] / 9000) * std::cos(v[1] / 7000) - 0.001 - relief_m);
+    for (auto& v : ground.vertices)
+      v[2] = static_cast<float>(relief_m * std::sin(v[0] / 9000) * std::cos(v[1] / 7000) - 0.001 - relief_m);
     const float low = relief_m > 0 ? 0.2f : 0.0f;  // above relief or on the plain, whose top is 1 mm below it
     scene::TriangleMesh part = test::box({-kHalf, -kHalf, low}, {kHalf, kHalf, low + 2 * kHalf}, 0);
     const auto scene = placed({ground, part});
@@ -191,7 +203,8 @@ TEST_CASE("stability: a part of 1 mm on and above terrain of 100 km is hit by th
     // Rays 0.025 mm apart straight down from 1 m above, over 1.2 mm.
     const double above = 1;
     const auto groups = test::nadir_groups(shape, 0, 0, low + 2 * kHalf + above, 1e-4, above, 0);
-    require_right(scene, shape, groups, 1, 40.0 / 2304);  // the diagonal of the part's top runs through 40 of the samples
+    require_right(scene, shape, groups, 1,
+                  40.0 / 2304);  // the diagonal of the part's top runs through 40 of the samples
     test::on_every_device([&](const cl::Context& context) {
       test::TraceChain chain(context, scene, shape);
       const auto hits = chain.primary(groups);
@@ -199,9 +212,12 @@ TEST_CASE("stability: a part of 1 mm on and above terrain of 100 km is hit by th
       for (std::uint32_t line = 0; line < shape.lines; ++line)
         for (std::uint32_t column = 0; column < shape.columns; ++column)
           for (std::uint32_t s = 0; s < shape.samples(); ++s) {
-            const auto ray = test::host_ray(groups[line * shape.groups_per_line() + column / shape.group_pixels], shape, 0, column % shape.group_pixels, s);
-            // Top face, at distance `above` along z: rays that pass beside it meet no side of it either (they spread outwards).
-            const double x = std::abs(ray.direction[0] / ray.direction[2]) * above, y = std::abs(ray.direction[1] / ray.direction[2]) * above;
+            const auto ray = test::host_ray(groups[line * shape.groups_per_line() + column / shape.group_pixels], shape,
+                                            0, column % shape.group_pixels, s);
+            // Top face, at distance `above` along z: rays that pass beside it meet no side of it either (they spread
+            // outwards).
+            const double x = std::abs(ray.direction[0] / ray.direction[2]) * above,
+                         y = std::abs(ray.direction[1] / ray.direction[2]) * above;
             if (std::abs(std::max(x, y) - kHalf) < 1e-6) continue;  // fp32 rays from 1 m: 0.06 um, times roundings
             const bool inside = std::max(x, y) < kHalf;
             const bool on_part = hits[(line * shape.columns + column) * 2 * shape.npad() + s] == 1;
@@ -226,17 +242,21 @@ TEST_CASE("stability: axis-parallel rays in slab planes, coincident faces, slive
   const auto wall = test::rectangle({0, -1, 0}, {0, 2, 0}, {0, 0, 2}, 0);  // edge-on to every ray
   const auto coincident = placed({test::join({square, square}), square, wall});
   require_right(coincident, shape, groups, 0.2);
-  test::on_every_device([&](const cl::Context& context) {  // inside the square no ray is lost, whatever edge it runs along
-    const auto hits = test::TraceChain(context, coincident, shape).primary(groups);
-    for (std::uint32_t pixel = 0; pixel < shape.pixels(); ++pixel)
-      if (std::max(std::abs(groups[pixel].origin.x), std::abs(groups[pixel].origin.y)) < 1) CHECK(hits[pixel * 2 * shape.npad()] != RC_NONE);
-  });
+  test::on_every_device(
+      [&](const cl::Context& context) {  // inside the square no ray is lost, whatever edge it runs along
+        const auto hits = test::TraceChain(context, coincident, shape).primary(groups);
+        for (std::uint32_t pixel = 0; pixel < shape.pixels(); ++pixel)
+          if (std::max(std::abs(groups[pixel].origin.x), std::abs(groups[pixel].origin.y)) < 1)
+            CHECK(hits[pixel * 2 * shape.npad()] != RC_NONE);
+      });
   scene::TriangleMesh slivers = test::triangle_soup(100, 2, 2, 8);
   for (std::size_t t = 0; t < slivers.triangles.size(); ++t)
-    for (int k = 0; k < 3; ++k) slivers.vertices[3 * t + 2][k] = 0.5f * (slivers.vertices[3 * t][k] + slivers.vertices[3 * t + 1][k]) + 1e-5f * k;
+    for (int k = 0; k < 3; ++k)
+      slivers.vertices[3 * t + 2][k] = 0.5f * (slivers.vertices[3 * t][k] + slivers.vertices[3 * t + 1][k]) + 1e-5f * k;
   TraceShape dense = tile(20, 20, 4);
   require_right(test::single(slivers), dense, test::nadir_groups(dense, 0, 0, 20, 0.3, 20, 0.02), 0);
-  require_right(test::single(test::triangle_soup(1, 0.1, 4, 3)), dense, test::nadir_groups(dense, 0, 0, 10, 0.3, 10, 0), 0.001);
+  require_right(test::single(test::triangle_soup(1, 0.1, 4, 3)), dense, test::nadir_groups(dense, 0, 0, 10, 0.3, 10, 0),
+                0.001);
   require_right(placed({}), shape, groups, 0);
 }
 
@@ -258,7 +278,8 @@ TEST_CASE("stability: closed bodies leak no ray at edges and vertices, seen from
   for (const auto& t : mesh.triangles)
     for (int k = 0; k < 3; ++k) {
       const auto &a = mesh.vertices[t[k]], &b = mesh.vertices[t[(k + 1) % 3]];
-      for (const double f : {0.25, 0.5, 0.7}) aim(a[0] + f * (double(b[0]) - a[0]), a[1] + f * (double(b[1]) - a[1]), a[2] + f * (double(b[2]) - a[2]));
+      for (const double f : {0.25, 0.5, 0.7})
+        aim(a[0] + f * (double(b[0]) - a[0]), a[1] + f * (double(b[1]) - a[1]), a[2] + f * (double(b[2]) - a[2]));
     }
   shape.lines = static_cast<std::uint32_t>(groups.size());
   test::on_every_device([&](const cl::Context& context) {

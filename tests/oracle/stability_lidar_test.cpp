@@ -1,5 +1,5 @@
-// Where LIDARs fail (REQUIREMENTS section 4, LIDAR and Volumes), on every device found. Oracles: the link budget L-01 of
-// lidar_link_test, Beer's law, times of flight, linearity.
+// Where LIDARs fail (REQUIREMENTS section 4, LIDAR and Volumes), on every device found. Oracles: the link budget L-01
+// of lidar_link_test, Beer's law, times of flight, linearity.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -15,7 +15,8 @@ using namespace raycube::test;
 
 namespace {
 
-constexpr double kUnit = 134685.6010 / 0.8187307530779818;  // L-01 without its air, exp(-0.2): photons back from rho 0.3 at 1000 m
+constexpr double kUnit =
+    134685.6010 / 0.8187307530779818;  // L-01 without its air, exp(-0.2): photons back from rho 0.3 at 1000 m
 
 scene::CompiledScene ground(double z_m = 0) {
   scene::CompiledScene scene = scene_of({0.3});
@@ -37,8 +38,10 @@ void sound(const lidar::ShotResult& result) {
   for (const auto& ledger : result.ledger) CHECK(std::abs(ledger.emitted_error()) <= 1e-6);
 }
 
-lidar::ShotResult down(const std::string& device, const scene::CompiledScene& scene, const lidar::LidarPlan& plan, double z_m = 1000) {
-  const auto result = render_shots(scene, plan, {shot_from(plan.lidar, {0, 0, z_m}, {0, 0, -1})}, {.device = device}).at(0);
+lidar::ShotResult down(const std::string& device, const scene::CompiledScene& scene, const lidar::LidarPlan& plan,
+                       double z_m = 1000) {
+  const auto result =
+      render_shots(scene, plan, {shot_from(plan.lidar, {0, 0, z_m}, {0, 0, -1})}, {.device = device}).at(0);
   sound(result);
   return result;
 }
@@ -52,11 +55,14 @@ TEST_CASE("stability: zero divergence, equal ranges: every sub-ray of 1 to 4096 
       scene::Lidar lidar = pencil();
       lidar.transport.subrays = subrays;
       // One rounding of 2^-24 for each sub-ray added.
-      CHECK(moments(down(device, scene, hand_plan(lidar, scene)).first).sum == doctest::Approx(kUnit).epsilon(2e-6 + 6e-8 * subrays));
+      CHECK(moments(down(device, scene, hand_plan(lidar, scene)).first).sum ==
+            doctest::Approx(kUnit).epsilon(2e-6 + 6e-8 * subrays));
     }
 }
 
-TEST_CASE("stability: no photons, a fraction of one, 1e9 and 1e20: bins are proportional, counts are drawn without overflow") {
+TEST_CASE(
+    "stability: no photons, a fraction of one, 1e9 and 1e20: bins are proportional, counts are drawn without "
+    "overflow") {
   const auto scene = ground();
   for (const auto& device : device_numbers())
     for (const double photons : {0.0, 1e-6, 1e9, 1e20}) {
@@ -95,7 +101,8 @@ TEST_CASE("stability: 600 m, 20 km and 400 km at bins of 0.1 ns: time of flight,
     }
 }
 
-TEST_CASE("stability: bins a hundred times narrower and wider than the pulse, returns at a bin's edge and beyond the gate") {
+TEST_CASE(
+    "stability: bins a hundred times narrower and wider than the pulse, returns at a bin's edge and beyond the gate") {
   const auto scene = ground();
   const double time_s = 2000 / kLightSpeed;
   for (const auto& device : device_numbers()) {
@@ -109,7 +116,8 @@ TEST_CASE("stability: bins a hundred times narrower and wider than the pulse, re
       if (bin_s < 4e-9)  // 1e-5 of the position in bins, and the taps' linear phases
         CHECK(std::abs(lidar.gate.start_s + m.mean_bin * bin_s - time_s) < 1e-3 * std::max(bin_s, 1e-9));
     }
-    for (const double late_bins : {-300.0, -100.0, 0.0, 50.0, 100.0, 300.0}) {  // where the return stands against the gate of 100 bins
+    for (const double late_bins :
+         {-300.0, -100.0, 0.0, 50.0, 100.0, 300.0}) {  // where the return stands against the gate of 100 bins
       CAPTURE(late_bins);
       scene::Lidar lidar = pencil();
       lidar.gate = {time_s - late_bins * 1e-9, 1e-9, 100};
@@ -118,7 +126,9 @@ TEST_CASE("stability: bins a hundred times narrower and wider than the pulse, re
       const auto& ledger = result.ledger[0];
       const double inside = moments(result.first).sum / plan.photons[0];
       CHECK(inside + ledger.early + ledger.late == doctest::Approx(ledger.collected).epsilon(5e-6));
-      const double expected = late_bins < 0 || late_bins > 100 ? 0 : late_bins == 50 ? 1 : 0.5;  // a symmetric pulse on the gate's end
+      const double expected = late_bins < 0 || late_bins > 100 ? 0
+                              : late_bins == 50                ? 1
+                                                               : 0.5;  // a symmetric pulse on the gate's end
       CHECK(inside / ledger.collected == doctest::Approx(expected).epsilon(1e-3));
     }
   }
@@ -133,7 +143,8 @@ TEST_CASE("stability: air of optical depth 0, 1e-6, 1, 20 and 700 follows Beer's
       if (depth > 0) set_air(plan, depth / 1000, 0, 0, 2000);
       const auto result = down(device, scene, plan);
       const double expected = kUnit * std::exp(-2 * depth);
-      // fp32: the exponent of -40 carries 40 x 2^-24 relative for each of its few roundings. exp(-1400) is 0 in any float.
+      // fp32: the exponent of -40 carries 40 x 2^-24 relative for each of its few roundings. exp(-1400) is 0 in any
+      // float.
       CHECK(moments(result.first).sum == doctest::Approx(expected).epsilon(1e-5 + 1e-6 * depth));
       CHECK(result.ledger[0].air == doctest::Approx(1 - std::exp(-depth)).epsilon(1e-6));
     }
@@ -151,14 +162,18 @@ TEST_CASE("stability: gas in a box of optical depth 0, 1e-6, 1, 20 and 700 follo
       scene.volumes.push_back(gas);
       lidar::LidarPlan plan = hand_plan(pencil(), scene);
       plan.cross_section_cm2 = {depth / (1000 * lidar::kMoleculesPerPpmM)};
-      CHECK(moments(down(device, scene, plan).first).sum == doctest::Approx(kUnit * std::exp(-2 * depth)).epsilon(1e-5 + 2e-6 * depth));
+      CHECK(moments(down(device, scene, plan).first).sum ==
+            doctest::Approx(kUnit * std::exp(-2 * depth)).epsilon(1e-5 + 2e-6 * depth));
     }
 }
 
-TEST_CASE("stability: a pulse through the edge and the vertex of plates passes each plate once each way; coincident plates are one") {
+TEST_CASE(
+    "stability: a pulse through the edge and the vertex of plates passes each plate once each way; coincident plates "
+    "are one") {
   const double tau = 0.6;
   for (const auto& device : device_numbers())
-    for (const double apart_m : {-1.0, 0.0, 1e-3}) {  // one layer; two in one plane, which are one surface; two 1 mm apart
+    for (const double apart_m :
+         {-1.0, 0.0, 1e-3}) {  // one layer; two in one plane, which are one surface; two 1 mm apart
       CAPTURE(apart_m);
       scene::CompiledScene scene = scene_of({0.3, 0.1});
       scene.materials[1].transmittance = {{0.3, 4.0}, {static_cast<float>(tau), static_cast<float>(tau)}};
@@ -167,15 +182,21 @@ TEST_CASE("stability: a pulse through the edge and the vertex of plates passes e
       // Four squares that meet on the axis, each of two triangles: their common vertex and edges.
       for (int layer = 0; layer < (apart_m < 0 ? 1 : 2); ++layer)
         for (const double x : {-1.0, 0.0})
-          for (const double y : {-1.0, 0.0}) add_rectangle(scene, 1, {x, y, 500 + layer * apart_m}, {1, 0, 0}, {0, 1, 0});
+          for (const double y : {-1.0, 0.0})
+            add_rectangle(scene, 1, {x, y, 500 + layer * apart_m}, {1, 0, 0}, {0, 1, 0});
       scene::finish_top_tree(scene);
-      for (const auto& [x, y] : {std::pair{0.0, 0.0}, {0.5, 0.0}, {0.0, -0.25}, {0.5, 0.5}, {-0.3, -0.7}}) {  // vertex, edges, diagonal, inside
+      for (const auto& [x, y] : {std::pair{0.0, 0.0},
+                                 {0.5, 0.0},
+                                 {0.0, -0.25},
+                                 {0.5, 0.5},
+                                 {-0.3, -0.7}}) {  // vertex, edges, diagonal, inside
         CAPTURE(x);
         CAPTURE(y);
         scene::Lidar lidar = pencil();
         lidar.gate = {6600e-9, 1e-9, 200};
         const lidar::LidarPlan plan = hand_plan(lidar, scene);
-        const auto result = render_shots(scene, plan, {shot_from(lidar, {x, y, 1000}, {0, 0, -1})}, {.device = device}).at(0);
+        const auto result =
+            render_shots(scene, plan, {shot_from(lidar, {x, y, 1000}, {0, 0, -1})}, {.device = device}).at(0);
         sound(result);
         CHECK(moments(result.first).sum == doctest::Approx(kUnit * std::pow(tau, apart_m > 0 ? 4 : 2)).epsilon(2e-5));
       }
@@ -185,7 +206,8 @@ TEST_CASE("stability: a pulse through the edge and the vertex of plates passes e
 TEST_CASE("stability: near field: a coaxial obscured receiver is blind up to r_o / phi and whole beyond r / phi") {
   for (const auto& device : device_numbers()) {
     scene::Lidar lidar = pencil();
-    lidar.receiver.aperture_radius_m = 0.10, lidar.receiver.obscuration_radius_m = 0.04, lidar.receiver.half_fov_rad = 0.5e-3;
+    lidar.receiver.aperture_radius_m = 0.10, lidar.receiver.obscuration_radius_m = 0.04,
+    lidar.receiver.half_fov_rad = 0.5e-3;
     lidar.gate = {0, 2e-9, 1000};
     const auto scene = ground();
     for (const double range_m : {0.05, 10.0, 79.9, 200.1, 250.0}) {
@@ -193,7 +215,8 @@ TEST_CASE("stability: near field: a coaxial obscured receiver is blind up to r_o
       lidar.transport.overlap = scene::LidarOverlap::off;
       const double all = down(device, scene, hand_plan(lidar, scene), range_m).ledger[0].collected;
       lidar.transport.overlap = scene::LidarOverlap::exact;
-      CHECK(down(device, scene, hand_plan(lidar, scene), range_m).ledger[0].collected == doctest::Approx(range_m > 100 ? all : 0).epsilon(1e-6));
+      CHECK(down(device, scene, hand_plan(lidar, scene), range_m).ledger[0].collected ==
+            doctest::Approx(range_m > 100 ? all : 0).epsilon(1e-6));
     }
   }
 }
@@ -206,7 +229,8 @@ TEST_CASE("stability: the axis misses the scene and the footprint's edge hits it
     scene::Lidar lidar = topographic_lidar();
     lidar.transport.subrays = 4096;
     const double share = 0.5 * std::erfc(0.05 / 0.25 * std::sqrt(2.0));
-    CHECK(moments(down(device, scene, hand_plan(lidar, scene)).first).sum / kUnit == doctest::Approx(share).epsilon(0.02));  // 4096 equal sub-rays
+    CHECK(moments(down(device, scene, hand_plan(lidar, scene)).first).sum / kUnit ==
+          doctest::Approx(share).epsilon(0.02));  // 4096 equal sub-rays
     CHECK(moments(down(device, scene, hand_plan(pencil(), scene)).first).sum == 0);
   }
 }

@@ -1,5 +1,6 @@
-// Where the cube's sums, spectra and scenes fail (REQUIREMENTS section 4, Sampling and sums, Spectral, Geometry), on every device
-// found. Oracle: the closed form of a level Lambertian plane under the sun and a uniform sky, L = T rho (E0 cos / pi + L_sky) + L_path.
+// Where the cube's sums, spectra and scenes fail (REQUIREMENTS section 4, Sampling and sums, Spectral, Geometry), on
+// every device found. Oracle: the closed form of a level Lambertian plane under the sun and a uniform sky, L = T rho
+// (E0 cos / pi + L_sky) + L_path.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -16,7 +17,9 @@ using namespace raycube;
 constexpr double kSun = 1000, kSky = 30, kPath = 5;
 
 /// Transmission to the sensor falls from 0.9 by `slope` per um; nodes every 0.1 um, linear between.
-double transmission(double wavelength_um, double slope, double factor) { return factor * (0.9 - slope * (wavelength_um - 0.4)); }
+double transmission(double wavelength_um, double slope, double factor) {
+  return factor * (0.9 - slope * (wavelength_um - 0.4));
+}
 
 atmos::RenderTable table(double slope = 0, double factor = 1, double path = kPath) {
   atmos::UniformAir air;
@@ -58,7 +61,9 @@ double worst(const test::Image& image, const F& expected) {
 
 }  // namespace
 
-TEST_CASE("stability: grids of 1 x 1, 4 x 4 and 31 x 31, from 500 m and 400 km, reflectance 0, 1e-6 and 1: the plane's radiance") {
+TEST_CASE(
+    "stability: grids of 1 x 1, 4 x 4 and 31 x 31, from 500 m and 400 km, reflectance 0, 1e-6 and 1: the plane's "
+    "radiance") {
   for (const auto& device : test::device_numbers())
     for (const int n : {1, 4, 31})
       for (const double reflectance : {0.0, 1e-6, 1.0})
@@ -81,11 +86,15 @@ TEST_CASE("stability: bands narrower than the table's step, out of order, duplic
   bands.insert(bands.end(), wide.begin(), wide.end());
   for (const auto& device : test::device_numbers()) {
     const auto image = test::render_image(simulation, table(0.6), {.device = device});
-    CHECK(worst(image, [&](int band) { return plane_radiance(0.5, transmission(bands[std::size_t(band)].center_um, 0.6, 1)); }) < 2e-6);
+    CHECK(worst(image, [&](int band) {
+            return plane_radiance(0.5, transmission(bands[std::size_t(band)].center_um, 0.6, 1));
+          }) < 2e-6);
   }
 }
 
-TEST_CASE("stability: transmission of 1e-12 without and beside path radiance: the closed form, nothing negative, nothing lost") {
+TEST_CASE(
+    "stability: transmission of 1e-12 without and beside path radiance: the closed form, nothing negative, nothing "
+    "lost") {
   for (const auto& device : test::device_numbers())
     for (const double path : {0.0, 1e-9, kPath}) {
       CAPTURE(path);
@@ -123,7 +132,8 @@ TEST_CASE("stability: pages of 4 KiB, tiles of one line and one thread give the 
   simulation.instruments = plane(0.5, 4).instruments;
   for (const auto& device : test::device_numbers()) {
     const auto whole = test::render_image(simulation, table(), {.device = device});
-    for (const render::RenderOptions& options : {render::RenderOptions{.device = device, .page_bytes = 4096}, {.device = device, .tile_lines = 1},
+    for (const render::RenderOptions& options : {render::RenderOptions{.device = device, .page_bytes = 4096},
+                                                 {.device = device, .tile_lines = 1},
                                                  {.device = device, .row_capacity = 1}}) {
       const auto part = test::render_image(simulation, table(), options);
       CHECK(std::memcmp(whole.radiance.data(), part.radiance.data(), whole.radiance.size() * sizeof(float)) == 0);

@@ -1,4 +1,5 @@
-// The converged reference against closed forms: half a pixel dark, and a wall's view factor, within what it says of itself.
+// The converged reference against closed forms: half a pixel dark, and a wall's view factor, within what it says of
+// itself.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -16,7 +17,8 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-study::Converged converge(const scene::Simulation& s, const atmos::RenderTable& table, const study::ConvergedSettings& settings) {
+study::Converged converge(const scene::Simulation& s, const atmos::RenderTable& table,
+                          const study::ConvergedSettings& settings) {
   const scene::Instrument& camera = s.instruments[0];
   const plan::Plan plan = plan::make_plan(s, camera, table, sensors::view_bounds(camera));
   return study::converge(s, camera, plan, table, {{0, 1, 0, camera.pixels}}, settings);
@@ -26,7 +28,9 @@ const std::vector<double> kGrid = {0.45, 0.5, 0.55, 0.6, 0.65, 0.7, 0.75, 0.8, 0
 
 }  // namespace
 
-TEST_CASE("S64 converged: a slanted edge through a row of pixels, sun alone: each within 4 of its own standard errors of its share") {
+TEST_CASE(
+    "S64 converged: a slanted edge through a row of pixels, sun alone: each within 4 of its own standard errors of its "
+    "share") {
   scene::Simulation s;
   const auto black = test::add_material(s.scene, "black", 0), white = test::add_material(s.scene, "white", 0.5);
   test::place(s.scene, test::rectangle({-300, -300, 0}, {600, 0, 0}, {0, 600, 0}, black));
@@ -47,8 +51,8 @@ TEST_CASE("S64 converged: a slanted edge through a row of pixels, sun alone: eac
     own += std::pow(found.half[p * 3] / full, 2) / 16;
     off += std::pow(found.radiance[p * 3] / full - share, 2) / 16;
   }
-  // 22 of 484 cells lie on the edge; a point in one is white with a probability p anywhere in 0 .. 1, p (1 - p) is 1/6 in the mean; two halves:
-  // sqrt(22 / 6 / 2) / 484 = 0.0028, known from sixteen pixels to 18 %.
+  // 22 of 484 cells lie on the edge; a point in one is white with a probability p anywhere in 0 .. 1, p (1 - p) is 1/6
+  // in the mean; two halves: sqrt(22 / 6 / 2) / 484 = 0.0028, known from sixteen pixels to 18 %.
   CHECK(std::sqrt(own) == Approx(0.0028).epsilon(0.55));
   CHECK(std::sqrt(off) < 4 * std::sqrt(own));
   CHECK(study::own_error(found) == Approx(std::sqrt(own) / 0.5).epsilon(0.02));  // the row's mean is half of full
@@ -65,7 +69,8 @@ TEST_CASE("S16 S64 converged: sky directions spread over samples see what a wall
   s.instruments = {test::nadir_camera(4, 1, 1000, 0.01)};
   const atmos::RenderTable table = atmos::uniform_sky_table(0, 30, kGrid, 100);
   const study::Converged found = converge(s, table, {});
-  const double reach = std::sqrt(a * a + c * c), wall = 2 * (std::atan(b / c) - c / reach * std::atan(b / reach)) / (2 * kPi);
+  const double reach = std::sqrt(a * a + c * c),
+               wall = 2 * (std::atan(b / c) - c / reach * std::atan(b / reach)) / (2 * kPi);
   // The spiral's own error at a horizon and at an edge: 1024^-3/4 of the hemisphere each, see table_model_test.
   for (std::size_t p = 0; p < 4; ++p) CHECK(found.radiance[p * 3] == Approx(0.5 * 30 * (1 - wall)).epsilon(5e-3));
 }

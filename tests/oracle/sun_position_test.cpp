@@ -1,5 +1,5 @@
-// Sun position against published examples; tolerance 0.004 degrees: the published values are topocentric (parallax 0.0024
-// degrees) and rounded to a minute (almanac).
+// Sun position against published examples; tolerance 0.004 degrees: the published values are topocentric (parallax
+// 0.0024 degrees) and rounded to a minute (almanac).
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -26,8 +26,8 @@ TEST_CASE("S6 sun position: the worked example of NREL's Solar Position Algorith
 }
 
 TEST_CASE("S6 sun position: declination at the solstices and the place of the subsolar point") {
-  // Astronomical Almanac: solstices 2012-06-20 23:09 and 2012-12-21 11:12 UTC; obliquity 23.4380 degrees. At the pole the
-  // zenith angle is 90 minus the declination, whatever the hour.
+  // Astronomical Almanac: solstices 2012-06-20 23:09 and 2012-12-21 11:12 UTC; obliquity 23.4380 degrees. At the pole
+  // the zenith angle is 90 minus the declination, whatever the hour.
   CHECK(std::abs(scene::sun_from_time("2012-06-20T23:09:00Z", 90, 0).zenith_deg - (90 - 23.438)) < 0.004);
   CHECK(std::abs(scene::sun_from_time("2012-12-21T11:12:00Z", -90, 0).zenith_deg - (90 - 23.438)) < 0.004);
   // Morning sun in the east, evening sun in the west, noon sun in the south (northern mid-latitudes).
@@ -37,15 +37,17 @@ TEST_CASE("S6 sun position: declination at the solstices and the place of the su
 }
 
 TEST_CASE("S6 sun position: longitude is east positive and turns 15 degrees an hour") {
-  // 15 degrees east sees at 11 UTC what Greenwich sees at 12, but for the sun's own motion in an hour (0.017 deg at most).
-  const auto here = scene::sun_from_time("2012-09-20T12:00:00Z", 40, 0), east = scene::sun_from_time("2012-09-20T11:00:00Z", 40, 15);
+  // 15 degrees east sees at 11 UTC what Greenwich sees at 12, but for the sun's own motion in an hour (0.017 deg at
+  // most).
+  const auto here = scene::sun_from_time("2012-09-20T12:00:00Z", 40, 0),
+             east = scene::sun_from_time("2012-09-20T11:00:00Z", 40, 15);
   CHECK(std::abs(here.zenith_deg - east.zenith_deg) < 0.03);
   CHECK(std::abs(here.azimuth_deg - east.azimuth_deg) < 0.03);
 }
 
 TEST_CASE("S18 earth-sun factor: Spencer's series against the almanac's extreme distances") {
-  // Perihelion 2012-01-05: 0.98328 AU; aphelion 2012-07-05: 1.01668 AU. Series good to 1e-4 in the factor by its author,
-  // plus 4e-4: his constant 1.00011 and fitted phase belong to a mean year.
+  // Perihelion 2012-01-05: 0.98328 AU; aphelion 2012-07-05: 1.01668 AU. Series good to 1e-4 in the factor by its
+  // author, plus 4e-4: his constant 1.00011 and fitted phase belong to a mean year.
   CHECK(std::abs(atmos::earth_sun_factor(5) - 1 / (0.98328 * 0.98328)) < 1e-3);
   CHECK(std::abs(atmos::earth_sun_factor(187) - 1 / (1.01668 * 1.01668)) < 1e-3);
   CHECK(atmos::earth_sun_factor(0) == 1.0);
@@ -53,16 +55,17 @@ TEST_CASE("S18 earth-sun factor: Spencer's series against the almanac's extreme 
 }
 
 TEST_CASE("S6 sun position: no date and no place on earth are refused with the value found") {
-  for (const char* bad : {"", "2012-09-20", "2012-09-20T15:30:00", "2012-09-20T15:30:00+02", "2012-02-30T00:00:00Z",
-                          "2012-13-01T00:00:00Z", "1800-01-01T00:00:00Z", "2012-09-20T24:00:00Z", "2012-09-20T15:30:nanZ"})
+  for (const char* bad :
+       {"", "2012-09-20", "2012-09-20T15:30:00", "2012-09-20T15:30:00+02", "2012-02-30T00:00:00Z",
+        "2012-13-01T00:00:00Z", "1800-01-01T00:00:00Z", "2012-09-20T24:00:00Z", "2012-09-20T15:30:nanZ"})
     CHECK_THROWS_WITH_AS(scene::sun_from_time(bad, 0, 0), doctest::Contains(bad), base::Error);
   CHECK_THROWS_WITH_AS(scene::sun_from_time("2012-09-20T15:30:00Z", 91, 0), doctest::Contains("91"), base::Error);
   CHECK_THROWS_AS(scene::sun_from_time("2012-09-20T15:30:00Z", 0, NAN), base::Error);
 }
 
 TEST_CASE("S4.11 moon: apparent place and phase of Meeus, Astronomical Algorithms, examples 47.a and 48.a") {
-  // 1992 April 12, 0h TD (Delta T 58.7 s): right ascension 134.688470, declination 13.768368 deg, distance 368409.7 km, phase angle
-  // 69.0756 deg. Horizon coordinates and parallax by hand, with the mean sidereal time of Meeus (12.4).
+  // 1992 April 12, 0h TD (Delta T 58.7 s): right ascension 134.688470, declination 13.768368 deg, distance 368409.7 km,
+  // phase angle 69.0756 deg. Horizon coordinates and parallax by hand, with the mean sidereal time of Meeus (12.4).
   constexpr double kDegree = 3.14159265358979323846 / 180;
   const double julian_day = 2448724.5 - 58.7 / 86400, latitude = 40 * kDegree;
   for (double longitude_deg : {-75.0, -40.0, 10.0}) {
@@ -70,8 +73,8 @@ TEST_CASE("S4.11 moon: apparent place and phase of Meeus, Astronomical Algorithm
     const double hour = sidereal_deg * kDegree - 134.688470 * kDegree, declination = 13.768368 * kDegree;
     const double height = std::asin(std::sin(latitude) * std::sin(declination) +
                                     std::cos(latitude) * std::cos(declination) * std::cos(hour));
-    const double south_over_west = std::atan2(
-        std::sin(hour), std::cos(hour) * std::sin(latitude) - std::tan(declination) * std::cos(latitude));
+    const double south_over_west =
+        std::atan2(std::sin(hour), std::cos(hour) * std::sin(latitude) - std::tan(declination) * std::cos(latitude));
     const double zenith = 90 * kDegree - height;
     const double seen = std::atan2(std::sin(zenith), std::cos(zenith) - 6371.0 / 368409.7) / kDegree;
     const auto moon = scene::moon_from_time("1992-04-11T23:59:01.3Z", 40, longitude_deg);

@@ -26,8 +26,8 @@ scene::CompiledScene plane_scene(double tilt_rad, float z, bool wall) {
   return builder.finish();
 }
 
-BandRadiance render(const scene::CompiledScene& compiled, const plan::Plan& plan, const atmos::RenderTable& table, bool no_air,
-                    const NadirPixel& at) {
+BandRadiance render(const scene::CompiledScene& compiled, const plan::Plan& plan, const atmos::RenderTable& table,
+                    bool no_air, const NadirPixel& at) {
   const ReferenceScene scene(compiled);
   const TableModel model(scene, plan, table, no_air);
   return model.radiance(scene.sample_pixel(at.instrument, plan, 1, at.address));
@@ -45,7 +45,8 @@ TEST_CASE("S15 S16: tilted plane in uniform air: sun, sky and path from the tabl
   air.path_radiance = [](double um) { return 10 * um; };
   const atmos::RenderTable table = atmos::uniform_table(air, {0.4, 0.5, 0.6, 0.7, 0.8});
   for (double tilt : {0.0, 0.6}) {
-    const BandRadiance l = render(plane_scene(tilt, 0, false), sun_plan(30, 90), table, false, nadir_pixel(0, 0, 100, 1, 2));
+    const BandRadiance l =
+        render(plane_scene(tilt, 0, false), sun_plan(30, 90), table, false, nadir_pixel(0, 0, 100, 1, 2));
     const double through = (0.5 + 0.5 * 0.5) * 1.1;  // band centre 0.5 um, all linear in wavelength
     CHECK(l.sun[0] == Approx(0.5 / kPi * 1500 * 0.7 * through * std::cos(tilt - 30 * kPi / 180)).epsilon(2e-6));
     // 1024 directions of equal solid angle: the horizon's edge costs 1024^-3/4 / 2 of what it holds.
@@ -59,7 +60,8 @@ TEST_CASE("S16: sky beside a wall from the tables, 1024 directions") {
   const atmos::RenderTable table = atmos::uniform_sky_table(1000, 50, {0.4, 0.5, 0.6, 0.7, 0.8});
   const double a = 3, b = 20, c = 2, s = std::sqrt(a * a + c * c);
   const double wall = 2 * (std::atan(b / c) - c / s * std::atan(b / s)) / (2 * kPi);
-  const BandRadiance l = render(plane_scene(0, 0, true), sun_plan(30, 270), table, false, nadir_pixel(0, 0, 100, 0.001, 1));
+  const BandRadiance l =
+      render(plane_scene(0, 0, true), sun_plan(30, 270), table, false, nadir_pixel(0, 0, 100, 0.001, 1));
   CHECK(l.sky[0] == Approx(0.5 * 50 * (1 - wall)).epsilon(5e-3));  // 1024^-3/4 = 5.5e-3 of the hemisphere at an edge
 }
 
@@ -84,7 +86,8 @@ TEST_CASE("S18: open ground under the built-in sky sees the table's own diffuse 
   for (std::size_t b = 0; b < 2; ++b) {
     const std::size_t i = b == 0 ? 1 : 4;
     CHECK(l.sun[b] == Approx(0.5 / kPi * direct[i] * through[i] * factor[i]).epsilon(1e-5));
-    CHECK(l.sky[b] == Approx(0.5 / kPi * diffuse[i] * through[i] * factor[i]).epsilon(5e-3));  // the table's sky is scaled to this row
+    CHECK(l.sky[b] == Approx(0.5 / kPi * diffuse[i] * through[i] * factor[i])
+                          .epsilon(5e-3));  // the table's sky is scaled to this row
     CHECK(l.path[b] == Approx(path[i]).epsilon(1e-5));
   }
 }
@@ -94,7 +97,8 @@ TEST_CASE("S63: no air: L = rho E0 cos / pi, no sky, no path") {
   sun.zenith_deg = 30, sun.azimuth_deg = 90;
   const atmos::RenderTable table = atmos::vacuum_table(sun, 100, {0.4, 0.5, 0.6, 0.7, 0.8}, {0});
   for (bool no_air : {true, false}) {
-    const BandRadiance l = render(plane_scene(0, 0, false), sun_plan(30, 90), table, no_air, nadir_pixel(0, 0, 100, 1, 2));
+    const BandRadiance l =
+        render(plane_scene(0, 0, false), sun_plan(30, 90), table, no_air, nadir_pixel(0, 0, 100, 1, 2));
     const auto e0 = atmos::solar_irradiance(table);
     CHECK(l.sun[0] == Approx(0.5 / kPi * std::cos(30 * kPi / 180) * (e0[0] + 2 * e0[1] + e0[2]) / 4).epsilon(2e-6));
     CHECK(l.sky[0] == 0);

@@ -1,4 +1,5 @@
-// Planck's law against its integral and REQUIREMENTS' golden numbers; thermal rows read between their nodes (S4.8, S5.1).
+// Planck's law against its integral and REQUIREMENTS' golden numbers; thermal rows read between their nodes (S4.8,
+// S5.1).
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -25,22 +26,26 @@ TEST_CASE("S4.8 Planck: golden numbers, limits, and pi times its integral is sig
   for (const double kelvin : {3.0, 200.0, 300.0, 6000.0}) {
     double sum = 0;  // Simpson in ln l, x = c2 / (l T) from 1e-3 to 100; the tails are below 1e-9
     constexpr int n = 4000;
-    const double lo = std::log(base::kSecondRadiationConstant / kelvin / 100), hi = std::log(base::kSecondRadiationConstant / kelvin / 1e-3);
+    const double lo = std::log(base::kSecondRadiationConstant / kelvin / 100),
+                 hi = std::log(base::kSecondRadiationConstant / kelvin / 1e-3);
     for (int i = 0; i <= n; ++i) {
       const double at = std::exp(lo + (hi - lo) * i / n);
       sum += (i == 0 || i == n ? 1 : i % 2 ? 4 : 2) * at * planck_radiance(at, kelvin);
     }
-    CHECK(std::numbers::pi * sum * (hi - lo) / (3 * n) == doctest::Approx(5.670374419e-8 * std::pow(kelvin, 4)).epsilon(1e-8));
+    CHECK(std::numbers::pi * sum * (hi - lo) / (3 * n) ==
+          doctest::Approx(5.670374419e-8 * std::pow(kelvin, 4)).epsilon(1e-8));
   }
 }
 
 TEST_CASE("S5.1 thermal path: L/(1 - T) between nodes is exact in isothermal air at any height and slant") {
-  const auto table = atmos::isothermal_table(280, [](double um) { return 0.2 + 0.1 * (um - 8); }, 3000, atmos::wavelength_grid(8, 12, 0.5));
+  const auto table = atmos::isothermal_table(
+      280, [](double um) { return 0.2 + 0.1 * (um - 8); }, 3000, atmos::wavelength_grid(8, 12, 0.5));
   for (const double z : {0.0, 77.0, 1234.0, 2999.0})
     for (const double zenith : {0.0, 33.0, 61.0, 79.0}) {
       const auto path = atmos::path_radiance_thermal(table, z, zenith), t = atmos::view_transmission(table, z, zenith);
       for (std::size_t i = 0; i < path.size(); ++i)  // 2e-6: T = 0.96 stored in float carries 6e-8 into 1 - T
-        CHECK(path[i] == doctest::Approx(planck_radiance(atmos::wavelengths(table)[i], 280) * (1 - t[i])).epsilon(1e-5));
+        CHECK(path[i] ==
+              doctest::Approx(planck_radiance(atmos::wavelengths(table)[i], 280) * (1 - t[i])).epsilon(1e-5));
     }
   CHECK(atmos::path_radiance_thermal(table, 3000, 20)[0] == doctest::Approx(0));
 }

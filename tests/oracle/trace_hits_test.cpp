@@ -19,7 +19,8 @@ const cl::Context& context() {
   return instance;
 }
 
-test::HitCount compare(const scene::CompiledScene& scene, const TraceShape& shape, const std::vector<shared::RayGroup>& groups) {
+test::HitCount compare(const scene::CompiledScene& scene, const TraceShape& shape,
+                       const std::vector<shared::RayGroup>& groups) {
   return test::judge_hits(context(), scene, shape, groups);
 }
 
@@ -36,16 +37,18 @@ scene::CompiledScene soup() {
   const auto small = scene::append_mesh(scene, "small", test::triangle_soup(60, 1.5, 0.4, 1));
   const auto large = scene::append_mesh(scene, "large", test::triangle_soup(20, 6, 5, 2));
   for (std::uint32_t i = 0; i < 5; ++i)
-    scene::append_instance(scene, small, test::placement(0.7 * i, 0.3 * i, 0.5 + 0.3 * i, 10 * test::unit_random(5, i, 0) - 5,
-                                                         10 * test::unit_random(5, i, 1) - 5, 4 * test::unit_random(5, i, 2)), i);
+    scene::append_instance(scene, small,
+                           test::placement(0.7 * i, 0.3 * i, 0.5 + 0.3 * i, 10 * test::unit_random(5, i, 0) - 5,
+                                           10 * test::unit_random(5, i, 1) - 5, 4 * test::unit_random(5, i, 2)),
+                           i);
   scene::append_instance(scene, large, test::kIdentity, 100);
   scene::append_instance(scene, large, test::placement(0.3, -0.2, 1.1, 1, 2, -4), 101);
   scene::finish_top_tree(scene);
   return scene;
 }
 
-void require_right(const scene::CompiledScene& scene, const TraceShape& shape, const std::vector<shared::RayGroup>& groups,
-                   double least_hits = 0.1) {
+void require_right(const scene::CompiledScene& scene, const TraceShape& shape,
+                   const std::vector<shared::RayGroup>& groups, double least_hits = 0.1) {
   const test::HitCount count = compare(scene, shape, groups);
   MESSAGE("rays " << count.rays << ", hits " << count.hits << ", explained " << count.explained);
   CHECK(count.hits >= static_cast<std::size_t>(least_hits * count.rays));
@@ -57,7 +60,8 @@ void require_right(const scene::CompiledScene& scene, const TraceShape& shape, c
 scene::CompiledScene planes() {
   scene::TriangleMesh mesh;
   for (const float z : {0.0f, 1.0f, 1.0f})
-    for (const auto& corner : {std::array<float, 3>{-2, -2, z}, {2, -2, z}, {2, 2, z}, {-2, 2, z}}) mesh.vertices.push_back(corner);
+    for (const auto& corner : {std::array<float, 3>{-2, -2, z}, {2, -2, z}, {2, 2, z}, {-2, 2, z}})
+      mesh.vertices.push_back(corner);
   for (std::uint32_t base : {0u, 4u, 8u}) {
     const std::uint32_t turned = base == 0;  // the lowest faces down: edge functions of the other sign
     mesh.triangles.push_back({base, base + 1 + turned, base + 2 - turned});
@@ -82,10 +86,12 @@ TEST_CASE("S7: every sampler, wide supports, one pixel per group, and single ray
     float support;
     bool bundle;
   };
-  for (const Form& form : {Form{RC_SAMPLER_GRID, 4, 3, true}, Form{RC_SAMPLER_LATTICE, 4, 1, true}, Form{RC_SAMPLER_JITTERED, 4, 1, true},
-                           Form{RC_SAMPLER_GRID, 1, 1, true}, Form{RC_SAMPLER_GRID, 4, 1, false}, Form{RC_SAMPLER_LATTICE, 1, 3, true}}) {
+  for (const Form& form :
+       {Form{RC_SAMPLER_GRID, 4, 3, true}, Form{RC_SAMPLER_LATTICE, 4, 1, true}, Form{RC_SAMPLER_JITTERED, 4, 1, true},
+        Form{RC_SAMPLER_GRID, 1, 1, true}, Form{RC_SAMPLER_GRID, 4, 1, false}, Form{RC_SAMPLER_LATTICE, 1, 3, true}}) {
     TraceShape shape = tile(7, 5, 6, 5);
-    shape.sampler = form.sampler, shape.support = form.support, shape.group_pixels = form.group_pixels, shape.bundle = form.bundle;
+    shape.sampler = form.sampler, shape.support = form.support, shape.group_pixels = form.group_pixels,
+    shape.bundle = form.bundle;
     shape.seed = 77, shape.first_line = 3, shape.pixels_per_line = 20, shape.first_column = 4;
     INFO("sampler " << form.sampler << ", support " << form.support << ", group of " << form.group_pixels);
     require_right(scene, shape, test::nadir_groups(shape, 0.3, -0.2, 60, 0.6, 60, 0.01));
@@ -105,13 +111,16 @@ std::vector<shared::RayGroup> ahead(std::vector<shared::RayGroup> groups, double
   for (auto& group : groups) {
     group.d0.w = static_cast<float>((double{group.origin.z} - top) / -double{group.d0.z});
     const auto start = [&group](float o, float d) { return static_cast<float>(o + double{group.d0.w} * d); };
-    group.origin = {start(group.origin.x, group.d0.x), start(group.origin.y, group.d0.y), start(group.origin.z, group.d0.z), group.origin.w};
+    group.origin = {start(group.origin.x, group.d0.x), start(group.origin.y, group.d0.y),
+                    start(group.origin.z, group.d0.z), group.origin.w};
   }
   return groups;
 }
 
-// Bounds of judge_hits are relative to where rays start: 1e-5 m here, whatever the sensor's height. From 700 km itself they are 1 m.
-TEST_CASE("S7: rays of sensors 60 m, 20 km and 700 km up that start above the scene: every form gives the oracle's hits") {
+// Bounds of judge_hits are relative to where rays start: 1e-5 m here, whatever the sensor's height. From 700 km itself
+// they are 1 m.
+TEST_CASE(
+    "S7: rays of sensors 60 m, 20 km and 700 km up that start above the scene: every form gives the oracle's hits") {
   const auto scene = soup();
   struct Form {
     int sampler, group_pixels;
@@ -119,11 +128,14 @@ TEST_CASE("S7: rays of sensors 60 m, 20 km and 700 km up that start above the sc
     bool bundle, moving;
   };
   for (const double height : {60.0, 2e4, 7e5})
-    for (const Form& form : {Form{RC_SAMPLER_GRID, 4, 1, true, false}, Form{RC_SAMPLER_GRID, 4, 3, true, false}, Form{RC_SAMPLER_JITTERED, 4, 1, true, false},
-                             Form{RC_SAMPLER_LATTICE, 1, 3, true, false}, Form{RC_SAMPLER_GRID, 4, 1, false, false}, Form{RC_SAMPLER_GRID, 4, 1, true, true}}) {
+    for (const Form& form : {Form{RC_SAMPLER_GRID, 4, 1, true, false}, Form{RC_SAMPLER_GRID, 4, 3, true, false},
+                             Form{RC_SAMPLER_JITTERED, 4, 1, true, false}, Form{RC_SAMPLER_LATTICE, 1, 3, true, false},
+                             Form{RC_SAMPLER_GRID, 4, 1, false, false}, Form{RC_SAMPLER_GRID, 4, 1, true, true}}) {
       TraceShape shape = tile(24, 21, 8, 8);
-      shape.sampler = form.sampler, shape.support = form.support, shape.group_pixels = form.group_pixels, shape.bundle = form.bundle, shape.moving = form.moving;
-      INFO("height " << height << " m, sampler " << form.sampler << ", support " << form.support << ", bundle " << form.bundle << ", moving " << form.moving);
+      shape.sampler = form.sampler, shape.support = form.support, shape.group_pixels = form.group_pixels,
+      shape.bundle = form.bundle, shape.moving = form.moving;
+      INFO("height " << height << " m, sampler " << form.sampler << ", support " << form.support << ", bundle "
+                     << form.bundle << ", moving " << form.moving);
       auto groups = ahead(test::nadir_groups(shape, 0.3, -0.2, height, 0.5, height, 0.6 / height), 12);
       if (form.moving)
         for (auto& group : groups) group.ov = {0.3f, -0.7f, 0.1f, 0};
@@ -150,8 +162,9 @@ TEST_CASE("S7: axis-parallel rays that run in slab planes, coincident faces, one
     group.d0 = {0, 0, -1, 0}, group.du = {1e-4f, 0, 0, 0}, group.dv = {0, -1e-4f, 0, 0};
   }
   require_right(planes(), shape, groups, 0.2);
-  // Of the two sheets at z = 1 the one with the lower primitive numbers wins everywhere, edges included; from below the sheet
-  // at z = 0. Inside the square every ray hits, those exactly on its diagonal too, whichever way round the triangles are seen.
+  // Of the two sheets at z = 1 the one with the lower primitive numbers wins everywhere, edges included; from below the
+  // sheet at z = 0. Inside the square every ray hits, those exactly on its diagonal too, whichever way round the
+  // triangles are seen.
   test::TraceChain chain(context(), planes(), shape);
   const auto scene = planes();
   for (const bool from_below : {false, true}) {
@@ -166,7 +179,8 @@ TEST_CASE("S7: axis-parallel rays that run in slab planes, coincident faces, one
       if (std::max(std::abs(groups[pixel].origin.x), std::abs(groups[pixel].origin.y)) < 2) CHECK(primitive != RC_NONE);
     }
   }
-  require_right(test::single(test::triangle_soup(1, 0.1, 4, 3)), shape, test::nadir_groups(shape, 0, 0, 10, 0.5, 10, 0), 0.001);
+  require_right(test::single(test::triangle_soup(1, 0.1, 4, 3)), shape, test::nadir_groups(shape, 0, 0, 10, 0.5, 10, 0),
+                0.001);
   scene::CompiledScene empty;
   scene::finish_top_tree(empty);
   const test::HitCount none = compare(empty, shape, groups);
@@ -195,7 +209,10 @@ TEST_CASE("DESIGN 4: tiles, chunks of samples and single rays change no bit") {
   line.lines = 1, line.first_column = 8, line.columns = 10;
   TraceShape part = whole;  // two rows of samples at a time
   part.chunk = 16;
-  test::TraceChain by_line(context(), scene, [&] { line.first_line = 4; return line; }());
+  test::TraceChain by_line(context(), scene, [&] {
+    line.first_line = 4;
+    return line;
+  }());
   const auto right = by_line.primary(test::nadir_groups(line, 0.3, -0.2, 60, 0.7, 60, 0.01));
   for (std::uint32_t column = 0; column < 10; ++column)
     for (std::uint32_t k = 0; k < 2 * whole.npad(); ++k)

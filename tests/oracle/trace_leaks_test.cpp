@@ -21,7 +21,8 @@ const cl::Context& context() {
 std::size_t misses(const std::vector<std::uint32_t>& hits, const TraceShape& shape) {
   std::size_t count = 0;
   for (std::uint32_t pixel = 0; pixel < shape.pixels(); ++pixel)
-    for (std::uint32_t s = 0; s < shape.samples(); ++s) count += hits[std::size_t{pixel} * 2 * shape.npad() + s] == RC_NONE;
+    for (std::uint32_t s = 0; s < shape.samples(); ++s)
+      count += hits[std::size_t{pixel} * 2 * shape.npad() + s] == RC_NONE;
   return count;
 }
 
@@ -32,21 +33,25 @@ TraceShape tile(std::uint32_t columns, std::uint32_t lines, int n) {
   return shape;
 }
 
-// One group per target, whose sample (column 0, row 0) is the only one that matters: its ray is aimed from inside the closed
-// sphere at a point; with 1 sample per pixel and one pixel per group d0 is that ray.
-std::vector<shared::RayGroup> aimed(const std::vector<std::array<double, 3>>& targets, const std::array<double, 3>& origin) {
+// One group per target, whose sample (column 0, row 0) is the only one that matters: its ray is aimed from inside the
+// closed sphere at a point; with 1 sample per pixel and one pixel per group d0 is that ray.
+std::vector<shared::RayGroup> aimed(const std::vector<std::array<double, 3>>& targets,
+                                    const std::array<double, 3>& origin) {
   std::vector<shared::RayGroup> groups;
   for (const auto& target : targets) {
     double d[3];
     for (int k = 0; k < 3; ++k) d[k] = target[k] - static_cast<double>(static_cast<float>(origin[k]));
-    const double side[3] = {std::abs(d[0]) < std::abs(d[2]) ? 1.0 : 0.0, 0.0, std::abs(d[0]) < std::abs(d[2]) ? 0.0 : 1.0};
-    const double u[3] = {d[1] * side[2] - d[2] * side[1], d[2] * side[0] - d[0] * side[2], d[0] * side[1] - d[1] * side[0]};
+    const double side[3] = {std::abs(d[0]) < std::abs(d[2]) ? 1.0 : 0.0, 0.0,
+                            std::abs(d[0]) < std::abs(d[2]) ? 0.0 : 1.0};
+    const double u[3] = {d[1] * side[2] - d[2] * side[1], d[2] * side[0] - d[0] * side[2],
+                         d[0] * side[1] - d[1] * side[0]};
     const double v[3] = {d[1] * u[2] - d[2] * u[1], d[2] * u[0] - d[0] * u[2], d[0] * u[1] - d[1] * u[0]};
     const double length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
     const double su = 1e-3 * length / std::sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
     const double sv = 1e-3 * length / std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-    const auto f = [](const double (&x)[3], double s) {
-      return shared::rc_float4{static_cast<float>(s * x[0]), static_cast<float>(s * x[1]), static_cast<float>(s * x[2]), 0};
+    const auto f = [](const double(&x)[3], double s) {
+      return shared::rc_float4{static_cast<float>(s * x[0]), static_cast<float>(s * x[1]), static_cast<float>(s * x[2]),
+                               0};
     };
     shared::RayGroup g{};
     g.origin = {static_cast<float>(origin[0]), static_cast<float>(origin[1]), static_cast<float>(origin[2]), 0};
@@ -56,8 +61,10 @@ std::vector<shared::RayGroup> aimed(const std::vector<std::array<double, 3>>& ta
   return groups;
 }
 
-// Sends every target's ray through the kernel in batches; instanced as asked. Returns the rays that left the closed surface.
-std::size_t leaks_at(const scene::CompiledScene& scene, const std::vector<std::array<double, 3>>& targets, bool bundle, int pass = 0) {
+// Sends every target's ray through the kernel in batches; instanced as asked. Returns the rays that left the closed
+// surface.
+std::size_t leaks_at(const scene::CompiledScene& scene, const std::vector<std::array<double, 3>>& targets, bool bundle,
+                     int pass = 0) {
   TraceShape shape = tile(1, 0, 1);
   shape.group_pixels = 1;
   shape.bundle = bundle;
@@ -75,7 +82,8 @@ TEST_CASE("S5: 1e7 camera rays over closed terrain, none falls through") {
   test::TraceChain chain(context(), scene, shape);
   std::size_t rays = 0, lost = 0;
   for (int shot = 0; shot < 10; ++shot) {
-    const auto hits = chain.primary(test::nadir_groups(shape, 1.7 * shot, 0.9 * shot, 300 + 37 * shot, 0.3, 300 + 37 * shot, 0.004 * shot));
+    const auto hits = chain.primary(
+        test::nadir_groups(shape, 1.7 * shot, 0.9 * shot, 300 + 37 * shot, 0.3, 300 + 37 * shot, 0.004 * shot));
     lost += misses(hits, shape);
     rays += std::size_t{shape.pixels()} * shape.samples();
   }
@@ -83,7 +91,8 @@ TEST_CASE("S5: 1e7 camera rays over closed terrain, none falls through") {
   CHECK(lost == 0);
 }
 
-TEST_CASE("S5: rays aimed at edge interiors and at vertices of a closed instanced surface, 1e7 of them, none leaves it") {
+TEST_CASE(
+    "S5: rays aimed at edge interiors and at vertices of a closed instanced surface, 1e7 of them, none leaves it") {
   const auto mesh = test::sphere(4, 3, 0.15);
   scene::CompiledScene scene;
   const auto index = scene::append_mesh(scene, "sphere", mesh);
@@ -92,7 +101,8 @@ TEST_CASE("S5: rays aimed at edge interiors and at vertices of a closed instance
   scene::finish_top_tree(scene);
   const auto world = [&](const std::array<double, 3>& p) {
     std::array<double, 3> q;
-    for (int i = 0; i < 3; ++i) q[i] = place[4 * i] * p[0] + place[4 * i + 1] * p[1] + place[4 * i + 2] * p[2] + place[4 * i + 3];
+    for (int i = 0; i < 3; ++i)
+      q[i] = place[4 * i] * p[0] + place[4 * i + 1] * p[1] + place[4 * i + 2] * p[2] + place[4 * i + 3];
     return q;
   };
   std::size_t edge_rays = 0, edge_leaks = 0;
@@ -104,7 +114,8 @@ TEST_CASE("S5: rays aimed at edge interiors and at vertices of a closed instance
         const auto& b = mesh.vertices[mesh.triangles[t][(k + 1) % 3]];
         for (std::uint32_t repeat = 0; repeat < 66; ++repeat) {
           const double f = 0.02 + 0.96 * test::unit_random(9 + pass, t * 3 + k, repeat);
-          edges.push_back(world({a[0] + f * (double(b[0]) - a[0]), a[1] + f * (double(b[1]) - a[1]), a[2] + f * (double(b[2]) - a[2])}));
+          edges.push_back(world(
+              {a[0] + f * (double(b[0]) - a[0]), a[1] + f * (double(b[1]) - a[1]), a[2] + f * (double(b[2]) - a[2])}));
         }
       }
     edge_rays += edges.size();

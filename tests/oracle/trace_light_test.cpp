@@ -20,13 +20,16 @@ const cl::Context& context() {
 
 }  // namespace
 
-TEST_CASE("S8: surface points lie on the viewer's side of their triangle, within the stated bound; sun and sky match brute force") {
+TEST_CASE(
+    "S8: surface points lie on the viewer's side of their triangle, within the stated bound; sun and sky match brute "
+    "force") {
   scene::CompiledScene scene;
   const auto ground = scene::append_mesh(scene, "ground", test::terrain(12, 40));
   const auto ball = scene::append_mesh(scene, "ball", test::sphere(1, 2, 0.1));
   scene::append_instance(scene, ground, test::kIdentity, 0);
   for (std::uint32_t i = 0; i < 6; ++i)
-    scene::append_instance(scene, ball, test::placement(i, 0.4 * i, 0.6 + 0.2 * i, 5.0 * i - 12, 3.0 * (i % 3) - 3, 3 + i % 2), i + 1);
+    scene::append_instance(
+        scene, ball, test::placement(i, 0.4 * i, 0.6 + 0.2 * i, 5.0 * i - 12, 3.0 * (i % 3) - 3, 3 + i % 2), i + 1);
   scene::finish_top_tree(scene);
   // A group's points fill 8, 32 and 76 words of 16: less than one round of the loops over words, one, and several.
   TraceShape shape;
@@ -47,7 +50,8 @@ TEST_CASE("S8: surface points lie on the viewer's side of their triangle, within
   constexpr std::uint32_t kSets = 3, kCount = 8;
   for (std::uint32_t k = 0; k < kSets * kCount; ++k) {
     const double c = (k % kCount + 0.5) / kCount, s = std::sqrt(1 - c * c), phi = 2.4 * k;
-    directions.push_back({static_cast<float>(s * std::cos(phi)), static_cast<float>(s * std::sin(phi)), static_cast<float>(c), 0});
+    directions.push_back(
+        {static_cast<float>(s * std::cos(phi)), static_cast<float>(s * std::sin(phi)), static_cast<float>(c), 0});
     weights.push_back({0.5f, 0.1f * static_cast<float>(k), 1.0f / static_cast<float>(k + 1), -0.2f});
   }
   const auto blocked = chain.sky(directions, weights, kSets);
@@ -88,7 +92,8 @@ TEST_CASE("S8: surface points lie on the viewer's side of their triangle, within
         expected[0] += w.x * c, expected[1] += w.y * c, expected[2] += w.z * c, expected[3] += w.w * c;
       }
       for (int c = 0; c < 4; ++c)
-        sky_wrong += std::abs(expected[c] - blocked[(std::size_t{pixel} * 4 + c) * n + s]) > 1e-5 * (1 + std::abs(expected[c]));
+        sky_wrong +=
+            std::abs(expected[c] - blocked[(std::size_t{pixel} * 4 + c) * n + s]) > 1e-5 * (1 + std::abs(expected[c]));
     }
   }
   MESSAGE("lit " << lit << ", dark " << dark);
@@ -100,11 +105,15 @@ TEST_CASE("S8: surface points lie on the viewer's side of their triangle, within
   CHECK(sky_wrong == 0);
 }
 
-TEST_CASE("S8 S16 directions shared out: bundles, single rays and any chunks give the same, and the parts together are the whole") {
+TEST_CASE(
+    "S8 S16 directions shared out: bundles, single rays and any chunks give the same, and the parts together are the "
+    "whole") {
   scene::CompiledScene scene;
   scene::append_instance(scene, scene::append_mesh(scene, "ground", test::terrain(12, 40)), test::kIdentity, 0);
   const auto ball = scene::append_mesh(scene, "ball", test::sphere(1, 2, 0.1));
-  for (std::uint32_t i = 0; i < 6; ++i) scene::append_instance(scene, ball, test::placement(i, 0.4 * i, 0.6, 5.0 * i - 12, 3.0 * (i % 3) - 3, 3 + i % 2), i + 1);
+  for (std::uint32_t i = 0; i < 6; ++i)
+    scene::append_instance(scene, ball, test::placement(i, 0.4 * i, 0.6, 5.0 * i - 12, 3.0 * (i % 3) - 3, 3 + i % 2),
+                           i + 1);
   scene::finish_top_tree(scene);
   TraceShape shape;
   shape.nu = shape.nv = 7;
@@ -114,8 +123,10 @@ TEST_CASE("S8 S16 directions shared out: bundles, single rays and any chunks giv
   std::vector<shared::rc_float4> directions, weights;
   for (std::uint32_t k = 0; k < kSets * kCount; ++k) {
     const double c = (k % kCount + 0.5) / kCount, s = std::sqrt(1 - c * c), phi = 2.4 * k;
-    directions.push_back({static_cast<float>(s * std::cos(phi)), static_cast<float>(s * std::sin(phi)), static_cast<float>(c), 0});
-    weights.push_back({0.5f, 1.0f + 0.1f * static_cast<float>(k % kCount), 1.0f / static_cast<float>(k % kCount + 1), 0.2f});
+    directions.push_back(
+        {static_cast<float>(s * std::cos(phi)), static_cast<float>(s * std::sin(phi)), static_cast<float>(c), 0});
+    weights.push_back(
+        {0.5f, 1.0f + 0.1f * static_cast<float>(k % kCount), 1.0f / static_cast<float>(k % kCount + 1), 0.2f});
   }
   shape.bundle = true;
   test::TraceChain bundled(context(), scene, shape);
@@ -159,9 +170,11 @@ TEST_CASE("S8 S16 directions shared out: bundles, single rays and any chunks giv
 
 TEST_CASE("S8: a flat long thin line does not shadow itself: the park's court lines under 64 directions") {
   scene::CompiledScene scene;
-  scene::append_instance(scene, scene::append_mesh(scene, "court lines", test::court_lines()), test::placement(0, 0, 1, 118, 76, 3.41), 0);
+  scene::append_instance(scene, scene::append_mesh(scene, "court lines", test::court_lines()),
+                         test::placement(0, 0, 1, 118, 76, 3.41), 0);
   scene::finish_top_tree(scene);
-  // The eastern side line of the eastern court, x = 125.465 .. 125.535 m, 28 m long: its two triangles are 400 times longer than wide.
+  // The eastern side line of the eastern court, x = 125.465 .. 125.535 m, 28 m long: its two triangles are 400 times
+  // longer than wide.
   TraceShape shape;
   shape.nu = shape.nv = 8;
   shape.pixels_per_line = 284, shape.lines = 284, shape.first_column = 140, shape.columns = 4;
@@ -175,8 +188,10 @@ TEST_CASE("S8: a flat long thin line does not shadow itself: the park's court li
     for (std::uint32_t k = 0; k < (bundle ? 64 : 8); ++k) {
       // First the one that check found in the park: the point (125.506, 68.954, 3.410) was dark.
       const double c = (k + 0.5) / 64, s = std::sqrt(1 - c * c), phi = 2.4 * k;
-      const shared::rc_float4 towards = k ? shared::rc_float4{static_cast<float>(s * std::cos(phi)), static_cast<float>(s * std::sin(phi)), static_cast<float>(c), 0}
-                                          : shared::rc_float4{0.3485f, -0.7526f, 0.5586f, 0};
+      const shared::rc_float4 towards =
+          k ? shared::rc_float4{static_cast<float>(s * std::cos(phi)), static_cast<float>(s * std::sin(phi)),
+                                static_cast<float>(c), 0}
+            : shared::rc_float4{0.3485f, -0.7526f, 0.5586f, 0};
       const auto mask = chain.sun(towards);
       for (std::uint32_t pixel = 0; pixel < shape.pixels(); ++pixel)
         for (std::uint32_t sample = 0; sample < shape.samples(); ++sample) {
@@ -184,8 +199,11 @@ TEST_CASE("S8: a flat long thin line does not shadow itself: the park's court li
           ++points;
           const bool seen = mask[pixel * shape.npad() / 16 + sample / 16] >> (sample % 16) & 1;
           if (!seen && ++dark <= 3)
-            MESSAGE((bundle ? "bundle" : "single") << " direction " << k << " pixel " << pixel << " point " << surface[std::size_t{pixel} * 6 * shape.npad() + sample] << " "
-                    << surface[(std::size_t{pixel} * 6 + 1) * shape.npad() + sample] << " " << surface[(std::size_t{pixel} * 6 + 2) * shape.npad() + sample]);
+            MESSAGE((bundle ? "bundle" : "single")
+                    << " direction " << k << " pixel " << pixel << " point "
+                    << surface[std::size_t{pixel} * 6 * shape.npad() + sample] << " "
+                    << surface[(std::size_t{pixel} * 6 + 1) * shape.npad() + sample] << " "
+                    << surface[(std::size_t{pixel} * 6 + 2) * shape.npad() + sample]);
         }
     }
     MESSAGE((bundle ? "bundle" : "single") << ": points and directions " << points << ", dark " << dark);

@@ -1,5 +1,6 @@
-// Rays aimed at what lies on the border of a decision: faces, edges and corners of boxes, round coordinates, axis-parallel
-// directions, origins in the planes of faces. Bundles, single rays and every triangle without a tree must agree in every bit.
+// Rays aimed at what lies on the border of a decision: faces, edges and corners of boxes, round coordinates,
+// axis-parallel directions, origins in the planes of faces. Bundles, single rays and every triangle without a tree must
+// agree in every bit.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -33,11 +34,13 @@ class Stream {
   std::uint32_t seed_, next_ = 0;
 };
 
-/// A box, or a plate of two triangles where it has no thickness. Its eight corners are the next eight vertices either way.
+/// A box, or a plate of two triangles where it has no thickness. Its eight corners are the next eight vertices either
+/// way.
 void add_box(scene::TriangleMesh& mesh, const V& lo, const V& hi) {
   const auto base = static_cast<std::uint32_t>(mesh.vertices.size());
   for (int i = 0; i < 8; ++i)
-    mesh.vertices.push_back({static_cast<float>(i & 1 ? hi[0] : lo[0]), static_cast<float>(i & 2 ? hi[1] : lo[1]), static_cast<float>(i & 4 ? hi[2] : lo[2])});
+    mesh.vertices.push_back({static_cast<float>(i & 1 ? hi[0] : lo[0]), static_cast<float>(i & 2 ? hi[1] : lo[1]),
+                             static_cast<float>(i & 4 ? hi[2] : lo[2])});
   const std::array<std::uint32_t, 3> faces[] = {{0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}, {0, 1, 4}, {1, 5, 4},
                                                 {2, 6, 3}, {3, 6, 7}, {0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}};
   const std::size_t flat = lo[0] == hi[0] ? 0 : lo[1] == hi[1] ? 4 : 8;
@@ -53,8 +56,9 @@ scene::TriangleMesh finished(scene::TriangleMesh mesh) {
   return mesh;
 }
 
-// Boxes with corners at halves, each in a cell of its own, and plates without thickness across all three axes: most boxes of the
-// tree are flat or share planes with others. No two faces touch: of surfaces closer than rounding either may be the first.
+// Boxes with corners at halves, each in a cell of its own, and plates without thickness across all three axes: most
+// boxes of the tree are flat or share planes with others. No two faces touch: of surfaces closer than rounding either
+// may be the first.
 scene::TriangleMesh blocks_and_plates(std::uint32_t seed) {
   Stream random(seed);
   scene::TriangleMesh mesh;
@@ -92,7 +96,9 @@ Placed place(const scene::TriangleMesh& mesh, const std::vector<std::array<doubl
     scene::append_instance(placed.scene, index, places[i], i);
     for (const auto& v : mesh.vertices) {
       V p;
-      for (int k = 0; k < 3; ++k) p[k] = places[i][4 * k] * v[0] + places[i][4 * k + 1] * v[1] + places[i][4 * k + 2] * v[2] + places[i][4 * k + 3];
+      for (int k = 0; k < 3; ++k)
+        p[k] =
+            places[i][4 * k] * v[0] + places[i][4 * k + 1] * v[1] + places[i][4 * k + 2] * v[2] + places[i][4 * k + 3];
       placed.corners.push_back(p);
     }
   }
@@ -102,8 +108,9 @@ Placed place(const scene::TriangleMesh& mesh, const std::vector<std::array<doubl
 
 // The mesh where it is, moved by round numbers, turned by a right angle, and turned, tilted and scaled.
 Placed place(const scene::TriangleMesh& mesh) {
-  return place(mesh, {test::kIdentity, test::placement(0, 0, 1, 20, -30, 0.5), test::placement(std::acos(0.0), 0, 1, -25, 8, 3),
-                      test::placement(0.3, 0.2, 1.3, 9, 28, -4), test::placement(1.1, 0, 1, -31, -22, 3.41)});
+  return place(
+      mesh, {test::kIdentity, test::placement(0, 0, 1, 20, -30, 0.5), test::placement(std::acos(0.0), 0, 1, -25, 8, 3),
+             test::placement(0.3, 0.2, 1.3, 9, 28, -4), test::placement(1.1, 0, 1, -31, -22, 3.41)});
 }
 
 // Many instances of one plate: the boxes of the top tree are the plates themselves.
@@ -111,7 +118,9 @@ Placed plates() {
   scene::TriangleMesh mesh;
   add_box(mesh, {0, 0, 0}, {1, 0.5, 0});
   std::vector<std::array<double, 12>> places;
-  for (int i = 0; i < 60; ++i) places.push_back(test::placement(i % 3 * std::acos(0.0), i % 5 == 0 ? std::acos(0.0) : 0, 1, 2 * (i % 8) - 8, 3 * (i / 8) - 10, i % 7 * 0.5));
+  for (int i = 0; i < 60; ++i)
+    places.push_back(test::placement(i % 3 * std::acos(0.0), i % 5 == 0 ? std::acos(0.0) : 0, 1, 2 * (i % 8) - 8,
+                                     3 * (i / 8) - 10, i % 7 * 0.5));
   return place(finished(mesh), places);
 }
 
@@ -161,8 +170,8 @@ struct Differences {
   std::size_t rays = 0, hits = 0, single = 0, bundle = 0;
 };
 
-// Every pixel of 4 x 4 samples has a camera of its own; its first sample's ray goes to a target, the others step by round
-// numbers from there.
+// Every pixel of 4 x 4 samples has a camera of its own; its first sample's ray goes to a target, the others step by
+// round numbers from there.
 void compare_primary(const Placed& placed, std::uint32_t seed, int group_pixels, int sampler, Differences& found) {
   TraceShape shape;
   shape.nu = shape.nv = 4, shape.group_pixels = group_pixels, shape.sampler = sampler;
@@ -171,18 +180,22 @@ void compare_primary(const Placed& placed, std::uint32_t seed, int group_pixels,
   std::vector<shared::RayGroup> groups;
   for (std::uint32_t i = 0; i < shape.groups(); ++i) {
     const V aim = target(placed, random), d = direction(random);
-    const double distance = random.whole(0, 3) ? random.whole(1, 300) : random.whole(1, 8) * 0.5, step = std::ldexp(1.0, random.whole(-12, 3));
+    const double distance = random.whole(0, 3) ? random.whole(1, 300) : random.whole(1, 8) * 0.5,
+                 step = std::ldexp(1.0, random.whole(-12, 3));
     shared::RayGroup g{};
     g.origin = floats({aim[0] - distance * d[0], aim[1] - distance * d[1], aim[2] - distance * d[2]});
     if (random.whole(0, 1)) g.origin = {std::round(g.origin.x), std::round(g.origin.y), std::round(g.origin.z), 0};
     V towards{aim[0] - double(g.origin.x), aim[1] - double(g.origin.y), aim[2] - double(g.origin.z)};
     if (towards[0] == 0 && towards[1] == 0 && towards[2] == 0) towards = d;
-    const int axis = std::abs(towards[0]) > std::abs(towards[1]) && std::abs(towards[0]) > std::abs(towards[2]) ? 0 : std::abs(towards[1]) > std::abs(towards[2]) ? 1 : 2;
+    const int axis = std::abs(towards[0]) > std::abs(towards[1]) && std::abs(towards[0]) > std::abs(towards[2]) ? 0
+                     : std::abs(towards[1]) > std::abs(towards[2])                                              ? 1
+                                                                                                                : 2;
     V along{}, across{};
     along[(axis + 1) % 3] = step, across[(axis + 2) % 3] = step;
     // Sample 0 of pixel 0 lies at (a0, a0 + (1 - pixels) / 2).
     const double a0 = 0.125 - 0.5, first = a0 - 0.5 * (group_pixels - 1);
-    g.d0 = floats({towards[0] - first * along[0] - a0 * across[0], towards[1] - first * along[1] - a0 * across[1], towards[2] - first * along[2] - a0 * across[2]});
+    g.d0 = floats({towards[0] - first * along[0] - a0 * across[0], towards[1] - first * along[1] - a0 * across[1],
+                   towards[2] - first * along[2] - a0 * across[2]});
     g.du = floats(along), g.dv = floats(across);
     groups.push_back(g);
   }
@@ -199,8 +212,9 @@ void compare_primary(const Placed& placed, std::uint32_t seed, int group_pixels,
       found.single += truth[at] != single[at] || truth[primitive] != single[primitive];
       const bool differs = truth[at] != bundle[at] || truth[primitive] != bundle[primitive];
       if (differs && ++found.bundle <= 5)
-        MESSAGE("seed " << seed << " pixel " << pixel << " sample " << s << ": all " << truth[at] << "/" << truth[primitive] << ", bundle " << bundle[at]
-                        << "/" << bundle[primitive] << ", single " << single[at] << "/" << single[primitive]);
+        MESSAGE("seed " << seed << " pixel " << pixel << " sample " << s << ": all " << truth[at] << "/"
+                        << truth[primitive] << ", bundle " << bundle[at] << "/" << bundle[primitive] << ", single "
+                        << single[at] << "/" << single[primitive]);
     }
 }
 
@@ -242,15 +256,17 @@ void compare_shadows(const Placed& placed, std::uint32_t seed, Differences& foun
       found.single += static_cast<std::size_t>(__builtin_popcount(truth[word] ^ single[word]));
       const unsigned differs = truth[word] ^ bundle[word];
       if (differs && found.bundle < 5)
-        MESSAGE("seed " << seed << " word " << word << " direction " << sun.x << " " << sun.y << " " << sun.z << ": seen by all " << truth[word] << ", bundle "
-                        << bundle[word] << ", single " << single[word]);
+        MESSAGE("seed " << seed << " word " << word << " direction " << sun.x << " " << sun.y << " " << sun.z
+                        << ": seen by all " << truth[word] << ", bundle " << bundle[word] << ", single "
+                        << single[word]);
       found.bundle += static_cast<std::size_t>(__builtin_popcount(differs));
     }
   }
 }
 
 void report(const std::string& what, const Differences& found) {
-  MESSAGE(what << ": rays " << found.rays << ", hits " << found.hits << "; other than without a tree: single " << found.single << ", bundle " << found.bundle);
+  MESSAGE(what << ": rays " << found.rays << ", hits " << found.hits << "; other than without a tree: single "
+               << found.single << ", bundle " << found.bundle);
   CHECK(found.hits > 500);
   CHECK(found.hits < found.rays);
   CHECK(found.single == 0);
@@ -260,7 +276,10 @@ void report(const std::string& what, const Differences& found) {
 }  // namespace
 
 TEST_CASE("S5 S7: camera rays aimed at faces, edges and corners: bundles, single rays and every triangle agree") {
-  for (const auto& [name, placed] : {std::pair{"blocks", place(blocks_and_plates(1))}, {"lines", place(lines())}, {"plates", plates()}, {"copies", copies()}}) {
+  for (const auto& [name, placed] : {std::pair{"blocks", place(blocks_and_plates(1))},
+                                     {"lines", place(lines())},
+                                     {"plates", plates()},
+                                     {"copies", copies()}}) {
     Differences found;
     compare_primary(placed, 11, 4, RC_SAMPLER_GRID, found);
     compare_primary(placed, 12, 1, RC_SAMPLER_GRID, found);
@@ -269,8 +288,11 @@ TEST_CASE("S5 S7: camera rays aimed at faces, edges and corners: bundles, single
   }
 }
 
-TEST_CASE("S8: shadow rays aimed at faces, edges and corners, points on faces: bundles, single rays and every triangle agree") {
-  for (const auto& [name, placed] : {std::pair{"blocks", place(blocks_and_plates(2))}, {"lines", place(lines())}, {"plates", plates()}}) {
+TEST_CASE(
+    "S8: shadow rays aimed at faces, edges and corners, points on faces: bundles, single rays and every triangle "
+    "agree") {
+  for (const auto& [name, placed] :
+       {std::pair{"blocks", place(blocks_and_plates(2))}, {"lines", place(lines())}, {"plates", plates()}}) {
     Differences found;
     compare_shadows(placed, 21, found);
     report(name, found);

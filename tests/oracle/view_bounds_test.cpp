@@ -31,18 +31,14 @@ plan::ViewBounds walked(scene::Instrument instrument) {
     for (int sample = 0; sample < instrument.pixels; ++sample) {
       const auto& g = groups[static_cast<std::size_t>(sample / width)];
       const double a = sample % width - 0.5 * (width - 1);
-      for (const auto& [u, v] :
-           {std::pair{0.0, 0.0}, {-half, -half}, {-half, half}, {half, -half}, {half, half}}) {
-        const glm::dvec3 d = glm::dvec3(g.d0.x, g.d0.y, g.d0.z) +
-                             (a + u) * glm::dvec3(g.du.x, g.du.y, g.du.z) +
+      for (const auto& [u, v] : {std::pair{0.0, 0.0}, {-half, -half}, {-half, half}, {half, -half}, {half, half}}) {
+        const glm::dvec3 d = glm::dvec3(g.d0.x, g.d0.y, g.d0.z) + (a + u) * glm::dvec3(g.du.x, g.du.y, g.du.z) +
                              v * glm::dvec3(g.dv.x, g.dv.y, g.dv.z);
         const glm::dvec3 to_sensor = -d / glm::length(d);
         bounds.sec_min = std::min(bounds.sec_min, 1 / to_sensor.z),
         bounds.sec_max = std::max(bounds.sec_max, 1 / to_sensor.z);
-        bounds.x_min = std::min(bounds.x_min, to_sensor.x),
-        bounds.x_max = std::max(bounds.x_max, to_sensor.x);
-        bounds.y_min = std::min(bounds.y_min, to_sensor.y),
-        bounds.y_max = std::max(bounds.y_max, to_sensor.y);
+        bounds.x_min = std::min(bounds.x_min, to_sensor.x), bounds.x_max = std::max(bounds.x_max, to_sensor.x);
+        bounds.y_min = std::min(bounds.y_min, to_sensor.y), bounds.y_max = std::max(bounds.y_max, to_sensor.y);
       }
     }
   }
@@ -59,8 +55,7 @@ void check_same(const scene::Instrument& instrument) {
   CHECK(found.y_max == wanted.y_max);
 }
 
-scene::Instrument camera(scene::InstrumentKind kind, int pixels, int lines, double across_rad,
-                         double along_rad) {
+scene::Instrument camera(scene::InstrumentKind kind, int pixels, int lines, double across_rad, double along_rad) {
   scene::Instrument c;
   c.name = "c";
   c.kind = kind;
@@ -73,18 +68,15 @@ scene::Instrument camera(scene::InstrumentKind kind, int pixels, int lines, doub
 
 TEST_CASE("bounds of a view are those of a walk over every pixel, to the bit") {
   std::mt19937 draw(4);
-  const auto between = [&](double low, double high) {
-    return std::uniform_real_distribution<double>(low, high)(draw);
-  };
+  const auto between = [&](double low, double high) { return std::uniform_real_distribution<double>(low, high)(draw); };
   for (int trial = 0; trial < 24; ++trial) {
     CAPTURE(trial);
     // Fields of 0.02 to 1 rad; one in four looks straight down, one along an axis.
     const int pixels = 300 + static_cast<int>(draw() % 1500), lines = 300 + static_cast<int>(draw() % 900);
-    const double tilt = trial % 4 == 0 ? 0 : 25,
-                 heading = trial % 3 == 0 ? 90 * double(draw() % 4) : between(0, 360);
+    const double tilt = trial % 4 == 0 ? 0 : 25, heading = trial % 3 == 0 ? 90 * double(draw() % 4) : between(0, 360);
     scene::Pose pose{10, 20, between(300, 9000), between(-tilt, tilt), between(-tilt, tilt), heading};
-    auto c = camera(scene::InstrumentKind::framing, pixels, lines, between(0.02, 1.0) / pixels,
-                    between(0.02, 0.8) / lines);
+    auto c =
+        camera(scene::InstrumentKind::framing, pixels, lines, between(0.02, 1.0) / pixels, between(0.02, 0.8) / lines);
     if (trial % 5 == 0) c.psf_support_px = between(1, 8);
     c.poses = {pose};
     check_same(c);
@@ -104,8 +96,7 @@ TEST_CASE("bounds of a view are those of a walk over every pixel, to the bit") {
     check_same(c);
   }
   auto c = camera(scene::InstrumentKind::whiskbroom, 100, 40, 0.01, 0.01);
-  for (int i = 0; i < 4000; ++i)
-    c.poses.push_back({0, 0.1 * i, 500, between(-2, 2), between(-2, 2), between(0, 3)});
+  for (int i = 0; i < 4000; ++i) c.poses.push_back({0, 0.1 * i, 500, between(-2, 2), between(-2, 2), between(0, 3)});
   check_same(c);
   check_same([&] {
     auto one = camera(scene::InstrumentKind::framing, 1, 1, 1e-3, 1e-3);

@@ -26,7 +26,8 @@ static Hit brute(global const TriBlock* blocks, global const Instance* instances
   return hit;
 }
 
-kernel void brute_primary(global const TriBlock* blocks, global const Instance* instances, global const uint* ranges, uint count,
+kernel void brute_primary(global const TriBlock* blocks, global const Instance* instances,
+                          global const uint* ranges, uint count,
                           global const RayGroup* groups, global uint* hits, uint seed, uint columns) {
   const uint index = get_global_id(0);
   const GroupPlace place = rc_group_place(groups, index, columns);
@@ -39,7 +40,8 @@ kernel void brute_primary(global const TriBlock* blocks, global const Instance* 
       if (k < RC_NU * RC_NV) {
         float a, b;
         rc_group_sample(seed, place.number + p, p, k, &a, &b);
-        hit = brute(blocks, instances, ranges, count, group.origin, rc_group_offset(group, a, b), rc_group_direction(group, a, b));
+        hit = brute(blocks, instances, ranges, count, group.origin, rc_group_offset(group, a, b),
+                    rc_group_direction(group, a, b));
       }
       out[k] = hit.instance;
       out[RC_NPAD + k] = hit.primitive;
@@ -47,7 +49,8 @@ kernel void brute_primary(global const TriBlock* blocks, global const Instance* 
   }
 }
 
-kernel void brute_sun(global const TriBlock* blocks, global const Instance* instances, global const uint* ranges, uint count,
+kernel void brute_sun(global const TriBlock* blocks, global const Instance* instances,
+                      global const uint* ranges, uint count,
                       global const float* surface, global ushort* sun_mask, float4 sun) {
   const uint pixel = get_global_id(0);
   global const float* in = surface + (size_t)pixel * (6u * RC_NPAD);
@@ -57,7 +60,8 @@ kernel void brute_sun(global const TriBlock* blocks, global const Instance* inst
       const float4 normal = (float4)(in[3 * RC_NPAD + k], in[4 * RC_NPAD + k], in[5 * RC_NPAD + k], 0.0f);
       const float4 point = (float4)(in[k], in[RC_NPAD + k], in[2 * RC_NPAD + k], 0.0f);
       if (!(fma(sun.x, normal.x, fma(sun.y, normal.y, sun.z * normal.z)) > 0.0f)) continue;
-      if (brute(blocks, instances, ranges, count, point, (float4)(0.0f), sun).instance == RC_NONE) seen |= 1u << (k % 16u);
+      if (brute(blocks, instances, ranges, count, point, (float4)(0.0f), sun).instance == RC_NONE)
+        seen |= 1u << (k % 16u);
     }
     sun_mask[(size_t)pixel * RC_NWORDS + word] = (ushort)seen;
   }
@@ -76,9 +80,13 @@ std::vector<std::uint32_t> block_ranges(const scene::CompiledScene& scene) {
 }  // namespace
 
 BruteTrace::BruteTrace(const cl::Context& context, const scene::CompiledScene& scene, const TraceShape& shape)
-    : context_(context), shape_(shape), count_(static_cast<std::uint32_t>(scene.instances.size())),
-      program_(context, "brute", std::string(kernels::kernel_source("trace")) + kBruteSource, trace_options(shape, scene)),
-      primary_(program_, "brute_primary"), sun_(program_, "brute_sun"),
+    : context_(context),
+      shape_(shape),
+      count_(static_cast<std::uint32_t>(scene.instances.size())),
+      program_(context, "brute", std::string(kernels::kernel_source("trace")) + kBruteSource,
+               trace_options(shape, scene)),
+      primary_(program_, "brute_primary"),
+      sun_(program_, "brute_sun"),
       blocks_(context, scene.blocks, cl::Access::read_only, "triangle blocks"),
       instances_(context, scene.instances, cl::Access::read_only, "instances"),
       ranges_(context, block_ranges(scene), cl::Access::read_only, "blocks of instances"),

@@ -1,4 +1,5 @@
-// Every triangle against every ray with the kernels' own triangle test, no tree and no bundle: what both must give, bit by bit.
+// Every triangle against every ray with the kernels' own triangle test, no tree and no bundle: what both must give, bit
+// by bit.
 #pragma once
 
 #include <cstdint>

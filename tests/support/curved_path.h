@@ -9,8 +9,9 @@
 
 namespace raycube::testing {
 
-/// Bouguer: n r sin(zenith) is constant; n - 1 = 2.92e-4 in air of 1013.25 hPa and 273.15 K (S4.2: good enough for paths), earth
-/// of 6371.23 km. Midpoint rule, 40 points a layer. zenith_deg: of the ray, 0..85 upward or 95..180 downward, at the height at_km.
+/// Bouguer: n r sin(zenith) is constant; n - 1 = 2.92e-4 in air of 1013.25 hPa and 273.15 K (S4.2: good enough for
+/// paths), earth of 6371.23 km. Midpoint rule, 40 points a layer. zenith_deg: of the ray, 0..85 upward or 95..180
+/// downward, at the height at_km.
 inline std::vector<double> curved_path_factors(const atmos::AirProfile& profile, const std::vector<double>& level_km,
                                                double zenith_deg, double at_km) {
   const auto reach = [&](double height_km) {

@@ -10,7 +10,9 @@ using V = std::array<double, 3>;
 constexpr double kUlp = 0x1p-24;
 
 V sub(const V& a, const V& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-V cross(const V& a, const V& b) { return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]}; }
+V cross(const V& a, const V& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
 double dot(const V& a, const V& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 double norm(const V& a) { return std::sqrt(dot(a, a)); }
 
@@ -23,13 +25,15 @@ V map(const shared::rc_float4* m, const V& p, double w) {
 double map_size(const shared::rc_float4* m, const V& p, double w) {
   double size = 0;
   for (int i = 0; i < 3; ++i)
-    size = std::max(size, std::abs(m[i].x * p[0]) + std::abs(m[i].y * p[1]) + std::abs(m[i].z * p[2]) + w * std::abs(m[i].w));
+    size = std::max(size,
+                    std::abs(m[i].x * p[0]) + std::abs(m[i].y * p[1]) + std::abs(m[i].z * p[2]) + w * std::abs(m[i].w));
   return size;
 }
 
 }  // namespace
 
-DoubleTest DoubleTracer::test(std::uint32_t instance, std::uint32_t primitive, const double (&origin)[3], const float (&direction)[3]) const {
+DoubleTest DoubleTracer::test(std::uint32_t instance, std::uint32_t primitive, const double (&origin)[3],
+                              const float (&direction)[3]) const {
   const shared::Instance& placed = scene_.instances[instance];
   const shared::TriBlock& block = scene_.blocks[primitive / 16];
   const std::uint32_t lane = primitive % 16;
@@ -50,8 +54,9 @@ DoubleTest DoubleTracer::test(std::uint32_t instance, std::uint32_t primitive, c
   const double s = nd > 0 ? 1 : -1;
   result.t = dot(n, a) / nd;
   result.hit = s * u >= 0 && s * v >= 0 && s * w >= 0 && result.t > 0;
-  // An edge function is |edge x vertex . d|: the ray's distance from the edge line is w / (|edge| |d|). Errors of the moved
-  // vertices are relative to the vertex distance, those of the mapped origin and direction to the sums that made them.
+  // An edge function is |edge x vertex . d|: the ray's distance from the edge line is w / (|edge| |d|). Errors of the
+  // moved vertices are relative to the vertex distance, those of the mapped origin and direction to the sums that made
+  // them.
   const double reach = std::max({norm(a), norm(b), norm(c)});
   const double size = reach * (1 + d_size / norm(d)) + o_size;
   const auto away = [&](double edge_function, const V& edge) {
@@ -107,7 +112,8 @@ bool DoubleTracer::blocked(const double (&origin)[3], const float (&direction)[3
 }
 
 DoubleTracer::Verdict DoubleTracer::judge(const DoubleHit& truth, std::uint32_t instance, std::uint32_t primitive,
-                                          const double (&origin)[3], const float (&direction)[3], double bound_ulp) const {
+                                          const double (&origin)[3], const float (&direction)[3],
+                                          double bound_ulp) const {
   if (truth.instance == instance && truth.primitive == primitive) return Verdict::same;
   // The kernel's own hit must be a hit within rounding.
   double kernel_t = 1e300, kernel_bound = 0;
@@ -117,8 +123,8 @@ DoubleTracer::Verdict DoubleTracer::judge(const DoubleHit& truth, std::uint32_t 
     kernel_t = own.t, kernel_bound = bound_ulp * own.t_ulp * kUlp * std::abs(own.t);
   }
   if (truth.instance == RC_NONE) return Verdict::explained;
-  // A hit by rounding in front of the true one; else the true hit must be one that rounding can lose, or lie as deep as the
-  // kernel's within rounding.
+  // A hit by rounding in front of the true one; else the true hit must be one that rounding can lose, or lie as deep as
+  // the kernel's within rounding.
   const DoubleTest lost = test(truth.instance, truth.primitive, origin, direction);
   const double bound = kernel_bound + bound_ulp * lost.t_ulp * kUlp * std::abs(lost.t);
   return kernel_t <= lost.t + bound || lost.edge_ulp <= bound_ulp ? Verdict::explained : Verdict::wrong;

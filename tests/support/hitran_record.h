@@ -18,9 +18,10 @@ inline std::string hitran_record(const atmos::SpectralLine& line) {
     if (zero != std::string::npos && (zero == 0 || out[zero - 1] == '-') && out.size() > width) out.erase(zero, 1);
     return std::string(width - out.size(), ' ') + out;
   };
-  std::string out = field("%.0f", line.molecule, 2) + field("%.0f", line.isotopologue, 1) + field("%.6f", line.wavenumber_per_cm, 12) +
-                    field("%.3E", line.intensity, 10) + field("%.3E", 1.0, 10) + field("%.4f", line.gamma_air, 5) +
-                    field("%.3f", line.gamma_self, 5) + field("%.4f", line.lower_energy_per_cm, 10) + field("%.2f", line.n_air, 4) +
+  std::string out = field("%.0f", line.molecule, 2) + field("%.0f", line.isotopologue, 1) +
+                    field("%.6f", line.wavenumber_per_cm, 12) + field("%.3E", line.intensity, 10) +
+                    field("%.3E", 1.0, 10) + field("%.4f", line.gamma_air, 5) + field("%.3f", line.gamma_self, 5) +
+                    field("%.4f", line.lower_energy_per_cm, 10) + field("%.2f", line.n_air, 4) +
                     field("%.6f", line.delta_air, 8);
   out.resize(160, ' ');
   return out + "\n";

@@ -7,9 +7,10 @@
 
 namespace raycube::test {
 
-/// A hit may differ from the double oracle only where the ray passes within this many units of 2^-24 (times the size of the
-/// coordinates that entered) of an edge, or two surfaces lie that close in depth. 16 = the sum of the roundings of the map
-/// into the mesh frame (4), the vertex difference (1), the direction (3), the shear (3) and the edge product (3), rounded up.
+/// A hit may differ from the double oracle only where the ray passes within this many units of 2^-24 (times the size of
+/// the coordinates that entered) of an edge, or two surfaces lie that close in depth. 16 = the sum of the roundings of
+/// the map into the mesh frame (4), the vertex difference (1), the direction (3), the shear (3) and the edge product
+/// (3), rounded up.
 inline constexpr double kBoundUlp = 16;
 
 struct HitCount {

@@ -1,5 +1,6 @@
-// Writes LAS files of known contents into a folder for readers in Python, with what was handed to the writer as expected.json.
-// Geometry: sensor 600 m above ground that steps along x, beams 10 degrees off nadir turning in azimuth, first sample at the gate.
+// Writes LAS files of known contents into a folder for readers in Python, with what was handed to the writer as
+// expected.json. Geometry: sensor 600 m above ground that steps along x, beams 10 degrees off nadir turning in azimuth,
+// first sample at the gate.
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -23,13 +24,20 @@ Json write(const std::string& folder, const std::string& name, bool waveforms, b
   base::OutputFile& points = set.add(name + ".las");
   std::unique_ptr<base::OutputFile> scratch;
   base::OutputFile* packets = nullptr;
-  if (internal_packets) packets = (scratch = std::make_unique<base::OutputFile>(folder + "/" + name + ".part")).get();
-  else if (waveforms) packets = &set.add(name + ".wdp");
+  if (internal_packets)
+    packets = (scratch = std::make_unique<base::OutputFile>(folder + "/" + name + ".part")).get();
+  else if (waveforms)
+    packets = &set.add(name + ".wdp");
   LasOptions options;
   options.offset_m = kOrigin;
-  options.wkt = R"(PROJCS["WGS 84 / UTM zone 32N",GEOGCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563]],PRIMEM["Greenwich",0],)"
-                R"(UNIT["degree",0.0174532925199433]],PROJECTION["Transverse_Mercator"],PARAMETER["latitude_of_origin",0],PARAMETER["central_meridian",9],)"
-                R"(PARAMETER["scale_factor",0.9996],PARAMETER["false_easting",500000],PARAMETER["false_northing",0],UNIT["metre",1],AUTHORITY["EPSG","32632"]])";
+  options.wkt =
+      R"(PROJCS["WGS 84 / UTM zone 32N",GEOGCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563]],)"
+      R"(PRIMEM["Greenwich",0],)"
+      R"(UNIT["degree",0.0174532925199433]],PROJECTION["Transverse_Mercator"],PARAMETER["latitude_of_origin",0],)"
+      R"(PARAMETER["central_meridian",9],)"
+      R"(PARAMETER["scale_factor",0.9996],)"
+      R"(PARAMETER["false_easting",500000],PARAMETER["false_northing",0],UNIT["metre",1],)"
+      R"(AUTHORITY["EPSG","32632"]])";
   options.internal_packets = internal_packets;
   options.creation_day = 200;
   options.creation_year = 2026;
@@ -40,12 +48,14 @@ Json write(const std::string& folder, const std::string& name, bool waveforms, b
   int without = 0;
   for (int pulse = 0; pulse < kPulses; ++pulse) {
     const double azimuth = 0.1 * pulse, tilt = 10 * M_PI / 180;
-    const std::array<double, 3> beam = {std::sin(tilt) * std::cos(azimuth), std::sin(tilt) * std::sin(azimuth), -std::cos(tilt)};
+    const std::array<double, 3> beam = {std::sin(tilt) * std::cos(azimuth), std::sin(tilt) * std::sin(azimuth),
+                                        -std::cos(tilt)};
     const double sensor[3] = {kOrigin[0] + 0.7 * pulse, kOrigin[1] - 0.3 * pulse, kOrigin[2] + 600.0};
     const int returns = pulse == 7 ? 15 : pulse % 5;  // none for every fifth
     if (returns == 0) ++without;
     std::vector<double> ranges;
-    for (int r = 0; r < returns; ++r) ranges.push_back(kLight_m_s / 2 * (kGate_s + kSpacing_s * (20 + 15 * r + 0.25 * (pulse % 4))));
+    for (int r = 0; r < returns; ++r)
+      ranges.push_back(kLight_m_s / 2 * (kGate_s + kSpacing_s * (20 + 15 * r + 0.25 * (pulse % 4))));
     std::vector<std::uint16_t> samples(kSamples);
     for (int i = 0; i < kSamples; ++i) {
       double value = 3 + (i * 7 + pulse) % 5;
@@ -75,23 +85,61 @@ Json write(const std::string& folder, const std::string& name, bool waveforms, b
       p.packet = packet;
       p.return_location_ps = static_cast<float>((2 * range / kLight_m_s - kGate_s) * 1e12);
       p.direction_m_per_ps = las_direction(beam);
-      p.truth = {static_cast<std::uint64_t>(pulse) + (std::uint64_t{1} << 40), range, range + 0.001, 10.5f + static_cast<float>(r), 1.5f, 0.75f, static_cast<std::uint8_t>(r + 1),
-                 static_cast<std::uint32_t>(100000 + pulse), static_cast<std::uint16_t>(r), 10.0f, 0.5f, 0.25f, 0.125f, 3.5f * static_cast<float>(r + 1)};
-      if (pulse == 199) p.truth.object_id = LasTruth::kNoObject, p.truth.material_id = LasTruth::kNoMaterial, p.truth.range_true_m = NAN;
+      p.truth = {static_cast<std::uint64_t>(pulse) + (std::uint64_t{1} << 40),
+                 range,
+                 range + 0.001,
+                 10.5f + static_cast<float>(r),
+                 1.5f,
+                 0.75f,
+                 static_cast<std::uint8_t>(r + 1),
+                 static_cast<std::uint32_t>(100000 + pulse),
+                 static_cast<std::uint16_t>(r),
+                 10.0f,
+                 0.5f,
+                 0.25f,
+                 0.125f,
+                 3.5f * static_cast<float>(r + 1)};
+      if (pulse == 199)
+        p.truth.object_id = LasTruth::kNoObject, p.truth.material_id = LasTruth::kNoMaterial,
+        p.truth.range_true_m = NAN;
       writer.add_point(p);
       const LasTruth& t = p.truth;
-      list.push_back({{"x", p.x_m}, {"y", p.y_m}, {"z", p.z_m}, {"intensity", p.intensity}, {"return_number", r + 1}, {"number_of_returns", returns},
-                      {"synthetic", p.synthetic}, {"key_point", p.key_point}, {"withheld", p.withheld}, {"overlap", p.overlap},
-                      {"scanner_channel", p.scanner_channel}, {"scan_direction_flag", p.scan_to_right}, {"edge_of_flight_line", p.edge_of_line},
-                      {"classification", p.classification}, {"user_data", p.user_data}, {"scan_angle", pulse * 300 - 30000}, {"point_source_id", 77},
-                      {"gps_time", p.gps_time_s}, {"sensor", sensor}, {"beam", beam}, {"offset", packet.offset}, {"range", range},
-                      {"extra", {t.pulse_id, t.range_m, std::isnan(t.range_true_m) ? Json() : Json(t.range_true_m), t.expected_pe, t.echo_fwhm_ns, t.detection_probability,
-                                 t.bounce_order, t.object_id, t.material_id, t.incidence_deg, t.gff, t.transmission_2way, t.subray_fraction, t.energy_pe}}});
+      list.push_back({{"x", p.x_m},
+                      {"y", p.y_m},
+                      {"z", p.z_m},
+                      {"intensity", p.intensity},
+                      {"return_number", r + 1},
+                      {"number_of_returns", returns},
+                      {"synthetic", p.synthetic},
+                      {"key_point", p.key_point},
+                      {"withheld", p.withheld},
+                      {"overlap", p.overlap},
+                      {"scanner_channel", p.scanner_channel},
+                      {"scan_direction_flag", p.scan_to_right},
+                      {"edge_of_flight_line", p.edge_of_line},
+                      {"classification", p.classification},
+                      {"user_data", p.user_data},
+                      {"scan_angle", pulse * 300 - 30000},
+                      {"point_source_id", 77},
+                      {"gps_time", p.gps_time_s},
+                      {"sensor", sensor},
+                      {"beam", beam},
+                      {"offset", packet.offset},
+                      {"range", range},
+                      {"extra",
+                       {t.pulse_id, t.range_m, std::isnan(t.range_true_m) ? Json() : Json(t.range_true_m),
+                        t.expected_pe, t.echo_fwhm_ns, t.detection_probability, t.bounce_order, t.object_id,
+                        t.material_id, t.incidence_deg, t.gff, t.transmission_2way, t.subray_fraction, t.energy_pe}}});
     }
   }
   writer.finish(kPulses, static_cast<std::uint64_t>(without));
   set.publish();
-  return {{"points", list}, {"waves", waves}, {"wkt", options.wkt}, {"without_return", without}, {"format", waveforms ? 9 : 6}, {"internal", internal_packets},
+  return {{"points", list},
+          {"waves", waves},
+          {"wkt", options.wkt},
+          {"without_return", without},
+          {"format", waveforms ? 9 : 6},
+          {"internal", internal_packets},
           {"bits", bits}};
 }
 

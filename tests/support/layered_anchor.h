@@ -1,4 +1,5 @@
-// What the comparisons of whole layered tables with other codes share: scenes, bands, and figures for the charts in docs/.
+// What the comparisons of whole layered tables with other codes share: scenes, bands, and figures for the charts in
+// docs/.
 #pragma once
 
 #include <string>
@@ -21,7 +22,7 @@ struct Errors {
   double mean = 0, rms = 0, worst = 0;  ///< worst: largest by amount, with its sign
   int count = 0;
   void add(double error);
-  void close();                         ///< sums to means
+  void close();  ///< sums to means
 };
 
 /// Rows written as CSV to $RAYCUBE_CHARTS/<name>.csv when that is set (docs/pictures/README.md), nowhere otherwise.

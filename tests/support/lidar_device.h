@@ -7,11 +7,13 @@
 
 namespace raycube::test {
 
-inline std::vector<lidar::ShotResult> render_shots(const scene::CompiledScene& scene, const lidar::LidarPlan& plan, const std::vector<lidar::Shot>& shots,
+inline std::vector<lidar::ShotResult> render_shots(const scene::CompiledScene& scene, const lidar::LidarPlan& plan,
+                                                   const std::vector<lidar::Shot>& shots,
                                                    const render::RenderOptions& options = {}, bool hits = false) {
   render::LidarRenderer renderer(scene, options);
   std::vector<lidar::ShotResult> results;
-  renderer.render(plan, shots, [&](lidar::ShotResult&& result) { results.push_back(std::move(result)); }, hits);
+  renderer.render(
+      plan, shots, [&](lidar::ShotResult&& result) { results.push_back(std::move(result)); }, hits);
   return results;
 }
 

@@ -66,8 +66,9 @@ scene::Lidar topographic_lidar() {
 lidar::PulseTaps make_taps(const scene::LidarPulse& pulse, double bin_s, int phases) {
   lidar::PulseTaps taps;
   if (pulse.fwhm_s == 0) return {1, 1, 0, {1.0f, 1.0f}};
-  const double reach = pulse.shape == scene::PulseShape::rectangular ? 0.5 * pulse.fwhm_s / bin_s
-                                                                      : 6.5 * pulse.fwhm_s / (2 * std::sqrt(2 * std::log(2.0))) / bin_s;
+  const double reach = pulse.shape == scene::PulseShape::rectangular
+                           ? 0.5 * pulse.fwhm_s / bin_s
+                           : 6.5 * pulse.fwhm_s / (2 * std::sqrt(2 * std::log(2.0))) / bin_s;
   taps.phases = phases;
   taps.first = -static_cast<int>(std::ceil(reach));
   taps.taps = static_cast<int>(std::ceil(reach)) * 2 + 1;
@@ -78,7 +79,8 @@ lidar::PulseTaps make_taps(const scene::LidarPulse& pulse, double bin_s, int pha
     for (int i = 0; i < taps.taps; ++i) {
       const double lo = taps.first + i - f, hi = lo + 1;
       // On the late side by the symmetric difference: no cancellation of numbers near 1.
-      share.push_back(lo > 0 ? before(pulse, bin_s, -lo) - before(pulse, bin_s, -hi) : before(pulse, bin_s, hi) - before(pulse, bin_s, lo));
+      share.push_back(lo > 0 ? before(pulse, bin_s, -lo) - before(pulse, bin_s, -hi)
+                             : before(pulse, bin_s, hi) - before(pulse, bin_s, lo));
       sum += share.back();
     }
     for (const double s : share) taps.share.push_back(static_cast<float>(s / sum));
@@ -98,7 +100,8 @@ lidar::LidarPlan hand_plan(const scene::Lidar& lidar, const scene::CompiledScene
   plan.first_node.push_back(static_cast<int>(plan.nodes.size()));
   for (const auto& material : scene.materials)
     for (const auto& line : lidar.pulse.lines)
-      plan.matter.push_back({curve_at(material.reflectance, line.wavelength_um), curve_at(material.transmittance, line.wavelength_um)});
+      plan.matter.push_back(
+          {curve_at(material.reflectance, line.wavelength_um), curve_at(material.transmittance, line.wavelength_um)});
   plan.cross_section_cm2.assign(scene.volumes.size() * plan.nodes.size(), 0.0);
   plan.taps = make_taps(lidar.pulse, lidar.gate.bin_s);
   plan.footprint = lidar::make_footprint(lidar, lidar::exit_matters(lidar));
@@ -110,7 +113,8 @@ lidar::LidarPlan hand_plan(const scene::Lidar& lidar, const scene::CompiledScene
   return plan;
 }
 
-void set_air(lidar::LidarPlan& plan, double extinction_per_m, double backscatter_per_m_sr, double low_m, double high_m) {
+void set_air(lidar::LidarPlan& plan, double extinction_per_m, double backscatter_per_m_sr, double low_m,
+             double high_m) {
   constexpr int kPosts = 33;
   plan.air = {low_m, (high_m - low_m) / (kPosts - 1), kPosts, {}, {}};
   for (std::size_t node = 0; node < plan.nodes.size(); ++node)
@@ -151,10 +155,12 @@ scene::CompiledScene scene_of(const std::vector<double>& reflectances) {
   return scene;
 }
 
-void add_rectangle(scene::CompiledScene& scene, std::uint32_t surface, const Vec3& corner, const Vec3& a, const Vec3& b) {
+void add_rectangle(scene::CompiledScene& scene, std::uint32_t surface, const Vec3& corner, const Vec3& a,
+                   const Vec3& b) {
   scene::TriangleMesh mesh;
   for (const auto& [s, t] : {std::pair{0, 0}, {1, 0}, {1, 1}, {0, 1}})
-    mesh.vertices.push_back({static_cast<float>(corner[0] + s * a[0] + t * b[0]), static_cast<float>(corner[1] + s * a[1] + t * b[1]),
+    mesh.vertices.push_back({static_cast<float>(corner[0] + s * a[0] + t * b[0]),
+                             static_cast<float>(corner[1] + s * a[1] + t * b[1]),
                              static_cast<float>(corner[2] + s * a[2] + t * b[2])});
   mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
   mesh.surface = {surface, surface};
@@ -165,10 +171,12 @@ void add_rectangle(scene::CompiledScene& scene, std::uint32_t surface, const Vec
 
 void add_plane(scene::CompiledScene& scene, std::uint32_t surface, const Vec3& centre, double half, double tilt) {
   const Vec3 a{2 * half * std::cos(tilt), 0, -2 * half * std::sin(tilt)}, b{0, 2 * half, 0};
-  add_rectangle(scene, surface, {centre[0] - (a[0] + b[0]) / 2, centre[1] - (a[1] + b[1]) / 2, centre[2] - (a[2] + b[2]) / 2}, a, b);
+  add_rectangle(scene, surface,
+                {centre[0] - (a[0] + b[0]) / 2, centre[1] - (a[1] + b[1]) / 2, centre[2] - (a[2] + b[2]) / 2}, a, b);
 }
 
-void add_corner(scene::CompiledScene& scene, std::uint32_t surface_a, std::uint32_t surface_b, double length, double height, double half_width) {
+void add_corner(scene::CompiledScene& scene, std::uint32_t surface_a, std::uint32_t surface_b, double length,
+                double height, double half_width) {
   add_rectangle(scene, surface_a, {0, -half_width, 0}, {length, 0, 0}, {0, 2 * half_width, 0});
   add_rectangle(scene, surface_b, {0, -half_width, 0}, {0, 2 * half_width, 0}, {0, 0, height});
 }

@@ -1,7 +1,7 @@
-// Products of two LIDAR runs, as `render` leaves them, for readers in Python: expectations by the reference, records made here
-// without noise, so that every number can be foretold.
-//   survey: oscillating mirror over a roof 10 m above a plane, in UTM; waveforms beside the LAS file; every tenth pulse unseen
-//   flash:  8 x 8 Geiger pixels, two lines, orders apart, no coordinate system; waveforms inside the LAS file
+// Products of two LIDAR runs, as `render` leaves them, for readers in Python: expectations by the reference, records
+// made here without noise, so that every number can be foretold.
+//   survey: oscillating mirror over a roof 10 m above a plane, in UTM; waveforms beside the LAS file; every tenth pulse
+//   unseen flash:  8 x 8 Geiger pixels, two lines, orders apart, no coordinate system; waveforms inside the LAS file
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -103,7 +103,8 @@ void run(const std::string& folder, const scene::Lidar& lidar, bool georeference
     lidar::ShotResult result;
     result.shot = shot;
     result.first.assign(expected.rows.first.begin(), expected.rows.first.end());
-    if (lidar.products.orders) result.multiple.assign(result.first.size(), 0.25f), result.air.assign(result.first.size(), 0.125f);
+    if (lidar.products.orders)
+      result.multiple.assign(result.first.size(), 0.25f), result.air.assign(result.first.size(), 0.125f);
     result.ledger = expected.ledger;
     for (const auto& hit : expected.hits) result.hits.push_back({hit.instance, hit.primitive});
     result.rays = static_cast<std::int64_t>(expected.hits.size());

@@ -42,7 +42,8 @@ scene::TriangleMesh join(const std::vector<scene::TriangleMesh>& parts) {
     all.vertices.insert(all.vertices.end(), part.vertices.begin(), part.vertices.end());
     for (const auto& t : part.triangles) all.triangles.push_back({t[0] + base, t[1] + base, t[2] + base});
     all.surface.insert(all.surface.end(), part.surface.begin(), part.surface.end());
-    for (std::size_t i = 0; i < part.triangles.size(); ++i) all.user_face.push_back(static_cast<std::uint32_t>(all.user_face.size()));
+    for (std::size_t i = 0; i < part.triangles.size(); ++i)
+      all.user_face.push_back(static_cast<std::uint32_t>(all.user_face.size()));
   }
   return all;
 }
@@ -97,12 +98,14 @@ Image render_image(const scene::Simulation& simulation, const atmos::RenderTable
   image.bands = static_cast<int>(instrument.bands.size());
   image.layers = static_cast<int>(render::truth_layer_names(simulation.scene, instrument).size());
   render::Renderer renderer(simulation.scene, options);
-  image.statistics = renderer.render(instrument, image.plan, simulation.sun, simulation.seed, [&](const render::Strip& strip) {
-    const std::size_t pixels = std::size_t(strip.lines) * image.pixels;
-    image.radiance.insert(image.radiance.end(), strip.radiance, strip.radiance + pixels * image.bands);
-    if (strip.band_error) image.band_error.insert(image.band_error.end(), strip.band_error, strip.band_error + pixels * image.bands);
-    image.truth.insert(image.truth.end(), strip.truth, strip.truth + pixels * image.layers);
-  });
+  image.statistics =
+      renderer.render(instrument, image.plan, simulation.sun, simulation.seed, [&](const render::Strip& strip) {
+        const std::size_t pixels = std::size_t(strip.lines) * image.pixels;
+        image.radiance.insert(image.radiance.end(), strip.radiance, strip.radiance + pixels * image.bands);
+        if (strip.band_error)
+          image.band_error.insert(image.band_error.end(), strip.band_error, strip.band_error + pixels * image.bands);
+        image.truth.insert(image.truth.end(), strip.truth, strip.truth + pixels * image.layers);
+      });
   return image;
 }
 
@@ -120,8 +123,11 @@ void add_ground_coupling(atmos::RenderTable& table) {
       const double depth = 0.12 * std::pow(0.55 / wavelength[i], 2) * std::exp(-height[h] / 2000);
       // t = a + c sin^2(zenith): S = 2 int t mu dmu = a + c / 2
       albedo.values[i * height.size() + h] = static_cast<float>(0.75 * depth);
-      for (const double z : view) up.values[u++] = static_cast<float>(-0.6 * std::expm1(-depth * std::exp(-height[h] / 500) / std::cos(z * degree)));
-      for (const double z : sky) back.values[b++] = static_cast<float>(depth * (0.5 + 0.5 * std::pow(std::sin(z * degree), 2)));
+      for (const double z : view)
+        up.values[u++] =
+            static_cast<float>(-0.6 * std::expm1(-depth * std::exp(-height[h] / 500) / std::cos(z * degree)));
+      for (const double z : sky)
+        back.values[b++] = static_cast<float>(depth * (0.5 + 0.5 * std::pow(std::sin(z * degree), 2)));
     }
 }
 

@@ -35,8 +35,12 @@ struct Image {
   std::vector<float> band_error;  ///< as the radiance; empty unless the instrument asks for bands
   plan::Plan plan;
   render::RenderStatistics statistics;
-  float at(int line, int pixel, int band) const { return radiance[(std::size_t(line) * pixels + pixel) * bands + band]; }
-  float layer(int line, int pixel, int index) const { return truth[(std::size_t(line) * pixels + pixel) * layers + index]; }
+  float at(int line, int pixel, int band) const {
+    return radiance[(std::size_t(line) * pixels + pixel) * bands + band];
+  }
+  float layer(int line, int pixel, int index) const {
+    return truth[(std::size_t(line) * pixels + pixel) * layers + index];
+  }
 };
 
 /// Plans and renders instrument 0 of the simulation. `adjust` may change the plan before it is used.
@@ -46,8 +50,8 @@ Image render_image(const scene::Simulation& simulation, const atmos::RenderTable
 /// Gaussian bands at the given centres, one width, um.
 std::vector<scene::Band> gaussian_bands(const std::vector<double>& centers_um, double fwhm_um);
 
-/// Fills the rows for light between ground and air of a table that has none: smooth, of the size of a hazy air, with S the
-/// integral of t; they vary with wavelength, height and zenith.
+/// Fills the rows for light between ground and air of a table that has none: smooth, of the size of a hazy air, with S
+/// the integral of t; they vary with wavelength, height and zenith.
 void add_ground_coupling(atmos::RenderTable& table);
 
 }  // namespace raycube::test

@@ -71,8 +71,7 @@ double band_planck(double low_cm1, double high_cm1, double temperature_K) {
 
 namespace {
 
-std::vector<double> named_moments(const std::string& name, const CsvRow& layer,
-                                  const std::vector<CsvRow>& tables) {
+std::vector<double> named_moments(const std::string& name, const CsvRow& layer, const std::vector<CsvRow>& tables) {
   if (name == "isotropic" || name == "none") return {1};
   if (name == "rayleigh") return rayleigh_moments();
   if (name.rfind("hg", 0) == 0) return henyey_greenstein_moments(number(layer, "g1"), 300);
@@ -114,8 +113,7 @@ std::vector<BenchmarkCase> disort_cases(const std::string& problems, const std::
     for (const CsvRow& layer : layers) {
       if (layer.at("case") != name) continue;
       std::vector<double> moments = named_moments(row.at("phase_function"), layer, tables);
-      if (moments.size() > given_moments(name, problem.streams))
-        moments.resize(given_moments(name, problem.streams));
+      if (moments.size() > given_moments(name, problem.streams)) moments.resize(given_moments(name, problem.streams));
       problem.column.layers.push_back({number(layer, "dtau"), number(layer, "ssa"), moments});
       if (!thermal) continue;
       if (problem.column.planck.empty()) problem.column.planck.push_back(planck(number(layer, "T_top_K")));

@@ -16,7 +16,9 @@ void finish(scene::TriangleMesh& mesh) {
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) mesh.user_face[i] = static_cast<std::uint32_t>(i);
 }
 
-Point point(double x, double y, double z) { return {static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)}; }
+Point point(double x, double y, double z) {
+  return {static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)};
+}
 
 }  // namespace
 
@@ -36,7 +38,8 @@ scene::TriangleMesh terrain(int cells, double size) {
   for (int j = 0; j <= cells; ++j)
     for (int i = 0; i <= cells; ++i) {
       const double x = size * (double(i) / cells - 0.5), y = size * (double(j) / cells - 0.5);
-      const double z = 6 * std::sin(x / 23) * std::cos(y / 31) + 0.8 * std::sin(x / 3.1 + y / 4.7) + 0.15 * std::sin(x * 1.3) * std::sin(y * 1.7);
+      const double z = 6 * std::sin(x / 23) * std::cos(y / 31) + 0.8 * std::sin(x / 3.1 + y / 4.7) +
+                       0.15 * std::sin(x * 1.3) * std::sin(y * 1.7);
       mesh.vertices.push_back(point(x, y, z));
     }
   const auto at = [cells](int i, int j) { return static_cast<std::uint32_t>(j * (cells + 1) + i); };
@@ -51,15 +54,17 @@ scene::TriangleMesh terrain(int cells, double size) {
 
 scene::TriangleMesh sphere(int levels, double radius, double bump) {
   const double g = (1 + std::sqrt(5.0)) / 2;
-  std::vector<std::array<double, 3>> v{{-1, g, 0}, {1, g, 0}, {-1, -g, 0}, {1, -g, 0}, {0, -1, g}, {0, 1, g},
-                                       {0, -1, -g}, {0, 1, -g}, {g, 0, -1}, {g, 0, 1}, {-g, 0, -1}, {-g, 0, 1}};
-  std::vector<std::array<std::uint32_t, 3>> f{{0, 11, 5}, {0, 5, 1}, {0, 1, 7}, {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
-                                              {11, 10, 2}, {10, 7, 6}, {7, 1, 8}, {3, 9, 4}, {3, 4, 2}, {3, 2, 6}, {3, 6, 8},
-                                              {3, 8, 9}, {4, 9, 5}, {2, 4, 11}, {6, 2, 10}, {8, 6, 7}, {9, 8, 1}};
+  std::vector<std::array<double, 3>> v{{-1, g, 0},  {1, g, 0},  {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},
+                                       {0, -1, -g}, {0, 1, -g}, {g, 0, -1},  {g, 0, 1},  {-g, 0, -1}, {-g, 0, 1}};
+  std::vector<std::array<std::uint32_t, 3>> f{{0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11},
+                                              {1, 5, 9},  {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
+                                              {3, 9, 4},  {3, 4, 2},  {3, 2, 6},   {3, 6, 8},  {3, 8, 9},
+                                              {4, 9, 5},  {2, 4, 11}, {6, 2, 10},  {8, 6, 7},  {9, 8, 1}};
   for (int level = 0; level < levels; ++level) {
     std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middle;
     const auto split = [&](std::uint32_t a, std::uint32_t b) {
-      const auto [it, fresh] = middle.try_emplace({std::min(a, b), std::max(a, b)}, static_cast<std::uint32_t>(v.size()));
+      const auto [it, fresh] =
+          middle.try_emplace({std::min(a, b), std::max(a, b)}, static_cast<std::uint32_t>(v.size()));
       if (fresh) v.push_back({(v[a][0] + v[b][0]) / 2, (v[a][1] + v[b][1]) / 2, (v[a][2] + v[b][2]) / 2});
       return it->second;
     };
@@ -73,7 +78,8 @@ scene::TriangleMesh sphere(int levels, double radius, double bump) {
   scene::TriangleMesh mesh;
   for (const auto& p : v) {
     const double n = std::sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
-    const double r = radius * (1 + bump * std::sin(7 * p[0] / n) * std::sin(5 * p[1] / n + 1) * std::sin(6 * p[2] / n + 2)) / n;
+    const double r =
+        radius * (1 + bump * std::sin(7 * p[0] / n) * std::sin(5 * p[1] / n + 1) * std::sin(6 * p[2] / n + 2)) / n;
     mesh.vertices.push_back(point(p[0] * r, p[1] * r, p[2] * r));
   }
   mesh.triangles = f;
@@ -85,16 +91,20 @@ scene::TriangleMesh crown(int leaves, double edge, double radius, std::uint32_t 
   scene::TriangleMesh mesh;
   for (int i = 0; i < leaves; ++i) {
     const auto r = [&](std::uint32_t d) { return unit_random(seed, static_cast<std::uint32_t>(i), d); };
-    const double rho = radius * std::cbrt(r(0)), cz = 2 * r(1) - 1, phi = 6.283185307179586 * r(2), sz = std::sqrt(1 - cz * cz);
+    const double rho = radius * std::cbrt(r(0)), cz = 2 * r(1) - 1, phi = 6.283185307179586 * r(2),
+                 sz = std::sqrt(1 - cz * cz);
     const double centre[3] = {rho * sz * std::cos(phi), rho * sz * std::sin(phi), rho * cz};
-    const double nz = 2 * r(3) - 1, psi = 6.283185307179586 * r(4), spin = 6.283185307179586 * r(5), ns = std::sqrt(1 - nz * nz);
+    const double nz = 2 * r(3) - 1, psi = 6.283185307179586 * r(4), spin = 6.283185307179586 * r(5),
+                 ns = std::sqrt(1 - nz * nz);
     const double e[3] = {-std::sin(psi), std::cos(psi), 0};
     const double n[3] = {ns * std::cos(psi), ns * std::sin(psi), nz};
     const double f[3] = {n[1] * e[2] - n[2] * e[1], n[2] * e[0] - n[0] * e[2], n[0] * e[1] - n[1] * e[0]};
     const auto base = static_cast<std::uint32_t>(mesh.vertices.size());
     for (int corner = 0; corner < 4; ++corner) {
-      const double angle = spin + corner * 1.5707963267948966, c = std::cos(angle) * edge / std::sqrt(2.0), s = std::sin(angle) * edge / std::sqrt(2.0);
-      mesh.vertices.push_back(point(centre[0] + c * e[0] + s * f[0], centre[1] + c * e[1] + s * f[1], centre[2] + c * e[2] + s * f[2]));
+      const double angle = spin + corner * 1.5707963267948966, c = std::cos(angle) * edge / std::sqrt(2.0),
+                   s = std::sin(angle) * edge / std::sqrt(2.0);
+      mesh.vertices.push_back(
+          point(centre[0] + c * e[0] + s * f[0], centre[1] + c * e[1] + s * f[1], centre[2] + c * e[2] + s * f[2]));
     }
     mesh.triangles.push_back({base, base + 1, base + 2});
     mesh.triangles.push_back({base, base + 2, base + 3});
@@ -110,7 +120,8 @@ scene::TriangleMesh triangle_soup(int count, double half, double size, std::uint
     const double c[3] = {half * r(0), half * r(1), half * r(2)};
     const double s = size * (0.05 + 0.95 * std::abs(r(3)));
     const auto base = static_cast<std::uint32_t>(mesh.vertices.size());
-    for (std::uint32_t k = 0; k < 3; ++k) mesh.vertices.push_back(point(c[0] + s * r(4 + 3 * k), c[1] + s * r(5 + 3 * k), c[2] + s * r(6 + 3 * k)));
+    for (std::uint32_t k = 0; k < 3; ++k)
+      mesh.vertices.push_back(point(c[0] + s * r(4 + 3 * k), c[1] + s * r(5 + 3 * k), c[2] + s * r(6 + 3 * k)));
     mesh.triangles.push_back({base, base + 1, base + 2});
   }
   finish(mesh);
@@ -123,7 +134,8 @@ scene::TriangleMesh court_lines() {
   const auto line = [&](double x0, double y0, double x1, double y1) {
     const double length = std::hypot(x1 - x0, y1 - y0), nx = -half * (y1 - y0) / length, ny = half * (x1 - x0) / length;
     const auto base = static_cast<std::uint32_t>(mesh.vertices.size());
-    for (const Point& p : {point(x0 - nx, y0 - ny, 0), point(x0 + nx, y0 + ny, 0), point(x1 + nx, y1 + ny, 0), point(x1 - nx, y1 - ny, 0)})
+    for (const Point& p : {point(x0 - nx, y0 - ny, 0), point(x0 + nx, y0 + ny, 0), point(x1 + nx, y1 + ny, 0),
+                           point(x1 - nx, y1 - ny, 0)})
       mesh.vertices.push_back(p);
     mesh.triangles.push_back({base, base + 2, base + 1});
     mesh.triangles.push_back({base, base + 3, base + 2});

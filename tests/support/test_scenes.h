@@ -17,7 +17,8 @@ double unit_random(std::uint32_t seed, std::uint32_t index, std::uint32_t dimens
 /// Row-major 3 x 4: rotation about z by `yaw` (rad), then about x by `tilt`, scale, then translation (m).
 std::array<double, 12> placement(double yaw, double tilt, double scale, double x, double y, double z);
 
-/// Height field of cells x cells quads (two triangles each) over size x size m, centred on the origin, hills of a few m.
+/// Height field of cells x cells quads (two triangles each) over size x size m, centred on the origin, hills of a few
+/// m.
 scene::TriangleMesh terrain(int cells, double size);
 
 /// Closed sphere: an icosahedron split `levels` times (20 * 4^levels triangles), radius m, bumps of `bump` * radius.

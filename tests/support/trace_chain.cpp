@@ -13,11 +13,13 @@ std::string trace_options(const TraceShape& s, const scene::CompiledScene& scene
   return "-cl-std=CL1.2 -Werror -DRC_NU=" + std::to_string(s.nu) + " -DRC_NV=" + std::to_string(s.nv) +
          " -DRC_CHUNK=" + std::to_string(s.chunk_samples()) + " -DRC_SAMPLER=" + std::to_string(s.sampler) +
          " -DRC_SUPPORT=" + support + "f -DRC_GROUP_PIXELS=" + std::to_string(s.group_pixels) +
-         " -DRC_STACK=" + std::to_string(scene.stack_bound()) + " -DRC_SCATTER=" + std::to_string(s.sampler != RC_SAMPLER_GRID || s.support != 1) + " -DRC_MOVING=" + std::to_string(s.moving) +
-         " -DRC_BUNDLE=" + std::to_string(s.bundle);
+         " -DRC_STACK=" + std::to_string(scene.stack_bound()) +
+         " -DRC_SCATTER=" + std::to_string(s.sampler != RC_SAMPLER_GRID || s.support != 1) +
+         " -DRC_MOVING=" + std::to_string(s.moving) + " -DRC_BUNDLE=" + std::to_string(s.bundle);
 }
 
-HostRay host_ray(const shared::RayGroup& g, const TraceShape& shape, std::uint32_t number, std::uint32_t p, std::uint32_t s) {
+HostRay host_ray(const shared::RayGroup& g, const TraceShape& shape, std::uint32_t number, std::uint32_t p,
+                 std::uint32_t s) {
   float u = 0, v = 0;
   rc_sample_uv(shape.sampler, shape.nu, shape.nv, shape.support, shape.seed, number, static_cast<int>(s), &u, &v);
   const float a = (static_cast<float>(p) - 0.5f * static_cast<float>(shape.group_pixels - 1)) + u, b = v;
@@ -27,12 +29,13 @@ HostRay host_ray(const shared::RayGroup& g, const TraceShape& shape, std::uint32
     const float offset = std::fma(b_ahead, dv, a_ahead * du);
     return double{o} + (shape.moving ? std::fma(b, ov, offset) : offset);
   };
-  return {{origin(g.origin.x, g.du.x, g.dv.x, g.ov.x), origin(g.origin.y, g.du.y, g.dv.y, g.ov.y), origin(g.origin.z, g.du.z, g.dv.z, g.ov.z)},
+  return {{origin(g.origin.x, g.du.x, g.dv.x, g.ov.x), origin(g.origin.y, g.du.y, g.dv.y, g.ov.y),
+           origin(g.origin.z, g.du.z, g.dv.z, g.ov.z)},
           {direction(g.d0.x, g.du.x, g.dv.x), direction(g.d0.y, g.du.y, g.dv.y), direction(g.d0.z, g.du.z, g.dv.z)}};
 }
 
-std::vector<shared::RayGroup> nadir_groups(const TraceShape& shape, double x, double y, double z, double gsd, double distance,
-                                           double tilt) {
+std::vector<shared::RayGroup> nadir_groups(const TraceShape& shape, double x, double y, double z, double gsd,
+                                           double distance, double tilt) {
   std::vector<shared::RayGroup> groups;
   for (std::uint32_t line = 0; line < shape.lines; ++line)
     for (std::uint32_t g = 0; g < shape.groups_per_line(); ++g) {
@@ -52,14 +55,17 @@ std::vector<shared::RayGroup> numbered(std::span<const shared::RayGroup> groups,
   std::vector<shared::RayGroup> out(groups.begin(), groups.end());
   for (std::uint32_t i = 0; i < out.size(); ++i) {
     const std::uint32_t line = shape.first_line + i / shape.groups_per_line();
-    const std::uint32_t column = shape.first_column + i % shape.groups_per_line() * static_cast<std::uint32_t>(shape.group_pixels);
+    const std::uint32_t column =
+        shape.first_column + i % shape.groups_per_line() * static_cast<std::uint32_t>(shape.group_pixels);
     out[i].origin.w = std::bit_cast<float>(line * shape.pixels_per_line + column);
   }
   return out;
 }
 
 TraceChain::TraceChain(const cl::Context& context, const scene::CompiledScene& scene, const TraceShape& shape)
-    : context_(context), shape_(shape), scene_(context, scene, shape.page_bytes),
+    : context_(context),
+      shape_(shape),
+      scene_(context, scene, shape.page_bytes),
       options_(trace_options(shape, scene) + scene_.options),
       groups_(context, shape.groups(), cl::Access::read_only, "ray groups"),
       hits_(context, std::size_t{shape.pixels()} * 2 * shape.npad(), cl::Access::read_write, "hits"),
@@ -81,37 +87,43 @@ std::vector<std::uint32_t> TraceChain::primary(std::span<const shared::RayGroup>
   groups_.write(numbered(groups, shape_));
   first_sample_ = first_sample;
   count_ = std::min(shape_.chunk_samples(), shape_.samples() - first_sample);
-  kernel("trace_primary").arguments(scene_.nodes, scene_.blocks, scene_.instances, groups_, hits_, shape_.seed, shape_.columns,
-                                    first_sample_, count_);
+  kernel("trace_primary")
+      .arguments(scene_.nodes, scene_.blocks, scene_.instances, groups_, hits_, shape_.seed, shape_.columns,
+                 first_sample_, count_);
   again("trace_primary");
   return hits_.read_all();
 }
 
 std::vector<float> TraceChain::surface() {
-  kernel("make_surface").arguments(scene_.blocks, scene_.instances, groups_, hits_, surface_, lift_, shape_.seed, shape_.columns,
-                                   first_sample_, count_);
+  kernel("make_surface")
+      .arguments(scene_.blocks, scene_.instances, groups_, hits_, surface_, lift_, shape_.seed, shape_.columns,
+                 first_sample_, count_);
   again("make_surface");
   return surface_.read_all();
 }
 
 std::vector<std::uint16_t> TraceChain::sun(const shared::rc_float4& direction) {
-  sun_direction_ = std::make_unique<cl::Buffer<shared::rc_float4>>(context_, std::vector{direction}, cl::Access::read_only, "sun direction");
+  sun_direction_ = std::make_unique<cl::Buffer<shared::rc_float4>>(context_, std::vector{direction},
+                                                                   cl::Access::read_only, "sun direction");
   light(*sun_direction_, *sun_direction_, false, 1, 1, 1);
   return sun_mask_.read_all();
 }
 
-std::vector<float> TraceChain::sky(std::span<const shared::rc_float4> directions, std::span<const shared::rc_float4> weights,
-                                   std::uint32_t sets, std::uint32_t share) {
-  directions_ = std::make_unique<cl::Buffer<shared::rc_float4>>(context_, directions, cl::Access::read_only, "sky directions");
+std::vector<float> TraceChain::sky(std::span<const shared::rc_float4> directions,
+                                   std::span<const shared::rc_float4> weights, std::uint32_t sets,
+                                   std::uint32_t share) {
+  directions_ =
+      std::make_unique<cl::Buffer<shared::rc_float4>>(context_, directions, cl::Access::read_only, "sky directions");
   weights_ = std::make_unique<cl::Buffer<shared::rc_float4>>(context_, weights, cl::Access::read_only, "sky weights");
   light(*directions_, *weights_, true, sets, static_cast<std::uint32_t>(directions.size()) / sets, share);
   return blocked_.read_all();
 }
 
-void TraceChain::light(const cl::Buffer<shared::rc_float4>& directions, const cl::Buffer<shared::rc_float4>& weights, bool sky,
-                       std::uint32_t sets, std::uint32_t count, std::uint32_t share) {
-  kernel("trace_light").arguments(scene_.nodes, scene_.blocks, scene_.instances, groups_, surface_, directions, weights, sun_mask_, blocked_,
-                                  std::uint32_t{sky}, sets, count, share, shape_.seed, shape_.columns, first_sample_);
+void TraceChain::light(const cl::Buffer<shared::rc_float4>& directions, const cl::Buffer<shared::rc_float4>& weights,
+                       bool sky, std::uint32_t sets, std::uint32_t count, std::uint32_t share) {
+  kernel("trace_light")
+      .arguments(scene_.nodes, scene_.blocks, scene_.instances, groups_, surface_, directions, weights, sun_mask_,
+                 blocked_, std::uint32_t{sky}, sets, count, share, shape_.seed, shape_.columns, first_sample_);
   again("trace_light");
 }
 

@@ -17,8 +17,8 @@ namespace raycube::test {
 /// Build options and launch shape; see kernels/geometry/trace_args.h.
 struct TraceShape {
   int nu = 4, nv = 4;
-  int chunk = 0;            ///< 0: nu * nv
-  int sampler = 0;          ///< RC_SAMPLER_*
+  int chunk = 0;    ///< 0: nu * nv
+  int sampler = 0;  ///< RC_SAMPLER_*
   float support = 1;
   int group_pixels = RC_GROUP_WIDTH;
   bool moving = false, bundle = true;
@@ -34,17 +34,19 @@ struct TraceShape {
   std::uint32_t pixels() const { return columns * lines; }
 };
 
-/// (a, b) and the very ray of sample s of pixel p of a group, as trace_args.h defines them. The origin is the exact sum of two floats.
+/// (a, b) and the very ray of sample s of pixel p of a group, as trace_args.h defines them. The origin is the exact sum
+/// of two floats.
 struct HostRay {
   double origin[3];
   float direction[3];
 };
-HostRay host_ray(const shared::RayGroup& group, const TraceShape& shape, std::uint32_t pixel_number, std::uint32_t p, std::uint32_t s);
+HostRay host_ray(const shared::RayGroup& group, const TraceShape& shape, std::uint32_t pixel_number, std::uint32_t p,
+                 std::uint32_t s);
 
-/// A nadir-like framing camera: groups of a tile of `shape`, looking along -z from (x, y, z), pixel pitch `gsd` at distance
-/// `distance` (m), tilted by `tilt` (m sideways per m of depth) to keep rays off the axes.
-std::vector<shared::RayGroup> nadir_groups(const TraceShape& shape, double x, double y, double z, double gsd, double distance,
-                                           double tilt);
+/// A nadir-like framing camera: groups of a tile of `shape`, looking along -z from (x, y, z), pixel pitch `gsd` at
+/// distance `distance` (m), tilted by `tilt` (m sideways per m of depth) to keep rays off the axes.
+std::vector<shared::RayGroup> nadir_groups(const TraceShape& shape, double x, double y, double z, double gsd,
+                                           double distance, double tilt);
 
 /// The groups of a tile of `shape` with their pixels' numbers.
 std::vector<shared::RayGroup> numbered(std::span<const shared::RayGroup> groups, const TraceShape& shape);
@@ -59,7 +61,8 @@ class TraceChain {
   std::vector<std::uint32_t> primary(std::span<const shared::RayGroup> groups, std::uint32_t first_sample = 0);
   /// surface[pixel][6][npad] of the last primary()
   std::vector<float> surface();
-  /// Puts points of the test's own where surface() would leave its own: [pixel][6][npad]; none of the two before is needed.
+  /// Puts points of the test's own where surface() would leave its own: [pixel][6][npad]; none of the two before is
+  /// needed.
   void set_surface(std::span<const float> points) { surface_.write(points); }
   /// sun_mask[pixel][npad / 16] of the last surface() or set_surface()
   std::vector<std::uint16_t> sun(const shared::rc_float4& direction);

@@ -48,8 +48,8 @@ TEST_CASE("S4.5 aerosol: extinction at the ground follows Koschmieder's law at a
     AerosolSpec spec;
     spec.visibility_km = visibility;
     CAPTURE(visibility);
-    CHECK(relative(AerosolColumn(spec, summer()).extinction_550_per_km(0, 0), koschmieder_extinction_per_km(visibility)) <=
-          7e-3);
+    CHECK(relative(AerosolColumn(spec, summer()).extinction_550_per_km(0, 0),
+                   koschmieder_extinction_per_km(visibility)) <= 7e-3);
   }
   CHECK(koschmieder_extinction_per_km(23) == doctest::Approx(0.158497).epsilon(1e-5));
 }
@@ -86,8 +86,8 @@ TEST_CASE("S4.5 aerosol: a ground at 0.35 km moves the top of the boundary layer
   CHECK(std::is_sorted(levels.begin(), levels.end()));
   CHECK(std::adjacent_find(levels.begin(), levels.end()) == levels.end());
   // MODTRAN 6 lists 1.2916667, 2.2333333, 3.1750000, 4.1166667, 5.0583333, 6 for this ground.
-  for (double height :
-       {0.35, 1.2916667, 2.2333333, 3.175, 4.1166667, 5.0583333, 6.0, 7.0, 10.0, 11.0, 25.0, 30.0, 35.0, 100.0, 1.0, 1.5})
+  for (double height : {0.35, 1.2916667, 2.2333333, 3.175, 4.1166667, 5.0583333, 6.0, 7.0, 10.0, 11.0, 25.0, 30.0, 35.0,
+                        100.0, 1.0, 1.5})
     CHECK(std::any_of(levels.begin(), levels.end(), [&](double level) { return std::abs(level - height) <= 1e-6; }));
   CHECK(column.extinction_550_per_km(0, 0.35) == doctest::Approx(0.158));
   CHECK(column.extinction_550_per_km(0, 0.35 + 2 * 5.65 / 6) == doctest::Approx(0.0621));
@@ -98,7 +98,8 @@ TEST_CASE("S4.5 aerosol: a ground at 0.35 km moves the top of the boundary layer
   CHECK(column.depth_550(4, 1.1, 1.3) == doctest::Approx(0.8).epsilon(1e-12));
 }
 
-TEST_CASE("S4.5 aerosol: an optical depth sets the visibility; below the least depth all heights are scaled, with a notice") {
+TEST_CASE(
+    "S4.5 aerosol: an optical depth sets the visibility; below the least depth all heights are scaled, with a notice") {
   for (double wanted : {0.06, 0.1, 0.3247, 0.8, 3.0}) {
     AerosolSpec spec;
     spec.aod_550 = wanted;
@@ -183,7 +184,8 @@ TEST_CASE("S4.5 aerosol: models, seasons and volcanoes") {
   }
   AerosolSpec winter;
   winter.spring_summer = false;
-  CHECK(AerosolColumn(winter, summer()).depth_550(1, 0, 120) < AerosolColumn(AerosolSpec{}, summer()).depth_550(1, 0, 120));
+  CHECK(AerosolColumn(winter, summer()).depth_550(1, 0, 120) <
+        AerosolColumn(AerosolSpec{}, summer()).depth_550(1, 0, 120));
   AerosolSpec none;
   none.boundary = AerosolModel::none;
   CHECK(AerosolColumn(none, summer()).components() == 0);
@@ -191,7 +193,8 @@ TEST_CASE("S4.5 aerosol: models, seasons and volcanoes") {
 }
 
 TEST_CASE(
-    "S4.5 fog and clouds: layers with their own depth; water clouds scatter back like droplets, not like Henyey-Greenstein") {
+    "S4.5 fog and clouds: layers with their own depth; water clouds scatter back like droplets, not like "
+    "Henyey-Greenstein") {
   AerosolSpec spec;
   spec.boundary = AerosolModel::none;
   for (std::size_t kind = 0; kind < kCloudNames.size(); ++kind)
@@ -211,8 +214,8 @@ TEST_CASE(
           doctest::Approx(1).epsilon(0.02));  // droplets far larger than the wavelength: extinction is grey
     if (i < 5) {
       CHECK(std::abs(at.phase->asymmetry() - at.asymmetry) <= 0.015);
-      // Measured lidar ratio of water clouds at 0.532 um: 18.8 sr +- 0.8 (O'Connor et al. 2004, J. Atmos. Oceanic Technol. 21, 777);
-      // the figures' droplets give 17.7 and 19.3.
+      // Measured lidar ratio of water clouds at 0.532 um: 18.8 sr +- 0.8 (O'Connor et al. 2004, J. Atmos. Oceanic
+      // Technol. 21, 777); the figures' droplets give 17.7 and 19.3.
       CHECK(std::abs(at.extinction_ratio / column.backscatter_per_sr(i, 0.532) - 18.8) <= 1.5);
     }
   }
@@ -221,10 +224,11 @@ TEST_CASE(
 TEST_CASE("S4.5 aerosol: bad figures are listed together") {
   AerosolSpec spec;
   spec.visibility_km = -3, spec.humidity_percent = 130, spec.boundary = AerosolModel::desert, spec.wind_m_s = 80;
-  spec.clouds = {{2, 1, -1, CloudKind::cumulus}, {1, 300, std::numeric_limits<double>::quiet_NaN(), CloudKind::cumulus}};
+  spec.clouds = {{2, 1, -1, CloudKind::cumulus},
+                 {1, 300, std::numeric_limits<double>::quiet_NaN(), CloudKind::cumulus}};
   const std::string found = message([&] { AerosolColumn(spec, summer()); });
-  for (const char* part :
-       {"visibility", "-3", "humidity", "130", "wind", "80", "cloud 1", "base must lie below top", "cloud 2", "300", "nan"})
+  for (const char* part : {"visibility", "-3", "humidity", "130", "wind", "80", "cloud 1", "base must lie below top",
+                           "cloud 2", "300", "nan"})
     CHECK_MESSAGE(found.find(part) != std::string::npos, part, " in ", found);
   spec = {};
   spec.aod_550 = std::numeric_limits<double>::quiet_NaN();
@@ -234,7 +238,8 @@ TEST_CASE("S4.5 aerosol: bad figures are listed together") {
   spec = {};
   const std::string high = message([&] { AerosolColumn(spec, cut_at_ground(summer(), 5.8)); });
   CHECK(high.find("ground altitude") != std::string::npos);
-  CHECK(message([&] { AerosolColumn(AerosolSpec{}, summer()).optics(0, 0.1); }).find("0.2 to 200") != std::string::npos);
+  CHECK(message([&] { AerosolColumn(AerosolSpec{}, summer()).optics(0, 0.1); }).find("0.2 to 200") !=
+        std::string::npos);
   CHECK(message([] { parse_aerosol("smoke"); }).find("rural") != std::string::npos);
   AerosolSpec wet;
   wet.humidity_percent = 100;

@@ -38,7 +38,8 @@ TEST_CASE("S4.5 droplets: a layer of cloud C.1 by Mie has the series' own moment
   CHECK(at.asymmetry == doctest::Approx(exact.asymmetry).epsilon(1e-3));
   CHECK(at.scattering_albedo == doctest::Approx(1).epsilon(1e-9));
   CHECK(column.optics(0, 1.064).scattering_albedo < 1 - 1e-4);
-  CHECK(at.extinction_ratio == doctest::Approx(1).epsilon(0.03));  // large spheres block twice their shadow at any wavelength
+  CHECK(at.extinction_ratio ==
+        doctest::Approx(1).epsilon(0.03));  // large spheres block twice their shadow at any wavelength
   // O'Connor et al. (2004): 18.8 sr at 0.532 um for droplets of 5 to 50 um; C.1's are smaller.
   CHECK(std::abs(column.optics(0, 0.532).extinction_ratio / column.backscatter_per_sr(0, 0.532) - 18.8) <= 3);
 

@@ -17,8 +17,7 @@ namespace {
 const std::vector<double> kWavelengths = {0.5, 0.6}, kHeights = {0, 100};
 
 std::string hash_of(const AtmosphereSpec& spec, const Sun& sun = {}, double sensor_m = 610,
-                    const std::vector<double>& um = kWavelengths,
-                    const std::vector<double>& heights = kHeights) {
+                    const std::vector<double>& um = kWavelengths, const std::vector<double>& heights = kHeights) {
   cli::AirRequest request;
   request.spec = &spec;
   request.sun = sun;
@@ -124,39 +123,38 @@ TEST_CASE(
   const std::string csv = "\"" + folder.write("a.csv", "x") + "\"";
   // A value that is not the default of each key; "-" belongs to another model, or to what the table does not
   // hold.
-  const std::map<std::string, std::string> other = {
-      {"model", "-"},
-      {"tables", "-"},
-      {"angstrom", "-"},
-      {"ssa", "-"},
-      {"asymmetry", "-"},
-      {"ground_albedo", "-"},
-      {"adjacency", "-"},
-      {"spectral_step_nm", "0.5"},
-      {"ground_height_m", "150"},
-      {"pressure_hPa", "950"},
-      {"water_g_cm2", "2.5"},
-      {"ozone_atm_cm", "0.4"},
-      {"aod_550", "0.3"},
-      {"profile", "\"tropical\""},
-      {"profile_file", csv},
-      {"co2_ppmv", "420"},
-      {"ch4_ppmv", "2"},
-      {"aerosol", "\"urban\""},
-      {"visibility_km", "10"},
-      {"humidity_percent", "50"},
-      {"season", "\"fall_winter\""},
-      {"stratosphere", "\"high_volcanic\""},
-      {"wind_m_s", "20"},
-      {"cloud", "[{ base_km = 1, top_km = 2, optical_depth_550 = 3 }]"},
-      {"gas_bands", "\"lowtran\""},
-      {"streams", "8"},
-      {"k_terms", "2"},
-      {"layering", "2"},
-      {"lines", csv},
-      {"line_wing_cm1", "10"},
-      {"partition_sums", csv},
-      {"cross_section", "[{ gas = \"xy\", file = " + csv + " }]"}};
+  const std::map<std::string, std::string> other = {{"model", "-"},
+                                                    {"tables", "-"},
+                                                    {"angstrom", "-"},
+                                                    {"ssa", "-"},
+                                                    {"asymmetry", "-"},
+                                                    {"ground_albedo", "-"},
+                                                    {"adjacency", "-"},
+                                                    {"spectral_step_nm", "0.5"},
+                                                    {"ground_height_m", "150"},
+                                                    {"pressure_hPa", "950"},
+                                                    {"water_g_cm2", "2.5"},
+                                                    {"ozone_atm_cm", "0.4"},
+                                                    {"aod_550", "0.3"},
+                                                    {"profile", "\"tropical\""},
+                                                    {"profile_file", csv},
+                                                    {"co2_ppmv", "420"},
+                                                    {"ch4_ppmv", "2"},
+                                                    {"aerosol", "\"urban\""},
+                                                    {"visibility_km", "10"},
+                                                    {"humidity_percent", "50"},
+                                                    {"season", "\"fall_winter\""},
+                                                    {"stratosphere", "\"high_volcanic\""},
+                                                    {"wind_m_s", "20"},
+                                                    {"cloud", "[{ base_km = 1, top_km = 2, optical_depth_550 = 3 }]"},
+                                                    {"gas_bands", "\"lowtran\""},
+                                                    {"streams", "8"},
+                                                    {"k_terms", "2"},
+                                                    {"layering", "2"},
+                                                    {"lines", csv},
+                                                    {"line_wing_cm1", "10"},
+                                                    {"partition_sums", csv},
+                                                    {"cross_section", "[{ gas = \"xy\", file = " + csv + " }]"}};
   // Keys that go with another one.
   const std::map<std::string, std::string> with = {{"wind_m_s", "aerosol = \"desert\"\n"},
                                                    {"line_wing_cm1", "lines = " + csv + "\n"},
@@ -167,8 +165,7 @@ TEST_CASE(
     return o;
   }();
   const auto hash = [&](const std::string& keys) {
-    return hash_of(
-        load(folder, std::string(kHead) + kGrey + "[atmosphere]\n" + keys, no_instruments).atmosphere);
+    return hash_of(load(folder, std::string(kHead) + kGrey + "[atmosphere]\n" + keys, no_instruments).atmosphere);
   };
   std::size_t keys = 0;
   for (const KeySpec& spec : option_keys()) {

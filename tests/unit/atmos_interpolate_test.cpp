@@ -32,11 +32,13 @@ RenderTable small_table() {
     for (std::size_t i = 0; i < 3; ++i) {
       sun.values[l * 3 + i] = static_cast<float>(std::exp(-0.5 - 0.1 * static_cast<double>(l) + h[i] / 4000));
       for (std::size_t j = 0; j < 3; ++j) {
-        const double depth = (1000 - h[i]) / 2000 / std::cos(v[j] * std::numbers::pi / 180) * (1.0 + static_cast<double>(l));
+        const double depth =
+            (1000 - h[i]) / 2000 / std::cos(v[j] * std::numbers::pi / 180) * (1.0 + static_cast<double>(l));
         view.values[(l * 3 + i) * 3 + j] = static_cast<float>(std::exp(-depth));
         factor.values[(l * 3 + i) * 3 + j] = static_cast<float>(1 + 0.01 * static_cast<double>(i + j));
         for (std::size_t k = 0; k < 3; ++k)
-          path.values[((l * 3 + i) * 3 + j) * 3 + k] = static_cast<float>((7.0 + static_cast<double>(k)) * -std::expm1(-depth));
+          path.values[((l * 3 + i) * 3 + j) * 3 + k] =
+              static_cast<float>((7.0 + static_cast<double>(k)) * -std::expm1(-depth));
       }
     }
   validate(t, "test");
@@ -109,12 +111,15 @@ TEST_CASE("S18 with k-terms the sum over k comes before any product") {
     row.axes.insert(row.axes.begin() + 1, "k");
     row.values.assign(row_size(t, row.axes), 0.0f);
     const std::size_t inner = row.values.size() / 4;
-    const double* depth = is_sun ? sun_depth : view_depth;  // apart: g++ 12 takes another index in (a ? b : c)[i] under its sanitizers
-    for (std::size_t i = 0; i < row.values.size(); ++i) row.values[i] = static_cast<float>(std::exp(-depth[i / inner % 2]));
+    const double* depth =
+        is_sun ? sun_depth : view_depth;  // apart: g++ 12 takes another index in (a ? b : c)[i] under its sanitizers
+    for (std::size_t i = 0; i < row.values.size(); ++i)
+      row.values[i] = static_cast<float>(std::exp(-depth[i / inner % 2]));
   }
   t.rows.erase("two_way_factor");
   validate(t, "test");
-  const double sun = 0.25 * std::exp(-0.1) + 0.75 * std::exp(-3.0), view = 0.25 * std::exp(-0.05) + 0.75 * std::exp(-2.0);
+  const double sun = 0.25 * std::exp(-0.1) + 0.75 * std::exp(-3.0),
+               view = 0.25 * std::exp(-0.05) + 0.75 * std::exp(-2.0);
   const double both = 0.25 * std::exp(-0.15) + 0.75 * std::exp(-5.0);
   CHECK(sun_transmission(t, 0)[0] == doctest::Approx(sun).epsilon(1e-6));
   CHECK(view_transmission(t, 0, 0)[0] == doctest::Approx(view).epsilon(1e-6));
@@ -169,8 +174,7 @@ TEST_CASE("S17 S18 the sky divided by its shape is exact where it is its shape")
   Row& sky = add_row(t, "sky_radiance_solar", "test");
   for (std::size_t i = 0; i < 4; ++i)
     for (std::size_t j = 0; j < 3; ++j)
-      sky.values[i * 3 + j] =
-          static_cast<float>(exact(t.axis("sky_zenith").nodes[i], t.axis("sky_azimuth").nodes[j]));
+      sky.values[i * 3 + j] = static_cast<float>(exact(t.axis("sky_zenith").nodes[i], t.axis("sky_azimuth").nodes[j]));
   for (double z : {0.0, 12.0, 40.0, 55.0, 86.0, 90.0})
     for (double a : {0.0, 7.0, 100.0, 180.0}) {
       CAPTURE(z);
@@ -194,7 +198,8 @@ TEST_CASE("S18 a uniform sky lights a plane with pi times its radiance") {
 
 TEST_CASE("S18 outside the table is one clear error") {
   const RenderTable t = small_table();
-  CHECK_THROWS_WITH_AS(view_transmission(t, 500, 0), doctest::Contains("target_height 500 m lies outside"), base::Error);
+  CHECK_THROWS_WITH_AS(view_transmission(t, 500, 0), doctest::Contains("target_height 500 m lies outside"),
+                       base::Error);
   CHECK_THROWS_WITH_AS(view_transmission(t, 0, 61), doctest::Contains("view_zenith 61 deg lies outside"), base::Error);
   CHECK_THROWS_AS(view_transmission(t, 0, 90), base::Error);
   CHECK_THROWS_AS(view_transmission(t, std::nan(""), 0), base::Error);

@@ -27,8 +27,7 @@ glm::dvec3 turned(const glm::dvec3& v, const glm::dvec3& axis, double angle_rad)
 
 /// Columns forward, right, down in north-east-down, written out for z-y-x (Diebel 2006, eq. 70).
 glm::dmat3 matrix(const Attitude& a) {
-  const double cr = std::cos(a.roll_deg * kDeg), sr = std::sin(a.roll_deg * kDeg),
-               cp = std::cos(a.pitch_deg * kDeg);
+  const double cr = std::cos(a.roll_deg * kDeg), sr = std::sin(a.roll_deg * kDeg), cp = std::cos(a.pitch_deg * kDeg);
   const double sp = std::sin(a.pitch_deg * kDeg), ch = std::cos(a.heading_deg * kDeg),
                sh = std::sin(a.heading_deg * kDeg);
   return {cp * ch,
@@ -61,10 +60,8 @@ Attitude angles(const glm::dmat3& m) {
 
 Way way(const Attitude& from, const glm::dvec3& axis, double angle_rad) {
   const glm::dmat3 m = matrix(from);
-  return {
-      from,
-      angles({turned(m[0], axis, angle_rad), turned(m[1], axis, angle_rad), turned(m[2], axis, angle_rad)}),
-      axis, angle_rad};
+  return {from, angles({turned(m[0], axis, angle_rad), turned(m[1], axis, angle_rad), turned(m[2], axis, angle_rad)}),
+          axis, angle_rad};
 }
 
 const std::array<Way, 4> kWays{way({0, 0, 0}, glm::normalize(glm::dvec3(1, 2, -1)), 1.1),
@@ -86,16 +83,15 @@ TEST_CASE("S10: between two attitudes the platform turns about one axis at a con
       CHECK(apart(matrix(base::attitude_between(w.from, w.to, fraction)), expected(w, fraction)) < kTiny);
 }
 
-TEST_CASE(
-    "S10: equal attitudes and the ends come back as they are; a nose straight up or down is no trouble") {
+TEST_CASE("S10: equal attitudes and the ends come back as they are; a nose straight up or down is no trouble") {
   const Attitude a{1.1, -2.2, 359.9}, b{3, 4, 5};
   CHECK(base::attitude_between(a, a, 0.3) == a);
   CHECK(base::attitude_between(a, b, 0) == a);
   CHECK(base::attitude_between(a, b, 1) == b);
   for (const double pitch_deg : {90.0, -90.0}) {
     const Attitude up{0, pitch_deg, 40};
-    CHECK(apart(matrix(base::attitude_between({0, pitch_deg / 2, 40}, {0, pitch_deg * 1.5, 40}, 0.5)),
-                matrix(up)) < 1e-9);
+    CHECK(apart(matrix(base::attitude_between({0, pitch_deg / 2, 40}, {0, pitch_deg * 1.5, 40}, 0.5)), matrix(up)) <
+          1e-9);
   }
 }
 
@@ -103,12 +99,11 @@ TEST_CASE("S10: pixels of a whiskbroom's line and pulses of a LIDAR turn that wa
   for (const Way& w : kWays) {
     const scene::Pose from{0, 0, 100, w.from.roll_deg, w.from.pitch_deg, w.from.heading_deg};
     const scene::Pose to{10, 0, 100, w.to.roll_deg, w.to.pitch_deg, w.to.heading_deg};
-    const auto poses =
-        scene::poses_per_pixel({from, to}, 4);  // pixel s of line 0 is at (s + 0.5) / 4 - 0.5 of the way
+    const auto poses = scene::poses_per_pixel({from, to}, 4);  // pixel s of line 0 is at (s + 0.5) / 4 - 0.5 of the way
     for (std::size_t s = 0; s < 4; ++s) {
       const double fraction = (static_cast<double>(s) + 0.5) / 4 - 0.5;
-      CHECK(apart(matrix({poses[s].roll_deg, poses[s].pitch_deg, poses[s].heading_deg}),
-                  expected(w, fraction)) < kTiny);
+      CHECK(apart(matrix({poses[s].roll_deg, poses[s].pitch_deg, poses[s].heading_deg}), expected(w, fraction)) <
+            kTiny);
     }
     scene::Lidar lidar;
     lidar.trajectory = {{0, 0, 0, 100, from.roll_deg, from.pitch_deg, from.heading_deg},
@@ -117,8 +112,7 @@ TEST_CASE("S10: pixels of a whiskbroom's line and pulses of a LIDAR turn that wa
     lidar.pulses = 11;
     lidar.pulse.half_divergence_rad = 1e-3;
     for (const auto& shot : lidar::make_shots(lidar, 0, 11, 1)) {
-      const glm::dvec3 down =
-          expected(w, shot.time_s)[2];  // north-east-down; the shot's axis is east-north-up
+      const glm::dvec3 down = expected(w, shot.time_s)[2];  // north-east-down; the shot's axis is east-north-up
       CHECK(glm::length(glm::dvec3(shot.exit_axis[1], shot.exit_axis[0], -shot.exit_axis[2]) - down) < kTiny);
     }
   }

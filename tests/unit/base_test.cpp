@@ -25,7 +25,8 @@ TEST_CASE("SHA-256 gives the vectors of FIPS 180-4 (NIST examples)") {
     CHECK(Sha256(code).add("abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq").hex() ==
           "248d6a61d20638b8e5c026930c3e6039a33ce45964ff2167f6ecedd419db06c1");
     CHECK(Sha256(code)
-              .add("abcdefghbcdefghicdefghijdefghijkefghijklfghijklmghijklmnhijklmnoijklmnopjklmnopqklmnopqrlmnopqrsmnopqrstnopqrstu")
+              .add("abcdefghbcdefghicdefghijdefghijkefghijklfghijklmghijklmnhijklmnoijklmnopjklmnopqklmnopqrlmnopqrsmno"
+                   "pqrstnopqrstu")
               .hex() == "cf5b16a778af8380036ce59e7b0492370b249b11e8f07a51afac45037afee9d1");
     CHECK(Sha256(code).add(std::string(1000000, 'a')).hex() ==
           "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
@@ -52,7 +53,8 @@ TEST_CASE("memory sizes: binary suffixes, and refusals that name the value") {
   CHECK(parse_memory_size("512MiB") == 536870912);
   CHECK(parse_memory_size("1.5g") == 1610612736);
   CHECK(parse_memory_size("64kb") == 65536);
-  for (const std::string bad : {"", "G", "-1G", "0", "12Q", "1 G", "nan", "inf", "1e3", "4X", "9999999T", "8GBB", "0x10"}) {
+  for (const std::string bad :
+       {"", "G", "-1G", "0", "12Q", "1 G", "nan", "inf", "1e3", "4X", "9999999T", "8GBB", "0x10"}) {
     CAPTURE(bad);
     try {
       parse_memory_size(bad);
@@ -78,15 +80,18 @@ TEST_CASE("peak memory grows by what is touched (S62)") {
 
 TEST_CASE("unit conversions: the factors of REQUIREMENTS section 2") {
   CHECK(W_per_m2_sr_um_from_uW_per_cm2_sr_nm(1) == 10);
-  CHECK(W_per_cm2_sr_um_from_W_per_m2_sr_um(W_per_m2_sr_um_from_uW_per_cm2_sr_nm(1)) == doctest::Approx(1e-3).epsilon(1e-15));
+  CHECK(W_per_cm2_sr_um_from_W_per_m2_sr_um(W_per_m2_sr_um_from_uW_per_cm2_sr_nm(1)) ==
+        doctest::Approx(1e-3).epsilon(1e-15));
   CHECK(um_from_wavenumber_per_cm(1000) == 10);
   CHECK(um_from_nm(550) == doctest::Approx(0.55).epsilon(1e-15));
   // 10 cm-1 at 2 um: 1e4/(5000-5) - 1e4/(5000+5) = 4.000004e-3 um; first order is right to 1e-6 of itself
   CHECK(width_um_from_per_cm(10, 2) == doctest::Approx(1e4 / 4995 - 1e4 / 5005).epsilon(2e-6));
-  // The same Planck radiance both ways: 2 h c^2 nu^3/(exp(hc nu/kT)-1) per cm-1 against 2 h c^2/l^5/(...) per um, 10 um, 300 K
+  // The same Planck radiance both ways: 2 h c^2 nu^3/(exp(hc nu/kT)-1) per cm-1 against 2 h c^2/l^5/(...) per um, 10
+  // um, 300 K
   const double h = 6.62607015e-34, c = 299792458, k = 1.380649e-23, T = 300, l_m = 10e-6, nu_per_m = 1e5;
   const double per_wavelength = 2 * h * c * c / std::pow(l_m, 5) / std::expm1(h * c / (l_m * k * T)) * 1e-6;
-  const double per_wavenumber = 2 * h * c * c * std::pow(nu_per_m, 3) / std::expm1(h * c * nu_per_m / (k * T)) * 1e2 * 1e-4;
+  const double per_wavenumber =
+      2 * h * c * c * std::pow(nu_per_m, 3) / std::expm1(h * c * nu_per_m / (k * T)) * 1e2 * 1e-4;
   CHECK(per_wavelength == doctest::Approx(9.92403).epsilon(1e-6));  // golden of REQUIREMENTS section 3
   CHECK(W_per_m2_sr_um_from_W_per_cm2_sr_per_cm(per_wavenumber, 10) == doctest::Approx(per_wavelength).epsilon(1e-12));
   CHECK(W_per_cm2_sr_per_cm_from_W_per_m2_sr_um(per_wavelength, 10) == doctest::Approx(per_wavenumber).epsilon(1e-12));
@@ -100,7 +105,8 @@ TEST_CASE("progress says share, rate and time left, and fits the terminal") {
   for (int columns = 40; columns < 200; columns += 7)
     CHECK(progress_text("render", 160, 320, "lines", 40, columns).size() <
           std::max<std::size_t>(columns, progress_text("render", 160, 320, "lines", 40, 0).size() + 1));
-  CHECK(progress_text("render", 160, 320, "lines", 40, 120).find(" [====================>                   ] ") != std::string::npos);
+  CHECK(progress_text("render", 160, 320, "lines", 40, 120).find(" [====================>                   ] ") !=
+        std::string::npos);
   CHECK(format_duration(59.6) == "1:00");
   CHECK(format_duration(3 * 3600 + 7 * 60 + 40) == "3:07:40");
 }

@@ -89,11 +89,9 @@ TEST_CASE("an image in bands: each strip goes to many places, none in order") {
 }
 
 TEST_CASE("headers filled in at the end, what is written twice, holes") {
-  check_writes({{400, 3 * kBlock}, {0, 400}});                                  // a header last
-  check_writes({{0, 2 * kBlock},
-                {12, 2},
-                {kBlock - 3, 7},
-                {0, kBlock + 5}});  // parts replaced, across blocks, unaligned
+  check_writes({{400, 3 * kBlock}, {0, 400}});  // a header last
+  check_writes(
+      {{0, 2 * kBlock}, {12, 2}, {kBlock - 3, 7}, {0, kBlock + 5}});  // parts replaced, across blocks, unaligned
   check_writes({{0, 100}, {50, 100}, {149, 3}, {10, 300}});
   check_writes({{3 * kBlock + 5, 9}});  // three blocks that nobody writes
   check_writes({{0, 10}, {kBlock + 10, 1}, {20, 1}});
@@ -134,8 +132,7 @@ TEST_CASE("a stranger's bytes in the file are told, or differ from the hashes") 
     file.write_at(kBlock / 2, bytes.data(), 1000);
     file.write_at(0, bytes.data(), kBlock / 2);
     tamper(file, 77);
-    CHECK_THROWS_WITH_AS(static_cast<void>(file.hashes()), doctest::Contains("another program wrote into it"),
-                         Error);
+    CHECK_THROWS_WITH_AS(static_cast<void>(file.hashes()), doctest::Contains("another program wrote into it"), Error);
   }
   SUBCASE("read back when a header is filled in") {
     OutputFile file(folder / "a");

@@ -1,5 +1,5 @@
-// The command-line frame: one option table feeds parser, help, man page and --json-usage (DESIGN section 10; S56's knobs
-// are options). Oracle: the table itself, and a JSON parser that is not ours.
+// The command-line frame: one option table feeds parser, help, man page and --json-usage (DESIGN section 10; S56's
+// knobs are options). Oracle: the table itself, and a JSON parser that is not ours.
 #include <doctest/doctest.h>
 
 #include <memory>
@@ -73,9 +73,10 @@ TEST_CASE("values reach the bound variables") {
   const auto o = std::make_shared<Values>();
   const auto verbs = example_verbs(o);
   cli::CommonOptions values;
-  const auto parsed = parse({"measure", "a.img", "--gsd", "2.5", "--count=9", "--interleave", "bsq", "--cache", "3K", "--extra",
-                             "x", "--extra", "y", "-vv", "--seed", "18446744073709551615", "-o", "out", "--json"},
-                            verbs, values);
+  const auto parsed =
+      parse({"measure", "a.img", "--gsd", "2.5", "--count=9", "--interleave", "bsq", "--cache", "3K", "--extra", "x",
+             "--extra", "y", "-vv", "--seed", "18446744073709551615", "-o", "out", "--json"},
+            verbs, values);
   REQUIRE(parsed.verb != nullptr);
   CHECK(parsed.verb->name == "measure");
   CHECK(o->file == "a.img");
@@ -107,9 +108,11 @@ TEST_CASE("bad usage: each mistake has one message that names option, rule, valu
   CHECK(contains(error_of({"measure", "a", "--count", "10"}), "--count must be 1 to 9 (found \"10\")"));
   CHECK(contains(error_of({"measure", "a", "--count", "99999999999"}), "--count must be a whole number"));
   CHECK(contains(error_of({"measure", "a", "--seed", "-1"}), "--seed must be a whole number"));
-  CHECK(contains(error_of({"measure", "a", "--interleave", "bpi"}), "--interleave must be one of bip, bil, bsq (found \"bpi\")"));
+  CHECK(contains(error_of({"measure", "a", "--interleave", "bpi"}),
+                 "--interleave must be one of bip, bil, bsq (found \"bpi\")"));
   CHECK(contains(error_of({"measure", "a", "--cache", "12Q"}), "--cache: unknown unit of memory (found \"12Q\")"));
-  CHECK(contains(error_of({"measure", "a", "--interlave", "bip"}), "has no option --interlave; did you mean --interleave?"));
+  CHECK(contains(error_of({"measure", "a", "--interlave", "bip"}),
+                 "has no option --interlave; did you mean --interleave?"));
   CHECK(contains(error_of({"measure", "a", "--device", "0"}), "has no option --device"));
   CHECK(contains(error_of({"measure", "a", "b"}), "takes no further argument (found \"b\")"));
   CHECK(contains(error_of({"measure"}), "FILE is required"));

@@ -26,7 +26,8 @@ struct Fixture {
 
   Fixture() {
     SceneBuilder builder;
-    const std::uint32_t ground = builder.material("ground", {0.3, 1.0}, {0.2, 0.4}), roof = builder.material("roof", {0.3, 1.0}, {0.5, 0.5});
+    const std::uint32_t ground = builder.material("ground", {0.3, 1.0}, {0.2, 0.4}),
+                        roof = builder.material("roof", {0.3, 1.0}, {0.5, 0.5});
     std::vector<Triangle> list;
     add_quad(list, {-50, -60, 0}, {100, 0, 0}, {0, 100, 0}, ground);
     add_box(list, {-1, -1, 0}, {1, 1, 2}, roof);
@@ -60,7 +61,9 @@ struct Fixture {
       double taken = 0;
       for (std::size_t k = 0; k < blocked[s].size(); ++k) {
         const auto d = plan.sky.direction[k];
-        if (blocked[s][k]) taken += static_cast<double>(plan.sky.weight[k].x) * glm::dot(pixel.samples[s].normal, glm::dvec3(d.x, d.y, d.z));
+        if (blocked[s][k])
+          taken +=
+              static_cast<double>(plan.sky.weight[k].x) * glm::dot(pixel.samples[s].normal, glm::dvec3(d.x, d.y, d.z));
       }
       for (float value : {static_cast<float>(taken), 0.0f, 0.0f, 0.0f}) out.sky_blocked.push_back(value);
     }
@@ -160,7 +163,8 @@ TEST_CASE("S61: first hits alone: every ray counted, a spoiled one named, double
   std::vector<PixelHits> pixels;
   for (std::size_t i = 0; i < 3; ++i) {
     PixelHits& pixel = pixels.emplace_back(PixelHits{f.at[i].address, {}});
-    for (const Sample& sample : scene.sample_pixel(f.at[i].instrument, f.plan, 9, f.at[i].address).samples) pixel.hits.push_back(sample.hit);
+    for (const Sample& sample : scene.sample_pixel(f.at[i].instrument, f.plan, 9, f.at[i].address).samples)
+      pixel.hits.push_back(sample.hit);
   }
   const auto compare = [&] {
     HitComparison comparison(f.compiled, f.at[0].instrument, 9);
@@ -231,7 +235,8 @@ TEST_CASE("S61: ties fall either way and are counted: sun on a shadow's edge, a 
   const ReferenceScene scene(f.compiled);
   const SampledPixel traced = scene.sample_pixel(f.at[0].instrument, f.plan, 9, f.at[0].address);
   std::vector<BlockedDirections> blocked;
-  for (const Sample& sample : traced.samples) blocked.push_back(blocked_directions(scene, f.plan, 9, traced.number, sample, blocked.size()));
+  for (const Sample& sample : traced.samples)
+    blocked.push_back(blocked_directions(scene, f.plan, 9, traced.number, sample, blocked.size()));
   SampledPixel turned = traced;
   turned.samples[edge].sun_visible = !turned.samples[edge].sun_visible;
   const BandRadiance l = ArithmeticModel(f.compiled, f.plan, 9).radiance(turned, blocked);
@@ -245,7 +250,8 @@ TEST_CASE("S61: ties fall either way and are counted: sun on a shadow's edge, a 
   g.at[0] = nadir_pixel(2, 0, 100, 0.2, 1);
   g.at[0].instrument.pixels = 3;
   const double length = std::sqrt(1 + 4.0 + 0.04);
-  g.plan.sky.direction[5] = {static_cast<float>(-1 / length), static_cast<float>(0.2 / length), static_cast<float>(2 / length), 0};
+  g.plan.sky.direction[5] = {static_cast<float>(-1 / length), static_cast<float>(0.2 / length),
+                             static_cast<float>(2 / length), 0};
   const Report tie = g.compare({g.device(0, 0, 5)});
   CHECK(tie.sky_explained == 1);
   CHECK(tie.failures().empty());
@@ -261,7 +267,12 @@ TEST_CASE("S61: a signal stops the comparison of a pixel") {
   CHECK_THROWS_AS(f.compare({f.device(0)}), base::Error);
   base::clear_interrupt();
   std::atomic<int> done{0};
-  CHECK_THROWS_AS(for_each_index(1000, 2, [&](std::size_t i) { ++done; if (i == 3) std::raise(SIGTERM); }), base::Error);
+  CHECK_THROWS_AS(for_each_index(1000, 2,
+                                 [&](std::size_t i) {
+                                   ++done;
+                                   if (i == 3) std::raise(SIGTERM);
+                                 }),
+                  base::Error);
   CHECK(done < 1000);
   base::clear_interrupt();
   CHECK(f.compare({f.device(0)}).failures().empty());

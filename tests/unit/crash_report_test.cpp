@@ -95,8 +95,7 @@ TEST_CASE(
               {SIGABRT, [] { ::raise(SIGABRT); }},
               {SIGBUS, [&] {
                  const int file = ::open((folder / "mapped").c_str(), O_RDWR);
-                 auto* at =
-                     static_cast<volatile char*>(::mmap(nullptr, 4096, PROT_READ, MAP_SHARED, file, 0));
+                 auto* at = static_cast<volatile char*>(::mmap(nullptr, 4096, PROT_READ, MAP_SHARED, file, 0));
                  static_cast<void>(::ftruncate(file, 0));
                  zero = at[5];
                }}};
@@ -158,14 +157,12 @@ TEST_CASE(
   CHECK(folder.names().empty());
 }
 
-TEST_CASE("names of any length, and more of them than are kept, do no harm" *
-          doctest::skip(kSanitizerReports)) {
+TEST_CASE("names of any length, and more of them than are kept, do no harm" * doctest::skip(kSanitizerReports)) {
   const End end = end_of([] {
     const base::Doing longest(std::string(10000, 'a'), std::string(10000, 'b'));
     base::remember_launch(std::string(10000, 'c'));
     std::vector<std::unique_ptr<base::Doing>> many;
-    for (int i = 0; i < 200; ++i)
-      many.push_back(std::make_unique<base::Doing>("one of many", std::to_string(i)));
+    for (int i = 0; i < 200; ++i) many.push_back(std::make_unique<base::Doing>("one of many", std::to_string(i)));
     ::raise(SIGSEGV);
   });
   CHECK(end.signal == SIGSEGV);

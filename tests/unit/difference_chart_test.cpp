@@ -1,4 +1,5 @@
-// The chart of `check`: every cell has its difference's colour, the scale and labels stand beside it, letters are the letters.
+// The chart of `check`: every cell has its difference's colour, the scale and labels stand beside it, letters are the
+// letters.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -14,7 +15,8 @@ using products::Raster;
 namespace {
 
 Colour at(const Raster& image, int x, int y) {
-  const std::size_t i = 3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width()) + static_cast<std::size_t>(x));
+  const std::size_t i =
+      3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width()) + static_cast<std::size_t>(x));
   return {image.rgb()[i], image.rgb()[i + 1], image.rgb()[i + 2]};
 }
 
@@ -76,7 +78,8 @@ TEST_CASE("S61: the difference picture as a chart: cells, colour scale, labels, 
   const int scale = 120 + bands * sx + 12;
   CHECK(count(chart, {220, 30, 30}, 0, scale) == static_cast<std::size_t>(sx * sy));
   CHECK(count(chart, {220, 30, 30}, scale, chart.width()) >= 20);
-  CHECK(count(chart, {0, 0, 0}, 0, scale) == static_cast<std::size_t>(sx * sy) * static_cast<std::size_t>(bands * field.height - 1));
-  CHECK(count(chart, {30, 30, 30}, 0, 110) > 100);                  // lines at the left
+  CHECK(count(chart, {0, 0, 0}, 0, scale) ==
+        static_cast<std::size_t>(sx * sy) * static_cast<std::size_t>(bands * field.height - 1));
+  CHECK(count(chart, {30, 30, 30}, 0, 110) > 100);                     // lines at the left
   CHECK(count(chart, {30, 30, 30}, scale + 20, chart.width()) > 100);  // figures of the scale
 }

@@ -1,5 +1,5 @@
-// ENVI headers: what REQUIREMENTS section 2 expects of reading, writing and refusing. Oracle: the format's documentation,
-// restated in hand-written headers.
+// ENVI headers: what REQUIREMENTS section 2 expects of reading, writing and refusing. Oracle: the format's
+// documentation, restated in hand-written headers.
 #include <doctest/doctest.h>
 
 #include <string>
@@ -31,9 +31,11 @@ bool contains(const std::string& text, const std::string& part) { return text.fi
 
 TEST_CASE("keys in any case, lists over lines, CR LF, comments, defaults") {
   const auto h = parse_envi_header(
-      "ENVI\r\n; a comment\r\nDescription = {\r\n  two\r\n  lines}\r\nSAMPLES = 4\r\nLines   = 3\r\nbands = 2\r\nheader  Offset = 16\r\n"
+      "ENVI\r\n; a comment\r\nDescription = {\r\n  two\r\n  lines}\r\nSAMPLES = 4\r\nLines   = 3\r\nbands = "
+      "2\r\nheader  Offset = 16\r\n"
       "data type = 12\r\nInterleave = BSQ\r\nbyte order = 1\r\nwavelength units = nanometers\r\n"
-      "Wavelength = {\r\n 400.5,\r\n 500}\r\nband names = { red clay , blue,\r\n}\r\nfwhm = {5, 6,}\r\ndata ignore value = -1.23000002e+034\r\n"
+      "Wavelength = {\r\n 400.5,\r\n 500}\r\nband names = { red clay , blue,\r\n}\r\nfwhm = {5, 6,}\r\ndata ignore "
+      "value = -1.23000002e+034\r\n"
       "my own key = {a {nested} value}\r\n",
       "x.hdr");
   CHECK(h.samples == 4);
@@ -54,12 +56,20 @@ TEST_CASE("keys in any case, lists over lines, CR LF, comments, defaults") {
 
 TEST_CASE("S11 wavelengths in every unit become micrometres") {
   const auto um = [](const std::string& unit, const std::string& values) {
-    return parse_envi_header(kMinimal + "wavelength units = " + unit + "\nwavelength = {" + values + "}\n", "x.hdr").wavelength_um();
+    return parse_envi_header(kMinimal + "wavelength units = " + unit + "\nwavelength = {" + values + "}\n", "x.hdr")
+        .wavelength_um();
   };
-  for (const auto& [unit, values] : {std::pair<std::string, std::string>{"Micrometers", "0.5, 2"}, {"um", "0.5, 2"},
-                                     {"Nanometers", "500, 2000"}, {"nm", "500, 2000"}, {"mm", "0.0005, 0.002"}, {"cm", "0.00005, 0.0002"},
-                                     {"m", "5e-7, 2e-6"}, {"Angstroms", "5000, 20000"}, {"Wavenumber", "20000, 5000"},
-                                     {"GHz", "599584.916, 149896.229"}, {"MHz", "599584916, 149896229"}}) {
+  for (const auto& [unit, values] : {std::pair<std::string, std::string>{"Micrometers", "0.5, 2"},
+                                     {"um", "0.5, 2"},
+                                     {"Nanometers", "500, 2000"},
+                                     {"nm", "500, 2000"},
+                                     {"mm", "0.0005, 0.002"},
+                                     {"cm", "0.00005, 0.0002"},
+                                     {"m", "5e-7, 2e-6"},
+                                     {"Angstroms", "5000, 20000"},
+                                     {"Wavenumber", "20000, 5000"},
+                                     {"GHz", "599584.916, 149896.229"},
+                                     {"MHz", "599584916, 149896229"}}) {
     CAPTURE(unit);
     const auto got = um(unit, values);
     REQUIRE(got.size() == 2);
@@ -71,17 +81,22 @@ TEST_CASE("S11 wavelengths in every unit become micrometres") {
 }
 
 TEST_CASE("bad headers: all problems at once, each with its line, value and rule") {
-  const std::string all = refusal("ENVI\nsamples = -4\nlines = 3x\ndata type = 7\ninterleave = bpi\nbyte order = 2\nfwhm = {1, two}\n");
-  for (const char* part : {"x.hdr:2: \"samples\" must be a whole number", "found -4", "x.hdr:3: \"lines\"", "found 3x", "\"bands\" is missing",
-                           "\"data type\" must be one of", "\"interleave\" must be bip", "\"byte order\"", "value 2 of \"fwhm\""})
+  const std::string all =
+      refusal("ENVI\nsamples = -4\nlines = 3x\ndata type = 7\ninterleave = bpi\nbyte order = 2\nfwhm = {1, two}\n");
+  for (const char* part : {"x.hdr:2: \"samples\" must be a whole number", "found -4", "x.hdr:3: \"lines\"", "found 3x",
+                           "\"bands\" is missing", "\"data type\" must be one of", "\"interleave\" must be bip",
+                           "\"byte order\"", "value 2 of \"fwhm\""})
     CHECK(contains(all, part));
   CHECK(contains(refusal(""), "first line must be ENVI"));
   CHECK(contains(refusal("GIF89a\n"), "first line must be ENVI"));
-  CHECK(contains(refusal(kMinimal + "wavelength = {1, 2\nfwhm = 3\n"), "x.hdr:7: the brace of \"wavelength\" is never closed"));
+  CHECK(contains(refusal(kMinimal + "wavelength = {1, 2\nfwhm = 3\n"),
+                 "x.hdr:7: the brace of \"wavelength\" is never closed"));
   CHECK(contains(refusal(kMinimal + "samples = 5\n"), "stands twice, first in line 2"));
-  CHECK(contains(refusal("ENVI\nsamples = 10000000000\nlines = 1\nbands = 1\ndata type = 4\ninterleave = bip\n"), "from 1 to 2147483648"));
-  CHECK(contains(refusal("ENVI\nsamples = 2000000000\nlines = 2000000000\nbands = 2000000000\ndata type = 9\ninterleave = bip\n"),
-                 "2^62 bytes"));
+  CHECK(contains(refusal("ENVI\nsamples = 10000000000\nlines = 1\nbands = 1\ndata type = 4\ninterleave = bip\n"),
+                 "from 1 to 2147483648"));
+  CHECK(contains(
+      refusal("ENVI\nsamples = 2000000000\nlines = 2000000000\nbands = 2000000000\ndata type = 9\ninterleave = bip\n"),
+      "2^62 bytes"));
   CHECK(contains(refusal(kMinimal + "bbl = {1, 3e27, 1}\n"), "x.hdr:7: \"bbl\" must be whole numbers from 0 to 1"));
   CHECK(contains(refusal(kMinimal + "default bands = {1.5}\n"), "\"default bands\" must be whole numbers"));
 }

@@ -1,5 +1,5 @@
-// The map of the environment by itself: vertical rays against what lies there by construction, shares that sum to 1, bilinear
-// weights, the scene's mean.
+// The map of the environment by itself: vertical rays against what lies there by construction, shares that sum to 1,
+// bilinear weights, the scene's mean.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -26,7 +26,8 @@ plan::ViewBounds straight_down(double height_m, double half_m) {
 /// Ground 12 x 12 km: west half black, east half white; a turned and scaled table of 100 x 100 m over (300, 200).
 scene::CompiledScene halves() {
   scene::CompiledScene scene;
-  const auto west = test::add_material(scene, "west", 0), east = test::add_material(scene, "east", 1), top = test::add_material(scene, "top", 0.5);
+  const auto west = test::add_material(scene, "west", 0), east = test::add_material(scene, "east", 1),
+             top = test::add_material(scene, "top", 0.5);
   test::place(scene, test::rectangle({-6000, -6000, 0}, {6000, 0, 0}, {0, 12000, 0}, west));
   test::place(scene, test::rectangle({0, -6000, 0}, {6000, 0, 0}, {0, 12000, 0}, east));
   const auto mesh = append_mesh(scene, "table", test::rectangle({-0.5, -0.5, 0}, {1, 0, 0}, {0, 1, 0}, top));
@@ -43,7 +44,7 @@ TEST_CASE("the uppermost surface seen from above: ground, what stands on it, and
   CHECK(plan::uppermost_surface(scene, -400, 100) == 0);
   CHECK(plan::uppermost_surface(scene, 400, -100) == 1);
   CHECK(plan::uppermost_surface(scene, 300, 200) == 2);
-  CHECK(plan::uppermost_surface(scene, 300 + 99, 200) == 2);   // towards a corner
+  CHECK(plan::uppermost_surface(scene, 300 + 99, 200) == 2);       // towards a corner
   CHECK(plan::uppermost_surface(scene, 300 + 60, 200 + 60) == 1);  // past an edge
   CHECK(plan::uppermost_surface(scene, 6500, 0) == RC_NONE);
   CHECK(plan::uppermost_surface({}, 0, 0) == RC_NONE);
@@ -56,7 +57,8 @@ TEST_CASE("S4.9 environment map: shares sum to 1, fall from one half to the othe
   double last = 2;
   for (std::size_t node = 0; node < map.nodes(); ++node) {
     double molecules = 0, aerosol = 0;
-    for (std::size_t p = map.first_part[node]; p < map.first_part[node + 1]; ++p) molecules += map.part[p].molecules, aerosol += map.part[p].aerosol;
+    for (std::size_t p = map.first_part[node]; p < map.first_part[node + 1]; ++p)
+      molecules += map.part[p].molecules, aerosol += map.part[p].aerosol;
     CHECK(molecules == doctest::Approx(1).epsilon(1e-12));
     CHECK(aerosol == doctest::Approx(1).epsilon(1e-12));
   }
@@ -72,14 +74,18 @@ TEST_CASE("S4.9 environment map: shares sum to 1, fall from one half to the othe
     CHECK(west <= last + 5e-4);  // 4096 places: steps of 2.4e-4
     last = west;
   }
-  // A half plane `d` m away holds 1/(2 pi) int (1 - F(d / cos a)) da of the light; the table and the end of the world are far.
+  // A half plane `d` m away holds 1/(2 pi) int (1 - F(d / cos a)) da of the light; the table and the end of the world
+  // are far.
   for (const double d : {30.0, 100.0, 200.0, 400.0}) {
     double beyond = 0;
     for (int i = 0; i < 2000; ++i) {
       const double a = std::numbers::pi * ((i + 0.5) / 2000 - 0.5);
-      beyond += (1 - atmos::environment_function(atmos::Scatterer::aerosol, d / std::cos(a) / 1000, map.height_m / 1000, map.cos_view)) / 4000;
+      beyond += (1 - atmos::environment_function(atmos::Scatterer::aerosol, d / std::cos(a) / 1000, map.height_m / 1000,
+                                                 map.cos_view)) /
+                4000;
     }
-    MESSAGE(d << " m from the border: beyond it " << beyond << ", map " << west_at(d, -300) << " and " << 1 - west_at(-d, -300));
+    MESSAGE(d << " m from the border: beyond it " << beyond << ", map " << west_at(d, -300) << " and "
+              << 1 - west_at(-d, -300));
     CHECK(std::abs(west_at(d, -300) - beyond) < 0.01);
     CHECK(std::abs(1 - west_at(-d, -300) - beyond) < 0.01);
   }

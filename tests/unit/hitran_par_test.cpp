@@ -1,4 +1,5 @@
-// The reader of line lists on files the test writes: fixed columns as the format means them, faults with their line numbers.
+// The reader of line lists on files the test writes: fixed columns as the format means them, faults with their line
+// numbers.
 #include <doctest/doctest.h>
 
 #include <chrono>
@@ -16,10 +17,11 @@ using namespace raycube::atmos;
 namespace {
 
 /// A record of HITRAN 2004 with invented figures.
-std::string record(int molecule, char isotopologue, double wavenumber, double intensity = 1.234e-21, double energy = 104.7729) {
+std::string record(int molecule, char isotopologue, double wavenumber, double intensity = 1.234e-21,
+                   double energy = 104.7729) {
   char head[200];
-  std::snprintf(head, sizeof head, "%2d%c%12.6f%10.3E%10.3E%5.4f%5.3f%10.4f%4.2f%8.6f", molecule, isotopologue, wavenumber, intensity,
-                1.5, 0.0567, 0.079, energy, 0.75, -0.0061);
+  std::snprintf(head, sizeof head, "%2d%c%12.6f%10.3E%10.3E%5.4f%5.3f%10.4f%4.2f%8.6f", molecule, isotopologue,
+                wavenumber, intensity, 1.5, 0.0567, 0.079, energy, 0.75, -0.0061);
   std::string line = head;
   // "0.0567" takes 6 columns; HITRAN prints ".0567".
   line.erase(line.find("0.0567"), 1);
@@ -47,8 +49,9 @@ bool says(const std::string& text, const std::string& part) {
 TEST_CASE("S9 line list: every column where the format has it, range kept, extents of the whole file") {
   const testing::TestFolder folder;
   REQUIRE(record(6, '1', 3057.687).size() == 160);
-  folder.write("a.par", record(1, '4', 3000.25) + "\n" + record(6, '1', 3057.687423, 2.106e-19) + "\n" + record(2, '0', 3058.5) + "\n" +
-                            record(2, 'A', 3059.5) + "\n" + record(6, '2', 4000.0) + "\n");
+  folder.write("a.par", record(1, '4', 3000.25) + "\n" + record(6, '1', 3057.687423, 2.106e-19) + "\n" +
+                            record(2, '0', 3058.5) + "\n" + record(2, 'A', 3059.5) + "\n" + record(6, '2', 4000.0) +
+                            "\n");
   const LineList list = read_hitran_par(folder / "a.par", 3050, 3060);
   CHECK(list.records == 5);
   REQUIRE(list.lines.size() == 3);
@@ -69,7 +72,8 @@ TEST_CASE("S9 line list: every column where the format has it, range kept, exten
   CHECK(list.molecules.count(3) == 0);
 }
 
-TEST_CASE("S9 line list: CR LF, any order, no end of line at the end, empty lines, exponents without E, blank self width") {
+TEST_CASE(
+    "S9 line list: CR LF, any order, no end of line at the end, empty lines, exponents without E, blank self width") {
   const testing::TestFolder folder;
   std::string odd = record(6, '1', 3001.0);
   odd.replace(15, 10, " 1.234-105");
@@ -89,15 +93,17 @@ TEST_CASE("S9 line list: faults are told with file and line, all at once") {
   const testing::TestFolder folder;
   std::string short_one = record(6, '1', 3000.0);
   short_one.resize(100);
-  std::string blank = record(6, '1', 3000.0), stars = blank, pointless = blank, minus = blank, unknown = blank, letter = blank;
+  std::string blank = record(6, '1', 3000.0), stars = blank, pointless = blank, minus = blank, unknown = blank,
+              letter = blank;
   blank.replace(45, 10, "          ");
   stars.replace(15, 10, "**********");
   pointless.replace(45, 10, "   1047729");
   minus.replace(15, 10, "-1.234E-21");
   unknown.replace(0, 2, "77");
   letter.replace(2, 1, "?");
-  folder.write("c.par", record(6, '1', 3000.0) + "\n" + short_one + "\n" + blank + "\n" + stars + "\n" + pointless + "\n" + minus +
-                            "\n" + unknown + "\n" + letter + "\n" + record(6, '1', 3000.0).substr(0, 70));
+  folder.write("c.par", record(6, '1', 3000.0) + "\n" + short_one + "\n" + blank + "\n" + stars + "\n" + pointless +
+                            "\n" + minus + "\n" + unknown + "\n" + letter + "\n" +
+                            record(6, '1', 3000.0).substr(0, 70));
   const std::string text = message(folder / "c.par");
   CHECK(says(text, "c.par:2: a record has 160 characters"));
   CHECK(says(text, "before 2004"));
@@ -161,7 +167,9 @@ TEST_CASE("S9 molecules: names, masses of isotopologues, partition sums of a use
   CHECK(sums.ratio(6, 1, 296) == doctest::Approx(1.0).epsilon(1e-12));
   CHECK(sums.ratio(6, 2, 200) == PartitionSums().ratio(6, 2, 200));
   CHECK_THROWS_WITH_AS(sums.ratio(6, 1, 150), doctest::Contains("ends before 150"), base::Error);
-  folder.write("bad.csv", "molecule,isotopologue,temperature_K,q\nxyz,1,200,1\nch4,1,200\nch4,1,300,5\nch4,1,296,4\nch4,1,310,0\n");
+  folder.write(
+      "bad.csv",
+      "molecule,isotopologue,temperature_K,q\nxyz,1,200,1\nch4,1,200\nch4,1,300,5\nch4,1,296,4\nch4,1,310,0\n");
   try {
     PartitionSums::read_csv(folder / "bad.csv");
     CHECK(false);

@@ -76,8 +76,10 @@ std::vector<std::string> own_includes(const std::string& file, const std::string
   std::vector<std::string> out;
   for (const auto& name : all_matches(text, pattern)) {
     const std::string beside = (fs::path(file).parent_path() / name).lexically_normal();
-    if (fs::exists(kRoot / name)) out.push_back(name);
-    else if (fs::exists(kRoot / beside)) out.push_back(beside);
+    if (fs::exists(kRoot / name))
+      out.push_back(name);
+    else if (fs::exists(kRoot / beside))
+      out.push_back(beside);
   }
   return out;
 }
@@ -91,7 +93,8 @@ TEST_CASE("house map: every file belongs to a layer and includes what its layer 
   for (const char* top : {"kernels", "host", "atmos_tables", "scene_compiler"})
     for (const auto& entry : fs::recursive_directory_iterator(kRoot / top)) {
       const std::string extension = entry.path().extension();
-      if (extension != ".h" && extension != ".cpp" && extension != ".cl" && extension != ".def" && extension != ".inc") continue;
+      if (extension != ".h" && extension != ".cpp" && extension != ".cl" && extension != ".def" && extension != ".inc")
+        continue;
       const std::string file = entry.path().lexically_relative(kRoot);
       ++files;
       const int layer = layer_of(layers, file);
@@ -121,8 +124,9 @@ TEST_CASE("house map: what a layer may include lies in rows above it, and exists
 }
 
 TEST_CASE("house map: the walk sees a forbidden include") {
-  const auto layers = house_map("## House map\n| layer | x | may |\n| `low` | | nothing |\n| `low/data.h` | | `low` |\n"
-                                "| `high` | text with `code` | `low/data.h` |\n");
+  const auto layers = house_map(
+      "## House map\n| layer | x | may |\n| `low` | | nothing |\n| `low/data.h` | | `low` |\n"
+      "| `high` | text with `code` | `low/data.h` |\n");
   REQUIRE(layers.size() == 3);
   const int low = layer_of(layers, "low/a.cpp"), high = layer_of(layers, "high/b/c.h");
   CHECK(low == 0);
@@ -132,6 +136,8 @@ TEST_CASE("house map: the walk sees a forbidden include") {
   CHECK(allowed(layers, high, "low/data.h"));
   CHECK(!allowed(layers, high, "low/other.h"));
   CHECK(!allowed(layers, low, "high/b/c.h"));
-  const auto found = own_includes("host/cli/main.cpp", "#include <vector>\n  #  include \"host/base/error.h\"\n#include \"verb.h\"\n// #include \"verb.h\"\n");
+  const auto found = own_includes(
+      "host/cli/main.cpp",
+      "#include <vector>\n  #  include \"host/base/error.h\"\n#include \"verb.h\"\n// #include \"verb.h\"\n");
   CHECK(found == std::vector<std::string>{"host/base/error.h", "host/cli/verb.h"});
 }

@@ -81,9 +81,11 @@ TEST_CASE("S20 acd: faults are refused with file and line or record") {
   CHECK(holds(with("0.500000", ""), "a.acd:6: the row has another number of fields"));
   CHECK(holds(with("0.500000", "1.500000"), "a value is above 1"));
   CHECK(holds(with("1  2  0.25", "1  3  0.25"), "a.acd:7: the k-terms of a frequency are not whole"));
-  CHECK(holds(with("1  1  0.750000  0.11", "1  1  0.650000  0.11"), "a.acd:8: the weights of the k-terms do not sum to 1"));
+  CHECK(holds(with("1  1  0.750000  0.11", "1  1  0.650000  0.11"),
+              "a.acd:8: the weights of the k-terms do not sum to 1"));
   CHECK(holds(refused(kText.substr(0, kText.rfind(" 12500.0"))), "the k-terms of a frequency are not whole"));
-  CHECK(holds(refused(replaced(replaced(kText, "12500.0", "9000.0"), "12500.0", "9000.0")), "a.acd:8: FREQ does not ascend"));
+  CHECK(holds(refused(replaced(replaced(kText, "12500.0", "9000.0"), "12500.0", "9000.0")),
+              "a.acd:8: FREQ does not ascend"));
   CHECK(holds(refused(kText.substr(0, kText.find(" 10000"))), "no data rows"));
   const std::string whole = binary();
   REQUIRE(refused_binary(whole).empty());

@@ -1,4 +1,5 @@
-// .chn: two channels written here in the format's columns, whole and with faults. Oracle: the format's rules, arithmetic by hand.
+// .chn: two channels written here in the format's columns, whole and with faults. Oracle: the format's rules,
+// arithmetic by hand.
 #include "tests/unit/import_kit.h"
 
 #include <cstdio>
@@ -11,7 +12,8 @@ using namespace raycube::testing;
 
 namespace {
 
-constexpr int kWidths[26] = {12, 3, 3, 13, 13, 8, 13, 9, 9, 9, 9, 13, 13, 13, 13, 13, 13, 13, 13, 13, 13, 10, 10, 10, 10, 10};
+constexpr int kWidths[26] = {12, 3,  3,  13, 13, 8,  13, 9,  9,  9,  9,  13, 13,
+                             13, 13, 13, 13, 13, 13, 13, 13, 10, 10, 10, 10, 10};
 
 /// Right-aligned numbers in columns of dashes, two blanks between.
 std::string row_of(const std::vector<std::string>& numbers, const std::string& description) {
@@ -25,19 +27,44 @@ std::string row_of(const std::vector<std::string>& numbers, const std::string& d
 
 std::string header() {
   std::string dashes;
-  for (int i = 0; i < 26; ++i) dashes += std::string(i ? 2 : 0, ' ') + std::string(static_cast<std::size_t>(kWidths[i]), '-');
+  for (int i = 0; i < 26; ++i)
+    dashes += std::string(i ? 2 : 0, ' ') + std::string(static_cast<std::size_t>(kWidths[i]), '-');
   return "\n1ST SPECTRAL  LOS CHAN\n   MOMENT     NO.  NEL\n(NANOMETERS)       NO.\n" + dashes + "  -----------\n";
 }
 
 /// Radiance 1.2e-6 W sr-1 cm-2 over 10 nm: 1.2e-7 W cm-2 sr-1 nm-1, 1.2 W m-2 sr-1 um-1.
 std::vector<std::string> numbers(int channel, const std::string& moment) {
-  return {moment, "1", std::to_string(channel), "1.000000E-09", "1.200000E-07", "290.000", "1.200000E-06", "100.0000", "10.0000", "540.0000", "560.0000",
-          "1.000000E-07", "2.000000E-08", "3.000000E-08", "2.500000E-07", "3.000000E-07", "5.000000E-07", "4.000000E-07",
-          "6.000000E-05", "1.000000E-04", "1.500000E-04", "0.5000000", "0.0400000", "0.2000000", "0.8000000", "0.9000002"};
+  return {moment,
+          "1",
+          std::to_string(channel),
+          "1.000000E-09",
+          "1.200000E-07",
+          "290.000",
+          "1.200000E-06",
+          "100.0000",
+          "10.0000",
+          "540.0000",
+          "560.0000",
+          "1.000000E-07",
+          "2.000000E-08",
+          "3.000000E-08",
+          "2.500000E-07",
+          "3.000000E-07",
+          "5.000000E-07",
+          "4.000000E-07",
+          "6.000000E-05",
+          "1.000000E-04",
+          "1.500000E-04",
+          "0.5000000",
+          "0.0400000",
+          "0.2000000",
+          "0.8000000",
+          "0.9000002"};
 }
 
 std::string text(const std::vector<std::string>& second = numbers(2, "560.00000")) {
-  return header() + row_of(numbers(1, "550.00000"), "CENTER:   550.00 NM   FWHM:  9.50 NM") + row_of(second, "CENTER:   560.00 NM   FWHM:  9.60 NM");
+  return header() + row_of(numbers(1, "550.00000"), "CENTER:   550.00 NM   FWHM:  9.50 NM") +
+         row_of(second, "CENTER:   560.00 NM   FWHM:  9.60 NM");
 }
 
 std::string refused(const std::string& content) {
@@ -72,7 +99,8 @@ TEST_CASE("S20 chn: channel integrals become means over the channel") {
   CHECK(run.at("channel_fwhm").values[1] == doctest::Approx(0.0096));
   CHECK(run.at("channel_width").values[0] == doctest::Approx(0.01));
   // 100 / (60 pi / cos 60): 0.26526.
-  CHECK(sun_ground_sensor_transmittance(run, 60)[0] == doctest::Approx(1e-4 / (6e-5 * std::acos(-1.0) / 0.5)).epsilon(1e-12));
+  CHECK(sun_ground_sensor_transmittance(run, 60)[0] ==
+        doctest::Approx(1e-4 / (6e-5 * std::acos(-1.0) / 0.5)).epsilon(1e-12));
   CHECK(holds(refusal([&] { sun_ground_sensor_transmittance(run, 95); }), "above the horizon"));
 }
 

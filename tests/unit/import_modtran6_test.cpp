@@ -1,4 +1,5 @@
-// MODTRAN 6 JSON and CSV: small outputs written here, whole and with faults. Oracle: the formats' rules, arithmetic by hand.
+// MODTRAN 6 JSON and CSV: small outputs written here, whole and with faults. Oracle: the formats' rules, arithmetic by
+// hand.
 #include "tests/unit/import_kit.h"
 
 #include "atmos_tables/import/modtran_csv.h"
@@ -15,9 +16,13 @@ const std::string kJson = R"({"MODTRAN": [{"MODTRANINPUT": {
   "SPECTRAL": {"V1": 2000, "V2": 2500, "DV": 1, "FWHM": 1, "FLAGS": "W     "}},
  "MODTRANOUTPUT": {"SPECTRA": {
   "RADIANCE": {"FREQ": [2000, 2500], "TOT_TRANS": [0.5, 0.25], "THRML_EM": [2e-8, 1e-8], "THRML_SCT": [1e-9, 1e-9],
-   "SURF_EMIS": [4e-7, 2e-7], "MULT_SCAT": [1e-10, 1e-10], "SING_SCAT": [2e-10, 2e-10], "GRND_RFLT": [1e-9, 1e-9], "DRCT_RFLT": [5e-10, 5e-10],
-   "TOTAL_RAD": [4.223e-7, 2.123e-7], "DEPTH": [0.6931, 1.3863], "DIR_EM": [0.7, 0.7], "TOA_RAD": [1e-6, 1.1e-6], "BBODY_TK": [290, 285], "SOMETHING": [1, 2]},
-  "TRANSMITTANCE": {"FREQ": [2000, 2500], "TOT_TRANS": [0.5, 0.25], "TRANS_H2O": [0.8, 0.7], "CONT_H2O": [0.9, 0.9]}}}}]})";
+   "SURF_EMIS": [4e-7, 2e-7], "MULT_SCAT": [1e-10, 1e-10], "SING_SCAT": [2e-10, 2e-10], "GRND_RFLT": [1e-9, 1e-9],
+    "DRCT_RFLT": [5e-10, 5e-10],
+   "TOTAL_RAD": [4.223e-7, 2.123e-7], "DEPTH": [0.6931, 1.3863],
+    "DIR_EM": [0.7, 0.7], "TOA_RAD": [1e-6, 1.1e-6], "BBODY_TK": [290, 285],
+    "SOMETHING": [1, 2]},
+  "TRANSMITTANCE": {"FREQ": [2000, 2500], "TOT_TRANS": [0.5, 0.25], "TRANS_H2O": [0.8, 0.7],
+   "CONT_H2O": [0.9, 0.9]}}}}]})";
 
 std::string refused_json(const std::string& text) {
   const TestFolder folder;
@@ -33,7 +38,8 @@ std::string refused_csv(const std::string& text) {
 
 const std::string kCsv =
     "case 0,run of two frequencies\n"
-    "Freq,total transmittance,path emission,path thermal scat,surface emission,path multiple scat,path single scat,ground reflect,direct reflect,total radiance\n"
+    "Freq,total transmittance,path emission,path thermal scat,surface emission,path multiple scat,path single "
+    "scat,ground reflect,direct reflect,total radiance\n"
     "cm-1,,,,,,,,,\n"
     "2000.0,0.5,2.0e-08,1.0e-09,4.0e-07,1.0e-10,2.0e-10,1.0e-09,5.0e-10,4.2230e-07\n"
     "2500.0,0.25,1.0e-08,1.0e-09,2.0e-07,1.0e-10,2.0e-10,1.0e-09,5.0e-10,2.1230e-07\n";
@@ -68,7 +74,8 @@ TEST_CASE("S20 MODTRAN 6 JSON: radiance and transmittance of a case, units, geom
   CHECK(imported.runs[1].at("transmittance_h2o_continuum").values[1] == 0.9);
   // Where the total holds without the scatter, emission already has it.
   folder.write("b.json", replaced(replaced(kJson, "4.223e-7", "4.213e-7"), "2.123e-7", "2.113e-7"));
-  CHECK(read_modtran_json(folder / "b.json").runs[0].at("path_radiance_thermal").values[1] == doctest::Approx(0.08).epsilon(1e-12));
+  CHECK(read_modtran_json(folder / "b.json").runs[0].at("path_radiance_thermal").values[1] ==
+        doctest::Approx(0.08).epsilon(1e-12));
   // Axis in nm.
   folder.write("c.json", replaced(kJson, "\"FLAGS\": \"W", "\"FLAGS\": \"N"));
   const Run nm = read_modtran_json(folder / "c.json").runs[0];
@@ -77,7 +84,9 @@ TEST_CASE("S20 MODTRAN 6 JSON: radiance and transmittance of a case, units, geom
 }
 
 TEST_CASE("S20 MODTRAN 6 JSON: faults are refused with their place") {
-  const auto with = [](const std::string& from, const std::string& to) { return refused_json(replaced(kJson, from, to)); };
+  const auto with = [](const std::string& from, const std::string& to) {
+    return refused_json(replaced(kJson, from, to));
+  };
   CHECK(holds(with("\"SURF_EMIS\": [4e-7", "\"SURF_EMIS\": [NaN"), "a.json:6:18: the text is no JSON"));
   CHECK(holds(refused_json(kJson.substr(0, 700)), "the text is no JSON"));
   CHECK(holds(with("[4e-7, 2e-7]", "[4e-7, -2e-7]"), "RADIANCE.SURF_EMIS[1]: a value is negative"));
@@ -119,7 +128,9 @@ TEST_CASE("S20 MODTRAN 6 CSV: spectra and fluxes") {
 }
 
 TEST_CASE("S20 MODTRAN 6 CSV: faults are refused with file and line") {
-  const auto with = [](const std::string& from, const std::string& to) { return refused_csv(replaced(kCsv, from, to)); };
+  const auto with = [](const std::string& from, const std::string& to) {
+    return refused_csv(replaced(kCsv, from, to));
+  };
   CHECK(holds(with("4.0e-07", "*******"), "a.csv:4: surface emission did not fit its field"));
   CHECK(holds(with("4.0e-07", "nan"), "a.csv:4: surface emission is not finite"));
   CHECK(holds(with("4.0e-07", "-4.0e-07"), "a.csv:4: surface emission is negative"));
@@ -130,7 +141,9 @@ TEST_CASE("S20 MODTRAN 6 CSV: faults are refused with file and line") {
   CHECK(holds(with("Freq", "Wave"), "no row of labels that starts with Freq"));
   CHECK(holds(refused_csv(kCsv.substr(0, kCsv.find("2000.0"))), "no data rows"));
   CHECK(holds(refused_csv(kCsv.substr(0, kCsv.size() - 12)), "a.csv:5:"));
-  const auto flux = [](const std::string& from, const std::string& to) { return refused_csv(replaced(kFlux, from, to)); };
+  const auto flux = [](const std::string& from, const std::string& to) {
+    return refused_csv(replaced(kFlux, from, to));
+  };
   CHECK(holds(flux("}\n", ""), "the case is not whole"));
   CHECK(holds(flux("num freq, 2", "num freq, 3"), "2 of 3 frequencies"));
   CHECK(holds(flux("num column, 6", "num column, 9"), "do not fit"));

@@ -11,7 +11,8 @@ using namespace raycube::testing;
 namespace {
 
 const std::string kText =
-    "# measured\nwavenumber [cm-1], transmittance [1], path_radiance_solar [W cm-2 sr-1 (cm-1)-1], sky [uW cm-2 sr-1 nm-1], sun [mW m-2 nm-1]\n"
+    "# measured\nwavenumber [cm-1], transmittance [1], path_radiance_solar [W cm-2 sr-1 (cm-1)-1], sky [uW cm-2 sr-1 "
+    "nm-1], sun [mW m-2 nm-1]\n"
     "10000, 0.8, 1e-8, 0.5, 900\n# between\n12500, 0.7, 2e-8, 0.6, 1.1E+03\n";
 
 std::string refused(const std::string& text) {
@@ -50,6 +51,7 @@ TEST_CASE("S20 plain CSV: faults are refused with file and line") {
   CHECK(holds(with("12500", "10000"), "a.csv:5: the axis does not keep its order"));
   CHECK(holds(with("12500", "0"), "a.csv:5: the axis is not above 0"));
   CHECK(holds(with("wavenumber [cm-1]", "frequency"), "a.csv:2: the first column is no axis"));
-  CHECK(holds(with("sky [uW cm-2 sr-1 nm-1]", "sky [nits]"), "a.csv:2: a column is not `name [unit]` with a known unit (found sky [nits])"));
+  CHECK(holds(with("sky [uW cm-2 sr-1 nm-1]", "sky [nits]"),
+              "a.csv:2: a column is not `name [unit]` with a known unit (found sky [nits])"));
   CHECK(holds(refused(kText.substr(0, kText.find("10000,"))), "no data rows"));
 }

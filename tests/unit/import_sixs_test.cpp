@@ -95,8 +95,7 @@ TEST_CASE(
   CHECK(imported.runs[1].at("optical_depth_aerosol").values[0] == 0.2);
   CHECK(holds(refused(kRun.substr(0, at) + table.substr(0, table.find("*0.4525")) + kRun.substr(at)),
               "a.txt:1: a table by wavelength with fewer than 2 rows"));
-  CHECK(holds(refused(kRun.substr(0, at) + replaced(table, "0.4550", "0.4500") + kRun.substr(at)),
-              "do not ascend"));
+  CHECK(holds(refused(kRun.substr(0, at) + replaced(table, "0.4550", "0.4500") + kRun.substr(at)), "do not ascend"));
 }
 
 TEST_CASE("S20 6S: faults are refused with file and line") {

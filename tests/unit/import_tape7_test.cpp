@@ -1,5 +1,5 @@
-// tape7 and .7sc: small runs written here in MODTRAN's columns, whole and with every fault. Oracle: the format's rules and
-// arithmetic by hand.
+// tape7 and .7sc: small runs written here in MODTRAN's columns, whole and with every fault. Oracle: the format's rules
+// and arithmetic by hand.
 #include "tests/unit/import_kit.h"
 
 #include "atmos_tables/import/modtran_tape7.h"
@@ -23,10 +23,13 @@ std::string cards(int iemsct, const std::string& band = "    2000.0    2500.0   
 }
 
 const std::string kHeader =
-    "    FREQ  TOT_TRANS  PTH_THRML  THRML_SCT  SURF_EMIS   SOL_SCAT  SING_SCAT  GRND_RFLT  DRCT_RFLT  TOTAL_RAD  REF_SOL  SOL@OBS   DEPTH DIR_EM    TOA_SUN BBODY_T[K]\n";
+    "    FREQ  TOT_TRANS  PTH_THRML  THRML_SCT  SURF_EMIS   SOL_SCAT  SING_SCAT  GRND_RFLT  DRCT_RFLT  TOTAL_RAD  "
+    "REF_SOL  SOL@OBS   DEPTH DIR_EM    TOA_SUN BBODY_T[K]\n";
 const std::string kRows =
-    " 2000.00 0.50000000 2.0000E-08 1.0000E-10 4.0000E-07 3.0000E-10 2.0000E-10 1.0000E-09 5.0000E-10 4.2130E-07 8.00E-07 9.00E-07   0.693 0.7000 1.0000E-06    290.000\n"
-    " 2500.00 0.25000000 1.0000E-08 1.0000E-10 2.0000E-07 3.0000E-10 2.0000E-10 1.0000E-09 5.0000E-10 2.1130E-07 7.00E-07 8.00E-07   1.386 0.7000 1.1000E-06    285.000\n";
+    " 2000.00 0.50000000 2.0000E-08 1.0000E-10 4.0000E-07 3.0000E-10 2.0000E-10 1.0000E-09 5.0000E-10 4.2130E-07 "
+    "8.00E-07 9.00E-07   0.693 0.7000 1.0000E-06    290.000\n"
+    " 2500.00 0.25000000 1.0000E-08 1.0000E-10 2.0000E-07 3.0000E-10 2.0000E-10 1.0000E-09 5.0000E-10 2.1130E-07 "
+    "7.00E-07 8.00E-07   1.386 0.7000 1.1000E-06    285.000\n";
 const std::string kEnd = " -9999.\n";
 
 struct File {
@@ -73,7 +76,8 @@ TEST_CASE("S20 tape7: a radiance run, its units, order and geometry") {
 
 TEST_CASE("S20 tape7: labels of MODTRAN 4, columns not computed, runs after each other") {
   std::string header = kHeader, rows = kRows;
-  for (char& c : header) if (c == '_') c = ' ';
+  for (char& c : header)
+    if (c == '_') c = ' ';
   header = replaced(header, "BBODY T", "BBODY_T");
   // No sun was computed: those fields are blank in every row.
   for (std::size_t line = 0; line < 2; ++line) {
@@ -113,9 +117,12 @@ TEST_CASE("S20 tape7: axis in nm by the flags of card 4, and .7sc of the same la
 
 TEST_CASE("S20 tape7: transmittances, touching labels, and direct irradiance with its depth") {
   const std::string trans =
-      "    FREQ COMBIN    H2O   UMIX     O3  TRACE     N2    H2O MOLEC AER+CLD  HNO3 AER+CLD    -LOG    CO2 H2-CH4CH4-CH4\n"
-      "    CM-1  TRANS  TRANS  TRANS  TRANS  TRANS   CONT   CONT   SCAT  TRANS  TRANS abTRNS  COMBIN  TRANS  TRANS  TRANS\n"
-      " 2000.00 0.9100 0.9726 0.9679 0.9998 1.0000 1.0000 0.9775 1.0000 0.9891 1.0000 0.9983   0.094 0.9699 1.0000 0.9990\n";
+      "    FREQ COMBIN    H2O   UMIX     O3  TRACE     N2    H2O MOLEC AER+CLD  HNO3 AER+CLD    -LOG    CO2 "
+      "H2-CH4CH4-CH4\n"
+      "    CM-1  TRANS  TRANS  TRANS  TRANS  TRANS   CONT   CONT   SCAT  TRANS  TRANS abTRNS  COMBIN  TRANS  TRANS  "
+      "TRANS\n"
+      " 2000.00 0.9100 0.9726 0.9679 0.9998 1.0000 1.0000 0.9775 1.0000 0.9891 1.0000 0.9983   0.094 0.9699 1.0000 "
+      "0.9990\n";
   const File file(cards(0) + trans + kEnd);
   const Run run = file.read().runs[0];
   CHECK(run.mode == "transmittance");
@@ -128,9 +135,11 @@ TEST_CASE("S20 tape7: transmittances, touching labels, and direct irradiance wit
   CHECK(run.at("transmittance_co2").values[0] == 0.9699);
   CHECK(run.at("transmittance_h2_ch4").values[0] == 1);
   CHECK(run.at("transmittance_ch4_ch4").values[0] == 0.999);
-  CHECK(holds(refused(cards(0) + replaced(trans, " 0.9990\n", "\n") + kEnd), ":11: the row has another number of fields"));
+  CHECK(holds(refused(cards(0) + replaced(trans, " 0.9990\n", "\n") + kEnd),
+              ":11: the row has another number of fields"));
 
-  const std::string direct = "    FREQ   TRANS     SOL TR  SOLAR\n 2000.00  0.5000 4.00E-07 8.00E-07                    6.931E-01\n";
+  const std::string direct =
+      "    FREQ   TRANS     SOL TR  SOLAR\n 2000.00  0.5000 4.00E-07 8.00E-07                    6.931E-01\n";
   const Run sun = File(cards(3) + direct + kEnd).read().runs[0];
   CHECK(sun.at("solar_irradiance").values[0] == doctest::Approx(3.2).epsilon(1e-12));
   CHECK(sun.at("solar_irradiance_transmitted").values[0] == doctest::Approx(1.6).epsilon(1e-12));
@@ -139,7 +148,9 @@ TEST_CASE("S20 tape7: transmittances, touching labels, and direct irradiance wit
 }
 
 TEST_CASE("S20 tape7: faults are refused with file and line") {
-  const auto with = [](const std::string& from, const std::string& to) { return cards(2) + kHeader + replaced(kRows, from, to) + kEnd; };
+  const auto with = [](const std::string& from, const std::string& to) {
+    return cards(2) + kHeader + replaced(kRows, from, to) + kEnd;
+  };
   // Rows stand in lines 10 and 11.
   CHECK(holds(refused(with("4.0000E-07", "**********")), "tape7:10: SURF_EMIS did not fit its field"));
   CHECK(holds(refused(with("4.0000E-07", "       NaN")), "tape7:10: SURF_EMIS is not finite"));
@@ -147,7 +158,8 @@ TEST_CASE("S20 tape7: faults are refused with file and line") {
   CHECK(holds(refused(with(" 4.0000E-07", "-4.0000E-07")), "tape7:10: SURF_EMIS is negative"));
   CHECK(holds(refused(with("4.0000E-07", "4.00x0E-07")), "tape7:10: SURF_EMIS is no number"));
   CHECK(holds(refused(with("2.0000E-07", "          ")), "tape7:11: SURF_EMIS is blank here"));
-  CHECK(holds(refused(with("4.0000E-07", "4.0000E-0 ")), "tape7:10: the number under SURF_EMIS does not end where its label ends"));
+  CHECK(holds(refused(with("4.0000E-07", "4.0000E-0 ")),
+              "tape7:10: the number under SURF_EMIS does not end where its label ends"));
   CHECK(holds(refused(with("   290.000", "    290.000")), "tape7:10:"));
   CHECK(holds(refused(with(" 2500.00", " 2000.00")), "tape7:11: FREQ does not keep its order"));
   CHECK(holds(refused(with(" 2500.00", " 4500.00")), "does not lie in the band"));

@@ -29,7 +29,8 @@ TEST_CASE("S20 import: numbers of Fortran are read as the format means them") {
   using State = Number::State;
   for (const char* text : {"", "   "}) CHECK(read_number(text).state == State::blank);
   for (const char* text : {"********", "**"}) CHECK(read_number(text).state == State::overflow);
-  for (const char* text : {"NaN", "-nan", "Infinity", "+Inf", "1.0+400"}) CHECK(read_number(text).state == State::not_finite);
+  for (const char* text : {"NaN", "-nan", "Infinity", "+Inf", "1.0+400"})
+    CHECK(read_number(text).state == State::not_finite);
   for (const char* text : {"1.2.3", "E5", "1.0E", "1.0E+", "abc", "-", "1 2", "0x10", "1.0-1x"}) {
     CAPTURE(text);
     CHECK(read_number(text).state == State::malformed);
@@ -51,7 +52,8 @@ TEST_CASE("S20 import: units and angles are converted by the stated factors") {
   CHECK(relative_azimuth_deg_from_modtran(-150) == doctest::Approx(30));
   CHECK(sky_relative_azimuth_deg_from_modtran(-150) == doctest::Approx(150));
   CHECK(view_zenith_deg_from_modtran(150, 0.02) == doctest::Approx(30.02));
-  // uvspec: light coming down with phi = phi0 comes from the sun's side (0); light going up with phi = phi0 goes on (180).
+  // uvspec: light coming down with phi = phi0 comes from the sun's side (0); light going up with phi = phi0 goes on
+  // (180).
   CHECK(relative_azimuth_deg_from_uvspec(-0.5, 30, 30) == doctest::Approx(0));
   CHECK(relative_azimuth_deg_from_uvspec(0.5, 30, 30) == doctest::Approx(180));
   CHECK(relative_azimuth_deg_from_uvspec(0.5, 210, 30) == doctest::Approx(0).epsilon(1e-12));

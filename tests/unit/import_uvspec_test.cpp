@@ -10,17 +10,21 @@ using namespace raycube::testing;
 namespace {
 
 const std::string kInput =
-    "# a comment\nsource solar ../data/solar_flux/kurudz_1.0nm.dat per_nm\nrte_solver disort\nwavelength 550 551 # nm\nsza 40\nphi0 30\n"
+    "# a comment\nsource solar ../data/solar_flux/kurudz_1.0nm.dat per_nm\nrte_solver disort\nwavelength 550 551 # "
+    "nm\nsza 40\nphi0 30\n"
     "umu -0.5 1.0\nphi 30 120\nzout 0 3\n";
 const std::string kBlock =
     "  550.000  7.000000e+02  4.000000e+02  2.200000e+02  8.0e+01  7.0e+01  3.9e+01\n     30.000   120.000\n"
     "-0.5000  1.40e+02  4.04e+02  8.80e+01\n 1.0000  7.80e+01  7.81e+01  7.82e+01\n";
 const std::string kUpper = replaced(kBlock, "7.000000e+02", "9.000000e+02");
-const std::string kOutput = kBlock + kUpper + replaced(kBlock, "550.000", "551.000") + replaced(kUpper, "550.000", "551.000");
+const std::string kOutput =
+    kBlock + kUpper + replaced(kBlock, "550.000", "551.000") + replaced(kUpper, "550.000", "551.000");
 
 struct Files {
   TestFolder folder;
-  Files(const std::string& input, const std::string& output) { folder.write("a.inp", input), folder.write("a.out", output); }
+  Files(const std::string& input, const std::string& output) {
+    folder.write("a.inp", input), folder.write("a.out", output);
+  }
   Imported read() const { return read_uvspec(folder / "a.out"); }
 };
 
@@ -55,16 +59,23 @@ TEST_CASE("S20 uvspec: blocks of levels and directions, azimuths in the project'
 TEST_CASE("S20 uvspec: units of thermal output, output_user, ratios") {
   const std::string thermal = "source thermal\nwavelength 10000 10000\noutput_process per_cm-1\n";
   const std::string line = " 10000.000  0.0e+00  9.0e-02  2.0e-01  0.0e+00  1.0e-02  4.0e-02\n";
-  CHECK(Files(thermal, line).read().runs[0].at("irradiance_down_diffuse").values[0] == doctest::Approx(9).epsilon(1e-12));
-  CHECK(Files(replaced(thermal, "per_cm-1", "per_nm"), line).read().runs[0].at("irradiance_down_diffuse").values[0] == doctest::Approx(90).epsilon(1e-12));
-  CHECK(holds(refused(replaced(thermal, "output_process per_cm-1", ""), line), "the unit of the output cannot be told"));
-  const std::string user = "source solar kurudz_1.0nm.dat\nwavelength 860 860\nsza 40\numu 1.0\nphi 0\nzout TOA\noutput_user lambda wavenumber sza edir uu\n";
+  CHECK(Files(thermal, line).read().runs[0].at("irradiance_down_diffuse").values[0] ==
+        doctest::Approx(9).epsilon(1e-12));
+  CHECK(Files(replaced(thermal, "per_cm-1", "per_nm"), line).read().runs[0].at("irradiance_down_diffuse").values[0] ==
+        doctest::Approx(90).epsilon(1e-12));
+  CHECK(
+      holds(refused(replaced(thermal, "output_process per_cm-1", ""), line), "the unit of the output cannot be told"));
+  const std::string user =
+      "source solar kurudz_1.0nm.dat\nwavelength 860 860\nsza 40\numu 1.0\nphi 0\nzout TOA\noutput_user lambda "
+      "wavenumber sza edir uu\n";
   const Run run = Files(user, "  860.000 11627.907    40.000  6.0e+02  6.8e+01\n").read().runs[0];
   CHECK(run.columns.size() == 2);
   CHECK(run.at("radiance_upward").values[0] == 68);
   CHECK(run.at("radiance_upward").place.top_of_air);
-  CHECK(holds(refused(user, "  860.000 11628.907    40.000  6.0e+02  6.8e+01\n"), "a.out:1: lambda and wavenumber disagree"));
-  CHECK(holds(refused(user, "  860.000 11627.907    41.000  6.0e+02  6.8e+01\n"), "a.out:1: sza is not that of the input file"));
+  CHECK(holds(refused(user, "  860.000 11628.907    40.000  6.0e+02  6.8e+01\n"),
+              "a.out:1: lambda and wavenumber disagree"));
+  CHECK(holds(refused(user, "  860.000 11627.907    41.000  6.0e+02  6.8e+01\n"),
+              "a.out:1: sza is not that of the input file"));
   CHECK(holds(refused(replaced(user, "edir uu", "edir heat"), ""), "a.out"));
   const std::string ratio = "source solar mine.dat\nwavelength 750 750\noutput_quantity transmittance\n";
   const Run t = Files(ratio, " 750.000 0.77 -2.0e-15 0.1 0.1 0.1 0.1\n").read().runs[0];
@@ -74,7 +85,9 @@ TEST_CASE("S20 uvspec: units of thermal output, output_user, ratios") {
 
 TEST_CASE("S20 uvspec: faults are refused with file and line") {
   REQUIRE(refused(kInput, kOutput).empty());
-  const auto with = [](const std::string& from, const std::string& to) { return refused(kInput, replaced(kOutput, from, to)); };
+  const auto with = [](const std::string& from, const std::string& to) {
+    return refused(kInput, replaced(kOutput, from, to));
+  };
   CHECK(holds(with("4.04e+02", "********"), "a.out:3: radiances did not fit its field"));
   CHECK(holds(with("4.04e+02", "nan"), "a.out:3: radiances is not finite"));
   CHECK(holds(with("4.04e+02", "-4.04e+02"), "a.out:3: uu is negative"));
@@ -82,12 +95,17 @@ TEST_CASE("S20 uvspec: faults are refused with file and line") {
   CHECK(holds(with("30.000   120", "30.000   121"), "a.out:2: phi is not that of the input file"));
   CHECK(holds(with("-0.5000", "-0.6000"), "a.out:3: umu is not that of the input file"));
   CHECK(holds(refused(kInput, kBlock + kUpper + kBlock + kUpper), "a.out:9: wavelengths do not ascend"));
-  CHECK(holds(refused(kInput, kBlock + replaced(kUpper, "550.000", "551.000")), "a.out:5: the wavelength changes between the levels"));
-  CHECK(holds(refused(kInput, kBlock + kUpper + replaced(kBlock, "550.000", "551.000")), "the last wavelength has not every level"));
+  CHECK(holds(refused(kInput, kBlock + replaced(kUpper, "550.000", "551.000")),
+              "a.out:5: the wavelength changes between the levels"));
+  CHECK(holds(refused(kInput, kBlock + kUpper + replaced(kBlock, "550.000", "551.000")),
+              "the last wavelength has not every level"));
   CHECK(holds(refused(kInput, kOutput.substr(0, kOutput.size() - 30)), "a.out:16:"));
-  CHECK(holds(refused(replaced(kInput, "550 551", "550 560"), kOutput), "the wavelengths are not those of the input file"));
-  CHECK(holds(refused(replaced(kInput, "kurudz", "mine"), kOutput), "the unit of the output is that of the solar file"));
-  CHECK(holds(refused(replaced(kInput, "rte_solver disort", "rte_solver polradtran"), kOutput), "the layout of this rte_solver is not known"));
+  CHECK(holds(refused(replaced(kInput, "550 551", "550 560"), kOutput),
+              "the wavelengths are not those of the input file"));
+  CHECK(
+      holds(refused(replaced(kInput, "kurudz", "mine"), kOutput), "the unit of the output is that of the solar file"));
+  CHECK(holds(refused(replaced(kInput, "rte_solver disort", "rte_solver polradtran"), kOutput),
+              "the layout of this rte_solver is not known"));
   CHECK(holds(refused(kInput + "include other.inp\n", kOutput), "a.inp:10: this setting"));
   CHECK(holds(refused(replaced(kInput, "zout 0 3", "zout 0 x"), kOutput), "a.inp:9: zout is no number"));
   const TestFolder folder;

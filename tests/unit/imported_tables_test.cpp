@@ -50,7 +50,9 @@ scene::Band band(double center_um, double fwhm_um) {
 
 TEST_CASE("a table of nadir serves views whose path has as much air: silent to 0.5 %, told to 5 %, then refused") {
   const auto table = imported({0}, {0, 1000});
-  const auto said = [&](double to_deg) { return plan::one_direction_notices(table, "camera", views(0, to_deg), {0, 1000}); };
+  const auto said = [&](double to_deg) {
+    return plan::one_direction_notices(table, "camera", views(0, to_deg), {0, 1000});
+  };
   // sec - 1 is 0.5 % at 5.72 deg and 5 % at 17.75 deg.
   CHECK(said(5.6).empty());
   REQUIRE(said(5.8).size() == 1);
@@ -62,7 +64,9 @@ TEST_CASE("a table of nadir serves views whose path has as much air: silent to 0
 
 TEST_CASE("a table of one target height serves heights whose air is a part of the whole column") {
   const auto table = imported({0, 60}, {0});
-  const auto said = [&](double high_m) { return plan::one_direction_notices(table, "camera", views(0, 1), {0, high_m}); };
+  const auto said = [&](double high_m) {
+    return plan::one_direction_notices(table, "camera", views(0, 1), {0, high_m});
+  };
   // 1 - exp(-h / 8 km) is 0.5 % at 40 m and 5 % at 410 m.
   CHECK(said(39).empty());
   CHECK(said(42).size() == 1);

@@ -1,4 +1,5 @@
-// Knobs: what is set is what is got, levels hold the subject's own, a plan obeys what is given, and every level renders.
+// Knobs: what is set is what is got, levels hold the subject's own, a plan obeys what is given, and every level
+// renders.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -37,14 +38,17 @@ scene::Simulation small() {
 
 atmos::RenderTable table_of(const scene::Simulation& s) {
   scene::AtmosphereSpec clear;
-  atmos::RenderTable table = atmos::make_table(clear, s.sun, 300, atmos::clear_sky_wavelengths(0.45, 0.95, 0), atmos::clear_sky_heights(0, 30));
+  atmos::RenderTable table = atmos::make_table(clear, s.sun, 300, atmos::clear_sky_wavelengths(0.45, 0.95, 0),
+                                               atmos::clear_sky_heights(0, 30));
   test::add_ground_coupling(table);
   return table;
 }
 
 }  // namespace
 
-TEST_CASE("S64 knobs: names are unique, levels hold the own setting, set then get returns every level, Settings puts all back") {
+TEST_CASE(
+    "S64 knobs: names are unique, levels hold the own setting, set then get returns every level, Settings puts all "
+    "back") {
   scene::Simulation s = small();
   std::set<std::string> names;
   int applied = 0;
@@ -53,7 +57,8 @@ TEST_CASE("S64 knobs: names are unique, levels hold the own setting, set then ge
     CHECK(names.insert(knob.name).second);
     CHECK_FALSE(knob.text.empty());
     CHECK(&knobs::find_knob(knob.name) == &knob);
-    for (const knobs::Subject subject : {knobs::Subject{s, &s.instruments[0], nullptr}, knobs::Subject{s, nullptr, &s.lidars[0]}}) {
+    for (const knobs::Subject subject :
+         {knobs::Subject{s, &s.instruments[0], nullptr}, knobs::Subject{s, nullptr, &s.lidars[0]}}) {
       if (!knob.applies(subject)) continue;
       ++applied;
       const double own = knob.get(subject);
@@ -93,7 +98,8 @@ TEST_CASE("S64 plans obey what is given and say so; the impossible is refused") 
   CHECK_FALSE(nlohmann::json::parse(make().report_json).contains("given"));
   for (const int nodes : {1, 4}) {
     s.plan = {};
-    s.plan.height_nodes = nodes, s.plan.view_nodes = nodes == 4 ? 1 : nodes, s.plan.path_nodes = std::min(nodes, 2), s.plan.sky_rank = std::min(nodes, 2);
+    s.plan.height_nodes = nodes, s.plan.view_nodes = nodes == 4 ? 1 : nodes, s.plan.path_nodes = std::min(nodes, 2),
+    s.plan.sky_rank = std::min(nodes, 2);
     const plan::Plan plan = make();
     CHECK(plan.height.count == nodes);
     CHECK(plan.view.count == s.plan.view_nodes);
@@ -126,8 +132,11 @@ TEST_CASE("S64 every count of nodes and every rank is obeyed by itself, whatever
         continue;
       }
       REQUIRE(choice.possible);
-      const auto is = [&](const char* whose, int count) { CHECK(count == (std::string(name) == whose ? std::max(1, static_cast<int>(level)) : 1)); };
-      is("sky_rank", choice.sky_rank), is("height_nodes", choice.height), is("view_nodes", choice.view), is("path_nodes", choice.path_x), is("path_nodes", choice.path_y);
+      const auto is = [&](const char* whose, int count) {
+        CHECK(count == (std::string(name) == whose ? std::max(1, static_cast<int>(level)) : 1));
+      };
+      is("sky_rank", choice.sky_rank), is("height_nodes", choice.height), is("view_nodes", choice.view),
+          is("path_nodes", choice.path_x), is("path_nodes", choice.path_y);
       ++obeyed;
     }
   }
@@ -142,15 +151,18 @@ TEST_CASE("S64 all knobs at their cheapest, and all at their dearest, render fin
   for (const bool dearest : {false, true}) {
     const knobs::Settings keep(subject);
     for (const knobs::Knob& knob : knobs::all_knobs())
-      if (knob.applies(subject)) knob.set(subject, dearest ? knob.levels(subject).back() : knob.levels(subject).front());
+      if (knob.applies(subject))
+        knob.set(subject, dearest ? knob.levels(subject).back() : knob.levels(subject).front());
     if (dearest) s.plan = {2, 2, 5, 3};  // 30 of 32 channels
     const test::Image image = test::render_image(s, table);
-    // Dearest: a look of 64 points, once more for the scene's mean (all pixels of so small an image), then 64 or all samples.
+    // Dearest: a look of 64 points, once more for the scene's mean (all pixels of so small an image), then 64 or all
+    // samples.
     const std::uint64_t pixels = 8 * 4, refined = image.statistics.refined_pixels;
     CHECK(image.statistics.primary_rays == (dearest ? (3 * pixels - refined) * 64 + refined * 21 * 21 : pixels));
     CHECK((image.statistics.refined_pixels > 0) == dearest);
     CHECK(std::all_of(image.radiance.begin(), image.radiance.end(), [](float l) { return std::isfinite(l); }));
-    // One sky direction stands for half the sky: what it takes away may be more than there is, and only the mean over pixels is right.
+    // One sky direction stands for half the sky: what it takes away may be more than there is, and only the mean over
+    // pixels is right.
     if (dearest) CHECK(*std::min_element(image.radiance.begin(), image.radiance.end()) > 0);
   }
 }

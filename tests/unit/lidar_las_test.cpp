@@ -72,18 +72,27 @@ TEST_CASE("L-28: LAS: return numbers outside 1 to 15 and above the number of ret
 TEST_CASE("L-28: LAS: waveforms LAS cannot describe are refused before the run") {
   TestFolder folder;
   base::OutputFile file(folder / "a.las"), packets(folder / "a.wdp");
-  for (const LasDescriptor& d : {LasDescriptor{12, 10, 1000, 1, 0}, {16, 0, 1000, 1, 0}, {16, 10, 0, 1, 0}, {16, 10, 1000, 0, 0}}) {
+  for (const LasDescriptor& d :
+       {LasDescriptor{12, 10, 1000, 1, 0}, {16, 0, 1000, 1, 0}, {16, 10, 0, 1, 0}, {16, 10, 1000, 0, 0}}) {
     LasOptions options;
     options.descriptors = {d};
     message_of(base::Fault::input, [&] { LasWriter(file, &packets, options); });
   }
   LasOptions many;
   many.descriptors.resize(256, {16, 10, 1000, 1, 0});
-  CHECK(message_of(base::Fault::input, [&] { LasWriter(file, &packets, many); }).find("at most 255") != std::string::npos);
+  CHECK(message_of(base::Fault::input, [&] { LasWriter(file, &packets, many); }).find("at most 255") !=
+        std::string::npos);
 }
 
-TEST_CASE("L-28: LAS: intensities are photo-electrons in the smallest power of two that fits the strongest; descriptors come as they are needed") {
-  for (const auto& [strongest, unit] : {std::pair{65535.0f, 1.0}, {65536.0f, 2.0}, {131070.0f, 2.0}, {131071.0f, 4.0}, {1.0f, 1.0 / 32768}, {0.0f, 1.0}}) {
+TEST_CASE(
+    "L-28: LAS: intensities are photo-electrons in the smallest power of two that fits the strongest; descriptors come "
+    "as they are needed") {
+  for (const auto& [strongest, unit] : {std::pair{65535.0f, 1.0},
+                                        {65536.0f, 2.0},
+                                        {131070.0f, 2.0},
+                                        {131071.0f, 4.0},
+                                        {1.0f, 1.0 / 32768},
+                                        {0.0f, 1.0}}) {
     TestFolder folder;
     base::OutputFile file(folder / "a.las"), packets(folder / "a.wdp");
     LasOptions options;
@@ -93,7 +102,9 @@ TEST_CASE("L-28: LAS: intensities are photo-electrons in the smallest power of t
     CHECK(writer.descriptor({16, 1, 1000, 1, 0}) == 0);
     CHECK(writer.descriptor({16, 1, 1000, 2, 0}) == 1);
     CHECK(writer.descriptor({16, 1, 1000, 1, 0}) == 0);
-    CHECK(message_of(base::Fault::input, [&, &w = writer] { w.descriptor({16, 1, 1000, 4, 0}); }).find("full scale") != std::string::npos);
+    CHECK(message_of(base::Fault::input, [&, &w = writer] {
+            w.descriptor({16, 1, 1000, 4, 0});
+          }).find("full scale") != std::string::npos);
     LasPoint p;
     for (const float energy : {strongest, strongest / 3, std::nanf("")}) {
       p.truth.energy_pe = energy;
@@ -106,7 +117,8 @@ TEST_CASE("L-28: LAS: intensities are photo-electrons in the smallest power of t
     const std::string bytes = folder.read("a.las");
     for (std::size_t i = 0; i < 3; ++i) {
       std::uint16_t intensity = 0;
-      std::memcpy(&intensity, bytes.data() + bytes.size() - (3 - i) * static_cast<std::size_t>(info.record_bytes) + 12, 2);
+      std::memcpy(&intensity, bytes.data() + bytes.size() - (3 - i) * static_cast<std::size_t>(info.record_bytes) + 12,
+                  2);
       CHECK(intensity == (i == 2 ? 0 : static_cast<int>(std::lround((i == 0 ? strongest : strongest / 3) / unit))));
     }
   }

@@ -17,7 +17,9 @@ Approx exactly(double value) { return Approx(value).epsilon(1e-12); }
 
 TEST_CASE("S27 LIDAR.md 2.1: every definition of a Gaussian's width, against the encircled energy it stands for") {
   // F(r) = 2E/(pi w^2) exp(-2 r^2/w^2), so the share within r is 1 - exp(-2 r^2/w^2): the four radii hold these shares.
-  const auto share = [](const char* definition) { return 1 - std::exp(-2 / std::pow(*beam_width_factor(definition), 2)); };
+  const auto share = [](const char* definition) {
+    return 1 - std::exp(-2 / std::pow(*beam_width_factor(definition), 2));
+  };
   CHECK(share("1 sigma") == exactly(1 - std::exp(-0.5)));
   CHECK(share("FWHM") == exactly(0.5));
   CHECK(share("1/e") == exactly(1 - std::exp(-1.0)));
@@ -53,7 +55,8 @@ TEST_CASE("S27: the option table offers no definition that is not converted") {
       if (bar == std::string::npos) break;
     }
   };
-  each("lidar.pulse", "divergence_is", [](const std::string& is) { CHECK_MESSAGE(half_divergence(1, is).has_value(), is); });
+  each("lidar.pulse", "divergence_is",
+       [](const std::string& is) { CHECK_MESSAGE(half_divergence(1, is).has_value(), is); });
   each("lidar.pulse", "exit_is", [](const std::string& is) { CHECK_MESSAGE(beam_width_factor(is).has_value(), is); });
 }
 
@@ -88,8 +91,8 @@ TEST_CASE("S27: the smallest LIDAR, no instrument beside it, gets its defaults")
 
   const auto json = nlohmann::json::parse(simulation.resolved_json)["lidar"][0];
   CHECK(json["pulse"]["divergence_is"] == "full angle at 1/e^2");
-  CHECK_FALSE(l.transport.subrays_given);       // left to the planner
-  CHECK(json["sampling"]["bounces"] == 1);      // of a table the file does not name
+  CHECK_FALSE(l.transport.subrays_given);   // left to the planner
+  CHECK(json["sampling"]["bounces"] == 1);  // of a table the file does not name
   CHECK(json["turbulence"]["wind_m_s"] == 21);
   CHECK(json["scan"]["pattern"] == "fixed");
 }
@@ -280,7 +283,8 @@ orders = true
   CHECK(l.transport.range_limit_m == 2000);
   CHECK(l.turbulence.profile == TurbulenceProfile::constant);
   CHECK(l.turbulence.cn2 == 1e-14);
-  CHECK_FALSE((l.turbulence.spread || l.turbulence.wander || l.turbulence.scintillation || l.turbulence.blur || l.turbulence.broadening));
+  CHECK_FALSE((l.turbulence.spread || l.turbulence.wander || l.turbulence.scintillation || l.turbulence.blur ||
+               l.turbulence.broadening));
   CHECK(l.turbulence.outer_scale_m == 3);
   CHECK(l.turbulence.andrews_wander);
   CHECK(l.speckle.on);
@@ -305,9 +309,15 @@ orders = true
 
 TEST_CASE("S27: an array samples from the receiver, a Geiger detector has its keys, Hufnagel-Valley its own") {
   const Folder folder;
-  const auto simulation = load(folder, lidar_text({{"receiver", "aperture_diameter_m = 0.2\narray = { columns = 128, rows = 64, pitch_um = 50, focal_length_mm = 400 }\n"},
-                                                   {"detector", "mode = \"geiger\"\ndead_time_ns = 50\njitter_fwhm_ns = 0.3\nafterpulse_probability = 0.01\nafterpulse_time_ns = 80\ncells = 4\n"},
-                                                   {"turbulence", "profile = \"hufnagel_valley\"\nwind_m_s = 35\nground_cn2 = 1e-15\nground_z_m = 120\n"}}));
+  const auto simulation = load(
+      folder,
+      lidar_text(
+          {{"receiver",
+            "aperture_diameter_m = 0.2\narray = { columns = 128, rows = 64, pitch_um = 50, focal_length_mm = 400 }\n"},
+           {"detector",
+            "mode = \"geiger\"\ndead_time_ns = 50\njitter_fwhm_ns = 0.3\nafterpulse_probability = "
+            "0.01\nafterpulse_time_ns = 80\ncells = 4\n"},
+           {"turbulence", "profile = \"hufnagel_valley\"\nwind_m_s = 35\nground_cn2 = 1e-15\nground_z_m = 120\n"}}));
   const Lidar& l = simulation.lidars.at(0);
   CHECK(l.transport.sampling == LidarSampling::receiver);
   CHECK(l.receiver.columns == 128);
@@ -329,12 +339,15 @@ TEST_CASE("S27: an array samples from the receiver, a Geiger detector has its ke
 
 TEST_CASE("S40: thresholds by false returns of a record, air as background, and the class of noise") {
   const Folder folder;
-  const auto echoes = [&](const std::string& text) { return load(folder, lidar_text({{"echoes", text}})).lidars.at(0).echoes; };
+  const auto echoes = [&](const std::string& text) {
+    return load(folder, lidar_text({{"echoes", text}})).lidars.at(0).echoes;
+  };
   const auto plain = echoes("method = \"peak\"\n");
   CHECK(plain.false_returns == 0.01);
   CHECK(plain.air_is_background);
   CHECK(plain.noise_class_above == 0.001);
-  const auto given = echoes("method = \"peak\"\nfalse_returns = 0.5\nair_is_background = false\nnoise_class_above = 0\n");
+  const auto given =
+      echoes("method = \"peak\"\nfalse_returns = 0.5\nair_is_background = false\nnoise_class_above = 0\n");
   CHECK(given.false_returns == 0.5);
   CHECK_FALSE(given.air_is_background);
   CHECK(given.noise_class_above == 0);
@@ -354,7 +367,8 @@ TEST_CASE("S27-S41: the shipped LIDAR scenes that need no generated files load")
 TEST_CASE("S27: a trajectory file gives the platform, its clock and the number of pulses") {
   const Folder folder;
   folder.write("t.csv", "time_s,x_m,y_m,z_m,heading_deg\n10,0,0,900,350\n12,0,120,910,10\n");
-  const Lidar l = load(folder, lidar_text({{"top", "trajectory = \"t.csv\"\nprf_khz = 1\nroll_deg = 3\n"}})).lidars.at(0);
+  const Lidar l =
+      load(folder, lidar_text({{"top", "trajectory = \"t.csv\"\nprf_khz = 1\nroll_deg = 3\n"}})).lidars.at(0);
   REQUIRE(l.trajectory.size() == 2);
   CHECK(l.trajectory[1].time_s == 12);
   CHECK(l.trajectory[1].y_m == 120);
@@ -366,8 +380,10 @@ TEST_CASE("S27: a trajectory file gives the platform, its clock and the number o
 
 TEST_CASE("S27: a platform at rest can look at a point; a raster scan counts its own pulses") {
   const Folder folder;
-  const Lidar l = load(folder, lidar_text({{"top", "position_m = [100, 100, 50]\nlook_at_m = [0, 200, 50]\nprf_khz = 1\n"},
-                                           {"scan", "pattern = \"raster\"\ncolumns = 30\nrows = 20\nstep_deg = 0.1\n"}})).lidars.at(0);
+  const Lidar l =
+      load(folder, lidar_text({{"top", "position_m = [100, 100, 50]\nlook_at_m = [0, 200, 50]\nprf_khz = 1\n"},
+                               {"scan", "pattern = \"raster\"\ncolumns = 30\nrows = 20\nstep_deg = 0.1\n"}}))
+          .lidars.at(0);
   CHECK(l.trajectory.at(0).heading_deg == exactly(-45));
   CHECK(l.trajectory.at(0).pitch_deg == exactly(90));
   CHECK(l.pulses == 600);
@@ -380,8 +396,13 @@ TEST_CASE("LIDAR.md 2.2: a tabulated pulse is scaled to area 1 and its zero is w
   // A triangle from 1 to 4 ns with its peak at 2 ns: area 6, centroid (1 + 2 + 4) / 3 ns.
   folder.write("p.csv", "time_ns,power\n1,0\n2,4\n4,0\n");
   const auto shape = [&](const std::string& zero) {
-    return load(folder, lidar_text({{"pulse", "energy_J = 1\nwavelength_nm = 532\ndivergence_mrad = 1\ndivergence_is = \"half angle at 1/e\"\nshape = \"tabulated\"\n"
-                                              "shape_file = \"p.csv\"\nzero_at = \"" + zero + "\"\n"}})).lidars.at(0).pulse;
+    return load(folder, lidar_text({{"pulse",
+                                     "energy_J = 1\nwavelength_nm = 532\ndivergence_mrad = 1\ndivergence_is = \"half "
+                                     "angle at 1/e\"\nshape = \"tabulated\"\n"
+                                     "shape_file = \"p.csv\"\nzero_at = \"" +
+                                         zero + "\"\n"}}))
+        .lidars.at(0)
+        .pulse;
   };
   const LidarPulse file = shape("file"), peak = shape("peak"), centroid = shape("centroid");
   REQUIRE(file.shape_time_s.size() == 3);
@@ -395,13 +416,18 @@ TEST_CASE("LIDAR.md 2.1, 2.3: what no laser can do is said, not refused") {
   const Folder folder;
   // w 5 mm, 0.25 mrad, 1064 nm: M2 = 3.69; a tenth of the divergence is below the diffraction limit.
   const auto notices = [&](const std::string& divergence_mrad, const std::string& line_nm) {
-    return load(folder, lidar_text({{"pulse", "energy_J = 1\nwavelength_nm = 1064\nline_fwhm_nm = " + line_nm + "\nexit_diameter_mm = 10\nexit_is = \"1/e^2\"\ndivergence_mrad = " + divergence_mrad +
-                                              "\ndivergence_is = \"half angle at 1/e^2\"\nfwhm_ns = 4\n"}})).notices;
+    return load(folder, lidar_text({{"pulse", "energy_J = 1\nwavelength_nm = 1064\nline_fwhm_nm = " + line_nm +
+                                                  "\nexit_diameter_mm = 10\nexit_is = \"1/e^2\"\ndivergence_mrad = " +
+                                                  divergence_mrad +
+                                                  "\ndivergence_is = \"half angle at 1/e^2\"\nfwhm_ns = 4\n"}}))
+        .notices;
   };
   CHECK(notices("0.25", "0.01").empty());  // 2.648 GHz * 4 ns = 10.6
   REQUIRE(notices("0.025", "0").size() == 1);
   CHECK_SAYS(notices("0.025", "0")[0], "M2 = 0.369");
   REQUIRE(notices("0.25", "0.0001").size() == 1);
   CHECK_SAYS(notices("0.25", "0.0001")[0], "below the transform limit");
-  CHECK(load(folder, lidar_text({{"pulse", std::string(kBeam) + "divergence_mrad = 0\ndivergence_is = \"half angle at 1/e\"\n"}})).notices.size() == 1);
+  CHECK(load(folder, lidar_text({{"pulse", std::string(kBeam) +
+                                               "divergence_mrad = 0\ndivergence_is = \"half angle at 1/e\"\n"}}))
+            .notices.size() == 1);
 }

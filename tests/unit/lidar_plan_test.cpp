@@ -1,4 +1,5 @@
-// What the plan makes of a LIDAR: shares of bins, sub-rays, air along height, spectral nodes, against integrals and closed forms.
+// What the plan makes of a LIDAR: shares of bins, sub-rays, air along height, spectral nodes, against integrals and
+// closed forms.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -21,7 +22,9 @@ double tap(const lidar::PulseTaps& taps, double position, int bin) {
   const double whole = std::floor(position), phase = (position - whole) * taps.phases;
   const int q = std::min(static_cast<int>(phase), taps.phases - 1), i = bin - static_cast<int>(whole) - taps.first;
   if (i < 0 || i >= taps.taps) return 0;
-  const auto at = [&](int row) { return static_cast<double>(taps.share[static_cast<std::size_t>(row * taps.taps + i)]); };
+  const auto at = [&](int row) {
+    return static_cast<double>(taps.share[static_cast<std::size_t>(row * taps.taps + i)]);
+  };
   return at(q) + (phase - q) * (at(q + 1) - at(q));
 }
 
@@ -32,7 +35,8 @@ double worst_tap_error(const scene::LidarPulse& pulse, double bin_s) {
     const double position = 40 + k * 0.000733123;
     double sum = 0;
     for (int bin = 0; bin < 100; ++bin) {
-      const double exact = lidar::pulse_share(pulse, (bin - position) * bin_s, (bin + 1 - position) * bin_s), found = tap(taps, position, bin);
+      const double exact = lidar::pulse_share(pulse, (bin - position) * bin_s, (bin + 1 - position) * bin_s),
+                   found = tap(taps, position, bin);
       worst = std::max(worst, std::abs(exact - found));
       largest = std::max(largest, exact);
       sum += found;
@@ -47,7 +51,10 @@ double worst_tap_error(const scene::LidarPulse& pulse, double bin_s) {
 TEST_CASE("bad input: a pulse over more bins than a device adds at every hit is refused, one below is not") {
   scene::LidarPulse pulse;
   pulse.fwhm_s = 1e-3;
-  CHECK_THROWS_WITH_AS(lidar::make_taps(pulse, 1e-9), doctest::Contains("in bins of 1.000000 ns, more than 2048 bins); give wider bins (bin_ns) or a shorter pulse"), base::Error);
+  CHECK_THROWS_WITH_AS(
+      lidar::make_taps(pulse, 1e-9),
+      doctest::Contains("in bins of 1.000000 ns, more than 2048 bins); give wider bins (bin_ns) or a shorter pulse"),
+      base::Error);
   CHECK(lidar::make_taps(pulse, 1e-4).taps < 60);
   pulse.shape = scene::PulseShape::rectangular;
   pulse.fwhm_s = 2047e-9;
@@ -105,7 +112,8 @@ TEST_CASE("2.1: sub-rays of a Gaussian beam past a straight edge, rms error of t
     for (int turn = 0; turn < 720; ++turn) {
       const double c = std::cos(turn * M_PI / 360), s = std::sin(turn * M_PI / 360);
       int beyond = 0;
-      for (std::size_t i = 0; i < footprint.a.size(); ++i) beyond += w * (c * footprint.a[i] + s * footprint.b[i]) > edge;
+      for (std::size_t i = 0; i < footprint.a.size(); ++i)
+        beyond += w * (c * footprint.a[i] + s * footprint.b[i]) > edge;
       sum += std::pow(static_cast<double>(beyond) / n - exact, 2);
     }
     return std::sqrt(sum / 720);
@@ -166,7 +174,8 @@ TEST_CASE("S30: air of a constant and of an exponential profile along height") {
   };
   for (const double z : {10.0, 333.0, 1000.0, 2990.0}) {
     const double from_ground = depth_to(0, z) - depth_to(0, 0);
-    CHECK(from_ground == doctest::Approx(exact(z)).epsilon(1e-4 + 0.02 * 20 / z));  // dz^2/8 of the slope within one post
+    CHECK(from_ground ==
+          doctest::Approx(exact(z)).epsilon(1e-4 + 0.02 * 20 / z));  // dz^2/8 of the slope within one post
     CHECK(depth_to(1, z) - depth_to(1, 0) == doctest::Approx(0.5 * from_ground).epsilon(1e-9));
   }
   CHECK(depth_to(0, 0) - depth_to(0, -50) == doctest::Approx(50 * 1.13e-4).epsilon(1e-3));  // ground air goes on below
@@ -184,11 +193,13 @@ TEST_CASE("2.3: nodes of a line keep its mean and width; a reflectance is the li
   lidar.transport.line_nodes = 16;
   auto& curve = simulation.scene.materials[0].reflectance;
   const double center = lidar.pulse.lines[0].wavelength_um;
-  curve = {{center - 0.1, center, center + 0.1}, {0.3, 0.3, 0.5}};  // a kink at the centre: mean 0.3 + slope sigma / sqrt(2 pi)
+  curve = {{center - 0.1, center, center + 0.1},
+           {0.3, 0.3, 0.5}};  // a kink at the centre: mean 0.3 + slope sigma / sqrt(2 pi)
   const auto plan = lidar::make_lidar_plan(simulation, lidar, nullptr);
   double weight = 0, mean = 0, square = 0;
   for (const auto& node : plan.nodes) {
-    weight += node.weight, mean += node.weight * (node.wavelength_um - center), square += node.weight * std::pow(node.wavelength_um - center, 2);
+    weight += node.weight, mean += node.weight * (node.wavelength_um - center),
+        square += node.weight * std::pow(node.wavelength_um - center, 2);
   }
   const double sigma = 1e-4 * 0.42466090014400953;
   CHECK(weight == doctest::Approx(1).epsilon(1e-12));

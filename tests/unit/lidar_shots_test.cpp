@@ -31,7 +31,9 @@ Shot one(const scene::Lidar& lidar, std::int64_t pulse = 0) {
 }
 
 double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-Vec3 cross(const Vec3& a, const Vec3& b) { return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]}; }
+Vec3 cross(const Vec3& a, const Vec3& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
 double distance(const Vec3& a, const Vec3& b) { return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]); }
 #define CHECK_NEAR(a, ...) CHECK(distance(a, Vec3{__VA_ARGS__}) < kTiny)
 
@@ -59,14 +61,16 @@ TEST_CASE("S27: a LIDAR at rest looks down; pulses are 1/prf apart") {
   }
 }
 
-TEST_CASE("S27: a straight flight is where it is at each pulse, on a clock of its own, and stands still beyond its ends") {
+TEST_CASE(
+    "S27: a straight flight is where it is at each pulse, on a clock of its own, and stands still beyond its ends") {
   scene::Lidar lidar = at_rest();
   lidar.trajectory = {{100, 0, 0, 500, 0, 0, 90}, {110, 600, 0, 500, 0, 0, 90}};
   lidar.first_pulse_s = 101;
   const auto shots = make_shots(lidar, 0, 20000, 1);
   // 60 m/s east: 6 cm per pulse.
   CHECK_NEAR(shots[0].exit_m, 60, 0, 500);
-  for (const std::size_t i : {1ul, 17ul, 8999ul}) CHECK(distance(shots[i].exit_m, {60 + 0.06 * static_cast<double>(i), 0, 500}) < 1e-9);
+  for (const std::size_t i : {1ul, 17ul, 8999ul})
+    CHECK(distance(shots[i].exit_m, {60 + 0.06 * static_cast<double>(i), 0, 500}) < 1e-9);
   CHECK_NEAR(shots[15000].exit_m, 600, 0, 500);
   CHECK(shots[9].time_s - shots[8].time_s == doctest::Approx(1e-3).epsilon(1e-10));
   lidar.first_pulse_s = 0;
@@ -81,9 +85,11 @@ TEST_CASE("S27: headings turn the short way over north") {
 }
 
 TEST_CASE("S27: roll, pitch and heading have the signs and the order of the instruments' poses") {
-  for (const auto& [roll, pitch, heading] : {std::array{10.0, 0.0, 0.0}, {0.0, 10.0, 0.0}, {0.0, 0.0, 10.0}, {-25.0, 12.0, 200.0}, {170.0, -80.0, 359.0}}) {
+  for (const auto& [roll, pitch, heading] :
+       {std::array{10.0, 0.0, 0.0}, {0.0, 10.0, 0.0}, {0.0, 0.0, 10.0}, {-25.0, 12.0, 200.0}, {170.0, -80.0, 359.0}}) {
     scene::Lidar lidar = at_rest();
-    lidar.trajectory[0].roll_deg = roll, lidar.trajectory[0].pitch_deg = pitch, lidar.trajectory[0].heading_deg = heading;
+    lidar.trajectory[0].roll_deg = roll, lidar.trajectory[0].pitch_deg = pitch,
+    lidar.trajectory[0].heading_deg = heading;
     const Shot shot = one(lidar);
     const auto frame = sensors::frame_of({10, 20, 1000, roll, pitch, heading});
     CHECK_NEAR(shot.exit_axis, frame.boresight.x, frame.boresight.y, frame.boresight.z);
@@ -152,13 +158,16 @@ TEST_CASE("S27: frames are orthonormal whatever is tilted, and the footprint's t
 TEST_CASE("S27: line scan runs linearly from -half to +half each cycle and jumps back") {
   scene::Lidar lidar = at_rest();
   lidar.scan = {scene::ScanPattern::line, 10, 30 * kDeg, 1, 1, 0};  // 100 pulses a cycle
-  for (const std::int64_t i : {0, 1, 25, 50, 99, 100, 175}) CHECK(across_deg(one(lidar, i)) == doctest::Approx(-30 + 0.6 * static_cast<double>(i % 100)).epsilon(1e-11));
+  for (const std::int64_t i : {0, 1, 25, 50, 99, 100, 175})
+    CHECK(across_deg(one(lidar, i)) == doctest::Approx(-30 + 0.6 * static_cast<double>(i % 100)).epsilon(1e-11));
 }
 
 TEST_CASE("S27: an oscillating mirror swings as a sine") {
   scene::Lidar lidar = at_rest();
   lidar.scan = {scene::ScanPattern::oscillating, 10, 30 * kDeg, 1, 1, 0};
-  for (const std::int64_t i : {1, 12, 25, 60, 75, 1025}) CHECK(across_deg(one(lidar, i)) == doctest::Approx(30 * std::sin(2 * M_PI * static_cast<double>(i) / 100)).epsilon(1e-10));
+  for (const std::int64_t i : {1, 12, 25, 60, 75, 1025})
+    CHECK(across_deg(one(lidar, i)) ==
+          doctest::Approx(30 * std::sin(2 * M_PI * static_cast<double>(i) / 100)).epsilon(1e-10));
 }
 
 TEST_CASE("S27: a rotating mirror turns evenly and fires within its half angle alone") {
@@ -176,18 +185,23 @@ TEST_CASE("S27: a rotating mirror turns evenly and fires within its half angle a
   CHECK(make_shots(lidar, 0, 1000, 1).size() == 1000);
 }
 
-TEST_CASE("S27: a Palmer scanner keeps a constant angle from its boresight and turns once a cycle, clockwise seen from above") {
+TEST_CASE(
+    "S27: a Palmer scanner keeps a constant angle from its boresight and turns once a cycle, clockwise seen from "
+    "above") {
   scene::Lidar lidar = at_rest();
   lidar.scan = {scene::ScanPattern::palmer, 10, 20 * kDeg, 1, 1, 0};
   for (std::int64_t i = 0; i < 100; ++i) {
     const Shot shot = one(lidar, i);
     const double p = 2 * M_PI * static_cast<double>(i) / 100;
-    CHECK_NEAR(shot.exit_axis, std::sin(20 * kDeg) * std::sin(p), std::sin(20 * kDeg) * std::cos(p), -std::cos(20 * kDeg));
+    CHECK_NEAR(shot.exit_axis, std::sin(20 * kDeg) * std::sin(p), std::sin(20 * kDeg) * std::cos(p),
+               -std::cos(20 * kDeg));
     // The field nutates and does not roll: its turn is the shortest, so u changes by the lean alone.
     CHECK(dot(shot.pupil_u, {1, 0, 0}) > std::cos(20 * kDeg) - kTiny);
   }
   lidar.transmitter.tilt_along_rad = lidar.receiver_mount.tilt_along_rad = 0.3;
-  for (const std::int64_t i : {0, 13, 77}) CHECK(dot(one(lidar, i).exit_axis, {0, std::sin(0.3), -std::cos(0.3)}) == doctest::Approx(std::cos(20 * kDeg)).epsilon(1e-13));
+  for (const std::int64_t i : {0, 13, 77})
+    CHECK(dot(one(lidar, i).exit_axis, {0, std::sin(0.3), -std::cos(0.3)}) ==
+          doctest::Approx(std::cos(20 * kDeg)).epsilon(1e-13));
 }
 
 TEST_CASE("S27: a raster goes row by row, from behind forwards, and again") {

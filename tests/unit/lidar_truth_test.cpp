@@ -18,7 +18,8 @@ lidar::ShotResult hits_everywhere(const lidar::LidarPlan& plan, const lidar::Sho
   return result;
 }
 
-std::vector<lidar::ReturnTruth> truth_of(const scene::CompiledScene& scene, const lidar::LidarPlan& plan, const lidar::ShotResult& result, int pixel, int line,
+std::vector<lidar::ReturnTruth> truth_of(const scene::CompiledScene& scene, const lidar::LidarPlan& plan,
+                                         const lidar::ShotResult& result, int pixel, int line,
                                          const std::vector<lidar::Echo>& echoes) {
   return lidar::return_truth(scene, lidar::flatten_volumes(scene.volumes), plan, result, pixel, line, echoes);
 }
@@ -73,10 +74,12 @@ TEST_CASE("L-01: truth of a return from a plane: range, photo-electrons, inciden
   lidar::Echo near, far;
   near.range_m = 1000.2, far.range_m = 1010;
   const auto truth = truth_of(scene, plan, hits_everywhere(plan, shot), 0, 0, {near, far});
-  // A sub-ray counts only within the pulse of the echo; here all do, at half a footprint of 0.25 m times tan 30 degrees.
+  // A sub-ray counts only within the pulse of the echo; here all do, at half a footprint of 0.25 m times tan 30
+  // degrees.
   CHECK(truth[0].subray_share == doctest::Approx(1));
   CHECK(truth[0].range_m == doctest::Approx(1000).epsilon(2e-6));
-  CHECK(truth[0].expected_pe == doctest::Approx(34992.34561).epsilon(2e-5));  // finite footprint: order (0.25 m / 1 km)^2 and its slope
+  CHECK(truth[0].expected_pe ==
+        doctest::Approx(34992.34561).epsilon(2e-5));  // finite footprint: order (0.25 m / 1 km)^2 and its slope
   CHECK(truth[0].incidence_deg == doctest::Approx(30).epsilon(1e-3));
   CHECK(truth[0].transmission_2way == doctest::Approx(0.8187307531).epsilon(2e-6));
   CHECK(truth[0].order == 1);
@@ -116,7 +119,8 @@ TEST_CASE("S29: truth of sub-rays into an array is the pixel's own and agrees wi
     spec.transport.sampling = sampling;
     const auto plan = test::hand_plan(spec, scene);
     for (int pixel = 0; pixel < 8; ++pixel) {
-      // Pixels see the tilted plane at ranges of their own, over half a metre each: echoes every 0.1 m take all sub-rays.
+      // Pixels see the tilted plane at ranges of their own, over half a metre each: echoes every 0.1 m take all
+      // sub-rays.
       std::vector<lidar::Echo> echoes;
       for (int i = -40; i <= 40; ++i) echoes.push_back(echo_at(2000 + 0.1 * i));
       double sum = 0;
@@ -151,11 +155,14 @@ TEST_CASE("L-09: truth's transmission is averaged over the line after the expone
     plan.cross_section_cm2.clear();
     for (const auto& node : plan.nodes) {
       const double away_cm = 1e4 / node.wavelength_um - centre_cm;
-      plan.cross_section_cm2.push_back(strength * half_width_cm / (M_PI * (away_cm * away_cm + half_width_cm * half_width_cm)));
+      plan.cross_section_cm2.push_back(strength * half_width_cm /
+                                       (M_PI * (away_cm * away_cm + half_width_cm * half_width_cm)));
     }
     const auto shot = test::shot_from(spec, {0, 0, 1000}, {0, 0, -1});
-    // The specification's table (6.3); the column in single precision, depth 5.3 (2e-6); even in wavelength, not in wavenumber (2e-5).
-    CHECK(truth_of(scene, plan, hits_everywhere(plan, shot), 0, 0, {echo_at(1000)})[0].transmission_2way == doctest::Approx(on).epsilon(2e-5));
+    // The specification's table (6.3); the column in single precision, depth 5.3 (2e-6); even in wavelength, not in
+    // wavenumber (2e-5).
+    CHECK(truth_of(scene, plan, hits_everywhere(plan, shot), 0, 0, {echo_at(1000)})[0].transmission_2way ==
+          doctest::Approx(on).epsilon(2e-5));
   }
 }
 
@@ -163,18 +170,23 @@ TEST_CASE("truth of a tabulated pulse: an echo stands where its power's centroid
   const auto scene = plane_of(0.3, 0);
   scene::Lidar spec = test::topographic_lidar();
   spec.pulse.shape = scene::PulseShape::tabulated, spec.pulse.fwhm_s = 0;
-  spec.pulse.shape_time_s = {1e-9, 2e-9, 4e-9}, spec.pulse.shape_power = {0, 2 / 3e-9, 0};  // centroid 7/3 ns, standard deviation 0.62 ns
+  spec.pulse.shape_time_s = {1e-9, 2e-9, 4e-9},
+  spec.pulse.shape_power = {0, 2 / 3e-9, 0};  // centroid 7/3 ns, standard deviation 0.62 ns
   auto plan = test::hand_plan(test::topographic_lidar(), scene);
   plan.lidar = spec;
   const auto shot = test::shot_from(spec, {0, 0, 1000}, {0, 0, -1});
   const double centre_m = 1000 + 0.5 * test::kLightSpeed * 7e-9 / 3;
-  const auto found = [&](double range_m) { return truth_of(scene, plan, hits_everywhere(plan, shot), 0, 0, {echo_at(range_m)})[0].order; };
+  const auto found = [&](double range_m) {
+    return truth_of(scene, plan, hits_everywhere(plan, shot), 0, 0, {echo_at(range_m)})[0].order;
+  };
   // Window: c / 2 (2.355 x 0.6236 ns + 1 ns) = 0.370 m.
   for (const double off : {-0.36, 0.0, 0.36}) CHECK(found(centre_m + off) == 1);
   for (const double off : {-0.38, 0.38}) CHECK(found(centre_m + off) == 0);
 }
 
-TEST_CASE("a strong return fires a Geiger cell before its power has come: the event is the surface's, dark counts there are not") {
+TEST_CASE(
+    "a strong return fires a Geiger cell before its power has come: the event is the surface's, dark counts there are "
+    "not") {
   const auto scene = plane_of(0.3, 0);
   scene::Lidar spec = test::topographic_lidar();
   spec.detector.mode = scene::DetectorMode::geiger;
@@ -182,7 +194,8 @@ TEST_CASE("a strong return fires a Geiger cell before its power has come: the ev
   const auto plan = test::hand_plan(spec, scene);
   const auto shot = test::shot_from(spec, {0, 0, 1000}, {0, 0, -1});
   auto result = hits_everywhere(plan, shot);
-  const double arrives_s = 2000 / test::kLightSpeed, early_s = -4 * spec.pulse.fwhm_s / 2.3548;  // four standard deviations
+  const double arrives_s = 2000 / test::kLightSpeed,
+               early_s = -4 * spec.pulse.fwhm_s / 2.3548;  // four standard deviations
   const auto bin = static_cast<std::size_t>((arrives_s + early_s - spec.gate.start_s) / spec.gate.bin_s);
   REQUIRE(bin < static_cast<std::size_t>(spec.gate.bins));
   result.first.assign(static_cast<std::size_t>(spec.gate.bins), 0.0f);

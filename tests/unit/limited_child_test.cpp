@@ -53,8 +53,7 @@ TEST_CASE("what the child packs the parent unpacks, small and large") {
   CHECK(in_limited_child({}, [](Parcel&) {}).end == ChildEnd::done);
 }
 
-TEST_CASE(
-    "a child that computes for ever, waits for ever, takes all memory, crashes or throws ends in words") {
+TEST_CASE("a child that computes for ever, waits for ever, takes all memory, crashes or throws ends in words") {
   const TestFolder folder;
   OutputFile mine(folder / "a");  // a child that dies must leave it alone
   ChildLimits limits;
@@ -99,8 +98,8 @@ TEST_CASE("Ctrl-C ends the child and is told") {
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
     ::kill(::getpid(), SIGINT);
   }).detach();
-  CHECK_THROWS_WITH_AS(in_limited_child({}, [](Parcel&) { ::pause(); }),
-                       doctest::Contains("interrupted by Ctrl-C"), Error);
+  CHECK_THROWS_WITH_AS(in_limited_child({}, [](Parcel&) { ::pause(); }), doctest::Contains("interrupted by Ctrl-C"),
+                       Error);
   clear_interrupt();
   CHECK(::waitpid(-1, nullptr, WNOHANG) == -1);  // no child is left
 }

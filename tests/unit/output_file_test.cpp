@@ -1,5 +1,5 @@
-// Output that is whole or absent: the machine failures of REQUIREMENTS section 4 (full disk, read-only output, Ctrl-C, kill -9
-// while writing, two runs into one output).
+// Output that is whole or absent: the machine failures of REQUIREMENTS section 4 (full disk, read-only output, Ctrl-C,
+// kill -9 while writing, two runs into one output).
 #include <doctest/doctest.h>
 
 #include <csignal>
@@ -77,7 +77,10 @@ TEST_CASE("a file has its name only once it is published") {
     CHECK(content(folder / "a.img") == std::string("world\0\0\0xy", 10));
   }
   CHECK(folder.names() == Names{"a.img"});
-  { OutputFile abandoned(folder / "b.img"); abandoned.append("half"); }
+  {
+    OutputFile abandoned(folder / "b.img");
+    abandoned.append("half");
+  }
   CHECK(folder.names() == Names{"a.img"});
 }
 
@@ -130,7 +133,7 @@ TEST_CASE("a set appears whole; a clash withdraws what was named before it") {
   set.add("a").append("1");
   set.add("b").append("2");
   CHECK(error_of([&] { set.add("a/b"); }).fault() == Fault::bug);  // names have no folder
-  std::ofstream(folder / "b") << "somebody else's";  // appears between add() and publish()
+  std::ofstream(folder / "b") << "somebody else's";                // appears between add() and publish()
   CHECK(error_of([&] { set.publish(); }).fault() == Fault::input);
   CHECK_FALSE(fs::exists(folder / "a"));
   CHECK(content(folder / "b") == "somebody else's");
@@ -148,7 +151,13 @@ TEST_CASE("a set that replaces another leaves nothing of it beside its own, and 
   for (const char* name : {"a", "of_the_earlier_run", "a_user's"}) std::ofstream(folder / name) << "old";
   const std::string outside = folder.path.string() + "_outside";
   std::ofstream(outside) << "old";
-  const std::vector<std::string> earlier = {"a", std::string("a\0x", 3), "", "of_the_earlier_run", "gone already", "kept_folder", "../" + fs::path(outside).filename().string()};
+  const std::vector<std::string> earlier = {"a",
+                                            std::string("a\0x", 3),
+                                            "",
+                                            "of_the_earlier_run",
+                                            "gone already",
+                                            "kept_folder",
+                                            "../" + fs::path(outside).filename().string()};
   {
     OutputSet refused(folder.path.string());
     refused.add("new").append("1");
@@ -178,10 +187,10 @@ TEST_CASE("unwritable places: one error with the path and the way out") {
   if (::geteuid() == 0) {  // root ignores permission bits: become nobody in a child
     const Folder folder;
     CHECK(WEXITSTATUS(in_child([&] {
-      if (::setuid(65534) != 0) return 98;
-      OutputFile file(folder / "a");
-      return 0;
-    })) == 3);
+            if (::setuid(65534) != 0) return 98;
+            OutputFile file(folder / "a");
+            return 0;
+          })) == 3);
     CHECK(folder.names().empty());
   }
 }

@@ -20,9 +20,10 @@ std::string park_file() {
   return std::string(folder) + "/park.toml";
 }
 
-/// Solar zenith and azimuth, degrees, from the low-precision formulae of the Astronomical Almanac (page C5; 0.01 degrees
-/// from 1950 to 2050), written apart from the program's own.
-void almanac_sun(double days_since_j2000, double latitude_deg, double longitude_deg, double& zenith_deg, double& azimuth_deg) {
+/// Solar zenith and azimuth, degrees, from the low-precision formulae of the Astronomical Almanac (page C5; 0.01
+/// degrees from 1950 to 2050), written apart from the program's own.
+void almanac_sun(double days_since_j2000, double latitude_deg, double longitude_deg, double& zenith_deg,
+                 double& azimuth_deg) {
   const double rad = std::numbers::pi / 180;
   const double mean_longitude = 280.460 + 0.9856474 * days_since_j2000;
   const double anomaly = (357.528 + 0.9856003 * days_since_j2000) * rad;
@@ -32,9 +33,11 @@ void almanac_sun(double days_since_j2000, double latitude_deg, double longitude_
   const double declination = std::asin(std::sin(obliquity) * std::sin(ecliptic));
   const double sidereal = (280.46062 + 360.98564737 * days_since_j2000 + longitude_deg) * rad;
   const double hour = sidereal - right_ascension, latitude = latitude_deg * rad;
-  const double up = std::sin(latitude) * std::sin(declination) + std::cos(latitude) * std::cos(declination) * std::cos(hour);
+  const double up =
+      std::sin(latitude) * std::sin(declination) + std::cos(latitude) * std::cos(declination) * std::cos(hour);
   const double east = -std::cos(declination) * std::sin(hour);
-  const double north = std::cos(latitude) * std::sin(declination) - std::sin(latitude) * std::cos(declination) * std::cos(hour);
+  const double north =
+      std::cos(latitude) * std::sin(declination) - std::sin(latitude) * std::cos(declination) * std::cos(hour);
   zenith_deg = std::acos(up) / rad;
   azimuth_deg = std::fmod(std::atan2(east, north) / rad + 360, 360);
 }
@@ -66,7 +69,8 @@ TEST_CASE("S1 S2 S3 S42: the shipped park compiles; one mesh is stored however m
   CHECK(spectir.pixels == 320);
   CHECK(spectir.lines == 320);
   CHECK(spectir.ifov_across_rad == doctest::Approx(1.0 / 610).epsilon(1e-12));
-  CHECK(std::is_sorted(spectir.bands.begin(), spectir.bands.end(), [](const auto& a, const auto& b) { return a.center_um < b.center_um; }));
+  CHECK(std::is_sorted(spectir.bands.begin(), spectir.bands.end(),
+                       [](const auto& a, const auto& b) { return a.center_um < b.center_um; }));
   // S42: 394.8 + 4.6 n nm, then 6.3 nm steps; every band inside every curve
   CHECK(spectir.bands.front().center_um == doctest::Approx(0.3994).epsilon(1e-9));
   CHECK(spectir.bands.at(124).center_um == doctest::Approx(0.9698).epsilon(1e-9));

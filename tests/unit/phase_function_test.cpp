@@ -1,4 +1,5 @@
-// Phase functions of aerosols. Oracles: quadrature of the function itself, closed forms, the ratio to Henyey-Greenstein that S0 states.
+// Phase functions of aerosols. Oracles: quadrature of the function itself, closed forms, the ratio to Henyey-Greenstein
+// that S0 states.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -107,11 +108,12 @@ TEST_CASE("S0 fact 7: the rural Mie function over Henyey-Greenstein of the table
 }
 
 TEST_CASE("S4.5 phase functions: the mean cosine of the shared shapes against the optics table's, per substance") {
-  // What the source holds: 70 shapes for all substances, 0.01 rms in the sun's range for the boundary layer. Droplets of sulphuric
-  // acid at 2.3 um, of a size that none of the shapes has, miss by 0.095, in 1e-3 of optical depth.
+  // What the source holds: 70 shapes for all substances, 0.01 rms in the sun's range for the boundary layer. Droplets
+  // of sulphuric acid at 2.3 um, of a size that none of the shapes has, miss by 0.095, in 1e-3 of optical depth.
   const std::vector<std::tuple<std::string, double, double>> limits = {
-      {"rural", 0.012, 0.025},        {"urban", 0.012, 0.025},       {"maritime", 0.015, 0.03},    {"tropospheric", 0.03, 0.05},
-      {"fog_advective", 0.012, 0.02}, {"fog_radiative", 0.02, 0.04}, {"stratospheric", 0.045, 0.1}};
+      {"rural", 0.012, 0.025},      {"urban", 0.012, 0.025},        {"maritime", 0.015, 0.03},
+      {"tropospheric", 0.03, 0.05}, {"fog_advective", 0.012, 0.02}, {"fog_radiative", 0.02, 0.04},
+      {"stratospheric", 0.045, 0.1}};
   for (const auto& [name, rms_limit, worst_limit] : limits) {
     double sum = 0, worst = 0;
     int count = 0;

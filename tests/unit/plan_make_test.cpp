@@ -29,7 +29,8 @@ scene::Simulation simulation_with(double sun_zenith_deg, double relief_m) {
   red.reflectance = {{0.35, 0.7, 2.5}, {0.05, 0.4, 0.1}};
   s.scene.materials = {grey, red};
   s.scene.blocks.resize(1);
-  for (std::size_t k = 0; k < RC_BLOCK; ++k) s.scene.blocks[0].surface[k] = k < 2 ? static_cast<std::uint32_t>(k) : RC_NONE;
+  for (std::size_t k = 0; k < RC_BLOCK; ++k)
+    s.scene.blocks[0].surface[k] = k < 2 ? static_cast<std::uint32_t>(k) : RC_NONE;
   for (std::uint32_t c = 1; c <= 2; ++c) {
     shared::Surface surface{};
     surface.curve[0] = c;
@@ -67,11 +68,13 @@ double weight_of(const plan::NodeAxis& axis, double value, int node) {
 
 double band(const plan::Plan& p, std::size_t b, const std::vector<double>& on_grid) {
   double sum = 0;
-  for (std::size_t i = 0; i < p.bands[b].weight.size(); ++i) sum += p.bands[b].weight[i] * on_grid[p.bands[b].first + i];
+  for (std::size_t i = 0; i < p.bands[b].weight.size(); ++i)
+    sum += p.bands[b].weight[i] * on_grid[p.bands[b].first + i];
   return sum;
 }
 
-std::string message_of(const scene::Simulation& s, const scene::Instrument& i, const atmos::RenderTable& t, const plan::ViewBounds& v) {
+std::string message_of(const scene::Simulation& s, const scene::Instrument& i, const atmos::RenderTable& t,
+                       const plan::ViewBounds& v) {
   try {
     plan::make_plan(s, i, t, v);
   } catch (const base::Error& error) {
@@ -100,7 +103,8 @@ TEST_CASE("S15 no air: grey plane under the sun has L = rho E0 cos / pi, no sky,
   const auto row = plan::bake_row(p, s.scene, 1), path = plan::bake_row(p, s.scene, 0);
   REQUIRE(row.size() == 16);
   for (std::size_t b = 0; b < 8; ++b) {
-    CHECK(row[b] == doctest::Approx(0.3 * (1800 - 400 * instrument.bands[b].center_um) / kPi).epsilon(2e-7));  // float storage
+    CHECK(row[b] ==
+          doctest::Approx(0.3 * (1800 - 400 * instrument.bands[b].center_um) / kPi).epsilon(2e-7));  // float storage
     CHECK(path[b] == 0);
   }
   for (std::size_t b = 8; b < 16; ++b) CHECK(row[b] == 0);
@@ -122,16 +126,19 @@ TEST_CASE("S15 uniform air: sun, sky and path spectra carry the stated factors")
   REQUIRE(p.source_channels() == 2);
   for (std::size_t i = 0; i < p.wavelength_um.size(); ++i) {
     // 1e-7: the table's floats
-    CHECK(p.source_spectrum[0][i] == doctest::Approx((1000 + 100 * p.wavelength_um[i]) * 0.8 * 0.9 * 1.05 / kPi).epsilon(3e-7));
+    CHECK(p.source_spectrum[0][i] ==
+          doctest::Approx((1000 + 100 * p.wavelength_um[i]) * 0.8 * 0.9 * 1.05 / kPi).epsilon(3e-7));
     CHECK(p.source_spectrum[1][i] == doctest::Approx(30 * kPi * 0.9 * 1.05 / kPi).epsilon(3e-7));
     CHECK(p.path_spectrum[0][i] == doctest::Approx(5).epsilon(3e-7));
     CHECK(p.transmission_spectrum[0][i] == doctest::Approx(0.9).epsilon(3e-7));
   }
 }
 
-TEST_CASE("S18 clear sky, relief and a wide swath: node interpolation stays inside the stated error and the tolerance") {
+TEST_CASE(
+    "S18 clear sky, relief and a wide swath: node interpolation stays inside the stated error and the tolerance") {
   auto s = simulation_with(40, 60);
-  const auto table = atmos::build_clear_sky(s.atmosphere, s.sun, 610, atmos::clear_sky_wavelengths(0.36, 2.49), atmos::clear_sky_heights(0, 60));
+  const auto table = atmos::build_clear_sky(s.atmosphere, s.sun, 610, atmos::clear_sky_wavelengths(0.36, 2.49),
+                                            atmos::clear_sky_heights(0, 60));
   const auto instrument = spectrometer(360, 0.3948, 0.0057);
   const auto view = pushbroom_view(14.7, 610);
   const auto p = plan::make_plan(s, instrument, table, view);
@@ -142,31 +149,39 @@ TEST_CASE("S18 clear sky, relief and a wide swath: node interpolation stays insi
   CHECK(p.path_spectrum.size() == static_cast<std::size_t>(p.path_channels()));
   CHECK(p.transmission_spectrum.size() == static_cast<std::size_t>(p.height.count * p.view.count));
 
-  // Sunlit level grey ground at random places of the view: plan against the table read there, worst band over rms-typical
+  // Sunlit level grey ground at random places of the view: plan against the table read there, worst band over
+  // rms-typical
   std::vector<double> largest_error(instrument.bands.size(), 0), mean(instrument.bands.size(), 0);
   constexpr int places = 24;
   const double mu0 = std::cos(40 * kPi / 180);
   const auto& table_um = atmos::wavelengths(table);
   for (int k = 0; k < places; ++k) {
-    const double z = 60 * std::fmod(0.5 + k * 0.7548776662, 1.0), x = view.x_max * (2 * std::fmod(0.5 + k * 0.5698402909, 1.0) - 1);
-    const double y = 0, sec = 1 / std::sqrt(1 - x * x), zenith = std::asin(std::abs(x)) * 180 / kPi, azimuth = (x > 0 ? 90 : 270) - 160;
+    const double z = 60 * std::fmod(0.5 + k * 0.7548776662, 1.0),
+                 x = view.x_max * (2 * std::fmod(0.5 + k * 0.5698402909, 1.0) - 1);
+    const double y = 0, sec = 1 / std::sqrt(1 - x * x), zenith = std::asin(std::abs(x)) * 180 / kPi,
+                 azimuth = (x > 0 ? 90 : 270) - 160;
     auto direct = atmos::two_way_transmission(table, z, zenith);
-    const auto e0 = atmos::solar_irradiance(table), up = atmos::view_transmission(table, z, zenith), r2 = atmos::two_way_factor(table, z, zenith);
+    const auto e0 = atmos::solar_irradiance(table), up = atmos::view_transmission(table, z, zenith),
+               r2 = atmos::two_way_factor(table, z, zenith);
     const auto diffuse = atmos::diffuse_irradiance(table, z), path = atmos::path_radiance(table, z, zenith, azimuth);
-    for (std::size_t i = 0; i < direct.size(); ++i) direct[i] = 0.3 / kPi * (mu0 * e0[i] * direct[i] + diffuse[i] * up[i] * r2[i]) + path[i];
+    for (std::size_t i = 0; i < direct.size(); ++i)
+      direct[i] = 0.3 / kPi * (mu0 * e0[i] * direct[i] + diffuse[i] * up[i] * r2[i]) + path[i];
     const auto want = atmos::resample_linear(table_um, direct, p.wavelength_um);
     std::vector<double> found(p.wavelength_um.size(), 0.0);
     for (int h = 0; h < p.height.count; ++h) {
       const double wh = weight_of(p.height, z, h);
       for (int v = 0; v < p.view.count; ++v) {
         const double w = wh * weight_of(p.view, sec, v);
-        const auto sun = static_cast<std::size_t>(h * p.view.count + v), sky = static_cast<std::size_t>((p.height.count + h) * p.view.count + v);
-        for (std::size_t i = 0; i < found.size(); ++i) found[i] += w * 0.3 * (mu0 * p.source_spectrum[sun][i] + p.source_spectrum[sky][i]);
+        const auto sun = static_cast<std::size_t>(h * p.view.count + v),
+                   sky = static_cast<std::size_t>((p.height.count + h) * p.view.count + v);
+        for (std::size_t i = 0; i < found.size(); ++i)
+          found[i] += w * 0.3 * (mu0 * p.source_spectrum[sun][i] + p.source_spectrum[sky][i]);
       }
       for (int b = 0; b < p.path_y.count; ++b)
         for (int a = 0; a < p.path_x.count; ++a) {
           const double w = wh * weight_of(p.path_y, y, b) * weight_of(p.path_x, x, a);
-          const auto& spectrum = p.path_spectrum[static_cast<std::size_t>((h * p.path_y.count + b) * p.path_x.count + a)];
+          const auto& spectrum =
+              p.path_spectrum[static_cast<std::size_t>((h * p.path_y.count + b) * p.path_x.count + a)];
           for (std::size_t i = 0; i < found.size(); ++i) found[i] += w * spectrum[i];
         }
     }
@@ -178,7 +193,8 @@ TEST_CASE("S18 clear sky, relief and a wide swath: node interpolation stays insi
   }
   const double brightest = *std::max_element(mean.begin(), mean.end());
   double worst = 0;
-  for (std::size_t b = 0; b < mean.size(); ++b) worst = std::max(worst, largest_error[b] / std::max(mean[b], 1e-4 * brightest));
+  for (std::size_t b = 0; b < mean.size(); ++b)
+    worst = std::max(worst, largest_error[b] / std::max(mean[b], 1e-4 * brightest));
   MESSAGE("worst band, worst place: " << worst);
   CHECK(worst < s.tolerance);
 }
@@ -206,15 +222,19 @@ TEST_CASE("S18 sun below the horizon: no direct light, dark sky has no component
 
 TEST_CASE("S61 the same plan twice, bit for bit; another seed moves only the direction sets") {
   auto s = simulation_with(40, 20);
-  const auto table = atmos::build_clear_sky(s.atmosphere, s.sun, 610, atmos::clear_sky_wavelengths(0.4, 0.9, 0.005), atmos::clear_sky_heights(0, 20));
+  const auto table = atmos::build_clear_sky(s.atmosphere, s.sun, 610, atmos::clear_sky_wavelengths(0.4, 0.9, 0.005),
+                                            atmos::clear_sky_heights(0, 20));
   const auto instrument = spectrometer(20, 0.45, 0.02);
-  const auto a = plan::make_plan(s, instrument, table, pushbroom_view(10, 610)), b = plan::make_plan(s, instrument, table, pushbroom_view(10, 610));
+  const auto a = plan::make_plan(s, instrument, table, pushbroom_view(10, 610)),
+             b = plan::make_plan(s, instrument, table, pushbroom_view(10, 610));
   s.seed = 2;
   const auto c = plan::make_plan(s, instrument, table, pushbroom_view(10, 610));
   CHECK(a.source_spectrum == b.source_spectrum);
   CHECK(a.report_json == b.report_json);
   const auto same = [](const auto& u, const auto& v) {
-    return std::equal(u.begin(), u.end(), v.begin(), v.end(), [](const auto& p, const auto& q) { return p.x == q.x && p.y == q.y && p.z == q.z && p.w == q.w; });
+    return std::equal(u.begin(), u.end(), v.begin(), v.end(), [](const auto& p, const auto& q) {
+      return p.x == q.x && p.y == q.y && p.z == q.z && p.w == q.w;
+    });
   };
   CHECK(same(a.sky.direction, b.sky.direction));
   CHECK(same(a.sky.weight, b.sky.weight));
@@ -241,15 +261,18 @@ TEST_CASE("S18 bad input: missing row, foreign sun, view beyond the table") {
   s.sky_directions = 5000;
   CHECK(message_of(s, instrument, table, pushbroom_view(5, 610)).find("found 5000") != std::string::npos);
   s.sky_directions = 16;
-  const auto clear = atmos::build_clear_sky(s.atmosphere, s.sun, 610, atmos::clear_sky_wavelengths(0.4, 0.9, 0.02), {0});
+  const auto clear =
+      atmos::build_clear_sky(s.atmosphere, s.sun, 610, atmos::clear_sky_wavelengths(0.4, 0.9, 0.02), {0});
   CHECK(message_of(s, instrument, clear, pushbroom_view(89.5, 610)).find("89.50 deg off nadir") != std::string::npos);
 }
 
-TEST_CASE("S4 octahedral nodes: a node's own direction finds it, weights are a partition of one, no seams at the horizon") {
+TEST_CASE(
+    "S4 octahedral nodes: a node's own direction finds it, weights are a partition of one, no seams at the horizon") {
   const int size = 33, half = 16;
   for (int v = 0; v < size; ++v)
     for (int u = 0; u < size; ++u) {
-      double x = static_cast<double>(u - half) / half, y = static_cast<double>(v - half) / half, z = 1 - std::abs(x) - std::abs(y);
+      double x = static_cast<double>(u - half) / half, y = static_cast<double>(v - half) / half,
+             z = 1 - std::abs(x) - std::abs(y);
       if (z < 0) {
         const double fx = (1 - std::abs(y)) * (x < 0 ? -1 : 1), fy = (1 - std::abs(x)) * (y < 0 ? -1 : 1);
         x = fx;
@@ -266,7 +289,8 @@ TEST_CASE("S4 octahedral nodes: a node's own direction finds it, weights are a p
         // the lower half's edge is folded onto itself: (u, v) on the rim is the same direction as its mirror image
         const bool rim = (iu == 0 || iu == size - 1) && (u == 0 || u == size - 1) && iu == u && iv == size - 1 - v;
         const bool rim_v = (iv == 0 || iv == size - 1) && (v == 0 || v == size - 1) && iv == v && iu == size - 1 - u;
-        const bool pole = (iu % (size - 1) == 0) && (iv % (size - 1) == 0) && (u % (size - 1) == 0) && (v % (size - 1) == 0);
+        const bool pole =
+            (iu % (size - 1) == 0) && (iv % (size - 1) == 0) && (u % (size - 1) == 0) && (v % (size - 1) == 0);
         if ((iu == u && iv == v) || rim || rim_v || pole) there += double{weight[k]};
       }
       CHECK(there == doctest::Approx(1).epsilon(1e-6));

@@ -91,7 +91,8 @@ TEST_CASE("S11 Gaussian band times a linear spectrum is the spectrum at the cent
     for (const auto& band : bands) {
       const auto q = plan::band_quadrature(band, grid);
       CHECK(band_value(q, grid, [](double) { return 1.0; }) == doctest::Approx(1).epsilon(1e-13));
-      CHECK(band_value(q, grid, [](double l) { return 3 - 2 * l; }) == doctest::Approx(3 - 2 * band.center_um).epsilon(1e-11));
+      CHECK(band_value(q, grid, [](double l) { return 3 - 2 * l; }) ==
+            doctest::Approx(3 - 2 * band.center_um).epsilon(1e-11));
     }
   }
 }
@@ -102,7 +103,8 @@ TEST_CASE("S11 product of two linear curves inside one interval is exact: l^2 gi
   const auto grid = plan::make_spectral_grid(steps(0.4, 0.6, 0.02), bands);
   const auto q = plan::band_quadrature(bands[0], grid);
   // the cut at 2.5 FWHM takes 4e-9 of the area and 1.3e-7 of the second moment sigma^2 ~ 3e-6
-  CHECK(band_value(q, grid, [](double l) { return l * l; }) == doctest::Approx(0.5013 * 0.5013 + sigma * sigma).epsilon(1e-11));
+  CHECK(band_value(q, grid, [](double l) { return l * l; }) ==
+        doctest::Approx(0.5013 * 0.5013 + sigma * sigma).epsilon(1e-11));
 }
 
 TEST_CASE("S11 Gaussian absorption line of 0.01 nm inside a 5 nm band, to 1e-4 of the closed form") {
@@ -119,8 +121,8 @@ TEST_CASE("S11 Gaussian absorption line of 0.01 nm inside a 5 nm band, to 1e-4 o
     const double d = center - line;
     const double want = depth * wl / std::hypot(wl, wb) * std::exp(-4 * kLn2 * d * d / (wl * wl + wb * wb));
     const double found = 1 - band_value(q, grid, linear_on(axis, spectrum));
-    CHECK(found == doctest::Approx(want).epsilon(1e-3));               // of the absorption itself: the axis' 20 steps per width
-    CHECK(std::abs(found - want) < 1e-4);                               // of the band value
+    CHECK(found == doctest::Approx(want).epsilon(1e-3));  // of the absorption itself: the axis' 20 steps per width
+    CHECK(std::abs(found - want) < 1e-4);                 // of the band value
   }
 }
 
@@ -135,13 +137,16 @@ TEST_CASE("S11 a band narrower than the table's step takes the table's straight 
 
 TEST_CASE("S11 box and triangle responses, closed forms of a quadratic") {
   // box a..b: mean of l^2 = (a^2 + ab + b^2)/3; triangle a..b with its peak in the middle m: m^2 + (b-a)^2/24
-  const std::vector<scene::Band> bands = {tabulated({0.5013, 0.5531}, {0.7, 0.7}), tabulated({0.5013, 0.5272, 0.5531}, {0, 2, 0}),
+  const std::vector<scene::Band> bands = {tabulated({0.5013, 0.5531}, {0.7, 0.7}),
+                                          tabulated({0.5013, 0.5272, 0.5531}, {0, 2, 0}),
                                           tabulated({0.5, 0.5, 0.52, 0.52}, {0, 1, 1, 0})};
   const auto grid = plan::make_spectral_grid(steps(0.4, 0.6, 0.007), bands);
   const auto square = [](double l) { return l * l; };
   const double a = 0.5013, b = 0.5531, m = 0.5272;
-  CHECK(band_value(plan::band_quadrature(bands[0], grid), grid, square) == doctest::Approx((a * a + a * b + b * b) / 3).epsilon(1e-12));
-  CHECK(band_value(plan::band_quadrature(bands[1], grid), grid, square) == doctest::Approx(m * m + (b - a) * (b - a) / 24).epsilon(1e-12));
+  CHECK(band_value(plan::band_quadrature(bands[0], grid), grid, square) ==
+        doctest::Approx((a * a + a * b + b * b) / 3).epsilon(1e-12));
+  CHECK(band_value(plan::band_quadrature(bands[1], grid), grid, square) ==
+        doctest::Approx(m * m + (b - a) * (b - a) / 24).epsilon(1e-12));
   CHECK(band_value(plan::band_quadrature(bands[2], grid), grid, square) ==
         doctest::Approx((0.25 + 0.26 + 0.2704) / 3).epsilon(1e-12));
 }
@@ -179,7 +184,8 @@ TEST_CASE("S11 bands outside the table or a used curve are refused, all in one m
     message = error.what();
     CHECK(error.fault() == base::Fault::input);
   }
-  for (const char* part : {"cam", "'air.rct'", "350 to 1000 nm", "'b352'", "339.5", "'b999'", "grass", "400 to 2500 nm", "grass.csv", "take these bands out"})
+  for (const char* part : {"cam", "'air.rct'", "350 to 1000 nm", "'b352'", "339.5", "'b999'", "grass", "400 to 2500 nm",
+                           "grass.csv", "take these bands out"})
     CHECK_MESSAGE(message.find(part) != std::string::npos, part << " in: " << message);
   CHECK(message.find("'b600'") == std::string::npos);
 }

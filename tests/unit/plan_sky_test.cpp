@@ -47,8 +47,8 @@ plan::SkyFactors factors_of(const atmos::RenderTable& table, int rank) {
   return sky.factor(rank, plan::Spectrum(count, 1.0), per_wavelength);
 }
 
-/// Integral of A_m max(0, n.d) by brute force, cell by cell of the maps: 4 x 4 Gauss points where the cell is wholly before or
-/// behind the plane, 96 x 96 midpoints where the plane cuts it.
+/// Integral of A_m max(0, n.d) by brute force, cell by cell of the maps: 4 x 4 Gauss points where the cell is wholly
+/// before or behind the plane, 96 x 96 midpoints where the plane cuts it.
 std::array<double, 4> brute(const plan::SkyBasis& basis, double sun_azimuth, double x, double y, double z) {
   static const auto gauss = plan::gauss_legendre(4);
   std::vector<std::pair<double, double>> midpoints;
@@ -65,15 +65,19 @@ std::array<double, 4> brute(const plan::SkyBasis& basis, double sun_azimuth, dou
         };
         int before = 0;
         for (int u = 0; u <= 8; ++u)
-          for (int v = 0; v <= 8; ++v) before += facing(t[i] + (t[i + 1] - t[i]) * u / 8, f[j] + (f[j + 1] - f[j]) * v / 8) > 0;
+          for (int v = 0; v <= 8; ++v)
+            before += facing(t[i] + (t[i + 1] - t[i]) * u / 8, f[j] + (f[j + 1] - f[j]) * v / 8) > 0;
         const auto& rule = before == 0 || before == 81 ? gauss : midpoints;
         for (const auto& [nu, wu] : rule)
           for (const auto& [nv, wv] : rule) {
-            const double zenith = 0.5 * (t[i] + t[i + 1] + nu * (t[i + 1] - t[i])), azimuth = 0.5 * (f[j] + f[j + 1] + nv * (f[j + 1] - f[j]));
+            const double zenith = 0.5 * (t[i] + t[i + 1] + nu * (t[i + 1] - t[i])),
+                         azimuth = 0.5 * (f[j] + f[j + 1] + nv * (f[j + 1] - f[j]));
             const double c = facing(zenith, azimuth);
             if (c <= 0) continue;
-            const double a = sun_azimuth + side * azimuth, w = 0.25 * wu * wv * (t[i + 1] - t[i]) * (f[j + 1] - f[j]) * std::sin(zenith) * c;
-            const auto value = plan::sky_value(basis, sun_azimuth, std::sin(zenith) * std::sin(a), std::sin(zenith) * std::cos(a), std::cos(zenith));
+            const double a = sun_azimuth + side * azimuth,
+                         w = 0.25 * wu * wv * (t[i + 1] - t[i]) * (f[j + 1] - f[j]) * std::sin(zenith) * c;
+            const auto value = plan::sky_value(basis, sun_azimuth, std::sin(zenith) * std::sin(a),
+                                               std::sin(zenith) * std::cos(a), std::cos(zenith));
             for (std::size_t m = 0; m < 4; ++m) sum[m] += w * value[m];
           }
       }
@@ -102,8 +106,8 @@ TEST_CASE("S16 uniform sky on a tilted plane: (1 + cos b)/2 of the horizontal, e
 }
 
 TEST_CASE("S16 one bright azimuth sector: exact integral against its closed form") {
-  // A = 1 for |azimuth| < a, 0 elsewhere (steep ramp of 1e-6 rad). Horizontal: a; vertical plane facing it (n = north, sun in
-  // the north): integral of sin^2(t) cos(f) dt df = (pi/4) 2 sin(a).
+  // A = 1 for |azimuth| < a, 0 elsewhere (steep ramp of 1e-6 rad). Horizontal: a; vertical plane facing it (n = north,
+  // sun in the north): integral of sin^2(t) cos(f) dt df = (pi/4) 2 sin(a).
   const double a = 1.1;
   plan::SkyBasis basis;
   basis.zenith_rad = {0, 1e-9, kPi / 4, kPi / 2};
@@ -121,7 +125,8 @@ TEST_CASE("S16 real clear sky: exact integral against brute force, and the map b
   REQUIRE(factors.rank >= 2);
   const double sun_azimuth = 160 * kPi / 180;
   const plan::SkyIrradiance exact(factors.basis);
-  for (const auto& n : {std::array{0.0, 0.0, 1.0}, {0.6, 0.0, 0.8}, {-0.48, 0.6, 0.64}, {0.8, -0.6, 0.0}, {0.36, 0.48, -0.8}}) {
+  for (const auto& n :
+       {std::array{0.0, 0.0, 1.0}, {0.6, 0.0, 0.8}, {-0.48, 0.6, 0.64}, {0.8, -0.6, 0.0}, {0.36, 0.48, -0.8}}) {
     const auto want = brute(factors.basis, sun_azimuth, n[0], n[1], n[2]);
     const auto found = exact.at(std::acos(n[2]), std::atan2(n[0], n[1]) - sun_azimuth);
     // midpoints in cut cells: about 1e-7
@@ -133,12 +138,15 @@ TEST_CASE("S16 real clear sky: exact integral against brute force, and the map b
   const auto map = plan::make_irradiance_map(grid, 1025);
   double between = 0, smooth = 0;
   for (int k = 0; k < 3000; ++k) {
-    const double z = 1 - (2 * k + 1.0) / 3000, f = 2.39996 * k, r = std::sqrt(1 - z * z), x = r * std::sin(f), y = r * std::cos(f);
-    const auto want = exact.at(std::acos(z), f - sun_azimuth), found = plan::read_map(map, x, y, z), cubic = grid.at(x, y, z);
+    const double z = 1 - (2 * k + 1.0) / 3000, f = 2.39996 * k, r = std::sqrt(1 - z * z), x = r * std::sin(f),
+                 y = r * std::cos(f);
+    const auto want = exact.at(std::acos(z), f - sun_azimuth), found = plan::read_map(map, x, y, z),
+               cubic = grid.at(x, y, z);
     for (std::size_t m = 0; m < 4; ++m) smooth = std::max(smooth, std::abs(cubic[m] - want[m]));
     for (std::size_t l = 0; l < factors.spectra[0].size(); ++l) {
       double difference = 0;
-      for (std::size_t m = 0; m < 4; ++m) difference += factors.spectra[m][l] / factors.spectra[0][l] * (found[m] - want[m]);
+      for (std::size_t m = 0; m < 4; ++m)
+        difference += factors.spectra[m][l] / factors.spectra[0][l] * (found[m] - want[m]);
       between = std::max(between, std::abs(difference));
     }
   }
@@ -160,7 +168,8 @@ TEST_CASE("S18 sky factors: component 0 carries the irradiance, the others none,
       for (std::size_t m = 0; m < 4; ++m) flux[m] += q[i] * factors.basis.value[i][m];
     CHECK(flux[0] == doctest::Approx(1).epsilon(1e-12));
     for (std::size_t m = 1; m < 4; ++m) CHECK(std::abs(flux[m]) < 1e-12);
-    // irradiance of the maps' sky is the table's diffuse irradiance: 1 % is the sky's own interpolation between its nodes
+    // irradiance of the maps' sky is the table's diffuse irradiance: 1 % is the sky's own interpolation between its
+    // nodes
     const auto diffuse = atmos::diffuse_irradiance(table, 0);
     double worst = 0;
     for (std::size_t l = 0; l < count; ++l) {
@@ -174,7 +183,8 @@ TEST_CASE("S18 sky factors: component 0 carries the irradiance, the others none,
   CHECK(last < 0.05);
 }
 
-TEST_CASE("S4.9 where light goes between ground and air, shading's sky carries the very flux that lights the ground around") {
+TEST_CASE(
+    "S4.9 where light goes between ground and air, shading's sky carries the very flux that lights the ground around") {
   auto table = clear_sky(55);
   const auto fill = [&](const char* name, float value) {
     std::vector<float>& values = atmos::add_row(table, name, "test").values;
@@ -247,7 +257,8 @@ TEST_CASE("S16 sky blocked by a wall: unbiased over the sets, rms below 6 % at 1
               const auto i = static_cast<std::size_t>(s * bar.directions + k);
               const auto& d = sets.direction[i];
               const double towards = double{d.x} * std::sin(wall_azimuth) + double{d.y} * std::cos(wall_azimuth);
-              if (towards > 0 && double{d.z} * std::cos(e) < towards * std::sin(e)) blocked += double{sets.weight[i].x} * double{d.z};
+              if (towards > 0 && double{d.z} * std::cos(e) < towards * std::sin(e))
+                blocked += double{sets.weight[i].x} * double{d.z};
             }
             sum += blocked - hidden;
             squares += (blocked - hidden) * (blocked - hidden);
@@ -263,9 +274,9 @@ TEST_CASE("S16 sky blocked by a wall: unbiased over the sets, rms below 6 % at 1
 }
 
 TEST_CASE("S16 real clear sky blocked by a wall: unbiased over the sets, band by band") {
-  // Level ground, wall of 45 deg elevation towards the sun, across it and away from it: what the wall hides is the integral of
-  // the maps over it, by brute force (a plane through the origin: the hidden part is the horizontal flux minus the flux that
-  // arrives from before the wall's plane).
+  // Level ground, wall of 45 deg elevation towards the sun, across it and away from it: what the wall hides is the
+  // integral of the maps over it, by brute force (a plane through the origin: the hidden part is the horizontal flux
+  // minus the flux that arrives from before the wall's plane).
   const auto table = clear_sky(40);
   const auto factors = factors_of(table, 4);
   const double sun_azimuth = 0.4;
@@ -275,9 +286,11 @@ TEST_CASE("S16 real clear sky blocked by a wall: unbiased over the sets, band by
     for (int i = 0; i < n; ++i)
       for (int j = 0; j < 4 * n; ++j) {
         const double t = kPi / 2 * (i + 0.5) / n, f = 2 * kPi * (j + 0.5) / (4 * n);
-        if (std::cos(t) * std::cos(elevation) >= std::sin(t) * std::cos(f - wall_azimuth) * std::sin(elevation)) continue;
+        if (std::cos(t) * std::cos(elevation) >= std::sin(t) * std::cos(f - wall_azimuth) * std::sin(elevation))
+          continue;
         const double w = std::cos(t) * std::sin(t) * (kPi / 2 / n) * (2 * kPi / (4 * n));
-        const auto a = plan::sky_value(factors.basis, sun_azimuth, std::sin(t) * std::sin(f), std::sin(t) * std::cos(f), std::cos(t));
+        const auto a = plan::sky_value(factors.basis, sun_azimuth, std::sin(t) * std::sin(f), std::sin(t) * std::cos(f),
+                                       std::cos(t));
         for (std::size_t m = 0; m < 4; ++m) sum[m] += w * a[m];
       }
     return sum;
@@ -317,7 +330,9 @@ TEST_CASE("S16 real clear sky blocked by a wall: unbiased over the sets, band by
   }
 }
 
-TEST_CASE("S16 sharing out: every direction is looked into by one part, parts are equally large, and each goes round the horizon") {
+TEST_CASE(
+    "S16 sharing out: every direction is looked into by one part, parts are equally large, and each goes round the "
+    "horizon") {
   for (const int directions : {16, 48, 96, 1024})
     for (const int share : {1, 2, 3, 4, 8, 16}) {
       if (directions % share != 0) continue;
@@ -332,7 +347,8 @@ TEST_CASE("S16 sharing out: every direction is looked into by one part, parts ar
           const rc_u32 k = rc_sky_direction(part, j, rc_u32(share));
           REQUIRE(k < rc_u32(directions));
           ++looked[k];
-          x += std::cos(2 * kPi * k * golden) * share / directions, y += std::sin(2 * kPi * k * golden) * share / directions;
+          x += std::cos(2 * kPi * k * golden) * share / directions,
+              y += std::sin(2 * kPi * k * golden) * share / directions;
         }
         farthest = std::max(farthest, std::hypot(x, y));
       }
@@ -367,7 +383,8 @@ TEST_CASE("S16 direction sets are unit, above the horizon, finite, and sum to th
   for (const int directions : {1, 16, 100, 4096}) {
     const auto sets = plan::make_sky_sets(factors.basis, sun_azimuth, directions, 9);
     std::array<double, 3> tilted{}, tilted_squares{}, level{}, level_squares{};
-    const double tilt = 1.0, psi = 0.5, x = std::sin(tilt) * std::sin(sun_azimuth + psi), y = std::sin(tilt) * std::cos(sun_azimuth + psi), z = std::cos(tilt);
+    const double tilt = 1.0, psi = 0.5, x = std::sin(tilt) * std::sin(sun_azimuth + psi),
+                 y = std::sin(tilt) * std::cos(sun_azimuth + psi), z = std::cos(tilt);
     for (int set = 0; set < sets.sets; ++set) {
       std::array<double, 3> one_tilted{}, one_level{};
       for (int k = 0; k < directions; ++k) {
@@ -393,8 +410,10 @@ TEST_CASE("S16 direction sets are unit, above the horizon, finite, and sum to th
     // four standard errors of independent sets; the sets are better than independent. 1e-6: float weights
     const auto want = exact.at(tilt, psi), flat = exact.at(0, 0);
     for (std::size_t m = 0; m < 3; ++m) {
-      CHECK(std::abs(tilted[m] - want[m]) < 4 * std::sqrt(std::max(0.0, tilted_squares[m] - tilted[m] * tilted[m]) / sets.sets) + 1e-6);
-      CHECK(std::abs(level[m] - flat[m]) < 4 * std::sqrt(std::max(0.0, level_squares[m] - level[m] * level[m]) / sets.sets) + 1e-6);
+      CHECK(std::abs(tilted[m] - want[m]) <
+            4 * std::sqrt(std::max(0.0, tilted_squares[m] - tilted[m] * tilted[m]) / sets.sets) + 1e-6);
+      CHECK(std::abs(level[m] - flat[m]) <
+            4 * std::sqrt(std::max(0.0, level_squares[m] - level[m] * level[m]) / sets.sets) + 1e-6);
     }
   }
 }

@@ -19,11 +19,12 @@ TEST_CASE("S60: a law passes through what was measured, is straight in logarithm
   CHECK(law.estimate(4) == doctest::Approx(0.08));
   CHECK(law.bound(4) == doctest::Approx(0.09));
   CHECK(law.estimate(8) == doctest::Approx(std::sqrt(0.08 * 0.02)));
-  CHECK(law.estimate(32) == doctest::Approx(0.01));   // level^-1 beyond
-  CHECK(law.estimate(2) == doctest::Approx(0.32));    // level^-2 before
+  CHECK(law.estimate(32) == doctest::Approx(0.01));                     // level^-1 beyond
+  CHECK(law.estimate(2) == doctest::Approx(0.32));                      // level^-2 before
   CHECK(law.hope(32) == doctest::Approx(0.08 * std::pow(0.125, 1.5)));  // the kinder of the two
   CHECK(law.hope(32) < law.bound(32));
-  // Where one sample may do as well as 4 x 4 it is tried, whatever finer ones bring; what lies between two levels is not.
+  // Where one sample may do as well as 4 x 4 it is tried, whatever finer ones bring; what lies between two levels is
+  // not.
   ErrorLaw flat(LawExponents{1, 2, 1.5, 1, 0});
   flat.measured(4, 0.02, 0.021);
   flat.measured(8, 0.019, 0.02);
@@ -91,7 +92,8 @@ TEST_CASE("S60: errors against two noisy references are without their noise") {
     if (i % 100 == 99) image.run_end.push_back(i + 1), one.run_end.push_back(i + 1), two.run_end.push_back(i + 1);
   }
   const auto mean = judged_means(one);
-  // Standard error of the mean square: products of signs, (2 x 0.02 x 0.03 x sqrt 2 + 0.03^2) / sqrt(40000), about 1e-5 of 4e-4.
+  // Standard error of the mean square: products of signs, (2 x 0.02 x 0.03 x sqrt 2 + 0.03^2) / sqrt(40000), about 1e-5
+  // of 4e-4.
   const TrialError found = error_against(image, one, two, mean);
   CHECK(found.estimate == doctest::Approx(0.02).epsilon(0.05));
   CHECK(found.bound > found.estimate);
@@ -99,7 +101,8 @@ TEST_CASE("S60: errors against two noisy references are without their noise") {
 }
 
 TEST_CASE("S60: of an image tried whole only the references' random points are uncertain") {
-  // Errors in one pixel of sixteen, the references' noise in one of four, each the sum of twelve draws: nearly Gaussian.
+  // Errors in one pixel of sixteen, the references' noise in one of four, each the sum of twelve draws: nearly
+  // Gaussian.
   constexpr rc_u32 kPixels = 512, kSeeds = 400;
   const auto noise = [](rc_u32 seed, rc_u32 pixel, rc_u32 of) {
     double sum = -6;
@@ -124,8 +127,10 @@ TEST_CASE("S60: of an image tried whole only the references' random points are u
     const TrialError found = error_against(image, one, two, {1.0}), differ = error_between(one, two, {1.0});
     CHECK(found.bound < drawn);  // a draw of these runs would leave more open
     const double here = found.estimate * found.estimate, there = differ.estimate * differ.estimate;
-    mean += here / kSeeds, square += here * here / kSeeds, stated += std::pow(found.bound * found.bound - here, 2) / kSeeds;
-    between += there / kSeeds, between_square += there * there / kSeeds, between_stated += std::pow(differ.bound * differ.bound - there, 2) / kSeeds;
+    mean += here / kSeeds, square += here * here / kSeeds,
+        stated += std::pow(found.bound * found.bound - here, 2) / kSeeds;
+    between += there / kSeeds, between_square += there * there / kSeeds,
+        between_stated += std::pow(differ.bound * differ.bound - there, 2) / kSeeds;
   }
   // A variance of 400 draws is known to 7 %; both are stated without bias.
   const double variance = square - mean * mean, between_variance = between_square - between * between;
@@ -133,7 +138,8 @@ TEST_CASE("S60: of an image tried whole only the references' random points are u
   CHECK(stated == doctest::Approx(variance).epsilon(0.25));
   CHECK(between == doctest::Approx(0.03 * 0.03 / 4).epsilon(0.02));
   CHECK(between_stated == doctest::Approx(between_variance).epsilon(0.25));
-  MESSAGE("stated over actual variance: " << stated / variance << " against references, " << between_stated / between_variance << " between two renders");
+  MESSAGE("stated over actual variance: " << stated / variance << " against references, "
+                                          << between_stated / between_variance << " between two renders");
 }
 
 TEST_CASE("S60: draws by a first look find the errors that one run in a hundred holds, without bias") {
@@ -158,7 +164,8 @@ TEST_CASE("S60: draws by a first look find the errors that one run in a hundred 
     image.bands = one.bands = 1;
     image.draw = draws, image.pixels_per_run = 8, image.drawn_from = runs;
     for (const Draw& draw : draws) {
-      for (int p = 0; p < 8; ++p) image.radiance.push_back(static_cast<float>(1 + off[draw.run])), one.radiance.push_back(1);
+      for (int p = 0; p < 8; ++p)
+        image.radiance.push_back(static_cast<float>(1 + off[draw.run])), one.radiance.push_back(1);
       image.run_end.push_back(image.radiance.size());
     }
     one.run_end = image.run_end;
@@ -190,7 +197,8 @@ TEST_CASE("S60: trial pixels lie in the image, once each, and are the same every
     CHECK(tiles[i].first_column % 4 == 0);
     CHECK(tiles[i].first_column + tiles[i].columns <= 101);
     CHECK(tiles[i].first_line < 77);
-    if (i > 0) CHECK((tiles[i].first_line > tiles[i - 1].first_line || tiles[i].first_column > tiles[i - 1].first_column));
+    if (i > 0)
+      CHECK((tiles[i].first_line > tiles[i - 1].first_line || tiles[i].first_column > tiles[i - 1].first_column));
     same = same && tiles[i].first_line == again[i].first_line && tiles[i].first_column == again[i].first_column;
     differs = differs || tiles[i].first_line != other[i].first_line;
   }

@@ -32,7 +32,9 @@ bool holds(const std::string& text, const std::string& part) { return text.find(
 
 TEST_CASE("S18 profile files: the same air in two sets of units, upwards and downwards, gives one profile") {
   const AirProfile a = read(
-      "# sounding\nheight_km,pressure_hPa,temperature_K,h2o_ppmv,co2_ppmv\n0,1000,290,10000,420\n2,790,278.15,4000,420\n");
+      "# "
+      "sounding\nheight_km,pressure_hPa,temperature_K,h2o_ppmv,co2_ppmv\n0,1000,290,10000,420\n2,790,278.15,4000,"
+      "420\n");
   // 10000 ppmv of p / (k T): 2.497576e17 cm-3 at 1000 hPa and 290 K.
   const AirProfile b = read(
       "\xef\xbb\xbfheight_m, temperature_C ,pressure_Pa,h2o_per_cm3,co2_ppmv\r\n"
@@ -56,15 +58,18 @@ TEST_CASE("S18 profile files: the same air in two sets of units, upwards and dow
 TEST_CASE("S18 profile files: humidity as mass and as relative humidity") {
   // 100 % at 20 C are 17.3 g m-3 in every table of meteorology; Magnus' formula holds to 0.4 %.
   const AirProfile mass = read("height_km,pressure_hPa,temperature_C,h2o_g_per_m3\n0,1013,20,17.3\n1,900,15,5\n");
-  const AirProfile relative = read("height_km,pressure_hPa,temperature_C,h2o_relative_humidity_percent\n0,1013,20,100\n1,900,15,50\n");
+  const AirProfile relative =
+      read("height_km,pressure_hPa,temperature_C,h2o_relative_humidity_percent\n0,1013,20,100\n1,900,15,50\n");
   CHECK(mass.levels()[0].gas(Gas::h2o) == doctest::Approx(relative.levels()[0].gas(Gas::h2o)).epsilon(4e-3));
   CHECK(mass.levels()[0].gas(Gas::h2o) == doctest::Approx(17.3e-6 / 18.0153 * 6.02214076e23).epsilon(1e-12));
 }
 
 TEST_CASE("S18 profile files: every fault is listed with file and line") {
   const std::string head = "height_km,pressure_hPa,temperature_K,h2o_ppmv\n";
-  const std::string text = message(head + "0,1000,290,nan\n1,900,280\n2,-5,280,10\n3,700,abc,10\n4,600,260,2e6\n5,,250,1\n");
-  for (const char* part : {"air.csv:2", "air.csv:3", "air.csv:4", "air.csv:5", "air.csv:6", "air.csv:7", "'nan'", "'abc'", "'-5'", "''"}) {
+  const std::string text =
+      message(head + "0,1000,290,nan\n1,900,280\n2,-5,280,10\n3,700,abc,10\n4,600,260,2e6\n5,,250,1\n");
+  for (const char* part :
+       {"air.csv:2", "air.csv:3", "air.csv:4", "air.csv:5", "air.csv:6", "air.csv:7", "'nan'", "'abc'", "'-5'", "''"}) {
     CAPTURE(part);
     CHECK(holds(text, part));
   }
@@ -77,7 +82,8 @@ TEST_CASE("S18 profile files: every fault is listed with file and line") {
   CHECK(holds(message("z,pressure_hPa,temperature_K,xe_ppmv\n"), "'xe_ppmv'"));
   CHECK(holds(message("height_km,pressure_hPa\n"), "no column for temperature"));
   CHECK(holds(message("height_km,height_m,pressure_hPa,temperature_K\n"), "two columns give height"));
-  CHECK(holds(message("height_km,pressure_hPa,temperature_K,air_per_cm3,o3_per_cm3\n0,1000,290,2e19,3e19\n1,900,280,1e19,1\n"),
-              "more than all the air"));
+  CHECK(holds(
+      message("height_km,pressure_hPa,temperature_K,air_per_cm3,o3_per_cm3\n0,1000,290,2e19,3e19\n1,900,280,1e19,1\n"),
+      "more than all the air"));
   CHECK_THROWS_AS(read_profile_csv("/nowhere/air.csv"), base::Error);
 }

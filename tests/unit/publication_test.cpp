@@ -91,8 +91,7 @@ std::string error_of(const std::function<void()>& action) {
 }
 
 /// What any journal says that would have one.txt removed and another file named.
-const char* const kTempting =
-    R"({"replace":true,"files":[["new","run.json",3,1,1]],"remove":["thesis.txt"]})";
+const char* const kTempting = R"({"replace":true,"files":[["new","run.json",3,1,1]],"remove":["thesis.txt"]})";
 
 /// Nothing of the folder is read, removed or named, by whoever only looks.
 void check_ignored(const TestFolder& folder) {
@@ -115,8 +114,7 @@ extern "C" int link(const char* from, const char* to) noexcept {
   return static_cast<int>(::syscall(SYS_linkat, AT_FDCWD, from, AT_FDCWD, to, 0));
 }
 
-TEST_CASE(
-    "killed after any step: no record beside files of another run, and the next look completes the set") {
+TEST_CASE("killed after any step: no record beside files of another run, and the next look completes the set") {
   for (const bool replace : {true, false})
     for (int steps = 0;; ++steps) {
       CAPTURE(replace);
@@ -148,8 +146,7 @@ TEST_CASE(
       CHECK_FALSE(finish_publication(folder.path.string()));
       if (more) continue;
       CHECK(steps ==
-            2 + 4 + replace +
-                replace);  // the files, the journal, the end; the old record and what has no successor
+            2 + 4 + replace + replace);  // the files, the journal, the end; the old record and what has no successor
       break;
     }
 }
@@ -185,9 +182,9 @@ TEST_CASE("kill -9 at random instants of hundreds of runs: all of the old set or
   std::mt19937 draw(11);
   const auto start = std::chrono::steady_clock::now();
   publish(folder, "0");
-  const auto longest = 1 + static_cast<unsigned>(std::chrono::duration_cast<std::chrono::microseconds>(
-                                                     std::chrono::steady_clock::now() - start)
-                                                     .count());
+  const auto longest =
+      1 + static_cast<unsigned>(
+              std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::steady_clock::now() - start).count());
   int old_kept = 0, completed = 0, in_between = 0;
   for (int run = 1; run <= 200; ++run) {
     const std::string before = folder.read("run.json"), after = std::to_string(run);
@@ -219,7 +216,10 @@ TEST_CASE("kill -9 at random instants of hundreds of runs: all of the old set or
     CHECK((is_new || (!committed && whole(folder, before))));
     (is_new ? completed : old_kept) += 1;
   }
-  { OutputSet next(folder.path.string(), IfExists::replace); next.add("run.json"); }
+  {
+    OutputSet next(folder.path.string(), IfExists::replace);
+    next.add("run.json");
+  }
   CHECK(folder.names() == kSet);  // what the killed runs left is swept
   MESSAGE(old_kept << " kept the old set, " << completed << " have the new one, " << in_between
                    << " were killed in between");
@@ -262,8 +262,7 @@ TEST_CASE(
     CHECK(publication.step());
   }
   folder.write("truth.img", "somebody's");
-  CHECK(error_of([&] { finish_publication(folder.path.string()); }).find("move it away") !=
-        std::string::npos);
+  CHECK(error_of([&] { finish_publication(folder.path.string()); }).find("move it away") != std::string::npos);
   CHECK(error_of([&] { OutputFile other(folder / "x"); }).find("move it away") != std::string::npos);
   CHECK(folder.read("truth.img") == "somebody's");
   fs::rename(folder / "truth.img", folder / "kept");
@@ -298,12 +297,12 @@ TEST_CASE("a journal that was tampered with reaches nothing outside its folder")
   const TestFolder folder;
   fs::create_directory(folder / "in");
   folder.write("victim", "mine");
-  for (const char* text : {R"({"replace":true,"files":[["../victim","a"]],"remove":[]})",
-                           R"({"replace":true,"files":[["../victim","a",4,1,1]],"remove":[]})",
-                           R"({"replace":true,"files":[["a","../victim",4,1,1]],"remove":[]})",
-                           R"({"replace":true,"files":[["a","b"]],"remove":[]})",
-                           R"({"replace":true,"files":[],"remove":["../victim"]})", "{", "", "[1]",
-                           R"({"replace":1,"files":[["a","b",4,1,1]],"remove":[]})"}) {
+  for (const char* text :
+       {R"({"replace":true,"files":[["../victim","a"]],"remove":[]})",
+        R"({"replace":true,"files":[["../victim","a",4,1,1]],"remove":[]})",
+        R"({"replace":true,"files":[["a","../victim",4,1,1]],"remove":[]})",
+        R"({"replace":true,"files":[["a","b"]],"remove":[]})", R"({"replace":true,"files":[],"remove":["../victim"]})",
+        "{", "", "[1]", R"({"replace":1,"files":[["a","b",4,1,1]],"remove":[]})"}) {
     CAPTURE(text);
     folder.write(std::string("in/") + kJournalName, text);
     CHECK(error_of([&] { finish_publication(folder / "in"); }).find("cannot be read") != std::string::npos);
@@ -343,8 +342,8 @@ TEST_CASE("a second Ctrl-C in the middle of a publication removes none of its fi
 TEST_CASE("whatever killed runs left behind is swept, of other names too; a living run's temporaries stay") {
   const TestFolder folder;
   OutputFile living(folder / "living.img");
-  for (const char* name : {".gone.img.raycube-AbC123", ".pictures.json.raycube-aaaaaa",
-                           ".pictures.json.raycube-aaaaaa.points.png"})
+  for (const char* name :
+       {".gone.img.raycube-AbC123", ".pictures.json.raycube-aaaaaa", ".pictures.json.raycube-aaaaaa.points.png"})
     folder.write(name, "x");
   const std::string beside = fs::path(living.temporary_path()).filename().string() + ".png";
   folder.write(beside, "x");
@@ -366,8 +365,7 @@ TEST_CASE("a journal that this user did not leave is obeyed by nobody and waited
   std::vector<std::pair<std::function<void()>, std::string>> ways = {
       {[&] { REQUIRE(::mkfifo(journal.c_str(), 0600) == 0); }, "it is no regular file"},
       {[&] { fs::create_symlink(folder / "elsewhere", journal); }, "it cannot be opened"},
-      {[&] { folder.write(kJournalName, kTempting), ::chmod(journal.c_str(), 0664); },
-       "others may write it"}};
+      {[&] { folder.write(kJournalName, kTempting), ::chmod(journal.c_str(), 0664); }, "others may write it"}};
   if (::geteuid() == 0)
     ways.emplace_back(
         [&] {

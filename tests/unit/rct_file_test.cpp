@@ -1,4 +1,5 @@
-// The table's file: round trip, and every way a file can be wrong. Oracle: the format's own rules (docs/table_format.md).
+// The table's file: round trip, and every way a file can be wrong. Oracle: the format's own rules
+// (docs/table_format.md).
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -128,7 +129,8 @@ TEST_CASE("S18 every array of a file lies on 64 bytes, and the head is as docume
   CHECK(parts.header["format"] == "raycube render table");
   for (const auto& row : parts.header["rows"]) CHECK(row["offset"].get<std::uint64_t>() % 64 == 0);
   float value;
-  std::memcpy(&value, parts.arrays.data() + row_named(parts.header, "solar_irradiance")["offset"].get<std::size_t>() + 8, 4);
+  std::memcpy(&value,
+              parts.arrays.data() + row_named(parts.header, "solar_irradiance")["offset"].get<std::size_t>() + 8, 4);
   CHECK(value == 1000.0f);
   CHECK(sealed(parts.header, parts.arrays).size() > 64);
 }
@@ -147,7 +149,8 @@ TEST_CASE("S18 S20 a damaged file is refused with its reason") {
     std::memcpy(out.data() + at, &value, bytes);
     return out;
   };
-  CHECK(reason("") == bad + ": is no render table: shorter than its 64-byte head (found 0 bytes); build or import the table again");
+  CHECK(reason("") ==
+        bad + ": is no render table: shorter than its 64-byte head (found 0 bytes); build or import the table again");
   CHECK(reason(good.substr(0, 63)).find("shorter than") != std::string::npos);
   CHECK(reason(std::string(200, 'x')).find("first bytes must be") != std::string::npos);
   CHECK(reason(good.substr(0, good.size() - 1)).find("truncated") != std::string::npos);
@@ -209,7 +212,8 @@ TEST_CASE("S18 S20 a well-sealed file with wrong content is refused with its rea
   CHECK(has(reason([&](Parts& p) { wavelength(p) = {0.4, nullptr, 0.6}; }), "finite number"));
   CHECK(has(reason([&](Parts& p) { wavelength(p) = {-0.4, 0.5, 0.6}; }), "must lie in"));
   CHECK(has(reason([&](Parts& p) { set_value(p, "solar_irradiance", std::nanf("")); }), "finite"));
-  CHECK(has(reason([&](Parts& p) { set_value(p, "solar_irradiance", std::numeric_limits<float>::infinity()); }), "finite"));
+  CHECK(has(reason([&](Parts& p) { set_value(p, "solar_irradiance", std::numeric_limits<float>::infinity()); }),
+            "finite"));
   CHECK(has(reason([&](Parts& p) { set_value(p, "path_radiance_solar", -1e-6f); }), "must lie in 0"));
   CHECK(has(reason([&](Parts& p) { set_value(p, "sun_transmission", 1.0001f); }), "must lie in 0 to 1"));
   // A dimension whose product would overflow 64 bits is met by the size of the file before anything is allocated.
@@ -230,7 +234,9 @@ TEST_CASE("S18 every row of the format round-trips, and the document lists the r
     if (!table.axes.count(axis.name)) add_axis(table, axis.name, {std::max(axis.min, 0.0) + 1});
   for (const RowSpec& spec : row_registry()) {
     Row& row = add_row(table, spec.name, "test");
-    const double value = std::string(spec.name) == "air_temperature" ? 280 : std::string(spec.name).ends_with("optical_depth") ? 0 : 1;
+    const double value = std::string(spec.name) == "air_temperature"         ? 280
+                         : std::string(spec.name).ends_with("optical_depth") ? 0
+                                                                             : 1;
     std::fill(row.values.begin(), row.values.end(), static_cast<float>(value));
   }
   write_rct(table, folder.file("all.rct"), base::IfExists::refuse);
@@ -243,6 +249,8 @@ TEST_CASE("S18 an absent row is absent by name") {
   RenderTable table = uniform_table({}, {0.4, 0.5});
   table.rows.erase("sky_radiance_solar");
   validate(table, "test");
-  CHECK_THROWS_WITH_AS(table.need("sky_radiance_solar", "skylight"), doctest::Contains("no row 'sky_radiance_solar'"), base::Error);
-  CHECK_THROWS_WITH_AS(table.need("path_radiance_thermal", "a thermal band"), doctest::Contains("a thermal band"), base::Error);
+  CHECK_THROWS_WITH_AS(table.need("sky_radiance_solar", "skylight"), doctest::Contains("no row 'sky_radiance_solar'"),
+                       base::Error);
+  CHECK_THROWS_WITH_AS(table.need("path_radiance_thermal", "a thermal band"), doctest::Contains("a thermal band"),
+                       base::Error);
 }

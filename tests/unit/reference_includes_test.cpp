@@ -13,16 +13,22 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::vector<std::string> kAllowed = {
-    "host/reference/",  "host/base/",          "host/products/",
-    "host/plan/plan.h", "kernels/shared/",     "kernels/sampling/sampler.h",
-    "kernels/sampling/lidar_draws.h",
-    "scene_compiler/compiled_scene.h",         "scene_compiler/simulation.h",
-    "scene_compiler/air_spec.def",
-    "scene_compiler/lidar_spec.h",             "host/lidar/lidar_plan.h",
-    "host/lidar/shot.h",
-    "atmos_tables/render_table.h",             "atmos_tables/interpolate.h",
-    "atmos_tables/environment.h"};
+const std::vector<std::string> kAllowed = {"host/reference/",
+                                           "host/base/",
+                                           "host/products/",
+                                           "host/plan/plan.h",
+                                           "kernels/shared/",
+                                           "kernels/sampling/sampler.h",
+                                           "kernels/sampling/lidar_draws.h",
+                                           "scene_compiler/compiled_scene.h",
+                                           "scene_compiler/simulation.h",
+                                           "scene_compiler/air_spec.def",
+                                           "scene_compiler/lidar_spec.h",
+                                           "host/lidar/lidar_plan.h",
+                                           "host/lidar/shot.h",
+                                           "atmos_tables/render_table.h",
+                                           "atmos_tables/interpolate.h",
+                                           "atmos_tables/environment.h"};
 
 std::string text_of(const fs::path& path) {
   std::ostringstream out;
@@ -70,7 +76,8 @@ TEST_CASE("S61: the reference includes the scene, the tables, the plan's data an
 }
 
 TEST_CASE("S61: the walk would see a forbidden include") {
-  const auto found = own_includes("#include <vector>\n  #  include \"host/render/stage_graph.h\"\n#include \"kernels/geometry/edge.h\"\n");
+  const auto found = own_includes(
+      "#include <vector>\n  #  include \"host/render/stage_graph.h\"\n#include \"kernels/geometry/edge.h\"\n");
   REQUIRE(found.size() == 2);
   CHECK(!allowed(found[0]));
   CHECK(!allowed(found[1]));

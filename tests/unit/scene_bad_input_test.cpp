@@ -22,11 +22,10 @@ std::string mesh_from(const Folder& folder, const std::string& name, const std::
 
 std::string bands_from(const Folder& folder, const std::string& csv) {
   folder.write("b.csv", csv);
-  return refusal(
-      folder,
-      std::string(kHead) +
-          "time = { sun = { zenith_deg = 30 } }\n[[instrument]]\nname = \"i\"\nkind = \"framing\"\npixels = "
-          "2\nlines = 2\nposition_m = [0,0,100]\nifov_mrad = 1\nbands = \"b.csv\"\n");
+  return refusal(folder,
+                 std::string(kHead) +
+                     "time = { sun = { zenith_deg = 30 } }\n[[instrument]]\nname = \"i\"\nkind = \"framing\"\npixels = "
+                     "2\nlines = 2\nposition_m = [0,0,100]\nifov_mrad = 1\nbands = \"b.csv\"\n");
 }
 
 }  // namespace
@@ -41,9 +40,8 @@ TEST_CASE("bad input: unknown key, with the nearest one, file:line:column") {
 
 TEST_CASE("bad input: a key without its unit is matched to the one that carries it") {
   const Folder folder;
-  CHECK_SAYS(
-      refusal(folder, "format = 1\n[[instrument]]\nname = \"a\"\naltitude = 3\n"),
-      "scene.toml:4:1: unknown key in [instrument] (found 'altitude'); did you mean 'altitude_agl_m'?");
+  CHECK_SAYS(refusal(folder, "format = 1\n[[instrument]]\nname = \"a\"\naltitude = 3\n"),
+             "scene.toml:4:1: unknown key in [instrument] (found 'altitude'); did you mean 'altitude_agl_m'?");
 }
 
 TEST_CASE("bad input: every problem of one file is reported in one run") {
@@ -69,20 +67,19 @@ TEST_CASE("bad input: NaN and infinity in the simulation file") {
   const Folder folder;
   CHECK_SAYS(refusal(folder, "format = 1\ntolerance = nan\n"),
              "scene.toml:2:13: 'tolerance' is not a finite number (found nan)");
-  CHECK_SAYS(refusal(folder, std::string("format = 1\n") + kGrey +
-                                 "[[plane]]\nmaterial = \"grey\"\nsize_m = [1.0, inf]\n"),
-             "scene.toml:7:16: 'size_m' is not a finite number (found inf)");
+  CHECK_SAYS(
+      refusal(folder, std::string("format = 1\n") + kGrey + "[[plane]]\nmaterial = \"grey\"\nsize_m = [1.0, inf]\n"),
+      "scene.toml:7:16: 'size_m' is not a finite number (found inf)");
 }
 
 TEST_CASE("bad input: wrong types and lengths") {
   const Folder folder;
-  CHECK_SAYS(refusal(folder, "format = 1\nscene = 3\n"),
-             "scene.toml:2:1: 'scene' wants a table (found integer 3)");
+  CHECK_SAYS(refusal(folder, "format = 1\nscene = 3\n"), "scene.toml:2:1: 'scene' wants a table (found integer 3)");
   CHECK_SAYS(refusal(folder, "format = 1\n[material]\nname = \"a\"\n"),
              "'material' wants an array of tables (found a table); write [[material]]");
-  CHECK_SAYS(refusal(folder, std::string("format = 1\n") + kGrey +
-                                 "[[plane]]\nmaterial = \"grey\"\nsize_m = [1, 2, 3]\n"),
-             "'size_m' has the wrong length (found 3 values); give 2 values");
+  CHECK_SAYS(
+      refusal(folder, std::string("format = 1\n") + kGrey + "[[plane]]\nmaterial = \"grey\"\nsize_m = [1, 2, 3]\n"),
+      "'size_m' has the wrong length (found 3 values); give 2 values");
   CHECK_SAYS(refusal(folder, "format = 1\n[[instrument]]\nname = \"a\"\nkind = \"lidar2\"\n"),
              "'kind' wants one of framing, whiskbroom, pushbroom (found text \"lidar2\")");
 }
@@ -99,8 +96,7 @@ TEST_CASE("bad input: format is missing, late, or of another version") {
              "scene.toml:1:1: format is missing; begin the file with format = 1");
   CHECK_SAYS(refusal(folder, "tolerance = 0.01\nformat = 1\n"),
              "format is not the first key (found 'tolerance' before it)");
-  CHECK_SAYS(refusal(folder, "format = 2\n"),
-             "scene.toml:1:10: 'format' is out of range (found 2); give a number 1");
+  CHECK_SAYS(refusal(folder, "format = 2\n"), "scene.toml:1:10: 'format' is out of range (found 2); give a number 1");
 }
 
 TEST_CASE("bad input: TOML syntax") {
@@ -111,8 +107,7 @@ TEST_CASE("bad input: TOML syntax") {
 TEST_CASE("bad input: missing simulation file, 0-byte file") {
   const Folder folder;
   CHECK_THROWS_WITH_AS(load_simulation("/nonexistent/x.toml"),
-                       doctest::Contains("/nonexistent/x.toml: cannot read simulation file"),
-                       raycube::base::Error);
+                       doctest::Contains("/nonexistent/x.toml: cannot read simulation file"), raycube::base::Error);
   CHECK_SAYS(refusal(folder, ""), "scene.toml:1:1: file is empty (found 0 bytes)");
 }
 
@@ -165,8 +160,7 @@ TEST_CASE("bad input: wavelengths in the wrong unit") {
   const Folder folder;
   CHECK_SAYS(material_from(folder, "wavelength_um,reflectance\n4000,0.1\n5000,0.1\n"),
              "m.csv:2: wavelength outside 0.05 .. 1000 um (found 4000 um); check the unit");
-  CHECK_SAYS(material_from(folder, "wavelength_nm,reflectance\n0.4,0.1\n0.5,0.1\n"),
-             "m.csv:2: wavelength outside");
+  CHECK_SAYS(material_from(folder, "wavelength_nm,reflectance\n0.4,0.1\n0.5,0.1\n"), "m.csv:2: wavelength outside");
 }
 
 TEST_CASE("bad input: reflectance outside 0 .. 1 and reflectance + transmittance above 1") {
@@ -206,8 +200,7 @@ TEST_CASE("bad input: material with neither or both sources, defined twice") {
 
 TEST_CASE("bad input: band list with a width of 0, NaN, a wrong unit") {
   const Folder folder;
-  const std::string message =
-      bands_from(folder, "center_nm,fwhm_nm\n500,10\n600,0\n700,-3\n800,nan\n0.9,10\n");
+  const std::string message = bands_from(folder, "center_nm,fwhm_nm\n500,10\n600,0\n700,-3\n800,nan\n0.9,10\n");
   CHECK_SAYS(message, "b.csv:3: column 'fwhm_nm': band width must be above 0 (found 0)");
   CHECK_SAYS(message, "b.csv:4: column 'fwhm_nm': band width must be above 0 (found -3)");
   CHECK_SAYS(message, "b.csv:5: column 'fwhm_nm': not a finite number (found 'nan')");
@@ -270,9 +263,8 @@ TEST_CASE("bad input S1: zero-area faces are dropped with a count, refused when 
   CHECK_SAYS(message, "m.obj: face 2: face has no area");
   CHECK(mesh_from(folder, "m.obj", obj) == "");
   const auto simulation =
-      load(folder,
-           std::string(kHead) + kGrey +
-               "[[mesh]]\nname = \"m\"\nfile = \"m.obj\"\nmaterial = \"grey\"\n[[instance]]\nmesh = \"m\"\n");
+      load(folder, std::string(kHead) + kGrey +
+                       "[[mesh]]\nname = \"m\"\nfile = \"m.obj\"\nmaterial = \"grey\"\n[[instance]]\nmesh = \"m\"\n");
   CHECK(simulation.scene.meshes.at(0).triangle_count == 1);
   REQUIRE(simulation.notices.size() == 1);
   CHECK_SAYS(simulation.notices[0], "dropped 2 of 3 faces without area (first: face 1)");
@@ -280,9 +272,9 @@ TEST_CASE("bad input S1: zero-area faces are dropped with a count, refused when 
 
 TEST_CASE("bad input S1: mesh file missing, empty, of points, not a mesh") {
   const Folder folder;
-  CHECK_SAYS(refusal(folder, std::string(kHead) + kGrey +
-                                 "[[mesh]]\nname = \"m\"\nfile = \"no.obj\"\nmaterial = \"grey\"\n"),
-             "scene.toml:7:1: cannot read file (found no.obj)");
+  CHECK_SAYS(
+      refusal(folder, std::string(kHead) + kGrey + "[[mesh]]\nname = \"m\"\nfile = \"no.obj\"\nmaterial = \"grey\"\n"),
+      "scene.toml:7:1: cannot read file (found no.obj)");
   CHECK_SAYS(mesh_from(folder, "m.obj", ""), "m.obj: file is empty (found 0 bytes)");
   CHECK_SAYS(mesh_from(folder, "m.ply",
                        "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float "
@@ -337,8 +329,7 @@ TEST_CASE("bad input: instrument with no or two positions, no scale, a bad name"
       "2\nlines = 2\nbands = { first_nm = 400, step_nm = 10, count = 3, fwhm_nm = 10 }\n";
   const std::string message = refusal(folder, head + "name = \"a/b\"\n");
   CHECK_SAYS(message, "an instrument's name is a folder's (found 'a/b')");
-  CHECK_SAYS(message,
-             "scene.toml:3:1: instrument needs exactly one of altitude_agl_m, position_m, poses (found 0)");
+  CHECK_SAYS(message, "scene.toml:3:1: instrument needs exactly one of altitude_agl_m, position_m, poses (found 0)");
   CHECK_SAYS(refusal(folder, head + "name = \"a\"\naltitude_agl_m = 10\n"),
              "instrument needs exactly one of gsd_m, ifov_mrad, focal_length_mm with pitch_um (found 0)");
   CHECK_SAYS(refusal(folder, head + "name = \"a\"\naltitude_agl_m = 10\nfocal_length_mm = 3\n"),
@@ -365,8 +356,7 @@ TEST_CASE("bad input: time missing, double, malformed, without a place") {
       "[0,0,9]\nbands = { first_nm = 400, step_nm = 10, count = 3, fwhm_nm = 10 }\n";
   CHECK_SAYS(refusal(folder, kHead + instrument), "[time] is missing");
   CHECK_SAYS(refusal(folder, std::string(kHead) +
-                                 "time = { utc = \"2012-09-20T15:30:00Z\", sun = { zenith_deg = 3 } }\n" +
-                                 instrument),
+                                 "time = { utc = \"2012-09-20T15:30:00Z\", sun = { zenith_deg = 3 } }\n" + instrument),
              "scene.toml:2:8: [time] needs exactly one of utc, sun and moon (found more than one)");
   CHECK_SAYS(refusal(folder, std::string(kHead) + "time = { utc = \"2012-09-20T15:30:00Z\" }\n" + instrument),
              "the sun at a time needs a place on earth");
@@ -379,9 +369,8 @@ TEST_CASE("bad input: time missing, double, malformed, without a place") {
 
 TEST_CASE("bad input: EPSG code that is no projected system") {
   const Folder folder;
-  CHECK_SAYS(
-      refusal(folder, "format = 1\nscene = { origin = { epsg = 4326, easting_m = 1, northing_m = 2 } }\n"),
-      "scene.toml:2:22: not a projected system in which the origin lies (found EPSG:4326");
+  CHECK_SAYS(refusal(folder, "format = 1\nscene = { origin = { epsg = 4326, easting_m = 1, northing_m = 2 } }\n"),
+             "scene.toml:2:22: not a projected system in which the origin lies (found EPSG:4326");
 }
 
 TEST_CASE("bad input: objects so far from the origin that single precision loses them, by their own size") {
@@ -400,9 +389,7 @@ TEST_CASE("bad input: objects so far from the origin that single precision loses
     CHECK_SAYS(message, "scene.origin");
     CHECK(line_count(message) == 1);
   }
-  const auto notices = [&](const std::string& place, double size) {
-    return load(folder, box_at(place, size)).notices;
-  };
+  const auto notices = [&](const std::string& place, double size) { return load(folder, box_at(place, size)).notices; };
   REQUIRE(notices("[1e5, 0, 0]", 2).size() == 1);
   CHECK_SAYS(notices("[1e5, 0, 0]", 2).front(), "1 objects or terrains lie so far");
   CHECK_SAYS(notices("[1e5, 0, 0]", 2).front(), "worst 'hut': 2 m at 1e+05, 0, ");
@@ -426,10 +413,8 @@ TEST_CASE("bad input: objects so far from the origin that single precision loses
                                    size + ", " + size + "]\n"),
                "single precision does not resolve");
   // Terrain is as coarse as its cells, not as it is wide.
-  folder.write("dem.asc",
-               "ncols 3\nnrows 3\nxllcorner 90000\nyllcorner 0\ncellsize 0.0625\n1 1 1\n1 1 1\n1 1 1\n");
-  CHECK_SAYS(
-      refusal(folder, std::string(kHead) + kGrey +
-                          "[[terrain]]\nname = \"field\"\nraster = \"dem.asc\"\nmaterial = \"grey\"\n"),
-      "cells of 0.0625 m");
+  folder.write("dem.asc", "ncols 3\nnrows 3\nxllcorner 90000\nyllcorner 0\ncellsize 0.0625\n1 1 1\n1 1 1\n1 1 1\n");
+  CHECK_SAYS(refusal(folder, std::string(kHead) + kGrey +
+                                 "[[terrain]]\nname = \"field\"\nraster = \"dem.asc\"\nmaterial = \"grey\"\n"),
+             "cells of 0.0625 m");
 }

@@ -161,11 +161,10 @@ TEST_CASE("S3 instancing costs one mesh: 1e5 instances of a tree of 20 000 trian
     obj += line;
   }
   folder.write("tree.obj", obj);
-  const auto simulation = load(
-      folder,
-      std::string(kHead) + kGrey +
-          "[[mesh]]\nname = \"tree\"\nfile = \"tree.obj\"\nmaterial = \"grey\"\n[[scatter]]\nmesh = "
-          "\"tree\"\ndensity_per_m2 = 0.01\nrectangle_m = [0, 0, 5000, 2000]\nscale_range = [0.8, 1.2]\n");
+  const auto simulation =
+      load(folder, std::string(kHead) + kGrey +
+                       "[[mesh]]\nname = \"tree\"\nfile = \"tree.obj\"\nmaterial = \"grey\"\n[[scatter]]\nmesh = "
+                       "\"tree\"\ndensity_per_m2 = 0.01\nrectangle_m = [0, 0, 5000, 2000]\nscale_range = [0.8, 1.2]\n");
   const auto info = scene_info(simulation.scene);
   CHECK(info.instances == 100000);
   CHECK(info.triangles == 20000);

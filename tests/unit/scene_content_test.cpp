@@ -93,14 +93,12 @@ constexpr const char* kTwo =
     "[[material]]\nname = \"dark\"\nreflectance = 0.1\n[[material]]\nname = \"light\"\nreflectance = 0.8\n";
 
 /// ESRI ASCII grid, row 0 north; corner of the lower left pixel at (x, y).
-std::string ascii_grid(int columns, int rows, double x, double y, double cell,
-                       const std::vector<double>& values) {
+std::string ascii_grid(int columns, int rows, double x, double y, double cell, const std::vector<double>& values) {
   std::string out = "ncols " + std::to_string(columns) + "\nnrows " + std::to_string(rows) + "\nxllcorner " +
-                    std::to_string(x) + "\nyllcorner " + std::to_string(y) + "\ncellsize " +
-                    std::to_string(cell) + "\nNODATA_value -9999\n";
+                    std::to_string(x) + "\nyllcorner " + std::to_string(y) + "\ncellsize " + std::to_string(cell) +
+                    "\nNODATA_value -9999\n";
   for (int r = 0; r < rows; ++r, out += "\n")
-    for (int c = 0; c < columns; ++c)
-      out += std::to_string(values[static_cast<std::size_t>(r * columns + c)]) + " ";
+    for (int c = 0; c < columns; ++c) out += std::to_string(values[static_cast<std::size_t>(r * columns + c)]) + " ";
   return out;
 }
 
@@ -169,16 +167,14 @@ TEST_CASE("S1 plane: size, turn and tilt; its normal leans towards the given azi
 TEST_CASE("S2 checkerboard: squares are geometry, areas alternate exactly, cut squares at the far edges") {
   const Folder folder;
   const auto simulation =
-      load(folder,
-           std::string(kHead) + kTwo +
-               "[[plane]]\nsize_m = [2.5, 2]\nchecker = { materials = [\"dark\", \"light\"], cell_m = 1 }\n");
+      load(folder, std::string(kHead) + kTwo +
+                       "[[plane]]\nsize_m = [2.5, 2]\nchecker = { materials = [\"dark\", \"light\"], cell_m = 1 }\n");
   const auto triangles = placed_triangles(simulation.scene);
   CHECK(triangles.size() == 12);
   double dark = 0;
   for (const auto& t : triangles) {
     if (t.surface == 0) dark += area(t);
-    const double x = (t.v[0][0] + t.v[1][0] + t.v[2][0]) / 3 + 1.25,
-                 y = (t.v[0][1] + t.v[1][1] + t.v[2][1]) / 3 + 1;
+    const double x = (t.v[0][0] + t.v[1][0] + t.v[2][0]) / 3 + 1.25, y = (t.v[0][1] + t.v[1][1] + t.v[2][1]) / 3 + 1;
     CHECK(t.surface == static_cast<std::uint32_t>((int(x) + int(y)) % 2));
   }
   CHECK(total_area(triangles) == doctest::Approx(5).epsilon(1e-6));
@@ -197,8 +193,7 @@ TEST_CASE("S1 box: closed, faces outward, one material per face, north before tu
   for (const auto& t : triangles)
     if (t.surface == 1) {
       light += area(t);
-      CHECK(cross_of(t)[0] / (2 * area(t)) ==
-            doctest::Approx(1).epsilon(1e-6));  // local north turned to the east
+      CHECK(cross_of(t)[0] / (2 * area(t)) == doctest::Approx(1).epsilon(1e-6));  // local north turned to the east
     }
   CHECK(light == doctest::Approx(8).epsilon(1e-6));
 }
@@ -209,13 +204,11 @@ TEST_CASE("S3 transforms: scale, turn, move equals its matrix; 16 numbers equal 
   const std::string head =
       std::string(kHead) + kGrey + "[[mesh]]\nname = \"m\"\nfile = \"m.obj\"\nmaterial = \"grey\"\n";
   const auto turned_scene =
-      load(folder, head + "[[instance]]\nmesh = \"m\"\nposition_m = [5, 6, 7]\nyaw_deg = 90\nscale = 2\n")
-          .scene;
+      load(folder, head + "[[instance]]\nmesh = \"m\"\nposition_m = [5, 6, 7]\nyaw_deg = 90\nscale = 2\n").scene;
   const auto matrix =
-      load(folder,
-           head +
-               "[[instance]]\nmesh = \"m\"\nmatrix = [0,2,0,5, -2,0,0,6, 0,0,2,7]\n[[instance]]\nmesh = "
-               "\"m\"\nmatrix = [0,2,0,5, -2,0,0,6, 0,0,2,7, 0,0,0,1]\n")
+      load(folder, head +
+                       "[[instance]]\nmesh = \"m\"\nmatrix = [0,2,0,5, -2,0,0,6, 0,0,2,7]\n[[instance]]\nmesh = "
+                       "\"m\"\nmatrix = [0,2,0,5, -2,0,0,6, 0,0,2,7, 0,0,0,1]\n")
           .scene;
   const auto a = placed_triangles(turned_scene), b = placed_triangles(matrix);
   REQUIRE(b.size() == 2);
@@ -246,12 +239,11 @@ TEST_CASE("S2 terrain: row 0 is north, class map aligned cell by cell, heights a
   // 4 x 3 cells: class 2 only in the north-west cell.
   for (int i = 0; i < 12; ++i) classes.push_back(i == 0 ? 2 : 1);
   folder.write("class.asc", ascii_grid(4, 3, 105, 205, 10, classes));
-  const auto scene =
-      load(folder, std::string(kHead) + kTwo +
-                       "[[terrain]]\nraster = \"dem.asc\"\nclass_map = \"class.asc\"\nmaterials = { 1 = "
-                       "\"dark\", 2 = \"light\" }\n[[plane]]\nmaterial = \"dark\"\nsize_m = [1, "
-                       "1]\nposition_m = [112.5, 221, 0]\non_terrain = true\n")
-          .scene;
+  const auto scene = load(folder, std::string(kHead) + kTwo +
+                                      "[[terrain]]\nraster = \"dem.asc\"\nclass_map = \"class.asc\"\nmaterials = { 1 = "
+                                      "\"dark\", 2 = \"light\" }\n[[plane]]\nmaterial = \"dark\"\nsize_m = [1, "
+                                      "1]\nposition_m = [112.5, 221, 0]\non_terrain = true\n")
+                         .scene;
   const auto triangles = placed_triangles(scene);
   REQUIRE(triangles.size() == 26);
   CHECK(lowest(triangles) == Vector{105, 205, 0});
@@ -285,8 +277,7 @@ TEST_CASE(
   CHECK(!grid.height_m(0.5, -0.001));
 }
 
-TEST_CASE(
-    "ground: the highest terrain below a place, off all of them the edge of the nearest, z = 0 without any") {
+TEST_CASE("ground: the highest terrain below a place, off all of them the edge of the nearest, z = 0 without any") {
   // Rows from north: 0 1 / 2 3 over x 0..1, y 0..1; a raster turned by 90 degrees, all 7, over x 10..11, y
   // 0..1.
   const Ground ground({TerrainGrid(2, 2, {-0.5, 1, 0, 1.5, 0, -1}, {0, 1, 2, 3}),
@@ -318,10 +309,9 @@ TEST_CASE(
   }
   folder.write("class.pgm", "P5\n5 5\n255\n" + std::string(25, '\1'));
   CHECK_SAYS(
-      refusal(
-          folder,
-          std::string(kHead) + kTwo +
-              "[[terrain]]\nraster = \"dem.asc\"\nclass_map = \"class.pgm\"\nmaterials = { 1 = \"dark\" }\n"),
+      refusal(folder,
+              std::string(kHead) + kTwo +
+                  "[[terrain]]\nraster = \"dem.asc\"\nclass_map = \"class.pgm\"\nmaterials = { 1 = \"dark\" }\n"),
       "map without georeferencing does not fit the terrain (found 5 x 5 pixels in class.pgm); it needs the "
       "terrain's 3 x 3 pixels or its 2 x 2 cells");
 }
@@ -336,8 +326,7 @@ TEST_CASE(
              "dem.asc: row 0, column 2: terrain has posts without data (found 1 of 6); set nodata = "
              "\"interpolate\" or \"constant\" in scene.toml:8:1");
   CHECK(refusal(folder, head + "material = \"dark\"\nnodata = \"interpolate\"\n") == "");
-  const auto filled =
-      load(folder, head + "material = \"dark\"\nnodata = \"constant\"\nnodata_height_m = -7\n").scene;
+  const auto filled = load(folder, head + "material = \"dark\"\nnodata = \"constant\"\nnodata_height_m = -7\n").scene;
   CHECK(lowest(placed_triangles(filled))[2] == -7.0);
   const auto smooth = load(folder, head + "material = \"dark\"\nnodata = \"interpolate\"\n").scene;
   // Inverse-distance weights: inside the range of the valid posts.
@@ -347,34 +336,27 @@ TEST_CASE(
   folder.write("class.asc", ascii_grid(2, 1, 0.5, 0.5, 1, {1, 7}));
   CHECK_SAYS(refusal(folder, head + "class_map = \"class.asc\"\nmaterials = { 1 = \"dark\" }\n"),
              "class.asc: row 0, column 1: class has no material (found 7 on 1 cells)");
-  CHECK_SAYS(refusal(folder, head),
-             "a terrain needs exactly one of material, class_map, mixture_map (found 0)");
+  CHECK_SAYS(refusal(folder, head), "a terrain needs exactly one of material, class_map, mixture_map (found 0)");
   folder.write("no.pgm", "P5\n2 2\n255\n" + std::string(4, '\1'));
-  CHECK_SAYS(
-      refusal(folder, std::string(kHead) + kTwo + "[[terrain]]\nraster = \"no.pgm\"\nmaterial = \"dark\"\n"),
-      "scene.toml:9:1: raster has no georeferencing (found no.pgm); give cell_m");
-  CHECK_SAYS(refusal(folder,
-                     std::string(kHead) + kTwo + "[[terrain]]\nraster = \"none.tif\"\nmaterial = \"dark\"\n"),
+  CHECK_SAYS(refusal(folder, std::string(kHead) + kTwo + "[[terrain]]\nraster = \"no.pgm\"\nmaterial = \"dark\"\n"),
+             "scene.toml:9:1: raster has no georeferencing (found no.pgm); give cell_m");
+  CHECK_SAYS(refusal(folder, std::string(kHead) + kTwo + "[[terrain]]\nraster = \"none.tif\"\nmaterial = \"dark\"\n"),
              "scene.toml:9:1: cannot read file (found none.tif)");
   folder.write("text.tif", "not a raster");
-  CHECK_SAYS(refusal(folder,
-                     std::string(kHead) + kTwo + "[[terrain]]\nraster = \"text.tif\"\nmaterial = \"dark\"\n"),
+  CHECK_SAYS(refusal(folder, std::string(kHead) + kTwo + "[[terrain]]\nraster = \"text.tif\"\nmaterial = \"dark\"\n"),
              "text.tif: GDAL cannot read the raster");
   folder.write("far.asc", ascii_grid(2, 2, 500000, 4750000, 1, {1, 2, 3, 4}));
-  CHECK_SAYS(
-      refusal(folder, std::string(kHead) + kTwo + "[[terrain]]\nraster = \"far.asc\"\nmaterial = \"dark\"\n"),
-      "raster lies more than 100 km from scene.origin (found centre at 500001, 4750001)");
+  CHECK_SAYS(refusal(folder, std::string(kHead) + kTwo + "[[terrain]]\nraster = \"far.asc\"\nmaterial = \"dark\"\n"),
+             "raster lies more than 100 km from scene.origin (found centre at 500001, 4750001)");
 }
 
-TEST_CASE(
-    "bad input S2: a 10 GB dimension in a small raster header is refused before anything is allocated") {
+TEST_CASE("bad input S2: a 10 GB dimension in a small raster header is refused before anything is allocated") {
   const Folder folder;
   const std::string head = std::string(kHead) + kGrey + "[[terrain]]\ncell_m = 1\nmaterial = \"grey\"\n";
   folder.write("dem.img", std::string(16, '\0'));
-  folder.write(
-      "dem.hdr",
-      "ENVI\nsamples = 100000\nlines = 100000\nbands = 1\nheader offset = 0\nfile type = ENVI Standard\n"
-      "data type = 4\ninterleave = bsq\nbyte order = 0\n");
+  folder.write("dem.hdr",
+               "ENVI\nsamples = 100000\nlines = 100000\nbands = 1\nheader offset = 0\nfile type = ENVI Standard\n"
+               "data type = 4\ninterleave = bsq\nbyte order = 0\n");
   CHECK_SAYS(refusal(folder, head + "raster = \"dem.img\"\n"),
              "dem.img: GDAL cannot read the raster (found Image file is too small)");
   // A format whose size GDAL does not check against the file.
@@ -433,8 +415,7 @@ TEST_CASE("S2 gate: linear and stochastic mixtures have the same mean within 3 s
       const auto& s = scene.surfaces[t.surface];
       double reflectance = 0;
       for (int k = 0; k < 4; ++k)
-        if (s.curve[k])
-          reflectance += double(s.fraction[k]) * scene.materials[s.curve[k] - 1].reflectance.value[0];
+        if (s.curve[k]) reflectance += double(s.fraction[k]) * scene.materials[s.curve[k] - 1].reflectance.value[0];
       sum += area(t) * reflectance, weight += area(t);
     }
     return sum / weight;
@@ -451,8 +432,7 @@ TEST_CASE("S2 gate: linear and stochastic mixtures have the same mean within 3 s
   CHECK(mean(load(folder, head).scene) == doctest::Approx(expected).epsilon(1e-6));
   double last = 0;
   for (const char* seed : {"1", "2", "3"}) {
-    const double stochastic =
-        mean(load(folder, head + "mixture = \"stochastic\"\nseed = " + seed + "\n").scene);
+    const double stochastic = mean(load(folder, head + "mixture = \"stochastic\"\nseed = " + seed + "\n").scene);
     CAPTURE(seed);
     CHECK(std::abs(stochastic - expected) < 3 * standard_error);
     CHECK(stochastic != last);
@@ -485,10 +465,9 @@ TEST_CASE("S3 scatter: CSV places, drop on the terrain, off the terrain refused 
   folder.write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
   folder.write("dem.asc", ascii_grid(3, 3, 0, 0, 10, {30, 30, 30, 20, 20, 20, 10, 10, 10}));
   folder.write("p.csv", "x_m,y_m,yaw_deg,scale\n10,10,0,1\n20,20,90,2\n");
-  const std::string head =
-      std::string(kHead) + kGrey +
-      "[[terrain]]\nraster = \"dem.asc\"\nmaterial = \"grey\"\n[[mesh]]\nname = \"m\"\nfile = "
-      "\"m.obj\"\nmaterial = \"grey\"\n[[scatter]]\nmesh = \"m\"\npositions = \"p.csv\"\n";
+  const std::string head = std::string(kHead) + kGrey +
+                           "[[terrain]]\nraster = \"dem.asc\"\nmaterial = \"grey\"\n[[mesh]]\nname = \"m\"\nfile = "
+                           "\"m.obj\"\nmaterial = \"grey\"\n[[scatter]]\nmesh = \"m\"\npositions = \"p.csv\"\n";
   const auto scene = load(folder, head).scene;
   REQUIRE(scene.instances.size() == 3);
   CHECK(scene.instances[1].world_from_local_2.w == doctest::Approx(15));
@@ -533,9 +512,8 @@ TEST_CASE("includes: entries add up, paths are relative to the file that names t
   folder.write("lib/materials.toml", "format = 1\n[[material]]\nname = \"m\"\nfile = \"m.csv\"\n");
   folder.write("lib/m.csv", "wavelength_um,reflectance\n0.4,0.25\n0.8,0.5\n");
   const auto simulation =
-      load(folder,
-           std::string(kHead) + kGrey +
-               "[scene]\ninclude = [\"lib/materials.toml\"]\n[[plane]]\nmaterial = \"m\"\nsize_m = [1, 1]\n");
+      load(folder, std::string(kHead) + kGrey +
+                       "[scene]\ninclude = [\"lib/materials.toml\"]\n[[plane]]\nmaterial = \"m\"\nsize_m = [1, 1]\n");
   REQUIRE(simulation.scene.materials.size() == 2);
   CHECK(simulation.scene.materials[1].reflectance.value[0] == 0.25);
 }
@@ -548,9 +526,8 @@ TEST_CASE("an empty scene and a scene of one triangle compile") {
   CHECK(empty.nodes[0].count == 0);
   folder.write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
   const auto one =
-      load(folder,
-           std::string(kHead) + kGrey +
-               "[[mesh]]\nname = \"m\"\nfile = \"m.obj\"\nmaterial = \"grey\"\n[[instance]]\nmesh = \"m\"\n")
+      load(folder, std::string(kHead) + kGrey +
+                       "[[mesh]]\nname = \"m\"\nfile = \"m.obj\"\nmaterial = \"grey\"\n[[instance]]\nmesh = \"m\"\n")
           .scene;
   CHECK(placed_triangles(one).size() == 1);
 }
@@ -558,8 +535,8 @@ TEST_CASE("an empty scene and a scene of one triangle compile") {
 TEST_CASE("a mesh that is never placed gives a notice") {
   const Folder folder;
   folder.write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-  const auto simulation = load(
-      folder, std::string(kHead) + kGrey + "[[mesh]]\nname = \"m\"\nfile = \"m.obj\"\nmaterial = \"grey\"\n");
+  const auto simulation =
+      load(folder, std::string(kHead) + kGrey + "[[mesh]]\nname = \"m\"\nfile = \"m.obj\"\nmaterial = \"grey\"\n");
   REQUIRE(simulation.notices.size() == 1);
   CHECK_SAYS(simulation.notices[0], "mesh 'm' is never placed");
 }
@@ -582,27 +559,22 @@ TEST_CASE("instruments: altitude above terrain, scale three ways, defaults") {
   CHECK(a.psf_support_px == 1.0);
   CHECK(read("position_m = [0, 0, 150]\nfocal_length_mm = 50\npitch_um = 250\n").ifov_along_rad ==
         doctest::Approx(0.005).epsilon(1e-15));
-  CHECK(read("position_m = [0, 0, 150]\nifov_mrad = 5\n").ifov_along_rad ==
-        doctest::Approx(0.005).epsilon(1e-15));
+  CHECK(read("position_m = [0, 0, 150]\nifov_mrad = 5\n").ifov_along_rad == doctest::Approx(0.005).epsilon(1e-15));
   // Off the terrain the height counts from z = 0.
   CHECK(read("altitude_agl_m = 100\ncenter_m = [1000, 0]\ngsd_m = 1\n").poses[0].z_m == 100.0);
-  const auto psf =
-      read("altitude_agl_m = 100\ngsd_m = 1\nsamples = { jittered = [4, 5] }\npsf = { sigma_px = 0.5 }\n");
+  const auto psf = read("altitude_agl_m = 100\ngsd_m = 1\nsamples = { jittered = [4, 5] }\npsf = { sigma_px = 0.5 }\n");
   CHECK(psf.sampler == SamplerKind::jittered);
   CHECK(psf.samples_v == 5);
   CHECK(psf.psf_support_px == doctest::Approx(4));
-  CHECK_SAYS(
-      refusal(folder, kHead +
-                          camera("kind = \"framing\"\npixels = 4\nlines = 3\naltitude_agl_m = 1\ngsd_m "
-                                 "= 1\nsamples = { lattice = 100 }\npsf = { sigma_px = 0.5 }\n") +
-                          terrain),
-      "a point spread needs the grid or jittered sampler");
-  CHECK_SAYS(
-      refusal(folder,
-              kHead +
-                  camera("kind = \"framing\"\npixels = 4\nlines = 3\nposition_m = [0, 0, 20]\ngsd_m = 1\n") +
-                  terrain),
-      "gsd_m needs the instrument above the ground (found -30 m above it)");
+  CHECK_SAYS(refusal(folder, kHead +
+                                 camera("kind = \"framing\"\npixels = 4\nlines = 3\naltitude_agl_m = 1\ngsd_m "
+                                        "= 1\nsamples = { lattice = 100 }\npsf = { sigma_px = 0.5 }\n") +
+                                 terrain),
+             "a point spread needs the grid or jittered sampler");
+  CHECK_SAYS(refusal(folder,
+                     kHead + camera("kind = \"framing\"\npixels = 4\nlines = 3\nposition_m = [0, 0, 20]\ngsd_m = 1\n") +
+                         terrain),
+             "gsd_m needs the instrument above the ground (found -30 m above it)");
 }
 
 TEST_CASE(
@@ -611,8 +583,7 @@ TEST_CASE(
   const Folder folder;
   const auto read = [&](const std::string& more) {
     return load(folder,
-                kHead + camera("pixels = 4\nlines = 3\naltitude_agl_m = 100\ngsd_m = 2\nheading_deg = 90\n" +
-                               more))
+                kHead + camera("pixels = 4\nlines = 3\naltitude_agl_m = 100\ngsd_m = 2\nheading_deg = 90\n" + more))
         .instruments.at(0);
   };
   const auto push = read("kind = \"pushbroom\"\n");
@@ -625,14 +596,11 @@ TEST_CASE(
   CHECK(read("kind = \"pushbroom\"\nline_spacing_m = 5\n").poses[2].x_m == doctest::Approx(5));
   const auto whisk = read("kind = \"whiskbroom\"\n");
   REQUIRE(whisk.poses.size() == 12);
-  for (int i = 0; i < 12; ++i)
-    CHECK(whisk.poses[i].x_m == doctest::Approx(2.0 * ((i + 0.5) / 4 - 1.5)).epsilon(1e-14));
+  for (int i = 0; i < 12; ++i) CHECK(whisk.poses[i].x_m == doctest::Approx(2.0 * ((i + 0.5) / 4 - 1.5)).epsilon(1e-14));
   // Poses of lines give those of pixels, linear in time: the straight flight again.
   folder.write("p.csv", "x_m,y_m,z_m,heading_deg\n-2,0,100,350\n0,0,100,0\n2,0,100,10\n");
   const auto listed =
-      load(
-          folder,
-          kHead + camera("pixels = 4\nlines = 3\nkind = \"whiskbroom\"\nposes = \"p.csv\"\nifov_mrad = 20\n"))
+      load(folder, kHead + camera("pixels = 4\nlines = 3\nkind = \"whiskbroom\"\nposes = \"p.csv\"\nifov_mrad = 20\n"))
           .instruments.at(0);
   REQUIRE(listed.poses.size() == 12);
   for (int i = 0; i < 12; ++i) {

@@ -64,14 +64,11 @@ inline std::string refusal(const Folder& folder, const std::string& text) {
     message = error.what();
   }
   const std::string root = folder.at("");
-  for (auto at = message.find(root); at != std::string::npos; at = message.find(root))
-    message.erase(at, root.size());
+  for (auto at = message.find(root); at != std::string::npos; at = message.find(root)) message.erase(at, root.size());
   return message;
 }
 
-inline bool has(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
+inline bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 #define CHECK_SAYS(message, part) \
   CHECK_MESSAGE(::raycube::scene::testing::has(message, part), "missing '" << part << "' in:\n" << message)
 

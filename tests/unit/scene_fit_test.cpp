@@ -35,7 +35,8 @@ cl::DeviceInfo some_device(std::size_t largest_kib, std::size_t memory_mib) {
   return device;
 }
 
-std::string cut(std::uint64_t count, std::size_t element_bytes, std::uint64_t largest_bytes, std::uint64_t page_bytes = 0) {
+std::string cut(std::uint64_t count, std::size_t element_bytes, std::uint64_t largest_bytes,
+                std::uint64_t page_bytes = 0) {
   const auto paging = render::cut_into_pages(count, element_bytes, largest_bytes, page_bytes);
   if (!paging) return "too large";
   return paging->pages == 1 ? "one page" : std::to_string(paging->pages) + " of 2^" + std::to_string(paging->shift);
@@ -53,7 +54,8 @@ TEST_CASE("S60 an array is cut into pages of a power of two of elements that fit
   CHECK(cut(12, 100, 2399) == "2 of 2^3");
 }
 
-TEST_CASE("S60 where 8 pages of half a buffer are too few, pages take up to a whole one; past that the array is too large") {
+TEST_CASE(
+    "S60 where 8 pages of half a buffer are too few, pages take up to a whole one; past that the array is too large") {
   CHECK(cut(65, 100, 1600) == "5 of 2^4");
   CHECK(cut(128, 100, 1600) == "8 of 2^4");
   CHECK(cut(129, 100, 1600) == "too large");
@@ -70,7 +72,9 @@ TEST_CASE("S60 where 8 pages of half a buffer are too few, pages take up to a wh
   CHECK(cut(17, 100, 1600, 9000) == "2 of 2^4");
 }
 
-TEST_CASE("S60 for every count and limit: pages hold the array, are in use, fit, and nothing is refused that they could hold") {
+TEST_CASE(
+    "S60 for every count and limit: pages hold the array, are in use, fit, and nothing is refused that they could "
+    "hold") {
   for (std::uint64_t largest = 1; largest < 200; ++largest)
     for (std::uint64_t count = 1; count < 300; ++count) {
       const auto paging = render::cut_into_pages(count, 3, largest);

@@ -59,8 +59,7 @@ TEST_CASE("JSON schema: parses, names every key, its ranges and defaults") {
   CHECK(schema["properties"]["tolerance"]["default"] == 0.01);
   const auto& instrument = schema["properties"]["instrument"]["items"];
   CHECK(instrument["additionalProperties"] == false);
-  CHECK(instrument["properties"]["kind"]["enum"] ==
-        nlohmann::json::array({"framing", "whiskbroom", "pushbroom"}));
+  CHECK(instrument["properties"]["kind"]["enum"] == nlohmann::json::array({"framing", "whiskbroom", "pushbroom"}));
   CHECK(instrument["properties"]["position_m"]["minItems"] == 3);
   CHECK(instrument["properties"]["bands"]["anyOf"][1]["properties"]["count"]["minimum"] == 1);
   std::size_t keys = 0;
@@ -80,8 +79,7 @@ TEST_CASE("JSON schema: parses, names every key, its ranges and defaults") {
 
 TEST_CASE("resolved configuration: every option with its value after defaults") {
   const Folder folder;
-  const auto resolved =
-      nlohmann::json::parse(load(folder, std::string(kHead) + "seed = 7\n" + kGrey).resolved_json);
+  const auto resolved = nlohmann::json::parse(load(folder, std::string(kHead) + "seed = 7\n" + kGrey).resolved_json);
   CHECK(resolved["seed"] == 7);
   CHECK(resolved["tolerance"] == 0.01);
   CHECK(resolved["material"][0]["name"] == "grey");

@@ -45,21 +45,17 @@ TEST_CASE("S1 real meshes: triangles, area and volume are those of an independen
   // Areas and volumes are printed to 6 digits; vertices are floats.
   for (const Expected& expected :
        {Expected{"box100.obj", 12, 60000, 1e6}, Expected{"bunny_lowres.ply", 948, 0.0545925, 0},
-        Expected{"fandisk_closed.obj", 12946, 60.6691, 20.2434},
-        Expected{"helios_tree1.obj", 6672, 0.719364, 0},
-        Expected{"spot_cow_closed.obj", 5856, 5.70952, 0.718259},
-        Expected{"sphere.ply", 840, 200888, 8.42517e6}, Expected{"suzanne_quads.obj", 968, 12.4685, 0},
-        Expected{"obj_edge_cases/box_mat_with_spaces.obj", 12, 6, 1},
+        Expected{"fandisk_closed.obj", 12946, 60.6691, 20.2434}, Expected{"helios_tree1.obj", 6672, 0.719364, 0},
+        Expected{"spot_cow_closed.obj", 5856, 5.70952, 0.718259}, Expected{"sphere.ply", 840, 200888, 8.42517e6},
+        Expected{"suzanne_quads.obj", 968, 12.4685, 0}, Expected{"obj_edge_cases/box_mat_with_spaces.obj", 12, 6, 1},
         Expected{"obj_edge_cases/box_without_lineending.obj", 12, 6, 1},
-        Expected{"obj_edge_cases/cube_usemtl.obj", 12, 6, 1},
-        Expected{"ply_edge_cases/cube_ascii.ply", 12, 6, 1},
+        Expected{"obj_edge_cases/cube_usemtl.obj", 12, 6, 1}, Expected{"ply_edge_cases/cube_ascii.ply", 12, 6, 1},
         Expected{"ply_edge_cases/cube_binary.ply", 12, 6, 1},
         Expected{"ply_edge_cases/cube_binary_header_with_RN_newline.ply", 12, 6, 1},
         Expected{"ply_edge_cases/cube_uv.ply", 12, 24, 8}}) {
     CAPTURE(expected.file);
     base::Problems problems;
-    const auto read =
-        read_mesh_file(*shared + "/data/meshes/" + expected.file, 1, false, false, {}, problems);
+    const auto read = read_mesh_file(*shared + "/data/meshes/" + expected.file, 1, false, false, {}, problems);
     REQUIRE(read);
     const auto found = measure(read->mesh);
     CHECK(found.triangles + read->dropped_faces == expected.triangles);
@@ -87,8 +83,8 @@ TEST_CASE("S1 edge cases of OBJ and PLY: reported with their place, never a cras
   CHECK_SAYS(message("ply_edge_cases/points.ply"), "points.ply");
   // One concave polygon; a long line of 940 corners that revisits the same eight.
   base::Problems problems;
-  const auto concave = read_mesh_file(*shared + "/data/meshes/obj_edge_cases/concave_polygon.obj", 1, false,
-                                      false, {}, problems);
+  const auto concave =
+      read_mesh_file(*shared + "/data/meshes/obj_edge_cases/concave_polygon.obj", 1, false, false, {}, problems);
   REQUIRE(concave);
   const auto found = measure(concave->mesh);
   CHECK(concave->faces == 1);
@@ -110,9 +106,8 @@ TEST_CASE(
   const Folder folder;
   std::string first;
   std::optional<Raster> first_raster;
-  for (const char* file :
-       {"heidelberg_dem_256_float32.tif", "heidelberg_dem_256_tiled_deflate.tif",
-        "heidelberg_dem_256_int16.tif", "heidelberg_dem_256_envi.dat", "heidelberg_dem_256.asc"}) {
+  for (const char* file : {"heidelberg_dem_256_float32.tif", "heidelberg_dem_256_tiled_deflate.tif",
+                           "heidelberg_dem_256_int16.tif", "heidelberg_dem_256_envi.dat", "heidelberg_dem_256.asc"}) {
     CAPTURE(file);
     const std::string path = *shared + "/data/dem/" + file;
     base::Problems problems;
@@ -144,9 +139,8 @@ TEST_CASE(
     CHECK(simulation.scene.blocks[simulation.scene.meshes[1].first_block].v0_z[0] ==
           doctest::Approx(109).epsilon(1e-3));
   }
-  const std::string message =
-      refusal(folder, std::string(kHead) + kGrey + "[[terrain]]\nraster = \"" + *shared +
-                          "/data/dem/heidelberg_dem_256_float32.tif\"\nmaterial = \"grey\"\n");
+  const std::string message = refusal(folder, std::string(kHead) + kGrey + "[[terrain]]\nraster = \"" + *shared +
+                                                  "/data/dem/heidelberg_dem_256_float32.tif\"\nmaterial = \"grey\"\n");
   CHECK_SAYS(message,
              "raster and scene.origin are in different systems (found EPSG:32632 and no origin); write in "
              "[scene]: origin = { epsg = 32632, easting_m = ");

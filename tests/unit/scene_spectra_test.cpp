@@ -69,9 +69,8 @@ TEST_CASE("S1 material spectrum: nm and um columns give one curve; source and me
                "air\nwavelength_nm,reflectance,transmittance\n400,0.1,0.2\n500,0.3,0.4\n");
   folder.write("um.csv", "wavelength_um,reflectance\n0.4,0.1\n0.5,0.3\n");
   const auto simulation = load(
-      folder,
-      std::string(kHead) +
-          "[[material]]\nname = \"a\"\nfile = \"nm.csv\"\n[[material]]\nname = \"b\"\nfile = \"um.csv\"\n");
+      folder, std::string(kHead) +
+                  "[[material]]\nname = \"a\"\nfile = \"nm.csv\"\n[[material]]\nname = \"b\"\nfile = \"um.csv\"\n");
   const auto &a = material(simulation, "a"), &b = material(simulation, "b");
   CHECK(a.source == "Somebody 2001");
   CHECK(a.reflectance.wavelength_um[0] == vacuum_from_air_um(400 * 1e-3));
@@ -107,28 +106,25 @@ TEST_CASE("ENVI spectral library: both byte orders, float and scaled integers, r
     const auto read = read_spectrum(request, problems);
     REQUIRE(read);
     CHECK(read->reflectance.wavelength_um == std::vector<double>{0.4, 0.5, 0.6});
-    for (int i = 0; i < 3; ++i)
-      CHECK(read->reflectance.value[i] == doctest::Approx(0.4 + 0.1 * i).epsilon(1e-7));
+    for (int i = 0; i < 3; ++i) CHECK(read->reflectance.value[i] == doctest::Approx(0.4 + 0.1 * i).epsilon(1e-7));
   }
   CHECK(problems.empty());
 }
 
 TEST_CASE("bad input: ENVI library truncated, huge sizes, wrong byte order, unknown unit or name") {
   const Folder folder;
-  const auto library = [&](const std::string& header, const std::string& data,
-                           const std::string& name = "grass") {
+  const auto library = [&](const std::string& header, const std::string& data, const std::string& name = "grass") {
     folder.write("l.sli", data);
     folder.write("l.sli.hdr", header);
-    return refusal(folder, std::string(kHead) +
-                               "[[material]]\nname = \"a\"\nfile = \"l.sli\"\nspectrum = \"" + name + "\"\n");
+    return refusal(folder,
+                   std::string(kHead) + "[[material]]\nname = \"a\"\nfile = \"l.sli\"\nspectrum = \"" + name + "\"\n");
   };
   const std::string good = bytes<float>({0.1f, 0.2f, 0.3f, 0.4f, 0.5f, 0.6f}, false);
   CHECK(library(library_header(4, 0), good) == "");
   CHECK_SAYS(library(library_header(4, 0), good.substr(0, 20)),
              "l.sli: data file is shorter than its header says (found 20 bytes for 2 spectra of 3 samples)");
   // Read with the wrong byte order, 0.1f becomes -4.3e8: refused by its value, with its place.
-  CHECK_SAYS(library(library_header(4, 1), good),
-             "l.sli: spectrum 'grass', sample 1: reflectance outside 0 .. 1");
+  CHECK_SAYS(library(library_header(4, 1), good), "l.sli: spectrum 'grass', sample 1: reflectance outside 0 .. 1");
   std::string huge = library_header(4, 0);
   huge.replace(huge.find("samples = 3"), 11, "samples = 99999999999");
   CHECK_SAYS(library(huge, good), "data file is shorter than its header says");
@@ -136,8 +132,7 @@ TEST_CASE("bad input: ENVI library truncated, huge sizes, wrong byte order, unkn
   unit.replace(unit.find("Nanometers"), 10, "Index");
   CHECK_SAYS(library(unit, good),
              "l.sli.hdr:9: unknown wavelength unit (found Index); write Micrometers or Nanometers");
-  CHECK_SAYS(library(library_header(6, 0), good),
-             "l.sli.hdr:7: ENVI data type is not a real number's (found 6)");
+  CHECK_SAYS(library(library_header(6, 0), good), "l.sli.hdr:7: ENVI data type is not a real number's (found 6)");
   CHECK_SAYS(library(library_header(4, 0), good, "gras"),
              "scene.toml:5:1: spectral library has no spectrum of that name (found 'gras'); it holds: grass, "
              "dry soil");
@@ -146,8 +141,7 @@ TEST_CASE("bad input: ENVI library truncated, huge sizes, wrong byte order, unkn
 
 TEST_CASE("bands: regular grid, units, out-of-order and duplicate bands come out ascending with a notice") {
   const Folder folder;
-  const auto regular =
-      load(folder, instrument("bands = { first_nm = 400, step_nm = 2.5, count = 5, fwhm_nm = 3 }\n"));
+  const auto regular = load(folder, instrument("bands = { first_nm = 400, step_nm = 2.5, count = 5, fwhm_nm = 3 }\n"));
   REQUIRE(regular.instruments.at(0).bands.size() == 5);
   CHECK(regular.instruments[0].bands[4].center_um == doctest::Approx(0.41).epsilon(1e-15));
   CHECK(regular.instruments[0].bands[4].fwhm_um == doctest::Approx(0.003).epsilon(1e-15));
@@ -167,8 +161,7 @@ TEST_CASE("bands: regular grid, units, out-of-order and duplicate bands come out
   CHECK(load(folder, instrument("bands = \"u.csv\"\n")).instruments[0].bands[0].center_um == 0.5);
 }
 
-TEST_CASE(
-    "bands: tabulated responses, wide and long tables give the same bands; centre is the mean wavelength") {
+TEST_CASE("bands: tabulated responses, wide and long tables give the same bands; centre is the mean wavelength") {
   const Folder folder;
   folder.write("w.csv", "wavelength_nm,green,red\n500,0,0\n550,1,0\n600,0,0\n650,0,1\n700,0,1\n750,0,0\n");
   folder.write("l.csv",
@@ -197,8 +190,7 @@ TEST_CASE("quicklook bands: by number from 1, by wavelength, and by default") {
         std::vector<int>{2, 1, 0});
   CHECK(load(folder, instrument(visible + "quicklook_nm = [703]\n")).instruments[0].quicklook_bands ==
         std::vector<int>{30});
-  CHECK_SAYS(refusal(folder, instrument(visible + "quicklook_bands = [41]\n")),
-             "no such band (found 41 of 40)");
+  CHECK_SAYS(refusal(folder, instrument(visible + "quicklook_bands = [41]\n")), "no such band (found 41 of 40)");
   CHECK(load(folder, instrument("bands = { first_nm = 1000, step_nm = 10, count = 5, fwhm_nm = 10 }\n"))
             .instruments[0]
             .quicklook_bands == std::vector<int>{4, 2, 0});
@@ -211,10 +203,9 @@ TEST_CASE("real input: measured spectra and spectral libraries nobody here wrote
   const std::string data = *shared + "/data/";
   const auto simulation =
       load(folder, std::string(kHead) + "[[material]]\nname = \"maple\"\nfile = \"" + data +
-                       "spectra/usgs_maple_leaves.csv\"\n" + "[[material]]\nname = \"beech\"\nfile = \"" +
-                       data + "spectra/lopex_leaf_fagus_sylvatica.csv\"\n" +
-                       "[[material]]\nname = \"asphalt\"\nfile = \"" + data +
-                       "envi/library_berlin.sli\"\nspectrum = \"asphalt 1\"\nscale = 0.0001\n");
+                       "spectra/usgs_maple_leaves.csv\"\n" + "[[material]]\nname = \"beech\"\nfile = \"" + data +
+                       "spectra/lopex_leaf_fagus_sylvatica.csv\"\n" + "[[material]]\nname = \"asphalt\"\nfile = \"" +
+                       data + "envi/library_berlin.sli\"\nspectrum = \"asphalt 1\"\nscale = 0.0001\n");
   CHECK(material(simulation, "maple").reflectance.value[2] == 0.0304157);  // third row of the file
   CHECK_SAYS(material(simulation, "maple").source, "pycoal");
   CHECK(!material(simulation, "beech").transmittance.value.empty());
@@ -232,16 +223,17 @@ TEST_CASE("real input: measured spectra and spectral libraries nobody here wrote
   CHECK_SAYS(refusal(folder, std::string(kHead) + "[[material]]\nname = \"v\"\nfile = \"" + data +
                                  "envi/rstoolbox_vegSpec.sli\"\nspectrum = \"veg_vital\"\n"),
              "spectrum 'veg_vital', sample 2080: reflectance is not a finite number (found nan)");
-  const std::string bad = refusal(folder, std::string(kHead) + "[[material]]\nname = \"m\"\nfile = \"" +
-                                              data + "spectra/bad_above_one_muufl_field_cloth_red.csv\"\n");
+  const std::string bad = refusal(folder, std::string(kHead) + "[[material]]\nname = \"m\"\nfile = \"" + data +
+                                              "spectra/bad_above_one_muufl_field_cloth_red.csv\"\n");
   CHECK_SAYS(bad, "reflectance outside 0 .. 1");
 }
 
 TEST_CASE("a spectrum that ends goes on with reflectance_beyond, opaque; a constant one takes no such key") {
   const Folder folder;
   folder.write("leaf.csv", "wavelength_nm,reflectance,transmittance\n500,0.2,0.1\n2500,0.3,0.2\n");
-  const auto simulation = load(folder, std::string(kHead) + "[[material]]\nname = \"leaf\"\nfile = \"leaf.csv\"\n"
-                                                            "reflectance_beyond = 0.04\n");
+  const auto simulation = load(folder, std::string(kHead) +
+                                           "[[material]]\nname = \"leaf\"\nfile = \"leaf.csv\"\n"
+                                           "reflectance_beyond = 0.04\n");
   const Material& leaf = material(simulation, "leaf");
   REQUIRE(leaf.reflectance.wavelength_um.size() == 4);
   CHECK(leaf.reflectance.wavelength_um[2] == doctest::Approx(2.5).epsilon(2e-6));
@@ -258,9 +250,7 @@ TEST_CASE("real input: band lists and responses of real sensors") {
   if (!shared) return;
   const Folder folder;
   const auto bands = [&](const std::string& file) {
-    return load(folder, instrument("bands = \"" + *shared + "/data/sensors/" + file + "\"\n"))
-        .instruments.at(0)
-        .bands;
+    return load(folder, instrument("bands = \"" + *shared + "/data/sensors/" + file + "\"\n")).instruments.at(0).bands;
   };
   CHECK(bands("aviris_ng_425_bands.csv").size() == 425);
   CHECK(bands("emit_bands.csv").size() > 200);
@@ -271,7 +261,6 @@ TEST_CASE("real input: band lists and responses of real sensors") {
   CHECK(aviris.size() == 224);
   CHECK(std::is_sorted(aviris.begin(), aviris.end(),
                        [](const Band& a, const Band& b) { return a.center_um < b.center_um; }));
-  CHECK_SAYS(
-      refusal(folder, instrument("bands = \"" + *shared + "/data/sensors/emit_328_rows_bands.csv\"\n")),
-      "band width must be above 0 (found 0");
+  CHECK_SAYS(refusal(folder, instrument("bands = \"" + *shared + "/data/sensors/emit_328_rows_bands.csv\"\n")),
+             "band width must be above 0 (found 0");
 }

@@ -20,10 +20,10 @@ struct Entry {
 std::vector<Entry> host_layout() {
   using namespace raycube::shared;
   std::vector<Entry> list;
-#define RC_STRUCT_BEGIN(name, text)                   \
-  {                                                   \
-    using This = name;                                \
-    const std::string prefix = #name;                 \
+#define RC_STRUCT_BEGIN(name, text)   \
+  {                                   \
+    using This = name;                \
+    const std::string prefix = #name; \
     list.push_back({prefix + " size", sizeof(This)});
 #define RC_FIELD(type, name, text) list.push_back({prefix + "." #name, offsetof(This, name)});
 #define RC_ARRAY(type, name, count, text) list.push_back({prefix + "." #name, offsetof(This, name)});
@@ -43,7 +43,8 @@ TEST_CASE("S4: every device lays out the shared structs as the host does") {
   for (raycube::cl::Device& device : raycube::cl::list_devices()) {
     CAPTURE(device.name());
     const raycube::cl::Context context(std::move(device));
-    const raycube::cl::Program program(context, "probe_structs", raycube::kernels::kernel_source("probe_structs"), "-cl-std=CL1.2 -Werror");
+    const raycube::cl::Program program(context, "probe_structs", raycube::kernels::kernel_source("probe_structs"),
+                                       "-cl-std=CL1.2 -Werror");
     raycube::cl::Kernel kernel(program, "probe_structs");
     raycube::cl::Buffer<std::uint32_t> report(context, host.size(), raycube::cl::Access::read_write, "struct layout");
     kernel.arguments(report);
@@ -60,7 +61,8 @@ TEST_CASE("device errors: a kernel that does not compile names device, options a
   const raycube::cl::Context context(std::move(raycube::cl::list_devices().front()));
   std::string message;
   try {
-    raycube::cl::Program(context, "broken", "#line 7 \"kernels/entry/broken.cl\"\nkernel void f(global int* x) { x[0] = nowhere; }\n",
+    raycube::cl::Program(context, "broken",
+                         "#line 7 \"kernels/entry/broken.cl\"\nkernel void f(global int* x) { x[0] = nowhere; }\n",
                          "-DRC_MARK=3");
   } catch (const raycube::base::Error& error) {
     message = error.what();

@@ -20,7 +20,8 @@ TEST_CASE("S64 a kept reference is found again bit for bit; another key, or a da
   const testing::TestFolder folder;
   int computed = 0;
   const auto get = [&](const std::string& key, study::Kept* kept = nullptr) {
-    return study::kept_or(folder.path.string(), key, [&] { return ++computed, some(1.0 / 3); }, kept);
+    return study::kept_or(
+        folder.path.string(), key, [&] { return ++computed, some(1.0 / 3); }, kept);
   };
   const std::string one(64, 'a'), two(64, 'b');
   study::Kept kept;
@@ -52,16 +53,23 @@ TEST_CASE("S64 a kept reference is found again bit for bit; another key, or a da
     CHECK(after.found);  // replaced by a whole one
   };
   for (const std::streamoff at : {std::streamoff{3}, std::streamoff{50}, static_cast<std::streamoff>(size) - 40})
-    change([&] {
-      std::fstream bytes(file, std::ios::in | std::ios::out | std::ios::binary);
-      bytes.seekg(at);
-      const char old = static_cast<char>(bytes.get());
-      bytes.seekp(at);
-      bytes.put(static_cast<char>(old ^ 1));
-    }, "is damaged");
+    change(
+        [&] {
+          std::fstream bytes(file, std::ios::in | std::ios::out | std::ios::binary);
+          bytes.seekg(at);
+          const char old = static_cast<char>(bytes.get());
+          bytes.seekp(at);
+          bytes.put(static_cast<char>(old ^ 1));
+        },
+        "is damaged");
   change([&] { std::filesystem::resize_file(file, size - 8); }, "is damaged");
   change([&] { std::filesystem::resize_file(file, 10); }, "is cut short");
-  change([&] { std::filesystem::copy_file(folder.path.string() + "/" + two + ".ref", file, std::filesystem::copy_options::overwrite_existing); }, "is of something else");
+  change(
+      [&] {
+        std::filesystem::copy_file(folder.path.string() + "/" + two + ".ref", file,
+                                   std::filesystem::copy_options::overwrite_existing);
+      },
+      "is of something else");
 }
 
 TEST_CASE("S64 nothing is kept without a folder or a key") {

@@ -28,7 +28,8 @@ UniformAir air(double view, double path) {
 }  // namespace
 
 TEST_CASE("S5 a table differs from itself by nothing, in every quantity") {
-  const RenderTable table = isothermal_table(290, [](double l) { return 0.1 * l; }, 1000, wavelength_grid(8, 12, 0.1));
+  const RenderTable table = isothermal_table(
+      290, [](double l) { return 0.1 * l; }, 1000, wavelength_grid(8, 12, 0.1));
   const TableDifference d = table_difference(table, table);
   CHECK(d.differs.empty());
   CHECK((d.only_a.empty() && d.only_b.empty()));
@@ -40,7 +41,8 @@ TEST_CASE("S5 a table differs from itself by nothing, in every quantity") {
 TEST_CASE("S5 mean, rms and worst of a difference linear in wavelength are those of the line, whatever the two grids") {
   UniformAir a = air(0.5, 2), b = a;
   b.path_radiance = [](double l) { return 2 + 0.1 * (l - 1); };
-  const auto table_a = uniform_table(a, wavelength_grid(0.9, 2.2, 0.013)), table_b = uniform_table(b, wavelength_grid(0.95, 2.5, 0.05));
+  const auto table_a = uniform_table(a, wavelength_grid(0.9, 2.2, 0.013)),
+             table_b = uniform_table(b, wavelength_grid(0.95, 2.5, 0.05));
   DifferenceChoice choice;
   choice.bands = {{1.0, 2.0, 1.5, 0}};
   const TableDifference d = table_difference(table_a, table_b, choice);
@@ -61,7 +63,8 @@ TEST_CASE("S5 mean, rms and worst of a difference linear in wavelength are those
   CHECK(!ratio.mean_relative);
 }
 
-TEST_CASE("S5 a Gaussian band weighs by its response: a quadratic difference averages to its centre plus the variance") {
+TEST_CASE(
+    "S5 a Gaussian band weighs by its response: a quadratic difference averages to its centre plus the variance") {
   UniformAir a = air(1, 1), b = a;
   b.path_radiance = [](double l) { return 1 + (l - 1) * (l - 1); };
   const auto grid = wavelength_grid(0.5, 1.5, 0.002);
@@ -70,7 +73,8 @@ TEST_CASE("S5 a Gaussian band weighs by its response: a quadratic difference ave
   choice.bands = {gaussian_band(1.0, fwhm), gaussian_band(1.48, fwhm)};
   const TableDifference d = table_difference(uniform_table(a, grid), uniform_table(b, grid), choice);
   REQUIRE(of(d, "path_radiance_solar").bands.size() == 1);  // the second one's half-width point lies outside
-  // Floats near 1 step by 1.2e-7, against a variance of 1.8e-3; the cut at 2.5 FWHM loses 4e-8 of the weight, 36 sigma^2 away.
+  // Floats near 1 step by 1.2e-7, against a variance of 1.8e-3; the cut at 2.5 FWHM loses 4e-8 of the weight, 36
+  // sigma^2 away.
   CHECK(of(d, "path_radiance_solar").bands[0].mean == doctest::Approx(variance).epsilon(1e-4));
 }
 
@@ -89,10 +93,14 @@ TEST_CASE("S5 what differs is said; rows of one table are named; nothing in comm
   CHECK(difference_text(d, {"x", "y"}).find("only in B: diffuse_return") != std::string::npos);
 
   const auto apart = [&] { table_difference(uniform_table(a, grid), uniform_table(b, wavelength_grid(2, 3, 0.1))); };
-  CHECK_THROWS_WITH_AS(apart(), "the tables have no wavelength in common: 0.4 to 1 um, and 2 to 3 um", raycube::base::Error);
-  RenderTable thermal = isothermal_table(290, [](double) { return 0.1; }, 1000, wavelength_grid(0.5, 1, 0.1)), sun = uniform_table(a, grid);
+  CHECK_THROWS_WITH_AS(apart(), "the tables have no wavelength in common: 0.4 to 1 um, and 2 to 3 um",
+                       raycube::base::Error);
+  RenderTable thermal = isothermal_table(
+                  290, [](double) { return 0.1; }, 1000, wavelength_grid(0.5, 1, 0.1)),
+              sun = uniform_table(a, grid);
   sun.rows.erase("view_transmission"), sun.rows.erase("view_optical_depth");
-  CHECK_THROWS_WITH_AS(table_difference(sun, thermal), "the tables have no row in common that can be compared (raycube atmos info lists rows)",
+  CHECK_THROWS_WITH_AS(table_difference(sun, thermal),
+                       "the tables have no row in common that can be compared (raycube atmos info lists rows)",
                        raycube::base::Error);
 }
 

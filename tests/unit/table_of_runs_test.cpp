@@ -43,8 +43,9 @@ TEST_CASE("A-18 S6.3 a real .chn becomes a table: its columns come back through 
   const RenderTable table = table_of_runs({chn}, request).table;
   const Run& run = chn.runs.front();
   const auto joined = sun_ground_sensor_transmittance(run, 52);
-  const auto two_way = two_way_transmission(table, 0, 0), view = view_transmission(table, 0, 0), s = spherical_albedo(table, 0),
-             t_dif = diffuse_view_transmission(table, 0, 0), direct = direct_irradiance(table, 0), diffuse = diffuse_irradiance(table, 0);
+  const auto two_way = two_way_transmission(table, 0, 0), view = view_transmission(table, 0, 0),
+             s = spherical_albedo(table, 0), t_dif = diffuse_view_transmission(table, 0, 0),
+             direct = direct_irradiance(table, 0), diffuse = diffuse_irradiance(table, 0);
   CHECK(has_ground_coupling(table));
   double worst = 0;
   for (std::size_t i = 0; i < two_way.size(); ++i) {
@@ -52,7 +53,8 @@ TEST_CASE("A-18 S6.3 a real .chn becomes a table: its columns come back through 
     CHECK(view[i] == doctest::Approx(run.at("transmittance").values[i]).epsilon(1e-5));
     CHECK(s[i] == doctest::Approx(run.at("spherical_albedo").values[i]).epsilon(1e-6));
     // A and B again, from what the renderer reads: the columns are printed to 1e-6 of 1 at least.
-    const double above = run.at("solar_irradiance_cos_over_pi").values[i] * std::numbers::pi, total = direct[i] + diffuse[i];
+    const double above = run.at("solar_irradiance_cos_over_pi").values[i] * std::numbers::pi,
+                 total = direct[i] + diffuse[i];
     worst = std::max(worst, std::abs(total * view[i] / above - run.at("coefficient_a").values[i]));
     worst = std::max(worst, std::abs(total * t_dif[i] / above - run.at("coefficient_b").values[i]));
   }
@@ -80,15 +82,16 @@ TEST_CASE("A-18 S7 a real uvspec run becomes a table: Beer's law between its lev
   const Run& run = uvspec.runs.front();
   const auto column = [&](const std::string& name, double height, double zenith, double azimuth) -> const Column& {
     for (const Column& c : run.columns)
-      if (c.name == name && c.place.height_m == height && std::abs(c.place.zenith_deg.value_or(zenith) - zenith) < 1e-6 &&
+      if (c.name == name && c.place.height_m == height &&
+          std::abs(c.place.zenith_deg.value_or(zenith) - zenith) < 1e-6 &&
           std::abs(c.place.relative_azimuth_deg.value_or(azimuth) - azimuth) < 1e-6)
         return c;
     FAIL("no such column " << name);
     return run.columns.front();
   };
   CHECK(made.table.sun_zenith_deg == 40);
-  const auto sky = sky_radiance(made.table, 0, 60, 90), path = path_radiance(made.table, 0, 60, 180), t = view_transmission(made.table, 0, 60),
-             down = direct_irradiance(made.table, 0);
+  const auto sky = sky_radiance(made.table, 0, 60, 90), path = path_radiance(made.table, 0, 60, 180),
+             t = view_transmission(made.table, 0, 60), down = direct_irradiance(made.table, 0);
   for (std::size_t i = 0; i < sky.size(); ++i) {
     CHECK(sky[i] == doctest::Approx(column("radiance_downward", 0, 60, 90).values[i]).epsilon(1e-5));
     CHECK(down[i] == doctest::Approx(column("irradiance_down_direct", 0, 0, 0).values[i]).epsilon(1e-5));
@@ -96,7 +99,8 @@ TEST_CASE("A-18 S7 a real uvspec run becomes a table: Beer's law between its lev
     CHECK(path[i] + t[i] * column("radiance_upward", 0, 60, 180).values[i] ==
           doctest::Approx(column("radiance_upward", 3000, 60, 180).values[i]).epsilon(1e-5));
   }
-  CHECK(std::any_of(made.notices.begin(), made.notices.end(), [](const auto& n) { return holds(n, "ground of albedo 0.2"); }));
+  CHECK(std::any_of(made.notices.begin(), made.notices.end(),
+                    [](const auto& n) { return holds(n, "ground of albedo 0.2"); }));
 }
 
 TEST_CASE("S6.6 .acd with a CSV: k-terms are summed as products, so the light from sun to sensor is exact") {
@@ -107,11 +111,15 @@ TEST_CASE("S6.6 .acd with a CSV: k-terms are summed as products, so the light fr
                " 10000.0  1  2  0.250000  0.020000  0.100000  0.010000  0.400000  0.040000\n"
                " 12500.0  1  1  0.750000  0.110000  0.600000  0.060000  0.850000  0.090000\n"
                " 12500.0  1  2  0.250000  0.030000  0.200000  0.020000  0.450000  0.050000\n");
-  folder.write("rest.csv", "wavelength [um],solar_irradiance [W m-2 um-1],path_radiance_solar [W m-2 sr-1 um-1]\n0.8,1000,10\n1.0,800,6\n");
+  folder.write(
+      "rest.csv",
+      "wavelength [um],solar_irradiance [W m-2 um-1],path_radiance_solar [W m-2 sr-1 um-1]\n0.8,1000,10\n1.0,800,6\n");
   TableRequest request;
   request.sun_zenith_deg = 60, request.sensor_height_m = 1000, request.even_sky = true;
-  const RenderTable table = table_of_runs({import_file(folder / "a.acd"), import_file(folder / "rest.csv")}, request).table;
-  // At 1 um, by hand: T = 0.7, sun to sensor 0.4, sun to ground diffuse 0.08, embedded 0.04, S = 0.07; E0 cos(sun) = 400.
+  const RenderTable table =
+      table_of_runs({import_file(folder / "a.acd"), import_file(folder / "rest.csv")}, request).table;
+  // At 1 um, by hand: T = 0.7, sun to sensor 0.4, sun to ground diffuse 0.08, embedded 0.04, S = 0.07; E0 cos(sun) =
+  // 400.
   const std::size_t at = 1;
   REQUIRE(wavelengths(table)[at] == doctest::Approx(1.0));
   CHECK(view_transmission(table, 0, 0)[at] == doctest::Approx(0.7).epsilon(1e-6));
@@ -122,21 +130,29 @@ TEST_CASE("S6.6 .acd with a CSV: k-terms are summed as products, so the light fr
   CHECK(diffuse_view_transmission(table, 0, 0)[at] == doctest::Approx(0.04).epsilon(1e-6));
 }
 
-TEST_CASE("S6.1 thermal runs down and up make an LWIR table; without the sky it is refused, and sunlight is not asked for") {
+TEST_CASE(
+    "S6.1 thermal runs down and up make an LWIR table; without the sky it is refused, and sunlight is not asked for") {
   raycube::testing::TestFolder folder;
   const auto run = [](int type, const char* card3, const char* thermal) {
-    std::string text = "T F 2    " + std::to_string(type) + "    1    1    2    2    2    2    2    2    1    0    0 300.000   0.00\n"
-                       "    1    1    1    0    0    0  23.00000   0.00000   0.00000   0.00000   0.00000\n   36MID-LATITUDE SUMMER\n" + card3 +
-                       "\n  -99  -99  -99  -99\n -99.00000 -99.00000 -99.00000 -99.00000 -99.00000 -99.00000 -99.00000 -99.00000\n"
-                       "    1000.0    1100.0     100.0     100.0NW              \n    0   0    0.000  0    0.000  0    0.000\n"
-                       "    FREQ  TOT_TRANS  PTH_THRML  THRML_SCT  SURF_EMIS   SOL_SCAT  SING_SCAT  GRND_RFLT  DRCT_RFLT  TOTAL_RAD  REF_SOL  SOL@OBS   DEPTH DIR_EM    TOA_SUN BBODY_T[K]\n";
+    std::string text =
+        "T F 2    " + std::to_string(type) +
+        "    1    1    2    2    2    2    2    2    1    0    0 300.000   0.00\n"
+        "    1    1    1    0    0    0  23.00000   0.00000   0.00000   0.00000   0.00000\n   36MID-LATITUDE SUMMER\n" +
+        card3 +
+        "\n  -99  -99  -99  -99\n -99.00000 -99.00000 -99.00000 -99.00000 -99.00000 -99.00000 -99.00000 -99.00000\n"
+        "    1000.0    1100.0     100.0     100.0NW              \n    0   0    0.000  0    0.000  0    0.000\n"
+        "    FREQ  TOT_TRANS  PTH_THRML  THRML_SCT  SURF_EMIS   SOL_SCAT  SING_SCAT  GRND_RFLT  DRCT_RFLT  TOTAL_RAD  "
+        "REF_SOL  SOL@OBS   DEPTH DIR_EM    TOA_SUN BBODY_T[K]\n";
     for (const char* frequency : {" 1000.00", " 1100.00"})
-      text += std::string(frequency) + " 0.80000000 " + thermal + " 0.0000E+00 0.0000E+00                       0.0000E+00            " + thermal +
+      text += std::string(frequency) + " 0.80000000 " + thermal +
+              " 0.0000E+00 0.0000E+00                       0.0000E+00            " + thermal +
               "                     0.223 1.0000               290.000\n";
     return text + " -9999.\n";
   };
-  folder.write("down.tp7", run(2, "   0.50000   0.00000 180.00000   0.50000   0.00000   0.00000    0        0.00000", "2.0000E-06"));
-  folder.write("up.tp7", run(3, "   0.00000   0.00000  30.00000   0.00000   0.00000   0.00000    0        0.00000", "3.0000E-06"));
+  folder.write("down.tp7", run(2, "   0.50000   0.00000 180.00000   0.50000   0.00000   0.00000    0        0.00000",
+                               "2.0000E-06"));
+  folder.write("up.tp7", run(3, "   0.00000   0.00000  30.00000   0.00000   0.00000   0.00000    0        0.00000",
+                             "3.0000E-06"));
   const Imported down = import_file(folder / "down.tp7"), up = import_file(folder / "up.tp7");
   const std::string said = refusal([&] { table_of_runs({down}, {}); });
   CHECK(holds(said, "sky_radiance_thermal"));

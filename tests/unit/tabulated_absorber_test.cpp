@@ -27,8 +27,8 @@ TEST_CASE("S9 cross-sections: linear in wavenumber and temperature, in ln p betw
   const auto at = [&](double v, double p, double t) { return table.cross_section_cm2({v}, {p, t, 0})[0]; };
   CHECK(at(3001, 1000, 280) == doctest::Approx(2e-20).epsilon(1e-12));
   CHECK(at(3001, 1000, 290) == doctest::Approx(2.5e-20).epsilon(1e-12));
-  CHECK(at(3001, 1000, 350) == doctest::Approx(3e-20).epsilon(1e-12));   // held
-  CHECK(at(3001, 1050, 200) == doctest::Approx(2e-20).epsilon(1e-12));   // held
+  CHECK(at(3001, 1000, 350) == doctest::Approx(3e-20).epsilon(1e-12));    // held
+  CHECK(at(3001, 1050, 200) == doctest::Approx(2e-20).epsilon(1e-12));    // held
   CHECK(at(3001, 500, 290) == doctest::Approx(5.25e-20).epsilon(1e-12));  // half way in ln p
   CHECK(at(3001, 10, 290) == doctest::Approx(8e-20).epsilon(1e-12));
   CHECK(at(3002, 1000, 280) == doctest::Approx(3e-20).epsilon(1e-12));
@@ -47,10 +47,14 @@ TEST_CASE("S9 cross-sections: faults are told by line") {
     }
     return std::string();
   };
-  const auto says = [](const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; };
+  const auto says = [](const std::string& text, const std::string& part) {
+    return text.find(part) != std::string::npos;
+  };
   CHECK(says(message("nu,sigma\n1,2\n"), "b.csv:1: the columns of cross-sections are"));
-  const std::string all = message(kHead + "3000,1000,280,1e-20\n2999,1000,280,1e-20\n3001,1000\n3001,1000,280,x\n3002,-5,280,1e-20\n"
-                                          "3003,1000,280,12\n3000,900,280,1e-20\n3004,1000,280,1e-20\n");
+  const std::string all =
+      message(kHead +
+              "3000,1000,280,1e-20\n2999,1000,280,1e-20\n3001,1000\n3001,1000,280,x\n3002,-5,280,1e-20\n"
+              "3003,1000,280,12\n3000,900,280,1e-20\n3004,1000,280,1e-20\n");
   CHECK(says(all, "b.csv:3: wavenumbers must ascend strictly"));
   CHECK(says(all, "b.csv:4: needs 4 cells"));
   CHECK(says(all, "b.csv:5:"));
@@ -59,5 +63,6 @@ TEST_CASE("S9 cross-sections: faults are told by line") {
   CHECK(says(all, "b.csv:9: rows of one pressure and temperature must follow each other"));
   CHECK(says(message(kHead), "holds no cross-sections"));
   CHECK(says(message(kHead + "3000,1000,280,1e-20\n"), "at least 2 wavenumbers"));
-  CHECK(says(message(kHead + "3000,1000,280,1e-20\n3001,1000,280,1e-20\n3000,1005,280,1e-20\n3001,1005,280,1e-20\n"), "nearly one pressure"));
+  CHECK(says(message(kHead + "3000,1000,280,1e-20\n3001,1000,280,1e-20\n3000,1005,280,1e-20\n3001,1005,280,1e-20\n"),
+             "nearly one pressure"));
 }

@@ -8,10 +8,16 @@ using namespace raycube::scene::testing;
 
 TEST_CASE("S14 temperature_K of a material, the default of the others, 0 where neither is given") {
   const Folder folder;
-  const std::string materials = std::string(kGrey) + "[[material]]\nname = \"roof\"\nreflectance = 0.1\ntemperature_K = 315.5\n";
+  const std::string materials =
+      std::string(kGrey) + "[[material]]\nname = \"roof\"\nreflectance = 0.1\ntemperature_K = 315.5\n";
   const std::string plane = "[[plane]]\nmaterial = \"grey\"\nsize_m = [5, 5]\n";
-  const LoadOptions no_instruments = [] { LoadOptions o; o.need_instruments = false; return o; }();
-  const auto with = load(folder, std::string(kHead) + materials + plane + "[thermal]\ndefault_temperature_K = 290\n", no_instruments);
+  const LoadOptions no_instruments = [] {
+    LoadOptions o;
+    o.need_instruments = false;
+    return o;
+  }();
+  const auto with =
+      load(folder, std::string(kHead) + materials + plane + "[thermal]\ndefault_temperature_K = 290\n", no_instruments);
   REQUIRE(with.scene.materials.size() == 2);
   CHECK(with.scene.materials[0].temperature_K == 290);
   CHECK(with.scene.materials[1].temperature_K == 315.5);
@@ -30,7 +36,8 @@ TEST_CASE("bad input: 0 K, a negative temperature, one beyond 6000 K, a temperat
   const auto material = [&](const std::string& line) {
     return refusal(folder, std::string(kHead) + "[[material]]\nname = \"m\"\nreflectance = 0.5\n" + line + "\n");
   };
-  CHECK_SAYS(material("temperature_K = 0"), "scene.toml:5:17: 'temperature_K' is out of range (found 0); give a number > 0 and <= 6000");
+  CHECK_SAYS(material("temperature_K = 0"),
+             "scene.toml:5:17: 'temperature_K' is out of range (found 0); give a number > 0 and <= 6000");
   CHECK_SAYS(material("temperature_K = -5"), "found -5");
   CHECK_SAYS(material("temperature_K = 6001"), "found 6001");
   CHECK_SAYS(material("temperature = 300"), "did you mean 'temperature_K'?");

@@ -80,10 +80,7 @@ TEST_CASE("S61 ties: one, two and three rays are those that trying all in order 
   for (std::uint32_t seed = 0; seed < 60; ++seed)
     for (const std::size_t components : {1, 2, 4, 8}) {
       // From one answer to many, of which the first counts.
-      Ties t = random_ties(17 + seed % 30, components, seed,
-                           seed % 3 == 0   ? 4e-6
-                           : seed % 3 == 1 ? 1e-4
-                                           : 3e-3);
+      Ties t = random_ties(17 + seed % 30, components, seed, seed % 3 == 0 ? 4e-6 : seed % 3 == 1 ? 1e-4 : 3e-3);
       if (seed % 7 == 3)  // leaves of one size in one direction: rays that count alike
         for (std::size_t i = 0; i + 4 < t.rays.size(); ++i) t.effect[t.rays[i + 4]] = t.effect[t.rays[i]];
       CAPTURE(seed);
@@ -126,9 +123,7 @@ TEST_CASE("S61 ties: any subset of up to 38 ties is found, and none is made up")
           chosen.push_back(t.rays[i]);
           for (std::size_t m = 0; m < 8; ++m) t.residual[m] += t.effect[t.rays[i]][m];
         }
-      const auto search = [&] {
-        return reference::subset_that_sums_to(t.rays, t.effect, t.residual, t.bound).rays;
-      };
+      const auto search = [&] { return reference::subset_that_sums_to(t.rays, t.effect, t.residual, t.bound).rays; };
       CHECK(search() == chosen);
       t.residual[1] += 1e-5;
       CHECK(search().empty());
@@ -142,8 +137,7 @@ TEST_CASE("S61 ties: 4096 directions that nothing explains cost n^2 and not n^3"
     t.residual[2] += 0.01;  // in reach of three rays, and none brings it
     const auto search = reference::few_that_sum_to(t.rays, t.effect, t.residual, t.bound);
     const double pairs = 0.5 * static_cast<double>(n) * static_cast<double>(n - 1);
-    MESSAGE(n << " ties: " << static_cast<double>(search.looks) / pairs
-              << " boxes and points compared a pair");
+    MESSAGE(n << " ties: " << static_cast<double>(search.looks) / pairs << " boxes and points compared a pair");
     CHECK(search.rays.empty());
     CHECK(static_cast<double>(search.looks) < 20 * pairs);
   }

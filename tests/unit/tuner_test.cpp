@@ -25,11 +25,13 @@ TEST_CASE("every kernel gets its own fastest size; the first round counts for no
   int runs = 0, slower = 0;
   const auto choices = render::choose_sizes({1, 4, 16}, 1, 5, [&](std::size_t size) -> std::map<std::string, double> {
     ++runs;
-    const double compile = runs <= 3 ? 100.0 / static_cast<double>(size) : 0;        // of the warm-up: favours the large ones
-    const double busy = runs > 9 ? 10 : 1;                                            // the machine gets slower half way: all do
-    const double lucky = size == 4 && ++slower == 3 ? 1.5 : 0.7;                      // median well ahead, one round behind
-    return {{"trace", busy * (size == 16 ? 0.5 : 1.0) + compile}, {"shade", busy * (size == 4 ? 0.97 : 1.0) + compile},
-            {"resolve", busy * (size == 4 ? lucky : 1.0) + compile}, {"rows", busy * (1.0 + 0.1 * static_cast<double>(size)) + compile},
+    const double compile = runs <= 3 ? 100.0 / static_cast<double>(size) : 0;  // of the warm-up: favours the large ones
+    const double busy = runs > 9 ? 10 : 1;                        // the machine gets slower half way: all do
+    const double lucky = size == 4 && ++slower == 3 ? 1.5 : 0.7;  // median well ahead, one round behind
+    return {{"trace", busy * (size == 16 ? 0.5 : 1.0) + compile},
+            {"shade", busy * (size == 4 ? 0.97 : 1.0) + compile},
+            {"resolve", busy * (size == 4 ? lucky : 1.0) + compile},
+            {"rows", busy * (1.0 + 0.1 * static_cast<double>(size)) + compile},
             {"brief", busy * (size == 16 ? 0.001 : 0.004) + compile}};
   });
   CHECK(runs == 3 * 6);
@@ -39,7 +41,7 @@ TEST_CASE("every kernel gets its own fastest size; the first round counts for no
   CHECK(choices.at("shade").size == 1);    // 3 % is noise
   CHECK(choices.at("resolve").size == 1);  // not in every round
   CHECK(choices.at("rows").size == 1);
-  CHECK(choices.at("brief").size == 1);    // 40 ms
+  CHECK(choices.at("brief").size == 1);  // 40 ms
   CHECK(choices.at("rows").candidates.size() == 3);
 }
 
@@ -85,8 +87,10 @@ TEST_CASE("sizes are kept for one device, survive another kernel's tuning, and a
   CHECK(kept->sizes.of("resolve") == 2);
   CHECK(kept->sizes.of("lidar_shots") == 4);
 
-  for (const char* damaged : {"", "{", R"({"local": {"shade": 0}, "tile_samples": 1})", R"({"local": {"shade": 8}})", R"({"local": {"shade": 99999}, "tile_samples": 1})",
-                              R"({"local": {"shade": 8}, "tile_samples": 0})", R"({"local": {"shade": "8"}, "tile_samples": 1})"}) {
+  for (const char* damaged :
+       {"", "{", R"({"local": {"shade": 0}, "tile_samples": 1})", R"({"local": {"shade": 8}})",
+        R"({"local": {"shade": 99999}, "tile_samples": 1})", R"({"local": {"shade": 8}, "tile_samples": 0})",
+        R"({"local": {"shade": "8"}, "tile_samples": 1})"}) {
     INFO(damaged);
     std::ofstream(path) << damaged;
     CHECK(!render::read_tuning(cpu));

@@ -13,7 +13,8 @@ using namespace raycube::scene::testing;
 
 namespace {
 
-/// Keys of the tables under `top` that no test file of `source` sets: each line "key =" or "key =" inside a line counts.
+/// Keys of the tables under `top` that no test file of `source` sets: each line "key =" or "key =" inside a line
+/// counts.
 std::vector<std::string> untested_keys(const std::string& top, const std::vector<std::string>& sources) {
   std::string text;
   for (const auto& source : sources) {
@@ -25,7 +26,8 @@ std::vector<std::string> untested_keys(const std::string& top, const std::vector
     const bool inside = spec.table == top || spec.table.starts_with(top + ".");
     const bool table = spec.type == KeyType::table || spec.type == KeyType::tables;
     const std::string key(spec.key);
-    const bool set = has(text, key + " = ") || (table && (has(text, "[" + sub_path(spec) + "]") || has(text, "{\"" + key + "\"")));
+    const bool set =
+        has(text, key + " = ") || (table && (has(text, "[" + sub_path(spec) + "]") || has(text, "{\"" + key + "\"")));
     if (inside && !set) out.push_back(std::string(spec.table) + "." + key);
   }
   return out;
@@ -96,7 +98,10 @@ strength_cm = 2.0e-19
 half_width_per_cm = 0.06
 center_per_cm = 3038.5
 wing_per_cm = 10
-)" + kGrey, (folder.write("t.asc", "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 10\n7 7\n7 7\n"), LoadOptions{})).scene;
+)" + kGrey,
+                          (folder.write("t.asc", "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 10\n7 7\n7 7\n"),
+                           LoadOptions{}))
+                         .scene;
   REQUIRE(scene.volumes.size() == 3);
   const Volume &box = scene.volumes[0], &grid = scene.volumes[1], &plume = scene.volumes[2];
   CHECK(box.shape == Volume::Shape::box);
@@ -129,13 +134,16 @@ wing_per_cm = 10
 
 TEST_CASE("volumes: a plume of constant widths, and the classes of Briggs' widths") {
   const Folder folder;
-  const Volume v = load(folder, volume(std::string(kPlume) + kDust + "sigma_y_m = 10\nsigma_z_m = 5\n")).scene.volumes.at(0);
+  const Volume v =
+      load(folder, volume(std::string(kPlume) + kDust + "sigma_y_m = 10\nsigma_z_m = 5\n")).scene.volumes.at(0);
   CHECK(v.sigma_y_m == 10);
   CHECK(v.sigma_z_m == 5);
   // Open country, 1 km downwind (Briggs 1973): 0.22 / sqrt(1.1) km across for class A, 60 m / sqrt(2.5) up for D.
   const auto at_km = [&](const std::string& stability) {
-    const Volume p = load(folder, volume(std::string(kPlume) + kDust + "stability = \"" + stability + "\"\n")).scene.volumes.at(0);
-    return std::pair{p.sigma_y_a * 1000 / std::sqrt(1 + p.sigma_y_b * 1000), p.sigma_z_a * 1000 / std::sqrt(1 + p.sigma_z_b * 1000)};
+    const Volume p =
+        load(folder, volume(std::string(kPlume) + kDust + "stability = \"" + stability + "\"\n")).scene.volumes.at(0);
+    return std::pair{p.sigma_y_a * 1000 / std::sqrt(1 + p.sigma_y_b * 1000),
+                     p.sigma_z_a * 1000 / std::sqrt(1 + p.sigma_z_b * 1000)};
   };
   CHECK(at_km("A").first == doctest::Approx(209.762).epsilon(1e-5));
   CHECK(at_km("A").second == doctest::Approx(200).epsilon(1e-12));
@@ -144,7 +152,9 @@ TEST_CASE("volumes: a plume of constant widths, and the classes of Briggs' width
 }
 
 TEST_CASE("option table: every key of LIDARs and volumes is set by a test") {
-  for (const auto& key : untested_keys("lidar", {"lidar_options_test.cpp", "lidar_bad_input_test.cpp", "lidar_files.h"})) FAIL_CHECK("no test sets " << key);
+  for (const auto& key :
+       untested_keys("lidar", {"lidar_options_test.cpp", "lidar_bad_input_test.cpp", "lidar_files.h"}))
+    FAIL_CHECK("no test sets " << key);
   for (const auto& key : untested_keys("volume", {"volume_input_test.cpp"})) FAIL_CHECK("no test sets " << key);
   CHECK(untested_keys("terrain", {"volume_input_test.cpp"}).size() > 5);  // the search finds what is not there
 }
@@ -152,7 +162,9 @@ TEST_CASE("option table: every key of LIDARs and volumes is set by a test") {
 TEST_CASE("volumes: a raster gives a layer per band from below, its last row first") {
   const Folder folder;
   folder.write("g.asc", "ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2 3\n4 5 6\n");
-  const Volume grid = load(folder, volume("shape = \"grid\"\nsize_m = [3, 2, 1]\nvalues = \"g.asc\"\n" + std::string(kDust))).scene.volumes.at(0);
+  const Volume grid =
+      load(folder, volume("shape = \"grid\"\nsize_m = [3, 2, 1]\nvalues = \"g.asc\"\n" + std::string(kDust)))
+          .scene.volumes.at(0);
   CHECK(grid.cells == std::array<int, 3>{3, 2, 1});
   CHECK(grid.values == std::vector<float>{4, 5, 6, 1, 2, 3});
 }
@@ -180,7 +192,9 @@ TEST_CASE("L-09: a Lorentz line in numbers: peak, wing and everything between, t
 TEST_CASE("a list of tables inside another table takes a single one too") {
   const Folder folder;
   const std::string line = "strength_cm = 2.0e-19, half_width_per_cm = 0.06, center_per_cm = 3038.5";
-  const auto hash = [&](const std::string& lines) { return load(folder, volume(std::string(kPlume) + "gas = \"ch4\"\n" + lines)).scene.content_hash; };
+  const auto hash = [&](const std::string& lines) {
+    return load(folder, volume(std::string(kPlume) + "gas = \"ch4\"\n" + lines)).scene.content_hash;
+  };
   CHECK(hash("line = { " + line + " }\n") == hash("line = [{ " + line + " }]\n"));
   CHECK(hash("line = { " + line + " }\n") == hash(kLine));
 }
@@ -193,7 +207,8 @@ TEST_CASE("bad input, volumes: one message per fault") {
   folder.write("name.csv", "wavelength,sigma\n3.4,1e-20\n3.3,2e-20\n");
   folder.write("cell.csv", "i,j,k,value\n0,0,9,1\n");
   folder.write("minus.csv", "i,j,k,value\n0,0,0,-1\n");
-  const std::string box(kBox), plume(kPlume), gas = "gas = \"ch4\"\n", ppm = "concentration_ppm = 5\n", file = "cross_section = \"c.csv\"\n", dust(kDust);
+  const std::string box(kBox), plume(kPlume), gas = "gas = \"ch4\"\n", ppm = "concentration_ppm = 5\n",
+                                              file = "cross_section = \"c.csv\"\n", dust(kDust);
   const std::string grid = "shape = \"grid\"\nsize_m = [1, 1, 1]\n" + dust;
   const std::vector<std::pair<std::string, std::string>> faults = {
       {box, "a volume needs gas or particles"},
@@ -209,19 +224,23 @@ TEST_CASE("bad input, volumes: one message per fault") {
       {box + gas + ppm + "cross_section = \"name.csv\"\n", "cross sections have the columns"},
       {grid, "'values' is missing for shape = \"grid\""},
       {grid + "values = \"cell.csv\"\n", "a grid from a CSV needs 'cells'"},
-      {"cells = [1, 1, 1]\n" + grid + "values = \"cell.csv\"\n", "cell.csv:2: column 'k': no such cell (found 9); give 0 to 0"},
+      {"cells = [1, 1, 1]\n" + grid + "values = \"cell.csv\"\n",
+       "cell.csv:2: column 'k': no such cell (found 9); give 0 to 0"},
       {"cells = [1, 1, 1]\n" + grid + "values = \"minus.csv\"\n", "a value is negative (found -1)"},
       {"shape = \"plume\"\nwind_m_s = 3\n" + dust, "'source_g_s' is missing for shape = \"plume\""},
       {plume + dust + "sigma_y_m = 4\nsigma_y_law = [0.1, 0]\n", "'sigma_y_law' and 'sigma_y_m' exclude each other"},
       {plume + dust + "sigma_z_law = [0, 0]\n", "a plume widens"},
-      {plume + gas + "[[volume.line]]\nstrength_cm = 1e-19\nhalf_width_per_cm = 0.1\ncenter_per_cm = 20\n", "the line's wing reaches below wavenumber 0"},
+      {plume + gas + "[[volume.line]]\nstrength_cm = 1e-19\nhalf_width_per_cm = 0.1\ncenter_per_cm = 20\n",
+       "the line's wing reaches below wavenumber 0"},
       {box + dust + "on_terrain = true\n", "on_terrain, but no terrain lies there"},
       {box + dust + "[[volume]]\nname = \"v\"\n" + box + dust, "volume 'v' is defined twice"},
   };
   for (const auto& [lines, says] : faults) {
     const std::string message = refusal(folder, volume(lines));
     CHECK_SAYS(message, says);
-    const std::size_t expected = says.find("rows must ascend") != std::string::npos ? 1 : says.find("outside 0.05") != std::string::npos ? 2 : 1;
+    const std::size_t expected = says.find("rows must ascend") != std::string::npos ? 1
+                                 : says.find("outside 0.05") != std::string::npos   ? 2
+                                                                                    : 1;
     CHECK_MESSAGE(line_count(message) == expected, message);
   }
 }
@@ -232,19 +251,26 @@ TEST_CASE("materials: leaves and plates, gloss and its limits") {
   const Material plain = load(folder, kHead + leaf).scene.materials.at(0);
   CHECK(plain.transmission == Material::Transmission::leaf);
   CHECK(plain.gloss_f0 == 0);
-  const Material plate = load(folder, kHead + leaf + "transmission = \"plate\"\ngloss = { roughness = 0.3, f0 = 0.04 }\n").scene.materials.at(0);
+  const Material plate =
+      load(folder, kHead + leaf + "transmission = \"plate\"\ngloss = { roughness = 0.3, f0 = 0.04 }\n")
+          .scene.materials.at(0);
   CHECK(plate.transmission == Material::Transmission::plate);
   CHECK(plate.gloss_roughness == 0.3);
   CHECK(plate.gloss_f0 == 0.04);
-  CHECK_SAYS(refusal(folder, std::string(kHead) + kGrey + "transmission = \"plate\"\n"), "'transmission' needs a transmittance");
-  CHECK_SAYS(refusal(folder, kHead + leaf + "gloss = { roughness = 0.3, f0 = 0.3 }\n"), "reflectance + transmittance + f0 above 1 (found 0.75 + 0.3)");
-  CHECK_SAYS(refusal(folder, kHead + leaf + "gloss = { roughness = 0 , f0 = 0.1 }\n"), "'roughness' is out of range (found 0)");
+  CHECK_SAYS(refusal(folder, std::string(kHead) + kGrey + "transmission = \"plate\"\n"),
+             "'transmission' needs a transmittance");
+  CHECK_SAYS(refusal(folder, kHead + leaf + "gloss = { roughness = 0.3, f0 = 0.3 }\n"),
+             "reflectance + transmittance + f0 above 1 (found 0.75 + 0.3)");
+  CHECK_SAYS(refusal(folder, kHead + leaf + "gloss = { roughness = 0 , f0 = 0.1 }\n"),
+             "'roughness' is out of range (found 0)");
   CHECK_SAYS(refusal(folder, kHead + leaf + "gloss = { roughness = 0.1 }\n"), "'f0' is missing in [material.gloss]");
 }
 
 TEST_CASE("compiled scenes: volumes, plates and gloss are stored and hashed; a scene without them keeps its hash") {
   const Folder folder;
-  const std::string plain = std::string(kHead) + "[[material]]\nname = \"m\"\nreflectance = 0.45\ntransmittance = 0.4\n[[plane]]\nmaterial = \"m\"\nsize_m = [5, 5]\n";
+  const std::string plain = std::string(kHead) +
+                            "[[material]]\nname = \"m\"\nreflectance = 0.45\ntransmittance = 0.4\n[[plane]]\nmaterial "
+                            "= \"m\"\nsize_m = [5, 5]\n";
   const auto with = [&](const std::string& text) { return load(folder, text).scene; };
   const auto base = with(plain);
   // Since version 2 of the format: what only instruments see has this hash.
@@ -256,7 +282,10 @@ TEST_CASE("compiled scenes: volumes, plates and gloss are stored and hashed; a s
   std::string wind = gas;
   wind.replace(wind.find("wind_m_s = 3"), 12, "wind_m_s = 4");
   folder.write("grid.csv", "i,j,k,value\n1,2,0,5\n0,0,1,7\n");
-  const std::string grid = plain + "[[volume]]\nname = \"g\"\nshape = \"grid\"\nsize_m = [4, 6, 2]\ncells = [2, 3, 2]\nvalues = \"grid.csv\"\n" + kDust;
+  const std::string grid =
+      plain +
+      "[[volume]]\nname = \"g\"\nshape = \"grid\"\nsize_m = [4, 6, 2]\ncells = [2, 3, 2]\nvalues = \"grid.csv\"\n" +
+      kDust;
   std::vector<std::string> hashes = {base.content_hash};
   for (const auto& text : {plate, gloss, gas, wind, grid}) {
     const auto scene = with(text);
