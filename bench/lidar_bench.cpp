@@ -80,7 +80,7 @@ struct Rig {
     for (const auto& surface : scene.surfaces) {
       double sum = 0;
       for (int m = 0; m < 4; ++m)
-        if (surface.curve[m] > 0) sum += surface.fraction[m] * plan.matter[surface.curve[m] - 1].reflectance;
+        if (surface.material[m] > 0) sum += surface.fraction[m] * plan.matter[surface.material[m] - 1].reflectance;
       reflectance.push_back(static_cast<float>(sum));
     }
     const auto& receiver = lidar.receiver;

@@ -216,7 +216,7 @@ scene::CompiledScene compile(const std::vector<scene::TriangleMesh>& meshes,
   scene::CompiledScene scene;
   scene.materials.push_back({"bench", "constant, generated", {{0.3, 15.0}, {0.25, 0.25}}, {}});
   shared::Surface surface{};
-  surface.curve[0] = 1;
+  surface.material[0] = 1;
   surface.fraction[0] = 1;
   scene.surfaces.push_back(surface);
   std::uint32_t id = 0;

@@ -1,6 +1,6 @@
 # Turns kernel entry files into one C++ source that holds each as a string, its quoted includes resolved from ROOT. Every
-# switch of file gets a #line, so build logs name the real files. Headers (.h) enter once per entry, field lists (.def)
-# as often as they are included. Script form:
+# switch of file gets a #line, so build logs name the real files. Headers (.h) enter once per entry, lists (.def) and what
+# they name as often as they are included. Script form:
 #   cmake -DROOT=dir -DENTRIES=kernels/entry/a.cl|kernels/entry/b.cl -DOUTPUT=file.cpp -P EmbedKernels.cmake
 
 cmake_minimum_required(VERSION 3.23)
@@ -36,7 +36,7 @@ function(embed_file path seen_in text_out seen_out)
     endif()
     string(APPEND text "${before}")
     string(FIND "${seen}" "|${target}|" known)
-    if(known EQUAL -1 OR target MATCHES "\\.def$")
+    if(known EQUAL -1 OR target MATCHES "\\.def$" OR path MATCHES "\\.def$")
       string(APPEND seen "|${target}|")
       embed_file("${target}" "${seen}" inner seen)
       string(APPEND text "${inner}\n")

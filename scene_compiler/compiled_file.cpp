@@ -11,6 +11,7 @@
 #include "host/base/input_file.h"
 #include "host/base/output_file.h"
 #include "host/base/sha256.h"
+#include "scene_compiler/shape_list.h"
 
 namespace raycube::scene {
 namespace {
@@ -131,9 +132,16 @@ void archive_content(Archive& ar, Scene& scene) {
 template <class Archive, class Scene>
 void archive_pulse_matter(Archive& ar, Scene& scene) {
   for (auto& material : scene.materials) {
-    ar(material.transmission);
-    ar(material.gloss_roughness);
-    ar(material.gloss_f0);
+    std::uint32_t way = material.behind.number == RC_SHAPE_plate ? 1 : 0;
+    ar(way);
+    if constexpr (!std::is_const_v<Scene>) {
+      if (way > 1) ar.damaged("has a material with an unknown way of transmission");
+      material.behind.number = way == 1 ? RC_SHAPE_plate : RC_SHAPE_leaf;
+    }
+    auto gloss = material.gloss.parameter;
+    for (auto& value : gloss) ar(value);
+    if constexpr (!std::is_const_v<Scene>)
+      if (gloss[1] > 0) material.gloss = {RC_SHAPE_gloss, gloss};
   }
   for (auto& volume : scene.volumes) {
     ar(volume.shape);
@@ -154,10 +162,30 @@ void archive_pulse_matter(Archive& ar, Scene& scene) {
   }
 }
 
+/// How materials reflect, by the shapes' names: their numbers follow the list's order.
+template <class Archive, class Scene>
+void archive_shapes(Archive& ar, Scene& scene) {
+  for (auto& material : scene.materials) {
+    std::string name(shape_entry(material.front.number).name);
+    ar(name);
+    if constexpr (!std::is_const_v<Scene>) {
+      const ShapeEntry* entry = find_shape(name, ShapeRole::front);
+      if (entry == nullptr) ar.damaged("has a material of an unknown shape '" + name + "'");
+      material.front.number = entry->number;
+    }
+    for (auto& value : material.front.parameter) ar(value);
+  }
+}
+
+bool has_shapes(const CompiledScene& scene) {
+  return std::any_of(scene.materials.begin(), scene.materials.end(),
+                     [](const Material& material) { return material.front.number != RC_SHAPE_lambert; });
+}
+
 bool has_pulse_matter(const CompiledScene& scene) {
   return !scene.volumes.empty() ||
          std::any_of(scene.materials.begin(), scene.materials.end(), [](const Material& material) {
-           return material.transmission != Material::Transmission::leaf || material.gloss_f0 > 0;
+           return material.behind.number != RC_SHAPE_leaf || material.gloss.number != RC_SHAPE_none;
          });
 }
 
@@ -181,6 +209,7 @@ void write_payload(const CompiledScene& scene, Add add) {
   write_content(scene, add);
   write_pulse_matter(scene, add);
   Writer<Add> writer(add);
+  archive_shapes(writer, scene);
   for (const auto& material : scene.materials) writer(material.source);
 }
 
@@ -206,11 +235,8 @@ void check_references(const CompiledScene& scene, const Reader& reader) {
     if (instance.mesh >= scene.meshes.size() || instance.root >= scene.nodes.size())
       reader.damaged("has an instance outside its arrays");
   for (const auto& surface : scene.surfaces)
-    for (const auto curve : surface.curve)
-      if (curve > scene.materials.size()) reader.damaged("has a surface of an unknown material");
-  for (const auto& material : scene.materials)
-    if (material.transmission != Material::Transmission::leaf && material.transmission != Material::Transmission::plate)
-      reader.damaged("has a material with an unknown way of transmission");
+    for (const auto material : surface.material)
+      if (material > scene.materials.size()) reader.damaged("has a surface of an unknown material");
   for (const auto& volume : scene.volumes) {
     const bool known = volume.shape == Volume::Shape::box || volume.shape == Volume::Shape::grid ||
                        volume.shape == Volume::Shape::plume;
@@ -234,6 +260,10 @@ std::string content_hash(const CompiledScene& scene) {
   write_content(scene, add);
   // A scene that only instruments look at keeps the hash it always had.
   if (has_pulse_matter(scene)) write_pulse_matter(scene, add);
+  if (has_shapes(scene)) {
+    Writer<decltype(add)> writer(add);
+    archive_shapes(writer, scene);
+  }
   return hash.hex();
 }
 
@@ -309,6 +339,7 @@ CompiledScene load_compiled(const std::string& file) {
   if (volumes > reader.left() / 200) reader.damaged("has impossible counts");
   scene.volumes.resize(static_cast<std::size_t>(volumes));
   archive_pulse_matter(reader, scene);
+  archive_shapes(reader, scene);
   for (auto& material : scene.materials) reader(material.source);
   if (reader.left() != 0) reader.damaged("has bytes left over");
   check_references(scene, reader);

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "kernels/materials/shapes.h"
 #include "kernels/shared/structs.h"
 
 namespace raycube::scene {
@@ -17,18 +18,23 @@ struct Curve {
   std::vector<double> value;  ///< reflectance or transmittance, 0..1
 };
 
-/// A named material. Its reflectance curve has id = index + 1 in term keys.
+/// A scattering shape of kernels/materials/materials.def and its parameters, in the order of its entry.
+struct Shape {
+  std::uint32_t number = RC_SHAPE_none;
+  std::array<double, 2> parameter{};
+  bool operator==(const Shape&) const = default;
+};
+
+/// A named material: curves that it owns (ids: kernels/shared/product_key.h), and how it scatters.
 struct Material {
   std::string name;
   std::string source;  ///< where the curve comes from, as the user's file states it
   Curve reflectance;
-  Curve transmittance;       ///< empty when opaque
-  double temperature_K = 0;  ///< fixed temperature of everything made of it; 0: none given
-  /// What its transmittance means: a leaf scatters it into the half-space behind, a plate lets it go straight on.
-  enum class Transmission { leaf, plate } transmission = Transmission::leaf;
-  /// GGX gloss beside the diffuse reflectance (pulses alone): roughness alpha, reflectance at normal incidence; 0:
-  /// none.
-  double gloss_roughness = 0, gloss_f0 = 0;
+  Curve transmittance;            ///< empty when opaque
+  double temperature_K = 0;       ///< fixed temperature of everything made of it; 0: none given
+  Shape front{RC_SHAPE_lambert};  ///< how its reflectance is spread over directions
+  Shape behind{RC_SHAPE_leaf};    ///< where its transmittance goes (pulses alone)
+  Shape gloss{RC_SHAPE_none};     ///< beside its reflectance (pulses alone)
 };
 
 /// A gas or aerosol volume on the way of pulses.

@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "scene_compiler/document_values.h"
+#include "scene_compiler/shape_list.h"
 #include "scene_compiler/spectrum_file.h"
 
 namespace raycube::scene {
@@ -73,24 +74,45 @@ std::optional<Material> read_material(const Record& record, Problems& problems) 
   return material;
 }
 
+/// The shape that a material's table of its name asks for; none where it has none.
+std::optional<Shape> read_shape(const Record& record, const ShapeEntry& entry) {
+  const Record* table = entry.parameters.empty() ? nullptr : record.table(std::string(entry.name));
+  if (table == nullptr) return std::nullopt;
+  Shape out{entry.number};
+  for (std::size_t i = 0; i < entry.parameters.size(); ++i)
+    out.parameter[i] = table->number(std::string(entry.parameters[i].key));
+  return out;
+}
+
+/// How its reflectance is spread over directions: by one shape of those with a table, else by Lambert's law.
+void read_front(const Record& record, Material& out, Problems& problems) {
+  for (const ShapeEntry& entry : shape_entries()) {
+    if (entry.role != ShapeRole::front) continue;
+    const auto shape = read_shape(record, entry);
+    if (shape && out.front.number != RC_SHAPE_lambert)
+      problems.add(record.place(std::string(entry.name)), "a material reflects by one shape",
+                   std::string(shape_entry(out.front.number).name) + " and " + std::string(entry.name), "remove one");
+    if (shape) out.front = *shape;
+  }
+}
+
 /// What pulses see beyond the spectra: the way of transmitted light, and gloss.
 void read_pulse_matter(const Record& record, Material& out, Problems& problems) {
-  out.transmission =
-      record.text("transmission") == "plate" ? Material::Transmission::plate : Material::Transmission::leaf;
+  out.behind.number = find_shape(record.text("transmission"), ShapeRole::behind)->number;
   if (record.given("transmission") && out.transmittance.wavelength_um.empty())
     problems.add(record.place("transmission"), "'transmission' needs a transmittance", "an opaque material",
                  "remove it, or give transmittance");
   const Record* gloss = record.table("gloss");
   if (gloss == nullptr) return;
-  out.gloss_roughness = gloss->number("roughness");
-  out.gloss_f0 = gloss->number("f0");
+  const double f0 = gloss->number("f0");
+  if (f0 > 0) out.gloss = *read_shape(record, shape_entry(RC_SHAPE_gloss));
   double most = 0;
   for (std::size_t i = 0; i < out.reflectance.value.size(); ++i)
     most = std::max(most,
                     out.reflectance.value[i] + (i < out.transmittance.value.size() ? out.transmittance.value[i] : 0));
-  if (most + out.gloss_f0 > 1)
+  if (most + f0 > 1)
     problems.add(gloss->place("f0"), "reflectance + transmittance + f0 above 1",
-                 number_text(most) + " + " + number_text(out.gloss_f0), "energy must not be gained: lower one");
+                 number_text(most) + " + " + number_text(f0), "energy must not be gained: lower one");
 }
 
 }  // namespace
@@ -106,6 +128,7 @@ MaterialTable::MaterialTable(const Record& root, Problems& problems) {
     if (record.sound)
       if (auto read = read_material(record, problems)) {
         material = std::move(*read);
+        read_front(record, material, problems);
         read_pulse_matter(record, material, problems);
       }
     if (name.empty()) continue;
@@ -119,7 +142,7 @@ MaterialTable::MaterialTable(const Record& root, Problems& problems) {
     if (record.given("source")) material.source = record.text("source");
     index_.emplace(name, static_cast<std::uint32_t>(materials_.size()));
     shared::Surface surface{};
-    surface.curve[0] = static_cast<std::uint32_t>(materials_.size()) + 1;
+    surface.material[0] = static_cast<std::uint32_t>(materials_.size()) + 1;
     surface.fraction[0] = 1.0f;
     materials_.push_back(std::move(material));
     surfaces_.push_back(surface);
@@ -135,16 +158,22 @@ std::uint32_t MaterialTable::surface(const std::string& name, const base::Where&
   return 0;
 }
 
+bool MaterialTable::reflect_alike(const std::vector<std::pair<std::uint32_t, double>>& parts) const {
+  return std::all_of(parts.begin(), parts.end(), [&](const auto& part) {
+    return materials_[part.first].front == materials_[parts.front().first].front;
+  });
+}
+
 std::uint32_t MaterialTable::mix(const std::vector<std::pair<std::uint32_t, double>>& parts) {
   if (parts.size() == 1) return parts.front().first;
   shared::Surface surface{};
   for (std::size_t i = 0; i < parts.size(); ++i) {
-    surface.curve[i] = surfaces_[parts[i].first].curve[0];
+    surface.material[i] = surfaces_[parts[i].first].material[0];
     surface.fraction[i] = static_cast<float>(parts[i].second);
   }
   std::array<std::uint32_t, 8> key{};
   for (std::size_t i = 0; i < 4; ++i)
-    key[i] = surface.curve[i], key[4 + i] = std::bit_cast<std::uint32_t>(surface.fraction[i]);
+    key[i] = surface.material[i], key[4 + i] = std::bit_cast<std::uint32_t>(surface.fraction[i]);
   const auto [entry, fresh] = mixes_.emplace(key, static_cast<std::uint32_t>(surfaces_.size()));
   if (fresh) surfaces_.push_back(surface);
   return entry->second;

@@ -24,6 +24,8 @@ class MaterialTable {
   /// Surface of an area mix of up to four materials (surface index, fraction > 0, sum 1); equal mixes share
   /// one.
   std::uint32_t mix(const std::vector<std::pair<std::uint32_t, double>>& parts);
+  /// Whether all of them reflect by one shape, as the parts of one surface must.
+  bool reflect_alike(const std::vector<std::pair<std::uint32_t, double>>& parts) const;
 
   /// Moves materials and surfaces into the scene; the first surfaces are the pure materials, in order.
   void move_to(CompiledScene& scene);

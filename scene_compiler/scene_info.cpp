@@ -1,4 +1,5 @@
 #include "scene_compiler/scene_info.h"
+#include "scene_compiler/shape_list.h"
 
 #include <fmt/format.h>
 
@@ -31,8 +32,9 @@ SceneInfo scene_info(const CompiledScene& scene) {
   for (const auto& material : scene.materials) {
     const auto& w = material.reflectance.wavelength_um;
     out.materials.push_back({material.name, material.source, w.empty() ? 0 : w.front(), w.empty() ? 0 : w.back(),
-                             w.size(), !material.transmittance.value.empty(),
-                             material.transmission == Material::Transmission::plate, material.gloss_f0 > 0});
+                             w.size(), !material.transmittance.value.empty(), material.behind.number == RC_SHAPE_plate,
+                             material.gloss.number != RC_SHAPE_none,
+                             std::string(shape_entry(material.front.number).name)});
   }
   for (const auto& volume : scene.volumes) {
     const auto& w = volume.wavelength_um;
@@ -77,7 +79,8 @@ std::string scene_info_text(const SceneInfo& info) {
     out += fmt::format("  {:<32} {:>9} triangles x {}\n", mesh.name, mesh.triangles, mesh.instances);
   out += "\nmaterials\n";
   for (const auto& m : info.materials)
-    out += fmt::format("  {:<32} {:.3f} .. {:.3f} um, {} points{}{}{}\n", m.name, m.first_um, m.last_um, m.points,
+    out += fmt::format("  {:<32} {:.3f} .. {:.3f} um, {} points{}{}{}{}\n", m.name, m.first_um, m.last_um, m.points,
+                       m.shape == "lambert" ? "" : ", " + m.shape,
                        m.plate       ? ", plate"
                        : m.transmits ? ", transmits"
                                      : "",
@@ -106,7 +109,8 @@ std::string scene_info_json(const SceneInfo& info) {
                          {"points", m.points},
                          {"transmits", m.transmits},
                          {"plate", m.plate},
-                         {"gloss", m.gloss}});
+                         {"gloss", m.gloss},
+                         {"shape", m.shape}});
   for (const auto& v : info.volumes)
     volumes.push_back({{"name", v.name},
                        {"shape", v.shape},

@@ -21,6 +21,7 @@ struct MaterialInfo {
   std::size_t points = 0;
   bool transmits = false;
   bool plate = false, gloss = false;  ///< for pulses
+  std::string shape;                  ///< how it reflects: a name of kernels/materials
 };
 
 struct VolumeInfo {

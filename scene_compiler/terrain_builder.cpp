@@ -214,6 +214,12 @@ std::vector<std::uint32_t> mixture_surfaces(const Record& record, const TerrainG
       continue;
     }
     for (auto& [surface, f] : mix) f /= sum;
+    if (linear && !materials.reflect_alike(mix)) {
+      ++reports;
+      problems.add(place, "materials of different scattering shapes mixed in a cell", "",
+                   "give them one shape, or set mixture = \"stochastic\"");
+      continue;
+    }
     if (linear) {
       out[cell] = materials.mix(mix);
       continue;

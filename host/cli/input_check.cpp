@@ -24,6 +24,7 @@
 #include "host/plan/thermal_use.h"
 #include "host/sensors/psf.h"
 #include "host/sensors/view_bounds.h"
+#include "scene_compiler/matter.h"
 
 namespace raycube::cli {
 namespace {
@@ -148,21 +149,23 @@ void check_lidar(const scene::Simulation& simulation, const scene::Lidar& lidar,
   std::unique_ptr<atmos::RenderTable> air;
   bool sound = found.part([&] { air = lidar_air(simulation, lidar); });
   const auto wavelengths = lidar::table_wavelengths(lidar::make_nodes(lidar));
-  for (const auto curve : plan::used_curves(simulation.scene)) {
-    scene::Material material = simulation.scene.materials[curve - 1];
+  for (const auto index : scene::used_materials(simulation.scene)) {
+    scene::Material material = simulation.scene.materials[index];
     if (const auto file = files.find(material.name); file != files.end()) material.source = file->second;
-    const auto covered = [&] {
-      try {
-        plan::sample_curve(material, wavelengths);
-      } catch (const base::Error& error) {
-        throw base::Error(error.fault(), "LIDAR '" + lidar.name + "': " + error.what() + "; or use another wavelength");
-      }
+    const auto covers = [&](const scene::Curve& curve) {
+      sound &= found.part([&] {
+        try {
+          plan::sample_curve(material, curve, wavelengths);
+        } catch (const base::Error& error) {
+          throw base::Error(error.fault(),
+                            "LIDAR '" + lidar.name + "': " + error.what() + "; or use another wavelength");
+        }
+      });
     };
-    sound &= found.part(covered);
+    covers(material.reflectance);
     if (material.transmittance.wavelength_um.empty()) continue;
-    material.reflectance = material.transmittance;
     material.source += material.source.empty() ? "transmittance" : ", transmittance";
-    sound &= found.part(covered);
+    covers(material.transmittance);
   }
   lidar::LidarPlan plan;
   sound = sound && found.part([&] { plan = lidar::make_lidar_plan(simulation, lidar, air.get()); });

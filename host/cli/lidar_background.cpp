@@ -10,6 +10,7 @@
 #include "host/cli/lidar_job.h"
 #include "host/cli/simulation_job.h"
 #include "host/render/lidar_owners.h"
+#include "scene_compiler/matter.h"
 
 namespace raycube::cli {
 
@@ -39,8 +40,8 @@ constexpr double kDark_W_m2_sr_um = 1e-5;
 /// Whether the scene is bright in a laser's light of itself: by night too.
 bool emits_light(const scene::CompiledScene& scene, const scene::Lidar& lidar) {
   double hottest_K = 0;
-  for (const auto curve : plan::used_curves(scene))
-    hottest_K = std::max(hottest_K, double{scene.materials[curve - 1].temperature_K});
+  for (const auto material : scene::used_materials(scene))
+    hottest_K = std::max(hottest_K, double{scene.materials[material].temperature_K});
   return std::any_of(lidar.pulse.lines.begin(), lidar.pulse.lines.end(), [&](const scene::LidarLine& line) {
     return line.wavelength_um > 2.5 ||
            (hottest_K > 0 && base::planck_radiance(line.wavelength_um, hottest_K) > kDark_W_m2_sr_um);

@@ -10,6 +10,7 @@
 #include "host/lidar/gauss_hermite.h"
 #include "host/lidar/pulse_taps.h"
 #include "host/plan/curve.h"
+#include "scene_compiler/matter.h"
 
 namespace raycube::lidar {
 
@@ -31,32 +32,18 @@ std::vector<double> line_means(const LidarPlan& plan, const std::vector<double>&
   return out;
 }
 
-std::set<std::uint32_t> used_materials(const scene::CompiledScene& scene) {
-  std::set<std::uint32_t> used;
-  std::vector<bool> seen(scene.surfaces.size(), false);
-  for (const auto& block : scene.blocks)
-    for (const auto surface : block.surface)
-      if (surface != RC_NONE) seen[surface] = true;
-  for (std::size_t s = 0; s < seen.size(); ++s)
-    for (const auto curve : scene.surfaces[s].curve)
-      if (seen[s] && curve > 0) used.insert(curve - 1);
-  return used;
-}
-
 std::vector<Matter> matter_of(const LidarPlan& plan, const scene::CompiledScene& scene) {
   const auto lines = static_cast<std::size_t>(plan.lines());
   const auto wavelengths = wavelengths_of(plan.nodes);
   std::vector<Matter> out(scene.materials.size() * lines);
   base::Problems problems;
-  for (const auto m : used_materials(scene)) {
+  for (const auto m : scene.blocks.empty() ? std::vector<std::uint32_t>{} : scene::used_materials(scene)) {
     const scene::Material& material = scene.materials[m];
-    scene::Material through = material;
-    through.reflectance = material.transmittance;
     std::vector<double> reflectance, transmittance(lines, 0.0);
     try {
-      reflectance = line_means(plan, plan::sample_curve(material, wavelengths));
+      reflectance = line_means(plan, plan::sample_reflectance(material, wavelengths));
       if (!material.transmittance.wavelength_um.empty())
-        transmittance = line_means(plan, plan::sample_curve(through, wavelengths));
+        transmittance = line_means(plan, plan::sample_curve(material, material.transmittance, wavelengths));
     } catch (const base::Error& error) {
       problems.add({"", 0, 0, plan.lidar.name}, error.what(), "", "or use another wavelength");
       continue;

@@ -5,6 +5,7 @@
 #include "host/base/error.h"
 #include "host/plan/curve.h"
 #include "host/plan/plan.h"
+#include "scene_compiler/matter.h"
 
 namespace raycube::plan {
 
@@ -20,7 +21,7 @@ std::vector<std::vector<double>> environment_spectra(const Plan& plan, std::size
   std::vector<double> molecules(grid, 0.0), aerosol(grid, 0.0);
   for (std::size_t p = map.first_part[node]; p < map.first_part[node + 1]; ++p) {
     const auto& part = map.part[p];
-    const auto& reflectance = map.reflectance[part.curve - 1];
+    const auto& reflectance = map.reflectance[part.material];
     for (std::size_t i = 0; i < grid; ++i) molecules[i] += part.molecules * reflectance[i];
     for (std::size_t i = 0; i < grid; ++i) aerosol[i] += part.aerosol * reflectance[i];
   }
@@ -32,29 +33,38 @@ std::vector<std::vector<double>> environment_spectra(const Plan& plan, std::size
   return out;
 }
 
+/// Product of a key's curves on the plan's grid; 1 without any.
+std::vector<double> product_of_curves(const Plan& plan, const scene::CompiledScene& scene, std::uint64_t key) {
+  std::vector<double> product(plan.wavelength_um.size(), 1.0);
+  for (std::uint32_t c = 0; c < rc_key_count(key); ++c) {
+    const std::uint32_t curve = rc_key_curve(key, c);
+    if (curve > scene::curve_count(scene))
+      throw base::Error(base::Fault::bug, "bake_row: curve " + std::to_string(curve) + " of " +
+                                              std::to_string(scene::curve_count(scene)));
+    const auto& owner = scene.materials[scene::material_of_curve(scene, curve)];
+    const std::vector<double> values = sample_curve(owner, scene::curve_of(scene, curve), plan.wavelength_um);
+    for (std::size_t i = 0; i < product.size(); ++i) product[i] *= values[i];
+  }
+  return product;
+}
+
 }  // namespace
 
 std::vector<float> bake_row(const Plan& plan, const scene::CompiledScene& scene, std::uint64_t key) {
   const std::size_t bands = plan.bands.size(), padded = (bands + 15) / 16 * 16;
   const bool around = (key & kEnvironmentKey) != 0;
-  const std::uint64_t curve = around ? 0 : key;
+  const std::uint32_t curves = around ? 0 : rc_key_count(key);
   const auto environment = around ? environment_spectra(plan, static_cast<std::size_t>(key ^ kEnvironmentKey))
                                   : std::vector<std::vector<double>>{};
-  const auto& spectra = around ? environment : curve == 0 ? plan.path_spectrum : plan.source_spectrum;
-  std::vector<double> reflectance(plan.wavelength_um.size(), 1.0);
-  if (curve > 0) {
-    if (curve > scene.materials.size())
-      throw base::Error(base::Fault::bug,
-                        "bake_row: curve " + std::to_string(curve) + " of " + std::to_string(scene.materials.size()));
-    reflectance = sample_curve(scene.materials[curve - 1], plan.wavelength_um);
-  }
-  std::vector<double> emissivity;
-  if (curve > 0 && plan.thermal.on)
-    for (const double r : reflectance) emissivity.push_back(1 - r);
+  const auto& spectra = around ? environment : curves == 0 ? plan.path_spectrum : plan.source_spectrum;
+  const std::vector<double> scattered = product_of_curves(plan, scene, curves > 0 ? key : 0);
+  std::vector<double> emitted;
+  if (curves > 0 && plan.thermal.on)
+    for (const double r : scattered) emitted.push_back(curves == 1 ? 1 - r : 0);
   const auto first_emission = static_cast<std::size_t>(plan.first_emission() * plan.height.count * plan.view.count);
   std::vector<float> out(spectra.size() * padded, 0.0f);
   for (std::size_t c = 0; c < spectra.size(); ++c) {
-    const std::vector<double>& factor = curve > 0 && c >= first_emission ? emissivity : reflectance;
+    const std::vector<double>& factor = curves > 0 && c >= first_emission ? emitted : scattered;
     for (std::size_t b = 0; b < bands; ++b) {
       const auto& band = plan.bands[b];
       double sum = 0;

@@ -7,9 +7,10 @@
 
 namespace raycube::plan {
 
-std::vector<double> sample_curve(const scene::Material& material, const std::vector<double>& wavelength_um) {
-  const auto& x = material.reflectance.wavelength_um;
-  const auto& y = material.reflectance.value;
+std::vector<double> sample_curve(const scene::Material& material, const scene::Curve& curve,
+                                 const std::vector<double>& wavelength_um) {
+  const auto& x = curve.wavelength_um;
+  const auto& y = curve.value;
   if (x.empty()) throw base::Error(base::Fault::input, "material '" + material.name + "' has no reflectance curve");
   if (x.size() == 1) return std::vector<double>(wavelength_um.size(), y[0]);
   std::vector<double> out;
@@ -26,6 +27,10 @@ std::vector<double> sample_curve(const scene::Material& material, const std::vec
     out.push_back((1 - cell.fraction) * y[cell.index] + cell.fraction * y[cell.index + 1]);
   }
   return out;
+}
+
+std::vector<double> sample_reflectance(const scene::Material& material, const std::vector<double>& wavelength_um) {
+  return sample_curve(material, material.reflectance, wavelength_um);
 }
 
 }  // namespace raycube::plan

@@ -7,8 +7,11 @@
 
 namespace raycube::plan {
 
-/// Reflectance at ascending wavelengths (um), linear between the curve's nodes. Error(input) names the material when a
-/// wavelength lies more than 1e-9 um outside the curve; a curve of one node is constant.
-std::vector<double> sample_curve(const scene::Material& material, const std::vector<double>& wavelength_um);
+/// A curve of `owner` at ascending wavelengths (um), linear between the curve's nodes. Error(input) names the material
+/// when a wavelength lies more than 1e-9 um outside the curve; a curve of one node is constant.
+std::vector<double> sample_curve(const scene::Material& owner, const scene::Curve& curve,
+                                 const std::vector<double>& wavelength_um);
+
+std::vector<double> sample_reflectance(const scene::Material& material, const std::vector<double>& wavelength_um);
 
 }  // namespace raycube::plan

@@ -67,14 +67,15 @@ class GroundRaster {
   std::vector<std::uint32_t> surface_;
 };
 
-/// Counts of surfaces become shares of curves. Only surfaces in `touched` are read, and their counts set back to zero.
+/// Counts of surfaces become shares of materials. Only surfaces in `touched` are read, and their counts set back to zero.
 void add_shares(const scene::CompiledScene& scene, std::vector<std::uint32_t>& count,
-                std::vector<std::uint32_t>& touched, double total, std::vector<double>& curve_share) {
+                std::vector<std::uint32_t>& touched, double total, std::vector<double>& material_share) {
   std::sort(touched.begin(), touched.end());  // one order of summation, whatever was met first
   for (const auto s : touched) {
     const shared::Surface& surface = scene.surfaces[s];
     for (std::size_t k = 0; k < 4; ++k)
-      if (surface.curve[k] > 0) curve_share[surface.curve[k] - 1] += double{surface.fraction[k]} * count[s] / total;
+      if (surface.material[k] > 0)
+        material_share[surface.material[k] - 1] += double{surface.fraction[k]} * count[s] / total;
     count[s] = 0;
   }
   touched.clear();
@@ -175,7 +176,7 @@ EnvironmentMap make_environment(const scene::CompiledScene& scene, const ViewBou
   const auto close_node = [&] { map.first_part.push_back(map.part.size()); };
   const auto only_mean = [&] {
     for (std::size_t c = 0; c < map.mean.size(); ++c)
-      if (map.mean[c] > 0) map.part.push_back({static_cast<std::uint32_t>(c + 1), map.mean[c], map.mean[c]});
+      if (map.mean[c] > 0) map.part.push_back({static_cast<std::uint32_t>(c), map.mean[c], map.mean[c]});
     close_node();
   };
   if (!local || seen_points == 0 || seen.width() < 0 || seen.height() < 0) {
@@ -217,7 +218,7 @@ EnvironmentMap make_environment(const scene::CompiledScene& scene, const ViewBou
       const std::size_t begin = map.part.size();
       for (std::size_t k = 0; k < share[0].size(); ++k)
         if (share[0][k] > 0 || share[1][k] > 0)
-          map.part.push_back({static_cast<std::uint32_t>(k + 1), share[0][k], share[1][k]});
+          map.part.push_back({static_cast<std::uint32_t>(k), share[0][k], share[1][k]});
       close_node();
       all_alike = all_alike && map.part.size() - begin == map.first_part[1] &&
                   std::equal(map.part.begin(), map.part.begin() + static_cast<std::ptrdiff_t>(map.first_part[1]),
@@ -256,7 +257,7 @@ std::vector<double> mean_reflectance(const EnvironmentMap& map, const scene::Com
     std::vector<double> inside = wavelength_um;
     if (!x.empty())
       for (double& l : inside) l = std::clamp(l, x.front(), x.back());
-    const std::vector<double> reflectance = sample_curve(scene.materials[c], inside);
+    const std::vector<double> reflectance = sample_reflectance(scene.materials[c], inside);
     for (std::size_t i = 0; i < out.size(); ++i) out[i] += map.mean[c] * reflectance[i];
   }
   return out;
@@ -266,8 +267,8 @@ void sample_environment(EnvironmentMap& map, const scene::CompiledScene& scene,
                         const std::vector<double>& wavelength_um) {
   map.reflectance.assign(scene.materials.size(), {});
   for (const auto& part : map.part)
-    if (map.reflectance[part.curve - 1].empty())
-      map.reflectance[part.curve - 1] = sample_curve(scene.materials[part.curve - 1], wavelength_um);
+    if (map.reflectance[part.material].empty())
+      map.reflectance[part.material] = sample_reflectance(scene.materials[part.material], wavelength_um);
 }
 
 }  // namespace raycube::plan

@@ -67,20 +67,20 @@ struct EnvironmentMap {
   int columns = 0, rows = 0;  ///< nodes, index = row * columns + column; 0: no light between ground and air
   double first_x_m = 0, first_y_m = 0, step_m = 1;  ///< of node 0, scene frame; row and column step
   struct Part {
-    std::uint32_t curve = 0;            ///< curve id
+    std::uint32_t material = 0;         ///< its index: Lambertian by its reflectance
     double molecules = 0, aerosol = 0;  ///< share of the environment; over a node's parts each sums to 1 (0: black)
     bool operator==(const Part&) const = default;
   };
-  std::vector<Part> part;                          ///< of all nodes, by node, then curve
+  std::vector<Part> part;                          ///< of all nodes, by node, then material
   std::vector<std::size_t> first_part;             ///< [node], and the end
-  std::vector<double> mean;                        ///< [curve id - 1]: area share of the scene's mean
+  std::vector<double> mean;                        ///< [material]: area share of the scene's mean
   std::array<double, 2> mean_lo_m{}, mean_hi_m{};  ///< where the mean was taken: x, y
   double height_m = 1, cos_view = 1;  ///< of the sensor over the ground, for which the environment functions were taken
   double sensor_z_m = 0,
          pressure_hPa = 0;  ///< sensor above, pressure at the scene's z = 0: for the molecules' part of T_dif
   bool local = true;        ///< false: the mean alone was asked for
   double raster_m = 0;      ///< spacing of the points that say what the ground is, near the view
-  std::vector<std::vector<double>> reflectance;  ///< [curve id - 1][grid] of the curves in `part`; empty for others
+  std::vector<std::vector<double>> reflectance;  ///< [material][grid] of those in `part`; empty for others
   bool empty() const { return columns == 0; }
   std::size_t nodes() const { return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows); }
 };
@@ -199,13 +199,10 @@ struct ViewBounds {
 Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& instrument,
                const atmos::RenderTable& table, const ViewBounds& view);
 
-/// Curve ids (1-based, ascending) that some triangle carries; every material's in a scene without triangles. Only these
-/// must cover the bands.
-std::vector<std::uint32_t> used_curves(const scene::CompiledScene& scene);
-
-/// Bakes one term row in double: E[channel][band] for a curve id (0 = path) or kEnvironmentKey | node, stored as float,
-/// bands padded with zeros to a multiple of 16: result[channel * bands_padded + band]. Error(input) when the material's
-/// curve does not cover the grid, which cannot happen to a used curve.
+/// Bakes one term row in double: E[channel][band] for a product key (kernels/shared/product_key.h; 0 = path) or
+/// kEnvironmentKey | node, stored as float, bands padded with zeros to a multiple of 16: result[channel * bands_padded +
+/// band]. Emission goes with the key of one reflectance. Error(input) when a curve does not cover the grid, which cannot
+/// happen to the reflectance of a used material.
 std::vector<float> bake_row(const Plan& plan, const scene::CompiledScene& scene, std::uint64_t key);
 
 }  // namespace raycube::plan

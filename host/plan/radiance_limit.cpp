@@ -5,6 +5,7 @@
 
 #include "atmos_tables/interpolate.h"
 #include "host/base/planck.h"
+#include "scene_compiler/matter.h"
 
 namespace raycube::plan {
 
@@ -30,8 +31,8 @@ std::vector<double> largest_emission(const Plan& plan, const scene::CompiledScen
   std::vector<double> out(plan.wavelength_um.size(), 0.0);
   if (!plan.thermal.on) return out;
   double hottest_K = plan.thermal.surroundings_K;
-  for (const auto curve : used_curves(scene))
-    hottest_K = std::max(hottest_K, double{scene.materials[curve - 1].temperature_K});
+  for (const auto material : scene::used_materials(scene))
+    hottest_K = std::max(hottest_K, double{scene.materials[material].temperature_K});
   const auto& um = atmos::wavelengths(table);
   std::vector<double> sky(plan.wavelength_um.size(), 0.0);  // tables that end below 3 um hold none
   if (table.has("sky_radiance_thermal"))

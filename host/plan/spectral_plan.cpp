@@ -9,6 +9,7 @@
 #include "host/plan/curve.h"
 #include "host/plan/quadrature.h"
 #include "host/plan/sources.h"
+#include "scene_compiler/matter.h"
 
 namespace raycube::plan {
 
@@ -44,27 +45,6 @@ std::string gaussian_reach() {
 }
 
 }  // namespace
-
-std::vector<std::uint32_t> used_curves(const scene::CompiledScene& scene) {
-  std::vector<char> surface_used(scene.surfaces.size(), 0),
-      curve_used(scene.materials.size() + 1, scene.blocks.empty() ? 1 : 0);
-  std::vector<char> placed(scene.meshes.size(), 0), seen(scene.blocks.size(), 1);
-  for (const auto& instance : scene.instances) placed[instance.mesh] = 1;
-  for (std::size_t m = 0; m < placed.size(); ++m)
-    if (!placed[m]) std::fill_n(seen.begin() + scene.meshes[m].first_block, scene.meshes[m].block_count, char{0});
-  for (std::size_t b = 0; b < scene.blocks.size(); ++b)
-    for (const auto surface : scene.blocks[b].surface)
-      if (seen[b] && surface < surface_used.size()) surface_used[surface] = 1;
-  for (std::size_t s = 0; s < scene.surfaces.size(); ++s)
-    if (surface_used[s])
-      for (int k = 0; k < 4; ++k)
-        if (const auto curve = scene.surfaces[s].curve[k]; curve > 0 && curve < curve_used.size())
-          curve_used[curve] = 1;
-  std::vector<std::uint32_t> out;
-  for (std::uint32_t curve = 1; curve < curve_used.size(); ++curve)
-    if (curve_used[curve]) out.push_back(curve);
-  return out;
-}
 
 base::Where place_of(const scene::Instrument& instrument) { return {"", 0, 0, "instrument '" + instrument.name + "'"}; }
 
@@ -109,8 +89,8 @@ void check_curves(const scene::CompiledScene& scene, const scene::Instrument& in
     const std::string& name = file != curve_file.end() ? file->second : material.source;
     return name.empty() ? std::string("this") : "'" + name + "'";
   };
-  for (const auto curve : used_curves(scene)) {
-    const auto& material = scene.materials[curve - 1];
+  for (const auto index : scene::used_materials(scene)) {
+    const auto& material = scene.materials[index];
     const auto& x = material.reflectance.wavelength_um;
     if (x.empty()) problems.add(where, "material '" + material.name + "' has no reflectance curve", "", "give one");
     if (x.size() > 1)
@@ -122,7 +102,7 @@ void check_curves(const scene::CompiledScene& scene, const scene::Instrument& in
 
 SpectralPlan make_spectral_plan(const scene::CompiledScene& scene, const scene::Instrument& instrument,
                                 const std::vector<double>& table_um, const std::string& table_name) {
-  const auto curves = used_curves(scene);
+  const auto used = scene::used_materials(scene);
   base::Problems problems;
   check_bands(instrument, problems);
   problems.throw_if_any();
@@ -131,8 +111,8 @@ SpectralPlan make_spectral_plan(const scene::CompiledScene& scene, const scene::
   problems.throw_if_any();
 
   std::vector<double> breakpoints = table_um;
-  for (const auto curve : curves) {
-    const auto& x = scene.materials[curve - 1].reflectance.wavelength_um;
+  for (const auto material : used) {
+    const auto& x = scene.materials[material].reflectance.wavelength_um;
     if (x.size() < 2) continue;
     // Bands end inside the table, so that its ends are nodes enough there; beyond them nobody could read it.
     for (const double node : x)
@@ -142,12 +122,12 @@ SpectralPlan make_spectral_plan(const scene::CompiledScene& scene, const scene::
   SpectralGrid grid = make_spectral_grid(std::move(breakpoints), instrument.bands);
   for (const auto& band : instrument.bands) out.bands.push_back(band_quadrature(band, grid));
   out.wavelength_um = std::move(grid.wavelength_um);
-  out.mean_reflectance.assign(out.wavelength_um.size(), curves.empty() ? 0.2 : 0.0);
+  out.mean_reflectance.assign(out.wavelength_um.size(), used.empty() ? 0.2 : 0.0);
   out.largest_reflectance = out.mean_reflectance;
-  for (const auto curve : curves) {
-    const auto r = sample_curve(scene.materials[curve - 1], out.wavelength_um);
+  for (const auto material : used) {
+    const auto r = sample_reflectance(scene.materials[material], out.wavelength_um);
     for (std::size_t i = 0; i < r.size(); ++i) {
-      out.mean_reflectance[i] += r[i] / static_cast<double>(curves.size());
+      out.mean_reflectance[i] += r[i] / static_cast<double>(used.size());
       out.largest_reflectance[i] = std::max(out.largest_reflectance[i], r[i]);
     }
   }

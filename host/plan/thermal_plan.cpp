@@ -11,6 +11,7 @@
 #include "host/plan/irradiance_map.h"
 #include "host/plan/sky_basis.h"
 #include "kernels/atmosphere/nodes.h"
+#include "scene_compiler/matter.h"
 
 namespace raycube::plan {
 
@@ -23,8 +24,8 @@ constexpr int kMostNodes = 16;  ///< evenly spread; two nodes of height and view
 double mean_temperature(const scene::CompiledScene& scene, const shared::Surface& surface) {
   double sum = 0, share = 0;
   for (int c = 0; c < 4; ++c) {
-    if (surface.curve[c] == 0) continue;
-    sum += static_cast<double>(surface.fraction[c]) * scene.materials[surface.curve[c] - 1].temperature_K;
+    if (surface.material[c] == 0) continue;
+    sum += static_cast<double>(surface.fraction[c]) * scene.materials[surface.material[c] - 1].temperature_K;
     share += static_cast<double>(surface.fraction[c]);
   }
   return share > 0 ? sum / share : 0;
@@ -62,8 +63,8 @@ double area_scale(const shared::Instance& placed) {
 void check_temperatures(const scene::CompiledScene& scene, const std::string& file, const std::string& demanded_by,
                         base::Problems& problems) {
   if (demanded_by.empty()) return;
-  for (const auto curve : used_curves(scene)) {
-    const auto& material = scene.materials[curve - 1];
+  for (const auto index : scene::used_materials(scene)) {
+    const auto& material = scene.materials[index];
     if (!(material.temperature_K > 0))
       problems.add({file, 0, 0, "material '" + material.name + "'"}, "has no temperature, and " + demanded_by, "",
                    "give it temperature_K, or give [thermal] default_temperature_K");
@@ -74,13 +75,18 @@ Emitters find_emitters(const scene::CompiledScene& scene, const std::string& fil
   Emitters out;
   base::Problems problems;
   check_temperatures(scene, file, demanded_by, problems);
+  // Emission and the light of the surroundings are Lambert's: both go by 1 - reflectance.
+  if (const scene::Material* shaped = scene::first_shaped(scene))
+    problems.add({file, 0, 0, "material '" + shaped->name + "'"},
+                 "cameras see thermal light of surfaces that reflect by Lambert's law alone, and " + demanded_by, "",
+                 "remove its table of a scattering shape, or the thermal bands");
   problems.throw_if_any();
   double plain = 0;
-  const auto curves = used_curves(scene);
-  for (const auto curve : curves) {
-    const auto& material = scene.materials[curve - 1];
+  const auto used = scene::used_materials(scene);
+  for (const auto index : used) {
+    const auto& material = scene.materials[index];
     out.distinct_K.push_back(material.temperature_K);
-    plain += material.temperature_K / static_cast<double>(curves.size());
+    plain += material.temperature_K / static_cast<double>(used.size());
   }
   std::sort(out.distinct_K.begin(), out.distinct_K.end());
   out.distinct_K.erase(std::unique(out.distinct_K.begin(), out.distinct_K.end()), out.distinct_K.end());
@@ -158,7 +164,7 @@ Thermal make_thermal(const scene::CompiledScene& scene, const Emitters& emitters
   out.surroundings_K = emitters.surroundings_K;
   for (const auto& surface : scene.surfaces) {
     const auto at = [&](int c) {
-      const double kelvin = surface.curve[c] > 0 ? scene.materials[surface.curve[c] - 1].temperature_K : 0;
+      const double kelvin = surface.material[c] > 0 ? scene.materials[surface.material[c] - 1].temperature_K : 0;
       return static_cast<float>(node_coordinate(nodes.node_K, kelvin));
     };
     out.surface_node.push_back({at(0), at(1), at(2), at(3)});

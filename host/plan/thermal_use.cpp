@@ -9,6 +9,7 @@
 #include "host/plan/plan_errors.h"
 #include "host/plan/sky_factors.h"
 #include "host/plan/thermal_plan.h"
+#include "scene_compiler/matter.h"
 
 namespace raycube::plan {
 
@@ -31,7 +32,7 @@ void judge(ThermalUse& use, const Bands& emitted, const Bands& typical, const st
 /// Band means of (1 - reflectance) B T_view.
 Bands emitted_bands(const scene::Material& material, const Spectrum& up_on_grid, const SpectralPlan& spectral) {
   const Spectrum planck = planck_spectrum(spectral.wavelength_um, material.temperature_K);
-  const Spectrum reflectance = sample_curve(material, spectral.wavelength_um);
+  const Spectrum reflectance = sample_reflectance(material, spectral.wavelength_um);
   Bands out;
   for (const BandQuadrature& band : spectral.bands) {
     double sum = 0;
@@ -64,8 +65,8 @@ void add_notices(ThermalUse& use, const scene::CompiledScene& scene, const std::
                  const SpectralPlan& spectral) {
   std::vector<std::string> cold;
   double hottest_K = 0, coolest_K = 1e9;
-  for (const auto curve : used_curves(scene)) {
-    const auto& material = scene.materials[curve - 1];
+  for (const auto index : scene::used_materials(scene)) {
+    const auto& material = scene.materials[index];
     if (!(material.temperature_K > 0)) cold.push_back(material.name);
     hottest_K = std::max(hottest_K, material.temperature_K), coolest_K = std::min(coolest_K, material.temperature_K);
   }
@@ -104,8 +105,8 @@ ThermalUse thermal_use(const scene::Simulation& simulation, const scene::Instrum
 
   const auto& scene = simulation.scene;
   std::vector<const scene::Material*> warm;
-  for (const auto curve : used_curves(scene))
-    if (scene.materials[curve - 1].temperature_K > 0) warm.push_back(&scene.materials[curve - 1]);
+  for (const auto material : scene::used_materials(scene))
+    if (scene.materials[material].temperature_K > 0) warm.push_back(&scene.materials[material]);
   if (!warm.empty() || air.thermal()) {
     TableSpectra sunlit = air;
     sunlit.leave_out_emission();

@@ -3,7 +3,9 @@
 
 #include "host/base/error.h"
 #include "host/reference/radiance.h"
+#include "host/reference/spread.h"
 #include "kernels/sampling/sampler.h"
+#include "scene_compiler/matter.h"
 
 namespace raycube::reference {
 
@@ -130,6 +132,7 @@ ArithmeticModel::ArithmeticModel(const scene::CompiledScene& scene, const plan::
       seed_(seed),
       open_(std::move(open)),
       reflectance_(reflectance_on(scene, plan.wavelength_um)) {
+  for (const scene::Material& material : scene.materials) shaped_ |= material.front.number != RC_SHAPE_lambert;
   if (open_) return;
   open_ = [&plan](const glm::dvec3& normal) {
     std::array<double, 8> irradiance{};
@@ -149,8 +152,7 @@ void ArithmeticModel::add_source(const SampledPixel& pixel, const Sample& sample
                                  std::vector<double>& spectrum) const {
   if (scalar == 0) return;
   const NodeWeight h = locate(plan_.height, sample.point.z), v = locate(plan_.view, 1 / pixel.to_sensor.z);
-  const shared::Surface& surface =
-      scene_.surfaces[scene_.blocks[sample.hit.primitive / RC_BLOCK].surface[sample.hit.primitive % RC_BLOCK]];
+  const shared::Surface& surface = scene::matter_of(scene_, sample.hit.primitive);
   for (int ih = 0; ih < plan_.height.count; ++ih)
     for (int iv = 0; iv < plan_.view.count; ++iv) {
       const double weight = sample.weight * scalar * weight_of(h, ih) * weight_of(v, iv);
@@ -158,8 +160,8 @@ void ArithmeticModel::add_source(const SampledPixel& pixel, const Sample& sample
       const std::vector<double>& light =
           plan_.source_spectrum[static_cast<std::size_t>((source * plan_.height.count + ih) * plan_.view.count + iv)];
       for (int m = 0; m < 4; ++m) {
-        if (surface.curve[m] == 0) continue;
-        const std::vector<double>& rho = reflectance_[surface.curve[m] - 1];
+        if (surface.material[m] == 0) continue;
+        const std::vector<double>& rho = reflectance_[surface.material[m] - 1];
         const double w = weight * static_cast<double>(surface.fraction[m]);
         for (std::size_t i = 0; i < spectrum.size(); ++i) spectrum[i] += w * rho[i] * light[i];
       }
@@ -170,12 +172,11 @@ void ArithmeticModel::add_emission(const SampledPixel& pixel, const Sample& samp
                                    std::vector<double>& spectrum) const {
   const NodeWeight h = locate(plan_.height, sample.point.z), v = locate(plan_.view, 1 / pixel.to_sensor.z);
   const std::vector<double>& nodes = plan_.thermal.temperature_K;
-  const shared::Surface& surface =
-      scene_.surfaces[scene_.blocks[sample.hit.primitive / RC_BLOCK].surface[sample.hit.primitive % RC_BLOCK]];
+  const shared::Surface& surface = scene::matter_of(scene_, sample.hit.primitive);
   for (int m = 0; m < 4; ++m) {
-    if (surface.curve[m] == 0) continue;
-    const std::vector<double>& rho = reflectance_[surface.curve[m] - 1];
-    const double kelvin = scene_.materials[surface.curve[m] - 1].temperature_K;
+    if (surface.material[m] == 0) continue;
+    const std::vector<double>& rho = reflectance_[surface.material[m] - 1];
+    const double kelvin = scene_.materials[surface.material[m] - 1].temperature_K;
     NodeWeight at;
     if (nodes.size() > 1) {
       const auto above = std::upper_bound(nodes.begin() + 1, nodes.end() - 1, kelvin) - nodes.begin();
@@ -200,20 +201,27 @@ BandRadiance ArithmeticModel::radiance(const SampledPixel& pixel, const std::vec
   const std::size_t grid = plan_.wavelength_um.size();
   std::vector<double> sun(grid, 0.0), sky(grid, 0.0), path(grid, 0.0), emission(grid, 0.0), surroundings(grid, 0.0);
   const std::size_t first = first_direction(plan_, seed_, pixel.number);
+  const glm::dvec3 sun_direction(plan_.sun_direction[0], plan_.sun_direction[1], plan_.sun_direction[2]);
   const NodeWeight x = locate(plan_.path_x, pixel.to_sensor.x), y = locate(plan_.path_y, pixel.to_sensor.y);
   for (std::size_t s = 0; s < pixel.samples.size(); ++s) {
     const Sample& sample = pixel.samples[s];
     const bool hit = !sample.hit.miss();
     if (hit && sample.sun_visible && plan_.sun_sources > 0)
-      add_source(pixel, sample, 0, std::max(0.0, sample.cos_sun), sun);
+      add_source(pixel, sample, 0, std::max(0.0, sample.cos_sun) * spread(scene_, sample, sun_direction), sun);
     if (hit && plan_.components() > 0) {
       const auto all = static_cast<std::size_t>(plan_.components());
       std::array<double, 8> irradiance = open_(sample.normal);
       for (std::size_t k = 0; k < blocked[s].size(); ++k) {
-        if (!blocked[s][k]) continue;
+        const glm::dvec3 direction = xyz(plan_.sky.direction[first + k]);
+        // What a direction would have sent is missing where it is hidden; where it is open, what other shapes than
+        // Lambert's do not turn to the viewer.
+        double missing = blocked[s][k] ? 1 : 0;
+        if (!blocked[s][k] && shaped_ && looks_into(plan_.sky, seed_, pixel.number, s, k))
+          missing = 1 - spread(scene_, sample, direction);
+        if (missing == 0) continue;
         const std::array<double, 8> parts = plan_.sky.weights(first + k);
-        const double cosine = std::max(0.0, glm::dot(sample.normal, xyz(plan_.sky.direction[first + k])));
-        for (std::size_t m = 0; m < all; ++m) irradiance[m] -= plan_.sky.share * parts[m] * cosine;
+        const double cosine = std::max(0.0, glm::dot(sample.normal, direction));
+        for (std::size_t m = 0; m < all; ++m) irradiance[m] -= plan_.sky.share * parts[m] * cosine * missing;
       }
       for (std::size_t m = 0; m < all; ++m)
         add_source(pixel, sample, plan_.first_component() + static_cast<int>(m), irradiance[m],

@@ -1,4 +1,5 @@
 #include "host/reference/double_trace.h"
+#include "scene_compiler/matter.h"
 
 #include <algorithm>
 #include <cmath>
@@ -144,7 +145,7 @@ Trace DoubleTracer::trace_brute_force(const Ray& ray) const {
     const LocalRay local = to_local(scene_.instances[i], to_double(ray));
     const scene::Mesh& mesh = scene_.meshes[scene_.instances[i].mesh];
     for (std::uint32_t p = mesh.first_block * RC_BLOCK; p < (mesh.first_block + mesh.block_count) * RC_BLOCK; ++p)
-      if (scene_.blocks[p / RC_BLOCK].surface[p % RC_BLOCK] != RC_NONE) visit({i, p}, local);
+      if (scene::surface_of(scene_, p) != RC_NONE) visit({i, p}, local);
   }
   return visit.result;
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host/base/error.h"
+#include "scene_compiler/matter.h"
 
 namespace raycube::reference {
 
@@ -60,7 +61,7 @@ EmbreeScene::EmbreeScene(const scene::CompiledScene& scene) : impl_(std::make_un
   for (const scene::Mesh& mesh : scene.meshes) {
     std::vector<std::uint32_t>& names = impl_->primitive.emplace_back();
     for (std::uint32_t p = mesh.first_block * RC_BLOCK; p < (mesh.first_block + mesh.block_count) * RC_BLOCK; ++p)
-      if (scene.blocks[p / RC_BLOCK].surface[p % RC_BLOCK] != RC_NONE) names.push_back(p);
+      if (scene::surface_of(scene, p) != RC_NONE) names.push_back(p);
     impl_->meshes.emplace_back(new_scene(device));
     const Geometry geometry(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE));
     auto* vertices = static_cast<float*>(

@@ -7,6 +7,7 @@
 #include "atmos_tables/environment.h"
 #include "atmos_tables/interpolate.h"
 #include "host/reference/radiance.h"
+#include "scene_compiler/matter.h"
 
 namespace raycube::reference {
 
@@ -50,7 +51,7 @@ std::vector<double> environment_light(const SampledPixel& pixel, const plan::Pla
       if (w == 0) continue;
       const auto node = static_cast<std::size_t>(r * map.columns + c);
       for (std::size_t p = map.first_part[node]; p < map.first_part[node + 1]; ++p) {
-        const std::vector<double>& rho = reflectance[map.part[p].curve - 1];
+        const std::vector<double>& rho = reflectance[map.part[p].material];
         for (std::size_t i = 0; i < grid; ++i) {
           molecules[i] += w * map.part[p].molecules * rho[i];
           aerosol[i] += w * map.part[p].aerosol * rho[i];
@@ -95,11 +96,10 @@ bool EnvironmentModel::add_ground(double x_m, double y_m, double weight, std::ve
   const Hit hit =
       scene_.embree.intersect({{static_cast<float>(x_m), static_cast<float>(y_m), scene.hi[2] + 1}, {0, 0, -1}});
   if (hit.miss()) return false;
-  const shared::Surface& surface =
-      scene.surfaces[scene.blocks[hit.primitive / RC_BLOCK].surface[hit.primitive % RC_BLOCK]];
+  const shared::Surface& surface = scene::matter_of(scene, hit.primitive);
   for (int m = 0; m < 4; ++m) {
-    if (surface.curve[m] == 0) continue;
-    const std::vector<double>& rho = reflectance_[surface.curve[m] - 1];
+    if (surface.material[m] == 0) continue;
+    const std::vector<double>& rho = reflectance_[surface.material[m] - 1];
     const double w = weight * static_cast<double>(surface.fraction[m]);
     for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += w * rho[i];
   }

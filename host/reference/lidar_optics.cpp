@@ -5,6 +5,8 @@
 
 #include <glm/geometric.hpp>
 
+#include "scene_compiler/matter.h"
+
 namespace raycube::reference {
 
 namespace {
@@ -20,10 +22,10 @@ double segment(double y) {
   return 0.5 * sum;
 }
 
-/// Smith's Lambda of GGX for a direction whose angle to the normal has this cosine (Heitz, JCGT 3(2), 2014, eq. 72).
-double lambda(double roughness, double cosine) {
-  const double tangent = std::sqrt(std::max(0.0, 1 - cosine * cosine)) / cosine;
-  return 0.5 * (std::sqrt(1 + roughness * roughness * tangent * tangent) - 1);
+RcLocal local(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
+
+double eval(const scene::Shape& shape, const RcAngles& angles) {
+  return rc_shape_eval(shape.number, 1, shape.parameter[0], shape.parameter[1], angles);
 }
 
 }  // namespace
@@ -65,47 +67,44 @@ LidarMatter matter_of(const scene::CompiledScene& scene, const lidar::LidarPlan&
   LidarMatter out;
   const shared::Surface& mixed = scene.surfaces[surface];
   for (int i = 0; i < 4; ++i) {
-    if (mixed.curve[i] == 0) continue;
-    const std::size_t material = mixed.curve[i] - 1;
+    if (mixed.material[i] == 0) continue;
+    const std::size_t material = mixed.material[i] - 1;
     const lidar::Matter& matter =
         plan.matter[material * static_cast<std::size_t>(plan.lines()) + static_cast<std::size_t>(line)];
     const double share = mixed.fraction[i];
     out.reflectance += share * matter.reflectance;
-    (scene.materials[material].transmission == scene::Material::Transmission::plate ? out.plate : out.leaf) +=
-        share * matter.transmittance;
+    (scene.materials[material].behind.number == RC_SHAPE_plate ? out.plate : out.leaf) += share * matter.transmittance;
   }
   return out;
 }
 
-double gloss(double roughness, double f0, const glm::dvec3& normal, const glm::dvec3& in, const glm::dvec3& out) {
-  const double cos_in = glm::dot(normal, in), cos_out = glm::dot(normal, out);
-  if (roughness <= 0 || f0 <= 0 || cos_in <= 0 || cos_out <= 0) return 0;
-  const glm::dvec3 half = glm::normalize(in + out);
-  const double cos_half = glm::dot(normal, half), toward = std::clamp(glm::dot(half, out), 0.0, 1.0);
-  const double a2 = roughness * roughness, bend = 1 - cos_half * cos_half + a2 * cos_half * cos_half;
-  const double density = a2 / (M_PI * bend * bend);
-  const double fresnel = f0 + (1 - f0) * std::pow(1 - toward, 5);
-  const double l_in = lambda(roughness, std::min(cos_in, 1.0)), l_out = lambda(roughness, std::min(cos_out, 1.0));
-  // Masking of ways whose azimuths lie together is the same masking (van Ginneken et al. 1998; Heitz 2014, eq. 106).
-  const glm::dvec3 flat_in = in - cos_in * normal, flat_out = out - cos_out * normal;
-  const double apart = glm::length(flat_in) * glm::length(flat_out) > 0
-                           ? std::atan2(glm::length(glm::cross(flat_in, flat_out)), glm::dot(flat_in, flat_out))
-                           : 0;
-  const double uncorrelated = 4.41 * apart / (4.41 * apart + 1);
-  const double masking = 1 / (1 + std::max(l_in, l_out) + uncorrelated * std::min(l_in, l_out));
-  return fresnel * density * masking / (4 * cos_in * cos_out);
+SurfaceLobes lobes_of(const scene::CompiledScene& scene, std::uint32_t surface, const glm::dvec3& normal,
+                      const glm::dvec3& in, const glm::dvec3& out) {
+  const RcAngles angles = rc_angles(local(normal), local(in), local(out));
+  SurfaceLobes lobes;
+  scene::for_each_material(scene.surfaces[surface], [&](std::size_t index, float share) {
+    const scene::Material& material = scene.materials[index];
+    lobes.front = eval(material.front, angles);
+    if (material.gloss.number != RC_SHAPE_none)
+      lobes.gloss += static_cast<double>(share) * eval(material.gloss, angles);
+  });
+  return lobes;
 }
 
-double gloss_of(const scene::CompiledScene& scene, std::uint32_t surface, const glm::dvec3& normal,
-                const glm::dvec3& in, const glm::dvec3& out) {
-  const shared::Surface& mixed = scene.surfaces[surface];
-  double sum = 0;
-  for (int i = 0; i < 4; ++i) {
-    if (mixed.curve[i] == 0) continue;
-    const scene::Material& material = scene.materials[mixed.curve[i] - 1];
-    sum += mixed.fraction[i] * gloss(material.gloss_roughness, material.gloss_f0, normal, in, out);
-  }
-  return sum;
+RcLocal draw_direction(const scene::CompiledScene& scene, std::uint32_t surface, bool front, const RcLocal& in,
+                       double u, double v) {
+  const scene::Material& material = scene.materials[scene.surfaces[surface].material[0] - 1];
+  const scene::Shape shape = front ? material.front : scene::Shape{RC_SHAPE_leaf};
+  return rc_shape_sample(shape.number, shape.parameter[0], shape.parameter[1], in, u, v);
+}
+
+double drawn_weight(const scene::CompiledScene& scene, std::uint32_t surface, const glm::dvec3& normal,
+                    const glm::dvec3& in, const glm::dvec3& out) {
+  const scene::Shape shape = scene.materials[scene.surfaces[surface].material[0] - 1].front;
+  if (shape.number == RC_SHAPE_lambert) return 1;
+  const RcAngles angles = rc_angles(local(normal), local(in), local(out));
+  return eval(shape, angles) * angles.cos_out /
+         rc_shape_pdf(shape.number, shape.parameter[0], shape.parameter[1], angles);
 }
 
 }  // namespace raycube::reference

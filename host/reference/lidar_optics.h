@@ -29,13 +29,21 @@ struct LidarMatter {
 };
 LidarMatter matter_of(const scene::CompiledScene& scene, const lidar::LidarPlan& plan, std::uint32_t surface, int line);
 
-/// Microfacet lobe f_r (1/sr): GGX (Walter et al. 2007), Schlick's Fresnel term, Smith masking. Light comes from `in`
-/// and leaves to `out`, both unit vectors away from the surface. Masking of the two ways is correlated: equal ways mask
-/// once (zero phase).
-double gloss(double roughness, double f0, const glm::dvec3& normal, const glm::dvec3& in, const glm::dvec3& out);
+/// How a surface spreads what it reflects, 1/sr, by the closed forms of kernels/materials. Light comes from `in` and leaves
+/// to `out`, both unit vectors away from the surface.
+struct SurfaceLobes {
+  double front = 0;  ///< per unit of its reflectance
+  double gloss = 0;  ///< area mean of its materials' gloss
+};
+SurfaceLobes lobes_of(const scene::CompiledScene& scene, std::uint32_t surface, const glm::dvec3& normal,
+                      const glm::dvec3& in, const glm::dvec3& out);
 
-/// Area mean of the lobes of a surface's materials.
-double gloss_of(const scene::CompiledScene& scene, std::uint32_t surface, const glm::dvec3& normal,
-                const glm::dvec3& in, const glm::dvec3& out);
+/// A direction about the surface's normal, or behind it, by its shape; in: where light comes from, same frame.
+RcLocal draw_direction(const scene::CompiledScene& scene, std::uint32_t surface, bool front, const RcLocal& in,
+                       double u, double v);
+
+/// f cos / density of a direction drawn by the surface's shape, per unit of its reflectance: 1 by Lambert's law.
+double drawn_weight(const scene::CompiledScene& scene, std::uint32_t surface, const glm::dvec3& normal,
+                    const glm::dvec3& in, const glm::dvec3& out);
 
 }  // namespace raycube::reference

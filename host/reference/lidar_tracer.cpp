@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "host/reference/sampled_pixel.h"
+#include "scene_compiler/matter.h"
 
 namespace raycube::reference {
 
@@ -72,8 +73,7 @@ std::optional<LidarHit> LidarTracer::next(const glm::dvec3& origin, const glm::d
       continue;
     }
     if (!(t <= to_m)) return {};
-    const shared::TriBlock& block = scene_.blocks[hit.primitive / RC_BLOCK];
-    return LidarHit{hit, t, point, normal, block.surface[hit.primitive % RC_BLOCK], clear_m};
+    return LidarHit{hit, t, point, normal, scene::surface_of(scene_, hit.primitive), clear_m};
   }
   return {};
 }

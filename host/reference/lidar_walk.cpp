@@ -138,21 +138,27 @@ std::optional<Walk::Drawn> Walk::draw(const Path& path, const LidarHit& hit, uns
   if (!(all > 0)) return {};
   const double lobe = unit(RC_DRAW_LOBE(step)) * all;
   Drawn out;
+  double spread = 1;
   out.scattered = lobe < up + down || on == 0;
   if (out.scattered) {
     // Branchless basis of Duff et al. 2017.
     const glm::dvec3 n = lobe < up ? hit.normal : -hit.normal;
     const double sign = std::copysign(1.0, n.z), a = -1 / (sign + n.z), c = n.x * n.y * a;
     const glm::dvec3 x{1 + sign * n.x * n.x * a, sign * c, -sign * n.x}, y{c, sign + n.y * n.y * a, -n.y};
-    const double sine2 = unit(RC_DRAW_RADIUS(step)), turn = 2 * M_PI * unit(RC_DRAW_ANGLE(step));
-    out.direction = std::sqrt(sine2) * (std::cos(turn) * x + std::sin(turn) * y) + std::sqrt(1 - sine2) * n;
+    const glm::dvec3 from = -path.direction;
+    const RcLocal in{glm::dot(from, x), glm::dot(from, y), glm::dot(from, n)};
+    const RcLocal drawn =
+        draw_direction(scene_, hit.surface, lobe < up, in, unit(RC_DRAW_RADIUS(step)), unit(RC_DRAW_ANGLE(step)));
+    out.direction = drawn.x * x + drawn.y * y + drawn.z * n;
+    if (lobe < up) spread = drawn_weight(scene_, hit.surface, n, from, out.direction);
   } else {
     out.direction = path.direction;
   }
   const double chance = (out.scattered ? (lobe < up ? up : down) : on) / all;
   for (std::size_t line = 0; line < lines_; ++line) {
     const LidarMatter matter = matter_of(scene_, plan_, hit.surface, static_cast<int>(line));
-    out.factor.push_back((out.scattered ? (lobe < up ? matter.reflectance : matter.leaf) : matter.plate) / chance);
+    out.factor.push_back((out.scattered ? (lobe < up ? matter.reflectance * spread : matter.leaf) : matter.plate) /
+                         chance);
   }
   return out;
 }

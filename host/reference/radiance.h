@@ -75,6 +75,7 @@ class ArithmeticModel {
   const plan::Plan& plan_;
   std::uint64_t seed_;
   OpenSky open_;
+  bool shaped_ = false;                           ///< some material does not reflect by Lambert's law
   std::vector<std::vector<double>> reflectance_;  ///< [material][grid]
 };
 

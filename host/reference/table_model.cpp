@@ -8,6 +8,8 @@
 #include "host/base/interrupt.h"
 #include "host/base/planck.h"
 #include "host/reference/radiance.h"
+#include "host/reference/spread.h"
+#include "scene_compiler/matter.h"
 
 namespace raycube::reference {
 
@@ -127,9 +129,9 @@ std::vector<double> TableModel::surface_light(std::uint32_t surface) const {
   std::vector<double> out(plan_.wavelength_um.size(), 0.0);
   const shared::Surface& s = scene_.compiled.surfaces[surface];
   for (int m = 0; m < 4; ++m) {
-    if (s.curve[m] == 0) continue;
-    const std::vector<double>& rho = reflectance_[s.curve[m] - 1];
-    const std::vector<double>& own = emitted_[s.curve[m] - 1];
+    if (s.material[m] == 0) continue;
+    const std::vector<double>& rho = reflectance_[s.material[m] - 1];
+    const std::vector<double>& own = emitted_[s.material[m] - 1];
     for (std::size_t i = 0; i < out.size(); ++i)
       out[i] += static_cast<double>(s.fraction[m]) *
                 ((own.empty() ? 0 : own[i]) +
@@ -169,29 +171,30 @@ BandRadiance TableModel::radiance(const SampledPixel& pixel) const {
     std::vector<double> seen(direction_.size(), 0.0);
     std::map<std::uint32_t, double> hidden;
     const auto surface_of = [&](const Hit& hit) {
-      return hit.miss() ? RC_NONE : scene_.compiled.blocks[hit.primitive / RC_BLOCK].surface[hit.primitive % RC_BLOCK];
+      return hit.miss() ? RC_NONE : scene::surface_of(scene_.compiled, hit.primitive);
     };
     for (std::size_t k = lot % stride_; k < direction_.size(); k += stride_) {
       const double cosine = glm::dot(sample.normal, direction_[k]);
-      if (cosine > 0 && scene_.sees(sample, direction_[k])) seen[k] = cosine * solid_angle_;
+      if (cosine > 0 && scene_.sees(sample, direction_[k]))
+        seen[k] = cosine * solid_angle_ * spread(scene_.compiled, sample, direction_[k]);
       if (!plan_.thermal.on) continue;
       if (cosine > 0 && seen[k] == 0) hidden[surface_of(scene_.meets(sample, direction_[k]))] += cosine * solid_angle_;
       const glm::dvec3 below(direction_[k].x, direction_[k].y, -direction_[k].z);
       const double down = glm::dot(sample.normal, below);
       if (down > 0) hidden[surface_of(scene_.meets(sample, below))] += down * solid_angle_;
     }
-    const shared::Surface& surface =
-        scene_.compiled
-            .surfaces[scene_.compiled.blocks[sample.hit.primitive / RC_BLOCK].surface[sample.hit.primitive % RC_BLOCK]];
+    const shared::Surface& surface = scene::matter_of(scene_.compiled, sample.hit.primitive);
+    const double sun_spread = spread(
+        scene_.compiled, sample, glm::dvec3(plan_.sun_direction[0], plan_.sun_direction[1], plan_.sun_direction[2]));
     for (int m = 0; m < 4; ++m) {
-      if (surface.curve[m] == 0) continue;
+      if (surface.material[m] == 0) continue;
       for (int end = 0; end < 2; ++end) {
         const double w = share[end] * static_cast<double>(surface.fraction[m]);
         if (w == 0) continue;
-        PerMaterial& sum = ends[end][surface.curve[m] - 1];
+        PerMaterial& sum = ends[end][surface.material[m] - 1];
         sum.cover += w;
         for (const auto& [blocker, weight] : hidden) sum.hidden[blocker] += w * weight;
-        if (sample.sun_visible) sum.sun += w * std::max(0.0, sample.cos_sun);
+        if (sample.sun_visible) sum.sun += w * std::max(0.0, sample.cos_sun) * sun_spread;
         sum.sky.resize(direction_.size(), 0.0);
         for (std::size_t k = 0; k < seen.size(); ++k) sum.sky[k] += w * seen[k];
       }

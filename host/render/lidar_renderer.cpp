@@ -39,7 +39,7 @@ struct DeviceTables {
   DeviceTables(const cl::Context& context, const LidarTables& t)
       : samples(upload(context, t.samples, "sub-rays")),
         exits(upload(context, t.exits, "exits of sub-rays")),
-        gloss(upload(context, t.gloss, "gloss")),
+        lobes(upload(context, t.lobes, "lobes")),
         photons(upload(context, t.photons, "photons")),
         node_weight(upload(context, t.node_weight, "nodes")),
         taps(upload(context, t.taps, "pulse")),
@@ -51,7 +51,9 @@ struct DeviceTables {
         volume_depth(upload(context, t.volume_depth, "depths of gases")),
         volumes(upload(context, t.volumes.volumes, "volumes")),
         optics(upload(context, t.optics, "matter")) {}
-  cl::Buffer<float> samples, exits, gloss, photons, node_weight, taps, settings, air;
+  cl::Buffer<float> samples, exits;
+  cl::Buffer<shared::Lobe> lobes;
+  cl::Buffer<float> photons, node_weight, taps, settings, air;
   cl::Buffer<std::uint32_t> first_node;
   cl::Buffer<float> backscatter, volume_values, volume_depth;
   cl::Buffer<shared::LidarVolume> volumes;
@@ -338,7 +340,7 @@ void LidarRenderer::render(const lidar::LidarPlan& plan, const std::vector<lidar
       batch_buffers.beams.write(beams.records());
     }
     stage.kernel.arguments(s.buffers.nodes, s.buffers.blocks, s.buffers.instances, batch_buffers.shots, device.samples,
-                           device.exits, device.optics, device.gloss, device.photons, device.node_weight,
+                           device.exits, device.optics, device.lobes, device.photons, device.node_weight,
                            device.first_node, device.air, device.volumes, device.volume_values, device.volume_depth,
                            device.taps, device.settings, batch_buffers.first, batch_buffers.multiple,
                            batch_buffers.stopped, batch_buffers.ledger, batch_buffers.sums, batch_buffers.counts,

@@ -6,6 +6,7 @@
 
 #include "host/base/error.h"
 #include "kernels/lidar/layout.h"
+#include "scene_compiler/matter.h"
 
 namespace raycube::render {
 
@@ -53,33 +54,30 @@ std::vector<float> single_samples(const lidar::Footprint& footprint) {
 
 void fill_matter(const lidar::LidarPlan& plan, const scene::CompiledScene& scene, LidarTables& tables) {
   const auto lines = static_cast<std::size_t>(plan.lines());
-  bool leaves = false, plates = false, gloss = false;
+  bool leaves = false, plates = false;
   for (const auto& surface : scene.surfaces) {
     for (std::size_t line = 0; line < lines; ++line) {
       double rho = 0, leaf = 0, plate = 0;
       for (int i = 0; i < 4; ++i) {
-        if (surface.curve[i] == 0) continue;
-        const std::size_t material = surface.curve[i] - 1;
+        if (surface.material[i] == 0) continue;
+        const std::size_t material = surface.material[i] - 1;
         const lidar::Matter& matter = plan.matter[material * lines + line];
         rho += surface.fraction[i] * matter.reflectance;
-        (scene.materials[material].transmission == scene::Material::Transmission::plate ? plate : leaf) +=
+        (scene.materials[material].behind.number == RC_SHAPE_plate ? plate : leaf) +=
             surface.fraction[i] * matter.transmittance;
       }
       leaves |= leaf > 0;
       plates |= plate > 0;
       tables.optics.push_back({static_cast<float>(rho), static_cast<float>(leaf), static_cast<float>(plate), 0});
     }
-    for (int i = 0; i < 4; ++i) {
-      const scene::Material* material = surface.curve[i] ? &scene.materials[surface.curve[i] - 1] : nullptr;
-      const bool shines = material && material->gloss_f0 > 0;
-      gloss |= shines;
-      tables.gloss.push_back(shines ? static_cast<float>(material->gloss_f0) : 0.0f);
-      tables.gloss.push_back(shines ? static_cast<float>(material->gloss_roughness) : 1.0f);
-      tables.gloss.push_back(shines ? surface.fraction[i] : 0.0f);
-    }
   }
+  tables.lobes = scene::surface_lobes(scene);
+  bool gloss = false;
+  for (std::size_t i = 0; i < tables.lobes.size(); ++i)
+    gloss |= i % RC_LOBES > 0 && tables.lobes[i].shape != RC_SHAPE_none;
   tables.options +=
       define("RC_LEAVES", int{leaves}) + define("RC_PLATES", int{plates}) + define("RC_GLOSS", int{gloss});
+  if (scene::first_shaped(scene)) tables.options += define("RC_SHAPED", 1);
 }
 
 void fill_air(const lidar::LidarPlan& plan, LidarTables& tables) {

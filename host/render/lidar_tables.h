@@ -13,7 +13,8 @@ namespace raycube::render {
 struct LidarTables {
   int chunk = 0;        ///< rays of a bundle
   bool single = false;  ///< rays are traced one by one
-  std::vector<float> samples, exits, gloss, photons, node_weight, taps, settings, backscatter, volume_depth;
+  std::vector<shared::Lobe> lobes;
+  std::vector<float> samples, exits, photons, node_weight, taps, settings, backscatter, volume_depth;
   std::vector<std::uint32_t> first_node;
   std::vector<shared::rc_float4> optics;
   std::vector<float> air;  ///< pairs

@@ -15,6 +15,7 @@
 #include "host/sensors/ray_groups.h"
 #include "kernels/atmosphere/nodes.h"
 #include "kernels/shared/rows.h"
+#include "scene_compiler/matter.h"
 
 namespace raycube::render {
 
@@ -57,8 +58,10 @@ TileWorker::TileWorker(const RenderSetup& setup, BandTable& table, std::size_t p
   for (int subset = 0; errors && setup.shape.chunked() && subset < sensors::kSampleSubsets; ++subset)
     subset_rows_.emplace_back(setup.context, setup.shape, pixels, row_capacity);
   if (all_baked_) {
-    const auto used = plan::used_curves(setup.scene);  // others' curves need not cover the bands
-    timed("bake", [&] { table_.ensure({used.begin(), used.end()}); });
+    std::vector<std::uint64_t> keys;  // others' curves need not cover the bands
+    for (const auto material : scene::used_materials(setup.scene))
+      keys.push_back(rc_key_of(scene::reflectance_curve(setup.scene, material)));
+    timed("bake", [&] { table_.ensure(keys); });
   }
   statistics_.build_options = trace_stages_.options();
   statistics_.program_hash = program_hash(trace_stages_, row_stages_);
@@ -71,6 +74,10 @@ std::array<double, 3> TileWorker::centre_direction(std::uint32_t pixel) const {
   const auto& g = groups_[line * layout_.groups_per_line + column / wide];
   const double a = column % wide - 0.5 * (wide - 1);
   return {g.d0.x + a * g.du.x, g.d0.y + a * g.du.y, g.d0.z + a * g.du.z};
+}
+
+std::size_t TileWorker::material_of_key(std::uint64_t key) const {
+  return scene::material_of_curve(setup_.scene, rc_key_curve(key, 0));
 }
 
 void TileWorker::write_truth(std::uint32_t pixel, const float* sums, const float* abundance, const TileOutput& out) {
@@ -252,7 +259,8 @@ std::vector<std::uint32_t> TileWorker::finish_rows(RowBuffers& rows, const std::
       for (std::uint32_t k = 0; k < count[i]; ++k) {
         const float* row = sums.data() + (i * rows.capacity + k) * sums_per_key;
         const std::size_t last = shape.accumulators() - 1;
-        abundance[row_keys[k] - 1] = static_cast<float>(total(row, shape.accumulators(), shape.chunked(), last));
+        abundance[material_of_key(row_keys[k])] +=
+            static_cast<float>(total(row, shape.accumulators(), shape.chunked(), last));
       }
       if (out.truth) write_truth(pixels[i], truth_sums, abundance.data(), out);
     }
@@ -350,12 +358,12 @@ void TileWorker::sum_per_sample(const std::vector<std::uint32_t>& flagged, const
         const auto sums = rows.sums.read_all();
         for (std::uint32_t k = 0; k < count; ++k) {
           const float* row = sums.data() + k * sums_per_key;
-          const auto baked = plan::bake_row(plan, setup_.scene, static_cast<std::uint32_t>(keys[k]));
+          const auto baked = plan::bake_row(plan, setup_.scene, keys[k]);
           for (int i = 0; i < shape.accumulators() - 1; ++i)
             for (int v = 0; v < shape.views; ++v)
               add(baked, i * shape.views + v,
                   total(row, shape.accumulators(), shape.chunked(), i) * weight_of(v, iv, fv));
-          results[f].abundance[keys[k] - 1] +=
+          results[f].abundance[material_of_key(keys[k])] +=
               total(row, shape.accumulators(), shape.chunked(), shape.accumulators() - 1);
         }
       });

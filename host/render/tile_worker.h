@@ -71,6 +71,8 @@ class TileWorker {
   std::vector<std::uint32_t> relaunch(const std::vector<std::uint32_t>& flagged, std::size_t capacity, int subset,
                                       const TileOutput& out);
   void sum_per_sample(const std::vector<std::uint32_t>& flagged, const TileOutput& out);
+  /// Of a row that a key's light belongs to: whose abundance it counts.
+  std::size_t material_of_key(std::uint64_t key) const;
   void write_truth(std::uint32_t pixel, const float* sums, const float* abundance, const TileOutput& out);
   /// Files what the stages left of one chunk of samples.
   void collect(int chunk, PixelProbe& probe) const;

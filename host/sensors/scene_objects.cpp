@@ -144,7 +144,7 @@ class Collector {
     const shared::Surface& mixed = scene_.surfaces[surface];
     const auto most =
         std::max_element(std::begin(mixed.fraction), std::end(mixed.fraction)) - std::begin(mixed.fraction);
-    return mixed.curve[most];
+    return mixed.material[most];
   }
   std::uint64_t first_kind(const scene::Mesh& mesh) const {
     return mesh.block_count ? kind_of(scene_.blocks[mesh.first_block].surface[0]) : 0;

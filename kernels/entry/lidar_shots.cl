@@ -17,14 +17,14 @@
 #define RC_STORE_ONCE(value, to) *(to) = (value)
 #endif
 
-#define LIDAR_SHOTS_PARAMETERS                                                                                      \
-  RC_NODES, RC_BLOCKS, RC_INSTANCES, global const float4 *restrict shots, global const float *restrict samples,     \
-      global const float *restrict exits, global const float4 *restrict optics, global const float *restrict gloss, \
-      global const float *restrict photons, global const float *restrict node_weight,                               \
-      global const uint *restrict first_node, global const float2 *restrict air, RC_VOLUME_PARAMETERS,              \
-      global const float *restrict taps, global const float *restrict settings, global float *restrict first,       \
-      global float *restrict multiple, global float *restrict stopped, global long *restrict ledger,                \
-      global float *restrict sums, global uint *restrict counts, global uint *restrict first_hits, uint seed,       \
+#define LIDAR_SHOTS_PARAMETERS                                                                                     \
+  RC_NODES, RC_BLOCKS, RC_INSTANCES, global const float4 *restrict shots, global const float *restrict samples,    \
+      global const float *restrict exits, global const float4 *restrict optics, global const Lobe *restrict lobes, \
+      global const float *restrict photons, global const float *restrict node_weight,                              \
+      global const uint *restrict first_node, global const float2 *restrict air, RC_VOLUME_PARAMETERS,             \
+      global const float *restrict taps, global const float *restrict settings, global float *restrict first,      \
+      global float *restrict multiple, global float *restrict stopped, global long *restrict ledger,               \
+      global float *restrict sums, global uint *restrict counts, global uint *restrict first_hits, uint seed,      \
       int bins, int taps_used, int first_tap, int phases
 
 RC_BODY lidar_shots_body(uint owner, LIDAR_SHOTS_PARAMETERS) {
@@ -37,7 +37,7 @@ RC_BODY lidar_shots_body(uint owner, LIDAR_SHOTS_PARAMETERS) {
                               samples,
                               exits,
                               optics,
-                              gloss,
+                              lobes,
                               photons,
                               node_weight,
                               first_node,
@@ -168,7 +168,7 @@ RC_BODY lidar_shots_body(uint owner, LIDAR_SHOTS_PARAMETERS) {
 
 kernel void lidar_shots(LIDAR_SHOTS_PARAMETERS) {
   lidar_shots_body((uint)get_global_id(0), RC_PASS_NODES, RC_PASS_BLOCKS, RC_PASS_INSTANCES, shots, samples, exits,
-                   optics, gloss, photons, node_weight, first_node, air, volumes, volume_values, volume_depth, taps,
+                   optics, lobes, photons, node_weight, first_node, air, volumes, volume_values, volume_depth, taps,
                    settings, first, multiple, stopped, ledger, sums, counts, first_hits, seed, bins, taps_used,
                    first_tap, phases);
 }

@@ -6,6 +6,7 @@
  * mean, 1 for the plain box, so that a chunk's counts are exact; their number divides the chunk's sums. */
 #pragma OPENCL FP_CONTRACT OFF
 #include "kernels/shared/structs.h"
+#include "kernels/shared/product_key.h"
 #include "kernels/shared/rows.h"
 #include "kernels/atmosphere/nodes.h"
 #include "kernels/geometry/lanes.h"
@@ -64,8 +65,9 @@ inline int deposit(__global ulong* keys, __global float* sums, uint* count, uint
                    __global const float* nodes) {
   for (int c = 0; c < 4; ++c) {
     const float fraction = surface->fraction[c];
-    if (surface->curve[c] == 0u || fraction == 0.0f) continue;
-    const uint k = find_key(keys, sums, count, capacity, (ulong)surface->curve[c]);
+    if (surface->material[c] == 0u || fraction == 0.0f) continue;
+    const uint k = find_key(keys, sums, count, capacity,
+                            rc_key_of(rc_curve_id(RC_CURVE_REFLECTANCE, surface->material[c] - 1u, 0u)));
     if (k == capacity) return 0;
     __global float* row = sums + (size_t)k * ACCUMULATORS * (1 + RC_CHUNKED);
     for (int i = 0; i < LIT * RC_HEIGHTS; ++i) ADD(row, i, ACCUMULATORS, fraction * values[i]);
@@ -143,7 +145,7 @@ RC_BODY shade_body(uint item, SHADE_PARAMETERS) {
     for (int m = 0; m < LIT; ++m) value[m][s] = 0.0f;
     if (s < RC_NSAMP && hit_instance[s] != RC_NONE) {
       const uint primitive = hit_primitive[s];
-      id = rc_block(scene, primitive / RC_BLOCK)->surface[primitive % RC_BLOCK];
+      id = rc_surface_of(scene, primitive);
       rc_node_weights(point[2 * RC_NPAD + s], height_first, height_step, RC_HEIGHTS, &h, &f);
 #if SOLAR_COMPONENTS > 0
       const float nx = point[3 * RC_NPAD + s], ny = point[4 * RC_NPAD + s], nz = point[5 * RC_NPAD + s];

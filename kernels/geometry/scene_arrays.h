@@ -107,4 +107,7 @@ static inline global const Surface* rc_paged_surface(global const Surface* const
 #define rc_instance(scene, index) rc_paged_instance((scene).instances, (index))
 #define rc_surface(scene, index) rc_paged_surface((scene).surfaces, (index))
 
+/* Number of the surface of primitive block * RC_BLOCK + lane; RC_NONE in a lane without a triangle. */
+#define rc_surface_of(scene, primitive) (rc_block(scene, (primitive) / RC_BLOCK)->surface[(primitive) % RC_BLOCK])
+
 #endif

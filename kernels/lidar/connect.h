@@ -4,7 +4,7 @@
 
 #include "kernels/geometry/ray_trace.h"
 #include "kernels/lidar/deposit.h"
-#include "kernels/lidar/gloss.h"
+#include "kernels/lidar/lobes.h"
 #include "kernels/lidar/media.h"
 #include "kernels/lidar/overlap.h"
 #include "kernels/lidar/vertex.h"
@@ -77,7 +77,7 @@ static inline uint rc_way_open(SceneArrays scene, const LidarTables* t, float4 f
     ++rays;
     const Hit hit = rc_trace_ray(scene, from, rest, false);
     if (!(hit.t < 1.0f)) return rays;
-    const uint surface = rc_block(scene, hit.primitive / RC_BLOCK)->surface[hit.primitive % RC_BLOCK];
+    const uint surface = rc_surface_of(scene, hit.primitive);
     bool any = false;
     for (uint line = 0; line < RC_LASER_LINES; ++line) {
       share[line] *= t->optics[surface * RC_LASER_LINES + line].z;
@@ -193,8 +193,8 @@ static inline void rc_connect(SceneArrays scene, const LidarTables* t, const Pat
   }
 #endif
 
-#if RC_GLOSS
-  RC_LINE float shine[16];
+#if RC_GLOSS || RC_SHAPED
+  RC_LINE float shine[16], front_lobe[16];
   {
     RC_LINE float lane[9][16];
     const Vector16 way = paths->way, normal = vertex->normal;
@@ -207,11 +207,19 @@ static inline void rc_connect(SceneArrays scene, const LidarTables* t, const Pat
     rc_store16(-v.x * inverse, 0, lane[6]);
     rc_store16(-v.y * inverse, 0, lane[7]);
     rc_store16(-v.z * inverse, 0, lane[8]);
-    for (uint k = 0; k < 16u; ++k)
-      shine[k] = lanes >> k & 1u ? rc_gloss(t, vertex->surface[k], (float4)(lane[0][k], lane[1][k], lane[2][k], 0.0f),
-                                            (float4)(lane[3][k], lane[4][k], lane[5][k], 0.0f),
-                                            (float4)(lane[6][k], lane[7][k], lane[8][k], 0.0f))
-                                 : 0.0f;
+    for (uint k = 0; k < 16u; ++k) {
+      shine[k] = front_lobe[k] = 0.0f;
+      if (!(lanes >> k & 1u)) continue;
+      const RcAngles angles = rc_angles((float4)(lane[0][k], lane[1][k], lane[2][k], 0.0f),
+                                        (float4)(lane[3][k], lane[4][k], lane[5][k], 0.0f),
+                                        (float4)(lane[6][k], lane[7][k], lane[8][k], 0.0f));
+#if RC_GLOSS
+      shine[k] = rc_gloss(t, vertex->surface[k], angles);
+#endif
+#if RC_SHAPED
+      front_lobe[k] = rc_front(t, vertex->surface[k], angles);
+#endif
+    }
   }
 #endif
 
@@ -230,13 +238,17 @@ static inline void rc_connect(SceneArrays scene, const LidarTables* t, const Pat
   const uint near_lanes = rc_mask16(near) & lanes;
 
   for (uint line = 0; line < RC_LASER_LINES; ++line) {
-    float16 scatter = rc_matter16(t, vertex, line, 0) * 0.318309886f;
+#if RC_SHAPED
+    float16 scatter = rc_matter16(t, vertex, line, 0) * rc_load16(0, front_lobe);
+#else
+    float16 scatter = rc_matter16(t, vertex, line, 0) * RC_INVERSE_PI;
+#endif
 #if RC_GLOSS
     scatter += rc_load16(0, shine);
 #endif
     scatter *= fmax(facing, 0.0f);
 #if RC_LEAVES
-    scatter += rc_matter16(t, vertex, line, 1) * 0.318309886f * fmax(-facing, 0.0f);
+    scatter += rc_matter16(t, vertex, line, 1) * RC_INVERSE_PI * fmax(-facing, 0.0f);
 #endif
     float16 photons = scatter * geometry * paths->weight[line];
 #if RC_MEDIA

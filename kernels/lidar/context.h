@@ -10,7 +10,7 @@
  *   volumes RC_SINGLE        1: single rays (narrow beams, exits of their own), 0: bundles
  *   RC_EXITS         1: every sub-ray leaves from a place of its own
  *   RC_SHADOWS       1: some shot's ends differ: connections of the first vertex are traced
- *   RC_PLATES, RC_LEAVES, RC_GLOSS   some material has such a thing
+ *   RC_PLATES, RC_LEAVES, RC_GLOSS   some material has such a thing;  RC_SHAPED 1: some does not reflect by Lambert's law
  *   RC_OVERLAP       1: vignetting;  RC_GAUSSIAN: profile of the beam (receiver)
  *   RC_ROW_WINDOW    floats of private memory that hold an owner's rows until they are whole (one bounce); 0: rows are
  *   added up where they lie RC_STOPPED       1: shares of rays stopped, for lidar_air;  RC_HITS 1: first hits are
@@ -52,6 +52,9 @@
 #endif
 #ifndef RC_GLOSS
 #define RC_GLOSS 0
+#endif
+#ifndef RC_SHAPED
+#define RC_SHAPED 0
 #endif
 #ifndef RC_OVERLAP
 #define RC_OVERLAP 1
@@ -120,7 +123,7 @@ typedef struct LidarTables {
   global const float* samples;     /* [chunk] as struct Scatter */
   global const float* exits;       /* [2][rays, padded]: exit_a, exit_b */
   global const float4* optics;     /* [surface][line]: reflectance, diffuse transmittance, straight transmittance, 0 */
-  global const float* gloss;       /* [surface][4][3]: reflectance at normal incidence, roughness, share */
+  global const Lobe* lobes;        /* [surface][RC_LOBES] */
   global const float* photons;     /* [line] */
   global const float* node_weight; /* [node] */
   global const uint* first_node;   /* [line + 1] */

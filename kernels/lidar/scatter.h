@@ -3,18 +3,8 @@
 #define RAYCUBE_KERNELS_LIDAR_SCATTER_H
 
 #include "kernels/lidar/energy.h"
+#include "kernels/lidar/lobes.h"
 #include "kernels/sampling/lidar_draws.h"
-
-#if RC_CONTINUES
-/* Direction about a normal by the cosine law; see sampling/lidar_draws.h. */
-static inline float4 rc_cosine_direction(float4 n, float u, float v) {
-  const float s = copysign(1.0f, n.z), a = -1.0f / (s + n.z), c = n.x * n.y * a;
-  const float4 t = (float4)(fma(s * n.x * a, n.x, 1.0f), s * c, -s * n.x, 0.0f),
-               b = (float4)(c, fma(n.y * a, n.y, s), -n.y, 0.0f);
-  const float r = sqrt(u), angle = 6.28318531f * v;
-  return r * cos(angle) * t + r * sin(angle) * b + sqrt(1.0f - u) * n;
-}
-#endif
 
 #if RC_BOUNCES > 1
 /* Follows the paths that scattered at their first vertex until they end; deposits at every further one. `first`: number
@@ -60,6 +50,8 @@ __attribute__((noinline)) static void rc_scatter_on(SceneArrays scene, const Lid
       const uint ray = first_ray + k;
       const float lobe = rc_unit_float(rc_hash(t->seed, key, ray, RC_DRAW_LOBE(step))) * sum;
       float4 direction;
+      float spread =
+          1.0f; /* of a direction drawn by the shape: pi f cos / (its density times pi), 1 by Lambert's law */
       if (lobe >= rho + tau && plate > 0.0f) {
         straight |= 1u << k;
         direction = rc_lane4(way, k);
@@ -67,13 +59,27 @@ __attribute__((noinline)) static void rc_scatter_on(SceneArrays scene, const Lid
         const float u = rc_unit_float(rc_hash(t->seed, key, ray, RC_DRAW_RADIUS(step))),
                     v = rc_unit_float(rc_hash(t->seed, key, ray, RC_DRAW_ANGLE(step)));
         const float4 n = rc_lane4(normal, k);
-        direction = rc_cosine_direction(lobe < rho ? n : -n, u, v);
+        const Frame frame = rc_frame(lobe < rho ? n : -n);
+#if RC_SHAPED
+        const Lobe shape = t->lobes[vertex.surface[k] * RC_LOBES];
+        const RcLocal in = rc_to_frame(frame, -rc_lane4(way, k));
+        const float p0 = shape.parameter[0], p1 = shape.parameter[1];
+        direction =
+            rc_from_frame(frame, lobe < rho ? rc_shape_sample(shape.shape, p0, p1, in, u, v) : rc_cosine_law(u, v));
+        if (lobe < rho && shape.shape != RC_SHAPE_lambert) {
+          const RcAngles angles = rc_angles(n, -rc_lane4(way, k), direction);
+          spread =
+              rc_shape_eval(shape.shape, angles.cos_out, p0, p1, angles) / rc_shape_pdf(shape.shape, p0, p1, angles);
+        }
+#else
+        direction = rc_from_frame(frame, rc_cosine_law(u, v));
+#endif
       }
       const bool behind = straight >> k & 1u || lobe >= rho;
       const float chance = (straight >> k & 1u ? plate : behind ? tau : rho) / sum;
       for (uint line = 0; line < RC_LASER_LINES; ++line) {
         const float4 optics = t->optics[vertex.surface[k] * RC_LASER_LINES + line];
-        factor[line][k] = (straight >> k & 1u ? optics.z : behind ? optics.y : optics.x) / chance;
+        factor[line][k] = (straight >> k & 1u ? optics.z : behind ? optics.y : optics.x * spread) / chance;
       }
       const float4 origin = behind ? rc_lane4(back, k) : rc_lane4(front, k);
       way[0][k] = direction.x;

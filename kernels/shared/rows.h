@@ -6,7 +6,7 @@
  *                           of emission (weight * node weight of the material's temperature), each split over the
  *                           height nodes by linear weights
  *   [last]                  coverage: sum of sample weights (the material's abundance in the pixel)
- * A product key packs up to three 21-bit curve ids, ascending, 0 = none. */
+ * Product keys: shared/product_key.h. */
 #ifndef RAYCUBE_KERNELS_SHARED_ROWS_H
 #define RAYCUBE_KERNELS_SHARED_ROWS_H
 

@@ -20,7 +20,7 @@ scene::Simulation patches() {
   for (const double r : {0.03, 0.1, 0.25, 0.5, 0.8})
     material.push_back(test::add_material(scene, "m" + std::to_string(material.size()), r));
   shared::Surface mixture{};
-  mixture.curve[0] = 2, mixture.curve[1] = 5;
+  mixture.material[0] = 2, mixture.material[1] = 5;
   mixture.fraction[0] = 0.25f, mixture.fraction[1] = 0.75f;
   scene.surfaces.push_back(mixture);
   auto ground = test::terrain(60, 600);

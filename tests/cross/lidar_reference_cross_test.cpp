@@ -134,7 +134,7 @@ TEST_CASE("I8: a crown of leaves, placed five times, over the ground") {
 TEST_CASE("I8: plates over the ground") {
   scene::CompiledScene scene = scene_of({0.4, 0.2});
   scene.materials[0].transmittance = {{0.3, 4.0}, {0.5, 0.5}};
-  scene.materials[0].transmission = scene::Material::Transmission::plate;
+  scene.materials[0].behind.number = RC_SHAPE_plate;
   for (int i = 0; i < 6; ++i) add_rectangle(scene, 0, {-20.0 + 7 * i, -30, 2.0 + i}, {12, 0, 0.5}, {0, 60, 0});
   add_plane(scene, 1, {0, 0, 0}, 60);
   holds(compare(over(std::move(scene), topographic_lidar(), 40, 0.02)));
@@ -142,7 +142,7 @@ TEST_CASE("I8: plates over the ground") {
 
 TEST_CASE("I8: gloss, seen from another place") {
   scene::CompiledScene scene = plane(0);
-  scene.materials[0].gloss_roughness = 0.3, scene.materials[0].gloss_f0 = 0.04;
+  scene.materials[0].gloss = {RC_SHAPE_gloss, {0.3, 0.04}};
   add_plane(scene, 0, {4, 0, 5}, 1);
   Zoo zoo = over(std::move(scene), topographic_lidar(), 40);
   for (lidar::Shot& shot : zoo.shots) place_pupil(shot, {200, 30, 950}, {-200, -30, -950});
@@ -254,7 +254,7 @@ TEST_CASE("I8: scattered light among leaves and plates, two lines, on the same d
   scene::CompiledScene scene = scene_of({0.45, 0.3, 0.2});
   scene.materials[0].transmittance = {{1.0, 1.2}, {0.4, 0.2}};
   scene.materials[1].transmittance = {{0.3, 4.0}, {0.5, 0.5}};
-  scene.materials[1].transmission = scene::Material::Transmission::plate;
+  scene.materials[1].behind.number = RC_SHAPE_plate;
   const auto crown_mesh = scene::append_mesh(scene, "crown", crown(300, 0.3, 2, 3));
   for (std::uint32_t i = 0; i < 4; ++i)
     scene::append_instance(scene, crown_mesh, placement(i, 0.1 * i, 1 + 0.1 * i, 3.0 * i - 5, 1.0 * i, 5), i);

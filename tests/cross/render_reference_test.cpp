@@ -38,7 +38,7 @@ scene::Simulation small_park() {
   scene.materials = materials.scene.materials;
   scene.surfaces = materials.scene.surfaces;
   shared::Surface mixed{};
-  mixed.curve[0] = 1, mixed.curve[1] = 2;
+  mixed.material[0] = 1, mixed.material[1] = 2;
   mixed.fraction[0] = 0.6f, mixed.fraction[1] = 0.4f;
   scene.surfaces.push_back(mixed);
   std::vector<Triangle> ground = terrain(30, 2, 0);

@@ -34,7 +34,7 @@ scene::Simulation village(const std::vector<Warm>& warm, double spacing_m) {
     scene.materials.back().temperature_K = w.kelvin;
   }
   shared::Surface mixture{};
-  mixture.curve[0] = 1, mixture.curve[1] = 3;
+  mixture.material[0] = 1, mixture.material[1] = 3;
   mixture.fraction[0] = 0.4f, mixture.fraction[1] = 0.6f;
   scene.surfaces.push_back(mixture);
   const auto mixed = static_cast<std::uint32_t>(scene.surfaces.size() - 1);

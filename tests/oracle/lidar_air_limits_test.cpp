@@ -66,7 +66,7 @@ void add_screen(scene::CompiledScene& scene, double x_m, double y_m) {
 scene::CompiledScene glass(double tau, const std::vector<double>& places_m, double y_m = -50) {
   scene::CompiledScene scene = scene_of({0.0});
   scene.materials[0].transmittance = {{0.3, 4.0}, {tau, tau}};
-  scene.materials[0].transmission = scene::Material::Transmission::plate;
+  scene.materials[0].behind.number = RC_SHAPE_plate;
   for (const double x_m : places_m) add_screen(scene, x_m, y_m);
   scene::finish_top_tree(scene);
   return scene;

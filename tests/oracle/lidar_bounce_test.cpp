@@ -104,7 +104,7 @@ TEST_CASE(
   scene::CompiledScene scene = scene_of({0.6, 0.3, 0.2});
   scene.materials[1].transmittance = {{0.3, 4.0}, {0.4, 0.4}};
   scene.materials[2].transmittance = {{0.3, 4.0}, {0.7, 0.7}};
-  scene.materials[2].transmission = scene::Material::Transmission::plate;
+  scene.materials[2].behind.number = RC_SHAPE_plate;
   add_plane(scene, 0, {0, 0, 0}, 30, 0.1);
   add_rectangle(scene, 0, {-0.3, -5, -1}, {0, 10, 0}, {0, 0, 4});
   add_plane(scene, 1, {0.1, 0, 3}, 0.2, 0.5);

@@ -179,10 +179,10 @@ TEST_CASE("L-13: two equal echoes show two maxima only beyond two standard devia
 }
 
 TEST_CASE("L-14: plates let pulses through twice, leaves not at all") {
-  for (const auto kind : {scene::Material::Transmission::plate, scene::Material::Transmission::leaf}) {
+  for (const std::uint32_t kind : {RC_SHAPE_plate, RC_SHAPE_leaf}) {
     scene::CompiledScene scene = scene_of({0.45, 0.2});
     scene.materials[0].transmittance = {{0.3, 4.0}, {0.45, 0.45}};
-    scene.materials[0].transmission = kind;
+    scene.materials[0].behind.number = kind;
     add_rectangle(scene, 0, {0.03, -20, 10}, {20, 0, 0}, {0, 40, 0});
     add_rectangle(scene, 1, {-50, -50, 0}, {100, 0, 0}, {0, 100, 0});
     scene::finish_top_tree(scene);
@@ -200,7 +200,7 @@ TEST_CASE("L-14: plates let pulses through twice, leaves not at all") {
     const double unit = plan.photons[0] * (0.05 * 0.05 - 0.015 * 0.015) * 0.5;
     // Slant of the cone's rays: 6e-8.
     CHECK(layer * 990 * 990 / unit == doctest::Approx(covered * 0.45).epsilon(3e-7));
-    const double through = kind == scene::Material::Transmission::plate ? covered * 0.45 * 0.45 : 0;
+    const double through = kind == RC_SHAPE_plate ? covered * 0.45 * 0.45 : 0;
     CHECK(floor * 1e6 / unit == doctest::Approx((through + 1 - covered) * 0.2).epsilon(3e-7));
     closes(result, plan);
   }
@@ -341,8 +341,8 @@ TEST_CASE("4.2, L-04, L-12: lens area, vignetting and gloss of the reference") {
   CHECK(reference::pupil_share(receiver, 150, 0) == doctest::Approx(0.479166667).epsilon(1e-8));
   CHECK(reference::pupil_share(receiver, 200, 0) == doctest::Approx(1).epsilon(1e-14));
   const auto zero_phase = [](double degrees) {
-    const glm::dvec3 way{std::sin(degrees * M_PI / 180), 0, std::cos(degrees * M_PI / 180)};
-    return reference::gloss(0.3, 0.04, {0, 0, 1}, way, way);
+    const RcLocal way{std::sin(degrees * M_PI / 180), 0, std::cos(degrees * M_PI / 180)};
+    return rc_gloss_eval(1, 0.3, 0.04, rc_angles({0, 0, 1}, way, way));
   };
   CHECK(zero_phase(0) == doctest::Approx(0.0353678).epsilon(2e-6));
   CHECK(zero_phase(80) == doctest::Approx(0.00675587).epsilon(1e-6));

@@ -119,7 +119,7 @@ TEST_CASE("S29: a wall between hides a bistatic receiver, a plate dims it") {
   const auto with = [](double transmittance, bool wall) {
     scene::CompiledScene scene = scene_of({0.3, 0.0});
     scene.materials[1].transmittance = {{0.3, 4.0}, {transmittance, transmittance}};
-    scene.materials[1].transmission = scene::Material::Transmission::plate;
+    scene.materials[1].behind.number = RC_SHAPE_plate;
     add_plane(scene, 0, {0, 0, 0}, 20);
     if (wall) add_rectangle(scene, 1, {5, -20, 0.5}, {0, 40, 0}, {0, 0, 20});
     scene::finish_top_tree(scene);
@@ -138,8 +138,7 @@ TEST_CASE("L-12: gloss at zero phase masks once") {
   for (const auto& [tilt_deg, expected] : {std::pair{0.0, 0.0353678}, {80.0, 0.00675587}}) {
     scene::CompiledScene scene = plane(0.2, tilt_deg * M_PI / 180);
     const double matt = total(one(pencil(), scene, shot_from(pencil(), {0, 0, 1000}, {0, 0, -1})).first);
-    scene.materials[0].gloss_roughness = 0.3;
-    scene.materials[0].gloss_f0 = 0.04;
+    scene.materials[0].gloss = {RC_SHAPE_gloss, {0.3, 0.04}};
     const double shiny = total(one(pencil(), scene, shot_from(pencil(), {0, 0, 1000}, {0, 0, -1})).first);
     CHECK((shiny / matt - 1) * 0.2 / M_PI == doctest::Approx(expected).epsilon(5e-6));  // printed digits
   }
@@ -150,8 +149,7 @@ TEST_CASE("L-14: plates dim twice and let go on, leaves do not; the return retra
     for (const bool plate : {true, false}) {
       scene::CompiledScene scene = scene_of({0.45, 0.20});
       scene.materials[0].transmittance = {{0.3, 4.0}, {0.45, 0.45}};
-      scene.materials[0].transmission =
-          plate ? scene::Material::Transmission::plate : scene::Material::Transmission::leaf;
+      scene.materials[0].behind.number = plate ? RC_SHAPE_plate : RC_SHAPE_leaf;
       // Strips that cover a share of the layer, far finer than the footprint.
       const int strips = 400;
       scene::TriangleMesh layer;

@@ -217,7 +217,7 @@ TEST_CASE("S15: reflected sun, linear between height and view nodes; mixed surfa
   builder.material("ramp", {0.4, 0.8}, {0.0, 0.4});
   builder.material("flat", {0.3, 1.0}, {0.5, 0.5});
   shared::Surface mix{};
-  mix.curve[0] = 1, mix.curve[1] = 2;
+  mix.material[0] = 1, mix.material[1] = 2;
   mix.fraction[0] = 0.75f, mix.fraction[1] = 0.25f;
   builder.scene.surfaces.push_back(mix);
   std::vector<Triangle> list;

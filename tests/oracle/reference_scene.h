@@ -133,7 +133,7 @@ class SceneBuilder {
                          const std::vector<double>& value) {
     scene.materials.push_back({name, "test", {wavelength_um, value}, {}});
     shared::Surface surface{};
-    surface.curve[0] = static_cast<std::uint32_t>(scene.materials.size());
+    surface.material[0] = static_cast<std::uint32_t>(scene.materials.size());
     surface.fraction[0] = 1;
     scene.surfaces.push_back(surface);
     return static_cast<std::uint32_t>(scene.surfaces.size() - 1);

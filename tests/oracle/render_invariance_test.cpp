@@ -27,7 +27,7 @@ scene::Simulation busy_scene() {
     test::add_material(scene, "material " + std::to_string(m), 0.05 + 0.9 * m / kMaterials);
   for (std::uint32_t m = 0; m < 6; ++m) {
     shared::Surface mixture{};
-    for (std::uint32_t k = 0; k < 4; ++k) mixture.curve[k] = 1 + 5 * m + 3 * k;
+    for (std::uint32_t k = 0; k < 4; ++k) mixture.material[k] = 1 + 5 * m + 3 * k;
     const float fractions[4] = {0.4f, 0.3f, 0.2f, 0.1f};
     std::copy(fractions, fractions + 4, mixture.fraction);
     scene.surfaces.push_back(mixture);

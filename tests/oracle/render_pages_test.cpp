@@ -38,8 +38,8 @@ scene::Simulation large_scene() {
   for (std::uint32_t k = 0; k < kMixtures; ++k) {
     shared::Surface mixture{};
     const float part = static_cast<float>(test::unit_random(4, k, 0));
-    mixture.curve[0] = 1 + k % kMaterials;
-    mixture.curve[1] = 1 + (k + 1 + k / kMaterials % (kMaterials - 1)) % kMaterials;
+    mixture.material[0] = 1 + k % kMaterials;
+    mixture.material[1] = 1 + (k + 1 + k / kMaterials % (kMaterials - 1)) % kMaterials;
     mixture.fraction[0] = part;
     mixture.fraction[1] = 1 - part;
     scene.surfaces.push_back(mixture);

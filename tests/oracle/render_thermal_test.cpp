@@ -85,7 +85,7 @@ scene::Simulation courtyard(double kelvin) {
   const auto a = warm_material(scene, "dark", 0.02, kelvin), b = warm_material(scene, "grey", 0.5, kelvin),
              c = warm_material(scene, "mirror-like", 0.95, kelvin), d = warm_material(scene, "black", 0.0, kelvin);
   shared::Surface mixed{};
-  mixed.curve[0] = 2, mixed.curve[1] = 3, mixed.fraction[0] = 0.25f, mixed.fraction[1] = 0.75f;
+  mixed.material[0] = 2, mixed.material[1] = 3, mixed.fraction[0] = 0.25f, mixed.fraction[1] = 0.75f;
   scene.surfaces.push_back(mixed);
   const auto mix = static_cast<std::uint32_t>(scene.surfaces.size() - 1);
   test::place(scene, test::rectangle({-60, -60, 0}, {120, 0, 0}, {0, 120, 0}, b));
@@ -269,9 +269,9 @@ TEST_CASE("S14 mixtures emit by material, and temperature nodes keep their state
   std::vector<std::uint32_t> mixed;
   for (std::uint32_t k = 0; k < 36; ++k) {
     shared::Surface surface{};
-    surface.curve[0] = k + 1, surface.curve[1] = 40 - k;
+    surface.material[0] = k + 1, surface.material[1] = 40 - k;
     surface.fraction[0] = 0.3f, surface.fraction[1] = 0.7f;
-    if (surface.curve[0] == surface.curve[1]) surface.curve[1] = 5;
+    if (surface.material[0] == surface.material[1]) surface.material[1] = 5;
     s.scene.surfaces.push_back(surface);
     mixed.push_back(static_cast<std::uint32_t>(s.scene.surfaces.size() - 1));
     const double x = -3.0 + k % 6, y = 3.0 - (k / 6) - 1;
@@ -294,7 +294,7 @@ TEST_CASE("S14 mixtures emit by material, and temperature nodes keep their state
     const auto& surface = s.scene.surfaces[mixed[k]];
     std::vector<double> sum(kCenters.size(), 0.0);
     for (int c = 0; c < 2; ++c) {
-      const auto& material = s.scene.materials[surface.curve[c] - 1];
+      const auto& material = s.scene.materials[surface.material[c] - 1];
       const auto b = band_planck(material.temperature_K);
       for (std::size_t i = 0; i < b.size(); ++i)
         sum[i] += double{surface.fraction[c]} * (1 - material.reflectance.value[0]) * b[i];

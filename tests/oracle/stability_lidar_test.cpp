@@ -177,7 +177,7 @@ TEST_CASE(
       CAPTURE(apart_m);
       scene::CompiledScene scene = scene_of({0.3, 0.1});
       scene.materials[1].transmittance = {{0.3, 4.0}, {static_cast<float>(tau), static_cast<float>(tau)}};
-      scene.materials[1].transmission = scene::Material::Transmission::plate;
+      scene.materials[1].behind.number = RC_SHAPE_plate;
       add_plane(scene, 0, {0, 0, 0}, 40);
       // Four squares that meet on the axis, each of two triangles: their common vertex and edges.
       for (int layer = 0; layer < (apart_m < 0 ? 1 : 2); ++layer)

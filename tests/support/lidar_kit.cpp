@@ -148,7 +148,7 @@ scene::CompiledScene scene_of(const std::vector<double>& reflectances) {
     material.reflectance = {{0.3, 4.0}, {reflectances[i], reflectances[i]}};
     scene.materials.push_back(material);
     shared::Surface surface{};
-    surface.curve[0] = static_cast<std::uint32_t>(i + 1);
+    surface.material[0] = static_cast<std::uint32_t>(i + 1);
     surface.fraction[0] = 1.0f;
     scene.surfaces.push_back(surface);
   }

@@ -17,7 +17,7 @@ std::uint32_t add_material(scene::CompiledScene& scene, const std::string& name,
   material.reflectance = {{0.3, 4.0}, {reflectance, reflectance}};
   scene.materials.push_back(material);
   shared::Surface surface{};
-  surface.curve[0] = static_cast<std::uint32_t>(scene.materials.size());
+  surface.material[0] = static_cast<std::uint32_t>(scene.materials.size());
   surface.fraction[0] = 1.0f;
   scene.surfaces.push_back(surface);
   return static_cast<std::uint32_t>(scene.surfaces.size() - 1);

@@ -66,7 +66,7 @@ TEST_CASE("S4.9 environment map: shares sum to 1, fall from one half to the othe
     double west = 0;
     for (const auto& [node, weight] : plan::environment_at(map, x, y))
       for (std::size_t p = map.first_part[node]; p < map.first_part[node + 1]; ++p)
-        if (map.part[p].curve == 1) west += weight * map.part[p].aerosol;
+        if (map.part[p].material == 0) west += weight * map.part[p].aerosol;
     return west;
   };
   for (double x = -400; x <= 400; x += 10) {

@@ -33,7 +33,7 @@ scene::Simulation simulation_with(double sun_zenith_deg, double relief_m) {
     s.scene.blocks[0].surface[k] = k < 2 ? static_cast<std::uint32_t>(k) : RC_NONE;
   for (std::uint32_t c = 1; c <= 2; ++c) {
     shared::Surface surface{};
-    surface.curve[0] = c;
+    surface.material[0] = c;
     surface.fraction[0] = 1;
     s.scene.surfaces.push_back(surface);
   }

@@ -9,6 +9,7 @@
 #include "host/base/error.h"
 #include "host/plan/quadrature.h"
 #include "host/plan/spectral_plan.h"
+#include "scene_compiler/matter.h"
 
 using namespace raycube;
 
@@ -195,20 +196,20 @@ TEST_CASE("S11 only curves that a triangle carries must cover the bands") {
   scene.materials.resize(3);
   for (std::size_t m = 0; m < 3; ++m) {
     shared::Surface surface{};
-    surface.curve[0] = static_cast<std::uint32_t>(m + 1);
+    surface.material[0] = static_cast<std::uint32_t>(m + 1);
     surface.fraction[0] = 1;
     scene.surfaces.push_back(surface);
   }
-  CHECK(plan::used_curves(scene) == std::vector<std::uint32_t>{1, 2, 3});  // no triangles: any may be asked for
+  CHECK(scene::used_materials(scene) == std::vector<std::uint32_t>{0, 1, 2});  // no triangles: any may be asked for
   shared::TriBlock block{};
   for (auto& surface : block.surface) surface = RC_NONE;
   block.surface[0] = 2;
   shared::Surface mixed{};
-  mixed.curve[0] = 1;
-  mixed.curve[1] = 3;
+  mixed.material[0] = 1;
+  mixed.material[1] = 3;
   scene.surfaces.push_back(mixed);
   scene.blocks = {block};
-  CHECK(plan::used_curves(scene) == std::vector<std::uint32_t>{3});
+  CHECK(scene::used_materials(scene) == std::vector<std::uint32_t>{2});
   scene.blocks[0].surface[5] = 3;
-  CHECK(plan::used_curves(scene) == std::vector<std::uint32_t>{1, 3});
+  CHECK(scene::used_materials(scene) == std::vector<std::uint32_t>{0, 2});
 }

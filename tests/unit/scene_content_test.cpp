@@ -415,7 +415,8 @@ TEST_CASE("S2 gate: linear and stochastic mixtures have the same mean within 3 s
       const auto& s = scene.surfaces[t.surface];
       double reflectance = 0;
       for (int k = 0; k < 4; ++k)
-        if (s.curve[k]) reflectance += double(s.fraction[k]) * scene.materials[s.curve[k] - 1].reflectance.value[0];
+        if (s.material[k])
+          reflectance += double(s.fraction[k]) * scene.materials[s.material[k] - 1].reflectance.value[0];
       sum += area(t) * reflectance, weight += area(t);
     }
     return sum / weight;

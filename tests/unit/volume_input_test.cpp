@@ -249,14 +249,14 @@ TEST_CASE("materials: leaves and plates, gloss and its limits") {
   const Folder folder;
   const std::string leaf = "[[material]]\nname = \"m\"\nreflectance = 0.5\ntransmittance = 0.25\n";
   const Material plain = load(folder, kHead + leaf).scene.materials.at(0);
-  CHECK(plain.transmission == Material::Transmission::leaf);
-  CHECK(plain.gloss_f0 == 0);
+  CHECK(plain.behind.number == RC_SHAPE_leaf);
+  CHECK(plain.front.number == RC_SHAPE_lambert);
+  CHECK(plain.gloss.number == RC_SHAPE_none);
   const Material plate =
       load(folder, kHead + leaf + "transmission = \"plate\"\ngloss = { roughness = 0.3, f0 = 0.04 }\n")
           .scene.materials.at(0);
-  CHECK(plate.transmission == Material::Transmission::plate);
-  CHECK(plate.gloss_roughness == 0.3);
-  CHECK(plate.gloss_f0 == 0.04);
+  CHECK(plate.behind.number == RC_SHAPE_plate);
+  CHECK(plate.gloss == Shape{RC_SHAPE_gloss, {0.3, 0.04}});
   CHECK_SAYS(refusal(folder, std::string(kHead) + kGrey + "transmission = \"plate\"\n"),
              "'transmission' needs a transmittance");
   CHECK_SAYS(refusal(folder, kHead + leaf + "gloss = { roughness = 0.3, f0 = 0.3 }\n"),
@@ -294,8 +294,8 @@ TEST_CASE("compiled scenes: volumes, plates and gloss are stored and hashed; a s
     save_compiled(scene, folder.at("s.rcs"), true);
     const auto back = load_compiled(folder.at("s.rcs"));
     CHECK(back.content_hash == scene.content_hash);
-    CHECK(back.materials[0].transmission == scene.materials[0].transmission);
-    CHECK(back.materials[0].gloss_f0 == scene.materials[0].gloss_f0);
+    CHECK(back.materials[0].behind == scene.materials[0].behind);
+    CHECK(back.materials[0].gloss == scene.materials[0].gloss);
     REQUIRE(back.volumes.size() == scene.volumes.size());
     for (std::size_t i = 0; i < back.volumes.size(); ++i) {
       CHECK(back.volumes[i].name == scene.volumes[i].name);

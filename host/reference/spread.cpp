@@ -1,0 +1,23 @@
+#include "host/reference/spread.h"
+
+#include <numbers>
+
+#include <glm/geometric.hpp>
+
+#include "scene_compiler/matter.h"
+
+namespace raycube::reference {
+
+double spread(const scene::CompiledScene& scene, const Sample& sample, const glm::dvec3& direction) {
+  const std::uint32_t first = scene::matter_of(scene, sample.hit.primitive).material[0];
+  if (first == 0) return 1;
+  const scene::Shape& shape = scene.materials[first - 1].front;
+  if (shape.number == RC_SHAPE_lambert) return 1;
+  const glm::dvec3 viewer =
+      -glm::normalize(glm::dvec3(sample.ray.direction[0], sample.ray.direction[1], sample.ray.direction[2]));
+  const auto local = [](const glm::dvec3& v) { return RcLocal{v.x, v.y, v.z}; };
+  return rc_shape_eval(shape.number, std::numbers::pi, shape.parameter[0], shape.parameter[1],
+                       rc_angles(local(sample.normal), local(direction), local(viewer)));
+}
+
+}  // namespace raycube::reference

@@ -1,0 +1,76 @@
+/* The arithmetic of scattering shapes, and what they ask of two directions at a surface. Valid C++20 (double) and OpenCL
+ * C 1.2 (float): the same closed forms serve kernels and the reference. */
+#ifndef RAYCUBE_KERNELS_MATERIALS_ANGLES_H
+#define RAYCUBE_KERNELS_MATERIALS_ANGLES_H
+
+#ifdef __OPENCL_C_VERSION__
+typedef float rc_real;
+#define RC_REAL(x) x##f
+#else
+#include <cmath>
+typedef double rc_real;
+#define RC_REAL(x) x
+#endif
+
+#define RC_INVERSE_PI RC_REAL(0.318309886183790672)
+
+/* Two unit vectors away from a surface of unit normal n: `in` to where light comes from, `out` to where it goes. */
+typedef struct RcAngles {
+  rc_real cos_in, cos_out; /* to the normal */
+  rc_real cos_half;        /* normal and half vector of the two */
+  rc_real cos_turn;        /* in and half vector */
+  rc_real along, across;   /* of their parts in the surface's plane: dot product and length of the cross product */
+} RcAngles;
+
+/* A direction in a frame whose z is the normal. */
+typedef struct RcLocal {
+  rc_real x, y, z;
+} RcLocal;
+
+#ifdef __OPENCL_C_VERSION__
+static inline RcAngles rc_angles(float4 normal, float4 in, float4 out) {
+  const float4 half_way = normalize(in + out);
+  RcAngles a;
+  a.cos_in = dot(normal, in);
+  a.cos_out = dot(normal, out);
+  a.cos_half = fmin(dot(normal, half_way), 1.0f);
+  a.cos_turn = clamp(dot(in, half_way), 0.0f, 1.0f);
+  const float4 flat_in = in - a.cos_in * normal, flat_out = out - a.cos_out * normal;
+  const float4 turn = cross(flat_in, flat_out);
+  a.along = dot(flat_in, flat_out);
+  a.across = sqrt(dot(turn, turn));
+  return a;
+}
+#else
+/* x, y, z of each in any one frame. */
+static inline RcAngles rc_angles(const RcLocal& normal, const RcLocal& in, const RcLocal& out) {
+  const auto dot = [](const RcLocal& a, const RcLocal& b) { return a.x * b.x + a.y * b.y + a.z * b.z; };
+  const auto along = [](const RcLocal& a, double f, const RcLocal& b) {
+    return RcLocal{a.x + f * b.x, a.y + f * b.y, a.z + f * b.z};
+  };
+  const RcLocal sum = along(in, 1, out);
+  const double length = std::sqrt(dot(sum, sum)), over = length > 0 ? 1 / length : 0;
+  RcAngles a;
+  a.cos_in = dot(normal, in);
+  a.cos_out = dot(normal, out);
+  a.cos_half = std::fmin(over * dot(normal, sum), 1.0);
+  a.cos_turn = std::fmin(std::fmax(over * dot(in, sum), 0.0), 1.0);
+  const RcLocal f = along(in, -a.cos_in, normal), g = along(out, -a.cos_out, normal);
+  const RcLocal turn{f.y * g.z - f.z * g.y, f.z * g.x - f.x * g.z, f.x * g.y - f.y * g.x};
+  a.along = dot(f, g);
+  a.across = std::sqrt(dot(turn, turn));
+  return a;
+}
+#endif
+
+/* Directions by the cosine law: pdf cos / pi. */
+static inline RcLocal rc_cosine_law(rc_real u, rc_real v) {
+  const rc_real r = sqrt(u), angle = RC_REAL(6.283185307179586) * v;
+  RcLocal out;
+  out.x = r * cos(angle);
+  out.y = r * sin(angle);
+  out.z = sqrt(RC_REAL(1.0) - u);
+  return out;
+}
+
+#endif

@@ -1,0 +1,60 @@
+/* GGX gloss beside the diffuse reflectance: Walter et al., "Microfacet Models for Refraction through Rough Surfaces",
+ * EGSR 2007; Schlick's Fresnel term. p0: roughness alpha of the distribution, p1: reflectance at normal incidence. */
+#ifdef RC_SHAPE
+RC_SHAPE(gloss, gloss, 1, "GGX microfacets.")
+RC_SHAPE_TABLE(gloss, "Gloss beside the diffuse reflectance, for pulses alone.",
+               "GGX microfacets (Walter et al., 2007) with Schlick's Fresnel term.")
+RC_SHAPE_PARAMETER(gloss, 0, "roughness", "", ">0", "1", "alpha of the GGX distribution.")
+RC_SHAPE_PARAMETER(gloss, 1, "f0", "", "0", "1", "Reflectance of a facet at normal incidence.")
+#elif !defined(RAYCUBE_KERNELS_MATERIALS_GLOSS_H)
+#define RAYCUBE_KERNELS_MATERIALS_GLOSS_H
+
+#include "kernels/materials/angles.h"
+
+/* Smith's Lambda of GGX (Walter et al. 2007; Heitz, "Understanding the Masking-Shadowing Function in Microfacet-Based
+ * BRDFs", JCGT 3(2), 2014, eq. 72). */
+static inline rc_real rc_smith(rc_real alpha, rc_real cosine) {
+  const rc_real square = fmax(RC_REAL(1.0) - cosine * cosine, RC_REAL(0.0)) / (cosine * cosine);
+  return RC_REAL(0.5) * (sqrt(fma(alpha * alpha, square, RC_REAL(1.0))) - RC_REAL(1.0));
+}
+
+/* Density of facets' normals, 1/sr, times the cosine that projects them: integrates to 1. */
+static inline rc_real rc_gloss_facets(rc_real alpha, rc_real cos_half) {
+  const rc_real a2 = alpha * alpha, below = fma(cos_half * cos_half, a2 - RC_REAL(1.0), RC_REAL(1.0));
+  return a2 * RC_INVERSE_PI / (below * below);
+}
+
+/* Masking and shadowing are joined by the angle between the two ways' azimuths (van Ginneken et al. 1998; Heitz 2014,
+ * eq. 96): 1 / (1 + max Lambda + m min Lambda), m = 4.41 phi / (4.41 phi + 1). At zero phase what the laser lights is what
+ * the receiver sees: masking enters once. */
+static inline rc_real rc_gloss_eval(rc_real scale, rc_real alpha, rc_real f0, RcAngles a) {
+  if (!(a.cos_in > RC_REAL(1e-4) && a.cos_out > RC_REAL(1e-4))) return 0;
+  const rc_real phi = atan2(a.across, a.along), join = RC_REAL(4.41) * phi / fma(RC_REAL(4.41), phi, RC_REAL(1.0));
+  const rc_real bent = RC_REAL(1.0) - a.cos_turn, schlick = bent * bent * bent * bent * bent;
+  const rc_real spread = rc_gloss_facets(alpha, a.cos_half);
+  const rc_real x = rc_smith(alpha, a.cos_in), y = rc_smith(alpha, a.cos_out);
+  const rc_real masking = RC_REAL(1.0) / (RC_REAL(1.0) + fmax(x, y) + join * fmin(x, y));
+  return scale * fma(RC_REAL(1.0) - f0, schlick, f0) * spread * masking / (RC_REAL(4.0) * a.cos_in * a.cos_out);
+}
+
+/* Mirrored at a facet drawn from the distribution (Walter et al. 2007, eqs. 35, 36, 38); below the horizon, z < 0, for
+ * facets that face away: such a path ends. */
+static inline RcLocal rc_gloss_sample(rc_real alpha, rc_real f0, RcLocal in, rc_real u, rc_real v) {
+  const rc_real tan2 = alpha * alpha * u / fmax(RC_REAL(1.0) - u, RC_REAL(1e-7)),
+                cosine = RC_REAL(1.0) / sqrt(RC_REAL(1.0) + tan2);
+  const rc_real sine = sqrt(fmax(RC_REAL(1.0) - cosine * cosine, RC_REAL(0.0))), angle = RC_REAL(6.283185307179586) * v;
+  const rc_real x = sine * cos(angle), y = sine * sin(angle);
+  const rc_real twice = RC_REAL(2.0) * (in.x * x + in.y * y + in.z * cosine);
+  RcLocal out;
+  (void)f0;
+  out.x = twice * x - in.x;
+  out.y = twice * y - in.y;
+  out.z = twice * cosine - in.z;
+  return out;
+}
+static inline rc_real rc_gloss_pdf(rc_real alpha, rc_real f0, RcAngles a) {
+  (void)f0;
+  return a.cos_turn > 0 ? rc_gloss_facets(alpha, a.cos_half) * a.cos_half / (RC_REAL(4.0) * a.cos_turn) : 0;
+}
+
+#endif

@@ -1,0 +1,55 @@
+/* Every shape of materials.def by its number: which is which, and one call for all. Valid C++20 and OpenCL C 1.2. */
+#ifndef RAYCUBE_KERNELS_MATERIALS_SHAPES_H
+#define RAYCUBE_KERNELS_MATERIALS_SHAPES_H
+
+#include "kernels/materials/materials.def"
+
+#define RC_SHAPE_TABLE(name, text, source)
+#define RC_SHAPE_PARAMETER(name, index, key, unit, low, high, text)
+enum {
+#define RC_SHAPE(name, role, reciprocal, text) RC_SHAPE_##name,
+#include "kernels/materials/materials.def"
+#undef RC_SHAPE
+  RC_SHAPE_COUNT,
+  RC_SHAPE_none = RC_SHAPE_COUNT
+};
+
+static inline rc_real rc_shape_eval(unsigned int shape, rc_real scale, rc_real p0, rc_real p1, RcAngles angles) {
+  switch (shape) {
+#define RC_SHAPE(name, role, reciprocal, text) \
+  case RC_SHAPE_##name:                        \
+    return rc_##name##_eval(scale, p0, p1, angles);
+#include "kernels/materials/materials.def"
+#undef RC_SHAPE
+    default:
+      return 0;
+  }
+}
+
+static inline RcLocal rc_shape_sample(unsigned int shape, rc_real p0, rc_real p1, RcLocal in, rc_real u, rc_real v) {
+  switch (shape) {
+#define RC_SHAPE(name, role, reciprocal, text) \
+  case RC_SHAPE_##name:                        \
+    return rc_##name##_sample(p0, p1, in, u, v);
+#include "kernels/materials/materials.def"
+#undef RC_SHAPE
+    default:
+      return in;
+  }
+}
+
+static inline rc_real rc_shape_pdf(unsigned int shape, rc_real p0, rc_real p1, RcAngles angles) {
+  switch (shape) {
+#define RC_SHAPE(name, role, reciprocal, text) \
+  case RC_SHAPE_##name:                        \
+    return rc_##name##_pdf(p0, p1, angles);
+#include "kernels/materials/materials.def"
+#undef RC_SHAPE
+    default:
+      return 0;
+  }
+}
+#undef RC_SHAPE_TABLE
+#undef RC_SHAPE_PARAMETER
+
+#endif

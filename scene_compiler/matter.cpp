@@ -1,0 +1,62 @@
+#include "scene_compiler/matter.h"
+
+#include <algorithm>
+
+namespace raycube::scene {
+
+std::vector<std::uint32_t> used_materials(const CompiledScene& scene) {
+  std::vector<char> placed(scene.meshes.size(), 0), seen(scene.blocks.size(), 1);
+  for (const auto& instance : scene.instances) placed[instance.mesh] = 1;
+  for (std::size_t m = 0; m < placed.size(); ++m)
+    if (!placed[m]) std::fill_n(seen.begin() + scene.meshes[m].first_block, scene.meshes[m].block_count, char{0});
+  std::vector<char> surface_used(scene.surfaces.size(), 0);
+  for (std::size_t b = 0; b < scene.blocks.size(); ++b)
+    for (const auto surface : scene.blocks[b].surface)
+      if (seen[b] && surface < surface_used.size()) surface_used[surface] = 1;
+  std::vector<char> used(scene.materials.size(), scene.blocks.empty() ? 1 : 0);
+  for (std::size_t s = 0; s < scene.surfaces.size(); ++s)
+    if (surface_used[s])
+      for_each_material(scene.surfaces[s], [&](std::size_t material, float) {
+        if (material < used.size()) used[material] = 1;
+      });
+  std::vector<std::uint32_t> out;
+  for (std::uint32_t m = 0; m < used.size(); ++m)
+    if (used[m]) out.push_back(m);
+  return out;
+}
+
+namespace {
+
+shared::Lobe lobe_of(const Shape& shape, float share) {
+  shared::Lobe out{};
+  out.shape = shape.number, out.share = share;
+  for (std::size_t i = 0; i < shape.parameter.size(); ++i) out.parameter[i] = static_cast<float>(shape.parameter[i]);
+  return out;
+}
+
+}  // namespace
+
+std::vector<shared::Lobe> surface_lobes(const CompiledScene& scene) {
+  std::vector<shared::Lobe> out;
+  for (const auto& surface : scene.surfaces) {
+    const std::size_t first = out.size();
+    out.resize(first + RC_LOBES, lobe_of({}, 0));
+    out[first] = lobe_of({RC_SHAPE_lambert}, 1);
+    for (std::size_t i = 0; i < 4; ++i) {
+      if (surface.material[i] == 0) continue;
+      const Material& material = scene.materials[surface.material[i] - 1];
+      out[first] = lobe_of(material.front, 1);
+      if (material.gloss.number != RC_SHAPE_none)
+        out[first + 1 + i] = lobe_of(material.gloss, surface.fraction[i]);
+    }
+  }
+  return out;
+}
+
+const Material* first_shaped(const CompiledScene& scene) {
+  for (const auto material : used_materials(scene))
+    if (scene.materials[material].front.number != RC_SHAPE_lambert) return &scene.materials[material];
+  return nullptr;
+}
+
+}  // namespace raycube::scene

@@ -1,0 +1,62 @@
+// What a triangle is made of, asked in one place: its surface, the materials mixed in that, and the curves they own.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "kernels/shared/product_key.h"
+#include "scene_compiler/compiled_scene.h"
+
+namespace raycube::scene {
+
+/// Number of the surface of primitive `block * RC_BLOCK + lane`; RC_NONE in a lane without a triangle.
+inline std::uint32_t surface_of(const CompiledScene& scene, std::uint32_t primitive) {
+  return scene.blocks[primitive / RC_BLOCK].surface[primitive % RC_BLOCK];
+}
+
+/// What primitive `block * RC_BLOCK + lane` is made of.
+inline const shared::Surface& matter_of(const CompiledScene& scene, std::uint32_t primitive) {
+  return scene.surfaces[surface_of(scene, primitive)];
+}
+
+inline std::uint32_t material_count(const CompiledScene& scene) {
+  return static_cast<std::uint32_t>(scene.materials.size());
+}
+
+/// Materials (indices, ascending) that some placed triangle carries; all of them in a scene without triangles. Only their
+/// curves must cover what an instrument sees.
+std::vector<std::uint32_t> used_materials(const CompiledScene& scene);
+
+/// Calls f(material's index, its share of the area) for each material of a surface.
+template <class F>
+void for_each_material(const shared::Surface& surface, F&& f) {
+  for (int i = 0; i < 4; ++i)
+    if (surface.material[i] != 0) f(static_cast<std::size_t>(surface.material[i] - 1), surface.fraction[i]);
+}
+
+/// Shapes of every surface, [surface][RC_LOBES]. Materials mixed in one surface share what they reflect by one shape.
+std::vector<shared::Lobe> surface_lobes(const CompiledScene& scene);
+
+/// The first used material that does not reflect by Lambert's law; null: none.
+const Material* first_shaped(const CompiledScene& scene);
+
+/// Curves are numbered from 1, see kernels/shared/product_key.h.
+inline std::uint32_t curve_count(const CompiledScene& scene) { return RC_CURVE_ROLES * material_count(scene); }
+
+/// Id of a material's reflectance.
+inline std::uint32_t reflectance_curve(const CompiledScene& scene, std::size_t material) {
+  return rc_curve_id(RC_CURVE_REFLECTANCE, static_cast<std::uint32_t>(material), material_count(scene));
+}
+
+/// Index of the material that owns a curve, 1 <= curve <= curve_count.
+inline std::uint32_t material_of_curve(const CompiledScene& scene, std::uint32_t curve) {
+  return rc_curve_material(curve, material_count(scene));
+}
+
+inline const Curve& curve_of(const CompiledScene& scene, std::uint32_t curve) {
+  const Material& owner = scene.materials[material_of_curve(scene, curve)];
+  return rc_curve_role(curve, material_count(scene)) == RC_CURVE_REFLECTANCE ? owner.reflectance : owner.transmittance;
+}
+
+}  // namespace raycube::scene

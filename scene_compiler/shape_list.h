@@ -1,0 +1,34 @@
+// The entries of kernels/materials/materials.def as data.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+namespace raycube::scene {
+
+enum class ShapeRole { front, behind, gloss };
+
+struct ShapeParameter {
+  std::string_view key, unit, low, high, text;
+};
+
+struct ShapeEntry {
+  std::uint32_t number;  ///< RC_SHAPE_name
+  std::string_view name;
+  ShapeRole role;
+  bool reciprocal;
+  std::string_view text;
+  std::vector<ShapeParameter> parameters;
+};
+
+std::span<const ShapeEntry> shape_entries();
+
+/// 0 <= number < RC_SHAPE_COUNT.
+const ShapeEntry& shape_entry(std::uint32_t number);
+
+/// Null: no shape of this name and role.
+const ShapeEntry* find_shape(std::string_view name, ShapeRole role);
+
+}  // namespace raycube::scene

@@ -1,0 +1,234 @@
+// Every scattering shape of kernels/materials/materials.def, whatever it is: reciprocity, energy, sampling against its own
+// density, and the device's arithmetic against the host's. Oracles: Helmholtz reciprocity, energy by quadrature, chi-squared.
+#include <doctest.h>
+
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "host/cl/buffer.h"
+#include "host/cl/kernel.h"
+#include "host/cl/program.h"
+#include "kernels/kernel_source.h"
+#include "kernels/materials/shapes.h"
+#include "scene_compiler/shape_list.h"
+#include "tests/support/devices.h"
+
+namespace raycube {
+namespace {
+
+using scene::ShapeEntry;
+using scene::ShapeRole;
+
+constexpr double kPi = 3.14159265358979324;
+constexpr RcLocal kNormal{0, 0, 1};
+
+/// A shape with one choice of its parameters.
+struct Case {
+  const ShapeEntry* entry;
+  double p0, p1;
+  std::string name() const { return std::string(entry->name) + " " + std::to_string(p0) + " " + std::to_string(p1); }
+  double eval(const RcLocal& in, const RcLocal& out) const {
+    return rc_shape_eval(entry->number, 1, p0, p1, rc_angles(kNormal, in, out));
+  }
+  double pdf(const RcLocal& in, const RcLocal& out) const {
+    return rc_shape_pdf(entry->number, p0, p1, rc_angles(kNormal, in, out));
+  }
+  bool peak() const { return entry->number == RC_SHAPE_plate; }  ///< no width: nothing to evaluate
+  bool behind() const { return entry->role == ShapeRole::behind; }
+};
+
+double end(std::string_view text) { return std::stod(std::string(text.substr(text.starts_with('>') ? 1 : 0))); }
+
+/// Low, middling and high parameters of every shape.
+std::vector<Case> cases() {
+  std::vector<Case> out;
+  for (const ShapeEntry& entry : scene::shape_entries()) {
+    const auto at = [&](std::size_t i, double part) {
+      if (i >= entry.parameters.size()) return 0.0;
+      const double low = end(entry.parameters[i].low), high = end(entry.parameters[i].high);
+      return low + part * (high - low);
+    };
+    for (const double part : {0.15, 0.5, 0.95}) out.push_back({&entry, at(0, part), at(1, 1 - part)});
+  }
+  return out;
+}
+
+RcLocal direction(double cosine, double azimuth) {
+  const double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine));
+  return {sine * std::cos(azimuth), sine * std::sin(azimuth), cosine};
+}
+
+/// Integral of g over the hemisphere on one side, sign +1 or -1; midpoint rule in cosine and azimuth.
+template <class G>
+double over_hemisphere(double sign, G&& g) {
+  constexpr int kRows = 400, kColumns = 720;
+  double sum = 0;
+  for (int i = 0; i < kRows; ++i)
+    for (int j = 0; j < kColumns; ++j) sum += g(direction(sign * (i + 0.5) / kRows, 2 * kPi * (j + 0.5) / kColumns));
+  return sum * 2 * kPi / kRows / kColumns;
+}
+
+TEST_CASE("shapes: light takes a way and its reverse alike") {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> unit(0, 1);
+  for (const Case& c : cases()) {
+    if (!c.entry->reciprocal) continue;
+    INFO(c.name());
+    for (int n = 0; n < 2000; ++n) {
+      const RcLocal in = direction(0.02 + 0.98 * unit(random), 2 * kPi * unit(random));
+      const RcLocal out = direction((c.behind() ? -1 : 1) * (0.02 + 0.98 * unit(random)), 2 * kPi * unit(random));
+      const double there = c.eval(in, out), back = c.eval(out, in);
+      CHECK(there >= 0);
+      CHECK(std::abs(there - back) <= 1e-12 * there);  // rounding of a dozen operations in double
+    }
+  }
+}
+
+TEST_CASE("shapes: a surface of curve 1 gives back no more than it gets, and its density integrates to 1 or less") {
+  for (const Case& c : cases()) {
+    if (c.peak()) continue;
+    const double side = c.behind() ? -1 : 1;
+    for (const double cosine : {0.15, 0.5, 0.9}) {
+      const RcLocal in = direction(cosine, 0.3);
+      const double albedo =
+          over_hemisphere(side, [&](const RcLocal& out) { return c.eval(in, out) * std::abs(out.z); });
+      const double density = over_hemisphere(side, [&](const RcLocal& out) { return c.pdf(in, out); });
+      INFO(c.name() << ", cosine " << cosine << ": albedo " << albedo << ", density " << density);
+      // The rule's own error: 1 / (24 rows^2) for smooth shapes, 2e-3 where a lobe is 0.15 wide.
+      CHECK(albedo <= 1 + 2e-3);
+      CHECK(albedo > 0);
+      CHECK(density <= 1 + 2e-3);
+      // Directions below the horizon belong to the density of gloss alone.
+      if (c.entry->role != ShapeRole::gloss) CHECK(density == doctest::Approx(1).epsilon(1e-5));
+    }
+  }
+}
+
+TEST_CASE("shapes: directions are drawn as their density says, and carry the energy of the shape") {
+  constexpr int kRows = 10, kColumns = 12, kDrawn = 200000, kInner = 24;
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> unit(0, 1);
+  for (const Case& c : cases()) {
+    if (c.peak()) continue;
+    for (const double cosine : {0.4, 0.95}) {
+      // Of a shape behind, light comes from below in the frame of the side that it leaves by.
+      const RcLocal in = direction(c.behind() ? -cosine : cosine, 0.7);
+      std::vector<double> counted(kRows * kColumns + 1, 0.0), expected = counted;
+      double energy = 0, squares = 0;
+      for (int n = 0; n < kDrawn; ++n) {
+        const RcLocal out = rc_shape_sample(c.entry->number, c.p0, c.p1, in, unit(random), unit(random));
+        REQUIRE(std::abs(out.x * out.x + out.y * out.y + out.z * out.z - 1) < 1e-9);
+        const double turn = std::atan2(out.y, out.x), whole = (turn < 0 ? turn + 2 * kPi : turn) / (2 * kPi);
+        const auto row = std::min(kRows - 1, static_cast<int>(out.z * kRows));
+        const auto column = std::min(kColumns - 1, static_cast<int>(whole * kColumns));
+        ++counted[out.z > 0 ? static_cast<std::size_t>(row * kColumns + column) : counted.size() - 1];
+        const double weight = out.z > 0 ? c.eval(in, out) * out.z / c.pdf(in, out) : 0;
+        energy += weight / kDrawn, squares += weight * weight / kDrawn;
+      }
+      double above = 0;
+      for (int row = 0; row < kRows; ++row)
+        for (int column = 0; column < kColumns; ++column) {
+          double sum = 0;
+          for (int i = 0; i < kInner; ++i)
+            for (int j = 0; j < kInner; ++j)
+              sum += c.pdf(in, direction((row + (i + 0.5) / kInner) / kRows,
+                                         2 * kPi * (column + (j + 0.5) / kInner) / kColumns));
+          sum *= 2 * kPi / (kRows * kColumns * kInner * kInner);
+          expected[static_cast<std::size_t>(row * kColumns + column)] = kDrawn * sum;
+          above += sum;
+        }
+      expected.back() = kDrawn * std::max(0.0, 1 - above);
+      double chi = 0, rest_counted = 0, rest_expected = 0;
+      int cells = 0;
+      for (std::size_t i = 0; i < counted.size(); ++i) {
+        if (expected[i] < 20) {
+          rest_counted += counted[i], rest_expected += expected[i];
+          continue;
+        }
+        // The quadrature of a lobe 0.15 wide is good to 0.3 % of a cell.
+        const double spread = expected[i] + std::pow(0.003 * expected[i], 2);
+        chi += std::pow(counted[i] - expected[i], 2) / spread, ++cells;
+      }
+      INFO(c.name() << ", cosine " << cosine << ": chi-squared " << chi << " of " << cells << " cells; outside "
+                    << rest_counted << " of " << rest_expected);
+      CHECK(chi < cells + 5 * std::sqrt(2.0 * cells));
+      CHECK(std::abs(rest_counted - rest_expected) < 5 * std::sqrt(rest_expected + 1) + 0.003 * kDrawn * 0.1);
+      const double albedo = over_hemisphere(1, [&](const RcLocal& out) { return c.eval(in, out) * out.z; });
+      const double error = std::sqrt(std::max(0.0, squares - energy * energy) / kDrawn);
+      CHECK(std::abs(energy - albedo) < 5 * error + 2e-3 * albedo);
+    }
+  }
+}
+
+TEST_CASE("a plate's light goes straight on") {
+  const RcLocal in{0.36, 0.48, -0.8}, out = rc_shape_sample(RC_SHAPE_plate, 0, 0, in, 0.3, 0.6);
+  CHECK(out.x == -in.x);
+  CHECK(out.y == -in.y);
+  CHECK(out.z == -in.z);
+}
+
+constexpr const char* kProbe = R"(
+kernel void probe_shapes(global const uint* shape, global const float4* normal, global const float4* in,
+                         global const float4* out, global const float4* parameter, global float4* result) {
+  const size_t i = get_global_id(0);
+  const RcAngles angles = rc_angles(normal[i], in[i], out[i]);
+  const float p0 = parameter[i].x, p1 = parameter[i].y;
+  result[i] = (float4)(rc_shape_eval(shape[i], 1.0f, p0, p1, angles), rc_shape_pdf(shape[i], p0, p1, angles), 0.0f, 0.0f);
+}
+)";
+
+TEST_CASE("shapes: what kernels compute is what the reference computes") {
+  std::mt19937 random(23);
+  std::uniform_real_distribution<double> unit(0, 1);
+  std::normal_distribution<double> normal_deviate(0, 1);
+  const auto drawn = [&] {
+    const double x = normal_deviate(random), y = normal_deviate(random), z = normal_deviate(random);
+    const double over = 1 / std::sqrt(x * x + y * y + z * z);
+    return RcLocal{static_cast<float>(over * x), static_cast<float>(over * y), static_cast<float>(over * z)};
+  };
+  const auto narrow = [](const RcLocal& v) {
+    return shared::rc_float4{static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z), 0};
+  };
+  std::vector<std::uint32_t> shape;
+  std::vector<shared::rc_float4> normals, ins, outs, parameters;
+  std::vector<double> eval, pdf;
+  for (const Case& c : cases())
+    for (int n = 0; n < 400; ++n) {
+      const RcLocal normal = drawn(), in = drawn(), out = drawn();
+      const RcAngles angles = rc_angles(normal, in, out);
+      // Towards the horizon a float's cosine has few digits left.
+      if (std::abs(angles.cos_in) < 0.02 || std::abs(angles.cos_out) < 0.02) continue;
+      const double p0 = static_cast<float>(c.p0), p1 = static_cast<float>(c.p1);
+      shape.push_back(c.entry->number), normals.push_back(narrow(normal)), ins.push_back(narrow(in));
+      outs.push_back(narrow(out));
+      parameters.push_back({static_cast<float>(p0), static_cast<float>(p1), 0, 0});
+      eval.push_back(rc_shape_eval(c.entry->number, 1, p0, p1, angles));
+      pdf.push_back(rc_shape_pdf(c.entry->number, p0, p1, angles));
+    }
+  for (const auto& device : test::devices()) {
+    const cl::Context context(device);
+    const cl::Program program(context, "shapes", std::string(kernels::kernel_source("lidar_shots")) + kProbe,
+                              " -cl-std=CL1.2 -DRC_SHAPED=1");
+    cl::Kernel kernel(program, "probe_shapes");
+    cl::Buffer<std::uint32_t> shapes(context, shape, cl::Access::read_only, "shapes");
+    cl::Buffer<shared::rc_float4> n(context, normals, cl::Access::read_only, "normals"),
+        i(context, ins, cl::Access::read_only, "in"), o(context, outs, cl::Access::read_only, "out"),
+        p(context, parameters, cl::Access::read_only, "parameters"),
+        result(context, shape.size(), cl::Access::read_write, "results");
+    kernel.arguments(shapes, n, i, o, p, result);
+    context.launch(kernel, shape.size());
+    context.finish();
+    const auto found = result.read_all();
+    for (std::size_t k = 0; k < shape.size(); ++k) {
+      INFO(scene::shape_entry(shape[k]).name << " " << parameters[k].x);
+      // Unit vectors are unit to 1e-7; a lobe alpha wide takes that to 1e-7 / alpha^2 of its height.
+      CHECK(static_cast<double>(found[k].x) == doctest::Approx(eval[k]).epsilon(2e-4).scale(1e-6));
+      CHECK(static_cast<double>(found[k].y) == doctest::Approx(pdf[k]).epsilon(2e-4).scale(1e-6));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace raycube
