@@ -1,8 +1,8 @@
 // First hits on the terrain against Embree (robust) and double: the very comparison of `raycube check`, on the
 // benchmark's rays and on as many jittered ones.
 #include "bench/cases.h"
-#include "bench/scenes.h"
-#include "host/cli/check_instrument.h"
+#include "bench/scenes/scenes.h"
+#include "host/run/check_instrument.h"
 
 namespace raycube::bench {
 
@@ -16,7 +16,7 @@ void run_check(const Settings& settings, Report& report) {
     auto camera = terrain_camera();
     camera.sampler = sampler;
     const auto rays = static_cast<std::uint64_t>(camera.pixels * camera.lines * camera.samples_u * camera.samples_v);
-    all.add(cli::check_hits(renderer, scene, camera, 1, rays, settings.threads));
+    all.add(run::check_hits(renderer, scene, camera, 1, rays, settings.threads));
   }
   report.add("check_rays", static_cast<double>(all.rays), "rays", Goal::at_least(1e7));
   report.add("check_explained_share", all.explained_share(), "", Goal::at_most(5e-5));

@@ -2,7 +2,7 @@
 // park.
 #include "bench/cases.h"
 #include "bench/rays.h"
-#include "bench/scenes.h"
+#include "bench/scenes/scenes.h"
 #include "bench/trace_comparison.h"
 #include "host/sensors/ray_groups.h"
 

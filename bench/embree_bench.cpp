@@ -6,7 +6,7 @@
 #include "bench/cases.h"
 #include "bench/embree_baseline.h"
 #include "bench/rays.h"
-#include "bench/scenes.h"
+#include "bench/scenes/scenes.h"
 #include "bench/timing.h"
 #include "host/sensors/ray_groups.h"
 

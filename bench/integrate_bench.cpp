@@ -5,7 +5,7 @@
 
 #include "bench/cases.h"
 #include "bench/device.h"
-#include "bench/scenes.h"
+#include "bench/scenes/scenes.h"
 #include "bench/timing.h"
 #include "bench/write_bandwidth.h"
 #include "host/render/row_stages.h"

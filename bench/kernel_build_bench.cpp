@@ -39,7 +39,7 @@ KernelBuild in_own_process(const Settings& settings, const std::string& cache) {
 KernelBuild kernel_build(const Settings& settings) {
   const scene::Simulation park = load_park(settings);
   const scene::Instrument& instrument = park.instruments.at(0);
-  const cli::InstrumentJob job = prepare_job(park, instrument);
+  const run::CameraJob job = prepare_job(park, instrument);
   const auto shape = render::make_stage_shape(instrument, job.plan, sensors::pixels_per_group(instrument));
   const cl::Context context(pick_device(settings.threads));
   const render::SceneBuffers buffers(context, park.scene);

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "bench/cases.h"
-#include "bench/scenes.h"
+#include "bench/scenes/scenes.h"
 #include "bench/trace_comparison.h"
 #include "bench/trace_rig.h"
 #include "host/sensors/ray_groups.h"

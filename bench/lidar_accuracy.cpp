@@ -7,7 +7,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
-#include "bench/scenes.h"
+#include "bench/scenes/scenes.h"
 #include "host/base/standard_streams.h"
 #include "host/lidar/gauss_hermite.h"
 #include "host/lidar/pulse_taps.h"

@@ -7,7 +7,7 @@
 #include "bench/cases.h"
 #include "bench/embree_baseline.h"
 #include "bench/lidar_baseline.h"
-#include "bench/scenes.h"
+#include "bench/scenes/scenes.h"
 #include "bench/timing.h"
 #include "host/base/error.h"
 #include "host/lidar/detection.h"

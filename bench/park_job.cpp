@@ -1,7 +1,6 @@
 #include "bench/park_job.h"
 
 #include <filesystem>
-#include <iostream>
 
 #include "host/base/error.h"
 #include "scene_compiler/load_simulation.h"
@@ -16,11 +15,10 @@ scene::Simulation load_park(const Settings& settings) {
   return scene::load_simulation(settings.park_file);
 }
 
-cli::InstrumentJob prepare_job(const scene::Simulation& simulation, const scene::Instrument& instrument) {
-  const cli::CommonOptions common;
+run::CameraJob prepare_job(const scene::Simulation& simulation, const scene::Instrument& instrument) {
   base::Log log;
-  cli::Context context{common, log, std::cout, "raycube_bench"};
-  return cli::prepare(simulation, instrument, context);
+  run::Services services = run::watched_services(log);
+  return run::prepare_camera(simulation, instrument, services);
 }
 
 std::string shell_quoted(const std::string& text) {

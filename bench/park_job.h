@@ -2,7 +2,7 @@
 #pragma once
 
 #include "bench/cases.h"
-#include "host/cli/simulation_job.h"
+#include "host/run/camera_job.h"
 
 namespace raycube::bench {
 
@@ -10,7 +10,7 @@ namespace raycube::bench {
 scene::Simulation load_park(const Settings& settings);
 
 /// Table and plan of one instrument, by the verbs' own function.
-cli::InstrumentJob prepare_job(const scene::Simulation& simulation, const scene::Instrument& instrument);
+run::CameraJob prepare_job(const scene::Simulation& simulation, const scene::Instrument& instrument);
 
 /// One word of a shell command.
 std::string shell_quoted(const std::string& text);

@@ -59,11 +59,10 @@ json to_json(const bench::PlannerStudy& s) {
           {"seconds", s.seconds},     {"points", points},           {"rows", rows}};
 }
 
-int run(const std::string& file, const std::vector<std::string>& scenes, const std::string& only,
+int study_all(const std::string& file, const std::vector<std::string>& scenes, const std::string& only,
         const bench::PlannerStudySettings& settings) {
-  const cli::CommonOptions common;
   base::Log log;
-  cli::Context context{common, log, std::cout, "raycube_planner_accuracy"};
+  run::Services services = run::watched_services(log);
   json all = json::array();
   const auto keep = [&](const bench::PlannerStudy& study) {
     all.push_back(to_json(study));
@@ -77,10 +76,10 @@ int run(const std::string& file, const std::vector<std::string>& scenes, const s
     scene::Simulation simulation = scene::load_simulation(path);
     for (std::size_t i = 0; i < simulation.instruments.size(); ++i)
       if (only.empty() || simulation.instruments[i].name == only)
-        keep(bench::study_instrument(simulation, i, name, settings, context));
+        keep(bench::study_instrument(simulation, i, name, settings, services));
     for (std::size_t i = 0; i < simulation.lidars.size(); ++i)
       if (only.empty() || simulation.lidars[i].name == only)
-        keep(bench::study_lidar(simulation, i, name, settings, context));
+        keep(bench::study_lidar(simulation, i, name, settings, services));
   }
   return 0;
 }
@@ -100,7 +99,7 @@ int main(int argc, char** argv) {
   app.add_option("scenes", scenes, "NAME=FILE of each scene")->required();
   CLI11_PARSE(app, argc, argv);
   try {
-    return run(file, scenes, only, settings);
+    return study_all(file, scenes, only, settings);
   } catch (const base::Error& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return error.exit_status();

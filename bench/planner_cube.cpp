@@ -10,7 +10,7 @@
 #include "bench/planner_study.h"
 #include "host/base/cache_folder.h"
 #include "host/base/error.h"
-#include "host/cli/simulation_job.h"
+#include "host/run/camera_job.h"
 #include "host/planner/model_trial.h"
 #include "host/planner/planner.h"
 #include "host/planner/trial.h"
@@ -61,12 +61,12 @@ double s_per_megapixel(const plan::Plan& plan, const PlannerSetting& setting) {
 class CubeStudy {
  public:
   CubeStudy(scene::Simulation& simulation, std::size_t index, const PlannerStudySettings& settings,
-            cli::Context& context)
+            run::Services& services)
       : simulation_(simulation),
         instrument_(simulation.instruments[index]),
         settings_(settings),
-        context_(context),
-        renderer_(simulation.scene, cli::render_options(context.common)),
+        services_(services),
+        renderer_(simulation.scene, study_options()),
         tiles_(judged_tiles(instrument_, simulation.seed)) {
     simulation_.plan = {};
     make_finest();
@@ -81,8 +81,8 @@ class CubeStudy {
     correct_nodes();
     out.reference = reference_text_;
     out.own = study::own_error(reference_);
-    context_.log.info(fmt::format("{} {}: reference's own error {:.2g} %, {:.1f} s", name, instrument_.name,
-                                  100 * out.own, seconds_since(start)));
+    services_.log.info(fmt::format("{} {}: reference's own error {:.2g} %, {:.1f} s", name, instrument_.name,
+                                   100 * out.own, seconds_since(start)));
     sweep();
     out.points = points_;
     std::string sides, directions;
@@ -91,12 +91,12 @@ class CubeStudy {
     out.sweep =
         fmt::format("grid and lattice of n x n samples, n = {}; {} sky directions; up to {:.0f} s per megapixel", sides,
                     sky_ ? directions : "no", kSweep_s_per_megapixel);
-    context_.log.info(fmt::format("{} {}: sweep of {} settings, {:.1f} s", name, instrument_.name, points_.size(),
-                                  seconds_since(start)));
+    services_.log.info(fmt::format("{} {}: sweep of {} settings, {:.1f} s", name, instrument_.name, points_.size(),
+                                   seconds_since(start)));
     for (const double tolerance : settings_.tolerances) {
       out.rows.push_back(row(tolerance));
       const PlannerRow& r = out.rows.back();
-      context_.log.info(fmt::format(
+      services_.log.info(fmt::format(
           "{} {}: {:.3g} %: {} claims {:.3g} % (nodes {:.3g}, samples {:.3g}, sky {:.3g}) achieves {:.3g} % ({:.3g} .. "
           "{:.3g}, own {:.2g}){}{}; {:.3g} s/Mpx, best {} {:.3g} %, cost {:.2f} x, time {:.2f} x; planned in {:.1f} s",
           name, instrument_.name, 100 * tolerance, r.chosen.text(), 100 * r.claimed, 100 * r.plan_error,
@@ -125,7 +125,7 @@ class CubeStudy {
     for (const double tolerance : {1e-4, 2e-4, 5e-4, 1e-3, 3e-3, 1e-2}) {
       simulation_.tolerance = tolerance;
       try {
-        auto job = cli::prepare(simulation_, instrument_, context_);
+        auto job = run::prepare_camera(simulation_, instrument_, services_);
         finest_ = std::move(job.plan), table_ = std::move(job.table);
         break;
       } catch (const base::Error& refused) {
@@ -247,12 +247,12 @@ class CubeStudy {
   PlannerRow row(double tolerance) {
     PlannerRow out;
     out.tolerance = simulation_.tolerance = tolerance;
-    cli::Planning planning;
+    run::Planning planning;
     planning.renderer = &renderer_;
     const auto start = std::chrono::steady_clock::now();
-    cli::InstrumentJob job;
+    run::CameraJob job;
     try {
-      job = cli::prepare(simulation_, instrument_, context_, planning);
+      job = run::prepare_camera(simulation_, instrument_, services_, planning);
     } catch (const base::Error& refused) {  // nodes that no 32 channels hold: the plan says so and renders nothing
       if (refused.fault() != base::Fault::input) throw;
       out.within = false;
@@ -264,7 +264,7 @@ class CubeStudy {
     out.claimed = d.total_error, out.within = d.within, out.dear = d.dear;
     out.plan_error = d.plan_error, out.samples_error = d.samples_error, out.sky_error = d.sky_error;
     out.s_per_megapixel = d.s_per_megapixel;
-    for (const auto& line : d.measured) context_.log.info("  trial: " + line);
+    for (const auto& line : d.measured) services_.log.info("  trial: " + line);
     if (out.s_per_megapixel <= kTried_s_per_megapixel) {
       const auto error = study::error_of(reference_, render(out.chosen, job.plan, simulation_.seed));
       out.tried = true;
@@ -325,7 +325,7 @@ class CubeStudy {
   scene::Simulation& simulation_;
   scene::Instrument& instrument_;
   const PlannerStudySettings& settings_;
-  cli::Context& context_;
+  run::Services& services_;
   render::Renderer renderer_;
   std::vector<render::Tile> tiles_;
   plan::Plan finest_;
@@ -354,8 +354,8 @@ const SweepPoint* cheapest(const std::vector<SweepPoint>& points, double toleran
 }
 
 PlannerStudy study_instrument(scene::Simulation& simulation, std::size_t index, const std::string& name,
-                              const PlannerStudySettings& settings, cli::Context& context) {
-  return CubeStudy(simulation, index, settings, context).run(name);
+                              const PlannerStudySettings& settings, run::Services& services) {
+  return CubeStudy(simulation, index, settings, services).run(name);
 }
 
 }  // namespace raycube::bench

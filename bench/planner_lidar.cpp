@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 
 #include "bench/planner_study.h"
-#include "host/cli/lidar_job.h"
-#include "host/cli/simulation_job.h"
+#include "host/run/lidar_job.h"
+#include "host/run/camera_job.h"
 #include "host/planner/lidar_trial.h"
 #include "host/render/lidar_renderer.h"
 #include "kernels/sampling/sampler.h"
@@ -33,14 +33,14 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 class LidarStudy {
  public:
   LidarStudy(scene::Simulation& simulation, std::size_t index, const PlannerStudySettings& settings,
-             cli::Context& context)
+             run::Services& services)
       : simulation_(simulation),
         lidar_(simulation.lidars[index]),
         settings_(settings),
-        context_(context),
-        renderer_(simulation.scene, cli::render_options(context.common)) {
+        services_(services),
+        renderer_(simulation.scene, study_options()) {
     lidar_.transport.subrays_given = false;
-    plan_ = cli::prepare_lidar(simulation_, lidar_, context_).plan;
+    plan_ = run::prepare_lidar(simulation_, lidar_, services_).plan;
     pick_pulses();
   }
 
@@ -63,7 +63,7 @@ class LidarStudy {
     for (const double tolerance : settings_.tolerances) {
       out.rows.push_back(row(tolerance, out.points));
       const PlannerRow& r = out.rows.back();
-      context_.log.info(
+      services_.log.info(
           fmt::format("{} {}: {:.3g} %: {} claims {:.3g} % achieves {:.3g} % (own {:.2g}){}; best {} {:.3g} %, cost "
                       "{:.2f} x, time {:.2f} x; planned in {:.1f} s",
                       name, lidar_.name, 100 * tolerance, r.chosen.text(), 100 * r.claimed, 100 * r.achieved,
@@ -141,7 +141,7 @@ class LidarStudy {
     PlannerRow out;
     out.tolerance = simulation_.tolerance = tolerance;
     const auto start = std::chrono::steady_clock::now();
-    const auto job = cli::prepare_lidar(simulation_, lidar_, context_, {&renderer_, nullptr, "", false});
+    const auto job = run::prepare_lidar(simulation_, lidar_, services_, {&renderer_, nullptr, "", false});
     out.plan_s = seconds_since(start);
     const int subrays = job.decision.subrays;
     out.chosen = {scene::SamplerKind::grid, subrays, -1};
@@ -182,7 +182,7 @@ class LidarStudy {
   scene::Simulation& simulation_;
   scene::Lidar& lidar_;
   const PlannerStudySettings& settings_;
-  cli::Context& context_;
+  run::Services& services_;
   render::LidarRenderer renderer_;
   lidar::LidarPlan plan_;
   std::vector<std::int64_t> pulses_;
@@ -195,8 +195,8 @@ class LidarStudy {
 }  // namespace
 
 PlannerStudy study_lidar(scene::Simulation& simulation, std::size_t index, const std::string& name,
-                         const PlannerStudySettings& settings, cli::Context& context) {
-  return LidarStudy(simulation, index, settings, context).run(name);
+                         const PlannerStudySettings& settings, run::Services& services) {
+  return LidarStudy(simulation, index, settings, services).run(name);
 }
 
 }  // namespace raycube::bench

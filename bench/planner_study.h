@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "bench/report.h"
-#include "host/cli/verb.h"
 #include "host/render/renderer.h"
+#include "host/run/services.h"
 #include "scene_compiler/simulation.h"
 
 namespace raycube::bench {
@@ -62,9 +62,16 @@ struct PlannerStudySettings {
 };
 
 PlannerStudy study_instrument(scene::Simulation& simulation, std::size_t index, const std::string& name,
-                              const PlannerStudySettings& settings, cli::Context& context);
+                              const PlannerStudySettings& settings, run::Services& services);
 PlannerStudy study_lidar(scene::Simulation& simulation, std::size_t index, const std::string& name,
-                         const PlannerStudySettings& settings, cli::Context& context);
+                         const PlannerStudySettings& settings, run::Services& services);
+
+/// What the program renders with where nothing is asked for.
+inline render::RenderOptions study_options() {
+  render::RenderOptions options;
+  options.tuned = true;
+  return options;
+}
 
 /// The cheapest point inside the tolerance; null: none.
 const SweepPoint* cheapest(const std::vector<SweepPoint>& points, double tolerance);

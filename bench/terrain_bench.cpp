@@ -3,7 +3,7 @@
 
 #include "bench/cases.h"
 #include "bench/rays.h"
-#include "bench/scenes.h"
+#include "bench/scenes/scenes.h"
 #include "bench/trace_comparison.h"
 #include "host/sensors/ray_groups.h"
 

@@ -10,7 +10,7 @@
 #include "atmos_tables/rct_file.h"
 #include "atmos_tables/table_difference.h"
 #include "host/base/error.h"
-#include "host/cli/python_chart.h"
+#include "host/run/python_chart.h"
 
 namespace raycube::cli {
 
@@ -61,7 +61,7 @@ std::vector<atmos::DifferenceBand> bands_of(const std::string& path) {
   return bands;
 }
 
-int compare(const Options& o, Context& context) {
+int compare(const Options& o, Invocation& invocation) {
   const atmos::RenderTable a = atmos::read_rct(o.a), b = atmos::read_rct(o.b);
   atmos::DifferenceChoice choice = o.choice;
   if (!std::isnan(o.height)) choice.height_m = o.height;
@@ -75,13 +75,13 @@ int compare(const Options& o, Context& context) {
   }
   const auto difference = atmos::table_difference(a, b, choice);
   const atmos::TableNames names{o.a, o.b};
-  const std::string& chart = context.common.output;
+  const std::string& chart = invocation.common.output;
   if (!chart.empty())
-    draw_chart("atmos_compare.py", atmos::difference_json(difference, names, true), chart,
-               context.common.overwrite ? base::IfExists::replace : base::IfExists::refuse);
-  context.out << (context.common.json ? atmos::difference_json(difference, names, false)
-                                      : atmos::difference_text(difference, names));
-  if (!chart.empty() && !context.common.json) context.out << "\nchart: " << chart << "\n";
+    run::draw_chart("atmos_compare.py", atmos::difference_json(difference, names, true), chart,
+                    invocation.common.overwrite ? base::IfExists::replace : base::IfExists::refuse);
+  invocation.out << (invocation.common.json ? atmos::difference_json(difference, names, false)
+                                            : atmos::difference_text(difference, names));
+  if (!chart.empty() && !invocation.common.json) invocation.out << "\nchart: " << chart << "\n";
   return 0;
 }
 
@@ -118,7 +118,7 @@ Verb verb_atmos_compare() {
     table.number("--azimuth", "deg", -360, 360, "Azimuth of sensor and sky point minus the sun's",
                  o->choice.relative_azimuth_deg);
   };
-  verb.run = [o](Context& context) { return compare(*o, context); };
+  verb.run = [o](Invocation& invocation) { return compare(*o, invocation); };
   return verb;
 }
 

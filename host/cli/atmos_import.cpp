@@ -40,7 +40,7 @@ std::vector<double> albedos(const std::string& typed) {
   return out;
 }
 
-int write_table(const Options& o, const std::vector<atmos::imported::Imported>& files, Context& context) {
+int write_table(const Options& o, const std::vector<atmos::imported::Imported>& files, Invocation& invocation) {
   atmos::imported::TableRequest request;
   if (!std::isnan(o.sun_zenith)) request.sun_zenith_deg = o.sun_zenith;
   if (!std::isnan(o.sensor)) request.sensor_height_m = o.sensor;
@@ -48,33 +48,34 @@ int write_table(const Options& o, const std::vector<atmos::imported::Imported>& 
   if (!o.albedo.empty()) request.albedo = albedos(o.albedo);
   request.even_sky = o.even_sky, request.partial = o.partial;
   const auto made = atmos::imported::table_of_runs(files, request);
-  for (const auto& notice : made.notices) context.log.warning(notice);
-  const std::string& output = context.common.output;
-  const std::string hash =
-      atmos::write_rct(made.table, output, context.common.overwrite ? base::IfExists::replace : base::IfExists::refuse);
-  if (context.common.json)
-    context.out << nlohmann::json{{"table", output}, {"content_hash", hash}, {"notices", made.notices}}.dump(
-                       -1, ' ', false, nlohmann::json::error_handler_t::replace)
-                << "\n";
+  for (const auto& notice : made.notices) invocation.log.warning(notice);
+  const std::string& output = invocation.common.output;
+  const std::string hash = atmos::write_rct(
+      made.table, output, invocation.common.overwrite ? base::IfExists::replace : base::IfExists::refuse);
+  if (invocation.common.json)
+    invocation.out << nlohmann::json{{"table", output}, {"content_hash", hash}, {"notices", made.notices}}.dump(
+                          -1, ' ', false, nlohmann::json::error_handler_t::replace)
+                   << "\n";
   else
-    context.out << "table: " << output << "\n";
+    invocation.out << "table: " << output << "\n";
   return 0;
 }
 
-int run(const Options& o, Context& context) {
+int run(const Options& o, Invocation& invocation) {
   std::vector<atmos::imported::Imported> files;
   for (const auto& file : o.files)
     files.push_back(atmos::imported::import_file(file, o.format == "auto" ? "" : o.format, o.uvspec_input));
-  if (!context.common.output.empty()) return write_table(o, files, context);
+  if (!invocation.common.output.empty()) return write_table(o, files, invocation);
   // One document: of one file as it is, of several a list.
-  if (context.common.json && files.size() > 1) {
+  if (invocation.common.json && files.size() > 1) {
     auto all = nlohmann::ordered_json::array();
     for (const auto& file : files) all.push_back(nlohmann::ordered_json::parse(atmos::imported::imported_json(file)));
-    context.out << all.dump(-1, ' ', false, decltype(all)::error_handler_t::replace) << "\n";
+    invocation.out << all.dump(-1, ' ', false, decltype(all)::error_handler_t::replace) << "\n";
     return 0;
   }
   for (const auto& file : files)
-    context.out << (context.common.json ? atmos::imported::imported_json(file) : atmos::imported::imported_text(file));
+    invocation.out << (invocation.common.json ? atmos::imported::imported_json(file)
+                                              : atmos::imported::imported_text(file));
   return 0;
 }
 
@@ -120,7 +121,7 @@ Verb verb_atmos_import() {
     table.flag("--partial", "Table: write what there is, though a render needs more (for plot and compare)",
                o->partial);
   };
-  verb.run = [o](Context& context) { return run(*o, context); };
+  verb.run = [o](Invocation& invocation) { return run(*o, invocation); };
   return verb;
 }
 

@@ -16,7 +16,8 @@
 #include "host/base/error.h"
 #include "host/base/output_file.h"
 #include "host/cli/air_options.h"
-#include "host/cli/air_table.h"
+#include "host/run/air_table.h"
+#include "host/cli/services.h"
 #include "scene_compiler/load_simulation.h"
 
 namespace raycube::cli {
@@ -134,7 +135,7 @@ std::string ground_text(const atmos::RenderTable& table) {
   return out;
 }
 
-int run(const Options& o, Context& context) {
+int run(const Options& o, Invocation& invocation) {
   if (o.wavelengths.empty())
     throw base::Error(base::Fault::input, "which wavelengths? give --wavelengths in nm (vacuum), such as 532,1064");
   const scene::AtmosphereSpec spec = spec_of(o);
@@ -144,15 +145,17 @@ int run(const Options& o, Context& context) {
       o.heights.empty() ? atmos::lidar_heights(spec) : numbers_of(o.heights, "--heights");
   const atmos::RenderTable table = atmos::build_lidar(spec, wavelength_um, heights, lidar_options(o));
   const nlohmann::json provenance = nlohmann::json::parse(table.provenance_json);
-  say_air(table, context);
-  for (const auto& limit : provenance["limits"]) context.log.warning(limit.get<std::string>());
-  const std::string output = context.common.output.empty() ? "lidar.rct" : context.common.output;
+  run::Services services = services_of(invocation);
+  run::say_air(table, services);
+  for (const auto& limit : provenance["limits"]) invocation.log.warning(limit.get<std::string>());
+  const std::string output = invocation.common.output.empty() ? "lidar.rct" : invocation.common.output;
   const std::string hash =
-      atmos::write_rct(table, output, context.common.overwrite ? base::IfExists::replace : base::IfExists::refuse);
-  if (context.common.json)
-    context.out << nlohmann::json{{"table", output}, {"content_hash", hash}, {"atmosphere", provenance}}.dump() << "\n";
+      atmos::write_rct(table, output, invocation.common.overwrite ? base::IfExists::replace : base::IfExists::refuse);
+  if (invocation.common.json)
+    invocation.out << nlohmann::json{{"table", output}, {"content_hash", hash}, {"atmosphere", provenance}}.dump()
+                   << "\n";
   else
-    context.out << "table: " << output << "\n" << aerosol_text(table) << ground_text(table);
+    invocation.out << "table: " << output << "\n" << run::aerosol_text(table) << ground_text(table);
   return 0;
 }
 
@@ -211,7 +214,7 @@ Verb verb_atmos_lidar() {
     number("--ch4", "ppmv", 0, 1000, "Methane at the ground", o->ch4, "FILE's, or the profile's");
     number("--ground-height", "m", -500, 9000, "Height of z = 0 above the sea", o->ground, "FILE's, or 0");
   };
-  verb.run = [o](Context& context) { return run(*o, context); };
+  verb.run = [o](Invocation& invocation) { return run(*o, invocation); };
   return verb;
 }
 

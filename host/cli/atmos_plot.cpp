@@ -11,7 +11,7 @@
 #include "atmos_tables/rct_file.h"
 #include "atmos_tables/report.h"
 #include "host/cli/atmos_lidar.h"
-#include "host/cli/python_chart.h"
+#include "host/run/python_chart.h"
 
 namespace raycube::cli {
 
@@ -41,7 +41,7 @@ Verb verb_atmos_plot() {
     table.number("--sky-wavelength", "um", 0.05, 1000, "Wavelength of the sky map, nearest of the table",
                  o->choice.sky_wavelength_um);
   };
-  verb.run = [o](Context& context) {
+  verb.run = [o](Invocation& invocation) {
     const atmos::RenderTable table = atmos::read_rct(o->file);
     atmos::PlotChoice choice = o->choice;
     const auto or_lowest = [&](double typed, const char* axis) {
@@ -50,18 +50,18 @@ Verb verb_atmos_plot() {
     };
     choice.target_height_m = or_lowest(o->height, "target_height");
     choice.view_zenith_deg = or_lowest(o->view, "view_zenith");
-    std::filesystem::path chart = context.common.output;
+    std::filesystem::path chart = invocation.common.output;
     if (chart.empty()) chart = std::filesystem::path(o->file).replace_extension(".png");
     const auto title = std::filesystem::path(o->file).filename().string();
     const bool lidar = table.has("lidar_extinction_molecular") && !table.has("sun_transmission");
     const std::string figures =
-        draw_chart(lidar ? "lidar_plot.py" : "atmos_plot.py",
-                   lidar ? lidar_figures_json(table, title) : atmos::plot_json(table, choice, title), chart.string(),
-                   context.common.overwrite ? base::IfExists::replace : base::IfExists::refuse);
-    if (context.common.json)
-      context.out << nlohmann::json{{"chart", chart.string()}, {"figures", figures}}.dump() << "\n";
+        run::draw_chart(lidar ? "lidar_plot.py" : "atmos_plot.py",
+                        lidar ? lidar_figures_json(table, title) : atmos::plot_json(table, choice, title),
+                        chart.string(), invocation.common.overwrite ? base::IfExists::replace : base::IfExists::refuse);
+    if (invocation.common.json)
+      invocation.out << nlohmann::json{{"chart", chart.string()}, {"figures", figures}}.dump() << "\n";
     else
-      context.out << "chart: " << chart.string() << "\n";
+      invocation.out << "chart: " << chart.string() << "\n";
     return 0;
   };
   return verb;

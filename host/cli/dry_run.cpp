@@ -2,76 +2,49 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <chrono>
 #include <nlohmann/json.hpp>
-#include <optional>
 
 #include "host/base/memory.h"
-#include "host/render/tile_passes.h"
-#include "host/render/truth.h"
-#include "host/sensors/ray_groups.h"
-#include "kernels/shared/structs.h"
-#include "scene_compiler/scene_info.h"
 
 namespace raycube::cli {
 
-nlohmann::json dry_run_json(const scene::CompiledScene& scene, const InstrumentJob& job,
-                            const render::RenderOptions& options, std::size_t tile_samples) {
+nlohmann::json dry_run_json(const run::CameraJob& job, const run::CameraForecast& forecast,
+                            std::optional<double> estimated_s) {
   const auto& instrument = *job.instrument;
-  const auto shape = render::make_stage_shape(instrument, job.plan, sensors::pixels_per_group(instrument));
-  const std::size_t capacity = render::row_capacity_of(shape, options.row_capacity);
-  const render::LeastMemory least = render::least_memory(scene, instrument, job.plan, capacity);
-  render::require_memory(shape, least, instrument.pixels, capacity, options.memory_bytes);
-  const auto size = render::choose_tile_size(shape, instrument.pixels, instrument.lines, capacity,
-                                             options.memory_bytes / render::kBudgetShares, tile_samples,
-                                             options.memory_bytes, 0, least);
-  const std::uint64_t tile_pixels = std::uint64_t(size.lines) * size.columns;
-  const std::uint64_t tile_bytes = tile_pixels * (shape.pixel_bytes() + shape.row_bytes(capacity));
-  const std::uint64_t layers = render::truth_layer_names(scene, instrument).size();
-  // A strip is being filled, one written, and two may wait.
-  const std::uint64_t strip_bytes =
-      4 * std::uint64_t(size.lines) * instrument.pixels * least.strip_values * sizeof(float);
-  const std::uint64_t scene_bytes = scene::scene_info(scene).bytes;
-  const std::uint64_t pixels = std::uint64_t(instrument.pixels) * instrument.lines;
-  return {{"name", instrument.name},
-          {"pixels", instrument.pixels},
-          {"lines", instrument.lines},
-          {"bands", instrument.bands.size()},
-          {"samples_per_pixel", shape.samples},
-          {"tile_lines", size.lines},
-          {"tile_columns", size.columns},
-          {"memory",
-           {{"budget_bytes", options.memory_bytes},
-            {"scene_bytes", scene_bytes},
-            {"tile_bytes", tile_bytes},
-            {"strip_bytes", strip_bytes},
-            {"baked_rows_bytes_at_most", options.memory_bytes / render::kBudgetShares},
-            {"total_bytes", scene_bytes + tile_bytes + strip_bytes}}},
-          {"cube_bytes", pixels * instrument.bands.size() * (instrument.integer_scale ? 2 : sizeof(float))},
-          {"truth_bytes", pixels * layers * sizeof(float)},
-          {"plan", nlohmann::json::parse(job.plan.report_json)}};
+  nlohmann::json item = {{"name", instrument.name},
+                         {"pixels", instrument.pixels},
+                         {"lines", instrument.lines},
+                         {"bands", instrument.bands.size()},
+                         {"samples_per_pixel", forecast.samples},
+                         {"tile_lines", forecast.tile_lines},
+                         {"tile_columns", forecast.tile_columns},
+                         {"memory",
+                          {{"budget_bytes", forecast.budget_bytes},
+                           {"scene_bytes", forecast.scene_bytes},
+                           {"tile_bytes", forecast.tile_bytes},
+                           {"strip_bytes", forecast.strip_bytes},
+                           {"baked_rows_bytes_at_most", forecast.baked_rows_bytes},
+                           {"total_bytes", forecast.total_bytes()}}},
+                         {"cube_bytes", forecast.cube_bytes},
+                         {"truth_bytes", forecast.truth_bytes},
+                         {"plan", nlohmann::json::parse(job.plan.report_json)}};
+  if (estimated_s) item["estimated_s"] = *estimated_s;
+  return item;
 }
 
-double estimate_render_s(render::Renderer& renderer, const scene::Simulation& simulation, const InstrumentJob& job) {
-  constexpr int kStretch = 256, kLines = 4;
-  const auto& instrument = *job.instrument;
-  const int columns = std::min(instrument.pixels, kStretch);
-  const int first = (instrument.pixels - columns) / 2 / RC_GROUP_WIDTH * RC_GROUP_WIDTH;
-  std::vector<render::Tile> tiles = {
-      {instrument.lines / 2, 1, first, columns}};  // builds programs, bakes rows; not timed
-  for (int k = 0; k < kLines; ++k)
-    tiles.push_back({static_cast<int>((2 * k + 1) * std::int64_t(instrument.lines) / (2 * kLines)), 1, first, columns});
-  std::optional<std::chrono::steady_clock::time_point> start;
-  double seconds = 0;
-  renderer.probe(instrument, job.plan, simulation.sun, simulation.seed, tiles, [&](const render::PixelProbe&) {
-    const auto now = std::chrono::steady_clock::now();
-    if (start)
-      seconds = std::chrono::duration<double>(now - *start).count();
-    else
-      start = now;
-  });
-  return seconds / (kLines * columns) * instrument.pixels * instrument.lines;
+nlohmann::json dry_run_json(const scene::Lidar& lidar, const run::LidarForecast& forecast) {
+  const auto& plan = forecast.job.plan;
+  return {{"name", lidar.name},
+          {"kind", "lidar"},
+          {"pulses", lidar.pulses},
+          {"bins", lidar.gate.bins},
+          {"pixels", plan.pixels()},
+          {"lines", plan.lines()},
+          {"rays", forecast.rays},
+          {"spectral_nodes", plan.nodes.size()},
+          {"plan", nlohmann::json::parse(forecast.job.plan_json)},
+          {"pulses_per_batch", forecast.pulses_per_batch},
+          {"waveform_bytes", forecast.waveform_bytes}};
 }
 
 namespace {
@@ -86,10 +59,11 @@ std::string adjacency_text(const nlohmann::json& plan) {
 
 }  // namespace
 
-std::string dry_run_text(const nlohmann::json& item) {
-  const auto bytes = [](const nlohmann::json& value) { return base::format_bytes(value.get<std::uint64_t>()); };
-  const auto number = [](const nlohmann::json& value) { return value.get<double>(); };
-  const auto &plan = item["plan"], &memory = item["memory"];
+std::string dry_run_text(const run::CameraJob& job, const run::CameraForecast& forecast,
+                         std::optional<double> estimated_s) {
+  const auto& instrument = *job.instrument;
+  const auto report = nlohmann::json::parse(job.plan.report_json);
+  const plan::Plan& plan = job.plan;
   return fmt::format(
              "{}: {} x {} pixels, {} bands, {} samples per pixel\n"
              "  plan      nodes: {} heights, {} view angles, {} x {} path directions; sky: {} components, {} sets of "
@@ -101,21 +75,31 @@ std::string dry_run_text(const nlohmann::json& item) {
              "OpenCL driver's own "
              "comes on top\n"
              "  products  cube {}, truth {}\n",
-             item["name"].get<std::string>(), item["pixels"].get<int>(), item["lines"].get<int>(),
-             item["bands"].get<int>(), item["samples_per_pixel"].get<int>(), plan["height_m"]["count"].get<int>(),
-             plan["sec_view_zenith"]["count"].get<int>(), plan["path_x"]["count"].get<int>(),
-             plan["path_y"]["count"].get<int>(), plan["sky"]["components"].get<int>(), plan["sky"]["sets"].get<int>(),
-             plan["sky"]["directions"].get<int>(), plan["spectral_grid"]["points"].get<int>(),
-             adjacency_text(plan["adjacency"]), number(plan["error"]["total"]), number(plan["budget"]),
-             number(plan["tolerance"]), bytes(memory["scene_bytes"]), item["tile_columns"].get<int>(),
-             item["tile_lines"].get<int>(), bytes(memory["tile_bytes"]), bytes(memory["strip_bytes"]),
-             bytes(memory["total_bytes"]), bytes(memory["budget_bytes"]), bytes(memory["baked_rows_bytes_at_most"]),
-             bytes(item["cube_bytes"]), bytes(item["truth_bytes"])) +
-         (item.contains("estimated_s")
+             instrument.name, instrument.pixels, instrument.lines, instrument.bands.size(), forecast.samples,
+             plan.height.count, plan.view.count, plan.path_x.count, plan.path_y.count, plan.sky_components,
+             plan.sky.sets, plan.sky.directions, plan.wavelength_um.size(), adjacency_text(report["adjacency"]),
+             report["error"]["total"].get<double>(), report["budget"].get<double>(), report["tolerance"].get<double>(),
+             base::format_bytes(forecast.scene_bytes), forecast.tile_columns, forecast.tile_lines,
+             base::format_bytes(forecast.tile_bytes), base::format_bytes(forecast.strip_bytes),
+             base::format_bytes(forecast.total_bytes()), base::format_bytes(forecast.budget_bytes),
+             base::format_bytes(forecast.baked_rows_bytes), base::format_bytes(forecast.cube_bytes),
+             base::format_bytes(forecast.truth_bytes)) +
+         (estimated_s
               ? fmt::format(
                     "  time      about {:.1g} s to render, and the first time some seconds for the device's compiler\n",
-                    number(item["estimated_s"]))
+                    *estimated_s)
               : "");
+}
+
+std::string dry_run_text(const scene::Lidar& lidar, const run::LidarForecast& forecast) {
+  const auto& plan = forecast.job.plan;
+  return fmt::format(
+      "{}: {} pulses, {} pixels x {} wavelengths x {} bins\n"
+      "  rays      {:.3g} first rays, {} spectral nodes\n"
+      "  memory    {} pulses at a time\n"
+      "  products  waveforms {}\n",
+      lidar.name, lidar.pulses, plan.pixels(), plan.lines(), lidar.gate.bins, static_cast<double>(forecast.rays),
+      plan.nodes.size(), forecast.pulses_per_batch, base::format_bytes(forecast.waveform_bytes));
 }
 
 }  // namespace raycube::cli

@@ -1,24 +1,23 @@
-// What `render --dry-run` says of an instrument: its image, its plan, and the memory a render will take.
+// What `render --dry-run` says.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 
-#include "host/cli/simulation_job.h"
+#include "host/run/forecast.h"
+#include "host/run/render_lidar.h"
 
 namespace raycube::cli {
 
-/// tile_samples: of the device (render::DeviceTuning). Bytes are estimates of what raycube itself holds; the OpenCL
-/// driver and its compiler come on top (PoCL: about 200 MiB).
-nlohmann::json dry_run_json(const scene::CompiledScene& scene, const InstrumentJob& job,
-                            const render::RenderOptions& options, std::size_t tile_samples);
+/// estimated_s: what a render will take, where a device could tell.
+nlohmann::json dry_run_json(const run::CameraJob& job, const run::CameraForecast& forecast,
+                            std::optional<double> estimated_s);
+nlohmann::json dry_run_json(const scene::Lidar& lidar, const run::LidarForecast& forecast);
 
-/// Seconds a render will take on the renderer's device without reading, planning and building programs: the time of
-/// short stretches of four lines spread over the image, times the pixels. Good to about a factor of two: small tiles
-/// meet neither the writing nor memory that is touched for the first time.
-double estimate_render_s(render::Renderer& renderer, const scene::Simulation& simulation, const InstrumentJob& job);
-
-/// The same for people, a few lines; the time when `item` has "estimated_s".
-std::string dry_run_text(const nlohmann::json& item);
+/// The same for people, a few lines.
+std::string dry_run_text(const run::CameraJob& job, const run::CameraForecast& forecast,
+                         std::optional<double> estimated_s);
+std::string dry_run_text(const scene::Lidar& lidar, const run::LidarForecast& forecast);
 
 }  // namespace raycube::cli

@@ -104,25 +104,25 @@ std::string statistics_line(const std::string& name, const BandStatistics& s) {
 
 }  // namespace
 
-void print_cube_info(Context& context, const std::string& path, bool header_only, bool every_band) {
+void print_cube_info(Invocation& invocation, const std::string& path, bool header_only, bool every_band) {
   const EnviPaths paths = find_envi_pair(path);
   EnviHeader h = read_envi_header(paths.header);
   std::vector<BandStatistics> bands;
   if (paths.data.empty()) {
-    context.log.warning(paths.header + ": no data file lies beside this header; only the header is shown");
+    invocation.log.warning(paths.header + ": no data file lies beside this header; only the header is shown");
   } else {
     const EnviReader reader(path);  // refuses a data file that is too short
     h = reader.header();
     if (!header_only) {
-      base::Progress progress(context.log, "reading", static_cast<std::uint64_t>(h.lines), "lines");
+      base::Progress progress(invocation.log, "reading", static_cast<std::uint64_t>(h.lines), "lines");
       bands = band_statistics(reader, [&](std::int64_t lines) {
         base::throw_if_interrupted();
-        if (context.log.on_terminal()) progress.advance(static_cast<std::uint64_t>(lines));
+        if (invocation.log.on_terminal()) progress.advance(static_cast<std::uint64_t>(lines));
       });
     }
   }
-  for (const auto& warning : h.warnings) context.log.warning(warning);
-  if (context.common.json) {
+  for (const auto& warning : h.warnings) invocation.log.warning(warning);
+  if (invocation.common.json) {
     Json out = {{"kind", "envi"}, {"header_file", paths.header}};
     if (!paths.data.empty()) out["data_file"] = paths.data;
     out["header"] = header_json(h);
@@ -130,15 +130,15 @@ void print_cube_info(Context& context, const std::string& path, bool header_only
       out["statistics"] = statistics_json(merged(bands));
       for (const auto& band : bands) out["band_statistics"].push_back(statistics_json(band));
     }
-    context.out << out.dump(2, ' ', false, Json::error_handler_t::replace) << "\n";
+    invocation.out << out.dump(2, ' ', false, Json::error_handler_t::replace) << "\n";
     return;
   }
-  print_header(context.out, paths, h);
+  print_header(invocation.out, paths, h);
   if (bands.empty()) return;
-  context.out << fmt::format("  {:<24} {:>12} {:>12} {:>12} {:>12}\n", "statistics", "min", "max", "mean", "std");
+  invocation.out << fmt::format("  {:<24} {:>12} {:>12} {:>12} {:>12}\n", "statistics", "min", "max", "mean", "std");
   if (every_band || bands.size() <= 12)
-    for (std::size_t b = 0; b < bands.size(); ++b) context.out << statistics_line(band_text(h, b), bands[b]);
-  if (bands.size() > 1) context.out << statistics_line("all bands", merged(bands));
+    for (std::size_t b = 0; b < bands.size(); ++b) invocation.out << statistics_line(band_text(h, b), bands[b]);
+  if (bands.size() > 1) invocation.out << statistics_line("all bands", merged(bands));
 }
 
 }  // namespace raycube::cli

@@ -8,6 +8,6 @@
 namespace raycube::cli {
 
 /// Prints header and, unless header_only, statistics of the pair that `path` belongs to.
-void print_cube_info(Context& context, const std::string& path, bool header_only, bool every_band);
+void print_cube_info(Invocation& invocation, const std::string& path, bool header_only, bool every_band);
 
 }  // namespace raycube::cli

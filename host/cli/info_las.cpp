@@ -108,13 +108,13 @@ void print_text(std::ostream& out, const LasInfo& info) {
 
 }  // namespace
 
-void print_las_info(Context& context, const std::string& path) {
+void print_las_info(Invocation& invocation, const std::string& path) {
   const LasInfo info = read_las_info(path);
-  for (const auto& warning : info.warnings) context.log.warning(warning);
-  if (context.common.json)
-    context.out << las_json(info).dump(2, ' ', false, Json::error_handler_t::replace) << "\n";
+  for (const auto& warning : info.warnings) invocation.log.warning(warning);
+  if (invocation.common.json)
+    invocation.out << las_json(info).dump(2, ' ', false, Json::error_handler_t::replace) << "\n";
   else
-    print_text(context.out, info);
+    print_text(invocation.out, info);
 }
 
 }  // namespace raycube::cli

@@ -7,6 +7,6 @@
 
 namespace raycube::cli {
 
-void print_las_info(Context& context, const std::string& path);
+void print_las_info(Invocation& invocation, const std::string& path);
 
 }  // namespace raycube::cli

@@ -17,8 +17,8 @@
 #include "host/base/interrupt.h"
 #include "host/base/json_text.h"
 #include "host/base/publication.h"
-#include "host/cli/dial_run.h"
-#include "host/cli/python_chart.h"
+#include "host/run/dial_run.h"
+#include "host/run/python_chart.h"
 #include "host/lidar/echoes.h"
 #include "host/lidar/make_lidar_plan.h"
 #include "host/lidar/volumes.h"
@@ -96,7 +96,7 @@ Lines choose_lines(const scene::Simulation& simulation, const lidar::LidarPlan& 
   return out;
 }
 
-lidar::Detection record_of(const DialRun::Line& line, int number, bool expected) {
+lidar::Detection record_of(const run::DialRun::Line& line, int number, bool expected) {
   lidar::Detection d;
   d.line = number;
   d.waveform_pe = line.recorded;
@@ -121,9 +121,9 @@ void add(lidar::NetCounts& sum, const lidar::NetCounts& more) {
 }
 
 /// Adds a record's ground return, the strongest of the off line; false: it has none.
-bool add_record(Group& group, const DialRun::Record& record, const lidar::LidarPlan& plan, const Lines& lines) {
-  const DialRun::Line &on = record.lines[static_cast<std::size_t>(lines.on)],
-                      &off = record.lines[static_cast<std::size_t>(lines.off)];
+bool add_record(Group& group, const run::DialRun::Record& record, const lidar::LidarPlan& plan, const Lines& lines) {
+  const run::DialRun::Line &on = record.lines[static_cast<std::size_t>(lines.on)],
+                           &off = record.lines[static_cast<std::size_t>(lines.off)];
   lidar::Detection seen = record_of(off, lines.off, false);
   const double largest = *std::max_element(off.expected.begin(), off.expected.end());
   seen.echoes =
@@ -207,31 +207,32 @@ class Report {
   double z_sum_ = 0, z_squares_ = 0, within_ = 0;
 };
 
-int retrieve(Options o, Context& context) {
+int retrieve(Options o, Invocation& invocation) {
   if (o.file.empty()) o.file = file_of_run(o.folder);
   scene::LoadOptions load;
   const scene::Simulation simulation = scene::load_simulation(o.file, load);
   const scene::Lidar& lidar = pick(simulation, o.lidar, o);
   const lidar::LidarPlan plan = lidar::make_lidar_plan(simulation, lidar, nullptr);
   const Lines lines = choose_lines(simulation, plan);
-  const DialRun run(o.folder, plan);
+  const run::DialRun recorded(o.folder, plan);
 
-  const std::filesystem::path chart = context.common.output.empty() ? std::filesystem::path(o.folder) / "columns.png"
-                                                                    : std::filesystem::path(context.common.output);
+  const std::filesystem::path chart = invocation.common.output.empty()
+                                          ? std::filesystem::path(o.folder) / "columns.png"
+                                          : std::filesystem::path(invocation.common.output);
   const std::string csv = std::filesystem::path(chart).replace_extension(".csv").string();
   if (csv == chart.string())
     throw base::Error(base::Fault::input, csv + ": a chart is a PNG; its table goes to the .csv beside it");
-  const auto if_exists = context.common.overwrite ? base::IfExists::replace : base::IfExists::refuse;
+  const auto if_exists = invocation.common.overwrite ? base::IfExists::replace : base::IfExists::refuse;
   base::OutputFile table(csv, if_exists);
   Report report(lines, table);
   const int pixels = plan.pixels();
   for (int pixel = 0; pixel < pixels; ++pixel) {
     Group group;
     int taken = 0;
-    for (std::int64_t number = pixel; number < run.records(); number += pixels) {
+    for (std::int64_t number = pixel; number < recorded.records(); number += pixels) {
       base::throw_if_interrupted();
-      if (!add_record(group, run.read(number), plan, lines)) report.none();
-      if (++taken < o.average && number + pixels < run.records()) continue;
+      if (!add_record(group, recorded.read(number), plan, lines)) report.none();
+      if (++taken < o.average && number + pixels < recorded.records()) continue;
       if (group.members > 0) report.add(group);
       group = {}, taken = 0;
     }
@@ -241,20 +242,21 @@ int retrieve(Options o, Context& context) {
   nlohmann::json totals = report.totals();
   nlohmann::json& figures = report.figures();
   figures["title"] = lidar.name, figures["gas"] = lines.gas, figures["totals"] = totals;
-  const std::string numbers = draw_chart("lidar_dial.py", figures.dump(), chart.string(), if_exists);
+  const std::string numbers = run::draw_chart("lidar_dial.py", figures.dump(), chart.string(), if_exists);
   table.publish();
-  if (context.common.json) {
+  if (invocation.common.json) {
     totals["chart"] = chart.string(), totals["table"] = csv, totals["figures"] = numbers, totals["gas"] = lines.gas;
-    context.out << totals.dump() << "\n";
+    invocation.out << totals.dump() << "\n";
     return 0;
   }
-  context.out << fmt::format("{}: {} columns, {} saturated, {} without signal\n", lines.gas, totals["good"].get<int>(),
-                             totals["saturated"].get<int>(), totals["no_signal"].get<int>());
-  context.out << fmt::format(
+  invocation.out << fmt::format("{}: {} columns, {} saturated, {} without signal\n", lines.gas,
+                                totals["good"].get<int>(), totals["saturated"].get<int>(),
+                                totals["no_signal"].get<int>());
+  invocation.out << fmt::format(
       "deviation from the noiseless return: mean {:.3f} sigma, rms {:.3f} sigma, {:.1f} % within one sigma\n",
       totals["mean_deviation_sigma"].get<double>(), totals["rms_deviation_sigma"].get<double>(),
       100 * totals["within_one_sigma"].get<double>());
-  context.out << fmt::format("chart: {}\ntable: {}\n", chart.string(), csv);
+  invocation.out << fmt::format("chart: {}\ntable: {}\n", chart.string(), csv);
   return 0;
 }
 
@@ -284,7 +286,7 @@ Verb verb_lidar_dial() {
     table.text("--lidar", "NAME", "Which of FILE's LIDARs", o->lidar).default_text = "the first";
     table.integer("--average", "pulses", 1, 1000000, "Pulses whose returns are summed before the ratio", o->average);
   };
-  verb.run = [o](Context& context) { return retrieve(*o, context); };
+  verb.run = [o](Invocation& invocation) { return retrieve(*o, invocation); };
   return verb;
 }
 

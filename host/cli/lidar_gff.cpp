@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/base/error.h"
-#include "host/cli/python_chart.h"
+#include "host/run/python_chart.h"
 #include "host/lidar/overlap.h"
 #include "host/lidar/shot.h"
 #include "host/products/csv_writer.h"
@@ -113,12 +113,12 @@ void replace(double& standing, double typed, double factor = 1) {
   if (!std::isnan(typed)) standing = factor * typed;
 }
 
-Geometry geometry_of(const Options& o, std::string& title, Context& context) {
+Geometry geometry_of(const Options& o, std::string& title, Invocation& invocation) {
   Geometry g;
   title = "two telescopes side by side";
   if (!o.file.empty()) {
     scene::LoadOptions load;
-    load.seed = context.common.seed;
+    load.seed = invocation.common.seed;
     const scene::Simulation simulation = scene::load_simulation(o.file, load);
     const scene::Lidar& lidar = pick(simulation, o.lidar, o.file);
     title = lidar.name;
@@ -160,9 +160,9 @@ Row row_at(const Geometry& g, double range_m) {
           lidar::beam_overlap(g.stop, g.gaussian, g.beam_m(range_m, g.gaussian), range_m, apart)};
 }
 
-int draw(const Options& o, Context& context) {
+int draw(const Options& o, Invocation& invocation) {
   std::string title;
-  const Geometry g = geometry_of(o, title, context);
+  const Geometry g = geometry_of(o, title, invocation);
   double furthest = std::isnan(g.surface_low_m) ? 0 : g.surface_low_m;
   for (const auto& plume : g.plumes) furthest = std::max(furthest, plume.second);
   double from = 0, to = furthest > 0 ? 1.2 * furthest : 1000;
@@ -172,8 +172,8 @@ int draw(const Options& o, Context& context) {
 
   std::vector<Row> rows;
   for (int i = 0; i < o.points; ++i) rows.push_back(row_at(g, from + (to - from) * i / (o.points - 1)));
-  const std::filesystem::path chart = context.common.output.empty() ? "gff.png" : context.common.output;
-  const auto if_exists = context.common.overwrite ? base::IfExists::replace : base::IfExists::refuse;
+  const std::filesystem::path chart = invocation.common.output.empty() ? "gff.png" : invocation.common.output;
+  const auto if_exists = invocation.common.overwrite ? base::IfExists::replace : base::IfExists::refuse;
   const std::string csv = std::filesystem::path(chart).replace_extension(".csv").string();
   if (csv == chart.string())
     throw base::Error(base::Fault::input, csv + ": a chart is a PNG; its table goes to the .csv beside it");
@@ -206,23 +206,23 @@ int draw(const Options& o, Context& context) {
   figures["peak_m"] = best_m;
   writer.finish();
   table.sync();
-  const std::string numbers = draw_chart("lidar_gff.py", figures.dump(), chart.string(), if_exists);
+  const std::string numbers = run::draw_chart("lidar_gff.py", figures.dump(), chart.string(), if_exists);
   table.publish();
 
   nlohmann::json result = {
       {"chart", chart.string()}, {"table", csv}, {"figures", numbers}, {"brightest_range_m", best_m}};
-  if (context.common.json) {
+  if (invocation.common.json) {
     if (!std::isnan(high)) result["overlap_at_surface"] = row_at(g, high).exact;
     for (const auto& [name, range] : g.plumes) result["overlap_at_plume"][name] = row_at(g, range).exact;
-    context.out << result.dump() << "\n";
+    invocation.out << result.dump() << "\n";
     return 0;
   }
-  context.out << fmt::format("brightest at {:.6g} m (overlap over range squared)\n", best_m);
+  invocation.out << fmt::format("brightest at {:.6g} m (overlap over range squared)\n", best_m);
   for (const auto& [name, range] : g.plumes)
-    context.out << fmt::format("{} at {:.6g} m: overlap {:.4g}\n", name, range, row_at(g, range).exact);
+    invocation.out << fmt::format("{} at {:.6g} m: overlap {:.4g}\n", name, range, row_at(g, range).exact);
   if (!std::isnan(high))
-    context.out << fmt::format("lowest surface at {:.6g} m: overlap {:.4g}\n", high, row_at(g, high).exact);
-  context.out << fmt::format("chart: {}\ntable: {}\n", chart.string(), csv);
+    invocation.out << fmt::format("lowest surface at {:.6g} m: overlap {:.4g}\n", high, row_at(g, high).exact);
+  invocation.out << fmt::format("chart: {}\ntable: {}\n", chart.string(), csv);
   return 0;
 }
 
@@ -269,7 +269,7 @@ Verb verb_lidar_gff() {
     number("--to", "m", 1e-3, 1e9, "Last range", o->to_m, "1.2 of the furthest mark");
     table.integer("--points", "", 2, 100000, "Ranges drawn", o->points);
   };
-  verb.run = [o](Context& context) { return draw(*o, context); };
+  verb.run = [o](Invocation& invocation) { return draw(*o, invocation); };
   return verb;
 }
 

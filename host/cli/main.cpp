@@ -56,8 +56,8 @@ int run(int argc, char** argv, std::unique_ptr<raycube::base::Log>& log) {
     base::install_signal_handlers();
     cl::set_cache_notices([&log = *log](base::Level level, const std::string& text) { log.message(level, text); });
     const base::Doing doing("command", command_line);
-    cli::Context context{values, *log, std::cout, command_line};
-    status = parsed.verb->run(context);
+    cli::Invocation invocation{values, *log, std::cout, command_line};
+    status = parsed.verb->run(invocation);
   }
   const bool printed = static_cast<bool>(std::cout.flush());
   if (!printed && base::stdout_reader_is_gone()) leave_like_others();

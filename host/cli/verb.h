@@ -14,7 +14,7 @@
 //         table.argument("FILE", "A scene file", o->file);
 //         table.number("--gsd", "m", 0.001, 1e4, "Ground sample distance", o->gsd_m);
 //       };
-//       verb.run = [o](Context& context) { context.log.info("reading " + o->file); return 0; };
+//       verb.run = [o](Invocation& invocation) { invocation.log.info("reading " + o->file); return 0; };
 //       return verb;
 //     }
 #pragma once
@@ -23,7 +23,6 @@
 #include <functional>
 #include <iosfwd>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -59,12 +58,11 @@ struct CommonOptions {
 };
 
 /// What a running verb may use. Results go to `out` (stdout), all else to `log`.
-struct Context {
+struct Invocation {
   const CommonOptions& common;
   base::Log& log;
   std::ostream& out;
-  std::string command_line;             ///< as typed, for sidecars
-  std::set<std::string> air_said = {};  ///< notices of the air that the log has (say_air of air_table.h)
+  std::string command_line;  ///< as typed, for sidecars
 };
 
 struct Verb {
@@ -76,7 +74,7 @@ struct Verb {
   std::string output_default;         ///< what help says of -o when it is not given; empty: nothing
   std::function<void(base::OptionTable&)> add_options;  ///< may be empty
   /// Returns 0, or 1 when a check found a difference beyond its limits; every other failure is a base::Error.
-  std::function<int(Context&)> run;
+  std::function<int(Invocation&)> run;
   std::vector<Verb> verbs;  ///< second-level verbs (`raycube atmos build`); then run stays empty
 };
 

@@ -15,11 +15,12 @@
 #include "host/base/error.h"
 #include "host/base/output_file.h"
 #include "host/cli/air_options.h"
-#include "host/cli/air_table.h"
+#include "host/run/air_table.h"
 #include "host/cli/atmos_compare.h"
 #include "host/cli/atmos_import.h"
 #include "host/cli/atmos_lidar.h"
 #include "host/cli/atmos_plot.h"
+#include "host/cli/services.h"
 #include "host/cli/verb.h"
 #include "scene_compiler/load_simulation.h"
 
@@ -28,10 +29,6 @@ namespace raycube::cli {
 namespace {
 
 constexpr double kUnset = std::numeric_limits<double>::quiet_NaN();
-
-base::IfExists if_exists(const CommonOptions& common) {
-  return common.overwrite ? base::IfExists::replace : base::IfExists::refuse;
-}
 
 struct BuildOptions {
   std::string file, model, lines;
@@ -110,7 +107,7 @@ void choose_model(const BuildOptions& o, scene::AtmosphereSpec& air) {
   replace(spec.co2_ppmv, o.co2), replace(spec.ch4_ppmv, o.ch4);
 }
 
-int build(const BuildOptions& o, Context& context) {
+int build(const BuildOptions& o, Invocation& invocation) {
   scene::Simulation simulation;
   double sensor_height = 610, lowest = 0, highest = 100, first_um = 0.35, last_um = 2.5;
   if (!o.file.empty()) {
@@ -127,7 +124,7 @@ int build(const BuildOptions& o, Context& context) {
     std::vector<scene::Band> bands;
     for (const auto& instrument : simulation.instruments)
       bands.insert(bands.end(), instrument.bands.begin(), instrument.bands.end());
-    std::tie(first_um, last_um) = band_range(bands);
+    std::tie(first_um, last_um) = run::band_range(bands);
   } else if (std::isnan(o.sun_zenith)) {
     throw base::Error(base::Fault::input, "where is the sun? give a scene FILE, or --sun-zenith in degrees");
   }
@@ -157,21 +154,22 @@ int build(const BuildOptions& o, Context& context) {
     throw base::Error(base::Fault::input, "--lowest (" + std::to_string(lowest) + " m) is above --highest (" +
                                               std::to_string(highest) + " m)");
   const double step_um = o.step_nm > 0 || !air.layered ? o.step_nm / 1000 : air.layered->spectral_step_um;
-  const std::string output = context.common.output.empty() ? "atmosphere.rct" : context.common.output;
+  const std::string output = invocation.common.output.empty() ? "atmosphere.rct" : invocation.common.output;
   // A name that is taken or a folder that cannot be written is known before the work begins.
-  { const base::OutputFile probe(output, if_exists(context.common)); }
-  const atmos::RenderTable table = air_table(
-      {&air, simulation.sun, sensor_height, first_um, last_um, step_um, lowest, highest, !o.no_cache}, context);
-  if (const auto notice = atmos::no_light_notice(air, simulation.sun, first_um)) context.log.warning(*notice);
-  const std::string hash = atmos::write_rct(table, output, if_exists(context.common));
-  if (context.common.json)
-    context.out << nlohmann::json{{"table", output},
-                                  {"content_hash", hash},
-                                  {"atmosphere", nlohmann::json::parse(table.provenance_json)}}
-                       .dump()
-                << "\n";
+  { const base::OutputFile probe(output, if_exists(invocation.common)); }
+  run::Services services = services_of(invocation);
+  const atmos::RenderTable table = run::air_table(
+      {&air, simulation.sun, sensor_height, first_um, last_um, step_um, lowest, highest, !o.no_cache}, services);
+  if (const auto notice = atmos::no_light_notice(air, simulation.sun, first_um)) invocation.log.warning(*notice);
+  const std::string hash = atmos::write_rct(table, output, if_exists(invocation.common));
+  if (invocation.common.json)
+    invocation.out << nlohmann::json{{"table", output},
+                                     {"content_hash", hash},
+                                     {"atmosphere", nlohmann::json::parse(table.provenance_json)}}
+                          .dump()
+                   << "\n";
   else
-    context.out << "table: " << output << "\n" << aerosol_text(table);
+    invocation.out << "table: " << output << "\n" << run::aerosol_text(table);
   return 0;
 }
 
@@ -229,7 +227,7 @@ Verb verb_build() {
     table.flag("--no-cache", "Neither read nor keep a table of the layered model", o->no_cache);
     table.flag("--no-air", "Vacuum: transmission 1, no sky, no path radiance", o->no_air);
   };
-  verb.run = [o](Context& context) { return build(*o, context); };
+  verb.run = [o](Invocation& invocation) { return build(*o, invocation); };
   return verb;
 }
 
@@ -239,10 +237,10 @@ Verb verb_info() {
   verb.name = "info";
   verb.summary = "Describe a render table: axes, rows, absent rows, provenance, stated errors";
   verb.add_options = [file](base::OptionTable& table) { table.argument("FILE", "A render table (.rct)", *file); };
-  verb.run = [file](Context& context) {
+  verb.run = [file](Invocation& invocation) {
     const atmos::RenderTable table = atmos::read_rct(*file);
     const std::string hash = atmos::content_hash(table);
-    context.out << (context.common.json ? atmos::table_json(table, hash) : atmos::table_text(table, hash));
+    invocation.out << (invocation.common.json ? atmos::table_json(table, hash) : atmos::table_text(table, hash));
     return 0;
   };
   return verb;

@@ -5,22 +5,25 @@
 #include <ostream>
 #include <thread>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "host/base/error.h"
 #include "host/base/output_file.h"
 #include "host/cl/device.h"
-#include "host/cli/chart_point.h"
-#include "host/cli/input_check.h"
-#include "host/cli/lidar_job.h"
-#include "host/cli/python_chart.h"
-#include "host/cli/simulation_job.h"
+#include "host/run/chart_point.h"
+#include "host/run/input_check.h"
+#include "host/run/lidar_job.h"
+#include "host/run/python_chart.h"
+#include "host/cli/services.h"
+#include "host/run/camera_job.h"
+#include "host/run/load_job.h"
 #include "host/products/csv_writer.h"
 
 namespace raycube::cli {
 namespace {
 
-struct Options : ChartOptions {
+struct Options : run::ChartOptions {
   std::string file, instrument;
 };
 
@@ -31,11 +34,11 @@ struct Files {
   base::OutputSet set;
   base::OutputFile &csv, &png, &json;
 
-  void write(const Chart& chart) {
+  void write(const run::Chart& chart) {
     products::CsvWriter table(
         csv, {"device", "knob", "label", "level", "error", "error_low", "error_high", "rms", "p95", "worst_band",
               "time_s", "time_low_s", "time_high_s", "rays", "terms", "front", "refused"});
-    for (const ChartPoint& p : chart.points) {
+    for (const run::ChartPoint& p : chart.points) {
       table.add(p.device).add(p.knob).add(p.label).add(p.level);
       const bool refused = !p.refused.empty();
       for (const double value : {p.error, p.error_low, p.error_high, p.rms, p.p95, static_cast<double>(p.worst_band),
@@ -49,8 +52,8 @@ struct Files {
       table.end_row();
     }
     table.finish();
-    json.append(chart_json(chart) + "\n");
-    draw_into("chart.py", json, png);
+    json.append(run::chart_json(chart).dump(2) + "\n");
+    run::draw_into("chart.py", json, png);
     set.publish();
   }
 };
@@ -67,14 +70,35 @@ std::string processor() {
   return name + ", " + std::to_string(std::thread::hardware_concurrency()) + " threads";
 }
 
-int run(Context& context, const Options& options) {
-  scene::Simulation simulation = load_job(options.file, context);
-  check_inputs(simulation, pick_instruments(simulation, options.instrument),
-               pick_lidars(simulation, options.instrument));
+/// Table of the front and, per knob, of all points.
+std::string chart_text(const run::Chart& chart) {
+  std::string out =
+      fmt::format("{} {}: error against {} {} by {}\n  its own error {:.3g}, tolerance {:g}\n  time of {}\n",
+                  chart.kind, chart.name, chart.validated, chart.kind == "cube" ? "pixels" : "pulses", chart.reference,
+                  chart.own_error, chart.tolerance, chart.what_time);
+  out += fmt::format("  {:<27} {:<12} {:>9} {:>19} {:>9} {:>9} {:>21} {:>9}\n", "knob", "level", "error", "from to",
+                     "p95", "time s", "from to", "rays");
+  for (const run::ChartPoint& p : chart.points) {
+    if (!p.refused.empty()) {
+      out += fmt::format("  {:<27} {:<12} no plan: {}\n", p.knob, p.label, p.refused);
+      continue;
+    }
+    out += fmt::format("{} {:<27} {:<12} {:>9.2e} {:>9.2e} {:>9.2e} {:>9.2e} {:>9.4g} {:>10.4g} {:>10.4g} {:>9.0f}\n",
+                       p.front ? '*' : ' ', p.knob, p.label, p.error, p.error_low, p.error_high, p.p95, p.time_s,
+                       p.time_low_s, p.time_high_s, p.rays);
+  }
+  return out + "  * nothing is both faster and more accurate\n";
+}
+
+int run(Invocation& invocation, const Options& options) {
+  run::Services services = services_of(invocation);
+  scene::Simulation simulation = run::load_job(options.file, invocation.common.seed, services);
+  run::check_inputs(simulation, run::pick_instruments(simulation, options.instrument),
+                    run::pick_lidars(simulation, options.instrument));
   const auto wanted = [&](const std::string& name) { return options.instrument.empty() || name == options.instrument; };
   std::vector<std::string> devices;
-  if (!context.common.device.empty())
-    devices = {context.common.device};
+  if (!invocation.common.device.empty())
+    devices = {invocation.common.device};
   else
     for (std::size_t i = 0; i < cl::list_devices().size(); ++i) devices.push_back(std::to_string(i));
   // A knob that is named need not belong to every instrument, but to one.
@@ -99,28 +123,28 @@ int run(Context& context, const Options& options) {
   if (jobs.empty())
     throw base::Error(base::Fault::input,
                       options.file + ": none of the knobs that are named changes anything of what it has");
-  const std::string folder = context.common.output.empty() ? "out" : context.common.output;
+  const std::string folder = invocation.common.output.empty() ? "out" : invocation.common.output;
   std::map<std::string, Files> files;
   for (const Job& job : jobs)
-    files.try_emplace(job.name, folder + "/" + job.name + "_chart",
-                      context.common.overwrite ? base::IfExists::replace : base::IfExists::refuse);
+    files.try_emplace(job.name, folder + "/" + job.name + "_chart", if_exists(invocation.common));
+  const render::RenderOptions where = render_options(invocation.common);
   nlohmann::ordered_json all;
   for (const Job& job : jobs) {
-    Chart chart = job.lidar ? chart_pulses(simulation, job.index, options, devices, context)
-                            : chart_cube(simulation, job.index, options, devices, context);
+    run::Chart chart = job.lidar ? run::chart_pulses(simulation, job.index, options, devices, where, services)
+                                 : run::chart_cube(simulation, job.index, options, devices, where, services);
     chart.machines.push_back(processor());
     if (5 * chart.own_error > chart.tolerance)
-      context.log.warning(job.name + ": the reference's own error, " + std::to_string(100 * chart.own_error) +
-                          " %, is more than a fifth of the tolerance: what lies near it is not told apart; give a "
-                          "larger --reference-grid, or --pulses");
+      invocation.log.warning(job.name + ": the reference's own error, " + std::to_string(100 * chart.own_error) +
+                             " %, is more than a fifth of the tolerance: what lies near it is not told apart; give a "
+                             "larger --reference-grid, or --pulses");
     files.at(job.name).write(chart);
-    context.log.info("wrote " + files.at(job.name).set.folder() + "/chart.csv, chart.json and chart.png");
-    if (context.common.json)
-      all[job.name] = nlohmann::ordered_json::parse(chart_json(chart));
+    invocation.log.info("wrote " + files.at(job.name).set.folder() + "/chart.csv, chart.json and chart.png");
+    if (invocation.common.json)
+      all[job.name] = run::chart_json(chart);
     else
-      context.out << chart_text(chart);
+      invocation.out << chart_text(chart);
   }
-  if (context.common.json) context.out << all.dump(2) << "\n";
+  if (invocation.common.json) invocation.out << all.dump(2) << "\n";
   return 0;
 }
 
@@ -170,7 +194,7 @@ Verb verb_chart() {
         o->reference_grid);
     table.integer<int>("--repeats", "", 1, 1000, "Timings of each setting after the warm-up", o->repeats);
   };
-  verb.run = [o](Context& context) { return run(context, *o); };
+  verb.run = [o](Invocation& invocation) { return run(invocation, *o); };
   return verb;
 }
 

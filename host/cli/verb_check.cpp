@@ -8,13 +8,14 @@
 #include <nlohmann/json.hpp>
 
 #include "host/base/output_file.h"
-#include "host/base/progress.h"
-#include "host/cli/check_instrument.h"
-#include "host/cli/check_lidar.h"
-#include "host/cli/difference_chart.h"
-#include "host/cli/input_check.h"
-#include "host/cli/lidar_job.h"
-#include "host/cli/simulation_job.h"
+#include "host/run/check_instrument.h"
+#include "host/run/check_lidar.h"
+#include "host/run/difference_chart.h"
+#include "host/run/input_check.h"
+#include "host/run/lidar_job.h"
+#include "host/cli/services.h"
+#include "host/run/camera_job.h"
+#include "host/run/load_job.h"
 #include "host/cli/verb.h"
 #include "host/planner/plan_lines.h"
 #include "host/products/png_writer.h"
@@ -49,7 +50,7 @@ struct Files {
 
   /// all: the report as JSON, with what was looked at beside it.
   void write(const scene::Instrument& instrument, const reference::Report& report, const nlohmann::ordered_json& all) {
-    const products::Raster chart = difference_chart(report, instrument);
+    const products::Raster chart = run::difference_chart(report, instrument);
     products::write_png(picture, static_cast<std::uint32_t>(chart.width()), static_cast<std::uint32_t>(chart.height()),
                         3, chart.rgb(),
                         {{"Description",
@@ -75,7 +76,7 @@ struct Outcome {
 };
 
 /// What no comparison of an instrument can see: both sides trace the same rays of the same scene.
-std::vector<std::string> not_looked_at(const InstrumentJob& job) {
+std::vector<std::string> not_looked_at(const run::CameraJob& job) {
   const planner::Decision& d = job.decision;
   const int samples = job.instrument->samples_u * job.instrument->samples_v;
   std::string error = "how well " + std::to_string(samples) + (samples == 1 ? " sample tells" : " samples tell") +
@@ -96,7 +97,7 @@ std::vector<std::string> not_looked_at(const InstrumentJob& job) {
 }
 
 /// The same of a LIDAR.
-std::vector<std::string> not_looked_at(const LidarJob& job) {
+std::vector<std::string> not_looked_at(const run::LidarJob& job) {
   const planner::LidarDecision& d = job.decision;
   std::string error = "how well " + std::to_string(d.subrays) + (d.subrays == 1 ? " sub-ray tells" : " sub-rays tell") +
                       " what a beam meets, since both sides trace the same ones: ";
@@ -114,37 +115,18 @@ std::vector<std::string> not_looked_at(const LidarJob& job) {
 }
 
 void check_one(const scene::Simulation& simulation, const scene::Instrument& given, render::Renderer& renderer,
-               const Options& options, Files* files, Context& context, Outcome& outcome) {
-  CheckOptions check;
+               const Options& options, Files* files, Invocation& invocation, run::Services& services,
+               Outcome& outcome) {
+  run::Planning planning;
+  planning.renderer = &renderer;
+  const run::CameraJob job = run::prepare_camera(simulation, given, services, planning);
+  const scene::Instrument& instrument = *job.instrument;
+  run::CheckOptions check;
   check.pixels = options.pixels;
   check.model_pixels = options.model_pixels;
   check.model_directions = options.model_directions;
-  check.threads = context.common.threads;
-  Planning planning;
-  planning.renderer = &renderer;
-  const InstrumentJob job = prepare(simulation, given, context, planning);
-  const scene::Instrument& instrument = *job.instrument;
-  const auto samples =
-      static_cast<std::uint64_t>(instrument.samples_u) * static_cast<std::uint64_t>(instrument.samples_v);
-  const auto expected = [&](std::uint64_t pixels) {
-    return pixels_of(pick_tiles(instrument, simulation.seed, pixels));
-  };
-  reference::HitReport hits;
-  if (options.rays > 0) {
-    base::Progress progress(context.log, "hits of " + instrument.name,
-                            samples * expected((options.rays + samples - 1) / samples), "rays");
-    hits = check_hits(renderer, simulation.scene, instrument, simulation.seed, options.rays, check.threads,
-                      [&](std::uint64_t more) { progress.advance(more); });
-  }
-  reference::Report report;
-  {
-    base::Progress progress(context.log, "check " + instrument.name, expected(options.pixels), "pixels");
-    report = check_instrument(renderer, simulation, instrument, job.plan, job.table, check,
-                              [&](std::uint64_t more) { progress.advance(more); });
-  }
-  report.first_hits = std::move(hits);
-  const auto small =
-      check_small_objects(renderer, simulation, instrument, job.plan, job.table, job.decision.small, check);
+  check.threads = services.threads;
+  const auto [report, small] = run::check_camera(renderer, simulation, job, check, options.rays, services);
   outcome.passed &= report.failures().empty();
   for (const auto& one : small) outcome.passed &= one.report.failures().empty();
   const std::vector<std::string> aside = not_looked_at(job);
@@ -154,93 +136,89 @@ void check_one(const scene::Simulation& simulation, const scene::Instrument& giv
                                      {"pixels_of_the_image", one.pixels},
                                      {"report", nlohmann::ordered_json::parse(one.report.json())}});
   json["not_looked_at"] = aside;
-  if (context.common.json) {
+  if (invocation.common.json) {
     outcome.all[instrument.name] = json;
   } else {
-    context.out << "instrument " << instrument.name << " on " << renderer.device_name() << "\n"
-                << report.text(band_names(instrument));
+    invocation.out << "instrument " << instrument.name << " on " << renderer.device_name() << "\n"
+                   << report.text(band_names(instrument));
     for (const auto& one : small)
-      context.out << "pixels with small objects, " << one.samples << " samples each (" << one.pixels
-                  << " of the image):\n"
-                  << one.report.text(band_names(instrument));
-    for (const std::string& line : aside) context.out << "not looked at: " << line << "\n";
+      invocation.out << "pixels with small objects, " << one.samples << " samples each (" << one.pixels
+                     << " of the image):\n"
+                     << one.report.text(band_names(instrument));
+    for (const std::string& line : aside) invocation.out << "not looked at: " << line << "\n";
   }
   if (!files) return;
   files->write(instrument, report, json);
-  context.log.info("wrote " + files->set.folder() + "/check.json and difference.png");
+  invocation.log.info("wrote " + files->set.folder() + "/check.json and difference.png");
 }
 
 void check_one_lidar(const scene::Simulation& simulation, const scene::Lidar& lidar, render::LidarRenderer& renderer,
-                     const Options& options, LidarFiles* files, Context& context, Outcome& outcome) {
-  LidarPlanning planning;
+                     const Options& options, LidarFiles* files, Invocation& invocation, run::Services& services,
+                     Outcome& outcome) {
+  run::LidarPlanning planning;
   planning.renderer = &renderer;
-  const LidarJob job = prepare_lidar(simulation, lidar, context, planning);
-  LidarCheckOptions check;
-  check.pulses = options.pulses > 0 ? options.pulses : default_pulses(job.plan);
-  check.threads = context.common.threads;
-  reference::LidarReport report;
-  {
-    base::Progress progress(context.log, "check " + lidar.name,
-                            std::min<std::uint64_t>(check.pulses, static_cast<std::uint64_t>(lidar.pulses)), "pulses");
-    report =
-        check_lidar(renderer, simulation.scene, job.plan, check, [&](std::uint64_t more) { progress.advance(more); });
-  }
+  const run::LidarJob job = run::prepare_lidar(simulation, lidar, services, planning);
+  run::LidarCheckOptions check;
+  check.pulses = options.pulses > 0 ? options.pulses : run::default_pulses(job.plan);
+  check.threads = services.threads;
+  const reference::LidarReport report = run::check_survey(renderer, simulation, job, check, services);
   outcome.passed &= report.failures().empty();
   const std::vector<std::string> aside = not_looked_at(job);
   auto json = nlohmann::ordered_json::parse(report.json());
   json["not_looked_at"] = aside;
-  if (context.common.json) {
+  if (invocation.common.json) {
     outcome.all[lidar.name] = json;
   } else {
-    context.out << "LIDAR " << lidar.name << " on " << renderer.device_name() << "\n" << report.text();
-    for (const std::string& line : aside) context.out << "not looked at: " << line << "\n";
+    invocation.out << "LIDAR " << lidar.name << " on " << renderer.device_name() << "\n" << report.text();
+    for (const std::string& line : aside) invocation.out << "not looked at: " << line << "\n";
   }
   if (!files) return;
   files->json.append(json.dump(2) + "\n");
   files->set.publish();
-  context.log.info("wrote " + files->set.folder() + "/check.json");
+  invocation.log.info("wrote " + files->set.folder() + "/check.json");
 }
 
-int run(Context& context, const Options& options) {
-  const scene::Simulation simulation = load_job(options.file, context);
-  const auto lidars = pick_lidars(simulation, options.instrument);
+int run(Invocation& invocation, const Options& options) {
+  run::Services services = services_of(invocation);
+  const scene::Simulation simulation = run::load_job(options.file, invocation.common.seed, services);
+  const auto lidars = run::pick_lidars(simulation, options.instrument);
   std::vector<const scene::Instrument*> instruments;
   if (lidars.empty())
-    instruments = pick_instruments(simulation, options.instrument);
+    instruments = run::pick_instruments(simulation, options.instrument);
   else
     for (const scene::Instrument& instrument : simulation.instruments)
       if (options.instrument.empty() || instrument.name == options.instrument) instruments.push_back(&instrument);
   std::map<std::string, Files> files;
   std::map<std::string, LidarFiles> lidar_files;
-  if (!context.common.output.empty()) {
-    const base::IfExists if_exists = context.common.overwrite ? base::IfExists::replace : base::IfExists::refuse;
+  if (!invocation.common.output.empty()) {
+    const base::IfExists if_exists = cli::if_exists(invocation.common);
     for (const scene::Instrument* instrument : instruments)
-      files.try_emplace(instrument->name, context.common.output + "/" + instrument->name + "_check", if_exists);
+      files.try_emplace(instrument->name, invocation.common.output + "/" + instrument->name + "_check", if_exists);
     for (const scene::Lidar* lidar : lidars)
-      lidar_files.try_emplace(lidar->name, context.common.output + "/" + lidar->name + "_check", if_exists);
+      lidar_files.try_emplace(lidar->name, invocation.common.output + "/" + lidar->name + "_check", if_exists);
   }
-  check_inputs(simulation, instruments, lidars);
+  run::check_inputs(simulation, instruments, lidars);
   Outcome outcome;
   if (!instruments.empty()) {
-    render::Renderer renderer(simulation.scene, render_options(context.common));
+    render::Renderer renderer(simulation.scene, render_options(invocation.common));
     for (const scene::Instrument* instrument : instruments) {
       const auto at = files.find(instrument->name);
-      check_one(simulation, *instrument, renderer, options, at == files.end() ? nullptr : &at->second, context,
-                outcome);
+      check_one(simulation, *instrument, renderer, options, at == files.end() ? nullptr : &at->second, invocation,
+                services, outcome);
     }
   }
   if (!lidars.empty()) {
-    render::LidarRenderer renderer(simulation.scene, render_options(context.common));
+    render::LidarRenderer renderer(simulation.scene, render_options(invocation.common));
     for (const scene::Lidar* lidar : lidars) {
       const auto at = lidar_files.find(lidar->name);
-      check_one_lidar(simulation, *lidar, renderer, options, at == lidar_files.end() ? nullptr : &at->second, context,
-                      outcome);
+      check_one_lidar(simulation, *lidar, renderer, options, at == lidar_files.end() ? nullptr : &at->second,
+                      invocation, services, outcome);
     }
   }
-  if (context.common.json)
-    context.out << outcome.all.dump(2) << "\n";
+  if (invocation.common.json)
+    invocation.out << outcome.all.dump(2) << "\n";
   else
-    context.out << (outcome.passed ? "check: within limits\n" : "check: BEYOND LIMITS\n");
+    invocation.out << (outcome.passed ? "check: within limits\n" : "check: BEYOND LIMITS\n");
   return outcome.passed ? 0 : 1;
 }
 
@@ -297,7 +275,7 @@ Verb verb_check() {
                                  o->model_pixels);
     table.integer<int>("--model-directions", "", 16, 65536, "Sky directions of that comparison", o->model_directions);
   };
-  verb.run = [o](Context& context) { return run(context, *o); };
+  verb.run = [o](Invocation& invocation) { return run(invocation, *o); };
   return verb;
 }
 

@@ -10,13 +10,13 @@
 namespace raycube::cli {
 namespace {
 
-int run(Context& context) {
+int run(Invocation& invocation) {
   using Json = nlohmann::ordered_json;
   const auto devices = cl::list_devices();
   Json list = Json::array();
   for (std::size_t i = 0; i < devices.size(); ++i) {
     const cl::DeviceInfo& d = devices[i].info();
-    if (context.common.json) {
+    if (invocation.common.json) {
       list.push_back({{"number", i},
                       {"name", d.name},
                       {"vendor", d.vendor},
@@ -32,15 +32,15 @@ int run(Context& context) {
                       {"max_alloc_bytes", d.max_alloc_bytes}});
       continue;
     }
-    context.out << fmt::format("{}  {}\n", i, d.name);
-    context.out << fmt::format("   {}, {}, {}, driver {}\n", d.platform, d.version, d.c_version, d.driver);
-    context.out << fmt::format("   {}, {} compute units, native vectors of {} floats, {}double precision\n",
-                               d.is_cpu ? "CPU" : "GPU or accelerator", d.compute_units, d.native_float_width,
-                               d.fp64 ? "" : "no ");
-    context.out << fmt::format("   memory {}, largest buffer {}\n", base::format_bytes(d.global_memory_bytes),
-                               base::format_bytes(d.max_alloc_bytes));
+    invocation.out << fmt::format("{}  {}\n", i, d.name);
+    invocation.out << fmt::format("   {}, {}, {}, driver {}\n", d.platform, d.version, d.c_version, d.driver);
+    invocation.out << fmt::format("   {}, {} compute units, native vectors of {} floats, {}double precision\n",
+                                  d.is_cpu ? "CPU" : "GPU or accelerator", d.compute_units, d.native_float_width,
+                                  d.fp64 ? "" : "no ");
+    invocation.out << fmt::format("   memory {}, largest buffer {}\n", base::format_bytes(d.global_memory_bytes),
+                                  base::format_bytes(d.max_alloc_bytes));
   }
-  if (context.common.json) context.out << Json{{"devices", list}}.dump(2) << "\n";
+  if (invocation.common.json) invocation.out << Json{{"devices", list}}.dump(2) << "\n";
   return 0;
 }
 

@@ -51,12 +51,12 @@ std::string resolve(const std::string& path) {
   throw Error(Fault::input, path + ": is a folder without run.json; name a file");
 }
 
-void print_run(Context& context, const std::string& path, const Json& run) {
+void print_run(Invocation& invocation, const std::string& path, const Json& run) {
   if (!run.is_object() || run.value("format", "") != "raycube run")
     throw Error(Fault::input,
                 path + ": is JSON but no run record of raycube (its member \"format\" is not \"raycube run\")");
-  if (context.common.json) {
-    context.out << Json{{"kind", "run"}, {"file", path}, {"run", run}}.dump(2) << "\n";
+  if (invocation.common.json) {
+    invocation.out << Json{{"kind", "run"}, {"file", path}, {"run", run}}.dump(2) << "\n";
     return;
   }
   const auto text = [&](const Json& at, const char* key) -> std::string {
@@ -64,7 +64,7 @@ void print_run(Context& context, const std::string& path, const Json& run) {
     return at[key].is_string() ? at[key].get<std::string>() : at[key].dump();
   };
   const auto member = [&](const char* key) { return run.value(key, Json::object()); };
-  auto& out = context.out;
+  auto& out = invocation.out;
   out << fmt::format("{}: run of raycube {} ({})\n", path, text(member("program"), "version"),
                      text(member("program"), "commit"));
   out << fmt::format("  command       {}\n  instrument    {}\n", text(run, "command"), text(run, "instrument"));
@@ -87,10 +87,10 @@ void print_run(Context& context, const std::string& path, const Json& run) {
     out << fmt::format("  {:<20} {}\n", name, what.is_string() ? what.get<std::string>() : "");
 }
 
-void print_run_file(Context& context, const std::string& path) {
+void print_run_file(Invocation& invocation, const std::string& path) {
   std::ifstream in(path);
   try {
-    print_run(context, path, Json::parse(base::shallow_json(in)));
+    print_run(invocation, path, Json::parse(base::shallow_json(in)));
   } catch (const Json::parse_error& failure) {
     throw Error(Fault::input, fmt::format("{}: is not valid JSON at byte {}; is the file whole?", path, failure.byte));
   } catch (const Json::exception& failure) {
@@ -99,51 +99,51 @@ void print_run_file(Context& context, const std::string& path) {
   }
 }
 
-void print_scene(Context& context, const std::string& path) {
+void print_scene(Invocation& invocation, const std::string& path) {
   const auto info = scene::scene_info(scene::load_compiled(path));
-  context.out << (context.common.json ? scene::scene_info_json(info) : scene::scene_info_text(info));
+  invocation.out << (invocation.common.json ? scene::scene_info_json(info) : scene::scene_info_text(info));
 }
 
-void print_table(Context& context, const std::string& path) {
+void print_table(Invocation& invocation, const std::string& path) {
   const auto table = atmos::read_rct(path);
   const std::string hash = atmos::content_hash(table);
-  context.out << (context.common.json ? atmos::table_json(table, hash) : atmos::table_text(table, hash));
+  invocation.out << (invocation.common.json ? atmos::table_json(table, hash) : atmos::table_text(table, hash));
 }
 
 /// The disk against the record's hashes; the exit status.
-int print_verified(Context& context, const std::string& path) {
+int print_verified(Invocation& invocation, const std::string& path) {
   const auto found = products::verify_run(path);
-  if (context.common.json) {
-    context.out << Json{{"kind", "verification"}, {"file", path},         {"whole", found.whole()},
-                        {"files", found.files},   {"bytes", found.bytes}, {"differences", found.differences}}
-                       .dump(2)
-                << "\n";
+  if (invocation.common.json) {
+    invocation.out << Json{{"kind", "verification"}, {"file", path},         {"whole", found.whole()},
+                           {"files", found.files},   {"bytes", found.bytes}, {"differences", found.differences}}
+                          .dump(2)
+                   << "\n";
   } else {
     for (const auto& difference : found.differences)
-      context.out << (fs::path(path).parent_path() / difference).string() << "\n";
-    context.out << fmt::format("{}: {} of {} files are as they were written, {}\n", path,
-                               found.files - found.differences.size(), found.files, base::format_bytes(found.bytes));
+      invocation.out << (fs::path(path).parent_path() / difference).string() << "\n";
+    invocation.out << fmt::format("{}: {} of {} files are as they were written, {}\n", path,
+                                  found.files - found.differences.size(), found.files, base::format_bytes(found.bytes));
   }
   return found.whole() ? 0 : static_cast<int>(Fault::check);
 }
 
-int run(Context& context, const Options& options) {
+int run(Invocation& invocation, const Options& options) {
   const std::string path = resolve(options.file);
   const std::string extension = fs::path(path).extension().string();
   if (options.verify) {
     if (extension != ".json") throw Error(Fault::input, path + ": --verify wants a run's folder or its run.json");
-    return print_verified(context, path);
+    return print_verified(invocation, path);
   }
   if (extension == ".rcs")
-    print_scene(context, path);
+    print_scene(invocation, path);
   else if (extension == ".rct")
-    print_table(context, path);
+    print_table(invocation, path);
   else if (extension == ".json")
-    print_run_file(context, path);
+    print_run_file(invocation, path);
   else if (extension == ".las" || extension == ".LAS" || extension == ".laz")
-    print_las_info(context, path);
+    print_las_info(invocation, path);
   else
-    print_cube_info(context, path, options.header_only, options.every_band);
+    print_cube_info(invocation, path, options.header_only, options.every_band);
   return 0;
 }
 
@@ -171,7 +171,7 @@ Verb verb_info() {
                options->verify);
     table.flag("--bands", "Of an image one line of statistics per band", options->every_band);
   };
-  verb.run = [options](Context& context) { return run(context, *options); };
+  verb.run = [options](Invocation& invocation) { return run(invocation, *options); };
   return verb;
 }
 

@@ -41,7 +41,7 @@ std::string content_of(const fs::path& path) {
   return out.str();
 }
 
-int run(Context& context, std::string path) {
+int run(Invocation& invocation, std::string path) {
   while (path.size() > 1 && path.back() == '/') path.pop_back();
   const std::string name = fs::path(path).filename().string();
   if (name.empty() ||
@@ -60,11 +60,11 @@ int run(Context& context, std::string path) {
   }
   set.publish();
   const std::string scene = files.back();
-  if (context.common.json)
-    context.out << nlohmann::ordered_json{{"scene", scene}, {"files", files}}.dump(2) << "\n";
+  if (invocation.common.json)
+    invocation.out << nlohmann::ordered_json{{"scene", scene}, {"files", files}}.dump(2) << "\n";
   else
-    context.out << scene << "\n";
-  context.log.info(fmt::format("next: raycube render {} -o {}-out", scene, name));
+    invocation.out << scene << "\n";
+  invocation.log.info(fmt::format("next: raycube render {} -o {}-out", scene, name));
   return 0;
 }
 
@@ -82,7 +82,7 @@ Verb verb_new() {
   verb.add_options = [path](base::OptionTable& table) {
     table.argument("NAME", "Folder to make; its last part names the scene", *path);
   };
-  verb.run = [path](Context& context) { return run(context, *path); };
+  verb.run = [path](Invocation& invocation) { return run(invocation, *path); };
   return verb;
 }
 

@@ -6,9 +6,11 @@
 #include <optional>
 
 #include "host/base/output_file.h"
-#include "host/cli/input_check.h"
-#include "host/cli/lidar_job.h"
-#include "host/cli/simulation_job.h"
+#include "host/run/input_check.h"
+#include "host/run/lidar_job.h"
+#include "host/cli/services.h"
+#include "host/run/camera_job.h"
+#include "host/run/load_job.h"
 #include "host/planner/plan_file.h"
 #include "host/planner/plan_lines.h"
 
@@ -28,11 +30,11 @@ struct Said {
 };
 
 Said plan_instrument(const scene::Simulation& simulation, const scene::Instrument& instrument,
-                     render::Renderer& renderer, Context& context) {
-  Planning planning;
+                     render::Renderer& renderer, run::Services& services) {
+  run::Planning planning;
   planning.renderer = &renderer;
   planning.estimate_given = true;
-  const InstrumentJob job = prepare(simulation, instrument, context, planning);
+  const run::CameraJob job = run::prepare_camera(simulation, instrument, services, planning);
   const planner::Decision& d = job.decision;
   const auto lines = planner::plan_lines(d, job.plan);
   Said said;
@@ -60,8 +62,8 @@ Said plan_instrument(const scene::Simulation& simulation, const scene::Instrumen
 }
 
 Said plan_lidar(const scene::Simulation& simulation, const scene::Lidar& lidar, render::LidarRenderer& renderer,
-                Context& context) {
-  const LidarJob job = prepare_lidar(simulation, lidar, context, {&renderer, nullptr, "", true});
+                run::Services& services) {
+  const run::LidarJob job = run::prepare_lidar(simulation, lidar, services, {&renderer, nullptr, "", true});
   const planner::LidarDecision& d = job.decision;
   Said said;
   said.heading = fmt::format("{}: {} pulses, tolerance {:.3g} % of the waveforms\n", lidar.name, lidar.pulses,
@@ -76,39 +78,39 @@ Said plan_lidar(const scene::Simulation& simulation, const scene::Lidar& lidar, 
   return said;
 }
 
-int run(const Options& options, Context& context) {
-  const scene::Simulation simulation = load_job(options.file, context);
-  const auto instruments = pick_instruments(simulation, options.instrument);
-  const auto lidars = pick_lidars(simulation, options.instrument);
-  const auto settings = render_options(context.common);
+int run(const Options& options, Invocation& invocation) {
+  run::Services services = services_of(invocation);
+  const scene::Simulation simulation = run::load_job(options.file, invocation.common.seed, services);
+  const auto instruments = run::pick_instruments(simulation, options.instrument);
+  const auto lidars = run::pick_lidars(simulation, options.instrument);
+  const auto settings = render_options(invocation.common);
   std::optional<base::OutputFile> output;
-  if (!context.common.output.empty())
-    output.emplace(context.common.output, context.common.overwrite ? base::IfExists::replace : base::IfExists::refuse);
-  check_inputs(simulation, instruments, lidars);
+  if (!invocation.common.output.empty()) output.emplace(invocation.common.output, if_exists(invocation.common));
+  run::check_inputs(simulation, instruments, lidars);
   std::vector<Said> all;
   if (!instruments.empty()) {
     render::Renderer renderer(simulation.scene, settings);
     for (const auto* instrument : instruments)
-      all.push_back(plan_instrument(simulation, *instrument, renderer, context));
+      all.push_back(plan_instrument(simulation, *instrument, renderer, services));
   }
   if (!lidars.empty()) {
     render::LidarRenderer renderer(simulation.scene, settings);
-    for (const auto* lidar : lidars) all.push_back(plan_lidar(simulation, *lidar, renderer, context));
+    for (const auto* lidar : lidars) all.push_back(plan_lidar(simulation, *lidar, renderer, services));
   }
   planner::PlanFile file{simulation.file, simulation.scene.content_hash, simulation.tolerance, simulation.seed, {}};
   for (const auto& said : all) file.entries.push_back(said.entry);
   const std::string text = planner::write_plan_file(file);
-  if (context.common.json) {
-    context.out << text;
+  if (invocation.common.json) {
+    invocation.out << text;
   } else {
-    for (const auto& said : all) context.out << said.heading << said.table << said.summary;
-    context.out << "Errors are of the numerics and of levels left out, against the converged solution of the same "
-                   "scene and air; input data are not judged.\n";
+    for (const auto& said : all) invocation.out << said.heading << said.table << said.summary;
+    invocation.out << "Errors are of the numerics and of levels left out, against the converged solution of the same "
+                      "scene and air; input data are not judged.\n";
   }
   if (output) {
     output->append(text);
     output->publish();
-    context.log.info("wrote " + context.common.output);
+    invocation.log.info("wrote " + invocation.common.output);
   }
   return 0;
 }
@@ -138,7 +140,7 @@ Verb verb_plan() {
     table.argument("FILE", "The simulation file (TOML)", options->file);
     table.text("--instrument", "NAME", "Only this instrument or LIDAR", options->instrument);
   };
-  verb.run = [options](Context& context) { return run(*options, context); };
+  verb.run = [options](Invocation& invocation) { return run(*options, invocation); };
   return verb;
 }
 

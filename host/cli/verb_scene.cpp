@@ -3,7 +3,7 @@
 #include <ostream>
 
 #include "host/base/error.h"
-#include "host/cli/input_check.h"
+#include "host/run/input_check.h"
 #include "host/cli/verb.h"
 #include "scene_compiler/compiled_file.h"
 #include "scene_compiler/load_simulation.h"
@@ -17,19 +17,19 @@ struct Options {
   std::string file;
 };
 
-scene::Simulation load(Context& context, const std::string& file, bool compile) {
+scene::Simulation load(Invocation& invocation, const std::string& file, bool compile) {
   scene::LoadOptions options;
   options.compile = compile;
   auto simulation = scene::load_simulation(file, options);
-  for (const auto& notice : simulation.notices) context.log.warning(notice);
+  for (const auto& notice : simulation.notices) invocation.log.warning(notice);
   return simulation;
 }
 
 bool is_compiled(const std::string& file) { return file.ends_with(".rcs"); }
 
-void print_info(Context& context, const scene::CompiledScene& compiled) {
+void print_info(Invocation& invocation, const scene::CompiledScene& compiled) {
   const auto info = scene::scene_info(compiled);
-  context.out << (context.common.json ? scene::scene_info_json(info) : scene::scene_info_text(info));
+  invocation.out << (invocation.common.json ? scene::scene_info_json(info) : scene::scene_info_text(info));
 }
 
 Verb verb_info() {
@@ -41,8 +41,9 @@ Verb verb_info() {
   verb.add_options = [o](base::OptionTable& table) {
     table.argument("FILE", "A simulation file, or a compiled scene (.rcs)", o->file);
   };
-  verb.run = [o](Context& context) {
-    print_info(context, is_compiled(o->file) ? scene::load_compiled(o->file) : load(context, o->file, true).scene);
+  verb.run = [o](Invocation& invocation) {
+    print_info(invocation,
+               is_compiled(o->file) ? scene::load_compiled(o->file) : load(invocation, o->file, true).scene);
     return 0;
   };
   return verb;
@@ -61,15 +62,15 @@ Verb verb_check() {
       "render, check, plan, chart and tune begin with the same.";
   verb.examples = {"raycube scene check park.toml"};
   verb.add_options = [o](base::OptionTable& table) { table.argument("FILE", "A simulation file", o->file); };
-  verb.run = [o](Context& context) {
-    const auto simulation = load(context, o->file, true);  // which materials are used, only the scene tells
-    const auto notices = check_inputs(simulation);
-    for (const auto& notice : notices) context.log.warning(notice);
-    if (context.common.json)
-      context.out << simulation.resolved_json << "\n";
+  verb.run = [o](Invocation& invocation) {
+    const auto simulation = load(invocation, o->file, true);  // which materials are used, only the scene tells
+    const auto notices = run::check_inputs(simulation);
+    for (const auto& notice : notices) invocation.log.warning(notice);
+    if (invocation.common.json)
+      invocation.out << simulation.resolved_json << "\n";
     else
-      context.out << o->file << ": sound; " << simulation.instruments.size() << " instruments, "
-                  << simulation.notices.size() + notices.size() << " notices\n";
+      invocation.out << o->file << ": sound; " << simulation.instruments.size() << " instruments, "
+                     << simulation.notices.size() + notices.size() << " notices\n";
     return 0;
   };
   return verb;
@@ -87,14 +88,14 @@ Verb verb_compile() {
   verb.common = kOutput;
   verb.output_default = "FILE with the ending .rcs";
   verb.add_options = [o](base::OptionTable& table) { table.argument("FILE", "A simulation file", o->file); };
-  verb.run = [o](Context& context) {
-    std::string output = context.common.output;
+  verb.run = [o](Invocation& invocation) {
+    std::string output = invocation.common.output;
     if (output.empty())
       output = (o->file.ends_with(".toml") ? o->file.substr(0, o->file.size() - 5) : o->file) + ".rcs";
-    const auto simulation = load(context, o->file, true);
-    scene::save_compiled(simulation.scene, output, context.common.overwrite);
-    context.log.info("wrote " + output);
-    print_info(context, simulation.scene);
+    const auto simulation = load(invocation, o->file, true);
+    scene::save_compiled(simulation.scene, output, invocation.common.overwrite);
+    invocation.log.info("wrote " + output);
+    print_info(invocation, simulation.scene);
     return 0;
   };
   return verb;
@@ -105,8 +106,8 @@ Verb verb_schema() {
   verb.name = "schema";
   verb.summary = "Print the JSON schema of simulation files";
   verb.examples = {"raycube scene schema > raycube.schema.json"};
-  verb.run = [](Context& context) {
-    context.out << scene::options_json_schema();
+  verb.run = [](Invocation& invocation) {
+    invocation.out << scene::options_json_schema();
     return 0;
   };
   return verb;
@@ -117,8 +118,8 @@ Verb verb_keys() {
   verb.name = "keys";
   verb.summary = "Print every key of simulation files as Markdown tables";
   verb.examples = {"raycube scene keys"};
-  verb.run = [](Context& context) {
-    context.out << scene::options_markdown();
+  verb.run = [](Invocation& invocation) {
+    invocation.out << scene::options_markdown();
     return 0;
   };
   return verb;

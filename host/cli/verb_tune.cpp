@@ -12,9 +12,11 @@
 
 #include "host/base/error.h"
 #include "host/base/sha256.h"
-#include "host/cli/lidar_job.h"
-#include "host/cli/input_check.h"
-#include "host/cli/simulation_job.h"
+#include "host/run/lidar_job.h"
+#include "host/run/input_check.h"
+#include "host/cli/services.h"
+#include "host/run/camera_job.h"
+#include "host/run/load_job.h"
 #include "host/lidar/shot.h"
 #include "host/render/tuner.h"
 
@@ -54,7 +56,7 @@ void add(base::Sha256& hash, const std::vector<T>& values) {
 
 /// The fastest local size of every kernel that `work` launches. Sizes that change a bit are a driver's fault: named and
 /// never used.
-std::map<std::string, render::SizeChoice> tune_local(cl::Context& device, const Work& work, Context& context) {
+std::map<std::string, render::SizeChoice> tune_local(cl::Context& device, const Work& work, run::Services& services) {
   const cl::LaunchSizes presets = cl::default_launch_sizes(device.device().info());
   const std::size_t preset = presets.other;
   const auto sized = [&](std::size_t size) { device.set_launch_sizes({size, {}, presets.rest_together}); };
@@ -66,7 +68,7 @@ std::map<std::string, render::SizeChoice> tune_local(cl::Context& device, const 
     if (size == preset || work.digest() == expected)
       sizes.push_back(size);
     else
-      context.log.warning(fmt::format(
+      services.log.warning(fmt::format(
           "work-groups of {} change results on this device, which its driver should not let happen; they are not used",
           size));
   }
@@ -111,8 +113,8 @@ struct Found {
   std::optional<render::SizeChoice> tile;
 };
 
-Found tune_cube(const scene::Simulation& simulation, const InstrumentJob& job, render::Renderer& renderer,
-                Context& context) {
+Found tune_cube(const scene::Simulation& simulation, const run::CameraJob& job, render::Renderer& renderer,
+                run::Services& services) {
   const auto& instrument = *job.instrument;
   auto& device = renderer.context();
   const auto size_of = [&](std::size_t samples) { return renderer.tile_size(instrument, job.plan, samples); };
@@ -140,7 +142,7 @@ Found tune_cube(const scene::Simulation& simulation, const InstrumentJob& job, r
                             });
                             return hash.hex();
                           }},
-                         context),
+                         services),
               {}};
   cl::LaunchSizes best = cl::default_launch_sizes(device.device().info());
   for (const auto& [kernel, choice] : found.kernels) best.local[kernel] = choice.size;
@@ -164,7 +166,7 @@ Found tune_cube(const scene::Simulation& simulation, const InstrumentJob& job, r
     if (digest(samples) == expected)
       sizes.push_back(samples);
     else
-      context.log.warning(
+      services.log.warning(
           fmt::format("tiles of {} samples change results on this device, which its driver should not let happen; they "
                       "are not used",
                       samples));
@@ -181,8 +183,8 @@ Found tune_cube(const scene::Simulation& simulation, const InstrumentJob& job, r
   return found;
 }
 
-Found tune_pulses(const scene::Simulation& simulation, const LidarJob& job, render::LidarRenderer& renderer,
-                  Context& context) {
+Found tune_pulses(const scene::Simulation& simulation, const run::LidarJob& job, render::LidarRenderer& renderer,
+                  run::Services& services) {
   std::int64_t count = std::min<std::int64_t>(64, job.lidar->pulses);
   auto shots = lidar::make_shots(*job.lidar, 0, count, simulation.seed);
   const auto render = [&](const render::ShotSink& sink) { renderer.render(job.plan, shots, sink, true); };
@@ -208,32 +210,33 @@ Found tune_pulses(const scene::Simulation& simulation, const LidarJob& job, rend
                         });
                         return hash.hex();
                       }},
-                     context),
+                     services),
           {}};
 }
 
-int run(const Options& options, Context& context) {
-  const scene::Simulation simulation = load_job(options.file, context);
-  const auto instruments = pick_instruments(simulation, options.instrument);
-  const auto lidars = pick_lidars(simulation, options.instrument);
-  check_inputs(simulation, instruments, lidars);
-  auto settings = render_options(context.common);
+int run(const Options& options, Invocation& invocation) {
+  run::Services services = services_of(invocation);
+  const scene::Simulation simulation = run::load_job(options.file, invocation.common.seed, services);
+  const auto instruments = run::pick_instruments(simulation, options.instrument);
+  const auto lidars = run::pick_lidars(simulation, options.instrument);
+  run::check_inputs(simulation, instruments, lidars);
+  auto settings = render_options(invocation.common);
   settings.tuned = false;
   const cl::DeviceInfo device = render::pick_device(settings).info();
   auto file = render::claim_tuning(device);
   std::vector<Found> all;
   if (!instruments.empty()) {
     render::Renderer renderer(simulation.scene, settings);
-    Planning planning;
+    run::Planning planning;
     planning.renderer = &renderer;
-    all.push_back(
-        tune_cube(simulation, prepare(simulation, *instruments.front(), context, planning), renderer, context));
+    all.push_back(tune_cube(simulation, run::prepare_camera(simulation, *instruments.front(), services, planning),
+                            renderer, services));
   }
   if (!lidars.empty()) {
     render::LidarRenderer renderer(simulation.scene, settings);
-    all.push_back(tune_pulses(simulation,
-                              prepare_lidar(simulation, *lidars.front(), context, {&renderer, nullptr, "", false}),
-                              renderer, context));
+    all.push_back(tune_pulses(
+        simulation, run::prepare_lidar(simulation, *lidars.front(), services, {&renderer, nullptr, "", false}),
+        renderer, services));
   }
   render::DeviceTuning tuning = render::read_tuning(device).value_or(render::default_tuning(device));
   nlohmann::ordered_json result = {{"device", device.name}, {"instruments", nlohmann::ordered_json::array()}};
@@ -257,15 +260,15 @@ int run(const Options& options, Context& context) {
                           static_cast<double>(render::kTileSamples), found.tile->preset_seconds);
     }
     result["instruments"].push_back(std::move(item));
-    if (!context.common.json) context.out << text;
+    if (!invocation.common.json) invocation.out << text;
   }
   render::keep_tuning(device, tuning, file);
   result["file"] = file.final_path();
-  if (context.common.json)
-    context.out << result.dump(2) << "\n";
+  if (invocation.common.json)
+    invocation.out << result.dump(2) << "\n";
   else
-    context.out << "kept in " << file.final_path()
-                << "; render, plan, chart and check use it on this device from now on\n";
+    invocation.out << "kept in " << file.final_path()
+                   << "; render, plan, chart and check use it on this device from now on\n";
   return 0;
 }
 
@@ -291,7 +294,7 @@ Verb verb_tune() {
     table.argument("FILE", "The simulation file (TOML)", options->file);
     table.text("--instrument", "NAME", "This instrument or LIDAR instead of the first of each", options->instrument);
   };
-  verb.run = [options](Context& context) { return run(*options, context); };
+  verb.run = [options](Invocation& invocation) { return run(*options, invocation); };
   return verb;
 }
 

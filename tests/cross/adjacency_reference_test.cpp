@@ -4,7 +4,7 @@
 #include <doctest/doctest.h>
 
 #include "atmos_tables/clear_sky.h"
-#include "host/cli/check_instrument.h"
+#include "host/run/check_instrument.h"
 #include "host/sensors/view_bounds.h"
 #include "tests/support/render_kit.h"
 #include "tests/support/test_scenes.h"
@@ -68,10 +68,10 @@ TEST_CASE(
                              << plan.environment.columns << " x " << plan.environment.rows);
     REQUIRE(plan.height.count > 1);
     CHECK((plan.environment.nodes() > 100) == (mode == scene::Adjacency::local));
-    cli::CheckOptions options;
+    run::CheckOptions options;
     options.pixels = 16 * 16;
     options.model_pixels = 32;
-    const reference::Report report = cli::check_instrument(renderer, simulation, camera, plan, table, options);
+    const reference::Report report = run::check_instrument(renderer, simulation, camera, plan, table, options);
     MESSAGE(report.text({}));
     for (const std::string& failure : report.failures()) FAIL_CHECK(failure);
     CHECK(report.pixels == 256);

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <functional>
 
-#include "host/cli/check_lidar.h"
+#include "host/run/check_lidar.h"
 #include "host/lidar/pulse_taps.h"
 #include "tests/support/lidar_kit.h"
 #include "tests/support/test_scenes.h"

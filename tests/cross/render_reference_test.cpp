@@ -6,7 +6,7 @@
 #include <set>
 
 #include "atmos_tables/clear_sky.h"
-#include "host/cli/check_instrument.h"
+#include "host/run/check_instrument.h"
 #include "host/sensors/view_bounds.h"
 #include "scene_compiler/bvh_builder.h"
 #include "tests/oracle/reference_scene.h"
@@ -93,10 +93,10 @@ TEST_CASE("S60 S61: device and reference agree on hits, sun and radiance of ever
                                                       static_cast<double>(simulation.scene.hi[2])));
   const plan::Plan plan = plan::make_plan(simulation, camera, table, sensors::view_bounds(camera));
   render::Renderer renderer(simulation.scene, {});
-  cli::CheckOptions options;
+  run::CheckOptions options;
   options.pixels = 24 * 24;
   options.model_pixels = 24;
-  const reference::Report report = cli::check_instrument(renderer, simulation, camera, plan, table, options);
+  const reference::Report report = run::check_instrument(renderer, simulation, camera, plan, table, options);
   MESSAGE(report.text({}));
   for (const std::string& failure : report.failures()) FAIL_CHECK(failure);
   CHECK(report.pixels == 576);
@@ -112,13 +112,13 @@ TEST_CASE("S61: first hits of every ray of the image, and of a part of it") {
   render::Renderer renderer(simulation.scene, {});
   std::uint64_t told = 0;
   const reference::HitReport all =
-      cli::check_hits(renderer, simulation.scene, camera, 5, 1000000, 0, [&](std::uint64_t rays) { told += rays; });
+      run::check_hits(renderer, simulation.scene, camera, 5, 1000000, 0, [&](std::uint64_t rays) { told += rays; });
   CHECK(all.rays == 24 * 24 * 25);
   CHECK(told == all.rays);
   CHECK(all.of(reference::Cause::agree) > all.rays * 99 / 100);
   CHECK(all.of(reference::Cause::unexplained) == 0);
   CHECK(all.hit_miss_double == 0);
-  const reference::HitReport part = cli::check_hits(renderer, simulation.scene, camera, 5, 900, 0);
+  const reference::HitReport part = run::check_hits(renderer, simulation.scene, camera, 5, 900, 0);
   CHECK(part.rays == 900);  // nine groups of 4 pixels
   CHECK(part.of(reference::Cause::unexplained) == 0);
 }
@@ -136,16 +136,16 @@ TEST_CASE("S60 S61: a pixel of more samples than one chunk holds is probed and c
                                  static_cast<double>(simulation.scene.hi[2])));
     const plan::Plan plan = plan::make_plan(simulation, camera, table, sensors::view_bounds(camera));
     render::Renderer renderer(simulation.scene, {});
-    cli::CheckOptions options;
+    run::CheckOptions options;
     options.pixels = 4;
     options.model_pixels = 0;
-    const reference::Report report = cli::check_instrument(renderer, simulation, camera, plan, table, options);
+    const reference::Report report = run::check_instrument(renderer, simulation, camera, plan, table, options);
     for (const std::string& failure : report.failures()) FAIL_CHECK(failure);
     CHECK(report.rays == 4 * 1681);
     CHECK(report.hits[0] > report.rays * 99 / 100);
     CHECK(report.sun_rays > report.rays / 2);
     CHECK(report.worst > 0);
-    const reference::HitReport hits = cli::check_hits(renderer, simulation.scene, camera, 5, 4 * 1681, 0);
+    const reference::HitReport hits = run::check_hits(renderer, simulation.scene, camera, 5, 4 * 1681, 0);
     CHECK(hits.rays == report.rays);
     CHECK(hits.hits == report.hits);
   }
@@ -154,8 +154,8 @@ TEST_CASE("S60 S61: a pixel of more samples than one chunk holds is probed and c
 TEST_CASE("S61: pixels to check are picked by seed, without repeats, inside the image") {
   scene::Instrument camera;
   camera.pixels = 322, camera.lines = 50;
-  const auto a = cli::pick_tiles(camera, 1, 400), again = cli::pick_tiles(camera, 1, 400),
-             b = cli::pick_tiles(camera, 2, 400);
+  const auto a = render::pick_tiles(camera, 1, 400), again = render::pick_tiles(camera, 1, 400),
+             b = render::pick_tiles(camera, 2, 400);
   REQUIRE(a.size() == 100);
   bool same = true, other = false;
   std::set<std::pair<int, int>> places;
@@ -170,7 +170,7 @@ TEST_CASE("S61: pixels to check are picked by seed, without repeats, inside the 
   CHECK(places.size() == 100);
   CHECK(same);
   CHECK(other);
-  const auto whole = cli::pick_tiles(camera, 1, 322 * 50);
+  const auto whole = render::pick_tiles(camera, 1, 322 * 50);
   std::size_t pixels = 0;
   for (const auto& tile : whole) pixels += tile.pixels();
   CHECK(pixels == 322 * 50);

@@ -5,7 +5,7 @@
 #include <doctest/doctest.h>
 
 #include "atmos_tables/clear_sky.h"
-#include "host/cli/check_instrument.h"
+#include "host/run/check_instrument.h"
 #include "host/sensors/view_bounds.h"
 #include "tests/oracle/reference_scene.h"
 #include "tests/support/render_kit.h"
@@ -57,10 +57,10 @@ TEST_CASE(
   REQUIRE(plan.view.count > 1);
   REQUIRE(plan.path_x.count > 1);
   render::Renderer renderer(simulation.scene, {});
-  cli::CheckOptions options;
+  run::CheckOptions options;
   options.pixels = 12 * 12;
   options.model_pixels = 0;
-  const reference::Report report = cli::check_instrument(renderer, simulation, camera, plan, table, options);
+  const reference::Report report = run::check_instrument(renderer, simulation, camera, plan, table, options);
   MESSAGE(report.text({}));
   for (const std::string& failure : report.failures()) FAIL_CHECK(failure);
   CHECK(report.pixels == 144);

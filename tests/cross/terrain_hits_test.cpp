@@ -3,15 +3,15 @@
 // within rounding.
 #include <doctest/doctest.h>
 
-#include "bench/scenes.h"
-#include "host/cli/check_instrument.h"
+#include "bench/scenes/scenes.h"
+#include "host/run/check_instrument.h"
 
 using namespace raycube;
 
 TEST_CASE("S7 S8 S61: on closed terrain no hit is unexplained, none is lost, and rounding decides at most 5e-5") {
   const auto scene = bench::compile({bench::terrain_mesh()}, {{bench::kIdentity}});
   render::Renderer renderer(scene, {});
-  const reference::HitReport report = cli::check_hits(renderer, scene, bench::terrain_camera(), 1, 1000000, 0);
+  const reference::HitReport report = run::check_hits(renderer, scene, bench::terrain_camera(), 1, 1000000, 0);
   CHECK(report.rays >= 1000000);
   CHECK(report.of(reference::Cause::unexplained) == 0);
   CHECK(report.hit_miss == 0);

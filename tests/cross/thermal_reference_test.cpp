@@ -11,7 +11,7 @@
 #include "atmos_tables/synthetic.h"
 #include "atmos_tables/table_rows.h"
 #include "host/base/planck.h"
-#include "host/cli/check_instrument.h"
+#include "host/run/check_instrument.h"
 #include "host/sensors/view_bounds.h"
 #include "tests/support/render_kit.h"
 #include "tests/support/test_scenes.h"
@@ -70,10 +70,10 @@ reference::Report compare(const scene::Simulation& simulation, const atmos::Rend
   const scene::Instrument& camera = simulation.instruments[0];
   plan = plan::make_plan(simulation, camera, table, sensors::view_bounds(camera));
   render::Renderer renderer(simulation.scene, {});
-  cli::CheckOptions options;
+  run::CheckOptions options;
   options.pixels = 16 * 16;
   options.model_pixels = 24;
-  const reference::Report report = cli::check_instrument(renderer, simulation, camera, plan, table, options);
+  const reference::Report report = run::check_instrument(renderer, simulation, camera, plan, table, options);
   MESSAGE(plan.sun_sources << " sun, " << plan.sky_components << " sky, " << plan.thermal.sky_components
                            << " thermal sky, " << plan.thermal.nodes() << " temperatures, " << plan.height.count
                            << " heights, " << plan.view.count << " views, surroundings " << plan.thermal.surroundings_K
@@ -175,9 +175,9 @@ TEST_CASE(
   const auto checked = [&] {
     const plan::Plan plan = plan::make_plan(simulation, camera, table, sensors::view_bounds(camera));
     render::Renderer renderer(simulation.scene, {});
-    cli::CheckOptions options;
+    run::CheckOptions options;
     options.pixels = 64, options.model_pixels = 48;
-    return cli::check_instrument(renderer, simulation, camera, plan, table, options);
+    return run::check_instrument(renderer, simulation, camera, plan, table, options);
   };
   const auto with = checked();
   MESSAGE(with.text({}));

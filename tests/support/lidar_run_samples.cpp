@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <cstring>
 
-#include "host/cli/lidar_products.h"
+#include "host/run/lidar_products.h"
 #include "host/reference/lidar_shot.h"
 #include "tests/support/lidar_kit.h"
 
@@ -86,7 +86,7 @@ lidar::Detection record(const lidar::LidarPlan& plan, const lidar::ShotResult& r
   return d;
 }
 
-void run(const std::string& folder, const scene::Lidar& lidar, bool georeferenced) {
+void write_run(const std::string& folder, const scene::Lidar& lidar, bool georeferenced) {
   scene::Simulation simulation;
   simulation.scene = test::scene_of({0.4, 0.2});
   simulation.scene.materials[0].name = "grass";
@@ -97,7 +97,7 @@ void run(const std::string& folder, const scene::Lidar& lidar, bool georeference
   if (georeferenced) simulation.scene.origin = {32618, 276000.0, 4753000.0, 180.0};
   const lidar::LidarPlan plan = test::hand_plan(lidar, simulation.scene);
   const reference::EmbreeScene embree(simulation.scene);
-  cli::LidarProducts products(folder, base::IfExists::refuse, simulation, plan);
+  run::LidarProducts products(folder, base::IfExists::refuse, simulation, plan);
   for (const auto& shot : lidar::make_shots(lidar, 0, lidar.pulses, 1)) {
     const auto expected = reference::reference_shot(simulation.scene, embree, plan, shot);
     lidar::ShotResult result;
@@ -123,8 +123,8 @@ void run(const std::string& folder, const scene::Lidar& lidar, bool georeference
 
 int main(int count, char** arguments) {
   try {
-    if (count == 3 && std::strcmp(arguments[1], "survey") == 0) return run(arguments[2], survey_lidar(), true), 0;
-    if (count == 3 && std::strcmp(arguments[1], "flash") == 0) return run(arguments[2], flash_lidar(), false), 0;
+    if (count == 3 && std::strcmp(arguments[1], "survey") == 0) return write_run(arguments[2], survey_lidar(), true), 0;
+    if (count == 3 && std::strcmp(arguments[1], "flash") == 0) return write_run(arguments[2], flash_lidar(), false), 0;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "error: %s\n", error.what());
     return 1;

@@ -1,6 +1,6 @@
 // The name under which a table of the layered model is kept: whatever the table follows from changes it, and
 // nothing else does.
-#include "host/cli/air_request.h"
+#include "host/run/air_request.h"
 
 #include <map>
 #include <set>
@@ -18,11 +18,11 @@ const std::vector<double> kWavelengths = {0.5, 0.6}, kHeights = {0, 100};
 
 std::string hash_of(const AtmosphereSpec& spec, const Sun& sun = {}, double sensor_m = 610,
                     const std::vector<double>& um = kWavelengths, const std::vector<double>& heights = kHeights) {
-  cli::AirRequest request;
+  run::AirRequest request;
   request.spec = &spec;
   request.sun = sun;
   request.sensor_height_m = sensor_m;
-  return cli::request_hash(request, um, heights);
+  return run::request_hash(request, um, heights);
 }
 
 /// Another value of the same kind.

@@ -37,7 +37,7 @@ std::vector<cli::Verb> example_verbs(const std::shared_ptr<Values>& o) {
     table.memory("--cache", "Size of the cache", o->cache_bytes);
     table.texts("--extra", "NAME", "Another name", o->extra);
   };
-  verb.run = [](cli::Context&) { return 0; };
+  verb.run = [](cli::Invocation&) { return 0; };
   cli::Verb inner = verb;
   inner.name = "build";
   inner.summary = "Build a table";

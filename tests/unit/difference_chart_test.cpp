@@ -6,7 +6,7 @@
 #include <cmath>
 #include <string>
 
-#include "host/cli/difference_chart.h"
+#include "host/run/difference_chart.h"
 
 using namespace raycube;
 using products::Colour;
@@ -67,7 +67,7 @@ TEST_CASE("S61: the difference picture as a chart: cells, colour scale, labels, 
   report.picture.assign(static_cast<std::size_t>(rows), std::vector<float>(static_cast<std::size_t>(bands), -12.0f));
   for (int row = 0; row < rows; ++row) report.picture_line.push_back(static_cast<std::uint32_t>(10 * row));
   report.picture[1][2] = -4;  // beyond the limit
-  const Raster chart = cli::difference_chart(report, instrument);
+  const Raster chart = run::difference_chart(report, instrument);
   const reference::Picture field = reference::difference_picture(report);
   CHECK(field.bunch == (rows > 1024 ? 2 : 1));
   const int sx = std::max(1, 720 / bands), sy = std::max(1, 500 / field.height);

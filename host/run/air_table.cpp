@@ -1,0 +1,159 @@
+#include "host/run/air_table.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "atmos_tables/clear_sky.h"
+#include "atmos_tables/clear_sky_inputs.h"
+#include "atmos_tables/compiler/layered_air.h"
+#include "atmos_tables/rct_file.h"
+#include "host/base/cache_folder.h"
+#include "host/base/doing.h"
+#include "host/base/error.h"
+
+namespace raycube::run {
+
+namespace {
+
+nlohmann::json provenance_of(const atmos::RenderTable& table) {
+  return table.provenance_json.empty() ? nlohmann::json() : nlohmann::json::parse(table.provenance_json);
+}
+
+atmos::RenderTable build_with_progress(const AirRequest& request, const std::vector<double>& wavelengths,
+                                       const std::vector<double>& heights, Services& services) {
+  const Step progress(services, "atmosphere", wavelengths.size(), "wavelengths");
+  atmos::BuildWatch watch;
+  watch.threads = services.threads;
+  watch.finished = [&](std::size_t) { progress.advance(); };
+  return atmos::build_layered(*request.spec, request.sun, request.sensor_height_m, wavelengths, heights, watch);
+}
+
+/// Where the cache keeps the table of a request; empty: nowhere. Throws Error(environment) when a file that the
+/// request names cannot be read.
+std::filesystem::path kept_file(const AirRequest& request, const std::vector<double>& wavelengths,
+                                const std::vector<double>& heights) {
+  const std::filesystem::path folder = request.cached ? base::cache_folder("atmosphere") : std::filesystem::path();
+  return folder.empty() ? folder : folder / (request_hash(request, wavelengths, heights) + ".rct");
+}
+
+/// A table of lines that is kept was sound: long lists are not read again to say so.
+bool lines_are_kept(const AirRequest& request, const std::vector<double>& wavelengths,
+                    const std::vector<double>& heights) {
+  if (request.spec->layered->lines.empty()) return false;
+  try {
+    std::error_code none;
+    return std::filesystem::exists(kept_file(request, wavelengths, heights), none);
+  } catch (const base::Error&) {  // who reads the list says what is wrong with it
+    return false;
+  }
+}
+
+}  // namespace
+
+std::optional<atmos::RenderTable> known_table(const AirRequest& request) {
+  const scene::AtmosphereSpec& spec = *request.spec;
+  const auto& [first_um, last_um, step_um] = std::tie(request.first_um, request.last_um, request.step_um);
+  if (!spec.table_file.empty())
+    return atmos::make_table(spec, request.sun, request.sensor_height_m, {},
+                             atmos::clear_sky_heights(request.low_m, request.high_m));
+  if (spec.none)
+    return atmos::make_table(spec, request.sun, request.sensor_height_m,
+                             atmos::vacuum_wavelengths(first_um, last_um, step_um), {request.low_m});
+  const auto heights = atmos::clear_sky_heights(request.low_m, request.high_m);
+  if (spec.layered) {
+    const auto wavelengths = atmos::layered_wavelengths(first_um, last_um, step_um);
+    if (!lines_are_kept(request, wavelengths, heights))
+      atmos::check_layered(spec, request.sun, request.sensor_height_m, wavelengths, heights);
+  } else {
+    atmos::check_clear_sky(spec, request.sun, request.sensor_height_m,
+                           atmos::clear_sky_wavelengths(first_um, last_um, step_um), heights);
+  }
+  return {};
+}
+
+namespace {
+
+/// Read, built, or taken from the cache.
+atmos::RenderTable made_table(const AirRequest& request, Services& services) {
+  const scene::AtmosphereSpec& spec = *request.spec;
+  if (!spec.layered || spec.none || !spec.table_file.empty()) {
+    if (auto known = known_table(request)) return std::move(*known);
+    return atmos::make_table(spec, request.sun, request.sensor_height_m,
+                             atmos::clear_sky_wavelengths(request.first_um, request.last_um, request.step_um),
+                             atmos::clear_sky_heights(request.low_m, request.high_m));
+  }
+  const auto wavelengths = atmos::layered_wavelengths(request.first_um, request.last_um, request.step_um);
+  const auto heights = atmos::clear_sky_heights(request.low_m, request.high_m);
+  const std::filesystem::path file = kept_file(request, wavelengths, heights), folder = file.parent_path();
+  if (file.empty()) return build_with_progress(request, wavelengths, heights, services);
+  std::error_code error;
+  if (std::filesystem::exists(file, error)) {
+    try {
+      atmos::RenderTable table = atmos::read_rct(file.string());
+      services.log.detail("atmosphere: table from the cache, " + file.string());
+      return table;
+    } catch (const base::Error& damaged) {
+      services.log.warning(std::string(damaged.what()) + "; it is built anew");
+    }
+  }
+  atmos::RenderTable table = build_with_progress(request, wavelengths, heights, services);
+  try {
+    std::filesystem::create_directories(folder);
+    atmos::write_rct(table, file.string(), base::IfExists::replace);
+  } catch (const std::exception& failed) {
+    services.log.detail(std::string("atmosphere: the table could not be kept for the next run: ") + failed.what());
+  }
+  return table;
+}
+
+}  // namespace
+
+atmos::RenderTable air_table(const AirRequest& request, Services& services) {
+  const base::Doing doing("making the table of the air");
+  atmos::RenderTable table = made_table(request, services);
+  if (!request.spec->table_file.empty()) return table;  // its notices were said when it was made
+  say_air(table, services);
+  return table;
+}
+
+std::vector<std::string> air_notices(const atmos::RenderTable& table) {
+  const auto provenance = provenance_of(table);
+  if (!provenance.contains("notices")) return {};
+  return provenance["notices"].get<std::vector<std::string>>();
+}
+
+void say_air(const atmos::RenderTable& table, Services& services) {
+  for (const auto& notice : air_notices(table)) services.warn_once(notice);
+  if (const std::string aerosol = aerosol_text(table); !aerosol.empty())
+    services.log.detail("atmosphere: " + aerosol.substr(0, aerosol.size() - 1));
+}
+
+std::string aerosol_text(const atmos::RenderTable& table) {
+  const auto provenance = provenance_of(table);
+  if (!provenance.contains("parameters") || !provenance["parameters"].contains("aod_550")) return "";
+  const auto& p = provenance["parameters"];
+  if (p.value("aod_550_from", "") == "no aerosol") return "aerosol: none\n";
+  std::string out = fmt::format("aerosol: optical depth {:.4g} at 550 nm", p["aod_550"].get<double>());
+  if (p.contains("aerosol")) out += " (" + p["aerosol"].get<std::string>();
+  if (p.contains("aerosol") && p["visibility_km"].is_number())
+    out += fmt::format(", visibility {:.3g} km", p["visibility_km"].get<double>());
+  return out + (p.contains("aerosol") ? ")\n" : "\n");
+}
+
+std::pair<double, double> band_range(const std::vector<scene::Band>& bands) {
+  double first = 1e9, last = 0;
+  for (const auto& band : bands) {
+    const bool gaussian = band.fwhm_um > 0;
+    first = std::min(first, gaussian ? band.center_um - 2.5 * band.fwhm_um : band.wavelength_um.front());
+    last = std::max(last, gaussian ? band.center_um + 2.5 * band.fwhm_um : band.wavelength_um.back());
+  }
+  return {first, last};
+}
+
+}  // namespace raycube::run

@@ -1,0 +1,83 @@
+#include "host/run/camera_job.h"
+
+#include <algorithm>
+#include <chrono>
+#include <tuple>
+
+#include "host/run/air_table.h"
+#include "host/plan/channel_bands.h"
+#include "host/plan/one_direction.h"
+#include "host/planner/plan_file.h"
+#include "host/sensors/view_bounds.h"
+
+namespace raycube::run {
+
+namespace {
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+}  // namespace
+
+AirRequest air_request(const scene::Simulation& simulation, const scene::Instrument& instrument,
+                       double sensor_height_m) {
+  AirRequest request;
+  request.spec = &simulation.atmosphere;
+  request.sun = simulation.sun;
+  request.sensor_height_m = sensor_height_m;
+  std::tie(request.first_um, request.last_um) = band_range(instrument.bands);
+  if (simulation.atmosphere.layered) request.step_um = simulation.atmosphere.layered->spectral_step_um;
+  const auto& scene = simulation.scene;
+  const bool empty = scene.instances.empty();
+  request.low_m = empty ? 0.0 : scene.lo[2];
+  request.high_m = empty ? 0.0 : std::min<double>(scene.hi[2], sensor_height_m);
+  return request;
+}
+
+plan::HeightRange seen_heights(const scene::CompiledScene& scene, const plan::ViewBounds& view) {
+  if (!(scene.lo[2] <= scene.hi[2])) return {};
+  return {scene.lo[2], std::min<double>(scene.hi[2], view.sensor_height_m)};
+}
+
+CameraJob prepare_camera(const scene::Simulation& simulation, const scene::Instrument& instrument, Services& services,
+                         const Planning& planning) {
+  CameraJob job;
+  auto planned = std::make_shared<scene::Instrument>(instrument);
+  job.planned = planned;
+  job.instrument = planned.get();
+  const plan::ViewBounds view = sensors::view_bounds(instrument);
+  auto start = std::chrono::steady_clock::now();
+  job.table = air_table(air_request(simulation, instrument, view.sensor_height_m), services);
+  job.table_s = seconds_since(start);
+  const auto& scene = simulation.scene;
+  job.notices = plan::one_direction_notices(job.table, instrument.name, view, seen_heights(scene, view));
+  for (auto& notice : plan::channel_bands(instrument, job.table).notices) job.notices.push_back(std::move(notice));
+  for (const auto& notice : job.notices) services.log.warning(instrument.name + ": " + notice);
+  if (simulation.atmosphere.table_file.empty())  // of a table of the user's its maker has heard them
+    for (auto& notice : air_notices(job.table)) job.notices.push_back(std::move(notice));
+  start = std::chrono::steady_clock::now();
+  job.plan = plan::make_plan(simulation, instrument, job.table, view);
+  if (planning.replay) {
+    const auto& entry = planner::find_entry(*planning.replay, instrument.name, false, planning.replay_path);
+    job.decision = planner::replayed(entry, simulation, instrument, job.plan, planning.replay_path);
+    planner::hold_tolerance(job.decision, simulation, instrument, job.plan, job.table, services.threads);
+  } else if (planning.renderer) {
+    job.decision = planner::decide(*planning.renderer, simulation, instrument, job.plan, job.table,
+                                   planning.estimate_given, services.threads);
+  } else {
+    job.decision = planner::as_given(simulation, instrument, job.plan);
+    planner::hold_tolerance(job.decision, simulation, instrument, job.plan, job.table, services.threads);
+  }
+  planner::add_small_objects(job.decision, simulation, instrument);
+  planner::apply(job.decision, simulation, *planned, job.plan);
+  for (const auto& notice : job.plan.notices) services.log.warning(notice);
+  for (const auto& note : job.decision.notes) services.log.warning(note);
+  job.plan_s = seconds_since(start);
+  services.log.detail(instrument.name + ": atmosphere table in " + std::to_string(job.table_s) + " s, plan in " +
+                      std::to_string(job.plan_s) + " s");
+  services.log.debug(job.plan.report_json);
+  return job;
+}
+
+}  // namespace raycube::run

@@ -1,0 +1,321 @@
+#include "host/run/cube_products.h"
+
+#include <fmt/format.h>
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <optional>
+
+#include "host/base/error.h"
+#include "host/base/publication.h"
+#include "host/run/radiance_guard.h"
+#include "host/plan/radiance_limit.h"
+#include "host/products/digest.h"
+#include "host/products/envi_writer.h"
+#include "host/products/exr_writer.h"
+#include "host/products/map_grid.h"
+#include "host/products/quicklook.h"
+#include "host/render/truth.h"
+#include "kernels/atmosphere/nodes.h"
+
+namespace raycube::run {
+
+namespace {
+
+/// Width of a tabulated response between its half-maximum crossings, um.
+double half_width_um(const scene::Band& band) {
+  if (band.fwhm_um > 0) return band.fwhm_um;
+  const double half = *std::max_element(band.response.begin(), band.response.end()) / 2;
+  double first = band.wavelength_um.front(), last = band.wavelength_um.back();
+  for (std::size_t i = 1; i < band.response.size(); ++i) {
+    const double a = band.response[i - 1], b = band.response[i];
+    const auto crossing = [&] {
+      return band.wavelength_um[i - 1] + (half - a) / (b - a) * (band.wavelength_um[i] - band.wavelength_um[i - 1]);
+    };
+    if (a < half && b >= half && first == band.wavelength_um.front()) first = crossing();
+    if (a >= half && b < half) last = crossing();
+  }
+  return last - first;
+}
+
+products::EnviHeader base_header(const scene::Simulation& simulation, const scene::Instrument& instrument) {
+  products::EnviHeader header;
+  header.samples = instrument.pixels;
+  header.lines = instrument.lines;
+  header.sensor_type = "raycube " + instrument.name;
+  header.acquisition_time = simulation.sun.utc;
+  header.sun_azimuth_deg = simulation.sun.azimuth_deg;
+  header.sun_elevation_deg = 90.0 - simulation.sun.zenith_deg;
+  return header;
+}
+
+products::EnviHeader cube_header(const scene::Simulation& simulation, const scene::Instrument& instrument,
+                                 const std::vector<int>& shown, const std::string& units, const std::string& what) {
+  products::EnviHeader header = base_header(simulation, instrument);
+  header.bands = static_cast<std::int64_t>(instrument.bands.size());
+  header.interleave = products::parse_interleave(instrument.interleave);
+  header.description = what;
+  header.data_units = units;
+  double longest_um = 0;
+  for (const auto& band : instrument.bands) longest_um = std::max(longest_um, band.center_um);
+  const bool nanometers = longest_um < 3.0;
+  header.wavelength_units = nanometers ? "Nanometers" : "Micrometers";
+  const double scale = nanometers ? 1e3 : 1.0;
+  for (const auto& band : instrument.bands) {
+    header.wavelength.push_back(band.center_um * scale);
+    header.fwhm.push_back(half_width_um(band) * scale);
+    if (!band.name.empty()) header.band_names.push_back(band.name);
+  }
+  if (header.band_names.size() != instrument.bands.size()) header.band_names.clear();
+  for (const int band : shown) header.default_bands.push_back(band + 1);
+  return header;
+}
+
+/// Mean transmission target to sensor of every band at every (height, view) node.
+std::vector<std::vector<double>> band_transmission(const plan::Plan& plan) {
+  std::vector<std::vector<double>> out;
+  for (const auto& spectrum : plan.transmission_spectrum) {
+    out.emplace_back();
+    for (const auto& band : plan.bands) {
+      double sum = 0;
+      for (std::size_t i = 0; i < band.weight.size(); ++i) sum += band.weight[i] * spectrum[band.first + i];
+      out.back().push_back(sum);
+    }
+  }
+  return out;
+}
+
+/// Places of the layers the writers look at.
+std::size_t layer_index(const std::vector<render::LayerName>& layers, const std::string& name) {
+  for (std::size_t i = 0; i < layers.size(); ++i)
+    if (layers[i].name == name) return i;
+  throw base::Error(base::Fault::bug, "no truth layer is called " + name);
+}
+
+}  // namespace
+
+void check_output_place(const std::string& folder, bool overwrite) {
+  namespace fs = std::filesystem;
+  std::error_code code;
+  base::finish_publication(folder, base::FolderUse::write_set);
+  for (const char* name : {"radiance.img", "run.json"})
+    if (!overwrite && fs::exists(fs::path(folder) / name, code))
+      throw base::Error(base::Fault::input, (fs::path(folder) / name).string() +
+                                                ": is there already; give --overwrite to replace it, or another -o");
+  fs::path place = fs::absolute(folder);
+  while (!fs::exists(place, code) && place.has_relative_path()) place = place.parent_path();
+  if (!fs::is_directory(place, code))
+    throw base::Error(base::Fault::environment,
+                      folder + ": the folder cannot be made: " + place.string() + " is a file; choose another -o");
+  if (::access(place.c_str(), W_OK) != 0)
+    throw base::Error(base::Fault::environment, folder + ": cannot be written: " + place.string() + ": " +
+                                                    std::strerror(errno) +
+                                                    "; choose a folder you may write to with -o");
+}
+
+struct CubeProducts::State {
+  State(const std::string& folder, base::IfExists if_exists, const scene::Simulation& simulation_,
+        const CameraJob& job_)
+      : simulation(simulation_),
+        instrument(*job_.instrument),
+        plan(job_.plan),
+        set(folder, if_exists),
+        guard(*job_.instrument, plan::radiance_limit(job_.plan, simulation_.scene, job_.table)),
+        layers(render::truth_layer_names(simulation_.scene, *job_.instrument)),
+        shown(shown_bands()) {
+    set.hash_blocks();
+    const auto& origin = simulation.scene.origin;
+    const std::string where = fmt::format("scene origin: EPSG:{} easting {:.3f} m, northing {:.3f} m, height {:.3f} m",
+                                          origin.epsg, origin.easting_m, origin.northing_m, origin.height_m);
+    radiance.emplace(
+        set, "radiance.img",
+        cube_header(simulation, instrument, shown, "W m-2 sr-1 um-1",
+                    "band-averaged spectral radiance at the sensor, response normalised; line 0 is the top"),
+        instrument.integer_scale);
+    products::EnviHeader truth_header = base_header(simulation, instrument);
+    truth_header.bands = static_cast<std::int64_t>(layers.size());
+    truth_header.description = "per-pixel truth; x, y, z in metres east, north and up from the " + where +
+                               "; not a number where nothing was hit";
+    for (const auto& layer : layers) truth_header.band_names.push_back(layer.name + " [" + layer.unit + "]");
+    truth.emplace(set, "truth.img", truth_header);
+    if (origin.epsg != 0) {
+      location_header = base_header(simulation, instrument);
+      location_header.bands = 3;
+      location_header.data_type = 5;
+      location_header.description = "where each pixel looks: mean hit point in EPSG:" + std::to_string(origin.epsg);
+      location_header.band_names = {"easting [m]", "northing [m]", "height [m]"};
+      location = &set.add("location.img");
+      location_text = &set.add("location.hdr");
+    }
+    if (instrument.write_band_transmission) {
+      node_transmission = band_transmission(plan);
+      transmission.emplace(
+          set, "transmission.img",
+          cube_header(simulation, instrument, shown, "1", "band-averaged transmission from target to sensor"));
+    }
+    if (instrument.standard_error == scene::StandardError::bands)
+      standard_error.emplace(set, "standard_error.img",
+                             cube_header(simulation, instrument, shown, "W m-2 sr-1 um-1",
+                                         "standard error of the radiance by its samples; not a number: not known"));
+    if (instrument.write_png) quicklook.emplace(instrument.pixels, instrument.lines, shown);
+    if (instrument.write_exr) {
+      products::ExrPart radiance_part{"radiance", {}}, truth_part{"truth", {}};
+      const bool colour = shown.size() == 3;
+      for (std::size_t i = 0; i < shown.size(); ++i)
+        radiance_part.channels.push_back(colour ? std::string(1, "RGB"[i]) : "Y");
+      for (const auto& layer : layers) truth_part.channels.push_back(layer.name);
+      exr.emplace(set.add("preview.exr"), instrument.pixels, instrument.lines, std::vector{radiance_part, truth_part},
+                  std::map<std::string, std::string>{
+                      {"units", "radiance W m-2 sr-1 um-1; truth layers as in truth.hdr"}, {"origin", where}});
+    }
+  }
+
+  std::vector<int> shown_bands() const {
+    if (!instrument.quicklook_bands.empty()) return instrument.quicklook_bands;
+    std::vector<double> centers;
+    for (const auto& band : instrument.bands) centers.push_back(band.center_um);
+    return products::default_quicklook_bands(centers);
+  }
+
+  void add_location(const render::Strip& strip) {
+    const std::size_t pixels = static_cast<std::size_t>(strip.lines) * instrument.pixels;
+    const std::size_t x = layer_index(layers, "x_m");
+    const auto& origin = simulation.scene.origin;
+    std::vector<double> values;
+    for (std::size_t p = 0; p < pixels; ++p) {
+      const float* at = strip.truth + p * layers.size() + x;
+      values.insert(values.end(), {at[0] + origin.easting_m, at[1] + origin.northing_m, at[2] + origin.height_m});
+    }
+    location->append(values.data(), values.size() * sizeof(double));
+  }
+
+  /// `map info` in every header when the pixels lie on a map grid; else location.img alone says where they look.
+  void georeference() {
+    const auto grid =
+        products::find_map_grid(instrument.pixels, instrument.lines, [&](std::int64_t line, double* values) {
+          const std::size_t bytes = static_cast<std::size_t>(instrument.pixels) * 3 * sizeof(double);
+          location->read_at(static_cast<std::uint64_t>(line) * bytes, values, bytes);
+        });
+    if (!grid) return;
+    for (auto* header :
+         {&location_header, &radiance->header(), &truth->header(), transmission ? &transmission->header() : nullptr,
+          standard_error ? &standard_error->header() : nullptr})
+      if (header)
+        products::set_map_grid(*header, simulation.scene.origin.epsg, grid->easting_m, grid->northing_m,
+                               grid->pixel_x_m, grid->pixel_y_m);
+  }
+
+  /// Nodes weighted by the pixel's mean height and view zenith; not a number where nothing was hit.
+  void add_transmission(const render::Strip& strip) {
+    const std::size_t pixels = static_cast<std::size_t>(strip.lines) * instrument.pixels,
+                      bands = instrument.bands.size();
+    const std::size_t z = layer_index(layers, "z_m"), zenith = layer_index(layers, "view_zenith_deg");
+    std::vector<float> values(pixels * bands);
+    for (std::size_t p = 0; p < pixels; ++p) {
+      const float* at = strip.truth + p * layers.size();
+      int ih, iv;
+      float fh, fv;
+      rc_node_weights(at[z], plan.height.first, plan.height.step, plan.height.count, &ih, &fh);
+      rc_node_weights(static_cast<float>(1 / std::cos(at[zenith] * M_PI / 180)), plan.view.first, plan.view.step,
+                      plan.view.count, &iv, &fv);
+      for (std::size_t b = 0; b < bands; ++b) {
+        double sum = 0;
+        for (int h = 0; h < 2; ++h)
+          for (int v = 0; v < 2; ++v) {
+            const double w = (h ? fh : 1 - fh) * (v ? fv : 1 - fv);
+            if (w != 0) sum += w * node_transmission[(ih + h) * plan.view.count + iv + v][b];
+          }
+        values[p * bands + b] = std::isnan(at[z]) ? at[z] : static_cast<float>(sum);
+      }
+    }
+    transmission->write({strip.first_line, strip.lines, values.data(), bands});
+  }
+
+  const scene::Simulation& simulation;
+  const scene::Instrument& instrument;
+  const plan::Plan& plan;
+  base::OutputSet set;
+  RadianceGuard guard;
+  std::vector<render::LayerName> layers;
+  std::vector<int> shown;
+  products::Digest digest;
+  std::optional<products::EnviWriter> radiance, truth, transmission, standard_error;
+  products::EnviHeader location_header;
+  base::OutputFile* location = nullptr;
+  base::OutputFile* location_text = nullptr;
+  std::vector<std::vector<double>> node_transmission;
+  std::optional<products::Quicklook> quicklook;
+  std::optional<products::ExrWriter> exr;
+};
+
+CubeProducts::CubeProducts(const std::string& folder, base::IfExists if_exists, const scene::Simulation& simulation,
+                           const CameraJob& job)
+    : state_(std::make_unique<State>(folder, if_exists, simulation, job)) {}
+CubeProducts::~CubeProducts() = default;
+
+void CubeProducts::add(const render::Strip& strip) {
+  State& s = *state_;
+  const std::size_t bands = s.instrument.bands.size(), layers = s.layers.size();
+  const products::Strip cube{strip.first_line, strip.lines, strip.radiance, bands};
+  const products::Strip truth{strip.first_line, strip.lines, strip.truth, layers};
+  s.guard.add(strip.first_line, strip.lines, strip.radiance);
+  s.digest.add_radiance(cube, s.instrument.pixels, static_cast<std::int64_t>(bands));
+  s.radiance->write(cube);
+  s.truth->write(truth);
+  if (s.location) s.add_location(strip);
+  if (s.transmission) s.add_transmission(strip);
+  if (s.standard_error) s.standard_error->write({strip.first_line, strip.lines, strip.band_error, bands});
+  if (s.quicklook) s.quicklook->add(cube);
+  if (s.exr) {
+    std::vector<std::size_t> all(layers);
+    for (std::size_t i = 0; i < layers; ++i) all[i] = i;
+    s.exr->write({{cube, {s.shown.begin(), s.shown.end()}}, {truth, all}});
+  }
+}
+
+std::optional<std::string> CubeProducts::warning() const { return state_->guard.warning(); }
+
+void CubeProducts::publish(products::RunRecord& record) {
+  State& s = *state_;
+  record.more_json.emplace_back("radiance_bound", s.guard.json());
+  if (s.location) s.georeference();
+  s.radiance->finish();
+  s.truth->finish();
+  s.digest.add_truth(*s.truth);
+  record.digest = s.digest.hex();
+  record.files = {{"radiance.img", "radiance cube, ENVI"}, {"truth.img", "truth layers, ENVI"}};
+  if (s.location) {
+    s.location_text->append(products::envi_header_text(s.location_header));
+    record.files.emplace_back("location.img", "easting, northing, height of each pixel, ENVI");
+  }
+  if (s.transmission) {
+    s.transmission->finish();
+    record.files.emplace_back("transmission.img", "path transmission per band, ENVI");
+  }
+  if (s.standard_error) {
+    s.standard_error->finish();
+    record.files.emplace_back("standard_error.img", "standard error of the radiance per band, ENVI");
+  }
+  if (s.exr) {
+    s.exr->finish();
+    record.files.emplace_back("preview.exr", "shown bands and truth, OpenEXR");
+  }
+  if (s.quicklook) {
+    std::vector<std::string> names;
+    for (const int band : s.shown) names.push_back(fmt::format("{:.4g} um", s.instrument.bands[band].center_um));
+    s.quicklook->write(s.set.add("quicklook.png"), names);
+    record.files.emplace_back("quicklook.png", "picture of the shown bands, 2 to 98 % stretch");
+  }
+  const auto& clipped = s.radiance->clipped();
+  record.clipped_low = clipped.low;
+  record.clipped_high = clipped.high;
+  record.not_a_number = clipped.nan;
+  products::publish_run(s.set, record);
+}
+
+}  // namespace raycube::run

@@ -1,0 +1,65 @@
+#include "host/run/forecast.h"
+
+#include <algorithm>
+#include <chrono>
+#include <optional>
+
+#include "host/render/tile_passes.h"
+#include "host/render/truth.h"
+#include "host/sensors/ray_groups.h"
+#include "kernels/shared/structs.h"
+#include "scene_compiler/scene_info.h"
+
+namespace raycube::run {
+
+CameraForecast forecast_camera(const scene::CompiledScene& scene, const CameraJob& job,
+                               const render::RenderOptions& options, std::size_t tile_samples) {
+  const auto& instrument = *job.instrument;
+  const auto shape = render::make_stage_shape(instrument, job.plan, sensors::pixels_per_group(instrument));
+  const std::size_t capacity = render::row_capacity_of(shape, options.row_capacity);
+  const render::LeastMemory least = render::least_memory(scene, instrument, job.plan, capacity);
+  render::require_memory(shape, least, instrument.pixels, capacity, options.memory_bytes);
+  const auto size = render::choose_tile_size(shape, instrument.pixels, instrument.lines, capacity,
+                                             options.memory_bytes / render::kBudgetShares, tile_samples,
+                                             options.memory_bytes, 0, least);
+  const std::uint64_t tile_pixels = std::uint64_t(size.lines) * size.columns;
+  const std::uint64_t tile_bytes = tile_pixels * (shape.pixel_bytes() + shape.row_bytes(capacity));
+  const std::uint64_t layers = render::truth_layer_names(scene, instrument).size();
+  // A strip is being filled, one written, and two may wait.
+  const std::uint64_t strip_bytes =
+      4 * std::uint64_t(size.lines) * instrument.pixels * least.strip_values * sizeof(float);
+  const std::uint64_t scene_bytes = scene::scene_info(scene).bytes;
+  const std::uint64_t pixels = std::uint64_t(instrument.pixels) * instrument.lines;
+  CameraForecast forecast;
+  forecast.samples = shape.samples;
+  forecast.tile_lines = size.lines, forecast.tile_columns = size.columns;
+  forecast.budget_bytes = options.memory_bytes;
+  forecast.scene_bytes = scene_bytes, forecast.tile_bytes = tile_bytes, forecast.strip_bytes = strip_bytes;
+  forecast.baked_rows_bytes = options.memory_bytes / render::kBudgetShares;
+  forecast.cube_bytes = pixels * instrument.bands.size() * (instrument.integer_scale ? 2 : sizeof(float));
+  forecast.truth_bytes = pixels * layers * sizeof(float);
+  return forecast;
+}
+
+double estimate_render_s(render::Renderer& renderer, const scene::Simulation& simulation, const CameraJob& job) {
+  constexpr int kStretch = 256, kLines = 4;
+  const auto& instrument = *job.instrument;
+  const int columns = std::min(instrument.pixels, kStretch);
+  const int first = (instrument.pixels - columns) / 2 / RC_GROUP_WIDTH * RC_GROUP_WIDTH;
+  std::vector<render::Tile> tiles = {
+      {instrument.lines / 2, 1, first, columns}};  // builds programs, bakes rows; not timed
+  for (int k = 0; k < kLines; ++k)
+    tiles.push_back({static_cast<int>((2 * k + 1) * std::int64_t(instrument.lines) / (2 * kLines)), 1, first, columns});
+  std::optional<std::chrono::steady_clock::time_point> start;
+  double seconds = 0;
+  renderer.probe(instrument, job.plan, simulation.sun, simulation.seed, tiles, [&](const render::PixelProbe&) {
+    const auto now = std::chrono::steady_clock::now();
+    if (start)
+      seconds = std::chrono::duration<double>(now - *start).count();
+    else
+      start = now;
+  });
+  return seconds / (kLines * columns) * instrument.pixels * instrument.lines;
+}
+
+}  // namespace raycube::run

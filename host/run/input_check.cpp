@@ -1,0 +1,198 @@
+#include "host/run/input_check.h"
+
+#include <map>
+#include <set>
+#include <string>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "host/base/doing.h"
+#include "host/base/error.h"
+#include "host/run/air_table.h"
+#include "host/run/lidar_background.h"
+#include "host/run/lidar_job.h"
+#include "host/run/camera_job.h"
+#include "host/lidar/air_column.h"
+#include "host/lidar/make_lidar_plan.h"
+#include "host/plan/adjacency.h"
+#include "host/plan/channel_bands.h"
+#include "host/plan/curve.h"
+#include "host/plan/one_direction.h"
+#include "host/plan/spectral_plan.h"
+#include "host/plan/table_spectra.h"
+#include "host/plan/thermal_plan.h"
+#include "host/plan/thermal_use.h"
+#include "host/sensors/psf.h"
+#include "host/sensors/view_bounds.h"
+#include "scene_compiler/matter.h"
+
+namespace raycube::run {
+namespace {
+
+/// Every line once, in the order found: instruments share materials and air.
+class Found {
+ public:
+  void add(const std::string& line) {
+    if (seen_.insert(line).second) lines_.push_back(line);
+  }
+  void add(const base::Problems& problems) {
+    for (const auto& line : problems.lines()) add(line);
+  }
+  /// Runs a part of the check; what it refuses of the input is added. False when it did.
+  template <class Part>
+  bool part(const Part& run) {
+    try {
+      run();
+      return true;
+    } catch (const base::Error& error) {
+      if (error.fault() != base::Fault::input) throw;
+      add(error.what());
+      return false;
+    }
+  }
+  void notice(const scene::Instrument& instrument, const std::vector<std::string>& texts) {
+    for (const auto& text : texts) notices_.push_back(instrument.name + ": " + text);
+  }
+  void throw_if_any() const {
+    if (lines_.empty()) return;
+    std::string text;
+    for (const auto& line : lines_) text += (text.empty() ? "" : "\n") + line;
+    throw base::Error(base::Fault::input, text);
+  }
+  const std::vector<std::string>& lines() const { return lines_; }
+  const std::vector<std::string>& notices() const { return notices_; }
+
+ private:
+  std::set<std::string> seen_;
+  std::vector<std::string> lines_;
+  std::vector<std::string> notices_;
+};
+
+/// The table's own limits, where there is a table without computing one.
+void check_known_table(const scene::Simulation& simulation, const scene::Instrument& instrument,
+                       const plan::ViewBounds& view, const atmos::RenderTable& table, double bands_to_um,
+                       Found& found) {
+  const auto& table_um = table.axis("wavelength").nodes;
+  base::Problems problems;
+  scene::Instrument convolved = instrument;
+  auto channels = plan::channel_bands(instrument, table);
+  convolved.bands = std::move(channels.bands);
+  plan::check_table(convolved, table_um, plan::table_name(simulation), problems);
+  found.add(problems);
+  found.part([&] { static_cast<void>(plan::choose_adjacency(simulation, table)); });
+  const plan::TableSpectra air(table, simulation.atmosphere.none, simulation.sun.zenith_deg < 90, 0, table_um.size());
+  found.part([&] { plan::check_view(instrument, view, air.last_view_zenith_rad()); });
+  const auto heights = seen_heights(simulation.scene, view);
+  found.part([&] { found.notice(instrument, plan::one_direction_notices(table, instrument.name, view, heights)); });
+  found.notice(instrument, channels.notices);
+  base::Problems cold;
+  plan::check_temperatures(
+      simulation.scene, simulation.file,
+      plan::temperature_demand(simulation.atmosphere.none, bands_to_um, air.thermal(), table_um.back()), cold);
+  found.add(cold);
+}
+
+/// Files of the materials' curves, as the simulation file names them.
+std::map<std::string, std::string> curve_files(const scene::Simulation& simulation) {
+  std::map<std::string, std::string> files;
+  const auto resolved = nlohmann::json::parse(simulation.resolved_json);
+  if (!resolved.contains("material")) return files;
+  for (const auto& material : resolved["material"])
+    if (material.contains("name") && material.contains("file"))
+      files[material["name"].get<std::string>()] = material["file"].get<std::string>();
+  return files;
+}
+
+void check_instrument(const scene::Simulation& simulation, const scene::Instrument& instrument,
+                      const std::map<std::string, std::string>& files, Found& found) {
+  base::Problems problems;
+  plan::check_bands(instrument, problems);
+  const bool bands = problems.empty();
+  if (bands) plan::check_curves(simulation.scene, instrument, problems, files);
+  found.add(problems);
+  found.part([&] { static_cast<void>(sensors::SampleWeights(instrument)); });
+  plan::ViewBounds view;
+  if (!found.part([&] { view = sensors::view_bounds(instrument); }) || !bands) return;
+  const AirRequest request = air_request(simulation, instrument, view.sensor_height_m);
+  found.part([&] {
+    if (const auto table = known_table(request)) {
+      check_known_table(simulation, instrument, view, *table, request.last_um, found);
+    } else {
+      base::Problems cold;
+      plan::check_temperatures(
+          simulation.scene, simulation.file,
+          plan::temperature_demand(false, request.last_um, request.spec->layered.has_value(), request.last_um), cold);
+      found.add(cold);
+    }
+  });
+}
+
+/// Of the background light what the passive renderer refuses, in some shots of the survey.
+void check_background(const scene::Simulation& simulation, const lidar::LidarPlan& plan,
+                      const std::map<std::string, std::string>& files, Found& found) {
+  const scene::Lidar& lidar = plan.lidar;
+  constexpr std::int64_t kShots = 64;
+  std::vector<lidar::Shot> shots;
+  const std::int64_t step = std::max<std::int64_t>(1, (lidar.pulses - 1) / kShots);
+  for (std::int64_t pulse = 0; pulse < lidar.pulses; pulse += step)
+    for (lidar::Shot& shot : lidar::make_shots(lidar, pulse, 1, simulation.seed)) shots.push_back(std::move(shot));
+  if (shots.empty()) return;
+  Found light;
+  check_instrument(simulation, background_camera(plan, shots), files, light);
+  for (const auto& line : light.lines())
+    found.add("LIDAR '" + lidar.name + "': the light of the scene in its field of view: " + line +
+              "; or set solar_background = false in [lidar.detector]");
+}
+
+void check_lidar(const scene::Simulation& simulation, const scene::Lidar& lidar,
+                 const std::map<std::string, std::string>& files, bool background, Found& found) {
+  std::unique_ptr<atmos::RenderTable> air;
+  bool sound = found.part([&] { air = lidar_air(simulation, lidar); });
+  const auto wavelengths = lidar::table_wavelengths(lidar::make_nodes(lidar));
+  for (const auto index : scene::used_materials(simulation.scene)) {
+    scene::Material material = simulation.scene.materials[index];
+    if (const auto file = files.find(material.name); file != files.end()) material.source = file->second;
+    const auto covers = [&](const scene::Curve& curve) {
+      sound &= found.part([&] {
+        try {
+          plan::sample_curve(material, curve, wavelengths);
+        } catch (const base::Error& error) {
+          throw base::Error(error.fault(),
+                            "LIDAR '" + lidar.name + "': " + error.what() + "; or use another wavelength");
+        }
+      });
+    };
+    covers(material.reflectance);
+    if (material.transmittance.wavelength_um.empty()) continue;
+    material.source += material.source.empty() ? "transmittance" : ", transmittance";
+    covers(material.transmittance);
+  }
+  lidar::LidarPlan plan;
+  sound = sound && found.part([&] { plan = lidar::make_lidar_plan(simulation, lidar, air.get()); });
+  if (sound && background && has_background(simulation, lidar)) check_background(simulation, plan, files, found);
+}
+
+}  // namespace
+
+std::vector<std::string> check_inputs(const scene::Simulation& simulation,
+                                      const std::vector<const scene::Instrument*>& instruments,
+                                      const std::vector<const scene::Lidar*>& lidars, bool background) {
+  const base::Doing doing("checking inputs");
+  Found found;
+  const auto files = curve_files(simulation);
+  for (const auto* instrument : instruments) check_instrument(simulation, *instrument, files, found);
+  for (const auto* lidar : lidars) check_lidar(simulation, *lidar, files, background, found);
+  found.throw_if_any();
+  return found.notices();
+}
+
+std::vector<std::string> check_inputs(const scene::Simulation& simulation) {
+  std::vector<const scene::Instrument*> instruments;
+  std::vector<const scene::Lidar*> lidars;
+  for (const auto& instrument : simulation.instruments) instruments.push_back(&instrument);
+  for (const auto& lidar : simulation.lidars) lidars.push_back(&lidar);
+  return check_inputs(simulation, instruments, lidars, true);
+}
+
+}  // namespace raycube::run

@@ -1,0 +1,73 @@
+#include "host/run/lidar_job.h"
+
+#include <chrono>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "atmos_tables/compiler/lidar_profiles.h"
+#include "host/base/error.h"
+#include "host/run/air_table.h"
+#include "host/lidar/air_column.h"
+#include "host/lidar/make_lidar_plan.h"
+#include "host/planner/plan_file.h"
+
+namespace raycube::run {
+
+namespace {
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+}  // namespace
+
+std::unique_ptr<atmos::RenderTable> lidar_air(const scene::Simulation& simulation, const scene::Lidar& lidar) {
+  const scene::AtmosphereSpec& air = simulation.atmosphere;
+  if (!air.table_file.empty())
+    throw base::Error(
+        base::Fault::input,
+        fmt::format("{}: LIDAR {}: an atmosphere table has no profiles of extinction and backscatter (found tables = "
+                    "\"{}\"); give the LIDAR a file of its own with model = \"layered\", or \"none\" for no air",
+                    simulation.file, lidar.name, air.table_file));
+  if (air.none) return {};
+  if (air.layered)
+    return std::make_unique<atmos::RenderTable>(
+        atmos::build_lidar(air, lidar::table_wavelengths(lidar::make_nodes(lidar)), atmos::lidar_heights(air)));
+  throw base::Error(base::Fault::input, simulation.file + ": LIDAR " + lidar.name +
+                                            ": the atmosphere has no profiles of extinction and backscatter; use model "
+                                            "= \"layered\", or \"none\" for no air");
+}
+
+LidarJob prepare_lidar(const scene::Simulation& simulation, const scene::Lidar& lidar, Services& services,
+                       const LidarPlanning& planning) {
+  LidarJob job;
+  job.lidar = &lidar;
+  auto start = std::chrono::steady_clock::now();
+  const std::unique_ptr<atmos::RenderTable> table = lidar_air(simulation, lidar);
+  if (table) {
+    job.air_json = table->provenance_json;
+    job.air_notices = air_notices(*table);
+    say_air(*table, services);
+  }
+  job.table_s = seconds_since(start);
+  start = std::chrono::steady_clock::now();
+  job.plan = lidar::make_lidar_plan(simulation, lidar, table.get());
+  if (planning.replay) {
+    job.decision = planner::replayed(planner::find_entry(*planning.replay, lidar.name, true, planning.replay_path),
+                                     job.plan, simulation.tolerance, planning.replay_path);
+  } else if (planning.renderer) {
+    job.decision = planner::decide_subrays(*planning.renderer, job.plan, simulation.tolerance, planning.estimate_given);
+  } else {
+    job.decision = planner::subrays_as_given(job.plan, simulation.tolerance);
+  }
+  if (job.decision.subrays != job.plan.lidar.transport.subrays) planner::set_subrays(job.plan, job.decision.subrays);
+  job.plan_json = planner::lidar_decision_json(job.decision, planner::lidar_lines(job.decision, job.plan));
+  for (const auto& note : job.decision.notes) services.log.warning(note);
+  job.plan_s = seconds_since(start);
+  services.log.detail(lidar.name + ": air profiles in " + std::to_string(job.table_s) + " s, plan in " +
+                      std::to_string(job.plan_s) + " s");
+  return job;
+}
+
+}  // namespace raycube::run

@@ -1,0 +1,373 @@
+#include "host/run/lidar_products.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+#include <filesystem>
+#include <limits>
+#include <optional>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "host/base/error.h"
+#include "host/base/sha256.h"
+#include "host/base/version.h"
+#include "host/run/lidar_csv.h"
+#include "host/run/python_chart.h"
+#include "host/lidar/return_truth.h"
+#include "host/products/las_writer.h"
+#include "host/products/map_grid.h"
+#include "host/products/time_cube.h"
+
+namespace raycube::run {
+namespace {
+
+using Json = nlohmann::ordered_json;
+constexpr double kDegrees = 180 / M_PI;
+constexpr const char* kPictures[] = {"waveforms.png", "ranges.png", "points.png"};
+constexpr int kDescriptorRoom = 255;  ///< all LAS has; full scales are powers of two, so that no run needs more
+
+/// Bin width in whole picoseconds, which is all LAS can say; 0: it is not whole.
+std::uint32_t spacing_ps(const scene::LidarGate& gate) {
+  const double ps = gate.bin_s * 1e12, whole = std::round(ps);
+  return whole >= 1 && whole < 4294967296.0 && std::abs(ps - whole) < 1e-6 * whole ? static_cast<std::uint32_t>(whole)
+                                                                                   : 0;
+}
+
+/// Unit vector along which a pixel's returns move away.
+lidar::Vec3 sight(const lidar::LidarPlan& plan, const lidar::Shot& shot, int pixel, double range_m) {
+  const lidar::Vec3 near = lidar::apparent_point(plan, shot, pixel, range_m),
+                    far = lidar::apparent_point(plan, shot, pixel, range_m + 1);
+  lidar::Vec3 d = {far[0] - near[0], far[1] - near[1], far[2] - near[2]};
+  const double length = std::hypot(d[0], d[1], d[2]);
+  for (double& c : d) c /= length;
+  return d;
+}
+
+}  // namespace
+
+struct LidarProducts::State {
+  State(const std::string& folder_, base::IfExists if_exists, const scene::Simulation& simulation_,
+        const lidar::LidarPlan& plan_)
+      : folder(folder_),
+        simulation(simulation_),
+        plan(plan_),
+        lidar(plan_.lidar),
+        volumes(lidar::flatten_volumes(simulation_.scene.volumes)),
+        set(folder_, if_exists) {
+    set.hash_blocks();
+    const auto& wanted = lidar.products;
+    if (wanted.cube) cube_data = &set.add("waveforms.img"), cube_text = &set.add("waveforms.hdr");
+    if (wanted.las) begin_las();
+    if (wanted.csv) tables.emplace(set, simulation, plan);
+    if (wanted.png)
+      for (const char* name : kPictures)
+        base::OutputFile((std::filesystem::path(folder) / name).string(), if_exists);  // refuses now, not after the run
+  }
+
+  void begin_las() {
+    bool waveforms = lidar.products.waveforms;
+    if (waveforms && spacing_ps(lidar.gate) == 0) {
+      warnings.push_back(fmt::format(
+          "returns.las has no waveforms: LAS wants bins of whole picoseconds (found {:.9g} ps); the time cube has them",
+          lidar.gate.bin_s * 1e12));
+      waveforms = false;
+    }
+    base::OutputFile& points = *(las_file = &set.add("returns.las"));
+    base::OutputFile* packets = nullptr;
+    if (waveforms && lidar.products.internal_waveforms)
+      packets = (scratch = std::make_unique<base::OutputFile>(
+                     (std::filesystem::path(folder) / ".returns.packets").string(), base::IfExists::replace))
+                    .get();
+    else if (waveforms)
+      packets = &set.add("returns.wdp");
+    const auto& origin = simulation.scene.origin;
+    products::LasOptions options;
+    options.offset_m = {origin.easting_m, origin.northing_m, origin.height_m};
+    if (origin.epsg != 0) options.wkt = products::projected_wkt(origin.epsg);
+    options.descriptor_room = waveforms ? kDescriptorRoom : 0;
+    options.internal_packets = lidar.products.internal_waveforms;
+    options.system_id = "simulated " + lidar.name;
+    options.software = std::string("raycube ") + base::kVersion;
+    const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+    std::tm utc{};
+    gmtime_r(&now, &utc);
+    options.creation_day = utc.tm_yday + 1;
+    options.creation_year = utc.tm_year + 1900;
+    options.intensity_from_energy = true;
+    las.emplace(points, packets, options);
+    las_waveforms = waveforms;
+  }
+
+  void begin_cube(const lidar::ShotResult& result) {
+    std::vector<products::TimeCubeBand> bands;
+    for (std::size_t l = 0; l < lidar.pulse.lines.size(); ++l) {
+      const std::string name = line_name(lidar, static_cast<int>(l));
+      const double um = lidar.pulse.lines[l].wavelength_um;
+      if (lidar.products.orders) {
+        bands.push_back({name + " once scattered [photons]", um});
+        if (!result.multiple.empty()) bands.push_back({name + " scattered more often [photons]", um});
+        if (!result.air.empty()) bands.push_back({name + " air [photons]", um});
+      } else {
+        bands.push_back({name + " expected [photons]", um});
+      }
+      if (detected) bands.push_back({name + " recorded [photo-electrons]", um});
+    }
+    cube.emplace(*cube_data, *cube_text,
+                 products::TimeCubeAxis{lidar.gate.start_s, lidar.gate.bin_s, lidar.gate.bins,
+                                        lidar.transport.group_index, plan.pixels()},
+                 bands);
+  }
+
+  /// A pixel's bands, line by line, into `values`.
+  void collect(const lidar::ShotResult& r, const std::vector<lidar::Detection>& detections, int pixel) {
+    const auto bins = static_cast<std::size_t>(lidar.gate.bins), lines = static_cast<std::size_t>(plan.lines());
+    values.clear();
+    for (std::size_t l = 0; l < lines; ++l) {
+      const std::size_t record = static_cast<std::size_t>(pixel) * lines + l, at = record * bins;
+      const auto append = [&](const std::vector<float>& row) {
+        if (!row.empty())
+          values.insert(values.end(), row.begin() + static_cast<std::ptrdiff_t>(at),
+                        row.begin() + static_cast<std::ptrdiff_t>(at + bins));
+      };
+      append(r.first);
+      if (lidar.products.orders) {
+        append(r.multiple);
+        append(r.air);
+      } else {
+        float* const sum = values.data() + values.size() - bins;
+        for (const auto* more : {&r.multiple, &r.air})
+          if (!more->empty())
+            for (std::size_t i = 0; i < bins; ++i) sum[i] += (*more)[at + i];
+      }
+      if (detected) {
+        const auto& recorded = detections[record].waveform_pe;
+        if (recorded.size() != bins)
+          throw base::Error(base::Fault::bug,
+                            fmt::format("a record of {} bins in a gate of {}", recorded.size(), bins));
+        values.insert(values.end(), recorded.begin(), recorded.end());
+      }
+    }
+  }
+
+  void add_record(const lidar::ShotResult& result, const lidar::Detection& d) {
+    products::LasPacket packet;
+    if (las_waveforms) {
+      const int kind =
+          las->descriptor({16, static_cast<std::uint32_t>(lidar.gate.bins), spacing_ps(lidar.gate), d.gain, d.offset});
+      packet = las->add_packet(kind, d.samples);
+    }
+    std::vector<lidar::ReturnTruth> truth;
+    if (!result.hits.empty() && !d.echoes.empty())
+      truth = lidar::return_truth(simulation.scene, volumes, plan, result, d.pixel, d.line, d.echoes);
+    lidar::ReturnTruth unknown;
+    unknown.range_m = std::numeric_limits<double>::quiet_NaN();
+    for (std::size_t i = 0; i < d.echoes.size(); ++i) {
+      const auto& behind = truth.empty() ? unknown : truth[i];
+      const auto at = lidar::apparent_point(plan, result.shot, d.pixel, d.echoes[i].range_m);
+      if (las) add_point(result.shot, d, d.echoes[i], at, behind, packet);
+      if (tables) tables->add_return(result.shot, d, d.echoes[i], at, behind);
+      const double hashed[] = {d.echoes[i].time_s, d.echoes[i].energy_pe};
+      digest.add(hashed, sizeof hashed);
+      ++returns;
+    }
+    if (tables) tables->add_photons(d);
+    record_count += 1;
+    empty_records += d.echoes.empty();
+  }
+
+  void add_point(const lidar::Shot& shot, const lidar::Detection& d, const lidar::Echo& echo, const lidar::Vec3& at,
+                 const lidar::ReturnTruth& behind, const products::LasPacket& packet) {
+    const auto& origin = simulation.scene.origin;
+    products::LasPoint p;
+    p.x_m = origin.easting_m + at[0], p.y_m = origin.northing_m + at[1], p.z_m = origin.height_m + at[2];
+    p.number_of_returns = std::clamp(echo.of, 1, 15);
+    p.return_number = std::clamp(echo.number, 1, p.number_of_returns);
+    p.scanner_channel = std::min(d.line, 3);
+    p.user_data = static_cast<std::uint8_t>(std::min(d.line, 255));
+    constexpr std::uint8_t kUnclassified = 1, kNoise = 7;  // ASPRS standard classes
+    const double doubtful = lidar.echoes.noise_class_above;
+    p.classification = doubtful > 0 && static_cast<double>(echo.chance) > doubtful ? kNoise : kUnclassified;
+    p.scan_to_right = shot.scan_angle_rad > last_scan_angle_rad;
+    p.scan_angle_deg = std::remainder(shot.scan_angle_rad * kDegrees, 360.0);
+    p.source_id = static_cast<std::uint16_t>(d.pixel);
+    p.gps_time_s = lidar.gps_start_s + shot.time_s;
+    p.packet = packet;
+    // Samples stand for the middles of their bins.
+    p.return_location_ps = static_cast<float>((echo.time_s - lidar.gate.start_s - 0.5 * lidar.gate.bin_s) * 1e12);
+    p.direction_m_per_ps =
+        products::las_direction(sight(plan, shot, d.pixel, echo.range_m), lidar.transport.group_index);
+    auto& t = p.truth;
+    t.pulse_id = static_cast<std::uint64_t>(shot.pulse);
+    t.range_m = echo.range_m;
+    t.range_true_m = behind.range_m;
+    t.expected_pe = behind.expected_pe;
+    t.echo_fwhm_ns = echo.fwhm_s * 1e9f;
+    t.detection_probability = echo.detection_probability;
+    t.bounce_order = static_cast<std::uint8_t>(behind.order);
+    t.object_id = behind.object;
+    t.material_id =
+        behind.material == RC_NONE ? products::LasTruth::kNoMaterial : static_cast<std::uint16_t>(behind.material);
+    t.incidence_deg = behind.incidence_deg;
+    t.gff = behind.overlap;
+    t.transmission_2way = behind.transmission_2way;
+    t.subray_fraction = behind.subray_share;
+    t.energy_pe = echo.energy_pe;
+    las->add_point(p);
+  }
+
+  void add(const lidar::ShotResult& result, const std::vector<lidar::Detection>& detections) {
+    const std::size_t records = static_cast<std::size_t>(plan.pixels()) * static_cast<std::size_t>(plan.lines());
+    if (!detections.empty() && detections.size() != records)
+      throw base::Error(base::Fault::bug, fmt::format("{} records came of a shot with {}", detections.size(), records));
+    if (shots == 0) {
+      detected = !detections.empty();
+      if (cube_data) begin_cube(result);
+    } else if (detected == detections.empty()) {
+      throw base::Error(base::Fault::bug, "shots with and without records in one run");
+    }
+    const std::uint64_t before = returns;
+    for (int pixel = 0; pixel < plan.pixels(); ++pixel) {
+      collect(result, detections, pixel);
+      digest.add(values.data(), values.size() * sizeof(float));
+      if (cube) cube->add(values);
+      for (int l = 0; detected && l < plan.lines(); ++l)
+        add_record(result, detections[static_cast<std::size_t>(pixel * plan.lines() + l)]);
+    }
+    if (tables) tables->add_shot(result, detections, static_cast<std::int64_t>(shots) * plan.pixels());
+    without_return += returns == before;
+    last_scan_angle_rad = result.shot.scan_angle_rad;
+    ++shots;
+    rays += static_cast<std::uint64_t>(result.rays);
+  }
+
+  /// What the pictures need to know besides the files.
+  Json picture_facts() const {
+    Json j = {{"title", lidar.name},
+              {"pixels", plan.pixels()},
+              {"columns", lidar.receiver.columns},
+              {"rows", lidar.receiver.rows},
+              {"quantum_efficiency", lidar.receiver.quantum_efficiency},
+              {"prf_hz", lidar.prf_hz},
+              {"scan_rate_hz", lidar.scan.scan_rate_hz},
+              {"first_pulse_s", lidar.first_pulse_s}};
+    static const char* const patterns[] = {"fixed", "line", "oscillating", "rotating", "palmer", "raster"};
+    j["pattern"] = patterns[static_cast<int>(lidar.scan.pattern)];
+    j["scan_columns"] = lidar.scan.columns;
+    j["scan_rows"] = lidar.scan.rows;
+    j["georeferenced"] = simulation.scene.origin.epsg != 0;
+    return j;
+  }
+
+  std::string figures_json(const std::string& stem) const {
+    Json j = picture_facts();
+    if (cube) j["cube"] = cube_data->temporary_path(), j["cube_header"] = cube_text->temporary_path();
+    if (las) j["las"] = las_file->temporary_path();
+    for (const char* name : kPictures) j["pictures"][name] = stem + "." + name;
+    return j.dump();
+  }
+
+  /// The pictures that could be drawn, read from the files as they are; without matplotlib a warning, the data are what
+  /// counts.
+  void draw(products::RunRecord& record) {
+    base::OutputFile figures((std::filesystem::path(folder) / ".pictures.json").string(), base::IfExists::replace);
+    const std::string stem = figures.temporary_path();
+    struct Remove {
+      const std::string& stem;
+      ~Remove() {
+        for (const char* name : kPictures) std::remove((stem + "." + name).c_str());
+      }
+    } remove{stem};
+    figures.append(figures_json(stem));
+    try {
+      run_plot("lidar_pictures.py", stem);
+    } catch (const base::Error& error) {
+      record.warnings.push_back(std::string("no pictures: ") + error.what());
+      return;
+    }
+    static const char* const what[] = {"waveforms of some pulses", "ranges of first strong returns", "point cloud"};
+    for (std::size_t i = 0; i < std::size(kPictures); ++i) {
+      const std::string drawn = stem + "." + kPictures[i];
+      if (!std::filesystem::exists(drawn)) continue;  // nothing to show: no returns
+      append_drawn(set.add(kPictures[i]), drawn);
+      record.files.emplace_back(kPictures[i], what[i]);
+    }
+  }
+
+  std::string folder;
+  const scene::Simulation& simulation;
+  const lidar::LidarPlan& plan;
+  const scene::Lidar& lidar;
+  const lidar::FlatVolumes volumes;
+  base::OutputSet set;
+  base::OutputFile* cube_data = nullptr;
+  base::OutputFile* cube_text = nullptr;
+  std::unique_ptr<base::OutputFile> scratch;
+  std::optional<products::TimeCubeWriter> cube;
+  std::optional<products::LasWriter> las;
+  std::optional<LidarCsv> tables;
+  base::OutputFile* las_file = nullptr;
+  base::Sha256 digest;
+  std::vector<float> values;
+  std::vector<std::string> warnings;
+  bool detected = false, las_waveforms = false;
+  double last_scan_angle_rad = 0;
+  std::uint64_t shots = 0, returns = 0, without_return = 0, record_count = 0, empty_records = 0, rays = 0;
+};
+
+LidarProducts::LidarProducts(const std::string& folder, base::IfExists if_exists, const scene::Simulation& simulation,
+                             const lidar::LidarPlan& plan)
+    : state_(std::make_unique<State>(folder, if_exists, simulation, plan)) {}
+LidarProducts::~LidarProducts() = default;
+
+void LidarProducts::add(const lidar::ShotResult& result, const std::vector<lidar::Detection>& detections) {
+  state_->add(result, detections);
+}
+
+void LidarProducts::publish(products::RunRecord& record) {
+  State& s = *state_;
+  const auto& origin = s.simulation.scene.origin;
+  const std::string where = origin.epsg ? fmt::format("EPSG:{}", origin.epsg)
+                                        : fmt::format("the scene's metres from ({}, {}, {})", origin.easting_m,
+                                                      origin.northing_m, origin.height_m);
+  if (s.shots == 0)
+    throw base::Error(base::Fault::input,
+                      s.lidar.name + ": the scan fires no pulse; widen its half_angle_deg or give more pulses");
+  if (s.cube) {
+    s.cube->finish(fmt::format("waveforms, photons at the detector per bin; samples: range bins, lines: pulses in the "
+                               "order of pulses.csv, {} pixels each",
+                               s.plan.pixels()),
+                   "raycube " + s.lidar.name, s.simulation.sun.utc);
+    record.files.emplace_back("waveforms.img", "waveforms of every pulse, ENVI");
+    record.samples = s.lidar.gate.bins;
+    record.lines = s.cube->lines();
+    record.bands = static_cast<std::int64_t>(s.cube->bands());
+  }
+  if (s.las) {
+    s.las->finish(s.shots, s.without_return);
+    record.files.emplace_back("returns.las", fmt::format("returns, LAS 1.4 format {}, {}", s.las->format(), where));
+    if (s.las_waveforms && !s.lidar.products.internal_waveforms)
+      record.files.emplace_back("returns.wdp", "waveforms of returns.las");
+  }
+  if (s.tables) s.tables->finish(record);
+  record.digest = s.digest.hex();
+  record.rays += s.rays;
+  record.warnings.insert(record.warnings.end(), s.warnings.begin(), s.warnings.end());
+  Json figures = {{"pulses", s.shots},
+                  {"pulses_without_return", s.without_return},
+                  {"records", s.record_count},
+                  {"records_without_return", s.empty_records},
+                  {"returns", s.returns},
+                  {"bin_s", s.lidar.gate.bin_s},
+                  {"gate_start_s", s.lidar.gate.start_s}};
+  if (s.las) figures["las_intensity_unit_pe"] = s.las->intensity_unit_pe();
+  figures["pictures"] = s.picture_facts();
+  record.more_json.emplace_back("lidar", figures.dump());
+  if (s.lidar.products.png) s.draw(record);
+  products::publish_run(s.set, record);
+}
+
+}  // namespace raycube::run
