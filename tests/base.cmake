@@ -1,6 +1,7 @@
 # Lowest layer: hashing, sizes, log, progress, and output that is whole or absent.
 raycube_test(base SOURCES unit/base_test.cpp LIBS raycube_base nlohmann_json::nlohmann_json LABELS fast)
-raycube_test(attitude SOURCES unit/attitude_test.cpp LIBS raycube::lidar raycube::sensors raycube::scene_compiler LABELS fast)
+raycube_test(attitude SOURCES unit/attitude_test.cpp LIBS raycube::lidar raycube::sensors raycube::scene_compiler LABELS
+  fast)
 raycube_test(output_file SOURCES unit/output_file_test.cpp LIBS raycube_base LABELS fast)
 raycube_test(block_hashes SOURCES unit/block_hashes_test.cpp LIBS raycube_base LABELS fast)
 raycube_test(json_text SOURCES unit/json_text_test.cpp LIBS raycube_base LABELS fast)

@@ -4,6 +4,7 @@
 Every fault's original text occurs exactly once in its file and on one line, its tests exist as targets test_<name>, and
 docs/mutations.md shows each fault caught. Whether the tests really catch them, run.py tells.
 """
+
 import pathlib
 import re
 import sys
@@ -15,7 +16,11 @@ FEWEST = 18
 
 def test_targets(root):
     """Names that tests/*.cmake give to raycube_test: each is a target test_<name> and a ctest name."""
-    return {name for part in (root / "tests").glob("*.cmake") for name in re.findall(r"^\s*raycube_test\((\w+)", part.read_text(), re.M)}
+    return {
+        name
+        for part in (root / "tests").glob("*.cmake")
+        for name in re.findall(r"^\s*raycube_test\((\w+)", part.read_text(), re.M)
+    }
 
 
 def problems(root):
@@ -44,7 +49,10 @@ def problems(root):
             if test not in targets:
                 yield f"{name}: no raycube_test({test} ...) in tests/*.cmake"
         if shown.get(name) != "caught":
-            yield f"{name}: docs/mutations.md does not show it caught; run tests/mutation/run.py --output docs/mutations.md"
+            yield (
+                f"{name}: docs/mutations.md does not show it caught; run tests/mutation/run.py --output "
+                f"docs/mutations.md"
+            )
 
 
 def main():
