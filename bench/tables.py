@@ -11,6 +11,7 @@ import json
 import pathlib
 import re
 import sys
+import textwrap
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 BENCH = ROOT / "build/bench.json"
@@ -114,8 +115,15 @@ def renew(path, part, text):
     pattern = re.compile(rf"(<!-- ci/bench {re.escape(part)} -->\n).*?(<!-- end -->)", re.S)
     if not pattern.search(page):
         return False
-    path.write_text(pattern.sub(lambda m: m[1] + text + m[2], page, count=1))
+    path.write_text(pattern.sub(lambda m: m[1] + prose_wrapped(text) + m[2], page, count=1))
     return True
+
+
+def prose_wrapped(text):
+    """The same words with no line of prose past 120 columns; rows of tables stay whole (test line_width)."""
+    wrapper = textwrap.TextWrapper(width=120, break_long_words=False, break_on_hyphens=False)
+    lines = text.split("\n")
+    return "\n".join(line if line.startswith("|") or len(line) <= 120 else wrapper.fill(line) for line in lines)
 
 
 def main(parts):

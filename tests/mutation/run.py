@@ -97,25 +97,24 @@ def cell(text):
     return text.replace("|", "/")
 
 
-def write_table(path, run_line, lines, names, whole):
+PAGE_HEAD = """# Planted faults
+
+Each entry of `mutations.toml` is one wrong line of code; `cmake -DRAYCUBE_MUTATION=NAME` builds a copy of the source
+with it planted. A fault counts as caught when every test named with it fails by an assertion of its own; on the
+unchanged source all of these tests pass. The verdict names commit and day of the fault's last run. Written by
+`tests/mutation/run.py --output tests/mutation/caught.md [NAME ...]`; rows of faults that are not run stay.
+
+"""
+
+
+def write_table(path, lines, names, whole):
     """The page of a whole run, or the page with the rows of the faults that were run anew."""
-    runs, rows = [], {}
+    rows = {}
     if path.is_file() and not whole:
-        old = path.read_text().splitlines()
-        runs = [line for line in old if line.startswith("- `")]
-        rows = {line.split("|")[1].strip(): line for line in old if line.startswith("| ")}
+        rows = {line.split("|")[1].strip(): line for line in path.read_text().splitlines() if line.startswith("| ")}
     rows.update({line.split("|")[1].strip(): line for line in lines[2:]})
     table = lines[:2] + [rows[name] for name in names if name in rows]
-    path.write_text(
-        "# Planted faults\n\nEach entry of `tests/mutation/mutations.toml` is one wrong line of code; `cmake "
-        "-DRAYCUBE_MUTATION=NAME` builds a copy of\nthe source with it planted. A fault counts as caught when every "
-        "test named with it fails by an assertion of its own; on the\nunchanged source all of these tests pass. "
-        "The last run of each fault, by these commands:\n\n"
-        + "\n".join([*runs, run_line])
-        + "\n\n"
-        + "\n".join(table)
-        + "\n"
-    )
+    path.write_text(PAGE_HEAD + "\n".join(table) + "\n")
 
 
 def main():
@@ -131,6 +130,7 @@ def main():
         sys.exit(f"no mutation called {', '.join(sorted(unknown))}")
     chosen = [m for m in mutations if not arguments.names or m["name"] in arguments.names]
     start = time.monotonic()
+    commit = run("git", "-C", ROOT, "describe", "--always", "--dirty").stdout.strip()
 
     all_tests = sorted({test for m in chosen for test in m["test"].split("|")})
     build("none", all_tests)
@@ -159,7 +159,7 @@ def main():
                     mutation["why"],
                     mutation["file"],
                     by,
-                    "caught" if caught else "SURVIVED",
+                    f"{'caught' if caught else 'SURVIVED'} ({commit}, {datetime.date.today()})",
                 )
             )
             + " |"
@@ -172,15 +172,7 @@ def main():
     )
     print(summary)
     if arguments.output:
-        commit = run("git", "-C", ROOT, "describe", "--always", "--dirty").stdout.strip()
-        command = " ".join(["tests/mutation/run.py", *sys.argv[1:]])
-        write_table(
-            arguments.output,
-            f"- `{command}` on {datetime.date.today()} at commit {commit}: {summary}",
-            lines,
-            [m["name"] for m in mutations],
-            whole=not arguments.names,
-        )
+        write_table(arguments.output, lines, [m["name"] for m in mutations], whole=not arguments.names)
     if survivors:
         sys.exit("not caught: " + ", ".join(survivors))
 

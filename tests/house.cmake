@@ -1,0 +1,4 @@
+# How the sources and pages themselves are kept: what a reader may rely on in all of them.
+add_test(NAME line_width COMMAND /usr/bin/python3 ${CMAKE_CURRENT_LIST_DIR}/unit/line_width_test.py
+  ${PROJECT_SOURCE_DIR})
+set_tests_properties(line_width PROPERTIES LABELS fast)
