@@ -24,7 +24,7 @@ def rows_of(table):
     return {row["name"]: row for row in json.loads(run("info", table, "--json").stdout)["rows"]}
 
 
-# S9: 532 nm at the ground of the US standard atmosphere: 0.01316 km-1 and 1.549e-3 km-1 sr-1.
+# AIR 9: 532 nm at the ground of the US standard atmosphere: 0.01316 km-1 and 1.549e-3 km-1 sr-1.
 table = folder / "lidar.rct"
 done = run("lidar", "--wavelengths", "1064,532", "-o", table)
 assert done.stdout.startswith(f"table: {table}\n") and "absorption by gases is absent" in done.stderr

@@ -114,7 +114,7 @@ with tempfile.TemporaryDirectory() as work:
     check((numpy.abs(reference[:, 17:] / reference[:, :1] - 8) < 8e-5).all())
     digest = record(base)["digest"]
 
-    # S7 of the issue: the same bits on repeat, with one thread and two, little memory and much, and in --json.
+    # The same bits on repeat, with one thread and two, little memory and much, and in --json.
     for name, options in (
         ("again", []),
         ("one", ["--threads", 1]),
