@@ -233,8 +233,8 @@ def photons(work, **values):
 
 
 def folding(work):
-    """2.4: ambiguous ranges. 200 kHz: 749.48 m between pulses; ground at 1000 m comes into the next pulse's gate at
-    250.5 m; and a gate from 900 m on, opened while two pulses fly, sees ground at 250.5 m by the pulse after."""
+    """LIDAR 2.4: ambiguous ranges. 200 kHz: 749.48 m between pulses; ground at 1000 m comes into the next pulse's gate
+    at 250.5 m; and a gate from 900 m on, opened while two pulses fly, sees ground at 250.5 m by the pulse after."""
     alone = photons(work, height=1000.0, fold="false", start=950.0, stop=1050.0)
     check(min(alone) == max(alone) > 1e3, alone)
     near = photons(work, height=1000.0, fold="false", start=200.0, stop=300.0)

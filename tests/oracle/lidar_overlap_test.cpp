@@ -39,7 +39,7 @@ TEST_CASE("L-03: area common to two circles") {
   CHECK(circle_overlap(0, 0, 0) == 0);
 }
 
-TEST_CASE("L-03: no NaN where circles touch, and the area is continuous there (12.2)") {
+TEST_CASE("L-03: no NaN where circles touch, and the area is continuous there (LIDAR 12.2)") {
   for (const double a : {0.3, 1.0, 1e-6, 4e5})
     for (const double b : {0.1, 0.7, 3e-9, 1.0}) {
       const double inside = std::abs(a - b), outside = a + b, small = M_PI * std::min(a, b) * std::min(a, b);

@@ -1,5 +1,5 @@
-// Sums over lines, strengths and layers. Oracles: area of a line, every profile at every wavenumber, rotational levels
-// summed one by one, Beer's law in homogeneous air.
+// S19: Sums over lines, strengths and layers. Oracles: area of a line, every profile at every wavenumber, rotational
+// levels summed one by one, Beer's law in homogeneous air.
 #include <doctest/doctest.h>
 
 #include <algorithm>
