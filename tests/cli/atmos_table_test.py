@@ -1,4 +1,5 @@
-"""S20 S4.9: other codes' runs become a render table, and a scene is rendered with it. Usage: atmos_table_test.py RAYCUBE
+"""S20 S4.9: other codes' runs become a render table, and a scene is rendered with it.
+Usage: atmos_table_test.py RAYCUBE
 
 The runs are written here in MODTRAN's tape7 columns from an air stated in closed form: L(r) = L0 + r (T_dir + T_dif) E
 / pi / (1 - r S), a sky of one radiance. Oracle: that closed form again. Tolerances are the printed digits: REF_SOL has
