@@ -1,5 +1,5 @@
 // Reading a render table between its nodes, in double. Every function returns a spectrum over the table's whole
-// wavelength axis. The rules keep energy and sign (S18 of the requirements; S5 of the atmosphere specification):
+// wavelength axis. The rules keep energy and sign (S18 of the requirements; AIR 5):
 //   transmission    -ln T linear in height; along view zenith -ln T cos(zenith) linear
 //   path radiance   L0/(1 - T) linear in height, zenith and azimuth
 //   thermal path    the same;   thermal sky  linear in height and in the airmass of the zenith angle

@@ -1,12 +1,15 @@
 #!/usr/bin/env python3
 """The program as it is against the program of a named commit: bench/before.py COMMIT [--pairs N] [--limit PERCENT]
 
-Builds COMMIT in a git worktree of its own (build/before/HASH, kept), then renders the park (128 x 128 pixels, 360 bands) and a LIDAR survey
-over it with both programs in turn: old, new, old again, new first in every other round, so that what drifts falls on both. Seconds are those of run.json's stages. Of each
-stage: the median over the rounds of new / old, and of old / old how far it strays (half the width of its middle 80 %): what a difference must
-exceed to be one. Each program's first run, which builds its air and kernels, is not counted; products must be the same bytes or it says so.
+Builds COMMIT in a git worktree of its own (build/before/HASH, kept), then renders the park (128 x 128 pixels, 360
+bands) and a LIDAR survey over it with both programs in turn: old, new, old again, new first in every other round, so
+that what drifts falls on both. Seconds are those of run.json's stages. Of each stage: the median over the rounds of new
+/ old, and of old / old how far it strays (half the width of its middle 80 %): what a difference must exceed to be one.
+Each program's first run, which builds its air and kernels, is not counted; products must be the same bytes or it says
+so.
 Status 1 when a stage's median is beyond the limit and beyond that spread. The machine should be otherwise idle.
 """
+
 import argparse
 import json
 import os
@@ -19,9 +22,17 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 WORK = ROOT / "build/before"
 # Names as a reader of the bench knows them, and the stages of run.json they are made of.
-STAGES = {"park": {"primary": ["trace_primary"], "sun": ["trace_sun"], "sky": ["trace_sky"], "shade": ["shade"],
-                   "bands": ["bake", "resolve", "collect", "integrate"], "whole park": None},
-          "survey": {"lidar_shots": ["pulses"], "whole survey": None}}
+STAGES = {
+    "park": {
+        "primary": ["trace_primary"],
+        "sun": ["trace_sun"],
+        "sky": ["trace_sky"],
+        "shade": ["shade"],
+        "bands": ["bake", "resolve", "collect", "integrate"],
+        "whole park": None,
+    },
+    "survey": {"lidar_shots": ["pulses"], "whole survey": None},
+}
 # Of a whole run: what is built once and kept is not part of it.
 LEFT_OUT = ("load", "atmosphere")
 SMALL_S = 0.02  # a stage below this is not judged: the clock and the scheduler are what is seen
@@ -33,7 +44,9 @@ def shell(*command, **more):
 
 def built(commit):
     """The program of a commit, from a worktree of its own."""
-    revision = subprocess.run(["git", "rev-parse", "--verify", commit + "^{commit}"], cwd=ROOT, capture_output=True, text=True)
+    revision = subprocess.run(
+        ["git", "rev-parse", "--verify", commit + "^{commit}"], cwd=ROOT, capture_output=True, text=True
+    )
     if revision.returncode:
         sys.exit(f"bench: no such commit: {commit}")
     revision = revision.stdout.strip()
@@ -63,9 +76,18 @@ def scenes():
     folder = WORK / "scene"
     if not (folder / "park.toml").exists():
         shell("/usr/bin/python3", ROOT / "scenes/park/generate.py", folder, stdout=subprocess.DEVNULL)
-    park = changed(folder / "park.toml", folder / "park_before.toml",
-                   [(r"pixels = 320", "pixels = 128"), (r"lines = 320", "lines = 128"), (r"sky_directions = 48", "sky_directions = 12")])
-    survey = changed(folder / "park_survey.toml", folder / "survey_before.toml", [(r"(?m)^pulses = \d+", "pulses = 6000")])
+    park = changed(
+        folder / "park.toml",
+        folder / "park_before.toml",
+        [
+            (r"pixels = 320", "pixels = 128"),
+            (r"lines = 320", "lines = 128"),
+            (r"sky_directions = 48", "sky_directions = 12"),
+        ],
+    )
+    survey = changed(
+        folder / "park_survey.toml", folder / "survey_before.toml", [(r"(?m)^pulses = \d+", "pulses = 6000")]
+    )
     return {"park": [park, "--instrument", "spectir"], "survey": [survey]}
 
 
@@ -78,7 +100,11 @@ def run(program, name, job, out):
 
 def seconds(record, stages):
     parts = record["stage_s"]
-    return sum(value for stage, value in parts.items() if stage not in LEFT_OUT) if stages is None else sum(parts.get(stage, 0) for stage in stages)
+    return (
+        sum(value for stage, value in parts.items() if stage not in LEFT_OUT)
+        if stages is None
+        else sum(parts.get(stage, 0) for stage in stages)
+    )
 
 
 def measured(old, new, jobs, pairs):
@@ -88,7 +114,15 @@ def measured(old, new, jobs, pairs):
         digests = {}
         for side, program in (("old", old), ("new", new)):  # not counted: air, kernels, pages of files
             digests[side] = run(program, job_name, job, WORK / "out" / side)["digest"]
-        print(f"bench: {job_name}: " + ("the same bytes" if digests["old"] == digests["new"] else "NOT the same bytes: radiance or waveforms have moved"), flush=True)
+        print(
+            f"bench: {job_name}: "
+            + (
+                "the same bytes"
+                if digests["old"] == digests["new"]
+                else "NOT the same bytes: radiance or waveforms have moved"
+            ),
+            flush=True,
+        )
         for pair in range(pairs):
             order = ["old", "new", "again"] if pair % 2 == 0 else ["new", "old", "again"]
             records = {side: run(new if side == "new" else old, job_name, job, WORK / "out" / side) for side in order}
@@ -123,7 +157,10 @@ def main():
     WORK.mkdir(parents=True, exist_ok=True)
     old, new = built(options.commit), ROOT / "build/raycube"
     figures = measured(old, new, scenes(), options.pairs)
-    print(f"\n| stage | old, s | new / old, median of {options.pairs} | old / old | strays by | |\n|---|---|---|---|---|---|")
+    print(
+        f"\n| stage | old, s | new / old, median of {options.pairs} | old / old | strays by | |\n"
+        f"|---|---|---|---|---|---|"
+    )
     beyond = []
     for name, figure in figures.items():
         took, ratio, itself = (statistics.median(figure[key]) for key in ("old_s", "ratio", "itself"))
@@ -135,7 +172,13 @@ def main():
         verdict = "within" if within else "BEYOND" if judged else "too short to judge"
         print(f"| {name} | {took:.3g} | {ratio:.3f} | {itself:.3f} | {100 * figure['spread']:.1f} % | {verdict} |")
     report = WORK / "before.json"
-    report.write_text(json.dumps({"commit": options.commit, "pairs": options.pairs, "limit_percent": options.limit, "figures": figures}, indent=1) + "\n")
+    report.write_text(
+        json.dumps(
+            {"commit": options.commit, "pairs": options.pairs, "limit_percent": options.limit, "figures": figures},
+            indent=1,
+        )
+        + "\n"
+    )
     print(f"bench: {report.relative_to(ROOT)}, load {os.getloadavg()[0]:.1f}")
     if beyond:
         sys.exit(f"bench: beyond {options.limit:g} % and beyond the old program's own spread: {', '.join(beyond)}")

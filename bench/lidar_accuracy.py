@@ -4,6 +4,7 @@
 Builds and runs build/raycube_lidar_accuracy (about a minute), writes build/bench/lidar_accuracy.json, draws
 docs/pictures/lidar_accuracy.png and prints the tables of docs/lidar.md. --figures draws an earlier run's file anew.
 """
+
 import argparse
 import json
 import pathlib
@@ -30,39 +31,91 @@ def groups(points, key):
     return [(name, [p for p in points if p[key] == name]) for name in names]
 
 
-
 def draw(data, file):
     figure, axes = plt.subplots(2, 3, figsize=(14, 8))
     axis = axes[0][0]
     for name, points in groups(data["subrays"], "scene"):
         axis.loglog([p["us_per_pulse"] for p in points], [100 * p["error"] for p in points], "o-", ms=4, label=name)
         for p in points:
-            axis.annotate(f"{p['setting']}", (p["us_per_pulse"], 100 * p["error"]), textcoords="offset points", xytext=(4, 4), fontsize=8)
-    axis.set(title="sub-rays of a pulse (against 32768)", xlabel="device time, us per pulse", ylabel="rms waveform error, % of the peak")
+            axis.annotate(
+                f"{p['setting']}",
+                (p["us_per_pulse"], 100 * p["error"]),
+                textcoords="offset points",
+                xytext=(4, 4),
+                fontsize=8,
+            )
+    axis.set(
+        title="sub-rays of a pulse (against 32768)",
+        xlabel="device time, us per pulse",
+        ylabel="rms waveform error, % of the peak",
+    )
     axis = axes[0][1]
     for name, points in groups(data["shape"], "method"):
         axis.loglog([p["setting"] for p in points], [p["error"] for p in points], "o-", ms=4, label=name)
-    axis.set(title="pulse of 4 ns in bins of 1 ns (against its integral)", xlabel="sub-bins, or phases, in a bin", ylabel="worst bin error over the peak bin")
+    axis.set(
+        title="pulse of 4 ns in bins of 1 ns (against its integral)",
+        xlabel="sub-bins, or phases, in a bin",
+        ylabel="worst bin error over the peak bin",
+    )
     axis = axes[0][2]
-    axis.loglog([p["us_per_pulse"] for p in data["bounces"]], [100 * p["error"] for p in data["bounces"]], "o-", ms=4, color="tab:red",
-                label="Lambert corner, 0.5 and 0.4")
+    axis.loglog(
+        [p["us_per_pulse"] for p in data["bounces"]],
+        [100 * p["error"] for p in data["bounces"]],
+        "o-",
+        ms=4,
+        color="tab:red",
+        label="Lambert corner, 0.5 and 0.4",
+    )
     for p in data["bounces"]:
-        axis.annotate(f"{p['setting']}", (p["us_per_pulse"], 100 * p["error"]), textcoords="offset points", xytext=(4, 4), fontsize=8)
+        axis.annotate(
+            f"{p['setting']}",
+            (p["us_per_pulse"], 100 * p["error"]),
+            textcoords="offset points",
+            xytext=(4, 4),
+            fontsize=8,
+        )
     axis.axhline(0.2, color="tab:gray", ls="--", lw=1)
     axis.text(data["bounces"][0]["us_per_pulse"], 0.21, "noise of drawn directions", fontsize=8, va="bottom")
-    axis.set(title="bounces (4096 sub-rays; against all orders)", xlabel="device time, us per pulse", ylabel="light left out, %")
+    axis.set(
+        title="bounces (4096 sub-rays; against all orders)",
+        xlabel="device time, us per pulse",
+        ylabel="light left out, %",
+    )
     axis = axes[1][0]
     for name, points in groups(data["line_nodes"], "case"):
         axis.loglog([p["setting"] for p in points], [max(p["error"], 1e-16) for p in points], "o-", ms=4, label=name)
-    axis.set(title="nodes of a laser line on an absorption line", xlabel="Gauss-Hermite nodes", ylabel="error of the two-way transmission")
+    axis.set(
+        title="nodes of a laser line on an absorption line",
+        xlabel="Gauss-Hermite nodes",
+        ylabel="error of the two-way transmission",
+    )
     axis.set_ylim(1e-13, 1e6)
     axis = axes[1][1]
-    axis.loglog([p["setting"] for p in data["node_times"]], [p["us_per_pulse"] for p in data["node_times"]], "o-", ms=4, color="tab:brown", label="64 sub-rays, air")
+    axis.loglog(
+        [p["setting"] for p in data["node_times"]],
+        [p["us_per_pulse"] for p in data["node_times"]],
+        "o-",
+        ms=4,
+        color="tab:brown",
+        label="64 sub-rays, air",
+    )
     axis.set(title="what nodes cost", xlabel="Gauss-Hermite nodes", ylabel="device time, us per pulse")
     axis = axes[1][2]
     ranges = [p["range_m"] / 1e3 for p in data["ranges"]]
-    axis.loglog(ranges, [1e3 * p["float_seconds_m"] for p in data["ranges"]], "s--", color="tab:gray", label="times kept in single precision")
-    axis.loglog(ranges, [1e3 * p["ours_m"] for p in data["ranges"]], "o-", color="tab:blue", label="raycube, single precision near the scene")
+    axis.loglog(
+        ranges,
+        [1e3 * p["float_seconds_m"] for p in data["ranges"]],
+        "s--",
+        color="tab:gray",
+        label="times kept in single precision",
+    )
+    axis.loglog(
+        ranges,
+        [1e3 * p["ours_m"] for p in data["ranges"]],
+        "o-",
+        color="tab:blue",
+        label="raycube, single precision near the scene",
+    )
     axis.set(title="worst range error, slope 1e-3, 0.1 ns bins", xlabel="range, km", ylabel="mm")
     for axis in axes.flat:
         axis.grid(True, which="major", alpha=0.4)
@@ -77,7 +130,10 @@ def table(data):
         print(f"| {name}: rms error, % of the peak |" + "".join(f" {100 * p['error']:.2g} |" for p in points))
         print(f"| us per pulse |" + "".join(f" {p['us_per_pulse']:.3g} |" for p in points))
     for p in data["ranges"]:
-        print(f"range {p['range_m'] / 1e3:g} km: {1e3 * p['ours_m']:.3g} mm; float seconds {1e3 * p['float_seconds_m']:.3g} mm")
+        print(
+            f"range {p['range_m'] / 1e3:g} km: {1e3 * p['ours_m']:.3g} mm; float seconds "
+            f"{1e3 * p['float_seconds_m']:.3g} mm"
+        )
     for p in data["bounces"]:
         print(f"{p['setting']} bounces: {100 * p['error']:.2g} % left out, {p['us_per_pulse']:.3g} us")
 

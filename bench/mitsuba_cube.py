@@ -1,12 +1,15 @@
 #!/usr/bin/env python3
-"""A 360-band cube by raycube and by Mitsuba 3 at equal error: bench/mitsuba_cube.py [--launcher CMD] [--figures FILE.json]
+"""A 360-band cube by raycube and by Mitsuba 3 at equal error: bench/mitsuba_cube.py [--launcher CMD] [--figures
+FILE.json]
 
-Run by build/peers/venv/bin/python (`ci/setup --peers` makes it; `ci/bench mitsuba` calls both). One scene (bench/peer_scene.py):
-the same vertices, spectra, sun, even sky, pinhole and box filter; direct light only, no air. Error: rms over the middle of the image of
-the difference from a converged render by the same code, over the band's mean; of bands the median. Time: without load and compilation;
-Mitsuba's is that of mi.render alone, raycube's holds its plan, all stages and writing the cube to disk. Writes
-build/bench/mitsuba.json, build/bench/mitsuba.md, docs/pictures/mitsuba_error.png and mitsuba_images.png. --launcher is put before every timed process.
+Run by build/peers/venv/bin/python (`ci/setup --peers` makes it; `ci/bench mitsuba` calls both). One scene
+(bench/peer_scene.py): the same vertices, spectra, sun, even sky, pinhole and box filter; direct light only, no air.
+Error: rms over the middle of the image of the difference from a converged render by the same code, over the band's
+mean; of bands the median. Time: without load and compilation; Mitsuba's is that of mi.render alone, raycube's holds its
+plan, all stages and writing the cube to disk. Writes build/bench/mitsuba.json, build/bench/mitsuba.md,
+docs/pictures/mitsuba_error.png and mitsuba_images.png. --launcher is put before every timed process.
 """
+
 import argparse
 import ctypes.util
 import glob
@@ -31,8 +34,20 @@ PIXELS, TREES, CROP, THREADS = 256, 240, 96, 2
 TRIPLES = [(54, 34, 18), (8, 26, 44), (70, 84, 98), (112, 126, 150), (170, 200, 230), (262, 300, 340)]
 REFERENCE_SPP, REFERENCE_PASSES = 1024, 8
 RAYCUBE_REFERENCE = ("jittered = [24, 24]", 64)
-TIMED = [b for triple in TRIPLES[::2] for b in triple]  # of these the timed renders are made, and of both sides' errors the median
-RAYCUBE = [(9, 1), (16, 1), (36, 1), (36, 4), (64, 2), (64, 4), (64, 8), (121, 8), (256, 16)]  # samples a pixel, sky directions shared out among them
+TIMED = [
+    b for triple in TRIPLES[::2] for b in triple
+]  # of these the timed renders are made, and of both sides' errors the median
+RAYCUBE = [
+    (9, 1),
+    (16, 1),
+    (36, 1),
+    (36, 4),
+    (64, 2),
+    (64, 4),
+    (64, 8),
+    (121, 8),
+    (256, 16),
+]  # samples a pixel, sky directions shared out among them
 # variant: renders that make 360 bands, renders timed, samples a pixel.
 VARIANTS = {
     "scalar_rgb": ("three bands a render, 120 renders", 120, 3, (4, 16, 64, 256)),
@@ -55,11 +70,19 @@ def llvm_library():
 def band_shape(centre_nm, fwhm_nm):
     nodes, weight = peer_scene.band_nodes(centre_nm, fwhm_nm, 33)
     step = nodes[1] - nodes[0]
-    return {"type": "irregular", "wavelengths": ", ".join(f"{n:.6f}" for n in nodes), "values": ", ".join(f"{w / step:.8g}" for w in weight)}
+    return {
+        "type": "irregular",
+        "wavelengths": ", ".join(f"{n:.6f}" for n in nodes),
+        "values": ", ".join(f"{w / step:.8g}" for w in weight),
+    }
 
 
 def curve(nodes, values):
-    return {"type": "irregular", "wavelengths": ", ".join(f"{n:.6g}" for n in nodes), "values": ", ".join(f"{v:.8g}" for v in values)}
+    return {
+        "type": "irregular",
+        "wavelengths": ", ".join(f"{n:.6g}" for n in nodes),
+        "values": ", ".join(f"{v:.8g}" for v in values),
+    }
 
 
 def mitsuba_scene(mi, scene, variant, chosen, crop=None):
@@ -71,8 +94,11 @@ def mitsuba_scene(mi, scene, variant, chosen, crop=None):
         colour = {m: curve(*peer_scene.spectrum(m).T) for m in reflectance}
     else:
         chosen = list(chosen) if variant.endswith("rgb") else chosen[0]
-        as_is = (lambda v: {"type": "rgb", "value": [float(x) for x in v]}) if variant.endswith("rgb") else \
-            (lambda v: {"type": "uniform", "value": float(v)})
+        as_is = (
+            (lambda v: {"type": "rgb", "value": [float(x) for x in v]})
+            if variant.endswith("rgb")
+            else (lambda v: {"type": "uniform", "value": float(v)})
+        )
         light = {"sun": as_is(sun[chosen]), "sky": as_is(sky[chosen])}
         colour = {m: as_is(r[chosen]) for m, r in reflectance.items()}
     film = {"width": scene.pixels, "height": scene.pixels, "rfilter": {"type": "box"}, "component_format": "float32"}
@@ -86,23 +112,42 @@ def mitsuba_scene(mi, scene, variant, chosen, crop=None):
     zenith, azimuth = np.radians([peer_scene.SUN_ZENITH_DEG, peer_scene.SUN_AZIMUTH_DEG])
     towards_sun = [np.sin(zenith) * np.sin(azimuth), np.sin(zenith) * np.cos(azimuth), np.cos(zenith)]
     height = peer_scene.CAMERA_HEIGHT_M
-    # The sun is always picked as emitter and the sky met by the BSDF's own samples: the least noise for its time of the settings tried.
+    # The sun is always picked as emitter and the sky met by the BSDF's own samples: the least noise for its time of the
+    # settings tried.
     world = {
-        "type": "scene", "integrator": {"type": "direct", "emitter_samples": 1, "bsdf_samples": 1},
-        "sensor": {"type": "perspective", "fov_axis": "x", "near_clip": 1.0, "far_clip": 1e4,
-                   "fov": float(2 * np.degrees(np.arctan(0.5 * scene.pixels * peer_scene.GSD_M / height))),
-                   "to_world": turn().look_at([0, 0, height], [0, 0, 0], [0, 1, 0]), "film": film,
-                   "sampler": {"type": "multijitter", "sample_count": 16}},
-        "sun": {"type": "directional", "direction": [-float(v) for v in towards_sun], "irradiance": light["sun"], "sampling_weight": 1.0},
+        "type": "scene",
+        "integrator": {"type": "direct", "emitter_samples": 1, "bsdf_samples": 1},
+        "sensor": {
+            "type": "perspective",
+            "fov_axis": "x",
+            "near_clip": 1.0,
+            "far_clip": 1e4,
+            "fov": float(2 * np.degrees(np.arctan(0.5 * scene.pixels * peer_scene.GSD_M / height))),
+            "to_world": turn().look_at([0, 0, height], [0, 0, 0], [0, 1, 0]),
+            "film": film,
+            "sampler": {"type": "multijitter", "sample_count": 16},
+        },
+        "sun": {
+            "type": "directional",
+            "direction": [-float(v) for v in towards_sun],
+            "irradiance": light["sun"],
+            "sampling_weight": 1.0,
+        },
         "sky": {"type": "constant", "radiance": light["sky"], "sampling_weight": 0.0},
     }
     for material, reflects in colour.items():
         world[f"of_{material}"] = {"type": "twosided", "side": {"type": "diffuse", "reflectance": reflects}}
 
     def shape(mesh):
-        return {"type": "ply", "filename": str(mesh.file), "face_normals": True, "bsdf": {"type": "ref", "id": f"of_{mesh.material}"}}
+        return {
+            "type": "ply",
+            "filename": str(mesh.file),
+            "face_normals": True,
+            "bsdf": {"type": "ref", "id": f"of_{mesh.material}"},
+        }
 
-    # Placed trees as one mesh a material: without instances Mitsuba is faster, and its LLVM variants compile in seconds, not minutes.
+    # Placed trees as one mesh a material: without instances Mitsuba is faster, and its LLVM variants compile in
+    # seconds, not minutes.
     for mesh in scene.ground:
         world[mesh.name] = shape(mesh)
     for mesh in peer_scene.merged_trees(scene):
@@ -118,6 +163,7 @@ def start_mitsuba(variant):
         os.environ["DRJIT_LIBLLVM_PATH"] = str(library)
     import drjit
     import mitsuba as mi
+
     mi.set_variant(variant)
     mi.set_log_level(mi.LogLevel.Error)
     drjit.set_thread_count(THREADS)
@@ -127,8 +173,10 @@ def start_mitsuba(variant):
 def choose_bands(mi, world, scene, variant, chosen):
     """Gives a loaded scene the light and reflectances of other bands."""
     sun, sky, reflectance = peer_scene.band_means(scene)
-    value = (lambda v: mi.Color3f(*[float(x) for x in v])) if variant.endswith("rgb") else (lambda v: mi.Float(float(v[0])))
-    chosen = list(chosen)[:3 if variant.endswith("rgb") else 1]
+    value = (
+        (lambda v: mi.Color3f(*[float(x) for x in v])) if variant.endswith("rgb") else (lambda v: mi.Float(float(v[0])))
+    )
+    chosen = list(chosen)[: 3 if variant.endswith("rgb") else 1]
     parameters = mi.traverse(world)
     parameters["sun.irradiance.value"], parameters["sky.radiance.value"] = value(sun[chosen]), value(sky[chosen])
     for material, r in reflectance.items():
@@ -143,8 +191,13 @@ def mitsuba_reference():
     world = mitsuba_scene(mi, scene, variant, TRIPLES[0], CROP)
     for triple in TRIPLES:
         choose_bands(mi, world, scene, variant, triple)
-        images.append(sum(np.array(mi.render(world, spp=REFERENCE_SPP // REFERENCE_PASSES, seed=1000 + p)) for p in range(REFERENCE_PASSES)) /
-                      REFERENCE_PASSES)
+        images.append(
+            sum(
+                np.array(mi.render(world, spp=REFERENCE_SPP // REFERENCE_PASSES, seed=1000 + p))
+                for p in range(REFERENCE_PASSES)
+            )
+            / REFERENCE_PASSES
+        )
         print(f"mitsuba: converged {triple}", flush=True)
     np.save(WORK / "mitsuba_reference.npy", np.concatenate(images, 2))
 
@@ -168,16 +221,28 @@ def mitsuba_time(variant, counts):
             if index < 0:
                 continue
             seconds.append(time.perf_counter() - began)
-            images.append(image[low:low + CROP, low:low + CROP, :len(chosen)])
+            images.append(image[low : low + CROP, low : low + CROP, : len(chosen)])
             bands += list(chosen)
             if index == 0:
                 np.save(WORK / f"full_{variant}_{spp}.npy", image[:, :, :3])
         np.save(WORK / f"{variant}_{spp}.npy", np.concatenate(images, 2))
-        print(json.dumps({"variant": variant, "text": text, "spp": spp, "seconds": renders * statistics.mean(seconds), "renders_timed": timed,
-                          "bands": bands}), flush=True)
+        print(
+            json.dumps(
+                {
+                    "variant": variant,
+                    "text": text,
+                    "spp": spp,
+                    "seconds": renders * statistics.mean(seconds),
+                    "renders_timed": timed,
+                    "bands": bands,
+                }
+            ),
+            flush=True,
+        )
 
 
-# --- raycube -----------------------------------------------------------------------------------------------------------
+# --- raycube
+# -----------------------------------------------------------------------------------------------------------
 def make_scene():
     return peer_scene.make(WORK / "scene", PIXELS, TREES)
 
@@ -187,8 +252,11 @@ def read_cube(folder, pixels):
 
 
 def render(file, out, launcher=()):
-    subprocess.run([*launcher, ROOT / "build/raycube", "render", file, "-o", out, "--overwrite", "--threads", str(THREADS), "-q"], check=True,
-                   stdout=subprocess.DEVNULL)
+    subprocess.run(
+        [*launcher, ROOT / "build/raycube", "render", file, "-o", out, "--overwrite", "--threads", str(THREADS), "-q"],
+        check=True,
+        stdout=subprocess.DEVNULL,
+    )
     return json.loads((out / "camera/run.json").read_text())
 
 
@@ -206,12 +274,17 @@ def raycube_time(scene, samples, sky, launcher, repeats=2):
     low = (PIXELS - CROP) // 2
     cube = read_cube(WORK / "timed", PIXELS)
     np.save(WORK / f"full_raycube_{samples}_{sky}.npy", cube[:, :, list(TRIPLES[0])])
-    return {"samples": samples, "sky_directions": sky, "stages_s": min(stages),
-            "plan_s": min(run["plan"] for run in runs), "seconds": min(s + r["plan"] for s, r in zip(stages, runs))}, \
-        cube[low:low + CROP, low:low + CROP]
+    return {
+        "samples": samples,
+        "sky_directions": sky,
+        "stages_s": min(stages),
+        "plan_s": min(run["plan"] for run in runs),
+        "seconds": min(s + r["plan"] for s, r in zip(stages, runs)),
+    }, cube[low : low + CROP, low : low + CROP]
 
 
-# --- figures -----------------------------------------------------------------------------------------------------------
+# --- figures
+# -----------------------------------------------------------------------------------------------------------
 def median_error(image, reference):
     """rms over pixels over the band's mean; the median of the bands."""
     return float(np.median(np.sqrt(np.mean((image - reference) ** 2, (0, 1))) / reference.mean((0, 1))))
@@ -246,19 +319,43 @@ def measure(launcher, earlier):
     theirs, ours = np.load(WORK / "mitsuba_reference.npy"), np.load(WORK / "raycube_reference.npy")
     listed = [b for triple in TRIPLES for b in triple]
     means = np.abs(theirs.mean((0, 1)) / ours[:, :, listed].mean((0, 1)) - 1)
-    data = {"scene": scene.facts(), "agreement_mean_worst": float(means.max()), "agreement_rms": median_error(theirs, ours[:, :, listed]),
-            "crop": CROP, "reference_spp": REFERENCE_SPP, "raycube": [], "mitsuba": [], "failed": {}}
-    if data["agreement_mean_worst"] > 3e-3:  # the noise of both means over the middle is below 1e-3: more is another scene
-        raise SystemExit(f"mitsuba: the converged images differ by {data['agreement_mean_worst']:.2%} in a band's mean: not the same scene")
+    data = {
+        "scene": scene.facts(),
+        "agreement_mean_worst": float(means.max()),
+        "agreement_rms": median_error(theirs, ours[:, :, listed]),
+        "crop": CROP,
+        "reference_spp": REFERENCE_SPP,
+        "raycube": [],
+        "mitsuba": [],
+        "failed": {},
+    }
+    if (
+        data["agreement_mean_worst"] > 3e-3
+    ):  # the noise of both means over the middle is below 1e-3: more is another scene
+        raise SystemExit(
+            f"mitsuba: the converged images differ by {data['agreement_mean_worst']:.2%} in a band's mean: not the "
+            f"same scene"
+        )
     for samples, sky in RAYCUBE:
         point, cube = raycube_time(scene, samples, sky, launcher)
-        data["raycube"].append({**point, "error": median_error(cube[:, :, TIMED], ours[:, :, TIMED]), "error_360": median_error(cube, ours)})
+        data["raycube"].append(
+            {
+                **point,
+                "error": median_error(cube[:, :, TIMED], ours[:, :, TIMED]),
+                "error_360": median_error(cube, ours),
+            }
+        )
         print("raycube", data["raycube"][-1], flush=True)
     if earlier:
         data["mitsuba"], data["failed"] = earlier["mitsuba"], earlier["failed"]
         return data
     for variant, (_, _, _, counts) in VARIANTS.items():
-        run = subprocess.run([*launcher, *me, "--time", variant, *map(str, counts)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        run = subprocess.run(
+            [*launcher, *me, "--time", variant, *map(str, counts)],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
         if run.returncode:
             data["failed"][variant] = (run.stderr.strip().splitlines() or [f"status {run.returncode}"])[-1]
             print(f"mitsuba: {variant} does not run: {data['failed'][variant]}", flush=True)
@@ -275,23 +372,34 @@ def measure(launcher, earlier):
 
 
 def compare(data):
-    """Ratios at errors spaced evenly (in log) over what both curves cover, so that the choice of settings cannot move them; the fastest
-    variant, the median over errors."""
+    """Ratios at errors spaced evenly (in log) over what both curves cover, so that the choice of settings cannot move
+    them; the fastest variant, the median over errors."""
     ratios = {}
     ours = front(data["raycube"])
     without_plan = [dict(p, seconds=p["stages_s"]) for p in data["raycube"]]
     for variant in dict.fromkeys(p["variant"] for p in data["mitsuba"]):
         theirs = front([p for p in data["mitsuba"] if p["variant"] == variant])
-        least, most = (pick(limit(p["error"] for p in curve) for curve in (ours, theirs)) for pick, limit in ((max, min), (min, max)))
+        least, most = (
+            pick(limit(p["error"] for p in curve) for curve in (ours, theirs))
+            for pick, limit in ((max, min), (min, max))
+        )
         errors = np.geomspace(least * (1 + 1e-9), most * (1 - 1e-9), 9) if least < most else []
-        ratios[variant] = [(float(e), seconds_at(theirs, e) / seconds_at(ours, e), seconds_at(theirs, e) / (seconds_at(without_plan, e) or seconds_at(ours, e)))
-                           for e in errors]
+        ratios[variant] = [
+            (
+                float(e),
+                seconds_at(theirs, e) / seconds_at(ours, e),
+                seconds_at(theirs, e) / (seconds_at(without_plan, e) or seconds_at(ours, e)),
+            )
+            for e in errors
+        ]
     covered = {v: statistics.median(r for _, r, _ in rows) for v, rows in ratios.items() if rows}
     data["fastest"] = min(covered, key=covered.get)
     rows = ratios[data["fastest"]]
     data["ratios"] = {v: rows for v, rows in ratios.items() if rows}
     data["cube_vs_mitsuba3_equal_error"] = covered[data["fastest"]]
-    data["cube_vs_mitsuba3_equal_error_min"], data["cube_vs_mitsuba3_equal_error_max"] = min(r for _, r, _ in rows), max(r for _, r, _ in rows)
+    data["cube_vs_mitsuba3_equal_error_min"], data["cube_vs_mitsuba3_equal_error_max"] = min(
+        r for _, r, _ in rows
+    ), max(r for _, r, _ in rows)
     data["cube_vs_mitsuba3_equal_error_without_plan"] = statistics.median(r for _, _, r in rows)
 
 
@@ -299,49 +407,103 @@ def what_an_expert_would_use(data):
     """What the ratio is not: one sentence for README.md and RESULTS.md alike."""
     once = math.ceil(2 * data["scene"]["materials"] / 3)  # sun and sky of each material alone, three to a render
     fewer = data["cube_vs_mitsuba3_equal_error"] * once / 120
-    return (f"**That is not the best an expert can do with the same tools.** Direct light is linear in reflectance: Mitsuba itself needs {once} renders "
-            f"in place of 120 when each material's light is rendered alone (by that count {fewer:.0f} x), and a script that traces once, sums what sun and "
-            "sky give each material of a pixel, and multiplies one matrix needs none per band. At equal error of the *worst* band, which is what "
-            "`tolerance` means (few sky directions look two to four times better by the median), raycube takes 2.2 to 2.8 times as long as such a "
-            "script on this scene (tried from outside, 2026-11-22; this bench does not hold it yet).")
+    return (
+        f"**That is not the best an expert can do with the same tools.** Direct light is linear in reflectance: "
+        f"Mitsuba itself needs {once} renders "
+        f"in place of 120 when each material's light is rendered alone (by that count {fewer:.0f} x), and a script "
+        f"that traces once, sums what sun and "
+        "sky give each material of a pixel, and multiplies one matrix needs none per band. At equal error of the "
+        "*worst* band, which is what "
+        "`tolerance` means (few sky directions look two to four times better by the median), raycube takes 2.2 to 2.8 "
+        "times as long as such a "
+        "script on this scene (tried from outside, 2026-11-22; this bench does not hold it yet)."
+    )
 
 
 def draw(data):
     import matplotlib
+
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
+
     figure, axis = plt.subplots(figsize=(8.5, 5.6))
-    axis.loglog([p["seconds"] for p in data["raycube"]], [100 * p["error"] for p in data["raycube"]], "o", color="black", ms=5)
+    axis.loglog(
+        [p["seconds"] for p in data["raycube"]], [100 * p["error"] for p in data["raycube"]], "o", color="black", ms=5
+    )
     best = front(data["raycube"])
-    axis.loglog([p["seconds"] for p in best], [100 * p["error"] for p in best], "-", color="black", label="raycube, all 360 bands (plan and writing included)")
+    axis.loglog(
+        [p["seconds"] for p in best],
+        [100 * p["error"] for p in best],
+        "-",
+        color="black",
+        label="raycube, all 360 bands (plan and writing included)",
+    )
     for p in best:
-        axis.annotate(f"{p['samples']} / {p['sky_directions']}", (p["seconds"], 100 * p["error"]), textcoords="offset points", xytext=(5, 4), fontsize=7)
+        axis.annotate(
+            f"{p['samples']} / {p['sky_directions']}",
+            (p["seconds"], 100 * p["error"]),
+            textcoords="offset points",
+            xytext=(5, 4),
+            fontsize=7,
+        )
     for variant in dict.fromkeys(p["variant"] for p in data["mitsuba"]):
         points = [p for p in data["mitsuba"] if p["variant"] == variant]
-        axis.loglog([p["seconds"] for p in points], [100 * p["error"] for p in points], "s--", ms=4, label=f"Mitsuba 3.9.1 {variant}: {points[0]['text']}")
-        axis.annotate(f"{points[-1]['spp']}", (points[-1]["seconds"], 100 * points[-1]["error"]), textcoords="offset points", xytext=(5, 2), fontsize=7)
+        axis.loglog(
+            [p["seconds"] for p in points],
+            [100 * p["error"] for p in points],
+            "s--",
+            ms=4,
+            label=f"Mitsuba 3.9.1 {variant}: {points[0]['text']}",
+        )
+        axis.annotate(
+            f"{points[-1]['spp']}",
+            (points[-1]["seconds"], 100 * points[-1]["error"]),
+            textcoords="offset points",
+            xytext=(5, 2),
+            fontsize=7,
+        )
     facts = data["scene"]
-    axis.set(xlabel="seconds for 360 bands, 2 threads", ylabel="rms error of the median band, % of its mean",
-             title=f"{facts['pixels']} x {facts['pixels']} pixels, {facts['triangles_placed'] / 1e6:.0f} M placed triangles, sun and even sky, direct light")
+    axis.set(
+        xlabel="seconds for 360 bands, 2 threads",
+        ylabel="rms error of the median band, % of its mean",
+        title=f"{facts['pixels']} x {facts['pixels']} pixels, {facts['triangles_placed'] / 1e6:.0f} M placed "
+        f"triangles, sun and even sky, direct light",
+    )
     axis.grid(True, which="major", alpha=0.4)
     axis.set_ylim(0.5, 3e4)  # room for the legend above the curves
     axis.legend(fontsize=7.5, loc="upper right")
-    figure.text(0.99, 0.005, "numbers: samples a pixel / sky directions (raycube), samples a pixel (Mitsuba)", ha="right", fontsize=7)
+    figure.text(
+        0.99,
+        0.005,
+        "numbers: samples a pixel / sky directions (raycube), samples a pixel (Mitsuba)",
+        ha="right",
+        fontsize=7,
+    )
     figure.tight_layout()
     figure.savefig(ROOT / "docs/pictures/mitsuba_error.png", dpi=110)
 
     # The pair of points nearest in error.
     theirs = [p for p in data["mitsuba"] if p["variant"] == data["fastest"]]
-    ours, other = min(((a, b) for a in data["raycube"] for b in theirs if b["spp"] >= 16), key=lambda ab: abs(np.log(ab[0]["error"] / ab[1]["error"])))
-    images = [np.load(WORK / f"full_raycube_{ours['samples']}_{ours['sky_directions']}.npy"), np.load(WORK / f"full_{other['variant']}_{other['spp']}.npy")]
+    ours, other = min(
+        ((a, b) for a in data["raycube"] for b in theirs if b["spp"] >= 16),
+        key=lambda ab: abs(np.log(ab[0]["error"] / ab[1]["error"])),
+    )
+    images = [
+        np.load(WORK / f"full_raycube_{ours['samples']}_{ours['sky_directions']}.npy"),
+        np.load(WORK / f"full_{other['variant']}_{other['spp']}.npy"),
+    ]
     white = np.percentile(images[0], 99, axis=(0, 1))
     figure, axes = plt.subplots(1, 3, figsize=(13.2, 4.7))
-    titles = [f"raycube, {ours['samples']} samples: {ours['seconds']:.2g} s, error {ours['error']:.1%}",
-              f"Mitsuba {other['variant']}, {other['spp']} samples: {other['seconds']:.0f} s, error {other['error']:.1%}"]
+    titles = [
+        f"raycube, {ours['samples']} samples: {ours['seconds']:.2g} s, error {ours['error']:.1%}",
+        f"Mitsuba {other['variant']}, {other['spp']} samples: {other['seconds']:.0f} s, error {other['error']:.1%}",
+    ]
     for axis, image, title in zip(axes, images, titles):
         axis.imshow(np.clip(image / white, 0, 1) ** (1 / 2.2))
         axis.set_title(title, fontsize=9)
-    shown = axes[2].imshow(100 * (images[1] - images[0])[:, :, 1] / images[0][:, :, 1].mean(), cmap="RdBu", vmin=-50, vmax=50)
+    shown = axes[2].imshow(
+        100 * (images[1] - images[0])[:, :, 1] / images[0][:, :, 1].mean(), cmap="RdBu", vmin=-50, vmax=50
+    )
     axes[2].set_title("difference at 555 nm, % of the mean", fontsize=9)
     figure.colorbar(shown, ax=axes[2], fraction=0.046)
     for axis in axes:
@@ -353,24 +515,43 @@ def draw(data):
 
 def markdown(data):
     facts = data["scene"]
-    lines = [f"{facts['pixels']} x {facts['pixels']} pixels, {facts['bands']} bands, {facts['materials']} measured spectra, {facts['trees']} placed trees: "
-             f"{facts['triangles'] / 1e6:.2f} M triangles, {facts['triangles_placed'] / 1e6:.1f} M placed.",
-             f"Converged images of both: band means differ by {100 * data['agreement_mean_worst']:.2g} % at most, pixels by {100 * data['agreement_rms']:.2g} % rms "
-             f"(the median band; both noises included).", "",
-             "| | samples a pixel | seconds for 360 bands | rms error, median band | raycube is faster by |", "|---|---|---|---|---|"]
+    lines = [
+        f"{facts['pixels']} x {facts['pixels']} pixels, {facts['bands']} bands, {facts['materials']} measured spectra, "
+        f"{facts['trees']} placed trees: "
+        f"{facts['triangles'] / 1e6:.2f} M triangles, {facts['triangles_placed'] / 1e6:.1f} M placed.",
+        f"Converged images of both: band means differ by {100 * data['agreement_mean_worst']:.2g} % at most, pixels by "
+        f"{100 * data['agreement_rms']:.2g} % rms "
+        f"(the median band; both noises included).",
+        "",
+        "| | samples a pixel | seconds for 360 bands | rms error, median band | raycube is faster by |",
+        "|---|---|---|---|---|",
+    ]
     for p in data["raycube"]:
-        lines.append(f"| raycube, {p['sky_directions']} sky directions | {p['samples']} | {p['seconds']:.2f} (plan {p['plan_s']:.2f}) | {100 * p['error']:.2f} % | |")
+        lines.append(
+            f"| raycube, {p['sky_directions']} sky directions | {p['samples']} | {p['seconds']:.2f} (plan "
+            f"{p['plan_s']:.2f}) | {100 * p['error']:.2f} % | |"
+        )
     best = front(data["raycube"])
     for p in data["mitsuba"]:
         ours = seconds_at(best, p["error"])
         faster = f"{p['seconds'] / ours:.0f} x" if ours else "outside the curve"
-        lines.append(f"| {p['variant']}: {p['text']} | {p['spp']} | {p['seconds']:.3g} | {100 * p['error']:.2f} % | {faster} |")
+        lines.append(
+            f"| {p['variant']}: {p['text']} | {p['spp']} | {p['seconds']:.3g} | {100 * p['error']:.2f} % | {faster} |"
+        )
     lines += [f"| {variant}: does not run | | | | |" for variant in data["failed"]]
-    lines += ["", f"`cube_vs_mitsuba3_equal_error` = {data['cube_vs_mitsuba3_equal_error']:.0f} [{data['cube_vs_mitsuba3_equal_error_min']:.0f} .. "
-              f"{data['cube_vs_mitsuba3_equal_error_max']:.0f}] against {data['fastest']}, its fastest (goal 50): median over nine errors "
-              f"from {100 * data['ratios'][data['fastest']][0][0]:.2g} to {100 * data['ratios'][data['fastest']][-1][0]:.2g} %; "
-              f"{data['cube_vs_mitsuba3_equal_error_without_plan']:.0f} without raycube's plan, which does not grow with the image.", "",
-              what_an_expert_would_use(data)]
+    lines += [
+        "",
+        f"`cube_vs_mitsuba3_equal_error` = {data['cube_vs_mitsuba3_equal_error']:.0f} "
+        f"[{data['cube_vs_mitsuba3_equal_error_min']:.0f} .. "
+        f"{data['cube_vs_mitsuba3_equal_error_max']:.0f}] against {data['fastest']}, its fastest (goal 50): median "
+        f"over nine errors "
+        f"from {100 * data['ratios'][data['fastest']][0][0]:.2g} to {100 * data['ratios'][data['fastest']][-1][0]:.2g} "
+        f"%; "
+        f"{data['cube_vs_mitsuba3_equal_error_without_plan']:.0f} without raycube's plan, which does not grow with the "
+        f"image.",
+        "",
+        what_an_expert_would_use(data),
+    ]
     return "\n".join(lines) + "\n"
 
 
@@ -378,9 +559,13 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--launcher", default="", help="command put before every timed process")
     parser.add_argument("--figures", type=pathlib.Path, help="draw an earlier run's file anew")
-    parser.add_argument("--keep-mitsuba", action="store_true", help="time raycube alone; Mitsuba's times from build/bench/mitsuba.json")
+    parser.add_argument(
+        "--keep-mitsuba", action="store_true", help="time raycube alone; Mitsuba's times from build/bench/mitsuba.json"
+    )
     parser.add_argument("--reference", action="store_true", help="only Mitsuba's converged render")
-    parser.add_argument("--time", nargs="+", metavar="VARIANT SPP", help="only the timed renders of one variant of Mitsuba")
+    parser.add_argument(
+        "--time", nargs="+", metavar="VARIANT SPP", help="only the timed renders of one variant of Mitsuba"
+    )
     options = parser.parse_args()
     if options.reference:
         return mitsuba_reference()
@@ -388,7 +573,9 @@ def main():
         return mitsuba_time(options.time[0], [int(n) for n in options.time[1:]])
     stored = ROOT / "build/bench/mitsuba.json"
     earlier = json.loads(stored.read_text()) if options.keep_mitsuba else None
-    data = json.loads(options.figures.read_text()) if options.figures else measure(shlex.split(options.launcher), earlier)
+    data = (
+        json.loads(options.figures.read_text()) if options.figures else measure(shlex.split(options.launcher), earlier)
+    )
     compare(data)
     data["what_an_expert_would_use"] = what_an_expert_would_use(data)
     stored.write_text(json.dumps(data, indent=1) + "\n")

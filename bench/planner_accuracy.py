@@ -1,10 +1,12 @@
 #!/usr/bin/python3
 """The planner held against converged references and brute force: bench/planner_accuracy.py [--figures FILE.json]
 
-Builds and runs build/raycube_planner_accuracy over the shipped scenes (half an hour), writes build/bench/planner.json (its flat keys) and
-planner_study.json (everything), draws docs/pictures/planner_calibration.png and writes build/bench/planner.md, which bench/tables.py puts
-into docs/accuracy.md. --figures draws an earlier planner_study.json anew.
+Builds and runs build/raycube_planner_accuracy over the shipped scenes (half an hour), writes build/bench/planner.json
+(its flat keys) and planner_study.json (everything), draws docs/pictures/planner_calibration.png and writes
+build/bench/planner.md, which bench/tables.py puts into docs/accuracy.md. --figures draws an earlier planner_study.json
+anew.
 """
+
 import argparse
 import json
 import pathlib
@@ -29,8 +31,15 @@ def scenes():
     if not starter.exists():
         subprocess.run([ROOT / "build/raycube", "new", starter], check=True)
     lidar = ROOT / "scenes/lidar"
-    return [f"panels={ROOT / 'scenes/panels/panels.toml'}", f"starter={starter / 'starter.toml'}", f"park={park / 'park.toml'}", f"park_lwir={park / 'park_lwir.toml'}",
-            f"park_survey={park / 'park_survey.toml'}", f"geiger_array={lidar / 'geiger_array.toml'}", f"pipeline_dial={lidar / 'pipeline_dial.toml'}"]
+    return [
+        f"panels={ROOT / 'scenes/panels/panels.toml'}",
+        f"starter={starter / 'starter.toml'}",
+        f"park={park / 'park.toml'}",
+        f"park_lwir={park / 'park_lwir.toml'}",
+        f"park_survey={park / 'park_survey.toml'}",
+        f"geiger_array={lidar / 'geiger_array.toml'}",
+        f"pipeline_dial={lidar / 'pipeline_dial.toml'}",
+    ]
 
 
 def measure():
@@ -59,12 +68,20 @@ def keys(cases):
     rows = [row for case in cases for row in case["rows"]]
     judged = [row for row in rows if counts(row)]
     timed = [row for row in rows if not said(row) and "time_over_best" in row]
-    found = {"planner_worst_error_over_tolerance": max(row["achieved"] / row["tolerance"] for row in judged), "planner_worst_error_over_tolerance_goal": 1.0,
-             "planner_worst_error_over_tolerance_goal_is": "at most",
-             "planner_worst_time_over_best": max(row["time_over_best"] for row in timed), "planner_worst_time_over_best_goal": 2.0, "planner_worst_time_over_best_goal_is": "at most",
-             "planner_worst_cost_over_best": max(row["cost_over_best"] for row in timed), "planner_worst_cost_over_best_goal": 2.0, "planner_worst_cost_over_best_goal_is": "at most",
-             "planner_points": len(rows), "planner_points_said_cannot": sum(1 for row in rows if said(row)),
-             "planner_points_not_judged": sum(1 for row in rows if not said(row) and not row["judged"])}
+    found = {
+        "planner_worst_error_over_tolerance": max(row["achieved"] / row["tolerance"] for row in judged),
+        "planner_worst_error_over_tolerance_goal": 1.0,
+        "planner_worst_error_over_tolerance_goal_is": "at most",
+        "planner_worst_time_over_best": max(row["time_over_best"] for row in timed),
+        "planner_worst_time_over_best_goal": 2.0,
+        "planner_worst_time_over_best_goal_is": "at most",
+        "planner_worst_cost_over_best": max(row["cost_over_best"] for row in timed),
+        "planner_worst_cost_over_best_goal": 2.0,
+        "planner_worst_cost_over_best_goal_is": "at most",
+        "planner_points": len(rows),
+        "planner_points_said_cannot": sum(1 for row in rows if said(row)),
+        "planner_points_not_judged": sum(1 for row in rows if not said(row) and not row["judged"]),
+    }
     return found
 
 
@@ -73,19 +90,39 @@ def percent(x):
 
 
 def markdown(cases):
-    lines = ["| scene, instrument | asked, % | planned | claims, % | achieved, % [bar] | reference's own, % | cost over best (best) | time over best | |", "|---|---|---|---|---|---|---|---|---|"]
+    lines = [
+        "| scene, instrument | asked, % | planned | claims, % | achieved, % [bar] | reference's own, % | cost over "
+        "best (best) | time over best | |",
+        "|---|---|---|---|---|---|---|---|---|",
+    ]
     for case in cases:
         for row in case["rows"]:
-            achieved = f"{percent(row['achieved'])} [{percent(row['low'])} .. {percent(row['high'])}]" if "achieved" in row else "-"
+            achieved = (
+                f"{percent(row['achieved'])} [{percent(row['low'])} .. {percent(row['high'])}]"
+                if "achieved" in row
+                else "-"
+            )
             own = percent(row["own"]) if "achieved" in row else percent(case["own"])
             best = f"{row['cost_over_best']:.2g} ({row['best']['setting']})" if "best" in row else "-"
             time = f"{row['time_over_best']:.2g}" if "time_over_best" in row else "-"
-            notes = [note for note in (said(row), "" if row["judged"] or "achieved" not in row else "reference too coarse") if note]
-            lines.append(f"| {case['scene']}, {case['instrument']} | {percent(row['tolerance'])} | {row['setting'] if row['claimed'] >= 0 else '-'} | "
-                         f"{percent(row['claimed']) if row['claimed'] >= 0 else '-'} | {achieved} | {own} | {best} | {time} | {', '.join(notes)} |")
+            notes = [
+                note
+                for note in (said(row), "" if row["judged"] or "achieved" not in row else "reference too coarse")
+                if note
+            ]
+            lines.append(
+                f"| {case['scene']}, {case['instrument']} | {percent(row['tolerance'])} | "
+                f"{row['setting'] if row['claimed'] >= 0 else '-'} | "
+                f"{percent(row['claimed']) if row['claimed'] >= 0 else '-'} | {achieved} | {own} | {best} | {time} | "
+                f"{', '.join(notes)} |"
+            )
     lines += ["", "| case | reference | own error, % | sweep |", "|---|---|---|---|"]
     for case in cases:
-        lines.append(f"| {case['scene']}, {case['instrument']} ({case['pixels']} {'pixels' if case['kind'] == 'cube' else 'rows of pulses'}) | {case['reference']} | {percent(case['own'])} | {case['sweep']} |")
+        lines.append(
+            f"| {case['scene']}, {case['instrument']} ({case['pixels']} "
+            f"{'pixels' if case['kind'] == 'cube' else 'rows of pulses'}) | {case['reference']} | "
+            f"{percent(case['own'])} | {case['sweep']} |"
+        )
     return "\n".join(lines) + "\n"
 
 
@@ -100,7 +137,17 @@ def draw(cases, file):
                 continue
             x, y = 100 * row["tolerance"] * shift, 100 * row["achieved"]
             mark = "o" if counts(row) else "x" if not row["judged"] else "s"
-            axes[0].errorbar([x], [y], yerr=[[y - 100 * row["low"]], [100 * row["high"] - y]], fmt=mark, color=colour, ms=6, mfc=colour if counts(row) else "none", label=label, capsize=2)
+            axes[0].errorbar(
+                [x],
+                [y],
+                yerr=[[y - 100 * row["low"]], [100 * row["high"] - y]],
+                fmt=mark,
+                color=colour,
+                ms=6,
+                mfc=colour if counts(row) else "none",
+                label=label,
+                capsize=2,
+            )
             label = None
         label = f"{case['scene']}, {case['instrument']}"
         for row in case["rows"]:
@@ -110,17 +157,37 @@ def draw(cases, file):
             axes[1].plot([x], [row["cost_over_best"]], "o", color=colour, ms=6, label=label)
             label = None
             if "time_over_best" in row:
-                axes[1].errorbar([x], [row["time_over_best"]], yerr=[[row["time_over_best"] - row["time_over_best_min"]], [row["time_over_best_max"] - row["time_over_best"]]],
-                                 fmt="^", color=colour, mfc="none", ms=6, capsize=2)
+                axes[1].errorbar(
+                    [x],
+                    [row["time_over_best"]],
+                    yerr=[
+                        [row["time_over_best"] - row["time_over_best_min"]],
+                        [row["time_over_best_max"] - row["time_over_best"]],
+                    ],
+                    fmt="^",
+                    color=colour,
+                    mfc="none",
+                    ms=6,
+                    capsize=2,
+                )
     axes[0].loglog(asked, asked, "-", color="black", lw=1)
-    axes[0].set(xlabel="tolerance asked, %", ylabel="error achieved, % (worst band)", title="filled: promised and judged; square: said to be dear or out of reach;\ncross: the reference is too coarse to judge")
+    axes[0].set(
+        xlabel="tolerance asked, %",
+        ylabel="error achieved, % (worst band)",
+        title="filled: promised and judged; square: said to be dear or out of reach;\n"
+        "cross: the reference is too coarse to judge",
+    )
     axes[1].axhline(2, color="black", lw=1)
     axes[1].axhline(1, color="gray", lw=1, ls=":")
     axes[1].set_xscale("log")
     axes[0].yaxis.set_major_formatter(matplotlib.ticker.FormatStrFormatter("%g"))
     axes[1].set_yscale("log", base=2)
     axes[1].yaxis.set_major_formatter(matplotlib.ticker.FormatStrFormatter("%g"))
-    axes[1].set(xlabel="tolerance asked, %", ylabel="over the best setting of the sweep", title="filled: cost by the model; open: time, median of 5 pairs")
+    axes[1].set(
+        xlabel="tolerance asked, %",
+        ylabel="over the best setting of the sweep",
+        title="filled: cost by the model; open: time, median of 5 pairs",
+    )
     for axis in axes:
         axis.set_xticks(asked, [f"{x:g}" for x in asked])
         axis.xaxis.set_minor_locator(matplotlib.ticker.NullLocator())

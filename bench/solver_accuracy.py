@@ -2,8 +2,10 @@
 """Speed against accuracy of the layered air: bench/solver_accuracy.py [--figures FILE.json]
 
 Builds and runs build/raycube_solver_accuracy (about a minute), writes build/bench/solver_accuracy.json and .csv, draws
-docs/pictures/solver_accuracy.png and prints the table of docs/atmosphere.md. --figures draws an earlier run's file anew.
+docs/pictures/solver_accuracy.png and prints the table of docs/atmosphere.md. --figures draws an earlier run's file
+anew.
 """
+
 import argparse
 import csv
 import json
@@ -17,12 +19,20 @@ import matplotlib.pyplot as plt
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-KNOBS = {"streams": ("streams", "ms of CPU per wavelength"),
-         "layering": ("layers (times the default 33)", "ms of CPU per wavelength"),
-         "k-terms": ("k-terms", "ms of CPU per wavelength"),
-         "step": ("spectral step, nm", "ms of CPU per channel\n(10 nm wide; LWIR 500 nm)")}
+KNOBS = {
+    "streams": ("streams", "ms of CPU per wavelength"),
+    "layering": ("layers (times the default 33)", "ms of CPU per wavelength"),
+    "k-terms": ("k-terms", "ms of CPU per wavelength"),
+    "step": ("spectral step, nm", "ms of CPU per channel\n(10 nm wide; LWIR 500 nm)"),
+}
 QUANTITIES = ["path radiance", "sky radiance", "fluxes"]
-COLOURS = {"visible": "tab:green", "red edge, oxygen": "tab:red", "water band": "tab:blue", "SWIR": "tab:orange", "LWIR": "tab:purple"}
+COLOURS = {
+    "visible": "tab:green",
+    "red edge, oxygen": "tab:red",
+    "water band": "tab:blue",
+    "SWIR": "tab:orange",
+    "LWIR": "tab:purple",
+}
 
 
 def measure(folder):
@@ -52,8 +62,15 @@ def draw(points, file):
                     if p["default"]:
                         axis.plot(p["cpu_ms"], 100 * p["rms"], "o", mfc="none", mec="black", ms=9, mew=1.1)
                     if window == "visible" or (window == "LWIR" and knob == "step"):
-                        axis.annotate(f"{p['setting']:g}", (p["cpu_ms"], 100 * p["rms"]), textcoords="offset points",
-                                      xytext=(-5, -12), ha="center", fontsize=8, color=colour)
+                        axis.annotate(
+                            f"{p['setting']:g}",
+                            (p["cpu_ms"], 100 * p["rms"]),
+                            textcoords="offset points",
+                            xytext=(-5, -12),
+                            ha="center",
+                            fontsize=8,
+                            color=colour,
+                        )
             axis.set(xscale="log", yscale="log")
             axis.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
             axis.xaxis.set_minor_formatter(NullFormatter())
@@ -70,10 +87,21 @@ def draw(points, file):
     handles, labels = axes[0][0].get_legend_handles_labels()
     handles.append(plt.Line2D([], [], color="grey", ls=":", lw=0.9))
     handles.append(plt.Line2D([], [], ls="", marker="o", mfc="none", mec="black", ms=9))
-    figure.legend(handles, labels + ["worst (dots and lines: rms)", "default setting"], loc="upper center", ncol=7, fontsize=9.5,
-                  bbox_to_anchor=(0.5, 0.955), frameon=False)
-    figure.suptitle("Layered air: error against time, one setting changed at a time (midlatitude summer, rural 23 km, sun at 40 degrees)",
-                    fontsize=12, y=0.985)
+    figure.legend(
+        handles,
+        labels + ["worst (dots and lines: rms)", "default setting"],
+        loc="upper center",
+        ncol=7,
+        fontsize=9.5,
+        bbox_to_anchor=(0.5, 0.955),
+        frameon=False,
+    )
+    figure.suptitle(
+        "Layered air: error against time, one setting changed at a time (midlatitude summer, rural 23 km, sun at 40 "
+        "degrees)",
+        fontsize=12,
+        y=0.985,
+    )
     figure.tight_layout(rect=(0, 0, 1, 0.93))
     figure.savefig(file, dpi=90, metadata={"Software": None})
 
@@ -94,23 +122,38 @@ def percent(value):
 
 
 def table(points):
-    """Markdown: a row per setting, rms / worst in percent, over the four windows of the sun and over the thermal one."""
-    print("| setting | ms | path radiance | sky radiance | fluxes | LWIR: path, sky, fluxes (rms) |\n|---|---|---|---|---|---|")
+    """Markdown: a row per setting, rms / worst in percent, over the four windows of the sun and over the thermal
+    one."""
+    print(
+        "| setting | ms | path radiance | sky radiance | fluxes | LWIR: path, sky, fluxes (rms) |\n"
+        "|---|---|---|---|---|---|"
+    )
     for knob in KNOBS:
-        settings = sorted({p["setting"] for p in points if p["knob"] == knob and (knob != "step" or p["window"] != "LWIR")})
+        settings = sorted(
+            {p["setting"] for p in points if p["knob"] == knob and (knob != "step" or p["window"] != "LWIR")}
+        )
         for setting in settings:
             # Thermal steps stand beside the solar ones of the same multiple of the finest.
-            rows = [p for p in points if p["knob"] == knob and p["setting"] == setting * (50 if p["window"] == "LWIR" and knob == "step" else 1)]
+            rows = [
+                p
+                for p in points
+                if p["knob"] == knob
+                and p["setting"] == setting * (50 if p["window"] == "LWIR" and knob == "step" else 1)
+            ]
             sun = [p for p in rows if p["window"] != "LWIR"]
             cells = []
             for quantity in QUANTITIES:
                 found = [p for p in sun if p["quantity"] == quantity]
                 rms = (sum(p["rms"] ** 2 for p in found) / len(found)) ** 0.5
                 cells.append(f"{percent(rms)} / {percent(max(p['worst'] for p in found))}")
-            thermal = [percent(p["rms"]) for q in QUANTITIES for p in rows if p["window"] == "LWIR" and p["quantity"] == q]
+            thermal = [
+                percent(p["rms"]) for q in QUANTITIES for p in rows if p["window"] == "LWIR" and p["quantity"] == q
+            ]
             times = [p["cpu_ms"] for p in sun]
             mark = " (default)" if knob != "step" and all(p["default"] for p in rows) else ""
-            name = f"step {setting:g} nm" + f" (LWIR {50 * setting:g})" if knob == "step" else f"{knob} {setting:g}{mark}"
+            name = (
+                f"step {setting:g} nm" + f" (LWIR {50 * setting:g})" if knob == "step" else f"{knob} {setting:g}{mark}"
+            )
             print(f"| {name} | {shown(min(times))}-{shown(max(times))} | {' | '.join(cells)} | {', '.join(thermal)} |")
 
 

@@ -1,13 +1,17 @@
 #!/usr/bin/env python3
-"""Puts measured figures where people read them: bench/tables.py PART ... (PART: groups, mitsuba, scaling, leaf_level, flops, planner)
+"""Puts measured figures where people read them: bench/tables.py PART ... (PART: groups, mitsuba, scaling, leaf_level,
+flops, planner)
 
-Adds what the scripts measured (build/bench/PART.json) to build/bench.json and renews the tables between `<!-- ci/bench PART -->` and
-`<!-- end -->` in bench/RESULTS.md, README.md and, of the planner, docs/accuracy.md. ci/bench calls it with what it has just run.
+Adds what the scripts measured (build/bench/PART.json) to build/bench.json and renews the tables between `<!-- ci/bench
+PART -->` and `<!-- end -->` in bench/RESULTS.md, README.md and, of the planner, docs/accuracy.md. ci/bench calls it
+with what it has just run.
 """
+
 import json
 import pathlib
 import re
 import sys
+import textwrap
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 BENCH = ROOT / "build/bench.json"
@@ -22,12 +26,19 @@ def number(value):
 
 def groups(figures):
     """Every number of bench.json: the median, extremes and number of runs, the goal and whether it is met."""
-    lines = [f"Commit {figures['commit']}; {figures['cpu']}, {figures['hardware_threads']} hardware threads, {figures.get('device', '')}.", "",
-             "| figure | median [lowest .. highest] (runs) | goal |", "|---|---|---|"]
+    lines = [
+        f"Commit {figures['commit']}; {figures['cpu']}, {figures['hardware_threads']} hardware threads, "
+        f"{figures.get('device', '')}.",
+        "",
+        "| figure | median [lowest .. highest] (runs) | goal |",
+        "|---|---|---|",
+    ]
     for key, value in figures.items():
         if isinstance(value, str) or key.endswith(SUFFIXES):
             continue
-        spread = f" [{number(figures[key + '_min'])} .. {number(figures[key + '_max'])}]" if key + "_min" in figures else ""
+        spread = (
+            f" [{number(figures[key + '_min'])} .. {number(figures[key + '_max'])}]" if key + "_min" in figures else ""
+        )
         runs = f" ({figures[key + '_runs']})" if key + "_runs" in figures else ""
         goal = ""
         if key + "_goal" in figures:
@@ -42,39 +53,77 @@ def readme_speed(figures):
     """The table of speeds on README.md, from what `ci/bench` measured last."""
     f = {key: value for key, value in figures.items() if not isinstance(value, str)}
     rows = (
-        ("primary rays, terrain of 1 M triangles", f"{f['primary_mrays_s']:.0f} Mrays/s, {f['primary_vs_embree16']:.1f} x", "Embree 3.13 `rtcIntersect16` coherent"),
+        (
+            "primary rays, terrain of 1 M triangles",
+            f"{f['primary_mrays_s']:.0f} Mrays/s, {f['primary_vs_embree16']:.1f} x",
+            "Embree 3.13 `rtcIntersect16` coherent",
+        ),
         ("sun rays, the same terrain", f"{f['shadow_vs_embree16']:.1f} x", "`rtcOccluded16` coherent"),
-        ("primary rays among leaves (park); sun rays there",
-         f"{f['park_leaf_primary_vs_embree16']:.1f} x, {f['park_leaf_primary_vs_best_embree']:.1f} x; {f['park_leaf_shadow_vs_embree16']:.1f} x",
-         "`rtcIntersect16` coherent, the fastest of its modes; `rtcOccluded16` coherent"),
-        ("primary rays among 2, 7 and 14 layers of leaves",
-         ", ".join(f"{f[f'layers{n}_primary_vs_embree16']:.1f} x" for n in (2, 7, 14)), "`rtcIntersect16` coherent"),
-        ("kernels built from nothing; from the cache", f"{f['kernel_build_cold_s']:.1f} s; {f['kernel_build_cached_s']:.2f} s", ""),
-        ("band integration, 4 / 8 terms", f"{f['integrate4_vs_write_bandwidth']:.2f} x / {f['integrate8_vs_write_bandwidth']:.2f} x",
-         f"plain write bandwidth ({f['write_bandwidth_gb_s']:.0f} GB/s)"),
-        ("the 360-band cube above: 12.4 M primary and sun rays, 74 M into 48 sky directions a pixel", f"{f['park_render_s']:.0f} s", ""))
-    return (f"| speed ({figures['cpu']}, {figures['hardware_threads']} threads); x: rays or bytes a second, raycube's over the baseline's | figure | baseline |\n|---|---|---|\n"
-            + "".join(f"| {what} | {figure} | {baseline} |\n" for what, figure, baseline in rows))
+        (
+            "primary rays among leaves (park); sun rays there",
+            f"{f['park_leaf_primary_vs_embree16']:.1f} x, {f['park_leaf_primary_vs_best_embree']:.1f} x; "
+            f"{f['park_leaf_shadow_vs_embree16']:.1f} x",
+            "`rtcIntersect16` coherent, the fastest of its modes; `rtcOccluded16` coherent",
+        ),
+        (
+            "primary rays among 2, 7 and 14 layers of leaves",
+            ", ".join(f"{f[f'layers{n}_primary_vs_embree16']:.1f} x" for n in (2, 7, 14)),
+            "`rtcIntersect16` coherent",
+        ),
+        (
+            "kernels built from nothing; from the cache",
+            f"{f['kernel_build_cold_s']:.1f} s; {f['kernel_build_cached_s']:.2f} s",
+            "",
+        ),
+        (
+            "band integration, 4 / 8 terms",
+            f"{f['integrate4_vs_write_bandwidth']:.2f} x / {f['integrate8_vs_write_bandwidth']:.2f} x",
+            f"plain write bandwidth ({f['write_bandwidth_gb_s']:.0f} GB/s)",
+        ),
+        (
+            "the 360-band cube above: 12.4 M primary and sun rays, 74 M into 48 sky directions a pixel",
+            f"{f['park_render_s']:.0f} s",
+            "",
+        ),
+    )
+    return (
+        f"| speed ({figures['cpu']}, {figures['hardware_threads']} threads); x: rays or bytes a second, raycube's over "
+        f"the baseline's | figure | baseline |\n|---|---|---|\n"
+        + "".join(f"| {what} | {figure} | {baseline} |\n" for what, figure, baseline in rows)
+    )
 
 
 def readme_mitsuba(data):
     facts, best = data["scene"], data["fastest"]
-    return (f"Against Mitsuba 3.9.1 by one render for every three bands ({best}, the fastest of its variants that run; {facts['pixels']} x {facts['pixels']} pixels, "
-            f"360 bands, {facts['triangles_placed'] / 1e6:.0f} M placed triangles, sun and even sky, direct light, 2 threads): "
-            f"{data['cube_vs_mitsuba3_equal_error']:.0f} x faster at equal rms error of the median band "
-            f"[{data['cube_vs_mitsuba3_equal_error_min']:.0f} .. {data['cube_vs_mitsuba3_equal_error_max']:.0f} over errors], load and compilation left out "
-            "on both sides, raycube's plan and writing counted ([bench/RESULTS.md](bench/RESULTS.md)).\n"
-            f"{data['what_an_expert_would_use']}\n")
+    return (
+        f"Against Mitsuba 3.9.1 by one render for every three bands ({best}, the fastest of its variants that run; "
+        f"{facts['pixels']} x {facts['pixels']} pixels, "
+        f"360 bands, {facts['triangles_placed'] / 1e6:.0f} M placed triangles, sun and even sky, direct light, 2 "
+        f"threads): "
+        f"{data['cube_vs_mitsuba3_equal_error']:.0f} x faster at equal rms error of the median band "
+        f"[{data['cube_vs_mitsuba3_equal_error_min']:.0f} .. {data['cube_vs_mitsuba3_equal_error_max']:.0f} over "
+        f"errors], load and compilation left out "
+        "on both sides, raycube's plan and writing counted ([bench/RESULTS.md](bench/RESULTS.md)).\n"
+        f"{data['what_an_expert_would_use']}\n"
+    )
 
 
 def renew(path, part, text):
-    """Replaces what stands between the markers of `part`. A page without them is left as it is; True when it had them."""
+    """Replaces what stands between the markers of `part`. A page without them is left as it is; True when it had
+    them."""
     page = path.read_text()
     pattern = re.compile(rf"(<!-- ci/bench {re.escape(part)} -->\n).*?(<!-- end -->)", re.S)
     if not pattern.search(page):
         return False
-    path.write_text(pattern.sub(lambda m: m[1] + text + m[2], page, count=1))
+    path.write_text(pattern.sub(lambda m: m[1] + prose_wrapped(text) + m[2], page, count=1))
     return True
+
+
+def prose_wrapped(text):
+    """The same words with no line of prose past 120 columns; rows of tables stay whole (test line_width)."""
+    wrapper = textwrap.TextWrapper(width=120, break_long_words=False, break_on_hyphens=False)
+    lines = text.split("\n")
+    return "\n".join(line if line.startswith("|") or len(line) <= 120 else wrapper.fill(line) for line in lines)
 
 
 def main(parts):
@@ -83,8 +132,13 @@ def main(parts):
     if "mitsuba" in parts:
         data = json.loads((ROOT / "build/bench/mitsuba.json").read_text())
         keys = {k: v for k, v in data.items() if k.startswith("cube_vs_mitsuba3")}
-        figures.update(keys, cube_vs_mitsuba3_equal_error_goal=50.0, cube_vs_mitsuba3_equal_error_goal_is="at least", mitsuba_variant=data["fastest"],
-                       mitsuba_agreement_mean_worst=data["agreement_mean_worst"])
+        figures.update(
+            keys,
+            cube_vs_mitsuba3_equal_error_goal=50.0,
+            cube_vs_mitsuba3_equal_error_goal_is="at least",
+            mitsuba_variant=data["fastest"],
+            mitsuba_agreement_mean_worst=data["agreement_mean_worst"],
+        )
         texts["mitsuba"] = (ROOT / "build/bench/mitsuba.md").read_text()
         renew(ROOT / "README.md", "mitsuba", readme_mitsuba(data))
     if "scaling" in parts:
@@ -107,7 +161,10 @@ def main(parts):
     for part, text in texts.items():
         page = "docs/accuracy.md" if part == "planner" else "bench/RESULTS.md"
         if not renew(ROOT / page, part, text):
-            raise SystemExit(f"tables: {page} has no lines '<!-- ci/bench {part} -->' and '<!-- end -->'; put them where the table belongs")
+            raise SystemExit(
+                f"tables: {page} has no lines '<!-- ci/bench {part} -->' and '<!-- end -->'; put them where the table "
+                f"belongs"
+            )
     print(f"tables: {', '.join(texts)} renewed; {BENCH.relative_to(ROOT)} has {len(figures)} keys")
 
 

@@ -1,6 +1,6 @@
-# Turns kernel entry files into one C++ source that holds each as a string, its quoted includes resolved from ROOT. Every
-# switch of file gets a #line, so build logs name the real files. Headers (.h) enter once per entry, lists (.def) and what
-# they name as often as they are included. Script form:
+# Turns kernel entry files into one C++ source that holds each as a string, its quoted includes resolved from ROOT.
+# Every switch of file gets a #line, so build logs name the real files. Headers (.h) enter once per entry, lists (.def)
+# and what they name as often as they are included. Script form:
 #   cmake -DROOT=dir -DENTRIES=kernels/entry/a.cl|kernels/entry/b.cl -DOUTPUT=file.cpp -P EmbedKernels.cmake
 
 cmake_minimum_required(VERSION 3.23)
@@ -48,7 +48,8 @@ function(embed_file path seen_in text_out seen_out)
 endfunction()
 
 string(REPLACE "|" ";" ENTRIES "${ENTRIES}")
-set(cpp "// Generated from the kernel sources by cmake/EmbedKernels.cmake.\n#include \"kernels/kernel_source.h\"\n\n#include \"host/base/error.h\"\n\n")
+set(cpp "// Generated from the kernel sources by cmake/EmbedKernels.cmake.\n#include \"kernels/kernel_source.h\"\n\n")
+string(APPEND cpp "#include \"host/base/error.h\"\n\n")
 string(APPEND cpp "#include <string>\n\nnamespace raycube::kernels {\nnamespace {\n\n")
 set(cases "")
 set(names "")
@@ -60,6 +61,8 @@ foreach(entry IN LISTS ENTRIES)
   string(APPEND names "\"${name}\", ")
 endforeach()
 string(APPEND cpp "}  // namespace\n\nstd::string_view kernel_source(std::string_view name) {\n${cases}")
-string(APPEND cpp "  throw base::Error(base::Fault::bug, \"no embedded kernel source '\" + std::string(name) + \"'\");\n}\n\n")
-string(APPEND cpp "std::vector<std::string_view> kernel_names() { return {${names}}; }\n\n}  // namespace raycube::kernels\n")
+string(APPEND cpp
+  "  throw base::Error(base::Fault::bug, \"no embedded kernel source '\" + std::string(name) + \"'\");\n}\n\n")
+string(APPEND cpp
+  "std::vector<std::string_view> kernel_names() { return {${names}}; }\n\n}  // namespace raycube::kernels\n")
 file(WRITE "${OUTPUT}" "${cpp}")

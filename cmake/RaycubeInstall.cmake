@@ -1,5 +1,5 @@
-# A relocatable installation: the program (kernels inside), its man page, and plots and scenes under share/raycube, found
-# relative to the executable (host/base/data_folder.h). `cpack -G DEB` makes a Debian package of the same files.
+# A relocatable installation: the program (kernels inside), its man page, and plots and scenes under share/raycube,
+# found relative to the executable (host/base/data_folder.h). `cpack -G DEB` makes a Debian package of the same files.
 include(GNUInstallDirs)
 install(TARGETS raycube RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(FILES ${CMAKE_BINARY_DIR}/raycube.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)

@@ -24,8 +24,8 @@ inline std::uint32_t material_count(const CompiledScene& scene) {
   return static_cast<std::uint32_t>(scene.materials.size());
 }
 
-/// Materials (indices, ascending) that some placed triangle carries; all of them in a scene without triangles. Only their
-/// curves must cover what an instrument sees.
+/// Materials (indices, ascending) that some placed triangle carries; all of them in a scene without triangles. Only
+/// their curves must cover what an instrument sees.
 std::vector<std::uint32_t> used_materials(const CompiledScene& scene);
 
 /// Calls f(material's index, its share of the area) for each material of a surface.

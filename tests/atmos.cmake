@@ -1,8 +1,12 @@
-raycube_test(atmos_physics SOURCES oracle/atmos_scatter_test.cpp oracle/bird_riordan_test.cpp LIBS raycube::atmos_tables LABELS fast)
+raycube_test(atmos_physics SOURCES oracle/atmos_scatter_test.cpp oracle/bird_riordan_test.cpp LIBS raycube::atmos_tables
+  LABELS fast)
 raycube_test(atmos_interpolate SOURCES unit/atmos_interpolate_test.cpp LIBS raycube::atmos_tables LABELS fast)
-raycube_test(atmos_clear_sky SOURCES oracle/clear_sky_test.cpp oracle/clear_sky_anchor_test.cpp LIBS raycube::atmos_tables LABELS fast)
-raycube_test(atmos_rct_file SOURCES unit/rct_file_test.cpp LIBS raycube::atmos_tables nlohmann_json::nlohmann_json LABELS fast)
+raycube_test(atmos_clear_sky SOURCES oracle/clear_sky_test.cpp oracle/clear_sky_anchor_test.cpp LIBS
+  raycube::atmos_tables LABELS fast)
+raycube_test(atmos_rct_file SOURCES unit/rct_file_test.cpp LIBS raycube::atmos_tables nlohmann_json::nlohmann_json
+  LABELS fast)
 target_compile_definitions(test_atmos_rct_file PRIVATE RAYCUBE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
-add_test(NAME cli_atmos COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/cli/atmos_cli_test.py $<TARGET_FILE:raycube>
+add_test(NAME cli_atmos COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/cli/atmos_cli_test.py
+  $<TARGET_FILE:raycube>
                                 ${CMAKE_BINARY_DIR}/tests/cli_atmos)
 set_tests_properties(cli_atmos PROPERTIES LABELS fast)

@@ -1,6 +1,7 @@
 # Lowest layer: hashing, sizes, log, progress, and output that is whole or absent.
 raycube_test(base SOURCES unit/base_test.cpp LIBS raycube_base nlohmann_json::nlohmann_json LABELS fast)
-raycube_test(attitude SOURCES unit/attitude_test.cpp LIBS raycube::lidar raycube::sensors raycube::scene_compiler LABELS fast)
+raycube_test(attitude SOURCES unit/attitude_test.cpp LIBS raycube::lidar raycube::sensors raycube::scene_compiler LABELS
+  fast)
 raycube_test(output_file SOURCES unit/output_file_test.cpp LIBS raycube_base LABELS fast)
 raycube_test(block_hashes SOURCES unit/block_hashes_test.cpp LIBS raycube_base LABELS fast)
 raycube_test(json_text SOURCES unit/json_text_test.cpp LIBS raycube_base LABELS fast)
@@ -15,7 +16,8 @@ set_tests_properties(library_abort PROPERTIES LABELS fast)
 raycube_test(house_map SOURCES unit/house_map_test.cpp LABELS fast)
 target_compile_definitions(test_house_map PRIVATE RAYCUBE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 if(NOT RAYCUBE_MUTATION)
-  add_test(NAME compiled_once COMMAND /usr/bin/python3 ${CMAKE_CURRENT_LIST_DIR}/unit/compiled_once_test.py ${CMAKE_BINARY_DIR}/compile_commands.json)
+  add_test(NAME compiled_once COMMAND /usr/bin/python3 ${CMAKE_CURRENT_LIST_DIR}/unit/compiled_once_test.py
+    ${CMAKE_BINARY_DIR}/compile_commands.json)
   set_tests_properties(compiled_once PROPERTIES LABELS fast)
 endif()
 raycube_test(crash_report SOURCES unit/crash_report_test.cpp LIBS raycube_base LABELS fast)

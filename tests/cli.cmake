@@ -1,19 +1,25 @@
 # The command line: its frame, and the program itself driven as users drive it.
 raycube_test(cli_frame SOURCES unit/cli_frame_test.cpp LIBS raycube_cli_frame nlohmann_json::nlohmann_json LABELS fast)
-raycube_test(air_request SOURCES unit/air_request_test.cpp LIBS raycube::run raycube::scene_compiler nlohmann_json::nlohmann_json LABELS fast)
+raycube_test(air_request SOURCES unit/air_request_test.cpp LIBS raycube::run raycube::scene_compiler
+  nlohmann_json::nlohmann_json LABELS fast)
+raycube_test(air_request SOURCES unit/air_request_test.cpp ../host/cli/air_request.cpp LIBS raycube::scene_compiler
+  nlohmann_json::nlohmann_json LABELS fast)
 find_package(Python3 COMPONENTS Interpreter REQUIRED)
 add_test(NAME cli COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_LIST_DIR}/cli/cli_test.py $<TARGET_FILE:raycube>)
-add_test(NAME install COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_LIST_DIR}/cli/install_test.py ${CMAKE_BINARY_DIR} ${CMAKE_COMMAND}
+add_test(NAME install COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_LIST_DIR}/cli/install_test.py ${CMAKE_BINARY_DIR}
+  ${CMAKE_COMMAND}
                               ${CMAKE_CPACK_COMMAND})
 add_test(NAME soak COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_LIST_DIR}/cli/soak_test.py ${PROJECT_SOURCE_DIR})
 set_tests_properties(cli install soak PROPERTIES LABELS fast)
 # These read what the program writes with Debian's numpy, which another python3 in the PATH need not have.
 set(RAYCUBE_TEST_PYTHON /usr/bin/python3)
 function(raycube_cli_test name)
-  add_test(NAME ${name} COMMAND ${RAYCUBE_TEST_PYTHON} ${PROJECT_SOURCE_DIR}/tests/cli/${name}_test.py $<TARGET_FILE:raycube> ${ARGN})
+  add_test(NAME ${name} COMMAND ${RAYCUBE_TEST_PYTHON} ${PROJECT_SOURCE_DIR}/tests/cli/${name}_test.py
+    $<TARGET_FILE:raycube> ${ARGN})
   set_tests_properties(${name} PROPERTIES LABELS device SKIP_RETURN_CODE 77)
 endfunction()
-add_test(NAME digests COMMAND ${RAYCUBE_TEST_PYTHON} ${CMAKE_CURRENT_LIST_DIR}/golden/digests_test.py $<TARGET_FILE:raycube>
+add_test(NAME digests COMMAND ${RAYCUBE_TEST_PYTHON} ${CMAKE_CURRENT_LIST_DIR}/golden/digests_test.py
+  $<TARGET_FILE:raycube>
                               ${CMAKE_CURRENT_LIST_DIR}/golden/digests.csv)
 set_tests_properties(digests PROPERTIES LABELS device SKIP_RETURN_CODE 77)
 raycube_cli_test(render_cli ${PROJECT_SOURCE_DIR}/scenes)

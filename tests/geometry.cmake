@@ -1,5 +1,11 @@
-add_library(raycube_trace_support STATIC support/trace_chain.cpp support/double_trace.cpp support/brute_trace.cpp support/judge_hits.cpp)
-target_link_libraries(raycube_trace_support PUBLIC raycube_warnings raycube_test_scenes raycube::render raycube::cl raycube::kernels raycube::scene_bvh)
+add_library(raycube_trace_support STATIC support/trace_chain.cpp support/double_trace.cpp support/brute_trace.cpp
+  support/judge_hits.cpp)
+target_link_libraries(raycube_trace_support PUBLIC raycube_warnings raycube_test_scenes raycube::render raycube::cl
+  raycube::kernels raycube::scene_bvh)
+add_library(raycube_trace_support STATIC support/trace_chain.cpp support/test_scenes.cpp support/double_trace.cpp
+  support/brute_trace.cpp support/judge_hits.cpp)
+target_link_libraries(raycube_trace_support PUBLIC raycube_warnings raycube::render raycube::cl raycube::kernels
+  raycube::scene_bvh)
 
 raycube_test(shared_structs SOURCES unit/shared_structs_test.cpp LIBS raycube_trace_support LABELS fast)
 raycube_test(trace_hits SOURCES oracle/trace_hits_test.cpp LIBS raycube_trace_support LABELS fast)
@@ -7,7 +13,8 @@ raycube_test(trace_leaks SOURCES oracle/trace_leaks_test.cpp LIBS raycube_trace_
 raycube_test(trace_ties SOURCES oracle/trace_ties_test.cpp LIBS raycube_trace_support LABELS fast)
 raycube_test(trace_light SOURCES oracle/trace_light_test.cpp LIBS raycube_trace_support LABELS fast)
 
-add_test(NAME kernel_parse COMMAND ${CMAKE_COMMAND} -DROOT=${PROJECT_SOURCE_DIR} -P ${PROJECT_SOURCE_DIR}/tests/unit/kernel_parse_test.cmake
+add_test(NAME kernel_parse COMMAND ${CMAKE_COMMAND} -DROOT=${PROJECT_SOURCE_DIR} -P
+  ${PROJECT_SOURCE_DIR}/tests/unit/kernel_parse_test.cmake
   WORKING_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR})
 set_tests_properties(kernel_parse PROPERTIES LABELS fast SKIP_REGULAR_EXPRESSION "SKIPPED")
 

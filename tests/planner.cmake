@@ -1,6 +1,14 @@
 raycube_test(planner_law SOURCES unit/planner_law_test.cpp LIBS raycube::planner LABELS fast)
-raycube_test(planner_trial SOURCES oracle/planner_trial_test.cpp LIBS raycube_render_support raycube::planner nlohmann_json::nlohmann_json LABELS slow)
-raycube_test(planner_honest SOURCES oracle/planner_honest_test.cpp LIBS raycube_render_support raycube::planner LABELS slow)
+raycube_test(planner_trial SOURCES oracle/planner_trial_test.cpp LIBS raycube_render_support raycube::planner
+  nlohmann_json::nlohmann_json LABELS slow)
+raycube_test(planner_honest SOURCES oracle/planner_honest_test.cpp LIBS raycube_render_support raycube::planner LABELS
+  slow)
 raycube_cli_test(plan_cli)
-raycube_test(model_trial SOURCES oracle/model_trial_test.cpp LIBS raycube_test_scenes raycube_render_support raycube::planner LABELS fast device)
-raycube_test(planner_pulses SOURCES oracle/planner_pulses_test.cpp LIBS raycube_lidar_support raycube::planner LABELS fast device)
+raycube_test(model_trial SOURCES oracle/model_trial_test.cpp LIBS raycube_test_scenes raycube_render_support
+  raycube::planner LABELS fast device)
+raycube_test(planner_pulses SOURCES oracle/planner_pulses_test.cpp LIBS raycube_lidar_support raycube::planner LABELS
+  fast device)
+raycube_test(model_trial SOURCES oracle/model_trial_test.cpp support/test_scenes.cpp LIBS raycube_render_support
+  raycube::planner LABELS fast device)
+raycube_test(planner_pulses SOURCES oracle/planner_pulses_test.cpp LIBS raycube_lidar_support raycube::planner LABELS
+  fast device)

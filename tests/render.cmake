@@ -4,18 +4,31 @@ target_link_libraries(raycube_render_support PUBLIC raycube_warnings raycube::re
 raycube_test(render_plane SOURCES oracle/render_plane_test.cpp LIBS raycube_render_support LABELS fast)
 raycube_test(render_instance SOURCES oracle/render_instance_test.cpp LIBS raycube_render_support LABELS fast)
 raycube_test(render_wall SOURCES oracle/render_wall_test.cpp LIBS raycube_render_support LABELS fast)
-raycube_test(render_invariance SOURCES oracle/render_invariance_test.cpp LIBS raycube_test_scenes raycube_render_support LABELS fast)
-raycube_test(render_pages SOURCES oracle/render_pages_test.cpp LIBS raycube_render_support raycube_trace_support LABELS fast)
+raycube_test(render_invariance SOURCES oracle/render_invariance_test.cpp LIBS raycube_test_scenes raycube_render_support
+  LABELS fast)
+raycube_test(render_pages SOURCES oracle/render_pages_test.cpp LIBS raycube_render_support raycube_trace_support LABELS
+  fast)
 raycube_test(render_overflow SOURCES oracle/render_overflow_test.cpp LIBS raycube_render_support LABELS fast)
 raycube_test(render_furnace SOURCES oracle/render_furnace_test.cpp LIBS raycube_render_support LABELS slow)
 raycube_test(render_checkerboard SOURCES oracle/render_checkerboard_test.cpp LIBS raycube_render_support LABELS fast)
-raycube_test(render_spectral SOURCES oracle/render_spectral_test.cpp LIBS raycube_test_scenes raycube_render_support LABELS fast)
+raycube_test(render_spectral SOURCES oracle/render_spectral_test.cpp LIBS raycube_test_scenes raycube_render_support
+  LABELS fast)
+raycube_test(render_invariance SOURCES oracle/render_invariance_test.cpp support/test_scenes.cpp LIBS
+  raycube_render_support LABELS fast)
+raycube_test(render_pages SOURCES oracle/render_pages_test.cpp LIBS raycube_render_support raycube_trace_support LABELS
+  fast)
+raycube_test(render_overflow SOURCES oracle/render_overflow_test.cpp LIBS raycube_render_support LABELS fast)
+raycube_test(render_furnace SOURCES oracle/render_furnace_test.cpp LIBS raycube_render_support LABELS slow)
+raycube_test(render_checkerboard SOURCES oracle/render_checkerboard_test.cpp LIBS raycube_render_support LABELS fast)
+raycube_test(render_spectral SOURCES oracle/render_spectral_test.cpp support/test_scenes.cpp LIBS raycube_render_support
+  LABELS fast)
 raycube_test(render_shadow SOURCES oracle/render_shadow_test.cpp LIBS raycube_render_support LABELS fast)
 raycube_test(render_psf SOURCES oracle/render_psf_test.cpp LIBS raycube_render_support LABELS fast)
 raycube_test(render_adaptive SOURCES oracle/render_adaptive_test.cpp LIBS raycube_render_support LABELS fast)
 raycube_test(render_small_objects SOURCES oracle/render_small_objects_test.cpp LIBS raycube_render_support LABELS fast)
 raycube_test(group_finder SOURCES oracle/group_finder_test.cpp LIBS raycube_render_support LABELS fast)
-raycube_test(render_edge_cases SOURCES oracle/render_edge_cases_test.cpp LIBS raycube_render_support raycube::scene_compiler LABELS fast)
+raycube_test(render_edge_cases SOURCES oracle/render_edge_cases_test.cpp LIBS raycube_render_support
+  raycube::scene_compiler LABELS fast)
 raycube_test(tuner SOURCES unit/tuner_test.cpp LIBS raycube::render LABELS fast)
 raycube_test(device_parts SOURCES unit/device_parts_test.cpp LIBS raycube::cl LABELS fast)
 set_tests_properties(device_parts PROPERTIES ENVIRONMENT MALLOC_PERTURB_=165)

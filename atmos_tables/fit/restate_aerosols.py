@@ -1,10 +1,13 @@
 #!/usr/bin/python3
-"""Restates LOWTRAN7's aerosol and cloud figures (AFGL-TR-88-0177, public domain) as atmos_tables/aerosol/data/lowtran7_*.inc.
+"""Restates LOWTRAN7's aerosol and cloud figures (AFGL-TR-88-0177, public domain) as
+atmos_tables/aerosol/data/lowtran7_*.inc.
 
-Usage: restate_aerosols.py FOLDER TARGET; writes TARGET/lowtran7_optics.inc, lowtran7_phases.inc and lowtran7_heights.inc, with
-FOLDER holding lowtran7_aerosol_optics.csv, _aerosol_profiles.csv, _phase_functions.csv, _phase_function_index.csv. Own layout: one row per substance and grade (relative humidity in %, wind speed
-in m/s for desert, 0 where neither matters), extinction 1 at 0.55 um; phase functions as ln(4 pi P); profiles cut to their region.
+Usage: restate_aerosols.py FOLDER TARGET; writes TARGET/lowtran7_optics.inc, lowtran7_phases.inc and
+lowtran7_heights.inc, with FOLDER holding lowtran7_aerosol_optics.csv, _aerosol_profiles.csv, _phase_functions.csv,
+_phase_function_index.csv. Own layout: one row per substance and grade (relative humidity in %, wind speed in m/s for
+desert, 0 where neither matters), extinction 1 at 0.55 um; phase functions as ln(4 pi P); profiles cut to their region.
 """
+
 import contextlib
 import csv
 import math
@@ -36,8 +39,20 @@ LONGEST_UM = 200  # most models end there
 PROFILES = {  # own name -> (columns, lowest and highest row used, km)
     "kBoundary": (["bl_vis50", "bl_vis23", "bl_vis10", "bl_vis5", "bl_vis2"], 0, 2),
     "kTroposphere": (["trop_ss_vis50", "trop_ss_vis23", "trop_fw_vis50", "trop_fw_vis23"], 3, 10),
-    "kStratosphere": (["strat_bg_ss", "strat_modvolc_ss", "strat_hivolc_ss", "strat_exvolc_ss",
-                       "strat_bg_fw", "strat_modvolc_fw", "strat_hivolc_fw", "strat_exvolc_fw"], 11, 30),
+    "kStratosphere": (
+        [
+            "strat_bg_ss",
+            "strat_modvolc_ss",
+            "strat_hivolc_ss",
+            "strat_exvolc_ss",
+            "strat_bg_fw",
+            "strat_modvolc_fw",
+            "strat_hivolc_fw",
+            "strat_exvolc_fw",
+        ],
+        11,
+        30,
+    ),
     "kUpper": (["upper_normal", "upper_volc_to_normal"], 35, 100),
 }
 
@@ -52,7 +67,7 @@ def numbers(values, form):
 
 
 def wrapped(text, indent):
-    """Breaks a long row at commas, 120 columns."""
+    """Breaks a long row at commas, 120 columns; every line begins with `indent`."""
     lines, line = [], indent
     for part in text.split(", "):
         piece = part + ", "
@@ -88,7 +103,9 @@ def phase_functions(functions, index):
     count = len(functions[0]) - 1
     print(f"constexpr double kPhaseAngle_deg[{len(angles)}] =")
     print(wrapped(numbers(angles, ".4g"), "  ") + ";")
-    print("/// ln(4 pi P) of the Mie functions, P per sr, as the source rounds them: their integrals are not exactly 1.")
+    print(
+        "/// ln(4 pi P) of the Mie functions, P per sr, as the source rounds them: their integrals are not exactly 1."
+    )
     print(f"constexpr double kLogPhase[{count}][{len(angles)}] = {{")
     for i in range(1, count + 1):
         print(wrapped(numbers([math.log(4 * math.pi * float(r[f"P{i}"])) for r in functions], ".5f"), "  ") + ",")
@@ -102,7 +119,8 @@ def phase_functions(functions, index):
     print(f"constexpr PhaseRow kPhase[{len(entries)}] = {{")
     for own, source, grade in entries:
         row = by_name[f"{source}_rh{grade}" if grade else source]
-        print(f'  {{"{own}", {grade or 0}, ' + "{" + ", ".join(str(int(row[w]) - 1) for w in waves) + "}},")
+        print(f'  {{"{own}", {grade or 0},')
+        print(wrapped(numbers([int(row[w]) - 1 for w in waves], ".0f"), "   ") + "},")
     print("};")
 
 
@@ -110,7 +128,7 @@ def profiles(rows):
     for name, (columns, low, high) in PROFILES.items():
         mine = [r for r in rows if low <= float(r["z_km"]) <= high]
         print(f"/// Height, km, then extinction at 0.55 um, km-1:")
-        print(f"/// {', '.join(columns)}.")
+        print(wrapped(", ".join(columns), "/// ") + ".")
         print(f"constexpr double {name}[{len(mine)}][{len(columns) + 1}] = {{")
         for r in mine:
             print("  " + numbers([r["z_km"]] + [r[c] for c in columns], ".6g") + ",")
@@ -119,8 +137,14 @@ def profiles(rows):
 
 def write(target, name, action, *tables):
     with open(f"{target}/lowtran7_{name}.inc", "w", encoding="ascii") as file, contextlib.redirect_stdout(file):
-        print("// Aerosols, fogs and clouds of LOWTRAN7 (Kneizys, F. X. et al. 1988, Users Guide to LOWTRAN 7, AFGL-TR-88-0177):")
-        print("// models of Shettle, E. P. and Fenn, R. W. (1979), AFGL-TR-79-0214, and successors. US government, public domain.")
+        print(
+            "// Aerosols, fogs and clouds of LOWTRAN7 (Kneizys, F. X. et al. 1988, Users Guide to LOWTRAN 7, "
+            "AFGL-TR-88-0177):"
+        )
+        print(
+            "// models of Shettle, E. P. and Fenn, R. W. (1979), AFGL-TR-79-0214, and successors. US government, "
+            "public domain."
+        )
         print("// Restated by atmos_tables/fit/restate_aerosols.py.")
         action(*tables)
 

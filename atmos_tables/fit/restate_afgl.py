@@ -1,12 +1,21 @@
 #!/usr/bin/python3
 """Restates the six AFGL model atmospheres (AFGL-TR-86-0110, public domain) as atmos_tables/optics/data/afgl_1986.inc.
 
-Usage: restate_afgl.py FOLDER > afgl_1986.inc, FOLDER holding afgl_<model>.csv (columns z_km, p_hPa, T_K, <gas>_ppmv, air_cm3).
+Usage: restate_afgl.py FOLDER > afgl_1986.inc, FOLDER holding afgl_<model>.csv (columns z_km, p_hPa, T_K, <gas>_ppmv,
+air_cm3).
 """
+
 import csv
 import sys
 
-MODELS = ["tropical", "midlatitude_summer", "midlatitude_winter", "subarctic_summer", "subarctic_winter", "us_standard_1976"]
+MODELS = [
+    "tropical",
+    "midlatitude_summer",
+    "midlatitude_winter",
+    "subarctic_summer",
+    "subarctic_winter",
+    "us_standard_1976",
+]
 OWN = ["p_hPa", "T_K", "air_cm3", "h2o_ppmv", "o3_ppmv", "n2o_ppmv", "co_ppmv", "ch4_ppmv"]
 COMMON = ["z_km", "co2_ppmv", "o2_ppmv"]
 
@@ -23,8 +32,13 @@ def row(values):
 def main():
     tables = [read(sys.argv[1], model) for model in MODELS]
     for table in tables:
-        assert [[r[c] for c in COMMON] for r in table] == [[r[c] for c in COMMON] for r in tables[0]], "levels or CO2, O2 differ"
-    print("// Six model atmospheres, 0 to 120 km: Anderson, G. P. et al. (1986), AFGL Atmospheric Constituent Profiles (0-120 km),")
+        assert [[r[c] for c in COMMON] for r in table] == [
+            [r[c] for c in COMMON] for r in tables[0]
+        ], "levels or CO2, O2 differ"
+    print(
+        "// Six model atmospheres, 0 to 120 km: Anderson, G. P. et al. (1986), AFGL Atmospheric Constituent Profiles "
+        "(0-120 km),"
+    )
     print("// AFGL-TR-86-0110, as in LOWTRAN7 (Kneizys et al. 1988, AFGL-TR-88-0177); US government, public domain.")
     print("// Restated by atmos_tables/fit/restate_afgl.py.")
     print(f"constexpr CommonRow kCommon[{len(tables[0])}] = {{")

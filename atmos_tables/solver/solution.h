@@ -5,7 +5,7 @@
 // Conventions. Directions are those in which the light travels: cosine > 0 up (a sensor that looks down), < 0
 // down (one that looks up); azimuth in degrees, in the same sense as Beam::azimuth_deg, equal to it on the
 // forward-scattering side. Depth is the vertical extinction optical depth from the top, unscaled.
-// Polarisation is left out: 1 to 11 % for Rayleigh light (S0 fact 8).
+// Polarisation is left out: 1 to 11 % for Rayleigh light (AIR 0, fact 8).
 #pragma once
 
 #include <cstddef>

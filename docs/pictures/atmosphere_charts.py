@@ -5,6 +5,7 @@
 
 Runs the tests anchor_* of that build, which write what they compare to $RAYCUBE_CHARTS, and draws it. Needs matplotlib.
 """
+
 import csv
 import os
 import pathlib
@@ -20,8 +21,19 @@ import matplotlib.pyplot as plt
 TESTS = ["lowtran_thermal", "modtran5", "modtran6", "uvspec", "g173"]
 PICTURES = pathlib.Path(__file__).resolve().parent
 BLUE, ORANGE, GREEN, RED, GREY = "#1f5fa8", "#d9742b", "#2f8f5b", "#b3323c", "#777777"
-plt.rcParams.update({"font.size": 9, "axes.grid": True, "grid.color": "#dddddd", "grid.linewidth": 0.6, "axes.axisbelow": True,
-                     "axes.spines.top": False, "axes.spines.right": False, "legend.frameon": False, "lines.linewidth": 1.1})
+plt.rcParams.update(
+    {
+        "font.size": 9,
+        "axes.grid": True,
+        "grid.color": "#dddddd",
+        "grid.linewidth": 0.6,
+        "axes.axisbelow": True,
+        "axes.spines.top": False,
+        "axes.spines.right": False,
+        "legend.frameon": False,
+        "lines.linewidth": 1.1,
+    }
+)
 
 
 def read(folder, name):
@@ -39,7 +51,9 @@ def two_panels(title, heights=(3, 2)):
 def shade(axes, spans, label=None):
     for axis in axes:
         for k, (low, high) in enumerate(spans):
-            axis.axvspan(low, high, color="#f0e6d8", lw=0, label=label if k == 0 and axis is axes[0] else None, zorder=0)
+            axis.axvspan(
+                low, high, color="#f0e6d8", lw=0, label=label if k == 0 and axis is axes[0] else None, zorder=0
+            )
 
 
 def save(figure, name):
@@ -57,17 +71,35 @@ def percent(a, b):
 
 def modtran5_transmission(folder):
     d = read(folder, "modtran5_transmission")
-    figure, top, bottom = two_panels("A-13  Transmission straight down to the sea, midlatitude summer, rural aerosol\n"
-                                     "MODTRAN 5.2.1 (grey) and raycube, triangular slit of 20 nm")
-    for key, colour, label in (("1", BLUE, "from 1 km, visibility 23 km"), ("20", GREEN, "from 20 km, 23 km"), ("5", RED, "from 1 km, 5 km")):
+    figure, top, bottom = two_panels(
+        "A-13  Transmission straight down to the sea, midlatitude summer, rural aerosol\n"
+        "MODTRAN 5.2.1 (grey) and raycube, triangular slit of 20 nm"
+    )
+    for key, colour, label in (
+        ("1", BLUE, "from 1 km, visibility 23 km"),
+        ("20", GREEN, "from 20 km, 23 km"),
+        ("5", RED, "from 1 km, 5 km"),
+    ):
         top.plot(d["um"], d[f"r{key}"], color="#bbbbbb", lw=2.6)
         top.plot(d["um"], d[f"t{key}"], color=colour, label=label)
     top.set_ylabel("transmission")
     top.legend(loc="upper center", bbox_to_anchor=(0.72, 1.02))
-    bands = [(0.58, 0.7, .002), (0.7, 1, .0052), (1, 1.3, .0078), (1.3, 1.5, .0182), (1.5, 1.75, .0117), (1.75, 2, .0156), (2, 2.4, .0143),
-             (2.4, 3, .0169), (3, 3.4, .039), (3.4, 3.96, .0338)]
+    bands = [
+        (0.58, 0.7, 0.002),
+        (0.7, 1, 0.0052),
+        (1, 1.3, 0.0078),
+        (1.3, 1.5, 0.0182),
+        (1.5, 1.75, 0.0117),
+        (1.75, 2, 0.0156),
+        (2, 2.4, 0.0143),
+        (2.4, 3, 0.0169),
+        (3, 3.4, 0.039),
+        (3.4, 3.96, 0.0338),
+    ]
     for low, high, bar in bands:
-        bottom.fill_between([low, high], -bar, bar, color="#f0e6d8", lw=0, label="bar of the rms at 1 km" if low == 0.58 else None)
+        bottom.fill_between(
+            [low, high], -bar, bar, color="#f0e6d8", lw=0, label="bar of the rms at 1 km" if low == 0.58 else None
+        )
     for key, colour in (("1", BLUE), ("20", GREEN), ("5", RED)):
         bottom.plot(d["um"], minus(d[f"t{key}"], d[f"r{key}"]), color=colour, lw=0.8)
     bottom.set(ylabel="raycube - MODTRAN", xlabel="wavelength, um", ylim=(-0.12, 0.12), xlim=(0.4, 4.0))
@@ -78,7 +110,7 @@ def modtran5_transmission(folder):
 def running_mean(values, half):
     out = []
     for i in range(len(values)):
-        part = values[max(0, i - half): i + half + 1]
+        part = values[max(0, i - half) : i + half + 1]
         out.append(sum(part) / len(part))
     return out
 
@@ -86,11 +118,21 @@ def running_mean(values, half):
 def modtran5_thermal(folder):
     d = read(folder, "modtran5_thermal")
     figure, axes = plt.subplots(2, 2, figsize=(10, 6.4), sharex=True, height_ratios=(3, 2), layout="constrained")
-    figure.suptitle("A-13  Thermal window straight down, midlatitude summer: MODTRAN 5.2.1 (pale: means over 40 nm) and raycube, which resolves\n"
-                    "0.2 um at 10 um. Below: 40 nm pale, running means over 0.5 um bold.", fontsize=10, x=0.01, ha="left")
+    figure.suptitle(
+        "A-13  Thermal window straight down, midlatitude summer: MODTRAN 5.2.1 (pale: means over 40 nm) and raycube, "
+        "which resolves\n"
+        "0.2 um at 10 um. Below: 40 nm pale, running means over 0.5 um bold.",
+        fontsize=10,
+        x=0.01,
+        ha="left",
+    )
     lwir = [i for i, um in enumerate(d["um"]) if um >= 7.9]
     um = [d["um"][i] for i in lwir]
-    for key, colour, label in (("1", BLUE, "from 1 km, visibility 23 km"), ("20", GREEN, "from 20 km, 23 km"), ("5", RED, "from 1 km, 5 km")):
+    for key, colour, label in (
+        ("1", BLUE, "from 1 km, visibility 23 km"),
+        ("20", GREEN, "from 20 km, 23 km"),
+        ("5", RED, "from 1 km, 5 km"),
+    ):
         t, rt, l, rl = ([d[name][i] for i in lwir] for name in (f"t{key}", f"rt{key}", f"l{key}", f"rl{key}"))
         pale = {"color": colour, "alpha": 0.3, "lw": 0.8}
         bold = {"color": colour, "lw": 1.6}
@@ -115,28 +157,46 @@ def modtran5_thermal(folder):
 
 def modtran6(folder):
     d, t = read(folder, "modtran6_path"), read(folder, "modtran6_transmission")
-    figure, top, bottom = two_panels("A-14  Nadir from 2.3 km over 0.35 km, sun at 52 degrees: raycube against MODTRAN 6 (correlated-k, DISORT)", (1, 1))
+    figure, top, bottom = two_panels(
+        "A-14  Nadir from 2.3 km over 0.35 km, sun at 52 degrees: raycube against MODTRAN 6 (correlated-k, DISORT)",
+        (1, 1),
+    )
     bands = [(0.678, 0.738), (0.752, 0.776), (0.804, 0.842)]
     shade([top, bottom], bands, "bands of O$_2$ and water")
     top.axhspan(-3, 3, color=BLUE, alpha=0.08, lw=0, label="bar at depth 0.04: 3 %")
-    top.plot(d["um"], [100 * (r - 1) for r in d["ratio_clear"]], color=BLUE, marker="o", ms=3, label="aerosol depth 0.04")
-    top.plot(d["um"], [100 * (r - 1) for r in d["ratio_010"]], color=ORANGE, marker="o", ms=3, label="aerosol depth 0.10 (bar 8 %)")
+    top.plot(
+        d["um"], [100 * (r - 1) for r in d["ratio_clear"]], color=BLUE, marker="o", ms=3, label="aerosol depth 0.04"
+    )
+    top.plot(
+        d["um"],
+        [100 * (r - 1) for r in d["ratio_010"]],
+        color=ORANGE,
+        marker="o",
+        ms=3,
+        label="aerosol depth 0.10 (bar 8 %)",
+    )
     top.set(ylabel="path radiance, raycube\nover MODTRAN - 1, %", ylim=(-9, 9))
     top.legend(loc="lower left", ncols=2)
     bottom.axhspan(-0.003, 0.003, color=BLUE, alpha=0.08, lw=0, label="bar outside bands: 0.003")
     bottom.plot(t["um"], t["t_error_clear"], color=BLUE, marker="o", ms=2.5)
     bottom.plot(t["um"], t["t_error_010"], color=ORANGE, marker="o", ms=2.5)
-    bottom.set(ylabel="transmission,\nraycube - MODTRAN", xlabel="wavelength, um", xlim=(0.395, 0.875), ylim=(-0.012, 0.045))
+    bottom.set(
+        ylabel="transmission,\nraycube - MODTRAN", xlabel="wavelength, um", xlim=(0.395, 0.875), ylim=(-0.012, 0.045)
+    )
     bottom.legend(loc="upper left")
     save(figure, "modtran6_path")
 
 
 def uvspec(folder):
     d = read(folder, "uvspec_sky")
-    figure, top, bottom = two_panels("A-16  Sky towards the sun (right) and away from it, sun at 40 degrees, rural aerosol of 23 km\n"
-                                     "uvspec-DISORT (rings) and raycube, over each code's own solar irradiance")
+    figure, top, bottom = two_panels(
+        "A-16  Sky towards the sun (right) and away from it, sun at 40 degrees, rural aerosol of 23 km\n"
+        "uvspec-DISORT (rings) and raycube, over each code's own solar irradiance"
+    )
     for um, colour in ((0.42, BLUE), (0.55, GREEN), (0.865, ORANGE), (1.65, RED)):
-        rows = sorted((z, f, r) for u, z, f, r in zip(d["um"], d["zenith"], d["found"], d["reference"]) if abs(u - um) < 1e-6)
+        rows = sorted(
+            (z, f, r) for u, z, f, r in zip(d["um"], d["zenith"], d["found"], d["reference"]) if abs(u - um) < 1e-6
+        )
         zenith, found, reference = zip(*rows)
         top.semilogy(zenith, found, color=colour, label=f"{um} um")
         top.semilogy(zenith, reference, "o", mfc="none", color=colour, ms=5)
@@ -144,14 +204,20 @@ def uvspec(folder):
     bottom.axhspan(-3, 3, color=BLUE, alpha=0.08, lw=0, label="bar: 3 %")
     top.set_ylabel("radiance over solar irradiance, sr$^{-1}$")
     top.legend(ncols=4, loc="upper left")
-    bottom.set(ylabel="raycube over uvspec - 1, %", xlabel="zenith angle in the sun's plane, degrees (sun at +40)", ylim=(-6, 6))
+    bottom.set(
+        ylabel="raycube over uvspec - 1, %",
+        xlabel="zenith angle in the sun's plane, degrees (sun at +40)",
+        ylim=(-6, 6),
+    )
     bottom.legend(loc="upper left")
     save(figure, "uvspec_sky")
 
 
 def g173(folder):
     d = read(folder, "g173")
-    figure, top, bottom = two_panels("A-20  Direct normal light of ASTM G173-03 from its stated inputs and its own sun, means over 10 nm")
+    figure, top, bottom = two_panels(
+        "A-20  Direct normal light of ASTM G173-03 from its stated inputs and its own sun, means over 10 nm"
+    )
     top.plot(d["um"], d["reference"], color="#bbbbbb", lw=2.8, label="ASTM G173, direct and circumsolar")
     top.plot(d["um"], d["found"], color=BLUE, label="raycube")
     top.set_ylabel("irradiance, W m$^{-2}$ nm$^{-1}$")
@@ -170,7 +236,9 @@ def g173(folder):
 
 def lowtran_thermal(folder):
     d = read(folder, "lowtran_thermal")
-    figure, top, bottom = two_panels("A-12  Thermal light with LOWTRAN7's bands and rules, midlatitude summer: LOWTRAN7 (grey) and raycube")
+    figure, top, bottom = two_panels(
+        "A-12  Thermal light with LOWTRAN7's bands and rules, midlatitude summer: LOWTRAN7 (grey) and raycube"
+    )
     for key, colour, label in (("path", BLUE, "path, 3 km straight down"), ("sky", ORANGE, "sky at the zenith")):
         top.plot(d["um"], d[f"reference_{key}"], color="#bbbbbb", lw=2.6)
         top.plot(d["um"], d[key], color=colour, label=label)
@@ -189,7 +257,9 @@ def main():
         sys.exit("atmosphere_charts.py: RAYCUBE_SHARED is not set; the reference figures are read there")
     with tempfile.TemporaryDirectory() as name:
         for test in TESTS:
-            subprocess.run([build / "tests" / f"test_anchor_{test}"], check=True, env={**os.environ, "RAYCUBE_CHARTS": name})
+            subprocess.run(
+                [build / "tests" / f"test_anchor_{test}"], check=True, env={**os.environ, "RAYCUBE_CHARTS": name}
+            )
         folder = pathlib.Path(name)
         for draw in (lowtran_thermal, modtran5_transmission, modtran5_thermal, modtran6, uvspec, g173):
             draw(folder)

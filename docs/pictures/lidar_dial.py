@@ -1,9 +1,11 @@
 #!/usr/bin/python3
 """DIAL over the pipeline: lidar_dial.py RAYCUBE OUTPUT_FOLDER [RESULTS_OF_PIPELINE_DIAL]
 
-Renders scenes/lidar/pipeline_dial.toml unless its results are given, retrieves the methane column of every pulse from the recorded
-counts, and draws it beside the truth; then columns of 1 to 10000 ppm m in a box, and what each cross section makes of them.
+Renders scenes/lidar/pipeline_dial.toml unless its results are given, retrieves the methane column of every pulse from
+the recorded counts, and draws it beside the truth; then columns of 1 to 10000 ppm m in a box, and what each cross
+section makes of them.
 """
+
 import csv
 import math
 import pathlib
@@ -30,7 +32,7 @@ def cross_section(wavelength_nm):
 
 def line(wavelength_nm, width_nm):
     z = numpy.linspace(-8, 8, 4001)
-    weight = numpy.exp(-z**2 / 2)
+    weight = numpy.exp(-(z**2) / 2)
     return cross_section(wavelength_nm + width_nm * 0.42466090014400953 * z), weight / weight.sum()
 
 
@@ -63,8 +65,12 @@ def plume(points):
     x = numpy.where(inside, x, 1.0)
     sy, sz = 0.08 * x / numpy.sqrt(1 + 1e-4 * x), 0.06 * x / numpy.sqrt(1 + 1.5e-3 * x)
     z = points[..., 2]
-    gram = 2 / (2 * math.pi * 2.5 * sy * sz) * numpy.exp(-y**2 / (2 * sy**2)) * (
-        numpy.exp(-(z - 0.8) ** 2 / (2 * sz**2)) + numpy.exp(-(z + 0.8) ** 2 / (2 * sz**2)))
+    gram = (
+        2
+        / (2 * math.pi * 2.5 * sy * sz)
+        * numpy.exp(-(y**2) / (2 * sy**2))
+        * (numpy.exp(-((z - 0.8) ** 2) / (2 * sz**2)) + numpy.exp(-((z + 0.8) ** 2) / (2 * sz**2)))
+    )
     return numpy.where(inside, gram, 0) / 16.0425 * 6.02214076e23 * 1e-6 / 2.479371580e19 * 1e6
 
 
@@ -79,7 +85,12 @@ def survey(folder):
         part = slice(first, first + 200)
         steps = (numpy.arange(4000) + 0.5) / 4000 * length[part, None]
         truth[part] = plume(exits[part, None] + steps[..., None] * axis[part, None]).mean(1) * length[part]
-    ratio = column_of(on, "recorded_pe") / column_of(on, "photons_emitted") / column_of(off, "recorded_pe") * column_of(off, "photons_emitted")
+    ratio = (
+        column_of(on, "recorded_pe")
+        / column_of(on, "photons_emitted")
+        / column_of(off, "recorded_pe")
+        * column_of(off, "photons_emitted")
+    )
     found = retrieve(ratio, WIDTH_NM) - 1.9 * length
     spot = exits + length[:, None] * axis
     return spot, truth, found
@@ -149,7 +160,9 @@ def bias(raycube, work, width_nm):
     for column in columns:
         scene = work / "box.toml"
         scene.write_text(BOX.format(ppm=repr(float(column / 10)), width=repr(width_nm)))
-        subprocess.run([raycube, "render", scene, "-o", work / "box", "--overwrite", "-q"], check=True, stdout=subprocess.DEVNULL)
+        subprocess.run(
+            [raycube, "render", scene, "-o", work / "box", "--overwrite", "-q"], check=True, stdout=subprocess.DEVNULL
+        )
         on, off = (float(row["photons_in_gate"]) / float(row["photons_emitted"]) for row in rows_of(work / "box/dial"))
         ratios.append(on / off)
     return columns, numpy.array(ratios)
@@ -161,17 +174,32 @@ def main():
         work = pathlib.Path(folder)
         results = pathlib.Path(sys.argv[3]) if len(sys.argv) > 3 else work / "dial"
         if len(sys.argv) <= 3:
-            subprocess.run([raycube, "render", ROOT / "scenes/lidar/pipeline_dial.toml", "-o", results], check=True, stdout=subprocess.DEVNULL)
+            subprocess.run(
+                [raycube, "render", ROOT / "scenes/lidar/pipeline_dial.toml", "-o", results],
+                check=True,
+                stdout=subprocess.DEVNULL,
+            )
         spot, truth, found = survey(results / "dial")
         figure, axes = plt.subplots(1, 3, figsize=(16, 5.2), layout="constrained")
-        shown = axes[0].scatter(spot[:, 0], spot[:, 1], c=numpy.clip(found, 1, None), s=5, cmap="inferno",
-                                norm=matplotlib.colors.LogNorm(1, 400))
+        shown = axes[0].scatter(
+            spot[:, 0],
+            spot[:, 1],
+            c=numpy.clip(found, 1, None),
+            s=5,
+            cmap="inferno",
+            norm=matplotlib.colors.LogNorm(1, 400),
+        )
         figure.colorbar(shown, ax=axes[0], label="retrieved above the ambient 1.9 ppm, ppm m")
         axes[0].set(title="pipeline_dial: every pulse's own column", xlabel="x, m", ylabel="y, m", aspect="equal")
         axes[1].plot([-20, 500], [-20, 500], color="gray", lw=1)
         axes[1].plot(truth, found, ".", ms=3)
-        axes[1].set(title="against the plume's closed form", xlabel="true column of the leak, ppm m", ylabel="retrieved, ppm m",
-                    xscale="symlog", yscale="symlog")
+        axes[1].set(
+            title="against the plume's closed form",
+            xlabel="true column of the leak, ppm m",
+            ylabel="retrieved, ppm m",
+            xscale="symlog",
+            yscale="symlog",
+        )
         for width, colour in ((1e-6, "tab:gray"), (0.0545, "tab:blue"), (0.1089, "tab:red")):  # 0, 0.05, 0.10 cm-1
             columns, ratio = bias(raycube, work, width)
             depth = 2 * columns * LOSCHMIDT * cross_section(ON_NM)
@@ -180,18 +208,51 @@ def main():
             peak = cross_section(ON_NM) - cross_section(OFF_NM)
             label = f"{width * 1e7 / ON_NM**2:.2f} cm-1"
             with numpy.errstate(divide="ignore"):
-                axes[2].plot(depth, -numpy.log(ratio) / (2 * LOSCHMIDT * peak * columns), "-", color=colour, label=f"{label}, peak cross section")
-                axes[2].plot(depth, -numpy.log(ratio) / (2 * LOSCHMIDT * mean * columns), "--", color=colour, label=f"{label}, line's mean")
-            axes[2].plot(depth, retrieve(ratio, width) / columns, "o", mfc="none", ms=4, color=colour, label=f"{label}, exact curve")
-            print(label, "peak", numpy.interp([1, 1000], columns, -numpy.log(ratio) / (2 * LOSCHMIDT * peak * columns)),
-                  "1000 ppm m exact", numpy.interp(1000, columns, retrieve(ratio, width) / columns))
-        axes[2].set(title="bias of a column in a box", xlabel="two-way optical depth at the line's centre", ylabel="retrieved / true column",
-                    xscale="log", ylim=(0, 1.1))
+                axes[2].plot(
+                    depth,
+                    -numpy.log(ratio) / (2 * LOSCHMIDT * peak * columns),
+                    "-",
+                    color=colour,
+                    label=f"{label}, peak cross section",
+                )
+                axes[2].plot(
+                    depth,
+                    -numpy.log(ratio) / (2 * LOSCHMIDT * mean * columns),
+                    "--",
+                    color=colour,
+                    label=f"{label}, line's mean",
+                )
+            axes[2].plot(
+                depth,
+                retrieve(ratio, width) / columns,
+                "o",
+                mfc="none",
+                ms=4,
+                color=colour,
+                label=f"{label}, exact curve",
+            )
+            print(
+                label,
+                "peak",
+                numpy.interp([1, 1000], columns, -numpy.log(ratio) / (2 * LOSCHMIDT * peak * columns)),
+                "1000 ppm m exact",
+                numpy.interp(1000, columns, retrieve(ratio, width) / columns),
+            )
+        axes[2].set(
+            title="bias of a column in a box",
+            xlabel="two-way optical depth at the line's centre",
+            ylabel="retrieved / true column",
+            xscale="log",
+            ylim=(0, 1.1),
+        )
         axes[2].legend(fontsize=7)
         for axis in axes[1:]:
             axis.grid(alpha=0.3)
         figure.savefig(out / "lidar_dial.png", dpi=100)
-    print(f"leak up to {truth.max():.0f} ppm m; median of retrieved - true over pulses below 5 ppm m: {numpy.median((found - truth)[truth < 5]):.2f}")
+    print(
+        f"leak up to {truth.max():.0f} ppm m; median of retrieved - true over pulses below 5 ppm m: "
+        f"{numpy.median((found - truth)[truth < 5]):.2f}"
+    )
 
 
 if __name__ == "__main__":

@@ -2,9 +2,10 @@
 """Draws docs/pictures/park_haze.png and park_lwir.png from real runs.
 
 Usage: park_air.py RAYCUBE PARK OUT      PARK: a folder made by scenes/park/generate.py; OUT: folder of the pictures
-The haze picture: three visibilities and two sun heights, camera 3 km above the park, all six with one stretch. The thermal
-picture: brightness temperature of park_lwir.toml at 10.05 um, and spectra of four places.
+The haze picture: three visibilities and two sun heights, camera 3 km above the park, all six with one stretch. The
+thermal picture: brightness temperature of park_lwir.toml at 10.05 um, and spectra of four places.
 """
+
 import json
 import subprocess
 import sys
@@ -68,7 +69,10 @@ def haze(raycube, park, out):
     figure.suptitle("The park from 3 km, one stretch for all")
     figure.savefig(out / "park_haze.png", dpi=100)
     for key, image in images.items():
-        print(f"sun zenith {key[0]}, visibility {key[1]} km: mean radiance blue, green, red", *(f"{x:.1f}" for x in image.mean((0, 1))))
+        print(
+            f"sun zenith {key[0]}, visibility {key[1]} km: mean radiance blue, green, red",
+            *(f"{x:.1f}" for x in image.mean((0, 1))),
+        )
 
 
 def thermal(raycube, park, out):
@@ -79,14 +83,27 @@ def thermal(raycube, park, out):
     shown = left.imshow(temperature[:, :, 20], cmap="inferno", vmin=290, vmax=310)
     figure.colorbar(shown, ax=left, label="brightness temperature at 10.05 um (K)")
     left.set_axis_off()
-    for label, (line, sample) in {"asphalt court": (84, 217), "dry grass": (200, 150), "tree crown": (120, 22), "white panel": (84, 255)}.items():
-        right.plot(wavelength, temperature[line - 1:line + 2, sample - 1:sample + 2].mean((0, 1)), label=label)
+    for label, (line, sample) in {
+        "asphalt court": (84, 217),
+        "dry grass": (200, 150),
+        "tree crown": (120, 22),
+        "white panel": (84, 255),
+    }.items():
+        right.plot(wavelength, temperature[line - 1 : line + 2, sample - 1 : sample + 2].mean((0, 1)), label=label)
         left.plot(sample, line, "c+", markersize=7)
     right.set(xlabel="wavelength (um)", ylabel="brightness temperature (K)")
     right.grid(alpha=0.3)
     right.legend()
     figure.savefig(out / "park_lwir.png", dpi=100)
-    print(json.dumps({"brightness_K_percentiles": [round(float(x), 2) for x in np.percentile(temperature[:, :, 20], [1, 50, 99])]}))
+    print(
+        json.dumps(
+            {
+                "brightness_K_percentiles": [
+                    round(float(x), 2) for x in np.percentile(temperature[:, :, 20], [1, 50, 99])
+                ]
+            }
+        )
+    )
 
 
 def main():

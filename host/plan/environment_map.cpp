@@ -67,7 +67,8 @@ class GroundRaster {
   std::vector<std::uint32_t> surface_;
 };
 
-/// Counts of surfaces become shares of materials. Only surfaces in `touched` are read, and their counts set back to zero.
+/// Counts of surfaces become shares of materials. Only surfaces in `touched` are read, and their counts set back to
+/// zero.
 void add_shares(const scene::CompiledScene& scene, std::vector<std::uint32_t>& count,
                 std::vector<std::uint32_t>& touched, double total, std::vector<double>& material_share) {
   std::sort(touched.begin(), touched.end());  // one order of summation, whatever was met first

@@ -200,9 +200,9 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
                const atmos::RenderTable& table, const ViewBounds& view);
 
 /// Bakes one term row in double: E[channel][band] for a product key (kernels/shared/product_key.h; 0 = path) or
-/// kEnvironmentKey | node, stored as float, bands padded with zeros to a multiple of 16: result[channel * bands_padded +
-/// band]. Emission goes with the key of one reflectance. Error(input) when a curve does not cover the grid, which cannot
-/// happen to the reflectance of a used material.
+/// kEnvironmentKey | node, stored as float, bands padded with zeros to a multiple of 16: result[channel * bands_padded
+/// + band]. Emission goes with the key of one reflectance. Error(input) when a curve does not cover the grid, which
+/// cannot happen to the reflectance of a used material.
 std::vector<float> bake_row(const Plan& plan, const scene::CompiledScene& scene, std::uint64_t key);
 
 }  // namespace raycube::plan

@@ -1,4 +1,5 @@
-"""Charts of two render tables' differences: per quantity both spectra, and B - A below. Usage: atmos_compare.py FIGURES.json CHART.png"""
+"""Charts of two render tables' differences: per quantity both spectra, and B - A below. Usage: atmos_compare.py
+FIGURES.json CHART.png"""
 
 import json
 import pathlib
@@ -50,7 +51,11 @@ def panel(figure, grid, data, quantity):
     lower.set_ylabel("B - A, %" if relative else "B - A", fontsize=8)
     if wavelength[0] > 0 and wavelength[-1] > 8 * wavelength[0]:
         lower.set_xscale("log")
-        ticks = [t for t in (0.3, 0.4, 0.5, 0.7, 1, 1.5, 2, 3, 4, 5, 7, 10, 14, 20, 30) if wavelength[0] <= t <= wavelength[-1]]
+        ticks = [
+            t
+            for t in (0.3, 0.4, 0.5, 0.7, 1, 1.5, 2, 3, 4, 5, 7, 10, 14, 20, 30)
+            if wavelength[0] <= t <= wavelength[-1]
+        ]
         lower.set_xticks(ticks, [f"{t:g}" for t in ticks])
         lower.minorticks_off()
     lower.set_xlabel("wavelength, um", fontsize=8)
@@ -69,12 +74,24 @@ def main():
     rows = -(-len(quantities) // columns)
     width, height = 5.2 * columns, 3.4 * rows + 1.6
     figure = plt.figure(figsize=(width, height))
-    grid = figure.add_gridspec(rows, columns, left=0.7 / width, right=1 - 0.15 / width, bottom=0.45 / height, top=1 - 1.4 / height,
-                               hspace=0.3, wspace=0.22)
+    grid = figure.add_gridspec(
+        rows,
+        columns,
+        left=0.7 / width,
+        right=1 - 0.15 / width,
+        bottom=0.45 / height,
+        top=1 - 1.4 / height,
+        hspace=0.3,
+        wspace=0.22,
+    )
     for index, quantity in enumerate(quantities):
         panel(figure, grid[index // columns, index % columns], data, quantity)
-    names = f"A: {pathlib.Path(data['a']).name}   B: {pathlib.Path(data['b']).name}   target {data['target_height_m']:g} m"
-    figure.suptitle("\n".join([names + "; black: band means", *data["differs"][:4]]), fontsize=10, y=1 - 0.1 / height, va="top")
+    names = (
+        f"A: {pathlib.Path(data['a']).name}   B: {pathlib.Path(data['b']).name}   target {data['target_height_m']:g} m"
+    )
+    figure.suptitle(
+        "\n".join([names + "; black: band means", *data["differs"][:4]]), fontsize=10, y=1 - 0.1 / height, va="top"
+    )
     figure.savefig(sys.argv[2], dpi=90)
 
 

@@ -27,7 +27,9 @@ def spectra(axis, data, rows, title, unit, log=False):
     axis.set_ylabel(unit)
     if log and top > 0:
         axis.set_yscale("log")
-        axis.set_ylim(max(axis.get_ylim()[0], 1e-7 * top), 2 * top)  # light below a ten-millionth of the brightest is none
+        axis.set_ylim(
+            max(axis.get_ylim()[0], 1e-7 * top), 2 * top
+        )  # light below a ten-millionth of the brightest is none
     wavelengths(axis, wavelength)
     axis.legend(fontsize=7)
     axis.grid(alpha=0.3)
@@ -43,40 +45,91 @@ def wavelengths(axis, wavelength):
 
 
 def transmission(axis, data, where):
-    spectra(axis, data, [("sun_transmission", "top of the air to target"), ("view_transmission", "target to sensor"),
-                         ("two_way_transmission", "sun to target to sensor")], f"transmission; {where}", "transmission, 1")
+    spectra(
+        axis,
+        data,
+        [
+            ("sun_transmission", "top of the air to target"),
+            ("view_transmission", "target to sensor"),
+            ("two_way_transmission", "sun to target to sensor"),
+        ],
+        f"transmission; {where}",
+        "transmission, 1",
+    )
     axis.set_ylim(-0.02, 1.02)
 
 
 def factors(axis, data, where):
-    spectra(axis, data, [("two_way_factor", "sunlight"), ("two_way_factor_thermal", "reflected thermal sky")],
-            f"two-way factor (sunlight: where T_sun T_view > 0.001)\n{where}", "factor, 1")
+    spectra(
+        axis,
+        data,
+        [("two_way_factor", "sunlight"), ("two_way_factor_thermal", "reflected thermal sky")],
+        f"two-way factor (sunlight: where T_sun T_view > 0.001)\n{where}",
+        "factor, 1",
+    )
 
 
 def irradiance(axis, data, where):
-    spectra(axis, data, [("solar_irradiance", "above the air, normal to the beam"), ("direct_irradiance", "direct, horizontal"),
-                         ("diffuse_irradiance", "diffuse, horizontal")], "irradiance at the target", "W m-2 um-1",
-            log=data["wavelength_um"][-1] > 3)
+    spectra(
+        axis,
+        data,
+        [
+            ("solar_irradiance", "above the air, normal to the beam"),
+            ("direct_irradiance", "direct, horizontal"),
+            ("diffuse_irradiance", "diffuse, horizontal"),
+        ],
+        "irradiance at the target",
+        "W m-2 um-1",
+        log=data["wavelength_um"][-1] > 3,
+    )
 
 
 def path(axis, data, where):
-    spectra(axis, data, [("path_radiance", f"scattered sunlight, azimuth {data['relative_azimuth_deg']:g} deg"),
-                         ("path_radiance_thermal", "emitted")], f"path radiance; {where}", RADIANCE, log=True)
+    spectra(
+        axis,
+        data,
+        [
+            ("path_radiance", f"scattered sunlight, azimuth {data['relative_azimuth_deg']:g} deg"),
+            ("path_radiance_thermal", "emitted"),
+        ],
+        f"path radiance; {where}",
+        RADIANCE,
+        log=True,
+    )
 
 
 def sky(axis, data, where):
     up, slant = data["sky_zenith_deg"]
     side = f", azimuth {data['sky_azimuth_deg']:g} deg" if "sky_azimuth_deg" in data else ""
-    spectra(axis, data, [("sky_up", f"sunlight, zenith angle {up:g} deg{side if up else ''}"), ("sky_slant", f"sunlight, {slant:g} deg{side}"),
-                         ("thermal_sky_up", f"emitted, {up:g} deg"), ("thermal_sky_slant", f"emitted, {slant:g} deg")],
-            "sky radiance", RADIANCE, log=True)
+    spectra(
+        axis,
+        data,
+        [
+            ("sky_up", f"sunlight, zenith angle {up:g} deg{side if up else ''}"),
+            ("sky_slant", f"sunlight, {slant:g} deg{side}"),
+            ("thermal_sky_up", f"emitted, {up:g} deg"),
+            ("thermal_sky_slant", f"emitted, {slant:g} deg"),
+        ],
+        "sky radiance",
+        RADIANCE,
+        log=True,
+    )
 
 
 def coupling(axis, data, where):
     up, slant = data.get("sky_zenith_deg", (0, 0))
-    spectra(axis, data, [("spherical_albedo", "S, spherical albedo"), ("diffuse_view_transmission", "T_dif to the sensor"),
-                         ("diffuse_return_up", f"t back down, {up:g} deg"), ("diffuse_return_slant", f"t back down, {slant:g} deg")],
-            f"light between ground and air; {where}", "1")
+    spectra(
+        axis,
+        data,
+        [
+            ("spherical_albedo", "S, spherical albedo"),
+            ("diffuse_view_transmission", "T_dif to the sensor"),
+            ("diffuse_return_up", f"t back down, {up:g} deg"),
+            ("diffuse_return_slant", f"t back down, {slant:g} deg"),
+        ],
+        f"light between ground and air; {where}",
+        "1",
+    )
 
 
 def sky_map(figure, place, data):
@@ -97,7 +150,10 @@ def sky_map(figure, place, data):
     if data["sun_zenith_deg"] < 90:
         axis.plot(0, data["sun_zenith_deg"], "o", color="none", mec="black", ms=9)
     axis.set_rticks([30, 60, 90])
-    axis.set_title(f"sky radiance, sunlight, at {sky['wavelength_um']:.5g} um\nzenith outwards, sun's azimuth up (deg)", fontsize=10)
+    axis.set_title(
+        f"sky radiance, sunlight, at {sky['wavelength_um']:.5g} um\nzenith outwards, sun's azimuth up (deg)",
+        fontsize=10,
+    )
     figure.colorbar(mesh, ax=axis, label=RADIANCE, shrink=0.8, pad=0.12)
 
 
@@ -117,7 +173,9 @@ def aureole(axis, data, where):
 
 def thermal_sky(axis, data, where):
     for curve in data["thermal_sky"]["curves"]:
-        axis.plot(data["thermal_sky"]["zenith_deg"], curve["radiance"], lw=0.9, label=f"{curve['wavelength_um']:.4g} um")
+        axis.plot(
+            data["thermal_sky"]["zenith_deg"], curve["radiance"], lw=0.9, label=f"{curve['wavelength_um']:.4g} um"
+        )
     axis.set_title("sky radiance, emitted", fontsize=10)
     axis.set(xlabel="zenith angle, deg", ylabel=RADIANCE)
     axis.legend(fontsize=7)
@@ -125,10 +183,17 @@ def thermal_sky(axis, data, where):
 
 
 # Which figures a panel needs one of.
-PANELS = [(transmission, ("sun_transmission", "view_transmission")), (factors, ("two_way_factor", "two_way_factor_thermal")),
-          (irradiance, ("solar_irradiance", "direct_irradiance", "diffuse_irradiance")), (path, ("path_radiance", "path_radiance_thermal")),
-          (sky, ("sky_up", "thermal_sky_up")), (coupling, ("spherical_albedo", "diffuse_view_transmission", "diffuse_return_up")),
-          (sky_map, ("sky",)), (aureole, ("sky",)), (thermal_sky, ("thermal_sky",))]
+PANELS = [
+    (transmission, ("sun_transmission", "view_transmission")),
+    (factors, ("two_way_factor", "two_way_factor_thermal")),
+    (irradiance, ("solar_irradiance", "direct_irradiance", "diffuse_irradiance")),
+    (path, ("path_radiance", "path_radiance_thermal")),
+    (sky, ("sky_up", "thermal_sky_up")),
+    (coupling, ("spherical_albedo", "diffuse_view_transmission", "diffuse_return_up")),
+    (sky_map, ("sky",)),
+    (aureole, ("sky",)),
+    (thermal_sky, ("thermal_sky",)),
+]
 
 
 def main():
@@ -150,7 +215,9 @@ def main():
             sky_map(figure, place, data)
         else:
             draw(figure.add_subplot(place), data, where)
-    figure.suptitle(f"{data['title']}: sun zenith {data['sun_zenith_deg']:g} deg, sensor at {data['sensor_height_m']:g} m")
+    figure.suptitle(
+        f"{data['title']}: sun zenith {data['sun_zenith_deg']:g} deg, sensor at {data['sensor_height_m']:g} m"
+    )
     figure.savefig(sys.argv[2], dpi=100)
 
 

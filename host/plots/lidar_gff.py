@@ -18,7 +18,9 @@ def mark(axes, data):
         for plume in data.get("plumes", []):
             axis.axvline(plume["range_m"], color="tab:green", lw=2, alpha=0.6)
     top = axes[0].get_xaxis_transform()
-    labels = [(plume["range_m"], f"{plume['name']}: {plume['overlap']:.3g}", "tab:green") for plume in data.get("plumes", [])]
+    labels = [
+        (plume["range_m"], f"{plume['name']}: {plume['overlap']:.3g}", "tab:green") for plume in data.get("plumes", [])
+    ]
     if "surface_m" in data:
         labels.append((data["surface_m"][0], "surfaces", "tab:brown"))
     span, last, row = data["range_m"][-1] - data["range_m"][0], -1e300, 0
@@ -44,12 +46,20 @@ def main():
     axes[1].plot(r, per / per.max() if per.max() > 0 else per, color="tab:blue", lw=2)
     axes[1].set(ylabel="level 2 / range$^2$, of its peak", ylim=(-0.02, 1.05))
     if per.max() > 0:
-        axes[1].annotate(f"peak at {data['peak_m']:.6g} m", (data["peak_m"], 1), xytext=(8, -12), textcoords="offset points", fontsize=8)
+        axes[1].annotate(
+            f"peak at {data['peak_m']:.6g} m",
+            (data["peak_m"], 1),
+            xytext=(8, -12),
+            textcoords="offset points",
+            fontsize=8,
+        )
     beam, field = np.asarray(data["beam_m"]), np.asarray(data["field_m"])
     apart = np.asarray(data["apart_m"])
     # Seen in the plane of both axes: the separation has a sign, which turns where the axes cross.
     turn = int(np.argmin(apart))
-    sign = np.where(np.arange(len(r)) <= turn, 1, -1) if 0 < turn < len(r) - 1 and apart[turn] < 0.05 * apart.max() else 1
+    sign = (
+        np.where(np.arange(len(r)) <= turn, 1, -1) if 0 < turn < len(r) - 1 and apart[turn] < 0.05 * apart.max() else 1
+    )
     centre = sign * apart
     axes[2].fill_between(r, centre - beam, centre + beam, color="tab:red", alpha=0.3, lw=0, label="beam")
     axes[2].fill_between(r, -field, field, color="tab:blue", alpha=0.2, lw=0, label="field of view")

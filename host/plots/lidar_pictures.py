@@ -1,5 +1,7 @@
 """Pictures of a LIDAR run, drawn from its products alone: waveforms, ranges, point cloud.
-Usage: lidar_pictures.py FIGURES.json (says which files to read and where to draw), or lidar_pictures.py FOLDER of a run."""
+Usage: lidar_pictures.py FIGURES.json (says which files to read and where to draw), or lidar_pictures.py FOLDER of a
+run.
+"""
 
 import json
 import pathlib
@@ -13,8 +15,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.colors import LogNorm, Normalize
 
-MOST_POINTS = 400_000       # drawn; more are thinned evenly
-MOST_RANGES = 8_000_000     # returns behind the range image; more: the survey's beginning
+MOST_POINTS = 400_000  # drawn; more are thinned evenly
+MOST_RANGES = 8_000_000  # returns behind the range image; more: the survey's beginning
 LIGHT_M_NS = 0.299792458
 TYPES = {1: "u1", 2: "i1", 3: "u2", 4: "i2", 5: "u4", 6: "i4", 7: "u8", 8: "i8", 9: "f4", 10: "f8"}
 
@@ -35,20 +37,41 @@ class Points:
         header_bytes, start, records, form, record_bytes = struct.unpack_from("<HIIBH", head, 94)
         self.scale, self.offset = struct.unpack_from("<3d", head, 131), struct.unpack_from("<3d", head, 155)
         self.count = struct.unpack_from("<Q", head, 247)[0]
-        fields = [("X", "<i4"), ("Y", "<i4"), ("Z", "<i4"), ("intensity", "<u2"), ("returns", "u1"), ("flags", "u1"), ("class", "u1"), ("user", "u1"),
-                  ("angle", "<i2"), ("source", "<u2"), ("gps", "<f8")]
+        fields = [
+            ("X", "<i4"),
+            ("Y", "<i4"),
+            ("Z", "<i4"),
+            ("intensity", "<u2"),
+            ("returns", "u1"),
+            ("flags", "u1"),
+            ("class", "u1"),
+            ("user", "u1"),
+            ("angle", "<i2"),
+            ("source", "<u2"),
+            ("gps", "<f8"),
+        ]
         if form == 9:
-            fields += [("packet", "u1"), ("packet_offset", "<u8"), ("packet_bytes", "<u4"), ("location", "<f4"), ("direction", "<f4", 3)]
+            fields += [
+                ("packet", "u1"),
+                ("packet_offset", "<u8"),
+                ("packet_bytes", "<u4"),
+                ("location", "<f4"),
+                ("direction", "<f4", 3),
+            ]
         at = header_bytes
         for _ in range(records):
-            user, number, length = struct.unpack_from("<16sHH", bytes(raw[at + 2:at + 22]))
+            user, number, length = struct.unpack_from("<16sHH", bytes(raw[at + 2 : at + 22]))
             if user.rstrip(b"\0") == b"LASF_Spec" and number == 4:
-                extra = bytes(raw[at + 54:at + 54 + length])
+                extra = bytes(raw[at + 54 : at + 54 + length])
                 for e in range(0, length, 192):
-                    fields.append((extra[e + 4:e + 36].split(b"\0")[0].decode(), "<" + TYPES[extra[e + 2]]))
+                    fields.append((extra[e + 4 : e + 36].split(b"\0")[0].decode(), "<" + TYPES[extra[e + 2]]))
             at += 54 + length
         assert np.dtype(fields).itemsize == record_bytes, (np.dtype(fields), record_bytes)
-        self.records = np.memmap(path, np.dtype(fields), "r", start, (self.count,)) if self.count else np.empty(0, np.dtype(fields))
+        self.records = (
+            np.memmap(path, np.dtype(fields), "r", start, (self.count,))
+            if self.count
+            else np.empty(0, np.dtype(fields))
+        )
 
     def xyz(self, records):
         return [records[name] * self.scale[i] + self.offset[i] for i, name in enumerate("XYZ")]
@@ -85,7 +108,12 @@ def waveforms(figures, path):
         lit = np.arange(len(some))
     by_peak = lit[np.argsort(peaks[lit], kind="stable")]
     wide = (sums > 0.1 * np.maximum(peaks, 1e-30)[:, None]).sum(axis=1)
-    wanted = [(by_peak[-1], "strongest"), (lit[np.argmax(wide[lit])], "longest"), (by_peak[len(by_peak) // 2], "middling"), (by_peak[0], "weakest")]
+    wanted = [
+        (by_peak[-1], "strongest"),
+        (lit[np.argmax(wide[lit])], "longest"),
+        (by_peak[len(by_peak) // 2], "middling"),
+        (by_peak[0], "weakest"),
+    ]
     chosen = {}
     for index, what in wanted:
         chosen.setdefault(int(some[index]), what)
@@ -95,8 +123,14 @@ def waveforms(figures, path):
     peak, shown, handles = 0.0, np.zeros(bins, bool), []
     expected = [name for name in names if "recorded" not in name]
     styles = ["-", "--", ":", "-.", (0, (3, 1, 1, 1, 1, 1)), (0, (5, 1)), (0, (1, 3))]
-    style = {name: {"lw": 0.7, "alpha": 0.8, "drawstyle": "steps-mid"} if "recorded" in name else {"lw": 1.5, "ls": styles[expected.index(name) % len(styles)]}
-             for name in names}
+    style = {
+        name: (
+            {"lw": 0.7, "alpha": 0.8, "drawstyle": "steps-mid"}
+            if "recorded" in name
+            else {"lw": 1.5, "ls": styles[expected.index(name) % len(styles)]}
+        )
+        for name in names
+    }
     for n, (line, what) in enumerate(chosen.items()):
         pulse = f"{what}: {line // pixels + 1}. pulse" + (f", pixel {line % pixels}" if pixels > 1 else "")
         handles.append(plt.Line2D([], [], color=f"C{n}", lw=3, label=pulse))
@@ -107,19 +141,28 @@ def waveforms(figures, path):
                 shown |= values > 1e-3 * rows[n].max()
             axes[0].plot(range_m, values, color=f"C{n}", **style[name])
             axes[1].plot(range_m, np.where(values > 0, values, np.nan), color=f"C{n}", **style[name])
-    handles += [plt.Line2D([], [], color="0.3", label=name.split(" [")[0], **{k: v for k, v in style[name].items() if k != "drawstyle"}) for name in names]
+    handles += [
+        plt.Line2D(
+            [], [], color="0.3", label=name.split(" [")[0], **{k: v for k, v in style[name].items() if k != "drawstyle"}
+        )
+        for name in names
+    ]
     if shown.any():
         first, last = np.flatnonzero(shown)[[0, -1]]
         margin = 0.08 * (last - first) + 8
         axes[0].set_xlim(range_m[max(0, int(first - margin))], range_m[min(bins - 1, int(last + margin))])
     axes[0].set(title="linear", ylabel="photo-electrons in a bin", xlabel="range, m")
-    axes[1].set(title="logarithmic", yscale="log", xlabel="range, m", ylim=(1e-6 * peak, 2 * peak) if peak > 0 else None)
+    axes[1].set(
+        title="logarithmic", yscale="log", xlabel="range, m", ylim=(1e-6 * peak, 2 * peak) if peak > 0 else None
+    )
     for axis in axes:
         axis.grid(alpha=0.3)
         above = axis.secondary_xaxis("top", functions=(lambda r: r / metres, lambda t: t * metres))
         above.set_xlabel("delay, ns")
     axes[0].legend(handles=handles, fontsize=7, loc="best")
-    figure.suptitle(f"{figures['title']}: waveforms, expected (thick) and recorded (thin, stepped); bins of {width:g} ns")
+    figure.suptitle(
+        f"{figures['title']}: waveforms, expected (thick) and recorded (thin, stepped); bins of {width:g} ns"
+    )
     figure.savefig(path, dpi=110, format="png")
     plt.close(figure)
 
@@ -142,7 +185,12 @@ def scan_image(figures, pulses):
         row = np.floor(phase)
         across, per_row = phase - row, figures["prf_hz"] / rate
     columns = max(1, int(per_row + 1e-9))  # no more than there are pulses: no holes but those without return
-    return (row - row.min()).astype(int), np.minimum((across * columns).astype(int), columns - 1), "pulse within the scan", "scan"
+    return (
+        (row - row.min()).astype(int),
+        np.minimum((across * columns).astype(int), columns - 1),
+        "pulse within the scan",
+        "scan",
+    )
 
 
 def ranges(figures, points, path):
@@ -152,7 +200,11 @@ def ranges(figures, points, path):
     if not len(some):
         return
     # The first return that has a tenth of its record's strongest: air and false alarms before a surface are fainter.
-    begin = np.flatnonzero(np.concatenate(([True], (np.diff(some["pulse_id"].astype(np.int64)) != 0) | (np.diff(some["source"].astype(int)) != 0))))
+    begin = np.flatnonzero(
+        np.concatenate(
+            ([True], (np.diff(some["pulse_id"].astype(np.int64)) != 0) | (np.diff(some["source"].astype(int)) != 0))
+        )
+    )
     strongest = np.repeat(np.maximum.reduceat(some["energy_pe"], begin), np.diff(np.append(begin, len(some))))
     place = np.where(some["energy_pe"] >= 0.1 * strongest, np.arange(len(some)), len(some))
     first = some[np.minimum.reduceat(place, begin)]
@@ -169,7 +221,10 @@ def ranges(figures, points, path):
         median = np.where(hits > 0, range_m[order[middle]].reshape(rows, columns), np.nan)
         axes = figure.subplots(1, 2)
         shots = len(np.unique(pulses))
-        pictures = [(median, "median range, m", "viridis_r"), (hits / shots, f"records with a return, per shot ({shots} shots with any)", "magma")]
+        pictures = [
+            (median, "median range, m", "viridis_r"),
+            (hits / shots, f"records with a return, per shot ({shots} shots with any)", "magma"),
+        ]
         low, high = limits_of(median)
         limits = [{"vmin": low, "vmax": high}, {"vmin": 0, "vmax": max(1.0, (hits / shots).max())}]
         for axis, (values, name, colours), limit in zip(axes, pictures, limits):
@@ -184,8 +239,16 @@ def ranges(figures, points, path):
         picture[row[keep] // step, column[keep]] = range_m[keep]
         axis = figure.subplots()
         low, high = limits_of(picture)
-        shown = axis.imshow(picture, cmap="viridis_r", interpolation="nearest", aspect="auto", origin="lower", vmin=low, vmax=high,
-                            extent=(0, picture.shape[1], 0, picture.shape[0] * step))
+        shown = axis.imshow(
+            picture,
+            cmap="viridis_r",
+            interpolation="nearest",
+            aspect="auto",
+            origin="lower",
+            vmin=low,
+            vmax=high,
+            extent=(0, picture.shape[1], 0, picture.shape[0] * step),
+        )
         figure.colorbar(shown, ax=axis, label="range, m (white: no return)", extend="both")
         axis.set(xlabel=across, ylabel=along)
     else:
@@ -199,12 +262,17 @@ def ranges(figures, points, path):
 
 
 def cloud(figures, points, path):
-    records = points.records[::max(1, -(-points.count // MOST_POINTS))]
+    records = points.records[:: max(1, -(-points.count // MOST_POINTS))]
     if not len(records):
         return
     x, y, z = points.xyz(records)
     # A few false alarms far off must not set the frame.
-    frame = np.logical_and.reduce([np.abs(v - np.median(v)) <= 1.3 * np.abs(np.percentile(v, [1, 99]) - np.median(v)).max() + 0.5 for v in (x, y, z)])
+    frame = np.logical_and.reduce(
+        [
+            np.abs(v - np.median(v)) <= 1.3 * np.abs(np.percentile(v, [1, 99]) - np.median(v)).max() + 0.5
+            for v in (x, y, z)
+        ]
+    )
     left_out = len(records) - int(frame.sum())
     x, y, z, records = x[frame], y[frame], z[frame], records[frame]
     middle = [0.5 * (v.min() + v.max()) for v in (x, y)]
@@ -220,7 +288,12 @@ def cloud(figures, points, path):
     shown = axes[0].scatter(x[order], y[order], c=z[order], s=size, lw=0, norm=height, cmap="turbo")
     figure.colorbar(shown, ax=axes[0], label="height, m", shrink=0.85, extend="both")
     geo = figures.get("georeferenced")
-    axes[0].set(aspect="equal", xlabel="easting, m" if geo else "x, m", ylabel="northing, m" if geo else "y, m", title="from above")
+    axes[0].set(
+        aspect="equal",
+        xlabel="easting, m" if geo else "x, m",
+        ylabel="northing, m" if geo else "y, m",
+        title="from above",
+    )
     axes[0].ticklabel_format(useOffset=False, style="plain")
     axes[0].tick_params(axis="x", labelrotation=20)
     # Oblique from the south-west at 35 degrees: right, up on the picture, and towards the viewer for who hides whom.
@@ -235,7 +308,9 @@ def cloud(figures, points, path):
     else:  # single photons are all alike
         axes[1].scatter(right[order], up[order], c=z[order], s=size, lw=0, norm=height, cmap="turbo")
     axes[1].set(aspect="equal", title="oblique, from 35 degrees above", xlabel="m", ylabel="m", facecolor="0.75")
-    shown_points = f"{len(records)} of {points.count} points" + (f", {left_out} far from the rest left out" if left_out else "")
+    shown_points = f"{len(records)} of {points.count} points" + (
+        f", {left_out} far from the rest left out" if left_out else ""
+    )
     figure.suptitle(f"{figures['title']}: {shown_points}, {span:.4g} m across")
     figure.savefig(path, dpi=110, format="png")
     plt.close(figure)

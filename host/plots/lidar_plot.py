@@ -20,8 +20,14 @@ def profiles(axis, data, quantity, title, unit):
             if rows is None:
                 continue
             values = np.asarray(rows[i])
-            axis.plot(np.where(values > 0, values, np.nan), height, style, color=f"C{i % 10}", lw=1,
-                      label=f"{1000 * wavelength:.8g} nm, {part}")
+            axis.plot(
+                np.where(values > 0, values, np.nan),
+                height,
+                style,
+                color=f"C{i % 10}",
+                lw=1,
+                label=f"{1000 * wavelength:.8g} nm, {part}",
+            )
     axis.set(title=title, xlabel=unit, ylabel="height above z = 0, km", xscale="log", ylim=(0, min(30, height[-1])))
     axis.grid(alpha=0.3)
     axis.legend(fontsize=7)

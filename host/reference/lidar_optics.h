@@ -29,8 +29,8 @@ struct LidarMatter {
 };
 LidarMatter matter_of(const scene::CompiledScene& scene, const lidar::LidarPlan& plan, std::uint32_t surface, int line);
 
-/// How a surface spreads what it reflects, 1/sr, by the closed forms of kernels/materials. Light comes from `in` and leaves
-/// to `out`, both unit vectors away from the surface.
+/// How a surface spreads what it reflects, 1/sr, by the closed forms of kernels/materials. Light comes from `in` and
+/// leaves to `out`, both unit vectors away from the surface.
 struct SurfaceLobes {
   double front = 0;  ///< per unit of its reflectance
   double gloss = 0;  ///< area mean of its materials' gloss

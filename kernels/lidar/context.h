@@ -10,8 +10,8 @@
  *   volumes RC_SINGLE        1: single rays (narrow beams, exits of their own), 0: bundles
  *   RC_EXITS         1: every sub-ray leaves from a place of its own
  *   RC_SHADOWS       1: some shot's ends differ: connections of the first vertex are traced
- *   RC_PLATES, RC_LEAVES, RC_GLOSS   some material has such a thing;  RC_SHAPED 1: some does not reflect by Lambert's law
- *   RC_OVERLAP       1: vignetting;  RC_GAUSSIAN: profile of the beam (receiver)
+ *   RC_PLATES, RC_LEAVES, RC_GLOSS   some material has such a thing;  RC_SHAPED 1: some does not reflect by Lambert's
+ *   law RC_OVERLAP       1: vignetting;  RC_GAUSSIAN: profile of the beam (receiver)
  *   RC_ROW_WINDOW    floats of private memory that hold an owner's rows until they are whole (one bounce); 0: rows are
  *   added up where they lie RC_STOPPED       1: shares of rays stopped, for lidar_air;  RC_HITS 1: first hits are
  *   written */

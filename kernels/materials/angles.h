@@ -1,5 +1,5 @@
-/* The arithmetic of scattering shapes, and what they ask of two directions at a surface. Valid C++20 (double) and OpenCL
- * C 1.2 (float): the same closed forms serve kernels and the reference. */
+/* The arithmetic of scattering shapes, and what they ask of two directions at a surface. Valid C++20 (double) and
+ * OpenCL C 1.2 (float): the same closed forms serve kernels and the reference. */
 #ifndef RAYCUBE_KERNELS_MATERIALS_ANGLES_H
 #define RAYCUBE_KERNELS_MATERIALS_ANGLES_H
 

@@ -25,8 +25,8 @@ static inline rc_real rc_gloss_facets(rc_real alpha, rc_real cos_half) {
 }
 
 /* Masking and shadowing are joined by the angle between the two ways' azimuths (van Ginneken et al. 1998; Heitz 2014,
- * eq. 96): 1 / (1 + max Lambda + m min Lambda), m = 4.41 phi / (4.41 phi + 1). At zero phase what the laser lights is what
- * the receiver sees: masking enters once. */
+ * eq. 96): 1 / (1 + max Lambda + m min Lambda), m = 4.41 phi / (4.41 phi + 1). At zero phase what the laser lights is
+ * what the receiver sees: masking enters once. */
 static inline rc_real rc_gloss_eval(rc_real scale, rc_real alpha, rc_real f0, RcAngles a) {
   if (!(a.cos_in > RC_REAL(1e-4) && a.cos_out > RC_REAL(1e-4))) return 0;
   const rc_real phi = atan2(a.across, a.along), join = RC_REAL(4.41) * phi / fma(RC_REAL(4.41), phi, RC_REAL(1.0));

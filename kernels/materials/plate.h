@@ -1,5 +1,5 @@
-/* A plate: what it transmits goes straight on. Its shape is a peak without width, so there is nothing to evaluate towards
- * a direction of another's choice, and no density: paths that take it multiply by the transmittance alone. */
+/* A plate: what it transmits goes straight on. Its shape is a peak without width, so there is nothing to evaluate
+ * towards a direction of another's choice, and no density: paths that take it multiply by the transmittance alone. */
 #ifdef RC_SHAPE
 RC_SHAPE(plate, behind, 1, "Transmitted light goes straight on.")
 #elif !defined(RAYCUBE_KERNELS_MATERIALS_PLATE_H)

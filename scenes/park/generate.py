@@ -6,6 +6,7 @@ Usage: generate.py OUT [--seed N]        then: raycube render OUT/park.toml -o r
 Needs numpy and nothing else; about 5 s and 40 MB. The same seed gives the same files. Everything is made here or copied
 from this folder (park*.toml, materials.toml, spectra/), so OUT can be moved as a whole. facts.json lists what was made.
 """
+
 import argparse
 import json
 import shutil
@@ -21,22 +22,44 @@ MADE_BY = "made by scenes/park/generate.py of raycube; data of the project's own
 
 def write_terrain(out, park):
     half, post = layout.HALF_M, layout.POST_M
-    raster_io.write_envi(out / "dem.img", park.heights + raster_io.ORIGIN_HEIGHT_M, -half - post / 2, half + post / 2, post,
-                         f"heights above sea level in metres, {MADE_BY}")
-    raster_io.write_envi(out / "cover.img", park.fractions, -half, half, post, f"area fractions, {MADE_BY}", terrain.NAMES[1:])
-    raster_io.write_png(out / "classes.png", park.classes, terrain.PALETTE)  # the largest fraction: for people and checks
+    raster_io.write_envi(
+        out / "dem.img",
+        park.heights + raster_io.ORIGIN_HEIGHT_M,
+        -half - post / 2,
+        half + post / 2,
+        post,
+        f"heights above sea level in metres, {MADE_BY}",
+    )
+    raster_io.write_envi(
+        out / "cover.img", park.fractions, -half, half, post, f"area fractions, {MADE_BY}", terrain.NAMES[1:]
+    )
+    raster_io.write_png(
+        out / "classes.png", park.classes, terrain.PALETTE
+    )  # the largest fraction: for people and checks
     raster_io.write_world_file(out / "classes.pgw", -half, half, post)
     area = park.fractions.sum((0, 1), dtype=np.float64) * post * post
     mixtures = len(np.unique(park.fractions.reshape(-1, len(area)) @ (terrain.STEPS * 17.0 ** np.arange(len(area)))))
-    return {"posts": list(park.heights.shape), "post_m": post, "height_range_m": [round(float(park.heights.min()), 2), round(float(park.heights.max()), 2)],
-            "class_area_m2": {n: round(float(a), 1) for n, a in zip(terrain.NAMES[1:], area)},
-            "mixtures": mixtures}
+    return {
+        "posts": list(park.heights.shape),
+        "post_m": post,
+        "height_range_m": [round(float(park.heights.min()), 2), round(float(park.heights.max()), 2)],
+        "class_area_m2": {n: round(float(a), 1) for n, a in zip(terrain.NAMES[1:], area)},
+        "mixtures": mixtures,
+    }
 
 
 def write_objects(out):
-    meshes = {"wood_block": objects.wood_block(), "yellow_target": objects.yellow_target(), "shed": objects.shed(),
-              "fence": objects.fence(), "lamp_post": objects.lamp_post(), "court_lines": objects.court_lines(),
-              "car_white": objects.car("white_paint"), "car_grey": objects.car("steel"), "car_red": objects.car("red_cloth")}
+    meshes = {
+        "wood_block": objects.wood_block(),
+        "yellow_target": objects.yellow_target(),
+        "shed": objects.shed(),
+        "fence": objects.fence(),
+        "lamp_post": objects.lamp_post(),
+        "court_lines": objects.court_lines(),
+        "car_white": objects.car("white_paint"),
+        "car_grey": objects.car("steel"),
+        "car_red": objects.car("red_cloth"),
+    }
     for name, groups in meshes.items():
         raster_io.write_obj(out / f"{name}.obj", groups, [f"{name}, metres, z up, {MADE_BY}"])
     return {name: int(sum(len(t) for _, _, t in groups)) for name, groups in meshes.items()}
@@ -45,13 +68,18 @@ def write_objects(out):
 def write_bands(out):
     rows = bands.spectir_360()
     (out / "spectir_360.csv").write_text(
-        "# ProSpecTIR-VS band centres as published in part (Bloechl et al. 2014): 394.8 + 4.6 n nm to band 125, then 6.3 nm steps;\n"
-        "# widths nominal\ncenter_nm,fwhm_nm\n" + "".join(f"{c:g},{w:g}\n" for c, w in rows))
+        "# ProSpecTIR-VS band centres as published in part (Bloechl et al. 2014): 394.8 + 4.6 n nm to band 125, then "
+        "6.3 nm steps;\n"
+        "# widths nominal\ncenter_nm,fwhm_nm\n" + "".join(f"{c:g},{w:g}\n" for c, w in rows)
+    )
     (out / "wasp_rgb.csv").write_text(
         "# Relative responses of a colour frame camera, nominal: no measured response of the WASP camera is published\n"
-        "wavelength_nm,blue,green,red\n" + "".join("%g,%.4f,%.4f,%.4f\n" % tuple(row) for row in bands.wasp_rgb()))
-    (out / "lwir_45.csv").write_text("# Nominal thermal imaging spectrometer\ncenter_nm,fwhm_nm\n" +
-                                     "".join(f"{c:g},{w:g}\n" for c, w in bands.lwir_45()))
+        "wavelength_nm,blue,green,red\n" + "".join("%g,%.4f,%.4f,%.4f\n" % tuple(row) for row in bands.wasp_rgb())
+    )
+    (out / "lwir_45.csv").write_text(
+        "# Nominal thermal imaging spectrometer\ncenter_nm,fwhm_nm\n"
+        + "".join(f"{c:g},{w:g}\n" for c, w in bands.lwir_45())
+    )
     return len(rows)
 
 
@@ -67,7 +95,9 @@ def main():
     facts = {"seed": seed, "terrain": write_terrain(out, park), "trees": {}, "instances": {}}
     for name, make in trees.SPECIES.items():
         groups, facts["trees"][name] = make(seed)
-        raster_io.write_obj(out / f"{name}.obj", groups, [f"{name}, metres, z up, {MADE_BY}", json.dumps(facts["trees"][name])])
+        raster_io.write_obj(
+            out / f"{name}.obj", groups, [f"{name}, metres, z up, {MADE_BY}", json.dumps(facts["trees"][name])]
+        )
     facts["object_triangles"] = write_objects(out)
 
     placements = dict(planting.plant(park, seed))
@@ -75,7 +105,9 @@ def main():
     placements["green_targets"] = planting.green_targets(seed)
     placements.update({f"cars_{colour}": rows for colour, rows in planting.cars(seed).items()})
     for name, rows in placements.items():
-        raster_io.write_placements(out / f"{name}.csv", rows, [f"{name}: scene metres, yaw clockwise from north, {MADE_BY}"])
+        raster_io.write_placements(
+            out / f"{name}.csv", rows, [f"{name}: scene metres, yaw clockwise from north, {MADE_BY}"]
+        )
         facts["instances"][name] = len(rows)
     facts["bands"] = write_bands(out)
 
@@ -84,7 +116,10 @@ def main():
     shutil.copyfile(here.parent / "lidar" / "park_survey.toml", out / "park_survey.toml")
     shutil.copytree(here / "spectra", out / "spectra", dirs_exist_ok=True)
     (out / "facts.json").write_text(json.dumps(facts, indent=1) + "\n")
-    print(f"park: {sum(facts['instances'].values())} instances, {len(facts['trees'])} plant meshes, {facts['bands']} bands in {out}")
+    print(
+        f"park: {sum(facts['instances'].values())} instances, {len(facts['trees'])} plant meshes, {facts['bands']} "
+        f"bands in {out}"
+    )
     print(f"scene: {out / 'park.toml'}")
     return 0
 

@@ -1,6 +1,7 @@
 """S18 S20: what a user says of the air is used or refused: amounts of aerosol that contradict each other, keys beside
 a table, air without air; the optical depth that a visibility makes; a kept table whose input files have changed.
 Usage: air_input_test.py RAYCUBE"""
+
 import json
 import os
 import pathlib
@@ -45,36 +46,65 @@ with tempfile.TemporaryDirectory() as name:
     lidar = ("atmos", "lidar", "--wavelengths", 532, "-o", folder / "air.rct")
     for verb in (build, lidar):
         for options, says in (
-                (("--aerosol", "none", "--aod", 0.5), ("--aod 0.5", "no aerosol", "--aerosol none")),
-                (("--aerosol", "none", "--visibility", 5), ("--visibility 5", "no aerosol")),
-                (("--aerosol", "none", "--humidity", 50), ("--humidity 50", "no aerosol")),
-                (("--visibility", 10, "--aod", 0.2), ("--visibility 10", "--aod 0.2", "remove one")),
-                (("--fill", "tropical"), ("--fill tropical", "no profile file"))):
+            (("--aerosol", "none", "--aod", 0.5), ("--aod 0.5", "no aerosol", "--aerosol none")),
+            (("--aerosol", "none", "--visibility", 5), ("--visibility 5", "no aerosol")),
+            (("--aerosol", "none", "--humidity", 50), ("--humidity 50", "no aerosol")),
+            (("--visibility", 10, "--aod", 0.2), ("--visibility 10", "--aod 0.2", "remove one")),
+            (("--fill", "tropical"), ("--fill tropical", "no profile file")),
+        ):
             program.refused(*verb, *options, status=2, says=list(says))
-        program.refused(*verb, scene('aerosol = "none"'), "--aod", 0.5, status=2, says=["--aod 0.5", 'aerosol = "none"'])
-    for option, value in (("--water", 2), ("--aod", 0.1), ("--aerosol", "rural"), ("--model", "layered"),
-                          ("--visibility", 5), ("--ozone", 0.3)):
+        program.refused(
+            *verb, scene('aerosol = "none"'), "--aod", 0.5, status=2, says=["--aod 0.5", 'aerosol = "none"']
+        )
+    for option, value in (
+        ("--water", 2),
+        ("--aod", 0.1),
+        ("--aerosol", "rural"),
+        ("--model", "layered"),
+        ("--visibility", 5),
+        ("--ozone", 0.3),
+    ):
         program.refused(*build, "--no-air", option, value, status=2, says=[option, "without air", "--no-air"])
     program.refused(*build, scene('model = "none"'), "--aod", 0.1, status=2, says=["--aod", 'model = "none"'])
     check(not (folder / "air.rct").exists())
 
     # So are keys of a scene file: by key, all of them at once.
-    program.run("atmos", "build", "--model", "clear_sky", "--sun-zenith", 50, "--sensor-height", 500, "--to", 4.0, "-o", folder / "sky.rct")
+    program.run(
+        "atmos",
+        "build",
+        "--model",
+        "clear_sky",
+        "--sun-zenith",
+        50,
+        "--sensor-height",
+        500,
+        "--to",
+        4.0,
+        "-o",
+        folder / "sky.rct",
+    )
     columns = ("water_g_cm2", "ozone_atm_cm", "aod_550")
     values = "water_g_cm2 = 2\nozone_atm_cm = 0.3\naod_550 = 0.1"
     for keys, refused in (
-            ('aerosol = "none"\naod_550 = 0.5\nhumidity_percent = 40', ("aod_550", "humidity_percent")),
-            ('aerosol = "none"\nvisibility_km = 5\nseason = "fall_winter"\nstratosphere = "background"',
-             ("visibility_km", "season", "stratosphere")),
-            ("wind_m_s = 12", ("wind_m_s",)),
-            (f'tables = "sky.rct"\n{values}', columns),
-            (f'model = "none"\n{values}\npressure_hPa = 900\nadjacency = "local"', (*columns, "pressure_hPa", "adjacency"))):
+        ('aerosol = "none"\naod_550 = 0.5\nhumidity_percent = 40', ("aod_550", "humidity_percent")),
+        (
+            'aerosol = "none"\nvisibility_km = 5\nseason = "fall_winter"\nstratosphere = "background"',
+            ("visibility_km", "season", "stratosphere"),
+        ),
+        ("wind_m_s = 12", ("wind_m_s",)),
+        (f'tables = "sky.rct"\n{values}', columns),
+        (f'model = "none"\n{values}\npressure_hPa = 900\nadjacency = "local"', (*columns, "pressure_hPa", "adjacency")),
+    ):
         said = program.run("scene", "check", scene(keys), status=2)
         check("scene.toml:" in said.stderr and said.stdout == "", said.stderr)
         for key in refused:
             check(f"'{key}'" in said.stderr, key, said.stderr)
-    for keys in ('aerosol = "none"\naod_550 = 0', 'model = "none"\nadjacency = "off"', 'aerosol = "desert"\nwind_m_s = 12',
-                 'tables = "sky.rct"\npressure_hPa = 950\nground_height_m = 100'):
+    for keys in (
+        'aerosol = "none"\naod_550 = 0',
+        'model = "none"\nadjacency = "off"',
+        'aerosol = "desert"\nwind_m_s = 12',
+        'tables = "sky.rct"\npressure_hPa = 950\nground_height_m = 100',
+    ):
         program.run("scene", "check", scene(keys))
 
     # A model that is not the file's takes over what both know of the air, in either direction, exactly as if the
@@ -105,9 +135,13 @@ with tempfile.TemporaryDirectory() as name:
     check(950 < below["ground_pressure_hPa"] < 1000, below)  # "sets the pressure too"
     cloud = "[[atmosphere.cloud]]\nbase_km = 1\ntop_km = 2\noptical_depth_550 = 7"
     for model, keys, refused in (
-            ("clear_sky", "angstrom = 1.3\nground_albedo = 0.2", {"angstrom": "1.3", "ground_albedo": "0.2"}),
-            ("layered", f'profile = "tropical"\nvisibility_km = 5\nk_terms = 2\n{cloud}',
-             {"profile": '"tropical"', "visibility_km": "5.0", "k_terms": "2", "cloud": '"top_km":2.0'})):
+        ("clear_sky", "angstrom = 1.3\nground_albedo = 0.2", {"angstrom": "1.3", "ground_albedo": "0.2"}),
+        (
+            "layered",
+            f'profile = "tropical"\nvisibility_km = 5\nk_terms = 2\n{cloud}',
+            {"profile": '"tropical"', "visibility_km": "5.0", "k_terms": "2", "cloud": '"top_km":2.0'},
+        ),
+    ):
         file, way = scene(f'model = "{model}"\n{keys}'), ("--model", other[model])
         says = ["scene.toml:", f"and {other[model]} is asked for instead", "remove it, or choose that model"]
         for key, value in refused.items():
@@ -135,7 +169,8 @@ with tempfile.TemporaryDirectory() as name:
     check(none["aod_550"] == 0 and none["visibility_km"] is None, none)
     check("optical depth" in program.run(*lidar, "--overwrite", env=env).stdout)
 
-    # A file whose content has changed under its name, size and time makes another table, and does not take the kept one.
+    # A file whose content has changed under its name, size and time makes another table, and does not take the kept
+    # one.
     head = "wavenumber_per_cm,pressure_hPa,temperature_K,cross_section_cm2\n"
     table = folder / "gas.csv"
     gas = '[[atmosphere.cross_section]]\ngas = "xy"\nfile = "gas.csv"\nmixing_ratio_ppmv = 1'

@@ -1,5 +1,6 @@
-"""S20 S18: a long `atmos build` that is stopped leaves nothing behind; a damaged cache is built anew; what help says; what a plot
-holds. Usage: atmos_build_test.py RAYCUBE"""
+"""S20 S18: a long `atmos build` that is stopped leaves nothing behind; a damaged cache is built anew; what help says;
+what a plot holds. Usage: atmos_build_test.py RAYCUBE"""
+
 import json
 import pathlib
 import signal
@@ -17,11 +18,26 @@ with tempfile.TemporaryDirectory() as name:
     kept = cache / "raycube" / "atmosphere"
 
     def build(file, *options, **more):
-        return program.run("atmos", "build", "--model", "layered", "--sun-zenith", "50", "-o", folder / file, *options, env=env, **more)
+        return program.run(
+            "atmos", "build", "--model", "layered", "--sun-zenith", "50", "-o", folder / file, *options, env=env, **more
+        )
 
-    # Stopped in the middle, by Ctrl-C and by a signal no program can see: no table, no cached file, and the next run works.
+    # Stopped in the middle, by Ctrl-C and by a signal no program can see: no table, no cached file, and the next run
+    # works.
     for how, status in ((signal.SIGINT, 130), (signal.SIGKILL, -9)):
-        started = program.start("atmos", "build", "--model", "layered", "--sun-zenith", "50", "--threads", "1", "-o", folder / "long.rct", env=env)
+        started = program.start(
+            "atmos",
+            "build",
+            "--model",
+            "layered",
+            "--sun-zenith",
+            "50",
+            "--threads",
+            "1",
+            "-o",
+            folder / "long.rct",
+            env=env,
+        )
         time.sleep(0.7)  # of a minute
         program.check(started.poll() is None)
         started.send_signal(how)
@@ -41,7 +57,7 @@ with tempfile.TemporaryDirectory() as name:
     program.check(table == (folder / "two.rct").read_bytes() == files[0].read_bytes())
 
     # Damaged in the middle, cut short, empty: a warning, built anew, and whole again in the cache.
-    for damage in (lambda b: b[:5000] + bytes([b[5000] ^ 1]) + b[5001:], lambda b: b[:len(b) // 2], lambda b: b""):
+    for damage in (lambda b: b[:5000] + bytes([b[5000] ^ 1]) + b[5001:], lambda b: b[: len(b) // 2], lambda b: b""):
         files[0].write_bytes(damage(table))
         said = build("again.rct", *small, "--overwrite").stderr
         program.check("warning" in said and files[0].name in said and "built anew" in said, said)
@@ -55,20 +71,53 @@ with tempfile.TemporaryDirectory() as name:
     # What a table of both sources draws.
     program.run("atmos", "plot", folder / "one.rct", "-o", folder / "one.png")
     drawn = json.loads((folder / "one.json").read_text())
-    for figure in ("sun_transmission", "view_transmission", "two_way_transmission", "two_way_factor", "two_way_factor_thermal", "path_radiance",
-                   "path_radiance_thermal", "sky_up", "sky_slant", "thermal_sky_up", "thermal_sky_slant", "spherical_albedo",
-                   "diffuse_view_transmission", "diffuse_return_up", "direct_irradiance", "diffuse_irradiance"):
+    for figure in (
+        "sun_transmission",
+        "view_transmission",
+        "two_way_transmission",
+        "two_way_factor",
+        "two_way_factor_thermal",
+        "path_radiance",
+        "path_radiance_thermal",
+        "sky_up",
+        "sky_slant",
+        "thermal_sky_up",
+        "thermal_sky_slant",
+        "spherical_albedo",
+        "diffuse_view_transmission",
+        "diffuse_return_up",
+        "direct_irradiance",
+        "diffuse_irradiance",
+    ):
         program.check(len(drawn[figure]) == len(drawn["wavelength_um"]) == 2, figure)
     sky = drawn["sky"]
     program.check(50.0 in sky["zenith_deg"] and 0.5 in sky["azimuth_deg"])  # fine around the sun
     at_sun = sky["radiance"][sky["zenith_deg"].index(50.0)][0]
     program.check(at_sun == max(max(ring) for ring in sky["radiance"]))
     thermal = drawn["thermal_sky"]["curves"][0]
-    program.check(thermal["wavelength_um"] == 4.0 and thermal["radiance"] == sorted(thermal["radiance"]))  # brighter towards the horizon
+    program.check(
+        thermal["wavelength_um"] == 4.0 and thermal["radiance"] == sorted(thermal["radiance"])
+    )  # brighter towards the horizon
 
     help_text = program.run("atmos", "build", "--help").stdout
-    for option in ("--model", "--profile", "--aerosol", "--visibility", "--aod", "--water", "--sun-zenith", "--sensor-height", "--from", "--to",
-                   "--step", "--lowest", "--highest", "--no-cache", "--threads", "-o"):
+    for option in (
+        "--model",
+        "--profile",
+        "--aerosol",
+        "--visibility",
+        "--aod",
+        "--water",
+        "--sun-zenith",
+        "--sensor-height",
+        "--from",
+        "--to",
+        "--step",
+        "--lowest",
+        "--highest",
+        "--no-cache",
+        "--threads",
+        "-o",
+    ):
         program.check(option in help_text, option)
     for word in ("um", "deg", "default"):
         program.check(word in help_text, word)

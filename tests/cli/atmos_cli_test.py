@@ -14,7 +14,9 @@ folder.mkdir(parents=True)
 
 def run(*arguments, status=0):
     done = subprocess.run([program, "atmos", *map(str, arguments)], capture_output=True, text=True)
-    assert done.returncode == status, f"{arguments}: status {done.returncode}, expected {status}\n{done.stdout}{done.stderr}"
+    assert (
+        done.returncode == status
+    ), f"{arguments}: status {done.returncode}, expected {status}\n{done.stdout}{done.stderr}"
     return done
 
 
@@ -48,12 +50,21 @@ kept = list((folder / "cache/raycube/atmosphere").glob("*.rct"))
 assert len(kept) == 1, kept
 run(*layered, "-o", folder / "from_cache.rct")
 run(*layered, "--no-cache", "--threads", "1", "-o", folder / "anew.rct")
-assert (folder / "layered.rct").read_bytes() == (folder / "from_cache.rct").read_bytes() == (folder / "anew.rct").read_bytes()
+assert (
+    (folder / "layered.rct").read_bytes()
+    == (folder / "from_cache.rct").read_bytes()
+    == (folder / "anew.rct").read_bytes()
+)
 kept[0].write_bytes(kept[0].read_bytes()[:1000])
 damaged = run(*layered, "-o", folder / "again_built.rct")
-assert "built anew" in damaged.stderr and (folder / "again_built.rct").read_bytes() == (folder / "anew.rct").read_bytes()
+assert (
+    "built anew" in damaged.stderr and (folder / "again_built.rct").read_bytes() == (folder / "anew.rct").read_bytes()
+)
 assert list((folder / "cache/raycube/atmosphere").iterdir()) == kept
-assert json.loads(run("info", folder / "layered.rct", "--json").stdout)["provenance"]["parameters"]["profile"] == "us_standard"
+assert (
+    json.loads(run("info", folder / "layered.rct", "--json").stdout)["provenance"]["parameters"]["profile"]
+    == "us_standard"
+)
 assert "belongs to --model clear_sky" in run(*layered, "--angstrom", "1.3", "-o", folder / "x.rct", status=2).stderr
 assert "belongs to --model layered" in run(*build, "--co2", "400", "-o", folder / "x.rct", status=2).stderr
 
@@ -69,7 +80,9 @@ dark = run("build", "--sun-zenith", "95", *layered[3:], "-o", folder / "dark.rct
 assert "no twilight" in dark.stderr
 rows = {row["name"]: row for row in json.loads(run("info", folder / "dark.rct", "--json").stdout)["rows"]}
 assert rows["sky_radiance_solar"]["most"] == rows["path_radiance_solar"]["most"] == 0
-assert "above the sensor" in run("build", "--sun-zenith", "5", "--highest", "700", "-o", folder / "x.rct", status=2).stderr
+assert (
+    "above the sensor" in run("build", "--sun-zenith", "5", "--highest", "700", "-o", folder / "x.rct", status=2).stderr
+)
 assert "--water" in run("build", "--sun-zenith", "5", "--water", "-1", "-o", folder / "x.rct", status=2).stderr
 assert not (folder / "x.rct").exists()
 broken = bytearray(before)
@@ -91,7 +104,9 @@ output.write_text("    FREQ   TRANS     SOL TR  SOLAR\n 2000.00  0.5000 4.00E-07
 imported = json.loads(run("import", output, "--json").stdout)
 assert imported["format"] == "tape7" and imported["runs"][0]["wavelength_um"] == [5.0]
 columns = {column["name"]: column for column in imported["runs"][0]["columns"]}
-assert abs(columns["solar_irradiance"]["values"][0] - 3.2) < 1e-12 and columns["solar_irradiance"]["unit"] == "W m-2 um-1"
+assert (
+    abs(columns["solar_irradiance"]["values"][0] - 3.2) < 1e-12 and columns["solar_irradiance"]["unit"] == "W m-2 um-1"
+)
 assert "direct irradiance: 1 wavelengths, 5 to 5 um" in run("import", output).stdout
 output.write_text(output.read_text().replace("4.00E-07", "********"))
 assert f"{output}:2: SOL_TR did not fit its field" in run("import", output, status=2).stderr

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """The bench launches the programs that `raycube render` launches, and says so when it does not.
 usage: bench_programs_test.py RAYCUBE RAYCUBE_BENCH"""
+
 import json
 import pathlib
 import subprocess
@@ -26,7 +27,9 @@ with tempfile.TemporaryDirectory() as work:
     for key in ("program_hash", "trace_program_hash"):
         check(len(made_by[key]) == 64 and same.stdout.count(made_by[key]) == 2, same.stdout)
         # Another program of the same name: one digit of its hash differs.
-        (work / "other.json").write_text(json.dumps({**made_by, key: made_by[key][:-1] + ("0" if made_by[key][-1] != "0" else "1")}))
+        (work / "other.json").write_text(
+            json.dumps({**made_by, key: made_by[key][:-1] + ("0" if made_by[key][-1] != "0" else "1")})
+        )
         differs = bench(work / "other.json")
         check(differs.returncode == 1 and key in differs.stderr and made_by[key] in differs.stderr, differs.stderr)
     (work / "other.json").write_text("{}")

@@ -1,4 +1,6 @@
-"""S62 S64: `raycube chart` as users run it, on a tiny scene: figures, files, cache, refusals. Counts are compared, never wall times."""
+"""S62 S64: `raycube chart` as users run it, on a tiny scene: figures, files, cache, refusals. Counts are compared,
+never wall times."""
+
 import csv
 import json
 import os
@@ -14,8 +16,10 @@ folder = pathlib.Path(sys.argv[2])
 shutil.rmtree(folder, ignore_errors=True)
 folder.mkdir(parents=True)
 # References are kept here; compiled kernels where they always are.
-env = {"XDG_CACHE_HOME": str(folder / "cache"),
-       "POCL_CACHE_DIR": os.environ.get("POCL_CACHE_DIR", str(pathlib.Path.home() / ".cache/pocl/kcache"))}
+env = {
+    "XDG_CACHE_HOME": str(folder / "cache"),
+    "POCL_CACHE_DIR": os.environ.get("POCL_CACHE_DIR", str(pathlib.Path.home() / ".cache/pocl/kcache")),
+}
 
 SCENE = """format = 1
 sky_directions = 4
@@ -41,10 +45,24 @@ pulses = 64
 prf_khz = 1.0
 altitude_agl_m = 200.0
 speed_m_s = 250.0
-pulse = { energy_J = 1e-6, wavelength_nm = 1064.0, fwhm_ns = 2.0, exit_diameter_mm = 10.0, exit_is = "1/e^2", divergence_mrad = 4.0, divergence_is = "full angle at 1/e^2" }
-receiver = { aperture_diameter_m = 0.1, fov_mrad = 6.0 }
-gate = { start_range_m = 185.0, stop_range_m = 205.0, bin_ns = 0.5 }
-sampling = { subrays = 64, overlap = "off" }
+[lidar.pulse]
+energy_J = 1e-6
+wavelength_nm = 1064.0
+fwhm_ns = 2.0
+exit_diameter_mm = 10.0
+exit_is = "1/e^2"
+divergence_mrad = 4.0
+divergence_is = "full angle at 1/e^2"
+[lidar.receiver]
+aperture_diameter_m = 0.1
+fov_mrad = 6.0
+[lidar.gate]
+start_range_m = 185.0
+stop_range_m = 205.0
+bin_ns = 0.5
+[lidar.sampling]
+subrays = 64
+overlap = "off"
 """
 sim = folder / "camera.toml"
 sim.write_text(SCENE.replace("AIR", "clear_sky") + CAMERA)
@@ -70,13 +88,20 @@ check(error["1x1"] > 0.3, error)
 rays = [float(row["rays"]) for row in samples]
 check(all(a < b for a, b in zip(rays, rays[1:])), rays)
 for row, n in zip(samples, (1, 2, 3, 4, 5, 7, 9, 11, 15, 21)):
-    check(row["label"] == f"{n}x{n}" and n * n <= float(row["rays"]) <= n * n * (2 + 4), row)  # sun and 4 directions at most
+    check(
+        row["label"] == f"{n}x{n}" and n * n <= float(row["rays"]) <= n * n * (2 + 4), row
+    )  # sun and 4 directions at most
     check(float(row["error_low"]) <= float(row["error"]) <= float(row["error_high"]), row)
     check(float(row["time_low_s"]) <= float(row["time_s"]) <= float(row["time_high_s"]), row)
 own = next(row for row in table if row["knob"] == "own")
 check(own["error"] == next(row for row in samples if row["label"] == "3x3")["error"])
-check(any(row["front"] == "1" for row in table) and next(row for row in table if row["label"] == "1x1")["front"] in "01")
-check(figures["validated"] == 256 and 0 < figures["reference_error"] < 0.01 and len(figures["points"]) == len(table), figures["reference_error"])
+check(
+    any(row["front"] == "1" for row in table) and next(row for row in table if row["label"] == "1x1")["front"] in "01"
+)
+check(
+    figures["validated"] == 256 and 0 < figures["reference_error"] < 0.01 and len(figures["points"]) == len(table),
+    figures["reference_error"],
+)
 check(figures["machines"][0] == table[0]["device"] and len(figures["machines"]) >= 2)
 check("own error" in first.stdout and "1x1" in first.stdout)
 
@@ -85,10 +110,24 @@ program.refused(*arguments, status=2, says=["chart.csv"], env=env)
 again = run(*("sampler" if word == "samples" else word for word in arguments), "--overwrite", "-v", "--json", env=env)
 check("reference from the cache" in again.stderr, again.stderr)
 points = json.loads(again.stdout)["camera"]["points"]
-check([p["label"] for p in points] == ["own", "grid", "lattice", "jittered"] and points[0]["error"] == points[1]["error"] == float(own["error"]), points)
+check(
+    [p["label"] for p in points] == ["own", "grid", "lattice", "jittered"]
+    and points[0]["error"] == points[1]["error"] == float(own["error"]),
+    points,
+)
 check(len(list((folder / "cache/raycube/reference").iterdir())) == 1)
 
-program.refused("chart", sim, "--knob", "colour", "-o", folder / "a", status=2, says=["no knob is called 'colour'", "sky_directions"], env=env)
+program.refused(
+    "chart",
+    sim,
+    "--knob",
+    "colour",
+    "-o",
+    folder / "a",
+    status=2,
+    says=["no knob is called 'colour'", "sky_directions"],
+    env=env,
+)
 program.refused("chart", sim, "--knob", "subrays", "-o", folder / "a", status=2, says=["none of the knobs"], env=env)
 program.refused("chart", sim, "--instrument", "radar", "-o", folder / "a", status=2, says=["radar", "camera"], env=env)
 

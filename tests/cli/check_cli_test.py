@@ -1,4 +1,6 @@
-"""S60 S61: `raycube check` as users run it: the shipped park with both instruments, what it prints and writes, and how it fails."""
+"""S60 S61: `raycube check` as users run it: the shipped park with both instruments, what it prints and writes, and how
+it fails."""
+
 import json
 import pathlib
 import re
@@ -52,25 +54,44 @@ def check_report(report, pixels, rays_per_pixel, bands, rays):
     check(report["passed"] is True and report["failures"] == [], report["failures"])
     check(report["pixels"] == pixels and report["rays"] == pixels * rays_per_pixel)
     check(sum(report["hits_" + cause] for cause in kCauses) == report["rays"] and report["hits_unexplained"] == 0)
-    check(report["sun_unexplained"] == report["sky_unexplained"] == report["excluded_pixels"] == report["beyond_pixels"] == 0)
+    check(
+        report["sun_unexplained"]
+        == report["sky_unexplained"]
+        == report["excluded_pixels"]
+        == report["beyond_pixels"]
+        == 0
+    )
     check(report["sun_rays"] > 0.9 * report["rays"] and report["sky_rays"] > 0)
     # DESIGN section 7, in every band
     check(len(report["band_median"]) == len(report["band_rms"]) == len(report["band_max"]) == bands)
     check(max(report["band_median"]) == report["median_worst_band"] < report["median_limit"] == 1e-6)
-    check(max(report["band_max"]) == report["worst"] == report["band_max"][report["worst_band"]] < report["worst_limit"] == 2e-5)
+    check(
+        max(report["band_max"])
+        == report["worst"]
+        == report["band_max"][report["worst_band"]]
+        < report["worst_limit"]
+        == 2e-5
+    )
     check(min(report["band_max"]) > 0)  # float against double: nothing compared would be 0
     check_hits(report["first_hits"], rays)
 
 
 with tempfile.TemporaryDirectory() as folder:
     work = pathlib.Path(folder)
-    subprocess.run(["/usr/bin/python3", scenes / "park" / "generate.py", work / "park"], check=True, capture_output=True, timeout=120)
+    subprocess.run(
+        ["/usr/bin/python3", scenes / "park" / "generate.py", work / "park"],
+        check=True,
+        capture_output=True,
+        timeout=120,
+    )
     park = work / "park" / "park.toml"
-    # The quick air: 1670 wavelengths of the layered one would take longer than all else here; ci/demo checks the park with it.
+    # The quick air: 1670 wavelengths of the layered one would take longer than all else here; ci/demo checks the park
+    # with it.
     park.write_text(re.sub(r'model = "layered"\nprofile = .*', 'model = "clear_sky"', park.read_text()))
     assert 'model = "clear_sky"' in park.read_text()
 
-    # Both instruments of the park: 320 x 320 pixels of 121 rays in 360 bands, 1000 x 1000 of 16 in 3. Groups of 4 pixels.
+    # Both instruments of the park: 320 x 320 pixels of 121 rays in 360 bands, 1000 x 1000 of 16 in 3. Groups of 4
+    # pixels.
     done = run("check", park, "--rays", 100000, "--pixels", 10, "--model-pixels", 4, "--json", "-o", work / "out")
     reports = json.loads(done.stdout)
     check(list(reports) == ["spectir", "wasp"], list(reports))
@@ -85,33 +106,67 @@ with tempfile.TemporaryDirectory() as folder:
         check(width >= bands and height >= 12, width, height)
         check("relative difference" in text["Description"], text)
     # Nothing is overwritten unasked.
-    program.refused("check", park, "--rays", 1000, "--pixels", 4, "--model-pixels", 0, "--instrument", "wasp", "-o", work / "out",
-                    status=2, says=["wasp_check", "--overwrite"])
+    program.refused(
+        "check",
+        park,
+        "--rays",
+        1000,
+        "--pixels",
+        4,
+        "--model-pixels",
+        0,
+        "--instrument",
+        "wasp",
+        "-o",
+        work / "out",
+        status=2,
+        says=["wasp_check", "--overwrite"],
+    )
 
     run("new", work / "garden")
     garden = work / "garden" / "garden.toml"
 
     # Text: the classes by name; other pixels for another seed.
     text = run("check", garden, "--rays", 20000, "--pixels", 4, "--model-pixels", 0).stdout
-    check(re.search(r"^first hits of 20128 rays: agree \d+, exact tie \d+, edge tie \d+, depth tie \d+, grazing \d+, unexplained 0; "
-                    r"share explained [0-9.e-]+ \(double sides with the device in \d+, with Embree in \d+\); hit against miss: "
-                    r"Embree 0, double 0$", text, re.MULTILINE), text)
+    check(
+        re.search(
+            r"^first hits of 20128 rays: agree \d+, exact tie \d+, edge tie \d+, depth tie \d+, grazing \d+, "
+            r"unexplained 0; "
+            r"share explained [0-9.e-]+ \(double sides with the device in \d+, with Embree in \d+\); hit against miss: "
+            r"Embree 0, double 0$",
+            text,
+            re.MULTILINE,
+        ),
+        text,
+    )
     check("instrument camera on " in text and "model (" not in text and text.endswith("check: within limits\n"), text)
-    other = run("check", garden, "--rays", 0, "--pixels", 4, "--model-pixels", 0, "--instrument", "camera", "--seed", 77).stdout
+    other = run(
+        "check", garden, "--rays", 0, "--pixels", 4, "--model-pixels", 0, "--instrument", "camera", "--seed", 77
+    ).stdout
     check("first hits of" not in other and other.endswith("check: within limits\n"), other)
 
-    # Beyond a limit: 4 sky directions cannot hold a tolerance of 1 % below trees. Status 1, the reason on a line of its own, the
-    # files written all the same.
+    # Beyond a limit: 4 sky directions cannot hold a tolerance of 1 % below trees. Status 1, the reason on a line of its
+    # own, the files written all the same.
     toml = garden.read_text()
     noisy, changed = re.subn(r"(?m)^sky_directions\s*=.*$", "sky_directions = 4", toml)
     check(changed == 1, toml)
     (work / "garden" / "noisy.toml").write_text(noisy)
     few = ("--rays", 1000, "--pixels", 100, "--model-pixels", 100)
     done = run("check", work / "garden" / "noisy.toml", *few, "-o", work / "bad", status=1)
-    check(re.search(r"^BEYOND LIMITS: the full tables differ by [0-9.e-]+ in band \d+, tolerance 0\.02$", done.stdout, re.MULTILINE), done.stdout)
+    check(
+        re.search(
+            r"^BEYOND LIMITS: the full tables differ by [0-9.e-]+ in band \d+, tolerance 0\.02$",
+            done.stdout,
+            re.MULTILINE,
+        ),
+        done.stdout,
+    )
     check(done.stdout.endswith("check: BEYOND LIMITS\n"), done.stdout)
     report = json.loads((work / "bad" / "camera_check" / "check.json").read_text())
-    check(report["passed"] is False and len(report["failures"]) == 1 and "full tables" in report["failures"][0], report["failures"])
+    check(
+        report["passed"] is False and len(report["failures"]) == 1 and "full tables" in report["failures"][0],
+        report["failures"],
+    )
     check(report["first_hits"]["unexplained"] == 0)
     png(work / "bad" / "camera_check" / "difference.png")
     done = run("check", work / "garden" / "noisy.toml", *few, "--json", status=1)

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """The program as users drive it: exit statuses (DESIGN section 10), streams, --json, refusals, machine failures.
 usage: cli_test.py RAYCUBE"""
+
 import array
 import json
 import os
@@ -17,8 +18,9 @@ checks = 0
 
 def run(*arguments, status=0, env=None, **more):
     more.setdefault("stdout", subprocess.PIPE)
-    done = subprocess.run([raycube, *map(str, arguments)], stderr=subprocess.PIPE, text=True,
-                          env={**os.environ, **(env or {})}, **more)
+    done = subprocess.run(
+        [raycube, *map(str, arguments)], stderr=subprocess.PIPE, text=True, env={**os.environ, **(env or {})}, **more
+    )
     assert done.returncode == status, f"{arguments}: status {done.returncode}, not {status}\n{done.stdout}{done.stderr}"
     return done
 
@@ -76,15 +78,20 @@ with tempfile.TemporaryDirectory() as folder:
     # info: an image whose statistics are known by algebra: values 0..23 in one band, their negatives in the other.
     values = array.array("f", [sign * v for sign in (1, -1) for v in range(24)])
     (folder / "a.img").write_bytes(values.tobytes())
-    (folder / "a.hdr").write_text("ENVI\nsamples = 6\nlines = 4\nbands = 2\ndata type = 4\ninterleave = bsq\nbyte order = 0\n"
-                                  "wavelength units = Nanometers\nwavelength = {450, 650}\ndata ignore value = -23\n")
+    (folder / "a.hdr").write_text(
+        "ENVI\nsamples = 6\nlines = 4\nbands = 2\ndata type = 4\ninterleave = bsq\nbyte order = 0\n"
+        "wavelength units = Nanometers\nwavelength = {450, 650}\ndata ignore value = -23\n"
+    )
     for name in ("a.img", "a.hdr"):
         done = run("info", "--json", folder / name)
         info = json.loads(done.stdout)
         first, second = info["band_statistics"]
         check(info["header"]["wavelength_um"] == [0.45, 0.65], info)
-        check(first["count"] == 24 and first["min"] == 0 and first["max"] == 23 and abs(first["mean"] - 11.5) < 1e-12, first)
-        check(abs(first["standard_deviation"] - 50 ** 0.5) < 1e-12, first)  # (n^2 - 1) / 12 n / (n - 1) = 50 for n = 24
+        check(
+            first["count"] == 24 and first["min"] == 0 and first["max"] == 23 and abs(first["mean"] - 11.5) < 1e-12,
+            first,
+        )
+        check(abs(first["standard_deviation"] - 50**0.5) < 1e-12, first)  # (n^2 - 1) / 12 n / (n - 1) = 50 for n = 24
         check(second["ignored"] == 1 and second["min"] == -22 and abs(second["mean"] + 11) < 1e-12, second)
         every = [v for v in values if v != -23]
         check(info["statistics"]["count"] == 47 and abs(info["statistics"]["mean"] - sum(every) / 47) < 1e-12, info)
@@ -102,8 +109,11 @@ with tempfile.TemporaryDirectory() as folder:
     one_error(run("info", folder / "zero.img", status=2), "an empty file")
     one_error(run("info", folder / "nothing.img", status=2), "no such file")
     one_error(run("info", folder, status=2), "without run.json")
-    for name, content, part in (("bad.json", "{", "not valid JSON"), ("other.json", "{}", "no run record"),
-                                ("odd.json", '{"format": 3}', "wrong type")):
+    for name, content, part in (
+        ("bad.json", "{", "not valid JSON"),
+        ("other.json", "{}", "no run record"),
+        ("odd.json", '{"format": 3}', "wrong type"),
+    ):
         (folder / name).write_text(content)
         one_error(run("info", folder / name, status=2), part)
     (folder / "bad.rcs").write_bytes(b"not a scene")
@@ -112,7 +122,12 @@ with tempfile.TemporaryDirectory() as folder:
     one_error(run("info", folder / "bad.rct", status=2), "bad.rct")
 
     # a run record, as a file and as its folder
-    record = {"format": "raycube run", "command": "raycube render park.toml", "digest": "abc", "stage_s": {"trace": 1.5}}
+    record = {
+        "format": "raycube run",
+        "command": "raycube render park.toml",
+        "digest": "abc",
+        "stage_s": {"trace": 1.5},
+    }
     (folder / "run.json").write_text(json.dumps(record))
     check("trace" in run("info", folder).stdout)
     check(json.loads(run("info", "--json", folder / "run.json").stdout)["run"] == record)
@@ -137,17 +152,22 @@ with tempfile.TemporaryDirectory() as folder:
     if "scene" in verbs:
         check("sound" in run("scene", "check", scene / "garden.toml").stdout)
         run("scene", "compile", scene / "garden.toml", "-o", folder / "garden.rcs")
-        as_file, as_scene = (json.loads(run(*verb, folder / "garden.rcs", "--json").stdout) for verb in (("info",), ("scene", "info")))
+        as_file, as_scene = (
+            json.loads(run(*verb, folder / "garden.rcs", "--json").stdout) for verb in (("info",), ("scene", "info"))
+        )
         check(as_file == as_scene and as_file, as_file)
     if "atmos" in verbs:
         run("atmos", "build", scene / "garden.toml", "-o", folder / "garden.rct")
-        as_file, as_table = (json.loads(run(*verb, folder / "garden.rct", "--json").stdout) for verb in (("info",), ("atmos", "info")))
+        as_file, as_table = (
+            json.loads(run(*verb, folder / "garden.rct", "--json").stdout) for verb in (("info",), ("atmos", "info"))
+        )
         check(as_file == as_table and as_file, as_file)
 
     # machine: read-only place, full disk (file-size limit), full stdout, no OpenCL device
     one_error(run("new", "/proc/raycube-test", status=3), "/proc/raycube-test")
-    limited = run("new", folder / "limited", status=3,
-                  preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (100, 100)))
+    limited = run(
+        "new", folder / "limited", status=3, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (100, 100))
+    )
     one_error(limited, "ulimit -f")
     check(not [p for p in (folder / "limited").glob("*")] and not [p for p in (folder / "limited").glob(".*")])
     with open("/dev/full", "w") as full:

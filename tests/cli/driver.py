@@ -1,4 +1,5 @@
 """What the tests that drive the program share: runs, checks, small scenes, an ENVI reader that owes ours nothing."""
+
 import json
 import os
 import pathlib
@@ -29,14 +30,22 @@ class Program:
 
     def run(self, *arguments, status=0, env=None, **more):
         more.setdefault("timeout", float(os.environ.get("RAYCUBE_TEST_PATIENCE_S", 300)))
-        done = subprocess.run([self.path, *map(str, arguments)], capture_output=True, text=True,
-                              env={**os.environ, **(env or {})}, **more)
-        assert done.returncode == status, f"{arguments}: status {done.returncode}, not {status}\n{done.stdout}{done.stderr}"
+        done = subprocess.run(
+            [self.path, *map(str, arguments)], capture_output=True, text=True, env={**os.environ, **(env or {})}, **more
+        )
+        assert (
+            done.returncode == status
+        ), f"{arguments}: status {done.returncode}, not {status}\n{done.stdout}{done.stderr}"
         return done
 
     def start(self, *arguments, env=None):
-        return subprocess.Popen([self.path, *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-                                env={**os.environ, **(env or {})})
+        return subprocess.Popen(
+            [self.path, *map(str, arguments)],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            env={**os.environ, **(env or {})},
+        )
 
     def check(self, condition, *what):
         self.checks += 1
@@ -72,8 +81,10 @@ def header_of(path):
 def envi(folder, name):
     """(header, array [line][sample][band]) of folder/name.img; asserts that header and file size agree."""
     header = header_of(pathlib.Path(folder) / (name + ".hdr"))
-    data = numpy.fromfile(pathlib.Path(folder) / (name + ".img"),
-                          dtype=numpy.dtype(kTypes[int(header["data type"])]).newbyteorder("<>"[int(header["byte order"])]))
+    data = numpy.fromfile(
+        pathlib.Path(folder) / (name + ".img"),
+        dtype=numpy.dtype(kTypes[int(header["data type"])]).newbyteorder("<>"[int(header["byte order"])]),
+    )
     lines, samples, bands = (int(header[key]) for key in ("lines", "samples", "bands"))
     assert data.size == lines * samples * bands, (data.size, header)
     if header["interleave"] == "bip":
@@ -89,7 +100,8 @@ def record(folder):
 
 
 def scene(folder, name, *, head="", air='{ model = "none" }', pixels=24, lines=12, grid=3, instrument=""):
-    """Three grey strips (0.10, 0.45, 0.80) of 10 m side by side from west to east under the sun, seen from 500 m at 1 m."""
+    """Three grey strips (0.10, 0.45, 0.80) of 10 m side by side from west to east under the sun, seen from 500 m at 1
+    m."""
     path = pathlib.Path(folder) / name
     path.write_text(f"""format = 1
 {head}

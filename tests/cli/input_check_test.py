@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""What inputs alone say is wrong is told before any air is computed or ray sent, by `scene check` and at the start of render, check, plan
-and chart alike; what nothing uses is not asked. The built-in air of these scenes would take a minute.
-usage: input_check_test.py RAYCUBE"""
+"""What inputs alone say is wrong is told before any air is computed or ray sent, by `scene check` and at the start of
+render, check, plan and chart alike; what nothing uses is not asked. The built-in air of these scenes would take a
+minute. usage: input_check_test.py RAYCUBE"""
+
 import pathlib
 import sys
 import tempfile
@@ -20,7 +21,8 @@ SONDE = """height_km,pressure_hPa,temperature_K,h2o_relative_humidity_percent
 5,540,255,50
 12,190,216,50
 """
-LIDAR = """format = 1
+LIDAR = (
+    """format = 1
 [[material]]
 name = "ground"
 reflectance = 0.3
@@ -34,12 +36,15 @@ name = "scan"
 position_m = [0.0, 0.0, 500.0]
 prf_khz = 10.0
 pulses = 4
-""" + PULSE_AND_RECEIVER + """[lidar.gate]
+"""
+    + PULSE_AND_RECEIVER
+    + """[lidar.gate]
 start_range_m = 400.0
 stop_range_m = 600.0
 [lidar.detector]
 solar_background = true
 """
+)
 
 
 def lidar(work, name, air):
@@ -57,8 +62,14 @@ def edited(path, old, new):
 
 def all_refuse(work, file, says, more=()):
     """Every verb that would compute refuses alike, at once."""
-    verbs = [["scene", "check", file], ["render", file, "-o", work / "out"], ["render", file, "--dry-run"], ["plan", file], ["check", file],
-             ["chart", file, "-o", work / "chart"]]
+    verbs = [
+        ["scene", "check", file],
+        ["render", file, "-o", work / "out"],
+        ["render", file, "--dry-run"],
+        ["plan", file],
+        ["check", file],
+        ["chart", file, "-o", work / "chart"],
+    ]
     texts = set()
     for verb in verbs:
         began = time.monotonic()
@@ -76,7 +87,9 @@ def all_refuse(work, file, says, more=()):
 with tempfile.TemporaryDirectory() as work:
     work = pathlib.Path(work)
     (work / "narrow.csv").write_text("wavelength_nm,reflectance\n500,0.1\n700,0.2\n")
-    (work / "late.csv").write_text("# source: somebody's, who does not say which file\nwavelength_nm,reflectance\n500,0.1\n2500,0.2\n")
+    (work / "late.csv").write_text(
+        "# source: somebody's, who does not say which file\nwavelength_nm,reflectance\n500,0.1\n2500,0.2\n"
+    )
     kDark = '{ name = "dark", reflectance = 0.10 }'
 
     def with_material(name, text, **more):
@@ -95,7 +108,11 @@ with tempfile.TemporaryDirectory() as work:
     # Nor is that of a mesh which is listed and never placed; placed, it is used.
     (work / "m.obj").write_text("v 0 0 1\nv 1 0 1\nv 0 1 1\nf 1 2 3\n")
     mesh = 'mesh = [{ name = "spare", file = "m.obj", material = "nobody" }]\n'
-    listed = edited(with_material("listed.toml", kDark + ',\n  { name = "nobody", file = "narrow.csv" }'), "plane = [", mesh + "plane = [")
+    listed = edited(
+        with_material("listed.toml", kDark + ',\n  { name = "nobody", file = "narrow.csv" }'),
+        "plane = [",
+        mesh + "plane = [",
+    )
     check("sound" in run("scene", "check", listed).stdout)
     run("render", listed, "-o", work / "listed")
     check((work / "listed/camera/radiance.img").read_bytes() == (work / "plain/camera/radiance.img").read_bytes())
@@ -105,16 +122,27 @@ with tempfile.TemporaryDirectory() as work:
     all_refuse(work, placed, ["material 'nobody'", "covers 500 to ", "narrow.csv"])
 
     # One that is used is told with its file, its range, what is needed, and which end is short.
-    for name, file, ends in (("late.toml", "late.csv", "it begins too late"), ("narrow.toml", "narrow.csv", "it begins too late and ends too early")):
+    for name, file, ends in (
+        ("late.toml", "late.csv", "it begins too late"),
+        ("narrow.toml", "narrow.csv", "it begins too late and ends too early"),
+    ):
         bad = with_material(name, f'{{ name = "dark", file = "{file}" }}', air=LAYERED)
-        all_refuse(work, bad, ["instrument 'camera'", "material 'dark'", "covers 500 to ", ends, "band 1 400 to 500 nm", file])
+        all_refuse(
+            work, bad, ["instrument 'camera'", "material 'dark'", "covers 500 to ", ends, "band 1 400 to 500 nm", file]
+        )
 
     # Everything at once: a curve, a temperature, a view and a band out of the model.
     several = with_material("several.toml", '{ name = "dark", file = "narrow.csv" }', air=LAYERED)
-    edited(several, "bands = { first_nm = 450.0, step_nm = 50.0, count = 10, fwhm_nm = 20.0 }",
-           "bands = { first_nm = 10000.0, step_nm = 50.0, count = 2, fwhm_nm = 20.0 }")
-    text = all_refuse(work, several, ["it ends too early",
-                      "material 'dark': has no temperature", "material 'light': has no temperature"])
+    edited(
+        several,
+        "bands = { first_nm = 450.0, step_nm = 50.0, count = 10, fwhm_nm = 20.0 }",
+        "bands = { first_nm = 10000.0, step_nm = 50.0, count = 2, fwhm_nm = 20.0 }",
+    )
+    text = all_refuse(
+        work,
+        several,
+        ["it ends too early", "material 'dark': has no temperature", "material 'light': has no temperature"],
+    )
     check(text.count("\n") == 3, text)  # one curve, three temperatures
     beyond = edited(scene(work, "beyond.toml", air=LAYERED), "first_nm = 450.0", "first_nm = 250.0")
     all_refuse(work, beyond, ["the layered model covers 0.3 to 30 um"])
@@ -122,15 +150,34 @@ with tempfile.TemporaryDirectory() as work:
     all_refuse(work, level, ["looks up or level"])
 
     # A table that ends inside a band, of another sun or height, is refused by its file's name.
-    run("atmos", "build", "--model", "clear_sky", "--sun-zenith", "40", "--sun-azimuth", "150", "--sensor-height", "500", "--from", "0.42", "--to", "0.8",
-        "-o", work / "air.rct")
+    run(
+        "atmos",
+        "build",
+        "--model",
+        "clear_sky",
+        "--sun-zenith",
+        "40",
+        "--sun-azimuth",
+        "150",
+        "--sensor-height",
+        "500",
+        "--from",
+        "0.42",
+        "--to",
+        "0.8",
+        "-o",
+        work / "air.rct",
+    )
     table = scene(work, "table.toml", air='{ tables = "air.rct" }')
     all_refuse(work, table, ["air.rct' covers 420 to 800 nm", "it begins too late and ends too early"])
 
     # A sounding is read, whoever asks for it: wetter than any air, or far above the ground.
     (work / "wet.csv").write_text(SONDE.format(ground=0, humidity=140))
     (work / "high.csv").write_text(SONDE.format(ground=1.5, humidity=40))
-    for name, says in (("wet", ["wet.csv:2", "no more water than 100 %", "140 %"]), ("high", ["high.csv", "lowest level of 1.5 km", "ground_height_m"])):
+    for name, says in (
+        ("wet", ["wet.csv:2", "no more water than 100 %", "140 %"]),
+        ("high", ["high.csv", "lowest level of 1.5 km", "ground_height_m"]),
+    ):
         air = f'{{ model = "layered", profile_file = "{name}.csv" }}'
         all_refuse(work, scene(work, name + ".toml", air=air), says)
         all_refuse(work, lidar(work, name + "_lidar.toml", air), says)
@@ -138,14 +185,28 @@ with tempfile.TemporaryDirectory() as work:
     all_refuse(work, scene(work, "lines.toml", air='{ model = "layered", lines = "none.par" }'), ["none.par"])
     # What a LIDAR's background of light asks of the materials: temperatures at 3.3 um, curves over the whole filter.
     (work / "line.csv").write_text("wavelength_nm,reflectance\n1063.9,0.1\n1064.1,0.2\n")
-    for name, change, says in (("cold", ("1064.0", "3300.0"), ["material 'ground': has no temperature"]),
-                               ("line", ("reflectance = 0.3", 'file = "line.csv"'), ["line.csv", "begins too late and ends too early"])):
+    for name, change, says in (
+        ("cold", ("1064.0", "3300.0"), ["material 'ground': has no temperature"]),
+        ("line", ("reflectance = 0.3", 'file = "line.csv"'), ["line.csv", "begins too late and ends too early"]),
+    ):
         light = edited(lidar(work, name + "_light.toml", LAYERED), *change)
         for verb in (["scene", "check", light], ["render", light, "-o", work / "out"]):
-            refused(*verb, status=2, says=["LIDAR 'scan': the light of the scene in its field of view", "set solar_background = false", *says])
+            refused(
+                *verb,
+                status=2,
+                says=[
+                    "LIDAR 'scan': the light of the scene in its field of view",
+                    "set solar_background = false",
+                    *says,
+                ],
+            )
             check(not (work / "out").exists())
         run("plan", light)  # which computes none of it
-        dark = edited(edited(lidar(work, name + "_dark.toml", LAYERED), *change), "solar_background = true", "solar_background = false")
+        dark = edited(
+            edited(lidar(work, name + "_dark.toml", LAYERED), *change),
+            "solar_background = true",
+            "solar_background = false",
+        )
         check("sound" in run("scene", "check", dark).stdout)
     up = edited(lidar(work, "up.toml", LAYERED), "prf_khz = 10.0", "prf_khz = 10.0\npitch_deg = 180.0")
     refused("scene", "check", up, status=2, says=["LIDAR 'scan'", "looks up or level", "set solar_background = false"])
@@ -153,6 +214,13 @@ with tempfile.TemporaryDirectory() as work:
 
     # An output that may not be replaced is known as early.
     began = time.monotonic()
-    refused("render", scene(work, "again.toml", air=LAYERED), "-o", work / "plain", status=2, says=["is there already", "--overwrite"])
+    refused(
+        "render",
+        scene(work, "again.toml", air=LAYERED),
+        "-o",
+        work / "plain",
+        status=2,
+        says=["is there already", "--overwrite"],
+    )
     check(time.monotonic() - began < SECONDS)
 print(f"input check: {program.checks} checks")

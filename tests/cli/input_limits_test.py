@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""Inputs that hang, crash or bloat whoever reads them without care: pipes, devices and folders in place of files, headers cut in a word,
-keys of tens of thousands of parts, images of 1e10 pixels. One clear error each, soon, in little memory; Ctrl-C is heard.
-usage: input_limits_test.py RAYCUBE"""
+"""Inputs that hang, crash or bloat whoever reads them without care: pipes, devices and folders in place of files,
+headers cut in a word, keys of tens of thousands of parts, images of 1e10 pixels. One clear error each, soon, in little
+memory; Ctrl-C is heard. usage: input_limits_test.py RAYCUBE"""
+
 import os
 import pathlib
 import resource
@@ -18,14 +19,23 @@ program = Program(sys.argv[1])
 check = program.check
 kPatience_s = float(os.environ.get("RAYCUBE_TEST_PATIENCE_S", 100))
 kPlane = "plane = ["
-kGas = 'volume = [{ kind = "grid", values = "X", cell_m = [1.0, 1.0, 1.0], cells = [2, 2, 2], species = "particles" }]\n' + kPlane
+kGas = (
+    'volume = [{ kind = "grid", values = "X", cell_m = [1.0, 1.0, 1.0], cells = [2, 2, 2], species = "particles" }]\n'
+    + kPlane
+)
 
 # Key of the simulation file: what to replace in the small scene, by what. X is the path under test.
 kKeys = {
     "scene.include": (kPlane, 'scene = { include = ["X"] }\n' + kPlane),
     "material.file": ('reflectance = 0.10', 'file = "X"'),
-    "mesh.file obj": (kPlane, 'mesh = [{ name = "m", file = "X.obj", material = "dark" }]\ninstance = [{ mesh = "m" }]\n' + kPlane),
-    "mesh.file ply": (kPlane, 'mesh = [{ name = "m", file = "X.ply", material = "dark" }]\ninstance = [{ mesh = "m" }]\n' + kPlane),
+    "mesh.file obj": (
+        kPlane,
+        'mesh = [{ name = "m", file = "X.obj", material = "dark" }]\ninstance = [{ mesh = "m" }]\n' + kPlane,
+    ),
+    "mesh.file ply": (
+        kPlane,
+        'mesh = [{ name = "m", file = "X.ply", material = "dark" }]\ninstance = [{ mesh = "m" }]\n' + kPlane,
+    ),
     "terrain.raster": (kPlane, 'terrain = [{ raster = "X", material = "dark" }]\n' + kPlane),
     "atmosphere.tables": ('{ model = "none" }', '{ tables = "X" }'),
     "atmosphere.profile_file": ('{ model = "none" }', '{ model = "layered", profile_file = "X" }'),
@@ -36,7 +46,8 @@ kKeys = {
 
 
 def kinds(work):
-    """A path of every kind that is no plain file, with an ending; opening the pipe would wait for ever, reading the device never ends."""
+    """A path of every kind that is no plain file, with an ending; opening the pipe would wait for ever, reading the
+    device never ends."""
     for ending in ("", ".obj", ".ply", ".rct", ".toml", ".json", ".hdr", ".las", ".rcs"):
         os.mkfifo(work / f"pipe{ending}")
         (work / f"zero{ending}").symlink_to("/dev/zero")
@@ -47,8 +58,12 @@ def kinds(work):
 def limited(*arguments, status, says):
     """One error in time, and in 2 GB of address space beyond what libraries map."""
     start = time.monotonic()
-    done = program.run(*arguments, status=status, timeout=kPatience_s,
-                       preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_DATA, (2 << 30, 2 << 30)))
+    done = program.run(
+        *arguments,
+        status=status,
+        timeout=kPatience_s,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_DATA, (2 << 30, 2 << 30)),
+    )
     errors = [line for line in done.stderr.splitlines() if line.startswith("raycube: error: ")]
     check(len(errors) == 1 and done.stdout == "", arguments, done.stderr)
     check(any(part in done.stderr for part in ([says] if isinstance(says, str) else says)), says, done.stderr)
@@ -64,31 +79,70 @@ with tempfile.TemporaryDirectory() as work:
             check(old in small, old)
             (work / "bad.toml").write_text(small.replace(old, new.replace("X", name), 1))
             limited("scene", "check", work / "bad.toml", status=2, says=word)
-        for arguments in (["render", f"{name}.toml"], ["render", work / "small.toml", "--plan", f"{name}.json"], ["info", f"{name}.rct"], ["info", f"{name}.rcs"],
-                          ["info", f"{name}.json"], ["info", f"{name}.hdr"], ["info", f"{name}.las"], ["atmos", "info", f"{name}.rct"],
-                          ["atmos", "import", name, "-o", work / "x.rct"], ["scene", "info", f"{name}.rcs"]):
+        for arguments in (
+            ["render", f"{name}.toml"],
+            ["render", work / "small.toml", "--plan", f"{name}.json"],
+            ["info", f"{name}.rct"],
+            ["info", f"{name}.rcs"],
+            ["info", f"{name}.json"],
+            ["info", f"{name}.hdr"],
+            ["info", f"{name}.las"],
+            ["atmos", "info", f"{name}.rct"],
+            ["atmos", "import", name, "-o", work / "x.rct"],
+            ["scene", "info", f"{name}.rcs"],
+        ):
             path = [work / part if str(part).startswith(name) else part for part in arguments]
             limited(*path, status=2, says=[word, "without run.json"])
         # Files that options name, before the air is computed and without opening the pipe.
         build, lidar = ("atmos", "build", "--sun-zenith", 40), ("atmos", "lidar", "--wavelengths", 1064)
         path = work / name
-        for arguments in ((*build, "--profile", path), (*build, "--no-cache", "--profile", path), (*build, "--lines", path),
-                          (*lidar, "--profile", path), (*lidar, "--lines", path), (*lidar, "--cross-section", f"xy={path},1"),
-                          (*lidar, "--lines", work / "none.par", "--partition-sums", path)):
+        for arguments in (
+            (*build, "--profile", path),
+            (*build, "--no-cache", "--profile", path),
+            (*build, "--lines", path),
+            (*lidar, "--profile", path),
+            (*lidar, "--lines", path),
+            (*lidar, "--cross-section", f"xy={path},1"),
+            (*lidar, "--lines", work / "none.par", "--partition-sums", path),
+        ):
             limited(*arguments, "-o", work / "x.rct", status=2, says=f"{path}: {word}")
         check(not (work / "x.rct").exists())
     print(f"input limits: {program.checks} checks of what is no file")
 
     # Headers of PLY cut or lying: seen before Assimp (5.2.5 goes round in a circle).
-    whole = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+    whole = (
+        "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+        "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+    )
     body = "0 0 1\n1 0 1\n1 1 1\n0 1 1\n4 0 1 2 3\n"
     old, new = kKeys["mesh.file ply"]
     (work / "mesh.toml").write_text(small.replace(old, new.replace("X", "m"), 1))
-    for text, says in ((whole[:47], "m.ply:4: PLY header has a line that PLY does not know (found 'property floa')" if whole[:47].endswith("\n") else "PLY header has no end"),
-                       ("ply\nformat ascii 1.0\nelement vertex 4\nproperty floa", "m.ply:3: PLY header has no end (found 51 bytes without end_header)"),
-                       ("ply\nformat ascii 1.0\nelement vertex 4\nproperty floa\n", "m.ply:4: PLY header has a line that PLY does not know (found 'property floa')"),
-                       (whole.replace("vertex 4", "vertex 4000000000") + body, "m.ply:3: PLY header counts more than the file holds (found 4000000000 of 'vertex' in "),
-                       (whole.replace("ascii", "binary_little_endian") + "x" * 48, "m.ply:7: PLY header counts more than the file holds")):
+    for text, says in (
+        (
+            whole[:47],
+            (
+                "m.ply:4: PLY header has a line that PLY does not know (found 'property floa')"
+                if whole[:47].endswith("\n")
+                else "PLY header has no end"
+            ),
+        ),
+        (
+            "ply\nformat ascii 1.0\nelement vertex 4\nproperty floa",
+            "m.ply:3: PLY header has no end (found 51 bytes without end_header)",
+        ),
+        (
+            "ply\nformat ascii 1.0\nelement vertex 4\nproperty floa\n",
+            "m.ply:4: PLY header has a line that PLY does not know (found 'property floa')",
+        ),
+        (
+            whole.replace("vertex 4", "vertex 4000000000") + body,
+            "m.ply:3: PLY header counts more than the file holds (found 4000000000 of 'vertex' in ",
+        ),
+        (
+            whole.replace("ascii", "binary_little_endian") + "x" * 48,
+            "m.ply:7: PLY header counts more than the file holds",
+        ),
+    ):
         (work / "m.ply").write_text(text)
         limited("scene", "check", work / "mesh.toml", status=2, says=says)
     for cut in range(4, len(whole), 3):
@@ -99,20 +153,34 @@ with tempfile.TemporaryDirectory() as work:
         program.run("scene", "check", work / "mesh.toml")
     # A caller that ignores SIGCHLD, which exec keeps.
     program.run("scene", "check", work / "mesh.toml", preexec_fn=lambda: signal.signal(signal.SIGCHLD, signal.SIG_IGN))
-    # What an OBJ refers to may be a pipe: Assimp opens it, and the limit on what does not compute ends that. Not waited for here.
+    # What an OBJ refers to may be a pipe: Assimp opens it, and the limit on what does not compute ends that. Not waited
+    # for here.
 
     # A raster whose samples come from a pipe, as a VRT allows.
     old, new = kKeys["terrain.raster"]
-    (work / "r.vrt").write_text('<VRTDataset rasterXSize="4" rasterYSize="4"><VRTRasterBand dataType="Byte" band="1" subClass="VRTRawRasterBand">'
-                                f'<SourceFilename relativeToVRT="1">none</SourceFilename></VRTRasterBand></VRTDataset>')
+    (work / "r.vrt").write_text(
+        '<VRTDataset rasterXSize="4" rasterYSize="4"><VRTRasterBand dataType="Byte" band="1" '
+        'subClass="VRTRawRasterBand">'
+        f'<SourceFilename relativeToVRT="1">none</SourceFilename></VRTRasterBand></VRTDataset>'
+    )
     (work / "raster.toml").write_text(small.replace(old, new.replace("X", "r.vrt"), 1))
     limited("scene", "check", work / "raster.toml", status=2, says="r.vrt")
 
     # Keys of many parts, in every way TOML writes them.
     parts = [".".join(["a"] * 40000), " . ".join(['"a"'] * 40000), ".".join(["'a.b'"] * 40000)]
-    for text in [f"{part} = 1" for part in parts] + [f"[{part}]" for part in parts] + [f"[[{parts[0]}]]", f"x = {{ {parts[0]} = 1 }}", f"a.b = 1 # {parts[0]}\n{parts[0]} = 1"]:
+    for text in (
+        [f"{part} = 1" for part in parts]
+        + [f"[{part}]" for part in parts]
+        + [f"[[{parts[0]}]]", f"x = {{ {parts[0]} = 1 }}", f"a.b = 1 # {parts[0]}\n{parts[0]} = 1"]
+    ):
         (work / "deep.toml").write_text("format = 1\n" + text + "\n")
-        limited("scene", "check", work / "deep.toml", status=2, says="key has too many parts (found more than 32 between dots)")
+        limited(
+            "scene",
+            "check",
+            work / "deep.toml",
+            status=2,
+            says="key has too many parts (found more than 32 between dots)",
+        )
     many_dots = '# ' + parts[0] + '\n'
     (work / "fine.toml").write_text(small.replace("format = 1\n", 'format = 1\n' + many_dots, 1))
     program.run("scene", "check", work / "fine.toml")

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""An installation can be moved: install to one prefix, move it, run it there from another folder without the build tree's data;
-then the Debian package. usage: install_test.py BUILD_DIR CMAKE [CPACK]"""
+"""An installation can be moved: install to one prefix, move it, run it there from another folder without the build
+tree's data; then the Debian package. usage: install_test.py BUILD_DIR CMAKE [CPACK]"""
+
 import json
 import os
 import pathlib
@@ -14,7 +15,9 @@ environment = {k: v for k, v in os.environ.items() if k != "RAYCUBE_DATA"}
 
 
 def run(*command, status=0, **more):
-    done = subprocess.run([str(c) for c in command], capture_output=True, text=True, env=more.pop("env", environment), **more)
+    done = subprocess.run(
+        [str(c) for c in command], capture_output=True, text=True, env=more.pop("env", environment), **more
+    )
     assert done.returncode == status, f"{command}: status {done.returncode}, not {status}\n{done.stdout}{done.stderr}"
     return done
 
@@ -47,7 +50,14 @@ with tempfile.TemporaryDirectory() as folder:
     run(program, "new", "other", cwd=elsewhere, env={**environment, "RAYCUBE_DATA": str(prefix / "share/hidden")})
     # A data folder that lacks a file is an error of the environment and leaves no half scene.
     (prefix / "share/hidden/scenes/starter/tree.obj").unlink()
-    run(program, "new", "third", cwd=elsewhere, status=3, env={**environment, "RAYCUBE_DATA": str(prefix / "share/hidden")})
+    run(
+        program,
+        "new",
+        "third",
+        cwd=elsewhere,
+        status=3,
+        env={**environment, "RAYCUBE_DATA": str(prefix / "share/hidden")},
+    )
     assert not list((elsewhere / "third").glob("*")), "half a scene was left"
 
     if len(sys.argv) > 3:

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""Where compiled kernels are kept (host/cl/kernel_cache.h): a folder of the user's own that is checked, healed and swept; a private one
-without a home; one error where the disk is full. The oracle is the digest of a run with the driver's own cache.
-usage: kernel_cache_test.py RAYCUBE"""
+"""Where compiled kernels are kept (host/cl/kernel_cache.h): a folder of the user's own that is checked, healed and
+swept; a private one without a home; one error where the disk is full. The oracle is the digest of a run with the
+driver's own cache. usage: kernel_cache_test.py RAYCUBE"""
+
 import hashlib
 import os
 import pathlib
@@ -22,7 +23,11 @@ SHARED_PLACES = [pathlib.Path("/tmp/.cache/pocl"), pathlib.Path("/tmp/.cache/ray
 
 def environment(work, **more):
     """A bare machine: homes and temporary files under `work`, nothing of the user's."""
-    kept = {name: value for name, value in os.environ.items() if name not in ("HOME", "XDG_CACHE_HOME", "POCL_CACHE_DIR", "TMPDIR")}
+    kept = {
+        name: value
+        for name, value in os.environ.items()
+        if name not in ("HOME", "XDG_CACHE_HOME", "POCL_CACHE_DIR", "TMPDIR")
+    }
     (work / "tmp").mkdir(exist_ok=True)
     return {**kept, "TMPDIR": str(work / "tmp"), **{name: str(value) for name, value in more.items()}}
 
@@ -30,8 +35,14 @@ def environment(work, **more):
 def render(work, name, env, status=0, warnings=0, says=(), **more):
     """A render of the small scene; returns (its digest, stderr)."""
     out = work / "out" / name
-    done = subprocess.run([program.path, "render", str(work / "tiny.toml"), "-o", str(out), "--overwrite"], env=env, capture_output=True,
-                          text=True, timeout=300, **more)
+    done = subprocess.run(
+        [program.path, "render", str(work / "tiny.toml"), "-o", str(out), "--overwrite"],
+        env=env,
+        capture_output=True,
+        text=True,
+        timeout=300,
+        **more,
+    )
     check(done.returncode == status, name, done.returncode, done.stderr)
     check(done.stderr.count("raycube: warning: ") == warnings, name, done.stderr)
     for part in says:
@@ -70,9 +81,14 @@ def damage(work, env, store, kept, digest):
     """Whatever is done to a file: one warning each, the same result, and the file whole again."""
     victim, whole = min(kept.items(), key=lambda item: len(item[1]))  # the soonest compiled
     middle = len(whole) // 2
-    ways = {"cut short": whole[:middle], "empty": b"", "garbage": b"garbage", "longer": whole + b"x",
-            "one bit": whole[:middle] + bytes([whole[middle] ^ 1]) + whole[middle + 1:],
-            "another program's": next(content for path, content in kept.items() if path != victim)}
+    ways = {
+        "cut short": whole[:middle],
+        "empty": b"",
+        "garbage": b"garbage",
+        "longer": whole + b"x",
+        "one bit": whole[:middle] + bytes([whole[middle] ^ 1]) + whole[middle + 1 :],
+        "another program's": next(content for path, content in kept.items() if path != victim),
+    }
     for name, content in ways.items():
         victim.write_bytes(content)
         check(render(work, name, env, warnings=1, says=[str(victim), "damaged", "compiled anew"])[0] == digest)
@@ -96,31 +112,48 @@ def others(work, env, store, kept, digest):
     if os.geteuid() == 0:
         os.chown(store, 12345, 12345)
         before = kept_in(store)
-        check(render(work, "foreign", env, warnings=1, says=["belongs to user 12345", "not kept", "XDG_CACHE_HOME"])[0] == digest)
+        check(
+            render(work, "foreign", env, warnings=1, says=["belongs to user 12345", "not kept", "XDG_CACHE_HOME"])[0]
+            == digest
+        )
         check(kept_in(store) == before and list((work / "tmp").iterdir()) == [])
         os.chown(store, 0, 0)
 
 
 def no_home(work, digest):
-    """Without a home, or with one that may not be written: a private folder that goes, and nothing of a known name in a shared place."""
+    """Without a home, or with one that may not be written: a private folder that goes, and nothing of a known name in a
+    shared place."""
     before = {place: place.exists() for place in SHARED_PLACES}
     file = work / "file"
     file.write_text("")
-    for name, env, says in (("no home", environment(work), "neither XDG_CACHE_HOME nor HOME is set"),
-                            ("unwritable home", environment(work, HOME="/proc/self"), "/proc/self/.cache/raycube/kernels"),
-                            ("file for a home", environment(work, HOME=file), f"{file}/.cache")):
+    for name, env, says in (
+        ("no home", environment(work), "neither XDG_CACHE_HOME nor HOME is set"),
+        ("unwritable home", environment(work, HOME="/proc/self"), "/proc/self/.cache/raycube/kernels"),
+        ("file for a home", environment(work, HOME=file), f"{file}/.cache"),
+    ):
         check(render(work, name, env, warnings=1, says=[says, "not kept"])[0] == digest)
         check(list((work / "tmp").iterdir()) == [], name)
     check({place: place.exists() for place in SHARED_PLACES} == before)
-    render(work, "no place", {**environment(work), "TMPDIR": "/proc/self/fd"}, status=3, says=["no place for compiled kernels", "TMPDIR"])
+    render(
+        work,
+        "no place",
+        {**environment(work), "TMPDIR": "/proc/self/fd"},
+        status=3,
+        says=["no place for compiled kernels", "TMPDIR"],
+    )
     own = work / "users"
     check(render(work, "user's", environment(work, POCL_CACHE_DIR=own))[0] == digest)  # left to the driver
     check(any(own.rglob("*.so")) and not any(own.rglob("*.kernels")))
 
 
 def sweep(work, env, store, kept):
-    """What was not used for long goes, the oldest of too much goes, and so does what a killed run left; a run's that lives stays."""
-    old, big, left = store / ("0" * 64 + ".kernels"), [store / (f"{i}" * 64 + ".kernels") for i in range(1, 4)], store / "run-killed"
+    """What was not used for long goes, the oldest of too much goes, and so does what a killed run left; a run's that
+    lives stays."""
+    old, big, left = (
+        store / ("0" * 64 + ".kernels"),
+        [store / (f"{i}" * 64 + ".kernels") for i in range(1, 4)],
+        store / "run-killed",
+    )
     old.write_bytes(b"x")
     os.utime(old, (time.time() - 100 * 86400,) * 2)
     for age, path in enumerate(big):
@@ -138,7 +171,12 @@ def sweep(work, env, store, kept):
     render(work, "swept", env)
     lock.kill()
     lock.wait()
-    check(not old.exists() and [path.exists() for path in big] == [True, True, False] and not left.exists() and living.exists())
+    check(
+        not old.exists()
+        and [path.exists() for path in big] == [True, True, False]
+        and not left.exists()
+        and living.exists()
+    )
     check(all(path.exists() for path in kept))
     for path in big:
         path.unlink(missing_ok=True)
@@ -150,18 +188,39 @@ def full_disk(work, digest):
     (work / "small").mkdir()
 
     for limit in (8 << 10, 24 << 10, 100 << 10):  # the program, the first kernel, a later one do not fit
+
         def short_files():
             signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
             resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
 
-        done = subprocess.run([program.path, "render", str(work / "tiny.toml"), "-o", str(work / "out/short")], env=env, capture_output=True,
-                              text=True, timeout=300, preexec_fn=short_files)
-        check(done.returncode == 3 and done.stderr.count("raycube: error: ") == 1 and "ree some space" in done.stderr, limit, done)
+        done = subprocess.run(
+            [program.path, "render", str(work / "tiny.toml"), "-o", str(work / "out/short")],
+            env=env,
+            capture_output=True,
+            text=True,
+            timeout=300,
+            preexec_fn=short_files,
+        )
+        check(
+            done.returncode == 3 and done.stderr.count("raycube: error: ") == 1 and "ree some space" in done.stderr,
+            limit,
+            done,
+        )
         check(not list((work / "out/short").rglob("radiance*")), done)
     script = f'mount -t tmpfs -o size=1m none {work}/small || exit 99; exec "$0" "$@"'
-    if subprocess.run(["unshare", "-m", "mount", "-t", "tmpfs", "none", work / "small"], capture_output=True).returncode == 0:
-        done = subprocess.run(["unshare", "-m", "sh", "-c", script, program.path, "render", work / "tiny.toml", "-o", work / "out/full"], env=env,
-                              capture_output=True, text=True, timeout=300)
+    if (
+        subprocess.run(
+            ["unshare", "-m", "mount", "-t", "tmpfs", "none", work / "small"], capture_output=True
+        ).returncode
+        == 0
+    ):
+        done = subprocess.run(
+            ["unshare", "-m", "sh", "-c", script, program.path, "render", work / "tiny.toml", "-o", work / "out/full"],
+            env=env,
+            capture_output=True,
+            text=True,
+            timeout=300,
+        )
         check(done.returncode == 3 and done.stderr.count("raycube: error: ") == 1, done)
         check("no room for compiled kernels" in done.stderr and "XDG_CACHE_HOME" in done.stderr, done.stderr)
     else:
@@ -169,11 +228,18 @@ def full_disk(work, digest):
 
 
 def full_with_sound_archives(work, env, store, digest):
-    """What was kept does not fit where the driver looks: one error of the environment, and nothing that is sound goes or is called damaged."""
+    """What was kept does not fit where the driver looks: one error of the environment, and nothing that is sound goes
+    or is called damaged."""
     before = {path: path.read_bytes() for path in kept_in(store)}
     for limit in (4 << 10, 20 << 10, 60 << 10):
-        err = render(work, "no room for kept", env, status=3, says=["ree some space"],
-                     preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit)))[1]
+        err = render(
+            work,
+            "no room for kept",
+            env,
+            status=3,
+            says=["ree some space"],
+            preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit)),
+        )[1]
         check("damaged" not in err and {path: path.read_bytes() for path in kept_in(store)} == before, limit, err)
         check(sorted(store.iterdir()) == sorted(before), list(store.iterdir()))
     check(render(work, "room again", env)[0] == digest)
@@ -183,9 +249,9 @@ def unpacked(archive):
     """Files by path (host/cl/kernel_archive.h)."""
     at, files = 80, {}
     for _ in range(int.from_bytes(archive[72:80], "little")):
-        path, content = (int.from_bytes(archive[at + 8 * i:at + 8 * i + 8], "little") for i in (0, 1))
+        path, content = (int.from_bytes(archive[at + 8 * i : at + 8 * i + 8], "little") for i in (0, 1))
         at += 16
-        files[archive[at:at + path].decode()] = archive[at + path:at + path + content]
+        files[archive[at : at + path].decode()] = archive[at + path : at + path + content]
         at += path + content
     return files
 
@@ -198,26 +264,35 @@ def packed(stem, files):
 
 
 def of_another_driver(work, env, store, digest):
-    """Kept by a driver that looked elsewhere: compiled anew, and what no driver here looks for is not carried along for ever."""
+    """Kept by a driver that looked elsewhere: compiled anew, and what no driver here looks for is not carried along for
+    ever."""
     victim = min(kept_in(store), key=lambda path: path.stat().st_size)
     files = unpacked(victim.read_bytes())
     check(packed(victim.stem, files) == victim.read_bytes() and files)
-    victim.write_bytes(packed(victim.stem, {"ZZ/dead" + path[path.index("/", 3):]: content for path, content in files.items()}))
+    victim.write_bytes(
+        packed(victim.stem, {"ZZ/dead" + path[path.index("/", 3) :]: content for path, content in files.items()})
+    )
     check(render(work, "other driver", env)[0] == digest)
     check(set(unpacked(victim.read_bytes())) == set(files), set(unpacked(victim.read_bytes())))
 
 
 def sound_but_useless(work, env, store, digest):
-    """Whole by its checksum and of no use here: one warning with the reason, compiled anew, nothing outside the folder, whole again."""
+    """Whole by its checksum and of no use here: one warning with the reason, compiled anew, nothing outside the folder,
+    whole again."""
     victim = min(kept_in(store), key=lambda path: path.stat().st_size)
     sound = unpacked(victim.read_bytes())
     first = next(iter(sound))
     outside = store.parent / "escaped"
     for name, files, says in (
-            ("too long a name", {first: b"x", first + "/" + "n" * 300: b"x"}, ["cannot be used by this run", "compiled anew"]),
-            ("no folder of the driver's", {"ZZ/" + "n" * 300: b"x", **sound}, ["cannot be used by this run"]),
-            ("a name that climbs", {"../../escaped": b"x"}, ["damaged", "names a file outside its folder"]),
-            ("a name from the root", {str(outside): b"x"}, ["damaged", "names a file outside its folder"])):
+        (
+            "too long a name",
+            {first: b"x", first + "/" + "n" * 300: b"x"},
+            ["cannot be used by this run", "compiled anew"],
+        ),
+        ("no folder of the driver's", {"ZZ/" + "n" * 300: b"x", **sound}, ["cannot be used by this run"]),
+        ("a name that climbs", {"../../escaped": b"x"}, ["damaged", "names a file outside its folder"]),
+        ("a name from the root", {str(outside): b"x"}, ["damaged", "names a file outside its folder"]),
+    ):
         victim.write_bytes(packed(victim.stem, files))
         check(render(work, name, env, warnings=1, says=[str(victim), *says])[0] == digest)
         check(not outside.exists() and not (store / "escaped").exists(), name)

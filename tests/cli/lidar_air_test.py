@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""The air and the background of a LIDAR as its user meets them: what there is to know of its air is said once and kept in
-run.json; a table of passive light is no air for it; by night what the scene emits is its background.
+"""The air and the background of a LIDAR as its user meets them: what there is to know of its air is said once and kept
+in run.json; a table of passive light is no air for it; by night what the scene emits is its background.
 usage: lidar_air_test.py RAYCUBE"""
+
 import csv
 import json
 import math
@@ -27,12 +28,15 @@ size_m = [400.0, 400.0]
 {air}
 {time}
 """
-LIDAR = """[[lidar]]
+LIDAR = (
+    """[[lidar]]
 name = "{name}"
 position_m = [0.0, 0.0, 500.0]
 prf_khz = 10.0
 pulses = 2
-""" + PULSE_AND_RECEIVER + """[lidar.gate]
+"""
+    + PULSE_AND_RECEIVER
+    + """[lidar.gate]
 start_range_m = 400.0
 stop_range_m = 600.0
 [lidar.sampling]
@@ -41,6 +45,7 @@ subrays = 16
 png = false
 cube = false
 """
+)
 CAMERA = """[thermal]
 default_temperature_K = 300
 [[instrument]]
@@ -84,7 +89,9 @@ def notices(work):
     check(len(told["limits"]) == 1 and "absorption by gases is absent" in told["limits"][0], told)
     said, two, _ = rendered(work, file, "two")
     for notice in told["notices"]:
-        check(said.count(notice) == 1, notice, said)  # by three instruments of one air, and by the background's passive air
+        check(
+            said.count(notice) == 1, notice, said
+        )  # by three instruments of one air, and by the background's passive air
         for name in ("one", "two", "camera"):
             check(record(work / "out" / name)["warnings"].count(notice) == 1, name, notice)
     check(not any("gases is absent" in text for text in said + two["warnings"]), said)
@@ -114,16 +121,46 @@ def no_aerosol(work):
 
 def tables(work):
     """A passive table has no profiles: refused by every verb, by name, and nothing is written."""
-    run("atmos", "build", "--model", "clear_sky", "--sun-zenith", 50, "--sensor-height", 500, "--to", 1.2, "-o", work / "sky.rct")
+    run(
+        "atmos",
+        "build",
+        "--model",
+        "clear_sky",
+        "--sun-zenith",
+        50,
+        "--sensor-height",
+        500,
+        "--to",
+        1.2,
+        "-o",
+        work / "sky.rct",
+    )
     file = written(work, 'tables = "sky.rct"', time=SUN)
-    says = ["scene.toml", "LIDAR scan", "no profiles of extinction and backscatter", 'found tables = "', "sky.rct",
-            'a file of its own with model = "layered", or "none"']
-    for verb in (("scene", "check", file), ("render", file, "-o", work / "tables"), ("render", file, "--dry-run"),
-                 ("plan", file), ("check", file)):
+    says = [
+        "scene.toml",
+        "LIDAR scan",
+        "no profiles of extinction and backscatter",
+        'found tables = "',
+        "sky.rct",
+        'a file of its own with model = "layered", or "none"',
+    ]
+    for verb in (
+        ("scene", "check", file),
+        ("render", file, "-o", work / "tables"),
+        ("render", file, "--dry-run"),
+        ("plan", file),
+        ("check", file),
+    ):
         program.refused(*verb, status=2, says=says)
     check(not (work / "tables").exists())
-    program.refused("render", written(work, 'model = "clear_sky"', time=SUN), "-o", work / "tables", status=2,
-                    says=["LIDAR scan", "no profiles of extinction and backscatter", 'use model = "layered"'])
+    program.refused(
+        "render",
+        written(work, 'model = "clear_sky"', time=SUN),
+        "-o",
+        work / "tables",
+        status=2,
+        says=["LIDAR scan", "no profiles of extinction and backscatter", 'use model = "layered"'],
+    )
 
 
 def background_hz(um, kelvin, emissivity):

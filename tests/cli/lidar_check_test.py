@@ -1,4 +1,5 @@
 """S61 for LIDARs: `raycube check` on a shipped LIDAR scene, its text, JSON and file, and how it is refused."""
+
 import json
 import pathlib
 import sys
@@ -17,7 +18,10 @@ with tempfile.TemporaryDirectory() as folder:
     check(report["pulses"] == 6 and report["rays"] % 6 == 0)
     causes = ["agree", "exact_tie", "edge_tie", "depth_tie", "grazing", "unexplained"]
     check(sum(report["hits_" + cause] for cause in causes) == report["rays"] and report["hits_unexplained"] == 0)
-    check(report["compared_pulses"] + report["parted_pulses"] + report["edge_pulses"] == 6 and report["beyond_pulses"] == 0)
+    check(
+        report["compared_pulses"] + report["parted_pulses"] + report["edge_pulses"] == 6
+        and report["beyond_pulses"] == 0
+    )
     check(0 < report["median"] <= report["worst"] < report["worst_limit"] == 1e-5, report)
     check(report["ledger_closure"] < 1e-6 and report["ledger_difference"] < 1e-6)
     check(0 < report["air"]["worst"] < 1e-3, report["air"])

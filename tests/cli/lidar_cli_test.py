@@ -14,7 +14,9 @@ folder.mkdir(parents=True)
 
 def run(*arguments, status=0):
     done = subprocess.run([program, "atmos", *map(str, arguments)], capture_output=True, text=True)
-    assert done.returncode == status, f"{arguments}: status {done.returncode}, expected {status}\n{done.stdout}{done.stderr}"
+    assert (
+        done.returncode == status
+    ), f"{arguments}: status {done.returncode}, expected {status}\n{done.stdout}{done.stderr}"
     return done
 
 
@@ -22,7 +24,7 @@ def rows_of(table):
     return {row["name"]: row for row in json.loads(run("info", table, "--json").stdout)["rows"]}
 
 
-# S9: 532 nm at the ground of the US standard atmosphere: 0.01316 km-1 and 1.549e-3 km-1 sr-1.
+# AIR 9: 532 nm at the ground of the US standard atmosphere: 0.01316 km-1 and 1.549e-3 km-1 sr-1.
 table = folder / "lidar.rct"
 done = run("lidar", "--wavelengths", "1064,532", "-o", table)
 assert done.stdout.startswith(f"table: {table}\n") and "absorption by gases is absent" in done.stderr
@@ -36,16 +38,48 @@ assert "lidar_extinction_gas" not in rows_of(table) and "lidar_depolarization" i
 line = " 61 3057.687000 2.000E-19 1.000E+00.05800.078  104.77000.75-.006000"
 (folder / "one.par").write_text(line.ljust(160) + "\r\n")
 dial = folder / "dial.rct"
-done = run("lidar", "--wavelengths", f"{1e7 / 3058.4:.5f}", "--wavelengths", f"{1e7 / 3057.687:.5f}", "--lines", folder / "one.par",
-           "--lidar-ratio", "rural=55", "--cabannes", "-o", dial)
+done = run(
+    "lidar",
+    "--wavelengths",
+    f"{1e7 / 3058.4:.5f}",
+    "--wavelengths",
+    f"{1e7 / 3057.687:.5f}",
+    "--lines",
+    folder / "one.par",
+    "--lidar-ratio",
+    "rural=55",
+    "--cabannes",
+    "-o",
+    dial,
+)
 off, on = (float(text.split()[3]) for text in done.stdout.splitlines()[3:5])
 assert on > 10 * off > 0 and "holds no lines of h2o" in done.stderr
 info = json.loads(run("info", dial, "--json").stdout)
 assert info["provenance"]["parameters"]["cabannes_only"]
 assert all(math.isclose(ratio, 55) for ratio in info["provenance"]["parameters"]["lidar_ratio_sr"]["rural"])
 fine = folder / "fine.rct"
-run("build", "--model", "layered", "--sun-zenith", "40", "--aerosol", "none", "--from", 3.2703, "--to", 3.2705, "--step", 0.02,
-    "--highest", 0, "--lines", folder / "one.par", "--no-cache", "-o", fine)
+run(
+    "build",
+    "--model",
+    "layered",
+    "--sun-zenith",
+    "40",
+    "--aerosol",
+    "none",
+    "--from",
+    3.2703,
+    "--to",
+    3.2705,
+    "--step",
+    0.02,
+    "--highest",
+    0,
+    "--lines",
+    folder / "one.par",
+    "--no-cache",
+    "-o",
+    fine,
+)
 assert rows_of(fine)["sun_optical_depth"]["most"] > 3 * rows_of(fine)["sun_optical_depth"]["least"]
 
 # The same from a scene file.
@@ -58,8 +92,10 @@ gas = "ethane"
 file = "ethane.csv"
 mixing_ratio_ppmv = 0.001
 """)
-(folder / "ethane.csv").write_text("wavenumber_per_cm,pressure_hPa,temperature_K,cross_section_cm2\n"
-                                   "3050,1013.25,296,1e-19\n3060,1013.25,296,1e-19\n")
+(folder / "ethane.csv").write_text(
+    "wavenumber_per_cm,pressure_hPa,temperature_K,cross_section_cm2\n"
+    "3050,1013.25,296,1e-19\n3060,1013.25,296,1e-19\n"
+)
 done = run("lidar", folder / "air.toml", "--wavelengths", f"{1e7 / 3058.4:.5f}", "-o", folder / "scene.rct")
 ethane = 1e-9 * 2.55e19 * 1e-19 * 1e5
 assert math.isclose(float(done.stdout.splitlines()[3].split()[3]) - off, ethane, rel_tol=0.05)
@@ -67,18 +103,41 @@ assert math.isclose(float(done.stdout.splitlines()[3].split()[3]) - off, ethane,
 run("plot", dial, "-o", folder / "dial.png")
 assert (folder / "dial.png").read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
 figures = json.loads((folder / "dial.json").read_text())
-assert len(figures["rows"]["extinction_gas"]) == 2 and len(figures["rows"]["extinction_gas"][0]) == len(figures["height_m"])
+assert len(figures["rows"]["extinction_gas"]) == 2 and len(figures["rows"]["extinction_gas"][0]) == len(
+    figures["height_m"]
+)
 
 # Bad input: status 2 and a message that says what is wrong.
 assert "which wavelengths" in run("lidar", "-o", folder / "x.rct", status=2).stderr
 assert "'abc' is no number" in run("lidar", "--wavelengths", "abc", "-o", folder / "x.rct", status=2).stderr
-assert "NAME=VALUE" in run("lidar", "--wavelengths", 532, "--lidar-ratio", "55", "-o", folder / "x.rct", status=2).stderr
-assert "no such component" in run("lidar", "--wavelengths", 532, "--lidar-ratio", "dust=55", "-o", folder / "x.rct", status=2).stderr
-assert "the profile carries no 'ethane'" in run("lidar", "--wavelengths", 3270, "--cross-section", f"ethane={folder / 'ethane.csv'}",
-                                                "-o", folder / "x.rct", status=2).stderr
+assert (
+    "NAME=VALUE" in run("lidar", "--wavelengths", 532, "--lidar-ratio", "55", "-o", folder / "x.rct", status=2).stderr
+)
+assert (
+    "no such component"
+    in run("lidar", "--wavelengths", 532, "--lidar-ratio", "dust=55", "-o", folder / "x.rct", status=2).stderr
+)
+assert (
+    "the profile carries no 'ethane'"
+    in run(
+        "lidar",
+        "--wavelengths",
+        3270,
+        "--cross-section",
+        f"ethane={folder / 'ethane.csv'}",
+        "-o",
+        folder / "x.rct",
+        status=2,
+    ).stderr
+)
 (folder / "short.par").write_text(line + "\n")
-assert "short.par:1: a record has 160 characters" in run("lidar", "--wavelengths", 3270, "--lines", folder / "short.par", "-o",
-                                                          folder / "x.rct", status=2).stderr
-assert "cannot be read" in run("lidar", "--wavelengths", 3270, "--lines", folder / "none.par", "-o", folder / "x.rct", status=3).stderr
+assert (
+    "short.par:1: a record has 160 characters"
+    in run("lidar", "--wavelengths", 3270, "--lines", folder / "short.par", "-o", folder / "x.rct", status=2).stderr
+)
+assert (
+    "cannot be read"
+    in run("lidar", "--wavelengths", 3270, "--lines", folder / "none.par", "-o", folder / "x.rct", status=3).stderr
+)
 assert not (folder / "x.rct").exists()
 print("lidar: ground values, a methane line, scene file, bad input")

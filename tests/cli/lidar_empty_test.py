@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""LIDAR runs that record nothing say so, before the first pulse where that is known and after the last one why; returns that no
-surface made are few and doubtful; and sub-rays that miss the tolerance are told by whoever uses them.
+"""LIDAR runs that record nothing say so, before the first pulse where that is known and after the last one why; returns
+that no surface made are few and doubtful; and sub-rays that miss the tolerance are told by whoever uses them.
 usage: lidar_empty_test.py RAYCUBE"""
+
 import csv
 import json
 import pathlib
@@ -14,7 +15,8 @@ from driver import PULSE_AND_RECEIVER, Program, record
 program = Program(sys.argv[1])
 run, check = program.run, program.check
 
-SCENE = """format = 1
+SCENE = (
+    """format = 1
 [[material]]
 name = "ground"
 reflectance = {reflectance}
@@ -29,7 +31,9 @@ position_m = [0.0, 0.0, {height}]
 {more}
 prf_khz = {prf}
 pulses = {pulses}
-""" + PULSE_AND_RECEIVER + """[lidar.gate]
+"""
+    + PULSE_AND_RECEIVER
+    + """[lidar.gate]
 start_range_m = {start}
 stop_range_m = {stop}
 [lidar.sampling]
@@ -41,7 +45,19 @@ subrays = 16
 png = false
 cube = false
 """
-DEFAULTS = dict(reflectance=0.3, air="none", height=500.0, more="", prf=10.0, pulses=4, start=400.0, stop=600.0, sampling="", echoes="")
+)
+DEFAULTS = dict(
+    reflectance=0.3,
+    air="none",
+    height=500.0,
+    more="",
+    prf=10.0,
+    pulses=4,
+    start=400.0,
+    stop=600.0,
+    sampling="",
+    echoes="",
+)
 
 
 def written(work, change=(), **values):
@@ -59,7 +75,11 @@ def rendered(work, change=(), **values):
     done = run("render", written(work, change, **values), "-o", work / "out", "--overwrite")
     with open(work / "out/scan/returns.csv", newline="") as file:
         returns = list(csv.DictReader(file))
-    return returns, [line for line in done.stderr.splitlines() if "warning" in line], record(work / "out/scan")["warnings"]
+    return (
+        returns,
+        [line for line in done.stderr.splitlines() if "warning" in line],
+        record(work / "out/scan")["warnings"],
+    )
 
 
 def one(lines, *parts):
@@ -73,7 +93,9 @@ def by_night(work):
     returns, said, kept = rendered(work, [night])
     check(len(returns) == 4, returns)
     one(said, "scan", "solar_background", "no twilight"), one(kept, "solar_background", "no twilight")
-    _, said, kept = rendered(work, [night, ("[lidar.products]", "[lidar.detector]\nsolar_background = false\n[lidar.products]")])
+    _, said, kept = rendered(
+        work, [night, ("[lidar.products]", "[lidar.detector]\nsolar_background = false\n[lidar.products]")]
+    )
     check(not said and not kept, said, kept)
 
 
@@ -82,35 +104,60 @@ def known_before(work):
     # Ground lies 500 m below, its corners at 520 m; a gate beside it, and none of it said where it holds them.
     check("the gate holds" not in checked() and "the gate holds" not in checked(start=0.0, stop=500.5), checked())
     for start, stop in ((100.0, 400.0), (550.0, 700.0)):
-        check(f"the gate holds ranges of {start:.0f} to" in checked(start=start, stop=stop) and "lies 500 to 519.6" in checked(start=start, stop=stop), checked(start=start, stop=stop))
+        check(
+            f"the gate holds ranges of {start:.0f} to" in checked(start=start, stop=stop)
+            and "lies 500 to 519.6" in checked(start=start, stop=stop),
+            checked(start=start, stop=stop),
+        )
     check("set start_range_m and stop_range_m" in checked(start=100.0, stop=400.0), checked(start=100.0, stop=400.0))
     # 400 kHz: 374.74 m of range between pulses; the pulse before comes back at 125.26 m.
     ambiguous = dict(prf=400.0, start=100.0, stop=200.0)
     check("set fold_ambiguous = true" in checked(**ambiguous), checked(**ambiguous))
-    check("the gate holds" not in checked(more="fold_ambiguous = true", **ambiguous), checked(more="fold_ambiguous = true", **ambiguous))
+    check(
+        "the gate holds" not in checked(more="fold_ambiguous = true", **ambiguous),
+        checked(more="fold_ambiguous = true", **ambiguous),
+    )
     check("the gate holds" in checked(more="fold_ambiguous = true", prf=400.0, start=200.0, stop=300.0))
     # A bounce more can come from anywhere behind.
     check("the gate holds" not in checked(start=550.0, stop=700.0, sampling="bounces = 2"))
     check("rays end 300 m away" in checked(sampling="range_limit_m = 300.0"), checked(sampling="range_limit_m = 300.0"))
-    for change, says in (((("fov_mrad = 2.0", "fov_mrad = 0.0"),), "a field of view of 0 sees nothing"),
-                         ((("energy_J = 1e-4", "energy_J = 0.0"),), "'energy_J' is out of range"),
-                         ((("fov_mrad = 2.0", "fov_mrad = 2.0\nefficiency = 0.0"),), "'efficiency' is out of range"),
-                         ((("fov_mrad = 2.0", "fov_mrad = 2.0\nquantum_efficiency = 0"),), "'quantum_efficiency' is out of range"),
-                         ((("fwhm_ns = 4.0", "fwhm_ns = 4.0\ntransmit_efficiency = 0"),), "'transmit_efficiency' is out of range")):
+    for change, says in (
+        ((("fov_mrad = 2.0", "fov_mrad = 0.0"),), "a field of view of 0 sees nothing"),
+        ((("energy_J = 1e-4", "energy_J = 0.0"),), "'energy_J' is out of range"),
+        ((("fov_mrad = 2.0", "fov_mrad = 2.0\nefficiency = 0.0"),), "'efficiency' is out of range"),
+        ((("fov_mrad = 2.0", "fov_mrad = 2.0\nquantum_efficiency = 0"),), "'quantum_efficiency' is out of range"),
+        ((("fwhm_ns = 4.0", "fwhm_ns = 4.0\ntransmit_efficiency = 0"),), "'transmit_efficiency' is out of range"),
+    ):
         program.refused("render", written(work, change), "-o", work / "none", status=2, says=[says])
         check(not (work / "none").exists())
-    returns, _, _ = rendered(work, [("fov_mrad = 2.0", "fov_mrad = 0.0")], sampling='overlap = "off"')  # a receiver that sees all
+    returns, _, _ = rendered(
+        work, [("fov_mrad = 2.0", "fov_mrad = 0.0")], sampling='overlap = "off"'
+    )  # a receiver that sees all
     check(len(returns) == 4, returns)
-    for echoes, says in (("false_returns = 0.0", "'false_returns' is out of range"), ("noise_class_above = -1", "'noise_class_above' is out of range"),
-                         ("false_returns = 0.1\nthreshold_sigma = 5", "'false_returns' and 'threshold_sigma' exclude each other"),
-                         ('air_is_background = "no"', "air_is_background")):
+    for echoes, says in (
+        ("false_returns = 0.0", "'false_returns' is out of range"),
+        ("noise_class_above = -1", "'noise_class_above' is out of range"),
+        ("false_returns = 0.1\nthreshold_sigma = 5", "'false_returns' and 'threshold_sigma' exclude each other"),
+        ('air_is_background = "no"', "air_is_background"),
+    ):
         program.refused("render", written(work, echoes=echoes), "-o", work / "none", status=2, says=[says])
-    program.refused("render", written(work, [("[lidar.products]", '[lidar.detector]\nmode = "geiger"\n[lidar.products]')], echoes="false_returns = 0.1"),
-                    "-o", work / "none", status=2, says=["'false_returns' means nothing for mode = \"geiger\""])
+    program.refused(
+        "render",
+        written(
+            work,
+            [("[lidar.products]", '[lidar.detector]\nmode = "geiger"\n[lidar.products]')],
+            echoes="false_returns = 0.1",
+        ),
+        "-o",
+        work / "none",
+        status=2,
+        says=["'false_returns' means nothing for mode = \"geiger\""],
+    )
 
 
 def plume_aloft(work):
-    """A plume of particles 200 m up, its source's foot on the ground: what a gate of 5 to 60 m beside it records is told as possible."""
+    """A plume of particles 200 m up, its source's foot on the ground: what a gate of 5 to 60 m beside it records is
+    told as possible."""
     plume = """[[volume]]
 name = "stack"
 shape = "plume"
@@ -129,12 +176,17 @@ particles = { extinction_per_m = %s }
 
 
 def known_after(work):
-    for values, parts in ((dict(start=100.0, stop=400.0), ("no return was found in 4 pulses", "100 % after it closes", "the gate holds 100 to 400")),
-                          (dict(start=550.0, stop=700.0), ("no return was found", "100 % came before the gate opens")),
-                          (dict(sampling="minimum_range_m = 510.0"), ("no return was found", "100 % from nearer than minimum_range_m")),
-                          (dict(more="roll_deg = 60.0"), ("no return was found", "no beam meets anything", "100 % left the scene")),
-                          (dict(reflectance=0.0), ("no return was found", "surfaces absorb all light", "100 % was absorbed by surfaces")),
-                          (dict(reflectance=1e-9), ("no return was found", "does not reach the threshold"))):
+    for values, parts in (
+        (
+            dict(start=100.0, stop=400.0),
+            ("no return was found in 4 pulses", "100 % after it closes", "the gate holds 100 to 400"),
+        ),
+        (dict(start=550.0, stop=700.0), ("no return was found", "100 % came before the gate opens")),
+        (dict(sampling="minimum_range_m = 510.0"), ("no return was found", "100 % from nearer than minimum_range_m")),
+        (dict(more="roll_deg = 60.0"), ("no return was found", "no beam meets anything", "100 % left the scene")),
+        (dict(reflectance=0.0), ("no return was found", "surfaces absorb all light", "100 % was absorbed by surfaces")),
+        (dict(reflectance=1e-9), ("no return was found", "does not reach the threshold")),
+    ):
         returns, said, kept = rendered(work, **values)
         check(returns == [], values, returns)
         one(said, *parts)
@@ -157,48 +209,69 @@ def known_after(work):
 def classes_of(path):
     """Classification of every point of a LAS 1.4 file: byte 16 of point formats 6 to 10."""
     data = path.read_bytes()
-    start, = struct.unpack_from("<I", data, 96)
-    size, = struct.unpack_from("<H", data, 105)
-    count, = struct.unpack_from("<Q", data, 247)
+    (start,) = struct.unpack_from("<I", data, 96)
+    (size,) = struct.unpack_from("<H", data, 105)
+    (count,) = struct.unpack_from("<Q", data, 247)
     return [data[start + i * size + 16] for i in range(count)]
 
 
 def clear_air(work):
-    """Default echoes from 500 m through clear air, the gate open from the exit on: before 93 % of the returns came from no surface."""
-    linear = [("[lidar.products]", '[lidar.detector]\nmode = "linear"\ngain = 20.0\nionization_ratio = 0.2\nreadout_noise_e = 100.0\n[lidar.products]')]
+    """Default echoes from 500 m through clear air, the gate open from the exit on: before 93 % of the returns came from
+    no surface."""
+    linear = [
+        (
+            "[lidar.products]",
+            '[lidar.detector]\nmode = "linear"\ngain = 20.0\nionization_ratio = 0.2\nreadout_noise_e = 100.0\n'
+            '[lidar.products]',
+        )
+    ]
     for change in ((), linear):
         returns, said, _ = rendered(work, change, air="layered", pulses=300, start=0.0, stop=600.0)
         none = [row for row in returns if row["order"] == "0"]
         surface = {row["pulse"] for row in returns if row["order"] == "1"}
-        print(f"clear air, {'linear' if change else 'photons'}: {len(returns)} returns of 300 pulses, {len(none)} from no surface, {300 - len(surface)} surface returns lost")
+        print(
+            f"clear air, {'linear' if change else 'photons'}: {len(returns)} returns of 300 pulses, {len(none)} from "
+            f"no surface, {300 - len(surface)} surface returns lost"
+        )
         check(len(surface) == 300 and said == [], len(surface), said)
-        check(len(none) <= 3 * 1.4 + 4 * 4.2**0.5, len(none))  # false_returns = 0.01 of each pulse, known to 40 % (linear)
+        check(
+            len(none) <= 3 * 1.4 + 4 * 4.2**0.5, len(none)
+        )  # false_returns = 0.01 of each pulse, known to 40 % (linear)
         classes = classes_of(work / "out/scan/returns.las")
         check(len(classes) == len(returns))
         for row, found in zip(returns, classes):
             check(found == (7 if float(row["chance"]) > 0.001 else 1), row, found)
             check(row["order"] == "0" or found == 1, row)
         check(sum(found == 1 and row["order"] == "0" for row, found in zip(returns, classes)) <= 3, classes)
-    returns, _, _ = rendered(work, air="layered", pulses=4, start=0.0, stop=600.0, echoes="air_is_background = false\nnoise_class_above = 0")
+    returns, _, _ = rendered(
+        work, air="layered", pulses=4, start=0.0, stop=600.0, echoes="air_is_background = false\nnoise_class_above = 0"
+    )
     check(len(returns) == 60 and set(classes_of(work / "out/scan/returns.las")) == {1}, len(returns))
 
 
 def geiger(work):
-    """Cells that dark counts fire: 1e6 a second, 667 ns from the gate's opening to the ground and as long behind it. Of a strong pulse's 200
-    exp(-0.667) find the cell ready (before, none of these was known to be of the ground: its first photons come long before its power
-    has); of a hopeless one's nothing is left but 1 - exp(-1.334) dark counts, which passed without a word."""
+    """Cells that dark counts fire: 1e6 a second, 667 ns from the gate's opening to the ground and as long behind it. Of
+    a strong pulse's 200 exp(-0.667) find the cell ready (before, none of these was known to be of the ground: its first
+    photons come long before its power has); of a hopeless one's nothing is left but 1 - exp(-1.334) dark counts, which
+    passed without a word."""
     kind = "[lidar.detector]\nmode = \"geiger\"\ndark_rate_hz = 1e6\n[lidar.products]"
     for energy, of_ground, found in (("1e-4", 200 * 0.5134, 200), ("1e-16", 0, 200 * 0.7366)):
-        returns, said, kept = rendered(work, [("energy_J = 1e-4", f"energy_J = {energy}"), ("[lidar.products]", kind)], pulses=200)
+        returns, said, kept = rendered(
+            work, [("energy_J = 1e-4", f"energy_J = {energy}"), ("[lidar.products]", kind)], pulses=200
+        )
         deviation = 200**0.5 * 0.5
         check(abs(len(returns) - found) <= 4 * deviation, len(returns), found)
         near = sum(row["order"] == "1" for row in returns)
         expected = record(work / "out/scan")["survey"]["returns_of_matter_expected"]
         print(f"geiger, {energy} J: {len(returns)} returns, {near} at the ground, {expected:.4g} expected of it")
         if of_ground:
-            check(abs(near - of_ground) <= 4 * deviation and abs(near - expected) < 1 and not said, near, of_ground, said)
+            check(
+                abs(near - of_ground) <= 4 * deviation and abs(near - expected) < 1 and not said, near, of_ground, said
+            )
         else:
-            check(near <= 2 * 200 * 0.0134 + 4 and expected < 0.01, near, expected)  # events within the pulse's 13 ns by chance
+            check(
+                near <= 2 * 200 * 0.0134 + 4 and expected < 0.01, near, expected
+            )  # events within the pulse's 13 ns by chance
             one(said, f"all {len(returns)} returns are noise, background or air", "photo-electrons a record")
             one(kept, "noise, background or air")
 
@@ -212,26 +285,58 @@ def tolerance(work):
         error = record(work / "out/scan")["error"]
         scene = work / "scene.toml"
         planned = json.loads(run("plan", scene, "--json").stdout)["instruments"][0]["decision"]
-        print(f"{subrays} sub-rays: render says {error['likely']:.3g} to {error['total']:.3g}, plan {planned['error']:.3g}")
+        print(
+            f"{subrays} sub-rays: render says {error['likely']:.3g} to {error['total']:.3g}, plan "
+            f"{planned['error']:.3g}"
+        )
         check(error["within_tolerance"] == keeps == planned["within_tolerance"], error, planned)
-        # Both are bounds of the same error, from few pulses: within twofold of one another where there is one to speak of.
+        # Both are bounds of the same error, from few pulses: within twofold of one another where there is one to speak
+        # of.
         check(keeps or 0.5 < error["total"] / planned["error"] < 2, error, planned)
-        check(len([line for line in said if "NOT KEPT" in line]) == len([line for line in kept if "NOT KEPT" in line]) == (not keeps), said, kept)
+        check(
+            len([line for line in said if "NOT KEPT" in line])
+            == len([line for line in kept if "NOT KEPT" in line])
+            == (not keeps),
+            said,
+            kept,
+        )
         looked = run("check", scene, "--pulses", 2).stdout
-        check(f"not looked at: how well {subrays} sub-rays tell" in looked and "not looked at: what comes after" in looked, looked)
-    # However few the pulses, and where one pattern serves all of them: whatever the seed, what the plan's trial says with
-    # its 2048 sub-rays. 1.5: over six seeds the two part by up to 1.17 (256 sub-rays, whose references are as coarse).
+        check(
+            f"not looked at: how well {subrays} sub-rays tell" in looked
+            and "not looked at: what comes after" in looked,
+            looked,
+        )
+    # However few the pulses, and where one pattern serves all of them: whatever the seed, what the plan's trial says
+    # with its 2048 sub-rays. 1.5: over six seeds the two part by up to 1.17 (256 sub-rays, whose references are as
+    # coarse).
     narrow = [("fwhm_ns = 4.0", "fwhm_ns = 0.3"), ("[lidar.gate]", "[lidar.gate]\nbin_ns = 0.2")]
-    receiver = narrow + [("[lidar.sampling]", '[lidar.sampling]\nfrom = "receiver"'),
-                         ("fov_mrad = 40.0", "array = { columns = 4, rows = 4, focal_length_mm = 500.0, pitch_um = 1000.0 }")]
-    for name, more, subrays in (("one pulse", [], 16), ("one pulse", [], 64), ("one pulse", [], 256), ("narrow pulse", narrow, 3), ("array", receiver, 64)):
+    receiver = narrow + [
+        ("[lidar.sampling]", '[lidar.sampling]\nfrom = "receiver"'),
+        ("fov_mrad = 40.0", "array = { columns = 4, rows = 4, focal_length_mm = 500.0, pitch_um = 1000.0 }"),
+    ]
+    for name, more, subrays in (
+        ("one pulse", [], 16),
+        ("one pulse", [], 64),
+        ("one pulse", [], 256),
+        ("narrow pulse", narrow, 3),
+        ("array", receiver, 64),
+    ):
         for seed in range(1, 4):
-            change = wide + more + [("subrays = 16", f"subrays = {subrays}"), ("format = 1", f"format = 1\nseed = {seed}")]
+            change = (
+                wide + more + [("subrays = 16", f"subrays = {subrays}"), ("format = 1", f"format = 1\nseed = {seed}")]
+            )
             rendered(work, change, more="roll_deg = 10.0", pulses=1)
             error = record(work / "out/scan")["error"]
-            planned = json.loads(run("plan", work / "scene.toml", "--json", "-q").stdout)["instruments"][0]["decision"]["error"]
-            print(f"{name}, {subrays} sub-rays, seed {seed}: render says {error['likely']:.3g} to {error['total']:.3g}, plan {planned:.3g}")
-            check(error["total"] > planned / 1.5 and error["likely"] < 1.5 * planned, name, subrays, seed, error, planned)
+            planned = json.loads(run("plan", work / "scene.toml", "--json", "-q").stdout)["instruments"][0]["decision"][
+                "error"
+            ]
+            print(
+                f"{name}, {subrays} sub-rays, seed {seed}: render says {error['likely']:.3g} to {error['total']:.3g}, "
+                f"plan {planned:.3g}"
+            )
+            check(
+                error["total"] > planned / 1.5 and error["likely"] < 1.5 * planned, name, subrays, seed, error, planned
+            )
 
 
 with tempfile.TemporaryDirectory() as folder:

@@ -1,7 +1,10 @@
-"""LAS files of known contents, every byte accounted for, read by code from the specification. Usage: lidar_las_test.py SAMPLES RAYCUBE
-Geometry, set by tests/support/las_samples.cpp: beams 10 degrees off nadir, first sample at the gate, returns on and between samples.
-Tolerances: coordinates are stored to 0.1 mm, so half of that on each axis; a direction in float32 is good to 6e-8 of 1.5e-4 m/ps
-over at most 1.3e5 ps (1e-6 m)."""
+"""LAS files of known contents, every byte accounted for, read by code from the specification. Usage: lidar_las_test.py
+SAMPLES RAYCUBE
+Geometry, set by tests/support/las_samples.cpp: beams 10 degrees off nadir, first sample at the gate, returns on and
+between samples.
+Tolerances: coordinates are stored to 0.1 mm, so half of that on each axis; a direction in float32 is good to 6e-8 of
+1.5e-4 m/ps over at most 1.3e5 ps (1e-6 m)."""
+
 import json
 import math
 import pathlib
@@ -15,8 +18,22 @@ from las_packets import Las, place  # noqa: E402
 
 LIGHT = 299792458.0
 kQuantum = 0.5e-4 + 2e-6
-kExtra = [(7, "pulse_id"), (10, "range"), (10, "range_true"), (9, "expected_pe"), (9, "echo_fwhm_ns"), (9, "pd"), (1, "bounce_order"), (5, "object_id"),
-          (3, "material_id"), (9, "incidence_deg"), (9, "gff"), (9, "trans_2way"), (9, "subray_fraction"), (9, "energy_pe")]
+kExtra = [
+    (7, "pulse_id"),
+    (10, "range"),
+    (10, "range_true"),
+    (9, "expected_pe"),
+    (9, "echo_fwhm_ns"),
+    (9, "pd"),
+    (1, "bounce_order"),
+    (5, "object_id"),
+    (3, "material_id"),
+    (9, "incidence_deg"),
+    (9, "gff"),
+    (9, "trans_2way"),
+    (9, "subray_fraction"),
+    (9, "energy_pe"),
+]
 checks = 0
 
 
@@ -41,7 +58,9 @@ def header(las, expected):
     record = (59 if packets else 30) + 63
     at = 375 + vlrs
     evlr = at + record * len(points) if inside else 0
-    wanted = b"LASF" + struct.pack("<HH", 0, 1 | 16 | (2 if inside else 4 if packets else 0)) + bytes(16) + bytes([1, 4])
+    wanted = (
+        b"LASF" + struct.pack("<HH", 0, 1 | 16 | (2 if inside else 4 if packets else 0)) + bytes(16) + bytes([1, 4])
+    )
     wanted += b"raycube LIDAR".ljust(32, b"\0") + b"raycube".ljust(32, b"\0")
     wanted += struct.pack("<HHHIIBH", 200, 2026, 375, at, 5 if packets else 3, expected["format"], record) + bytes(24)
     wanted += struct.pack("<3d3d", 1e-4, 1e-4, 1e-4, 500000.0, 5400000.0, 250.0) + struct.pack("<6d", *box)
@@ -51,11 +70,14 @@ def header(las, expected):
         check(las.raw[i] == wanted[i], "header byte", i, las.raw[i], wanted[i])
     check(las.vlrs_end == las.points_at and las.end == len(las.raw), las.vlrs_end, las.points_at, las.end, len(las.raw))
     check(las.vlr("LASF_Projection", 2112) == wkt)
-    check(las.vlr("raycube", 1).rstrip(b"\0") == f"pulses = 200\npulses without return = {expected['without_return']}\n".encode())
+    check(
+        las.vlr("raycube", 1).rstrip(b"\0")
+        == f"pulses = 200\npulses without return = {expected['without_return']}\n".encode()
+    )
     fields = las.vlr("LASF_Spec", 4)
     check(len(fields) == 14 * 192)
     for i, (kind, name) in enumerate(kExtra):
-        one = fields[192 * i:192 * (i + 1)]
+        one = fields[192 * i : 192 * (i + 1)]
         options = 1 if name in ("object_id", "material_id") else 0
         check(one[0:4] == bytes([0, 0, kind, options]) and one[4:36] == name.encode().ljust(32, b"\0"), one[:36])
         no_data = {"object_id": 0xFFFFFFFF, "material_id": 0xFFFF}.get(name, 0)
@@ -68,10 +90,29 @@ def points(las, expected):
         got = las.point(number)
         for axis, value in zip("xyz", got["xyz"]):
             check(abs(value - p[axis]) <= 0.5e-4 + 2e-9, "coordinate", axis, value, p[axis])  # and doubles near 5.4e6
-        for key in ("intensity", "return_number", "number_of_returns", "classification", "user_data", "scan_angle", "point_source_id", "gps_time"):
+        for key in (
+            "intensity",
+            "return_number",
+            "number_of_returns",
+            "classification",
+            "user_data",
+            "scan_angle",
+            "point_source_id",
+            "gps_time",
+        ):
             check(got[key] == p[key], key, got[key], p[key])
-        flags = sum(p[key] << bit for key, bit in (("synthetic", 0), ("key_point", 1), ("withheld", 2), ("overlap", 3), ("scanner_channel", 4),
-                                                   ("scan_direction_flag", 6), ("edge_of_flight_line", 7)))
+        flags = sum(
+            p[key] << bit
+            for key, bit in (
+                ("synthetic", 0),
+                ("key_point", 1),
+                ("withheld", 2),
+                ("overlap", 3),
+                ("scanner_channel", 4),
+                ("scan_direction_flag", 6),
+                ("edge_of_flight_line", 7),
+            )
+        )
         check(got["flags"] == flags, got["flags"], flags)
         for value, wanted, (_, name) in zip(struct.unpack("<QddfffBIHfffff", las.extra(number)), p["extra"], kExtra):
             check(math.isnan(value) if wanted is None else value == wanted, name, value, wanted)
@@ -85,8 +126,12 @@ def waveforms(las, expected, gate_s, spacing_s):
     store = las.packet_store()
     size = 256 * bits // 8
     data_bytes = 200 * size + 16
-    check(bytes(store[:60]) == struct.pack("<H16sHQ32s", 0, b"LASF_Spec", 65535, data_bytes, b"waveform data packets") and len(store) == 60 + data_bytes)
-    # Packets lie in pulse order without gaps: those of pulses without return are found although no point refers to them.
+    check(
+        bytes(store[:60]) == struct.pack("<H16sHQ32s", 0, b"LASF_Spec", 65535, data_bytes, b"waveform data packets")
+        and len(store) == 60 + data_bytes
+    )
+    # Packets lie in pulse order without gaps: those of pulses without return are found although no point refers to
+    # them.
     offset = 60
     for wave in expected["waves"]:
         check(wave["offset"] == offset, wave["pulse"], wave["offset"], offset)
@@ -116,11 +161,18 @@ def waveforms(las, expected, gate_s, spacing_s):
 def damaged(program, folder, las):
     """Truncated and foreign files: exit status 2, one error line that says what is wrong."""
     raw = las.raw
-    cases = {"empty.las": (b"", "no LAS file"), "foreign.las": (b"PK\3\4" + bytes(1000), "no LAS file"), "short.las": (raw[:100], "cut short"),
-             "header.las": (raw[:300], "cut short"), "records.las": (raw[:500], "cut short"), "points.las": (raw[:las.points_at + 1000], "cut short"),
-             "version.las": (raw[:24] + bytes([2, 0]) + raw[26:], "LAS 2.0"), "format.las": (raw[:104] + bytes([11]) + raw[105:], "point format 11"),
-             "record.las": (raw[:105] + struct.pack("<H", 20) + raw[107:], "at least"),
-             "vlrs.las": (raw[:100] + struct.pack("<I", 4000000000) + raw[104:], "cut short")}
+    cases = {
+        "empty.las": (b"", "no LAS file"),
+        "foreign.las": (b"PK\3\4" + bytes(1000), "no LAS file"),
+        "short.las": (raw[:100], "cut short"),
+        "header.las": (raw[:300], "cut short"),
+        "records.las": (raw[:500], "cut short"),
+        "points.las": (raw[: las.points_at + 1000], "cut short"),
+        "version.las": (raw[:24] + bytes([2, 0]) + raw[26:], "LAS 2.0"),
+        "format.las": (raw[:104] + bytes([11]) + raw[105:], "point format 11"),
+        "record.las": (raw[:105] + struct.pack("<H", 20) + raw[107:], "at least"),
+        "vlrs.las": (raw[:100] + struct.pack("<I", 4000000000) + raw[104:], "cut short"),
+    }
     for name, (content, says) in cases.items():
         (folder / name).write_bytes(content)
         done = subprocess.run([program, "info", folder / name], capture_output=True, text=True)
@@ -136,16 +188,42 @@ def damaged(program, folder, las):
 def shown(program, folder, name, las, expected):
     """`raycube info` against what this reader found."""
     text = subprocess.run([program, "info", folder / f"{name}.las"], capture_output=True, text=True)
-    check(text.returncode == 0 and "LAS 1.4" in text.stdout and f"{las.count} points" in text.stdout.replace(",", ""), text)
-    said = json.loads(subprocess.run([program, "info", "--json", folder / f"{name}.las"], capture_output=True, text=True).stdout)
-    check(said["kind"] == "las" and said["points"] == las.count and said["format"] == las.format and said["by_return"] == list(las.by_return), said)
-    check(said["low"] == list(las.low) and said["high"] == list(las.high) and said["scale"] == list(las.scale) and said["wkt"] == expected["wkt"])
+    check(
+        text.returncode == 0 and "LAS 1.4" in text.stdout and f"{las.count} points" in text.stdout.replace(",", ""),
+        text,
+    )
+    said = json.loads(
+        subprocess.run([program, "info", "--json", folder / f"{name}.las"], capture_output=True, text=True).stdout
+    )
+    check(
+        said["kind"] == "las"
+        and said["points"] == las.count
+        and said["format"] == las.format
+        and said["by_return"] == list(las.by_return),
+        said,
+    )
+    check(
+        said["low"] == list(las.low)
+        and said["high"] == list(las.high)
+        and said["scale"] == list(las.scale)
+        and said["wkt"] == expected["wkt"]
+    )
     check(said["pulses"] == 200 and said["pulses_without_return"] == expected["without_return"])
     check([f["name"] for f in said["extra_fields"]] == [name for _, name in kExtra])
     if las.format == 9:
         check(said["waveforms"]["where"] == ("internal" if expected["internal"] else "external"), said)
-        check(said["waveforms"]["descriptors"][0] == {"index": 1, "bits": expected["bits"], "samples": 256, "spacing_ps": 500,
-                                                      "gain": las.descriptor(1)[4], "offset": -1.25}, said["waveforms"])
+        check(
+            said["waveforms"]["descriptors"][0]
+            == {
+                "index": 1,
+                "bits": expected["bits"],
+                "samples": 256,
+                "spacing_ps": 500,
+                "gain": las.descriptor(1)[4],
+                "offset": -1.25,
+            },
+            said["waveforms"],
+        )
 
 
 def main():
@@ -154,7 +232,10 @@ def main():
         folder = pathlib.Path(name)
         subprocess.run([samples, folder], check=True)
         expected = json.loads((folder / "expected.json").read_text())
-        check(sorted(p.name for p in folder.iterdir()) == ["bytes.las", "bytes.wdp", "expected.json", "inside.las", "nine.las", "nine.wdp", "six.las"])
+        check(
+            sorted(p.name for p in folder.iterdir())
+            == ["bytes.las", "bytes.wdp", "expected.json", "inside.las", "nine.las", "nine.wdp", "six.las"]
+        )
         for file, content in expected["files"].items():
             las = Las(folder / f"{file}.las")
             header(las, content)

@@ -1,5 +1,7 @@
-"""LAS files of known contents opened by laspy (PyPI), an implementation nobody here wrote. Usage: lidar_laspy_test.py SAMPLES RUN_SAMPLES
-Runs in the virtual environment that ci/setup makes; without laspy there, it says so and skips (77)."""
+"""LAS files of known contents opened by laspy (PyPI), an implementation nobody here wrote. Usage: lidar_laspy_test.py
+SAMPLES RUN_SAMPLES Runs in the virtual environment that ci/setup makes; without laspy there, it says so and skips
+(77)."""
+
 import json
 import os
 import pathlib
@@ -11,11 +13,17 @@ try:
     import laspy
     import numpy
 except ImportError as reason:
-    print(f"SKIPPED: no laspy ({reason}): LAS files were NOT opened by an independent library. ci/setup installs it from PyPI when it can be reached.")
+    print(
+        f"SKIPPED: no laspy ({reason}): LAS files were NOT opened by an independent library. ci/setup installs it from "
+        f"PyPI when it can be reached."
+    )
     sys.exit(77)
 
 checks = 0
-kExtra = "pulse_id range range_true expected_pe echo_fwhm_ns pd bounce_order object_id material_id incidence_deg gff trans_2way subray_fraction energy_pe".split()
+kExtra = (
+    "pulse_id range range_true expected_pe echo_fwhm_ns pd bounce_order object_id material_id incidence_deg gff "
+    "trans_2way subray_fraction energy_pe"
+).split()
 kTypes = "u8 f8 f8 f4 f4 f4 u1 u4 u2 f4 f4 f4 f4 f4".split()
 
 
@@ -29,9 +37,15 @@ def compare(las, expected):
     header, points = las.header, expected["points"]
     check(str(header.version) == "1.4" and header.point_format.id == expected["format"], header)
     check(header.point_count == len(points) == len(las.points))
-    check(list(header.number_of_points_by_return) == [sum(p["return_number"] == r for p in points) for r in range(1, 16)])
+    check(
+        list(header.number_of_points_by_return) == [sum(p["return_number"] == r for p in points) for r in range(1, 16)]
+    )
     encoding = header.global_encoding
-    check(encoding.wkt and encoding.gps_time_type == laspy.header.GpsTimeType.STANDARD and not encoding.synthetic_return_numbers)
+    check(
+        encoding.wkt
+        and encoding.gps_time_type == laspy.header.GpsTimeType.STANDARD
+        and not encoding.synthetic_return_numbers
+    )
     waves = expected["format"] == 9
     check(bool(encoding.waveform_data_packets_internal) == expected["internal"])
     check(bool(encoding.waveform_data_packets_external) == (waves and not expected["internal"]))
@@ -41,8 +55,23 @@ def compare(las, expected):
         values, wanted = numpy.asarray(las[axis]), numpy.array([p[axis] for p in points])
         check(abs(values - wanted).max() <= 0.5e-4 + 2e-9, axis)  # stored to 0.1 mm
         check(values.min() == header.mins[i] and values.max() == header.maxs[i], "bounding box", axis)
-    for name in ("intensity", "return_number", "number_of_returns", "synthetic", "key_point", "withheld", "overlap", "scanner_channel", "scan_direction_flag",
-                 "edge_of_flight_line", "classification", "user_data", "scan_angle", "point_source_id", "gps_time"):
+    for name in (
+        "intensity",
+        "return_number",
+        "number_of_returns",
+        "synthetic",
+        "key_point",
+        "withheld",
+        "overlap",
+        "scanner_channel",
+        "scan_direction_flag",
+        "edge_of_flight_line",
+        "classification",
+        "user_data",
+        "scan_angle",
+        "point_source_id",
+        "gps_time",
+    ):
         check(numpy.array_equal(las[name], [p[name] for p in points]), name)
     check(list(las.point_format.extra_dimension_names) == kExtra, list(las.point_format.extra_dimension_names))
     for i, (name, kind) in enumerate(zip(kExtra, kTypes)):
@@ -54,27 +83,49 @@ def compare(las, expected):
     if waves:
         kinds = header.vlrs.get("WaveformPacketVlr")
         first = kinds[0].parsed_record
-        check(len(kinds) == 2 and (first.bits_per_sample, first.number_of_samples, first.temporal_sample_spacing) == (expected["bits"], 256, 500), first)
+        check(
+            len(kinds) == 2
+            and (first.bits_per_sample, first.number_of_samples, first.temporal_sample_spacing)
+            == (expected["bits"], 256, 500),
+            first,
+        )
         check(first.digitizer_offset == -1.25 and first.digitizer_gain == (0.5 if expected["bits"] == 8 else 0.01))
-        check(set(numpy.asarray(las["wavepacket_index"])) == {1} and set(numpy.asarray(las["wavepacket_size"])) == {256 * expected["bits"] // 8})
+        check(
+            set(numpy.asarray(las["wavepacket_index"])) == {1}
+            and set(numpy.asarray(las["wavepacket_size"])) == {256 * expected["bits"] // 8}
+        )
         check(numpy.array_equal(las["wavepacket_offset"], [p["offset"] for p in points]))
         wanted = numpy.array([p["beam"] for p in points]) * (-299792458.0 / 2 * 1e-12)
         for i, name in enumerate(("x_t", "y_t", "z_t")):
             check(abs(numpy.asarray(las[name]) - wanted[:, i]).max() < 1.5e-11, name)  # float32 of 1.5e-4
         delay = [(2 * p["range"] / 299792458.0 - 3.9e-6) * 1e12 for p in points]
-        check(abs(numpy.asarray(las["return_point_wave_location"]) - delay).max() < 8e-3)  # float32 below 131072 ps: half of 2^-7
+        check(
+            abs(numpy.asarray(las["return_point_wave_location"]) - delay).max() < 8e-3
+        )  # float32 below 131072 ps: half of 2^-7
 
 
 def runs(program, folder):
     """The files of whole runs, external and internal waveforms."""
     for name, pixels, waves in (("survey", 1, "external"), ("flash", 64, "internal")):
-        subprocess.run([program, name, folder / name], check=True, env={**os.environ, "RAYCUBE_DATA": str(folder)}, stderr=subprocess.DEVNULL)
+        subprocess.run(
+            [program, name, folder / name],
+            check=True,
+            env={**os.environ, "RAYCUBE_DATA": str(folder)},
+            stderr=subprocess.DEVNULL,
+        )
         las = laspy.read(folder / name / "returns.las")
         check(las.header.point_format.id == 9 and getattr(las.header.global_encoding, f"waveform_data_packets_{waves}"))
         check(sum(las.header.number_of_points_by_return) == len(las.points) == las.header.point_count > 500)
-        check(int(las.point_source_id.max()) == pixels - 1 and set(numpy.asarray(las.material_id)) == {0, 1} and (las.intensity.max() > 32767))
+        check(
+            int(las.point_source_id.max()) == pixels - 1
+            and set(numpy.asarray(las.material_id)) == {0, 1}
+            and (las.intensity.max() > 32767)
+        )
         floor = 180 if name == "survey" else 0
-        check(set(numpy.round(numpy.asarray(las.z)[numpy.asarray(las.subray_fraction) == 1]).astype(int)) == {floor, floor + 10})
+        check(
+            set(numpy.round(numpy.asarray(las.z)[numpy.asarray(las.subray_fraction) == 1]).astype(int))
+            == {floor, floor + 10}
+        )
         check(len(las.header.vlrs.get("WaveformPacketVlr")) == 2)
 
 

@@ -1,5 +1,9 @@
-"""What a LIDAR run leaves in its folder: time cube, LAS, waveforms, tables and pictures say the same, and what the geometry says.
-Usage: lidar_products_test.py RUN_SAMPLES RAYCUBE (tests/support/lidar_run_samples.cpp: a plane, and a roof 10 m above it)"""
+"""What a LIDAR run leaves in its folder: time cube, LAS, waveforms, tables and pictures say the same, and what the
+geometry says.
+Usage: lidar_products_test.py RUN_SAMPLES RAYCUBE (tests/support/lidar_run_samples.cpp: a plane, and a roof 10 m above
+it)
+"""
+
 import csv
 import json
 import math
@@ -45,7 +49,12 @@ def whole(folder, files):
 def pictures(folder):
     for name in ("waveforms.png", "ranges.png", "points.png"):
         picture = matplotlib.image.imread(folder / name)
-        check(picture.shape[0] > 500 and picture.shape[1] > 800 and picture[..., :3].std() > 0.03, name, picture.shape, picture.std())
+        check(
+            picture.shape[0] > 500 and picture.shape[1] > 800 and picture[..., :3].std() > 0.03,
+            name,
+            picture.shape,
+            picture.std(),
+        )
 
 
 def points_and_table(las, returns, east, north, up):
@@ -62,28 +71,78 @@ def points_and_table(las, returns, east, north, up):
         check(point["gps_time"] == float(row["gps_time_s"]) and point["point_source_id"] == int(row["pixel"]))
         check(point["intensity"] == round(float(row["energy_pe"]) / unit), point["intensity"], row)
         truth = struct.unpack("<QddfffBIHfffff", las.extra(number))
-        check(truth[0] == int(row["pulse"]) and truth[1] == float(row["range_m"]) and truth[2] == float(row["range_true_m"]))
-        for value, key in zip(truth[3:6] + truth[9:], ("expected_pe", "fwhm_ns", "detection_probability", "incidence_deg", "overlap", "transmission_2way",
-                                                       "footprint_share", "energy_pe")):
+        check(
+            truth[0] == int(row["pulse"])
+            and truth[1] == float(row["range_m"])
+            and truth[2] == float(row["range_true_m"])
+        )
+        for value, key in zip(
+            truth[3:6] + truth[9:],
+            (
+                "expected_pe",
+                "fwhm_ns",
+                "detection_probability",
+                "incidence_deg",
+                "overlap",
+                "transmission_2way",
+                "footprint_share",
+                "energy_pe",
+            ),
+        ):
             check(value == numpy.float32(row[key]), key, value, row[key])
-        check(truth[6] == int(row["order"]) and str(truth[7]) == row["object"] and ["grass", "roof"][truth[8]] == row["material"], truth, row)
+        check(
+            truth[6] == int(row["order"])
+            and str(truth[7]) == row["object"]
+            and ["grass", "roof"][truth[8]] == row["material"],
+            truth,
+            row,
+        )
 
 
 def survey(program, folder):
     subprocess.run([program, "survey", folder], check=True)
-    record = whole(folder, ["waveforms.img", "waveforms.hdr", "returns.las", "returns.wdp", "returns.csv", "pulses.csv", "waveforms.png", "ranges.png", "points.png"])
+    record = whole(
+        folder,
+        [
+            "waveforms.img",
+            "waveforms.hdr",
+            "returns.las",
+            "returns.wdp",
+            "returns.csv",
+            "pulses.csv",
+            "waveforms.png",
+            "ranges.png",
+            "points.png",
+        ],
+    )
     las, returns, pulses = Las(folder / "returns.las"), rows_of(folder / "returns.csv"), rows_of(folder / "pulses.csv")
     header, cube = envi(folder, "waveforms")
-    check(header["raycube bin start ns"] == "3900" and header["raycube bin width ns"] == "1" and header["raycube pixels"] == "1", header)
-    check(cube.shape == (2000, 200, 2) and header["band names"] == ["laser expected [photons]", "laser recorded [photo-electrons]"], cube.shape, header)
+    check(
+        header["raycube bin start ns"] == "3900"
+        and header["raycube bin width ns"] == "1"
+        and header["raycube pixels"] == "1",
+        header,
+    )
+    check(
+        cube.shape == (2000, 200, 2)
+        and header["band names"] == ["laser expected [photons]", "laser recorded [photo-electrons]"],
+        cube.shape,
+        header,
+    )
     check("32618" in las.vlr("LASF_Projection", 2112).decode() and las.offset == (276000.0, 4753000.0, 180.0))
     check(las.software.startswith("raycube 0.") and las.system == "simulated survey" and las.year >= 2026)
     points_and_table(las, returns, "easting_m", "northing_m", "height_m")
     unseen = [p for p in pulses if p["returns"] == "0"]
-    check(len(pulses) == 2000 and len(unseen) == 200 and record["lidar"]["pulses_without_return"] == 200 and record["lidar"]["returns"] == len(returns))
+    check(
+        len(pulses) == 2000
+        and len(unseen) == 200
+        and record["lidar"]["pulses_without_return"] == 200
+        and record["lidar"]["returns"] == len(returns)
+    )
     check(las.vlr("raycube", 1).startswith(b"pulses = 2000\npulses without return = 200\n"))
-    # Geometry: a return lies on its pulse's axis, on the plane (180 m) or on the roof (190 m). The middle of a pulse of 4 ns in bins of
-    # 1 ns, cut at a thousandth, is good to 1 mm; a footprint cut by the roof's edge keeps its range, not its place.
+    # Geometry: a return lies on its pulse's axis, on the plane (180 m) or on the roof (190 m). The middle of a pulse of
+    # 4 ns in bins of 1 ns, cut at a thousandth, is good to 1 mm; a footprint cut by the roof's edge keeps its range,
+    # not its place.
     of_pulse = {int(p["pulse"]): p for p in pulses}
     heights = {"grass": 0, "roof": 0}
     store = las.packet_store()
@@ -95,7 +154,11 @@ def survey(program, folder):
         if float(row["footprint_share"]) == 1:
             check(abs(float(row["height_m"]) - (190 if row["material"] == "roof" else 180)) < 2e-3, row)
             # Sub-rays spread over a footprint of 0.15 m at 600 m: 0.014 degrees.
-            check(abs(float(row["incidence_deg"]) - abs(float(pulse["scan_angle_deg"]))) < 0.02, row["incidence_deg"], pulse["scan_angle_deg"])
+            check(
+                abs(float(row["incidence_deg"]) - abs(float(pulse["scan_angle_deg"]))) < 0.02,
+                row["incidence_deg"],
+                pulse["scan_angle_deg"],
+            )
             heights[row["material"]] += 1
         check(abs(point["scan_angle"] * 0.006 - float(pulse["scan_angle_deg"])) <= 0.003 + 1e-9)
         # L-28: a sample stands for the middle of its bin, on the axis.
@@ -105,8 +168,14 @@ def survey(program, folder):
                 check(abs(got - start - wanted * d) < 0.5e-4 + 1e-5, sample, got)
         samples = las.samples(store, point["index"], point["offset"], point["size"])
         _, _, _, spacing, gain, offset = las.descriptor(point["index"])
-        check(spacing == 1000 and point["offset"] == 60 + 400 * int(pulse["cube_line"]), "packets lie in the order of the cube's lines")
-        check(numpy.array_equal(numpy.float32(offset + gain * numpy.array(samples)), cube[int(pulse["cube_line"]), :, 1]), "the packet is the cube's record")
+        check(
+            spacing == 1000 and point["offset"] == 60 + 400 * int(pulse["cube_line"]),
+            "packets lie in the order of the cube's lines",
+        )
+        check(
+            numpy.array_equal(numpy.float32(offset + gain * numpy.array(samples)), cube[int(pulse["cube_line"]), :, 1]),
+            "the packet is the cube's record",
+        )
     check(heights["grass"] > 1000 and heights["roof"] > 50, heights)
     check(len(store) == 60 + 400 * 2000, "pulses without return have their packets too")
     check(las.descriptor(1)[4:] == (2.0, -4.0) and las.descriptor(2)[4:] == (1.0, -4.0))
@@ -119,20 +188,67 @@ def survey(program, folder):
 
 def ledger(pulses, photons):
     for pulse, row_sum in zip(pulses, photons):
-        value = {key: float(pulse[key]) for key in ("absorbed", "air", "volumes", "escaped", "truncated", "collected", "early", "late", "near", "photons_emitted", "photons_in_gate")}
+        value = {
+            key: float(pulse[key])
+            for key in (
+                "absorbed",
+                "air",
+                "volumes",
+                "escaped",
+                "truncated",
+                "collected",
+                "early",
+                "late",
+                "near",
+                "photons_emitted",
+                "photons_in_gate",
+            )
+        }
         check(abs(sum(value[key] for key in ("absorbed", "air", "volumes", "escaped", "truncated")) - 1) < 1e-9, pulse)
         check(abs(value["photons_in_gate"] - row_sum) <= 1e-6 * row_sum)  # the cube's floats
         in_gate = value["photons_in_gate"] / value["photons_emitted"]
-        check(abs(in_gate + value["early"] + value["late"] + value["near"] - value["collected"]) <= 1e-6 * value["collected"], pulse)
+        check(
+            abs(in_gate + value["early"] + value["late"] + value["near"] - value["collected"])
+            <= 1e-6 * value["collected"],
+            pulse,
+        )
 
 
 def flash(program, folder):
     subprocess.run([program, "flash", folder], check=True)
-    whole(folder, ["waveforms.img", "waveforms.hdr", "returns.las", "returns.csv", "pulses.csv", "photons.csv", "waveforms.png", "ranges.png", "points.png"])
-    las, returns, photons, pulses = Las(folder / "returns.las"), *(rows_of(folder / f"{n}.csv") for n in ("returns", "photons", "pulses"))
+    whole(
+        folder,
+        [
+            "waveforms.img",
+            "waveforms.hdr",
+            "returns.las",
+            "returns.csv",
+            "pulses.csv",
+            "photons.csv",
+            "waveforms.png",
+            "ranges.png",
+            "points.png",
+        ],
+    )
+    las, returns, photons, pulses = Las(folder / "returns.las"), *(
+        rows_of(folder / f"{n}.csv") for n in ("returns", "photons", "pulses")
+    )
     header, cube = envi(folder, "waveforms")
-    names = [f"{line} {what}" for line in ("on", "off") for what in ("once scattered [photons]", "scattered more often [photons]", "air [photons]", "recorded [photo-electrons]")]
-    check(cube.shape == (5 * 64, 256, 8) and header["band names"] == names and header["raycube pixels"] == "64", cube.shape, header)
+    names = [
+        f"{line} {what}"
+        for line in ("on", "off")
+        for what in (
+            "once scattered [photons]",
+            "scattered more often [photons]",
+            "air [photons]",
+            "recorded [photo-electrons]",
+        )
+    ]
+    check(
+        cube.shape == (5 * 64, 256, 8) and header["band names"] == names and header["raycube pixels"] == "64",
+        cube.shape,
+        header,
+    )
     check(header["wavelength"] == ["1.6455"] * 4 + ["1.6456"] * 4)
     check((cube[:, :, [1, 5]] == 0.25).all() and (cube[:, :, [2, 6]] == 0.125).all())
     check(las.encoding & 2 and las.evlrs[0][:2] == ("LASF_Spec", 65535) and las.evlrs[0][3] == 5 * 64 * 2 * 512)
@@ -146,24 +262,38 @@ def flash(program, folder):
         check(point["offset"] == 60 + 512 * record, "packets: pulse by pulse, pixel by pixel, line by line")
         samples = las.samples(store, point["index"], point["offset"], point["size"])
         _, _, _, _, gain, offset = las.descriptor(point["index"])
-        check(numpy.array_equal(numpy.float32(offset + gain * numpy.array(samples)), cube[record // 2, :, 4 * line + 3]))
-    check(len(photons) == len(returns) and all(p["delay_ns"] == r["delay_ns"] and p["pixel"] == r["pixel"] for p, r in zip(photons, returns)))
+        check(
+            numpy.array_equal(numpy.float32(offset + gain * numpy.array(samples)), cube[record // 2, :, 4 * line + 3])
+        )
+    check(
+        len(photons) == len(returns)
+        and all(p["delay_ns"] == r["delay_ns"] and p["pixel"] == r["pixel"] for p, r in zip(photons, returns))
+    )
     for p in photons:
         check(math.isclose(float(p["range_m"]), float(p["delay_ns"]) * LIGHT / 2e9, rel_tol=1e-12))
     check(len(pulses) == 10 and [p["line"] for p in pulses] == ["on", "off"] * 5)
-    check(math.isclose(float(pulses[1]["photons_emitted"]) / float(pulses[0]["photons_emitted"]), 2 * 1.6456 / 1.6455, rel_tol=1e-12))
+    check(
+        math.isclose(
+            float(pulses[1]["photons_emitted"]) / float(pulses[0]["photons_emitted"]),
+            2 * 1.6456 / 1.6455,
+            rel_tol=1e-12,
+        )
+    )
     pictures(folder)
 
 
 def refusals(program, folder):
-    """A second run changes nothing; without the drawing script the data are whole and the record says what is missing."""
+    """A second run changes nothing; without the drawing script the data are whole and the record says what is
+    missing."""
     before = {p.name: p.read_bytes() for p in folder.iterdir()}
     done = subprocess.run([program, "flash", folder], capture_output=True, text=True)
     check(done.returncode == 1 and "is there already" in done.stderr, done)
     check(before == {p.name: p.read_bytes() for p in folder.iterdir()})
     bare, data = folder.parent / "bare", folder.parent / "data"
     data.mkdir()
-    subprocess.run([program, "flash", bare], check=True, env={**os.environ, "RAYCUBE_DATA": str(data)}, stderr=subprocess.DEVNULL)
+    subprocess.run(
+        [program, "flash", bare], check=True, env={**os.environ, "RAYCUBE_DATA": str(data)}, stderr=subprocess.DEVNULL
+    )
     record = whole(bare, ["waveforms.img", "waveforms.hdr", "returns.las", "returns.csv", "pulses.csv", "photons.csv"])
     check(len(record["warnings"]) == 1 and "no pictures" in record["warnings"][0], record["warnings"])
     for name in ("waveforms.img", "waveforms.hdr", "returns.las", "returns.csv", "pulses.csv", "photons.csv"):
@@ -181,7 +311,9 @@ def main():
         survey(program, folder / "survey")
         flash(program, folder / "flash")
         refusals(program, folder / "flash")
-        said = subprocess.run([sys.argv[2], "info", folder / "survey"], capture_output=True, text=True, check=True).stdout
+        said = subprocess.run(
+            [sys.argv[2], "info", folder / "survey"], capture_output=True, text=True, check=True
+        ).stdout
         check("pulses        2000, 200 without return, " in said and "returns.las" in said, said)
     print(f"{checks} checks")
 

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""The shipped LIDAR scenes as users render them, with fewer pulses: ledgers closed, files that agree, the same bits however they were
-made, and the methane column of the pipeline survey retrieved from its own counts.
+"""The shipped LIDAR scenes as users render them, with fewer pulses: ledgers closed, files that agree, the same bits
+however they were made, and the methane column of the pipeline survey retrieved from its own counts.
 usage: lidar_render_test.py RAYCUBE SCENES"""
+
 import csv
 import json
 import math
@@ -32,7 +33,8 @@ def table(path):
 
 
 def closed(folder, pulses, lines):
-    """S36, the energy ledger: received + absorbed + escaped + out of gate = emitted, within 1e-6 (it is kept in integers)."""
+    """S36, the energy ledger: received + absorbed + escaped + out of gate = emitted, within 1e-6 (it is kept in
+    integers)."""
     rows = table(folder / "pulses.csv")
     check(len(rows) == pulses * lines, len(rows))
     for row in rows:
@@ -51,7 +53,8 @@ def digest(scene, out, *options):
 
 
 def briggs_plume_ppm(points):
-    """Mixing ratio of the shipped leak, after the formula in docs/lidar.md: 2 g/s, 2.5 m/s towards 70 degrees, 0.8 m up, class D."""
+    """Mixing ratio of the shipped leak, after the formula in docs/lidar.md: 2 g/s, 2.5 m/s towards 70 degrees, 0.8 m
+    up, class D."""
     towards = math.radians(70)
     x = points[:, 0] * math.sin(towards) + points[:, 1] * math.cos(towards)
     y = points[:, 0] * math.cos(towards) - points[:, 1] * math.sin(towards)
@@ -59,16 +62,21 @@ def briggs_plume_ppm(points):
     x = numpy.where(inside, x, 1.0)
     sy, sz = 0.08 * x / numpy.sqrt(1 + 1e-4 * x), 0.06 * x / numpy.sqrt(1 + 1.5e-3 * x)
     z = points[:, 2]
-    gram_m3 = 2 / (2 * math.pi * 2.5 * sy * sz) * numpy.exp(-y**2 / (2 * sy**2)) * (
-        numpy.exp(-(z - 0.8) ** 2 / (2 * sz**2)) + numpy.exp(-(z + 0.8) ** 2 / (2 * sz**2)))
+    gram_m3 = (
+        2
+        / (2 * math.pi * 2.5 * sy * sz)
+        * numpy.exp(-(y**2) / (2 * sy**2))
+        * (numpy.exp(-((z - 0.8) ** 2) / (2 * sz**2)) + numpy.exp(-((z + 0.8) ** 2) / (2 * sz**2)))
+    )
     per_cm3 = numpy.where(inside, gram_m3, 0) / 16.0425 * 6.02214076e23 * 1e-6
     return per_cm3 / 2.479371580e19 * 1e6
 
 
 def line_transmission(column_ppm_m, wavelength_nm):
-    """Two ways through a column for a Gaussian laser line of 0.02 nm on the shipped Lorentz line, the line averaged after the exponential."""
+    """Two ways through a column for a Gaussian laser line of 0.02 nm on the shipped Lorentz line, the line averaged
+    after the exponential."""
     z = numpy.linspace(-8, 8, 2001)
-    weight = numpy.exp(-z**2 / 2)
+    weight = numpy.exp(-(z**2) / 2)
     wavenumber = 1e7 / (wavelength_nm + 0.02 * 0.42466090014400953 * z)
     cross = 2.0e-19 / math.pi * 0.06 / ((wavenumber - 3030.0) ** 2 + 0.06**2)
     return float((weight * numpy.exp(-2 * column_ppm_m * 2.479371580e15 * cross)).sum() / weight.sum())
@@ -78,7 +86,8 @@ ON_NM, OFF_NM = 3300.330033, 3298.697015
 
 
 def column_from(ratio):
-    """Column whose on over off transmission is `ratio`: bisection on the exact curve, so that no cross section has to be averaged."""
+    """Column whose on over off transmission is `ratio`: bisection on the exact curve, so that no cross section has to
+    be averaged."""
     low, high = 0.0, 5000.0
     for _ in range(60):
         middle = 0.5 * (low + high)
@@ -91,7 +100,13 @@ def column_from(ratio):
 
 def dial(work):
     """S33: the column retrieved from the counts of both lines lies within its own sigma of the truth."""
-    run("render", fewer(scenes / "lidar/pipeline_dial.toml", work / "pipeline_dial.toml", 240), "-o", work / "dial", "--overwrite")
+    run(
+        "render",
+        fewer(scenes / "lidar/pipeline_dial.toml", work / "pipeline_dial.toml", 240),
+        "-o",
+        work / "dial",
+        "--overwrite",
+    )
     rows, _ = closed(work / "dial/dial", 240, 2)
     ground = {row["pulse"] for row in table(work / "dial/dial/returns.csv") if row["material"] == "steel"}
     deviations, plume = [], []
@@ -99,22 +114,32 @@ def dial(work):
         check(on["line"] == "on" and off["line"] == "off" and on["pulse"] == off["pulse"])
         if on["pulse"] in ground:
             continue  # the pipeline stands in the beam: two heights
-        exit_m, axis = (numpy.array([float(on[f"{name}_{i}"]) for i in ("x", "y", "z")]) if name == "axis" else
-                        numpy.array([float(on[f"exit_{i}_m"]) for i in ("x", "y", "z")]) for name in ("exit", "axis"))
+        exit_m, axis = (
+            (
+                numpy.array([float(on[f"{name}_{i}"]) for i in ("x", "y", "z")])
+                if name == "axis"
+                else numpy.array([float(on[f"exit_{i}_m"]) for i in ("x", "y", "z")])
+            )
+            for name in ("exit", "axis")
+        )
         length = -exit_m[2] / axis[2]
         steps = (numpy.arange(20000) + 0.5) / 20000 * length
         leak = briggs_plume_ppm(exit_m + steps[:, None] * axis).mean() * length
         truth = 1.9 * length + leak
         counts = [float(row["recorded_pe"]) / float(row["photons_emitted"]) for row in (on, off)]
         found = column_from(counts[0] / counts[1])
-        slope = (math.log(line_transmission(truth, OFF_NM) / line_transmission(truth, ON_NM)) -
-                 math.log(line_transmission(truth - 1, OFF_NM) / line_transmission(truth - 1, ON_NM)))
+        slope = math.log(line_transmission(truth, OFF_NM) / line_transmission(truth, ON_NM)) - math.log(
+            line_transmission(truth - 1, OFF_NM) / line_transmission(truth - 1, ON_NM)
+        )
         variance = sum(1 / float(row["recorded_pe"]) + 1 / float(row["speckle_modes"]) for row in (on, off))
         deviations.append((found - truth) / (math.sqrt(variance) / slope))
         plume.append(leak)
     deviations = numpy.array(deviations)
-    print(f"DIAL: {len(deviations)} pulses over bare ground, leak up to {max(plume):.0f} ppm m; deviation / sigma: mean {deviations.mean():.2f}, "
-          f"rms {math.sqrt((deviations**2).mean()):.2f}, within one sigma {(abs(deviations) < 1).mean():.2f}")
+    print(
+        f"DIAL: {len(deviations)} pulses over bare ground, leak up to {max(plume):.0f} ppm m; deviation / sigma: mean "
+        f"{deviations.mean():.2f}, "
+        f"rms {math.sqrt((deviations**2).mean()):.2f}, within one sigma {(abs(deviations) < 1).mean():.2f}"
+    )
     count = len(deviations)
     check(count > 150 and max(plume) > 10, count)
     check(abs(deviations.mean()) < 4 / math.sqrt(count), deviations.mean())
@@ -123,29 +148,48 @@ def dial(work):
 
 
 def geiger(work):
-    run("render", fewer(scenes / "lidar/geiger_array.toml", work / "geiger_array.toml", 2), "-o", work / "geiger", "--overwrite")
+    run(
+        "render",
+        fewer(scenes / "lidar/geiger_array.toml", work / "geiger_array.toml", 2),
+        "-o",
+        work / "geiger",
+        "--overwrite",
+    )
     closed(work / "geiger/flash", 2, 1)
     tags = table(work / "geiger/flash/photons.csv")
     firsts = {(row["pulse"], row["pixel"]) for row in tags}
-    check(len(firsts) == len(tags) and 1000 < len(tags) <= 2 * 4096, len(tags))  # dead for the rest of the gate: one event a pixel and shot
+    check(
+        len(firsts) == len(tags) and 1000 < len(tags) <= 2 * 4096, len(tags)
+    )  # dead for the rest of the gate: one event a pixel and shot
 
 
 def survey(work):
     subprocess.run([sys.executable, scenes / "park/generate.py", work / "park"], check=True, stdout=subprocess.DEVNULL)
     scene = fewer(work / "park/park_survey.toml", work / "park/few.toml", 200)
-    bits = {digest(scene, work / "survey", *options) for options in (["--threads", "1"], ["--threads", "2", "--memory", "64M"])}
+    bits = {
+        digest(scene, work / "survey", *options)
+        for options in (["--threads", "1"], ["--threads", "2", "--memory", "64M"])
+    }
     check(len(bits) == 1, bits)
     rows, record = closed(work / "survey/survey", 200, 1)
     returns = table(work / "survey/survey/returns.csv")
     check(len(returns) == record["survey"]["echoes"] >= 195, len(returns))
-    exact = [float(row["range_m"]) - float(row["range_true_m"]) for row in returns if row["order"] == "1" and row["of"] == "1"]
+    exact = [
+        float(row["range_m"]) - float(row["range_true_m"])
+        for row in returns
+        if row["order"] == "1" and row["of"] == "1"
+    ]
     # Photon-limited precision of such returns is millimetres; leaves in the footprint spread some.
-    check(len(exact) > 50 and abs(numpy.median(exact)) < 0.01 and numpy.percentile(numpy.abs(exact), 68) < 0.05, numpy.percentile(exact, [5, 50, 95]))
+    check(
+        len(exact) > 50 and abs(numpy.median(exact)) < 0.01 and numpy.percentile(numpy.abs(exact), 68) < 0.05,
+        numpy.percentile(exact, [5, 50, 95]),
+    )
     dry = json.loads(run("render", scene, "--dry-run", "--json").stdout)["instruments"][0]
     check(dry["pulses"] == 200 and dry["rays"] == 200 * 64, dry)
 
 
-FOLDED = """format = 1
+FOLDED = (
+    """format = 1
 [[material]]
 name = "ground"
 reflectance = 0.3
@@ -162,7 +206,9 @@ position_m = [0.0, 0.0, {height}]
 prf_khz = 200.0
 pulses = 6
 fold_ambiguous = {fold}
-""" + PULSE_AND_RECEIVER + """[lidar.gate]
+"""
+    + PULSE_AND_RECEIVER
+    + """[lidar.gate]
 start_range_m = {start}
 stop_range_m = {stop}
 [lidar.sampling]
@@ -170,6 +216,7 @@ subrays = 16
 [lidar.products]
 png = false
 """
+)
 
 
 def photons(work, **values):
@@ -178,14 +225,16 @@ def photons(work, **values):
     run("render", scene, "-o", work / "folded", "--overwrite")
     rows = table(work / "folded/scan/pulses.csv")
     for row in rows:  # what reached the detector is in the gate or beside it
-        parts = float(row["photons_in_gate"]) / float(row["photons_emitted"]) + sum(float(row[name]) for name in ("early", "late", "near"))
+        parts = float(row["photons_in_gate"]) / float(row["photons_emitted"]) + sum(
+            float(row[name]) for name in ("early", "late", "near")
+        )
         check(abs(parts - float(row["collected"])) <= 1e-5 * max(float(row["collected"]), 1e-30), row)
     return [float(row["photons_in_gate"]) for row in rows]
 
 
 def folding(work):
-    """2.4: ambiguous ranges. 200 kHz: 749.48 m between pulses; ground at 1000 m comes into the next pulse's gate at 250.5 m; and a gate from
-    900 m on, opened while two pulses fly, sees ground at 250.5 m by the pulse after."""
+    """LIDAR 2.4: ambiguous ranges. 200 kHz: 749.48 m between pulses; ground at 1000 m comes into the next pulse's gate
+    at 250.5 m; and a gate from 900 m on, opened while two pulses fly, sees ground at 250.5 m by the pulse after."""
     alone = photons(work, height=1000.0, fold="false", start=950.0, stop=1050.0)
     check(min(alone) == max(alone) > 1e3, alone)
     near = photons(work, height=1000.0, fold="false", start=200.0, stop=300.0)
@@ -200,13 +249,17 @@ def folding(work):
 def upwards(work):
     """Air above the scene: a LIDAR that looks up from the ground is not dark past its own height."""
     scene = work / "up.toml"
-    scene.write_text(FOLDED.format(height=2.0, fold="false", start=100.0, stop=5000.0).replace('model = "none"', 'model = "layered"')
-                     .replace("prf_khz = 200.0", "prf_khz = 1.0\nlook_at_m = [0.0, 1.0, 9000.0]").replace("pulses = 6", "pulses = 1"))
+    scene.write_text(
+        FOLDED.format(height=2.0, fold="false", start=100.0, stop=5000.0)
+        .replace('model = "none"', 'model = "layered"')
+        .replace("prf_khz = 200.0", "prf_khz = 1.0\nlook_at_m = [0.0, 1.0, 9000.0]")
+        .replace("pulses = 6", "pulses = 1")
+    )
     run("render", scene, "-o", work / "up", "--overwrite")
     header, cube = envi(work / "up/scan", "waveforms")
     bin_m = 0.149896229
     row = cube[0, :, [text.split("[")[0].strip() for text in header["band names"]].index("laser expected")]
-    early, late = row[:2000].sum(), row[int(2000 / bin_m):int(2300 / bin_m)].sum()
+    early, late = row[:2000].sum(), row[int(2000 / bin_m) : int(2300 / bin_m)].sum()
     check(early > 0 and late > 1e-4 * early, early, late)
 
 

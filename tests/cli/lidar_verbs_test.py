@@ -1,9 +1,10 @@
 #!/usr/bin/python3
 """raycube lidar gff and dial as users run them: lidar_verbs_test.py RAYCUBE SCENES
 
-gff against the specification's overlap table (L-03); dial on a run without air over a plane: columns around the closed form of a
-box of gas, with errors that describe their spread.
+gff against the specification's overlap table (L-03); dial on a run without air over a plane: columns around the closed
+form of a box of gas, with errors that describe their spread.
 """
+
 import csv
 import json
 import pathlib
@@ -13,7 +14,13 @@ import tempfile
 from driver import Program
 
 KEYS = ("level1_uniform", "level1_gaussian", "level2")
-L03 = {400: (0.231326, 0.152787, 0.002628), 450: (1, 0.999934, 0.317491), 500: (1, 1, 0.798252), 550: (1, 0.999939, 0.442462), 600: (0.647398, 0.720684, 0.064448)}
+L03 = {
+    400: (0.231326, 0.152787, 0.002628),
+    450: (1, 0.999934, 0.317491),
+    500: (1, 1, 0.798252),
+    550: (1, 0.999939, 0.442462),
+    600: (0.647398, 0.720684, 0.064448),
+}
 
 DIAL = """
 format = 1
@@ -89,16 +96,47 @@ def gff(program, folder, scenes):
             program.check(abs(float(row[key]) - expected) < 1e-6, row, key)
     program.check(chart.read_bytes()[:8] == b"\x89PNG\r\n\x1a\n", "PNG")
     # L-05: parallel axes.
-    program.run("lidar", "gff", "-o", folder / "b.png", "--separation", 0.2, "--crossing", 0, "--fov", 1, "--divergence", 0.5, "--from", 200, "--to", 400, "--points", 3)
+    program.run(
+        "lidar",
+        "gff",
+        "-o",
+        folder / "b.png",
+        "--separation",
+        0.2,
+        "--crossing",
+        0,
+        "--fov",
+        1,
+        "--divergence",
+        0.5,
+        "--from",
+        200,
+        "--to",
+        400,
+        "--points",
+        3,
+    )
     for row, expected in zip(rows_of(folder / "b.csv"), (0.020682, 0.174870, 0.427208)):
         program.check(abs(float(row["level2"]) - expected) < 1e-6, row)
-    coaxial = json.loads(program.run("lidar", "gff", scenes / "lidar/pipeline_dial.toml", "-o", folder / "p.png", "--json").stdout)
+    coaxial = json.loads(
+        program.run("lidar", "gff", scenes / "lidar/pipeline_dial.toml", "-o", folder / "p.png", "--json").stdout
+    )
     program.check(0.9 < coaxial["overlap_at_plume"]["leak"] < 1 and 0.9 < coaxial["overlap_at_surface"] < 1, coaxial)
     program.refused("lidar", "gff", "-o", chart, status=2, says=["gff"])
     program.refused("lidar", "gff", "--obscuration", 0.3, "-o", folder / "x.png", status=2, says=["obscuration", "0.3"])
     program.refused("lidar", "gff", "--from", 10, "--to", 5, "-o", folder / "x.png", status=2, says=["--from", "10"])
     program.refused("lidar", "gff", "--lidar", "me", "-o", folder / "x.png", status=2, says=["FILE"])
-    program.refused("lidar", "gff", scenes / "lidar/pipeline_dial.toml", "--lidar", "me", "-o", folder / "x.png", status=2, says=["me", "dial"])
+    program.refused(
+        "lidar",
+        "gff",
+        scenes / "lidar/pipeline_dial.toml",
+        "--lidar",
+        "me",
+        "-o",
+        folder / "x.png",
+        status=2,
+        says=["me", "dial"],
+    )
 
 
 def dial(program, folder):
@@ -119,7 +157,9 @@ def dial(program, folder):
     # The mean cross section alone reads low: the line is as wide as the gas' own.
     thin = sum(float(row["column_thin_ppm_m"]) for row in rows) / 400
     program.check(0.96 * 200 < thin < 0.98 * 200, thin)
-    averaged = json.loads(program.run("lidar", "dial", run, scene, "--average", 100, "-o", folder / "mean.png", "--json").stdout)
+    averaged = json.loads(
+        program.run("lidar", "dial", run, scene, "--average", 100, "-o", folder / "mean.png", "--json").stdout
+    )
     means = rows_of(folder / "mean.csv")
     program.check(averaged["good"] == 4 and all(row["averaged"] == "100" for row in means), averaged)
     program.check(all(abs(float(m["error_ppm_m"]) / float(rows[0]["error_ppm_m"]) - 0.1) < 0.01 for m in means), means)
@@ -128,7 +168,9 @@ def dial(program, folder):
     other = folder / "other.toml"
     other.write_text(DIAL.replace("bin_ns = 5.0", "bin_ns = 2.0"))
     program.refused("lidar", "dial", run, other, "-o", folder / "y.png", status=2, says=["bins", "gate"])
-    other.write_text(DIAL.replace('gas = "CH4"\n', 'gas = "CH4"\nyaw_deg = 0.0\n', 1).replace('name = "dial"', 'name = "lidar"'))
+    other.write_text(
+        DIAL.replace('gas = "CH4"\n', 'gas = "CH4"\nyaw_deg = 0.0\n', 1).replace('name = "dial"', 'name = "lidar"')
+    )
     program.refused("lidar", "dial", run, other, "--lidar", "dial", "-o", folder / "y.png", status=2, says=["dial"])
 
 

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """A sun at the horizon, below it, and what no pixel may hold. Oracle: the table's own formula for a flat plane,
     L = L_path + rho / pi (T_view + T_dif) R2 (E_direct + E_sky) / (1 - rho S),
-worked out here in double from the rows of the .rct at its lowest target and straight down; T_dif = S = 0 where the model has none.
-usage: low_sun_test.py RAYCUBE"""
+worked out here in double from the rows of the .rct at its lowest target and straight down; T_dif = S = 0 where the
+model has none. usage: low_sun_test.py RAYCUBE"""
+
 import json
 import pathlib
 import struct
@@ -22,9 +23,13 @@ def rows_of(path):
     """Header and rows of a table, by docs/table_format.md."""
     data = pathlib.Path(path).read_bytes()
     length = struct.unpack("<Q", data[16:24])[0]
-    header, start = json.loads(data[64:64 + length]), 64 + (length + 63) // 64 * 64
-    rows = {r["name"]: numpy.frombuffer(data, "<f4", int(numpy.prod(r["shape"])), start + r["offset"]).astype(float).reshape(r["shape"])
-            for r in header["rows"]}
+    header, start = json.loads(data[64 : 64 + length]), 64 + (length + 63) // 64 * 64
+    rows = {
+        r["name"]: numpy.frombuffer(data, "<f4", int(numpy.prod(r["shape"])), start + r["offset"])
+        .astype(float)
+        .reshape(r["shape"])
+        for r in header["rows"]
+    }
     return header, numpy.array({a["name"]: a["nodes"] for a in header["axes"]}["wavelength"]), rows
 
 
@@ -45,7 +50,14 @@ def flat_plane(path, centers_um, fwhm_um):
     return numpy.array(out), down["solar_irradiance"].max()
 
 
-def plane(folder, air, zenith, bands='{ first_nm = 440.0, step_nm = 40.0, count = 48, fwhm_nm = 20.0 }', name="camera", more=""):
+def plane(
+    folder,
+    air,
+    zenith,
+    bands='{ first_nm = 440.0, step_nm = 40.0, count = 48, fwhm_nm = 20.0 }',
+    name="camera",
+    more="",
+):
     path = folder / "plane.toml"
     path.write_text(f"""format = 1
 material = [ {{ name = "grey", reflectance = {kReflectance}{', temperature_K = 300.0' if more else ''} }} ]
@@ -70,9 +82,9 @@ with tempfile.TemporaryDirectory() as work:
     cache = {"XDG_CACHE_HOME": str(work / "cache")}
     few = '{ first_nm = 440.0, step_nm = 40.0, count = 16, fwhm_nm = 20.0 }'  # of the model whose grid is 1 nm
 
-    # Between 88 degrees and the horizon: 2 % of the formula, where a band has light to speak of (1e-4 of the brightest, as the plan
-    # has it); the plan says no more than that of itself. The layered air knows the flux of its sky, and shading takes that: what is
-    # left is linear reading between wavelengths, 0.03 %.
+    # Between 88 degrees and the horizon: 2 % of the formula, where a band has light to speak of (1e-4 of the brightest,
+    # as the plan has it); the plan says no more than that of itself. The layered air knows the flux of its sky, and
+    # shading takes that: what is left is linear reading between wavelengths, 0.03 %.
     clear, layered = '{ model = "clear_sky" }', '{ model = "layered", spectral_step_nm = 20.0 }'
     cases = [(clear, zenith, 16, 0.02) for zenith in (85, 88.5, 88.8, 89.5, 89.99)]
     cases += [(layered, 88.5, 16, 0.002), (layered, 89.5, 48, 0.002), (layered, 89.99, 16, 0.002)]
@@ -104,41 +116,89 @@ with tempfile.TemporaryDirectory() as work:
     thermal = '{ first_nm = 9000.0, step_nm = 1000.0, count = 3, fwhm_nm = 400.0 }'
     images = []
     for zenith in (95, 120):
-        file = plane(work, '{ model = "layered", spectral_step_nm = 100.0 }', zenith, thermal, more='[thermal]\ndefault_temperature_K = 300.0\n')
+        file = plane(
+            work,
+            '{ model = "layered", spectral_step_nm = 100.0 }',
+            zenith,
+            thermal,
+            more='[thermal]\ndefault_temperature_K = 300.0\n',
+        )
         done = run("render", file, "-o", work / "warm", "--overwrite", env=cache)
         check("twilight" not in done.stderr, done.stderr)
         images.append(envi(work / "warm" / "camera", "radiance")[1])
     check((images[0] == images[1]).all() and images[0].min() > 5 and images[0].max() < 10.2, images[0])
 
     # White ground under a high sun lights itself by way of the air: brighter than E0 / pi, and right.
-    white = plane(work, '{ model = "layered", aerosol = "rural", visibility_km = 23.0, spectral_step_nm = 20.0 }', 0,
-                  '{ first_nm = 400.0, step_nm = 20.0, count = 3, fwhm_nm = 10.0 }')
-    white.write_text(white.read_text().replace(f"reflectance = {kReflectance}", "reflectance = 0.98").replace("altitude_agl_m = 1000.0", "altitude_agl_m = 50.0")
-                     .replace("400.0, 400.0", "4000.0, 4000.0"))
+    white = plane(
+        work,
+        '{ model = "layered", aerosol = "rural", visibility_km = 23.0, spectral_step_nm = 20.0 }',
+        0,
+        '{ first_nm = 400.0, step_nm = 20.0, count = 3, fwhm_nm = 10.0 }',
+    )
+    white.write_text(
+        white.read_text()
+        .replace(f"reflectance = {kReflectance}", "reflectance = 0.98")
+        .replace("altitude_agl_m = 1000.0", "altitude_agl_m = 50.0")
+        .replace("400.0, 400.0", "4000.0, 4000.0")
+    )
     run("render", white, "-o", work / "white", env=cache)
-    check(record(work / "white" / "camera")["radiance_bound"]["pixels_beyond"] == 0, record(work / "white" / "camera")["radiance_bound"])
+    check(
+        record(work / "white" / "camera")["radiance_bound"]["pixels_beyond"] == 0,
+        record(work / "white" / "camera")["radiance_bound"],
+    )
 
     # What a table may not make of a cube. E0 = 1000, both transmissions 1, no path: R2 = 20 is light from nowhere.
     def tabled(e0, factor):
         csv = work / "made.csv"
-        csv.write_text("wavelength [um],solar_irradiance [W m-2 um-1],sun_transmission [1],view_transmission [1],two_way_factor [1],"
-                       "path_radiance_solar [W m-2 sr-1 um-1],sky_radiance_solar [W m-2 sr-1 um-1]\n"
-                       + "".join(f"{um},{e0},1,1,{factor},0,0\n" for um in (0.4, 0.5, 0.6)))
-        run("atmos", "import", csv, "--sun-zenith", "60", "--sun-azimuth", "150", "--sensor-height", "1000", "-o", work / "made.rct", "--overwrite")
-        return plane(work, f'{{ tables = "{work / "made.rct"}" }}', 60, '{ first_nm = 480.0, step_nm = 20.0, count = 2, fwhm_nm = 8.0 }')
+        csv.write_text(
+            "wavelength [um],solar_irradiance [W m-2 um-1],sun_transmission [1],view_transmission [1],two_way_factor "
+            "[1],"
+            "path_radiance_solar [W m-2 sr-1 um-1],sky_radiance_solar [W m-2 sr-1 um-1]\n"
+            + "".join(f"{um},{e0},1,1,{factor},0,0\n" for um in (0.4, 0.5, 0.6))
+        )
+        run(
+            "atmos",
+            "import",
+            csv,
+            "--sun-zenith",
+            "60",
+            "--sun-azimuth",
+            "150",
+            "--sensor-height",
+            "1000",
+            "-o",
+            work / "made.rct",
+            "--overwrite",
+        )
+        return plane(
+            work,
+            f'{{ tables = "{work / "made.rct"}" }}',
+            60,
+            '{ first_nm = 480.0, step_nm = 20.0, count = 2, fwhm_nm = 8.0 }',
+        )
 
     out = work / "bright"
     done = run("render", tabled("1000", "20"), "-o", out, env=cache)
     ratio = kReflectance * 0.5 * 20  # rho E0 cos 60 R2 / pi over E0 / pi
     said = record(out / "camera")
     check("16 of 16 pixels are brighter" in done.stderr, done.stderr)
-    check(said["radiance_bound"]["pixels_beyond"] == 16 and abs(said["radiance_bound"]["worst_ratio"] / ratio - 1) < 1e-4, said["radiance_bound"])
+    check(
+        said["radiance_bound"]["pixels_beyond"] == 16 and abs(said["radiance_bound"]["worst_ratio"] / ratio - 1) < 1e-4,
+        said["radiance_bound"],
+    )
     check(any("brighter" in warning for warning in said["warnings"]))
     run("render", tabled("1000", "1"), "-o", out, "--overwrite", env=cache)
     check(record(out / "camera")["radiance_bound"]["pixels_beyond"] == 0)
     # Beyond single precision: refused, with nothing under its final name.
     none = work / "none"
-    refused("render", tabled("1e38", "1e10"), "-o", none, status=70, env=cache,
-            says=["instrument 'camera'", "pixel 0 of line 0", "band 1 (0.48 um)", "no number", "nothing is published"])
+    refused(
+        "render",
+        tabled("1e38", "1e10"),
+        "-o",
+        none,
+        status=70,
+        env=cache,
+        says=["instrument 'camera'", "pixel 0 of line 0", "band 1 (0.48 um)", "no number", "nothing is published"],
+    )
     check(not list((none / "camera").iterdir()))
 print(f"{program.checks} checks")

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""--memory: what it bounds is kept, what it cannot keep is refused with the least that works, and no file depends on it.
-usage: memory_bound_test.py RAYCUBE"""
+"""--memory: what it bounds is kept, what it cannot keep is refused with the least that works, and no file depends on
+it. usage: memory_bound_test.py RAYCUBE"""
+
 import os
 import pathlib
 import subprocess
@@ -22,17 +23,34 @@ def files(folder):
 def peak_bytes(file, out, memory):
     """Of the second run: the first one fills the kernel cache."""
     for attempt in range(2):
-        child = subprocess.Popen([program.path, "render", file, "-o", out, "-q", "--overwrite", "--memory", str(memory)], stdout=subprocess.DEVNULL)
+        child = subprocess.Popen(
+            [program.path, "render", file, "-o", out, "-q", "--overwrite", "--memory", str(memory)],
+            stdout=subprocess.DEVNULL,
+        )
         _, status, usage = os.wait4(child.pid, 0)
         assert status == 0, (memory, status)
     return usage.ru_maxrss * 1024
 
 
 def least(file, out):
-    done = refused("render", file, "-o", out, "--memory", "4K", status=2, says=["--memory is too small for ", "raise --memory"])
+    done = refused(
+        "render", file, "-o", out, "--memory", "4K", status=2, says=["--memory is too small for ", "raise --memory"]
+    )
     need = int(done.stderr.split("need ")[1].split(" bytes")[0])
-    refused("render", file, "-o", out, "--memory", str(need - 1), "--dry-run", status=2, says=[f"need {need} bytes, found {need - 1}"])
-    refused("render", file, "-o", out, "--memory", str(need - 1), status=2, says=[f"need {need} bytes, found {need - 1}"])
+    refused(
+        "render",
+        file,
+        "-o",
+        out,
+        "--memory",
+        str(need - 1),
+        "--dry-run",
+        status=2,
+        says=[f"need {need} bytes, found {need - 1}"],
+    )
+    refused(
+        "render", file, "-o", out, "--memory", str(need - 1), status=2, says=[f"need {need} bytes, found {need - 1}"]
+    )
     check(not pathlib.Path(out).exists())
     return need
 
@@ -54,9 +72,19 @@ with tempfile.TemporaryDirectory() as work:
 
     # A line too wide for its strips is refused by what it needs, not rendered beyond the bound.
     wide = scene(work, "wide.toml", pixels=60000, lines=1, grid=1)
-    done = refused("render", wide, "-o", work / "w", "--memory", "1M", status=2, says=["--memory is too small for the strips of one line"])
+    done = refused(
+        "render",
+        wide,
+        "-o",
+        work / "w",
+        "--memory",
+        "1M",
+        status=2,
+        says=["--memory is too small for the strips of one line"],
+    )
 
-    # The bound is kept: what a large image takes beyond a tiny one is within it, and what malloc and buffers of writers leave.
+    # The bound is kept: what a large image takes beyond a tiny one is within it, and what malloc and buffers of writers
+    # leave.
     tiny = peak_bytes(scene(work, "tiny.toml", grid=4, instrument="png = false\nexr = false\n"), work / "t", "2G")
     print(f"the program alone: {tiny / MIB:.0f} MiB")
     large = scene(work, "large.toml", pixels=600, lines=600, grid=4, instrument="png = false\nexr = false\n")
@@ -67,8 +95,13 @@ with tempfile.TemporaryDirectory() as work:
 
     # LIDARs: the same files, and one pulse's rows are the least.
     lidar = work / "als.toml"
-    lidar.write_text(file.read_text().split("[[instrument]]")[0] + '[[lidar]]\nname = "als"\naltitude_agl_m = 600.0\nprf_khz = 10.0\npulses = 300\n' + PULSE_AND_RECEIVER +
-                     "[lidar.sampling]\nsubrays = 4\n[lidar.gate]\nstart_range_m = 585.0\nbins = 400\n[lidar.products]\npng = false\n")
+    lidar.write_text(
+        file.read_text().split("[[instrument]]")[0]
+        + '[[lidar]]\nname = "als"\naltitude_agl_m = 600.0\nprf_khz = 10.0\npulses = 300\n'
+        + PULSE_AND_RECEIVER
+        + "[lidar.sampling]\nsubrays = 4\n[lidar.gate]\nstart_range_m = 585.0\nbins = 400\n[lidar.products]\n"
+        "png = false\n"
+    )
     outputs = []
     for memory in ("1M", "2G"):
         run("render", lidar, "-o", work / "lidar", "--overwrite", "--memory", memory)

@@ -1,9 +1,10 @@
 #!/usr/bin/python3
-"""The kernels under oclgrind, a simulator of an OpenCL device that checks every access: reads and writes out of bounds, data races
-between work-items and wrong calls of the API are faults. A cube of 4 x 2 pixels and a survey of 2 LIDAR pulses, whose results are also
-those of the first OpenCL device. What is never written is found otherwise: with memory filled with two patterns before each use,
-the device's results are the same bytes (oclgrind 21.10 reports vectors written lane by lane as uninitialised, so its own check shows nothing).
-usage: oclgrind_test.py RAYCUBE"""
+"""The kernels under oclgrind, a simulator of an OpenCL device that checks every access: reads and writes out of bounds,
+data races between work-items and wrong calls of the API are faults. A cube of 4 x 2 pixels and a survey of 2 LIDAR
+pulses, whose results are also those of the first OpenCL device. What is never written is found otherwise: with memory
+filled with two patterns before each use, the device's results are the same bytes (oclgrind 21.10 reports vectors
+written lane by lane as uninitialised, so its own check shows nothing). usage: oclgrind_test.py RAYCUBE"""
+
 import csv
 import pathlib
 import shutil
@@ -53,8 +54,12 @@ if not shutil.which("oclgrind"):
 
 def checked(work, file):
     log = work / "log"
-    done = subprocess.run([*CHECKED, "--log", log, program.path, "render", file, "-o", work / "checked", "-q", "--overwrite"],
-                          capture_output=True, text=True, timeout=300)
+    done = subprocess.run(
+        [*CHECKED, "--log", log, program.path, "render", file, "-o", work / "checked", "-q", "--overwrite"],
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
     faults = [line for line in log.read_text().splitlines() if line and not line.startswith("\t")]
     check(done.returncode == 0, done.stderr[:2000])
     check(not faults, log.read_text()[:3000])
@@ -62,7 +67,8 @@ def checked(work, file):
 
 
 def results(folder):
-    """Radiance of a cube; photons in the gate of each pulse, which are expected ones: the counts are drawn from them."""
+    """Radiance of a cube; photons in the gate of each pulse, which are expected ones: the counts are drawn from
+    them."""
     if (folder / "pulses.csv").exists():
         with open(folder / "pulses.csv", newline="") as file:
             return numpy.array([float(row["photons_in_gate"]) for row in csv.DictReader(file)])
@@ -82,5 +88,9 @@ with tempfile.TemporaryDirectory() as work:
         check(len(digests) == 1, digests)
         here, there = results(work / "plain" / out), results(checked(work, file) / out)
         # oclgrind's fma rounds twice: 1e-5 of the largest value covers sums of 16 terms.
-        check(here.shape == there.shape and numpy.abs(here - there).max() <= 1e-5 * numpy.abs(here).max(), numpy.abs(here - there).max(), numpy.abs(here).max())
+        check(
+            here.shape == there.shape and numpy.abs(here - there).max() <= 1e-5 * numpy.abs(here).max(),
+            numpy.abs(here - there).max(),
+            numpy.abs(here).max(),
+        )
 print(f"oclgrind: {program.checks} checks")

@@ -4,6 +4,7 @@
 Usage: park_generator_test.py SCENES_DIR WORK_DIR. Exit status 1 and one line per failure.
 The oracle is the requirement itself: counts and sizes are taken from the written files, never from facts.json.
 """
+
 import csv
 import hashlib
 import math
@@ -49,9 +50,9 @@ def png_indices(path):
     width, height = struct.unpack(">II", data[16:24])
     at, packed = 8, b""
     while at < len(data):
-        (size,) = struct.unpack(">I", data[at:at + 4])
-        if data[at + 4:at + 8] == b"IDAT":
-            packed += data[at + 8:at + 8 + size]
+        (size,) = struct.unpack(">I", data[at : at + 4])
+        if data[at + 4 : at + 8] == b"IDAT":
+            packed += data[at + 8 : at + 8 + size]
         at += 12 + size
     return np.frombuffer(zlib.decompress(packed), np.uint8).reshape(height, width + 1)[:, 1:]
 
@@ -71,8 +72,14 @@ def main():
     scenes, work = Path(sys.argv[1]), Path(sys.argv[2])
     digests = []
     for run in ("a", "b"):
-        done = subprocess.run([sys.executable, str(scenes / "park" / "generate.py"), str(work / run)], capture_output=True, text=True)
-        check(f"generator ends with 0 (run {run})", done.returncode == 0, done.stderr.strip() or done.stdout.splitlines()[0])
+        done = subprocess.run(
+            [sys.executable, str(scenes / "park" / "generate.py"), str(work / run)], capture_output=True, text=True
+        )
+        check(
+            f"generator ends with 0 (run {run})",
+            done.returncode == 0,
+            done.stderr.strip() or done.stdout.splitlines()[0],
+        )
         if done.returncode:
             return 1
         digests.append(digest(work / run))
@@ -95,7 +102,9 @@ def main():
             if len(faces["leaf"]) >= 20000:
                 instances += len(rows)
     big = [n for n, (_, f, _) in trees.items() if len(f["leaf"]) >= 20000]
-    check("at least 3 trees of at least 20 000 leaf triangles", len(big) >= 3, {n: len(trees[n][1]["leaf"]) for n in big})
+    check(
+        "at least 3 trees of at least 20 000 leaf triangles", len(big) >= 3, {n: len(trees[n][1]["leaf"]) for n in big}
+    )
     check("at least 300 instances of them", instances >= 300, instances)
     for name in big:
         v, f, _ = trees[name]
@@ -124,24 +133,39 @@ def main():
     header = (park / "dem.hdr").read_text()
     side = int(header.split("samples = ")[1].split()[0])
     heights = np.fromfile(park / "dem.img", "<f4").reshape(-1, side)
-    check("relief in metres", 3 < np.ptp(heights) < 40 and np.isfinite(heights).all(), f"{heights.min():.1f}..{heights.max():.1f}")
+    check(
+        "relief in metres",
+        3 < np.ptp(heights) < 40 and np.isfinite(heights).all(),
+        f"{heights.min():.1f}..{heights.max():.1f}",
+    )
     classes = png_indices(park / "classes.png")
     cover = np.fromfile(park / "cover.img", "<f4").reshape(classes.shape + (-1,))
-    check("cover fractions sum to 1, at most 4 in a cell", (cover.sum(2) == 1).all() and (cover >= 0).all() and ((cover > 0).sum(2) <= 4).all(),
-          (float(cover.sum(2).min()), float(cover.sum(2).max()), int((cover > 0).sum(2).max())))
+    check(
+        "cover fractions sum to 1, at most 4 in a cell",
+        (cover.sum(2) == 1).all() and (cover >= 0).all() and ((cover > 0).sum(2) <= 4).all(),
+        (float(cover.sum(2).min()), float(cover.sum(2).max()), int((cover > 0).sum(2).max())),
+    )
     check("classes.png is the largest fraction", (cover.argmax(2) + 1 == classes).all(), classes.shape)
     named = {int(k): v for k, v in scene["terrain"][0]["materials"].items()}
     check("every band of the cover has a material", sorted(named) == list(range(1, cover.shape[2] + 1)), sorted(named))
     share = {n: float(cover[..., c - 1].mean()) for c, n in named.items()}
     needed = ("lawn_grass", "gravel", "track_soil", "asphalt", "leaf_litter")
-    check("grass, gravel, soil, asphalt, litter all present", all(share[n] > 0.002 for n in needed), {n: round(share[n], 4) for n in needed})
+    check(
+        "grass, gravel, soil, asphalt, litter all present",
+        all(share[n] > 0.002 for n in needed),
+        {n: round(share[n], 4) for n in needed},
+    )
     planted = 0
     for _, _, rows in trees.values():
         column = np.clip(((rows[:, 0] + 200) * 2).astype(int), 0, classes.shape[1] - 1)
         line = np.clip(((200 - rows[:, 1]) * 2).astype(int), 0, classes.shape[0] - 1)
-        planted += int(np.isin([named[int(c)] for c in classes[line, column]], ["asphalt", "track_soil", "gravel", "concrete"]).sum())
+        planted += int(
+            np.isin(
+                [named[int(c)] for c in classes[line, column]], ["asphalt", "track_soil", "gravel", "concrete"]
+            ).sum()
+        )
     check("no tree on court, track, road or apron", planted == 0, planted)
-    court = heights[2 * (200 - 91):2 * (200 - 61), 2 * (200 + 106):2 * (200 + 130)]  # x 106..130, y 61..91 m
+    court = heights[2 * (200 - 91) : 2 * (200 - 61), 2 * (200 + 106) : 2 * (200 + 130)]  # x 106..130, y 61..91 m
     check("the targets' court is level", np.ptp(court) == 0, float(np.ptp(court)))
 
     # targets: panels, checkerboard, yellow pattern (S52), green blocks (S54)
@@ -151,14 +175,23 @@ def main():
     slant = [planes[f"{c} panel"]["yaw_deg"] % 90 for c in ("black", "white")]
     check("slanted edges of 5 to 8 degrees", all(5 <= s <= 8 for s in slant), slant)
     board = planes["blue checkerboard 24 x 24 ft"]
-    check("checkerboard of two fabrics with 1 ft cells, 24 x 24 ft",
-          board["checker"]["cell_m"] == 0.3048 and np.allclose(board["size_m"], 24 * 0.3048) and len(set(board["checker"]["materials"])) == 2, board["checker"])
+    check(
+        "checkerboard of two fabrics with 1 ft cells, 24 x 24 ft",
+        board["checker"]["cell_m"] == 0.3048
+        and np.allclose(board["size_m"], 24 * 0.3048)
+        and len(set(board["checker"]["materials"])) == 2,
+        board["checker"],
+    )
     v, f = obj(park / "yellow_target.obj")
     cotton = areas(v, f["yellow_cotton"]).sum() / sum(areas(v, t).sum() for t in f.values())
     check("yellow target is 25 % cotton", abs(cotton - 0.25) < 1e-3, round(float(cotton), 6))
     _, blocks = table(park / "green_targets.csv")
     v, _ = obj(park / "wood_block.obj")
-    check("24 green blocks of 12 x 20 inch", len(blocks) == 24 and np.allclose(np.ptp(v, axis=0)[:2], (0.3048, 0.508), atol=1e-3), len(blocks))
+    check(
+        "24 green blocks of 12 x 20 inch",
+        len(blocks) == 24 and np.allclose(np.ptp(v, axis=0)[:2], (0.3048, 0.508), atol=1e-3),
+        len(blocks),
+    )
     c = classes[((200 - blocks[:, 1]) * 2).astype(int), ((blocks[:, 0] + 200) * 2).astype(int)]
     check("blocks lie on grass", np.isin(c, (1, 2, 3)).all(), sorted(map(int, np.unique(c))))
 
@@ -166,18 +199,35 @@ def main():
     _, bands = table(park / "spectir_360.csv")
     n = np.arange(1, 361)
     law = np.where(n <= 125, 394.8 + 4.6 * n, 394.8 + 4.6 * 125 + 6.3 * (n - 125))
-    check("360 bands after S42, ascending, ending at 2450 within a step",
-          len(bands) == 360 and np.allclose(bands[:, 0], law, atol=1e-3) and abs(bands[-1, 0] - 2450) < 6.3, (len(bands), bands[0, 0], bands[-1, 0]))
+    check(
+        "360 bands after S42, ascending, ending at 2450 within a step",
+        len(bands) == 360 and np.allclose(bands[:, 0], law, atol=1e-3) and abs(bands[-1, 0] - 2450) < 6.3,
+        (len(bands), bands[0, 0], bands[-1, 0]),
+    )
     published = {19: 482, 25: 509, 26: 514, 35: 555, 55: 648}
-    check("published band centres to 1 nm", all(abs(bands[b - 1, 0] - w) < 1 for b, w in published.items()), {b: bands[b - 1, 0] for b in published})
+    check(
+        "published band centres to 1 nm",
+        all(abs(bands[b - 1, 0] - w) < 1 for b, w in published.items()),
+        {b: bands[b - 1, 0] for b in published},
+    )
     spectir = next(i for i in scene["instrument"] if i["name"] == "spectir")
-    check("spectir: 1 m, 610 m, 320 x 320, 11 x 11", (spectir["gsd_m"], spectir["altitude_agl_m"], spectir["pixels"], spectir["lines"],
-          spectir["samples"]["grid"]) == (1.0, 610.0, 320, 320, [11, 11]), spectir["kind"])
+    check(
+        "spectir: 1 m, 610 m, 320 x 320, 11 x 11",
+        (spectir["gsd_m"], spectir["altitude_agl_m"], spectir["pixels"], spectir["lines"], spectir["samples"]["grid"])
+        == (1.0, 610.0, 320, 320, [11, 11]),
+        spectir["kind"],
+    )
 
     # spectra: range, values, source, reach of the instrument's bands (three widths beyond the outermost centres)
     low, high = bands[0, 0] - 3 * bands[0, 1], bands[-1, 0] + 3 * bands[-1, 1]
-    used = set(named.values()) | {m for x in scene["mesh"] for m in list(x.get("materials", {}).values()) + ([x["material"]] if "material" in x else [])}
-    used |= {p["material"] for p in scene["plane"] + scene["box"] if "material" in p} | set(board["checker"]["materials"])
+    used = set(named.values()) | {
+        m
+        for x in scene["mesh"]
+        for m in list(x.get("materials", {}).values()) + ([x["material"]] if "material" in x else [])
+    }
+    used |= {p["material"] for p in scene["plane"] + scene["box"] if "material" in p} | set(
+        board["checker"]["materials"]
+    )
     check("every material used is defined", used <= set(materials), sorted(used - set(materials)))
     for name, material in materials.items():
         if "file" not in material:
@@ -190,7 +240,11 @@ def main():
         ok &= any(line.startswith("# source: ") for line in head) and any("ends at" in line for line in head)
         if not ok:
             check(f"spectrum {name}", False, (rows[0, 0], rows[-1, 0], rows[:, 1].min(), rows[:, 1].max()))
-    check("spectra within [0, 1], ascending, sourced, covering all bands", not any(f.startswith("spectrum") for f in failures), len(materials))
+    check(
+        "spectra within [0, 1], ascending, sourced, covering all bands",
+        not any(f.startswith("spectrum") for f in failures),
+        len(materials),
+    )
     print(f"park_generator_test: {len(failures)} failures")
     return 1 if failures else 0
 

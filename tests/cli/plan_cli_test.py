@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""`raycube plan` as users drive it: a table, a file that render replays to the same digest, what the file gives wins (S60).
-usage: plan_cli_test.py RAYCUBE"""
+"""`raycube plan` as users drive it: a table, a file that render replays to the same digest, what the file gives wins
+(S60). usage: plan_cli_test.py RAYCUBE"""
+
 import json
 import pathlib
 import re
@@ -29,7 +30,16 @@ with tempfile.TemporaryDirectory() as temporary:
     open_file = opened(given, 0.03)
 
     first = run("plan", open_file, "-o", folder / "plan.json").stdout
-    for block in ("spectral grid", "sun", "sky", "target height", "samples", "sky directions", "estimated error", "trial"):
+    for block in (
+        "spectral grid",
+        "sun",
+        "sky",
+        "target height",
+        "samples",
+        "sky directions",
+        "estimated error",
+        "trial",
+    ):
         check(block in first, block, first)
     check(first == run("plan", open_file).stdout, "two runs, two plans")
     plan = json.loads((folder / "plan.json").read_text())
@@ -43,7 +53,9 @@ with tempfile.TemporaryDirectory() as temporary:
     chosen, replayed = (record(folder / name / "camera") for name in ("chosen", "replayed"))
     check(chosen["digest"] == replayed["digest"])
     lines = {line["block"]: line for line in chosen["plan"]["planner"]["lines"]}
-    check(lines["samples"]["level"] == "grid {} x {}".format(*entry["samples"]) and not lines["samples"]["given"], lines)
+    check(
+        lines["samples"]["level"] == "grid {} x {}".format(*entry["samples"]) and not lines["samples"]["given"], lines
+    )
     check(lines["samples"]["error"] is not None and lines["samples"]["error_without"] is not None, lines)
 
     # What the file gives stays and is marked; plan estimates it all the same, render does not spend a trial on it.
@@ -59,16 +71,47 @@ with tempfile.TemporaryDirectory() as temporary:
     # A plan for another scene, a broken one, one without the instrument.
     other = scene(folder, "other.toml", grid=3)
     other.write_text(other.read_text().replace("gsd_m = 1.0", "gsd_m = 0.93"))
-    other.write_text(other.read_text().replace("0.80", "0.79").replace("format = 1\n", "format = 1\ntolerance = 0.03\n", 1))
-    refused("render", other, "-o", folder / "x", "--plan", folder / "plan.json", status=2, says=["another scene", "raycube plan SIM -o"])
+    other.write_text(
+        other.read_text().replace("0.80", "0.79").replace("format = 1\n", "format = 1\ntolerance = 0.03\n", 1)
+    )
+    refused(
+        "render",
+        other,
+        "-o",
+        folder / "x",
+        "--plan",
+        folder / "plan.json",
+        status=2,
+        says=["another scene", "raycube plan SIM -o"],
+    )
     # Samples or directions that the simulation gives and the plan has not: neither is overridden in silence.
     finer = folder / "finer.toml"
-    finer.write_text(open_file.read_text().replace("[[instrument]]\n", "[[instrument]]\nsamples = { grid = [31, 31] }\n", 1))
-    refused("render", finer, "-o", folder / "x", "--plan", folder / "plan.json", status=2, says=["samples = grid 31 x 31", "remove samples"])
+    finer.write_text(
+        open_file.read_text().replace("[[instrument]]\n", "[[instrument]]\nsamples = { grid = [31, 31] }\n", 1)
+    )
+    refused(
+        "render",
+        finer,
+        "-o",
+        folder / "x",
+        "--plan",
+        folder / "plan.json",
+        status=2,
+        says=["samples = grid 31 x 31", "remove samples"],
+    )
     lit = scene(folder, "lit.toml", air='{ model = "clear_sky" }')
     run("plan", lit, "-o", folder / "lit.json", "-q")
     lit.write_text(lit.read_text().replace("format = 1\n", "format = 1\nsky_directions = 3999\n", 1))
-    refused("render", lit, "-o", folder / "x", "--plan", folder / "lit.json", status=2, says=["sky_directions = 3999", "remove sky_directions"])
+    refused(
+        "render",
+        lit,
+        "-o",
+        folder / "x",
+        "--plan",
+        folder / "lit.json",
+        status=2,
+        says=["sky_directions = 3999", "remove sky_directions"],
+    )
     check(not (folder / "x").exists(), "a refused render left a folder behind")
 
     # A share that neither the trial's own 8 directions nor a sky that is not there can be divided by.
@@ -85,13 +128,40 @@ with tempfile.TemporaryDirectory() as temporary:
         wide = json.loads(json.dumps(plan))
         wide["instruments"][0].update(samples=samples, sampler=sampler)
         (folder / "wide.json").write_text(json.dumps(wide))
-        refused("render", open_file, "-o", folder / "x", "--plan", folder / "wide.json", status=2, says=["out of range", "raycube plan SIM -o"])
+        refused(
+            "render",
+            open_file,
+            "-o",
+            folder / "x",
+            "--plan",
+            folder / "wide.json",
+            status=2,
+            says=["out of range", "raycube plan SIM -o"],
+        )
 
     (folder / "broken.json").write_text('{"raycube_plan": 1}')
-    refused("render", open_file, "-o", folder / "x", "--plan", folder / "broken.json", status=2, says=["not a plan of raycube"])
+    refused(
+        "render",
+        open_file,
+        "-o",
+        folder / "x",
+        "--plan",
+        folder / "broken.json",
+        status=2,
+        says=["not a plan of raycube"],
+    )
     plan["instruments"][0]["name"] = "eye"
     (folder / "named.json").write_text(json.dumps(plan))
-    refused("render", open_file, "-o", folder / "x", "--plan", folder / "named.json", status=2, says=["no instrument 'camera'", "eye"])
+    refused(
+        "render",
+        open_file,
+        "-o",
+        folder / "x",
+        "--plan",
+        folder / "named.json",
+        status=2,
+        says=["no instrument 'camera'", "eye"],
+    )
     refused("render", open_file, "-o", folder / "x", "--plan", folder / "none.json", status=2, says=["cannot be read"])
 
 print(f"plan_cli: {program.checks} checks")

@@ -3,6 +3,7 @@
 bands are its own values; one direction serves no other; a line list that changed under its name makes another
 table.
 usage: real_air_test.py RAYCUBE; outputs from the folder RAYCUBE_SHARED"""
+
 import csv
 import json
 import math
@@ -67,8 +68,11 @@ def one_direction(work, table, sun, agl_m, bands):
     check(len(said) == 1 and "to 10.06 deg off nadir" in said[0], warnings)
     aside = plane(work, table, sun, agl_m, bands, pitch=40)
     for verb in (["render", aside, "-o", work / "aside"], ["scene", "check", aside], ["plan", aside]):
-        refused(*verb, status=2, says=["instrument 'camera'", "one view zenith, 0 deg",
-                                       "39.94 to 40.06 deg off nadir", "import runs"])
+        refused(
+            *verb,
+            status=2,
+            says=["instrument 'camera'", "one view zenith, 0 deg", "39.94 to 40.06 deg off nadir", "import runs"],
+        )
     check(not (work / "aside").exists())
 
 
@@ -76,7 +80,20 @@ def channels(work):
     """A MODTRAN 6 .chn of 425 channels. Oracle: the same run's columns as the reference tables restate them."""
     sun, agl_m, case = 51.993, 1950.0, "a0.01_w1.5"
     chn = shared / "samples/modtran/isofit_modtran6_vswir.chn"
-    run("atmos", "import", chn, "--sun-zenith", sun, "--sun-azimuth", 150, "--sensor-height", agl_m, "--even-sky", "-o", work / "chn.rct")
+    run(
+        "atmos",
+        "import",
+        chn,
+        "--sun-zenith",
+        sun,
+        "--sun-azimuth",
+        150,
+        "--sensor-height",
+        agl_m,
+        "--even-sky",
+        "-o",
+        work / "chn.rct",
+    )
     told = rows_of(shared / "anchors/modtran6_isofit_pasadena_vswir.csv")
     column = lambda name: told[f"{name}_{case}"]
     reflected = REFLECTANCE * (column("A") + column("B")) * told["E0"] * math.cos(math.radians(sun)) / math.pi
@@ -120,9 +137,11 @@ def par_of(path, factor=1.0):
     digits = lambda value, width, places: f"{value:.{places}f}".replace("0.", ".", 1)[:width].rjust(width)
     text = ""
     for i, nu in enumerate(lines["nu0_cm1"]):
-        one = (f" 61{nu:12.6f}{strength[i]:10.3E}{1:10.3E}{digits(lines['gamma_air'][i], 5, 4)}"
-               f"{lines['gamma_self'][i]:5.3f}{lines['E_lower_cm1'][i]:10.4f}{lines['n_air'][i]:4.2f}"
-               f"{digits(lines['delta_air'][i], 8, 6)}")
+        one = (
+            f" 61{nu:12.6f}{strength[i]:10.3E}{1:10.3E}{digits(lines['gamma_air'][i], 5, 4)}"
+            f"{lines['gamma_self'][i]:5.3f}{lines['E_lower_cm1'][i]:10.4f}{lines['n_air'][i]:4.2f}"
+            f"{digits(lines['delta_air'][i], 8, 6)}"
+        )
         text += one.ljust(160) + "\r\n"
     path.write_bytes(text.encode())
     os.utime(path, ns=(10**18, 10**18))
@@ -133,9 +152,29 @@ def line_list(work):
     made = []
     for factor in (1.0, 1.0, 1.5, 1.0):
         par_of(work / "ch4.par", factor)
-        done = run("atmos", "build", "--sun-zenith", 40, "--aerosol", "none", "--from", 3.2700, "--to", 3.2708,
-                   "--step", 0.02, "--highest", 0, "--lines", work / "ch4.par", "-o", work / "lines.rct",
-                   "--overwrite", "--json", "-v")
+        done = run(
+            "atmos",
+            "build",
+            "--sun-zenith",
+            40,
+            "--aerosol",
+            "none",
+            "--from",
+            3.2700,
+            "--to",
+            3.2708,
+            "--step",
+            0.02,
+            "--highest",
+            0,
+            "--lines",
+            work / "ch4.par",
+            "-o",
+            work / "lines.rct",
+            "--overwrite",
+            "--json",
+            "-v",
+        )
         info = json.loads(run("atmos", "info", work / "lines.rct", "--json").stdout)
         most = next(row["most"] for row in info["rows"] if row["name"] == "sun_optical_depth")
         made.append((json.loads(done.stdout)["content_hash"], "table from the cache" in done.stderr, most))

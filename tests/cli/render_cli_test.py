@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """`raycube render` as users drive it: what it leaves, who can read it, and that it is the same however it was made.
 usage: render_cli_test.py RAYCUBE SCENES"""
+
 import json
 import pathlib
 import re
@@ -41,22 +42,35 @@ def check_cube(folder, pixels, lines, bands, elevation, azimuth):
     check(radiance.dtype == numpy.float32 and numpy.isfinite(radiance).all() and (radiance > 0).all())
 
     # GDAL reads the same header: size, type, and a wavelength per band in the right unit.
-    info = json.loads(subprocess.run(["gdalinfo", "-json", pathlib.Path(folder) / "radiance.img"], check=True,
-                                     capture_output=True, text=True).stdout)
+    info = json.loads(
+        subprocess.run(
+            ["gdalinfo", "-json", pathlib.Path(folder) / "radiance.img"], check=True, capture_output=True, text=True
+        ).stdout
+    )
     check(info["driverShortName"] == "ENVI" and info["size"] == [pixels, lines] and len(info["bands"]) == bands)
     for band, nm in zip(info["bands"], wavelength):
-        check(float(band["metadata"][""]["wavelength"]) == nm and band["metadata"][""]["wavelength_units"] == "Nanometers")
+        check(
+            float(band["metadata"][""]["wavelength"]) == nm and band["metadata"][""]["wavelength_units"] == "Nanometers"
+        )
 
     # So does Spectral Python: the same samples at the same wavelengths, in nanometres.
-    image = spectral.io.envi.open(str(pathlib.Path(folder) / "radiance.hdr"), str(pathlib.Path(folder) / "radiance.img"))
-    check(image.shape == (lines, pixels, bands) and image.bands.centers == wavelength and image.bands.band_unit == "Nanometers")
+    image = spectral.io.envi.open(
+        str(pathlib.Path(folder) / "radiance.hdr"), str(pathlib.Path(folder) / "radiance.img")
+    )
+    check(
+        image.shape == (lines, pixels, bands)
+        and image.bands.centers == wavelength
+        and image.bands.band_unit == "Nanometers"
+    )
     check(numpy.array_equal(numpy.asarray(image.open_memmap()), radiance))
 
     truth_header, truth = envi(folder, "truth")
     check(truth.shape == (lines, pixels, len(truth_header["band names"])))
     check(all(re.search(r" \[[^]]+\]$", text) for text in truth_header["band names"]), truth_header["band names"])
     hit = layer(truth_header, truth, "hit_fraction")
-    abundance = sum(truth[:, :, i] for i, text in enumerate(truth_header["band names"]) if text.startswith("abundance_"))
+    abundance = sum(
+        truth[:, :, i] for i, text in enumerate(truth_header["band names"]) if text.startswith("abundance_")
+    )
     check(numpy.abs(abundance - hit).max() < 1e-6)
 
     made = record(folder)
@@ -71,8 +85,9 @@ def check_cube(folder, pixels, lines, bands, elevation, azimuth):
 with tempfile.TemporaryDirectory() as work:
     work = pathlib.Path(work)
 
-    # The shipped panels, and the scene a newcomer starts from. Their panels are flat, level and free: with the same sun, sky
-    # and air the brighter panel is the brighter one in every band, and each stays inside its material's share of the sun.
+    # The shipped panels, and the scene a newcomer starts from. Their panels are flat, level and free: with the same
+    # sun, sky and air the brighter panel is the brighter one in every band, and each stays inside its material's share
+    # of the sun.
     done = run("render", scenes / "panels" / "panels.toml", "-o", work / "panels")
     check(done.stdout == f"{work}/panels/camera/radiance.img\n", done.stdout)
     radiance, header, truth = check_cube(work / "panels" / "camera", 64, 48, 200, 50, 150)
@@ -83,12 +98,14 @@ with tempfile.TemporaryDirectory() as work:
     run("render", work / "garden" / "garden.toml", "-o", work / "garden-out")
     _, header, truth = check_cube(work / "garden-out" / "camera", 64, 64, 98, 50, 160)
     check((layer(header, truth, "hit_fraction") == 1).all() and (layer(header, truth, "abundance_leaf") > 0).sum() > 20)
-    check("within limits" in run("check", work / "garden" / "garden.toml", "--pixels", 100).stdout)  # what README says to type
+    check(
+        "within limits" in run("check", work / "garden" / "garden.toml", "--pixels", 100).stdout
+    )  # what README says to type
     shadow = layer(header, truth, "sun_fraction")
     check(shadow.min() == 0 and shadow.max() == 1)
 
-    # Without air, radiance = reflectance x E0 cos(40) / pi: ratios 4.5 and 8 of the three strips in every band. 1e-5: the
-    # bound of the fp32 path. Their places: strips of 10 m, pixels of 1 m whose edges fall on the strips' edges.
+    # Without air, radiance = reflectance x E0 cos(40) / pi: ratios 4.5 and 8 of the three strips in every band. 1e-5:
+    # the bound of the fp32 path. Their places: strips of 10 m, pixels of 1 m whose edges fall on the strips' edges.
     strips = scene(work, "strips.toml")
     run("render", strips, "-o", work / "strips")
     base = work / "strips" / "camera"
@@ -97,11 +114,19 @@ with tempfile.TemporaryDirectory() as work:
     check((numpy.abs(reference[:, 17:] / reference[:, :1] - 8) < 8e-5).all())
     digest = record(base)["digest"]
 
-    # S7 of the issue: the same bits on repeat, with one thread and two, little memory and much, and in --json.
-    for name, options in (("again", []), ("one", ["--threads", 1]), ("two", ["--threads", 2]), ("small", ["--memory", "256M"]),
-                          ("large", ["--memory", "8G"]), ("lines", ["--memory", "100K"])):
+    # The same bits on repeat, with one thread and two, little memory and much, and in --json.
+    for name, options in (
+        ("again", []),
+        ("one", ["--threads", 1]),
+        ("two", ["--threads", 2]),
+        ("small", ["--memory", "256M"]),
+        ("large", ["--memory", "8G"]),
+        ("lines", ["--memory", "100K"]),
+    ):
         result = json.loads(run("render", strips, "-o", work / name, "--json", "-q", *options).stdout)["instruments"]
-        check(len(result) == 1 and result[0]["digest"] == digest == record(work / name / "camera")["digest"], name, result)
+        check(
+            len(result) == 1 and result[0]["digest"] == digest == record(work / name / "camera")["digest"], name, result
+        )
         check(result[0]["cube"] == f"{work}/{name}/camera/radiance.img")
         for file in ("radiance.img", "truth.img"):
             check((work / name / "camera" / file).read_bytes() == (base / file).read_bytes(), name, file)
@@ -115,22 +140,38 @@ with tempfile.TemporaryDirectory() as work:
         header, cube = envi(work / interleave / "camera", "radiance")
         check(header["interleave"] == interleave and (cube == reference).all())
         check(record(work / interleave / "camera")["digest"] == digest)
-    run("render", scene(work, "other.toml", instrument="integer_scale = 50.0\npng = false\nexr = false"), "-o", work / "uint16")
+    run(
+        "render",
+        scene(work, "other.toml", instrument="integer_scale = 50.0\npng = false\nexr = false"),
+        "-o",
+        work / "uint16",
+    )
     header, cube = envi(work / "uint16" / "camera", "radiance")
-    check(cube.dtype == numpy.uint16 and names(work / "uint16" / "camera") == kProducts - {"preview.exr", "quicklook.png"})
-    check(numpy.abs(cube - reference * 50.0).max() <= 0.5 + 1e-2)  # half a count, and the float's last bit at 2e4 counts
+    check(
+        cube.dtype == numpy.uint16 and names(work / "uint16" / "camera") == kProducts - {"preview.exr", "quicklook.png"}
+    )
+    check(
+        numpy.abs(cube - reference * 50.0).max() <= 0.5 + 1e-2
+    )  # half a count, and the float's last bit at 2e4 counts
     check(record(work / "uint16" / "camera")["clipped"] == {"low": 0, "high": 0, "not_a_number": 0})
     gain = {float(text) for text in header["data gain values"]}
     check(gain == {0.02}, gain)
 
-    # Georeferenced: where each pixel looks, in doubles. A float at a northing of 4 753 000 m would step by half a metre.
+    # Georeferenced: where each pixel looks, in doubles. A float at a northing of 4 753 000 m would step by half a
+    # metre.
     tables = scene(work, "geo.toml").read_text().replace("format = 1\n", "")
     inline = "scene = { origin = { epsg = 32618, easting_m = 276000.0, northing_m = 4753000.0, height_m = 180.0 } }\n"
-    (work / "geo.toml").write_text("format = 1\n" + inline + tables.replace('{ model = "none" }', "{ aod_550 = 0.2 }") +
-                                   "band_transmission = true\n")
+    (work / "geo.toml").write_text(
+        "format = 1\n"
+        + inline
+        + tables.replace('{ model = "none" }', "{ aod_550 = 0.2 }")
+        + "band_transmission = true\n"
+    )
     run("render", work / "geo.toml", "-o", work / "geo")
     geo = work / "geo" / "camera"
-    check(names(geo) == kProducts | {"location.img", "location.hdr", "transmission.img", "transmission.hdr"}, names(geo))
+    check(
+        names(geo) == kProducts | {"location.img", "location.hdr", "transmission.img", "transmission.hdr"}, names(geo)
+    )
     header, location = envi(geo, "location")
     check(location.dtype == numpy.float64 and header["band names"] == ["easting [m]", "northing [m]", "height [m]"])
     check("EPSG:32618" in header["description"])
@@ -140,10 +181,14 @@ with tempfile.TemporaryDirectory() as work:
     check(numpy.abs(location[:, :, 1] - northing[:, None]).max() < 1e-4)
     check(numpy.abs(location[:, :, 2] - 180).max() < 1e-4)
 
-    # Level ground seen straight down, north up, is a map grid: map info in every header, and GDAL places the corner and the
-    # system. Turned by 30 degrees it is none.
+    # Level ground seen straight down, north up, is a map grid: map info in every header, and GDAL places the corner and
+    # the system. Turned by 30 degrees it is none.
     for name in ("radiance", "truth", "location", "transmission"):
-        info = json.loads(subprocess.run(["gdalinfo", "-json", geo / f"{name}.img"], check=True, capture_output=True, text=True).stdout)
+        info = json.loads(
+            subprocess.run(
+                ["gdalinfo", "-json", geo / f"{name}.img"], check=True, capture_output=True, text=True
+            ).stdout
+        )
         corner = numpy.array(info["geoTransform"])
         check(numpy.abs(corner - [276000 - 12, 1, 0, 4753000 + 6, 0, -1]).max() < 1e-4, corner)
         check("UTM zone 18N" in info["coordinateSystem"]["wkt"], info["coordinateSystem"]["wkt"][:100])
@@ -151,23 +196,43 @@ with tempfile.TemporaryDirectory() as work:
     run("render", work / "turned.toml", "-o", work / "turned")
     check(not any("map info" in header_of(path) for path in (work / "turned" / "camera").glob("*.hdr")))
 
-    # Transmission from ground to sensor: between 0 and 1, more of it at 850 nm than in the blue (Rayleigh), the longer way
-    # at the corner lets no more through. Without air it is 1.
+    # Transmission from ground to sensor: between 0 and 1, more of it at 850 nm than in the blue (Rayleigh), the longer
+    # way at the corner lets no more through. Without air it is 1.
     header, transmission = envi(geo, "transmission")
-    check(header["data units"] == "1" and transmission.shape == (12, 24, 10) and 0 < transmission.min() < transmission.max() < 1)
+    check(
+        header["data units"] == "1"
+        and transmission.shape == (12, 24, 10)
+        and 0 < transmission.min() < transmission.max() < 1
+    )
     check((transmission[:, :, 8] > transmission[:, :, 0]).all() and (transmission[0, 0] <= transmission[6, 12]).all())
     run("render", scene(work, "other.toml", instrument="band_transmission = true"), "-o", work / "clear")
     check(numpy.abs(envi(work / "clear" / "camera", "transmission")[1] - 1).max() < 1e-6)
 
     # --dry-run: the plan and the memory, and not a byte on the disk.
     dry = run("render", strips, "-o", work / "dry", "--dry-run").stdout
-    check("camera: 24 x 12 pixels, 10 bands, 9 samples per pixel" in dry and "memory" in dry and "tolerance 0.01" in dry, dry)
-    dry = json.loads(run("render", strips, "-o", work / "dry", "--dry-run", "--json", "--memory", "1G").stdout)["instruments"][0]
-    check(dry["cube_bytes"] == (base / "radiance.img").stat().st_size and dry["truth_bytes"] == (base / "truth.img").stat().st_size)
-    check(dry["memory"]["budget_bytes"] == 1 << 30 and 0 < dry["memory"]["total_bytes"] < 1 << 30 and dry["plan"]["height_m"], dry)
+    check(
+        "camera: 24 x 12 pixels, 10 bands, 9 samples per pixel" in dry and "memory" in dry and "tolerance 0.01" in dry,
+        dry,
+    )
+    dry = json.loads(run("render", strips, "-o", work / "dry", "--dry-run", "--json", "--memory", "1G").stdout)[
+        "instruments"
+    ][0]
+    check(
+        dry["cube_bytes"] == (base / "radiance.img").stat().st_size
+        and dry["truth_bytes"] == (base / "truth.img").stat().st_size
+    )
+    check(
+        dry["memory"]["budget_bytes"] == 1 << 30
+        and 0 < dry["memory"]["total_bytes"] < 1 << 30
+        and dry["plan"]["height_m"],
+        dry,
+    )
     check(0 < dry["estimated_s"] < 3600, dry["estimated_s"])
     dry = run("render", strips, "-o", work / "dry", "--dry-run", "--json", env={"OCL_ICD_VENDORS": "/nonexistent"})
-    check("estimated_s" not in json.loads(dry.stdout)["instruments"][0] and "time cannot be estimated" in dry.stderr, dry.stderr)
+    check(
+        "estimated_s" not in json.loads(dry.stdout)["instruments"][0] and "time cannot be estimated" in dry.stderr,
+        dry.stderr,
+    )
     check(not (work / "dry").exists())
 
     # `info` and the instrument's name

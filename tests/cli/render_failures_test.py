@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""`raycube render` when the machine or the user stops it (REQUIREMENTS section 4, Machine): one clear error with its way out,
-the documented exit status, and never a half-written file under a final name.
+"""`raycube render` when the machine or the user stops it (REQUIREMENTS section 4, Machine): one clear error with its
+way out, the documented exit status, and never a half-written file under a final name.
 usage: render_failures_test.py RAYCUBE"""
+
 import os
 import pathlib
 import signal
@@ -43,16 +44,27 @@ with tempfile.TemporaryDirectory() as work:
 
     # Usage and places
     refused("render", work / "none.toml", "-o", work / "o", status=2, says=["none.toml"])
-    refused("render", tiny, "-o", work / "o", "--instrument", "spectir", status=2, says=["'spectir'", "there are: camera"])
+    refused(
+        "render", tiny, "-o", work / "o", "--instrument", "spectir", status=2, says=["'spectir'", "there are: camera"]
+    )
     refused("render", tiny, "-o", tiny, status=3, says=["tiny.toml is a file", "another -o"])
     refused("render", tiny, "-o", "/proc/raycube-out", status=3, says=["/proc/raycube-out", "-o"])
     refused("render", tiny, "-o", work / "o", "--device", "nonesuch", status=2, says=["nonesuch", "  0: "], messages=2)
-    refused("render", tiny, "-o", work / "o", status=4, says=["no OpenCL device", "pocl-opencl-icd"],
-            env={"OCL_ICD_VENDORS": "/nonexistent"})
+    refused(
+        "render",
+        tiny,
+        "-o",
+        work / "o",
+        status=4,
+        says=["no OpenCL device", "pocl-opencl-icd"],
+        env={"OCL_ICD_VENDORS": "/nonexistent"},
+    )
     check(set(files(work)) == before and not (work / "o").exists())
 
     # Too little memory: the error names the need, and that much is enough.
-    done = refused("render", tiny, "-o", work / "o", "--memory", "1K", status=2, says=["--memory is too small", "raise --memory"])
+    done = refused(
+        "render", tiny, "-o", work / "o", "--memory", "1K", status=2, says=["--memory is too small", "raise --memory"]
+    )
     need = int(done.stderr.split("need ")[1].split(" bytes")[0])
     check(set(files(work)) == before)
     refused("render", tiny, "-o", work / "o", "--memory", str(need - 1), status=2, says=[f"need {need} bytes"])
@@ -66,23 +78,33 @@ with tempfile.TemporaryDirectory() as work:
     run("render", tiny, "-o", work / "o", "--overwrite")
     check(record(work / "o" / "camera")["digest"] == digest and set(content(work / "o")) == set(kept))
 
-    # A read-only place, and a disk without room for the cube (11.5 kB): known before the first ray, nothing left. As mounts
-    # of a namespace of its own, since root may write into any folder.
+    # A read-only place, and a disk without room for the cube (11.5 kB): known before the first ray, nothing left. As
+    # mounts of a namespace of its own, since root may write into any folder.
     place = work / "mounted"
     place.mkdir()
 
     def on_mount(options, says):
-        script = f'mount -t tmpfs -o {options} none {place} || exit 99; "$0" "$@"; s=$?; ls -AR {place}/out >&2; exit $s'
-        done = subprocess.run(["unshare", "-m", "sh", "-c", script, program.path, "render", tiny, "-o", place / "out", "-q"],
-                              capture_output=True, text=True, timeout=300)
+        script = (
+            f'mount -t tmpfs -o {options} none {place} || exit 99; "$0" "$@"; s=$?; ls -AR {place}/out >&2; exit $s'
+        )
+        done = subprocess.run(
+            ["unshare", "-m", "sh", "-c", script, program.path, "render", tiny, "-o", place / "out", "-q"],
+            capture_output=True,
+            text=True,
+            timeout=300,
+        )
         check(done.returncode == 3 and done.stdout == "" and done.stderr.count("error: ") == 1, done)
-        check(all(part in done.stderr for part in says) and "radiance" not in done.stderr.split("\n", 1)[1], done.stderr)
+        check(
+            all(part in done.stderr for part in says) and "radiance" not in done.stderr.split("\n", 1)[1], done.stderr
+        )
 
     if subprocess.run(["unshare", "-m", "mount", "-t", "tmpfs", "none", place], capture_output=True).returncode == 0:
         on_mount("ro", [f"{place}/out/camera: cannot be written", "Read-only file system", "-o"])
         on_mount("size=8k", ["radiance.img: no room for", "free some space", "-o"])
     else:
-        print("render failures: SKIPPED the read-only and the full disk: mounts need root and CAP_SYS_ADMIN", flush=True)
+        print(
+            "render failures: SKIPPED the read-only and the full disk: mounts need root and CAP_SYS_ADMIN", flush=True
+        )
 
     # Two runs into one folder: the second is refused. Ctrl-C and SIGTERM: status 130, nothing left.
     for number in (signal.SIGINT, signal.SIGTERM):
@@ -91,8 +113,12 @@ with tempfile.TemporaryDirectory() as work:
             refused("render", tiny, "-o", work / "long", status=3, says=["another run is writing", "choose another -o"])
         process.send_signal(number)
         out, err = process.communicate(timeout=100)
-        check(process.returncode == 130 and out == "" and err.count("error: ") == 1 and "interrupted" in err,
-              process.returncode, out, err)
+        check(
+            process.returncode == 130 and out == "" and err.count("error: ") == 1 and "interrupted" in err,
+            process.returncode,
+            out,
+            err,
+        )
         check(files(work / "long") == [], files(work / "long"))
 
     # kill -9: only hidden temporaries are left, and the next run removes them.
@@ -105,8 +131,9 @@ with tempfile.TemporaryDirectory() as work:
     check(record(work / "long" / "camera")["digest"] == digest)
     check({path.name for path in files(work / "long")} == {path.name for path in kept})
 
-    # A signal of a fault: the status stays the signal's, the report says what was being done, what was half written goes. (LLVM's handler
-    # takes the first one that is sent, once it has built a kernel: the program goes on as it would for it.)
+    # A signal of a fault: the status stays the signal's, the report says what was being done, what was half written
+    # goes. (LLVM's handler takes the first one that is sent, once it has built a kernel: the program goes on as it
+    # would for it.)
     if "RAYCUBE_SANITIZED" not in os.environ:  # the sanitizers report such signals themselves
         process = mid_render(long, work / "fault")
         while process.poll() is None:
@@ -114,8 +141,15 @@ with tempfile.TemporaryDirectory() as work:
             time.sleep(0.3)
         err = process.communicate()[1]
         check(process.returncode == -signal.SIGSEGV and err.count("error: ") == 1, process.returncode, err)
-        for part in ("ended by signal 11 (SIGSEGV", ": command '", ": rendering instrument 'camera'\n", "kernels launched last: ", "trace_primary",
-                     "stack (addr2line", "/libc.so.6("):
+        for part in (
+            "ended by signal 11 (SIGSEGV",
+            ": command '",
+            ": rendering instrument 'camera'\n",
+            "kernels launched last: ",
+            "trace_primary",
+            "stack (addr2line",
+            "/libc.so.6(",
+        ):
             check(part in err, part, err)
         check(not any(".img." in path.name for path in files(work / "fault")), files(work / "fault"))
 
@@ -130,8 +164,15 @@ with tempfile.TemporaryDirectory() as work:
             for path in cached:
                 if path.suffix == suffix:
                     path.write_bytes(b"garbage")
-            refused("render", tiny, "-o", work / "damaged", status=4, says=["kernel cache", "POCL_CACHE_DIR"],
-                    env={"POCL_CACHE_DIR": str(cache)})
+            refused(
+                "render",
+                tiny,
+                "-o",
+                work / "damaged",
+                status=4,
+                says=["kernel cache", "POCL_CACHE_DIR"],
+                env={"POCL_CACHE_DIR": str(cache)},
+            )
             check(files(work / "damaged") == [])
     else:
         print("render failures: SKIPPED the damaged kernel cache: this OpenCL driver is not PoCL", flush=True)

@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
-"""S62: peak memory of a whole `raycube render` grows neither with the samples of a pixel nor with the lines of the image.
-Figure: VmHWM of the process, as run.json states it and as the kernel says it of the finished child. Each scene runs twice, the
-first time to fill PoCL's kernel cache (a compiler in the process costs memory of its own). Bound 4 MiB: of some 150 to
-290 MiB, what malloc and page cache leave differ by 1.5 MiB from run to run.
-The PNG quicklook alone keeps up to 2^20 pixels: 18 bytes of sums and counts, 7 while it is written; it is switched off where
-lines are compared, and bounded apart.
+"""S62: peak memory of a whole `raycube render` grows neither with the samples of a pixel nor with the lines of the
+image.
+Figure: VmHWM of the process, as run.json states it and as the kernel says it of the finished child. Each scene runs
+twice, the first time to fill PoCL's kernel cache (a compiler in the process costs memory of its own). Bound 4 MiB: of
+some 150 to 290 MiB, what malloc and page cache leave differ by 1.5 MiB from run to run.
+The PNG quicklook alone keeps up to 2^20 pixels: 18 bytes of sums and counts, 7 while it is written; it is switched off
+where lines are compared, and bounded apart.
 usage: render_memory_test.py RAYCUBE"""
+
 import os
 import pathlib
 import subprocess
@@ -24,11 +26,15 @@ def peak(work, name, memory, **what):
     path = scene(work, name + ".toml", air='{ model = "clear_sky", aod_550 = 0.2 }', **what)
     for attempt in ("warm", "measured"):
         out = work / f"{name}-{attempt}"
-        child = subprocess.Popen([program.path, "render", path, "-o", out, "-q", "--memory", memory], stdout=subprocess.DEVNULL)
+        child = subprocess.Popen(
+            [program.path, "render", path, "-o", out, "-q", "--memory", memory], stdout=subprocess.DEVNULL
+        )
         _, status, usage = os.wait4(child.pid, 0)
         assert status == 0, (name, status)
     stated = record(out / "camera")["memory"]["peak_bytes"]
-    check(abs(usage.ru_maxrss * 1024 - stated) < 2 * MIB, usage.ru_maxrss * 1024, stated)  # the end of the run comes after the record
+    check(
+        abs(usage.ru_maxrss * 1024 - stated) < 2 * MIB, usage.ru_maxrss * 1024, stated
+    )  # the end of the run comes after the record
     print(f"{name}: peak {usage.ru_maxrss / 1024:.1f} MiB under --memory {memory}", flush=True)
     return usage.ru_maxrss * 1024
 

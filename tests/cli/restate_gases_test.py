@@ -3,6 +3,7 @@
 
 Usage: restate_gases_test.py REPOSITORY. Skipped (77), loudly, without RAYCUBE_SHARED.
 """
+
 import os
 import pathlib
 import subprocess
@@ -16,8 +17,15 @@ if not shared:
     sys.exit(77)
 data = repository / "atmos_tables/gas/data"
 with tempfile.TemporaryDirectory() as folder:
-    subprocess.run([sys.executable, str(repository / "atmos_tables/fit/restate_gases.py"), shared + "/reference/atmosphere", folder],
-                   check=True)
+    subprocess.run(
+        [
+            sys.executable,
+            str(repository / "atmos_tables/fit/restate_gases.py"),
+            shared + "/reference/atmosphere",
+            folder,
+        ],
+        check=True,
+    )
     made = {file.name: file.read_bytes() for file in pathlib.Path(folder).iterdir()}
 committed = {file.name: file.read_bytes() for file in data.iterdir()}
 if sorted(made) != sorted(committed):

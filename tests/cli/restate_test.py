@@ -3,6 +3,7 @@
 
 Usage: restate_test.py SOURCE_FOLDER. Skips, loudly, without RAYCUBE_SHARED.
 """
+
 import os
 import pathlib
 import subprocess
@@ -24,7 +25,9 @@ def script(name, *arguments):
 
 def compare(name, made, committed):
     kept = (source / committed).read_bytes()
-    assert made == kept, f"{name} makes another {committed} ({len(made)} bytes, committed {len(kept)}): run it again and commit"
+    assert (
+        made == kept
+    ), f"{name} makes another {committed} ({len(made)} bytes, committed {len(kept)}): run it again and commit"
     print(f"{committed}: {len(kept)} bytes as {name} makes them")
 
 
@@ -33,5 +36,9 @@ with tempfile.TemporaryDirectory() as folder:
     for part in ["optics", "phases", "heights"]:
         file = f"lowtran7_{part}.inc"
         compare("restate_aerosols.py", (pathlib.Path(folder) / file).read_bytes(), f"aerosol/data/{file}")
-compare("restate_moon.py", script("restate_moon.py", shared / "anchors" / "lowtran7_direct_vnir_swir.csv"), "data/moon_albedo.inc")
+compare(
+    "restate_moon.py",
+    script("restate_moon.py", shared / "anchors" / "lowtran7_direct_vnir_swir.csv"),
+    "data/moon_albedo.inc",
+)
 compare("restate_afgl.py", script("restate_afgl.py", shared / "profiles"), "optics/data/afgl_1986.inc")

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""What a run leaves on the disk is what it computed, as one set, whatever happens around it: closed descriptors, readers that go,
-signals, kill -9 at any instant; the hashes in run.json are those of the files, and `raycube info --verify` finds any difference.
-usage: run_files_test.py RAYCUBE"""
+"""What a run leaves on the disk is what it computed, as one set, whatever happens around it: closed descriptors,
+readers that go, signals, kill -9 at any instant; the hashes in run.json are those of the files, and `raycube info
+--verify` finds any difference. usage: run_files_test.py RAYCUBE"""
+
 import hashlib
 import json
 import os
@@ -27,10 +28,14 @@ def check_hashes(folder):
     folder = pathlib.Path(folder)
     hashes = record(folder)["sha256"]
     check(hashes["block_bytes"] == BLOCK)
-    check(set(hashes["files"]) == {path.name for path in folder.iterdir()} - {"run.json"}, list(hashes["files"]), list(folder.iterdir()))
+    check(
+        set(hashes["files"]) == {path.name for path in folder.iterdir()} - {"run.json"},
+        list(hashes["files"]),
+        list(folder.iterdir()),
+    )
     for name, said in hashes["files"].items():
         content = (folder / name).read_bytes()
-        blocks = [hashlib.sha256(content[at:at + BLOCK]) for at in range(0, len(content), BLOCK)]
+        blocks = [hashlib.sha256(content[at : at + BLOCK]) for at in range(0, len(content), BLOCK)]
         check(said["bytes"] == len(content) and said["blocks"] == [block.hexdigest() for block in blocks], name)
         check(said["list"] == hashlib.sha256(b"".join(block.digest() for block in blocks)).hexdigest(), name)
 
@@ -47,16 +52,21 @@ def content(folder):
 
 
 def closed(work, tiny):
-    """With any of descriptors 0 to 2 closed the products are those of a run with all of them open: a message that comes between the last
-    strip and the names, as that of adaptive samples, would go into whatever file has number 2."""
+    """With any of descriptors 0 to 2 closed the products are those of a run with all of them open: a message that comes
+    between the last strip and the names, as that of adaptive samples, would go into whatever file has number 2."""
     tiny.write_text(tiny.read_text().replace("samples = { grid = [3, 3] }", "samples = { lattice = 64, first = 16 }"))
     run("render", tiny, "-o", work / "open")
     good = content(work / "open/camera")
     for number, closing in enumerate(["<&-", ">&-", "2>&-", "<&- 2>&-", "<&- >&- 2>&-", ">&- 2>&-"]):
         out = work / f"closed{number}"
-        done = subprocess.run(["sh", "-c", f'exec "$0" "$@" {closing}', program.path, "render", tiny, "-o", out, "--verbose"],
-                              capture_output=True, text=True, timeout=300)
-        # The paths of the cubes, which go to stdout, are lost where it is closed: that is said by the status, and on stderr if it can be.
+        done = subprocess.run(
+            ["sh", "-c", f'exec "$0" "$@" {closing}', program.path, "render", tiny, "-o", out, "--verbose"],
+            capture_output=True,
+            text=True,
+            timeout=300,
+        )
+        # The paths of the cubes, which go to stdout, are lost where it is closed: that is said by the status, and on
+        # stderr if it can be.
         check(done.returncode == (3 if ">&-" in closing.replace("2>&-", "") else 0), closing, done)
         here = content(out / "camera")
         check(set(here) == set(good), closing, set(here))
@@ -66,7 +76,13 @@ def closed(work, tiny):
 
 
 def hashes(work, tiny):
-    for interleave, scale in (("bip", ""), ("bil", ""), ("bsq", ""), ("bip", "integer_scale = 100.0"), ("bsq", "integer_scale = 100.0")):
+    for interleave, scale in (
+        ("bip", ""),
+        ("bil", ""),
+        ("bsq", ""),
+        ("bip", "integer_scale = 100.0"),
+        ("bsq", "integer_scale = 100.0"),
+    ):
         # 700 x 330 pixels of 10 bands: 9.2 MB of float, strips of some lines, planes that no block divides.
         more = f'interleave = "{interleave}"\n{scale}'
         file = scene(work, "hashes.toml", pixels=700, lines=330, grid=1, instrument=more)
@@ -76,11 +92,20 @@ def hashes(work, tiny):
         verified(work / "h/camera", 0, "6 of 6 files are as they were written")
     for inside in ("false", "true"):
         lidar = work / "lidar.toml"
-        lidar.write_text(tiny.read_text().split("[[instrument]]")[0] + '[[lidar]]\nname = "als"\naltitude_agl_m = 600.0\nprf_khz = 10.0\npulses = 3000\n' +
-                         PULSE_AND_RECEIVER + f"[lidar.sampling]\nsubrays = 4\n[lidar.gate]\nstart_range_m = 585.0\nbins = 400\n[lidar.products]\npng = false\ninternal_waveforms = {inside}\n")
+        lidar.write_text(
+            tiny.read_text().split("[[instrument]]")[0]
+            + '[[lidar]]\nname = "als"\naltitude_agl_m = 600.0\nprf_khz = 10.0\npulses = 3000\n'
+            + PULSE_AND_RECEIVER
+            + f"[lidar.sampling]\nsubrays = 4\n[lidar.gate]\nstart_range_m = 585.0\nbins = 400\n[lidar.products]\n"
+            f"png = false\ninternal_waveforms = {inside}\n"
+        )
         run("render", lidar, "-o", work / "l", "--overwrite")
         files = set(content(work / "l/als"))
-        check({"returns.las", "waveforms.img", "returns.csv", "pulses.csv"} <= files and ("returns.wdp" in files) == (inside == "false"), files)
+        check(
+            {"returns.las", "waveforms.img", "returns.csv", "pulses.csv"} <= files
+            and ("returns.wdp" in files) == (inside == "false"),
+            files,
+        )
         check_hashes(work / "l/als")
         check(verified(work / "l/als", 0).count("\n") == 1)
 
@@ -144,24 +169,50 @@ def verification(work, big):
 
 
 def readers_that_go(work, tiny):
-    process = subprocess.Popen([program.path, "render", tiny, "-o", work / "gone", "--verbose"], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+    process = subprocess.Popen(
+        [program.path, "render", tiny, "-o", work / "gone", "--verbose"],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+    )
     process.stderr.readline()
     process.stderr.close()
     check(process.wait(timeout=300) == 0, process.returncode)
     verified(work / "gone/camera", 0)
-    done = subprocess.run(["bash", "-c", 'set -o pipefail; "$0" render "$1" -o "$2" --verbose 2>&1 | head -1; echo ${PIPESTATUS[0]}', program.path, tiny, work / "gone2"],
-                          capture_output=True, text=True, timeout=300)
+    done = subprocess.run(
+        [
+            "bash",
+            "-c",
+            'set -o pipefail; "$0" render "$1" -o "$2" --verbose 2>&1 | head -1; echo ${PIPESTATUS[0]}',
+            program.path,
+            tiny,
+            work / "gone2",
+        ],
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
     verified(work / "gone2/camera", 0)
     # A report that nobody reads ends quietly, as other tools do.
     read, write = os.pipe()
     os.close(read)
-    process = subprocess.run([program.path, "info", work / "gone/camera/radiance.img", "--bands"], stdout=write, stderr=subprocess.PIPE, text=True)
+    process = subprocess.run(
+        [program.path, "info", work / "gone/camera/radiance.img", "--bands"],
+        stdout=write,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
     os.close(write)
     check(process.returncode == -signal.SIGPIPE and process.stderr == "", process)
 
 
 def mid_render(file, out, **more):
-    process = subprocess.Popen([program.path, "render", file, "-o", out, "--memory", "32M", "-q"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **more)
+    process = subprocess.Popen(
+        [program.path, "render", file, "-o", out, "--memory", "32M", "-q"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        **more,
+    )
     deadline = time.monotonic() + 200
     while not any(path.stat().st_size > 0 for path in (out / "camera").glob(".radiance.img.*")):
         assert process.poll() is None and time.monotonic() < deadline, process.communicate()
@@ -184,7 +235,11 @@ def signals(work, tiny, long):
     process = mid_render(long, work / "hup")
     process.send_signal(signal.SIGHUP)
     out, err = process.communicate(timeout=100)
-    check(process.returncode == 130 and "interrupted by SIGHUP" in err and err.count("error: ") == 1, process.returncode, err)
+    check(
+        process.returncode == 130 and "interrupted by SIGHUP" in err and err.count("error: ") == 1,
+        process.returncode,
+        err,
+    )
     check(list((work / "hup/camera").iterdir()) == [])
     # Not where somebody said nohup.
     process = mid_render(long, work / "hup", preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN))
@@ -199,8 +254,14 @@ def signals(work, tiny, long):
     for trial in range(6):
         cache = work / f"cold{trial}"
         cache.mkdir()
-        process = subprocess.Popen([program.path, "render", tiny, "-o", work / "cold", "-q"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-                                   env={**os.environ, "POCL_CACHE_DIR": str(cache), "XDG_CACHE_HOME": str(cache)}, start_new_session=True)
+        process = subprocess.Popen(
+            [program.path, "render", tiny, "-o", work / "cold", "-q"],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            env={**os.environ, "POCL_CACHE_DIR": str(cache), "XDG_CACHE_HOME": str(cache)},
+            start_new_session=True,
+        )
         while process.poll() is None and not children_of(process.pid):
             pass
         ended = process.poll() is not None
@@ -216,7 +277,8 @@ def signals(work, tiny, long):
 
 
 def kills(work):
-    """kill -9 at random instants of a run that replaces another: always one set or the other, after one look at most."""
+    """kill -9 at random instants of a run that replaces another: always one set or the other, after one look at
+    most."""
     files = [scene(work, f"kill{i}.toml", pixels=40 + 8 * i, lines=20, grid=1) for i in (0, 1)]
     out, draw = work / "kill", random.Random(1)
     begin = time.monotonic()
@@ -229,12 +291,20 @@ def kills(work):
     old = new = 0
     for trial in range(24):
         before = record(out / "camera")["digest"]
-        process = subprocess.Popen([program.path, "render", files[trial % 2], "-o", out, "--overwrite", "-q"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        process = subprocess.Popen(
+            [program.path, "render", files[trial % 2], "-o", out, "--overwrite", "-q"],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
         if trial % 2:
             time.sleep(draw.uniform(0, longest / 2))
         else:  # in the middle of the names
             deadline = time.monotonic() + 100
-            while process.poll() is None and not (out / "camera/.raycube-publication").exists() and time.monotonic() < deadline:
+            while (
+                process.poll() is None
+                and not (out / "camera/.raycube-publication").exists()
+                and time.monotonic() < deadline
+            ):
                 pass
             time.sleep(draw.uniform(0, 0.004))
         process.kill()
@@ -247,7 +317,10 @@ def kills(work):
             new += 1
     print(f"run files: of 24 runs killed {old} kept the old set and {new} have the new one")
     run("render", files[0], "-o", out, "--overwrite")
-    check(set(content(out / "camera")) == set(record(out / "camera")["sha256"]["files"]) | {"run.json"}, list((out / "camera").iterdir()))
+    check(
+        set(content(out / "camera")) == set(record(out / "camera")["sha256"]["files"]) | {"run.json"},
+        list((out / "camera").iterdir()),
+    )
     # Leftovers of files that the next run does not write are swept as well.
     for name in (".standard_error.img.raycube-abcdef", ".pictures.json.raycube-abcdef.points.png"):
         (out / "camera" / name).write_bytes(b"x")
@@ -256,12 +329,26 @@ def kills(work):
 
 
 def later_failure(work):
-    """Two instruments, the second of which finds no room (a limit on the size of files stands for a full disk): the first stays, whole."""
+    """Two instruments, the second of which finds no room (a limit on the size of files stands for a full disk): the
+    first stays, whole."""
     file = scene(work, "two.toml")
     text = file.read_text()
-    file.write_text(text + text[text.index("[[instrument]]"):].replace('name = "camera"', 'name = "late"').replace("pixels = 24", "pixels = 1000").replace("lines = 12", "lines = 100"))
-    done = refused("render", file, "-o", work / "two", status=3, says=["late/radiance.img: writing failed", "whole and kept: ", "two/camera; go on with --instrument late"],
-                   preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (1 << 20, 1 << 20)))
+    file.write_text(
+        text
+        + text[text.index("[[instrument]]") :]
+        .replace('name = "camera"', 'name = "late"')
+        .replace("pixels = 24", "pixels = 1000")
+        .replace("lines = 12", "lines = 100")
+    )
+    done = refused(
+        "render",
+        file,
+        "-o",
+        work / "two",
+        status=3,
+        says=["late/radiance.img: writing failed", "whole and kept: ", "two/camera; go on with --instrument late"],
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (1 << 20, 1 << 20)),
+    )
     verified(work / "two/camera", 0)
     check(list((work / "two/late").iterdir()) == [])
     run("render", file, "-o", work / "two", "--instrument", "late")

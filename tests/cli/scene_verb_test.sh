@@ -25,7 +25,8 @@ grep -q '6 stored, 6 placed by 3 instances' "$work/from_rcs" || fail "three pane
 printf 'format = 1\ntolerence = 0.1\nseed = -1\n' >"$work/bad.toml"
 "$raycube" scene check "$work/bad.toml" >"$work/out" 2>"$work/err"
 [ $? -eq 2 ] || fail "bad input must end with status 2"
-grep -q "bad.toml:2:1: unknown key at top level (found 'tolerence'); did you mean 'tolerance'?" "$work/err" || fail "$(cat "$work/err")"
+grep -q "bad.toml:2:1: unknown key at top level (found 'tolerence'); did you mean 'tolerance'?" "$work/err" ||
+  fail "$(cat "$work/err")"
 grep -q "bad.toml:3:8: 'seed' is out of range (found -1)" "$work/err" || fail "$(cat "$work/err")"
 [ ! -s "$work/out" ] || fail "errors belong on stderr"
 head -c 200 "$work/p.rcs" >"$work/cut.rcs"

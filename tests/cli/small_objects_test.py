@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""What an rms over pixels does not see, told by the program as users drive it: targets smaller than the samples' spacing (found, or named), the
-error of settings that the file gives, samples that meet nothing (S43, S60). Oracles: shares of plates by their areas, counts by hand.
-usage: small_objects_test.py RAYCUBE"""
+"""What an rms over pixels does not see, told by the program as users drive it: targets smaller than the samples'
+spacing (found, or named), the error of settings that the file gives, samples that meet nothing (S43, S60). Oracles:
+shares of plates by their areas, counts by hand. usage: small_objects_test.py RAYCUBE"""
+
 import json
 import pathlib
 import random
@@ -20,13 +21,20 @@ PIXEL, HEIGHT, COLUMNS, LINES = 1.5, 1500.0, 40, 30
 def targets(side):
     """32 squares, one at a random place in each of 8 x 4 cells of 6 m."""
     draw = random.Random(3)
-    return [(-24 + 6 * c + draw.uniform(0.6, 5.4), -12 + 6 * r + draw.uniform(0.6, 5.4), side) for r in range(4) for c in range(8)]
+    return [
+        (-24 + 6 * c + draw.uniform(0.6, 5.4), -12 + 6 * r + draw.uniform(0.6, 5.4), side)
+        for r in range(4)
+        for c in range(8)
+    ]
 
 
 def site(folder, name, plates, more=""):
     """A soil plain with plates, seen straight down at 1.5 m."""
     planes = ['{ material = "soil", size_m = [120.0, 120.0] }']
-    planes += [f'{{ material = "target", position_m = [{x:.4f}, {y:.4f}, 0.01], size_m = [{s:.4f}, {s:.4f}] }}' for x, y, s in plates]
+    planes += [
+        f'{{ material = "target", position_m = [{x:.4f}, {y:.4f}, 0.01], size_m = [{s:.4f}, {s:.4f}] }}'
+        for x, y, s in plates
+    ]
     path = pathlib.Path(folder) / name
     path.write_text(f"""format = 1
 tolerance = 0.02
@@ -55,18 +63,26 @@ def layer_of(folder, name):
 
 def exact(plates):
     """Share of each pixel that plates cover: overlap of two rectangles, [line][sample]."""
+
     def inside(low, high, count):
         edges = PIXEL * (numpy.arange(count + 1) - count / 2)
         return numpy.clip(numpy.minimum(high, edges[1:]) - numpy.maximum(low, edges[:-1]), 0, None) / PIXEL
-    return sum(numpy.outer(inside(-y - s / 2, -y + s / 2, LINES), inside(x - s / 2, x + s / 2, COLUMNS)) for x, y, s in plates)
+
+    return sum(
+        numpy.outer(inside(-y - s / 2, -y + s / 2, LINES), inside(x - s / 2, x + s / 2, COLUMNS)) for x, y, s in plates
+    )
 
 
 def found(folder, plates):
-    """Of each plate the sum of abundances in the pixels about it, over what lies there; each pixel is held to 20 % of a plate's share too."""
+    """Of each plate the sum of abundances in the pixels about it, over what lies there; each pixel is held to 20 % of a
+    plate's share too."""
     layer, shares = layer_of(folder, "abundance_target"), exact(plates)
     out = []
     for x, y, side in plates:
-        at = numpy.s_[int(LINES / 2 - y / PIXEL) - 1:int(LINES / 2 - y / PIXEL) + 2, int(x / PIXEL + COLUMNS / 2) - 1:int(x / PIXEL + COLUMNS / 2) + 2]
+        at = numpy.s_[
+            int(LINES / 2 - y / PIXEL) - 1 : int(LINES / 2 - y / PIXEL) + 2,
+            int(x / PIXEL + COLUMNS / 2) - 1 : int(x / PIXEL + COLUMNS / 2) + 2,
+        ]
         out.append(layer[at].sum() / shares[at].sum())
     return out, abs(layer - shares).max() / (plates[0][2] / PIXEL) ** 2
 
@@ -75,7 +91,7 @@ with tempfile.TemporaryDirectory() as temporary:
     folder = pathlib.Path(temporary)
 
     # Targets of 4 % and of a tenth of a pixel's area, samples left to the planner: all found, abundance right to 20 %.
-    for name, side in (("tiny.toml", 0.3), ("tenth.toml", PIXEL * 0.1 ** 0.5)):
+    for name, side in (("tiny.toml", 0.3), ("tenth.toml", PIXEL * 0.1**0.5)):
         plates = targets(side)
         simulation = site(folder, name, plates)
         out = folder / ("out_" + name)
@@ -84,7 +100,12 @@ with tempfile.TemporaryDirectory() as temporary:
         check(min(shares) > 0.8 and max(shares) < 1.2 and worst < 0.2, name, shares, worst)
         check("32 small objects in" in said and "may be missed" not in said, said)
         whole = record(out / "camera")
-        check(sum(level["pixels"] for level in whole["small_objects"]) == whole["plan"]["planner"]["small_objects"]["pixels"] >= 32, whole["small_objects"])
+        check(
+            sum(level["pixels"] for level in whole["small_objects"])
+            == whole["plan"]["planner"]["small_objects"]["pixels"]
+            >= 32,
+            whole["small_objects"],
+        )
         check(whole["plan"]["planner"]["small_objects"]["missed"] == 0 and whole["warnings"] == [], whole["warnings"])
     check("small objects" in run("plan", simulation, "-o", folder / "plan.json").stdout)
     run("render", simulation, "-o", folder / "replayed", "-q", "--plan", folder / "plan.json")
@@ -94,9 +115,20 @@ with tempfile.TemporaryDirectory() as temporary:
 
     # check compares those pixels with their own samples, and says what it cannot see.
     text = run("check", simulation, "--rays", 0, "--pixels", 64, "--model-pixels", 8).stdout
-    check("pixels with small objects, " in text and "not looked at: how well" in text and text.endswith("check: within limits\n"), text)
-    report = json.loads(run("check", simulation, "--rays", 0, "--pixels", 64, "--model-pixels", 8, "--json").stdout)["camera"]
-    check(all(one["report"]["passed"] and one["report"]["pixels"] >= 4 for one in report["small_objects"]) and report["not_looked_at"], report.keys())
+    check(
+        "pixels with small objects, " in text
+        and "not looked at: how well" in text
+        and text.endswith("check: within limits\n"),
+        text,
+    )
+    report = json.loads(run("check", simulation, "--rays", 0, "--pixels", 64, "--model-pixels", 8, "--json").stdout)[
+        "camera"
+    ]
+    check(
+        all(one["report"]["passed"] and one["report"]["pixels"] >= 4 for one in report["small_objects"])
+        and report["not_looked_at"],
+        report.keys(),
+    )
 
     # Samples that the file gives stay; what they may miss is named, with a way out that works.
     plates = targets(0.3)
@@ -107,7 +139,10 @@ with tempfile.TemporaryDirectory() as temporary:
     lost, _ = found(folder / "given" / "camera", plates)
     check(sum(share == 0 for share in lost) >= 8, lost)  # what the warning is about
     kept = record(folder / "given" / "camera")
-    check("small_objects" not in kept and len(kept["plan"]["planner"]["small_objects"]["missed_objects"]) == 32, kept["warnings"])
+    check(
+        "small_objects" not in kept and len(kept["plan"]["planner"]["small_objects"]["missed_objects"]) == 32,
+        kept["warnings"],
+    )
     check(any("may be missed" in warning for warning in kept["warnings"]), kept["warnings"])
     on = site(folder, "on.toml", plates, 'samples = { grid = [3, 3] }\nsmall_objects = "on"')
     run("render", on, "-o", folder / "on", "-q")
@@ -115,7 +150,14 @@ with tempfile.TemporaryDirectory() as temporary:
     off = site(folder, "off.toml", plates, 'samples = { grid = [3, 3] }\nsmall_objects = "off"')
     check("may be missed" not in run("render", off, "-o", folder / "off").stderr)
     check(record(folder / "off" / "camera")["digest"] == kept["digest"])
-    refused("render", site(folder, "bad.toml", plates, 'small_objects = "some"'), "-o", folder / "bad", status=2, says=["small_objects", "auto, on, off"])
+    refused(
+        "render",
+        site(folder, "bad.toml", plates, 'small_objects = "some"'),
+        "-o",
+        folder / "bad",
+        status=2,
+        says=["small_objects", "auto, on, off"],
+    )
     # Where a first look may settle a pixel, its small targets are not left to that.
     adaptive = "samples = { lattice = 1024, first = 16 }"
     for key, said in (("on", False), ("auto", True)):
@@ -140,39 +182,63 @@ with tempfile.TemporaryDirectory() as temporary:
     placed += 'instance = [ { mesh = "plates" }, { mesh = "plates", position_m = [500.0, 0.0, 0.0] } ]\n'
     twice.write_text(twice.read_text().replace("[[instrument]]", placed + "[[instrument]]"))
     said = run("render", twice, "-o", folder / "twice").stderr
-    check("32 small objects in" in said and all(0.8 < share < 1.2 for share in found(folder / "twice" / "camera", plates)[0]), said)
+    check(
+        "32 small objects in" in said
+        and all(0.8 < share < 1.2 for share in found(folder / "twice" / "camera", plates)[0]),
+        said,
+    )
     # Smaller than the finest samples tell: named even so.
     dust = run("render", site(folder, "dust.toml", plates + [(0.3, 0.2, 0.015)]), "-o", folder / "dust").stderr
     check("1 of 33 objects" in dust and "0.015 x 0.015" in dust and "smaller than the finest samples" in dust, dust)
 
-    # What is known of a render's error is said, whoever chose the samples. Strips cross the pixels at 0.93 m, so that 3 x 3 samples miss 1 %.
+    # What is known of a render's error is said, whoever chose the samples. Strips cross the pixels at 0.93 m, so that 3
+    # x 3 samples miss 1 %.
     for name, samples in (("grid", "grid = [3, 3]"), ("lattice", "lattice = 9"), ("jittered", "jittered = [3, 3]")):
-        strips = scene(folder, name + ".toml", head="sky_directions = 8\ntolerance = 0.001", air='{ model = "clear_sky" }')
+        strips = scene(
+            folder, name + ".toml", head="sky_directions = 8\ntolerance = 0.001", air='{ model = "clear_sky" }'
+        )
         strips.write_text(strips.read_text().replace("gsd_m = 1.0", "gsd_m = 0.93").replace("grid = [3, 3]", samples))
         said = run("render", strips, "-o", folder / name).stderr
         error = record(folder / name / "camera")["error"]
         planned = json.loads(run("plan", strips, "--json", "-q").stdout)["instruments"][0]["decision"]["error"]["total"]
         check("NOT KEPT" in said and "`raycube plan` measures it" in said, said)
         check(error["within_tolerance"] is False and 0.5 * planned < error["total"] < 2 * planned, error, planned)
-    # A first scene has nothing to warn of, whatever its seed. Where the verdict hangs on the nodes of height and view, they are
-    # measured on the scene's pixels as `raycube plan` does: 0.6 % where the worst place would have 1 %.
+    # A first scene has nothing to warn of, whatever its seed. Where the verdict hangs on the nodes of height and view,
+    # they are measured on the scene's pixels as `raycube plan` does: 0.6 % where the worst place would have 1 %.
     run("new", folder / "garden", "-q")
     garden = folder / "garden" / "garden.toml"
     for seed in range(1, 4):
         done = run("render", garden, "-o", folder / "garden-out", "--seed", seed, "--overwrite")
-        check("warning" not in done.stderr and record(folder / "garden-out" / "camera")["error"]["within_tolerance"], seed, done.stderr)
+        check(
+            "warning" not in done.stderr and record(folder / "garden-out" / "camera")["error"]["within_tolerance"],
+            seed,
+            done.stderr,
+        )
     garden.write_text(garden.read_text().replace("lattice = 34", "grid = [5, 5]"))
     run("render", garden, "-o", folder / "garden-out", "--seed", 4, "--overwrite")
     error = record(folder / "garden-out" / "camera")["error"]
     planned = json.loads(run("plan", garden, "--json", "-q", "--seed", 4).stdout)["instruments"][0]["decision"]
-    check(error["within_tolerance"] and planned["within_tolerance"] and error["nodes_and_components_pixels"] == 128, error, planned)
-    check(error["nodes_and_components"] == planned["error"]["plan"] < 0.7 * planned["error"]["plan_estimate"], error, planned)
+    check(
+        error["within_tolerance"] and planned["within_tolerance"] and error["nodes_and_components_pixels"] == 128,
+        error,
+        planned,
+    )
+    check(
+        error["nodes_and_components"] == planned["error"]["plan"] < 0.7 * planned["error"]["plan_estimate"],
+        error,
+        planned,
+    )
     # With adaptive samples it is that of the image, not of all samples.
     errors = []
     for samples in ("lattice = 256", "lattice = 256, first = 4"):
         strips = site(folder, "first.toml", [], f"samples = {{ {samples} }}")
-        thin = [f'{{ material = "target", position_m = [{-19 + 4.07 * i:.3f}, 0.0, 0.01], size_m = [0.12, 100.0] }}' for i in range(10)]
-        strips.write_text(strips.read_text().replace("size_m = [120.0, 120.0] }", ", ".join(["size_m = [120.0, 120.0] }", *thin])))
+        thin = [
+            f'{{ material = "target", position_m = [{-19 + 4.07 * i:.3f}, 0.0, 0.01], size_m = [0.12, 100.0] }}'
+            for i in range(10)
+        ]
+        strips.write_text(
+            strips.read_text().replace("size_m = [120.0, 120.0] }", ", ".join(["size_m = [120.0, 120.0] }", *thin]))
+        )
         run("render", strips, "-o", folder / "first", "--overwrite", "-q")
         errors.append(record(folder / "first" / "camera")["error"])
     print("strips, all samples and those after a look of 4:", [error["likely"] for error in errors])
@@ -188,17 +254,28 @@ with tempfile.TemporaryDirectory() as temporary:
     error = record(folder / "one" / "camera")["error"]
     check(error["samples_and_sky_directions"] < 1e-4 and error["within_tolerance"], error)
 
-    # Ground of 30 x 40 m in the middle of a view of 60 x 12 m: half of the pixels hold nothing; a plane under it holds them all.
+    # Ground of 30 x 40 m in the middle of a view of 60 x 12 m: half of the pixels hold nothing; a plane under it holds
+    # them all.
     wide = scene(folder, "wide.toml", pixels=60)
     said = run("render", wide, "-o", folder / "wide").stderr
     check("50 % of the samples meet nothing: 360 of 720 pixels" in said and "[[plane]]" in said, said)
     missed = record(folder / "wide" / "camera")["missed_samples"]
-    check(missed == {"share": 0.5, "pixels_without_ground": 360, "pixels_partly_without": 0, "first": {"line": 0, "sample": 0}}, missed)
-    wide.write_text(wide.read_text().replace("gsd_m = 1.0", "gsd_m = 1.2"))  # edges at 12.5 pixels from the middle: one column each side is cut
+    check(
+        missed
+        == {"share": 0.5, "pixels_without_ground": 360, "pixels_partly_without": 0, "first": {"line": 0, "sample": 0}},
+        missed,
+    )
+    wide.write_text(
+        wide.read_text().replace("gsd_m = 1.0", "gsd_m = 1.2")
+    )  # edges at 12.5 pixels from the middle: one column each side is cut
     run("render", wide, "-o", folder / "cut", "-q")
     missed = record(folder / "cut" / "camera")["missed_samples"]
     check(missed["pixels_partly_without"] == 24 and missed["pixels_without_ground"] == 34 * 12, missed)
-    wide.write_text(wide.read_text().replace("plane = [", 'plane = [\n  { material = "dark", position_m = [0.0, 0.0, -0.1], size_m = [400.0, 400.0] },'))
+    wide.write_text(
+        wide.read_text().replace(
+            "plane = [", 'plane = [\n  { material = "dark", position_m = [0.0, 0.0, -0.1], size_m = [400.0, 400.0] },'
+        )
+    )
     said = run("render", wide, "-o", folder / "whole").stderr
     check("meet nothing" not in said and record(folder / "whole" / "camera")["missed_samples"]["share"] == 0, said)
     check((layer_of(folder / "whole" / "camera", "hit_fraction") > 0.99999).all())

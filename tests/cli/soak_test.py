@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""ci/soak says "passed" only of runs that passed: a test that fails, one that hangs and a worker that somebody kills end it with status 1.
-usage: soak_test.py SOURCE_DIR"""
+"""ci/soak says "passed" only of runs that passed: a test that fails, one that hangs and a worker that somebody kills
+end it with status 1. usage: soak_test.py SOURCE_DIR"""
+
 import os
 import pathlib
 import shutil
@@ -12,7 +13,9 @@ checks = 0
 
 # What the kernel does when memory is short: the shell that runs this test is gone, and nobody says anything.
 KILLS_ITS_WORKER = """pid=$PPID
-while [ "$pid" -gt 1 ] && ! tr '\\0' ' ' <"/proc/$pid/cmdline" | grep -q '^xargs '; do worker=$pid; pid=$(awk '{print $4}' "/proc/$pid/stat"); done
+while [ "$pid" -gt 1 ] && ! tr '\\0' ' ' <"/proc/$pid/cmdline" | grep -q '^xargs '; do
+  worker=$pid; pid=$(awk '{print $4}' "/proc/$pid/stat")
+done
 kill -9 "$worker"
 """
 
@@ -28,8 +31,13 @@ def soak(source, test, *arguments, status, says):
         program = tree / "build/tests/test_render_x"
         program.write_text("#!/bin/bash\n" + test)
         program.chmod(0o755)
-        done = subprocess.run([tree / "ci/soak", *arguments, "render_x"], capture_output=True, text=True, timeout=100,
-                              env={**os.environ, "RAYCUBE_SOAK_PATIENCE_S": "2"})
+        done = subprocess.run(
+            [tree / "ci/soak", *arguments, "render_x"],
+            capture_output=True,
+            text=True,
+            timeout=100,
+            env={**os.environ, "RAYCUBE_SOAK_PATIENCE_S": "2"},
+        )
     checks += 1
     assert done.returncode == status and says in done.stdout + done.stderr, (test, done)
     assert status == 0 or "tests passed" not in done.stdout, done

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""stability: a LIDAR survey when the machine or the user stops it (REQUIREMENTS section 4, Machine; cubes: render_failures): a full
-disk, a read-only folder, two runs into one folder, Ctrl-C, kill -9. One clear error with its way out, the documented exit status,
-nothing half-written under a final name, and the next run whole. And a cube on a device of 256 MB, where oclgrind is there.
-usage: stability_machine_test.py RAYCUBE"""
+"""stability: a LIDAR survey when the machine or the user stops it (REQUIREMENTS section 4, Machine; cubes:
+render_failures): a full disk, a read-only folder, two runs into one folder, Ctrl-C, kill -9. One clear error with its
+way out, the documented exit status, nothing half-written under a final name, and the next run whole. And a cube on a
+device of 256 MB, where oclgrind is there. usage: stability_machine_test.py RAYCUBE"""
+
 import json
 import os
 import pathlib
@@ -18,7 +19,9 @@ from driver import Program, record, scene
 
 program = Program(sys.argv[1])
 run, check, refused = program.run, program.check, program.refused
-WRITES = 4 << 20  # bytes a file may grow to on the disk that is full: room for the driver's own files, not for the waveforms
+WRITES = (
+    4 << 20
+)  # bytes a file may grow to on the disk that is full: room for the driver's own files, not for the waveforms
 
 
 def survey(folder, name, pulses):
@@ -86,7 +89,12 @@ with tempfile.TemporaryDirectory() as work:
     good = {path.relative_to(work / "good") for path in files(work / "good")}
     digest = record(work / "good" / "survey")["digest"]
     # The full disk.
-    stopped(["render", survey(work, "more.toml", 60000), "-o", work / "full"], 3, ["File too large", "file-size limit"], preexec_fn=full_disk)
+    stopped(
+        ["render", survey(work, "more.toml", 60000), "-o", work / "full"],
+        3,
+        ["File too large", "file-size limit"],
+        preexec_fn=full_disk,
+    )
     check(files(work / "full") == [] if (work / "full").exists() else True, files(work))
     stopped(["render", small, "-o", "/proc/raycube-out"], 3, ["/proc/raycube-out", "-o"])
     stopped(["render", small, "-o", work / "good"], 2, ["is there already", "--overwrite"])
@@ -94,10 +102,17 @@ with tempfile.TemporaryDirectory() as work:
     for number in (signal.SIGINT, signal.SIGTERM):
         process = begun(long, work / "long")
         if number == signal.SIGINT:
-            refused("render", small, "-o", work / "long", status=3, says=["another run is writing", "choose another -o"])
+            refused(
+                "render", small, "-o", work / "long", status=3, says=["another run is writing", "choose another -o"]
+            )
         process.send_signal(number)
         out, err = process.communicate(timeout=100)
-        check(process.returncode == 130 and err.count("error: ") == 1 and "interrupted" in err, process.returncode, out, err)
+        check(
+            process.returncode == 130 and err.count("error: ") == 1 and "interrupted" in err,
+            process.returncode,
+            out,
+            err,
+        )
         check(files(work / "long") == [], files(work / "long"))
 
     process = begun(long, work / "long")
@@ -109,13 +124,22 @@ with tempfile.TemporaryDirectory() as work:
     check(record(work / "long" / "survey")["digest"] == digest)
 
     # A device of 256 MB: what fits is computed, a scene that does not is refused before anything is copied.
-    if shutil.which("oclgrind") and "RAYCUBE_SANITIZED" not in os.environ:  # its kernels have no prefetch; it runs no program with sanitizers
+    if (
+        shutil.which("oclgrind") and "RAYCUBE_SANITIZED" not in os.environ
+    ):  # its kernels have no prefetch; it runs no program with sanitizers
         limited = ["oclgrind", "--global-mem-size", str(256 << 20), "--build-options", "-DRC_NO_PREFETCH", program.path]
-        listed = json.loads(subprocess.run([*limited, "devices", "--json"], capture_output=True, text=True, timeout=60).stdout)
+        listed = json.loads(
+            subprocess.run([*limited, "devices", "--json"], capture_output=True, text=True, timeout=60).stdout
+        )
         check(str(256 << 20) in json.dumps(listed), listed)
         tiny = scene(work, "tiny.toml", pixels=4, lines=2, grid=1)
-        done = subprocess.run([*limited, "render", tiny, "-o", work / "limited", "-q"], capture_output=True, text=True, timeout=200)
+        done = subprocess.run(
+            [*limited, "render", tiny, "-o", work / "limited", "-q"], capture_output=True, text=True, timeout=200
+        )
         check(done.returncode == 0, done.stderr[:2000])
     else:
-        print("stability machine: SKIPPED the device of 256 MB: oclgrind is not there, or the program carries sanitizers", flush=True)
+        print(
+            "stability machine: SKIPPED the device of 256 MB: oclgrind is not there, or the program carries sanitizers",
+            flush=True,
+        )
 print(f"stability machine: {program.checks} checks")

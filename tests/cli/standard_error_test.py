@@ -1,9 +1,11 @@
 #!/usr/bin/python3
-"""The standard error that a file asks for: standard_error.img per band, the worst band and the mask of what did not converge as truth.
+"""The standard error that a file asks for: standard_error.img per band, the worst band and the mask of what did not
+converge as truth.
 
-Strips of 0.10, 0.45 and 0.80 whose edges halve two columns of pixels, 6 x 6 samples: of the four interleaved parts two see 2/3 of one strip and two 1/3,
-each D / 6 from the whole where D is the strips' difference, so that the error is sqrt(4 (D / 6)^2) / sqrt(4 x 3) = D / (6 sqrt 3); elsewhere it is 0.
-usage: standard_error_test.py RAYCUBE"""
+Strips of 0.10, 0.45 and 0.80 whose edges halve two columns of pixels, 6 x 6 samples: of the four interleaved parts two
+see 2/3 of one strip and two 1/3, each D / 6 from the whole where D is the strips' difference, so that the error is
+sqrt(4 (D / 6)^2) / sqrt(4 x 3) = D / (6 sqrt 3); elsewhere it is 0. usage: standard_error_test.py RAYCUBE"""
+
 import pathlib
 import sys
 import tempfile
@@ -17,7 +19,14 @@ EDGES = (6, 16)  # columns of 23 that lie 5 m from the middle
 
 
 def rendered(work, choice, head=""):
-    file = scene(work, f"{choice}.toml", head=head, pixels=23, grid=6, instrument=f'standard_error = "{choice}"' if choice != "off" else "")
+    file = scene(
+        work,
+        f"{choice}.toml",
+        head=head,
+        pixels=23,
+        grid=6,
+        instrument=f'standard_error = "{choice}"' if choice != "off" else "",
+    )
     program.run("render", file, "-o", work / "out", "-q", "--overwrite")
     return work / "out/camera"
 
@@ -43,8 +52,14 @@ with tempfile.TemporaryDirectory() as work:
 
     truth = layers(folder)
     worst = (expected / radiance.mean((0, 1))).max(-1)
-    check(numpy.allclose(truth["standard_error"], worst, rtol=0, atol=1e-5), numpy.abs(truth["standard_error"] - worst).max())
-    check((truth["not_converged"] == (worst > 0.01)).all() and truth["not_converged"].sum() == 2 * radiance.shape[0], truth["not_converged"].sum())
+    check(
+        numpy.allclose(truth["standard_error"], worst, rtol=0, atol=1e-5),
+        numpy.abs(truth["standard_error"] - worst).max(),
+    )
+    check(
+        (truth["not_converged"] == (worst > 0.01)).all() and truth["not_converged"].sum() == 2 * radiance.shape[0],
+        truth["not_converged"].sum(),
+    )
     files = [file["path"] if isinstance(file, dict) else file for file in record(folder)["files"]]
     check(any("standard_error.img" in str(file) for file in files), files)
 

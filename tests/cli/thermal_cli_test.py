@@ -1,5 +1,7 @@
-"""S14 S16 S61: thermal light as users run it: a table written here from its documented format, a scene with temperatures,
-`atmos info`, `check`, `render`, and what is refused. Oracle: Planck's law in numpy; the air is isothermal."""
+"""S14 S16 S61: thermal light as users run it: a table written here from its documented format, a scene with
+temperatures, `atmos info`, `check`, `render`, and what is refused. Oracle: Planck's law in numpy; the air is
+isothermal."""
+
 import hashlib
 import json
 import pathlib
@@ -26,22 +28,58 @@ def write_table(path, kelvin, depth, sky=True):
     """Isothermal air over one node of everything: T = exp(-depth), path B (1 - T), sky B. docs/table_format.md."""
     um = numpy.arange(7.5, 13.5, 0.005)
     b, ones = planck(um, kelvin), numpy.ones_like(um)
-    rows = [("view_transmission", "1", ["wavelength", "target_height", "view_zenith"], ones * numpy.exp(-depth)),
-            ("path_radiance_thermal", "W m-2 sr-1 um-1", ["wavelength", "target_height", "view_zenith"], b * (1 - numpy.exp(-depth)))]
+    rows = [
+        ("view_transmission", "1", ["wavelength", "target_height", "view_zenith"], ones * numpy.exp(-depth)),
+        (
+            "path_radiance_thermal",
+            "W m-2 sr-1 um-1",
+            ["wavelength", "target_height", "view_zenith"],
+            b * (1 - numpy.exp(-depth)),
+        ),
+    ]
     if sky:
         rows.append(("sky_radiance_thermal", "W m-2 sr-1 um-1", ["wavelength", "target_height", "sky_zenith"], b))
-    axes = [("wavelength", "um", list(um)), ("target_height", "m", [0.0]), ("view_zenith", "deg", [0.0]), ("sky_zenith", "deg", [0.0])]
+    axes = [
+        ("wavelength", "um", list(um)),
+        ("target_height", "m", [0.0]),
+        ("view_zenith", "deg", [0.0]),
+        ("sky_zenith", "deg", [0.0]),
+    ]
     arrays, listed = b"", []
     for name, unit, of, values in rows:
-        listed.append({"name": name, "unit": unit, "text": "isothermal air", "axes": of, "shape": [len(um), 1, 1], "offset": len(arrays)})
+        listed.append(
+            {
+                "name": name,
+                "unit": unit,
+                "text": "isothermal air",
+                "axes": of,
+                "shape": [len(um), 1, 1],
+                "offset": len(arrays),
+            }
+        )
         data = values.astype("<f4").tobytes()
         arrays += data + b"\0" * (-len(data) % 64)
-    header = json.dumps({"format": "raycube render table", "version": 1, "medium": "vacuum", "solar_source": "none", "sun_zenith_deg": 120.0,
-                         "sun_azimuth_deg": 0.0, "sensor_height_m": 500.0, "provenance": {"model": "isothermal air"},
-                         "axes": [{"name": n, "unit": u, "nodes": v} for n, u, v in axes], "rows": listed}).encode()
+    header = json.dumps(
+        {
+            "format": "raycube render table",
+            "version": 1,
+            "medium": "vacuum",
+            "solar_source": "none",
+            "sun_zenith_deg": 120.0,
+            "sun_azimuth_deg": 0.0,
+            "sensor_height_m": 500.0,
+            "provenance": {"model": "isothermal air"},
+            "axes": [{"name": n, "unit": u, "nodes": v} for n, u, v in axes],
+            "rows": listed,
+        }
+    ).encode()
     size = len(header)
     body = header + b"\0" * (-size % 64) + arrays
-    head = bytes.fromhex("895243540d0a1a0a") + struct.pack("<IIQQ", 1, 0x01020304, size, 64 + len(body)) + hashlib.sha256(body).digest()
+    head = (
+        bytes.fromhex("895243540d0a1a0a")
+        + struct.pack("<IIQQ", 1, 0x01020304, size, 64 + len(body))
+        + hashlib.sha256(body).digest()
+    )
     path.write_bytes(head + body)
 
 
@@ -98,17 +136,24 @@ with tempfile.TemporaryDirectory() as work:
     check("surroundings at one temperature" in run("check", warm, "--pixels", 40).stdout)
     run("render", warm, "-o", work / "warm", "-q")
     _, cube = envi(work / "warm" / "camera", "radiance")
-    corner = cube[0, 0] / (0.94 * planck(8 + 0.5 * numpy.arange(9), 300.0) * numpy.exp(-0.3) + planck(8 + 0.5 * numpy.arange(9), 290.0) * (1 - 0.94 * numpy.exp(-0.3)))
+    corner = cube[0, 0] / (
+        0.94 * planck(8 + 0.5 * numpy.arange(9), 300.0) * numpy.exp(-0.3)
+        + planck(8 + 0.5 * numpy.arange(9), 290.0) * (1 - 0.94 * numpy.exp(-0.3))
+    )
     check(numpy.abs(corner - 1).max() < 2e-3, corner)  # at band centres: a band of 0.1 um bends B by 1e-3
     plan = json.loads(run("render", warm, "--dry-run", "--json").stdout)
     check(json.dumps(plan).count("temperature_nodes_K") == 1)
 
     # Refused: a material in use without a temperature, half of the thermal rows.
     bare = scene(work / "bare.toml", ("", "temperature_K = 300"))
-    program.refused("render", bare, "-o", work / "bare", status=2, says=["bare.toml", "material 'metal'", "default_temperature_K"])
+    program.refused(
+        "render", bare, "-o", work / "bare", status=2, says=["bare.toml", "material 'metal'", "default_temperature_K"]
+    )
     check(not (work / "bare").exists())
     write_table(work / "air.rct", 290.0, 0.3, sky=False)
-    program.refused("render", same, "-o", work / "half", status=2, says=["no row 'sky_radiance_thermal'", "thermal light"])
+    program.refused(
+        "render", same, "-o", work / "half", status=2, says=["no row 'sky_radiance_thermal'", "thermal light"]
+    )
 
     # A plate that fills the view, without air: 1200 K at 2.2 um by day (B = 9972.8), 300 K at 10 um by night
     # (B = 9.92403).

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
-"""raycube tune: sizes are found, kept for the device, used from then on, and change no bit of a cube or of pulses; no place to keep them is one error.
-usage: tune_cli_test.py RAYCUBE"""
+"""raycube tune: sizes are found, kept for the device, used from then on, and change no bit of a cube or of pulses; no
+place to keep them is one error. usage: tune_cli_test.py RAYCUBE"""
+
 import json
 import os
 import pathlib
@@ -27,8 +28,14 @@ with tempfile.TemporaryDirectory() as work:
     (instrument,) = found["instruments"]
     check(set(instrument["kernels"]) == KERNELS, instrument["kernels"].keys())
     for kernel, choice in instrument["kernels"].items():
-        most = 120 if kernel in ("trace_primary", "make_surface", "trace_light") else 480  # groups of four pixels, pixels
-        check([c["local_size"] for c in choice["candidates"]] == [size for size in (1, 2, 4, 8, 16, 32, 64, 128, 256) if size <= most], kernel)
+        most = (
+            120 if kernel in ("trace_primary", "make_surface", "trace_light") else 480
+        )  # groups of four pixels, pixels
+        check(
+            [c["local_size"] for c in choice["candidates"]]
+            == [size for size in (1, 2, 4, 8, 16, 32, 64, 128, 256) if size <= most],
+            kernel,
+        )
         best = {c["local_size"]: c["seconds"] for c in choice["candidates"]}
         check(choice["seconds"] == best[choice["local_size"]] <= choice["seconds_of_the_preset"], kernel, choice)
     check(2097152 in [c["samples"] for c in instrument["tile"]["candidates"]], instrument["tile"])
@@ -36,7 +43,10 @@ with tempfile.TemporaryDirectory() as work:
     program.run("render", file, "-o", work / "after", "-q")
     after = record(work / "after/camera")
     check(after["launches"]["tuned"] is True, after["launches"])
-    check(after["launches"]["local_size_of"] == {k: c["local_size"] for k, c in instrument["kernels"].items()}, after["launches"])
+    check(
+        after["launches"]["local_size_of"] == {k: c["local_size"] for k, c in instrument["kernels"].items()},
+        after["launches"],
+    )
     check(after["launches"]["tile_samples"] == instrument["tile"]["samples"], after["launches"])
     check(after["digest"] == before["digest"], after["digest"])
 
@@ -46,7 +56,11 @@ with tempfile.TemporaryDirectory() as work:
     kept.write_text(json.dumps(sizes))
     program.run("render", file, "-o", work / "odd", "-q")
     odd = record(work / "odd/camera")
-    check(odd["launches"]["local_size_of"] == sizes["local"] and odd["rows"]["tile_lines"] == 7, odd["launches"], odd["rows"])
+    check(
+        odd["launches"]["local_size_of"] == sizes["local"] and odd["rows"]["tile_lines"] == 7,
+        odd["launches"],
+        odd["rows"],
+    )
     check(odd["digest"] == before["digest"], odd["digest"])
     # One thread of several is another device: nothing was found for it.
     if json.loads(program.run("devices", "--json").stdout)["devices"][0]["compute_units"] > 1:
@@ -54,25 +68,32 @@ with tempfile.TemporaryDirectory() as work:
         check(record(work / "one/camera")["launches"]["tuned"] is False)
 
     pulses = work / "pulses.toml"
-    pulses.write_text(file.read_text().partition("[[instrument]]")[0].replace('{ model = "none" }', '{ model = "layered" }') + """
+    pulses.write_text(
+        file.read_text().partition("[[instrument]]")[0].replace('{ model = "none" }', '{ model = "layered" }')
+        + """
 [[lidar]]
 name = "profiler"
 position_m = [0.0, 0.0, 500.0]
 prf_khz = 200.0
 pulses = 50
 products = { png = false }
-""" + PULSE_AND_RECEIVER + """[lidar.gate]
+"""
+        + PULSE_AND_RECEIVER
+        + """[lidar.gate]
 start_range_m = 450.0
 stop_range_m = 520.0
 [lidar.sampling]
 subrays = 16
-""")
+"""
+    )
     program.run("render", pulses, "-o", work / "before", "-q", env={"XDG_CACHE_HOME": str(work / "other")})
     text = program.run("tune", pulses).stdout
     check(all(kernel in text for kernel in ("lidar_shots", "lidar_air", "lidar_beam")) and str(kept) in text, text)
     both = json.loads(kept.read_text())["local"]
     check(set(both) == KERNELS | {"lidar_shots", "lidar_air", "lidar_beam"}, both)
-    kept.write_text(json.dumps({"local": {"lidar_shots": 7, "lidar_air": 16, "lidar_beam": 3}, "tile_samples": 1 << 20}))
+    kept.write_text(
+        json.dumps({"local": {"lidar_shots": 7, "lidar_air": 16, "lidar_beam": 3}, "tile_samples": 1 << 20})
+    )
     program.run("render", pulses, "-o", work / "after", "-q", "--overwrite")
     one, two = record(work / "before/profiler"), record(work / "after/profiler")
     check(two["launches"]["local_size_of"]["lidar_air"] == 16 and not one["launches"]["tuned"], two["launches"])
@@ -80,6 +101,11 @@ subrays = 16
 
     program.refused("tune", file, "--instrument", "nosuch", status=2, says=["no instrument"])
     (work / "file").write_text("")
-    program.refused("tune", file, status=3, says=["could not be kept", "XDG_CACHE_HOME"], 
-                    env={"XDG_CACHE_HOME": str(work / "file"), "POCL_CACHE_DIR": str(work / "pocl")})
+    program.refused(
+        "tune",
+        file,
+        status=3,
+        says=["could not be kept", "XDG_CACHE_HOME"],
+        env={"XDG_CACHE_HOME": str(work / "file"), "POCL_CACHE_DIR": str(work / "pocl")},
+    )
 print(f"{program.checks} checks hold")

@@ -1,10 +1,13 @@
 #!/usr/bin/env python3
-"""SHA-256 of every product of a list of scenes, against the figures that were recorded: what is moved about in the tree may not move a
-bit. One scene for each form that kernels are built in (samplers, motion, point spread, chunks, adaptive samples, sources of light,
-nodes, ground around; of LIDARs detectors, sampling, bounces, plates, leaves, gloss, volumes, turbulence).
-usage: digests_test.py RAYCUBE DIGESTS.csv [--write]
---write records what is found instead of comparing. Bits are those of one device and driver, which the first line names; on another the
-test is skipped (77) and says so. Left out: run.json (times), pictures that matplotlib draws, the day in a LAS header."""
+"""SHA-256 of every product of a list of scenes, against the figures that were recorded: what is moved about in the tree
+may not move a bit. One scene for each form that kernels are built in (samplers, motion, point spread, chunks, adaptive
+samples, sources of light, nodes, ground around; of LIDARs detectors, sampling, bounces, plates, leaves, gloss, volumes,
+turbulence). usage: digests_test.py RAYCUBE DIGESTS.csv [--write]
+--write records what is found instead of comparing. Bits are those of one device and driver, which the first line names;
+on another the test is skipped (77) and says so. Left out: run.json (times), pictures that matplotlib draws, the day in
+a LAS header.
+"""
+
 import csv
 import hashlib
 import json
@@ -20,7 +23,8 @@ from driver import PULSE_AND_RECEIVER, Program, record  # noqa: E402
 program = Program(sys.argv[1])
 digests, write = pathlib.Path(sys.argv[2]), "--write" in sys.argv[3:]
 
-# Flat ground of two halves, a mixed and a checkered plate, a box that shades, a tree, small plates; no two of one reflectance.
+# Flat ground of two halves, a mixed and a checkered plate, a box that shades, a tree, small plates; no two of one
+# reflectance.
 WORLD = """format = 1
 seed = 11
 tolerance = {tolerance}
@@ -43,7 +47,10 @@ plane = [
 ]
 box = [{{ material = "roof", position_m = [-4.0, -5.0, 0.0], size_m = [4.0, 5.0, 3.0], yaw_deg = 20.0 }}]
 mesh = [{{ name = "tree", file = "tree.obj", materials = {{ crown = "{crown}", trunk = "bark" }} }}]
-instance = [{{ mesh = "tree", position_m = [-7.0, -2.2, 0.0] }}, {{ mesh = "tree", position_m = [-2.5, -1.8, 0.0], yaw_deg = 40.0 }}]
+instance = [
+  {{ mesh = "tree", position_m = [-7.0, -2.2, 0.0] }},
+  {{ mesh = "tree", position_m = [-2.5, -1.8, 0.0], yaw_deg = 40.0 }},
+]
 scatter = [{{ mesh = "tree", positions = "trees.csv", on_terrain = false }}]
 atmosphere = {air}
 time = {{ {light} }}
@@ -60,9 +67,21 @@ bands = {{ {bands} }}
 {instrument}
 """
 FRAME = "altitude_agl_m = 200.0\ngsd_m = 1.1\nheading_deg = 30.0\nroll_deg = 1.0"
-DEFAULTS = dict(tolerance=0.02, head="sky_directions = 12", more="", plane="", crown="leaf", air='{ model = "clear_sky" }',
-                light="sun = { zenith_deg = 50.0, azimuth_deg = 150.0, day_of_year = 200 }", volume="", kind="framing", pose=FRAME,
-                samples="samples = { grid = [3, 3] }", bands="first_nm = 480.0, step_nm = 60.0, count = 9, fwhm_nm = 30.0", instrument="")
+DEFAULTS = dict(
+    tolerance=0.02,
+    head="sky_directions = 12",
+    more="",
+    plane="",
+    crown="leaf",
+    air='{ model = "clear_sky" }',
+    light="sun = { zenith_deg = 50.0, azimuth_deg = 150.0, day_of_year = 200 }",
+    volume="",
+    kind="framing",
+    pose=FRAME,
+    samples="samples = { grid = [3, 3] }",
+    bands="first_nm = 480.0, step_nm = 60.0, count = 9, fwhm_nm = 30.0",
+    instrument="",
+)
 LAYERED = '{ model = "layered", spectral_step_nm = 20.0%s }'
 LONGWAVE = "first_nm = 8000.0, step_nm = 900.0, count = 5, fwhm_nm = 400.0"
 CAMERAS = {
@@ -74,28 +93,43 @@ CAMERAS = {
     "chunks": dict(samples="samples = { jittered = [40, 40] }"),
     "adaptive": dict(samples="samples = { lattice = 64, first = 8 }"),
     "standard_error": dict(samples="samples = { jittered = [6, 6] }", instrument='standard_error = "bands"'),
-    "point_spread": dict(samples="samples = { jittered = [4, 4] }", instrument="psf = { sigma_px = 0.6, support_px = 5.0 }"),
+    "point_spread": dict(
+        samples="samples = { jittered = [4, 4] }", instrument="psf = { sigma_px = 0.6, support_px = 5.0 }"
+    ),
     "sky_share": dict(head="sky_directions = 24\nsky_share = 4", samples="samples = { grid = [8, 8] }"),
     "pushbroom_held": dict(kind="pushbroom", pose='poses = "poses.csv"\ngsd_m = 1.1\nmotion = "held"'),
     "pushbroom_moving": dict(kind="pushbroom", pose='poses = "poses.csv"\ngsd_m = 1.1\nmotion = "moving"'),
     "whiskbroom": dict(kind="whiskbroom", pose='poses = "poses.csv"\ngsd_m = 1.1'),
     "integers": dict(instrument="integer_scale = 100.0\ninterleave = \"bsq\"\nexr = true"),
     "layered": dict(air=LAYERED % ', aerosol = "maritime", visibility_km = 15.0'),
-    "ground_around": dict(air=LAYERED % ', adjacency = "local"', pose=FRAME.replace("200.0", "2000.0").replace("1.1", "6.0")),
+    "ground_around": dict(
+        air=LAYERED % ', adjacency = "local"', pose=FRAME.replace("200.0", "2000.0").replace("1.1", "6.0")
+    ),
     "longwave": dict(air=LAYERED % "", bands=LONGWAVE),
     "midwave": dict(air=LAYERED % "", bands="first_nm = 3300.0, step_nm = 300.0, count = 5, fwhm_nm = 120.0"),
-    "fire": dict(bands="first_nm = 1600.0, step_nm = 200.0, count = 5, fwhm_nm = 60.0", air='{ model = "none" }',
-                 plane='{ material = "lava", position_m = [6.0, 2.0, 0.1], size_m = [3.0, 3.0] },'),
-    "moon": dict(air=LAYERED % "", light="moon = { zenith_deg = 40.0, azimuth_deg = 150.0, phase_angle_deg = 20.0, day_of_year = 200 }"),
+    "fire": dict(
+        bands="first_nm = 1600.0, step_nm = 200.0, count = 5, fwhm_nm = 60.0",
+        air='{ model = "none" }',
+        plane='{ material = "lava", position_m = [6.0, 2.0, 0.1], size_m = [3.0, 3.0] },',
+    ),
+    "moon": dict(
+        air=LAYERED % "",
+        light="moon = { zenith_deg = 40.0, azimuth_deg = 150.0, phase_angle_deg = 20.0, day_of_year = 200 }",
+    ),
     "nodes": dict(tolerance=0.0005, pose=FRAME.replace("roll_deg = 1.0", "roll_deg = 35.0")),
 }
-LIDAR = """[[lidar]]
+LIDAR = (
+    """[[lidar]]
 name = "lidar"
 position_m = [-5.0, -2.0, 120.0]
 prf_khz = {prf}
 pulses = {pulses}
 {shot}
-""" + PULSE_AND_RECEIVER.replace("fov_mrad = 2.0", "{view}").replace("divergence_mrad = 0.2", "divergence_mrad = {divergence}") + """
+"""
+    + PULSE_AND_RECEIVER.replace("fov_mrad = 2.0", "{view}").replace(
+        "divergence_mrad = 0.2", "divergence_mrad = {divergence}"
+    )
+    + """
 [lidar.gate]
 start_range_m = {start}
 stop_range_m = {stop}
@@ -110,30 +144,66 @@ subrays = {subrays}
 png = false
 {lidar}
 """
-LIDAR_DEFAULTS = dict(pulses=40, prf=10.0, start=100.0, stop=135.0, shot="", view="fov_mrad = 2.0", divergence=1.0, subrays=24, sampling="", lidar="")
+)
+LIDAR_DEFAULTS = dict(
+    pulses=40,
+    prf=10.0,
+    start=100.0,
+    stop=135.0,
+    shot="",
+    view="fov_mrad = 2.0",
+    divergence=1.0,
+    subrays=24,
+    sampling="",
+    lidar="",
+)
 ARRAY = "array = { columns = 6, rows = 5, focal_length_mm = 200.0, pitch_um = 400.0 }"
 LEAVES = '{ name = "leaves", reflectance = 0.35, transmittance = 0.30, transmission = "leaf" },'
 PLATE = '{ name = "net", reflectance = 0.2, transmittance = 0.5, transmission = "plate" },'
 GLOSS = '{ name = "wet", reflectance = 0.1, gloss = { roughness = 0.2, f0 = 0.05 } },'
 LIDARS = {
     "photons": {},
-    "linear": dict(lidar='[lidar.detector]\nmode = "linear"\ngain = 20.0\nionization_ratio = 0.2\nreadout_noise_e = 300.0\nbits = 12\n[lidar.speckle]\non = true'),
+    "linear": dict(
+        lidar='[lidar.detector]\nmode = "linear"\ngain = 20.0\nionization_ratio = 0.2\nreadout_noise_e = 300.0\n'
+        'bits = 12\n[lidar.speckle]\non = true'
+    ),
     "geiger": dict(lidar='[lidar.detector]\nmode = "geiger"\ndark_rate_hz = 1e5\njitter_fwhm_ns = 0.3'),
     "layered_air": dict(air=LAYERED % ""),
     "bounces": dict(sampling="bounces = 3"),
     "leaves": dict(more=LEAVES, crown="leaves", sampling="bounces = 2"),
     "plates": dict(more=PLATE, plane='{ material = "net", position_m = [-5.0, -2.0, 6.0], size_m = [12.0, 12.0] },'),
     "gloss": dict(more=GLOSS, plane='{ material = "wet", position_m = [-5.0, -2.0, 0.1], size_m = [12.0, 12.0] },'),
-    "gloss_bounces": dict(more=GLOSS, plane='{ material = "wet", position_m = [-5.0, -2.0, 0.1], size_m = [12.0, 12.0] },', view="fov_mrad = 60.0", sampling="bounces = 2"),
+    "gloss_bounces": dict(
+        more=GLOSS,
+        plane='{ material = "wet", position_m = [-5.0, -2.0, 0.1], size_m = [12.0, 12.0] },',
+        view="fov_mrad = 60.0",
+        sampling="bounces = 2",
+    ),
     "turbulence": dict(lidar='[lidar.turbulence]\nprofile = "hufnagel_valley"'),
     "array": dict(pulses=4, view=ARRAY, divergence=20.0, subrays=400),
     "receiver": dict(pulses=4, view=ARRAY, divergence=20.0, sampling='from = "receiver"'),
-    "background": dict(air=LAYERED % "", view="fov_mrad = 60.0\nfilter_fwhm_nm = 20.0", lidar="[lidar.detector]\nsolar_background = true"),
-    "folded": dict(prf=2000.0, start=20.0, stop=70.0, shot="fold_ambiguous = true", lidar="[lidar.echoes]\nair_is_background = false"),
-    "smoke": dict(volume='[[volume]]\nname = "smoke"\nshape = "box"\nposition_m = [-5.0, -2.0, 4.0]\nsize_m = [20.0, 20.0, 6.0]\nparticles = { extinction_per_m = 0.05 }'),
+    "background": dict(
+        air=LAYERED % "",
+        view="fov_mrad = 60.0\nfilter_fwhm_nm = 20.0",
+        lidar="[lidar.detector]\nsolar_background = true",
+    ),
+    "folded": dict(
+        prf=2000.0,
+        start=20.0,
+        stop=70.0,
+        shot="fold_ambiguous = true",
+        lidar="[lidar.echoes]\nair_is_background = false",
+    ),
+    "smoke": dict(
+        volume='[[volume]]\nname = "smoke"\nshape = "box"\nposition_m = [-5.0, -2.0, 4.0]\nsize_m = [20.0, 20.0, 6.0]\n'
+        'particles = { extinction_per_m = 0.05 }'
+    ),
 }
 POSES = "x_m,y_m,z_m,roll_deg,pitch_deg,heading_deg\n" + "".join(
-    f"{-3 + 0.3 * i:.3f},{-7 + 1.1 * i:.3f},{200 + 0.2 * i:.3f},{0.4 * (i % 3) - 0.3:.3f},{0.3 * (i % 4) - 0.5:.3f},{3 + 0.9 * i:.3f}\n" for i in range(13))
+    f"{-3 + 0.3 * i:.3f},{-7 + 1.1 * i:.3f},{200 + 0.2 * i:.3f},{0.4 * (i % 3) - 0.3:.3f},{0.3 * (i % 4) - 0.5:.3f},"
+    f"{3 + 0.9 * i:.3f}\n"
+    for i in range(13)
+)
 
 
 def written(work, name):
@@ -184,7 +254,9 @@ def found(work):
 with tempfile.TemporaryDirectory() as work:
     products, device = found(pathlib.Path(work))
 if write:
-    lines = [f"# {device}\n", "scene,product,sha256\n"] + [f"{scene},{file},{digest}\n" for (scene, file), digest in products.items()]
+    lines = [f"# {device}\n", "scene,product,sha256\n"] + [
+        f"{scene},{file},{digest}\n" for (scene, file), digest in products.items()
+    ]
     digests.write_text("".join(lines))
     print(f"digests: {len(products)} products of {len(CAMERAS) + len(LIDARS)} scenes written to {digests}")
     sys.exit(0)
@@ -194,7 +266,11 @@ with open(digests, newline="") as file:
 if device != recorded_on:
     print(f"digests: SKIPPED: recorded on {recorded_on}, this is {device}; bits are those of one device and driver")
     sys.exit(77)
-moved = [f"{scene}: {file}" for (scene, file) in sorted(set(recorded) | set(products)) if recorded.get((scene, file)) != products.get((scene, file))]
+moved = [
+    f"{scene}: {file}"
+    for (scene, file) in sorted(set(recorded) | set(products))
+    if recorded.get((scene, file)) != products.get((scene, file))
+]
 for line in moved:
     print("moved, or not in both:", line)
 print(f"digests: {len(products)} products of {len(CAMERAS) + len(LIDARS)} scenes, {len(moved)} moved")

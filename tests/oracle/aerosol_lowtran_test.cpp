@@ -99,7 +99,7 @@ TEST_CASE("A-11 aerosol: transmittance and absorptance of rural air at 23 km, 0.
   CHECK(slant.absorption <= 3e-3);
 }
 
-TEST_CASE("S9 lidar ratios of every model and humidity at ten laser wavelengths") {
+TEST_CASE("AIR 9 lidar ratios of every model and humidity at ten laser wavelengths") {
   const std::map<std::string, std::string> own = {{"maritime_oceanic", "maritime"},
                                                   {"fog1_advective", "fog_advective"},
                                                   {"fog2_radiative", "fog_radiative"},
@@ -135,7 +135,7 @@ TEST_CASE("S9 lidar ratios of every model and humidity at ten laser wavelengths"
   CHECK(worst_ratio <= 0.2);
 }
 
-TEST_CASE("S9 lidar ratios as stated: rural 42, 46, 59, 80 sr and others, humidity 70 %") {
+TEST_CASE("AIR 9 lidar ratios as stated: rural 42, 46, 59, 80 sr and others, humidity 70 %") {
   const std::vector<double> wave = {0.532, 1.064, 1.645, 3.39};
   const std::map<AerosolModel, std::vector<double>> stated = {{AerosolModel::rural, {42, 46, 59, 80}},
                                                               {AerosolModel::urban, {127, 96, 96, 142}},
@@ -155,7 +155,7 @@ TEST_CASE("S9 lidar ratios as stated: rural 42, 46, 59, 80 sr and others, humidi
   }
 }
 
-TEST_CASE("S9 lidar: profile of extinction and backscatter of the example, 0.532 to 3.3 um") {
+TEST_CASE("AIR 9 lidar: profile of extinction and backscatter of the example, 0.532 to 3.3 um") {
   AerosolSpec spec;
   spec.humidity_percent = 70, spec.lowtran_rules = true;
   const AerosolColumn column(spec, summer());

@@ -94,7 +94,7 @@ TEST_CASE("S4.4 a bin of 6S by hand: water after Goody, carbon dioxide after Mal
   }
 }
 
-TEST_CASE("S2 the blend: one number per band, ramps of 50 cm-1, LOWTRAN7 alone outside 2500 to 17250 cm-1") {
+TEST_CASE("AIR 2 the blend: one number per band, ramps of 50 cm-1, LOWTRAN7 alone outside 2500 to 17250 cm-1") {
   const auto at_um = [](double um) { return blend_weight(1e4 / um); };
   CHECK(relative(at_um(0.70), 0.75) <= 1e-12);
   CHECK(relative(at_um(1.15), 0.65) <= 1e-12);

@@ -1,6 +1,6 @@
 // transmittance of the whole air, LOWTRAN7 bands alone, against LOWTRAN7's paths to the ground, to the sky and to
 // the sun (anchors/lowtran7_paths_*, sky_*, direct_*). Scene: its midlatitude summer, rural aerosol of 23 km by its
-// rules, ground at 0 km; Rayleigh scattering is raycube's own. Limits of S8: 0.003, above 75 degrees 0.005.
+// rules, ground at 0 km; Rayleigh scattering is raycube's own. Limits of AIR 8: 0.003, above 75 degrees 0.005.
 #include <doctest/doctest.h>
 
 #include <algorithm>

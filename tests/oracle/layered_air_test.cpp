@@ -53,8 +53,8 @@ std::vector<double> sky_irradiance(const RenderTable& table, double height_m) {
 
 }  // namespace
 
-TEST_CASE("layered air: transmissions and radiances of the reference scene (S8 spot values)") {
-  // Midlatitude summer, rural 23 km, sun 40 deg (atmosphere specification S8). LOWTRAN7: T from 3 km nadir and T sun to
+TEST_CASE("layered air: transmissions and radiances of the reference scene (AIR 8 spot values)") {
+  // Midlatitude summer, rural 23 km, sun 40 deg (AIR 8). LOWTRAN7: T from 3 km nadir and T sun to
   // ground within the 0.003 of A-11. uvspec-DISORT with Henyey-Greenstein aerosols: path radiance per solar
   // irradiance within the 3 % of A-16 (solar spectra differ by 5 % at the calcium line beside 0.865 um).
   struct Spot {
@@ -118,7 +118,7 @@ TEST_CASE("layered air: where the air is opaque it radiates as a black body of i
   CHECK(path_radiance_thermal(table, 0, 0)[1] > base::planck_radiance(14.99, 278.0));
 }
 
-TEST_CASE("layered air: thermal window radiances of the reference scene (S8 spot values, 5 %)") {
+TEST_CASE("layered air: thermal window radiances of the reference scene (AIR 8 spot values, 5 %)") {
   // LOWTRAN7 at 3 km nadir, black ground at 294.2 K in total 8.83 (10.0 um) and 8.55 (11.05 um); path 1.96 and 2.38.
   auto spec = summer_rural();
   spec.layered->gas_bands = "lowtran";

@@ -55,7 +55,7 @@ double column_depth(const AirProfile& profile, double wavenumber, double top_km)
 }  // namespace
 
 TEST_CASE(
-    "S9 layered table: a methane line on the table's own wavelengths, down from 3 km and from the top of the air") {
+    "AIR 9 layered table: a methane line on the table's own wavelengths, down from 3 km and from the top of the air") {
   const testing::TestFolder folder;
   folder.write("ch4.par", testing::hitran_record(kLine));
   scene::AtmosphereSpec with = air();
@@ -95,7 +95,7 @@ TEST_CASE(
 }
 
 TEST_CASE(
-    "S9 layered table: cross-sections of a gas the profile lacks by its mixing ratio; unknown gases and too many "
+    "AIR 9 layered table: cross-sections of a gas the profile lacks by its mixing ratio; unknown gases and too many "
     "wavelengths refused") {
   const testing::TestFolder folder;
   folder.write("ethane.csv",
@@ -122,7 +122,7 @@ TEST_CASE(
                        base::Error);
 }
 
-TEST_CASE("S9 lines of the layered model: which gases are resolved, what is left out and said") {
+TEST_CASE("AIR 9 lines of the layered model: which gases are resolved, what is left out and said") {
   const testing::TestFolder folder;
   SpectralLine water = kLine, ammonia = kLine, far_ozone = kLine;
   water.molecule = 1, ammonia.molecule = 11;

@@ -74,7 +74,7 @@ scene::CompiledScene glass(double tau, const std::vector<double>& places_m, doub
 
 }  // namespace
 
-TEST_CASE("L-04, S28: air next to the telescope in a gate of 15 km") {
+TEST_CASE("L-04, S29: air next to the telescope in a gate of 15 km") {
   scene::Lidar lidar = sounder();
   lidar.receiver.obscuration_radius_m = 0;
   lidar.transport.overlap = scene::LidarOverlap::exact;
@@ -119,7 +119,7 @@ TEST_CASE("L-04: nothing comes from the blind zone of an obscured pupil, in a ga
   }
 }
 
-TEST_CASE("S31: air behind plates has passed each of them twice") {
+TEST_CASE("S30: air behind plates has passed each of them twice") {
   scene::Lidar lidar = sounder();
   lidar.pulse.half_divergence_rad = 1e-3;
   lidar.transport.subrays = 1024;
@@ -192,7 +192,7 @@ TEST_CASE("L-06, L-08: bins of 0.1 ns at 400 km, air and cloud") {
   CHECK(sum / (level(plan) / kBackscatter) == doctest::Approx((1 - std::exp(-2.0)) / 100).epsilon(2e-5));
 }
 
-TEST_CASE("S31: air that is only met on the way is not among the light collected") {
+TEST_CASE("S30: air that is only met on the way is not among the light collected") {
   scene::CompiledScene scene = nothing();
   scene::Volume cloud;
   cloud.name = "cloud";
@@ -216,7 +216,7 @@ TEST_CASE("S31: air that is only met on the way is not among the light collected
   }
 }
 
-TEST_CASE("S29, S31: a surface before one pixel darkens the air of that pixel alone") {
+TEST_CASE("S30, S30: a surface before one pixel darkens the air of that pixel alone") {
   scene::Lidar lidar = sounder();
   lidar.receiver.half_fov_rad = 0;
   lidar.receiver.columns = 4, lidar.receiver.rows = 2;

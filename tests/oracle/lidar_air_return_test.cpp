@@ -101,7 +101,7 @@ TEST_CASE("L-08: a thick cloud's attenuated backscatter integrates to (1 - exp(-
   CHECK(*std::max_element(result.first.begin(), result.first.begin() + 100) == 0.0f);
 }
 
-TEST_CASE("S31: air behind a surface is dark, a half target hides half") {
+TEST_CASE("S30: air behind a surface is dark, a half target hides half") {
   scene::Lidar lidar = air_lidar();
   lidar.pulse.half_divergence_rad = 1e-3;
   lidar.transport.subrays = 1024;
@@ -124,7 +124,7 @@ TEST_CASE("S31: air behind a surface is dark, a half target hides half") {
   CHECK(closed.air[33] / open.air[33] == doctest::Approx(part).epsilon(2e-3));
 }
 
-TEST_CASE("S28: the air's return carries the beam's overlap with the field") {
+TEST_CASE("S29: the air's return carries the beam's overlap with the field") {
   scene::Lidar lidar = air_lidar();
   lidar.receiver.half_fov_rad = 0.2e-3;
   lidar.pulse.half_divergence_rad = 0.1e-3;
@@ -146,7 +146,7 @@ TEST_CASE("S28: the air's return carries the beam's overlap with the field") {
   }
 }
 
-TEST_CASE("S29: samples of a pixel see the same air as sub-rays into it") {
+TEST_CASE("S30: samples of a pixel see the same air as sub-rays into it") {
   scene::Lidar lidar = air_lidar();
   lidar.receiver.columns = 2;
   lidar.receiver.pixel_pitch_rad = 2e-3;

@@ -100,7 +100,7 @@ TEST_CASE("L-16: a finite plate B takes its form factor") {
 }
 
 TEST_CASE(
-    "I1, S41: the ledger of a mixed scene with bounces, air, leaves and plates closes; bins are what was collected") {
+    "I1, S36: the ledger of a mixed scene with bounces, air, leaves and plates closes; bins are what was collected") {
   scene::CompiledScene scene = scene_of({0.6, 0.3, 0.2});
   scene.materials[1].transmittance = {{0.3, 4.0}, {0.4, 0.4}};
   scene.materials[2].transmittance = {{0.3, 4.0}, {0.7, 0.7}};

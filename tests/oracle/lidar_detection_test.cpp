@@ -85,7 +85,7 @@ TEST_CASE(
         doctest::Approx(automatic.gain * 4095).epsilon(1e-12));
 }
 
-TEST_CASE("S37: counts are exact Poisson draws of the expectation, background and dark counts included") {
+TEST_CASE("S38: counts are exact Poisson draws of the expectation, background and dark counts included") {
   LidarPlan plan = test::small_plan(1000);
   plan.lidar.detector.dark_rate_hz = 2e8;
   ShotResult shot = test::empty_shot(plan);
@@ -107,7 +107,7 @@ TEST_CASE("S37: counts are exact Poisson draws of the expectation, background an
   CHECK(std::abs(chi / n - 1) < 4 * std::sqrt((2 + 1.0) / n));  // variance of chi^2 of a count: 2 + 1 / mean
 }
 
-TEST_CASE("S37: a record is a function of seed, pulse, pixel and line alone") {
+TEST_CASE("S38: a record is a function of seed, pulse, pixel and line alone") {
   LidarPlan plan = test::small_plan();
   plan.lidar.receiver.columns = 3;
   plan.lidar.receiver.pixel_pitch_rad = 1e-4;
@@ -127,7 +127,7 @@ TEST_CASE("S37: a record is a function of seed, pulse, pixel and line alone") {
   CHECK(detect(plan, shot)[3].waveform_pe != all[3].waveform_pe);
 }
 
-TEST_CASE("S39: probability of detection and false alarms against counted exceedances") {
+TEST_CASE("S38: probability of detection and false alarms against counted exceedances") {
   for (const auto mode : {scene::DetectorMode::photons, scene::DetectorMode::linear}) {
     LidarPlan plan = test::small_plan(256);
     plan.lidar.detector.mode = mode;
@@ -161,7 +161,7 @@ TEST_CASE("S39: probability of detection and false alarms against counted exceed
   }
 }
 
-TEST_CASE("S39: probability of counts with speckle: the exact sum against the thermal limit and against many counts") {
+TEST_CASE("S38: probability of counts with speckle: the exact sum against the thermal limit and against many counts") {
   // One mode: P(K >= k) = (N / (1 + N))^k.
   CHECK(count_at_least(5, 3, 0, 1) == doctest::Approx(std::pow(0.75, 5)).epsilon(1e-12));
   CHECK(count_at_least(1, 1.7, 0, 0) == doctest::Approx(-std::expm1(-1.7)).epsilon(1e-12));
@@ -171,7 +171,7 @@ TEST_CASE("S39: probability of counts with speckle: the exact sum against the th
   CHECK(count_at_least(3, 0, 0, 0) == 0);
 }
 
-TEST_CASE("S40: no NaN for zero efficiency, zero pulse width, empty rows and huge ones") {
+TEST_CASE("S63: no NaN for zero efficiency, zero pulse width, empty rows and huge ones") {
   for (const auto mode : {scene::DetectorMode::photons, scene::DetectorMode::linear, scene::DetectorMode::geiger})
     for (const double efficiency : {0.0, 1.0})
       for (const double fwhm : {0.0, 4e-9})

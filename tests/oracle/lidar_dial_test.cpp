@@ -97,7 +97,7 @@ TEST_CASE("L-09: an opaque column is saturated with a lower bound, no light is n
   CHECK_THROWS_AS(dial_column({1, 1, 0}, off, peak), base::Error);
 }
 
-TEST_CASE("S36: error of a column against counts drawn") {
+TEST_CASE("S33: error of a column against counts drawn") {
   // 6.2: 400 and 1200 counts, sigma 1.061e-18: 2.72e16 / cm2 = 11.0 ppm m.
   const DialColumn one = dial_column({400, 400, 1}, {1200, 1200, 1}, 1.061e-18);
   CHECK(std::abs(one.error_cm2 / 2.72e16 - 1) < 1e-3);
@@ -159,7 +159,7 @@ TEST_CASE("L-10: two gases at three wavelengths; one wavelength alone is biased"
   CHECK(dial_gases({{0, 0, 1}, {0, 0, 1}, {0, 0, 1}}, sigma).state == DialState::no_signal);
 }
 
-TEST_CASE("S36: range-resolved density of a uniform gas, and an opaque far end") {
+TEST_CASE("S33: range-resolved density of a uniform gas, and an opaque far end") {
   std::vector<NetCounts> on, off;
   const double density = 5e12, d_sigma = 1e-18, bin_m = 15;  // 1 / cm3
   for (int i = 0; i < 40; ++i) {
@@ -185,7 +185,7 @@ TEST_CASE("S36: range-resolved density of a uniform gas, and an opaque far end")
   for (const DialColumn& cell : dark) CHECK(std::isfinite(cell.column_cm2));
 }
 
-TEST_CASE("S36: columns from drawn records lie around the truth by their stated error") {
+TEST_CASE("S33: columns from drawn records lie around the truth by their stated error") {
   LidarPlan plan = test::small_plan(120);
   plan.lidar.pulse.lines.push_back(plan.lidar.pulse.lines[0]);
   plan.photons = {1e14, 2e14};

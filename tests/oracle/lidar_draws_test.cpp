@@ -50,7 +50,7 @@ void check_counts(double mean, double modes) {
 
 }  // namespace
 
-TEST_CASE("S37: Poisson counts by inversion and by rejection follow their probabilities (chi-square)") {
+TEST_CASE("S38: Poisson counts by inversion and by rejection follow their probabilities (chi-square)") {
   for (const double mean : {0.01, 0.7, 3.0, 9.99, 10.01, 37.0, 400.0}) check_counts(mean, 0);
 }
 
@@ -77,7 +77,7 @@ TEST_CASE("L-22: counts under speckle follow the negative binomial (chi-square, 
   CHECK(negative_binomial_probability(5, 2, 1) == doctest::Approx(std::pow(2.0 / 3, 5) / 3).epsilon(1e-12));
 }
 
-TEST_CASE("S37: large means are Gaussian, odd ones harmless") {
+TEST_CASE("S38: large means are Gaussian, odd ones harmless") {
   double sum = 0, squares = 0;
   constexpr int n = 20000;
   for (int i = 0; i < n; ++i) {
@@ -107,7 +107,7 @@ TEST_CASE("S35: gamma and normal draws have their moments") {
   }
 }
 
-TEST_CASE("S37: draws depend on what they are for and on nothing else") {
+TEST_CASE("S38: draws depend on what they are for and on nothing else") {
   const auto first = [](std::uint64_t seed, std::uint32_t key, std::uint32_t index, DrawFor purpose, int line) {
     return Stream(seed, key, index, purpose, line).uniform();
   };

@@ -25,7 +25,7 @@ std::vector<Echo> expected_echoes(LidarPlan& plan, const std::vector<float>& row
 
 }  // namespace
 
-TEST_CASE("S39: one return of known time, width and area, by every method, at any place within a bin") {
+TEST_CASE("S40: one return of known time, width and area, by every method, at any place within a bin") {
   for (const auto method :
        {scene::EchoMethod::peak, scene::EchoMethod::constant_fraction, scene::EchoMethod::gaussian}) {
     LidarPlan plan = test::small_plan();
@@ -68,7 +68,7 @@ TEST_CASE("L-13: two equal Gaussian echoes show two maxima only if further apart
   }
 }
 
-TEST_CASE("S39: Gaussian decomposition parts overlapping echoes, also under one maximum") {
+TEST_CASE("S40: Gaussian decomposition parts overlapping echoes, also under one maximum") {
   LidarPlan plan = test::small_plan();
   for (const double apart : {1.5, 1.9, 2.5, 4.0, 8.0}) {
     std::vector<float> row(200, 0.0F);
@@ -93,7 +93,7 @@ TEST_CASE("S39: Gaussian decomposition parts overlapping echoes, also under one 
   }
 }
 
-TEST_CASE("S39: precision against the bound (c/2) s / sqrt(N), counts drawn") {
+TEST_CASE("S40: precision against the bound (c/2) s / sqrt(N), counts drawn") {
   // Every photon is counted, none else: the Gaussian method is maximum likelihood and should reach the bound of binned
   // data, s^2 + bin^2/12 in place of s^2; the others stay within the factor stated. N = 1500 pulses: error of a
   // deviation 1.8 %, 4 of them.
@@ -134,7 +134,7 @@ TEST_CASE("S39: precision against the bound (c/2) s / sqrt(N), counts drawn") {
   }
 }
 
-TEST_CASE("S39: thresholds from the noise, number of returns, false returns of noise alone") {
+TEST_CASE("S40: thresholds from the noise, number of returns, false returns of noise alone") {
   LidarPlan plan = test::small_plan(1000);
   plan.lidar.detector.dark_rate_hz = 2e8;
   ShotResult shot = test::empty_shot(plan);
@@ -164,7 +164,7 @@ TEST_CASE("S39: thresholds from the noise, number of returns, false returns of n
 }
 
 TEST_CASE(
-    "S39: air before a strong return is one echo, and a return of 10^8 photo-electrons is not taken apart by its "
+    "S40: air before a strong return is one echo, and a return of 10^8 photo-electrons is not taken apart by its "
     "pulse's faint tails") {
   LidarPlan plan = test::small_plan(120);
   ShotResult shot = test::empty_shot(plan);
@@ -183,7 +183,7 @@ TEST_CASE(
   CHECK(two > 0.95 * pulses);
 }
 
-TEST_CASE("S39: a threshold is reached by a peak of exactly so many photo-electrons") {
+TEST_CASE("S40: a threshold is reached by a peak of exactly so many photo-electrons") {
   scene::Lidar lidar = test::small_plan().lidar;
   DetectorNoise noise;
   noise.excess = 0, noise.threshold = 40;
@@ -201,7 +201,7 @@ TEST_CASE("S39: a threshold is reached by a peak of exactly so many photo-electr
   CHECK(bin_detection(lidar, noise, std::nextafter(40.0, 0.0), 0) == 0);
 }
 
-TEST_CASE("S38: clusters of time tags are echoes") {
+TEST_CASE("S39: clusters of time tags are echoes") {
   scene::Lidar lidar = test::small_plan().lidar;
   lidar.detector.mode = scene::DetectorMode::geiger;
   lidar.echoes.threshold_pe = 2;

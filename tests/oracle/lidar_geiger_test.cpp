@@ -147,7 +147,7 @@ TEST_CASE("L-27: dead time: rates in closed form, and registered events of a ste
   }
 }
 
-TEST_CASE("S38: noise before the target: survival exp(-r t), and detection in closed form against events") {
+TEST_CASE("S39: noise before the target: survival exp(-r t), and detection in closed form against events") {
   LidarPlan plan = test::small_plan();
   plan.lidar.detector.mode = scene::DetectorMode::geiger;
   plan.lidar.detector.dark_rate_hz = 5e6;
@@ -177,7 +177,7 @@ TEST_CASE("S38: noise before the target: survival exp(-r t), and detection in cl
     }
 }
 
-TEST_CASE("S38: jitter widens, afterpulses add their share, cells share the light") {
+TEST_CASE("S39: jitter widens, afterpulses add their share, cells share the light") {
   scene::Lidar lidar = geiger_lidar();
   lidar.detector.dead_time_s = 20e-9, lidar.detector.jitter_fwhm_s = 1e-9;
   lidar.detector.afterpulse_probability = 0.1, lidar.detector.afterpulse_time_s = 10e-9;
@@ -204,7 +204,7 @@ TEST_CASE("S38: jitter widens, afterpulses add their share, cells share the ligh
   CHECK(std::abs(events / (n / 4) - 8 * -std::expm1(-30.0 / 8)) < 4 * std::sqrt(8 * 0.023 / (n / 4.0)));
 }
 
-TEST_CASE("S38: clock of events keeps every bin's share, rises, and inverts") {
+TEST_CASE("S39: clock of events keeps every bin's share, rises, and inverts") {
   const EventClock clock({0, 0.3, 2.0, 2.1, 0, 0, 5, 0.01});
   const double sums[] = {0, 0, 0.3, 2.3, 4.4, 4.4, 4.4, 9.4, 9.41};
   for (int i = 0; i <= 8; ++i) CHECK(clock.events_until(i) == doctest::Approx(sums[i]).epsilon(1e-14));

@@ -24,7 +24,7 @@ LidarPlan array_plan(int side, double pitch_rad) {
 
 }  // namespace
 
-TEST_CASE("S33: shares of a pixel's blur sum to 1, are symmetric, and fall outwards") {
+TEST_CASE("S37: shares of a pixel's blur sum to 1, are symmetric, and fall outwards") {
   const LidarPlan plan = array_plan(32, 20e-6);
   const PixelBlur blur(plan.lidar, 0.03);
   REQUIRE(blur.any());
@@ -45,7 +45,7 @@ TEST_CASE("S33: shares of a pixel's blur sum to 1, are symmetric, and fall outwa
   CHECK(PixelBlur(array_plan(32, 80e-6).lidar, 0.03).share(0, 0) > blur.share(0, 0));
 }
 
-TEST_CASE("S33: a column of pixels gets the line spread integrated over light and pixel, by another quadrature") {
+TEST_CASE("S37: a column of pixels gets the line spread integrated over light and pixel, by another quadrature") {
   // Sum over rows leaves one dimension: int M(f) sinc^2(f) cos(2 pi k f) df, M the modulation along the axis alone.
   const double pitch = 20e-6, wavelength = 1.064e-6, diameter = 0.1, fried = 0.03;
   const LidarPlan plan = array_plan(32, pitch);
@@ -76,7 +76,7 @@ TEST_CASE("S33: a column of pixels gets the line spread integrated over light an
 }
 
 TEST_CASE(
-    "S33: an even image keeps its light away from the rim, a point becomes the blur, and little blur changes nothing") {
+    "S37: an even image keeps its light away from the rim, a point becomes the blur, and little blur changes nothing") {
   LidarPlan plan = array_plan(15, 20e-6);
   const PixelBlur blur(plan.lidar, 0.05);
   REQUIRE(blur.any());

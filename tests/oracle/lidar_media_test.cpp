@@ -101,7 +101,7 @@ TEST_CASE("L-11: a nadir pulse through a Gaussian plume, whatever its height and
   }
 }
 
-TEST_CASE("S31: air and gas share what they took in the ratio of their depths") {
+TEST_CASE("S33: air and gas share what they took in the ratio of their depths") {
   Layer layer;
   scene::Volume haze;
   haze.name = "haze";
@@ -116,7 +116,7 @@ TEST_CASE("S31: air and gas share what they took in the ratio of their depths") 
   CHECK(std::abs(result.ledger[0].emitted_error()) <= 1e-6);
 }
 
-TEST_CASE("S31: a bounced path pays for every piece of its way") {
+TEST_CASE("S33: a bounced path pays for every piece of its way") {
   // Corner in a box of haze: order 2 through a uniform medium is dimmer by exp(-extinction path) of each path.
   const auto shoot = [](double extinction_per_m) {
     scene::CompiledScene scene = scene_of({0.5, 0.4});

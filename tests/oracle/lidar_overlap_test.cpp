@@ -39,7 +39,7 @@ TEST_CASE("L-03: area common to two circles") {
   CHECK(circle_overlap(0, 0, 0) == 0);
 }
 
-TEST_CASE("L-03: no NaN where circles touch, and the area is continuous there (12.2)") {
+TEST_CASE("L-03: no NaN where circles touch, and the area is continuous there (LIDAR 12.2)") {
   for (const double a : {0.3, 1.0, 1e-6, 4e5})
     for (const double b : {0.1, 0.7, 3e-9, 1.0}) {
       const double inside = std::abs(a - b), outside = a + b, small = M_PI * std::min(a, b) * std::min(a, b);
@@ -195,7 +195,7 @@ TEST_CASE(
   CHECK(relative(beam_overlap(focused, false, 0.05, 500, 0.09), uniform_circle_overlap(0.05, 0.1, 0.09)) < 1e-7);
 }
 
-TEST_CASE("S30: overlap converges to the far field and stays within 0 .. 1 for odd arguments") {
+TEST_CASE("S29: overlap converges to the far field and stays within 0 .. 1 for odd arguments") {
   CHECK(vignetting({0.1, 0, 0, 0}, 100, 0) == 0);
   CHECK(vignetting({0, 0, 1e-3, 0}, 100, 0.05) == 1);
   CHECK(beam_overlap({0.1, 0.1, 1e-3, 0}, true, 0.1, 100, 0) >= 0);

@@ -61,7 +61,7 @@ std::string message(const scene::AtmosphereSpec& spec, const std::vector<double>
 
 }  // namespace
 
-TEST_CASE("S9 LIDAR: midlatitude summer, rural, 23 km at five wavelengths against the profile computed elsewhere") {
+TEST_CASE("AIR 9 LIDAR: midlatitude summer, rural, 23 km at five wavelengths against the profile computed elsewhere") {
   const auto rows = anchor_rows("lidar/lidar_profile_mls_rural23.csv", "LIDAR profiles are not compared");
   if (rows.empty()) return;
   const std::vector<std::pair<double, std::string>> waves = {
@@ -98,7 +98,7 @@ TEST_CASE("S9 LIDAR: midlatitude summer, rural, 23 km at five wavelengths agains
   CHECK(by_power <= 0.12);
 }
 
-TEST_CASE("S9 LIDAR: molecular backscatter, lidar ratio and depolarisation") {
+TEST_CASE("AIR 9 LIDAR: molecular backscatter, lidar ratio and depolarisation") {
   // 532 nm, 1013.25 hPa, 288.15 K.
   const double air_per_cm3 = 101325 / (kBoltzmann_J_per_K * 288.15) * 1e-6;
   const RenderTable table = build_lidar(rural("none"), {0.532}, {0, 1000});
@@ -132,7 +132,7 @@ TEST_CASE("S9 LIDAR: molecular backscatter, lidar ratio and depolarisation") {
   CHECK(worst <= 2e-5);
 }
 
-TEST_CASE("S9 LIDAR: stated lidar ratios and depolarisation of components") {
+TEST_CASE("AIR 9 LIDAR: stated lidar ratios and depolarisation of components") {
   LidarOptions own;
   own.particles = {{"rural", 55, 0.3}};
   const RenderTable plain = build_lidar(rural(), {0.532}, {0, 5000}),
@@ -148,7 +148,7 @@ TEST_CASE("S9 LIDAR: stated lidar ratios and depolarisation of components") {
   CHECK(at(plain, "lidar_depolarization", 0, 0) < at(stated, "lidar_depolarization", 0, 0));
 }
 
-TEST_CASE("S9 LIDAR: default heights hold the columns; reading is exponential in height and its integral exact") {
+TEST_CASE("AIR 9 LIDAR: default heights hold the columns; reading is exponential in height and its integral exact") {
   for (double ground_m : {0.0, 350.0}) {
     scene::AtmosphereSpec spec = rural();
     spec.ground_height_m = ground_m;
@@ -189,7 +189,8 @@ TEST_CASE("S9 LIDAR: default heights hold the columns; reading is exponential in
 }
 
 TEST_CASE(
-    "S9 LIDAR: gas at a methane line by Beer's law; absent with a word where no lines are given; a file keeps it all") {
+    "AIR 9 LIDAR: gas at a methane line by Beer's law; absent with a word where no lines are given; a file keeps it "
+    "all") {
   const testing::TestFolder folder;
   const SpectralLine line{6, 1, 3057.687, 2.1e-19, 0.058, 0.078, 104.77, 0.75, -0.006};
   folder.write("one.par", testing::hitran_record(line));
@@ -249,7 +250,7 @@ TEST_CASE("LIDAR: what gases would take without a line list, and from where on i
   CHECK(gases_left_out(*dry.layered, 0, {0.94}).share < 0.3 * moist);
 }
 
-TEST_CASE("S9 LIDAR: no aerosol has no visibility") {
+TEST_CASE("AIR 9 LIDAR: no aerosol has no visibility") {
   const auto parameters = [](const std::string& aerosol) {
     return nlohmann::json::parse(build_lidar(rural(aerosol), {0.532}, {0}).provenance_json)["parameters"];
   };
@@ -259,7 +260,7 @@ TEST_CASE("S9 LIDAR: no aerosol has no visibility") {
   CHECK(parameters("rural")["aod_550_from"] == "visibility");
 }
 
-TEST_CASE("S9 LIDAR: bad input is told, all at once") {
+TEST_CASE("AIR 9 LIDAR: bad input is told, all at once") {
   CHECK(message(rural(), {}, {0}).find("LIDAR wavelengths") != std::string::npos);
   const std::string all = message(rural(), {0.1, 0.1}, {5000, 2e5});
   for (const char* part : {"must lie in 0.25", "must ascend strictly", "must lie in -1000"})

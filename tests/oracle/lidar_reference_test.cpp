@@ -327,7 +327,7 @@ TEST_CASE("I3: rays from the transmitter and rays from the receiver find the sam
   CHECK(std::abs(mean[1][1] - mean[0][1]) < 4 * std::sqrt(error));
 }
 
-TEST_CASE("4.2, L-04, L-12: lens area, vignetting and gloss of the reference") {
+TEST_CASE("LIDAR 4.2, L-04, L-12: lens area, vignetting and gloss of the reference") {
   CHECK(reference::lens_area(1, 1, 1) == doctest::Approx(1.228369699).epsilon(1e-9));
   CHECK(reference::lens_area(2, 1, 1.5) == doctest::Approx(2.392549868).epsilon(1e-9));
   CHECK(reference::lens_area(0.5, 0.3, 0.4) == doctest::Approx(0.1822469466).epsilon(1e-9));

@@ -93,7 +93,7 @@ TEST_CASE("L-18: probability of a fade below half, and moments drawn") {
   CHECK(draw_irradiance(stream, 0, nullptr) == 1);
 }
 
-TEST_CASE("S34: aperture averaging: the table's rows, an independent integral between them, asymptotes, and no jumps") {
+TEST_CASE("S32: aperture averaging: the table's rows, an independent integral between them, asymptotes, and no jumps") {
   const double table[][3] = {{0.01, 0.96845, 0.97199}, {0.03, 0.92973, 0.93848},   {0.1, 0.83913, 0.86234},
                              {0.3, 0.68142, 0.73487},  {1, 0.41345, 0.52387},      {3, 0.17049, 0.30869},
                              {10, 0.04905, 0.13211},   {14.763, 0.03228, 0.09531}, {30, 0.01486, 0.05009},
@@ -124,7 +124,7 @@ TEST_CASE("S34: aperture averaging: the table's rows, an independent integral be
 }
 
 TEST_CASE(
-    "S34: gains of shots: log-normal in weak turbulence, gamma-gamma in strong, with the total index of both ways") {
+    "S32: gains of shots: log-normal in weak turbulence, gamma-gamma in strong, with the total index of both ways") {
   for (const double cn2 : {2e-15, 3e-13}) {
     LidarPlan plan = test::small_plan(1000);
     plan.lidar.turbulence.profile = scene::TurbulenceProfile::constant, plan.lidar.turbulence.cn2 = cn2;
@@ -151,7 +151,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("S34: lines of a shot flicker with their own variance, together or apart as the wind has it") {
+TEST_CASE("S32: lines of a shot flicker with their own variance, together or apart as the wind has it") {
   LidarPlan plan = test::small_plan(1000);
   plan.lidar.turbulence.profile = scene::TurbulenceProfile::constant, plan.lidar.turbulence.cn2 = 2e-15;
   plan.lidar.turbulence.wander = plan.lidar.turbulence.blur = false;

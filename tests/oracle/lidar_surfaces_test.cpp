@@ -78,7 +78,7 @@ TEST_CASE("L-02: DIRSIG's published photons per pixel with its camera, and A / R
   }
 }
 
-TEST_CASE("S29: sub-rays into an array and samples of its pixels agree") {
+TEST_CASE("S34: sub-rays into an array and samples of its pixels agree") {
   const auto scene = plane(0.10, 0.2, 40);
   scene::Lidar lidar = flash();
   lidar.receiver.columns = 4, lidar.receiver.rows = 2;
@@ -115,7 +115,7 @@ TEST_CASE("L-32: the receiver's cosine counts, not the transmitter's") {
   CHECK(total(one(lidar, scene, shot).first) == doctest::Approx(0.5 * whole).epsilon(2e-6));
 }
 
-TEST_CASE("S29: a wall between hides a bistatic receiver, a plate dims it") {
+TEST_CASE("S34: a wall between hides a bistatic receiver, a plate dims it") {
   const auto with = [](double transmittance, bool wall) {
     scene::CompiledScene scene = scene_of({0.3, 0.0});
     scene.materials[1].transmittance = {{0.3, 4.0}, {transmittance, transmittance}};
@@ -286,7 +286,7 @@ TEST_CASE("L-03: a tilted biaxial beam seen through the stop, each hit by its ow
   }
 }
 
-TEST_CASE("S29: no combination of zeros makes a NaN") {
+TEST_CASE("S34: no combination of zeros makes a NaN") {
   const auto scene = plane(0.0);
   for (const int zero : {0, 1, 2, 3, 4, 5}) {
     scene::Lidar lidar = topographic_lidar();

@@ -163,7 +163,7 @@ TEST_CASE("L-17: heights count from the ground below the path, whatever the beam
   CHECK(space.end_height_m == 100e3);
 }
 
-TEST_CASE("S33: spread, wander and short-term spot of the worked beams") {
+TEST_CASE("S31: spread, wander and short-term spot of the worked beams") {
   struct Row {
     double exit_m, cn2, diffraction_m, rho0_m, long_m, wander_m, short_m;
   };
@@ -245,14 +245,14 @@ TEST_CASE("L-20: angle of arrival and image blur") {
         doctest::Approx(std::exp(-3.44 * std::pow(0.25, 5.0 / 3) * 0.5)).epsilon(1e-12));
 }
 
-TEST_CASE("S33: temporal broadening is what the specification says: nothing to see") {
+TEST_CASE("S31: temporal broadening is what the specification says: nothing to see") {
   CHECK(std::sqrt(broadening_s2(level_path(1e-14, 5000), 1)) == doctest::Approx(4.2e-14).epsilon(1e-2));
   CHECK(std::sqrt(broadening_s2(level_path(1e-13, 50000), 10)) == doctest::Approx(2.8e-12).epsilon(2e-2));
   CHECK(broadened_fwhm_s(4e-9, 0) == 4e-9);
   CHECK(broadened_fwhm_s(0, 1e-24) == doctest::Approx(1e-12 * std::sqrt(2 * M_LN2)).epsilon(1e-12));
 }
 
-TEST_CASE("S33: broadening adds to the pulse's variance in quadrature, where it can be seen at all") {
+TEST_CASE("S31: broadening adds to the pulse's variance in quadrature, where it can be seen at all") {
   const auto variance = [](const PulseTaps& taps) {
     double mean = 0, square = 0;
     for (int i = 0; i < taps.taps; ++i) mean += taps.share[static_cast<std::size_t>(i)] * i;
@@ -275,7 +275,7 @@ TEST_CASE("S33: broadening adds to the pulse's variance in quadrature, where it 
 }
 
 TEST_CASE(
-    "S33: each effect can be switched off, none changes anything without turbulence, and a tilt keeps the pupil's "
+    "S31: each effect can be switched off, none changes anything without turbulence, and a tilt keeps the pupil's "
     "frame") {
   const auto axes = [](const Shot& s) {
     return std::array<double, 6>{s.exit_axis[0],  s.exit_axis[1],  s.half_divergence_rad,
@@ -305,7 +305,7 @@ TEST_CASE(
   CHECK(axes(shot) == axes(nadir(3, 900)));
 }
 
-TEST_CASE("S33: where models are stretched the truth says so") {
+TEST_CASE("S31: where models are stretched the truth says so") {
   LidarPlan plan = airborne_plan(constant(1e-12));
   plan.lidar.gate.start_s = 0, plan.lidar.gate.bin_s = 1e-7;  // 15 km
   Shot level = nadir(0, 20);

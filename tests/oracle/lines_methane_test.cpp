@@ -55,7 +55,7 @@ const State kStates[] = {{"sigma_1atm_296K", {1013.25, 296, 0}},
 
 }  // namespace
 
-TEST_CASE("S9 methane R(3): the whole curve of 3056.5 to 3058.9 cm-1 at three states") {
+TEST_CASE("AIR 9 methane R(3): the whole curve of 3056.5 to 3058.9 cm-1 at three states") {
   const std::vector<AnchorRow> rows = anchor_rows("lidar/ch4_xsec_3270nm.csv", kNotShown);
   if (rows.empty()) return;
   const MolecularLines lines = methane();
@@ -75,7 +75,8 @@ TEST_CASE("S9 methane R(3): the whole curve of 3056.5 to 3058.9 cm-1 at three st
 }
 
 TEST_CASE(
-    "S9 methane R(3): 2.02e-18 cm2 on line at 1 atm and 296 K, 2.63e-18 at 0.69 atm and 280 K, 1.94e-20 off line; 100 "
+    "AIR 9 methane R(3): 2.02e-18 cm2 on line at 1 atm and 296 K, 2.63e-18 at 0.69 atm and 280 K, 1.94e-20 off line; "
+    "100 "
     "ppm m") {
   if (anchor_rows("lidar/ch4_lines_3057cm1.csv", kNotShown).empty()) return;
   const MolecularLines lines = methane();

@@ -1,5 +1,5 @@
-// Sums over lines, strengths and layers. Oracles: area of a line, every profile at every wavenumber, rotational levels
-// summed one by one, Beer's law in homogeneous air.
+// S19: Sums over lines, strengths and layers. Oracles: area of a line, every profile at every wavenumber, rotational
+// levels summed one by one, Beer's law in homogeneous air.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -45,7 +45,7 @@ std::vector<double> grid(double low, double high, double step) {
 }  // namespace
 
 TEST_CASE(
-    "S9 lines: the area of a line is its strength, less what the cut wings hold; shift and self-broadening by "
+    "AIR 9 lines: the area of a line is its strength, less what the cut wings hold; shift and self-broadening by "
     "pressure") {
   const MolecularLines one({line(3000, 1e-20)}, {}, sums());
   const GasState state{506.625, 296, 101.325};
@@ -60,7 +60,7 @@ TEST_CASE(
   CHECK(one.cross_section_cm2({2974.9, 2975.0}, state)[1] > 0);
 }
 
-TEST_CASE("S9 lines: blocks with Chebyshev wings give the sum of all profiles, from the ground to 60 km") {
+TEST_CASE("AIR 9 lines: blocks with Chebyshev wings give the sum of all profiles, from the ground to 60 km") {
   const std::vector<SpectralLine> lines = crowd(3000, 2970, 3030);
   double worst = 0;
   for (bool without_pedestal : {false, true}) {
@@ -81,7 +81,7 @@ TEST_CASE("S9 lines: blocks with Chebyshev wings give the sum of all profiles, f
     CHECK(relative(all.cross_section_cm2(few, state)[i], all.every_line_cm2(few, state)[i]) <= 1e-13);
 }
 
-TEST_CASE("S9 lines: the pedestal is the profile at the wing's end; the weakest lines can be left out") {
+TEST_CASE("AIR 9 lines: the pedestal is the profile at the wing's end; the weakest lines can be left out") {
   const GasState state{1013.25, 296, 0};
   const MolecularLines with({line(3000, 1e-20)}, {}, sums()), without({line(3000, 1e-20)}, {25, true, 0}, sums());
   const std::vector<double> v = {3000, 3010, 3024.9939};
@@ -94,7 +94,7 @@ TEST_CASE("S9 lines: the pedestal is the profile at the wing's end; the weakest 
         MolecularLines({line(3001, 1e-20)}, {}, sums()).cross_section_cm2({3000.5}, state)[0]);
 }
 
-TEST_CASE("S9 lines: strength with temperature, and partition sums against rotational levels summed one by one") {
+TEST_CASE("AIR 9 lines: strength with temperature, and partition sums against rotational levels summed one by one") {
   // hc/k; rotational constants, cm-1 (NIST; Herzberg).
   const double c2 = 1.438776877;
   const auto linear = [&](double b, double t) {
@@ -139,7 +139,7 @@ TEST_CASE("S9 lines: strength with temperature, and partition sums against rotat
   CHECK(relative(line_intensity(l, 296, formula), 1e-20) <= 1e-15);
 }
 
-TEST_CASE("S9 layers: Beer's law in homogeneous air, sums over layers that do not depend on how it is cut, speed") {
+TEST_CASE("AIR 9 layers: Beer's law in homogeneous air, sums over layers that do not depend on how it is cut, speed") {
   // One kilometre of homogeneous air with 2 ppm of methane.
   AirLevel low;
   low.height_km = 0, low.pressure_hPa = 1000, low.temperature_K = 296, low.air_per_cm3 = 2.4e19,

@@ -14,7 +14,7 @@ constexpr double kPi = std::numbers::pi;
 double relative(double value, double truth) { return std::abs(value - truth) / std::abs(truth); }
 }  // namespace
 
-TEST_CASE("S9 Voigt: Re w against 40 digits, every rule and their joints") {
+TEST_CASE("AIR 9 Voigt: Re w against 40 digits, every rule and their joints") {
   struct Case {
     double x, y, w;
   };
@@ -46,7 +46,7 @@ TEST_CASE("S9 Voigt: Re w against 40 digits, every rule and their joints") {
   CHECK(far <= 5e-11);
 }
 
-TEST_CASE("S9 Voigt: rules agree where one hands over to the next, on circles of 8, 15, 100 and 1000") {
+TEST_CASE("AIR 9 Voigt: rules agree where one hands over to the next, on circles of 8, 15, 100 and 1000") {
   double worst = 0;
   for (double radius : {8.0, 15.0, 100.0, 1000.0})
     for (double angle : {1e-7, 1e-3, 0.2, 0.5, 0.9, 1.2, 1.5, 1.57}) {
@@ -59,7 +59,7 @@ TEST_CASE("S9 Voigt: rules agree where one hands over to the next, on circles of
   CHECK(worst <= 5e-11);
 }
 
-TEST_CASE("S9 Voigt: Gaussian without collisions, Lorentzian without motion, half values at the half widths") {
+TEST_CASE("AIR 9 Voigt: Gaussian without collisions, Lorentzian without motion, half values at the half widths") {
   const double doppler = 0.005;
   const VoigtProfile gauss(doppler, 0);
   for (double offset : {0.0, 0.001, 0.005, 0.01, 0.02}) {
@@ -77,7 +77,7 @@ TEST_CASE("S9 Voigt: Gaussian without collisions, Lorentzian without motion, hal
   }
 }
 
-TEST_CASE("S9 Voigt: area 1 and the fold by quadrature") {
+TEST_CASE("AIR 9 Voigt: area 1 and the fold by quadrature") {
   for (double ratio : {1e-3, 0.1, 1.0, 10.0}) {
     const double doppler = 0.01, lorentz = ratio * doppler;
     const VoigtProfile voigt(doppler, lorentz);
@@ -104,7 +104,7 @@ TEST_CASE("S9 Voigt: area 1 and the fold by quadrature") {
   }
 }
 
-TEST_CASE("S9 Voigt: Doppler half width is v0 3.5812e-7 sqrt(T / M)") {
+TEST_CASE("AIR 9 Voigt: Doppler half width is v0 3.5812e-7 sqrt(T / M)") {
   CHECK(relative(doppler_half_width_per_cm(3057.7, 296, 16.0313), 3057.7 * 3.5812e-7 * std::sqrt(296 / 16.0313)) <=
         2e-5);
 }

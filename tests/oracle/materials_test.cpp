@@ -1,5 +1,6 @@
-// Every scattering shape of kernels/materials/materials.def, whatever it is: reciprocity, energy, sampling against its own
-// density, and the device's arithmetic against the host's. Oracles: Helmholtz reciprocity, energy by quadrature, chi-squared.
+// Every scattering shape of kernels/materials/materials.def, whatever it is: reciprocity, energy, sampling against its
+// own density, and the device's arithmetic against the host's. Oracles: Helmholtz reciprocity, energy by quadrature,
+// chi-squared.
 #include <doctest.h>
 
 #include <cmath>
@@ -175,7 +176,8 @@ kernel void probe_shapes(global const uint* shape, global const float4* normal, 
   const size_t i = get_global_id(0);
   const RcAngles angles = rc_angles(normal[i], in[i], out[i]);
   const float p0 = parameter[i].x, p1 = parameter[i].y;
-  result[i] = (float4)(rc_shape_eval(shape[i], 1.0f, p0, p1, angles), rc_shape_pdf(shape[i], p0, p1, angles), 0.0f, 0.0f);
+  result[i] = (float4)(rc_shape_eval(shape[i], 1.0f, p0, p1, angles), rc_shape_pdf(shape[i], p0, p1, angles),
+                       0.0f, 0.0f);
 }
 )";
 

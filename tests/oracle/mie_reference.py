@@ -1,12 +1,25 @@
 #!/usr/bin/python3
-"""Mie's series in arithmetic of 60 to 160 digits, for the table in mie_test.cpp: an oracle that shares neither recurrence
-scheme nor rounding with atmos_tables/optics/mie.cpp. Needs mpmath. Prints n, k, x, Qext, Qsca, Qabs, Qback, g."""
+"""Mie's series in arithmetic of 60 to 160 digits, for the table in mie_test.cpp: an oracle that shares neither
+recurrence scheme nor rounding with atmos_tables/optics/mie.cpp. Needs mpmath. Prints n, k, x, Qext, Qsca, Qabs, Qback,
+g."""
+
 import mpmath as mp
 
 CASES = [  # (n, k, x)
-    ("1.33", "1e-8", "1e-4"), ("1.5", "0", "1e-4"), ("10", "10", "1e-4"), ("1.55", "0.01", "0.01"), ("0.75", "0", "0.3"),
-    ("1.0001", "0", "5"), ("1.33", "1e-10", "20"), ("3", "4", "50"), ("1.5", "0.02", "317.25"), ("0.75", "0", "2000"),
-    ("1.33", "1e-6", "20000"), ("10", "10", "20000"), ("1.5", "0", "100000"), ("1.5", "1", "100000"),
+    ("1.33", "1e-8", "1e-4"),
+    ("1.5", "0", "1e-4"),
+    ("10", "10", "1e-4"),
+    ("1.55", "0.01", "0.01"),
+    ("0.75", "0", "0.3"),
+    ("1.0001", "0", "5"),
+    ("1.33", "1e-10", "20"),
+    ("3", "4", "50"),
+    ("1.5", "0.02", "317.25"),
+    ("0.75", "0", "2000"),
+    ("1.33", "1e-6", "20000"),
+    ("10", "10", "20000"),
+    ("1.5", "0", "100000"),
+    ("1.5", "1", "100000"),
 ]
 
 
@@ -43,4 +56,5 @@ def efficiencies(n, k, x):
 
 
 for case in CASES:
-    print("{" + ", ".join(list(case) + [mp.nstr(mp.re(v), 14) for v in efficiencies(*case)]) + "},", flush=True)
+    figures = ", ".join(mp.nstr(mp.re(v), 14) for v in efficiencies(*case))
+    print("{" + ", ".join(case) + ",\n " + figures + "},", flush=True)

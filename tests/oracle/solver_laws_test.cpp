@@ -171,7 +171,7 @@ TEST_CASE("S18 A-02 few streams with delta-M and the corrections converge to man
   const double away = worst_error(corrected, exact, false), near = worst_error(corrected, exact, true);
   std::cout << "A-02 16 streams, g 0.8: worst " << away << " away from the sun (" << worst_error(plain, exact, false)
             << " without correction), " << near << " in the aureole (" << worst_error(plain, exact, true) << ")\n";
-  // 1 %: what atmosphere specification S0 fact 5 states for 8 streams and g 0.7; the truncated part 0.7^8 =
+  // 1 %: what AIR 0 fact 5 states for 8 streams and g 0.7; the truncated part 0.7^8 =
   // 0.06 is here 0.8^16 = 0.03.
   CHECK(away <= 0.01);
   CHECK(near <= 0.01);

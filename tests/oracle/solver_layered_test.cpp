@@ -1,7 +1,7 @@
 // The solver against 64-stream answers for a 49-layer midlatitude summer, solar and thermal, and
 // against the scalar columns of the Rayleigh benchmarks (A-07: Natraj, Li & Yung 2009; Natraj & Hovenier
 // 2012; Kokhanovsky et al. 2010; Emde et al. 2015; Kotchenova et al. 2006). Tolerances: atmosphere
-// specification S8.
+// AIR 8.
 #include <doctest/doctest.h>
 
 #include <cmath>

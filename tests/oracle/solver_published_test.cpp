@@ -1,6 +1,6 @@
 // The solver against published radiances and fluxes: DISORT problems 1 to 9 (van de Hulst 1980, Sweigart
 // 1970, Garcia & Siewert 1985, Kylling & Stamnes 1992, Ozisik & Shouman 1980, Devaux et al. 1979).
-// Tolerances: atmosphere specification S8, A-01 to A-04.
+// Tolerances: AIR 8, A-01 to A-04.
 #include <doctest/doctest.h>
 
 #include <cmath>

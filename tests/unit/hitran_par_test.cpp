@@ -46,7 +46,7 @@ bool says(const std::string& text, const std::string& part) {
 
 }  // namespace
 
-TEST_CASE("S9 line list: every column where the format has it, range kept, extents of the whole file") {
+TEST_CASE("AIR 9 line list: every column where the format has it, range kept, extents of the whole file") {
   const testing::TestFolder folder;
   REQUIRE(record(6, '1', 3057.687).size() == 160);
   folder.write("a.par", record(1, '4', 3000.25) + "\n" + record(6, '1', 3057.687423, 2.106e-19) + "\n" +
@@ -73,7 +73,8 @@ TEST_CASE("S9 line list: every column where the format has it, range kept, exten
 }
 
 TEST_CASE(
-    "S9 line list: CR LF, any order, no end of line at the end, empty lines, exponents without E, blank self width") {
+    "AIR 9 line list: CR LF, any order, no end of line at the end, empty lines, exponents without E, blank self "
+    "width") {
   const testing::TestFolder folder;
   std::string odd = record(6, '1', 3001.0);
   odd.replace(15, 10, " 1.234-105");
@@ -89,7 +90,7 @@ TEST_CASE(
   CHECK(list.lines[2].wavenumber_per_cm == 3002.0);
 }
 
-TEST_CASE("S9 line list: faults are told with file and line, all at once") {
+TEST_CASE("AIR 9 line list: faults are told with file and line, all at once") {
   const testing::TestFolder folder;
   std::string short_one = record(6, '1', 3000.0);
   short_one.resize(100);
@@ -128,7 +129,7 @@ TEST_CASE("S9 line list: faults are told with file and line, all at once") {
   CHECK(all.find("many.par:21:") == std::string::npos);
 }
 
-TEST_CASE("S9 line list: records across the joints of reading are whole; of a long file the range alone is kept") {
+TEST_CASE("AIR 9 line list: records across the joints of reading are whole; of a long file the range alone is kept") {
   const testing::TestFolder folder;
   std::string text;
   const int count = 120000;  // 19 MB: five pieces
@@ -148,7 +149,7 @@ TEST_CASE("S9 line list: records across the joints of reading are whole; of a lo
   CHECK(list.molecules.at(6).last_per_cm == doctest::Approx(1000 + 0.01 * (count - 1)).epsilon(1e-12));
 }
 
-TEST_CASE("S9 molecules: names, masses of isotopologues, partition sums of a user's file and its faults") {
+TEST_CASE("AIR 9 molecules: names, masses of isotopologues, partition sums of a user's file and its faults") {
   CHECK(molecule_name(6) == "ch4");
   CHECK(molecule_number("c2h6") == 27);
   CHECK(molecule_number("xyz") == 0);

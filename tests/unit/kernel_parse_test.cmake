@@ -1,4 +1,5 @@
-# Parses every kernel entry with each clang that is installed: no warning, no double (a device without fp64 must build them), nothing promoted.
+# Parses every kernel entry with each clang that is installed: no warning, no double (a device without fp64 must build
+# them), nothing promoted.
 #   cmake -DROOT=repository -P kernel_parse_test.cmake
 cmake_policy(VERSION 3.23)
 set(flags -x cl -cl-std=CL1.2 -Xclang -cl-ext=-cl_khr_fp64 -Xclang -finclude-default-header -fsyntax-only
@@ -42,19 +43,27 @@ if(NOT clangs)
 endif()
 message("parsing with ${clangs}")
 
-set(rows -DRC_NSAMP=121 -DRC_NPAD=128 -DRC_COMPONENTS=4 -DRC_HEIGHTS=2 -DRC_VIEWS=2 -DRC_PATH_X=2 -DRC_PATH_Y=2 -DRC_CHANNELS=9
+set(rows -DRC_NSAMP=121 -DRC_NPAD=128 -DRC_COMPONENTS=4 -DRC_HEIGHTS=2 -DRC_VIEWS=2 -DRC_PATH_X=2 -DRC_PATH_Y=2
+  -DRC_CHANNELS=9
   -DRC_BANDS_PADDED=368 -DRC_PIXELS_PER_GROUP=4)
 set(failures "")
 foreach(packed IN ITEMS
-    "rows.cl 0" "rows.cl 1" "rows.cl 0 -DRC_SUN=0 -DRC_THERMAL_COMPONENTS=2 -DRC_TEMPERATURES=3" "trace.cl -DRC_SKY_QUADS=2"
+    "rows.cl 0" "rows.cl 1" "rows.cl 0 -DRC_SUN=0 -DRC_THERMAL_COMPONENTS=2 -DRC_TEMPERATURES=3"
+    "trace.cl -DRC_SKY_QUADS=2"
     "trace.cl -DRC_SKY_QUADS=2 -DRC_BUNDLE=0" "probe_structs.cl -" "trace.cl -DRC_SCATTER=0" "trace.cl -DRC_SCATTER=1"
     "trace.cl -DRC_SAMPLER=2 -DRC_SUPPORT=1.5f" "trace.cl -DRC_MOVING=1 -DRC_GROUP_PIXELS=1" "trace.cl -DRC_BUNDLE=0"
-    "trace.cl -DRC_SCATTER=0 -DRC_NODE_PAGES=2 -DRC_NODE_SHIFT=12 -DRC_BLOCK_PAGES=8 -DRC_BLOCK_SHIFT=10 -DRC_INSTANCE_PAGES=3 -DRC_INSTANCE_SHIFT=0"
-    "lidar_shots.cl -DRC_STACK=96" "lidar_beam.cl -" "lidar_beam.cl -DRC_SINGLE=1 -DRC_EXITS=1" "lidar_beam.cl -DRC_RECEIVER=1"
-    "lidar_beam.cl -DRC_COLUMNS=4 -DRC_ROWS=2 -DRC_OVERLAP=0" "lidar_air.cl -" "lidar_air.cl -DRC_AIR=1 -DRC_VOLUMES=2 -DRC_SINGLE=1 -DRC_EXITS=1 -DRC_LASER_LINES=2 -DRC_LINE_NODES=8"
-    "lidar_air.cl -DRC_RECEIVER=1 -DRC_AIR=1" "lidar_air.cl -DRC_COLUMNS=4 -DRC_ROWS=2 -DRC_AIR=1 -DRC_GAUSSIAN=0" "lidar_shots.cl -DRC_STOPPED=1 -DRC_COLUMNS=4 -DRC_ROWS=2 -DRC_NODE_PAGES=2 -DRC_NODE_SHIFT=4"
-    "lidar_shots.cl -DRC_RECEIVER=1 -DRC_PLATES=1 -DRC_SHADOWS=1" "lidar_shots.cl -DRC_RECEIVER=1 -DRC_GAUSSIAN=0 -DRC_BOUNCES=2"
-    "lidar_shots.cl -DRC_BOUNCES=3 -DRC_AIR=1 -DRC_VOLUMES=1 -DRC_STOPPED=1 -DRC_LASER_LINES=2 -DRC_LINE_NODES=8 -DRC_PLATES=1 -DRC_LEAVES=1 -DRC_GLOSS=1 -DRC_SINGLE=1 -DRC_EXITS=1 -DRC_HITS=1 -DRC_SHADOWS=1"
+    "trace.cl -DRC_SCATTER=0 -DRC_NODE_PAGES=2 -DRC_NODE_SHIFT=12 -DRC_BLOCK_PAGES=8 -DRC_BLOCK_SHIFT=10 \
+-DRC_INSTANCE_PAGES=3 -DRC_INSTANCE_SHIFT=0"
+    "lidar_shots.cl -DRC_STACK=96" "lidar_beam.cl -" "lidar_beam.cl -DRC_SINGLE=1 -DRC_EXITS=1"
+    "lidar_beam.cl -DRC_RECEIVER=1"
+    "lidar_beam.cl -DRC_COLUMNS=4 -DRC_ROWS=2 -DRC_OVERLAP=0" "lidar_air.cl -"
+    "lidar_air.cl -DRC_AIR=1 -DRC_VOLUMES=2 -DRC_SINGLE=1 -DRC_EXITS=1 -DRC_LASER_LINES=2 -DRC_LINE_NODES=8"
+    "lidar_air.cl -DRC_RECEIVER=1 -DRC_AIR=1" "lidar_air.cl -DRC_COLUMNS=4 -DRC_ROWS=2 -DRC_AIR=1 -DRC_GAUSSIAN=0"
+    "lidar_shots.cl -DRC_STOPPED=1 -DRC_COLUMNS=4 -DRC_ROWS=2 -DRC_NODE_PAGES=2 -DRC_NODE_SHIFT=4"
+    "lidar_shots.cl -DRC_RECEIVER=1 -DRC_PLATES=1 -DRC_SHADOWS=1"
+    "lidar_shots.cl -DRC_RECEIVER=1 -DRC_GAUSSIAN=0 -DRC_BOUNCES=2"
+    "lidar_shots.cl -DRC_BOUNCES=3 -DRC_AIR=1 -DRC_VOLUMES=1 -DRC_STOPPED=1 -DRC_LASER_LINES=2 -DRC_LINE_NODES=8 \
+-DRC_PLATES=1 -DRC_LEAVES=1 -DRC_GLOSS=1 -DRC_SINGLE=1 -DRC_EXITS=1 -DRC_HITS=1 -DRC_SHADOWS=1"
     "lidar_shots.cl -DRC_BOUNCES=2 -DRC_SHAPED=1" "lidar_shots.cl -DRC_SHAPED=1 -DRC_GLOSS=1 -DRC_RECEIVER=1"
     "rows.cl 0 -DRC_BLOCK_PAGES=7 -DRC_BLOCK_SHIFT=28 -DRC_SURFACE_PAGES=8 -DRC_SURFACE_SHIFT=15")
   separate_arguments(words UNIX_COMMAND "${packed}")
@@ -70,7 +79,8 @@ foreach(packed IN ITEMS
     set(words "")
   endif()
   foreach(clang IN LISTS clangs)
-    execute_process(COMMAND ${clang} ${flags} ${words} ${ROOT}/kernels/entry/${entry} RESULT_VARIABLE status ERROR_VARIABLE errors)
+    execute_process(COMMAND ${clang} ${flags} ${words} ${ROOT}/kernels/entry/${entry} RESULT_VARIABLE status
+      ERROR_VARIABLE errors)
     if(status)
       string(APPEND failures "${clang} ${entry} ${words}:\n${errors}\n")
     endif()

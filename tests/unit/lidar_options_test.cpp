@@ -97,7 +97,7 @@ TEST_CASE("S27: the smallest LIDAR, no instrument beside it, gets its defaults")
   CHECK(json["scan"]["pattern"] == "fixed");
 }
 
-TEST_CASE("S27-S41: a file with every key of a LIDAR, each in SI units") {
+TEST_CASE("S27 to S41: a file with every key of a LIDAR, each in SI units") {
   const Folder folder;
   const auto simulation = load(folder, R"(format = 1
 time = { sun = { zenith_deg = 40 } }
@@ -353,7 +353,7 @@ TEST_CASE("S40: thresholds by false returns of a record, air as background, and 
   CHECK(given.noise_class_above == 0);
 }
 
-TEST_CASE("S27-S41: the shipped LIDAR scenes that need no generated files load") {
+TEST_CASE("S27 to S41: the shipped LIDAR scenes that need no generated files load") {
   const auto dial = load_simulation(RAYCUBE_SOURCE_DIR "/scenes/lidar/pipeline_dial.toml");
   CHECK(dial.lidars.at(0).pulse.lines.size() == 2);
   CHECK(dial.scene.volumes.size() == 2);

@@ -92,7 +92,7 @@ TEST_CASE("L-31: an impulse on an edge goes to the later bin, a symmetric pulse 
   CHECK(tap(narrow, 7.0, 7) == doctest::Approx(0.5).epsilon(1e-6));
 }
 
-TEST_CASE("2.2: a tabulated pulse integrates exactly") {
+TEST_CASE("LIDAR 2.2: a tabulated pulse integrates exactly") {
   scene::LidarPulse pulse;
   pulse.shape = scene::PulseShape::tabulated;
   pulse.shape_time_s = {-1e-9, 0, 2e-9};
@@ -102,7 +102,7 @@ TEST_CASE("2.2: a tabulated pulse integrates exactly") {
   CHECK(worst_tap_error(pulse, 0.5e-9) < 1e-6);
 }
 
-TEST_CASE("2.1: sub-rays of a Gaussian beam past a straight edge, rms error of the table in the specification") {
+TEST_CASE("LIDAR 2.1: sub-rays of a Gaussian beam past a straight edge, rms error of the table in the specification") {
   scene::Lidar lidar;
   const double w = 0.25, edge = 0.08, exact = 0.5 * std::erfc(M_SQRT2 * edge / w);
   const auto rms = [&](int n) {
@@ -125,7 +125,7 @@ TEST_CASE("2.1: sub-rays of a Gaussian beam past a straight edge, rms error of t
   CHECK(rms(1024) == doctest::Approx(0.00161).epsilon(0.05));
 }
 
-TEST_CASE("2.1: a distributed exit widens the spot to w^2 = exit^2 + (divergence R)^2") {
+TEST_CASE("LIDAR 2.1: a distributed exit widens the spot to w^2 = exit^2 + (divergence R)^2") {
   scene::Lidar lidar;
   lidar.transport.subrays = 4096;
   const auto footprint = lidar::make_footprint(lidar, true);
@@ -182,7 +182,7 @@ TEST_CASE("S30: air of a constant and of an exponential profile along height") {
   CHECK(air.backscatter_per_m_sr[0] == doctest::Approx(0.75 * 3.5e-6).epsilon(1e-9));
 }
 
-TEST_CASE("2.3: nodes of a line keep its mean and width; a reflectance is the line's mean") {
+TEST_CASE("LIDAR 2.3: nodes of a line keep its mean and width; a reflectance is the line's mean") {
   scene::Simulation simulation;
   simulation.scene = test::scene_of({0.3});
   test::add_plane(simulation.scene, 0, {0, 0, 0}, 5);

@@ -106,7 +106,7 @@ TEST_CASE("L-02: truth of a pixel's samples comes from the beam's fluence, not f
   }
 }
 
-TEST_CASE("S29: truth of sub-rays into an array is the pixel's own and agrees with samples of its pixels") {
+TEST_CASE("S34: truth of sub-rays into an array is the pixel's own and agrees with samples of its pixels") {
   const auto scene = plane_of(0.10, 0.2);
   scene::Lidar spec = flash();
   spec.receiver.columns = 4, spec.receiver.rows = 2, spec.receiver.pixel_pitch_rad = 2e-3;

@@ -1,5 +1,5 @@
 // Phase functions of aerosols. Oracles: quadrature of the function itself, closed forms, the ratio to Henyey-Greenstein
-// that S0 states.
+// that AIR 0 states.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -83,7 +83,7 @@ TEST_CASE("S4.5 Henyey-Greenstein: closed form, its moments g^k") {
   CHECK_THROWS_AS(PhaseFunction::henyey_greenstein(1), base::Error);
 }
 
-TEST_CASE("S0 fact 7: the rural Mie function over Henyey-Greenstein of the table's g at 0.55 um") {
+TEST_CASE("AIR 0 fact 7: the rural Mie function over Henyey-Greenstein of the table's g at 0.55 um") {
   AerosolSpec spec;
   spec.humidity_percent = 70;
   const AirProfile air = afgl_profile(AfglModel::midlatitude_summer);
@@ -94,7 +94,7 @@ TEST_CASE("S0 fact 7: the rural Mie function over Henyey-Greenstein of the table
     const double mu = std::cos(angle_deg * std::numbers::pi / 180);
     return mie.optics(0, 0.55).phase->value(mu) / hg.optics(0, 0.55).phase->value(mu);
   };
-  // S0 prints two digits.
+  // AIR 0 prints two digits.
   CHECK(std::abs(ratio(140) - 1.27) <= 0.02);
   CHECK(std::abs(ratio(160) - 1.9) <= 0.05);
   CHECK(std::abs(ratio(180) - 2.6) <= 0.05);

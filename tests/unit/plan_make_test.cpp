@@ -267,7 +267,7 @@ TEST_CASE("S18 bad input: missing row, foreign sun, view beyond the table") {
 }
 
 TEST_CASE(
-    "S4 octahedral nodes: a node's own direction finds it, weights are a partition of one, no seams at the horizon") {
+    "S18 octahedral nodes: a node's own direction finds it, weights are a partition of one, no seams at the horizon") {
   const int size = 33, half = 16;
   for (int v = 0; v < size; ++v)
     for (int u = 0; u < size; ++u) {
@@ -297,7 +297,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("S4 node weights: clamped ends, one node, exact at nodes") {
+TEST_CASE("S18 node weights: clamped ends, one node, exact at nodes") {
   int index = -1;
   float fraction = -1;
   rc_node_weights(3.5f, 1.0f, 0.5f, 4, &index, &fraction);

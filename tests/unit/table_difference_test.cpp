@@ -1,4 +1,4 @@
-// S5 S6: differences of two tables per band, against closed forms on tables whose every value is stated.
+// AIR 5: differences of two tables per band, against closed forms on tables whose every value is stated.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -27,7 +27,7 @@ UniformAir air(double view, double path) {
 
 }  // namespace
 
-TEST_CASE("S5 a table differs from itself by nothing, in every quantity") {
+TEST_CASE("AIR 5 a table differs from itself by nothing, in every quantity") {
   const RenderTable table = isothermal_table(
       290, [](double l) { return 0.1 * l; }, 1000, wavelength_grid(8, 12, 0.1));
   const TableDifference d = table_difference(table, table);
@@ -38,7 +38,8 @@ TEST_CASE("S5 a table differs from itself by nothing, in every quantity") {
     for (const auto& band : q.bands) CHECK((band.mean == 0 && band.rms == 0 && band.worst == 0));
 }
 
-TEST_CASE("S5 mean, rms and worst of a difference linear in wavelength are those of the line, whatever the two grids") {
+TEST_CASE(
+    "AIR 5 mean, rms and worst of a difference linear in wavelength are those of the line, whatever the two grids") {
   UniformAir a = air(0.5, 2), b = a;
   b.path_radiance = [](double l) { return 2 + 0.1 * (l - 1); };
   const auto table_a = uniform_table(a, wavelength_grid(0.9, 2.2, 0.013)),
@@ -64,7 +65,7 @@ TEST_CASE("S5 mean, rms and worst of a difference linear in wavelength are those
 }
 
 TEST_CASE(
-    "S5 a Gaussian band weighs by its response: a quadratic difference averages to its centre plus the variance") {
+    "AIR 5 a Gaussian band weighs by its response: a quadratic difference averages to its centre plus the variance") {
   UniformAir a = air(1, 1), b = a;
   b.path_radiance = [](double l) { return 1 + (l - 1) * (l - 1); };
   const auto grid = wavelength_grid(0.5, 1.5, 0.002);
@@ -78,7 +79,7 @@ TEST_CASE(
   CHECK(of(d, "path_radiance_solar").bands[0].mean == doctest::Approx(variance).epsilon(1e-4));
 }
 
-TEST_CASE("S5 what differs is said; rows of one table are named; nothing in common is refused") {
+TEST_CASE("AIR 5 what differs is said; rows of one table are named; nothing in common is refused") {
   UniformAir a = air(0.5, 2), b = air(0.6, 2);
   b.sun_zenith_deg = 30, b.sensor_height_m = 2000;
   b.spherical_albedo = b.diffuse_view_transmission = b.diffuse_return = [](double) { return 0.1; };
@@ -104,7 +105,7 @@ TEST_CASE("S5 what differs is said; rows of one table are named; nothing in comm
                        raycube::base::Error);
 }
 
-TEST_CASE("S5 the two-way factor is left out where no light comes through") {
+TEST_CASE("AIR 5 the two-way factor is left out where no light comes through") {
   UniformAir a = air(1, 0), b = a;
   a.sun_transmission = b.sun_transmission = [](double l) { return l < 1 ? 0.5 : 1e-6; };
   b.two_way_factor = [](double l) { return l < 1 ? 1.5 : 1e5; };

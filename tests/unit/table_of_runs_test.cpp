@@ -72,7 +72,7 @@ TEST_CASE("A-18 S6.3 a real .chn becomes a table: its columns come back through 
   CHECK(worst < 1e-6);
 }
 
-TEST_CASE("A-18 S7 a real uvspec run becomes a table: Beer's law between its levels, its radiances at its angles") {
+TEST_CASE("A-18 AIR 7 a real uvspec run becomes a table: Beer's law between its levels, its radiances at its angles") {
   const std::string folder = samples("libradtran");
   if (folder.empty()) return;
   const Imported uvspec = import_file(folder + "uvspec_solar_radiance.out");

@@ -1,9 +1,10 @@
 """Band lists of the instruments.
 
-SpecTIR ProSpecTIR-VS as far as published: Bloechl et al. 2014 (Proc. SPIE 9088, 90880G) name 360 bands over 400-2450 nm and
-bands 19 = 482, 25 = 509, 26 = 514, 35 = 555, 55 = 648 nm, which 394.8 + 4.6 n reproduces to 1 nm. That runs to band 125 at
-969.8 nm; the other 235 follow in steps of 6.3 nm and end at 2450.3 nm. Widths are nominal: one centre distance.
+SpecTIR ProSpecTIR-VS as far as published: Bloechl et al. 2014 (Proc. SPIE 9088, 90880G) name 360 bands over 400-2450 nm
+and bands 19 = 482, 25 = 509, 26 = 514, 35 = 555, 55 = 648 nm, which 394.8 + 4.6 n reproduces to 1 nm. That runs to band
+125 at 969.8 nm; the other 235 follow in steps of 6.3 nm and end at 2450.3 nm. Widths are nominal: one centre distance.
 """
+
 import numpy as np
 
 
@@ -15,7 +16,8 @@ def spectir_360():
 
 
 def wasp_rgb():
-    """(wavelength_nm, blue, green, red) every 5 nm, nominal: no measured response of the WASP colour camera is published.
+    """(wavelength_nm, blue, green, red) every 5 nm, nominal: no measured response of the WASP colour camera is
+    published.
     Smooth curves like those of silicon Bayer cameras: skewed Gaussians with the small overlaps such dyes have, cut by a
     400-700 nm blocking filter."""
     wavelength = np.arange(385.0, 715.1, 5.0)

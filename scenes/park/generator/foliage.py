@@ -1,4 +1,5 @@
 """Leaves as two triangles each, with leaf angles from measured-like distributions."""
+
 import numpy as np
 
 
@@ -11,8 +12,8 @@ def inclined_normals(rng, count, alpha, beta):
 
 
 def kite_leaves(rng, base, outward, normal, length_m, width_m, fold):
-    """Kites folded along the midrib: base, right, tip, left. `outward` is the direction the midrib should point to; it is
-    laid into the leaf plane. Arrays of n; fold is the rise of the margins over half the width."""
+    """Kites folded along the midrib: base, right, tip, left. `outward` is the direction the midrib should point to; it
+    is laid into the leaf plane. Arrays of n; fold is the rise of the margins over half the width."""
     midrib = outward - normal * np.sum(outward * normal, axis=1, keepdims=True)
     midrib += 1e-6
     midrib /= np.linalg.norm(midrib, axis=1, keepdims=True)

@@ -4,30 +4,45 @@ A harness-racing ground after the collection site of Bloechl et al. 2014 (Proc. 
 asphalt courts in the north-east, small targets on the grass north of them, a tree-lined gravel road, forest, a field.
 Nothing here copies the real site's map.
 """
+
 import numpy as np
 
-HALF_M = 200.0            # the terrain covers [-200, 200] m in x and y
-POST_M = 0.5              # DEM posts and class cells
+HALF_M = 200.0  # the terrain covers [-200, 200] m in x and y
+POST_M = 0.5  # DEM posts and class cells
 
 # courts: (x centre, y centre, half width, half height), edges on class-cell borders; the third carries the targets
 COURTS = [(57.0, 76.0, 12.0, 16.0), (87.0, 76.0, 12.0, 16.0), (118.0, 76.0, 13.0, 16.0)]
-COURT_HEIGHT_M = 3.4      # scene z of the flat asphalt
+COURT_HEIGHT_M = 3.4  # scene z of the flat asphalt
 # a second rectangle that must stay level: shed and paddock beside the track
 SHED = (-6.0, 62.0, 9.0, 6.0)
 PARKING = (18.0, 72.0, 17.0, 8.0)
-GREEN_TARGETS = (62.0, 104.0, 30.0, 17.0)   # west, south, width, height of their rectangle on the grass, m
+GREEN_TARGETS = (62.0, 104.0, 30.0, 17.0)  # west, south, width, height of their rectangle on the grass, m
 
 OVAL_CENTER = (-28.0, -48.0)
-OVAL_TILT_DEG = 8.0       # counter-clockwise
-OVAL_STRAIGHT_M = 62.0    # half length of the straights
-OVAL_RADIUS_M = 52.0      # centre line of the turns
+OVAL_TILT_DEG = 8.0  # counter-clockwise
+OVAL_STRAIGHT_M = 62.0  # half length of the straights
+OVAL_RADIUS_M = 52.0  # centre line of the turns
 OVAL_HALF_WIDTH_M = 6.5
 
-ROAD = np.array([(141, -215), (128, -150), (119, -90), (116, -30), (122, 8), (112, 38), (80, 50), (30, 55), (-40, 78),
-                 (-110, 92), (-215, 118)], float)
+ROAD = np.array(
+    [
+        (141, -215),
+        (128, -150),
+        (119, -90),
+        (116, -30),
+        (122, 8),
+        (112, 38),
+        (80, 50),
+        (30, 55),
+        (-40, 78),
+        (-110, 92),
+        (-215, 118),
+    ],
+    float,
+)
 ROAD_HALF_WIDTH_M = 2.6
 DITCH = np.array([(-118, 215), (-126, 140), (-138, 60), (-140, -30), (-128, -120), (-136, -215)], float)
-FIELD = (-215.0, -215.0, -62.0, -132.0)     # x0, y0, x1, y1 of the ploughed field in the south-west
+FIELD = (-215.0, -215.0, -62.0, -132.0)  # x0, y0, x1, y1 of the ploughed field in the south-west
 
 
 def curve(points, step_m=1.0):
@@ -89,6 +104,11 @@ def oval_points(offset_m, step_m):
         else:
             h = np.pi + (d - 2 * straight - turn) / r
             u, v = -OVAL_STRAIGHT_M + r * np.sin(h), -r * np.cos(h)
-        points.append((OVAL_CENTER[0] + u * np.cos(a) - v * np.sin(a), OVAL_CENTER[1] + u * np.sin(a) + v * np.cos(a),
-                       (90.0 - np.degrees(h) - OVAL_TILT_DEG) % 360.0))
+        points.append(
+            (
+                OVAL_CENTER[0] + u * np.cos(a) - v * np.sin(a),
+                OVAL_CENTER[1] + u * np.sin(a) + v * np.cos(a),
+                (90.0 - np.degrees(h) - OVAL_TILT_DEG) % 360.0,
+            )
+        )
     return np.array(points)

@@ -1,17 +1,22 @@
 """Band-limited random fields on a square, made in Fourier space: isotropic, zero mean, unit variance, seeded."""
+
 import numpy as np
 
 
 class NoiseField:
-    """A periodic field over `extent_m`, centred on the scene origin, with power-law spectrum between two wavelengths."""
+    """A periodic field over `extent_m`, centred on the scene origin, with power-law spectrum between two
+    wavelengths."""
 
     def __init__(self, seed, extent_m, longest_m, shortest_m, slope=3.0, size=1024):
         rng = np.random.default_rng(seed)
         self.extent_m, self.size = extent_m, size
-        frequency = np.hypot(*np.meshgrid(np.fft.fftfreq(size, extent_m / size), np.fft.rfftfreq(size, extent_m / size),
-                                          indexing="ij"))
+        frequency = np.hypot(
+            *np.meshgrid(np.fft.fftfreq(size, extent_m / size), np.fft.rfftfreq(size, extent_m / size), indexing="ij")
+        )
         with np.errstate(divide="ignore"):
-            amplitude = np.where((frequency >= 1 / longest_m) & (frequency <= 1 / shortest_m), frequency ** (-slope / 2), 0.0)
+            amplitude = np.where(
+                (frequency >= 1 / longest_m) & (frequency <= 1 / shortest_m), frequency ** (-slope / 2), 0.0
+            )
         white = np.fft.rfft2(rng.standard_normal((size, size)))
         field = np.fft.irfft2(white * amplitude, s=(size, size))
         self.field = (field - field.mean()) / field.std()

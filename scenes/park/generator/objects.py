@@ -1,15 +1,33 @@
-"""Built things as OBJ groups: wood block, yellow felt and cotton target, car, shed, rail fence, lamp post. Metres, z up."""
+"""Built things as OBJ groups: wood block, yellow felt and cotton target, car, shed, rail fence, lamp post. Metres, z
+up."""
+
 import numpy as np
 
 from .planting import FOOT_M
 
-_BOX = np.array([(0, 2, 1), (0, 3, 2), (4, 5, 6), (4, 6, 7), (0, 1, 5), (0, 5, 4), (1, 2, 6), (1, 6, 5), (2, 3, 7), (2, 7, 6),
-                 (3, 0, 4), (3, 4, 7)])
+_BOX = np.array(
+    [
+        (0, 2, 1),
+        (0, 3, 2),
+        (4, 5, 6),
+        (4, 6, 7),
+        (0, 1, 5),
+        (0, 5, 4),
+        (1, 2, 6),
+        (1, 6, 5),
+        (2, 3, 7),
+        (2, 7, 6),
+        (3, 0, 4),
+        (3, 4, 7),
+    ]
+)
 
 
 def box(x0, y0, z0, x1, y1, z1):
     """Vertices and outward triangles of an axis-parallel box."""
-    v = np.array([(x0, y0, z0), (x1, y0, z0), (x1, y1, z0), (x0, y1, z0), (x0, y0, z1), (x1, y0, z1), (x1, y1, z1), (x0, y1, z1)])
+    v = np.array(
+        [(x0, y0, z0), (x1, y0, z0), (x1, y1, z0), (x0, y1, z0), (x0, y0, z1), (x1, y0, z1), (x1, y1, z1), (x0, y1, z1)]
+    )
     return v, _BOX
 
 
@@ -30,20 +48,28 @@ def wood_block():
 
 
 def yellow_target():
-    """16 x 16 ft in 2 x 2 ft patterns of three felt squares and one cotton square (Bloechl et al. 2014, Fig. 15): 25 % cotton."""
+    """16 x 16 ft in 2 x 2 ft patterns of three felt squares and one cotton square (Bloechl et al. 2014, Fig. 15): 25 %
+    cotton."""
     felt, cotton = [], []
     for j in range(16):
         for i in range(16):
             x, y = (i - 8) * FOOT_M, (j - 8) * FOOT_M
-            square = (np.array([(x, y, 0), (x + FOOT_M, y, 0), (x + FOOT_M, y + FOOT_M, 0), (x, y + FOOT_M, 0)]), [(0, 1, 2), (0, 2, 3)])
+            square = (
+                np.array([(x, y, 0), (x + FOOT_M, y, 0), (x + FOOT_M, y + FOOT_M, 0), (x, y + FOOT_M, 0)]),
+                [(0, 1, 2), (0, 2, 3)],
+            )
             (cotton if i % 2 == 0 and j % 2 == 0 else felt).append(square)
     return [("yellow_felt", *joined(felt)), ("yellow_cotton", *joined(cotton))]
 
 
 def car(paint):
     """4.4 x 1.8 m body with a cabin and tyres; +y is the front."""
-    body = [box(-0.88, -2.2, 0.32, 0.88, 2.2, 0.78), box(-0.84, -2.1, 0.78, 0.84, -1.75, 0.95), box(-0.80, -1.45, 1.36, 0.80, 0.35, 1.46),
-            box(-0.84, 0.95, 0.78, 0.84, 2.1, 0.92)]
+    body = [
+        box(-0.88, -2.2, 0.32, 0.88, 2.2, 0.78),
+        box(-0.84, -2.1, 0.78, 0.84, -1.75, 0.95),
+        box(-0.80, -1.45, 1.36, 0.80, 0.35, 1.46),
+        box(-0.84, 0.95, 0.78, 0.84, 2.1, 0.92),
+    ]
     glass = [box(-0.78, -1.75, 0.78, 0.78, 0.95, 1.36)]
     tyres = [box(sx - 0.1, sy - 0.32, -0.05, sx + 0.1, sy + 0.32, 0.55) for sx in (-0.8, 0.8) for sy in (-1.4, 1.4)]
     return [(paint, *joined(body)), ("black_rubber", *joined(glass + tyres))]
@@ -52,12 +78,38 @@ def car(paint):
 def shed():
     """Gabled stable, 16 x 9 m, 3 m eaves, 5.4 m ridge along x; floor at z = 0, walls sunk 0.5 m."""
     walls = box(-8, -4.5, -0.5, 8, 4.5, 3.0)
-    gable = (np.array([(-8, -4.5, 3), (-8, 4.5, 3), (-8, 0, 5.3), (8, -4.5, 3), (8, 4.5, 3), (8, 0, 5.3)], float), [(0, 2, 1), (3, 4, 5)])
+    gable = (
+        np.array([(-8, -4.5, 3), (-8, 4.5, 3), (-8, 0, 5.3), (8, -4.5, 3), (8, 4.5, 3), (8, 0, 5.3)], float),
+        [(0, 2, 1), (3, 4, 5)],
+    )
     roof = []
     for s in (-1.0, 1.0):
-        v = np.array([(-8.4, s * 5.1, 2.75), (8.4, s * 5.1, 2.75), (8.4, 0, 5.42), (-8.4, 0, 5.42),
-                      (-8.4, s * 5.1, 2.63), (8.4, s * 5.1, 2.63), (8.4, 0, 5.30), (-8.4, 0, 5.30)])
-        t = np.array([(0, 1, 2), (0, 2, 3), (4, 6, 5), (4, 7, 6), (0, 5, 1), (0, 4, 5), (1, 6, 2), (1, 5, 6), (3, 7, 4), (3, 4, 0)])
+        v = np.array(
+            [
+                (-8.4, s * 5.1, 2.75),
+                (8.4, s * 5.1, 2.75),
+                (8.4, 0, 5.42),
+                (-8.4, 0, 5.42),
+                (-8.4, s * 5.1, 2.63),
+                (8.4, s * 5.1, 2.63),
+                (8.4, 0, 5.30),
+                (-8.4, 0, 5.30),
+            ]
+        )
+        t = np.array(
+            [
+                (0, 1, 2),
+                (0, 2, 3),
+                (4, 6, 5),
+                (4, 7, 6),
+                (0, 5, 1),
+                (0, 4, 5),
+                (1, 6, 2),
+                (1, 5, 6),
+                (3, 7, 4),
+                (3, 4, 0),
+            ]
+        )
         roof.append((v, t if s < 0 else t[:, ::-1]))
     doors = [box(x - 0.7, -4.56, -0.2, x + 0.7, -4.50, 2.2) for x in (-6, -2, 2, 6)]
     return [("brick", *joined([walls, gable])), ("shingle", *joined(roof)), ("wood", *joined(doors))]
@@ -72,8 +124,10 @@ def fence():
 
 def lamp_post():
     """9 m court light: mast and a head of two floodlights pointing along +y."""
-    return [("steel", *joined([box(-0.09, -0.09, -0.3, 0.09, 0.09, 9.0), box(-0.9, -0.06, 8.8, 0.9, 0.06, 8.95)])),
-            ("white_paint", *joined([box(x - 0.3, 0.06, 8.7, x + 0.3, 0.5, 9.05) for x in (-0.55, 0.55)]))]
+    return [
+        ("steel", *joined([box(-0.09, -0.09, -0.3, 0.09, 0.09, 9.0), box(-0.9, -0.06, 8.8, 0.9, 0.06, 8.95)])),
+        ("white_paint", *joined([box(x - 0.3, 0.06, 8.7, x + 0.3, 0.5, 9.05) for x in (-0.55, 0.55)])),
+    ]
 
 
 def court_lines():
@@ -90,8 +144,12 @@ def court_lines():
         a = np.radians(np.linspace(a0, a1, n + 1))
         inner, outer = (np.stack([cx + q * np.cos(a), cy + q * np.sin(a), 0 * a], 1) for q in (r - 0.035, r + 0.035))
         k = np.arange(n)
-        strips.append((np.concatenate([inner, outer]), np.concatenate(
-            [np.stack([k, n + 1 + k, n + 2 + k], 1), np.stack([k, n + 2 + k, k + 1], 1)])))
+        strips.append(
+            (
+                np.concatenate([inner, outer]),
+                np.concatenate([np.stack([k, n + 1 + k, n + 2 + k], 1), np.stack([k, n + 2 + k, k + 1], 1)]),
+            )
+        )
 
     w, h, e = 7.5, 14.0, 0.035
     for s in (-1, 1):

@@ -1,4 +1,5 @@
 """Where every instance stands: trees, shrubs, fence, targets. Rows are (x_m, y_m, yaw_deg, scale)."""
+
 import numpy as np
 
 from . import layout
@@ -25,7 +26,8 @@ class _Spacing:
 
 
 def plant(park, seed):
-    """All trees and shrubs: {species: rows}. An alley first, then solitary trees, the forest, and shrubs along its edge."""
+    """All trees and shrubs: {species: rows}. An alley first, then solitary trees, the forest, and shrubs along its
+    edge."""
     rng = np.random.default_rng([seed, 21])
     spacing = _Spacing()
     rows = {"maple": [], "aspen": [], "spruce": [], "shrub": []}
@@ -43,18 +45,37 @@ def plant(park, seed):
             t /= np.hypot(*t)
             x, y = road[i] + side * 5.6 * np.array([-t[1], t[0]]) + rng.normal(0, 0.35, 2)
             clear = park.is_clear(np.array([x]), np.array([y]), 2.6)[0]
-            if -130 < x and max(abs(x), abs(y)) < 195 and clear and rng.random() < 0.86 and not (0 < x < 112 and y > 36):
+            if (
+                -130 < x
+                and max(abs(x), abs(y)) < 195
+                and clear
+                and rng.random() < 0.86
+                and not (0 < x < 112 and y > 36)
+            ):
                 if spacing.accept(x, y, 6.5):
                     add("maple", x, y, rng.uniform(0.72, 0.98))
 
     # solitary trees and small groups on the grass
-    for cx, cy, species, count in ((-75, 118, "aspen", 7), (8, 100, "maple", 3), (-92, 55, "maple", 4), (28, 118, "spruce", 4),
-                                   (-62, -40, "maple", 1), (10, -52, "spruce", 2), (95, -20, "aspen", 3), (20, -140, "maple", 4),
-                                   (100, -150, "spruce", 5), (-30, 35, "aspen", 3), (40, 30, "maple", 2), (146, 60, "spruce", 4)):
+    for cx, cy, species, count in (
+        (-75, 118, "aspen", 7),
+        (8, 100, "maple", 3),
+        (-92, 55, "maple", 4),
+        (28, 118, "spruce", 4),
+        (-62, -40, "maple", 1),
+        (10, -52, "spruce", 2),
+        (95, -20, "aspen", 3),
+        (20, -140, "maple", 4),
+        (100, -150, "spruce", 5),
+        (-30, 35, "aspen", 3),
+        (40, 30, "maple", 2),
+        (146, 60, "spruce", 4),
+    ):
         for _ in range(count):
             for _ in range(20):
                 x, y = cx + rng.normal(0, 6.0), cy + rng.normal(0, 6.0)
-                if park.is_clear(np.array([x]), np.array([y]), 4.5)[0] and spacing.accept(x, y, 4.2 if species != "maple" else 6.5):
+                if park.is_clear(np.array([x]), np.array([y]), 4.5)[0] and spacing.accept(
+                    x, y, 4.2 if species != "maple" else 6.5
+                ):
                     add(species, x, y, rng.uniform(0.7, 1.12))
                     break
 
@@ -115,6 +136,8 @@ def cars(seed):
         for x in np.arange(cx - hw + 2.5, cx + hw - 1, 2.9):
             if rng.random() < 0.6:
                 colour = ("white", "grey", "grey", "red")[rng.integers(0, 4)]
-                rows[colour].append((x + rng.normal(0, 0.12), y + rng.normal(0, 0.2), (yaw + rng.normal(0, 2.5)) % 360, 1.0))
+                rows[colour].append(
+                    (x + rng.normal(0, 0.12), y + rng.normal(0, 0.2), (yaw + rng.normal(0, 2.5)) % 360, 1.0)
+                )
     rows["white"].append((116.9, -44.0, 3.0, 1.0))
     return rows

@@ -1,14 +1,15 @@
 """Writers for the few formats the park needs, with numpy and the standard library only: ENVI raster, PNG, OBJ, CSV."""
+
 import struct
 import zlib
 from pathlib import Path
 
 import numpy as np
 
-EPSG = 32618                 # WGS 84 / UTM zone 18N
+EPSG = 32618  # WGS 84 / UTM zone 18N
 ORIGIN_EASTING_M = 276000.0
 ORIGIN_NORTHING_M = 4753000.0
-ORIGIN_HEIGHT_M = 180.0      # m above sea level at scene z = 0
+ORIGIN_HEIGHT_M = 180.0  # m above sea level at scene z = 0
 WKT = (
     'PROJCS["WGS 84 / UTM zone 18N",GEOGCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563]],'
     'PRIMEM["Greenwich",0],UNIT["degree",0.0174532925199433]],PROJECTION["Transverse_Mercator"],'
@@ -29,7 +30,8 @@ def write_envi(path, values, west_m, north_m, post_m, description, names=("heigh
         f"samples = {samples}\nlines = {lines}\nbands = {len(names)}\nheader offset = 0\nfile type = ENVI Standard\n"
         "data type = 4\ninterleave = bip\nbyte order = 0\n"
         f"band names = {{{', '.join(names)}}}\n"
-        f"map info = {{UTM, 1, 1, {ORIGIN_EASTING_M + west_m!r}, {ORIGIN_NORTHING_M + north_m!r}, {post_m!r}, {post_m!r}, "
+        f"map info = {{UTM, 1, 1, {ORIGIN_EASTING_M + west_m!r}, {ORIGIN_NORTHING_M + north_m!r}, {post_m!r}, "
+        f"{post_m!r}, "
         "18, North, WGS-84, units=Meters}\n"
         f"coordinate system string = {{{WKT}}}\n"
     )

@@ -3,6 +3,7 @@
 Space colonisation after Runions, Lane, Prusinkiewicz, "Modeling Trees with a Space Colonization Algorithm" (2007);
 radii after the pipe model, r_parent^p = sum r_child^p (Murray/da Vinci family, p between 2 and 3).
 """
+
 import numpy as np
 
 
@@ -46,7 +47,7 @@ def colonise(rng, attractors, foot_height_m, step_m, influence_m, kill_m, up=0.1
     fresh = list(range(count))
     while fresh and len(nodes) < limit:
         for start in range(0, len(fresh), 256):
-            part = fresh[start:start + 256]
+            part = fresh[start : start + 256]
             d = np.linalg.norm(attractors[:, None, :] - np.array([nodes[i] for i in part])[None], axis=2)
             j = d.argmin(1)
             closer = d[np.arange(len(j)), j] < distance

@@ -1,4 +1,5 @@
 """The tree species of the park: each returns (groups for write_obj, facts) in metres, foot at the origin, z up."""
+
 import numpy as np
 
 from .foliage import inclined_normals, kite_leaves, on_twigs, sprays
@@ -10,9 +11,15 @@ def _facts(species, bark, leaves, crown_area_m2):
     v, t = leaves
     area = 0.5 * np.linalg.norm(np.cross(v[t[:, 1]] - v[t[:, 0]], v[t[:, 2]] - v[t[:, 0]]), axis=1)
     radius = np.percentile(np.hypot(v[:, 0], v[:, 1]), 98)
-    return {"species": species, "leaf_triangles": len(t), "bark_triangles": len(bark[1]), "height_m": round(float(v[:, 2].max()), 2),
-            "crown_radius_m": round(float(radius), 2), "leaf_area_m2": round(float(area.sum()), 1),
-            "crown_lai": round(float(area.sum() / (np.pi * radius**2 if crown_area_m2 is None else crown_area_m2)), 2)}
+    return {
+        "species": species,
+        "leaf_triangles": len(t),
+        "bark_triangles": len(bark[1]),
+        "height_m": round(float(v[:, 2].max()), 2),
+        "crown_radius_m": round(float(radius), 2),
+        "leaf_area_m2": round(float(area.sum()), 1),
+        "crown_lai": round(float(area.sum() / (np.pi * radius**2 if crown_area_m2 is None else crown_area_m2)), 2),
+    }
 
 
 def _crown_cloud(rng, count, low_m, high_m, radius_at, hollow):
@@ -29,7 +36,9 @@ def _crown_cloud(rng, count, low_m, high_m, radius_at, hollow):
     return points[:count]
 
 
-def _broadleaf(rng, species, cloud, foot_m, step_m, foot_radius_m, leaf_count, leaf_m, width_m, twig_m, angles, kill, up):
+def _broadleaf(
+    rng, species, cloud, foot_m, step_m, foot_radius_m, leaf_count, leaf_m, width_m, twig_m, angles, kill, up
+):
     skeleton = colonise(rng, cloud, foot_m, step_m, influence_m=12 * step_m, kill_m=kill * step_m, up=up)
     skeleton.set_radii(0.005, foot_radius_m, 2.4)
     bark = tubes(skeleton, 0.0045)
@@ -46,7 +55,12 @@ def maple(seed):
     lobes = rng.normal(0, 0.07, 3)
 
     def radius(t):
-        return 4.75 * (np.sin(np.pi * np.clip(0.09 + 0.9 * t, 0, 1)) ** 0.62) * (1.04 - 0.22 * t) * (1 + lobes[int(3 * min(t, 0.999))])
+        return (
+            4.75
+            * (np.sin(np.pi * np.clip(0.09 + 0.9 * t, 0, 1)) ** 0.62)
+            * (1.04 - 0.22 * t)
+            * (1 + lobes[int(3 * min(t, 0.999))])
+        )
 
     cloud = _crown_cloud(rng, 1150, 2.6, 13.4, radius, hollow=0.75)
     return _broadleaf(rng, "maple", cloud, 2.4, 0.34, 0.23, 20000, 0.132, 0.140, 0.34, (1.9, 3.3), kill=1.6, up=0.05)
@@ -98,7 +112,9 @@ def spruce(seed):
             steps = max(3, int(r / 0.22))
             s = np.linspace(0, 1, steps + 1)
             # branch: leaves the trunk at `rise`, sags, and turns up at the tip
-            path = out * (r * s)[:, None] + np.array([0, 0, 1.0]) * (r * (rise * s - 0.30 * s**2 + 0.24 * s**4))[:, None]
+            path = (
+                out * (r * s)[:, None] + np.array([0, 0, 1.0]) * (r * (rise * s - 0.30 * s**2 + 0.24 * s**4))[:, None]
+            )
             path += np.array([0, 0, z + rng.normal(0, 0.06)])
             first = len(nodes)
             for i in range(1, steps + 1):
@@ -111,7 +127,12 @@ def spruce(seed):
                 side /= np.linalg.norm(side)
                 twig = (min(0.14, 0.3 * r) + 0.42 * r * 0.33 * (1.15 - s[i])) * rng.uniform(0.8, 1.2)
                 for sign in (-1.0, 1.0):
-                    d = axis * 0.62 + sign * side * 0.78 + np.array([0, 0, -0.16 - 0.10 * (1 - t)]) + rng.normal(0, 0.07, 3)
+                    d = (
+                        axis * 0.62
+                        + sign * side * 0.78
+                        + np.array([0, 0, -0.16 - 0.10 * (1 - t)])
+                        + rng.normal(0, 0.07, 3)
+                    )
                     d /= np.linalg.norm(d)
                     for q in range(max(1, int(np.ceil(twig / 0.13)))):
                         base.append(path[i] - axis * rng.uniform(0, 0.2) + d * (0.13 * q))
