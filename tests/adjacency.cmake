@@ -5,9 +5,6 @@ raycube_test(render_adjacency SOURCES oracle/render_adjacency_test.cpp LIBS rayc
 if(TARGET raycube_reference)
   raycube_test(adjacency_reference SOURCES cross/adjacency_reference_test.cpp
                LIBS raycube::run raycube_test_scenes raycube_reference raycube_render_support LABELS fast device)
-  raycube_test(adjacency_reference SOURCES cross/adjacency_reference_test.cpp ../host/cli/check_instrument.cpp
-    support/test_scenes.cpp
-               LIBS raycube_reference raycube_render_support LABELS fast device)
 endif()
 raycube_test(render_adjacency_solver SOURCES oracle/render_adjacency_solver_test.cpp LIBS raycube_render_support
   raycube::atmos_solver LABELS fast)

@@ -12,19 +12,19 @@ endif()
 
 # The readers alone are compiled with clang; all else comes from the libraries of the ordinary build, so that this takes
 # a minute.
-set(RAYCUBE_ORDINARY_BUILD ${PROJECT_SOURCE_DIR}/build CACHE PATH
-  "Folder of an ordinary build, whose libraries fuzz_readers takes")
+set(RAYCUBE_ORDINARY_BUILD ${PROJECT_SOURCE_DIR}/build CACHE PATH "Folder of an ordinary build, whose libraries
+  fuzz_readers takes")
 set(readers
   scene_compiler/band_list scene_compiler/compiled_file scene_compiler/csv_file scene_compiler/document
-  scene_compiler/document_values
+    scene_compiler/document_values
   scene_compiler/envi_library scene_compiler/instrument_poses scene_compiler/lidar_platform scene_compiler/lidar_pulse
   scene_compiler/load_simulation scene_compiler/obj_check scene_compiler/spectrum_file scene_compiler/volume_builder
   scene_compiler/volume_spectrum
   atmos_tables/rct_file atmos_tables/optics/profile_csv
   atmos_tables/import/acd atmos_tables/import/import_file atmos_tables/import/modtran_axis
-  atmos_tables/import/modtran_cards
+    atmos_tables/import/modtran_cards
   atmos_tables/import/modtran_chn atmos_tables/import/modtran_csv atmos_tables/import/modtran_json
-  atmos_tables/import/modtran_tape7
+    atmos_tables/import/modtran_tape7
   atmos_tables/import/plain_csv atmos_tables/import/sixs atmos_tables/import/text_lines atmos_tables/import/uvspec
   atmos_tables/import/uvspec_input
   atmos_tables/lines/hitran_par atmos_tables/lines/molecules atmos_tables/lines/tabulated_absorber
@@ -39,7 +39,7 @@ set(ordinary "")
 foreach(library scene_compiler/libraycube_scene_compiler scene_compiler/libraycube_scene_bvh
   host/products/libraycube_products
                 atmos_tables/import/libraycube_atmos_import atmos_tables/libraycube_atmos_lines
-                atmos_tables/libraycube_atmos_tables
+                  atmos_tables/libraycube_atmos_tables
                 host/base/libraycube_base host/base/libraycube_version)
   if(EXISTS ${RAYCUBE_ORDINARY_BUILD}/${library}.a)
     list(APPEND ordinary ${RAYCUBE_ORDINARY_BUILD}/${library}.a)
@@ -49,4 +49,4 @@ target_include_directories(fuzz_readers PRIVATE ${PROJECT_SOURCE_DIR})
 target_link_libraries(fuzz_readers PRIVATE -Wl,--start-group ${ordinary} -Wl,--end-group embree assimp::assimp
   GDAL::GDAL
   tomlplusplus::tomlplusplus nlohmann_json::nlohmann_json fmt::fmt spdlog::spdlog PNG::PNG PkgConfig::OPENEXR
-  Eigen3::Eigen OpenCL::OpenCL ${NOVA_LIBRARY} Threads::Threads)
+    Eigen3::Eigen OpenCL::OpenCL ${NOVA_LIBRARY} Threads::Threads)

@@ -2,10 +2,6 @@ add_library(raycube_trace_support STATIC support/trace_chain.cpp support/double_
   support/judge_hits.cpp)
 target_link_libraries(raycube_trace_support PUBLIC raycube_warnings raycube_test_scenes raycube::render raycube::cl
   raycube::kernels raycube::scene_bvh)
-add_library(raycube_trace_support STATIC support/trace_chain.cpp support/test_scenes.cpp support/double_trace.cpp
-  support/brute_trace.cpp support/judge_hits.cpp)
-target_link_libraries(raycube_trace_support PUBLIC raycube_warnings raycube::render raycube::cl raycube::kernels
-  raycube::scene_bvh)
 
 raycube_test(shared_structs SOURCES unit/shared_structs_test.cpp LIBS raycube_trace_support LABELS fast)
 raycube_test(trace_hits SOURCES oracle/trace_hits_test.cpp LIBS raycube_trace_support LABELS fast)

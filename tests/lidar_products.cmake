@@ -11,18 +11,13 @@ set_tests_properties(lidar_las PROPERTIES LABELS fast)
 set(RAYCUBE_VENV ${PROJECT_SOURCE_DIR}/build/venv CACHE PATH "Virtual environment with laspy (ci/setup)")
 add_test(NAME lidar_laspy COMMAND sh -c
   "p='${RAYCUBE_VENV}/bin/python'; [ -x \"$p\" ] || p='${RAYCUBE_TEST_PYTHON}'; exec \"$p\" \"$@\""
-                                  lidar_laspy ${CMAKE_CURRENT_LIST_DIR}/cli/lidar_laspy_test.py
-                                  $<TARGET_FILE:las_samples> $<TARGET_FILE:lidar_run_samples>)
+  lidar_laspy ${CMAKE_CURRENT_LIST_DIR}/cli/lidar_laspy_test.py $<TARGET_FILE:las_samples>
+  $<TARGET_FILE:lidar_run_samples>)
 set_tests_properties(lidar_laspy PROPERTIES LABELS fast SKIP_RETURN_CODE 77)
 # What `render` leaves of a run, without a device.
 add_executable(lidar_run_samples ${CMAKE_CURRENT_LIST_DIR}/support/lidar_run_samples.cpp)
 target_link_libraries(lidar_run_samples PRIVATE raycube_warnings raycube_lidar_support raycube::run fmt::fmt
   nlohmann_json::nlohmann_json)
-add_executable(lidar_run_samples ${CMAKE_CURRENT_LIST_DIR}/support/lidar_run_samples.cpp
-  ${PROJECT_SOURCE_DIR}/host/cli/lidar_products.cpp
-               ${PROJECT_SOURCE_DIR}/host/cli/lidar_tables.cpp ${PROJECT_SOURCE_DIR}/host/cli/python_chart.cpp)
-target_link_libraries(lidar_run_samples PRIVATE raycube_warnings raycube_lidar_support raycube_products
-  raycube_reference fmt::fmt nlohmann_json::nlohmann_json)
 set_target_properties(lidar_run_samples PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
 add_test(NAME lidar_products COMMAND ${RAYCUBE_TEST_PYTHON} ${CMAKE_CURRENT_LIST_DIR}/cli/lidar_products_test.py
   $<TARGET_FILE:lidar_run_samples> $<TARGET_FILE:raycube>)

@@ -8,7 +8,3 @@ raycube_test(model_trial SOURCES oracle/model_trial_test.cpp LIBS raycube_test_s
   raycube::planner LABELS fast device)
 raycube_test(planner_pulses SOURCES oracle/planner_pulses_test.cpp LIBS raycube_lidar_support raycube::planner LABELS
   fast device)
-raycube_test(model_trial SOURCES oracle/model_trial_test.cpp support/test_scenes.cpp LIBS raycube_render_support
-  raycube::planner LABELS fast device)
-raycube_test(planner_pulses SOURCES oracle/planner_pulses_test.cpp LIBS raycube_lidar_support raycube::planner LABELS
-  fast device)

@@ -13,15 +13,6 @@ raycube_test(render_furnace SOURCES oracle/render_furnace_test.cpp LIBS raycube_
 raycube_test(render_checkerboard SOURCES oracle/render_checkerboard_test.cpp LIBS raycube_render_support LABELS fast)
 raycube_test(render_spectral SOURCES oracle/render_spectral_test.cpp LIBS raycube_test_scenes raycube_render_support
   LABELS fast)
-raycube_test(render_invariance SOURCES oracle/render_invariance_test.cpp support/test_scenes.cpp LIBS
-  raycube_render_support LABELS fast)
-raycube_test(render_pages SOURCES oracle/render_pages_test.cpp LIBS raycube_render_support raycube_trace_support LABELS
-  fast)
-raycube_test(render_overflow SOURCES oracle/render_overflow_test.cpp LIBS raycube_render_support LABELS fast)
-raycube_test(render_furnace SOURCES oracle/render_furnace_test.cpp LIBS raycube_render_support LABELS slow)
-raycube_test(render_checkerboard SOURCES oracle/render_checkerboard_test.cpp LIBS raycube_render_support LABELS fast)
-raycube_test(render_spectral SOURCES oracle/render_spectral_test.cpp support/test_scenes.cpp LIBS raycube_render_support
-  LABELS fast)
 raycube_test(render_shadow SOURCES oracle/render_shadow_test.cpp LIBS raycube_render_support LABELS fast)
 raycube_test(render_psf SOURCES oracle/render_psf_test.cpp LIBS raycube_render_support LABELS fast)
 raycube_test(render_adaptive SOURCES oracle/render_adaptive_test.cpp LIBS raycube_render_support LABELS fast)

@@ -6,9 +6,6 @@ raycube_test(render_heat SOURCES oracle/render_heat_test.cpp LIBS raycube_render
 if(TARGET raycube_reference)
   raycube_test(thermal_reference SOURCES cross/thermal_reference_test.cpp
                LIBS raycube::run raycube_test_scenes raycube_reference raycube_render_support LABELS fast device)
-  raycube_test(thermal_reference SOURCES cross/thermal_reference_test.cpp ../host/cli/check_instrument.cpp
-    support/test_scenes.cpp
-               LIBS raycube_reference raycube_render_support LABELS fast device)
 endif()
 add_test(NAME thermal_cli COMMAND /usr/bin/python3 ${CMAKE_CURRENT_LIST_DIR}/cli/thermal_cli_test.py
   $<TARGET_FILE:raycube>)
