@@ -80,15 +80,15 @@ RC_BODY lidar_shots_body(uint owner, LIDAR_SHOTS_PARAMETERS) {
          i += 16)
       rc_store16((float16)(0.0f), 0, own_stopped + i);
 
-  for (uint begin = 0; begin < RC_RAY_COUNT; begin += RC_CHUNK) {
-    const uint words = (min((uint)RC_CHUNK, RC_RAY_COUNT - begin) + 15u) / 16u;
+  for (uint begin = 0; begin < RC_RAY_COUNT; begin += RC_CHUNK_SAMPLES) {
+    const uint words = (min((uint)RC_CHUNK_SAMPLES, RC_RAY_COUNT - begin) + 15u) / 16u;
 #if RC_SINGLE
     global const float* at = samples + begin * 2u;
     const float4 reference = t->shot[RC_SHOT_REFERENCE], axis = t->shot[RC_SHOT_AXIS], du = t->shot[RC_SHOT_DU],
                  dv = t->shot[RC_SHOT_DV], residual = t->shot[RC_SHOT_RESIDUAL];
     const float s = t->shot[RC_SHOT_START].w, back = reference.w;
 #else
-    global const Scatter* scatter = (global const Scatter*)samples + begin / RC_CHUNK;
+    global const Scatter* scatter = (global const Scatter*)samples + begin / RC_CHUNK_SAMPLES;
     Closest closest;
     for (uint k = 0; k < RC_SLOTS; k += 16u) rc_store16((float16)(0.0f), 0, closest.near + k);
     GroupFrame frame;

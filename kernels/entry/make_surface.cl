@@ -23,13 +23,13 @@ RC_BODY make_surface_body(uint index, MAKE_SURFACE_PARAMETERS) {
   const GroupPlace place = rc_group_place(groups, index, columns);
   const RayGroup group = rc_group_rays(groups, index);
   for (uint p = 0; p < place.used; ++p)
-    for (uint word = 0; word < RC_NWORDS; ++word) {
-      global const uint* in = hits + (size_t)(place.pixel + p) * (2u * RC_NPAD) + word * 16u;
-      global float* out = surface + (size_t)(place.pixel + p) * (6u * RC_NPAD) + word * 16u;
+    for (uint word = 0; word < RC_WORDS; ++word) {
+      global const uint* in = hits + RC_HITS_AT(place.pixel + p) + word * 16u;
+      global float* out = surface + RC_SURFACE_AT(place.pixel + p) + word * 16u;
       Gathered g;
       uint left = 0;
       for (uint k = 0; k < 16u; ++k) {
-        const uint primitive = in[k] == RC_NONE ? 0u : in[RC_NPAD + k];
+        const uint primitive = in[k] == RC_NONE ? 0u : in[RC_PLANE(RC_HIT_PRIMITIVE) + k];
         global const float* at = (global const float*)rc_block(scene, primitive / RC_BLOCK) + primitive % RC_BLOCK;
         left |= in[k] == RC_NONE ? 0u : 1u << k;
 #pragma unroll
@@ -69,13 +69,13 @@ RC_BODY make_surface_body(uint index, MAKE_SURFACE_PARAMETERS) {
         normal.z = select(normal.z, facing.z, lanes);
         moved = select(moved, reach, lanes);
       }
-      rc_store16(position.x, 0, out);
-      rc_store16(position.y, 0, out + RC_NPAD);
-      rc_store16(position.z, 0, out + 2 * RC_NPAD);
-      rc_store16(normal.x, 0, out + 3 * RC_NPAD);
-      rc_store16(normal.y, 0, out + 4 * RC_NPAD);
-      rc_store16(normal.z, 0, out + 5 * RC_NPAD);
-      rc_store16(moved, 0, lift + (size_t)(place.pixel + p) * RC_NPAD + word * 16u);
+      rc_store16(position.x, 0, out + RC_PLANE(RC_POINT_X));
+      rc_store16(position.y, 0, out + RC_PLANE(RC_POINT_Y));
+      rc_store16(position.z, 0, out + RC_PLANE(RC_POINT_Z));
+      rc_store16(normal.x, 0, out + RC_PLANE(RC_NORMAL_X));
+      rc_store16(normal.y, 0, out + RC_PLANE(RC_NORMAL_Y));
+      rc_store16(normal.z, 0, out + RC_PLANE(RC_NORMAL_Z));
+      rc_store16(moved, 0, lift + RC_LIFT_AT(place.pixel + p) + word * 16u);
     }
 }
 

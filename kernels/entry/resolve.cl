@@ -4,15 +4,8 @@
  * four rows), channels ascending: row numbers and eviction cannot change a sum. One work-item per pixel, any local
  * size. */
 #pragma OPENCL FP_CONTRACT OFF
-#include "kernels/shared/structs.h"
-#include "kernels/shared/rows.h"
+#include "kernels/shared/tile_layout.h"
 #include "kernels/atmosphere/nodes.h"
-
-#ifndef RC_CHUNKED
-#define RC_CHUNKED 0
-#endif
-#define SOURCES (RC_SUN + RC_COMPONENTS + RC_TEMPERATURES)
-#define ACCUMULATORS RC_ROW_ACCUMULATORS(SOURCES, RC_HEIGHTS)
 
 #if RC_CHUNKED
 #define TOTAL(array, index, offset) (array[index] + array[(index) + (offset)])
@@ -38,13 +31,13 @@ inline float weight_of(int i, int k, float f) { return i == k ? 1.0f - f : i == 
 
 #define RESOLVE_PARAMETERS                                                                                             \
   uint first_item, uint item_count, global const uint *restrict pixel_list, uint use_list, uint capacity,              \
-      uint term_capacity, global const RayGroup *restrict groups, uint tile_width, uint groups_per_line,               \
-      global const uint *restrict row_count, global const ulong *restrict row_keys,                                    \
-      global const float *restrict row_sums, global const float *restrict path_sums,                                   \
-      global const ulong *restrict baked_keys, global const uint *restrict baked_rows, uint baked_count,               \
-      float view_first, float view_step, float path_x_first, float path_x_step, float path_y_first, float path_y_step, \
-      global const uint *restrict environment_row, global const float *restrict environment_weight,                    \
-      global uint *restrict term_count, global uint *restrict term_row, global float *restrict term_weight
+      uint term_capacity, global const RayGroup *restrict groups, uint columns, global const uint *restrict row_count, \
+      global const ulong *restrict row_keys, global const float *restrict row_sums,                                    \
+      global const float *restrict path_sums, global const ulong *restrict baked_keys,                                 \
+      global const uint *restrict baked_rows, uint baked_count, float view_first, float view_step, float path_x_first, \
+      float path_x_step, float path_y_first, float path_y_step, global const uint *restrict environment_row,           \
+      global const float *restrict environment_weight, global uint *restrict term_count,                               \
+      global uint *restrict term_row, global float *restrict term_weight
 
 RC_BODY resolve_body(uint index, RESOLVE_PARAMETERS) {
   const uint item = first_item + index;
@@ -56,15 +49,14 @@ RC_BODY resolve_body(uint index, RESOLVE_PARAMETERS) {
     return;
   }
   __global const ulong* keys = row_keys + (size_t)item * capacity;
-  __global const float* sums = row_sums + (size_t)item * capacity * ACCUMULATORS * (1 + RC_CHUNKED);
-  __global const float* path = path_sums + (size_t)item * RC_HEIGHTS * (1 + RC_CHUNKED);
+  __global const float* sums = row_sums + RC_SUMS_AT(item, capacity);
+  __global const float* path = path_sums + RC_PATH_AT(item);
   __global uint* rows = term_row + (size_t)item * term_capacity;
   __global float* weights = term_weight + (size_t)item * term_capacity;
 
   /* View geometry of the pixel's centre ray. */
-  const uint line = pixel / tile_width, column = pixel - line * tile_width;
-  __global const RayGroup* group = groups + line * groups_per_line + column / RC_PIXELS_PER_GROUP;
-  const float a = (float)(column % RC_PIXELS_PER_GROUP) - 0.5f * (float)(RC_PIXELS_PER_GROUP - 1);
+  __global const RayGroup* group = groups + rc_group_of(pixel, columns, RC_PIXELS_PER_GROUP);
+  const float a = rc_place_in_group(pixel, columns, RC_PIXELS_PER_GROUP);
   const float dx = fma(a, group->du.x, group->d0.x), dy = fma(a, group->du.y, group->d0.y);
   const float dz = fma(a, group->du.z, group->d0.z);
   const float length = sqrt(fma(dx, dx, fma(dy, dy, dz * dz)));
@@ -89,10 +81,10 @@ RC_BODY resolve_body(uint index, RESOLVE_PARAMETERS) {
 #if RC_ENVIRONMENT
   /* Light of the ground around: it reaches the sensor beside the direct path, so every sample has it, as path radiance.
    * */
-  for (int node = 0; node < 4; ++node) {
-    const float share = environment_weight[item * 4 + node];
+  for (int node = 0; node < RC_ENVIRONMENT_NODES; ++node) {
+    const float share = environment_weight[item * RC_ENVIRONMENT_NODES + node];
     if (share == 0.0f) continue;
-    const uint base = environment_row[item * 4 + node] * RC_CHANNELS;
+    const uint base = environment_row[item * RC_ENVIRONMENT_NODES + node] * RC_CHANNELS;
     for (int h = 0; h < RC_HEIGHTS; ++h) {
       const float sum = TOTAL(path, h, RC_HEIGHTS);
       for (int v = 0; v < RC_VIEWS; ++v) {
@@ -115,10 +107,10 @@ RC_BODY resolve_body(uint index, RESOLVE_PARAMETERS) {
         best = k;
       }
     last = key;
-    __global const float* row = sums + (size_t)best * ACCUMULATORS * (1 + RC_CHUNKED);
+    __global const float* row = sums + RC_SUMS_OF_KEY(best);
     const uint base = baked_row(baked_keys, baked_rows, baked_count, key) * RC_CHANNELS;
-    for (int i = 0; i < SOURCES * RC_HEIGHTS; ++i) {
-      const float sum = TOTAL(row, i, ACCUMULATORS);
+    for (int i = 0; i < RC_SOURCES * RC_HEIGHTS; ++i) {
+      const float sum = TOTAL(row, i, RC_ACCUMULATORS);
       for (int v = 0; v < RC_VIEWS; ++v) {
         const float w = sum * weight_of(v, iv, fv);
         if (w == 0.0f) continue;
@@ -132,7 +124,7 @@ RC_BODY resolve_body(uint index, RESOLVE_PARAMETERS) {
 
 kernel void resolve(RESOLVE_PARAMETERS) {
   resolve_body((uint)get_global_id(0), first_item, item_count, pixel_list, use_list, capacity, term_capacity, groups,
-               tile_width, groups_per_line, row_count, row_keys, row_sums, path_sums, baked_keys, baked_rows,
-               baked_count, view_first, view_step, path_x_first, path_x_step, path_y_first, path_y_step,
-               environment_row, environment_weight, term_count, term_row, term_weight);
+               columns, row_count, row_keys, row_sums, path_sums, baked_keys, baked_rows, baked_count, view_first,
+               view_step, path_x_first, path_x_step, path_y_first, path_y_step, environment_row, environment_weight,
+               term_count, term_row, term_weight);
 }

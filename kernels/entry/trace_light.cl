@@ -9,22 +9,18 @@
 
 /* Points and normals of word `word` (16 samples) of pixels side by side. */
 static inline global const float* rc_surface_word(global const float* surface, uint word) {
-  return surface + (size_t)(word / RC_NWORDS) * (6u * RC_NPAD) + word % RC_NWORDS * 16u;
+  return surface + RC_SURFACE_AT(word / RC_WORDS) + word % RC_WORDS * 16u;
 }
 
-#ifndef RC_SKY_QUADS
-#define RC_SKY_QUADS 1 /* float4s of component weights per sky direction */
-#endif
-
 static inline float16 rc_cosines(float4 direction, global const float* at) {
-  return rc_project_row(direction, rc_load16(0, at + 3 * RC_NPAD), rc_load16(0, at + 4 * RC_NPAD),
-                        rc_load16(0, at + 5 * RC_NPAD));
+  return rc_project_row(direction, rc_load16(0, at + RC_PLANE(RC_NORMAL_X)), rc_load16(0, at + RC_PLANE(RC_NORMAL_Y)),
+                        rc_load16(0, at + RC_PLANE(RC_NORMAL_Z)));
 }
 
 /* The samples of one part of a pixel side by side: where they came from, and their normals. */
 typedef struct SkyPart {
-  float nx[RC_NPAD], ny[RC_NPAD], nz[RC_NPAD];
-  ushort slot[RC_NPAD];
+  float nx[RC_PADDED_SAMPLES], ny[RC_PADDED_SAMPLES], nz[RC_PADDED_SAMPLES];
+  ushort slot[RC_PADDED_SAMPLES];
   uint count;
 } RC_LINE SkyPart;
 
@@ -32,14 +28,14 @@ typedef struct SkyPart {
 static inline void rc_gather_part(global const float* in, uint seed, uint number, uint first_sample, uint part,
                                   uint share, Points* points, SkyPart* held) {
   uint n = 0;
-  for (uint slot = 0; slot < RC_NPAD; ++slot) {
+  for (uint slot = 0; slot < RC_PADDED_SAMPLES; ++slot) {
     if (rc_sky_part(seed, number, first_sample + slot, share) != part) continue;
-    points->x[n] = in[slot];
-    points->y[n] = in[RC_NPAD + slot];
-    points->z[n] = in[2 * RC_NPAD + slot];
-    held->nx[n] = in[3 * RC_NPAD + slot];
-    held->ny[n] = in[4 * RC_NPAD + slot];
-    held->nz[n] = in[5 * RC_NPAD + slot];
+    points->x[n] = in[RC_PLANE(RC_POINT_X) + slot];
+    points->y[n] = in[RC_PLANE(RC_POINT_Y) + slot];
+    points->z[n] = in[RC_PLANE(RC_POINT_Z) + slot];
+    held->nx[n] = in[RC_PLANE(RC_NORMAL_X) + slot];
+    held->ny[n] = in[RC_PLANE(RC_NORMAL_Y) + slot];
+    held->nz[n] = in[RC_PLANE(RC_NORMAL_Z) + slot];
     held->slot[n++] = (ushort)slot;
   }
   held->count = n;
@@ -65,30 +61,32 @@ RC_BODY trace_light_body(uint index, TRACE_LIGHT_PARAMETERS) {
   RC_GATHER_INSTANCES(scene);
   const GroupPlace place = rc_group_place(groups, index, columns);
   /* The next group's points come from memory while this one's rays are traced. */
-  if (!sky) rc_prefetch(surface + (size_t)(place.pixel + place.used) * (6u * RC_NPAD), RC_GROUP_PIXELS * 24u * RC_NPAD);
+  if (!sky)
+    rc_prefetch(surface + RC_SURFACE_AT(place.pixel + place.used),
+                RC_PIXELS_PER_GROUP * (uint)(RC_SURFACE_AT(1) * sizeof(float)));
   const uint sharing = sky ? 1u : place.used; /* pixels whose samples share a direction */
   for (uint p = 0; p < place.used; p += sharing) {
     const uint first = sky ? rc_hash(seed, place.number + p, 0u, 21u) % sets * count : 0u;
-    global const float* in = surface + (size_t)(place.pixel + p) * (6u * RC_NPAD);
-    global ushort* seen = sun_mask + (size_t)(place.pixel + p) * RC_NWORDS;
-    global float* out = blocked + (size_t)(place.pixel + p) * (4u * RC_SKY_QUADS * RC_NPAD);
+    global const float* in = surface + RC_SURFACE_AT(place.pixel + p);
+    global ushort* seen = sun_mask + RC_SUN_AT(place.pixel + p);
+    global float* out = blocked + RC_SKY_AT(place.pixel + p);
 #if RC_BUNDLE
     Points points;
     SkyPart held;
-    RC_LINE float sum[4 * RC_SKY_QUADS * RC_NPAD];
+    RC_LINE float sum[RC_PLANE(RC_SKY_PLANES)];
     points.costly = 0;
     for (uint part = 0; part < share; ++part) {
       if (sky) {
         rc_gather_part(in, seed, place.number + p, first_sample, part, share, &points, &held);
-        for (uint row = 0; row < 4 * RC_SKY_QUADS; ++row)
-          for (uint word = 0; word < points.words; ++word) rc_store16((float16)(0.0f), word, sum + row * RC_NPAD);
+        for (uint row = 0; row < RC_SKY_PLANES; ++row)
+          for (uint word = 0; word < points.words; ++word) rc_store16((float16)(0.0f), word, sum + RC_PLANE(row));
       } else {
-        points.words = sharing * RC_NWORDS;
+        points.words = sharing * RC_WORDS;
         for (uint word = 0; word < points.words; ++word) {
           global const float* at = rc_surface_word(in, word);
-          rc_store16(rc_load16(0, at), word, points.x);
-          rc_store16(rc_load16(0, at + RC_NPAD), word, points.y);
-          rc_store16(rc_load16(0, at + 2 * RC_NPAD), word, points.z);
+          rc_store16(rc_load16(0, at + RC_PLANE(RC_POINT_X)), word, points.x);
+          rc_store16(rc_load16(0, at + RC_PLANE(RC_POINT_Y)), word, points.y);
+          rc_store16(rc_load16(0, at + RC_PLANE(RC_POINT_Z)), word, points.z);
         }
       }
       for (uint j = 0; j < count / share; ++j) {
@@ -110,28 +108,30 @@ RC_BODY trace_light_body(uint index, TRACE_LIGHT_PARAMETERS) {
           const float16 cosine = select((float16)(0.0f), facing, rc_lanes(dark)) * (float)share;
           for (uint quad = 0; quad < RC_SKY_QUADS; ++quad) {
             const float4 weight = weights[(first + m) * RC_SKY_QUADS + quad];
-            float* to = sum + 4 * quad * RC_NPAD;
+            float* to = sum + RC_PLANE(4 * quad);
             rc_store16(fma((float16)(weight.x), cosine, rc_load16(word, to)), word, to);
-            rc_store16(fma((float16)(weight.y), cosine, rc_load16(word, to + RC_NPAD)), word, to + RC_NPAD);
-            rc_store16(fma((float16)(weight.z), cosine, rc_load16(word, to + 2 * RC_NPAD)), word, to + 2 * RC_NPAD);
-            rc_store16(fma((float16)(weight.w), cosine, rc_load16(word, to + 3 * RC_NPAD)), word, to + 3 * RC_NPAD);
+            rc_store16(fma((float16)(weight.y), cosine, rc_load16(word, to + RC_PLANE(1))), word, to + RC_PLANE(1));
+            rc_store16(fma((float16)(weight.z), cosine, rc_load16(word, to + RC_PLANE(2))), word, to + RC_PLANE(2));
+            rc_store16(fma((float16)(weight.w), cosine, rc_load16(word, to + RC_PLANE(3))), word, to + RC_PLANE(3));
           }
         }
       }
       if (sky)
-        for (uint row = 0; row < 4 * RC_SKY_QUADS; ++row)
-          for (uint n = 0; n < held.count; ++n) out[row * RC_NPAD + held.slot[n]] = sum[row * RC_NPAD + n];
+        for (uint row = 0; row < RC_SKY_PLANES; ++row)
+          for (uint n = 0; n < held.count; ++n) out[RC_PLANE(row) + held.slot[n]] = sum[RC_PLANE(row) + n];
       else
         for (uint word = 0; word < points.words; ++word) seen[word] = (ushort)points.live[word];
     }
 #else
-    const uint words = sharing * RC_NWORDS;
+    const uint words = sharing * RC_WORDS;
     for (uint word = 0; word < words; ++word) {
       uint lit = 0;
       for (uint bit = 0; bit < 16u; ++bit) {
         global const float* at = rc_surface_word(in, word) + bit;
-        const float4 normal = (float4)(at[3 * RC_NPAD], at[4 * RC_NPAD], at[5 * RC_NPAD], 0.0f);
-        const float4 point = (float4)(at[0], at[RC_NPAD], at[2 * RC_NPAD], 0.0f);
+        const float4 normal =
+            (float4)(at[RC_PLANE(RC_NORMAL_X)], at[RC_PLANE(RC_NORMAL_Y)], at[RC_PLANE(RC_NORMAL_Z)], 0.0f);
+        const float4 point =
+            (float4)(at[RC_PLANE(RC_POINT_X)], at[RC_PLANE(RC_POINT_Y)], at[RC_PLANE(RC_POINT_Z)], 0.0f);
         float4 sum[RC_SKY_QUADS];
         for (uint quad = 0; quad < RC_SKY_QUADS; ++quad) sum[quad] = (float4)(0.0f);
         const uint part = rc_sky_part(seed, place.number + p, first_sample + word * 16u + bit, share);
@@ -147,11 +147,11 @@ RC_BODY trace_light_body(uint index, TRACE_LIGHT_PARAMETERS) {
           if (open) lit |= 1u << bit;
         }
         for (uint quad = 0; sky && quad < RC_SKY_QUADS; ++quad) {
-          global float* to = out + 4 * quad * RC_NPAD + word * 16u + bit;
+          global float* to = out + RC_PLANE(4 * quad) + word * 16u + bit;
           to[0] = sum[quad].x;
-          to[RC_NPAD] = sum[quad].y;
-          to[2 * RC_NPAD] = sum[quad].z;
-          to[3 * RC_NPAD] = sum[quad].w;
+          to[RC_PLANE(1)] = sum[quad].y;
+          to[RC_PLANE(2)] = sum[quad].z;
+          to[RC_PLANE(3)] = sum[quad].w;
         }
       }
       if (!sky) seen[word] = (ushort)lit;

@@ -98,7 +98,7 @@ static inline void rc_beam_word(const LidarTables* t, uint word, float16* a, flo
   *a = rc_load16(2u * word, t->samples);
   *b = rc_load16(2u * word + 1u, t->samples);
 #else
-  const uint slots = (RC_CHUNK + 15u) / 16u * 16u, bounds = (slots / 16u + 15u) / 16u * 16u, words = slots / 16u;
+  const uint slots = (RC_CHUNK_SAMPLES + 15u) / 16u * 16u, bounds = (slots / 16u + 15u) / 16u * 16u, words = slots / 16u;
   global const float* at = t->samples + (size_t)(word / words) * (2u * slots + 4u * bounds) + word % words * 16u;
   *a = rc_load16(0, at);
   *b = rc_load16(0, at + slots);

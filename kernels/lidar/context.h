@@ -4,7 +4,7 @@
  *   RC_LASER_LINES   lines;  RC_LINE_NODES: spectral nodes of all of them
  *   RC_COLUMNS, RC_ROWS   pixels of the array (transmitter: 1 x 1 has the circular stop)
  *   RC_TAPS_PADDED   taps of the pulse rounded up to 16 (gate and pulse else are arguments: another gate needs no other
- *   program) RC_RAY_COUNT     rays of an owner;  RC_CHUNK: of one bundle (trace_args.h)
+ *   program) RC_RAY_COUNT     rays of an owner;  RC_CHUNK_SAMPLES: of one bundle (trace_args.h)
  *   RC_BOUNCES       scatterings a path may have
  *   RC_AIR           1: there is air;  RC_AIR_RETURN 1: it sends light back;  RC_VOLUMES: number of gas and particle
  *   volumes RC_SINGLE        1: single rays (narrow beams, exits of their own), 0: bundles
@@ -21,8 +21,8 @@
 /* A -D that is missing has these defaults: one sub-ray word of a plain shot. */
 #ifndef RC_SCATTER
 #define RC_SCATTER 1
-#define RC_GROUP_PIXELS 1
-#define RC_CHUNK 256
+#define RC_PIXELS_PER_GROUP 1
+#define RC_CHUNK_SAMPLES 256
 #define RC_SUPPORT 4.0f
 #endif
 #define RC_SAMPLE_SPACE global /* all owners share theirs */

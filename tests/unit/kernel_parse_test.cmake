@@ -42,13 +42,13 @@ if(NOT clangs)
 endif()
 message("parsing with ${clangs}")
 
-set(rows -DRC_NSAMP=121 -DRC_NPAD=128 -DRC_COMPONENTS=4 -DRC_HEIGHTS=2 -DRC_VIEWS=2 -DRC_PATH_X=2 -DRC_PATH_Y=2 -DRC_CHANNELS=9
+set(rows -DRC_CHUNK_SAMPLES=121 -DRC_COMPONENTS=4 -DRC_HEIGHTS=2 -DRC_VIEWS=2 -DRC_PATH_X=2 -DRC_PATH_Y=2 -DRC_CHANNELS=9
   -DRC_BANDS_PADDED=368 -DRC_PIXELS_PER_GROUP=4)
 set(failures "")
 foreach(packed IN ITEMS
-    "rows.cl 0" "rows.cl 1" "rows.cl 0 -DRC_SUN=0 -DRC_THERMAL_COMPONENTS=2 -DRC_TEMPERATURES=3" "trace.cl -DRC_SKY_QUADS=2"
-    "trace.cl -DRC_SKY_QUADS=2 -DRC_BUNDLE=0" "probe_structs.cl -" "trace.cl -DRC_SCATTER=0" "trace.cl -DRC_SCATTER=1"
-    "trace.cl -DRC_SAMPLER=2 -DRC_SUPPORT=1.5f" "trace.cl -DRC_MOVING=1 -DRC_GROUP_PIXELS=1" "trace.cl -DRC_BUNDLE=0"
+    "rows.cl 0" "rows.cl 1" "rows.cl 0 -DRC_SUN=0 -DRC_THERMAL_COMPONENTS=2 -DRC_TEMPERATURES=3" "trace.cl -DRC_SKY_PLANES=8"
+    "trace.cl -DRC_SKY_PLANES=8 -DRC_BUNDLE=0" "probe_structs.cl -" "trace.cl -DRC_SCATTER=0" "trace.cl -DRC_SCATTER=1"
+    "trace.cl -DRC_SAMPLER=2 -DRC_SUPPORT=1.5f" "trace.cl -DRC_MOVING=1 -DRC_PIXELS_PER_GROUP=1" "trace.cl -DRC_BUNDLE=0"
     "trace.cl -DRC_SCATTER=0 -DRC_NODE_PAGES=2 -DRC_NODE_SHIFT=12 -DRC_BLOCK_PAGES=8 -DRC_BLOCK_SHIFT=10 -DRC_INSTANCE_PAGES=3 -DRC_INSTANCE_SHIFT=0"
     "lidar_shots.cl -DRC_STACK=96" "lidar_beam.cl -" "lidar_beam.cl -DRC_SINGLE=1 -DRC_EXITS=1" "lidar_beam.cl -DRC_RECEIVER=1"
     "lidar_beam.cl -DRC_COLUMNS=4 -DRC_ROWS=2 -DRC_OVERLAP=0" "lidar_air.cl -" "lidar_air.cl -DRC_AIR=1 -DRC_VOLUMES=2 -DRC_SINGLE=1 -DRC_EXITS=1 -DRC_LASER_LINES=2 -DRC_LINE_NODES=8"
