@@ -4,14 +4,8 @@
  * four rows), channels ascending: row numbers and eviction cannot change a sum. One work-item per pixel, any local
  * size. */
 #pragma OPENCL FP_CONTRACT OFF
-#include "kernels/shared/tile_layout.h"
 #include "kernels/atmosphere/nodes.h"
-
-#if RC_CHUNKED
-#define TOTAL(array, index, offset) (array[index] + array[(index) + (offset)])
-#else
-#define TOTAL(array, index, offset) (array[index])
-#endif
+#include "kernels/shading/sums.h"
 
 /* Row of a key by binary search over the sorted keys of the band table. The host has baked every key of the tile. */
 inline uint baked_row(__global const ulong* baked_keys, __global const uint* baked_rows, uint baked_count, ulong key) {
@@ -69,7 +63,7 @@ RC_BODY resolve_body(uint index, RESOLVE_PARAMETERS) {
   uint n = 0;
   const uint path_base = baked_row(baked_keys, baked_rows, baked_count, 0ul) * RC_CHANNELS;
   for (int h = 0; h < RC_HEIGHTS; ++h) {
-    const float sum = TOTAL(path, h, RC_HEIGHTS);
+    const float sum = rc_sum_of(path, RC_HEIGHTS, h);
     for (int y = 0; y < RC_PATH_Y; ++y)
       for (int x = 0; x < RC_PATH_X; ++x) {
         const float w = sum * (weight_of(x, ix, fx) * weight_of(y, iy, fy));
@@ -86,7 +80,7 @@ RC_BODY resolve_body(uint index, RESOLVE_PARAMETERS) {
     if (share == 0.0f) continue;
     const uint base = environment_row[item * RC_ENVIRONMENT_NODES + node] * RC_CHANNELS;
     for (int h = 0; h < RC_HEIGHTS; ++h) {
-      const float sum = TOTAL(path, h, RC_HEIGHTS);
+      const float sum = rc_sum_of(path, RC_HEIGHTS, h);
       for (int v = 0; v < RC_VIEWS; ++v) {
         const float w = sum * (share * weight_of(v, iv, fv));
         if (w == 0.0f) continue;
@@ -110,7 +104,7 @@ RC_BODY resolve_body(uint index, RESOLVE_PARAMETERS) {
     __global const float* row = sums + RC_SUMS_OF_KEY(best);
     const uint base = baked_row(baked_keys, baked_rows, baked_count, key) * RC_CHANNELS;
     for (int i = 0; i < RC_SOURCES * RC_HEIGHTS; ++i) {
-      const float sum = TOTAL(row, i, RC_ACCUMULATORS);
+      const float sum = rc_sum_of(row, RC_ACCUMULATORS, i);
       for (int v = 0; v < RC_VIEWS; ++v) {
         const float w = sum * weight_of(v, iv, fv);
         if (w == 0.0f) continue;

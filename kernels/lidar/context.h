@@ -161,12 +161,6 @@ static inline void rc_add_float(float* sum, float x) {
   sum[0] = s;
 }
 
-static inline float rc_lane_sum(float16 v) {
-  const float8 a = v.lo + v.hi;
-  const float4 b = a.lo + a.hi;
-  const float2 c = b.lo + b.hi;
-  return c.x + c.y;
-}
 static inline long rc_lane_sum_long(long16 v) {
   const long8 a = v.lo + v.hi;
   const long4 b = a.lo + a.hi;
