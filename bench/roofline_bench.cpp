@@ -119,7 +119,7 @@ void run_roofline(const Settings& settings, Report& report) {
   const shared::TileElements pixel(static_cast<std::size_t>(samples), RC_SKY_PLANES_OF(kComponents));
   const double hits = 4.0 * static_cast<double>(pixel.hits), surface = 4.0 * static_cast<double>(pixel.surface),
                lift = 4.0 * static_cast<double>(pixel.lift), sun = 2.0 * static_cast<double>(pixel.sun),
-               sky = 4.0 * static_cast<double>(pixel.sky), bands_padded = 16 * std::ceil(bands / 16);
+               sky = 4.0 * static_cast<double>(pixel.blocked), bands_padded = 16 * std::ceil(bands / 16);
   // Bytes that pass through memory between stages (docs/design.md, stages); the scene's trees and triangles come on top
   // and mostly from caches. make_surface gathers a triangle of 36 bytes a sample. integrate reads its table (terms
   // rows) from the second cache.

@@ -2,6 +2,7 @@ add_library(raycube_trace_support STATIC support/trace_chain.cpp support/test_sc
 target_link_libraries(raycube_trace_support PUBLIC raycube_warnings raycube::render raycube::cl raycube::kernels raycube::scene_bvh)
 
 raycube_test(shared_structs SOURCES unit/shared_structs_test.cpp LIBS raycube_trace_support LABELS fast)
+raycube_test(tile_layout SOURCES unit/tile_layout_test.cpp LIBS raycube_trace_support LABELS fast)
 raycube_test(trace_hits SOURCES oracle/trace_hits_test.cpp LIBS raycube_trace_support LABELS fast)
 raycube_test(trace_leaks SOURCES oracle/trace_leaks_test.cpp LIBS raycube_trace_support LABELS slow)
 raycube_test(trace_ties SOURCES oracle/trace_ties_test.cpp LIBS raycube_trace_support LABELS fast)

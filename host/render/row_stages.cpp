@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "host/render/camera_arguments.h"
 #include "kernels/kernel_source.h"
 
 namespace raycube::render {
@@ -33,7 +34,7 @@ TraceBuffers::TraceBuffers(const cl::Context& context, const StageShape& shape, 
       surface(context, pixels * elements.surface, cl::Access::read_write, "surface points"),
       lift(context, pixels * elements.lift, cl::Access::read_write, "lifts of surface points"),
       sun(context, pixels * elements.sun, cl::Access::read_write, "sun visibility"),
-      sky(context, pixels * elements.sky, cl::Access::read_write, "blocked sky") {}
+      blocked(context, pixels * elements.blocked, cl::Access::read_write, "blocked sky") {}
 
 RowStages::RowStages(const cl::Context& context, const SceneBuffers& scene, const plan::Plan& plan,
                      const StageShape& shape, sensors::SampleWeights weights)
@@ -66,32 +67,81 @@ void RowStages::shade(const PixelSelection& pixels, const TileLayout& layout, co
     loaded_chunk_ = chunk, loaded_subset_ = subset;
   }
   const auto& s = plan_.sun_direction;
-  shade_.arguments(pixels.count, pixels.list ? *pixels.list : no_list_, cl_uint{pixels.list != nullptr},
-                   static_cast<cl_uint>(rows.capacity), static_cast<cl_uint>(fresh), traced.groups, layout.columns,
-                   traced.hits, traced.surface, traced.lift, traced.sun, traced.sky, scene_.blocks, scene_.surfaces,
-                   sample_weight_, static_cast<float>(weights_.count()), shared::rc_float4{s[0], s[1], s[2], 0},
-                   irradiance_, static_cast<cl_uint>(plan_.irradiance.size), tilt_irradiance_, surface_node_,
-                   plan_.height.first, plan_.height.step, rows.count, rows.keys, rows.sums, rows.path, rows.truth);
+  shade_.arguments(ShadeArguments{.item_count = pixels.count,
+                                  .pixel_list = pixels.list ? *pixels.list : no_list_,
+                                  .use_list = cl_uint{pixels.list != nullptr},
+                                  .capacity = static_cast<cl_uint>(rows.capacity),
+                                  .fresh = cl_uint{fresh},
+                                  .groups = traced.groups,
+                                  .columns = layout.columns,
+                                  .hits = traced.hits,
+                                  .surface = traced.surface,
+                                  .lift = traced.lift,
+                                  .sun = traced.sun,
+                                  .blocked = traced.blocked,
+                                  .blocks = scene_.blocks,
+                                  .surfaces = scene_.surfaces,
+                                  .chunk_weight = sample_weight_,
+                                  .sample_total = static_cast<float>(weights_.count()),
+                                  .sun_direction = shared::rc_float4{s[0], s[1], s[2], 0},
+                                  .irradiance_map = irradiance_,
+                                  .map_size = static_cast<cl_uint>(plan_.irradiance.size),
+                                  .tilt_irradiance = tilt_irradiance_,
+                                  .surface_node = surface_node_,
+                                  .height_first = plan_.height.first,
+                                  .height_step = plan_.height.step,
+                                  .row_count = rows.count,
+                                  .row_keys = rows.keys,
+                                  .row_sums = rows.sums,
+                                  .path_sums = rows.path,
+                                  .truth = rows.truth});
   context_.launch(shade_, pixels.count);
 }
 
 void RowStages::resolve(std::uint32_t first_item, std::uint32_t item_count, const PixelSelection& pixels,
                         const TileLayout& layout, const TraceBuffers& traced, const BandTable& table,
                         RowBuffers& rows) {
-  resolve_.arguments(first_item, item_count, pixels.list ? *pixels.list : no_list_, cl_uint{pixels.list != nullptr},
-                     static_cast<cl_uint>(rows.capacity), static_cast<cl_uint>(rows.term_capacity), traced.groups,
-                     layout.columns, rows.count, rows.keys, rows.sums, rows.path, table.keys(), table.rows(),
-                     cl_uint{table.count()}, plan_.view.first, plan_.view.step, plan_.path_x.first, plan_.path_x.step,
-                     plan_.path_y.first, plan_.path_y.step, rows.environment_row, rows.environment_weight,
-                     rows.term_count, rows.term_row, rows.term_weight);
+  resolve_.arguments(ResolveArguments{.first_item = first_item,
+                                      .item_count = item_count,
+                                      .pixel_list = pixels.list ? *pixels.list : no_list_,
+                                      .use_list = cl_uint{pixels.list != nullptr},
+                                      .capacity = static_cast<cl_uint>(rows.capacity),
+                                      .term_capacity = static_cast<cl_uint>(rows.term_capacity),
+                                      .groups = traced.groups,
+                                      .columns = layout.columns,
+                                      .row_count = rows.count,
+                                      .row_keys = rows.keys,
+                                      .row_sums = rows.sums,
+                                      .path_sums = rows.path,
+                                      .baked_keys = table.keys(),
+                                      .baked_rows = table.rows(),
+                                      .baked_count = table.count(),
+                                      .view_first = plan_.view.first,
+                                      .view_step = plan_.view.step,
+                                      .path_x_first = plan_.path_x.first,
+                                      .path_x_step = plan_.path_x.step,
+                                      .path_y_first = plan_.path_y.first,
+                                      .path_y_step = plan_.path_y.step,
+                                      .environment_row = rows.environment_row,
+                                      .environment_weight = rows.environment_weight,
+                                      .term_count = rows.term_count,
+                                      .term_row = rows.term_row,
+                                      .term_weight = rows.term_weight});
   context_.launch(resolve_, item_count);
 }
 
 void RowStages::integrate(std::uint32_t first_item, std::uint32_t item_count, const PixelSelection& pixels,
                           const BandTable& table, const RowBuffers& rows, cl::Buffer<float>& radiance) {
-  integrate_.arguments(first_item, item_count, pixels.list ? *pixels.list : no_list_, cl_uint{pixels.list != nullptr},
-                       static_cast<cl_uint>(rows.term_capacity), rows.term_count, rows.term_row, rows.term_weight,
-                       table.values(), radiance);
+  integrate_.arguments(IntegrateBandsArguments{.first_item = first_item,
+                                               .item_count = item_count,
+                                               .pixel_list = pixels.list ? *pixels.list : no_list_,
+                                               .use_list = cl_uint{pixels.list != nullptr},
+                                               .term_capacity = static_cast<cl_uint>(rows.term_capacity),
+                                               .term_count = rows.term_count,
+                                               .term_row = rows.term_row,
+                                               .term_weight = rows.term_weight,
+                                               .table = table.values(),
+                                               .radiance = radiance});
   context_.launch(integrate_, item_count);
 }
 

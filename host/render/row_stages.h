@@ -38,7 +38,7 @@ struct TraceBuffers {
   cl::Buffer<std::uint32_t> hits;
   cl::Buffer<float> surface, lift;
   cl::Buffer<std::uint16_t> sun;
-  cl::Buffer<float> sky;
+  cl::Buffer<float> blocked;
 };
 
 /// Pixels a launch works on: the first `count` of a tile, or those of a list.

@@ -96,7 +96,7 @@ void TileWorker::collect(int chunk, PixelProbe& probe) const {
   const StageShape& shape = setup_.shape;
   collect_hits(shape, chunk, traced_, probe);
   const auto sun = traced_.sun.read_all();
-  const auto sky = traced_.sky.read_all();
+  const auto blocked = traced_.blocked.read_all();
   const std::size_t pixels = probe.tile.pixels(), samples = static_cast<std::size_t>(shape.samples);
   const std::size_t first = std::size_t(chunk) * shape.chunk_samples,
                     end = std::min(first + shape.chunk_samples, samples);
@@ -109,7 +109,7 @@ void TileWorker::collect(int chunk, PixelProbe& probe) const {
       probe.sun_visible[p * samples + s] = (sun[p * traced_.elements.sun + i / RC_WORD] >> (i % RC_WORD)) & 1u;
       for (int m = 0; m < shape.components; ++m)
         probe.sky_blocked[planes * (p * samples + s) + m] =
-            sky[p * traced_.elements.sky + m * traced_.elements.padded + i];
+            blocked[p * traced_.elements.blocked + m * traced_.elements.padded + i];
     }
 }
 

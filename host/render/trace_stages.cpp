@@ -6,6 +6,7 @@
 #include "host/base/error.h"
 #include "host/base/doing.h"
 #include "host/base/sha256.h"
+#include "host/render/camera_arguments.h"
 #include "host/sensors/ray_groups.h"
 #include "kernels/kernel_source.h"
 
@@ -50,8 +51,15 @@ struct TraceStages::State {
   }
   bool sends_to_sky() const { return shape.sky_shadows && plan.components() > 0; }
   const cl::Kernel& primary_of(const TileLayout& layout, int chunk, TraceBuffers& traced) {
-    return primary.arguments(buffers.nodes, buffers.blocks, buffers.instances, traced.groups, traced.hits, seed,
-                             layout.columns, first_sample(chunk), sample_count(chunk));
+    return primary.arguments(TracePrimaryArguments{.nodes = buffers.nodes,
+                                                   .blocks = buffers.blocks,
+                                                   .instances = buffers.instances,
+                                                   .groups = traced.groups,
+                                                   .hits = traced.hits,
+                                                   .seed = seed,
+                                                   .columns = layout.columns,
+                                                   .first_sample = first_sample(chunk),
+                                                   .sample_count = sample_count(chunk)});
   }
 
   const cl::Context& context;
@@ -122,19 +130,38 @@ void TraceStages::run(const TileLayout& layout, int chunk, TraceBuffers& traced,
 
   if (s.zeroed != &traced) {
     if (!s.plan.sun_up) traced.sun.write(std::vector<std::uint16_t>(traced.sun.size(), 0));
-    if (!s.sends_to_sky()) traced.sky.write(std::vector<float>(traced.sky.size(), 0.0f));
+    if (!s.sends_to_sky()) traced.blocked.write(std::vector<float>(traced.blocked.size(), 0.0f));
     s.zeroed = &traced;
   }
   launch("trace_primary", s.primary_of(layout, chunk, traced));
-  launch("make_surface",
-         s.surface.arguments(s.buffers.blocks, s.buffers.instances, traced.groups, traced.hits, traced.surface,
-                             traced.lift, s.seed, layout.columns, first_sample, sample_count));
+  launch("make_surface", s.surface.arguments(MakeSurfaceArguments{.blocks = s.buffers.blocks,
+                                                                  .instances = s.buffers.instances,
+                                                                  .groups = traced.groups,
+                                                                  .hits = traced.hits,
+                                                                  .surface = traced.surface,
+                                                                  .lift = traced.lift,
+                                                                  .seed = s.seed,
+                                                                  .columns = layout.columns,
+                                                                  .first_sample = first_sample,
+                                                                  .sample_count = sample_count}));
   const auto light = [&](const char* stage, const auto& directions, const auto& weights, bool sky, int sets, int count,
                          int share) {
-    launch(stage, s.light.arguments(s.buffers.nodes, s.buffers.blocks, s.buffers.instances, traced.groups,
-                                    traced.surface, directions, weights, traced.sun, traced.sky, cl_uint{sky},
-                                    static_cast<cl_uint>(sets), static_cast<cl_uint>(count),
-                                    static_cast<cl_uint>(share), s.seed, layout.columns, first_sample));
+    launch(stage, s.light.arguments(TraceLightArguments{.nodes = s.buffers.nodes,
+                                                        .blocks = s.buffers.blocks,
+                                                        .instances = s.buffers.instances,
+                                                        .groups = traced.groups,
+                                                        .surface = traced.surface,
+                                                        .directions = directions,
+                                                        .weights = weights,
+                                                        .sun = traced.sun,
+                                                        .blocked = traced.blocked,
+                                                        .sky = cl_uint{sky},
+                                                        .sets = static_cast<cl_uint>(sets),
+                                                        .count = static_cast<cl_uint>(count),
+                                                        .share = static_cast<cl_uint>(share),
+                                                        .seed = s.seed,
+                                                        .columns = layout.columns,
+                                                        .first_sample = first_sample}));
   };
   if (s.plan.sun_up) light("trace_sun", s.sun, s.sun, false, 1, 1, 1);
   if (s.sends_to_sky())

@@ -5,18 +5,14 @@
 #include "kernels/geometry/samples.h"
 #include "kernels/geometry/scene_arrays.h"
 #include "kernels/geometry/surface_point.h"
+#include "kernels/shared/camera_arguments.h"
 
 /* Corners of the samples' triangles, and the direction and origin of their rays. */
 typedef struct Gathered {
   float corner[9][16], origin[3][16], direction[3][16];
 } RC_LINE Gathered;
 
-#define MAKE_SURFACE_PARAMETERS                                                                                \
-  RC_BLOCKS, RC_INSTANCES, global const RayGroup *restrict groups, global const uint *restrict hits,           \
-      global float *restrict surface, global float *restrict lift, uint seed, uint columns, uint first_sample, \
-      uint sample_count
-
-RC_BODY make_surface_body(uint index, MAKE_SURFACE_PARAMETERS) {
+RC_BODY make_surface_body(uint index, RC_PARAMETERS(RC_MAKE_SURFACE_ARGUMENTS)) {
   SceneArrays scene;
   RC_GATHER_BLOCKS(scene);
   RC_GATHER_INSTANCES(scene);
@@ -79,7 +75,6 @@ RC_BODY make_surface_body(uint index, MAKE_SURFACE_PARAMETERS) {
     }
 }
 
-kernel void make_surface(MAKE_SURFACE_PARAMETERS) {
-  make_surface_body((uint)get_global_id(0), RC_PASS_BLOCKS, RC_PASS_INSTANCES, groups, hits, surface, lift, seed,
-                    columns, first_sample, sample_count);
+kernel void make_surface(RC_PARAMETERS(RC_MAKE_SURFACE_ARGUMENTS)) {
+  make_surface_body((uint)get_global_id(0), RC_PASSED(RC_MAKE_SURFACE_ARGUMENTS));
 }

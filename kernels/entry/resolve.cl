@@ -6,6 +6,7 @@
 #pragma OPENCL FP_CONTRACT OFF
 #include "kernels/atmosphere/nodes.h"
 #include "kernels/shading/sums.h"
+#include "kernels/shared/camera_arguments.h"
 
 /* Row of a key by binary search over the sorted keys of the band table. The host has baked every key of the tile. */
 inline uint baked_row(__global const ulong* baked_keys, __global const uint* baked_rows, uint baked_count, ulong key) {
@@ -23,17 +24,7 @@ inline uint baked_row(__global const ulong* baked_keys, __global const uint* bak
 /* Linear weight of node i when a value lies a fraction f past node k. */
 inline float weight_of(int i, int k, float f) { return i == k ? 1.0f - f : i == k + 1 ? f : 0.0f; }
 
-#define RESOLVE_PARAMETERS                                                                                             \
-  uint first_item, uint item_count, global const uint *restrict pixel_list, uint use_list, uint capacity,              \
-      uint term_capacity, global const RayGroup *restrict groups, uint columns, global const uint *restrict row_count, \
-      global const ulong *restrict row_keys, global const float *restrict row_sums,                                    \
-      global const float *restrict path_sums, global const ulong *restrict baked_keys,                                 \
-      global const uint *restrict baked_rows, uint baked_count, float view_first, float view_step, float path_x_first, \
-      float path_x_step, float path_y_first, float path_y_step, global const uint *restrict environment_row,           \
-      global const float *restrict environment_weight, global uint *restrict term_count,                               \
-      global uint *restrict term_row, global float *restrict term_weight
-
-RC_BODY resolve_body(uint index, RESOLVE_PARAMETERS) {
+RC_BODY resolve_body(uint index, RC_PARAMETERS(RC_RESOLVE_ARGUMENTS)) {
   const uint item = first_item + index;
   if (item >= first_item + item_count) return;
   const uint pixel = use_list ? pixel_list[item] : item;
@@ -116,9 +107,6 @@ RC_BODY resolve_body(uint index, RESOLVE_PARAMETERS) {
   term_count[item] = n;
 }
 
-kernel void resolve(RESOLVE_PARAMETERS) {
-  resolve_body((uint)get_global_id(0), first_item, item_count, pixel_list, use_list, capacity, term_capacity, groups,
-               columns, row_count, row_keys, row_sums, path_sums, baked_keys, baked_rows, baked_count, view_first,
-               view_step, path_x_first, path_x_step, path_y_first, path_y_step, environment_row, environment_weight,
-               term_count, term_row, term_weight);
+kernel void resolve(RC_PARAMETERS(RC_RESOLVE_ARGUMENTS)) {
+  resolve_body((uint)get_global_id(0), RC_PASSED(RC_RESOLVE_ARGUMENTS));
 }

@@ -9,31 +9,21 @@
 #include "kernels/shading/seen_light.h"
 #include "kernels/shading/truth_sums.h"
 #include "kernels/shading/surfaces.h"
+#include "kernels/shared/camera_arguments.h"
 
-#define SHADE_PARAMETERS                                                                                          \
-  uint pixel_count, global const uint *restrict pixel_list, uint use_list, uint capacity, uint fresh,             \
-      global const RayGroup *restrict groups, uint columns, global const uint *restrict hits,                     \
-      global const float *restrict surface_points, global const float *restrict lifts,                            \
-      global const ushort *restrict sun_bits, global const float *restrict sky_blocked, RC_BLOCKS, RC_SURFACES,   \
-      global const float *restrict chunk_weight, float sample_total, float4 sun_direction,                        \
-      global const float4 *restrict irradiance_map, uint map_size, global const float4 *restrict tilt_irradiance, \
-      global const float *restrict surface_nodes, float height_first, float height_step,                          \
-      global uint *restrict row_count, global ulong *restrict row_keys, global float *restrict row_sums,          \
-      global float *restrict path_sums, global float *restrict truth
-
-RC_BODY shade_body(uint item, SHADE_PARAMETERS) {
+RC_BODY shade_body(uint item, RC_PARAMETERS(RC_SHADE_ARGUMENTS)) {
   SceneArrays scene;
   RC_GATHER_BLOCKS(scene);
   RC_GATHER_SURFACES(scene);
-  if (item >= pixel_count) return;
+  if (item >= item_count) return;
   if (!fresh && row_count[item] == RC_ROW_OVERFLOW) return;
   const uint pixel = use_list ? pixel_list[item] : item; /* index in the tile's inputs; outputs go by item */
   const TracedPixel traced = {hits + RC_HITS_AT(pixel),
                               hits + RC_HITS_AT(pixel) + RC_PLANE(RC_HIT_PRIMITIVE),
-                              surface_points + RC_SURFACE_AT(pixel),
-                              lifts + RC_LIFT_AT(pixel),
-                              sun_bits + RC_SUN_AT(pixel),
-                              sky_blocked + RC_SKY_AT(pixel),
+                              surface + RC_SURFACE_AT(pixel),
+                              lift + RC_LIFT_AT(pixel),
+                              sun + RC_SUN_AT(pixel),
+                              blocked + RC_BLOCKED_AT(pixel),
                               chunk_weight};
   PixelRow row =
       rc_open_row(fresh, row_count[item], capacity, row_keys + (size_t)item * capacity,
@@ -53,13 +43,10 @@ RC_BODY shade_body(uint item, SHADE_PARAMETERS) {
     rc_add_path(&word, &samples, g, &sums);
   }
   rc_close_truth(&sums, sample_total, &row);
-  rc_deposit_surfaces(scene, &traced, surface_nodes, sample_total, &samples, &row);
+  rc_deposit_surfaces(scene, &traced, surface_node, sample_total, &samples, &row);
   row_count[item] = row.count;
 }
 
-kernel void shade(SHADE_PARAMETERS) {
-  shade_body((uint)get_global_id(0), pixel_count, pixel_list, use_list, capacity, fresh, groups, columns, hits,
-             surface_points, lifts, sun_bits, sky_blocked, RC_PASS_BLOCKS, RC_PASS_SURFACES, chunk_weight, sample_total,
-             sun_direction, irradiance_map, map_size, tilt_irradiance, surface_nodes, height_first, height_step,
-             row_count, row_keys, row_sums, path_sums, truth);
+kernel void shade(RC_PARAMETERS(RC_SHADE_ARGUMENTS)) {
+  shade_body((uint)get_global_id(0), RC_PASSED(RC_SHADE_ARGUMENTS));
 }

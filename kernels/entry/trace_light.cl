@@ -5,14 +5,9 @@
 #include "kernels/geometry/samples.h"
 #include "kernels/light/light_points.h"
 #include "kernels/light/light_rays.h"
+#include "kernels/shared/camera_arguments.h"
 
-#define TRACE_LIGHT_PARAMETERS                                                                                       \
-  RC_NODES, RC_BLOCKS, RC_INSTANCES, global const RayGroup *restrict groups, global const float *restrict surface,   \
-      global const float4 *restrict directions, global const float4 *restrict weights,                               \
-      global ushort *restrict sun_mask, global float *restrict blocked, uint sky, uint sets, uint count, uint share, \
-      uint seed, uint columns, uint first_sample
-
-RC_BODY trace_light_body(uint index, TRACE_LIGHT_PARAMETERS) {
+RC_BODY trace_light_body(uint index, RC_PARAMETERS(RC_TRACE_LIGHT_ARGUMENTS)) {
   SceneArrays scene;
   RC_GATHER_NODES(scene);
   RC_GATHER_BLOCKS(scene);
@@ -26,8 +21,8 @@ RC_BODY trace_light_body(uint index, TRACE_LIGHT_PARAMETERS) {
   for (uint p = 0; p < place.used; p += sharing) {
     const uint first = sky ? rc_hash(seed, place.number + p, 0u, 21u) % sets * count : 0u;
     global const float* in = surface + RC_SURFACE_AT(place.pixel + p);
-    global ushort* seen = sun_mask + RC_SUN_AT(place.pixel + p);
-    global float* out = blocked + RC_SKY_AT(place.pixel + p);
+    global ushort* seen = sun + RC_SUN_AT(place.pixel + p);
+    global float* out = blocked + RC_BLOCKED_AT(place.pixel + p);
 #if RC_BUNDLE
     Points points;
     SkyPart held;
@@ -69,7 +64,6 @@ RC_BODY trace_light_body(uint index, TRACE_LIGHT_PARAMETERS) {
   }
 }
 
-kernel void trace_light(TRACE_LIGHT_PARAMETERS) {
-  trace_light_body((uint)get_global_id(0), RC_PASS_NODES, RC_PASS_BLOCKS, RC_PASS_INSTANCES, groups, surface,
-                   directions, weights, sun_mask, blocked, sky, sets, count, share, seed, columns, first_sample);
+kernel void trace_light(RC_PARAMETERS(RC_TRACE_LIGHT_ARGUMENTS)) {
+  trace_light_body((uint)get_global_id(0), RC_PASSED(RC_TRACE_LIGHT_ARGUMENTS));
 }

@@ -3,12 +3,9 @@
 #include "kernels/geometry/samples.h"
 #include "kernels/geometry/bundle_primary.h"
 #include "kernels/geometry/ray_trace.h"
+#include "kernels/shared/camera_arguments.h"
 
-#define TRACE_PRIMARY_PARAMETERS                                                                                    \
-  RC_NODES, RC_BLOCKS, RC_INSTANCES, global const RayGroup *restrict groups, global uint *restrict hits, uint seed, \
-      uint columns, uint first_sample, uint sample_count
-
-RC_BODY trace_primary_body(uint index, TRACE_PRIMARY_PARAMETERS) {
+RC_BODY trace_primary_body(uint index, RC_PARAMETERS(RC_TRACE_PRIMARY_ARGUMENTS)) {
   SceneArrays scene;
   RC_GATHER_NODES(scene);
   RC_GATHER_BLOCKS(scene);
@@ -64,7 +61,6 @@ RC_BODY trace_primary_body(uint index, TRACE_PRIMARY_PARAMETERS) {
 #endif
 }
 
-kernel void trace_primary(TRACE_PRIMARY_PARAMETERS) {
-  trace_primary_body((uint)get_global_id(0), RC_PASS_NODES, RC_PASS_BLOCKS, RC_PASS_INSTANCES, groups, hits, seed,
-                     columns, first_sample, sample_count);
+kernel void trace_primary(RC_PARAMETERS(RC_TRACE_PRIMARY_ARGUMENTS)) {
+  trace_primary_body((uint)get_global_id(0), RC_PASSED(RC_TRACE_PRIMARY_ARGUMENTS));
 }

@@ -19,7 +19,8 @@
 #define RC_SMALL 3
 #define RC_SLOTS (16 * RC_TILE_COLUMNS * RC_TILE_ROWS)
 #else
-/* Samples anywhere in the field: pixel p's sample k has slot p * RC_PADDED_SAMPLES + k; words of 16 carry their bounds. */
+/* Samples anywhere in the field: pixel p's sample k has slot p * RC_PADDED_SAMPLES + k; words of 16 carry their
+ * bounds. */
 #define RC_SLOTS (RC_PIXELS_PER_GROUP * RC_PADDED_SAMPLES)
 #define RC_SAMPLE_WORDS (RC_SLOTS / 16)
 #define RC_BOUND_SLOTS ((RC_SAMPLE_WORDS + 15) / 16 * 16)

@@ -1,5 +1,5 @@
-/* How to build and launch the three tracing kernels: trace_primary, make_surface, trace_light (sun, then sky). What lies
- * where in their buffers, and RC_PIXELS_PER_GROUP, RC_SKY_PLANES: kernels/shared/tile_layout.h.
+/* How to build and launch the three tracing kernels: trace_primary, make_surface, trace_light (sun, then sky).
+ * What lies where in their buffers: kernels/shared/tile_layout.h.
  *
  * Chain, all in one in-order queue:
  *   trace_primary -> hits -> make_surface -> surface -> trace_light (sky = 0) -> sun
@@ -29,35 +29,22 @@
  * Groups of a tile: line by line, rc_groups_per_line of them per line; the last may hold fewer pixels. A tile may also
  * be any list of groups: each is then a line of its own, columns = RC_PIXELS_PER_GROUP.
  *
- * Every kernel: any local size (one item is one group, by its global id), global size = groups of the tile. Common
- * arguments:
- *   nodes, blocks, instances   the arrays of CompiledScene (at least one element each, even in an empty scene), each in
- *                              as many pages, hence arguments, as its build options say
- *                              (kernels/geometry/scene_arrays.h)
- *   seed                       low 32 bits of Simulation::seed
- *   columns                    pixels of a tile line
- * A pixel's number in hashes is its group's (RayGroup.origin.w) plus its place in the group: its place in the image, so
+ * Every kernel: any local size (one item is one group, by its global id), global size = groups of the tile; arguments:
+ * kernels/shared/camera_arguments.h. The scene's arrays have at least one element each, even in an empty scene. A
+ * pixel's number in hashes is its group's (RayGroup.origin.w) plus its place in the group: its place in the image, so
  * results do not depend on tiling.
- *
- *   trace_primary(nodes, blocks, instances, global const RayGroup* groups, global uint* hits, uint seed, uint columns,
- *                 uint first_sample, uint sample_count)
- *     hits: the closest hit; of equal distances the lowest instance, then the lowest primitive. Slots at and past
- *     sample_count hold RC_NONE.
- *   make_surface(blocks, instances, groups, hits (const), global float* surface, global float* lift, seed, columns,
- *                first_sample, sample_count)
- *     surface: the point moved off the surface to the viewer's side by its error bound (the origin of shadow rays), the
- *     normal. lift: how far along the normal the point was moved (rc_step_back undoes it). Misses: all are 0.
- *   trace_light(nodes, blocks, instances, groups, surface (const), directions (global const float4*), weights (global
- *               const float4*), global ushort* sun_mask, global float* blocked, uint sky, uint sets, uint count, uint
- *               share, seed, columns, first_sample)
- *     One kernel for both, since its walk through the scene is most of what a device compiles.
- *     sky = 0, the sun: directions holds one unit vector towards it, w = 0, and sets = count = share = 1; weights and
- *     blocked may be any buffers. All samples of a group go together. Bits of sun_mask are clear for misses and where
- *     n . sun <= 0.
- *     sky = 1: directions: [sets][count]; weights: [sets][count][RC_SKY_QUADS]; a pixel takes set rc_hash(seed, pixel,
- *     0, 21) % sets; sun_mask may be any buffer. Plane c of blocked: share times the sum over the blocked directions k
- *     of the sample's part (rc_sky_part, rc_sky_direction), in order, of weight c of k * max(0, n . direction[k]), where
- *     weights 4 q .. 4 q + 3 are xyzw of quad q. Zero for misses.
+ *   trace_primary  hits: the closest; of equal distances the lowest instance, then the lowest primitive. Slots at and
+ *                  past sample_count hold RC_NONE.
+ *   make_surface   surface: the point moved off the surface to the viewer's side by its error bound (the origin of
+ *                  shadow rays), and the normal. lift: how far along the normal the point was moved (rc_step_back
+ *                  undoes it). Misses: all are 0.
+ *   trace_light    one kernel for both, since its walk through the scene is most of what a device compiles.
+ *     sky = 0: the sun. directions holds one unit vector towards it, and sets = count = share = 1; weights and blocked
+ *     may be any buffers. All samples of a group go together. Bits are clear for misses and where n . sun <= 0.
+ *     sky = 1: a pixel takes set rc_hash(seed, pixel, 0, 21) % sets; the buffer of sun bits may be any. Plane c of
+ *     blocked: share times the sum over the blocked directions k of the sample's part (rc_sky_part, rc_sky_direction),
+ *     in order, of weight c of k * max(0, n . direction[k]), where weights 4 q .. 4 q + 3 are xyzw of quad q. Zero for
+ *     misses.
  */
 #ifndef RAYCUBE_KERNELS_GEOMETRY_TRACE_ARGS_H
 #define RAYCUBE_KERNELS_GEOMETRY_TRACE_ARGS_H

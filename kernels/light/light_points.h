@@ -17,7 +17,8 @@ static inline float16 rc_cosines(float4 direction, global const float* at) {
                         rc_load16(0, at + RC_PLANE(RC_NORMAL_Z)));
 }
 
-/* The samples of one part of a pixel side by side: where they came from, their normals, and what is hidden from them. */
+/* The samples of one part of a pixel side by side: where they came from, their normals, and what is hidden from
+ * them. */
 typedef struct SkyPart {
   float nx[RC_PADDED_SAMPLES], ny[RC_PADDED_SAMPLES], nz[RC_PADDED_SAMPLES];
   float hidden[RC_PLANE(RC_SKY_PLANES)]; /* by component */

@@ -25,7 +25,7 @@ static inline uint rc_find_key(PixelRow* row, ulong key) {
 /* The sums of one surface's samples, times its material fractions, into the row. Returns false when that is full.
  * nodes: where each material's temperature lies among the temperature nodes, read only when there are any. */
 static inline bool rc_deposit(PixelRow* row, global const Surface* surface, const SurfaceSums* from,
-                              global const float* nodes) {
+                              global const float4* nodes) {
   for (int c = 0; c < 4; ++c) {
     const float fraction = surface->fraction[c];
     if (surface->curve[c] == 0u || fraction == 0.0f) continue;
@@ -36,7 +36,7 @@ static inline bool rc_deposit(PixelRow* row, global const Surface* surface, cons
 #if RC_TEMPERATURES > 0
     int node;
     float share;
-    rc_node_weights(nodes[c], 0.0f, 1.0f, RC_TEMPERATURES, &node, &share);
+    rc_node_weights(((global const float*)nodes)[c], 0.0f, 1.0f, RC_TEMPERATURES, &node, &share);
     for (int h = 0; h < RC_HEIGHTS; ++h) {
       const int at = (RC_LIT + node) * RC_HEIGHTS + h;
       rc_add_sum(sums, RC_ACCUMULATORS, at, fraction * ((1.0f - share) * from->cover[h]));

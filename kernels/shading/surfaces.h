@@ -43,15 +43,15 @@ static inline void rc_sum_surface(const TracedPixel* traced, uint id, int first,
 #endif
 }
 
-/* All surfaces of the pixel into its row; a row that is full ends as RC_ROW_OVERFLOW. surface_nodes: [surface][4]. */
-static inline void rc_deposit_surfaces(SceneArrays scene, const TracedPixel* traced, global const float* surface_nodes,
+/* All surfaces of the pixel into its row; a row that is full ends as RC_ROW_OVERFLOW. surface_node: [surface]. */
+static inline void rc_deposit_surfaces(SceneArrays scene, const TracedPixel* traced, global const float4* surface_node,
                                        float sample_total, ShadedSamples* samples, PixelRow* row) {
   for (int s = 0; s < RC_CHUNK_SAMPLES; ++s) {
     const uint id = samples->surface[s];
     if (id == RC_NONE) continue;
     SurfaceSums sums;
     rc_sum_surface(traced, id, s / RC_WORD, sample_total, samples, &sums);
-    if (!rc_deposit(row, rc_surface(scene, id), &sums, surface_nodes + 4 * (size_t)id)) {
+    if (!rc_deposit(row, rc_surface(scene, id), &sums, surface_node + id)) {
       row->count = RC_ROW_OVERFLOW;
       break;
     }

@@ -8,12 +8,12 @@
  *   surface   float   [RC_POINT_PLANES][padded]  planes RC_POINT_* and RC_NORMAL_*; zero where nothing was hit
  *   lift      float   [padded]                   m, how far along its normal the point was moved
  *   sun       ushort  [words]                    bit s % 16 of word s / 16: the sample sees the sun
- *   sky       float   [RC_SKY_PLANES][padded]    irradiance that is hidden, component by component
+ *   blocked   float   [RC_SKY_PLANES][padded]    irradiance of the sky that is hidden, by component
  * Once for all pixels: chunk weights, float [padded], zero where there is no sample.
  *
  * A row is what shading leaves of a pixel. By item of a launch (a pixel of the tile, or of a list):
  *   count     uint                               keys of the row, or RC_ROW_OVERFLOW
- *   keys      ulong   [capacity]                 up to three 21-bit curve ids, ascending, 0 = none
+ *   keys      ulong   [capacity]                 product keys, in the order in which they came up
  *   sums      float   [capacity][carried][RC_ROW_ACCUMULATORS]
  *     [source * heights + h]  the direct sun where the plan has it (weight * visibility * max(0, n.s)), then the
  *                             components of sky and surroundings (weight * their irradiance), then the temperature
@@ -95,7 +95,7 @@
 #define RC_SURFACE_AT(pixel) ((size_t)(pixel) * (RC_POINT_PLANES * RC_PADDED_SAMPLES))
 #define RC_LIFT_AT(pixel) ((size_t)(pixel)*RC_PADDED_SAMPLES)
 #define RC_SUN_AT(pixel) ((size_t)(pixel)*RC_WORDS)
-#define RC_SKY_AT(pixel) ((size_t)(pixel) * (RC_SKY_PLANES * RC_PADDED_SAMPLES))
+#define RC_BLOCKED_AT(pixel) ((size_t)(pixel) * (RC_SKY_PLANES * RC_PADDED_SAMPLES))
 #define RC_PLANE(plane) ((plane)*RC_PADDED_SAMPLES)
 /* An item's first element, and a key's sums from there. */
 #define RC_SUMS_AT(item, capacity) ((size_t)(item) * (capacity) * (RC_ACCUMULATORS * RC_CARRIED(RC_CHUNKED)))
@@ -109,7 +109,7 @@ namespace raycube::shared {
 /// Elements of a pixel in the buffers of one chunk of its samples.
 struct TileElements {
   std::size_t padded, words;  ///< slots of a plane, and 16-bit words of them
-  std::size_t hits, surface, lift, sun, sky;
+  std::size_t hits, surface, lift, sun, blocked;
   constexpr TileElements(std::size_t chunk_samples, std::size_t sky_planes)
       : padded(RC_PADDED(chunk_samples)),
         words(padded / RC_WORD),
@@ -117,9 +117,9 @@ struct TileElements {
         surface(RC_POINT_PLANES * padded),
         lift(padded),
         sun(words),
-        sky(sky_planes * padded) {}
+        blocked(sky_planes * padded) {}
   constexpr std::size_t bytes() const {
-    return hits * sizeof(rc_uint) + (surface + lift + sky) * sizeof(rc_float) + sun * sizeof(std::uint16_t);
+    return hits * sizeof(rc_uint) + (surface + lift + blocked) * sizeof(rc_float) + sun * sizeof(std::uint16_t);
   }
 };
 

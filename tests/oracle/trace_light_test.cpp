@@ -94,7 +94,8 @@ TEST_CASE(
         expected[0] += w.x * c, expected[1] += w.y * c, expected[2] += w.z * c, expected[3] += w.w * c;
       }
       for (int c = 0; c < 4; ++c)
-        sky_wrong += std::abs(expected[c] - blocked[shape.sky_at(pixel, c) + s]) > 1e-5 * (1 + std::abs(expected[c]));
+        sky_wrong +=
+            std::abs(expected[c] - blocked[shape.blocked_at(pixel, c) + s]) > 1e-5 * (1 + std::abs(expected[c]));
     }
   }
   MESSAGE("lit " << lit << ", dark " << dark);
@@ -135,7 +136,7 @@ TEST_CASE(
   test::TraceChain single(context(), scene, shape);
   bundled.primary(groups), bundled.surface(), single.primary(groups), single.surface();
   const auto whole = bundled.sky(directions, weights, kSets);
-  const std::size_t n = shape.elements().padded, planes = shape.elements().sky / n;
+  const std::size_t n = shape.elements().padded, planes = shape.elements().blocked / n;
   constexpr std::uint32_t kChunk = 21;  // three rows
   shape.bundle = true, shape.chunk = kChunk;
   test::TraceChain chunked(context(), scene, shape);
@@ -159,7 +160,7 @@ TEST_CASE(
     for (std::uint32_t pixel = 0; pixel < shape.pixels(); ++pixel) {
       double difference = 0;
       for (std::uint32_t s = 0; s < n; ++s) {
-        const std::size_t at = shape.sky_at(pixel, 0) + s;
+        const std::size_t at = shape.blocked_at(pixel, 0) + s;
         difference += blocked[at] - whole[at], all += whole[at];
       }
       sum += difference, square += difference * difference;

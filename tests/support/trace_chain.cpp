@@ -3,6 +3,7 @@
 #include <bit>
 #include <cmath>
 
+#include "host/render/camera_arguments.h"
 #include "host/render/tile_shape.h"
 #include "kernels/kernel_source.h"
 #include "kernels/sampling/sampler.h"
@@ -73,7 +74,7 @@ TraceChain::TraceChain(const cl::Context& context, const scene::CompiledScene& s
       hits_(context, shape.pixels() * shape.elements().hits, cl::Access::read_write, "hits"),
       surface_(context, shape.pixels() * shape.elements().surface, cl::Access::read_write, "surface points"),
       lift_(context, shape.pixels() * shape.elements().lift, cl::Access::read_write, "lifts of surface points"),
-      blocked_(context, shape.pixels() * shape.elements().sky, cl::Access::read_write, "blocked sky"),
+      blocked_(context, shape.pixels() * shape.elements().blocked, cl::Access::read_write, "blocked sky"),
       sun_mask_(context, shape.pixels() * shape.elements().sun, cl::Access::read_write, "sun masks") {
   groups_.write(numbered(std::vector<shared::RayGroup>(shape.groups()), shape));
 }
@@ -90,16 +91,31 @@ std::vector<std::uint32_t> TraceChain::primary(std::span<const shared::RayGroup>
   first_sample_ = first_sample;
   count_ = std::min(shape_.chunk_samples(), shape_.samples() - first_sample);
   kernel("trace_primary")
-      .arguments(scene_.nodes, scene_.blocks, scene_.instances, groups_, hits_, shape_.seed, shape_.columns,
-                 first_sample_, count_);
+      .arguments(render::TracePrimaryArguments{.nodes = scene_.nodes,
+                                               .blocks = scene_.blocks,
+                                               .instances = scene_.instances,
+                                               .groups = groups_,
+                                               .hits = hits_,
+                                               .seed = shape_.seed,
+                                               .columns = shape_.columns,
+                                               .first_sample = first_sample_,
+                                               .sample_count = count_});
   again("trace_primary");
   return hits_.read_all();
 }
 
 std::vector<float> TraceChain::surface() {
   kernel("make_surface")
-      .arguments(scene_.blocks, scene_.instances, groups_, hits_, surface_, lift_, shape_.seed, shape_.columns,
-                 first_sample_, count_);
+      .arguments(render::MakeSurfaceArguments{.blocks = scene_.blocks,
+                                              .instances = scene_.instances,
+                                              .groups = groups_,
+                                              .hits = hits_,
+                                              .surface = surface_,
+                                              .lift = lift_,
+                                              .seed = shape_.seed,
+                                              .columns = shape_.columns,
+                                              .first_sample = first_sample_,
+                                              .sample_count = count_});
   again("make_surface");
   return surface_.read_all();
 }
@@ -124,8 +140,22 @@ std::vector<float> TraceChain::sky(std::span<const shared::rc_float4> directions
 void TraceChain::light(const cl::Buffer<shared::rc_float4>& directions, const cl::Buffer<shared::rc_float4>& weights,
                        bool sky, std::uint32_t sets, std::uint32_t count, std::uint32_t share) {
   kernel("trace_light")
-      .arguments(scene_.nodes, scene_.blocks, scene_.instances, groups_, surface_, directions, weights, sun_mask_,
-                 blocked_, std::uint32_t{sky}, sets, count, share, shape_.seed, shape_.columns, first_sample_);
+      .arguments(render::TraceLightArguments{.nodes = scene_.nodes,
+                                             .blocks = scene_.blocks,
+                                             .instances = scene_.instances,
+                                             .groups = groups_,
+                                             .surface = surface_,
+                                             .directions = directions,
+                                             .weights = weights,
+                                             .sun = sun_mask_,
+                                             .blocked = blocked_,
+                                             .sky = std::uint32_t{sky},
+                                             .sets = sets,
+                                             .count = count,
+                                             .share = share,
+                                             .seed = shape_.seed,
+                                             .columns = shape_.columns,
+                                             .first_sample = first_sample_});
   again("trace_light");
 }
 

@@ -37,8 +37,8 @@ struct TraceShape {
   std::size_t surface_at(std::size_t pixel, std::size_t plane) const {
     return pixel * elements().surface + plane * elements().padded;
   }
-  std::size_t sky_at(std::size_t pixel, std::size_t plane) const {
-    return pixel * elements().sky + plane * elements().padded;
+  std::size_t blocked_at(std::size_t pixel, std::size_t plane) const {
+    return pixel * elements().blocked + plane * elements().padded;
   }
   /// Whether the mask has sample s of a pixel see the sun.
   bool sees_sun(const std::vector<std::uint16_t>& mask, std::size_t pixel, std::size_t s) const {
