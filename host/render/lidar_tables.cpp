@@ -6,6 +6,7 @@
 
 #include "host/base/error.h"
 #include "kernels/lidar/layout.h"
+#include "kernels/shared/tile_layout.h"
 
 namespace raycube::render {
 
@@ -19,12 +20,11 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 /// faster then.
 constexpr double kNarrow = 2e-5;
 
-int round_up(int n) { return (n + 15) / 16 * 16; }
 std::string define(const char* name, auto value) { return " -D" + std::string(name) + "=" + std::to_string(value); }
 
 /// As struct Scatter of kernels/geometry/primary_frame.h, chunk after chunk.
 std::vector<float> bundle_samples(const lidar::Footprint& footprint, int chunk) {
-  const int slots = round_up(chunk), bounds = round_up(slots / 16), rays = static_cast<int>(footprint.a.size());
+  const int slots = RC_PADDED(chunk), bounds = RC_PADDED(slots / 16), rays = static_cast<int>(footprint.a.size());
   std::vector<float> out;
   for (int begin = 0; begin < rays; begin += chunk) {
     std::vector<float> a(slots, kInfinity), b(slots, kInfinity), lo_a(bounds, kInfinity), hi_a(bounds, -kInfinity),
@@ -115,18 +115,18 @@ void fill_volumes(const lidar::LidarPlan& plan, const scene::CompiledScene& scen
 
 void fill_taps(const lidar::LidarPlan& plan, LidarTables& tables) {
   const lidar::PulseTaps& taps = plan.taps;
-  const auto padded = static_cast<std::size_t>(round_up(taps.taps));
+  const auto padded = static_cast<std::size_t>(RC_PADDED(taps.taps));
   for (int q = 0; q <= taps.phases; ++q)
     for (std::size_t i = 0; i < padded; ++i)
       tables.taps.push_back(
           i < static_cast<std::size_t>(taps.taps) ? taps.share[static_cast<std::size_t>(q) * taps.taps + i] : 0.0f);
   tables.row_pad = padded;
-  tables.row_floats = 2 * padded + static_cast<std::size_t>(round_up(plan.lidar.gate.bins));
+  tables.row_floats = 2 * padded + static_cast<std::size_t>(RC_PADDED(plan.lidar.gate.bins));
   tables.options +=
       define("RC_TAPS_PADDED", padded) +
       define("RC_ROW_WINDOW", tables.owner_rows * tables.row_floats <= kRowWindow && !tables.multiple ? kRowWindow : 0);
-  tables.stopped_floats = tables.owner_rows * tables.row_floats +
-                          (tables.owner_rows / static_cast<std::size_t>(plan.lines()) + 15) / 16 * 16;
+  tables.stopped_floats =
+      tables.owner_rows * tables.row_floats + RC_PADDED(tables.owner_rows / static_cast<std::size_t>(plan.lines()));
 }
 
 void fill_settings(const lidar::LidarPlan& plan, LidarTables& tables) {
@@ -163,14 +163,14 @@ LidarTables make_lidar_tables(const lidar::LidarPlan& plan, const scene::Compile
   const auto rays = static_cast<int>(plan.footprint.a.size());
   const double unit = receiver ? lidar.receiver.pixel_pitch_rad : lidar.pulse.half_divergence_rad;
   tables.single = exits || unit < kNarrow || rays < 2;
-  tables.chunk = std::min(round_up(rays), kMostBundle);
+  tables.chunk = std::min(RC_PADDED(rays), kMostBundle);
   float largest = 0.5f;
   for (const auto* part : {&plan.footprint.a, &plan.footprint.b})
     for (const float x : *part) largest = std::max(largest, std::abs(x));
   tables.samples = tables.single ? single_samples(plan.footprint) : bundle_samples(plan.footprint, tables.chunk);
   for (const auto* part : {&plan.footprint.exit_a, &plan.footprint.exit_b}) {
     tables.exits.insert(tables.exits.end(), part->begin(), part->end());
-    if (exits) tables.exits.resize((tables.exits.size() + 15) / 16 * 16, 0.0f);
+    if (exits) tables.exits.resize(RC_PADDED(tables.exits.size()), 0.0f);
   }
   tables.multiple = lidar.transport.max_bounces > 1;
   tables.owner_rows = static_cast<std::size_t>(plan.lines()) * static_cast<std::size_t>(receiver ? 1 : plan.pixels());

@@ -107,7 +107,9 @@
 /* A row is padding, bins, padding: pulses that hang over the gate's ends need no branch, and what they lose is counted
  * after. */
 #define RC_ROW_PAD RC_TAPS_PADDED
-static inline uint rc_row_floats(uint bins) { return 2u * RC_ROW_PAD + (bins + 15u) / 16u * 16u; }
+static inline uint rc_row_floats(uint bins) { return 2u * RC_ROW_PAD + RC_PADDED(bins); }
+/* Rays of an owner rounded up to whole words. */
+#define RC_PADDED_RAYS RC_PADDED(RC_RAY_COUNT)
 /* Rays start again after the first surface. */
 #define RC_CONTINUES (RC_BOUNCES > 1 || RC_PLATES)
 /* Energy of a ray in the ledger; the first RC_LEDGER_REST rays have one unit more. */
@@ -136,16 +138,12 @@ typedef struct LidarTables {
 
 /* Rays stopped, of an owner: rows [pixel][line], then how many rays each pixel has. */
 static inline size_t rc_stopped_floats(uint row) {
-  return (size_t)RC_OWN_PIXELS * RC_LASER_LINES * row + (RC_OWN_PIXELS + 15) / 16 * 16;
+  return (size_t)RC_OWN_PIXELS * RC_LASER_LINES * row + RC_PADDED(RC_OWN_PIXELS);
 }
 /* Whether they are kept for every pixel: where a ray stays in one, as pupil and exit are one point. */
 static inline bool rc_stops_by_pixel(const LidarTables* t) {
   return (RC_OWN_PIXELS > 1) & (RC_EXITS == 0) & (t->shot[RC_SHOT_AXIS].w == 1.0f);
 }
-
-#define RC_VOLUME_PARAMETERS                                                              \
-  global const LidarVolume *restrict volumes, global const float *restrict volume_values, \
-      global const float *restrict volume_depth
 
 /* What one owner adds up beside its rows. */
 typedef struct LidarSums {
@@ -159,6 +157,14 @@ static inline void rc_add_float(float* sum, float x) {
   const float s = sum[0] + x, part = s - sum[0];
   sum[1] += (sum[0] - (s - part)) + (x - part);
   sum[0] = s;
+}
+
+/* Sums of an owner's line, to where the host reads them. */
+static inline void rc_write_sums(float sum[RC_SUM_COUNT][2], global float* to) {
+  for (uint i = 0; i < RC_SUM_COUNT; ++i) {
+    to[2u * i] = sum[i][0];
+    to[2u * i + 1u] = sum[i][1];
+  }
 }
 
 static inline long rc_lane_sum_long(long16 v) {
