@@ -65,12 +65,10 @@ KernelBuild kernel_build(const Settings& settings) {
   const double build_s = seconds_of([&] {
     row_stages =
         std::make_unique<render::RowStages>(context, buffers, job.plan, shape, sensors::SampleWeights(instrument));
-    trace_stages =
-        std::make_unique<render::TraceStages>(context, park.scene, buffers, instrument, job.plan, shape, park.seed);
+    trace_stages = std::make_unique<render::TraceStages>(context, park.scene, buffers, job.plan, shape, park.seed);
   });
-  const render::TileLayout layout{static_cast<std::uint32_t>(instrument.pixels),
-                                  static_cast<std::uint32_t>(sensors::groups_per_line(instrument)),
-                                  static_cast<std::uint32_t>(lines)};
+  const render::TileLayout layout{static_cast<std::uint32_t>(instrument.pixels), static_cast<std::uint32_t>(lines),
+                                  static_cast<std::uint32_t>(shape.pixels_per_group)};
   const auto launch_all = [&] {
     std::map<std::string, double> stage_s;
     trace_stages->run(layout, 0, traced, stage_s);

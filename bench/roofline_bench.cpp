@@ -15,6 +15,7 @@
 #include "bench/write_bandwidth.h"
 #include "host/base/error.h"
 #include "host/cl/kernel.h"
+#include "kernels/shared/tile_layout.h"
 
 namespace raycube::bench {
 namespace {
@@ -114,16 +115,20 @@ void run_roofline(const Settings& settings, Report& report) {
   const double pixels = run.at("image").at("samples").get<double>() * run.at("image").at("lines").get<double>();
   const double samples = run.at("image").at("samples_per_pixel"), bands = run.at("image").at("bands"),
                terms = run.at("rows").at("terms_p50");
-  const double padded = 16 * std::ceil(samples / 16), bands_padded = 16 * std::ceil(bands / 16);
+  constexpr std::size_t kComponents = 4;  // of the park's sky: one float4 of weights per direction
+  const shared::TileElements pixel(static_cast<std::size_t>(samples), RC_SKY_PLANES_OF(kComponents));
+  const double hits = 4.0 * static_cast<double>(pixel.hits), surface = 4.0 * static_cast<double>(pixel.surface),
+               lift = 4.0 * static_cast<double>(pixel.lift), sun = 2.0 * static_cast<double>(pixel.sun),
+               sky = 4.0 * static_cast<double>(pixel.blocked), bands_padded = 16 * std::ceil(bands / 16);
   // Bytes that pass through memory between stages (docs/design.md, stages); the scene's trees and triangles come on top
   // and mostly from caches. make_surface gathers a triangle of 36 bytes a sample. integrate reads its table (terms
   // rows) from the second cache.
   const Stage stages[] = {
-      {"trace_primary", 8 * padded, 0},
-      {"make_surface", (8 + 28) * padded + 36 * samples, 0},
-      {"trace_sun", 24 * padded + padded / 8, 0},
-      {"trace_sky", 24 * padded + 16 * padded, 0},
-      {"shade", (8 + 28 + 16) * padded + padded / 8, 0},
+      {"trace_primary", hits, 0},
+      {"make_surface", hits + surface + lift + 36 * samples, 0},
+      {"trace_sun", surface + sun, 0},
+      {"trace_sky", surface + sky, 0},
+      {"shade", hits + surface + lift + sky + sun, 0},
       {"resolve", 8 * terms, 0},
       {"integrate", 4 * bands_padded + 8 * terms, 2 * terms * bands_padded},
       {"write", 4 * bands, 0},

@@ -28,7 +28,7 @@ struct TraceRig::State {
         buffers(context, scene),
         plan(sun_only_plan(sun)),
         shape(render::make_stage_shape(instrument, plan, sensors::pixels_per_group(instrument))),
-        stages(context, scene, buffers, instrument, plan, shape, 1),
+        stages(context, scene, buffers, plan, shape, 1),
         width(static_cast<std::size_t>(shape.pixels_per_group)),
         traced(context, shape, max_groups * width, max_groups),
         line_pixels(static_cast<std::size_t>(instrument.pixels)) {}
@@ -59,7 +59,7 @@ void TraceRig::set_groups(const std::vector<shared::RayGroup>& groups) {
 TraceRig::Times TraceRig::run(std::uint32_t first_line) {
   State& s = *state_;
   // One long line: the groups need not be neighbours.
-  const render::TileLayout layout{static_cast<std::uint32_t>(s.pixels()), static_cast<std::uint32_t>(s.group_count), 1};
+  const render::TileLayout layout{static_cast<std::uint32_t>(s.pixels()), 1, static_cast<std::uint32_t>(s.width)};
   for (std::size_t g = 0; g < s.groups.size(); ++g)
     s.groups[g].origin.w = std::bit_cast<float>(static_cast<std::uint32_t>(first_line * s.line_pixels + g * s.width));
   s.traced.groups.write(s.groups);
@@ -75,28 +75,29 @@ TraceRig::Times TraceRig::run(std::uint32_t first_line) {
 
 std::vector<RayResult> TraceRig::hits() const {
   const State& s = *state_;
-  const auto samples = static_cast<std::size_t>(s.shape.samples),
-             padded = static_cast<std::size_t>(s.shape.padded_samples);
-  std::vector<std::uint32_t> raw(s.pixels() * 2 * padded);
+  const auto samples = static_cast<std::size_t>(s.shape.samples);
+  const shared::TileElements& of_pixel = s.traced.elements;
+  std::vector<std::uint32_t> raw(s.pixels() * of_pixel.hits);
   s.traced.hits.read(raw);
   std::vector<RayResult> results(s.pixels() * samples);
   for (std::size_t p = 0; p < s.pixels(); ++p)
     for (std::size_t k = 0; k < samples; ++k)
-      results[p * samples + k] = {raw[p * 2 * padded + k], raw[(p * 2 + 1) * padded + k]};
+      results[p * samples + k] = {raw[p * of_pixel.hits + RC_HIT_INSTANCE * of_pixel.padded + k],
+                                  raw[p * of_pixel.hits + RC_HIT_PRIMITIVE * of_pixel.padded + k]};
   return results;
 }
 
 std::vector<RayResult> TraceRig::sun() const {
   const State& s = *state_;
-  const auto samples = static_cast<std::size_t>(s.shape.samples),
-             words = static_cast<std::size_t>(s.shape.padded_samples) / 16;
+  const auto samples = static_cast<std::size_t>(s.shape.samples), words = s.traced.elements.sun;
   std::vector<std::uint16_t> mask(s.pixels() * words);
   s.traced.sun.read(mask);
   const ShadowRays rays = shadow_rays();
   std::vector<RayResult> results(s.pixels() * samples);
   for (std::size_t p = 0; p < s.pixels(); ++p)
     for (std::size_t k = 0; k < samples; ++k) {
-      const bool traced = !std::isnan(rays.x[p * samples + k]), seen = mask[p * words + k / 16] >> (k % 16) & 1u;
+      const bool traced = !std::isnan(rays.x[p * samples + k]),
+                 seen = mask[p * words + k / RC_WORD] >> (k % RC_WORD) & 1u;
       results[p * samples + k] = {traced && !seen ? RC_NONE : 0u, 0};
     }
   return results;
@@ -104,9 +105,8 @@ std::vector<RayResult> TraceRig::sun() const {
 
 ShadowRays TraceRig::shadow_rays() const {
   const State& s = *state_;
-  const auto samples = static_cast<std::size_t>(s.shape.samples),
-             padded = static_cast<std::size_t>(s.shape.padded_samples);
-  std::vector<float> surface(s.pixels() * 6 * padded);
+  const auto samples = static_cast<std::size_t>(s.shape.samples), padded = s.traced.elements.padded;
+  std::vector<float> surface(s.pixels() * s.traced.elements.surface);
   s.traced.surface.read(surface);
   ShadowRays rays;
   for (int i = 0; i < 3; ++i) rays.direction[i] = s.plan.sun_direction[static_cast<std::size_t>(i)];
@@ -117,12 +117,13 @@ ShadowRays TraceRig::shadow_rays() const {
   const auto& d = rays.direction;
   for (std::size_t p = 0; p < s.pixels(); ++p)
     for (std::size_t k = 0; k < samples; ++k) {
-      const float* at = surface.data() + p * 6 * padded + k;
-      const float cosine = std::fma(at[3 * padded], d[0], std::fma(at[4 * padded], d[1], at[5 * padded] * d[2]));
+      const float* at = surface.data() + p * s.traced.elements.surface + k;
+      const float cosine = std::fma(at[RC_NORMAL_X * padded], d[0],
+                                    std::fma(at[RC_NORMAL_Y * padded], d[1], at[RC_NORMAL_Z * padded] * d[2]));
       const std::size_t i = p * samples + k;
-      rays.x[i] = cosine > 0.0f ? at[0] : std::numeric_limits<float>::quiet_NaN();
-      rays.y[i] = at[padded];
-      rays.z[i] = at[2 * padded];
+      rays.x[i] = cosine > 0.0f ? at[RC_POINT_X * padded] : std::numeric_limits<float>::quiet_NaN();
+      rays.y[i] = at[RC_POINT_Y * padded];
+      rays.z[i] = at[RC_POINT_Z * padded];
     }
   return rays;
 }

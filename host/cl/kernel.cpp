@@ -27,6 +27,11 @@ void Kernel::set_bytes(cl_uint index, const void* value, std::size_t bytes) {
         "clSetKernelArg " + std::to_string(index) + " of '" + name_ + "'", device_name_);
 }
 
+void Kernel::check_name(const std::string& of_list) const {
+  if (of_list != name_)
+    throw base::Error(base::Fault::bug, "kernel '" + name_ + "' is given arguments of '" + of_list + "'");
+}
+
 void Kernel::check_count(std::size_t given) const {
   cl_uint expected = 0;
   check(clGetKernelInfo(kernel_(), CL_KERNEL_NUM_ARGS, sizeof expected, &expected, nullptr),

@@ -4,6 +4,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "host/cl/arguments.h"
 #include "host/cl/buffer.h"
 #include "host/cl/program.h"
 #include "kernels/shared/structs.h"
@@ -18,8 +19,20 @@ class Kernel {
   /// Largest work-group the device takes of this kernel.
   std::size_t most_local() const { return most_local_; }
 
-  /// Sets all arguments in order: buffers, 32-bit scalars or rc_float4, and arrays in pages, which count as many
-  /// arguments. The number is checked against the kernel's.
+  /// Sets all arguments from the struct of the kernel's list (RC_ARGUMENT_STRUCT).
+  template <typename List>
+  requires requires { List::kKernel; }
+  Kernel& arguments(const List& list) {
+    check_name(List::kKernel);
+    std::size_t count = 0;
+    list.for_each([&](const auto& value) { count += places(value); });
+    check_count(count);
+    cl_uint index = 0;
+    list.for_each([&](const auto& value) { set_next(index, value); });
+    return *this;
+  }
+  /// Sets all arguments of a kernel without a list in order: buffers, 32-bit scalars or rc_float4, and arrays in pages,
+  /// which count as many arguments. The number is checked against the kernel's.
   template <typename... Arguments>
   Kernel& arguments(const Arguments&... values) {
     check_count((std::size_t{0} + ... + places(values)));
@@ -44,14 +57,35 @@ class Kernel {
     return pages.size();
   }
   template <typename T>
+  static std::size_t places(const Pages<T>& array) {
+    return array.pages->size();
+  }
+  template <typename T>
   void set_next(cl_uint& index, const T& value) {
     set(index++, value);
+  }
+  template <typename T>
+  void set_next(cl_uint& index, const Value<T>& value) {
+    set(index++, value.value);
+  }
+  template <typename T>
+  void set_next(cl_uint& index, const Read<T>& read) {
+    set(index++, *read.buffer);
+  }
+  template <typename T>
+  void set_next(cl_uint& index, const Write<T>& write) {
+    set(index++, *write.buffer);
+  }
+  template <typename T>
+  void set_next(cl_uint& index, const Pages<T>& array) {
+    set_next(index, *array.pages);
   }
   template <typename T>
   void set_next(cl_uint& index, const std::vector<Buffer<T>>& pages) {
     for (const auto& page : pages) set(index++, page);
   }
   void set_bytes(cl_uint index, const void* value, std::size_t bytes);
+  void check_name(const std::string& of_list) const;
   void check_count(std::size_t given) const;
   std::string name_, device_name_;
   Handle<cl_kernel, clReleaseKernel> kernel_;

@@ -20,6 +20,7 @@
 #include "host/plan/spectral_plan.h"
 #include "host/plan/thermal_plan.h"
 #include "host/plan/thermal_use.h"
+#include "scene_compiler/matter.h"
 
 namespace raycube::plan {
 
@@ -183,6 +184,7 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
   const double share = kShare * simulation.tolerance;
   ThermalUse thermal = thermal_use(simulation, instrument, table, air, domain, bands, spectral, share);
   if (!thermal.on) air.leave_out_emission();
+  plan.shaped = scene::first_shaped(simulation.scene) != nullptr;
   plan.notices = std::move(thermal.notices);
   const SkyFactorizer sky(air, domain.z(0.5), domain.sun_zenith);
   const SkyFactorizer thermal_sky(air, domain.z(0.5), domain.sun_zenith, Sky::thermal);

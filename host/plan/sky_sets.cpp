@@ -8,6 +8,7 @@
 
 #include "host/base/error.h"
 #include "kernels/sampling/sampler.h"
+#include "kernels/shared/tile_layout.h"
 
 namespace raycube::plan {
 
@@ -82,7 +83,7 @@ class Weights {
   Weights(const SkyBasis& basis, double sun_azimuth_rad, int components, const Thermal* thermal)
       : basis_(basis), sun_azimuth_rad_(sun_azimuth_rad), components_(components), thermal_(thermal) {}
 
-  int quads() const { return thermal_ && components_ + thermal_->components() > 4 ? 2 : 1; }
+  int quads() const { return RC_SKY_PLANES_OF(components_ + (thermal_ ? thermal_->components() : 0)) / 4; }
 
   void add(SkySets& to, double x, double y, double z, double solid_angle_sr) const {
     std::array<double, 8> a{};

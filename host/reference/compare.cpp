@@ -9,6 +9,7 @@
 #include "host/base/interrupt.h"
 #include "host/reference/parallel.h"
 #include "host/reference/tie_search.h"
+#include "kernels/shared/tile_layout.h"
 
 namespace raycube::reference {
 
@@ -121,7 +122,7 @@ void Comparison::compare_sky(const Sample& sample, std::size_t number_of_sample,
 Comparison::Result Comparison::compare(const DevicePixel& device, bool with_model) const {
   SampledPixel pixel = scene_.sample_pixel(instrument_, plan_, seed_, device.address);
   const std::size_t samples = pixel.samples.size(),
-                    planes = 4 * static_cast<std::size_t>(plan_.components() > 4 ? 2 : 1);
+                    planes = static_cast<std::size_t>(RC_SKY_PLANES_OF(plan_.components()));
   if (device.hits.size() != samples || device.sun_visible.size() != samples ||
       device.sky_blocked.size() != planes * samples || device.radiance.size() != plan_.bands.size())
     throw base::Error(base::Fault::bug, "check: the device handed over " + std::to_string(device.hits.size()) +

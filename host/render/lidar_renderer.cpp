@@ -13,6 +13,7 @@
 #include "host/base/sha256.h"
 #include "host/cl/kernel.h"
 #include "host/lidar/apply_turbulence.h"
+#include "host/render/lidar_arguments.h"
 #include "host/render/lidar_beams.h"
 #include "host/render/lidar_owners.h"
 #include "host/render/lidar_tables.h"
@@ -20,6 +21,7 @@
 #include "host/render/scene_buffers.h"
 #include "kernels/kernel_source.h"
 #include "kernels/lidar/layout.h"
+#include "kernels/shared/tile_layout.h"
 
 namespace raycube::render {
 
@@ -93,6 +95,72 @@ struct BatchBuffers {
   cl::Buffer<float> sums;
   cl::Buffer<std::uint32_t> counts, hits;
 };
+
+LidarShotsArguments shots_arguments(const SceneBuffers& scene, const DeviceTables& device, const lidar::LidarPlan& plan,
+                                    BatchBuffers& batch) {
+  return {.nodes = scene.nodes,
+          .blocks = scene.blocks,
+          .instances = scene.instances,
+          .shots = batch.shots,
+          .samples = device.samples,
+          .exits = device.exits,
+          .optics = device.optics,
+          .lobes = device.lobes,
+          .photons = device.photons,
+          .node_weight = device.node_weight,
+          .first_node = device.first_node,
+          .air = device.air,
+          .volumes = device.volumes,
+          .volume_values = device.volume_values,
+          .volume_depth = device.volume_depth,
+          .taps = device.taps,
+          .settings = device.settings,
+          .first = batch.first,
+          .multiple = batch.multiple,
+          .stopped = batch.stopped,
+          .ledger = batch.ledger,
+          .sums = batch.sums,
+          .counts = batch.counts,
+          .first_hits = batch.hits,
+          .seed = static_cast<std::uint32_t>(plan.seed),
+          .bins = plan.lidar.gate.bins,
+          .taps_used = plan.taps.taps,
+          .first_tap = plan.taps.first,
+          .phases = plan.taps.phases};
+}
+
+LidarBeamArguments beam_arguments(const DeviceTables& device, const lidar::LidarPlan& plan, BatchBuffers& batch) {
+  return {.beams = batch.beams,
+          .samples = device.samples,
+          .exits = device.exits,
+          .settings = device.settings,
+          .tables = batch.beam_tables,
+          .bins = plan.lidar.gate.bins};
+}
+
+LidarAirArguments air_arguments(const DeviceTables& device, const lidar::LidarPlan& plan, BatchBuffers& batch) {
+  return {.shots = batch.shots,
+          .beam_of = batch.beam_of,
+          .tables = batch.beam_tables,
+          .photons = device.photons,
+          .node_weight = device.node_weight,
+          .first_node = device.first_node,
+          .air = device.air,
+          .backscatter = device.backscatter,
+          .volumes = device.volumes,
+          .volume_values = device.volume_values,
+          .volume_depth = device.volume_depth,
+          .taps = device.taps,
+          .settings = device.settings,
+          .stopped = batch.stopped,
+          .rows = batch.way,
+          .scratch = batch.scratch,
+          .sums = batch.way_sums,
+          .bins = plan.lidar.gate.bins,
+          .taps_used = plan.taps.taps,
+          .first_tap = plan.taps.first,
+          .phases = plan.taps.phases};
+}
 
 /// One kernel, its own program.
 struct Stage {
@@ -228,7 +296,7 @@ class Collector {
     }
   }
   void copy_hits(const std::uint32_t* hits, std::size_t owner) {
-    const std::size_t rays = plan_.footprint.a.size(), padded = (rays + 15) / 16 * 16;
+    const std::size_t rays = plan_.footprint.a.size(), padded = RC_PADDED(rays);
     for (std::size_t k = 0; k < rays; ++k) {
       const std::uint32_t* at = hits + 2 * (owner * padded + k);
       result_.hits.push_back({at[0], at[1]});
@@ -295,7 +363,7 @@ void LidarRenderer::render(const lidar::LidarPlan& plan, const std::vector<lidar
   Collector collector(plan, tables, shots, sink, hits);
 
   const auto lines = static_cast<std::size_t>(plan.lines());
-  const std::size_t padded_rays = (plan.footprint.a.size() + 15) / 16 * 16,
+  const std::size_t padded_rays = RC_PADDED(plan.footprint.a.size()),
                     bytes = owner_bytes(tables, lines, padded_rays, hits);
   const auto& info = s.context.device().info();
   const std::size_t row_bytes = tables.owner_rows * tables.row_floats * sizeof(float);
@@ -339,29 +407,18 @@ void LidarRenderer::render(const lidar::LidarPlan& plan, const std::vector<lidar
       batch_buffers.beam_of.write(beam_of);
       batch_buffers.beams.write(beams.records());
     }
-    stage.kernel.arguments(s.buffers.nodes, s.buffers.blocks, s.buffers.instances, batch_buffers.shots, device.samples,
-                           device.exits, device.optics, device.lobes, device.photons, device.node_weight,
-                           device.first_node, device.air, device.volumes, device.volume_values, device.volume_depth,
-                           device.taps, device.settings, batch_buffers.first, batch_buffers.multiple,
-                           batch_buffers.stopped, batch_buffers.ledger, batch_buffers.sums, batch_buffers.counts,
-                           batch_buffers.hits, static_cast<std::uint32_t>(plan.seed), plan.lidar.gate.bins,
-                           plan.taps.taps, plan.taps.first, plan.taps.phases);
+    stage.kernel.arguments(shots_arguments(s.buffers, device, plan, batch_buffers));
     s.context.finish();
     const auto start = std::chrono::steady_clock::now();
     s.context.launch(stage.kernel, batch.count);
     if (air_stage) {
       if (tabulated.size() != beams.records().size() ||
           std::memcmp(tabulated.data(), beams.records().data(), tabulated.size() * sizeof tabulated[0]) != 0) {
-        beam_stage->kernel.arguments(batch_buffers.beams, device.samples, device.exits, device.settings,
-                                     batch_buffers.beam_tables, plan.lidar.gate.bins);
+        beam_stage->kernel.arguments(beam_arguments(device, plan, batch_buffers));
         s.context.launch(beam_stage->kernel, beams.size());
         tabulated = beams.records();
       }
-      air_stage->kernel.arguments(
-          batch_buffers.shots, batch_buffers.beam_of, batch_buffers.beam_tables, device.photons, device.node_weight,
-          device.first_node, device.air, device.backscatter, device.volumes, device.volume_values, device.volume_depth,
-          device.taps, device.settings, batch_buffers.stopped, batch_buffers.way, batch_buffers.scratch,
-          batch_buffers.way_sums, plan.lidar.gate.bins, plan.taps.taps, plan.taps.first, plan.taps.phases);
+      air_stage->kernel.arguments(air_arguments(device, plan, batch_buffers));
       s.context.launch(air_stage->kernel, batch.count);
     }
     s.context.finish();

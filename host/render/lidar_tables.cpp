@@ -6,6 +6,7 @@
 
 #include "host/base/error.h"
 #include "kernels/lidar/layout.h"
+#include "kernels/shared/tile_layout.h"
 #include "scene_compiler/matter.h"
 
 namespace raycube::render {
@@ -20,12 +21,11 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 /// faster then.
 constexpr double kNarrow = 2e-5;
 
-int round_up(int n) { return (n + 15) / 16 * 16; }
 std::string define(const char* name, auto value) { return " -D" + std::string(name) + "=" + std::to_string(value); }
 
 /// As struct Scatter of kernels/geometry/primary_frame.h, chunk after chunk.
 std::vector<float> bundle_samples(const lidar::Footprint& footprint, int chunk) {
-  const int slots = round_up(chunk), bounds = round_up(slots / 16), rays = static_cast<int>(footprint.a.size());
+  const int slots = RC_PADDED(chunk), bounds = RC_PADDED(slots / 16), rays = static_cast<int>(footprint.a.size());
   std::vector<float> out;
   for (int begin = 0; begin < rays; begin += chunk) {
     std::vector<float> a(slots, kInfinity), b(slots, kInfinity), lo_a(bounds, kInfinity), hi_a(bounds, -kInfinity),
@@ -71,13 +71,13 @@ void fill_matter(const lidar::LidarPlan& plan, const scene::CompiledScene& scene
       tables.optics.push_back({static_cast<float>(rho), static_cast<float>(leaf), static_cast<float>(plate), 0});
     }
   }
-  tables.lobes = scene::surface_lobes(scene);
   bool gloss = false;
-  for (std::size_t i = 0; i < tables.lobes.size(); ++i)
-    gloss |= i % RC_LOBES > 0 && tables.lobes[i].shape != RC_SHAPE_none;
+  for (const auto& material : scene.materials) gloss |= material.gloss.number != RC_SHAPE_none;
+  const bool shaped = scene::first_shaped(scene) != nullptr;
+  if (gloss || shaped) tables.lobes = scene::surface_lobes(scene);
   tables.options +=
       define("RC_LEAVES", int{leaves}) + define("RC_PLATES", int{plates}) + define("RC_GLOSS", int{gloss});
-  if (scene::first_shaped(scene)) tables.options += define("RC_SHAPED", 1);
+  if (shaped) tables.options += define("RC_SHAPED", 1);
 }
 
 void fill_air(const lidar::LidarPlan& plan, LidarTables& tables) {
@@ -113,18 +113,18 @@ void fill_volumes(const lidar::LidarPlan& plan, const scene::CompiledScene& scen
 
 void fill_taps(const lidar::LidarPlan& plan, LidarTables& tables) {
   const lidar::PulseTaps& taps = plan.taps;
-  const auto padded = static_cast<std::size_t>(round_up(taps.taps));
+  const auto padded = static_cast<std::size_t>(RC_PADDED(taps.taps));
   for (int q = 0; q <= taps.phases; ++q)
     for (std::size_t i = 0; i < padded; ++i)
       tables.taps.push_back(
           i < static_cast<std::size_t>(taps.taps) ? taps.share[static_cast<std::size_t>(q) * taps.taps + i] : 0.0f);
   tables.row_pad = padded;
-  tables.row_floats = 2 * padded + static_cast<std::size_t>(round_up(plan.lidar.gate.bins));
+  tables.row_floats = 2 * padded + static_cast<std::size_t>(RC_PADDED(plan.lidar.gate.bins));
   tables.options +=
       define("RC_TAPS_PADDED", padded) +
       define("RC_ROW_WINDOW", tables.owner_rows * tables.row_floats <= kRowWindow && !tables.multiple ? kRowWindow : 0);
-  tables.stopped_floats = tables.owner_rows * tables.row_floats +
-                          (tables.owner_rows / static_cast<std::size_t>(plan.lines()) + 15) / 16 * 16;
+  tables.stopped_floats =
+      tables.owner_rows * tables.row_floats + RC_PADDED(tables.owner_rows / static_cast<std::size_t>(plan.lines()));
 }
 
 void fill_settings(const lidar::LidarPlan& plan, LidarTables& tables) {
@@ -161,24 +161,25 @@ LidarTables make_lidar_tables(const lidar::LidarPlan& plan, const scene::Compile
   const auto rays = static_cast<int>(plan.footprint.a.size());
   const double unit = receiver ? lidar.receiver.pixel_pitch_rad : lidar.pulse.half_divergence_rad;
   tables.single = exits || unit < kNarrow || rays < 2;
-  tables.chunk = std::min(round_up(rays), kMostBundle);
+  tables.chunk = std::min(RC_PADDED(rays), kMostBundle);
   float largest = 0.5f;
   for (const auto* part : {&plan.footprint.a, &plan.footprint.b})
     for (const float x : *part) largest = std::max(largest, std::abs(x));
   tables.samples = tables.single ? single_samples(plan.footprint) : bundle_samples(plan.footprint, tables.chunk);
   for (const auto* part : {&plan.footprint.exit_a, &plan.footprint.exit_b}) {
     tables.exits.insert(tables.exits.end(), part->begin(), part->end());
-    if (exits) tables.exits.resize((tables.exits.size() + 15) / 16 * 16, 0.0f);
+    if (exits) tables.exits.resize(RC_PADDED(tables.exits.size()), 0.0f);
   }
   tables.multiple = lidar.transport.max_bounces > 1;
   tables.owner_rows = static_cast<std::size_t>(plan.lines()) * static_cast<std::size_t>(receiver ? 1 : plan.pixels());
-  tables.options = " -cl-std=CL1.2 -DRC_NU=1 -DRC_NV=1 -DRC_SCATTER=1 -DRC_GROUP_PIXELS=1" +
-                   define("RC_CHUNK", tables.chunk) + define("RC_SUPPORT", std::ceil(32.01f * largest) / 16) + "f" +
-                   define("RC_STACK", (scene.stack_bound() + 31) / 32 * 32) + define("RC_RECEIVER", int{receiver}) +
-                   define("RC_LASER_LINES", plan.lines()) + define("RC_LINE_NODES", plan.nodes.size()) +
-                   define("RC_COLUMNS", lidar.receiver.columns) + define("RC_ROWS", lidar.receiver.rows) +
-                   define("RC_RAY_COUNT", rays) + define("RC_BOUNCES", lidar.transport.max_bounces) +
-                   define("RC_SINGLE", int{tables.single}) + define("RC_EXITS", int{exits}) +
+  tables.options = " -cl-std=CL1.2 -DRC_NU=1 -DRC_NV=1 -DRC_SCATTER=1 -DRC_PIXELS_PER_GROUP=1" +
+                   define("RC_CHUNK_SAMPLES", tables.chunk) + define("RC_SUPPORT", std::ceil(32.01f * largest) / 16) +
+                   "f" + define("RC_STACK", (scene.stack_bound() + 31) / 32 * 32) +
+                   define("RC_RECEIVER", int{receiver}) + define("RC_LASER_LINES", plan.lines()) +
+                   define("RC_LINE_NODES", plan.nodes.size()) + define("RC_COLUMNS", lidar.receiver.columns) +
+                   define("RC_ROWS", lidar.receiver.rows) + define("RC_RAY_COUNT", rays) +
+                   define("RC_BOUNCES", lidar.transport.max_bounces) + define("RC_SINGLE", int{tables.single}) +
+                   define("RC_EXITS", int{exits}) +
                    define("RC_OVERLAP", lidar.transport.overlap == scene::LidarOverlap::exact ? 1 : 0) +
                    define("RC_GAUSSIAN", lidar.pulse.profile == scene::BeamProfile::gaussian ? 1 : 0);
   fill_matter(plan, scene, tables);

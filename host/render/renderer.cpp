@@ -228,7 +228,7 @@ void Renderer::probe_hits(const scene::Instrument& instrument, std::uint64_t see
     pixels = std::max(pixels, tile.pixels());
     groups = std::max(groups, static_cast<std::size_t>(tile.lines) * groups_of_line(tile));
   }
-  TraceStages stages(state_->context, state_->scene, state_->buffers, instrument, dark, shape, seed);
+  TraceStages stages(state_->context, state_->scene, state_->buffers, dark, shape, seed);
   TraceBuffers traced(state_->context, shape, pixels, groups);
   for (const auto& tile : tiles) {
     base::throw_if_interrupted();

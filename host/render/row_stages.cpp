@@ -3,41 +3,24 @@
 #include <algorithm>
 #include <utility>
 
+#include "host/render/camera_arguments.h"
 #include "kernels/kernel_source.h"
-#include "kernels/shared/rows.h"
 
 namespace raycube::render {
-
-namespace {
-
-std::string define(const char* name, int value) { return " -D" + std::string(name) + "=" + std::to_string(value); }
-
-std::string row_options(const StageShape& shape, const SceneBuffers& scene) {
-  return "-cl-std=CL1.2" + define("RC_NSAMP", shape.chunk_samples) + define("RC_NPAD", shape.padded_samples) +
-         define("RC_SUN", shape.sun) + define("RC_COMPONENTS", shape.components) +
-         define("RC_THERMAL_COMPONENTS", shape.thermal_components) + define("RC_TEMPERATURES", shape.temperatures) +
-         define("RC_HEIGHTS", shape.heights) + define("RC_VIEWS", shape.views) + define("RC_PATH_X", shape.path_x) +
-         define("RC_PATH_Y", shape.path_y) + define("RC_CHANNELS", shape.channels) +
-         define("RC_BANDS_PADDED", shape.bands_padded) + define("RC_PIXELS_PER_GROUP", shape.pixels_per_group) +
-         define("RC_CHUNKED", shape.chunked()) + define("RC_ENVIRONMENT", shape.environment) + scene.options;
-}
-
-std::size_t times_if_chunked(const StageShape& shape) { return shape.chunked() ? 2 : 1; }
-
-}  // namespace
 
 RowBuffers::RowBuffers(const cl::Context& context, const StageShape& shape, std::size_t items_, std::size_t capacity_)
     : items(items_),
       capacity(capacity_),
       term_capacity(shape.term_capacity(capacity_)),
+      elements(shape.rows(capacity_)),
       count(context, items_, cl::Access::read_write, "key counts"),
-      keys(context, items_ * capacity_, cl::Access::read_write, "product keys"),
-      sums(context, items_ * capacity_ * shape.accumulators() * times_if_chunked(shape), cl::Access::read_write,
-           "row sums"),
-      path(context, items_ * shape.heights * times_if_chunked(shape), cl::Access::read_write, "path sums"),
-      truth(context, items_ * RC_TRUTH_SUMS * times_if_chunked(shape), cl::Access::read_write, "truth sums"),
-      environment_row(context, shape.environment ? items_ * 4 : 1, cl::Access::read_only, "rows of the environment"),
-      environment_weight(context, shape.environment ? items_ * 4 : 1, cl::Access::read_only,
+      keys(context, items_ * elements.keys, cl::Access::read_write, "product keys"),
+      sums(context, items_ * elements.sums, cl::Access::read_write, "row sums"),
+      path(context, items_ * elements.path, cl::Access::read_write, "path sums"),
+      truth(context, items_ * elements.truth, cl::Access::read_write, "truth sums"),
+      environment_row(context, shape.environment ? items_ * RC_ENVIRONMENT_NODES : 1, cl::Access::read_only,
+                      "rows of the environment"),
+      environment_weight(context, shape.environment ? items_ * RC_ENVIRONMENT_NODES : 1, cl::Access::read_only,
                          "weights of the environment"),
       term_count(context, items_, cl::Access::read_write, "term counts"),
       term_row(context, items_ * term_capacity, cl::Access::read_write, "term rows"),
@@ -45,12 +28,13 @@ RowBuffers::RowBuffers(const cl::Context& context, const StageShape& shape, std:
 
 TraceBuffers::TraceBuffers(const cl::Context& context, const StageShape& shape, std::size_t pixels,
                            std::size_t group_count)
-    : groups(context, group_count, cl::Access::read_only, "ray groups"),
-      hits(context, pixels * 2 * shape.padded_samples, cl::Access::read_write, "hits"),
-      surface(context, pixels * 6 * shape.padded_samples, cl::Access::read_write, "surface points"),
-      lift(context, pixels * shape.padded_samples, cl::Access::read_write, "lifts of surface points"),
-      sun(context, pixels * (shape.padded_samples / 16), cl::Access::read_write, "sun visibility"),
-      sky(context, pixels * 4 * shape.sky_quads() * shape.padded_samples, cl::Access::read_write, "blocked sky") {}
+    : elements(shape.tile()),
+      groups(context, group_count, cl::Access::read_only, "ray groups"),
+      hits(context, pixels * elements.hits, cl::Access::read_write, "hits"),
+      surface(context, pixels * elements.surface, cl::Access::read_write, "surface points"),
+      lift(context, pixels * elements.lift, cl::Access::read_write, "lifts of surface points"),
+      sun(context, pixels * elements.sun, cl::Access::read_write, "sun visibility"),
+      blocked(context, pixels * elements.blocked, cl::Access::read_write, "blocked sky") {}
 
 RowStages::RowStages(const cl::Context& context, const SceneBuffers& scene, const plan::Plan& plan,
                      const StageShape& shape, sensors::SampleWeights weights)
@@ -58,14 +42,14 @@ RowStages::RowStages(const cl::Context& context, const SceneBuffers& scene, cons
       scene_(scene),
       plan_(plan),
       shape_(shape),
-      options_(row_options(shape, scene)),
+      options_(program_options(shape, 0).rows + scene.options),
       identity_("rows\n" + options_ + "\n" + std::string(kernels::kernel_source("rows"))),
       program_(context, "rows", kernels::kernel_source("rows"), options_),
       shade_(program_, "shade"),
       resolve_(program_, "resolve"),
       integrate_(program_, "integrate_bands"),
       weights_(std::move(weights)),
-      sample_weight_(context, static_cast<std::size_t>(shape.padded_samples), cl::Access::read_only, "sample weights"),
+      sample_weight_(context, shape.tile().padded, cl::Access::read_only, "sample weights"),
       irradiance_(context, plan.irradiance.value, cl::Access::read_only, "irradiance map"),
       tilt_irradiance_(context, plan.thermal.tilt_irradiance, cl::Access::read_only, "irradiance by tilt"),
       surface_node_(context, plan.thermal.surface_node, cl::Access::read_only, "temperatures of surfaces"),
@@ -77,39 +61,87 @@ void RowStages::shade(const PixelSelection& pixels, const TileLayout& layout, co
     const std::size_t first = static_cast<std::size_t>(chunk) * shape_.chunk_samples;
     std::vector<float> padded =
         weights_.stretch(first, std::min<std::size_t>(shape_.chunk_samples, weights_.count() - first), subset);
-    padded.resize(shape_.padded_samples, 0.0f);
+    padded.resize(shape_.tile().padded, 0.0f);
     context_.finish();  // a launch may still read the chunk before
     sample_weight_.write(padded);
     loaded_chunk_ = chunk, loaded_subset_ = subset;
   }
   const auto& s = plan_.sun_direction;
-  shade_.arguments(pixels.count, pixels.list ? *pixels.list : no_list_, cl_uint{pixels.list != nullptr},
-                   static_cast<cl_uint>(rows.capacity), static_cast<cl_uint>(fresh), traced.groups, layout.width,
-                   layout.groups_per_line, traced.hits, traced.surface, traced.lift, traced.sun, traced.sky,
-                   scene_.blocks, scene_.surfaces, sample_weight_, static_cast<float>(weights_.count()),
-                   shared::rc_float4{s[0], s[1], s[2], 0}, irradiance_, static_cast<cl_uint>(plan_.irradiance.size),
-                   tilt_irradiance_, surface_node_, plan_.height.first, plan_.height.step, rows.count, rows.keys,
-                   rows.sums, rows.path, rows.truth);
+  shade_.arguments(ShadeArguments{.item_count = pixels.count,
+                                  .pixel_list = pixels.list ? *pixels.list : no_list_,
+                                  .use_list = cl_uint{pixels.list != nullptr},
+                                  .capacity = static_cast<cl_uint>(rows.capacity),
+                                  .fresh = cl_uint{fresh},
+                                  .groups = traced.groups,
+                                  .columns = layout.columns,
+                                  .hits = traced.hits,
+                                  .surface = traced.surface,
+                                  .lift = traced.lift,
+                                  .sun = traced.sun,
+                                  .blocked = traced.blocked,
+                                  .blocks = scene_.blocks,
+                                  .surfaces = scene_.surfaces,
+                                  .chunk_weight = sample_weight_,
+                                  .sample_total = static_cast<float>(weights_.count()),
+                                  .sun_direction = shared::rc_float4{s[0], s[1], s[2], 0},
+                                  .irradiance_map = irradiance_,
+                                  .map_size = static_cast<cl_uint>(plan_.irradiance.size),
+                                  .tilt_irradiance = tilt_irradiance_,
+                                  .surface_node = surface_node_,
+                                  .height_first = plan_.height.first,
+                                  .height_step = plan_.height.step,
+                                  .row_count = rows.count,
+                                  .row_keys = rows.keys,
+                                  .row_sums = rows.sums,
+                                  .path_sums = rows.path,
+                                  .truth = rows.truth});
   context_.launch(shade_, pixels.count);
 }
 
 void RowStages::resolve(std::uint32_t first_item, std::uint32_t item_count, const PixelSelection& pixels,
                         const TileLayout& layout, const TraceBuffers& traced, const BandTable& table,
                         RowBuffers& rows) {
-  resolve_.arguments(first_item, item_count, pixels.list ? *pixels.list : no_list_, cl_uint{pixels.list != nullptr},
-                     static_cast<cl_uint>(rows.capacity), static_cast<cl_uint>(rows.term_capacity), traced.groups,
-                     layout.width, layout.groups_per_line, rows.count, rows.keys, rows.sums, rows.path, table.keys(),
-                     table.rows(), cl_uint{table.count()}, plan_.view.first, plan_.view.step, plan_.path_x.first,
-                     plan_.path_x.step, plan_.path_y.first, plan_.path_y.step, rows.environment_row,
-                     rows.environment_weight, rows.term_count, rows.term_row, rows.term_weight);
+  resolve_.arguments(ResolveArguments{.first_item = first_item,
+                                      .item_count = item_count,
+                                      .pixel_list = pixels.list ? *pixels.list : no_list_,
+                                      .use_list = cl_uint{pixels.list != nullptr},
+                                      .capacity = static_cast<cl_uint>(rows.capacity),
+                                      .term_capacity = static_cast<cl_uint>(rows.term_capacity),
+                                      .groups = traced.groups,
+                                      .columns = layout.columns,
+                                      .row_count = rows.count,
+                                      .row_keys = rows.keys,
+                                      .row_sums = rows.sums,
+                                      .path_sums = rows.path,
+                                      .baked_keys = table.keys(),
+                                      .baked_rows = table.rows(),
+                                      .baked_count = table.count(),
+                                      .view_first = plan_.view.first,
+                                      .view_step = plan_.view.step,
+                                      .path_x_first = plan_.path_x.first,
+                                      .path_x_step = plan_.path_x.step,
+                                      .path_y_first = plan_.path_y.first,
+                                      .path_y_step = plan_.path_y.step,
+                                      .environment_row = rows.environment_row,
+                                      .environment_weight = rows.environment_weight,
+                                      .term_count = rows.term_count,
+                                      .term_row = rows.term_row,
+                                      .term_weight = rows.term_weight});
   context_.launch(resolve_, item_count);
 }
 
 void RowStages::integrate(std::uint32_t first_item, std::uint32_t item_count, const PixelSelection& pixels,
                           const BandTable& table, const RowBuffers& rows, cl::Buffer<float>& radiance) {
-  integrate_.arguments(first_item, item_count, pixels.list ? *pixels.list : no_list_, cl_uint{pixels.list != nullptr},
-                       static_cast<cl_uint>(rows.term_capacity), rows.term_count, rows.term_row, rows.term_weight,
-                       table.values(), radiance);
+  integrate_.arguments(IntegrateBandsArguments{.first_item = first_item,
+                                               .item_count = item_count,
+                                               .pixel_list = pixels.list ? *pixels.list : no_list_,
+                                               .use_list = cl_uint{pixels.list != nullptr},
+                                               .term_capacity = static_cast<cl_uint>(rows.term_capacity),
+                                               .term_count = rows.term_count,
+                                               .term_row = rows.term_row,
+                                               .term_weight = rows.term_weight,
+                                               .table = table.values(),
+                                               .radiance = radiance});
   context_.launch(integrate_, item_count);
 }
 

@@ -17,13 +17,14 @@ namespace raycube::render {
 struct RowBuffers {
   RowBuffers(const cl::Context& context, const StageShape& shape, std::size_t items, std::size_t capacity);
   std::size_t items, capacity, term_capacity;
+  shared::RowElements elements;  ///< of an item
   cl::Buffer<std::uint32_t> count;
   cl::Buffer<std::uint64_t> keys;
   cl::Buffer<float> sums;
   cl::Buffer<float> path;
   cl::Buffer<float> truth;
-  cl::Buffer<std::uint32_t> environment_row;  ///< [item][4], of the band table
-  cl::Buffer<float> environment_weight;       ///< [item][4]
+  cl::Buffer<std::uint32_t> environment_row;  ///< [item][RC_ENVIRONMENT_NODES], of the band table
+  cl::Buffer<float> environment_weight;       ///< [item][RC_ENVIRONMENT_NODES]
   cl::Buffer<std::uint32_t> term_count;
   cl::Buffer<std::uint32_t> term_row;
   cl::Buffer<float> term_weight;
@@ -32,11 +33,12 @@ struct RowBuffers {
 /// What tracing left of a tile (or of one chunk of its samples).
 struct TraceBuffers {
   TraceBuffers(const cl::Context& context, const StageShape& shape, std::size_t pixels, std::size_t groups);
+  shared::TileElements elements;  ///< of a pixel
   cl::Buffer<shared::RayGroup> groups;
   cl::Buffer<std::uint32_t> hits;
   cl::Buffer<float> surface, lift;
   cl::Buffer<std::uint16_t> sun;
-  cl::Buffer<float> sky;
+  cl::Buffer<float> blocked;
 };
 
 /// Pixels a launch works on: the first `count` of a tile, or those of a list.
@@ -47,10 +49,16 @@ struct PixelSelection {
 
 /// Where a tile's pixels lie in its groups.
 struct TileLayout {
-  std::uint32_t width = 0;  ///< pixels of a line of the tile
-  std::uint32_t groups_per_line = 0;
+  std::uint32_t columns = 0;  ///< pixels of a line of the tile
   std::uint32_t lines = 0;
-  std::size_t groups() const { return static_cast<std::size_t>(lines) * groups_per_line; }
+  std::uint32_t pixels_per_group = RC_GROUP_WIDTH;
+  std::size_t groups() const {
+    return static_cast<std::size_t>(lines) * shared::rc_groups_per_line(columns, pixels_per_group);
+  }
+  std::size_t group_of(std::uint32_t pixel) const { return shared::rc_group_of(pixel, columns, pixels_per_group); }
+  float place_in_group(std::uint32_t pixel) const {
+    return shared::rc_place_in_group(pixel, columns, pixels_per_group);
+  }
 };
 
 /// The three kernels, specialised for one shape, and the plan data they read.

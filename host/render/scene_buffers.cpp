@@ -5,6 +5,7 @@
 #include <span>
 
 #include "host/base/error.h"
+#include "scene_compiler/matter.h"
 
 namespace raycube::render {
 
@@ -94,6 +95,8 @@ SceneBuffers::SceneBuffers(const cl::Context& context, const scene::CompiledScen
       nodes(upload(context, scene.nodes, "nodes", page_bytes)),
       blocks(upload(context, scene.blocks, "triangles", page_bytes)),
       instances(upload(context, scene.instances, "instances", page_bytes)),
-      surfaces(upload(context, scene.surfaces, "surfaces", page_bytes)) {}
+      surfaces(upload(context, scene.surfaces, "surfaces", page_bytes)),
+      lobes(context, scene::first_shaped(scene) ? scene::surface_lobes(scene) : std::vector<shared::Lobe>(1),
+            cl::Access::read_only, "shapes of surfaces") {}
 
 }  // namespace raycube::render

@@ -48,6 +48,7 @@ struct SceneBuffers {
   std::vector<cl::Buffer<shared::TriBlock>> blocks;
   std::vector<cl::Buffer<shared::Instance>> instances;
   std::vector<cl::Buffer<shared::Surface>> surfaces;
+  cl::Buffer<shared::Lobe> lobes;  ///< [surface][RC_LOBES] where a material does not reflect by Lambert's law, else one
 };
 
 }  // namespace raycube::render

@@ -4,7 +4,7 @@
 
 #include "host/render/tile_worker.h"
 #include "kernels/atmosphere/nodes.h"
-#include "kernels/shared/rows.h"
+#include "kernels/shared/tile_layout.h"
 
 namespace raycube::render {
 
@@ -13,8 +13,7 @@ std::array<plan::EnvironmentWeight, 4> TileWorker::environment_of(std::uint32_t 
   if (const double hit = truth_sums[RC_TRUTH_HIT]; hit > 0)
     return plan::environment_at(plan.environment, truth_sums[RC_TRUTH_X] / hit, truth_sums[RC_TRUTH_Y] / hit);
   const auto d = centre_direction(pixel);
-  const auto& group = groups_[pixel / layout_.width * layout_.groups_per_line +
-                              pixel % layout_.width / static_cast<std::uint32_t>(setup_.shape.pixels_per_group)];
+  const auto& group = groups_[layout_.group_of(pixel)];
   // d - d0 is the pixel's place in its group: its ray starts that much beside the group's, times the way ahead.
   const double ahead = group.d0.w,
                t = (double{plan.height.first} - (group.origin.z + ahead * (d[2] - group.d0.z))) / d[2];
@@ -31,8 +30,8 @@ void TileWorker::write_environment(std::span<const std::array<plan::EnvironmentW
       row.push_back(node.weight > 0 ? table_.row_of(plan::kEnvironmentKey | node.node) : 0);
       weight.push_back(static_cast<float>(node.weight));
     }
-  rows.environment_row.write(row, 4 * first_item);
-  rows.environment_weight.write(weight, 4 * first_item);
+  rows.environment_row.write(row, RC_ENVIRONMENT_NODES * first_item);
+  rows.environment_weight.write(weight, RC_ENVIRONMENT_NODES * first_item);
 }
 
 void TileWorker::add_environment(std::uint32_t pixel, const float* truth_sums, const std::vector<double>& path,

@@ -4,28 +4,29 @@
 #include <string>
 
 #include "host/base/error.h"
-#include "kernels/shared/rows.h"
-#include "kernels/shared/structs.h"
+#include "host/sensors/ray_groups.h"
+#include "kernels/sampling/sampler.h"
 
 namespace raycube::render {
 
 std::size_t StageShape::row_bytes(std::size_t capacity) const {
-  const std::size_t floats = static_cast<std::size_t>(accumulators()) * (chunked() ? 2 : 1);
-  return sizeof(std::uint32_t) + capacity * (sizeof(std::uint64_t) + floats * sizeof(float)) +  // row
-         (environment ? 4 * (sizeof(std::uint32_t) + sizeof(float)) : 0) + sizeof(std::uint32_t) +
-         term_capacity(capacity) * (sizeof(std::uint32_t) + sizeof(float));
+  constexpr std::size_t kTerm = sizeof(std::uint32_t) + sizeof(float);  // a row of the band table and its weight
+  return rows(capacity).row_bytes() + (environment ? RC_ENVIRONMENT_NODES * kTerm : 0) + sizeof(std::uint32_t) +
+         term_capacity(capacity) * kTerm;
 }
 
 std::size_t StageShape::pixel_bytes() const {
-  const std::size_t padded = static_cast<std::size_t>(padded_samples);
-  const std::size_t sums = (static_cast<std::size_t>(heights) + RC_TRUTH_SUMS) * (chunked() ? 2 : 1) * sizeof(float);
-  return padded * (2 + 6 + 1 + 4 * static_cast<std::size_t>(sky_quads())) * sizeof(float) + padded / 8 + sums +
-         sizeof(shared::RayGroup) + static_cast<std::size_t>(bands_padded) * sizeof(float);
+  return tile().bytes() + rows(0).pixel_bytes() + sizeof(shared::RayGroup) +
+         static_cast<std::size_t>(bands_padded) * sizeof(float);
 }
 
 StageShape make_stage_shape(const scene::Instrument& instrument, const plan::Plan& plan, int pixels_per_group) {
   StageShape shape;
-  shape.samples = instrument.samples_u * instrument.samples_v;
+  shape.samples_u = instrument.samples_u, shape.samples_v = instrument.samples_v;
+  shape.samples = shape.samples_u * shape.samples_v;
+  shape.sampler = instrument.sampler;
+  shape.support_px = static_cast<float>(instrument.psf_support_px);
+  shape.moving = sensors::pose_moves(instrument);
   if (shape.samples <= kMaxChunkSamples) {
     shape.chunk_samples = shape.samples;
   } else if (instrument.sampler == scene::SamplerKind::lattice) {
@@ -39,10 +40,10 @@ StageShape make_stage_shape(const scene::Instrument& instrument, const plan::Pla
     shape.chunk_samples = kMaxChunkSamples / instrument.samples_u * instrument.samples_u;
   }
   shape.chunks = (shape.samples + shape.chunk_samples - 1) / shape.chunk_samples;
-  shape.padded_samples = (shape.chunk_samples + 15) / 16 * 16;
   shape.pixels_per_group = pixels_per_group;
   shape.sun = plan.sun_sources;
   shape.components = plan.components();
+  shape.shaped = plan.shaped;
   shape.sky_share = plan.sky.share;
   shape.thermal_components = plan.thermal.components();
   shape.temperatures = plan.thermal.nodes();
@@ -53,16 +54,55 @@ StageShape make_stage_shape(const scene::Instrument& instrument, const plan::Pla
   shape.channels = std::max({plan.source_channels(), plan.path_channels(), plan.environment_channels()});
   shape.environment = !plan.environment.empty();
   shape.bands = static_cast<int>(plan.bands.size());
-  shape.bands_padded = (shape.bands + 15) / 16 * 16;
+  shape.bands_padded = RC_PADDED(shape.bands);
   return shape;
 }
+
+ProgramOptions program_options(const StageShape& shape, std::uint32_t stack_bound) {
+  ProgramOptions out{"-cl-std=CL1.2", "-cl-std=CL1.2"};
+  const auto text = [](const char* name, auto value) {
+    return " -D" + std::string(name) + "=" + std::to_string(value);
+  };
+  const auto both = [&](const char* name, int value) { out.trace += text(name, value), out.rows += text(name, value); };
+  const auto trace = [&](const char* name, int value) { out.trace += text(name, value); };
+  const auto rows = [&](const char* name, int value) { out.rows += text(name, value); };
+  both("RC_CHUNK_SAMPLES", shape.chunk_samples);
+  both("RC_PIXELS_PER_GROUP", shape.pixels_per_group);
+  both("RC_SKY_PLANES", shape.sky_planes());
+  if (shape.shaped) both("RC_SHAPED", 1);
+  trace("RC_NU", shape.samples_u);
+  trace("RC_NV", shape.samples_v);
+  trace("RC_SAMPLER", static_cast<int>(shape.sampler));
+  out.trace += text("RC_SUPPORT", shape.support_px) + "f";
+  trace("RC_SCATTER", shape.sampler != scene::SamplerKind::grid || shape.support_px != 1);
+  trace("RC_STACK", static_cast<int>(stack_bound));
+  trace("RC_MOVING", shape.moving);
+  rows("RC_SUN", shape.sun);
+  rows("RC_COMPONENTS", shape.components);
+  rows("RC_THERMAL_COMPONENTS", shape.thermal_components);
+  rows("RC_TEMPERATURES", shape.temperatures);
+  rows("RC_HEIGHTS", shape.heights);
+  rows("RC_VIEWS", shape.views);
+  rows("RC_PATH_X", shape.path_x);
+  rows("RC_PATH_Y", shape.path_y);
+  rows("RC_CHANNELS", shape.channels);
+  rows("RC_BANDS_PADDED", shape.bands_padded);
+  rows("RC_CHUNKED", shape.chunked());
+  rows("RC_ENVIRONMENT", shape.environment);
+  return out;
+}
+
+static_assert(static_cast<int>(scene::SamplerKind::grid) == RC_SAMPLER_GRID &&
+                  static_cast<int>(scene::SamplerKind::lattice) == RC_SAMPLER_LATTICE &&
+                  static_cast<int>(scene::SamplerKind::jittered) == RC_SAMPLER_JITTERED,
+              "sampler numbers are those of kernels/sampling/sampler.h");
 
 namespace {
 
 /// Bytes that a pixel adds to the largest single buffer, which must stay inside one allocation.
 std::size_t largest_buffer(const StageShape& shape, std::size_t capacity) {
-  return std::max({static_cast<std::size_t>(shape.padded_samples) * 6 * sizeof(float),
-                   static_cast<std::size_t>(shape.bands_padded) * sizeof(float), shape.row_bytes(capacity)});
+  return std::max({shape.tile().surface * sizeof(float), static_cast<std::size_t>(shape.bands_padded) * sizeof(float),
+                   shape.row_bytes(capacity)});
 }
 
 }  // namespace
@@ -98,7 +138,7 @@ TileSize choose_tile_size(const StageShape& shape, int pixels, int lines, std::s
   const std::size_t largest = largest_buffer(shape, capacity);
   constexpr std::size_t kFewestSamples =
       32;  // an image of a few samples a pixel fills its memory with bands, not with samples
-  const std::size_t useful = tile_samples / std::max(kFewestSamples, static_cast<std::size_t>(shape.padded_samples));
+  const std::size_t useful = tile_samples / std::max(kFewestSamples, shape.tile().padded);
   const std::size_t strips = kStripsAtOnce * least.strip_values * sizeof(float);
   const std::size_t fit = std::min({budget_bytes / std::max(per_pixel, strips), max_alloc_bytes / largest,
                                     std::max(useful, static_cast<std::size_t>(pixels))});

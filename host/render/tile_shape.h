@@ -5,7 +5,10 @@
 #include <cstddef>
 #include <cstdint>
 
+#include <string>
+
 #include "host/plan/plan.h"
+#include "kernels/shared/tile_layout.h"
 #include "scene_compiler/simulation.h"
 
 namespace raycube::render {
@@ -18,26 +21,38 @@ inline constexpr std::size_t kChunkedCapacity = 256;
 
 /// The sizes every stage is specialised for.
 struct StageShape {
-  int samples = 0;        ///< of a pixel, all chunks
-  int chunk_samples = 0;  ///< of one chunk (the last chunk may hold fewer)
+  int samples = 1;                                        ///< of a pixel, all chunks
+  int samples_u = 1, samples_v = 1;                       ///< along and across the line
+  scene::SamplerKind sampler = scene::SamplerKind::grid;  ///< where they lie
+  float support_px = 1;                                   ///< width of the square that they cover
+  bool moving = false;                                    ///< the pose changes while a line is taken
+  int chunk_samples = 0;                                  ///< of one chunk (the last chunk may hold fewer)
   int chunks = 1;
-  int padded_samples = 0;  ///< chunk_samples rounded up to 16
-  int pixels_per_group = 4;
+  int pixels_per_group = RC_GROUP_WIDTH;
   int sun = 1, components = 0, thermal_components = 0, temperatures = 0;  ///< sources of a material row
   int heights = 1, views = 1, path_x = 1, path_y = 1;
   int channels = 1;  ///< rows of the band table per key: max of source and path channels
   int bands = 0, bands_padded = 0;
   int sky_share = 1;         ///< each sample looks into one in so many of the sky's directions
   bool sky_shadows = true;   ///< false: nothing hides the sky, no rays are sent to it
+  bool shaped = false;       ///< some material does not reflect by Lambert's law
   bool environment = false;  ///< light of the ground around joins: 4 rows of the band table per pixel
   bool chunked() const { return chunks > 1; }
   int sources() const { return sun + components + temperatures; }
-  int sky_quads() const { return components > 4 ? 2 : 1; }
-  int accumulators() const { return sources() * heights + 1; }
+  int sky_planes() const { return RC_SKY_PLANES_OF(components); }
+  int accumulators() const { return RC_ROW_ACCUMULATORS(sources(), heights); }
+  /// Elements of a pixel in the buffers of a chunk.
+  shared::TileElements tile() const {
+    return {static_cast<std::size_t>(chunk_samples), static_cast<std::size_t>(sky_planes()), shaped};
+  }
+  /// Elements of an item in the buffers of rows.
+  shared::RowElements rows(std::size_t capacity) const {
+    return {capacity, static_cast<std::size_t>(accumulators()), static_cast<std::size_t>(heights), chunked()};
+  }
   /// Terms a pixel with `capacity` keys can have.
   std::size_t term_capacity(std::size_t capacity) const {
     return static_cast<std::size_t>(heights) * path_x * path_y +
-           (environment ? 4 * static_cast<std::size_t>(heights) * views : 0) +
+           (environment ? RC_ENVIRONMENT_NODES * static_cast<std::size_t>(heights) * views : 0) +
            capacity * static_cast<std::size_t>(sources()) * heights * views;
   }
   /// Device bytes of a pixel's row, terms and counts at a given key capacity.
@@ -46,13 +61,23 @@ struct StageShape {
   std::size_t pixel_bytes() const;
 };
 
-/// Throws Error(input) when the sampler cannot be cut into chunks (a grid wider than kMaxChunkSamples).
 /// Keys that a pixel's row holds, for samples at once or in chunks. given: RenderOptions::row_capacity.
 inline std::size_t row_capacity_of(const StageShape& shape, int given) {
   return shape.chunked() ? kChunkedCapacity : static_cast<std::size_t>(given);
 }
 
+/// Throws Error(input) when the sampler cannot be cut into chunks (a grid wider than kMaxChunkSamples).
 StageShape make_stage_shape(const scene::Instrument& instrument, const plan::Plan& plan, int pixels_per_group);
+
+/// Build options of a camera's programs.
+struct ProgramOptions {
+  std::string trace;  ///< of kernels/entry/trace.cl: rays
+  std::string rows;   ///< of kernels/entry/rows.cl: shading and what follows
+};
+
+/// Both from one list, so that what one program writes the other reads. stack_bound: CompiledScene::stack_bound().
+/// Those of the scene's arrays (SceneBuffers::options) are not in it.
+ProgramOptions program_options(const StageShape& shape, std::uint32_t stack_bound);
 
 /// A rectangle of pixels: full-width strips of lines, or parts of one line when a line exceeds the budget.
 struct Tile {

@@ -14,7 +14,7 @@
 #include "host/sensors/psf.h"
 #include "host/sensors/ray_groups.h"
 #include "kernels/atmosphere/nodes.h"
-#include "kernels/shared/rows.h"
+#include "kernels/shared/tile_layout.h"
 #include "scene_compiler/matter.h"
 
 namespace raycube::render {
@@ -47,7 +47,7 @@ TileWorker::TileWorker(const RenderSetup& setup, BandTable& table, std::size_t p
                        std::size_t row_capacity, bool errors)
     : setup_(setup),
       row_stages_(setup.context, setup.buffers, setup.plan, setup.shape, sensors::SampleWeights(setup.instrument)),
-      trace_stages_(setup.context, setup.scene, setup.buffers, setup.instrument, setup.plan, setup.shape, setup.seed),
+      trace_stages_(setup.context, setup.scene, setup.buffers, setup.plan, setup.shape, setup.seed),
       table_(table),
       traced_(setup.context, setup.shape, pixels,
               pixels / setup.shape.pixels_per_group + static_cast<std::size_t>(lines) + 1),
@@ -69,10 +69,8 @@ TileWorker::TileWorker(const RenderSetup& setup, BandTable& table, std::size_t p
 }
 
 std::array<double, 3> TileWorker::centre_direction(std::uint32_t pixel) const {
-  const std::uint32_t line = pixel / layout_.width, column = pixel % layout_.width;
-  const std::uint32_t wide = static_cast<std::uint32_t>(setup_.shape.pixels_per_group);
-  const auto& g = groups_[line * layout_.groups_per_line + column / wide];
-  const double a = column % wide - 0.5 * (wide - 1);
+  const auto& g = groups_[layout_.group_of(pixel)];
+  const double a = layout_.place_in_group(pixel);
   return {g.d0.x + a * g.du.x, g.d0.y + a * g.du.y, g.d0.z + a * g.du.z};
 }
 
@@ -87,7 +85,7 @@ void TileWorker::write_truth(std::uint32_t pixel, const float* sums, const float
 
 void collect_hits(const StageShape& shape, int chunk, const TraceBuffers& traced, HitProbe& probe) {
   const auto hits = traced.hits.read_all();
-  const std::size_t pixels = probe.tile.pixels(), padded = shape.padded_samples, samples = shape.samples;
+  const std::size_t pixels = probe.tile.pixels(), samples = static_cast<std::size_t>(shape.samples);
   const std::size_t first = std::size_t(chunk) * shape.chunk_samples,
                     end = std::min(first + shape.chunk_samples, samples);
   probe.samples = shape.samples;
@@ -95,8 +93,9 @@ void collect_hits(const StageShape& shape, int chunk, const TraceBuffers& traced
   probe.hit_primitive.resize(pixels * samples);
   for (std::size_t p = 0; p < pixels; ++p)
     for (std::size_t s = first; s < end; ++s) {
-      probe.hit_instance[p * samples + s] = hits[p * 2 * padded + (s - first)];
-      probe.hit_primitive[p * samples + s] = hits[(p * 2 + 1) * padded + (s - first)];
+      const std::uint32_t* at = hits.data() + p * traced.elements.hits + (s - first);
+      probe.hit_instance[p * samples + s] = at[RC_HIT_INSTANCE * traced.elements.padded];
+      probe.hit_primitive[p * samples + s] = at[RC_HIT_PRIMITIVE * traced.elements.padded];
     }
 }
 
@@ -104,19 +103,20 @@ void TileWorker::collect(int chunk, PixelProbe& probe) const {
   const StageShape& shape = setup_.shape;
   collect_hits(shape, chunk, traced_, probe);
   const auto sun = traced_.sun.read_all();
-  const auto sky = traced_.sky.read_all();
-  const std::size_t pixels = probe.tile.pixels(), padded = shape.padded_samples, samples = shape.samples;
+  const auto blocked = traced_.blocked.read_all();
+  const std::size_t pixels = probe.tile.pixels(), samples = static_cast<std::size_t>(shape.samples);
   const std::size_t first = std::size_t(chunk) * shape.chunk_samples,
                     end = std::min(first + shape.chunk_samples, samples);
   probe.sun_visible.resize(pixels * samples);
-  const std::size_t planes = 4 * static_cast<std::size_t>(shape.sky_quads());
+  const auto planes = static_cast<std::size_t>(shape.sky_planes());
   probe.sky_blocked.resize(pixels * samples * planes);
   for (std::size_t p = 0; p < pixels; ++p)
     for (std::size_t s = first; s < end; ++s) {
       const std::size_t i = s - first;
-      probe.sun_visible[p * samples + s] = (sun[p * (padded / 16) + i / 16] >> (i % 16)) & 1u;
+      probe.sun_visible[p * samples + s] = (sun[p * traced_.elements.sun + i / RC_WORD] >> (i % RC_WORD)) & 1u;
       for (int m = 0; m < shape.components; ++m)
-        probe.sky_blocked[planes * (p * samples + s) + m] = sky[(p * planes + m) * padded + i];
+        probe.sky_blocked[planes * (p * samples + s) + m] =
+            blocked[p * traced_.elements.blocked + m * traced_.elements.padded + i];
     }
 }
 
@@ -214,7 +214,7 @@ void TileWorker::add_errors(const std::vector<std::uint32_t>& pixels, const Tile
 std::vector<std::uint32_t> TileWorker::finish_rows(RowBuffers& rows, const std::vector<std::uint32_t>& pixels,
                                                    bool use_list, const TileOutput& out) {
   const StageShape& shape = setup_.shape;
-  const std::size_t items = pixels.size(), sums_per_key = shape.accumulators() * (shape.chunked() ? 2 : 1);
+  const std::size_t items = pixels.size();
   const std::size_t materials = setup_.scene.materials.size();
   std::optional<cl::Buffer<std::uint32_t>> list;
   if (use_list) list.emplace(setup_.context, pixels, cl::Access::read_only, "list of pixels");
@@ -228,7 +228,6 @@ std::vector<std::uint32_t> TileWorker::finish_rows(RowBuffers& rows, const std::
     const auto keys = rows.keys.map(false);
     const auto sums = rows.sums.map(false);
     const auto truth = rows.truth.map(false);
-    const std::size_t truth_stride = RC_TRUTH_SUMS * (shape.chunked() ? 2 : 1);
     std::set<std::uint64_t> used;
     std::vector<float> abundance(materials);
     float truth_sums[RC_TRUTH_SUMS];
@@ -239,8 +238,9 @@ std::vector<std::uint32_t> TileWorker::finish_rows(RowBuffers& rows, const std::
       }
       std::fill(abundance.begin(), abundance.end(), 0.0f);
       for (std::size_t t = 0; t < RC_TRUTH_SUMS; ++t)
-        truth_sums[t] = static_cast<float>(total(truth.data() + i * truth_stride, RC_TRUTH_SUMS, shape.chunked(), t));
-      const std::uint64_t* row_keys = keys.data() + i * rows.capacity;
+        truth_sums[t] =
+            static_cast<float>(total(truth.data() + i * rows.elements.truth, RC_TRUTH_SUMS, shape.chunked(), t));
+      const std::uint64_t* row_keys = keys.data() + i * rows.elements.keys;
       std::set<std::uint64_t> wanted;
       if (shape.environment) {
         around[i] = environment_of(pixels[i], truth_sums);
@@ -257,7 +257,7 @@ std::vector<std::uint32_t> TileWorker::finish_rows(RowBuffers& rows, const std::
       }
       used.merge(wanted);
       for (std::uint32_t k = 0; k < count[i]; ++k) {
-        const float* row = sums.data() + (i * rows.capacity + k) * sums_per_key;
+        const float* row = sums.data() + i * rows.elements.sums + k * rows.elements.sums_of_key;
         const std::size_t last = shape.accumulators() - 1;
         abundance[material_of_key(row_keys[k])] +=
             static_cast<float>(total(row, shape.accumulators(), shape.chunked(), last));
@@ -311,7 +311,6 @@ void TileWorker::sum_per_sample(const std::vector<std::uint32_t>& flagged, const
   const StageShape& shape = setup_.shape;
   const plan::Plan& plan = setup_.plan;
   const std::size_t bands = shape.bands, materials = setup_.scene.materials.size();
-  const std::size_t sums_per_key = shape.accumulators() * (shape.chunked() ? 2 : 1);
   // Every sample deposits at most four keys, so a chunk can never overflow this row.
   RowBuffers rows(setup_.context, shape, 1, 4 * static_cast<std::size_t>(shape.chunk_samples));
   struct Sum {
@@ -357,7 +356,7 @@ void TileWorker::sum_per_sample(const std::vector<std::uint32_t>& flagged, const
         const auto keys = rows.keys.read_all();
         const auto sums = rows.sums.read_all();
         for (std::uint32_t k = 0; k < count; ++k) {
-          const float* row = sums.data() + k * sums_per_key;
+          const float* row = sums.data() + k * rows.elements.sums_of_key;
           const auto baked = plan::bake_row(plan, setup_.scene, keys[k]);
           for (int i = 0; i < shape.accumulators() - 1; ++i)
             for (int v = 0; v < shape.views; ++v)

@@ -6,26 +6,13 @@
 #include "host/base/error.h"
 #include "host/base/doing.h"
 #include "host/base/sha256.h"
+#include "host/render/camera_arguments.h"
 #include "host/sensors/ray_groups.h"
 #include "kernels/kernel_source.h"
 
 namespace raycube::render {
 
 namespace {
-
-std::string trace_options(const scene::CompiledScene& scene, const SceneBuffers& buffers,
-                          const scene::Instrument& instrument, const StageShape& shape) {
-  const auto define = [](const char* name, auto value) {
-    return " -D" + std::string(name) + "=" + std::to_string(value);
-  };
-  const bool plain_grid = instrument.sampler == scene::SamplerKind::grid && instrument.psf_support_px == 1;
-  return "-cl-std=CL1.2" + define("RC_NU", instrument.samples_u) + define("RC_NV", instrument.samples_v) +
-         define("RC_CHUNK", shape.chunk_samples) + define("RC_SAMPLER", static_cast<int>(instrument.sampler)) +
-         define("RC_SUPPORT", static_cast<float>(instrument.psf_support_px)) + "f" +
-         define("RC_SCATTER", plain_grid ? 0 : 1) + define("RC_GROUP_PIXELS", shape.pixels_per_group) +
-         define("RC_STACK", scene.stack_bound()) + define("RC_MOVING", sensors::pose_moves(instrument) ? 1 : 0) +
-         (shape.sky_quads() > 1 ? define("RC_SKY_QUADS", shape.sky_quads()) : "") + buffers.options;
-}
 
 /// The device wants at least one element of everything.
 template <class T>
@@ -38,21 +25,17 @@ std::vector<shared::rc_float4> sun_only(const plan::Plan& plan) {
   return {{plan.sun_direction[0], plan.sun_direction[1], plan.sun_direction[2], 0}};
 }
 
-static_assert(static_cast<int>(scene::SamplerKind::grid) == 0 && static_cast<int>(scene::SamplerKind::lattice) == 1 &&
-                  static_cast<int>(scene::SamplerKind::jittered) == 2,
-              "sampler numbers are those of kernels/sampling/sampler.h");
-
 }  // namespace
 
 struct TraceStages::State {
   State(const cl::Context& context_, const scene::CompiledScene& scene, const SceneBuffers& buffers_,
-        const scene::Instrument& instrument, const plan::Plan& plan_, const StageShape& shape_, std::uint64_t seed_)
+        const plan::Plan& plan_, const StageShape& shape_, std::uint64_t seed_)
       : context(context_),
         buffers(buffers_),
         plan(plan_),
         shape(shape_),
         seed(static_cast<std::uint32_t>(seed_)),
-        options(trace_options(scene, buffers_, instrument, shape_)),
+        options(program_options(shape_, scene.stack_bound()).trace + buffers_.options),
         identity("trace\n" + options + "\n" + std::string(kernels::kernel_source("trace"))),
         program(context_, "trace", kernels::kernel_source("trace"), options),
         primary(program, "trace_primary"),
@@ -68,8 +51,15 @@ struct TraceStages::State {
   }
   bool sends_to_sky() const { return shape.sky_shadows && plan.components() > 0; }
   const cl::Kernel& primary_of(const TileLayout& layout, int chunk, TraceBuffers& traced) {
-    return primary.arguments(buffers.nodes, buffers.blocks, buffers.instances, traced.groups, traced.hits, seed,
-                             layout.width, first_sample(chunk), sample_count(chunk));
+    return primary.arguments(TracePrimaryArguments{.nodes = buffers.nodes,
+                                                   .blocks = buffers.blocks,
+                                                   .instances = buffers.instances,
+                                                   .groups = traced.groups,
+                                                   .hits = traced.hits,
+                                                   .seed = seed,
+                                                   .columns = layout.columns,
+                                                   .first_sample = first_sample(chunk),
+                                                   .sample_count = sample_count(chunk)});
   }
 
   const cl::Context& context;
@@ -85,9 +75,8 @@ struct TraceStages::State {
 };
 
 TraceStages::TraceStages(const cl::Context& context, const scene::CompiledScene& scene, const SceneBuffers& buffers,
-                         const scene::Instrument& instrument, const plan::Plan& plan, const StageShape& shape,
-                         std::uint64_t seed)
-    : state_(std::make_unique<State>(context, scene, buffers, instrument, plan, shape, seed)) {}
+                         const plan::Plan& plan, const StageShape& shape, std::uint64_t seed)
+    : state_(std::make_unique<State>(context, scene, buffers, plan, shape, seed)) {}
 TraceStages::~TraceStages() = default;
 
 const std::string& TraceStages::identity() const { return state_->identity; }
@@ -100,11 +89,11 @@ const std::string& TraceStages::options() const { return state_->options; }
 TileRays tile_rays(const scene::Instrument& instrument, const scene::CompiledScene& scene, const Tile& tile,
                    int pixels_per_group) {
   const auto all = sensors::make_ray_groups(instrument, scene, tile.first_line, tile.lines);
-  const int image_groups = sensors::groups_per_line(instrument),
-            per_line = (tile.columns + pixels_per_group - 1) / pixels_per_group;
+  const int image_groups = sensors::groups_per_line(instrument);
   TileRays rays;
-  rays.layout = {static_cast<std::uint32_t>(tile.columns), static_cast<std::uint32_t>(per_line),
-                 static_cast<std::uint32_t>(tile.lines)};
+  rays.layout = {static_cast<std::uint32_t>(tile.columns), static_cast<std::uint32_t>(tile.lines),
+                 static_cast<std::uint32_t>(pixels_per_group)};
+  const auto per_line = static_cast<std::ptrdiff_t>(rays.layout.groups() / rays.layout.lines);
   for (int line = 0; line < tile.lines; ++line) {
     const auto first = all.begin() + line * image_groups + tile.first_column / pixels_per_group;
     rays.groups.insert(rays.groups.end(), first, first + per_line);
@@ -114,7 +103,8 @@ TileRays tile_rays(const scene::Instrument& instrument, const scene::CompiledSce
 
 TileRays listed_rays(std::vector<shared::RayGroup> groups, int pixels_per_group) {
   TileRays rays;
-  rays.layout = {static_cast<std::uint32_t>(pixels_per_group), 1, static_cast<std::uint32_t>(groups.size())};
+  rays.layout = {static_cast<std::uint32_t>(pixels_per_group), static_cast<std::uint32_t>(groups.size()),
+                 static_cast<std::uint32_t>(pixels_per_group)};
   rays.groups = std::move(groups);
   return rays;
 }
@@ -140,19 +130,39 @@ void TraceStages::run(const TileLayout& layout, int chunk, TraceBuffers& traced,
 
   if (s.zeroed != &traced) {
     if (!s.plan.sun_up) traced.sun.write(std::vector<std::uint16_t>(traced.sun.size(), 0));
-    if (!s.sends_to_sky()) traced.sky.write(std::vector<float>(traced.sky.size(), 0.0f));
+    if (!s.sends_to_sky()) traced.blocked.write(std::vector<float>(traced.blocked.size(), 0.0f));
     s.zeroed = &traced;
   }
   launch("trace_primary", s.primary_of(layout, chunk, traced));
-  launch("make_surface",
-         s.surface.arguments(s.buffers.blocks, s.buffers.instances, traced.groups, traced.hits, traced.surface,
-                             traced.lift, s.seed, layout.width, first_sample, sample_count));
+  launch("make_surface", s.surface.arguments(MakeSurfaceArguments{.blocks = s.buffers.blocks,
+                                                                  .instances = s.buffers.instances,
+                                                                  .lobes = s.buffers.lobes,
+                                                                  .groups = traced.groups,
+                                                                  .hits = traced.hits,
+                                                                  .surface = traced.surface,
+                                                                  .lift = traced.lift,
+                                                                  .seed = s.seed,
+                                                                  .columns = layout.columns,
+                                                                  .first_sample = first_sample,
+                                                                  .sample_count = sample_count}));
   const auto light = [&](const char* stage, const auto& directions, const auto& weights, bool sky, int sets, int count,
                          int share) {
-    launch(stage, s.light.arguments(s.buffers.nodes, s.buffers.blocks, s.buffers.instances, traced.groups,
-                                    traced.surface, directions, weights, traced.sun, traced.sky, cl_uint{sky},
-                                    static_cast<cl_uint>(sets), static_cast<cl_uint>(count),
-                                    static_cast<cl_uint>(share), s.seed, layout.width, first_sample));
+    launch(stage, s.light.arguments(TraceLightArguments{.nodes = s.buffers.nodes,
+                                                        .blocks = s.buffers.blocks,
+                                                        .instances = s.buffers.instances,
+                                                        .groups = traced.groups,
+                                                        .surface = traced.surface,
+                                                        .directions = directions,
+                                                        .weights = weights,
+                                                        .sun = traced.sun,
+                                                        .blocked = traced.blocked,
+                                                        .sky = cl_uint{sky},
+                                                        .sets = static_cast<cl_uint>(sets),
+                                                        .count = static_cast<cl_uint>(count),
+                                                        .share = static_cast<cl_uint>(share),
+                                                        .seed = s.seed,
+                                                        .columns = layout.columns,
+                                                        .first_sample = first_sample}));
   };
   if (s.plan.sun_up) light("trace_sun", s.sun, s.sun, false, 1, 1, 1);
   if (s.sends_to_sky())

@@ -17,7 +17,7 @@ namespace raycube::render {
 struct TileRays {
   std::vector<shared::RayGroup> groups;
   TileLayout layout;
-  std::size_t pixels() const { return static_cast<std::size_t>(layout.lines) * layout.width; }
+  std::size_t pixels() const { return static_cast<std::size_t>(layout.lines) * layout.columns; }
 };
 TileRays tile_rays(const scene::Instrument& instrument, const scene::CompiledScene& scene, const Tile& tile,
                    int pixels_per_group);
@@ -27,7 +27,7 @@ TileRays listed_rays(std::vector<shared::RayGroup> groups, int pixels_per_group)
 class TraceStages {
  public:
   TraceStages(const cl::Context& context, const scene::CompiledScene& scene, const SceneBuffers& buffers,
-              const scene::Instrument& instrument, const plan::Plan& plan, const StageShape& shape, std::uint64_t seed);
+              const plan::Plan& plan, const StageShape& shape, std::uint64_t seed);
   ~TraceStages();
 
   /// Traces one chunk of samples of every pixel of the tile into `traced`. Adds the stages' wall seconds to `stage_s`.

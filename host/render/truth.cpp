@@ -5,7 +5,7 @@
 #include <limits>
 #include <numbers>
 
-#include "kernels/shared/rows.h"
+#include "kernels/shared/tile_layout.h"
 
 namespace raycube::render {
 

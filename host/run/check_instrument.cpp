@@ -6,6 +6,7 @@
 #include "host/render/tile_passes.h"
 #include "host/sensors/ray_groups.h"
 #include "kernels/sampling/sampler.h"
+#include "kernels/shared/tile_layout.h"
 
 namespace raycube::run {
 
@@ -64,7 +65,7 @@ reference::Report compare_tiles(render::Renderer& renderer, const scene::Simulat
       for (std::size_t s = p * samples; s < (p + 1) * samples; ++s) {
         pixel.hits.push_back({probe.hit_instance[s], probe.hit_primitive[s]});
         pixel.sun_visible.push_back(probe.sun_visible[s]);
-        const std::size_t planes = 4 * static_cast<std::size_t>(plan.components() > 4 ? 2 : 1);
+        const std::size_t planes = static_cast<std::size_t>(RC_SKY_PLANES_OF(plan.components()));
         for (std::size_t m = 0; m < planes; ++m) pixel.sky_blocked.push_back(probe.sky_blocked[planes * s + m]);
       }
       pixel.radiance.assign(probe.radiance.begin() + static_cast<std::ptrdiff_t>(p * bands),

@@ -2,7 +2,7 @@
  * Reads:  terms of resolve, the band table. Writes: radiance, W m-2 sr-1 um-1. Next: the writer.
  * One work-item per pixel, any local size; bands are padded to a multiple of 16. */
 #pragma OPENCL FP_CONTRACT OFF
-#include "kernels/shared/structs.h"
+#include "kernels/shared/camera_arguments.h"
 
 /* A store that does not read the line first is worth 2x where memory is the limit; same bits either way. */
 #if defined(__has_builtin)
@@ -16,26 +16,21 @@
 
 #define VECTORS (RC_BANDS_PADDED / 16)
 
-#define INTEGRATE_BANDS_PARAMETERS                                                                             \
-  uint first_item, uint item_count, global const uint *restrict pixel_list, uint use_list, uint term_capacity, \
-      global const uint *restrict term_count, global const uint *restrict term_row,                            \
-      global const float *restrict term_weight, global const float16 *restrict table,                          \
-      global float16 *restrict radiance
-
-RC_BODY integrate_bands_body(uint index, INTEGRATE_BANDS_PARAMETERS) {
+RC_BODY integrate_bands_body(uint index, RC_PARAMETERS(RC_INTEGRATE_BANDS_ARGUMENTS)) {
   const uint item = first_item + index;
   if (item >= first_item + item_count) return;
   const uint pixel = use_list ? pixel_list[item] : item;
   const uint terms = term_count[item];
   __global const uint* rows = term_row + (size_t)item * term_capacity;
   __global const float* weights = term_weight + (size_t)item * term_capacity;
-  __global float16* out = radiance + (size_t)pixel * VECTORS;
+  __global const float16* baked = (__global const float16*)table;
+  __global float16* out = (__global float16*)radiance + (size_t)pixel * VECTORS;
   uint b = 0;
   /* Four band vectors at a time: four independent chains hide the latency of the multiply-add. */
   for (; b + 4 <= VECTORS; b += 4) {
     float16 l0 = 0.0f, l1 = 0.0f, l2 = 0.0f, l3 = 0.0f;
     for (uint t = 0; t < terms; ++t) {
-      __global const float16* e = table + (size_t)rows[t] * VECTORS + b;
+      __global const float16* e = baked + (size_t)rows[t] * VECTORS + b;
       const float16 w = weights[t];
       l0 = fma(w, e[0], l0);
       l1 = fma(w, e[1], l1);
@@ -49,12 +44,11 @@ RC_BODY integrate_bands_body(uint index, INTEGRATE_BANDS_PARAMETERS) {
   }
   for (; b < VECTORS; ++b) {
     float16 sum = 0.0f;
-    for (uint t = 0; t < terms; ++t) sum = fma((float16)(weights[t]), table[(size_t)rows[t] * VECTORS + b], sum);
+    for (uint t = 0; t < terms; ++t) sum = fma((float16)(weights[t]), baked[(size_t)rows[t] * VECTORS + b], sum);
     STORE16(sum, out + b);
   }
 }
 
-kernel void integrate_bands(INTEGRATE_BANDS_PARAMETERS) {
-  integrate_bands_body((uint)get_global_id(0), first_item, item_count, pixel_list, use_list, term_capacity, term_count,
-                       term_row, term_weight, table, radiance);
+kernel void integrate_bands(RC_PARAMETERS(RC_INTEGRATE_BANDS_ARGUMENTS)) {
+  integrate_bands_body((uint)get_global_id(0), RC_PASSED(RC_INTEGRATE_BANDS_ARGUMENTS));
 }

@@ -2,33 +2,15 @@
  * table of each beam and pixel, of what the beam's width and the field stop let through from a distance. Next:
  * lidar_air. */
 #include "kernels/lidar/context.h"
+#include "kernels/lidar/arguments.h"
 #include "kernels/lidar/beam.h"
 
-#define LIDAR_BEAM_PARAMETERS                                                                                    \
-  global const float4 *restrict beams, global const float *restrict samples, global const float *restrict exits, \
-      global const float *restrict settings, global float *restrict tables, int bins
-
-RC_BODY lidar_beam_body(uint index, LIDAR_BEAM_PARAMETERS) {
-  const LidarTables all = {beams + (size_t)index * RC_SHOT_FLOAT4S,
-                           samples,
-                           exits,
-                           0,
-                           0,
-                           0,
-                           0,
-                           0,
-                           0,
-                           0,
-                           0,
-                           0,
-                           0,
-                           settings,
-                           0,
-                           0,
-                           bins,
-                           0,
-                           0,
-                           0};
+RC_BODY lidar_beam_body(uint index, RC_PARAMETERS(RC_LIDAR_BEAM_ARGUMENTS)) {
+  const LidarTables all = {.shot = beams + (size_t)index * RC_SHOT_FLOAT4S,
+                           .samples = samples,
+                           .exits = exits,
+                           .settings = settings,
+                           .bins = bins};
   const LidarTables* t = &all;
   const Beam beam = rc_beam(t);
   const float way = settings[RC_SET_GATE_WAY], step = 1.0f / settings[RC_SET_BINS_PER_M];
@@ -50,6 +32,6 @@ RC_BODY lidar_beam_body(uint index, LIDAR_BEAM_PARAMETERS) {
   }
 }
 
-kernel void lidar_beam(LIDAR_BEAM_PARAMETERS) {
-  lidar_beam_body((uint)get_global_id(0), beams, samples, exits, settings, tables, bins);
+kernel void lidar_beam(RC_PARAMETERS(RC_LIDAR_BEAM_ARGUMENTS)) {
+  lidar_beam_body((uint)get_global_id(0), RC_PASSED(RC_LIDAR_BEAM_ARGUMENTS));
 }

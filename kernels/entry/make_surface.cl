@@ -5,31 +5,45 @@
 #include "kernels/geometry/samples.h"
 #include "kernels/geometry/scene_arrays.h"
 #include "kernels/geometry/surface_point.h"
+#include "kernels/shared/camera_arguments.h"
 
 /* Corners of the samples' triangles, and the direction and origin of their rays. */
 typedef struct Gathered {
   float corner[9][16], origin[3][16], direction[3][16];
 } RC_LINE Gathered;
 
-#define MAKE_SURFACE_PARAMETERS                                                                                \
-  RC_BLOCKS, RC_INSTANCES, global const RayGroup *restrict groups, global const uint *restrict hits,           \
-      global float *restrict surface, global float *restrict lift, uint seed, uint columns, uint first_sample, \
-      uint sample_count
+#if RC_SHAPED
+/* Way to the viewer and shape of a word of samples; in: its slots of hits. */
+static inline void rc_store_shapes(SceneArrays scene, global const Lobe* lobes, global const uint* in, Vector16 direction,
+                                   global float* out) {
+  const float16 over = -1.0f / sqrt(rc_dot16(direction, direction));
+  rc_store16(over * direction.x, 0, out + RC_PLANE(RC_VIEWER_X));
+  rc_store16(over * direction.y, 0, out + RC_PLANE(RC_VIEWER_Y));
+  rc_store16(over * direction.z, 0, out + RC_PLANE(RC_VIEWER_Z));
+  for (uint k = 0; k < 16u; ++k) {
+    const uint surface = in[k] == RC_NONE ? 0u : rc_surface_of(scene, in[RC_PLANE(RC_HIT_PRIMITIVE) + k]);
+    const Lobe lobe = lobes[surface * RC_LOBES];
+    out[RC_PLANE(RC_LOBE_SHAPE) + k] = as_float(lobe.shape);
+    out[RC_PLANE(RC_LOBE_P0) + k] = lobe.parameter[0];
+    out[RC_PLANE(RC_LOBE_P1) + k] = lobe.parameter[1];
+  }
+}
+#endif
 
-RC_BODY make_surface_body(uint index, MAKE_SURFACE_PARAMETERS) {
+RC_BODY make_surface_body(uint index, RC_PARAMETERS(RC_MAKE_SURFACE_ARGUMENTS)) {
   SceneArrays scene;
   RC_GATHER_BLOCKS(scene);
   RC_GATHER_INSTANCES(scene);
   const GroupPlace place = rc_group_place(groups, index, columns);
   const RayGroup group = rc_group_rays(groups, index);
   for (uint p = 0; p < place.used; ++p)
-    for (uint word = 0; word < RC_NWORDS; ++word) {
-      global const uint* in = hits + (size_t)(place.pixel + p) * (2u * RC_NPAD) + word * 16u;
-      global float* out = surface + (size_t)(place.pixel + p) * (6u * RC_NPAD) + word * 16u;
+    for (uint word = 0; word < RC_WORDS; ++word) {
+      global const uint* in = hits + RC_HITS_AT(place.pixel + p) + word * 16u;
+      global float* out = surface + RC_SURFACE_AT(place.pixel + p) + word * 16u;
       Gathered g;
       uint left = 0;
       for (uint k = 0; k < 16u; ++k) {
-        const uint primitive = in[k] == RC_NONE ? 0u : in[RC_NPAD + k];
+        const uint primitive = in[k] == RC_NONE ? 0u : in[RC_PLANE(RC_HIT_PRIMITIVE) + k];
         global const float* at = (global const float*)rc_block(scene, primitive / RC_BLOCK) + primitive % RC_BLOCK;
         left |= in[k] == RC_NONE ? 0u : 1u << k;
 #pragma unroll
@@ -69,17 +83,19 @@ RC_BODY make_surface_body(uint index, MAKE_SURFACE_PARAMETERS) {
         normal.z = select(normal.z, facing.z, lanes);
         moved = select(moved, reach, lanes);
       }
-      rc_store16(position.x, 0, out);
-      rc_store16(position.y, 0, out + RC_NPAD);
-      rc_store16(position.z, 0, out + 2 * RC_NPAD);
-      rc_store16(normal.x, 0, out + 3 * RC_NPAD);
-      rc_store16(normal.y, 0, out + 4 * RC_NPAD);
-      rc_store16(normal.z, 0, out + 5 * RC_NPAD);
-      rc_store16(moved, 0, lift + (size_t)(place.pixel + p) * RC_NPAD + word * 16u);
+      rc_store16(position.x, 0, out + RC_PLANE(RC_POINT_X));
+      rc_store16(position.y, 0, out + RC_PLANE(RC_POINT_Y));
+      rc_store16(position.z, 0, out + RC_PLANE(RC_POINT_Z));
+      rc_store16(normal.x, 0, out + RC_PLANE(RC_NORMAL_X));
+      rc_store16(normal.y, 0, out + RC_PLANE(RC_NORMAL_Y));
+      rc_store16(normal.z, 0, out + RC_PLANE(RC_NORMAL_Z));
+#if RC_SHAPED
+      rc_store_shapes(scene, lobes, in, direction, out);
+#endif
+      rc_store16(moved, 0, lift + RC_LIFT_AT(place.pixel + p) + word * 16u);
     }
 }
 
-kernel void make_surface(MAKE_SURFACE_PARAMETERS) {
-  make_surface_body((uint)get_global_id(0), RC_PASS_BLOCKS, RC_PASS_INSTANCES, groups, hits, surface, lift, seed,
-                    columns, first_sample, sample_count);
+kernel void make_surface(RC_PARAMETERS(RC_MAKE_SURFACE_ARGUMENTS)) {
+  make_surface_body((uint)get_global_id(0), RC_PASSED(RC_MAKE_SURFACE_ARGUMENTS));
 }

@@ -4,21 +4,9 @@
  * four rows), channels ascending: row numbers and eviction cannot change a sum. One work-item per pixel, any local
  * size. */
 #pragma OPENCL FP_CONTRACT OFF
-#include "kernels/shared/structs.h"
-#include "kernels/shared/rows.h"
 #include "kernels/atmosphere/nodes.h"
-
-#ifndef RC_CHUNKED
-#define RC_CHUNKED 0
-#endif
-#define SOURCES (RC_SUN + RC_COMPONENTS + RC_TEMPERATURES)
-#define ACCUMULATORS RC_ROW_ACCUMULATORS(SOURCES, RC_HEIGHTS)
-
-#if RC_CHUNKED
-#define TOTAL(array, index, offset) (array[index] + array[(index) + (offset)])
-#else
-#define TOTAL(array, index, offset) (array[index])
-#endif
+#include "kernels/shading/sums.h"
+#include "kernels/shared/camera_arguments.h"
 
 /* Row of a key by binary search over the sorted keys of the band table. The host has baked every key of the tile. */
 inline uint baked_row(__global const ulong* baked_keys, __global const uint* baked_rows, uint baked_count, ulong key) {
@@ -36,17 +24,7 @@ inline uint baked_row(__global const ulong* baked_keys, __global const uint* bak
 /* Linear weight of node i when a value lies a fraction f past node k. */
 inline float weight_of(int i, int k, float f) { return i == k ? 1.0f - f : i == k + 1 ? f : 0.0f; }
 
-#define RESOLVE_PARAMETERS                                                                                             \
-  uint first_item, uint item_count, global const uint *restrict pixel_list, uint use_list, uint capacity,              \
-      uint term_capacity, global const RayGroup *restrict groups, uint tile_width, uint groups_per_line,               \
-      global const uint *restrict row_count, global const ulong *restrict row_keys,                                    \
-      global const float *restrict row_sums, global const float *restrict path_sums,                                   \
-      global const ulong *restrict baked_keys, global const uint *restrict baked_rows, uint baked_count,               \
-      float view_first, float view_step, float path_x_first, float path_x_step, float path_y_first, float path_y_step, \
-      global const uint *restrict environment_row, global const float *restrict environment_weight,                    \
-      global uint *restrict term_count, global uint *restrict term_row, global float *restrict term_weight
-
-RC_BODY resolve_body(uint index, RESOLVE_PARAMETERS) {
+RC_BODY resolve_body(uint index, RC_PARAMETERS(RC_RESOLVE_ARGUMENTS)) {
   const uint item = first_item + index;
   if (item >= first_item + item_count) return;
   const uint pixel = use_list ? pixel_list[item] : item;
@@ -56,15 +34,14 @@ RC_BODY resolve_body(uint index, RESOLVE_PARAMETERS) {
     return;
   }
   __global const ulong* keys = row_keys + (size_t)item * capacity;
-  __global const float* sums = row_sums + (size_t)item * capacity * ACCUMULATORS * (1 + RC_CHUNKED);
-  __global const float* path = path_sums + (size_t)item * RC_HEIGHTS * (1 + RC_CHUNKED);
+  __global const float* sums = row_sums + RC_SUMS_AT(item, capacity);
+  __global const float* path = path_sums + RC_PATH_AT(item);
   __global uint* rows = term_row + (size_t)item * term_capacity;
   __global float* weights = term_weight + (size_t)item * term_capacity;
 
   /* View geometry of the pixel's centre ray. */
-  const uint line = pixel / tile_width, column = pixel - line * tile_width;
-  __global const RayGroup* group = groups + line * groups_per_line + column / RC_PIXELS_PER_GROUP;
-  const float a = (float)(column % RC_PIXELS_PER_GROUP) - 0.5f * (float)(RC_PIXELS_PER_GROUP - 1);
+  __global const RayGroup* group = groups + rc_group_of(pixel, columns, RC_PIXELS_PER_GROUP);
+  const float a = rc_place_in_group(pixel, columns, RC_PIXELS_PER_GROUP);
   const float dx = fma(a, group->du.x, group->d0.x), dy = fma(a, group->du.y, group->d0.y);
   const float dz = fma(a, group->du.z, group->d0.z);
   const float length = sqrt(fma(dx, dx, fma(dy, dy, dz * dz)));
@@ -77,7 +54,7 @@ RC_BODY resolve_body(uint index, RESOLVE_PARAMETERS) {
   uint n = 0;
   const uint path_base = baked_row(baked_keys, baked_rows, baked_count, 0ul) * RC_CHANNELS;
   for (int h = 0; h < RC_HEIGHTS; ++h) {
-    const float sum = TOTAL(path, h, RC_HEIGHTS);
+    const float sum = rc_sum_of(path, RC_HEIGHTS, h);
     for (int y = 0; y < RC_PATH_Y; ++y)
       for (int x = 0; x < RC_PATH_X; ++x) {
         const float w = sum * (weight_of(x, ix, fx) * weight_of(y, iy, fy));
@@ -89,12 +66,12 @@ RC_BODY resolve_body(uint index, RESOLVE_PARAMETERS) {
 #if RC_ENVIRONMENT
   /* Light of the ground around: it reaches the sensor beside the direct path, so every sample has it, as path radiance.
    * */
-  for (int node = 0; node < 4; ++node) {
-    const float share = environment_weight[item * 4 + node];
+  for (int node = 0; node < RC_ENVIRONMENT_NODES; ++node) {
+    const float share = environment_weight[item * RC_ENVIRONMENT_NODES + node];
     if (share == 0.0f) continue;
-    const uint base = environment_row[item * 4 + node] * RC_CHANNELS;
+    const uint base = environment_row[item * RC_ENVIRONMENT_NODES + node] * RC_CHANNELS;
     for (int h = 0; h < RC_HEIGHTS; ++h) {
-      const float sum = TOTAL(path, h, RC_HEIGHTS);
+      const float sum = rc_sum_of(path, RC_HEIGHTS, h);
       for (int v = 0; v < RC_VIEWS; ++v) {
         const float w = sum * (share * weight_of(v, iv, fv));
         if (w == 0.0f) continue;
@@ -115,10 +92,10 @@ RC_BODY resolve_body(uint index, RESOLVE_PARAMETERS) {
         best = k;
       }
     last = key;
-    __global const float* row = sums + (size_t)best * ACCUMULATORS * (1 + RC_CHUNKED);
+    __global const float* row = sums + RC_SUMS_OF_KEY(best);
     const uint base = baked_row(baked_keys, baked_rows, baked_count, key) * RC_CHANNELS;
-    for (int i = 0; i < SOURCES * RC_HEIGHTS; ++i) {
-      const float sum = TOTAL(row, i, ACCUMULATORS);
+    for (int i = 0; i < RC_SOURCES * RC_HEIGHTS; ++i) {
+      const float sum = rc_sum_of(row, RC_ACCUMULATORS, i);
       for (int v = 0; v < RC_VIEWS; ++v) {
         const float w = sum * weight_of(v, iv, fv);
         if (w == 0.0f) continue;
@@ -130,9 +107,6 @@ RC_BODY resolve_body(uint index, RESOLVE_PARAMETERS) {
   term_count[item] = n;
 }
 
-kernel void resolve(RESOLVE_PARAMETERS) {
-  resolve_body((uint)get_global_id(0), first_item, item_count, pixel_list, use_list, capacity, term_capacity, groups,
-               tile_width, groups_per_line, row_count, row_keys, row_sums, path_sums, baked_keys, baked_rows,
-               baked_count, view_first, view_step, path_x_first, path_x_step, path_y_first, path_y_step,
-               environment_row, environment_weight, term_count, term_row, term_weight);
+kernel void resolve(RC_PARAMETERS(RC_RESOLVE_ARGUMENTS)) {
+  resolve_body((uint)get_global_id(0), RC_PASSED(RC_RESOLVE_ARGUMENTS));
 }

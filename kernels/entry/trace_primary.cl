@@ -3,12 +3,9 @@
 #include "kernels/geometry/samples.h"
 #include "kernels/geometry/bundle_primary.h"
 #include "kernels/geometry/ray_trace.h"
+#include "kernels/shared/camera_arguments.h"
 
-#define TRACE_PRIMARY_PARAMETERS                                                                                    \
-  RC_NODES, RC_BLOCKS, RC_INSTANCES, global const RayGroup *restrict groups, global uint *restrict hits, uint seed, \
-      uint columns, uint first_sample, uint sample_count
-
-RC_BODY trace_primary_body(uint index, TRACE_PRIMARY_PARAMETERS) {
+RC_BODY trace_primary_body(uint index, RC_PARAMETERS(RC_TRACE_PRIMARY_ARGUMENTS)) {
   SceneArrays scene;
   RC_GATHER_NODES(scene);
   RC_GATHER_BLOCKS(scene);
@@ -32,23 +29,24 @@ RC_BODY trace_primary_body(uint index, TRACE_PRIMARY_PARAMETERS) {
   rc_primary_group(scene, &frame, &closest);
 #if RC_SCATTER
   for (uint p = 0; p < place.used; ++p) {
-    global uint* out = hits + (size_t)(place.pixel + p) * (2u * RC_NPAD);
-    for (uint word = 0; word < RC_NWORDS; ++word) {
-      const int16 none = rc_load16(p * RC_NWORDS + word, closest.near) == 0.0f;
-      rc_store16(select(rc_load16(p * RC_NWORDS + word, closest.instance), (uint16)(RC_NONE), none), word, out);
-      rc_store16(select(rc_load16(p * RC_NWORDS + word, closest.primitive), (uint16)(RC_NONE), none), word,
-                 out + RC_NPAD);
+    global uint* out = hits + RC_HITS_AT(place.pixel + p);
+    for (uint word = 0; word < RC_WORDS; ++word) {
+      const int16 none = rc_load16(p * RC_WORDS + word, closest.near) == 0.0f;
+      rc_store16(select(rc_load16(p * RC_WORDS + word, closest.instance), (uint16)(RC_NONE), none), word, out);
+      rc_store16(select(rc_load16(p * RC_WORDS + word, closest.primitive), (uint16)(RC_NONE), none), word,
+                 out + RC_PLANE(RC_HIT_PRIMITIVE));
     }
   }
 #else
-  global uint* out = hits + (size_t)place.pixel * (2u * RC_NPAD);
-  rc_write_pixels(closest.near, closest.instance, place.used, frame.rows, out, 2u * RC_NPAD);
-  rc_write_pixels(closest.near, closest.primitive, place.used, frame.rows, out + RC_NPAD, 2u * RC_NPAD);
+  global uint* out = hits + RC_HITS_AT(place.pixel);
+  rc_write_pixels(closest.near, closest.instance, place.used, frame.rows, out, RC_HITS_AT(1));
+  rc_write_pixels(closest.near, closest.primitive, place.used, frame.rows, out + RC_PLANE(RC_HIT_PRIMITIVE),
+                  RC_HITS_AT(1));
 #endif
 #else
   for (uint p = 0; p < place.used; ++p) {
-    global uint* out = hits + (size_t)(place.pixel + p) * (2u * RC_NPAD);
-    for (uint k = 0; k < RC_NPAD; ++k) {
+    global uint* out = hits + RC_HITS_AT(place.pixel + p);
+    for (uint k = 0; k < RC_PADDED_SAMPLES; ++k) {
       Hit hit;
       hit.instance = hit.primitive = RC_NONE;
       if (k < sample_count) {
@@ -57,13 +55,12 @@ RC_BODY trace_primary_body(uint index, TRACE_PRIMARY_PARAMETERS) {
         hit = rc_trace_from(scene, group.origin, rc_group_offset(group, a, b), rc_group_direction(group, a, b), false);
       }
       out[k] = hit.instance;
-      out[RC_NPAD + k] = hit.primitive;
+      out[RC_PLANE(RC_HIT_PRIMITIVE) + k] = hit.primitive;
     }
   }
 #endif
 }
 
-kernel void trace_primary(TRACE_PRIMARY_PARAMETERS) {
-  trace_primary_body((uint)get_global_id(0), RC_PASS_NODES, RC_PASS_BLOCKS, RC_PASS_INSTANCES, groups, hits, seed,
-                     columns, first_sample, sample_count);
+kernel void trace_primary(RC_PARAMETERS(RC_TRACE_PRIMARY_ARGUMENTS)) {
+  trace_primary_body((uint)get_global_id(0), RC_PASSED(RC_TRACE_PRIMARY_ARGUMENTS));
 }

@@ -6,7 +6,7 @@
 #include "kernels/geometry/bundle.h"
 
 #define RC_BLOCK_COST 4u /* setting up a block, in candidate triangles */
-#define RC_POINTS (RC_GROUP_PIXELS * RC_NPAD)
+#define RC_POINTS (RC_PIXELS_PER_GROUP * RC_PADDED_SAMPLES)
 #define RC_POINT_WORDS (RC_POINTS / 16)
 #define RC_WORD_SLOTS ((RC_POINT_WORDS + 15) / 16 * 16)
 typedef struct Points {

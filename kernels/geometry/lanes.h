@@ -78,6 +78,14 @@ RC_OVERLOAD uint16 rc_load16(size_t i, const global uint* p) { return vload16(i,
 #define rc_load16(i, p) vload16(i, p)
 #endif
 
+/* Sum of the lanes by one fixed tree. */
+static inline float rc_lane_sum(float16 v) {
+  const float8 a = v.lo + v.hi;
+  const float4 b = a.lo + a.hi;
+  const float2 c = b.lo + b.hi;
+  return c.x + c.y;
+}
+
 /* Private arrays that vectors are read from and written to: a vector across two cache lines costs two. */
 #define RC_LINE __attribute__((aligned(64)))
 

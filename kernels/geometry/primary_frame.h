@@ -7,20 +7,21 @@
 #include "kernels/geometry/samples.h"
 
 /* Half the field that a group's samples cover, pixels. */
-#define RC_HALF_A (0.5f * (float)(RC_GROUP_PIXELS - 1) + 0.5f * RC_SUPPORT)
+#define RC_HALF_A (0.5f * (float)(RC_PIXELS_PER_GROUP - 1) + 0.5f * RC_SUPPORT)
 #define RC_HALF_B (0.5f * RC_SUPPORT)
 
 #if !RC_SCATTER
 /* Sample grid of a group: the pixels of a line side by side, kept in tiles of 4 x 4 samples, four tiles at a time. */
-#define RC_GRID_COLUMNS (RC_GROUP_PIXELS * RC_NU)
-#define RC_GRID_ROWS (RC_CHUNK / RC_NU)
+#define RC_GRID_COLUMNS (RC_PIXELS_PER_GROUP * RC_NU)
+#define RC_GRID_ROWS (RC_CHUNK_SAMPLES / RC_NU)
 #define RC_TILE_COLUMNS ((RC_GRID_COLUMNS + 15) / 16 * 4)
 #define RC_TILE_ROWS ((RC_GRID_ROWS + 3) / 4)
 #define RC_SMALL 3
 #define RC_SLOTS (16 * RC_TILE_COLUMNS * RC_TILE_ROWS)
 #else
-/* Samples anywhere in the field: pixel p's sample k has slot p * RC_NPAD + k; words of 16 carry their bounds. */
-#define RC_SLOTS (RC_GROUP_PIXELS * RC_NPAD)
+/* Samples anywhere in the field: pixel p's sample k has slot p * RC_PADDED_SAMPLES + k; words of 16 carry their
+ * bounds. */
+#define RC_SLOTS (RC_PIXELS_PER_GROUP * RC_PADDED_SAMPLES)
 #define RC_SAMPLE_WORDS (RC_SLOTS / 16)
 #define RC_BOUND_SLOTS ((RC_SAMPLE_WORDS + 15) / 16 * 16)
 typedef struct Scatter {

@@ -9,7 +9,7 @@
 #if !RC_SCATTER
 /* Image-plane coordinates of a column and of a row of the whole pixel. */
 static inline float16 rc_column_a(float16 column) {
-  return fma(column, (float16)(1.0f / RC_NU), (float16)(0.5f / RC_NU - 0.5f * RC_GROUP_PIXELS));
+  return fma(column, (float16)(1.0f / RC_NU), (float16)(0.5f / RC_NU - 0.5f * RC_PIXELS_PER_GROUP));
 }
 static inline float16 rc_row_b(float16 row) {
   return fma(row, (float16)(1.0f / RC_NV), (float16)(0.5f / RC_NV - 0.5f));
@@ -27,149 +27,186 @@ static inline void rc_settle(SceneArrays scene, const GroupFrame* frame, Closest
   if (pending->open.count) rc_decide(scene, frame, closest, instance, &pending->open);
 }
 
+/* Triangles of a block on the sample grid. */
+typedef struct GridBlock {
+  Setup setup;
+  float16 left, right, above, below; /* samples inside each one's rectangle: first and last column, and row */
+  float16 slack;                     /* of its nearness */
+  uint first, instance;              /* primitive of lane 0; the placed mesh's */
+} GridBlock;
+
+/* Rectangles of the block's triangles. Returns the lanes that hold a sample. The 1e-5 covers the rounding of these four
+ * lines. */
+static inline int16 rc_grid_block(const GroupFrame* frame, GridBlock* block) {
+  const Setup* s = &block->setup;
+  block->left =
+      rc_max16(ceil(fma(s->lo_a, (float16)(RC_NU), (float16)(0.5f * RC_GRID_COLUMNS - 0.5f - 1e-5f))), (float16)(0.0f));
+  block->right = rc_min16(floor(fma(s->hi_a, (float16)(RC_NU), (float16)(0.5f * RC_GRID_COLUMNS - 0.5f + 1e-5f))),
+                          (float16)((float)frame->columns - 1.0f));
+  const float row_shift = 0.5f * RC_NV - 0.5f - (float)frame->first_row;
+  block->above = rc_max16(ceil(fma(s->lo_b, (float16)(RC_NV), (float16)(row_shift - 1e-5f))), (float16)(0.0f));
+  block->below = rc_min16(floor(fma(s->hi_b, (float16)(RC_NV), (float16)(row_shift + 1e-5f))),
+                          (float16)((float)(frame->rows - 1u)));
+  return s->usable & (block->right - block->left >= 0.0f) & (block->below - block->above >= 0.0f);
+}
+
+/* Lanes `small` with every sample of their rectangles, side by side: lane, column << 4, row << 8. Returns how many. */
+static inline uint rc_small_pairs(const GridBlock* block, int16 small, uint* pairs) {
+  const float16 columns = block->right - block->left, rows = block->below - block->above;
+  uint count = 0;
+  const uint16 own = (uint16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+  for (uint r = 0; r < RC_SMALL; ++r) {
+    const int16 in_row = small & (rows >= (float)r);
+    for (uint c = 0; c < RC_SMALL; ++c) {
+      const uint bits = rc_mask16(in_row & (columns >= (float)c));
+      if (!bits) break;
+      rc_pack16(as_float16(own | (r << 8 | c << 4)), bits, (float*)(pairs + count));
+      count += popcount(bits);
+    }
+  }
+  return count;
+}
+
+/* Small triangles: pairs of triangle and sample as lanes. */
+static inline void rc_primary_small(SceneArrays scene, const GroupFrame* frame, Closest* closest, Open* open,
+                                    const GridBlock* block, int16 small) {
+  const Setup* s = &block->setup;
+  const uint first = block->first, instance = block->instance;
+  const uint16 own = (uint16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+  RC_LINE uint pairs[RC_SMALL * RC_SMALL * 16 + 16];
+  const uint count = rc_small_pairs(block, small, pairs);
+  for (uint done = 0; done < count; done += 16u) {
+    const int16 real = as_int16(own) < (int)(count - done);
+    const uint16 pair = select((uint16)(0u), rc_load16(0, pairs + done), as_uint16(real)), lane_of = pair & 15u;
+    const float16 column_of = rc_permute16(block->left, lane_of) + convert_float16(pair >> 4 & 15u),
+                  row_of = rc_permute16(block->above, lane_of) + convert_float16(pair >> 8);
+    const float16 a = rc_column_a(column_of), b = rc_row_b(row_of + (float)frame->first_row);
+    const float16 l1 =
+        fma(rc_permute16(s->l1a, lane_of), a, fma(rc_permute16(s->l1b, lane_of), b, rc_permute16(s->l1c, lane_of)));
+    const float16 l2 =
+        fma(rc_permute16(s->l2a, lane_of), a, fma(rc_permute16(s->l2b, lane_of), b, rc_permute16(s->l2c, lane_of)));
+    const float16 least = rc_min16(rc_min16(l1, l2), (1.0f - l1) - l2), band = rc_permute16(s->band, lane_of);
+    uint bits = rc_mask16(real & (least >= -band));
+    if (!bits) continue;
+    const uint undecided = rc_mask16(least <= band);
+    const float16 here =
+        fma(l1, rc_permute16(s->q1, lane_of), fma(l2, rc_permute16(s->q2, lane_of), rc_permute16(s->q0, lane_of)));
+    const uint16 row_u = convert_uint16(row_of), column_u = convert_uint16(column_of);
+    const uint16 slot_of = (row_u / 4u * RC_TILE_COLUMNS + column_u / 4u) * 16u + (row_u % 4u * 4u + column_u % 4u);
+    const float16 here_most = here + rc_permute16(block->slack, lane_of);
+/* Without pairs that something nearer hides already: the loop below would drop them one by one. */
+#ifdef RC_HAS_GATHER512
+    const float16 before =
+        __builtin_ia32_gathersiv16sf((float16)(0.0f), (const void*)closest->near, as_int16(slot_of), (ushort)bits, 4);
+    bits &= rc_mask16(select(here, here_most, least <= band) >= before);
+    if (!bits) continue;
+#endif
+    RC_LINE float near[16], near_most[16];
+    RC_LINE uint slots[16], samples[16], primitives[16];
+    rc_store16(here, 0, near);
+    rc_store16(here_most, 0, near_most);
+    rc_store16(slot_of, 0, slots);
+    rc_store16(row_u << 16 | column_u, 0, samples);
+    rc_store16(lane_of + first, 0, primitives);
+    for (; bits; bits &= bits - 1u) {
+      const uint k = rc_lowest(bits), slot = slots[k];
+      if (!(undecided >> k & 1u))
+        rc_keep(closest, slot, near[k], instance, primitives[k]);
+      else if (near_most[k] >= closest->near[slot])
+        rc_leave_open(scene, frame, closest, instance, open, primitives[k], samples[k]);
+    }
+  }
+}
+
+/* One triangle in one tile of 4 x 4 samples, of which least, uncertain and near are told. */
+static inline void rc_primary_tile(SceneArrays scene, const GroupFrame* frame, Closest* closest, Open* open,
+                                   uint primitive, uint instance, uint tile_row, uint tile_column, float16 least,
+                                   float16 uncertain, float16 near, float slack) {
+  const uint slot = (tile_row * RC_TILE_COLUMNS + tile_column) * 16u;
+  const float16 before = rc_load16(0, closest->near + slot);
+  const int16 inside = least > uncertain, nearer = inside & (near > before);
+  uint rest = rc_mask16((least >= -uncertain) & (~inside | (near == before)));
+  rc_store16(select(before, near, nearer), 0, closest->near + slot);
+  rc_store16(select(rc_load16(0, closest->instance + slot), (uint16)(instance), nearer), 0, closest->instance + slot);
+  rc_store16(select(rc_load16(0, closest->primitive + slot), (uint16)(primitive), nearer), 0,
+             closest->primitive + slot);
+  if (rest) {
+    rest &= rc_mask16(near + slack >= before);
+    const uint tied = rc_mask16(inside);
+    RC_LINE float near_of[16];
+    rc_store16(near, 0, near_of);
+    for (; rest; rest &= rest - 1u) {
+      const uint k = rc_lowest(rest), row = tile_row * 4u + k / 4u, column = tile_column * 4u + k % 4u;
+      if (row >= frame->rows || column >= frame->columns) continue;
+      if (tied >> k & 1u)
+        rc_keep(closest, slot + k, near_of[k], instance, primitive);
+      else
+        rc_leave_open(scene, frame, closest, instance, open, primitive, row << 16 | column);
+    }
+  }
+}
+
+/* Large triangles: the tiles of each one's rectangle. */
+static inline void rc_primary_large(SceneArrays scene, const GroupFrame* frame, Closest* closest, Open* open,
+                                    const GridBlock* block, uint large_bits) {
+  const uint first = block->first, instance = block->instance;
+  RC_LINE float slack_of[16];
+  RC_LINE uint left_of[16], above_of[16], right_of[16], below_of[16];
+  LaneForms form;
+  rc_store_forms(&block->setup, &form);
+  rc_store16(block->slack, 0, slack_of);
+  rc_store16(convert_uint16(block->left), 0, left_of);
+  rc_store16(convert_uint16(block->above), 0, above_of);
+  rc_store16(convert_uint16(block->right), 0, right_of);
+  rc_store16(convert_uint16(block->below), 0, below_of);
+  const float16 lane_column = (float16)(0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3);
+  const float16 lane_row = (float16)(0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3) + (float)frame->first_row;
+  while (large_bits) {
+    const uint lane = rc_lowest(large_bits);
+    large_bits &= large_bits - 1u;
+    const uint first_column = left_of[lane] / 4u, last_column = right_of[lane] / 4u, last_row = below_of[lane] / 4u;
+    const float16 uncertain = form.band[lane];
+    for (uint tile_row = above_of[lane] / 4u; tile_row <= last_row; ++tile_row) {
+      const float16 b = rc_row_b(lane_row + (float)(4u * tile_row));
+      float16 column_of = lane_column + (float)(4u * first_column);
+      const float16 l1_row = fma((float16)(form.l1b[lane]), b, (float16)(form.l1c[lane])),
+                    l2_row = fma((float16)(form.l2b[lane]), b, (float16)(form.l2c[lane]));
+      for (uint tile_column = first_column; tile_column <= last_column; ++tile_column, column_of += 4.0f) {
+        const float16 a = rc_column_a(column_of);
+        const float16 l1 = fma((float16)(form.l1a[lane]), a, l1_row), l2 = fma((float16)(form.l2a[lane]), a, l2_row);
+        const float16 least = rc_min16(rc_min16(l1, l2), (1.0f - l1) - l2);
+        const float16 near =
+            fma(l1, (float16)(form.q1[lane]), fma(l2, (float16)(form.q2[lane]), (float16)(form.q0[lane])));
+        rc_primary_tile(scene, frame, closest, open, first + lane, instance, tile_row, tile_column, least, uncertain,
+                        near, slack_of[lane]);
+      }
+    }
+  }
+}
+
 static inline void rc_primary_block(SceneArrays scene, const GroupFrame* frame, Closest* closest, Pending* pending,
                                     uint index, uint instance) {
   Open* open = &pending->open;
-  global const TriBlock* block = rc_block(scene, index);
-  const uint first = index * RC_BLOCK;
-  const Setup s = rc_setup_block(&frame->map, block, true);
-  /* Samples inside each rectangle: first and last column and row. The 1e-5 covers the rounding of these four lines. */
-  const float16 left =
-      rc_max16(ceil(fma(s.lo_a, (float16)(RC_NU), (float16)(0.5f * RC_GRID_COLUMNS - 0.5f - 1e-5f))), (float16)(0.0f));
-  const float16 right = rc_min16(floor(fma(s.hi_a, (float16)(RC_NU), (float16)(0.5f * RC_GRID_COLUMNS - 0.5f + 1e-5f))),
-                                 (float16)((float)frame->columns - 1.0f));
-  const float row_shift = 0.5f * RC_NV - 0.5f - (float)frame->first_row;
-  const float16 above = rc_max16(ceil(fma(s.lo_b, (float16)(RC_NV), (float16)(row_shift - 1e-5f))), (float16)(0.0f));
-  const float16 below = rc_min16(floor(fma(s.hi_b, (float16)(RC_NV), (float16)(row_shift + 1e-5f))),
-                                 (float16)((float)(frame->rows - 1u)));
-  const float16 columns = right - left, rows = below - above;
-  const int16 seen = s.usable & (columns >= 0.0f) & (rows >= 0.0f);
+  global const TriBlock* triangles = rc_block(scene, index);
+  GridBlock block;
+  block.first = index * RC_BLOCK;
+  block.instance = instance;
+  block.setup = rc_setup_block(&frame->map, triangles, true);
+  const int16 seen = rc_grid_block(frame, &block);
   const uint seen_bits = rc_mask16(seen);
-  const uint behind_bits = rc_mask16(s.behind) ? rc_behind(frame, block, s.behind) : 0u;
+  const uint behind_bits = rc_mask16(block.setup.behind) ? rc_behind(frame, triangles, block.setup.behind) : 0u;
   if (!(seen_bits | behind_bits)) return;
-  const int16 small = seen & (columns < (float)RC_SMALL) & (rows < (float)RC_SMALL);
-  const uint small_bits = rc_mask16(small);
-  uint large_bits = seen_bits & ~small_bits;
-  const float16 slack = rc_near_slack(&frame->map, &s);
-
-  if (small_bits) {
-    /* Every lane with every sample of its rectangle, side by side: lane, column << 4, row << 8. */
-    RC_LINE uint pairs[RC_SMALL * RC_SMALL * 16 + 16];
-    uint count = 0;
-    const uint16 own = (uint16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-    for (uint r = 0; r < RC_SMALL; ++r) {
-      const int16 in_row = small & (rows >= (float)r);
-      for (uint c = 0; c < RC_SMALL; ++c) {
-        const uint bits = rc_mask16(in_row & (columns >= (float)c));
-        if (!bits) break;
-        rc_pack16(as_float16(own | (r << 8 | c << 4)), bits, (float*)(pairs + count));
-        count += popcount(bits);
-      }
-    }
-    for (uint done = 0; done < count; done += 16u) {
-      const int16 real = as_int16(own) < (int)(count - done);
-      const uint16 pair = select((uint16)(0u), rc_load16(0, pairs + done), as_uint16(real)), lane_of = pair & 15u;
-      const float16 column_of = rc_permute16(left, lane_of) + convert_float16(pair >> 4 & 15u),
-                    row_of = rc_permute16(above, lane_of) + convert_float16(pair >> 8);
-      const float16 a = rc_column_a(column_of), b = rc_row_b(row_of + (float)frame->first_row);
-      const float16 l1 =
-          fma(rc_permute16(s.l1a, lane_of), a, fma(rc_permute16(s.l1b, lane_of), b, rc_permute16(s.l1c, lane_of)));
-      const float16 l2 =
-          fma(rc_permute16(s.l2a, lane_of), a, fma(rc_permute16(s.l2b, lane_of), b, rc_permute16(s.l2c, lane_of)));
-      const float16 least = rc_min16(rc_min16(l1, l2), (1.0f - l1) - l2), band = rc_permute16(s.band, lane_of);
-      uint bits = rc_mask16(real & (least >= -band));
-      if (!bits) continue;
-      const uint undecided = rc_mask16(least <= band);
-      const float16 here =
-          fma(l1, rc_permute16(s.q1, lane_of), fma(l2, rc_permute16(s.q2, lane_of), rc_permute16(s.q0, lane_of)));
-      const uint16 row_u = convert_uint16(row_of), column_u = convert_uint16(column_of);
-      const uint16 slot_of = (row_u / 4u * RC_TILE_COLUMNS + column_u / 4u) * 16u + (row_u % 4u * 4u + column_u % 4u);
-      const float16 here_most = here + rc_permute16(slack, lane_of);
-/* Without pairs that something nearer hides already: the loop below would drop them one by one. */
-#ifdef RC_HAS_GATHER512
-      const float16 before =
-          __builtin_ia32_gathersiv16sf((float16)(0.0f), (const void*)closest->near, as_int16(slot_of), (ushort)bits, 4);
-      bits &= rc_mask16(select(here, here_most, least <= band) >= before);
-      if (!bits) continue;
-#endif
-      RC_LINE float near[16], near_most[16];
-      RC_LINE uint slots[16], samples[16], primitives[16];
-      rc_store16(here, 0, near);
-      rc_store16(here_most, 0, near_most);
-      rc_store16(slot_of, 0, slots);
-      rc_store16(row_u << 16 | column_u, 0, samples);
-      rc_store16(lane_of + first, 0, primitives);
-      for (; bits; bits &= bits - 1u) {
-        const uint k = rc_lowest(bits), slot = slots[k];
-        if (!(undecided >> k & 1u))
-          rc_keep(closest, slot, near[k], instance, primitives[k]);
-        else if (near_most[k] >= closest->near[slot])
-          rc_leave_open(scene, frame, closest, instance, open, primitives[k], samples[k]);
-      }
-    }
-  }
-
-  if (large_bits) {
-    RC_LINE float slack_of[16];
-    RC_LINE uint left_of[16], above_of[16], right_of[16], below_of[16];
-    LaneForms form;
-    rc_store_forms(&s, &form);
-    rc_store16(slack, 0, slack_of);
-    rc_store16(convert_uint16(left), 0, left_of);
-    rc_store16(convert_uint16(above), 0, above_of);
-    rc_store16(convert_uint16(right), 0, right_of);
-    rc_store16(convert_uint16(below), 0, below_of);
-    const float16 lane_column = (float16)(0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3);
-    const float16 lane_row = (float16)(0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3) + (float)frame->first_row;
-    while (large_bits) {
-      const uint lane = rc_lowest(large_bits);
-      large_bits &= large_bits - 1u;
-      const uint first_column = left_of[lane] / 4u, last_column = right_of[lane] / 4u, last_row = below_of[lane] / 4u;
-      const float16 uncertain = form.band[lane];
-      for (uint tile_row = above_of[lane] / 4u; tile_row <= last_row; ++tile_row) {
-        const float16 b = rc_row_b(lane_row + (float)(4u * tile_row));
-        float16 column_of = lane_column + (float)(4u * first_column);
-        const float16 l1_row = fma((float16)(form.l1b[lane]), b, (float16)(form.l1c[lane])),
-                      l2_row = fma((float16)(form.l2b[lane]), b, (float16)(form.l2c[lane]));
-        for (uint tile_column = first_column; tile_column <= last_column; ++tile_column, column_of += 4.0f) {
-          const uint slot = (tile_row * RC_TILE_COLUMNS + tile_column) * 16u;
-          const float16 a = rc_column_a(column_of);
-          const float16 l1 = fma((float16)(form.l1a[lane]), a, l1_row), l2 = fma((float16)(form.l2a[lane]), a, l2_row);
-          const float16 least = rc_min16(rc_min16(l1, l2), (1.0f - l1) - l2);
-          const float16 near =
-              fma(l1, (float16)(form.q1[lane]), fma(l2, (float16)(form.q2[lane]), (float16)(form.q0[lane])));
-          const float16 before = rc_load16(0, closest->near + slot);
-          const int16 inside = least > uncertain, nearer = inside & (near > before);
-          uint rest = rc_mask16((least >= -uncertain) & (~inside | (near == before)));
-          rc_store16(select(before, near, nearer), 0, closest->near + slot);
-          rc_store16(select(rc_load16(0, closest->instance + slot), (uint16)(instance), nearer), 0,
-                     closest->instance + slot);
-          rc_store16(select(rc_load16(0, closest->primitive + slot), (uint16)(first + lane), nearer), 0,
-                     closest->primitive + slot);
-          if (rest) {
-            rest &= rc_mask16(near + slack_of[lane] >= before);
-            const uint tied = rc_mask16(inside);
-            RC_LINE float near_of[16];
-            rc_store16(near, 0, near_of);
-            for (; rest; rest &= rest - 1u) {
-              const uint k = rc_lowest(rest), row = tile_row * 4u + k / 4u, column = tile_column * 4u + k % 4u;
-              if (row >= frame->rows || column >= frame->columns) continue;
-              if (tied >> k & 1u)
-                rc_keep(closest, slot + k, near_of[k], instance, first + lane);
-              else
-                rc_leave_open(scene, frame, closest, instance, open, first + lane, row << 16 | column);
-            }
-          }
-        }
-      }
-    }
-  }
-
+  const int16 small =
+      seen & (block.right - block.left < (float)RC_SMALL) & (block.below - block.above < (float)RC_SMALL);
+  const uint small_bits = rc_mask16(small), large_bits = seen_bits & ~small_bits;
+  block.slack = rc_near_slack(&frame->map, &block.setup);
+  if (small_bits) rc_primary_small(scene, frame, closest, open, &block, small);
+  if (large_bits) rc_primary_large(scene, frame, closest, open, &block, large_bits);
   for (uint lanes = behind_bits; lanes; lanes &= lanes - 1u) { /* crosses the sensor's plane: every sample alone */
     const uint lane = rc_lowest(lanes);
     for (uint row = 0; row < frame->rows; ++row)
       for (uint column = 0; column < frame->columns; ++column)
-        rc_leave_open(scene, frame, closest, instance, open, first + lane, row << 16 | column);
+        rc_leave_open(scene, frame, closest, instance, open, block.first + lane, row << 16 | column);
   }
 }
 
@@ -178,7 +215,7 @@ static inline void rc_primary_block(SceneArrays scene, const GroupFrame* frame, 
  * */
 static inline void rc_write_pixels(const float* near, const uint* tiles, uint used, uint rows, global uint* out,
                                    size_t stride) {
-  RC_LINE uint lines[RC_TILE_ROWS * RC_TILE_COLUMNS * 16 + 16], slots[RC_GROUP_PIXELS * RC_NPAD + 16];
+  RC_LINE uint lines[RC_TILE_ROWS * RC_TILE_COLUMNS * 16 + 16], slots[RC_PIXELS_PER_GROUP * RC_PADDED_SAMPLES + 16];
   for (uint tile = 0; tile < RC_TILE_ROWS * RC_TILE_COLUMNS; tile += 4u) {
     uint16 t[4];
 #pragma unroll
@@ -194,12 +231,12 @@ static inline void rc_write_pixels(const float* near, const uint* tiles, uint us
     for (uint row = 0; row < rows; ++row)
       for (uint i = 0; i < RC_NU; i += 16u)
         rc_store16(rc_load16(0, lines + row * (RC_TILE_COLUMNS * 4u) + p * RC_NU + i), 0,
-                   slots + p * RC_NPAD + row * RC_NU + i);
-    for (uint k = rows * RC_NU; k < RC_NPAD; ++k) slots[p * RC_NPAD + k] = RC_NONE;
+                   slots + p * RC_PADDED_SAMPLES + row * RC_NU + i);
+    for (uint k = rows * RC_NU; k < RC_PADDED_SAMPLES; ++k) slots[p * RC_PADDED_SAMPLES + k] = RC_NONE;
   }
   for (uint p = 0; p < used; ++p)
-    for (uint word = 0; word < RC_NWORDS; ++word)
-      rc_store16(rc_load16(p * RC_NWORDS + word, slots), word, out + p * stride);
+    for (uint word = 0; word < RC_WORDS; ++word)
+      rc_store16(rc_load16(p * RC_WORDS + word, slots), word, out + p * stride);
 }
 
 #endif

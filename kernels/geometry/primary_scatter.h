@@ -151,12 +151,12 @@ static inline void rc_primary_block(SceneArrays scene, const GroupFrame* frame, 
 
 /* Positions of samples first .. first + count - 1 of the group's pixels, and the bounds of their words. */
 static inline void rc_scatter_samples(Scatter* samples, uint seed, GroupPlace place, uint first, uint count) {
-  for (uint p = 0; p < RC_GROUP_PIXELS; ++p)
-    for (uint k = 0; k < RC_NPAD; ++k) {
+  for (uint p = 0; p < RC_PIXELS_PER_GROUP; ++p)
+    for (uint k = 0; k < RC_PADDED_SAMPLES; ++k) {
       float a = INFINITY, b = INFINITY;
       if (p < place.used && k < count) rc_group_sample(seed, place.number + p, p, first + k, &a, &b);
-      samples->a[p * RC_NPAD + k] = a;
-      samples->b[p * RC_NPAD + k] = b;
+      samples->a[p * RC_PADDED_SAMPLES + k] = a;
+      samples->b[p * RC_PADDED_SAMPLES + k] = b;
     }
   for (uint word = 0; word < RC_BOUND_SLOTS; ++word) {
     float lo_a = INFINITY, hi_a = -INFINITY, lo_b = INFINITY, hi_b = -INFINITY;

@@ -9,16 +9,16 @@
 typedef struct GroupPlace {
   uint pixel;  /* first pixel: index in the tile */
   uint number; /* first pixel: index in the image, for hashes */
-  uint used;   /* pixels that exist, 1 .. RC_GROUP_PIXELS */
+  uint used;   /* pixels that exist, 1 .. RC_PIXELS_PER_GROUP */
 } GroupPlace;
 
 static inline GroupPlace rc_group_place(global const RayGroup* groups, uint group, uint columns) {
-  const uint per_line = (columns + RC_GROUP_PIXELS - 1u) / RC_GROUP_PIXELS;
-  const uint line = group / per_line, column = (group - line * per_line) * RC_GROUP_PIXELS;
+  const uint per_line = rc_groups_per_line(columns, RC_PIXELS_PER_GROUP);
+  const uint line = group / per_line, column = (group - line * per_line) * RC_PIXELS_PER_GROUP;
   GroupPlace place;
   place.pixel = line * columns + column;
   place.number = as_uint(groups[group].origin.w);
-  place.used = min((uint)RC_GROUP_PIXELS, columns - column);
+  place.used = min((uint)RC_PIXELS_PER_GROUP, columns - column);
   return place;
 }
 
@@ -34,7 +34,7 @@ static inline RayGroup rc_group_rays(global const RayGroup* groups, uint group) 
 static inline void rc_group_sample(uint seed, uint number, uint p, uint s, float* a, float* b) {
   float u, v;
   rc_sample_uv(RC_SAMPLER, RC_NU, RC_NV, RC_SUPPORT, seed, number, (int)s, &u, &v);
-  *a = ((float)p - 0.5f * (float)(RC_GROUP_PIXELS - 1)) + u;
+  *a = ((float)p - 0.5f * (float)(RC_PIXELS_PER_GROUP - 1)) + u;
   *b = v;
 }
 

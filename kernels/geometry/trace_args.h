@@ -1,74 +1,56 @@
 /* How to build and launch the three tracing kernels: trace_primary, make_surface, trace_light (sun, then sky).
+ * What lies where in their buffers: kernels/shared/tile_layout.h.
  *
- * Chain, all in one in-order queue:  trace_primary -> hits -> make_surface -> surface -> trace_light (sky = 0) ->
- * sun_mask
- *                                                                                    \-> trace_light (sky = 1) ->
- *                                                                                    blocked
+ * Chain, all in one in-order queue:
+ *   trace_primary -> hits -> make_surface -> surface -> trace_light (sky = 0) -> sun
+ *                                                   \-> trace_light (sky = 1) -> blocked sky
  *
  * Build options (one set for all; a -D that is missing here has the default below):
  *   RC_NU, RC_NV        samples of a pixel along and across the line (whole pixel, not the chunk)
- *   RC_CHUNK            most samples that one launch handles per pixel; default RC_NU * RC_NV. Smaller for big pixels;
- *   with
- *                       the grid sampler a multiple of RC_NU, so that a chunk is whole rows.
+ *   RC_CHUNK_SAMPLES    most samples that one launch handles per pixel; default RC_NU * RC_NV. Smaller for big pixels;
+ *                       with the grid sampler a multiple of RC_NU, so that a chunk is whole rows.
  *   RC_SAMPLER          0 grid, 1 lattice, 2 jittered (kernels/sampling/sampler.h)
  *   RC_SUPPORT          width of the square the samples cover, pixels, as a float literal (1.0f)
  *   RC_SCATTER          1: samples anywhere in the field; 0: the plain grid with RC_SUPPORT 1.0f, which is faster. Give
- *   it with
- *                       RC_SUPPORT: a support alone takes 1, which is right for all
- *   RC_GROUP_PIXELS     pixels of a RayGroup: 4 (RC_GROUP_WIDTH), or 1 where every pixel has its own pose (whiskbroom)
+ *                       it with RC_SUPPORT: a support alone takes 1, which is right for all
+ *   RC_PIXELS_PER_GROUP pixels of a RayGroup: 4 (RC_GROUP_WIDTH), or 1 where every pixel has its own pose (whiskbroom)
+ *   RC_SKY_PLANES       planes of blocked sky, a multiple of 4: 4 times the float4s of weights per direction
  *   RC_STACK            CompiledScene::stack_bound()
  *   RC_MOVING           1: RayGroup.ov may differ from zero; single rays, slower. 0: ov is ignored.
  *   RC_BUNDLE           1 (default): bundles; 0: every ray alone. Both give the same hits; tests compare them.
- * Samples of a launch: first_sample .. first_sample + sample_count - 1, sample_count <= RC_CHUNK; with the grid sampler
- * both are multiples of RC_NU. NPAD = RC_CHUNK rounded up to 16; in every buffer sample s lies in slot s -
- * first_sample.
+ * Samples of a launch: first_sample .. first_sample + sample_count - 1, sample_count <= RC_CHUNK_SAMPLES; with the grid
+ * sampler both are multiples of RC_NU.
  *
- * Rays: pixel p of a group (0 .. RC_GROUP_PIXELS - 1) and sample s with (u, v) = rc_sample_uv(...) have
- *   a = (p - (RC_GROUP_PIXELS - 1) / 2) + u,  b = v
+ * Rays: pixel p of a group (0 .. RC_PIXELS_PER_GROUP - 1) and sample s with (u, v) = rc_sample_uv(...) have
+ *   a = (p - (RC_PIXELS_PER_GROUP - 1) / 2) + u,  b = v
  *   start = origin + offset (never added up where hits are decided), offset = d0.w (a du + b dv) + b ov,  direction =
  *   fma(b, dv, fma(a, du, d0)); the sensor lies at origin - d0.w d0 (kernels/geometry/samples.h)
  * so d0 is the direction of the group's centre (for 4: between pixels 1 and 2), du and dv its change per pixel.
- * Groups of a tile: line by line, ceil(columns / RC_GROUP_PIXELS) of them per line; the last may hold fewer pixels. A
- * tile may also be any list of groups: each is then a line of its own, columns = RC_GROUP_PIXELS.
+ * Groups of a tile: line by line, rc_groups_per_line of them per line; the last may hold fewer pixels. A tile may also
+ * be any list of groups: each is then a line of its own, columns = RC_PIXELS_PER_GROUP.
  *
- * Every kernel: any local size (one item is one group, by its global id), global size = groups of the tile. Common
- * arguments:
- *   nodes, blocks, instances   the arrays of CompiledScene (at least one element each, even in an empty scene), each in
- *   as many
- *                              pages, hence arguments, as its build options say (kernels/geometry/scene_arrays.h)
- *   seed                       low 32 bits of Simulation::seed
- *   columns                    pixels of a tile line
- * Pixel i of a tile = (line in tile) * columns + (column in tile); its number in hashes is its group's
- * (RayGroup.origin.w) plus its place in the group: its place in the image, so results do not depend on tiling.
- *
- *   trace_primary(nodes, blocks, instances, global const RayGroup* groups, global uint* hits, uint seed, uint columns,
- *                 uint first_sample, uint sample_count)
- *     hits[pixel][2][NPAD]: row 0 instance index (RC_NONE: miss), row 1 primitive = block * 16 + lane. Slots at and
- *     past sample_count hold RC_NONE. The closest hit; of equal distances the lowest instance, then the lowest
- *     primitive.
- *   make_surface(blocks, instances, groups, hits (const), global float* surface, global float* lift, seed, columns,
- *                first_sample, sample_count)
- *     surface[pixel][6][NPAD]: x y z of the point, m, scene frame, moved off the surface to the viewer's side by its
- *     error bound (the origin of shadow rays); nx ny nz unit geometric normal facing the viewer. Misses: all six are 0.
- *     lift[pixel][NPAD]: m, how far along the normal the point was moved (rc_step_back undoes it). Misses: 0.
- *   trace_light(nodes, blocks, instances, groups, surface (const), directions (global const float4*), weights (global
- *   const
- *               float4*), global ushort* sun_mask, global float* blocked, uint sky, uint sets, uint count, uint share,
- *               seed, columns, first_sample)
- *     One kernel for both, since its walk through the scene is most of what a device compiles.
- *     sky = 0, the sun: directions holds one unit vector towards it, w = 0, and sets = count = share = 1; weights and
- *     blocked may be any buffers. All samples of a group go together.
- *     sun_mask[pixel][NPAD / 16]: bit s % 16 of word s / 16 = the sun is seen. Clear for misses and where n . sun <= 0.
- *     sky = 1: directions, weights: [sets][count]; a pixel takes set rc_hash(seed, pixel, 0, 21) % sets; sun_mask may
- *     be any buffer. blocked[pixel][4][NPAD]: share times the sum over the blocked directions k of the sample's part
- *     (rc_sky_part, rc_sky_direction), in order, of weight[k].c * max(0, n . direction[k]) for components c = 0..3 =
- *     xyzw. Zero for misses.
+ * Every kernel: any local size (one item is one group, by its global id), global size = groups of the tile; arguments:
+ * kernels/shared/camera_arguments.h. The scene's arrays have at least one element each, even in an empty scene. A
+ * pixel's number in hashes is its group's (RayGroup.origin.w) plus its place in the group: its place in the image, so
+ * results do not depend on tiling.
+ *   trace_primary  hits: the closest; of equal distances the lowest instance, then the lowest primitive. Slots at and
+ *                  past sample_count hold RC_NONE.
+ *   make_surface   surface: the point moved off the surface to the viewer's side by its error bound (the origin of
+ *                  shadow rays), and the normal. lift: how far along the normal the point was moved (rc_step_back
+ *                  undoes it). Misses: all are 0.
+ *   trace_light    one kernel for both, since its walk through the scene is most of what a device compiles.
+ *     sky = 0: the sun. directions holds one unit vector towards it, and sets = count = share = 1; weights and blocked
+ *     may be any buffers. All samples of a group go together. Bits are clear for misses and where n . sun <= 0.
+ *     sky = 1: a pixel takes set rc_hash(seed, pixel, 0, 21) % sets; the buffer of sun bits may be any. Plane c of
+ *     blocked: share times the sum over the blocked directions k of the sample's part (rc_sky_part, rc_sky_direction),
+ *     in order, of weight c of k * max(0, n . direction[k]), where weights 4 q .. 4 q + 3 are xyzw of quad q. Zero for
+ *     misses.
  */
 #ifndef RAYCUBE_KERNELS_GEOMETRY_TRACE_ARGS_H
 #define RAYCUBE_KERNELS_GEOMETRY_TRACE_ARGS_H
 
 #pragma OPENCL FP_CONTRACT OFF
-#include "kernels/shared/structs.h"
+#include "kernels/shared/tile_layout.h"
 #include "kernels/sampling/sampler.h"
 
 #ifndef RC_NU
@@ -77,8 +59,8 @@
 #ifndef RC_NV
 #define RC_NV 11
 #endif
-#ifndef RC_CHUNK
-#define RC_CHUNK (RC_NU * RC_NV)
+#ifndef RC_CHUNK_SAMPLES
+#define RC_CHUNK_SAMPLES (RC_NU * RC_NV)
 #endif
 #ifndef RC_SAMPLER
 #define RC_SAMPLER RC_SAMPLER_GRID
@@ -95,9 +77,6 @@
 #ifndef RC_SUPPORT
 #define RC_SUPPORT 1.0f
 #endif
-#ifndef RC_GROUP_PIXELS
-#define RC_GROUP_PIXELS RC_GROUP_WIDTH
-#endif
 #ifndef RC_STACK
 #define RC_STACK 128
 #endif
@@ -109,7 +88,5 @@
 #endif
 /* Single rays that may start apart from their group's origin. */
 #define RC_OFFSETS (RC_MOVING || !RC_BUNDLE)
-#define RC_NPAD (((RC_CHUNK) + 15) / 16 * 16)
-#define RC_NWORDS (RC_NPAD / 16)
 
 #endif

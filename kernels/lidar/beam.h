@@ -98,7 +98,7 @@ static inline void rc_beam_word(const LidarTables* t, uint word, float16* a, flo
   *a = rc_load16(2u * word, t->samples);
   *b = rc_load16(2u * word + 1u, t->samples);
 #else
-  const uint slots = (RC_CHUNK + 15u) / 16u * 16u, bounds = (slots / 16u + 15u) / 16u * 16u, words = slots / 16u;
+  const uint slots = RC_PADDED_SAMPLES, words = RC_WORDS, bounds = RC_PADDED(words);
   global const float* at = t->samples + (size_t)(word / words) * (2u * slots + 4u * bounds) + word % words * 16u;
   *a = rc_load16(0, at);
   *b = rc_load16(0, at + slots);
@@ -122,14 +122,14 @@ static inline float rc_beam_sum(const LidarTables* t, const Beam* beam, float s,
     return deep * rsqrt(square) * (float)RC_RAY_COUNT;
 #endif
   float16 sum = 0.0f;
-  for (uint word = 0; word < (RC_RAY_COUNT + 15u) / 16u; ++word) {
+  for (uint word = 0; word < RC_PADDED_RAYS / RC_WORD; ++word) {
     float16 a, b;
     rc_beam_word(t, word, &a, &b);
     const int16 exists = a < INFINITY;
     Vector16 leaves = {0.0f, 0.0f, 0.0f};
 #if RC_EXITS
     const float4 eu = t->shot[RC_SHOT_EXIT_U], ev = t->shot[RC_SHOT_EXIT_V];
-    const float16 ea = rc_load16(word, t->exits), eb = rc_load16(word, t->exits + (RC_RAY_COUNT + 15) / 16 * 16);
+    const float16 ea = rc_load16(word, t->exits), eb = rc_load16(word, t->exits + RC_PADDED_RAYS);
     leaves.x = fma(ea, (float16)(eu.x), eb * ev.x);
     leaves.y = fma(ea, (float16)(eu.y), eb * ev.y);
     leaves.z = fma(ea, (float16)(eu.z), eb * ev.z);

@@ -4,7 +4,7 @@
  *   RC_LASER_LINES   lines;  RC_LINE_NODES: spectral nodes of all of them
  *   RC_COLUMNS, RC_ROWS   pixels of the array (transmitter: 1 x 1 has the circular stop)
  *   RC_TAPS_PADDED   taps of the pulse rounded up to 16 (gate and pulse else are arguments: another gate needs no other
- *   program) RC_RAY_COUNT     rays of an owner;  RC_CHUNK: of one bundle (trace_args.h)
+ *   program) RC_RAY_COUNT     rays of an owner;  RC_CHUNK_SAMPLES: of one bundle (trace_args.h)
  *   RC_BOUNCES       scatterings a path may have
  *   RC_AIR           1: there is air;  RC_AIR_RETURN 1: it sends light back;  RC_VOLUMES: number of gas and particle
  *   volumes RC_SINGLE        1: single rays (narrow beams, exits of their own), 0: bundles
@@ -21,8 +21,8 @@
 /* A -D that is missing has these defaults: one sub-ray word of a plain shot. */
 #ifndef RC_SCATTER
 #define RC_SCATTER 1
-#define RC_GROUP_PIXELS 1
-#define RC_CHUNK 256
+#define RC_PIXELS_PER_GROUP 1
+#define RC_CHUNK_SAMPLES 256
 #define RC_SUPPORT 4.0f
 #endif
 #define RC_SAMPLE_SPACE global /* all owners share theirs */
@@ -110,7 +110,9 @@
 /* A row is padding, bins, padding: pulses that hang over the gate's ends need no branch, and what they lose is counted
  * after. */
 #define RC_ROW_PAD RC_TAPS_PADDED
-static inline uint rc_row_floats(uint bins) { return 2u * RC_ROW_PAD + (bins + 15u) / 16u * 16u; }
+static inline uint rc_row_floats(uint bins) { return 2u * RC_ROW_PAD + RC_PADDED(bins); }
+/* Rays of an owner rounded up to whole words. */
+#define RC_PADDED_RAYS RC_PADDED(RC_RAY_COUNT)
 /* Rays start again after the first surface. */
 #define RC_CONTINUES (RC_BOUNCES > 1 || RC_PLATES)
 /* Energy of a ray in the ledger; the first RC_LEDGER_REST rays have one unit more. */
@@ -139,16 +141,12 @@ typedef struct LidarTables {
 
 /* Rays stopped, of an owner: rows [pixel][line], then how many rays each pixel has. */
 static inline size_t rc_stopped_floats(uint row) {
-  return (size_t)RC_OWN_PIXELS * RC_LASER_LINES * row + (RC_OWN_PIXELS + 15) / 16 * 16;
+  return (size_t)RC_OWN_PIXELS * RC_LASER_LINES * row + RC_PADDED(RC_OWN_PIXELS);
 }
 /* Whether they are kept for every pixel: where a ray stays in one, as pupil and exit are one point. */
 static inline bool rc_stops_by_pixel(const LidarTables* t) {
   return (RC_OWN_PIXELS > 1) & (RC_EXITS == 0) & (t->shot[RC_SHOT_AXIS].w == 1.0f);
 }
-
-#define RC_VOLUME_PARAMETERS                                                              \
-  global const LidarVolume *restrict volumes, global const float *restrict volume_values, \
-      global const float *restrict volume_depth
 
 /* What one owner adds up beside its rows. */
 typedef struct LidarSums {
@@ -164,12 +162,14 @@ static inline void rc_add_float(float* sum, float x) {
   sum[0] = s;
 }
 
-static inline float rc_lane_sum(float16 v) {
-  const float8 a = v.lo + v.hi;
-  const float4 b = a.lo + a.hi;
-  const float2 c = b.lo + b.hi;
-  return c.x + c.y;
+/* Sums of an owner's line, to where the host reads them. */
+static inline void rc_write_sums(float sum[RC_SUM_COUNT][2], global float* to) {
+  for (uint i = 0; i < RC_SUM_COUNT; ++i) {
+    to[2u * i] = sum[i][0];
+    to[2u * i + 1u] = sum[i][1];
+  }
 }
+
 static inline long rc_lane_sum_long(long16 v) {
   const long8 a = v.lo + v.hi;
   const long4 b = a.lo + a.hi;

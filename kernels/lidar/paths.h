@@ -49,86 +49,156 @@ static inline void rc_stop(const LidarTables* t, Paths16* paths, const Vertex16*
 }
 #endif
 
-/* The rays of a word from their first hits on. a, b: sub-rays or samples (INFINITY: none). */
-static inline void rc_follow_word(SceneArrays scene, const LidarTables* t, float16 a, float16 b, uint first_ray,
-                                  uint16 instances, uint16 primitives, RC_ROW_SPACE float* first,
-                                  RC_ROW_SPACE float* multiple, global float* stopped, LidarSums* sums) {
+/* 16 rays from Q, the place near the scene that points are kept relative to (layout.h). a, b: sub-rays or samples;
+ * leaves: where each leaves from, beside the middle of the exit. */
+static inline void rc_begin_rays(const LidarTables* t, float16 a, float16 b, uint first_ray, Rays16* rays,
+                                 Vector16* leaves) {
   global const float4* shot = t->shot;
-  const float4 reference = shot[RC_SHOT_REFERENCE], from_start = shot[RC_SHOT_FROM_START], axis = shot[RC_SHOT_AXIS],
-               du = shot[RC_SHOT_DU], dv = shot[RC_SHOT_DV];
-  const float s = shot[RC_SHOT_START].w;
-  const int16 exists = a < INFINITY;
-  a = select((float16)(0.0f), a, exists);
-  b = select((float16)(0.0f), b, exists);
+  const float4 du = shot[RC_SHOT_DU], dv = shot[RC_SHOT_DV];
   const Vector16 tilt = {fma(a, (float16)(du.x), b * dv.x), fma(a, (float16)(du.y), b * dv.y),
                          fma(a, (float16)(du.z), b * dv.z)};
-  Rays16 rays;
-  rays.origin = rc_vector16(reference);
-  rays.direction = rc_plus16(rc_vector16(axis), tilt);
-  rays.offset = rc_along16(rc_vector16(shot[RC_SHOT_RESIDUAL]), (float16)(s), tilt);
-  Vector16 leaves = {0.0f, 0.0f, 0.0f};
+  rays->origin = rc_vector16(shot[RC_SHOT_REFERENCE]);
+  rays->direction = rc_plus16(rc_vector16(shot[RC_SHOT_AXIS]), tilt);
+  rays->offset = rc_along16(rc_vector16(shot[RC_SHOT_RESIDUAL]), (float16)(shot[RC_SHOT_START].w), tilt);
+  leaves->x = leaves->y = leaves->z = 0.0f;
 #if RC_EXITS
   const float4 eu = shot[RC_SHOT_EXIT_U], ev = shot[RC_SHOT_EXIT_V];
-  const float16 ea = rc_load16(0, t->exits + first_ray),
-                eb = rc_load16(0, t->exits + (RC_RAY_COUNT + 15) / 16 * 16 + first_ray);
-  leaves.x = fma(ea, (float16)(eu.x), eb * ev.x);
-  leaves.y = fma(ea, (float16)(eu.y), eb * ev.y);
-  leaves.z = fma(ea, (float16)(eu.z), eb * ev.z);
-  rays.offset = rc_plus16(rays.offset, leaves);
+  const float16 ea = rc_load16(0, t->exits + first_ray), eb = rc_load16(0, t->exits + RC_PADDED_RAYS + first_ray);
+  leaves->x = fma(ea, (float16)(eu.x), eb * ev.x);
+  leaves->y = fma(ea, (float16)(eu.y), eb * ev.y);
+  leaves->z = fma(ea, (float16)(eu.z), eb * ev.z);
+  rays->offset = rc_plus16(rays->offset, *leaves);
 #endif
-  Paths16 paths;
-  paths.way = rays.direction;
+}
+
+/* Photons, way and energy that the rays of a word begin with. */
+static inline void rc_begin_paths(const LidarTables* t, const Rays16* rays, int16 exists, uint first_ray,
+                                  Paths16* paths) {
+  global const float4* shot = t->shot;
+  paths->way = rays->direction;
 #if RC_RECEIVER || RC_GLOSS || RC_MEDIA || RC_CONTINUES
-  const float16 over_length = 1.0f / sqrt(rc_dot16(rays.direction, rays.direction));
-  paths.way.x *= over_length;
-  paths.way.y *= over_length;
-  paths.way.z *= over_length;
+  const float16 over_length = 1.0f / sqrt(rc_dot16(rays->direction, rays->direction));
+  paths->way.x *= over_length;
+  paths->way.y *= over_length;
+  paths->way.z *= over_length;
 #endif
   float16 weight = shot[RC_SHOT_DU].w;
 #if RC_RECEIVER
   /* A_r cos(psi) dOmega, dOmega = pitch^2 cos^3(psi): pixels on a plane of tangents. */
   const float4 start_axis = shot[RC_SHOT_START_AXIS];
-  const float16 off =
-      fma((float16)(start_axis.x), paths.way.x, fma((float16)(start_axis.y), paths.way.y, start_axis.z * paths.way.z));
+  const float16 off = fma((float16)(start_axis.x), paths->way.x,
+                          fma((float16)(start_axis.y), paths->way.y, start_axis.z * paths->way.z));
   weight *= (off * off) * (off * off);
 #endif
-  paths.live = rc_mask16(exists);
+  paths->live = rc_mask16(exists);
   for (uint line = 0; line < RC_LASER_LINES; ++line) {
-    paths.weight[line] = weight * t->photons[line];
-    paths.passed[line] = 1.0f;
+    paths->weight[line] = weight * t->photons[line];
+    paths->passed[line] = 1.0f;
 #if RC_STOPPED
-    paths.open[line] = 1.0f;
+    paths->open[line] = 1.0f;
 #endif
 #if RC_LANE_ENERGY
     const long16 lane = (long16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-    paths.energy[line] =
+    paths->energy[line] =
         select((long16)(RC_LEDGER_UNIT), (long16)(RC_LEDGER_UNIT + 1), lane < RC_LEDGER_REST - (long)first_ray);
 #endif
   }
 #if !RC_LANE_ENERGY
-  paths.first_ray = first_ray;
+  paths->first_ray = first_ray;
 #endif
 #if RC_BOUNCES > 1
-  for (uint k = 0; k < 16u; ++k) paths.order[k] = 1;
+  for (uint k = 0; k < 16u; ++k) paths->order[k] = 1;
 #endif
-  paths.path = 0.0f;
+  paths->path = 0.0f;
+  for (uint node = 0; node < RC_LINE_NODES; ++node) paths->depth[node] = 0.0f;
+}
+
 #if RC_STOPPED && RC_OWN_PIXELS > 1
-  if (rc_stops_by_pixel(t)) {
-    RC_LINE float pixels[16];
-    rc_store16(rc_pixel_of_way(t, paths.way), 0, pixels);
-    global float* rays_of = stopped + (size_t)RC_OWN_PIXELS * RC_LASER_LINES * t->row;
-    for (uint left = paths.live; left; left &= left - 1u) {
-      const uint k = rc_lowest(left);
-      if (pixels[k] >= 0.0f) rays_of[(uint)pixels[k]] += 1.0f;
-    }
+/* Rays that each pixel has, where they are kept for every pixel. */
+static inline void rc_count_rays(const LidarTables* t, const Paths16* paths, global float* stopped) {
+  if (!rc_stops_by_pixel(t)) return;
+  RC_LINE float pixels[16];
+  rc_store16(rc_pixel_of_way(t, paths->way), 0, pixels);
+  global float* rays_of = stopped + (size_t)RC_OWN_PIXELS * RC_LASER_LINES * t->row;
+  for (uint left = paths->live; left; left &= left - 1u) {
+    const uint k = rc_lowest(left);
+    if (pixels[k] >= 0.0f) rays_of[(uint)pixels[k]] += 1.0f;
   }
-#endif
-#if RC_PLATES
-  float16 gone[RC_LASER_LINES]; /* what plates on the way let through: the way back meets them again */
-  for (uint line = 0; line < RC_LASER_LINES; ++line) gone[line] = 1.0f;
+}
 #endif
 
-  for (uint node = 0; node < RC_LINE_NODES; ++node) paths.depth[node] = 0.0f;
+/* Energy at a vertex: what plates let through stays with the paths, the rest is absorbed or ends here; light that is
+ * scattered on has taken its own (RC_BOUNCES > 1). gone: what plates on the way let through. */
+static inline void rc_split_at_vertex(const LidarTables* t, const Vertex16* vertex, Paths16* paths, float16* gone,
+                                      LidarSums* sums) {
+  for (uint line = 0; line < RC_LASER_LINES; ++line) {
+    const float16 diffuse = rc_matter16(t, vertex, line, 0) + rc_matter16(t, vertex, line, 1);
+#if RC_PLATES
+    const float16 plate = rc_matter16(t, vertex, line, 2);
+#else
+    const float16 plate = 0.0f;
+#endif
+#if RC_BOUNCES > 1
+    LidarSums apart_sums;
+    apart_sums.ledger[line][RC_LEDGER_TRUNCATED] = 0;
+    apart_sums.ledger[line][RC_LEDGER_ABSORBED] = 0;
+    rc_split_energy(paths, line, plate, diffuse, &apart_sums, RC_LEDGER_TRUNCATED);
+    sums->ledger[line][RC_LEDGER_ABSORBED] += apart_sums.ledger[line][RC_LEDGER_ABSORBED];
+#else
+    rc_split_energy(paths, line, plate, diffuse, sums, RC_LEDGER_TRUNCATED);
+#endif
+#if RC_PLATES
+    paths->weight[line] *= plate;
+    gone[line] *= plate;
+#endif
+  }
+}
+
+#if RC_PLATES
+/* Traces on the rays that plates let through and ends the others. last: none may go on. */
+static inline void rc_pass_plates(SceneArrays scene, const LidarTables* t, const Vertex16* vertex, const Rays16* rays,
+                                  bool last, Paths16* paths, uint16* instances, uint16* primitives, LidarSums* sums) {
+  uint through = 0;
+  RC_LINE float from[3][16], way[3][16];
+  Hits16 hits;
+  rc_store_vector16(vertex->back, from);
+  rc_store_vector16(rays->direction, way);
+  for (uint k = 0; k < 16u; ++k) {
+    hits.instance[k] = RC_NONE;
+    hits.primitive[k] = 0;
+    if (!(paths->live >> k & 1u)) continue;
+    float plate = 0.0f;
+    for (uint line = 0; line < RC_LASER_LINES; ++line) plate += t->optics[vertex->surface[k] * RC_LASER_LINES + line].z;
+    if (!(plate > 0.0f) || last) continue;
+    through |= 1u << k;
+    ++sums->rays;
+    const Hit hit = rc_trace_ray(scene, rc_lane4(from, k), rc_lane4(way, k), false);
+    hits.instance[k] = hit.instance;
+    if (hit.instance != RC_NONE) hits.primitive[k] = hit.primitive;
+  }
+  *instances = rc_load16(0, hits.instance);
+  *primitives = rc_load16(0, hits.primitive);
+  rc_end_lanes(paths, paths->live & ~through, sums, RC_LEDGER_TRUNCATED);
+}
+#endif
+
+/* The rays of a word from their first hits on. a, b: sub-rays or samples (INFINITY: none). */
+static inline void rc_follow_word(SceneArrays scene, const LidarTables* t, float16 a, float16 b, uint first_ray,
+                                  uint16 instances, uint16 primitives, RC_ROW_SPACE float* first,
+                                  RC_ROW_SPACE float* multiple, global float* stopped, LidarSums* sums) {
+  global const float4* shot = t->shot;
+  const float4 reference = shot[RC_SHOT_REFERENCE], from_start = shot[RC_SHOT_FROM_START];
+  const int16 exists = a < INFINITY;
+  Rays16 rays;
+  Vector16 leaves;
+  Paths16 paths;
+  rc_begin_rays(t, select((float16)(0.0f), a, exists), select((float16)(0.0f), b, exists), first_ray, &rays, &leaves);
+  rc_begin_paths(t, &rays, exists, first_ray, &paths);
+#if RC_STOPPED && RC_OWN_PIXELS > 1
+  rc_count_rays(t, &paths, stopped);
+#endif
+  float16 gone[RC_LASER_LINES]; /* what plates on the way let through: the way back meets them again */
+  for (uint line = 0; line < RC_LASER_LINES; ++line) gone[line] = 1.0f;
   float16 begins_z = (reference.z - from_start.z) + leaves.z,
           reached = 0.0f;                                   /* where the piece of the ray in question begins */
   for (uint crossings = 64u; crossings > 0u; --crossings) { /* ends by itself: the last lets nothing through */
@@ -165,27 +235,7 @@ static inline void rc_follow_word(SceneArrays scene, const LidarTables* t, float
       scattered.energy[line] = rc_share16(paths.energy[line], diffuse);
     }
 #endif
-    for (uint line = 0; line < RC_LASER_LINES; ++line) {
-      const float16 diffuse = rc_matter16(t, &vertex, line, 0) + rc_matter16(t, &vertex, line, 1);
-#if RC_PLATES
-      const float16 plate = rc_matter16(t, &vertex, line, 2);
-#else
-      const float16 plate = 0.0f;
-#endif
-#if RC_BOUNCES > 1
-      LidarSums apart_sums;
-      apart_sums.ledger[line][RC_LEDGER_TRUNCATED] = 0;
-      apart_sums.ledger[line][RC_LEDGER_ABSORBED] = 0;
-      rc_split_energy(&paths, line, plate, diffuse, &apart_sums, RC_LEDGER_TRUNCATED);
-      sums->ledger[line][RC_LEDGER_ABSORBED] += apart_sums.ledger[line][RC_LEDGER_ABSORBED];
-#else
-      rc_split_energy(&paths, line, plate, diffuse, sums, RC_LEDGER_TRUNCATED);
-#endif
-#if RC_PLATES
-      paths.weight[line] *= plate;
-      gone[line] *= plate;
-#endif
-    }
+    rc_split_at_vertex(t, &vertex, &paths, gone, sums);
 #if RC_STOPPED
     rc_stop(t, &paths, &vertex, stopped);
 #endif
@@ -193,28 +243,7 @@ static inline void rc_follow_word(SceneArrays scene, const LidarTables* t, float
     rc_scatter_on(scene, t, &scattered, &vertex, first_ray, multiple, sums);
 #endif
 #if RC_PLATES
-    uint through = 0;
-    RC_LINE float from[3][16], way[3][16];
-    Hits16 hits;
-    rc_store_vector16(vertex.back, from);
-    rc_store_vector16(rays.direction, way);
-    for (uint k = 0; k < 16u; ++k) {
-      hits.instance[k] = RC_NONE;
-      hits.primitive[k] = 0;
-      if (!(paths.live >> k & 1u)) continue;
-      float plate = 0.0f;
-      for (uint line = 0; line < RC_LASER_LINES; ++line)
-        plate += t->optics[vertex.surface[k] * RC_LASER_LINES + line].z;
-      if (!(plate > 0.0f) || crossings == 1u) continue;
-      through |= 1u << k;
-      ++sums->rays;
-      const Hit hit = rc_trace_ray(scene, rc_lane4(from, k), rc_lane4(way, k), false);
-      hits.instance[k] = hit.instance;
-      if (hit.instance != RC_NONE) hits.primitive[k] = hit.primitive;
-    }
-    instances = rc_load16(0, hits.instance);
-    primitives = rc_load16(0, hits.primitive);
-    rc_end_lanes(&paths, paths.live & ~through, sums, RC_LEDGER_TRUNCATED);
+    rc_pass_plates(scene, t, &vertex, &rays, crossings == 1u, &paths, &instances, &primitives, sums);
     if (!paths.live) return;
 #else
     return;

@@ -17,7 +17,11 @@
  * with all that is inlined into it, and compiles them all. A kernel passes its index; the body asks for no work-item
  * function. */
 #define RC_BODY __attribute__((noinline)) static void
+typedef int rc_int;
 typedef uint rc_uint;
+typedef ushort rc_ushort;
+typedef long rc_long;
+typedef ulong rc_ulong;
 typedef float rc_float;
 typedef float4 rc_float4;
 #define RC_STRUCT_BEGIN(name, text) typedef struct name {
@@ -27,7 +31,11 @@ typedef float4 rc_float4;
 #else
 #include <cstdint>
 namespace raycube::shared {
+using rc_int = std::int32_t;
 using rc_uint = std::uint32_t;
+using rc_ushort = std::uint16_t;
+using rc_long = std::int64_t;
+using rc_ulong = std::uint64_t;
 using rc_float = float;
 struct alignas(16) rc_float4 {
   float x = 0, y = 0, z = 0, w = 0;

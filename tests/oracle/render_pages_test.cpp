@@ -109,10 +109,10 @@ TEST_CASE(
     CHECK(same_bytes(paged.sun(sun), plain.sun(sun)));
     CHECK(same_bytes(paged.sky(directions, weights, 1), plain.sky(directions, weights, 1)));
     std::set<std::size_t> block_pages, instance_pages;
-    const std::uint32_t n = shape.npad();
     for (std::uint32_t pixel = 0; pixel < shape.pixels(); ++pixel)
-      for (std::uint32_t s = 0; s < n; ++s) {
-        const std::uint32_t instance = hits[pixel * 2 * n + s], primitive = hits[(pixel * 2 + 1) * n + s];
+      for (std::uint32_t s = 0; s < shape.elements().padded; ++s) {
+        const std::uint32_t instance = hits[shape.hits_at(pixel, RC_HIT_INSTANCE) + s],
+                            primitive = hits[shape.hits_at(pixel, RC_HIT_PRIMITIVE) + s];
         if (instance == RC_NONE) continue;
         instance_pages.insert(instance / buffers.instances[0].size());
         block_pages.insert(primitive / RC_BLOCK / buffers.blocks[0].size());

@@ -63,9 +63,9 @@ Lit lit_samples(const cl::Context& context, const scene::CompiledScene& scene, c
   Lit sum;
   for (std::uint32_t pixel = 0; pixel < shape.pixels(); ++pixel)
     for (std::uint32_t s = 0; s < shape.samples(); ++s) {
-      const bool hit = hits[pixel * 2 * shape.npad() + s] != RC_NONE;
+      const bool hit = hits[shape.hits_at(pixel, RC_HIT_INSTANCE) + s] != RC_NONE;
       sum.hits += hit;
-      sum.lit += hit && (mask[pixel * shape.npad() / 16 + s / 16] >> (s % 16) & 1);
+      sum.lit += hit && shape.sees_sun(mask, pixel, s);
     }
   return sum;
 }
@@ -124,8 +124,8 @@ TEST_CASE("stability: a low-poly sphere and a view from 20 km: each face is lit 
       std::size_t lit = 0, dark = 0, wrong = 0;
       for (std::uint32_t pixel = 0; pixel < shape.pixels(); ++pixel)
         for (std::uint32_t s = 0; s < shape.samples(); ++s) {
-          const std::uint32_t primitive = hits[(pixel * 2 + 1) * shape.npad() + s];
-          if (hits[pixel * 2 * shape.npad() + s] == RC_NONE) continue;
+          const std::uint32_t primitive = hits[shape.hits_at(pixel, RC_HIT_PRIMITIVE) + s];
+          if (hits[shape.hits_at(pixel, RC_HIT_INSTANCE) + s] == RC_NONE) continue;
           const auto& corner = mesh.triangles[scene.meshes[0].user_face[primitive]];
           double p[3][3], n[3], cosine = 0;
           for (int k = 0; k < 3; ++k)
@@ -135,7 +135,7 @@ TEST_CASE("stability: a low-poly sphere and a view from 20 km: each face is lit 
             n[i] = (p[1][j] - p[0][j]) * (p[2][k] - p[0][k]) - (p[1][k] - p[0][k]) * (p[2][j] - p[0][j]);
             cosine += n[i] * sun[i];
           }
-          const bool seen = mask[pixel * shape.npad() / 16 + s / 16] >> (s % 16) & 1;
+          const bool seen = shape.sees_sun(mask, pixel, s);
           (seen ? lit : dark) += 1;
           wrong += seen != (cosine > 0);
         }
@@ -212,15 +212,15 @@ TEST_CASE("stability: a part of 1 mm on and above terrain of 100 km is hit by th
       for (std::uint32_t line = 0; line < shape.lines; ++line)
         for (std::uint32_t column = 0; column < shape.columns; ++column)
           for (std::uint32_t s = 0; s < shape.samples(); ++s) {
-            const auto ray = test::host_ray(groups[line * shape.groups_per_line() + column / shape.group_pixels], shape,
-                                            0, column % shape.group_pixels, s);
+            const auto ray = test::host_ray(groups[line * shape.groups_per_line() + column / shape.pixels_per_group],
+                                            shape, 0, column % shape.pixels_per_group, s);
             // Top face, at distance `above` along z: rays that pass beside it meet no side of it either (they spread
             // outwards).
             const double x = std::abs(ray.direction[0] / ray.direction[2]) * above,
                          y = std::abs(ray.direction[1] / ray.direction[2]) * above;
             if (std::abs(std::max(x, y) - kHalf) < 1e-6) continue;  // fp32 rays from 1 m: 0.06 um, times roundings
             const bool inside = std::max(x, y) < kHalf;
-            const bool on_part = hits[(line * shape.columns + column) * 2 * shape.npad() + s] == 1;
+            const bool on_part = hits[shape.hits_at(line * shape.columns + column, RC_HIT_INSTANCE) + s] == 1;
             met += inside;
             wrong += inside != on_part;
           }
@@ -232,7 +232,7 @@ TEST_CASE("stability: a part of 1 mm on and above terrain of 100 km is hit by th
 
 TEST_CASE("stability: axis-parallel rays in slab planes, coincident faces, slivers, one triangle, nothing") {
   TraceShape shape = tile(17, 17, 1);
-  shape.group_pixels = 1;
+  shape.pixels_per_group = 1;
   auto groups = test::nadir_groups(shape, 0, 0, 10, 0.25, 1, 0);
   for (auto& group : groups) {  // straight down every 0.25 m: along borders, diagonals and corners of what follows
     group.origin.x = group.d0.x, group.origin.y = group.d0.y;
@@ -247,7 +247,7 @@ TEST_CASE("stability: axis-parallel rays in slab planes, coincident faces, slive
         const auto hits = test::TraceChain(context, coincident, shape).primary(groups);
         for (std::uint32_t pixel = 0; pixel < shape.pixels(); ++pixel)
           if (std::max(std::abs(groups[pixel].origin.x), std::abs(groups[pixel].origin.y)) < 1)
-            CHECK(hits[pixel * 2 * shape.npad()] != RC_NONE);
+            CHECK(hits[shape.hits_at(pixel, RC_HIT_INSTANCE)] != RC_NONE);
       });
   scene::TriangleMesh slivers = test::triangle_soup(100, 2, 2, 8);
   for (std::size_t t = 0; t < slivers.triangles.size(); ++t)
@@ -264,7 +264,7 @@ TEST_CASE("stability: closed bodies leak no ray at edges and vertices, seen from
   const auto mesh = test::sphere(2, 3, 0.2);
   const auto scene = placed({mesh});
   TraceShape shape = tile(1, 0, 1);
-  shape.group_pixels = 1;
+  shape.pixels_per_group = 1;
   std::vector<shared::RayGroup> groups;
   const auto aim = [&](double x, double y, double z) {
     shared::RayGroup g{};
@@ -287,7 +287,8 @@ TEST_CASE("stability: closed bodies leak no ray at edges and vertices, seen from
       shape.bundle = bundle;
       const auto hits = test::TraceChain(context, scene, shape).primary(groups);
       std::size_t lost = 0;
-      for (std::uint32_t pixel = 0; pixel < shape.pixels(); ++pixel) lost += hits[pixel * 2 * shape.npad()] == RC_NONE;
+      for (std::uint32_t pixel = 0; pixel < shape.pixels(); ++pixel)
+        lost += hits[shape.hits_at(pixel, RC_HIT_INSTANCE)] == RC_NONE;
       CHECK(lost == 0);
     }
   });

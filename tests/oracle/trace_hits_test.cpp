@@ -82,7 +82,7 @@ TEST_CASE("S7: a million rays into a soup of instanced triangles: nothing unexpl
 TEST_CASE("S7: every sampler, wide supports, one pixel per group, and single rays give the oracle's hits") {
   const auto scene = soup();
   struct Form {
-    int sampler, group_pixels;
+    int sampler, pixels_per_group;
     float support;
     bool bundle;
   };
@@ -90,10 +90,10 @@ TEST_CASE("S7: every sampler, wide supports, one pixel per group, and single ray
        {Form{RC_SAMPLER_GRID, 4, 3, true}, Form{RC_SAMPLER_LATTICE, 4, 1, true}, Form{RC_SAMPLER_JITTERED, 4, 1, true},
         Form{RC_SAMPLER_GRID, 1, 1, true}, Form{RC_SAMPLER_GRID, 4, 1, false}, Form{RC_SAMPLER_LATTICE, 1, 3, true}}) {
     TraceShape shape = tile(7, 5, 6, 5);
-    shape.sampler = form.sampler, shape.support = form.support, shape.group_pixels = form.group_pixels,
+    shape.sampler = form.sampler, shape.support = form.support, shape.pixels_per_group = form.pixels_per_group,
     shape.bundle = form.bundle;
     shape.seed = 77, shape.first_line = 3, shape.pixels_per_line = 20, shape.first_column = 4;
-    INFO("sampler " << form.sampler << ", support " << form.support << ", group of " << form.group_pixels);
+    INFO("sampler " << form.sampler << ", support " << form.support << ", group of " << form.pixels_per_group);
     require_right(scene, shape, test::nadir_groups(shape, 0.3, -0.2, 60, 0.6, 60, 0.01));
   }
 }
@@ -123,7 +123,7 @@ TEST_CASE(
     "S7: rays of sensors 60 m, 20 km and 700 km up that start above the scene: every form gives the oracle's hits") {
   const auto scene = soup();
   struct Form {
-    int sampler, group_pixels;
+    int sampler, pixels_per_group;
     float support;
     bool bundle, moving;
   };
@@ -132,7 +132,7 @@ TEST_CASE(
                              Form{RC_SAMPLER_JITTERED, 4, 1, true, false}, Form{RC_SAMPLER_LATTICE, 1, 3, true, false},
                              Form{RC_SAMPLER_GRID, 4, 1, false, false}, Form{RC_SAMPLER_GRID, 4, 1, true, true}}) {
       TraceShape shape = tile(24, 21, 8, 8);
-      shape.sampler = form.sampler, shape.support = form.support, shape.group_pixels = form.group_pixels,
+      shape.sampler = form.sampler, shape.support = form.support, shape.pixels_per_group = form.pixels_per_group,
       shape.bundle = form.bundle, shape.moving = form.moving;
       INFO("height " << height << " m, sampler " << form.sampler << ", support " << form.support << ", bundle "
                      << form.bundle << ", moving " << form.moving);
@@ -155,7 +155,7 @@ TEST_CASE("S7: from inside, triangles behind and beside the sensor, wide fields 
 TEST_CASE("S7: axis-parallel rays that run in slab planes, coincident faces, one triangle, an empty scene") {
   // One ray per pixel straight down, origins every 0.25 m over a 4 m square: rays in its borders, diagonals and middle.
   TraceShape shape = tile(33, 33, 1, 1);
-  shape.group_pixels = 1;
+  shape.pixels_per_group = 1;
   auto groups = test::nadir_groups(shape, 0, 0, 10, 0.25, 1, 0);
   for (auto& group : groups) {
     group.origin.x = group.d0.x, group.origin.y = group.d0.y;
@@ -174,7 +174,7 @@ TEST_CASE("S7: axis-parallel rays that run in slab planes, coincident faces, one
     const auto hits = chain.primary(looking);
     const std::uint32_t face = from_below ? 0 : 2;
     for (std::uint32_t pixel = 0; pixel < shape.pixels(); ++pixel) {
-      const std::uint32_t primitive = hits[(pixel * 2 + 1) * shape.npad()];
+      const std::uint32_t primitive = hits[shape.hits_at(pixel, RC_HIT_PRIMITIVE)];
       if (primitive != RC_NONE) CHECK(scene.meshes[0].user_face[primitive] / 2 == face / 2);
       if (std::max(std::abs(groups[pixel].origin.x), std::abs(groups[pixel].origin.y)) < 2) CHECK(primitive != RC_NONE);
     }
@@ -215,14 +215,14 @@ TEST_CASE("DESIGN 4: tiles, chunks of samples and single rays change no bit") {
   }());
   const auto right = by_line.primary(test::nadir_groups(line, 0.3, -0.2, 60, 0.7, 60, 0.01));
   for (std::uint32_t column = 0; column < 10; ++column)
-    for (std::uint32_t k = 0; k < 2 * whole.npad(); ++k)
-      CHECK(right[column * 2 * whole.npad() + k] == all[(4 * 18 + 8 + column) * 2 * whole.npad() + k]);
+    for (std::uint32_t k = 0; k < whole.elements().hits; ++k)
+      CHECK(right[line.hits_at(column, 0) + k] == all[whole.hits_at(4 * 18 + 8 + column, 0) + k]);
   test::TraceChain by_chunk(context(), scene, part);
   for (std::uint32_t first = 0; first < 48; first += 16) {
     const auto some = by_chunk.primary(groups, first);
     for (std::uint32_t pixel = 0; pixel < whole.pixels(); ++pixel)
-      for (std::uint32_t row = 0; row < 2; ++row)
+      for (std::uint32_t row = 0; row < RC_HIT_PLANES; ++row)
         for (std::uint32_t k = 0; k < 16; ++k)
-          CHECK(some[(pixel * 2 + row) * 16 + k] == all[(pixel * 2 + row) * whole.npad() + first + k]);
+          CHECK(some[part.hits_at(pixel, row) + k] == all[whole.hits_at(pixel, row) + first + k]);
   }
 }

@@ -22,7 +22,7 @@ std::size_t misses(const std::vector<std::uint32_t>& hits, const TraceShape& sha
   std::size_t count = 0;
   for (std::uint32_t pixel = 0; pixel < shape.pixels(); ++pixel)
     for (std::uint32_t s = 0; s < shape.samples(); ++s)
-      count += hits[std::size_t{pixel} * 2 * shape.npad() + s] == RC_NONE;
+      count += hits[shape.hits_at(pixel, RC_HIT_INSTANCE) + s] == RC_NONE;
   return count;
 }
 
@@ -66,7 +66,7 @@ std::vector<shared::RayGroup> aimed(const std::vector<std::array<double, 3>>& ta
 std::size_t leaks_at(const scene::CompiledScene& scene, const std::vector<std::array<double, 3>>& targets, bool bundle,
                      int pass = 0) {
   TraceShape shape = tile(1, 0, 1);
-  shape.group_pixels = 1;
+  shape.pixels_per_group = 1;
   shape.bundle = bundle;
   shape.lines = static_cast<std::uint32_t>(targets.size());
   const std::array<double, 3> origin{0.13 + 0.11 * pass, -0.21 - 0.07 * pass, 0.17 - 0.05 * pass};

@@ -57,23 +57,25 @@ TEST_CASE(
   const auto blocked = chain.sky(directions, weights, kSets);
 
   const test::DoubleTracer oracle(scene);
-  const std::uint32_t n = shape.npad();
+  const std::size_t n = shape.elements().padded;
   std::size_t lit = 0, dark = 0, wrong_side = 0, far_off = 0, sun_wrong = 0, sky_wrong = 0;
   for (std::uint32_t pixel = 0; pixel < shape.pixels(); ++pixel) {
     const std::uint32_t set = rc_hash(shape.seed, pixel, 0, 21) % kSets;
     for (std::uint32_t s = 0; s < n; ++s) {
-      const float* at = surface.data() + std::size_t{pixel} * 6 * n + s;
-      const double point[3] = {at[0], at[n], at[2 * n]};
-      const float normal[3] = {at[3 * n], at[4 * n], at[5 * n]};
-      const bool seen = mask[pixel * n / 16 + s / 16] >> (s % 16) & 1;
-      if (hits[pixel * 2 * n + s] == RC_NONE) {
+      const float* at = surface.data() + shape.surface_at(pixel, 0) + s;
+      const double point[3] = {at[RC_POINT_X * n], at[RC_POINT_Y * n], at[RC_POINT_Z * n]};
+      const float normal[3] = {at[RC_NORMAL_X * n], at[RC_NORMAL_Y * n], at[RC_NORMAL_Z * n]};
+      const bool seen = shape.sees_sun(mask, pixel, s);
+      const std::uint32_t instance = hits[shape.hits_at(pixel, RC_HIT_INSTANCE) + s],
+                          primitive = hits[shape.hits_at(pixel, RC_HIT_PRIMITIVE) + s];
+      if (instance == RC_NONE) {
         CHECK(normal[2] == 0);
         CHECK(!seen);
         continue;
       }
       const float to_viewer[3] = {normal[0], normal[1], normal[2]}, back[3] = {-normal[0], -normal[1], -normal[2]};
-      const auto up = oracle.test(hits[pixel * 2 * n + s], hits[(pixel * 2 + 1) * n + s], point, to_viewer);
-      const auto down = oracle.test(hits[pixel * 2 * n + s], hits[(pixel * 2 + 1) * n + s], point, back);
+      const auto up = oracle.test(instance, primitive, point, to_viewer);
+      const auto down = oracle.test(instance, primitive, point, back);
       wrong_side += up.t > 0;
       // Coordinates of 20 m: the bound of rc_surface_point is below 100 roundings of 2^-24 of them.
       far_off += !(std::abs(down.t) < 100 * 0x1p-24 * 60);
@@ -93,7 +95,7 @@ TEST_CASE(
       }
       for (int c = 0; c < 4; ++c)
         sky_wrong +=
-            std::abs(expected[c] - blocked[(std::size_t{pixel} * 4 + c) * n + s]) > 1e-5 * (1 + std::abs(expected[c]));
+            std::abs(expected[c] - blocked[shape.blocked_at(pixel, c) + s]) > 1e-5 * (1 + std::abs(expected[c]));
     }
   }
   MESSAGE("lit " << lit << ", dark " << dark);
@@ -134,7 +136,7 @@ TEST_CASE(
   test::TraceChain single(context(), scene, shape);
   bundled.primary(groups), bundled.surface(), single.primary(groups), single.surface();
   const auto whole = bundled.sky(directions, weights, kSets);
-  const std::uint32_t n = shape.npad();
+  const std::size_t n = shape.elements().padded, planes = shape.elements().blocked / n;
   constexpr std::uint32_t kChunk = 21;  // three rows
   shape.bundle = true, shape.chunk = kChunk;
   test::TraceChain chunked(context(), scene, shape);
@@ -147,8 +149,8 @@ TEST_CASE(
     for (std::uint32_t first = 0; first < 49; first += kChunk) {
       chunked.primary(groups, first), chunked.surface();
       const auto part = chunked.sky(directions, weights, kSets, share);
-      const std::uint32_t padded = shape.npad();
-      for (std::uint32_t row = 0; row < shape.pixels() * 4; ++row)
+      const std::size_t padded = shape.elements().padded;
+      for (std::uint32_t row = 0; row < shape.pixels() * planes; ++row)
         for (std::uint32_t s = first; s < std::min(first + kChunk, 49u); ++s)
           other += part[std::size_t{row} * padded + s - first] != blocked[std::size_t{row} * n + s];
     }
@@ -158,7 +160,7 @@ TEST_CASE(
     for (std::uint32_t pixel = 0; pixel < shape.pixels(); ++pixel) {
       double difference = 0;
       for (std::uint32_t s = 0; s < n; ++s) {
-        const std::size_t at = std::size_t{pixel} * 4 * n + s;
+        const std::size_t at = shape.blocked_at(pixel, 0) + s;
         difference += blocked[at] - whole[at], all += whole[at];
       }
       sum += difference, square += difference * difference;
@@ -195,15 +197,14 @@ TEST_CASE("S8: a flat long thin line does not shadow itself: the park's court li
       const auto mask = chain.sun(towards);
       for (std::uint32_t pixel = 0; pixel < shape.pixels(); ++pixel)
         for (std::uint32_t sample = 0; sample < shape.samples(); ++sample) {
-          if (hits[std::size_t{pixel} * 2 * shape.npad() + sample] == RC_NONE) continue;
+          if (hits[shape.hits_at(pixel, RC_HIT_INSTANCE) + sample] == RC_NONE) continue;
           ++points;
-          const bool seen = mask[pixel * shape.npad() / 16 + sample / 16] >> (sample % 16) & 1;
+          const bool seen = shape.sees_sun(mask, pixel, sample);
           if (!seen && ++dark <= 3)
-            MESSAGE((bundle ? "bundle" : "single")
-                    << " direction " << k << " pixel " << pixel << " point "
-                    << surface[std::size_t{pixel} * 6 * shape.npad() + sample] << " "
-                    << surface[(std::size_t{pixel} * 6 + 1) * shape.npad() + sample] << " "
-                    << surface[(std::size_t{pixel} * 6 + 2) * shape.npad() + sample]);
+            MESSAGE((bundle ? "bundle" : "single") << " direction " << k << " pixel " << pixel << " point "
+                                                   << surface[shape.surface_at(pixel, RC_POINT_X) + sample] << " "
+                                                   << surface[shape.surface_at(pixel, RC_POINT_Y) + sample] << " "
+                                                   << surface[shape.surface_at(pixel, RC_POINT_Z) + sample]);
         }
     }
     MESSAGE((bundle ? "bundle" : "single") << ": points and directions " << points << ", dark " << dark);

@@ -172,9 +172,9 @@ struct Differences {
 
 // Every pixel of 4 x 4 samples has a camera of its own; its first sample's ray goes to a target, the others step by
 // round numbers from there.
-void compare_primary(const Placed& placed, std::uint32_t seed, int group_pixels, int sampler, Differences& found) {
+void compare_primary(const Placed& placed, std::uint32_t seed, int pixels_per_group, int sampler, Differences& found) {
   TraceShape shape;
-  shape.nu = shape.nv = 4, shape.group_pixels = group_pixels, shape.sampler = sampler;
+  shape.nu = shape.nv = 4, shape.pixels_per_group = pixels_per_group, shape.sampler = sampler;
   shape.columns = shape.pixels_per_line = 60, shape.lines = 40;
   Stream random(seed);
   std::vector<shared::RayGroup> groups;
@@ -193,7 +193,7 @@ void compare_primary(const Placed& placed, std::uint32_t seed, int group_pixels,
     V along{}, across{};
     along[(axis + 1) % 3] = step, across[(axis + 2) % 3] = step;
     // Sample 0 of pixel 0 lies at (a0, a0 + (1 - pixels) / 2).
-    const double a0 = 0.125 - 0.5, first = a0 - 0.5 * (group_pixels - 1);
+    const double a0 = 0.125 - 0.5, first = a0 - 0.5 * (pixels_per_group - 1);
     g.d0 = floats({towards[0] - first * along[0] - a0 * across[0], towards[1] - first * along[1] - a0 * across[1],
                    towards[2] - first * along[2] - a0 * across[2]});
     g.du = floats(along), g.dv = floats(across);
@@ -206,7 +206,8 @@ void compare_primary(const Placed& placed, std::uint32_t seed, int group_pixels,
   const auto single = test::TraceChain(context(), placed.scene, shape).primary(groups);
   for (std::uint32_t pixel = 0; pixel < shape.pixels(); ++pixel)
     for (std::uint32_t s = 0; s < shape.samples(); ++s) {
-      const std::size_t at = std::size_t{pixel} * 2 * shape.npad() + s, primitive = at + shape.npad();
+      const std::size_t at = shape.hits_at(pixel, RC_HIT_INSTANCE) + s,
+                        primitive = shape.hits_at(pixel, RC_HIT_PRIMITIVE) + s;
       ++found.rays;
       found.hits += truth[at] != RC_NONE;
       found.single += truth[at] != single[at] || truth[primitive] != single[primitive];
@@ -228,21 +229,20 @@ void compare_shadows(const Placed& placed, std::uint32_t seed, Differences& foun
   shape.bundle = false;
   test::TraceChain without(context(), placed.scene, shape);
   Stream random(seed);
-  std::vector<float> points(std::size_t{shape.pixels()} * 6 * shape.npad());
+  std::vector<float> points(shape.pixels() * shape.elements().surface);
   for (int round = 0; round < 24; ++round) {
     const V d = direction(random);
     const shared::rc_float4 sun = floats(d);
     for (std::uint32_t pixel = 0; pixel < shape.pixels(); ++pixel) {
       const double spread = std::ldexp(1.0, random.whole(-24, 9));
       const V about = target(placed, random);
-      for (std::uint32_t s = 0; s < shape.npad(); ++s) {
+      for (std::uint32_t s = 0; s < shape.elements().padded; ++s) {
         V aim = about;
         if (random.whole(0, 2)) aim = target(placed, random);
         const double back = random.whole(0, 2) ? spread * random.whole(-4, 16) : 0;
-        float* at = points.data() + std::size_t{pixel} * 6 * shape.npad() + s;
         for (std::uint32_t k = 0; k < 3; ++k) {
-          at[k * shape.npad()] = static_cast<float>(aim[k] - back * d[k]);
-          at[(3 + k) * shape.npad()] = static_cast<float>(d[k]);
+          points[shape.surface_at(pixel, RC_POINT_X + k) + s] = static_cast<float>(aim[k] - back * d[k]);
+          points[shape.surface_at(pixel, RC_NORMAL_X + k) + s] = static_cast<float>(d[k]);
         }
       }
     }

@@ -33,8 +33,8 @@ kernel void brute_primary(global const TriBlock* blocks, global const Instance* 
   const GroupPlace place = rc_group_place(groups, index, columns);
   const RayGroup group = rc_group_rays(groups, index);
   for (uint p = 0; p < place.used; ++p) {
-    global uint* out = hits + (size_t)(place.pixel + p) * (2u * RC_NPAD);
-    for (uint k = 0; k < RC_NPAD; ++k) {
+    global uint* out = hits + RC_HITS_AT(place.pixel + p);
+    for (uint k = 0; k < RC_PADDED_SAMPLES; ++k) {
       Hit hit;
       hit.instance = hit.primitive = RC_NONE;
       if (k < RC_NU * RC_NV) {
@@ -44,7 +44,7 @@ kernel void brute_primary(global const TriBlock* blocks, global const Instance* 
                     rc_group_direction(group, a, b));
       }
       out[k] = hit.instance;
-      out[RC_NPAD + k] = hit.primitive;
+      out[RC_PLANE(RC_HIT_PRIMITIVE) + k] = hit.primitive;
     }
   }
 }
@@ -53,17 +53,17 @@ kernel void brute_sun(global const TriBlock* blocks, global const Instance* inst
                       global const uint* ranges, uint count,
                       global const float* surface, global ushort* sun_mask, float4 sun) {
   const uint pixel = get_global_id(0);
-  global const float* in = surface + (size_t)pixel * (6u * RC_NPAD);
-  for (uint word = 0; word < RC_NWORDS; ++word) {
+  global const float* in = surface + RC_SURFACE_AT(pixel);
+  for (uint word = 0; word < RC_WORDS; ++word) {
     uint seen = 0;
     for (uint k = word * 16u; k < word * 16u + 16u; ++k) {
-      const float4 normal = (float4)(in[3 * RC_NPAD + k], in[4 * RC_NPAD + k], in[5 * RC_NPAD + k], 0.0f);
-      const float4 point = (float4)(in[k], in[RC_NPAD + k], in[2 * RC_NPAD + k], 0.0f);
+      const float4 normal = (float4)(in[RC_PLANE(RC_NORMAL_X) + k], in[RC_PLANE(RC_NORMAL_Y) + k], in[RC_PLANE(RC_NORMAL_Z) + k], 0.0f);
+      const float4 point = (float4)(in[RC_PLANE(RC_POINT_X) + k], in[RC_PLANE(RC_POINT_Y) + k], in[RC_PLANE(RC_POINT_Z) + k], 0.0f);
       if (!(fma(sun.x, normal.x, fma(sun.y, normal.y, sun.z * normal.z)) > 0.0f)) continue;
       if (brute(blocks, instances, ranges, count, point, (float4)(0.0f), sun).instance == RC_NONE)
         seen |= 1u << (k % 16u);
     }
-    sun_mask[(size_t)pixel * RC_NWORDS + word] = (ushort)seen;
+    sun_mask[RC_SUN_AT(pixel) + word] = (ushort)seen;
   }
 }
 )";
@@ -91,9 +91,9 @@ BruteTrace::BruteTrace(const cl::Context& context, const scene::CompiledScene& s
       instances_(context, scene.instances, cl::Access::read_only, "instances"),
       ranges_(context, block_ranges(scene), cl::Access::read_only, "blocks of instances"),
       groups_(context, shape.groups(), cl::Access::read_only, "ray groups"),
-      hits_(context, std::size_t{shape.pixels()} * 2 * shape.npad(), cl::Access::read_write, "hits"),
-      points_(context, std::size_t{shape.pixels()} * 6 * shape.npad(), cl::Access::read_only, "surface points"),
-      sun_mask_(context, std::size_t{shape.pixels()} * shape.npad() / 16, cl::Access::read_write, "sun masks") {}
+      hits_(context, shape.pixels() * shape.elements().hits, cl::Access::read_write, "hits"),
+      points_(context, shape.pixels() * shape.elements().surface, cl::Access::read_only, "surface points"),
+      sun_mask_(context, shape.pixels() * shape.elements().sun, cl::Access::read_write, "sun masks") {}
 
 std::vector<std::uint32_t> BruteTrace::primary(std::span<const shared::RayGroup> groups) {
   groups_.write(numbered(groups, shape_));

@@ -15,7 +15,7 @@ class BruteTrace {
   BruteTrace(const cl::Context& context, const scene::CompiledScene& scene, const TraceShape& shape);
   /// As TraceChain::primary over all samples.
   std::vector<std::uint32_t> primary(std::span<const shared::RayGroup> groups);
-  /// As TraceChain::sun for points [pixel][6][npad].
+  /// As TraceChain::sun for points as surface() gives them.
   std::vector<std::uint16_t> sun(std::span<const float> points, const shared::rc_float4& direction);
 
  private:

@@ -15,12 +15,12 @@ HitCount judge_hits(const cl::Context& context, const scene::CompiledScene& scen
   for (std::uint32_t line = 0; line < shape.lines; ++line)
     for (std::uint32_t column = 0; column < shape.columns; ++column)
       for (std::uint32_t s = 0; s < shape.samples(); ++s) {
-        const std::uint32_t pixel = line * shape.columns + column, p = column % shape.group_pixels;
+        const std::uint32_t pixel = line * shape.columns + column, p = column % shape.pixels_per_group;
         const std::uint32_t number = (shape.first_line + line) * shape.pixels_per_line + shape.first_column + column;
         const auto ray =
-            host_ray(groups[line * shape.groups_per_line() + column / shape.group_pixels], shape, number, p, s);
-        const std::uint32_t instance = hits[pixel * 2 * shape.npad() + s],
-                            primitive = hits[(pixel * 2 + 1) * shape.npad() + s];
+            host_ray(groups[line * shape.groups_per_line() + column / shape.pixels_per_group], shape, number, p, s);
+        const std::uint32_t instance = hits[shape.hits_at(pixel, RC_HIT_INSTANCE) + s],
+                            primitive = hits[shape.hits_at(pixel, RC_HIT_PRIMITIVE) + s];
         const auto truth = oracle.closest(ray.origin, ray.direction);
         ++count.rays;
         count.hits += instance != RC_NONE;

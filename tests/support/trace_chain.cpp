@@ -3,26 +3,29 @@
 #include <bit>
 #include <cmath>
 
+#include "host/render/camera_arguments.h"
+#include "host/render/tile_shape.h"
 #include "kernels/kernel_source.h"
 #include "kernels/sampling/sampler.h"
 
 namespace raycube::test {
 
 std::string trace_options(const TraceShape& s, const scene::CompiledScene& scene) {
-  std::string support = std::to_string(s.support);
-  return "-cl-std=CL1.2 -Werror -DRC_NU=" + std::to_string(s.nu) + " -DRC_NV=" + std::to_string(s.nv) +
-         " -DRC_CHUNK=" + std::to_string(s.chunk_samples()) + " -DRC_SAMPLER=" + std::to_string(s.sampler) +
-         " -DRC_SUPPORT=" + support + "f -DRC_GROUP_PIXELS=" + std::to_string(s.group_pixels) +
-         " -DRC_STACK=" + std::to_string(scene.stack_bound()) +
-         " -DRC_SCATTER=" + std::to_string(s.sampler != RC_SAMPLER_GRID || s.support != 1) +
-         " -DRC_MOVING=" + std::to_string(s.moving) + " -DRC_BUNDLE=" + std::to_string(s.bundle);
+  render::StageShape shape;
+  shape.samples_u = s.nu, shape.samples_v = s.nv, shape.samples = s.nu * s.nv;
+  shape.sampler = static_cast<scene::SamplerKind>(s.sampler);
+  shape.support_px = s.support;
+  shape.moving = s.moving;
+  shape.chunk_samples = static_cast<int>(s.chunk_samples());
+  shape.pixels_per_group = s.pixels_per_group;
+  return render::program_options(shape, scene.stack_bound()).trace + " -Werror -DRC_BUNDLE=" + std::to_string(s.bundle);
 }
 
 HostRay host_ray(const shared::RayGroup& g, const TraceShape& shape, std::uint32_t number, std::uint32_t p,
                  std::uint32_t s) {
   float u = 0, v = 0;
   rc_sample_uv(shape.sampler, shape.nu, shape.nv, shape.support, shape.seed, number, static_cast<int>(s), &u, &v);
-  const float a = (static_cast<float>(p) - 0.5f * static_cast<float>(shape.group_pixels - 1)) + u, b = v;
+  const float a = (static_cast<float>(p) - 0.5f * static_cast<float>(shape.pixels_per_group - 1)) + u, b = v;
   const auto direction = [&](float d0, float du, float dv) { return std::fma(b, dv, std::fma(a, du, d0)); };
   const float a_ahead = a * g.d0.w, b_ahead = b * g.d0.w;
   const auto origin = [&](float o, float du, float dv, float ov) {
@@ -39,7 +42,7 @@ std::vector<shared::RayGroup> nadir_groups(const TraceShape& shape, double x, do
   std::vector<shared::RayGroup> groups;
   for (std::uint32_t line = 0; line < shape.lines; ++line)
     for (std::uint32_t g = 0; g < shape.groups_per_line(); ++g) {
-      const double u = shape.first_column + (g + 0.5) * shape.group_pixels - 0.5 * shape.pixels_per_line;
+      const double u = shape.first_column + (g + 0.5) * shape.pixels_per_group - 0.5 * shape.pixels_per_line;
       const double v = shape.first_line + line + 0.5 - 0.5 * shape.pixels_per_line;
       shared::RayGroup group{};
       group.origin = {static_cast<float>(x), static_cast<float>(y), static_cast<float>(z), 0};
@@ -56,7 +59,7 @@ std::vector<shared::RayGroup> numbered(std::span<const shared::RayGroup> groups,
   for (std::uint32_t i = 0; i < out.size(); ++i) {
     const std::uint32_t line = shape.first_line + i / shape.groups_per_line();
     const std::uint32_t column =
-        shape.first_column + i % shape.groups_per_line() * static_cast<std::uint32_t>(shape.group_pixels);
+        shape.first_column + i % shape.groups_per_line() * static_cast<std::uint32_t>(shape.pixels_per_group);
     out[i].origin.w = std::bit_cast<float>(line * shape.pixels_per_line + column);
   }
   return out;
@@ -68,11 +71,11 @@ TraceChain::TraceChain(const cl::Context& context, const scene::CompiledScene& s
       scene_(context, scene, shape.page_bytes),
       options_(trace_options(shape, scene) + scene_.options),
       groups_(context, shape.groups(), cl::Access::read_only, "ray groups"),
-      hits_(context, std::size_t{shape.pixels()} * 2 * shape.npad(), cl::Access::read_write, "hits"),
-      surface_(context, std::size_t{shape.pixels()} * 6 * shape.npad(), cl::Access::read_write, "surface points"),
-      lift_(context, std::size_t{shape.pixels()} * shape.npad(), cl::Access::read_write, "lifts of surface points"),
-      blocked_(context, std::size_t{shape.pixels()} * 4 * shape.npad(), cl::Access::read_write, "blocked sky"),
-      sun_mask_(context, std::size_t{shape.pixels()} * shape.npad() / 16, cl::Access::read_write, "sun masks") {
+      hits_(context, shape.pixels() * shape.elements().hits, cl::Access::read_write, "hits"),
+      surface_(context, shape.pixels() * shape.elements().surface, cl::Access::read_write, "surface points"),
+      lift_(context, shape.pixels() * shape.elements().lift, cl::Access::read_write, "lifts of surface points"),
+      blocked_(context, shape.pixels() * shape.elements().blocked, cl::Access::read_write, "blocked sky"),
+      sun_mask_(context, shape.pixels() * shape.elements().sun, cl::Access::read_write, "sun masks") {
   groups_.write(numbered(std::vector<shared::RayGroup>(shape.groups()), shape));
 }
 
@@ -88,16 +91,32 @@ std::vector<std::uint32_t> TraceChain::primary(std::span<const shared::RayGroup>
   first_sample_ = first_sample;
   count_ = std::min(shape_.chunk_samples(), shape_.samples() - first_sample);
   kernel("trace_primary")
-      .arguments(scene_.nodes, scene_.blocks, scene_.instances, groups_, hits_, shape_.seed, shape_.columns,
-                 first_sample_, count_);
+      .arguments(render::TracePrimaryArguments{.nodes = scene_.nodes,
+                                               .blocks = scene_.blocks,
+                                               .instances = scene_.instances,
+                                               .groups = groups_,
+                                               .hits = hits_,
+                                               .seed = shape_.seed,
+                                               .columns = shape_.columns,
+                                               .first_sample = first_sample_,
+                                               .sample_count = count_});
   again("trace_primary");
   return hits_.read_all();
 }
 
 std::vector<float> TraceChain::surface() {
   kernel("make_surface")
-      .arguments(scene_.blocks, scene_.instances, groups_, hits_, surface_, lift_, shape_.seed, shape_.columns,
-                 first_sample_, count_);
+      .arguments(render::MakeSurfaceArguments{.blocks = scene_.blocks,
+                                              .instances = scene_.instances,
+                                              .lobes = scene_.lobes,
+                                              .groups = groups_,
+                                              .hits = hits_,
+                                              .surface = surface_,
+                                              .lift = lift_,
+                                              .seed = shape_.seed,
+                                              .columns = shape_.columns,
+                                              .first_sample = first_sample_,
+                                              .sample_count = count_});
   again("make_surface");
   return surface_.read_all();
 }
@@ -122,8 +141,22 @@ std::vector<float> TraceChain::sky(std::span<const shared::rc_float4> directions
 void TraceChain::light(const cl::Buffer<shared::rc_float4>& directions, const cl::Buffer<shared::rc_float4>& weights,
                        bool sky, std::uint32_t sets, std::uint32_t count, std::uint32_t share) {
   kernel("trace_light")
-      .arguments(scene_.nodes, scene_.blocks, scene_.instances, groups_, surface_, directions, weights, sun_mask_,
-                 blocked_, std::uint32_t{sky}, sets, count, share, shape_.seed, shape_.columns, first_sample_);
+      .arguments(render::TraceLightArguments{.nodes = scene_.nodes,
+                                             .blocks = scene_.blocks,
+                                             .instances = scene_.instances,
+                                             .groups = groups_,
+                                             .surface = surface_,
+                                             .directions = directions,
+                                             .weights = weights,
+                                             .sun = sun_mask_,
+                                             .blocked = blocked_,
+                                             .sky = std::uint32_t{sky},
+                                             .sets = sets,
+                                             .count = count,
+                                             .share = share,
+                                             .seed = shape_.seed,
+                                             .columns = shape_.columns,
+                                             .first_sample = first_sample_});
   again("trace_light");
 }
 

@@ -9,18 +9,18 @@
 
 #include "host/cl/kernel.h"
 #include "host/render/scene_buffers.h"
-#include "kernels/shared/structs.h"
+#include "kernels/shared/tile_layout.h"
 #include "scene_compiler/compiled_scene.h"
 
 namespace raycube::test {
 
-/// Build options and launch shape; see kernels/geometry/trace_args.h.
+/// What a launch is specialised for and its size; see kernels/geometry/trace_args.h.
 struct TraceShape {
   int nu = 4, nv = 4;
   int chunk = 0;    ///< 0: nu * nv
   int sampler = 0;  ///< RC_SAMPLER_*
   float support = 1;
-  int group_pixels = RC_GROUP_WIDTH;
+  int pixels_per_group = RC_GROUP_WIDTH;
   bool moving = false, bundle = true;
   std::uint32_t seed = 1;
   std::uint32_t first_line = 0, first_column = 0, columns = 0, pixels_per_line = 0, lines = 0;
@@ -28,8 +28,25 @@ struct TraceShape {
 
   std::uint32_t samples() const { return static_cast<std::uint32_t>(nu * nv); }
   std::uint32_t chunk_samples() const { return chunk ? static_cast<std::uint32_t>(chunk) : samples(); }
-  std::uint32_t npad() const { return (chunk_samples() + 15) / 16 * 16; }
-  std::uint32_t groups_per_line() const { return (columns + group_pixels - 1) / group_pixels; }
+  /// Elements of a pixel in the stages' buffers.
+  shared::TileElements elements() const { return {chunk_samples(), RC_SKY_PLANES_OF(0)}; }
+  /// Slot 0 of a pixel's plane in hits, surface and blocked sky.
+  std::size_t hits_at(std::size_t pixel, std::size_t plane) const {
+    return pixel * elements().hits + plane * elements().padded;
+  }
+  std::size_t surface_at(std::size_t pixel, std::size_t plane) const {
+    return pixel * elements().surface + plane * elements().padded;
+  }
+  std::size_t blocked_at(std::size_t pixel, std::size_t plane) const {
+    return pixel * elements().blocked + plane * elements().padded;
+  }
+  /// Whether the mask has sample s of a pixel see the sun.
+  bool sees_sun(const std::vector<std::uint16_t>& mask, std::size_t pixel, std::size_t s) const {
+    return mask[pixel * elements().sun + s / RC_WORD] >> (s % RC_WORD) & 1;
+  }
+  std::uint32_t groups_per_line() const {
+    return shared::rc_groups_per_line(columns, static_cast<std::uint32_t>(pixels_per_group));
+  }
   std::uint32_t groups() const { return groups_per_line() * lines; }
   std::uint32_t pixels() const { return columns * lines; }
 };
@@ -57,16 +74,16 @@ std::string trace_options(const TraceShape& shape, const scene::CompiledScene& s
 class TraceChain {
  public:
   TraceChain(const cl::Context& context, const scene::CompiledScene& scene, const TraceShape& shape);
-  /// hits[pixel][2][npad]
+  /// hits of all pixels (kernels/shared/tile_layout.h)
   std::vector<std::uint32_t> primary(std::span<const shared::RayGroup> groups, std::uint32_t first_sample = 0);
-  /// surface[pixel][6][npad] of the last primary()
+  /// surface of the last primary()
   std::vector<float> surface();
-  /// Puts points of the test's own where surface() would leave its own: [pixel][6][npad]; none of the two before is
+  /// Puts points of the test's own where surface() would leave its own; none of the two before is
   /// needed.
   void set_surface(std::span<const float> points) { surface_.write(points); }
-  /// sun_mask[pixel][npad / 16] of the last surface() or set_surface()
+  /// sun bits of the last surface() or set_surface()
   std::vector<std::uint16_t> sun(const shared::rc_float4& direction);
-  /// blocked[pixel][4][npad] of the last surface() or set_surface()
+  /// blocked sky of the last surface() or set_surface()
   std::vector<float> sky(std::span<const shared::rc_float4> directions, std::span<const shared::rc_float4> weights,
                          std::uint32_t sets, std::uint32_t share = 1);
   /// Enqueue one stage again with the arguments of the last call and wait: for timing.

@@ -1,0 +1,62 @@
+// A kernel's arguments as a struct made from its list (kernels/shared/arguments.h): every one is given by name, in the
+// list's order, with exactly the type that the kernel declares. What is left out, out of order or of another type does
+// not compile.
+#pragma once
+
+#include <concepts>
+#include <cstddef>
+#include <vector>
+
+#include "host/cl/buffer.h"
+#include "kernels/shared/structs.h"
+
+namespace raycube::cl {
+
+/// A number or vector of exactly type T: a float for a count, or a wider integer, is refused.
+template <typename T>
+struct Value {
+  template <std::same_as<T> U>
+  Value(U v) : value(v) {}
+  T value;
+};
+
+/// A buffer of T that the kernel reads.
+template <typename T>
+struct Read {
+  Read(const Buffer<T>& b) : buffer(&b) {}
+  const RawBuffer* buffer;
+};
+
+/// A buffer of T that the kernel writes; a constant one is refused.
+template <typename T>
+struct Write {
+  Write(Buffer<T>& b) : buffer(&b) {}
+  const RawBuffer* buffer;
+};
+
+/// An array of the scene, an argument for each page.
+template <typename T>
+struct Pages {
+  Pages(const std::vector<Buffer<T>>& p) : pages(&p) {}
+  const std::vector<Buffer<T>>* pages;
+};
+
+}  // namespace raycube::cl
+
+#define RC_VALUE_MEMBER(type, name) ::raycube::cl::Value<::raycube::shared::type> name;
+#define RC_READ_MEMBER(type, name) ::raycube::cl::Read<::raycube::shared::type> name;
+#define RC_WRITE_MEMBER(type, name) ::raycube::cl::Write<::raycube::shared::type> name;
+#define RC_SCENE_MEMBER(type, name, array) ::raycube::cl::Pages<::raycube::shared::type> name;
+#define RC_VISIT_MEMBER(type, name) action(name);
+#define RC_VISIT_SCENE(type, name, array) action(name);
+
+/// Struct `Name` of the arguments of kernel `kernel_name`, in the order of LIST.
+#define RC_ARGUMENT_STRUCT(Name, kernel_name, LIST)                             \
+  struct Name {                                                                 \
+    static constexpr const char* kKernel = kernel_name;                         \
+    LIST(RC_VALUE_MEMBER, RC_READ_MEMBER, RC_WRITE_MEMBER, RC_SCENE_MEMBER, )   \
+    template <typename Action>                                                  \
+    void for_each(Action&& action) const {                                      \
+      LIST(RC_VISIT_MEMBER, RC_VISIT_MEMBER, RC_VISIT_MEMBER, RC_VISIT_SCENE, ) \
+    }                                                                           \
+  };

@@ -1,0 +1,30 @@
+/* Shapes other than Lambert's, seen by cameras: how much of what falls onto a sample from one direction goes to the viewer
+ * (kernels/materials). Compiled in where a material of the scene has one (RC_SHAPED). */
+#ifndef RAYCUBE_KERNELS_LIGHT_SPREAD_H
+#define RAYCUBE_KERNELS_LIGHT_SPREAD_H
+
+#include "kernels/shared/tile_layout.h"
+
+#if RC_SHAPED
+#include "kernels/materials/shapes.h"
+
+/* How many times the radiance of Lambert's law goes to the viewer: pi f. at: the sample's slot in the planes of surface;
+ * direction: unit, to where light comes from. */
+static inline float rc_spread(global const float* at, float4 direction) {
+  const uint shape = as_uint(at[RC_PLANE(RC_LOBE_SHAPE)]);
+  const float4 normal = (float4)(at[RC_PLANE(RC_NORMAL_X)], at[RC_PLANE(RC_NORMAL_Y)], at[RC_PLANE(RC_NORMAL_Z)], 0.0f);
+  const float4 viewer = (float4)(at[RC_PLANE(RC_VIEWER_X)], at[RC_PLANE(RC_VIEWER_Y)], at[RC_PLANE(RC_VIEWER_Z)], 0.0f);
+  if (shape == RC_SHAPE_lambert) return 1.0f;
+  return rc_shape_eval(shape, 3.14159265f, at[RC_PLANE(RC_LOBE_P0)], at[RC_PLANE(RC_LOBE_P1)],
+                       rc_angles(normal, direction, viewer));
+}
+
+/* Of a word of samples, those in `lanes`; else 1. */
+static inline float16 rc_spread16(global const float* at, float4 direction, uint lanes) {
+  float spread[16];
+  for (uint k = 0; k < 16u; ++k) spread[k] = lanes >> k & 1u ? rc_spread(at + k, direction) : 1.0f;
+  return vload16(0, spread);
+}
+#endif
+
+#endif

@@ -1,0 +1,43 @@
+/* One pixel as shading sees it: what tracing left of its samples, and the row that becomes of them
+ * (kernels/shared/tile_layout.h). */
+#ifndef RAYCUBE_KERNELS_SHADING_PIXEL_H
+#define RAYCUBE_KERNELS_SHADING_PIXEL_H
+
+#include "kernels/geometry/lanes.h"
+#include "kernels/shared/tile_layout.h"
+
+typedef struct TracedPixel {
+  global const uint *instance, *primitive; /* [padded] */
+  global const float* point;               /* [RC_POINT_PLANES][padded] */
+  global const float* lift;                /* [padded] */
+  global const ushort* sun;                /* [words] */
+  global const float* blocked;             /* [RC_SKY_PLANES][padded] */
+  global const float* weight;              /* [padded], the chunk's */
+} TracedPixel;
+
+typedef struct PixelRow {
+  global ulong* keys;
+  global float *sums, *path, *truth;
+  uint count, capacity;
+} PixelRow;
+
+/* What is known of each sample before surfaces are told apart. */
+typedef struct ShadedSamples {
+  float value[RC_LIT][RC_PADDED_SAMPLES]; /* of the direct sun, then of each component; all carry the sample's weight */
+  float height_fraction[RC_PADDED_SAMPLES];
+  uint height_index[RC_PADDED_SAMPLES];
+  uint surface[RC_PADDED_SAMPLES]; /* RC_NONE: nothing was hit, or it has been summed */
+} RC_LINE ShadedSamples;
+
+/* Row and path and truth sums of an item, empty when it is fresh; its count so far. */
+static inline PixelRow rc_open_row(uint fresh, uint count, uint capacity, global ulong* keys, global float* sums,
+                                   global float* path, global float* truth) {
+  const PixelRow row = {keys, sums, path, truth, fresh ? 0u : count, capacity};
+  if (fresh) {
+    for (int i = 0; i < RC_HEIGHTS * RC_CARRIED(RC_CHUNKED); ++i) path[i] = 0.0f;
+    for (int i = 0; i < RC_TRUTH_SUMS * RC_CARRIED(RC_CHUNKED); ++i) truth[i] = 0.0f;
+  }
+  return row;
+}
+
+#endif

@@ -1,0 +1,80 @@
+/* Light that falls on each sample's surface from an open sky, and where the sample lies on the plan's height axis. */
+#ifndef RAYCUBE_KERNELS_SHADING_SAMPLE_LIGHT_H
+#define RAYCUBE_KERNELS_SHADING_SAMPLE_LIGHT_H
+
+#include "kernels/atmosphere/nodes.h"
+#include "kernels/geometry/scene_arrays.h"
+#include "kernels/shading/pixel.h"
+
+#define RC_SOLAR_COMPONENTS (RC_COMPONENTS - RC_THERMAL_COMPONENTS)
+
+/* What an open sky sends onto a surface, by the surface's normal. */
+typedef struct OpenSky {
+  global const float4* irradiance_map; /* solar components, at the nodes of an octahedral map */
+  int map_size;
+  global const float4* tilt_irradiance; /* thermal components, at nodes of the normal's vertical component */
+} OpenSky;
+
+/* Solar irradiance of the last normal asked for: neighbouring samples of one triangle share theirs. */
+typedef struct LastNormal {
+  float x, y, z;
+  float4 irradiance;
+} LastNormal;
+
+static inline float4 rc_solar_irradiance(const OpenSky* sky, float nx, float ny, float nz, LastNormal* last) {
+  if (nx != last->x || ny != last->y || nz != last->z) {
+    int node[3];
+    float share[3];
+    rc_octahedral_nodes(nx, ny, nz, sky->map_size, node, share);
+    last->irradiance =
+        fma((float4)(share[0]), sky->irradiance_map[node[0]],
+            fma((float4)(share[1]), sky->irradiance_map[node[1]], share[2] * sky->irradiance_map[node[2]]));
+    last->x = nx;
+    last->y = ny;
+    last->z = nz;
+  }
+  return last->irradiance;
+}
+
+static inline float4 rc_thermal_irradiance(const OpenSky* sky, float nz) {
+  int tilt;
+  float beyond;
+  rc_node_weights(nz, -1.0f, 2.0f / (RC_TILT_NODES - 1), RC_TILT_NODES, &tilt, &beyond);
+  return fma((float4)(1.0f - beyond), sky->tilt_irradiance[tilt], beyond * sky->tilt_irradiance[tilt + 1]);
+}
+
+/* Files up to four components of one sample from row `first` on; `used`: how many of them the plan has. */
+static inline void rc_file_components(ShadedSamples* samples, int first, int used, int s, float4 irradiance) {
+  if (used > 0) samples->value[first][s] = irradiance.x;
+  if (used > 1) samples->value[first + 1][s] = irradiance.y;
+  if (used > 2) samples->value[first + 2][s] = irradiance.z;
+  if (used > 3) samples->value[first + 3][s] = irradiance.w;
+}
+
+/* Surface, place on the height axis and unshadowed light of every sample; zero where nothing was hit. */
+static inline void rc_light_of_samples(SceneArrays scene, const TracedPixel* traced, const OpenSky* sky,
+                                       float height_first, float height_step, ShadedSamples* samples) {
+  LastNormal last = {2.0f, 2.0f, 2.0f, (float4)(0.0f)}; /* no unit vector */
+  for (int s = 0; s < RC_PADDED_SAMPLES; ++s) {
+    uint id = RC_NONE;
+    int h = 0;
+    float f = 0.0f;
+    for (int m = 0; m < RC_LIT; ++m) samples->value[m][s] = 0.0f;
+    if (s < RC_CHUNK_SAMPLES && traced->instance[s] != RC_NONE) {
+      global const float* at = traced->point + s;
+      const float nx = at[RC_PLANE(RC_NORMAL_X)], ny = at[RC_PLANE(RC_NORMAL_Y)], nz = at[RC_PLANE(RC_NORMAL_Z)];
+      id = rc_surface_of(scene, traced->primitive[s]);
+      rc_node_weights(at[RC_PLANE(RC_POINT_Z)], height_first, height_step, RC_HEIGHTS, &h, &f);
+      if (RC_SOLAR_COMPONENTS > 0)
+        rc_file_components(samples, RC_SUN, RC_SOLAR_COMPONENTS, s, rc_solar_irradiance(sky, nx, ny, nz, &last));
+      if (RC_THERMAL_COMPONENTS > 0)
+        rc_file_components(samples, RC_SUN + RC_SOLAR_COMPONENTS, RC_THERMAL_COMPONENTS, s,
+                           rc_thermal_irradiance(sky, nz));
+    }
+    samples->surface[s] = id;
+    samples->height_index[s] = (uint)h;
+    samples->height_fraction[s] = f;
+  }
+}
+
+#endif

@@ -1,0 +1,48 @@
+/* Of the light that an open sky would send, what reaches the samples: the sun where it is seen, the sky less what hides
+ * of it, each times the sample's weight. 16 samples at a time. */
+#ifndef RAYCUBE_KERNELS_SHADING_SEEN_LIGHT_H
+#define RAYCUBE_KERNELS_SHADING_SEEN_LIGHT_H
+
+#include "kernels/light/spread.h"
+#include "kernels/shading/pixel.h"
+#include "kernels/shading/sums.h"
+
+/* 16 samples side by side. */
+typedef struct ShadedWord {
+  int16 hit, lit; /* met something; that sees the sun */
+  float16 weight;
+  float16 nx, ny, nz;
+  float16 cosine; /* between normal and sun */
+} ShadedWord;
+
+static inline ShadedWord rc_shaded_word(const TracedPixel* traced, const ShadedSamples* samples, float4 sun_direction,
+                                        int g) {
+  const uint16 lane = (uint16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+  ShadedWord word;
+  word.hit = rc_load16(g, samples->surface) != (uint16)(RC_NONE);
+  word.lit = word.hit & (((((uint16)((uint)traced->sun[g])) >> lane) & 1u) != 0u);
+  word.weight = rc_load16(g, traced->weight);
+  word.nx = rc_load16(g, traced->point + RC_PLANE(RC_NORMAL_X));
+  word.ny = rc_load16(g, traced->point + RC_PLANE(RC_NORMAL_Y));
+  word.nz = rc_load16(g, traced->point + RC_PLANE(RC_NORMAL_Z));
+  word.cosine =
+      fma(word.nx, (float16)(sun_direction.x), fma(word.ny, (float16)(sun_direction.y), word.nz * sun_direction.z));
+  return word;
+}
+
+static inline void rc_weigh_seen_light(const TracedPixel* traced, const ShadedWord* word, float4 sun_direction, int g,
+                                       ShadedSamples* samples) {
+#if RC_SUN
+  float16 sent = word->weight * fmax(word->cosine, (float16)(0.0f));
+#if RC_SHAPED
+  sent *= rc_spread16(traced->point + g * RC_WORD, sun_direction, rc_mask16(word->lit));
+#endif
+  rc_store16(rc_masked(sent, word->lit), g, samples->value[0]);
+#endif
+  for (int m = 0; m < RC_COMPONENTS; ++m) {
+    const float16 e = rc_load16(g, samples->value[RC_SUN + m]) - rc_load16(g, traced->blocked + RC_PLANE(m));
+    rc_store16(rc_masked(word->weight * e, word->hit), g, samples->value[RC_SUN + m]);
+  }
+}
+
+#endif

@@ -1,0 +1,172 @@
+/* What the stages of a camera hand to one another for a tile of its image: planes, strides and sizes of every buffer
+ * that host and kernels share, each number under one name. Valid C++20 and OpenCL C 1.2.
+ *
+ * A stage handles a chunk of every pixel's samples, at most RC_CHUNK_SAMPLES of them. A plane holds one number of each
+ * sample of a pixel in RC_PADDED_SAMPLES slots, whole words of 16: sample s lies in slot s - first_sample. Pixel i of a
+ * tile is (line in the tile) * columns + (column in the tile). By pixel, one after the other:
+ *   hits      uint    [RC_HIT_PLANES][padded]    planes RC_HIT_*; RC_NONE in both where nothing was hit
+ *   surface   float   [RC_POINT_PLANES][padded]  planes RC_POINT_* and RC_NORMAL_*; zero where nothing was
+ *                                               hit; then those of shapes
+ *   lift      float   [padded]                   m, how far along its normal the point was moved
+ *   sun       ushort  [words]                    bit s % 16 of word s / 16: the sample sees the sun
+ *   blocked   float   [RC_SKY_PLANES][padded]    irradiance of the sky that is hidden, by component
+ * Once for all pixels: chunk weights, float [padded], zero where there is no sample.
+ *
+ * A row is what shading leaves of a pixel. By item of a launch (a pixel of the tile, or of a list):
+ *   count     uint                               keys of the row, or RC_ROW_OVERFLOW
+ *   keys      ulong   [capacity]                 product keys, in the order in which they came up
+ *   sums      float   [capacity][carried][RC_ROW_ACCUMULATORS]
+ *     [source * heights + h]  the direct sun where the plan has it (weight * visibility * max(0, n.s)), then the
+ *                             components of sky and surroundings (weight * their irradiance), then the temperature
+ *                             nodes of emission (weight * node weight of the material's temperature), each split over
+ *                             the height nodes by linear weights
+ *     [last]                  coverage: sum of sample weights (the material's abundance in the pixel)
+ *   path      float   [carried][heights]         weight of all samples at the height nodes
+ *   truth     float   [carried][RC_TRUTH_SUMS]   sums RC_TRUTH_*, of the samples that hit, times their weight
+ * where `carried` is 1, or 2 when sums are carried from chunk to chunk: the sums, then their rounding errors. */
+#ifndef RAYCUBE_KERNELS_SHARED_TILE_LAYOUT_H
+#define RAYCUBE_KERNELS_SHARED_TILE_LAYOUT_H
+
+#include "kernels/shared/structs.h"
+
+#define RC_WORD 16 /* samples that are handled side by side */
+/* A count rounded up to whole words. */
+#define RC_PADDED(count) (((count) + RC_WORD - 1) / RC_WORD * RC_WORD)
+
+#define RC_HIT_INSTANCE 0  /* index of the instance */
+#define RC_HIT_PRIMITIVE 1 /* block * RC_BLOCK + lane */
+#define RC_HIT_PLANES 2
+
+#define RC_POINT_X 0 /* m, scene frame, off the surface on the viewer's side: where shadow rays start */
+#define RC_POINT_Y 1
+#define RC_POINT_Z 2
+#define RC_NORMAL_X 3 /* unit geometric normal, facing the viewer */
+#define RC_NORMAL_Y 4
+#define RC_NORMAL_Z 5
+/* Where some material does not reflect by Lambert's law (RC_SHAPED): */
+#define RC_VIEWER_X 6 /* unit, from the point to the viewer */
+#define RC_VIEWER_Y 7
+#define RC_VIEWER_Z 8
+#define RC_LOBE_SHAPE 9 /* bits of the shape's number, then its parameters: slot 0 of the surface's Lobe records */
+#define RC_LOBE_P0 10
+#define RC_LOBE_P1 11
+#define RC_POINT_PLANES_OF(shaped) ((shaped) ? 12 : 6)
+
+/* Planes of hidden sky: weights of its directions come in float4s, one for up to four components, else two. */
+#define RC_SKY_PLANES_OF(components) ((components) > 4 ? 8 : 4)
+
+#define RC_ROW_ACCUMULATORS(sources, heights) ((sources) * (heights) + 1)
+#define RC_ROW_OVERFLOW 0xFFFFFFFFu /* count of a pixel that needs more keys than its row holds */
+/* Floats of a sum: itself and, where it is carried from chunk to chunk, its rounding error. */
+#define RC_CARRIED(chunked) ((chunked) ? 2 : 1)
+
+#define RC_TRUTH_HIT 0 /* weight of samples that hit something */
+#define RC_TRUTH_SUN 1 /* weight of hit samples that see the sun */
+#define RC_TRUTH_X 2   /* hit point, m, scene frame */
+#define RC_TRUTH_Y 3
+#define RC_TRUTH_Z 4
+#define RC_TRUTH_RANGE 5     /* m, sensor to hit */
+#define RC_TRUTH_INCIDENCE 6 /* cosine between the normal (facing the viewer) and the sun */
+#define RC_TRUTH_SUMS 8      /* the last is zero */
+
+#define RC_ENVIRONMENT_NODES 4 /* nodes of the ground around that a pixel takes light from */
+
+#ifdef __OPENCL_C_VERSION__
+/* Build options (host/render/tile_shape.h gives them to every program of a camera) and what follows from them. */
+#ifndef RC_PIXELS_PER_GROUP
+#define RC_PIXELS_PER_GROUP RC_GROUP_WIDTH
+#endif
+#ifndef RC_SKY_PLANES
+#define RC_SKY_PLANES RC_SKY_PLANES_OF(0)
+#endif
+#ifndef RC_SHAPED
+#define RC_SHAPED 0 /* 1: some material does not reflect by Lambert's law */
+#endif
+#define RC_POINT_PLANES RC_POINT_PLANES_OF(RC_SHAPED)
+#ifndef RC_CHUNKED
+#define RC_CHUNKED 0 /* 1: sums are carried from chunk to chunk of a pixel's samples */
+#endif
+#ifndef RC_SUN
+#define RC_SUN 1 /* 1: the sun is a source of its own */
+#endif
+#ifndef RC_THERMAL_COMPONENTS
+#define RC_THERMAL_COMPONENTS 0 /* the last of RC_COMPONENTS */
+#endif
+#ifndef RC_TEMPERATURES
+#define RC_TEMPERATURES 0 /* nodes of emission */
+#endif
+#define RC_PADDED_SAMPLES RC_PADDED(RC_CHUNK_SAMPLES)
+#define RC_WORDS (RC_PADDED_SAMPLES / RC_WORD)
+#define RC_SKY_QUADS (RC_SKY_PLANES / 4) /* float4s of component weights per direction */
+/* Sources that have a value per sample, sun, sky and surroundings; emission follows them in a row. */
+#define RC_LIT (RC_SUN + RC_COMPONENTS)
+#define RC_SOURCES (RC_LIT + RC_TEMPERATURES)
+#define RC_ACCUMULATORS RC_ROW_ACCUMULATORS(RC_SOURCES, RC_HEIGHTS)
+/* A pixel's first element in each buffer; planes begin RC_PLANE further. */
+#define RC_HITS_AT(pixel) ((size_t)(pixel) * (RC_HIT_PLANES * RC_PADDED_SAMPLES))
+#define RC_SURFACE_AT(pixel) ((size_t)(pixel) * (RC_POINT_PLANES * RC_PADDED_SAMPLES))
+#define RC_LIFT_AT(pixel) ((size_t)(pixel)*RC_PADDED_SAMPLES)
+#define RC_SUN_AT(pixel) ((size_t)(pixel)*RC_WORDS)
+#define RC_BLOCKED_AT(pixel) ((size_t)(pixel) * (RC_SKY_PLANES * RC_PADDED_SAMPLES))
+#define RC_PLANE(plane) ((plane)*RC_PADDED_SAMPLES)
+/* An item's first element, and a key's sums from there. */
+#define RC_SUMS_AT(item, capacity) ((size_t)(item) * (capacity) * (RC_ACCUMULATORS * RC_CARRIED(RC_CHUNKED)))
+#define RC_SUMS_OF_KEY(key) ((size_t)(key) * (RC_ACCUMULATORS * RC_CARRIED(RC_CHUNKED)))
+#define RC_PATH_AT(item) ((size_t)(item) * (RC_HEIGHTS * RC_CARRIED(RC_CHUNKED)))
+#define RC_TRUTH_AT(item) ((size_t)(item) * (RC_TRUTH_SUMS * RC_CARRIED(RC_CHUNKED)))
+#else
+#include <cstddef>
+namespace raycube::shared {
+
+/// Elements of a pixel in the buffers of one chunk of its samples.
+struct TileElements {
+  std::size_t padded, words;  ///< slots of a plane, and 16-bit words of them
+  std::size_t hits, surface, lift, sun, blocked;
+  constexpr TileElements(std::size_t chunk_samples, std::size_t sky_planes, bool shaped = false)
+      : padded(RC_PADDED(chunk_samples)),
+        words(padded / RC_WORD),
+        hits(RC_HIT_PLANES * padded),
+        surface(RC_POINT_PLANES_OF(shaped) * padded),
+        lift(padded),
+        sun(words),
+        blocked(sky_planes * padded) {}
+  constexpr std::size_t bytes() const {
+    return hits * sizeof(rc_uint) + (surface + lift + blocked) * sizeof(rc_float) + sun * sizeof(std::uint16_t);
+  }
+};
+
+/// Elements of an item in the buffers of rows.
+struct RowElements {
+  std::size_t keys, sums_of_key, sums, path, truth;
+  constexpr RowElements(std::size_t capacity, std::size_t accumulators, std::size_t heights, bool chunked)
+      : keys(capacity),
+        sums_of_key(accumulators * RC_CARRIED(chunked)),
+        sums(capacity * sums_of_key),
+        path(heights * RC_CARRIED(chunked)),
+        truth(RC_TRUTH_SUMS * RC_CARRIED(chunked)) {}
+  /// Of the count, the keys and their sums.
+  constexpr std::size_t row_bytes() const {
+    return sizeof(rc_uint) + keys * sizeof(std::uint64_t) + sums * sizeof(rc_float);
+  }
+  /// Of the sums that a pixel has once.
+  constexpr std::size_t pixel_bytes() const { return (path + truth) * sizeof(rc_float); }
+};
+#endif
+
+/* Groups of rays that a line of a tile takes, and where a pixel of the tile lies: its group, counted line by line, and
+ * its place along that, in pixels from the group's middle. */
+static inline rc_uint rc_groups_per_line(rc_uint columns, rc_uint pixels_per_group) {
+  return (columns + pixels_per_group - 1u) / pixels_per_group;
+}
+static inline rc_uint rc_group_of(rc_uint pixel, rc_uint columns, rc_uint pixels_per_group) {
+  const rc_uint line = pixel / columns, column = pixel - line * columns;
+  return line * rc_groups_per_line(columns, pixels_per_group) + column / pixels_per_group;
+}
+static inline float rc_place_in_group(rc_uint pixel, rc_uint columns, rc_uint pixels_per_group) {
+  return (float)(pixel % columns % pixels_per_group) - 0.5f * (float)(pixels_per_group - 1u);
+}
+
+#ifndef __OPENCL_C_VERSION__
+} /* namespace raycube::shared */
+#endif
+#endif
