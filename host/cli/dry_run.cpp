@@ -27,7 +27,7 @@ nlohmann::json dry_run_json(const run::CameraJob& job, const run::CameraForecast
                            {"total_bytes", forecast.total_bytes()}}},
                          {"cube_bytes", forecast.cube_bytes},
                          {"truth_bytes", forecast.truth_bytes},
-                         {"plan", nlohmann::json::parse(job.plan.report_json)}};
+                         {"plan", run::plan_json(job)}};
   if (estimated_s) item["estimated_s"] = *estimated_s;
   return item;
 }
@@ -42,19 +42,19 @@ nlohmann::json dry_run_json(const scene::Lidar& lidar, const run::LidarForecast&
           {"lines", plan.lines()},
           {"rays", forecast.rays},
           {"spectral_nodes", plan.nodes.size()},
-          {"plan", nlohmann::json::parse(forecast.job.plan_json)},
+          {"plan", run::plan_json(forecast.job)},
           {"pulses_per_batch", forecast.pulses_per_batch},
           {"waveform_bytes", forecast.waveform_bytes}};
 }
 
 namespace {
 
-std::string adjacency_text(const nlohmann::json& plan) {
-  const std::string mode = plan["mode"];
-  if (mode == "off") return "off: no light between ground and air";
-  if (mode == "mean") return "mean: every pixel gets the light of the scene's mean ground";
-  return fmt::format("local: ground around each pixel from {} x {} nodes, {:.3g} m apart", plan["columns"].get<int>(),
-                     plan["rows"].get<int>(), plan["step_m"].get<double>());
+std::string adjacency_text(const plan::Plan& plan) {
+  const plan::EnvironmentMap& map = plan.environment;
+  if (map.empty()) return "off: no light between ground and air";
+  if (!map.local) return "mean: every pixel gets the light of the scene's mean ground";
+  return fmt::format("local: ground around each pixel from {} x {} nodes, {:.3g} m apart", map.columns, map.rows,
+                     map.step_m);
 }
 
 }  // namespace
@@ -62,7 +62,6 @@ std::string adjacency_text(const nlohmann::json& plan) {
 std::string dry_run_text(const run::CameraJob& job, const run::CameraForecast& forecast,
                          std::optional<double> estimated_s) {
   const auto& instrument = *job.instrument;
-  const auto report = nlohmann::json::parse(job.plan.report_json);
   const plan::Plan& plan = job.plan;
   return fmt::format(
              "{}: {} x {} pixels, {} bands, {} samples per pixel\n"
@@ -77,13 +76,12 @@ std::string dry_run_text(const run::CameraJob& job, const run::CameraForecast& f
              "  products  cube {}, truth {}\n",
              instrument.name, instrument.pixels, instrument.lines, instrument.bands.size(), forecast.samples,
              plan.height.count, plan.view.count, plan.path_x.count, plan.path_y.count, plan.sky_components,
-             plan.sky.sets, plan.sky.directions, plan.wavelength_um.size(), adjacency_text(report["adjacency"]),
-             report["error"]["total"].get<double>(), report["budget"].get<double>(), report["tolerance"].get<double>(),
-             base::format_bytes(forecast.scene_bytes), forecast.tile_columns, forecast.tile_lines,
-             base::format_bytes(forecast.tile_bytes), base::format_bytes(forecast.strip_bytes),
-             base::format_bytes(forecast.total_bytes()), base::format_bytes(forecast.budget_bytes),
-             base::format_bytes(forecast.baked_rows_bytes), base::format_bytes(forecast.cube_bytes),
-             base::format_bytes(forecast.truth_bytes)) +
+             plan.sky.sets, plan.sky.directions, plan.wavelength_um.size(), adjacency_text(plan),
+             plan.report.total_error, plan.report.budget, plan.tolerance, base::format_bytes(forecast.scene_bytes),
+             forecast.tile_columns, forecast.tile_lines, base::format_bytes(forecast.tile_bytes),
+             base::format_bytes(forecast.strip_bytes), base::format_bytes(forecast.total_bytes()),
+             base::format_bytes(forecast.budget_bytes), base::format_bytes(forecast.baked_rows_bytes),
+             base::format_bytes(forecast.cube_bytes), base::format_bytes(forecast.truth_bytes)) +
          (estimated_s
               ? fmt::format(
                     "  time      about {:.1g} s to render, and the first time some seconds for the device's compiler\n",

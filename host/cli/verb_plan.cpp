@@ -73,7 +73,7 @@ Said plan_lidar(const scene::Simulation& simulation, const scene::Lidar& lidar, 
                              planner::percent_text(d.error), d.within ? "inside the tolerance" : "TOLERANCE NOT KEPT",
                              d.trial_pulses, static_cast<double>(d.trial_rays));
   said.entry.name = lidar.name, said.entry.lidar = true, said.entry.subrays = d.subrays,
-  said.entry.decision = job.plan_json;
+  said.entry.decision = run::plan_json(job);
   said.notes = d.notes;
   return said;
 }

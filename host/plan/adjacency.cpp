@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "atmos_tables/environment.h"
 #include "atmos_tables/interpolate.h"
@@ -88,18 +87,11 @@ void add_environment_spectra(Plan& plan, const scene::Simulation& simulation, co
     }
 }
 
-nlohmann::json describe(const EnvironmentMap& map, const scene::CompiledScene& scene) {
-  if (map.empty()) return {{"mode", "off"}};
-  nlohmann::json mean = nlohmann::json::object();
+std::vector<std::pair<std::string, double>> mean_ground(const EnvironmentMap& map, const scene::CompiledScene& scene) {
+  std::vector<std::pair<std::string, double>> out;
   for (std::size_t c = 0; c < map.mean.size(); ++c)
-    if (map.mean[c] > 0) mean[scene.materials[c].name] = map.mean[c];
-  return {{"mode", map.local ? "local" : "mean"},
-          {"columns", map.columns},
-          {"rows", map.rows},
-          {"step_m", map.step_m},
-          {"raster_m", map.raster_m},
-          {"sensor_height_m", map.height_m},
-          {"mean", mean}};
+    if (map.mean[c] > 0) out.emplace_back(scene.materials[c].name, map.mean[c]);
+  return out;
 }
 
 }  // namespace raycube::plan

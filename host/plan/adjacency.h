@@ -2,7 +2,9 @@
 // spectra.
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "host/plan/band_space.h"
 #include "host/plan/plan.h"
@@ -23,7 +25,7 @@ void add_environment_spectra(Plan& plan, const scene::Simulation& simulation, co
                              const BandSpace& bands, const std::vector<double>& covered_um,
                              const std::vector<double>& grid_um);
 
-/// For the plan's report.
-nlohmann::json describe(const EnvironmentMap& map, const scene::CompiledScene& scene);
+/// Materials of the scene's mean ground and their area shares, for the plan's report.
+std::vector<std::pair<std::string, double>> mean_ground(const EnvironmentMap& map, const scene::CompiledScene& scene);
 
 }  // namespace raycube::plan

@@ -4,7 +4,6 @@
 #include <numbers>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "host/base/doing.h"
 #include "host/base/error.h"
@@ -103,47 +102,30 @@ std::vector<SkyLevel> sky_levels(const SkyFactorizer& sky, Sky kind, const Table
   return levels;
 }
 
-nlohmann::json describe(const std::vector<SkyLevel>& levels) {
-  nlohmann::json out = nlohmann::json::array();
+std::vector<SkyLevelReport> reported(const std::vector<SkyLevel>& levels) {
+  std::vector<SkyLevelReport> out;
   for (const auto& level : levels)
-    out.push_back({{"components", level.factors.rank},
-                   {"error", level.error},
-                   {"worst_obstacle_error_of_sky_irradiance", level.relative_error},
-                   {"refused_negative", level.negative}});
-  return out;
-}
-
-/// Each override that is given and its value.
-nlohmann::json given_keys(const scene::PlanOverrides& given) {
-  nlohmann::json out = nlohmann::json::object();
-  for (const auto& [key, value] : {std::pair{"sky_rank", given.sky_rank},
-                                   {"height_nodes", given.height_nodes},
-                                   {"view_nodes", given.view_nodes},
-                                   {"path_nodes", given.path_nodes}})
-    if (value > 0) out[key] = value;
+    out.push_back({level.factors.rank, level.error, level.relative_error, level.negative});
   return out;
 }
 
 /// " (sky_rank 1, view_nodes 7)".
 std::string describe_given(const scene::PlanOverrides& given) {
-  const nlohmann::json keys = given_keys(given);
   std::string out;
-  for (const auto& [key, value] : keys.items()) out += (out.empty() ? " (" : ", ") + key + " " + value.dump();
+  for (const auto& [key, value] : given_overrides(given))
+    out += fmt::format("{}{} {}", out.empty() ? " (" : ", ", key, value);
   return out + ")";
 }
 
 /// Error of each axis of nodes with each count of them.
-nlohmann::json describe(const NodeErrors& errors) {
-  return {{"counts", kNodeCounts},
-          {"source_height", errors.source_height},
-          {"source_view", errors.source_view},
-          {"path_height", errors.path_height},
-          {"path_x", errors.path_x},
-          {"path_y", errors.path_y}};
-}
-
-nlohmann::json describe(const NodeAxis& axis) {
-  return {{"first", axis.first}, {"step", axis.step}, {"count", axis.count}};
+AxisErrors reported(const NodeErrors& errors) {
+  const auto list = [](const auto& values) { return std::vector<double>(values.begin(), values.end()); };
+  return {{kNodeCounts.begin(), kNodeCounts.end()},
+          list(errors.source_height),
+          list(errors.source_view),
+          list(errors.path_height),
+          list(errors.path_x),
+          list(errors.path_y)};
 }
 
 }  // namespace
@@ -310,51 +292,25 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
   if (plan.components() > 0)
     plan.sky.share = sky_share(simulation.sky_share, instrument.samples_u * instrument.samples_v, plan.sky.directions);
 
-  nlohmann::json report = {
-      {"tolerance", simulation.tolerance},
-      {"budget", budget},
-      {"spectral_grid",
-       {{"points", spectral.wavelength_um.size()}, {"table_nodes", covered.size()}, {"bands", spectral.bands.size()}}},
-      {"height_m", describe(plan.height)},
-      {"sec_view_zenith", describe(plan.view)},
-      {"path_x", describe(plan.path_x)},
-      {"path_y", describe(plan.path_y)},
-      {"source_channels", plan.source_channels()},
-      {"path_channels", plan.path_channels()},
-      {"error",
-       {{"source_nodes", choice.source_error},
-        {"path_nodes", choice.path_error},
-        {"sky_components", choice.sky_error},
-        {"total", total}}},
-      {"sky",
-       {{"components", plan.sky_components},
-        {"levels", describe(levels)},
-        {"sets", plan.sky.sets},
-        {"directions", plan.sky.directions},
-        {"share", plan.sky.share},
-        {"irradiance_map_size", plan.irradiance.size},
-        {"irradiance_map_error", map_error}}},
-      {"adjacency", describe(plan.environment, simulation.scene)},
-      {"node_errors", describe(errors)}};
-  if (given.any()) report["given"] = given_keys(given), report["within_tolerance"] = total <= simulation.tolerance;
-  if (thermal.on) {
-    report["error"]["temperature_nodes"] = choice.emission_error;
-    report["error"]["left_out"] = choice.left_out;
-    report["thermal"] = {{"sky_components", plan.thermal.sky_components},
-                         {"sky_levels", describe(thermal_levels)},
-                         {"temperature_nodes_K", plan.thermal.temperature_K},
-                         {"temperatures", emitters.distinct_K.size()},
-                         {"surroundings_K", plan.thermal.surroundings_K},
-                         {"sun_share", solar.sun},
-                         {"sky_share", solar.sky},
-                         {"sun_left_out", plan.sun_sources == 0},
-                         {"sky_left_out", !skylight}};
-  }
-  if (!thermal.on && thermal.share > 0)
-    report["thermal_left_out"] = {{"share", thermal.share}, {"band", thermal.band}, {"from", thermal.from}};
+  PlanReport& report = plan.report;
+  report.budget = budget;
+  report.table_nodes = covered.size();
+  report.source_error = choice.source_error, report.path_error = choice.path_error;
+  report.sky_error = choice.sky_error;
+  report.total_error = total, report.within_tolerance = total <= simulation.tolerance;
+  report.given = given;
+  report.sky_levels = reported(levels);
+  report.irradiance_map_error = map_error;
+  report.mean_ground = mean_ground(plan.environment, simulation.scene);
+  report.axes = reported(errors);
+  if (thermal.on)
+    report.thermal = {
+        reported(thermal_levels), emitters.distinct_K.size(), solar.sun, solar.sky, !skylight, choice.emission_error,
+        choice.left_out};
+  if (!thermal.on && thermal.share > 0) report.thermal_left_out = {thermal.share, thermal.band, thermal.from};
   if (const double d = diffuse_row_difference(air, domain, bands, sky.sampled_irradiance());
       d >= 0 && plan.sky_components > 0) {
-    report["sky"]["diffuse_irradiance_row_difference"] = d;
+    report.diffuse_irradiance_row_difference = d;
     if (d > kAnotherSky && air.knows_flux_of_sky())
       plan.notices.push_back(fmt::format(
           "the atmosphere table's sky_radiance_solar sums to another irradiance than its diffuse_irradiance, "
@@ -362,7 +318,6 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
           "give the sky on a finer grid of directions, or mend the rows",
           100 * d));
   }
-  plan.report_json = report.dump(2);
   plan.wavelength_um = std::move(spectral.wavelength_um);
   plan.bands = std::move(spectral.bands);
   return plan;

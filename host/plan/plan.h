@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "atmos_tables/render_table.h"
+#include "host/plan/plan_report.h"
 #include "host/plan/sky_basis.h"
 #include "kernels/shared/structs.h"
 #include "scene_compiler/simulation.h"
@@ -173,7 +174,7 @@ struct Plan {
   std::string
       refusal;  ///< why the tolerance is not held, by worst-case estimates of its nodes and components; empty: it is
   std::vector<std::string> notices;  ///< what the user should know though it is no error
-  std::string report_json;           ///< what was chosen, each block's estimated error (DESIGN section 6's table)
+  PlanReport report;                 ///< what was weighed, each block's estimated error
 
   int components() const { return sky_components + thermal.components(); }  ///< that directions are traced for
   int first_component() const { return sun_sources; }                       ///< its source number

@@ -284,7 +284,7 @@ std::vector<PlanLine> lidar_lines(const LidarDecision& d, const lidar::LidarPlan
            "Gauss-Hermite nodes of lines with a width, one of others", true}};
 }
 
-std::string lidar_decision_json(const LidarDecision& d, const std::vector<PlanLine>& lines) {
+nlohmann::json lidar_decision_json(const LidarDecision& d, const std::vector<PlanLine>& lines) {
   using Json = nlohmann::json;
   const auto number = [](double value) { return value < 0 ? Json() : Json(value); };
   Json out = {{"tolerance", d.tolerance},
@@ -293,9 +293,9 @@ std::string lidar_decision_json(const LidarDecision& d, const std::vector<PlanLi
               {"within_tolerance", d.estimated ? Json(d.within) : Json()},
               {"cost", {{"first_rays_per_pulse", d.rays_per_pulse}}},
               {"notes", d.notes},
-              {"lines", Json::parse(lines_json(lines))}};
+              {"lines", lines_json(lines)}};
   if (d.estimated) out["trial"] = {{"pulses", d.trial_pulses}, {"rays", d.trial_rays}};
-  return out.dump();
+  return out;
 }
 
 }  // namespace raycube::planner

@@ -44,6 +44,6 @@ LidarDecision decide_subrays(render::LidarRenderer& renderer, const lidar::Lidar
 LidarDecision subrays_as_given(const lidar::LidarPlan& plan, double tolerance);
 
 std::vector<PlanLine> lidar_lines(const LidarDecision& decision, const lidar::LidarPlan& plan);
-std::string lidar_decision_json(const LidarDecision& decision, const std::vector<PlanLine>& lines);
+nlohmann::json lidar_decision_json(const LidarDecision& decision, const std::vector<PlanLine>& lines);
 
 }  // namespace raycube::planner

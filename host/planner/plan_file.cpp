@@ -40,7 +40,7 @@ std::string sampler_text(scene::SamplerKind sampler, int u, int v) {
 
 }  // namespace
 
-std::string axes_json(const plan::Plan& plan) {
+nlohmann::json axes_json(const plan::Plan& plan) {
   return Json{{"height_nodes", plan.height.count},
               {"view_nodes", plan.view.count},
               {"path_x_nodes", plan.path_x.count},
@@ -51,23 +51,20 @@ std::string axes_json(const plan::Plan& plan) {
               {"temperature_nodes", plan.thermal.nodes()},
               {"environment_nodes", plan.environment.nodes()},
               {"wavelengths", plan.wavelength_um.size()},
-              {"bands", plan.bands.size()}}
-      .dump();
+              {"bands", plan.bands.size()}};
 }
 
 std::string write_plan_file(const PlanFile& file) {
   Json list = Json::array();
   for (const auto& entry : file.entries) {
-    Json item = {{"name", entry.name},
-                 {"kind", entry.lidar ? "lidar" : "instrument"},
-                 {"decision", Json::parse(entry.decision)}};
+    Json item = {{"name", entry.name}, {"kind", entry.lidar ? "lidar" : "instrument"}, {"decision", entry.decision}};
     if (entry.lidar)
       item["subrays"] = entry.subrays;
     else
       item["sampler"] = static_cast<int>(entry.sampling.sampler),
       item["samples"] = {entry.sampling.samples_u, entry.sampling.samples_v},
       item["sky_directions"] = entry.sampling.directions, item["sky_share"] = entry.sampling.share,
-      item["plan"] = Json::parse(entry.axes);
+      item["plan"] = entry.axes;
     list.push_back(std::move(item));
   }
   return Json{{"raycube_plan", kVersion},
@@ -99,7 +96,7 @@ PlanFile read_plan_file(const std::string& path) {
       PlanFile::Entry entry;
       entry.name = item.at("name").get<std::string>();
       entry.lidar = item.at("kind").get<std::string>() == "lidar";
-      entry.decision = item.at("decision").dump();
+      entry.decision = item.at("decision");
       if (entry.lidar) {
         entry.subrays = item.at("subrays").get<int>();
         if (entry.subrays < 1 || entry.subrays > 65536)
@@ -109,7 +106,7 @@ PlanFile read_plan_file(const std::string& path) {
         entry.sampling = {static_cast<scene::SamplerKind>(sampler), item.at("samples").at(0).get<int>(),
                           item.at("samples").at(1).get<int>(), item.at("sky_directions").get<int>(),
                           item.at("sky_share").get<int>()};
-        entry.axes = item.at("plan").dump();
+        entry.axes = item.at("plan");
         const auto& s = entry.sampling;
         const bool lattice = s.sampler == scene::SamplerKind::lattice;
         const int most_u = lattice ? kMostSamples : kMostSide, most_v = kMostSide;
@@ -152,12 +149,12 @@ const PlanFile::Entry& find_entry(const PlanFile& file, const std::string& name,
 
 Decision replayed(const PlanFile::Entry& entry, const scene::Simulation& simulation,
                   const scene::Instrument& instrument, const plan::Plan& plan, const std::string& path) {
-  if (Json::parse(entry.axes) != Json::parse(axes_json(plan)))
+  if (entry.axes != axes_json(plan))
     refuse(
         path,
         fmt::format(
             "'{}': the plan has {}, the simulation as it is now needs {}: air, instrument or [plan] have changed since",
-            entry.name, entry.axes, axes_json(plan)));
+            entry.name, entry.axes.dump(), axes_json(plan).dump()));
   const Sampling& s = entry.sampling;
   if (instrument.samples_given &&
       (instrument.sampler != s.sampler || instrument.samples_u != s.samples_u || instrument.samples_v != s.samples_v))
@@ -172,7 +169,7 @@ Decision replayed(const PlanFile::Entry& entry, const scene::Simulation& simulat
       plan.components() > 0 ? plan::sky_share(simulation.sky_share, s.samples_u * s.samples_v, s.directions) : s.share;
   if (share != s.share)
     conflict(path, entry.name, "sky_share", std::to_string(share), "a share of " + std::to_string(s.share));
-  const Json saved = Json::parse(entry.decision);
+  const Json& saved = entry.decision;
   Decision out = as_given(simulation, instrument, plan);
   out.sampling = entry.sampling;
   out.sampling.first_samples = instrument.first_samples;

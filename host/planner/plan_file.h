@@ -1,6 +1,7 @@
 // A plan as a file that a later render replays: what was chosen for each instrument and LIDAR of one simulation.
 #pragma once
 
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -13,10 +14,10 @@ struct PlanFile {
   struct Entry {
     std::string name;
     bool lidar = false;
-    Sampling sampling;     ///< of an instrument
-    int subrays = 0;       ///< of a LIDAR
-    std::string axes;      ///< nodes and components that make_plan chose: what a replay must find again (JSON text)
-    std::string decision;  ///< the whole decision with its lines (JSON text)
+    Sampling sampling;        ///< of an instrument
+    int subrays = 0;          ///< of a LIDAR
+    nlohmann::json axes;      ///< nodes and components that make_plan chose: what a replay must find again
+    nlohmann::json decision;  ///< the whole decision with its lines
   };
   std::string simulation_file, scene_hash;
   double tolerance = 0;
@@ -25,7 +26,7 @@ struct PlanFile {
 };
 
 /// Nodes and components of a plan, as a file keeps them.
-std::string axes_json(const plan::Plan& plan);
+nlohmann::json axes_json(const plan::Plan& plan);
 
 std::string write_plan_file(const PlanFile& file);
 /// Throws Error(input) with the place and the way out when the file is not a plan of this program.

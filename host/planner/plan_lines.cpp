@@ -1,6 +1,7 @@
 #include "host/planner/plan_lines.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -20,36 +21,30 @@ std::string plural(std::size_t count, const std::string& what) {
   return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }
 
-/// Error of an axis with `count` nodes, and with the next fewer.
-PlanLine axis_line(const Json& report, const std::string& block, const std::string& axis,
-                   const std::vector<std::string>& errors, const std::string& cost) {
+/// An axis of `count` nodes: its error, the sum of these lists, and that of the next fewer.
+PlanLine axis_line(const plan::AxisErrors& axes, const std::string& block, int count, bool given,
+                   const std::vector<const std::vector<double>*>& errors, const std::string& cost) {
   PlanLine line;
   line.block = block;
-  const int count = report[axis]["count"].get<int>();
   line.level = plural(static_cast<std::size_t>(count), "node");
   line.cost = cost;
   line.why = "linear between nodes; midpoints inside their share of the tolerance";
-  if (report.contains("given") && !report["given"].empty()) {
-    const std::string key = axis == "height_m"          ? "height_nodes"
-                            : axis == "sec_view_zenith" ? "view_nodes"
-                                                        : "path_nodes";
-    line.given = report["given"].contains(key);
-  }
-  const auto& counts = report["node_errors"]["counts"];
-  for (std::size_t i = 0; i < counts.size(); ++i) {
-    if (counts[i].get<int>() != count) continue;
+  line.given = given;
+  for (std::size_t i = 0; i < axes.counts.size(); ++i) {
+    if (axes.counts[i] != count) continue;
     line.error = 0;
-    for (const auto& name : errors) line.error += report["node_errors"][name][i].get<double>();
+    for (const auto* list : errors) line.error += (*list)[i];
     if (i == 0) continue;
     line.next_error = 0;
-    for (const auto& name : errors) line.next_error += report["node_errors"][name][i - 1].get<double>();
+    for (const auto* list : errors) line.next_error += (*list)[i - 1];
   }
   // An axis of no extent has one node whatever is asked for.
   if (count == 1 && line.error == 0) line.why = "no extent";
   return line;
 }
 
-PlanLine sky_line(const Json& levels, const std::string& block, int components, int channels) {
+PlanLine sky_line(const std::vector<plan::SkyLevelReport>& levels, const std::string& block, int components,
+                  int channels) {
   PlanLine line{block,
                 components == 0 ? "off" : plural(static_cast<std::size_t>(components), "component"),
                 0,
@@ -58,9 +53,9 @@ PlanLine sky_line(const Json& levels, const std::string& block, int components, 
                 "",
                 false};
   for (const auto& level : levels) {
-    const int here = level["components"].get<int>();
-    if (here == components && !level["error"].is_null()) line.error = level["error"].get<double>();
-    if (here == components - 1 && !level["error"].is_null()) line.next_error = level["error"].get<double>();
+    if (!std::isfinite(level.error)) continue;
+    if (level.components == components) line.error = level.error;
+    if (level.components == components - 1) line.next_error = level.error;
   }
   line.why = components == 0 ? "no light of the sky, or too dark to be seen"
                              : fmt::format("worst obstacle beside typical surfaces; {} channels in all", channels);
@@ -136,50 +131,10 @@ std::string percent_text(double error) {
   return error == 0 ? "0 %" : fmt::format("{:.2g} %", 100 * error);
 }
 
-std::vector<PlanLine> plan_lines(const Decision& d, const plan::Plan& plan) {
-  const Json report = Json::parse(plan.report_json);
-  std::vector<PlanLine> lines;
-  const auto& grid = report["spectral_grid"];
-  lines.push_back({"spectral grid", plural(grid["points"].get<std::size_t>(), "wavelength"), 0, -1, "none after baking",
-                   "nodes of air and materials and their midpoints: exact for both linear in between", false});
-  const bool thermal = report.contains("thermal");
-  if (thermal) {
-    const auto& warm = report["thermal"];
-    lines.push_back({"sun", plan.sun_sources > 0 ? "on" : "left out",
-                     plan.sun_sources > 0 ? 0 : warm["sun_share"].get<double>(),
-                     plan.sun_sources > 0 ? warm["sun_share"].get<double>() : -1,
-                     fmt::format("{:.0f} rays a pixel", d.counts.sun_rays),
-                     "its largest share of any band beside thermal light", false});
-  } else {
-    lines.push_back({"sun", plan.sun_up ? "on" : "below the horizon", 0, -1,
-                     fmt::format("{:.0f} rays a pixel", d.counts.sun_rays), "", false});
-  }
-  lines.push_back(sky_line(report["sky"]["levels"], "sky", plan.sky_components, plan.source_channels()));
-  lines.back().given = report.contains("given") && report["given"].contains("sky_rank");
-  if (thermal) {
-    lines.push_back(
-        sky_line(report["thermal"]["sky_levels"], "thermal sky", plan.thermal.sky_components, plan.source_channels()));
-    lines.push_back({"temperatures", plural(static_cast<std::size_t>(plan.thermal.nodes()), "node"),
-                     report["error"]["temperature_nodes"].get<double>(), -1,
-                     plural(static_cast<std::size_t>(plan.thermal.nodes()), "source"),
-                     fmt::format("{} distinct temperatures in the scene", report["thermal"]["temperatures"].get<int>()),
-                     false});
-  }
-  const auto channels = [](int count, const char* of) { return fmt::format("{} channels of {}", count, of); };
-  lines.push_back(axis_line(report, "target height", "height_m", {"source_height", "path_height"},
-                            channels(plan.source_channels(), "sources")));
-  lines.push_back(axis_line(report, "view zenith", "sec_view_zenith", {"source_view"},
-                            channels(plan.source_channels(), "sources")));
-  lines.push_back(axis_line(report, "path, east", "path_x", {"path_x"}, channels(plan.path_channels(), "path")));
-  lines.push_back(axis_line(report, "path, north", "path_y", {"path_y"}, channels(plan.path_channels(), "path")));
-  const std::string ground = report["adjacency"]["mode"].get<std::string>();
-  lines.push_back({"ground around", ground, -1, -1,
-                   plan.environment.empty() ? "none" : "4 rows of the band table a pixel",
-                   ground == "off"    ? "no air between, or no rows for it in the table"
-                   : ground == "mean" ? "the scene's mean ground, as the file asks"
-                                      : "local environment of each pixel",
-                   false});
+namespace {
 
+/// What the planner settles: samples of a pixel, directions of the sky.
+void add_sampling_lines(std::vector<PlanLine>& lines, const Decision& d, const plan::Plan& plan) {
   const bool grid_sampler = d.sampling.sampler == scene::SamplerKind::grid;
   PlanLine samples;
   samples.block = "samples";
@@ -226,10 +181,55 @@ std::vector<PlanLine> plan_lines(const Decision& d, const plan::Plan& plan) {
                   ? "the file gives it"
                   : fmt::format("samples share out the directions, {} samples to each at least", plan::kFewestPoints);
   lines.push_back(share);
+}
+
+}  // namespace
+
+std::vector<PlanLine> plan_lines(const Decision& d, const plan::Plan& plan) {
+  const plan::PlanReport& report = plan.report;
+  std::vector<PlanLine> lines;
+  lines.push_back({"spectral grid", plural(plan.wavelength_um.size(), "wavelength"), 0, -1, "none after baking",
+                   "nodes of air and materials and their midpoints: exact for both linear in between", false});
+  if (report.thermal) {
+    const double sun_share = report.thermal->sun_share;
+    lines.push_back({"sun", plan.sun_sources > 0 ? "on" : "left out", plan.sun_sources > 0 ? 0 : sun_share,
+                     plan.sun_sources > 0 ? sun_share : -1, fmt::format("{:.0f} rays a pixel", d.counts.sun_rays),
+                     "its largest share of any band beside thermal light", false});
+  } else {
+    lines.push_back({"sun", plan.sun_up ? "on" : "below the horizon", 0, -1,
+                     fmt::format("{:.0f} rays a pixel", d.counts.sun_rays), "", false});
+  }
+  lines.push_back(sky_line(report.sky_levels, "sky", plan.sky_components, plan.source_channels()));
+  lines.back().given = report.given.sky_rank > 0;
+  if (report.thermal) {
+    lines.push_back(
+        sky_line(report.thermal->sky_levels, "thermal sky", plan.thermal.sky_components, plan.source_channels()));
+    lines.push_back({"temperatures", plural(static_cast<std::size_t>(plan.thermal.nodes()), "node"),
+                     report.thermal->temperature_nodes_error, -1,
+                     plural(static_cast<std::size_t>(plan.thermal.nodes()), "source"),
+                     fmt::format("{} distinct temperatures in the scene", report.thermal->temperatures), false});
+  }
+  const plan::AxisErrors& axes = report.axes;
+  const scene::PlanOverrides& given = report.given;
+  const std::string sources = fmt::format("{} channels of sources", plan.source_channels()),
+                    path = fmt::format("{} channels of path", plan.path_channels());
+  lines.push_back(axis_line(axes, "target height", plan.height.count, given.height_nodes > 0,
+                            {&axes.source_height, &axes.path_height}, sources));
+  lines.push_back(axis_line(axes, "view zenith", plan.view.count, given.view_nodes > 0, {&axes.source_view}, sources));
+  lines.push_back(axis_line(axes, "path, east", plan.path_x.count, given.path_nodes > 0, {&axes.path_x}, path));
+  lines.push_back(axis_line(axes, "path, north", plan.path_y.count, given.path_nodes > 0, {&axes.path_y}, path));
+  const std::string ground = plan::ground_mode(plan);
+  lines.push_back({"ground around", ground, -1, -1,
+                   plan.environment.empty() ? "none" : "4 rows of the band table a pixel",
+                   ground == "off"    ? "no air between, or no rows for it in the table"
+                   : ground == "mean" ? "the scene's mean ground, as the file asks"
+                                      : "local environment of each pixel",
+                   false});
+  add_sampling_lines(lines, d, plan);
   return lines;
 }
 
-std::string lines_json(const std::vector<PlanLine>& lines) {
+nlohmann::json lines_json(const std::vector<PlanLine>& lines) {
   Json list = Json::array();
   for (const auto& line : lines)
     list.push_back({{"block", line.block},
@@ -239,10 +239,10 @@ std::string lines_json(const std::vector<PlanLine>& lines) {
                     {"cost", line.cost},
                     {"why", line.why},
                     {"given", line.given}});
-  return list.dump();
+  return list;
 }
 
-std::string decision_json(const Decision& d, const std::vector<PlanLine>& lines) {
+nlohmann::json decision_json(const Decision& d, const std::vector<PlanLine>& lines) {
   Json out = {{"tolerance", d.tolerance},
               {"samples", {d.sampling.samples_u, d.sampling.samples_v}},
               {"sampler", static_cast<int>(d.sampling.sampler)},
@@ -263,13 +263,13 @@ std::string decision_json(const Decision& d, const std::vector<PlanLine>& lines)
                 {"nominal_s_per_megapixel", d.s_per_megapixel}}},
               {"dear", d.dear},
               {"notes", d.notes},
-              {"lines", Json::parse(lines_json(lines))}};
+              {"lines", lines_json(lines)}};
   if (d.small.objects > 0 || !d.small.textures.empty()) out["small_objects"] = small_objects_json(d.small);
   if (d.model_pixels > 0) out["model_pixels"] = d.model_pixels;
   if (d.estimated)
     out["trial"] = {
         {"pixels", d.trial_pixels}, {"looked_at", d.looked_at}, {"rays", d.trial_rays}, {"measured", d.measured}};
-  return out.dump();
+  return out;
 }
 
 std::string lines_text(const std::vector<PlanLine>& lines) {

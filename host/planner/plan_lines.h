@@ -1,6 +1,7 @@
 // The planner's table: block, level, estimated errors, cost, why; as lines, text and JSON.
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -11,11 +12,11 @@ namespace raycube::planner {
 /// The lines of a plan, in the order in which light meets the blocks: sun, sky, air, ground, sensor.
 std::vector<PlanLine> plan_lines(const Decision& decision, const plan::Plan& plan);
 
-/// The decision and its lines as a JSON object.
-std::string decision_json(const Decision& decision, const std::vector<PlanLine>& lines);
+/// The decision and its lines, for a file.
+nlohmann::json decision_json(const Decision& decision, const std::vector<PlanLine>& lines);
 
-/// The lines as a JSON array (its text).
-std::string lines_json(const std::vector<PlanLine>& lines);
+/// The lines, for a file.
+nlohmann::json lines_json(const std::vector<PlanLine>& lines);
 
 /// A table of fixed width, a line a block.
 std::string lines_text(const std::vector<PlanLine>& lines);

@@ -105,7 +105,7 @@ Decision as_given(const scene::Simulation& simulation, const scene::Instrument& 
   out.samples_given = instrument.samples_given, out.directions_given = simulation.sky_directions_given,
   out.share_given = simulation.sky_share > 0;
   out.tolerance = simulation.tolerance;
-  out.plan_error = out.plan_estimate = nlohmann::json::parse(plan.report_json)["error"]["total"].get<double>();
+  out.plan_error = out.plan_estimate = plan.report.total_error;
   out.counts = pixel_counts(plan, static_cast<double>(instrument.samples_u) * instrument.samples_v,
                             simulation.sky_directions, plan.sky.share);
   out.s_per_megapixel = 1e6 * CostModel().seconds(out.counts);
@@ -278,9 +278,6 @@ void apply(const Decision& decision, const scene::Simulation& simulation, scene:
       (plan.sky.directions != decision.sampling.directions || plan.sky.share != decision.sampling.share))
     set_directions(plan, simulation, decision.sampling.samples_u * decision.sampling.samples_v,
                    decision.sampling.directions);
-  auto report = nlohmann::json::parse(plan.report_json);
-  report["planner"] = nlohmann::json::parse(decision_json(decision, plan_lines(decision, plan)));
-  plan.report_json = report.dump(2);
 }
 
 }  // namespace raycube::planner

@@ -102,8 +102,7 @@ void hold_tolerance(Decision& decision, const scene::Simulation& simulation, con
 /// note.
 void add_small_objects(Decision& decision, const scene::Simulation& simulation, const scene::Instrument& instrument);
 
-/// The instrument and the plan with the decision's settings, small objects included; the plan's report gets
-/// the planner's lines under "planner".
+/// The instrument and the plan with the decision's settings, small objects included.
 void apply(const Decision& decision, const scene::Simulation& simulation, scene::Instrument& instrument,
            plan::Plan& plan);
 

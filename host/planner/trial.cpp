@@ -4,8 +4,6 @@
 #include <numbers>
 #include <numeric>
 
-#include <nlohmann/json.hpp>
-
 namespace raycube::planner {
 
 namespace {
@@ -37,11 +35,6 @@ plan::SkySets sky_for(const plan::Plan& plan, const scene::Simulation& simulatio
 void set_directions(plan::Plan& plan, const scene::Simulation& simulation, int samples, int directions) {
   if (plan.components() == 0) return;
   plan.sky = sky_for(plan, simulation, directions, plan::sky_share(simulation.sky_share, samples, directions));
-  auto report = nlohmann::json::parse(plan.report_json);
-  report["sky"]["sets"] = plan.sky.sets;
-  report["sky"]["directions"] = plan.sky.directions;
-  report["sky"]["share"] = plan.sky.share;
-  plan.report_json = report.dump(2);
 }
 
 Trial::Trial(render::Renderer& renderer, const scene::Simulation& simulation, const scene::Instrument& instrument,

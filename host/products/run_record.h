@@ -34,7 +34,7 @@ struct RunRecord {
   std::vector<std::pair<std::string, base::FileHashes>>
       hashes;                      ///< of every file of the set, headers too, but this record
   std::string configuration_json;  ///< every option with its value (Simulation::resolved_json)
-  std::string plan_json;           ///< Plan::report_json
+  std::string plan_json;           ///< the plan, as JSON text
   std::vector<std::pair<std::string, std::string>> more_json;  ///< further members: name, JSON text
 };
 

@@ -8,6 +8,7 @@
 #include "host/plan/channel_bands.h"
 #include "host/plan/one_direction.h"
 #include "host/planner/plan_file.h"
+#include "host/planner/plan_lines.h"
 #include "host/sensors/view_bounds.h"
 
 namespace raycube::run {
@@ -76,8 +77,14 @@ CameraJob prepare_camera(const scene::Simulation& simulation, const scene::Instr
   job.plan_s = seconds_since(start);
   services.log.detail(instrument.name + ": atmosphere table in " + std::to_string(job.table_s) + " s, plan in " +
                       std::to_string(job.plan_s) + " s");
-  services.log.debug(job.plan.report_json);
+  services.log.debug(plan_json(job).dump(2));
   return job;
+}
+
+nlohmann::json plan_json(const CameraJob& job) {
+  nlohmann::json out = plan::plan_json(job.plan);
+  out["planner"] = planner::decision_json(job.decision, planner::plan_lines(job.decision, job.plan));
+  return out;
 }
 
 }  // namespace raycube::run

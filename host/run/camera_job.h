@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -49,5 +50,8 @@ AirRequest air_request(const scene::Simulation& simulation, const scene::Instrum
 /// Reads or builds the table for the instrument's height and bands, then plans; the planner's notes go to the log.
 CameraJob prepare_camera(const scene::Simulation& simulation, const scene::Instrument& instrument, Services& services,
                          const Planning& planning = {});
+
+/// The plan with the planner's decision, for a file.
+nlohmann::json plan_json(const CameraJob& job);
 
 }  // namespace raycube::run

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "atmos_tables/compiler/lidar_profiles.h"
 #include "host/base/error.h"
@@ -62,12 +63,15 @@ LidarJob prepare_lidar(const scene::Simulation& simulation, const scene::Lidar& 
     job.decision = planner::subrays_as_given(job.plan, simulation.tolerance);
   }
   if (job.decision.subrays != job.plan.lidar.transport.subrays) planner::set_subrays(job.plan, job.decision.subrays);
-  job.plan_json = planner::lidar_decision_json(job.decision, planner::lidar_lines(job.decision, job.plan));
   for (const auto& note : job.decision.notes) services.log.warning(note);
   job.plan_s = seconds_since(start);
   services.log.detail(lidar.name + ": air profiles in " + std::to_string(job.table_s) + " s, plan in " +
                       std::to_string(job.plan_s) + " s");
   return job;
+}
+
+nlohmann::json plan_json(const LidarJob& job) {
+  return planner::lidar_decision_json(job.decision, planner::lidar_lines(job.decision, job.plan));
 }
 
 }  // namespace raycube::run

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <nlohmann/json_fwd.hpp>
 #include <vector>
 
 #include "host/run/services.h"
@@ -28,7 +29,6 @@ struct LidarJob {
   const scene::Lidar* lidar = nullptr;  ///< as the file has it; the plan's own has the planner's sub-rays
   lidar::LidarPlan plan;
   planner::LidarDecision decision;
-  std::string plan_json;                 ///< the decision and its lines
   std::string air_json;                  ///< what the air was made of; empty: none
   std::vector<std::string> air_notices;  ///< of the air; the log has them
   double table_s = 0, plan_s = 0;
@@ -41,5 +41,8 @@ std::unique_ptr<atmos::RenderTable> lidar_air(const scene::Simulation& simulatio
 /// The air, then the plan.
 LidarJob prepare_lidar(const scene::Simulation& simulation, const scene::Lidar& lidar, Services& services,
                        const LidarPlanning& planning = {});
+
+/// The planner's decision and its lines, for a file.
+nlohmann::json plan_json(const LidarJob& job);
 
 }  // namespace raycube::run

@@ -82,7 +82,7 @@ products::RunRecord record_of(const scene::Simulation& simulation, const CameraJ
   record.peak_memory_bytes = base::peak_resident_bytes();
   record.device_memory_bytes = device.global_memory_bytes;
   record.configuration_json = simulation.resolved_json;
-  record.plan_json = job.plan.report_json;
+  record.plan_json = plan_json(job).dump(2);
   const nlohmann::json rows = {{"overflow_pixels", statistics.overflow_pixels},
                                {"per_sample_pixels", statistics.per_sample_pixels},
                                {"terms_p50", statistics.terms_p50},

@@ -319,7 +319,7 @@ products::RunRecord record_of(const scene::Simulation& simulation, const LidarJo
   record.peak_memory_bytes = base::peak_resident_bytes();
   record.device_memory_bytes = device.global_memory_bytes;
   record.configuration_json = simulation.resolved_json;
-  record.plan_json = job.plan_json;
+  record.plan_json = plan_json(job).dump();
   nlohmann::json more = {{"pulses", lidar.pulses},
                          {"echoes", survey.echoes},
                          {"pulses_per_s", static_cast<double>(lidar.pulses) / render_s},

@@ -4,6 +4,8 @@
 // tolerance.
 #include <doctest/doctest.h>
 
+#include <nlohmann/json.hpp>
+
 #include <cmath>
 
 #include "atmos_tables/clear_sky.h"
@@ -155,7 +157,7 @@ TEST_CASE(
   add_thermal(table, 1000, 1200, 0.5);
   plan::Plan plan =
       plan::make_plan(simulation, simulation.instruments[0], table, sensors::view_bounds(simulation.instruments[0]));
-  MESSAGE(plan.report_json);
+  MESSAGE(plan::plan_json(plan).dump(2));
   compare(simulation, table, plan);
   CHECK(plan.components() > 4);
   CHECK(plan.sky.quads == 2);

@@ -9,6 +9,7 @@
 #include "atmos_tables/synthetic.h"
 #include "host/base/error.h"
 #include "host/planner/plan_file.h"
+#include "host/planner/plan_lines.h"
 #include "host/planner/planner.h"
 #include "host/sensors/view_bounds.h"
 #include "tests/support/render_kit.h"
@@ -185,15 +186,14 @@ TEST_CASE("S60: what the file gives stays, its error is told, and a tolerance it
   REQUIRE(d.notes.size() == 1);
   CHECK(d.notes[0].find("is not kept") != std::string::npos);
   apply(d, simulation, camera, plan);
-  const auto lines = nlohmann::json::parse(plan.report_json)["planner"]["lines"];
+  const auto lines = plan_lines(d, plan);
   int given = 0;
   for (const auto& line : lines)
-    if (line["given"].get<bool>()) ++given;
+    if (line.given) ++given;
   CHECK(given == 3);  // samples, directions, and the share of a Simulation made by hand
 
   // A replay of it changes nothing, and is refused once the plan has other nodes.
-  PlanFile::Entry entry{"camera", false,           d.sampling,
-                        0,        axes_json(plan), nlohmann::json::parse(plan.report_json)["planner"].dump()};
+  PlanFile::Entry entry{"camera", false, d.sampling, 0, axes_json(plan), decision_json(d, lines)};
   const Decision replay = replayed(entry, simulation, camera, plan, "plan.json");
   CHECK(replay.sampling.samples_u == 2);
   CHECK(replay.samples_error == d.samples_error);

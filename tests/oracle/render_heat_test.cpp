@@ -116,7 +116,7 @@ TEST_CASE("S60 what no band sees changes no bit, costs no source and asks for no
     CHECK(warm.radiance == cold.radiance);
     CHECK(warm.plan.source_channels() == cold.plan.source_channels());
     CHECK(warm.plan.notices.empty());
-    CHECK(warm.plan.report_json.find("thermal_left_out") != std::string::npos);
+    CHECK(warm.plan.report.thermal_left_out.has_value());
   }
 }
 

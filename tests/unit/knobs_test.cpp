@@ -95,7 +95,7 @@ TEST_CASE("S64 plans obey what is given and say so; the impossible is refused") 
   const atmos::RenderTable table = table_of(s);
   const scene::Instrument& camera = s.instruments[0];
   const auto make = [&] { return plan::make_plan(s, camera, table, sensors::view_bounds(camera)); };
-  CHECK_FALSE(nlohmann::json::parse(make().report_json).contains("given"));
+  CHECK_FALSE(plan::plan_json(make()).contains("given"));
   for (const int nodes : {1, 4}) {
     s.plan = {};
     s.plan.height_nodes = nodes, s.plan.view_nodes = nodes == 4 ? 1 : nodes, s.plan.path_nodes = std::min(nodes, 2),
@@ -106,7 +106,7 @@ TEST_CASE("S64 plans obey what is given and say so; the impossible is refused") 
     CHECK(plan.path_x.count == s.plan.path_nodes);
     CHECK(plan.path_y.count == s.plan.path_nodes);
     CHECK(plan.sky_components == s.plan.sky_rank);
-    const auto report = nlohmann::json::parse(plan.report_json);
+    const auto report = plan::plan_json(plan);
     CHECK(report["given"]["height_nodes"] == nodes);
     CHECK(report.contains("within_tolerance"));
   }
