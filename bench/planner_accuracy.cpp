@@ -60,7 +60,7 @@ json to_json(const bench::PlannerStudy& s) {
 }
 
 int study_all(const std::string& file, const std::vector<std::string>& scenes, const std::string& only,
-        const bench::PlannerStudySettings& settings) {
+              const bench::PlannerStudySettings& settings) {
   base::Log log;
   run::Services services = run::watched_services(log);
   json all = json::array();

@@ -3,7 +3,7 @@
 
 Builds and runs build/raycube_planner_accuracy over the shipped scenes (half an hour), writes build/bench/planner.json
 (its flat keys) and planner_study.json (everything), draws docs/pictures/planner_calibration.png and writes
-build/bench/planner.md, which bench/tables.py puts into docs/accuracy.md. --figures draws an earlier planner_study.json
+build/bench/planner.md, which bench/tables.py puts into bench/RESULTS.md. --figures draws an earlier planner_study.json
 anew.
 """
 

@@ -3,8 +3,8 @@
 flops, planner)
 
 Adds what the scripts measured (build/bench/PART.json) to build/bench.json and renews the tables between `<!-- ci/bench
-PART -->` and `<!-- end -->` in bench/RESULTS.md, README.md and, of the planner, docs/accuracy.md. ci/bench calls it
-with what it has just run.
+PART -->` and `<!-- end -->` in bench/RESULTS.md and README.md. ci/bench calls it with what it
+has just run.
 """
 
 import json
@@ -159,11 +159,10 @@ def main(parts):
         if all(f"layers{n}_primary_vs_embree16" in figures for n in (2, 7, 14)):  # a run of every group
             renew(ROOT / "README.md", "speed", readme_speed(figures))
     for part, text in texts.items():
-        page = "docs/accuracy.md" if part == "planner" else "bench/RESULTS.md"
-        if not renew(ROOT / page, part, text):
+        if not renew(ROOT / "bench/RESULTS.md", part, text):
             raise SystemExit(
-                f"tables: {page} has no lines '<!-- ci/bench {part} -->' and '<!-- end -->'; put them where the table "
-                f"belongs"
+                f"tables: bench/RESULTS.md has no lines '<!-- ci/bench {part} -->' and '<!-- end -->'; put them where "
+                f"the table belongs"
             )
     print(f"tables: {', '.join(texts)} renewed; {BENCH.relative_to(ROOT)} has {len(figures)} keys")
 

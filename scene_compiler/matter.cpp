@@ -46,8 +46,7 @@ std::vector<shared::Lobe> surface_lobes(const CompiledScene& scene) {
       if (surface.material[i] == 0) continue;
       const Material& material = scene.materials[surface.material[i] - 1];
       out[first] = lobe_of(material.front, 1);
-      if (material.gloss.number != RC_SHAPE_none)
-        out[first + 1 + i] = lobe_of(material.gloss, surface.fraction[i]);
+      if (material.gloss.number != RC_SHAPE_none) out[first + 1 + i] = lobe_of(material.gloss, surface.fraction[i]);
     }
   }
   return out;

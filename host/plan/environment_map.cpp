@@ -17,7 +17,7 @@ constexpr int kRasterPoints = 256;            ///< of a raster, along its longer
 constexpr int kMostNodes = 128;               ///< of the map along a side
 constexpr std::size_t kMostParts = 1u << 22;  ///< of the map, 24 bytes each
 /// Nodes this part of the sensor's height apart, raster points a sixteenth of that: what bilinear weights then cost is
-/// in docs/design.md.
+/// in docs/light.md.
 constexpr double kStepOfHeight = 1.0 / 64, kPointsPerStep = 8;
 /// Rasters from fine to coarse reach past the view to where this much of the aerosol's light comes from.
 constexpr double kShares[] = {0.3, 0.75, 0.99};

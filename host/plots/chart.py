@@ -8,6 +8,7 @@ import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
+from matplotlib.ticker import FuncFormatter
 
 MARKERS = "osD^v<>Php*Xd8"
 JOINT = "samples and sky_directions"
@@ -77,7 +78,7 @@ def draw(axis, data, device):
     )
     own = next(p for p in points if p["knob"] == "own")
     axis.plot(own["time_s"], max(own["error"], FLOOR), "*", color="k", ms=13, mfc="none", label="the file's setting")
-    axis.axhline(data["tolerance"], color="r", ls="--", lw=1, label=f'tolerance {data["tolerance"]:g}')
+    axis.axhline(data["tolerance"], color="r", ls="--", lw=1, label=f'tolerance {100 * data["tolerance"]:g} %')
     axis.axhspan(1e-12, data["reference_error"], color="0.85", zorder=-1, label="below the reference's own error")
     errors = [max(p["error"], FLOOR) for p in points]
     axis.set(
@@ -87,6 +88,8 @@ def draw(axis, data, device):
         ylim=(0.5 * min(errors + [data["reference_error"] or min(errors)]), 2 * max(errors + [data["tolerance"]])),
         title=device,
     )
+    axis.yaxis.set_major_formatter(FuncFormatter(lambda error, _: f"{100 * error:g} %"))
+    axis.xaxis.set_major_formatter(FuncFormatter(lambda seconds, _: f"{seconds:g}"))
     axis.grid(alpha=0.3, which="both", lw=0.4)
     labels_apart(axis, front)
 
@@ -103,7 +106,7 @@ def main():
     for axis, device in zip(axes[0], devices):
         draw(axis, data, device)
     axes[0][0].set_ylabel(
-        "error: rms over pixels / band mean, worst band"
+        "error of the worst band: rms over pixels / band mean"
         if data["kind"] == "cube"
         else "error: rms of waveforms / rms of their peaks"
     )
@@ -111,7 +114,7 @@ def main():
     caption = (
         f'{data["name"]}: {data["validated"]} {"pixels" if data["kind"] == "cube" else "pulses"} against '
         f'{data["reference"]}, its own error '
-        f'{data["reference_error"]:.2g}. Time of {data["time_of"]}. {"; ".join(data["machines"])}'
+        f'{100 * data["reference_error"]:.2g} %. Time of {data["time_of"]}. {"; ".join(data["machines"])}'
     )
     figure.suptitle("\n".join(textwrap.wrap(caption, 60 + 60 * len(devices))), fontsize=9)
     figure.savefig(sys.argv[2], dpi=110, format="png")

@@ -282,8 +282,12 @@ def cloud(figures, points, path):
     energy = np.maximum(records["energy_pe"].astype(float), 1e-6)
     dim, bright = np.percentile(energy, [1, 99])
     strength = LogNorm(dim, bright) if bright > 20 * dim else Normalize(dim, max(bright, dim * 1.0001))
-    figure, axes = plt.subplots(1, 2, figsize=(16, 7.5), layout="constrained", width_ratios=(1, 1.15))
-    size = float(np.clip(6e4 / len(records), 0.15, 12))
+    wide = np.ptp(x) > 1.5 * np.ptp(y)
+    if wide:  # one view below the other
+        figure, axes = plt.subplots(2, 1, figsize=(11, 11), layout="constrained")
+    else:
+        figure, axes = plt.subplots(1, 2, figsize=(16, 7.5), layout="constrained", width_ratios=(1, 1.15))
+    size = float(np.clip((2e5 if wide else 6e4) / len(records), 0.15, 12))
     order = np.argsort(z)
     shown = axes[0].scatter(x[order], y[order], c=z[order], s=size, lw=0, norm=height, cmap="turbo")
     figure.colorbar(shown, ax=axes[0], label="height, m", shrink=0.85, extend="both")
@@ -302,12 +306,14 @@ def cloud(figures, points, path):
     right, away = a * np.cos(turn) - b * np.sin(turn), a * np.sin(turn) + b * np.cos(turn)
     up = away * np.sin(lift) + (z - low) * np.cos(lift)
     order = np.argsort(-away * np.cos(lift) + (z - low) * np.sin(lift))
-    if bright > 1.01 * dim:
+    if bright > 1.01 * dim:  # several energies, so that a colour says something
         shown = axes[1].scatter(right[order], up[order], c=energy[order], s=size, lw=0, norm=strength, cmap="magma")
         figure.colorbar(shown, ax=axes[1], label="energy of the return, photo-electrons", shrink=0.85, extend="both")
     else:  # single photons are all alike
-        axes[1].scatter(right[order], up[order], c=z[order], s=size, lw=0, norm=height, cmap="turbo")
-    axes[1].set(aspect="equal", title="oblique, from 35 degrees above", xlabel="m", ylabel="m", facecolor="0.75")
+        shown = axes[1].scatter(right[order], up[order], c=z[order], s=size, lw=0, norm=height, cmap="turbo")
+        figure.colorbar(shown, ax=axes[1], label="height, m", shrink=0.85, extend="both")
+    axes[1].set(aspect="equal", title="oblique, from the south-west, 35 degrees above", facecolor="0.75")
+    axes[1].set(xlabel="across the view, m from the middle", ylabel="up the view, m")
     shown_points = f"{len(records)} of {points.count} points" + (
         f", {left_out} far from the rest left out" if left_out else ""
     )

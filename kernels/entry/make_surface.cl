@@ -14,8 +14,8 @@ typedef struct Gathered {
 
 #if RC_SHAPED
 /* Way to the viewer and shape of a word of samples; in: its slots of hits. */
-static inline void rc_store_shapes(SceneArrays scene, global const Lobe* lobes, global const uint* in, Vector16 direction,
-                                   global float* out) {
+static inline void rc_store_shapes(SceneArrays scene, global const Lobe* lobes, global const uint* in,
+                                   Vector16 direction, global float* out) {
   const float16 over = -1.0f / sqrt(rc_dot16(direction, direction));
   rc_store16(over * direction.x, 0, out + RC_PLANE(RC_VIEWER_X));
   rc_store16(over * direction.y, 0, out + RC_PLANE(RC_VIEWER_Y));

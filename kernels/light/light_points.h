@@ -100,7 +100,8 @@ static inline void rc_turn_direction(const Points* points, global const float* s
     if (!(cosine > 0.0f) || !(points->live[n / RC_WORD] >> n % RC_WORD & 1u)) continue;
     const float missing = cosine * (float)share * (1.0f - rc_spread(surface + held->slot[n], direction));
     for (uint row = 0; row < RC_SKY_PLANES; ++row)
-      held->hidden[RC_PLANE(row) + n] = fma(((global const float*)weights)[row], missing, held->hidden[RC_PLANE(row) + n]);
+      held->hidden[RC_PLANE(row) + n] =
+          fma(((global const float*)weights)[row], missing, held->hidden[RC_PLANE(row) + n]);
   }
 }
 #endif

@@ -1,5 +1,5 @@
-/* Shapes other than Lambert's, seen by cameras: how much of what falls onto a sample from one direction goes to the viewer
- * (kernels/materials). Compiled in where a material of the scene has one (RC_SHAPED). */
+/* Shapes other than Lambert's, seen by cameras: how much of what falls onto a sample from one direction goes to the
+ * viewer (kernels/materials). Compiled in where a material of the scene has one (RC_SHAPED). */
 #ifndef RAYCUBE_KERNELS_LIGHT_SPREAD_H
 #define RAYCUBE_KERNELS_LIGHT_SPREAD_H
 
@@ -8,8 +8,8 @@
 #if RC_SHAPED
 #include "kernels/materials/shapes.h"
 
-/* How many times the radiance of Lambert's law goes to the viewer: pi f. at: the sample's slot in the planes of surface;
- * direction: unit, to where light comes from. */
+/* How many times the radiance of Lambert's law goes to the viewer: pi f. at: the sample's slot in the planes of
+ * surface; direction: unit, to where light comes from. */
 static inline float rc_spread(global const float* at, float4 direction) {
   const uint shape = as_uint(at[RC_PLANE(RC_LOBE_SHAPE)]);
   const float4 normal = (float4)(at[RC_PLANE(RC_NORMAL_X)], at[RC_PLANE(RC_NORMAL_Y)], at[RC_PLANE(RC_NORMAL_Z)], 0.0f);

@@ -53,7 +53,7 @@ def main():
             elif kind == "python":
                 output = run([sys.executable, "-c", text], folder, program.parent)
             else:
-                for line in text.splitlines():
+                for line in text.splitlines() or [""]:
                     if not any(same(line, found) for found in output.splitlines()):
                         sys.exit(f"the page shows\n  {line}\nand what comes is\n{output}")
     print(f"{len(blocks)} blocks of the tutorial work as printed")

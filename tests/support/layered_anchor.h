@@ -25,7 +25,7 @@ struct Errors {
   void close();  ///< sums to means
 };
 
-/// Rows written as CSV to $RAYCUBE_CHARTS/<name>.csv when that is set (docs/pictures/README.md), nowhere otherwise.
+/// Rows written as CSV to $RAYCUBE_CHARTS/<name>.csv when that is set (docs/gallery.md), nowhere otherwise.
 class ChartRows {
  public:
   ChartRows(const std::string& name, const std::string& labels);
