@@ -57,8 +57,10 @@ kernel void brute_sun(global const TriBlock* blocks, global const Instance* inst
   for (uint word = 0; word < RC_WORDS; ++word) {
     uint seen = 0;
     for (uint k = word * 16u; k < word * 16u + 16u; ++k) {
-      const float4 normal = (float4)(in[RC_PLANE(RC_NORMAL_X) + k], in[RC_PLANE(RC_NORMAL_Y) + k], in[RC_PLANE(RC_NORMAL_Z) + k], 0.0f);
-      const float4 point = (float4)(in[RC_PLANE(RC_POINT_X) + k], in[RC_PLANE(RC_POINT_Y) + k], in[RC_PLANE(RC_POINT_Z) + k], 0.0f);
+      const float4 normal = (float4)(in[RC_PLANE(RC_NORMAL_X) + k], in[RC_PLANE(RC_NORMAL_Y) + k],
+                                     in[RC_PLANE(RC_NORMAL_Z) + k], 0.0f);
+      const float4 point = (float4)(in[RC_PLANE(RC_POINT_X) + k], in[RC_PLANE(RC_POINT_Y) + k],
+                                    in[RC_PLANE(RC_POINT_Z) + k], 0.0f);
       if (!(fma(sun.x, normal.x, fma(sun.y, normal.y, sun.z * normal.z)) > 0.0f)) continue;
       if (brute(blocks, instances, ranges, count, point, (float4)(0.0f), sun).instance == RC_NONE)
         seen |= 1u << (k % 16u);

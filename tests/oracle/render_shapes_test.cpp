@@ -1,0 +1,126 @@
+// Cameras and scattering shapes: a tilted plane of every shape that spreads reflectance (kernels/materials), under the sun
+// and under an even sky. Oracles: the shape's closed form at each pixel's own angles, and its integral over the sky.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "atmos_tables/synthetic.h"
+#include "kernels/materials/shapes.h"
+#include "scene_compiler/shape_list.h"
+#include "tests/support/render_kit.h"
+
+namespace {
+
+using namespace raycube;
+constexpr double kPi = std::numbers::pi, kReflectance = 0.3, kSunIrradiance = 1500, kSkyRadiance = 30;
+constexpr double kHeight_m = 1000, kGsd_m = 40;
+
+double end(std::string_view text) { return std::stod(std::string(text.substr(text.starts_with('>') ? 1 : 0))); }
+
+/// Every shape of role front, in the middle and at the upper end of its parameters' ranges.
+std::vector<scene::Shape> front_shapes() {
+  std::vector<scene::Shape> out;
+  for (const auto& entry : scene::shape_entries()) {
+    if (entry.role != scene::ShapeRole::front) continue;
+    for (const double part : {0.4, 1.0}) {
+      scene::Shape shape{entry.number};
+      for (std::size_t i = 0; i < entry.parameters.size(); ++i) {
+        const double low = end(entry.parameters[i].low), high = end(entry.parameters[i].high);
+        shape.parameter[i] = low + part * (high - low);
+      }
+      out.push_back(shape);
+    }
+  }
+  return out;
+}
+
+/// A plane through the origin that rises towards the east by 40 degrees, seen over a field of +- 7 degrees.
+struct Tilted {
+  double tilt = 40 * kPi / 180;
+  RcLocal normal{-std::sin(tilt), 0, std::cos(tilt)};
+  scene::Simulation simulation;
+  explicit Tilted(const scene::Shape& shape, int pixels) {
+    const auto surface = test::add_material(simulation.scene, "rough", kReflectance);
+    simulation.scene.materials[0].front = shape;
+    const double c = std::cos(tilt), s = std::sin(tilt), half = 2000;
+    test::place(simulation.scene, test::rectangle({-half * c, -half, -half * s}, {2 * half * c, 0, 2 * half * s},
+                                                  {0, 2 * half, 0}, surface));
+    finish_top_tree(simulation.scene);
+    simulation.instruments = {test::nadir_camera(pixels, pixels, kHeight_m, kGsd_m * 6 / pixels)};
+    simulation.instruments[0].bands = test::gaussian_bands({0.55}, 0.01);
+  }
+  /// Towards the sensor from where the centre of a pixel meets the plane.
+  RcLocal viewer(int line, int pixel) const {
+    const auto& camera = simulation.instruments[0];
+    const double gsd = kGsd_m * 6 / camera.pixels;
+    const double x = (pixel + 0.5 - camera.pixels / 2.0) * gsd, y = (camera.lines / 2.0 - line - 0.5) * gsd;
+    const double over = 1 / std::sqrt(x * x + y * y + kHeight_m * kHeight_m);
+    return {-x * over, -y * over, kHeight_m * over};
+  }
+};
+
+double eval(const scene::Shape& shape, const RcAngles& angles) {
+  return rc_shape_eval(shape.number, 1, shape.parameter[0], shape.parameter[1], angles);
+}
+
+}  // namespace
+
+TEST_CASE("S15 shapes: sunlight from a tilted plane is the closed form at each pixel's angles") {
+  const double zenith_deg = 50, azimuth_deg = 200, z = zenith_deg * kPi / 180, a = azimuth_deg * kPi / 180;
+  const RcLocal sun{std::sin(z) * std::sin(a), std::sin(z) * std::cos(a), std::cos(z)};
+  for (const scene::Shape& shape : front_shapes()) {
+    Tilted scene(shape, 6);
+    scene.simulation.sun.zenith_deg = zenith_deg, scene.simulation.sun.azimuth_deg = azimuth_deg;
+    atmos::UniformAir air;
+    air.solar_irradiance = [](double) { return kSunIrradiance; };
+    air.sun_zenith_deg = zenith_deg, air.sun_azimuth_deg = azimuth_deg;
+    scene.simulation.instruments[0].samples_u = scene.simulation.instruments[0].samples_v = 1;
+    const auto image =
+        test::render_image(scene.simulation, atmos::uniform_table(air, atmos::wavelength_grid(0.5, 0.6, 0.01)));
+    double worst = 0;
+    for (int line = 0; line < image.lines; ++line)
+      for (int pixel = 0; pixel < image.pixels; ++pixel) {
+        const RcAngles angles = rc_angles(scene.normal, sun, scene.viewer(line, pixel));
+        const double expected = kReflectance * eval(shape, angles) * kSunIrradiance * angles.cos_in;
+        worst = std::max(worst, std::abs(image.at(line, pixel, 0) / expected - 1));
+      }
+    MESSAGE(scene::shape_entry(shape.number).name << " " << shape.parameter[0] << ": worst difference " << worst);
+    CHECK(worst < 1e-5);
+  }
+}
+
+TEST_CASE("S16 shapes: an even sky over a tilted plane is the integral of the shape, in the mean of its directions") {
+  for (const scene::Shape& shape : front_shapes()) {
+    Tilted scene(shape, 32);
+    scene.simulation.sky_directions = 32, scene.simulation.sky_share = 1;
+    scene.simulation.instruments[0].samples_u = scene.simulation.instruments[0].samples_v = 2;
+    const auto image = test::render_image(scene.simulation, atmos::uniform_sky_table(0, kSkyRadiance, {0.3, 1.0, 4.0}));
+    double difference = 0, square = 0;
+    int count = 0;
+    for (int line = 0; line < image.lines; ++line)
+      for (int pixel = 0; pixel < image.pixels; ++pixel) {
+        const RcLocal viewer = scene.viewer(line, pixel);
+        double sum = 0;
+        constexpr int kRows = 60, kColumns = 120;
+        for (int i = 0; i < kRows; ++i)
+          for (int j = 0; j < kColumns; ++j) {
+            const double cosine = (i + 0.5) / kRows, sine = std::sqrt(1 - cosine * cosine);
+            const double turn = 2 * kPi * (j + 0.5) / kColumns;
+            const RcAngles angles =
+                rc_angles(scene.normal, {sine * std::cos(turn), sine * std::sin(turn), cosine}, viewer);
+            sum += eval(shape, angles) * std::max(0.0, angles.cos_in);
+          }
+        const double expected = kReflectance * kSkyRadiance * sum * 2 * kPi / (kRows * kColumns);
+        const double off = image.at(line, pixel, 0) / expected - 1;
+        difference += off, square += off * off, ++count;
+      }
+    difference /= count;
+    const double error = std::sqrt((square / count - difference * difference) / count);
+    MESSAGE(scene::shape_entry(shape.number).name << " " << shape.parameter[0] << ": mean difference " << difference
+                                                  << " +- " << error << ", of a pixel " << std::sqrt(square / count));
+    // The quadrature above is good to 1e-3; directions are few sets drawn anew for each pixel.
+    CHECK(std::abs(difference) < 4 * error + 1e-3);
+    CHECK(std::sqrt(square / count) < 0.1);
+  }
+}
