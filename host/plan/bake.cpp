@@ -5,6 +5,7 @@
 #include "host/base/error.h"
 #include "host/plan/curve.h"
 #include "host/plan/plan.h"
+#include "kernels/shared/tile_layout.h"
 
 namespace raycube::plan {
 
@@ -35,7 +36,7 @@ std::vector<std::vector<double>> environment_spectra(const Plan& plan, std::size
 }  // namespace
 
 std::vector<float> bake_row(const Plan& plan, const scene::CompiledScene& scene, std::uint64_t key) {
-  const std::size_t bands = plan.bands.size(), padded = (bands + 15) / 16 * 16;
+  const std::size_t bands = plan.bands.size(), padded = RC_PADDED(bands);
   const bool around = (key & kEnvironmentKey) != 0;
   const std::uint64_t curve = around ? 0 : key;
   const auto environment = around ? environment_spectra(plan, static_cast<std::size_t>(key ^ kEnvironmentKey))
