@@ -17,6 +17,7 @@
 #include "bench/timing.h"
 #include "bench/write_bandwidth.h"
 #include "host/base/error.h"
+#include "kernels/shared/tile_layout.h"
 
 namespace raycube::bench {
 namespace {
@@ -125,7 +126,7 @@ void run_render(const Settings& settings, Report& report) {
   const auto& stage_s = run.at("stage_s");
   const auto stage = [&](const char* name) { return stage_s.at(name).get<double>(); };
   pairs.ours_s.assign(2, stage("integrate"));
-  const double padded = static_cast<double>((spectir.bands.size() + 15) / 16 * 16);
+  const double padded = static_cast<double>(RC_PADDED(spectir.bands.size()));
   const double scale = padded * spectir.pixels * spectir.lines / static_cast<double>(roof_floats);
   const Spread ratio = pairs.ratio();
   report.add("park_integrate_vs_write_bandwidth",

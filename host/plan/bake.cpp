@@ -6,6 +6,7 @@
 #include "host/plan/curve.h"
 #include "host/plan/plan.h"
 #include "scene_compiler/matter.h"
+#include "kernels/shared/tile_layout.h"
 
 namespace raycube::plan {
 
@@ -51,7 +52,7 @@ std::vector<double> product_of_curves(const Plan& plan, const scene::CompiledSce
 }  // namespace
 
 std::vector<float> bake_row(const Plan& plan, const scene::CompiledScene& scene, std::uint64_t key) {
-  const std::size_t bands = plan.bands.size(), padded = (bands + 15) / 16 * 16;
+  const std::size_t bands = plan.bands.size(), padded = RC_PADDED(bands);
   const bool around = (key & kEnvironmentKey) != 0;
   const std::uint32_t curves = around ? 0 : rc_key_count(key);
   const auto environment = around ? environment_spectra(plan, static_cast<std::size_t>(key ^ kEnvironmentKey))

@@ -220,13 +220,11 @@ void Renderer::probe_hits(const scene::Instrument& instrument, std::uint64_t see
   }();
   const StageShape shape = make_stage_shape(instrument, dark, sensors::pixels_per_group(instrument));
   std::size_t pixels = 1, groups = 1;
-  const auto wide = static_cast<std::size_t>(shape.pixels_per_group);
-  const auto groups_of_line = [&](const Tile& tile) {
-    return (static_cast<std::size_t>(tile.columns) + wide - 1) / wide;
-  };
   for (const auto& tile : tiles) {
+    const TileLayout layout{static_cast<std::uint32_t>(tile.columns), static_cast<std::uint32_t>(tile.lines),
+                            static_cast<std::uint32_t>(shape.pixels_per_group)};
     pixels = std::max(pixels, tile.pixels());
-    groups = std::max(groups, static_cast<std::size_t>(tile.lines) * groups_of_line(tile));
+    groups = std::max(groups, layout.groups());
   }
   TraceStages stages(state_->context, state_->scene, state_->buffers, dark, shape, seed);
   TraceBuffers traced(state_->context, shape, pixels, groups);

@@ -31,7 +31,9 @@ StageShape shape_of(const scene::Instrument& instrument, const plan::Plan& plan)
   return make_stage_shape(instrument, plan, sensors::pixels_per_group(instrument));
 }
 
-std::size_t groups_across(int columns, int width) { return static_cast<std::size_t>((columns + width - 1) / width); }
+std::size_t groups_across(int columns, int width) {
+  return shared::rc_groups_per_line(static_cast<std::uint32_t>(columns), static_cast<std::uint32_t>(width));
+}
 
 void add(RenderStatistics& sum, const RenderStatistics& part) {
   for (const auto& [stage, seconds] : part.stage_s) sum.stage_s[stage] += seconds;

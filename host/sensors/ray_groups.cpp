@@ -8,6 +8,7 @@
 #include "host/base/error.h"
 #include "host/base/interrupt.h"
 #include "host/sensors/camera_frame.h"
+#include "kernels/shared/tile_layout.h"
 
 namespace raycube::sensors {
 namespace {
@@ -142,8 +143,8 @@ int pixels_per_group(const scene::Instrument& instrument) {
 }
 
 int groups_per_line(const scene::Instrument& instrument) {
-  const int width = pixels_per_group(instrument);
-  return (instrument.pixels + width - 1) / width;
+  return static_cast<int>(shared::rc_groups_per_line(static_cast<std::uint32_t>(instrument.pixels),
+                                                     static_cast<std::uint32_t>(pixels_per_group(instrument))));
 }
 
 std::uint32_t pixel_number(const scene::Instrument& instrument, int line, int sample) {
