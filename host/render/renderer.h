@@ -48,7 +48,7 @@ using ProgressSink = std::function<void(std::uint64_t done_pixels, std::uint64_t
 
 /// What a render did and took.
 struct RenderStatistics {
-  std::map<std::string, double> stage_s;  ///< wall seconds by stage, device stages by their events
+  std::map<std::string, double> stage_s;  ///< wall seconds by stage; launches are waited for
   std::uint64_t primary_rays = 0, sun_rays = 0, sky_rays = 0;
   std::uint64_t band_samples = 0;
   std::uint64_t overflow_pixels = 0;    ///< pixels that left the first row capacity
