@@ -1,7 +1,7 @@
 // Every scattering shape of kernels/materials/materials.def, whatever it is: reciprocity, energy, sampling against its
 // own density, and the device's arithmetic against the host's. Oracles: Helmholtz reciprocity, energy by quadrature,
 // chi-squared.
-#include <doctest.h>
+#include <doctest/doctest.h>
 
 #include <cmath>
 #include <random>
