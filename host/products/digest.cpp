@@ -21,8 +21,8 @@ void Digest::add_truth(const EnviWriter& truth) {
   const std::int64_t step =
       std::max<std::int64_t>(1, static_cast<std::int64_t>((4u << 20) / (line_values * sizeof(float))));
   std::vector<float> values;
-  for (std::int64_t line = 0; line < truth.lines_written(); line += step) {
-    const std::int64_t lines = std::min(step, truth.lines_written() - line);
+  for (std::int64_t line = 0; line < h.lines; line += step) {
+    const std::int64_t lines = std::min(step, h.lines - line);
     values.resize(static_cast<std::size_t>(lines) * line_values);
     truth.read_back(line, lines, values.data());
     hash_.add(values.data(), values.size() * sizeof(float));

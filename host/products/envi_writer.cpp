@@ -18,7 +18,7 @@ static_assert(std::endian::native == std::endian::little, "samples are written a
 using base::Error;
 using base::Fault;
 
-constexpr std::size_t kPiece_bytes = 8u << 20;  // rearranged at a time: fits the outer cache, keeps memory bounded
+constexpr std::size_t kPart_bytes = 8u << 20;  // rearranged at a time: fits the outer cache, keeps memory bounded
 constexpr std::size_t kBlock = 64;  // side of a transposed block: 64 x 64 floats are 16 KiB, half of an L1 cache
 
 /// to[b * pixels + p] = convert(from[p * stride + b]) in cache-sized blocks.
@@ -40,7 +40,8 @@ EnviWriter::EnviWriter(base::OutputSet& set, const std::string& name, EnviHeader
     : data_(set.add(name)),
       text_(set.add(std::filesystem::path(name).replace_extension(".hdr").string())),
       header_(std::move(header)),
-      integer_scale_(integer_scale) {
+      integer_scale_(integer_scale),
+      coverage_(data_.final_path(), header_.samples, header_.lines) {
   if (header_.samples < 1 || header_.lines < 1 || header_.bands < 1)
     throw Error(Fault::bug, name + ": image without extent");
   const auto bands = static_cast<std::size_t>(header_.bands);
@@ -65,16 +66,35 @@ EnviWriter::EnviWriter(base::OutputSet& set, const std::string& name, EnviHeader
   data_.reserve(header_.data_bytes());
 }
 
+/// values: of the piece alone, in the file's interleave. Runs that lie beside one another in the file go at once.
+template <class Sample>
+void EnviWriter::write_piece(const Piece& piece, const Sample* values) {
+  const auto samples = static_cast<std::uint64_t>(header_.samples),
+             all_lines = static_cast<std::uint64_t>(header_.lines), bands = static_cast<std::uint64_t>(header_.bands),
+             lines = static_cast<std::uint64_t>(piece.lines), first_line = static_cast<std::uint64_t>(piece.first_line),
+             first_sample = static_cast<std::uint64_t>(piece.first_sample),
+             wide = static_cast<std::uint64_t>(piece.samples);
+  const bool bip = header_.interleave == Interleave::bip, bsq = header_.interleave == Interleave::bsq;
+  // Rows of the piece: of all bands of a line (BIP), or of one band.
+  const std::uint64_t row_values = bip ? wide * bands : wide, rows = bip ? lines : lines * bands;
+  const std::uint64_t beside = wide == samples ? (bsq ? lines : rows) : 1;  // rows that follow one another in the file
+  for (std::uint64_t row = 0; row < rows; row += beside) {
+    const std::uint64_t in_file =
+        bsq ? row / lines * all_lines + first_line + row % lines : first_line * (bip ? 1 : bands) + row;
+    const std::uint64_t at = bip ? (in_file * samples + first_sample) * bands : in_file * samples + first_sample;
+    data_.write_at(at * sizeof(Sample), values + row * row_values, beside * row_values * sizeof(Sample));
+  }
+}
+
 template <class Sample, class Convert>
 void EnviWriter::write_as(const Strip& strip, Convert convert) {
-  const auto samples = static_cast<std::size_t>(header_.samples), bands = static_cast<std::size_t>(header_.bands);
-  const auto all_lines = static_cast<std::uint64_t>(header_.lines),
-             first = static_cast<std::uint64_t>(strip.first_line);
+  const Piece piece = strip.piece(header_.samples);
+  const auto samples = static_cast<std::size_t>(piece.samples), bands = static_cast<std::size_t>(header_.bands);
   const std::size_t stride = strip.pixel_stride ? strip.pixel_stride : bands;
   const std::size_t line_samples = samples * bands;
-  const std::size_t piece_lines = std::max<std::size_t>(1, kPiece_bytes / (line_samples * sizeof(Sample)));
-  for (std::size_t l0 = 0; l0 < static_cast<std::size_t>(strip.lines); l0 += piece_lines) {
-    const std::size_t lines = std::min(piece_lines, static_cast<std::size_t>(strip.lines) - l0),
+  const std::size_t part_lines = std::max<std::size_t>(1, kPart_bytes / (line_samples * sizeof(Sample)));
+  for (std::size_t l0 = 0; l0 < static_cast<std::size_t>(strip.lines); l0 += part_lines) {
+    const std::size_t lines = std::min(part_lines, static_cast<std::size_t>(strip.lines) - l0),
                       pixels = lines * samples;
     const float* const from = strip.values + l0 * samples * stride;
     buffer_.resize(lines * line_samples * sizeof(Sample));
@@ -83,27 +103,25 @@ void EnviWriter::write_as(const Strip& strip, Convert convert) {
       case Interleave::bip:
         for (std::size_t p = 0; p < pixels; ++p)
           for (std::size_t b = 0; b < bands; ++b) to[p * bands + b] = convert(from[p * stride + b]);
-        data_.write_at((first + l0) * line_samples * sizeof(Sample), to, buffer_.size());
         break;
       case Interleave::bil:
         for (std::size_t l = 0; l < lines; ++l)
           transpose(from + l * samples * stride, stride, samples, bands, to + l * line_samples, samples, convert);
-        data_.write_at((first + l0) * line_samples * sizeof(Sample), to, buffer_.size());
         break;
       case Interleave::bsq:
         transpose(from, stride, pixels, bands, to, pixels, convert);
-        for (std::size_t b = 0; b < bands; ++b)
-          data_.write_at((b * all_lines + first + l0) * samples * sizeof(Sample), to + b * pixels,
-                         pixels * sizeof(Sample));
         break;
     }
+    write_piece<Sample>({piece.first_line + static_cast<std::int64_t>(l0), static_cast<std::int64_t>(lines),
+                         piece.first_sample, piece.samples},
+                        to);
   }
 }
 
 /// Apart from the conversion, so that both loops stay free of branches.
 void EnviWriter::count_clipped(const Strip& strip, float scale) {
   const auto bands = static_cast<std::size_t>(header_.bands), stride = strip.pixel_stride ? strip.pixel_stride : bands;
-  const std::size_t pixels = static_cast<std::size_t>(strip.lines * header_.samples);
+  const std::size_t pixels = static_cast<std::size_t>(strip.lines * strip.piece(header_.samples).samples);
   for (std::size_t p = 0; p < pixels; ++p) {
     const float* const pixel = strip.values + p * stride;
     std::uint32_t low = 0, high = 0, nan = 0;
@@ -119,11 +137,9 @@ void EnviWriter::count_clipped(const Strip& strip, float scale) {
 
 void EnviWriter::write(const Strip& strip) {
   const auto bands = static_cast<std::size_t>(header_.bands);
-  if (strip.first_line != next_line_ || strip.lines < 0 || strip.first_line + strip.lines > header_.lines)
-    throw Error(Fault::bug, fmt::format("{}: lines {} to {} of {} came, line {} is next", data_.final_path(),
-                                        strip.first_line, strip.first_line + strip.lines, header_.lines, next_line_));
   if (strip.pixel_stride != 0 && strip.pixel_stride < bands)
     throw Error(Fault::bug, "pixel stride shorter than the bands");
+  coverage_.add(strip.piece(header_.samples));
   if (integer_scale_) {
     const float scale = static_cast<float>(*integer_scale_);
     count_clipped(strip, scale);
@@ -133,24 +149,19 @@ void EnviWriter::write(const Strip& strip) {
       return static_cast<std::uint16_t>(static_cast<std::int32_t>(held + 0.5f));
     });
   } else if (header_.interleave == Interleave::bip && (strip.pixel_stride == 0 || strip.pixel_stride == bands)) {
-    const std::uint64_t line_bytes = static_cast<std::uint64_t>(header_.samples) * bands * sizeof(float);
-    data_.write_at(static_cast<std::uint64_t>(strip.first_line) * line_bytes, strip.values,
-                   static_cast<std::size_t>(strip.lines) * line_bytes);
+    write_piece(strip.piece(header_.samples), strip.values);
   } else {
     write_as<float>(strip, [](float value) { return value; });
   }
-  next_line_ += strip.lines;
 }
 
 void EnviWriter::finish() {
-  if (next_line_ != header_.lines)
-    throw Error(Fault::bug,
-                fmt::format("{}: {} of {} lines were written", data_.final_path(), next_line_, header_.lines));
+  coverage_.require_whole();
   text_.append(envi_header_text(header_));
 }
 
 void EnviWriter::read_back(std::int64_t first_line, std::int64_t lines, float* values) const {
-  if (integer_scale_ || first_line < 0 || first_line + lines > next_line_)
+  if (integer_scale_ || !coverage_.has(first_line, lines))
     throw Error(Fault::bug, data_.final_path() + ": these lines cannot be read back");
   const auto samples = static_cast<std::size_t>(header_.samples), bands = static_cast<std::size_t>(header_.bands);
   std::vector<float> row(samples);

@@ -1,4 +1,4 @@
-// Writes an ENVI raster strip by strip in line order, in any interleave, as float32 or scaled uint16.
+// Writes an ENVI raster piece by piece in any order, in any interleave, as float32 or scaled uint16.
 #pragma once
 
 #include <cstdint>
@@ -7,16 +7,24 @@
 #include <vector>
 
 #include "host/base/output_file.h"
+#include "host/products/coverage.h"
 #include "host/products/envi_header.h"
 
 namespace raycube::products {
 
-/// A run of whole lines, values in (line, sample, band) order as the kernels leave them.
+/// Lines of an image, whole or a part of each, values in (line, sample, band) order as the kernels leave them.
 struct Strip {
   std::int64_t first_line = 0;
   std::int64_t lines = 0;
   const float* values = nullptr;
   std::size_t pixel_stride = 0;  ///< floats from one pixel to the next, at least bands; 0: bands
+  std::int64_t first_sample = 0;
+  std::int64_t samples = 0;  ///< of a line; 0: all
+
+  /// In an image whose lines have so many samples.
+  Piece piece(std::int64_t all_samples) const {
+    return {first_line, lines, first_sample, samples > 0 ? samples : all_samples};
+  }
 };
 
 /// Samples that a uint16 product could not hold.
@@ -34,14 +42,16 @@ class EnviWriter {
   EnviWriter(base::OutputSet& set, const std::string& name, EnviHeader header,
              std::optional<double> integer_scale = {});
 
-  /// Next lines. Throws Error(bug) when a strip does not begin where the last one ended.
+  /// A strip, to its place in the file, whatever has come before. Throws Error(bug) when it leaves the image or comes
+  /// twice.
   void write(const Strip& strip);
-  /// After the last line: writes the header. Throws Error(bug) when lines are missing.
+  /// Throws Error(bug) when something is missing.
+  void require_whole() const { coverage_.require_whole(); }
+  /// Writes the header, once the image is whole. Throws Error(bug) when something is missing.
   void finish();
 
   const EnviHeader& header() const { return header_; }
   EnviHeader& header() { return header_; }  ///< to complete before finish()
-  std::int64_t lines_written() const { return next_line_; }
   const ClippedSamples& clipped() const { return clipped_; }
   /// Lines written before, in (line, sample, band) order, float32 files only.
   void read_back(std::int64_t first_line, std::int64_t lines, float* values) const;
@@ -49,13 +59,15 @@ class EnviWriter {
  private:
   template <class Sample, class Convert>
   void write_as(const Strip& strip, Convert convert);
+  template <class Sample>
+  void write_piece(const Piece& piece, const Sample* values);
   void count_clipped(const Strip& strip, float scale);
 
   base::OutputFile& data_;
   base::OutputFile& text_;
   EnviHeader header_;
   std::optional<double> integer_scale_;
-  std::int64_t next_line_ = 0;
+  Coverage coverage_;
   ClippedSamples clipped_;
   std::vector<unsigned char> buffer_;
 };

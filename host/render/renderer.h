@@ -35,13 +35,14 @@ struct RenderOptions {
   std::optional<DeviceTuning> tuning = {};  ///< forces sizes of launches (tests)
 };
 
-/// Lines of the finished image, in order.
+/// Lines of the finished image, whole or a part of each.
 struct Strip {
   int first_line = 0, lines = 0;
   const float* radiance = nullptr;  ///< [line][sample][band], W m-2 sr-1 um-1
   const float* truth = nullptr;     ///< [line][sample][layer], see truth_layer_names(scene, instrument)
   const float* band_error =
       nullptr;  ///< [line][sample][band], standard error of the radiance; null unless the instrument asks for bands
+  int first_sample = 0, samples = 0;  ///< of each line; 0: all
 };
 using StripSink = std::function<void(const Strip&)>;
 using ProgressSink = std::function<void(std::uint64_t done_pixels, std::uint64_t all_pixels)>;

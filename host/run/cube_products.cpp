@@ -18,6 +18,7 @@
 #include "host/products/digest.h"
 #include "host/products/envi_writer.h"
 #include "host/products/exr_writer.h"
+#include "host/products/in_order.h"
 #include "host/products/map_grid.h"
 #include "host/products/quicklook.h"
 #include "host/render/truth.h"
@@ -26,6 +27,8 @@
 namespace raycube::run {
 
 namespace {
+
+constexpr std::size_t kReadBack_bytes = 4u << 20;  ///< of lines that did not come in order, at a time
 
 /// Width of a tabulated response between its half-maximum crossings, um.
 double half_width_um(const scene::Band& band) {
@@ -127,7 +130,9 @@ struct CubeProducts::State {
         set(folder, if_exists),
         guard(*job_.instrument, plan::radiance_limit(job_.plan, simulation_.scene, job_.table)),
         layers(render::truth_layer_names(simulation_.scene, *job_.instrument)),
-        shown(shown_bands()) {
+        shown(shown_bands()),
+        missed(simulation_, *job_.instrument),
+        order(job_.instrument->pixels, job_.instrument->lines) {
     set.hash_blocks();
     const auto& origin = simulation.scene.origin;
     const std::string where = fmt::format("scene origin: EPSG:{} easting {:.3f} m, northing {:.3f} m, height {:.3f} m",
@@ -150,6 +155,8 @@ struct CubeProducts::State {
       location_header.description = "where each pixel looks: mean hit point in EPSG:" + std::to_string(origin.epsg);
       location_header.band_names = {"easting [m]", "northing [m]", "height [m]"};
       location = &set.add("location.img");
+      location->reserve(static_cast<std::uint64_t>(instrument.pixels) * static_cast<std::uint64_t>(instrument.lines) *
+                        3 * sizeof(double));
       location_text = &set.add("location.hdr");
     }
     if (instrument.write_band_transmission) {
@@ -182,8 +189,17 @@ struct CubeProducts::State {
     return products::default_quicklook_bands(centers);
   }
 
+  products::Piece piece_of(const render::Strip& strip) const {
+    return {strip.first_line, strip.lines, strip.first_sample, strip.samples > 0 ? strip.samples : instrument.pixels};
+  }
+
+  products::Strip strip_of(const render::Strip& strip, const float* values, std::size_t stride) const {
+    return {strip.first_line, strip.lines, values, stride, strip.first_sample, strip.samples};
+  }
+
   void add_location(const render::Strip& strip) {
-    const std::size_t pixels = static_cast<std::size_t>(strip.lines) * instrument.pixels;
+    const products::Piece piece = piece_of(strip);
+    const std::size_t pixels = static_cast<std::size_t>(piece.lines * piece.samples);
     const std::size_t x = layer_index(layers, "x_m");
     const auto& origin = simulation.scene.origin;
     std::vector<double> values;
@@ -191,7 +207,12 @@ struct CubeProducts::State {
       const float* at = strip.truth + p * layers.size() + x;
       values.insert(values.end(), {at[0] + origin.easting_m, at[1] + origin.northing_m, at[2] + origin.height_m});
     }
-    location->append(values.data(), values.size() * sizeof(double));
+    const std::size_t row = static_cast<std::size_t>(piece.samples) * 3;
+    for (std::int64_t l = 0; l < piece.lines; ++l) {
+      const std::int64_t first = (piece.first_line + l) * instrument.pixels + piece.first_sample;
+      location->write_at(static_cast<std::uint64_t>(first) * 3 * sizeof(double),
+                         values.data() + static_cast<std::size_t>(l) * row, row * sizeof(double));
+    }
   }
 
   /// `map info` in every header when the pixels lie on a map grid; else location.img alone says where they look.
@@ -212,8 +233,8 @@ struct CubeProducts::State {
 
   /// Nodes weighted by the pixel's mean height and view zenith; not a number where nothing was hit.
   void add_transmission(const render::Strip& strip) {
-    const std::size_t pixels = static_cast<std::size_t>(strip.lines) * instrument.pixels,
-                      bands = instrument.bands.size();
+    const products::Piece piece = piece_of(strip);
+    const std::size_t pixels = static_cast<std::size_t>(piece.lines * piece.samples), bands = instrument.bands.size();
     const std::size_t z = layer_index(layers, "z_m"), zenith = layer_index(layers, "view_zenith_deg");
     std::vector<float> values(pixels * bands);
     for (std::size_t p = 0; p < pixels; ++p) {
@@ -233,7 +254,45 @@ struct CubeProducts::State {
         values[p * bands + b] = std::isnan(at[z]) ? at[z] : static_cast<float>(sum);
       }
     }
-    transmission->write({strip.first_line, strip.lines, values.data(), bands});
+    transmission->write(strip_of(strip, values.data(), bands));
+  }
+
+  /// Of files that keep integers the radiance that did not come in order waits beside them, in a file that never gets a
+  /// name.
+  void keep_radiance(const render::Strip& strip) {
+    if (!instrument.integer_scale) return;
+    if (!floats) floats.emplace(set.folder() + "/radiance.float32");
+    const products::Piece piece = piece_of(strip);
+    const std::size_t row = static_cast<std::size_t>(piece.samples) * instrument.bands.size();
+    for (std::int64_t l = 0; l < piece.lines; ++l)
+      floats->write_at(float_offset(piece.first_line + l, piece.first_sample),
+                       strip.radiance + static_cast<std::size_t>(l) * row, row * sizeof(float));
+  }
+
+  std::uint64_t float_offset(std::int64_t line, std::int64_t sample) const {
+    return static_cast<std::uint64_t>(line * instrument.pixels + sample) * instrument.bands.size() * sizeof(float);
+  }
+
+  void read_radiance(std::int64_t first_line, std::int64_t lines, std::vector<float>& values) const {
+    if (floats)
+      floats->read_at(float_offset(first_line, 0), values.data(), values.size() * sizeof(float));
+    else
+      radiance->read_back(first_line, lines, values.data());
+  }
+
+  /// Whole lines, the next ones of the image: what must see them in order.
+  void in_order(const render::Strip& strip) {
+    const std::size_t bands = instrument.bands.size();
+    const products::Strip cube{strip.first_line, strip.lines, strip.radiance, bands};
+    const products::Strip truth_lines{strip.first_line, strip.lines, strip.truth, layers.size()};
+    guard.add(strip.first_line, strip.lines, strip.radiance);
+    missed.add(strip);
+    digest.add_radiance(cube, instrument.pixels, static_cast<std::int64_t>(bands));
+    if (quicklook) quicklook->add(cube);
+    if (!exr) return;
+    std::vector<std::size_t> all(layers.size());
+    for (std::size_t i = 0; i < all.size(); ++i) all[i] = i;
+    exr->write({{cube, {shown.begin(), shown.end()}}, {truth_lines, all}});
   }
 
   const scene::Simulation& simulation;
@@ -251,6 +310,9 @@ struct CubeProducts::State {
   std::vector<std::vector<double>> node_transmission;
   std::optional<products::Quicklook> quicklook;
   std::optional<products::ExrWriter> exr;
+  MissedSamples missed;
+  products::InOrder order;
+  std::optional<base::OutputFile> floats;  ///< never published
 };
 
 CubeProducts::CubeProducts(const std::string& folder, base::IfExists if_exists, const scene::Simulation& simulation,
@@ -260,23 +322,36 @@ CubeProducts::~CubeProducts() = default;
 
 void CubeProducts::add(const render::Strip& strip) {
   State& s = *state_;
-  const std::size_t bands = s.instrument.bands.size(), layers = s.layers.size();
-  const products::Strip cube{strip.first_line, strip.lines, strip.radiance, bands};
-  const products::Strip truth{strip.first_line, strip.lines, strip.truth, layers};
-  s.guard.add(strip.first_line, strip.lines, strip.radiance);
-  s.digest.add_radiance(cube, s.instrument.pixels, static_cast<std::int64_t>(bands));
-  s.radiance->write(cube);
-  s.truth->write(truth);
+  s.radiance->write(s.strip_of(strip, strip.radiance, s.instrument.bands.size()));
+  s.truth->write(s.strip_of(strip, strip.truth, s.layers.size()));
   if (s.location) s.add_location(strip);
   if (s.transmission) s.add_transmission(strip);
-  if (s.standard_error) s.standard_error->write({strip.first_line, strip.lines, strip.band_error, bands});
-  if (s.quicklook) s.quicklook->add(cube);
-  if (s.exr) {
-    std::vector<std::size_t> all(layers);
-    for (std::size_t i = 0; i < layers; ++i) all[i] = i;
-    s.exr->write({{cube, {s.shown.begin(), s.shown.end()}}, {truth, all}});
-  }
+  if (s.standard_error) s.standard_error->write(s.strip_of(strip, strip.band_error, s.instrument.bands.size()));
+  if (s.order.takes(s.piece_of(strip)))
+    s.in_order(strip);
+  else
+    s.keep_radiance(strip);
 }
+
+void CubeProducts::complete() {
+  State& s = *state_;
+  s.radiance->require_whole();
+  const std::size_t bands = s.instrument.bands.size(), layers = s.layers.size(),
+                    line_pixels = static_cast<std::size_t>(s.instrument.pixels);
+  const std::int64_t lines_each = std::max<std::int64_t>(
+      1, static_cast<std::int64_t>(kReadBack_bytes / (line_pixels * (bands + layers) * sizeof(float))));
+  std::vector<float> radiance, truth;
+  s.order.rest(lines_each, [&](std::int64_t first_line, std::int64_t lines) {
+    radiance.resize(static_cast<std::size_t>(lines) * line_pixels * bands);
+    truth.resize(static_cast<std::size_t>(lines) * line_pixels * layers);
+    s.read_radiance(first_line, lines, radiance);
+    s.truth->read_back(first_line, lines, truth.data());
+    s.in_order({static_cast<int>(first_line), static_cast<int>(lines), radiance.data(), truth.data()});
+  });
+  s.floats.reset();
+}
+
+const MissedSamples& CubeProducts::missed() const { return state_->missed; }
 
 std::optional<std::string> CubeProducts::warning() const { return state_->guard.warning(); }
 

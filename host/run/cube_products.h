@@ -1,4 +1,4 @@
-// Everything a render leaves in an instrument's folder, written strip by strip.
+// Everything a render leaves in an instrument's folder, written strip by strip, in any order.
 #pragma once
 
 #include <memory>
@@ -7,6 +7,7 @@
 
 #include "host/base/output_file.h"
 #include "host/run/camera_job.h"
+#include "host/run/missed_samples.h"
 #include "host/products/run_record.h"
 
 namespace raycube::run {
@@ -22,10 +23,16 @@ class CubeProducts {
                const CameraJob& job);
   ~CubeProducts();
 
-  /// Throws Error(bug) when a radiance is no number (RadianceGuard).
+  /// To its place in every file, whatever has come before. Throws Error(bug) when it leaves the image or comes twice,
+  /// and, at once or in complete(), when a radiance is no number (RadianceGuard).
   void add(const render::Strip& strip);
-  /// Of what was added: pixels brighter than can be.
+  /// After the last strip: lets those who need the lines in order (digest, pictures) see what came otherwise, read back
+  /// from the files. Throws Error(bug) when something is missing.
+  void complete();
+  /// Of a complete image: pixels brighter than can be.
   std::optional<std::string> warning() const;
+  /// Of a complete image: samples that met nothing.
+  const MissedSamples& missed() const;
   /// Finishes every file, fills the record's digest, files and figures of the output, writes run.json and names them
   /// all.
   void publish(products::RunRecord& record);

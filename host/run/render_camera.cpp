@@ -13,7 +13,6 @@
 #include "host/planner/own_error.h"
 #include "host/run/cube_products.h"
 #include "host/run/load_job.h"
-#include "host/run/missed_samples.h"
 
 namespace raycube::run {
 
@@ -129,17 +128,13 @@ void add_warning(const std::string& text, products::RunRecord& record, Services&
 }
 
 /// The image into its products, strip by strip.
-render::RenderStatistics render_into(CubeProducts& output, MissedSamples& missed, const scene::Simulation& simulation,
-                                     const CameraJob& job, render::Renderer& renderer, const Services& services) {
+render::RenderStatistics render_into(CubeProducts& output, const scene::Simulation& simulation, const CameraJob& job,
+                                     render::Renderer& renderer, const Services& services) {
   const auto& instrument = *job.instrument;
   const Step step(services, "render " + instrument.name, std::uint64_t(instrument.pixels) * instrument.lines, "pixels");
   std::uint64_t reported = 0;
   return renderer.render(
-      instrument, job.plan, simulation.sun, simulation.seed,
-      [&](const render::Strip& strip) {
-        output.add(strip);
-        missed.add(strip);
-      },
+      instrument, job.plan, simulation.sun, simulation.seed, [&](const render::Strip& strip) { output.add(strip); },
       [&](std::uint64_t done, std::uint64_t) {
         step.advance(done - reported);
         reported = done;
@@ -155,8 +150,8 @@ CameraRun render_camera(const scene::Simulation& simulation, const CameraJob& jo
   // Refuses a memory that is too small before anything is made.
   renderer.tile_size(instrument, job.plan, renderer.tuning().tile_samples);
   CubeProducts output(destination.folder, destination.if_exists, simulation, job);
-  MissedSamples missed(simulation, instrument);
-  const auto statistics = render_into(output, missed, simulation, job, renderer, services);
+  const auto statistics = render_into(output, simulation, job, renderer, services);
+  output.complete();
   const double render_s = seconds_since(start);
 
   products::RunRecord record =
@@ -166,8 +161,8 @@ CameraRun render_camera(const scene::Simulation& simulation, const CameraJob& jo
   add_small_objects(job, statistics, record, services);
   for (const auto* more : {&job.plan.notices, &job.decision.notes})
     record.warnings.insert(record.warnings.end(), more->begin(), more->end());
-  record.more_json.emplace_back("missed_samples", missed.json());
-  if (missed.any()) add_warning(missed.text(), record, services);
+  record.more_json.emplace_back("missed_samples", output.missed().json());
+  if (output.missed().any()) add_warning(output.missed().text(), record, services);
   add_error(renderer, simulation, job, record, services);
   output.publish(record);
   services.log.info(fmt::format("{}: {} x {} pixels, {} bands, {:.1f} s, {:.3g} rays/s, {}", instrument.name,

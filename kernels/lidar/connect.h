@@ -95,6 +95,77 @@ static inline uint rc_way_open(SceneArrays scene, const LidarTables* t, float4 f
   for (uint line = 0; line < RC_LASER_LINES; ++line) share[line] = 0.0f;
   return rays;
 }
+/* Which of the lanes see the end, plates on the way: visible[line]. v: from the end to the vertices; facing: cosines there.
+ * Returns how many rays were sent. */
+static inline uint rc_ways_open(SceneArrays scene, const LidarTables* t, const Vertex16* vertex, Vector16 v,
+                                float16 facing, uint lanes, float (*visible)[16]) {
+  RC_LINE float place[3][16], front[3][16], back[3][16], side[16];
+  uint rays = 0;
+  rc_store_vector16(v, place);
+  rc_store_vector16(vertex->front, front);
+  rc_store_vector16(vertex->back, back);
+  rc_store16(facing, 0, side);
+  for (uint k = 0; k < 16u; ++k) {
+    float share[RC_LASER_LINES];
+    for (uint line = 0; line < RC_LASER_LINES; ++line) share[line] = 0.0f;
+    if (lanes >> k & 1u) {
+      const float4 from = side[k] > 0.0f ? rc_lane4(front, k) : rc_lane4(back, k);
+      bool any = side[k] > 0.0f;
+#if RC_LEAVES
+      for (uint line = 0; line < RC_LASER_LINES; ++line)
+        any |= t->optics[vertex->surface[k] * RC_LASER_LINES + line].y > 0.0f;
+#endif
+      if (any) rays += rc_way_open(scene, t, from, -rc_lane4(place, k), share);
+    }
+    for (uint line = 0; line < RC_LASER_LINES; ++line) visible[line][k] = share[line];
+  }
+  return rays;
+}
+#endif
+
+#if RC_MEDIA
+/* Depths of the whole ways, so far and home to the end; where no ray is sent, home is the way that the light came by. */
+static inline void rc_depths_home(const LidarTables* t, const Paths16* paths, Vector16 v, float16 range,
+                                  float16 inverse, uint lanes, bool shadow, float16* depth) {
+  for (uint node = 0; node < RC_LINE_NODES; ++node) depth[node] = paths->depth[node] * (shadow ? 1.0f : 2.0f);
+  if (!shadow) return;
+  const float4 reference = t->shot[RC_SHOT_REFERENCE];
+#if RC_AIR
+  const float4 from_end = t->shot[RC_SHADOWS ? RC_SHOT_FROM_END : RC_SHOT_FROM_START];
+  rc_air_depths(t, (float16)(reference.z - from_end.z), reference.z + paths->place.z, range, depth);
+#endif
+#if RC_VOLUMES
+  const Vector16 outwards = {v.x * inverse, v.y * inverse, v.z * inverse};
+  rc_volume_depths(t, rc_plus16(rc_vector16(reference), paths->place), outwards, range, lanes, depth);
+#endif
+}
+#endif
+
+#if RC_GLOSS || RC_SHAPED
+/* 1/sr: what is reflected per unit of reflectance, and the gloss beside it. */
+typedef struct Lobes16 {
+  float front[16], gloss[16];
+} RC_LINE Lobes16;
+
+/* Of light that arrived along `way` and leaves along `home`, in `lanes`. */
+static inline void rc_lobes16(const LidarTables* t, const Vertex16* vertex, Vector16 way, Vector16 home, uint lanes,
+                              Lobes16* lobes) {
+  RC_LINE float normal[3][16], in[3][16], out[3][16];
+  rc_store_vector16(vertex->normal, normal);
+  rc_store_vector16(way, in);
+  rc_store_vector16(home, out);
+  for (uint k = 0; k < 16u; ++k) {
+    lobes->front[k] = lobes->gloss[k] = 0.0f;
+    if (!(lanes >> k & 1u)) continue;
+    const RcAngles angles = rc_angles(rc_lane4(normal, k), -rc_lane4(in, k), rc_lane4(out, k));
+#if RC_GLOSS
+    lobes->gloss[k] = rc_gloss(t, vertex->surface[k], angles);
+#endif
+#if RC_SHAPED
+    lobes->front[k] = rc_front(t, vertex->surface[k], angles);
+#endif
+  }
+}
 #endif
 
 /* Deposits what the live vertices send. rows: of the owner, [pixel][line]. shadow: the ways are traced. */
@@ -146,81 +217,18 @@ static inline void rc_connect(SceneArrays scene, const LidarTables* t, const Pat
 
 #if RC_CONTINUES || RC_SHADOWS
   RC_LINE float visible[RC_LASER_LINES][16];
-  if (shadow) {
-    RC_LINE float place[3][16], front[3][16], back[3][16], side[16];
-    rc_store16(v.x, 0, place[0]);
-    rc_store16(v.y, 0, place[1]);
-    rc_store16(v.z, 0, place[2]);
-    rc_store16(vertex->front.x, 0, front[0]);
-    rc_store16(vertex->front.y, 0, front[1]);
-    rc_store16(vertex->front.z, 0, front[2]);
-    rc_store16(vertex->back.x, 0, back[0]);
-    rc_store16(vertex->back.y, 0, back[1]);
-    rc_store16(vertex->back.z, 0, back[2]);
-    rc_store16(facing, 0, side);
-    for (uint k = 0; k < 16u; ++k) {
-      float share[RC_LASER_LINES];
-      for (uint line = 0; line < RC_LASER_LINES; ++line) share[line] = 0.0f;
-      if (lanes >> k & 1u) {
-        const float4 from = side[k] > 0.0f ? (float4)(front[0][k], front[1][k], front[2][k], 0.0f)
-                                           : (float4)(back[0][k], back[1][k], back[2][k], 0.0f);
-        bool any = side[k] > 0.0f;
-#if RC_LEAVES
-        for (uint line = 0; line < RC_LASER_LINES; ++line)
-          any |= t->optics[vertex->surface[k] * RC_LASER_LINES + line].y > 0.0f;
-#endif
-        if (any)
-          sums->rays += rc_way_open(scene, t, from, (float4)(-place[0][k], -place[1][k], -place[2][k], 0.0f), share);
-      }
-      for (uint line = 0; line < RC_LASER_LINES; ++line) visible[line][k] = share[line];
-    }
-  }
+  if (shadow) sums->rays += rc_ways_open(scene, t, vertex, v, facing, lanes, visible);
 #endif
 
 #if RC_MEDIA
   float16 depth[RC_LINE_NODES];
-  for (uint node = 0; node < RC_LINE_NODES; ++node)
-    depth[node] = paths->depth[node] * (shadow ? 1.0f : 2.0f); /* a retraced way is met twice */
-  if (shadow) {
-    const float4 reference = shot[RC_SHOT_REFERENCE];
-#if RC_AIR
-    rc_air_depths(t, (float16)(reference.z - from_end.z), reference.z + paths->place.z, range, depth);
-#endif
-#if RC_VOLUMES
-    const Vector16 outwards = {v.x * inverse, v.y * inverse, v.z * inverse};
-    rc_volume_depths(t, rc_plus16(rc_vector16(reference), paths->place), outwards, range, lanes, depth);
-#endif
-  }
+  rc_depths_home(t, paths, v, range, inverse, lanes, shadow, depth);
 #endif
 
 #if RC_GLOSS || RC_SHAPED
-  RC_LINE float shine[16], front_lobe[16];
-  {
-    RC_LINE float lane[9][16];
-    const Vector16 way = paths->way, normal = vertex->normal;
-    rc_store16(normal.x, 0, lane[0]);
-    rc_store16(normal.y, 0, lane[1]);
-    rc_store16(normal.z, 0, lane[2]);
-    rc_store16(-way.x, 0, lane[3]);
-    rc_store16(-way.y, 0, lane[4]);
-    rc_store16(-way.z, 0, lane[5]);
-    rc_store16(-v.x * inverse, 0, lane[6]);
-    rc_store16(-v.y * inverse, 0, lane[7]);
-    rc_store16(-v.z * inverse, 0, lane[8]);
-    for (uint k = 0; k < 16u; ++k) {
-      shine[k] = front_lobe[k] = 0.0f;
-      if (!(lanes >> k & 1u)) continue;
-      const RcAngles angles = rc_angles((float4)(lane[0][k], lane[1][k], lane[2][k], 0.0f),
-                                        (float4)(lane[3][k], lane[4][k], lane[5][k], 0.0f),
-                                        (float4)(lane[6][k], lane[7][k], lane[8][k], 0.0f));
-#if RC_GLOSS
-      shine[k] = rc_gloss(t, vertex->surface[k], angles);
-#endif
-#if RC_SHAPED
-      front_lobe[k] = rc_front(t, vertex->surface[k], angles);
-#endif
-    }
-  }
+  const Vector16 home = {-v.x * inverse, -v.y * inverse, -v.z * inverse};
+  Lobes16 lobes;
+  rc_lobes16(t, vertex, paths->way, home, lanes, &lobes);
 #endif
 
   const float16 position =
@@ -239,12 +247,12 @@ static inline void rc_connect(SceneArrays scene, const LidarTables* t, const Pat
 
   for (uint line = 0; line < RC_LASER_LINES; ++line) {
 #if RC_SHAPED
-    float16 scatter = rc_matter16(t, vertex, line, 0) * rc_load16(0, front_lobe);
+    float16 scatter = rc_matter16(t, vertex, line, 0) * rc_load16(0, lobes.front);
 #else
     float16 scatter = rc_matter16(t, vertex, line, 0) * RC_INVERSE_PI;
 #endif
 #if RC_GLOSS
-    scatter += rc_load16(0, shine);
+    scatter += rc_load16(0, lobes.gloss);
 #endif
     scatter *= fmax(facing, 0.0f);
 #if RC_LEAVES

@@ -4,17 +4,20 @@
  *   RC_LASER_LINES   lines;  RC_LINE_NODES: spectral nodes of all of them
  *   RC_COLUMNS, RC_ROWS   pixels of the array (transmitter: 1 x 1 has the circular stop)
  *   RC_TAPS_PADDED   taps of the pulse rounded up to 16 (gate and pulse else are arguments: another gate needs no other
- *   program) RC_RAY_COUNT     rays of an owner;  RC_CHUNK_SAMPLES: of one bundle (trace_args.h)
+ *                    program)
+ *   RC_RAY_COUNT     rays of an owner;  RC_CHUNK_SAMPLES: of one bundle (trace_args.h)
  *   RC_BOUNCES       scatterings a path may have
  *   RC_AIR           1: there is air;  RC_AIR_RETURN 1: it sends light back;  RC_VOLUMES: number of gas and particle
- *   volumes RC_SINGLE        1: single rays (narrow beams, exits of their own), 0: bundles
+ *                    volumes
+ *   RC_SINGLE        1: single rays (narrow beams, exits of their own), 0: bundles
  *   RC_EXITS         1: every sub-ray leaves from a place of its own
  *   RC_SHADOWS       1: some shot's ends differ: connections of the first vertex are traced
- *   RC_PLATES, RC_LEAVES, RC_GLOSS   some material has such a thing;  RC_SHAPED 1: some does not reflect by Lambert's
- *   law RC_OVERLAP       1: vignetting;  RC_GAUSSIAN: profile of the beam (receiver)
+ *   RC_PLATES, RC_LEAVES, RC_GLOSS   some material has such a thing
+ *   RC_SHAPED        1: some material does not reflect by Lambert's law
+ *   RC_OVERLAP       1: vignetting;  RC_GAUSSIAN: profile of the beam (receiver)
  *   RC_ROW_WINDOW    floats of private memory that hold an owner's rows until they are whole (one bounce); 0: rows are
- *   added up where they lie RC_STOPPED       1: shares of rays stopped, for lidar_air;  RC_HITS 1: first hits are
- *   written */
+ *                    added up where they lie
+ *   RC_STOPPED       1: shares of rays stopped, for lidar_air;  RC_HITS 1: first hits are written */
 #ifndef RAYCUBE_KERNELS_LIDAR_CONTEXT_H
 #define RAYCUBE_KERNELS_LIDAR_CONTEXT_H
 

@@ -5,17 +5,6 @@
 
 #include "kernels/lidar/connect.h"
 
-static inline void rc_store_vector16(Vector16 v, float to[3][16]) {
-  rc_store16(v.x, 0, to[0]);
-  rc_store16(v.y, 0, to[1]);
-  rc_store16(v.z, 0, to[2]);
-}
-static inline Vector16 rc_load_vector16(float from[3][16]) {
-  const Vector16 v = {rc_load16(0, from[0]), rc_load16(0, from[1]), rc_load16(0, from[2])};
-  return v;
-}
-static inline float4 rc_lane4(float from[3][16], uint k) { return (float4)(from[0][k], from[1][k], from[2][k], 0.0f); }
-
 static inline long16 rc_share16(long16 energy, float16 share) {
   return convert_long16(convert_float16(energy) * share);
 }
