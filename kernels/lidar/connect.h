@@ -95,8 +95,8 @@ static inline uint rc_way_open(SceneArrays scene, const LidarTables* t, float4 f
   for (uint line = 0; line < RC_LASER_LINES; ++line) share[line] = 0.0f;
   return rays;
 }
-/* Which of the lanes see the end, plates on the way: visible[line]. v: from the end to the vertices; facing: cosines there.
- * Returns how many rays were sent. */
+/* Which of the lanes see the end, plates on the way: visible[line]. v: from the end to the vertices; facing: cosines
+ * there. Returns how many rays were sent. */
 static inline uint rc_ways_open(SceneArrays scene, const LidarTables* t, const Vertex16* vertex, Vector16 v,
                                 float16 facing, uint lanes, float (*visible)[16]) {
   RC_LINE float place[3][16], front[3][16], back[3][16], side[16];
@@ -124,7 +124,8 @@ static inline uint rc_ways_open(SceneArrays scene, const LidarTables* t, const V
 #endif
 
 #if RC_MEDIA
-/* Depths of the whole ways, so far and home to the end; where no ray is sent, home is the way that the light came by. */
+/* Depths of the whole ways, so far and home to the end; where no ray is sent, home is the way that the light came by.
+ * */
 static inline void rc_depths_home(const LidarTables* t, const Paths16* paths, Vector16 v, float16 range,
                                   float16 inverse, uint lanes, bool shadow, float16* depth) {
   for (uint node = 0; node < RC_LINE_NODES; ++node) depth[node] = paths->depth[node] * (shadow ? 1.0f : 2.0f);

@@ -209,8 +209,7 @@ TEST_CASE("shapes: what kernels compute is what the reference computes") {
       eval.push_back(rc_shape_eval(c.entry->number, 1, p0, p1, angles));
       pdf.push_back(rc_shape_pdf(c.entry->number, p0, p1, angles));
     }
-  for (const auto& device : test::devices()) {
-    const cl::Context context(device);
+  test::on_every_device([&](const cl::Context& context) {
     const cl::Program program(context, "shapes", std::string(kernels::kernel_source("lidar_shots")) + kProbe,
                               " -cl-std=CL1.2 -DRC_SHAPED=1");
     cl::Kernel kernel(program, "probe_shapes");
@@ -229,7 +228,7 @@ TEST_CASE("shapes: what kernels compute is what the reference computes") {
       CHECK(static_cast<double>(found[k].x) == doctest::Approx(eval[k]).epsilon(2e-4).scale(1e-6));
       CHECK(static_cast<double>(found[k].y) == doctest::Approx(pdf[k]).epsilon(2e-4).scale(1e-6));
     }
-  }
+  });
 }
 
 }  // namespace

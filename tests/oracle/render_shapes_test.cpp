@@ -1,5 +1,6 @@
-// Cameras and scattering shapes: a tilted plane of every shape that spreads reflectance (kernels/materials), under the sun
-// and under an even sky. Oracles: the shape's closed form at each pixel's own angles, and its integral over the sky.
+// Cameras and scattering shapes: a tilted plane of every shape that spreads reflectance (kernels/materials), under the
+// sun and under an even sky. Oracles: the shape's closed form at each pixel's own angles, and its integral over the
+// sky.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -116,7 +117,7 @@ TEST_CASE("S16 shapes: an even sky over a tilted plane is the integral of the sh
         difference += off, square += off * off, ++count;
       }
     difference /= count;
-    const double error = std::sqrt((square / count - difference * difference) / count);
+    const double error = std::sqrt(std::max(0.0, square / count - difference * difference) / count);
     MESSAGE(scene::shape_entry(shape.number).name << " " << shape.parameter[0] << ": mean difference " << difference
                                                   << " +- " << error << ", of a pixel " << std::sqrt(square / count));
     // The quadrature above is good to 1e-3; directions are few sets drawn anew for each pixel.
