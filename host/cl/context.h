@@ -18,7 +18,7 @@ struct KernelTime {
   std::size_t most_items = 0;  ///< of one launch
 };
 
-/// Device, context and in-order profiling queue. Buffers, programs and kernels made from it must not outlive it.
+/// Device, context and in-order queue. Buffers, programs and kernels made from it must not outlive it.
 class Context {
  public:
   explicit Context(Device device);

@@ -192,9 +192,9 @@ struct ViewBounds {
   double sensor_x_min = 0, sensor_x_max = 0, sensor_y_min = 0, sensor_y_max = 0;  ///< m, scene frame
 };
 
-/// Makes the plan: spectral grid and band quadrature, node counts by bisection until the midpoint error is inside its
-/// share of `simulation.tolerance`, sky components by weighted SVD (component 0 carries the irradiance exactly),
-/// direction sets by hash of the seed. Throws Error(input) when a band leaves the table or a material's curve, or the
+/// Makes the plan: spectral grid and band quadrature, the cheapest counts of nodes and components whose errors together
+/// fit a share of `simulation.tolerance` (node_choice.h), sky components by weighted SVD (component 0 carries the
+/// irradiance exactly), direction sets by hash of the seed. Throws Error(input) when a band leaves the table or a material's curve, or the
 /// table lacks a row. A plan that may not hold the tolerance says so in `refusal`: the caller measures it, or stops
 /// there.
 Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& instrument,
