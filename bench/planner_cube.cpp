@@ -13,10 +13,10 @@
 #include "host/run/camera_job.h"
 #include "host/planner/model_trial.h"
 #include "host/planner/planner.h"
-#include "host/planner/trial.h"
+#include "host/planner/pixel_trial.h"
 #include "host/planner/trial_pixels.h"
 #include "host/study/kept.h"
-#include "host/study/trial.h"
+#include "host/study/device_timing.h"
 #include "kernels/sampling/sampler.h"
 
 namespace raycube::bench {

@@ -12,6 +12,7 @@
 #include <cstdio>
 
 #include "host/base/error.h"
+#include "host/base/units.h"
 
 namespace raycube::scene {
 namespace {
@@ -98,11 +99,11 @@ Sun moon_from_time(const std::string& utc, double latitude_deg, double longitude
   ln_hrz_posn horizontal{};
   ln_get_hrz_from_equ_sidereal_time(&moon, &observer, ln_get_apparent_sidereal_time(julian_day), &horizontal);
   // Seen from the ground instead of the earth's centre: tan z' = sin z / (cos z - radius / distance).
-  constexpr double kEarthRadius_km = 6371.0, kDegree = 3.14159265358979323846 / 180;
-  const double zenith = (90.0 - horizontal.alt) * kDegree,
+  constexpr double kEarthRadius_km = 6371.0;
+  const double zenith = base::rad_from_deg(90.0 - horizontal.alt),
                near = kEarthRadius_km / ln_get_lunar_earth_dist(ephemeris_day);
   Sun result;
-  result.zenith_deg = std::atan2(std::sin(zenith), std::cos(zenith) - near) / kDegree;
+  result.zenith_deg = std::atan2(std::sin(zenith), std::cos(zenith) - near) / base::rad_from_deg(1);
   result.azimuth_deg = azimuth_from_libnova_deg(horizontal.az);
   result.moon_phase_deg = std::abs(ln_get_lunar_phase(ephemeris_day));
   result.day_of_year = day_of_year(date);

@@ -9,6 +9,7 @@
 #include "atmos_tables/solver/order_solver.h"
 #include "atmos_tables/solver/user_radiance.h"
 #include "host/base/error.h"
+#include "host/base/units.h"
 
 namespace raycube::atmos::solver {
 
@@ -17,7 +18,6 @@ using Eigen::VectorXd;
 
 namespace {
 constexpr double kPi = std::numbers::pi;
-constexpr double kDegree = kPi / 180;
 constexpr double kSmallestCosine = 1e-9;
 /// Thinner layers are taken isothermal: B' would reach B / 1e-5 and cost the digits it gains.
 constexpr double kThinEmission = 1e-5;
@@ -99,7 +99,7 @@ void add_side(const Data& data, const Side& side, const std::vector<Place>& plac
   };
   std::vector<double> turn(turn_deg.size());
   for (const OrderSolution& order : data.orders) {
-    for (std::size_t a = 0; a < turn.size(); ++a) turn[a] = std::cos(order.order * kDegree * turn_deg[a]);
+    for (std::size_t a = 0; a < turn.size(); ++a) turn[a] = std::cos(base::rad_from_deg(order.order) * turn_deg[a]);
     const OrderRadiance term = order_radiance(data.scaled, order, rays, places);
     for (std::size_t p = 0; p < places.size(); ++p)
       for (std::size_t r = 0; r < side.index.size(); ++r) {
@@ -122,8 +122,8 @@ void add_side(const Data& data, const Side& side, const std::vector<Place>& plac
     const double sines =
         std::sqrt(std::max(0.0, (1 - mu) * (1 + mu) * (1 - column.beam.cosine) * (1 + column.beam.cosine)));
     for (std::size_t a = 0; a < turn_deg.size(); ++a) {
-      const double cos_angle =
-          std::clamp((side.up ? -mu : mu) * column.beam.cosine + sines * std::cos(kDegree * turn_deg[a]), -1.0, 1.0);
+      const double cos_angle = std::clamp(
+          (side.up ? -mu : mu) * column.beam.cosine + sines * std::cos(base::rad_from_deg(turn_deg[a])), -1.0, 1.0);
       first.setZero();
       once.add(static_cast<Eigen::Index>(r), cos_angle, first);
       for (std::size_t p = 0; p < places.size(); ++p) {

@@ -3,7 +3,7 @@
 
 #include "host/base/output_file.h"
 #include "host/cli/verb.h"
-#include "host/render/renderer.h"
+#include "host/render/types.h"
 #include "host/run/services.h"
 
 namespace raycube::cli {

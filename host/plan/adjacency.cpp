@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "atmos_tables/environment.h"
+#include "atmos_tables/environment_function.h"
 #include "atmos_tables/interpolate.h"
 #include "host/base/error.h"
 #include "host/plan/environment_map.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "atmos_tables/environment.h"
+#include "atmos_tables/environment_function.h"
 #include "host/plan/curve.h"
 #include "host/plan/ground_rays.h"
 

@@ -7,6 +7,7 @@
 
 #include "host/base/doing.h"
 #include "host/base/error.h"
+#include "host/base/units.h"
 #include "host/plan/adjacency.h"
 #include "host/plan/band_space.h"
 #include "host/plan/channel_bands.h"
@@ -25,7 +26,6 @@ namespace raycube::plan {
 
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 /// Part of the tolerance for each block (nodes of height, view and path; sky components), and for all of them together.
 constexpr double kShare = 0.1, kBudget = 0.5;
 /// Part of the horizontal irradiance that the irradiance map may be off between its nodes.
@@ -40,8 +40,8 @@ Domain make_domain(const scene::Simulation& simulation, const atmos::RenderTable
     // Rays look down: what towers over the sensor blocks light but is never seen.
     domain.z_hi = std::max(domain.z_lo, std::min(static_cast<double>(scene.hi[2]), view.sensor_height_m));
   }
-  domain.sun_zenith = simulation.sun.zenith_deg * kDegree;
-  domain.sun_azimuth = simulation.sun.azimuth_deg * kDegree;
+  domain.sun_zenith = base::rad_from_deg(simulation.sun.zenith_deg);
+  domain.sun_azimuth = base::rad_from_deg(simulation.sun.azimuth_deg);
   domain.view = view;
   // A table without sunlight holds for any sun.
   if (!simulation.atmosphere.none && table.has("solar_irradiance") &&

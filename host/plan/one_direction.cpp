@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/base/error.h"
+#include "host/base/units.h"
 
 namespace raycube::plan {
 
@@ -15,7 +16,6 @@ namespace {
 
 constexpr double kTold = 0.005, kRefused = 0.05;
 constexpr double kScaleHeight_m = 8000;
-constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kToldOffNadir_deg = 5;  ///< below, an azimuth says little
 
 /// Imported from runs of another code rather than from columns that a user named.
@@ -48,12 +48,12 @@ std::vector<std::string> one_direction_notices(const atmos::RenderTable& table, 
     else if (std::abs(off) > kTold)
       notices.push_back(away + ": " + found);
   };
-  const auto angle = [](double sec) { return std::acos(1 / std::max(1.0, sec)) * kDegrees; };
+  const auto angle = [](double sec) { return base::deg_from_rad(std::acos(1 / std::max(1.0, sec))); };
   const auto farther = [](double a, double b) { return std::abs(a) > std::abs(b) ? a : b; };
   const auto &zeniths = table.axis("view_zenith").nodes, &targets = table.axis("target_height").nodes,
              &azimuths = table.axis("relative_azimuth").nodes;
   if (zeniths.size() == 1) {
-    const double sec = 1 / std::cos(zeniths[0] / kDegrees);
+    const double sec = 1 / std::cos(zeniths[0] / base::deg_from_rad(1));
     judge(farther(view.sec_max / sec - 1, view.sec_min / sec - 1), "the air on the path",
           fmt::format("the imported atmosphere table holds one view zenith, {:.4g} deg", zeniths[0]),
           fmt::format("views from {:.4g} to {:.4g} deg off nadir", angle(view.sec_min), angle(view.sec_max)),

@@ -1,4 +1,5 @@
 #include "host/plan/sky_factors.h"
+#include "host/base/units.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,7 +17,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kDegree = kPi / 180;
 /// Wavelengths that take part in the decomposition; spectra are projected at all of them afterwards.
 constexpr std::size_t kDecomposed = 64;
 constexpr int kReweightings = 10, kLimitings = 24;
@@ -26,7 +26,7 @@ constexpr double kUnimportant = 1e-3;
 constexpr double kFaintest = 1e-9;
 /// A sun below 3 degrees of elevation: maps with intervals of 1.5 degrees make the skylight of thin air, which goes
 /// with the airmass, 0.7 % too bright, beside which direct sun is nothing any more.
-constexpr double kLowSun = 87 * kDegree;
+constexpr double kLowSun = base::rad_from_deg(87);
 /// The decomposition weighs a direction by cos(zenith) + this: the horizon, which cos alone forgets, lights walls and
 /// crowns.
 constexpr double kHorizonShare = 0.1;
@@ -105,18 +105,19 @@ SkyBasis basis_of(const TableSpectra& table, double sun_zenith_rad, Sky sky) {
   if (sky == Sky::
                  // few nodes, since azimuth says nothing; fine ones keep a limb that brightens as the airmass to 1e-4
       thermal) {
-    basis.zenith_rad = refine(zenith, [](double t) { return kDegree * (t > 80 * kDegree ? 0.25 : 1.0); });
+    basis.zenith_rad =
+        refine(zenith, [](double t) { return base::rad_from_deg(t > base::rad_from_deg(80) ? 0.25 : 1.0); });
     basis.azimuth_rad = azimuth;
     return basis;
   }
   // finer around the sun, where the aureole bends most, and towards the horizon; finer still where skylight is all
   // there is
-  const double finest = kDegree * (sun_zenith_rad > kLowSun ? 0.75 : 1.5);
+  const double finest = base::rad_from_deg(sun_zenith_rad > kLowSun ? 0.75 : 1.5);
   basis.zenith_rad = refine(zenith, [&](double t) {
-    return std::abs(t - sun_zenith_rad) < 10 * kDegree || t > 80 * kDegree ? finest : 2 * finest;
+    return std::abs(t - sun_zenith_rad) < base::rad_from_deg(10) || t > base::rad_from_deg(80) ? finest : 2 * finest;
   });
   basis.azimuth_rad = refine(azimuth, [](double f) {
-    return kDegree * (f < 6 * kDegree ? 2.0 : f < 30 * kDegree ? 4.0 : 7.5);
+    return base::rad_from_deg(f < base::rad_from_deg(6) ? 2.0 : f < base::rad_from_deg(30) ? 4.0 : 7.5);
   });
   return basis;
 }

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/base/units.h"
 #include "host/plan/curve.h"
 #include "host/plan/quadrature.h"
 #include "host/plan/sources.h"
@@ -74,11 +75,10 @@ std::string table_name(const scene::Simulation& simulation) {
 void check_view(const scene::Instrument& instrument, const ViewBounds& view, double last_zenith_rad) {
   const double zenith_rad = zenith_of_sec(view.sec_max);
   if (zenith_rad <= last_zenith_rad + 1e-9) return;
-  constexpr double kDegree = std::numbers::pi / 180;
   throw base::Error(base::Fault::input,
                     fmt::format("instrument '{}' looks {:.2f} deg off nadir, the atmosphere table ends at {:.2f} deg; "
                                 "build a table with larger view zeniths or narrow the view",
-                                instrument.name, zenith_rad / kDegree, last_zenith_rad / kDegree));
+                                instrument.name, base::deg_from_rad(zenith_rad), base::deg_from_rad(last_zenith_rad)));
 }
 
 void check_curves(const scene::CompiledScene& scene, const scene::Instrument& instrument, base::Problems& problems,

@@ -8,6 +8,7 @@
 
 #include "atmos_tables/interpolate.h"
 #include "host/base/planck.h"
+#include "host/base/units.h"
 #include "host/plan/sky_basis.h"
 
 namespace raycube::plan {
@@ -15,7 +16,6 @@ namespace raycube::plan {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kDegrees = 180 / kPi;
 /// A scene may stick out of the table's heights by this much (m) and gets the last node's air: 1e-4 of an air column.
 constexpr double kHeightSlack = 1.0;
 
@@ -39,7 +39,7 @@ struct View {
 
 std::vector<double> radians(const std::vector<double>& degrees) {
   std::vector<double> out;
-  for (const double d : degrees) out.push_back(d / kDegrees);
+  for (const double d : degrees) out.push_back(d / base::deg_from_rad(1));
   return out;
 }
 
@@ -90,7 +90,7 @@ TableSpectra::TableSpectra(const atmos::RenderTable& table, bool no_air, bool su
   sky_zenith_ = radians(table.axis("sky_zenith").nodes);
   if (table.has("sky_radiance_solar")) sky_azimuth_ = radians(table.axis("sky_azimuth").nodes);
   const auto& view = table.axis("view_zenith").nodes;
-  if (view.size() > 1) last_view_zenith_ = view.back() / kDegrees;
+  if (view.size() > 1) last_view_zenith_ = view.back() / base::deg_from_rad(1);
 }
 
 Spectrum TableSpectra::slice(const Spectrum& whole) const {
@@ -123,28 +123,28 @@ Spectrum TableSpectra::sun(double height_m) const {
 
 Spectrum TableSpectra::view_transmission(double height_m, double zenith_rad) const {
   if (no_air_) return Spectrum(count_, 1.0);
-  return slice(atmos::view_transmission(table_, clamp_height(height_m), zenith_rad * kDegrees));
+  return slice(atmos::view_transmission(table_, clamp_height(height_m), base::deg_from_rad(zenith_rad)));
 }
 
 Spectrum TableSpectra::two_way_transmission(double height_m, double zenith_rad) const {
   if (no_air_) return Spectrum(count_, 1.0);
-  return slice(atmos::two_way_transmission(table_, clamp_height(height_m), zenith_rad * kDegrees));
+  return slice(atmos::two_way_transmission(table_, clamp_height(height_m), base::deg_from_rad(zenith_rad)));
 }
 
 Spectrum TableSpectra::two_way_factor_thermal(double height_m, double zenith_rad) const {
-  return slice(atmos::two_way_factor_thermal(table_, clamp_height(height_m), zenith_rad * kDegrees));
+  return slice(atmos::two_way_factor_thermal(table_, clamp_height(height_m), base::deg_from_rad(zenith_rad)));
 }
 
 Spectrum TableSpectra::two_way_factor(double height_m, double zenith_rad) const {
   if (no_air_) return Spectrum(count_, 1.0);
-  return slice(atmos::two_way_factor(table_, clamp_height(height_m), zenith_rad * kDegrees));
+  return slice(atmos::two_way_factor(table_, clamp_height(height_m), base::deg_from_rad(zenith_rad)));
 }
 
 Spectrum TableSpectra::path_radiance(double height_m, double zenith_rad, double azimuth_rad) const {
   if (no_air_) return Spectrum(count_, 0.0);
-  const double z = clamp_height(height_m), zenith = zenith_rad * kDegrees;
+  const double z = clamp_height(height_m), zenith = base::deg_from_rad(zenith_rad);
   Spectrum out(count_, 0.0);
-  if (path_scatters_) out = slice(atmos::path_radiance(table_, z, zenith, azimuth_rad * kDegrees));
+  if (path_scatters_) out = slice(atmos::path_radiance(table_, z, zenith, base::deg_from_rad(azimuth_rad)));
   if (!thermal_) return out;
   const Spectrum emitted = emitted_path(height_m, zenith_rad);
   for (std::size_t i = 0; i < count_; ++i) out[i] += emitted[i];
@@ -152,7 +152,7 @@ Spectrum TableSpectra::path_radiance(double height_m, double zenith_rad, double 
 }
 
 Spectrum TableSpectra::emitted_path(double height_m, double zenith_rad) const {
-  return slice(atmos::path_radiance_thermal(table_, clamp_height(height_m), zenith_rad * kDegrees));
+  return slice(atmos::path_radiance_thermal(table_, clamp_height(height_m), base::deg_from_rad(zenith_rad)));
 }
 
 Spectrum TableSpectra::diffuse_irradiance(double height_m) const {
@@ -177,8 +177,8 @@ Spectrum TableSpectra::ground_radiance(double height_m) const {
 
 Spectrum TableSpectra::diffuse_view_transmission(double height_m, double zenith_rad) const {
   const double z = clamp_height(height_m);
-  Spectrum out = slice(atmos::diffuse_view_transmission(table_, z, zenith_rad * kDegrees));
-  const Spectrum factor = slice(atmos::two_way_factor(table_, z, zenith_rad * kDegrees));
+  Spectrum out = slice(atmos::diffuse_view_transmission(table_, z, base::deg_from_rad(zenith_rad)));
+  const Spectrum factor = slice(atmos::two_way_factor(table_, z, base::deg_from_rad(zenith_rad)));
   for (std::size_t i = 0; i < count_; ++i) out[i] *= factor[i];
   return out;
 }
@@ -189,8 +189,8 @@ std::vector<double> TableSpectra::sky_grid(double height_m, const std::vector<do
   if (!has_sky(kind)) return out;
   if (kind == Sky::thermal) {
     for (std::size_t z = 0; z < zenith_rad.size(); ++z) {
-      const Spectrum emitted =
-          slice(atmos::sky_radiance_thermal(table_, clamp_height(height_m), std::min(zenith_rad[z] * kDegrees, 90.0)));
+      const Spectrum emitted = slice(atmos::sky_radiance_thermal(table_, clamp_height(height_m),
+                                                                 std::min(base::deg_from_rad(zenith_rad[z]), 90.0)));
       for (std::size_t f = 0; f < azimuth_rad.size(); ++f)
         std::copy(emitted.begin(), emitted.end(),
                   out.begin() + static_cast<std::ptrdiff_t>((z * azimuth_rad.size() + f) * count_));
@@ -204,14 +204,14 @@ std::vector<double> TableSpectra::sky_grid(double height_m, const std::vector<do
   const int heights = height.fraction > 0 ? 2 : 1;
 
   // scattering angle of a node on the phase function's axis
-  const double sun_zenith = table_.sun_zenith_deg / kDegrees, cos_sun = std::cos(sun_zenith);
+  const double sun_zenith = table_.sun_zenith_deg / base::deg_from_rad(1), cos_sun = std::cos(sun_zenith);
   const auto locate = [&](const std::vector<double>& zenith, const std::vector<double>& azimuth) {
     std::vector<Cell> cells;
     if (!shaped) return cells;
     const auto& angles = table_.axis("scattering_angle").nodes;
     for (const double t : zenith)
       for (const double f : azimuth)
-        cells.push_back(find_cell(angles, std::acos(cos_scattering(sun_zenith, t, f)) * kDegrees));
+        cells.push_back(find_cell(angles, base::deg_from_rad(std::acos(cos_scattering(sun_zenith, t, f)))));
     return cells;
   };
   const auto node_angle = locate(sky_zenith_, sky_azimuth_), grid_angle = locate(zenith_rad, azimuth_rad);

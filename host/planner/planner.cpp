@@ -131,7 +131,7 @@ Decision decide(render::Renderer& renderer, const scene::Simulation& simulation,
   if (out.model_pixels == 0 && out.plan_estimate > kWorthMeasuring * simulation.tolerance)
     measure_plan(out, simulation, instrument, plan, table, threads);
 
-  Trial trial(renderer, simulation, instrument, plan);
+  PixelTrial trial(renderer, simulation, instrument, plan);
   ErrorLaw direction(kDirectionLaw);
   const auto add = [&](ErrorLaw& law, int level, const TrialError& error, const char* what) {
     law.measured(level, error.estimate, error.bound);

@@ -14,7 +14,7 @@
 #include "host/plan/plan.h"
 #include "host/planner/cost_model.h"
 #include "host/planner/error_law.h"
-#include "host/planner/trial.h"
+#include "host/planner/pixel_trial.h"
 #include "host/sensors/small_objects.h"
 #include "scene_compiler/simulation.h"
 

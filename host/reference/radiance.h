@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "atmos_tables/render_table.h"
-#include "host/reference/environment.h"
+#include "host/reference/ground_around.h"
 #include "host/reference/sampled_pixel.h"
 
 namespace raycube::reference {

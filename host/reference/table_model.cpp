@@ -7,6 +7,7 @@
 #include "atmos_tables/interpolate.h"
 #include "host/base/interrupt.h"
 #include "host/base/planck.h"
+#include "host/base/units.h"
 #include "host/reference/radiance.h"
 #include "host/reference/spread.h"
 #include "scene_compiler/matter.h"
@@ -15,7 +16,6 @@ namespace raycube::reference {
 
 namespace {
 
-constexpr double kDegree = 180 / std::numbers::pi;
 constexpr std::size_t kDirectionsPerLook = 64;  ///< between two looks for a signal
 /// A target above the table's highest node, or below its lowest, is taken at that node (the plan does the same).
 double within_table(const atmos::RenderTable& table, double height_m) {
@@ -26,10 +26,10 @@ double within_table(const atmos::RenderTable& table, double height_m) {
 /// Between sky height nodes this far apart, linear weights are off by (100 m / 8 km scale height)^2 / 8 = 2e-5.
 constexpr double kSkyHeightStep_m = 100;
 
-double zenith_deg(const glm::dvec3& unit) { return std::acos(std::clamp(unit.z, -1.0, 1.0)) * kDegree; }
+double zenith_deg(const glm::dvec3& unit) { return base::deg_from_rad(std::acos(std::clamp(unit.z, -1.0, 1.0))); }
 
 /// Clockwise from north (y), of the direction towards something.
-double azimuth_deg(const glm::dvec3& unit) { return std::atan2(unit.x, unit.y) * kDegree; }
+double azimuth_deg(const glm::dvec3& unit) { return base::deg_from_rad(std::atan2(unit.x, unit.y)); }
 
 }  // namespace
 

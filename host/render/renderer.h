@@ -19,68 +19,10 @@
 #include "host/cl/context.h"
 #include "host/plan/plan.h"
 #include "host/render/device_tuning.h"
-#include "host/render/tile_shape.h"
+#include "host/render/types.h"
 #include "scene_compiler/simulation.h"
 
 namespace raycube::render {
-
-struct RenderOptions {
-  std::string device;                     ///< part of the device's name, or its number; empty: the first
-  int threads = 0;                        ///< CPU devices: worker threads; 0 = all
-  std::size_t memory_bytes = 2ull << 30;  ///< for tiles, band table and strips, on device and host together
-  int tile_lines = 0;                     ///< forces the tile height (tests); 0 = from memory
-  std::size_t page_bytes = 0;  ///< largest page of the scene's arrays (tests); 0 = half the device's largest buffer
-  int row_capacity = 16;       ///< keys a row holds before the overflow path (tests: 1, 2, 16, 256)
-  bool tuned = false;          ///< launches of the sizes that `raycube tune` kept for the device, where it did
-  std::optional<DeviceTuning> tuning = {};  ///< forces sizes of launches (tests)
-};
-
-/// Lines of the finished image, whole or a part of each.
-struct Strip {
-  int first_line = 0, lines = 0;
-  const float* radiance = nullptr;  ///< [line][sample][band], W m-2 sr-1 um-1
-  const float* truth = nullptr;     ///< [line][sample][layer], see truth_layer_names(scene, instrument)
-  const float* band_error =
-      nullptr;  ///< [line][sample][band], standard error of the radiance; null unless the instrument asks for bands
-  int first_sample = 0, samples = 0;  ///< of each line; 0: all
-};
-using StripSink = std::function<void(const Strip&)>;
-using ProgressSink = std::function<void(std::uint64_t done_pixels, std::uint64_t all_pixels)>;
-
-/// What a render did and took.
-struct RenderStatistics {
-  std::map<std::string, double> stage_s;  ///< wall seconds by stage; those of the device wait for their end
-  std::uint64_t primary_rays = 0, sun_rays = 0, sky_rays = 0;
-  std::uint64_t band_samples = 0;
-  std::uint64_t overflow_pixels = 0;    ///< pixels that left the first row capacity
-  std::uint64_t per_sample_pixels = 0;  ///< pixels past the largest row
-  std::uint32_t terms_p50 = 0, terms_p95 = 0;
-  std::string program_hash;        ///< SHA-256 of source and options of the programs launched
-  std::string trace_program_hash;  ///< of the tracing program alone
-  std::string build_options;
-  int tile_lines = 0, tile_columns = 0;
-  std::map<int, std::uint64_t> small_object_pixels;       ///< by samples: rendered anew for small objects
-  std::uint64_t adaptive_pixels = 0, refined_pixels = 0;  ///< given a first look; of these, rendered with all samples
-};
-
-/// First hits of a tile's rays.
-struct HitProbe {
-  Tile tile;
-  int samples = 0;  ///< per pixel
-  std::vector<shared::RayGroup> groups;
-  std::vector<std::uint32_t> hit_instance, hit_primitive;  ///< [pixel][sample], RC_NONE = miss; samples unpadded
-};
-
-/// A few pixels with everything the stages said about them, for `check` and the tests.
-struct PixelProbe : HitProbe {
-  std::vector<std::uint8_t> sun_visible;  ///< [pixel][sample]
-  std::vector<float> sky_blocked;         ///< [pixel][sample][component 0..3 or 0..7], irradiance taken away
-  std::vector<float> radiance;            ///< [pixel][band]
-  std::vector<float> truth;               ///< [pixel][layer]
-};
-
-using ProbeSink = std::function<void(const PixelProbe&)>;
-using HitSink = std::function<void(const HitProbe&)>;
 
 class Renderer {
  public:

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "host/base/units.h"
 #include "kernels/shared/tile_layout.h"
 
 namespace raycube::render {
@@ -36,7 +37,6 @@ void fill_truth(const PixelTruth& pixel, std::size_t materials, const scene::Sun
 #undef RC_TRUTH_LAYER
     kFixedLayers
   };
-  constexpr double kDegree = 180.0 / std::numbers::pi;
   constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
   const float hit = pixel.sums[RC_TRUTH_HIT];
   const auto mean = [&](int sum) { return hit > 0 ? pixel.sums[sum] / hit : kNone; };
@@ -58,14 +58,15 @@ void fill_truth(const PixelTruth& pixel, std::size_t materials, const scene::Sun
   layers[range_m] = mean(RC_TRUTH_RANGE);
   const auto& d = pixel.to_target;
   const double length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-  const double azimuth_deg = std::atan2(-d[0], -d[1]) * kDegree;
-  layers[view_zenith_deg] = static_cast<float>(std::acos(std::clamp(-d[2] / length, -1.0, 1.0)) * kDegree);
+  const double azimuth_deg = base::deg_from_rad(std::atan2(-d[0], -d[1]));
+  layers[view_zenith_deg] = static_cast<float>(base::deg_from_rad(std::acos(std::clamp(-d[2] / length, -1.0, 1.0))));
   layers[view_azimuth_deg] = static_cast<float>(azimuth_deg < 0 ? azimuth_deg + 360.0 : azimuth_deg);
   layers[sun_zenith_deg] = static_cast<float>(sun.zenith_deg);
   layers[sun_azimuth_deg] = static_cast<float>(sun.azimuth_deg);
   layers[sun_incidence_deg] =
-      hit > 0 ? static_cast<float>(std::acos(std::clamp(double{mean(RC_TRUTH_INCIDENCE)}, -1.0, 1.0)) * kDegree)
-              : kNone;
+      hit > 0
+          ? static_cast<float>(base::deg_from_rad(std::acos(std::clamp(double{mean(RC_TRUTH_INCIDENCE)}, -1.0, 1.0))))
+          : kNone;
 }
 
 }  // namespace raycube::render

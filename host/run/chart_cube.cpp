@@ -7,7 +7,7 @@
 #include "host/run/camera_job.h"
 #include "host/sensors/view_bounds.h"
 #include "host/study/kept.h"
-#include "host/study/trial.h"
+#include "host/study/device_timing.h"
 
 namespace raycube::run {
 

@@ -10,7 +10,7 @@
 
 #include "host/run/services.h"
 #include "host/knobs/knob.h"
-#include "host/render/renderer.h"
+#include "host/render/types.h"
 #include "scene_compiler/simulation.h"
 
 namespace raycube::run {

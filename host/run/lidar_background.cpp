@@ -9,8 +9,10 @@
 #include <span>
 
 #include "host/base/planck.h"
+#include "host/base/units.h"
 #include "host/run/camera_job.h"
 #include "host/render/lidar_owners.h"
+#include "host/render/renderer.h"
 #include "scene_compiler/matter.h"
 
 namespace raycube::run {
@@ -25,13 +27,12 @@ scene::Pose pose_towards(const lidar::Vec3& at, const lidar::Vec3& axis, const l
   const glm::dvec3 right(u[0], u[1], u[2]), nose = glm::cross(right, glm::dvec3(axis[0], axis[1], axis[2]));
   const double heading = std::atan2(nose.x, nose.y);
   const glm::dvec3 level(std::cos(heading), -std::sin(heading), 0), down = glm::cross(nose, level);
-  constexpr double kDegrees = 180.0 / std::numbers::pi;
   return {at[0],
           at[1],
           at[2],
-          kDegrees * std::atan2(glm::dot(right, down), glm::dot(right, level)),
-          kDegrees * std::asin(std::clamp(nose.z, -1.0, 1.0)),
-          kDegrees * heading};
+          base::deg_from_rad(std::atan2(glm::dot(right, down), glm::dot(right, level))),
+          base::deg_from_rad(std::asin(std::clamp(nose.z, -1.0, 1.0))),
+          base::deg_from_rad(heading)};
 }
 
 /// Radiance below which nothing is a LIDAR's background: 2000 photons / s in a receiver of 10 cm and 2 mrad behind 1 nm

@@ -7,7 +7,7 @@
 
 #include "host/lidar/lidar_plan.h"
 #include "host/lidar/shot.h"
-#include "host/render/renderer.h"
+#include "host/render/types.h"
 #include "host/run/services.h"
 #include "scene_compiler/simulation.h"
 

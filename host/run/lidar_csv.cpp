@@ -1,4 +1,5 @@
 #include "host/run/lidar_csv.h"
+#include "host/base/units.h"
 
 #include <cmath>
 #include <limits>
@@ -7,7 +8,6 @@ namespace raycube::run {
 namespace {
 
 constexpr double kLight_m_s = 299792458.0;
-constexpr double kDegrees = 180 / M_PI;
 
 std::vector<std::string> place_columns(const scene::Simulation& simulation, const std::string& prefix) {
   if (simulation.scene.origin.epsg != 0) return {prefix + "easting_m", prefix + "northing_m", prefix + "height_m"};
@@ -141,7 +141,7 @@ void LidarCsv::add_shot(const lidar::ShotResult& r, const std::vector<lidar::Det
         .add(shot.time_s)
         .add(plan_.lidar.gps_start_s + shot.time_s);
     place(shot.exit_m), vector(shot.exit_axis), place(shot.pupil_m), vector(shot.pupil_axis);
-    pulses_.add(shot.scan_angle_rad * kDegrees)
+    pulses_.add(base::deg_from_rad(shot.scan_angle_rad))
         .add(shot.half_divergence_rad * 1e3)
         .add(shot.line_gain.empty() ? shot.gain : shot.gain * shot.line_gain[l])
         .add(plan_.lidar.gate.start_s)

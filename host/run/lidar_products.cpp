@@ -15,6 +15,7 @@
 #include "host/base/error.h"
 #include "host/base/sha256.h"
 #include "host/base/version.h"
+#include "host/base/units.h"
 #include "host/run/lidar_csv.h"
 #include "host/run/python_chart.h"
 #include "host/lidar/return_truth.h"
@@ -26,7 +27,6 @@ namespace raycube::run {
 namespace {
 
 using Json = nlohmann::ordered_json;
-constexpr double kDegrees = 180 / M_PI;
 constexpr const char* kPictures[] = {"waveforms.png", "ranges.png", "points.png"};
 constexpr int kDescriptorRoom = 255;  ///< all LAS has; full scales are powers of two, so that no run needs more
 
@@ -192,7 +192,7 @@ struct LidarProducts::State {
     const double doubtful = lidar.echoes.noise_class_above;
     p.classification = doubtful > 0 && static_cast<double>(echo.chance) > doubtful ? kNoise : kUnclassified;
     p.scan_to_right = shot.scan_angle_rad > last_scan_angle_rad;
-    p.scan_angle_deg = std::remainder(shot.scan_angle_rad * kDegrees, 360.0);
+    p.scan_angle_deg = std::remainder(base::deg_from_rad(shot.scan_angle_rad), 360.0);
     p.source_id = static_cast<std::uint16_t>(d.pixel);
     p.gps_time_s = lidar.gps_start_s + shot.time_s;
     p.packet = packet;

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-#include "host/render/renderer.h"
+#include "host/render/types.h"
 #include "scene_compiler/simulation.h"
 
 namespace raycube::run {

@@ -1,3 +1,4 @@
+#include "host/render/renderer.h"
 #include "host/run/render_camera.h"
 
 #include <fmt/format.h>

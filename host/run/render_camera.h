@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "host/render/renderer.h"
+#include "host/render/types.h"
 #include "host/run/camera_job.h"
 #include "host/run/destination.h"
 #include "host/run/services.h"

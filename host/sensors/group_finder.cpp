@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "host/base/interrupt.h"
+#include "host/base/units.h"
 #include "host/sensors/ray_groups.h"
 
 namespace raycube::sensors {
@@ -25,7 +26,6 @@ constexpr std::size_t kLeavesPerLook = 4096;  ///< between two looks for a signa
 /// times either is 16 times that and more.
 constexpr double kRounding = 1e-6;
 constexpr double kMostStretch = 0.5;  ///< of a distance, by the motion while a line is exposed
-constexpr double kDegree_rad = 0.017453292519943295;
 
 dvec3 exact(const shared::rc_float4& v) { return {v.x, v.y, v.z}; }
 
@@ -154,10 +154,10 @@ GroupFinder::Rays GroupFinder::turned(std::size_t first, std::size_t end) const 
   for (std::size_t i = first; i < end; ++i) {
     const scene::Pose& pose = instrument_.poses[i];
     const double steps = std::abs(double(i % pixels) - double(middle % pixels));
-    turn_rad = std::max(
-        turn_rad, kDegree_rad * (std::abs(pose.roll_deg - about.roll_deg) + std::abs(pose.pitch_deg - about.pitch_deg) +
-                                 std::abs(pose.heading_deg - about.heading_deg)) +
-                      steps * instrument_.ifov_across_rad);
+    turn_rad = std::max(turn_rad, base::rad_from_deg(std::abs(pose.roll_deg - about.roll_deg) +
+                                                     std::abs(pose.pitch_deg - about.pitch_deg) +
+                                                     std::abs(pose.heading_deg - about.heading_deg)) +
+                                      steps * instrument_.ifov_across_rad);
     const dvec3 origin_m(pose.x_m, pose.y_m, pose.z_m);
     out.origin_m = {glm::min(out.origin_m.lo, origin_m), glm::max(out.origin_m.hi, origin_m)};
   }

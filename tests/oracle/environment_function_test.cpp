@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "atmos_tables/environment.h"
+#include "atmos_tables/environment_function.h"
 #include "atmos_tables/interpolate.h"
 #include "atmos_tables/rayleigh.h"
 #include "atmos_tables/synthetic.h"

@@ -100,7 +100,7 @@ TEST_CASE("S60: the trial finds the sampling error of stripes that integration g
   const Stripes scene(5.37 * kGsd_m);
   const plan::Plan plan = plan_of(scene.simulation);
   render::Renderer renderer(scene.simulation.scene, {});
-  Trial trial(renderer, scene.simulation, scene.simulation.instruments[0], plan);
+  PixelTrial trial(renderer, scene.simulation, scene.simulation.instruments[0], plan);
   const auto columns = columns_of(trial_tiles(scene.simulation.instruments[0], scene.simulation.seed));
   for (const int side : {2, 4, 7}) {
     const double want = scene.error(columns, side);

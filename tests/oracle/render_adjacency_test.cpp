@@ -11,7 +11,7 @@
 #include <numbers>
 
 #include "atmos_tables/clear_sky.h"
-#include "atmos_tables/environment.h"
+#include "atmos_tables/environment_function.h"
 #include "atmos_tables/interpolate.h"
 #include "atmos_tables/synthetic.h"
 #include "host/base/error.h"

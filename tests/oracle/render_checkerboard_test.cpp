@@ -13,20 +13,21 @@
 #include <vector>
 
 #include "atmos_tables/synthetic.h"
+#include "host/base/units.h"
 #include "kernels/sampling/sampler.h"
 #include "tests/support/render_kit.h"
 
 namespace {
 
 using namespace raycube;
-constexpr double kFoot = 0.3048, kDegree = std::numbers::pi / 180;
+constexpr double kFoot = 0.3048;
 constexpr int kPixels = 64, kCells = 320;  // 97.5 m of board under 64 m of image: covered at any turn
 using Point = std::array<double, 2>;
 
 struct Board {
   double turn_deg, shift_x, shift_y;  ///< turned about the origin, then shifted, m
   Point to_cells(double x, double y) const {
-    const double c = std::cos(turn_deg * kDegree), s = std::sin(turn_deg * kDegree);
+    const double c = std::cos(base::rad_from_deg(turn_deg)), s = std::sin(base::rad_from_deg(turn_deg));
     x -= shift_x;
     y -= shift_y;
     return {(c * x + s * y) / kFoot + kCells / 2.0, (c * y - s * x) / kFoot + kCells / 2.0};
@@ -52,7 +53,7 @@ scene::Simulation board_scene(const Board& board) {
     }
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) mesh.user_face.push_back(static_cast<std::uint32_t>(t));
   const auto index = append_mesh(scene, "board", mesh);
-  const double c = std::cos(board.turn_deg * kDegree), s = std::sin(board.turn_deg * kDegree);
+  const double c = std::cos(base::rad_from_deg(board.turn_deg)), s = std::sin(base::rad_from_deg(board.turn_deg));
   append_instance(scene, index, {c, -s, 0, board.shift_x, s, c, 0, board.shift_y, 0, 0, 1, 0}, 0);
   finish_top_tree(scene);
   simulation.sun.zenith_deg = 120;

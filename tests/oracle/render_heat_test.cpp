@@ -11,12 +11,13 @@
 #include "atmos_tables/table_rows.h"
 #include "host/base/error.h"
 #include "host/base/planck.h"
+#include "host/base/units.h"
 #include "tests/support/render_kit.h"
 
 namespace {
 
 using namespace raycube;
-constexpr double kPi = std::numbers::pi, kDegree = kPi / 180, kZenith_deg = 35, kFwhm = 0.02;
+constexpr double kPi = std::numbers::pi, kZenith_deg = 35, kFwhm = 0.02;
 
 double sunlight(double l) { return 1700 * std::exp(-1.4 * l) + 4; }
 double through(double l) { return 0.75 - 0.05 * std::sin(3 * l); }
@@ -66,7 +67,8 @@ double band_mean(double center, Function f) {
 }
 
 double sunlit(double l) {
-  return kRho * (sunlight(l) * kSunThrough * std::cos(kZenith_deg * kDegree) / kPi + sky(l)) * through(l) * kTwoWay +
+  return kRho * (sunlight(l) * kSunThrough * std::cos(base::rad_from_deg(kZenith_deg)) / kPi + sky(l)) * through(l) *
+             kTwoWay +
          path(l);
 }
 double glow(double l, double kelvin) { return (1 - kRho) * base::planck_radiance(l, kelvin) * through(l); }

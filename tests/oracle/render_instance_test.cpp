@@ -10,6 +10,7 @@
 #include <numbers>
 
 #include "atmos_tables/synthetic.h"
+#include "host/base/units.h"
 #include "host/render/truth.h"
 #include "host/sensors/ray_groups.h"
 #include "tests/support/render_kit.h"
@@ -17,7 +18,7 @@
 namespace {
 
 using namespace raycube;
-constexpr double kPi = std::numbers::pi, kDegree = kPi / 180;
+constexpr double kPi = std::numbers::pi;
 using Vec = std::array<double, 3>;
 
 /// Rows of the placement: turn about the vertical, tilt about x, unequal scale, move.
@@ -89,7 +90,8 @@ TEST_CASE(
   const double length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
   for (double& x : n) x /= length;
   REQUIRE(n[2] > 0.5);
-  const double zenith = simulation.sun.zenith_deg * kDegree, azimuth = simulation.sun.azimuth_deg * kDegree;
+  const double zenith = base::rad_from_deg(simulation.sun.zenith_deg),
+               azimuth = base::rad_from_deg(simulation.sun.azimuth_deg);
   const double cosine =
       dot(n, {std::sin(zenith) * std::sin(azimuth), std::sin(zenith) * std::cos(azimuth), std::cos(zenith)});
   REQUIRE(cosine > 0.2);
@@ -124,13 +126,13 @@ TEST_CASE(
       CHECK(std::abs(truth("y_m") - mean[1]) < 5e-4);
       CHECK(std::abs(truth("z_m") - mean[2]) < 5e-4);
       CHECK(std::abs(truth("range_m") - range) < 5e-4);
-      CHECK(std::abs(truth("sun_incidence_deg") - std::acos(cosine) / kDegree) < 1e-4);
+      CHECK(std::abs(truth("sun_incidence_deg") - base::deg_from_rad(std::acos(cosine))) < 1e-4);
       const auto ray = sensors::pixel_ray(camera, line, pixel, 0, 0);
       const double across = std::hypot(ray.direction.x, ray.direction.y);
-      CHECK(std::abs(truth("view_zenith_deg") - std::atan2(across, -ray.direction.z) / kDegree) < 1e-4);
+      CHECK(std::abs(truth("view_zenith_deg") - base::deg_from_rad(std::atan2(across, -ray.direction.z))) < 1e-4);
       if (across < 1e-3) continue;  // straight down has no azimuth
       const double view_azimuth =
-          std::atan2(-ray.direction.x, -ray.direction.y) / kDegree;  // from the ground to the sensor
+          base::deg_from_rad(std::atan2(-ray.direction.x, -ray.direction.y));  // from the ground to the sensor
       CHECK(std::abs(std::remainder(truth("view_azimuth_deg") - view_azimuth, 360)) < 1e-3);
     }
 }

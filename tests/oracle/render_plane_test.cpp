@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "atmos_tables/clear_sky.h"
+#include "host/base/units.h"
 #include "atmos_tables/interpolate.h"
 #include "atmos_tables/synthetic.h"
 #include "tests/support/render_kit.h"
@@ -14,14 +15,14 @@
 namespace {
 
 using namespace raycube;
-constexpr double kPi = std::numbers::pi, kDegree = kPi / 180;
+constexpr double kPi = std::numbers::pi;
 
 /// A plane tilted by `tilt_deg` towards azimuth `azimuth_deg`, through the origin, 200 m across, reflectance 0.3.
 scene::Simulation tilted_plane(double tilt_deg, double azimuth_deg, double sun_zenith_deg, double sun_azimuth_deg) {
   scene::Simulation simulation;
   const auto surface = test::add_material(simulation.scene, "grey", 0.3);
-  const double c = std::cos(tilt_deg * kDegree), s = std::sin(tilt_deg * kDegree);
-  const double ax = std::sin(azimuth_deg * kDegree), ay = std::cos(azimuth_deg * kDegree);
+  const double c = std::cos(base::rad_from_deg(tilt_deg)), s = std::sin(base::rad_from_deg(tilt_deg));
+  const double ax = std::sin(base::rad_from_deg(azimuth_deg)), ay = std::cos(base::rad_from_deg(azimuth_deg));
   const std::array<double, 3> down{100 * ax * c, 100 * ay * c, -100 * s},
       side{-200 * ay, 200 * ax, 0};  // down: along the fall line
   test::place(simulation.scene, test::rectangle({-down[0] - side[0] / 2, -down[1] - side[1] / 2, -down[2]},
@@ -58,10 +59,10 @@ TEST_CASE("S15 tilted plane under sun, uniform sky and path radiance equals the 
   air.sun_azimuth_deg = sun_azimuth_deg;
   const auto table = atmos::uniform_table(air, atmos::wavelength_grid(0.3, 2.5, 0.01));
   const auto image = test::render_image(simulation, table);
-  const double cosine = std::cos(tilt_deg * kDegree) * std::cos(sun_zenith_deg * kDegree) +
-                        std::sin(tilt_deg * kDegree) * std::sin(sun_zenith_deg * kDegree) *
-                            std::cos((azimuth_deg - sun_azimuth_deg) * kDegree);
-  const double sky = 30.0 * kPi * (1 + std::cos(tilt_deg * kDegree)) / 2;
+  const double cosine = std::cos(base::rad_from_deg(tilt_deg)) * std::cos(base::rad_from_deg(sun_zenith_deg)) +
+                        std::sin(base::rad_from_deg(tilt_deg)) * std::sin(base::rad_from_deg(sun_zenith_deg)) *
+                            std::cos(base::rad_from_deg(azimuth_deg - sun_azimuth_deg));
+  const double sky = 30.0 * kPi * (1 + std::cos(base::rad_from_deg(tilt_deg))) / 2;
   const double expected = 0.3 / kPi * (1500 * 0.8 * 0.7 * 1.04 * cosine + sky * 0.7 * 1.04) + 5.0;
   const double worst = largest_relative_error(image, {expected, expected, expected});
   MESSAGE("largest relative error " << worst);
@@ -90,21 +91,23 @@ TEST_CASE("S18 tilted plane under a real clear sky equals quadrature of the tabl
     // zenith. The table's own sky, summed by the same rule, shows what the plan's angular maps (linear between their
     // nodes) cost.
     const auto& wavelength = atmos::wavelengths(table);
-    const std::array<double, 3> normal{std::sin(tilt_deg * kDegree) * std::sin(azimuth_deg * kDegree),
-                                       std::sin(tilt_deg * kDegree) * std::cos(azimuth_deg * kDegree),
-                                       std::cos(tilt_deg * kDegree)};
+    const std::array<double, 3> normal{
+        std::sin(base::rad_from_deg(tilt_deg)) * std::sin(base::rad_from_deg(azimuth_deg)),
+        std::sin(base::rad_from_deg(tilt_deg)) * std::cos(base::rad_from_deg(azimuth_deg)),
+        std::cos(base::rad_from_deg(tilt_deg))};
     std::array<double, 4> component{};
     std::vector<double> from_table(wavelength.size(), 0.0);
     const double step = 0.25;
     for (double zenith = step / 2; zenith < 90; zenith += step)
       for (double azimuth = step / 2; azimuth < 360; azimuth += step) {
-        const double s = std::sin(zenith * kDegree), x = s * std::sin(azimuth * kDegree),
-                     y = s * std::cos(azimuth * kDegree);
-        const double z = std::cos(zenith * kDegree), cosine = normal[0] * x + normal[1] * y + normal[2] * z;
+        const double s = std::sin(base::rad_from_deg(zenith)), x = s * std::sin(base::rad_from_deg(azimuth)),
+                     y = s * std::cos(base::rad_from_deg(azimuth));
+        const double z = std::cos(base::rad_from_deg(zenith)), cosine = normal[0] * x + normal[1] * y + normal[2] * z;
         if (cosine <= 0) continue;
         const double omega =
-            (std::cos((zenith - step / 2) * kDegree) - std::cos((zenith + step / 2) * kDegree)) * step * kDegree;
-        const auto maps = plan::sky_value(image.plan.sky_basis, sun_azimuth_deg * kDegree, x, y, z);
+            (std::cos(base::rad_from_deg(zenith - step / 2)) - std::cos(base::rad_from_deg(zenith + step / 2))) *
+            base::rad_from_deg(step);
+        const auto maps = plan::sky_value(image.plan.sky_basis, base::rad_from_deg(sun_azimuth_deg), x, y, z);
         for (int m = 0; m < 4; ++m) component[m] += maps[m] * cosine * omega;
         if (std::fmod(zenith, 1) != 0.625 || std::fmod(azimuth, 1) != 0.625)
           continue;  // one cell in 16 is enough for 1e-3
@@ -115,9 +118,10 @@ TEST_CASE("S18 tilted plane under a real clear sky equals quadrature of the tabl
     const auto view = atmos::view_transmission(table, 0, 0);
     const auto factor = atmos::two_way_factor(table, 0, 0);
     const auto sun = atmos::solar_irradiance(table);
-    const double cos_sun = normal[0] * std::sin(sun_zenith_deg * kDegree) * std::sin(sun_azimuth_deg * kDegree) +
-                           normal[1] * std::sin(sun_zenith_deg * kDegree) * std::cos(sun_azimuth_deg * kDegree) +
-                           normal[2] * std::cos(sun_zenith_deg * kDegree);
+    const double cos_sun =
+        normal[0] * std::sin(base::rad_from_deg(sun_zenith_deg)) * std::sin(base::rad_from_deg(sun_azimuth_deg)) +
+        normal[1] * std::sin(base::rad_from_deg(sun_zenith_deg)) * std::cos(base::rad_from_deg(sun_azimuth_deg)) +
+        normal[2] * std::cos(base::rad_from_deg(sun_zenith_deg));
     std::vector<double> radiance(wavelength.size());
     for (std::size_t i = 0; i < radiance.size(); ++i) {
       const auto at = std::find_if(image.plan.wavelength_um.begin(), image.plan.wavelength_um.end(),

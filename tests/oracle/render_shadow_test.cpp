@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "atmos_tables/synthetic.h"
+#include "host/base/units.h"
 #include "host/sensors/ray_groups.h"
 #include "kernels/sampling/sampler.h"
 #include "tests/support/render_kit.h"
@@ -15,7 +16,7 @@
 namespace {
 
 using namespace raycube;
-constexpr double kPi = std::numbers::pi, kDegree = kPi / 180;
+constexpr double kPi = std::numbers::pi;
 constexpr double kHalf = 2, kHeight = 4;  // of the box, m
 constexpr int kSide = 11;                 // samples
 
@@ -68,9 +69,9 @@ test::Image rendered(const scene::Simulation& simulation, double sun = 1000, dou
 }
 
 Vec to_sun(const scene::Sun& sun) {
-  const double s = std::sin(sun.zenith_deg * kDegree);
-  return {s * std::sin(sun.azimuth_deg * kDegree), s * std::cos(sun.azimuth_deg * kDegree),
-          std::cos(sun.zenith_deg * kDegree)};
+  const double s = std::sin(base::rad_from_deg(sun.zenith_deg));
+  return {s * std::sin(base::rad_from_deg(sun.azimuth_deg)), s * std::cos(base::rad_from_deg(sun.azimuth_deg)),
+          std::cos(base::rad_from_deg(sun.zenith_deg))};
 }
 
 /// Whether the face of the box that the ray meets first is lit: 1 or 0 (nothing shades a face turned to the sun), -1
@@ -148,7 +149,7 @@ TEST_CASE("S15 S63 shadow of a box: every sample as in closed form, edge at heig
     if (azimuth_deg == 270) {  // shadow to the east: its length along the middle line, from the dark part of the pixels
       double length = 0;
       for (int pixel = 0; pixel < image.pixels; ++pixel) length += (1 - image.layer(12, pixel, 2)) * gsd;
-      const double expected = kHeight * std::tan(zenith_deg * kDegree);
+      const double expected = kHeight * std::tan(base::rad_from_deg(zenith_deg));
       MESSAGE("shadow " << length << " m long, closed form " << expected);
       // the camera, 8 m east, sees the dark east face as well; each end falls between two samples
       CHECK(std::abs(length - (expected + (8 - kHalf) * kHeight / (500 - kHeight))) < gsd / kSide);
@@ -159,7 +160,7 @@ TEST_CASE("S15 S63 shadow of a box: every sample as in closed form, edge at heig
 TEST_CASE("S63 sun just above, at and below the horizon on a plane: cosine of the zenith, then the sky alone") {
   for (const double zenith_deg : {85.0, 89.9, 89.99}) {  // the plane never shades itself
     const auto image = rendered(box_scene(zenith_deg, 200, 12, 4, 1, 0, false), 1000, 2);
-    const double expected = 0.3 * (1000 * std::cos(zenith_deg * kDegree) / kPi + 2);
+    const double expected = 0.3 * (1000 * std::cos(base::rad_from_deg(zenith_deg)) / kPi + 2);
     for (int line = 0; line < 4; ++line)
       for (int pixel = 0; pixel < 12; ++pixel) {
         CHECK(image.layer(line, pixel, 2) == doctest::Approx(1).epsilon(1e-6));
@@ -190,7 +191,7 @@ TEST_CASE("S63 S9 views 80 to 89 degrees off nadir hit the plane where the rays 
     air.sun_zenith_deg = 40;
     air.sun_azimuth_deg = 160;
     const auto image = test::render_image(simulation, atmos::uniform_table(air, {0.3, 1.0, 4.0}));
-    const double expected = 0.3 * (1000 * std::cos(40 * kDegree) / kPi + 20) + 3;
+    const double expected = 0.3 * (1000 * std::cos(base::rad_from_deg(40)) / kPi + 20) + 3;
     double worst_place = 0, worst_range = 0, worst_radiance = 0, largest = 0;
     for (int line = 0; line < 8; ++line) {
       const auto groups = sensors::make_ray_groups(camera, line, 1);

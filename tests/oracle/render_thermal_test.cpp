@@ -10,12 +10,13 @@
 #include "atmos_tables/synthetic.h"
 #include "host/base/error.h"
 #include "host/base/planck.h"
+#include "host/base/units.h"
 #include "tests/support/render_kit.h"
 
 namespace {
 
 using namespace raycube;
-constexpr double kPi = std::numbers::pi, kDegree = kPi / 180;
+constexpr double kPi = std::numbers::pi;
 
 /// Grey over 0.3 to 20 um, of a fixed temperature; returns its pure surface.
 std::uint32_t warm_material(scene::CompiledScene& scene, const std::string& name, double reflectance, double kelvin) {
@@ -161,8 +162,8 @@ TEST_CASE(
     "path") {
   for (const double tilt_deg : {0.0, 20.0, 65.0}) {
     auto s = night(5);
-    const double c = std::cos(tilt_deg * kDegree), n = std::sin(tilt_deg * kDegree), own_K = 310, other_K = 270,
-                 rho = 0.3, t = 0.7, factor = 0.9;
+    const double c = std::cos(base::rad_from_deg(tilt_deg)), n = std::sin(base::rad_from_deg(tilt_deg)), own_K = 310,
+                 other_K = 270, rho = 0.3, t = 0.7, factor = 0.9;
     const auto plane = warm_material(s.scene, "plane", rho, own_K), far = warm_material(s.scene, "far", 0.1, other_K);
     test::place(s.scene, test::rectangle({-50 * c, -50, -50 * n}, {100 * c, 0, 100 * n}, {0, 100, 0}, plane));
     test::place(s.scene, test::rectangle({5000, 5000, -500}, {100, 0, 0}, {0, 300, 0}, far));  // three times the area
@@ -193,7 +194,7 @@ TEST_CASE("S4.8 tilted planes under a sky that brightens to the horizon: quadrat
       280, [](double) { return 0.4; }, 1000, fine_grid());
   for (const double tilt_deg : {0.0, 40.0}) {
     auto s = night(3);
-    const double c = std::cos(tilt_deg * kDegree), n = std::sin(tilt_deg * kDegree), rho = 1.0;
+    const double c = std::cos(base::rad_from_deg(tilt_deg)), n = std::sin(base::rad_from_deg(tilt_deg)), rho = 1.0;
     const auto plane = warm_material(s.scene, "plane", rho, 300);
     test::place(s.scene, test::rectangle({-50 * c, -50, -50 * n}, {100 * c, 0, 100 * n}, {0, 100, 0}, plane));
     finish_top_tree(s.scene);
@@ -206,11 +207,12 @@ TEST_CASE("S4.8 tilted planes under a sky that brightens to the horizon: quadrat
       const double light =
           atmos::sky_radiance_thermal(table, 0, zenith)[0] / base::planck_radiance(atmos::wavelengths(table)[0], 280);
       double around = 0;  // of max(0, n . d) over azimuth, in closed form
-      const double a = c * std::cos(zenith * kDegree), b = n * std::sin(zenith * kDegree),
+      const double a = c * std::cos(base::rad_from_deg(zenith)), b = n * std::sin(base::rad_from_deg(zenith)),
                    cut = b > a ? std::acos(-a / b) : kPi;
       around = 2 * (a * cut + b * std::sin(cut));
-      shares +=
-          light * around * (std::cos((zenith - step / 2) * kDegree) - std::cos((zenith + step / 2) * kDegree)) / kPi;
+      shares += light * around *
+                (std::cos(base::rad_from_deg(zenith - step / 2)) - std::cos(base::rad_from_deg(zenith + step / 2))) /
+                kPi;
     }
     const auto b280 = band_planck(280), b300 = band_planck(300);
     const double t = std::exp(-0.4 * (1 - std::exp(-0.5)));
@@ -342,9 +344,9 @@ TEST_CASE("S15 3.8 um by day: sun, skylight and thermal light together; at 10 um
              thermal_sky = band_means([](double l) { return 0.1 * l; });
   std::vector<double> expected, without_sky;
   for (std::size_t b = 0; b < planck.size(); ++b) {
-    without_sky.push_back((1 - rho) * planck[b] * 0.9 +
-                          rho * 0.9 * (e0[b] * 0.8 * 1.02 * std::cos(zenith_deg * kDegree) / kPi + thermal_sky[b]) +
-                          0.053);
+    without_sky.push_back(
+        (1 - rho) * planck[b] * 0.9 +
+        rho * 0.9 * (e0[b] * 0.8 * 1.02 * std::cos(base::rad_from_deg(zenith_deg)) / kPi + thermal_sky[b]) + 0.053);
     expected.push_back(without_sky.back() + rho * 0.9 * 1.02 * e0[b] / 1100);
   }
   const double worst = worst_relative(day, expected);

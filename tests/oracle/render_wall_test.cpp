@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "atmos_tables/clear_sky.h"
+#include "host/base/units.h"
 #include "atmos_tables/synthetic.h"
 #include "host/sensors/ray_groups.h"
 #include "kernels/sampling/sampler.h"
@@ -16,14 +17,14 @@
 namespace {
 
 using namespace raycube;
-constexpr double kPi = std::numbers::pi, kDegree = kPi / 180;
+constexpr double kPi = std::numbers::pi;
 constexpr double kReflectance = 0.4, kSkyRadiance = 30;
 
 /// Stands on z = 0 through the origin; its front looks towards azimuth `facing_deg`.
 struct Wall {
   double facing_deg, half_length_m = 150, height_m = 30;
-  double nx() const { return std::sin(facing_deg * kDegree); }
-  double ny() const { return std::cos(facing_deg * kDegree); }
+  double nx() const { return std::sin(base::rad_from_deg(facing_deg)); }
+  double ny() const { return std::cos(base::rad_from_deg(facing_deg)); }
   double distance(double x, double y) const { return x * nx() + y * ny(); }
   double along(double x, double y) const { return x * ny() - y * nx(); }
 

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "tests/support/devices.h"
+#include "host/base/units.h"
 #include "tests/support/judge_hits.h"
 #include "tests/support/render_kit.h"
 #include "tests/support/test_scenes.h"
@@ -16,8 +17,6 @@ using namespace raycube;
 using test::TraceShape;
 
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 TraceShape tile(std::uint32_t columns, std::uint32_t lines, int n) {
   TraceShape shape;
@@ -90,12 +89,12 @@ TEST_CASE(
   for (const double angle_deg : {80.0, 89.0, 89.9}) {
     CAPTURE(angle_deg);
     TraceShape shape = tile(12, 8, 4);
-    const double tilt = std::tan(angle_deg * kDegree);
+    const double tilt = std::tan(base::rad_from_deg(angle_deg));
     // The farthest ray meets the plane within 50 km: 10 m high, 17 km at 89.97 degrees.
     const auto groups = test::nadir_groups(shape, 0, 0, 10, 1e-4, 0.1, tilt);
     require_right(plane, shape, groups, 1);
     test::on_every_device([&](const cl::Context& context) {
-      const Lit seen = lit_samples(context, plane, shape, groups, angle_deg * kDegree);
+      const Lit seen = lit_samples(context, plane, shape, groups, base::rad_from_deg(angle_deg));
       CHECK(seen.hits == shape.pixels() * shape.samples());
       CHECK(seen.lit == seen.hits);
     });
@@ -110,7 +109,7 @@ TEST_CASE("stability: a low-poly sphere and a view from 20 km: each face is lit 
   // from the faces' normals alone. Near a terminator's edge nothing is doubtful, for a sample belongs to one face.
   const auto mesh = test::sphere(1, 5, 0);
   const auto scene = placed({mesh});
-  const double zenith = 70 * kDegree, sun[3] = {std::sin(zenith), 0, std::cos(zenith)};
+  const double zenith = base::rad_from_deg(70), sun[3] = {std::sin(zenith), 0, std::cos(zenith)};
   for (const double height_m : {60.0, 20000.0}) {
     CAPTURE(height_m);
     TraceShape shape = tile(16, 16, 4);
@@ -154,8 +153,8 @@ TEST_CASE("stability: a plane of 40 km seen from 20 km, tilted and level, is lit
     TraceShape shape = tile(20, 20, 4);
     const auto groups = test::nadir_groups(shape, 300, 100, 20000, 1500, 20000, 0);
     test::on_every_device([&](const cl::Context& context) {
-      const Lit seen =
-          lit_samples(context, scene, shape, groups, 60 * kDegree);  // 30 deg high, the slope of 17 deg turned from it
+      const Lit seen = lit_samples(context, scene, shape, groups,
+                                   base::rad_from_deg(60));  // 30 deg high, the slope of 17 deg turned from it
       CHECK(seen.hits > 0.9 * shape.pixels() * shape.samples());
       CHECK(seen.lit == seen.hits);
     });

@@ -10,6 +10,7 @@
 #include "atmos_tables/clear_sky.h"
 #include "atmos_tables/moon.h"
 #include "host/base/error.h"
+#include "host/base/units.h"
 #include "scene_compiler/sun_position.h"
 
 using namespace raycube;
@@ -66,20 +67,20 @@ TEST_CASE("S6 sun position: no date and no place on earth are refused with the v
 TEST_CASE("S4.11 moon: apparent place and phase of Meeus, Astronomical Algorithms, examples 47.a and 48.a") {
   // 1992 April 12, 0h TD (Delta T 58.7 s): right ascension 134.688470, declination 13.768368 deg, distance 368409.7 km,
   // phase angle 69.0756 deg. Horizon coordinates and parallax by hand, with the mean sidereal time of Meeus (12.4).
-  constexpr double kDegree = 3.14159265358979323846 / 180;
-  const double julian_day = 2448724.5 - 58.7 / 86400, latitude = 40 * kDegree;
+  const double julian_day = 2448724.5 - 58.7 / 86400, latitude = base::rad_from_deg(40);
   for (double longitude_deg : {-75.0, -40.0, 10.0}) {
     const double sidereal_deg = 280.46061837 + 360.98564736629 * (julian_day - 2451545.0) + longitude_deg;
-    const double hour = sidereal_deg * kDegree - 134.688470 * kDegree, declination = 13.768368 * kDegree;
+    const double hour = base::rad_from_deg(sidereal_deg) - base::rad_from_deg(134.688470),
+                 declination = base::rad_from_deg(13.768368);
     const double height = std::asin(std::sin(latitude) * std::sin(declination) +
                                     std::cos(latitude) * std::cos(declination) * std::cos(hour));
     const double south_over_west =
         std::atan2(std::sin(hour), std::cos(hour) * std::sin(latitude) - std::tan(declination) * std::cos(latitude));
-    const double zenith = 90 * kDegree - height;
-    const double seen = std::atan2(std::sin(zenith), std::cos(zenith) - 6371.0 / 368409.7) / kDegree;
+    const double zenith = base::rad_from_deg(90) - height;
+    const double seen = base::deg_from_rad(std::atan2(std::sin(zenith), std::cos(zenith) - 6371.0 / 368409.7));
     const auto moon = scene::moon_from_time("1992-04-11T23:59:01.3Z", 40, longitude_deg);
     CHECK(std::abs(moon.zenith_deg - seen) < 0.02);
-    CHECK(std::abs(std::remainder(moon.azimuth_deg - (south_over_west / kDegree + 180), 360)) < 0.02);
+    CHECK(std::abs(std::remainder(moon.azimuth_deg - (base::deg_from_rad(south_over_west) + 180), 360)) < 0.02);
     CHECK(std::abs(moon.moon_phase_deg - 69.0756) < 0.02);
     CHECK(moon.day_of_year == 102);
   }

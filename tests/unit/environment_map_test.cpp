@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "atmos_tables/environment.h"
+#include "atmos_tables/environment_function.h"
 #include "host/plan/environment_map.h"
 #include "host/plan/ground_rays.h"
 #include "tests/support/render_kit.h"

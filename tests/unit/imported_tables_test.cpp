@@ -6,14 +6,13 @@
 #include <vector>
 
 #include "host/base/error.h"
+#include "host/base/units.h"
 #include "host/plan/channel_bands.h"
 #include "host/plan/one_direction.h"
 
 using namespace raycube;
 
 namespace {
-
-constexpr double kDegree = M_PI / 180;
 
 atmos::RenderTable imported(const std::vector<double>& zenith_deg, const std::vector<double>& target_m) {
   atmos::RenderTable table;
@@ -28,7 +27,7 @@ atmos::RenderTable imported(const std::vector<double>& zenith_deg, const std::ve
 
 plan::ViewBounds views(double from_deg, double to_deg, double height_m = 5000) {
   plan::ViewBounds view;
-  view.sec_min = 1 / std::cos(from_deg * kDegree), view.sec_max = 1 / std::cos(to_deg * kDegree);
+  view.sec_min = 1 / std::cos(base::rad_from_deg(from_deg)), view.sec_max = 1 / std::cos(base::rad_from_deg(to_deg));
   view.sensor_height_m = height_m;
   return view;
 }

@@ -1,4 +1,4 @@
-#include "atmos_tables/environment.h"
+#include "atmos_tables/environment_function.h"
 
 #include <algorithm>
 #include <cmath>

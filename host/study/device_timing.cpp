@@ -1,4 +1,4 @@
-#include "host/study/trial.h"
+#include "host/study/device_timing.h"
 
 #include <algorithm>
 

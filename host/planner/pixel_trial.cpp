@@ -1,4 +1,4 @@
-#include "host/planner/trial.h"
+#include "host/planner/pixel_trial.h"
 
 #include <algorithm>
 #include <numbers>
@@ -37,8 +37,8 @@ void set_directions(plan::Plan& plan, const scene::Simulation& simulation, int s
   plan.sky = sky_for(plan, simulation, directions, plan::sky_share(simulation.sky_share, samples, directions));
 }
 
-Trial::Trial(render::Renderer& renderer, const scene::Simulation& simulation, const scene::Instrument& instrument,
-             const plan::Plan& plan)
+PixelTrial::PixelTrial(render::Renderer& renderer, const scene::Simulation& simulation,
+                       const scene::Instrument& instrument, const plan::Plan& plan)
     : renderer_(renderer), simulation_(simulation), instrument_(instrument), plan_(plan) {
   instrument_.first_samples = 0;                         // errors of all samples
   instrument_.small_objects = scene::SmallObjects::off;  // and of the law that holds for most pixels
@@ -53,14 +53,14 @@ Trial::Trial(render::Renderer& renderer, const scene::Simulation& simulation, co
   look();
 }
 
-scene::Instrument Trial::sampled(scene::SamplerKind sampler, int samples_u, int samples_v) const {
+scene::Instrument PixelTrial::sampled(scene::SamplerKind sampler, int samples_u, int samples_v) const {
   scene::Instrument out = instrument_;
   out.sampler = sampler, out.samples_u = samples_u, out.samples_v = samples_v;
   return out;
 }
 
 /// Lattices, since every seed moves them; the last differs from the first by its sky alone.
-void Trial::look() {
+void PixelTrial::look() {
   tiles_ = trial_tiles(instrument_, simulation_.seed, kLookRuns);
   for (const auto& tile : tiles_) pixels_ += tile.pixels();
   looked_at_ = pixels_;
@@ -89,7 +89,7 @@ void Trial::look() {
   tiles_ = std::move(drawn);
 }
 
-TrialImage Trial::render(const scene::Instrument& instrument, const plan::SkySets& sky, std::uint64_t seed) {
+TrialImage PixelTrial::render(const scene::Instrument& instrument, const plan::SkySets& sky, std::uint64_t seed) {
   plan_.sky = sky;
   TrialImage image;
   image.bands = instrument.bands.size();
@@ -110,19 +110,19 @@ TrialImage Trial::render(const scene::Instrument& instrument, const plan::SkySet
   return image;
 }
 
-void Trial::make_references() {
+void PixelTrial::make_references() {
   if (one_.bands > 0) return;
   const scene::Instrument fine = sampled(scene::SamplerKind::jittered, kReferenceSide, kReferenceSide);
   one_ = render(fine, one_sky_, simulation_.seed + kOther);
   two_ = render(fine, one_sky_, simulation_.seed + 2 * kOther);
 }
 
-TrialError Trial::sampling_error(scene::SamplerKind sampler, int samples_u, int samples_v) {
+TrialError PixelTrial::sampling_error(scene::SamplerKind sampler, int samples_u, int samples_v) {
   make_references();
   return error_against(render(sampled(sampler, samples_u, samples_v), one_sky_, simulation_.seed), one_, two_, mean_);
 }
 
-TrialError Trial::sky_error(int directions, int samples_u, int samples_v) {
+TrialError PixelTrial::sky_error(int directions, int samples_u, int samples_v) {
   if (plan_.components() == 0) return {};
   // Points that the seed moves would put the samples' noise into the difference.
   const scene::Instrument tried = sampled(scene::SamplerKind::grid, samples_u, samples_v);

@@ -1,10 +1,10 @@
-#include "host/reference/environment.h"
+#include "host/reference/ground_around.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "atmos_tables/environment.h"
+#include "atmos_tables/environment_function.h"
 #include "atmos_tables/interpolate.h"
 #include "host/reference/radiance.h"
 #include "scene_compiler/matter.h"

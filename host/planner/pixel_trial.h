@@ -14,12 +14,12 @@
 
 namespace raycube::planner {
 
-class Trial {
+class PixelTrial {
  public:
   /// `plan`: of the instrument, with any number of directions. Nothing is rendered yet. All must live as long as the
   /// trial.
-  Trial(render::Renderer& renderer, const scene::Simulation& simulation, const scene::Instrument& instrument,
-        const plan::Plan& plan);
+  PixelTrial(render::Renderer& renderer, const scene::Simulation& simulation, const scene::Instrument& instrument,
+             const plan::Plan& plan);
 
   /// Error of a sampler with u x v cells, against random points in the cells of two finer grids: unbiased and
   /// independent of each other. Every pixel looks at the sky by the same few directions, so that the sky's own noise,
