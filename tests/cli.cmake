@@ -42,3 +42,5 @@ raycube_cli_test(tune_cli)
 if(RAYCUBE_BENCH)
   raycube_cli_test(bench_programs $<TARGET_FILE_DIR:raycube>/raycube_bench)
 endif()
+# What verbs call, called by a program that is none.
+raycube_test(run_library SOURCES unit/run_library_test.cpp LIBS raycube::run LABELS fast device)

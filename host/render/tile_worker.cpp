@@ -159,7 +159,7 @@ void TileWorker::run(const TileRays& tile, const TileOutput& out, PixelProbe* pr
   });
   if (out.band_error) add_errors(all_pixels, out);
   double hit = 0;
-  for (std::uint32_t p = 0; p < pixels; ++p) hit += out.truth[p * out.layers + 1];
+  for (std::uint32_t p = 0; p < pixels; ++p) hit += out.truth[p * out.layers + truth::hit_fraction];
   const double rays = static_cast<double>(pixels) * shape.samples;
   statistics_.primary_rays += static_cast<std::uint64_t>(rays);
   const double hit_rays = hit / std::max(1u, pixels) * rays;

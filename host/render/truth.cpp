@@ -31,39 +31,34 @@ std::vector<LayerName> truth_layer_names(const scene::CompiledScene& scene, cons
 }
 
 void fill_truth(const PixelTruth& pixel, std::size_t materials, const scene::Sun& sun, float* layers) {
-  enum Layer {
-#define RC_TRUTH_LAYER(name, unit, text) name,
-#include "kernels/shared/truth_layers.def"
-#undef RC_TRUTH_LAYER
-    kFixedLayers
-  };
   constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
   const float hit = pixel.sums[RC_TRUTH_HIT];
   const auto mean = [&](int sum) { return hit > 0 ? pixel.sums[sum] / hit : kNone; };
 
   float best = 0;
-  layers[material_id] = 0;
+  layers[truth::material_id] = 0;
   for (std::size_t m = 0; m < materials; ++m) {
-    layers[kFixedLayers + m] = pixel.abundance[m];
+    layers[truth::abundance + m] = pixel.abundance[m];
     if (pixel.abundance[m] > best) {
       best = pixel.abundance[m];
-      layers[material_id] = static_cast<float>(m + 1);
+      layers[truth::material_id] = static_cast<float>(m + 1);
     }
   }
-  layers[hit_fraction] = hit;
-  layers[sun_fraction] = hit > 0 ? pixel.sums[RC_TRUTH_SUN] / hit : 0.0f;
-  layers[x_m] = mean(RC_TRUTH_X);
-  layers[y_m] = mean(RC_TRUTH_Y);
-  layers[z_m] = mean(RC_TRUTH_Z);
-  layers[range_m] = mean(RC_TRUTH_RANGE);
+  layers[truth::hit_fraction] = hit;
+  layers[truth::sun_fraction] = hit > 0 ? pixel.sums[RC_TRUTH_SUN] / hit : 0.0f;
+  layers[truth::x_m] = mean(RC_TRUTH_X);
+  layers[truth::y_m] = mean(RC_TRUTH_Y);
+  layers[truth::z_m] = mean(RC_TRUTH_Z);
+  layers[truth::range_m] = mean(RC_TRUTH_RANGE);
   const auto& d = pixel.to_target;
   const double length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
   const double azimuth_deg = base::deg_from_rad(std::atan2(-d[0], -d[1]));
-  layers[view_zenith_deg] = static_cast<float>(base::deg_from_rad(std::acos(std::clamp(-d[2] / length, -1.0, 1.0))));
-  layers[view_azimuth_deg] = static_cast<float>(azimuth_deg < 0 ? azimuth_deg + 360.0 : azimuth_deg);
-  layers[sun_zenith_deg] = static_cast<float>(sun.zenith_deg);
-  layers[sun_azimuth_deg] = static_cast<float>(sun.azimuth_deg);
-  layers[sun_incidence_deg] =
+  layers[truth::view_zenith_deg] =
+      static_cast<float>(base::deg_from_rad(std::acos(std::clamp(-d[2] / length, -1.0, 1.0))));
+  layers[truth::view_azimuth_deg] = static_cast<float>(azimuth_deg < 0 ? azimuth_deg + 360.0 : azimuth_deg);
+  layers[truth::sun_zenith_deg] = static_cast<float>(sun.zenith_deg);
+  layers[truth::sun_azimuth_deg] = static_cast<float>(sun.azimuth_deg);
+  layers[truth::sun_incidence_deg] =
       hit > 0
           ? static_cast<float>(base::deg_from_rad(std::acos(std::clamp(double{mean(RC_TRUTH_INCIDENCE)}, -1.0, 1.0))))
           : kNone;

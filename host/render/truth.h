@@ -11,6 +11,17 @@
 
 namespace raycube::render {
 
+/// Bands of the fixed layers, by the names of truth_layers.def; a material's abundance follows at abundance + its
+/// index.
+namespace truth {
+enum Layer {
+#define RC_TRUTH_LAYER(name, unit, text) name,
+#include "kernels/shared/truth_layers.def"
+#undef RC_TRUTH_LAYER
+  abundance
+};
+}  // namespace truth
+
 struct LayerName {
   std::string name, unit, text;
 };

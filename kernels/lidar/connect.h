@@ -169,25 +169,18 @@ static inline void rc_lobes16(const LidarTables* t, const Vertex16* vertex, Vect
 }
 #endif
 
-/* Deposits what the live vertices send. rows: of the owner, [pixel][line]. shadow: the ways are traced. */
-static inline void rc_connect(SceneArrays scene, const LidarTables* t, const Paths16* paths, const Vertex16* vertex,
-                              bool shadow, RC_ROW_SPACE float* rows, LidarSums* sums) {
-  global const float4* shot = t->shot;
-  global const float* settings = t->settings;
-  const float4 from_end = shot[RC_SHADOWS ? RC_SHOT_FROM_END : RC_SHOT_FROM_START],
-               axis = shot[RC_SHOT_END_AXIS]; /* one place if there are no shadows */
-  const Leg16 leg = rc_leg16(from_end, paths->place);
-  const Vector16 v = leg.way; /* from the end to the vertex */
-  const float16 range = leg.range, inverse = leg.inverse;
-  const float16 facing = -rc_dot16(v, vertex->normal) * inverse;
-  const float16 depth_along = fma((float16)(axis.x), v.x, fma((float16)(axis.y), v.y, axis.z * v.z));
-  /* Factor of the geometry: all but weight, matter and air. */
-  int16 seen = (depth_along > 0.0f) & rc_bits16(paths->live);
-  const float16 off_axis = depth_along * inverse;
+/* Factor of the geometry: all but weight, matter and air. v: from the end to the vertices, inverse: 1 over its length.
+ * seen: lanes that the end can see at all; in_pixel: pixel of an array, where it has some. */
+static inline float16 rc_end_geometry(const LidarTables* t, Vector16 v, float16 inverse, int16* seen,
+                                      float16* in_pixel) {
+  const float4 axis = t->shot[RC_SHOT_END_AXIS];
+  const float16 deep = fma((float16)(axis.x), v.x, fma((float16)(axis.y), v.y, axis.z * v.z)),
+                off_axis = deep * inverse;
+  *seen &= deep > 0.0f;
+  *in_pixel = 0.0f;
 #if RC_RECEIVER
-  const Vector16 beside = {fma(-depth_along, (float16)(axis.x), v.x), fma(-depth_along, (float16)(axis.y), v.y),
-                           fma(-depth_along, (float16)(axis.z), v.z)};
-  const float16 radius = fma(depth_along, (float16)(shot[RC_SHOT_END_U].w), (float16)(RC_GAUSSIAN ? 0.0f : axis.w));
+  const float16 radius = fma(deep, (float16)(t->shot[RC_SHOT_END_U].w), (float16)(RC_GAUSSIAN ? 0.0f : axis.w));
+  const Vector16 beside = rc_along16(v, -deep, rc_vector16(axis));
   const float16 aside = rc_dot16(beside, beside);
 #if RC_GAUSSIAN
   const float16 spot = fmax(fma(radius, radius, (float16)(axis.w * axis.w)), 1e-30f);
@@ -196,24 +189,34 @@ static inline void rc_connect(SceneArrays scene, const LidarTables* t, const Pat
   const float16 spot = fmax(radius * radius, 1e-30f);
   const float16 fluence = select((float16)(0.0f), 0.318309886f / spot, aside <= spot);
 #endif
-  const float16 geometry = fluence / fmax(off_axis, 1e-6f);
+  return fluence / fmax(off_axis, 1e-6f);
 #else
   float16 geometry = off_axis * inverse * inverse;
 #if RC_COLUMNS * RC_ROWS > 1
-  const float16 in_pixel = rc_pixel16(t, v, depth_along);
-  seen &= in_pixel >= 0.0f;
-  RC_LINE float pixel_lanes[16];
-  rc_store16(in_pixel, 0, pixel_lanes);
+  *in_pixel = rc_pixel16(t, v, deep);
+  *seen &= *in_pixel >= 0.0f;
 #elif RC_OVERLAP
-  {
-    const Vector16 beside = {fma(-depth_along, (float16)(axis.x), v.x), fma(-depth_along, (float16)(axis.y), v.y),
-                             fma(-depth_along, (float16)(axis.z), v.z)};
-    const float16 near = fmax(depth_along, 1e-20f), offset = sqrt(rc_dot16(beside, beside));
-    geometry *= rc_vignetting(settings, near, offset);
-  }
+  const Vector16 beside = rc_along16(v, -deep, rc_vector16(axis));
+  geometry *= rc_vignetting(t->settings, fmax(deep, 1e-20f), sqrt(rc_dot16(beside, beside)));
 #endif
+  return geometry;
 #endif
-  uint lanes = rc_mask16(seen & (geometry > 0.0f));
+}
+
+/* Deposits what the live vertices send. rows: of the owner, [pixel][line]. shadow: the ways are traced. */
+static inline void rc_connect(SceneArrays scene, const LidarTables* t, const Paths16* paths, const Vertex16* vertex,
+                              bool shadow, RC_ROW_SPACE float* rows, LidarSums* sums) {
+  global const float4* shot = t->shot;
+  global const float* settings = t->settings;
+  const float4 from_end = shot[RC_SHADOWS ? RC_SHOT_FROM_END : RC_SHOT_FROM_START]; /* one place without shadows */
+  const Leg16 leg = rc_leg16(from_end, paths->place);
+  const Vector16 v = leg.way; /* from the end to the vertex */
+  const float16 range = leg.range, inverse = leg.inverse;
+  const float16 facing = -rc_dot16(v, vertex->normal) * inverse;
+  int16 seen = rc_bits16(paths->live);
+  float16 in_pixel;
+  const float16 geometry = rc_end_geometry(t, v, inverse, &seen, &in_pixel);
+  const uint lanes = rc_mask16(seen & (geometry > 0.0f));
   if (!lanes) return;
 
 #if RC_CONTINUES || RC_SHADOWS
@@ -238,8 +241,9 @@ static inline void rc_connect(SceneArrays scene, const LidarTables* t, const Pat
   const float16 phases = position - whole;
   const int16 bins = convert_int16(whole) + as_int(shot[RC_SHOT_TIME].x);
 #if RC_OWN_PIXELS > 1
-  RC_LINE float phase[16];
+  RC_LINE float phase[16], pixel_lanes[16];
   RC_LINE int bin[16];
+  rc_store16(in_pixel, 0, pixel_lanes);
   rc_store16(phases, 0, phase);
   rc_store16(as_float16(bins), 0, (float*)bin);
 #endif

@@ -7,6 +7,45 @@
 #include "kernels/sampling/lidar_draws.h"
 
 #if RC_BOUNCES > 1
+/* Direction in which a path goes on from a surface: on the side that it came from (`front`) by the surface's shape,
+ * behind it by the cosine law. n: normal on that side; way: in which light arrived. spread: f cos over the direction's
+ * density, per unit of reflectance; 1 by Lambert's law. */
+static inline float4 rc_draw_direction(const LidarTables* t, uint key, uint ray, uint step, uint surface, float4 n,
+                                       float4 way, bool front, float* spread) {
+  const float u = rc_unit_float(rc_hash(t->seed, key, ray, RC_DRAW_RADIUS(step))),
+              v = rc_unit_float(rc_hash(t->seed, key, ray, RC_DRAW_ANGLE(step)));
+  const Frame frame = rc_frame(front ? n : -n);
+#if RC_SHAPED
+  const Lobe lobe = t->lobes[surface * RC_LOBES];
+  if (front && lobe.shape != RC_SHAPE_lambert) {
+    const float p0 = lobe.parameter[0], p1 = lobe.parameter[1];
+    const float4 direction = rc_from_frame(frame, rc_shape_sample(lobe.shape, p0, p1, rc_to_frame(frame, -way), u, v));
+    const RcAngles angles = rc_angles(n, -way, direction);
+    *spread = rc_shape_eval(lobe.shape, angles.cos_out, p0, p1, angles) / rc_shape_pdf(lobe.shape, p0, p1, angles);
+    return direction;
+  }
+#endif
+  return rc_from_frame(frame, rc_cosine_law(u, v));
+}
+
+/* What a step does to energy and weight: what can go on goes on, in expectation over the lobes, the rest is booked. At
+ * the first vertex light was split by the caller. */
+static inline void rc_split_step(const LidarTables* t, const Vertex16* vertex, uint step, uint ended,
+                                 float (*factor)[16], Paths16* paths, LidarSums* sums) {
+  for (uint line = 0; line < RC_LASER_LINES; ++line) {
+    RC_LINE float kept[16], booked[16];
+    for (uint k = 0; k < 16u; ++k) {
+      const float4 optics = t->optics[vertex->surface[k] * RC_LASER_LINES + line];
+      const float diffuse = step > 1u ? optics.x + optics.y : 1.0f, plate = step > 1u ? optics.z : 0.0f;
+      const bool last = paths->order[k] >= RC_BOUNCES;
+      kept[k] = ended >> k & 1u ? 0.0f : last ? plate : diffuse + plate;
+      booked[k] = ended >> k & 1u ? diffuse + plate : last ? diffuse : 0.0f;
+    }
+    rc_split_energy(paths, line, rc_load16(0, kept), rc_load16(0, booked), sums, RC_LEDGER_TRUNCATED);
+    paths->weight[line] *= rc_load16(0, factor[line]);
+  }
+}
+
 /* Follows the paths that scattered at their first vertex until they end; deposits at every further one. `first`: number
  * of the word's first ray. */
 __attribute__((noinline)) static void rc_scatter_on(SceneArrays scene, const LidarTables* t, Paths16* paths,
@@ -47,34 +86,14 @@ __attribute__((noinline)) static void rc_scatter_on(SceneArrays scene, const Lid
         ended |= 1u << k;
         continue;
       }
-      const uint ray = first_ray + k;
-      const float lobe = rc_unit_float(rc_hash(t->seed, key, ray, RC_DRAW_LOBE(step))) * sum;
-      float4 direction;
-      float spread =
-          1.0f; /* of a direction drawn by the shape: pi f cos / (its density times pi), 1 by Lambert's law */
-      if (lobe >= rho + tau && plate > 0.0f) {
+      const float lobe = rc_unit_float(rc_hash(t->seed, key, first_ray + k, RC_DRAW_LOBE(step))) * sum;
+      float4 direction = rc_lane4(way, k);
+      float spread = 1.0f;
+      if (lobe >= rho + tau && plate > 0.0f)
         straight |= 1u << k;
-        direction = rc_lane4(way, k);
-      } else {
-        const float u = rc_unit_float(rc_hash(t->seed, key, ray, RC_DRAW_RADIUS(step))),
-                    v = rc_unit_float(rc_hash(t->seed, key, ray, RC_DRAW_ANGLE(step)));
-        const float4 n = rc_lane4(normal, k);
-        const Frame frame = rc_frame(lobe < rho ? n : -n);
-#if RC_SHAPED
-        const Lobe shape = t->lobes[vertex.surface[k] * RC_LOBES];
-        const RcLocal in = rc_to_frame(frame, -rc_lane4(way, k));
-        const float p0 = shape.parameter[0], p1 = shape.parameter[1];
-        direction =
-            rc_from_frame(frame, lobe < rho ? rc_shape_sample(shape.shape, p0, p1, in, u, v) : rc_cosine_law(u, v));
-        if (lobe < rho && shape.shape != RC_SHAPE_lambert) {
-          const RcAngles angles = rc_angles(n, -rc_lane4(way, k), direction);
-          spread =
-              rc_shape_eval(shape.shape, angles.cos_out, p0, p1, angles) / rc_shape_pdf(shape.shape, p0, p1, angles);
-        }
-#else
-        direction = rc_from_frame(frame, rc_cosine_law(u, v));
-#endif
-      }
+      else
+        direction = rc_draw_direction(t, key, first_ray + k, step, vertex.surface[k], rc_lane4(normal, k), direction,
+                                      lobe < rho, &spread);
       const bool behind = straight >> k & 1u || lobe >= rho;
       const float chance = (straight >> k & 1u ? plate : behind ? tau : rho) / sum;
       for (uint line = 0; line < RC_LASER_LINES; ++line) {
@@ -94,20 +113,7 @@ __attribute__((noinline)) static void rc_scatter_on(SceneArrays scene, const Lid
       if (hit.instance != RC_NONE) hits.primitive[k] = hit.primitive;
       reach[k] = hit.t;
     }
-    /* Energy: what can go on, in expectation over the lobes. */
-    for (uint line = 0; line < RC_LASER_LINES; ++line) {
-      RC_LINE float kept[16], booked[16];
-      for (uint k = 0; k < 16u; ++k) {
-        const float4 optics = t->optics[vertex.surface[k] * RC_LASER_LINES + line];
-        const float diffuse = step > 1u ? optics.x + optics.y : 1.0f,
-                    plate = step > 1u ? optics.z : 0.0f; /* first vertex: split by the caller */
-        const bool last = paths->order[k] >= RC_BOUNCES;
-        kept[k] = ended >> k & 1u ? 0.0f : last ? plate : diffuse + plate;
-        booked[k] = ended >> k & 1u ? diffuse + plate : last ? diffuse : 0.0f;
-      }
-      rc_split_energy(paths, line, rc_load16(0, kept), rc_load16(0, booked), sums, RC_LEDGER_TRUNCATED);
-      paths->weight[line] *= rc_load16(0, factor[line]);
-    }
+    rc_split_step(t, &vertex, step, ended, factor, paths, sums);
     paths->live &= ~ended;
     uint missed = 0;
     for (uint k = 0; k < 16u; ++k) {

@@ -48,10 +48,10 @@ static inline void rc_add_truth(const TracedPixel* traced, const ShadedWord* wor
   truth->of[RC_TRUTH_INCIDENCE] += rc_masked(w_hit * word->cosine, word->hit);
 }
 
-/* Adds them to the row's; the last of RC_TRUTH_SUMS stays zero. */
+/* Adds them to the row's. */
 static inline void rc_close_truth(const TruthSums* truth, float sample_total, PixelRow* row) {
   for (int h = 0; h < RC_HEIGHTS; ++h) rc_add_sum(row->path, RC_HEIGHTS, h, rc_lane_sum(truth->path[h]) / sample_total);
-  for (int i = 0; i <= RC_TRUTH_INCIDENCE; ++i)
+  for (int i = 0; i < RC_TRUTH_SUMS; ++i)
     rc_add_sum(row->truth, RC_TRUTH_SUMS, i, rc_lane_sum(truth->of[i]) / sample_total);
 }
 

@@ -67,7 +67,7 @@
 #define RC_TRUTH_Z 4
 #define RC_TRUTH_RANGE 5     /* m, sensor to hit */
 #define RC_TRUTH_INCIDENCE 6 /* cosine between the normal (facing the viewer) and the sun */
-#define RC_TRUTH_SUMS 8      /* the last is zero */
+#define RC_TRUTH_SUMS 8      /* the last is free, and zero */
 
 #define RC_ENVIRONMENT_NODES 4 /* nodes of the ground around that a pixel takes light from */
 

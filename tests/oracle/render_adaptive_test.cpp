@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "atmos_tables/synthetic.h"
+#include "host/render/truth.h"
 #include "tests/support/render_kit.h"
 
 namespace {
@@ -191,7 +192,7 @@ TEST_CASE(
   camera.first_samples = 0;
   camera.standard_error = scene::StandardError::bands;
   const auto image = test::render_image(simulation, sky_table());
-  REQUIRE(image.layers == 12 + 2 + 2);
+  REQUIRE(image.layers == render::truth::abundance + 2 + 2);
   double mean[3] = {};
   for (int p = 0; p < 60; ++p)
     for (int b = 0; b < 3; ++b) mean[b] += image.radiance[3 * p + b] / 60.0;

@@ -15,6 +15,7 @@
 #include "atmos_tables/synthetic.h"
 #include "host/base/units.h"
 #include "kernels/sampling/sampler.h"
+#include "host/render/truth.h"
 #include "tests/support/render_kit.h"
 
 namespace {
@@ -123,7 +124,7 @@ Floor check_board(const Board& board) {
       }
       const double light = image.layer(line, pixel, image.layers - 2),
                    shown = image.layer(line, pixel, image.layers - 1);
-      worst_sum = std::max(worst_sum, std::abs(light + shown - image.layer(line, pixel, 1)));
+      worst_sum = std::max(worst_sum, std::abs(light + shown - image.layer(line, pixel, render::truth::hit_fraction)));
       worst_count = std::max(worst_count, std::abs(shown - count / 121.0) - near_edge / 121.0);
       const double exact = exact_share(board, x, y), error = shown - exact;
       square += error * error;

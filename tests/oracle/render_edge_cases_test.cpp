@@ -13,6 +13,7 @@
 #include "host/sensors/view_bounds.h"
 #include "kernels/sampling/sampler.h"
 #include "scene_compiler/load_simulation.h"
+#include "host/render/truth.h"
 #include "tests/support/render_kit.h"
 #include "tests/unit/test_folder.h"
 
@@ -55,9 +56,9 @@ TEST_CASE("S63 an empty scene shows path radiance alone; S17 truth says that not
       for (int pixel = 0; pixel < 9; ++pixel) {
         for (int band = 0; band < image.bands; ++band)
           CHECK(image.at(line, pixel, band) == doctest::Approx(kPath).epsilon(1e-6));
-        CHECK(image.layer(line, pixel, 0) == 0);
-        CHECK(image.layer(line, pixel, 1) == 0);
-        CHECK(image.layer(line, pixel, 2) == 0);
+        CHECK(image.layer(line, pixel, render::truth::material_id) == 0);
+        CHECK(image.layer(line, pixel, render::truth::hit_fraction) == 0);
+        CHECK(image.layer(line, pixel, render::truth::sun_fraction) == 0);
         for (const int layer : {3, 4, 5, 6, 11}) CHECK(std::isnan(image.layer(line, pixel, layer)));
       }
   }
@@ -107,7 +108,7 @@ TEST_CASE("S63 a scene of one triangle: hit fraction and radiance by counting sa
         else
           inside += least > 0;
       }
-      const double hit = image.layer(line, pixel, 1);
+      const double hit = image.layer(line, pixel, render::truth::hit_fraction);
       CHECK(hit * 121 > inside - 1e-3);
       CHECK(hit * 121 < inside + near + 1e-3);
       CHECK(image.at(line, pixel, 0) == doctest::Approx(kPath + hit * (plane_radiance(0.4) - kPath)).epsilon(1e-6));
@@ -135,8 +136,8 @@ TEST_CASE("S63 a plane cut into slivers of 1 to 100 000 shows the plane's radian
   const auto image = test::render_image(simulation, hazy_table());
   for (int line = 0; line < 7; ++line)
     for (int pixel = 0; pixel < 9; ++pixel) {
-      CHECK(image.layer(line, pixel, 1) == 1);
-      CHECK(image.layer(line, pixel, 2) == 1);
+      CHECK(image.layer(line, pixel, render::truth::hit_fraction) == 1);
+      CHECK(image.layer(line, pixel, render::truth::sun_fraction) == 1);
       CHECK(image.at(line, pixel, 0) == doctest::Approx(plane_radiance(0.4)).epsilon(1e-6));
     }
 }
@@ -153,9 +154,9 @@ TEST_CASE("S63 sensor inside a closed box: no sun at all, no sky within 4 standa
   double sum = 0, square = 0;
   for (int line = 0; line < 20; ++line)
     for (int pixel = 0; pixel < 32; ++pixel) {
-      CHECK(image.layer(line, pixel, 1) == 1);
-      CHECK(image.layer(line, pixel, 2) == 0);
-      CHECK(image.layer(line, pixel, 5) == doctest::Approx(-1).epsilon(1e-5));
+      CHECK(image.layer(line, pixel, render::truth::hit_fraction) == 1);
+      CHECK(image.layer(line, pixel, render::truth::sun_fraction) == 0);
+      CHECK(image.layer(line, pixel, render::truth::z_m) == doctest::Approx(-1).epsilon(1e-5));
       const double sky =
           (image.at(line, pixel, 0) - kPath) / open;  // share of the open sky: all 16 directions are subtracted
       sum += sky;
@@ -194,8 +195,9 @@ TEST_CASE("S63 the same terrain at UTM northing 4.7e6 m and at the origin gives 
   };
   const auto here = scene_at("here", 0, 0, "-20", "-20");
   const auto utm = scene_at("utm", 276000, 4753000, "275980", "4752980");
-  CHECK(here.layer(15, 15, 1) == 1);
-  CHECK(std::abs(here.layer(10, 10, 2) - here.layer(20, 5, 2)) + std::abs(here.at(3, 20, 0) - here.at(20, 3, 0)) >
+  CHECK(here.layer(15, 15, render::truth::hit_fraction) == 1);
+  CHECK(std::abs(here.layer(10, 10, render::truth::sun_fraction) - here.layer(20, 5, render::truth::sun_fraction)) +
+            std::abs(here.at(3, 20, 0) - here.at(20, 3, 0)) >
         0);  // relief shows
   CHECK(same_bytes(here.radiance, utm.radiance));
   CHECK(same_bytes(here.truth, utm.truth));

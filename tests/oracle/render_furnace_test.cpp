@@ -8,6 +8,7 @@
 #include <cstdlib>
 
 #include "atmos_tables/synthetic.h"
+#include "host/render/truth.h"
 #include "tests/support/render_kit.h"
 
 namespace {
@@ -34,8 +35,8 @@ double worst_error(const test::Image& image) {
   double worst = 0;
   for (const float l : image.radiance) worst = std::max(worst, std::abs(l - 1.0));
   for (int pixel = 0; pixel < image.pixels; ++pixel) {
-    worst = std::max(worst, std::abs(image.layer(0, pixel, 1) - 1.0));                 // hit fraction
-    worst = std::max(worst, std::abs(image.layer(0, pixel, image.layers - 1) - 1.0));  // abundance of white
+    worst = std::max(worst, std::abs(image.layer(0, pixel, render::truth::hit_fraction) - 1.0));  // hit fraction
+    worst = std::max(worst, std::abs(image.layer(0, pixel, image.layers - 1) - 1.0));             // abundance of white
   }
   return worst;
 }

@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "atmos_tables/synthetic.h"
+#include "host/render/truth.h"
 #include "tests/support/render_kit.h"
 
 namespace {
@@ -96,9 +97,9 @@ void check_line(const TiledLine& line, const test::Image& image, double toleranc
     double abundances = 0;
     for (int layer = image.layers - int(line.materials); layer < image.layers; ++layer)
       abundances += image.layer(0, int(p), layer);
-    CHECK(abundances ==
-          doctest::Approx(image.layer(0, int(p), 1)).epsilon(1e-5));  // S26: abundances sum to the hit fraction
-    CHECK(image.layer(0, int(p), 1) == doctest::Approx(1).epsilon(1e-6));
+    CHECK(abundances == doctest::Approx(image.layer(0, int(p), render::truth::hit_fraction))
+                            .epsilon(1e-5));  // S26: abundances sum to the hit fraction
+    CHECK(image.layer(0, int(p), render::truth::hit_fraction) == doctest::Approx(1).epsilon(1e-6));
     for (int t = 0; t < n * n; t += 1 + n * n / 400) {
       const int layer = image.layers - int(line.materials) + int(line.first[p]) + t;
       const double share = line.share(p, t);

@@ -10,6 +10,7 @@
 #include "host/base/units.h"
 #include "atmos_tables/interpolate.h"
 #include "atmos_tables/synthetic.h"
+#include "host/render/truth.h"
 #include "tests/support/render_kit.h"
 
 namespace {
@@ -67,8 +68,8 @@ TEST_CASE("S15 tilted plane under sun, uniform sky and path radiance equals the 
   const double worst = largest_relative_error(image, {expected, expected, expected});
   MESSAGE("largest relative error " << worst);
   CHECK(worst < 1e-5);
-  CHECK(image.layer(2, 3, 1) == doctest::Approx(1.0).epsilon(1e-6));  // every sample hit
-  CHECK(image.layer(2, 3, 2) == doctest::Approx(1.0).epsilon(1e-6));  // and saw the sun
+  CHECK(image.layer(2, 3, render::truth::hit_fraction) == doctest::Approx(1.0).epsilon(1e-6));  // every sample hit
+  CHECK(image.layer(2, 3, render::truth::sun_fraction) == doctest::Approx(1.0).epsilon(1e-6));  // and saw the sun
 }
 
 TEST_CASE("S18 tilted plane under a real clear sky equals quadrature of the table to 1e-5") {

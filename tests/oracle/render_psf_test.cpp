@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "atmos_tables/synthetic.h"
+#include "host/render/truth.h"
 #include "tests/support/render_kit.h"
 
 namespace {
@@ -55,7 +56,7 @@ TEST_CASE(
         worst =
             std::max(worst, std::abs(image.at(line, pixel, 0) / (kSky * (kDark * share + kLight * (1 - share))) - 1));
         CHECK(image.layer(line, pixel, image.layers - 2) == doctest::Approx(share).epsilon(1e-6));
-        CHECK(image.layer(line, pixel, 1) == doctest::Approx(1).epsilon(1e-6));
+        CHECK(image.layer(line, pixel, render::truth::hit_fraction) == doctest::Approx(1).epsilon(1e-6));
       }
     MESSAGE(samples << " samples a side: worst relative error " << worst);
     CHECK(worst < 1e-6);

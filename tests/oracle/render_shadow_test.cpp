@@ -11,6 +11,7 @@
 #include "host/base/units.h"
 #include "host/sensors/ray_groups.h"
 #include "kernels/sampling/sampler.h"
+#include "host/render/truth.h"
 #include "tests/support/render_kit.h"
 
 namespace {
@@ -134,7 +135,7 @@ TEST_CASE("S15 S63 shadow of a box: every sample as in closed form, edge at heig
       const auto groups = sensors::make_ray_groups(simulation.instruments[0], line, 1);
       for (int pixel = 0; pixel < image.pixels; ++pixel) {
         const auto count = count_pixel(simulation, groups[std::size_t(pixel) / RC_GROUP_WIDTH], pixel);
-        const double lit = image.layer(line, pixel, 2) * kSide * kSide;
+        const double lit = image.layer(line, pixel, render::truth::sun_fraction) * kSide * kSide;
         near += count.near;
         dark_pixels += lit < 0.5;
         worst = std::max({worst, count.lit - lit, lit - count.lit - count.near});
@@ -148,7 +149,8 @@ TEST_CASE("S15 S63 shadow of a box: every sample as in closed form, edge at heig
     if (zenith_deg > 0) CHECK(dark_pixels > 10);
     if (azimuth_deg == 270) {  // shadow to the east: its length along the middle line, from the dark part of the pixels
       double length = 0;
-      for (int pixel = 0; pixel < image.pixels; ++pixel) length += (1 - image.layer(12, pixel, 2)) * gsd;
+      for (int pixel = 0; pixel < image.pixels; ++pixel)
+        length += (1 - image.layer(12, pixel, render::truth::sun_fraction)) * gsd;
       const double expected = kHeight * std::tan(base::rad_from_deg(zenith_deg));
       MESSAGE("shadow " << length << " m long, closed form " << expected);
       // the camera, 8 m east, sees the dark east face as well; each end falls between two samples
@@ -163,7 +165,7 @@ TEST_CASE("S63 sun just above, at and below the horizon on a plane: cosine of th
     const double expected = 0.3 * (1000 * std::cos(base::rad_from_deg(zenith_deg)) / kPi + 2);
     for (int line = 0; line < 4; ++line)
       for (int pixel = 0; pixel < 12; ++pixel) {
-        CHECK(image.layer(line, pixel, 2) == doctest::Approx(1).epsilon(1e-6));
+        CHECK(image.layer(line, pixel, render::truth::sun_fraction) == doctest::Approx(1).epsilon(1e-6));
         CHECK(image.at(line, pixel, 1) == doctest::Approx(expected).epsilon(1e-5));
       }
   }
@@ -171,7 +173,7 @@ TEST_CASE("S63 sun just above, at and below the horizon on a plane: cosine of th
     const auto image = rendered(box_scene(zenith_deg, 200, 12, 4, 1, 0, false), 1000, 2);
     for (int line = 0; line < 4; ++line)
       for (int pixel = 0; pixel < 12; ++pixel) {
-        CHECK(image.layer(line, pixel, 2) == 0);
+        CHECK(image.layer(line, pixel, render::truth::sun_fraction) == 0);
         CHECK(image.at(line, pixel, 1) == doctest::Approx(0.3 * 2).epsilon(1e-6));
       }
   }
@@ -200,13 +202,13 @@ TEST_CASE("S63 S9 views 80 to 89 degrees off nadir hit the plane where the rays 
         const double a = pixel % RC_GROUP_WIDTH - 1.5, dx = g.d0.x + a * g.du.x, dy = g.d0.y + a * g.du.y,
                      dz = g.d0.z + a * g.du.z;
         const double t = g.origin.z / -dz, range = t * std::sqrt(dx * dx + dy * dy + dz * dz);
-        worst_place = std::max({worst_place, std::abs(image.layer(line, pixel, 3) - t * dx) / range,
-                                std::abs(image.layer(line, pixel, 4) - t * dy) / range});
-        worst_range = std::max(worst_range, std::abs(image.layer(line, pixel, 6) / range - 1));
+        worst_place = std::max({worst_place, std::abs(image.layer(line, pixel, render::truth::x_m) - t * dx) / range,
+                                std::abs(image.layer(line, pixel, render::truth::y_m) - t * dy) / range});
+        worst_range = std::max(worst_range, std::abs(image.layer(line, pixel, render::truth::range_m) / range - 1));
         worst_radiance = std::max(worst_radiance, std::abs(image.at(line, pixel, 0) / expected - 1));
         largest = std::max(largest, range);
-        CHECK(image.layer(line, pixel, 2) == doctest::Approx(1).epsilon(1e-6));
-        CHECK(image.layer(line, pixel, 7) == doctest::Approx(off_nadir_deg).epsilon(1e-4));
+        CHECK(image.layer(line, pixel, render::truth::sun_fraction) == doctest::Approx(1).epsilon(1e-6));
+        CHECK(image.layer(line, pixel, render::truth::view_zenith_deg) == doctest::Approx(off_nadir_deg).epsilon(1e-4));
       }
     }
     MESSAGE(off_nadir_deg << " degrees off nadir, " << largest << " m: worst place " << worst_place << " and range "

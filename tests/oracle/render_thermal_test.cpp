@@ -11,6 +11,7 @@
 #include "host/base/error.h"
 #include "host/base/planck.h"
 #include "host/base/units.h"
+#include "host/render/truth.h"
 #include "tests/support/render_kit.h"
 
 namespace {
@@ -121,7 +122,7 @@ TEST_CASE(
   CHECK(image.plan.sky_components == 0);
   CHECK(image.plan.thermal.temperature_K == std::vector<double>{kelvin});
   CHECK(image.plan.source_channels() == 3);  // thermal sky, surroundings, one temperature
-  CHECK(image.layer(12, 12, 1) == doctest::Approx(1));
+  CHECK(image.layer(12, 12, render::truth::hit_fraction) == doctest::Approx(1));
 }
 
 TEST_CASE("S16 isothermal furnace in layered air, relief and several nodes of height and view: within the tolerance") {
@@ -146,7 +147,7 @@ TEST_CASE("S16 isothermal furnace in layered air, relief and several nodes of he
   double square = 0;
   for (int line = 0; line < 24; ++line)
     for (int pixel = 0; pixel < 24; ++pixel) {
-      CHECK(image.layer(line, pixel, 1) == doctest::Approx(1));
+      CHECK(image.layer(line, pixel, render::truth::hit_fraction) == doctest::Approx(1));
       for (int b = 0; b < image.bands; ++b) square = std::max(square, std::abs(image.at(line, pixel, b) / want[b] - 1));
     }
   MESSAGE("layered furnace: worst pixel " << square << " at tolerance " << s.tolerance << ", "
@@ -248,7 +249,7 @@ TEST_CASE("S16 ground beside a wall: sky and wall share its hemisphere by the cl
     double sum = 0, square = 0;
     for (int line = 0; line < 24; ++line)
       for (int pixel = 0; pixel < 24; ++pixel) {
-        const double x = image.layer(line, pixel, 3), slant = std::hypot(x, height);  // x_m of the hit
+        const double x = image.layer(line, pixel, render::truth::x_m), slant = std::hypot(x, height);  // x_m of the hit
         // Howell, configuration factor B-4: rectangle standing on the plane of a small level element
         const double hidden = (std::atan(half_length / x) - x / slant * std::atan(half_length / slant)) / kPi;
         const double want = (1 - rho) * own[2] + rho * (2.0 * (1 - hidden) + around[2] * hidden);
@@ -361,7 +362,8 @@ TEST_CASE("S15 3.8 um by day: sun, skylight and thermal light together; at 10 um
   CHECK(window.plan.sun_sources == 0);
   CHECK(window.plan.sky_components == 0);
   CHECK(window.plan.source_channels() == 3);
-  CHECK(window.layer(1, 1, 2) == doctest::Approx(1));  // the truth still knows who sees the sun
+  CHECK(window.layer(1, 1, render::truth::sun_fraction) ==
+        doctest::Approx(1));  // the truth still knows who sees the sun
   const double dark = 0.95 * planck[2] * 0.9 + 0.05 * 0.9 * thermal_sky[2] + 0.053;
   CHECK(std::abs(window.at(1, 1, 1) / dark - 1) < 1e-3);
 }

@@ -12,6 +12,7 @@
 #include "atmos_tables/synthetic.h"
 #include "host/sensors/ray_groups.h"
 #include "kernels/sampling/sampler.h"
+#include "host/render/truth.h"
 #include "tests/support/render_kit.h"
 
 namespace {
@@ -216,7 +217,7 @@ TEST_CASE("S18 clear sky and sun beside a wall equal the same directions summed 
           }
           worst = std::max(worst, std::abs(image.at(line, pixel, band) - expected) / whole);
         }
-        CHECK(image.layer(line, pixel, 2) == (sun == Wall::Answer::free ? 1.0f : 0.0f));
+        CHECK(image.layer(line, pixel, render::truth::sun_fraction) == (sun == Wall::Answer::free ? 1.0f : 0.0f));
       }
     MESSAGE("sun at azimuth " << sun_azimuth_deg << ": worst difference " << worst << " of the open radiance, "
                               << judged << " pixels judged, " << sunlit << " sunlit, " << image.plan.sky_components

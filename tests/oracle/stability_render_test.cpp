@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "atmos_tables/synthetic.h"
+#include "host/render/truth.h"
 #include "tests/support/devices.h"
 #include "tests/support/render_kit.h"
 
@@ -117,8 +118,8 @@ TEST_CASE("stability: an empty scene shows the path, a sensor in a closed box no
     const auto image = test::render_image(inside, table(), {.device = device});
     for (int line = 0; line < image.lines; ++line)
       for (int pixel = 0; pixel < image.pixels; ++pixel) {
-        CHECK(image.layer(line, pixel, 1) == 1);  // hit fraction
-        CHECK(image.layer(line, pixel, 2) == 0);  // sun fraction
+        CHECK(image.layer(line, pixel, render::truth::hit_fraction) == 1);  // hit fraction
+        CHECK(image.layer(line, pixel, render::truth::sun_fraction) == 0);  // sun fraction
       }
   }
 }
