@@ -8,6 +8,7 @@
 #include "host/base/error.h"
 #include "host/base/interrupt.h"
 #include "host/reference/parallel.h"
+#include "host/reference/spread.h"
 #include "host/reference/tie_search.h"
 #include "kernels/shared/tile_layout.h"
 
@@ -54,7 +55,8 @@ Comparison::Comparison(const scene::CompiledScene& scene, const plan::Plan& plan
 
 Comparison::~Comparison() = default;
 
-/// The device keeps, of a sample's sky rays, the irradiance that the blocked ones take away. Where that differs,
+/// The device keeps, of a sample's sky rays, the irradiance that the blocked ones take away, and of open ones what a
+/// shape other than Lambert's does not turn to the viewer. Where that differs,
 /// directions are sought whose turning accounts for it in every component. Only ties of the double traversal may turn;
 /// then `blocked` follows the device. Any subset is tried of up to kMostTies ties, else up to three
 /// (host/reference/tie_search.h), or all seen (or blocked) ones at once: a leaf that passes through the point within
@@ -69,13 +71,16 @@ void Comparison::compare_sky(const Sample& sample, std::size_t number_of_sample,
   for (std::size_t k = 0; k < count; ++k) {
     if (!looks_into(plan_.sky, seed_, number, number_of_sample, k)) continue;
     const shared::rc_float4 d = plan_.sky.direction[first + k];
-    const double cosine = std::max(0.0, glm::dot(sample.normal, glm::dvec3(d.x, d.y, d.z)));
+    const glm::dvec3 direction(d.x, d.y, d.z);
+    const double cosine = std::max(0.0, glm::dot(sample.normal, direction)),
+                 sent = spread(scene_.compiled, sample, direction);
     const Components weight = plan_.sky.weights(first + k);
     for (std::size_t m = 0; m < weight.size(); ++m) {
       if (static_cast<int>(m) >= plan_.components()) continue;
-      effect[k][m] = plan_.sky.share * weight[m] * cosine * (blocked[k] ? -1 : 1);
+      const double full = plan_.sky.share * weight[m] * cosine;
+      effect[k][m] = full * sent * (blocked[k] ? -1 : 1);
       bound[m] += plan_.sky.share * options_.limits.sky * std::abs(weight[m]);
-      if (blocked[k]) residual[m] += effect[k][m];
+      residual[m] -= full * (blocked[k] ? 1 : 1 - sent);
     }
   }
   if (within(residual, bound)) return;

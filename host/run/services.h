@@ -17,9 +17,9 @@ struct Services {
 
   base::Log& log;
   /// Begins the report of a long step of `total` units; empty: nobody asks how far a run has come.
-  std::function<Advance(const std::string& what, std::uint64_t total, const std::string& unit)> progress;
+  std::function<Advance(const std::string& what, std::uint64_t total, const std::string& unit)> progress{};
   /// Throws what shall end the run; asked whenever a step advances. Empty: nothing but a signal ends it.
-  std::function<void()> stop;
+  std::function<void()> stop{};
   int threads = 0;               ///< of the host's own work; 0: as many as the machine has
   std::set<std::string> said{};  ///< notices that the log has and need not hear again
 

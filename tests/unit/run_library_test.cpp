@@ -1,4 +1,5 @@
-// A render called from another program, as docs/extending.md writes it: no command line, its own progress, its own stop.
+// A render called from another program, as docs/extending.md writes it: no command line, its own progress, its own
+// stop.
 #include <doctest/doctest.h>
 
 #include <filesystem>
@@ -20,7 +21,7 @@ namespace {
 constexpr const char* kScene = R"(format = 1
 sky_directions = 8
 [atmosphere]
-none = true
+model = "none"
 [time.sun]
 zenith_deg = 30
 azimuth_deg = 150
@@ -32,12 +33,12 @@ material = "grey"
 size_m = [200, 200]
 [[instrument]]
 name = "camera"
-kind = "frame"
+kind = "framing"
 position_m = [0, 0, 500]
 pixels = 16
 lines = 16
 ifov_mrad = 0.5
-samples = 2
+samples = { grid = [2, 2] }
 bands = { first_nm = 500, step_nm = 50, count = 3, fwhm_nm = 20 }
 )";
 
@@ -61,7 +62,9 @@ run::CameraRun render_first(const std::string& file, const std::string& folder, 
 TEST_CASE("S61 another program renders by the library, hears how far it is, and stops it by an exception of its own") {
   const TestFolder folder;
   folder.write("scene.toml", kScene);
-  base::Log log(base::LogOptions{.verbosity = -2});
+  base::LogOptions quiet;
+  quiet.verbosity = -2;
+  base::Log log(quiet);
   run::Services services{.log = log};
   std::uint64_t told = 0;
   std::vector<std::string> steps;

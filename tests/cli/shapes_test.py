@@ -1,0 +1,92 @@
+"""S21 S61: every scattering shape that a material can have (its table in the simulation file), seen by a camera and by a
+LIDAR whose pulses bounce: `raycube check` holds the device against the reference, whatever the shape."""
+
+import json
+import pathlib
+import sys
+import tempfile
+
+from driver import PULSE_AND_RECEIVER, Program
+
+program = Program(sys.argv[1])
+
+SCENE = """format = 1
+tolerance = 0.05
+sky_directions = 32
+[atmosphere]
+model = "layered"
+spectral_step_nm = 20.0
+[time.sun]
+zenith_deg = 55.0
+azimuth_deg = 140.0
+day_of_year = 200
+[[material]]
+name = "shaped"
+reflectance = 0.4
+{shape}
+[[material]]
+name = "plain"
+reflectance = 0.3
+[[plane]]
+material = "shaped"
+size_m = [300.0, 300.0]
+[[plane]]
+material = "shaped"
+position_m = [4.0, 2.0, 3.0]
+size_m = [8.0, 6.0]
+tilt_deg = 35.0
+[[box]]
+material = "plain"
+position_m = [-5.0, -3.0, 0.0]
+size_m = [4.0, 4.0, 5.0]
+[[instrument]]
+name = "camera"
+kind = "framing"
+pixels = 24
+lines = 24
+altitude_agl_m = 120.0
+gsd_m = 1.2
+samples = {{ grid = [4, 4] }}
+bands = {{ first_nm = 500.0, step_nm = 150.0, count = 3, fwhm_nm = 30.0 }}
+[[lidar]]
+name = "lidar"
+position_m = [0.0, 0.0, 120.0]
+prf_khz = 10.0
+pulses = 8
+{pulse}
+[lidar.gate]
+start_range_m = 90.0
+stop_range_m = 135.0
+[lidar.scan]
+pattern = "oscillating"
+rate_hz = 40.0
+half_angle_deg = 4.0
+[lidar.sampling]
+subrays = 64
+bounces = 2
+"""
+
+
+def middle(key):
+    """A value inside the range that the schema allows, nearer to its lower end."""
+    low = key.get("minimum", key.get("exclusiveMinimum", 0.0))
+    return low + 0.35 * (key.get("maximum", low + 1.0) - low)
+
+
+material = json.loads(program.run("scene", "schema").stdout)["properties"]["material"]["items"]["properties"]
+shapes = {name: key["properties"] for name, key in material.items() if key.get("type") == "object"}
+program.check("gloss" in shapes, shapes)
+for name, keys in shapes.items():
+    values = ", ".join(f"{key} = {middle(of)}" for key, of in keys.items())
+    with tempfile.TemporaryDirectory() as folder:
+        file = pathlib.Path(folder) / "scene.toml"
+        file.write_text(SCENE.format(shape=f"{name} = {{ {values} }}", pulse=PULSE_AND_RECEIVER))
+        done = program.run(
+            "check", file, "--rays", 2000, "--pixels", 32, "--model-pixels", 4, "--json", "-o", folder + "/out"
+        )
+        report = json.loads(done.stdout)
+        for instrument, of in report.items():
+            if isinstance(of, dict) and "passed" in of:
+                program.check(of["passed"] is True, name, instrument, of)
+                print(f"{name} {{ {values} }}: {instrument} within limits")
+print(f"shapes: {program.checks} checks")
