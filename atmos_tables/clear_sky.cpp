@@ -85,6 +85,227 @@ std::string provenance(const scene::AtmosphereSpec& spec, const scene::Sun& sun)
   return j.dump();
 }
 
+std::vector<double> with_sensor(std::vector<double> heights_m, double sensor_height_m) {
+  heights_m.push_back(sensor_height_m);
+  return heights_m;
+}
+
+/// Straight paths through the air that all wavelengths share, and what the sun's path down to each level crosses.
+struct SkyGeometry {
+  bool day;
+  double cos_sun;  ///< 0 at night
+  AirColumn air;
+  std::size_t top;                                      ///< level
+  std::vector<std::size_t> level;                       ///< of each target height
+  std::vector<Path> view_paths, sky_paths, flux_paths;  ///< [height][zenith of the table, or node of the quadrature]
+  std::vector<ColumnShare> sun_share;                   ///< [level]
+
+  SkyGeometry(const scene::AtmosphereSpec& spec, const scene::Sun& sun, double sensor_height_m,
+              const std::vector<double>& target_height_m, const Quadrature& quadrature)
+      : day(sun.zenith_deg < 90),
+        cos_sun(day ? std::cos(radians(sun.zenith_deg)) : 0),
+        air(with_sensor(target_height_m, sensor_height_m), spec.ground_height_m),
+        top(air.layers()),
+        sun_share(air.levels().size()) {
+    const std::size_t sensor = air.level_of(sensor_height_m);
+    for (const double height_m : target_height_m) {
+      const std::size_t from = level.emplace_back(air.level_of(height_m));
+      for (double zenith : kViewZeniths)
+        view_paths.push_back(make_path(air, from, sensor, zenith, false, spec.asymmetry));
+      for (double zenith : kSkyZeniths) sky_paths.push_back(make_path(air, from, top, zenith, true, spec.asymmetry));
+      for (double mu : quadrature.node)
+        flux_paths.push_back(make_path(air, from, top, std::acos(mu) * 180 / kPi, true, spec.asymmetry));
+    }
+    for (std::size_t l = 0; l < top; ++l) {
+      const std::vector<double> slant = air.slant(l, day ? sun.zenith_deg : 0);
+      for (std::size_t i = l; i < top; ++i) sun_share[l] += slant[i] * air.share(i);
+    }
+  }
+};
+
+/// The rows of the table, in the order of the registry.
+struct SkyRows {
+  Row &t_sun, &d_sun, &t_view, &d_view, &factor, &l_path, &l_sky, &phase_mean, &shape_depth, &e_dir, &e_dif;
+};
+
+SkyRows add_rows(RenderTable& table) {
+  const char* beer = "Bird & Riordan 1986 gases by total path amount, Bodhaine 1999, Angstrom; spherical shells";
+  return {
+      add_row(table, "sun_transmission", beer),
+      add_row(table, "sun_optical_depth", beer),
+      add_row(table, "view_transmission", beer),
+      add_row(table, "view_optical_depth", beer),
+      add_row(table, "two_way_factor", "gas transmittance of the joined path over the product of both"),
+      add_row(table, "path_radiance_solar", "single scattering per layer plus scattered diffuse fluxes"),
+      add_row(table, "sky_radiance_solar", "single scattering per layer, scaled to the diffuse irradiance"),
+      add_row(table, "sky_phase_mean", "Rayleigh and Henyey-Greenstein by scattering depth above the target"),
+      add_row(table, "sky_scattering_depth", "Rayleigh and aerosol extinction above the target"),
+      add_row(table, "direct_irradiance", "E0 cos(sun zenith) T_sun"),
+      add_row(table, "diffuse_irradiance", "Bird & Riordan 1986, eq. 3-5 .. 3-17"),
+  };
+}
+
+/// Mean over azimuth, at each node of the quadrature, of the aerosol's phase function, which does not depend on
+/// wavelength, and of the squared cosine of Rayleigh's: for the sky's irradiance.
+struct AzimuthMeans {
+  std::vector<double> aerosol, square;
+};
+
+AzimuthMeans azimuth_means(const Quadrature& quadrature, double cos_sun, double asymmetry) {
+  const auto azimuth_mean = [&](double mu, auto&& phase) {
+    double sum = 0;
+    constexpr int kSteps = 90;
+    for (int i = 0; i < kSteps; ++i)
+      sum += phase(scattering_cosine(cos_sun, std::acos(mu) * 180 / kPi, 180.0 * (i + 0.5) / kSteps, true));
+    return sum / kSteps;
+  };
+  AzimuthMeans out;
+  for (double mu : quadrature.node) {
+    out.aerosol.push_back(azimuth_mean(mu, [&](double c) { return phase_henyey_greenstein(asymmetry, c); }));
+    out.square.push_back(azimuth_mean(mu, [](double c) { return c * c; }));
+  }
+  return out;
+}
+
+/// Fills the rows of one wavelength, height by height.
+class SkyLine {
+ public:
+  /// Keeps references. line: number of the wavelength; e0: the sun's irradiance above the air, 0 at night.
+  SkyLine(const SkyGeometry& geometry, const Quadrature& quadrature, const AzimuthMeans& means,
+          const scene::AtmosphereSpec& spec, const std::vector<double>& angles_deg, std::size_t line,
+          double wavelength_um, double e0)
+      : geometry_(geometry),
+        quadrature_(quadrature),
+        means_(means),
+        asymmetry_(spec.asymmetry),
+        angles_deg_(angles_deg),
+        line_(line),
+        e0_(e0),
+        wave_(geometry.air, geometry.sun_share, spec, wavelength_um, geometry.cos_sun),
+        fluxes_(wave_.fluxes()) {
+    const double depolarization = rayleigh_depolarization(wavelength_um);
+    a_ = phase_rayleigh(depolarization, 0), b_ = phase_rayleigh(depolarization, 1) - a_;
+  }
+
+  void fill(const SkyRows& rows) const {
+    for (std::size_t h = 0; h < geometry_.level.size(); ++h) {
+      const std::size_t at = line_ * geometry_.level.size() + h;
+      fill_sun(rows, h, at);
+      fill_view(rows, h, at);
+      fill_scatterers(rows, h, at);
+      const SkyScale scale = scale_to_diffuse(h);
+      rows.e_dif.values[at] = static_cast<float>(e0_ * (scale.black + scale.from_ground));
+      if (geometry_.day) fill_sky(rows, h, at, scale);
+    }
+  }
+
+ private:
+  /// Irradiance of the sky over e0, and the factors that bring its radiance to that.
+  struct SkyScale {
+    double black = 0, from_ground = 0;  ///< over black ground; what the ground adds
+    double once = 0, more = 0;          ///< factors of the once-scattered and of the further part
+    double uniform = 0;                 ///< radiance to add in all directions
+  };
+
+  double aerosol_phase(double cosine) const { return phase_henyey_greenstein(asymmetry_, cosine); }
+
+  /// Once-scattered radiance over e0 by the cosine of the scattering angle.
+  double once_scattered(const WaveColumn::Single& single, double c) const {
+    return ((a_ + b_ * c * c) * single.rayleigh + aerosol_phase(c) * single.aerosol) / (4 * kPi);
+  }
+
+  void fill_sun(const SkyRows& rows, std::size_t h, std::size_t at) const {
+    const ColumnShare& sun_path = geometry_.sun_share[geometry_.level[h]];
+    const double sun_gas = wave_.gas_depth(sun_path), sun_total = wave_.scatter_depth(sun_path) + sun_gas;
+    rows.d_sun.values[at] = static_cast<float>(sun_total);
+    rows.t_sun.values[at] = static_cast<float>(std::exp(-sun_total));
+    rows.e_dir.values[at] = static_cast<float>(e0_ * geometry_.cos_sun * std::exp(-sun_total));
+  }
+
+  /// The way to the sensor: transmission, the joined path's gases, path radiance.
+  void fill_view(const SkyRows& rows, std::size_t h, std::size_t at) const {
+    const ColumnShare& sun_path = geometry_.sun_share[geometry_.level[h]];
+    const double sun_gas = wave_.gas_depth(sun_path);
+    const std::size_t views = kViewZeniths.size(), azimuths = kViewAzimuths.size();
+    for (std::size_t v = 0; v < views; ++v) {
+      const Path& path = geometry_.view_paths[h * views + v];
+      const double view_gas = wave_.gas_depth(path.share), depth = wave_.scatter_depth(path.share) + view_gas;
+      rows.d_view.values[at * views + v] = static_cast<float>(depth);
+      rows.t_view.values[at * views + v] = static_cast<float>(std::exp(-depth));
+      rows.factor.values[at * views + v] =
+          static_cast<float>(std::exp(sun_gas + view_gas - wave_.gas_depth(sun_path + path.share)));
+      const WaveColumn::Single single = wave_.single(path);
+      const double diffuse = wave_.scattered_diffuse(path, fluxes_);
+      for (std::size_t z = 0; z < azimuths; ++z) {
+        const double c = scattering_cosine(geometry_.cos_sun, kViewZeniths[v], kViewAzimuths[z], false);
+        rows.l_path.values[(at * views + v) * azimuths + z] =
+            static_cast<float>(e0_ * (once_scattered(single, c) + diffuse));
+      }
+    }
+  }
+
+  /// Depth and mean phase function of what scatters above the target.
+  void fill_scatterers(const SkyRows& rows, std::size_t h, std::size_t at) const {
+    ColumnShare above;
+    for (std::size_t l = geometry_.level[h]; l < geometry_.top; ++l) above += geometry_.air.share(l);
+    rows.shape_depth.values[at] = static_cast<float>(wave_.scatter_depth(above));
+    const double rayleigh = wave_.rayleigh_total() * above.air, aerosol = wave_.aerosol_scatter_total() * above.aerosol;
+    for (std::size_t s = 0; s < angles_deg_.size(); ++s) {
+      const double c = std::cos(radians(angles_deg_[s]));
+      const double total = rayleigh + aerosol;
+      rows.phase_mean.values[at * angles_deg_.size() + s] =
+          static_cast<float>(total > 0 ? (rayleigh * (a_ + b_ * c * c) + aerosol * aerosol_phase(c)) / total : 1.0);
+    }
+  }
+
+  /// What brings the sky's radiances to Bird & Riordan's diffuse irradiance: its further part carries what that
+  /// irradiance leaves; where that is nothing, the once-scattered part shrinks.
+  SkyScale scale_to_diffuse(std::size_t h) const {
+    double once_irradiance = 0, more_irradiance = 0;  // horizontal
+    for (std::size_t q = 0; geometry_.day && q < quadrature_.node.size(); ++q) {
+      const Path& path = geometry_.flux_paths[h * quadrature_.node.size() + q];
+      const WaveColumn::Single single = wave_.single(path);
+      const double weight = 2 * kPi * quadrature_.weight[q] * quadrature_.node[q];
+      once_irradiance +=
+          weight * ((a_ + b_ * means_.square[q]) * single.rayleigh + means_.aerosol[q] * single.aerosol) / (4 * kPi);
+      more_irradiance += weight * wave_.scattered_diffuse(path, fluxes_);
+    }
+    SkyScale out;
+    out.black = geometry_.day ? wave_.diffuse_black(geometry_.level[h], true) : 0;
+    out.from_ground = geometry_.day ? wave_.diffuse_from_ground(geometry_.level[h]) : 0;
+    const bool room = out.black > once_irradiance && more_irradiance > 0;
+    out.once = room ? 1 : once_irradiance > 0 ? out.black / once_irradiance : 0;
+    out.more = room ? (out.black - once_irradiance) / more_irradiance : 0;
+    out.uniform = (out.from_ground + (once_irradiance > 0 ? 0 : out.black)) / kPi;
+    return out;
+  }
+
+  void fill_sky(const SkyRows& rows, std::size_t h, std::size_t at, const SkyScale& scale) const {
+    const std::size_t zeniths = kSkyZeniths.size(), azimuths = kSkyAzimuths.size();
+    for (std::size_t v = 0; v < zeniths; ++v) {
+      const Path& path = geometry_.sky_paths[h * zeniths + v];
+      const WaveColumn::Single single = wave_.single(path);
+      const double more = scale.more * wave_.scattered_diffuse(path, fluxes_) + scale.uniform;
+      for (std::size_t z = 0; z < azimuths; ++z) {
+        const double c = scattering_cosine(geometry_.cos_sun, kSkyZeniths[v], kSkyAzimuths[z], true);
+        rows.l_sky.values[(at * zeniths + v) * azimuths + z] =
+            static_cast<float>(e0_ * (scale.once * once_scattered(single, c) + more));
+      }
+    }
+  }
+
+  const SkyGeometry& geometry_;
+  const Quadrature& quadrature_;
+  const AzimuthMeans& means_;
+  double asymmetry_;
+  const std::vector<double>& angles_deg_;
+  std::size_t line_;
+  double e0_;
+  WaveColumn wave_;
+  WaveColumn::Fluxes fluxes_;
+  double a_ = 0, b_ = 0;  ///< P_rayleigh = a + b cos^2
+};
+
 }  // namespace
 
 RenderTable build_clear_sky(const scene::AtmosphereSpec& spec, const scene::Sun& sun, double sensor_height_m,
@@ -99,134 +320,15 @@ RenderTable build_clear_sky(const scene::AtmosphereSpec& spec, const scene::Sun&
   add_axis(table, "sky_azimuth", kSkyAzimuths);
   const std::vector<double> angles = scattering_angles();
   add_axis(table, "scattering_angle", angles);
-  const bool day = sun.zenith_deg < 90;
-  const double cos_sun = day ? std::cos(radians(sun.zenith_deg)) : 0;
-
-  std::vector<double> marks = target_height_m;
-  marks.push_back(sensor_height_m);
-  const AirColumn air(marks, spec.ground_height_m);
-  const std::size_t top = air.layers(), sensor = air.level_of(sensor_height_m);
-  const std::size_t heights = target_height_m.size(), views = kViewZeniths.size(), azimuths = kViewAzimuths.size();
-  const std::size_t zeniths = kSkyZeniths.size(), sky_azimuths = kSkyAzimuths.size();
-  std::vector<std::size_t> level(heights);
-  std::vector<Path> view_paths, sky_paths, flux_paths;
-  const Quadrature quadrature = gauss_legendre(24);
-  for (std::size_t h = 0; h < heights; ++h) {
-    level[h] = air.level_of(target_height_m[h]);
-    for (double zenith : kViewZeniths)
-      view_paths.push_back(make_path(air, level[h], sensor, zenith, false, spec.asymmetry));
-    for (double zenith : kSkyZeniths) sky_paths.push_back(make_path(air, level[h], top, zenith, true, spec.asymmetry));
-    for (double mu : quadrature.node)
-      flux_paths.push_back(make_path(air, level[h], top, std::acos(mu) * 180 / kPi, true, spec.asymmetry));
-  }
-  std::vector<ColumnShare> sun_share(air.levels().size());
-  for (std::size_t l = 0; l < top; ++l) {
-    const std::vector<double> slant = air.slant(l, day ? sun.zenith_deg : 0);
-    for (std::size_t i = l; i < top; ++i) sun_share[l] += slant[i] * air.share(i);
-  }
-
-  // Rows, in the order of the registry.
-  const char* beer = "Bird & Riordan 1986 gases by total path amount, Bodhaine 1999, Angstrom; spherical shells";
-  Row& t_sun = add_row(table, "sun_transmission", beer);
-  Row& d_sun = add_row(table, "sun_optical_depth", beer);
-  Row& t_view = add_row(table, "view_transmission", beer);
-  Row& d_view = add_row(table, "view_optical_depth", beer);
-  Row& factor = add_row(table, "two_way_factor", "gas transmittance of the joined path over the product of both");
-  Row& l_path = add_row(table, "path_radiance_solar", "single scattering per layer plus scattered diffuse fluxes");
-  Row& l_sky = add_row(table, "sky_radiance_solar", "single scattering per layer, scaled to the diffuse irradiance");
-  Row& phase_mean =
-      add_row(table, "sky_phase_mean", "Rayleigh and Henyey-Greenstein by scattering depth above the target");
-  Row& shape_depth = add_row(table, "sky_scattering_depth", "Rayleigh and aerosol extinction above the target");
-  Row& e_dir = add_row(table, "direct_irradiance", "E0 cos(sun zenith) T_sun");
-  Row& e_dif = add_row(table, "diffuse_irradiance", "Bird & Riordan 1986, eq. 3-5 .. 3-17");
+  const SkyRows rows = add_rows(table);
   const Row& e0_row = table.rows.at("solar_irradiance");
 
-  // The aerosol's phase function does not depend on wavelength; azimuth means for the sky's irradiance.
-  const auto aerosol_phase = [&](double cosine) { return phase_henyey_greenstein(spec.asymmetry, cosine); };
-  const auto azimuth_mean = [&](double mu, auto&& phase) {
-    double sum = 0;
-    constexpr int kSteps = 90;
-    for (int i = 0; i < kSteps; ++i)
-      sum += phase(scattering_cosine(cos_sun, std::acos(mu) * 180 / kPi, 180.0 * (i + 0.5) / kSteps, true));
-    return sum / kSteps;
-  };
-  std::vector<double> aerosol_mean, square_mean;
-  for (double mu : quadrature.node) {
-    aerosol_mean.push_back(azimuth_mean(mu, aerosol_phase));
-    square_mean.push_back(azimuth_mean(mu, [](double c) { return c * c; }));
-  }
-
+  const Quadrature quadrature = gauss_legendre(24);
+  const SkyGeometry geometry(spec, sun, sensor_height_m, target_height_m, quadrature);
+  const AzimuthMeans means = azimuth_means(quadrature, geometry.cos_sun, spec.asymmetry);
   for (std::size_t i = 0; i < wavelength_um.size(); ++i) {
-    const WaveColumn wave(air, sun_share, spec, wavelength_um[i], cos_sun);
-    const double e0 = day ? double(e0_row.values[i]) : 0.0;
-    const double depolarization = rayleigh_depolarization(wavelength_um[i]);
-    // P_rayleigh = a + b cos^2.
-    const double a = phase_rayleigh(depolarization, 0), b = phase_rayleigh(depolarization, 1) - a;
-    const WaveColumn::Fluxes fluxes = wave.fluxes();
-
-    for (std::size_t h = 0; h < heights; ++h) {
-      const std::size_t at = i * heights + h;
-      const ColumnShare& sun_path = sun_share[level[h]];
-      const double sun_gas = wave.gas_depth(sun_path), sun_total = wave.scatter_depth(sun_path) + sun_gas;
-      d_sun.values[at] = static_cast<float>(sun_total);
-      t_sun.values[at] = static_cast<float>(std::exp(-sun_total));
-      e_dir.values[at] = static_cast<float>(e0 * cos_sun * std::exp(-sun_total));
-
-      for (std::size_t v = 0; v < views; ++v) {
-        const Path& path = view_paths[h * views + v];
-        const double view_gas = wave.gas_depth(path.share), depth = wave.scatter_depth(path.share) + view_gas;
-        d_view.values[at * views + v] = static_cast<float>(depth);
-        t_view.values[at * views + v] = static_cast<float>(std::exp(-depth));
-        factor.values[at * views + v] =
-            static_cast<float>(std::exp(sun_gas + view_gas - wave.gas_depth(sun_path + path.share)));
-        const WaveColumn::Single single = wave.single(path);
-        const double diffuse = wave.scattered_diffuse(path, fluxes);
-        for (std::size_t z = 0; z < azimuths; ++z) {
-          const double c = scattering_cosine(cos_sun, kViewZeniths[v], kViewAzimuths[z], false);
-          const double once = ((a + b * c * c) * single.rayleigh + aerosol_phase(c) * single.aerosol) / (4 * kPi);
-          l_path.values[(at * views + v) * azimuths + z] = static_cast<float>(e0 * (once + diffuse));
-        }
-      }
-
-      // Horizontal irradiance of the sky's once-scattered and of its further part.
-      double once_irradiance = 0, more_irradiance = 0;
-      for (std::size_t q = 0; day && q < quadrature.node.size(); ++q) {
-        const Path& path = flux_paths[h * quadrature.node.size() + q];
-        const WaveColumn::Single single = wave.single(path);
-        const double weight = 2 * kPi * quadrature.weight[q] * quadrature.node[q];
-        once_irradiance +=
-            weight * ((a + b * square_mean[q]) * single.rayleigh + aerosol_mean[q] * single.aerosol) / (4 * kPi);
-        more_irradiance += weight * wave.scattered_diffuse(path, fluxes);
-      }
-      const double black = day ? wave.diffuse_black(level[h], true) : 0;
-      const double from_ground = day ? wave.diffuse_from_ground(level[h]) : 0;
-      e_dif.values[at] = static_cast<float>(e0 * (black + from_ground));
-      // The further part carries what Bird & Riordan's irradiance leaves; where that is nothing, the first part
-      // shrinks.
-      const bool room = black > once_irradiance && more_irradiance > 0;
-      const double scale_once = room ? 1 : once_irradiance > 0 ? black / once_irradiance : 0;
-      const double scale_more = room ? (black - once_irradiance) / more_irradiance : 0;
-      const double uniform = (from_ground + (once_irradiance > 0 ? 0 : black)) / kPi;
-      ColumnShare above;
-      for (std::size_t l = level[h]; l < top; ++l) above += air.share(l);
-      shape_depth.values[at] = static_cast<float>(wave.scatter_depth(above));
-      const double rayleigh = wave.rayleigh_total() * above.air, aerosol = wave.aerosol_scatter_total() * above.aerosol;
-      for (std::size_t s = 0; s < angles.size(); ++s) {
-        const double c = std::cos(radians(angles[s]));
-        const double total = rayleigh + aerosol;
-        phase_mean.values[at * angles.size() + s] =
-            static_cast<float>(total > 0 ? (rayleigh * (a + b * c * c) + aerosol * aerosol_phase(c)) / total : 1.0);
-      }
-      for (std::size_t v = 0; day && v < zeniths; ++v) {
-        const WaveColumn::Single single = wave.single(sky_paths[h * zeniths + v]);
-        const double more = scale_more * wave.scattered_diffuse(sky_paths[h * zeniths + v], fluxes) + uniform;
-        for (std::size_t z = 0; z < sky_azimuths; ++z) {
-          const double c = scattering_cosine(cos_sun, kSkyZeniths[v], kSkyAzimuths[z], true);
-          const double once = ((a + b * c * c) * single.rayleigh + aerosol_phase(c) * single.aerosol) / (4 * kPi);
-          l_sky.values[(at * zeniths + v) * sky_azimuths + z] = static_cast<float>(e0 * (scale_once * once + more));
-        }
-      }
-    }
+    const double e0 = geometry.day ? double(e0_row.values[i]) : 0.0;
+    SkyLine(geometry, quadrature, means, spec, angles, i, wavelength_um[i], e0).fill(rows);
   }
   validate(table, "clear sky");
   return table;

@@ -142,6 +142,146 @@ std::optional<BandDifference> in_band(const DifferenceBand& band, const Spectrum
   return out;
 }
 
+/// Those of the bands that lie in the common range at all; boxes are clipped to it, a Gaussian must have its half-width
+/// points inside.
+std::vector<DifferenceBand> bands_within(const std::vector<DifferenceBand>& asked, double first_um, double last_um) {
+  std::vector<DifferenceBand> bands;
+  for (DifferenceBand band : asked) {
+    const double half = band.fwhm_um / 2;
+    if (band.fwhm_um > 0
+            ? band.center_um - half < first_um || band.center_um + half > last_um
+            : std::min(band.high_um, last_um) - std::max(band.low_um, first_um) <= kSame_um && first_um < last_um)
+      continue;
+    if (band.fwhm_um <= 0 && (band.low_um > last_um || band.high_um < first_um)) continue;
+    band.low_um = std::max(band.low_um, first_um), band.high_um = std::min(band.high_um, last_um);
+    bands.push_back(band);
+  }
+  if (bands.empty())
+    throw base::Error(base::Fault::input,
+                      "no band lies in the common range of " + shown(first_um) + " to " + shown(last_um) + " um");
+  return bands;
+}
+
+/// The wavelengths both tables cover.
+void find_common_range(const RenderTable& a, const RenderTable& b, TableDifference& out) {
+  const Spectrum &nodes_a = wavelengths(a), &nodes_b = wavelengths(b);
+  const auto range = [](const Spectrum& nodes) { return shown(nodes.front()) + " to " + shown(nodes.back()) + " um"; };
+  out.first_um = std::max(nodes_a.front(), nodes_b.front());
+  out.last_um = std::min(nodes_a.back(), nodes_b.back());
+  if (out.first_um > out.last_um)
+    throw base::Error(base::Fault::input,
+                      "the tables have no wavelength in common: " + range(nodes_a) + ", and " + range(nodes_b));
+}
+
+double common_height(const RenderTable& a, const RenderTable& b, const DifferenceChoice& choice) {
+  // Wanted far below: the nearest is the lowest.
+  const auto height =
+      common_point(a, b, "target_height", choice.height_m.value_or(find_axis_spec("target_height")->min));
+  if (!height)
+    throw base::Error(base::Fault::input,
+                      "the tables have no target height in common (raycube atmos info names their axes)");
+  return *height;
+}
+
+/// Reads the quantities that both tables hold, at the places both can be read at, and adds each to the difference. What
+/// has a direction is read straight and slanted.
+class QuantityReader {
+ public:
+  using Read = std::function<Spectrum(const RenderTable&)>;
+  using ReadAtHeight = Spectrum (*)(const RenderTable&, double height_m);
+  using ReadAtZenith = Spectrum (*)(const RenderTable&, double height_m, double zenith_deg);
+  using ReadDirection = std::function<Spectrum(const RenderTable&, double zenith_deg, double azimuth_deg)>;
+
+  /// Keeps references. out: its height and its grid of wavelengths are known.
+  QuantityReader(const RenderTable& a, const RenderTable& b, const std::vector<DifferenceBand>& bands,
+                 double relative_azimuth_deg, TableDifference& out)
+      : a_(a),
+        b_(b),
+        bands_(bands),
+        relative_azimuth_deg_(relative_azimuth_deg),
+        has_a_(quantities_of(a)),
+        has_b_(quantities_of(b)),
+        out_(out) {}
+
+  void add_spectrum(const char* name, const Read& read) {
+    if (both(name)) add(name, "", read);
+  }
+
+  void add_at_height(const char* name, ReadAtHeight read) {
+    if (both(name)) add(name, "", [&](const RenderTable& t) { return read(t, out_.height_m); });
+  }
+
+  void add_at_zenith(const char* name, const char* zenith_axis, double slant_deg, ReadAtZenith read) {
+    add_directed(name, zenith_axis, slant_deg, nullptr,
+                 [&](const RenderTable& t, double zenith, double) { return read(t, out_.height_m, zenith); });
+  }
+
+  /// Straight and slanted, where the tables' zenith axes and the azimuth meet. azimuth_axis: null where it has none.
+  void add_directed(const char* name, const char* zenith_axis, double slant_deg, const char* azimuth_axis,
+                    const ReadDirection& read) {
+    if (!both(name)) return;
+    const bool view = std::string(zenith_axis) == "view_zenith";
+    const auto azimuth = azimuth_axis ? common_point(a_, b_, azimuth_axis, fold_azimuth(relative_azimuth_deg_)) : 0.0;
+    const auto straight = common_point(a_, b_, zenith_axis, 0), leaning = common_point(a_, b_, zenith_axis, slant_deg);
+    if (!azimuth || !straight || !leaning) {
+      out_.differs.push_back(std::string(name) + ": not compared, the tables have no direction in common");
+      return;
+    }
+    const auto where = [&](double zenith) {
+      std::string text = zenith == 0 && view ? "nadir"
+                         : zenith == 0       ? "zenith"
+                                             : (view ? "view zenith " : "sky zenith ") + shown(zenith) + " deg";
+      return zenith != 0 && azimuth_axis ? text + ", azimuth " + shown(*azimuth) + " deg" : text;
+    };
+    add(name, where(*straight), [&](const RenderTable& t) { return read(t, *straight, *azimuth); });
+    if (*leaning != *straight)
+      add(name, where(*leaning), [&](const RenderTable& t) { return read(t, *leaning, *azimuth); });
+  }
+
+ private:
+  bool both(const char* name) const { return has_a_.count(name) && has_b_.count(name); }
+
+  void add(const std::string& name, const std::string& where, const Read& read) {
+    QuantityDifference q;
+    q.name = name, q.where = where, q.unit = find_row_spec(name)->unit;
+    q.ratio = q.unit == "1";
+    q.a = resample_linear(wavelengths(a_), read(a_), out_.wavelength_um);
+    q.b = resample_linear(wavelengths(b_), read(b_), out_.wavelength_um);
+    for (const DifferenceBand& band : bands_)
+      if (const auto difference = in_band(band, out_.wavelength_um, q)) q.bands.push_back(*difference);
+    out_.quantities.push_back(std::move(q));
+  }
+
+  const RenderTable &a_, &b_;
+  const std::vector<DifferenceBand>& bands_;
+  double relative_azimuth_deg_;
+  std::set<std::string> has_a_, has_b_;
+  TableDifference& out_;
+};
+
+/// Every quantity that can be compared, in the order of the report.
+void read_quantities(QuantityReader& reader, double height_m, const DifferenceChoice& choice) {
+  const double h = height_m, view = choice.view_zenith_deg, sky = choice.sky_zenith_deg;
+  reader.add_spectrum("solar_irradiance", solar_irradiance);
+  reader.add_at_height("sun_transmission", sun_transmission);
+  reader.add_at_zenith("view_transmission", "view_zenith", view, view_transmission);
+  reader.add_at_zenith("two_way_factor", "view_zenith", view, detail::lit_two_way_factor);
+  reader.add_directed(
+      "path_radiance_solar", "view_zenith", view, "relative_azimuth",
+      [&](const RenderTable& t, double zenith, double azimuth) { return path_radiance(t, h, zenith, azimuth); });
+  reader.add_directed(
+      "sky_radiance_solar", "sky_zenith", sky, "sky_azimuth",
+      [&](const RenderTable& t, double zenith, double azimuth) { return sky_radiance(t, h, zenith, azimuth); });
+  reader.add_at_height("direct_irradiance", direct_irradiance);
+  reader.add_at_height("diffuse_irradiance", diffuse_irradiance);
+  reader.add_at_height("spherical_albedo", spherical_albedo);
+  reader.add_at_zenith("diffuse_view_transmission", "view_zenith", view, diffuse_view_transmission);
+  reader.add_at_zenith("diffuse_return", "sky_zenith", sky, diffuse_return);
+  reader.add_at_zenith("path_radiance_thermal", "view_zenith", view, path_radiance_thermal);
+  reader.add_at_zenith("sky_radiance_thermal", "sky_zenith", sky, sky_radiance_thermal);
+  reader.add_at_zenith("two_way_factor_thermal", "view_zenith", view, two_way_factor_thermal);
+}
+
 }  // namespace
 
 std::vector<DifferenceBand> atmospheric_windows() {
@@ -173,103 +313,18 @@ DifferenceBand gaussian_band(double center_um, double fwhm_um) {
 
 TableDifference table_difference(const RenderTable& a, const RenderTable& b, const DifferenceChoice& choice) {
   TableDifference out;
-  const Spectrum &nodes_a = wavelengths(a), &nodes_b = wavelengths(b);
-  const auto range = [](const Spectrum& nodes) { return shown(nodes.front()) + " to " + shown(nodes.back()) + " um"; };
-  out.first_um = std::max(nodes_a.front(), nodes_b.front());
-  out.last_um = std::min(nodes_a.back(), nodes_b.back());
-  if (out.first_um > out.last_um)
-    throw base::Error(base::Fault::input,
-                      "the tables have no wavelength in common: " + range(nodes_a) + ", and " + range(nodes_b));
+  find_common_range(a, b, out);
   out.differs = what_differs(a, b);
-  // Wanted far below: the nearest is the lowest.
-  const auto height =
-      common_point(a, b, "target_height", choice.height_m.value_or(find_axis_spec("target_height")->min));
-  if (!height)
-    throw base::Error(base::Fault::input,
-                      "the tables have no target height in common (raycube atmos info names their axes)");
-  out.height_m = *height;
-
-  // Bands that lie in the range at all; boxes are clipped to it, a Gaussian must have its half-width points inside.
-  std::vector<DifferenceBand> bands;
-  for (DifferenceBand band : choice.bands) {
-    const double half = band.fwhm_um / 2;
-    if (band.fwhm_um > 0 ? band.center_um - half < out.first_um || band.center_um + half > out.last_um
-                         : std::min(band.high_um, out.last_um) - std::max(band.low_um, out.first_um) <= kSame_um &&
-                               out.first_um < out.last_um)
-      continue;
-    if (band.fwhm_um <= 0 && (band.low_um > out.last_um || band.high_um < out.first_um)) continue;
-    band.low_um = std::max(band.low_um, out.first_um), band.high_um = std::min(band.high_um, out.last_um);
-    bands.push_back(band);
-  }
-  if (bands.empty())
-    throw base::Error(base::Fault::input, "no band lies in the common range of " + shown(out.first_um) + " to " +
-                                              shown(out.last_um) + " um");
-  out.wavelength_um = merged_grid(nodes_a, nodes_b, out.first_um, out.last_um, bands);
+  out.height_m = common_height(a, b, choice);
+  const std::vector<DifferenceBand> bands = bands_within(choice.bands, out.first_um, out.last_um);
+  out.wavelength_um = merged_grid(wavelengths(a), wavelengths(b), out.first_um, out.last_um, bands);
 
   const std::set<std::string> has_a = quantities_of(a), has_b = quantities_of(b);
   std::set_difference(has_a.begin(), has_a.end(), has_b.begin(), has_b.end(), std::back_inserter(out.only_a));
   std::set_difference(has_b.begin(), has_b.end(), has_a.begin(), has_a.end(), std::back_inserter(out.only_b));
 
-  using Read = std::function<Spectrum(const RenderTable&)>;
-  const auto add = [&](const std::string& name, const std::string& where, const Read& read) {
-    QuantityDifference q;
-    q.name = name, q.where = where, q.unit = find_row_spec(name)->unit;
-    q.ratio = q.unit == "1";
-    q.a = resample_linear(nodes_a, read(a), out.wavelength_um);
-    q.b = resample_linear(nodes_b, read(b), out.wavelength_um);
-    for (const DifferenceBand& band : bands)
-      if (const auto difference = in_band(band, out.wavelength_um, q)) q.bands.push_back(*difference);
-    out.quantities.push_back(std::move(q));
-  };
-  const auto both = [&](const char* name) { return has_a.count(name) && has_b.count(name); };
-  const double h = out.height_m;
-  const auto plain = [&](const char* name, Spectrum (*read)(const RenderTable&, double)) {
-    if (both(name)) add(name, "", [&](const RenderTable& t) { return read(t, h); });
-  };
-  /// Straight and slanted, where the tables' zenith axes and the azimuth meet.
-  const auto directed = [&](const char* name, const char* zenith_axis, double slant, const char* azimuth_axis,
-                            const std::function<Spectrum(const RenderTable&, double zenith, double azimuth)>& read) {
-    if (!both(name)) return;
-    const bool view = std::string(zenith_axis) == "view_zenith";
-    const auto azimuth =
-        azimuth_axis ? common_point(a, b, azimuth_axis, fold_azimuth(choice.relative_azimuth_deg)) : 0.0;
-    const auto straight = common_point(a, b, zenith_axis, 0), leaning = common_point(a, b, zenith_axis, slant);
-    if (!azimuth || !straight || !leaning) {
-      out.differs.push_back(std::string(name) + ": not compared, the tables have no direction in common");
-      return;
-    }
-    const auto where = [&](double zenith) {
-      std::string text = zenith == 0 && view ? "nadir"
-                         : zenith == 0       ? "zenith"
-                                             : (view ? "view zenith " : "sky zenith ") + shown(zenith) + " deg";
-      return zenith != 0 && azimuth_axis ? text + ", azimuth " + shown(*azimuth) + " deg" : text;
-    };
-    add(name, where(*straight), [&](const RenderTable& t) { return read(t, *straight, *azimuth); });
-    if (*leaning != *straight)
-      add(name, where(*leaning), [&](const RenderTable& t) { return read(t, *leaning, *azimuth); });
-  };
-  const double view = choice.view_zenith_deg, sky = choice.sky_zenith_deg;
-  const auto no_azimuth = [&](const char* name, const char* axis, double slant,
-                              Spectrum (*read)(const RenderTable&, double, double)) {
-    directed(name, axis, slant, nullptr,
-             [&, read](const RenderTable& t, double zenith, double) { return read(t, h, zenith); });
-  };
-  if (both("solar_irradiance")) add("solar_irradiance", "", solar_irradiance);
-  plain("sun_transmission", sun_transmission);
-  no_azimuth("view_transmission", "view_zenith", view, view_transmission);
-  no_azimuth("two_way_factor", "view_zenith", view, detail::lit_two_way_factor);
-  directed("path_radiance_solar", "view_zenith", view, "relative_azimuth",
-           [&](const RenderTable& t, double zenith, double azimuth) { return path_radiance(t, h, zenith, azimuth); });
-  directed("sky_radiance_solar", "sky_zenith", sky, "sky_azimuth",
-           [&](const RenderTable& t, double zenith, double azimuth) { return sky_radiance(t, h, zenith, azimuth); });
-  plain("direct_irradiance", direct_irradiance);
-  plain("diffuse_irradiance", diffuse_irradiance);
-  plain("spherical_albedo", spherical_albedo);
-  no_azimuth("diffuse_view_transmission", "view_zenith", view, diffuse_view_transmission);
-  no_azimuth("diffuse_return", "sky_zenith", sky, diffuse_return);
-  no_azimuth("path_radiance_thermal", "view_zenith", view, path_radiance_thermal);
-  no_azimuth("sky_radiance_thermal", "sky_zenith", sky, sky_radiance_thermal);
-  no_azimuth("two_way_factor_thermal", "view_zenith", view, two_way_factor_thermal);
+  QuantityReader reader(a, b, bands, choice.relative_azimuth_deg, out);
+  read_quantities(reader, out.height_m, choice);
   if (out.quantities.empty())
     throw base::Error(base::Fault::input,
                       "the tables have no row in common that can be compared (raycube atmos info lists rows)");

@@ -128,28 +128,271 @@ AxisErrors reported(const NodeErrors& errors) {
           list(errors.path_y)};
 }
 
-}  // namespace
+/// What all steps of one plan read: the air and the bands on the part of the table's axis that the bands reach.
+struct Setting {
+  const scene::Simulation& simulation;
+  const Domain& domain;
+  const TableSpectra& air;
+  const BandSpace& bands;
+  const SpectralPlan& spectral;
+  const std::vector<double>& covered_um;
+  std::size_t first;  ///< number of covered_um[0] on the table's axis
+  double share;       ///< of typical radiance that one block may be off by
+};
 
-Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& instrument,
-               const atmos::RenderTable& table, const ViewBounds& view) {
-  const base::Doing doing("planning instrument", instrument.name);
+/// Sunlight's sky, the thermal one, and what emits.
+struct Light {
+  SkyFactorizer sky, thermal_sky;
+  ThermalUse thermal;
+  Emitters emitters;
+  TypicalThermal emitted;  ///< by a typical surface; empty where thermal light is off
+  std::vector<double> typical;
+
+  Light(const Setting& at, ThermalUse use)
+      : sky(at.air, at.domain.z(0.5), at.domain.sun_zenith),
+        thermal_sky(at.air, at.domain.z(0.5), at.domain.sun_zenith, Sky::thermal),
+        thermal(std::move(use)) {
+    if (thermal.on) {
+      emitters = find_emitters(at.simulation.scene, at.simulation.file, thermal.demanded_by);
+      emitted = {planck_spectrum(at.covered_um, emitters.surroundings_K), thermal_sky.irradiance()};
+    }
+    typical = typical_radiance(at.air, at.domain, at.bands, sky.irradiance(), emitted);
+  }
+};
+
+/// Levels of each block with their errors.
+struct Levels {
+  NodeErrors errors;
+  std::vector<SkyLevel> sky, thermal_sky;
+  std::vector<TemperatureLevel> temperatures;
+  SolarShare solar;  ///< beside thermal light
+  bool skylight = true;
+};
+
+struct Chosen {
+  NodeChoice nodes;
+  double budget = 0;
+};
+
+/// The sky's components of the levels chosen; empty without.
+struct ChosenSkies {
+  SkyFactors solar, thermal;
+};
+
+void check_directions(const scene::Simulation& simulation) {
   if (simulation.sky_directions < 1 || simulation.sky_directions > kMostDirections)
     throw base::Error(base::Fault::input,
                       fmt::format("{}: sky_directions must be 1 to {} (found {}); 16 is the default", simulation.file,
                                   kMostDirections, simulation.sky_directions));
-  const Domain domain = make_domain(simulation, table, view);
-  const bool no_air = simulation.atmosphere.none;
-  const auto& table_um = table.axis("wavelength").nodes;
-  scene::Instrument convolved = instrument;
-  convolved.bands = channel_bands(instrument, table).bands;
-  SpectralPlan spectral = make_spectral_plan(simulation.scene, convolved, table_um, table_name(simulation));
+}
 
+/// A plan that knows its tolerance, its sun and whether it has shaped materials.
+Plan begin_plan(const scene::Simulation& simulation, const Domain& domain) {
   Plan plan;
   plan.tolerance = simulation.tolerance;
   plan.sun_up = simulation.sun.zenith_deg < 90;
   plan.sun_direction = {static_cast<float>(std::sin(domain.sun_zenith) * std::sin(domain.sun_azimuth)),
                         static_cast<float>(std::sin(domain.sun_zenith) * std::cos(domain.sun_azimuth)),
                         static_cast<float>(std::cos(domain.sun_zenith))};
+  plan.shaped = scene::first_shaped(simulation.scene) != nullptr;
+  return plan;
+}
+
+/// Thermal light is on: its levels. Sun, sky and ground around that no band and no material can see beside it get no
+/// channels.
+void weigh_thermal(Plan& plan, const Setting& at, const Light& light, Levels& out) {
+  NodeErrors& errors = out.errors;
+  out.solar = solar_share(
+      at.air, at.domain,
+      BandSpace(at.covered_um, at.spectral.wavelength_um, at.spectral.bands, at.spectral.largest_reflectance),
+      light.sky.irradiance(), light.typical);
+  if (out.solar.sun <= at.share) errors.sun_sources = 0, errors.left_out += out.solar.sun;
+  if (out.solar.sky <= at.share) out.skylight = false, errors.left_out += out.solar.sky;
+  if (!plan.environment.empty() && out.solar.environment <= at.share)
+    plan.environment = {}, errors.left_out += out.solar.environment;
+  errors.surroundings = 1;
+  out.thermal_sky = sky_levels(light.thermal_sky, Sky::thermal, at.air, at.domain, at.bands, light.typical, at.share);
+  out.temperatures = temperature_levels(light.emitters, at.air, at.domain, at.bands, at.covered_um, light.typical);
+  for (const auto& level : out.temperatures)
+    errors.temperature.emplace_back(static_cast<int>(level.node_K.size()), level.error);
+}
+
+/// What each level of each block would cost in radiance.
+Levels weigh_levels(Plan& plan, const Setting& at, const Light& light) {
+  Levels out;
+  out.errors = estimate_node_errors(at.air, at.domain, at.bands, light.sky.irradiance(), light.typical, light.emitted);
+  if (light.thermal.on) weigh_thermal(plan, at, light, out);
+  if (out.skylight)
+    out.sky = sky_levels(light.sky, Sky::solar, at.air, at.domain, at.bands, light.typical, at.share,
+                         at.simulation.plan.sky_rank);
+  const auto error_of = [](const SkyLevel& level) {
+    return level.negative ? std::numeric_limits<double>::infinity() : level.error;
+  };
+  for (const auto& level : out.sky) out.errors.sky_rank.push_back(error_of(level));
+  for (const auto& level : out.thermal_sky) out.errors.thermal_rank.push_back(error_of(level));
+  return out;
+}
+
+/// The cheapest nodes that hold the budget.
+Chosen choose_within_budget(const NodeErrors& errors, const scene::Simulation& simulation) {
+  const scene::PlanOverrides& given = simulation.plan;
+  Chosen out;
+  for (const double part :
+       {kBudget, 0.75, 1.0}) {  // where the channels do not hold the budget, the cheapest that holds more
+    out.budget = part * simulation.tolerance;
+    out.nodes = choose_nodes(errors, out.budget, given);
+    if (out.nodes.within_budget) break;
+  }
+  if (!out.nodes.possible)
+    throw base::Error(base::Fault::input,
+                      fmt::format("{}: [plan] asks for what no plan can have{}: more than {} channels, or a sky of so "
+                                  "few components that it takes away more "
+                                  "than there is; give fewer nodes, another sky_rank, or remove a key",
+                                  simulation.file, describe_given(given), RC_MAX_CHANNELS));
+  return out;
+}
+
+/// Why the nodes chosen do not hold the tolerance; empty: they do, or the file asked for them.
+std::string refusal_of(const NodeChoice& choice, const scene::Simulation& simulation, const std::string& instrument) {
+  const double total = choice.total();
+  if (!(total > simulation.tolerance) || simulation.plan.any()) return {};
+  return fmt::format(
+      "instrument '{}': {} channels cannot hold the tolerance of {:g}: the nodes of height, view and path and the "
+      "sky's components leave an estimated error of {:.3g} (source {:.3g}, path {:.3g}, sky {:.3g}, temperatures "
+      "{:.3g})",
+      instrument, RC_MAX_CHANNELS, simulation.tolerance, total, choice.source_error, choice.path_error,
+      choice.sky_error, choice.emission_error);
+}
+
+/// The plan's axes, sources and components as they were chosen.
+ChosenSkies take_choice(Plan& plan, const Setting& at, const Light& light, const Levels& levels,
+                        const NodeChoice& choice) {
+  const ViewBounds& view = at.domain.view;
+  plan.height = make_axis(at.domain.z_lo, at.domain.z_hi, choice.height);
+  plan.view = make_axis(view.sec_min, view.sec_max, choice.view);
+  plan.path_x = make_axis(view.x_min, view.x_max, choice.path_x);
+  plan.path_y = make_axis(view.y_min, view.y_max, choice.path_y);
+  plan.sun_sources = levels.errors.sun_sources;
+  plan.sky_components = choice.sky_rank;
+  ChosenSkies skies;
+  if (choice.sky_rank > 0) skies.solar = levels.sky[static_cast<std::size_t>(choice.sky_rank - 1)].factors;
+  plan.sky_basis = skies.solar.basis;
+  if (choice.thermal_rank > 0)
+    skies.thermal = levels.thermal_sky[static_cast<std::size_t>(choice.thermal_rank - 1)].factors;
+  if (light.thermal.on)
+    plan.thermal =
+        make_thermal(at.simulation.scene, light.emitters, levels.temperatures[choice.temperature], skies.thermal);
+  return skies;
+}
+
+/// B of the surroundings, then of the temperature nodes, on the grid; empty without thermal light.
+std::vector<std::vector<double>> planck_of(const Plan& plan, const std::vector<double>& grid_um) {
+  std::vector<std::vector<double>> planck;
+  if (plan.thermal.on) planck.push_back(planck_spectrum(grid_um, plan.thermal.surroundings_K));
+  for (const double kelvin : plan.thermal.temperature_K) planck.push_back(planck_spectrum(grid_um, kelvin));
+  return planck;
+}
+
+/// Spectra of all sources at every node of height and view, and of the path at every node of height and direction.
+void fill_spectra(Plan& plan, const Setting& at, const ChosenSkies& skies) {
+  const TableSpectra& air = at.air;
+  const BandSpace& bands = at.bands;
+  const auto planck = planck_of(plan, at.spectral.wavelength_um);
+  plan.source_spectrum.resize(static_cast<std::size_t>(plan.source_channels()));
+  for (int h = 0; h < plan.height.count; ++h) {
+    const double z = node_position(plan.height, h);
+    if (air.has_sky() && air.knows_flux_of_sky())
+      plan.sky_flux.add(z, at.first, sky_flux_scale(air, z, at.domain.sun_zenith));
+    const SkySpectra component = sky_spectra(skies.solar, air, z), emitted_sky = sky_spectra(skies.thermal, air, z);
+    for (int v = 0; v < plan.view.count; ++v) {
+      const double sec = node_position(plan.view, v);
+      const auto source = [&](int number) -> std::vector<double>& {
+        return plan.source_spectrum[static_cast<std::size_t>((number * plan.height.count + h) * plan.view.count + v)];
+      };
+      if (plan.sun_sources > 0) source(0) = bands.to_grid(sun_source(air, z, sec));
+      const Spectrum up = sky_path(air, z, sec);
+      for (int m = 0; m < plan.sky_components; ++m)
+        source(plan.first_component() + m) = bands.to_grid(product(component[static_cast<std::size_t>(m)], up));
+      plan.transmission_spectrum.push_back(bands.to_grid(air.view_transmission(z, zenith_of_sec(sec))));
+      if (!plan.thermal.on) continue;
+      const std::vector<double>& through = plan.transmission_spectrum.back();
+      const Spectrum thermal_up = sky_path(air, z, sec, Sky::thermal);
+      const int warm_sky = plan.first_component() + plan.sky_components,
+                surroundings = warm_sky + plan.thermal.sky_components;
+      for (int m = 0; m < plan.thermal.sky_components; ++m)
+        source(warm_sky + m) = bands.to_grid(product(emitted_sky[static_cast<std::size_t>(m)], thermal_up));
+      source(surroundings) = product(planck[0], through, 1 / std::numbers::pi);
+      for (int k = 0; k < plan.thermal.nodes(); ++k)
+        source(plan.first_emission() + k) = product(planck[static_cast<std::size_t>(1 + k)], through);
+    }
+    for (int y = 0; y < plan.path_y.count; ++y)
+      for (int x = 0; x < plan.path_x.count; ++x)
+        plan.path_spectrum.push_back(bands.to_grid(
+            path_source(air, at.domain, z, node_position(plan.path_x, x), node_position(plan.path_y, y))));
+  }
+}
+
+/// The sky's directions for the samples of a pixel.
+void place_directions(Plan& plan, const scene::Simulation& simulation, const scene::Instrument& instrument,
+                      double sun_azimuth) {
+  if (plan.components() == 0) return;
+  plan.sky = make_sky_sets(plan.sky_basis, sun_azimuth, simulation.sky_directions, simulation.seed, plan.sky_components,
+                           plan.thermal.on ? &plan.thermal : nullptr);
+  plan.sky.share = sky_share(simulation.sky_share, instrument.samples_u * instrument.samples_v, plan.sky.directions);
+}
+
+void fill_report(Plan& plan, const Setting& at, const Light& light, const Levels& levels, const Chosen& chosen,
+                 double map_error) {
+  const NodeChoice& choice = chosen.nodes;
+  const ThermalUse& thermal = light.thermal;
+  const double total = choice.total();
+  PlanReport& report = plan.report;
+  report.budget = chosen.budget;
+  report.table_nodes = at.covered_um.size();
+  report.source_error = choice.source_error, report.path_error = choice.path_error;
+  report.sky_error = choice.sky_error;
+  report.total_error = total, report.within_tolerance = total <= at.simulation.tolerance;
+  report.given = at.simulation.plan;
+  report.sky_levels = reported(levels.sky);
+  report.irradiance_map_error = map_error;
+  report.mean_ground = mean_ground(plan.environment, at.simulation.scene);
+  report.axes = reported(levels.errors);
+  if (thermal.on)
+    report.thermal = {reported(levels.thermal_sky),
+                      light.emitters.distinct_K.size(),
+                      levels.solar.sun,
+                      levels.solar.sky,
+                      !levels.skylight,
+                      choice.emission_error,
+                      choice.left_out};
+  if (!thermal.on && thermal.share > 0) report.thermal_left_out = {thermal.share, thermal.band, thermal.from};
+}
+
+/// Tells of a sky whose radiances contradict the table's own flux.
+void compare_with_flux_row(Plan& plan, const Setting& at, const SkyFactorizer& sky) {
+  const double d = diffuse_row_difference(at.air, at.domain, at.bands, sky.sampled_irradiance());
+  if (!(d >= 0 && plan.sky_components > 0)) return;
+  plan.report.diffuse_irradiance_row_difference = d;
+  if (d > kAnotherSky && at.air.knows_flux_of_sky())
+    plan.notices.push_back(fmt::format(
+        "the atmosphere table's sky_radiance_solar sums to another irradiance than its diffuse_irradiance, "
+        "{:.3g} % off in the worst band: the sky takes its shape from the one and its brightness from the other; "
+        "give the sky on a finer grid of directions, or mend the rows",
+        100 * d));
+}
+
+}  // namespace
+
+Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& instrument,
+               const atmos::RenderTable& table, const ViewBounds& view) {
+  const base::Doing doing("planning instrument", instrument.name);
+  check_directions(simulation);
+  const Domain domain = make_domain(simulation, table, view);
+  const auto& table_um = table.axis("wavelength").nodes;
+  scene::Instrument convolved = instrument;
+  convolved.bands = channel_bands(instrument, table).bands;
+  SpectralPlan spectral = make_spectral_plan(simulation.scene, convolved, table_um, table_name(simulation));
+  Plan plan = begin_plan(simulation, domain);
 
   const std::size_t first = find_cell(table_um, spectral.wavelength_um.front()).index;
   const std::size_t last = std::min(find_cell(table_um, spectral.wavelength_um.back()).index + 1, table_um.size() - 1);
@@ -159,165 +402,30 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
   Spectrum ground;
   if (adjacency != scene::Adjacency::off)
     ground = plan_environment(plan, simulation, table, domain, adjacency == scene::Adjacency::local, covered, first);
-  TableSpectra air(table, no_air, plan.sun_up, first, last - first + 1, ground);
+  TableSpectra air(table, simulation.atmosphere.none, plan.sun_up, first, last - first + 1, ground);
   check_view(instrument, view, air.last_view_zenith_rad());
   const BandSpace bands(covered, spectral.wavelength_um, spectral.bands, spectral.mean_reflectance);
+  const Setting setting{simulation, domain, air, bands, spectral, covered, first, kShare * simulation.tolerance};
 
-  const double share = kShare * simulation.tolerance;
-  ThermalUse thermal = thermal_use(simulation, instrument, table, air, domain, bands, spectral, share);
+  ThermalUse thermal = thermal_use(simulation, instrument, table, air, domain, bands, spectral, setting.share);
   if (!thermal.on) air.leave_out_emission();
-  plan.shaped = scene::first_shaped(simulation.scene) != nullptr;
   plan.notices = std::move(thermal.notices);
-  const SkyFactorizer sky(air, domain.z(0.5), domain.sun_zenith);
-  const SkyFactorizer thermal_sky(air, domain.z(0.5), domain.sun_zenith, Sky::thermal);
-  Emitters emitters;
-  TypicalThermal emitted;
-  if (thermal.on) {
-    emitters = find_emitters(simulation.scene, simulation.file, thermal.demanded_by);
-    emitted = {planck_spectrum(covered, emitters.surroundings_K), thermal_sky.irradiance()};
-  }
-  const auto typical = typical_radiance(air, domain, bands, sky.irradiance(), emitted);
-  NodeErrors errors = estimate_node_errors(air, domain, bands, sky.irradiance(), typical, emitted);
-  std::vector<SkyLevel> levels, thermal_levels;
-  std::vector<TemperatureLevel> temperatures;
-  SolarShare solar;
-  bool skylight = true;
-  if (thermal.on) {
-    // Sun and sky that no band and no material can see beside the thermal light get no channels.
-    solar = solar_share(air, domain,
-                        BandSpace(covered, spectral.wavelength_um, spectral.bands, spectral.largest_reflectance),
-                        sky.irradiance(), typical);
-    if (solar.sun <= share) errors.sun_sources = 0, errors.left_out += solar.sun;
-    if (solar.sky <= share) skylight = false, errors.left_out += solar.sky;
-    if (!plan.environment.empty() && solar.environment <= share)
-      plan.environment = {}, errors.left_out += solar.environment;
-    errors.surroundings = 1;
-    thermal_levels = sky_levels(thermal_sky, Sky::thermal, air, domain, bands, typical, share);
-    temperatures = temperature_levels(emitters, air, domain, bands, covered, typical);
-    for (const auto& level : temperatures)
-      errors.temperature.emplace_back(static_cast<int>(level.node_K.size()), level.error);
-  }
-  const scene::PlanOverrides& given = simulation.plan;
-  if (skylight) levels = sky_levels(sky, Sky::solar, air, domain, bands, typical, share, given.sky_rank);
-  for (const auto& level : levels)
-    errors.sky_rank.push_back(level.negative ? std::numeric_limits<double>::infinity() : level.error);
-  for (const auto& level : thermal_levels)
-    errors.thermal_rank.push_back(level.negative ? std::numeric_limits<double>::infinity() : level.error);
-  NodeChoice choice;
-  double budget = 0;
-  for (const double part :
-       {kBudget, 0.75, 1.0}) {  // where the channels do not hold the budget, the cheapest that holds more
-    budget = part * simulation.tolerance;
-    choice = choose_nodes(errors, budget, given);
-    if (choice.within_budget) break;
-  }
-  if (!choice.possible)
-    throw base::Error(base::Fault::input,
-                      fmt::format("{}: [plan] asks for what no plan can have{}: more than {} channels, or a sky of so "
-                                  "few components that it takes away more "
-                                  "than there is; give fewer nodes, another sky_rank, or remove a key",
-                                  simulation.file, describe_given(given), RC_MAX_CHANNELS));
-  const double total = choice.total();
-  if (total > simulation.tolerance && !given.any())
-    plan.refusal = fmt::format(
-        "instrument '{}': {} channels cannot hold the tolerance of {:g}: the nodes of height, view and path and the "
-        "sky's components leave an estimated error of {:.3g} (source {:.3g}, path {:.3g}, sky {:.3g}, temperatures "
-        "{:.3g})",
-        instrument.name, RC_MAX_CHANNELS, simulation.tolerance, total, choice.source_error, choice.path_error,
-        choice.sky_error, choice.emission_error);
+  const Light light(setting, std::move(thermal));
+  const Levels levels = weigh_levels(plan, setting, light);
+  const Chosen chosen = choose_within_budget(levels.errors, simulation);
+  plan.refusal = refusal_of(chosen.nodes, simulation, instrument.name);
 
-  plan.height = make_axis(domain.z_lo, domain.z_hi, choice.height);
-  plan.view = make_axis(view.sec_min, view.sec_max, choice.view);
-  plan.path_x = make_axis(view.x_min, view.x_max, choice.path_x);
-  plan.path_y = make_axis(view.y_min, view.y_max, choice.path_y);
-  plan.sun_sources = errors.sun_sources;
-  plan.sky_components = choice.sky_rank;
-  SkyFactors factors;
-  if (choice.sky_rank > 0) factors = levels[static_cast<std::size_t>(choice.sky_rank - 1)].factors;
-  plan.sky_basis = factors.basis;
-  SkyFactors thermal_factors;
-  if (choice.thermal_rank > 0)
-    thermal_factors = thermal_levels[static_cast<std::size_t>(choice.thermal_rank - 1)].factors;
-  if (thermal.on)
-    plan.thermal = make_thermal(simulation.scene, emitters, temperatures[choice.temperature], thermal_factors);
-  std::vector<std::vector<double>> planck;  // of the surroundings, then of the temperature nodes, on the grid
-  if (thermal.on) planck.push_back(planck_spectrum(spectral.wavelength_um, plan.thermal.surroundings_K));
-  for (const double kelvin : plan.thermal.temperature_K)
-    planck.push_back(planck_spectrum(spectral.wavelength_um, kelvin));
-
-  plan.source_spectrum.resize(static_cast<std::size_t>(plan.source_channels()));
-  for (int h = 0; h < plan.height.count; ++h) {
-    const double z = node_position(plan.height, h);
-    if (air.has_sky() && air.knows_flux_of_sky())
-      plan.sky_flux.add(z, first, sky_flux_scale(air, z, domain.sun_zenith));
-    const SkySpectra component = sky_spectra(factors, air, z), emitted_sky = sky_spectra(thermal_factors, air, z);
-    for (int v = 0; v < plan.view.count; ++v) {
-      const double sec = node_position(plan.view, v);
-      const auto channel = [&](int source) {
-        return static_cast<std::size_t>((source * plan.height.count + h) * plan.view.count + v);
-      };
-      if (plan.sun_sources > 0) plan.source_spectrum[channel(0)] = bands.to_grid(sun_source(air, z, sec));
-      const Spectrum up = sky_path(air, z, sec);
-      for (int m = 0; m < plan.sky_components; ++m)
-        plan.source_spectrum[channel(plan.first_component() + m)] =
-            bands.to_grid(product(component[static_cast<std::size_t>(m)], up));
-      plan.transmission_spectrum.push_back(bands.to_grid(air.view_transmission(z, zenith_of_sec(sec))));
-      if (!plan.thermal.on) continue;
-      const Spectrum thermal_up = sky_path(air, z, sec, Sky::thermal);
-      const int warm_sky = plan.first_component() + plan.sky_components,
-                surroundings = warm_sky + plan.thermal.sky_components;
-      for (int m = 0; m < plan.thermal.sky_components; ++m)
-        plan.source_spectrum[channel(warm_sky + m)] =
-            bands.to_grid(product(emitted_sky[static_cast<std::size_t>(m)], thermal_up));
-      plan.source_spectrum[channel(surroundings)] =
-          product(planck[0], plan.transmission_spectrum.back(), 1 / std::numbers::pi);
-      for (int k = 0; k < plan.thermal.nodes(); ++k)
-        plan.source_spectrum[channel(plan.first_emission() + k)] =
-            product(planck[static_cast<std::size_t>(1 + k)], plan.transmission_spectrum.back());
-    }
-    for (int y = 0; y < plan.path_y.count; ++y)
-      for (int x = 0; x < plan.path_x.count; ++x)
-        plan.path_spectrum.push_back(
-            bands.to_grid(path_source(air, domain, z, node_position(plan.path_x, x), node_position(plan.path_y, y))));
-  }
-
+  const ChosenSkies skies = take_choice(plan, setting, light, levels, chosen.nodes);
+  fill_spectra(plan, setting, skies);
   if (!plan.environment.empty()) add_environment_spectra(plan, simulation, air, bands, covered, spectral.wavelength_um);
-
   double map_error = 0;
   if (plan.sky_components > 0)
-    map_error = fit_map(plan, domain.sun_azimuth, levels[static_cast<std::size_t>(choice.sky_rank - 1)].mixture);
-  if (plan.components() > 0)
-    plan.sky = make_sky_sets(plan.sky_basis, domain.sun_azimuth, simulation.sky_directions, simulation.seed,
-                             plan.sky_components, plan.thermal.on ? &plan.thermal : nullptr);
-  if (plan.components() > 0)
-    plan.sky.share = sky_share(simulation.sky_share, instrument.samples_u * instrument.samples_v, plan.sky.directions);
+    map_error =
+        fit_map(plan, domain.sun_azimuth, levels.sky[static_cast<std::size_t>(plan.sky_components - 1)].mixture);
+  place_directions(plan, simulation, instrument, domain.sun_azimuth);
 
-  PlanReport& report = plan.report;
-  report.budget = budget;
-  report.table_nodes = covered.size();
-  report.source_error = choice.source_error, report.path_error = choice.path_error;
-  report.sky_error = choice.sky_error;
-  report.total_error = total, report.within_tolerance = total <= simulation.tolerance;
-  report.given = given;
-  report.sky_levels = reported(levels);
-  report.irradiance_map_error = map_error;
-  report.mean_ground = mean_ground(plan.environment, simulation.scene);
-  report.axes = reported(errors);
-  if (thermal.on)
-    report.thermal = {
-        reported(thermal_levels), emitters.distinct_K.size(), solar.sun, solar.sky, !skylight, choice.emission_error,
-        choice.left_out};
-  if (!thermal.on && thermal.share > 0) report.thermal_left_out = {thermal.share, thermal.band, thermal.from};
-  if (const double d = diffuse_row_difference(air, domain, bands, sky.sampled_irradiance());
-      d >= 0 && plan.sky_components > 0) {
-    report.diffuse_irradiance_row_difference = d;
-    if (d > kAnotherSky && air.knows_flux_of_sky())
-      plan.notices.push_back(fmt::format(
-          "the atmosphere table's sky_radiance_solar sums to another irradiance than its diffuse_irradiance, "
-          "{:.3g} % off in the worst band: the sky takes its shape from the one and its brightness from the other; "
-          "give the sky on a finer grid of directions, or mend the rows",
-          100 * d));
-  }
+  fill_report(plan, setting, light, levels, chosen, map_error);
+  compare_with_flux_row(plan, setting, light.sky);
   plan.wavelength_um = std::move(spectral.wavelength_um);
   plan.bands = std::move(spectral.bands);
   return plan;

@@ -1,9 +1,11 @@
 #include "host/plan/table_spectra.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <string>
 
 #include "atmos_tables/interpolate.h"
@@ -47,6 +49,191 @@ double cos_scattering(double sun_zenith, double zenith, double azimuth) {
   return std::clamp(
       std::cos(sun_zenith) * std::cos(zenith) + std::sin(sun_zenith) * std::sin(zenith) * std::cos(azimuth), -1.0, 1.0);
 }
+
+/// The table's one or two nodes of height around a target, and their weights.
+struct HeightNodes {
+  std::size_t first = 0, count = 1;
+  std::array<double, 2> weight{};
+
+  HeightNodes(const atmos::RenderTable& table, double height_m) {
+    const Cell cell = find_cell(table.axis("target_height").nodes, height_m);
+    first = cell.index, count = cell.fraction > 0 ? 2 : 1;
+    weight = {1 - cell.fraction, cell.fraction};
+  }
+};
+
+/// Scattered sunlight at one height on a product grid of directions, one wavelength at a time. Between the table's
+/// directions radiance is divided by the shape that single scattering gives it, where the table knows that shape.
+class SolarSky {
+ public:
+  /// Keeps references. sky_zenith, sky_azimuth: the table's own nodes, rad.
+  SolarSky(const atmos::RenderTable& table, const std::vector<double>& sky_zenith,
+           const std::vector<double>& sky_azimuth, const HeightNodes& heights, const std::vector<double>& zenith_rad,
+           const std::vector<double>& azimuth_rad)
+      : node_zenith_(sky_zenith),
+        node_azimuth_(sky_azimuth),
+        heights_(heights),
+        grid_zenith_(zenith_rad),
+        sky_(table, table.need("sky_radiance_solar", "skylight"), "sky_zenith", "sky_azimuth"),
+        sun_zenith_(table.sun_zenith_deg / base::deg_from_rad(1)),
+        cos_sun_(std::cos(sun_zenith_)),
+        plain_(sky_zenith.size() * sky_azimuth.size()),
+        rest_(plain_.size()) {
+    for (const double t : zenith_rad) zenith_cell_.push_back(find_cell(sky_zenith, t));
+    for (const double f : azimuth_rad) azimuth_cell_.push_back(find_cell(sky_azimuth, f));
+    if (!table.has("sky_phase_mean") || !table.has("sky_scattering_depth")) return;
+    depth_.emplace(table, table.need("sky_scattering_depth", "skylight"), nullptr, nullptr);
+    phase_.emplace(table, table.need("sky_phase_mean", "skylight"), "scattering_angle", nullptr);
+    const auto& angles = table.axis("scattering_angle").nodes;
+    node_angle_ = scattering_angles(angles, sky_zenith, sky_azimuth);
+    grid_angle_ = scattering_angles(angles, zenith_rad, azimuth_rad);
+    around_sun_ =
+        atmos::nodes_around_sun(table.axis("sky_zenith").nodes, table.axis("sky_azimuth").nodes, table.sun_zenith_deg);
+  }
+
+  /// Radiance by the wavelength of this number on the table's axis, in direction n at out[n * stride].
+  void sample(std::size_t wavelength, double* out, std::size_t stride) {
+    const Shape shape = shape_at(wavelength);
+    const double once = shaped() ? once_scattered(wavelength, shape) : 0;
+    divide_nodes(wavelength, shape, once);
+    const double depth = heights_.weight[0] * shape.depth[0] + heights_.weight[1] * shape.depth[1];
+    for (std::size_t z = 0; z < zenith_cell_.size(); ++z) {
+      const double fall = shaped() ? atmos::sky_shape(1.0, depth, cos_sun_, std::cos(grid_zenith_[z])) : 0;
+      for (std::size_t f = 0; f < azimuth_cell_.size(); ++f) {
+        const std::size_t n = z * azimuth_cell_.size() + f;
+        double value = kNoShape;
+        if (shaped()) {
+          const double p = heights_.weight[0] * phase_at(shape.phase[0], grid_angle_[n]) +
+                           heights_.weight[1] * phase_at(shape.phase[1], grid_angle_[n]);
+          value = (once * p + bilinear(rest_, zenith_cell_[z], azimuth_cell_[f])) * fall;
+        }
+        if (std::isnan(value)) value = bilinear(plain_, zenith_cell_[z], azimuth_cell_[f]);
+        out[n * stride] = std::max(0.0, value);
+      }
+    }
+  }
+
+ private:
+  /// Of a node without a shape: its cells stay plain.
+  static constexpr double kNoShape = std::numeric_limits<double>::quiet_NaN();
+
+  /// What single scattering makes the sky look like by one wavelength, at both nodes of height.
+  struct Shape {
+    std::array<double, 2> depth{};
+    std::array<const float*, 2> phase{};  ///< over scattering angle
+  };
+
+  bool shaped() const { return phase_.has_value(); }
+
+  /// Scattering angles of the directions of a product grid on the phase function's axis.
+  std::vector<Cell> scattering_angles(const std::vector<double>& angle_deg, const std::vector<double>& zenith,
+                                      const std::vector<double>& azimuth) const {
+    std::vector<Cell> cells;
+    for (const double t : zenith)
+      for (const double f : azimuth)
+        cells.push_back(find_cell(angle_deg, base::deg_from_rad(std::acos(cos_scattering(sun_zenith_, t, f)))));
+    return cells;
+  }
+
+  Shape shape_at(std::size_t wavelength) const {
+    Shape out;
+    if (!shaped()) return out;
+    for (std::size_t h = 0; h < 2; ++h) {
+      const std::size_t node = heights_.first + (h < heights_.count ? h : 0);
+      out.depth[h] = depth_->value[wavelength * depth_->wavelength + node * depth_->height];
+      out.phase[h] = phase_->value + wavelength * phase_->wavelength + node * phase_->height;
+    }
+    return out;
+  }
+
+  double phase_at(const float* phase, const Cell& angle) const {
+    const std::size_t stride = phase_->a, k = angle.index * stride;
+    return angle.fraction > 0 ? (1 - angle.fraction) * phase[k] + angle.fraction * phase[k + stride]
+                              : static_cast<double>(phase[k]);
+  }
+
+  /// The table's radiance at its own node, h counted from the lower height.
+  double sky_at(std::size_t wavelength, std::size_t h, std::size_t z, std::size_t f) const {
+    return double(
+        sky_.value[wavelength * sky_.wavelength + (heights_.first + h) * sky_.height + z * sky_.a + f * sky_.b]);
+  }
+
+  /// How much of the phase function the sky shows around the sun.
+  double once_scattered(std::size_t wavelength, const Shape& shape) const {
+    double once = 0;
+    for (std::size_t h = 0; h < heights_.count; ++h) {
+      std::vector<atmos::SkyNode> list;
+      for (const auto& [z, f] : around_sun_) {
+        const double fall = atmos::sky_shape(1.0, shape.depth[h], cos_sun_, std::cos(node_zenith_[z]));
+        if (fall > 0)
+          list.push_back({phase_at(shape.phase[h], node_angle_[z * node_azimuth_.size() + f]),
+                          sky_at(wavelength, h, z, f) / fall});
+      }
+      once += heights_.weight[h] * atmos::once_scattered_level(list);
+    }
+    return once;
+  }
+
+  /// Radiance at the table's nodes, as it is and as what single scattering leaves of it.
+  void divide_nodes(std::size_t wavelength, const Shape& shape, double once) {
+    std::fill(plain_.begin(), plain_.end(), 0.0);
+    std::fill(rest_.begin(), rest_.end(), shaped() ? 0.0 : kNoShape);
+    for (std::size_t z = 0; z < node_zenith_.size(); ++z)
+      for (std::size_t h = 0; h < heights_.count; ++h) {
+        const double fall = shaped() ? atmos::sky_shape(1.0, shape.depth[h], cos_sun_, std::cos(node_zenith_[z])) : 0;
+        for (std::size_t f = 0; f < node_azimuth_.size(); ++f) {
+          const std::size_t n = z * node_azimuth_.size() + f;
+          const double value = sky_at(wavelength, h, z, f);
+          plain_[n] += heights_.weight[h] * value;
+          if (!shaped()) continue;
+          rest_[n] = fall > 0 ? rest_[n] + heights_.weight[h] *
+                                               (value / fall - once * phase_at(shape.phase[h], node_angle_[n]))
+                              : kNoShape;
+        }
+      }
+  }
+
+  double bilinear(const std::vector<double>& v, const Cell& z, const Cell& f) const {
+    const double* at = &v[z.index * node_azimuth_.size() + f.index];
+    const std::size_t row = z.fraction > 0 ? node_azimuth_.size() : 0, next = f.fraction > 0 ? 1 : 0;
+    return (1 - z.fraction) * ((1 - f.fraction) * at[0] + f.fraction * at[next]) +
+           z.fraction * ((1 - f.fraction) * at[row] + f.fraction * at[row + next]);
+  }
+
+  const std::vector<double>&node_zenith_, &node_azimuth_;
+  const HeightNodes& heights_;
+  const std::vector<double>& grid_zenith_;
+  View sky_;
+  std::optional<View> depth_, phase_;  ///< empty where the table does not know the sky's shape
+  double sun_zenith_, cos_sun_;
+  std::vector<Cell> zenith_cell_, azimuth_cell_;
+  std::vector<Cell> node_angle_, grid_angle_;  ///< of the table's nodes, of the grid's
+  std::vector<std::pair<std::size_t, std::size_t>> around_sun_;
+  std::vector<double> plain_, rest_;  ///< [zenith][azimuth] of the table, of the wavelength in hand
+};
+
+/// What the air sends back of light that the ground sent up, per unit of that.
+class GroundReturn {
+ public:
+  GroundReturn(const atmos::RenderTable& table, const HeightNodes& heights)
+      : heights_(heights),
+        back_(table, table.need("diffuse_return", "light between ground and air"), "sky_zenith", nullptr) {}
+
+  double at(std::size_t wavelength, const Cell& zenith) const {
+    double t = 0;
+    for (std::size_t h = 0; h < heights_.count; ++h) {
+      const float* at =
+          back_.value + wavelength * back_.wavelength + (heights_.first + h) * back_.height + zenith.index * back_.a;
+      const double f = zenith.fraction;
+      t += heights_.weight[h] * (f > 0 ? (1 - f) * double{at[0]} + f * double{at[back_.a]} : double{at[0]});
+    }
+    return t;
+  }
+
+ private:
+  const HeightNodes& heights_;
+  View back_;
+};
 
 }  // namespace
 
@@ -197,119 +384,21 @@ std::vector<double> TableSpectra::sky_grid(double height_m, const std::vector<do
     }
     return out;
   }
-  const View sky(table_, table_.need("sky_radiance_solar", "skylight"), "sky_zenith", "sky_azimuth");
-  const bool shaped = table_.has("sky_phase_mean") && table_.has("sky_scattering_depth");
-  const Cell height = find_cell(table_.axis("target_height").nodes, clamp_height(height_m));
-  const std::array<double, 2> height_weight = {1 - height.fraction, height.fraction};
-  const int heights = height.fraction > 0 ? 2 : 1;
-
-  // scattering angle of a node on the phase function's axis
-  const double sun_zenith = table_.sun_zenith_deg / base::deg_from_rad(1), cos_sun = std::cos(sun_zenith);
-  const auto locate = [&](const std::vector<double>& zenith, const std::vector<double>& azimuth) {
-    std::vector<Cell> cells;
-    if (!shaped) return cells;
-    const auto& angles = table_.axis("scattering_angle").nodes;
-    for (const double t : zenith)
-      for (const double f : azimuth)
-        cells.push_back(find_cell(angles, base::deg_from_rad(std::acos(cos_scattering(sun_zenith, t, f)))));
-    return cells;
-  };
-  const auto node_angle = locate(sky_zenith_, sky_azimuth_), grid_angle = locate(zenith_rad, azimuth_rad);
-  std::vector<Cell> zenith_cell, azimuth_cell;
-  for (const double t : zenith_rad) zenith_cell.push_back(find_cell(sky_zenith_, t));
-  for (const double f : azimuth_rad) azimuth_cell.push_back(find_cell(sky_azimuth_, f));
-
-  const std::size_t nodes = sky_zenith_.size() * sky_azimuth_.size();
-  std::vector<double> plain(nodes), rest(nodes), grid_fall(zenith_rad.size());
-  const auto around_sun = shaped ? atmos::nodes_around_sun(table_.axis("sky_zenith").nodes,
-                                                           table_.axis("sky_azimuth").nodes, table_.sun_zenith_deg)
-                                 : std::vector<std::pair<std::size_t, std::size_t>>();
-  const auto bilinear = [&](const std::vector<double>& v, const Cell& z, const Cell& f) {
-    const double* at = &v[z.index * sky_azimuth_.size() + f.index];
-    const std::size_t row = z.fraction > 0 ? sky_azimuth_.size() : 0, next = f.fraction > 0 ? 1 : 0;
-    return (1 - z.fraction) * ((1 - f.fraction) * at[0] + f.fraction * at[next]) +
-           z.fraction * ((1 - f.fraction) * at[row] + f.fraction * at[row + next]);
-  };
-  constexpr double none = std::numeric_limits<double>::quiet_NaN();  // a node without shape: its cells stay plain
-  for (std::size_t i = 0; i < count_; ++i) {
-    const std::size_t wavelength = first_ + i;
-    std::fill(plain.begin(), plain.end(), 0.0);
-    std::fill(rest.begin(), rest.end(), shaped ? 0.0 : none);
-    std::array<double, 2> depth{};
-    std::array<const float*, 2> phase{};
-    std::size_t phase_stride = 0;
-    if (shaped) {
-      const View depth_view(table_, table_.need("sky_scattering_depth", "skylight"), nullptr, nullptr);
-      const View phase_view(table_, table_.need("sky_phase_mean", "skylight"), "scattering_angle", nullptr);
-      phase_stride = phase_view.a;
-      for (std::size_t h = 0; h < 2; ++h) {
-        const std::size_t node = height.index + (static_cast<int>(h) < heights ? h : 0);
-        depth[h] = depth_view.value[wavelength * depth_view.wavelength + node * depth_view.height];
-        phase[h] = phase_view.value + wavelength * phase_view.wavelength + node * phase_view.height;
-      }
-    }
-    const auto phase_at = [&](const float* p, const Cell& c) {
-      const std::size_t k = c.index * phase_stride;
-      return c.fraction > 0 ? (1 - c.fraction) * p[k] + c.fraction * p[k + phase_stride] : static_cast<double>(p[k]);
-    };
-    const auto sky_at = [&](std::size_t h, std::size_t z, std::size_t f) {
-      return double(sky.value[wavelength * sky.wavelength + (height.index + h) * sky.height + z * sky.a + f * sky.b]);
-    };
-    double once = 0;
-    for (std::size_t h = 0; h < static_cast<std::size_t>(heights); ++h) {
-      std::vector<atmos::SkyNode> list;
-      for (const auto& [z, f] : around_sun) {
-        const double fall = atmos::sky_shape(1.0, depth[h], cos_sun, std::cos(sky_zenith_[z]));
-        if (fall > 0)
-          list.push_back({phase_at(phase[h], node_angle[z * sky_azimuth_.size() + f]), sky_at(h, z, f) / fall});
-      }
-      once += height_weight[h] * atmos::once_scattered_level(list);
-    }
-    for (std::size_t z = 0; z < sky_zenith_.size(); ++z) {
-      for (std::size_t h = 0; h < static_cast<std::size_t>(heights); ++h) {
-        const double fall = shaped ? atmos::sky_shape(1.0, depth[h], cos_sun, std::cos(sky_zenith_[z])) : 0;
-        for (std::size_t f = 0; f < sky_azimuth_.size(); ++f) {
-          const std::size_t n = z * sky_azimuth_.size() + f;
-          const double value = sky_at(h, z, f);
-          plain[n] += height_weight[h] * value;
-          if (!shaped) continue;
-          rest[n] =
-              fall > 0 ? rest[n] + height_weight[h] * (value / fall - once * phase_at(phase[h], node_angle[n])) : none;
-        }
-      }
-    }
-    const double depth_here = height_weight[0] * depth[0] + height_weight[1] * depth[1];
-    for (std::size_t z = 0; z < zenith_rad.size(); ++z)
-      grid_fall[z] = shaped ? atmos::sky_shape(1.0, depth_here, cos_sun, std::cos(zenith_rad[z])) : 0;
-    for (std::size_t z = 0; z < zenith_rad.size(); ++z)
-      for (std::size_t f = 0; f < azimuth_rad.size(); ++f) {
-        const std::size_t n = z * azimuth_rad.size() + f;
-        double value = none;
-        if (shaped) {
-          const double p = height_weight[0] * phase_at(phase[0], grid_angle[n]) +
-                           height_weight[1] * phase_at(phase[1], grid_angle[n]);
-          value = (once * p + bilinear(rest, zenith_cell[z], azimuth_cell[f])) * grid_fall[z];
-        }
-        if (std::isnan(value)) value = bilinear(plain, zenith_cell[z], azimuth_cell[f]);
-        out[n * count_ + i] = std::max(0.0, value);
-      }
-  }
+  const HeightNodes heights(table_, clamp_height(height_m));
+  SolarSky sky(table_, sky_zenith_, sky_azimuth_, heights, zenith_rad, azimuth_rad);
+  for (std::size_t i = 0; i < count_; ++i) sky.sample(first_ + i, &out[i], count_);
   if (!couples_ground()) return out;
   // What the ground sent up and the air sends back: the same at all azimuths.
-  const View back(table_, table_.need("diffuse_return", "light between ground and air"), "sky_zenith", nullptr);
   const Spectrum up = ground_radiance(height_m);
-  for (std::size_t z = 0; z < zenith_rad.size(); ++z)
+  const GroundReturn back(table_, heights);
+  for (std::size_t z = 0; z < zenith_rad.size(); ++z) {
+    const Cell cell = find_cell(sky_zenith_, zenith_rad[z]);
     for (std::size_t i = 0; i < count_; ++i) {
-      double t = 0;
-      for (std::size_t h = 0; h < static_cast<std::size_t>(heights); ++h) {
-        const float* at = back.value + (first_ + i) * back.wavelength + (height.index + h) * back.height +
-                          zenith_cell[z].index * back.a;
-        const double f = zenith_cell[z].fraction;
-        t += height_weight[h] * (f > 0 ? (1 - f) * double{at[0]} + f * double{at[back.a]} : double{at[0]});
-      }
+      const double t = back.at(first_ + i, cell);
       for (std::size_t a = 0; a < azimuth_rad.size(); ++a)
         out[(z * azimuth_rad.size() + a) * count_ + i] += ground_[i] * up[i] * t;
     }
+  }
   return out;
 }
 

@@ -96,6 +96,169 @@ void measure_plan(Decision& out, const scene::Simulation& simulation, const scen
       100 * error.path.estimate, 100 * error.environment.estimate, 100 * error.emission.estimate, error.pixels));
 }
 
+/// Tries samples and directions on the scene's own pixels until the cheapest levels that hold the tolerance are known.
+/// What is measured is told in the decision.
+class LevelSearch {
+ public:
+  /// Keeps references. out: with what the file gives, and the error of nodes and components.
+  LevelSearch(PixelTrial& trial, const scene::Simulation& simulation, const scene::Instrument& instrument,
+              const plan::Plan& plan, Decision& out)
+      : trial_(trial),
+        simulation_(simulation),
+        instrument_(instrument),
+        plan_(plan),
+        out_(out),
+        sky_(plan.components() > 0),
+        budget_(std::sqrt(std::max(0.0, squared(kUse * simulation.tolerance) - squared(out.plan_error)))),
+        direction_(kDirectionLaw),
+        sides_(out.samples_given ? std::vector<int>{1} : side_levels()),
+        directions_(direction_levels()) {
+    if (out.directions_given)
+      directions_ = {simulation.sky_directions};
+    else if (simulation.sky_share > 1)
+      std::erase_if(directions_, [&](int k) { return k % simulation.sky_share != 0; });
+    if (!sky_) directions_ = {1};
+  }
+
+  /// The first levels of directions.
+  void try_sky() {
+    if (!sky_) {
+      add(direction_, 1, {}, "directions");
+    } else if (out_.directions_given) {
+      add(direction_, simulation_.sky_directions, trial_.sky_error(simulation_.sky_directions, kFirstSide, kFirstSide),
+          "directions");
+    } else {
+      for (const int level : kSkyLevels)
+        if (simulation_.sky_share <= 1 || level % simulation_.sky_share == 0)
+          add(direction_, level, trial_.sky_error(level, kFirstSide, kFirstSide), "directions");
+    }
+  }
+
+  /// The cheapest levels with one sampler; `side` holds what was measured of it.
+  Choice settle(scene::SamplerKind sampler, ErrorLaw& side) {
+    try_first_side(sampler, side);
+    const auto known = [&](int n) { return side.bound(n); };
+    const auto hoped = [&](int n) { return n <= kLargestTriedSide ? side.hope(n) : side.bound(n); };
+    const PixelCost cost = [&](int n, int k) { return cost_s(n, k); };
+    Choice choice;
+    for (int round = 0; round < kMostRounds; ++round) {
+      choice = choose(hoped, direction_, budget_, cost, sides_, directions_);
+      // A level that only might do is worth a try where it saves much.
+      const Choice safe = choose(known, direction_, budget_, cost, sides_, directions_);
+      if (safe.within && cost_s(choice.side, choice.directions) > kWorthATry * cost_s(safe.side, safe.directions))
+        choice = safe;
+      bool changed = false;
+      if (!out_.samples_given && !side.has(choice.side) && choice.side <= kLargestTriedSide) {
+        try_side(sampler, choice.side, side);
+        changed = true;
+      }
+      // Once the side stands: fewer samples average the sky less, and what is measured with few would stay where more
+      // are taken after all.
+      const int tried = out_.samples_given ? kFirstSide : std::min(kFirstSide, choice.side);
+      if (!changed && sky_ && choice.directions <= kMostTriedDirections && !out_.directions_given &&
+          (!direction_.has(choice.directions) || (tried < kFirstSide && !fine_sky_.count(choice.directions)))) {
+        add(direction_, choice.directions, trial_.sky_error(choice.directions, tried, tried),
+            tried < kFirstSide ? "directions, few samples" : "directions");
+        fine_sky_.insert(choice.directions);
+        changed = true;
+      }
+      if (!changed) break;
+    }
+    // Rounds spent: what was measured counts, the rest is the law's.
+    return choose(known, direction_, budget_, cost, sides_, directions_);
+  }
+
+  double cost_s(int side, int directions) const {
+    const double given = static_cast<double>(instrument_.samples_u) * instrument_.samples_v;
+    const double samples = out_.samples_given ? given : static_cast<double>(side) * side;
+    return CostModel().seconds(
+        pixel_counts(plan_, samples, directions,
+                     sky_ ? plan::sky_share(simulation_.sky_share, static_cast<int>(samples), directions) : 1));
+  }
+
+  const ErrorLaw& direction() const { return direction_; }
+
+ private:
+  void add(ErrorLaw& law, int level, const TrialError& error, const char* what) {
+    law.measured(level, error.estimate, error.bound);
+    out_.measured.push_back(
+        fmt::format("{} {}: {:.2g} %, at most {:.2g} %", what, level, 100 * error.estimate, 100 * error.bound));
+  }
+
+  void try_side(scene::SamplerKind sampler, int level, ErrorLaw& side) {
+    add(side, level, trial_.sampling_error(sampler, level, level),
+        sampler == scene::SamplerKind::lattice ? "lattice, side" : "grid, side");
+  }
+
+  /// Level 1 stands for samples that are given.
+  void try_first_side(scene::SamplerKind sampler, ErrorLaw& side) {
+    if (out_.samples_given)
+      add(side, 1, trial_.sampling_error(sampler, instrument_.samples_u, instrument_.samples_v), "samples given, as");
+    else
+      try_side(sampler, kFirstSide, side);
+  }
+
+  PixelTrial& trial_;
+  const scene::Simulation& simulation_;
+  const scene::Instrument& instrument_;
+  const plan::Plan& plan_;
+  Decision& out_;
+  bool sky_;
+  double budget_;  ///< what nodes and components leave of the tolerance
+  ErrorLaw direction_;
+  std::vector<int> sides_, directions_;  ///< levels to choose from
+  std::set<int> fine_sky_;               ///< directions tried with the very samples chosen, where those are few
+};
+
+/// The settings of the levels chosen, where the file does not give them.
+void take_levels(Decision& out, const scene::Simulation& simulation, const plan::Plan& plan, const Choice& choice,
+                 scene::SamplerKind sampler) {
+  out.estimated = true;
+  if (!out.samples_given) out.sampling.sampler = sampler, out.sampling.samples_u = out.sampling.samples_v = choice.side;
+  if (!out.directions_given) out.sampling.directions = choice.directions;
+  if (plan.components() > 0)
+    out.sampling.share =
+        plan::sky_share(simulation.sky_share, out.sampling.samples_u * out.sampling.samples_v, out.sampling.directions);
+  out.counts = pixel_counts(plan, static_cast<double>(out.sampling.samples_u) * out.sampling.samples_v,
+                            out.sampling.directions, out.sampling.share);
+  out.s_per_megapixel = 1e6 * CostModel().seconds(out.counts);
+  out.dear = out.s_per_megapixel > kDear_s_per_megapixel;
+}
+
+/// The errors of the levels chosen, and of those before them.
+void take_errors(Decision& out, const Choice& choice, const ErrorLaw& side, const ErrorLaw& direction, bool sky) {
+  out.samples_error = side.bound(choice.side);
+  out.sky_error = sky ? direction.bound(choice.directions) : 0;
+  if (const int less = before(side_levels(), choice.side); less > 0 && !out.samples_given)
+    out.samples_less_error = side.estimate(less);
+  if (const int less = before(direction_levels(), choice.directions); less > 0 && sky && !out.directions_given)
+    out.sky_less_error = direction.estimate(less);
+  out.total_error = std::sqrt(squared(out.plan_error) + squared(out.samples_error) + squared(out.sky_error));
+  out.within = out.total_error <= out.tolerance;
+}
+
+/// Notes a tolerance that is not kept, or that is dear.
+void note_tolerance(Decision& out, const std::string& name) {
+  if (!out.within)
+    out.notes.push_back(fmt::format(
+        "{}: the tolerance of {:.3g} % is not kept: estimated error {:.3g} % (nodes and components {:.3g} %, samples "
+        "{:.3g} %, sky "
+        "directions {:.3g} %){}; raise the tolerance{}",
+        name, 100 * out.tolerance, 100 * out.total_error, 100 * out.plan_error, 100 * out.samples_error,
+        100 * out.sky_error,
+        out.samples_given || out.directions_given
+            ? std::string(", with what the file gives")
+            : fmt::format(", with the best that takes {:.0f} s per megapixel", kMost_s_per_megapixel),
+        out.samples_given || out.directions_given ? " or remove samples and sky_directions from the file" : ""));
+  else if (out.dear)
+    out.notes.push_back(
+        fmt::format("{}: the tolerance of {:.3g} % cannot be kept within {:.0f} s per megapixel (nominal machine of 2 "
+                    "cores): {} x {} samples and {} sky "
+                    "directions take about {:.3g} s; raise the tolerance, or give fewer of either",
+                    name, 100 * out.tolerance, kDear_s_per_megapixel, out.sampling.samples_u, out.sampling.samples_v,
+                    out.sampling.directions, out.s_per_megapixel));
+}
+
 }  // namespace
 
 Decision as_given(const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan) {
@@ -132,126 +295,25 @@ Decision decide(render::Renderer& renderer, const scene::Simulation& simulation,
     measure_plan(out, simulation, instrument, plan, table, threads);
 
   PixelTrial trial(renderer, simulation, instrument, plan);
-  ErrorLaw direction(kDirectionLaw);
-  const auto add = [&](ErrorLaw& law, int level, const TrialError& error, const char* what) {
-    law.measured(level, error.estimate, error.bound);
-    out.measured.push_back(
-        fmt::format("{} {}: {:.2g} %, at most {:.2g} %", what, level, 100 * error.estimate, 100 * error.bound));
-  };
-  std::vector<int> directions = direction_levels();
-  if (out.directions_given)
-    directions = {simulation.sky_directions};
-  else if (simulation.sky_share > 1)
-    std::erase_if(directions, [&](int k) { return k % simulation.sky_share != 0; });
-  if (!sky) {
-    directions = {1};
-    add(direction, 1, {}, "directions");
-  } else if (out.directions_given) {
-    add(direction, simulation.sky_directions, trial.sky_error(simulation.sky_directions, kFirstSide, kFirstSide),
-        "directions");
-  } else {
-    for (const int level : kSkyLevels)
-      if (simulation.sky_share <= 1 || level % simulation.sky_share == 0)
-        add(direction, level, trial.sky_error(level, kFirstSide, kFirstSide), "directions");
-  }
-
-  const double left = squared(kUse * simulation.tolerance) - squared(out.plan_error);
-  const double budget = std::sqrt(std::max(0.0, left));
-  const double given_samples = static_cast<double>(instrument.samples_u) * instrument.samples_v;
-  const PixelCost cost_s = [&](int n, int k) {
-    const double samples = out.samples_given ? given_samples : static_cast<double>(n) * n;
-    return CostModel().seconds(
-        pixel_counts(plan, samples, k, sky ? plan::sky_share(simulation.sky_share, static_cast<int>(samples), k) : 1));
-  };
-  std::set<int> fine_sky;  // directions tried with the very samples chosen, where those are few
-  /// The cheapest levels with one sampler; `side` holds what was measured of it.
-  const auto settle = [&](scene::SamplerKind sampler, ErrorLaw& side) {
-    const char* const name = sampler == scene::SamplerKind::lattice ? "lattice, side" : "grid, side";
-    const std::vector<int> sides = out.samples_given ? std::vector<int>{1} : side_levels();
-    if (out.samples_given)
-      add(side, 1, trial.sampling_error(sampler, instrument.samples_u, instrument.samples_v),
-          "samples given, as");  // 1 stands for them
-    else
-      add(side, kFirstSide, trial.sampling_error(sampler, kFirstSide, kFirstSide), name);
-    const auto known = [&](int n) { return side.bound(n); };
-    const auto hoped = [&](int n) { return n <= kLargestTriedSide ? side.hope(n) : side.bound(n); };
-    Choice choice;
-    for (int round = 0; round < kMostRounds; ++round) {
-      choice = choose(hoped, direction, budget, cost_s, sides, directions);
-      // A level that only might do is worth a try where it saves much.
-      const Choice safe = choose(known, direction, budget, cost_s, sides, directions);
-      if (safe.within && cost_s(choice.side, choice.directions) > kWorthATry * cost_s(safe.side, safe.directions))
-        choice = safe;
-      bool changed = false;
-      if (!out.samples_given && !side.has(choice.side) && choice.side <= kLargestTriedSide) {
-        add(side, choice.side, trial.sampling_error(sampler, choice.side, choice.side), name);
-        changed = true;
-      }
-      // Once the side stands: fewer samples average the sky less, and what is measured with few would stay where more
-      // are taken after all.
-      const int tried = out.samples_given ? kFirstSide : std::min(kFirstSide, choice.side);
-      if (!changed && sky && choice.directions <= kMostTriedDirections && !out.directions_given &&
-          (!direction.has(choice.directions) || (tried < kFirstSide && !fine_sky.count(choice.directions)))) {
-        add(direction, choice.directions, trial.sky_error(choice.directions, tried, tried),
-            tried < kFirstSide ? "directions, few samples" : "directions");
-        fine_sky.insert(choice.directions);
-        changed = true;
-      }
-      if (!changed) break;
-    }
-    // Rounds spent: what was measured counts, the rest is the law's.
-    return choose(known, direction, budget, cost_s, sides, directions);
-  };
-
+  LevelSearch search(trial, simulation, instrument, plan, out);
+  search.try_sky();
   scene::SamplerKind sampler = out.samples_given ? instrument.sampler : scene::SamplerKind::grid;
   ErrorLaw side(kSideLaw);
-  Choice choice = settle(sampler, side);
+  Choice choice = search.settle(sampler, side);
   // No edge runs along a lattice, so it may do with fewer samples; few tell nothing either way.
   if (!out.samples_given && choice.side > kFirstSide) {
     ErrorLaw other(kSideLaw);
-    const Choice lattice = settle(scene::SamplerKind::lattice, other);
-    const double ours = cost_s(lattice.side, lattice.directions), theirs = cost_s(choice.side, choice.directions);
+    const Choice lattice = search.settle(scene::SamplerKind::lattice, other);
+    const double ours = search.cost_s(lattice.side, lattice.directions),
+                 theirs = search.cost_s(choice.side, choice.directions);
     if (lattice.within != choice.within ? lattice.within : ours < theirs)
       choice = lattice, side = other, sampler = scene::SamplerKind::lattice;
   }
 
-  out.estimated = true;
-  if (!out.samples_given) out.sampling.sampler = sampler, out.sampling.samples_u = out.sampling.samples_v = choice.side;
-  if (!out.directions_given) out.sampling.directions = choice.directions;
-  if (sky)
-    out.sampling.share =
-        plan::sky_share(simulation.sky_share, out.sampling.samples_u * out.sampling.samples_v, out.sampling.directions);
-  out.samples_error = side.bound(choice.side);
-  out.sky_error = sky ? direction.bound(choice.directions) : 0;
-  if (const int less = before(side_levels(), choice.side); less > 0 && !out.samples_given)
-    out.samples_less_error = side.estimate(less);
-  if (const int less = before(direction_levels(), choice.directions); less > 0 && sky && !out.directions_given)
-    out.sky_less_error = direction.estimate(less);
-  out.total_error = std::sqrt(squared(out.plan_error) + squared(out.samples_error) + squared(out.sky_error));
-  out.within = out.total_error <= simulation.tolerance;
-  out.counts = pixel_counts(plan, static_cast<double>(out.sampling.samples_u) * out.sampling.samples_v,
-                            out.sampling.directions, out.sampling.share);
-  out.s_per_megapixel = 1e6 * CostModel().seconds(out.counts);
-  out.dear = out.s_per_megapixel > kDear_s_per_megapixel;
+  take_levels(out, simulation, plan, choice, sampler);
+  take_errors(out, choice, side, search.direction(), sky);
   out.trial_pixels = trial.pixels(), out.looked_at = trial.looked_at(), out.trial_rays = trial.rays();
-  if (!out.within)
-    out.notes.push_back(fmt::format(
-        "{}: the tolerance of {:.3g} % is not kept: estimated error {:.3g} % (nodes and components {:.3g} %, samples "
-        "{:.3g} %, sky "
-        "directions {:.3g} %){}; raise the tolerance{}",
-        instrument.name, 100 * simulation.tolerance, 100 * out.total_error, 100 * out.plan_error,
-        100 * out.samples_error, 100 * out.sky_error,
-        out.samples_given || out.directions_given
-            ? std::string(", with what the file gives")
-            : fmt::format(", with the best that takes {:.0f} s per megapixel", kMost_s_per_megapixel),
-        out.samples_given || out.directions_given ? " or remove samples and sky_directions from the file" : ""));
-  else if (out.dear)
-    out.notes.push_back(
-        fmt::format("{}: the tolerance of {:.3g} % cannot be kept within {:.0f} s per megapixel (nominal machine of 2 "
-                    "cores): {} x {} samples and {} sky "
-                    "directions take about {:.3g} s; raise the tolerance, or give fewer of either",
-                    instrument.name, 100 * simulation.tolerance, kDear_s_per_megapixel, out.sampling.samples_u,
-                    out.sampling.samples_v, out.sampling.directions, out.s_per_megapixel));
+  note_tolerance(out, instrument.name);
   return out;
 }
 

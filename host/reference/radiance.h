@@ -4,6 +4,7 @@
 
 #include <array>
 #include <functional>
+#include <map>
 #include <optional>
 #include <vector>
 
@@ -112,6 +113,27 @@ class TableModel {
   /// Radiance on the plan's grid of a surface seen from nearby.
   std::vector<double> surface_light(std::uint32_t surface) const;
   std::vector<double> on_grid(const std::vector<double>& table_spectrum) const;
+
+  struct SkyView;
+  struct PixelSums;
+  struct Spectra;
+  /// m; of a ray that meets nothing, the plan's lowest node.
+  double height_of(const Sample& sample) const;
+  /// Into one lot of the directions, every stride_-th.
+  SkyView look(const Sample& sample, std::size_t lot) const;
+  /// share: the sample's weight at the pixel's lowest and highest point.
+  void add_hit(const Sample& sample, const SkyView& view, const double share[2], PixelSums& sums) const;
+  PixelSums gather(const SampledPixel& pixel) const;
+  void add_path(const SampledPixel& pixel, double height_m, double weight, Spectra& out) const;
+  /// Reflected light of what hides the sky: the surfaces met, or black surroundings beyond the scene.
+  void add_surroundings(const std::map<std::uint32_t, double>& hidden, const std::vector<double>& rho,
+                        const std::vector<double>& direct, std::vector<double>& surroundings) const;
+  /// Radiance at the sensor per unit reflectance of the sky's light, weighed by direction: on the table's wavelengths.
+  std::vector<double> sky_at_sensor(const std::vector<double>& weight, double height_m,
+                                    const std::vector<double>& through,
+                                    const std::vector<double>& thermal_through) const;
+  /// Sun, emission, surroundings and sky of every material at one end of the pixel's heights.
+  void add_materials(const PixelSums& sums, int end, double height_m, double zenith_deg, Spectra& out) const;
 
   const ReferenceScene& scene_;
   const plan::Plan& plan_;

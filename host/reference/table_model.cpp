@@ -140,137 +140,183 @@ std::vector<double> TableModel::surface_light(std::uint32_t surface) const {
   return out;
 }
 
-BandRadiance TableModel::radiance(const SampledPixel& pixel) const {
-  // Within the pixel, spectra are linear between its own lowest and highest point: second order in metres over
-  // kilometres.
-  double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
-  for (const Sample& sample : pixel.samples) {
-    const double z = sample.hit.miss() ? static_cast<double>(plan_.height.first) : sample.point.z;
-    lowest = std::min(lowest, z), highest = std::max(highest, z);
-  }
-  struct PerMaterial {
-    double sun = 0;           ///< sum of weight x fraction x cosine over lit samples
-    std::vector<double> sky;  ///< [direction]: sum of weight x fraction x cosine x solid angle where seen
-    double cover = 0;         ///< sum of weight x fraction
-    std::map<std::uint32_t, double>
-        hidden;  ///< the same as sky, by the surface that is met instead; RC_NONE: beyond the scene
+/// What one sample sees of the sky, and what it meets where it sees none.
+struct TableModel::SkyView {
+  std::vector<double> seen;                ///< [direction]: cosine x solid angle, 0 where something hides it
+  std::map<std::uint32_t, double> hidden;  ///< the same by the surface that is met instead; RC_NONE: beyond the scene
+};
+
+/// The light that a pixel's samples meet, by material. Within the pixel, spectra are linear between its own lowest and
+/// highest point, its two ends: second order in metres over kilometres.
+struct TableModel::PixelSums {
+  struct Material {
+    double sun = 0;                          ///< sum of weight x fraction x cosine over lit samples
+    std::vector<double> sky;                 ///< [direction]: sum of weight x fraction x SkyView::seen
+    double cover = 0;                        ///< sum of weight x fraction
+    std::map<std::uint32_t, double> hidden;  ///< sum of weight x fraction x SkyView::hidden
   };
-  std::map<std::uint32_t, PerMaterial> ends[2];  // by material
+  double lowest_m = std::numeric_limits<double>::infinity(), highest_m = -lowest_m;
+  std::map<std::uint32_t, Material> ends[2];
   double path_weight[2] = {0, 0};
+};
+
+/// A pixel's radiance on the plan's grid, by physics block.
+struct TableModel::Spectra {
+  std::vector<double> sun, sky, path, environment, emission, surroundings;
+};
+
+double TableModel::height_of(const Sample& sample) const {
+  return sample.hit.miss() ? static_cast<double>(plan_.height.first) : sample.point.z;
+}
+
+TableModel::SkyView TableModel::look(const Sample& sample, std::size_t lot) const {
+  SkyView view{std::vector<double>(direction_.size(), 0.0), {}};
+  const auto surface_of = [&](const Hit& hit) {
+    return hit.miss() ? RC_NONE : scene::surface_of(scene_.compiled, hit.primitive);
+  };
+  for (std::size_t k = lot % stride_; k < direction_.size(); k += stride_) {
+    const double cosine = glm::dot(sample.normal, direction_[k]);
+    if (cosine > 0 && scene_.sees(sample, direction_[k]))
+      view.seen[k] = cosine * solid_angle_ * spread(scene_.compiled, sample, direction_[k]);
+    if (!plan_.thermal.on) continue;
+    if (cosine > 0 && view.seen[k] == 0)
+      view.hidden[surface_of(scene_.meets(sample, direction_[k]))] += cosine * solid_angle_;
+    const glm::dvec3 below(direction_[k].x, direction_[k].y, -direction_[k].z);
+    const double down = glm::dot(sample.normal, below);
+    if (down > 0) view.hidden[surface_of(scene_.meets(sample, below))] += down * solid_angle_;
+  }
+  return view;
+}
+
+void TableModel::add_hit(const Sample& sample, const SkyView& view, const double share[2], PixelSums& sums) const {
+  const shared::Surface& surface = scene::matter_of(scene_.compiled, sample.hit.primitive);
+  const double sun_spread = spread(scene_.compiled, sample,
+                                   glm::dvec3(plan_.sun_direction[0], plan_.sun_direction[1], plan_.sun_direction[2]));
+  for (int m = 0; m < 4; ++m) {
+    if (surface.material[m] == 0) continue;
+    for (int end = 0; end < 2; ++end) {
+      const double w = share[end] * static_cast<double>(surface.fraction[m]);
+      if (w == 0) continue;
+      PixelSums::Material& sum = sums.ends[end][surface.material[m] - 1];
+      sum.cover += w;
+      for (const auto& [blocker, weight] : view.hidden) sum.hidden[blocker] += w * weight;
+      if (sample.sun_visible) sum.sun += w * std::max(0.0, sample.cos_sun) * sun_spread;
+      sum.sky.resize(direction_.size(), 0.0);
+      for (std::size_t k = 0; k < view.seen.size(); ++k) sum.sky[k] += w * view.seen[k];
+    }
+  }
+}
+
+TableModel::PixelSums TableModel::gather(const SampledPixel& pixel) const {
+  PixelSums sums;
+  for (const Sample& sample : pixel.samples) {
+    const double z = height_of(sample);
+    sums.lowest_m = std::min(sums.lowest_m, z), sums.highest_m = std::max(sums.highest_m, z);
+  }
   // Samples that follow each other look into other lots: the step is odd, so all lots come up, and so many apart that
   // rows of a grid do not meet the same one again. Pixels start anywhere.
   std::size_t lot = pixel.number * 2654435769u;
   for (const Sample& sample : pixel.samples) {
     base::throw_if_interrupted();
     lot += 13;
-    const double z = sample.hit.miss() ? static_cast<double>(plan_.height.first) : sample.point.z;
-    const double f = highest > lowest ? (z - lowest) / (highest - lowest) : 0;
+    const double z = height_of(sample);
+    const double f = sums.highest_m > sums.lowest_m ? (z - sums.lowest_m) / (sums.highest_m - sums.lowest_m) : 0;
     const double share[2] = {sample.weight * (1 - f), sample.weight * f};
-    for (int end = 0; end < 2; ++end) path_weight[end] += share[end];
-    if (sample.hit.miss()) continue;
-    std::vector<double> seen(direction_.size(), 0.0);
-    std::map<std::uint32_t, double> hidden;
-    const auto surface_of = [&](const Hit& hit) {
-      return hit.miss() ? RC_NONE : scene::surface_of(scene_.compiled, hit.primitive);
-    };
-    for (std::size_t k = lot % stride_; k < direction_.size(); k += stride_) {
-      const double cosine = glm::dot(sample.normal, direction_[k]);
-      if (cosine > 0 && scene_.sees(sample, direction_[k]))
-        seen[k] = cosine * solid_angle_ * spread(scene_.compiled, sample, direction_[k]);
-      if (!plan_.thermal.on) continue;
-      if (cosine > 0 && seen[k] == 0) hidden[surface_of(scene_.meets(sample, direction_[k]))] += cosine * solid_angle_;
-      const glm::dvec3 below(direction_[k].x, direction_[k].y, -direction_[k].z);
-      const double down = glm::dot(sample.normal, below);
-      if (down > 0) hidden[surface_of(scene_.meets(sample, below))] += down * solid_angle_;
-    }
-    const shared::Surface& surface = scene::matter_of(scene_.compiled, sample.hit.primitive);
-    const double sun_spread = spread(
-        scene_.compiled, sample, glm::dvec3(plan_.sun_direction[0], plan_.sun_direction[1], plan_.sun_direction[2]));
-    for (int m = 0; m < 4; ++m) {
-      if (surface.material[m] == 0) continue;
-      for (int end = 0; end < 2; ++end) {
-        const double w = share[end] * static_cast<double>(surface.fraction[m]);
-        if (w == 0) continue;
-        PerMaterial& sum = ends[end][surface.material[m] - 1];
-        sum.cover += w;
-        for (const auto& [blocker, weight] : hidden) sum.hidden[blocker] += w * weight;
-        if (sample.sun_visible) sum.sun += w * std::max(0.0, sample.cos_sun) * sun_spread;
-        sum.sky.resize(direction_.size(), 0.0);
-        for (std::size_t k = 0; k < seen.size(); ++k) sum.sky[k] += w * seen[k];
-      }
+    for (int end = 0; end < 2; ++end) sums.path_weight[end] += share[end];
+    if (!sample.hit.miss()) add_hit(sample, look(sample, lot), share, sums);
+  }
+  return sums;
+}
+
+void TableModel::add_path(const SampledPixel& pixel, double height_m, double weight, Spectra& out) const {
+  const auto add = [&](const std::vector<double>& on_table) {
+    const std::vector<double> l = on_grid(on_table);
+    for (std::size_t i = 0; i < l.size(); ++i) out.path[i] += weight * l[i];
+  };
+  const double zenith = zenith_deg(pixel.to_sensor);
+  if (table_.has("path_radiance_solar"))
+    add(atmos::path_radiance(table_, height_m, zenith, azimuth_deg(pixel.to_sensor) - table_.sun_azimuth_deg));
+  if (warm_path_) add(atmos::path_radiance_thermal(table_, height_m, zenith));
+}
+
+void TableModel::add_surroundings(const std::map<std::uint32_t, double>& hidden, const std::vector<double>& rho,
+                                  const std::vector<double>& direct, std::vector<double>& surroundings) const {
+  for (const auto& [blocker, weight] : hidden) {
+    std::vector<double> light;
+    if (blocker != RC_NONE)
+      light = surface_light(blocker);
+    else
+      for (const double l : plan_.wavelength_um)
+        light.push_back(base::planck_radiance(l, plan_.thermal.surroundings_K));
+    for (std::size_t i = 0; i < surroundings.size(); ++i) surroundings[i] += rho[i] * weight * direct[i] * light[i];
+  }
+}
+
+std::vector<double> TableModel::sky_at_sensor(const std::vector<double>& weight, double height_m,
+                                              const std::vector<double>& through,
+                                              const std::vector<double>& thermal_through) const {
+  const std::size_t lines = atmos::wavelengths(table_).size();
+  std::vector<double> irradiance(lines, 0.0), emitted(lines, 0.0);
+  const double t = std::clamp((height_m - height_first_) / height_step_, 0.0, static_cast<double>(sky_.size() - 1));
+  for (std::size_t node = 0; node < sky_.size(); ++node) {
+    const double share = std::max(0.0, 1 - std::abs(t - static_cast<double>(node)));
+    if (share == 0) continue;
+    for (std::size_t k = 0; k < direction_.size(); ++k) {
+      const double w = share * weight[k];
+      if (w == 0) continue;
+      const float* l = sky_[node].data() + k * lines;
+      for (std::size_t i = 0; i < lines; ++i) irradiance[i] += w * static_cast<double>(l[i]);
+      if (!warm_sky_) continue;
+      const float* e = thermal_sky_[node].data() + k * lines;
+      for (std::size_t i = 0; i < lines; ++i) emitted[i] += w * static_cast<double>(e[i]);
     }
   }
+  for (std::size_t i = 0; i < lines; ++i) irradiance[i] *= through[i];
+  if (warm_sky_)
+    for (std::size_t i = 0; i < lines; ++i) irradiance[i] += emitted[i] * thermal_through[i];
+  return irradiance;
+}
 
-  const std::size_t grid = plan_.wavelength_um.size(), lines = atmos::wavelengths(table_).size();
-  const double zenith = zenith_deg(pixel.to_sensor);
-  std::vector<double> environment(environment_ ? grid : 0, 0.0);
+void TableModel::add_materials(const PixelSums& sums, int end, double height_m, double zenith, Spectra& out) const {
+  const std::size_t grid = plan_.wavelength_um.size();
+  const std::vector<double> sun_light = on_grid(source(height_m, zenith, Light::sun)),
+                            through = source(height_m, zenith, Light::sky);
+  const std::vector<double> direct = on_grid(source(height_m, zenith, Light::direct));
+  std::vector<double> thermal_through;
+  if (warm_sky_) thermal_through = source(height_m, zenith, Light::thermal_sky);
+  for (const auto& [material, sum] : sums.ends[end]) {
+    const std::vector<double>& rho = reflectance_[material];
+    for (std::size_t i = 0; i < grid; ++i) out.sun[i] += rho[i] * sum.sun * sun_light[i];
+    const std::vector<double>& own = emitted_[material];
+    for (std::size_t i = 0; i < own.size(); ++i) out.emission[i] += own[i] * sum.cover * std::numbers::pi * direct[i];
+    if (direction_.empty()) continue;
+    if (plan_.thermal.on) add_surroundings(sum.hidden, rho, direct, out.surroundings);
+    const std::vector<double> light = on_grid(sky_at_sensor(sum.sky, height_m, through, thermal_through));
+    for (std::size_t i = 0; i < grid; ++i) out.sky[i] += rho[i] * light[i];
+  }
+}
+
+BandRadiance TableModel::radiance(const SampledPixel& pixel) const {
+  const PixelSums sums = gather(pixel);
+  const std::vector<double> dark(plan_.wavelength_um.size(), 0.0);
+  Spectra spectra{dark, dark, dark, environment_ ? dark : std::vector<double>(), dark, dark};
   std::array<std::vector<double>, 2> around;
   if (environment_) around = environment_->around(ground_point(pixel, plan_));
-  std::vector<double> sun(grid, 0.0), sky(grid, 0.0), path(grid, 0.0), emission(grid, 0.0), surroundings(grid, 0.0);
+  const double zenith = zenith_deg(pixel.to_sensor);
   for (int end = 0; end < 2; ++end) {
-    const double z = no_air_ ? 0 : within_table(table_, end == 0 ? lowest : highest);
-    if (path_weight[end] == 0) continue;
-    if (!no_air_) {
-      const auto add = [&](const std::vector<double>& on_table) {
-        const std::vector<double> l = on_grid(on_table);
-        for (std::size_t i = 0; i < grid; ++i) path[i] += path_weight[end] * l[i];
-      };
-      if (table_.has("path_radiance_solar"))
-        add(atmos::path_radiance(table_, z, zenith, azimuth_deg(pixel.to_sensor) - table_.sun_azimuth_deg));
-      if (warm_path_) add(atmos::path_radiance_thermal(table_, z, zenith));
-    }
+    const double z = no_air_ ? 0 : within_table(table_, end == 0 ? sums.lowest_m : sums.highest_m);
+    if (sums.path_weight[end] == 0) continue;
+    if (!no_air_) add_path(pixel, z, sums.path_weight[end], spectra);
     if (environment_) {
       const std::vector<double> l = on_grid(environment_->light(around, z, zenith));
-      for (std::size_t i = 0; i < grid; ++i) environment[i] += path_weight[end] * l[i];
+      for (std::size_t i = 0; i < l.size(); ++i) spectra.environment[i] += sums.path_weight[end] * l[i];
     }
-    if (ends[end].empty()) continue;
-    const std::vector<double> sun_light = on_grid(source(z, zenith, Light::sun)),
-                              through = source(z, zenith, Light::sky);
-    const std::vector<double> direct = on_grid(source(z, zenith, Light::direct));
-    std::vector<double> thermal_through;
-    if (warm_sky_) thermal_through = source(z, zenith, Light::thermal_sky);
-    for (const auto& [material, sum] : ends[end]) {
-      const std::vector<double>& rho = reflectance_[material];
-      for (std::size_t i = 0; i < grid; ++i) sun[i] += rho[i] * sum.sun * sun_light[i];
-      const std::vector<double>& own = emitted_[material];
-      for (std::size_t i = 0; i < own.size(); ++i) emission[i] += own[i] * sum.cover * std::numbers::pi * direct[i];
-      if (direction_.empty()) continue;
-      if (plan_.thermal.on) {
-        for (const auto& [blocker, weight] : sum.hidden) {
-          std::vector<double> light;
-          if (blocker != RC_NONE)
-            light = surface_light(blocker);
-          else
-            for (const double l : plan_.wavelength_um)
-              light.push_back(base::planck_radiance(l, plan_.thermal.surroundings_K));
-          for (std::size_t i = 0; i < grid; ++i) surroundings[i] += rho[i] * weight * direct[i] * light[i];
-        }
-      }
-      std::vector<double> irradiance(lines, 0.0), emitted(lines, 0.0);
-      const double t = std::clamp((z - height_first_) / height_step_, 0.0, static_cast<double>(sky_.size() - 1));
-      for (std::size_t node = 0; node < sky_.size(); ++node) {
-        const double share = std::max(0.0, 1 - std::abs(t - static_cast<double>(node)));
-        if (share == 0) continue;
-        for (std::size_t k = 0; k < direction_.size(); ++k) {
-          const double w = share * sum.sky[k];
-          if (w == 0) continue;
-          const float* l = sky_[node].data() + k * lines;
-          for (std::size_t i = 0; i < lines; ++i) irradiance[i] += w * static_cast<double>(l[i]);
-          if (!warm_sky_) continue;
-          const float* e = thermal_sky_[node].data() + k * lines;
-          for (std::size_t i = 0; i < lines; ++i) emitted[i] += w * static_cast<double>(e[i]);
-        }
-      }
-      for (std::size_t i = 0; i < lines; ++i) irradiance[i] *= through[i];
-      if (warm_sky_)
-        for (std::size_t i = 0; i < lines; ++i) irradiance[i] += emitted[i] * thermal_through[i];
-      const std::vector<double> light = on_grid(irradiance);
-      for (std::size_t i = 0; i < grid; ++i) sky[i] += rho[i] * light[i];
-    }
+    if (!sums.ends[end].empty()) add_materials(sums, end, z, zenith, spectra);
   }
-  BandRadiance out{band_values(plan_, sun),      band_values(plan_, sky),         band_values(plan_, path), {},
-                   band_values(plan_, emission), band_values(plan_, surroundings)};
-  if (environment_) out.environment = band_values(plan_, environment);
+  BandRadiance out{band_values(plan_, spectra.sun),      band_values(plan_, spectra.sky),
+                   band_values(plan_, spectra.path),     {},
+                   band_values(plan_, spectra.emission), band_values(plan_, spectra.surroundings)};
+  if (environment_) out.environment = band_values(plan_, spectra.environment);
   return out;
 }
 
