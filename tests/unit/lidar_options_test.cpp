@@ -97,9 +97,10 @@ TEST_CASE("S27: the smallest LIDAR, no instrument beside it, gets its defaults")
   CHECK(json["scan"]["pattern"] == "fixed");
 }
 
-TEST_CASE("S27 to S41: a file with every key of a LIDAR, each in SI units") {
-  const Folder folder;
-  const auto simulation = load(folder, R"(format = 1
+namespace {
+
+/// Every key of a LIDAR that samples from the transmitter and detects linearly.
+constexpr const char* kEveryKey = R"(format = 1
 time = { sun = { zenith_deg = 40 } }
 [[plane]]
 material = "grey"
@@ -221,10 +222,24 @@ csv = false
 png = false
 internal_waveforms = true
 orders = true
-)");
+)";
+
+Lidar lidar_of_every_key() {
+  const Folder folder;
+  return load(folder, kEveryKey).lidars.at(0);
+}
+
+}  // namespace
+
+TEST_CASE("S27 to S41: a file with every key of a LIDAR is one LIDAR and nothing to notice") {
+  const Folder folder;
+  const auto simulation = load(folder, kEveryKey);
   CHECK(simulation.notices.empty());
-  REQUIRE(simulation.lidars.size() == 1);
-  const Lidar& l = simulation.lidars[0];
+  CHECK(simulation.lidars.size() == 1);
+}
+
+TEST_CASE("S27 to S41: every key of a LIDAR, each in SI units: the platform, its clock and its path") {
+  const Lidar l = lidar_of_every_key();
   CHECK(l.pulses == 1000);
   CHECK(l.first_pulse_s == 100);
   CHECK(l.gps_start_s == 4.5e8);
@@ -239,6 +254,10 @@ orders = true
   CHECK(l.trajectory[1].time_s == exactly(100 + 999 * 0.002));
   CHECK(l.trajectory[0].roll_deg == -2);
   CHECK(l.trajectory[1].pitch_deg == 1);
+}
+
+TEST_CASE("S27 to S41: every key of a LIDAR, each in SI units: the pulse and its lines") {
+  const Lidar l = lidar_of_every_key();
   REQUIRE(l.pulse.lines.size() == 2);
   CHECK(l.pulse.lines[0].name == "on");
   CHECK(l.pulse.lines[0].fwhm_um == exactly(1e-4));
@@ -250,6 +269,10 @@ orders = true
   CHECK(l.pulse.shape == PulseShape::rectangular);
   CHECK(l.pulse.fwhm_s == exactly(7e-9));
   CHECK(l.pulse.transmit_efficiency == 0.9);
+}
+
+TEST_CASE("S27 to S41: every key of a LIDAR, each in SI units: the scan and the mounts") {
+  const Lidar l = lidar_of_every_key();
   CHECK(l.scan.pattern == ScanPattern::oscillating);
   CHECK(l.scan.scan_rate_hz == 40);
   CHECK(l.scan.half_angle_rad == exactly(15 * M_PI / 180));
@@ -260,6 +283,10 @@ orders = true
   CHECK(l.receiver_mount.offset_m[0] == -0.5);
   CHECK(l.receiver_mount.tilt_along_rad == exactly(M_PI / 180));
   CHECK(l.receiver_mount.tilt_across_rad == exactly(-4e-3));
+}
+
+TEST_CASE("S27 to S41: every key of a LIDAR, each in SI units: the receiver") {
+  const Lidar l = lidar_of_every_key();
   CHECK(l.receiver.aperture_radius_m == exactly(0.1));
   CHECK(l.receiver.obscuration_radius_m == exactly(0.04));
   CHECK(l.receiver.half_fov_rad == exactly(0.2e-3));
@@ -270,6 +297,10 @@ orders = true
   CHECK(l.receiver.filter_fwhm_um == exactly(2e-3));
   CHECK(l.receiver.tangent_aperture);
   CHECK_FALSE(l.receiver.scans_with_beam);
+}
+
+TEST_CASE("S27 to S41: every key of a LIDAR, each in SI units: the gate and the sampling") {
+  const Lidar l = lidar_of_every_key();
   CHECK(l.gate.start_s == exactly(2 * 1.0002 * 600 / 299792458.0));
   CHECK(l.gate.bin_s == exactly(2e-9));
   CHECK(l.gate.bins == 1001);  // 2 * 1.0002 * 300 m / c = 2001.79 ns
@@ -281,6 +312,10 @@ orders = true
   CHECK_FALSE(l.transport.air_return);
   CHECK(l.transport.minimum_range_m == 5);
   CHECK(l.transport.range_limit_m == 2000);
+}
+
+TEST_CASE("S27 to S41: every key of a LIDAR, each in SI units: turbulence and speckle") {
+  const Lidar l = lidar_of_every_key();
   CHECK(l.turbulence.profile == TurbulenceProfile::constant);
   CHECK(l.turbulence.cn2 == 1e-14);
   CHECK_FALSE((l.turbulence.spread || l.turbulence.wander || l.turbulence.scintillation || l.turbulence.blur ||
@@ -289,6 +324,10 @@ orders = true
   CHECK(l.turbulence.andrews_wander);
   CHECK(l.speckle.on);
   CHECK(l.speckle.polarization_modes == 1);
+}
+
+TEST_CASE("S27 to S41: every key of a LIDAR, each in SI units: the detector") {
+  const Lidar l = lidar_of_every_key();
   CHECK(l.detector.mode == DetectorMode::linear);
   CHECK(l.detector.dark_rate_hz == 1e5);
   CHECK(l.detector.solar_background);
@@ -298,6 +337,10 @@ orders = true
   CHECK(l.detector.response_fwhm_s == exactly(3e-9));
   CHECK(l.detector.bits == 12);
   CHECK(l.detector.full_scale_e == 1e4);
+}
+
+TEST_CASE("S27 to S41: every key of a LIDAR, each in SI units: echoes and products") {
+  const Lidar l = lidar_of_every_key();
   CHECK(l.echoes.method == EchoMethod::constant_fraction);
   CHECK(l.echoes.threshold_sigma == 5);
   CHECK(l.echoes.threshold_pe == 3);
