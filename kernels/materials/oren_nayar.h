@@ -1,7 +1,7 @@
-/* Rough matter whose facets are Lambertian: Oren & Nayar, "Generalization of Lambert's Reflectance Model", SIGGRAPH 1994,
- * with the ratio of direct to shadowed terms of their fit (eq. 30) and Fujii's form of the angles, "A tiny improvement of
- * Oren-Nayar reflectance model" (2012), which gives back no more than it gets (eq. 30 up to 1.4 % more near the horizon).
- * p0: standard deviation of the facets' slope, degrees. */
+/* Rough matter whose facets are Lambertian: Oren & Nayar, "Generalization of Lambert's Reflectance Model", SIGGRAPH
+ * 1994, with the ratio of direct to shadowed terms of their fit (eq. 30) and Fujii's form of the angles, "A tiny
+ * improvement of Oren-Nayar reflectance model" (2012), which gives back no more than it gets (eq. 30 up to 1.4 % more
+ * near the horizon). p0: standard deviation of the facets' slope, degrees. */
 #ifdef RC_SHAPE
 RC_SHAPE(oren_nayar, front, 1,
          "Lambertian facets of random slope: brighter towards the sun, flatter over the angle of incidence.")

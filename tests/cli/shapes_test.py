@@ -1,5 +1,5 @@
-"""S21 S61: every scattering shape that a material can have (its table in the simulation file), seen by a camera and by a
-LIDAR whose pulses bounce: `raycube check` holds the device against the reference, whatever the shape."""
+"""S21 S61: every scattering shape that a material can have (its table in the simulation file), seen by a camera and by
+a LIDAR whose pulses bounce: `raycube check` holds the device against the reference, whatever the shape."""
 
 import json
 import pathlib
