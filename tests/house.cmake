@@ -2,6 +2,9 @@
 add_test(NAME line_width COMMAND /usr/bin/python3 ${CMAKE_CURRENT_LIST_DIR}/unit/line_width_test.py
   ${PROJECT_SOURCE_DIR})
 set_tests_properties(line_width PROPERTIES LABELS fast)
+add_test(NAME function_length COMMAND /usr/bin/python3 ${CMAKE_CURRENT_LIST_DIR}/unit/function_length_test.py
+  ${PROJECT_SOURCE_DIR})
+set_tests_properties(function_length PROPERTIES LABELS fast)
 add_test(NAME requirement_list COMMAND /usr/bin/python3 ${CMAKE_CURRENT_LIST_DIR}/unit/requirement_list_test.py
   ${PROJECT_SOURCE_DIR})
 set_tests_properties(requirement_list PROPERTIES LABELS fast)
