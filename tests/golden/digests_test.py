@@ -82,6 +82,8 @@ DEFAULTS = dict(
     bands="first_nm = 480.0, step_nm = 60.0, count = 9, fwhm_nm = 30.0",
     instrument="",
 )
+ROUGH = '{ name = "rough", reflectance = 0.3, oren_nayar = { sigma_deg = 25.0 } },'
+ROUGH_GROUND = '{ material = "rough", position_m = [-5.0, -2.0, 0.1], size_m = [12.0, 12.0], tilt_deg = 10.0 },'
 LAYERED = '{ model = "layered", spectral_step_nm = 20.0%s }'
 LONGWAVE = "first_nm = 8000.0, step_nm = 900.0, count = 5, fwhm_nm = 400.0"
 CAMERAS = {
@@ -116,6 +118,7 @@ CAMERAS = {
         air=LAYERED % "",
         light="moon = { zenith_deg = 40.0, azimuth_deg = 150.0, phase_angle_deg = 20.0, day_of_year = 200 }",
     ),
+    "oren_nayar": dict(more=ROUGH, plane=ROUGH_GROUND, samples="samples = { grid = [3, 4] }"),
     "nodes": dict(tolerance=0.0005, pose=FRAME.replace("roll_deg = 1.0", "roll_deg = 35.0")),
 }
 LIDAR = (
@@ -194,6 +197,7 @@ LIDARS = {
         shot="fold_ambiguous = true",
         lidar="[lidar.echoes]\nair_is_background = false",
     ),
+    "oren_nayar": dict(more=ROUGH, plane=ROUGH_GROUND, view="fov_mrad = 60.0", sampling="bounces = 2"),
     "smoke": dict(
         volume='[[volume]]\nname = "smoke"\nshape = "box"\nposition_m = [-5.0, -2.0, 4.0]\nsize_m = [20.0, 20.0, 6.0]\n'
         'particles = { extinction_per_m = 0.05 }'
