@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The program as it is against the program of a named commit: bench/before.py COMMIT [--pairs N] [--limit PERCENT]
 
-Builds COMMIT in a git worktree of its own (build/before/HASH, kept), then renders the park (128 x 128 pixels, 360
+Builds COMMIT in a git worktree of its own (build/before/HASH, kept), then renders the park (256 x 256 pixels, 360
 bands) and a LIDAR survey over it with both programs in turn: old, new, old again, new first in every other round, so
 that what drifts falls on both. Seconds are those of run.json's stages. Of each stage: the median over the rounds of new
 / old, and of old / old how far it strays (half the width of its middle 80 %): what a difference must exceed to be one.
@@ -80,13 +80,13 @@ def scenes():
         folder / "park.toml",
         folder / "park_before.toml",
         [
-            (r"pixels = 320", "pixels = 128"),
-            (r"lines = 320", "lines = 128"),
+            (r"pixels = 320", "pixels = 256"),
+            (r"lines = 320", "lines = 256"),
             (r"sky_directions = 48", "sky_directions = 12"),
         ],
     )
     survey = changed(
-        folder / "park_survey.toml", folder / "survey_before.toml", [(r"(?m)^pulses = \d+", "pulses = 6000")]
+        folder / "park_survey.toml", folder / "survey_before.toml", [(r"(?m)^pulses = \d+", "pulses = 20000")]
     )
     return {"park": [park, "--instrument", "spectir"], "survey": [survey]}
 
