@@ -35,16 +35,12 @@ add_executable(fuzz_readers fuzz/fuzz_main.cpp fuzz/targets.cpp ${readers})
 set(sanitizers -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=undefined)
 target_compile_options(fuzz_readers PRIVATE -O1 -gline-tables-only -fno-omit-frame-pointer ${sanitizers})
 target_link_options(fuzz_readers PRIVATE ${sanitizers})
-set(ordinary "")
-foreach(library scene_compiler/libraycube_scene_compiler scene_compiler/libraycube_scene_bvh
-  host/products/libraycube_products
-                atmos_tables/import/libraycube_atmos_import atmos_tables/libraycube_atmos_lines
-                  atmos_tables/libraycube_atmos_tables
-                host/base/libraycube_base host/base/libraycube_version)
-  if(EXISTS ${RAYCUBE_ORDINARY_BUILD}/${library}.a)
-    list(APPEND ordinary ${RAYCUBE_ORDINARY_BUILD}/${library}.a)
-  endif()
-endforeach()
+# All of an ordinary build's libraries that readers may call: what they do not call is not linked. Their bundles of
+# sources (RAYCUBE_UNITY) define the readers a second time; the definition compiled here comes first and is taken.
+file(GLOB ordinary ${RAYCUBE_ORDINARY_BUILD}/scene_compiler/*.a ${RAYCUBE_ORDINARY_BUILD}/host/products/*.a
+  ${RAYCUBE_ORDINARY_BUILD}/atmos_tables/*.a ${RAYCUBE_ORDINARY_BUILD}/atmos_tables/import/*.a
+  ${RAYCUBE_ORDINARY_BUILD}/host/base/*.a)
+target_link_options(fuzz_readers PRIVATE -Wl,--allow-multiple-definition)
 target_include_directories(fuzz_readers PRIVATE ${PROJECT_SOURCE_DIR})
 target_link_libraries(fuzz_readers PRIVATE -Wl,--start-group ${ordinary} -Wl,--end-group embree assimp::assimp
   GDAL::GDAL

@@ -58,31 +58,39 @@ double area_scale(const shared::Instance& placed) {
   return std::pow(std::abs(m.determinant()), 2.0 / 3.0);
 }
 
+/// Emission and the light of the surroundings go by 1 - reflectance, whatever the direction: Lambert's law.
+void check_shape(const scene::Material& material, const std::string& file, const std::string& why,
+                 base::Problems& problems) {
+  if (material.front.number == RC_SHAPE_lambert) return;
+  problems.add({file, 0, 0, "material '" + material.name + "'"},
+               "cameras see thermal light of Lambertian surfaces alone, and " + why, "",
+               "remove its table of a scattering shape, or the thermal bands");
+}
+
 }  // namespace
 
-void check_temperatures(const scene::CompiledScene& scene, const std::string& file, const std::string& demanded_by,
-                        base::Problems& problems) {
+void check_thermal_matter(const scene::CompiledScene& scene, const std::string& file, const std::string& demanded_by,
+                          base::Problems& problems) {
   if (demanded_by.empty()) return;
   for (const auto index : scene::used_materials(scene)) {
     const auto& material = scene.materials[index];
     if (!(material.temperature_K > 0))
       problems.add({file, 0, 0, "material '" + material.name + "'"}, "has no temperature, and " + demanded_by, "",
                    "give it temperature_K, or give [thermal] default_temperature_K");
+    check_shape(material, file, demanded_by, problems);
   }
 }
 
 Emitters find_emitters(const scene::CompiledScene& scene, const std::string& file, const std::string& demanded_by) {
   Emitters out;
   base::Problems problems;
-  check_temperatures(scene, file, demanded_by, problems);
-  // Emission and the light of the surroundings are Lambert's: both go by 1 - reflectance.
-  if (const scene::Material* shaped = scene::first_shaped(scene))
-    problems.add({file, 0, 0, "material '" + shaped->name + "'"},
-                 "cameras see thermal light of surfaces that reflect by Lambert's law alone, and " + demanded_by, "",
-                 "remove its table of a scattering shape, or the thermal bands");
+  check_thermal_matter(scene, file, demanded_by, problems);
+  const auto used = scene::used_materials(scene);
+  if (demanded_by.empty())
+    for (const auto index : used)
+      check_shape(scene.materials[index], file, "hot materials are seen in these bands", problems);
   problems.throw_if_any();
   double plain = 0;
-  const auto used = scene::used_materials(scene);
   for (const auto index : used) {
     const auto& material = scene.materials[index];
     out.distinct_K.push_back(material.temperature_K);

@@ -13,14 +13,14 @@ struct Emitters {
   double surroundings_K = 0;       ///< mean over the area of all placed triangles
 };
 
-/// `demanded_by`, what needs temperatures (temperature_demand): adds a problem for every used material without one.
-/// Empty: nothing.
-void check_temperatures(const scene::CompiledScene& scene, const std::string& file, const std::string& demanded_by,
-                        base::Problems& problems);
+/// `demanded_by`, what needs thermal light (temperature_demand): adds a problem for every used material without a
+/// temperature, and for every one that does not reflect by Lambert's law. Empty: nothing.
+void check_thermal_matter(const scene::CompiledScene& scene, const std::string& file, const std::string& demanded_by,
+                          base::Problems& problems);
 
-/// Throws one Error(input) that lists what check_temperatures finds. Materials without a temperature stand at 0 K and
-/// emit nothing where none is demanded. A scene without triangles takes the plain mean over its materials, and 0 K
-/// without any.
+/// Throws one Error(input) that lists what check_thermal_matter finds; where nothing demands thermal light, hot matter
+/// is why emitters are looked for, and its shapes are refused by that name. Materials without a temperature stand at
+/// 0 K and emit nothing then. A scene without triangles takes the plain mean over its materials, and 0 K without any.
 Emitters find_emitters(const scene::CompiledScene& scene, const std::string& file, const std::string& demanded_by);
 
 /// B at one temperature on a grid, W m-2 sr-1 um-1.

@@ -87,7 +87,7 @@ void check_known_table(const scene::Simulation& simulation, const scene::Instrum
   found.part([&] { found.notice(instrument, plan::one_direction_notices(table, instrument.name, view, heights)); });
   found.notice(instrument, channels.notices);
   base::Problems cold;
-  plan::check_temperatures(
+  plan::check_thermal_matter(
       simulation.scene, simulation.file,
       plan::temperature_demand(simulation.atmosphere.none, bands_to_um, air.thermal(), table_um.back()), cold);
   found.add(cold);
@@ -120,7 +120,7 @@ void check_instrument(const scene::Simulation& simulation, const scene::Instrume
       check_known_table(simulation, instrument, view, *table, request.last_um, found);
     } else {
       base::Problems cold;
-      plan::check_temperatures(
+      plan::check_thermal_matter(
           simulation.scene, simulation.file,
           plan::temperature_demand(false, request.last_um, request.spec->layered.has_value(), request.last_um), cold);
       found.add(cold);
