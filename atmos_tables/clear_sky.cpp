@@ -2,27 +2,25 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <nlohmann/json.hpp>
 
 #include "atmos_tables/clear_sky_inputs.h"
+#include "atmos_tables/radians.h"
 #include "atmos_tables/rayleigh.h"
 #include "atmos_tables/single_scatter.h"
 #include "atmos_tables/table_rows.h"
 #include "atmos_tables/wave_column.h"
+#include "host/base/units.h"
 
 namespace raycube::atmos {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 const std::vector<double> kViewZeniths = {0, 10, 20, 30, 40, 50, 60, 70, 80};
 const std::vector<double> kViewAzimuths = {0, 30, 60, 90, 120, 150, 180};
 const std::vector<double> kSkyZeniths = {0, 10, 20, 30, 40, 50, 60, 70, 75, 80, 84, 87, 89, 90};
 const std::vector<double> kSkyAzimuths = {0, 10, 20, 30, 50, 70, 90, 120, 150, 180};
-
-double radians(double degrees) { return degrees * kPi / 180; }
 
 /// Nodes and weights of Gauss-Legendre quadrature on [0, 1].
 struct Quadrature {
@@ -31,7 +29,7 @@ struct Quadrature {
 Quadrature gauss_legendre(int count) {
   Quadrature q;
   for (int i = 0; i < count; ++i) {
-    double x = std::cos(kPi * (i + 0.75) / (count + 0.5)), slope = 1;
+    double x = std::cos(base::kPi * (i + 0.75) / (count + 0.5)), slope = 1;
     for (int step = 0; step < 100; ++step) {
       double p0 = 1, p1 = x;
       for (int n = 2; n <= count; ++n) {
@@ -114,7 +112,7 @@ struct SkyGeometry {
         view_paths.push_back(make_path(air, from, sensor, zenith, false, spec.asymmetry));
       for (double zenith : kSkyZeniths) sky_paths.push_back(make_path(air, from, top, zenith, true, spec.asymmetry));
       for (double mu : quadrature.node)
-        flux_paths.push_back(make_path(air, from, top, std::acos(mu) * 180 / kPi, true, spec.asymmetry));
+        flux_paths.push_back(make_path(air, from, top, std::acos(mu) * 180 / base::kPi, true, spec.asymmetry));
     }
     for (std::size_t l = 0; l < top; ++l) {
       const std::vector<double> slant = air.slant(l, day ? sun.zenith_deg : 0);
@@ -156,7 +154,7 @@ AzimuthMeans azimuth_means(const Quadrature& quadrature, double cos_sun, double 
     double sum = 0;
     constexpr int kSteps = 90;
     for (int i = 0; i < kSteps; ++i)
-      sum += phase(scattering_cosine(cos_sun, std::acos(mu) * 180 / kPi, 180.0 * (i + 0.5) / kSteps, true));
+      sum += phase(scattering_cosine(cos_sun, std::acos(mu) * 180 / base::kPi, 180.0 * (i + 0.5) / kSteps, true));
     return sum / kSteps;
   };
   AzimuthMeans out;
@@ -211,7 +209,7 @@ class SkyLine {
 
   /// Once-scattered radiance over e0 by the cosine of the scattering angle.
   double once_scattered(const WaveColumn::Single& single, double c) const {
-    return ((a_ + b_ * c * c) * single.rayleigh + aerosol_phase(c) * single.aerosol) / (4 * kPi);
+    return ((a_ + b_ * c * c) * single.rayleigh + aerosol_phase(c) * single.aerosol) / (4 * base::kPi);
   }
 
   void fill_sun(const SkyRows& rows, std::size_t h, std::size_t at) const {
@@ -265,9 +263,10 @@ class SkyLine {
     for (std::size_t q = 0; geometry_.day && q < quadrature_.node.size(); ++q) {
       const Path& path = geometry_.flux_paths[h * quadrature_.node.size() + q];
       const WaveColumn::Single single = wave_.single(path);
-      const double weight = 2 * kPi * quadrature_.weight[q] * quadrature_.node[q];
-      once_irradiance +=
-          weight * ((a_ + b_ * means_.square[q]) * single.rayleigh + means_.aerosol[q] * single.aerosol) / (4 * kPi);
+      const double weight = 2 * base::kPi * quadrature_.weight[q] * quadrature_.node[q];
+      once_irradiance += weight *
+                         ((a_ + b_ * means_.square[q]) * single.rayleigh + means_.aerosol[q] * single.aerosol) /
+                         (4 * base::kPi);
       more_irradiance += weight * wave_.scattered_diffuse(path, fluxes_);
     }
     SkyScale out;
@@ -276,7 +275,7 @@ class SkyLine {
     const bool room = out.black > once_irradiance && more_irradiance > 0;
     out.once = room ? 1 : once_irradiance > 0 ? out.black / once_irradiance : 0;
     out.more = room ? (out.black - once_irradiance) / more_irradiance : 0;
-    out.uniform = (out.from_ground + (once_irradiance > 0 ? 0 : out.black)) / kPi;
+    out.uniform = (out.from_ground + (once_irradiance > 0 ? 0 : out.black)) / base::kPi;
     return out;
   }
 

@@ -23,7 +23,9 @@ namespace {
 
 constexpr double kLastMoon_um = 30;  ///< its albedo is constant from 5 um on
 
-std::string number(double value) { return std::isfinite(value) ? nlohmann::json(value).dump() : "not a finite number"; }
+std::string json_number(double value) {
+  return std::isfinite(value) ? nlohmann::json(value).dump() : "not a finite number";
+}
 
 /// Beyond this reflected sunlight is nothing beside what anything at 250 K emits.
 constexpr double kReflectedTo_um = 5;
@@ -33,8 +35,8 @@ constexpr double kNight_deg = 108;
 void check_range(base::Problems& problems, const char* name, double value, double low, double high, const char* unit) {
   if (value >= low && value <= high) return;
   problems.add({"", 0, 0, std::string("atmosphere.") + name},
-               "must lie in " + number(low) + " to " + number(high) + (*unit ? std::string(" ") + unit : ""),
-               number(value), "correct the value");
+               "must lie in " + json_number(low) + " to " + json_number(high) + (*unit ? std::string(" ") + unit : ""),
+               json_number(value), "correct the value");
 }
 
 void check_grid(base::Problems& problems, double sensor_height_m, const std::vector<double>& wavelength_um,
@@ -49,33 +51,35 @@ void check_grid(base::Problems& problems, double sensor_height_m, const std::vec
     problems.add(grid, "must ascend strictly, at least one", std::to_string(wavelength_um.size()) + " values",
                  "sort them");
   else if (!(wavelength_um.front() >= first_um && wavelength_um.back() <= last_um))
-    problems.add(grid,
-                 std::string(model) + " covers " + number(first_um) + " to " + number(last_um) + " um and ends there",
-                 number(wavelength_um.front()) + " to " + number(wavelength_um.back()) + " um",
-                 "narrow the bands, or import a table that reaches further");
+    problems.add(
+        grid,
+        std::string(model) + " covers " + json_number(first_um) + " to " + json_number(last_um) + " um and ends there",
+        json_number(wavelength_um.front()) + " to " + json_number(wavelength_um.back()) + " um",
+        "narrow the bands, or import a table that reaches further");
   if (!(sensor_height_m >= -1000 && sensor_height_m <= 1e9))
-    problems.add({"", 0, 0, "sensor height"}, "must lie in -1000 to 1e9 m", number(sensor_height_m),
+    problems.add({"", 0, 0, "sensor height"}, "must lie in -1000 to 1e9 m", json_number(sensor_height_m),
                  "correct the height");
   if (!ascending(target_height_m))
     problems.add(heights, "must ascend strictly, at least one", std::to_string(target_height_m.size()) + " values",
                  "sort them");
   else if (!(target_height_m.front() >= -1000))
-    problems.add(heights, "must not lie below -1000 m", number(target_height_m.front()),
+    problems.add(heights, "must not lie below -1000 m", json_number(target_height_m.front()),
                  "move the scene's origin down");
   else if (!(target_height_m.back() <= std::min(sensor_height_m, kTopOfAir_m)))
-    problems.add(heights, "no target may lie above the sensor (" + number(sensor_height_m) + " m) or the air (100 km)",
-                 number(target_height_m.back()) + " m", "raise the sensor or drop the height");
+    problems.add(heights,
+                 "no target may lie above the sensor (" + json_number(sensor_height_m) + " m) or the air (100 km)",
+                 json_number(target_height_m.back()) + " m", "raise the sensor or drop the height");
 }
 
 void check_sun(base::Problems& problems, const scene::Sun& sun) {
   const base::Where where{"", 0, 0, "sun"};
   if (!(sun.zenith_deg >= 0 && sun.zenith_deg <= 180))
-    problems.add(where, "zenith must lie in 0 to 180 deg", number(sun.zenith_deg), "correct the angle");
+    problems.add(where, "zenith must lie in 0 to 180 deg", json_number(sun.zenith_deg), "correct the angle");
   if (!(sun.moon_phase_deg <= 180))
-    problems.add(where, "phase angle of the moon must lie in 0 to 180 deg", number(sun.moon_phase_deg),
+    problems.add(where, "phase angle of the moon must lie in 0 to 180 deg", json_number(sun.moon_phase_deg),
                  "correct the angle");
   if (!(sun.azimuth_deg >= -360 && sun.azimuth_deg <= 360))
-    problems.add(where, "azimuth must lie in -360 to 360 deg", number(sun.azimuth_deg), "correct the angle");
+    problems.add(where, "azimuth must lie in -360 to 360 deg", json_number(sun.azimuth_deg), "correct the angle");
   if (sun.day_of_year < 0 || sun.day_of_year > 366)
     problems.add(where, "day of year must lie in 0 to 366", std::to_string(sun.day_of_year), "correct the date");
 }
@@ -109,10 +113,10 @@ void check_table_request(const scene::Sun& sun, double sensor_height_m, const st
 
 std::optional<std::string> no_light_notice(const scene::AtmosphereSpec& spec, const scene::Sun& sun, double first_um) {
   if (!spec.table_file.empty() || sun.zenith_deg < 90 || !(first_um < kReflectedTo_um)) return std::nullopt;
-  const std::string bands = ", below the horizon: bands below " + number(kReflectedTo_um) + " um hold no ";
+  const std::string bands = ", below the horizon: bands below " + json_number(kReflectedTo_um) + " um hold no ";
   if (sun.moon_phase_deg >= 0)
-    return "the moon stands at a zenith angle of " + number(sun.zenith_deg) + " deg" + bands + "light of it";
-  return "the sun stands at a zenith angle of " + number(sun.zenith_deg) + " deg" + bands +
+    return "the moon stands at a zenith angle of " + json_number(sun.zenith_deg) + " deg" + bands + "light of it";
+  return "the sun stands at a zenith angle of " + json_number(sun.zenith_deg) + " deg" + bands +
          "sunlight, and there is no twilight" +
          (sun.zenith_deg < kNight_deg && !spec.none
               ? " (90 to 108 deg) in the built-in models; import a table of a code that has it"
@@ -170,12 +174,13 @@ void check_range_and_step(double first_um, double last_um, double step_um, doubl
                           const char* model, const char* way_out) {
   base::Problems problems;
   if (!(first_um >= least_um && last_um <= most_um && first_um < last_um))
-    problems.add({"", 0, 0, "atmosphere wavelengths"},
-                 std::string(model) + " covers " + number(least_um) + " to " + number(most_um) + " um and ends there",
-                 number(first_um) + " to " + number(last_um) + " um", way_out);
+    problems.add(
+        {"", 0, 0, "atmosphere wavelengths"},
+        std::string(model) + " covers " + json_number(least_um) + " to " + json_number(most_um) + " um and ends there",
+        json_number(first_um) + " to " + json_number(last_um) + " um", way_out);
   if (!(step_um >= 0) || (step_um > 0 && (last_um - first_um) / step_um > 1e6))
     problems.add({"", 0, 0, "atmosphere wavelength step"}, "must be positive and give at most 1e6 wavelengths",
-                 number(step_um) + " um", "choose a wider step");
+                 json_number(step_um) + " um", "choose a wider step");
   problems.throw_if_any();
 }
 
@@ -240,14 +245,14 @@ RenderTable make_table(const scene::AtmosphereSpec& spec, const scene::Sun& sun,
   const base::Where where{spec.table_file, 0, 0, ""};
   const char* way_out = "build the table for this simulation, or take sun and sensor from the table";
   if (!(std::abs(table.sun_zenith_deg - sun.zenith_deg) <= 0.01))
-    problems.add(where, "is for another sun zenith than the simulation's " + number(sun.zenith_deg) + " deg",
-                 number(table.sun_zenith_deg) + " deg", way_out);
+    problems.add(where, "is for another sun zenith than the simulation's " + json_number(sun.zenith_deg) + " deg",
+                 json_number(table.sun_zenith_deg) + " deg", way_out);
   if (!(std::abs(std::remainder(table.sun_azimuth_deg - sun.azimuth_deg, 360.0)) <= 0.01))
-    problems.add(where, "is for another sun azimuth than the simulation's " + number(sun.azimuth_deg) + " deg",
-                 number(table.sun_azimuth_deg) + " deg", way_out);
+    problems.add(where, "is for another sun azimuth than the simulation's " + json_number(sun.azimuth_deg) + " deg",
+                 json_number(table.sun_azimuth_deg) + " deg", way_out);
   if (!(std::abs(table.sensor_height_m - sensor_height_m) <= 0.1))
-    problems.add(where, "is for another sensor height than the simulation's " + number(sensor_height_m) + " m",
-                 number(table.sensor_height_m) + " m", way_out);
+    problems.add(where, "is for another sensor height than the simulation's " + json_number(sensor_height_m) + " m",
+                 json_number(table.sensor_height_m) + " m", way_out);
   problems.throw_if_any();
   return table;
 }

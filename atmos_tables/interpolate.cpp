@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "atmos_tables/detail/row_corners.h"
+#include "atmos_tables/radians.h"
 #include "host/base/error.h"
 
 namespace raycube::atmos {
@@ -13,8 +14,6 @@ namespace raycube::atmos {
 namespace {
 
 using namespace detail;
-
-double radians(double degrees) { return degrees * std::numbers::pi / 180; }
 
 /// Optical depth of a path, from the depth row when the table holds it, else from the transmission row. A float
 /// transmission that underflowed to 0 counts as the smallest float.

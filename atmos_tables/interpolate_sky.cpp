@@ -4,12 +4,12 @@
 
 #include "atmos_tables/detail/row_corners.h"
 #include "atmos_tables/interpolate.h"
+#include "atmos_tables/radians.h"
 
 namespace raycube::atmos {
 
 namespace {
 using namespace detail;
-double radians(double degrees) { return degrees * std::numbers::pi / 180; }
 /// The shape's sun stands no lower than 2.9 degrees (airmass 20, as the round air has it at 88 degrees of zenith), and
 /// the air is no deeper than this along its path. Beyond, light scattered once is a vanishing part of the sky: exp(-tau
 /// / mu0) would span decades between two nodes of a sky that is nearly even, and 1e11 came out between them at 89.5

@@ -10,10 +10,10 @@ namespace raycube::atmos {
 
 namespace {
 
-struct Node {
+struct LunarNode {
   double at, value;
 };
-constexpr Node kAlbedo[] = {
+constexpr LunarNode kAlbedo[] = {
 #include "atmos_tables/data/moon_albedo.inc"
     // LOWTRAN7, function SOURCE.
     {2.6, 0.339},
@@ -23,15 +23,15 @@ constexpr Node kAlbedo[] = {
     {30.0, 0.400}};
 
 /// Full moon 100, against the phase angle in degrees: LOWTRAN7, function SOURCE.
-constexpr Node kPhase[] = {{0, 100},   {10, 73.2}, {20, 57.8}, {30, 42.3}, {40, 32.0},   {50, 23.3},
-                           {60, 16.7}, {70, 12.4}, {80, 8.7},  {90, 6.7},  {100, 4.7},   {110, 3.6},
-                           {120, 2.4}, {130, 1.2}, {140, 0.9}, {150, 0.4}, {160, 0.002}, {180, 0}};
+constexpr LunarNode kPhase[] = {{0, 100},   {10, 73.2}, {20, 57.8}, {30, 42.3}, {40, 32.0},   {50, 23.3},
+                                {60, 16.7}, {70, 12.4}, {80, 8.7},  {90, 6.7},  {100, 4.7},   {110, 3.6},
+                                {120, 2.4}, {130, 1.2}, {140, 0.9}, {150, 0.4}, {160, 0.002}, {180, 0}};
 
 template <class Nodes>
 double linear(const Nodes& nodes, double x) {
-  const Node* upper = std::lower_bound(std::begin(nodes) + 1, std::end(nodes) - 1, x,
-                                       [](const Node& node, double at) { return node.at < at; });
-  const Node &a = upper[-1], &b = *upper;
+  const LunarNode* upper = std::lower_bound(std::begin(nodes) + 1, std::end(nodes) - 1, x,
+                                            [](const LunarNode& node, double at) { return node.at < at; });
+  const LunarNode &a = upper[-1], &b = *upper;
   return std::lerp(a.value, b.value, (x - a.at) / (b.at - a.at));
 }
 

@@ -8,10 +8,10 @@
 namespace raycube::atmos {
 
 namespace {
-struct Node {
+struct SolarNode {
   double wavelength_nm, irradiance;
 };
-constexpr Node kNodes[] = {
+constexpr SolarNode kSolarNodes[] = {
 #include "atmos_tables/data/solar_tsis1_gueymard.inc"
 };
 constexpr double kFarKelvin = 5000;  ///< brightness temperature of the sun's far infrared, good to 10 % to 1000 um
@@ -19,18 +19,20 @@ constexpr double kFarKelvin = 5000;  ///< brightness temperature of the sun's fa
 
 double solar_irradiance_1au(double wavelength_um) {
   const double nm = 1000 * wavelength_um;
-  if (const Node& last = std::end(kNodes)[-1]; nm > last.wavelength_nm)
+  if (const SolarNode& last = std::end(kSolarNodes)[-1]; nm > last.wavelength_nm)
     return last.irradiance * base::planck_radiance(wavelength_um, kFarKelvin) /
            base::planck_radiance(last.wavelength_nm / 1000, kFarKelvin);
-  const Node* upper = std::upper_bound(std::begin(kNodes) + 1, std::end(kNodes) - 1, nm,
-                                       [](double value, const Node& node) { return value < node.wavelength_nm; });
-  const Node &a = upper[-1], &b = *upper;
+  const SolarNode* upper =
+      std::upper_bound(std::begin(kSolarNodes) + 1, std::end(kSolarNodes) - 1, nm,
+                       [](double value, const SolarNode& node) { return value < node.wavelength_nm; });
+  const SolarNode &a = upper[-1], &b = *upper;
   const double w = (nm - a.wavelength_nm) / (b.wavelength_nm - a.wavelength_nm);
   return (1 - w) * a.irradiance + w * b.irradiance;
 }
 
 double mean_solar_irradiance_1au(double from_um, double to_um) {
-  const double first = std::begin(kNodes)->wavelength_nm / 1000, last = (std::end(kNodes) - 1)->wavelength_nm / 1000;
+  const double first = std::begin(kSolarNodes)->wavelength_nm / 1000,
+               last = (std::end(kSolarNodes) - 1)->wavelength_nm / 1000;
   const auto value = [&](double um) { return solar_irradiance_1au(std::clamp(um, first, last)); };
   if (!(to_um > from_um)) return value(from_um);
   double sum = 0, at = from_um, here = value(from_um);
@@ -39,7 +41,7 @@ double mean_solar_irradiance_1au(double from_um, double to_um) {
     sum += 0.5 * (here + next) * (um - at);
     at = um, here = next;
   };
-  for (const Node* node = std::begin(kNodes); node != std::end(kNodes); ++node)
+  for (const SolarNode* node = std::begin(kSolarNodes); node != std::end(kSolarNodes); ++node)
     if (const double um = node->wavelength_nm / 1000; um > from_um && um < to_um) advance(um);
   advance(to_um);
   return sum / (to_um - from_um);

@@ -2,17 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "atmos_tables/radians.h"
 #include "atmos_tables/rayleigh.h"
 #include "atmos_tables/single_scatter.h"
+#include "host/base/units.h"
 
 namespace raycube::atmos {
 
-namespace {
-constexpr double kPi = std::numbers::pi;
-double radians(double degrees) { return degrees * kPi / 180; }
-}  // namespace
+namespace {}  // namespace
 
 double aerosol_back_share(double asymmetry, double zenith_deg) {
   // Midpoint rule over the far hemisphere; smooth there, so 32 x 32 is good to 1e-3.
@@ -22,7 +20,8 @@ double aerosol_back_share(double asymmetry, double zenith_deg) {
   for (int i = 0; i < kSteps; ++i)
     for (int j = 0; j < kSteps; ++j) {
       const double other = (i + 0.5) / kSteps;
-      const double cosine = -mu * other + sine * std::sqrt(1 - other * other) * std::cos(kPi * (j + 0.5) / kSteps);
+      const double cosine =
+          -mu * other + sine * std::sqrt(1 - other * other) * std::cos(base::kPi * (j + 0.5) / kSteps);
       sum += phase_henyey_greenstein(asymmetry, cosine);
     }
   return 0.5 * sum / (kSteps * kSteps);
@@ -160,8 +159,8 @@ double WaveColumn::scattered_diffuse(const Path& path, const Fluxes& fluxes) con
   const double turned = path.aerosol_back, kept = std::max(0.0, 1 - path.aerosol_back - forward_);
   double sum = 0;
   for (std::size_t l = path.from; l < path.to; ++l) {
-    const double down = 0.5 * (fluxes.down[l] + fluxes.down[l + 1]) / kPi;
-    const double up = 0.5 * (fluxes.up[l] + fluxes.up[l + 1]) / kPi;
+    const double down = 0.5 * (fluxes.down[l] + fluxes.down[l + 1]) / base::kPi;
+    const double up = 0.5 * (fluxes.up[l] + fluxes.up[l + 1]) / base::kPi;
     const double along = path.observer_below ? down : up, against = path.observer_below ? up : down;
     const double source =
         rayleigh_part(l) * 0.5 * (along + against) + aerosol_part(l) * (turned * against + kept * along);

@@ -91,9 +91,9 @@ std::string type_found(const toml::node& node) {
   }
 }
 
-class Reader {
+class DocumentReader {
  public:
-  explicit Reader(Problems& problems) : problems_(problems) {}
+  explicit DocumentReader(Problems& problems) : problems_(problems) {}
 
   void read_file(const fs::path& path, const std::string& name, const Where& asked_by, Record& root) {
     std::error_code ignored;
@@ -402,7 +402,7 @@ Record read_document(const std::string& file, base::Problems& problems) {
   Record root;
   root.where = {file, 1, 1, ""};
   const std::size_t before = problems.lines().size();
-  Reader(problems).read_file(file, file, {}, root);
+  DocumentReader(problems).read_file(file, file, {}, root);
   const bool parsed = problems.lines().size() == before || !root.values.empty();
   fill_defaults(root, parsed ? &problems : nullptr);
   return root;

@@ -20,7 +20,7 @@ struct Span {
 };
 
 /// Half the way that light goes in a second.
-double metres_per_s(const Lidar& lidar) { return 0.5 * kLight_m_s / lidar.transport.group_index; }
+double metres_per_s(const Lidar& lidar) { return 0.5 * base::kLightSpeed_m_s / lidar.transport.group_index; }
 
 /// How far from its middle a pulse still has power: a Gaussian's 1e-10 lies 2.9 of its full width at half
 /// maximum away.

@@ -43,7 +43,7 @@ using detail::LidarReport;
 void note_blur_of_array(const Record& record, const Lidar& lidar, const LidarReport& report) {
   const auto& receiver = lidar.receiver;
   if (receiver.columns * receiver.rows == 1 || !(receiver.pixel_pitch_rad > 0)) return;
-  const double half_way_m = 0.5 * detail::kLight_m_s / lidar.transport.group_index,
+  const double half_way_m = 0.5 * base::kLightSpeed_m_s / lidar.transport.group_index,
                near_m = std::max(lidar.transport.minimum_range_m, half_way_m * lidar.gate.start_s);
   const double far_m = half_way_m * (lidar.gate.start_s + lidar.gate.bins * lidar.gate.bin_s),
                focus = receiver.focus_m > 0 ? 1 / receiver.focus_m : 0;
@@ -63,7 +63,7 @@ void check_together(const Record& record, const Lidar& lidar, const LidarReport&
   const Record &gate = *record.table("gate"), &sampling = *record.table("sampling");
   const auto& t = lidar.transport;
   const double end_s = lidar.gate.start_s + lidar.gate.bins * lidar.gate.bin_s;
-  const double near_s = 2 * t.group_index * t.minimum_range_m / detail::kLight_m_s;
+  const double near_s = 2 * t.group_index * t.minimum_range_m / base::kLightSpeed_m_s;
   if (end_s <= near_s)
     report.problems.add(gate.where, "the gate is empty: it ends before light from minimum_range_m is back",
                         number_text(end_s * 1e9) + " ns against " + number_text(near_s * 1e9) + " ns",

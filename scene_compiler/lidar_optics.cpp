@@ -115,7 +115,7 @@ void read_sampling(const Record& sampling, Lidar& out, const LidarReport&) {
 
 void read_gate(const Record& gate, Lidar& out, const LidarReport& report) {
   auto& problems = report.problems;
-  const double s_per_m = 2 * out.transport.group_index / kLight_m_s;
+  const double s_per_m = 2 * out.transport.group_index / base::kLightSpeed_m_s;
   if (count_given(gate, {"start_ns", "start_range_m"}) == 2)
     problems.add(gate.place("start_range_m"), "'start_ns' and 'start_range_m' exclude each other", "both",
                  "remove one");

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "host/base/units.h"
 #include "scene_compiler/lidar_builder.h"
 #include "scene_compiler/placed_box.h"
 
@@ -19,8 +20,6 @@ struct LidarReport {
     notices.push_back(where.text() + ": LIDAR '" + name + "': " + text);
   }
 };
-
-inline constexpr double kLight_m_s = 299792458.0;
 
 int count_given(const Record& record, std::initializer_list<const char*> keys);
 /// Keys that the choice `because` ("pattern = \"line\"") cannot do without, and those it would ignore.

@@ -170,7 +170,8 @@ void remark(const Record& pulse, const LidarPulse& out, const LidarReport& repor
     if (out.profile == BeamProfile::gaussian && out.exit_radius_m > 0 && m2 < 1)
       report.notice(pulse.place("divergence_mrad"),
                     "line '" + line.name + "' has M2 = " + number_text(m2) + ", below the diffraction limit of 1");
-    const double width_hz = kLight_m_s * line.fwhm_um * 1e-6 / (line.wavelength_um * line.wavelength_um * 1e-12);
+    const double width_hz =
+        base::kLightSpeed_m_s * line.fwhm_um * 1e-6 / (line.wavelength_um * line.wavelength_um * 1e-12);
     if (out.shape == PulseShape::gaussian && line.fwhm_um > 0 && out.fwhm_s > 0 &&
         width_hz * out.fwhm_s < kTransformLimit)
       report.notice(pulse.place("fwhm_ns"), "line '" + line.name + "' times pulse is " +

@@ -11,7 +11,7 @@ namespace {
 using base::Problems;
 using base::Where;
 
-constexpr std::size_t kMaxReports = 20;
+constexpr std::size_t kMaxObjReports = 20;
 
 /// OBJ reals may carry a sign, a point without digits behind it and an exponent.
 bool check_vertex(std::istringstream& words, const Where& where, Problems& problems) {
@@ -98,7 +98,7 @@ void check_obj_text(const std::string& text, const std::string& file, Problems& 
         }
       }
     }
-    if (!sound && ++reports >= kMaxReports) {
+    if (!sound && ++reports >= kMaxObjReports) {
       problems.add({file, 0, 0, ""}, "too many errors", "stopped at line " + std::to_string(number),
                    "correct the file");
       return;

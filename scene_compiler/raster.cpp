@@ -24,7 +24,7 @@ using base::Where;
 
 // What reading may take: GDAL needs some 10 ns a pixel of the 2^28 that are read at most, whatever a file's
 // bytes unpack to.
-constexpr double kBase_s = 120, kPerByte_s = 4e-6;
+constexpr double kRasterBase_s = 120, kRasterPerByte_s = 4e-6;
 constexpr std::uint64_t kMemory_bytes = 6ull << 30;
 constexpr int kPiece_values = 1 << 20;
 
@@ -162,7 +162,7 @@ std::optional<Raster> read_raster(const std::string& file, int first_band, int c
                                   const Where& asked_by, Problems& problems) {
   if (!check_readable(file, asked_by, problems)) return std::nullopt;
   base::ChildLimits limits;
-  limits.cpu_s = kBase_s + kPerByte_s * static_cast<double>(std::filesystem::file_size(file));
+  limits.cpu_s = kRasterBase_s + kRasterPerByte_s * static_cast<double>(std::filesystem::file_size(file));
   limits.memory_bytes = kMemory_bytes;
   base::Unpacked read =
       base::in_limited_child(limits, [&](base::Parcel& parcel) { read_by_gdal(file, first_band, count, parcel); });

@@ -16,7 +16,7 @@ using base::Problems;
 using base::Where;
 
 constexpr double kShortestUm = 0.05, kLongestUm = 1000.0;
-constexpr std::size_t kMaxReports = 20;
+constexpr std::size_t kMaxSpectrumReports = 20;
 
 bool is_air(const std::string& asked, const std::string& file_says, const std::string& file, Problems& problems) {
   const std::string medium = lower_case(asked.empty() ? file_says : asked);
@@ -58,7 +58,7 @@ std::optional<Material> read_csv_spectrum(const SpectrumRequest& request, Proble
   const std::size_t before = problems.lines().size();
   const double scale = request.scale.value_or(1.0);
   std::vector<SpectrumPoint> points;
-  for (std::size_t row = 0; row < csv->rows.size() && problems.lines().size() < before + kMaxReports; ++row) {
+  for (std::size_t row = 0; row < csv->rows.size() && problems.lines().size() < before + kMaxSpectrumReports; ++row) {
     const auto w = csv->number(row, *wavelength, problems), r = csv->number(row, *reflectance, problems);
     const auto t = transmittance ? csv->number(row, *transmittance, problems) : std::optional(0.0);
     if (w && r && t) points.push_back({*w * unit_um, *r * scale, *t * scale, {csv->file, csv->row_lines[row], 0, ""}});
@@ -118,7 +118,7 @@ bool check_spectrum(const std::vector<SpectrumPoint>& points, const std::string&
   std::size_t reports = 0;
   const auto report = [&](const SpectrumPoint& point, const std::string& what, const std::string& found,
                           const std::string& way_out) {
-    if (++reports <= kMaxReports) problems.add(point.where, what, found, way_out);
+    if (++reports <= kMaxSpectrumReports) problems.add(point.where, what, found, way_out);
   };
   for (std::size_t i = 0; i < points.size(); ++i) {
     const auto& p = points[i];
@@ -149,8 +149,8 @@ bool check_spectrum(const std::vector<SpectrumPoint>& points, const std::string&
              number_text(p.reflectance) + " + " + number_text(p.transmittance),
              "energy must not be gained: correct the file");
   }
-  if (reports > kMaxReports)
-    problems.add({file, 0, 0, ""}, "more points like these", std::to_string(reports - kMaxReports) + " more",
+  if (reports > kMaxSpectrumReports)
+    problems.add({file, 0, 0, ""}, "more points like these", std::to_string(reports - kMaxSpectrumReports) + " more",
                  "correct the file");
   if (points.size() < 2) {
     problems.add({file, 0, 0, ""}, "a spectrum needs at least two points", std::to_string(points.size()),

@@ -2,17 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "atmos_tables/interpolate.h"
 #include "atmos_tables/table_rows.h"
+#include "host/base/units.h"
 
 namespace raycube::atmos {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-double radians(double degrees) { return degrees * kPi / 180; }
+double radians(double degrees) { return degrees * base::kPi / 180; }
 
 /// Azimuth orders past this part of the first are dropped: radiances change by less than 1e-4.
 constexpr double kFourierTolerance = 1e-5;

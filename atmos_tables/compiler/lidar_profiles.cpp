@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <nlohmann/json.hpp>
 
@@ -13,12 +12,12 @@
 #include "atmos_tables/optics/rayleigh_air.h"
 #include "atmos_tables/table_rows.h"
 #include "host/base/error.h"
+#include "host/base/units.h"
 
 namespace raycube::atmos {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kPerKm_to_per_m = 1e-3;
 /// Beside a height where extinction jumps (cloud edges) a node stands on either side.
 constexpr double kEdge_km = 0.0005;
@@ -35,7 +34,7 @@ MolecularBack molecular_back(double wavelength_um, double co2_ppmv, bool cabanne
   const double x = 4.5 * (air_king_factor(wavelength_um, co2_ppmv) - 1);
   const double seen = cabannes_only ? 0.25 * x : x;
   // Sphere integral: extinction goes as 45 (1 + 2 x / 9) 8 pi / 3 in units in which 45 + 7 x is backscatter per sr.
-  return {(45 + 7 * seen) / (45 + 10 * x) * 3 / (8 * kPi), 3 * seen / (45 + 4 * seen)};
+  return {(45 + 7 * seen) / (45 + 10 * x) * 3 / (8 * base::kPi), 3 * seen / (45 + 4 * seen)};
 }
 
 struct Particles {

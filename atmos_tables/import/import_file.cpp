@@ -16,6 +16,7 @@
 #include "atmos_tables/import/sixs.h"
 #include "atmos_tables/import/text_lines.h"
 #include "atmos_tables/import/uvspec.h"
+#include "host/base/text.h"
 
 namespace raycube::atmos::imported {
 
@@ -39,16 +40,12 @@ const Format kFormats[] = {
     {"plain-csv", [](const std::string& path, const std::string&) { return read_plain_csv(path); }},
 };
 
-std::string lower(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
-
 /// By name where it is the code's own, else by words that only one format has in its head.
 std::string told_apart(const std::string& path, const std::string& uvspec_input) {
   const std::filesystem::path file(path);
-  const std::string name = lower(file.filename().string()), end = lower(file.extension().string());
-  const std::string bytes = read_bytes(path), head = bytes.substr(0, 20000), low = lower(head);
+  const std::string name = base::lower_case(file.filename().string()),
+                    end = base::lower_case(file.extension().string());
+  const std::string bytes = read_bytes(path), head = bytes.substr(0, 20000), low = base::lower_case(head);
   const auto holds = [&](const char* word) { return head.find(word) != std::string::npos; };
   if (end == ".acd") return head.find('\0') == std::string::npos ? "acd" : "acd-binary";
   if (end == ".csv" && (holds("wavelength [") || holds("wavenumber ["))) return "plain-csv";

@@ -6,15 +6,11 @@
 #include <sstream>
 #include <tuple>
 
+#include "atmos_tables/import/text_lines.h"
+
 namespace raycube::atmos::imported {
 
 namespace {
-
-std::string shown(double value) {
-  std::ostringstream out;
-  out << value;
-  return out.str();
-}
 
 bool at_most_one(const Column& column) {
   return column.unit == "1" && (column.name.find("transmi") != std::string::npos || column.name == "spherical_albedo" ||

@@ -5,16 +5,18 @@
 #include <cmath>
 #include <sstream>
 
+#include "host/base/text.h"
+
 namespace raycube::atmos::imported {
 
 namespace {
 
-struct Row {
+struct NamedRow {
   const char *key, *name;
   Kind kind;
 };
 
-constexpr Row kRows[] = {
+constexpr NamedRow kRows[] = {
     {"TOT_TRANS", "transmittance", Kind::ratio},
     {"TOTAL_TRANSMITTANCE", "transmittance", Kind::ratio},
     {"COMBIN_TRANS", "transmittance", Kind::ratio},
@@ -70,12 +72,7 @@ constexpr Row kRows[] = {
     {"AERCLD_ABTRNS", "transmittance_aerosol_cloud_absorption", Kind::ratio},
 };
 
-std::string lower(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
-
-std::string shown(double value) {
+std::string seven_digits(double value) {
   std::ostringstream out;
   out.precision(7);
   out << value;
@@ -106,13 +103,13 @@ std::string label_key(std::string_view label) {
 std::optional<Quantity> modtran_quantity(std::string_view label, std::string_view second) {
   std::string key = label_key(label);
   if (!second.empty()) key += "_" + label_key(second);
-  for (const Row& row : kRows)
+  for (const NamedRow& row : kRows)
     if (key == row.key) return Quantity{row.name, row.kind};
   // Every further gas: "CO2" over "TRANS" (tape7), "TRANS_CO2" (JSON), "CO2 trans" (CSV).
   constexpr std::string_view word = "TRANS";
-  if (key.rfind("TRANS_", 0) == 0) return Quantity{"transmittance_" + lower(key.substr(6)), Kind::ratio};
+  if (key.rfind("TRANS_", 0) == 0) return Quantity{"transmittance_" + base::lower_case(key.substr(6)), Kind::ratio};
   if (key.size() > word.size() + 1 && key.compare(key.size() - word.size() - 1, std::string::npos, "_TRANS") == 0)
-    return Quantity{"transmittance_" + lower(key.substr(0, key.size() - word.size() - 1)), Kind::ratio};
+    return Quantity{"transmittance_" + base::lower_case(key.substr(0, key.size() - word.size() - 1)), Kind::ratio};
   return std::nullopt;
 }
 
@@ -181,7 +178,7 @@ void settle_radiance(Run& run, const base::Where& where, const std::vector<int>&
     for (const Column* part : {heat, sun, surface, ground}) sum.add(part, row);
     if (apart) sum.add(scattered, row);
     problems.add(here, "the parts of " + total->source + " do not add up to it within the printed digits",
-                 shown(sum.value) + " against " + shown(total->values[row]) + " W m-2 sr-1 um-1",
+                 seven_digits(sum.value) + " against " + seven_digits(total->values[row]) + " W m-2 sr-1 um-1",
                  "columns have moved or a row is damaged");
   }
   if (apart)

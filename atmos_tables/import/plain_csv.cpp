@@ -61,9 +61,9 @@ std::optional<AxisUnit> axis_of(const Label& label) {
   return std::nullopt;
 }
 
-class Reader {
+class PlainReader {
  public:
-  explicit Reader(const std::string& path) : path_(path) {}
+  explicit PlainReader(const std::string& path) : path_(path) {}
 
   Imported read() {
     const auto lines = read_lines(path_);
@@ -149,6 +149,6 @@ class Reader {
 
 }  // namespace
 
-Imported read_plain_csv(const std::string& path) { return Reader(path).read(); }
+Imported read_plain_csv(const std::string& path) { return PlainReader(path).read(); }
 
 }  // namespace raycube::atmos::imported

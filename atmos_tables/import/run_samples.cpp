@@ -4,7 +4,6 @@
 #include <cctype>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <numeric>
 #include <set>
 #include <sstream>
@@ -12,21 +11,16 @@
 
 #include "atmos_tables/import/albedo_runs.h"
 #include "atmos_tables/import/conversions.h"
+#include "atmos_tables/import/text_lines.h"
 #include "atmos_tables/interpolate.h"
 #include "atmos_tables/row_registry.h"
+#include "host/base/units.h"
 
 namespace raycube::atmos::imported {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 enum class Role { down, sky, sun, levels, solver, channels, correction, columns, unused };
-
-std::string shown(double value) {
-  std::ostringstream out;
-  out << value;
-  return out.str();
-}
 
 struct Source {
   const Imported* file;
@@ -248,7 +242,7 @@ class Reader {
         const double a = reflected[i] * (1 / high.albedo - c.spherical_albedo);  // T_dir E_g0 / pi
         s.push_back(c.spherical_albedo);
         t_dif.push_back(a > 0 ? std::clamp(t[i] * (c.coefficient - a) / a, 0.0, 1.0) : 0);
-        total.push_back(t[i] > 0 ? kPi * a / t[i] : 0);
+        total.push_back(t[i] > 0 ? base::kPi * a / t[i] : 0);
       }
       add("spherical_albedo", at_height, std::move(s));
       add("diffuse_view_transmission", no_azimuth, std::move(t_dif));
@@ -258,7 +252,7 @@ class Reader {
       const Spectrum reflected = optional(*seen.source->run, "ground_reflected");
       Spectrum total;
       for (std::size_t i = 0; i < reflected.size(); ++i)
-        total.push_back(t[i] > 0 ? kPi * reflected[i] / (seen.albedo * t[i]) : 0);
+        total.push_back(t[i] > 0 ? base::kPi * reflected[i] / (seen.albedo * t[i]) : 0);
       add(kTotalIrradiance, at_height, std::move(total));
       out_.notices.push_back(name + ": diffuse irradiance is that over ground of albedo " + shown(seen.albedo) +
                              "; three runs of albedo 0, r1 and r2 would separate ground and air");
@@ -308,7 +302,7 @@ class Reader {
     for (std::size_t i = 0; i < t.size(); ++i) {
       path[i] = std::max(0.0, path[i] - r * b[i] * above[i] / (1 - r * s[i]));
       t_dif.push_back(a[i] > 0 ? std::clamp(t[i] * b[i] / a[i], 0.0, 1.0) : 0);
-      total.push_back(t[i] > 0 ? kPi * a[i] * above[i] / t[i] : 0);
+      total.push_back(t[i] > 0 ? base::kPi * a[i] * above[i] / t[i] : 0);
     }
     add("view_transmission", {}, t);
     add("path_radiance_solar", {}, std::move(path));

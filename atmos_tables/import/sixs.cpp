@@ -74,9 +74,9 @@ constexpr TableColumn kTable[] = {{"", "um", "wave"},
                                   {"", "1", "dsol"},
                                   {"reflectance_apparent", "1", "toar"}};
 
-class Reader {
+class SixsReader {
  public:
-  explicit Reader(const std::string& path) : path_(path), lines_(read_lines(path)) {}
+  explicit SixsReader(const std::string& path) : path_(path), lines_(read_lines(path)) {}
 
   Imported read() {
     Imported out{path_, "6S", "6s", {}};
@@ -260,6 +260,6 @@ class Reader {
 
 }  // namespace
 
-Imported read_sixs(const std::string& path) { return Reader(path).read(); }
+Imported read_sixs(const std::string& path) { return SixsReader(path).read(); }
 
 }  // namespace raycube::atmos::imported

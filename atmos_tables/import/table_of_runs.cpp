@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "atmos_tables/import/run_samples.h"
+#include "atmos_tables/import/text_lines.h"
 #include "atmos_tables/row_registry.h"
 #include "atmos_tables/table_rows.h"
 #include "host/base/planck.h"
@@ -25,12 +26,6 @@ const std::set<std::string> kSolarRows = {
     "solar_irradiance",  "sun_transmission",   "two_way_factor",   "path_radiance_solar",       "sky_radiance_solar",
     "direct_irradiance", "diffuse_irradiance", "spherical_albedo", "diffuse_view_transmission", "diffuse_return"};
 const std::set<std::string> kThermalSkyRows = {"sky_radiance_thermal", "two_way_factor_thermal"};
-
-std::string shown(double value) {
-  std::ostringstream out;
-  out << value;
-  return out.str();
-}
 
 class Maker {
  public:

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -53,5 +54,12 @@ constexpr int kMostNumbered = 1000000000;
 
 /// More than this many problems in one file say no more; readers stop there.
 constexpr std::size_t kEnoughProblems = 20;
+
+/// A number in a message: six digits.
+inline std::string shown(double value) {
+  std::ostringstream out;
+  out << value;
+  return out.str();
+}
 
 }  // namespace raycube::atmos::imported

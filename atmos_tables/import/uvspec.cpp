@@ -32,9 +32,9 @@ const Meaning* meaning_of(std::string_view source, bool up) {
   return nullptr;
 }
 
-class Reader {
+class UvspecReader {
  public:
-  Reader(const std::string& path, const UvspecInput& in) : path_(path), in_(in), lines_(read_lines(path)) {}
+  UvspecReader(const std::string& path, const UvspecInput& in) : path_(path), in_(in), lines_(read_lines(path)) {}
 
   Imported read() {
     declare();
@@ -335,7 +335,7 @@ Imported read_uvspec(const std::string& path, const std::string& input) {
                             beside + " is not there)");
   }
   const UvspecInput in = read_uvspec_input(beside);
-  return Reader(path, in).read();
+  return UvspecReader(path, in).read();
 }
 
 }  // namespace raycube::atmos::imported

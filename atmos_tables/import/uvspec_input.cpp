@@ -16,9 +16,9 @@ bool one_of(std::string_view word, std::initializer_list<std::string_view> words
   return std::find(words.begin(), words.end(), word) != words.end();
 }
 
-class Reader {
+class InputReader {
  public:
-  explicit Reader(const std::string& path) { in_.file = path; }
+  explicit InputReader(const std::string& path) { in_.file = path; }
 
   UvspecInput read() {
     const auto lines = read_lines(in_.file);
@@ -159,6 +159,6 @@ class Reader {
 
 }  // namespace
 
-UvspecInput read_uvspec_input(const std::string& path) { return Reader(path).read(); }
+UvspecInput read_uvspec_input(const std::string& path) { return InputReader(path).read(); }
 
 }  // namespace raycube::atmos::imported

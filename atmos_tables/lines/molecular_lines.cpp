@@ -14,7 +14,6 @@ namespace raycube::atmos {
 
 namespace {
 
-constexpr double kC2_cm_K = 1.438776877;  ///< hc/k (SI 2019)
 /// Pressure moves no centre further than this, cm-1, in an atmosphere.
 constexpr double kFarthestShift_per_cm = 1;
 /// Widths of a block, cm-1 and Doppler half widths. Lines nearer to its centre than twice its width are summed point by

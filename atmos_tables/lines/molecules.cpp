@@ -17,8 +17,6 @@ namespace {
 /// HITRAN's isotopologues of one molecule end well below this.
 constexpr int kMostIsotopologues = 99;
 
-constexpr double kC2_cm_K = 1.438776877;  ///< hc/k (SI 2019)
-
 struct Vibration {
   double wavenumber_per_cm;
   int degeneracy;

@@ -6,6 +6,8 @@
 
 namespace raycube::atmos {
 
+inline constexpr double kC2_cm_K = 1.438776877;  ///< hc/k (SI 2019)
+
 /// 1 ... molecule_count().
 int molecule_count();
 /// Formula in lower case ("h2o"). Throws Error(bug) for an unknown number.

@@ -2,17 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <string>
 
 #include "atmos_tables/optics/mie_angles.h"
 #include "host/base/error.h"
+#include "host/base/units.h"
 
 namespace raycube::atmos {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kLargestSize = 5000;
 constexpr std::size_t kFirstSizes = 64, kMostSizes = std::size_t{1} << 15;
 
@@ -68,7 +67,7 @@ void check(const SphereCloudRequest& request) {
 
 SphereCloudOptics integrate_spheres(const SizeDistribution& sizes, const SphereCloudRequest& request) {
   check(request);
-  const double wavenumber = 2 * kPi / request.wavelength_um;  // um-1
+  const double wavenumber = 2 * base::kPi / request.wavelength_um;  // um-1
   const Range range = range_that_matters(sizes, wavenumber, request.tolerance / 20);
   const double largest = wavenumber * std::exp(range.last);
   if (!(largest <= kLargestSize))
@@ -80,7 +79,7 @@ SphereCloudOptics integrate_spheres(const SizeDistribution& sizes, const SphereC
   const std::size_t half = out.rule.node.size() / 2, angles = request.angle_deg.size();
   const std::vector<double> nodes(out.rule.node.begin() + static_cast<std::ptrdiff_t>(half), out.rule.node.end());
   std::vector<double> cosines(angles);
-  for (std::size_t i = 0; i < angles; ++i) cosines[i] = std::abs(std::cos(request.angle_deg[i] * kPi / 180));
+  for (std::size_t i = 0; i < angles; ++i) cosines[i] = std::abs(std::cos(request.angle_deg[i] * base::kPi / 180));
 
   Sums sums;
   sums.forward.resize(half), sums.backward.resize(half);
@@ -89,7 +88,7 @@ SphereCloudOptics integrate_spheres(const SizeDistribution& sizes, const SphereC
     const double radius = std::exp(log_radius), number = weight * sizes.per_log_radius(log_radius);
     const MieSphere sphere(std::max(kMinSizeParameter, wavenumber * radius), request.index);
     const MieEfficiencies& q = sphere.efficiencies();
-    const double area = number * kPi * radius * radius;
+    const double area = number * base::kPi * radius * radius;
     sums.extinction += area * q.extinction, sums.scattering += area * q.scattering;
     sums.asymmetry += area * q.scattering * q.asymmetry;
     add_mie_intensity(sphere, nodes, number, sums.forward, sums.backward);
@@ -103,7 +102,7 @@ SphereCloudOptics integrate_spheres(const SizeDistribution& sizes, const SphereC
   std::vector<double> phase(2 * half);
   for (std::size_t sizes_now = kFirstSizes;; sizes_now *= 2) {
     // Intensity is 4 pi / k^2 per unit of scattering cross-section; the step cancels.
-    const double unit = 4 * kPi / (wavenumber * wavenumber * sums.scattering);
+    const double unit = 4 * base::kPi / (wavenumber * wavenumber * sums.scattering);
     for (std::size_t i = 0; i < half; ++i) {
       phase[half + i] = unit * sums.forward[i];
       phase[half - 1 - i] = unit * sums.backward[i];
@@ -130,7 +129,7 @@ SphereCloudOptics integrate_spheres(const SizeDistribution& sizes, const SphereC
   }
   out.single_scattering_albedo = out.scattering_um2 / out.extinction_um2;
   out.moments = legendre_moments(out.rule, out.phase, request.last_moment);
-  const double unit = 4 * kPi / (wavenumber * wavenumber * sums.scattering);
+  const double unit = 4 * base::kPi / (wavenumber * wavenumber * sums.scattering);
   for (std::size_t i = 0; i < angles; ++i)
     out.phase_at_angle.push_back(unit * (request.angle_deg[i] <= 90 ? sums.forward_angle[i] : sums.backward_angle[i]));
   return out;

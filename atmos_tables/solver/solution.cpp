@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <string>
 
 #include "atmos_tables/solver/beam_scatter.h"
@@ -17,7 +16,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 namespace {
-constexpr double kPi = std::numbers::pi;
 constexpr double kSmallestCosine = 1e-9;
 /// Thinner layers are taken isothermal: B' would reach B / 1e-5 and cost the digits it gains.
 constexpr double kThinEmission = 1e-5;
@@ -172,7 +170,7 @@ std::array<double, 2> ColumnSolution::Data::case_flux(const Place& at, bool up) 
   const VectorXd flux_root = (weight.array() * mu.array()).sqrt();
   const std::array<MatrixXd, 2>& side = up ? orders[0].up : orders[0].down;
   const auto level = static_cast<Eigen::Index>(at.layer + (at_bottom ? 1 : 0));
-  return {2 * kPi * flux_root.dot(side[0].col(level)), 2 * kPi * flux_root.dot(side[1].col(level))};
+  return {2 * base::kPi * flux_root.dot(side[0].col(level)), 2 * base::kPi * flux_root.dot(side[1].col(level))};
 }
 
 Fluxes ColumnSolution::Data::own_fluxes(const Place& at) const {
@@ -192,12 +190,12 @@ Fluxes ColumnSolution::Data::own_fluxes(const Place& at) const {
 GroundCoupling ColumnSolution::Data::coupling() const {
   const Place at = place(level_depth.back());
   const Fluxes own = own_fluxes(at);
-  return {own.direct_down, own.diffuse_down, case_flux(at, false)[1] / kPi};
+  return {own.direct_down, own.diffuse_down, case_flux(at, false)[1] / base::kPi};
 }
 
 double ColumnSolution::Data::ground_radiance(const Ground& ground) const {
   const GroundCoupling air = coupling();
-  return (ground.albedo * (air.direct_irradiance + air.diffuse_irradiance) / kPi +
+  return (ground.albedo * (air.direct_irradiance + air.diffuse_irradiance) / base::kPi +
           (1 - ground.albedo) * ground.planck) /
          (1 - ground.albedo * air.spherical_albedo);
 }

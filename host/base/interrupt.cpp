@@ -14,11 +14,11 @@
 namespace raycube::base {
 namespace {
 
-struct Slot {
+struct Handler {
   std::atomic<int> state{0};  // 0 free, 1 being filled or emptied, 2 holds a path
   char path[4096];
 };
-std::array<Slot, 64> slots;
+std::array<Handler, 64> slots;
 std::atomic<int> arrived{0};
 std::atomic<bool> helper{false};
 static_assert(std::atomic<int>::is_always_lock_free, "the handler needs lock-free flags");
@@ -99,7 +99,7 @@ bool is_helper() noexcept { return helper; }
 void clear_interrupt() noexcept { arrived = 0; }
 
 TemporaryPath::TemporaryPath(const std::string& path) noexcept {
-  if (path.size() >= sizeof(Slot::path)) return;
+  if (path.size() >= sizeof(Handler::path)) return;
   for (int i = 0; i < static_cast<int>(slots.size()); ++i) {
     int free = 0;
     if (!slots[i].state.compare_exchange_strong(free, 1)) continue;

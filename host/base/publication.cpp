@@ -26,7 +26,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kPatience{10000}, kGlance{10};
 
-bool present(const std::string& path) {
+bool is_there(const std::string& path) {
   struct stat status {};
   return ::lstat(path.c_str(), &status) == 0;
 }
@@ -61,7 +61,7 @@ std::string why_not_own(const std::string& journal) {
 /// not where everybody's files lie side by side).
 void refuse_to_write_beside(const std::string& journal, const std::string& reason, FolderUse use) {
   const bool shared = fs::path(journal).filename() != kJournalName;
-  if (use == FolderUse::read || (use == FolderUse::write_file && shared) || !present(journal)) return;
+  if (use == FolderUse::read || (use == FolderUse::write_file && shared) || !is_there(journal)) return;
   throw Error(Fault::environment,
               journal + ": a list of files that wait for their names is obeyed only if this user left it (" + reason +
                   "); let whoever did run `raycube info` on the folder, or remove it, or choose "
@@ -94,7 +94,7 @@ void sync_folder(const std::string& folder) {
 Publication::Publication(const std::string& folder, List list)
     : folder_(folder), journal_(journal_of(folder)), list_(std::move(list)) {
   for (const auto& [temporary, name] : list_.files) {
-    if (!list_.replace && present(in_folder(name))) throw taken(in_folder(name));
+    if (!list_.replace && is_there(in_folder(name))) throw taken(in_folder(name));
     struct stat status {};
     if (::lstat(in_folder(temporary).c_str(), &status) != 0) throw gone(temporary, name, "run again");
     marks_.push_back(mark_of(status));
@@ -170,7 +170,7 @@ bool Publication::step() {
 /// of what was to be named. Another one there, or none, ends the publication.
 bool Publication::waits(std::size_t number) {
   const auto& [temporary, name] = list_.files[number];
-  if (present(in_folder(temporary))) return true;
+  if (is_there(in_folder(temporary))) return true;
   struct stat status {};
   if (::lstat(in_folder(name).c_str(), &status) == 0) {
     const Mark is = mark_of(status), was = marks_[number];
@@ -244,7 +244,7 @@ bool Publication::remove_earlier() {
 void Publication::take_back(std::size_t named) {
   while (named-- > 0) {
     const std::string from = in_folder(list_.files[named].first), to = in_folder(list_.files[named].second);
-    if (!present(from)) ::rename(to.c_str(), from.c_str());
+    if (!is_there(from)) ::rename(to.c_str(), from.c_str());
   }
   ::unlink(journal_.c_str());
   for (const auto& file : list_.files) ::unlink(in_folder(file.first).c_str());
@@ -252,7 +252,7 @@ void Publication::take_back(std::size_t named) {
 
 bool finish_publication(const std::string& folder, FolderUse use, bool locked) {
   const std::string journal = journal_of(folder);
-  if (!present(journal)) return false;
+  if (!is_there(journal)) return false;
   if (const std::string reason = why_not_own(journal); !reason.empty()) {
     refuse_to_write_beside(journal, reason, use);
     return false;
@@ -271,9 +271,9 @@ bool finish_publication(const std::string& folder, FolderUse use, bool locked) {
     if (std::chrono::steady_clock::now() > deadline)
       throw Error(Fault::environment, folder + ": another run is giving its files their names; wait for it");
     std::this_thread::sleep_for(kGlance);
-    if (!present(journal)) return true;
+    if (!is_there(journal)) return true;
   }
-  if (!present(journal)) return true;
+  if (!is_there(journal)) return true;
   if (::access(folder.c_str(), W_OK) != 0)
     throw Error(Fault::environment,
                 folder + ": a run was killed while its files got their names, and they cannot be changed here: " +

@@ -6,6 +6,11 @@
 
 namespace raycube::base {
 
+inline constexpr double kPi = std::numbers::pi;
+inline constexpr double kLightSpeed_m_s = 299792458.0;
+/// Of a Gaussian: full width at half maximum over standard deviation, 2 sqrt(2 ln 2), and its inverse.
+inline constexpr double kFwhmOfSigma = 2.3548200450309493, kSigmaOfFwhm = 0.42466090014400953;
+
 constexpr double um_from_nm(double wavelength_nm) { return wavelength_nm * 1e-3; }
 constexpr double nm_from_um(double wavelength_um) { return wavelength_um * 1e3; }
 constexpr double um_from_wavenumber_per_cm(double wavenumber_per_cm) { return 1e4 / wavenumber_per_cm; }

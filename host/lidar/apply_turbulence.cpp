@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/base/units.h"
 #include "host/lidar/pulse_taps.h"
 #include "host/lidar/scintillation.h"
 #include "host/lidar/turbulence.h"
@@ -11,17 +12,9 @@ namespace raycube::lidar {
 
 namespace {
 
-constexpr double kLight = 299792458.0;
-
-double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-Vec3 cross(const Vec3& a, const Vec3& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
-Vec3 unit(const Vec3& a) {
-  const double length = std::sqrt(dot(a, a));
-  return {a[0] / length, a[1] / length, a[2] / length};
+Vec3 over_length(const Vec3& a) {
+  const double size = length(a);
+  return {a[0] / size, a[1] / size, a[2] / size};
 }
 
 /// Tips an axis by small angles towards u and v = axis x u; u stays perpendicular to it.
@@ -30,10 +23,10 @@ void tip(Vec3& axis, Vec3& u, const std::array<double, 2>& angle_rad) {
   Vec3 tipped;
   for (std::size_t i = 0; i < 3; ++i)
     tipped[i] = axis[i] + std::tan(angle_rad[0]) * u[i] + std::tan(angle_rad[1]) * v[i];
-  axis = unit(tipped);
+  axis = over_length(tipped);
   const double along = dot(u, axis);
   for (std::size_t i = 0; i < 3; ++i) u[i] -= along * axis[i];
-  u = unit(u);
+  u = over_length(u);
 }
 
 /// Over uneven ground a piece of a path is at most this long on the map; its 24 nodes then lie some 10 m
@@ -44,8 +37,8 @@ constexpr int kMostPieces = 64;
 TurbulentPath path_of(const scene::Lidar& lidar, const ShotSurroundings& around, const Shot& shot) {
   const Vec3 &exit = shot.exit_m, &axis = shot.exit_axis;
   const double height = exit[2] - around.ground_at(exit[0], exit[1]);
-  double length =
-      0.5 * kLight * (lidar.gate.start_s + lidar.gate.bins * lidar.gate.bin_s) / lidar.transport.group_index;
+  double length = 0.5 * base::kLightSpeed_m_s * (lidar.gate.start_s + lidar.gate.bins * lidar.gate.bin_s) /
+                  lidar.transport.group_index;
   if (around.surface_range_m > 0)
     length = std::min(length, around.surface_range_m);
   else if (axis[2] < 0 && height > 0)

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/base/units.h"
 #include "host/lidar/detector.h"
 #include "host/lidar/draws.h"
 #include "host/lidar/echoes.h"
@@ -12,8 +13,6 @@
 namespace raycube::lidar {
 
 namespace {
-
-constexpr double kFwhmOfSigma = 2.3548200450309493;
 
 /// One row on its way to a record.
 class Row {
@@ -142,7 +141,7 @@ class Row {
   /// Probability that the return expected about an echo is found.
   double probability_near(double time_s) const {
     const double bin = (time_s - lidar_.gate.start_s) / lidar_.gate.bin_s;
-    const double half = std::max(1.0, 0.5 * kFwhmOfSigma * recorded_sigma_s(lidar_) / lidar_.gate.bin_s);
+    const double half = std::max(1.0, 0.5 * base::kFwhmOfSigma * recorded_sigma_s(lidar_) / lidar_.gate.bin_s);
     const auto bins = static_cast<double>(recorded_signal_.size());
     const auto first = static_cast<std::size_t>(std::clamp(std::floor(bin - half), 0.0, bins)),
                last = static_cast<std::size_t>(std::clamp(std::ceil(bin + half), 0.0, bins));
@@ -164,7 +163,7 @@ class Row {
                  count = static_cast<double>(record_.waveform_pe.size());
     // As far to either side as find_echoes looks for a bin above the threshold.
     const double half =
-        0.5 + std::max(1.0, std::ceil(0.5 * kFwhmOfSigma * recorded_sigma_s(lidar_) / lidar_.gate.bin_s));
+        0.5 + std::max(1.0, std::ceil(0.5 * base::kFwhmOfSigma * recorded_sigma_s(lidar_) / lidar_.gate.bin_s));
     const auto first = static_cast<std::size_t>(std::clamp(std::floor(bin - half), 0.0, count)),
                last = static_cast<std::size_t>(std::clamp(std::ceil(bin + half), 0.0, count));
     double least = 1;

@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/base/units.h"
 #include "host/lidar/incomplete_gamma.h"
 #include "host/lidar/speckle.h"
 
 namespace raycube::lidar {
 
 namespace {
-
-constexpr double kSigmaOfFwhm = 0.42466090014400953;  // 1 / (2 sqrt(2 ln 2))
 
 double square(double x) { return x * x; }
 
@@ -104,7 +103,7 @@ double DetectorNoise::rms(double signal) const {
 }
 
 std::vector<double> response_taps(double response_fwhm_s, double bin_s) {
-  const double sigma_bins = kSigmaOfFwhm * response_fwhm_s / bin_s;
+  const double sigma_bins = base::kSigmaOfFwhm * response_fwhm_s / bin_s;
   if (sigma_bins < 1e-3) return {1};
   const int reach = static_cast<int>(std::ceil(6 * sigma_bins));
   std::vector<double> taps;
@@ -134,7 +133,7 @@ std::vector<double> convolve(const std::vector<double>& row, const std::vector<d
 
 double recorded_sigma_s(const scene::Lidar& lidar) {
   const scene::LidarPulse& pulse = lidar.pulse;
-  double variance = square(kSigmaOfFwhm * pulse.fwhm_s);
+  double variance = square(base::kSigmaOfFwhm * pulse.fwhm_s);
   if (pulse.shape == scene::PulseShape::rectangular) variance = square(pulse.fwhm_s) / 12;
   if (pulse.shape == scene::PulseShape::tabulated) {
     double area = 0, first = 0, second = 0;
@@ -149,9 +148,9 @@ double recorded_sigma_s(const scene::Lidar& lidar) {
     variance = area > 0 ? std::max(0.0, second / area - square(first / area)) : 0;
   }
   if (lidar.detector.mode == scene::DetectorMode::linear)
-    variance += square(kSigmaOfFwhm * lidar.detector.response_fwhm_s);
+    variance += square(base::kSigmaOfFwhm * lidar.detector.response_fwhm_s);
   if (lidar.detector.mode == scene::DetectorMode::geiger)
-    variance += square(kSigmaOfFwhm * lidar.detector.jitter_fwhm_s);
+    variance += square(base::kSigmaOfFwhm * lidar.detector.jitter_fwhm_s);
   return std::sqrt(variance);
 }
 

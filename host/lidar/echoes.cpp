@@ -4,13 +4,13 @@
 #include <array>
 #include <cmath>
 
+#include "host/base/units.h"
 #include "host/lidar/gaussian_fit.h"
 
 namespace raycube::lidar {
 
 namespace {
 
-constexpr double kLight = 299792458.0, kFwhmOfSigma = 2.3548200450309493;
 constexpr double kBinSigma = 0.28867513459481288;  // of a value spread over a bin, 1 / sqrt(12)
 
 double sum_of_squares(const std::vector<double>& taps) {
@@ -43,7 +43,7 @@ class Finder {
     for (std::size_t i = 0; i < waveform.size(); ++i) raw_.push_back(waveform[i] - noise.background - noise.air_at(i));
     noisy_ = noise.drawn && (noise.excess > 0 || noise.floor > 0);
     if (noisy_ && sigma_bins_ > 0.6) smoothing_bins_ = 0.5 * sigma_bins_;
-    const std::vector<double> taps = response_taps(kFwhmOfSigma * smoothing_bins_, 1);
+    const std::vector<double> taps = response_taps(base::kFwhmOfSigma * smoothing_bins_, 1);
     smooth_ = convolve(raw_, taps);
     white_ = sum_of_squares(taps), shot_ = sum_of_squares(combine(taps, noise.response));
   }
@@ -73,7 +73,7 @@ class Finder {
   }
 
   bool above_threshold(std::size_t at) const {
-    const auto half = static_cast<std::size_t>(std::max(1.0, std::ceil(0.5 * kFwhmOfSigma * sigma_bins_)));
+    const auto half = static_cast<std::size_t>(std::max(1.0, std::ceil(0.5 * base::kFwhmOfSigma * sigma_bins_)));
     const std::size_t first = at > half ? at - half : 0, last = std::min(raw_.size(), at + half + 1);
     for (std::size_t i = first; i < last; ++i)
       if (reaches_threshold(lidar_, noise_, i, raw_[i])) return true;
@@ -165,7 +165,7 @@ class Finder {
 
   double width_bins(const Peak& peak) const {
     const double level = 0.5 * vertex(peak.at)[1], width = crossing(peak, level, 1) - crossing(peak, level, -1);
-    const double spread = kFwhmOfSigma * std::hypot(smoothing_bins_, kBinSigma);
+    const double spread = base::kFwhmOfSigma * std::hypot(smoothing_bins_, kBinSigma);
     return std::sqrt(std::max(width * width - spread * spread, 0.25));
   }
 
@@ -198,7 +198,7 @@ class Finder {
     std::vector<GaussianEcho> fitted;
     for (const Peak& peak : peaks) {
       // One echo's width comes from its own half height; among neighbours the recorded pulse is the better guess.
-      const double sigma = peaks.size() == 1 ? std::max(width_bins(peak) / kFwhmOfSigma, 0.3) : sigma_bins_;
+      const double sigma = peaks.size() == 1 ? std::max(width_bins(peak) / base::kFwhmOfSigma, 0.3) : sigma_bins_;
       const double share = std::erf(0.5 / (sigma * std::sqrt(2.0)));
       fitted.push_back({std::max(smooth_[peak.at], 1e-12) / share, static_cast<double>(peak.at) + 0.5, sigma});
     }
@@ -216,7 +216,7 @@ class Finder {
         residual[i] = raw_[i];
         for (const GaussianEcho& echo : fitted) residual[i] -= gaussian_bin(echo, static_cast<double>(i));
       }
-      residual = convolve(residual, response_taps(kFwhmOfSigma * sigma_bins_, 1));
+      residual = convolve(residual, response_taps(base::kFwhmOfSigma * sigma_bins_, 1));
       const auto top = std::max_element(residual.begin() + static_cast<std::ptrdiff_t>(first),
                                         residual.begin() + static_cast<std::ptrdiff_t>(last));
       if (!(*top > 0)) break;
@@ -243,7 +243,7 @@ class Finder {
       const auto left = static_cast<std::size_t>(std::max(0.0, std::floor(echo.position - reach)));
       const auto right = std::min(raw_.size(), static_cast<std::size_t>(std::ceil(echo.position + reach)));
       out.push_back(echo_at(echo.position, echo.area * std::erf(0.5 / (echo.sigma * std::sqrt(2.0))), echo.area,
-                            kFwhmOfSigma * echo.sigma, saturated(left, right)));
+                            base::kFwhmOfSigma * echo.sigma, saturated(left, right)));
     }
   }
 
@@ -277,7 +277,7 @@ std::vector<Echo> find_echoes(const scene::Lidar& lidar, const std::vector<float
 }
 
 std::vector<Echo> cluster_tags(const scene::Lidar& lidar, const std::vector<Photon>& tags) {
-  const double gap_s = std::max(0.5 * kFwhmOfSigma * recorded_sigma_s(lidar), lidar.gate.bin_s);
+  const double gap_s = std::max(0.5 * base::kFwhmOfSigma * recorded_sigma_s(lidar), lidar.gate.bin_s);
   std::vector<Echo> echoes;
   for (std::size_t first = 0; first < tags.size();) {
     std::size_t last = first + 1;
@@ -295,7 +295,7 @@ std::vector<Echo> cluster_tags(const scene::Lidar& lidar, const std::vector<Phot
       Echo echo;
       echo.time_s = tags[first].time_s + mean;
       echo.peak_pe = static_cast<float>(most), echo.energy_pe = static_cast<float>(count);
-      echo.fwhm_s = static_cast<float>(kFwhmOfSigma * std::sqrt(squares));
+      echo.fwhm_s = static_cast<float>(base::kFwhmOfSigma * std::sqrt(squares));
       echoes.push_back(echo);
     }
     first = last;
@@ -314,7 +314,7 @@ void number_echoes(const scene::Lidar& lidar, std::vector<Echo>& echoes) {
   std::stable_sort(echoes.begin(), echoes.end(), [](const Echo& a, const Echo& b) { return a.time_s < b.time_s; });
   for (std::size_t i = 0; i < echoes.size(); ++i) {
     echoes[i].number = static_cast<int>(i) + 1, echoes[i].of = static_cast<int>(echoes.size());
-    echoes[i].range_m = 0.5 * kLight * echoes[i].time_s / lidar.transport.group_index;
+    echoes[i].range_m = 0.5 * base::kLightSpeed_m_s * echoes[i].time_s / lidar.transport.group_index;
   }
 }
 

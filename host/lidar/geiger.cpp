@@ -4,15 +4,12 @@
 #include <cmath>
 #include <limits>
 
+#include "host/base/units.h"
 #include "host/lidar/draws.h"
 
 namespace raycube::lidar {
 
-namespace {
-
-constexpr double kSigmaOfFwhm = 0.42466090014400953;
-
-}  // namespace
+namespace {}  // namespace
 
 std::vector<double> first_photon_probabilities(const std::vector<double>& expected) {
   std::vector<double> out;
@@ -87,7 +84,8 @@ std::vector<Photon> geiger_events(const scene::Lidar& lidar, const std::vector<d
       const double arrival = reach < clock.total() ? clock.position_of(reach) : std::numeric_limits<double>::infinity();
       const double at = std::min(arrival, released);
       if (!(at < bins)) break;
-      const double jitter_s = detector.jitter_fwhm_s > 0 ? kSigmaOfFwhm * detector.jitter_fwhm_s * stream.normal() : 0;
+      const double jitter_s =
+          detector.jitter_fwhm_s > 0 ? base::kSigmaOfFwhm * detector.jitter_fwhm_s * stream.normal() : 0;
       events.push_back({lidar.gate.start_s + at * bin_s + jitter_s, cell});
       if (!(dead_bins > 0)) break;
       armed = at + dead_bins;

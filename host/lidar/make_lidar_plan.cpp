@@ -5,6 +5,7 @@
 #include <set>
 
 #include "host/base/error.h"
+#include "host/base/units.h"
 #include "host/lidar/air_column.h"
 #include "host/lidar/footprint.h"
 #include "host/lidar/gauss_hermite.h"
@@ -16,7 +17,7 @@ namespace raycube::lidar {
 
 namespace {
 
-constexpr double kPlanck_J_s = 6.62607015e-34, kLight_m_s = 299792458.0;
+constexpr double kPlanck_J_s = 6.62607015e-34;
 
 std::vector<double> wavelengths_of(const std::vector<SpectralNode>& nodes) {
   std::vector<double> out;
@@ -86,8 +87,8 @@ std::vector<double> cross_sections(const LidarPlan& plan, const scene::CompiledS
 /// Highest place that a beam reaches within the gate: of pulses that look up, where the gate ends. 256 pulses spread
 /// over the survey speak for all.
 double highest_view_m(const scene::Lidar& lidar, std::uint64_t seed) {
-  const double reach =
-      0.5 * kLight_m_s * (lidar.gate.start_s + lidar.gate.bins * lidar.gate.bin_s) / lidar.transport.group_index;
+  const double reach = 0.5 * base::kLightSpeed_m_s * (lidar.gate.start_s + lidar.gate.bins * lidar.gate.bin_s) /
+                       lidar.transport.group_index;
   double highest = -1e30;
   const std::int64_t step = std::max<std::int64_t>(1, lidar.pulses / 256);
   for (std::int64_t pulse = 0; pulse < lidar.pulses; pulse += step)
@@ -102,7 +103,6 @@ double highest_view_m(const scene::Lidar& lidar, std::uint64_t seed) {
 }  // namespace
 
 std::vector<SpectralNode> make_nodes(const scene::Lidar& lidar) {
-  constexpr double kSigmaOfFwhm = 0.42466090014400953;
   std::vector<SpectralNode> out;
   for (std::size_t l = 0; l < lidar.pulse.lines.size(); ++l) {
     const auto& line = lidar.pulse.lines[l];
@@ -112,7 +112,8 @@ std::vector<SpectralNode> make_nodes(const scene::Lidar& lidar) {
     }
     const HermiteRule rule = gauss_hermite(lidar.transport.line_nodes);
     for (std::size_t i = 0; i < rule.x.size(); ++i)
-      out.push_back({static_cast<int>(l), line.wavelength_um + kSigmaOfFwhm * line.fwhm_um * rule.x[i], rule.w[i]});
+      out.push_back(
+          {static_cast<int>(l), line.wavelength_um + base::kSigmaOfFwhm * line.fwhm_um * rule.x[i], rule.w[i]});
   }
   return out;
 }
@@ -128,7 +129,7 @@ LidarPlan make_lidar_plan(const scene::Simulation& simulation, const scene::Lida
   plan.first_node.push_back(static_cast<int>(plan.nodes.size()));
   for (const auto& line : lidar.pulse.lines)
     plan.photons.push_back(lidar.pulse.transmit_efficiency * line.energy_J * line.wavelength_um * 1e-6 /
-                           (kPlanck_J_s * kLight_m_s));
+                           (kPlanck_J_s * base::kLightSpeed_m_s));
   plan.sensor_low_m = 1e30, plan.sensor_high_m = -1e30;
   for (const auto& pose : lidar.trajectory) {
     plan.sensor_low_m = std::min(plan.sensor_low_m, pose.z_m);

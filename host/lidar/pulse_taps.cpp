@@ -5,12 +5,12 @@
 #include <string>
 
 #include "host/base/error.h"
+#include "host/base/units.h"
 
 namespace raycube::lidar {
 
 namespace {
 
-constexpr double kSigmaOfFwhm = 0.42466090014400953;  // 1 / (2 sqrt(2 ln 2))
 constexpr int kMostPhases = 4096, kMostTaps = 2048;
 
 /// Phi(b) - Phi(a) without cancellation in either tail.
@@ -51,7 +51,7 @@ int phases_of(const scene::LidarPulse& pulse, double bin_s) {
   if (pulse.shape == scene::PulseShape::tabulated) return kMostPhases;
   // Error of linear interpolation h^2/8 |S''|: S'' over the peak is below 1/s^2 for wide pulses and 0.49/s^2 for narrow
   // ones.
-  const double sigma_bins = kSigmaOfFwhm * pulse.fwhm_s / bin_s;
+  const double sigma_bins = base::kSigmaOfFwhm * pulse.fwhm_s / bin_s;
   return std::clamp(static_cast<int>(std::ceil(250.0 / sigma_bins)), 64, kMostPhases);
 }
 
@@ -63,13 +63,13 @@ double pulse_share(const scene::LidarPulse& pulse, double begin_s, double end_s)
   if (pulse.fwhm_s == 0) return begin_s <= 0 && end_s > 0 ? 1 : 0;
   if (pulse.shape == scene::PulseShape::rectangular)
     return std::max(0.0, std::min(end_s, 0.5 * pulse.fwhm_s) - std::max(begin_s, -0.5 * pulse.fwhm_s)) / pulse.fwhm_s;
-  const double sigma = kSigmaOfFwhm * pulse.fwhm_s;
+  const double sigma = base::kSigmaOfFwhm * pulse.fwhm_s;
   return normal_between(begin_s / sigma, end_s / sigma);
 }
 
 PulseSpan pulse_span(const scene::LidarPulse& pulse) {
   if (pulse.shape == scene::PulseShape::tabulated) return {pulse.shape_time_s.front(), pulse.shape_time_s.back()};
-  const double half = (pulse.shape == scene::PulseShape::rectangular ? 0.5 : 6 * kSigmaOfFwhm) * pulse.fwhm_s;
+  const double half = (pulse.shape == scene::PulseShape::rectangular ? 0.5 : 6 * base::kSigmaOfFwhm) * pulse.fwhm_s;
   return {-half, half};
 }
 

@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 
+#include "host/base/units.h"
 #include "host/lidar/detector.h"
 #include "host/lidar/overlap.h"
 #include "host/lidar/pulse_taps.h"
@@ -13,18 +14,10 @@ namespace raycube::lidar {
 
 namespace {
 
-constexpr double kLight_m_s = 299792458.0, kFwhmOfSigma = 2.3548200450309493;
-
 Vec3 operator+(const Vec3& a, const Vec3& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
 Vec3 operator-(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
 Vec3 operator*(double s, const Vec3& a) { return {s * a[0], s * a[1], s * a[2]}; }
-double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-double length(const Vec3& a) { return std::sqrt(dot(a, a)); }
 Vec3 unit(const Vec3& a) { return (1 / length(a)) * a; }
-Vec3 cross(const Vec3& a, const Vec3& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
 double row(const shared::rc_float4& r, const Vec3& p) { return r.x * p[0] + r.y * p[1] + r.z * p[2] + r.w; }
 Vec3 place(const shared::Instance& instance, const Vec3& p) {
   return {row(instance.world_from_local_0, p), row(instance.world_from_local_1, p),
@@ -140,8 +133,8 @@ double spread(const scene::Shape& shape, const Vec3& normal, const Vec3& in, con
 std::vector<double> windows_m(const LidarPlan& plan, const ShotResult& result, int pixel, int line,
                               const std::vector<Echo>& echoes) {
   const scene::Lidar& lidar = plan.lidar;
-  const double m_per_s = 0.5 * kLight_m_s / lidar.transport.group_index;
-  std::vector<double> out(echoes.size(), m_per_s * (kFwhmOfSigma * recorded_sigma_s(lidar) + lidar.gate.bin_s));
+  const double m_per_s = 0.5 * base::kLightSpeed_m_s / lidar.transport.group_index;
+  std::vector<double> out(echoes.size(), m_per_s * (base::kFwhmOfSigma * recorded_sigma_s(lidar) + lidar.gate.bin_s));
   if (lidar.detector.mode != scene::DetectorMode::geiger || result.first.empty()) return out;
   const auto bins = static_cast<std::ptrdiff_t>(lidar.gate.bins);
   const std::size_t row = static_cast<std::size_t>(pixel * plan.lines() + line);
@@ -220,7 +213,7 @@ std::vector<ReturnTruth> return_truth(const scene::CompiledScene& scene, const F
   const Shot& shot = result.shot;
   const bool backwards = lidar.transport.sampling == scene::LidarSampling::receiver, array = plan.pixels() > 1;
   const int samples = static_cast<int>(plan.footprint.a.size());
-  const double m_per_s = 0.5 * kLight_m_s / lidar.transport.group_index,
+  const double m_per_s = 0.5 * base::kLightSpeed_m_s / lidar.transport.group_index,
                late_m = m_per_s * pulse_centroid_s(lidar.pulse);
   const std::vector<double> window_m = windows_m(plan, result, pixel, line, echoes);
   const double each = plan.photons[static_cast<std::size_t>(line)] / samples * collecting_area_m2(receiver) *

@@ -6,10 +6,9 @@
 #include <vector>
 
 #include "scene_compiler/lidar_spec.h"
+#include "host/lidar/vec3.h"
 
 namespace raycube::lidar {
-
-using Vec3 = std::array<double, 3>;
 
 /// Frame: the scene's (x east, y north, z up), metres. Directions are unit vectors; u is perpendicular to its axis and
 /// v = axis x u.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "host/base/units.h"
 #include "host/lidar/draws.h"
 #include "host/lidar/incomplete_gamma.h"
 #include "host/lidar/overlap.h"
@@ -12,8 +13,6 @@
 namespace raycube::lidar {
 
 namespace {
-
-constexpr double kLight = 299792458.0;
 
 /// Length of the pulse as speckle knows it, s.
 double pulse_length_s(const scene::LidarPulse& pulse) {
@@ -67,7 +66,7 @@ double effective_area_m2(const std::vector<double>& energy, const std::vector<do
 double temporal_modes(double width_hz, double pulse_s) { return std::hypot(1.0, width_hz * pulse_s); }
 
 double line_width_hz(double wavelength_um, double fwhm_um) {
-  return kLight * fwhm_um * 1e-6 / (wavelength_um * wavelength_um * 1e-12);
+  return base::kLightSpeed_m_s * fwhm_um * 1e-6 / (wavelength_um * wavelength_um * 1e-12);
 }
 
 double speckle_modes(const scene::Lidar& lidar, int line, double half_divergence_rad, double range_m) {
@@ -117,7 +116,7 @@ SpeckleRow speckle_row(const LidarPlan& plan, const Shot& shot, int pixel, int l
       sum += expected[i], moment += expected[i] * (static_cast<double>(i) + 0.5);
     if (!(sum > 0)) return;
     const double time_s = lidar.gate.start_s + bin_s * moment / sum;
-    const double modes = modes_at(std::max(1e-3, 0.5 * kLight * time_s / lidar.transport.group_index));
+    const double modes = modes_at(std::max(1e-3, 0.5 * base::kLightSpeed_m_s * time_s / lidar.transport.group_index));
     if (sum > strongest) strongest = sum, row.strongest_modes = modes;
     Stream stream(plan.seed, key, static_cast<std::uint32_t>(first), DrawFor::speckle, line);
     const double factor = stream.gamma(modes) / modes;

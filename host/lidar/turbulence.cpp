@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/base/units.h"
 #include "host/lidar/quadrature.h"
 
 namespace raycube::lidar {
 
 namespace {
-
-constexpr double kLight = 299792458.0;
 
 double wave_number(double wavelength_m) { return 2 * M_PI / wavelength_m; }
 
@@ -134,7 +133,8 @@ double wave_tilt_rad(double wavelength_m, double fried_m, double diameter_m) {
 }
 
 double broadening_s2(const PathNodes& path, double outer_scale_m) {
-  return 8 * 0.391 * path_integral(path, [](double) { return 1.0; }) * five_thirds(outer_scale_m) / (kLight * kLight);
+  return 8 * 0.391 * path_integral(path, [](double) { return 1.0; }) * five_thirds(outer_scale_m) /
+         (base::kLightSpeed_m_s * base::kLightSpeed_m_s);
 }
 
 double broadened_fwhm_s(double fwhm_s, double broadening_s2) {

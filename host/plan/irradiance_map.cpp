@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "host/base/units.h"
 #include "host/plan/quadrature.h"
 #include "kernels/atmosphere/nodes.h"
 
@@ -11,7 +11,6 @@ namespace raycube::plan {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 using Four = std::array<double, 4>;
 constexpr std::size_t kTilts = 201, kAzimuths = 101;
 
@@ -54,7 +53,7 @@ SkyIrradiance::SkyIrradiance(const SkyBasis& basis) : zenith_(basis.zenith_rad),
 
 /// Integrals of A, A cos, A sin from azimuth 0 to phi, -pi <= phi <= 2 pi, between two rings. A is even about 0 and pi.
 SkyIrradiance::Moments SkyIrradiance::moments_to(std::size_t ring, double fraction, double phi) const {
-  const double folded = phi > kPi ? 2 * kPi - phi : std::abs(phi);
+  const double folded = phi > base::kPi ? 2 * base::kPi - phi : std::abs(phi);
   const std::size_t cells = azimuth_.size() - 1;
   const auto upper = std::upper_bound(azimuth_.begin() + 1, azimuth_.end() - 1, folded);
   const auto j = static_cast<std::size_t>(upper - azimuth_.begin()) - 1;
@@ -69,7 +68,7 @@ SkyIrradiance::Moments SkyIrradiance::moments_to(std::size_t ring, double fracti
     if (phi < 0) {
       one = -one;
       cosine = -cosine;
-    } else if (phi > kPi) {
+    } else if (phi > base::kPi) {
       one = g * circle_one_[ring][m] + f * circle_one_[ring + 1][m] - one;
       cosine = g * circle_cosine_[ring][m] + f * circle_cosine_[ring + 1][m] - cosine;
     }
@@ -87,10 +86,11 @@ std::array<double, 4> SkyIrradiance::at(double tilt_rad, double azimuth_rad, int
     return all;
   }();
   const auto& rule = rules.at(static_cast<std::size_t>(points));
-  const double psi = std::abs(std::remainder(azimuth_rad, 2 * kPi));
+  const double psi = std::abs(std::remainder(azimuth_rad, 2 * base::kPi));
   const double cos_tilt = std::cos(tilt_rad), sin_tilt = std::sin(tilt_rad), cos_psi = std::cos(psi),
                sin_psi = std::sin(psi);
-  const double cut = std::abs(kPi / 2 - tilt_rad);  // rings beyond this zenith angle are cut by the surface's plane
+  const double cut =
+      std::abs(base::kPi / 2 - tilt_rad);  // rings beyond this zenith angle are cut by the surface's plane
   Four sum{};
   for (std::size_t ring = 0; ring + 1 < zenith_.size(); ++ring) {
     const double lo = zenith_[ring], hi = zenith_[ring + 1];
@@ -98,7 +98,7 @@ std::array<double, 4> SkyIrradiance::at(double tilt_rad, double azimuth_rad, int
     for (int part = 0; part < (split ? 2 : 1); ++part) {
       const double a = part == 1 ? cut : lo, b = split && part == 0 ? cut : hi;
       const bool whole = b <= cut;
-      if (whole && tilt_rad > kPi / 2) continue;  // behind the surface
+      if (whole && tilt_rad > base::kPi / 2) continue;  // behind the surface
       for (const auto& [node, gauss] : rule) {
         // theta = a + (b - a) r^2 in the interval where the cut begins: takes the square root out of the integrand
         const double r = 0.5 * (1 + node);
@@ -128,16 +128,16 @@ IrradianceGrid::IrradianceGrid(const SkyIrradiance& exact, double sun_azimuth_ra
     : sun_azimuth_(sun_azimuth_rad), value_(kTilts * kAzimuths) {
   for (std::size_t i = 0; i < kTilts; ++i)
     for (std::size_t j = 0; j < kAzimuths; ++j)
-      value_[i * kAzimuths + j] =
-          exact.at(kPi * static_cast<double>(i) / (kTilts - 1), kPi * static_cast<double>(j) / (kAzimuths - 1));
+      value_[i * kAzimuths + j] = exact.at(base::kPi * static_cast<double>(i) / (kTilts - 1),
+                                           base::kPi * static_cast<double>(j) / (kAzimuths - 1));
 }
 
 std::array<double, 4> IrradianceGrid::at(double x, double y, double z) const {
   const double tilt = std::atan2(std::sqrt(x * x + y * y), z);
-  const double psi = std::abs(std::remainder(std::atan2(x, y) - sun_azimuth_, 2 * kPi));
+  const double psi = std::abs(std::remainder(std::atan2(x, y) - sun_azimuth_, 2 * base::kPi));
   std::array<double, 4> wt, wp;
-  const std::size_t i = cubic_weights(tilt / kPi * (kTilts - 1), kTilts, wt),
-                    j = cubic_weights(psi / kPi * (kAzimuths - 1), kAzimuths, wp);
+  const std::size_t i = cubic_weights(tilt / base::kPi * (kTilts - 1), kTilts, wt),
+                    j = cubic_weights(psi / base::kPi * (kAzimuths - 1), kAzimuths, wp);
   Four sum{};
   for (std::size_t a = 0; a < 4; ++a)
     for (std::size_t b = 0; b < 4; ++b) {

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include <Eigen/Dense>
 
@@ -16,7 +15,6 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kPi = std::numbers::pi;
 /// Wavelengths that take part in the decomposition; spectra are projected at all of them afterwards.
 constexpr std::size_t kDecomposed = 64;
 constexpr int kReweightings = 10, kLimitings = 24;
@@ -97,11 +95,11 @@ VectorXd flux_of(VectorXd irradiance, const TableSpectra& table, double height_m
 SkyBasis basis_of(const TableSpectra& table, double sun_zenith_rad, Sky sky) {
   SkyBasis basis;
   auto zenith = table.sky_zenith_rad(), azimuth = table.sky_azimuth_rad(sky);
-  std::erase_if(zenith, [](double t) { return t <= 0 || t >= kPi / 2 - 1e-9; });
-  zenith.insert(zenith.end(), {0.0, kPi / 2});
-  if (sun_zenith_rad < kPi / 2) zenith.push_back(sun_zenith_rad);
-  std::erase_if(azimuth, [](double f) { return f <= 0 || f >= kPi - 1e-9; });
-  azimuth.insert(azimuth.end(), {0.0, kPi});
+  std::erase_if(zenith, [](double t) { return t <= 0 || t >= base::kPi / 2 - 1e-9; });
+  zenith.insert(zenith.end(), {0.0, base::kPi / 2});
+  if (sun_zenith_rad < base::kPi / 2) zenith.push_back(sun_zenith_rad);
+  std::erase_if(azimuth, [](double f) { return f <= 0 || f >= base::kPi - 1e-9; });
+  azimuth.insert(azimuth.end(), {0.0, base::kPi});
   if (sky == Sky::
                  // few nodes, since azimuth says nothing; fine ones keep a limb that brightens as the airmass to 1e-4
       thermal) {
@@ -231,7 +229,8 @@ SkyFactorizer::SkyFactorizer(const TableSpectra& table, double height_m, double 
   data_->sampled_list = data_->irradiance_list;
   data_->sky = sky;
   if (!table.has_sky(sky)) return;
-  data_->basis = basis_of(table, sky == Sky::thermal ? kPi : sun_zenith_rad, sky);  // the thermal one knows of no sun
+  data_->basis =
+      basis_of(table, sky == Sky::thermal ? base::kPi : sun_zenith_rad, sky);  // the thermal one knows of no sun
   data_->q = vector_of(cosine_weights(data_->basis));
   data_->shape = sample_sky(data_->basis, table, height_m, sky);
   const VectorXd sampled = normalise(data_->shape, data_->q);
@@ -341,8 +340,8 @@ Spectrum coarse_sky_irradiance(const TableSpectra& table, double height_m, Sky s
     axis.push_back(last);
     return axis;
   };
-  grid.zenith_rad = close(table.sky_zenith_rad(), kPi / 2);
-  grid.azimuth_rad = close(table.sky_azimuth_rad(sky), kPi);
+  grid.zenith_rad = close(table.sky_zenith_rad(), base::kPi / 2);
+  grid.azimuth_rad = close(table.sky_azimuth_rad(sky), base::kPi);
   const auto q = cosine_weights(grid);
   const auto radiance = table.sky_grid(height_m, grid.zenith_rad, grid.azimuth_rad, sky);
   for (std::size_t i = 0; i < q.size(); ++i)

@@ -7,14 +7,13 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/base/units.h"
 #include "kernels/sampling/sampler.h"
 #include "kernels/shared/tile_layout.h"
 
 namespace raycube::plan {
 
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 /// Share of uniform directions in the density p(d) = (1 - u) A_0 cos + u/(2 pi), A_0 cos being the light that arrives
 /// on level ground. Without it (u = 0) max(0, n.d)/p grows without bound near the horizon, which makes walls and leaves
@@ -65,7 +64,7 @@ class SkyDensity {
     for (std::size_t j = 0; j < row; ++j) {
       const std::size_t i = zenith.index * row + j;
       const double a = (1 - zenith.fraction) * basis_.value[i][0] + zenith.fraction * basis_.value[i + row][0];
-      ring_[j] = (1 - kUniformShare) * a * z + kUniformShare / (2 * kPi);
+      ring_[j] = (1 - kUniformShare) * a * z + kUniformShare / (2 * base::kPi);
     }
     double around = 0;
     for (std::size_t j = 0; j + 1 < row; ++j)

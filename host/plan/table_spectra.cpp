@@ -4,8 +4,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
-#include <optional>
 #include <string>
 
 #include "atmos_tables/interpolate.h"
@@ -17,7 +15,6 @@ namespace raycube::plan {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 /// A scene may stick out of the table's heights by this much (m) and gets the last node's air: 1e-4 of an air column.
 constexpr double kHeightSlack = 1.0;
 
@@ -26,6 +23,7 @@ struct View {
   const float* value = nullptr;
   std::size_t wavelength = 0, height = 0, a = 0, b = 0;  ///< strides; a, b: the remaining axes as asked
 
+  View() = default;
   View(const atmos::RenderTable& table, const atmos::Row& row, const char* axis_a, const char* axis_b)
       : value(row.values.data()) {
     std::size_t stride = 1;
@@ -82,8 +80,8 @@ class SolarSky {
     for (const double t : zenith_rad) zenith_cell_.push_back(find_cell(sky_zenith, t));
     for (const double f : azimuth_rad) azimuth_cell_.push_back(find_cell(sky_azimuth, f));
     if (!table.has("sky_phase_mean") || !table.has("sky_scattering_depth")) return;
-    depth_.emplace(table, table.need("sky_scattering_depth", "skylight"), nullptr, nullptr);
-    phase_.emplace(table, table.need("sky_phase_mean", "skylight"), "scattering_angle", nullptr);
+    depth_ = View(table, table.need("sky_scattering_depth", "skylight"), nullptr, nullptr);
+    phase_ = View(table, table.need("sky_phase_mean", "skylight"), "scattering_angle", nullptr);
     const auto& angles = table.axis("scattering_angle").nodes;
     node_angle_ = scattering_angles(angles, sky_zenith, sky_azimuth);
     grid_angle_ = scattering_angles(angles, zenith_rad, azimuth_rad);
@@ -123,7 +121,7 @@ class SolarSky {
     std::array<const float*, 2> phase{};  ///< over scattering angle
   };
 
-  bool shaped() const { return phase_.has_value(); }
+  bool shaped() const { return phase_.value != nullptr; }
 
   /// Scattering angles of the directions of a product grid on the phase function's axis.
   std::vector<Cell> scattering_angles(const std::vector<double>& angle_deg, const std::vector<double>& zenith,
@@ -140,14 +138,14 @@ class SolarSky {
     if (!shaped()) return out;
     for (std::size_t h = 0; h < 2; ++h) {
       const std::size_t node = heights_.first + (h < heights_.count ? h : 0);
-      out.depth[h] = depth_->value[wavelength * depth_->wavelength + node * depth_->height];
-      out.phase[h] = phase_->value + wavelength * phase_->wavelength + node * phase_->height;
+      out.depth[h] = depth_.value[wavelength * depth_.wavelength + node * depth_.height];
+      out.phase[h] = phase_.value + wavelength * phase_.wavelength + node * phase_.height;
     }
     return out;
   }
 
   double phase_at(const float* phase, const Cell& angle) const {
-    const std::size_t stride = phase_->a, k = angle.index * stride;
+    const std::size_t stride = phase_.a, k = angle.index * stride;
     return angle.fraction > 0 ? (1 - angle.fraction) * phase[k] + angle.fraction * phase[k + stride]
                               : static_cast<double>(phase[k]);
   }
@@ -204,7 +202,7 @@ class SolarSky {
   const HeightNodes& heights_;
   const std::vector<double>& grid_zenith_;
   View sky_;
-  std::optional<View> depth_, phase_;  ///< empty where the table does not know the sky's shape
+  View depth_, phase_;  ///< empty where the table does not know the sky's shape
   double sun_zenith_, cos_sun_;
   std::vector<Cell> zenith_cell_, azimuth_cell_;
   std::vector<Cell> node_angle_, grid_angle_;  ///< of the table's nodes, of the grid's
@@ -245,7 +243,7 @@ TableSpectra::TableSpectra(const atmos::RenderTable& table, bool no_air, bool su
       first_(first),
       count_(count),
       ground_(std::move(ground)),
-      last_view_zenith_(kPi / 2) {
+      last_view_zenith_(base::kPi / 2) {
   thermal_ = !no_air && (table.has("path_radiance_thermal") || table.has("sky_radiance_thermal"));
   bool heat_alone = thermal_;  // both rows: a render without the sun's
   if (thermal_) {
@@ -292,7 +290,7 @@ double TableSpectra::clamp_height(double height_m) const {
 }
 
 std::vector<double> TableSpectra::sky_azimuth_rad(Sky sky) const {
-  return sky == Sky::solar ? sky_azimuth_ : std::vector<double>{0, kPi};
+  return sky == Sky::solar ? sky_azimuth_ : std::vector<double>{0, base::kPi};
 }
 
 Spectrum TableSpectra::solar_irradiance() const {
@@ -347,7 +345,7 @@ Spectrum TableSpectra::diffuse_irradiance(double height_m) const {
   Spectrum out = slice(atmos::diffuse_irradiance(table_, clamp_height(height_m)));
   if (!couples_ground()) return out;
   const Spectrum up = ground_radiance(height_m), back = slice(atmos::spherical_albedo(table_, clamp_height(height_m)));
-  for (std::size_t i = 0; i < count_; ++i) out[i] += kPi * ground_[i] * up[i] * back[i];
+  for (std::size_t i = 0; i < count_; ++i) out[i] += base::kPi * ground_[i] * up[i] * back[i];
   return out;
 }
 
@@ -358,7 +356,7 @@ Spectrum TableSpectra::ground_radiance(double height_m) const {
   Spectrum out = slice(atmos::diffuse_irradiance(table_, z));
   const Spectrum direct = slice(atmos::direct_irradiance(table_, z)), back = slice(atmos::spherical_albedo(table_, z));
   for (std::size_t i = 0; i < count_; ++i)
-    out[i] = (out[i] + (sun_up_ ? direct[i] : 0.0)) / (kPi * (1 - ground_[i] * back[i]));
+    out[i] = (out[i] + (sun_up_ ? direct[i] : 0.0)) / (base::kPi * (1 - ground_[i] * back[i]));
   return out;
 }
 

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <Eigen/Dense>
 
 #include "host/base/error.h"
 #include "host/base/planck.h"
+#include "host/base/units.h"
 #include "host/plan/irradiance_map.h"
 #include "host/plan/sky_basis.h"
 #include "kernels/atmosphere/nodes.h"
@@ -17,8 +17,7 @@ namespace raycube::plan {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-constexpr int kMostNodes = 16;  ///< evenly spread; two nodes of height and view leave room for 8 and 16
+constexpr int kMostTemperatures = 16;  ///< evenly spread; two nodes of height and view leave room for 8 and 16
 
 /// Temperature of a surface: its materials' by their share of the area.
 double mean_temperature(const scene::CompiledScene& scene, const shared::Surface& surface) {
@@ -145,7 +144,7 @@ std::vector<TemperatureLevel> temperature_levels(const Emitters& emitters, const
     const auto middle = emitted(0.5 * (lo + hi)), low = emitted(lo), high = emitted(hi);
     out.push_back({{0.5 * (lo + hi)}, std::max(largest(middle, low, low), largest(middle, high, high))});
   }
-  for (int count = 2; count < std::min(static_cast<int>(distinct.size()), kMostNodes + 1); ++count) {
+  for (int count = 2; count < std::min(static_cast<int>(distinct.size()), kMostTemperatures + 1); ++count) {
     TemperatureLevel level;
     for (int k = 0; k < count; ++k) level.node_K.push_back(lo + (hi - lo) * k / (count - 1));
     for (int k = 0; k + 1 < count; ++k) {
@@ -180,15 +179,15 @@ Thermal make_thermal(const scene::CompiledScene& scene, const Emitters& emitters
   if (factors.rank > 0) {
     out.basis = factors.basis;
   } else {  // a black sky: directions still ask what hides it
-    out.basis.zenith_rad = {0, kPi / 2};
-    out.basis.azimuth_rad = {0, kPi};
-    out.basis.value.assign(4, {1 / kPi, 0, 0, 0});
+    out.basis.zenith_rad = {0, base::kPi / 2};
+    out.basis.azimuth_rad = {0, base::kPi};
+    out.basis.value.assign(4, {1 / base::kPi, 0, 0, 0});
   }
   const SkyIrradiance open(out.basis);
   for (int i = 0; i < RC_TILT_NODES; ++i) {
     const double nz = -1 + 2.0 * i / (RC_TILT_NODES - 1);
     auto value = open.at(std::acos(nz), 0);
-    value[static_cast<std::size_t>(out.sky_components)] = kPi * (1 - nz) / 2;
+    value[static_cast<std::size_t>(out.sky_components)] = base::kPi * (1 - nz) / 2;
     out.tilt_irradiance.push_back(
         {static_cast<float>(value[0]), static_cast<float>(value[1]), static_cast<float>(value[2]), 0});
   }

@@ -15,11 +15,11 @@ namespace raycube::planner {
 namespace {
 
 constexpr int kLookPulses = 8192, kLookSubrays[2] = {6, 9};  ///< of the first look
-constexpr int kTrialPulses = 768, kFirstSubrays = 64, kReferenceSubrays = 2048, kMostRounds = 12;
+constexpr int kTrialPulses = 768, kFirstSubrays = 64, kReferenceSubrays = 2048, kMostPulseRounds = 12;
 constexpr double kUseOfPulses = 0.9;  ///< part of the tolerance that is spent
 /// Error of twice the sub-rays over that of a level, squared: taken off their difference.
 constexpr double kDoubleShare = 0.38;
-constexpr double kWorthATry = 0.7;  ///< of the sub-rays
+constexpr double kWorthAPulseTry = 0.7;  ///< of the sub-rays
 constexpr double kReferenceRays =
     8e6;                              ///< neither a reference nor a look at all pulses traces more first rays than this
 constexpr double kFinerRays = 6.4e7;  ///< of a reference where the law asks for more sub-rays than the first can judge
@@ -212,7 +212,7 @@ LidarDecision decide_subrays(render::LidarRenderer& renderer, const lidar::Lidar
       return subray_levels().back();
     };
     do {
-      for (int round = 0; round < kMostRounds; ++round) {
+      for (int round = 0; round < kMostPulseRounds; ++round) {
         out.subrays = cheapest(false);
         // A law drawn from few sub-rays can ask for many times too many: the most that the references can judge are
         // tried first.
@@ -226,10 +226,10 @@ LidarDecision decide_subrays(render::LidarRenderer& renderer, const lidar::Lidar
     out.subrays = cheapest(false);
     if (!law.has(out.subrays) && out.subrays <= trial.largest_tried()) out.subrays = cheapest(true);
     // Fewer than the law has it may do: the fewest that can be hoped for are tried where that saves much.
-    for (int round = 0; round < kMostRounds; ++round) {
+    for (int round = 0; round < kMostPulseRounds; ++round) {
       const int hoped = *std::find_if(subray_levels().begin(), std::prev(subray_levels().end()),
                                       [&](int level) { return law.hope(level) <= kUseOfPulses * tolerance; });
-      if (law.has(hoped) || hoped > kWorthATry * out.subrays || hoped > trial.largest_tried()) break;
+      if (law.has(hoped) || hoped > kWorthAPulseTry * out.subrays || hoped > trial.largest_tried()) break;
       add(hoped);
       if (law.bound(hoped) <= kUseOfPulses * tolerance) out.subrays = hoped;
     }

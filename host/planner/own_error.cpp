@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::uint64_t kOtherSeed = 0x632be5abu;  ///< added: draws that neither the image nor a trial makes
 constexpr double kFewRays = 3e5, kPart = 0.01;     ///< rays of an image that is tried whole; part of any other
-constexpr int kWidestTile = 512;                   ///< pixels traced at once
+constexpr int kWidestOwnTile = 512;                ///< pixels traced at once
 
 /// Runs of kRunPixels pixels: all of an image whose rays are soon traced, else a hundredth of it.
 int runs_of(const scene::Instrument& instrument) {
@@ -31,7 +31,7 @@ TrialImage few_pixels(render::Renderer& renderer, const scene::Simulation& simul
   const auto tiles = trial_tiles(instrument, simulation.seed, runs_of(instrument));
   TrialImage image;
   image.bands = instrument.bands.size();
-  renderer.probe(instrument, plan, simulation.sun, seed, joined(tiles, kWidestTile),
+  renderer.probe(instrument, plan, simulation.sun, seed, joined(tiles, kWidestOwnTile),
                  [&](const render::PixelProbe& probe) {
                    image.radiance.insert(image.radiance.end(), probe.radiance.begin(), probe.radiance.end());
                  });

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/base/text.h"
 #include "host/base/units.h"
 
 namespace raycube::products {
@@ -23,11 +24,6 @@ constexpr std::array<EnviType, 11> kTypes = {{{1, 1, 1, "uint8"},
                                               {13, 4, 1, "uint32"},
                                               {14, 8, 1, "int64"},
                                               {15, 8, 1, "uint64"}}};
-
-std::string lower(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
 
 /// Text that survives inside a list or a braced value.
 std::string plain(std::string text, bool in_list) {
@@ -60,14 +56,14 @@ double um_per_unit(const std::string& unit) {
       {"nanometers", 1e-3}, {"nanometer", 1e-3},  {"nm", 1e-3},   {"millimeters", 1e3}, {"mm", 1e3},
       {"cm", 1e4},          {"centimeters", 1e4}, {"m", 1e6},     {"meters", 1e6},      {"angstroms", 1e-4},
       {"angstrom", 1e-4}};
-  const auto found = factors.find(lower(unit));
+  const auto found = factors.find(base::lower_case(unit));
   return found == factors.end() ? 0 : found->second;
 }
 
 }  // namespace
 
 Interleave parse_interleave(const std::string& text) {
-  const std::string name = lower(text);
+  const std::string name = base::lower_case(text);
   if (name == "bsq") return Interleave::bsq;
   if (name == "bil") return Interleave::bil;
   if (name == "bip") return Interleave::bip;
@@ -96,7 +92,7 @@ std::uint64_t EnviHeader::data_bytes() const {
 
 std::vector<double> EnviHeader::wavelength_um() const {
   std::vector<double> out;
-  const std::string unit = lower(wavelength_units);
+  const std::string unit = base::lower_case(wavelength_units);
   const double factor = um_per_unit(unit);
   for (const double value : wavelength) {
     if (factor > 0)

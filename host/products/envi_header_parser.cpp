@@ -11,6 +11,7 @@
 #include "host/base/error.h"
 #include "host/base/input_file.h"
 #include "host/base/memory.h"
+#include "host/base/text.h"
 #include "host/products/envi_header.h"
 
 namespace raycube::products {
@@ -30,14 +31,9 @@ std::string trim(const std::string& text) {
   return text.substr(first, text.find_last_not_of(" \t\r\n") - first + 1);
 }
 
-std::string lower(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
-
 /// Keys compare in lower case with single spaces.
 std::string canonical_key(const std::string& text) {
-  std::istringstream words(lower(text));
+  std::istringstream words(base::lower_case(text));
   std::string out;
   for (std::string word; words >> word;) out += (out.empty() ? "" : " ") + word;
   return out;
@@ -76,7 +72,7 @@ class Parser {
       if (!parse_number(entry->value, h.data_type) || !find_envi_type(h.data_type))
         problem("data type", *entry, "must be one of 1, 2, 3, 4, 5, 6, 9, 12, 13, 14, 15");
     if (const auto* entry = required("interleave")) {
-      const std::string name = lower(trim(entry->value));
+      const std::string name = base::lower_case(trim(entry->value));
       if (name == "bsq" || name == "bil" || name == "bip")
         h.interleave = parse_interleave(name);
       else

@@ -27,7 +27,7 @@ using base::Fault;
 using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
-Error bad(const std::string& path, const std::string& what) { return Error(Fault::input, path + ": " + what); }
+Error refusal(const std::string& path, const std::string& what) { return Error(Fault::input, path + ": " + what); }
 
 /// More is held of no file at once. A run writes 4 MiB (base::kHashBlock_bytes).
 constexpr std::uint64_t kMostBlock_bytes = 64u << 20;
@@ -45,29 +45,30 @@ Recorded recorded_in(const std::string& path) {
   try {
     const Json record = Json::parse(base::shallow_json(in));
     if (!record.is_object() || record.value("format", "") != "raycube run")
-      throw bad(path, "is no run record of raycube; name a run's folder or its run.json");
+      throw refusal(path, "is no run record of raycube; name a run's folder or its run.json");
     if (!record.contains("sha256"))
-      throw bad(path,
-                "has no member \"sha256\": it was written before raycube kept hashes of its files; render "
-                "again to have them");
+      throw refusal(path,
+                    "has no member \"sha256\": it was written before raycube kept hashes of its files; render "
+                    "again to have them");
     const Json& sha = record.at("sha256");
     out.block_bytes = sha.at("block_bytes");
     if (out.block_bytes == 0 || out.block_bytes > kMostBlock_bytes)
-      throw bad(path, fmt::format("is damaged: its block_bytes are not from 1 to {} (found {})", kMostBlock_bytes,
-                                  out.block_bytes));
+      throw refusal(path, fmt::format("is damaged: its block_bytes are not from 1 to {} (found {})", kMostBlock_bytes,
+                                      out.block_bytes));
     for (const auto& [name, file] : sha.at("files").items()) {
       out.files.push_back({name, {file.at("bytes"), file.at("blocks"), file.at("list")}});
       const auto& hashes = out.files.back().second;
       if (name.empty() || name == ".." || name != fs::path(name).filename())
-        throw bad(path, fmt::format("names a file outside its folder: \"{}\"", name));
+        throw refusal(path, fmt::format("names a file outside its folder: \"{}\"", name));
       const std::uint64_t blocks = hashes.bytes / out.block_bytes + (hashes.bytes % out.block_bytes != 0 ? 1 : 0);
       if (hashes.blocks.size() != blocks || base::hash_of_list(hashes.blocks) != hashes.list)
-        throw bad(path, fmt::format(
-                            "its own list of blocks of {} is damaged: it does not have the hash that stands beside it",
-                            name));
+        throw refusal(
+            path,
+            fmt::format("its own list of blocks of {} is damaged: it does not have the hash that stands beside it",
+                        name));
     }
   } catch (const Json::exception& failure) {
-    throw bad(path, fmt::format("cannot be read as a run record: {}; is the file whole?", failure.what()));
+    throw refusal(path, fmt::format("cannot be read as a run record: {}; is the file whole?", failure.what()));
   }
   return out;
 }

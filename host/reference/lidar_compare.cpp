@@ -5,6 +5,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "host/base/units.h"
 #include "host/reference/parallel.h"
 
 namespace raycube::reference {
@@ -28,7 +29,6 @@ namespace {
 constexpr int kAirRays = 256;
 /// A bin with so much of a pulse's peak from surfaces holds an echo.
 constexpr double kEcho = 1e-9;
-constexpr double kLight_m_s = 299792458.0;
 /// Roundings of floats in a path, each relative to the way from the scene's edge to the surface: the vertex, the ways
 /// to both ends, and twice that their sum and its bins.
 constexpr double kRoundings = 6;
@@ -157,7 +157,8 @@ bool LidarComparison::within_rounding(const lidar::ShotResult& device, const Lid
   LidarShotOptions options;
   options.slope_s = 1e-3 * plan_.lidar.gate.bin_s;
   options.air_pixel_step = plan_.pixels();
-  const double shifts = float_path_m(reference) * plan_.lidar.transport.group_index / kLight_m_s / options.slope_s;
+  const double shifts =
+      float_path_m(reference) * plan_.lidar.transport.group_index / base::kLightSpeed_m_s / options.slope_s;
   const LidarRows changes = reference_shot(scene_, embree_, plan_, device.shot, options).rows;
   const auto bins = static_cast<std::size_t>(plan_.lidar.gate.bins), lines = static_cast<std::size_t>(plan_.lines());
   std::vector<double> peak(lines, 0.0);

@@ -30,7 +30,8 @@ std::vector<double> Walk::open_share(const glm::dvec3& from, const LidarConnecti
 
 void Walk::connect(const Path& path, double piece_m, const LidarConnection& way, const std::vector<double>& sent,
                    const std::vector<double>& depth, const std::vector<double>& plates, std::vector<double>& rows) {
-  const double time_s = plan_.lidar.transport.group_index * (path.length_m + piece_m + way.length_m) / kLight_m_s;
+  const double time_s =
+      plan_.lidar.transport.group_index * (path.length_m + piece_m + way.length_m) / base::kLightSpeed_m_s;
   const int pixel = way.pixel >= 0 ? way.pixel : path.start.pixel;
   for (std::size_t line = 0; line < lines_; ++line) {
     const double photons = plan_.photons[line] * path.weight * path.share[line] * plates[line] * sent[line] *
@@ -87,7 +88,7 @@ void Walk::connect_surface(const Path& path, const LidarHit& hit) {
 void Walk::scatter_on_the_way(const Path& path, double from, double to) {
   const bool air = scatters_air(), particles = scatters_particles();
   if (!air && !particles) return;
-  const double n_c = plan_.lidar.transport.group_index / kLight_m_s;
+  const double n_c = plan_.lidar.transport.group_index / base::kLightSpeed_m_s;
   // Smooth air needs two cells a bin; volumes have edges.
   const double cell_s = gate_.bin_s() / (particles ? options_.cells_per_bin : 2);
   const glm::dvec3 apart = path.origin - ends_.far_end();

@@ -5,24 +5,11 @@
 #include <nlohmann/json.hpp>
 
 #include "host/reference/lidar_compare.h"
+#include "host/reference/report_text.h"
 
 namespace raycube::reference {
 
-namespace {
-
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
-
-std::string key_of(Cause cause) {
-  std::string key = cause_name(cause);
-  std::replace(key.begin(), key.end(), ' ', '_');
-  return key;
-}
-
-}  // namespace
+namespace {}  // namespace
 
 std::vector<std::string> LidarReport::failures() const {
   std::vector<std::string> out;
@@ -35,27 +22,28 @@ std::vector<std::string> LidarReport::failures() const {
                   " first hits differ without explanation, the first in pulse " + std::to_string(unexplained_pulse) +
                   ", ray " + std::to_string(unexplained_ray));
   if (beyond_pulses > 0)
-    out.push_back(std::to_string(beyond_pulses) + " pulses differ by more than " + number(limits.bin) +
-                  " of their peak bin, the worst by " + number(worst) + " in pulse " + std::to_string(worst_pulse) +
-                  ", line " + std::to_string(worst_line + 1) + ", bin " + std::to_string(worst_bin));
+    out.push_back(std::to_string(beyond_pulses) + " pulses differ by more than " + three_digits(limits.bin) +
+                  " of their peak bin, the worst by " + three_digits(worst) + " in pulse " +
+                  std::to_string(worst_pulse) + ", line " + std::to_string(worst_line + 1) + ", bin " +
+                  std::to_string(worst_bin));
   if (!(ledger_closure <= limits.ledger))
-    out.push_back("a ledger is " + number(ledger_closure) + " of the emitted energy from closed, limit " +
-                  number(limits.ledger));
+    out.push_back("a ledger is " + three_digits(ledger_closure) + " of the emitted energy from closed, limit " +
+                  three_digits(limits.ledger));
   if (!(ledger_difference <= 10 * limits.ledger))
-    out.push_back("a ledger's entry differs by " + number(ledger_difference) + " of the emitted energy, limit " +
-                  number(10 * limits.ledger));
+    out.push_back("a ledger's entry differs by " + three_digits(ledger_difference) + " of the emitted energy, limit " +
+                  three_digits(10 * limits.ledger));
   if (has_air && !(air_worst <= limits.air))
-    out.push_back("the return of air and particles differs by " + number(air_worst) + " of its peak bin, limit " +
-                  number(limits.air));
+    out.push_back("the return of air and particles differs by " + three_digits(air_worst) + " of its peak bin, limit " +
+                  three_digits(limits.air));
   if (has_air && !(air_end_worst <= limits.air_end))
-    out.push_back("the return of air and particles in bins with a surface's echo differs by " + number(air_end_worst) +
-                  " of its peak bin, limit " + number(limits.air_end));
+    out.push_back("the return of air and particles in bins with a surface's echo differs by " +
+                  three_digits(air_end_worst) + " of its peak bin, limit " + three_digits(limits.air_end));
   if (has_scattered && !(std::abs(scattered.energy_z) <= limits.deviations))
-    out.push_back("light scattered more than once is " + number(scattered.energy_ratio) + " of the reference's, " +
-                  number(scattered.energy_z) + " standard errors off");
+    out.push_back("light scattered more than once is " + three_digits(scattered.energy_ratio) +
+                  " of the reference's, " + three_digits(scattered.energy_z) + " standard errors off");
   if (has_scattered && !(scattered.chi_z <= limits.deviations))
-    out.push_back("light scattered more than once has a chi-square of " + number(scattered.chi_square) +
-                  " per group, " + number(scattered.chi_z) + " deviations too large");
+    out.push_back("light scattered more than once has a chi-square of " + three_digits(scattered.chi_square) +
+                  " per group, " + three_digits(scattered.chi_z) + " deviations too large");
   return out;
 }
 
@@ -66,27 +54,28 @@ std::string LidarReport::text() const {
   out += "\npulses with the same hits " + std::to_string(pulses - parted_pulses) +
          ", of these decided by rounding on the way to the receiver " + std::to_string(edge_pulses) + ", compared " +
          std::to_string(compared_pulses);
-  out += "\nbins, over the peak bin: median of pulses " + number(median) + ", worst " + number(worst) + " (limit " +
-         number(limits.bin) + ")";
+  out += "\nbins, over the peak bin: median of pulses " + three_digits(median) + ", worst " + three_digits(worst) +
+         " (limit " + three_digits(limits.bin) + ")";
   if (worst_pulse >= 0)
     out += " in pulse " + std::to_string(worst_pulse) + ", line " + std::to_string(worst_line + 1) + ", bin " +
            std::to_string(worst_bin);
   if (rounded_pulses > 0)
     out += "; " + std::to_string(rounded_pulses) + " pulses beyond it by no more than rounded paths do (" +
-           number(1e6 * float_path_m) + " um), the worst by " + number(rounded_worst);
+           three_digits(1e6 * float_path_m) + " um), the worst by " + three_digits(rounded_worst);
   if (has_air)
-    out += "\nreturns of air and particles, over their own peak bin: median of pulses " + number(air_median) +
-           ", worst " + number(air_worst) + " (limit " + number(limits.air) + "), in bins with a surface's echo " +
-           number(air_end_worst) + " (limit " + number(limits.air_end) + ")";
-  out += "\nledger: closes to " + number(ledger_closure) + " (limit " + number(limits.ledger) + ")";
-  if (!has_scattered) out += ", entries differ by " + number(ledger_difference);
+    out += "\nreturns of air and particles, over their own peak bin: median of pulses " + three_digits(air_median) +
+           ", worst " + three_digits(air_worst) + " (limit " + three_digits(limits.air) +
+           "), in bins with a surface's echo " + three_digits(air_end_worst) + " (limit " +
+           three_digits(limits.air_end) + ")";
+  out += "\nledger: closes to " + three_digits(ledger_closure) + " (limit " + three_digits(limits.ledger) + ")";
+  if (!has_scattered) out += ", entries differ by " + three_digits(ledger_difference);
   if (has_scattered)
     out += "\nscattered more than once: on the same draws " + std::to_string(scattered.same_draws) + " of " +
            std::to_string(scattered.pulses) + " pulses agree in every bin; on others energy " +
-           number(scattered.energy_ratio) + " of the reference's (" + number(scattered.energy_z) +
-           " standard errors), chi-square " + number(scattered.chi_square) + " in each of " +
-           std::to_string(scattered.groups) + " groups of bins (" + number(scattered.chi_z) + " deviations, limit " +
-           number(limits.deviations) + ")";
+           three_digits(scattered.energy_ratio) + " of the reference's (" + three_digits(scattered.energy_z) +
+           " standard errors), chi-square " + three_digits(scattered.chi_square) + " in each of " +
+           std::to_string(scattered.groups) + " groups of bins (" + three_digits(scattered.chi_z) +
+           " deviations, limit " + three_digits(limits.deviations) + ")";
   for (const std::string& failure : failures()) out += "\nBEYOND LIMITS: " + failure;
   return out + "\n";
 }

@@ -12,10 +12,6 @@ namespace raycube::reference {
 
 namespace {
 
-std::array<float, 3> rounded(const glm::dvec3& v) {
-  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
-}
-
 /// One ulp of the sizes that a ray's origin on this triangle is rounded relative to, m (as
 /// ReferenceScene::point_ulp_m).
 double ulp_at(const scene::CompiledScene& scene, const Hit& hit, const glm::dvec3& point) {

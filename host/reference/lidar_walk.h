@@ -5,13 +5,13 @@
 #include <optional>
 #include <vector>
 
+#include "host/base/units.h"
 #include "host/reference/double_trace.h"
 #include "host/reference/lidar_ends.h"
 #include "host/reference/lidar_path.h"
 
 namespace raycube::reference::lidar_walk {
 
-inline constexpr double kLight_m_s = 299792458.0;
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Light on its way: from the last vertex (or the start) along a direction.

@@ -52,6 +52,9 @@ inline Ray sample_ray(const shared::RayGroup& group, int lane, int width, float 
            offset(group.du.z, group.dv.z, group.ov.z)}};
 }
 
+inline std::array<float, 3> rounded(const glm::dvec3& v) {
+  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+}
 inline glm::dvec3 to_double(const std::array<float, 3>& v) { return {v[0], v[1], v[2]}; }
 
 /// Where a ray starts, m, scene frame.

@@ -5,26 +5,15 @@
 #include <nlohmann/json.hpp>
 
 #include "host/reference/compare.h"
+#include "host/reference/report_text.h"
 
 namespace raycube::reference {
 
 namespace {
 
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
-
 std::string name_of(const Hit& hit) {
   return hit.miss() ? "a miss"
                     : "instance " + std::to_string(hit.instance) + " primitive " + std::to_string(hit.primitive);
-}
-
-std::string key_of(Cause cause) {
-  std::string key = cause_name(cause);
-  std::replace(key.begin(), key.end(), ' ', '_');
-  return key;
 }
 
 template <typename Counts>
@@ -94,14 +83,15 @@ std::vector<std::string> Report::failures() const {
   if (sky_unexplained > 0)
     out.push_back(std::to_string(sky_unexplained) + " samples see another sky without explanation");
   if (!(worst_median < limits.median))
-    out.push_back("a band's median difference is " + number(worst_median) + ", limit " + number(limits.median));
+    out.push_back("a band's median difference is " + three_digits(worst_median) + ", limit " +
+                  three_digits(limits.median));
   if (beyond_pixels > 0)
-    out.push_back(std::to_string(beyond_pixels) + " pixels differ by more than " + number(limits.worst) +
-                  ", the worst by " + number(worst) + " in band " + std::to_string(worst_band + 1) + " at line " +
+    out.push_back(std::to_string(beyond_pixels) + " pixels differ by more than " + three_digits(limits.worst) +
+                  ", the worst by " + three_digits(worst) + " in band " + std::to_string(worst_band + 1) + " at line " +
                   std::to_string(worst_line) + ", sample " + std::to_string(worst_sample));
   if (model_pixels > 0 && !(model_total.figure <= limits.model))
-    out.push_back("the full tables differ by " + number(model_total.figure) + " in band " +
-                  std::to_string(model_total.band + 1) + ", tolerance " + number(limits.model));
+    out.push_back("the full tables differ by " + three_digits(model_total.figure) + " in band " +
+                  std::to_string(model_total.band + 1) + ", tolerance " + three_digits(limits.model));
   return out;
 }
 
@@ -110,7 +100,7 @@ std::string Report::text(const std::vector<std::string>& band_names) const {
   std::string out;
   if (first_hits.rays > 0)
     out += "first hits of " + std::to_string(first_hits.rays) + " rays:" + counts_text(first_hits.hits) +
-           "; share explained " + number(first_hits.explained_share()) + " (double sides with the device in " +
+           "; share explained " + three_digits(first_hits.explained_share()) + " (double sides with the device in " +
            std::to_string(first_hits.device_right) + ", with Embree in " + std::to_string(first_hits.embree_right) +
            "); hit against miss: Embree " + std::to_string(first_hits.hit_miss) + ", double " +
            std::to_string(first_hits.hit_miss_double) + "\n";
@@ -120,18 +110,19 @@ std::string Report::text(const std::vector<std::string>& band_names) const {
          std::to_string(sun_unexplained);
   out += "\nsky rays: " + std::to_string(sky_rays) + ", explained " + std::to_string(sky_explained) +
          ", samples unexplained " + std::to_string(sky_unexplained);
-  out += "\narithmetic: worst band median " + number(worst_median) + " (limit " + number(limits.median) + "), worst " +
-         number(worst) + " (limit " + number(limits.worst) + ") in band " + band(worst_band) + " at line " +
-         std::to_string(worst_line) + ", sample " + std::to_string(worst_sample) + "; pixels left out " +
+  out += "\narithmetic: worst band median " + three_digits(worst_median) + " (limit " + three_digits(limits.median) +
+         "), worst " + three_digits(worst) + " (limit " + three_digits(limits.worst) + ") in band " + band(worst_band) +
+         " at line " + std::to_string(worst_line) + ", sample " + std::to_string(worst_sample) + "; pixels left out " +
          std::to_string(excluded_pixels);
   if (model_pixels > 0)
-    out += "\nmodel (" + std::to_string(model_pixels) + " pixels): " + number(model_total.figure) + " in band " +
-           band(model_total.band) + " (tolerance " + number(limits.model) + "); sun " + number(model_sun.figure) +
-           ", sky " + number(model_sky.figure) + ", path " + number(model_path.figure);
-  if (model_pixels > 0 && adjacency) out += ", ground around " + number(model_environment.figure);
+    out += "\nmodel (" + std::to_string(model_pixels) + " pixels): " + three_digits(model_total.figure) + " in band " +
+           band(model_total.band) + " (tolerance " + three_digits(limits.model) + "); sun " +
+           three_digits(model_sun.figure) + ", sky " + three_digits(model_sky.figure) + ", path " +
+           three_digits(model_path.figure);
+  if (model_pixels > 0 && adjacency) out += ", ground around " + three_digits(model_environment.figure);
   if (model_pixels > 0 && thermal)
-    out += ", emission " + number(model_emission.figure) + ", surroundings at one temperature " +
-           number(model_surroundings.figure);
+    out += ", emission " + three_digits(model_emission.figure) + ", surroundings at one temperature " +
+           three_digits(model_surroundings.figure);
   for (const std::string& failure : failures()) out += "\nBEYOND LIMITS: " + failure;
   return out + "\n";
 }

@@ -47,10 +47,6 @@ int sampler_code(scene::SamplerKind kind) {
   return RC_SAMPLER_GRID;
 }
 
-std::array<float, 3> rounded(const glm::dvec3& v) {
-  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
-}
-
 }  // namespace
 
 void append_addresses(std::vector<PixelAddress>& to, int line, int first, int count, const shared::RayGroup* groups,

@@ -8,14 +8,12 @@ namespace raycube::render {
 
 namespace {
 
+using lidar::cross;
+using lidar::dot;
 using lidar::Vec3;
 
 constexpr double kLength_m = 1e-6, kAngle_rad = 1e-9;
 
-double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-Vec3 cross(const Vec3& a, const Vec3& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
 Vec3 scaled(const Vec3& a, double f) { return {a[0] * f, a[1] * f, a[2] * f}; }
 Vec3 unit(const Vec3& a) { return scaled(a, 1 / std::sqrt(dot(a, a))); }
 Vec3 beside(const Vec3& v, const Vec3& axis) {

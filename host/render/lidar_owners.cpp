@@ -5,23 +5,20 @@
 #include <cmath>
 #include <limits>
 
+#include "host/base/units.h"
 #include "kernels/lidar/layout.h"
 
 namespace raycube::render {
 
 namespace {
 
+using lidar::cross;
+using lidar::dot;
+using lidar::length;
 using lidar::Vec3;
-
-constexpr double kLightSpeed = 299792458.0;
 
 Vec3 plus(const Vec3& a, double f, const Vec3& b) { return {a[0] + f * b[0], a[1] + f * b[1], a[2] + f * b[2]}; }
 Vec3 minus(const Vec3& a, const Vec3& b) { return plus(a, -1, b); }
-double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-double length(const Vec3& a) { return std::sqrt(dot(a, a)); }
-Vec3 cross(const Vec3& a, const Vec3& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
 shared::rc_float4 pack(const Vec3& v, double w = 0) {
   return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2]), static_cast<float>(w)};
 }
@@ -86,7 +83,8 @@ void append_owner(const lidar::LidarPlan& plan, const scene::CompiledScene& scen
   if (receiver) weight *= pitch * pitch;
 
   const double position =
-      ((length(from_start) + length(from_end)) * lidar.transport.group_index / kLightSpeed - lidar.gate.start_s) /
+      ((length(from_start) + length(from_end)) * lidar.transport.group_index / base::kLightSpeed_m_s -
+       lidar.gate.start_s) /
       lidar.gate.bin_s;
   const double bin = std::clamp(std::floor(position), -1e9, 1e9);
   const std::uint32_t key = lidar::draw_key(plan, shot.pulse, pixel);
@@ -112,8 +110,8 @@ void append_owner(const lidar::LidarPlan& plan, const scene::CompiledScene& scen
   at[RC_SHOT_EXIT_V] = pack(plus(nil, lidar.pulse.exit_radius_m, exit_v));
   // Where the ray is when the gate opens; its whole way cannot be shorter than the two ends are apart.
   const Vec3 way = plus(nil, 1 / length(axis), axis), apart = minus(start, end);
-  const double gate_way = lidar.gate.start_s * kLightSpeed / lidar.transport.group_index,
-               bin_way = lidar.gate.bin_s * kLightSpeed / lidar.transport.group_index;
+  const double gate_way = lidar.gate.start_s * base::kLightSpeed_m_s / lidar.transport.group_index,
+               bin_way = lidar.gate.bin_s * base::kLightSpeed_m_s / lidar.transport.group_index;
   const double along = dot(apart, way), squared = dot(apart, apart), whole = std::max(gate_way, std::sqrt(squared));
   const double past = whole + along > 0 ? std::max(0.0, (whole * whole - squared) / (2 * (whole + along))) : 0;
   at[RC_SHOT_GATE] = pack(plus(start, past, way), past);

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <tuple>
 
+#include "host/base/timing.h"
 #include "host/run/air_table.h"
 #include "host/plan/channel_bands.h"
 #include "host/plan/one_direction.h"
@@ -13,13 +14,7 @@
 
 namespace raycube::run {
 
-namespace {
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-}  // namespace
+namespace {}  // namespace
 
 AirRequest air_request(const scene::Simulation& simulation, const scene::Instrument& instrument,
                        double sensor_height_m) {
@@ -50,7 +45,7 @@ CameraJob prepare_camera(const scene::Simulation& simulation, const scene::Instr
   const plan::ViewBounds view = sensors::view_bounds(instrument);
   auto start = std::chrono::steady_clock::now();
   job.table = air_table(air_request(simulation, instrument, view.sensor_height_m), services);
-  job.table_s = seconds_since(start);
+  job.table_s = base::seconds_since(start);
   const auto& scene = simulation.scene;
   job.notices = plan::one_direction_notices(job.table, instrument.name, view, seen_heights(scene, view));
   for (auto& notice : plan::channel_bands(instrument, job.table).notices) job.notices.push_back(std::move(notice));
@@ -74,7 +69,7 @@ CameraJob prepare_camera(const scene::Simulation& simulation, const scene::Instr
   planner::apply(job.decision, simulation, *planned, job.plan);
   for (const auto& notice : job.plan.notices) services.log.warning(notice);
   for (const auto& note : job.decision.notes) services.log.warning(note);
-  job.plan_s = seconds_since(start);
+  job.plan_s = base::seconds_since(start);
   services.log.detail(instrument.name + ": atmosphere table in " + std::to_string(job.table_s) + " s, plan in " +
                       std::to_string(job.plan_s) + " s");
   services.log.debug(plan_json(job).dump(2));

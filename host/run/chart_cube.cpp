@@ -26,7 +26,7 @@ plan::Plan reference_plan(const knobs::Subject& subject, const atmos::RenderTabl
   return plan::make_plan(subject.simulation, *subject.instrument, table, view);
 }
 
-struct Found {
+struct FoundChart {
   study::ErrorFigures error;
   study::Timing timing;
 };
@@ -75,7 +75,7 @@ Chart chart_cube(scene::Simulation& simulation, std::size_t index, const ChartOp
     where.device = number;
     render::Renderer renderer(simulation.scene, where);
     chart.machines.push_back(renderer.device_name());
-    std::map<std::map<std::string, std::string>, Found> known;  // one setting is part of several sweeps
+    std::map<std::map<std::string, std::string>, FoundChart> known;  // one setting is part of several sweeps
     for_each_setting(subject, chosen, [&](ChartPoint point) {
       point.device = renderer.device_name();
       services.log.set_status("chart " + instrument.name + ": " + point.knob + " " + point.label);
@@ -90,7 +90,7 @@ Chart chart_cube(scene::Simulation& simulation, std::size_t index, const ChartOp
           chart.points.push_back(std::move(point));
           return;
         }
-        Found found;
+        FoundChart found;
         found.error = study::error_of(
             reference, study::device_radiance(renderer, instrument, plan, simulation.sun, simulation.seed, tiles));
         const double rays = static_cast<double>(instrument.samples_u) * instrument.samples_v *
@@ -101,7 +101,7 @@ Chart chart_cube(scene::Simulation& simulation, std::size_t index, const ChartOp
                                          render::timing_tiles(instrument, timed), options.repeats);
         at = known.emplace(point.settings, found).first;
       }
-      const Found& found = at->second;
+      const FoundChart& found = at->second;
       point.error = found.error.worst, point.error_low = found.error.low, point.error_high = found.error.high;
       point.rms = found.error.rms, point.p95 = found.error.p95,
       point.worst_band = static_cast<int>(found.error.band) + 1;

@@ -12,7 +12,7 @@ namespace {
 constexpr rc_u32 kPickDimension = 43;  ///< of the hash: no sampler uses it
 /// Pulses that wait on the host before the reference takes them up together, and bins of their rows: those are all its
 /// memory.
-constexpr std::size_t kBatch = 64, kMostBins = std::size_t{1} << 23;
+constexpr std::size_t kPulseBatch = 64, kMostBins = std::size_t{1} << 23;
 
 }  // namespace
 
@@ -50,7 +50,7 @@ reference::LidarReport check_lidar(render::LidarRenderer& renderer, const scene:
   reference::LidarComparison comparison(scene, plan, compare);
   const std::size_t bins = static_cast<std::size_t>(plan.pixels()) * static_cast<std::size_t>(plan.lines()) *
                            static_cast<std::size_t>(plan.lidar.gate.bins);
-  const std::size_t batch = std::clamp<std::size_t>(kMostBins / bins, 1, kBatch);
+  const std::size_t batch = std::clamp<std::size_t>(kMostBins / bins, 1, kPulseBatch);
   std::vector<lidar::ShotResult> waiting;
   const auto flush = [&] {
     comparison.add(waiting);

@@ -19,7 +19,7 @@ namespace raycube::run {
 
 namespace {
 
-constexpr double kPlanck_J_s = 6.62607015e-34, kLight_m_s = 299792458.0;
+constexpr double kPlanck_J_s = 6.62607015e-34;
 
 /// Pose of a camera that looks along `axis` with its columns along `u`: nose = u x axis, then yaw, pitch and roll of
 /// these axes.
@@ -112,7 +112,7 @@ struct LidarBackground::State {
                         (r.aperture_radius_m * r.aperture_radius_m - r.obscuration_radius_m * r.obscuration_radius_m);
     const double solid_angle =
         plan.pixels() > 1 ? r.pixel_pitch_rad * r.pixel_pitch_rad : std::numbers::pi * r.half_fov_rad * r.half_fov_rad;
-    const double photon_J = kPlanck_J_s * kLight_m_s / (plan.lidar.pulse.lines[l].wavelength_um * 1e-6);
+    const double photon_J = kPlanck_J_s * base::kLightSpeed_m_s / (plan.lidar.pulse.lines[l].wavelength_um * 1e-6);
     // Off the axis pixels of a plane take in cos^4 less, as they do of the signal.
     const double u = plan.pixels() > 1
                          ? r.pixel_pitch_rad * (static_cast<double>(pixel % static_cast<std::size_t>(r.columns)) -

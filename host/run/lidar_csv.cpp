@@ -7,8 +7,6 @@
 namespace raycube::run {
 namespace {
 
-constexpr double kLight_m_s = 299792458.0;
-
 std::vector<std::string> place_columns(const scene::Simulation& simulation, const std::string& prefix) {
   if (simulation.scene.origin.epsg != 0) return {prefix + "easting_m", prefix + "northing_m", prefix + "height_m"};
   return {prefix + "x_m", prefix + "y_m", prefix + "z_m"};
@@ -110,7 +108,7 @@ void LidarCsv::add_return(const lidar::Shot& shot, const lidar::Detection& d, co
 
 void LidarCsv::add_photons(const lidar::Detection& d) {
   if (!photons_) return;
-  const double metres_per_s = kLight_m_s / (2 * plan_.lidar.transport.group_index);
+  const double metres_per_s = base::kLightSpeed_m_s / (2 * plan_.lidar.transport.group_index);
   for (const auto& tag : d.tags)
     photons_->add(d.pulse)
         .add(d.pixel)

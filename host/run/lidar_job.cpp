@@ -8,6 +8,7 @@
 
 #include "atmos_tables/compiler/lidar_profiles.h"
 #include "host/base/error.h"
+#include "host/base/timing.h"
 #include "host/run/air_table.h"
 #include "host/lidar/air_column.h"
 #include "host/lidar/make_lidar_plan.h"
@@ -15,13 +16,7 @@
 
 namespace raycube::run {
 
-namespace {
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-}  // namespace
+namespace {}  // namespace
 
 std::unique_ptr<atmos::RenderTable> lidar_air(const scene::Simulation& simulation, const scene::Lidar& lidar) {
   const scene::AtmosphereSpec& air = simulation.atmosphere;
@@ -51,7 +46,7 @@ LidarJob prepare_lidar(const scene::Simulation& simulation, const scene::Lidar& 
     job.air_notices = air_notices(*table);
     say_air(*table, services);
   }
-  job.table_s = seconds_since(start);
+  job.table_s = base::seconds_since(start);
   start = std::chrono::steady_clock::now();
   job.plan = lidar::make_lidar_plan(simulation, lidar, table.get());
   if (planning.replay) {
@@ -64,7 +59,7 @@ LidarJob prepare_lidar(const scene::Simulation& simulation, const scene::Lidar& 
   }
   if (job.decision.subrays != job.plan.lidar.transport.subrays) planner::set_subrays(job.plan, job.decision.subrays);
   for (const auto& note : job.decision.notes) services.log.warning(note);
-  job.plan_s = seconds_since(start);
+  job.plan_s = base::seconds_since(start);
   services.log.detail(lidar.name + ": air profiles in " + std::to_string(job.table_s) + " s, plan in " +
                       std::to_string(job.plan_s) + " s");
   return job;

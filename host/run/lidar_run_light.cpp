@@ -7,13 +7,13 @@
 
 #include <fmt/format.h>
 
+#include "host/base/units.h"
 #include "host/lidar/detector.h"
 
 namespace raycube::run {
 
 namespace {
 
-constexpr double kLight_m_s = 299792458.0, kFwhmOfSigma = 2.3548200450309493;
 constexpr double kProbablyNone = 0.5;  ///< fewer expected returns of surfaces and volumes: most likely there is none
 
 double sum_of(const std::vector<float>& rows) {
@@ -39,7 +39,7 @@ void LidarRunLight::add_returns(const lidar::ShotResult& result, const lidar::De
   const bool geiger = lidar.detector.mode == scene::DetectorMode::geiger;
   const auto bins = static_cast<std::size_t>(lidar.gate.bins);
   const std::size_t row = static_cast<std::size_t>(record.pixel * plan_.lines() + record.line) * bins;
-  const double half_bins = kFwhmOfSigma * lidar::recorded_sigma_s(lidar) / lidar.gate.bin_s + 1;
+  const double half_bins = base::kFwhmOfSigma * lidar::recorded_sigma_s(lidar) / lidar.gate.bin_s + 1;
   for (const lidar::Echo& echo : record.echoes) {
     const double at = (echo.time_s - lidar.gate.start_s) / lidar.gate.bin_s - 0.5;
     const double last = static_cast<double>(bins) - 1;
@@ -84,7 +84,7 @@ void LidarRunLight::add(const lidar::ShotResult& result, const std::vector<lidar
 
 std::string LidarRunLight::where_it_went() const {
   const scene::Lidar& lidar = plan_.lidar;
-  const double per_s = 0.5 * kLight_m_s / lidar.transport.group_index;
+  const double per_s = 0.5 * base::kLightSpeed_m_s / lidar.transport.group_index;
   const std::string gate = fmt::format("the gate holds {:.6g} to {:.6g} m", per_s * lidar.gate.start_s,
                                        per_s * (lidar.gate.start_s + lidar.gate.bins * lidar.gate.bin_s));
   // Light is followed from the pixels of a flash array: shares are of what they see.

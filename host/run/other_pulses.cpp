@@ -4,19 +4,18 @@
 #include <cmath>
 #include <map>
 
+#include "host/base/units.h"
 #include "scene_compiler/lidar_reach.h"
 
 namespace raycube::run {
 
 namespace {
 
-constexpr double kLight_m_s = 299792458.0;
-
 /// `back` of every pulse whose light can be in the gate of pulse 0, but its own.
 std::vector<std::int64_t> periods_back(const scene::CompiledScene& scene, const scene::Lidar& lidar) {
   std::vector<std::int64_t> out;
   const double last_s = 2 * scene::reach_of(scene.lo, scene.hi, scene.volumes, lidar).farthest_m *
-                        lidar.transport.group_index / kLight_m_s;
+                        lidar.transport.group_index / base::kLightSpeed_m_s;
   const double begin_s = lidar.gate.start_s, end_s = begin_s + lidar.gate.bins * lidar.gate.bin_s;
   for (std::int64_t back = -static_cast<std::int64_t>(std::floor(end_s * lidar.prf_hz));
        begin_s + static_cast<double>(back) / lidar.prf_hz < last_s; ++back)

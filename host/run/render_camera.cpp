@@ -1,4 +1,5 @@
 #include "host/render/renderer.h"
+#include "host/base/timing.h"
 #include "host/run/render_camera.h"
 
 #include <fmt/format.h>
@@ -18,10 +19,6 @@
 namespace raycube::run {
 
 namespace {
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 /// What is known of the error: one line in the log, a member of the record, a warning where the tolerance is
 /// not kept. A run that is whole is not lost because its error cannot be told.
@@ -153,7 +150,7 @@ CameraRun render_camera(const scene::Simulation& simulation, const CameraJob& jo
   CubeProducts output(destination.folder, destination.if_exists, simulation, job);
   const auto statistics = render_into(output, simulation, job, renderer, services);
   output.complete();
-  const double render_s = seconds_since(start);
+  const double render_s = base::seconds_since(start);
 
   products::RunRecord record =
       record_of(simulation, job, renderer, options, destination, statistics, render_s, services.threads);

@@ -12,6 +12,7 @@
 
 #include "host/base/error.h"
 #include "host/base/memory.h"
+#include "host/base/timing.h"
 #include "host/cl/device.h"
 #include "host/run/lidar_background.h"
 #include "host/run/lidar_job.h"
@@ -34,10 +35,6 @@
 namespace raycube::run {
 
 namespace {
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 std::size_t bytes_of_rows(const lidar::LidarPlan& plan) {
   const auto& transport = plan.lidar.transport;
@@ -277,7 +274,7 @@ class Survey {
   void timed(const char* stage, const Work& work) {
     const auto begin = std::chrono::steady_clock::now();
     work();
-    stage_s[stage] += seconds_since(begin);
+    stage_s[stage] += base::seconds_since(begin);
   }
 
   const scene::Simulation& simulation_;
@@ -346,7 +343,7 @@ LidarRun render_lidar(const scene::Simulation& simulation, const scene::Lidar& l
   LidarProducts output(destination.folder, destination.if_exists, simulation, job.plan);
   survey.prepare(options);
   survey.fire(renderer, output);
-  const double render_s = seconds_since(start);
+  const double render_s = base::seconds_since(start);
 
   products::RunRecord record =
       record_of(simulation, job, renderer, options, destination, survey, render_s, services.threads);

@@ -27,17 +27,17 @@ constexpr int kMotionRounds = 4;  ///< of the distance of a point, which tells h
 /// A last round that moves the distance by more, of it, has found no place: GroupFinder counts on that.
 constexpr double kUnsettled = 0.25;
 
-dvec3 exact(const shared::rc_float4& v) { return {v.x, v.y, v.z}; }
+dvec3 exact_place(const shared::rc_float4& v) { return {v.x, v.y, v.z}; }
 
 /// Places of points in a group's image plane: (a, b) of RayGroup, pixels about the group's centre.
 class GroupPlane {
  public:
   explicit GroupPlane(const shared::RayGroup& g)
-      : d_(exact(g.d0)),
-        du_(exact(g.du)),
-        dv_(exact(g.dv)),
-        ov_(exact(g.ov)),
-        sensor_(exact(g.origin) - double{g.d0.w} * exact(g.d0)),
+      : d_(exact_place(g.d0)),
+        du_(exact_place(g.du)),
+        dv_(exact_place(g.dv)),
+        ov_(exact_place(g.ov)),
+        sensor_(exact_place(g.origin) - double{g.d0.w} * exact_place(g.d0)),
         moves_(ov_ != dvec3{0}),
         inverse_(moves_ ? glm::dmat3(1) : glm::inverse(glm::dmat3(d_, du_, dv_))) {}
 

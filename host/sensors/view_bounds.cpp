@@ -17,7 +17,7 @@ namespace {
 
 using Vec = glm::dvec3;
 
-Vec exact(const shared::rc_float4& v) { return {v.x, v.y, v.z}; }
+Vec exact_vector(const shared::rc_float4& v) { return {v.x, v.y, v.z}; }
 
 // A component of a unit vector along a straight line of the image plane is a sine of the angle. Rounding to
 // floats moves it by less than 4e-7 of its size, so further than sqrt(2 x 4e-7) = 9e-4 rad from its highest
@@ -115,7 +115,8 @@ class Look {
            ++sample)
         for (const auto& [u, v] : places_)
           take(line, sample,
-               exact(group.d0) + (sample % width - 0.5 * (width - 1) + u) * exact(group.du) + v * exact(group.dv),
+               exact_vector(group.d0) + (sample % width - 0.5 * (width - 1) + u) * exact_vector(group.du) +
+                   v * exact_vector(group.dv),
                bounds);
     }
   }
