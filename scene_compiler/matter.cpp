@@ -6,7 +6,8 @@ namespace raycube::scene {
 
 std::vector<std::uint32_t> used_materials(const CompiledScene& scene) {
   std::vector<char> placed(scene.meshes.size(), 0), seen(scene.blocks.size(), 1);
-  for (const auto& instance : scene.instances) placed[instance.mesh] = 1;
+  for (const auto& instance : scene.instances)
+    if (instance.mesh < placed.size()) placed[instance.mesh] = 1;
   for (std::size_t m = 0; m < placed.size(); ++m)
     if (!placed[m]) std::fill_n(seen.begin() + scene.meshes[m].first_block, scene.meshes[m].block_count, char{0});
   std::vector<char> surface_used(scene.surfaces.size(), 0);
