@@ -144,26 +144,24 @@ RenderTable sunlit_table(const scene::Sun& sun, double sensor_height_m, const st
   return table;
 }
 
+void add_steps(std::vector<double>& wavelength_um, double first_um, double last_um, const WavelengthSpan& span) {
+  const double low = std::max(span.low_um, first_um), high = std::min(span.high_um, last_um), step = span.step_um;
+  if (!(low < high)) return;
+  // Nodes are counted, not added up, so that none carries the rounding of those before it.
+  for (std::size_t i = 0; low + static_cast<double>(i) * step < high - 1e-9 * step; ++i)
+    wavelength_um.push_back(low + static_cast<double>(i) * step);
+}
+
 namespace {
 
-struct Span {
-  double low_um, high_um, step_um;
-};
-
 /// first_um, last_um and the steps of the spans between them; step_um > 0 replaces those.
-std::vector<double> span_nodes(double first_um, double last_um, double step_um, const std::vector<Span>& spans) {
+std::vector<double> span_nodes(double first_um, double last_um, double step_um,
+                               const std::vector<WavelengthSpan>& spans) {
   std::vector<double> out;
-  // Nodes are counted in picometres so that the grid does not depend on where it starts.
-  const auto add_span = [&](double low, double high, double step) {
-    low = std::max(low, first_um), high = std::min(high, last_um);
-    if (!(low < high)) return;
-    for (std::size_t i = 0; low + static_cast<double>(i) * step < high - 1e-9 * step; ++i)
-      out.push_back(low + static_cast<double>(i) * step);
-  };
   if (step_um > 0) {
-    add_span(first_um, last_um, step_um);
+    add_steps(out, first_um, last_um, {first_um, last_um, step_um});
   } else {
-    for (const Span& span : spans) add_span(span.low_um, span.high_um, span.step_um);
+    for (const WavelengthSpan& span : spans) add_steps(out, first_um, last_um, span);
   }
   if (last_um - out.back() < 1e-9) out.pop_back();
   out.push_back(last_um);

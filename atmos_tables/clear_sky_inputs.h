@@ -24,6 +24,13 @@ void check_table_request(const scene::Sun& sun, double sensor_height_m, const st
 /// or a table of the user's.
 std::optional<std::string> no_light_notice(const scene::AtmosphereSpec& spec, const scene::Sun& sun, double first_um);
 
+/// Wavelengths from low_um on in steps of step_um, high_um itself left out.
+struct WavelengthSpan {
+  double low_um, high_um, step_um;
+};
+/// Appends the span's part that lies within first_um..last_um, from the part's own beginning on.
+void add_steps(std::vector<double>& wavelength_um, double first_um, double last_um, const WavelengthSpan& span);
+
 /// Wavelength and height axes and the row solar_irradiance.
 RenderTable sunlit_table(const scene::Sun& sun, double sensor_height_m, const std::vector<double>& wavelength_um,
                          const std::vector<double>& target_height_m);

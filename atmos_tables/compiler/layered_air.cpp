@@ -180,17 +180,11 @@ std::vector<double> layered_wavelengths(double first_um, double last_um, double 
                  std::to_string(step_um) + " um", "choose a wider step");
   problems.throw_if_any();
   std::vector<double> out;
-  const auto add_span = [&](double low, double high, double step) {
-    low = std::max(low, first_um), high = std::min(high, last_um);
-    if (!(low < high)) return;
-    for (std::size_t i = 0; low + static_cast<double>(i) * step < high - 1e-9 * step; ++i)
-      out.push_back(low + static_cast<double>(i) * step);
-  };
   if (step_um > 0) {
-    add_span(first_um, last_um, step_um);
+    add_steps(out, first_um, last_um, {first_um, last_um, step_um});
   } else {
-    add_span(first_um, 1.0, 0.001);
-    add_span(1.0, 2.5, 0.002);
+    add_steps(out, first_um, last_um, {first_um, 1.0, 0.001});
+    add_steps(out, first_um, last_um, {1.0, 2.5, 0.002});
     if (last_um > 2.5) {
       // Steps of 5 cm-1 on multiples of 5, the spacing of the band tables.
       const double start = std::max(first_um, 2.5);

@@ -178,4 +178,31 @@ Number need_number(std::string_view field, const base::Where& where, const std::
   return number;
 }
 
+void read_rows(const std::string& file, const CsvTable& table, base::Problems& problems,
+               const std::function<void(const std::vector<std::string_view>& cells, const base::Where&,
+                                        const std::string& line)>& take) {
+  bool headed = false;
+  int number = 0;
+  for (const std::string& line : read_lines(file)) {
+    ++number;
+    if (trimmed(line).empty() || line[0] == '#') continue;
+    const base::Where where{file, number, 0, ""};
+    const std::vector<std::string_view> cells = split_commas(line);
+    if (!headed) {
+      headed = true;
+      if (cells == table.columns) continue;
+      std::string names;
+      for (const std::string_view name : table.columns) names.append(names.empty() ? "" : ",").append(name);
+      problems.add(where, "the columns of " + table.of + " are " + names, "'" + line + "'", table.header_advice);
+      return;
+    }
+    if (problems.lines().size() >= kEnoughProblems) return;
+    if (cells.size() == table.columns.size())
+      take(cells, where, line);
+    else
+      problems.add(where, "needs " + std::to_string(table.columns.size()) + " cells", std::to_string(cells.size()),
+                   "complete the row");
+  }
+}
+
 }  // namespace raycube::atmos::imported

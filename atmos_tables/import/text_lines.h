@@ -1,6 +1,7 @@
 // Text of other codes: lines, fields and numbers as Fortran writes them.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <sstream>
 #include <string>
@@ -54,6 +55,20 @@ constexpr int kMostNumbered = 1000000000;
 
 /// More than this many problems in one file say no more; readers stop there.
 constexpr std::size_t kEnoughProblems = 20;
+
+/// A table between commas that this project defines: one line of column names, then rows of as many cells.
+struct CsvTable {
+  std::string of;  ///< "partition sums"
+  std::vector<std::string_view> columns;
+  std::string header_advice;  ///< where that line is another: "give that header line"
+};
+
+/// Hands every row of `table` in `file` to `take`; empty lines and those that begin with # are none. Another header
+/// line ends the reading, rows of another length are left out, and so is what follows kEnoughProblems: all are added to
+/// `problems`. Throws as read_lines.
+void read_rows(const std::string& file, const CsvTable& table, base::Problems& problems,
+               const std::function<void(const std::vector<std::string_view>& cells, const base::Where&,
+                                        const std::string& line)>& take);
 
 /// A number in a message: six digits.
 inline std::string shown(double value) {

@@ -224,43 +224,24 @@ PartitionSums PartitionSums::read_csv(const std::string& file) {
   PartitionSums out;
   out.file_ = file;
   base::Problems problems;
-  bool headed = false;
-  int number = 0;
-  for (const std::string& line : read_lines(file)) {
-    ++number;
-    if (trimmed(line).empty() || line[0] == '#') continue;
-    const base::Where where{file, number, 0, ""};
-    const std::vector<std::string_view> cells = split_commas(line);
-    if (!headed) {
-      headed = true;
-      if (cells != std::vector<std::string_view>{"molecule", "isotopologue", "temperature_K", "q"}) {
-        problems.add(where, "the columns of partition sums are molecule,isotopologue,temperature_K,q", "'" + line + "'",
-                     "give that header line");
-        break;
-      }
-      continue;
-    }
-    if (problems.lines().size() >= kEnoughProblems) break;
-    if (cells.size() != 4) {
-      problems.add(where, "needs 4 cells", std::to_string(cells.size()), "complete the row");
-      continue;
-    }
+  const CsvTable columns{"partition sums", {"molecule", "isotopologue", "temperature_K", "q"}, "give that header line"};
+  read_rows(file, columns, problems, [&](const auto& cells, const base::Where& where, const std::string& line) {
     const Number as_number = read_number(cells[0]);
     const int molecule = as_number.good() ? whole_number(as_number.value, 1, molecule_count()).value_or(0)
                                           : molecule_number(std::string(cells[0]));
     if (molecule < 1 || molecule > molecule_count()) {
       problems.add(where, "unknown molecule", "'" + std::string(cells[0]) + "'",
                    "give HITRAN's number or a formula in lower case");
-      continue;
+      return;
     }
     const std::size_t before = problems.lines().size();
     const int isotopologue = need_whole(cells[1], where, "isotopologue", 1, kMostIsotopologues, problems);
     const Number temperature = need_number(cells[2], where, "temperature_K", problems);
     const Number q = need_number(cells[3], where, "q", problems);
-    if (problems.lines().size() != before || !temperature.good() || !q.good()) continue;
+    if (problems.lines().size() != before || !temperature.good() || !q.good()) return;
     if (!(temperature.value > 0 && q.value > 0)) {
       problems.add(where, "temperature and q must be above 0", line, "correct the row");
-      continue;
+      return;
     }
     auto table = std::find_if(out.tables_.begin(), out.tables_.end(),
                               [&](const Table& t) { return t.molecule == molecule && t.isotopologue == isotopologue; });
@@ -270,7 +251,7 @@ PartitionSums PartitionSums::read_csv(const std::string& file) {
       problems.add(where, "temperatures of one isotopologue must ascend", std::string(cells[2]), "sort the rows");
     table->log_temperature.push_back(std::log(temperature.value));
     table->log_q.push_back(std::log(q.value));
-  }
+  });
   for (const Table& table : out.tables_)
     if (table.log_q.size() < 2)
       problems.add({file, 0, 0, molecule_name(table.molecule)}, "needs at least 2 temperatures", "1", "add rows");

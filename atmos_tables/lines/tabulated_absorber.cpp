@@ -74,43 +74,25 @@ TabulatedAbsorber TabulatedAbsorber::read_csv(const std::string& file) {
   using namespace imported;
   base::Problems problems;
   std::vector<Spectrum> spectra;
-  bool headed = false;
-  int number = 0;
-  for (const std::string& line : read_lines(file)) {
-    ++number;
-    if (trimmed(line).empty() || line[0] == '#') continue;
-    const base::Where where{file, number, 0, ""};
-    const std::vector<std::string_view> cells = split_commas(line);
-    if (!headed) {
-      headed = true;
-      if (cells ==
-          std::vector<std::string_view>{"wavenumber_per_cm", "pressure_hPa", "temperature_K", "cross_section_cm2"})
-        continue;
-      problems.add(where,
-                   "the columns of cross-sections are wavenumber_per_cm,pressure_hPa,temperature_K,cross_section_cm2",
-                   "'" + line + "'", "give that header line and those units");
-      break;
-    }
-    if (problems.lines().size() >= kEnoughProblems) break;
-    if (cells.size() != 4) {
-      problems.add(where, "needs 4 cells", std::to_string(cells.size()), "complete the row");
-      continue;
-    }
+  const CsvTable columns{"cross-sections",
+                         {"wavenumber_per_cm", "pressure_hPa", "temperature_K", "cross_section_cm2"},
+                         "give that header line and those units"};
+  read_rows(file, columns, problems, [&](const auto& cells, const base::Where& where, const std::string& line) {
     const Number v = need_number(cells[0], where, "wavenumber_per_cm", problems),
                  p = need_number(cells[1], where, "pressure_hPa", problems);
     const Number t = need_number(cells[2], where, "temperature_K", problems);
     // Noise of a measurement may be negative; it is kept, so that means stay right.
     const Number sigma = need_number(cells[3], where, "cross_section_cm2", problems, true);
-    if (!v.good() || !p.good() || !t.good() || !sigma.good()) continue;
+    if (!v.good() || !p.good() || !t.good() || !sigma.good()) return;
     if (!(v.value > 0 && p.value > 0 && p.value < 1e5 && t.value >= 50 && t.value <= 2000)) {
       problems.add(where, "needs wavenumber > 0, pressure within 0..1e5 hPa, temperature within 50..2000 K", line,
                    "correct the row");
-      continue;
+      return;
     }
     if (!(std::abs(sigma.value) < 1e-12)) {
       problems.add(where, "a cross-section of a molecule is below 1e-12 cm2", std::string(cells[3]),
                    "is the unit cm2 per molecule?");
-      continue;
+      return;
     }
     if (spectra.empty() || spectra.back().pressure_hPa != p.value || spectra.back().temperature_K != t.value) {
       for (const Spectrum& s : spectra)
@@ -124,7 +106,7 @@ TabulatedAbsorber TabulatedAbsorber::read_csv(const std::string& file) {
                    "sort the rows and remove doubles");
     spectrum.wavenumber_per_cm.push_back(v.value);
     spectrum.sigma_cm2.push_back(sigma.value);
-  }
+  });
   for (const Spectrum& s : spectra)
     if (problems.empty() && s.sigma_cm2.size() < 2)
       problems.add({file, 0, 0, ""}, "a spectrum needs at least 2 wavenumbers", "1", "add rows");

@@ -90,14 +90,14 @@ void remove_stale(const fs::path& folder) {
   }
 }
 
-void sync_folder(const fs::path& folder) {
+}  // namespace
+
+void sync_folder(const std::string& folder) {
   const int fd = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (fd < 0) return;
   ::fsync(fd);  // some file systems refuse it for folders: the rename itself has succeeded
   ::close(fd);
 }
-
-}  // namespace
 
 struct OutputFile::State {
   std::string final_path, temporary_path;

@@ -16,6 +16,9 @@ namespace raycube::base {
 
 enum class IfExists { refuse, replace };
 
+/// Has a folder's renames reach the disk, where its file system can.
+void sync_folder(const std::string& folder);
+
 /// One file under its temporary name `.NAME.raycube-XXXXXX` in the final folder, which is made when missing. Not
 /// copyable; the destructor removes the temporary unless publish() has been called. Every failure is Error(environment)
 /// that names the final path and the system's reason, except a file that is there already: Error(input).

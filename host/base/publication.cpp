@@ -82,13 +82,6 @@ Error not_named(const std::string& path, int code) {
   return Error(Fault::environment, path + ": cannot be named: " + std::strerror(code));
 }
 
-void sync_folder(const std::string& folder) {
-  const int fd = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (fd < 0) return;
-  ::fsync(fd);  // some file systems refuse it for folders: the renames themselves have succeeded
-  ::close(fd);
-}
-
 }  // namespace
 
 Publication::Publication(const std::string& folder, List list)

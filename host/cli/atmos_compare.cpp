@@ -89,9 +89,7 @@ int compare(const Options& o, Invocation& invocation) {
 
 Verb verb_atmos_compare() {
   auto o = std::make_shared<Options>();
-  Verb verb;
-  verb.name = "compare";
-  verb.summary = "Print band-wise differences of two render tables";
+  Verb verb("compare", "Print band-wise differences of two render tables");
   verb.description =
       "Reads both tables at one target height, straight and slanted, over the wavelengths both cover, and says mean, "
       "rms and worst "

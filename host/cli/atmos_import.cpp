@@ -83,9 +83,7 @@ int run(const Options& o, Invocation& invocation) {
 
 Verb verb_atmos_import() {
   auto o = std::make_shared<Options>();
-  Verb verb;
-  verb.name = "import";
-  verb.summary = "Read the output of MODTRAN, uvspec or 6S: say what it holds, or make a render table of it";
+  Verb verb("import", "Read the output of MODTRAN, uvspec or 6S: say what it holds, or make a render table of it");
   verb.description =
       "Units and angles are converted to the project's; damaged rows are refused with file and line; sums that the "
       "code prints "

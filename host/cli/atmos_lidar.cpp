@@ -179,9 +179,7 @@ std::string lidar_figures_json(const atmos::RenderTable& table, const std::strin
 
 Verb verb_atmos_lidar() {
   auto o = std::make_shared<Options>();
-  Verb verb;
-  verb.name = "lidar";
-  verb.summary = "Profiles of extinction and backscatter at laser wavelengths";
+  Verb verb("lidar", "Profiles of extinction and backscatter at laser wavelengths");
   verb.description =
       "Molecules, aerosols and, where lines or cross-sections are given, gases of the layered model, at heights from "
       "the ground to the "

@@ -22,9 +22,8 @@ Verb verb_atmos_plot() {
     double height = std::numeric_limits<double>::quiet_NaN(), view = height;
   };
   auto o = std::make_shared<Options>();
-  Verb verb;
-  verb.name = "plot";
-  verb.summary = "Draw a render table: transmission, irradiance, path radiance, sky, ground and air; or LIDAR profiles";
+  Verb verb("plot",
+            "Draw a render table: transmission, irradiance, path radiance, sky, ground and air; or LIDAR profiles");
   verb.description =
       "Writes a PNG beside the table, and the figures in it as JSON. Panels of rows that the table lacks are left out; "
       "wavelengths are "

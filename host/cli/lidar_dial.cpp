@@ -264,9 +264,7 @@ int retrieve(Options o, Invocation& invocation) {
 
 Verb verb_lidar_dial() {
   auto o = std::make_shared<Options>();
-  Verb verb;
-  verb.name = "dial";
-  verb.summary = "Retrieve a gas' column from the on-line and off-line returns of a run";
+  Verb verb("dial", "Retrieve a gas' column from the on-line and off-line returns of a run");
   verb.description =
       "Reads waveforms.img and pulses.csv of a LIDAR's folder and takes the strongest return of the line that absorbs "
       "least as the ground. Columns are one way, from "

@@ -230,9 +230,7 @@ int draw(const Options& o, Invocation& invocation) {
 
 Verb verb_lidar_gff() {
   auto o = std::make_shared<Options>();
-  Verb verb;
-  verb.name = "gff";
-  verb.summary = "Draw the receiver's overlap with the beam against range (geometric form factor)";
+  Verb verb("gff", "Draw the receiver's overlap with the beam against range (geometric form factor)");
   verb.description =
       "Level 2 is what a run computes for every hit: the share of the pupil whose rays through a point pass the field "
       "stop, averaged over the beam. Level 1, a hard "

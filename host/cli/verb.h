@@ -6,9 +6,7 @@
 //     Verb verb_example() {
 //       struct Options { std::string file; double gsd_m = 1; };
 //       auto o = std::make_shared<Options>();               // lives as long as the verb
-//       Verb verb;
-//       verb.name = "example";
-//       verb.summary = "Say what it does in one line";
+//       Verb verb("example", "Say what it does in one line");
 //       verb.common = kOutput | kCompute;                   // the common options it obeys
 //       verb.add_options = [o](base::OptionTable& table) {
 //         table.argument("FILE", "A scene file", o->file);
@@ -24,6 +22,7 @@
 #include <iosfwd>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host/base/log.h"
@@ -66,6 +65,8 @@ struct Invocation {
 };
 
 struct Verb {
+  Verb(std::string name_, std::string summary_) : name(std::move(name_)), summary(std::move(summary_)) {}
+
   std::string name;
   std::string summary;                ///< one line, imperative, no full stop
   std::string description;            ///< paragraphs of the man page, split by empty lines; may be empty

@@ -175,9 +175,7 @@ int build(const BuildOptions& o, Invocation& invocation) {
 
 Verb verb_build() {
   auto o = std::make_shared<BuildOptions>();
-  Verb verb;
-  verb.name = "build";
-  verb.summary = "Build a render table with a built-in model of the air";
+  Verb verb("build", "Build a render table with a built-in model of the air");
   verb.description =
       "Sun, air, heights, bands and sensor come from a scene FILE, or from options, which replace what the "
       "file says; a --model that is not the file's takes over what both have (pressure, columns, AOD), and a "
@@ -233,9 +231,7 @@ Verb verb_build() {
 
 Verb verb_info() {
   auto file = std::make_shared<std::string>();
-  Verb verb;
-  verb.name = "info";
-  verb.summary = "Describe a render table: axes, rows, absent rows, provenance, stated errors";
+  Verb verb("info", "Describe a render table: axes, rows, absent rows, provenance, stated errors");
   verb.add_options = [file](base::OptionTable& table) { table.argument("FILE", "A render table (.rct)", *file); };
   verb.run = [file](Invocation& invocation) {
     const atmos::RenderTable table = atmos::read_rct(*file);
@@ -249,9 +245,7 @@ Verb verb_info() {
 }  // namespace
 
 Verb verb_atmos() {
-  Verb verb;
-  verb.name = "atmos";
-  verb.summary = "Build, describe, draw and compare render tables of the air; read what other codes wrote";
+  Verb verb("atmos", "Build, describe, draw and compare render tables of the air; read what other codes wrote");
   verb.verbs = {verb_build(),        verb_info(),          verb_atmos_plot(),
                 verb_atmos_import(), verb_atmos_compare(), verb_atmos_lidar()};
   return verb;

@@ -152,9 +152,7 @@ int run(Invocation& invocation, const Options& options) {
 
 Verb verb_chart() {
   auto o = std::make_shared<Options>();
-  Verb verb;
-  verb.name = "chart";
-  verb.summary = "Chart error against time for every knob, on every device";
+  Verb verb("chart", "Chart error against time for every knob, on every device");
   std::string knobs;
   for (const auto& knob : knobs::all_knobs())
     knobs += "\n\n" + knob.name + (knob.unit.empty() ? "" : " (" + knob.unit + ")") + ": " + knob.text;

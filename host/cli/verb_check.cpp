@@ -226,9 +226,7 @@ int run(Invocation& invocation, const Options& options) {
 
 Verb verb_check() {
   auto o = std::make_shared<Options>();
-  Verb verb;
-  verb.name = "check";
-  verb.summary = "Compare rendered pixels and pulses with the Embree and double precision reference";
+  Verb verb("check", "Compare rendered pixels and pulses with the Embree and double precision reference");
   verb.description =
       "Pixels are picked by a hash of the seed. Both sides trace the very same fp32 rays.\n\n"
       "First hits, of many rays (--rays): those on which device and Embree differ are retraced in double and "

@@ -47,9 +47,7 @@ int run(Invocation& invocation) {
 }  // namespace
 
 Verb verb_devices() {
-  Verb verb;
-  verb.name = "devices";
-  verb.summary = "List the OpenCL devices of this machine";
+  Verb verb("devices", "List the OpenCL devices of this machine");
   verb.description =
       "The number or any part of the name can be given to --device. Without any device the exit status is 4.";
   verb.examples = {"raycube devices", "raycube devices --json"};

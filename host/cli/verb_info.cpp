@@ -151,9 +151,7 @@ int run(Invocation& invocation, const Options& options) {
 
 Verb verb_info() {
   const auto options = std::make_shared<Options>();
-  Verb verb;
-  verb.name = "info";
-  verb.summary = "Say what a product, scene or table holds";
+  Verb verb("info", "Say what a product, scene or table holds");
   verb.description =
       "FILE is an ENVI image or spectral library (either of its two files), a compiled scene (.rcs), a "
       "render table (.rct), a point cloud (.las), a run record (.json) or the folder "

@@ -6,9 +6,7 @@
 namespace raycube::cli {
 
 Verb verb_lidar() {
-  Verb verb;
-  verb.name = "lidar";
-  verb.summary = "Draw a LIDAR's overlap against range; retrieve gas columns from its runs";
+  Verb verb("lidar", "Draw a LIDAR's overlap against range; retrieve gas columns from its runs");
   verb.verbs = {verb_lidar_gff(), verb_lidar_dial()};
   return verb;
 }

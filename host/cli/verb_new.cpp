@@ -72,9 +72,7 @@ int run(Invocation& invocation, std::string path) {
 
 Verb verb_new() {
   const auto path = std::make_shared<std::string>();
-  Verb verb;
-  verb.name = "new";
-  verb.summary = "Write a small commented scene to start from";
+  Verb verb("new", "Write a small commented scene to start from");
   verb.description =
       "Makes the folder NAME with NAME.toml and the few small files it names. It renders in seconds. A folder that "
       "holds anything is left alone.";

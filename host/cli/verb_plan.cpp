@@ -119,9 +119,7 @@ int run(const Options& options, Invocation& invocation) {
 
 Verb verb_plan() {
   auto options = std::make_shared<Options>();
-  Verb verb;
-  verb.name = "plan";
-  verb.summary = "Say what each block of the physics costs and which levels keep the tolerance";
+  Verb verb("plan", "Say what each block of the physics costs and which levels keep the tolerance");
   verb.description =
       "For each instrument a table: block, level chosen, its estimated error, the error without it (with the level "
       "before), its cost, and why. "

@@ -197,9 +197,7 @@ int run_and_keep(const Options& options, Invocation& invocation) {
 
 Verb verb_render() {
   auto options = std::make_shared<Options>();
-  Verb verb;
-  verb.name = "render";
-  verb.summary = "Render the instruments of a simulation file into radiance cubes with truth";
+  Verb verb("render", "Render the instruments of a simulation file into radiance cubes with truth");
   verb.description =
       "Each instrument gets a folder of its own under the output folder: radiance.img (ENVI), truth.img, "
       "location.img when the "

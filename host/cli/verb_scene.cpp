@@ -34,9 +34,7 @@ void print_info(Invocation& invocation, const scene::CompiledScene& compiled) {
 
 Verb verb_info() {
   auto o = std::make_shared<Options>();
-  Verb verb;
-  verb.name = "info";
-  verb.summary = "Count a scene's triangles, instances, bytes, materials";
+  Verb verb("info", "Count a scene's triangles, instances, bytes, materials");
   verb.examples = {"raycube scene info park.toml"};
   verb.add_options = [o](base::OptionTable& table) {
     table.argument("FILE", "A simulation file, or a compiled scene (.rcs)", o->file);
@@ -51,9 +49,7 @@ Verb verb_info() {
 
 Verb verb_check() {
   auto o = std::make_shared<Options>();
-  Verb verb;
-  verb.name = "check";
-  verb.summary = "Validate a simulation file and all it names, report every problem at once";
+  Verb verb("check", "Validate a simulation file and all it names, report every problem at once");
   verb.description =
       "Whatever a render would refuse that needs neither the air computed nor a ray sent is told here: bands beyond "
       "the atmosphere's table or "
@@ -78,9 +74,7 @@ Verb verb_check() {
 
 Verb verb_compile() {
   auto o = std::make_shared<Options>();
-  Verb verb;
-  verb.name = "compile";
-  verb.summary = "Compile the scene of a simulation file to a .rcs file";
+  Verb verb("compile", "Compile the scene of a simulation file to a .rcs file");
   verb.description =
       "The file carries the scene's buffers, trees and content hash; it depends on the simulation file no "
       "more.";
@@ -101,25 +95,12 @@ Verb verb_compile() {
   return verb;
 }
 
-Verb verb_schema() {
-  Verb verb;
-  verb.name = "schema";
-  verb.summary = "Print the JSON schema of simulation files";
-  verb.examples = {"raycube scene schema > raycube.schema.json"};
-  verb.run = [](Invocation& invocation) {
-    invocation.out << scene::options_json_schema();
-    return 0;
-  };
-  return verb;
-}
-
-Verb verb_keys() {
-  Verb verb;
-  verb.name = "keys";
-  verb.summary = "Print every key of simulation files as Markdown tables";
-  verb.examples = {"raycube scene keys"};
-  verb.run = [](Invocation& invocation) {
-    invocation.out << scene::options_markdown();
+/// A verb that prints one text of the format and reads nothing.
+Verb printing(const char* name, const char* summary, const char* example, std::string (*text)()) {
+  Verb verb(name, summary);
+  verb.examples = {example};
+  verb.run = [text](Invocation& invocation) {
+    invocation.out << text();
     return 0;
   };
   return verb;
@@ -128,10 +109,12 @@ Verb verb_keys() {
 }  // namespace
 
 Verb verb_scene() {
-  Verb verb;
-  verb.name = "scene";
-  verb.summary = "Look at a scene, check it, compile it, print its format";
-  verb.verbs = {verb_info(), verb_check(), verb_compile(), verb_schema(), verb_keys()};
+  Verb verb("scene", "Look at a scene, check it, compile it, print its format");
+  verb.verbs = {verb_info(), verb_check(), verb_compile(),
+                printing("schema", "Print the JSON schema of simulation files",
+                         "raycube scene schema > raycube.schema.json", scene::options_json_schema),
+                printing("keys", "Print every key of simulation files as Markdown tables", "raycube scene keys",
+                         scene::options_markdown)};
   return verb;
 }
 

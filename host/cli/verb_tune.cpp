@@ -276,9 +276,7 @@ int run(const Options& options, Invocation& invocation) {
 
 Verb verb_tune() {
   auto options = std::make_shared<Options>();
-  Verb verb;
-  verb.name = "tune";
-  verb.summary = "Find and keep the launch sizes that are fastest on a device";
+  Verb verb("tune", "Find and keep the launch sizes that are fastest on a device");
   verb.description =
       "Times work-groups of 1 to 256 items for every kernel, and tiles of several sizes, on the simulation's first "
       "instrument and first LIDAR (or the one named), "

@@ -4,6 +4,7 @@
 // and one line RC_KNOB(NAME) in knobs.def.
 #pragma once
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -62,5 +63,31 @@ std::string switch_label(double level);  ///< "off", "on"
 /// Ascending, `own` put in where it is missing.
 std::vector<double> with_own(std::vector<double> levels, double own);
 std::vector<double> node_levels(const Subject&);  ///< 0 and kNodeCounts of the plan
+
+/// A count of the plan that 0 leaves to the planner; it means something where a camera looks through air.
+template <int scene::PlanOverrides::*kCount>
+Knob plan_knob(const char* name, const char* text, std::vector<double> (*levels)(const Subject&)) {
+  return {name,
+          "",
+          text,
+          [](const Subject& s) { return s.instrument != nullptr && !s.simulation.atmosphere.none; },
+          levels,
+          [](const Subject& s) { return static_cast<double>(s.simulation.plan.*kCount); },
+          [](const Subject& s, double level) { s.simulation.plan.*kCount = static_cast<int>(std::lround(level)); },
+          plan_label};
+}
+
+/// A count of a LIDAR's transport of light.
+template <int scene::LidarTransport::*kCount>
+Knob transport_knob(const char* name, const char* text, std::vector<double> (*levels)(const Subject&)) {
+  return {name,
+          "",
+          text,
+          [](const Subject& s) { return s.lidar != nullptr; },
+          levels,
+          [](const Subject& s) { return static_cast<double>(s.lidar->transport.*kCount); },
+          [](const Subject& s, double level) { s.lidar->transport.*kCount = static_cast<int>(std::lround(level)); },
+          whole_label};
+}
 
 }  // namespace raycube::knobs

@@ -1,21 +1,10 @@
-#include <cmath>
-
 #include "host/knobs/knob.h"
 
 namespace raycube::knobs {
 
 Knob knob_view_nodes() {
-  Knob knob;
-  knob.name = "view_nodes";
-  knob.text = "Nodes over the secant of the view zenith, linear between.";
-  knob.applies = [](const Subject& s) { return s.instrument != nullptr && !s.simulation.atmosphere.none; };
-  knob.get = [](const Subject& s) { return static_cast<double>(s.simulation.plan.view_nodes); };
-  knob.levels = node_levels;
-  knob.set = [](const Subject& s, double level) {
-    s.simulation.plan.view_nodes = static_cast<int>(std::lround(level));
-  };
-  knob.label = plan_label;
-  return knob;
+  return plan_knob<&scene::PlanOverrides::view_nodes>(
+      "view_nodes", "Nodes over the secant of the view zenith, linear between.", node_levels);
 }
 
 }  // namespace raycube::knobs

@@ -9,8 +9,6 @@
 
 namespace raycube::reference {
 
-namespace {}  // namespace
-
 std::vector<std::string> LidarReport::failures() const {
   std::vector<std::string> out;
   if (pulses == 0)
@@ -48,9 +46,8 @@ std::vector<std::string> LidarReport::failures() const {
 }
 
 std::string LidarReport::text() const {
-  std::string out = "pulses " + std::to_string(pulses) + ", rays " + std::to_string(rays) + "\nfirst hits:";
-  for (std::size_t c = 0; c < kCauses; ++c)
-    out += std::string(c ? ", " : " ") + cause_name(static_cast<Cause>(c)) + " " + std::to_string(hits[c]);
+  std::string out =
+      "pulses " + std::to_string(pulses) + ", rays " + std::to_string(rays) + "\nfirst hits:" + counts_text(hits);
   out += "\npulses with the same hits " + std::to_string(pulses - parted_pulses) +
          ", of these decided by rounding on the way to the receiver " + std::to_string(edge_pulses) + ", compared " +
          std::to_string(compared_pulses);

@@ -16,14 +16,6 @@ std::string name_of(const Hit& hit) {
                     : "instance " + std::to_string(hit.instance) + " primitive " + std::to_string(hit.primitive);
 }
 
-template <typename Counts>
-std::string counts_text(const Counts& hits) {
-  std::string out;
-  for (std::size_t c = 0; c < hits.size(); ++c)
-    out += std::string(c ? ", " : " ") + cause_name(static_cast<Cause>(c)) + " " + std::to_string(hits[c]);
-  return out;
-}
-
 nlohmann::ordered_json json_of(const HitReport& report) {
   nlohmann::ordered_json out = {{"rays", report.rays}};
   for (std::size_t c = 0; c < kCauses; ++c) out[key_of(static_cast<Cause>(c))] = report.hits[c];

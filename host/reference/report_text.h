@@ -2,6 +2,8 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
 #include <cstdio>
 #include <string>
 
@@ -14,6 +16,14 @@ inline std::string three_digits(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.3g", value);
   return text;
+}
+
+/// Rays by cause: " agree 12, exact tie 0, ...".
+inline std::string counts_text(const std::array<std::uint64_t, kCauses>& rays) {
+  std::string out;
+  for (std::size_t c = 0; c < kCauses; ++c)
+    out += std::string(c ? ", " : " ") + cause_name(static_cast<Cause>(c)) + " " + std::to_string(rays[c]);
+  return out;
 }
 
 /// A cause's name as a key of JSON.

@@ -25,9 +25,7 @@ struct Values {
 };
 
 std::vector<cli::Verb> example_verbs(const std::shared_ptr<Values>& o) {
-  cli::Verb verb;
-  verb.name = "measure";
-  verb.summary = "Measure a file";
+  cli::Verb verb("measure", "Measure a file");
   verb.common = cli::kOutput | cli::kSeed;
   verb.add_options = [o](base::OptionTable& table) {
     table.argument("FILE", "What to measure", o->file);
@@ -41,9 +39,7 @@ std::vector<cli::Verb> example_verbs(const std::shared_ptr<Values>& o) {
   cli::Verb inner = verb;
   inner.name = "build";
   inner.summary = "Build a table";
-  cli::Verb group;
-  group.name = "atmos";
-  group.summary = "Tables";
+  cli::Verb group("atmos", "Tables");
   group.verbs = {inner};
   return {verb, group};
 }
