@@ -31,19 +31,19 @@ def groups(points, key):
     return [(name, [p for p in points if p[key] == name]) for name in names]
 
 
+def curve(axis, points, **how):
+    """Error, in per cent, over the time of a pulse, with each point's setting beside it."""
+    places = [(p["us_per_pulse"], 100 * p["error"]) for p in points]
+    axis.loglog(*zip(*places), "o-", ms=4, **how)
+    for p, place in zip(points, places):
+        axis.annotate(f"{p['setting']}", place, textcoords="offset points", xytext=(4, 4), fontsize=8)
+
+
 def draw(data, file):
     figure, axes = plt.subplots(2, 3, figsize=(14, 8))
     axis = axes[0][0]
     for name, points in groups(data["subrays"], "scene"):
-        axis.loglog([p["us_per_pulse"] for p in points], [100 * p["error"] for p in points], "o-", ms=4, label=name)
-        for p in points:
-            axis.annotate(
-                f"{p['setting']}",
-                (p["us_per_pulse"], 100 * p["error"]),
-                textcoords="offset points",
-                xytext=(4, 4),
-                fontsize=8,
-            )
+        curve(axis, points, label=name)
     axis.set(
         title="sub-rays of a pulse (against 32768)",
         xlabel="device time, us per pulse",
@@ -58,22 +58,7 @@ def draw(data, file):
         ylabel="worst bin error over the peak bin",
     )
     axis = axes[0][2]
-    axis.loglog(
-        [p["us_per_pulse"] for p in data["bounces"]],
-        [100 * p["error"] for p in data["bounces"]],
-        "o-",
-        ms=4,
-        color="tab:red",
-        label="Lambert corner, 0.5 and 0.4",
-    )
-    for p in data["bounces"]:
-        axis.annotate(
-            f"{p['setting']}",
-            (p["us_per_pulse"], 100 * p["error"]),
-            textcoords="offset points",
-            xytext=(4, 4),
-            fontsize=8,
-        )
+    curve(axis, data["bounces"], color="tab:red", label="Lambert corner, 0.5 and 0.4")
     axis.axhline(0.2, color="tab:gray", ls="--", lw=1)
     axis.text(data["bounces"][0]["us_per_pulse"], 0.21, "noise of drawn directions", fontsize=8, va="bottom")
     axis.set(

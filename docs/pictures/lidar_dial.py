@@ -208,35 +208,17 @@ def main():
             peak = cross_section(ON_NM) - cross_section(OFF_NM)
             label = f"{width * 1e7 / ON_NM**2:.2f} cm-1"
             with numpy.errstate(divide="ignore"):
-                axes[2].plot(
-                    depth,
-                    -numpy.log(ratio) / (2 * LOSCHMIDT * peak * columns),
-                    "-",
-                    color=colour,
-                    label=f"{label}, peak cross section",
-                )
-                axes[2].plot(
-                    depth,
-                    -numpy.log(ratio) / (2 * LOSCHMIDT * mean * columns),
-                    "--",
-                    color=colour,
-                    label=f"{label}, line's mean",
-                )
-            axes[2].plot(
-                depth,
-                retrieve(ratio, width) / columns,
-                "o",
-                mfc="none",
-                ms=4,
-                color=colour,
-                label=f"{label}, exact curve",
-            )
+                for section, style, what in ((peak, "-", "peak cross section"), (mean, "--", "line's mean")):
+                    thin = -numpy.log(ratio) / (2 * LOSCHMIDT * section * columns)
+                    axes[2].plot(depth, thin, style, color=colour, label=f"{label}, {what}")
+            exact = retrieve(ratio, width) / columns
+            axes[2].plot(depth, exact, "o", mfc="none", ms=4, color=colour, label=f"{label}, exact curve")
             print(
                 label,
                 "peak",
                 numpy.interp([1, 1000], columns, -numpy.log(ratio) / (2 * LOSCHMIDT * peak * columns)),
                 "1000 ppm m exact",
-                numpy.interp(1000, columns, retrieve(ratio, width) / columns),
+                numpy.interp(1000, columns, exact),
             )
         axes[2].set(
             title="bias of a column in a box",

@@ -26,140 +26,96 @@ LIBRARIES = {
 
 FADE_NM = 3500.0  # a continuation into the thermal infrared keeps its own measured level from here on
 
-# name: (what it stands for, [(file, sample, from_nm, to_nm, scale to meet the piece before/after it), ...])
-# `anchor` pieces (scaled False) keep the measured level.
-MATERIALS = {
-    "lawn_grass": (
-        "mown lawn",
-        [
-            ("usgs_lawn_grass_green", "Lawn_Grass GDS91 green", 385, 2500, False),
-            ("aster_grass", "grass (JHU, green grass)", 2500, 14000, True),
-        ],
-    ),
-    "half_dry_grass": (
-        "meadow in September",
-        [
-            ("usgs_grass_half_dry_half_green", "Grass_dry.5+.5green AMX28", 385, 2500, False),
-            ("aster_dry_grass", "dry grass (JHU)", 2500, 14000, True),
-        ],
-    ),
-    "dry_grass": (
-        "dry grass",
-        [
-            ("usgs_grass_golden_dry", "Grass_Golden_Dry GDS480", 385, 2490, False),
-            ("aster_dry_grass", "dry grass (JHU)", 2490, 14000, True),
-        ],
-    ),
-    "straw": ("stubble", [("aster_dry_grass", "dry grass (JHU)", 385, 14000, False)]),
-    "maple_leaf": (
-        "maple foliage",
-        [
-            ("usgs_maple_leaves", "Maple_Leaves DW92-1", 385, 2500, False),
-            ("aster_decidous", "deciduous trees (JHU)", 2500, 14000, True),
-        ],
-    ),
-    "aspen_leaf": (
-        "aspen foliage",
-        [
-            ("aster_decidous", "deciduous trees (JHU)", 350, 425, True),
-            ("usgs_aspen_leaf_green", "Aspen Aspen-1 green-top", 425, 2430, False),
-            ("aster_decidous", "deciduous trees (JHU)", 2430, 14000, True),
-        ],
-    ),
-    "walnut_leaf": (
-        "shrub foliage",
-        [
-            ("usgs_walnut_leaf", "Walnut_Leaf SUN (Green)", 385, 2500, False),
-            ("aster_decidous", "deciduous trees (JHU)", 2500, 14000, True),
-        ],
-    ),
-    "spruce_needles": ("conifer foliage", [("aster_conifer", "conifer trees (JHU)", 350, 14000, False)]),
-    "bark": (
-        "bark of stems and branches",
-        [
-            ("muufl_field_bark", "Bark, mean of 40", 350, 400, True),
-            ("rrtm_wood_bark", "wood-reflect", 400, 2490, False),
-        ],
-    ),
-    "leaf_litter": (
-        "forest floor",
-        [
-            ("muufl_field_ground_litter", "GroundLitter, mean of 10", 350, 1000, False),
-            ("usgs_oak_leaf_dried", "Oak Oak-Leaf-2 dried", 1000, 2490, True),
-        ],
-    ),
-    "loam": (
-        "dark loam",
-        [
-            ("muufl_field_dirt", "Dirt, mean of 5", 350, 400, True),
-            ("aster_black_loam", "black loam 85P4663 (JHU)", 400, 14000, False),
-        ],
-    ),
-    "track_soil": (
-        "surface of the dirt track",
-        [("muufl_field_dirt", "Dirt, mean of 5", 350, 400, True), ("rrtm_soil_dry_wet", "soil, dry", 400, 2490, False)],
-    ),
-    "sand": ("dry sand", [("usgs_sand_beach_dry", "Sand DWO-3-DEL2ar1 no oil", 385, 2490, False)]),
-    "gravel": (
-        "crushed grey stone; measured on a grey aggregate block",
-        [("usgs_cinder_block_grey", "Cinder_Block GDS356 Lg Grey", 385, 2490, False)],
-    ),
-    "asphalt": (
-        "old asphalt",
-        [
-            ("usgs_asphalt_road_old", "Asphalt GDS376 Blck_Road old", 385, 2490, False),
-            ("aster_construction_asphalt", "construction asphalt (JHU)", 2490, 14000, True),
-        ],
-    ),
-    "concrete": (
-        "concrete",
-        [
-            ("usgs_concrete_road_light_grey", "Concrete GDS375 Lt Gry Road", 385, 2490, False),
-            ("aster_construction_concrete", "construction concrete (JHU)", 2490, 14000, True),
-        ],
-    ),
-    "blue_cotton": (
-        "blue cotton-like cloth",
-        [("muufl_cloth_blue", "target cloth Blue, laboratory", 350, 2500, False)],
-    ),
-    "blue_felt": (
-        "blue synthetic fabric in place of felt",
-        [("usgs_fabric_nylon_blue", "Nylon_Fabric GDS433 Blu RpSt", 385, 2490, False)],
-    ),
-    "yellow_cotton": (
-        "yellow cotton",
-        [("usgs_fabric_cotton_terrycloth_yellow", "Terrycloth_Fabric GDS537 Yel", 385, 2490, False)],
-    ),
-    "yellow_felt": (
-        "yellow polymer in place of synthetic felt",
-        [("usgs_plastic_hdpe_yellow", "Plastic_HDPE GDS386 Yelopaqu", 385, 2490, False)],
-    ),
-    "red_nylon": (
-        "red synthetic fabric",
-        [("usgs_fabric_nylon_red", "Nylon_Fabric GDS431 Red RpSt", 385, 2490, False)],
-    ),
-    "burlap": ("brown burlap", [("usgs_fabric_burlap_brown", "Burlap_Fabric GDS430 Brown", 385, 2490, False)]),
-    "green_paint": (
-        "green painted wood; measured on the paint's pigment",
-        [("usgs_pigment_green_chromium_oxide", "Oxide_of_chromium GDS795", 385, 2490, False)],
-    ),
-    "white_paint": (
-        "white paint; measured on the paint's pigment",
-        [("usgs_pigment_white_titanium_dioxide", "Titanium_dioxide GDS798 TiO2", 385, 2490, False)],
-    ),
-    "red_cloth": (
-        "red car paint; measured on red cloth",
-        [("muufl_cloth_red", "target cloth Red, laboratory", 350, 2500, False)],
-    ),
-    "steel": ("coated steel", [("usgs_coated_steel_girder", "Coated_Steel_Girder WTC01-8", 385, 2490, False)]),
-    "black_rubber": (
-        "tyres and dark glass; measured on black roofing felt",
-        [("usgs_roofing_felt_black", "Roofing_Felt GDS377 Black", 385, 2490, False)],
-    ),
-    "brick": ("shed walls", [("usgs_brick_dark_red", "Brick GDS350 Dk Red Building", 385, 2490, False)]),
-    "shingle": ("shed roof", [("usgs_asphalt_shingle_dark_grey", "Asphalt_Shingle GDS367 DkGry", 385, 2490, False)]),
-    "wood": ("shed doors", [("usgs_wood_beam_pine", "Wood_Beam GDS363 Nw Pine 2X4", 385, 2490, False)]),
-}
+# A material: what it stands for. Below it its pieces from short to long wavelengths: file, the range it serves in nm,
+# whether it keeps its measured level or is scaled until it meets the piece that does, and the sample's name.
+MATERIALS = """
+lawn_grass: mown lawn
+    usgs_lawn_grass_green                  385  2500 keeps Lawn_Grass GDS91 green
+    aster_grass                           2500 14000 meets grass (JHU, green grass)
+half_dry_grass: meadow in September
+    usgs_grass_half_dry_half_green         385  2500 keeps Grass_dry.5+.5green AMX28
+    aster_dry_grass                       2500 14000 meets dry grass (JHU)
+dry_grass: dry grass
+    usgs_grass_golden_dry                  385  2490 keeps Grass_Golden_Dry GDS480
+    aster_dry_grass                       2490 14000 meets dry grass (JHU)
+straw: stubble
+    aster_dry_grass                        385 14000 keeps dry grass (JHU)
+maple_leaf: maple foliage
+    usgs_maple_leaves                      385  2500 keeps Maple_Leaves DW92-1
+    aster_decidous                        2500 14000 meets deciduous trees (JHU)
+aspen_leaf: aspen foliage
+    aster_decidous                         350   425 meets deciduous trees (JHU)
+    usgs_aspen_leaf_green                  425  2430 keeps Aspen Aspen-1 green-top
+    aster_decidous                        2430 14000 meets deciduous trees (JHU)
+walnut_leaf: shrub foliage
+    usgs_walnut_leaf                       385  2500 keeps Walnut_Leaf SUN (Green)
+    aster_decidous                        2500 14000 meets deciduous trees (JHU)
+spruce_needles: conifer foliage
+    aster_conifer                          350 14000 keeps conifer trees (JHU)
+bark: bark of stems and branches
+    muufl_field_bark                       350   400 meets Bark, mean of 40
+    rrtm_wood_bark                         400  2490 keeps wood-reflect
+leaf_litter: forest floor
+    muufl_field_ground_litter              350  1000 keeps GroundLitter, mean of 10
+    usgs_oak_leaf_dried                   1000  2490 meets Oak Oak-Leaf-2 dried
+loam: dark loam
+    muufl_field_dirt                       350   400 meets Dirt, mean of 5
+    aster_black_loam                       400 14000 keeps black loam 85P4663 (JHU)
+track_soil: surface of the dirt track
+    muufl_field_dirt                       350   400 meets Dirt, mean of 5
+    rrtm_soil_dry_wet                      400  2490 keeps soil, dry
+sand: dry sand
+    usgs_sand_beach_dry                    385  2490 keeps Sand DWO-3-DEL2ar1 no oil
+gravel: crushed grey stone; measured on a grey aggregate block
+    usgs_cinder_block_grey                 385  2490 keeps Cinder_Block GDS356 Lg Grey
+asphalt: old asphalt
+    usgs_asphalt_road_old                  385  2490 keeps Asphalt GDS376 Blck_Road old
+    aster_construction_asphalt            2490 14000 meets construction asphalt (JHU)
+concrete: concrete
+    usgs_concrete_road_light_grey          385  2490 keeps Concrete GDS375 Lt Gry Road
+    aster_construction_concrete           2490 14000 meets construction concrete (JHU)
+blue_cotton: blue cotton-like cloth
+    muufl_cloth_blue                       350  2500 keeps target cloth Blue, laboratory
+blue_felt: blue synthetic fabric in place of felt
+    usgs_fabric_nylon_blue                 385  2490 keeps Nylon_Fabric GDS433 Blu RpSt
+yellow_cotton: yellow cotton
+    usgs_fabric_cotton_terrycloth_yellow   385  2490 keeps Terrycloth_Fabric GDS537 Yel
+yellow_felt: yellow polymer in place of synthetic felt
+    usgs_plastic_hdpe_yellow               385  2490 keeps Plastic_HDPE GDS386 Yelopaqu
+red_nylon: red synthetic fabric
+    usgs_fabric_nylon_red                  385  2490 keeps Nylon_Fabric GDS431 Red RpSt
+burlap: brown burlap
+    usgs_fabric_burlap_brown               385  2490 keeps Burlap_Fabric GDS430 Brown
+green_paint: green painted wood; measured on the paint's pigment
+    usgs_pigment_green_chromium_oxide      385  2490 keeps Oxide_of_chromium GDS795
+white_paint: white paint; measured on the paint's pigment
+    usgs_pigment_white_titanium_dioxide    385  2490 keeps Titanium_dioxide GDS798 TiO2
+red_cloth: red car paint; measured on red cloth
+    muufl_cloth_red                        350  2500 keeps target cloth Red, laboratory
+steel: coated steel
+    usgs_coated_steel_girder               385  2490 keeps Coated_Steel_Girder WTC01-8
+black_rubber: tyres and dark glass; measured on black roofing felt
+    usgs_roofing_felt_black                385  2490 keeps Roofing_Felt GDS377 Black
+brick: shed walls
+    usgs_brick_dark_red                    385  2490 keeps Brick GDS350 Dk Red Building
+shingle: shed roof
+    usgs_asphalt_shingle_dark_grey         385  2490 keeps Asphalt_Shingle GDS367 DkGry
+wood: shed doors
+    usgs_wood_beam_pine                    385  2490 keeps Wood_Beam GDS363 Nw Pine 2X4
+"""
+
+
+def materials(table):
+    """(name, what it stands for, [(file, sample, from_nm, to_nm, scaled), ...]) of each material."""
+    out = []
+    for line in table.strip().splitlines():
+        if line.startswith(" "):
+            file, low, high, level, label = line.split(maxsplit=4)
+            out[-1][2].append((file, label, int(low), int(high), {"keeps": False, "meets": True}[level]))
+        else:
+            name, _, stands_for = line.partition(": ")
+            out.append((name, stands_for, []))
+    return out
 
 
 def grid_nm(low, high):
@@ -245,9 +201,10 @@ def main():
     folder = Path(os.environ["RAYCUBE_SHARED"]) / "data" / "spectra"
     out = Path(__file__).resolve().parent / "spectra"
     out.mkdir(exist_ok=True)
-    for name, (stands_for, pieces) in MATERIALS.items():
+    everything = materials(MATERIALS)
+    for name, stands_for, pieces in everything:
         (out / f"{name}.csv").write_text(restate(folder, name, stands_for, pieces))
-    print(f"restate_spectra: {len(MATERIALS)} files in {out}")
+    print(f"restate_spectra: {len(everything)} files in {out}")
 
 
 if __name__ == "__main__":

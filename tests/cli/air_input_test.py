@@ -8,7 +8,7 @@ import pathlib
 import sys
 import tempfile
 
-from driver import Program
+from driver import Program, camera, options
 
 program = Program(sys.argv[1])
 check = program.check
@@ -17,19 +17,10 @@ SCENE = """format = 1
 time = {{ sun = {{ zenith_deg = 50 }} }}
 material = [{{ name = "plate", reflectance = 0.5 }}]
 plane = [{{ material = "plate", size_m = [60, 60] }}]
-[[instrument]]
-name = "camera"
-kind = "framing"
-pixels = 2
-lines = 2
-position_m = [0, 0, 500]
-ifov_mrad = 2
-samples = {{ grid = [2, 2] }}
-bands = {{ first_nm = 3950, step_nm = 10, count = 1, fwhm_nm = 10 }}
-[thermal]
+{camera}[thermal]
 default_temperature_K = 300
 [atmosphere]
-{}
+{keys}
 """
 
 with tempfile.TemporaryDirectory() as name:
@@ -38,21 +29,21 @@ with tempfile.TemporaryDirectory() as name:
 
     def scene(keys):
         path = folder / "scene.toml"
-        path.write_text(SCENE.format(keys))
+        path.write_text(SCENE.format(keys=keys, camera=camera(2, 2, 2, first_nm=3950)))
         return path
 
     # Options that contradict each other are refused by name, and nothing is written.
     build = ("atmos", "build", "--sun-zenith", 50, "-o", folder / "air.rct")
     lidar = ("atmos", "lidar", "--wavelengths", 532, "-o", folder / "air.rct")
     for verb in (build, lidar):
-        for options, says in (
+        for given, says in (
             (("--aerosol", "none", "--aod", 0.5), ("--aod 0.5", "no aerosol", "--aerosol none")),
             (("--aerosol", "none", "--visibility", 5), ("--visibility 5", "no aerosol")),
             (("--aerosol", "none", "--humidity", 50), ("--humidity 50", "no aerosol")),
             (("--visibility", 10, "--aod", 0.2), ("--visibility 10", "--aod 0.2", "remove one")),
             (("--fill", "tropical"), ("--fill tropical", "no profile file")),
         ):
-            program.refused(*verb, *options, status=2, says=list(says))
+            program.refused(*verb, *given, status=2, says=list(says))
         program.refused(
             *verb, scene('aerosol = "none"'), "--aod", 0.5, status=2, says=["--aod 0.5", 'aerosol = "none"']
         )
@@ -69,20 +60,8 @@ with tempfile.TemporaryDirectory() as name:
     check(not (folder / "air.rct").exists())
 
     # So are keys of a scene file: by key, all of them at once.
-    program.run(
-        "atmos",
-        "build",
-        "--model",
-        "clear_sky",
-        "--sun-zenith",
-        50,
-        "--sensor-height",
-        500,
-        "--to",
-        4.0,
-        "-o",
-        folder / "sky.rct",
-    )
+    sky = options(model="clear_sky", sun_zenith=50, sensor_height=500, to=4.0)
+    program.run("atmos", "build", *sky, "-o", folder / "sky.rct")
     columns = ("water_g_cm2", "ozone_atm_cm", "aod_550")
     values = "water_g_cm2 = 2\nozone_atm_cm = 0.3\naod_550 = 0.1"
     for keys, refused in (

@@ -15,7 +15,7 @@ import tempfile
 
 import numpy
 
-from driver import Program, envi, scene
+from driver import Program, envi, options, scene
 
 program = Program(sys.argv[1])
 E0, MU0, T_SUN, T_VIEW, L0, SKY, S, T_DIF = 1500.0, math.cos(math.radians(40)), 0.6, 0.8, 20.0, 60.0, 0.2, 0.1
@@ -214,20 +214,8 @@ with tempfile.TemporaryDirectory() as name:
     shared = os.environ.get("RAYCUBE_SHARED")
     if shared:
         chn = pathlib.Path(shared) / "reference/atmosphere/samples/modtran/isofit_modtran6_vswir.chn"
-        program.run(
-            "atmos",
-            "import",
-            chn,
-            "--sun-zenith",
-            "40",
-            "--sun-azimuth",
-            "150",
-            "--sensor-height",
-            "500",
-            "--even-sky",
-            "-o",
-            folder / "chn.rct",
-        )
+        sun_and_sensor = options(sun_zenith=40, sun_azimuth=150, sensor_height=500)
+        program.run("atmos", "import", chn, *sun_and_sensor, "--even-sky", "-o", folder / "chn.rct")
         strips = scene(folder, "real.toml", air=f'{{ tables = "{folder / "chn.rct"}" }}', pixels=12, lines=2)
         program.run("render", strips, "-o", folder / "real")
         _, cube = envi(folder / "real" / "camera", "radiance")

@@ -7,17 +7,43 @@ import subprocess
 
 import numpy
 
-#: Laser and telescope of a survey, to follow the head of a [[lidar]].
-PULSE_AND_RECEIVER = """[lidar.pulse]
-energy_J = 1e-4
+#: Level ground under a LIDAR: its material and its plane.
+GROUND = """[[material]]
+name = "ground"
+reflectance = 0.3
+[[plane]]
+material = "ground"
+size_m = [200.0, 200.0]
+"""
+
+
+def pulse_and_receiver(energy_J="1e-4", divergence_mrad=0.2, fov_mrad=2.0):
+    """Laser and telescope of a survey, to follow the head of a [[lidar]]."""
+    return f"""[lidar.pulse]
+energy_J = {energy_J}
 wavelength_nm = 1064.0
 fwhm_ns = 4.0
-divergence_mrad = 0.2
+divergence_mrad = {divergence_mrad}
 divergence_is = "full angle at 1/e^2"
 [lidar.receiver]
 aperture_diameter_m = 0.1
-fov_mrad = 2.0
+fov_mrad = {fov_mrad}
 """
+
+
+PULSE_AND_RECEIVER = pulse_and_receiver()
+
+
+def gate(start_m, stop_m, subrays=16):
+    """Gate and sub-rays of a survey; further keys of [lidar.sampling] may follow."""
+    return f"""[lidar.gate]
+start_range_m = {start_m}
+stop_range_m = {stop_m}
+[lidar.sampling]
+subrays = {subrays}
+"""
+
+
 kTypes = {1: "u1", 2: "i2", 3: "i4", 4: "f4", 5: "f8", 12: "u2", 13: "u4"}
 
 
@@ -61,6 +87,25 @@ class Program:
         return done
 
 
+def camera(pixels, lines, grid, first_nm, step_nm=10, count=1, fwhm_nm=10):
+    """A framing camera that looks down from 500 m onto pixels of 1 m."""
+    return f"""[[instrument]]
+name = "camera"
+kind = "framing"
+pixels = {pixels}
+lines = {lines}
+position_m = [0, 0, 500]
+ifov_mrad = 2
+samples = {{ grid = [{grid}, {grid}] }}
+bands = {{ first_nm = {first_nm}, step_nm = {step_nm}, count = {count}, fwhm_nm = {fwhm_nm} }}
+"""
+
+
+def options(**values):
+    """Options of the command line: sun_zenith=50 is --sun-zenith 50."""
+    return [part for name, value in values.items() for part in ("--" + name.replace("_", "-"), value)]
+
+
 def header_of(path):
     """An ENVI header as a dictionary of text; lists are split at commas."""
     text = pathlib.Path(path).read_text()
@@ -97,6 +142,27 @@ def envi(folder, name):
 
 def record(folder):
     return json.loads((pathlib.Path(folder) / "run.json").read_text())
+
+
+def plate(folder, head, *, agl_m, lines, grid, pitch_deg=0, size_m=4000.0, height_m=0.0, reflectance=0.3):
+    """plane.toml: a grey plate that fills the view of a camera in air, whose bands are those of bands.csv."""
+    path = pathlib.Path(folder) / "plane.toml"
+    path.write_text(f"""format = 1
+{head}
+material = [ {{ name = "grey", reflectance = {reflectance} }} ]
+plane = [ {{ material = "grey", position_m = [0.0, 0.0, {height_m}], size_m = [{size_m}, {size_m}] }} ]
+[[instrument]]
+name = "camera"
+kind = "framing"
+position_m = [0.0, 0.0, {agl_m}]
+pitch_deg = {pitch_deg}
+ifov_mrad = 1.0
+pixels = 4
+lines = {lines}
+samples = {{ grid = [{grid}, {grid}] }}
+bands = {{ file = "bands.csv" }}
+""")
+    return path
 
 
 def scene(folder, name, *, head="", air='{ model = "none" }', pixels=24, lines=12, grid=3, instrument=""):

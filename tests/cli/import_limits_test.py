@@ -12,7 +12,7 @@ import tempfile
 
 import numpy
 
-from driver import Program, envi, record
+from driver import Program, envi, plate, record
 
 program = Program(sys.argv[1])
 run, check, refused = program.run, program.check, program.refused
@@ -82,24 +82,9 @@ def plane(folder, table, *, bands=None, pitch=0, height=0.0, agl=1000.0):
     (folder / "bands.csv").write_text(
         "center_nm,fwhm_nm\n" + "".join(f"{c},{w}\n" for c, w in bands or [(c, FWHM) for c in CENTERS])
     )
-    path = folder / "plane.toml"
-    path.write_text(f"""format = 1
-material = [ {{ name = "grey", reflectance = {REFLECTANCE} }} ]
-plane = [ {{ material = "grey", position_m = [0.0, 0.0, {height}], size_m = [4000.0, 4000.0] }} ]
-atmosphere = {{ tables = "{table}" }}
-time = {{ sun = {{ zenith_deg = {SUN}, azimuth_deg = 150.0 }} }}
-[[instrument]]
-name = "camera"
-kind = "framing"
-position_m = [0.0, 0.0, {agl}]
-pitch_deg = {pitch}
-ifov_mrad = 1.0
-pixels = 4
-lines = 4
-samples = {{ grid = [4, 4] }}
-bands = {{ file = "bands.csv" }}
-""")
-    return path
+    head = f"""atmosphere = {{ tables = "{table}" }}
+time = {{ sun = {{ zenith_deg = {SUN}, azimuth_deg = 150.0 }} }}"""
+    return plate(folder, head, agl_m=agl, lines=4, grid=4, pitch_deg=pitch, height_m=height, reflectance=REFLECTANCE)
 
 
 with tempfile.TemporaryDirectory() as work:
@@ -122,6 +107,9 @@ with tempfile.TemporaryDirectory() as work:
     def render(file):
         done = run("render", file, "-o", out, "--overwrite")
         return done, envi(out / "camera", "radiance")[1].astype(float).reshape(16, -1)
+
+    def not_rendered(file, says):
+        refused("render", file, "-o", out, "--overwrite", status=2, says=says)
 
     # The instrument's bands are the channels: their values as they are.
     done, found = render(plane(work, work / "a.rct"))
@@ -163,14 +151,9 @@ with tempfile.TemporaryDirectory() as work:
     check(any("2 of 3 bands" in warning for warning in record(out / "camera")["warnings"]))
     check(abs(found[:, 1] / want[5] - 1).max() < 2e-6 and found[0, 0] > 1.3 * want[DEEP], found[0], want)
     # What is finer than a channel is not in the table.
-    refused(
-        "render",
+    not_rendered(
         plane(work, work / "a.rct", bands=[(765.0, 2.0)]),
-        "-o",
-        out,
-        "--overwrite",
-        status=2,
-        says=["means over channels", "band 1 is 765 nm, FWHM 2 nm", "FWHM 9.5 nm"],
+        ["means over channels", "band 1 is 765 nm, FWHM 2 nm", "FWHM 9.5 nm"],
     )
 
     # One line of sight: straight down it serves, aside it is said, far aside refused, with the angles.
@@ -196,28 +179,12 @@ with tempfile.TemporaryDirectory() as work:
     # In parts of the whole column: 60 m are 0.75 % of it, 500 m 6 %.
     done, _ = render(plane(work, work / "a.rct", height=60.0))
     check("one target height, 0 m, 0.747 % of the column of air away" in done.stderr, done.stderr)
-    refused(
-        "render",
-        plane(work, work / "a.rct", height=500.0),
-        "-o",
-        out,
-        "--overwrite",
-        status=2,
-        says=["one target height, 0 m", "from 500 to 500 m"],
-    )
+    not_rendered(plane(work, work / "a.rct", height=500.0), ["one target height, 0 m", "from 500 to 500 m"])
     # Ten metres under a drone are a tenth of the path and nothing of the light.
     run(*imported, "--sensor-height", 120, "-o", work / "low.rct")
     done, _ = render(plane(work, work / "low.rct", height=10.0, agl=120.0))
     check(not record(out / "camera")["warnings"], done.stderr)
-    refused(
-        "render",
-        plane(work, work / "a.rct", agl=1500.0),
-        "-o",
-        out,
-        "--overwrite",
-        status=2,
-        says=["another sensor height"],
-    )
+    not_rendered(plane(work, work / "a.rct", agl=1500.0), ["another sensor height"])
     # Columns that a user names state that nothing varies.
     names = (
         "solar_irradiance [W m-2 um-1],sun_transmission [1],view_transmission [1],two_way_factor "

@@ -8,7 +8,7 @@ import sys
 import tempfile
 import time
 
-from driver import PULSE_AND_RECEIVER, Program, record, scene
+from driver import GROUND, PULSE_AND_RECEIVER, Program, options, record, scene
 
 program = Program(sys.argv[1])
 run, check, refused = program.run, program.check, program.refused
@@ -22,14 +22,9 @@ SONDE = """height_km,pressure_hPa,temperature_K,h2o_relative_humidity_percent
 12,190,216,50
 """
 LIDAR = (
-    """format = 1
-[[material]]
-name = "ground"
-reflectance = 0.3
-[[plane]]
-material = "ground"
-size_m = [200.0, 200.0]
-[time]
+    "format = 1\n"
+    + GROUND
+    + """[time]
 sun = { zenith_deg = 30.0, azimuth_deg = 150.0 }
 [[lidar]]
 name = "scan"
@@ -157,28 +152,12 @@ with tempfile.TemporaryDirectory() as work:
     text = all_refuse(work, rough, shaped)
     beyond = edited(scene(work, "beyond.toml", air=LAYERED), "first_nm = 450.0", "first_nm = 250.0")
     all_refuse(work, beyond, ["the layered model covers 0.3 to 30 um"])
-    level = scene(work, "level.toml", air=LAYERED, instrument='pitch_deg = 90.0')
+    level = scene(work, "level.toml", air=LAYERED, instrument="pitch_deg = 90.0")
     all_refuse(work, level, ["looks up or level"])
 
     # A table that ends inside a band, of another sun or height, is refused by its file's name.
-    run(
-        "atmos",
-        "build",
-        "--model",
-        "clear_sky",
-        "--sun-zenith",
-        "40",
-        "--sun-azimuth",
-        "150",
-        "--sensor-height",
-        "500",
-        "--from",
-        "0.42",
-        "--to",
-        "0.8",
-        "-o",
-        work / "air.rct",
-    )
+    sky = options(model="clear_sky", sun_zenith=40, sun_azimuth=150, sensor_height=500, to=0.8)
+    run("atmos", "build", *sky, "--from", 0.42, "-o", work / "air.rct")
     table = scene(work, "table.toml", air='{ tables = "air.rct" }')
     all_refuse(work, table, ["air.rct' covers 420 to 800 nm", "it begins too late and ends too early"])
 

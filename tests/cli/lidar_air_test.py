@@ -11,7 +11,7 @@ import pathlib
 import sys
 import tempfile
 
-from driver import PULSE_AND_RECEIVER, Program, record
+from driver import PULSE_AND_RECEIVER, Program, camera, gate, options, record
 
 program = Program(sys.argv[1])
 run, check = program.run, program.check
@@ -36,28 +36,13 @@ prf_khz = 10.0
 pulses = 2
 """
     + PULSE_AND_RECEIVER
-    + """[lidar.gate]
-start_range_m = 400.0
-stop_range_m = 600.0
-[lidar.sampling]
-subrays = 16
-[lidar.products]
+    + gate(400.0, 600.0)
+    + """[lidar.products]
 png = false
 cube = false
 """
 )
-CAMERA = """[thermal]
-default_temperature_K = 300
-[[instrument]]
-name = "camera"
-kind = "framing"
-pixels = 2
-lines = 2
-position_m = [0, 0, 500]
-ifov_mrad = 2
-samples = { grid = [2, 2] }
-bands = { first_nm = 550, step_nm = 10, count = 1, fwhm_nm = 10 }
-"""
+CAMERA = "[thermal]\ndefault_temperature_K = 300\n" + camera(2, 2, 2, first_nm=550)
 SUN, NIGHT = "[time]\nsun = { zenith_deg = 50.0 }", "[time]\nsun = { zenith_deg = 120.0 }"
 
 
@@ -121,20 +106,8 @@ def no_aerosol(work):
 
 def tables(work):
     """A passive table has no profiles: refused by every verb, by name, and nothing is written."""
-    run(
-        "atmos",
-        "build",
-        "--model",
-        "clear_sky",
-        "--sun-zenith",
-        50,
-        "--sensor-height",
-        500,
-        "--to",
-        1.2,
-        "-o",
-        work / "sky.rct",
-    )
+    sky = options(model="clear_sky", sun_zenith=50, sensor_height=500, to=1.2)
+    run("atmos", "build", *sky, "-o", work / "sky.rct")
     file = written(work, 'tables = "sky.rct"', time=SUN)
     says = [
         "scene.toml",

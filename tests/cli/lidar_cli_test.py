@@ -1,23 +1,18 @@
 """raycube atmos lidar, and a table with lines, as a user drives them. Usage: lidar_cli_test.py RAYCUBE FOLDER"""
 
+import functools
 import json
 import math
 import pathlib
 import shutil
-import subprocess
 import sys
 
-program, folder = sys.argv[1], pathlib.Path(sys.argv[2])
+from driver import Program
+
+program, folder = Program(sys.argv[1]), pathlib.Path(sys.argv[2])
+run = functools.partial(program.run, "atmos")
 shutil.rmtree(folder, ignore_errors=True)
 folder.mkdir(parents=True)
-
-
-def run(*arguments, status=0):
-    done = subprocess.run([program, "atmos", *map(str, arguments)], capture_output=True, text=True)
-    assert (
-        done.returncode == status
-    ), f"{arguments}: status {done.returncode}, expected {status}\n{done.stdout}{done.stderr}"
-    return done
 
 
 def rows_of(table):

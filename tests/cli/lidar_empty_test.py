@@ -10,7 +10,7 @@ import struct
 import sys
 import tempfile
 
-from driver import PULSE_AND_RECEIVER, Program, record
+from driver import PULSE_AND_RECEIVER, Program, gate, record
 
 program = Program(sys.argv[1])
 run, check = program.run, program.check
@@ -33,12 +33,8 @@ prf_khz = {prf}
 pulses = {pulses}
 """
     + PULSE_AND_RECEIVER
-    + """[lidar.gate]
-start_range_m = {start}
-stop_range_m = {stop}
-[lidar.sampling]
-subrays = 16
-{sampling}
+    + gate("{start}", "{stop}")
+    + """{sampling}
 [lidar.echoes]
 {echoes}
 [lidar.products]
@@ -222,7 +218,7 @@ def clear_air(work):
         (
             "[lidar.products]",
             '[lidar.detector]\nmode = "linear"\ngain = 20.0\nionization_ratio = 0.2\nreadout_noise_e = 100.0\n'
-            '[lidar.products]',
+            "[lidar.products]",
         )
     ]
     for change in ((), linear):
@@ -254,7 +250,7 @@ def geiger(work):
     a strong pulse's 200 exp(-0.667) find the cell ready (before, none of these was known to be of the ground: its first
     photons come long before its power has); of a hopeless one's nothing is left but 1 - exp(-1.334) dark counts, which
     passed without a word."""
-    kind = "[lidar.detector]\nmode = \"geiger\"\ndark_rate_hz = 1e6\n[lidar.products]"
+    kind = '[lidar.detector]\nmode = "geiger"\ndark_rate_hz = 1e6\n[lidar.products]'
     for energy, of_ground, found in (("1e-4", 200 * 0.5134, 200), ("1e-16", 0, 200 * 0.7366)):
         returns, said, kept = rendered(
             work, [("energy_J = 1e-4", f"energy_J = {energy}"), ("[lidar.products]", kind)], pulses=200

@@ -13,7 +13,7 @@ import sys
 import tempfile
 
 import numpy
-from driver import PULSE_AND_RECEIVER, Program, envi
+from driver import GROUND, PULSE_AND_RECEIVER, Program, envi, gate
 
 program = Program(sys.argv[1])
 run, check = program.run, program.check
@@ -189,14 +189,9 @@ def survey(work):
 
 
 FOLDED = (
-    """format = 1
-[[material]]
-name = "ground"
-reflectance = 0.3
-[[plane]]
-material = "ground"
-size_m = [200.0, 200.0]
-[atmosphere]
+    "format = 1\n"
+    + GROUND
+    + """[atmosphere]
 model = "none"
 [time]
 sun = {{ zenith_deg = 100.0 }}
@@ -208,12 +203,8 @@ pulses = 6
 fold_ambiguous = {fold}
 """
     + PULSE_AND_RECEIVER
-    + """[lidar.gate]
-start_range_m = {start}
-stop_range_m = {stop}
-[lidar.sampling]
-subrays = 16
-[lidar.products]
+    + gate("{start}", "{stop}")
+    + """[lidar.products]
 png = false
 """
 )

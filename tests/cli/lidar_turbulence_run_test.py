@@ -159,15 +159,10 @@ def relief(work):
     things = '[[terrain]]\nraster = "valley.asc"\nmaterial = "grey"\n' + box(
         "mast", [0.0, 600.0, 1900.0], [10.0, 10.0, 160.0]
     )
-    found, said = rendered(
-        work,
-        things=things,
-        place=[0.0, -600.0, 2020.0],
-        target=[0.0, 600.0, 2000.0],
-        near=1000.0,
-        far=1300.0,
-        nm=1064.0,
+    values = dict(
+        things=things, place=[0.0, -600.0, 2020.0], target=[0.0, 600.0, 2000.0], near=1000.0, far=1300.0, nm=1064.0
     )
+    found, said = rendered(work, **values)
     length = found["path_m"]
     share = (numpy.arange(STEPS) + 0.5) / STEPS * length / math.hypot(1200.0, 20.0)
     heights = 2020 - 20 * share - (base + 0.2 * numpy.abs(-600 + 1200 * share))
@@ -175,16 +170,7 @@ def relief(work):
     agree(found, expected(heights, length, 1064.0), 1e-4)
     check(abs(found["start_height_m"] - 100) < 1e-3 and "give ground_z_m" not in said, found, said)
     # One height for all of the ground, where a user says so.
-    flat, _ = rendered(
-        work,
-        things=things,
-        place=[0.0, -600.0, 2020.0],
-        target=[0.0, 600.0, 2000.0],
-        near=1000.0,
-        far=1300.0,
-        nm=1064.0,
-        turbulence=HV + "\nground_z_m = 1900.0",
-    )
+    flat, _ = rendered(work, turbulence=HV + "\nground_z_m = 1900.0", **values)
     agree(flat, expected(120 - 20 * share, length, 1064.0), 1e-6)
 
 

@@ -13,7 +13,7 @@ import sys
 import tempfile
 
 import numpy
-from driver import Program, envi, record, scene
+from driver import Program, envi, gate, pulse_and_receiver, record, scene
 
 program = Program(sys.argv[1])
 check = program.check
@@ -30,22 +30,7 @@ name = "survey"
 position_m = [0.0, 0.0, 500.0]
 prf_khz = 10.0
 pulses = 2
-[lidar.pulse]
-energy_J = 20e-6
-wavelength_nm = 1064.0
-fwhm_ns = 4.0
-divergence_mrad = 0.5
-divergence_is = "full angle at 1/e^2"
-[lidar.receiver]
-aperture_diameter_m = 0.1
-fov_mrad = 1.0
-[lidar.gate]
-start_range_m = 490.0
-stop_range_m = 510.0
-bin_ns = 1.0
-[lidar.sampling]
-subrays = 16
-"""
+""" + pulse_and_receiver("20e-6", divergence_mrad=0.5, fov_mrad=1.0) + gate(490.0, 510.0)
 
 if not shutil.which("oclgrind"):
     print("oclgrind: SKIPPED: there is no oclgrind (apt-get install oclgrind)")
@@ -77,7 +62,7 @@ def results(folder):
 
 with tempfile.TemporaryDirectory() as work:
     work = pathlib.Path(work)
-    cube = scene(work, "cube.toml", pixels=4, lines=2, grid=2, air="{ aod_550 = 0.1, model = \"clear_sky\" }")
+    cube = scene(work, "cube.toml", pixels=4, lines=2, grid=2, air='{ aod_550 = 0.1, model = "clear_sky" }')
     survey = work / "survey.toml"
     survey.write_text(SURVEY)
     for file, out in ((cube, "camera"), (survey, "survey")):

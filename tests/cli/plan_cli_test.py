@@ -24,6 +24,13 @@ def opened(path, tolerance):
     return out
 
 
+def not_replayed(file, plan, says):
+    """Render refuses the plan for this file and leaves no folder behind."""
+    out = file.parent / "x"
+    refused("render", file, "-o", out, "--plan", plan, status=2, says=says)
+    check(not out.exists(), "a refused render left a folder behind")
+
+
 with tempfile.TemporaryDirectory() as temporary:
     folder = pathlib.Path(temporary)
     given = scene(folder, "given.toml", grid=3)
@@ -74,45 +81,17 @@ with tempfile.TemporaryDirectory() as temporary:
     other.write_text(
         other.read_text().replace("0.80", "0.79").replace("format = 1\n", "format = 1\ntolerance = 0.03\n", 1)
     )
-    refused(
-        "render",
-        other,
-        "-o",
-        folder / "x",
-        "--plan",
-        folder / "plan.json",
-        status=2,
-        says=["another scene", "raycube plan SIM -o"],
-    )
+    not_replayed(other, folder / "plan.json", ["another scene", "raycube plan SIM -o"])
     # Samples or directions that the simulation gives and the plan has not: neither is overridden in silence.
     finer = folder / "finer.toml"
     finer.write_text(
         open_file.read_text().replace("[[instrument]]\n", "[[instrument]]\nsamples = { grid = [31, 31] }\n", 1)
     )
-    refused(
-        "render",
-        finer,
-        "-o",
-        folder / "x",
-        "--plan",
-        folder / "plan.json",
-        status=2,
-        says=["samples = grid 31 x 31", "remove samples"],
-    )
+    not_replayed(finer, folder / "plan.json", ["samples = grid 31 x 31", "remove samples"])
     lit = scene(folder, "lit.toml", air='{ model = "clear_sky" }')
     run("plan", lit, "-o", folder / "lit.json", "-q")
     lit.write_text(lit.read_text().replace("format = 1\n", "format = 1\nsky_directions = 3999\n", 1))
-    refused(
-        "render",
-        lit,
-        "-o",
-        folder / "x",
-        "--plan",
-        folder / "lit.json",
-        status=2,
-        says=["sky_directions = 3999", "remove sky_directions"],
-    )
-    check(not (folder / "x").exists(), "a refused render left a folder behind")
+    not_replayed(lit, folder / "lit.json", ["sky_directions = 3999", "remove sky_directions"])
 
     # A share that neither the trial's own 8 directions nor a sky that is not there can be divided by.
     for name, air in (("shared.toml", '{ model = "clear_sky" }'), ("skyless.toml", '{ model = "none" }')):
@@ -128,40 +107,13 @@ with tempfile.TemporaryDirectory() as temporary:
         wide = json.loads(json.dumps(plan))
         wide["instruments"][0].update(samples=samples, sampler=sampler)
         (folder / "wide.json").write_text(json.dumps(wide))
-        refused(
-            "render",
-            open_file,
-            "-o",
-            folder / "x",
-            "--plan",
-            folder / "wide.json",
-            status=2,
-            says=["out of range", "raycube plan SIM -o"],
-        )
+        not_replayed(open_file, folder / "wide.json", ["out of range", "raycube plan SIM -o"])
 
     (folder / "broken.json").write_text('{"raycube_plan": 1}')
-    refused(
-        "render",
-        open_file,
-        "-o",
-        folder / "x",
-        "--plan",
-        folder / "broken.json",
-        status=2,
-        says=["not a plan of raycube"],
-    )
+    not_replayed(open_file, folder / "broken.json", ["not a plan of raycube"])
     plan["instruments"][0]["name"] = "eye"
     (folder / "named.json").write_text(json.dumps(plan))
-    refused(
-        "render",
-        open_file,
-        "-o",
-        folder / "x",
-        "--plan",
-        folder / "named.json",
-        status=2,
-        says=["no instrument 'camera'", "eye"],
-    )
-    refused("render", open_file, "-o", folder / "x", "--plan", folder / "none.json", status=2, says=["cannot be read"])
+    not_replayed(open_file, folder / "named.json", ["no instrument 'camera'", "eye"])
+    not_replayed(open_file, folder / "none.json", ["cannot be read"])
 
 print(f"plan_cli: {program.checks} checks")

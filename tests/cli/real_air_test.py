@@ -14,7 +14,7 @@ import tempfile
 
 import numpy
 
-from driver import Program, envi, record
+from driver import Program, envi, plate, record
 
 program = Program(sys.argv[1])
 run, check, refused = program.run, program.check, program.refused
@@ -34,25 +34,10 @@ def rows_of(path):
 
 def plane(work, table, sun, agl_m, bands, pitch=0):
     (work / "bands.csv").write_text("center_nm,fwhm_nm\n" + "".join(f"{c!r},{w!r}\n" for c, w in bands))
-    path = work / "plane.toml"
-    path.write_text(f"""format = 1
-material = [ {{ name = "grey", reflectance = {REFLECTANCE} }} ]
-plane = [ {{ material = "grey", size_m = [8000.0, 8000.0] }} ]
-atmosphere = {{ tables = "{table}" }}
+    head = f"""atmosphere = {{ tables = "{table}" }}
 thermal = {{ below_3um = "left_out" }}
-time = {{ sun = {{ zenith_deg = {sun}, azimuth_deg = 150.0 }} }}
-[[instrument]]
-name = "camera"
-kind = "framing"
-position_m = [0.0, 0.0, {agl_m}]
-pitch_deg = {pitch}
-ifov_mrad = 1.0
-pixels = 4
-lines = 2
-samples = {{ grid = [2, 2] }}
-bands = {{ file = "bands.csv" }}
-""")
-    return path
+time = {{ sun = {{ zenith_deg = {sun}, azimuth_deg = 150.0 }} }}"""
+    return plate(work, head, agl_m=agl_m, lines=2, grid=2, pitch_deg=pitch, size_m=8000.0, reflectance=REFLECTANCE)
 
 
 def rendered(work, file):

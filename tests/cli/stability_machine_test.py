@@ -15,7 +15,7 @@ import sys
 import tempfile
 import time
 
-from driver import Program, record, scene
+from driver import Program, gate, pulse_and_receiver, record, scene
 
 program = Program(sys.argv[1])
 run, check, refused = program.run, program.check, program.refused
@@ -35,22 +35,7 @@ name = "survey"
 position_m = [0.0, 0.0, 500.0]
 prf_khz = 10.0
 pulses = {pulses}
-[lidar.pulse]
-energy_J = 20e-6
-wavelength_nm = 1064.0
-fwhm_ns = 4.0
-divergence_mrad = 0.5
-divergence_is = "full angle at 1/e^2"
-[lidar.receiver]
-aperture_diameter_m = 0.1
-fov_mrad = 1.0
-[lidar.gate]
-start_range_m = 490.0
-stop_range_m = 520.0
-bin_ns = 1.0
-[lidar.sampling]
-subrays = 16
-""")
+""" + pulse_and_receiver("20e-6", divergence_mrad=0.5, fov_mrad=1.0) + gate(490.0, 520.0))
     return path
 
 

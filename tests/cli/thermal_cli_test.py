@@ -11,7 +11,7 @@ import tempfile
 
 import numpy
 
-from driver import Program, envi
+from driver import Program, camera, envi
 
 program = Program(sys.argv[1])
 run, check = program.run, program.check
@@ -101,16 +101,7 @@ size_m = [60, 60]
 [[box]]
 material = "metal"
 size_m = [6, 4, 5]
-[[instrument]]
-name = "camera"
-kind = "framing"
-pixels = 24
-lines = 20
-position_m = [0, 0, 500]
-ifov_mrad = 2
-samples = {{ grid = [4, 4] }}
-bands = {{ first_nm = 8000, step_nm = 500, count = 9, fwhm_nm = 100 }}
-""")
+{camera(24, 20, 4, first_nm=8000, step_nm=500, count=9, fwhm_nm=100)}""")
     return path
 
 
@@ -164,16 +155,7 @@ time = {{ sun = {{ zenith_deg = {zenith} }} }}
 atmosphere = {{ model = "none" }}
 material = [{{ name = "plate", {material} }}]
 plane = [{{ material = "plate", size_m = [60, 60] }}]
-[[instrument]]
-name = "camera"
-kind = "framing"
-pixels = 4
-lines = 4
-position_m = [0, 0, 500]
-ifov_mrad = 2
-samples = {{ grid = [4, 4] }}
-bands = {{ first_nm = {center_nm}, step_nm = 10, count = 1, fwhm_nm = 5 }}
-""")
+{camera(4, 4, 4, first_nm=center_nm, fwhm_nm=5)}""")
         return path
 
     lava = vacuum("lava", "reflectance = 0.1, temperature_K = 1200", 40, 2200)

@@ -8,7 +8,7 @@ import pathlib
 import sys
 import tempfile
 
-from driver import PULSE_AND_RECEIVER, Program, record, scene
+from driver import PULSE_AND_RECEIVER, Program, gate, record, scene
 
 program = Program(sys.argv[1])
 check = program.check
@@ -69,22 +69,14 @@ with tempfile.TemporaryDirectory() as work:
 
     pulses = work / "pulses.toml"
     pulses.write_text(
-        file.read_text().partition("[[instrument]]")[0].replace('{ model = "none" }', '{ model = "layered" }')
-        + """
+        file.read_text().partition("[[instrument]]")[0].replace('{ model = "none" }', '{ model = "layered" }') + """
 [[lidar]]
 name = "profiler"
 position_m = [0.0, 0.0, 500.0]
 prf_khz = 200.0
 pulses = 50
 products = { png = false }
-"""
-        + PULSE_AND_RECEIVER
-        + """[lidar.gate]
-start_range_m = 450.0
-stop_range_m = 520.0
-[lidar.sampling]
-subrays = 16
-"""
+""" + PULSE_AND_RECEIVER + gate(450.0, 520.0)
     )
     program.run("render", pulses, "-o", work / "before", "-q", env={"XDG_CACHE_HOME": str(work / "other")})
     text = program.run("tune", pulses).stdout
