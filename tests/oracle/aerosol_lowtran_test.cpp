@@ -5,51 +5,27 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
-#include <iostream>
 #include <map>
 #include <numbers>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include "atmos_tables/aerosol/aerosol_column.h"
 #include "atmos_tables/optics/profile_scaling.h"
 #include "atmos_tables/optics/standard_air.h"
+#include "tests/support/anchor_rows.h"
+#include "tests/support/relative.h"
 
 using namespace raycube::atmos;
+using raycube::test::relative;
 
 namespace {
 
-double relative(double value, double truth) { return std::abs(value - truth) / std::abs(truth); }
-
-using Row = std::map<std::string, std::string>;
+using Row = raycube::testing::AnchorCells;
 
 /// Rows by column name; empty, with a notice, without RAYCUBE_SHARED.
 std::vector<Row> rows(const std::string& name) {
-  const char* shared = std::getenv("RAYCUBE_SHARED");
-  if (!shared) {
-    std::cerr << "SKIPPED: RAYCUBE_SHARED is not set, aerosols were not compared with " << name << "\n";
-    return {};
-  }
-  std::ifstream file(std::string(shared) + "/reference/atmosphere/" + name);
-  REQUIRE(file.good());
-  std::vector<Row> out;
-  std::vector<std::string> header;
-  for (std::string line; std::getline(file, line);) {
-    if (line.empty() || line[0] == '#') continue;
-    std::vector<std::string> cells;
-    std::istringstream in(line);
-    for (std::string cell; std::getline(in, cell, ',');) cells.push_back(cell);
-    if (header.empty()) {
-      header = cells;
-      continue;
-    }
-    Row row;
-    for (std::size_t i = 0; i < cells.size() && i < header.size(); ++i) row[header[i]] = cells[i];
-    out.push_back(std::move(row));
-  }
-  return out;
+  return raycube::testing::anchor_cells(name, "aerosols were not compared with " + name);
 }
 
 double number(const Row& row, const std::string& name) { return std::strtod(row.at(name).c_str(), nullptr); }

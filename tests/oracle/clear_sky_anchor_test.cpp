@@ -4,53 +4,29 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <fstream>
 #include <functional>
 #include <initializer_list>
 #include <iostream>
 #include <map>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include "atmos_tables/clear_sky.h"
 #include "atmos_tables/interpolate.h"
+#include "tests/support/anchor_rows.h"
 
 using namespace raycube;
 using namespace raycube::atmos;
 
 namespace {
 
-using Line = std::map<std::string, double>;
+using Line = testing::AnchorRow;
 
 /// Rows of an anchor file; empty, with a loud note, when the reference data are not there.
 std::vector<Line> anchor(const std::string& name) {
-  const char* shared = std::getenv("RAYCUBE_SHARED");
-  if (!shared) {
-    std::cerr << "SKIPPED: RAYCUBE_SHARED is not set, the clear sky was not compared with " << name << "\n";
-    return {};
-  }
-  std::ifstream file(std::string(shared) + "/reference/atmosphere/anchors/" + name);
-  REQUIRE(file.good());
-  std::vector<std::string> labels;
-  std::vector<Line> out;
-  for (std::string text; std::getline(file, text);) {
-    if (text.empty() || text[0] == '#') continue;
-    std::istringstream in(text);
-    std::vector<std::string> cells;
-    for (std::string cell; std::getline(in, cell, ',');) cells.push_back(cell);
-    if (labels.empty()) {
-      labels = cells;
-      continue;
-    }
-    Line line;
-    for (std::size_t i = 0; i < cells.size() && i < labels.size(); ++i)
-      if (!cells[i].empty()) line[labels[i]] = std::strtod(cells[i].c_str(), nullptr);
-    out.push_back(line);
-  }
-  REQUIRE(out.size() > 100);
-  return out;
+  const auto rows = testing::anchor_rows("anchors/" + name, "the clear sky was not compared with " + name);
+  REQUIRE((rows.empty() || rows.size() > 100));
+  return rows;
 }
 
 scene::AtmosphereSpec midlatitude_summer_rural() {

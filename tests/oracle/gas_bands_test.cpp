@@ -11,13 +11,13 @@
 #include "atmos_tables/gas/trace_air.h"
 #include "atmos_tables/optics/standard_air.h"
 #include "host/base/error.h"
+#include "tests/support/relative.h"
 
 using namespace raycube;
 using namespace raycube::atmos;
+using raycube::test::relative;
 
 namespace {
-
-double relative(double value, double truth) { return std::abs(value - truth) / std::abs(truth); }
 
 template <class Change>
 AirProfile changed(const AirProfile& profile, Change&& change) {

@@ -24,15 +24,16 @@
 #include "host/base/error.h"
 #include "tests/support/anchor_rows.h"
 #include "tests/support/hitran_record.h"
+#include "tests/support/refusal.h"
+#include "tests/support/relative.h"
 #include "tests/unit/test_folder.h"
 
 using namespace raycube;
 using namespace raycube::atmos;
+using raycube::test::relative;
 using raycube::testing::anchor_rows;
 
 namespace {
-
-double relative(double value, double truth) { return std::abs(value - truth) / std::abs(truth); }
 
 scene::AtmosphereSpec rural(const std::string& aerosol = "rural") {
   scene::AtmosphereSpec spec;
@@ -51,12 +52,7 @@ double at(const RenderTable& table, const char* row, std::size_t wavelength, std
 
 std::string message(const scene::AtmosphereSpec& spec, const std::vector<double>& um, const std::vector<double>& m,
                     const LidarOptions& o = {}) {
-  try {
-    build_lidar(spec, um, m, o);
-  } catch (const base::Error& error) {
-    return error.what();
-  }
-  return "";
+  return testing::refusal([&] { build_lidar(spec, um, m, o); });
 }
 
 }  // namespace

@@ -12,12 +12,13 @@
 #include "atmos_tables/lines/molecular_lines.h"
 #include "atmos_tables/lines/voigt.h"
 #include "atmos_tables/optics/standard_air.h"
+#include "tests/support/relative.h"
 
 using namespace raycube::atmos;
+using raycube::test::relative;
 
 namespace {
 
-double relative(double value, double truth) { return std::abs(value - truth) / std::abs(truth); }
 std::shared_ptr<const PartitionSums> sums() { return std::make_shared<PartitionSums>(); }
 
 SpectralLine line(double wavenumber, double intensity, double gamma_air = 0.07) {

@@ -6,12 +6,13 @@
 #include <numbers>
 
 #include "atmos_tables/lines/voigt.h"
+#include "tests/support/relative.h"
 
 using namespace raycube::atmos;
+using raycube::test::relative;
 
 namespace {
 constexpr double kPi = std::numbers::pi;
-double relative(double value, double truth) { return std::abs(value - truth) / std::abs(truth); }
 }  // namespace
 
 TEST_CASE("AIR 9 Voigt: Re w against 40 digits, every rule and their joints") {

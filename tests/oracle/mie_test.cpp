@@ -14,14 +14,15 @@
 #include "atmos_tables/optics/mie.h"
 #include "atmos_tables/optics/mie_angles.h"
 #include "host/base/error.h"
+#include "tests/support/relative.h"
 
 using namespace raycube;
 using namespace raycube::atmos;
 using Complex = std::complex<double>;
+using raycube::test::relative;
 
 namespace {
 constexpr double kPi = std::numbers::pi;
-double relative(double value, double truth) { return std::abs(value - truth) / std::abs(truth); }
 /// Bohren & Huffman's example: radius 0.525 um, wavelength 0.6328 um.
 const double kBohrenSize = 2 * kPi * 0.525 / 0.6328;
 }  // namespace

@@ -2,16 +2,13 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <cstdlib>
-#include <fstream>
-#include <iostream>
 #include <limits>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include "atmos_tables/moon.h"
 #include "host/base/error.h"
+#include "tests/support/anchor_rows.h"
 
 using namespace raycube;
 using namespace raycube::atmos;
@@ -34,22 +31,13 @@ TEST_CASE("S4.11 moon: the full moon is 2e-6 of the sun in the visible, and wane
 }
 
 TEST_CASE("S4.11 moon: LOWTRAN7's lunar irradiance above the air and on the ground, 0.3 to 2.5 um") {
-  const char* shared = std::getenv("RAYCUBE_SHARED");
-  if (!shared) {
-    std::cerr
-        << "SKIPPED: RAYCUBE_SHARED is not set, the moon was not compared with anchors/lowtran7_direct_vnir_swir.csv\n";
-    return;
-  }
-  std::ifstream file(std::string(shared) + "/reference/atmosphere/anchors/lowtran7_direct_vnir_swir.csv");
-  REQUIRE(file.good());
+  const std::string name = "anchors/lowtran7_direct_vnir_swir.csv";
+  const auto anchors = testing::anchor_rows(name, "the moon was not compared with " + name);
+  if (anchors.empty()) return;
   int rows = 0;
-  for (std::string line; std::getline(file, line);) {
-    if (line.empty() || line[0] < '0' || line[0] > '9') continue;
-    std::istringstream in(line);
-    std::vector<double> v;
-    for (std::string cell; std::getline(in, cell, ',');) v.push_back(std::strtod(cell.c_str(), nullptr));
-    REQUIRE(v.size() == 17);
-    const double wavelength_um = 1e4 / v[0], sun = v[2], transmission = v[3], moon = v[15], moon_on_ground = v[16];
+  for (const auto& row : anchors) {
+    const double wavelength_um = 1e4 / row.at("nu_cm1"), sun = row.at("E0"), transmission = row.at("T_0.0_s40"),
+                 moon = row.at("Emoon0"), moon_on_ground = row.at("Emoon_0.0_s40");
     if (wavelength_um < 0.3) continue;
     CAPTURE(wavelength_um);
     // 4 printed digits: 5e-4 of the smallest mantissa.

@@ -3,12 +3,8 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <cstdlib>
-#include <fstream>
 #include <initializer_list>
-#include <iostream>
 #include <numbers>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -17,12 +13,11 @@
 #include "atmos_tables/optics/rayleigh_air.h"
 #include "atmos_tables/optics/standard_air.h"
 #include "atmos_tables/rayleigh.h"
+#include "tests/support/anchor_rows.h"
+#include "tests/support/relative.h"
 
 using namespace raycube::atmos;
-
-namespace {
-double relative(double value, double truth) { return std::abs(value - truth) / std::abs(truth); }
-}  // namespace
+using raycube::test::relative;
 
 TEST_CASE("S18 Rayleigh: the full formula equals the printed fit (Bodhaine et al. 1999, eq. 29) for 360 ppmv CO2") {
   // The paper states 0.01 % from 0.25 to 0.85 um and 0.05 % to 1 um for its fit.
@@ -84,30 +79,20 @@ TEST_CASE("S18 Rayleigh: depth above a height follows the pressure there, and is
 }
 
 TEST_CASE("S18 Rayleigh: an independent calculation of refractivity, King factor, cross-section and extinction") {
-  const char* shared = std::getenv("RAYCUBE_SHARED");
-  if (!shared) {
-    std::cerr << "SKIPPED: RAYCUBE_SHARED is not set, Rayleigh scattering was not compared with "
-                 "lidar/rayleigh_cross_section.csv\n";
-    return;
-  }
-  std::ifstream file(std::string(shared) + "/reference/atmosphere/lidar/rayleigh_cross_section.csv");
-  REQUIRE(file.good());
-  int rows = 0;
-  for (std::string line; std::getline(file, line);) {
-    if (line.empty() || line[0] < '0' || line[0] > '9') continue;
-    std::istringstream in(line);
-    std::vector<double> v;
-    for (std::string cell; std::getline(in, cell, ',');) v.push_back(std::strtod(cell.c_str(), nullptr));
-    CAPTURE(v[0]);
+  const std::string name = "lidar/rayleigh_cross_section.csv";
+  const auto anchors = raycube::testing::anchor_rows(name, "Rayleigh scattering was not compared with " + name);
+  if (anchors.empty()) return;
+  CHECK(anchors.size() >= 19);
+  for (const auto& row : anchors) {
+    const double um = row.at("wavelength_um");
+    CAPTURE(um);
     // The file leaves out the step from 300 to 360 ppmv CO2: 3.2e-5 in n - 1, 6.5e-5 in the cross-section.
-    CHECK(relative(air_refractivity(v[0], 300), v[1]) <= 2e-6);
-    CHECK(std::abs(air_king_factor(v[0], 360) - v[2]) <= 0.6e-5);
-    CHECK(std::abs(air_depolarization(v[0], 360) - v[3]) <= 0.6e-5);
-    CHECK(relative(rayleigh_cross_section_cm2(v[0], 360), v[4]) <= 8e-5);
-    const double backscatter = rayleigh_cross_section_cm2(v[0], 360) *
-                               phase_rayleigh(air_depolarization(v[0], 360), -1) / (4 * std::numbers::pi);
-    CHECK(relative(backscatter, v[5]) <= 8e-5);
-    ++rows;
+    CHECK(relative(air_refractivity(um, 300), row.at("refractivity")) <= 2e-6);
+    CHECK(std::abs(air_king_factor(um, 360) - row.at("king_factor")) <= 0.6e-5);
+    CHECK(std::abs(air_depolarization(um, 360) - row.at("depolarisation")) <= 0.6e-5);
+    CHECK(relative(rayleigh_cross_section_cm2(um, 360), row.at("sigma_cm2")) <= 8e-5);
+    const double backscatter =
+        rayleigh_cross_section_cm2(um, 360) * phase_rayleigh(air_depolarization(um, 360), -1) / (4 * std::numbers::pi);
+    CHECK(relative(backscatter, row.at("dsigma_pi_cm2_sr")) <= 8e-5);
   }
-  CHECK(rows >= 19);
 }

@@ -17,14 +17,15 @@
 #include "atmos_tables/optics/mie_angles.h"
 #include "atmos_tables/optics/sphere_cloud.h"
 #include "host/base/error.h"
+#include "tests/support/relative.h"
 
 using namespace raycube;
 using namespace raycube::atmos;
 using Complex = std::complex<double>;
+using raycube::test::relative;
 
 namespace {
 constexpr double kPi = std::numbers::pi;
-double relative(double value, double truth) { return std::abs(value - truth) / std::abs(truth); }
 
 SphereCloudRequest request(double wavelength_um, Complex index, double tolerance, std::size_t last_moment = 1) {
   SphereCloudRequest out;

@@ -8,7 +8,7 @@
 
 namespace raycube::testing {
 
-std::vector<AnchorRow> anchor_rows(const std::string& name, const std::string& not_shown) {
+std::vector<AnchorCells> anchor_cells(const std::string& name, const std::string& not_shown) {
   const char* shared = std::getenv("RAYCUBE_SHARED");
   if (!shared) {
     std::cerr << "SKIPPED: RAYCUBE_SHARED is not set, " << not_shown << "\n";
@@ -16,7 +16,7 @@ std::vector<AnchorRow> anchor_rows(const std::string& name, const std::string& n
   }
   std::ifstream file(std::string(shared) + "/reference/atmosphere/" + name);
   std::vector<std::string> labels;
-  std::vector<AnchorRow> rows;
+  std::vector<AnchorCells> rows;
   for (std::string text; std::getline(file, text);) {
     if (text.empty() || text[0] == '#') continue;
     std::istringstream in(text);
@@ -26,11 +26,20 @@ std::vector<AnchorRow> anchor_rows(const std::string& name, const std::string& n
       labels = cells;
       continue;
     }
-    AnchorRow& row = rows.emplace_back();
-    for (std::size_t i = 0; i < cells.size() && i < labels.size(); ++i)
-      if (!cells[i].empty()) row[labels[i]] = std::strtod(cells[i].c_str(), nullptr);
+    AnchorCells& row = rows.emplace_back();
+    for (std::size_t i = 0; i < cells.size() && i < labels.size(); ++i) row[labels[i]] = cells[i];
   }
   if (rows.empty()) throw std::runtime_error(name + " is not there or has no rows");
+  return rows;
+}
+
+std::vector<AnchorRow> anchor_rows(const std::string& name, const std::string& not_shown) {
+  std::vector<AnchorRow> rows;
+  for (const AnchorCells& cells : anchor_cells(name, not_shown)) {
+    AnchorRow& row = rows.emplace_back();
+    for (const auto& [label, text] : cells)
+      if (!text.empty()) row[label] = std::strtod(text.c_str(), nullptr);
+  }
   return rows;
 }
 

@@ -14,29 +14,7 @@ namespace raycube::test {
 using namespace atmos::solver;
 
 std::vector<CsvRow> benchmark(const std::string& file, const std::string& test) {
-  const char* shared = std::getenv("RAYCUBE_SHARED");
-  if (!shared) {
-    std::cerr << "SKIPPED: RAYCUBE_SHARED is not set, " << test << " was not compared with " << file << "\n";
-    return {};
-  }
-  std::ifstream in(std::string(shared) + "/reference/atmosphere/rt_benchmarks/" + file);
-  if (!in) throw std::runtime_error("cannot read " + file);
-  std::vector<std::string> labels;
-  std::vector<CsvRow> rows;
-  for (std::string line; std::getline(in, line);) {
-    if (line.empty() || line[0] == '#') continue;
-    std::istringstream cells(line);
-    std::vector<std::string> row;
-    for (std::string cell; std::getline(cells, cell, ',');) row.push_back(cell);
-    if (labels.empty()) {
-      labels = row;
-      continue;
-    }
-    CsvRow named;
-    for (std::size_t i = 0; i < row.size() && i < labels.size(); ++i) named[labels[i]] = row[i];
-    rows.push_back(named);
-  }
-  return rows;
+  return testing::anchor_cells("rt_benchmarks/" + file, test + " was not compared with " + file);
 }
 
 double number(const CsvRow& row, const std::string& column) {

@@ -2,16 +2,16 @@
 // what the tests of the solver share.
 #pragma once
 
-#include <map>
 #include <string>
 #include <vector>
 
 #include "atmos_tables/solver/solution.h"
+#include "tests/support/anchor_rows.h"
 
 namespace raycube::test {
 
 /// One row of a CSV file: cell text by column name.
-using CsvRow = std::map<std::string, std::string>;
+using CsvRow = testing::AnchorCells;
 
 /// Rows of a benchmark file; empty, with a loud note on stderr, where RAYCUBE_SHARED is not set.
 std::vector<CsvRow> benchmark(const std::string& file, const std::string& test);

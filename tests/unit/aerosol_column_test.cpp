@@ -14,13 +14,15 @@
 #include "atmos_tables/optics/profile_scaling.h"
 #include "atmos_tables/optics/standard_air.h"
 #include "host/base/error.h"
+#include "tests/support/refusal.h"
+#include "tests/support/relative.h"
 
 using namespace raycube;
 using namespace raycube::atmos;
+using raycube::test::relative;
+using raycube::testing::refusal;
 
 namespace {
-
-double relative(double value, double truth) { return std::abs(value - truth) / std::abs(truth); }
 
 AirProfile summer() { return afgl_profile(AfglModel::midlatitude_summer); }
 
@@ -28,16 +30,6 @@ double total(const AerosolColumn& column, double low_km = -1, double high_km = 1
   double out = 0;
   for (std::size_t i = 0; i < column.components(); ++i) out += column.depth_550(i, low_km, high_km);
   return out;
-}
-
-template <class Action>
-std::string message(Action&& action) {
-  try {
-    action();
-  } catch (const base::Error& error) {
-    return error.what();
-  }
-  return "";
 }
 
 }  // namespace
@@ -226,21 +218,21 @@ TEST_CASE("S4.5 aerosol: bad figures are listed together") {
   spec.visibility_km = -3, spec.humidity_percent = 130, spec.boundary = AerosolModel::desert, spec.wind_m_s = 80;
   spec.clouds = {{2, 1, -1, CloudKind::cumulus},
                  {1, 300, std::numeric_limits<double>::quiet_NaN(), CloudKind::cumulus}};
-  const std::string found = message([&] { AerosolColumn(spec, summer()); });
+  const std::string found = refusal([&] { AerosolColumn(spec, summer()); });
   for (const char* part : {"visibility", "-3", "humidity", "130", "wind", "80", "cloud 1", "base must lie below top",
                            "cloud 2", "300", "nan"})
     CHECK_MESSAGE(found.find(part) != std::string::npos, part, " in ", found);
   spec = {};
   spec.aod_550 = std::numeric_limits<double>::quiet_NaN();
-  CHECK(message([&] { AerosolColumn(spec, summer()); }).find("optical depth") != std::string::npos);
+  CHECK(refusal([&] { AerosolColumn(spec, summer()); }).find("optical depth") != std::string::npos);
   spec.aod_550 = 1e4;
-  CHECK(message([&] { AerosolColumn(spec, summer()); }).find("at most") != std::string::npos);
+  CHECK(refusal([&] { AerosolColumn(spec, summer()); }).find("at most") != std::string::npos);
   spec = {};
-  const std::string high = message([&] { AerosolColumn(spec, cut_at_ground(summer(), 5.8)); });
+  const std::string high = refusal([&] { AerosolColumn(spec, cut_at_ground(summer(), 5.8)); });
   CHECK(high.find("ground altitude") != std::string::npos);
-  CHECK(message([&] { AerosolColumn(AerosolSpec{}, summer()).optics(0, 0.1); }).find("0.2 to 200") !=
+  CHECK(refusal([&] { AerosolColumn(AerosolSpec{}, summer()).optics(0, 0.1); }).find("0.2 to 200") !=
         std::string::npos);
-  CHECK(message([] { parse_aerosol("smoke"); }).find("rural") != std::string::npos);
+  CHECK(refusal([] { parse_aerosol("smoke"); }).find("rural") != std::string::npos);
   AerosolSpec wet;
   wet.humidity_percent = 100;
   const AerosolColumn column(wet, summer());

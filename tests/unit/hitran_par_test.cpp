@@ -9,6 +9,7 @@
 #include "atmos_tables/lines/hitran_par.h"
 #include "atmos_tables/lines/molecules.h"
 #include "host/base/error.h"
+#include "tests/support/refusal.h"
 #include "tests/unit/test_folder.h"
 
 using namespace raycube;
@@ -29,13 +30,8 @@ std::string record(int molecule, char isotopologue, double wavenumber, double in
   return line + "    5.0";
 }
 
-std::string message(const std::string& file, double low = 0, double high = 1e5) {
-  try {
-    read_hitran_par(file, low, high);
-  } catch (const base::Error& error) {
-    return error.what();
-  }
-  return "";
+std::string message(const std::string& file, base::Fault fault = base::Fault::input) {
+  return testing::refusal([&] { read_hitran_par(file, 0, 1e5); }, fault);
 }
 
 bool says(const std::string& text, const std::string& part) {
@@ -118,7 +114,7 @@ TEST_CASE("AIR 9 line list: faults are told with file and line, all at once") {
   CHECK(says(text, "70"));
   folder.write("empty.par", "");
   CHECK(says(message(folder / "empty.par"), "holds no lines"));
-  CHECK(says(message(folder / "absent.par"), "cannot be read"));
+  CHECK(says(message(folder / "absent.par", base::Fault::environment), "cannot be read"));
   folder.write("long.par", std::string(9 << 20, 'x'));  // no line end in 9 MB
   CHECK(says(message(folder / "long.par"), "a record has 160 characters"));
   std::string many;

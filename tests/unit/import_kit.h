@@ -12,21 +12,10 @@
 
 #include "atmos_tables/import/imported.h"
 #include "host/base/error.h"
+#include "tests/support/refusal.h"
 #include "tests/unit/test_folder.h"
 
 namespace raycube::testing {
-
-/// The message of the Error(input) that `act` throws; empty when it throws none.
-template <class Act>
-std::string refusal(const Act& act) {
-  try {
-    act();
-  } catch (const base::Error& error) {
-    CHECK(error.fault() == base::Fault::input);
-    return error.what();
-  }
-  return {};
-}
 
 inline bool holds(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 

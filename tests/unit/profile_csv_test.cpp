@@ -8,6 +8,7 @@
 #include "atmos_tables/optics/profile_csv.h"
 #include "atmos_tables/optics/profile_scaling.h"
 #include "host/base/error.h"
+#include "tests/support/refusal.h"
 
 using namespace raycube;
 using namespace raycube::atmos;
@@ -19,12 +20,7 @@ AirProfile read(const std::string& text) {
 }
 
 std::string message(const std::string& text) {
-  try {
-    read(text);
-  } catch (const base::Error& error) {
-    return error.what();
-  }
-  return "";
+  return testing::refusal([&] { read(text); });
 }
 
 bool holds(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
