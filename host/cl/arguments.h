@@ -49,14 +49,15 @@ struct Pages {
 #define RC_SCENE_MEMBER(type, name, array) ::raycube::cl::Pages<::raycube::shared::type> name;
 #define RC_VISIT_MEMBER(type, name) action(name);
 #define RC_VISIT_SCENE(type, name, array) action(name);
+#define RC_NOTHING()
 
 /// Struct `Name` of the arguments of kernel `kernel_name`, in the order of LIST.
-#define RC_ARGUMENT_STRUCT(Name, kernel_name, LIST)                             \
-  struct Name {                                                                 \
-    static constexpr const char* kKernel = kernel_name;                         \
-    LIST(RC_VALUE_MEMBER, RC_READ_MEMBER, RC_WRITE_MEMBER, RC_SCENE_MEMBER, )   \
-    template <typename Action>                                                  \
-    void for_each(Action&& action) const {                                      \
-      LIST(RC_VISIT_MEMBER, RC_VISIT_MEMBER, RC_VISIT_MEMBER, RC_VISIT_SCENE, ) \
-    }                                                                           \
+#define RC_ARGUMENT_STRUCT(Name, kernel_name, LIST)                                       \
+  struct Name {                                                                           \
+    static constexpr const char* kKernel = kernel_name;                                   \
+    LIST(RC_VALUE_MEMBER, RC_READ_MEMBER, RC_WRITE_MEMBER, RC_SCENE_MEMBER, RC_NOTHING)   \
+    template <typename Action>                                                            \
+    void for_each(Action&& action) const {                                                \
+      LIST(RC_VISIT_MEMBER, RC_VISIT_MEMBER, RC_VISIT_MEMBER, RC_VISIT_SCENE, RC_NOTHING) \
+    }                                                                                     \
   };

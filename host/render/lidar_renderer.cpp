@@ -18,7 +18,7 @@
 #include "host/render/lidar_owners.h"
 #include "host/render/lidar_tables.h"
 #include "host/render/mapped.h"
-#include "host/render/scene_buffers.h"
+#include "host/render/scene_on_device.h"
 #include "kernels/kernel_source.h"
 #include "kernels/lidar/layout.h"
 #include "kernels/shared/tile_layout.h"
@@ -115,6 +115,10 @@ LidarShotsArguments shots_arguments(const SceneBuffers& scene, const DeviceTable
           .volume_depth = device.volume_depth,
           .taps = device.taps,
           .settings = device.settings,
+          .bins = plan.lidar.gate.bins,
+          .taps_used = plan.taps.taps,
+          .first_tap = plan.taps.first,
+          .phases = plan.taps.phases,
           .first = batch.first,
           .multiple = batch.multiple,
           .stopped = batch.stopped,
@@ -122,11 +126,7 @@ LidarShotsArguments shots_arguments(const SceneBuffers& scene, const DeviceTable
           .sums = batch.sums,
           .counts = batch.counts,
           .first_hits = batch.hits,
-          .seed = static_cast<std::uint32_t>(plan.seed),
-          .bins = plan.lidar.gate.bins,
-          .taps_used = plan.taps.taps,
-          .first_tap = plan.taps.first,
-          .phases = plan.taps.phases};
+          .seed = static_cast<std::uint32_t>(plan.seed)};
 }
 
 LidarBeamArguments beam_arguments(const DeviceTables& device, const lidar::LidarPlan& plan, BatchBuffers& batch) {
@@ -142,24 +142,24 @@ LidarAirArguments air_arguments(const DeviceTables& device, const lidar::LidarPl
   return {.shots = batch.shots,
           .beam_of = batch.beam_of,
           .tables = batch.beam_tables,
+          .backscatter = device.backscatter,
           .photons = device.photons,
           .node_weight = device.node_weight,
           .first_node = device.first_node,
           .air = device.air,
-          .backscatter = device.backscatter,
           .volumes = device.volumes,
           .volume_values = device.volume_values,
           .volume_depth = device.volume_depth,
           .taps = device.taps,
           .settings = device.settings,
-          .stopped = batch.stopped,
-          .rows = batch.way,
-          .scratch = batch.scratch,
-          .sums = batch.way_sums,
           .bins = plan.lidar.gate.bins,
           .taps_used = plan.taps.taps,
           .first_tap = plan.taps.first,
-          .phases = plan.taps.phases};
+          .phases = plan.taps.phases,
+          .stopped = batch.stopped,
+          .rows = batch.way,
+          .scratch = batch.scratch,
+          .sums = batch.way_sums};
 }
 
 /// One kernel, its own program.
@@ -172,15 +172,8 @@ struct Stage {
 
 }  // namespace
 
-struct LidarRenderer::State {
-  State(const scene::CompiledScene& scene_, const RenderOptions& options_)
-      : scene(scene_),
-        options(options_),
-        context(pick_device(options_)),
-        tuning(tuning_for(options_, context.device().info())),
-        buffers(context, scene_, options_.page_bytes) {
-    context.set_launch_sizes(tuning.sizes);
-  }
+struct LidarRenderer::State : SceneOnDevice {
+  using SceneOnDevice::SceneOnDevice;
 
   Stage& stage(const std::string& name, const std::string& build_options) {
     auto& entry = programs[name + build_options];
@@ -189,11 +182,6 @@ struct LidarRenderer::State {
     return *entry;
   }
 
-  const scene::CompiledScene& scene;
-  RenderOptions options;
-  cl::Context context;
-  DeviceTuning tuning;
-  SceneBuffers buffers;
   std::map<std::string, std::unique_ptr<Stage>> programs;
   std::string identity;
   double launch_s = 0;
@@ -335,9 +323,7 @@ LidarRenderer::~LidarRenderer() = default;
 LidarRenderer::LidarRenderer(LidarRenderer&&) noexcept = default;
 
 std::string LidarRenderer::device_name() const { return state_->context.device().name(); }
-DeviceTuning LidarRenderer::tuning() const {
-  return {state_->context.launch_sizes(), state_->tuning.tile_samples, state_->tuning.tuned};
-}
+DeviceTuning LidarRenderer::tuning() const { return state_->used_tuning(); }
 cl::Context& LidarRenderer::context() { return state_->context; }
 std::string LidarRenderer::program_hash() const { return base::sha256_hex(state_->identity); }
 double LidarRenderer::launch_s() const { return state_->launch_s; }
@@ -367,9 +353,7 @@ void LidarRenderer::render(const lidar::LidarPlan& plan, const std::vector<lidar
                     bytes = owner_bytes(tables, lines, padded_rays, hits);
   const auto& info = s.context.device().info();
   const std::size_t row_bytes = tables.owner_rows * tables.row_floats * sizeof(float);
-  const std::size_t budget =
-      std::min<std::size_t>(std::min<std::size_t>(s.options.memory_bytes, info.global_memory_bytes) / kBudgetShares,
-                            info.max_alloc_bytes * (bytes / row_bytes));
+  const std::size_t budget = std::min<std::size_t>(s.tile_budget(), info.max_alloc_bytes * (bytes / row_bytes));
   if (bytes > budget)
     throw base::Error(base::Fault::input,
                       "LIDAR '" + plan.lidar.name + "': one shot needs " + base::format_bytes(bytes) +

@@ -12,6 +12,7 @@
 #include "host/base/error.h"
 #include "host/base/interrupt.h"
 #include "host/base/sha256.h"
+#include "host/render/scene_on_device.h"
 #include "host/render/tile_passes.h"
 #include "host/render/truth.h"
 #include "host/sensors/ray_groups.h"
@@ -99,15 +100,8 @@ class StripQueue {
 
 }  // namespace
 
-struct Renderer::State {
-  State(const scene::CompiledScene& scene_, const RenderOptions& options_)
-      : scene(scene_),
-        options(options_),
-        context(pick_device(options_)),
-        tuning(tuning_for(options_, context.device().info())),
-        buffers(context, scene_, options_.page_bytes) {
-    context.set_launch_sizes(tuning.sizes);
-  }
+struct Renderer::State : SceneOnDevice {
+  using SceneOnDevice::SceneOnDevice;
 
   RenderSetup setup(const scene::Instrument& instrument, const plan::Plan& plan, const scene::Sun& sun,
                     std::uint64_t seed) const {
@@ -115,17 +109,6 @@ struct Renderer::State {
             plan,    sun,   seed,    make_stage_shape(instrument, plan, sensors::pixels_per_group(instrument))};
   }
   std::size_t row_capacity(const StageShape& shape) const { return row_capacity_of(shape, options.row_capacity); }
-
-  std::size_t memory() const {
-    return std::min<std::size_t>(options.memory_bytes, context.device().info().global_memory_bytes);
-  }
-  std::size_t tile_budget() const { return memory() / kBudgetShares; }
-
-  const scene::CompiledScene& scene;
-  RenderOptions options;
-  cl::Context context;
-  DeviceTuning tuning;
-  SceneBuffers buffers;
 };
 
 Renderer::Renderer(const scene::CompiledScene& scene, const RenderOptions& options)
@@ -134,9 +117,7 @@ Renderer::~Renderer() = default;
 Renderer::Renderer(Renderer&&) noexcept = default;
 
 std::string Renderer::device_name() const { return state_->context.device().name(); }
-DeviceTuning Renderer::tuning() const {
-  return {state_->context.launch_sizes(), state_->tuning.tile_samples, state_->tuning.tuned};
-}
+DeviceTuning Renderer::tuning() const { return state_->used_tuning(); }
 cl::Context& Renderer::context() { return state_->context; }
 
 TileSize Renderer::tile_size(const scene::Instrument& instrument, const plan::Plan& plan,

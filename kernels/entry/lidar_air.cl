@@ -5,25 +5,11 @@
  * phases, and are spread by the pulse's shares in one pass. Next: the host. */
 #undef RC_ROW_WINDOW /* an option of lidar_shots: rows here are added up where they lie */
 #include "kernels/lidar/context.h"
-#include "kernels/lidar/arguments.h"
+#include "kernels/lidar/tables.h"
 #include "kernels/lidar/way_rows.h"
 
 RC_BODY lidar_air_body(uint owner, RC_PARAMETERS(RC_LIDAR_AIR_ARGUMENTS)) {
-  const LidarTables all = {.shot = shots + (size_t)owner * RC_SHOT_FLOAT4S,
-                           .photons = photons,
-                           .node_weight = node_weight,
-                           .first_node = first_node,
-                           .air = (global const float2*)air,
-                           .volumes = volumes,
-                           .volume_values = volume_values,
-                           .volume_depth = volume_depth,
-                           .taps = taps,
-                           .settings = settings,
-                           .row = rc_row_floats((uint)bins),
-                           .bins = bins,
-                           .tap_count = taps_used,
-                           .first_tap = first_tap,
-                           .phases = phases};
+  const LidarTables all = rc_tables(shots + (size_t)owner * RC_SHOT_FLOAT4S, RC_PASSED(RC_LIDAR_TABLE_ARGUMENTS));
   const LidarTables* t = &all;
   const Beam beam = rc_beam(t);
   const size_t own_rows = (size_t)RC_OWN_PIXELS * RC_LASER_LINES;

@@ -2,7 +2,7 @@
  * photons of light scattered once and more, ledger, first hits. One work-item is one owner: a shot, or a pixel of a
  * shot; its rows are its own, so sums have one order whatever the launch. Next: lidar_air, then the host. */
 #include "kernels/lidar/context.h"
-#include "kernels/lidar/arguments.h"
+#include "kernels/lidar/tables.h"
 #include "kernels/lidar/first_hits.h"
 #include "kernels/lidar/owner_rows.h"
 #include "kernels/lidar/paths.h"
@@ -12,26 +12,8 @@ RC_BODY lidar_shots_body(uint owner, RC_PARAMETERS(RC_LIDAR_SHOTS_ARGUMENTS)) {
   RC_GATHER_NODES(scene);
   RC_GATHER_BLOCKS(scene);
   RC_GATHER_INSTANCES(scene);
-  const LidarTables tables = {.shot = shots + (size_t)owner * RC_SHOT_FLOAT4S,
-                              .samples = samples,
-                              .exits = exits,
-                              .optics = optics,
-                              .lobes = lobes,
-                              .photons = photons,
-                              .node_weight = node_weight,
-                              .first_node = first_node,
-                              .air = (global const float2*)air,
-                              .volumes = volumes,
-                              .volume_values = volume_values,
-                              .volume_depth = volume_depth,
-                              .taps = taps,
-                              .settings = settings,
-                              .seed = seed,
-                              .row = rc_row_floats((uint)bins),
-                              .bins = bins,
-                              .tap_count = taps_used,
-                              .first_tap = first_tap,
-                              .phases = phases};
+  LidarTables tables = rc_tables(shots + (size_t)owner * RC_SHOT_FLOAT4S, RC_PASSED(RC_LIDAR_TABLE_ARGUMENTS));
+  tables.samples = samples, tables.exits = exits, tables.optics = optics, tables.lobes = lobes, tables.seed = seed;
   const LidarTables* t = &tables;
   const size_t own_floats = (size_t)RC_OWN_PIXELS * RC_LASER_LINES * t->row;
 #if RC_ROW_WINDOW

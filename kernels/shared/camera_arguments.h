@@ -6,115 +6,115 @@
 
 /* clang-format off */
 #define RC_TRACE_PRIMARY_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) \
-  SCENE(BvhNode, nodes, NODES) NEXT \
-  SCENE(TriBlock, blocks, BLOCKS) NEXT \
-  SCENE(Instance, instances, INSTANCES) NEXT \
-  READ(RayGroup, groups) NEXT \
-  WRITE(rc_uint, hits) NEXT \
-  VALUE(rc_uint, seed) NEXT         /* low 32 bits of Simulation::seed */ \
-  VALUE(rc_uint, columns) NEXT      /* pixels of a line of the tile */ \
-  VALUE(rc_uint, first_sample) NEXT \
+  SCENE(BvhNode, nodes, NODES) NEXT() \
+  SCENE(TriBlock, blocks, BLOCKS) NEXT() \
+  SCENE(Instance, instances, INSTANCES) NEXT() \
+  READ(RayGroup, groups) NEXT() \
+  WRITE(rc_uint, hits) NEXT() \
+  VALUE(rc_uint, seed) NEXT()         /* low 32 bits of Simulation::seed */ \
+  VALUE(rc_uint, columns) NEXT()      /* pixels of a line of the tile */ \
+  VALUE(rc_uint, first_sample) NEXT() \
   VALUE(rc_uint, sample_count)
 
 #define RC_MAKE_SURFACE_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) \
-  SCENE(TriBlock, blocks, BLOCKS) NEXT \
-  SCENE(Instance, instances, INSTANCES) NEXT \
-  READ(Lobe, lobes) NEXT            /* [surface][RC_LOBES], read where RC_SHAPED */ \
-  READ(RayGroup, groups) NEXT \
-  READ(rc_uint, hits) NEXT \
-  WRITE(rc_float, surface) NEXT \
-  WRITE(rc_float, lift) NEXT \
-  VALUE(rc_uint, seed) NEXT \
-  VALUE(rc_uint, columns) NEXT \
-  VALUE(rc_uint, first_sample) NEXT \
+  SCENE(TriBlock, blocks, BLOCKS) NEXT() \
+  SCENE(Instance, instances, INSTANCES) NEXT() \
+  READ(Lobe, lobes) NEXT()            /* [surface][RC_LOBES], read where RC_SHAPED */ \
+  READ(RayGroup, groups) NEXT() \
+  READ(rc_uint, hits) NEXT() \
+  WRITE(rc_float, surface) NEXT() \
+  WRITE(rc_float, lift) NEXT() \
+  VALUE(rc_uint, seed) NEXT() \
+  VALUE(rc_uint, columns) NEXT() \
+  VALUE(rc_uint, first_sample) NEXT() \
   VALUE(rc_uint, sample_count)
 
 #define RC_TRACE_LIGHT_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) \
-  SCENE(BvhNode, nodes, NODES) NEXT \
-  SCENE(TriBlock, blocks, BLOCKS) NEXT \
-  SCENE(Instance, instances, INSTANCES) NEXT \
-  READ(RayGroup, groups) NEXT \
-  READ(rc_float, surface) NEXT \
-  READ(rc_float4, directions) NEXT  /* [sets][count], unit, w = 0 */ \
-  READ(rc_float4, weights) NEXT     /* [sets][count][RC_SKY_QUADS] */ \
-  WRITE(rc_ushort, sun) NEXT \
-  WRITE(rc_float, blocked) NEXT \
-  VALUE(rc_uint, sky) NEXT          /* 0: the sun, into `sun`; 1: the sky, into `blocked` */ \
-  VALUE(rc_uint, sets) NEXT \
-  VALUE(rc_uint, count) NEXT        /* directions of a set */ \
-  VALUE(rc_uint, share) NEXT        /* each sample looks into one in so many of them */ \
-  VALUE(rc_uint, seed) NEXT \
-  VALUE(rc_uint, columns) NEXT \
+  SCENE(BvhNode, nodes, NODES) NEXT() \
+  SCENE(TriBlock, blocks, BLOCKS) NEXT() \
+  SCENE(Instance, instances, INSTANCES) NEXT() \
+  READ(RayGroup, groups) NEXT() \
+  READ(rc_float, surface) NEXT() \
+  READ(rc_float4, directions) NEXT()  /* [sets][count], unit, w = 0 */ \
+  READ(rc_float4, weights) NEXT()     /* [sets][count][RC_SKY_QUADS] */ \
+  WRITE(rc_ushort, sun) NEXT() \
+  WRITE(rc_float, blocked) NEXT() \
+  VALUE(rc_uint, sky) NEXT()          /* 0: the sun, into `sun`; 1: the sky, into `blocked` */ \
+  VALUE(rc_uint, sets) NEXT() \
+  VALUE(rc_uint, count) NEXT()        /* directions of a set */ \
+  VALUE(rc_uint, share) NEXT()        /* each sample looks into one in so many of them */ \
+  VALUE(rc_uint, seed) NEXT() \
+  VALUE(rc_uint, columns) NEXT() \
   VALUE(rc_uint, first_sample)
 
 #define RC_SHADE_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) \
-  VALUE(rc_uint, item_count) NEXT \
-  READ(rc_uint, pixel_list) NEXT    /* [item]: pixel of the tile, where use_list; else they are the same */ \
-  VALUE(rc_uint, use_list) NEXT \
-  VALUE(rc_uint, capacity) NEXT     /* keys that a row holds */ \
-  VALUE(rc_uint, fresh) NEXT        /* 1: rows start empty; 0: they go on */ \
-  READ(RayGroup, groups) NEXT \
-  VALUE(rc_uint, columns) NEXT \
-  READ(rc_uint, hits) NEXT \
-  READ(rc_float, surface) NEXT \
-  READ(rc_float, lift) NEXT \
-  READ(rc_ushort, sun) NEXT \
-  READ(rc_float, blocked) NEXT \
-  SCENE(TriBlock, blocks, BLOCKS) NEXT \
-  SCENE(Surface, surfaces, SURFACES) NEXT \
-  READ(rc_float, chunk_weight) NEXT \
-  VALUE(rc_float, sample_total) NEXT /* samples of a pixel, all chunks */ \
-  VALUE(rc_float4, sun_direction) NEXT \
-  READ(rc_float4, irradiance_map) NEXT /* [map_size][map_size], kernels/atmosphere/nodes.h */ \
-  VALUE(rc_uint, map_size) NEXT \
-  READ(rc_float4, tilt_irradiance) NEXT /* [RC_TILT_NODES] */ \
-  READ(rc_float4, surface_node) NEXT /* [surface]: its materials' temperatures on their axis */ \
-  VALUE(rc_float, height_first) NEXT \
-  VALUE(rc_float, height_step) NEXT \
-  WRITE(rc_uint, row_count) NEXT \
-  WRITE(rc_ulong, row_keys) NEXT \
-  WRITE(rc_float, row_sums) NEXT \
-  WRITE(rc_float, path_sums) NEXT \
+  VALUE(rc_uint, item_count) NEXT() \
+  READ(rc_uint, pixel_list) NEXT()    /* [item]: pixel of the tile, where use_list; else they are the same */ \
+  VALUE(rc_uint, use_list) NEXT() \
+  VALUE(rc_uint, capacity) NEXT()     /* keys that a row holds */ \
+  VALUE(rc_uint, fresh) NEXT()        /* 1: rows start empty; 0: they go on */ \
+  READ(RayGroup, groups) NEXT() \
+  VALUE(rc_uint, columns) NEXT() \
+  READ(rc_uint, hits) NEXT() \
+  READ(rc_float, surface) NEXT() \
+  READ(rc_float, lift) NEXT() \
+  READ(rc_ushort, sun) NEXT() \
+  READ(rc_float, blocked) NEXT() \
+  SCENE(TriBlock, blocks, BLOCKS) NEXT() \
+  SCENE(Surface, surfaces, SURFACES) NEXT() \
+  READ(rc_float, chunk_weight) NEXT() \
+  VALUE(rc_float, sample_total) NEXT() /* samples of a pixel, all chunks */ \
+  VALUE(rc_float4, sun_direction) NEXT() \
+  READ(rc_float4, irradiance_map) NEXT() /* [map_size][map_size], kernels/atmosphere/nodes.h */ \
+  VALUE(rc_uint, map_size) NEXT() \
+  READ(rc_float4, tilt_irradiance) NEXT() /* [RC_TILT_NODES] */ \
+  READ(rc_float4, surface_node) NEXT() /* [surface]: its materials' temperatures on their axis */ \
+  VALUE(rc_float, height_first) NEXT() \
+  VALUE(rc_float, height_step) NEXT() \
+  WRITE(rc_uint, row_count) NEXT() \
+  WRITE(rc_ulong, row_keys) NEXT() \
+  WRITE(rc_float, row_sums) NEXT() \
+  WRITE(rc_float, path_sums) NEXT() \
   WRITE(rc_float, truth)
 
 #define RC_RESOLVE_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) \
-  VALUE(rc_uint, first_item) NEXT \
-  VALUE(rc_uint, item_count) NEXT \
-  READ(rc_uint, pixel_list) NEXT \
-  VALUE(rc_uint, use_list) NEXT \
-  VALUE(rc_uint, capacity) NEXT \
-  VALUE(rc_uint, term_capacity) NEXT \
-  READ(RayGroup, groups) NEXT \
-  VALUE(rc_uint, columns) NEXT \
-  READ(rc_uint, row_count) NEXT \
-  READ(rc_ulong, row_keys) NEXT \
-  READ(rc_float, row_sums) NEXT \
-  READ(rc_float, path_sums) NEXT \
-  READ(rc_ulong, baked_keys) NEXT   /* of the band table, ascending */ \
-  READ(rc_uint, baked_rows) NEXT    /* of each of them */ \
-  VALUE(rc_uint, baked_count) NEXT \
-  VALUE(rc_float, view_first) NEXT \
-  VALUE(rc_float, view_step) NEXT \
-  VALUE(rc_float, path_x_first) NEXT \
-  VALUE(rc_float, path_x_step) NEXT \
-  VALUE(rc_float, path_y_first) NEXT \
-  VALUE(rc_float, path_y_step) NEXT \
-  READ(rc_uint, environment_row) NEXT /* [item][RC_ENVIRONMENT_NODES], as the next */ \
-  READ(rc_float, environment_weight) NEXT \
-  WRITE(rc_uint, term_count) NEXT \
-  WRITE(rc_uint, term_row) NEXT     /* [item][term_capacity], as the next */ \
+  VALUE(rc_uint, first_item) NEXT() \
+  VALUE(rc_uint, item_count) NEXT() \
+  READ(rc_uint, pixel_list) NEXT() \
+  VALUE(rc_uint, use_list) NEXT() \
+  VALUE(rc_uint, capacity) NEXT() \
+  VALUE(rc_uint, term_capacity) NEXT() \
+  READ(RayGroup, groups) NEXT() \
+  VALUE(rc_uint, columns) NEXT() \
+  READ(rc_uint, row_count) NEXT() \
+  READ(rc_ulong, row_keys) NEXT() \
+  READ(rc_float, row_sums) NEXT() \
+  READ(rc_float, path_sums) NEXT() \
+  READ(rc_ulong, baked_keys) NEXT()   /* of the band table, ascending */ \
+  READ(rc_uint, baked_rows) NEXT()    /* of each of them */ \
+  VALUE(rc_uint, baked_count) NEXT() \
+  VALUE(rc_float, view_first) NEXT() \
+  VALUE(rc_float, view_step) NEXT() \
+  VALUE(rc_float, path_x_first) NEXT() \
+  VALUE(rc_float, path_x_step) NEXT() \
+  VALUE(rc_float, path_y_first) NEXT() \
+  VALUE(rc_float, path_y_step) NEXT() \
+  READ(rc_uint, environment_row) NEXT() /* [item][RC_ENVIRONMENT_NODES], as the next */ \
+  READ(rc_float, environment_weight) NEXT() \
+  WRITE(rc_uint, term_count) NEXT() \
+  WRITE(rc_uint, term_row) NEXT()     /* [item][term_capacity], as the next */ \
   WRITE(rc_float, term_weight)
 
 #define RC_INTEGRATE_BANDS_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) \
-  VALUE(rc_uint, first_item) NEXT \
-  VALUE(rc_uint, item_count) NEXT \
-  READ(rc_uint, pixel_list) NEXT \
-  VALUE(rc_uint, use_list) NEXT \
-  VALUE(rc_uint, term_capacity) NEXT \
-  READ(rc_uint, term_count) NEXT \
-  READ(rc_uint, term_row) NEXT \
-  READ(rc_float, term_weight) NEXT \
-  READ(rc_float, table) NEXT        /* [row][RC_CHANNELS][RC_BANDS_PADDED] */ \
+  VALUE(rc_uint, first_item) NEXT() \
+  VALUE(rc_uint, item_count) NEXT() \
+  READ(rc_uint, pixel_list) NEXT() \
+  VALUE(rc_uint, use_list) NEXT() \
+  VALUE(rc_uint, term_capacity) NEXT() \
+  READ(rc_uint, term_count) NEXT() \
+  READ(rc_uint, term_row) NEXT() \
+  READ(rc_float, term_weight) NEXT() \
+  READ(rc_float, table) NEXT()        /* [row][RC_CHANNELS][RC_BANDS_PADDED] */ \
   WRITE(rc_float, radiance)         /* [pixel][RC_BANDS_PADDED] */
 /* clang-format on */
 
