@@ -12,12 +12,6 @@ using namespace raycube::test;
 
 namespace {
 
-double total(const std::vector<float>& row) {
-  double sum = 0;
-  for (const float x : row) sum += x;
-  return sum;
-}
-
 /// The corner of L-16: a narrow beam from far along (1, 0, 1) / sqrt 2 hits plate A at (1, 0, 0). Apex at distance L.
 constexpr double kApex_m = 20000;
 scene::Lidar corner_lidar(int bounces, int subrays) {

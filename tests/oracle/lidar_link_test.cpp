@@ -26,18 +26,10 @@ lidar::ShotResult nadir(const scene::Lidar& lidar, const scene::CompiledScene& s
   return render_shots(scene, plan, {shot_from(lidar, {x_m, 0, z_m}, {0, 0, -1})}).at(0);
 }
 
-/// One ray down the axis: what closed forms of a point describe.
-scene::Lidar pencil() {
-  scene::Lidar lidar = topographic_lidar();
-  lidar.pulse.half_divergence_rad = 0;
-  lidar.transport.subrays = 1;
-  return lidar;
-}
-
 }  // namespace
 
 TEST_CASE("L-01: link budget of an airborne pulse, energy, time and bins") {
-  scene::Lidar lidar = pencil();
+  scene::Lidar lidar = pencil_lidar();
   lidar.gate = {6600e-9, 1e-9, 200};
   const auto result = nadir(lidar, ground(0.3), 1000, 1e-4);
   const Moments m = moments(result.first);
@@ -58,7 +50,7 @@ TEST_CASE("L-01: link budget of an airborne pulse, energy, time and bins") {
 }
 
 TEST_CASE("L-01: a tilt of 30 degrees costs the receiver's cosine") {
-  scene::Lidar lidar = pencil();
+  scene::Lidar lidar = pencil_lidar();
   const auto result = nadir(lidar, ground(0.3, 0, M_PI / 6), 1000, 1e-4);
   CHECK(moments(result.first).sum * 0.3 == doctest::Approx(34992.34561).epsilon(2e-6));
 }
@@ -73,7 +65,7 @@ TEST_CASE("S27: a beam of many sub-rays keeps the energy of the pencil") {
 
 TEST_CASE("I4: a move along the beam shifts the centroid by 2 dR / c and scales by 1 / R^2") {
   const auto scene = ground(0.3);
-  const scene::Lidar lidar = pencil();
+  const scene::Lidar lidar = pencil_lidar();
   const Moments near = moments(nadir(lidar, scene, 1000).first), far = moments(nadir(lidar, scene, 1037.25).first);
   CHECK(far.mean_bin - near.mean_bin == doctest::Approx(2 * 37.25 / kLightSpeed * 1e9).epsilon(1e-7));
   CHECK(far.sum / near.sum == doctest::Approx(std::pow(1000 / 1037.25, 2)).epsilon(1e-6));
@@ -100,7 +92,7 @@ TEST_CASE("I6: returns at equal range add, none overwrites another") {
   }
   const auto shot = shot_from(lidar, {0, 0, 1000}, {0, 0, -1});
   const auto all = render_shots(scene, plan, {shot}).at(0);
-  CHECK(moments(all.first).sum == doctest::Approx(moments(nadir(pencil(), scene).first).sum).epsilon(2e-6));
+  CHECK(moments(all.first).sum == doctest::Approx(moments(nadir(pencil_lidar(), scene).first).sum).epsilon(2e-6));
 }
 
 TEST_CASE("I7: coarse bins are sums of fine ones") {
@@ -122,7 +114,7 @@ TEST_CASE("L-31: a pulse on a bin's edge, an impulse, a pulse that hangs over th
   // Path 2 R of 2000 bins of 1 ns to the last bit: R = 1000 bins of c / 2 ns.
   const double range_m = 1000 * kLightSpeed * 1e-9 / 2 * 2;
   const auto scene = ground(0.3);
-  scene::Lidar lidar = pencil();
+  scene::Lidar lidar = pencil_lidar();
   lidar.gate = {1900e-9, 1e-9, 200};
   lidar.pulse.fwhm_s = 0.1e-9;
   const auto split = nadir(lidar, scene, range_m);

@@ -13,12 +13,6 @@ using namespace raycube::test;
 
 namespace {
 
-double total(const std::vector<float>& row) {
-  double sum = 0;
-  for (const float x : row) sum += x;
-  return sum;
-}
-
 /// A pencil straight down on ground, with a layer of gas of 10 m between.
 struct Layer {
   scene::CompiledScene scene = scene_of({0.3});

@@ -19,50 +19,15 @@ scene::CompiledScene plane(double reflectance, double tilt_rad = 0, double half_
   return scene;
 }
 
-double total(const std::vector<float>& row) {
-  double sum = 0;
-  for (const float x : row) sum += x;
-  return sum;
-}
-
 lidar::ShotResult one(const scene::Lidar& lidar, const scene::CompiledScene& scene, const lidar::Shot& shot) {
   return render_shots(scene, hand_plan(lidar, scene), {shot}).at(0);
-}
-
-scene::Lidar pencil() {
-  scene::Lidar lidar = topographic_lidar();
-  lidar.pulse.half_divergence_rad = 0;
-  lidar.transport.subrays = 1;
-  return lidar;
-}
-
-/// A flash array's pixel: DIRSIG's demo LidarValidate1.
-scene::Lidar flash() {
-  scene::Lidar lidar;
-  lidar.name = "flash";
-  lidar.trajectory = {{0, 0, 0, 2000}};
-  lidar.pulse.lines = {{"laser", 1.064, 0, 150e-6}};
-  lidar.pulse.profile = scene::BeamProfile::uniform;
-  lidar.pulse.half_divergence_rad = 8e-3;
-  lidar.pulse.shape = scene::PulseShape::rectangular;
-  lidar.pulse.fwhm_s = 2e-9;
-  lidar.receiver.aperture_radius_m = 0.10;
-  lidar.receiver.columns = lidar.receiver.rows = 3;
-  lidar.receiver.pixel_pitch_rad = 50e-6 / 0.4;
-  lidar.receiver.focal_length_m = 0.4;
-  lidar.receiver.efficiency = 0.5;
-  lidar.gate = {13300e-9, 1e-9, 100};
-  lidar.transport.sampling = scene::LidarSampling::receiver;
-  lidar.transport.subrays = 16;
-  lidar.transport.air_return = false;
-  return lidar;
 }
 
 }  // namespace
 
 TEST_CASE("L-02: DIRSIG's published photons per pixel with its camera, and A / R^2 with ours") {
   const auto scene = plane(0.10, 0, 40);
-  scene::Lidar lidar = flash();
+  scene::Lidar lidar = flash_lidar();
   const auto shot = shot_from(lidar, {0, 0, 2000}, {0, 0, -1});
   const auto aperture = one(lidar, scene, shot);
   lidar.receiver.tangent_aperture = true;
@@ -80,7 +45,7 @@ TEST_CASE("L-02: DIRSIG's published photons per pixel with its camera, and A / R
 
 TEST_CASE("S34: sub-rays into an array and samples of its pixels agree") {
   const auto scene = plane(0.10, 0.2, 40);
-  scene::Lidar lidar = flash();
+  scene::Lidar lidar = flash_lidar();
   lidar.receiver.columns = 4, lidar.receiver.rows = 2;
   lidar.receiver.pixel_pitch_rad = 2e-3;
   lidar.pulse.profile = scene::BeamProfile::gaussian;
@@ -103,7 +68,7 @@ TEST_CASE("S34: sub-rays into an array and samples of its pixels agree") {
 TEST_CASE("L-32: the receiver's cosine counts, not the transmitter's") {
   // Normal towards the receiver, light at 60 degrees; then the other way round.
   const auto scene = plane(0.3);
-  scene::Lidar lidar = pencil();
+  scene::Lidar lidar = pencil_lidar();
   lidar.gate = {6600e-9, 1e-9, 200};
   const double whole = total(one(lidar, scene, shot_from(lidar, {0, 0, 1000}, {0, 0, -1})).first);
   const lidar::Vec3 slant{1000 * std::sin(M_PI / 3), 0, 1000 * std::cos(M_PI / 3)}, down{-slant[0], 0, -slant[2]};
@@ -123,7 +88,7 @@ TEST_CASE("S34: a wall between hides a bistatic receiver, a plate dims it") {
     add_plane(scene, 0, {0, 0, 0}, 20);
     if (wall) add_rectangle(scene, 1, {5, -20, 0.5}, {0, 40, 0}, {0, 0, 20});
     scene::finish_top_tree(scene);
-    scene::Lidar lidar = pencil();
+    scene::Lidar lidar = pencil_lidar();
     auto shot = shot_from(lidar, {0, 0, 1000}, {0, 0, -1});
     place_pupil(shot, {500, 0, 866.0254}, {-0.5, 0, -0.8660254});
     return total(one(lidar, scene, shot).first);
@@ -137,9 +102,9 @@ TEST_CASE("S34: a wall between hides a bistatic receiver, a plate dims it") {
 TEST_CASE("L-12: gloss at zero phase masks once") {
   for (const auto& [tilt_deg, expected] : {std::pair{0.0, 0.0353678}, {80.0, 0.00675587}}) {
     scene::CompiledScene scene = plane(0.2, tilt_deg * M_PI / 180);
-    const double matt = total(one(pencil(), scene, shot_from(pencil(), {0, 0, 1000}, {0, 0, -1})).first);
+    const double matt = total(one(pencil_lidar(), scene, shot_from(pencil_lidar(), {0, 0, 1000}, {0, 0, -1})).first);
     scene.materials[0].gloss = {RC_SHAPE_gloss, {0.3, 0.04}};
-    const double shiny = total(one(pencil(), scene, shot_from(pencil(), {0, 0, 1000}, {0, 0, -1})).first);
+    const double shiny = total(one(pencil_lidar(), scene, shot_from(pencil_lidar(), {0, 0, 1000}, {0, 0, -1})).first);
     CHECK((shiny / matt - 1) * 0.2 / M_PI == doctest::Approx(expected).epsilon(5e-6));  // printed digits
   }
 }
@@ -168,7 +133,7 @@ TEST_CASE("L-14: plates dim twice and let go on, leaves do not; the return retra
       lidar.transport.subrays = 1024;
       lidar.gate = {6500e-9, 1e-9, 300};
       const auto result = one(lidar, scene, shot_from(lidar, {0, 0, 1000}, {0, 0, -1}));
-      const double unit = total(one(pencil(), plane(1.0), shot_from(lidar, {0, 0, 1000}, {0, 0, -1})).first);
+      const double unit = total(one(pencil_lidar(), plane(1.0), shot_from(lidar, {0, 0, 1000}, {0, 0, -1})).first);
       const double upper = total({result.first.begin(), result.first.begin() + 140}) / unit * std::pow(990.0 / 1000, 2);
       const double ground = total({result.first.begin() + 140, result.first.end()}) / unit;
       const double sampling =
@@ -240,7 +205,7 @@ TEST_CASE("I2: a split triangle changes nothing beyond rounding") {
 }
 
 TEST_CASE("L-04: a coaxial obscured receiver is blind near by and full beyond r / phi") {
-  scene::Lidar lidar = pencil();
+  scene::Lidar lidar = pencil_lidar();
   lidar.receiver.aperture_radius_m = 0.10;
   lidar.receiver.obscuration_radius_m = 0.04;
   lidar.receiver.half_fov_rad = 0.5e-3;

@@ -10,6 +10,7 @@
 #include "atmos_tables/synthetic.h"
 #include "host/planner/planner.h"
 #include "host/sensors/view_bounds.h"
+#include "tests/support/polygon.h"
 #include "tests/support/render_kit.h"
 
 namespace {
@@ -21,29 +22,7 @@ constexpr double kGsd_m = 0.5, kDark = 0.2, kBright = 0.6;
 constexpr int kPixels = 128, kLines = 64, kFirstColumn = 90, kFirstRow = 10,
               kPatch = 10;  ///< 10 x 10 pixels of 8192; rows count northwards
 
-using Point = std::array<double, 2>;
-
-/// The part of a convex polygon on the inner side of a line: a x + b y <= c.
-std::vector<Point> clipped(const std::vector<Point>& polygon, double a, double b, double c) {
-  std::vector<Point> out;
-  for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const Point &p = polygon[i], &q = polygon[(i + 1) % polygon.size()];
-    const double here = a * p[0] + b * p[1] - c, next = a * q[0] + b * q[1] - c;
-    if (here <= 0) out.push_back(p);
-    if ((here < 0 && next > 0) || (here > 0 && next < 0))
-      out.push_back({p[0] + here / (here - next) * (q[0] - p[0]), p[1] + here / (here - next) * (q[1] - p[1])});
-  }
-  return out;
-}
-
-double area(const std::vector<Point>& polygon) {
-  double twice = 0;
-  for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const Point &p = polygon[i], &q = polygon[(i + 1) % polygon.size()];
-    twice += p[0] * q[1] - q[0] * p[1];
-  }
-  return std::abs(twice) / 2;
-}
+using test::area, test::clipped, test::Point;
 
 /// Sixteen bright rectangles, each turned its own way and clear of the others, 1 mm over a dark plane, in front of a
 /// uniform sky of radiance 1: radiance = reflectance. What the millimetre hides of the sky is less than 1e-4 of a pixel

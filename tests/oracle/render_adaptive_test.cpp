@@ -10,10 +10,12 @@
 #include "atmos_tables/synthetic.h"
 #include "host/render/truth.h"
 #include "tests/support/render_kit.h"
+#include "tests/support/same_bytes.h"
 
 namespace {
 
 using namespace raycube;
+using raycube::test::same_bytes;
 constexpr double kDark = 0.1, kLight = 0.8, kSky = 40;
 
 /// Light right of x = edge_m, dark left of it, under a uniform sky alone; 12 x 5 pixels of 1 m, pixel i from x = i - 6.
@@ -35,10 +37,6 @@ scene::Simulation edge_scene(double edge_m) {
 }
 
 atmos::RenderTable sky_table() { return atmos::uniform_sky_table(0, kSky, {0.3, 1.0, 4.0}, 120); }
-
-bool same_bytes(const std::vector<float>& a, const std::vector<float>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
-}
 
 test::Image render_with(scene::Simulation simulation, int samples_u, int samples_v) {
   scene::Instrument& camera = simulation.instruments[0];

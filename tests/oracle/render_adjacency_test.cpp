@@ -24,15 +24,11 @@ constexpr double kPi = std::numbers::pi;
 
 /// Air of one node everywhere with ground coupling; S = t as 2 int t mu dmu has it.
 atmos::UniformAir coupled_air(double albedo_of_air, double t_dif) {
-  atmos::UniformAir air;
-  air.solar_irradiance = [](double) { return 1500.0; };
-  air.sun_transmission = [](double) { return 0.75; };
-  air.view_transmission = [](double) { return 0.625; };
-  air.sky_radiance = [](double) { return 40.0; };
-  air.path_radiance = [](double) { return 6.0; };
+  scene::Sun sun;
+  sun.zenith_deg = 40, sun.azimuth_deg = 0;
+  atmos::UniformAir air = test::uniform_air({1500, 0.75, 0.625, 1, 40, 6}, sun);
   air.spherical_albedo = air.diffuse_return = [=](double) { return albedo_of_air; };
   air.diffuse_view_transmission = [=](double) { return t_dif; };
-  air.sun_zenith_deg = 40;
   air.sensor_height_m = 600;
   return air;
 }

@@ -16,6 +16,7 @@
 #include "host/base/units.h"
 #include "kernels/sampling/sampler.h"
 #include "host/render/truth.h"
+#include "tests/support/polygon.h"
 #include "tests/support/render_kit.h"
 
 namespace {
@@ -23,7 +24,7 @@ namespace {
 using namespace raycube;
 constexpr double kFoot = 0.3048;
 constexpr int kPixels = 64, kCells = 320;  // 97.5 m of board under 64 m of image: covered at any turn
-using Point = std::array<double, 2>;
+using test::area, test::clipped, test::Point;
 
 struct Board {
   double turn_deg, shift_x, shift_y;  ///< turned about the origin, then shifted, m
@@ -64,27 +65,6 @@ scene::Simulation board_scene(const Board& board) {
   return simulation;
 }
 
-/// Sutherland & Hodgman (1974): the part of a polygon with a x + b y <= c.
-std::vector<Point> clip(const std::vector<Point>& polygon, double a, double b, double c) {
-  std::vector<Point> out;
-  for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const Point &p = polygon[i], &q = polygon[(i + 1) % polygon.size()];
-    const double dp = a * p[0] + b * p[1] - c, dq = a * q[0] + b * q[1] - c;
-    if (dp <= 0) out.push_back(p);
-    if ((dp < 0 && dq > 0) || (dp > 0 && dq < 0))
-      out.push_back({p[0] + dp / (dp - dq) * (q[0] - p[0]), p[1] + dp / (dp - dq) * (q[1] - p[1])});
-  }
-  return out;
-}
-double area(const std::vector<Point>& polygon) {
-  double twice = 0;
-  for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const Point &p = polygon[i], &q = polygon[(i + 1) % polygon.size()];
-    twice += p[0] * q[1] - p[1] * q[0];
-  }
-  return 0.5 * std::abs(twice);
-}
-
 /// Exact dark share of the square with lower left corner (x, y), 1 m.
 double exact_share(const Board& board, double x, double y) {
   const std::vector<Point> square{board.to_cells(x, y), board.to_cells(x + 1, y), board.to_cells(x + 1, y + 1),
@@ -96,7 +76,7 @@ double exact_share(const Board& board, double x, double y) {
   for (double u = std::floor(lo[0]); u < hi[0]; ++u)
     for (double v = std::floor(lo[1]); v < hi[1]; ++v)
       if (dark(u + 0.5, v + 0.5))
-        covered += area(clip(clip(clip(clip(square, -1, 0, -u), 1, 0, u + 1), 0, -1, -v), 0, 1, v + 1));
+        covered += area(clipped(clipped(clipped(clipped(square, -1, 0, -u), 1, 0, u + 1), 0, -1, -v), 0, 1, v + 1));
   return covered * kFoot * kFoot;
 }
 

@@ -4,7 +4,6 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <cstring>
 #include <numbers>
 
 #include "atmos_tables/clear_sky.h"
@@ -15,11 +14,13 @@
 #include "scene_compiler/load_simulation.h"
 #include "host/render/truth.h"
 #include "tests/support/render_kit.h"
+#include "tests/support/same_bytes.h"
 #include "tests/unit/test_folder.h"
 
 namespace {
 
 using namespace raycube;
+using raycube::test::same_bytes;
 constexpr double kPi = std::numbers::pi;
 constexpr double kSun = 1000, kSky = 30, kPath = 5;
 
@@ -39,10 +40,6 @@ scene::Simulation scene_of(const scene::TriangleMesh& mesh, scene::Simulation si
   finish_top_tree(simulation.scene);
   simulation.instruments = {test::nadir_camera(9, 7, 500, 1.0)};
   return simulation;
-}
-
-bool same_bytes(const std::vector<float>& a, const std::vector<float>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
 }
 
 }  // namespace

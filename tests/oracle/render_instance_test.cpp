@@ -74,15 +74,7 @@ TEST_CASE(
   simulation.instruments = {camera};
 
   const double view = 0.7, factor = 1.04, sun_down = 1500 * 0.8, sky = 30, path = 5;
-  atmos::UniformAir air;
-  air.solar_irradiance = [](double) { return 1500.0; };
-  air.sun_transmission = [](double) { return 0.8; };
-  air.view_transmission = [](double) { return 0.7; };
-  air.two_way_factor = [](double) { return 1.04; };
-  air.sky_radiance = [](double) { return 30.0; };
-  air.path_radiance = [](double) { return 5.0; };
-  air.sun_zenith_deg = simulation.sun.zenith_deg;
-  air.sun_azimuth_deg = simulation.sun.azimuth_deg;
+  const atmos::UniformAir air = test::uniform_air({1500, 0.8, 0.7, 1.04, 30, 5}, simulation.sun);
   const auto image = test::render_image(simulation, atmos::uniform_table(air, atmos::wavelength_grid(0.3, 2.6, 0.01)));
 
   const Vec e = moved(m, a), f = moved(m, b);

@@ -3,18 +3,19 @@
 // rendering against another of the same scene, all bytes of radiance and truth.
 #include <doctest/doctest.h>
 
-#include <cstring>
 #include <set>
 
 #include "atmos_tables/clear_sky.h"
 #include "atmos_tables/synthetic.h"
 #include "host/render/truth.h"
 #include "tests/support/render_kit.h"
+#include "tests/support/same_bytes.h"
 #include "tests/support/test_scenes.h"
 
 namespace {
 
 using namespace raycube;
+using raycube::test::same_bytes;
 
 /// More than the smallest band table holds (261 rows), so that rows are evicted where memory is short.
 constexpr int kMaterials = 400;
@@ -63,10 +64,6 @@ scene::Simulation busy_scene() {
 atmos::RenderTable table_for(const scene::Simulation& simulation) {
   return atmos::build_clear_sky(simulation.atmosphere, simulation.sun, 300, atmos::wavelength_grid(0.42, 0.86, 0.004),
                                 atmos::clear_sky_heights(simulation.scene.lo[2], simulation.scene.hi[2]));
-}
-
-bool same_bytes(const std::vector<float>& a, const std::vector<float>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
 }
 
 struct Variant {

@@ -2,30 +2,23 @@
 // stage, with what one page of each array gives; scene_pages_test.cpp compares the elements themselves.
 #include <doctest/doctest.h>
 
-#include <cstring>
 #include <set>
 
 #include "atmos_tables/clear_sky.h"
 #include "atmos_tables/synthetic.h"
+#include "tests/support/devices.h"
 #include "tests/support/render_kit.h"
+#include "tests/support/same_bytes.h"
 #include "tests/support/test_scenes.h"
 #include "tests/support/trace_chain.h"
 
 namespace {
 
 using namespace raycube;
+using raycube::test::same_bytes;
+using test::first_context;
 
 constexpr std::size_t kMiB = std::size_t{1} << 20;
-
-const cl::Context& context() {
-  static const cl::Context instance{cl::Device(cl::list_devices().front()())};
-  return instance;
-}
-
-template <class T>
-bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
-  return a.size() == b.size() && !a.empty() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
-}
 
 /// Hills under a crowd of 24000 turned, tilted and scaled bumpy spheres; 40000 mixtures of 8 materials. More than one
 /// page of 1 MiB of every array.
@@ -84,7 +77,7 @@ const scene::Simulation& large() {
 TEST_CASE(
     "S8 S60 S63 pages of 1 MiB: hits, surface points, sun and sky are those of one page, in bundles and ray by ray") {
   const auto& scene = large().scene;
-  const render::SceneBuffers buffers(context(), scene, kMiB);
+  const render::SceneBuffers buffers(first_context(), scene, kMiB);
   MESSAGE("pages: nodes " << buffers.nodes.size() << ", triangles " << buffers.blocks.size() << ", instances "
                           << buffers.instances.size() << ", surfaces " << buffers.surfaces.size());
   REQUIRE(buffers.nodes.size() > 1);
@@ -100,9 +93,9 @@ TEST_CASE(
     shape.columns = shape.pixels_per_line = shape.lines = 40;
     shape.bundle = bundle;
     const auto groups = test::nadir_groups(shape, 0, 0, 300, 3.9, 300, 0.02);
-    test::TraceChain plain(context(), scene, shape);
+    test::TraceChain plain(first_context(), scene, shape);
     shape.page_bytes = kMiB;
-    test::TraceChain paged(context(), scene, shape);
+    test::TraceChain paged(first_context(), scene, shape);
     const auto hits = plain.primary(groups);
     CHECK(same_bytes(paged.primary(groups), hits));
     CHECK(same_bytes(paged.surface(), plain.surface()));
@@ -128,6 +121,8 @@ TEST_CASE("S60 S63 pages of 1 MiB: radiance and truth are the same bytes") {
       atmos::build_clear_sky(simulation.atmosphere, simulation.sun, 300, atmos::wavelength_grid(0.46, 0.74, 0.004),
                              atmos::clear_sky_heights(simulation.scene.lo[2], simulation.scene.hi[2]));
   const auto plain = test::render_image(simulation, table);
+  REQUIRE_FALSE(plain.radiance.empty());
+  REQUIRE_FALSE(plain.truth.empty());
   render::RenderOptions options;
   options.page_bytes = kMiB;
   const auto paged = test::render_image(simulation, table, options);

@@ -35,29 +35,12 @@ scene::Simulation tilted_plane(double tilt_deg, double azimuth_deg, double sun_z
   return simulation;
 }
 
-double largest_relative_error(const test::Image& image, const std::vector<double>& expected) {
-  double worst = 0;
-  for (int line = 0; line < image.lines; ++line)
-    for (int pixel = 0; pixel < image.pixels; ++pixel)
-      for (int band = 0; band < image.bands; ++band)
-        worst = std::max(worst, std::abs(image.at(line, pixel, band) / expected[band] - 1));
-  return worst;
-}
-
 }  // namespace
 
 TEST_CASE("S15 tilted plane under sun, uniform sky and path radiance equals the closed form to 1e-5") {
   const double tilt_deg = 25, azimuth_deg = 110, sun_zenith_deg = 40, sun_azimuth_deg = 160;
   auto simulation = tilted_plane(tilt_deg, azimuth_deg, sun_zenith_deg, sun_azimuth_deg);
-  atmos::UniformAir air;
-  air.solar_irradiance = [](double) { return 1500.0; };
-  air.sun_transmission = [](double) { return 0.8; };
-  air.view_transmission = [](double) { return 0.7; };
-  air.two_way_factor = [](double) { return 1.04; };
-  air.sky_radiance = [](double) { return 30.0; };
-  air.path_radiance = [](double) { return 5.0; };
-  air.sun_zenith_deg = sun_zenith_deg;
-  air.sun_azimuth_deg = sun_azimuth_deg;
+  const atmos::UniformAir air = test::uniform_air({1500, 0.8, 0.7, 1.04, 30, 5}, simulation.sun);
   const auto table = atmos::uniform_table(air, atmos::wavelength_grid(0.3, 2.5, 0.01));
   const auto image = test::render_image(simulation, table);
   const double cosine = std::cos(base::rad_from_deg(tilt_deg)) * std::cos(base::rad_from_deg(sun_zenith_deg)) +
@@ -65,7 +48,7 @@ TEST_CASE("S15 tilted plane under sun, uniform sky and path radiance equals the 
                             std::cos(base::rad_from_deg(azimuth_deg - sun_azimuth_deg));
   const double sky = 30.0 * kPi * (1 + std::cos(base::rad_from_deg(tilt_deg))) / 2;
   const double expected = 0.3 / kPi * (1500 * 0.8 * 0.7 * 1.04 * cosine + sky * 0.7 * 1.04) + 5.0;
-  const double worst = largest_relative_error(image, {expected, expected, expected});
+  const double worst = test::worst_relative(image, {expected, expected, expected});
   MESSAGE("largest relative error " << worst);
   CHECK(worst < 1e-5);
   CHECK(image.layer(2, 3, render::truth::hit_fraction) == doctest::Approx(1.0).epsilon(1e-6));  // every sample hit
@@ -147,7 +130,7 @@ TEST_CASE("S18 tilted plane under a real clear sky equals quadrature of the tabl
       }
       expected.push_back(sum / norm);
     }
-    const double worst = largest_relative_error(image, expected);
+    const double worst = test::worst_relative(image, expected);
     MESSAGE("tilt " << tilt_deg << ": largest relative error " << worst);
     CHECK(worst < 1e-5);
   }

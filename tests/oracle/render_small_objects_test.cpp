@@ -13,10 +13,12 @@
 #include "host/sensors/ray_groups.h"
 #include "host/sensors/small_objects.h"
 #include "tests/support/render_kit.h"
+#include "tests/support/same_bytes.h"
 
 namespace {
 
 using namespace raycube;
+using raycube::test::same_bytes;
 
 constexpr double kGround = 0.2, kPlate = 0.9, kSky = 40, kHeight_m = 0.001;
 constexpr int kFirstAbundance = 12;  ///< layer of the first material: the fixed ones come before
@@ -215,10 +217,6 @@ void check_found(const scene::Instrument& instrument, const std::vector<Plate>& 
   CHECK(now.mix < 2e-3);
   CHECK(std::abs(now.found - 1) < 0.03);
   MESSAGE("holding " << now.holding << ", worst " << now.worst << ", rms " << now.rms << ", sum " << now.found);
-}
-
-bool same_bytes(const std::vector<float>& a, const std::vector<float>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
 }
 
 }  // namespace

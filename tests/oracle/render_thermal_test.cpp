@@ -73,15 +73,6 @@ scene::Simulation night(int pixels = 8) {
   return s;
 }
 
-double worst_relative(const test::Image& image, const std::vector<double>& expected) {
-  double worst = 0;
-  for (int line = 0; line < image.lines; ++line)
-    for (int pixel = 0; pixel < image.pixels; ++pixel)
-      for (int b = 0; b < image.bands; ++b)
-        worst = std::max(worst, std::abs(image.at(line, pixel, b) / expected[b] - 1));
-  return worst;
-}
-
 /// A ramp of tilted, partly hidden and open surfaces of four materials, all at one temperature.
 scene::Simulation courtyard(double kelvin) {
   auto s = night(24);
@@ -115,7 +106,7 @@ TEST_CASE(
     return base::planck_radiance(l, kelvin) * (1 - (0.4 + 0.05 * (l - 3.5)));
   };
   const auto image = test::render_image(s, atmos::uniform_table(air, fine_grid()));
-  const double worst = worst_relative(image, band_planck(kelvin));
+  const double worst = test::worst_relative(image, band_planck(kelvin));
   MESSAGE("isothermal furnace: worst " << worst << ", " << image.plan.source_channels() << " source channels");
   CHECK(worst < 1e-5);
   CHECK(image.plan.sun_sources == 0);
@@ -183,7 +174,7 @@ TEST_CASE(
     for (std::size_t b = 0; b < own.size(); ++b)
       expected.push_back((1 - rho) * own[b] * t + rho * t * (factor * sky[b] * (1 + c) / 2 + around[b] * (1 - c) / 2) +
                          path[b]);
-    const double worst = worst_relative(image, expected);
+    const double worst = test::worst_relative(image, expected);
     MESSAGE("tilt " << tilt_deg << ": worst " << worst);
     CHECK(worst < 1e-5);
   }
@@ -350,7 +341,7 @@ TEST_CASE("S15 3.8 um by day: sun, skylight and thermal light together; at 10 um
         rho * 0.9 * (e0[b] * 0.8 * 1.02 * std::cos(base::rad_from_deg(zenith_deg)) / kPi + thermal_sky[b]) + 0.053);
     expected.push_back(without_sky.back() + rho * 0.9 * 1.02 * e0[b] / 1100);
   }
-  const double worst = worst_relative(day, expected);
+  const double worst = test::worst_relative(day, expected);
   MESSAGE("day: worst " << worst << ", " << day.plan.sun_sources << " sun, " << day.plan.sky_components << " sky\n"
                         << plan::plan_json(day.plan).dump(2));
   CHECK(day.plan.sun_sources == 1);
@@ -399,7 +390,7 @@ TEST_CASE(
   chunks.instruments[0].pixels = chunks.instruments[0].lines = 4;
   chunks.instruments[0].ifov_across_rad = chunks.instruments[0].ifov_along_rad = 0.006;
   chunks.instruments[0].samples_u = chunks.instruments[0].samples_v = 41;
-  CHECK(worst_relative(test::render_image(chunks, table), band_planck(kelvin)) < 1e-5);
+  CHECK(test::worst_relative(test::render_image(chunks, table), band_planck(kelvin)) < 1e-5);
   auto many = night(1);
   many.instruments[0].samples_u = many.instruments[0].samples_v = 18;
   for (int k = 0; k < 324; ++k) {
@@ -410,7 +401,7 @@ TEST_CASE(
   finish_top_tree(many.scene);
   const auto image = test::render_image(many, table);
   CHECK(image.statistics.per_sample_pixels == 1);
-  CHECK(worst_relative(image, band_planck(kelvin)) < 1e-5);
+  CHECK(test::worst_relative(image, band_planck(kelvin)) < 1e-5);
 }
 
 TEST_CASE("bad input: thermal rows and materials without temperature, half of the thermal rows") {

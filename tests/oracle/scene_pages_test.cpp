@@ -10,20 +10,14 @@
 #include "host/render/renderer.h"
 #include "host/render/scene_buffers.h"
 #include "kernels/kernel_source.h"
+#include "tests/support/devices.h"
+#include "tests/support/same_bytes.h"
 
 namespace {
 
 using namespace raycube;
-
-const cl::Context& context() {
-  static const cl::Context instance{cl::Device(cl::list_devices().front()())};
-  return instance;
-}
-
-template <class T>
-bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
-  return a.size() == b.size() && !a.empty() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
-}
+using raycube::test::same_bytes;
+using test::first_context;
 
 template <class T>
 void fill(std::vector<T>& array, std::size_t count, std::uint32_t& next) {
@@ -32,13 +26,16 @@ void fill(std::vector<T>& array, std::size_t count, std::uint32_t& next) {
     std::memcpy(reinterpret_cast<char*>(array.data()) + at, &next, sizeof next);
 }
 
-/// Arrays of numbers, no scene: for reading them back.
+/// Arrays of numbers, no scene: for reading them back. Only the mesh that instances name is one that is there, since
+/// the buffers ask which matter is in use.
 scene::CompiledScene numbers(std::size_t nodes, std::size_t blocks, std::size_t instances, std::size_t surfaces) {
   scene::CompiledScene scene;
   std::uint32_t next = 1;
   fill(scene.nodes, nodes, next);
   fill(scene.blocks, blocks, next);
   fill(scene.instances, instances, next);
+  scene.meshes.resize(1);
+  for (shared::Instance& instance : scene.instances) instance.mesh = 0;
   fill(scene.surfaces, surfaces, next);
   return scene;
 }
@@ -62,20 +59,21 @@ kernel void read_all(RC_NODES, RC_BLOCKS, RC_INSTANCES, RC_SURFACES, global BvhN
 
 /// What kernels read at every index of every array.
 scene::CompiledScene read_on_device(const scene::CompiledScene& scene, std::size_t page_bytes) {
-  const render::SceneBuffers buffers(context(), scene, page_bytes);
-  const cl::Program program(context(), "read_all", std::string(kernels::kernel_source("trace")) + kReadAll,
+  const render::SceneBuffers buffers(first_context(), scene, page_bytes);
+  const cl::Program program(first_context(), "read_all", std::string(kernels::kernel_source("trace")) + kReadAll,
                             "-cl-std=CL1.2" + buffers.options);
   cl::Kernel kernel(program, "read_all");
-  cl::Buffer<shared::BvhNode> nodes(context(), scene.nodes.size(), cl::Access::write_only, "nodes read");
-  cl::Buffer<shared::TriBlock> blocks(context(), scene.blocks.size(), cl::Access::write_only, "blocks read");
-  cl::Buffer<shared::Instance> instances(context(), scene.instances.size(), cl::Access::write_only, "instances read");
-  cl::Buffer<shared::Surface> surfaces(context(), scene.surfaces.size(), cl::Access::write_only, "surfaces read");
+  cl::Buffer<shared::BvhNode> nodes(first_context(), scene.nodes.size(), cl::Access::write_only, "nodes read");
+  cl::Buffer<shared::TriBlock> blocks(first_context(), scene.blocks.size(), cl::Access::write_only, "blocks read");
+  cl::Buffer<shared::Instance> instances(first_context(), scene.instances.size(), cl::Access::write_only,
+                                         "instances read");
+  cl::Buffer<shared::Surface> surfaces(first_context(), scene.surfaces.size(), cl::Access::write_only, "surfaces read");
   const auto count = [](const auto& array) { return static_cast<cl_uint>(array.size()); };
   kernel.arguments(buffers.nodes, buffers.blocks, buffers.instances, buffers.surfaces, nodes, blocks, instances,
                    surfaces, count(scene.nodes), count(scene.blocks), count(scene.instances), count(scene.surfaces));
-  context().launch(kernel,
-                   std::max({scene.nodes.size(), scene.blocks.size(), scene.instances.size(), scene.surfaces.size()}));
-  context().finish();
+  first_context().launch(
+      kernel, std::max({scene.nodes.size(), scene.blocks.size(), scene.instances.size(), scene.surfaces.size()}));
+  first_context().finish();
   scene::CompiledScene read;
   read.nodes = nodes.read_all();
   read.blocks = blocks.read_all();
@@ -85,6 +83,7 @@ scene::CompiledScene read_on_device(const scene::CompiledScene& scene, std::size
 }
 
 void check_read(const scene::CompiledScene& scene, std::size_t page_bytes) {
+  REQUIRE_FALSE((scene.nodes.empty() || scene.blocks.empty() || scene.instances.empty() || scene.surfaces.empty()));
   const scene::CompiledScene read = read_on_device(scene, page_bytes);
   CHECK(same_bytes(read.nodes, scene.nodes));
   CHECK(same_bytes(read.blocks, scene.blocks));
@@ -103,12 +102,12 @@ TEST_CASE("S60 every element is itself: arrays that end before, at and after the
   check_read(numbers(31, 15, 63, 255), kPage);
   check_read(numbers(32, 16, 64, 256), kPage);
   check_read(numbers(27, 1, 5, 129), kPage);  // one array in one page, another in several
-  const render::SceneBuffers all(context(), numbers(32, 16, 64, 256), kPage);
+  const render::SceneBuffers all(first_context(), numbers(32, 16, 64, 256), kPage);
   CHECK(all.nodes.size() == 8);
   CHECK(all.blocks.size() == 8);
   CHECK(all.instances.size() == 8);
   CHECK(all.surfaces.size() == 8);
-  const render::SceneBuffers one(context(), numbers(32, 16, 64, 256));
+  const render::SceneBuffers one(first_context(), numbers(32, 16, 64, 256));
   CHECK(one.options.empty());
   CHECK(one.nodes.size() == 1);
   CHECK(one.surfaces.size() == 1);

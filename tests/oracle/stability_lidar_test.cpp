@@ -25,13 +25,6 @@ scene::CompiledScene ground(double z_m = 0) {
   return scene;
 }
 
-scene::Lidar pencil() {
-  scene::Lidar lidar = topographic_lidar();
-  lidar.pulse.half_divergence_rad = 0;
-  lidar.transport.subrays = 1;
-  return lidar;
-}
-
 void sound(const lidar::ShotResult& result) {
   for (const auto* row : {&result.first, &result.multiple, &result.air})
     for (const float bin : *row) REQUIRE((std::isfinite(bin) && bin >= 0));
@@ -52,7 +45,7 @@ TEST_CASE("stability: zero divergence, equal ranges: every sub-ray of 1 to 4096 
   const auto scene = ground();
   for (const auto& device : device_numbers())
     for (const int subrays : {1, 250, 4096}) {
-      scene::Lidar lidar = pencil();
+      scene::Lidar lidar = pencil_lidar();
       lidar.transport.subrays = subrays;
       // One rounding of 2^-24 for each sub-ray added.
       CHECK(moments(down(device, scene, hand_plan(lidar, scene)).first).sum ==
@@ -67,7 +60,7 @@ TEST_CASE(
   for (const auto& device : device_numbers())
     for (const double photons : {0.0, 1e-6, 1e9, 1e20}) {
       CAPTURE(photons);
-      scene::Lidar lidar = pencil();
+      scene::Lidar lidar = pencil_lidar();
       lidar.receiver.quantum_efficiency = 1;
       lidar.pulse.lines[0].energy_J *= photons / kUnit;
       const lidar::LidarPlan plan = hand_plan(lidar, scene);
@@ -91,7 +84,7 @@ TEST_CASE("stability: 600 m, 20 km and 400 km at bins of 0.1 ns: time of flight,
     for (const double range_m : {600.0, 20000.0, 400000.0}) {
       CAPTURE(range_m);
       const auto scene = ground(3);
-      scene::Lidar lidar = pencil();
+      scene::Lidar lidar = pencil_lidar();
       lidar.gate = {2 * range_m / kLightSpeed - 20.05e-9, 0.1e-9, 400};
       const auto result = down(device, scene, hand_plan(lidar, scene), range_m + 3);
       const Moments m = moments(result.first);
@@ -108,7 +101,7 @@ TEST_CASE(
   for (const auto& device : device_numbers()) {
     for (const double bin_s : {0.08e-9, 1e-9, 4e-9, 400e-9}) {
       CAPTURE(bin_s);
-      scene::Lidar lidar = pencil();
+      scene::Lidar lidar = pencil_lidar();
       lidar.gate = {0, bin_s, static_cast<int>(std::ceil(8e-6 / bin_s))};
       if (bin_s < 1e-9) lidar.gate = {time_s - 20e-9, bin_s, 500};
       const Moments m = moments(down(device, scene, hand_plan(lidar, scene)).first);
@@ -119,7 +112,7 @@ TEST_CASE(
     for (const double late_bins :
          {-300.0, -100.0, 0.0, 50.0, 100.0, 300.0}) {  // where the return stands against the gate of 100 bins
       CAPTURE(late_bins);
-      scene::Lidar lidar = pencil();
+      scene::Lidar lidar = pencil_lidar();
       lidar.gate = {time_s - late_bins * 1e-9, 1e-9, 100};
       const auto plan = hand_plan(lidar, scene);
       const auto result = down(device, scene, plan);
@@ -139,7 +132,7 @@ TEST_CASE("stability: air of optical depth 0, 1e-6, 1, 20 and 700 follows Beer's
   for (const auto& device : device_numbers())
     for (const double depth : {0.0, 1e-6, 1.0, 20.0, 700.0}) {
       CAPTURE(depth);
-      lidar::LidarPlan plan = hand_plan(pencil(), scene);
+      lidar::LidarPlan plan = hand_plan(pencil_lidar(), scene);
       if (depth > 0) set_air(plan, depth / 1000, 0, 0, 2000);
       const auto result = down(device, scene, plan);
       const double expected = kUnit * std::exp(-2 * depth);
@@ -160,7 +153,7 @@ TEST_CASE("stability: gas in a box of optical depth 0, 1e-6, 1, 20 and 700 follo
       gas.position_m = {0, 0, 100}, gas.size_m = {50, 50, 10};
       gas.concentration_ppm = 100;
       scene.volumes.push_back(gas);
-      lidar::LidarPlan plan = hand_plan(pencil(), scene);
+      lidar::LidarPlan plan = hand_plan(pencil_lidar(), scene);
       plan.cross_section_cm2 = {depth / (1000 * lidar::kMoleculesPerPpmM)};
       CHECK(moments(down(device, scene, plan).first).sum ==
             doctest::Approx(kUnit * std::exp(-2 * depth)).epsilon(1e-5 + 2e-6 * depth));
@@ -192,7 +185,7 @@ TEST_CASE(
                                  {-0.3, -0.7}}) {  // vertex, edges, diagonal, inside
         CAPTURE(x);
         CAPTURE(y);
-        scene::Lidar lidar = pencil();
+        scene::Lidar lidar = pencil_lidar();
         lidar.gate = {6600e-9, 1e-9, 200};
         const lidar::LidarPlan plan = hand_plan(lidar, scene);
         const auto result =
@@ -205,7 +198,7 @@ TEST_CASE(
 
 TEST_CASE("stability: near field: a coaxial obscured receiver is blind up to r_o / phi and whole beyond r / phi") {
   for (const auto& device : device_numbers()) {
-    scene::Lidar lidar = pencil();
+    scene::Lidar lidar = pencil_lidar();
     lidar.receiver.aperture_radius_m = 0.10, lidar.receiver.obscuration_radius_m = 0.04,
     lidar.receiver.half_fov_rad = 0.5e-3;
     lidar.gate = {0, 2e-9, 1000};
@@ -231,6 +224,6 @@ TEST_CASE("stability: the axis misses the scene and the footprint's edge hits it
     const double share = 0.5 * std::erfc(0.05 / 0.25 * std::sqrt(2.0));
     CHECK(moments(down(device, scene, hand_plan(lidar, scene)).first).sum / kUnit ==
           doctest::Approx(share).epsilon(0.02));  // 4096 equal sub-rays
-    CHECK(moments(down(device, scene, hand_plan(pencil(), scene)).first).sum == 0);
+    CHECK(moments(down(device, scene, hand_plan(pencil_lidar(), scene)).first).sum == 0);
   }
 }

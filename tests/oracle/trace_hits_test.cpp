@@ -5,23 +5,20 @@
 #include <string>
 
 #include "kernels/sampling/sampler.h"
+#include "tests/support/devices.h"
 #include "tests/support/judge_hits.h"
 #include "tests/support/test_scenes.h"
 #include "tests/support/trace_chain.h"
 
 using namespace raycube;
+using raycube::test::first_context;
 using test::TraceShape;
 
 namespace {
 
-const cl::Context& context() {
-  static const cl::Context instance{cl::Device(cl::list_devices().front()())};
-  return instance;
-}
-
 test::HitCount compare(const scene::CompiledScene& scene, const TraceShape& shape,
                        const std::vector<shared::RayGroup>& groups) {
-  return test::judge_hits(context(), scene, shape, groups);
+  return test::judge_hits(first_context(), scene, shape, groups);
 }
 
 TraceShape tile(std::uint32_t columns, std::uint32_t lines, int nu, int nv) {
@@ -165,7 +162,7 @@ TEST_CASE("S7: axis-parallel rays that run in slab planes, coincident faces, one
   // Of the two sheets at z = 1 the one with the lower primitive numbers wins everywhere, edges included; from below the
   // sheet at z = 0. Inside the square every ray hits, those exactly on its diagonal too, whichever way round the
   // triangles are seen.
-  test::TraceChain chain(context(), planes(), shape);
+  test::TraceChain chain(first_context(), planes(), shape);
   const auto scene = planes();
   for (const bool from_below : {false, true}) {
     auto looking = groups;
@@ -204,12 +201,12 @@ TEST_CASE("DESIGN 4: tiles, chunks of samples and single rays change no bit") {
   const auto scene = soup();
   TraceShape whole = tile(18, 6, 8, 6);
   const auto groups = test::nadir_groups(whole, 0.3, -0.2, 60, 0.7, 60, 0.01);
-  const auto all = test::TraceChain(context(), scene, whole).primary(groups);
+  const auto all = test::TraceChain(first_context(), scene, whole).primary(groups);
   TraceShape line = whole;  // one line at a time, its right part alone
   line.lines = 1, line.first_column = 8, line.columns = 10;
   TraceShape part = whole;  // two rows of samples at a time
   part.chunk = 16;
-  test::TraceChain by_line(context(), scene, [&] {
+  test::TraceChain by_line(first_context(), scene, [&] {
     line.first_line = 4;
     return line;
   }());
@@ -217,7 +214,7 @@ TEST_CASE("DESIGN 4: tiles, chunks of samples and single rays change no bit") {
   for (std::uint32_t column = 0; column < 10; ++column)
     for (std::uint32_t k = 0; k < whole.elements().hits; ++k)
       CHECK(right[line.hits_at(column, 0) + k] == all[whole.hits_at(4 * 18 + 8 + column, 0) + k]);
-  test::TraceChain by_chunk(context(), scene, part);
+  test::TraceChain by_chunk(first_context(), scene, part);
   for (std::uint32_t first = 0; first < 48; first += 16) {
     const auto some = by_chunk.primary(groups, first);
     for (std::uint32_t pixel = 0; pixel < whole.pixels(); ++pixel)

@@ -5,18 +5,15 @@
 #include <cstdlib>
 #include <vector>
 
+#include "tests/support/devices.h"
 #include "tests/support/test_scenes.h"
 #include "tests/support/trace_chain.h"
 
 using namespace raycube;
+using raycube::test::first_context;
 using test::TraceShape;
 
 namespace {
-
-const cl::Context& context() {
-  static const cl::Context instance{cl::Device(cl::list_devices().front()())};
-  return instance;
-}
 
 std::size_t misses(const std::vector<std::uint32_t>& hits, const TraceShape& shape) {
   std::size_t count = 0;
@@ -70,7 +67,7 @@ std::size_t leaks_at(const scene::CompiledScene& scene, const std::vector<std::a
   shape.bundle = bundle;
   shape.lines = static_cast<std::uint32_t>(targets.size());
   const std::array<double, 3> origin{0.13 + 0.11 * pass, -0.21 - 0.07 * pass, 0.17 - 0.05 * pass};
-  test::TraceChain chain(context(), scene, shape);
+  test::TraceChain chain(first_context(), scene, shape);
   return misses(chain.primary(aimed(targets, origin)), shape);
 }
 
@@ -79,7 +76,7 @@ std::size_t leaks_at(const scene::CompiledScene& scene, const std::vector<std::a
 TEST_CASE("S5: 1e7 camera rays over closed terrain, none falls through") {
   const auto scene = test::single(test::terrain(260, 160));
   TraceShape shape = tile(180, 46, 11);  // 180 x 46 x 121 = 1.0e6 rays a shot
-  test::TraceChain chain(context(), scene, shape);
+  test::TraceChain chain(first_context(), scene, shape);
   std::size_t rays = 0, lost = 0;
   for (int shot = 0; shot < 10; ++shot) {
     const auto hits = chain.primary(

@@ -4,21 +4,14 @@
 #include <cmath>
 
 #include "kernels/sampling/sampler.h"
+#include "tests/support/devices.h"
 #include "tests/support/double_trace.h"
 #include "tests/support/test_scenes.h"
 #include "tests/support/trace_chain.h"
 
 using namespace raycube;
+using raycube::test::first_context;
 using test::TraceShape;
-
-namespace {
-
-const cl::Context& context() {
-  static const cl::Context instance{cl::Device(cl::list_devices().front()())};
-  return instance;
-}
-
-}  // namespace
 
 TEST_CASE(
     "S8: surface points lie on the viewer's side of their triangle, within the stated bound; sun and sky match brute "
@@ -39,7 +32,7 @@ TEST_CASE(
   CAPTURE(shape.nu);
   shape.pixels_per_line = shape.columns;
   const auto groups = test::nadir_groups(shape, 0, 0, 300, 30.6 / shape.columns, 300, 0.02);
-  test::TraceChain chain(context(), scene, shape);
+  test::TraceChain chain(first_context(), scene, shape);
   const auto hits = chain.primary(groups);
   const auto surface = chain.surface();
   const double zenith = 1.2;
@@ -131,15 +124,15 @@ TEST_CASE(
         {0.5f, 1.0f + 0.1f * static_cast<float>(k % kCount), 1.0f / static_cast<float>(k % kCount + 1), 0.2f});
   }
   shape.bundle = true;
-  test::TraceChain bundled(context(), scene, shape);
+  test::TraceChain bundled(first_context(), scene, shape);
   shape.bundle = false;
-  test::TraceChain single(context(), scene, shape);
+  test::TraceChain single(first_context(), scene, shape);
   bundled.primary(groups), bundled.surface(), single.primary(groups), single.surface();
   const auto whole = bundled.sky(directions, weights, kSets);
   const std::size_t n = shape.elements().padded, planes = shape.elements().blocked / n;
   constexpr std::uint32_t kChunk = 21;  // three rows
   shape.bundle = true, shape.chunk = kChunk;
-  test::TraceChain chunked(context(), scene, shape);
+  test::TraceChain chunked(first_context(), scene, shape);
   for (const std::uint32_t share : {1u, 2u, 4u, 8u, 16u}) {
     CAPTURE(share);
     const auto blocked = bundled.sky(directions, weights, kSets, share);
@@ -183,7 +176,7 @@ TEST_CASE("S8: a flat long thin line does not shadow itself: the park's court li
   const auto groups = test::nadir_groups(shape, 125.5, 76, 613.4, 0.1, 610, 0);
   for (const bool bundle : {true, false}) {
     shape.bundle = bundle;
-    test::TraceChain chain(context(), scene, shape);
+    test::TraceChain chain(first_context(), scene, shape);
     const auto hits = chain.primary(groups);
     const auto surface = chain.surface();
     std::size_t points = 0, dark = 0;

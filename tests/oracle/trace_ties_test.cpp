@@ -8,19 +8,16 @@
 
 #include "kernels/sampling/sampler.h"
 #include "tests/support/brute_trace.h"
+#include "tests/support/devices.h"
 #include "tests/support/test_scenes.h"
 
 using namespace raycube;
+using raycube::test::first_context;
 using test::TraceShape;
 
 namespace {
 
 using V = std::array<double, 3>;
-
-const cl::Context& context() {
-  static const cl::Context instance{cl::Device(cl::list_devices().front()())};
-  return instance;
-}
 
 // Numbers of a stream, the same on every machine.
 class Stream {
@@ -199,11 +196,11 @@ void compare_primary(const Placed& placed, std::uint32_t seed, int pixels_per_gr
     g.du = floats(along), g.dv = floats(across);
     groups.push_back(g);
   }
-  const auto truth = test::BruteTrace(context(), placed.scene, shape).primary(groups);
+  const auto truth = test::BruteTrace(first_context(), placed.scene, shape).primary(groups);
   shape.bundle = true;
-  const auto bundle = test::TraceChain(context(), placed.scene, shape).primary(groups);
+  const auto bundle = test::TraceChain(first_context(), placed.scene, shape).primary(groups);
   shape.bundle = false;
-  const auto single = test::TraceChain(context(), placed.scene, shape).primary(groups);
+  const auto single = test::TraceChain(first_context(), placed.scene, shape).primary(groups);
   for (std::uint32_t pixel = 0; pixel < shape.pixels(); ++pixel)
     for (std::uint32_t s = 0; s < shape.samples(); ++s) {
       const std::size_t at = shape.hits_at(pixel, RC_HIT_INSTANCE) + s,
@@ -223,11 +220,11 @@ void compare_shadows(const Placed& placed, std::uint32_t seed, Differences& foun
   TraceShape shape;
   shape.nu = shape.nv = 8;
   shape.columns = shape.pixels_per_line = 24, shape.lines = 2;
-  test::BruteTrace brute(context(), placed.scene, shape);
+  test::BruteTrace brute(first_context(), placed.scene, shape);
   shape.bundle = true;
-  test::TraceChain with_bundles(context(), placed.scene, shape);
+  test::TraceChain with_bundles(first_context(), placed.scene, shape);
   shape.bundle = false;
-  test::TraceChain without(context(), placed.scene, shape);
+  test::TraceChain without(first_context(), placed.scene, shape);
   Stream random(seed);
   std::vector<float> points(shape.pixels() * shape.elements().surface);
   for (int round = 0; round < 24; ++round) {

@@ -22,6 +22,12 @@ void on_every_device(const F& f) {
   }
 }
 
+/// The first device found, for tests of the kernels themselves; one for the whole program.
+inline const cl::Context& first_context() {
+  static const cl::Context instance{cl::Device(cl::list_devices().front()())};
+  return instance;
+}
+
 /// Numbers of the devices found, as RenderOptions::device takes them.
 inline std::vector<std::string> device_numbers() {
   std::vector<std::string> numbers;

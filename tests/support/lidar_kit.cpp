@@ -63,6 +63,34 @@ scene::Lidar topographic_lidar() {
   return lidar;
 }
 
+scene::Lidar pencil_lidar() {
+  scene::Lidar lidar = topographic_lidar();
+  lidar.pulse.half_divergence_rad = 0;
+  lidar.transport.subrays = 1;
+  return lidar;
+}
+
+scene::Lidar flash_lidar() {
+  scene::Lidar lidar;
+  lidar.name = "flash";
+  lidar.trajectory = {{0, 0, 0, 2000}};
+  lidar.pulse.lines = {{"laser", 1.064, 0, 150e-6}};
+  lidar.pulse.profile = scene::BeamProfile::uniform;
+  lidar.pulse.half_divergence_rad = 8e-3;
+  lidar.pulse.shape = scene::PulseShape::rectangular;
+  lidar.pulse.fwhm_s = 2e-9;
+  lidar.receiver.aperture_radius_m = 0.10;
+  lidar.receiver.columns = lidar.receiver.rows = 3;
+  lidar.receiver.pixel_pitch_rad = 50e-6 / 0.4;
+  lidar.receiver.focal_length_m = 0.4;
+  lidar.receiver.efficiency = 0.5;
+  lidar.gate = {13300e-9, 1e-9, 100};
+  lidar.transport.sampling = scene::LidarSampling::receiver;
+  lidar.transport.subrays = 16;
+  lidar.transport.air_return = false;
+  return lidar;
+}
+
 lidar::PulseTaps make_taps(const scene::LidarPulse& pulse, double bin_s, int phases) {
   lidar::PulseTaps taps;
   if (pulse.fwhm_s == 0) return {1, 1, 0, {1.0f, 1.0f}};
@@ -179,6 +207,12 @@ void add_corner(scene::CompiledScene& scene, std::uint32_t surface_a, std::uint3
                 double height, double half_width) {
   add_rectangle(scene, surface_a, {0, -half_width, 0}, {length, 0, 0}, {0, 2 * half_width, 0});
   add_rectangle(scene, surface_b, {0, -half_width, 0}, {0, 2 * half_width, 0}, {0, 0, height});
+}
+
+double total(const std::vector<float>& row) {
+  double sum = 0;
+  for (const float x : row) sum += x;
+  return sum;
 }
 
 Moments moments(const std::vector<float>& row) {

@@ -15,6 +15,13 @@ namespace raycube::test {
 /// 6200 ns, 1/e2 half divergence 0.25 mrad, 256 sub-rays, overlap and air return off.
 scene::Lidar topographic_lidar();
 
+/// The same with one ray down the axis: what closed forms of a point describe.
+scene::Lidar pencil_lidar();
+
+/// The array of test L-02, DIRSIG's demo LidarValidate1: 150 uJ over a disc of 8 mrad half angle, 3 x 3 pixels of 0.125
+/// mrad.
+scene::Lidar flash_lidar();
+
 /// Pulse shares over `phases` positions within a bin, integrated in double (erfc differences for a Gaussian, out to 6.5
 /// standard deviations); shape as the pulse says (gaussian, rectangular; 0 s: an impulse).
 lidar::PulseTaps make_taps(const scene::LidarPulse& pulse, double bin_s, int phases = 1024);
@@ -44,6 +51,9 @@ void add_rectangle(scene::CompiledScene& scene, std::uint32_t surface, const lid
 /// half_width.
 void add_corner(scene::CompiledScene& scene, std::uint32_t surface_a, std::uint32_t surface_b, double length_m,
                 double height_m, double half_width_m);
+
+/// The sum of a row's bins.
+double total(const std::vector<float>& row);
 
 /// Bins of one row.
 struct Moments {

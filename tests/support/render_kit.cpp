@@ -1,5 +1,6 @@
 #include "tests/support/render_kit.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -74,6 +75,28 @@ scene::Instrument nadir_camera(int pixels, int lines, double height_m, double gs
   camera.samples_u = camera.samples_v = 4;
   camera.bands = gaussian_bands({0.5, 0.7, 0.9}, 0.01);
   return camera;
+}
+
+double worst_relative(const Image& image, const std::vector<double>& expected) {
+  double worst = 0;
+  for (int line = 0; line < image.lines; ++line)
+    for (int pixel = 0; pixel < image.pixels; ++pixel)
+      for (int band = 0; band < image.bands; ++band)
+        worst = std::max(worst, std::abs(image.at(line, pixel, band) / expected[band] - 1));
+  return worst;
+}
+
+atmos::UniformAir uniform_air(const GreyAir& air, const scene::Sun& sun) {
+  const auto constant = [](double value) { return [value](double) { return value; }; };
+  atmos::UniformAir out;
+  out.solar_irradiance = constant(air.solar_irradiance);
+  out.sun_transmission = constant(air.sun_transmission);
+  out.view_transmission = constant(air.view_transmission);
+  out.two_way_factor = constant(air.two_way_factor);
+  out.sky_radiance = constant(air.sky_radiance);
+  out.path_radiance = constant(air.path_radiance);
+  out.sun_zenith_deg = sun.zenith_deg, out.sun_azimuth_deg = sun.azimuth_deg;
+  return out;
 }
 
 std::vector<scene::Band> gaussian_bands(const std::vector<double>& centers_um, double fwhm_um) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "atmos_tables/render_table.h"
+#include "atmos_tables/synthetic.h"
 #include "host/plan/plan.h"
 #include "host/render/renderer.h"
 #include "scene_compiler/bvh_builder.h"
@@ -46,6 +47,16 @@ struct Image {
 /// Plans and renders instrument 0 of the simulation. `adjust` may change the plan before it is used.
 Image render_image(const scene::Simulation& simulation, const atmos::RenderTable& table,
                    const render::RenderOptions& options = {}, const std::function<void(plan::Plan&)>& adjust = {});
+
+/// Largest |radiance / expected[band] - 1| of all pixels.
+double worst_relative(const Image& image, const std::vector<double>& expected);
+
+/// What air does to light, the same at every wavelength; units of atmos::UniformAir.
+struct GreyAir {
+  double solar_irradiance = 1500, sun_transmission = 1, view_transmission = 1, two_way_factor = 1;
+  double sky_radiance = 0, path_radiance = 0;
+};
+atmos::UniformAir uniform_air(const GreyAir& air, const scene::Sun& sun);
 
 /// Gaussian bands at the given centres, one width, um.
 std::vector<scene::Band> gaussian_bands(const std::vector<double>& centers_um, double fwhm_um);

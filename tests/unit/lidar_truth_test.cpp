@@ -30,28 +30,6 @@ lidar::Echo echo_at(double range_m) {
   return echo;
 }
 
-/// The array of test L-02: 150 uJ over a disc of 8 mrad half angle, pixels of 0.125 mrad.
-scene::Lidar flash() {
-  scene::Lidar lidar;
-  lidar.name = "flash";
-  lidar.trajectory = {{0, 0, 0, 2000}};
-  lidar.pulse.lines = {{"laser", 1.064, 0, 150e-6}};
-  lidar.pulse.profile = scene::BeamProfile::uniform;
-  lidar.pulse.half_divergence_rad = 8e-3;
-  lidar.pulse.shape = scene::PulseShape::rectangular;
-  lidar.pulse.fwhm_s = 2e-9;
-  lidar.receiver.aperture_radius_m = 0.10;
-  lidar.receiver.columns = lidar.receiver.rows = 3;
-  lidar.receiver.pixel_pitch_rad = 50e-6 / 0.4;
-  lidar.receiver.focal_length_m = 0.4;
-  lidar.receiver.efficiency = 0.5;
-  lidar.gate = {13300e-9, 1e-9, 100};
-  lidar.transport.sampling = scene::LidarSampling::receiver;
-  lidar.transport.subrays = 16;
-  lidar.transport.air_return = false;
-  return lidar;
-}
-
 scene::CompiledScene plane_of(double reflectance, double tilt_rad) {
   scene::CompiledScene scene = test::scene_of({reflectance});
   test::add_plane(scene, 0, {0, 0, 0}, 50, tilt_rad);
@@ -90,7 +68,7 @@ TEST_CASE("L-01: truth of a return from a plane: range, photo-electrons, inciden
 
 TEST_CASE("L-02: truth of a pixel's samples comes from the beam's fluence, not from what was measured") {
   const auto scene = plane_of(0.10, 0);
-  scene::Lidar spec = flash();
+  scene::Lidar spec = test::flash_lidar();
   lidar::Echo measured = echo_at(2000);
   measured.energy_pe = 123;
   for (const bool tangent : {false, true}) {
@@ -108,7 +86,7 @@ TEST_CASE("L-02: truth of a pixel's samples comes from the beam's fluence, not f
 
 TEST_CASE("S34: truth of sub-rays into an array is the pixel's own and agrees with samples of its pixels") {
   const auto scene = plane_of(0.10, 0.2);
-  scene::Lidar spec = flash();
+  scene::Lidar spec = test::flash_lidar();
   spec.receiver.columns = 4, spec.receiver.rows = 2, spec.receiver.pixel_pitch_rad = 2e-3;
   spec.pulse.profile = scene::BeamProfile::gaussian;
   spec.transport.subrays = 4096;

@@ -8,10 +8,12 @@
 #include "scene_compiler/compiled_file.h"
 #include "scene_compiler/scene_info.h"
 #include "scene_files.h"
+#include "tests/support/same_bytes.h"
 
 using namespace raycube;
 using namespace raycube::scene;
 using namespace raycube::scene::testing;
+using raycube::test::same_bytes;
 
 namespace {
 
@@ -38,11 +40,6 @@ std::string load_error(const std::string& file) {
     return error.what();
   }
   return "";
-}
-
-template <class T>
-bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
-  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
 }
 
 long peak_kib() {
