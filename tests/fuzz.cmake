@@ -36,7 +36,8 @@ set(sanitizers -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=undefin
 target_compile_options(fuzz_readers PRIVATE -O1 -gline-tables-only -fno-omit-frame-pointer ${sanitizers})
 target_link_options(fuzz_readers PRIVATE ${sanitizers})
 # All of an ordinary build's libraries that readers may call: what they do not call is not linked. Where those were
-# compiled several sources at a time (RAYCUBE_UNITY), readers come with them a second time; the first, of here, is taken.
+# compiled several sources at a time (RAYCUBE_UNITY), readers come with them a second time; the first, of here, is
+# taken.
 file(GLOB ordinary ${RAYCUBE_ORDINARY_BUILD}/scene_compiler/*.a ${RAYCUBE_ORDINARY_BUILD}/host/products/*.a
   ${RAYCUBE_ORDINARY_BUILD}/atmos_tables/*.a ${RAYCUBE_ORDINARY_BUILD}/atmos_tables/import/*.a
   ${RAYCUBE_ORDINARY_BUILD}/host/base/*.a)
