@@ -53,6 +53,16 @@ std::vector<shared::Lobe> surface_lobes(const CompiledScene& scene) {
   return out;
 }
 
+CameraMatter camera_matter(const CompiledScene& scene) {
+  return {first_shaped(scene) != nullptr, 1, material_count(scene)};
+}
+
+std::vector<std::uint32_t> seen_curves(const CompiledScene& scene) {
+  std::vector<std::uint32_t> out;
+  for (const auto material : used_materials(scene)) out.push_back(reflectance_curve(scene, material));
+  return out;
+}
+
 const Material* first_shaped(const CompiledScene& scene) {
   for (const auto material : used_materials(scene))
     if (scene.materials[material].front.number != RC_SHAPE_lambert) return &scene.materials[material];

@@ -41,6 +41,17 @@ std::vector<shared::Lobe> surface_lobes(const CompiledScene& scene);
 /// The first used material that does not reflect by Lambert's law; null: none.
 const Material* first_shaped(const CompiledScene& scene);
 
+/// What the matter of a scene asks of a camera's kernels.
+struct CameraMatter {
+  bool shaped = false;          ///< some used material does not reflect by Lambert's law (kernels/materials)
+  int sides = 1;                ///< of a surface from which light goes to the viewer: 2 where matter lets light through
+  std::uint32_t materials = 0;  ///< of the scene
+};
+CameraMatter camera_matter(const CompiledScene& scene);
+
+/// Curves by which cameras see the used materials, ascending.
+std::vector<std::uint32_t> seen_curves(const CompiledScene& scene);
+
 /// Curves are numbered from 1, see kernels/shared/product_key.h.
 inline std::uint32_t curve_count(const CompiledScene& scene) { return RC_CURVE_ROLES * material_count(scene); }
 

@@ -34,7 +34,7 @@ std::vector<std::vector<double>> environment_spectra(const Plan& plan, std::size
   return out;
 }
 
-/// Product of a key's curves on the plan's grid; 1 without any.
+/// Product of a key's curves on the plan's grid; 1 without any. A material without a transmittance is opaque.
 std::vector<double> product_of_curves(const Plan& plan, const scene::CompiledScene& scene, std::uint64_t key) {
   std::vector<double> product(plan.wavelength_um.size(), 1.0);
   for (std::uint32_t c = 0; c < rc_key_count(key); ++c) {
@@ -43,7 +43,10 @@ std::vector<double> product_of_curves(const Plan& plan, const scene::CompiledSce
       throw base::Error(base::Fault::bug, "bake_row: curve " + std::to_string(curve) + " of " +
                                               std::to_string(scene::curve_count(scene)));
     const auto& owner = scene.materials[scene::material_of_curve(scene, curve)];
-    const std::vector<double> values = sample_curve(owner, scene::curve_of(scene, curve), plan.wavelength_um);
+    const bool through = rc_curve_role(curve, scene::material_count(scene)) == RC_CURVE_TRANSMITTANCE;
+    const std::vector<double> values = through && owner.transmittance.value.empty()
+                                           ? std::vector<double>(product.size(), 0.0)
+                                           : sample_curve(owner, scene::curve_of(scene, curve), plan.wavelength_um);
     for (std::size_t i = 0; i < product.size(); ++i) product[i] *= values[i];
   }
   return product;
@@ -59,9 +62,12 @@ std::vector<float> bake_row(const Plan& plan, const scene::CompiledScene& scene,
                                   : std::vector<std::vector<double>>{};
   const auto& spectra = around ? environment : curves == 0 ? plan.path_spectrum : plan.source_spectrum;
   const std::vector<double> scattered = product_of_curves(plan, scene, curves > 0 ? key : 0);
+  // What matter emits goes by 1 - reflectance - transmittance: each of its two keys says its part.
+  const double black =
+      curves > 0 && rc_curve_role(rc_key_curve(key, 0), scene::material_count(scene)) == RC_CURVE_REFLECTANCE ? 1 : 0;
   std::vector<double> emitted;
   if (curves > 0 && plan.thermal.on)
-    for (const double r : scattered) emitted.push_back(curves == 1 ? 1 - r : 0);
+    for (const double value : scattered) emitted.push_back(curves == 1 ? black - value : 0);
   const auto first_emission = static_cast<std::size_t>(plan.first_emission() * plan.height.count * plan.view.count);
   std::vector<float> out(spectra.size() * padded, 0.0f);
   for (std::size_t c = 0; c < spectra.size(); ++c) {

@@ -186,7 +186,7 @@ void check_directions(const scene::Simulation& simulation) {
                                   kMostDirections, simulation.sky_directions));
 }
 
-/// A plan that knows its tolerance, its sun and whether it has shaped materials.
+/// A plan that knows its tolerance, its sun and its matter.
 Plan begin_plan(const scene::Simulation& simulation, const Domain& domain) {
   Plan plan;
   plan.tolerance = simulation.tolerance;
@@ -194,7 +194,7 @@ Plan begin_plan(const scene::Simulation& simulation, const Domain& domain) {
   plan.sun_direction = {static_cast<float>(std::sin(domain.sun_zenith) * std::sin(domain.sun_azimuth)),
                         static_cast<float>(std::sin(domain.sun_zenith) * std::cos(domain.sun_azimuth)),
                         static_cast<float>(std::cos(domain.sun_zenith))};
-  plan.shaped = scene::first_shaped(simulation.scene) != nullptr;
+  plan.matter = scene::camera_matter(simulation.scene);
   return plan;
 }
 

@@ -13,6 +13,7 @@
 #include "host/plan/plan_report.h"
 #include "host/plan/sky_basis.h"
 #include "kernels/shared/structs.h"
+#include "scene_compiler/matter.h"
 #include "scene_compiler/simulation.h"
 
 namespace raycube::plan {
@@ -153,7 +154,7 @@ struct Plan {
   bool sun_up = true;
   int sun_sources = 1;     ///< 0: too dark beside the thermal light to be a source
   int sky_components = 0;  ///< 0..4, of sunlight
-  bool shaped = false;     ///< some used material does not reflect by Lambert's law (kernels/materials)
+  scene::CameraMatter matter;
   Thermal thermal;
   NodeAxis height;          ///< target height, m above scene z = 0
   NodeAxis view;            ///< sec(view zenith)

@@ -89,9 +89,9 @@ void check_curves(const scene::CompiledScene& scene, const scene::Instrument& in
     const std::string& name = file != curve_file.end() ? file->second : material.source;
     return name.empty() ? std::string("this") : "'" + name + "'";
   };
-  for (const auto index : scene::used_materials(scene)) {
-    const auto& material = scene.materials[index];
-    const auto& x = material.reflectance.wavelength_um;
+  for (const auto curve : scene::seen_curves(scene)) {
+    const auto& material = scene.materials[scene::material_of_curve(scene, curve)];
+    const auto& x = scene::curve_of(scene, curve).wavelength_um;
     if (x.empty()) problems.add(where, "material '" + material.name + "' has no reflectance curve", "", "give one");
     if (x.size() > 1)
       check_range(
@@ -111,8 +111,8 @@ SpectralPlan make_spectral_plan(const scene::CompiledScene& scene, const scene::
   problems.throw_if_any();
 
   std::vector<double> breakpoints = table_um;
-  for (const auto material : used) {
-    const auto& x = scene.materials[material].reflectance.wavelength_um;
+  for (const auto curve : scene::seen_curves(scene)) {
+    const auto& x = scene::curve_of(scene, curve).wavelength_um;
     if (x.size() < 2) continue;
     // Bands end inside the table, so that its ends are nodes enough there; beyond them nobody could read it.
     for (const double node : x)

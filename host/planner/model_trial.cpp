@@ -67,8 +67,9 @@ ModelPixels compare_models(const scene::Simulation& simulation, const scene::Ins
     base::throw_if_interrupted();
     const reference::SampledPixel pixel = scene.sample_pixel(few, same, settings.seed, pixels[p]);
     std::vector<reference::BlockedDirections> blocked;
-    for (std::size_t s = 0; s < pixel.samples.size(); ++s)
-      blocked.push_back(reference::blocked_directions(scene, same, settings.seed, pixel.number, pixel.samples[s], s));
+    for (std::size_t i = 0; i < pixel.sides(); ++i)
+      blocked.push_back(reference::blocked_directions(scene, same, settings.seed, pixel.number, pixel.side(i),
+                                                      i % pixel.samples.size()));
     out.planned[p] = planned.radiance(pixel, blocked);
     out.whole[p] = whole.radiance(pixel);
   });

@@ -29,13 +29,17 @@ double weight_of(const NodeWeight& w, int node) { return node == w.low ? 1 - w.f
 
 }  // namespace
 
-std::vector<std::vector<double>> reflectance_on(const scene::CompiledScene& scene,
-                                                const std::vector<double>& wavelength_um) {
+std::vector<std::vector<double>> curves_on(const scene::CompiledScene& scene,
+                                           const std::vector<double>& wavelength_um) {
   std::vector<std::vector<double>> out;
-  for (const scene::Material& material : scene.materials) {
-    const std::vector<double>&x = material.reflectance.wavelength_um, &y = material.reflectance.value;
+  for (std::uint32_t curve = 1; curve <= scene::curve_count(scene); ++curve) {
+    const std::vector<double>&x = scene::curve_of(scene, curve).wavelength_um, &y = scene::curve_of(scene, curve).value;
     std::vector<double>& values = out.emplace_back();
     for (double wavelength : wavelength_um) {
+      if (x.empty()) {
+        values.push_back(0);
+        continue;
+      }
       const auto above = static_cast<std::size_t>(std::upper_bound(x.begin(), x.end(), wavelength) - x.begin());
       if (above == 0)
         values.push_back(y.front());
@@ -127,11 +131,7 @@ BlockedDirections blocked_directions(const ReferenceScene& scene, const plan::Pl
 
 ArithmeticModel::ArithmeticModel(const scene::CompiledScene& scene, const plan::Plan& plan, std::uint64_t seed,
                                  OpenSky open)
-    : scene_(scene),
-      plan_(plan),
-      seed_(seed),
-      open_(std::move(open)),
-      reflectance_(reflectance_on(scene, plan.wavelength_um)) {
+    : scene_(scene), plan_(plan), seed_(seed), open_(std::move(open)), curve_(curves_on(scene, plan.wavelength_um)) {
   for (const scene::Material& material : scene.materials) shaped_ |= material.front.number != RC_SHAPE_lambert;
   if (open_) return;
   open_ = [&plan](const glm::dvec3& normal) {
@@ -148,6 +148,10 @@ ArithmeticModel::ArithmeticModel(const scene::CompiledScene& scene, const plan::
   };
 }
 
+const std::vector<double>& ArithmeticModel::curve_of(const Sample& sample, std::uint32_t material) const {
+  return curve_[rc_curve_id(rc_curve_of_side(sample.side), material - 1, scene::material_count(scene_)) - 1];
+}
+
 void ArithmeticModel::add_source(const SampledPixel& pixel, const Sample& sample, int source, double scalar,
                                  std::vector<double>& spectrum) const {
   if (scalar == 0) return;
@@ -161,7 +165,7 @@ void ArithmeticModel::add_source(const SampledPixel& pixel, const Sample& sample
           plan_.source_spectrum[static_cast<std::size_t>((source * plan_.height.count + ih) * plan_.view.count + iv)];
       for (int m = 0; m < 4; ++m) {
         if (surface.material[m] == 0) continue;
-        const std::vector<double>& rho = reflectance_[surface.material[m] - 1];
+        const std::vector<double>& rho = curve_of(sample, surface.material[m]);
         const double w = weight * static_cast<double>(surface.fraction[m]);
         for (std::size_t i = 0; i < spectrum.size(); ++i) spectrum[i] += w * rho[i] * light[i];
       }
@@ -172,10 +176,11 @@ void ArithmeticModel::add_emission(const SampledPixel& pixel, const Sample& samp
                                    std::vector<double>& spectrum) const {
   const NodeWeight h = locate(plan_.height, sample.point.z), v = locate(plan_.view, 1 / pixel.to_sensor.z);
   const std::vector<double>& nodes = plan_.thermal.temperature_K;
+  const double black = sample.side == 0 ? 1 : 0;  // 1 - reflectance - transmittance, each side its part
   const shared::Surface& surface = scene::matter_of(scene_, sample.hit.primitive);
   for (int m = 0; m < 4; ++m) {
     if (surface.material[m] == 0) continue;
-    const std::vector<double>& rho = reflectance_[surface.material[m] - 1];
+    const std::vector<double>& rho = curve_of(sample, surface.material[m]);
     const double kelvin = scene_.materials[surface.material[m] - 1].temperature_K;
     NodeWeight at;
     if (nodes.size() > 1) {
@@ -192,57 +197,65 @@ void ArithmeticModel::add_emission(const SampledPixel& pixel, const Sample& samp
           if (w == 0) continue;
           const std::vector<double>& light = plan_.source_spectrum[static_cast<std::size_t>(
               ((plan_.first_emission() + k) * plan_.height.count + ih) * plan_.view.count + iv)];
-          for (std::size_t i = 0; i < spectrum.size(); ++i) spectrum[i] += w * (1 - rho[i]) * light[i];
+          for (std::size_t i = 0; i < spectrum.size(); ++i) spectrum[i] += w * (black - rho[i]) * light[i];
         }
   }
 }
 
-BandRadiance ArithmeticModel::radiance(const SampledPixel& pixel, const std::vector<BlockedDirections>& blocked) const {
-  const std::size_t grid = plan_.wavelength_um.size();
-  std::vector<double> sun(grid, 0.0), sky(grid, 0.0), path(grid, 0.0), emission(grid, 0.0), surroundings(grid, 0.0);
-  const std::size_t first = first_direction(plan_, seed_, pixel.number);
+void ArithmeticModel::add_side(const SampledPixel& pixel, const Sample& side, std::size_t number_of_sample,
+                               const BlockedDirections& blocked, Spectra& out) const {
   const glm::dvec3 sun_direction(plan_.sun_direction[0], plan_.sun_direction[1], plan_.sun_direction[2]);
-  const NodeWeight x = locate(plan_.path_x, pixel.to_sensor.x), y = locate(plan_.path_y, pixel.to_sensor.y);
-  for (std::size_t s = 0; s < pixel.samples.size(); ++s) {
-    const Sample& sample = pixel.samples[s];
-    const bool hit = !sample.hit.miss();
-    if (hit && sample.sun_visible && plan_.sun_sources > 0)
-      add_source(pixel, sample, 0, std::max(0.0, sample.cos_sun) * spread(scene_, sample, sun_direction), sun);
-    if (hit && plan_.components() > 0) {
-      const auto all = static_cast<std::size_t>(plan_.components());
-      std::array<double, 8> irradiance = open_(sample.normal);
-      for (std::size_t k = 0; k < blocked[s].size(); ++k) {
-        const glm::dvec3 direction = xyz(plan_.sky.direction[first + k]);
-        // What a direction would have sent is missing where it is hidden; where it is open, what other shapes than
-        // Lambert's do not turn to the viewer.
-        double missing = blocked[s][k] ? 1 : 0;
-        if (!blocked[s][k] && shaped_ && looks_into(plan_.sky, seed_, pixel.number, s, k))
-          missing = 1 - spread(scene_, sample, direction);
-        if (missing == 0) continue;
-        const std::array<double, 8> parts = plan_.sky.weights(first + k);
-        const double cosine = std::max(0.0, glm::dot(sample.normal, direction));
-        for (std::size_t m = 0; m < all; ++m) irradiance[m] -= plan_.sky.share * parts[m] * cosine * missing;
-      }
-      for (std::size_t m = 0; m < all; ++m)
-        add_source(pixel, sample, plan_.first_component() + static_cast<int>(m), irradiance[m],
-                   plan_.thermal.on && m + 1 == all ? surroundings : sky);
+  if (side.sun_visible && plan_.sun_sources > 0)
+    add_source(pixel, side, 0, std::max(0.0, side.cos_sun) * spread(scene_, side, sun_direction), out.sun);
+  if (plan_.components() > 0) {
+    const std::size_t first = first_direction(plan_, seed_, pixel.number);
+    const auto all = static_cast<std::size_t>(plan_.components());
+    std::array<double, 8> irradiance = open_(side.normal);
+    for (std::size_t k = 0; k < blocked.size(); ++k) {
+      const glm::dvec3 direction = xyz(plan_.sky.direction[first + k]);
+      // What a direction would have sent is missing where it is hidden; where it is open, what other shapes than
+      // Lambert's do not turn to the viewer.
+      double missing = blocked[k] ? 1 : 0;
+      if (!blocked[k] && shaped_ && looks_into(plan_.sky, seed_, pixel.number, number_of_sample, k))
+        missing = 1 - spread(scene_, side, direction);
+      if (missing == 0) continue;
+      const std::array<double, 8> parts = plan_.sky.weights(first + k);
+      const double cosine = std::max(0.0, glm::dot(side.normal, direction));
+      for (std::size_t m = 0; m < all; ++m) irradiance[m] -= plan_.sky.share * parts[m] * cosine * missing;
     }
-    if (hit && plan_.thermal.on) add_emission(pixel, sample, emission);
-    // A ray that meets nothing ends over black ground at the lowest node.
-    const NodeWeight h = locate(plan_.height, hit ? sample.point.z : static_cast<double>(plan_.height.first));
-    for (int ih = 0; ih < plan_.height.count; ++ih)
-      for (int iy = 0; iy < plan_.path_y.count; ++iy)
-        for (int ix = 0; ix < plan_.path_x.count; ++ix) {
-          const double weight = sample.weight * weight_of(h, ih) * weight_of(y, iy) * weight_of(x, ix);
-          if (weight == 0) continue;
-          const std::vector<double>& light =
-              plan_.path_spectrum[static_cast<std::size_t>((ih * plan_.path_y.count + iy) * plan_.path_x.count + ix)];
-          for (std::size_t i = 0; i < grid; ++i) path[i] += weight * light[i];
-        }
+    for (std::size_t m = 0; m < all; ++m)
+      add_source(pixel, side, plan_.first_component() + static_cast<int>(m), irradiance[m],
+                 plan_.thermal.on && m + 1 == all ? out.surroundings : out.sky);
   }
-  BandRadiance out{band_values(plan_, sun),      band_values(plan_, sky),         band_values(plan_, path), {},
-                   band_values(plan_, emission), band_values(plan_, surroundings)};
-  if (!plan_.environment.empty()) out.environment = band_values(plan_, environment_light(pixel, plan_, reflectance_));
+  if (plan_.thermal.on) add_emission(pixel, side, out.emission);
+}
+
+void ArithmeticModel::add_path(const SampledPixel& pixel, const Sample& sample, std::vector<double>& path) const {
+  const NodeWeight x = locate(plan_.path_x, pixel.to_sensor.x), y = locate(plan_.path_y, pixel.to_sensor.y);
+  // A ray that meets nothing ends over black ground at the lowest node.
+  const NodeWeight h =
+      locate(plan_.height, sample.hit.miss() ? static_cast<double>(plan_.height.first) : sample.point.z);
+  for (int ih = 0; ih < plan_.height.count; ++ih)
+    for (int iy = 0; iy < plan_.path_y.count; ++iy)
+      for (int ix = 0; ix < plan_.path_x.count; ++ix) {
+        const double weight = sample.weight * weight_of(h, ih) * weight_of(y, iy) * weight_of(x, ix);
+        if (weight == 0) continue;
+        const std::vector<double>& light =
+            plan_.path_spectrum[static_cast<std::size_t>((ih * plan_.path_y.count + iy) * plan_.path_x.count + ix)];
+        for (std::size_t i = 0; i < path.size(); ++i) path[i] += weight * light[i];
+      }
+}
+
+BandRadiance ArithmeticModel::radiance(const SampledPixel& pixel, const std::vector<BlockedDirections>& blocked) const {
+  const std::vector<double> dark(plan_.wavelength_um.size(), 0.0);
+  Spectra spectra{dark, dark, dark, dark, dark};
+  for (std::size_t i = 0; i < pixel.sides(); ++i)
+    if (!pixel.side(i).hit.miss()) add_side(pixel, pixel.side(i), i % pixel.samples.size(), blocked[i], spectra);
+  for (const Sample& sample : pixel.samples) add_path(pixel, sample, spectra.path);
+  BandRadiance out{band_values(plan_, spectra.sun),      band_values(plan_, spectra.sky),
+                   band_values(plan_, spectra.path),     {},
+                   band_values(plan_, spectra.emission), band_values(plan_, spectra.surroundings)};
+  if (!plan_.environment.empty()) out.environment = band_values(plan_, environment_light(pixel, plan_, curve_));
   return out;
 }
 

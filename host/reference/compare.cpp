@@ -124,12 +124,26 @@ void Comparison::compare_sky(const Sample& sample, std::size_t number_of_sample,
   result.excluded = true;
 }
 
+void Comparison::compare_sun(Sample& side, bool device_sees, Result& result) const {
+  if (side.hit.miss() || !plan_.sun_up || !(side.cos_sun > 0)) return;
+  ++result.sun_rays;
+  if (side.sun_visible == device_sees) return;
+  if (scene_.sees_in_double(side, to_double(plan_.sun_direction)) == Visibility::uncertain) {
+    ++result.sun_explained;
+    side.sun_visible = device_sees;
+  } else {
+    ++result.sun_unexplained;
+    result.excluded = true;
+  }
+}
+
 Comparison::Result Comparison::compare(const DevicePixel& device, bool with_model) const {
   SampledPixel pixel = scene_.sample_pixel(instrument_, plan_, seed_, device.address);
   const std::size_t samples = pixel.samples.size(),
                     planes = static_cast<std::size_t>(RC_SKY_PLANES_OF(plan_.components()));
-  if (device.hits.size() != samples || device.sun_visible.size() != samples ||
-      device.sky_blocked.size() != planes * samples || device.radiance.size() != plan_.bands.size())
+  const std::size_t sides = pixel.sides();
+  if (device.hits.size() != samples || device.sun_visible.size() != sides ||
+      device.sky_blocked.size() != planes * sides || device.radiance.size() != plan_.bands.size())
     throw base::Error(base::Fault::bug, "check: the device handed over " + std::to_string(device.hits.size()) +
                                             " hits and " + std::to_string(device.radiance.size()) +
                                             " bands of a pixel with " + std::to_string(samples) + " samples and " +
@@ -138,8 +152,7 @@ Comparison::Result Comparison::compare(const DevicePixel& device, bool with_mode
   result.number = pixel.number;
   result.line = device.address.line, result.sample = device.address.sample;
   result.rays = samples;
-  const glm::dvec3 sun = to_double(plan_.sun_direction);
-  std::vector<BlockedDirections> blocked;
+  std::vector<BlockedDirections> blocked(sides);
   for (std::size_t s = 0; s < samples; ++s) {
     base::throw_if_interrupted();
     Sample& sample = pixel.samples[s];
@@ -152,25 +165,17 @@ Comparison::Result Comparison::compare(const DevicePixel& device, bool with_mode
       } else {
         // An explained tie may fall either way: from here on both sides speak of the device's triangle.
         sample.hit = device.hits[s];
-        scene_.place(sample, plan_);
+        scene_.place(pixel, s, plan_);
       }
     }
-    if (!sample.hit.miss() && plan_.sun_up && sample.cos_sun > 0) {
-      ++result.sun_rays;
-      if (sample.sun_visible != (device.sun_visible[s] != 0)) {
-        if (scene_.sees_in_double(sample, sun) == Visibility::uncertain) {
-          ++result.sun_explained;
-          sample.sun_visible = device.sun_visible[s] != 0;
-        } else {
-          ++result.sun_unexplained;
-          result.excluded = true;
-        }
-      }
+    for (std::size_t i = s; i < sides; i += samples) {
+      Sample& side = pixel.side(i);
+      compare_sun(side, device.sun_visible[i] != 0, result);
+      blocked[i] = blocked_directions(scene_, plan_, seed_, pixel.number, side, s);
+      if (side.hit.miss()) continue;
+      result.sky_rays += blocked[i].size() / static_cast<std::size_t>(plan_.sky.share);
+      if (!result.excluded) compare_sky(side, s, pixel.number, &device.sky_blocked[planes * i], blocked[i], result);
     }
-    blocked.push_back(blocked_directions(scene_, plan_, seed_, pixel.number, sample, s));
-    if (sample.hit.miss()) continue;
-    result.sky_rays += blocked.back().size() / static_cast<std::size_t>(plan_.sky.share);
-    if (!result.excluded) compare_sky(sample, s, pixel.number, &device.sky_blocked[planes * s], blocked.back(), result);
   }
   result.arithmetic = arithmetic_.radiance(pixel, blocked);
   for (std::size_t b = 0; b < plan_.bands.size(); ++b) {

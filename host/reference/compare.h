@@ -18,9 +18,9 @@ namespace raycube::reference {
 struct DevicePixel {
   PixelAddress address;
   std::vector<Hit> hits;                  ///< [sample]
-  std::vector<std::uint8_t> sun_visible;  ///< [sample]; read where the surface faces the sun
+  std::vector<std::uint8_t> sun_visible;  ///< [side][sample]; read where the side of the surface faces the sun
   std::vector<float>
-      /// [sample][component 0..3, or 0..7 where the plan has more than 4]: irradiance that blocked directions take away
+      /// [side][sample][component 0..3, or 0..7 where the plan has more than 4]: irradiance that blocked directions take away
       sky_blocked;
   std::vector<float> radiance;  ///< [band], W m-2 sr-1 um-1
 };
@@ -109,6 +109,8 @@ class Comparison {
  private:
   struct Result;
   Result compare(const DevicePixel& pixel, bool with_model) const;
+  /// The sun's ray from a side of a sample's surface; where the two part by a tie, the side goes the device's way.
+  void compare_sun(Sample& side, bool device_sees, Result& result) const;
   void compare_sky(const Sample& sample, std::size_t number_of_sample, std::uint32_t number, const float* device,
                    BlockedDirections& blocked, Result& result) const;
 

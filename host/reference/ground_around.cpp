@@ -76,10 +76,7 @@ std::vector<double> environment_light(const SampledPixel& pixel, const plan::Pla
 }
 
 EnvironmentModel::EnvironmentModel(const ReferenceScene& scene, const plan::Plan& plan, const atmos::RenderTable& table)
-    : scene_(scene),
-      plan_(plan),
-      table_(table),
-      reflectance_(reflectance_on(scene.compiled, atmos::wavelengths(table))) {
+    : scene_(scene), plan_(plan), table_(table), reflectance_(curves_on(scene.compiled, atmos::wavelengths(table))) {
   const auto& lo = plan.environment.mean_lo_m;
   const auto& hi = plan.environment.mean_hi_m;
   mean_.assign(atmos::wavelengths(table).size(), 0.0);

@@ -42,7 +42,7 @@ class EnvironmentModel {
   const ReferenceScene& scene_;
   const plan::Plan& plan_;
   const atmos::RenderTable& table_;
-  Reflectances reflectance_;  ///< on the table's wavelengths
+  Reflectances reflectance_;  ///< on the table's wavelengths; other curves follow (curves_on)
   std::vector<double> mean_;
 };
 

@@ -25,9 +25,9 @@ struct BandRadiance {
   }
 };
 
-/// Reflectance of each material on a wavelength grid: linear between the curve's nodes, its end values outside.
-std::vector<std::vector<double>> reflectance_on(const scene::CompiledScene& scene,
-                                                const std::vector<double>& wavelength_um);
+/// Every curve of the scene's materials, [curve - 1], on a wavelength grid: linear between the curve's nodes, its end
+/// values outside; zero where a material has none. The reflectances come first, in the materials' order.
+std::vector<std::vector<double>> curves_on(const scene::CompiledScene& scene, const std::vector<double>& wavelength_um);
 
 /// Quadrature of a spectrum on the plan's grid over every band.
 std::vector<double> band_values(const plan::Plan& plan, const std::vector<double>& spectrum);
@@ -64,10 +64,20 @@ class ArithmeticModel {
   /// Keeps references. Without `open` the plan's own map and table.
   ArithmeticModel(const scene::CompiledScene& scene, const plan::Plan& plan, std::uint64_t seed, OpenSky open = {});
 
-  /// blocked[s]: per sample, see blocked_directions.
+  /// blocked[i]: of SampledPixel::side(i), see blocked_directions.
   BandRadiance radiance(const SampledPixel& pixel, const std::vector<BlockedDirections>& blocked) const;
 
  private:
+  /// On the plan's grid, by physics block.
+  struct Spectra {
+    std::vector<double> sun, sky, path, emission, surroundings;
+  };
+  /// By which light that falls onto the side of the sample goes to the viewer; material from 1.
+  const std::vector<double>& curve_of(const Sample& sample, std::uint32_t material) const;
+  /// Sun, sky and emission of one side of a surface.
+  void add_side(const SampledPixel& pixel, const Sample& side, std::size_t number_of_sample,
+                const BlockedDirections& blocked, Spectra& out) const;
+  void add_path(const SampledPixel& pixel, const Sample& sample, std::vector<double>& path) const;
   void add_source(const SampledPixel& pixel, const Sample& sample, int source, double scalar,
                   std::vector<double>& spectrum) const;
   void add_emission(const SampledPixel& pixel, const Sample& sample, std::vector<double>& spectrum) const;
@@ -76,8 +86,8 @@ class ArithmeticModel {
   const plan::Plan& plan_;
   std::uint64_t seed_;
   OpenSky open_;
-  bool shaped_ = false;                           ///< some material does not reflect by Lambert's law
-  std::vector<std::vector<double>> reflectance_;  ///< [material][grid]
+  bool shaped_ = false;                     ///< some material does not reflect by Lambert's law
+  std::vector<std::vector<double>> curve_;  ///< [curve - 1][grid], curves_on
 };
 
 /// How a pixel's samples share the sky directions of the model form: each looks into `per_sample` of them, evenly
@@ -141,8 +151,8 @@ class TableModel {
   bool no_air_;
   bool sun_ = true, skylight_ = true;          ///< the table has rows of the sun's light
   bool warm_path_ = false, warm_sky_ = false;  ///< and of the air's own
-  std::vector<std::vector<double>> reflectance_;
-  std::vector<std::vector<double>> emitted_;  ///< [material][grid] (1 - reflectance) B; empty without a temperature
+  std::vector<std::vector<double>> curve_;     ///< [curve - 1][grid], curves_on
+  std::vector<std::vector<double>> emitted_;   ///< [curve - 1][grid] its part of emission; empty without a temperature
   std::vector<glm::dvec3> direction_;
   std::size_t stride_ = 1;  ///< a sample looks into every so many
   double solid_angle_ = 0;  ///< sr, of each direction that a sample looks into

@@ -135,6 +135,10 @@ void ReferenceScene::place(Sample& sample, const plan::Plan& plan) const {
   sample.sun_visible = plan.sun_up && sample.cos_sun > 0 && sees(sample, sun);
 }
 
+void ReferenceScene::place(SampledPixel& pixel, std::size_t sample, const plan::Plan& plan) const {
+  place(pixel.samples[sample], plan);
+}
+
 SampledPixel ReferenceScene::sample_pixel(const scene::Instrument& instrument, const plan::Plan& plan,
                                           std::uint64_t seed, const PixelAddress& address) const {
   SampledPixel pixel;
@@ -152,8 +156,8 @@ SampledPixel ReferenceScene::sample_pixel(const scene::Instrument& instrument, c
     sample.ray = pixel_ray(instrument, seed, address, static_cast<int>(s));
     sample.weight = weights[s];
     sample.hit = embree.intersect(sample.ray);
-    place(sample, plan);
     pixel.samples.push_back(sample);
+    place(pixel, s, plan);
   }
   return pixel;
 }

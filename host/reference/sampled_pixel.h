@@ -32,6 +32,7 @@ struct Sample {
   Hit hit;
   glm::dvec3 point{0};       ///< m, scene frame
   glm::dvec3 normal{0};      ///< unit, turned to the viewer
+  rc_id side = 0;            ///< of the surface: 0 the one that is seen; 1 the far one, its normal turned away
   double cos_sun = 0;        ///< n . s
   bool sun_visible = false;  ///< meaningful where cos_sun > 0
 };
@@ -41,6 +42,12 @@ struct SampledPixel {
   glm::dvec3 sensor{0};      ///< m, scene frame: for the centre ray
   glm::dvec3 to_sensor{0};   ///< unit vector target -> sensor of the pixel's centre ray
   std::vector<Sample> samples;
+  std::vector<Sample> far_sides;  ///< of the samples, in their order, where matter lets light through; else empty
+
+  /// Sides of the samples' surfaces: the near ones, then the far ones. Side i is of sample i % samples.size().
+  std::size_t sides() const { return samples.size() + far_sides.size(); }
+  Sample& side(std::size_t i) { return i < samples.size() ? samples[i] : far_sides[i - samples.size()]; }
+  const Sample& side(std::size_t i) const { return i < samples.size() ? samples[i] : far_sides[i - samples.size()]; }
 };
 
 /// Weight of each sample in the order of rc_sample_uv: the detector's box convolved with the optics' Gaussian
@@ -73,8 +80,8 @@ class ReferenceScene {
   SampledPixel sample_pixel(const scene::Instrument& instrument, const plan::Plan& plan, std::uint64_t seed,
                             const PixelAddress& address) const;
 
-  /// Point, normal and sun of a sample for the hit it carries (set by Embree, or taken over from the device).
-  void place(Sample& sample, const plan::Plan& plan) const;
+  /// Point, normal and sun of a sample's sides for the hit it carries (set by Embree, or taken over from the device).
+  void place(SampledPixel& pixel, std::size_t sample, const plan::Plan& plan) const;
 
   /// Nothing between the sample's surface and infinity, by Embree, from an origin offset along the normal.
   bool sees(const Sample& sample, const glm::dvec3& direction) const;
@@ -84,6 +91,7 @@ class ReferenceScene {
   Visibility sees_in_double(const Sample& sample, const glm::dvec3& direction) const;
 
  private:
+  void place(Sample& sample, const plan::Plan& plan) const;
   double farthest_corner_m(const Sample& sample) const;
   double point_ulp_m(const Sample& sample) const;
 };

@@ -9,6 +9,7 @@
 namespace raycube::reference {
 
 double spread(const scene::CompiledScene& scene, const Sample& sample, const glm::dvec3& direction) {
+  if (sample.side != 0) return 1;
   const std::uint32_t first = scene::matter_of(scene, sample.hit.primitive).material[0];
   if (first == 0) return 1;
   const scene::Shape& shape = scene.materials[first - 1].front;

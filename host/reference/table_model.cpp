@@ -39,16 +39,18 @@ TableModel::TableModel(const ReferenceScene& scene, const plan::Plan& plan, cons
       plan_(plan),
       table_(table),
       no_air_(no_air),
-      reflectance_(reflectance_on(scene.compiled, plan.wavelength_um)) {
+      curve_(curves_on(scene.compiled, plan.wavelength_um)) {
   sun_ = plan.sun_up && table.has("solar_irradiance");
   skylight_ = !no_air && table.has("sky_radiance_solar");
   warm_path_ = !no_air && table.has("path_radiance_thermal");
   warm_sky_ = !no_air && table.has("sky_radiance_thermal");
-  for (std::size_t m = 0; m < scene.compiled.materials.size(); ++m) {
+  // What matter emits goes by 1 - reflectance - transmittance: each curve its part.
+  for (std::uint32_t curve = 1; curve <= scene::curve_count(scene.compiled); ++curve) {
     std::vector<double>& light = emitted_.emplace_back();
-    const double kelvin = scene.compiled.materials[m].temperature_K;
+    const double kelvin = scene.compiled.materials[scene::material_of_curve(scene.compiled, curve)].temperature_K;
+    const double black = curve <= scene::material_count(scene.compiled) ? 1 : 0;
     for (std::size_t i = 0; kelvin > 0 && i < plan.wavelength_um.size(); ++i)
-      light.push_back((1 - reflectance_[m][i]) * base::planck_radiance(plan.wavelength_um[i], kelvin));
+      light.push_back((black - curve_[curve - 1][i]) * base::planck_radiance(plan.wavelength_um[i], kelvin));
   }
   if (no_air && !plan.thermal.on) return;  // nothing comes from anywhere but the sun
   if (!plan.environment.empty()) environment_.emplace(scene, plan, table);
@@ -130,12 +132,14 @@ std::vector<double> TableModel::surface_light(std::uint32_t surface) const {
   const shared::Surface& s = scene_.compiled.surfaces[surface];
   for (int m = 0; m < 4; ++m) {
     if (s.material[m] == 0) continue;
-    const std::vector<double>& rho = reflectance_[s.material[m] - 1];
-    const std::vector<double>& own = emitted_[s.material[m] - 1];
-    for (std::size_t i = 0; i < out.size(); ++i)
-      out[i] += static_cast<double>(s.fraction[m]) *
-                ((own.empty() ? 0 : own[i]) +
-                 rho[i] * base::planck_radiance(plan_.wavelength_um[i], plan_.thermal.surroundings_K));
+    for (rc_id role = 0; role < RC_CURVE_ROLES; ++role) {
+      const std::size_t curve = rc_curve_id(role, s.material[m] - 1, scene::material_count(scene_.compiled)) - 1;
+      const std::vector<double>&rho = curve_[curve], &own = emitted_[curve];
+      for (std::size_t i = 0; i < out.size(); ++i)
+        out[i] += static_cast<double>(s.fraction[m]) *
+                  ((own.empty() ? 0 : own[i]) +
+                   rho[i] * base::planck_radiance(plan_.wavelength_um[i], plan_.thermal.surroundings_K));
+    }
   }
   return out;
 }
@@ -146,17 +150,17 @@ struct TableModel::SkyView {
   std::map<std::uint32_t, double> hidden;  ///< the same by the surface that is met instead; RC_NONE: beyond the scene
 };
 
-/// The light that a pixel's samples meet, by material. Within the pixel, spectra are linear between its own lowest and
-/// highest point, its two ends: second order in metres over kilometres.
+/// The light that a pixel's samples meet, by the curve by which it goes to the viewer. Within the pixel, spectra are
+/// linear between its own lowest and highest point, its two ends: second order in metres over kilometres.
 struct TableModel::PixelSums {
-  struct Material {
+  struct OfCurve {
     double sun = 0;                          ///< sum of weight x fraction x cosine over lit samples
     std::vector<double> sky;                 ///< [direction]: sum of weight x fraction x SkyView::seen
     double cover = 0;                        ///< sum of weight x fraction
     std::map<std::uint32_t, double> hidden;  ///< sum of weight x fraction x SkyView::hidden
   };
   double lowest_m = std::numeric_limits<double>::infinity(), highest_m = -lowest_m;
-  std::map<std::uint32_t, Material> ends[2];
+  std::map<std::uint32_t, OfCurve> ends[2];  ///< by curve - 1
   double path_weight[2] = {0, 0};
 };
 
@@ -197,7 +201,9 @@ void TableModel::add_hit(const Sample& sample, const SkyView& view, const double
     for (int end = 0; end < 2; ++end) {
       const double w = share[end] * static_cast<double>(surface.fraction[m]);
       if (w == 0) continue;
-      PixelSums::Material& sum = sums.ends[end][surface.material[m] - 1];
+      PixelSums::OfCurve& sum = sums.ends[end][rc_curve_id(rc_curve_of_side(sample.side), surface.material[m] - 1,
+                                                           scene::material_count(scene_.compiled)) -
+                                               1];
       sum.cover += w;
       for (const auto& [blocker, weight] : view.hidden) sum.hidden[blocker] += w * weight;
       if (sample.sun_visible) sum.sun += w * std::max(0.0, sample.cos_sun) * sun_spread;
@@ -216,13 +222,14 @@ TableModel::PixelSums TableModel::gather(const SampledPixel& pixel) const {
   // Samples that follow each other look into other lots: the step is odd, so all lots come up, and so many apart that
   // rows of a grid do not meet the same one again. Pixels start anywhere.
   std::size_t lot = pixel.number * 2654435769u;
-  for (const Sample& sample : pixel.samples) {
+  for (std::size_t i = 0; i < pixel.sides(); ++i) {
+    const Sample& sample = pixel.side(i);
     base::throw_if_interrupted();
     lot += 13;
     const double z = height_of(sample);
     const double f = sums.highest_m > sums.lowest_m ? (z - sums.lowest_m) / (sums.highest_m - sums.lowest_m) : 0;
     const double share[2] = {sample.weight * (1 - f), sample.weight * f};
-    for (int end = 0; end < 2; ++end) sums.path_weight[end] += share[end];
+    for (int end = 0; end < 2 && sample.side == 0; ++end) sums.path_weight[end] += share[end];
     if (!sample.hit.miss()) add_hit(sample, look(sample, lot), share, sums);
   }
   return sums;
@@ -284,10 +291,10 @@ void TableModel::add_materials(const PixelSums& sums, int end, double height_m, 
   const std::vector<double> direct = on_grid(source(height_m, zenith, Light::direct));
   std::vector<double> thermal_through;
   if (warm_sky_) thermal_through = source(height_m, zenith, Light::thermal_sky);
-  for (const auto& [material, sum] : sums.ends[end]) {
-    const std::vector<double>& rho = reflectance_[material];
+  for (const auto& [curve, sum] : sums.ends[end]) {
+    const std::vector<double>& rho = curve_[curve];
     for (std::size_t i = 0; i < grid; ++i) out.sun[i] += rho[i] * sum.sun * sun_light[i];
-    const std::vector<double>& own = emitted_[material];
+    const std::vector<double>& own = emitted_[curve];
     for (std::size_t i = 0; i < own.size(); ++i) out.emission[i] += own[i] * sum.cover * std::numbers::pi * direct[i];
     if (direction_.empty()) continue;
     if (plan_.thermal.on) add_surroundings(sum.hidden, rho, direct, out.surroundings);

@@ -49,7 +49,7 @@ RowStages::RowStages(const cl::Context& context, const SceneBuffers& scene, cons
       resolve_(program_, "resolve"),
       integrate_(program_, "integrate_bands"),
       weights_(std::move(weights)),
-      sample_weight_(context, shape.tile().padded, cl::Access::read_only, "sample weights"),
+      sample_weight_(context, shape.tile().near, cl::Access::read_only, "sample weights"),
       irradiance_(context, plan.irradiance.value, cl::Access::read_only, "irradiance map"),
       tilt_irradiance_(context, plan.thermal.tilt_irradiance, cl::Access::read_only, "irradiance by tilt"),
       surface_node_(context, plan.thermal.surface_node, cl::Access::read_only, "temperatures of surfaces"),
@@ -61,7 +61,7 @@ void RowStages::shade(const PixelSelection& pixels, const TileLayout& layout, co
     const std::size_t first = static_cast<std::size_t>(chunk) * shape_.chunk_samples;
     std::vector<float> padded =
         weights_.stretch(first, std::min<std::size_t>(shape_.chunk_samples, weights_.count() - first), subset);
-    padded.resize(shape_.tile().padded, 0.0f);
+    padded.resize(shape_.tile().near, 0.0f);
     context_.finish();  // a launch may still read the chunk before
     sample_weight_.write(padded);
     loaded_chunk_ = chunk, loaded_subset_ = subset;

@@ -90,13 +90,22 @@ void check_fits(const scene::CompiledScene& scene, const cl::DeviceInfo& device,
             "instrument sees, or choose another device (--device)");
 }
 
+namespace {
+
+/// Shapes of every surface where a camera asks for them.
+std::vector<shared::Lobe> lobes_of(const scene::CompiledScene& scene) {
+  const auto matter = scene::camera_matter(scene);
+  return matter.shaped || matter.sides > 1 ? scene::surface_lobes(scene) : std::vector<shared::Lobe>(1);
+}
+
+}  // namespace
+
 SceneBuffers::SceneBuffers(const cl::Context& context, const scene::CompiledScene& scene, std::uint64_t page_bytes)
     : options(options_of(context, scene, page_bytes)),
       nodes(upload(context, scene.nodes, "nodes", page_bytes)),
       blocks(upload(context, scene.blocks, "triangles", page_bytes)),
       instances(upload(context, scene.instances, "instances", page_bytes)),
       surfaces(upload(context, scene.surfaces, "surfaces", page_bytes)),
-      lobes(context, scene::first_shaped(scene) ? scene::surface_lobes(scene) : std::vector<shared::Lobe>(1),
-            cl::Access::read_only, "shapes of surfaces") {}
+      lobes(context, lobes_of(scene), cl::Access::read_only, "shapes of surfaces") {}
 
 }  // namespace raycube::render

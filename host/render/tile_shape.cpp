@@ -43,7 +43,7 @@ StageShape make_stage_shape(const scene::Instrument& instrument, const plan::Pla
   shape.pixels_per_group = pixels_per_group;
   shape.sun = plan.sun_sources;
   shape.components = plan.components();
-  shape.shaped = plan.shaped;
+  shape.matter = plan.matter;
   shape.sky_share = plan.sky.share;
   shape.thermal_components = plan.thermal.components();
   shape.temperatures = plan.thermal.nodes();
@@ -69,7 +69,8 @@ ProgramOptions program_options(const StageShape& shape, std::uint32_t stack_boun
   both("RC_CHUNK_SAMPLES", shape.chunk_samples);
   both("RC_PIXELS_PER_GROUP", shape.pixels_per_group);
   both("RC_SKY_PLANES", shape.sky_planes());
-  if (shape.shaped) both("RC_SHAPED", 1);
+  if (shape.matter.shaped) both("RC_SHAPED", 1);
+  if (shape.matter.sides > 1) both("RC_SIDES", shape.matter.sides);
   trace("RC_NU", shape.samples_u);
   trace("RC_NV", shape.samples_v);
   trace("RC_SAMPLER", static_cast<int>(shape.sampler));
@@ -77,6 +78,7 @@ ProgramOptions program_options(const StageShape& shape, std::uint32_t stack_boun
   trace("RC_SCATTER", shape.sampler != scene::SamplerKind::grid || shape.support_px != 1);
   trace("RC_STACK", static_cast<int>(stack_bound));
   trace("RC_MOVING", shape.moving);
+  if (shape.matter.sides > 1) rows("RC_MATERIALS", static_cast<int>(shape.matter.materials));
   rows("RC_SUN", shape.sun);
   rows("RC_COMPONENTS", shape.components);
   rows("RC_THERMAL_COMPONENTS", shape.thermal_components);

@@ -33,9 +33,9 @@ struct StageShape {
   int heights = 1, views = 1, path_x = 1, path_y = 1;
   int channels = 1;  ///< rows of the band table per key: max of source and path channels
   int bands = 0, bands_padded = 0;
-  int sky_share = 1;         ///< each sample looks into one in so many of the sky's directions
-  bool sky_shadows = true;   ///< false: nothing hides the sky, no rays are sent to it
-  bool shaped = false;       ///< some material does not reflect by Lambert's law
+  int sky_share = 1;        ///< each sample looks into one in so many of the sky's directions
+  bool sky_shadows = true;  ///< false: nothing hides the sky, no rays are sent to it
+  scene::CameraMatter matter;
   bool environment = false;  ///< light of the ground around joins: 4 rows of the band table per pixel
   bool chunked() const { return chunks > 1; }
   int sources() const { return sun + components + temperatures; }
@@ -43,7 +43,8 @@ struct StageShape {
   int accumulators() const { return RC_ROW_ACCUMULATORS(sources(), heights); }
   /// Elements of a pixel in the buffers of a chunk.
   shared::TileElements tile() const {
-    return {static_cast<std::size_t>(chunk_samples), static_cast<std::size_t>(sky_planes()), shaped};
+    return {static_cast<std::size_t>(chunk_samples), static_cast<std::size_t>(sky_planes()), matter.shaped,
+            static_cast<std::size_t>(matter.sides)};
   }
   /// Elements of an item in the buffers of rows.
   shared::RowElements rows(std::size_t capacity) const {

@@ -53,14 +53,13 @@ TileWorker::TileWorker(const RenderSetup& setup, BandTable& table, std::size_t p
               pixels / setup.shape.pixels_per_group + static_cast<std::size_t>(lines) + 1),
       rows_(setup.context, setup.shape, pixels, row_capacity),
       radiance_(setup.context, pixels * setup.shape.bands_padded, cl::Access::read_write, "radiance of a tile"),
-      all_baked_(table_.capacity() > setup.scene.materials.size() + setup.plan.environment.nodes()),
+      all_baked_(table_.capacity() > scene::seen_curves(setup.scene).size() + setup.plan.environment.nodes()),
       term_histogram_(kHistogramBins, 0) {
   for (int subset = 0; errors && setup.shape.chunked() && subset < sensors::kSampleSubsets; ++subset)
     subset_rows_.emplace_back(setup.context, setup.shape, pixels, row_capacity);
   if (all_baked_) {
     std::vector<std::uint64_t> keys;  // others' curves need not cover the bands
-    for (const auto material : scene::used_materials(setup.scene))
-      keys.push_back(rc_key_of(scene::reflectance_curve(setup.scene, material)));
+    for (const auto curve : scene::seen_curves(setup.scene)) keys.push_back(rc_key_of(curve));
     timed("bake", [&] { table_.ensure(keys); });
   }
   statistics_.build_options = trace_stages_.options();
@@ -107,17 +106,20 @@ void TileWorker::collect(int chunk, PixelProbe& probe) const {
   const std::size_t pixels = probe.tile.pixels(), samples = static_cast<std::size_t>(shape.samples);
   const std::size_t first = std::size_t(chunk) * shape.chunk_samples,
                     end = std::min(first + shape.chunk_samples, samples);
-  probe.sun_visible.resize(pixels * samples);
-  const auto planes = static_cast<std::size_t>(shape.sky_planes());
-  probe.sky_blocked.resize(pixels * samples * planes);
+  const auto planes = static_cast<std::size_t>(shape.sky_planes()),
+             sides = static_cast<std::size_t>(shape.matter.sides);
+  probe.sides = shape.matter.sides;
+  probe.sun_visible.resize(pixels * sides * samples);
+  probe.sky_blocked.resize(pixels * sides * samples * planes);
   for (std::size_t p = 0; p < pixels; ++p)
-    for (std::size_t s = first; s < end; ++s) {
-      const std::size_t i = s - first;
-      probe.sun_visible[p * samples + s] = (sun[p * traced_.elements.sun + i / RC_WORD] >> (i % RC_WORD)) & 1u;
-      for (int m = 0; m < shape.components; ++m)
-        probe.sky_blocked[planes * (p * samples + s) + m] =
-            blocked[p * traced_.elements.blocked + m * traced_.elements.padded + i];
-    }
+    for (std::size_t side = 0; side < sides; ++side)
+      for (std::size_t s = first; s < end; ++s) {
+        const std::size_t slot = side * traced_.elements.near + s - first, to = (p * sides + side) * samples + s;
+        probe.sun_visible[to] = (sun[p * traced_.elements.sun + slot / RC_WORD] >> (slot % RC_WORD)) & 1u;
+        for (int m = 0; m < shape.components; ++m)
+          probe.sky_blocked[planes * to + m] =
+              blocked[p * traced_.elements.blocked + m * traced_.elements.padded + slot];
+      }
 }
 
 void TileWorker::run(const TileRays& tile, const TileOutput& out, PixelProbe* probe) {

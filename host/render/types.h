@@ -63,8 +63,9 @@ struct HitProbe {
 
 /// A few pixels with everything the stages said about them, for `check` and the tests.
 struct PixelProbe : HitProbe {
-  std::vector<std::uint8_t> sun_visible;  ///< [pixel][sample]
-  std::vector<float> sky_blocked;         ///< [pixel][sample][component 0..3 or 0..7], irradiance taken away
+  int sides = 1;                          ///< of a sample's surface, the near one first
+  std::vector<std::uint8_t> sun_visible;  ///< [pixel][side][sample]
+  std::vector<float> sky_blocked;         ///< [pixel][side][sample][component 0..3 or 0..7], irradiance taken away
   std::vector<float> radiance;            ///< [pixel][band]
   std::vector<float> truth;               ///< [pixel][layer]
 };

@@ -62,14 +62,17 @@ reference::Report compare_tiles(render::Renderer& renderer, const scene::Simulat
     for (std::size_t p = 0; p < probe.tile.pixels(); ++p) {
       reference::DevicePixel& pixel = waiting.emplace_back();
       pixel.address = address_of(probe, p, width);
-      for (std::size_t s = p * samples; s < (p + 1) * samples; ++s) {
+      for (std::size_t s = p * samples; s < (p + 1) * samples; ++s)
         pixel.hits.push_back({probe.hit_instance[s], probe.hit_primitive[s]});
-        pixel.sun_visible.push_back(probe.sun_visible[s]);
-        const std::size_t planes = static_cast<std::size_t>(RC_SKY_PLANES_OF(plan.components()));
-        for (std::size_t m = 0; m < planes; ++m) pixel.sky_blocked.push_back(probe.sky_blocked[planes * s + m]);
-      }
-      pixel.radiance.assign(probe.radiance.begin() + static_cast<std::ptrdiff_t>(p * bands),
-                            probe.radiance.begin() + static_cast<std::ptrdiff_t>((p + 1) * bands));
+      const std::size_t sides = static_cast<std::size_t>(probe.sides) * samples,
+                        values = sides * static_cast<std::size_t>(RC_SKY_PLANES_OF(plan.components()));
+      const auto of_pixel = [p](const auto& all, std::size_t count) {
+        const auto begin = all.begin() + static_cast<std::ptrdiff_t>(p * count);
+        return std::remove_cvref_t<decltype(all)>(begin, begin + static_cast<std::ptrdiff_t>(count));
+      };
+      pixel.sun_visible = of_pixel(probe.sun_visible, sides);
+      pixel.sky_blocked = of_pixel(probe.sky_blocked, values);
+      pixel.radiance = of_pixel(probe.radiance, bands);
     }
     if (waiting.size() >= kBatch) flush();
   });

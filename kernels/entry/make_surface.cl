@@ -37,7 +37,7 @@ RC_BODY make_surface_body(uint index, RC_PARAMETERS(RC_MAKE_SURFACE_ARGUMENTS)) 
   const GroupPlace place = rc_group_place(groups, index, columns);
   const RayGroup group = rc_group_rays(groups, index);
   for (uint p = 0; p < place.used; ++p)
-    for (uint word = 0; word < RC_WORDS; ++word) {
+    for (uint word = 0; word < RC_NEAR_WORDS; ++word) {
       global const uint* in = hits + RC_HITS_AT(place.pixel + p) + word * 16u;
       global float* out = surface + RC_SURFACE_AT(place.pixel + p) + word * 16u;
       Gathered g;

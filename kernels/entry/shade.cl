@@ -39,6 +39,7 @@ RC_BODY shade_body(uint item, RC_PARAMETERS(RC_SHADE_ARGUMENTS)) {
   for (int g = 0; g < RC_WORDS; ++g) {
     const ShadedWord word = rc_shaded_word(&traced, &samples, sun_direction, g);
     rc_weigh_seen_light(&traced, &word, sun_direction, g, &samples);
+    if (g >= RC_NEAR_WORDS) continue; /* truth and path are of what is seen */
     rc_add_truth(&traced, &word, sensor, g, &sums);
     rc_add_path(&word, &samples, g, &sums);
   }

@@ -54,7 +54,8 @@ RC_BODY trace_light_body(uint index, RC_PARAMETERS(RC_TRACE_LIGHT_ARGUMENTS)) {
     for (uint word = 0; word < sharing * RC_WORDS; ++word) {
       uint lit = 0;
       for (uint bit = 0; bit < RC_WORD; ++bit) {
-        const uint slot = word * RC_WORD + bit, part = rc_sky_part(seed, place.number + p, first_sample + slot, share);
+        const uint slot = word * RC_WORD + bit,
+                   part = rc_sky_part(seed, place.number + p, first_sample + RC_SAMPLE_OF(slot), share);
         float4 hidden[RC_SKY_QUADS];
         if (rc_light_of_sample(scene, rc_surface_word(in, word) + bit, directions + first,
                                weights + first * RC_SKY_QUADS, sky, count, share, part, hidden))

@@ -44,7 +44,7 @@ static inline void rc_gather_part(global const float* surface, uint seed, uint n
                                   uint share, Points* points, SkyPart* held) {
   uint n = 0;
   for (uint slot = 0; slot < RC_PADDED_SAMPLES; ++slot) {
-    if (rc_sky_part(seed, number, first_sample + slot, share) != part) continue;
+    if (rc_sky_part(seed, number, first_sample + RC_SAMPLE_OF(slot), share) != part) continue;
     points->x[n] = surface[RC_PLANE(RC_POINT_X) + slot];
     points->y[n] = surface[RC_PLANE(RC_POINT_Y) + slot];
     points->z[n] = surface[RC_PLANE(RC_POINT_Z) + slot];

@@ -23,15 +23,17 @@ static inline uint rc_find_key(PixelRow* row, ulong key) {
   return row->count++;
 }
 
-/* The sums of one surface's samples, times its material fractions, into the row. Returns false when that is full.
+/* The sums of one side of a surface's samples, times its material fractions, into the row: near light under each
+ * material's reflectance, far light under its transmittance. What covers the pixel is told of the near side. Returns
+ * false when the row is full.
  * nodes: where each material's temperature lies among the temperature nodes, read only when there are any. */
-static inline bool rc_deposit(PixelRow* row, global const Surface* surface, const SurfaceSums* from,
+static inline bool rc_deposit(PixelRow* row, global const Surface* surface, uint side, const SurfaceSums* from,
                               global const float4* nodes) {
   for (int c = 0; c < 4; ++c) {
     const float fraction = surface->fraction[c];
     const uint material = surface->material[c];
     if (material == 0u || fraction == 0.0f) continue;
-    const uint k = rc_find_key(row, rc_key_of(rc_curve_id(RC_CURVE_REFLECTANCE, material - 1u, 0u)));
+    const uint k = rc_find_key(row, rc_key_of(rc_curve_id(rc_curve_of_side(side), material - 1u, RC_MATERIALS)));
     if (k == row->capacity) return false;
     global float* sums = row->sums + RC_SUMS_OF_KEY(k);
     for (int i = 0; i < RC_LIT * RC_HEIGHTS; ++i) rc_add_sum(sums, RC_ACCUMULATORS, i, fraction * from->value[i]);
@@ -45,7 +47,7 @@ static inline bool rc_deposit(PixelRow* row, global const Surface* surface, cons
       if (share > 0.0f) rc_add_sum(sums, RC_ACCUMULATORS, at + RC_HEIGHTS, fraction * (share * from->cover[h]));
     }
 #endif
-    rc_add_sum(sums, RC_ACCUMULATORS, RC_ACCUMULATORS - 1, fraction * from->value[RC_LIT * RC_HEIGHTS]);
+    if (side == 0u) rc_add_sum(sums, RC_ACCUMULATORS, RC_ACCUMULATORS - 1, fraction * from->value[RC_LIT * RC_HEIGHTS]);
   }
   return true;
 }

@@ -12,7 +12,7 @@ typedef struct TracedPixel {
   global const float* lift;                /* [padded] */
   global const ushort* sun;                /* [words] */
   global const float* blocked;             /* [RC_SKY_PLANES][padded] */
-  global const float* weight;              /* [padded], the chunk's */
+  global const float* weight;              /* [RC_NEAR_SAMPLES], the chunk's */
 } TracedPixel;
 
 typedef struct PixelRow {
@@ -21,13 +21,18 @@ typedef struct PixelRow {
   uint count, capacity;
 } PixelRow;
 
+#define RC_FAR_SIDE 0x80000000u /* with a surface's number: its far side */
+
 /* What is known of each sample before surfaces are told apart. */
 typedef struct ShadedSamples {
   float value[RC_LIT][RC_PADDED_SAMPLES]; /* of the direct sun, then of each component; all carry the sample's weight */
   float height_fraction[RC_PADDED_SAMPLES];
   uint height_index[RC_PADDED_SAMPLES];
-  uint surface[RC_PADDED_SAMPLES]; /* RC_NONE: nothing was hit, or it has been summed */
+  uint surface[RC_PADDED_SAMPLES]; /* with its side; RC_NONE: nothing was hit, or it has been summed */
 } RC_LINE ShadedSamples;
+
+/* Of word g, the word of the same samples' near sides. */
+static inline int rc_near_word(int g) { return RC_SIDES > 1 ? g % RC_NEAR_WORDS : g; }
 
 /* Row and path and truth sums of an item, empty when it is fresh; its count so far. */
 static inline PixelRow rc_open_row(uint fresh, uint count, uint capacity, global ulong* keys, global float* sums,

@@ -51,6 +51,15 @@ static inline void rc_file_components(ShadedSamples* samples, int first, int use
   if (used > 3) samples->value[first + 3][s] = irradiance.w;
 }
 
+/* Whether light goes to the viewer from what slot s stands for: a side of a surface. */
+static inline bool rc_scatters(const TracedPixel* traced, int s) {
+  const int sample = RC_SAMPLE_OF(s);
+  if (sample >= RC_CHUNK_SAMPLES || traced->instance[sample] == RC_NONE) return false;
+  if (RC_SIDE_OF(s) == 0u) return true;
+  global const float* at = traced->point + s;
+  return at[RC_PLANE(RC_NORMAL_X)] != 0.0f || at[RC_PLANE(RC_NORMAL_Y)] != 0.0f || at[RC_PLANE(RC_NORMAL_Z)] != 0.0f;
+}
+
 /* Surface, place on the height axis and unshadowed light of every sample; zero where nothing was hit. */
 static inline void rc_light_of_samples(SceneArrays scene, const TracedPixel* traced, const OpenSky* sky,
                                        float height_first, float height_step, ShadedSamples* samples) {
@@ -60,10 +69,10 @@ static inline void rc_light_of_samples(SceneArrays scene, const TracedPixel* tra
     int h = 0;
     float f = 0.0f;
     for (int m = 0; m < RC_LIT; ++m) samples->value[m][s] = 0.0f;
-    if (s < RC_CHUNK_SAMPLES && traced->instance[s] != RC_NONE) {
+    if (rc_scatters(traced, s)) {
       global const float* at = traced->point + s;
       const float nx = at[RC_PLANE(RC_NORMAL_X)], ny = at[RC_PLANE(RC_NORMAL_Y)], nz = at[RC_PLANE(RC_NORMAL_Z)];
-      id = rc_surface_of(scene, traced->primitive[s]);
+      id = rc_surface_of(scene, traced->primitive[RC_SAMPLE_OF(s)]) | (RC_SIDE_OF(s) ? RC_FAR_SIDE : 0u);
       rc_node_weights(at[RC_PLANE(RC_POINT_Z)], height_first, height_step, RC_HEIGHTS, &h, &f);
       if (RC_SOLAR_COMPONENTS > 0)
         rc_file_components(samples, RC_SUN, RC_SOLAR_COMPONENTS, s, rc_solar_irradiance(sky, nx, ny, nz, &last));

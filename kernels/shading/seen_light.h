@@ -21,7 +21,7 @@ static inline ShadedWord rc_shaded_word(const TracedPixel* traced, const ShadedS
   ShadedWord word;
   word.hit = rc_load16(g, samples->surface) != (uint16)(RC_NONE);
   word.lit = word.hit & (((((uint16)((uint)traced->sun[g])) >> lane) & 1u) != 0u);
-  word.weight = rc_load16(g, traced->weight);
+  word.weight = rc_load16(rc_near_word(g), traced->weight);
   word.nx = rc_load16(g, traced->point + RC_PLANE(RC_NORMAL_X));
   word.ny = rc_load16(g, traced->point + RC_PLANE(RC_NORMAL_Y));
   word.nz = rc_load16(g, traced->point + RC_PLANE(RC_NORMAL_Z));

@@ -5,7 +5,7 @@
 #include "kernels/geometry/scene_arrays.h"
 #include "kernels/shading/deposit.h"
 
-/* Sums over the samples of surface `id`, the first of which lies in word `first`, and takes them off the list. */
+/* Sums over the samples of surface `id` (a side of it), the first of which lies in word `first`, and takes them off the list. */
 static inline void rc_sum_surface(const TracedPixel* traced, uint id, int first, float sample_total,
                                   ShadedSamples* samples, SurfaceSums* out) {
   float16 sum[RC_LIT * RC_HEIGHTS + 1];
@@ -17,7 +17,8 @@ static inline void rc_sum_surface(const TracedPixel* traced, uint id, int first,
   for (int g = first; g < RC_WORDS; ++g) {
     const uint16 ids = rc_load16(g, samples->surface);
     const int16 mine = ids == (uint16)(id);
-    sum[RC_LIT * RC_HEIGHTS] += rc_masked(rc_load16(g, traced->weight), mine);
+    const float16 weight = rc_load16(rc_near_word(g), traced->weight);
+    sum[RC_LIT * RC_HEIGHTS] += rc_masked(weight, mine);
 #if RC_HEIGHTS == 1
     for (int m = 0; m < RC_LIT; ++m) sum[m] += rc_masked(rc_load16(g, samples->value[m]), mine);
 #else
@@ -29,7 +30,7 @@ static inline void rc_sum_surface(const TracedPixel* traced, uint id, int first,
       for (int m = 0; m < RC_LIT; ++m)
         sum[m * RC_HEIGHTS + h] = fma(rc_load16(g, samples->value[m]), part, sum[m * RC_HEIGHTS + h]);
 #if RC_TEMPERATURES > 0
-      covered[h] = fma(rc_load16(g, traced->weight), part, covered[h]);
+      covered[h] = fma(weight, part, covered[h]);
 #endif
     }
 #endif
@@ -46,12 +47,13 @@ static inline void rc_sum_surface(const TracedPixel* traced, uint id, int first,
 /* All surfaces of the pixel into its row; a row that is full ends as RC_ROW_OVERFLOW. surface_node: [surface]. */
 static inline void rc_deposit_surfaces(SceneArrays scene, const TracedPixel* traced, global const float4* surface_node,
                                        float sample_total, ShadedSamples* samples, PixelRow* row) {
-  for (int s = 0; s < RC_CHUNK_SAMPLES; ++s) {
+  for (int s = 0; s < (RC_SIDES - 1) * RC_NEAR_SAMPLES + RC_CHUNK_SAMPLES; ++s) {
     const uint id = samples->surface[s];
     if (id == RC_NONE) continue;
     SurfaceSums sums;
     rc_sum_surface(traced, id, s / RC_WORD, sample_total, samples, &sums);
-    if (!rc_deposit(row, rc_surface(scene, id), &sums, surface_node + id)) {
+    const uint number = id & ~RC_FAR_SIDE;
+    if (!rc_deposit(row, rc_surface(scene, number), RC_SIDE_OF(s), &sums, surface_node + number)) {
       row->count = RC_ROW_OVERFLOW;
       break;
     }

@@ -26,6 +26,9 @@ typedef std::uint32_t rc_id;
 #define RC_CURVE_TRANSMITTANCE 1u
 #define RC_CURVE_ROLES 2u
 
+/* Role of the curve by which light that falls onto a side goes to the viewer: 0 the side that is seen. */
+static inline rc_id rc_curve_of_side(rc_id side) { return side == 0u ? RC_CURVE_REFLECTANCE : RC_CURVE_TRANSMITTANCE; }
+
 /* Curve `role` of material `material` (from 0) of `materials`. */
 static inline rc_id rc_curve_id(rc_id role, rc_id material, rc_id materials) {
   return role * materials + material + 1u;

@@ -2,7 +2,10 @@
  * that host and kernels share, each number under one name. Valid C++20 and OpenCL C 1.2.
  *
  * A stage handles a chunk of every pixel's samples, at most RC_CHUNK_SAMPLES of them. A plane holds one number of each
- * sample of a pixel in RC_PADDED_SAMPLES slots, whole words of 16: sample s lies in slot s - first_sample. Pixel i of a
+ * sample of a pixel in RC_PADDED_SAMPLES slots, whole words of 16: sample s lies in slot s - first_sample. Where matter
+ * lets light through (RC_SIDES 2), a sample has a second slot, RC_NEAR_SAMPLES further, for the side of its surface that
+ * the viewer does not see: the same hit and weight, the point beyond the surface, the normal turned round; zero, as
+ * where nothing was hit, on surfaces that are opaque, and RC_NONE in the hits, which are the near side's. Pixel i of a
  * tile is (line in the tile) * columns + (column in the tile). By pixel, one after the other:
  *   hits      uint    [RC_HIT_PLANES][padded]    planes RC_HIT_*; RC_NONE in both where nothing was hit
  *   surface   float   [RC_POINT_PLANES][padded]  planes RC_POINT_* and RC_NORMAL_*; zero where nothing was
@@ -10,7 +13,7 @@
  *   lift      float   [padded]                   m, how far along its normal the point was moved
  *   sun       ushort  [words]                    bit s % 16 of word s / 16: the sample sees the sun
  *   blocked   float   [RC_SKY_PLANES][padded]    irradiance of the sky that is hidden, by component
- * Once for all pixels: chunk weights, float [padded], zero where there is no sample.
+ * Once for all pixels: chunk weights, float [RC_NEAR_SAMPLES], zero where there is no sample.
  *
  * A row is what shading leaves of a pixel. By item of a launch (a pixel of the tile, or of a list):
  *   count     uint                               keys of the row, or RC_ROW_OVERFLOW
@@ -83,6 +86,12 @@
 #define RC_SHAPED 0 /* 1: some material does not reflect by Lambert's law */
 #endif
 #define RC_POINT_PLANES RC_POINT_PLANES_OF(RC_SHAPED)
+#ifndef RC_SIDES
+#define RC_SIDES 1 /* sides of a surface from which light goes to the viewer */
+#endif
+#ifndef RC_MATERIALS
+#define RC_MATERIALS 0 /* of the scene; asked for where there are two sides */
+#endif
 #ifndef RC_CHUNKED
 #define RC_CHUNKED 0 /* 1: sums are carried from chunk to chunk of a pixel's samples */
 #endif
@@ -95,8 +104,13 @@
 #ifndef RC_TEMPERATURES
 #define RC_TEMPERATURES 0 /* nodes of emission */
 #endif
-#define RC_PADDED_SAMPLES RC_PADDED(RC_CHUNK_SAMPLES)
+#define RC_NEAR_SAMPLES RC_PADDED(RC_CHUNK_SAMPLES)
+#define RC_NEAR_WORDS (RC_NEAR_SAMPLES / RC_WORD)
+#define RC_PADDED_SAMPLES (RC_SIDES * RC_NEAR_SAMPLES)
 #define RC_WORDS (RC_PADDED_SAMPLES / RC_WORD)
+/* Sample of a chunk that a slot belongs to, and which side of its surface the slot is: 0 the near one. */
+#define RC_SAMPLE_OF(slot) (RC_SIDES > 1 ? (slot) % RC_NEAR_SAMPLES : (slot))
+#define RC_SIDE_OF(slot) (RC_SIDES > 1 && (slot) >= RC_NEAR_SAMPLES ? 1u : 0u)
 #define RC_SKY_QUADS (RC_SKY_PLANES / 4) /* float4s of component weights per direction */
 /* Sources that have a value per sample, sun, sky and surroundings; emission follows them in a row. */
 #define RC_LIT (RC_SUN + RC_COMPONENTS)
@@ -120,10 +134,11 @@ namespace raycube::shared {
 
 /// Elements of a pixel in the buffers of one chunk of its samples.
 struct TileElements {
-  std::size_t padded, words;  ///< slots of a plane, and 16-bit words of them
+  std::size_t near, padded, words;  ///< slots of the near side; of a plane, and 16-bit words of them
   std::size_t hits, surface, lift, sun, blocked;
-  constexpr TileElements(std::size_t chunk_samples, std::size_t sky_planes, bool shaped = false)
-      : padded(RC_PADDED(chunk_samples)),
+  constexpr TileElements(std::size_t chunk_samples, std::size_t sky_planes, bool shaped = false, std::size_t sides = 1)
+      : near(RC_PADDED(chunk_samples)),
+        padded(sides * near),
         words(padded / RC_WORD),
         hits(RC_HIT_PLANES * padded),
         surface(RC_POINT_PLANES_OF(shaped) * padded),

@@ -112,6 +112,33 @@ TEST_CASE("S15 no air: grey plane under the sun has L = rho E0 cos / pi, no sky,
   for (std::size_t b = 8; b < 16; ++b) CHECK(row[b] == 0);
 }
 
+TEST_CASE("S15 rows of a material that lets light through: its transmittance, and 1 - R - T of what it emits") {
+  auto s = simulation_with(30, 20);
+  s.atmosphere.none = true;
+  atmos::UniformAir air;
+  air.solar_irradiance = [](double) { return 1800.0; };
+  air.sun_zenith_deg = 30;
+  const auto table = atmos::uniform_table(air, atmos::wavelength_grid(0.4, 1.0, 0.01));
+  auto p = plan::make_plan(s, spectrometer(8, 0.5, 0.05), table, pushbroom_view(15, 610));
+  p.thermal.on = true, p.thermal.temperature_K = {300};  // one node, of unit radiance; surroundings without light
+  const std::vector<double> none(p.wavelength_um.size(), 0.0), one(p.wavelength_um.size(), 1.0);
+  p.source_spectrum.push_back(none), p.source_spectrum.push_back(one);
+  REQUIRE(p.source_channels() == 3);
+  s.scene.materials[0].transmittance = {{0.35, 2.5}, {0.2, 0.2}};
+  const auto transmittance = [&](std::uint32_t material) {
+    return rc_key_of(rc_curve_id(RC_CURVE_TRANSMITTANCE, material, scene::material_count(s.scene)));
+  };
+  const auto reflected = plan::bake_row(p, s.scene, 1), through = plan::bake_row(p, s.scene, transmittance(0)),
+             opaque = plan::bake_row(p, s.scene, transmittance(1));
+  REQUIRE(through.size() == 3 * 16);
+  for (std::size_t b = 0; b < 8; ++b) {
+    CHECK(through[b] == doctest::Approx(0.2 / 0.3 * double{reflected[b]}).epsilon(2e-7));
+    CHECK(reflected[32 + b] + through[32 + b] == doctest::Approx(1 - 0.3 - 0.2).epsilon(2e-7));
+    CHECK(opaque[b] == 0);
+    CHECK(opaque[32 + b] == 0);
+  }
+}
+
 TEST_CASE("S15 uniform air: sun, sky and path spectra carry the stated factors") {
   const auto s = simulation_with(40, 0);
   atmos::UniformAir air;

@@ -45,13 +45,19 @@ render::StageShape shape_of(int chunk_samples, int chunks, int components, int t
   return shape;
 }
 
+render::StageShape two_sided(render::StageShape shape) {
+  shape.matter.sides = 2;
+  return shape;
+}
+
 }  // namespace
 
 TEST_CASE("tile layout: kernels and host agree on planes, strides and sizes, whatever the shape") {
   for (cl::Device& device : cl::list_devices()) {
     const cl::Context context(std::move(device));
     for (const render::StageShape& shape :
-         {shape_of(121, 1, 4, 0, 2), shape_of(16, 3, 0, 0, 1), shape_of(7, 1, 5, 1, 3), shape_of(1000, 2, 8, 4, 5)}) {
+         {shape_of(121, 1, 4, 0, 2), two_sided(shape_of(121, 1, 4, 0, 2)), shape_of(16, 3, 0, 0, 1),
+          shape_of(7, 1, 5, 1, 3), shape_of(1000, 2, 8, 4, 5)}) {
       CAPTURE(shape.chunk_samples);
       const cl::Program program(context, "layout", std::string(kernels::kernel_source("resolve")) + kProbe,
                                 render::program_options(shape, 92).rows + " -Werror");
@@ -73,6 +79,9 @@ TEST_CASE("tile layout: kernels and host agree on planes, strides and sizes, wha
 TEST_CASE("tile layout: bytes of a pixel are those of its buffers") {
   const shared::TileElements tile(121, RC_SKY_PLANES_OF(5));
   CHECK(tile.padded == 128);
+  const shared::TileElements sides(121, RC_SKY_PLANES_OF(5), false, 2);
+  CHECK(sides.near == 128);
+  CHECK(sides.bytes() == 2 * tile.bytes());
   CHECK(tile.bytes() == 128 * (2 + 6 + 1 + 8) * 4 + 128 / 16 * 2);
   const shared::RowElements plain(16, 11, 2, false), carried(16, 11, 2, true);
   CHECK(plain.row_bytes() == 4 + 16 * (8 + 11 * 4));
