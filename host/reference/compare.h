@@ -19,9 +19,9 @@ struct DevicePixel {
   PixelAddress address;
   std::vector<Hit> hits;                  ///< [sample]
   std::vector<std::uint8_t> sun_visible;  ///< [side][sample]; read where the side of the surface faces the sun
-  std::vector<float>
-      /// [side][sample][component 0..3, or 0..7 where the plan has more than 4]: irradiance that blocked directions take away
-      sky_blocked;
+  /// [side][sample][component 0..3, or 0..7 where the plan has more than 4]: irradiance that blocked directions take
+  /// away.
+  std::vector<float> sky_blocked;
   std::vector<float> radiance;  ///< [band], W m-2 sr-1 um-1
 };
 

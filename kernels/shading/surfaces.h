@@ -5,7 +5,8 @@
 #include "kernels/geometry/scene_arrays.h"
 #include "kernels/shading/deposit.h"
 
-/* Sums over the samples of surface `id` (a side of it), the first of which lies in word `first`, and takes them off the list. */
+/* Sums over the samples of surface `id` (a side of it), the first of which lies in word `first`, and takes them off the
+ * list. */
 static inline void rc_sum_surface(const TracedPixel* traced, uint id, int first, float sample_total,
                                   ShadedSamples* samples, SurfaceSums* out) {
   float16 sum[RC_LIT * RC_HEIGHTS + 1];

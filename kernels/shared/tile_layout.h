@@ -3,10 +3,10 @@
  *
  * A stage handles a chunk of every pixel's samples, at most RC_CHUNK_SAMPLES of them. A plane holds one number of each
  * sample of a pixel in RC_PADDED_SAMPLES slots, whole words of 16: sample s lies in slot s - first_sample. Where matter
- * lets light through (RC_SIDES 2), a sample has a second slot, RC_NEAR_SAMPLES further, for the side of its surface that
- * the viewer does not see: the same hit and weight, the point beyond the surface, the normal turned round; zero, as
- * where nothing was hit, on surfaces that are opaque, and RC_NONE in the hits, which are the near side's. Pixel i of a
- * tile is (line in the tile) * columns + (column in the tile). By pixel, one after the other:
+ * lets light through (RC_SIDES 2), a sample has a second slot, RC_NEAR_SAMPLES further, for the side of its surface
+ * that the viewer does not see: the same hit and weight, the point beyond the surface, the normal turned round; zero,
+ * as where nothing was hit, on surfaces that are opaque, and RC_NONE in the hits, which are the near side's. Pixel i of
+ * a tile is (line in the tile) * columns + (column in the tile). By pixel, one after the other:
  *   hits      uint    [RC_HIT_PLANES][padded]    planes RC_HIT_*; RC_NONE in both where nothing was hit
  *   surface   float   [RC_POINT_PLANES][padded]  planes RC_POINT_* and RC_NORMAL_*; zero where nothing was
  *                                               hit; then those of shapes
