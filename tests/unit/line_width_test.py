@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""No line past 120 columns in what is written by hand: line_width_test.py SOURCE_DIR
+"""No line past 120 columns in what is written by hand, and no source past 500 lines: line_width_test.py SOURCE_DIR
 
 Every tracked text file is held to it, code, scenes, scripts and pages alike. Exempt, since no break helps them: data
 (.csv, .json but the presets, .obj, corpora of the fuzzers), rows of markdown tables, what the program itself writes
@@ -11,6 +11,8 @@ import subprocess
 import sys
 
 WIDTH = 120
+LINES = 500  # of a source: past that it is two ideas
+SOURCES = {".cpp", ".h", ".cl", ".def", ".py", ".cmake"}
 DATA = {".csv", ".json", ".obj", ".png", ".mtl"}
 DATA_FOLDERS = ("tests/fuzz/corpus/",)
 
@@ -44,6 +46,12 @@ def too_long(name, text):
             yield f"{name}:{number}: {len(line)} columns, at most {WIDTH}"
 
 
+def too_many(name, text):
+    lines = text.count("\n")
+    if pathlib.PurePath(name).suffix in SOURCES and lines > LINES:
+        yield f"{name}: {lines} lines, at most {LINES}"
+
+
 def main():
     root = pathlib.Path(sys.argv[1])
     names = [name for name in tracked(root) if written_by_hand(name)]
@@ -54,8 +62,9 @@ def main():
         except UnicodeDecodeError:
             found.append(f"{name}: neither UTF-8 text nor a kind of data that line_width_test.py knows")
             continue
-        found += too_long(name, text)
-    print("\n".join(found) if found else f"{len(names)} files, no line past {WIDTH} columns")
+        found += [*too_long(name, text), *too_many(name, text)]
+    sound = f"{len(names)} files, no line past {WIDTH} columns, no source past {LINES} lines"
+    print("\n".join(found) if found else sound)
     sys.exit(1 if found or not names else 0)
 
 
