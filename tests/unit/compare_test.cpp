@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <atomic>
+#include <thread>
 #include <csignal>
 #include <nlohmann/json.hpp>
 
@@ -267,10 +268,15 @@ TEST_CASE("S61: a signal stops the comparison of a pixel") {
   CHECK_THROWS_AS(f.compare({f.device(0)}), base::Error);
   base::clear_interrupt();
   std::atomic<int> done{0};
+  std::atomic<bool> raised{false};  // later items wait for it: nothing else says which thread comes first
   CHECK_THROWS_AS(for_each_index(1000, 2,
                                  [&](std::size_t i) {
                                    ++done;
-                                   if (i == 3) std::raise(SIGTERM);
+                                   if (i == 3) {
+                                     std::raise(SIGTERM);
+                                     raised = true;
+                                   }
+                                   while (i > 3 && !raised) std::this_thread::yield();
                                  }),
                   base::Error);
   CHECK(done < 1000);
