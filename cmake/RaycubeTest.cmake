@@ -2,13 +2,26 @@
 # tests/test_main.cpp supplies main(), compiled once for all. Names of doctest cases carry the S-numbers they show.
 add_library(raycube_test_main OBJECT ${PROJECT_SOURCE_DIR}/tests/test_main.cpp)
 target_link_libraries(raycube_test_main PRIVATE raycube_warnings raycube_base)
+# A test's own code runs for moments and is compiled each time; what it tests keeps the build's optimisation. -pthread:
+# some libraries ask for it, and headers that are compiled once want the same options everywhere.
+set(raycube_test_options -O1 -pthread)
+if(RAYCUBE_UNITY)  # g++ 12 takes what those headers inline for the test's own, and warns of copies that cannot be
+  list(APPEND raycube_test_options -Wno-array-bounds -Wno-stringop-overflow)
+endif()
+target_compile_options(raycube_test_main PRIVATE ${raycube_test_options})
+if(RAYCUBE_UNITY)
+  target_precompile_headers(raycube_test_main PRIVATE <doctest/doctest.h> <algorithm> <array> <cmath> <filesystem>
+    <fstream> <functional> <map> <memory> <numbers> <optional> <random> <set> <sstream> <string> <vector>)
+endif()
 function(raycube_test name)
   cmake_parse_arguments(T "" "" "SOURCES;LIBS;LABELS" ${ARGN})
   add_executable(test_${name} ${T_SOURCES} $<TARGET_OBJECTS:raycube_test_main>)
   target_link_libraries(test_${name} PRIVATE raycube_warnings ${T_LIBS} raycube_base)
   target_link_options(test_${name} PRIVATE LINKER:--export-dynamic-symbol=abort)
-  # A test's own code runs for moments and is compiled each time; what it tests keeps the build's optimisation.
-  target_compile_options(test_${name} PRIVATE -O1)
+  target_compile_options(test_${name} PRIVATE ${raycube_test_options})
+  if(RAYCUBE_UNITY)
+    target_precompile_headers(test_${name} REUSE_FROM raycube_test_main)
+  endif()
   set_target_properties(test_${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
   add_test(NAME ${name} COMMAND test_${name})
   set_tests_properties(${name} PROPERTIES LABELS "${T_LABELS}" SKIP_RETURN_CODE 77)

@@ -11,6 +11,7 @@
 #include "atmos_tables/solver/exp_differences.h"
 #include "atmos_tables/solver/order_solution.h"
 #include "atmos_tables/solver/small_dense.h"
+#include "host/base/symmetric_modes.h"
 
 namespace raycube::atmos::solver {
 
@@ -57,11 +58,13 @@ struct LayerWork {
 template <int N>
 void symmetric_root(const Square<N>& symmetric, Square<N>& root, Square<N>& inverse) {
   if (triangular_root<N>(symmetric, root, inverse)) return;
-  const Eigen::SelfAdjointEigenSolver<Square<N>> eigen(symmetric);
-  const double floor = 1e-12 * eigen.eigenvalues().cwiseAbs().maxCoeff();
-  const Nodes<N> value = eigen.eigenvalues().cwiseMax(floor).cwiseSqrt();
-  root = eigen.eigenvectors() * value.asDiagonal();
-  inverse = value.cwiseInverse().asDiagonal() * eigen.eigenvectors().transpose();
+  base::SymmetricModes modes;
+  modes.compute(symmetric);
+  const double floor = 1e-12 * modes.eigenvalues().cwiseAbs().maxCoeff();
+  const Nodes<N> value = modes.eigenvalues().cwiseMax(floor).cwiseSqrt();
+  const Square<N> vectors = modes.eigenvectors();
+  root = vectors * value.asDiagonal();
+  inverse = value.cwiseInverse().asDiagonal() * vectors.transpose();
 }
 
 template <int N>
@@ -126,14 +129,15 @@ class LayerSolver {
     multiply<N>(even_, root_, scaled_);
     transposed_ = root_.transpose();
     multiply<N>(transposed_, scaled_, product_);
-    eigen_.compute(product_);  // reads the lower triangle alone
+    modes_.compute(product_);
+    vectors_ = modes_.eigenvectors();
     // Conservative scattering keeps energy: one eigenvalue is 0, and rounding (1e-16 of the largest,
     // 1/mu_1^2) must not say otherwise.
-    k_ = eigen_.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+    k_ = modes_.eigenvalues().cwiseMax(0.0).cwiseSqrt();
     if (conservative) k_(0) = 0;
-    multiply<N>(root_, eigen_.eigenvectors(), work.x);
+    multiply<N>(root_, vectors_, work.x);
     transposed_ = inverse_root_.transpose();
-    multiply<N>(transposed_, eigen_.eigenvectors(), work.z);  // X^-T = L^-T Y
+    multiply<N>(transposed_, vectors_, work.z);  // X^-T = L^-T Y
   }
 
   /// Without scattering every node is a mode: k = 1/mu.
@@ -232,8 +236,8 @@ class LayerSolver {
   const OrderBasis<N>& basis_;
   Nodes<N> weight_even_, weight_odd_, k_, decay_, even_gain_, odd_gain_;
   Nodes<N> sigma_top_, sigma_bottom_, delta_top_, delta_bottom_, sum_, difference_, in_top_, in_bottom_;
-  Square<N> scaled_, transposed_, even_, odd_, root_, inverse_root_, product_, row_even_, row_odd_;
-  Eigen::SelfAdjointEigenSolver<Square<N>> eigen_;
+  Square<N> scaled_, transposed_, even_, odd_, root_, inverse_root_, product_, vectors_, row_even_, row_odd_;
+  base::SymmetricModes modes_;
 };
 
 }  // namespace raycube::atmos::solver

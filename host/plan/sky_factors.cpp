@@ -1,4 +1,5 @@
 #include "host/plan/sky_factors.h"
+#include "host/base/symmetric_modes.h"
 #include "host/base/units.h"
 
 #include <algorithm>
@@ -167,7 +168,8 @@ MatrixXd decompose(const SkyBasis& basis, const MatrixXd& sample, const VectorXd
   MatrixXd x = root.asDiagonal() * (sample.colwise() - mean);
   x = x * column_weight.cwiseSqrt().asDiagonal();
   // singular vectors from the small Gram matrix: its accuracy, 1e-8 of the largest, is that of the float table
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> gram(x.transpose() * x);
+  base::SymmetricModes gram;
+  gram.compute(x.transpose() * x);
   MatrixXd maps(sample.rows(), 1);
   maps.col(0) = mean;
   const Index n = x.cols();
