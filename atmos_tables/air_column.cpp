@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "host/base/units.h"
 
 namespace raycube::atmos {
 
@@ -36,7 +37,7 @@ std::size_t AirColumn::level_of(double height_m) const {
 }
 
 std::vector<double> AirColumn::slant(std::size_t from, double zenith_deg) const {
-  const double theta = zenith_deg * std::numbers::pi / 180;
+  const double theta = base::rad_by_division(zenith_deg);
   const double cosine = std::cos(theta), radius = kEarthRadius_m + levels_[from];
   // Distance along the line to the shell dh above its start: the root of s^2 + 2 r cos s = (2 r + dh) dh, no
   // cancellation.

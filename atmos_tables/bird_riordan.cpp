@@ -9,6 +9,7 @@ namespace raycube::atmos {
 const std::vector<BirdRiordanLine>& bird_riordan_table() {
   static const std::vector<BirdRiordanLine> lines = {
 #include "atmos_tables/data/bird_riordan_1986.inc"
+#include "host/base/units.h"
   };
   return lines;
 }
@@ -75,7 +76,7 @@ double earth_sun_factor(int day_of_year) {
 }
 
 std::vector<BirdRiordanLight> bird_riordan_model(const BirdRiordanCase& in) {
-  const double mu0 = std::cos(in.sun_zenith_deg * std::numbers::pi / 180);
+  const double mu0 = std::cos(base::rad_by_division(in.sun_zenith_deg));
   const double factor = earth_sun_factor(in.day_of_year);
   const double pressure = in.pressure_Pa / 101300.0;
   const double ozone_airmass = (1 + 22.0 / 6370) / std::sqrt(mu0 * mu0 + 2 * 22.0 / 6370);

@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 
 #include "atmos_tables/clear_sky_inputs.h"
-#include "atmos_tables/radians.h"
 #include "atmos_tables/rayleigh.h"
 #include "atmos_tables/single_scatter.h"
 #include "atmos_tables/table_rows.h"
@@ -101,7 +100,7 @@ struct SkyGeometry {
   SkyGeometry(const scene::AtmosphereSpec& spec, const scene::Sun& sun, double sensor_height_m,
               const std::vector<double>& target_height_m, const Quadrature& quadrature)
       : day(sun.zenith_deg < 90),
-        cos_sun(day ? std::cos(radians(sun.zenith_deg)) : 0),
+        cos_sun(day ? std::cos(base::rad_by_division(sun.zenith_deg)) : 0),
         air(with_sensor(target_height_m, sensor_height_m), spec.ground_height_m),
         top(air.layers()),
         sun_share(air.levels().size()) {
@@ -112,7 +111,7 @@ struct SkyGeometry {
         view_paths.push_back(make_path(air, from, sensor, zenith, false, spec.asymmetry));
       for (double zenith : kSkyZeniths) sky_paths.push_back(make_path(air, from, top, zenith, true, spec.asymmetry));
       for (double mu : quadrature.node)
-        flux_paths.push_back(make_path(air, from, top, std::acos(mu) * 180 / base::kPi, true, spec.asymmetry));
+        flux_paths.push_back(make_path(air, from, top, base::deg_by_division(std::acos(mu)), true, spec.asymmetry));
     }
     for (std::size_t l = 0; l < top; ++l) {
       const std::vector<double> slant = air.slant(l, day ? sun.zenith_deg : 0);
@@ -154,7 +153,7 @@ AzimuthMeans azimuth_means(const Quadrature& quadrature, double cos_sun, double 
     double sum = 0;
     constexpr int kSteps = 90;
     for (int i = 0; i < kSteps; ++i)
-      sum += phase(scattering_cosine(cos_sun, std::acos(mu) * 180 / base::kPi, 180.0 * (i + 0.5) / kSteps, true));
+      sum += phase(scattering_cosine(cos_sun, base::deg_by_division(std::acos(mu)), 180.0 * (i + 0.5) / kSteps, true));
     return sum / kSteps;
   };
   AzimuthMeans out;
@@ -249,7 +248,7 @@ class SkyLine {
     rows.shape_depth.values[at] = static_cast<float>(wave_.scatter_depth(above));
     const double rayleigh = wave_.rayleigh_total() * above.air, aerosol = wave_.aerosol_scatter_total() * above.aerosol;
     for (std::size_t s = 0; s < angles_deg_.size(); ++s) {
-      const double c = std::cos(radians(angles_deg_[s]));
+      const double c = std::cos(base::rad_by_division(angles_deg_[s]));
       const double total = rayleigh + aerosol;
       rows.phase_mean.values[at * angles_deg_.size() + s] =
           static_cast<float>(total > 0 ? (rayleigh * (a_ + b_ * c * c) + aerosol * aerosol_phase(c)) / total : 1.0);

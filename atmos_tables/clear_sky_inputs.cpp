@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <numbers>
 #include <string>
 
 #include <nlohmann/json.hpp>
@@ -16,6 +15,7 @@
 #include "atmos_tables/solar_spectrum.h"
 #include "atmos_tables/table_rows.h"
 #include "host/base/error.h"
+#include "host/base/units.h"
 
 namespace raycube::atmos {
 
@@ -225,7 +225,7 @@ RenderTable vacuum_table(const scene::Sun& sun, double sensor_height_m, const st
   }
   for (const char* name : {"path_radiance_solar", "sky_radiance_solar", "diffuse_irradiance"})
     add_row(table, name, "vacuum: exactly 0");
-  const double mu0 = sun.zenith_deg < 90 ? std::cos(sun.zenith_deg * std::numbers::pi / 180) : 0;
+  const double mu0 = sun.zenith_deg < 90 ? std::cos(base::rad_by_division(sun.zenith_deg)) : 0;
   Row& direct = add_row(table, "direct_irradiance", "E0 cos(sun zenith); 0 with the sun at or below the horizon");
   const Row& e0 = table.rows.at("solar_irradiance");
   for (std::size_t i = 0; i < direct.values.size(); ++i)

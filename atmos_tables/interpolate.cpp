@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "atmos_tables/detail/row_corners.h"
-#include "atmos_tables/radians.h"
 #include "host/base/error.h"
+#include "host/base/units.h"
 
 namespace raycube::atmos {
 
@@ -49,14 +48,14 @@ Spectrum depths(const RenderTable& table, const DepthRow& row, const std::vector
   const Axis* zenith = nullptr;
   if (slant) {
     zenith = &table.axis("view_zenith");
-    cos_here = std::cos(radians(point.back().value));
+    cos_here = std::cos(base::rad_by_division(point.back().value));
     // One node: no variation along the axis is stated, not a vertical depth to be stretched.
     if (zenith->nodes.size() == 1) zenith = nullptr, cos_here = 1;
   }
   for (const Corner& corner : corners_of(table, point)) {
     const std::size_t base = row.offset(point, corner);
     const double scale =
-        corner.weight * (zenith ? std::cos(radians(zenith->nodes[corner.node.back()])) : 1.0) / cos_here;
+        corner.weight * (zenith ? std::cos(base::rad_by_division(zenith->nodes[corner.node.back()])) : 1.0) / cos_here;
     for (std::size_t i = 0; i < count; ++i)
       for (std::size_t k = 0; k < terms; ++k) out[i * terms + k] += scale * row.at(base, i, k);
   }
@@ -243,7 +242,7 @@ Spectrum diffuse_irradiance(const RenderTable& table, double height_m) {
 Spectrum direct_irradiance(const RenderTable& table, double height_m) {
   if (table.has("direct_irradiance"))
     return log_linear(table, table.need("direct_irradiance", "sunlight on a plane"), {{"target_height", height_m}});
-  const double mu0 = std::max(0.0, std::cos(radians(table.sun_zenith_deg)));
+  const double mu0 = std::max(0.0, std::cos(base::rad_by_division(table.sun_zenith_deg)));
   Spectrum out = solar_irradiance(table);
   if (!(table.sun_zenith_deg < 90)) return Spectrum(out.size(), 0.0);
   const Spectrum transmission = sun_transmission(table, height_m);

@@ -1,10 +1,9 @@
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "atmos_tables/detail/row_corners.h"
 #include "atmos_tables/interpolate.h"
-#include "atmos_tables/radians.h"
+#include "host/base/units.h"
 
 namespace raycube::atmos {
 
@@ -30,7 +29,8 @@ double sky_shape(double phase, double depth, double cos_sun, double cos_view) {
 }
 
 double airmass(double zenith_deg) {
-  return 1 / (std::max(0.0, std::cos(radians(zenith_deg))) + 0.50572 * std::pow(96.07995 - zenith_deg, -1.6364));
+  return 1 / (std::max(0.0, std::cos(base::rad_by_division(zenith_deg))) +
+              0.50572 * std::pow(96.07995 - zenith_deg, -1.6364));
 }
 
 Spectrum sky_radiance_thermal(const RenderTable& table, double height_m, double zenith_deg) {
@@ -59,8 +59,8 @@ std::vector<std::pair<std::size_t, std::size_t>> nodes_around_sun(const std::vec
                                                                   double sun_zenith_deg) {
   // A sun at the horizon is sought where its shape stands, and told by azimuth alone: between zeniths the light there
   // changes with the air's depth rather than with the angle to the sun.
-  const bool low = std::cos(radians(sun_zenith_deg)) < kLowestSun && sky_azimuth_deg.size() > 1;
-  const double from_deg = low ? std::acos(kLowestSun) * 180 / std::numbers::pi : sun_zenith_deg;
+  const bool low = std::cos(base::rad_by_division(sun_zenith_deg)) < kLowestSun && sky_azimuth_deg.size() > 1;
+  const double from_deg = low ? base::deg_by_division(std::acos(kLowestSun)) : sun_zenith_deg;
   const auto nearest = std::min_element(sky_zenith_deg.begin(), sky_zenith_deg.end(), [&](double p, double q) {
     return std::abs(p - from_deg) < std::abs(q - from_deg);
   });
@@ -93,7 +93,8 @@ Spectrum sky_radiance(const RenderTable& table, double height_m, double zenith_d
   const Row& phase_row = table.need("sky_phase_mean", "skylight");
   const Row& depth_row = table.need("sky_scattering_depth", "skylight");
   const RowView view(table, row), phase_view(table, phase_row), depth_view(table, depth_row);
-  const double cos_sun = std::cos(radians(table.sun_zenith_deg)), sin_sun = std::sin(radians(table.sun_zenith_deg));
+  const double cos_sun = std::cos(base::rad_by_division(table.sun_zenith_deg)),
+               sin_sun = std::sin(base::rad_by_division(table.sun_zenith_deg));
   const auto& heights = table.axis("target_height").nodes;
   const auto& zeniths = table.axis("sky_zenith").nodes;
   const auto& azimuths = table.axis("sky_azimuth").nodes;
@@ -107,9 +108,10 @@ Spectrum sky_radiance(const RenderTable& table, double height_m, double zenith_d
     std::vector<Corner> depth_corners;
   };
   const auto shape_of = [&](double height, double zenith, double relative) {
-    const double mu = std::cos(radians(zenith));
-    const double cosine = cos_sun * mu + sin_sun * std::sin(radians(zenith)) * std::cos(radians(relative));
-    const double angle = std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / std::numbers::pi;
+    const double mu = std::cos(base::rad_by_division(zenith));
+    const double cosine =
+        cos_sun * mu + sin_sun * std::sin(base::rad_by_division(zenith)) * std::cos(base::rad_by_division(relative));
+    const double angle = base::deg_by_division(std::acos(std::clamp(cosine, -1.0, 1.0)));
     Shape s{mu, {{"target_height", height}, {"scattering_angle", angle}}, {}, {{"target_height", height}}, {}};
     s.corners = corners_of(table, s.point);
     s.depth_corners = corners_of(table, s.depth_point);

@@ -8,6 +8,7 @@
 #include "atmos_tables/table_rows.h"
 #include "host/base/error.h"
 #include "host/base/planck.h"
+#include "host/base/units.h"
 
 namespace raycube::atmos {
 
@@ -49,7 +50,7 @@ RenderTable uniform_table(const UniformAir& air, const std::vector<double>& wave
   add_axis(table, "wavelength", wavelength_um);
   for (const char* name : {"target_height", "view_zenith", "relative_azimuth", "sky_zenith", "sky_azimuth"})
     add_axis(table, name, {0.0});
-  const double mu0 = air.sun_zenith_deg < 90 ? std::cos(air.sun_zenith_deg * std::numbers::pi / 180) : 0;
+  const double mu0 = air.sun_zenith_deg < 90 ? std::cos(base::rad_by_division(air.sun_zenith_deg)) : 0;
   const auto fill = [&](const char* name, const UniformAir::Spectrum& spectrum) {
     Row& row = add_row(table, name, "stated by the caller");
     for (std::size_t i = 0; i < wavelength_um.size(); ++i)
@@ -99,7 +100,7 @@ RenderTable isothermal_table(double temperature_K, const UniformAir::Spectrum& d
     const double tau = depth(l), source = base::planck_radiance(l, temperature_K);
     for (const double z : heights) {
       for (const double view : views) {
-        const double t = std::exp(-tau * (above(z) - above(sensor_height_m)) / std::cos(view * std::numbers::pi / 180));
+        const double t = std::exp(-tau * (above(z) - above(sensor_height_m)) / std::cos(base::rad_by_division(view)));
         transmission.values[at_view] = static_cast<float>(t);
         path.values[at_view++] = static_cast<float>(source * (1 - t));
       }

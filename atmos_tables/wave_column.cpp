@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "atmos_tables/radians.h"
 #include "atmos_tables/rayleigh.h"
 #include "atmos_tables/single_scatter.h"
 #include "host/base/units.h"
@@ -15,7 +14,7 @@ namespace {}  // namespace
 double aerosol_back_share(double asymmetry, double zenith_deg) {
   // Midpoint rule over the far hemisphere; smooth there, so 32 x 32 is good to 1e-3.
   constexpr int kSteps = 32;
-  const double mu = std::cos(radians(zenith_deg)), sine = std::sin(radians(zenith_deg));
+  const double mu = std::cos(base::rad_by_division(zenith_deg)), sine = std::sin(base::rad_by_division(zenith_deg));
   double sum = 0;
   for (int i = 0; i < kSteps; ++i)
     for (int j = 0; j < kSteps; ++j) {
@@ -47,8 +46,9 @@ Path make_path(const AirColumn& air, std::size_t from, std::size_t to, double ze
 }
 
 double scattering_cosine(double cos_sun, double zenith_deg, double relative_azimuth_deg, bool looking_up) {
-  const double sines = std::sqrt(1 - cos_sun * cos_sun) * std::sin(radians(zenith_deg));
-  const double cosine = cos_sun * std::cos(radians(zenith_deg)) + sines * std::cos(radians(relative_azimuth_deg));
+  const double sines = std::sqrt(1 - cos_sun * cos_sun) * std::sin(base::rad_by_division(zenith_deg));
+  const double cosine = cos_sun * std::cos(base::rad_by_division(zenith_deg)) +
+                        sines * std::cos(base::rad_by_division(relative_azimuth_deg));
   return std::clamp(looking_up ? cosine : -cosine, -1.0, 1.0);
 }
 

@@ -12,6 +12,7 @@
 #endif
 
 #include "bench/pieces.h"
+#include "kernels/shared/tile_layout.h"
 
 namespace raycube::bench {
 
@@ -89,10 +90,10 @@ float* LidarBaseline::on_line(float* at) {
   return at + (64 - reinterpret_cast<std::uintptr_t>(at) % 64) % 64 / sizeof(float);
 }
 std::size_t LidarBaseline::row_pad(const LidarWork& work) {
-  return (static_cast<std::size_t>(work.taps->taps) + 15) / 16 * 16;
+  return RC_PADDED(static_cast<std::size_t>(work.taps->taps));
 }
 std::size_t LidarBaseline::row_floats(const LidarWork& work) {
-  return 2 * row_pad(work) + (static_cast<std::size_t>(work.bins) + 15) / 16 * 16;
+  return 2 * row_pad(work) + RC_PADDED(static_cast<std::size_t>(work.bins));
 }
 
 void LidarBaseline::run(const LidarWork& work, int threads, float* rows) const {

@@ -10,6 +10,7 @@
 #include "bench/planner_study.h"
 #include "host/base/cache_folder.h"
 #include "host/base/error.h"
+#include "host/base/timing.h"
 #include "host/run/camera_job.h"
 #include "host/planner/model_trial.h"
 #include "host/planner/planner.h"
@@ -39,12 +40,6 @@ constexpr double kTried_s_per_megapixel = 2000;  ///< a costlier decision is not
 constexpr double kTimed_s = 0.15;                ///< nominal, of one timed run
 const std::vector<int> kSides = {1, 2, 3, 4, 6, 8, 11, 16};
 const std::vector<int> kDirections = {1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 64, 128};
-/// A reference whose own error is this part of the tolerance can judge it.
-constexpr double kFifth = 0.2;
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 std::vector<render::Tile> judged_tiles(const scene::Instrument& instrument, std::uint64_t seed) {
   const std::size_t all = static_cast<std::size_t>(instrument.pixels) * static_cast<std::size_t>(instrument.lines);
@@ -82,7 +77,7 @@ class CubeStudy {
     out.reference = reference_text_;
     out.own = study::own_error(reference_);
     services_.log.info(fmt::format("{} {}: reference's own error {:.2g} %, {:.1f} s", name, instrument_.name,
-                                   100 * out.own, seconds_since(start)));
+                                   100 * out.own, base::seconds_since(start)));
     sweep();
     out.points = points_;
     std::string sides, directions;
@@ -92,7 +87,7 @@ class CubeStudy {
         fmt::format("grid and lattice of n x n samples, n = {}; {} sky directions; up to {:.0f} s per megapixel", sides,
                     sky_ ? directions : "no", kSweep_s_per_megapixel);
     services_.log.info(fmt::format("{} {}: sweep of {} settings, {:.1f} s", name, instrument_.name, points_.size(),
-                                   seconds_since(start)));
+                                   base::seconds_since(start)));
     for (const double tolerance : settings_.tolerances) {
       out.rows.push_back(row(tolerance));
       const PlannerRow& r = out.rows.back();
@@ -108,7 +103,7 @@ class CubeStudy {
           r.s_per_megapixel, r.best_known ? r.best.setting.text() : "-", 100 * r.best.error, r.cost_over_best,
           r.time_over_best.median, r.plan_s));
     }
-    out.seconds = seconds_since(start);
+    out.seconds = base::seconds_since(start);
     return out;
   }
 
@@ -258,7 +253,7 @@ class CubeStudy {
       out.within = false;
       return out;
     }
-    out.plan_s = seconds_since(start);
+    out.plan_s = base::seconds_since(start);
     const planner::Decision& d = job.decision;
     out.chosen = {d.sampling.sampler, d.sampling.samples_u, sky_ ? d.sampling.directions : 0};
     out.claimed = d.total_error, out.within = d.within, out.dear = d.dear;

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "bench/planner_study.h"
+#include "host/base/timing.h"
 #include "host/run/lidar_job.h"
 #include "host/run/camera_job.h"
 #include "host/planner/lidar_trial.h"
@@ -24,11 +25,6 @@ constexpr std::uint64_t kPulses = 2000,
 constexpr double kReferenceRays = 3e8;  ///< both halves
 constexpr int kMostReference = 65536, kLargestSwept = 2048;
 constexpr rc_u32 kPulseDimension = 53;  ///< of the hash: not the trial's
-constexpr double kFifth = 0.2;
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 class LidarStudy {
  public:
@@ -70,7 +66,7 @@ class LidarStudy {
                       100 * r.own, r.within ? "" : " NOT KEPT", r.best_known ? r.best.setting.text() : "-",
                       100 * r.best.error, r.cost_over_best, r.time_over_best.median, r.plan_s));
     }
-    out.seconds = seconds_since(start);
+    out.seconds = base::seconds_since(start);
     return out;
   }
 
@@ -142,7 +138,7 @@ class LidarStudy {
     out.tolerance = simulation_.tolerance = tolerance;
     const auto start = std::chrono::steady_clock::now();
     const auto job = run::prepare_lidar(simulation_, lidar_, services_, {&renderer_, nullptr, "", false});
-    out.plan_s = seconds_since(start);
+    out.plan_s = base::seconds_since(start);
     const int subrays = job.decision.subrays;
     out.chosen = {scene::SamplerKind::grid, subrays, -1};
     out.claimed = job.decision.error, out.within = job.decision.within;

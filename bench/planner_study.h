@@ -12,6 +12,9 @@
 
 namespace raycube::bench {
 
+/// A reference whose own error is this part of the tolerance can judge it.
+inline constexpr double kFifth = 0.2;
+
 /// Samples of a pixel and sky directions, or the sub-rays of a pulse (in `side`, directions 0).
 struct PlannerSetting {
   scene::SamplerKind sampler = scene::SamplerKind::grid;

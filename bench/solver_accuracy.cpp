@@ -21,6 +21,7 @@
 #include "atmos_tables/table_rows.h"
 #include "host/base/error.h"
 #include "host/base/standard_streams.h"
+#include "host/base/units.h"
 
 using namespace raycube;
 using namespace raycube::atmos;
@@ -123,7 +124,7 @@ std::vector<double> values_at(const RenderTable& table, const char* row, std::si
 double sky_irradiance(const std::vector<double>& radiance, const std::vector<double>& zenith_deg) {
   double sum = 0;
   for (std::size_t z = 0; z + 1 < zenith_deg.size(); ++z) {
-    const auto square = [&](std::size_t k) { return std::pow(std::sin(zenith_deg[k] * std::numbers::pi / 180), 2); };
+    const auto square = [&](std::size_t k) { return std::pow(std::sin(base::rad_by_division(zenith_deg[k])), 2); };
     sum += 0.5 * (radiance[z] + radiance[z + 1]) * (square(z + 1) - square(z));
   }
   return std::numbers::pi * sum;

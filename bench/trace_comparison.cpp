@@ -5,11 +5,12 @@
 #include <cstdio>
 
 #include "bench/rays.h"
+#include "host/base/units.h"
 
 namespace raycube::bench {
 
 std::array<float, 3> sun_vector(const scene::Sun& sun) {
-  const double zenith = sun.zenith_deg * M_PI / 180, azimuth = sun.azimuth_deg * M_PI / 180;
+  const double zenith = base::rad_by_division(sun.zenith_deg), azimuth = base::rad_by_division(sun.azimuth_deg);
   return {static_cast<float>(std::sin(zenith) * std::sin(azimuth)),
           static_cast<float>(std::sin(zenith) * std::cos(azimuth)), static_cast<float>(std::cos(zenith))};
 }

@@ -2,9 +2,10 @@
 # tests/test_main.cpp supplies main(), compiled once for all. Names of doctest cases carry the S-numbers they show.
 add_library(raycube_test_main OBJECT ${PROJECT_SOURCE_DIR}/tests/test_main.cpp)
 target_link_libraries(raycube_test_main PRIVATE raycube_warnings raycube_base)
-# A test's own code runs for moments and is compiled each time; what it tests keeps the build's optimisation. -pthread:
-# some libraries ask for it, and headers that are compiled once want the same options everywhere.
-set(raycube_test_options -O1 -pthread)
+# A test's own code runs for moments and is compiled each time, so it is not optimised; what it tests is. Checks that
+# throw end their case instead of being counted. -pthread: some libraries ask for it, and headers that are compiled once
+# want the same options everywhere.
+set(raycube_test_options -O0 -pthread -DDOCTEST_CONFIG_SUPER_FAST_ASSERTS)
 if(RAYCUBE_UNITY)  # g++ 12 takes what those headers inline for the test's own, and warns of copies that cannot be
   list(APPEND raycube_test_options -Wno-array-bounds -Wno-stringop-overflow)
 endif()

@@ -3,6 +3,7 @@
 
 #include "host/base/attitude.h"
 #include "scene_compiler/instrument_builder.h"
+#include "host/base/units.h"
 
 namespace raycube::scene {
 namespace {
@@ -14,7 +15,7 @@ base::Attitude attitude_of(const Pose& pose) { return {pose.roll_deg, pose.pitch
 std::vector<Pose> straight_flight(InstrumentKind kind, int lines, int pixels, const Pose& middle,
                                   double line_spacing_m) {
   if (kind == InstrumentKind::framing) return {middle};
-  const double heading = middle.heading_deg * M_PI / 180.0, east = std::sin(heading), north = std::cos(heading);
+  const double heading = base::rad_by_division(middle.heading_deg), east = std::sin(heading), north = std::cos(heading);
   std::vector<Pose> poses;
   const auto at = [&](double lines_from_middle) {
     Pose pose = middle;

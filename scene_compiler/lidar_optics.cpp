@@ -3,13 +3,10 @@
 
 #include "scene_compiler/document_values.h"
 #include "scene_compiler/lidar_parts.h"
+#include "host/base/units.h"
 
 namespace raycube::scene::detail {
-namespace {
-
-constexpr double kRad = M_PI / 180;
-
-}  // namespace
+namespace {}  // namespace
 
 void read_scan(const Record& scan, Lidar& out, const LidarReport& report) {
   const std::string& pattern = scan.text("pattern");
@@ -20,9 +17,9 @@ void read_scan(const Record& scan, Lidar& out, const LidarReport& report) {
     want_keys(scan, {"rate_hz", "half_angle_deg"}, because, report);
     refuse_keys(scan, {"columns", "rows", "step_deg"}, because, report);
     s.scan_rate_hz = scan.number("rate_hz");
-    s.half_angle_rad = scan.number("half_angle_deg") * kRad;
+    s.half_angle_rad = base::rad_from_deg(scan.number("half_angle_deg"));
     const double most_deg = kind == ScanPattern::rotating ? 180 : 89;
-    if (s.half_angle_rad > most_deg * kRad)
+    if (s.half_angle_rad > base::rad_from_deg(most_deg))
       report.problems.add(scan.place("half_angle_deg"), "'half_angle_deg' is out of range for " + because,
                           number_text(scan.number("half_angle_deg")), "give at most " + number_text(most_deg));
   };
@@ -33,8 +30,8 @@ void read_scan(const Record& scan, Lidar& out, const LidarReport& report) {
     want_keys(scan, {"columns", "rows", "step_deg"}, because, report);
     refuse_keys(scan, {"rate_hz", "half_angle_deg"}, because, report);
     s.columns = static_cast<int>(scan.integer("columns")), s.rows = static_cast<int>(scan.integer("rows"));
-    s.step_rad = scan.number("step_deg") * kRad;
-    if (0.5 * std::max(s.columns, s.rows) * s.step_rad > 89 * kRad)
+    s.step_rad = base::rad_from_deg(scan.number("step_deg"));
+    if (0.5 * std::max(s.columns, s.rows) * s.step_rad > base::rad_from_deg(89))
       report.problems.add(scan.place("step_deg"), "the raster reaches beyond 89 degrees from the boresight",
                           number_text(scan.number("step_deg")), "lower it, or columns and rows");
   } else {
@@ -51,7 +48,7 @@ void read_mount(const Record& mount, LidarMount& out, const LidarReport& report)
     if (count_given(mount, {deg, mrad}) == 2)
       report.problems.add(mount.place(mrad), std::string("'") + deg + "' and '" + mrad + "' exclude each other", "both",
                           "remove one");
-    return mount.given(mrad) ? mount.number(mrad) * 1e-3 : mount.number(deg) * kRad;
+    return mount.given(mrad) ? mount.number(mrad) * 1e-3 : base::rad_from_deg(mount.number(deg));
   };
   out.tilt_along_rad = tilt("tilt_along_deg", "tilt_along_mrad");
   out.tilt_across_rad = tilt("tilt_across_deg", "tilt_across_mrad");

@@ -6,6 +6,7 @@
 #include "scene_compiler/csv_file.h"
 #include "scene_compiler/document_values.h"
 #include "scene_compiler/lidar_parts.h"
+#include "host/base/units.h"
 
 namespace raycube::scene::detail {
 namespace {
@@ -78,8 +79,8 @@ void look_at(LidarPose& pose, const std::vector<double>& point, const Record& li
     return;
   }
   pose.roll_deg = 0;
-  pose.pitch_deg = std::atan2(across, -z) * 180 / M_PI;
-  pose.heading_deg = across == 0 ? 0 : std::atan2(x, y) * 180 / M_PI;
+  pose.pitch_deg = base::deg_by_division(std::atan2(across, -z));
+  pose.heading_deg = across == 0 ? 0 : base::deg_by_division(std::atan2(x, y));
 }
 
 /// The pose halfway between first and last pulse; nullopt without reporting when its keys were refused as such.
@@ -146,7 +147,7 @@ void read_platform(const Record& lidar, const SceneParts& parts, Lidar& out, con
   const auto middle = middle_pose(lidar, parts, report);
   if (!middle) return;
   const double reach_m = 0.5 * lidar.number("speed_m_s") * (last_s - out.first_pulse_s),
-               heading = middle->heading_deg * M_PI / 180;
+               heading = base::rad_by_division(middle->heading_deg);
   out.trajectory = {*middle};
   out.trajectory.front().time_s = out.first_pulse_s;
   if (reach_m == 0) return;

@@ -76,7 +76,7 @@ std::optional<Material> read_material(const Record& record, Problems& problems) 
 
 /// The shape that a material's table of its name asks for; none where it has none.
 std::optional<Shape> read_shape(const Record& record, const ShapeEntry& entry) {
-  const Record* table = entry.parameters.empty() ? nullptr : record.table(std::string(entry.name));
+  const Record* table = entry.table ? record.table(std::string(entry.name)) : nullptr;
   if (table == nullptr) return std::nullopt;
   Shape out{entry.number};
   for (std::size_t i = 0; i < entry.parameters.size(); ++i)

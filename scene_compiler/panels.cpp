@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/base/units.h"
+
 namespace raycube::scene {
 namespace {
 
@@ -45,7 +47,7 @@ void add_rectangle(TriangleMesh& mesh, const Vector& center, const Vector& u, co
 }  // namespace
 
 std::array<double, 3> turned(const std::array<double, 3>& local, double yaw_deg) {
-  const double yaw = yaw_deg * M_PI / 180.0, c = std::cos(yaw), s = std::sin(yaw);
+  const double yaw = base::rad_by_division(yaw_deg), c = std::cos(yaw), s = std::sin(yaw);
   return {c * local[0] + s * local[1], -s * local[0] + c * local[1], local[2]};
 }
 
@@ -56,7 +58,7 @@ std::array<double, 12> placement(const std::array<double, 3>& position_m, double
 
 TriangleMesh plane_mesh(const std::array<double, 3>& position_m, const std::array<double, 2>& size_m, double yaw_deg,
                         double tilt_deg, const Checker& checker) {
-  const double tilt = tilt_deg * M_PI / 180.0;
+  const double tilt = base::rad_by_division(tilt_deg);
   TriangleMesh mesh;
   add_rectangle(mesh, position_m, turned({1, 0, 0}, yaw_deg), turned({0, std::cos(tilt), -std::sin(tilt)}, yaw_deg),
                 size_m[0], size_m[1], checker);

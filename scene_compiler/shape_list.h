@@ -20,7 +20,8 @@ struct ShapeEntry {
   ShapeRole role;
   bool reciprocal;
   std::string_view text;
-  std::vector<ShapeParameter> parameters;
+  std::vector<ShapeParameter> parameters;  ///< at most two
+  bool table = false;                      ///< a material's table of its name asks for it
 };
 
 std::span<const ShapeEntry> shape_entries();

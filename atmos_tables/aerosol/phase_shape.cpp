@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 #include <utility>
 
 #include "atmos_tables/optics/gauss_legendre.h"
 #include "host/base/error.h"
+#include "host/base/units.h"
 
 namespace raycube::atmos {
 
@@ -16,7 +16,6 @@ namespace {
 constexpr std::size_t kKeptMoments = 256;
 constexpr double kRoundingMiss =
     2e-3;  ///< figures with 4 to 5 digits at 34 angles; functions without a peak miss below 1e-3
-constexpr double kRadian = std::numbers::pi / 180;
 
 /// Slopes of the monotone cubic (weighted harmonic means), 0 at both ends.
 std::vector<double> monotone_slopes(const std::vector<double>& x, const std::vector<double>& y) {
@@ -43,8 +42,7 @@ PhaseShape::PhaseShape(std::vector<double> angle_deg, std::vector<double> log_ph
   };
   const std::size_t intervals = angle_deg_.size() - 1;
   const double beyond = integral(1, intervals);
-  raw_integral_ = integral(0, 1) + beyond;
-  if (std::abs(raw_integral_ - 1) > kRoundingMiss && log_phase_[0] > log_phase_[1]) {
+  if (std::abs(integral(0, 1) + beyond - 1) > kRoundingMiss && log_phase_[0] > log_phase_[1]) {
     // The integral grows with q: from the value at the second angle to that at 0 degrees, all over the first interval.
     double low = 0.02, high = 50;
     for (int i = 0; i < 60; ++i) {
@@ -73,14 +71,15 @@ double PhaseShape::log_at(double angle_deg) const {
 double PhaseShape::value(double cos_angle) const {
   // 2 asin sqrt((1 - c) / 2): no digits are lost near 0 degrees, where acos loses half of them.
   const double half = std::clamp((1 - cos_angle) / 2, 0.0, 1.0);
-  return std::exp(log_at(2 * std::asin(std::sqrt(half)) / kRadian));
+  return std::exp(log_at(2 * std::asin(std::sqrt(half)) / base::rad_from_deg(1)));
 }
 
 PhaseShape::Nodes PhaseShape::nodes(std::size_t last, std::size_t first, std::size_t end) const {
   Nodes out;
   GaussRule rule;
   for (std::size_t i = first; i < end; ++i) {
-    const double from = angle_deg_[i] * kRadian, width = (angle_deg_[i + 1] - angle_deg_[i]) * kRadian;
+    const double from = base::rad_from_deg(angle_deg_[i]),
+                 width = base::rad_from_deg(angle_deg_[i + 1] - angle_deg_[i]);
     // P_k turns once per 2 pi / k; the cubic and its exponential need few nodes, the peak many close to 0 degrees.
     const bool peak = i == 0;
     const std::size_t wanted = (peak ? 64 : 20) + static_cast<std::size_t>(static_cast<double>(last) * width);
@@ -90,7 +89,7 @@ PhaseShape::Nodes PhaseShape::nodes(std::size_t last, std::size_t first, std::si
       const double angle = from + width * (peak ? u * u * u : u), stretch = peak ? 3 * u * u : 1;
       out.cosine.push_back(std::cos(angle));
       out.weight.push_back(rule.weight[j] / 4 * width * stretch * std::sin(angle));
-      out.value.push_back(std::exp(log_at(angle / kRadian)));
+      out.value.push_back(std::exp(log_at(angle / base::rad_from_deg(1))));
     }
   }
   return out;

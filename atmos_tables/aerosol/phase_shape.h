@@ -24,8 +24,6 @@ class PhaseShape {
   /// chi_k = 1/2 int P P_k dmu, k = 0..last; chi_0 = 1. The first 256 are kept from construction on.
   std::vector<double> moments(std::size_t last) const;
   double asymmetry() const { return kept_[1]; }
-  /// Integral over the sphere before normalisation, in units of 4 pi, by the cubic alone.
-  double raw_integral() const { return raw_integral_; }
   /// q above; 0 where the cubic holds from 0 degrees on.
   double peak_exponent() const { return peak_exponent_; }
 
@@ -39,7 +37,7 @@ class PhaseShape {
   std::vector<double> integrate(std::size_t last) const;
 
   std::vector<double> angle_deg_, log_phase_, slope_;
-  double raw_integral_ = 0, peak_exponent_ = 0, backward_ = 0;
+  double peak_exponent_ = 0, backward_ = 0;
   std::vector<double> kept_;
 };
 

@@ -11,8 +11,6 @@ namespace raycube::atmos {
 
 namespace {
 
-double radians(double degrees) { return degrees * base::kPi / 180; }
-
 /// Azimuth orders past this part of the first are dropped: radiances change by less than 1e-4.
 constexpr double kFourierTolerance = 1e-5;
 /// Below this a transmission counts as none: ratios of such numbers carry nothing.
@@ -38,7 +36,7 @@ std::vector<double> sum_of(std::vector<double> a, const std::vector<double>& b) 
 /// Cosines of the light's travel: sign 1 up, -1 down, never 0.
 std::vector<double> cosines(const std::vector<double>& zenith_deg, double sign) {
   std::vector<double> out;
-  for (double zenith : zenith_deg) out.push_back(sign * std::max(std::cos(radians(zenith)), 1e-9));
+  for (double zenith : zenith_deg) out.push_back(sign * std::max(std::cos(base::rad_by_division(zenith)), 1e-9));
   return out;
 }
 
@@ -120,7 +118,7 @@ void BinRows::fill_paths(std::size_t i, const SpectralAir& air) const {
   const std::size_t heights = g.level.size(), views = g.view_zenith.size(), angles = g.scattering_angle.size();
   float& solar = row("solar_irradiance", i)[0];
   if (!g.day) solar = 0;
-  const double e0 = solar, mu0 = g.day ? std::cos(radians(g.sun_zenith_deg)) : 0;
+  const double e0 = solar, mu0 = g.day ? std::cos(base::rad_by_division(g.sun_zenith_deg)) : 0;
   const auto sun_depth = row("sun_optical_depth", i), sun_transmission = row("sun_transmission", i);
   const auto view_depth = row("view_optical_depth", i), view_transmission = row("view_transmission", i);
   const auto direct = row("direct_irradiance", i), factor = row("two_way_factor", i);
@@ -143,7 +141,7 @@ void BinRows::fill_paths(std::size_t i, const SpectralAir& air) const {
     shape_depth[h] = static_cast<float>(air.scattering_depth_above(g.level[h]));
     for (std::size_t s = 0; s < angles; ++s)
       phase[h * angles + s] =
-          static_cast<float>(air.mean_phase_above(g.level[h], std::cos(radians(g.scattering_angle[s]))));
+          static_cast<float>(air.mean_phase_above(g.level[h], std::cos(base::rad_by_division(g.scattering_angle[s]))));
   }
 }
 

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "atmos_tables/optics/rayleigh_air.h"
 #include "atmos_tables/rayleigh.h"
 #include "host/base/planck.h"
+#include "host/base/units.h"
 
 namespace raycube::atmos {
 
@@ -133,7 +133,7 @@ double SpectralAir::layer_phase(std::size_t i, const std::vector<double>& phase)
 
 solver::Column SpectralAir::column(std::size_t term, double beam_flux, double sun_zenith_deg, bool emits) const {
   solver::Column column;
-  const double sun = sun_zenith_deg * std::numbers::pi / 180;
+  const double sun = base::rad_by_division(sun_zenith_deg);
   if (beam_flux > 0) {
     column.beam = {beam_flux, std::cos(sun), 0};
     column.phase_values = [this](double cos_angle) {

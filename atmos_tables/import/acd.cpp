@@ -30,16 +30,17 @@ constexpr const char* kNames[kFunctions] = {
 /// Whether field `f` counts lines of sight or k terms.
 constexpr bool counted(std::size_t f) { return f == 1 || f == 2; }
 
-struct Row {
+struct AcdRow {
   base::Where where;
   std::array<Number, kFields> field;
 };
 
 /// Rows in the file's order into runs.
-Imported runs_of(const std::string& path, const char* format, const std::vector<Row>& rows, base::Problems& problems) {
+Imported runs_of(const std::string& path, const char* format, const std::vector<AcdRow>& rows,
+                 base::Problems& problems) {
   if (rows.empty()) problems.add({path, 0, 0, ""}, "no data rows", "", "the file is cut short");
-  std::map<int, std::vector<const Row*>> by_sight;
-  for (const Row& row : rows) by_sight[static_cast<int>(row.field[1].value)].push_back(&row);
+  std::map<int, std::vector<const AcdRow*>> by_sight;
+  for (const AcdRow& row : rows) by_sight[static_cast<int>(row.field[1].value)].push_back(&row);
   Imported out{path, "MODTRAN 6", format, {}};
   problems.throw_if_any();
   for (const auto& [sight, mine] : by_sight) {
@@ -110,7 +111,7 @@ Imported runs_of(const std::string& path, const char* format, const std::vector<
 Imported read_acd_text(const std::string& path) {
   const auto lines = read_lines(path);
   base::Problems problems;
-  std::vector<Row> rows;
+  std::vector<AcdRow> rows;
   for (std::size_t i = 0; i < lines.size() && problems.lines().size() < kEnoughProblems; ++i) {
     const auto tokens = split_blanks(lines[i]);
     if (tokens.empty() || tokens[0].rfind("-9999", 0) == 0) continue;
@@ -122,7 +123,7 @@ Imported read_acd_text(const std::string& path) {
                    "the row is damaged or cut short");
       continue;
     }
-    Row row{where, {}};
+    AcdRow row{where, {}};
     for (std::size_t f = 0; f < kFields; ++f)
       row.field[f] =
           counted(f)
@@ -157,7 +158,7 @@ Imported read_acd_binary(const std::string& path) {
   if (real(0, 1) != -9999.0f)
     problems.add({path, 0, 0, "record 1"}, "the first record does not start with -9999", std::to_string(real(0, 1)),
                  "is it a binary .acd?");
-  std::vector<Row> rows;
+  std::vector<AcdRow> rows;
   for (std::size_t r = 0; r < bytes.size() / kRecord && problems.lines().size() < kEnoughProblems; ++r) {
     const base::Where where{path, 0, 0, "record " + std::to_string(r + 1)};
     if (word(r, 0) != kMarker || word(r, kFields + 1) != kMarker) {
@@ -166,7 +167,7 @@ Imported read_acd_binary(const std::string& path) {
       continue;
     }
     if (r == 0) continue;
-    Row row{where, {}};
+    AcdRow row{where, {}};
     for (std::size_t f = 0; f < kFields; ++f) {
       const double value = counted(f) ? static_cast<double>(static_cast<std::int32_t>(word(r, f + 1)))
                                       : static_cast<double>(real(r, f + 1));

@@ -79,7 +79,7 @@ SphereCloudOptics integrate_spheres(const SizeDistribution& sizes, const SphereC
   const std::size_t half = out.rule.node.size() / 2, angles = request.angle_deg.size();
   const std::vector<double> nodes(out.rule.node.begin() + static_cast<std::ptrdiff_t>(half), out.rule.node.end());
   std::vector<double> cosines(angles);
-  for (std::size_t i = 0; i < angles; ++i) cosines[i] = std::abs(std::cos(request.angle_deg[i] * base::kPi / 180));
+  for (std::size_t i = 0; i < angles; ++i) cosines[i] = std::abs(std::cos(base::rad_by_division(request.angle_deg[i])));
 
   Sums sums;
   sums.forward.resize(half), sums.backward.resize(half);

@@ -7,6 +7,7 @@
 #include "atmos_tables/solver/exp_differences.h"
 #include "atmos_tables/solver/legendre.h"
 #include "atmos_tables/solver/path_integrals.h"
+#include "host/base/units.h"
 
 namespace raycube::atmos::solver {
 namespace {
@@ -17,7 +18,7 @@ using Eigen::MatrixXd;
 /// The small-angle expansion holds in the aureole: whole within 10 degrees of the beam, fading to nothing at
 /// 20, smooth in between so that radiance stays continuous.
 double aureole_weight(double cos_angle) {
-  constexpr double kWhole = 10 * std::numbers::pi / 180, kNone = 20 * std::numbers::pi / 180;
+  constexpr double kWhole = base::rad_by_division(10), kNone = base::rad_by_division(20);
   const double part = std::clamp((kNone - std::acos(std::clamp(cos_angle, -1.0, 1.0))) / (kNone - kWhole), 0.0, 1.0);
   return part * part * (3 - 2 * part);
 }

@@ -7,6 +7,7 @@
 
 #include "atmos_tables/solver/quadrature.h"
 #include "host/base/error.h"
+#include "host/base/units.h"
 
 namespace raycube::atmos::solver {
 namespace {
@@ -55,7 +56,7 @@ void walk_ray(const RefractingAir& air, double zenith_deg, Step&& step) {
     return air.refractivity.empty() ? 0.0 : between_levels(air.refractivity[upper + 1], air.refractivity[upper], part);
   };
   const double ground_refractivity = air.refractivity.empty() ? 0 : air.refractivity.back();
-  const double sine = std::sin(zenith_deg * std::numbers::pi / 180);
+  const double sine = std::sin(base::rad_by_division(zenith_deg));
   const double short_of_one = 2 * std::pow(std::sin((90 - zenith_deg) * std::numbers::pi / 360), 2);  // 1 - sine
   const double bouguer = (1 + ground_refractivity) * ground_radius * sine;
   for (std::size_t i = 0; i + 1 < air.height_m.size(); ++i) {

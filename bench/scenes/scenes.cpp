@@ -5,6 +5,7 @@
 #include <map>
 
 #include "kernels/sampling/sampler.h"
+#include "host/base/units.h"
 
 namespace raycube::bench {
 namespace {
@@ -106,9 +107,9 @@ scene::Instrument camera(const std::string& name, int size, double pixel_m, doub
   instrument.name = name;
   instrument.pixels = instrument.lines = size;
   // the pixel's size along the boresight's slant range
-  const double range_m = height_m / std::cos(pitch_deg * M_PI / 180);
+  const double range_m = height_m / std::cos(base::rad_by_division(pitch_deg));
   instrument.ifov_along_rad = instrument.ifov_across_rad = pixel_m / range_m;
-  instrument.poses = {{0, -height_m * std::tan(pitch_deg * M_PI / 180), height_m, 0, pitch_deg, 0}};
+  instrument.poses = {{0, -height_m * std::tan(base::rad_by_division(pitch_deg)), height_m, 0, pitch_deg, 0}};
   return instrument;
 }
 

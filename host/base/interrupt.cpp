@@ -14,11 +14,11 @@
 namespace raycube::base {
 namespace {
 
-struct Handler {
+struct Temporary {
   std::atomic<int> state{0};  // 0 free, 1 being filled or emptied, 2 holds a path
   char path[4096];
 };
-std::array<Handler, 64> slots;
+std::array<Temporary, 64> temporaries;
 std::atomic<int> arrived{0};
 std::atomic<bool> helper{false};
 static_assert(std::atomic<int>::is_always_lock_free, "the handler needs lock-free flags");
@@ -39,8 +39,8 @@ extern "C" void raycube_on_signal(int number) {
 }  // namespace
 
 void remove_temporaries() noexcept {
-  for (auto& slot : slots)
-    if (slot.state.load() == 2) ::unlink(slot.path);
+  for (auto& file : temporaries)
+    if (file.state.load() == 2) ::unlink(file.path);
 }
 
 void leave_at_once(std::string_view message, Fault fault) noexcept {
@@ -99,19 +99,19 @@ bool is_helper() noexcept { return helper; }
 void clear_interrupt() noexcept { arrived = 0; }
 
 TemporaryPath::TemporaryPath(const std::string& path) noexcept {
-  if (path.size() >= sizeof(Handler::path)) return;
-  for (int i = 0; i < static_cast<int>(slots.size()); ++i) {
+  if (path.size() >= sizeof(Temporary::path)) return;
+  for (int i = 0; i < static_cast<int>(temporaries.size()); ++i) {
     int free = 0;
-    if (!slots[i].state.compare_exchange_strong(free, 1)) continue;
-    std::memcpy(slots[i].path, path.c_str(), path.size() + 1);
-    slots[i].state = 2;
+    if (!temporaries[i].state.compare_exchange_strong(free, 1)) continue;
+    std::memcpy(temporaries[i].path, path.c_str(), path.size() + 1);
+    temporaries[i].state = 2;
     slot_ = i;
     return;
   }
 }
 
 TemporaryPath::~TemporaryPath() {
-  if (slot_ >= 0) slots[slot_].state = 0;
+  if (slot_ >= 0) temporaries[slot_].state = 0;
 }
 
 }  // namespace raycube::base

@@ -14,7 +14,6 @@ inline constexpr double kFwhmOfSigma = 2.3548200450309493, kSigmaOfFwhm = 0.4246
 constexpr double um_from_nm(double wavelength_nm) { return wavelength_nm * 1e-3; }
 constexpr double nm_from_um(double wavelength_um) { return wavelength_um * 1e3; }
 constexpr double um_from_wavenumber_per_cm(double wavenumber_per_cm) { return 1e4 / wavenumber_per_cm; }
-constexpr double wavenumber_per_cm_from_um(double wavelength_um) { return 1e4 / wavelength_um; }
 
 /// A width in wavenumber (cm-1) at a wavelength, as a width in wavelength: |d lambda| = lambda^2 / 1e4 |d nu| (first
 /// order).
@@ -39,5 +38,10 @@ constexpr double W_per_cm2_sr_per_cm_from_W_per_m2_sr_um(double radiance, double
 
 constexpr double rad_from_deg(double angle_deg) { return angle_deg * (std::numbers::pi / 180.0); }
 constexpr double deg_from_rad(double angle_rad) { return angle_rad * (180.0 / std::numbers::pi); }
+
+/// The same with two roundings, as the bytes of tables and products have always had it: another last bit. For code that
+/// began with it; new code takes those above.
+constexpr double rad_by_division(double angle_deg) { return angle_deg * std::numbers::pi / 180; }
+constexpr double deg_by_division(double angle_rad) { return angle_rad * 180 / std::numbers::pi; }
 
 }  // namespace raycube::base

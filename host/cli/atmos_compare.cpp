@@ -16,7 +16,7 @@ namespace raycube::cli {
 
 namespace {
 
-struct Options {
+struct CompareRequest {
   std::string a, b, bands;
   double step_nm = 0, height = std::numeric_limits<double>::quiet_NaN();
   atmos::DifferenceChoice choice;
@@ -61,7 +61,7 @@ std::vector<atmos::DifferenceBand> bands_of(const std::string& path) {
   return bands;
 }
 
-int compare(const Options& o, Invocation& invocation) {
+int compare(const CompareRequest& o, Invocation& invocation) {
   const atmos::RenderTable a = atmos::read_rct(o.a), b = atmos::read_rct(o.b);
   atmos::DifferenceChoice choice = o.choice;
   if (!std::isnan(o.height)) choice.height_m = o.height;
@@ -88,7 +88,7 @@ int compare(const Options& o, Invocation& invocation) {
 }  // namespace
 
 Verb verb_atmos_compare() {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<CompareRequest>();
   Verb verb("compare", "Print band-wise differences of two render tables");
   verb.description =
       "Reads both tables at one target height, straight and slanted, over the wavelengths both cover, and says mean, "

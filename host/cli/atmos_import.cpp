@@ -1,7 +1,6 @@
 #include "host/cli/atmos_import.h"
 
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <ostream>
 
@@ -13,14 +12,13 @@
 #include "atmos_tables/rct_file.h"
 #include "host/base/error.h"
 #include "host/cli/verb.h"
+#include "host/cli/typed.h"
 
 namespace raycube::cli {
 
 namespace {
 
-constexpr double kUnset = std::numeric_limits<double>::quiet_NaN();
-
-struct Options {
+struct ImportRequest {
   std::vector<std::string> files;
   std::string format = "auto", uvspec_input, albedo;
   double sun_zenith = kUnset, sun_azimuth = 0, sensor = kUnset, ground = 0;
@@ -40,7 +38,7 @@ std::vector<double> albedos(const std::string& typed) {
   return out;
 }
 
-int write_table(const Options& o, const std::vector<atmos::imported::Imported>& files, Invocation& invocation) {
+int write_table(const ImportRequest& o, const std::vector<atmos::imported::Imported>& files, Invocation& invocation) {
   atmos::imported::TableRequest request;
   if (!std::isnan(o.sun_zenith)) request.sun_zenith_deg = o.sun_zenith;
   if (!std::isnan(o.sensor)) request.sensor_height_m = o.sensor;
@@ -61,7 +59,7 @@ int write_table(const Options& o, const std::vector<atmos::imported::Imported>& 
   return 0;
 }
 
-int run(const Options& o, Invocation& invocation) {
+int run(const ImportRequest& o, Invocation& invocation) {
   std::vector<atmos::imported::Imported> files;
   for (const auto& file : o.files)
     files.push_back(atmos::imported::import_file(file, o.format == "auto" ? "" : o.format, o.uvspec_input));
@@ -82,7 +80,7 @@ int run(const Options& o, Invocation& invocation) {
 }  // namespace
 
 Verb verb_atmos_import() {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<ImportRequest>();
   Verb verb("import", "Read the output of MODTRAN, uvspec or 6S: say what it holds, or make a render table of it");
   verb.description =
       "Units and angles are converted to the project's; damaged rows are refused with file and line; sums that the "

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <limits>
 #include <memory>
 #include <ostream>
 
@@ -19,14 +18,13 @@
 #include "host/run/air_table.h"
 #include "host/cli/services.h"
 #include "scene_compiler/load_simulation.h"
+#include "host/cli/typed.h"
 
 namespace raycube::cli {
 
 namespace {
 
-constexpr double kUnset = std::numeric_limits<double>::quiet_NaN();
-
-struct Options {
+struct AtmosLidarRequest {
   std::string file, lines, partition_sums;
   AirOptions air;
   std::vector<std::string> wavelengths, heights, cross_sections, ratios, depolarizations;
@@ -64,7 +62,7 @@ std::pair<std::string, std::string> pair_of(const std::string& text, const std::
 
 std::string absolute(const std::string& path) { return std::filesystem::absolute(path).lexically_normal().string(); }
 
-scene::AtmosphereSpec spec_of(const Options& o) {
+scene::AtmosphereSpec spec_of(const AtmosLidarRequest& o) {
   scene::AtmosphereSpec spec;
   if (!o.file.empty()) {
     scene::LoadOptions load;
@@ -96,7 +94,7 @@ scene::AtmosphereSpec spec_of(const Options& o) {
   return spec;
 }
 
-atmos::LidarOptions lidar_options(const Options& o) {
+atmos::LidarOptions lidar_options(const AtmosLidarRequest& o) {
   atmos::LidarOptions out;
   out.cabannes_only = o.cabannes;
   const auto component = [&](const std::string& name) -> atmos::LidarOptions::Particles& {
@@ -135,7 +133,7 @@ std::string ground_text(const atmos::RenderTable& table) {
   return out;
 }
 
-int run(const Options& o, Invocation& invocation) {
+int run(const AtmosLidarRequest& o, Invocation& invocation) {
   if (o.wavelengths.empty())
     throw base::Error(base::Fault::input, "which wavelengths? give --wavelengths in nm (vacuum), such as 532,1064");
   const scene::AtmosphereSpec spec = spec_of(o);
@@ -178,7 +176,7 @@ std::string lidar_figures_json(const atmos::RenderTable& table, const std::strin
 }
 
 Verb verb_atmos_lidar() {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<AtmosLidarRequest>();
   Verb verb("lidar", "Profiles of extinction and backscatter at laser wavelengths");
   verb.description =
       "Molecules, aerosols and, where lines or cross-sections are given, gases of the layered model, at heights from "

@@ -31,7 +31,7 @@ namespace {
 
 constexpr double kPpmM = lidar::kMoleculesPerPpmM;
 
-struct Options {
+struct DialRequest {
   std::string folder, file, lidar;
   int average = 1;
 };
@@ -53,7 +53,7 @@ std::string file_of_run(const std::string& folder) {
       folder + ": its run.json names no simulation file that is there; give it: raycube lidar dial RUN FILE");
 }
 
-const scene::Lidar& pick(const scene::Simulation& simulation, const std::string& name, const Options& o) {
+const scene::Lidar& pick(const scene::Simulation& simulation, const std::string& name, const DialRequest& o) {
   for (const scene::Lidar& lidar : simulation.lidars)
     if (name.empty() || lidar.name == name) return lidar;
   throw base::Error(base::Fault::input,
@@ -207,7 +207,7 @@ class Report {
   double z_sum_ = 0, z_squares_ = 0, within_ = 0;
 };
 
-int retrieve(Options o, Invocation& invocation) {
+int retrieve(DialRequest o, Invocation& invocation) {
   if (o.file.empty()) o.file = file_of_run(o.folder);
   scene::LoadOptions load;
   const scene::Simulation simulation = scene::load_simulation(o.file, load);
@@ -263,7 +263,7 @@ int retrieve(Options o, Invocation& invocation) {
 }  // namespace
 
 Verb verb_lidar_dial() {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<DialRequest>();
   Verb verb("dial", "Retrieve a gas' column from the on-line and off-line returns of a run");
   verb.description =
       "Reads waveforms.img and pulses.csv of a LIDAR's folder and takes the strongest return of the line that absorbs "

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <limits>
 #include <memory>
 #include <ostream>
 
@@ -16,15 +15,15 @@
 #include "host/lidar/shot.h"
 #include "host/products/csv_writer.h"
 #include "scene_compiler/load_simulation.h"
+#include "host/cli/typed.h"
 
 namespace raycube::cli {
 
 namespace {
 
-constexpr double kUnset = std::numeric_limits<double>::quiet_NaN();
 constexpr double kMilli = 1e-3;
 
-struct Options {
+struct GffRequest {
   std::string file, lidar, profile;
   double separation_m = kUnset, crossing_m = kUnset, aperture_m = kUnset, obscuration_m = kUnset, fov_mrad = kUnset,
          focus_m = kUnset;
@@ -109,11 +108,7 @@ Geometry from_file(const scene::Simulation& simulation, const scene::Lidar& lida
   return g;
 }
 
-void replace(double& standing, double typed, double factor = 1) {
-  if (!std::isnan(typed)) standing = factor * typed;
-}
-
-Geometry geometry_of(const Options& o, std::string& title, Invocation& invocation) {
+Geometry geometry_of(const GffRequest& o, std::string& title, Invocation& invocation) {
   Geometry g;
   title = "two telescopes side by side";
   if (!o.file.empty()) {
@@ -160,7 +155,7 @@ Row row_at(const Geometry& g, double range_m) {
           lidar::beam_overlap(g.stop, g.gaussian, g.beam_m(range_m, g.gaussian), range_m, apart)};
 }
 
-int draw(const Options& o, Invocation& invocation) {
+int draw(const GffRequest& o, Invocation& invocation) {
   std::string title;
   const Geometry g = geometry_of(o, title, invocation);
   double furthest = std::isnan(g.surface_low_m) ? 0 : g.surface_low_m;
@@ -229,7 +224,7 @@ int draw(const Options& o, Invocation& invocation) {
 }  // namespace
 
 Verb verb_lidar_gff() {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<GffRequest>();
   Verb verb("gff", "Draw the receiver's overlap with the beam against range (geometric form factor)");
   verb.description =
       "Level 2 is what a run computes for every hit: the share of the pupil whose rays through a point pass the field "

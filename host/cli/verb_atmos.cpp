@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <limits>
 #include <memory>
 #include <ostream>
 #include <tuple>
@@ -23,12 +22,11 @@
 #include "host/cli/services.h"
 #include "host/cli/verb.h"
 #include "scene_compiler/load_simulation.h"
+#include "host/cli/typed.h"
 
 namespace raycube::cli {
 
 namespace {
-
-constexpr double kUnset = std::numeric_limits<double>::quiet_NaN();
 
 struct BuildOptions {
   std::string file, model, lines;
@@ -41,11 +39,6 @@ struct BuildOptions {
   double ground = kUnset, pressure = kUnset, water = kUnset, ozone = kUnset, angstrom = kUnset;
   double ssa = kUnset, asymmetry = kUnset, albedo = kUnset;
 };
-
-/// The value a user typed replaces the one that stands.
-void replace(double& standing, double typed) {
-  if (!std::isnan(typed)) standing = typed;
-}
 
 /// An option that would shape air, as typed; empty: none.
 std::string typed_air(const BuildOptions& o) {
@@ -173,7 +166,7 @@ int build(const BuildOptions& o, Invocation& invocation) {
   return 0;
 }
 
-Verb verb_build() {
+Verb verb_atmos_build() {
   auto o = std::make_shared<BuildOptions>();
   Verb verb("build", "Build a render table with a built-in model of the air");
   verb.description =
@@ -229,7 +222,7 @@ Verb verb_build() {
   return verb;
 }
 
-Verb verb_info() {
+Verb verb_atmos_info() {
   auto file = std::make_shared<std::string>();
   Verb verb("info", "Describe a render table: axes, rows, absent rows, provenance, stated errors");
   verb.add_options = [file](base::OptionTable& table) { table.argument("FILE", "A render table (.rct)", *file); };
@@ -246,7 +239,7 @@ Verb verb_info() {
 
 Verb verb_atmos() {
   Verb verb("atmos", "Build, describe, draw and compare render tables of the air; read what other codes wrote");
-  verb.verbs = {verb_build(),        verb_info(),          verb_atmos_plot(),
+  verb.verbs = {verb_atmos_build(),  verb_atmos_info(),    verb_atmos_plot(),
                 verb_atmos_import(), verb_atmos_compare(), verb_atmos_lidar()};
   return verb;
 }

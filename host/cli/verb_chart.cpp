@@ -23,7 +23,7 @@
 namespace raycube::cli {
 namespace {
 
-struct Options : run::ChartOptions {
+struct ChartRequest : run::ChartOptions {
   std::string file, instrument;
 };
 
@@ -90,7 +90,7 @@ std::string chart_text(const run::Chart& chart) {
   return out + "  * nothing is both faster and more accurate\n";
 }
 
-int run(Invocation& invocation, const Options& options) {
+int run(Invocation& invocation, const ChartRequest& options) {
   run::Services services = services_of(invocation);
   scene::Simulation simulation = run::load_job(options.file, invocation.common.seed, services);
   run::check_inputs(simulation, run::pick_instruments(simulation, options.instrument),
@@ -151,7 +151,7 @@ int run(Invocation& invocation, const Options& options) {
 }  // namespace
 
 Verb verb_chart() {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<ChartRequest>();
   Verb verb("chart", "Chart error against time for every knob, on every device");
   std::string knobs;
   for (const auto& knob : knobs::all_knobs())

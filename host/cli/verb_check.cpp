@@ -23,7 +23,7 @@
 namespace raycube::cli {
 namespace {
 
-struct Options {
+struct CheckRequest {
   std::string file, instrument;
   std::uint64_t rays = 10000000, pixels = 500, model_pixels = 64, pulses = 0;
   int model_directions = 1024;
@@ -42,8 +42,8 @@ std::vector<std::string> band_names(const scene::Instrument& instrument) {
 
 /// What is written of one instrument. Both files are begun before anything is traced: what must not be replaced is
 /// known then.
-struct Files {
-  Files(const std::string& folder, base::IfExists if_exists)
+struct CheckFiles {
+  CheckFiles(const std::string& folder, base::IfExists if_exists)
       : set(folder, if_exists), picture(set.add("difference.png")), json(set.add("check.json")) {}
   base::OutputSet set;
   base::OutputFile &picture, &json;
@@ -115,7 +115,7 @@ std::vector<std::string> not_looked_at(const run::LidarJob& job) {
 }
 
 void check_one(const scene::Simulation& simulation, const scene::Instrument& given, render::Renderer& renderer,
-               const Options& options, Files* files, Invocation& invocation, run::Services& services,
+               const CheckRequest& options, CheckFiles* files, Invocation& invocation, run::Services& services,
                Outcome& outcome) {
   run::Planning planning;
   planning.renderer = &renderer;
@@ -153,7 +153,7 @@ void check_one(const scene::Simulation& simulation, const scene::Instrument& giv
 }
 
 void check_one_lidar(const scene::Simulation& simulation, const scene::Lidar& lidar, render::LidarRenderer& renderer,
-                     const Options& options, LidarFiles* files, Invocation& invocation, run::Services& services,
+                     const CheckRequest& options, LidarFiles* files, Invocation& invocation, run::Services& services,
                      Outcome& outcome) {
   run::LidarPlanning planning;
   planning.renderer = &renderer;
@@ -178,7 +178,7 @@ void check_one_lidar(const scene::Simulation& simulation, const scene::Lidar& li
   invocation.log.info("wrote " + files->set.folder() + "/check.json");
 }
 
-int run(Invocation& invocation, const Options& options) {
+int run(Invocation& invocation, const CheckRequest& options) {
   run::Services services = services_of(invocation);
   const scene::Simulation simulation = run::load_job(options.file, invocation.common.seed, services);
   const auto lidars = run::pick_lidars(simulation, options.instrument);
@@ -188,7 +188,7 @@ int run(Invocation& invocation, const Options& options) {
   else
     for (const scene::Instrument& instrument : simulation.instruments)
       if (options.instrument.empty() || instrument.name == options.instrument) instruments.push_back(&instrument);
-  std::map<std::string, Files> files;
+  std::map<std::string, CheckFiles> files;
   std::map<std::string, LidarFiles> lidar_files;
   if (!invocation.common.output.empty()) {
     const base::IfExists if_exists = cli::if_exists(invocation.common);
@@ -225,7 +225,7 @@ int run(Invocation& invocation, const Options& options) {
 }  // namespace
 
 Verb verb_check() {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<CheckRequest>();
   Verb verb("check", "Compare rendered pixels and pulses with the Embree and double precision reference");
   verb.description =
       "Pixels are picked by a hash of the seed. Both sides trace the very same fp32 rays.\n\n"

@@ -10,8 +10,9 @@
 namespace raycube::cli {
 namespace {
 
-int run(Invocation& invocation) {
-  using Json = nlohmann::ordered_json;
+using Json = nlohmann::ordered_json;
+
+int list_devices(Invocation& invocation) {
   const auto devices = cl::list_devices();
   Json list = Json::array();
   for (std::size_t i = 0; i < devices.size(); ++i) {
@@ -51,7 +52,7 @@ Verb verb_devices() {
   verb.description =
       "The number or any part of the name can be given to --device. Without any device the exit status is 4.";
   verb.examples = {"raycube devices", "raycube devices --json"};
-  verb.run = run;
+  verb.run = list_devices;
   return verb;
 }
 

@@ -29,7 +29,7 @@ using base::Error;
 using base::Fault;
 namespace fs = std::filesystem;
 
-struct Options {
+struct InfoRequest {
   std::string file;
   bool header_only = false, every_band = false, verify = false;
 };
@@ -127,7 +127,7 @@ int print_verified(Invocation& invocation, const std::string& path) {
   return found.whole() ? 0 : static_cast<int>(Fault::check);
 }
 
-int run(Invocation& invocation, const Options& options) {
+int run(Invocation& invocation, const InfoRequest& options) {
   const std::string path = resolve(options.file);
   const std::string extension = fs::path(path).extension().string();
   if (options.verify) {
@@ -150,7 +150,7 @@ int run(Invocation& invocation, const Options& options) {
 }  // namespace
 
 Verb verb_info() {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<InfoRequest>();
   Verb verb("info", "Say what a product, scene or table holds");
   verb.description =
       "FILE is an ENVI image or spectral library (either of its two files), a compiled scene (.rcs), a "

@@ -18,7 +18,7 @@ namespace raycube::cli {
 
 namespace {
 
-struct Options {
+struct PlanRequest {
   std::string file, instrument;
 };
 
@@ -78,7 +78,7 @@ Said plan_lidar(const scene::Simulation& simulation, const scene::Lidar& lidar, 
   return said;
 }
 
-int run(const Options& options, Invocation& invocation) {
+int run(const PlanRequest& options, Invocation& invocation) {
   run::Services services = services_of(invocation);
   const scene::Simulation simulation = run::load_job(options.file, invocation.common.seed, services);
   const auto instruments = run::pick_instruments(simulation, options.instrument);
@@ -118,7 +118,7 @@ int run(const Options& options, Invocation& invocation) {
 }  // namespace
 
 Verb verb_plan() {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<PlanRequest>();
   Verb verb("plan", "Say what each block of the physics costs and which levels keep the tolerance");
   verb.description =
       "For each instrument a table: block, level chosen, its estimated error, the error without it (with the level "

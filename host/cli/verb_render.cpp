@@ -15,12 +15,13 @@
 #include "host/run/load_job.h"
 #include "host/run/render_camera.h"
 #include "host/run/render_lidar.h"
+#include "host/base/timing.h"
 
 namespace raycube::cli {
 
 namespace {
 
-struct Options {
+struct RenderRequest {
   std::string file, instrument, plan;
 };
 
@@ -69,7 +70,7 @@ struct Done {
 /// One invocation of the verb.
 class Rendering {
  public:
-  Rendering(const Options& options, Invocation& invocation, Done& done)
+  Rendering(const RenderRequest& options, Invocation& invocation, Done& done)
       : options_(options),
         invocation_(invocation),
         done_(done),
@@ -79,7 +80,7 @@ class Rendering {
   int execute() {
     const auto start = std::chrono::steady_clock::now();
     const scene::Simulation simulation = run::load_job(options_.file, invocation_.common.seed, services_);
-    load_s_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    load_s_ = base::seconds_since(start);
     const auto instruments = run::pick_instruments(simulation, options_.instrument);
     const auto lidars = run::pick_lidars(simulation, options_.instrument);
     done_.names = names_of(instruments, lidars);
@@ -168,7 +169,7 @@ class Rendering {
     invocation_.out << nlohmann::json{{"instruments", all}}.dump(2) << "\n";
   }
 
-  const Options& options_;
+  const RenderRequest& options_;
   Invocation& invocation_;
   Done& done_;
   run::Services services_;
@@ -179,7 +180,7 @@ class Rendering {
 };
 
 /// An error that comes after some instruments are whole says that they stay, and how to go on.
-int run_and_keep(const Options& options, Invocation& invocation) {
+int run_and_keep(const RenderRequest& options, Invocation& invocation) {
   Done done;
   try {
     return Rendering(options, invocation, done).execute();
@@ -196,7 +197,7 @@ int run_and_keep(const Options& options, Invocation& invocation) {
 }  // namespace
 
 Verb verb_render() {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<RenderRequest>();
   Verb verb("render", "Render the instruments of a simulation file into radiance cubes with truth");
   verb.description =
       "Each instrument gets a folder of its own under the output folder: radiance.img (ENVI), truth.img, "

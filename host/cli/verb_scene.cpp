@@ -13,7 +13,7 @@
 namespace raycube::cli {
 namespace {
 
-struct Options {
+struct SceneRequest {
   std::string file;
 };
 
@@ -32,8 +32,8 @@ void print_info(Invocation& invocation, const scene::CompiledScene& compiled) {
   invocation.out << (invocation.common.json ? scene::scene_info_json(info) : scene::scene_info_text(info));
 }
 
-Verb verb_info() {
-  auto o = std::make_shared<Options>();
+Verb verb_scene_info() {
+  auto o = std::make_shared<SceneRequest>();
   Verb verb("info", "Count a scene's triangles, instances, bytes, materials");
   verb.examples = {"raycube scene info park.toml"};
   verb.add_options = [o](base::OptionTable& table) {
@@ -47,8 +47,8 @@ Verb verb_info() {
   return verb;
 }
 
-Verb verb_check() {
-  auto o = std::make_shared<Options>();
+Verb verb_scene_check() {
+  auto o = std::make_shared<SceneRequest>();
   Verb verb("check", "Validate a simulation file and all it names, report every problem at once");
   verb.description =
       "Whatever a render would refuse that needs neither the air computed nor a ray sent is told here: bands beyond "
@@ -72,8 +72,8 @@ Verb verb_check() {
   return verb;
 }
 
-Verb verb_compile() {
-  auto o = std::make_shared<Options>();
+Verb verb_scene_compile() {
+  auto o = std::make_shared<SceneRequest>();
   Verb verb("compile", "Compile the scene of a simulation file to a .rcs file");
   verb.description =
       "The file carries the scene's buffers, trees and content hash; it depends on the simulation file no "
@@ -110,7 +110,7 @@ Verb printing(const char* name, const char* summary, const char* example, std::s
 
 Verb verb_scene() {
   Verb verb("scene", "Look at a scene, check it, compile it, print its format");
-  verb.verbs = {verb_info(), verb_check(), verb_compile(),
+  verb.verbs = {verb_scene_info(), verb_scene_check(), verb_scene_compile(),
                 printing("schema", "Print the JSON schema of simulation files",
                          "raycube scene schema > raycube.schema.json", scene::options_json_schema),
                 printing("keys", "Print every key of simulation files as Markdown tables", "raycube scene keys",

@@ -19,6 +19,7 @@
 #include "host/run/load_job.h"
 #include "host/lidar/shot.h"
 #include "host/render/tuner.h"
+#include "host/base/timing.h"
 
 namespace raycube::cli {
 
@@ -32,7 +33,7 @@ constexpr double kTileRun_s =
 constexpr int kTileTimes = 3;
 constexpr std::size_t kLocalSizes[] = {1, 2, 4, 8, 16, 32, 64, 128, 256};
 
-struct Options {
+struct TuneRequest {
   std::string file, instrument;
 };
 
@@ -45,7 +46,7 @@ struct Work {
 double seconds_of(const std::function<void()>& work) {
   const auto start = std::chrono::steady_clock::now();
   work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return base::seconds_since(start);
 }
 
 template <class T>
@@ -214,7 +215,7 @@ Found tune_pulses(const scene::Simulation& simulation, const run::LidarJob& job,
           {}};
 }
 
-int run(const Options& options, Invocation& invocation) {
+int run(const TuneRequest& options, Invocation& invocation) {
   run::Services services = services_of(invocation);
   const scene::Simulation simulation = run::load_job(options.file, invocation.common.seed, services);
   const auto instruments = run::pick_instruments(simulation, options.instrument);
@@ -275,7 +276,7 @@ int run(const Options& options, Invocation& invocation) {
 }  // namespace
 
 Verb verb_tune() {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<TuneRequest>();
   Verb verb("tune", "Find and keep the launch sizes that are fastest on a device");
   verb.description =
       "Times work-groups of 1 to 256 items for every kernel, and tiles of several sizes, on the simulation's first "

@@ -262,8 +262,8 @@ std::vector<ReturnTruth> return_truth(const scene::CompiledScene& scene, const F
     ReturnTruth& truth = out[nearest];
     truth.order = 1;
     truth.expected_pe += static_cast<float>(sent);
-    truth.incidence_deg +=
-        static_cast<float>(180 / M_PI * std::acos(std::min(1.0, std::abs(dot(point.normal, (1 / out_m) * there)))));
+    truth.incidence_deg += static_cast<float>(
+        base::deg_from_rad(std::acos(std::min(1.0, std::abs(dot(point.normal, (1 / out_m) * there))))));
     truth.overlap += static_cast<float>(eta);
     truth.transmission_2way += static_cast<float>(passed);
     truth.subray_share += 1;

@@ -5,6 +5,7 @@
 #include "host/base/attitude.h"
 #include "host/lidar/shot.h"
 #include "kernels/sampling/sampler.h"
+#include "host/base/units.h"
 
 namespace raycube::lidar {
 namespace {
@@ -45,10 +46,9 @@ Turn lean(double angle_rad, double azimuth_rad) {
 /// Scene (x east, y north, z up) from platform (x right, y forward, z up): yaw, pitch, roll (z-y-x, intrinsic), as
 /// instruments have it.
 Turn scene_from_platform(const scene::LidarPose& pose) {
-  constexpr double kRad = M_PI / 180;
-  const double ch = std::cos(pose.heading_deg * kRad), sh = std::sin(pose.heading_deg * kRad);
-  const double cp = std::cos(pose.pitch_deg * kRad), sp = std::sin(pose.pitch_deg * kRad);
-  const double cr = std::cos(pose.roll_deg * kRad), sr = std::sin(pose.roll_deg * kRad);
+  const double ch = std::cos(base::rad_from_deg(pose.heading_deg)), sh = std::sin(base::rad_from_deg(pose.heading_deg));
+  const double cp = std::cos(base::rad_from_deg(pose.pitch_deg)), sp = std::sin(base::rad_from_deg(pose.pitch_deg));
+  const double cr = std::cos(base::rad_from_deg(pose.roll_deg)), sr = std::sin(base::rad_from_deg(pose.roll_deg));
   return {{cr * ch + sr * sp * sh, -cr * sh + sr * sp * ch, -sr * cp},
           {cp * sh, cp * ch, sp},
           {sr * ch - cr * sp * sh, -sr * sh - cr * sp * ch, cr * cp}};
@@ -144,7 +144,7 @@ std::vector<Shot> make_shots(const scene::Lidar& lidar, std::int64_t first, std:
     shot.pupil_axis = minus(field.z);
     shot.pupil_u = field.x;
     shot.half_divergence_rad = lidar.pulse.half_divergence_rad;
-    const double heading_rad = pose.heading_deg * M_PI / 180;
+    const double heading_rad = base::rad_by_division(pose.heading_deg);
     shot.scan_angle_rad = std::atan2(
         shot.exit_axis[0] * std::cos(heading_rad) - shot.exit_axis[1] * std::sin(heading_rad), -shot.exit_axis[2]);
   }

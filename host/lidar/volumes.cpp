@@ -5,6 +5,7 @@
 
 #include "kernels/lidar/volume.h"
 #include "scene_compiler/plume_width.h"
+#include "host/base/units.h"
 
 namespace raycube::lidar {
 namespace {
@@ -36,9 +37,10 @@ FlatVolumes flatten_volumes(const std::vector<scene::Volume>& volumes) {
   for (const scene::Volume& volume : volumes) {
     shared::LidarVolume& out = flat.volumes.emplace_back();
     out.place = {f(volume.position_m[0]), f(volume.position_m[1]), f(volume.position_m[2]), 0};
-    out.lo = {f(-0.5 * volume.size_m[0]), f(-0.5 * volume.size_m[1]), 0, f(std::cos(volume.yaw_deg * M_PI / 180))};
+    out.lo = {f(-0.5 * volume.size_m[0]), f(-0.5 * volume.size_m[1]), 0,
+              f(std::cos(base::rad_by_division(volume.yaw_deg)))};
     out.hi = {f(0.5 * volume.size_m[0]), f(0.5 * volume.size_m[1]), f(volume.size_m[2]),
-              f(std::sin(volume.yaw_deg * M_PI / 180))};
+              f(std::sin(base::rad_by_division(volume.yaw_deg)))};
     out.strength = {f(volume.concentration_ppm), 0, 0, 0};
     out.particles = {f(volume.extinction_per_m), 0, f(volume.lidar_ratio_sr), 0};
     out.gas = volume.gas.empty() ? 0 : 1;

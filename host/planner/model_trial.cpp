@@ -9,6 +9,7 @@
 #include "host/reference/parallel.h"
 #include "host/reference/radiance.h"
 #include "host/sensors/ray_groups.h"
+#include "host/base/units.h"
 
 namespace raycube::planner {
 
@@ -37,7 +38,7 @@ ModelPixels compare_models(const scene::Simulation& simulation, const scene::Ins
   std::vector<std::array<double, 3>> directions;
   for (const glm::dvec3& d : whole.directions()) directions.push_back({d.x, d.y, d.z});
   if (plan.components() > 0)
-    same.sky = plan::sky_set_of(plan.sky_basis, simulation.sun.azimuth_deg * std::numbers::pi / 180, directions,
+    same.sky = plan::sky_set_of(plan.sky_basis, base::rad_by_division(simulation.sun.azimuth_deg), directions,
                                 whole.solid_angle_sr(), plan.sky_components, plan.thermal.on ? &plan.thermal : nullptr);
   // The open sky as those directions add it up; the surroundings, of one radiance, in closed form.
   const auto open = [&](const glm::dvec3& normal) {

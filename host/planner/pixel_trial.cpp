@@ -1,8 +1,9 @@
 #include "host/planner/pixel_trial.h"
 
 #include <algorithm>
-#include <numbers>
 #include <numeric>
+
+#include "host/base/units.h"
 
 namespace raycube::planner {
 
@@ -26,7 +27,7 @@ constexpr std::uint64_t kOther = 0x5bd1e995u;
 plan::SkySets sky_for(const plan::Plan& plan, const scene::Simulation& simulation, int directions, int share,
                       int most_sets) {
   plan::SkySets sky =
-      plan::make_sky_sets(plan.sky_basis, simulation.sun.azimuth_deg * std::numbers::pi / 180, directions,
+      plan::make_sky_sets(plan.sky_basis, base::rad_by_division(simulation.sun.azimuth_deg), directions,
                           simulation.seed, plan.sky_components, plan.thermal.on ? &plan.thermal : nullptr, most_sets);
   sky.share = share;
   return sky;

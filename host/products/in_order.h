@@ -25,7 +25,6 @@ class InOrder {
   void rest(std::int64_t lines_each, const std::function<void(std::int64_t first_line, std::int64_t lines)>& read) {
     for (; next_line_ < lines_; next_line_ += lines_each) read(next_line_, std::min(lines_each, lines_ - next_line_));
   }
-  std::int64_t next_line() const { return next_line_; }
 
  private:
   std::int64_t samples_, lines_, next_line_ = 0;

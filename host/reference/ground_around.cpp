@@ -8,6 +8,7 @@
 #include "atmos_tables/interpolate.h"
 #include "host/reference/radiance.h"
 #include "scene_compiler/matter.h"
+#include "host/base/units.h"
 
 namespace raycube::reference {
 
@@ -150,7 +151,7 @@ std::vector<double> EnvironmentModel::light(const std::array<std::vector<double>
     const double by_molecules =
         std::min(t_dif[i], atmos::molecular_diffuse_transmission(wavelength[i], plan_.environment.pressure_hPa,
                                                                  height_m, plan_.environment.sensor_z_m,
-                                                                 std::cos(zenith_deg * std::numbers::pi / 180)));
+                                                                 std::cos(base::rad_by_division(zenith_deg))));
     out[i] = up[i] * factor[i] * (by_molecules * around[0][i] + (t_dif[i] - by_molecules) * around[1][i]);
   }
   return out;

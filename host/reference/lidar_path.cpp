@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "host/reference/lidar_quadrature.h"
+#include "host/base/units.h"
 
 namespace raycube::reference {
 
@@ -54,7 +55,7 @@ double AirPath::backscatter(int line, double height_m) const {
 }
 
 VolumePath::VolumePath(const scene::Volume& volume) : volume_(volume) {
-  const double yaw = volume.yaw_deg * M_PI / 180;
+  const double yaw = base::rad_by_division(volume.yaw_deg);
   y_ = {std::sin(yaw), std::cos(yaw), 0};
   x_ = {std::cos(yaw), -std::sin(yaw), 0};
   if (volume.shape == scene::Volume::Shape::plume) {

@@ -3,15 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/render/truth.h"
+
 namespace raycube::render {
 
 namespace {
-
-enum Layer {
-#define RC_TRUTH_LAYER(name, unit, text) name,
-#include "kernels/shared/truth_layers.def"
-#undef RC_TRUTH_LAYER
-};
 
 /// Shares nearer than this are equal: sums of float weights.
 constexpr float kSame = 1e-5f;
@@ -36,9 +32,9 @@ std::vector<std::uint8_t> unsettled(const FirstLook& look, double tolerance) {
       for (int y = std::max(0, line - 1); y <= std::min(look.lines - 1, line + 1); ++y)
         for (int x = std::max(0, column - 1); x <= std::min(look.columns - 1, column + 1); ++x) {
           const std::size_t there = static_cast<std::size_t>(y) * columns + static_cast<std::size_t>(x);
-          const float* truth = look.truth.data() + there * look.layers;
-          even = even && whole_and_same(here[hit_fraction], truth[hit_fraction]) &&
-                 whole_and_same(here[sun_fraction], truth[sun_fraction]);
+          const float* beside = look.truth.data() + there * look.layers;
+          even = even && whole_and_same(here[truth::hit_fraction], beside[truth::hit_fraction]) &&
+                 whole_and_same(here[truth::sun_fraction], beside[truth::sun_fraction]);
           square += double{look.error[there]} * double{look.error[there]};
           ++pixels;
         }

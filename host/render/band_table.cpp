@@ -14,7 +14,7 @@ std::size_t rows_that_fit(std::size_t bytes, std::size_t row_bytes, std::size_t 
 }  // namespace
 
 std::size_t most_rows(const scene::CompiledScene& scene, const plan::Plan& plan) {
-  return scene.materials.size() + plan.environment.nodes() + 1;
+  return scene::seen_curves(scene).size() + plan.environment.nodes() + 1;
 }
 
 BandTable::BandTable(const cl::Context& context, const scene::CompiledScene& scene, const plan::Plan& plan,

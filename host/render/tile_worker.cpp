@@ -9,6 +9,7 @@
 #include <set>
 
 #include "host/base/doing.h"
+#include "host/base/error.h"
 #include "host/render/standard_error.h"
 #include "host/render/truth.h"
 #include "host/sensors/psf.h"
@@ -313,8 +314,8 @@ void TileWorker::sum_per_sample(const std::vector<std::uint32_t>& flagged, const
   const StageShape& shape = setup_.shape;
   const plan::Plan& plan = setup_.plan;
   const std::size_t bands = shape.bands, materials = setup_.scene.materials.size();
-  // Every sample deposits at most four keys, so a chunk can never overflow this row.
-  RowBuffers rows(setup_.context, shape, 1, 4 * static_cast<std::size_t>(shape.chunk_samples));
+  // Every sample deposits at most four keys for each side of its surface, so a chunk can never overflow this row.
+  RowBuffers rows(setup_.context, shape, 1, 4 * static_cast<std::size_t>(shape.matter.sides * shape.chunk_samples));
   struct Sum {
     std::vector<double> radiance, abundance, path;
     double truth[RC_TRUTH_SUMS] = {};
@@ -355,6 +356,9 @@ void TileWorker::sum_per_sample(const std::vector<std::uint32_t>& flagged, const
         for (std::size_t t = 0; t < RC_TRUTH_SUMS; ++t)
           results[f].truth[t] += total(truth.data(), RC_TRUTH_SUMS, shape.chunked(), t);
         const std::uint32_t count = rows.count.read_all().at(0);
+        if (count > rows.capacity)
+          throw base::Error(base::Fault::bug, "a pixel's row by sample holds " + std::to_string(rows.capacity) +
+                                                  " keys, too few for its samples");
         const auto keys = rows.keys.read_all();
         const auto sums = rows.sums.read_all();
         for (std::uint32_t k = 0; k < count; ++k) {

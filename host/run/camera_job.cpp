@@ -14,8 +14,6 @@
 
 namespace raycube::run {
 
-namespace {}  // namespace
-
 AirRequest air_request(const scene::Simulation& simulation, const scene::Instrument& instrument,
                        double sensor_height_m) {
   AirRequest request;

@@ -21,12 +21,13 @@ constexpr rc_u32 kSmallObjectDimension = 49;  ///< of the hash: no sampler uses 
 
 /// Where pixel p of a tile lies, and its group among the tile's.
 reference::PixelAddress address_of(const render::HitProbe& probe, std::size_t p, int width) {
-  const int groups_per_line = (probe.tile.columns + width - 1) / width;
   const int line = static_cast<int>(p) / probe.tile.columns, column = static_cast<int>(p) % probe.tile.columns;
   reference::PixelAddress address;
   address.line = static_cast<std::uint32_t>(probe.tile.first_line + line);
   address.sample = static_cast<std::uint32_t>(probe.tile.first_column + column);
-  address.group = probe.groups[static_cast<std::size_t>(line * groups_per_line + column / width)];
+  address.group =
+      probe.groups[shared::rc_group_of(static_cast<std::uint32_t>(p), static_cast<std::uint32_t>(probe.tile.columns),
+                                       static_cast<std::uint32_t>(width))];
   address.lane = column % width;
   address.group_width = width;
   return address;

@@ -23,6 +23,7 @@
 #include "host/products/quicklook.h"
 #include "host/render/truth.h"
 #include "kernels/atmosphere/nodes.h"
+#include "host/base/units.h"
 
 namespace raycube::run {
 
@@ -242,8 +243,8 @@ struct CubeProducts::State {
       int ih, iv;
       float fh, fv;
       rc_node_weights(at[z], plan.height.first, plan.height.step, plan.height.count, &ih, &fh);
-      rc_node_weights(static_cast<float>(1 / std::cos(at[zenith] * M_PI / 180)), plan.view.first, plan.view.step,
-                      plan.view.count, &iv, &fv);
+      rc_node_weights(static_cast<float>(1 / std::cos(base::rad_by_division(at[zenith]))), plan.view.first,
+                      plan.view.step, plan.view.count, &iv, &fv);
       for (std::size_t b = 0; b < bands; ++b) {
         double sum = 0;
         for (int h = 0; h < 2; ++h)

@@ -16,8 +16,6 @@
 
 namespace raycube::run {
 
-namespace {}  // namespace
-
 std::unique_ptr<atmos::RenderTable> lidar_air(const scene::Simulation& simulation, const scene::Lidar& lidar) {
   const scene::AtmosphereSpec& air = simulation.atmosphere;
   if (!air.table_file.empty())

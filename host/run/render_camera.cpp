@@ -1,5 +1,3 @@
-#include "host/render/renderer.h"
-#include "host/base/timing.h"
 #include "host/run/render_camera.h"
 
 #include <fmt/format.h>
@@ -11,6 +9,7 @@
 
 #include "host/base/error.h"
 #include "host/base/memory.h"
+#include "host/base/timing.h"
 #include "host/cl/device.h"
 #include "host/planner/own_error.h"
 #include "host/run/cube_products.h"

@@ -34,7 +34,6 @@ class SampleWeights {
   std::vector<float> stretch(std::size_t first, std::size_t count, int subset) const;
   int subset_of(std::size_t sample) const;
   /// Samples in each part at least one.
-  bool has_subsets() const { return count_ >= kSampleSubsets; }
 
  private:
   std::size_t count_ = 0, columns_ = 1;  ///< columns_: of a grid with at least two rows and columns; else 0

@@ -1,5 +1,6 @@
-/* Reads: hits of trace_primary, ray groups, the scene. Writes: offset point and normal of every sample, and how far the
- * point was moved. Next: trace_light, shading. */
+/* Reads: hits of trace_primary, ray groups, the scene. Writes: offset point and normal of every sample, how far the
+ * point was moved, and where some material is shaped the way to the viewer and the surface's shape. Next: trace_light,
+ * shading. */
 #include "kernels/geometry/trace_args.h"
 #include "kernels/geometry/lanes.h"
 #include "kernels/geometry/samples.h"
@@ -27,6 +28,15 @@ static inline void rc_store_shapes(SceneArrays scene, global const Lobe* lobes, 
     out[RC_PLANE(RC_LOBE_P0) + k] = lobe.parameter[0];
     out[RC_PLANE(RC_LOBE_P1) + k] = lobe.parameter[1];
   }
+}
+#endif
+
+#if RC_SIDES > 1
+/* The far side's slots of a word: zero, until matter that lets light through fills them. */
+static inline void rc_clear_far_side(global float* surface, global float* lift) {
+  for (uint plane = 0; plane < RC_POINT_PLANES; ++plane)
+    rc_store16((float16)(0.0f), 0, surface + RC_PLANE(plane) + RC_NEAR_SAMPLES);
+  rc_store16((float16)(0.0f), 0, lift + RC_NEAR_SAMPLES);
 }
 #endif
 
@@ -93,6 +103,9 @@ RC_BODY make_surface_body(uint index, RC_PARAMETERS(RC_MAKE_SURFACE_ARGUMENTS)) 
       rc_store_shapes(scene, lobes, in, direction, out);
 #endif
       rc_store16(moved, 0, lift + RC_LIFT_AT(place.pixel + p) + word * 16u);
+#if RC_SIDES > 1
+      rc_clear_far_side(out, lift + RC_LIFT_AT(place.pixel + p) + word * 16u);
+#endif
     }
 }
 

@@ -18,6 +18,7 @@
  *   RC_STACK            CompiledScene::stack_bound()
  *   RC_MOVING           1: RayGroup.ov may differ from zero; single rays, slower. 0: ov is ignored.
  *   RC_BUNDLE           1 (default): bundles; 0: every ray alone. Both give the same hits; tests compare them.
+ *   RC_SHAPED, RC_SIDES what the scene's matter asks for: kernels/shared/tile_layout.h
  * Samples of a launch: first_sample .. first_sample + sample_count - 1, sample_count <= RC_CHUNK_SAMPLES; with the grid
  * sampler both are multiples of RC_NU.
  *
@@ -37,14 +38,15 @@
  *                  past sample_count hold RC_NONE.
  *   make_surface   surface: the point moved off the surface to the viewer's side by its error bound (the origin of
  *                  shadow rays), and the normal. lift: how far along the normal the point was moved (rc_step_back
- *                  undoes it). Misses: all are 0.
+ *                  undoes it); with shapes the way to the viewer and the surface's shape. Misses: all are 0.
  *   trace_light    one kernel for both, since its walk through the scene is most of what a device compiles.
  *     sky = 0: the sun. directions holds one unit vector towards it, and sets = count = share = 1; weights and blocked
  *     may be any buffers. All samples of a group go together. Bits are clear for misses and where n . sun <= 0.
  *     sky = 1: a pixel takes set rc_hash(seed, pixel, 0, 21) % sets; the buffer of sun bits may be any. Plane c of
  *     blocked: share times the sum over the blocked directions k of the sample's part (rc_sky_part, rc_sky_direction),
  *     in order, of weight c of k * max(0, n . direction[k]), where weights 4 q .. 4 q + 3 are xyzw of quad q. Zero for
- *     misses.
+ *     misses. With shapes (RC_SHAPED) every direction counts: a blocked one all of its weight * cosine, an open one
+ *     times 1 - pi f, so that the whole sky less `blocked` is what the surface reflects.
  */
 #ifndef RAYCUBE_KERNELS_GEOMETRY_TRACE_ARGS_H
 #define RAYCUBE_KERNELS_GEOMETRY_TRACE_ARGS_H

@@ -12,17 +12,19 @@
  *                                               hit; then those of shapes
  *   lift      float   [padded]                   m, how far along its normal the point was moved
  *   sun       ushort  [words]                    bit s % 16 of word s / 16: the sample sees the sun
- *   blocked   float   [RC_SKY_PLANES][padded]    irradiance of the sky that is hidden, by component
+ *   blocked   float   [RC_SKY_PLANES][padded]    irradiance of the sky that is hidden, by component; with shapes
+ *                                               (RC_SHAPED) what the surface reflects less of the whole sky than
+ *                                               Lambert's law would: pi f - 1 may take light away and add it
  * Once for all pixels: chunk weights, float [RC_NEAR_SAMPLES], zero where there is no sample.
  *
  * A row is what shading leaves of a pixel. By item of a launch (a pixel of the tile, or of a list):
  *   count     uint                               keys of the row, or RC_ROW_OVERFLOW
  *   keys      ulong   [capacity]                 product keys, in the order in which they came up
  *   sums      float   [capacity][carried][RC_ROW_ACCUMULATORS]
- *     [source * heights + h]  the direct sun where the plan has it (weight * visibility * max(0, n.s)), then the
- *                             components of sky and surroundings (weight * their irradiance), then the temperature
- *                             nodes of emission (weight * node weight of the material's temperature), each split over
- *                             the height nodes by linear weights
+ *     [source * heights + h]  the direct sun where the plan has it (weight * visibility * max(0, n.s); with shapes
+ *                             times pi f), then the components of sky and surroundings (weight * their irradiance),
+ *                             then the temperature nodes of emission (weight * node weight of the material's
+ *                             temperature), each split over the height nodes by linear weights
  *     [last]                  coverage: sum of sample weights (the material's abundance in the pixel)
  *   path      float   [carried][heights]         weight of all samples at the height nodes
  *   truth     float   [carried][RC_TRUTH_SUMS]   sums RC_TRUTH_*, of the samples that hit, times their weight

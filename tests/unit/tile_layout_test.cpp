@@ -47,6 +47,7 @@ render::StageShape shape_of(int chunk_samples, int chunks, int components, int t
 
 render::StageShape two_sided(render::StageShape shape) {
   shape.matter.sides = 2;
+  shape.matter.shaped = true;
   return shape;
 }
 
