@@ -4,12 +4,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "host/base/units.h"
+
 namespace raycube::atmos {
 
 const std::vector<BirdRiordanLine>& bird_riordan_table() {
   static const std::vector<BirdRiordanLine> lines = {
 #include "atmos_tables/data/bird_riordan_1986.inc"
-#include "host/base/units.h"
   };
   return lines;
 }
