@@ -87,6 +87,20 @@ TEST_CASE("shapes: light takes a way and its reverse alike") {
   }
 }
 
+TEST_CASE("shapes: rough matter as Oren & Nayar have it, in Fujii's form, worked by hand") {
+  // sigma 30 degrees: sigma^2 = 0.27415568, r = B / A = 0.45 sigma^2 / (sigma^2 + 0.09) / (1 - 0.5 sigma^2 / (sigma^2 +
+  // 0.33)) = 0.4382108, A = 1 / (1 + (1/2 - 2 / (3 pi)) r) = 0.8880096. Light and viewer 60 degrees from the normal:
+  // s = cos(azimuth) sin^2; t = cos = 1/2 where s > 0, else 1.
+  const auto pi_f = [](const RcLocal& in, const RcLocal& out, double sigma_deg) {
+    return kPi * rc_shape_eval(RC_SHAPE_oren_nayar, 1, sigma_deg, 0, rc_angles(RcLocal{0, 0, 1}, in, out));
+  };
+  const RcLocal sun = direction(0.5, 0.3);
+  CHECK(pi_f(sun, direction(0.5, 0.3), 30) == doctest::Approx(1.4717116).epsilon(1e-7));
+  CHECK(pi_f(sun, direction(0.5, 0.3 + kPi), 30) == doctest::Approx(0.5961586).epsilon(1e-7));
+  CHECK(pi_f(sun, direction(0.5, 0.3 + kPi / 2), 30) == doctest::Approx(0.8880096).epsilon(1e-7));
+  CHECK(pi_f(sun, direction(0.5, 0.3), 0) == doctest::Approx(1).epsilon(1e-12));
+}
+
 TEST_CASE("shapes: a surface of curve 1 gives back no more than it gets, and its density integrates to 1 or less") {
   for (const Case& c : cases()) {
     if (c.peak()) continue;
