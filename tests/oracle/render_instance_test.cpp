@@ -163,3 +163,23 @@ TEST_CASE("S26 height and range on a plane of 90 km are the surface's own, not t
   CHECK(worst_z_m < 1e-6);
   CHECK(worst_range_m < 1e-3);
 }
+
+// The way back undoes the rounding away from the surface too, 2 ulp of a coordinate (1.2e-4 m each at 2000 m).
+TEST_CASE("S26 height of level ground high above the scene's origin, to one rounding of it") {
+  scene::Simulation simulation;
+  const auto surface = test::add_material(simulation.scene, "plain", 0.3);
+  test::place(simulation.scene, test::rectangle({-30, -30, 2000}, {60, 0, 0}, {0, 60, 0}, surface));
+  finish_top_tree(simulation.scene);
+  simulation.sun.zenith_deg = 30;
+  auto camera = test::nadir_camera(6, 2, 3000, 2);
+  camera.samples_u = camera.samples_v = 1;
+  camera.bands = test::gaussian_bands({0.55}, 0.01);
+  simulation.instruments = {camera};
+  atmos::UniformAir air;
+  air.sun_zenith_deg = 30;
+  const auto table = atmos::uniform_table(air, atmos::wavelength_grid(0.3, 2.6, 0.05));
+  const auto image = test::render_image(simulation, table);
+  for (int line = 0; line < image.lines; ++line)
+    for (int pixel = 0; pixel < image.pixels; ++pixel)
+      CHECK(std::abs(double{layer(image, simulation.scene, "z_m", line, pixel)} - 2000) <= 0x1p-13);
+}
