@@ -263,7 +263,7 @@ def render(file, out, launcher=()):
 def raycube_reference(scene):
     samples, sky = RAYCUBE_REFERENCE
     middle = peer_scene.dataclasses.replace(scene, pixels=CROP)
-    render(peer_scene.write_simulation(middle, "reference", samples, sky, sky_share=1), WORK / "raycube_reference")
+    render(peer_scene.write_simulation(middle, "reference", samples, sky), WORK / "raycube_reference")
     return read_cube(WORK / "raycube_reference", CROP)
 
 

@@ -302,12 +302,11 @@ def make(folder, pixels, trees):
     return scene
 
 
-def write_simulation(scene, name, samples, sky_directions, sky_share=None):
+def write_simulation(scene, name, samples, sky_directions):
     """The scene as a simulation file; samples like 'jittered = [4, 4]'. Returns its path."""
     quoted = json.dumps
-    share = f"sky_share = {sky_share}\n" if sky_share else ""
     text = [
-        f"format = 1\nsky_directions = {sky_directions}\n{share}tolerance = 0.001\n[atmosphere]\ntables = \"sky.rct\"\n"
+        f"format = 1\nsky_directions = {sky_directions}\ntolerance = 0.001\n[atmosphere]\ntables = \"sky.rct\"\n"
         f"adjacency = \"off\"\n"
         f"[time.sun]\nzenith_deg = {SUN_ZENITH_DEG}\nazimuth_deg = {SUN_AZIMUTH_DEG}\n"
     ]
