@@ -31,7 +31,7 @@ constexpr std::uint64_t kOtherPixels =
     0x9E3779B9u;            ///< added to the seed: pixels and draws that the planner's trial does not have
 constexpr int kRuns = 256;  ///< of 8 pixels
 constexpr std::size_t kWholeImage = 8192;                   ///< pixels of an image that is judged whole
-constexpr int kReferenceSide = 128, kSharedDirections = 4;  ///< of the reference's samples
+constexpr int kReferenceSide = 128;                         ///< of the reference's samples
 constexpr int kReferenceDirections = 1024;                  ///< of its skies
 constexpr int kModelSide = 3;                               ///< of what the whole tables add to the reference's nodes
 constexpr int kMostRounds = 32;

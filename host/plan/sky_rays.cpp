@@ -92,10 +92,6 @@ SkyRays make_sky_rays(const SkyBasis& basis, const Thermal& thermal, double sun_
   return out;
 }
 
-std::uint32_t sky_seed(const SkyRays& sky, std::uint64_t seed) {
-  return static_cast<std::uint32_t>(seed) + sky.draw * 0x9e3779b9u;
-}
-
 SkyDensity sky_density(const Plan& plan) {
   return {static_cast<float>(plan.sky.cosine_share),
           static_cast<float>(plan.sky.sun_share),

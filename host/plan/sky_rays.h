@@ -16,9 +16,6 @@ SkyRays make_sky_rays(const SkyBasis& basis, const Thermal& thermal, double sun_
                       const std::array<float, 3>& sun_direction, int rays);
 inline constexpr double kLeastCosineShare = 0.3;
 
-/// What the rays of a render with this seed are hashed by.
-std::uint32_t sky_seed(const SkyRays& sky, std::uint64_t seed);
-
 /// The law as kernels and the reference draw by it.
 SkyDensity sky_density(const Plan& plan);
 

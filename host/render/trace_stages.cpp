@@ -123,7 +123,7 @@ struct TraceStages::State {
         .density = shared::rc_float4{law.cosine, law.sun, law.g, 0},
         .sun_direction = sun_direction(),
         .rays = static_cast<cl_uint>(plan.sky.rays),
-        .seed = plan::sky_seed(plan.sky, seed),
+        .seed = plan.sky.hash_seed(seed),
         .columns = layout.columns,
         .first_sample = first_sample(chunk),
         .sample_count = sample_count(chunk),

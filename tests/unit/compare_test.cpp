@@ -266,6 +266,7 @@ TEST_CASE("S61: ties fall either way and are counted: sun on a shadow's edge, a 
   const Report tie = g.compare({g.device(0, 0, over_edge)});
   CHECK(tie.sky_explained == 1);
   CHECK(tie.failures().empty());
+  one_sample(2);  // here none of them is a tie
   const auto high = std::find_if(sky.begin(), sky.end(), [](const SentRay& ray) { return ray.direction.z > 0.95; });
   REQUIRE(high != sky.end());
   const Report plain = g.compare({g.device(0, 0, static_cast<int>(high - sky.begin()))});

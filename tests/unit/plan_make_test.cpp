@@ -12,7 +12,6 @@
 #include "atmos_tables/synthetic.h"
 #include "host/base/error.h"
 #include "host/plan/plan.h"
-#include "host/plan/sky_rays.h"
 #include "kernels/atmosphere/nodes.h"
 
 using namespace raycube;
@@ -268,7 +267,7 @@ TEST_CASE("S61 the same plan twice, bit for bit; another seed moves only the dir
   };
   CHECK(same(a.irradiance.value, b.irradiance.value));
   CHECK(a.source_spectrum == c.source_spectrum);
-  CHECK(plan::sky_seed(a.sky, 1) != plan::sky_seed(c.sky, 2));
+  CHECK(a.sky.hash_seed(1) != c.sky.hash_seed(2));
 }
 
 TEST_CASE("S18 bad input: missing row, foreign sun, view beyond the table") {
