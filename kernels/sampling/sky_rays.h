@@ -106,9 +106,11 @@ RC_INLINE float rc_sky_density(SkyDensity law, float x, float y, float z, float 
          (1.0f - law.cosine) * (law.sun * lobe + (1.0f - law.sun) * even);
 }
 
-/* Number of a ray among all of its pixel's. */
+/* Number of a ray among all of its pixel's: a part's rays follow one another, so that they are spread as evenly as so
+ * many can be (every fourth of the sequence lies within a third of it) and their mean's spread tells the whole's. */
 RC_INLINE rc_u32 rc_sky_number(rc_u32 samples, rc_u32 rays, rc_u32 part, rc_u32 ray) {
-  return ray * rc_sky_parts(samples, rays) + part;
+  const rc_u32 parts = rc_sky_parts(samples, rays);
+  return part * ((rays + parts - 1u) / parts) + ray;
 }
 
 /* Ray `number` of a pixel from a surface of this normal (unit). A pixel's rays follow the R2 sequence (Roberts 2018:
