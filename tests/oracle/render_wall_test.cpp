@@ -91,7 +91,7 @@ Met met_sky(const Wall& wall, const plan::Plan& plan, const scene::Simulation& s
   const auto& camera = simulation.instruments[0];
   const auto nu = rc_u32(camera.samples_u), nv = rc_u32(camera.samples_v), samples = nu * nv,
              rays = rc_u32(plan.sky.rays), number = rc_u32(line * camera.pixels + pixel),
-             seed = plan::sky_seed(plan.sky, simulation.seed);
+             seed = plan.sky.hash_seed(simulation.seed);
   const int sampler = static_cast<int>(camera.sampler);
   const double known = double{plan.sky.known(0)};
   Met out;
