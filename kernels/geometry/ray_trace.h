@@ -10,17 +10,6 @@ typedef struct Hit {
   uint instance, primitive;
 } Hit;
 
-/* Largest coordinate, of any sign, of a tree's boxes; m. */
-static inline float rc_tree_reach(global const BvhNode* root) {
-  float reach = 0.0f;
-  for (uint i = 0; i < root->count; ++i)
-    reach =
-        fmax(reach,
-             fmax(fmax(fmax(fabs(root->lo_x[i]), fabs(root->hi_x[i])), fmax(fabs(root->lo_y[i]), fabs(root->hi_y[i]))),
-                  fmax(fabs(root->lo_z[i]), fabs(root->hi_z[i]))));
-  return reach;
-}
-
 /* How far outside a box, in ulp of M = the tree's reach plus the largest coordinate of the ray's origin, a ray may pass
  * and still be given a hit by rc_hit_block, plus what the box test itself rounds. In a mesh's frame, at the depth of
  * the hit:
@@ -94,7 +83,7 @@ static inline void rc_trace_instance(SceneArrays scene, uint instance, Ray world
     ray = rc_make_ray(rc_map_point(r0, r1, r2, world.origin), rc_map_vector(r0, r1, r2, world.direction));
     if (RC_OFFSETS) ray.offset = rc_map_vector(r0, r1, r2, world.offset);
   }
-  rc_slacken(&ray, rc_tree_reach(rc_node(scene, placed->root)), RC_MESH_SLACK);
+  rc_slacken(&ray, rc_node(scene, placed->root)->reach, RC_MESH_SLACK);
   uint top = base;
   stack[top++] = placed->root;
   while (top > base) {
@@ -125,7 +114,7 @@ __attribute__((noinline, unused)) static Hit rc_trace_from(SceneArrays scene, fl
   hit.primitive = RC_NONE;
   Ray world = rc_make_ray(origin, direction);
   if (RC_OFFSETS) world.offset = offset;
-  rc_slacken(&world, rc_tree_reach(rc_node(scene, 0u)), RC_WORLD_SLACK);
+  rc_slacken(&world, rc_node(scene, 0u)->reach, RC_WORLD_SLACK);
   uint stack[RC_STACK];
   uint top = 1;
   stack[0] = 0;
