@@ -58,10 +58,10 @@ Comparison::Comparison(const scene::CompiledScene& scene, const plan::Plan& plan
 
 Comparison::~Comparison() = default;
 
-/// The device keeps what a side's rays bring together. Where that differs, rays are sought whose turning accounts for it
-/// in every component. Only ties of the double traversal may turn; then `sent` follows the device. Any subset is tried
-/// of up to kMostTies ties, else up to three (host/reference/tie_search.h), or all seen (or hidden) ones at once: a leaf
-/// that passes through the point within rounding puts it on one side or the other for every direction.
+/// The device keeps what a side's rays bring together. Where that differs, rays are sought whose turning accounts for
+/// it in every component. Only ties of the double traversal may turn; then `sent` follows the device. Any subset is
+/// tried of up to kMostTies ties, else up to three (host/reference/tie_search.h), or all seen (or hidden) ones at once:
+/// a leaf that passes through the point within rounding puts it on one side or the other for every direction.
 void Comparison::compare_sky(const Sample& sample, const float* device, SentRays& sent, Result& result) const {
   /// Part of a component's brightest light that a direction's own light may be off by, as its own is: the angle is
   /// rounded, and an aureole falls off by its own size in a degree.

@@ -117,8 +117,8 @@ static inline void rc_pack16(float16 v, uint lanes, float* to) {
 #endif
 }
 
-/* Stores the lanes of eight that are in `lanes` side by side; what lies up to eight behind `to` may change. Returns their
- * number. */
+/* Stores the lanes of eight that are in `lanes` side by side and returns their number; what lies up to eight behind
+ * `to` may change. */
 static inline uint rc_pack8(global const uint* from, uint lanes, uint* to) {
 #ifdef RC_HAS_PACK256
   const int8 all = as_int8(vload8(0, from));
