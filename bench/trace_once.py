@@ -275,7 +275,7 @@ def checked(side, setting, cube, reference, own):
 
 def measure(options):
     WORK.mkdir(parents=True, exist_ok=True)
-    scene = peer_scene.make(ROOT / "build/bench/mitsuba/scene", PIXELS, TREES)
+    scene = peer_scene.make(ROOT / "build/bench/peer", PIXELS, TREES)
     script = Script(scene)
     reference, own = reference_of(script, options.reference_samples)
     errors, first_s, means = {"script": {}, "raycube": {}}, {}, []
