@@ -18,8 +18,8 @@ namespace {
 
 constexpr double kMostRays = 1.2e6;              // of a timed run: 0.1 to 0.3 s
 constexpr std::size_t kMostMerged = 40'000'000;  // placed triangles: Embree needs about 200 bytes of each
-// Over instances Embree rounds origins by its own fp32 inverse of each matrix, and merged corners are rounded once more:
-// rays that graze part, and only of ours is it asked that none contradicts double arithmetic.
+// Over instances Embree rounds origins by its own fp32 inverse of each matrix, and merged corners are rounded once
+// more: rays that graze part, and only of ours is it asked that none contradicts double arithmetic.
 constexpr double kShadowsOff = 2.3e-4;
 
 struct Opponent {

@@ -12,8 +12,8 @@ namespace {
 constexpr cl_uint kRaysPerItem = 256;
 /// Rays one after the other, as they lie in the pixels they come from. rays: x, y, z, dx, dy, dz, each [count].
 constexpr const char* kAnyHits = R"(
-kernel void any_hits(RC_NODES, RC_BLOCKS, RC_INSTANCES, global const float* restrict rays, global uint2* restrict blocked,
-                     uint count, uint per_item) {
+kernel void any_hits(RC_NODES, RC_BLOCKS, RC_INSTANCES, global const float* restrict rays,
+                     global uint2* restrict blocked, uint count, uint per_item) {
   SceneArrays scene;
   RC_GATHER_NODES(scene);
   RC_GATHER_BLOCKS(scene);

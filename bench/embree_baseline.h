@@ -29,8 +29,8 @@ struct PrimaryRays {
   std::size_t rays() const { return pixels() * samples(); }
 };
 
-/// Shadow rays: one origin each (x, y, z apart), and one direction for all, or one each. An origin with x = NaN is a ray
-/// that missed: skipped.
+/// Shadow rays: one origin each (x, y, z apart), and one direction for all, or one each. An origin with x = NaN is a
+/// ray that missed: skipped.
 struct ShadowRays {
   std::vector<float> x, y, z;
   float direction[3] = {0, 0, 1};
