@@ -131,7 +131,7 @@ TEST_CASE("open shares: all where nothing hides the sky, none under a roof, of a
   CHECK(std::abs(static_cast<double>(plan.sky.known(3)) - 0.414) < 0.1);
 
   // An even sky asks for nothing: all rays bring the same, and nothing is rendered.
-  plan::Plan even = plan::make_plan(s, camera, atmos::uniform_sky_table(40, kSkyRadiance, {0.4, 0.7, 0.95}),
+  plan::Plan even = plan::make_plan(s, camera, atmos::uniform_sky_table(40, kSkyRadiance, {0.4, 0.7, 0.95}, 40, 160),
                                     sensors::view_bounds(camera));
   CHECK(even.sky.cosine_share == 1);
   CHECK(even.sky.spread < 1e-3);
