@@ -43,34 +43,35 @@ struct EmbreeBaseline::Impl {
   std::atomic<std::int64_t> bytes{0};
   RTCDevice device = nullptr;
   RTCScene top = nullptr;
-  std::vector<RTCScene> meshes;
+  std::vector<RTCScene> trees;
   bool flat = false;
-  std::vector<std::vector<std::uint32_t>> primitive;  ///< [mesh][Embree's number] = the scene's
-  std::vector<std::uint32_t> mesh_of_instance;
+  std::vector<std::vector<std::uint32_t>> primitive;  ///< [tree][Embree's number] = the scene's
+  std::vector<std::uint32_t> tree_of_instance;
 
   ~Impl() {
     if (top) rtcReleaseScene(top);
-    for (RTCScene mesh : meshes)
-      if (mesh) rtcReleaseScene(mesh);
+    for (RTCScene tree : trees)
+      if (tree) rtcReleaseScene(tree);
     if (device) rtcReleaseDevice(device);
   }
 
-  RTCScene build(const scene::CompiledScene& scene, const scene::Mesh& mesh) {
+  RTCScene build(const scene::CompiledScene& scene, const scene::Tree& tree) {
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    const std::size_t triangles = mesh.triangle_count;
+    const std::size_t triangles = tree.triangle_count;
     auto* vertices = static_cast<float*>(
         rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, 3 * triangles));
     auto* indices = static_cast<unsigned*>(
         rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, triangles));
-    check(device, "make a mesh's buffers");
+    check(device, "make a tree's buffers");
     std::vector<std::uint32_t>& numbers = primitive.emplace_back();
     std::size_t n = 0;
-    for (std::uint32_t b = mesh.first_block; b < mesh.first_block + mesh.block_count; ++b) {
+    for (std::uint32_t b = tree.first_block; b < tree.first_block + tree.block_count; ++b) {
       const shared::TriBlock& t = scene.blocks[b];
       for (int lane = 0; lane < RC_BLOCK; ++lane) {
         if (t.surface[lane] == RC_NONE) continue;
         if (n == triangles)
-          throw base::Error(base::Fault::bug, "bench: mesh '" + mesh.name + "' has more used lanes than triangles");
+          throw base::Error(base::Fault::bug, "bench: the tree of mesh '" + scene.meshes[tree.meshes[0]].name +
+                                                  "' has more used lanes than triangles");
         const float corners[9] = {t.v0_x[lane], t.v0_y[lane], t.v0_z[lane], t.v1_x[lane], t.v1_y[lane],
                                   t.v1_z[lane], t.v2_x[lane], t.v2_y[lane], t.v2_z[lane]};
         std::copy(corners, corners + 9, vertices + 9 * n);
@@ -80,7 +81,8 @@ struct EmbreeBaseline::Impl {
       }
     }
     if (n != triangles)
-      throw base::Error(base::Fault::bug, "bench: mesh '" + mesh.name + "' has fewer used lanes than triangles");
+      throw base::Error(base::Fault::bug, "bench: the tree of mesh '" + scene.meshes[tree.meshes[0]].name +
+                                              "' has fewer used lanes than triangles");
     rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_MEDIUM);
     rtcCommitGeometry(geometry);
     RTCScene built = rtcNewScene(device);
@@ -88,7 +90,7 @@ struct EmbreeBaseline::Impl {
     rtcAttachGeometry(built, geometry);
     rtcReleaseGeometry(geometry);
     rtcCommitScene(built);
-    check(device, "build a mesh");
+    check(device, "build a tree");
     return built;
   }
 };
@@ -98,8 +100,8 @@ EmbreeBaseline::EmbreeBaseline(const scene::CompiledScene& scene) : impl_(std::m
   e.device = rtcNewDevice(nullptr);
   if (!e.device) throw base::Error(base::Fault::environment, "bench: Embree has no device; is libembree3 whole?");
   rtcSetDeviceMemoryMonitorFunction(e.device, count_bytes, &e.bytes);
-  for (const scene::Mesh& mesh : scene.meshes) e.meshes.push_back(e.build(scene, mesh));
-  for (const shared::Instance& instance : scene.instances) e.mesh_of_instance.push_back(instance.mesh);
+  for (const scene::Tree& tree : scene.trees) e.trees.push_back(e.build(scene, tree));
+  for (const shared::Instance& instance : scene.instances) e.tree_of_instance.push_back(instance.tree);
   e.flat = scene.instances.size() == 1 && (scene.instances[0].flags & 1u);
   if (e.flat) return;
   e.top = rtcNewScene(e.device);
@@ -107,7 +109,7 @@ EmbreeBaseline::EmbreeBaseline(const scene::CompiledScene& scene) : impl_(std::m
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {
     const shared::Instance& instance = scene.instances[i];
     RTCGeometry geometry = rtcNewGeometry(e.device, RTC_GEOMETRY_TYPE_INSTANCE);
-    rtcSetGeometryInstancedScene(geometry, e.meshes[instance.mesh]);
+    rtcSetGeometryInstancedScene(geometry, e.trees[instance.tree]);
     float matrix[12];
     const shared::rc_float4* rows[] = {&instance.world_from_local_0, &instance.world_from_local_1,
                                        &instance.world_from_local_2};
@@ -128,16 +130,16 @@ EmbreeBaseline::EmbreeBaseline(const scene::CompiledScene& scene) : impl_(std::m
 
 EmbreeBaseline::~EmbreeBaseline() = default;
 
-RTCSceneTy* EmbreeBaseline::handle() const { return impl_->flat ? impl_->meshes[0] : impl_->top; }
+RTCSceneTy* EmbreeBaseline::handle() const { return impl_->flat ? impl_->trees[0] : impl_->top; }
 bool EmbreeBaseline::flat() const { return impl_->flat; }
-std::uint32_t EmbreeBaseline::scene_primitive(std::uint32_t mesh, std::uint32_t primitive) const {
-  return impl_->primitive[mesh][primitive];
+std::uint32_t EmbreeBaseline::scene_primitive(std::uint32_t tree, std::uint32_t primitive) const {
+  return impl_->primitive[tree][primitive];
 }
 
 std::size_t EmbreeBaseline::memory_bytes() const { return static_cast<std::size_t>(impl_->bytes.load()); }
 
 void EmbreeBaseline::primary(const PrimaryRays& rays, EmbreeMode mode, int threads, RayResult* result) const {
-  const RTCScene scene = impl_->flat ? impl_->meshes[0] : impl_->top;
+  const RTCScene scene = impl_->flat ? impl_->trees[0] : impl_->top;
   const bool flat = impl_->flat;
   const std::size_t samples = rays.samples(), width = static_cast<std::size_t>(rays.width);
   const std::size_t packets = (samples + 15) / 16;
@@ -204,7 +206,7 @@ void EmbreeBaseline::primary(const PrimaryRays& rays, EmbreeMode mode, int threa
 }
 
 void EmbreeBaseline::shadow(const ShadowRays& rays, EmbreeMode mode, int threads, RayResult* result) const {
-  const RTCScene scene = impl_->flat ? impl_->meshes[0] : impl_->top;
+  const RTCScene scene = impl_->flat ? impl_->trees[0] : impl_->top;
   const std::size_t count = rays.x.size();
   in_parallel(count, 4096, threads, [&](std::size_t begin, std::size_t end) {
     RTCIntersectContext context;
@@ -251,7 +253,7 @@ void EmbreeBaseline::shadow(const ShadowRays& rays, EmbreeMode mode, int threads
 void EmbreeBaseline::to_scene(RayResult* results, std::size_t count) const {
   for (std::size_t i = 0; i < count; ++i)
     if (results[i].instance != RC_NONE)
-      results[i].primitive = impl_->primitive[impl_->mesh_of_instance[results[i].instance]][results[i].primitive];
+      results[i].primitive = impl_->primitive[impl_->tree_of_instance[results[i].instance]][results[i].primitive];
 }
 
 }  // namespace raycube::bench

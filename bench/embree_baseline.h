@@ -58,11 +58,11 @@ class EmbreeBaseline {
   /// Bytes Embree holds for its trees and triangles.
   std::size_t memory_bytes() const;
 
-  /// For others who trace in the same scene: its handle, whether it is one flat mesh, and the scene's number of a
-  /// mesh's triangle.
+  /// For others who trace in the same scene: its handle, whether it is one flat tree, and the scene's number of a
+  /// tree's triangle.
   RTCSceneTy* handle() const;
   bool flat() const;
-  std::uint32_t scene_primitive(std::uint32_t mesh, std::uint32_t primitive) const;
+  std::uint32_t scene_primitive(std::uint32_t tree, std::uint32_t primitive) const;
 
  private:
   struct Impl;
