@@ -26,11 +26,11 @@ bool count_bytes(void* total, ssize_t bytes, bool) {
   return true;
 }
 
-/// use(corners, primitive) for each triangle of a mesh, in the mesh's frame; corners: 9 floats, primitive: the scene's
+/// use(corners, primitive) for each triangle of a tree, in its frame; corners: 9 floats, primitive: the scene's
 /// number of it.
 template <typename Use>
-void for_each_triangle(const scene::CompiledScene& scene, const scene::Mesh& mesh, const Use& use) {
-  for (std::uint32_t b = mesh.first_block; b < mesh.first_block + mesh.block_count; ++b) {
+void for_each_triangle(const scene::CompiledScene& scene, const scene::Tree& tree, const Use& use) {
+  for (std::uint32_t b = tree.first_block; b < tree.first_block + tree.block_count; ++b) {
     const shared::TriBlock& t = scene.blocks[b];
     for (std::uint32_t lane = 0; lane < RC_BLOCK; ++lane) {
       if (t.surface[lane] == RC_NONE) continue;
@@ -75,16 +75,16 @@ struct EmbreeBaseline::Impl {
   std::atomic<std::int64_t> bytes{0};
   RTCDevice device = nullptr;
   RTCScene top = nullptr;
-  std::vector<RTCScene> meshes;
+  std::vector<RTCScene> trees;
   bool flat = false;
-  std::vector<std::vector<std::uint32_t>> primitive;  ///< [mesh][Embree's number] = the scene's
-  std::vector<std::uint32_t> mesh_of_instance;
+  std::vector<std::vector<std::uint32_t>> primitive;  ///< [tree][Embree's number] = the scene's
+  std::vector<std::uint32_t> tree_of_instance;
   std::vector<RayResult> merged;  ///< [Embree's number] = the scene's, of the merged form
 
   ~Impl() {
     if (top) rtcReleaseScene(top);
-    for (RTCScene mesh : meshes)
-      if (mesh) rtcReleaseScene(mesh);
+    for (RTCScene tree : trees)
+      if (tree) rtcReleaseScene(tree);
     if (device) rtcReleaseDevice(device);
   }
 
@@ -94,7 +94,7 @@ struct EmbreeBaseline::Impl {
     float* vertices;
     std::size_t count = 0, most;
     void add(const float* nine) {
-      if (count == most) throw base::Error(base::Fault::bug, "bench: a mesh has more used lanes than triangles");
+      if (count == most) throw base::Error(base::Fault::bug, "bench: a tree has more used lanes than triangles");
       std::copy(nine, nine + 9, vertices + 9 * count++);
     }
   };
@@ -105,14 +105,14 @@ struct EmbreeBaseline::Impl {
         rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, 3 * triangles));
     auto* indices = static_cast<unsigned*>(
         rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, triangles));
-    check(device, "make a mesh's buffers");
+    check(device, "make a tree's buffers");
     for (std::size_t n = 0; n < 3 * triangles; ++n) indices[n] = static_cast<unsigned>(n);
     return {geometry, vertices, 0, triangles};
   }
 
   RTCScene build(const Corners& corners) const {
     if (corners.count != corners.most)
-      throw base::Error(base::Fault::bug, "bench: a mesh has fewer used lanes than triangles");
+      throw base::Error(base::Fault::bug, "bench: a tree has fewer used lanes than triangles");
     rtcSetGeometryBuildQuality(corners.geometry, RTC_BUILD_QUALITY_MEDIUM);
     rtcCommitGeometry(corners.geometry);
     RTCScene built = rtcNewScene(device);
@@ -120,14 +120,14 @@ struct EmbreeBaseline::Impl {
     rtcAttachGeometry(built, corners.geometry);
     rtcReleaseGeometry(corners.geometry);
     rtcCommitScene(built);
-    check(device, "build a mesh");
+    check(device, "build a tree");
     return built;
   }
 
-  RTCScene build(const scene::CompiledScene& scene, const scene::Mesh& mesh) {
-    Corners corners = begin_triangles(mesh.triangle_count);
+  RTCScene build(const scene::CompiledScene& scene, const scene::Tree& tree) {
+    Corners corners = begin_triangles(tree.triangle_count);
     std::vector<std::uint32_t>& numbers = primitive.emplace_back();
-    for_each_triangle(scene, mesh, [&](const float* nine, std::uint32_t number) {
+    for_each_triangle(scene, tree, [&](const float* nine, std::uint32_t number) {
       corners.add(nine);
       numbers.push_back(number);
     });
@@ -138,7 +138,7 @@ struct EmbreeBaseline::Impl {
     Corners corners = begin_triangles(placed_triangles(scene));
     for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
       const auto place = matrix_of(scene.instances[i]);
-      for_each_triangle(scene, scene.meshes[scene.instances[i].mesh], [&](const float* nine, std::uint32_t number) {
+      for_each_triangle(scene, scene.trees[scene.instances[i].tree], [&](const float* nine, std::uint32_t number) {
         float moved[9];
         for (std::size_t corner = 0; corner < 3; ++corner)
           for (std::size_t row = 0; row < 3; ++row) {
@@ -158,7 +158,7 @@ struct EmbreeBaseline::Impl {
     rtcSetSceneBuildQuality(top, RTC_BUILD_QUALITY_MEDIUM);
     for (std::size_t i = 0; i < scene.instances.size(); ++i) {
       RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
-      rtcSetGeometryInstancedScene(geometry, meshes[scene.instances[i].mesh]);
+      rtcSetGeometryInstancedScene(geometry, trees[scene.instances[i].tree]);
       rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, matrix_of(scene.instances[i]).data());
       rtcCommitGeometry(geometry);
       rtcAttachGeometryByID(top, geometry, static_cast<unsigned>(i));
@@ -171,7 +171,7 @@ struct EmbreeBaseline::Impl {
 
 std::size_t placed_triangles(const scene::CompiledScene& scene) {
   std::size_t triangles = 0;
-  for (const shared::Instance& instance : scene.instances) triangles += scene.meshes[instance.mesh].triangle_count;
+  for (const shared::Instance& instance : scene.instances) triangles += scene.trees[instance.tree].triangle_count;
   return triangles;
 }
 
@@ -182,27 +182,27 @@ EmbreeBaseline::EmbreeBaseline(const scene::CompiledScene& scene, EmbreeForm for
   rtcSetDeviceMemoryMonitorFunction(e.device, count_bytes, &e.bytes);
   if (form == EmbreeForm::merged) {
     e.flat = true;
-    e.meshes.push_back(e.build_merged(scene));
+    e.trees.push_back(e.build_merged(scene));
     return;
   }
-  for (const scene::Mesh& mesh : scene.meshes) e.meshes.push_back(e.build(scene, mesh));
-  for (const shared::Instance& instance : scene.instances) e.mesh_of_instance.push_back(instance.mesh);
+  for (const scene::Tree& tree : scene.trees) e.trees.push_back(e.build(scene, tree));
+  for (const shared::Instance& instance : scene.instances) e.tree_of_instance.push_back(instance.tree);
   e.flat = scene.instances.size() == 1 && (scene.instances[0].flags & 1u);
   if (!e.flat) e.build_top(scene);
 }
 
 EmbreeBaseline::~EmbreeBaseline() = default;
 
-RTCSceneTy* EmbreeBaseline::handle() const { return impl_->flat ? impl_->meshes[0] : impl_->top; }
+RTCSceneTy* EmbreeBaseline::handle() const { return impl_->flat ? impl_->trees[0] : impl_->top; }
 bool EmbreeBaseline::flat() const { return impl_->flat; }
-std::uint32_t EmbreeBaseline::scene_primitive(std::uint32_t mesh, std::uint32_t primitive) const {
-  return impl_->primitive[mesh][primitive];
+std::uint32_t EmbreeBaseline::scene_primitive(std::uint32_t tree, std::uint32_t primitive) const {
+  return impl_->primitive[tree][primitive];
 }
 
 std::size_t EmbreeBaseline::memory_bytes() const { return static_cast<std::size_t>(impl_->bytes.load()); }
 
 void EmbreeBaseline::primary(const PrimaryRays& rays, EmbreeMode mode, int threads, RayResult* result) const {
-  const RTCScene scene = impl_->flat ? impl_->meshes[0] : impl_->top;
+  const RTCScene scene = impl_->flat ? impl_->trees[0] : impl_->top;
   const bool flat = impl_->flat;
   const std::size_t samples = rays.samples(), width = static_cast<std::size_t>(rays.width);
   const std::size_t packets = (samples + 15) / 16;
@@ -269,7 +269,7 @@ void EmbreeBaseline::primary(const PrimaryRays& rays, EmbreeMode mode, int threa
 }
 
 void EmbreeBaseline::shadow(const ShadowRays& rays, EmbreeMode mode, int threads, RayResult* result) const {
-  const RTCScene scene = impl_->flat ? impl_->meshes[0] : impl_->top;
+  const RTCScene scene = impl_->flat ? impl_->trees[0] : impl_->top;
   const std::size_t count = rays.x.size();
   const bool own = !rays.dx.empty();
   in_parallel(count, 4096, threads, [&](std::size_t begin, std::size_t end) {
@@ -321,7 +321,7 @@ void EmbreeBaseline::to_scene(RayResult* results, std::size_t count) const {
     else if (!impl_->merged.empty())
       results[i] = impl_->merged[results[i].primitive];
     else
-      results[i].primitive = impl_->primitive[impl_->mesh_of_instance[results[i].instance]][results[i].primitive];
+      results[i].primitive = impl_->primitive[impl_->tree_of_instance[results[i].instance]][results[i].primitive];
 }
 
 }  // namespace raycube::bench

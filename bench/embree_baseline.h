@@ -41,7 +41,7 @@ enum class EmbreeMode { packet16_coherent, packet16, single };
 inline constexpr EmbreeMode kEmbreeModes[] = {EmbreeMode::packet16_coherent, EmbreeMode::packet16, EmbreeMode::single};
 const char* mode_name(EmbreeMode mode);
 
-/// placed: two levels as the scene has them, or one where it is one unmoved mesh. merged: every placed triangle in one
+/// placed: two levels as the scene has them, or one where it is one unmoved tree. merged: every placed triangle in one
 /// tree, its corners rounded to fp32 in the scene's frame; 48 bytes a placed triangle and Embree's tree.
 enum class EmbreeForm { placed, merged };
 inline constexpr EmbreeForm kEmbreeForms[] = {EmbreeForm::placed, EmbreeForm::merged};
@@ -65,11 +65,11 @@ class EmbreeBaseline {
   /// Bytes Embree holds for its trees and triangles.
   std::size_t memory_bytes() const;
 
-  /// For others who trace in the same scene: its handle, whether it is one flat mesh, and the scene's number of a
-  /// mesh's triangle (placed form).
+  /// For others who trace in the same scene: its handle, whether it is one flat tree, and the scene's number of a
+  /// tree's triangle (placed form).
   RTCSceneTy* handle() const;
   bool flat() const;
-  std::uint32_t scene_primitive(std::uint32_t mesh, std::uint32_t primitive) const;
+  std::uint32_t scene_primitive(std::uint32_t tree, std::uint32_t primitive) const;
 
  private:
   struct Impl;

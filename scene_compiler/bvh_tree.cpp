@@ -61,7 +61,7 @@ float reach_of(const BuildNode& node) {
 }
 
 // Depth first; the deeper half of a child list lies right behind its parent, which is what a traversal visits next.
-std::uint32_t flatten(const BuildNode& from, Tree& tree, std::uint32_t level) {
+std::uint32_t flatten(const BuildNode& from, BoxTree& tree, std::uint32_t level) {
   tree.depth = std::max(tree.depth, level);
   const auto index = static_cast<std::uint32_t>(tree.nodes.size());
   tree.nodes.emplace_back();
@@ -100,8 +100,8 @@ void Box::grow(const Box& other) {
   grow(other.hi);
 }
 
-Tree build_tree(const std::vector<Box>& boxes) {
-  Tree tree;
+BoxTree build_tree(const std::vector<Box>& boxes) {
+  BoxTree tree;
   if (boxes.size() == 1) {  // rtcBuildBVH would return a bare leaf
     tree.nodes.emplace_back();
     tree.nodes[0] = {};

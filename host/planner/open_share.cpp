@@ -16,8 +16,6 @@ constexpr float kHalf = 0.5f;                      ///< taken for granted while 
 constexpr double kPrior = 16;
 /// Shares are told in so many steps: what devices round differently does not move them.
 constexpr double kSteps = 64;
-/// Variance of a ray's light, over its mean's square, below which no share is worth measuring.
-constexpr double kEven = 1e-3;
 
 struct Seen {
   double open = 0, all = 0, rays = 0;  ///< light that rays met and could have met, and their number
@@ -28,7 +26,7 @@ struct Seen {
 void measure_open_share(render::Renderer& renderer, const scene::Simulation& simulation,
                         const scene::Instrument& instrument, plan::Plan& plan) {
   plan.sky.open_share.clear();
-  if (plan.components() == 0 || plan.sky.spread < kEven) return;
+  if (plan.components() == 0) return;
   const auto& scene = simulation.scene;
   scene::Instrument few = instrument;
   few.first_samples = 0, few.small_objects = scene::SmallObjects::off, few.standard_error = scene::StandardError::off;

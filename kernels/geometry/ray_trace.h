@@ -4,6 +4,7 @@
 
 #include "kernels/geometry/scene_arrays.h"
 #include "kernels/geometry/triangle.h"
+#include "kernels/geometry/user_order.h"
 
 typedef struct Hit {
   float t; /* in units of the direction's length; INFINITY: none */
@@ -54,17 +55,16 @@ static inline uint rc_ray_boxes(Ray ray, global const BvhNode* node, float t_max
   return rc_mask8((enter <= leave) & (enter <= t_max * 1.0000008f)) & ((1u << node->count) - 1u);
 }
 
-/* Keeps the smallest (t, instance, primitive); ties are told by 1 / t, as a bundle that starts at the sensor keeps it.
- * */
-static inline void rc_take_closest(Hit* hit, uint instance, uint block, uint lanes, float16 t) {
+/* Keeps the smallest t, of equal ones that which goes before by the user's order; ties are told by 1 / t, as a bundle
+ * that starts at the sensor keeps it. */
+static inline void rc_take_closest(SceneArrays scene, Hit* hit, uint instance, uint block, uint lanes, float16 t) {
   float lane_t[16];
   rc_store16(t, 0, lane_t);
   while (lanes) {
     const uint lane = rc_lowest(lanes), primitive = block * RC_BLOCK + lane;
     lanes &= lanes - 1u;
     const float near = 1.0f / lane_t[lane], before = 1.0f / hit->t;
-    const bool first =
-        near == before && (instance < hit->instance || (instance == hit->instance && primitive < hit->primitive));
+    const bool first = near == before && rc_user_before(scene, instance, primitive, hit->instance, hit->primitive);
     if (near > before || first) {
       hit->t = lane_t[lane];
       hit->instance = instance;
@@ -73,7 +73,7 @@ static inline void rc_take_closest(Hit* hit, uint instance, uint block, uint lan
   }
 }
 
-/* The ray through one placed mesh. The stack is used from `base` upwards. */
+/* The ray through one placed tree. The stack is used from `base` upwards. */
 static inline void rc_trace_instance(SceneArrays scene, uint instance, Ray world, uint* stack, uint base, bool any,
                                      Hit* hit) {
   global const Instance* placed = rc_instance(scene, instance);
@@ -98,7 +98,7 @@ static inline void rc_trace_instance(SceneArrays scene, uint instance, Ray world
       }
       float16 t;
       const uint lanes = rc_hit_block(ray, RC_OFFSETS, rc_block(scene, child), &t);
-      if (lanes) rc_take_closest(hit, instance, child, lanes, t);
+      if (lanes) rc_take_closest(scene, hit, instance, child, lanes, t);
       if (any && lanes) return;
     }
   }

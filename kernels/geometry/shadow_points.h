@@ -135,16 +135,16 @@ static inline void rc_shadow_cluster(SceneArrays scene, Points* points, Cluster 
       uint count = rc_rays_at_box(points, node, slot, box_slack, met);
       if (!count) continue;
       global const Instance* placed = rc_instance(scene, node->child[slot]);
-      const uint mesh = 1u << (placed->mesh & 31u);
+      const uint tree = 1u << (placed->tree & 31u);
       ShadowFrame frame;
       rc_frame_rays(points, placed, &frame);
-      if (count > RC_FEW_POINTS && !(points->costly & mesh)) {
+      if (count > RC_FEW_POINTS && !(points->costly & tree)) {
         Cull cull;
         const float extent = (node->hi_x[slot] - node->lo_x[slot]) + (node->hi_y[slot] - node->lo_y[slot]) +
                              (node->hi_z[slot] - node->lo_z[slot]);
         rc_frame_bundle(points, &cluster, placed, extent, &frame, &cull);
         if (!rc_shadow_mesh(scene, placed->root, &frame, &cull, &cluster, points, RC_BUNDLE_BUDGET(count), stack, top))
-          points->costly |= mesh;
+          points->costly |= tree;
         else
           count = 0;
       }
