@@ -21,7 +21,7 @@ LidarBaseline::LidarBaseline(const EmbreeBaseline& embree, const scene::Compiled
   for (std::size_t t = 0; t < scene.trees.size(); ++t) {
     std::vector<std::uint32_t>& surface = surface_.emplace_back();
     for (std::uint32_t p = 0; p < scene.trees[t].triangle_count; ++p) {
-      const std::uint32_t at = embree.scene_primitive(static_cast<std::uint32_t>(m), p);
+      const std::uint32_t at = embree.scene_primitive(static_cast<std::uint32_t>(t), p);
       surface.push_back(scene.blocks[at / RC_BLOCK].surface[at % RC_BLOCK]);
     }
   }

@@ -87,6 +87,7 @@ SkyRays make_sky_rays(const SkyBasis& basis, const Thermal& thermal, double sun_
         least = spread;
         out.cosine_share = cosine, out.sun_share = sun, out.asymmetry = g;
       }
+  out.spread = least;
   return out;
 }
 

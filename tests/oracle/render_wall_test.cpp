@@ -80,7 +80,7 @@ GroundPoint ground_point(const std::vector<shared::RayGroup>& groups, int pixel,
   return {group.origin.x + t * dx, group.origin.y + t * dy, std::sqrt(dx * dx + dy * dy + dz * dz) / -dz};
 }
 
-/// Irradiance per sky component that the rays of a pixel bring to level ground beyond what is taken for granted, mean of
+/// Irradiance per sky component that a pixel's rays bring to level ground beyond what is taken for granted, mean of
 /// its samples, and how many of them passed too close to an edge to tell.
 struct Met {
   std::array<double, 4> sum{};
@@ -91,7 +91,7 @@ Met met_sky(const Wall& wall, const plan::Plan& plan, const scene::Simulation& s
   const auto& camera = simulation.instruments[0];
   const auto nu = rc_u32(camera.samples_u), nv = rc_u32(camera.samples_v), samples = nu * nv,
              rays = rc_u32(plan.sky.rays), number = rc_u32(line * camera.pixels + pixel),
-             seed = plan::sky_seed(plan.sky, simulation.seed);
+             seed = plan.sky.hash_seed(simulation.seed);
   const int sampler = static_cast<int>(camera.sampler);
   const double known = double{plan.sky.known(0)};
   Met out;

@@ -291,7 +291,7 @@ TEST_CASE("shared trees: of panels in one place the user's first is seen, whole,
   const TestFolder folder;
   folder.write("panel.obj", obj_text(panel(0)));
   folder.write("beside.obj", obj_text(panel(2)));
-  // Placements 0 (far below), 1 and 2: in the tree of all that is unmoved, 3 and 5: "twice" in a tree of its own, and 4.
+  // Placements 0 (far below), 1 and 2: in the tree of all that is unmoved, 3 and 5: "twice" in its own tree, and 4.
   // 6 to 9: "left" and "right" share a tree; the second of one stands where the first of the other does.
   const BothWays scenes(folder, std::string(kMatter) + R"(
 plane = [{ material = "grass", size_m = [40.0, 40.0], position_m = [0.0, 0.0, -4.0] }]

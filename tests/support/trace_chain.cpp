@@ -193,7 +193,7 @@ std::vector<float> TraceChain::sky(const plan::Plan& plan) {
                                     .density = shared::rc_float4{law.cosine, law.sun, law.g, 0},
                                     .sun_direction = shared::rc_float4{law.sun_x, law.sun_y, law.sun_z, 0},
                                     .rays = static_cast<std::uint32_t>(plan.sky.rays),
-                                    .seed = plan::sky_seed(plan.sky, shape_.seed),
+                                    .seed = plan.sky.hash_seed(shape_.seed),
                                     .columns = shape_.columns,
                                     .first_sample = first_sample_,
                                     .sample_count = count_,

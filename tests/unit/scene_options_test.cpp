@@ -34,7 +34,7 @@ TEST_CASE("option table: rows are unique, defaults lie in their own range, every
   // Loading an empty simulation runs every default of the top level through its own range check.
   const Folder folder;
   CHECK(load(folder, kHead).tolerance == 0.01);
-  CHECK(load(folder, kHead).sky_directions == scene::kDefaultSkyDirections);
+  CHECK(load(folder, kHead).sky_directions == raycube::scene::kDefaultSkyDirections);
 }
 
 TEST_CASE("docs/scene_format.md carries the option table as it is; refresh it with `raycube scene keys`") {
