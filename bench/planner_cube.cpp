@@ -30,10 +30,10 @@ using planner::pixel_counts;
 constexpr std::uint64_t kOtherPixels =
     0x9E3779B9u;            ///< added to the seed: pixels and draws that the planner's trial does not have
 constexpr int kRuns = 256;  ///< of 8 pixels
-constexpr std::size_t kWholeImage = 8192;                   ///< pixels of an image that is judged whole
-constexpr int kReferenceSide = 128;                         ///< of the reference's samples
-constexpr int kReferenceDirections = 1024;                  ///< of its skies
-constexpr int kModelSide = 3;                               ///< of what the whole tables add to the reference's nodes
+constexpr std::size_t kWholeImage = 8192;   ///< pixels of an image that is judged whole
+constexpr int kReferenceSide = 128;         ///< of the reference's samples
+constexpr int kReferenceDirections = 1024;  ///< of its skies
+constexpr int kModelSide = 3;               ///< of what the whole tables add to the reference's nodes
 constexpr int kMostRounds = 32;
 constexpr double kSweep_s_per_megapixel = 60;    ///< twice what is dear: costlier settings are left out of the sweep
 constexpr double kTried_s_per_megapixel = 2000;  ///< a costlier decision is not rendered
@@ -107,9 +107,7 @@ class CubeStudy {
   }
 
  private:
-  void open() {
-    instrument_.samples_given = false, simulation_.sky_directions_given = false;
-  }
+  void open() { instrument_.samples_given = false, simulation_.sky_directions_given = false; }
 
   /// The plan with the smallest tolerance that its nodes can keep.
   void make_finest() {
@@ -147,9 +145,8 @@ class CubeStudy {
   void make_reference() {
     const double pixels = static_cast<double>(render::pixels_of(tiles_));
     const PlannerSetting fine{scene::SamplerKind::jittered, kReferenceSide, sky_ ? kReferenceDirections : 0};
-    const int rounds =
-        std::clamp(static_cast<int>(settings_.reference_s / 2 / (s_per_megapixel(finest_, fine) * 1e-6 * pixels)), 1,
-                   kMostRounds);
+    const int rounds = std::clamp(
+        static_cast<int>(settings_.reference_s / 2 / (s_per_megapixel(finest_, fine) * 1e-6 * pixels)), 1, kMostRounds);
     reference_text_ = fmt::format("2 x {} renders of {} x {} jittered samples", rounds, kReferenceSide, kReferenceSide);
     if (sky_) reference_text_ += fmt::format(" and {} sky directions", kReferenceDirections);
     const std::string key =

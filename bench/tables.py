@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Puts measured figures where people read them: bench/tables.py PART ... (PART: groups, mitsuba, scaling, leaf_level,
-flops, planner)
+"""Puts measured figures where people read them: bench/tables.py PART ... (PART: groups, trace_once, mitsuba, scaling,
+leaf_level, flops, planner)
 
 Adds what the scripts measured (build/bench/PART.json) to build/bench.json and renews the tables between `<!-- ci/bench
 PART -->` and `<!-- end -->` in bench/RESULTS.md and README.md. ci/bench calls it with what it
@@ -129,6 +129,9 @@ def prose_wrapped(text):
 def main(parts):
     figures = json.loads(BENCH.read_text()) if BENCH.exists() else {}
     texts = {}
+    if "trace_once" in parts:
+        figures.update(json.loads((ROOT / "build/bench/trace_once.json").read_text())["keys"])
+        texts["trace_once"] = (ROOT / "build/bench/trace_once.md").read_text()
     if "mitsuba" in parts:
         data = json.loads((ROOT / "build/bench/mitsuba.json").read_text())
         keys = {k: v for k, v in data.items() if k.startswith("cube_vs_mitsuba3")}

@@ -270,7 +270,7 @@ Simulation load_simulation(const std::string& file, const LoadOptions& options) 
     out.ground = std::make_shared<const Ground>(parts.terrains);
   out.notices = std::move(parts.notices);
   out.resolved_json = document_json(root);
-  if (options.compile) out.scene = compile_scene(std::move(parts), std::move(materials));
+  if (options.compile) out.scene = compile_scene(std::move(parts), std::move(materials), options.trees);
   return out;
 }
 

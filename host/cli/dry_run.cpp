@@ -75,12 +75,12 @@ std::string dry_run_text(const run::CameraJob& job, const run::CameraForecast& f
              "  products  cube {}, truth {}\n",
              instrument.name, instrument.pixels, instrument.lines, instrument.bands.size(), forecast.samples,
              plan.height.count, plan.view.count, plan.path_x.count, plan.path_y.count, plan.sky_components,
-             plan.sky.rays, plan.wavelength_um.size(), adjacency_text(plan),
-             plan.report.total_error, plan.report.budget, plan.tolerance, base::format_bytes(forecast.scene_bytes),
-             forecast.tile_columns, forecast.tile_lines, base::format_bytes(forecast.tile_bytes),
-             base::format_bytes(forecast.strip_bytes), base::format_bytes(forecast.total_bytes()),
-             base::format_bytes(forecast.budget_bytes), base::format_bytes(forecast.baked_rows_bytes),
-             base::format_bytes(forecast.cube_bytes), base::format_bytes(forecast.truth_bytes)) +
+             plan.sky.rays, plan.wavelength_um.size(), adjacency_text(plan), plan.report.total_error,
+             plan.report.budget, plan.tolerance, base::format_bytes(forecast.scene_bytes), forecast.tile_columns,
+             forecast.tile_lines, base::format_bytes(forecast.tile_bytes), base::format_bytes(forecast.strip_bytes),
+             base::format_bytes(forecast.total_bytes()), base::format_bytes(forecast.budget_bytes),
+             base::format_bytes(forecast.baked_rows_bytes), base::format_bytes(forecast.cube_bytes),
+             base::format_bytes(forecast.truth_bytes)) +
          (estimated_s
               ? fmt::format(
                     "  time      about {:.1g} s to render, and the first time some seconds for the device's compiler\n",

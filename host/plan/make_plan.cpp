@@ -413,7 +413,8 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
   if (plan.sky_components > 0)
     map_error =
         fit_map(plan, domain.sun_azimuth, levels.sky[static_cast<std::size_t>(plan.sky_components - 1)].mixture);
-  plan.sky = make_sky_rays(plan.sky_basis, plan.thermal, domain.sun_azimuth, plan.sun_direction, simulation.sky_directions);
+  plan.sky =
+      make_sky_rays(plan.sky_basis, plan.thermal, domain.sun_azimuth, plan.sun_direction, simulation.sky_directions);
 
   fill_report(plan, setting, light, levels, chosen, map_error);
   compare_with_flux_row(plan, setting, light.sky);

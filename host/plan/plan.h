@@ -43,9 +43,9 @@ struct SkyRays {
   double cosine_share = 1;  ///< by the cosine about the normal
   double sun_share = 0;     ///< of the rest, about the sun with this asymmetry; all else evenly
   double asymmetry = 0.5;
-  double spread = 0;              ///< variance of one ray's light over its mean's square, open sky, mean of many tilts
-  double sun_azimuth_rad = 0;     ///< from which the maps' azimuth counts, clockwise from north
-  std::uint32_t draw = 0;         ///< other rays of one seed, for trials
+  double spread = 0;           ///< variance of one ray's light over its mean's square: mean over many tilts, open sky
+  double sun_azimuth_rad = 0;  ///< from which the maps' azimuth counts, clockwise from north
+  std::uint32_t draw = 0;      ///< other rays of one seed, for trials
   std::vector<float> open_share;  ///< [surface], 0 .. 1, taken for granted; empty: 1 everywhere
   /// What the rays of a render with this seed are hashed by.
   std::uint32_t hash_seed(std::uint64_t seed) const { return static_cast<std::uint32_t>(seed) + draw * 0x9e3779b9u; }

@@ -52,9 +52,8 @@ double spread_of(const SkyDensity& law, const std::vector<Seen>& sky, double sun
       for (const Seen& s : sky) {
         const double facing = nx * s.x + ny * s.y + nz * s.z;
         if (!(facing > 0)) continue;
-        const double density =
-            static_cast<double>(rc_sky_density(law, static_cast<float>(s.x), static_cast<float>(s.y),
-                                               static_cast<float>(s.z), static_cast<float>(facing)));
+        const double density = static_cast<double>(rc_sky_density(law, static_cast<float>(s.x), static_cast<float>(s.y),
+                                                                  static_cast<float>(s.z), static_cast<float>(facing)));
         const double light = s.light * facing;
         mean += light * each, square += light * light / density * each;
       }

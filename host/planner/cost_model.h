@@ -21,8 +21,7 @@ struct PixelCounts {
 struct CostModel {
   double sample_s = 3.0e-8, sun_ray_s = 2.0e-8, sky_ray_s = 2.0e-7, term_band_s = 1.5e-10;
   double seconds(const PixelCounts& c) const {
-    return c.samples * sample_s + c.sun_rays * sun_ray_s + c.sky_rays * sky_ray_s +
-           c.terms * c.bands * term_band_s;
+    return c.samples * sample_s + c.sun_rays * sun_ray_s + c.sky_rays * sky_ray_s + c.terms * c.bands * term_band_s;
   }
 };
 

@@ -51,12 +51,12 @@ ModelPixels compare_models(const scene::Simulation& simulation, const scene::Ins
   const reference::ArithmeticModel planned(simulation.scene, same, open);
   const auto look = [&](const reference::Sample& side) {
     reference::SentRays sent;
-    for (const glm::dvec3& direction : plan.components() > 0 && !side.hit.miss() ? whole.directions()
-                                                                                  : std::vector<glm::dvec3>{}) {
+    for (const glm::dvec3& direction :
+         plan.components() > 0 && !side.hit.miss() ? whole.directions() : std::vector<glm::dvec3>{}) {
       const double cosine = glm::dot(side.normal, direction);
       if (cosine > 0)
-        sent.push_back({direction, cosine * whole.solid_angle_sr(), whole.solid_angle_sr(),
-                        scene.sees(side, direction)});
+        sent.push_back(
+            {direction, cosine * whole.solid_angle_sr(), whole.solid_angle_sr(), scene.sees(side, direction)});
     }
     return sent;
   };

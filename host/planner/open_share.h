@@ -8,8 +8,7 @@
 
 namespace raycube::planner {
 
-/// Fills plan.sky.open_share. Nothing is rendered where it could not matter: without a sky, and where every ray brings
-/// the same light, whose noise any share leaves as it is. The plan stays free of bias whatever is found.
+/// Fills plan.sky.open_share; without a sky nothing is rendered. The plan stays free of bias whatever is found.
 void measure_open_share(render::Renderer& renderer, const scene::Simulation& simulation,
                         const scene::Instrument& instrument, plan::Plan& plan);
 

@@ -63,8 +63,7 @@ std::string write_plan_file(const PlanFile& file) {
     else
       item["sampler"] = static_cast<int>(entry.sampling.sampler),
       item["samples"] = {entry.sampling.samples_u, entry.sampling.samples_v},
-      item["sky_directions"] = entry.sampling.directions,
-      item["plan"] = entry.axes;
+      item["sky_directions"] = entry.sampling.directions, item["plan"] = entry.axes;
     list.push_back(std::move(item));
   }
   return Json{{"raycube_plan", kVersion},

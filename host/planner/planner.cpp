@@ -206,8 +206,8 @@ void take_levels(Decision& out, const plan::Plan& plan, const Choice& choice, sc
   out.estimated = true;
   if (!out.samples_given) out.sampling.sampler = sampler, out.sampling.samples_u = out.sampling.samples_v = choice.side;
   if (!out.directions_given) out.sampling.directions = choice.directions;
-  out.counts = pixel_counts(plan, static_cast<double>(out.sampling.samples_u) * out.sampling.samples_v,
-                            out.sampling.directions);
+  out.counts =
+      pixel_counts(plan, static_cast<double>(out.sampling.samples_u) * out.sampling.samples_v, out.sampling.directions);
   out.s_per_megapixel = 1e6 * CostModel().seconds(out.counts);
   out.dear = out.s_per_megapixel > kDear_s_per_megapixel;
 }
@@ -250,13 +250,13 @@ void note_tolerance(Decision& out, const std::string& name) {
 
 Decision as_given(const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan) {
   Decision out;
-  out.sampling = {instrument.sampler,        instrument.samples_u, instrument.samples_v,
-                  simulation.sky_directions, instrument.first_samples};
+  out.sampling = {instrument.sampler, instrument.samples_u, instrument.samples_v, simulation.sky_directions,
+                  instrument.first_samples};
   out.samples_given = instrument.samples_given, out.directions_given = simulation.sky_directions_given;
   out.tolerance = simulation.tolerance;
   out.plan_error = out.plan_estimate = plan.report.total_error;
-  out.counts = pixel_counts(plan, static_cast<double>(instrument.samples_u) * instrument.samples_v,
-                            simulation.sky_directions);
+  out.counts =
+      pixel_counts(plan, static_cast<double>(instrument.samples_u) * instrument.samples_v, simulation.sky_directions);
   out.s_per_megapixel = 1e6 * CostModel().seconds(out.counts);
   return out;
 }

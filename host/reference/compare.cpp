@@ -43,15 +43,11 @@ std::vector<double> scales(const std::vector<double>& reference, double floor) {
 
 Comparison::Comparison(const scene::CompiledScene& scene, const plan::Plan& plan, const scene::Instrument& instrument,
                        std::uint64_t seed, const CompareOptions& options)
-    : plan_(plan),
-      instrument_(instrument),
-      seed_(seed),
-      options_(options),
-      scene_(scene),
-      arithmetic_(scene, plan) {
+    : plan_(plan), instrument_(instrument), seed_(seed), options_(options), scene_(scene), arithmetic_(scene, plan) {
   const auto brighten = [&](const plan::SkyBasis& basis, std::size_t first, std::size_t count) {
     for (const auto& value : basis.value)
-      for (std::size_t m = 0; m < count; ++m) brightest_[first + m] = std::max(brightest_[first + m], std::abs(value[m]));
+      for (std::size_t m = 0; m < count; ++m)
+        brightest_[first + m] = std::max(brightest_[first + m], std::abs(value[m]));
   };
   const auto solar = static_cast<std::size_t>(plan.sky_components);
   brighten(plan.sky_basis, 0, solar);
@@ -62,10 +58,10 @@ Comparison::Comparison(const scene::CompiledScene& scene, const plan::Plan& plan
 
 Comparison::~Comparison() = default;
 
-/// The device keeps what a side's rays bring together. Where that differs, rays are sought whose turning accounts for it
-/// in every component. Only ties of the double traversal may turn; then `sent` follows the device. Any subset is tried
-/// of up to kMostTies ties, else up to three (host/reference/tie_search.h), or all seen (or hidden) ones at once: a leaf
-/// that passes through the point within rounding puts it on one side or the other for every direction.
+/// The device keeps what a side's rays bring together. Where that differs, rays are sought whose turning accounts for
+/// it in every component. Only ties of the double traversal may turn; then `sent` follows the device. Any subset is
+/// tried of up to kMostTies ties, else up to three (host/reference/tie_search.h), or all seen (or hidden) ones at once:
+/// a leaf that passes through the point within rounding puts it on one side or the other for every direction.
 void Comparison::compare_sky(const Sample& sample, const float* device, SentRays& sent, Result& result) const {
   /// Part of a component's brightest light that a direction's own light may be off by, as its own is: the angle is
   /// rounded, and an aureole falls off by its own size in a degree.
@@ -82,8 +78,8 @@ void Comparison::compare_sky(const Sample& sample, const float* device, SentRays
     const Components light = sky_light(plan_, ray.direction);
     for (std::size_t m = 0; m < components; ++m) {
       effect[k][m] = ray.weight * light[m] * turned * (ray.open ? -1 : 1);
-      bound[m] += options_.limits.sky * (ray.weight + ray.solid_angle_sr) *
-                  (std::abs(light[m]) + kSlope * brightest_[m]);
+      bound[m] +=
+          options_.limits.sky * (ray.weight + ray.solid_angle_sr) * (std::abs(light[m]) + kSlope * brightest_[m]);
       residual[m] -= ray.weight * light[m] * ((ray.open ? turned : 0) - known);
     }
   }
@@ -142,8 +138,8 @@ Comparison::Result Comparison::compare(const DevicePixel& device, bool with_mode
   const std::size_t samples = pixel.samples.size(),
                     planes = static_cast<std::size_t>(RC_SKY_PLANES_OF(plan_.components()));
   const std::size_t sides = pixel.sides();
-  if (device.hits.size() != samples || device.sun_visible.size() != sides ||
-      device.sky_met.size() != planes * sides || device.radiance.size() != plan_.bands.size())
+  if (device.hits.size() != samples || device.sun_visible.size() != sides || device.sky_met.size() != planes * sides ||
+      device.radiance.size() != plan_.bands.size())
     throw base::Error(base::Fault::bug, "check: the device handed over " + std::to_string(device.hits.size()) +
                                             " hits and " + std::to_string(device.radiance.size()) +
                                             " bands of a pixel with " + std::to_string(samples) + " samples and " +

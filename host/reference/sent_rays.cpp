@@ -16,8 +16,7 @@ std::vector<std::vector<NumberedRay>> numbered_rays(const plan::Plan& plan, cons
   std::vector<std::vector<NumberedRay>> out(samples);
   if (plan.components() == 0 || rays == 0) return out;
   for (rc_u32 part = 0; part < rc_sky_parts(samples, rays); ++part) {
-    const SkyPart share =
-        rc_sky_shares(static_cast<int>(instrument.sampler), nu, nv, rays, low, pixel, part);
+    const SkyPart share = rc_sky_shares(static_cast<int>(instrument.sampler), nu, nv, rays, low, pixel, part);
     for (rc_u32 ray = 0; ray < share.rays; ++ray)
       out.at(rc_sky_sample(share, nu, samples, rays, low, pixel, part, ray))
           .push_back({rc_sky_number(samples, rays, part, ray), static_cast<double>(share.scale)});
@@ -95,8 +94,7 @@ std::array<double, 8> sky_light(const plan::Plan& plan, const glm::dvec3& direct
 }
 
 double known_share(const scene::CompiledScene& scene, const plan::Plan& plan, const Hit& hit) {
-  return static_cast<double>(
-      plan.sky.known(scene.blocks[hit.primitive / RC_BLOCK].surface[hit.primitive % RC_BLOCK]));
+  return static_cast<double>(plan.sky.known(scene.blocks[hit.primitive / RC_BLOCK].surface[hit.primitive % RC_BLOCK]));
 }
 
 }  // namespace raycube::reference

@@ -42,8 +42,7 @@ struct SkyMapBuffers {
   /// Of maps of zenith angle alone.
   static std::vector<shared::rc_float4> first_column(const plan::SkyBasis& basis) {
     std::vector<shared::rc_float4> out;
-    for (std::size_t i = 0; i < basis.value.size(); i += basis.azimuth_rad.size())
-      out.push_back(quad(basis.value[i]));
+    for (std::size_t i = 0; i < basis.value.size(); i += basis.azimuth_rad.size()) out.push_back(quad(basis.value[i]));
     return out;
   }
   static std::vector<float> floats(const std::vector<double>& values) { return {values.begin(), values.end()}; }
@@ -118,8 +117,8 @@ struct TraceStages::State {
         .thermal_map = sky_map.thermal,
         .thermal_zenith = sky_map.thermal_zenith,
         .thermal_zeniths = static_cast<cl_uint>(plan.thermal.basis.zenith_rad.size()),
-        .sun_azimuth = shared::rc_float4{static_cast<float>(std::sin(azimuth)), static_cast<float>(std::cos(azimuth)),
-                                         0, 0},
+        .sun_azimuth =
+            shared::rc_float4{static_cast<float>(std::sin(azimuth)), static_cast<float>(std::cos(azimuth)), 0, 0},
         .density = shared::rc_float4{law.cosine, law.sun, law.g, 0},
         .sun_direction = sun_direction(),
         .rays = static_cast<cl_uint>(plan.sky.rays),

@@ -156,8 +156,7 @@ std::vector<SmallObjectReport> check_small_objects(render::Renderer& renderer, c
     const scene::Instrument fine = sensors::with_fine_samples(instrument, samples);
     CheckOptions arithmetic = options;
     arithmetic.model_pixels = 0;  // the model does not depend on how many samples there are
-    reports.push_back(
-        {samples, pixels, compare_tiles(renderer, simulation, fine, plan, table, arithmetic, tiles, {})});
+    reports.push_back({samples, pixels, compare_tiles(renderer, simulation, fine, plan, table, arithmetic, tiles, {})});
   }
   return reports;
 }

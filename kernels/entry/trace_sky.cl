@@ -51,8 +51,9 @@ RC_BODY trace_sky_body(uint index, RC_PARAMETERS(RC_TRACE_SKY_ARGUMENTS)) {
         const float known = open_share[rc_surface_of(scene, ids[RC_PLANE(RC_HIT_PRIMITIVE) + sample])];
         for (uint slot = sample; slot < RC_PADDED_SAMPLES; slot += RC_NEAR_SAMPLES) {
           global const float* at = in + slot;
-          const SkyRay sent = rc_sky_ray(law, seed, number, rc_sky_number(samples, rays, part, ray),
-                                         at[RC_PLANE(RC_NORMAL_X)], at[RC_PLANE(RC_NORMAL_Y)], at[RC_PLANE(RC_NORMAL_Z)]);
+          const SkyRay sent =
+              rc_sky_ray(law, seed, number, rc_sky_number(samples, rays, part, ray), at[RC_PLANE(RC_NORMAL_X)],
+                         at[RC_PLANE(RC_NORMAL_Y)], at[RC_PLANE(RC_NORMAL_Z)]);
           rc_meet_sky(scene, &map, sent, at, share.scale, known, out + slot);
         }
       }

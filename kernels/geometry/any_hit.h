@@ -37,7 +37,7 @@ static inline uint rc_boxes_met(global const BvhNode* node, const BoxRay* ray) {
 
 /* Whether the ray (in the frame of the tree) meets a triangle of a placed tree. The stack is used from `base` on. */
 static inline bool rc_tree_hides(SceneArrays scene, uint root, Ray ray, uint* stack, uint base) {
-  const BoxRay boxes = rc_box_ray(ray, rc_tree_reach(rc_node(scene, root)), RC_MESH_SLACK);
+  const BoxRay boxes = rc_box_ray(ray, rc_node(scene, root)->reach, RC_MESH_SLACK);
   uint top = base;
   stack[top++] = root;
   while (top > base) {
@@ -47,11 +47,9 @@ static inline bool rc_tree_hides(SceneArrays scene, uint root, Ray ray, uint* st
       float16 t;
       if (rc_hit_block(ray, false, rc_block(scene, node->child[rc_lowest(leaves)]), &t)) return true;
     }
-    for (uint inner = met & ~node->leaf_mask; inner; inner &= inner - 1u) {
-      const uint child = node->child[rc_lowest(inner)];
-      rc_prefetch(rc_node(scene, child), 256);
-      stack[top++] = child;
-    }
+    const uint first = top;
+    top += rc_pack8(node->child, met & ~node->leaf_mask, stack + top);
+    for (uint i = first; i < top; ++i) rc_prefetch(rc_node(scene, stack[i]), 192);
   }
   return false;
 }
@@ -59,21 +57,19 @@ static inline bool rc_tree_hides(SceneArrays scene, uint root, Ray ray, uint* st
 /* Whether anything lies ahead of the origin. */
 __attribute__((noinline)) static bool rc_any_hit(SceneArrays scene, float4 origin, float4 direction) {
   const Ray world = rc_make_ray(origin, direction);
-  const BoxRay boxes = rc_box_ray(world, rc_tree_reach(rc_node(scene, 0u)), RC_WORLD_SLACK);
-  uint stack[RC_STACK];
+  const BoxRay boxes = rc_box_ray(world, rc_node(scene, 0u)->reach, RC_WORLD_SLACK);
+  uint stack[RC_STACK + 8]; /* rc_pack8 writes eight at a time */
   uint top = 1;
   stack[0] = 0;
   while (top) {
     global const BvhNode* node = rc_node(scene, stack[--top]);
     const uint met = rc_boxes_met(node, &boxes);
-    for (uint inner = met & ~node->leaf_mask; inner; inner &= inner - 1u)
-      stack[top++] = node->child[rc_lowest(inner)];
+    top += rc_pack8(node->child, met & ~node->leaf_mask, stack + top);
     for (uint leaves = met & node->leaf_mask; leaves; leaves &= leaves - 1u) {
       global const Instance* placed = rc_instance(scene, node->child[rc_lowest(leaves)]);
       Ray ray = world;
       if (!(placed->flags & 1u)) {
-        const float4 r0 = placed->local_from_world_0, r1 = placed->local_from_world_1,
-                     r2 = placed->local_from_world_2;
+        const float4 r0 = placed->local_from_world_0, r1 = placed->local_from_world_1, r2 = placed->local_from_world_2;
         ray = rc_make_ray(rc_map_point(r0, r1, r2, origin), rc_map_vector(r0, r1, r2, direction));
       }
       if (rc_tree_hides(scene, placed->root, ray, stack, top)) return true;

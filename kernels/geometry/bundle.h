@@ -169,7 +169,7 @@ static inline void rc_store_rectangles(const Setup* s, LaneRectangles* to) {
 }
 
 /* Pushes the children of a node that meet the region and returns the new height of the stack. Leaves carry RC_LEAF:
- * blocks in a mesh tree, instances in the top tree. */
+ * blocks in a placed tree, instances in the top tree. */
 RC_ALWAYS static inline uint rc_push_children(const Cull* cull, int planes, SceneArrays scene, uint index, bool in_mesh,
                                               uint* stack, uint top) {
   global const BvhNode* node = rc_node(scene, index);

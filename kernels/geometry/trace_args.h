@@ -35,8 +35,8 @@
  * kernels/shared/camera_arguments.h. The scene's arrays have at least one element each, even in an empty scene. A
  * pixel's number in hashes is its group's (RayGroup.origin.w) plus its place in the group: its place in the image, so
  * results do not depend on tiling.
- *   trace_primary  hits: the closest; of equal distances the lowest instance, then the lowest primitive. Slots at and
- *                  past sample_count hold RC_NONE.
+ *   trace_primary  hits: the closest; of equal distances what the user placed first, then the triangle that stands
+ *                  first in its mesh (kernels/geometry/user_order.h). Slots at and past sample_count hold RC_NONE.
  *   make_surface   surface: the point moved off the surface to the viewer's side by its error bound (the origin of
  *                  shadow rays), and the normal. lift: how far along the normal the point was moved (rc_step_back
  *                  undoes it); with shapes the way to the viewer and the surface's shape. Misses: all are 0.

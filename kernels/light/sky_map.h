@@ -6,13 +6,13 @@
 #include "kernels/shared/tile_layout.h"
 
 typedef struct SkyMap {
-  global const float4* solar;                     /* [zenith][azimuth], components 0 .. 3, sr-1 */
-  global const float *zenith_rad, *azimuth_rad;   /* nodes, ascending; azimuths from the sun's, to either side */
-  uint zeniths, azimuths;                         /* at least 2 of each */
-  global const float4* thermal;                   /* [zenith], the thermal sky's components */
+  global const float4* solar;                   /* [zenith][azimuth], components 0 .. 3, sr-1 */
+  global const float *zenith_rad, *azimuth_rad; /* nodes, ascending; azimuths from the sun's, to either side */
+  uint zeniths, azimuths;                       /* at least 2 of each */
+  global const float4* thermal;                 /* [zenith], the thermal sky's components */
   global const float* thermal_zenith_rad;
   uint thermal_zeniths;
-  float4 sun_azimuth;                             /* sin, cos of the azimuth from which the maps' counts, from north */
+  float4 sun_azimuth; /* sin, cos of the azimuth from which the maps' counts, from north */
 } SkyMap;
 
 /* Cell of ascending nodes that holds `at`, and the fraction inside it; clamped to the axis. */

@@ -62,9 +62,9 @@ typedef struct SkyDensity {
 } SkyDensity;
 
 typedef struct SkyRay {
-  float x, y, z;  /* unit, to where it goes */
-  float facing;   /* cosine with the normal; not above 0: no light comes from there */
-  float density;  /* sr-1 */
+  float x, y, z; /* unit, to where it goes */
+  float facing;  /* cosine with the normal; not above 0: no light comes from there */
+  float density; /* sr-1 */
 } SkyRay;
 
 /* cos and sin of 2 pi v, v in [0, 1): by quarters of the circle, series about their middles' ends to 4e-8. */
@@ -72,8 +72,7 @@ RC_INLINE void rc_turn(float v, float* cosine, float* sine) {
   const float quarters = 4.0f * v;
   const int k = (int)(quarters + 0.5f);
   const float t = (quarters - (float)k) * 1.57079632679489662f, q = t * t;
-  const float s =
-      t * (1.0f + q * (-0.16666667f + q * (0.0083333333f + q * (-0.00019841270f + q * 2.7557319e-6f))));
+  const float s = t * (1.0f + q * (-0.16666667f + q * (0.0083333333f + q * (-0.00019841270f + q * 2.7557319e-6f))));
   const float c = 1.0f + q * (-0.5f + q * (0.041666667f + q * (-0.0013888889f + q * 2.4801587e-5f)));
   const int turn = k & 3;
   *cosine = turn == 0 ? c : turn == 1 ? -s : turn == 2 ? -c : s;

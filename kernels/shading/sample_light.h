@@ -1,4 +1,5 @@
-/* Light of the open sky that each sample's surface takes for granted (the sky's rays bring what differs), and where the sample lies on the plan's height axis. */
+/* Light of the open sky that each sample's surface takes for granted (the sky's rays bring what differs), and where the
+ * sample lies on the plan's height axis. */
 #ifndef RAYCUBE_KERNELS_SHADING_SAMPLE_LIGHT_H
 #define RAYCUBE_KERNELS_SHADING_SAMPLE_LIGHT_H
 

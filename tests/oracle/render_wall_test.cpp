@@ -80,7 +80,7 @@ GroundPoint ground_point(const std::vector<shared::RayGroup>& groups, int pixel,
   return {group.origin.x + t * dx, group.origin.y + t * dy, std::sqrt(dx * dx + dy * dy + dz * dz) / -dz};
 }
 
-/// Irradiance per sky component that the rays of a pixel bring to level ground beyond what is taken for granted, mean of
+/// Irradiance per sky component that a pixel's rays bring to level ground beyond what is taken for granted, mean of
 /// its samples, and how many of them passed too close to an edge to tell.
 struct Met {
   std::array<double, 4> sum{};

@@ -259,7 +259,7 @@ TEST_CASE("bad input S1: zero-area faces are dropped with a count, refused when 
   const auto simulation =
       load(folder, std::string(kHead) + kGrey +
                        "[[mesh]]\nname = \"m\"\nfile = \"m.obj\"\nmaterial = \"grey\"\n[[instance]]\nmesh = \"m\"\n");
-  CHECK(simulation.scene.meshes.at(0).triangle_count == 1);
+  CHECK(simulation.scene.meshes.at(0).triangle_count() == 1);
   REQUIRE(simulation.notices.size() == 1);
   CHECK_SAYS(simulation.notices[0], "dropped 2 of 3 faces without area (first: face 1)");
 }
