@@ -32,8 +32,10 @@ static inline uint rc_map_cell(global const float* nodes, uint count, float at, 
 /* Components that come from a unit direction above the horizon, sr-1, into light[RC_SKY_PLANES]: the solar ones, those
  * of the thermal sky, then the surroundings', -1: what the sky loses, they gain. */
 static inline void rc_sky_light(const SkyMap* map, float x, float y, float z, float* light) {
-  const float zenith = atan2(sqrt(fma(x, x, y * y)), z);
   for (uint m = 0; m < RC_SKY_PLANES; ++m) light[m] = 0.0f;
+#if RC_COMPONENTS > 0
+  const float zenith = atan2(sqrt(fma(x, x, y * y)), z);
+#endif
 #if RC_COMPONENTS > RC_THERMAL_COMPONENTS
   float f, g;
   const float sine = map->sun_azimuth.x, cosine = map->sun_azimuth.y;

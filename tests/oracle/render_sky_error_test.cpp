@@ -77,13 +77,12 @@ TEST_CASE("S43 the stated standard error tells of the sky: against the spread of
   };
   using enum scene::SamplerKind;
   // Rays of one sequence err less together than four independent parts of them would: where their error falls by n^-3/4
-  // the parts' spread says sqrt(2) times too much. A lattice's factor of 0.7 takes that away; grid and jittered samples
-  // have no such factor (host/render/standard_error.h), and state up to 1.4 of the sky's error.
+  // the parts' spread says sqrt(2) times too much, which the factors of host/render/standard_error.h take away.
   for (const Case& c : {Case{lattice, 64, 1, 1.25},
                         {lattice, 64, 0.5f, 1.25},
                         {lattice, 250, 1, 1.25},
-                        {grid, 64, 1, 1.5},
-                        {jittered, 121, 0.5f, 1.5}}) {
+                        {grid, 64, 1, 1.25},
+                        {jittered, 121, 0.5f, 1.25}}) {
     simulation.instruments[0].sampler = c.sampler;
     simulation.sky_directions = c.rays;
     const auto errors = errors_of(simulation, table, c.known);

@@ -25,7 +25,7 @@ kernel void probe_layout(global ulong* at) {
   at[3] = RC_SURFACE_AT(3);
   at[4] = RC_LIFT_AT(3);
   at[5] = RC_SUN_AT(3);
-  at[6] = RC_BLOCKED_AT(3);
+  at[6] = RC_MET_SKY_AT(3);
   at[7] = RC_SUMS_OF_KEY(1);
   at[8] = RC_SUMS_AT(3, 16);
   at[9] = RC_PATH_AT(3);
