@@ -33,35 +33,19 @@ PIXELS, TREES, CROP, THREADS = 256, 240, 96, 2
 # Bands of the converged renders and of the renders in three channels: 648, 555, 482 nm first, for the pictures.
 TRIPLES = [(54, 34, 18), (8, 26, 44), (70, 84, 98), (112, 126, 150), (170, 200, 230), (262, 300, 340)]
 REFERENCE_SPP, REFERENCE_PASSES = 1024, 8
-RAYCUBE_REFERENCE = ("jittered = [24, 24]", 64)
+RAYCUBE_REFERENCE = ("jittered = [24, 24]", 2304)
 TIMED = [
     b for triple in TRIPLES[::2] for b in triple
 ]  # of these the timed renders are made, and of both sides' errors the median
 RAYCUBE = [
-    (9, 1),
-    (16, 1),
-    (36, 1),
-    (36, 4),
-    (64, 2),
-    (64, 4),
-    (64, 8),
-    (121, 8),
-    (256, 16),
-]  # samples a pixel, sky directions shared out among them
-# variant: renders that make 360 bands, renders timed, samples a pixel.
-VARIANTS = {
-    "scalar_rgb": ("three bands a render, 120 renders", 120, 3, (4, 16, 64, 256)),
-    "llvm_ad_rgb": ("three bands a render, 120 renders", 120, 3, (4, 16, 64, 256)),
-    "llvm_ad_mono": ("one band a render, 360 renders", 360, 3, (4, 16, 64)),
-    "scalar_spectral": ("specfilm of 360 bands, one render", 1, 1, (1, 4)),
-    "llvm_ad_spectral": ("specfilm of 360 bands, one render", 1, 1, (4, 16)),
-}
-
-
-def llvm_library():
-    """LLVM 17 or later: 14 and 15, which PoCL brings, lack an instruction that Dr.Jit 1.5 asks for."""
-    if "DRJIT_LIBLLVM_PATH" in os.environ:
-        return os.environ["DRJIT_LIBLLVM_PATH"]
+    (9, 4),
+    (16, 8),
+    (36, 16),
+    (64, 16),
+    (64, 32),
+    (121, 48),
+    (256, 96),
+]
     found = sorted(glob.glob(str(ROOT / "build/peers/llvm/usr/lib/*/libLLVM.so.*")))
     return found[-1] if found else ctypes.util.find_library("LLVM-19")
 
