@@ -45,7 +45,21 @@ RAYCUBE = [
     (64, 32),
     (121, 48),
     (256, 96),
-]
+]  # samples a pixel, rays into the sky
+# variant: renders that make 360 bands, renders timed, samples a pixel.
+VARIANTS = {
+    "scalar_rgb": ("three bands a render, 120 renders", 120, 3, (4, 16, 64, 256)),
+    "llvm_ad_rgb": ("three bands a render, 120 renders", 120, 3, (4, 16, 64, 256)),
+    "llvm_ad_mono": ("one band a render, 360 renders", 360, 3, (4, 16, 64)),
+    "scalar_spectral": ("specfilm of 360 bands, one render", 1, 1, (1, 4)),
+    "llvm_ad_spectral": ("specfilm of 360 bands, one render", 1, 1, (4, 16)),
+}
+
+
+def llvm_library():
+    """LLVM 17 or later: 14 and 15, which PoCL brings, lack an instruction that Dr.Jit 1.5 asks for."""
+    if "DRJIT_LIBLLVM_PATH" in os.environ:
+        return os.environ["DRJIT_LIBLLVM_PATH"]
     found = sorted(glob.glob(str(ROOT / "build/peers/llvm/usr/lib/*/libLLVM.so.*")))
     return found[-1] if found else ctypes.util.find_library("LLVM-19")
 
