@@ -74,6 +74,19 @@ TEST_CASE("S16 ground before a wall: any share taken for granted gives the same 
   }
 }
 
+TEST_CASE("S60 other draws of one seed change the sky's rays and nothing else") {
+  auto s = before_wall();
+  s.instruments[0].bands = test::gaussian_bands({0.5}, 0.02);
+  const auto table = atmos::uniform_sky_table(0, kSkyRadiance, {0.3, 1.0, 4.0});
+  const auto drawn = [&](std::uint32_t draw) {
+    return test::render_image(s, table, {}, [&](plan::Plan& plan) { plan.sky.draw = draw; });
+  };
+  const auto one = drawn(0), again = drawn(0), other = drawn(1);
+  CHECK(one.radiance == again.radiance);
+  CHECK(one.truth == other.truth);
+  CHECK(one.radiance != other.radiance);
+}
+
 TEST_CASE("S16 isothermal: sky, walls and ground of one temperature show it whatever is taken for granted") {
   const double kelvin = 288.15;
   auto s = before_wall(kelvin);
