@@ -12,6 +12,10 @@ const std::vector<Case>& all_cases() {
        run_crowns},
       {"layers", "primary and sun rays through 2, 4, 7 and 14 layers of leaves", run_layers},
       {"park", "the shipped park: pixels with at least 100 candidates, against every mode of Embree", run_park},
+      {"any_hit",
+       "rays into the sky from what the park's and the peer scene's cameras see, and primary rays among leaves,"
+       " against the best of Embree's modes and forms",
+       run_any_hit},
       {"render", "the park as render renders it: its term lists and their integration, against the write bandwidth",
        run_render},
       {"build", "kernels built cold and from the cache, each in a process of its own", run_kernel_build},

@@ -11,6 +11,7 @@ namespace raycube::bench {
 struct Settings {
   int threads = 2;
   std::string park_file = "build/bench/scene/park.toml";
+  std::string peer_file = "build/bench/peer/peer.toml";
 };
 
 struct Case {
@@ -27,6 +28,7 @@ void run_terrain(const Settings&, Report&);
 void run_crowns(const Settings&, Report&);
 void run_layers(const Settings&, Report&);
 void run_park(const Settings&, Report&);
+void run_any_hit(const Settings&, Report&);
 void run_render(const Settings&, Report&);
 void run_kernel_build(const Settings&, Report&);
 struct KernelBuild {

@@ -15,7 +15,8 @@ std::size_t geometry_bytes(const scene::CompiledScene& scene) {
 }
 
 void run_memory(Report& report, const scene::CompiledScene& merged) {
-  report.add("bytes_per_triangle", static_cast<double>(geometry_bytes(merged)) / merged.meshes[0].triangle_count, "B");
+  report.add("bytes_per_triangle", static_cast<double>(geometry_bytes(merged)) / merged.meshes[0].triangle_count(),
+             "B");
   // What one more instance costs: the same mesh once and 10 001 times.
   const auto mesh = crown_mesh(100, 0.07, 1);
   std::vector<std::array<double, 12>> many;

@@ -2,6 +2,7 @@
 
 #include <embree3/rtcore.h>
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <limits>
@@ -25,7 +26,38 @@ bool count_bytes(void* total, ssize_t bytes, bool) {
   return true;
 }
 
+/// use(corners, primitive) for each triangle of a tree, in its frame; corners: 9 floats, primitive: the scene's
+/// number of it.
+template <typename Use>
+void for_each_triangle(const scene::CompiledScene& scene, const scene::Tree& tree, const Use& use) {
+  for (std::uint32_t b = tree.first_block; b < tree.first_block + tree.block_count; ++b) {
+    const shared::TriBlock& t = scene.blocks[b];
+    for (std::uint32_t lane = 0; lane < RC_BLOCK; ++lane) {
+      if (t.surface[lane] == RC_NONE) continue;
+      const float corners[9] = {t.v0_x[lane], t.v0_y[lane], t.v0_z[lane], t.v1_x[lane], t.v1_y[lane],
+                                t.v1_z[lane], t.v2_x[lane], t.v2_y[lane], t.v2_z[lane]};
+      use(corners, b * RC_BLOCK + lane);
+    }
+  }
+}
+
+/// Row-major 3 x 4.
+std::array<float, 12> matrix_of(const shared::Instance& instance) {
+  std::array<float, 12> matrix;
+  const shared::rc_float4* rows[] = {&instance.world_from_local_0, &instance.world_from_local_1,
+                                     &instance.world_from_local_2};
+  for (std::size_t r = 0; r < 3; ++r) {
+    matrix[4 * r] = rows[r]->x;
+    matrix[4 * r + 1] = rows[r]->y;
+    matrix[4 * r + 2] = rows[r]->z;
+    matrix[4 * r + 3] = rows[r]->w;
+  }
+  return matrix;
+}
+
 }  // namespace
+
+const char* form_name(EmbreeForm form) { return form == EmbreeForm::merged ? "merged" : "placed"; }
 
 const char* mode_name(EmbreeMode mode) {
   switch (mode) {
@@ -43,101 +75,134 @@ struct EmbreeBaseline::Impl {
   std::atomic<std::int64_t> bytes{0};
   RTCDevice device = nullptr;
   RTCScene top = nullptr;
-  std::vector<RTCScene> meshes;
+  std::vector<RTCScene> trees;
   bool flat = false;
-  std::vector<std::vector<std::uint32_t>> primitive;  ///< [mesh][Embree's number] = the scene's
-  std::vector<std::uint32_t> mesh_of_instance;
+  std::vector<std::vector<std::uint32_t>> primitive;  ///< [tree][Embree's number] = the scene's
+  std::vector<std::uint32_t> tree_of_instance;
+  std::vector<RayResult> merged;  ///< [Embree's number] = the scene's, of the merged form
 
   ~Impl() {
     if (top) rtcReleaseScene(top);
-    for (RTCScene mesh : meshes)
-      if (mesh) rtcReleaseScene(mesh);
+    for (RTCScene tree : trees)
+      if (tree) rtcReleaseScene(tree);
     if (device) rtcReleaseDevice(device);
   }
 
-  RTCScene build(const scene::CompiledScene& scene, const scene::Mesh& mesh) {
+  /// Triangles of their own corners, to be filled and then built.
+  struct Corners {
+    RTCGeometry geometry;
+    float* vertices;
+    std::size_t count = 0, most;
+    void add(const float* nine) {
+      if (count == most) throw base::Error(base::Fault::bug, "bench: a tree has more used lanes than triangles");
+      std::copy(nine, nine + 9, vertices + 9 * count++);
+    }
+  };
+
+  Corners begin_triangles(std::size_t triangles) const {
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    const std::size_t triangles = mesh.triangle_count;
     auto* vertices = static_cast<float*>(
         rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, 3 * triangles));
     auto* indices = static_cast<unsigned*>(
         rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, triangles));
-    check(device, "make a mesh's buffers");
-    std::vector<std::uint32_t>& numbers = primitive.emplace_back();
-    std::size_t n = 0;
-    for (std::uint32_t b = mesh.first_block; b < mesh.first_block + mesh.block_count; ++b) {
-      const shared::TriBlock& t = scene.blocks[b];
-      for (int lane = 0; lane < RC_BLOCK; ++lane) {
-        if (t.surface[lane] == RC_NONE) continue;
-        if (n == triangles)
-          throw base::Error(base::Fault::bug, "bench: mesh '" + mesh.name + "' has more used lanes than triangles");
-        const float corners[9] = {t.v0_x[lane], t.v0_y[lane], t.v0_z[lane], t.v1_x[lane], t.v1_y[lane],
-                                  t.v1_z[lane], t.v2_x[lane], t.v2_y[lane], t.v2_z[lane]};
-        std::copy(corners, corners + 9, vertices + 9 * n);
-        for (unsigned k = 0; k < 3; ++k) indices[3 * n + k] = static_cast<unsigned>(3 * n + k);
-        numbers.push_back(b * RC_BLOCK + lane);
-        ++n;
-      }
-    }
-    if (n != triangles)
-      throw base::Error(base::Fault::bug, "bench: mesh '" + mesh.name + "' has fewer used lanes than triangles");
-    rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_MEDIUM);
-    rtcCommitGeometry(geometry);
+    check(device, "make a tree's buffers");
+    for (std::size_t n = 0; n < 3 * triangles; ++n) indices[n] = static_cast<unsigned>(n);
+    return {geometry, vertices, 0, triangles};
+  }
+
+  RTCScene build(const Corners& corners) const {
+    if (corners.count != corners.most)
+      throw base::Error(base::Fault::bug, "bench: a tree has fewer used lanes than triangles");
+    rtcSetGeometryBuildQuality(corners.geometry, RTC_BUILD_QUALITY_MEDIUM);
+    rtcCommitGeometry(corners.geometry);
     RTCScene built = rtcNewScene(device);
     rtcSetSceneBuildQuality(built, RTC_BUILD_QUALITY_MEDIUM);
-    rtcAttachGeometry(built, geometry);
-    rtcReleaseGeometry(geometry);
+    rtcAttachGeometry(built, corners.geometry);
+    rtcReleaseGeometry(corners.geometry);
     rtcCommitScene(built);
-    check(device, "build a mesh");
+    check(device, "build a tree");
     return built;
+  }
+
+  RTCScene build(const scene::CompiledScene& scene, const scene::Tree& tree) {
+    Corners corners = begin_triangles(tree.triangle_count);
+    std::vector<std::uint32_t>& numbers = primitive.emplace_back();
+    for_each_triangle(scene, tree, [&](const float* nine, std::uint32_t number) {
+      corners.add(nine);
+      numbers.push_back(number);
+    });
+    return build(corners);
+  }
+
+  RTCScene build_merged(const scene::CompiledScene& scene) {
+    Corners corners = begin_triangles(placed_triangles(scene));
+    for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
+      const auto place = matrix_of(scene.instances[i]);
+      for_each_triangle(scene, scene.trees[scene.instances[i].tree], [&](const float* nine, std::uint32_t number) {
+        float moved[9];
+        for (std::size_t corner = 0; corner < 3; ++corner)
+          for (std::size_t row = 0; row < 3; ++row) {
+            double at = place[4 * row + 3];
+            for (std::size_t k = 0; k < 3; ++k) at += static_cast<double>(place[4 * row + k]) * nine[3 * corner + k];
+            moved[3 * corner + row] = static_cast<float>(at);
+          }
+        corners.add(moved);
+        merged.push_back({i, number});
+      });
+    }
+    return build(corners);
+  }
+
+  void build_top(const scene::CompiledScene& scene) {
+    top = rtcNewScene(device);
+    rtcSetSceneBuildQuality(top, RTC_BUILD_QUALITY_MEDIUM);
+    for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+      RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
+      rtcSetGeometryInstancedScene(geometry, trees[scene.instances[i].tree]);
+      rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, matrix_of(scene.instances[i]).data());
+      rtcCommitGeometry(geometry);
+      rtcAttachGeometryByID(top, geometry, static_cast<unsigned>(i));
+      rtcReleaseGeometry(geometry);
+    }
+    rtcCommitScene(top);
+    check(device, "build the top tree");
   }
 };
 
-EmbreeBaseline::EmbreeBaseline(const scene::CompiledScene& scene) : impl_(std::make_unique<Impl>()) {
+std::size_t placed_triangles(const scene::CompiledScene& scene) {
+  std::size_t triangles = 0;
+  for (const shared::Instance& instance : scene.instances) triangles += scene.trees[instance.tree].triangle_count;
+  return triangles;
+}
+
+EmbreeBaseline::EmbreeBaseline(const scene::CompiledScene& scene, EmbreeForm form) : impl_(std::make_unique<Impl>()) {
   Impl& e = *impl_;
   e.device = rtcNewDevice(nullptr);
   if (!e.device) throw base::Error(base::Fault::environment, "bench: Embree has no device; is libembree3 whole?");
   rtcSetDeviceMemoryMonitorFunction(e.device, count_bytes, &e.bytes);
-  for (const scene::Mesh& mesh : scene.meshes) e.meshes.push_back(e.build(scene, mesh));
-  for (const shared::Instance& instance : scene.instances) e.mesh_of_instance.push_back(instance.mesh);
-  e.flat = scene.instances.size() == 1 && (scene.instances[0].flags & 1u);
-  if (e.flat) return;
-  e.top = rtcNewScene(e.device);
-  rtcSetSceneBuildQuality(e.top, RTC_BUILD_QUALITY_MEDIUM);
-  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
-    const shared::Instance& instance = scene.instances[i];
-    RTCGeometry geometry = rtcNewGeometry(e.device, RTC_GEOMETRY_TYPE_INSTANCE);
-    rtcSetGeometryInstancedScene(geometry, e.meshes[instance.mesh]);
-    float matrix[12];
-    const shared::rc_float4* rows[] = {&instance.world_from_local_0, &instance.world_from_local_1,
-                                       &instance.world_from_local_2};
-    for (int r = 0; r < 3; ++r) {
-      matrix[4 * r] = rows[r]->x;
-      matrix[4 * r + 1] = rows[r]->y;
-      matrix[4 * r + 2] = rows[r]->z;
-      matrix[4 * r + 3] = rows[r]->w;
-    }
-    rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, matrix);
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometryByID(e.top, geometry, static_cast<unsigned>(i));
-    rtcReleaseGeometry(geometry);
+  if (form == EmbreeForm::merged) {
+    e.flat = true;
+    e.trees.push_back(e.build_merged(scene));
+    return;
   }
-  rtcCommitScene(e.top);
-  check(e.device, "build the top tree");
+  for (const scene::Tree& tree : scene.trees) e.trees.push_back(e.build(scene, tree));
+  for (const shared::Instance& instance : scene.instances) e.tree_of_instance.push_back(instance.tree);
+  e.flat = scene.instances.size() == 1 && (scene.instances[0].flags & 1u);
+  if (!e.flat) e.build_top(scene);
 }
 
 EmbreeBaseline::~EmbreeBaseline() = default;
 
-RTCSceneTy* EmbreeBaseline::handle() const { return impl_->flat ? impl_->meshes[0] : impl_->top; }
+RTCSceneTy* EmbreeBaseline::handle() const { return impl_->flat ? impl_->trees[0] : impl_->top; }
 bool EmbreeBaseline::flat() const { return impl_->flat; }
-std::uint32_t EmbreeBaseline::scene_primitive(std::uint32_t mesh, std::uint32_t primitive) const {
-  return impl_->primitive[mesh][primitive];
+std::uint32_t EmbreeBaseline::scene_primitive(std::uint32_t tree, std::uint32_t primitive) const {
+  return impl_->primitive[tree][primitive];
 }
 
 std::size_t EmbreeBaseline::memory_bytes() const { return static_cast<std::size_t>(impl_->bytes.load()); }
 
 void EmbreeBaseline::primary(const PrimaryRays& rays, EmbreeMode mode, int threads, RayResult* result) const {
-  const RTCScene scene = impl_->flat ? impl_->meshes[0] : impl_->top;
+  const RTCScene scene = impl_->flat ? impl_->trees[0] : impl_->top;
   const bool flat = impl_->flat;
   const std::size_t samples = rays.samples(), width = static_cast<std::size_t>(rays.width);
   const std::size_t packets = (samples + 15) / 16;
@@ -204,8 +269,9 @@ void EmbreeBaseline::primary(const PrimaryRays& rays, EmbreeMode mode, int threa
 }
 
 void EmbreeBaseline::shadow(const ShadowRays& rays, EmbreeMode mode, int threads, RayResult* result) const {
-  const RTCScene scene = impl_->flat ? impl_->meshes[0] : impl_->top;
+  const RTCScene scene = impl_->flat ? impl_->trees[0] : impl_->top;
   const std::size_t count = rays.x.size();
+  const bool own = !rays.dx.empty();
   in_parallel(count, 4096, threads, [&](std::size_t begin, std::size_t end) {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
@@ -220,9 +286,9 @@ void EmbreeBaseline::shadow(const ShadowRays& rays, EmbreeMode mode, int threads
         packet.org_x[k] = rays.x[i];
         packet.org_y[k] = rays.y[i];
         packet.org_z[k] = rays.z[i];
-        packet.dir_x[k] = rays.direction[0];
-        packet.dir_y[k] = rays.direction[1];
-        packet.dir_z[k] = rays.direction[2];
+        packet.dir_x[k] = own ? rays.dx[i] : rays.direction[0];
+        packet.dir_y[k] = own ? rays.dy[i] : rays.direction[1];
+        packet.dir_z[k] = own ? rays.dz[i] : rays.direction[2];
         packet.tnear[k] = 0.0f;
         packet.tfar[k] = kInfinity;
         packet.time[k] = 0.0f;
@@ -250,8 +316,12 @@ void EmbreeBaseline::shadow(const ShadowRays& rays, EmbreeMode mode, int threads
 
 void EmbreeBaseline::to_scene(RayResult* results, std::size_t count) const {
   for (std::size_t i = 0; i < count; ++i)
-    if (results[i].instance != RC_NONE)
-      results[i].primitive = impl_->primitive[impl_->mesh_of_instance[results[i].instance]][results[i].primitive];
+    if (results[i].instance == RC_NONE)
+      continue;
+    else if (!impl_->merged.empty())
+      results[i] = impl_->merged[results[i].primitive];
+    else
+      results[i].primitive = impl_->primitive[impl_->tree_of_instance[results[i].instance]][results[i].primitive];
 }
 
 }  // namespace raycube::bench

@@ -29,21 +29,28 @@ struct PrimaryRays {
   std::size_t rays() const { return pixels() * samples(); }
 };
 
-/// Shadow rays: one origin each (x, y, z apart), one direction for all. An origin with x = NaN is a ray that missed:
-/// skipped.
+/// Shadow rays: one origin each (x, y, z apart), and one direction for all, or one each. An origin with x = NaN is a
+/// ray that missed: skipped.
 struct ShadowRays {
   std::vector<float> x, y, z;
   float direction[3] = {0, 0, 1};
+  std::vector<float> dx, dy, dz;  ///< each ray's own direction; empty: all go in `direction`
 };
 
 enum class EmbreeMode { packet16_coherent, packet16, single };
 inline constexpr EmbreeMode kEmbreeModes[] = {EmbreeMode::packet16_coherent, EmbreeMode::packet16, EmbreeMode::single};
 const char* mode_name(EmbreeMode mode);
 
+/// placed: two levels as the scene has them, or one where it is one unmoved tree. merged: every placed triangle in one
+/// tree, its corners rounded to fp32 in the scene's frame; 48 bytes a placed triangle and Embree's tree.
+enum class EmbreeForm { placed, merged };
+inline constexpr EmbreeForm kEmbreeForms[] = {EmbreeForm::placed, EmbreeForm::merged};
+const char* form_name(EmbreeForm form);
+std::size_t placed_triangles(const scene::CompiledScene& scene);
+
 class EmbreeBaseline {
  public:
-  /// A scene of one instance with the identity becomes one flat Embree scene; any other keeps its two levels.
-  explicit EmbreeBaseline(const scene::CompiledScene& scene);
+  explicit EmbreeBaseline(const scene::CompiledScene& scene, EmbreeForm form = EmbreeForm::placed);
   ~EmbreeBaseline();
   EmbreeBaseline(const EmbreeBaseline&) = delete;
   EmbreeBaseline& operator=(const EmbreeBaseline&) = delete;
@@ -58,11 +65,11 @@ class EmbreeBaseline {
   /// Bytes Embree holds for its trees and triangles.
   std::size_t memory_bytes() const;
 
-  /// For others who trace in the same scene: its handle, whether it is one flat mesh, and the scene's number of a
-  /// mesh's triangle.
+  /// For others who trace in the same scene: its handle, whether it is one flat tree, and the scene's number of a
+  /// tree's triangle (placed form).
   RTCSceneTy* handle() const;
   bool flat() const;
-  std::uint32_t scene_primitive(std::uint32_t mesh, std::uint32_t primitive) const;
+  std::uint32_t scene_primitive(std::uint32_t tree, std::uint32_t primitive) const;
 
  private:
   struct Impl;

@@ -18,7 +18,7 @@ void run_embree_baseline(const Settings& settings, Report& report) {
   const auto groups = sensors::make_ray_groups(camera, scene, 0, camera.lines);
   const PrimaryRays rays = primary_rays(camera, groups);
   const EmbreeBaseline embree(scene);
-  report.add("terrain_triangles", scene.meshes[0].triangle_count, "");
+  report.add("terrain_triangles", scene.meshes[0].triangle_count(), "");
   std::vector<RayResult> packet(rays.rays()), single(rays.rays());
   const auto run16 = [&] { embree.primary(rays, EmbreeMode::packet16_coherent, settings.threads, packet.data()); };
   const auto run1 = [&] { embree.primary(rays, EmbreeMode::single, settings.threads, single.data()); };

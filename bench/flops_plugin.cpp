@@ -55,12 +55,8 @@ class Flops : public oclgrind::Plugin {
  public:
   explicit Flops(const oclgrind::Context* context) : Plugin(context) {}
 
-  /// trace_light serves the sun, then the sky: they are told apart by their turn since the points were made.
   void kernelBegin(const oclgrind::KernelInvocation* launch) override {
-    std::string name = launch->getKernel()->getName();
-    if (name == "make_surface") lights_ = 0;
-    if (name == "trace_light") name = lights_++ == 0 ? "trace_sun" : "trace_sky";
-    now_ = &all_[name];
+    now_ = &all_[launch->getKernel()->getName()];
     ++now_->launches;
   }
   /// After each launch, since a program may end before its plugins do.
@@ -119,7 +115,6 @@ class Flops : public oclgrind::Plugin {
 
   static inline std::map<std::string, Counts> all_;  ///< of all contexts
   Counts* now_ = nullptr;
-  int lights_ = 0;
 };
 
 /// One for each context that the program makes.

@@ -18,10 +18,10 @@ namespace raycube::bench {
 
 LidarBaseline::LidarBaseline(const EmbreeBaseline& embree, const scene::CompiledScene& scene)
     : embree_(embree), scene_(scene) {
-  for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
+  for (std::size_t t = 0; t < scene.trees.size(); ++t) {
     std::vector<std::uint32_t>& surface = surface_.emplace_back();
-    for (std::uint32_t p = 0; p < scene.meshes[m].triangle_count; ++p) {
-      const std::uint32_t at = embree.scene_primitive(static_cast<std::uint32_t>(m), p);
+    for (std::uint32_t p = 0; p < scene.trees[t].triangle_count; ++p) {
+      const std::uint32_t at = embree.scene_primitive(static_cast<std::uint32_t>(t), p);
       surface.push_back(scene.blocks[at / RC_BLOCK].surface[at % RC_BLOCK]);
     }
   }
@@ -161,15 +161,15 @@ void LidarBaseline::run(const LidarWork& work, int threads, float* rows) const {
                         (g.d0.x * dx + g.d0.y * dy + g.d0.z * dz) / (d2 * d2 * t2 * root(n2));
         lanes(place) = (t * root(d2) - work.start_m[s]) * work.bins_per_m;
         returns.count = 0;
-        std::uint32_t last_mesh = 0, last_primitive = RTC_INVALID_GEOMETRY_ID;
+        std::uint32_t last_tree = 0, last_primitive = RTC_INVALID_GEOMETRY_ID;
         float reflectance = 0;
         for (int k = 0; k < live; ++k) {
           const std::uint32_t primitive = packet.hit.primID[k];
           if (packet.hit.geomID[k] == RTC_INVALID_GEOMETRY_ID) continue;
-          const std::uint32_t mesh = flat ? 0u : scene_.instances[packet.hit.instID[0][k]].mesh;
-          if (primitive != last_primitive || mesh != last_mesh) {
-            reflectance = (*work.reflectance)[surface_[mesh][primitive]];
-            last_primitive = primitive, last_mesh = mesh;
+          const std::uint32_t tree = flat ? 0u : scene_.instances[packet.hit.instID[0][k]].tree;
+          if (primitive != last_primitive || tree != last_tree) {
+            reflectance = (*work.reflectance)[surface_[tree][primitive]];
+            last_primitive = primitive, last_tree = tree;
           }
           const float whole = std::floor(place[k]), phase = (place[k] - whole) * static_cast<float>(phases);
           const int q = std::min(static_cast<int>(phase), phases - 1), start = static_cast<int>(whole) + first_tap;

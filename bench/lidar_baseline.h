@@ -36,7 +36,7 @@ class LidarBaseline {
  private:
   const EmbreeBaseline& embree_;
   const scene::CompiledScene& scene_;
-  std::vector<std::vector<std::uint32_t>> surface_;  ///< [mesh][Embree's primitive]
+  std::vector<std::vector<std::uint32_t>> surface_;  ///< [tree][Embree's primitive]
 };
 
 }  // namespace raycube::bench

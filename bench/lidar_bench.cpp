@@ -202,7 +202,7 @@ void pulses_per_second(const Settings& settings, Report& report) {
     echo_rate.push_back(static_cast<double>(shots.size()) / (traced_s + detected_s));
   }
   std::size_t triangles = 0;
-  for (const auto& mesh : simulation.scene.meshes) triangles += mesh.triangle_count;
+  for (const auto& mesh : simulation.scene.meshes) triangles += mesh.triangle_count();
   report.add("lidar_toy_triangles", static_cast<double>(triangles), "");
   report.validate("toy blocks: pulses per echo found in drawn waveforms",
                   static_cast<double>(shots.size()) * static_cast<double>(rate.size()) / static_cast<double>(echoes),
@@ -220,8 +220,8 @@ void run_lidar(const Settings& settings, Report& report) {
     const EmbreeBaseline embree(terrain.scene);
     const std::size_t bytes =
         terrain.scene.nodes.size() * sizeof(shared::BvhNode) + terrain.scene.blocks.size() * sizeof(shared::TriBlock);
-    report.add("lidar_bytes_per_triangle", static_cast<double>(bytes) / terrain.scene.meshes[0].triangle_count, "bytes",
-               Goal::at_most(100));
+    report.add("lidar_bytes_per_triangle", static_cast<double>(bytes) / terrain.scene.meshes[0].triangle_count(),
+               "bytes", Goal::at_most(100));
     const scene::Lidar few = bench_lidar(64), many = bench_lidar(1024);
     report.add("lidar_terrain_vs_embree16_bin",
                compare(Rig(terrain, few, raster(few, 20000)), embree, settings, report, "terrain, 64 sub-rays"), "x",

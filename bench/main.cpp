@@ -19,6 +19,8 @@ int main(int argc, char** argv) {
   app.add_option("--commit", commit, "Commit the figures belong to");
   app.add_option("--json", json, "File for the flat keys")->capture_default_str();
   app.add_option("--scene", settings.park_file, "Simulation file of the park")->capture_default_str();
+  app.add_option("--peer-scene", settings.peer_file, "Simulation file that bench/peer_scene.py writes")
+      ->capture_default_str();
   app.add_option("--threads", settings.threads, "Threads of both sides")
       ->capture_default_str()
       ->check(CLI::Range(1, 1024));

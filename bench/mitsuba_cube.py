@@ -33,21 +33,19 @@ PIXELS, TREES, CROP, THREADS = 256, 240, 96, 2
 # Bands of the converged renders and of the renders in three channels: 648, 555, 482 nm first, for the pictures.
 TRIPLES = [(54, 34, 18), (8, 26, 44), (70, 84, 98), (112, 126, 150), (170, 200, 230), (262, 300, 340)]
 REFERENCE_SPP, REFERENCE_PASSES = 1024, 8
-RAYCUBE_REFERENCE = ("jittered = [24, 24]", 64)
+RAYCUBE_REFERENCE = ("jittered = [24, 24]", 2304)
 TIMED = [
     b for triple in TRIPLES[::2] for b in triple
 ]  # of these the timed renders are made, and of both sides' errors the median
 RAYCUBE = [
-    (9, 1),
-    (16, 1),
-    (36, 1),
-    (36, 4),
-    (64, 2),
-    (64, 4),
-    (64, 8),
-    (121, 8),
-    (256, 16),
-]  # samples a pixel, sky directions shared out among them
+    (9, 4),
+    (16, 8),
+    (36, 16),
+    (64, 16),
+    (64, 32),
+    (121, 48),
+    (256, 96),
+]  # samples a pixel, rays into the sky
 # variant: renders that make 360 bands, renders timed, samples a pixel.
 VARIANTS = {
     "scalar_rgb": ("three bands a render, 120 renders", 120, 3, (4, 16, 64, 256)),
@@ -263,7 +261,7 @@ def render(file, out, launcher=()):
 def raycube_reference(scene):
     samples, sky = RAYCUBE_REFERENCE
     middle = peer_scene.dataclasses.replace(scene, pixels=CROP)
-    render(peer_scene.write_simulation(middle, "reference", samples, sky, sky_share=1), WORK / "raycube_reference")
+    render(peer_scene.write_simulation(middle, "reference", samples, sky), WORK / "raycube_reference")
     return read_cube(WORK / "raycube_reference", CROP)
 
 

@@ -302,12 +302,16 @@ def make(folder, pixels, trees):
     return scene
 
 
-def write_simulation(scene, name, samples, sky_directions, sky_share=None):
+def write_bench_scene(folder):
+    """peer.toml of the group any_hit: the sample grid that both of its sides can make."""
+    return write_simulation(make(folder, 256, 240), "peer", "grid = [11, 11]", 16)
+
+
+def write_simulation(scene, name, samples, sky_directions):
     """The scene as a simulation file; samples like 'jittered = [4, 4]'. Returns its path."""
     quoted = json.dumps
-    share = f"sky_share = {sky_share}\n" if sky_share else ""
     text = [
-        f"format = 1\nsky_directions = {sky_directions}\n{share}tolerance = 0.001\n[atmosphere]\ntables = \"sky.rct\"\n"
+        f"format = 1\nsky_directions = {sky_directions}\ntolerance = 0.001\n[atmosphere]\ntables = \"sky.rct\"\n"
         f"adjacency = \"off\"\n"
         f"[time.sun]\nzenith_deg = {SUN_ZENITH_DEG}\nazimuth_deg = {SUN_AZIMUTH_DEG}\n"
     ]
@@ -333,3 +337,9 @@ def write_simulation(scene, name, samples, sky_directions, sky_share=None):
     file = scene.folder / f"{name}.toml"
     file.write_text("".join(text))
     return file
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 2:
+        raise SystemExit("peer_scene: takes the folder to write peer.toml and its files into")
+    print(write_bench_scene(sys.argv[1]))

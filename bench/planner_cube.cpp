@@ -30,16 +30,16 @@ using planner::pixel_counts;
 constexpr std::uint64_t kOtherPixels =
     0x9E3779B9u;            ///< added to the seed: pixels and draws that the planner's trial does not have
 constexpr int kRuns = 256;  ///< of 8 pixels
-constexpr std::size_t kWholeImage = 8192;                   ///< pixels of an image that is judged whole
-constexpr int kReferenceSide = 128, kSharedDirections = 4;  ///< of the reference's samples
-constexpr int kCoarseSide = 8, kReferenceDirections = 64;   ///< of its skies
-constexpr int kModelSide = 3;                               ///< of what the whole tables add to the reference's nodes
+constexpr std::size_t kWholeImage = 8192;   ///< pixels of an image that is judged whole
+constexpr int kReferenceSide = 128;         ///< of the reference's samples
+constexpr int kReferenceDirections = 1024;  ///< of its skies
+constexpr int kModelSide = 3;               ///< of what the whole tables add to the reference's nodes
 constexpr int kMostRounds = 32;
 constexpr double kSweep_s_per_megapixel = 60;    ///< twice what is dear: costlier settings are left out of the sweep
 constexpr double kTried_s_per_megapixel = 2000;  ///< a costlier decision is not rendered
 constexpr double kTimed_s = 0.15;                ///< nominal, of one timed run
 const std::vector<int> kSides = {1, 2, 3, 4, 6, 8, 11, 16};
-const std::vector<int> kDirections = {1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 64, 128};
+const std::vector<int> kDirections = {4, 8, 16, 24, 32, 48, 64, 96, 128, 192, 256, 512};
 
 std::vector<render::Tile> judged_tiles(const scene::Instrument& instrument, std::uint64_t seed) {
   const std::size_t all = static_cast<std::size_t>(instrument.pixels) * static_cast<std::size_t>(instrument.lines);
@@ -49,8 +49,7 @@ std::vector<render::Tile> judged_tiles(const scene::Instrument& instrument, std:
 
 double s_per_megapixel(const plan::Plan& plan, const PlannerSetting& setting) {
   const int samples = setting.side * setting.side;
-  return 1e6 * CostModel().seconds(pixel_counts(plan, samples, setting.directions,
-                                                plan::sky_share(0, samples, std::max(1, setting.directions))));
+  return 1e6 * CostModel().seconds(pixel_counts(plan, samples, setting.directions));
 }
 
 class CubeStudy {
@@ -108,10 +107,7 @@ class CubeStudy {
   }
 
  private:
-  void open() {
-    instrument_.samples_given = false, simulation_.sky_directions_given = false;
-    simulation_.sky_share = 0;
-  }
+  void open() { instrument_.samples_given = false, simulation_.sky_directions_given = false; }
 
   /// The plan with the smallest tolerance that its nodes can keep.
   void make_finest() {
@@ -138,46 +134,31 @@ class CubeStudy {
     return study::device_radiance(renderer_, tried, plan, simulation_.sun, seed, tiles_);
   }
 
-  /// The plan with a setting's directions, shared out among its samples as `render` does.
+  /// The plan with a setting's directions.
   plan::Plan with_directions(const plan::Plan& from, const PlannerSetting& setting) {
     plan::Plan plan = from;
-    if (sky_) planner::set_directions(plan, simulation_, setting.side * setting.side, setting.directions);
+    if (sky_) plan.sky.rays = setting.directions;
     return plan;
   }
 
-  /// Two independent halves, each without bias: many samples under a few directions that all pixels share, and, over
-  /// many sets, what other directions change at the same points. Samples and sky are so each paid for once.
+  /// Two independent halves, each without bias: many samples and many directions.
   void make_reference() {
     const double pixels = static_cast<double>(render::pixels_of(tiles_));
-    const PlannerSetting fine{scene::SamplerKind::jittered, kReferenceSide, sky_ ? kSharedDirections : 0},
-        coarse{scene::SamplerKind::jittered, kCoarseSide, sky_ ? kReferenceDirections : 0};
-    const auto rounds_of = [&](const PlannerSetting& setting) {
-      return std::clamp(
-          static_cast<int>(settings_.reference_s / 4 / (s_per_megapixel(finest_, setting) * 1e-6 * pixels)), 1,
-          kMostRounds);
-    };
-    const int rounds = rounds_of(fine), skies = sky_ ? rounds_of(coarse) : 0;
+    const PlannerSetting fine{scene::SamplerKind::jittered, kReferenceSide, sky_ ? kReferenceDirections : 0};
+    const int rounds = std::clamp(
+        static_cast<int>(settings_.reference_s / 2 / (s_per_megapixel(finest_, fine) * 1e-6 * pixels)), 1, kMostRounds);
     reference_text_ = fmt::format("2 x {} renders of {} x {} jittered samples", rounds, kReferenceSide, kReferenceSide);
-    if (sky_)
-      reference_text_ += fmt::format(", 2 x {} sets of {} directions at {} x {} samples", skies, kReferenceDirections,
-                                     kCoarseSide, kCoarseSide);
+    if (sky_) reference_text_ += fmt::format(" and {} sky directions", kReferenceDirections);
     const std::string key =
-        study::key_of(simulation_, instrument_, finest_, table_, tiles_, {kReferenceSide, rounds, skies, 0});
+        study::key_of(simulation_, instrument_, finest_, table_, tiles_, {kReferenceSide, rounds, 0, 0});
     reference_ = study::kept_or(base::cache_folder("reference").string(), key.empty() ? key : key + "-device", [&] {
-      const plan::Plan shared = one_sky();
-      plan::Plan many = with_directions(finest_, coarse);
-      many.sky.share = 1;  // every sample looks into all
+      const plan::Plan many = with_directions(finest_, fine);
       std::vector<double> half[2];
-      rc_u32 draw = 0;
-      const auto add = [&](int to, const PlannerSetting& setting, const plan::Plan& plan, rc_u32 seed, double weight) {
-        const auto drawn = render(setting, plan, rc_hash(static_cast<rc_u32>(simulation_.seed), seed, 0, 53));
-        half[to].resize(drawn.size());
-        for (std::size_t k = 0; k < drawn.size(); ++k) half[to][k] += weight * drawn[k];
-      };
-      for (const int to : {0, 1}) {
-        for (int i = 0; i < rounds; ++i) add(to, fine, shared, draw++, 1.0 / rounds);
-        for (int i = 0; i < skies; ++i, ++draw)
-          add(to, coarse, many, draw, 1.0 / skies), add(to, coarse, shared, draw, -1.0 / skies);
+      for (rc_u32 draw = 0; draw < 2 * static_cast<rc_u32>(rounds); ++draw) {
+        const auto drawn = render(fine, many, rc_hash(static_cast<rc_u32>(simulation_.seed), draw, 0, 53));
+        std::vector<double>& to = half[draw % 2];
+        to.resize(drawn.size());
+        for (std::size_t k = 0; k < drawn.size(); ++k) to[k] += static_cast<double>(drawn[k]) / rounds;
       }
       study::Converged out;
       out.bands = finest_.bands.size();
@@ -211,17 +192,6 @@ class CubeStudy {
     }
     reference_text_ += fmt::format(", whole tables against its nodes at 2 x {} x {} samples under {} directions",
                                    kModelSide, kModelSide, planner::ModelSettings().directions);
-  }
-
-  /// The finest plan with one set of few directions for all pixels.
-  plan::Plan one_sky() {
-    plan::Plan plan = finest_;
-    if (!sky_) return plan;
-    plan.sky = planner::sky_for(plan, simulation_, kSharedDirections, 1, plan::kFewestSets);
-    plan.sky.sets = 1;
-    plan.sky.direction.resize(kSharedDirections);
-    plan.sky.weight.resize(static_cast<std::size_t>(kSharedDirections * plan.sky.quads));
-    return plan;
   }
 
   void sweep() {

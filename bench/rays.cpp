@@ -96,8 +96,11 @@ ShadowJudgement judge(const scene::CompiledScene& scene, const ShadowRays& rays,
   for (std::size_t i = 0; i < ours.size(); ++i) {
     if (ours[i].instance == theirs[i].instance) continue;
     ++verdict.differ;
-    const reference::DoubleRay ray{
-        {rays.x[i], rays.y[i], rays.z[i]}, {rays.direction[0], rays.direction[1], rays.direction[2]}, 0};
+    const bool own = !rays.dx.empty();
+    const reference::DoubleRay ray{{rays.x[i], rays.y[i], rays.z[i]},
+                                   {own ? rays.dx[i] : rays.direction[0], own ? rays.dy[i] : rays.direction[1],
+                                    own ? rays.dz[i] : rays.direction[2]},
+                                   0};
     const auto seen = tracer.visibility(ray, {hits[i].instance, hits[i].primitive});
     const bool ours_lit = ours[i].instance != RC_NONE;
     verdict.ours_wrong +=

@@ -67,7 +67,7 @@ std::string small_park(const Settings& settings) {
   std::string toml = text.str();
   for (const auto& [from, to] : {std::pair{"pixels = 320", "pixels = 128"},
                                  {"lines = 320", "lines = 128"},
-                                 {"sky_directions = 48", "sky_directions = 4"}}) {
+                                 {"sky_directions = 242", "sky_directions = 20"}}) {
     const auto at = toml.find(from);
     if (at == std::string::npos)
       throw base::Error(base::Fault::input,
@@ -115,11 +115,11 @@ void run_roofline(const Settings& settings, Report& report) {
   const double pixels = run.at("image").at("samples").get<double>() * run.at("image").at("lines").get<double>();
   const double samples = run.at("image").at("samples_per_pixel"), bands = run.at("image").at("bands"),
                terms = run.at("rows").at("terms_p50");
-  constexpr std::size_t kComponents = 4;  // of the park's sky: one float4 of weights per direction
+  constexpr std::size_t kComponents = 4;  // of the park's sky: one float4 of met sky per sample
   const shared::TileElements pixel(static_cast<std::size_t>(samples), RC_SKY_PLANES_OF(kComponents));
   const double hits = 4.0 * static_cast<double>(pixel.hits), surface = 4.0 * static_cast<double>(pixel.surface),
                lift = 4.0 * static_cast<double>(pixel.lift), sun = 2.0 * static_cast<double>(pixel.sun),
-               sky = 4.0 * static_cast<double>(pixel.blocked), bands_padded = 16 * std::ceil(bands / 16);
+               sky = 4.0 * static_cast<double>(pixel.met_sky), bands_padded = 16 * std::ceil(bands / 16);
   // Bytes that pass through memory between stages (docs/design.md, stages); the scene's trees and triangles come on top
   // and mostly from caches. make_surface gathers a triangle of 36 bytes a sample. integrate reads its table (terms
   // rows) from the second cache.

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Puts measured figures where people read them: bench/tables.py PART ... (PART: groups, mitsuba, scaling, leaf_level,
-flops, planner)
+"""Puts measured figures where people read them: bench/tables.py PART ... (PART: groups, trace_once, mitsuba, scaling,
+leaf_level, flops, planner)
 
 Adds what the scripts measured (build/bench/PART.json) to build/bench.json and renews the tables between `<!-- ci/bench
 PART -->` and `<!-- end -->` in bench/RESULTS.md and README.md. ci/bench calls it with what it
@@ -81,7 +81,7 @@ def readme_speed(figures):
             f"plain write bandwidth ({f['write_bandwidth_gb_s']:.0f} GB/s)",
         ),
         (
-            "the 360-band cube above: 12.4 M primary and sun rays, 74 M into 48 sky directions a pixel",
+            "the 360-band cube above: 12.4 M primary and 12.4 M sun rays, 24.8 M into the sky, each its own way",
             f"{f['park_render_s']:.0f} s",
             "",
         ),
@@ -129,6 +129,9 @@ def prose_wrapped(text):
 def main(parts):
     figures = json.loads(BENCH.read_text()) if BENCH.exists() else {}
     texts = {}
+    if "trace_once" in parts:
+        figures.update(json.loads((ROOT / "build/bench/trace_once.json").read_text())["keys"])
+        texts["trace_once"] = (ROOT / "build/bench/trace_once.md").read_text()
     if "mitsuba" in parts:
         data = json.loads((ROOT / "build/bench/mitsuba.json").read_text())
         keys = {k: v for k, v in data.items() if k.startswith("cube_vs_mitsuba3")}

@@ -1,12 +1,16 @@
 #include "bench/trace_rig.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "bench/device.h"
+#include "host/lidar/vec3.h"
 #include "host/render/trace_stages.h"
 #include "host/sensors/ray_groups.h"
+#include "kernels/sampling/sampler.h"
 
 namespace raycube::bench {
 namespace {
@@ -125,6 +129,38 @@ ShadowRays TraceRig::shadow_rays() const {
       rays.y[i] = at[RC_POINT_Y * padded];
       rays.z[i] = at[RC_POINT_Z * padded];
     }
+  return rays;
+}
+
+ShadowRays TraceRig::sky_rays() const {
+  const State& s = *state_;
+  const auto samples = static_cast<std::size_t>(s.shape.samples), padded = s.traced.elements.padded;
+  std::vector<float> surface(s.pixels() * s.traced.elements.surface);
+  s.traced.surface.read(surface);
+  ShadowRays rays;
+  const std::size_t count = s.pixels() * samples;
+  for (std::vector<float>* of : {&rays.x, &rays.y, &rays.z, &rays.dx, &rays.dy, &rays.dz}) of->resize(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t pixel = i / samples, k = i % samples;
+    const float* at = surface.data() + pixel * s.traced.elements.surface + k;
+    const lidar::Vec3 normal{at[RC_NORMAL_X * padded], at[RC_NORMAL_Y * padded], at[RC_NORMAL_Z * padded]};
+    const auto draw = [&](std::uint32_t dimension) {
+      return static_cast<double>(
+          rc_unit_float(rc_hash(7u, static_cast<std::uint32_t>(pixel), static_cast<std::uint32_t>(k), dimension)));
+    };
+    const double square = draw(0), turn = 2 * std::numbers::pi * draw(1);
+    const lidar::Vec3 other = std::abs(normal[0]) < 0.7 ? lidar::Vec3{1, 0, 0} : lidar::Vec3{0, 1, 0};
+    lidar::Vec3 across = lidar::cross(normal, other);
+    for (double& part : across) part /= std::max(lidar::length(lidar::cross(normal, other)), 1e-30);
+    const lidar::Vec3 along = lidar::cross(normal, across);
+    const double a = std::sqrt(square) * std::cos(turn), b = std::sqrt(square) * std::sin(turn),
+                 up = std::sqrt(1 - square);
+    rays.x[i] = lidar::length(normal) > 0.5 ? at[RC_POINT_X * padded] : std::numeric_limits<float>::quiet_NaN();
+    rays.y[i] = at[RC_POINT_Y * padded];
+    rays.z[i] = at[RC_POINT_Z * padded];
+    std::vector<float>* to[] = {&rays.dx, &rays.dy, &rays.dz};
+    for (std::size_t j = 0; j < 3; ++j) (*to[j])[i] = static_cast<float>(a * across[j] + b * along[j] + up * normal[j]);
+  }
   return rays;
 }
 

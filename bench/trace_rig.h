@@ -35,6 +35,9 @@ class TraceRig {
   std::vector<RayResult> sun() const;
   /// The rays the sun stage traced: NaN where the ray missed or the surface faces away.
   ShadowRays shadow_rays() const;
+  /// From the same points, one ray each in a direction of its own, its density cosine / pi about the surface's normal;
+  /// NaN where the primary ray missed.
+  ShadowRays sky_rays() const;
 
   const std::string& build_options() const;
   /// SHA-256 of the tracing program's source and options.

@@ -3,6 +3,7 @@
 #include <embree3/rtcore.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <string>
 
@@ -51,13 +52,22 @@ void set_slot(shared::BvhNode& node, std::uint32_t slot, const Box& box) {
   node.hi_x[slot] = box.hi[0], node.hi_y[slot] = box.hi[1], node.hi_z[slot] = box.hi[2];
 }
 
+// Largest coordinate, of any sign, of a node's boxes.
+float reach_of(const BuildNode& node) {
+  float reach = 0;
+  for (std::uint32_t i = 0; i < node.count; ++i)
+    for (int k = 0; k < 3; ++k) reach = std::max({reach, std::abs(node.box[i].lo[k]), std::abs(node.box[i].hi[k])});
+  return reach;
+}
+
 // Depth first; the deeper half of a child list lies right behind its parent, which is what a traversal visits next.
-std::uint32_t flatten(const BuildNode& from, Tree& tree, std::uint32_t level) {
+std::uint32_t flatten(const BuildNode& from, BoxTree& tree, std::uint32_t level) {
   tree.depth = std::max(tree.depth, level);
   const auto index = static_cast<std::uint32_t>(tree.nodes.size());
   tree.nodes.emplace_back();
   tree.nodes[index] = {};
   tree.nodes[index].count = from.count;
+  tree.nodes[index].reach = reach_of(from);
   for (std::uint32_t i = 0; i < from.count; ++i) {
     const BuildNode& child = *from.child[i];
     set_slot(tree.nodes[index], i, from.box[i]);
@@ -90,14 +100,16 @@ void Box::grow(const Box& other) {
   grow(other.hi);
 }
 
-Tree build_tree(const std::vector<Box>& boxes) {
-  Tree tree;
+BoxTree build_tree(const std::vector<Box>& boxes) {
+  BoxTree tree;
   if (boxes.size() == 1) {  // rtcBuildBVH would return a bare leaf
     tree.nodes.emplace_back();
     tree.nodes[0] = {};
     tree.nodes[0].count = 1;
     tree.nodes[0].leaf_mask = 1;
     set_slot(tree.nodes[0], 0, boxes[0]);
+    for (int k = 0; k < 3; ++k)
+      tree.nodes[0].reach = std::max({tree.nodes[0].reach, std::abs(boxes[0].lo[k]), std::abs(boxes[0].hi[k])});
     tree.depth = 1;
     return tree;
   }

@@ -16,12 +16,12 @@ struct Box {
   void grow(const Box& other);
 };
 
-struct Tree {
+struct BoxTree {
   std::vector<shared::BvhNode> nodes;  ///< node 0 is the root; children by index into this array, leaves by item index
   std::uint32_t depth = 0;             ///< levels of nodes
 };
 
 /// Precondition: at least one box, all finite. The tree is the same on every run: it is built on one thread.
-Tree build_tree(const std::vector<Box>& boxes);
+BoxTree build_tree(const std::vector<Box>& boxes);
 
 }  // namespace raycube::scene::detail

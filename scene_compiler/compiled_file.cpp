@@ -5,6 +5,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <type_traits>
 
 #include "host/base/error.h"
@@ -111,14 +112,21 @@ void archive_content(Archive& ar, Scene& scene) {
   ar(scene.surfaces);
   for (auto& mesh : scene.meshes) {
     ar(mesh.name);
-    ar(mesh.root);
-    ar(mesh.first_block);
-    ar(mesh.block_count);
-    ar(mesh.triangle_count);
-    ar(mesh.depth);
+    ar(mesh.tree);
+    ar(mesh.placed_after);
     ar(mesh.lo);
     ar(mesh.hi);
     ar(mesh.user_face);
+  }
+  for (auto& tree : scene.trees) {
+    ar(tree.meshes);
+    ar(tree.root);
+    ar(tree.first_block);
+    ar(tree.block_count);
+    ar(tree.triangle_count);
+    ar(tree.depth);
+    ar(tree.lo);
+    ar(tree.hi);
   }
   ar(scene.instances);
   ar(scene.nodes);
@@ -194,6 +202,7 @@ void write_content(const CompiledScene& scene, Add add) {
   Writer<Add> writer(std::move(add));
   writer(static_cast<std::uint64_t>(scene.materials.size()));
   writer(static_cast<std::uint64_t>(scene.meshes.size()));
+  writer(static_cast<std::uint64_t>(scene.trees.size()));
   archive_content(writer, scene);
 }
 
@@ -225,14 +234,33 @@ std::string read_file(const std::string& file) {
   return data;
 }
 
+/// A tree's arrays, and that each of its triangles has an owner.
+void check_tree(const CompiledScene& scene, const Tree& tree, const Reader& reader) {
+  if (tree.root >= scene.nodes.size() || std::uint64_t{tree.first_block} + tree.block_count > scene.blocks.size())
+    reader.damaged("has a tree outside its arrays");
+  std::map<std::uint32_t, std::size_t> triangles;  // of the mesh placed so far behind the first
+  for (const auto mesh : tree.meshes) {
+    if (mesh >= scene.meshes.size()) reader.damaged("has a tree of an unknown mesh");
+    triangles[scene.meshes[mesh].placed_after] = scene.meshes[mesh].user_face.size();
+  }
+  for (std::uint32_t b = tree.first_block; b < tree.first_block + tree.block_count; ++b)
+    for (std::uint32_t lane = 0; lane < RC_BLOCK; ++lane) {
+      const shared::TriBlock& block = scene.blocks[b];
+      if (block.surface[lane] == RC_NONE) continue;
+      const auto mesh = triangles.find(block.placed_after[lane]);
+      if (mesh == triangles.end() || block.triangle[lane] >= mesh->second)
+        reader.damaged("has a triangle of an unknown mesh");
+    }
+}
+
 /// References inside the arrays; a file whose hash is right was written so, but a foreign writer may have
 /// erred.
 void check_references(const CompiledScene& scene, const Reader& reader) {
+  for (const auto& tree : scene.trees) check_tree(scene, tree, reader);
   for (const auto& mesh : scene.meshes)
-    if (mesh.root >= scene.nodes.size() || std::uint64_t{mesh.first_block} + mesh.block_count > scene.blocks.size())
-      reader.damaged("has a mesh outside its arrays");
+    if (mesh.tree >= scene.trees.size()) reader.damaged("has a mesh outside its arrays");
   for (const auto& instance : scene.instances)
-    if (instance.mesh >= scene.meshes.size() || instance.root >= scene.nodes.size())
+    if (instance.tree >= scene.trees.size() || instance.root >= scene.nodes.size())
       reader.damaged("has an instance outside its arrays");
   for (const auto& surface : scene.surfaces)
     for (const auto material : surface.material)
@@ -326,13 +354,16 @@ CompiledScene load_compiled(const std::string& file) {
 
   CompiledScene scene;
   Reader reader(data.data() + kHeaderBytes, static_cast<std::size_t>(payload_bytes), file);
-  std::uint64_t materials = 0, meshes = 0;
+  std::uint64_t materials = 0, meshes = 0, trees = 0;
   reader(materials);
   reader(meshes);
+  reader(trees);
   // Each of them takes at least its counts: no huge allocation from a small file.
-  if (materials > reader.left() / 48 || meshes > reader.left() / 60) reader.damaged("has impossible counts");
+  if (materials > reader.left() / 48 || meshes > reader.left() / 48 || trees > reader.left() / 48)
+    reader.damaged("has impossible counts");
   scene.materials.resize(static_cast<std::size_t>(materials));
   scene.meshes.resize(static_cast<std::size_t>(meshes));
+  scene.trees.resize(static_cast<std::size_t>(trees));
   archive_content(reader, scene);
   std::uint64_t volumes = 0;
   reader(volumes);

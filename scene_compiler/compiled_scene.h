@@ -1,5 +1,6 @@
-// A scene flattened for the device: flat arrays, one mesh stored once however often it is placed. Frame: local
-// ENU (x east, y north, z up), metres, relative to the recorded origin. Georeferenced doubles end here.
+// A scene flattened for the device: flat arrays, one mesh stored once however often it is placed, meshes that always
+// stand together in one tree. Frame: local ENU (x east, y north, z up), metres, relative to the recorded origin.
+// Georeferenced doubles end here. Whose a triangle is, the user's placement, mesh and face, only owner.h says.
 #pragma once
 
 #include <array>
@@ -63,16 +64,28 @@ struct Volume {
   std::vector<double> wavelength_um, cross_section_cm2;
 };
 
+/// A mesh as the user gave it. Its triangles lie in a tree, perhaps among those of others.
 struct Mesh {
   std::string name;
-  std::uint32_t root = 0;  ///< node index of the tree's root
+  std::uint32_t tree = 0;                ///< index into CompiledScene::trees
+  std::uint32_t placed_after = 0;        ///< in its tree: places behind the tree's first mesh in the user's list
+  std::array<float, 3> lo{}, hi{};       ///< bounds, m, mesh frame
+  std::vector<std::uint32_t> user_face;  ///< face number in the user's file of each triangle, in the user's order
+  std::uint32_t triangle_count() const { return static_cast<std::uint32_t>(user_face.size()); }
+};
+
+/// Which meshes share a tree: those that are always placed together (placed_together.h), or none, which tests compare.
+enum class TreeSharing { together, none };
+
+/// The triangles of one mesh, or of several that are always placed together, in one BVH.
+struct Tree {
+  std::vector<std::uint32_t> meshes;  ///< by placed_after, ascending; the first has 0
+  std::uint32_t root = 0;             ///< node index
   std::uint32_t first_block = 0;
   std::uint32_t block_count = 0;
-  std::uint32_t triangle_count = 0;
-  std::uint32_t depth = 0;          ///< levels of nodes from root to deepest leaf
-  std::array<float, 3> lo{}, hi{};  ///< bounds, m, mesh frame
-  /// user_face[p - first_block * 16]: face number in the user's file of primitive p; RC_NONE in unused lanes
-  std::vector<std::uint32_t> user_face;
+  std::uint32_t triangle_count = 0;  ///< of all its meshes
+  std::uint32_t depth = 0;           ///< levels of nodes from root to deepest leaf
+  std::array<float, 3> lo{}, hi{};   ///< bounds, m, frame of its meshes
 };
 
 /// Where the local frame lies. epsg 0: not georeferenced.
@@ -85,19 +98,20 @@ struct CompiledScene {
   Origin origin;
   std::vector<Material> materials;
   std::vector<Volume> volumes;
-  std::vector<shared::Surface> surfaces;  ///< the first materials.size() are the pure materials, in order
-  std::vector<Mesh> meshes;
-  std::vector<shared::Instance> instances;
-  std::vector<shared::BvhNode> nodes;  ///< top tree first: node 0 is its root (count 0 in an empty scene)
+  std::vector<shared::Surface> surfaces;    ///< the first materials.size() are the pure materials, in order
+  std::vector<Mesh> meshes;                 ///< in the user's order
+  std::vector<Tree> trees;                  ///< in the order of their first meshes
+  std::vector<shared::Instance> instances;  ///< placed trees, by placement, ascending
+  std::vector<shared::BvhNode> nodes;       ///< top tree first: node 0 is its root (count 0 in an empty scene)
   std::vector<shared::TriBlock> blocks;
   std::uint32_t top_depth = 0;      ///< levels of the top tree
   std::array<float, 3> lo{}, hi{};  ///< world bounds, m; lo > hi in an empty scene
   std::string content_hash;         ///< SHA-256 (hex) of everything above that changes a result
 
-  /// Deepest stack a depth-first traversal of 8-wide nodes can need: 7 * (top_depth + deepest mesh) + 8.
+  /// Deepest stack a depth-first traversal of 8-wide nodes can need: 7 * (top_depth + deepest tree) + 8.
   std::uint32_t stack_bound() const {
     std::uint32_t deepest = 0;
-    for (const auto& mesh : meshes) deepest = mesh.depth > deepest ? mesh.depth : deepest;
+    for (const auto& tree : trees) deepest = tree.depth > deepest ? tree.depth : deepest;
     return 7u * (top_depth + deepest) + 8u;
   }
 };

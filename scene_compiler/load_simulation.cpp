@@ -247,13 +247,6 @@ Simulation load_simulation(const std::string& file, const LoadOptions& options) 
   out.seed = options.seed.value_or(static_cast<std::uint64_t>(root.integer("seed")));
   out.sky_directions_given = root.given("sky_directions");
   if (out.sky_directions_given) out.sky_directions = static_cast<int>(root.integer("sky_directions"));
-  out.sky_share = root.given("sky_share") ? static_cast<int>(root.integer("sky_share")) : 0;
-  if (out.sky_share > 0 && !out.sky_directions_given)
-    out.sky_directions = (out.sky_directions + out.sky_share - 1) / out.sky_share * out.sky_share;
-  if (out.sky_share > 0 && out.sky_directions_given && out.sky_directions % out.sky_share != 0)
-    problems.add(root.place("sky_share"), "does not divide sky_directions",
-                 std::to_string(out.sky_share) + " of " + std::to_string(out.sky_directions),
-                 "give a divisor, or remove sky_share");
   out.plan = read_plan(root, problems);
   if (const Record* thermal = root.table("thermal")) out.thermal_below_3um = thermal->text("below_3um") != "left_out";
   // A file that could not be read at all has one problem; what it lacks is not worth a line.
@@ -277,7 +270,7 @@ Simulation load_simulation(const std::string& file, const LoadOptions& options) 
     out.ground = std::make_shared<const Ground>(parts.terrains);
   out.notices = std::move(parts.notices);
   out.resolved_json = document_json(root);
-  if (options.compile) out.scene = compile_scene(std::move(parts), std::move(materials));
+  if (options.compile) out.scene = compile_scene(std::move(parts), std::move(materials), options.trees);
   return out;
 }
 

@@ -13,6 +13,7 @@ struct LoadOptions {
   std::optional<std::uint64_t> seed = {};  ///< instead of the file's
   bool compile = true;                     ///< false: validate only, Simulation::scene stays empty
   bool need_instruments = false;           ///< a file without [[instrument]] and [[lidar]] is an error
+  TreeSharing trees = TreeSharing::together;
   /// Instead of the file's [atmosphere] model ("layered", "clear_sky"); empty: the file's. What the file says
   /// of air that both models have goes over to it; a key of the other model alone is a problem.
   std::string air_model = {};

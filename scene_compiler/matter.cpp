@@ -5,11 +5,11 @@
 namespace raycube::scene {
 
 std::vector<std::uint32_t> used_materials(const CompiledScene& scene) {
-  std::vector<char> placed(scene.meshes.size(), 0), seen(scene.blocks.size(), 1);
+  std::vector<char> placed(scene.trees.size(), 0), seen(scene.blocks.size(), 1);
   for (const auto& instance : scene.instances)
-    if (instance.mesh < placed.size()) placed[instance.mesh] = 1;
-  for (std::size_t m = 0; m < placed.size(); ++m)
-    if (!placed[m]) std::fill_n(seen.begin() + scene.meshes[m].first_block, scene.meshes[m].block_count, char{0});
+    if (instance.tree < placed.size()) placed[instance.tree] = 1;
+  for (std::size_t t = 0; t < placed.size(); ++t)
+    if (!placed[t]) std::fill_n(seen.begin() + scene.trees[t].first_block, scene.trees[t].block_count, char{0});
   std::vector<char> surface_used(scene.surfaces.size(), 0);
   for (std::size_t b = 0; b < scene.blocks.size(); ++b)
     for (const auto surface : scene.blocks[b].surface)

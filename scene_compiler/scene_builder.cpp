@@ -4,6 +4,7 @@
 
 #include "scene_compiler/compiled_file.h"
 #include "scene_compiler/panels.h"
+#include "scene_compiler/placed_together.h"
 
 namespace raycube::scene {
 namespace {
@@ -86,6 +87,21 @@ void add_box(const Record& record, const std::string& name, const MaterialTable&
                       surface, top));
 }
 
+/// Where each mesh first stands in the list of placements; 0 of those that are never placed.
+std::vector<std::uint32_t> first_placements(const SceneParts& parts) {
+  std::vector<std::uint32_t> out(parts.meshes.size(), 0);
+  for (auto i = static_cast<std::uint32_t>(parts.placed.size()); i-- > 0;) out[parts.placed[i].mesh] = i;
+  return out;
+}
+
+/// Meshes of each tree.
+std::vector<std::vector<std::uint32_t>> tree_groups(const SceneParts& parts, TreeSharing sharing) {
+  if (sharing == TreeSharing::together) return placed_together(parts.placed, parts.meshes.size());
+  std::vector<std::vector<std::uint32_t>> alone;
+  for (std::uint32_t mesh = 0; mesh < parts.meshes.size(); ++mesh) alone.push_back({mesh});
+  return alone;
+}
+
 }  // namespace
 
 std::array<double, 3> position_of(const Record& record, const SceneParts& parts, Problems& problems) {
@@ -147,18 +163,25 @@ SceneParts read_scene_parts(const Record& root, MaterialTable& materials, Proble
   return parts;
 }
 
-CompiledScene compile_scene(SceneParts&& parts, MaterialTable&& materials) {
+CompiledScene compile_scene(SceneParts&& parts, MaterialTable&& materials, TreeSharing sharing) {
   CompiledScene scene;
   scene.origin = parts.origin;
   scene.volumes = std::move(parts.volumes);
   materials.move_to(scene);
-  for (auto& mesh : parts.meshes) {
-    append_mesh(scene, mesh.name, mesh.mesh);
-    mesh.mesh = {};
+  for (const auto& mesh : parts.meshes) scene.meshes.push_back({mesh.name, 0, 0, {}, {}, {}});
+  const auto first_places = first_placements(parts);
+  for (const auto& group : tree_groups(parts, sharing)) {
+    std::vector<TreeMember> members;
+    for (const std::uint32_t mesh : group)
+      members.push_back({mesh, first_places[mesh] - first_places[group[0]], &parts.meshes[mesh].mesh});
+    append_tree(scene, members);
+    for (const std::uint32_t mesh : group) parts.meshes[mesh].mesh = {};
   }
-  scene.instances.reserve(parts.placed.size());
-  for (std::size_t i = 0; i < parts.placed.size(); ++i)
-    append_instance(scene, parts.placed[i].mesh, parts.placed[i].scene_from_mesh, static_cast<std::uint32_t>(i));
+  for (std::uint32_t i = 0; i < parts.placed.size(); ++i) {
+    const Placed& placed = parts.placed[i];
+    const Mesh& mesh = scene.meshes[placed.mesh];  // the others of its tree come with the first
+    if (mesh.placed_after == 0) append_instance(scene, mesh.tree, placed.scene_from_mesh, i);
+  }
   finish_top_tree(scene);
   scene.content_hash = content_hash(scene);
   return scene;

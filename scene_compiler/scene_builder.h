@@ -51,7 +51,7 @@ void add_volumes(const Record& root, SceneParts& parts, base::Problems& problems
 std::array<double, 3> position_of(const Record& record, const SceneParts& parts, base::Problems& problems);
 
 /// Builds trees and the content hash. Precondition: read_scene_parts found no problem.
-CompiledScene compile_scene(SceneParts&& parts, MaterialTable&& materials);
+CompiledScene compile_scene(SceneParts&& parts, MaterialTable&& materials, TreeSharing sharing = TreeSharing::together);
 
 inline constexpr std::array<double, 12> kIdentity{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
 

@@ -14,20 +14,24 @@ SceneInfo scene_info(const CompiledScene& scene) {
   out.origin = scene.origin;
   out.lo = scene.lo;
   out.hi = scene.hi;
-  out.instances = scene.instances.size();
   out.surfaces = scene.surfaces.size();
   out.nodes = scene.nodes.size();
   out.blocks = scene.blocks.size();
   out.stack_bound = scene.stack_bound();
-  std::uint32_t first_mesh_node = static_cast<std::uint32_t>(scene.nodes.size());
-  for (const auto& mesh : scene.meshes) {
-    out.meshes.push_back({mesh.name, mesh.triangle_count, 0, mesh.block_count, mesh.depth});
-    out.triangles += mesh.triangle_count;
-    first_mesh_node = std::min(first_mesh_node, mesh.root);
+  std::uint32_t top_nodes = static_cast<std::uint32_t>(scene.nodes.size());
+  for (const auto& tree : scene.trees) {
+    out.trees.push_back({tree.triangle_count, tree.meshes.size(), 0, tree.block_count, tree.depth});
+    top_nodes = std::min(top_nodes, tree.root);
   }
-  for (const auto& instance : scene.instances) {
-    ++out.meshes[instance.mesh].instances;
-    out.placed_triangles += scene.meshes[instance.mesh].triangle_count;
+  for (const auto& mesh : scene.meshes) {
+    out.meshes.push_back({mesh.name, mesh.triangle_count(), 0, mesh.tree});
+    out.triangles += mesh.triangle_count();
+  }
+  for (const auto& instance : scene.instances) ++out.trees[instance.tree].instances;
+  for (auto& mesh : out.meshes) {
+    mesh.instances = out.trees[mesh.tree].instances;
+    out.instances += mesh.instances;
+    out.placed_triangles += mesh.instances * mesh.triangles;
   }
   for (const auto& material : scene.materials) {
     const auto& w = material.reflectance.wavelength_um;
@@ -44,13 +48,13 @@ SceneInfo scene_info(const CompiledScene& scene) {
     out.volumes.push_back({volume.name, shape, volume.gas, w.empty() ? 0 : w.front(), w.empty() ? 0 : w.back(),
                            volume.extinction_per_m > 0});
   }
-  // The top tree comes first; finish_top_tree moves every mesh tree behind it.
-  const std::uint64_t top_bytes = std::uint64_t{first_mesh_node} * sizeof(shared::BvhNode);
-  const std::uint64_t mesh_bytes =
-      (out.nodes - first_mesh_node) * sizeof(shared::BvhNode) + out.blocks * sizeof(shared::TriBlock);
-  const std::uint64_t instance_bytes = out.instances * sizeof(shared::Instance);
-  out.bytes = top_bytes + mesh_bytes + instance_bytes + out.surfaces * sizeof(shared::Surface);
-  if (out.triangles > 0) out.bytes_per_triangle = static_cast<double>(mesh_bytes) / static_cast<double>(out.triangles);
+  // The top tree comes first; finish_top_tree moves every other tree behind it.
+  const std::uint64_t top_bytes = std::uint64_t{top_nodes} * sizeof(shared::BvhNode);
+  const std::uint64_t tree_bytes =
+      (out.nodes - top_nodes) * sizeof(shared::BvhNode) + out.blocks * sizeof(shared::TriBlock);
+  const std::uint64_t instance_bytes = scene.instances.size() * sizeof(shared::Instance);
+  out.bytes = top_bytes + tree_bytes + instance_bytes + out.surfaces * sizeof(shared::Surface);
+  if (out.triangles > 0) out.bytes_per_triangle = static_cast<double>(tree_bytes) / static_cast<double>(out.triangles);
   if (out.instances > 0)
     out.bytes_per_instance = static_cast<double>(top_bytes + instance_bytes) / static_cast<double>(out.instances);
   if (out.blocks > 0)
@@ -73,7 +77,8 @@ std::string scene_info_text(const SceneInfo& info) {
       "full\n",
       static_cast<double>(info.bytes) / (1 << 20), info.bytes_per_triangle, info.bytes_per_instance,
       100 * info.block_fill);
-  out += fmt::format("trees          {} nodes, traversal stack of {}\n", info.nodes, info.stack_bound);
+  out += fmt::format("trees          {} of {} meshes, {} nodes, traversal stack of {}\n", info.trees.size(),
+                     info.meshes.size(), info.nodes, info.stack_bound);
   out += fmt::format("surfaces       {}\n\nmeshes\n", info.surfaces);
   for (const auto& mesh : info.meshes)
     out += fmt::format("  {:<32} {:>9} triangles x {}\n", mesh.name, mesh.triangles, mesh.instances);
@@ -94,13 +99,15 @@ std::string scene_info_text(const SceneInfo& info) {
 }
 
 std::string scene_info_json(const SceneInfo& info) {
-  nlohmann::ordered_json meshes = nlohmann::ordered_json::array(), materials = meshes, volumes = meshes;
+  nlohmann::ordered_json meshes = nlohmann::ordered_json::array(), trees = meshes, materials = meshes, volumes = meshes;
   for (const auto& m : info.meshes)
-    meshes.push_back({{"name", m.name},
-                      {"triangles", m.triangles},
-                      {"instances", m.instances},
-                      {"blocks", m.blocks},
-                      {"depth", m.depth}});
+    meshes.push_back({{"name", m.name}, {"triangles", m.triangles}, {"instances", m.instances}, {"tree", m.tree}});
+  for (const auto& t : info.trees)
+    trees.push_back({{"triangles", t.triangles},
+                     {"meshes", t.meshes},
+                     {"instances", t.instances},
+                     {"blocks", t.blocks},
+                     {"depth", t.depth}});
   for (const auto& m : info.materials)
     materials.push_back({{"name", m.name},
                          {"source", m.source},
@@ -138,6 +145,7 @@ std::string scene_info_json(const SceneInfo& info) {
                                       {"bytes_per_instance", info.bytes_per_instance},
                                       {"block_fill", info.block_fill},
                                       {"meshes", meshes},
+                                      {"trees", trees},
                                       {"materials", materials},
                                       {"volumes", volumes}};
   return out.dump(2, ' ', false, decltype(out)::error_handler_t::replace) + "\n";

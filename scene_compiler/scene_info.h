@@ -12,7 +12,16 @@ namespace raycube::scene {
 
 struct MeshInfo {
   std::string name;
-  std::uint64_t triangles = 0, instances = 0, blocks = 0, depth = 0;
+  std::uint64_t triangles = 0;
+  std::uint64_t instances = 0;  ///< times it is placed
+  std::uint64_t tree = 0;       ///< which of the trees it lies in
+};
+
+/// Meshes that are always placed together.
+struct TreeInfo {
+  std::uint64_t triangles = 0, meshes = 0;
+  std::uint64_t instances = 0;  ///< times it is placed
+  std::uint64_t blocks = 0, depth = 0;
 };
 
 struct MaterialInfo {
@@ -36,12 +45,14 @@ struct SceneInfo {
   std::array<float, 3> lo{}, hi{};
   std::uint64_t triangles = 0;         ///< stored
   std::uint64_t placed_triangles = 0;  ///< counted once per instance
-  std::uint64_t instances = 0, surfaces = 0, nodes = 0, blocks = 0, stack_bound = 0;
-  std::uint64_t bytes = 0;        ///< device buffers: blocks, nodes, instances, surfaces
-  double bytes_per_triangle = 0;  ///< blocks and mesh nodes, per stored triangle
-  double bytes_per_instance = 0;  ///< instances and top-tree nodes, per instance
+  std::uint64_t instances = 0;         ///< meshes as the user placed them
+  std::uint64_t surfaces = 0, nodes = 0, blocks = 0, stack_bound = 0;
+  std::uint64_t bytes = 0;        ///< device buffers: blocks, nodes, placed trees, surfaces
+  double bytes_per_triangle = 0;  ///< blocks and their trees' nodes, per stored triangle
+  double bytes_per_instance = 0;  ///< placed trees and top-tree nodes, per instance
   double block_fill = 0;          ///< used lanes over all lanes
   std::vector<MeshInfo> meshes;
+  std::vector<TreeInfo> trees;
   std::vector<MaterialInfo> materials;
   std::vector<VolumeInfo> volumes;
 };

@@ -130,14 +130,16 @@ struct PlanOverrides {
 
 class Ground;
 
+/// Of a pixel, where neither file nor planner says.
+inline constexpr int kDefaultSkyDirections = 64;
+
 /// A whole simulation as one file describes it.
 struct Simulation {
   std::string file;  ///< absolute path
   double tolerance = 0.01;
   std::uint64_t seed = 1;
-  int sky_directions = 16;            ///< per pixel
-  int sky_share = 1;                  ///< each sample looks into one in so many of them; 0: as plan::sky_share has it
-  bool sky_directions_given = false;  ///< by the file; otherwise the planner chooses them (host/planner)
+  int sky_directions = kDefaultSkyDirections;  ///< of a pixel, shared out among its samples
+  bool sky_directions_given = false;           ///< by the file; otherwise the planner chooses them (host/planner)
   PlanOverrides plan;
   bool thermal_below_3um = true;  ///< false: bands below 3 um go without thermal light whatever it makes
   AtmosphereSpec atmosphere;

@@ -13,6 +13,8 @@ if(TARGET raycube_render AND TARGET raycube_plan)
   raycube_test(render_reference SOURCES cross/render_reference_test.cpp
                LIBS raycube::run raycube_reference raycube_render raycube_plan raycube_sensors raycube_scene_bvh LABELS
                  fast device)
+  raycube_test(shared_trees SOURCES oracle/shared_trees_test.cpp
+               LIBS raycube::run raycube_reference raycube_trace_support LABELS fast device)
   raycube_test(terrain_hits SOURCES cross/terrain_hits_test.cpp
                LIBS raycube::run raycube_bench_scenes raycube_reference raycube_render raycube_scene_bvh LABELS fast
                  device)

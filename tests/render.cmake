@@ -7,6 +7,8 @@ raycube_test(any_order SOURCES unit/any_order_test.cpp LIBS raycube::run raycube
 raycube_test(render_plane SOURCES oracle/render_plane_test.cpp LIBS raycube_render_support LABELS fast)
 raycube_test(render_instance SOURCES oracle/render_instance_test.cpp LIBS raycube_render_support LABELS fast)
 raycube_test(render_wall SOURCES oracle/render_wall_test.cpp LIBS raycube_render_support LABELS fast)
+raycube_test(render_sky_error SOURCES oracle/render_sky_error_test.cpp LIBS raycube_render_support raycube_test_scenes
+  LABELS slow)
 raycube_test(render_invariance SOURCES oracle/render_invariance_test.cpp LIBS raycube_test_scenes raycube_render_support
   LABELS fast)
 raycube_test(render_pages SOURCES oracle/render_pages_test.cpp LIBS raycube_render_support raycube_trace_support LABELS

@@ -5,6 +5,7 @@ raycube_test(sun_position SOURCES oracle/sun_position_test.cpp LIBS raycube::sce
 raycube_test(scene_spectra SOURCES unit/scene_spectra_test.cpp LIBS raycube::scene_compiler LABELS fast)
 raycube_test(scene_terrain SOURCES unit/scene_terrain_test.cpp LIBS raycube::scene_compiler LABELS fast)
 raycube_test(scene_content SOURCES unit/scene_content_test.cpp LIBS raycube::scene_compiler LABELS fast)
+raycube_test(owner SOURCES unit/owner_test.cpp LIBS raycube::scene_compiler raycube_test_scenes LABELS fast)
 raycube_test(scene_compiled_file SOURCES unit/scene_compiled_file_test.cpp LIBS raycube::scene_compiler LABELS fast)
 raycube_test(scene_real_input SOURCES unit/scene_real_input_test.cpp LIBS raycube::scene_compiler LABELS fast)
 raycube_test(scene_options SOURCES unit/scene_options_test.cpp LIBS raycube::scene_compiler nlohmann_json::nlohmann_json

@@ -65,9 +65,8 @@ std::string dry_run_text(const run::CameraJob& job, const run::CameraForecast& f
   const plan::Plan& plan = job.plan;
   return fmt::format(
              "{}: {} x {} pixels, {} bands, {} samples per pixel\n"
-             "  plan      nodes: {} heights, {} view angles, {} x {} path directions; sky: {} components, {} sets of "
-             "{} directions; {} "
-             "wavelengths\n"
+             "  plan      nodes: {} heights, {} view angles, {} x {} path directions; sky: {} components, {} "
+             "directions; {} wavelengths\n"
              "  adjacency {}\n"
              "  error     {:.2g} estimated of {:.2g} that the plan may spend (tolerance {:.2g})\n"
              "  memory    scene {}, tile of {} x {} pixels {}, strips {}: {} of {}, baked rows at most {} more; the "
@@ -76,12 +75,12 @@ std::string dry_run_text(const run::CameraJob& job, const run::CameraForecast& f
              "  products  cube {}, truth {}\n",
              instrument.name, instrument.pixels, instrument.lines, instrument.bands.size(), forecast.samples,
              plan.height.count, plan.view.count, plan.path_x.count, plan.path_y.count, plan.sky_components,
-             plan.sky.sets, plan.sky.directions, plan.wavelength_um.size(), adjacency_text(plan),
-             plan.report.total_error, plan.report.budget, plan.tolerance, base::format_bytes(forecast.scene_bytes),
-             forecast.tile_columns, forecast.tile_lines, base::format_bytes(forecast.tile_bytes),
-             base::format_bytes(forecast.strip_bytes), base::format_bytes(forecast.total_bytes()),
-             base::format_bytes(forecast.budget_bytes), base::format_bytes(forecast.baked_rows_bytes),
-             base::format_bytes(forecast.cube_bytes), base::format_bytes(forecast.truth_bytes)) +
+             plan.sky.rays, plan.wavelength_um.size(), adjacency_text(plan), plan.report.total_error,
+             plan.report.budget, plan.tolerance, base::format_bytes(forecast.scene_bytes), forecast.tile_columns,
+             forecast.tile_lines, base::format_bytes(forecast.tile_bytes), base::format_bytes(forecast.strip_bytes),
+             base::format_bytes(forecast.total_bytes()), base::format_bytes(forecast.budget_bytes),
+             base::format_bytes(forecast.baked_rows_bytes), base::format_bytes(forecast.cube_bytes),
+             base::format_bytes(forecast.truth_bytes)) +
          (estimated_s
               ? fmt::format(
                     "  time      about {:.1g} s to render, and the first time some seconds for the device's compiler\n",

@@ -32,7 +32,6 @@ const Knob& find_knob(const std::string& name) {
 Settings::Settings(const Subject& subject)
     : subject_(subject),
       sky_directions_(subject.simulation.sky_directions),
-      sky_share_(subject.simulation.sky_share),
       plan_(subject.simulation.plan),
       adjacency_(subject.simulation.atmosphere.adjacency),
       instrument_(subject.instrument ? *subject.instrument : scene::Instrument{}),
@@ -42,7 +41,6 @@ Settings::~Settings() { restore(); }
 
 void Settings::restore() {
   subject_.simulation.sky_directions = sky_directions_;
-  subject_.simulation.sky_share = sky_share_;
   subject_.simulation.plan = plan_;
   subject_.simulation.atmosphere.adjacency = adjacency_;
   if (subject_.instrument) *subject_.instrument = instrument_;

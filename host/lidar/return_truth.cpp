@@ -9,6 +9,7 @@
 #include "host/lidar/detector.h"
 #include "host/lidar/overlap.h"
 #include "host/lidar/pulse_taps.h"
+#include "scene_compiler/owner.h"
 
 namespace raycube::lidar {
 
@@ -199,7 +200,7 @@ SurfacePoint surface_point(const scene::CompiledScene& scene, const LidarPlan& p
   out.at_m = ray.from_m + dot(normal, a - ray.from_m) / facing * ray.direction;
   out.normal = (facing > 0 ? -1 / length(normal) : 1 / length(normal)) * normal;
   out.surface = block.surface[lane];
-  out.instance = hit.instance;
+  out.placement = scene::owner_of(scene, hit.instance, hit.primitive).placement;
   out.hit = true;
   return out;
 }
@@ -269,7 +270,7 @@ std::vector<ReturnTruth> return_truth(const scene::CompiledScene& scene, const F
     truth.subray_share += 1;
     weight[nearest] += sent;
     range[nearest] += sent * half_path;
-    senders[nearest][{point.instance, matter.material}] += sent;
+    senders[nearest][{point.placement, matter.material}] += sent;
   }
   for (std::size_t e = 0; e < echoes.size(); ++e) {
     ReturnTruth& truth = out[e];
@@ -280,7 +281,7 @@ std::vector<ReturnTruth> return_truth(const scene::CompiledScene& scene, const F
         truth.subray_share /= static_cast<float>(samples);
     const auto most = std::max_element(senders[e].begin(), senders[e].end(),
                                        [](const auto& a, const auto& b) { return a.second < b.second; });
-    truth.object = scene.instances[most->first.first].id;
+    truth.object = most->first.first;
     truth.material = most->first.second;
   }
   return out;

@@ -16,7 +16,7 @@ struct ReturnTruth {
       0;  ///< half the path over the surfaces, weighted by what they send back; NaN: no first surface there
   float expected_pe = 0;  ///< photo-electrons of these surfaces, once scattered, without gloss and the image's blur
   int order = 0;          ///< 1; 0 where no first surface explains the echo (noise, air, later bounces)
-  std::uint32_t object = RC_NONE;    ///< the user's instance number of the surface that sends most
+  std::uint32_t object = RC_NONE;    ///< the user's number of the placement whose surface that sends most
   std::uint32_t material = RC_NONE;  ///< its material with the largest share
   float incidence_deg = 0;           ///< mean angle between beam and normal
   float overlap = 0;                 ///< mean vignetting
@@ -26,8 +26,8 @@ struct ReturnTruth {
 
 /// A sub-ray's first surface.
 struct SurfacePoint {
-  Vec3 at_m{}, normal{};  ///< unit normal towards the sub-ray's start
-  std::uint32_t surface = RC_NONE, instance = RC_NONE;
+  Vec3 at_m{}, normal{};                                 ///< unit normal towards the sub-ray's start
+  std::uint32_t surface = RC_NONE, placement = RC_NONE;  ///< placement: the user's number
   bool hit = false;
 };
 /// Where sub-ray k of a shot (of a pixel, receiver sampling) meets its first surface, in double, on the plane of the

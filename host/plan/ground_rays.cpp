@@ -5,6 +5,9 @@
 #include <cmath>
 #include <limits>
 
+#include "scene_compiler/matter.h"
+#include "scene_compiler/owner.h"
+
 namespace raycube::plan {
 
 namespace {
@@ -15,9 +18,16 @@ struct Ray {
   Vec origin, direction;
 };
 
+/// The uppermost triangle so far; of two at one height the first in the user's order.
 struct Found {
+  const scene::CompiledScene& scene;
   double t = std::numeric_limits<double>::infinity();
-  std::uint32_t surface = RC_NONE;
+  std::uint32_t instance = RC_NONE, primitive = RC_NONE;
+
+  void take(double at, std::uint32_t placed, std::uint32_t triangle) {
+    if (at < t || (at == t && scene::user_before(scene, placed, triangle, instance, primitive)))
+      t = at, instance = placed, primitive = triangle;
+  }
 };
 
 Vec minus(const Vec& a, const Vec& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
@@ -48,7 +58,9 @@ bool meets_box(const shared::BvhNode& node, std::uint32_t slot, const Ray& ray, 
 }
 
 /// Moller & Trumbore (1997) in double: a ray lost at an edge is one of many thousands.
-void meet_triangle(const shared::TriBlock& block, std::uint32_t lane, const Ray& ray, Found& found) {
+void meet_triangle(std::uint32_t instance, std::uint32_t primitive, const Ray& ray, Found& found) {
+  const shared::TriBlock& block = found.scene.blocks[primitive / RC_BLOCK];
+  const std::uint32_t lane = primitive % RC_BLOCK;
   const Vec a{block.v0_x[lane], block.v0_y[lane], block.v0_z[lane]};
   const Vec ab = minus({block.v1_x[lane], block.v1_y[lane], block.v1_z[lane]}, a);
   const Vec ac = minus({block.v2_x[lane], block.v2_y[lane], block.v2_z[lane]}, a);
@@ -57,20 +69,20 @@ void meet_triangle(const shared::TriBlock& block, std::uint32_t lane, const Ray&
   if (determinant == 0) return;
   const Vec s = minus(ray.origin, a), q = cross(s, ab);
   const double u = dot(s, p) / determinant, v = dot(ray.direction, q) / determinant, t = dot(ac, q) / determinant;
-  if (u >= 0 && v >= 0 && u + v <= 1 && t >= 0 && t < found.t) found = {t, block.surface[lane]};
+  if (u >= 0 && v >= 0 && u + v <= 1 && t >= 0) found.take(t, instance, primitive);
 }
 
-void walk_mesh(const scene::CompiledScene& scene, std::uint32_t index, const Ray& ray, Found& found) {
-  const shared::BvhNode& node = scene.nodes[index];
+void walk_tree(std::uint32_t instance, std::uint32_t index, const Ray& ray, Found& found) {
+  const shared::BvhNode& node = found.scene.nodes[index];
   for (std::uint32_t slot = 0; slot < node.count; ++slot) {
     if (!meets_box(node, slot, ray, found.t)) continue;
     if (!(node.leaf_mask >> slot & 1u)) {
-      walk_mesh(scene, node.child[slot], ray, found);
+      walk_tree(instance, node.child[slot], ray, found);
       continue;
     }
-    const shared::TriBlock& block = scene.blocks[node.child[slot]];
-    for (std::uint32_t lane = 0; lane < RC_BLOCK; ++lane)
-      if (block.surface[lane] != RC_NONE) meet_triangle(block, lane, ray, found);
+    const std::uint32_t block = node.child[slot];
+    for (std::uint32_t p = block * RC_BLOCK; p < (block + 1) * RC_BLOCK; ++p)
+      if (scene::surface_of(found.scene, p) != RC_NONE) meet_triangle(instance, p, ray, found);
   }
 }
 
@@ -87,15 +99,16 @@ Ray to_local(const shared::Instance& instance, const Ray& ray) {
   return out;
 }
 
-void walk_top(const scene::CompiledScene& scene, std::uint32_t index, const Ray& ray, Found& found) {
-  const shared::BvhNode& node = scene.nodes[index];
+void walk_top(std::uint32_t index, const Ray& ray, Found& found) {
+  const shared::BvhNode& node = found.scene.nodes[index];
   for (std::uint32_t slot = 0; slot < node.count; ++slot) {
     if (!meets_box(node, slot, ray, found.t)) continue;
     if (node.leaf_mask >> slot & 1u) {
-      const shared::Instance& instance = scene.instances[node.child[slot]];
-      walk_mesh(scene, instance.root, to_local(instance, ray), found);
+      const std::uint32_t instance = node.child[slot];
+      const shared::Instance& placed = found.scene.instances[instance];
+      walk_tree(instance, placed.root, to_local(placed, ray), found);
     } else {
-      walk_top(scene, node.child[slot], ray, found);
+      walk_top(node.child[slot], ray, found);
     }
   }
 }
@@ -104,9 +117,9 @@ void walk_top(const scene::CompiledScene& scene, std::uint32_t index, const Ray&
 
 std::uint32_t uppermost_surface(const scene::CompiledScene& scene, double x_m, double y_m) {
   if (scene.nodes.empty() || scene.instances.empty()) return RC_NONE;
-  Found found;
-  walk_top(scene, 0, {{x_m, y_m, double{scene.hi[2]} + 1}, {0, 0, -1}}, found);
-  return found.surface;
+  Found found{scene};
+  walk_top(0, {{x_m, y_m, double{scene.hi[2]} + 1}, {0, 0, -1}}, found);
+  return found.primitive == RC_NONE ? RC_NONE : scene::surface_of(scene, found.primitive);
 }
 
 }  // namespace raycube::plan

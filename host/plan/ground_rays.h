@@ -5,8 +5,8 @@
 
 namespace raycube::plan {
 
-/// Index in scene.surfaces of the uppermost triangle at (x, y), m, scene frame; RC_NONE where a vertical line meets
-/// none.
+/// Index in scene.surfaces of the uppermost triangle at (x, y), m, scene frame, of several at one height of the user's
+/// first; RC_NONE where a vertical line meets none.
 std::uint32_t uppermost_surface(const scene::CompiledScene& scene, double x_m, double y_m);
 
 }  // namespace raycube::plan

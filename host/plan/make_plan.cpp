@@ -15,7 +15,7 @@
 #include "host/plan/plan.h"
 #include "host/plan/plan_errors.h"
 #include "host/plan/sky_factors.h"
-#include "host/plan/sky_sets.h"
+#include "host/plan/sky_rays.h"
 #include "host/plan/sources.h"
 #include "host/plan/spectral_plan.h"
 #include "host/plan/thermal_plan.h"
@@ -180,10 +180,10 @@ struct ChosenSkies {
 };
 
 void check_directions(const scene::Simulation& simulation) {
-  if (simulation.sky_directions < 1 || simulation.sky_directions > kMostDirections)
+  if (simulation.sky_directions < 1 || simulation.sky_directions > kMostSkyRays)
     throw base::Error(base::Fault::input,
-                      fmt::format("{}: sky_directions must be 1 to {} (found {}); 16 is the default", simulation.file,
-                                  kMostDirections, simulation.sky_directions));
+                      fmt::format("{}: sky_directions must be 1 to {} (found {}); {} is the default", simulation.file,
+                                  kMostSkyRays, simulation.sky_directions, scene::kDefaultSkyDirections));
 }
 
 /// A plan that knows its tolerance, its sun and its matter.
@@ -332,15 +332,6 @@ void fill_spectra(Plan& plan, const Setting& at, const ChosenSkies& skies) {
   }
 }
 
-/// The sky's directions for the samples of a pixel.
-void place_directions(Plan& plan, const scene::Simulation& simulation, const scene::Instrument& instrument,
-                      double sun_azimuth) {
-  if (plan.components() == 0) return;
-  plan.sky = make_sky_sets(plan.sky_basis, sun_azimuth, simulation.sky_directions, simulation.seed, plan.sky_components,
-                           plan.thermal.on ? &plan.thermal : nullptr);
-  plan.sky.share = sky_share(simulation.sky_share, instrument.samples_u * instrument.samples_v, plan.sky.directions);
-}
-
 void fill_report(Plan& plan, const Setting& at, const Light& light, const Levels& levels, const Chosen& chosen,
                  double map_error) {
   const NodeChoice& choice = chosen.nodes;
@@ -422,7 +413,8 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
   if (plan.sky_components > 0)
     map_error =
         fit_map(plan, domain.sun_azimuth, levels.sky[static_cast<std::size_t>(plan.sky_components - 1)].mixture);
-  place_directions(plan, simulation, instrument, domain.sun_azimuth);
+  plan.sky =
+      make_sky_rays(plan.sky_basis, plan.thermal, domain.sun_azimuth, plan.sun_direction, simulation.sky_directions);
 
   fill_report(plan, setting, light, levels, chosen, map_error);
   compare_with_flux_row(plan, setting, light.sky);

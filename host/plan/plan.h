@@ -1,4 +1,4 @@
-// The plan of one instrument's render: which nodes, sky components and direction sets carry the physics, and the
+// The plan of one instrument's render: which nodes, sky components and rays carry the physics, and the
 // spectra that go with them. Pure data: made once on the host in double, read by the kernels' driver and by the
 // reference.
 #pragma once
@@ -34,24 +34,22 @@ struct BandQuadrature {
   std::vector<double> weight;
 };
 
-/// Sky directions: `sets` sets of `directions` unit vectors; a pixel takes set hash(seed, pixel) % sets. The weights
-/// carry solid angle times component map: sum_k weight[m] max(0, n.d) estimates component m's irradiance on normal n.
-/// That of the surroundings is minus the solid angle: what the sky loses, they gain.
-struct SkySets {
-  int sets = 0, directions = 0;
-  int share = 1;  ///< each sample looks into one in `share` of the directions (rc_sky_part); divides them
-  int quads = 1;  ///< float4s of weights per direction: 2 where there are more than 4 components
-  std::vector<shared::rc_float4> direction;  ///< [set][k], towards the sky; w = 0
-  std::vector<shared::rc_float4> weight;     ///< [set][k][quad], components 4 quad .. 4 quad + 3 (sr)
-  /// Weights of entry set * directions + k, zero past the components there are.
-  std::array<double, 8> weights(std::size_t entry) const {
-    std::array<double, 8> out{};
-    for (std::size_t q = 0; q < static_cast<std::size_t>(quads); ++q) {
-      const shared::rc_float4& w = weight[entry * static_cast<std::size_t>(quads) + q];
-      out[4 * q] = w.x, out[4 * q + 1] = w.y, out[4 * q + 2] = w.z, out[4 * q + 3] = w.w;
-    }
-    return out;
-  }
+/// How a pixel looks for what hides its sky: rays from its samples, each in a direction of its own, drawn by the law of
+/// kernels/sampling/sky_rays.h. What an open sky sends is known in closed form; a surface takes a share of it for
+/// granted and its rays bring the rest, so that open ground has no noise and a crown's floor does not pay for light
+/// that it never had.
+struct SkyRays {
+  int rays = 0;             ///< of a pixel, all samples together; 0: no sky
+  double cosine_share = 1;  ///< by the cosine about the normal
+  double sun_share = 0;     ///< of the rest, about the sun with this asymmetry; all else evenly
+  double asymmetry = 0.5;
+  double spread = 0;           ///< variance of one ray's light over its mean's square: mean over many tilts, open sky
+  double sun_azimuth_rad = 0;  ///< from which the maps' azimuth counts, clockwise from north
+  std::uint32_t draw = 0;      ///< other rays of one seed, for trials
+  std::vector<float> open_share;  ///< [surface], 0 .. 1, taken for granted; empty: 1 everywhere
+  /// What the rays of a render with this seed are hashed by.
+  std::uint32_t hash_seed(std::uint64_t seed) const { return static_cast<std::uint32_t>(seed) + draw * 0x9e3779b9u; }
+  float known(std::size_t surface) const { return surface < open_share.size() ? open_share[surface] : 1.0f; }
 };
 
 /// Unoccluded irradiance per sky component (up to 4) against the surface normal, octahedral map of size x size nodes
@@ -140,7 +138,7 @@ struct SkyFlux {
 
 /// Channels. Material rows (curve id >= 1): channel = (source * height.count + h) * view.count + v. Sources, in order:
 /// the direct sun (scalar: max(0, n.s) times visibility) unless it is left out as too dark; the sky components (scalar:
-/// irradiance of the component, unoccluded map minus blocked directions); thermal components likewise; temperature
+/// irradiance of the component as the pixel's rays found it); thermal components likewise; temperature
 /// nodes (scalar: node weight of the material's temperature). Sources up to there carry the reflectance, emission
 /// carries 1 - reflectance. Row 0 (no curve): channel = (h * path_y.count + y) * path_x.count + x, path radiance.
 /// Environment rows: channel = h * view.count + v, light of the ground around that the air scatters into the path; a
@@ -169,15 +167,15 @@ struct Plan {
       /// [(0 molecules, 1 aerosol) * environment_channels() + channel][grid], per unit reflectance
       environment_spectrum;
   SkyFlux sky_flux;    ///< what the full tables' sky is multiplied by to carry its flux, as the components do
-  SkyBasis sky_basis;  ///< the components' angular maps, of which sets and map are made
-  SkySets sky;         ///< empty without sky components
+  SkyBasis sky_basis;  ///< the components' angular maps: of the rays' light and of the map
+  SkyRays sky;         ///< none without components
   IrradianceMap irradiance;
   std::string
       refusal;  ///< why the tolerance is not held, by worst-case estimates of its nodes and components; empty: it is
   std::vector<std::string> notices;  ///< what the user should know though it is no error
   PlanReport report;                 ///< what was weighed, each block's estimated error
 
-  int components() const { return sky_components + thermal.components(); }  ///< that directions are traced for
+  int components() const { return sky_components + thermal.components(); }  ///< that rays are traced for
   int first_component() const { return sun_sources; }                       ///< its source number
   int first_emission() const { return sun_sources + components(); }         ///< source number of temperature node 0
   int sources() const { return first_emission() + thermal.nodes(); }
@@ -196,7 +194,7 @@ struct ViewBounds {
 
 /// Makes the plan: spectral grid and band quadrature, the cheapest node counts (host/plan/node_choice.h) whose
 /// error is inside its share of `simulation.tolerance`, sky components by weighted SVD (component 0 carries the
-/// irradiance exactly), direction sets by hash of the seed. Throws Error(input) when a band leaves the table or a
+/// irradiance exactly), the law of the sky's rays. Throws Error(input) when a band leaves the table or a
 /// material's curve, or the table lacks a row. A plan that may not hold the tolerance says so in `refusal`: the
 /// caller measures it, or stops there.
 Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& instrument,

@@ -40,9 +40,10 @@ Json ground_json(const Plan& plan) {
 Json sky_json(const Plan& plan) {
   Json out = {{"components", plan.sky_components},
               {"levels", to_json(plan.report.sky_levels)},
-              {"sets", plan.sky.sets},
-              {"directions", plan.sky.directions},
-              {"share", plan.sky.share},
+              {"directions", plan.sky.rays},
+              {"cosine_share", plan.sky.cosine_share},
+              {"sun_share", plan.sky.sun_share},
+              {"asymmetry", plan.sky.asymmetry},
               {"irradiance_map_size", plan.irradiance.size},
               {"irradiance_map_error", plan.report.irradiance_map_error}};
   if (const auto& difference = plan.report.diffuse_irradiance_row_difference)

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include <Eigen/Dense>
 
@@ -12,6 +13,7 @@
 #include "host/plan/sky_basis.h"
 #include "kernels/atmosphere/nodes.h"
 #include "scene_compiler/matter.h"
+#include "scene_compiler/owner.h"
 
 namespace raycube::plan {
 
@@ -30,20 +32,18 @@ double mean_temperature(const scene::CompiledScene& scene, const shared::Surface
   return share > 0 ? sum / share : 0;
 }
 
-/// Area of a mesh and its integral of temperature, m2 and m2 K, in its own frame.
-std::pair<double, double> mesh_area(const scene::CompiledScene& scene, const scene::Mesh& mesh,
+/// Area of a mesh's triangles and their integral of temperature, m2 and m2 K, in its own frame.
+std::pair<double, double> mesh_area(const scene::CompiledScene& scene, std::span<const std::uint32_t> triangles,
                                     const std::vector<double>& surface_K) {
   double area = 0, warm = 0;
-  for (std::uint32_t b = mesh.first_block; b < mesh.first_block + mesh.block_count; ++b) {
-    const shared::TriBlock& block = scene.blocks[b];
-    for (int k = 0; k < RC_BLOCK; ++k) {
-      if (block.surface[k] >= surface_K.size()) continue;  // an unused lane
-      const Eigen::Vector3d a(block.v0_x[k], block.v0_y[k], block.v0_z[k]),
-          p(block.v1_x[k], block.v1_y[k], block.v1_z[k]), q(block.v2_x[k], block.v2_y[k], block.v2_z[k]);
-      const double here = 0.5 * (p - a).cross(q - a).norm();
-      area += here;
-      warm += here * surface_K[block.surface[k]];
-    }
+  for (const std::uint32_t primitive : triangles) {
+    const shared::TriBlock& block = scene.blocks[primitive / RC_BLOCK];
+    const std::uint32_t k = primitive % RC_BLOCK;
+    const Eigen::Vector3d a(block.v0_x[k], block.v0_y[k], block.v0_z[k]),
+        p(block.v1_x[k], block.v1_y[k], block.v1_z[k]), q(block.v2_x[k], block.v2_y[k], block.v2_z[k]);
+    const double here = 0.5 * (p - a).cross(q - a).norm();
+    area += here;
+    warm += here * surface_K[block.surface[k]];
   }
   return {area, warm};
 }
@@ -100,12 +100,14 @@ Emitters find_emitters(const scene::CompiledScene& scene, const std::string& fil
   std::vector<double> surface_K;
   for (const auto& surface : scene.surfaces) surface_K.push_back(mean_temperature(scene, surface));
   std::vector<std::pair<double, double>> meshes;
-  for (const auto& mesh : scene.meshes) meshes.push_back(mesh_area(scene, mesh, surface_K));
+  const scene::MeshTriangles triangles(scene);
+  for (std::uint32_t mesh = 0; mesh < scene.meshes.size(); ++mesh)
+    meshes.push_back(mesh_area(scene, triangles.of(mesh), surface_K));
   double area = 0, warm = 0;
-  for (const auto& placed : scene.instances) {
-    const double scale = area_scale(placed);
-    area += scale * meshes[placed.mesh].first;
-    warm += scale * meshes[placed.mesh].second;
+  for (const scene::Placement& placement : scene::placements(scene)) {
+    const double scale = area_scale(scene.instances[placement.instance]);
+    area += scale * meshes[placement.mesh].first;
+    warm += scale * meshes[placement.mesh].second;
   }
   out.surroundings_K = area > 0 ? warm / area : plain;
   return out;

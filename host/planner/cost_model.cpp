@@ -2,12 +2,11 @@
 
 namespace raycube::planner {
 
-PixelCounts pixel_counts(const plan::Plan& plan, double samples, double directions, int share) {
+PixelCounts pixel_counts(const plan::Plan& plan, double samples, double directions) {
   PixelCounts counts;
   counts.samples = samples;
   counts.sun_rays = plan.sun_up && plan.sun_sources > 0 ? samples : 0;
-  counts.sky_rays = plan.components() > 0 ? samples * directions / share : 0;
-  counts.sky_bundles = plan.components() > 0 ? directions : 0;
+  counts.sky_rays = plan.components() > 0 ? directions : 0;
   // Two materials in the typical pixel; a node axis of more than one node gives two terms.
   const auto held = [](int count) { return count > 1 ? 2.0 : 1.0; };
   constexpr double materials = 2;

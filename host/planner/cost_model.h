@@ -11,7 +11,7 @@ namespace raycube::planner {
 /// Counts of one pixel.
 struct PixelCounts {
   double samples = 1;  ///< rays from the camera
-  double sun_rays = 0, sky_rays = 0, sky_bundles = 0;
+  double sun_rays = 0, sky_rays = 0;
   double terms = 0;  ///< of the band integration
   double bands = 0;
 };
@@ -19,10 +19,9 @@ struct PixelCounts {
 /// Nominal seconds: two cores of an AVX-512 server, PoCL (bench/RESULTS.md, park, figures of rays that face their
 /// light). A sample pays for its ray, its surface point and its shading.
 struct CostModel {
-  double sample_s = 3.0e-8, sun_ray_s = 2.0e-8, sky_ray_s = 1.5e-8, sky_bundle_s = 1.5e-7, term_band_s = 1.5e-10;
+  double sample_s = 3.0e-8, sun_ray_s = 2.0e-8, sky_ray_s = 2.0e-7, term_band_s = 1.5e-10;
   double seconds(const PixelCounts& c) const {
-    return c.samples * sample_s + c.sun_rays * sun_ray_s + c.sky_rays * sky_ray_s + c.sky_bundles * sky_bundle_s +
-           c.terms * c.bands * term_band_s;
+    return c.samples * sample_s + c.sun_rays * sun_ray_s + c.sky_rays * sky_ray_s + c.terms * c.bands * term_band_s;
   }
 };
 
@@ -31,8 +30,7 @@ inline constexpr double kDear_s_per_megapixel = 30;
 /// Settings past this are never chosen: a tolerance that needs them is not kept.
 inline constexpr double kMost_s_per_megapixel = 1000;
 
-/// Counts for `samples` a pixel and `directions` towards the sky, shared out among them by `share` (plan::sky_share),
-/// with the plan's sources and nodes.
-PixelCounts pixel_counts(const plan::Plan& plan, double samples, double directions, int share = 1);
+/// Counts for `samples` a pixel and `directions` towards the sky, with the plan's sources and nodes.
+PixelCounts pixel_counts(const plan::Plan& plan, double samples, double directions);
 
 }  // namespace raycube::planner

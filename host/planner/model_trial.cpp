@@ -5,7 +5,6 @@
 #include <numbers>
 
 #include "host/base/interrupt.h"
-#include "host/plan/sky_sets.h"
 #include "host/reference/parallel.h"
 #include "host/reference/radiance.h"
 #include "host/sensors/ray_groups.h"
@@ -34,25 +33,33 @@ ModelPixels compare_models(const scene::Simulation& simulation, const scene::Ins
   const reference::TableModel whole(scene, plan, table, simulation.atmosphere.none, settings.directions,
                                     {0, settings.turn_rad});
 
-  plan::Plan same = plan;  // that looks where the table does
-  std::vector<std::array<double, 3>> directions;
-  for (const glm::dvec3& d : whole.directions()) directions.push_back({d.x, d.y, d.z});
-  if (plan.components() > 0)
-    same.sky = plan::sky_set_of(plan.sky_basis, base::rad_by_division(simulation.sun.azimuth_deg), directions,
-                                whole.solid_angle_sr(), plan.sky_components, plan.thermal.on ? &plan.thermal : nullptr);
+  plan::Plan same = plan;  // that looks where the table does, and takes all of the sky for granted
+  same.sky.open_share.clear();
+  std::vector<std::array<double, 8>> light;
+  for (const glm::dvec3& d : whole.directions()) light.push_back(reference::sky_light(plan, d));
   // The open sky as those directions add it up; the surroundings, of one radiance, in closed form.
   const auto open = [&](const glm::dvec3& normal) {
     std::array<double, 8> sum{};
-    for (std::size_t k = 0; k < same.sky.direction.size(); ++k) {
-      const shared::rc_float4 d = same.sky.direction[k];
-      const double cosine = std::max(0.0, glm::dot(normal, glm::dvec3(d.x, d.y, d.z)));
-      const std::array<double, 8> weight = same.sky.weights(k);
-      for (std::size_t m = 0; m < sum.size(); ++m) sum[m] += cosine * weight[m];
+    if (plan.components() == 0) return sum;
+    for (std::size_t k = 0; k < light.size(); ++k) {
+      const double cosine = std::max(0.0, glm::dot(normal, whole.directions()[k])) * whole.solid_angle_sr();
+      for (std::size_t m = 0; m < sum.size(); ++m) sum[m] += cosine * light[k][m];
     }
     if (plan.thermal.on) sum[static_cast<std::size_t>(plan.components()) - 1] = std::numbers::pi * (1 - normal.z) / 2;
     return sum;
   };
-  const reference::ArithmeticModel planned(simulation.scene, same, settings.seed, open);
+  const reference::ArithmeticModel planned(simulation.scene, same, open);
+  const auto look = [&](const reference::Sample& side) {
+    reference::SentRays sent;
+    for (const glm::dvec3& direction :
+         plan.components() > 0 && !side.hit.miss() ? whole.directions() : std::vector<glm::dvec3>{}) {
+      const double cosine = glm::dot(side.normal, direction);
+      if (cosine > 0)
+        sent.push_back(
+            {direction, cosine * whole.solid_angle_sr(), whole.solid_angle_sr(), scene.sees(side, direction)});
+    }
+    return sent;
+  };
 
   std::vector<reference::PixelAddress> pixels;
   const int width = sensors::pixels_per_group(instrument), per_line = sensors::groups_per_line(instrument);
@@ -67,11 +74,9 @@ ModelPixels compare_models(const scene::Simulation& simulation, const scene::Ins
   reference::for_each_index(pixels.size(), settings.threads, [&](std::size_t p) {
     base::throw_if_interrupted();
     const reference::SampledPixel pixel = scene.sample_pixel(few, same, settings.seed, pixels[p]);
-    std::vector<reference::BlockedDirections> blocked;
-    for (std::size_t i = 0; i < pixel.sides(); ++i)
-      blocked.push_back(reference::blocked_directions(scene, same, settings.seed, pixel.number, pixel.side(i),
-                                                      i % pixel.samples.size()));
-    out.planned[p] = planned.radiance(pixel, blocked);
+    std::vector<reference::SentRays> sent;
+    for (std::size_t i = 0; i < pixel.sides(); ++i) sent.push_back(look(pixel.side(i)));
+    out.planned[p] = planned.radiance(pixel, sent);
     out.whole[p] = whole.radiance(pixel);
   });
   return out;

@@ -1,13 +1,12 @@
 // A sparse render of a few hundred pixels at several settings, and what it says of their errors. Its rays are counted.
 //
-// A first look at a few thousand pixels, three renders with few samples, says where errors are; the trial's runs are
+// A first look at a few thousand pixels, two renders with few samples, says where errors are; the trial's runs are
 // drawn by it. Where a lawn has three trees, an even draw of a few hundred pixels does not see them, and all the error
 // is there. A small image is tried whole.
 #pragma once
 
 #include <cstdint>
 
-#include "host/plan/sky_sets.h"
 #include "host/planner/cost_model.h"
 #include "host/planner/trial_pixels.h"
 #include "host/render/renderer.h"
@@ -22,11 +21,11 @@ class PixelTrial {
              const plan::Plan& plan);
 
   /// Error of a sampler with u x v cells, against random points in the cells of two finer grids: unbiased and
-  /// independent of each other. Every pixel looks at the sky by the same few directions, so that the sky's own noise,
-  /// which is the sky trial's matter, is the same on all sides.
+  /// independent of each other. The sky's own noise, which is the sky trial's matter, is left out by rendering twice
+  /// with other rays.
   TrialError sampling_error(scene::SamplerKind sampler, int samples_u, int samples_v);
 
-  /// Error of sets of `directions`: two seeds, by which a pixel picks its set, and the same samples (u x v).
+  /// Error of so many sky directions a pixel: two renders of one grid of samples (u x v).
   TrialError sky_error(int directions, int samples_u, int samples_v);
 
   std::size_t pixels() const { return pixels_; }        ///< of the trial
@@ -35,7 +34,8 @@ class PixelTrial {
   double cost_s() const { return cost_s_; }             ///< by the cost model
 
  private:
-  TrialImage render(const scene::Instrument& instrument, const plan::SkySets& sky, std::uint64_t seed);
+  /// sky_draw: renders of one seed and other draws differ by the sky's rays alone.
+  TrialImage render(const scene::Instrument& instrument, int directions, std::uint64_t seed, std::uint32_t sky_draw);
   scene::Instrument sampled(scene::SamplerKind sampler, int samples_u, int samples_v) const;
   void look();
   void make_references();
@@ -43,8 +43,7 @@ class PixelTrial {
   render::Renderer& renderer_;
   const scene::Simulation& simulation_;
   scene::Instrument instrument_;
-  plan::Plan plan_;        ///< with the sky of the last render: its maps are large, so that no more copies are made
-  plan::SkySets one_sky_;  ///< a single set of few directions
+  plan::Plan plan_;  ///< with the directions of the last render
   std::vector<render::Tile> tiles_;
   std::vector<Draw> draws_;  ///< of the tiles; empty: the first look
   double pixels_per_run_ = 0, drawn_from_ = 0, left_out_ = 0;
@@ -55,12 +54,5 @@ class PixelTrial {
   std::uint64_t rays_ = 0;
   double cost_s_ = 0;
 };
-
-/// Sets of `directions` for the plan, with this share.
-plan::SkySets sky_for(const plan::Plan& plan, const scene::Simulation& simulation, int directions, int share,
-                      int most_sets = plan::kMostSets);
-
-/// The plan with sets of `directions` in place of its own, shared out among `samples`.
-void set_directions(plan::Plan& plan, const scene::Simulation& simulation, int samples, int directions);
 
 }  // namespace raycube::planner

@@ -9,14 +9,14 @@
 #include "host/base/error.h"
 #include "host/base/input_file.h"
 #include "host/base/json_text.h"
-#include "host/plan/sky_sets.h"
+#include "host/plan/sky_rays.h"
 
 namespace raycube::planner {
 
 namespace {
 
 using Json = nlohmann::json;
-constexpr int kVersion = 1;
+constexpr int kVersion = 2;
 constexpr int kMostSide = 256, kMostSamples = 65536;  ///< as the scene format has samples.grid, jittered and lattice
 
 [[noreturn]] void refuse(const std::string& path, const std::string& what) {
@@ -63,8 +63,7 @@ std::string write_plan_file(const PlanFile& file) {
     else
       item["sampler"] = static_cast<int>(entry.sampling.sampler),
       item["samples"] = {entry.sampling.samples_u, entry.sampling.samples_v},
-      item["sky_directions"] = entry.sampling.directions, item["sky_share"] = entry.sampling.share,
-      item["plan"] = entry.axes;
+      item["sky_directions"] = entry.sampling.directions, item["plan"] = entry.axes;
     list.push_back(std::move(item));
   }
   return Json{{"raycube_plan", kVersion},
@@ -104,20 +103,16 @@ PlanFile read_plan_file(const std::string& path) {
       } else {
         const int sampler = item.at("sampler").get<int>();
         entry.sampling = {static_cast<scene::SamplerKind>(sampler), item.at("samples").at(0).get<int>(),
-                          item.at("samples").at(1).get<int>(), item.at("sky_directions").get<int>(),
-                          item.at("sky_share").get<int>()};
+                          item.at("samples").at(1).get<int>(), item.at("sky_directions").get<int>()};
         entry.axes = item.at("plan");
         const auto& s = entry.sampling;
         const bool lattice = s.sampler == scene::SamplerKind::lattice;
         const int most_u = lattice ? kMostSamples : kMostSide, most_v = kMostSide;
         if (sampler < 0 || sampler > 2 || s.samples_u < 1 || s.samples_u > most_u || s.samples_v < 1 ||
             s.samples_v > most_v || std::int64_t{s.samples_u} * s.samples_v > kMostSamples || s.directions < 1 ||
-            s.directions > plan::kMostDirections)
+            s.directions > plan::kMostSkyRays)
           refuse(path, fmt::format("'{}': samples {} x {} or {} sky directions are out of range", entry.name,
                                    s.samples_u, s.samples_v, s.directions));
-        if (s.share < 1 || s.share > s.directions || s.directions % s.share != 0)
-          refuse(path, fmt::format("'{}': a sky share of {} does not divide {} sky directions", entry.name, s.share,
-                                   s.directions));
       }
       file.entries.push_back(std::move(entry));
     }
@@ -163,18 +158,12 @@ Decision replayed(const PlanFile::Entry& entry, const scene::Simulation& simulat
   if (simulation.sky_directions_given && plan.components() > 0 && simulation.sky_directions != s.directions)
     conflict(path, entry.name, "sky_directions", std::to_string(simulation.sky_directions),
              std::to_string(s.directions) + " sky directions");
-  // set_directions finds the rule's share again; one that is neither the rule's nor the simulation's cannot be
-  // replayed.
-  const int share =
-      plan.components() > 0 ? plan::sky_share(simulation.sky_share, s.samples_u * s.samples_v, s.directions) : s.share;
-  if (share != s.share)
-    conflict(path, entry.name, "sky_share", std::to_string(share), "a share of " + std::to_string(s.share));
   const Json& saved = entry.decision;
   Decision out = as_given(simulation, instrument, plan);
   out.sampling = entry.sampling;
   out.sampling.first_samples = instrument.first_samples;
   out.counts = pixel_counts(plan, static_cast<double>(entry.sampling.samples_u) * entry.sampling.samples_v,
-                            entry.sampling.directions, entry.sampling.share);
+                            entry.sampling.directions);
   out.s_per_megapixel = 1e6 * CostModel().seconds(out.counts);
   const auto number = [](const Json& value) { return value.is_number() ? value.get<double>() : -1.0; };
   try {

@@ -6,8 +6,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "host/plan/sky_sets.h"
-
 namespace raycube::planner {
 
 namespace {
@@ -170,17 +168,6 @@ void add_sampling_lines(std::vector<PlanLine>& lines, const Decision& d, const p
             : d.estimated ? fmt::format("trial of {} pixels", d.trial_pixels)
                           : "the default: nothing could be tried";
   lines.push_back(sky);
-  PlanLine share;
-  share.block = "sky share";
-  share.level = plan.components() > 0 ? std::to_string(d.sampling.share) : "none";
-  share.given = d.share_given;
-  share.cost =
-      plan.components() > 0 ? fmt::format("{} directions a sample", d.sampling.directions / d.sampling.share) : "none";
-  share.why = plan.components() == 0 ? "nothing comes from the sky"
-              : d.share_given
-                  ? "the file gives it"
-                  : fmt::format("samples share out the directions, {} samples to each at least", plan::kFewestPoints);
-  lines.push_back(share);
 }
 
 }  // namespace
@@ -247,7 +234,6 @@ nlohmann::json decision_json(const Decision& d, const std::vector<PlanLine>& lin
               {"samples", {d.sampling.samples_u, d.sampling.samples_v}},
               {"sampler", static_cast<int>(d.sampling.sampler)},
               {"sky_directions", d.sampling.directions},
-              {"sky_share", d.sampling.share},
               {"error",
                {{"plan", d.plan_error},
                 {"plan_estimate", d.plan_estimate},

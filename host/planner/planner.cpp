@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <set>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "host/base/error.h"
-#include "host/plan/sky_sets.h"
 #include "host/planner/model_trial.h"
 #include "host/planner/plan_lines.h"
 
@@ -17,7 +15,7 @@ namespace raycube::planner {
 
 namespace {
 
-constexpr int kFirstSide = 4;          ///< of the samples' trial, and the grid of the sky's
+constexpr int kFirstSide = 4;          ///< of the samples' trial, and the smallest grid of the sky's
 constexpr int kLargestTriedSide = 32;  ///< beyond, the law holds: 1024 samples a pixel tell less than they cost
 constexpr int kMostTriedDirections = 256;
 constexpr int kSkyLevels[] = {4, 16, 64};
@@ -113,10 +111,7 @@ class LevelSearch {
         direction_(kDirectionLaw),
         sides_(out.samples_given ? std::vector<int>{1} : side_levels()),
         directions_(direction_levels()) {
-    if (out.directions_given)
-      directions_ = {simulation.sky_directions};
-    else if (simulation.sky_share > 1)
-      std::erase_if(directions_, [&](int k) { return k % simulation.sky_share != 0; });
+    if (out.directions_given) directions_ = {simulation.sky_directions};
     if (!sky_) directions_ = {1};
   }
 
@@ -125,12 +120,9 @@ class LevelSearch {
     if (!sky_) {
       add(direction_, 1, {}, "directions");
     } else if (out_.directions_given) {
-      add(direction_, simulation_.sky_directions, trial_.sky_error(simulation_.sky_directions, kFirstSide, kFirstSide),
-          "directions");
+      try_directions(simulation_.sky_directions);
     } else {
-      for (const int level : kSkyLevels)
-        if (simulation_.sky_share <= 1 || level % simulation_.sky_share == 0)
-          add(direction_, level, trial_.sky_error(level, kFirstSide, kFirstSide), "directions");
+      for (const int level : kSkyLevels) try_directions(level);
     }
   }
 
@@ -152,14 +144,9 @@ class LevelSearch {
         try_side(sampler, choice.side, side);
         changed = true;
       }
-      // Once the side stands: fewer samples average the sky less, and what is measured with few would stay where more
-      // are taken after all.
-      const int tried = out_.samples_given ? kFirstSide : std::min(kFirstSide, choice.side);
       if (!changed && sky_ && choice.directions <= kMostTriedDirections && !out_.directions_given &&
-          (!direction_.has(choice.directions) || (tried < kFirstSide && !fine_sky_.count(choice.directions)))) {
-        add(direction_, choice.directions, trial_.sky_error(choice.directions, tried, tried),
-            tried < kFirstSide ? "directions, few samples" : "directions");
-        fine_sky_.insert(choice.directions);
+          !direction_.has(choice.directions)) {
+        try_directions(choice.directions);
         changed = true;
       }
       if (!changed) break;
@@ -171,9 +158,7 @@ class LevelSearch {
   double cost_s(int side, int directions) const {
     const double given = static_cast<double>(instrument_.samples_u) * instrument_.samples_v;
     const double samples = out_.samples_given ? given : static_cast<double>(side) * side;
-    return CostModel().seconds(
-        pixel_counts(plan_, samples, directions,
-                     sky_ ? plan::sky_share(simulation_.sky_share, static_cast<int>(samples), directions) : 1));
+    return CostModel().seconds(pixel_counts(plan_, samples, directions));
   }
 
   const ErrorLaw& direction() const { return direction_; }
@@ -183,6 +168,13 @@ class LevelSearch {
     law.measured(level, error.estimate, error.bound);
     out_.measured.push_back(
         fmt::format("{} {}: {:.2g} %, at most {:.2g} %", what, level, 100 * error.estimate, 100 * error.bound));
+  }
+
+  /// With at least as many samples as rays, as most renders have: then no two rays share a sample.
+  void try_directions(int level) {
+    int u = std::max(kFirstSide, static_cast<int>(std::ceil(std::sqrt(level)))), v = u;
+    if (out_.samples_given) u = instrument_.samples_u, v = instrument_.samples_v;
+    add(direction_, level, trial_.sky_error(level, u, v), "directions");
   }
 
   void try_side(scene::SamplerKind sampler, int level, ErrorLaw& side) {
@@ -207,20 +199,15 @@ class LevelSearch {
   double budget_;  ///< what nodes and components leave of the tolerance
   ErrorLaw direction_;
   std::vector<int> sides_, directions_;  ///< levels to choose from
-  std::set<int> fine_sky_;               ///< directions tried with the very samples chosen, where those are few
 };
 
 /// The settings of the levels chosen, where the file does not give them.
-void take_levels(Decision& out, const scene::Simulation& simulation, const plan::Plan& plan, const Choice& choice,
-                 scene::SamplerKind sampler) {
+void take_levels(Decision& out, const plan::Plan& plan, const Choice& choice, scene::SamplerKind sampler) {
   out.estimated = true;
   if (!out.samples_given) out.sampling.sampler = sampler, out.sampling.samples_u = out.sampling.samples_v = choice.side;
   if (!out.directions_given) out.sampling.directions = choice.directions;
-  if (plan.components() > 0)
-    out.sampling.share =
-        plan::sky_share(simulation.sky_share, out.sampling.samples_u * out.sampling.samples_v, out.sampling.directions);
-  out.counts = pixel_counts(plan, static_cast<double>(out.sampling.samples_u) * out.sampling.samples_v,
-                            out.sampling.directions, out.sampling.share);
+  out.counts =
+      pixel_counts(plan, static_cast<double>(out.sampling.samples_u) * out.sampling.samples_v, out.sampling.directions);
   out.s_per_megapixel = 1e6 * CostModel().seconds(out.counts);
   out.dear = out.s_per_megapixel > kDear_s_per_megapixel;
 }
@@ -263,14 +250,13 @@ void note_tolerance(Decision& out, const std::string& name) {
 
 Decision as_given(const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan) {
   Decision out;
-  out.sampling = {instrument.sampler,        instrument.samples_u, instrument.samples_v,
-                  simulation.sky_directions, plan.sky.share,       instrument.first_samples};
-  out.samples_given = instrument.samples_given, out.directions_given = simulation.sky_directions_given,
-  out.share_given = simulation.sky_share > 0;
+  out.sampling = {instrument.sampler, instrument.samples_u, instrument.samples_v, simulation.sky_directions,
+                  instrument.first_samples};
+  out.samples_given = instrument.samples_given, out.directions_given = simulation.sky_directions_given;
   out.tolerance = simulation.tolerance;
   out.plan_error = out.plan_estimate = plan.report.total_error;
-  out.counts = pixel_counts(plan, static_cast<double>(instrument.samples_u) * instrument.samples_v,
-                            simulation.sky_directions, plan.sky.share);
+  out.counts =
+      pixel_counts(plan, static_cast<double>(instrument.samples_u) * instrument.samples_v, simulation.sky_directions);
   out.s_per_megapixel = 1e6 * CostModel().seconds(out.counts);
   return out;
 }
@@ -310,7 +296,7 @@ Decision decide(render::Renderer& renderer, const scene::Simulation& simulation,
       choice = lattice, side = other, sampler = scene::SamplerKind::lattice;
   }
 
-  take_levels(out, simulation, plan, choice, sampler);
+  take_levels(out, plan, choice, sampler);
   take_errors(out, choice, side, search.direction(), sky);
   out.trial_pixels = trial.pixels(), out.looked_at = trial.looked_at(), out.trial_rays = trial.rays();
   note_tolerance(out, instrument.name);
@@ -331,15 +317,11 @@ void add_small_objects(Decision& decision, const scene::Simulation& simulation, 
     decision.notes.push_back(note);  // a plan's file may have it
 }
 
-void apply(const Decision& decision, const scene::Simulation& simulation, scene::Instrument& instrument,
-           plan::Plan& plan) {
+void apply(const Decision& decision, scene::Instrument& instrument, plan::Plan& plan) {
   instrument.sampler = decision.sampling.sampler;
   instrument.samples_u = decision.sampling.samples_u, instrument.samples_v = decision.sampling.samples_v;
   instrument.small_objects = decision.small.on ? scene::SmallObjects::on : scene::SmallObjects::off;
-  if (plan.components() > 0 &&
-      (plan.sky.directions != decision.sampling.directions || plan.sky.share != decision.sampling.share))
-    set_directions(plan, simulation, decision.sampling.samples_u * decision.sampling.samples_v,
-                   decision.sampling.directions);
+  if (plan.components() > 0) plan.sky.rays = decision.sampling.directions;
 }
 
 }  // namespace raycube::planner

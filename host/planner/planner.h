@@ -38,13 +38,12 @@ struct PlanLine {
 struct Sampling {
   scene::SamplerKind sampler = scene::SamplerKind::grid;
   int samples_u = 1, samples_v = 1, directions = 1;
-  int share = 1;          ///< of the directions (plan::sky_share)
   int first_samples = 0;  ///< of adaptive samples, as the file has them; errors are judged without
 };
 
 struct Decision {
   Sampling sampling;
-  bool samples_given = false, directions_given = false, share_given = false;
+  bool samples_given = false, directions_given = false;
   bool estimated = false;        ///< a trial was made; false: everything was given and none was asked for
   double plan_error = 0;         ///< of nodes and components: as make_plan has it, or measured
   double plan_estimate = 0;      ///< as make_plan has it: worst places and obstacles
@@ -103,7 +102,6 @@ void hold_tolerance(Decision& decision, const scene::Simulation& simulation, con
 void add_small_objects(Decision& decision, const scene::Simulation& simulation, const scene::Instrument& instrument);
 
 /// The instrument and the plan with the decision's settings, small objects included.
-void apply(const Decision& decision, const scene::Simulation& simulation, scene::Instrument& instrument,
-           plan::Plan& plan);
+void apply(const Decision& decision, scene::Instrument& instrument, plan::Plan& plan);
 
 }  // namespace raycube::planner

@@ -150,19 +150,25 @@ std::vector<double> judged_means(const TrialImage& image) {
   return mean;
 }
 
-TrialError error_against(const TrialImage& image, const TrialImage& one, const TrialImage& two,
-                         const std::vector<double>& mean) {
+TrialError common_error(const TrialImage& image, const TrialImage& again, const TrialImage& one, const TrialImage& two,
+                        const std::vector<double>& mean) {
   const auto square = [&](std::size_t i) {
-    const double a = image.radiance[i];
-    return (a - one.radiance[i]) * (a - two.radiance[i]);
+    return (static_cast<double>(image.radiance[i]) - one.radiance[i]) *
+           (static_cast<double>(again.radiance[i]) - two.radiance[i]);
   };
-  // r = truth + n, n Gaussian of variance s^2, d = n1 - n2: the square's variance is 2 e^2 s^2 + s^4, and the means of
-  // square d^2 and of d^4 / 4 are 2 e^2 s^2 - 2 s^4 and 3 s^4.
+  // The factors are e + n1 and e + n2, n Gaussian of variance s^2; d = n1 - n2: the product's variance is 2 e^2 s^2 +
+  // s^4, and the means of product d^2 and of d^4 / 4 are 2 e^2 s^2 - 2 s^4 and 3 s^4.
   const auto noise = [&](std::size_t i) {
-    const double d = static_cast<double>(one.radiance[i]) - two.radiance[i];
+    const double d = (static_cast<double>(image.radiance[i]) - one.radiance[i]) -
+                     (static_cast<double>(again.radiance[i]) - two.radiance[i]);
     return d * d * (square(i) + 0.25 * d * d);
   };
   return worst_band(image, mean, square, noise);
+}
+
+TrialError error_against(const TrialImage& image, const TrialImage& one, const TrialImage& two,
+                         const std::vector<double>& mean) {
+  return common_error(image, image, one, two, mean);
 }
 
 TrialError error_from(const TrialImage& image, const TrialImage& truth, const std::vector<double>& mean) {

@@ -69,6 +69,11 @@ std::vector<double> run_differences(const TrialImage& one, const TrialImage& two
 TrialError error_against(const TrialImage& image, const TrialImage& one, const TrialImage& two,
                          const std::vector<double>& mean);
 
+/// The same without the noise of the sky: `again` has the image's samples and other sky rays, and
+/// E[(a - r1)(b - r2)] is what a and b have in common.
+TrialError common_error(const TrialImage& image, const TrialImage& again, const TrialImage& one, const TrialImage& two,
+                        const std::vector<double>& mean);
+
 /// Error of an image against another that is the truth.
 TrialError error_from(const TrialImage& image, const TrialImage& truth, const std::vector<double>& mean);
 

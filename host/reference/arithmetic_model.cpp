@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "host/base/error.h"
 #include "host/reference/radiance.h"
 #include "host/reference/spread.h"
-#include "kernels/sampling/sampler.h"
 #include "scene_compiler/matter.h"
 
 namespace raycube::reference {
@@ -96,43 +96,8 @@ std::array<double, 4> thermal_unoccluded(const plan::Thermal& thermal, double no
   return {(1 - f) * a.x + f * b.x, (1 - f) * a.y + f * b.y, (1 - f) * a.z + f * b.z, (1 - f) * a.w + f * b.w};
 }
 
-std::size_t first_direction(const plan::Plan& plan, std::uint64_t seed, std::uint32_t pixel) {
-  if (plan.sky.sets == 0) return 0;
-  const rc_u32 set = rc_hash(static_cast<rc_u32>(seed), pixel, 0, 21) % static_cast<rc_u32>(plan.sky.sets);
-  return static_cast<std::size_t>(set) * static_cast<std::size_t>(plan.sky.directions);
-}
-
-namespace {
-
-glm::dvec3 xyz(const shared::rc_float4& v) { return {v.x, v.y, v.z}; }
-
-}  // namespace
-
-bool looks_into(const plan::SkySets& sky, std::uint64_t seed, std::uint32_t pixel, std::size_t number_of_sample,
-                std::size_t k) {
-  const auto share = static_cast<rc_u32>(sky.share);
-  const rc_u32 part = rc_sky_part(static_cast<rc_u32>(seed), pixel, static_cast<rc_u32>(number_of_sample), share);
-  return rc_sky_direction(part, static_cast<rc_u32>(k) / share, share) == k;
-}
-
-BlockedDirections blocked_directions(const ReferenceScene& scene, const plan::Plan& plan, std::uint64_t seed,
-                                     std::uint32_t pixel, const Sample& sample, std::size_t number_of_sample) {
-  const int count = plan.components() > 0 && plan.sky.sets > 0 ? plan.sky.directions : 0;
-  BlockedDirections blocked(static_cast<std::size_t>(count), false);
-  if (sample.hit.miss()) return blocked;
-  const std::size_t first = first_direction(plan, seed, pixel);
-  for (std::size_t k = 0; k < blocked.size(); ++k) {
-    if (!looks_into(plan.sky, seed, pixel, number_of_sample, k)) continue;
-    const glm::dvec3 direction = xyz(plan.sky.direction[first + k]);
-    blocked[k] = glm::dot(sample.normal, direction) > 0 && !scene.sees(sample, direction);
-  }
-  return blocked;
-}
-
-ArithmeticModel::ArithmeticModel(const scene::CompiledScene& scene, const plan::Plan& plan, std::uint64_t seed,
-                                 OpenSky open)
-    : scene_(scene), plan_(plan), seed_(seed), open_(std::move(open)), curve_(curves_on(scene, plan.wavelength_um)) {
-  for (const scene::Material& material : scene.materials) shaped_ |= material.front.number != RC_SHAPE_lambert;
+ArithmeticModel::ArithmeticModel(const scene::CompiledScene& scene, const plan::Plan& plan, OpenSky open)
+    : scene_(scene), plan_(plan), open_(std::move(open)), curve_(curves_on(scene, plan.wavelength_um)) {
   if (open_) return;
   open_ = [&plan](const glm::dvec3& normal) {
     std::array<double, 8> irradiance{};
@@ -202,29 +167,35 @@ void ArithmeticModel::add_emission(const SampledPixel& pixel, const Sample& samp
   }
 }
 
-void ArithmeticModel::add_side(const SampledPixel& pixel, const Sample& side, std::size_t number_of_sample,
-                               const BlockedDirections& blocked, Spectra& out) const {
+std::array<double, 8> ArithmeticModel::irradiance(const Sample& side, const SentRays& sent) const {
+  const double known = known_share(scene_, plan_, side.hit);
+  const auto all = static_cast<std::size_t>(plan_.components());
+  std::array<double, 8> out = open_(side.normal);
+  for (std::size_t m = 0; m < all; ++m) {
+    // The surroundings, the last, fill what the open sky leaves of the hemisphere.
+    const bool surroundings = plan_.thermal.on && m + 1 == all;
+    out[m] += (known - 1) * (surroundings ? out[m] - std::numbers::pi : out[m]);
+  }
+  for (const SentRay& ray : sent) {
+    if (ray.weight == 0) continue;
+    const double seen = (ray.open ? spread(scene_, side, ray.direction) : 0) - known;
+    if (seen == 0) continue;
+    const std::array<double, 8> light = sky_light(plan_, ray.direction);
+    for (std::size_t m = 0; m < all; ++m) out[m] += ray.weight * seen * light[m];
+  }
+  return out;
+}
+
+void ArithmeticModel::add_side(const SampledPixel& pixel, const Sample& side, const SentRays& sent,
+                               Spectra& out) const {
   const glm::dvec3 sun_direction(plan_.sun_direction[0], plan_.sun_direction[1], plan_.sun_direction[2]);
   if (side.sun_visible && plan_.sun_sources > 0)
     add_source(pixel, side, 0, std::max(0.0, side.cos_sun) * spread(scene_, side, sun_direction), out.sun);
   if (plan_.components() > 0) {
-    const std::size_t first = first_direction(plan_, seed_, pixel.number);
     const auto all = static_cast<std::size_t>(plan_.components());
-    std::array<double, 8> irradiance = open_(side.normal);
-    for (std::size_t k = 0; k < blocked.size(); ++k) {
-      const glm::dvec3 direction = xyz(plan_.sky.direction[first + k]);
-      // What a direction would have sent is missing where it is hidden; where it is open, what other shapes than
-      // Lambert's do not turn to the viewer.
-      double missing = blocked[k] ? 1 : 0;
-      if (!blocked[k] && shaped_ && looks_into(plan_.sky, seed_, pixel.number, number_of_sample, k))
-        missing = 1 - spread(scene_, side, direction);
-      if (missing == 0) continue;
-      const std::array<double, 8> parts = plan_.sky.weights(first + k);
-      const double cosine = std::max(0.0, glm::dot(side.normal, direction));
-      for (std::size_t m = 0; m < all; ++m) irradiance[m] -= plan_.sky.share * parts[m] * cosine * missing;
-    }
+    const std::array<double, 8> light = irradiance(side, sent);
     for (std::size_t m = 0; m < all; ++m)
-      add_source(pixel, side, plan_.first_component() + static_cast<int>(m), irradiance[m],
+      add_source(pixel, side, plan_.first_component() + static_cast<int>(m), light[m],
                  plan_.thermal.on && m + 1 == all ? out.surroundings : out.sky);
   }
   if (plan_.thermal.on) add_emission(pixel, side, out.emission);
@@ -246,11 +217,11 @@ void ArithmeticModel::add_path(const SampledPixel& pixel, const Sample& sample, 
       }
 }
 
-BandRadiance ArithmeticModel::radiance(const SampledPixel& pixel, const std::vector<BlockedDirections>& blocked) const {
+BandRadiance ArithmeticModel::radiance(const SampledPixel& pixel, const std::vector<SentRays>& sent) const {
   const std::vector<double> dark(plan_.wavelength_um.size(), 0.0);
   Spectra spectra{dark, dark, dark, dark, dark};
   for (std::size_t i = 0; i < pixel.sides(); ++i)
-    if (!pixel.side(i).hit.miss()) add_side(pixel, pixel.side(i), i % pixel.samples.size(), blocked[i], spectra);
+    if (!pixel.side(i).hit.miss()) add_side(pixel, pixel.side(i), sent[i], spectra);
   for (const Sample& sample : pixel.samples) add_path(pixel, sample, spectra.path);
   BandRadiance out{band_values(plan_, spectra.sun),      band_values(plan_, spectra.sky),
                    band_values(plan_, spectra.path),     {},

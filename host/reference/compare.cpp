@@ -43,60 +43,56 @@ std::vector<double> scales(const std::vector<double>& reference, double floor) {
 
 Comparison::Comparison(const scene::CompiledScene& scene, const plan::Plan& plan, const scene::Instrument& instrument,
                        std::uint64_t seed, const CompareOptions& options)
-    : plan_(plan),
-      instrument_(instrument),
-      seed_(seed),
-      options_(options),
-      scene_(scene),
-      arithmetic_(scene, plan, seed) {
+    : plan_(plan), instrument_(instrument), seed_(seed), options_(options), scene_(scene), arithmetic_(scene, plan) {
+  const auto brighten = [&](const plan::SkyBasis& basis, std::size_t first, std::size_t count) {
+    for (const auto& value : basis.value)
+      for (std::size_t m = 0; m < count; ++m)
+        brightest_[first + m] = std::max(brightest_[first + m], std::abs(value[m]));
+  };
+  const auto solar = static_cast<std::size_t>(plan.sky_components);
+  brighten(plan.sky_basis, 0, solar);
+  if (plan.thermal.on) brighten(plan.thermal.basis, solar, static_cast<std::size_t>(plan.thermal.sky_components));
   if (!options_.table || options_.model_pixels == 0) return;
   model_ = std::make_unique<TableModel>(scene_, plan, *options_.table, options_.no_air, options_.model_directions);
 }
 
 Comparison::~Comparison() = default;
 
-/// The device keeps, of a sample's sky rays, the irradiance that the blocked ones take away, and of open ones what a
-/// shape other than Lambert's does not turn to the viewer. Where that differs,
-/// directions are sought whose turning accounts for it in every component. Only ties of the double traversal may turn;
-/// then `blocked` follows the device. Any subset is tried of up to kMostTies ties, else up to three
-/// (host/reference/tie_search.h), or all seen (or blocked) ones at once: a leaf that passes through the point within
-/// rounding puts it on one side or the other for every direction.
-void Comparison::compare_sky(const Sample& sample, std::size_t number_of_sample, std::uint32_t number,
-                             const float* device, BlockedDirections& blocked, Result& result) const {
-  const std::size_t first = first_direction(plan_, seed_, number), count = blocked.size();
+/// The device keeps what a side's rays bring together. Where that differs, rays are sought whose turning accounts for
+/// it in every component. Only ties of the double traversal may turn; then `sent` follows the device. Any subset is
+/// tried of up to kMostTies ties, else up to three (host/reference/tie_search.h), or all seen (or hidden) ones at once:
+/// a leaf that passes through the point within rounding puts it on one side or the other for every direction.
+void Comparison::compare_sky(const Sample& sample, const float* device, SentRays& sent, Result& result) const {
+  /// Part of a component's brightest light that a direction's own light may be off by, as its own is: the angle is
+  /// rounded, and an aureole falls off by its own size in a degree.
+  constexpr double kSlope = 0.1;
+  const std::size_t count = sent.size(), components = static_cast<std::size_t>(plan_.components());
+  const double known = known_share(scene_.compiled, plan_, sample.hit);
   std::vector<Components> effect(count);
   Components residual{}, bound{};
-  for (std::size_t m = 0; m < 4 * static_cast<std::size_t>(plan_.sky.quads); ++m)
-    residual[m] = static_cast<double>(device[m]);
+  for (std::size_t m = 0; m < components; ++m) residual[m] = static_cast<double>(device[m]);
   for (std::size_t k = 0; k < count; ++k) {
-    if (!looks_into(plan_.sky, seed_, number, number_of_sample, k)) continue;
-    const shared::rc_float4 d = plan_.sky.direction[first + k];
-    const glm::dvec3 direction(d.x, d.y, d.z);
-    const double cosine = std::max(0.0, glm::dot(sample.normal, direction)),
-                 sent = spread(scene_.compiled, sample, direction);
-    const Components weight = plan_.sky.weights(first + k);
-    for (std::size_t m = 0; m < weight.size(); ++m) {
-      if (static_cast<int>(m) >= plan_.components()) continue;
-      const double full = plan_.sky.share * weight[m] * cosine;
-      effect[k][m] = full * sent * (blocked[k] ? -1 : 1);
-      bound[m] += plan_.sky.share * options_.limits.sky * std::abs(weight[m]);
-      residual[m] -= full * (blocked[k] ? 1 : 1 - sent);
+    const SentRay& ray = sent[k];
+    if (ray.weight == 0) continue;
+    const double turned = spread(scene_.compiled, sample, ray.direction);
+    const Components light = sky_light(plan_, ray.direction);
+    for (std::size_t m = 0; m < components; ++m) {
+      effect[k][m] = ray.weight * light[m] * turned * (ray.open ? -1 : 1);
+      bound[m] +=
+          options_.limits.sky * (ray.weight + ray.solid_angle_sr) * (std::abs(light[m]) + kSlope * brightest_[m]);
+      residual[m] -= ray.weight * light[m] * ((ray.open ? turned : 0) - known);
     }
   }
   if (within(residual, bound)) return;
   std::vector<std::size_t> ties;
-  for (std::size_t k = 0; k < count; ++k) {
-    if (!looks_into(plan_.sky, seed_, number, number_of_sample, k)) continue;
-    const shared::rc_float4 d = plan_.sky.direction[first + k];
-    const glm::dvec3 direction(d.x, d.y, d.z);
-    if (glm::dot(sample.normal, direction) > 0 && scene_.sees_in_double(sample, direction) == Visibility::uncertain)
+  for (std::size_t k = 0; k < count; ++k)
+    if (sent[k].weight > 0 && scene_.sees_in_double(sample, sent[k].direction) == Visibility::uncertain)
       ties.push_back(k);
-  }
   const auto turn = [&](const std::vector<std::size_t>& rays) {
     Components left = residual;
     for (std::size_t k : rays) left = minus(left, effect[k]);
     if (rays.empty() || !within(left, bound)) return false;
-    for (std::size_t k : rays) blocked[k] = !blocked[k];
+    for (std::size_t k : rays) sent[k].open = !sent[k].open;
     result.sky_explained += rays.size();
     return true;
   };
@@ -115,7 +111,7 @@ void Comparison::compare_sky(const Sample& sample, std::size_t number_of_sample,
     }
   } else {
     std::vector<std::size_t> seen, hidden;
-    for (std::size_t k : ties) (blocked[k] ? hidden : seen).push_back(k);
+    for (std::size_t k : ties) (sent[k].open ? seen : hidden).push_back(k);
     if (turn(seen) || turn(hidden)) return;
     if (n <= kMostTies && turn(subset_that_sums_to(ties, effect, residual, bound).rays)) return;
     if (turn(few_that_sum_to(ties, effect, residual, bound).rays)) return;
@@ -142,8 +138,8 @@ Comparison::Result Comparison::compare(const DevicePixel& device, bool with_mode
   const std::size_t samples = pixel.samples.size(),
                     planes = static_cast<std::size_t>(RC_SKY_PLANES_OF(plan_.components()));
   const std::size_t sides = pixel.sides();
-  if (device.hits.size() != samples || device.sun_visible.size() != sides ||
-      device.sky_blocked.size() != planes * sides || device.radiance.size() != plan_.bands.size())
+  if (device.hits.size() != samples || device.sun_visible.size() != sides || device.sky_met.size() != planes * sides ||
+      device.radiance.size() != plan_.bands.size())
     throw base::Error(base::Fault::bug, "check: the device handed over " + std::to_string(device.hits.size()) +
                                             " hits and " + std::to_string(device.radiance.size()) +
                                             " bands of a pixel with " + std::to_string(samples) + " samples and " +
@@ -152,7 +148,8 @@ Comparison::Result Comparison::compare(const DevicePixel& device, bool with_mode
   result.number = pixel.number;
   result.line = device.address.line, result.sample = device.address.sample;
   result.rays = samples;
-  std::vector<BlockedDirections> blocked(sides);
+  std::vector<SentRays> sent(sides);
+  const auto rays = numbered_rays(plan_, instrument_, seed_, pixel.number);
   for (std::size_t s = 0; s < samples; ++s) {
     base::throw_if_interrupted();
     Sample& sample = pixel.samples[s];
@@ -171,13 +168,13 @@ Comparison::Result Comparison::compare(const DevicePixel& device, bool with_mode
     for (std::size_t i = s; i < sides; i += samples) {
       Sample& side = pixel.side(i);
       compare_sun(side, device.sun_visible[i] != 0, result);
-      blocked[i] = blocked_directions(scene_, plan_, seed_, pixel.number, side, s);
+      sent[i] = sent_rays(scene_, plan_, seed_, pixel.number, side, rays[s]);
       if (side.hit.miss()) continue;
-      result.sky_rays += blocked[i].size() / static_cast<std::size_t>(plan_.sky.share);
-      if (!result.excluded) compare_sky(side, s, pixel.number, &device.sky_blocked[planes * i], blocked[i], result);
+      result.sky_rays += sent[i].size();
+      if (!result.excluded) compare_sky(side, &device.sky_met[planes * i], sent[i], result);
     }
   }
-  result.arithmetic = arithmetic_.radiance(pixel, blocked);
+  result.arithmetic = arithmetic_.radiance(pixel, sent);
   for (std::size_t b = 0; b < plan_.bands.size(); ++b) {
     result.device.push_back(static_cast<double>(device.radiance[b]));
     result.reference.push_back(result.arithmetic.total(b));

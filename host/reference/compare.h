@@ -11,6 +11,7 @@
 #include "atmos_tables/render_table.h"
 #include "host/reference/first_hits.h"
 #include "host/reference/radiance.h"
+#include "host/reference/tie_search.h"
 
 namespace raycube::reference {
 
@@ -19,9 +20,8 @@ struct DevicePixel {
   PixelAddress address;
   std::vector<Hit> hits;                  ///< [sample]
   std::vector<std::uint8_t> sun_visible;  ///< [side][sample]; read where the side of the surface faces the sun
-  /// [side][sample][component 0..3, or 0..7 where the plan has more than 4]: irradiance that blocked directions take
-  /// away.
-  std::vector<float> sky_blocked;
+  /// [side][sample][component 0..3, or 0..7 where the plan has more than 4]: irradiance that the sample's rays add.
+  std::vector<float> sky_met;
   std::vector<float> radiance;  ///< [band], W m-2 sr-1 um-1
 };
 
@@ -31,7 +31,7 @@ struct Limits {
   double worst = 2e-5;       ///< of any band of any pixel
   double band_floor = 1e-9;  ///< differences are relative to max(|L_b|, band_floor x the pixel's largest band)
   double model = 0.01;       ///< `tolerance`: rms over pixels / band mean, worst band
-  double sky = 4e-6;  ///< of a sample's blocked sky, relative to all its set could take: 16 fp32 terms and cosines
+  double sky = 4e-6;  ///< of what a sample's rays bring, relative to all they could: fp32 cosines, densities and maps
 };
 
 struct CompareOptions {
@@ -62,7 +62,7 @@ struct Report {
   std::uint64_t hit_miss = 0;                 ///< of the disagreements: one hit, the other missed
   std::uint64_t sun_rays = 0, sun_explained = 0, sun_unexplained = 0;
   std::uint64_t sky_rays = 0, sky_explained = 0;  ///< rays
-  std::uint64_t sky_unexplained = 0;              ///< samples whose blocked sky no ties account for
+  std::uint64_t sky_unexplained = 0;              ///< samples whose met sky no ties account for
   std::uint64_t excluded_pixels = 0;              ///< pixels with an unexplained hit, sun ray or sky
   std::vector<BandDifference> bands;              ///< over the other pixels
   double worst_median = 0, worst = 0;
@@ -111,8 +111,7 @@ class Comparison {
   Result compare(const DevicePixel& pixel, bool with_model) const;
   /// The sun's ray from a side of a sample's surface; where the two part by a tie, the side goes the device's way.
   void compare_sun(Sample& side, bool device_sees, Result& result) const;
-  void compare_sky(const Sample& sample, std::size_t number_of_sample, std::uint32_t number, const float* device,
-                   BlockedDirections& blocked, Result& result) const;
+  void compare_sky(const Sample& sample, const float* device, SentRays& sent, Result& result) const;
 
   const plan::Plan& plan_;
   const scene::Instrument& instrument_;
@@ -120,6 +119,7 @@ class Comparison {
   CompareOptions options_;
   ReferenceScene scene_;
   ArithmeticModel arithmetic_;
+  Components brightest_{};  ///< of each of the sky's components, any direction
   std::unique_ptr<TableModel> model_;
   std::vector<Result> results_;
 };

@@ -1,5 +1,6 @@
 #include "host/reference/double_trace.h"
 #include "scene_compiler/matter.h"
+#include "scene_compiler/owner.h"
 
 #include <algorithm>
 #include <cmath>
@@ -39,13 +40,13 @@ bool meets_box(const shared::BvhNode& node, std::uint32_t slot, const LocalRay& 
 
 /// Calls visit(primitive, local ray) for every triangle whose block's box the ray meets before visit's bound t_max().
 template <typename Visit>
-void walk_mesh(const scene::CompiledScene& scene, std::uint32_t node_index, std::uint32_t instance, const LocalRay& ray,
+void walk_tree(const scene::CompiledScene& scene, std::uint32_t node_index, std::uint32_t instance, const LocalRay& ray,
                Visit& visit) {
   const shared::BvhNode& node = scene.nodes[node_index];
   for (std::uint32_t slot = 0; slot < node.count; ++slot) {
     if (!meets_box(node, slot, ray, visit.t_max())) continue;
     if (!(node.leaf_mask >> slot & 1u)) {
-      walk_mesh(scene, node.child[slot], instance, ray, visit);
+      walk_tree(scene, node.child[slot], instance, ray, visit);
       continue;
     }
     const std::uint32_t block = node.child[slot];
@@ -62,7 +63,7 @@ void walk_top(const scene::CompiledScene& scene, std::uint32_t node_index, const
     if (!meets_box(node, slot, world, visit.t_max())) continue;
     if (node.leaf_mask >> slot & 1u) {
       const shared::Instance& instance = scene.instances[node.child[slot]];
-      walk_mesh(scene, instance.root, node.child[slot], to_local(instance, ray), visit);
+      walk_tree(scene, instance.root, node.child[slot], to_local(instance, ray), visit);
     } else {
       walk_top(scene, node.child[slot], ray, world, visit);
     }
@@ -79,9 +80,12 @@ struct Closest {
   const scene::CompiledScene& scene;
   Trace result{{}, kInfinity, kInfinity, {}};
   double t_max() const { return result.certain_t; }
+  bool before(const Hit& a, const Hit& b) const {
+    return scene::user_before(scene, a.instance, a.primitive, b.instance, b.primitive);
+  }
   void operator()(const Hit& hit, const LocalRay& ray) {
     const Contact c = contact(scene, hit.primitive, ray);
-    if (c.hit && (c.t < result.t || (c.t == result.t && hit < result.hit))) result.hit = hit, result.t = c.t;
+    if (c.hit && (c.t < result.t || (c.t == result.t && before(hit, result.hit)))) result.hit = hit, result.t = c.t;
     if (c.certain() && c.t + c.t_bound < result.certain_t) result.certain = hit, result.certain_t = c.t + c.t_bound;
   }
 };
@@ -107,9 +111,9 @@ Contact contact_of(const scene::CompiledScene& scene, const DoubleRay& ray, cons
 
 bool names_a_triangle(const scene::CompiledScene& scene, const Hit& hit) {
   if (hit.instance >= scene.instances.size() || hit.primitive / RC_BLOCK >= scene.blocks.size()) return false;
-  const scene::Mesh& mesh = scene.meshes[scene.instances[hit.instance].mesh];
+  const scene::Tree& tree = scene.trees[scene.instances[hit.instance].tree];
   const std::uint32_t block = hit.primitive / RC_BLOCK;
-  return block >= mesh.first_block && block < mesh.first_block + mesh.block_count &&
+  return block >= tree.first_block && block < tree.first_block + tree.block_count &&
          scene.blocks[block].surface[hit.primitive % RC_BLOCK] != RC_NONE;
 }
 
@@ -143,8 +147,8 @@ Trace DoubleTracer::trace_brute_force(const Ray& ray) const {
   Closest visit{scene_};
   for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) {
     const LocalRay local = to_local(scene_.instances[i], to_double(ray));
-    const scene::Mesh& mesh = scene_.meshes[scene_.instances[i].mesh];
-    for (std::uint32_t p = mesh.first_block * RC_BLOCK; p < (mesh.first_block + mesh.block_count) * RC_BLOCK; ++p)
+    const scene::Tree& tree = scene_.trees[scene_.instances[i].tree];
+    for (std::uint32_t p = tree.first_block * RC_BLOCK; p < (tree.first_block + tree.block_count) * RC_BLOCK; ++p)
       if (scene::surface_of(scene_, p) != RC_NONE) visit({i, p}, local);
   }
   return visit.result;

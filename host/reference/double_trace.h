@@ -9,7 +9,7 @@ namespace raycube::reference {
 
 /// What double arithmetic says about one ray.
 struct Trace {
-  Hit hit;       ///< smallest (t, instance, primitive); edges belong to both their triangles
+  Hit hit;       ///< smallest t, then the first in the user's order; edges belong to both their triangles
   double t = 0;  ///< of that hit; infinite for a miss
   /// No correct fp32 traversal can report anything beyond this depth: the nearest certain hit's t + bound.
   double certain_t = 0;

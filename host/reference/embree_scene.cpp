@@ -48,9 +48,9 @@ RTCScene new_scene(RTCDevice device) {
 
 struct EmbreeScene::Impl {
   Device device;
-  std::vector<Scene> meshes;
-  std::vector<std::vector<std::uint32_t>> primitive;  ///< [mesh][Embree's primID] = block * 16 + lane
-  std::vector<std::uint32_t> mesh_of_instance;
+  std::vector<Scene> trees;
+  std::vector<std::vector<std::uint32_t>> primitive;  ///< [tree][Embree's primID] = block * 16 + lane
+  std::vector<std::uint32_t> tree_of_instance;
   Scene top;
 };
 
@@ -58,17 +58,17 @@ EmbreeScene::EmbreeScene(const scene::CompiledScene& scene) : impl_(std::make_un
   impl_->device.handle = rtcNewDevice(nullptr);
   const RTCDevice device = impl_->device.handle;
   check(device, "starting");
-  for (const scene::Mesh& mesh : scene.meshes) {
+  for (const scene::Tree& tree : scene.trees) {
     std::vector<std::uint32_t>& names = impl_->primitive.emplace_back();
-    for (std::uint32_t p = mesh.first_block * RC_BLOCK; p < (mesh.first_block + mesh.block_count) * RC_BLOCK; ++p)
+    for (std::uint32_t p = tree.first_block * RC_BLOCK; p < (tree.first_block + tree.block_count) * RC_BLOCK; ++p)
       if (scene::surface_of(scene, p) != RC_NONE) names.push_back(p);
-    impl_->meshes.emplace_back(new_scene(device));
+    impl_->trees.emplace_back(new_scene(device));
     const Geometry geometry(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE));
     auto* vertices = static_cast<float*>(
         rtcSetNewGeometryBuffer(geometry.handle, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, names.size() * 3));
     auto* indices = static_cast<std::uint32_t*>(
         rtcSetNewGeometryBuffer(geometry.handle, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, names.size()));
-    check(device, "allocating a mesh");
+    check(device, "allocating a tree");
     for (std::size_t i = 0; i < names.size(); ++i) {
       const shared::TriBlock& b = scene.blocks[names[i] / RC_BLOCK];
       const std::uint32_t k = names[i] % RC_BLOCK;
@@ -78,16 +78,16 @@ EmbreeScene::EmbreeScene(const scene::CompiledScene& scene) : impl_(std::make_un
       for (int c = 0; c < 3; ++c) indices[3 * i + c] = static_cast<std::uint32_t>(3 * i + c);
     }
     rtcCommitGeometry(geometry.handle);
-    rtcAttachGeometryByID(impl_->meshes.back().handle, geometry.handle, 0);
-    rtcCommitScene(impl_->meshes.back().handle);
-    check(device, "building a mesh");
+    rtcAttachGeometryByID(impl_->trees.back().handle, geometry.handle, 0);
+    rtcCommitScene(impl_->trees.back().handle);
+    check(device, "building a tree");
   }
   impl_->top.handle = new_scene(device);
   for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
     const shared::Instance& placed = scene.instances[i];
-    impl_->mesh_of_instance.push_back(placed.mesh);
+    impl_->tree_of_instance.push_back(placed.tree);
     const Geometry geometry(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE));
-    rtcSetGeometryInstancedScene(geometry.handle, impl_->meshes[placed.mesh].handle);
+    rtcSetGeometryInstancedScene(geometry.handle, impl_->trees[placed.tree].handle);
     const shared::rc_float4 rows[3] = {placed.world_from_local_0, placed.world_from_local_1, placed.world_from_local_2};
     float matrix[12];
     for (int r = 0; r < 3; ++r) {
@@ -101,7 +101,7 @@ EmbreeScene::EmbreeScene(const scene::CompiledScene& scene) : impl_(std::make_un
     rtcAttachGeometryByID(impl_->top.handle, geometry.handle, i);
   }
   rtcCommitScene(impl_->top.handle);
-  check(device, "building the instances");
+  check(device, "building the placed trees");
 }
 
 EmbreeScene::~EmbreeScene() = default;
@@ -130,7 +130,7 @@ Hit EmbreeScene::intersect(const Ray& ray, float t_far) const {
   rtcIntersect1(impl_->top.handle, &context, &query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
   const std::uint32_t instance = query.hit.instID[0];
-  return {instance, impl_->primitive[impl_->mesh_of_instance[instance]][query.hit.primID]};
+  return {instance, impl_->primitive[impl_->tree_of_instance[instance]][query.hit.primID]};
 }
 
 bool EmbreeScene::occluded(const Ray& ray) const {

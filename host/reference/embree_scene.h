@@ -10,7 +10,7 @@
 
 namespace raycube::reference {
 
-/// One Embree scene per mesh (its blocks' triangles), one Embree instance per placed mesh, with the stored fp32
+/// One Embree scene per tree (its blocks' triangles), one Embree instance per placed tree, with the stored fp32
 /// matrices. Safe to query from several threads.
 class EmbreeScene {
  public:

@@ -40,32 +40,48 @@ std::array<double, 4> unoccluded_irradiance(const plan::IrradianceMap& map, cons
 /// The plan's table of thermal sky and surroundings at a normal's vertical component, linear between its nodes.
 std::array<double, 4> thermal_unoccluded(const plan::Thermal& thermal, double normal_z);
 
-/// Directions of a pixel's set that a sample does not see; index k of the set. Those of other samples' parts
-/// (plan.sky.share) are false.
-using BlockedDirections = std::vector<bool>;
+/// A ray of a pixel into the sky (rc_sky_sample, rc_sky_number): its number, and how many samples it stands for.
+struct NumberedRay {
+  std::uint32_t number = 0;
+  double samples = 1;
+};
 
-/// First entry of the pixel's direction set in plan.sky.
-std::size_t first_direction(const plan::Plan& plan, std::uint64_t seed, std::uint32_t pixel);
+/// The rays of every sample of a pixel, [sample]; empty lists where the plan has no sky.
+std::vector<std::vector<NumberedRay>> numbered_rays(const plan::Plan& plan, const scene::Instrument& instrument,
+                                                    std::uint64_t seed, std::uint32_t pixel);
 
-/// By Embree. A direction below the surface's horizon carries no light and counts as unblocked.
-BlockedDirections blocked_directions(const ReferenceScene& scene, const plan::Plan& plan, std::uint64_t seed,
-                                     std::uint32_t pixel, const Sample& sample, std::size_t number_of_sample);
+/// What a ray into the sky from one side of a sample's surface said.
+struct SentRay {
+  glm::dvec3 direction{0};  ///< unit
+  /// Irradiance that a radiance of 1 brings by it: samples it stands for * cosine / density, sr. 0 below the horizon of
+  /// surface or scene: then nothing was asked.
+  double weight = 0;
+  double solid_angle_sr = 0;  ///< the same without the cosine, at most 20 a sample: of rounding in the normal
+  bool open = true;
+};
+using SentRays = std::vector<SentRay>;
 
-/// Whether direction k belongs to the part of the sample (rc_sky_part).
-bool looks_into(const plan::SkySets& sky, std::uint64_t seed, std::uint32_t pixel, std::size_t number_of_sample,
-                std::size_t k);
+/// By Embree, in the order in which the device adds them up.
+SentRays sent_rays(const ReferenceScene& scene, const plan::Plan& plan, std::uint64_t seed, std::uint32_t pixel,
+                   const Sample& side, const std::vector<NumberedRay>& rays);
 
-/// Arithmetic form: the plan's nodes, sky components and direction sets taken as spectra.
+/// The plan's components from a direction, sr-1: solar, thermal sky, surroundings (-1). Zero below the horizon.
+std::array<double, 8> sky_light(const plan::Plan& plan, const glm::dvec3& direction);
+
+/// Share of the open sky that the surface of a hit takes for granted.
+double known_share(const scene::CompiledScene& scene, const plan::Plan& plan, const Hit& hit);
+
+/// Arithmetic form: the plan's nodes, sky components and rays taken as spectra.
 class ArithmeticModel {
  public:
   /// Unoccluded irradiance of the plan's components against a unit normal.
   using OpenSky = std::function<std::array<double, 8>(const glm::dvec3& normal)>;
 
   /// Keeps references. Without `open` the plan's own map and table.
-  ArithmeticModel(const scene::CompiledScene& scene, const plan::Plan& plan, std::uint64_t seed, OpenSky open = {});
+  ArithmeticModel(const scene::CompiledScene& scene, const plan::Plan& plan, OpenSky open = {});
 
-  /// blocked[i]: of SampledPixel::side(i), see blocked_directions.
-  BandRadiance radiance(const SampledPixel& pixel, const std::vector<BlockedDirections>& blocked) const;
+  /// sent[i]: of SampledPixel::side(i), see sent_rays.
+  BandRadiance radiance(const SampledPixel& pixel, const std::vector<SentRays>& sent) const;
 
  private:
   /// On the plan's grid, by physics block.
@@ -75,8 +91,9 @@ class ArithmeticModel {
   /// By which light that falls onto the side of the sample goes to the viewer; material from 1.
   const std::vector<double>& curve_of(const Sample& sample, std::uint32_t material) const;
   /// Sun, sky and emission of one side of a surface.
-  void add_side(const SampledPixel& pixel, const Sample& side, std::size_t number_of_sample,
-                const BlockedDirections& blocked, Spectra& out) const;
+  void add_side(const SampledPixel& pixel, const Sample& side, const SentRays& sent, Spectra& out) const;
+  /// Irradiance of the plan's components on one side of a surface.
+  std::array<double, 8> irradiance(const Sample& side, const SentRays& sent) const;
   void add_path(const SampledPixel& pixel, const Sample& sample, std::vector<double>& path) const;
   void add_source(const SampledPixel& pixel, const Sample& sample, int source, double scalar,
                   std::vector<double>& spectrum) const;
@@ -84,9 +101,7 @@ class ArithmeticModel {
 
   const scene::CompiledScene& scene_;
   const plan::Plan& plan_;
-  std::uint64_t seed_;
   OpenSky open_;
-  bool shaped_ = false;                     ///< some material does not reflect by Lambert's law
   std::vector<std::vector<double>> curve_;  ///< [curve - 1][grid], curves_on
 };
 

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <tuple>
 
 #include <glm/vec3.hpp>
 #include <glm/geometric.hpp>
@@ -20,14 +19,11 @@ struct Ray {
   std::array<float, 3> origin{}, direction{}, offset{};
 };
 
-/// A first hit by name: instance index and primitive = block * 16 + lane. RC_NONE in both: a miss.
+/// A first hit by name: placed tree and primitive = block * 16 + lane. RC_NONE in both: a miss.
 struct Hit {
   std::uint32_t instance = RC_NONE, primitive = RC_NONE;
   bool miss() const { return primitive == RC_NONE; }
   bool operator==(const Hit&) const = default;
-  bool operator<(const Hit& other) const {
-    return std::tie(instance, primitive) < std::tie(other.instance, other.primitive);
-  }
 };
 
 /// Image-plane abscissa of a point u pixels right of the centre of pixel `lane` of a group of `width` pixels, from the

@@ -8,7 +8,8 @@ namespace raycube::render {
 
 RC_ARGUMENT_STRUCT(TracePrimaryArguments, "trace_primary", RC_TRACE_PRIMARY_ARGUMENTS)
 RC_ARGUMENT_STRUCT(MakeSurfaceArguments, "make_surface", RC_MAKE_SURFACE_ARGUMENTS)
-RC_ARGUMENT_STRUCT(TraceLightArguments, "trace_light", RC_TRACE_LIGHT_ARGUMENTS)
+RC_ARGUMENT_STRUCT(TraceSunArguments, "trace_sun", RC_TRACE_SUN_ARGUMENTS)
+RC_ARGUMENT_STRUCT(TraceSkyArguments, "trace_sky", RC_TRACE_SKY_ARGUMENTS)
 RC_ARGUMENT_STRUCT(ShadeArguments, "shade", RC_SHADE_ARGUMENTS)
 RC_ARGUMENT_STRUCT(ResolveArguments, "resolve", RC_RESOLVE_ARGUMENTS)
 RC_ARGUMENT_STRUCT(IntegrateBandsArguments, "integrate_bands", RC_INTEGRATE_BANDS_ARGUMENTS)

@@ -39,6 +39,20 @@ class StripQueue {
     changed_.notify_all();
     if (thread_.joinable()) thread_.join();
   }
+  /// An item of these sizes, of memory that a strip before it had where there is one: fresh pages cost as much as
+  /// filling them. The radiance holds anything, all else zeros.
+  Item take(std::size_t radiance, std::size_t truth, std::size_t band_error) {
+    Item item;
+    {
+      const std::lock_guard lock(mutex_);
+      if (!written_.empty()) item = std::move(written_.back()), written_.pop_back();
+    }
+    item.radiance.resize(radiance);
+    item.truth.assign(truth, 0.0f);
+    item.band_error.assign(band_error, 0.0f);
+    item.strip = {};
+    return item;
+  }
   void push(Item item) {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [&] { return items_.size() < 2 || error_; });
@@ -77,6 +91,8 @@ class StripQueue {
         if (!item.band_error.empty()) item.strip.band_error = item.band_error.data();
         sink_(item.strip);
         seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        const std::lock_guard lock(mutex_);
+        written_.push_back(std::move(item));
       } catch (...) {
         const std::lock_guard lock(mutex_);
         error_ = std::current_exception();
@@ -92,6 +108,7 @@ class StripQueue {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<Item> items_;
+  std::vector<Item> written_;
   std::exception_ptr error_;
   bool closed_ = false;
   double seconds_ = 0;
@@ -144,10 +161,8 @@ RenderStatistics Renderer::render(const scene::Instrument& instrument, const pla
   for (int line = 0; line < instrument.lines; line += size.lines) {
     const int lines = std::min(size.lines, instrument.lines - line);
     const std::size_t pixels = static_cast<std::size_t>(lines) * instrument.pixels;
-    StripQueue::Item item{{line, lines, nullptr, nullptr, nullptr},
-                          std::vector<float>(pixels * bands),
-                          std::vector<float>(pixels * layers),
-                          std::vector<float>(band_errors ? pixels * bands : 0)};
+    StripQueue::Item item = queue.take(pixels * bands, pixels * layers, band_errors ? pixels * bands : 0);
+    item.strip.first_line = line, item.strip.lines = lines;
     for (int column = 0; column < instrument.pixels; column += size.columns) {
       base::throw_if_interrupted();
       const Tile tile{line, lines, column, std::min(size.columns, instrument.pixels - column)};

@@ -1,9 +1,9 @@
 // The stage graph on one device: a compiled scene uploaded once, then instruments rendered tile by tile.
 //
-//   ray groups -> trace_primary -> make_surface -> trace_light (sun, sky) -> shade -> (host bakes missing rows)
+//   ray groups -> trace_primary -> make_surface -> trace_sun -> trace_sky -> shade -> (host bakes missing rows)
 //              -> resolve -> integrate_bands -> strip on the host
 //
-// Light from neighbouring surfaces will join between trace_light and shade: it adds product keys and accumulators to
+// Light from neighbouring surfaces will join between trace_sky and shade: it adds product keys and accumulators to
 // the row, nothing else changes. Light that the air scatters in from the ground around joins in resolve, as rows of the
 // band table.
 #pragma once

@@ -34,7 +34,16 @@ TraceBuffers::TraceBuffers(const cl::Context& context, const StageShape& shape, 
       surface(context, pixels * elements.surface, cl::Access::read_write, "surface points"),
       lift(context, pixels * elements.lift, cl::Access::read_write, "lifts of surface points"),
       sun(context, pixels * elements.sun, cl::Access::read_write, "sun visibility"),
-      blocked(context, pixels * elements.blocked, cl::Access::read_write, "blocked sky") {}
+      met_sky(context, pixels * elements.met_sky, cl::Access::read_write, "met sky") {}
+
+std::vector<float> open_shares(const SceneBuffers& scene, const plan::Plan& plan, const StageShape& shape) {
+  std::size_t surfaces = 0;
+  for (const auto& page : scene.surfaces) surfaces += page.size();
+  std::vector<float> out(surfaces, 1.0f);
+  for (std::size_t surface = 0; shape.sky_shadows && surface < out.size(); ++surface)
+    out[surface] = plan.sky.known(surface);
+  return out;
+}
 
 RowStages::RowStages(const cl::Context& context, const SceneBuffers& scene, const plan::Plan& plan,
                      const StageShape& shape, sensors::SampleWeights weights)
@@ -53,6 +62,7 @@ RowStages::RowStages(const cl::Context& context, const SceneBuffers& scene, cons
       irradiance_(context, plan.irradiance.value, cl::Access::read_only, "irradiance map"),
       tilt_irradiance_(context, plan.thermal.tilt_irradiance, cl::Access::read_only, "irradiance by tilt"),
       surface_node_(context, plan.thermal.surface_node, cl::Access::read_only, "temperatures of surfaces"),
+      open_share_(context, open_shares(scene, plan, shape), cl::Access::read_only, "open share of surfaces"),
       no_list_(context, 1, cl::Access::read_only, "empty pixel list") {}
 
 void RowStages::shade(const PixelSelection& pixels, const TileLayout& layout, const TraceBuffers& traced, int chunk,
@@ -78,7 +88,8 @@ void RowStages::shade(const PixelSelection& pixels, const TileLayout& layout, co
                                   .surface = traced.surface,
                                   .lift = traced.lift,
                                   .sun = traced.sun,
-                                  .blocked = traced.blocked,
+                                  .met_sky = traced.met_sky,
+                                  .open_share = open_share_,
                                   .blocks = scene_.blocks,
                                   .surfaces = scene_.surfaces,
                                   .chunk_weight = sample_weight_,

@@ -38,8 +38,11 @@ struct TraceBuffers {
   cl::Buffer<std::uint32_t> hits;
   cl::Buffer<float> surface, lift;
   cl::Buffer<std::uint16_t> sun;
-  cl::Buffer<float> blocked;
+  cl::Buffer<float> met_sky;
 };
+
+/// Share of the open sky that each surface takes for granted: the plan's, or all of it where no rays are sent.
+std::vector<float> open_shares(const SceneBuffers& scene, const plan::Plan& plan, const StageShape& shape);
 
 /// Pixels a launch works on: the first `count` of a tile, or those of a list.
 struct PixelSelection {
@@ -92,6 +95,7 @@ class RowStages {
   cl::Buffer<float> sample_weight_;  ///< of one chunk, zero in the padding
   int loaded_chunk_ = -1, loaded_subset_ = -1;
   cl::Buffer<shared::rc_float4> irradiance_, tilt_irradiance_, surface_node_;
+  cl::Buffer<float> open_share_;
   cl::Buffer<std::uint32_t> no_list_;
 };
 

@@ -9,13 +9,13 @@ namespace raycube::render {
 
 namespace {
 constexpr double kLeastBand = 1e-4;  ///< of the brightest band's mean
-/// Standard error of a lattice over that of four independent parts, by measurement.
-constexpr double kLatticeFactor = 0.7;
+/// Standard error over that of four independent parts, by measurement (standard_error.h).
+constexpr double kLatticeFactor = 0.7, kCellFactor = 0.85;
 }  // namespace
 
 double error_of_spread(scene::SamplerKind sampler) {
   const double independent = 1 / std::sqrt(sensors::kSampleSubsets * (sensors::kSampleSubsets - 1.0));
-  return sampler == scene::SamplerKind::lattice ? kLatticeFactor * independent : independent;
+  return (sampler == scene::SamplerKind::lattice ? kLatticeFactor : kCellFactor) * independent;
 }
 
 std::vector<float> error_scale(const std::vector<double>& band_means) {

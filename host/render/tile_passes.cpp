@@ -6,7 +6,6 @@
 #include <numeric>
 
 #include "host/base/interrupt.h"
-#include "host/plan/sky_sets.h"
 #include "host/render/adaptive.h"
 #include "host/render/picked_tiles.h"
 #include "host/render/standard_error.h"
@@ -83,10 +82,6 @@ struct TilePasses::Fine {
 
 TilePasses::~TilePasses() = default;
 
-int fine_sky_share(const plan::Plan& plan, int samples) {
-  return std::max(plan.sky.share, plan::sky_share(0, samples, std::max(1, plan.sky.directions)));
-}
-
 LeastMemory least_memory(const scene::CompiledScene& scene, const scene::Instrument& instrument, const plan::Plan& plan,
                          std::size_t row_capacity) {
   const std::size_t cubes = instrument.standard_error == scene::StandardError::bands ? 2 : 1;
@@ -134,8 +129,6 @@ TilePasses::TilePasses(const RenderSetup& setup, int lines, int columns, std::si
       static_cast<std::size_t>(lines + 2) * (groups_across(columns, setup.shape.pixels_per_group) + 2);
   RenderSetup coarse{setup.context, setup.scene, setup.buffers, *coarse_instrument_,
                      setup.plan,    setup.sun,   setup.seed,    shape_of(*coarse_instrument_, setup.plan)};
-  coarse.shape.sky_share = std::min(
-      setup.plan.sky.share, plan::sky_share(0, setup.instrument.first_samples, std::max(1, setup.plan.sky.directions)));
   coarse_.emplace(coarse, table_, most_groups_ * setup.shape.pixels_per_group, lines, row_capacity,
                   setup.instrument.standard_error != scene::StandardError::off);
   coarse.shape.sky_shadows = false;
@@ -262,7 +255,6 @@ TilePasses::Fine& TilePasses::fine(int samples) {
   auto instrument = std::make_unique<scene::Instrument>(sensors::with_fine_samples(setup_.instrument, samples));
   RenderSetup setup{setup_.context, setup_.scene, setup_.buffers, *instrument,
                     setup_.plan,    setup_.sun,   setup_.seed,    shape_of(*instrument, setup_.plan)};
-  setup.shape.sky_share = fine_sky_share(setup_.plan, samples);
   const bool errors = setup_.instrument.standard_error != scene::StandardError::off;
   const std::size_t capacity = fine_capacity(setup.shape, row_capacity_);
   const std::size_t group_bytes = fine_group_bytes(setup.shape, capacity, errors);

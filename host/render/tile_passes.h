@@ -61,10 +61,6 @@ class TilePasses {
   std::map<int, std::uint64_t> fine_pixels_;   ///< rendered so
 };
 
-/// Parts that pixels with so many samples share the sky's directions out to: the plan's, or more by the
-/// plan's own rule.
-int fine_sky_share(const plan::Plan& plan, int samples);
-
 /// What a render of this instrument must hold at once, standard errors and the first pass with it.
 LeastMemory least_memory(const scene::CompiledScene& scene, const scene::Instrument& instrument, const plan::Plan& plan,
                          std::size_t row_capacity);

@@ -44,7 +44,6 @@ StageShape make_stage_shape(const scene::Instrument& instrument, const plan::Pla
   shape.sun = plan.sun_sources;
   shape.components = plan.components();
   shape.matter = plan.matter;
-  shape.sky_share = plan.sky.share;
   shape.thermal_components = plan.thermal.components();
   shape.temperatures = plan.thermal.nodes();
   shape.heights = plan.height.count;
@@ -69,6 +68,8 @@ ProgramOptions program_options(const StageShape& shape, std::uint32_t stack_boun
   both("RC_CHUNK_SAMPLES", shape.chunk_samples);
   both("RC_PIXELS_PER_GROUP", shape.pixels_per_group);
   both("RC_SKY_PLANES", shape.sky_planes());
+  both("RC_COMPONENTS", shape.components);
+  both("RC_THERMAL_COMPONENTS", shape.thermal_components);
   if (shape.matter.shaped) both("RC_SHAPED", 1);
   if (shape.matter.sides > 1) both("RC_SIDES", shape.matter.sides);
   trace("RC_NU", shape.samples_u);
@@ -80,8 +81,6 @@ ProgramOptions program_options(const StageShape& shape, std::uint32_t stack_boun
   trace("RC_MOVING", shape.moving);
   if (shape.matter.sides > 1) rows("RC_MATERIALS", static_cast<int>(shape.matter.materials));
   rows("RC_SUN", shape.sun);
-  rows("RC_COMPONENTS", shape.components);
-  rows("RC_THERMAL_COMPONENTS", shape.thermal_components);
   rows("RC_TEMPERATURES", shape.temperatures);
   rows("RC_HEIGHTS", shape.heights);
   rows("RC_VIEWS", shape.views);

@@ -33,7 +33,6 @@ struct StageShape {
   int heights = 1, views = 1, path_x = 1, path_y = 1;
   int channels = 1;  ///< rows of the band table per key: max of source and path channels
   int bands = 0, bands_padded = 0;
-  int sky_share = 1;        ///< each sample looks into one in so many of the sky's directions
   bool sky_shadows = true;  ///< false: nothing hides the sky, no rays are sent to it
   scene::CameraMatter matter;
   bool environment = false;  ///< light of the ground around joins: 4 rows of the band table per pixel

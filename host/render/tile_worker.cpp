@@ -103,7 +103,7 @@ void TileWorker::collect(int chunk, PixelProbe& probe) const {
   const StageShape& shape = setup_.shape;
   collect_hits(shape, chunk, traced_, probe);
   const auto sun = traced_.sun.read_all();
-  const auto blocked = traced_.blocked.read_all();
+  const auto met = traced_.met_sky.read_all();
   const std::size_t pixels = probe.tile.pixels(), samples = static_cast<std::size_t>(shape.samples);
   const std::size_t first = std::size_t(chunk) * shape.chunk_samples,
                     end = std::min(first + shape.chunk_samples, samples);
@@ -111,15 +111,14 @@ void TileWorker::collect(int chunk, PixelProbe& probe) const {
              sides = static_cast<std::size_t>(shape.matter.sides);
   probe.sides = shape.matter.sides;
   probe.sun_visible.resize(pixels * sides * samples);
-  probe.sky_blocked.resize(pixels * sides * samples * planes);
+  probe.sky_met.resize(pixels * sides * samples * planes);
   for (std::size_t p = 0; p < pixels; ++p)
     for (std::size_t side = 0; side < sides; ++side)
       for (std::size_t s = first; s < end; ++s) {
         const std::size_t slot = side * traced_.elements.near + s - first, to = (p * sides + side) * samples + s;
         probe.sun_visible[to] = (sun[p * traced_.elements.sun + slot / RC_WORD] >> (slot % RC_WORD)) & 1u;
         for (int m = 0; m < shape.components; ++m)
-          probe.sky_blocked[planes * to + m] =
-              blocked[p * traced_.elements.blocked + m * traced_.elements.padded + slot];
+          probe.sky_met[planes * to + m] = met[p * traced_.elements.met_sky + m * traced_.elements.padded + slot];
       }
 }
 
@@ -168,7 +167,7 @@ void TileWorker::run(const TileRays& tile, const TileOutput& out, PixelProbe* pr
   const double hit_rays = hit / std::max(1u, pixels) * rays;
   if (setup_.plan.sun_up) statistics_.sun_rays += static_cast<std::uint64_t>(hit_rays);
   if (shape.sky_shadows)
-    statistics_.sky_rays += static_cast<std::uint64_t>(hit_rays * (setup_.plan.sky.directions / shape.sky_share));
+    statistics_.sky_rays += static_cast<std::uint64_t>(hit / std::max(1u, pixels) * pixels * setup_.plan.sky.rays);
   statistics_.band_samples += static_cast<std::uint64_t>(pixels) * shape.bands;
 }
 

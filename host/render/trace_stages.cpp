@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 
 #include "host/base/error.h"
 #include "host/base/doing.h"
 #include "host/base/sha256.h"
+#include "host/plan/sky_rays.h"
 #include "host/render/camera_arguments.h"
 #include "host/sensors/ray_groups.h"
 #include "kernels/kernel_source.h"
@@ -14,16 +16,37 @@ namespace raycube::render {
 
 namespace {
 
-/// The device wants at least one element of everything.
-template <class T>
-cl::Buffer<T> upload(const cl::Context& context, const std::vector<T>& from, const std::string& what) {
-  if (from.empty()) return cl::Buffer<T>(context, std::vector<T>(1), cl::Access::read_only, what);
-  return cl::Buffer<T>(context, from, cl::Access::read_only, what);
-}
+/// The sky's maps as trace_sky reads them (kernels/light/sky_map.h).
+struct SkyMapBuffers {
+  SkyMapBuffers(const cl::Context& context, const plan::Plan& plan)
+      : solar(context, quads(plan.sky_basis), cl::Access::read_only, "sky map"),
+        zenith(context, floats(plan.sky_basis.zenith_rad), cl::Access::read_only, "zeniths of the sky map"),
+        azimuth(context, floats(plan.sky_basis.azimuth_rad), cl::Access::read_only, "azimuths of the sky map"),
+        thermal(context, first_column(plan.thermal.basis), cl::Access::read_only, "thermal sky map"),
+        thermal_zenith(context, floats(plan.thermal.basis.zenith_rad), cl::Access::read_only,
+                       "zeniths of the thermal sky map") {}
+  cl::Buffer<shared::rc_float4> solar;
+  cl::Buffer<float> zenith, azimuth;
+  cl::Buffer<shared::rc_float4> thermal;
+  cl::Buffer<float> thermal_zenith;
 
-std::vector<shared::rc_float4> sun_only(const plan::Plan& plan) {
-  return {{plan.sun_direction[0], plan.sun_direction[1], plan.sun_direction[2], 0}};
-}
+ private:
+  static shared::rc_float4 quad(const std::array<double, 4>& v) {
+    return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2]), static_cast<float>(v[3])};
+  }
+  static std::vector<shared::rc_float4> quads(const plan::SkyBasis& basis) {
+    std::vector<shared::rc_float4> out;
+    for (const auto& value : basis.value) out.push_back(quad(value));
+    return out;
+  }
+  /// Of maps of zenith angle alone.
+  static std::vector<shared::rc_float4> first_column(const plan::SkyBasis& basis) {
+    std::vector<shared::rc_float4> out;
+    for (std::size_t i = 0; i < basis.value.size(); i += basis.azimuth_rad.size()) out.push_back(quad(basis.value[i]));
+    return out;
+  }
+  static std::vector<float> floats(const std::vector<double>& values) { return {values.begin(), values.end()}; }
+};
 
 }  // namespace
 
@@ -40,10 +63,10 @@ struct TraceStages::State {
         program(context_, "trace", kernels::kernel_source("trace"), options),
         primary(program, "trace_primary"),
         surface(program, "make_surface"),
-        light(program, "trace_light"),
-        sun(upload(context_, sun_only(plan_), "sun direction")),
-        directions(upload(context_, plan_.sky.direction, "sky directions")),
-        weights(upload(context_, plan_.sky.weight, "sky weights")) {}
+        sun(program, "trace_sun"),
+        sky(program, "trace_sky"),
+        sky_map(context_, plan_),
+        open_share(context_, open_shares(buffers_, plan_, shape_), cl::Access::read_only, "open share of surfaces") {}
 
   cl_uint first_sample(int chunk) const { return static_cast<cl_uint>(chunk * shape.chunk_samples); }
   cl_uint sample_count(int chunk) const {
@@ -62,6 +85,50 @@ struct TraceStages::State {
                                                    .sample_count = sample_count(chunk)});
   }
 
+  shared::rc_float4 sun_direction() const {
+    return {plan.sun_direction[0], plan.sun_direction[1], plan.sun_direction[2], 0};
+  }
+  const cl::Kernel& sun_of(const TileLayout& layout, TraceBuffers& traced) {
+    return sun.arguments(TraceSunArguments{.nodes = buffers.nodes,
+                                           .blocks = buffers.blocks,
+                                           .instances = buffers.instances,
+                                           .groups = traced.groups,
+                                           .surface = traced.surface,
+                                           .direction = sun_direction(),
+                                           .sun = traced.sun,
+                                           .columns = layout.columns});
+  }
+  const cl::Kernel& sky_of(const TileLayout& layout, int chunk, TraceBuffers& traced) {
+    const SkyDensity law = plan::sky_density(plan);
+    const double azimuth = plan.sky.sun_azimuth_rad;
+    return sky.arguments(TraceSkyArguments{
+        .nodes = buffers.nodes,
+        .blocks = buffers.blocks,
+        .instances = buffers.instances,
+        .groups = traced.groups,
+        .hits = traced.hits,
+        .surface = traced.surface,
+        .open_share = open_share,
+        .sky_map = sky_map.solar,
+        .sky_zenith = sky_map.zenith,
+        .sky_azimuth = sky_map.azimuth,
+        .zeniths = static_cast<cl_uint>(plan.sky_basis.zenith_rad.size()),
+        .azimuths = static_cast<cl_uint>(plan.sky_basis.azimuth_rad.size()),
+        .thermal_map = sky_map.thermal,
+        .thermal_zenith = sky_map.thermal_zenith,
+        .thermal_zeniths = static_cast<cl_uint>(plan.thermal.basis.zenith_rad.size()),
+        .sun_azimuth =
+            shared::rc_float4{static_cast<float>(std::sin(azimuth)), static_cast<float>(std::cos(azimuth)), 0, 0},
+        .density = shared::rc_float4{law.cosine, law.sun, law.g, 0},
+        .sun_direction = sun_direction(),
+        .rays = static_cast<cl_uint>(plan.sky.rays),
+        .seed = plan.sky.hash_seed(seed),
+        .columns = layout.columns,
+        .first_sample = first_sample(chunk),
+        .sample_count = sample_count(chunk),
+        .met_sky = traced.met_sky});
+  }
+
   const cl::Context& context;
   const SceneBuffers& buffers;
   const plan::Plan& plan;
@@ -69,8 +136,9 @@ struct TraceStages::State {
   std::uint32_t seed;
   std::string options, identity;
   cl::Program program;
-  cl::Kernel primary, surface, light;
-  cl::Buffer<shared::rc_float4> sun, directions, weights;
+  cl::Kernel primary, surface, sun, sky;
+  SkyMapBuffers sky_map;
+  cl::Buffer<float> open_share;
   const void* zeroed = nullptr;  ///< buffers whose unused visibility has been cleared
 };
 
@@ -130,7 +198,7 @@ void TraceStages::run(const TileLayout& layout, int chunk, TraceBuffers& traced,
 
   if (s.zeroed != &traced) {
     if (!s.plan.sun_up) traced.sun.write(std::vector<std::uint16_t>(traced.sun.size(), 0));
-    if (!s.sends_to_sky()) traced.blocked.write(std::vector<float>(traced.blocked.size(), 0.0f));
+    if (!s.sends_to_sky()) traced.met_sky.write(std::vector<float>(traced.met_sky.size(), 0.0f));
     s.zeroed = &traced;
   }
   launch("trace_primary", s.primary_of(layout, chunk, traced));
@@ -145,29 +213,8 @@ void TraceStages::run(const TileLayout& layout, int chunk, TraceBuffers& traced,
                                                                   .columns = layout.columns,
                                                                   .first_sample = first_sample,
                                                                   .sample_count = sample_count}));
-  const auto light = [&](const char* stage, const auto& directions, const auto& weights, bool sky, int sets, int count,
-                         int share) {
-    launch(stage, s.light.arguments(TraceLightArguments{.nodes = s.buffers.nodes,
-                                                        .blocks = s.buffers.blocks,
-                                                        .instances = s.buffers.instances,
-                                                        .groups = traced.groups,
-                                                        .surface = traced.surface,
-                                                        .directions = directions,
-                                                        .weights = weights,
-                                                        .sun = traced.sun,
-                                                        .blocked = traced.blocked,
-                                                        .sky = cl_uint{sky},
-                                                        .sets = static_cast<cl_uint>(sets),
-                                                        .count = static_cast<cl_uint>(count),
-                                                        .share = static_cast<cl_uint>(share),
-                                                        .seed = s.seed,
-                                                        .columns = layout.columns,
-                                                        .first_sample = first_sample}));
-  };
-  if (s.plan.sun_up) light("trace_sun", s.sun, s.sun, false, 1, 1, 1);
-  if (s.sends_to_sky())
-    light("trace_sky", s.directions, s.weights, true, static_cast<int>(s.plan.sky.sets),
-          static_cast<int>(s.plan.sky.directions), s.shape.sky_share);
+  if (s.plan.sun_up) launch("trace_sun", s.sun_of(layout, traced));
+  if (s.sends_to_sky()) launch("trace_sky", s.sky_of(layout, chunk, traced));
 }
 
 }  // namespace raycube::render

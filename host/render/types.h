@@ -65,9 +65,9 @@ struct HitProbe {
 struct PixelProbe : HitProbe {
   int sides = 1;                          ///< of a sample's surface, the near one first
   std::vector<std::uint8_t> sun_visible;  ///< [pixel][side][sample]
-  std::vector<float> sky_blocked;         ///< [pixel][side][sample][component 0..3 or 0..7], irradiance taken away
-  std::vector<float> radiance;            ///< [pixel][band]
-  std::vector<float> truth;               ///< [pixel][layer]
+  std::vector<float> sky_met;   ///< [pixel][side][sample][component 0..3 or 0..7], irradiance that its rays add
+  std::vector<float> radiance;  ///< [pixel][band]
+  std::vector<float> truth;     ///< [pixel][layer]
 };
 
 using ProbeSink = std::function<void(const PixelProbe&)>;

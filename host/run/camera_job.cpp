@@ -8,6 +8,7 @@
 #include "host/run/air_table.h"
 #include "host/plan/channel_bands.h"
 #include "host/plan/one_direction.h"
+#include "host/planner/open_share.h"
 #include "host/planner/plan_file.h"
 #include "host/planner/plan_lines.h"
 #include "host/sensors/view_bounds.h"
@@ -52,6 +53,7 @@ CameraJob prepare_camera(const scene::Simulation& simulation, const scene::Instr
     for (auto& notice : air_notices(job.table)) job.notices.push_back(std::move(notice));
   start = std::chrono::steady_clock::now();
   job.plan = plan::make_plan(simulation, instrument, job.table, view);
+  if (planning.renderer) planner::measure_open_share(*planning.renderer, simulation, instrument, job.plan);
   if (planning.replay) {
     const auto& entry = planner::find_entry(*planning.replay, instrument.name, false, planning.replay_path);
     job.decision = planner::replayed(entry, simulation, instrument, job.plan, planning.replay_path);
@@ -64,7 +66,7 @@ CameraJob prepare_camera(const scene::Simulation& simulation, const scene::Instr
     planner::hold_tolerance(job.decision, simulation, instrument, job.plan, job.table, services.threads);
   }
   planner::add_small_objects(job.decision, simulation, instrument);
-  planner::apply(job.decision, simulation, *planned, job.plan);
+  planner::apply(job.decision, *planned, job.plan);
   for (const auto& notice : job.plan.notices) services.log.warning(notice);
   for (const auto& note : job.decision.notes) services.log.warning(note);
   job.plan_s = base::seconds_since(start);

@@ -4,6 +4,7 @@
 #include "host/base/cache_folder.h"
 #include "host/base/error.h"
 #include "host/run/chart_point.h"
+#include "host/planner/open_share.h"
 #include "host/run/camera_job.h"
 #include "host/sensors/view_bounds.h"
 #include "host/study/kept.h"
@@ -84,6 +85,7 @@ Chart chart_cube(scene::Simulation& simulation, std::size_t index, const ChartOp
         plan::Plan plan;
         try {
           plan = plan::make_plan(simulation, instrument, job.table, view);
+          planner::measure_open_share(renderer, simulation, instrument, plan);
         } catch (const base::Error& error) {
           if (error.fault() != base::Fault::input) throw;
           point.refused = error.what();
@@ -93,8 +95,7 @@ Chart chart_cube(scene::Simulation& simulation, std::size_t index, const ChartOp
         FoundChart found;
         found.error = study::error_of(
             reference, study::device_radiance(renderer, instrument, plan, simulation.sun, simulation.seed, tiles));
-        const double rays = static_cast<double>(instrument.samples_u) * instrument.samples_v *
-                            (2 + plan.sky.directions / plan.sky.share);
+        const double rays = static_cast<double>(instrument.samples_u) * instrument.samples_v * 2 + plan.sky.rays;
         const auto timed =
             static_cast<std::uint64_t>(std::clamp(kTimedRays / rays, 64.0, static_cast<double>(options.timed_pixels)));
         found.timing = study::time_image(renderer, instrument, plan, simulation.sun, simulation.seed,

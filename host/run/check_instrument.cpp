@@ -72,7 +72,7 @@ reference::Report compare_tiles(render::Renderer& renderer, const scene::Simulat
         return std::remove_cvref_t<decltype(all)>(begin, begin + static_cast<std::ptrdiff_t>(count));
       };
       pixel.sun_visible = of_pixel(probe.sun_visible, sides);
-      pixel.sky_blocked = of_pixel(probe.sky_blocked, values);
+      pixel.sky_met = of_pixel(probe.sky_met, values);
       pixel.radiance = of_pixel(probe.radiance, bands);
     }
     if (waiting.size() >= kBatch) flush();
@@ -154,12 +154,9 @@ std::vector<SmallObjectReport> check_small_objects(render::Renderer& renderer, c
          i < std::min<std::size_t>(picked.size(), std::max<std::uint64_t>(1, kSmallObjectRays / rays)); ++i)
       tiles.push_back(picked[i].second);
     const scene::Instrument fine = sensors::with_fine_samples(instrument, samples);
-    plan::Plan shared = plan;
-    shared.sky.share = render::fine_sky_share(plan, samples);
     CheckOptions arithmetic = options;
     arithmetic.model_pixels = 0;  // the model does not depend on how many samples there are
-    reports.push_back(
-        {samples, pixels, compare_tiles(renderer, simulation, fine, shared, table, arithmetic, tiles, {})});
+    reports.push_back({samples, pixels, compare_tiles(renderer, simulation, fine, plan, table, arithmetic, tiles, {})});
   }
   return reports;
 }

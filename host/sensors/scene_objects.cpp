@@ -9,6 +9,8 @@
 #include <set>
 #include <unordered_map>
 
+#include "scene_compiler/matter.h"
+
 namespace raycube::sensors {
 
 namespace {
@@ -44,14 +46,6 @@ std::array<dvec3, 3> local_triangle(const scene::CompiledScene& scene, std::uint
   const shared::TriBlock& b = scene.blocks[primitive / 16];
   const std::uint32_t i = primitive % 16;
   return {{{b.v0_x[i], b.v0_y[i], b.v0_z[i]}, {b.v1_x[i], b.v1_y[i], b.v1_z[i]}, {b.v2_x[i], b.v2_y[i], b.v2_z[i]}}};
-}
-
-template <class Action>
-void for_each_triangle(const scene::CompiledScene& scene, const scene::Mesh& mesh, Action action) {
-  for (std::uint32_t block = mesh.first_block; block < mesh.first_block + mesh.block_count; ++block)
-    for (std::uint32_t lane = 0; lane < 16; ++lane)
-      if (const std::uint32_t surface = scene.blocks[block].surface[lane]; surface != RC_NONE)
-        action(block * 16 + lane, surface);
 }
 
 struct Corner {
@@ -99,18 +93,20 @@ std::string name_of_kind(const scene::CompiledScene& scene, std::uint64_t kind) 
 
 class Collector {
  public:
-  Collector(const scene::CompiledScene& scene, double widest_m) : scene_(scene), widest_m_(widest_m) {}
+  Collector(const scene::CompiledScene& scene, double widest_m)
+      : scene_(scene), widest_m_(widest_m), triangles_(scene) {}
 
   void collect() {
+    const std::vector<scene::Placement> placements = scene::placements(scene_);
     std::vector<std::uint32_t> times(scene_.meshes.size(), 0);
-    for (const auto& instance : scene_.instances) ++times[instance.mesh];
-    for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) {
-      const std::uint32_t mesh = scene_.instances[i].mesh;
+    for (const auto& placement : placements) ++times[placement.mesh];
+    for (const scene::Placement& placement : placements) {
+      const std::uint32_t mesh = placement.mesh;
       const bool again = times[mesh] > 1;
-      if (add_whole(i, again ? kOfMesh | mesh : first_kind(scene_.meshes[mesh]))) continue;
+      if (add_whole(placement, again ? kOfMesh | mesh : first_kind(mesh))) continue;
       auto known = parts_.find(mesh);
       if (known == parts_.end()) known = parts_.emplace(mesh, surfaces_of(mesh)).first;
-      for (SurfaceParts& surface : known->second) add_parts(i, surface);
+      for (SurfaceParts& surface : known->second) add_parts(placement, surface);
       if (!again) parts_.erase(known);
     }
   }
@@ -146,21 +142,23 @@ class Collector {
         std::max_element(std::begin(mixed.fraction), std::end(mixed.fraction)) - std::begin(mixed.fraction);
     return mixed.material[most];
   }
-  std::uint64_t first_kind(const scene::Mesh& mesh) const {
-    return mesh.block_count ? kind_of(scene_.blocks[mesh.first_block].surface[0]) : 0;
+  std::uint64_t first_kind(std::uint32_t mesh) const {
+    const auto triangles = triangles_.of(mesh);
+    return triangles.empty() ? 0 : kind_of(scene::surface_of(scene_, triangles.front()));
   }
 
   std::string kind_name(std::uint64_t kind) const { return name_of_kind(scene_, kind); }
 
   /// Files an object; of a kind that has too many only the count goes on.
-  void add(std::uint32_t instance, std::uint64_t kind, const Box& local, std::vector<std::uint32_t> triangles) {
+  void add(const scene::Placement& placement, std::uint64_t kind, const Box& local,
+           std::vector<std::uint32_t> triangles) {
     if (++count_[kind] > kMostOfAKind) return;
     SceneObject& object = objects_.emplace_back();
-    object.instance = instance, object.kind = kind;
+    object.placement = placement, object.kind = kind;
     Box world;
     for (std::size_t c = 0; c < 8; ++c) {
       object.corners_m[c] =
-          placed(scene_.instances[instance],
+          placed(scene_.instances[placement.instance],
                  {c & 1 ? local.hi.x : local.lo.x, c & 2 ? local.hi.y : local.lo.y, c & 4 ? local.hi.z : local.lo.z});
       world.add(object.corners_m[c]);
     }
@@ -177,28 +175,28 @@ class Collector {
     return world.width();
   }
 
-  bool add_whole(std::uint32_t instance, std::uint64_t kind) {
-    const scene::Mesh& mesh = scene_.meshes[scene_.instances[instance].mesh];
+  bool add_whole(const scene::Placement& placement, std::uint64_t kind) {
+    const scene::Mesh& mesh = scene_.meshes[placement.mesh];
     Box local;
     local.add({mesh.lo[0], mesh.lo[1], mesh.lo[2]}), local.add({mesh.hi[0], mesh.hi[1], mesh.hi[2]});
-    if (mesh.triangle_count == 0) return true;
-    if (placed_width(instance, local) > widest_m_) return false;
-    std::vector<std::uint32_t> triangles;
-    if (mesh.triangle_count <= kFewTriangles)
-      for_each_triangle(scene_, mesh, [&](std::uint32_t primitive, std::uint32_t) { triangles.push_back(primitive); });
-    add(instance, kind, local, std::move(triangles));
+    if (mesh.triangle_count() == 0) return true;
+    if (placed_width(placement.instance, local) > widest_m_) return false;
+    const auto all = triangles_.of(placement.mesh);
+    add(placement, kind, local,
+        all.size() <= kFewTriangles ? std::vector<std::uint32_t>(all.begin(), all.end())
+                                    : std::vector<std::uint32_t>());
     return true;
   }
 
-  std::vector<SurfaceParts> surfaces_of(std::uint32_t number) {
-    const scene::Mesh& mesh = scene_.meshes[number];
+  std::vector<SurfaceParts> surfaces_of(std::uint32_t mesh) {
     std::map<std::uint32_t, std::vector<std::uint32_t>> of_surface;
     std::uint32_t last = RC_NONE;
     std::vector<std::uint32_t>* list = nullptr;
-    for_each_triangle(scene_, mesh, [&](std::uint32_t primitive, std::uint32_t surface) {
+    for (const std::uint32_t primitive : triangles_.of(mesh)) {
+      const std::uint32_t surface = scene::surface_of(scene_, primitive);
       if (surface != last) list = &of_surface[surface], last = surface;
       if (list->size() <= kMostTriangles) list->push_back(primitive);
-    });
+    }
     std::vector<SurfaceParts> out;
     for (const auto& [surface, triangles] : of_surface) {
       const std::uint64_t kind = kind_of(surface);
@@ -227,15 +225,18 @@ class Collector {
                      glm::length(placed(at, {0, 0, 1}) - origin)});
   }
 
-  void add_parts(std::uint32_t instance, SurfaceParts& surface) {
+  void add_parts(const scene::Placement& placement, SurfaceParts& surface) {
     if (count_[surface.kind] > kMostOfAKind) surface.parts.clear();  // a texture by now
-    if (surface.parts.empty() || kLeastTurned * least_scale(instance) * surface.narrowest_m > widest_m_) return;
+    if (surface.parts.empty() || kLeastTurned * least_scale(placement.instance) * surface.narrowest_m > widest_m_)
+      return;
     for (const Part& part : surface.parts)
-      if (placed_width(instance, part.local) <= widest_m_) add(instance, surface.kind, part.local, part.triangles);
+      if (placed_width(placement.instance, part.local) <= widest_m_)
+        add(placement, surface.kind, part.local, part.triangles);
   }
 
   const scene::CompiledScene& scene_;
   double widest_m_;
+  scene::MeshTriangles triangles_;
   std::vector<SceneObject> objects_;
   std::map<std::uint64_t, std::size_t> count_;
   std::map<std::uint32_t, std::vector<SurfaceParts>> parts_;  ///< of meshes that are placed again
@@ -257,9 +258,8 @@ std::array<dvec3, 3> triangle_of(const scene::CompiledScene& scene, std::uint32_
 }
 
 std::string object_name(const scene::CompiledScene& scene, const SceneObject& object) {
-  const shared::Instance& instance = scene.instances[object.instance];
-  const std::string& name = scene.meshes[instance.mesh].name;
-  if (object.kind & kOfMesh) return name + ", placement " + std::to_string(instance.id);
+  const std::string& name = scene.meshes[object.placement.mesh].name;
+  if (object.kind & kOfMesh) return name + ", placement " + std::to_string(object.placement.number);
   return name + " (" + name_of_kind(scene, object.kind) + ")";
 }
 

@@ -14,14 +14,14 @@
 #include <string>
 #include <vector>
 
-#include "scene_compiler/compiled_scene.h"
+#include "scene_compiler/owner.h"
 
 namespace raycube::sensors {
 
 inline constexpr std::size_t kMostOfAKind = 4096;
 
 struct SceneObject {
-  std::uint32_t instance = 0;  ///< index into CompiledScene::instances
+  scene::Placement placement;
   std::uint64_t kind = 0;
   glm::dvec3 lo_m{0}, hi_m{0};            ///< box, scene frame
   std::vector<std::uint32_t> triangles;   ///< its primitives; empty where they are more than kFewTriangles
@@ -39,7 +39,7 @@ struct SceneObjects {
 /// Every object whose box is at most `widest_m` wide in two of its three directions.
 SceneObjects small_scene_objects(const scene::CompiledScene& scene, double widest_m);
 
-/// Corners of a primitive of a placed mesh, scene frame.
+/// Corners of a primitive of a placed tree, scene frame.
 std::array<glm::dvec3, 3> triangle_of(const scene::CompiledScene& scene, std::uint32_t instance,
                                       std::uint32_t primitive);
 

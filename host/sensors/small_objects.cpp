@@ -195,7 +195,7 @@ struct SmallObjectPixels::State {
     dvec3 open{0};
     double surface = 0;
     for (const std::uint32_t primitive : object.triangles) {
-      const auto p = triangle_of(scene, object.instance, primitive);
+      const auto p = triangle_of(scene, object.placement.instance, primitive);
       dvec2 at[3];
       for (int i = 0; i < 3; ++i)
         if (!plane.project(p[static_cast<std::size_t>(i)], at[i])) return box;

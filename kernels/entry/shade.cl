@@ -1,5 +1,5 @@
 /* shade: from hits, surface points, sun visibility and blocked sky to per-pixel rows of (product key, scalar sums).
- * Reads:  hits, surface and lift, sun bits, blocked sky of the tile (or of one chunk of its samples).
+ * Reads:  hits, surface and lift, sun bits, met sky of the tile (or of one chunk of its samples).
  * Writes: row count, keys, sums, path sums, truth sums. Next: resolve.
  * One work-item per pixel, any local size. Sums are masked float16 sums over sample groups in sample order, then one
  * fixed lane tree, so that row capacity, tile and work-group cannot change a bit. Sample weights come relative to their
@@ -23,7 +23,7 @@ RC_BODY shade_body(uint item, RC_PARAMETERS(RC_SHADE_ARGUMENTS)) {
                               surface + RC_SURFACE_AT(pixel),
                               lift + RC_LIFT_AT(pixel),
                               sun + RC_SUN_AT(pixel),
-                              blocked + RC_BLOCKED_AT(pixel),
+                              met_sky + RC_MET_SKY_AT(pixel),
                               chunk_weight};
   PixelRow row =
       rc_open_row(fresh, row_count[item], capacity, row_keys + (size_t)item * capacity,
@@ -31,7 +31,7 @@ RC_BODY shade_body(uint item, RC_PARAMETERS(RC_SHADE_ARGUMENTS)) {
   const RayGroup rays = groups[rc_group_of(pixel, columns, RC_PIXELS_PER_GROUP)];
   const float4 sensor = fma((float4)(-rays.d0.w), rays.d0, rays.origin); /* of a moving pose: at the pixel's middle */
 
-  const OpenSky sky = {irradiance_map, (int)map_size, tilt_irradiance};
+  const OpenSky sky = {irradiance_map, (int)map_size, tilt_irradiance, open_share};
   ShadedSamples samples;
   rc_light_of_samples(scene, &traced, &sky, height_first, height_step, &samples);
   TruthSums sums;

@@ -168,16 +168,8 @@ static inline void rc_store_rectangles(const Setup* s, LaneRectangles* to) {
   rc_store16(s->hi_b, 0, to->hi_b);
 }
 
-static inline void rc_prefetch(global const void* at, uint bytes) {
-#if defined(__has_builtin)
-#if __has_builtin(__builtin_prefetch) && !defined(RC_NO_PREFETCH) /* oclgrind knows no prefetch */
-  for (uint i = 0; i < bytes; i += 64u) __builtin_prefetch((const void*)((uintptr_t)at + i), 0, 3);
-#endif
-#endif
-}
-
 /* Pushes the children of a node that meet the region and returns the new height of the stack. Leaves carry RC_LEAF:
- * blocks in a mesh tree, instances in the top tree. */
+ * blocks in a placed tree, instances in the top tree. */
 RC_ALWAYS static inline uint rc_push_children(const Cull* cull, int planes, SceneArrays scene, uint index, bool in_mesh,
                                               uint* stack, uint top) {
   global const BvhNode* node = rc_node(scene, index);

@@ -16,7 +16,7 @@ typedef struct Points {
   float lo_a[RC_WORD_SLOTS], hi_a[RC_WORD_SLOTS], lo_b[RC_WORD_SLOTS], hi_b[RC_WORD_SLOTS], lo_d[RC_WORD_SLOTS];
   uint live[RC_WORD_SLOTS]; /* bits of points that are neither blocked nor out of use */
   uint words;
-  uint costly;                                /* bit m % 32: bundles through mesh m did not pay; start with 0 */
+  uint costly;                                /* bit t % 32: bundles through tree t did not pay; start with 0 */
   float4 centre, towards, across_a, across_b; /* scene frame; unit vectors */
 } RC_LINE Points;
 

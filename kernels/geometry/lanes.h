@@ -15,6 +15,9 @@
 #if defined(__AVX512F__) && __has_builtin(__builtin_ia32_compresssf512_mask)
 #define RC_HAS_PACK512 1
 #endif
+#if defined(__AVX512F__) && defined(__AVX512VL__) && __has_builtin(__builtin_ia32_compresssi256_mask)
+#define RC_HAS_PACK256 1
+#endif
 #if defined(__AVX512F__) && __has_builtin(__builtin_ia32_permvarsf512)
 #define RC_HAS_PERMUTE512 1
 #endif
@@ -89,6 +92,14 @@ static inline float rc_lane_sum(float16 v) {
 /* Private arrays that vectors are read from and written to: a vector across two cache lines costs two. */
 #define RC_LINE __attribute__((aligned(64)))
 
+static inline void rc_prefetch(global const void* at, uint bytes) {
+#if defined(__has_builtin)
+#if __has_builtin(__builtin_prefetch) && !defined(RC_NO_PREFETCH) /* oclgrind knows no prefetch */
+  for (uint i = 0; i < bytes; i += 64u) __builtin_prefetch((const void*)((uintptr_t)at + i), 0, 3);
+#endif
+#endif
+}
+
 /* For functions whose callers fix an argument that loops or branches hang on. */
 #define RC_ALWAYS __attribute__((always_inline))
 
@@ -103,6 +114,20 @@ static inline void rc_pack16(float16 v, uint lanes, float* to) {
   RC_LINE float of[16];
   rc_store16(v, 0, of);
   for (; lanes; lanes &= lanes - 1u) *to++ = of[rc_lowest(lanes)];
+#endif
+}
+
+/* Stores the lanes of eight that are in `lanes` side by side and returns their number; what lies up to eight behind
+ * `to` may change. */
+static inline uint rc_pack8(global const uint* from, uint lanes, uint* to) {
+#ifdef RC_HAS_PACK256
+  const int8 all = as_int8(vload8(0, from));
+  vstore8(as_uint8(__builtin_ia32_compresssi256_mask(all, all, (uchar)lanes)), 0, to);
+  return popcount(lanes);
+#else
+  uint count = 0;
+  for (; lanes; lanes &= lanes - 1u) to[count++] = from[rc_lowest(lanes)];
+  return count;
 #endif
 }
 

@@ -5,6 +5,7 @@
 
 #include "kernels/geometry/bundle.h"
 #include "kernels/geometry/samples.h"
+#include "kernels/geometry/user_order.h"
 
 /* Half the field that a group's samples cover, pixels. */
 #define RC_HALF_A (0.5f * (float)(RC_PIXELS_PER_GROUP - 1) + 0.5f * RC_SUPPORT)
@@ -150,11 +151,10 @@ static inline void rc_frame_group(SceneArrays scene, uint root, GroupFrame* fram
   rc_set_plane(cull, 3, edge_b * frame->map.z + frame->map.b, edge_b * ahead);
 }
 
-/* Keeps the larger nearness; of equal ones the lower instance, then the lower primitive. */
-static inline void rc_keep(Closest* closest, uint slot, float near, uint instance, uint primitive) {
-  const bool first =
-      near == closest->near[slot] && (instance < closest->instance[slot] ||
-                                      (instance == closest->instance[slot] && primitive < closest->primitive[slot]));
+/* Keeps the larger nearness, which is above 0; of equal ones that which goes before by the user's order. */
+static inline void rc_keep(SceneArrays scene, Closest* closest, uint slot, float near, uint instance, uint primitive) {
+  const bool first = near == closest->near[slot] && near > 0.0f &&
+                     rc_user_before(scene, instance, primitive, closest->instance[slot], closest->primitive[slot]);
   if (near > closest->near[slot] || first) {
     closest->near[slot] = near;
     closest->instance[slot] = instance;
@@ -256,7 +256,7 @@ __attribute__((noinline)) static void rc_decide(SceneArrays scene, const GroupFr
   rc_store16(rc_nearness(&frame->map, t), 0, near);
   for (; hits; hits &= hits - 1u) {
     const uint k = rc_lowest(hits);
-    rc_keep(closest, rc_open_slot(open->sample[k]), near[k], instance, open->primitive[k]);
+    rc_keep(scene, closest, rc_open_slot(open->sample[k]), near[k], instance, open->primitive[k]);
   }
 }
 

@@ -111,7 +111,7 @@ static inline void rc_primary_small(SceneArrays scene, const GroupFrame* frame, 
     for (; bits; bits &= bits - 1u) {
       const uint k = rc_lowest(bits), slot = slots[k];
       if (!(undecided >> k & 1u))
-        rc_keep(closest, slot, near[k], instance, primitives[k]);
+        rc_keep(scene, closest, slot, near[k], instance, primitives[k]);
       else if (near_most[k] >= closest->near[slot])
         rc_leave_open(scene, frame, closest, instance, open, primitives[k], samples[k]);
     }
@@ -139,7 +139,7 @@ static inline void rc_primary_tile(SceneArrays scene, const GroupFrame* frame, C
       const uint k = rc_lowest(rest), row = tile_row * 4u + k / 4u, column = tile_column * 4u + k % 4u;
       if (row >= frame->rows || column >= frame->columns) continue;
       if (tied >> k & 1u)
-        rc_keep(closest, slot + k, near_of[k], instance, primitive);
+        rc_keep(scene, closest, slot + k, near_of[k], instance, primitive);
       else
         rc_leave_open(scene, frame, closest, instance, open, primitive, row << 16 | column);
     }

@@ -93,7 +93,7 @@ __attribute__((noinline)) static void rc_test_candidates(SceneArrays scene, cons
       for (uint left = rest; left; left &= left - 1u) {
         const uint lane = rc_lowest(left);
         if (tied >> lane & 1u)
-          rc_keep(closest, slot + lane, near_of[lane], instance, c->primitive[k]);
+          rc_keep(scene, closest, slot + lane, near_of[lane], instance, c->primitive[k]);
         else
           rc_leave_open(scene, frame, closest, instance, &pending->open, c->primitive[k], slot + lane);
       }

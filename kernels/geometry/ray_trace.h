@@ -4,22 +4,12 @@
 
 #include "kernels/geometry/scene_arrays.h"
 #include "kernels/geometry/triangle.h"
+#include "kernels/geometry/user_order.h"
 
 typedef struct Hit {
   float t; /* in units of the direction's length; INFINITY: none */
   uint instance, primitive;
 } Hit;
-
-/* Largest coordinate, of any sign, of a tree's boxes; m. */
-static inline float rc_tree_reach(global const BvhNode* root) {
-  float reach = 0.0f;
-  for (uint i = 0; i < root->count; ++i)
-    reach =
-        fmax(reach,
-             fmax(fmax(fmax(fabs(root->lo_x[i]), fabs(root->hi_x[i])), fmax(fabs(root->lo_y[i]), fabs(root->hi_y[i]))),
-                  fmax(fabs(root->lo_z[i]), fabs(root->hi_z[i]))));
-  return reach;
-}
 
 /* How far outside a box, in ulp of M = the tree's reach plus the largest coordinate of the ray's origin, a ray may pass
  * and still be given a hit by rc_hit_block, plus what the box test itself rounds. In a mesh's frame, at the depth of
@@ -65,17 +55,16 @@ static inline uint rc_ray_boxes(Ray ray, global const BvhNode* node, float t_max
   return rc_mask8((enter <= leave) & (enter <= t_max * 1.0000008f)) & ((1u << node->count) - 1u);
 }
 
-/* Keeps the smallest (t, instance, primitive); ties are told by 1 / t, as a bundle that starts at the sensor keeps it.
- * */
-static inline void rc_take_closest(Hit* hit, uint instance, uint block, uint lanes, float16 t) {
+/* Keeps the smallest t, of equal ones that which goes before by the user's order; ties are told by 1 / t, as a bundle
+ * that starts at the sensor keeps it. */
+static inline void rc_take_closest(SceneArrays scene, Hit* hit, uint instance, uint block, uint lanes, float16 t) {
   float lane_t[16];
   rc_store16(t, 0, lane_t);
   while (lanes) {
     const uint lane = rc_lowest(lanes), primitive = block * RC_BLOCK + lane;
     lanes &= lanes - 1u;
     const float near = 1.0f / lane_t[lane], before = 1.0f / hit->t;
-    const bool first =
-        near == before && (instance < hit->instance || (instance == hit->instance && primitive < hit->primitive));
+    const bool first = near == before && rc_user_before(scene, instance, primitive, hit->instance, hit->primitive);
     if (near > before || first) {
       hit->t = lane_t[lane];
       hit->instance = instance;
@@ -84,7 +73,7 @@ static inline void rc_take_closest(Hit* hit, uint instance, uint block, uint lan
   }
 }
 
-/* The ray through one placed mesh. The stack is used from `base` upwards. */
+/* The ray through one placed tree. The stack is used from `base` upwards. */
 static inline void rc_trace_instance(SceneArrays scene, uint instance, Ray world, uint* stack, uint base, bool any,
                                      Hit* hit) {
   global const Instance* placed = rc_instance(scene, instance);
@@ -94,7 +83,7 @@ static inline void rc_trace_instance(SceneArrays scene, uint instance, Ray world
     ray = rc_make_ray(rc_map_point(r0, r1, r2, world.origin), rc_map_vector(r0, r1, r2, world.direction));
     if (RC_OFFSETS) ray.offset = rc_map_vector(r0, r1, r2, world.offset);
   }
-  rc_slacken(&ray, rc_tree_reach(rc_node(scene, placed->root)), RC_MESH_SLACK);
+  rc_slacken(&ray, rc_node(scene, placed->root)->reach, RC_MESH_SLACK);
   uint top = base;
   stack[top++] = placed->root;
   while (top > base) {
@@ -109,7 +98,7 @@ static inline void rc_trace_instance(SceneArrays scene, uint instance, Ray world
       }
       float16 t;
       const uint lanes = rc_hit_block(ray, RC_OFFSETS, rc_block(scene, child), &t);
-      if (lanes) rc_take_closest(hit, instance, child, lanes, t);
+      if (lanes) rc_take_closest(scene, hit, instance, child, lanes, t);
       if (any && lanes) return;
     }
   }
@@ -125,7 +114,7 @@ __attribute__((noinline, unused)) static Hit rc_trace_from(SceneArrays scene, fl
   hit.primitive = RC_NONE;
   Ray world = rc_make_ray(origin, direction);
   if (RC_OFFSETS) world.offset = offset;
-  rc_slacken(&world, rc_tree_reach(rc_node(scene, 0u)), RC_WORLD_SLACK);
+  rc_slacken(&world, rc_node(scene, 0u)->reach, RC_WORLD_SLACK);
   uint stack[RC_STACK];
   uint top = 1;
   stack[0] = 0;

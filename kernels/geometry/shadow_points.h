@@ -49,7 +49,7 @@ static inline bool rc_ray_meets(SceneArrays scene, uint root, Ray ray, uint* sta
 __attribute__((noinline)) static void rc_shadow_rays(SceneArrays scene, uint root, const ShadowFrame* frame,
                                                      Points* points, const ushort* met, uint* stack, uint base) {
   Ray ray = frame->ray;
-  const float reach = rc_tree_reach(rc_node(scene, root));
+  const float reach = rc_node(scene, root)->reach;
   for (uint word = 0; word < points->words; ++word) {
     for (uint bits = points->live[word] & met[word]; bits; bits &= bits - 1u) {
       const uint bit = rc_lowest(bits), k = word * 16u + bit;
@@ -120,7 +120,7 @@ static inline void rc_shadow_cluster(SceneArrays scene, Points* points, Cluster 
   const float4 centre = fabs(points->centre);
   const float box_slack =
       RC_WORLD_SLACK * RC_ULP *
-      (rc_tree_reach(rc_node(scene, 0u)) + fmax(centre.x, fmax(centre.y, centre.z)) + 2.0f * cluster.reach);
+      (rc_node(scene, 0u)->reach + fmax(centre.x, fmax(centre.y, centre.z)) + 2.0f * cluster.reach);
   ushort met[RC_WORD_SLOTS];
   uint stack[RC_STACK];
   uint top = 1;
@@ -135,16 +135,16 @@ static inline void rc_shadow_cluster(SceneArrays scene, Points* points, Cluster 
       uint count = rc_rays_at_box(points, node, slot, box_slack, met);
       if (!count) continue;
       global const Instance* placed = rc_instance(scene, node->child[slot]);
-      const uint mesh = 1u << (placed->mesh & 31u);
+      const uint tree = 1u << (placed->tree & 31u);
       ShadowFrame frame;
       rc_frame_rays(points, placed, &frame);
-      if (count > RC_FEW_POINTS && !(points->costly & mesh)) {
+      if (count > RC_FEW_POINTS && !(points->costly & tree)) {
         Cull cull;
         const float extent = (node->hi_x[slot] - node->lo_x[slot]) + (node->hi_y[slot] - node->lo_y[slot]) +
                              (node->hi_z[slot] - node->lo_z[slot]);
         rc_frame_bundle(points, &cluster, placed, extent, &frame, &cull);
         if (!rc_shadow_mesh(scene, placed->root, &frame, &cull, &cluster, points, RC_BUNDLE_BUDGET(count), stack, top))
-          points->costly |= mesh;
+          points->costly |= tree;
         else
           count = 0;
       }

@@ -1,9 +1,9 @@
-/* How to build and launch the three tracing kernels: trace_primary, make_surface, trace_light (sun, then sky).
+/* How to build and launch the four tracing kernels: trace_primary, make_surface, trace_sun, trace_sky.
  * What lies where in their buffers: kernels/shared/tile_layout.h.
  *
  * Chain, all in one in-order queue:
- *   trace_primary -> hits -> make_surface -> surface -> trace_light (sky = 0) -> sun
- *                                                   \-> trace_light (sky = 1) -> blocked sky
+ *   trace_primary -> hits -> make_surface -> surface -> trace_sun -> sun
+ *                                                   \-> trace_sky -> met sky
  *
  * Build options (one set for all; a -D that is missing here has the default below):
  *   RC_NU, RC_NV        samples of a pixel along and across the line (whole pixel, not the chunk)
@@ -14,7 +14,8 @@
  *   RC_SCATTER          1: samples anywhere in the field; 0: the plain grid with RC_SUPPORT 1.0f, which is faster. Give
  *                       it with RC_SUPPORT: a support alone takes 1, which is right for all
  *   RC_PIXELS_PER_GROUP pixels of a RayGroup: 4 (RC_GROUP_WIDTH), or 1 where every pixel has its own pose (whiskbroom)
- *   RC_SKY_PLANES       planes of blocked sky, a multiple of 4: 4 times the float4s of weights per direction
+ *   RC_SKY_PLANES       planes of met sky, a multiple of 4
+ *   RC_COMPONENTS, RC_THERMAL_COMPONENTS  of the sky, the solar ones first; of them the thermal ones, surroundings last
  *   RC_STACK            CompiledScene::stack_bound()
  *   RC_MOVING           1: RayGroup.ov may differ from zero; single rays, slower. 0: ov is ignored.
  *   RC_BUNDLE           1 (default): bundles; 0: every ray alone. Both give the same hits; tests compare them.
@@ -34,19 +35,19 @@
  * kernels/shared/camera_arguments.h. The scene's arrays have at least one element each, even in an empty scene. A
  * pixel's number in hashes is its group's (RayGroup.origin.w) plus its place in the group: its place in the image, so
  * results do not depend on tiling.
- *   trace_primary  hits: the closest; of equal distances the lowest instance, then the lowest primitive. Slots at and
- *                  past sample_count hold RC_NONE.
+ *   trace_primary  hits: the closest; of equal distances what the user placed first, then the triangle that stands
+ *                  first in its mesh (kernels/geometry/user_order.h). Slots at and past sample_count hold RC_NONE.
  *   make_surface   surface: the point moved off the surface to the viewer's side by its error bound (the origin of
  *                  shadow rays), and the normal. lift: how far along the normal the point was moved (rc_step_back
  *                  undoes it); with shapes the way to the viewer and the surface's shape. Misses: all are 0.
- *   trace_light    one kernel for both, since its walk through the scene is most of what a device compiles.
- *     sky = 0: the sun. directions holds one unit vector towards it, and sets = count = share = 1; weights and blocked
- *     may be any buffers. All samples of a group go together. Bits are clear for misses and where n . sun <= 0.
- *     sky = 1: a pixel takes set rc_hash(seed, pixel, 0, 21) % sets; the buffer of sun bits may be any. Plane c of
- *     blocked: share times the sum over the blocked directions k of the sample's part (rc_sky_part, rc_sky_direction),
- *     in order, of weight c of k * max(0, n . direction[k]), where weights 4 q .. 4 q + 3 are xyzw of quad q. Zero for
- *     misses. With shapes (RC_SHAPED) every direction counts: a blocked one all of its weight * cosine, an open one
- *     times 1 - pi f, so that the whole sky less `blocked` is what the surface reflects.
+ *   trace_sun      bits of the samples that see the sun: clear for misses and where n . sun <= 0. All samples of a
+ *                  group go together.
+ *   trace_sky      the pixel sends `rays` rays, each from a sample and in a direction of its own
+ *                  (kernels/sampling/sky_rays.h). Plane m of met_sky, in the order of parts and rays: the sum over the
+ *                  sample's rays of scale (V - c) cosine A_m / density, where V is 1 where nothing lies ahead (with
+ *                  shapes pi f), c the surface's open_share and A_m the sky's map (kernels/light/sky_map.h). A ray
+ *                  below the surface's or the scene's horizon brings nothing. Shading adds it to c times the open
+ *                  sky's irradiance, which makes the estimate free of bias for any c: with 1 open ground has no noise.
  */
 #ifndef RAYCUBE_KERNELS_GEOMETRY_TRACE_ARGS_H
 #define RAYCUBE_KERNELS_GEOMETRY_TRACE_ARGS_H

@@ -64,17 +64,4 @@ RC_INLINE void rc_sample_uv(int kind, int nu, int nv, float support, rc_u32 seed
   *v = (y - 0.5f) * support;
 }
 
-/* Sky directions of a pixel are shared out among its samples: sample s, counted through the whole pixel, looks into
- * those of one of `share` parts (0 .. share - 1), and what they hide counts `share` times. Neighbours have different
- * parts along lines and across them; where some parts have a sample more than others, the pixel's hash says which. */
-RC_INLINE rc_u32 rc_sky_part(rc_u32 seed, rc_u32 pixel, rc_u32 s, rc_u32 share) {
-  return share == 1u ? 0u : (s + s / share + rc_hash(seed, pixel, 1u, 21u) % share) % share;
-}
-
-/* The j-th direction of a part. Directions come one golden angle after the other; every eighth or sixteenth of them
- * would lie within a third of the horizon, every seventh or fifteenth goes round it. */
-RC_INLINE rc_u32 rc_sky_direction(rc_u32 part, rc_u32 j, rc_u32 share) {
-  return j * share + (share < 8u ? part : (part + share - j % share) % share);
-}
-
 #endif

@@ -11,7 +11,7 @@ typedef struct TracedPixel {
   global const float* point;               /* [RC_POINT_PLANES][padded] */
   global const float* lift;                /* [padded] */
   global const ushort* sun;                /* [words] */
-  global const float* blocked;             /* [RC_SKY_PLANES][padded] */
+  global const float* met_sky;             /* [RC_SKY_PLANES][padded] */
   global const float* weight;              /* [RC_NEAR_SAMPLES], the chunk's */
 } TracedPixel;
 

@@ -1,4 +1,5 @@
-/* Light that falls on each sample's surface from an open sky, and where the sample lies on the plan's height axis. */
+/* Light of the open sky that each sample's surface takes for granted (the sky's rays bring what differs), and where the
+ * sample lies on the plan's height axis. */
 #ifndef RAYCUBE_KERNELS_SHADING_SAMPLE_LIGHT_H
 #define RAYCUBE_KERNELS_SHADING_SAMPLE_LIGHT_H
 
@@ -13,6 +14,7 @@ typedef struct OpenSky {
   global const float4* irradiance_map; /* solar components, at the nodes of an octahedral map */
   int map_size;
   global const float4* tilt_irradiance; /* thermal components, at nodes of the normal's vertical component */
+  global const float* open_share;       /* [surface]: how much of it is taken for granted */
 } OpenSky;
 
 /* Solar irradiance of the last normal asked for: neighbouring samples of one triangle share theirs. */
@@ -36,11 +38,21 @@ static inline float4 rc_solar_irradiance(const OpenSky* sky, float nx, float ny,
   return last->irradiance;
 }
 
-static inline float4 rc_thermal_irradiance(const OpenSky* sky, float nz) {
+/* Of the thermal sky the share `known`. The surroundings, the last component, have what lies below the horizon and the
+ * rest of the sky: pi less the share of what the open sky takes of the hemisphere. */
+static inline float4 rc_thermal_irradiance(const OpenSky* sky, float nz, float known) {
   int tilt;
   float beyond;
   rc_node_weights(nz, -1.0f, 2.0f / (RC_TILT_NODES - 1), RC_TILT_NODES, &tilt, &beyond);
-  return fma((float4)(1.0f - beyond), sky->tilt_irradiance[tilt], beyond * sky->tilt_irradiance[tilt + 1]);
+  float4 e = fma((float4)(1.0f - beyond), sky->tilt_irradiance[tilt], beyond * sky->tilt_irradiance[tilt + 1]);
+  const float hemisphere = 3.14159265f;
+  const float4 surroundings = fma((float4)(known - 1.0f), e - hemisphere, e);
+  const int last = RC_THERMAL_COMPONENTS - 1;
+  e *= known;
+  if (last == 0) e.x = surroundings.x;
+  if (last == 1) e.y = surroundings.y;
+  if (last == 2) e.z = surroundings.z;
+  return e;
 }
 
 /* Files up to four components of one sample from row `first` on; `used`: how many of them the plan has. */
@@ -60,7 +72,7 @@ static inline bool rc_scatters(const TracedPixel* traced, int s) {
   return at[RC_PLANE(RC_NORMAL_X)] != 0.0f || at[RC_PLANE(RC_NORMAL_Y)] != 0.0f || at[RC_PLANE(RC_NORMAL_Z)] != 0.0f;
 }
 
-/* Surface, place on the height axis and unshadowed light of every sample; zero where nothing was hit. */
+/* Surface, place on the height axis and light taken for granted of every sample; zero where nothing was hit. */
 static inline void rc_light_of_samples(SceneArrays scene, const TracedPixel* traced, const OpenSky* sky,
                                        float height_first, float height_step, ShadedSamples* samples) {
   LastNormal last = {2.0f, 2.0f, 2.0f, (float4)(0.0f)}; /* no unit vector */
@@ -72,13 +84,16 @@ static inline void rc_light_of_samples(SceneArrays scene, const TracedPixel* tra
     if (rc_scatters(traced, s)) {
       global const float* at = traced->point + s;
       const float nx = at[RC_PLANE(RC_NORMAL_X)], ny = at[RC_PLANE(RC_NORMAL_Y)], nz = at[RC_PLANE(RC_NORMAL_Z)];
-      id = rc_surface_of(scene, traced->primitive[RC_SAMPLE_OF(s)]) | (RC_SIDE_OF(s) ? RC_FAR_SIDE : 0u);
+      const uint surface = rc_surface_of(scene, traced->primitive[RC_SAMPLE_OF(s)]);
+      const float known = RC_COMPONENTS > 0 ? sky->open_share[surface] : 0.0f;
+      id = surface | (RC_SIDE_OF(s) ? RC_FAR_SIDE : 0u);
       rc_node_weights(at[RC_PLANE(RC_POINT_Z)], height_first, height_step, RC_HEIGHTS, &h, &f);
       if (RC_SOLAR_COMPONENTS > 0)
-        rc_file_components(samples, RC_SUN, RC_SOLAR_COMPONENTS, s, rc_solar_irradiance(sky, nx, ny, nz, &last));
+        rc_file_components(samples, RC_SUN, RC_SOLAR_COMPONENTS, s,
+                           known * rc_solar_irradiance(sky, nx, ny, nz, &last));
       if (RC_THERMAL_COMPONENTS > 0)
         rc_file_components(samples, RC_SUN + RC_SOLAR_COMPONENTS, RC_THERMAL_COMPONENTS, s,
-                           rc_thermal_irradiance(sky, nz));
+                           rc_thermal_irradiance(sky, nz, known));
     }
     samples->surface[s] = id;
     samples->height_index[s] = (uint)h;

@@ -29,23 +29,41 @@
   VALUE(rc_uint, first_sample) NEXT() \
   VALUE(rc_uint, sample_count)
 
-#define RC_TRACE_LIGHT_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) \
+#define RC_TRACE_SUN_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) \
   SCENE(BvhNode, nodes, NODES) NEXT() \
   SCENE(TriBlock, blocks, BLOCKS) NEXT() \
   SCENE(Instance, instances, INSTANCES) NEXT() \
   READ(RayGroup, groups) NEXT() \
   READ(rc_float, surface) NEXT() \
-  READ(rc_float4, directions) NEXT()  /* [sets][count], unit, w = 0 */ \
-  READ(rc_float4, weights) NEXT()     /* [sets][count][RC_SKY_QUADS] */ \
+  VALUE(rc_float4, direction) NEXT()  /* to the sun, unit, w = 0 */ \
   WRITE(rc_ushort, sun) NEXT() \
-  WRITE(rc_float, blocked) NEXT() \
-  VALUE(rc_uint, sky) NEXT()          /* 0: the sun, into `sun`; 1: the sky, into `blocked` */ \
-  VALUE(rc_uint, sets) NEXT() \
-  VALUE(rc_uint, count) NEXT()        /* directions of a set */ \
-  VALUE(rc_uint, share) NEXT()        /* each sample looks into one in so many of them */ \
+  VALUE(rc_uint, columns)
+
+#define RC_TRACE_SKY_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) \
+  SCENE(BvhNode, nodes, NODES) NEXT() \
+  SCENE(TriBlock, blocks, BLOCKS) NEXT() \
+  SCENE(Instance, instances, INSTANCES) NEXT() \
+  READ(RayGroup, groups) NEXT() \
+  READ(rc_uint, hits) NEXT() \
+  READ(rc_float, surface) NEXT() \
+  READ(rc_float, open_share) NEXT()   /* [surface]: of the open sky, taken for granted, 0 .. 1 */ \
+  READ(rc_float4, sky_map) NEXT()     /* kernels/light/sky_map.h, as the next seven */ \
+  READ(rc_float, sky_zenith) NEXT() \
+  READ(rc_float, sky_azimuth) NEXT() \
+  VALUE(rc_uint, zeniths) NEXT() \
+  VALUE(rc_uint, azimuths) NEXT() \
+  READ(rc_float4, thermal_map) NEXT() \
+  READ(rc_float, thermal_zenith) NEXT() \
+  VALUE(rc_uint, thermal_zeniths) NEXT() \
+  VALUE(rc_float4, sun_azimuth) NEXT() \
+  VALUE(rc_float4, density) NEXT()    /* x cosine, y sun, z g of SkyDensity */ \
+  VALUE(rc_float4, sun_direction) NEXT() \
+  VALUE(rc_uint, rays) NEXT()         /* of a pixel */ \
   VALUE(rc_uint, seed) NEXT() \
   VALUE(rc_uint, columns) NEXT() \
-  VALUE(rc_uint, first_sample)
+  VALUE(rc_uint, first_sample) NEXT() \
+  VALUE(rc_uint, sample_count) NEXT() \
+  WRITE(rc_float, met_sky)
 
 #define RC_SHADE_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) \
   VALUE(rc_uint, item_count) NEXT() \
@@ -59,7 +77,8 @@
   READ(rc_float, surface) NEXT() \
   READ(rc_float, lift) NEXT() \
   READ(rc_ushort, sun) NEXT() \
-  READ(rc_float, blocked) NEXT() \
+  READ(rc_float, met_sky) NEXT() \
+  READ(rc_float, open_share) NEXT()   /* [surface], as trace_sky had it */ \
   SCENE(TriBlock, blocks, BLOCKS) NEXT() \
   SCENE(Surface, surfaces, SURFACES) NEXT() \
   READ(rc_float, chunk_weight) NEXT() \

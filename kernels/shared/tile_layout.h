@@ -12,9 +12,9 @@
  *                                               hit; then those of shapes
  *   lift      float   [padded]                   m, how far along its normal the point was moved
  *   sun       ushort  [words]                    bit s % 16 of word s / 16: the sample sees the sun
- *   blocked   float   [RC_SKY_PLANES][padded]    irradiance of the sky that is hidden, by component; with shapes
- *                                               (RC_SHAPED) what the surface reflects less of the whole sky than
- *                                               Lambert's law would: pi f - 1 may take light away and add it
+ *   met_sky   float   [RC_SKY_PLANES][padded]    irradiance, by component: what the sample's rays into the sky add to
+ *                                               the share of the open sky that is taken for granted; zero where it
+ *                                               sends none. With shapes (RC_SHAPED) open sky counts pi f times
  * Once for all pixels: chunk weights, float [RC_NEAR_SAMPLES], zero where there is no sample.
  *
  * A row is what shading leaves of a pixel. By item of a launch (a pixel of the tile, or of a list):
@@ -57,7 +57,7 @@
 #define RC_LOBE_P1 11
 #define RC_POINT_PLANES_OF(shaped) ((shaped) ? 12 : 6)
 
-/* Planes of hidden sky: weights of its directions come in float4s, one for up to four components, else two. */
+/* Planes of met sky, whole float4s of components. */
 #define RC_SKY_PLANES_OF(components) ((components) > 4 ? 8 : 4)
 
 #define RC_ROW_ACCUMULATORS(sources, heights) ((sources) * (heights) + 1)
@@ -100,6 +100,9 @@
 #ifndef RC_SUN
 #define RC_SUN 1 /* 1: the sun is a source of its own */
 #endif
+#ifndef RC_COMPONENTS
+#define RC_COMPONENTS 0 /* of the sky, surroundings included */
+#endif
 #ifndef RC_THERMAL_COMPONENTS
 #define RC_THERMAL_COMPONENTS 0 /* the last of RC_COMPONENTS */
 #endif
@@ -113,7 +116,6 @@
 /* Sample of a chunk that a slot belongs to, and which side of its surface the slot is: 0 the near one. */
 #define RC_SAMPLE_OF(slot) (RC_SIDES > 1 ? (slot) % RC_NEAR_SAMPLES : (slot))
 #define RC_SIDE_OF(slot) (RC_SIDES > 1 && (slot) >= RC_NEAR_SAMPLES ? 1u : 0u)
-#define RC_SKY_QUADS (RC_SKY_PLANES / 4) /* float4s of component weights per direction */
 /* Sources that have a value per sample, sun, sky and surroundings; emission follows them in a row. */
 #define RC_LIT (RC_SUN + RC_COMPONENTS)
 #define RC_SOURCES (RC_LIT + RC_TEMPERATURES)
@@ -123,7 +125,7 @@
 #define RC_SURFACE_AT(pixel) ((size_t)(pixel) * (RC_POINT_PLANES * RC_PADDED_SAMPLES))
 #define RC_LIFT_AT(pixel) ((size_t)(pixel)*RC_PADDED_SAMPLES)
 #define RC_SUN_AT(pixel) ((size_t)(pixel)*RC_WORDS)
-#define RC_BLOCKED_AT(pixel) ((size_t)(pixel) * (RC_SKY_PLANES * RC_PADDED_SAMPLES))
+#define RC_MET_SKY_AT(pixel) ((size_t)(pixel) * (RC_SKY_PLANES * RC_PADDED_SAMPLES))
 #define RC_PLANE(plane) ((plane)*RC_PADDED_SAMPLES)
 /* An item's first element, and a key's sums from there. */
 #define RC_SUMS_AT(item, capacity) ((size_t)(item) * (capacity) * (RC_ACCUMULATORS * RC_CARRIED(RC_CHUNKED)))
@@ -137,7 +139,7 @@ namespace raycube::shared {
 /// Elements of a pixel in the buffers of one chunk of its samples.
 struct TileElements {
   std::size_t near, padded, words;  ///< slots of the near side; of a plane, and 16-bit words of them
-  std::size_t hits, surface, lift, sun, blocked;
+  std::size_t hits, surface, lift, sun, met_sky;
   constexpr TileElements(std::size_t chunk_samples, std::size_t sky_planes, bool shaped = false, std::size_t sides = 1)
       : near(RC_PADDED(chunk_samples)),
         padded(sides * near),
@@ -146,9 +148,9 @@ struct TileElements {
         surface(RC_POINT_PLANES_OF(shaped) * padded),
         lift(padded),
         sun(words),
-        blocked(sky_planes * padded) {}
+        met_sky(sky_planes * padded) {}
   constexpr std::size_t bytes() const {
-    return hits * sizeof(rc_uint) + (surface + lift + blocked) * sizeof(rc_float) + sun * sizeof(std::uint16_t);
+    return hits * sizeof(rc_uint) + (surface + lift + met_sky) * sizeof(rc_float) + sun * sizeof(std::uint16_t);
   }
 };
 

@@ -93,15 +93,6 @@ with tempfile.TemporaryDirectory() as temporary:
     lit.write_text(lit.read_text().replace("format = 1\n", "format = 1\nsky_directions = 3999\n", 1))
     not_replayed(lit, folder / "lit.json", ["sky_directions = 3999", "remove sky_directions"])
 
-    # A share that neither the trial's own 8 directions nor a sky that is not there can be divided by.
-    for name, air in (("shared.toml", '{ model = "clear_sky" }'), ("skyless.toml", '{ model = "none" }')):
-        shared = opened(scene(folder, name, air=air), 0.05)
-        shared = shared.rename(shared.with_name("open_" + name))
-        shared.write_text(shared.read_text().replace("format = 1\n", "format = 1\nsky_share = 3\n", 1))
-        chosen = json.loads(run("plan", shared, "--json", "-q").stdout)["instruments"][0]["decision"]
-        check(air.find("none") >= 0 or (chosen["sky_share"] == 3 and chosen["sky_directions"] % 3 == 0), chosen)
-        run("render", shared, "-o", folder / ("out_" + name), "-q")
-
     # What a simulation may not ask for a plan may not either.
     for samples, sampler in (([65536, 1], 0), ([257, 257], 1), ([65536, 2], 2), ([0, 1], 0)):
         wide = json.loads(json.dumps(plan))

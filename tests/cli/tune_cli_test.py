@@ -12,7 +12,7 @@ from driver import PULSE_AND_RECEIVER, Program, gate, record, scene
 
 program = Program(sys.argv[1])
 check = program.check
-KERNELS = {"trace_primary", "make_surface", "trace_light", "shade", "resolve", "integrate_bands"}
+KERNELS = {"trace_primary", "make_surface", "trace_sun", "shade", "resolve", "integrate_bands"}
 
 with tempfile.TemporaryDirectory() as work:
     work = pathlib.Path(work)
@@ -29,7 +29,7 @@ with tempfile.TemporaryDirectory() as work:
     check(set(instrument["kernels"]) == KERNELS, instrument["kernels"].keys())
     for kernel, choice in instrument["kernels"].items():
         most = (
-            120 if kernel in ("trace_primary", "make_surface", "trace_light") else 480
+            120 if kernel in ("trace_primary", "make_surface", "trace_sun") else 480
         )  # groups of four pixels, pixels
         check(
             [c["local_size"] for c in choice["candidates"]]

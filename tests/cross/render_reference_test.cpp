@@ -65,7 +65,7 @@ scene::Simulation small_park() {
   }
   scene::finish_top_tree(scene);
   simulation.sun.zenith_deg = 50, simulation.sun.azimuth_deg = 140;
-  simulation.sky_directions = 64;  // 16 leave 2 % of noise beneath leaves
+  simulation.sky_directions = 1024;  // fewer leave noise beneath leaves
   simulation.seed = 5;
   scene::Instrument camera;
   camera.name = "camera";

@@ -29,7 +29,7 @@ scene::Simulation mountains() {
   scene::append_instance(simulation.scene, waves, {100, 0, 0, 0, 0, 100, 0, 0, 0, 0, 100, 200}, 0);
   scene::finish_top_tree(simulation.scene);
   simulation.sun.zenith_deg = 40, simulation.sun.azimuth_deg = 140;
-  simulation.sky_directions = 16;
+  simulation.sky_directions = 128;
   simulation.seed = 7;
   simulation.tolerance = 0.02;  // coarse nodes do: both sides interpolate between the same ones
   scene::Instrument camera = test::nadir_camera(12, 12, 3000, 3000 * 0.06);

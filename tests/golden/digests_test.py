@@ -98,7 +98,7 @@ CAMERAS = {
     "point_spread": dict(
         samples="samples = { jittered = [4, 4] }", instrument="psf = { sigma_px = 0.6, support_px = 5.0 }"
     ),
-    "sky_share": dict(head="sky_directions = 24\nsky_share = 4", samples="samples = { grid = [8, 8] }"),
+    "few_sky_rays": dict(head="sky_directions = 24", samples="samples = { grid = [8, 8] }"),
     "pushbroom_held": dict(kind="pushbroom", pose='poses = "poses.csv"\ngsd_m = 1.1\nmotion = "held"'),
     "pushbroom_moving": dict(kind="pushbroom", pose='poses = "poses.csv"\ngsd_m = 1.1\nmotion = "moving"'),
     "whiskbroom": dict(kind="whiskbroom", pose='poses = "poses.csv"\ngsd_m = 1.1'),

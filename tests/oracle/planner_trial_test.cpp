@@ -185,12 +185,12 @@ TEST_CASE("S60: what the file gives stays, its error is told, and a tolerance it
   CHECK_FALSE(d.within);
   REQUIRE(d.notes.size() == 1);
   CHECK(d.notes[0].find("is not kept") != std::string::npos);
-  apply(d, simulation, camera, plan);
+  apply(d, camera, plan);
   const auto lines = plan_lines(d, plan);
   int given = 0;
   for (const auto& line : lines)
     if (line.given) ++given;
-  CHECK(given == 3);  // samples, directions, and the share of a Simulation made by hand
+  CHECK(given == 2);  // samples and directions
 
   // A replay of it changes nothing, and is refused once the plan has other nodes.
   PlanFile::Entry entry{"camera", false, d.sampling, 0, axes_json(plan), decision_json(d, lines)};

@@ -31,9 +31,9 @@ inline plan::Plan sun_plan(double zenith_deg = 0, double azimuth_deg = 0) {
   return plan;
 }
 
-/// Adds a sky of radiance 1 everywhere: E(n) = pi (1 + n_z) / 2 on an octahedral map, and one set of `directions`
-/// directions (spiral, equal solid angle 2 pi / directions).
-inline void add_uniform_sky(plan::Plan& plan, int map_size, int directions) {
+/// Adds a sky of radiance 1 everywhere: E(n) = pi (1 + n_z) / 2 on an octahedral map, and so many rays a pixel, by the
+/// cosine about the normal.
+inline void add_uniform_sky(plan::Plan& plan, int map_size, int rays) {
   plan.sky_components = 1;
   plan.source_spectrum.push_back(std::vector<double>(plan.wavelength_um.size(), 1 / kPi));
   plan.irradiance.size = map_size;
@@ -49,14 +49,10 @@ inline void add_uniform_sky(plan::Plan& plan, int map_size, int directions) {
       value.x = static_cast<float>(kPi * (1 + glm::normalize(glm::dvec3(x, y, z)).z) / 2);
       plan.irradiance.value.push_back(value);
     }
-  plan.sky.sets = 1;
-  plan.sky.directions = directions;
-  for (int k = 0; k < directions; ++k) {
-    const double z = (k + 0.5) / directions, r = std::sqrt(1 - z * z), a = kPi * (3 - std::sqrt(5.0)) * k;
-    plan.sky.direction.push_back(
-        {static_cast<float>(r * std::cos(a)), static_cast<float>(r * std::sin(a)), static_cast<float>(z), 0});
-    plan.sky.weight.push_back({static_cast<float>(2 * kPi / directions), 0, 0, 0});
-  }
+  plan.sky_basis.zenith_rad = {0, kPi / 2};
+  plan.sky_basis.azimuth_rad = {0, kPi};
+  plan.sky_basis.value.assign(4, {1, 0, 0, 0});
+  plan.sky.rays = rays;
 }
 
 /// A framing camera at (x, y, height) looking straight down, pixels of `gsd` metres on z = 0, one pixel per group.

@@ -20,10 +20,11 @@ BandRadiance render(const scene::CompiledScene& compiled, const plan::Plan& plan
                     std::uint64_t seed = 1) {
   const ReferenceScene scene(compiled);
   const SampledPixel traced = scene.sample_pixel(pixel.instrument, plan, seed, pixel.address);
-  std::vector<BlockedDirections> blocked;
+  const auto rays = numbered_rays(plan, pixel.instrument, seed, traced.number);
+  std::vector<SentRays> sent;
   for (const Sample& sample : traced.samples)
-    blocked.push_back(blocked_directions(scene, plan, seed, traced.number, sample, blocked.size()));
-  return ArithmeticModel(compiled, plan, seed).radiance(traced, blocked);
+    sent.push_back(sent_rays(scene, plan, seed, traced.number, sample, rays[sent.size()]));
+  return ArithmeticModel(compiled, plan).radiance(traced, sent);
 }
 
 /// A 40 m plane through the origin, turned about the y axis so that its normal is (sin, 0, cos).
@@ -110,8 +111,8 @@ TEST_CASE("S15 S16: sky beside a wall against the closed view factor") {
   const double wall = 2 * (std::atan(b / c) - c / s * std::atan(b / s)) / (2 * kPi);
   plan::Plan plan = sun_plan();
   plan.sun_up = false;
-  const int directions = 20000;
-  add_uniform_sky(plan, 65, directions);
+  const int rays = 20000;
+  add_uniform_sky(plan, 65, rays);
   const BandRadiance l = render(builder.finish(), plan, nadir_pixel(0, 0, 100, 0.001, 1));
   // A lattice of N points misses the area under one edge by about N^-3/4: 6e-4 of the hemisphere.
   CHECK(l.sky[0] == Approx(0.5 * (1 - wall)).epsilon(1.2e-3));

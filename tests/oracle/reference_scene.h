@@ -58,7 +58,8 @@ inline std::uint32_t build_tree(scene::CompiledScene& scene, std::vector<std::pa
   }
 }
 
-/// Collects meshes and instances; finish() builds the trees with the top tree's root at node 0.
+/// Collects meshes, each with a tree of its own, and instances; finish() builds the trees with the top tree's root at
+/// node 0.
 class SceneBuilder {
  public:
   scene::CompiledScene scene;
@@ -67,8 +68,11 @@ class SceneBuilder {
 
   std::uint32_t mesh(const std::vector<Triangle>& triangles) {
     scene::Mesh mesh;
-    mesh.first_block = static_cast<std::uint32_t>(scene.blocks.size());
-    mesh.triangle_count = static_cast<std::uint32_t>(triangles.size());
+    scene::Tree tree;
+    mesh.tree = static_cast<std::uint32_t>(scene.trees.size());
+    tree.meshes = {static_cast<std::uint32_t>(scene.meshes.size())};
+    tree.first_block = static_cast<std::uint32_t>(scene.blocks.size());
+    tree.triangle_count = static_cast<std::uint32_t>(triangles.size());
     std::vector<std::pair<std::uint32_t, Box>> leaves;
     Box bounds;
     for (std::size_t first = 0; first < triangles.size(); first += RC_BLOCK) {
@@ -81,17 +85,19 @@ class SceneBuilder {
         block.v1_x[k] = t.b.x, block.v1_y[k] = t.b.y, block.v1_z[k] = t.b.z;
         block.v2_x[k] = t.c.x, block.v2_y[k] = t.c.y, block.v2_z[k] = t.c.z;
         block.surface[k] = used ? t.surface : RC_NONE;
-        mesh.user_face.push_back(used ? static_cast<std::uint32_t>(first + k) : RC_NONE);
+        block.triangle[k] = static_cast<std::uint32_t>(first + k);
+        if (used) mesh.user_face.push_back(block.triangle[k]);
         box.add(t.a), box.add(t.b), box.add(t.c);
       }
       leaves.emplace_back(static_cast<std::uint32_t>(scene.blocks.size()), box);
       scene.blocks.push_back(block);
       bounds.add(box.lo), bounds.add(box.hi);
     }
-    mesh.block_count = static_cast<std::uint32_t>(leaves.size());
-    mesh.root = build_tree(scene, leaves, mesh.depth);
-    for (int i = 0; i < 3; ++i) mesh.lo[i] = bounds.lo[i], mesh.hi[i] = bounds.hi[i];
+    tree.block_count = static_cast<std::uint32_t>(leaves.size());
+    tree.root = build_tree(scene, leaves, tree.depth);
+    for (int i = 0; i < 3; ++i) mesh.lo[i] = tree.lo[i] = bounds.lo[i], mesh.hi[i] = tree.hi[i] = bounds.hi[i];
     scene.meshes.push_back(mesh);
+    scene.trees.push_back(tree);
     return static_cast<std::uint32_t>(scene.meshes.size() - 1);
   }
 
@@ -107,8 +113,8 @@ class SceneBuilder {
     placed.world_from_local_2 = row(m, t, 2);
     placed.local_from_world_0 = row(inverse, back, 0), placed.local_from_world_1 = row(inverse, back, 1);
     placed.local_from_world_2 = row(inverse, back, 2);
-    placed.mesh = mesh, placed.root = scene.meshes[mesh].root;
-    placed.id = static_cast<std::uint32_t>(scene.instances.size());
+    placed.tree = mesh, placed.root = scene.trees[mesh].root;
+    placed.placement = static_cast<std::uint32_t>(scene.instances.size());
     placed.flags = m == glm::dmat3(1) && t == glm::dvec3(0) ? 1u : 0u;
     Box box;
     for (int corner = 0; corner < 8; ++corner) {
@@ -117,9 +123,9 @@ class SceneBuilder {
                          (corner & 4 ? mesh_box.hi : mesh_box.lo)[2]);
       box.add(glm::vec3(m * p + t));
     }
-    boxes_.emplace_back(placed.id, box);
+    boxes_.emplace_back(placed.placement, box);
     scene.instances.push_back(placed);
-    return placed.id;
+    return placed.placement;
   }
 
   scene::CompiledScene finish() {

@@ -50,8 +50,7 @@ scene::Simulation busy_scene() {
   simulation.sun.zenith_deg = 62;
   simulation.sun.azimuth_deg = 130;
   simulation.seed = 7;
-  simulation.sky_directions = 8;
-  simulation.sky_share = 4;
+  simulation.sky_directions = 48;
   simulation.tolerance = 1e-3;
   auto camera = test::nadir_camera(6, 67, 300, 1.0);
   camera.samples_u = camera.samples_v = 11;
@@ -111,7 +110,7 @@ constexpr int kWide = 48;
 Variant launches(std::size_t local, std::size_t tile_samples = render::kTileSamples) {
   Variant variant{"work-groups of " + std::to_string(local) + ", tiles of " + std::to_string(tile_samples) + " samples",
                   {}};
-  variant.options.tuning = render::DeviceTuning{{local, {{"trace_light", 3}, {"resolve", 3}}}, tile_samples, false};
+  variant.options.tuning = render::DeviceTuning{{local, {{"trace_sky", 3}, {"resolve", 3}}}, tile_samples, false};
   return variant;
 }
 
@@ -145,7 +144,7 @@ TEST_CASE("S63 tiles follow the samples that a launch is worth") {
   CHECK(image.statistics.tile_lines == 10);
   CHECK(image.statistics.tile_columns == 6);
   const auto launched = render::Renderer(simulation.scene, launches(5).options).tuning().sizes;
-  CHECK(launched.of("trace_light") == 3);
+  CHECK(launched.of("trace_sky") == 3);
   CHECK(launched.of("shade") == 5);
 }
 

@@ -6,9 +6,11 @@
 
 #include "atmos_tables/clear_sky.h"
 #include "atmos_tables/synthetic.h"
+#include "host/plan/sky_rays.h"
 #include "tests/support/devices.h"
 #include "tests/support/render_kit.h"
 #include "tests/support/same_bytes.h"
+#include "tests/support/skies.h"
 #include "tests/support/test_scenes.h"
 #include "tests/support/trace_chain.h"
 
@@ -85,13 +87,17 @@ TEST_CASE(
   REQUIRE(buffers.instances.size() > 1);
   REQUIRE(buffers.surfaces.size() > 1);
   const shared::rc_float4 sun{0.48f, 0.64f, 0.6f, 0};
-  const std::vector<shared::rc_float4> directions{{0.6f, 0, 0.8f, 0}, {0, -0.8f, 0.6f, 0}, {-0.8f, 0.36f, 0.48f, 0}},
-      weights{{1, 0.5f, 0.25f, 2}, {0.5f, 1, 3, 0.1f}, {0.7f, 0.3f, 0.2f, 0.1f}};
+  plan::Plan plan;
+  plan.sky_components = 1;
+  plan.sky_basis = test::uniform_sky();
+  plan.sky = plan::make_sky_rays(plan.sky_basis, {}, 0, plan.sun_direction, 16);
+  plan.sky.open_share.assign(scene.surfaces.size(), 0.5f);
   for (const bool bundle : {true, false}) {
     CAPTURE(bundle);
     test::TraceShape shape;
     shape.columns = shape.pixels_per_line = shape.lines = 40;
     shape.bundle = bundle;
+    shape.components = 1;
     const auto groups = test::nadir_groups(shape, 0, 0, 300, 3.9, 300, 0.02);
     test::TraceChain plain(first_context(), scene, shape);
     shape.page_bytes = kMiB;
@@ -100,7 +106,7 @@ TEST_CASE(
     CHECK(same_bytes(paged.primary(groups), hits));
     CHECK(same_bytes(paged.surface(), plain.surface()));
     CHECK(same_bytes(paged.sun(sun), plain.sun(sun)));
-    CHECK(same_bytes(paged.sky(directions, weights, 1), plain.sky(directions, weights, 1)));
+    CHECK(same_bytes(paged.sky(plan), plain.sky(plan)));
     std::set<std::size_t> block_pages, instance_pages;
     for (std::uint32_t pixel = 0; pixel < shape.pixels(); ++pixel)
       for (std::uint32_t s = 0; s < shape.elements().padded; ++s) {

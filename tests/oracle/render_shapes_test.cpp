@@ -94,7 +94,7 @@ TEST_CASE("S15 shapes: sunlight from a tilted plane is the closed form at each p
 TEST_CASE("S16 shapes: an even sky over a tilted plane is the integral of the shape, in the mean of its directions") {
   for (const scene::Shape& shape : front_shapes()) {
     Tilted scene(shape, 32);
-    scene.simulation.sky_directions = 32, scene.simulation.sky_share = 1;
+    scene.simulation.sky_directions = 128;
     scene.simulation.instruments[0].samples_u = scene.simulation.instruments[0].samples_v = 2;
     const auto image = test::render_image(scene.simulation, atmos::uniform_sky_table(0, kSkyRadiance, {0.3, 1.0, 4.0}));
     double difference = 0, square = 0;
@@ -120,7 +120,7 @@ TEST_CASE("S16 shapes: an even sky over a tilted plane is the integral of the sh
     const double error = std::sqrt(std::max(0.0, square / count - difference * difference) / count);
     MESSAGE(scene::shape_entry(shape.number).name << " " << shape.parameter[0] << ": mean difference " << difference
                                                   << " +- " << error << ", of a pixel " << std::sqrt(square / count));
-    // The quadrature above is good to 1e-3; directions are few sets drawn anew for each pixel.
+    // The quadrature above is good to 1e-3; directions are drawn anew for each pixel.
     CHECK(std::abs(difference) < 4 * error + 1e-3);
     CHECK(std::sqrt(square / count) < 0.1);
   }

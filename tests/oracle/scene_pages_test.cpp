@@ -34,8 +34,8 @@ scene::CompiledScene numbers(std::size_t nodes, std::size_t blocks, std::size_t 
   fill(scene.nodes, nodes, next);
   fill(scene.blocks, blocks, next);
   fill(scene.instances, instances, next);
-  scene.meshes.resize(1);
-  for (shared::Instance& instance : scene.instances) instance.mesh = 0;
+  scene.trees.resize(1);
+  for (shared::Instance& instance : scene.instances) instance.tree = 0;
   fill(scene.surfaces, surfaces, next);
   return scene;
 }
@@ -94,7 +94,7 @@ void check_read(const scene::CompiledScene& scene, std::size_t page_bytes) {
 }  // namespace
 
 TEST_CASE("S60 every element is itself: arrays that end before, at and after the edges of pages") {
-  constexpr std::size_t kPage = 1280;  // 5 -> 4 nodes, 2 blocks, 11 -> 8 instances, 40 -> 32 surfaces
+  constexpr std::size_t kPage = 1536;  // 6 -> 4 nodes, 2 blocks, 13 -> 8 instances, 48 -> 32 surfaces
   check_read(numbers(3, 1, 7, 31), kPage);
   check_read(numbers(6, 3, 12, 41), kPage);
   check_read(numbers(8, 4, 16, 64), kPage);
@@ -114,7 +114,7 @@ TEST_CASE("S60 every element is itself: arrays that end before, at and after the
 }
 
 TEST_CASE("S60 a scene past 8 pages is refused before anything is copied, with need, limit and ways out") {
-  const auto scene = numbers(4, 2049, 8, 32);  // 1.25 MiB of triangles, pages of 256
+  const auto scene = numbers(4, 2049, 8, 32);  // 1.5 MiB of triangles, pages of 256
   render::RenderOptions options;
   options.page_bytes = 256 * sizeof(shared::TriBlock);
   CHECK_NOTHROW(render::Renderer(numbers(4, 2048, 8, 32), options));

@@ -9,6 +9,7 @@
 
 #include "tests/support/devices.h"
 #include "host/base/units.h"
+#include "scene_compiler/owner.h"
 #include "tests/support/judge_hits.h"
 #include "tests/support/render_kit.h"
 #include "tests/support/test_scenes.h"
@@ -125,7 +126,7 @@ TEST_CASE("stability: a low-poly sphere and a view from 20 km: each face is lit 
         for (std::uint32_t s = 0; s < shape.samples(); ++s) {
           const std::uint32_t primitive = hits[shape.hits_at(pixel, RC_HIT_PRIMITIVE) + s];
           if (hits[shape.hits_at(pixel, RC_HIT_INSTANCE) + s] == RC_NONE) continue;
-          const auto& corner = mesh.triangles[scene.meshes[0].user_face[primitive]];
+          const auto& corner = mesh.triangles[scene::owner_of(scene, 0, primitive).triangle];
           double p[3][3], n[3], cosine = 0;
           for (int k = 0; k < 3; ++k)
             for (int i = 0; i < 3; ++i) p[k][i] = mesh.vertices[corner[k]][i];
@@ -180,9 +181,9 @@ TEST_CASE("stability: trees of the greatest depth: the stack holds every node th
     scene::append_instance(scene, index,
                            test::placement(0.1 * i, 0, std::exp2(-0.5 * i), 0, 0, -0.1 * std::exp2(-0.5 * i)), i);
   scene::finish_top_tree(scene);
-  MESSAGE("levels: top " << scene.top_depth << ", mesh " << scene.meshes[0].depth << "; stack " << scene.stack_bound());
-  CHECK(scene.top_depth + scene.meshes[0].depth >= 6);
-  CHECK(most_waiting(scene, 0) + most_waiting(scene, scene.meshes[0].root) <= scene.stack_bound());
+  MESSAGE("levels: top " << scene.top_depth << ", mesh " << scene.trees[0].depth << "; stack " << scene.stack_bound());
+  CHECK(scene.top_depth + scene.trees[0].depth >= 6);
+  CHECK(most_waiting(scene, 0) + most_waiting(scene, scene.trees[0].root) <= scene.stack_bound());
   TraceShape shape = tile(6, 6, 4);
   // Seen from far above, small ones lie closer together than rounding parts them: ties in depth, 9 in 576 at most.
   for (const double height_m : {0.01, 1.0, 1000.0})

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "kernels/sampling/sampler.h"
+#include "scene_compiler/owner.h"
 #include "tests/support/devices.h"
 #include "tests/support/judge_hits.h"
 #include "tests/support/test_scenes.h"
@@ -172,7 +173,7 @@ TEST_CASE("S7: axis-parallel rays that run in slab planes, coincident faces, one
     const std::uint32_t face = from_below ? 0 : 2;
     for (std::uint32_t pixel = 0; pixel < shape.pixels(); ++pixel) {
       const std::uint32_t primitive = hits[shape.hits_at(pixel, RC_HIT_PRIMITIVE)];
-      if (primitive != RC_NONE) CHECK(scene.meshes[0].user_face[primitive] / 2 == face / 2);
+      if (primitive != RC_NONE) CHECK(scene::owner_of(scene, 0, primitive).face / 2 == face / 2);
       if (std::max(std::abs(groups[pixel].origin.x), std::abs(groups[pixel].origin.y)) < 2) CHECK(primitive != RC_NONE);
     }
   }

@@ -8,6 +8,9 @@ namespace {
 constexpr const char* kBruteSource = R"(
 static Hit brute(global const TriBlock* blocks, global const Instance* instances, global const uint* ranges, uint count,
                  float4 origin, float4 offset, float4 direction) {
+  SceneArrays scene;
+  scene.blocks[0] = blocks;
+  scene.instances[0] = instances;
   Hit hit;
   hit.t = INFINITY;
   hit.instance = hit.primitive = RC_NONE;
@@ -20,7 +23,7 @@ static Hit brute(global const TriBlock* blocks, global const Instance* instances
     for (uint b = ranges[2 * i]; b < ranges[2 * i + 1]; ++b) {
       float16 t;
       const uint lanes = rc_hit_block(ray, true, blocks + b, &t);
-      if (lanes) rc_take_closest(&hit, i, b, lanes, t);
+      if (lanes) rc_take_closest(scene, &hit, i, b, lanes, t);
     }
   }
   return hit;
@@ -73,8 +76,8 @@ kernel void brute_sun(global const TriBlock* blocks, global const Instance* inst
 std::vector<std::uint32_t> block_ranges(const scene::CompiledScene& scene) {
   std::vector<std::uint32_t> ranges;
   for (const auto& placed : scene.instances) {
-    const auto& mesh = scene.meshes[placed.mesh];
-    ranges.insert(ranges.end(), {mesh.first_block, mesh.first_block + mesh.block_count});
+    const auto& tree = scene.trees[placed.tree];
+    ranges.insert(ranges.end(), {tree.first_block, tree.first_block + tree.block_count});
   }
   return ranges;
 }

@@ -74,10 +74,10 @@ template <typename Take>
 void DoubleTracer::for_hits(const double (&origin)[3], const float (&direction)[3], Take take) const {
   for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) {
     const shared::Instance& placed = scene_.instances[i];
-    const auto& mesh = scene_.meshes[placed.mesh];
+    const auto& tree = scene_.trees[placed.tree];
     V o{origin[0], origin[1], origin[2]}, d{direction[0], direction[1], direction[2]};
     if (!(placed.flags & 1u)) o = map(&placed.local_from_world_0, o, 1), d = map(&placed.local_from_world_0, d, 0);
-    for (std::uint32_t p = mesh.first_block * 16; p < mesh.first_block * 16 + mesh.triangle_count; ++p) {
+    for (std::uint32_t p = tree.first_block * 16; p < tree.first_block * 16 + tree.triangle_count; ++p) {
       const shared::TriBlock& block = scene_.blocks[p / 16];
       const std::uint32_t lane = p % 16;
       const V a = sub({block.v0_x[lane], block.v0_y[lane], block.v0_z[lane]}, o);

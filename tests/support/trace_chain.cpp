@@ -3,6 +3,8 @@
 #include <bit>
 #include <cmath>
 
+#include "host/base/error.h"
+#include "host/plan/sky_rays.h"
 #include "host/render/camera_arguments.h"
 #include "host/render/tile_shape.h"
 #include "kernels/kernel_source.h"
@@ -18,6 +20,7 @@ std::string trace_options(const TraceShape& s, const scene::CompiledScene& scene
   shape.moving = s.moving;
   shape.chunk_samples = static_cast<int>(s.chunk_samples());
   shape.pixels_per_group = s.pixels_per_group;
+  shape.components = s.components, shape.thermal_components = s.thermal_components;
   return render::program_options(shape, scene.stack_bound()).trace + " -Werror -DRC_BUNDLE=" + std::to_string(s.bundle);
 }
 
@@ -65,6 +68,33 @@ std::vector<shared::RayGroup> numbered(std::span<const shared::RayGroup> groups,
   return out;
 }
 
+/// The sky of a plan as trace_sky reads it (kernels/light/sky_map.h).
+struct TraceChain::SkyMaps {
+  SkyMaps(const cl::Context& context, const plan::Plan& plan)
+      : open_share(context, plan.sky.open_share, cl::Access::read_only, "open share of surfaces"),
+        zenith(context, floats(plan.sky_basis.zenith_rad), cl::Access::read_only, "zeniths of the sky map"),
+        azimuth(context, floats(plan.sky_basis.azimuth_rad), cl::Access::read_only, "azimuths of the sky map"),
+        thermal_zenith(context, floats(plan.thermal.basis.zenith_rad), cl::Access::read_only, "thermal zeniths"),
+        solar(context, quads(plan.sky_basis, 1), cl::Access::read_only, "sky map"),
+        thermal(context, quads(plan.thermal.basis, plan.thermal.basis.azimuth_rad.size()), cl::Access::read_only,
+                "thermal sky map") {}
+  static std::vector<float> floats(const std::vector<double>& values) { return {values.begin(), values.end()}; }
+  /// Every `step`-th node.
+  static std::vector<shared::rc_float4> quads(const plan::SkyBasis& basis, std::size_t step) {
+    std::vector<shared::rc_float4> out;
+    for (std::size_t i = 0; i < basis.value.size(); i += step) {
+      const auto& v = basis.value[i];
+      out.push_back(
+          {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2]), static_cast<float>(v[3])});
+    }
+    return out;
+  }
+  cl::Buffer<float> open_share, zenith, azimuth, thermal_zenith;
+  cl::Buffer<shared::rc_float4> solar, thermal;
+};
+
+TraceChain::~TraceChain() = default;
+
 TraceChain::TraceChain(const cl::Context& context, const scene::CompiledScene& scene, const TraceShape& shape)
     : context_(context),
       shape_(shape),
@@ -74,7 +104,7 @@ TraceChain::TraceChain(const cl::Context& context, const scene::CompiledScene& s
       hits_(context, shape.pixels() * shape.elements().hits, cl::Access::read_write, "hits"),
       surface_(context, shape.pixels() * shape.elements().surface, cl::Access::read_write, "surface points"),
       lift_(context, shape.pixels() * shape.elements().lift, cl::Access::read_write, "lifts of surface points"),
-      blocked_(context, shape.pixels() * shape.elements().blocked, cl::Access::read_write, "blocked sky"),
+      met_sky_(context, shape.pixels() * shape.elements().met_sky, cl::Access::read_write, "met sky"),
       sun_mask_(context, shape.pixels() * shape.elements().sun, cl::Access::read_write, "sun masks") {
   groups_.write(numbered(std::vector<shared::RayGroup>(shape.groups()), shape));
 }
@@ -122,42 +152,54 @@ std::vector<float> TraceChain::surface() {
 }
 
 std::vector<std::uint16_t> TraceChain::sun(const shared::rc_float4& direction) {
-  sun_direction_ = std::make_unique<cl::Buffer<shared::rc_float4>>(context_, std::vector{direction},
-                                                                   cl::Access::read_only, "sun direction");
-  light(*sun_direction_, *sun_direction_, false, 1, 1, 1);
+  kernel("trace_sun")
+      .arguments(render::TraceSunArguments{.nodes = scene_.nodes,
+                                           .blocks = scene_.blocks,
+                                           .instances = scene_.instances,
+                                           .groups = groups_,
+                                           .surface = surface_,
+                                           .direction = direction,
+                                           .sun = sun_mask_,
+                                           .columns = shape_.columns});
+  again("trace_sun");
   return sun_mask_.read_all();
 }
 
-std::vector<float> TraceChain::sky(std::span<const shared::rc_float4> directions,
-                                   std::span<const shared::rc_float4> weights, std::uint32_t sets,
-                                   std::uint32_t share) {
-  directions_ =
-      std::make_unique<cl::Buffer<shared::rc_float4>>(context_, directions, cl::Access::read_only, "sky directions");
-  weights_ = std::make_unique<cl::Buffer<shared::rc_float4>>(context_, weights, cl::Access::read_only, "sky weights");
-  light(*directions_, *weights_, true, sets, static_cast<std::uint32_t>(directions.size()) / sets, share);
-  return blocked_.read_all();
-}
-
-void TraceChain::light(const cl::Buffer<shared::rc_float4>& directions, const cl::Buffer<shared::rc_float4>& weights,
-                       bool sky, std::uint32_t sets, std::uint32_t count, std::uint32_t share) {
-  kernel("trace_light")
-      .arguments(render::TraceLightArguments{.nodes = scene_.nodes,
-                                             .blocks = scene_.blocks,
-                                             .instances = scene_.instances,
-                                             .groups = groups_,
-                                             .surface = surface_,
-                                             .directions = directions,
-                                             .weights = weights,
-                                             .sun = sun_mask_,
-                                             .blocked = blocked_,
-                                             .sky = std::uint32_t{sky},
-                                             .sets = sets,
-                                             .count = count,
-                                             .share = share,
-                                             .seed = shape_.seed,
-                                             .columns = shape_.columns,
-                                             .first_sample = first_sample_});
-  again("trace_light");
+std::vector<float> TraceChain::sky(const plan::Plan& plan) {
+  if (plan.components() != shape_.components || plan.thermal.components() != shape_.thermal_components)
+    throw base::Error(base::Fault::bug, "the plan's sky has other components than the shape's kernels");
+  maps_ = std::make_unique<SkyMaps>(context_, plan);
+  const SkyDensity law = plan::sky_density(plan);
+  const auto sine = static_cast<float>(std::sin(plan.sky.sun_azimuth_rad)),
+             cosine = static_cast<float>(std::cos(plan.sky.sun_azimuth_rad));
+  kernel("trace_sky")
+      .arguments(
+          render::TraceSkyArguments{.nodes = scene_.nodes,
+                                    .blocks = scene_.blocks,
+                                    .instances = scene_.instances,
+                                    .groups = groups_,
+                                    .hits = hits_,
+                                    .surface = surface_,
+                                    .open_share = maps_->open_share,
+                                    .sky_map = maps_->solar,
+                                    .sky_zenith = maps_->zenith,
+                                    .sky_azimuth = maps_->azimuth,
+                                    .zeniths = static_cast<std::uint32_t>(plan.sky_basis.zenith_rad.size()),
+                                    .azimuths = static_cast<std::uint32_t>(plan.sky_basis.azimuth_rad.size()),
+                                    .thermal_map = maps_->thermal,
+                                    .thermal_zenith = maps_->thermal_zenith,
+                                    .thermal_zeniths = static_cast<std::uint32_t>(plan.thermal.basis.zenith_rad.size()),
+                                    .sun_azimuth = shared::rc_float4{sine, cosine, 0, 0},
+                                    .density = shared::rc_float4{law.cosine, law.sun, law.g, 0},
+                                    .sun_direction = shared::rc_float4{law.sun_x, law.sun_y, law.sun_z, 0},
+                                    .rays = static_cast<std::uint32_t>(plan.sky.rays),
+                                    .seed = plan.sky.hash_seed(shape_.seed),
+                                    .columns = shape_.columns,
+                                    .first_sample = first_sample_,
+                                    .sample_count = count_,
+                                    .met_sky = met_sky_});
+  again("trace_sky");
+  return met_sky_.read_all();
 }
 
 void TraceChain::again(const std::string& stage) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/cl/kernel.h"
+#include "host/plan/plan.h"
 #include "host/render/scene_buffers.h"
 #include "kernels/shared/tile_layout.h"
 #include "scene_compiler/compiled_scene.h"
@@ -22,6 +23,7 @@ struct TraceShape {
   float support = 1;
   int pixels_per_group = RC_GROUP_WIDTH;
   bool moving = false, bundle = true;
+  int components = 0, thermal_components = 0;  ///< of the sky, all; of them the thermal ones, surroundings last
   std::uint32_t seed = 1;
   std::uint32_t first_line = 0, first_column = 0, columns = 0, pixels_per_line = 0, lines = 0;
   std::uint32_t page_bytes = 0;  ///< largest page of the scene's arrays; 0: as the device allows
@@ -29,16 +31,18 @@ struct TraceShape {
   std::uint32_t samples() const { return static_cast<std::uint32_t>(nu * nv); }
   std::uint32_t chunk_samples() const { return chunk ? static_cast<std::uint32_t>(chunk) : samples(); }
   /// Elements of a pixel in the stages' buffers.
-  shared::TileElements elements() const { return {chunk_samples(), RC_SKY_PLANES_OF(0)}; }
-  /// Slot 0 of a pixel's plane in hits, surface and blocked sky.
+  shared::TileElements elements() const {
+    return {chunk_samples(), static_cast<std::size_t>(RC_SKY_PLANES_OF(components))};
+  }
+  /// Slot 0 of a pixel's plane in hits, surface and met sky.
   std::size_t hits_at(std::size_t pixel, std::size_t plane) const {
     return pixel * elements().hits + plane * elements().padded;
   }
   std::size_t surface_at(std::size_t pixel, std::size_t plane) const {
     return pixel * elements().surface + plane * elements().padded;
   }
-  std::size_t blocked_at(std::size_t pixel, std::size_t plane) const {
-    return pixel * elements().blocked + plane * elements().padded;
+  std::size_t met_sky_at(std::size_t pixel, std::size_t plane) const {
+    return pixel * elements().met_sky + plane * elements().padded;
   }
   /// Whether the mask has sample s of a pixel see the sun.
   bool sees_sun(const std::vector<std::uint16_t>& mask, std::size_t pixel, std::size_t s) const {
@@ -74,6 +78,7 @@ std::string trace_options(const TraceShape& shape, const scene::CompiledScene& s
 class TraceChain {
  public:
   TraceChain(const cl::Context& context, const scene::CompiledScene& scene, const TraceShape& shape);
+  ~TraceChain();
   /// hits of all pixels (kernels/shared/tile_layout.h)
   std::vector<std::uint32_t> primary(std::span<const shared::RayGroup> groups, std::uint32_t first_sample = 0);
   /// surface of the last primary()
@@ -83,16 +88,14 @@ class TraceChain {
   void set_surface(std::span<const float> points) { surface_.write(points); }
   /// sun bits of the last surface() or set_surface()
   std::vector<std::uint16_t> sun(const shared::rc_float4& direction);
-  /// blocked sky of the last surface() or set_surface()
-  std::vector<float> sky(std::span<const shared::rc_float4> directions, std::span<const shared::rc_float4> weights,
-                         std::uint32_t sets, std::uint32_t share = 1);
+  /// met sky of the last surface() or set_surface(), under the plan's sky; of a plan its maps, components, rays and sun
+  /// are read
+  std::vector<float> sky(const plan::Plan& plan);
   /// Enqueue one stage again with the arguments of the last call and wait: for timing.
   void again(const std::string& stage);
 
  private:
   cl::Kernel& kernel(const std::string& name);
-  void light(const cl::Buffer<shared::rc_float4>& directions, const cl::Buffer<shared::rc_float4>& weights, bool sky,
-             std::uint32_t sets, std::uint32_t count, std::uint32_t share);
   const cl::Context& context_;
   TraceShape shape_;
   std::uint32_t first_sample_ = 0, count_ = 0;
@@ -100,9 +103,10 @@ class TraceChain {
   std::string options_;
   cl::Buffer<shared::RayGroup> groups_;
   cl::Buffer<std::uint32_t> hits_;
-  cl::Buffer<float> surface_, lift_, blocked_;
+  cl::Buffer<float> surface_, lift_, met_sky_;
   cl::Buffer<std::uint16_t> sun_mask_;
-  std::unique_ptr<cl::Buffer<shared::rc_float4>> sun_direction_, directions_, weights_;
+  struct SkyMaps;
+  std::unique_ptr<SkyMaps> maps_;
   std::vector<std::pair<std::string, cl::Kernel>> kernels_;
 };
 

@@ -2,6 +2,7 @@
 // reference's own numbers, rounded to fp32, then spoiled.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <thread>
 #include <csignal>
@@ -35,40 +36,36 @@ struct Fixture {
     builder.instance(builder.mesh(list));
     compiled = builder.finish();
     compiled.lo = {-50, -60, 0}, compiled.hi = {50, 40, 2};
-    add_uniform_sky(plan, 33, 16);
+    add_uniform_sky(plan, 33, 1600);
     for (std::size_t i = 0; i < 3; ++i) {
       at[i].instrument.pixels = 3;
       at[i].address.sample = static_cast<std::uint32_t>(i);
     }
   }
 
-  /// turn: sample and direction whose visibility the "device" sees the other way.
-  DevicePixel device(std::size_t i, int turn_sample = -1, int turn_direction = -1) const {
+  /// turn: sample and its ray whose fate the "device" sees the other way.
+  DevicePixel device(std::size_t i, int turn_sample = -1, int turn_ray = -1) const {
     const ReferenceScene scene(compiled);
     const SampledPixel pixel = scene.sample_pixel(at[i].instrument, plan, 9, at[i].address);
     DevicePixel out;
     out.address = at[i].address;
-    std::vector<BlockedDirections> blocked;
+    const auto rays = numbered_rays(plan, at[i].instrument, 9, pixel.number);
+    std::vector<SentRays> sent;
     for (const Sample& sample : pixel.samples) {
       out.hits.push_back(sample.hit);
       out.sun_visible.push_back(sample.sun_visible);
-      blocked.push_back(blocked_directions(scene, plan, 9, pixel.number, sample, blocked.size()));
+      sent.push_back(sent_rays(scene, plan, 9, pixel.number, sample, rays[sent.size()]));
     }
     if (turn_sample >= 0) {
-      auto&& bit = blocked[static_cast<std::size_t>(turn_sample)][static_cast<std::size_t>(turn_direction)];
-      bit = !bit;
+      SentRay& ray = sent[static_cast<std::size_t>(turn_sample)][static_cast<std::size_t>(turn_ray)];
+      ray.open = !ray.open;
     }
-    for (std::size_t s = 0; s < blocked.size(); ++s) {
-      double taken = 0;
-      for (std::size_t k = 0; k < blocked[s].size(); ++k) {
-        const auto d = plan.sky.direction[k];
-        if (blocked[s][k])
-          taken +=
-              static_cast<double>(plan.sky.weight[k].x) * glm::dot(pixel.samples[s].normal, glm::dvec3(d.x, d.y, d.z));
-      }
-      for (float value : {static_cast<float>(taken), 0.0f, 0.0f, 0.0f}) out.sky_blocked.push_back(value);
+    for (const SentRays& of_sample : sent) {
+      double met = 0;  // the sky's radiance is 1, and all of it is taken for granted
+      for (const SentRay& ray : of_sample) met += ray.open ? 0 : -ray.weight;
+      for (float value : {static_cast<float>(met), 0.0f, 0.0f, 0.0f}) out.sky_met.push_back(value);
     }
-    const BandRadiance l = ArithmeticModel(compiled, plan, 9).radiance(pixel, blocked);
+    const BandRadiance l = ArithmeticModel(compiled, plan).radiance(pixel, sent);
     for (std::size_t b = 0; b < plan.bands.size(); ++b) out.radiance.push_back(static_cast<float>(l.total(b)));
     return out;
   }
@@ -235,28 +232,44 @@ TEST_CASE("S61: ties fall either way and are counted: sun on a shadow's edge, a 
   pixel.sun_visible[edge] = !pixel.sun_visible[edge];
   const ReferenceScene scene(f.compiled);
   const SampledPixel traced = scene.sample_pixel(f.at[0].instrument, f.plan, 9, f.at[0].address);
-  std::vector<BlockedDirections> blocked;
+  const auto rays = numbered_rays(f.plan, f.at[0].instrument, 9, traced.number);
+  std::vector<SentRays> sent;
   for (const Sample& sample : traced.samples)
-    blocked.push_back(blocked_directions(scene, f.plan, 9, traced.number, sample, blocked.size()));
+    sent.push_back(sent_rays(scene, f.plan, 9, traced.number, sample, rays[sent.size()]));
   SampledPixel turned = traced;
   turned.samples[edge].sun_visible = !turned.samples[edge].sun_visible;
-  const BandRadiance l = ArithmeticModel(f.compiled, f.plan, 9).radiance(turned, blocked);
+  const BandRadiance l = ArithmeticModel(f.compiled, f.plan).radiance(turned, sent);
   for (std::size_t b = 0; b < 2; ++b) pixel.radiance[b] = static_cast<float>(l.total(b));
   const Report sun = f.compare({pixel});
   CHECK(sun.sun_explained == 1);
   CHECK(sun.failures().empty());
 
-  // Point 1 m from the box's foot: a direction of the set is bent so that it passes the upper edge exactly.
+  // Beside the box's foot: the point is moved to where one of its rays passes the upper edge x = 1, z = 2 exactly. The
+  // ray does not depend on the point, since the ground is level.
   Fixture g;
-  g.at[0] = nadir_pixel(2, 0, 100, 0.2, 1);
-  g.at[0].instrument.pixels = 3;
-  const double length = std::sqrt(1 + 4.0 + 0.04);
-  g.plan.sky.direction[5] = {static_cast<float>(-1 / length), static_cast<float>(0.2 / length),
-                             static_cast<float>(2 / length), 0};
-  const Report tie = g.compare({g.device(0, 0, 5)});
+  const auto one_sample = [&](double x) {
+    g.at[0] = nadir_pixel(x, 0, 100, 0.2, 1);
+    g.at[0].instrument.pixels = 3;
+  };
+  one_sample(2);
+  const ReferenceScene beside(g.compiled);
+  const SampledPixel single = beside.sample_pixel(g.at[0].instrument, g.plan, 9, g.at[0].address);
+  const SentRays sky = sent_rays(beside, g.plan, 9, single.number, single.samples[0],
+                                 numbered_rays(g.plan, g.at[0].instrument, 9, single.number)[0]);
+  const auto passes = [](const SentRay& ray) {  // towards the box, over the middle of its edge
+    return ray.direction.x < -0.2 && ray.direction.z > 0.5 && std::abs(ray.direction.y) < 0.2;
+  };
+  const auto at = std::find_if(sky.begin(), sky.end(), passes);
+  REQUIRE(at != sky.end());
+  one_sample(1 - 2 * at->direction.x / at->direction.z);
+  const int over_edge = static_cast<int>(at - sky.begin());
+  const Report tie = g.compare({g.device(0, 0, over_edge)});
   CHECK(tie.sky_explained == 1);
   CHECK(tie.failures().empty());
-  const Report plain = g.compare({g.device(0, 0, 6)});
+  one_sample(2);  // here none of them is a tie
+  const auto high = std::find_if(sky.begin(), sky.end(), [](const SentRay& ray) { return ray.direction.z > 0.95; });
+  REQUIRE(high != sky.end());
+  const Report plain = g.compare({g.device(0, 0, static_cast<int>(high - sky.begin()))});
   CHECK(plain.sky_unexplained == 1);
   CHECK(!plain.failures().empty());
 }

@@ -104,7 +104,7 @@ TEST_CASE(
     const End end = end_of([&, &deed = deed] {
       const base::Doing outer("rendering instrument", "camera"), inner("stage", "shade");
       base::remember_launch("trace_primary");
-      base::remember_launch("trace_light");
+      base::remember_launch("trace_sun");
       deed();
     });
     CHECK(end.signal == signal);
@@ -112,7 +112,7 @@ TEST_CASE(
     CHECK(end.says(": rendering instrument 'camera'\n"));
     CHECK(end.says(": stage 'shade'\n"));
     CHECK(end.said.find("'camera'") < end.said.find("'shade'"));
-    CHECK(end.says("kernels launched last: trace_primary trace_light\n"));
+    CHECK(end.says("kernels launched last: trace_primary trace_sun\n"));
     CHECK(end.says("test_crash_report"));  // frames name their file
     CHECK(end.says("test case 'every signal of the five"));
   }

@@ -1,51 +1,23 @@
-// The sky of a plan: factors, unoccluded irradiance and direction sets, against closed forms and brute force.
+// The sky of a plan: its maps, their factors and their unoccluded irradiance, against closed forms and brute force.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include <doctest/doctest.h>
 
-#include "atmos_tables/clear_sky.h"
 #include "atmos_tables/interpolate.h"
 #include "atmos_tables/table_rows.h"
 #include "host/plan/irradiance_map.h"
 #include "host/plan/quadrature.h"
 #include "host/plan/sky_factors.h"
-#include "host/plan/sky_sets.h"
-#include "kernels/sampling/sampler.h"
+#include "tests/support/skies.h"
 
 using namespace raycube;
+using test::clear_sky, test::factors_of, test::uniform_sky;
 
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-
-plan::SkyBasis uniform_sky() {  // A_0 = 1/pi: irradiance 1 on horizontal ground
-  plan::SkyBasis basis;
-  for (int i = 0; i <= 12; ++i) basis.zenith_rad.push_back(kPi / 2 * i / 12);
-  for (int j = 0; j <= 6; ++j) basis.azimuth_rad.push_back(kPi * j / 6);
-  basis.value.assign(basis.nodes(), {1 / kPi, 0, 0, 0});
-  return basis;
-}
-
-atmos::RenderTable clear_sky(double sun_zenith_deg) {
-  scene::Sun sun;
-  sun.zenith_deg = sun_zenith_deg;
-  return atmos::build_clear_sky({}, sun, 610, atmos::clear_sky_wavelengths(0.38, 2.48, 0.02), {0, 60});
-}
-
-plan::SkyFactors factors_of(const atmos::RenderTable& table, int rank) {
-  const std::size_t count = table.axis("wavelength").nodes.size();
-  const plan::TableSpectra air(table, false, true, 0, count);
-  const plan::SkyFactorizer sky(air, 0, table.sun_zenith_deg * kPi / 180);
-  const auto per_wavelength = [&](const plan::SkySpectra& s) {
-    std::vector<plan::Mixture> out(count, plan::Mixture{});
-    for (std::size_t l = 0; l < count; ++l)
-      for (std::size_t m = 0; m < 4; ++m) out[l][m] = s[m][l] / s[0][l];
-    return out;
-  };
-  return sky.factor(rank, plan::Spectrum(count, 1.0), per_wavelength);
-}
 
 /// Integral of A_m max(0, n.d) by brute force, cell by cell of the maps: 4 x 4 Gauss points where the cell is wholly
 /// before or behind the plane, 96 x 96 midpoints where the plane cuts it.
@@ -234,186 +206,68 @@ TEST_CASE("S18 the sky sampled at once follows the table's own reading at every 
     }
 }
 
-TEST_CASE("S16 sky blocked by a wall: unbiased over the sets, rms below 6 % at 16 and 0.3 % at 1024 directions") {
-  // Infinite wall of elevation angle e beside horizontal ground: it hides (1 - cos e)/2 of a uniform sky's irradiance
-  // (Hottel's crossed strings). Beside the wall the plane of its top edge is y tan(e) = z.
-  const auto basis = uniform_sky();
-  struct Bar {
-    int directions;
-    double rms;
-  };
-  for (const Bar bar : {Bar{16, 0.06}, Bar{1024, 0.003}}) {
-    double worst = 0;
-    for (const std::uint64_t seed : {1u, 77u}) {
-      const auto sets = plan::make_sky_sets(basis, 0.4, bar.directions, seed);
-      REQUIRE(sets.sets * bar.directions >= 1 << 16);
-      for (const double e_deg : {15.0, 30.0, 45.0, 60.0, 75.0, 90.0})
-        for (const double wall_azimuth : {0.0, 1.0}) {
-          const double e = e_deg * kPi / 180, hidden = (1 - std::cos(e)) / 2;
-          double sum = 0, squares = 0;
-          for (int s = 0; s < sets.sets; ++s) {
-            double blocked = 0;
-            for (int k = 0; k < bar.directions; ++k) {
-              const auto i = static_cast<std::size_t>(s * bar.directions + k);
-              const auto& d = sets.direction[i];
-              const double towards = double{d.x} * std::sin(wall_azimuth) + double{d.y} * std::cos(wall_azimuth);
-              if (towards > 0 && double{d.z} * std::cos(e) < towards * std::sin(e))
-                blocked += double{sets.weight[i].x} * double{d.z};
-            }
-            sum += blocked - hidden;
-            squares += (blocked - hidden) * (blocked - hidden);
-          }
-          const double mean = sum / sets.sets, rms = std::sqrt(squares / sets.sets);
-          worst = std::max(worst, rms);
-          CHECK(rms < bar.rms);
-          CHECK(std::abs(mean) < 4 * rms / std::sqrt(static_cast<double>(sets.sets)));
-        }
-    }
-    MESSAGE(bar.directions << " directions: worst rms " << worst << " of the sky irradiance");
-  }
-}
-
-TEST_CASE("S16 real clear sky blocked by a wall: unbiased over the sets, band by band") {
-  // Level ground, wall of 45 deg elevation towards the sun, across it and away from it: what the wall hides is the
-  // integral of the maps over it, by brute force (a plane through the origin: the hidden part is the horizontal flux
-  // minus the flux that arrives from before the wall's plane).
+TEST_CASE("S16 S18 the maps' own light and the irradiance map are one function: 1e-4 over all normals, band by band") {
+  // The light of the rays is the maps' own value in their direction; what is taken for granted is the irradiance map.
+  // Here the former is summed over every cell of the maps by 4 x 4 squares of 2 x 2 Gauss points.
+  constexpr int kNormals = 400, kSquares = 4;
+  const double sun_azimuth = 160 * kPi / 180;
   const auto table = clear_sky(40);
   const auto factors = factors_of(table, 4);
-  const double sun_azimuth = 0.4;
-  const auto hidden_by = [&](double wall_azimuth, double elevation) {
-    std::array<double, 4> sum{};
-    constexpr int n = 300;
-    for (int i = 0; i < n; ++i)
-      for (int j = 0; j < 4 * n; ++j) {
-        const double t = kPi / 2 * (i + 0.5) / n, f = 2 * kPi * (j + 0.5) / (4 * n);
-        if (std::cos(t) * std::cos(elevation) >= std::sin(t) * std::cos(f - wall_azimuth) * std::sin(elevation))
-          continue;
-        const double w = std::cos(t) * std::sin(t) * (kPi / 2 / n) * (2 * kPi / (4 * n));
-        const auto a = plan::sky_value(factors.basis, sun_azimuth, std::sin(t) * std::sin(f), std::sin(t) * std::cos(f),
-                                       std::cos(t));
-        for (std::size_t m = 0; m < 4; ++m) sum[m] += w * a[m];
-      }
-    return sum;
-  };
-  for (const int directions : {16, 1024}) {
-    const auto sets = plan::make_sky_sets(factors.basis, sun_azimuth, directions, 3);
-    double worst = 0;
-    for (const double offset : {0.0, 1.5, kPi})
-      for (const std::size_t l : {std::size_t{3}, std::size_t{24}, std::size_t{60}}) {
-        const double wall_azimuth = sun_azimuth + offset, elevation = kPi / 4;
-        const auto want = hidden_by(wall_azimuth, elevation);
-        double truth = 0, sum = 0, squares = 0;
-        std::array<double, 4> mix{};
-        for (std::size_t m = 0; m < 4; ++m) {
-          mix[m] = factors.spectra[m][l] / factors.spectra[0][l];
-          truth += mix[m] * want[m];
-        }
-        for (int s = 0; s < sets.sets; ++s) {
-          double blocked = 0;
-          for (int k = 0; k < directions; ++k) {
-            const auto i = static_cast<std::size_t>(s * directions + k);
-            const auto &d = sets.direction[i], &w = sets.weight[i];
-            const double towards = double{d.x} * std::sin(wall_azimuth) + double{d.y} * std::cos(wall_azimuth);
-            if (double{d.z} * std::cos(elevation) < towards * std::sin(elevation))
-              blocked += d.z * (mix[0] * w.x + mix[1] * w.y + mix[2] * w.z + mix[3] * w.w);
-          }
-          sum += blocked - truth;
-          squares += (blocked - truth) * (blocked - truth);
-        }
-        const double mean = sum / sets.sets, rms = std::sqrt(squares / sets.sets);
-        worst = std::max(worst, rms);
-        // 1e-4: the brute-force rule, whose points straddle the wall's edge
-        CHECK(std::abs(mean) < 4 * rms / std::sqrt(static_cast<double>(sets.sets)) + 1e-4);
-      }
-    MESSAGE(directions << " directions under a clear sky: worst rms " << worst << " of the sky irradiance");
-    CHECK(worst < (directions == 16 ? 0.06 : 0.003));
-  }
-}
-
-TEST_CASE(
-    "S16 sharing out: every direction is looked into by one part, parts are equally large, and each goes round the "
-    "horizon") {
-  for (const int directions : {16, 48, 96, 1024})
-    for (const int share : {1, 2, 3, 4, 8, 16}) {
-      if (directions % share != 0) continue;
-      CAPTURE(directions);
-      CAPTURE(share);
-      std::vector<int> looked(static_cast<std::size_t>(directions), 0);
-      const double golden = std::numbers::phi - 1;
-      double farthest = 0;
-      for (rc_u32 part = 0; part < rc_u32(share); ++part) {
-        double x = 0, y = 0;
-        for (rc_u32 j = 0; j < rc_u32(directions / share); ++j) {
-          const rc_u32 k = rc_sky_direction(part, j, rc_u32(share));
-          REQUIRE(k < rc_u32(directions));
-          ++looked[k];
-          x += std::cos(2 * kPi * k * golden) * share / directions,
-              y += std::sin(2 * kPi * k * golden) * share / directions;
-        }
-        farthest = std::max(farthest, std::hypot(x, y));
-      }
-      CHECK(std::count(looked.begin(), looked.end(), 1) == directions);
-      if (directions / share >= 6) CHECK(farthest < 0.35);  // 1: all in one azimuth; every eighth of 48 gives 0.8
-    }
-  // Samples: as evenly as can be, and all parts in any 16 neighbours.
-  for (const rc_u32 share : {2u, 4u, 8u, 16u})
-    for (rc_u32 pixel = 0; pixel < 50; ++pixel) {
-      std::vector<int> samples(share, 0);
-      for (rc_u32 s = 0; s < 121; ++s) ++samples[rc_sky_part(5, pixel, s, share)];
-      CHECK(*std::max_element(samples.begin(), samples.end()) - *std::min_element(samples.begin(), samples.end()) <= 1);
-    }
-}
-
-TEST_CASE("S16 the share by rule: a power of two that divides the directions and leaves each of them 8 samples") {
-  CHECK(plan::sky_share(0, 121, 48) == 8);
-  CHECK(plan::sky_share(0, 128, 48) == 16);
-  CHECK(plan::sky_share(0, 16, 48) == 2);
-  CHECK(plan::sky_share(0, 15, 48) == 1);
-  CHECK(plan::sky_share(0, 1024, 12) == 4);
-  CHECK(plan::sky_share(0, 1024, 5) == 1);
-  CHECK(plan::sky_share(3, 1, 48) == 3);
-  CHECK_THROWS(plan::sky_share(5, 100, 48));
-}
-
-TEST_CASE("S16 direction sets are unit, above the horizon, finite, and sum to the irradiance of tilted planes") {
-  const auto table = clear_sky(40);
-  const auto factors = factors_of(table, 3);
-  const double sun_azimuth = 2.0;
   const plan::SkyIrradiance exact(factors.basis);
-  for (const int directions : {1, 16, 100, 4096}) {
-    const auto sets = plan::make_sky_sets(factors.basis, sun_azimuth, directions, 9);
-    std::array<double, 3> tilted{}, tilted_squares{}, level{}, level_squares{};
-    const double tilt = 1.0, psi = 0.5, x = std::sin(tilt) * std::sin(sun_azimuth + psi),
-                 y = std::sin(tilt) * std::cos(sun_azimuth + psi), z = std::cos(tilt);
-    for (int set = 0; set < sets.sets; ++set) {
-      std::array<double, 3> one_tilted{}, one_level{};
-      for (int k = 0; k < directions; ++k) {
-        const auto i = static_cast<std::size_t>(set * directions + k);
-        const auto& d = sets.direction[i];
-        const double length = std::sqrt(double{d.x} * d.x + double{d.y} * d.y + double{d.z} * d.z);
-        REQUIRE(std::abs(length - 1) < 1e-6);
-        REQUIRE(d.z > 0);
-        const std::array<double, 3> w = {sets.weight[i].x, sets.weight[i].y, sets.weight[i].z};
-        for (std::size_t m = 0; m < 3; ++m) {
-          REQUIRE(std::isfinite(w[m]));
-          one_tilted[m] += w[m] * std::max(0.0, x * d.x + y * d.y + z * d.z);
-          one_level[m] += w[m] * d.z;
+  const auto map = plan::make_irradiance_map(plan::IrradianceGrid(exact, sun_azimuth), plan::kMapSizes.back());
+  std::vector<std::array<double, 4>> summed(kNormals, {0, 0, 0, 0});
+  std::vector<std::array<double, 3>> normals;
+  for (int k = 0; k < kNormals; ++k) {
+    // Every fifth is a wall, every other spread evenly over the sphere: 160 look below the horizon.
+    const double z = k % 5 == 0 ? 0.0 : 1 - (2 * k + 1.0) / kNormals, f = 2.39996 * k, r = std::sqrt(1 - z * z);
+    normals.push_back({r * std::sin(f), r * std::cos(f), z});
+  }
+  const auto points = [&](const std::vector<double>& nodes) {  // place and width
+    std::vector<std::array<double, 2>> out;
+    for (std::size_t i = 0; i + 1 < nodes.size(); ++i)
+      for (int square = 0; square < kSquares; ++square)
+        for (const double at : {0.5 - std::sqrt(1.0 / 12), 0.5 + std::sqrt(1.0 / 12)}) {
+          const double width = (nodes[i + 1] - nodes[i]) / kSquares;
+          out.push_back({nodes[i] + (square + at) * width, 0.5 * width});
         }
+    return out;
+  };
+  for (const auto& [zenith, zenith_width] : points(factors.basis.zenith_rad)) {
+    std::vector<std::array<double, 7>> ring;  // direction, then light times solid angle
+    for (const auto& [off, azimuth_width] : points(factors.basis.azimuth_rad))
+      for (const double side : {1.0, -1.0}) {
+        const double azimuth = sun_azimuth + side * off, each = std::sin(zenith) * zenith_width * azimuth_width;
+        const double x = std::sin(zenith) * std::sin(azimuth), y = std::sin(zenith) * std::cos(azimuth);
+        const auto light = plan::sky_value(factors.basis, sun_azimuth, x, y, std::cos(zenith));
+        ring.push_back({x, y, std::cos(zenith), light[0] * each, light[1] * each, light[2] * each, light[3] * each});
       }
-      for (std::size_t m = 0; m < 3; ++m) {
-        tilted[m] += one_tilted[m] / sets.sets;
-        level[m] += one_level[m] / sets.sets;
-        tilted_squares[m] += one_tilted[m] * one_tilted[m] / sets.sets;
-        level_squares[m] += one_level[m] * one_level[m] / sets.sets;
+    for (std::size_t k = 0; k < normals.size(); ++k)
+      for (const auto& from : ring) {
+        const double facing = normals[k][0] * from[0] + normals[k][1] * from[1] + normals[k][2] * from[2];
+        if (facing <= 0) continue;
+        for (std::size_t m = 0; m < 4; ++m) summed[k][m] += facing * from[3 + m];
       }
-    }
-    // four standard errors of independent sets; the sets are better than independent. 1e-6: float weights
-    const auto want = exact.at(tilt, psi), flat = exact.at(0, 0);
-    for (std::size_t m = 0; m < 3; ++m) {
-      CHECK(std::abs(tilted[m] - want[m]) <
-            4 * std::sqrt(std::max(0.0, tilted_squares[m] - tilted[m] * tilted[m]) / sets.sets) + 1e-6);
-      CHECK(std::abs(level[m] - flat[m]) <
-            4 * std::sqrt(std::max(0.0, level_squares[m] - level[m] * level[m]) / sets.sets) + 1e-6);
+  }
+  std::vector<plan::Mixture> mixtures;
+  for (std::size_t l = 0; l < factors.spectra[0].size(); ++l) mixtures.push_back(test::mixture_of(factors, l));
+  double worst = 0, relative = 0, exactly = 0;
+  for (std::size_t k = 0; k < normals.size(); ++k) {
+    const auto& n = normals[k];
+    const auto found = plan::read_map(map, n[0], n[1], n[2]);
+    const auto want = exact.at(std::acos(n[2]), std::atan2(n[0], n[1]) - sun_azimuth);
+    for (const auto& mixture : mixtures) {
+      double apart = 0, here = 0, sum = 0;
+      for (std::size_t m = 0; m < 4; ++m) {
+        apart += mixture[m] * (summed[k][m] - found[m]), here += mixture[m] * (summed[k][m] - want[m]);
+        sum += mixture[m] * summed[k][m];
+      }
+      worst = std::max(worst, std::abs(apart)), exactly = std::max(exactly, std::abs(here));
+      if (n[2] >= 0) relative = std::max(relative, std::abs(apart / sum));
     }
   }
+  MESSAGE("map off the maps' own sum by " << worst << " of the horizontal irradiance (the exact integral by " << exactly
+                                          << "), at most " << relative << " of a wall's or roof's own");
+  CHECK(worst < 1e-4);
+  CHECK(relative < 1e-4);
+  CHECK(exactly < 3e-5);
 }

@@ -57,12 +57,6 @@ TEST_CASE("bad input: every problem of one file is reported in one run") {
   CHECK(line_count(message) == 4);
 }
 
-TEST_CASE("bad input: a sky share that does not divide the directions") {
-  const Folder folder;
-  CHECK_SAYS(refusal(folder, std::string("format = 1\nsky_directions = 48\nsky_share = 5\n") + kGrey),
-             "scene.toml:3:1: does not divide sky_directions (found 5 of 48); give a divisor, or remove sky_share");
-}
-
 TEST_CASE("bad input: NaN and infinity in the simulation file") {
   const Folder folder;
   CHECK_SAYS(refusal(folder, "format = 1\ntolerance = nan\n"),
@@ -265,7 +259,7 @@ TEST_CASE("bad input S1: zero-area faces are dropped with a count, refused when 
   const auto simulation =
       load(folder, std::string(kHead) + kGrey +
                        "[[mesh]]\nname = \"m\"\nfile = \"m.obj\"\nmaterial = \"grey\"\n[[instance]]\nmesh = \"m\"\n");
-  CHECK(simulation.scene.meshes.at(0).triangle_count == 1);
+  CHECK(simulation.scene.meshes.at(0).triangle_count() == 1);
   REQUIRE(simulation.notices.size() == 1);
   CHECK_SAYS(simulation.notices[0], "dropped 2 of 3 faces without area (first: face 1)");
 }

@@ -66,7 +66,14 @@ TEST_CASE("S4 compiled scene: saved and loaded, every array is the same to the b
   for (std::size_t i = 0; i < back.meshes.size(); ++i) {
     CHECK(back.meshes[i].name == scene.meshes[i].name);
     CHECK(back.meshes[i].user_face == scene.meshes[i].user_face);
-    CHECK(back.meshes[i].root == scene.meshes[i].root);
+    CHECK(back.meshes[i].tree == scene.meshes[i].tree);
+    CHECK(back.meshes[i].placed_after == scene.meshes[i].placed_after);
+  }
+  REQUIRE(back.trees.size() == scene.trees.size());
+  for (std::size_t i = 0; i < back.trees.size(); ++i) {
+    CHECK(back.trees[i].meshes == scene.trees[i].meshes);
+    CHECK(back.trees[i].root == scene.trees[i].root);
+    CHECK(back.trees[i].triangle_count == scene.trees[i].triangle_count);
   }
   REQUIRE(back.materials.size() == 1);
   CHECK(back.materials[0].reflectance.value == scene.materials[0].reflectance.value);
@@ -127,9 +134,9 @@ TEST_CASE("bad input S4: a count of 2^60 with a right checksum is refused before
   const Folder folder;
   save_compiled(load(folder, scene_text(folder)).scene, folder.at("s.rcs"));
   std::string bad = slurp(folder.at("s.rcs"));
-  // Header 32 bytes; then materials (u64), meshes (u64), epsg (4), three doubles, and the length of the first
+  // Header 32 bytes; then materials, meshes and trees (u64 each), epsg (4), three doubles, and the length of the first
   // name (u64).
-  for (const std::size_t at : {std::size_t{32}, std::size_t{40}, std::size_t{32 + 16 + 4 + 24}}) {
+  for (const std::size_t at : {std::size_t{32}, std::size_t{40}, std::size_t{48}, std::size_t{32 + 24 + 4 + 24}}) {
     std::string forged = bad;
     const std::uint64_t huge = std::uint64_t{1} << 60;
     std::memcpy(forged.data() + at, &huge, sizeof huge);

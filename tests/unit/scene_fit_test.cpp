@@ -19,7 +19,7 @@ std::string refusal(const scene::CompiledScene& scene, const cl::DeviceInfo& dev
   return {};
 }
 
-/// 5 MiB of triangles (640 bytes a block) and 1 MiB of nodes (256 bytes each).
+/// 6 MiB of triangles (768 bytes a block) and 1 MiB of nodes (256 bytes each).
 scene::CompiledScene some_scene() {
   scene::CompiledScene scene;
   scene.blocks.resize(8192);
@@ -98,29 +98,29 @@ TEST_CASE(
 
 TEST_CASE("S60 numbers of triangles have 32 bits, so an array ends at 2^28 elements whatever the device") {
   constexpr std::uint64_t kMost = std::uint64_t{1} << 28, kHuge = std::uint64_t{1} << 50;
-  CHECK(cut(kMost, 640, kHuge) == "one page");
-  CHECK(cut(kMost, 640, std::uint64_t{1} << 36) == "8 of 2^25");
-  CHECK(cut(kMost + 1, 640, kHuge) == "too large");
+  CHECK(cut(kMost, 768, kHuge) == "one page");
+  CHECK(cut(kMost, 768, std::uint64_t{1} << 36) == "8 of 2^25");
+  CHECK(cut(kMost + 1, 768, kHuge) == "too large");
 }
 
 TEST_CASE("S60 a scene that fits the device to the byte is taken, in pages or not") {
-  CHECK(refusal(some_scene(), some_device(5 << 10, 6)).empty());
-  CHECK(refusal(some_scene(), some_device(640, 6)).empty());
+  CHECK(refusal(some_scene(), some_device(6 << 10, 7)).empty());
+  CHECK(refusal(some_scene(), some_device(768, 7)).empty());
 }
 
 TEST_CASE("S60 an array that 8 buffers do not hold: one error with need, limit and ways out") {
-  const std::string text = refusal(some_scene(), some_device(639, 16));
-  CHECK(text.find("needs 6 MiB") != std::string::npos);
+  const std::string text = refusal(some_scene(), some_device(767, 16));
+  CHECK(text.find("needs 7 MiB") != std::string::npos);
   CHECK(text.find("takes 1 MiB in one buffer") != std::string::npos);
-  CHECK(text.find("too large even in 8 buffers: triangles 5 MiB of at most 2 MiB") != std::string::npos);
+  CHECK(text.find("too large even in 8 buffers: triangles 6 MiB of at most 3 MiB") != std::string::npos);
   CHECK(text.find("nodes") == std::string::npos);
   CHECK(text.find("--device") != std::string::npos);
 }
 
 TEST_CASE("S60 arrays that fit one by one but not together are refused too") {
-  const std::string text = refusal(some_scene(), some_device(5 << 10, 5));
-  CHECK(text.find("needs 6 MiB") != std::string::npos);
-  CHECK(text.find("which has 5 MiB") != std::string::npos);
+  const std::string text = refusal(some_scene(), some_device(6 << 10, 6));
+  CHECK(text.find("needs 7 MiB") != std::string::npos);
+  CHECK(text.find("which has 6 MiB") != std::string::npos);
   CHECK(text.find("too large even") == std::string::npos);
 }
 

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "scene_compiler/option_table.h"
+#include "scene_compiler/owner.h"
 #include "scene_files.h"
 
 using namespace raycube::scene;
@@ -33,7 +34,7 @@ TEST_CASE("option table: rows are unique, defaults lie in their own range, every
   // Loading an empty simulation runs every default of the top level through its own range check.
   const Folder folder;
   CHECK(load(folder, kHead).tolerance == 0.01);
-  CHECK(load(folder, kHead).sky_directions == 16);
+  CHECK(load(folder, kHead).sky_directions == raycube::scene::kDefaultSkyDirections);
 }
 
 TEST_CASE("docs/scene_format.md carries the option table as it is; refresh it with `raycube scene keys`") {
@@ -49,7 +50,7 @@ TEST_CASE("docs/scene_format.md carries the option table as it is; refresh it wi
   const Folder folder;
   const auto simulation = load(folder, page.substr(begin, page.find("```", begin) - begin));
   CHECK(simulation.instruments.at(0).bands.size() == 200);
-  CHECK(simulation.scene.instances.size() == 2);
+  CHECK(placements(simulation.scene).size() == 2);
 }
 
 TEST_CASE("JSON schema: parses, names every key, its ranges and defaults") {

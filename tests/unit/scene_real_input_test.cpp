@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "scene_compiler/mesh_file.h"
+#include "scene_compiler/owner.h"
 #include "scene_compiler/raster.h"
 #include "scene_files.h"
 
@@ -124,7 +125,7 @@ TEST_CASE(
                          path +
                          "\"\nmaterial = \"grey\"\n[[plane]]\nmaterial = \"grey\"\nsize_m = [1, "
                          "1]\nposition_m = [13.125829136, -12.109704260, 0]\non_terrain = true\n");
-    CHECK(simulation.scene.meshes[0].triangle_count == 2 * 255 * 255);
+    CHECK(simulation.scene.meshes[0].triangle_count() == 2 * 255 * 255);
     if (first.empty()) first = simulation.scene.content_hash, first_raster = raster;
     // The int16 file rounds what the float files hold a float's last bits off whole metres (at most 2 ulp of
     // 256 m).
@@ -136,8 +137,8 @@ TEST_CASE(
     if (!rounded) CHECK(simulation.scene.content_hash == first);
     // Upper left corner (gdalinfo) 475322.625829136, 5477800.390295740, posts 25 m apart: the first post
     // is 12.5 m in from it, its height 109 m.
-    CHECK(simulation.scene.blocks[simulation.scene.meshes[1].first_block].v0_z[0] ==
-          doctest::Approx(109).epsilon(1e-3));
+    const std::uint32_t corner = MeshTriangles(simulation.scene).of(1)[0];
+    CHECK(simulation.scene.blocks[corner / RC_BLOCK].v0_z[corner % RC_BLOCK] == doctest::Approx(109).epsilon(1e-3));
   }
   const std::string message = refusal(folder, std::string(kHead) + kGrey + "[[terrain]]\nraster = \"" + *shared +
                                                   "/data/dem/heidelberg_dem_256_float32.tif\"\nmaterial = \"grey\"\n");

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "scene_compiler/owner.h"
 #include "scene_files.h"
 
 namespace raycube::scene::testing {
@@ -24,8 +25,9 @@ struct Triangle {
 /// Every placed triangle in the scene frame, from the compiled buffers in double.
 inline std::vector<Triangle> placed_triangles(const CompiledScene& scene) {
   std::vector<Triangle> out;
-  for (const auto& instance : scene.instances) {
-    const auto& mesh = scene.meshes[instance.mesh];
+  const MeshTriangles triangles(scene);
+  for (const Placement& placement : placements(scene)) {
+    const auto& instance = scene.instances[placement.instance];
     const auto place = [&](float x, float y, float z) {
       const auto row = [&](const shared::rc_float4& r) {
         return double(r.x) * x + double(r.y) * y + double(r.z) * z + double(r.w);
@@ -33,16 +35,15 @@ inline std::vector<Triangle> placed_triangles(const CompiledScene& scene) {
       return Vector{row(instance.world_from_local_0), row(instance.world_from_local_1),
                     row(instance.world_from_local_2)};
     };
-    for (std::uint32_t b = 0; b < mesh.block_count; ++b)
-      for (int lane = 0; lane < RC_BLOCK; ++lane) {
-        const auto& block = scene.blocks[mesh.first_block + b];
-        if (block.surface[lane] == RC_NONE) continue;
-        out.push_back({{place(block.v0_x[lane], block.v0_y[lane], block.v0_z[lane]),
-                        place(block.v1_x[lane], block.v1_y[lane], block.v1_z[lane]),
-                        place(block.v2_x[lane], block.v2_y[lane], block.v2_z[lane])},
-                       block.surface[lane],
-                       mesh.user_face[b * RC_BLOCK + static_cast<std::uint32_t>(lane)]});
-      }
+    for (const std::uint32_t primitive : triangles.of(placement.mesh)) {
+      const auto& block = scene.blocks[primitive / RC_BLOCK];
+      const std::uint32_t lane = primitive % RC_BLOCK;
+      out.push_back({{place(block.v0_x[lane], block.v0_y[lane], block.v0_z[lane]),
+                      place(block.v1_x[lane], block.v1_y[lane], block.v1_z[lane]),
+                      place(block.v2_x[lane], block.v2_y[lane], block.v2_z[lane])},
+                     block.surface[lane],
+                     owner_of(scene, placement.instance, primitive).face});
+    }
   }
   return out;
 }

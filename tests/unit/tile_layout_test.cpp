@@ -25,7 +25,7 @@ kernel void probe_layout(global ulong* at) {
   at[3] = RC_SURFACE_AT(3);
   at[4] = RC_LIFT_AT(3);
   at[5] = RC_SUN_AT(3);
-  at[6] = RC_BLOCKED_AT(3);
+  at[6] = RC_MET_SKY_AT(3);
   at[7] = RC_SUMS_OF_KEY(1);
   at[8] = RC_SUMS_AT(3, 16);
   at[9] = RC_PATH_AT(3);
@@ -69,7 +69,7 @@ TEST_CASE("tile layout: kernels and host agree on planes, strides and sizes, wha
       const shared::TileElements tile = shape.tile();
       const shared::RowElements rows = shape.rows(16);
       const std::vector<std::uint64_t> expected{tile.padded,   tile.words,    3 * tile.hits,    3 * tile.surface,
-                                                3 * tile.lift, 3 * tile.sun,  3 * tile.blocked, rows.sums_of_key,
+                                                3 * tile.lift, 3 * tile.sun,  3 * tile.met_sky, rows.sums_of_key,
                                                 3 * rows.sums, 3 * rows.path, 3 * rows.truth,   5 * tile.padded,
                                                 3 * 3 + 7 / 4};  // pixel 7 of line 3, three groups a line
       CHECK(found.read_all() == expected);

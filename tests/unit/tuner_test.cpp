@@ -77,7 +77,7 @@ TEST_CASE("sizes are kept for one device, survive another kernel's tuning, and a
   REQUIRE(kept);
   CHECK(kept->tuned);
   CHECK(kept->sizes.of("shade") == 8);
-  CHECK(kept->sizes.of("trace_light") == 1);
+  CHECK(kept->sizes.of("trace_sun") == 1);
   CHECK(kept->tile_samples == 12345);
 
   found.sizes.local = {{"shade", 16}, {"lidar_shots", 4}};

@@ -1,9 +1,8 @@
-// Surface points, sun and sky visibility against closed forms and double brute force.
+// Surface points and who sees the sun, against closed forms and double brute force.
 #include <doctest/doctest.h>
 
 #include <cmath>
 
-#include "kernels/sampling/sampler.h"
 #include "tests/support/devices.h"
 #include "tests/support/double_trace.h"
 #include "tests/support/test_scenes.h"
@@ -14,7 +13,7 @@ using raycube::test::first_context;
 using test::TraceShape;
 
 TEST_CASE(
-    "S8: surface points lie on the viewer's side of their triangle, within the stated bound; sun and sky match brute "
+    "S8: surface points lie on the viewer's side of their triangle, within the stated bound; the sun matches brute "
     "force") {
   scene::CompiledScene scene;
   const auto ground = scene::append_mesh(scene, "ground", test::terrain(12, 40));
@@ -39,21 +38,11 @@ TEST_CASE(
   const shared::rc_float4 sun{static_cast<float>(std::sin(zenith) * 0.6), static_cast<float>(std::sin(zenith) * 0.8),
                               static_cast<float>(std::cos(zenith)), 0};
   const auto mask = chain.sun(sun);
-  std::vector<shared::rc_float4> directions, weights;
-  constexpr std::uint32_t kSets = 3, kCount = 8;
-  for (std::uint32_t k = 0; k < kSets * kCount; ++k) {
-    const double c = (k % kCount + 0.5) / kCount, s = std::sqrt(1 - c * c), phi = 2.4 * k;
-    directions.push_back(
-        {static_cast<float>(s * std::cos(phi)), static_cast<float>(s * std::sin(phi)), static_cast<float>(c), 0});
-    weights.push_back({0.5f, 0.1f * static_cast<float>(k), 1.0f / static_cast<float>(k + 1), -0.2f});
-  }
-  const auto blocked = chain.sky(directions, weights, kSets);
 
   const test::DoubleTracer oracle(scene);
   const std::size_t n = shape.elements().padded;
-  std::size_t lit = 0, dark = 0, wrong_side = 0, far_off = 0, sun_wrong = 0, sky_wrong = 0;
+  std::size_t lit = 0, dark = 0, wrong_side = 0, far_off = 0, sun_wrong = 0;
   for (std::uint32_t pixel = 0; pixel < shape.pixels(); ++pixel) {
-    const std::uint32_t set = rc_hash(shape.seed, pixel, 0, 21) % kSets;
     for (std::uint32_t s = 0; s < n; ++s) {
       const float* at = surface.data() + shape.surface_at(pixel, 0) + s;
       const double point[3] = {at[RC_POINT_X * n], at[RC_POINT_Y * n], at[RC_POINT_Z * n]};
@@ -77,18 +66,6 @@ TEST_CASE(
       const bool truth = cosine > 0 && !oracle.blocked(point, direction);
       (seen ? lit : dark) += 1;
       sun_wrong += truth != seen;
-      double expected[4] = {0, 0, 0, 0};
-      for (std::uint32_t k = 0; k < kCount; ++k) {
-        const auto& d = directions[set * kCount + k];
-        const auto& w = weights[set * kCount + k];
-        const float way[3] = {d.x, d.y, d.z};
-        const double c = double(normal[0]) * d.x + double(normal[1]) * d.y + double(normal[2]) * d.z;
-        if (c <= 0 || !oracle.blocked(point, way)) continue;
-        expected[0] += w.x * c, expected[1] += w.y * c, expected[2] += w.z * c, expected[3] += w.w * c;
-      }
-      for (int c = 0; c < 4; ++c)
-        sky_wrong +=
-            std::abs(expected[c] - blocked[shape.blocked_at(pixel, c) + s]) > 1e-5 * (1 + std::abs(expected[c]));
     }
   }
   MESSAGE("lit " << lit << ", dark " << dark);
@@ -97,12 +74,9 @@ TEST_CASE(
   CHECK(wrong_side == 0);
   CHECK(far_off == 0);
   CHECK(sun_wrong == 0);
-  CHECK(sky_wrong == 0);
 }
 
-TEST_CASE(
-    "S8 S16 directions shared out: bundles, single rays and any chunks give the same, and the parts together are the "
-    "whole") {
+TEST_CASE("S8: bundles, single rays and any chunks see the same sun") {
   scene::CompiledScene scene;
   scene::append_instance(scene, scene::append_mesh(scene, "ground", test::terrain(12, 40)), test::kIdentity, 0);
   const auto ball = scene::append_mesh(scene, "ball", test::sphere(1, 2, 0.1));
@@ -114,52 +88,34 @@ TEST_CASE(
   shape.nu = shape.nv = 7;
   shape.columns = shape.pixels_per_line = 18, shape.lines = 10;
   const auto groups = test::nadir_groups(shape, 0, 0, 300, 1.7, 300, 0.02);
-  constexpr std::uint32_t kSets = 2, kCount = 16;
-  std::vector<shared::rc_float4> directions, weights;
-  for (std::uint32_t k = 0; k < kSets * kCount; ++k) {
-    const double c = (k % kCount + 0.5) / kCount, s = std::sqrt(1 - c * c), phi = 2.4 * k;
-    directions.push_back(
-        {static_cast<float>(s * std::cos(phi)), static_cast<float>(s * std::sin(phi)), static_cast<float>(c), 0});
-    weights.push_back(
-        {0.5f, 1.0f + 0.1f * static_cast<float>(k % kCount), 1.0f / static_cast<float>(k % kCount + 1), 0.2f});
-  }
-  shape.bundle = true;
-  test::TraceChain bundled(first_context(), scene, shape);
-  shape.bundle = false;
-  test::TraceChain single(first_context(), scene, shape);
-  bundled.primary(groups), bundled.surface(), single.primary(groups), single.surface();
-  const auto whole = bundled.sky(directions, weights, kSets);
-  const std::size_t n = shape.elements().padded, planes = shape.elements().blocked / n;
+  TraceShape alone = shape, part = shape;
+  alone.bundle = false;
   constexpr std::uint32_t kChunk = 21;  // three rows
-  shape.bundle = true, shape.chunk = kChunk;
-  test::TraceChain chunked(first_context(), scene, shape);
-  for (const std::uint32_t share : {1u, 2u, 4u, 8u, 16u}) {
-    CAPTURE(share);
-    const auto blocked = bundled.sky(directions, weights, kSets, share);
-    CHECK(blocked == single.sky(directions, weights, kSets, share));
-    CHECK((blocked == whole) == (share == 1));
-    std::size_t other = 0;
+  part.chunk = kChunk;
+  test::TraceChain bundled(first_context(), scene, shape), single(first_context(), scene, alone),
+      chunked(first_context(), scene, part);
+  bundled.primary(groups), bundled.surface(), single.primary(groups), single.surface();
+  for (int k = 0; k < 16; ++k) {
+    const double c = (k + 0.5) / 16, s = std::sqrt(1 - c * c), phi = 2.4 * k;
+    const shared::rc_float4 towards{static_cast<float>(s * std::cos(phi)), static_cast<float>(s * std::sin(phi)),
+                                    static_cast<float>(c), 0};
+    CAPTURE(k);
+    const auto seen = bundled.sun(towards);
+    CHECK(seen == single.sun(towards));
+    std::size_t other = 0, lit = 0, all = 0;
     for (std::uint32_t first = 0; first < 49; first += kChunk) {
       chunked.primary(groups, first), chunked.surface();
-      const auto part = chunked.sky(directions, weights, kSets, share);
-      const std::size_t padded = shape.elements().padded;
-      for (std::uint32_t row = 0; row < shape.pixels() * planes; ++row)
-        for (std::uint32_t s = first; s < std::min(first + kChunk, 49u); ++s)
-          other += part[std::size_t{row} * padded + s - first] != blocked[std::size_t{row} * n + s];
+      const auto found = chunked.sun(towards);
+      for (std::uint32_t pixel = 0; pixel < shape.pixels(); ++pixel)
+        for (std::uint32_t i = first; i < std::min(first + kChunk, 49u); ++i) {
+          const bool sees = shape.sees_sun(seen, pixel, i);
+          other += part.sees_sun(found, pixel, i - first) != sees;
+          lit += sees, ++all;
+        }
     }
     CHECK(other == 0);
-    // The plane of weight 0 over all samples: what a part hides, counted `share` times, is the whole in the mean.
-    double sum = 0, square = 0, all = 0;
-    for (std::uint32_t pixel = 0; pixel < shape.pixels(); ++pixel) {
-      double difference = 0;
-      for (std::uint32_t s = 0; s < n; ++s) {
-        const std::size_t at = shape.blocked_at(pixel, 0) + s;
-        difference += blocked[at] - whole[at], all += whole[at];
-      }
-      sum += difference, square += difference * difference;
-    }
-    CHECK(all > 0);
-    CHECK(std::abs(sum) <= 4 * std::sqrt(square));
+    CHECK(lit > 100);
+    CHECK(lit < all);
   }
 }
 

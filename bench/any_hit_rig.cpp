@@ -1,0 +1,76 @@
+#include "bench/any_hit_rig.h"
+
+#include "bench/device.h"
+#include "bench/timing.h"
+#include "host/cl/kernel.h"
+#include "host/render/scene_buffers.h"
+#include "kernels/kernel_source.h"
+
+namespace raycube::bench {
+namespace {
+
+constexpr cl_uint kRaysPerItem = 256;
+/// Rays one after the other, as they lie in the pixels they come from. rays: x, y, z, dx, dy, dz, each [count].
+constexpr const char* kAnyHits = R"(
+kernel void any_hits(RC_NODES, RC_BLOCKS, RC_INSTANCES, global const float* restrict rays,
+                     global uint2* restrict blocked, uint count, uint per_item) {
+  SceneArrays scene;
+  RC_GATHER_NODES(scene);
+  RC_GATHER_BLOCKS(scene);
+  RC_GATHER_INSTANCES(scene);
+  const uint first = (uint)get_global_id(0) * per_item, end = min(first + per_item, count);
+  for (uint i = first; i < end; ++i) {
+    const float4 origin = (float4)(rays[i], rays[count + i], rays[2 * count + i], 0.0f);
+    const float4 direction = (float4)(rays[3 * count + i], rays[4 * count + i], rays[5 * count + i], 0.0f);
+    const bool traced = origin.x == origin.x;
+    const bool open = !traced || !rc_any_hit(scene, origin, direction);
+    blocked[i] = (uint2)(open ? 0u : RC_NONE, 0u);
+  }
+}
+)";
+
+std::vector<float> side_by_side(const ShadowRays& rays) {
+  std::vector<float> all;
+  for (const std::vector<float>* part : {&rays.x, &rays.y, &rays.z, &rays.dx, &rays.dy, &rays.dz})
+    all.insert(all.end(), part->begin(), part->end());
+  return all;
+}
+
+}  // namespace
+
+struct AnyHitRig::State {
+  State(const scene::CompiledScene& scene, const ShadowRays& shadows, int threads)
+      : context(pick_device(threads)),
+        buffers(context, scene),
+        program(context, "any_hits", std::string(kernels::kernel_source("trace")) + kAnyHits,
+                "-cl-std=CL1.2 -D RC_STACK=" + std::to_string(scene.stack_bound()) + buffers.options),
+        kernel(program, "any_hits"),
+        rays(context, side_by_side(shadows), cl::Access::read_only, "rays of the bench"),
+        blocked(context, shadows.x.size(), cl::Access::write_only, "results of the bench"),
+        count(static_cast<cl_uint>(shadows.x.size())) {
+    kernel.arguments(buffers.nodes, buffers.blocks, buffers.instances, rays, blocked, count, kRaysPerItem);
+  }
+
+  cl::Context context;
+  render::SceneBuffers buffers;
+  cl::Program program;
+  cl::Kernel kernel;
+  cl::Buffer<float> rays;
+  cl::Buffer<RayResult> blocked;
+  cl_uint count;
+};
+
+AnyHitRig::AnyHitRig(const scene::CompiledScene& scene, const ShadowRays& rays, int threads)
+    : state_(std::make_unique<State>(scene, rays, threads)) {}
+AnyHitRig::~AnyHitRig() = default;
+
+double AnyHitRig::run() {
+  return seconds_of([this] {
+    state_->context.launch(state_->kernel, (state_->count + kRaysPerItem - 1) / kRaysPerItem);
+    state_->context.finish();
+  });
+}
+
+std::vector<RayResult> AnyHitRig::results() const { return state_->blocked.read_all(); }
+
+}  // namespace raycube::bench

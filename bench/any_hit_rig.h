@@ -1,0 +1,29 @@
+// The kernels' any-hit ray (kernels/geometry), launched on rays of one's choice.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "bench/embree_baseline.h"
+
+namespace raycube::bench {
+
+class AnyHitRig {
+ public:
+  /// Rays with a direction each.
+  AnyHitRig(const scene::CompiledScene& scene, const ShadowRays& rays, int threads);
+  ~AnyHitRig();
+  AnyHitRig(const AnyHitRig&) = delete;
+  AnyHitRig& operator=(const AnyHitRig&) = delete;
+
+  /// Traces them all; seconds.
+  double run();
+  /// As EmbreeBaseline::shadow gives them.
+  std::vector<RayResult> results() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace raycube::bench

@@ -1,0 +1,15 @@
+// How much of the open sky each surface of a scene sees, from a few of its pixels: what the sky's rays may take for
+// granted (plan::SkyRays).
+#pragma once
+
+#include "host/plan/plan.h"
+#include "host/render/renderer.h"
+#include "scene_compiler/simulation.h"
+
+namespace raycube::planner {
+
+/// Fills plan.sky.open_share; without a sky nothing is rendered. The plan stays free of bias whatever is found.
+void measure_open_share(render::Renderer& renderer, const scene::Simulation& simulation,
+                        const scene::Instrument& instrument, plan::Plan& plan);
+
+}  // namespace raycube::planner

@@ -1,0 +1,63 @@
+/* Light of an open sky by direction: the plan's angular maps (host/plan/sky_basis.h), linear between the very nodes
+ * that the open sky's irradiance is integrated over, so that both are one function. */
+#ifndef RAYCUBE_KERNELS_LIGHT_SKY_MAP_H
+#define RAYCUBE_KERNELS_LIGHT_SKY_MAP_H
+
+#include "kernels/shared/tile_layout.h"
+
+typedef struct SkyMap {
+  global const float4* solar;                   /* [zenith][azimuth], components 0 .. 3, sr-1 */
+  global const float *zenith_rad, *azimuth_rad; /* nodes, ascending; azimuths from the sun's, to either side */
+  uint zeniths, azimuths;                       /* at least 2 of each */
+  global const float4* thermal;                 /* [zenith], the thermal sky's components */
+  global const float* thermal_zenith_rad;
+  uint thermal_zeniths;
+  float4 sun_azimuth; /* sin, cos of the azimuth from which the maps' counts, from north */
+} SkyMap;
+
+/* Cell of ascending nodes that holds `at`, and the fraction inside it; clamped to the axis. */
+static inline uint rc_map_cell(global const float* nodes, uint count, float at, float* fraction) {
+  uint lo = 0, hi = count - 1u;
+  while (hi - lo > 1u) {
+    const uint middle = (lo + hi) / 2u;
+    if (nodes[middle] <= at)
+      lo = middle;
+    else
+      hi = middle;
+  }
+  *fraction = clamp((at - nodes[lo]) / (nodes[lo + 1u] - nodes[lo]), 0.0f, 1.0f);
+  return lo;
+}
+
+/* Components that come from a unit direction above the horizon, sr-1, into light[RC_SKY_PLANES]: the solar ones, those
+ * of the thermal sky, then the surroundings', -1: what the sky loses, they gain. */
+static inline void rc_sky_light(const SkyMap* map, float x, float y, float z, float* light) {
+  for (uint m = 0; m < RC_SKY_PLANES; ++m) light[m] = 0.0f;
+#if RC_COMPONENTS > 0
+  const float zenith = atan2(sqrt(fma(x, x, y * y)), z);
+#endif
+#if RC_COMPONENTS > RC_THERMAL_COMPONENTS
+  float f, g;
+  const float sine = map->sun_azimuth.x, cosine = map->sun_azimuth.y;
+  const uint i = rc_map_cell(map->zenith_rad, map->zeniths, zenith, &f);
+  const uint j = rc_map_cell(map->azimuth_rad, map->azimuths,
+                             atan2(fabs(fma(x, cosine, -y * sine)), fma(x, sine, y * cosine)), &g);
+  global const float4 *low = map->solar + i * map->azimuths + j, *high = low + map->azimuths;
+  const float4 value = fma((float4)(1.0f - f), fma((float4)(1.0f - g), low[0], g * low[1]),
+                           f * fma((float4)(1.0f - g), high[0], g * high[1]));
+  light[0] = value.x;
+  if (RC_COMPONENTS - RC_THERMAL_COMPONENTS > 1) light[1] = value.y;
+  if (RC_COMPONENTS - RC_THERMAL_COMPONENTS > 2) light[2] = value.z;
+  if (RC_COMPONENTS - RC_THERMAL_COMPONENTS > 3) light[3] = value.w;
+#endif
+#if RC_THERMAL_COMPONENTS > 0
+  float h;
+  const uint k = rc_map_cell(map->thermal_zenith_rad, map->thermal_zeniths, zenith, &h);
+  const float4 emitted = fma((float4)(1.0f - h), map->thermal[k], h * map->thermal[k + 1u]);
+  if (RC_THERMAL_COMPONENTS > 1) light[RC_COMPONENTS - RC_THERMAL_COMPONENTS] = emitted.x;
+  if (RC_THERMAL_COMPONENTS > 2) light[RC_COMPONENTS - RC_THERMAL_COMPONENTS + 1] = emitted.y;
+  light[RC_COMPONENTS - 1] = -1.0f;
+#endif
+}
+
+#endif
