@@ -100,7 +100,7 @@ with tempfile.TemporaryDirectory() as temporary:
         (folder / "wide.json").write_text(json.dumps(wide))
         not_replayed(open_file, folder / "wide.json", ["out of range", "raycube plan SIM -o"])
 
-    (folder / "broken.json").write_text('{"raycube_plan": 1}')
+    (folder / "broken.json").write_text(json.dumps({"raycube_plan": plan["raycube_plan"]}))
     not_replayed(open_file, folder / "broken.json", ["not a plan of raycube"])
     plan["instruments"][0]["name"] = "eye"
     (folder / "named.json").write_text(json.dumps(plan))
