@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numeric>
 #include <string>
 
 #include "host/base/error.h"
@@ -60,6 +61,20 @@ float reach_of(const BuildNode& node) {
   return reach;
 }
 
+// Children as rays that go up try them (kernels/geometry/any_hit.h): leaves from the lowest slot on, inner nodes from the
+// highest, so that of either the topmost comes first.
+std::array<std::uint32_t, 8> order_of(const BuildNode& node) {
+  std::array<std::uint32_t, 8> order{};
+  std::iota(order.begin(), order.end(), 0u);
+  std::stable_sort(order.begin(), order.begin() + node.count, [&](std::uint32_t a, std::uint32_t b) {
+    const bool leaf = node.child[a]->count == 0;
+    if (leaf != (node.child[b]->count == 0)) return leaf;
+    const float top_a = node.box[a].hi[2], top_b = node.box[b].hi[2];
+    return leaf ? top_a > top_b : top_a < top_b;
+  });
+  return order;
+}
+
 // Depth first; the deeper half of a child list lies right behind its parent, which is what a traversal visits next.
 std::uint32_t flatten(const BuildNode& from, BoxTree& tree, std::uint32_t level) {
   tree.depth = std::max(tree.depth, level);
@@ -68,9 +83,10 @@ std::uint32_t flatten(const BuildNode& from, BoxTree& tree, std::uint32_t level)
   tree.nodes[index] = {};
   tree.nodes[index].count = from.count;
   tree.nodes[index].reach = reach_of(from);
+  const std::array<std::uint32_t, 8> order = order_of(from);
   for (std::uint32_t i = 0; i < from.count; ++i) {
-    const BuildNode& child = *from.child[i];
-    set_slot(tree.nodes[index], i, from.box[i]);
+    const BuildNode& child = *from.child[order[i]];
+    set_slot(tree.nodes[index], i, from.box[order[i]]);
     if (child.count == 0) {
       tree.nodes[index].child[i] = child.item;
       tree.nodes[index].leaf_mask |= 1u << i;

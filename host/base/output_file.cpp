@@ -36,6 +36,10 @@ Error exists(const std::string& path) {
   return Error(Fault::input, path + ": is there already; give --overwrite to replace it, or another -o");
 }
 
+/// Written by one call. Where a call brings 4 MiB or more the kernel gathers huge pages for its cache, and 94 MB took
+/// 0.23 to 0.33 s for 0.02 s (Linux 6, ext4).
+constexpr std::size_t kWrite_bytes = 1u << 20;
+
 constexpr std::string_view kMark = ".raycube-";
 
 bool present(const std::string& path) {
@@ -216,7 +220,7 @@ void OutputFile::write_at(std::uint64_t offset, const void* data, std::size_t by
   auto* next = static_cast<const char*>(data);
   const std::uint64_t stop = offset + bytes;
   while (bytes > 0) {
-    const ssize_t written = ::pwrite(s.fd, next, std::min<std::size_t>(bytes, 1u << 30), static_cast<off_t>(offset));
+    const ssize_t written = ::pwrite(s.fd, next, std::min(bytes, kWrite_bytes), static_cast<off_t>(offset));
     if (written < 0 && errno == EINTR) continue;
     if (written <= 0) throw failed(s.final_path, "writing failed", written < 0 ? errno : ENOSPC);
     next += written, offset += static_cast<std::uint64_t>(written), bytes -= static_cast<std::size_t>(written);

@@ -15,15 +15,29 @@ typedef struct SkyMap {
   float4 sun_azimuth; /* sin, cos of the azimuth from which the maps' counts, from north */
 } SkyMap;
 
+/* Angle of (x, y) from the x axis, y >= 0, in 0 .. pi rad: to 2e-8 and the rounding of fp32 (Abramowitz & Stegun,
+ * equation 4.4.49). The library's atan2 took an eighth of the sky's time. (0, 0) is at 0. */
+static inline float rc_angle(float x, float y) {
+  const float across = fabs(x), most = fmax(across, y);
+  const float q = most > 0.0f ? fmin(across, y) / most : 0.0f, s = q * q;
+  float sum = fma(s, 0.0028662257f, -0.0161657367f);
+  sum = fma(s, sum, 0.0429096138f);
+  sum = fma(s, sum, -0.0752896400f);
+  sum = fma(s, sum, 0.1065626393f);
+  sum = fma(s, sum, -0.1420889944f);
+  sum = fma(s, sum, 0.1999355085f);
+  sum = fma(s, sum, -0.3333314528f);
+  const float acute = fma(q * s, sum, q), right = y > across ? 1.57079632679489662f - acute : acute;
+  return x < 0.0f ? 3.14159265358979324f - right : right;
+}
+
 /* Cell of ascending nodes that holds `at`, and the fraction inside it; clamped to the axis. */
 static inline uint rc_map_cell(global const float* nodes, uint count, float at, float* fraction) {
-  uint lo = 0, hi = count - 1u;
-  while (hi - lo > 1u) {
-    const uint middle = (lo + hi) / 2u;
-    if (nodes[middle] <= at)
-      lo = middle;
-    else
-      hi = middle;
+  uint lo = 0, cells = count - 1u; /* the cell is one of so many from lo on */
+  while (cells > 1u) {
+    const uint part = cells / 2u;
+    lo = nodes[lo + part] <= at ? lo + part : lo;
+    cells -= part;
   }
   *fraction = clamp((at - nodes[lo]) / (nodes[lo + 1u] - nodes[lo]), 0.0f, 1.0f);
   return lo;
@@ -34,14 +48,14 @@ static inline uint rc_map_cell(global const float* nodes, uint count, float at, 
 static inline void rc_sky_light(const SkyMap* map, float x, float y, float z, float* light) {
   for (uint m = 0; m < RC_SKY_PLANES; ++m) light[m] = 0.0f;
 #if RC_COMPONENTS > 0
-  const float zenith = atan2(sqrt(fma(x, x, y * y)), z);
+  const float zenith = rc_angle(z, sqrt(fma(x, x, y * y)));
 #endif
 #if RC_COMPONENTS > RC_THERMAL_COMPONENTS
   float f, g;
   const float sine = map->sun_azimuth.x, cosine = map->sun_azimuth.y;
   const uint i = rc_map_cell(map->zenith_rad, map->zeniths, zenith, &f);
   const uint j = rc_map_cell(map->azimuth_rad, map->azimuths,
-                             atan2(fabs(fma(x, cosine, -y * sine)), fma(x, sine, y * cosine)), &g);
+                             rc_angle(fma(x, sine, y * cosine), fabs(fma(x, cosine, -y * sine))), &g);
   global const float4 *low = map->solar + i * map->azimuths + j, *high = low + map->azimuths;
   const float4 value = fma((float4)(1.0f - f), fma((float4)(1.0f - g), low[0], g * low[1]),
                            f * fma((float4)(1.0f - g), high[0], g * high[1]));

@@ -98,11 +98,12 @@ RC_INLINE void rc_about(float ax, float ay, float az, float up, float cosine, fl
 
 /* Density of a direction at cosine `facing` with the normal, sr-1. */
 RC_INLINE float rc_sky_density(SkyDensity law, float x, float y, float z, float facing) {
+  const float alone = (facing > 0.0f ? facing : 0.0f) * 0.318309886f;
+  if (law.cosine >= 1.0f) return alone;
   const float around = 1.0f + law.g * law.g - 2.0f * law.g * (x * law.sun_x + y * law.sun_y + z * law.sun_z);
   const float lobe = (1.0f - law.g * law.g) / (around * RC_SQRT(around)) * 0.0795774715f;
   const float even = z > 0.0f ? 0.159154943f : 0.0f;
-  return law.cosine * (facing > 0.0f ? facing : 0.0f) * 0.318309886f +
-         (1.0f - law.cosine) * (law.sun * lobe + (1.0f - law.sun) * even);
+  return law.cosine * alone + (1.0f - law.cosine) * (law.sun * lobe + (1.0f - law.sun) * even);
 }
 
 /* Number of a ray among all of its pixel's: a part's rays follow one another, so that they are spread as evenly as so
