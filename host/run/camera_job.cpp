@@ -52,7 +52,7 @@ CameraJob prepare_camera(const scene::Simulation& simulation, const scene::Instr
   if (simulation.atmosphere.table_file.empty())  // of a table of the user's its maker has heard them
     for (auto& notice : air_notices(job.table)) job.notices.push_back(std::move(notice));
   start = std::chrono::steady_clock::now();
-  job.plan = plan::make_plan(simulation, instrument, job.table, view);
+  job.plan = plan::make_plan(simulation, instrument, job.table, view, services.threads);
   if (planning.renderer) planner::measure_open_share(*planning.renderer, simulation, instrument, job.plan);
   if (planning.replay) {
     const auto& entry = planner::find_entry(*planning.replay, instrument.name, false, planning.replay_path);
