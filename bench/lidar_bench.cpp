@@ -195,7 +195,7 @@ void pulses_per_second(const Settings& settings, Report& report) {
     std::vector<std::size_t> found(results.size());
     const double detected_s = seconds_of([&] {
       base::for_each_index(results.size(), settings.threads,
-                                [&](std::size_t s) { found[s] = lidar::detect(plan, results[s]).at(0).echoes.size(); });
+                           [&](std::size_t s) { found[s] = lidar::detect(plan, results[s]).at(0).echoes.size(); });
     });
     echoes += std::accumulate(found.begin(), found.end(), std::size_t{0});
     rate.push_back(static_cast<double>(shots.size()) / traced_s);
