@@ -12,7 +12,7 @@
 #include "host/base/error.h"
 #include "host/lidar/detection.h"
 #include "host/lidar/make_lidar_plan.h"
-#include "host/reference/parallel.h"
+#include "host/base/parallel.h"
 #include "host/render/lidar_renderer.h"
 #include "scene_compiler/load_simulation.h"
 
@@ -194,8 +194,8 @@ void pulses_per_second(const Settings& settings, Report& report) {
     }
     std::vector<std::size_t> found(results.size());
     const double detected_s = seconds_of([&] {
-      reference::for_each_index(results.size(), settings.threads,
-                                [&](std::size_t s) { found[s] = lidar::detect(plan, results[s]).at(0).echoes.size(); });
+      base::for_each_index(results.size(), settings.threads,
+                           [&](std::size_t s) { found[s] = lidar::detect(plan, results[s]).at(0).echoes.size(); });
     });
     echoes += std::accumulate(found.begin(), found.end(), std::size_t{0});
     rate.push_back(static_cast<double>(shots.size()) / traced_s);

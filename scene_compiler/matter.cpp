@@ -11,9 +11,12 @@ std::vector<std::uint32_t> used_materials(const CompiledScene& scene) {
   for (std::size_t t = 0; t < placed.size(); ++t)
     if (!placed[t]) std::fill_n(seen.begin() + scene.trees[t].first_block, scene.trees[t].block_count, char{0});
   std::vector<char> surface_used(scene.surfaces.size(), 0);
-  for (std::size_t b = 0; b < scene.blocks.size(); ++b)
+  std::uint32_t last = RC_NONE;  // a tree's triangles follow one another surface by surface, more or less
+  for (std::size_t b = 0; b < scene.blocks.size(); ++b) {
+    if (!seen[b]) continue;
     for (const auto surface : scene.blocks[b].surface)
-      if (seen[b] && surface < surface_used.size()) surface_used[surface] = 1;
+      if (surface != last && surface < surface_used.size()) surface_used[surface] = 1, last = surface;
+  }
   std::vector<char> used(scene.materials.size(), scene.blocks.empty() ? 1 : 0);
   for (std::size_t s = 0; s < scene.surfaces.size(); ++s)
     if (surface_used[s])

@@ -6,9 +6,22 @@
 #include "host/base/doing.h"
 #include "host/cl/kernel.h"
 #include "host/cl/kernel_cache.h"
+#include "host/cl/program.h"
 #include "host/cl/status.h"
 
 namespace raycube::cl {
+
+namespace {
+
+/// Programs that are kept while nobody holds them: those of a few shapes of tiles.
+constexpr std::size_t kMostPrograms = 8;
+
+}  // namespace
+
+struct Context::Built {
+  std::string source;
+  std::shared_ptr<const Program> program;
+};
 
 Context::Context(Device device) : device_(std::move(device)), sizes_(default_launch_sizes(device_.info())) {
   cl_int status = CL_SUCCESS;
@@ -17,6 +30,24 @@ Context::Context(Device device) : device_(std::move(device)), sizes_(default_lau
   check(status, "clCreateContext", device_.name());
   queue_ = Handle<cl_command_queue, clReleaseCommandQueue>(clCreateCommandQueue(context_(), id, 0, &status));
   check(status, "clCreateCommandQueue", device_.name());
+}
+
+Context::~Context() = default;
+
+std::shared_ptr<const Program> Context::program(const std::string& name, std::string_view source,
+                                                const std::string& options) const {
+  const std::lock_guard lock(building_);
+  const auto known = std::find_if(built_.begin(), built_.end(), [&](const Built& one) {
+    return one.program->name() == name && one.program->options() == options && one.source == source;
+  });
+  if (known != built_.end()) {
+    std::rotate(known, known + 1, built_.end());
+    return built_.back().program;
+  }
+  auto program = std::make_shared<const Program>(*this, name, source, options);
+  if (built_.size() == kMostPrograms) built_.erase(built_.begin());
+  built_.push_back({std::string(source), program});
+  return program;
 }
 
 void Context::launch(const Kernel& kernel, std::size_t global) const {

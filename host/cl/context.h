@@ -2,7 +2,11 @@
 #pragma once
 
 #include <map>
+#include <memory>
+#include <mutex>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "host/cl/device.h"
 #include "host/cl/handle.h"
@@ -11,6 +15,7 @@
 namespace raycube::cl {
 
 class Kernel;
+class Program;
 
 /// What a kernel's launches took.
 struct KernelTime {
@@ -22,12 +27,17 @@ struct KernelTime {
 class Context {
  public:
   explicit Context(Device device);
+  ~Context();
   Context(const Context&) = delete;  // buffers point to it
   Context& operator=(const Context&) = delete;
   const Device& device() const { return device_; }
   cl_context operator()() const { return context_(); }
   cl_command_queue queue() const { return queue_(); }
 
+  /// A program as Program builds it, or the one of the same name, source and options that was built here before and is
+  /// among those used last: even a build of compiled kernels takes the driver a twentieth of a second.
+  std::shared_ptr<const Program> program(const std::string& name, std::string_view source,
+                                         const std::string& options) const;
   /// Enqueues `kernel` over `global` work-items; all arguments must be set. Does not wait. The local size is that of
   /// launch_sizes(), at most what device and kernel allow; items past its last multiple follow in a launch of their
   /// own.
@@ -47,6 +57,9 @@ class Context {
   Handle<cl_command_queue, clReleaseCommandQueue> queue_;
   LaunchSizes sizes_;
   std::map<std::string, KernelTime>* times_ = nullptr;
+  struct Built;
+  mutable std::mutex building_;
+  mutable std::vector<Built> built_;  ///< the last used one last; gone before the context
 };
 
 }  // namespace raycube::cl

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
+#include "host/base/parallel.h"
 #include "host/base/units.h"
 #include "host/plan/quadrature.h"
 #include "kernels/atmosphere/nodes.h"
@@ -51,47 +53,97 @@ SkyIrradiance::SkyIrradiance(const SkyBasis& basis) : zenith_(basis.zenith_rad),
   }
 }
 
-/// Integrals of A, A cos, A sin from azimuth 0 to phi, -pi <= phi <= 2 pi, between two rings. A is even about 0 and pi.
-SkyIrradiance::Moments SkyIrradiance::moments_to(std::size_t ring, double fraction, double phi) const {
-  const double folded = phi > base::kPi ? 2 * base::kPi - phi : std::abs(phi);
-  const std::size_t cells = azimuth_.size() - 1;
-  const auto upper = std::upper_bound(azimuth_.begin() + 1, azimuth_.end() - 1, folded);
-  const auto j = static_cast<std::size_t>(upper - azimuth_.begin()) - 1;
-  const Piece &p = piece_[ring * cells + j], &q = piece_[(ring + 1) * cells + j];
-  const double t = folded - azimuth_[j], c = std::cos(folded), s = std::sin(folded), f = fraction, g = 1 - fraction;
-  Moments out;
-  for (std::size_t m = 0; m < 4; ++m) {
-    const double a0 = g * p.a0[m] + f * q.a0[m], a1 = g * p.a1[m] + f * q.a1[m], a = a0 + a1 * t;
-    double one = g * p.one[m] + f * q.one[m] + t * (a0 + 0.5 * a1 * t);
-    double cosine = g * p.cosine[m] + f * q.cosine[m] + a * s + a1 * c;
-    const double sine = g * p.sine[m] + f * q.sine[m] - a * c + a1 * s;
-    if (phi < 0) {
-      one = -one;
-      cosine = -cosine;
-    } else if (phi > base::kPi) {
-      one = g * circle_one_[ring][m] + f * circle_one_[ring + 1][m] - one;
-      cosine = g * circle_cosine_[ring][m] + f * circle_cosine_[ring + 1][m] - cosine;
+/// A ring of zenith angle between two rings of nodes: its pieces, mixed when they are first asked for, since one plane
+/// meets two of them and a hundred planes of one tilt meet all.
+class SkyIrradiance::Ring {
+ public:
+  explicit Ring(const SkyIrradiance& sky) : sky_(sky), piece_(sky.cells()), known_(sky.cells()) {}
+
+  /// The ring at `fraction` of the way from ring number `lower` to the next.
+  void move_to(std::size_t lower, double fraction) {
+    lower_ = lower, f_ = fraction, g_ = 1 - fraction;
+    std::fill(known_.begin(), known_.end(), std::uint8_t{0});
+    for (std::size_t m = 0; m < 4; ++m) {
+      one[m] = g_ * sky_.circle_one_[lower][m] + f_ * sky_.circle_one_[lower + 1][m];
+      cosine[m] = g_ * sky_.circle_cosine_[lower][m] + f_ * sky_.circle_cosine_[lower + 1][m];
     }
-    out.one[m] = one;
-    out.cosine[m] = cosine;
-    out.sine[m] = sine;
   }
+
+  /// Integrals of A, A cos, A sin from azimuth 0 to phi, -pi <= phi <= 2 pi. A is even about 0 and pi. cell: where the
+  /// search for phi's cell begins, and where it ends; any cell will do.
+  Moments moments_to(double phi, std::size_t& cell) {
+    const double folded = phi > base::kPi ? 2 * base::kPi - phi : std::abs(phi);
+    const std::vector<double>& azimuth = sky_.azimuth_;
+    while (cell + 2 < azimuth.size() && azimuth[cell + 1] <= folded) ++cell;
+    while (cell > 0 && azimuth[cell] > folded) --cell;
+    const Piece& p = piece(cell);
+    const double t = folded - azimuth[cell], c = std::cos(folded), s = std::sin(folded);
+    Moments out;
+    for (std::size_t m = 0; m < 4; ++m) {
+      const double a = p.a0[m] + p.a1[m] * t;
+      out.one[m] = p.one[m] + t * (p.a0[m] + 0.5 * p.a1[m] * t);
+      out.cosine[m] = p.cosine[m] + a * s + p.a1[m] * c;
+      out.sine[m] = p.sine[m] - a * c + p.a1[m] * s;
+    }
+    if (phi < 0) {
+      for (std::size_t m = 0; m < 4; ++m) out.one[m] = -out.one[m], out.cosine[m] = -out.cosine[m];
+    } else if (phi > base::kPi) {
+      for (std::size_t m = 0; m < 4; ++m) out.one[m] = one[m] - out.one[m], out.cosine[m] = cosine[m] - out.cosine[m];
+    }
+    return out;
+  }
+
+  Four one{}, cosine{};  ///< of the whole ring
+
+ private:
+  const Piece& piece(std::size_t cell) {
+    Piece& out = piece_[cell];
+    if (known_[cell]) return out;
+    known_[cell] = 1;
+    const Piece &p = sky_.piece_[lower_ * sky_.cells() + cell], &q = sky_.piece_[(lower_ + 1) * sky_.cells() + cell];
+    const auto mix = [&](const Four& a, const Four& b, Four& to) {
+      for (std::size_t m = 0; m < 4; ++m) to[m] = g_ * a[m] + f_ * b[m];
+    };
+    mix(p.a0, q.a0, out.a0), mix(p.a1, q.a1, out.a1);
+    mix(p.one, q.one, out.one), mix(p.cosine, q.cosine, out.cosine), mix(p.sine, q.sine, out.sine);
+    return out;
+  }
+
+  const SkyIrradiance& sky_;
+  std::size_t lower_ = 0;
+  double f_ = 0, g_ = 1;
+  std::vector<Piece> piece_;
+  std::vector<std::uint8_t> known_;  ///< pieces that are mixed
+};
+
+std::array<double, 4> SkyIrradiance::at(double tilt_rad, double azimuth_rad, int points) const {
+  Four out{};
+  at(tilt_rad, std::span(&azimuth_rad, 1), std::span(&out, 1), points);
   return out;
 }
 
-std::array<double, 4> SkyIrradiance::at(double tilt_rad, double azimuth_rad, int points) const {
+void SkyIrradiance::at(double tilt_rad, std::span<const double> azimuth_rad, std::span<std::array<double, 4>> out,
+                       int points) const {
   static const std::array<std::vector<std::pair<double, double>>, 9> rules = [] {
     std::array<std::vector<std::pair<double, double>>, 9> all;
     for (int n = 1; n < 9; ++n) all[static_cast<std::size_t>(n)] = gauss_legendre(n);
     return all;
   }();
   const auto& rule = rules.at(static_cast<std::size_t>(points));
-  const double psi = std::abs(std::remainder(azimuth_rad, 2 * base::kPi));
-  const double cos_tilt = std::cos(tilt_rad), sin_tilt = std::sin(tilt_rad), cos_psi = std::cos(psi),
-               sin_psi = std::sin(psi);
+  struct Side {
+    double psi, cos_psi, sin_psi;  ///< azimuth of the plane's normal, 0 .. pi from the sun
+    std::size_t from = 0, to = 0;  ///< cells where its half ring was seen to begin and end
+  };
+  std::vector<Side> sides;
+  for (const double azimuth : azimuth_rad) {
+    const double psi = std::abs(std::remainder(azimuth, 2 * base::kPi));
+    sides.push_back({psi, std::cos(psi), std::sin(psi)});
+  }
+  std::fill(out.begin(), out.end(), Four{});
+  const double cos_tilt = std::cos(tilt_rad), sin_tilt = std::sin(tilt_rad);
   const double cut =
       std::abs(base::kPi / 2 - tilt_rad);  // rings beyond this zenith angle are cut by the surface's plane
-  Four sum{};
+  Ring at_theta(*this);
   for (std::size_t ring = 0; ring + 1 < zenith_.size(); ++ring) {
     const double lo = zenith_[ring], hi = zenith_[ring + 1];
     const bool split = lo < cut && cut < hi;
@@ -107,29 +159,38 @@ std::array<double, 4> SkyIrradiance::at(double tilt_rad, double azimuth_rad, int
         const double weight = 0.5 * gauss * (b - a) * (rooted ? 2 * r : 1.0);
         const double f = (theta - lo) / (hi - lo), sin_theta = std::sin(theta), cos_theta = std::cos(theta);
         const double across = weight * sin_theta * sin_tilt * sin_theta, up = weight * sin_theta * cos_tilt * cos_theta;
-        if (whole) {
+        at_theta.move_to(ring, f);
+        const double half =
+            whole ? base::kPi : std::acos(std::clamp(-(cos_tilt * cos_theta) / (sin_tilt * sin_theta), -1.0, 1.0));
+        for (std::size_t i = 0; i < sides.size(); ++i) {
+          Side& side = sides[i];
+          Four& sum = out[i];
+          if (whole) {
+            for (std::size_t m = 0; m < 4; ++m)
+              sum[m] += across * side.cos_psi * at_theta.cosine[m] + up * at_theta.one[m];
+            continue;
+          }
+          const Moments from = at_theta.moments_to(side.psi - half, side.from),
+                        to = at_theta.moments_to(side.psi + half, side.to);
           for (std::size_t m = 0; m < 4; ++m)
-            sum[m] += across * cos_psi * ((1 - f) * circle_cosine_[ring][m] + f * circle_cosine_[ring + 1][m]) +
-                      up * ((1 - f) * circle_one_[ring][m] + f * circle_one_[ring + 1][m]);
-          continue;
+            sum[m] +=
+                across * (side.cos_psi * (to.cosine[m] - from.cosine[m]) + side.sin_psi * (to.sine[m] - from.sine[m])) +
+                up * (to.one[m] - from.one[m]);
         }
-        const double half = std::acos(std::clamp(-(cos_tilt * cos_theta) / (sin_tilt * sin_theta), -1.0, 1.0));
-        const Moments from = moments_to(ring, f, psi - half), to = moments_to(ring, f, psi + half);
-        for (std::size_t m = 0; m < 4; ++m)
-          sum[m] += across * (cos_psi * (to.cosine[m] - from.cosine[m]) + sin_psi * (to.sine[m] - from.sine[m])) +
-                    up * (to.one[m] - from.one[m]);
       }
     }
   }
-  return sum;
 }
 
-IrradianceGrid::IrradianceGrid(const SkyIrradiance& exact, double sun_azimuth_rad)
+IrradianceGrid::IrradianceGrid(const SkyIrradiance& exact, double sun_azimuth_rad, int threads)
     : sun_azimuth_(sun_azimuth_rad), value_(kTilts * kAzimuths) {
-  for (std::size_t i = 0; i < kTilts; ++i)
-    for (std::size_t j = 0; j < kAzimuths; ++j)
-      value_[i * kAzimuths + j] = exact.at(base::kPi * static_cast<double>(i) / (kTilts - 1),
-                                           base::kPi * static_cast<double>(j) / (kAzimuths - 1));
+  std::vector<double> azimuth_rad;
+  for (std::size_t j = 0; j < kAzimuths; ++j)
+    azimuth_rad.push_back(base::kPi * static_cast<double>(j) / (kAzimuths - 1));
+  base::for_each_index(kTilts, threads, [&](std::size_t i) {
+    exact.at(base::kPi * static_cast<double>(i) / (kTilts - 1), azimuth_rad,
+             std::span(value_).subspan(i * kAzimuths, kAzimuths));
+  });
 }
 
 std::array<double, 4> IrradianceGrid::at(double x, double y, double z) const {
@@ -171,17 +232,19 @@ Four between_nodes(int size, double x, double y, double z, NodeValue node_value)
 
 }  // namespace
 
-IrradianceMap make_irradiance_map(const IrradianceGrid& grid, int size) {
+IrradianceMap make_irradiance_map(const IrradianceGrid& grid, int size, int threads) {
   IrradianceMap map;
   map.size = size;
-  map.value.reserve(static_cast<std::size_t>(size) * static_cast<std::size_t>(size));
-  for (int v = 0; v < size; ++v)
-    for (int u = 0; u < size; ++u) {
-      const auto [x, y, z] = node_direction(size, u, v);
+  const auto row = static_cast<std::size_t>(size);
+  map.value.resize(row * row);
+  base::for_each_index(row, threads, [&](std::size_t v) {
+    for (std::size_t u = 0; u < row; ++u) {
+      const auto [x, y, z] = node_direction(size, static_cast<int>(u), static_cast<int>(v));
       const Four e = grid.at(x, y, z);
-      map.value.push_back(
-          {static_cast<float>(e[0]), static_cast<float>(e[1]), static_cast<float>(e[2]), static_cast<float>(e[3])});
+      map.value[v * row + u] = {static_cast<float>(e[0]), static_cast<float>(e[1]), static_cast<float>(e[2]),
+                                static_cast<float>(e[3])};
     }
+  });
   return map;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <vector>
 
 #include "host/plan/plan.h"
@@ -18,6 +19,10 @@ class SkyIrradiance {
   /// tilt of the normal from the zenith (0..pi); azimuth of the normal relative to the sun. points: Gauss points per
   /// interval.
   std::array<double, 4> at(double tilt_rad, double azimuth_rad, int points = 4) const;
+  /// The same, bit for bit, of planes of one tilt and many azimuths, into one quadruple each: what depends on the tilt
+  /// alone is worked out once.
+  void at(double tilt_rad, std::span<const double> azimuth_rad, std::span<std::array<double, 4>> out,
+          int points = 4) const;
 
  private:
   /// A(phi) = a0 + a1 (phi - phi_j) in one cell of one ring, and the constants of its integrals from azimuth 0.
@@ -27,7 +32,8 @@ class SkyIrradiance {
   struct Moments {
     std::array<double, 4> one{}, cosine{}, sine{};
   };
-  Moments moments_to(std::size_t ring, double fraction, double phi) const;
+  class Ring;
+  std::size_t cells() const { return azimuth_.size() - 1; }
 
   std::vector<double> zenith_, azimuth_;
   std::vector<Piece> piece_;                                       ///< [ring][cell]
@@ -37,7 +43,8 @@ class SkyIrradiance {
 /// Exact on a grid over tilt and azimuth, where the irradiance is smooth, and cubic between.
 class IrradianceGrid {
  public:
-  IrradianceGrid(const SkyIrradiance& exact, double sun_azimuth_rad);
+  /// On `threads` threads (0: as many as the machine has), the same on any number.
+  IrradianceGrid(const SkyIrradiance& exact, double sun_azimuth_rad, int threads = 0);
   /// Normal x east, y north, z up; any length.
   std::array<double, 4> at(double x, double y, double z) const;
 
@@ -46,8 +53,8 @@ class IrradianceGrid {
   std::vector<std::array<double, 4>> value_;
 };
 
-/// Map of odd `size`.
-IrradianceMap make_irradiance_map(const IrradianceGrid& grid, int size);
+/// Map of odd `size`, on any number of threads the same (0: as many as the machine has).
+IrradianceMap make_irradiance_map(const IrradianceGrid& grid, int size, int threads = 0);
 
 /// What a map of this size would read at a normal, as the kernels read it (rc_octahedral_nodes).
 std::array<double, 4> read_between_nodes(const IrradianceGrid& grid, int size, double x, double y, double z);

@@ -55,19 +55,26 @@ Domain make_domain(const scene::Simulation& simulation, const atmos::RenderTable
 }
 
 /// The smallest map whose error between nodes, against the exact integral at fixed directions, is inside its share.
-double fit_map(Plan& plan, double sun_azimuth, const std::vector<Mixture>& mixtures) {
+double fit_map(Plan& plan, double sun_azimuth, const std::vector<Mixture>& mixtures, int threads) {
   const SkyIrradiance exact(plan.sky_basis);
-  const IrradianceGrid grid(exact, sun_azimuth);
+  const IrradianceGrid grid(exact, sun_azimuth, threads);
+  constexpr int checks = 600;
+  struct Check {
+    double x, y, z;
+    std::array<double, 4> want;
+  };
+  std::vector<Check> spiral;  // over the whole sphere of normals
+  for (int k = 0; k < checks; ++k) {
+    const double z = 1 - (2 * k + 1.0) / checks,
+                 azimuth = 2 * std::numbers::pi * std::fmod(k * (std::numbers::phi - 1), 1.0);
+    const double r = std::sqrt(1 - z * z);
+    spiral.push_back({r * std::sin(azimuth), r * std::cos(azimuth), z, exact.at(std::acos(z), azimuth - sun_azimuth)});
+  }
   double worst = 0;
   for (const int size : kMapSizes) {
     worst = 0;
-    constexpr int checks = 600;
-    for (int k = 0; k < checks; ++k) {  // spiral over the whole sphere of normals
-      const double z = 1 - (2 * k + 1.0) / checks,
-                   azimuth = 2 * std::numbers::pi * std::fmod(k * (std::numbers::phi - 1), 1.0);
-      const double r = std::sqrt(1 - z * z);
-      const auto want = exact.at(std::acos(z), azimuth - sun_azimuth);
-      const auto found = read_between_nodes(grid, size, r * std::sin(azimuth), r * std::cos(azimuth), z);
+    for (const auto& [x, y, z, want] : spiral) {
+      const auto found = read_between_nodes(grid, size, x, y, z);
       for (const auto& mixture : mixtures) {
         double difference = 0;
         for (std::size_t m = 0; m < 4; ++m) difference += mixture[m] * (found[m] - want[m]);
@@ -75,7 +82,7 @@ double fit_map(Plan& plan, double sun_azimuth, const std::vector<Mixture>& mixtu
       }
     }
     if (worst > kMapShare && size != kMapSizes.back()) continue;
-    plan.irradiance = make_irradiance_map(grid, size);
+    plan.irradiance = make_irradiance_map(grid, size, threads);
     break;
   }
   return worst;
@@ -375,7 +382,7 @@ void compare_with_flux_row(Plan& plan, const Setting& at, const SkyFactorizer& s
 }  // namespace
 
 Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& instrument,
-               const atmos::RenderTable& table, const ViewBounds& view) {
+               const atmos::RenderTable& table, const ViewBounds& view, int threads) {
   const base::Doing doing("planning instrument", instrument.name);
   check_directions(simulation);
   const Domain domain = make_domain(simulation, table, view);
@@ -411,8 +418,8 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
   if (!plan.environment.empty()) add_environment_spectra(plan, simulation, air, bands, covered, spectral.wavelength_um);
   double map_error = 0;
   if (plan.sky_components > 0)
-    map_error =
-        fit_map(plan, domain.sun_azimuth, levels.sky[static_cast<std::size_t>(plan.sky_components - 1)].mixture);
+    map_error = fit_map(plan, domain.sun_azimuth, levels.sky[static_cast<std::size_t>(plan.sky_components - 1)].mixture,
+                        threads);
   plan.sky =
       make_sky_rays(plan.sky_basis, plan.thermal, domain.sun_azimuth, plan.sun_direction, simulation.sky_directions);
 

@@ -196,9 +196,9 @@ struct ViewBounds {
 /// error is inside its share of `simulation.tolerance`, sky components by weighted SVD (component 0 carries the
 /// irradiance exactly), the law of the sky's rays. Throws Error(input) when a band leaves the table or a
 /// material's curve, or the table lacks a row. A plan that may not hold the tolerance says so in `refusal`: the
-/// caller measures it, or stops there.
+/// caller measures it, or stops there. The same on any number of threads (0: as many as the machine has).
 Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& instrument,
-               const atmos::RenderTable& table, const ViewBounds& view);
+               const atmos::RenderTable& table, const ViewBounds& view, int threads = 0);
 
 /// Bakes one term row in double: E[channel][band] for a product key (kernels/shared/product_key.h; 0 = path) or
 /// kEnvironmentKey | node, stored as float, bands padded with zeros to a multiple of 16: result[channel * bands_padded

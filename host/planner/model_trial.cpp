@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "host/base/interrupt.h"
-#include "host/reference/parallel.h"
+#include "host/base/parallel.h"
 #include "host/reference/radiance.h"
 #include "host/sensors/ray_groups.h"
 #include "host/base/units.h"
@@ -71,7 +71,7 @@ ModelPixels compare_models(const scene::Simulation& simulation, const scene::Ins
   }
   ModelPixels out;
   out.planned.resize(pixels.size()), out.whole.resize(pixels.size());
-  reference::for_each_index(pixels.size(), settings.threads, [&](std::size_t p) {
+  base::for_each_index(pixels.size(), settings.threads, [&](std::size_t p) {
     base::throw_if_interrupted();
     const reference::SampledPixel pixel = scene.sample_pixel(few, same, settings.seed, pixels[p]);
     std::vector<reference::SentRays> sent;

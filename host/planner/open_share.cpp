@@ -34,7 +34,7 @@ void measure_open_share(render::Renderer& renderer, const scene::Simulation& sim
   half.sky.open_share.assign(scene.surfaces.size(), kHalf);
   half.sky.rays = std::min(plan.sky.rays, few.samples_u * few.samples_v);  // one ray a sample: its sign tells its fate
   std::vector<Seen> seen(scene.surfaces.size());
-  renderer.probe(
+  renderer.probe_together(
       few, half, simulation.sun, simulation.seed + kOpenShare,
       joined(trial_tiles(few, simulation.seed + kOpenShare, kRuns), kWidest), [&](const render::PixelProbe& probe) {
         const auto samples = static_cast<std::size_t>(probe.samples);

@@ -31,10 +31,10 @@ TrialImage few_pixels(render::Renderer& renderer, const scene::Simulation& simul
   const auto tiles = trial_tiles(instrument, simulation.seed, runs_of(instrument));
   TrialImage image;
   image.bands = instrument.bands.size();
-  renderer.probe(instrument, plan, simulation.sun, seed, joined(tiles, kWidestOwnTile),
-                 [&](const render::PixelProbe& probe) {
-                   image.radiance.insert(image.radiance.end(), probe.radiance.begin(), probe.radiance.end());
-                 });
+  renderer.probe_together(instrument, plan, simulation.sun, seed, joined(tiles, kWidestOwnTile),
+                          [&](const render::PixelProbe& probe) {
+                            image.radiance.insert(image.radiance.end(), probe.radiance.begin(), probe.radiance.end());
+                          });
   for (const auto& tile : tiles)
     image.run_end.push_back((image.run_end.empty() ? 0 : image.run_end.back()) + tile.pixels());
   image.whole =

@@ -62,10 +62,10 @@ TrialImage PixelTrial::render(const scene::Instrument& instrument, int direction
   image.draw = draws_, image.pixels_per_run = pixels_per_run_;
   image.drawn_from = drawn_from_, image.left_out = left_out_;
   image.whole = whole_;
-  renderer_.probe(instrument, plan_, simulation_.sun, seed, joined(tiles_, kWidestTile),
-                  [&](const render::PixelProbe& probe) {
-                    image.radiance.insert(image.radiance.end(), probe.radiance.begin(), probe.radiance.end());
-                  });
+  renderer_.probe_together(instrument, plan_, simulation_.sun, seed, joined(tiles_, kWidestTile),
+                           [&](const render::PixelProbe& probe) {
+                             image.radiance.insert(image.radiance.end(), probe.radiance.begin(), probe.radiance.end());
+                           });
   for (const auto& tile : tiles_)
     image.run_end.push_back((image.run_end.empty() ? 0 : image.run_end.back()) + tile.pixels());
   const PixelCounts counts =

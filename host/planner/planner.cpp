@@ -303,14 +303,14 @@ Decision decide(render::Renderer& renderer, const scene::Simulation& simulation,
   return out;
 }
 
-void add_small_objects(Decision& decision, const scene::Simulation& simulation, const scene::Instrument& instrument) {
+void add_small_objects(Decision& decision, const scene::Instrument& instrument, sensors::SmallObjectPixels small) {
   using scene::SmallObjects;
   scene::Instrument sampled = instrument;
   sampled.sampler = decision.sampling.sampler;
   sampled.samples_u = decision.sampling.samples_u, sampled.samples_v = decision.sampling.samples_v;
   const bool on = instrument.small_objects == SmallObjects::on ||
                   (instrument.small_objects == SmallObjects::automatic && !decision.samples_given);
-  decision.small = sensors::survey_small_objects(simulation.scene, sampled, on);
+  decision.small = sensors::survey_small_objects(std::move(small), sampled, on);
   if (instrument.small_objects == SmallObjects::off || decision.small.missed.empty()) return;
   const std::string note = missed_objects_text(decision.small, sampled);
   if (std::find(decision.notes.begin(), decision.notes.end(), note) == decision.notes.end())

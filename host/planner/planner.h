@@ -99,7 +99,7 @@ void hold_tolerance(Decision& decision, const scene::Simulation& simulation, con
 
 /// Surveys the instrument's small objects for the decision's samples; those that its image will miss become a
 /// note.
-void add_small_objects(Decision& decision, const scene::Simulation& simulation, const scene::Instrument& instrument);
+void add_small_objects(Decision& decision, const scene::Instrument& instrument, sensors::SmallObjectPixels small);
 
 /// The instrument and the plan with the decision's settings, small objects included.
 void apply(const Decision& decision, scene::Instrument& instrument, plan::Plan& plan);

@@ -7,7 +7,7 @@
 
 #include "host/base/error.h"
 #include "host/base/interrupt.h"
-#include "host/reference/parallel.h"
+#include "host/base/parallel.h"
 #include "host/reference/spread.h"
 #include "host/reference/tie_search.h"
 #include "kernels/shared/tile_layout.h"
@@ -191,7 +191,7 @@ Comparison::Result Comparison::compare(const DevicePixel& device, bool with_mode
 void Comparison::add(const std::vector<DevicePixel>& pixels) {
   const std::size_t before = results_.size();
   results_.resize(before + pixels.size());
-  for_each_index(pixels.size(), options_.threads, [&](std::size_t i) {
+  base::for_each_index(pixels.size(), options_.threads, [&](std::size_t i) {
     results_[before + i] = compare(pixels[i], model_ && before + i < options_.model_pixels);
   });
 }

@@ -4,7 +4,7 @@
 #include <tuple>
 
 #include "host/base/error.h"
-#include "host/reference/parallel.h"
+#include "host/base/parallel.h"
 
 namespace raycube::reference {
 
@@ -66,7 +66,7 @@ HitReport HitComparison::compare(const PixelHits& pixel) const {
 
 void HitComparison::add(const std::vector<PixelHits>& pixels) {
   std::vector<HitReport> reports(pixels.size());
-  for_each_index(pixels.size(), threads_, [&](std::size_t i) { reports[i] = compare(pixels[i]); });
+  base::for_each_index(pixels.size(), threads_, [&](std::size_t i) { reports[i] = compare(pixels[i]); });
   for (const HitReport& report : reports) report_.add(report);
 }
 

@@ -6,7 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "host/base/units.h"
-#include "host/reference/parallel.h"
+#include "host/base/parallel.h"
 
 namespace raycube::reference {
 
@@ -175,7 +175,7 @@ bool LidarComparison::within_rounding(const lidar::ShotResult& device, const Lid
 
 void LidarComparison::add(const std::vector<lidar::ShotResult>& shots) {
   std::vector<Result> fresh(shots.size());
-  for_each_index(shots.size(), options_.threads, [&](std::size_t i) { fresh[i] = compare(shots[i]); });
+  base::for_each_index(shots.size(), options_.threads, [&](std::size_t i) { fresh[i] = compare(shots[i]); });
   for (Result& result : fresh) {
     if (scattered_.empty()) scattered_.resize(result.scattered.size());
     for (std::size_t r = 0; r < result.scattered.size(); ++r) {

@@ -115,6 +115,33 @@ class StripQueue {
   std::thread thread_;
 };
 
+/// What tiles that are rendered together may take of the device's memory.
+constexpr std::size_t kTogether_bytes = std::size_t{32} << 20;
+
+std::size_t groups_of(const Tile& tile, std::size_t width) {
+  return static_cast<std::size_t>(tile.lines) * ((static_cast<std::size_t>(tile.columns) + width - 1) / width);
+}
+
+/// A tile's part of a probe of groups, each `width` pixels whether the image has them or not, from its first group on.
+PixelProbe part_of(const PixelProbe& together, const Tile& tile, std::size_t first_group, std::size_t width) {
+  PixelProbe out;
+  out.tile = tile, out.samples = together.samples, out.sides = together.sides;
+  const auto first = together.groups.begin() + static_cast<std::ptrdiff_t>(first_group);
+  out.groups.assign(first, first + static_cast<std::ptrdiff_t>(groups_of(tile, width)));
+  const auto columns = static_cast<std::size_t>(tile.columns), per_line = (columns + width - 1) / width;
+  const auto take = [&](const auto& from, auto& to) {
+    const std::size_t of_pixel = from.size() / together.tile.pixels();
+    for (std::size_t line = 0; line < static_cast<std::size_t>(tile.lines); ++line) {
+      const auto begin = from.begin() + static_cast<std::ptrdiff_t>((first_group + line * per_line) * width * of_pixel);
+      to.insert(to.end(), begin, begin + static_cast<std::ptrdiff_t>(columns * of_pixel));
+    }
+  };
+  take(together.hit_instance, out.hit_instance), take(together.hit_primitive, out.hit_primitive);
+  take(together.sun_visible, out.sun_visible), take(together.sky_met, out.sky_met);
+  take(together.radiance, out.radiance), take(together.truth, out.truth);
+  return out;
+}
+
 }  // namespace
 
 struct Renderer::State : SceneOnDevice {
@@ -204,6 +231,48 @@ RenderStatistics Renderer::probe(const scene::Instrument& instrument, const plan
     if (sink) sink(probe);
   }
   return passes.statistics();
+}
+
+void Renderer::probe_together(const scene::Instrument& instrument, const plan::Plan& plan, const scene::Sun& sun,
+                              std::uint64_t seed, const std::vector<Tile>& tiles, const ProbeSink& sink) {
+  if (instrument.adaptive() || instrument.small_objects == scene::SmallObjects::on) {
+    probe(instrument, plan, sun, seed, tiles, sink);
+    return;
+  }
+  const base::Doing doing("rendering tiles of instrument", instrument.name);
+  const RenderSetup setup = state_->setup(instrument, plan, sun, seed);
+  const auto width = static_cast<std::size_t>(setup.shape.pixels_per_group);
+  const std::size_t capacity = state_->row_capacity(setup.shape), bands = setup.shape.bands,
+                    layers = truth_layer_names(state_->scene).size(),
+                    group_bytes = width * (setup.shape.pixel_bytes() + setup.shape.row_bytes(capacity));
+  std::size_t widest = 1, all = 0;
+  for (const Tile& tile : tiles) {
+    const std::size_t groups = groups_of(tile, width);
+    widest = std::max(widest, groups), all += groups;
+  }
+  const std::size_t most =
+      std::max(widest, std::min(all, std::min(kTogether_bytes, state_->tile_budget()) / group_bytes));
+  TilePasses passes(setup, static_cast<int>(most), static_cast<int>(width), capacity,
+                    state_->options.memory_bytes / kBudgetShares);
+  for (std::size_t first = 0, end = 0; first < tiles.size(); first = end) {
+    base::throw_if_interrupted();
+    std::vector<shared::RayGroup> groups;
+    for (; end < tiles.size() && groups.size() + groups_of(tiles[end], width) <= most; ++end) {
+      const TileRays rays = tile_rays(instrument, state_->scene, tiles[end], setup.shape.pixels_per_group);
+      groups.insert(groups.end(), rays.groups.begin(), rays.groups.end());
+    }
+    const TileRays rays = listed_rays(std::move(groups), setup.shape.pixels_per_group);
+    PixelProbe together;
+    together.tile = {0, static_cast<int>(rays.layout.lines), 0, static_cast<int>(rays.layout.columns)};
+    together.radiance.resize(rays.pixels() * bands);
+    together.truth.resize(rays.pixels() * layers);
+    passes.run_listed(rays, {together.radiance.data(), together.truth.data(), layers, nullptr}, &together);
+    std::size_t group = 0;
+    for (std::size_t i = first; i < end; ++i) {
+      sink(part_of(together, tiles[i], group, width));
+      group += groups_of(tiles[i], width);
+    }
+  }
 }
 
 void Renderer::probe_hits(const scene::Instrument& instrument, std::uint64_t seed, const std::vector<Tile>& tiles,

@@ -44,6 +44,11 @@ class Renderer {
   RenderStatistics probe(const scene::Instrument& instrument, const plan::Plan& plan, const scene::Sun& sun,
                          std::uint64_t seed, const std::vector<Tile>& tiles, const ProbeSink& sink);
 
+  /// The same in few launches, for many small tiles: they are put together as long as they take little memory, and each
+  /// is handed on by itself, bit for bit as probe does. Of adaptive samples and small objects it is probe.
+  void probe_together(const scene::Instrument& instrument, const plan::Plan& plan, const scene::Sun& sun,
+                      std::uint64_t seed, const std::vector<Tile>& tiles, const ProbeSink& sink);
+
   /// The same tiles' first hits and nothing else: trace_primary alone, by the very program that render launches.
   void probe_hits(const scene::Instrument& instrument, std::uint64_t seed, const std::vector<Tile>& tiles,
                   const HitSink& sink);

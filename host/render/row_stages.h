@@ -89,7 +89,7 @@ class RowStages {
   const plan::Plan& plan_;
   StageShape shape_;
   std::string options_, identity_;
-  cl::Program program_;
+  std::shared_ptr<const cl::Program> program_;
   cl::Kernel shade_, resolve_, integrate_;
   sensors::SampleWeights weights_;
   cl::Buffer<float> sample_weight_;  ///< of one chunk, zero in the padding

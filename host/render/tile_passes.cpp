@@ -308,6 +308,10 @@ void TilePasses::run(const Tile& tile, TileOutput out, PixelProbe* probe) {
   }
 }
 
+void TilePasses::run_listed(const TileRays& rays, const TileOutput& out, PixelProbe* probe) {
+  full_.run(rays, out, probe);
+}
+
 RenderStatistics TilePasses::statistics() const {
   RenderStatistics all = full_.statistics();
   const auto histogram = [&](double share) {

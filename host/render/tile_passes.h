@@ -27,6 +27,9 @@ class TilePasses {
   /// Renders a tile, standard-error layers included where `out` has them (its band_error may be null even so).
   void run(const Tile& tile, TileOutput out, PixelProbe* probe = nullptr);
 
+  /// Renders rays of any groups in one pass with all samples. Adaptive ones and small objects need their tile.
+  void run_listed(const TileRays& rays, const TileOutput& out, PixelProbe* probe);
+
   RenderStatistics statistics() const;
 
  private:

@@ -60,11 +60,11 @@ struct TraceStages::State {
         seed(static_cast<std::uint32_t>(seed_)),
         options(program_options(shape_, scene.stack_bound()).trace + buffers_.options),
         identity("trace\n" + options + "\n" + std::string(kernels::kernel_source("trace"))),
-        program(context_, "trace", kernels::kernel_source("trace"), options),
-        primary(program, "trace_primary"),
-        surface(program, "make_surface"),
-        sun(program, "trace_sun"),
-        sky(program, "trace_sky"),
+        program(context_.program("trace", kernels::kernel_source("trace"), options)),
+        primary(*program, "trace_primary"),
+        surface(*program, "make_surface"),
+        sun(*program, "trace_sun"),
+        sky(*program, "trace_sky"),
         sky_map(context_, plan_),
         open_share(context_, open_shares(buffers_, plan_, shape_), cl::Access::read_only, "open share of surfaces") {}
 
@@ -135,7 +135,7 @@ struct TraceStages::State {
   StageShape shape;
   std::uint32_t seed;
   std::string options, identity;
-  cl::Program program;
+  std::shared_ptr<const cl::Program> program;
   cl::Kernel primary, surface, sun, sky;
   SkyMapBuffers sky_map;
   cl::Buffer<float> open_share;

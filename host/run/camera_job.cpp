@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <future>
 #include <tuple>
 
 #include "host/base/timing.h"
@@ -52,7 +53,10 @@ CameraJob prepare_camera(const scene::Simulation& simulation, const scene::Instr
   if (simulation.atmosphere.table_file.empty())  // of a table of the user's its maker has heard them
     for (auto& notice : air_notices(job.table)) job.notices.push_back(std::move(notice));
   start = std::chrono::steady_clock::now();
-  job.plan = plan::make_plan(simulation, instrument, job.table, view);
+  // Which of the scene's objects are small needs nothing of the plan.
+  auto small = std::async(services.threads == 1 ? std::launch::deferred : std::launch::async,
+                          [&] { return sensors::SmallObjectPixels(simulation.scene, instrument); });
+  job.plan = plan::make_plan(simulation, instrument, job.table, view, services.threads);
   if (planning.renderer) planner::measure_open_share(*planning.renderer, simulation, instrument, job.plan);
   if (planning.replay) {
     const auto& entry = planner::find_entry(*planning.replay, instrument.name, false, planning.replay_path);
@@ -65,7 +69,7 @@ CameraJob prepare_camera(const scene::Simulation& simulation, const scene::Instr
     job.decision = planner::as_given(simulation, instrument, job.plan);
     planner::hold_tolerance(job.decision, simulation, instrument, job.plan, job.table, services.threads);
   }
-  planner::add_small_objects(job.decision, simulation, instrument);
+  planner::add_small_objects(job.decision, instrument, small.get());
   planner::apply(job.decision, *planned, job.plan);
   for (const auto& notice : job.plan.notices) services.log.warning(notice);
   for (const auto& note : job.decision.notes) services.log.warning(note);

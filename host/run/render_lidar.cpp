@@ -28,7 +28,7 @@
 #include "host/planner/lidar_own_error.h"
 #include "host/reference/double_trace.h"
 #include "host/reference/embree_scene.h"
-#include "host/reference/parallel.h"
+#include "host/base/parallel.h"
 #include "host/render/lidar_renderer.h"
 #include "scene_compiler/ground.h"
 
@@ -249,7 +249,7 @@ class Survey {
     });
     std::vector<std::vector<lidar::Detection>> records(results.size());
     timed("detection", [&] {
-      reference::for_each_index(results.size(), services_.threads, [&](std::size_t i) {
+      base::for_each_index(results.size(), services_.threads, [&](std::size_t i) {
         if (blur_) blur_->apply(plan_, results[i]);
         if (!behind.empty()) results[i].background_hz = behind[i];
         records[i] = lidar::detect(plan_, results[i]);

@@ -7,7 +7,7 @@
 #include <map>
 #include <numeric>
 #include <set>
-#include <unordered_map>
+#include <span>
 
 #include "scene_compiler/matter.h"
 
@@ -52,37 +52,75 @@ struct Corner {
   float x, y, z;
   bool operator==(const Corner&) const = default;
 };
-struct CornerHash {
-  std::size_t operator()(const Corner& c) const {
+
+/// The first triangle at each corner, by place.
+class FirstAtCorner {
+ public:
+  explicit FirstAtCorner(std::size_t triangles)
+      : slot_(std::bit_ceil(4 * triangles + 1), RC_NONE) {}  // three corners a triangle at most: never full
+
+  /// Files triangle t at a corner that nothing has been filed at.
+  std::uint32_t of(const Corner& corner, std::uint32_t t) {
     std::uint64_t h = 0;
-    for (const float f : {c.x, c.y, c.z})
+    for (const float f : {corner.x, corner.y, corner.z})
       h = (h ^ std::bit_cast<std::uint32_t>(f + 0.0f)) * 0x9e3779b97f4a7c15ull, h ^= h >> 29;
-    return static_cast<std::size_t>(h);
+    for (std::size_t i = h & (slot_.size() - 1);; i = (i + 1) & (slot_.size() - 1)) {
+      if (slot_[i] == RC_NONE) {
+        slot_[i] = static_cast<std::uint32_t>(entry_.size());
+        entry_.push_back({corner, t});
+        return t;
+      }
+      if (entry_[slot_[i]].corner == corner) return entry_[slot_[i]].triangle;
+    }
   }
+
+ private:
+  struct Entry {
+    Corner corner;
+    std::uint32_t triangle;
+  };
+  std::vector<std::uint32_t> slot_;
+  std::vector<Entry> entry_;
 };
 
-/// Triangles that hang together by shared corners, each lot in ascending order, lots in the order of their
+/// Triangles that hang together by shared corners, lot by lot: each lot in ascending order, lots in the order of their
 /// first triangle.
-std::vector<std::vector<std::uint32_t>> connected(const scene::CompiledScene& scene,
-                                                  const std::vector<std::uint32_t>& triangles) {
+struct Lots {
+  std::vector<std::uint32_t> triangles;
+  std::vector<std::size_t> end;  ///< of each lot
+};
+
+Lots connected(const scene::CompiledScene& scene, const std::vector<std::uint32_t>& triangles) {
   std::vector<std::uint32_t> parent(triangles.size());
   std::iota(parent.begin(), parent.end(), 0u);
   const auto root = [&](std::uint32_t i) {
     while (parent[i] != i) i = parent[i] = parent[parent[i]];
     return i;
   };
-  std::unordered_map<Corner, std::uint32_t, CornerHash> first;
-  for (std::uint32_t t = 0; t < triangles.size(); ++t)
-    for (const dvec3& p : local_triangle(scene, triangles[t])) {
-      const auto at =
-          first.try_emplace({static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)}, t).first;
-      const std::uint32_t a = root(at->second), b = root(t);
+  FirstAtCorner first(triangles.size());
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+    const shared::TriBlock& at = scene.blocks[triangles[t] / 16];
+    const std::uint32_t i = triangles[t] % 16;
+    for (const Corner& corner : {Corner{at.v0_x[i], at.v0_y[i], at.v0_z[i]}, Corner{at.v1_x[i], at.v1_y[i], at.v1_z[i]},
+                                 Corner{at.v2_x[i], at.v2_y[i], at.v2_z[i]}}) {
+      const std::uint32_t a = root(first.of(corner, t)), b = root(t);
       parent[std::max(a, b)] = std::min(a, b);
     }
-  std::map<std::uint32_t, std::vector<std::uint32_t>> lots;
-  for (std::uint32_t t = 0; t < triangles.size(); ++t) lots[root(t)].push_back(triangles[t]);
-  std::vector<std::vector<std::uint32_t>> out;
-  for (auto& [unused, lot] : lots) out.push_back(std::move(lot));
+  }
+  Lots out;  // a lot's root is its first triangle
+  std::vector<std::uint32_t> lot(triangles.size());
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+    const std::uint32_t of = root(t);
+    if (of == t)
+      lot[t] = static_cast<std::uint32_t>(out.end.size()), out.end.push_back(0);
+    else
+      lot[t] = lot[of];
+    ++out.end[lot[t]];
+  }
+  std::vector<std::size_t> next(out.end.size(), 0);
+  for (std::size_t l = 1; l < out.end.size(); ++l) next[l] = out.end[l - 1], out.end[l] += out.end[l - 1];
+  out.triangles.resize(triangles.size());
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) out.triangles[next[lot[t]]++] = triangles[t];
   return out;
 }
 
@@ -125,13 +163,14 @@ class Collector {
  private:
   struct Part {
     Box local;
-    std::vector<std::uint32_t> triangles;  ///< none where they are more than kFewTriangles
+    std::size_t first = 0, count = 0;  ///< of its triangles
   };
   /// The connected parts of one surface of a mesh.
   struct SurfaceParts {
     std::uint64_t kind = 0;
     double narrowest_m = 1e300;  ///< least width of a part, mesh frame
     std::vector<Part> parts;
+    std::vector<std::uint32_t> triangles;  ///< part by part
   };
 
   /// A surface's kind: the material that it has most of. Mixtures of a class map are many surfaces of few
@@ -151,7 +190,7 @@ class Collector {
 
   /// Files an object; of a kind that has too many only the count goes on.
   void add(const scene::Placement& placement, std::uint64_t kind, const Box& local,
-           std::vector<std::uint32_t> triangles) {
+           std::span<const std::uint32_t> triangles) {
     if (++count_[kind] > kMostOfAKind) return;
     SceneObject& object = objects_.emplace_back();
     object.placement = placement, object.kind = kind;
@@ -163,7 +202,7 @@ class Collector {
       world.add(object.corners_m[c]);
     }
     object.lo_m = world.lo, object.hi_m = world.hi;
-    if (triangles.size() <= kFewTriangles) object.triangles = std::move(triangles);
+    if (triangles.size() <= kFewTriangles) object.triangles.assign(triangles.begin(), triangles.end());
   }
 
   /// How wide a box is once it is placed.
@@ -181,10 +220,7 @@ class Collector {
     local.add({mesh.lo[0], mesh.lo[1], mesh.lo[2]}), local.add({mesh.hi[0], mesh.hi[1], mesh.hi[2]});
     if (mesh.triangle_count() == 0) return true;
     if (placed_width(placement.instance, local) > widest_m_) return false;
-    const auto all = triangles_.of(placement.mesh);
-    add(placement, kind, local,
-        all.size() <= kFewTriangles ? std::vector<std::uint32_t>(all.begin(), all.end())
-                                    : std::vector<std::uint32_t>());
+    add(placement, kind, local, triangles_.of(placement.mesh));
     return true;
   }
 
@@ -204,14 +240,18 @@ class Collector {
         unread_.insert(kind);
         continue;
       }
+      if (count_[kind] > kMostOfAKind) continue;  // a texture already
       SurfaceParts& of = out.emplace_back();
       of.kind = kind;
-      for (auto& lot : connected(scene_, triangles)) {
+      Lots lots = connected(scene_, triangles);
+      of.triangles = std::move(lots.triangles);
+      std::size_t next = 0;
+      for (const std::size_t end : lots.end) {
         Part& part = of.parts.emplace_back();
-        for (const std::uint32_t primitive : lot)
-          for (const dvec3& p : local_triangle(scene_, primitive)) part.local.add(p);
+        part.first = next, part.count = end - next;
+        for (; next < end; ++next)
+          for (const dvec3& p : local_triangle(scene_, of.triangles[next])) part.local.add(p);
         of.narrowest_m = std::min(of.narrowest_m, part.local.width());
-        if (lot.size() <= kFewTriangles) part.triangles = std::move(lot);
       }
     }
     return out;
@@ -226,12 +266,15 @@ class Collector {
   }
 
   void add_parts(const scene::Placement& placement, SurfaceParts& surface) {
-    if (count_[surface.kind] > kMostOfAKind) surface.parts.clear();  // a texture by now
+    std::size_t& count = count_[surface.kind];
+    if (count > kMostOfAKind) surface.parts = {}, surface.triangles = {};  // a texture by now
     if (surface.parts.empty() || kLeastTurned * least_scale(placement.instance) * surface.narrowest_m > widest_m_)
       return;
-    for (const Part& part : surface.parts)
+    for (const Part& part : surface.parts) {
+      if (count > kMostOfAKind) break;
       if (placed_width(placement.instance, part.local) <= widest_m_)
-        add(placement, surface.kind, part.local, part.triangles);
+        add(placement, surface.kind, part.local, std::span(surface.triangles).subspan(part.first, part.count));
+    }
   }
 
   const scene::CompiledScene& scene_;

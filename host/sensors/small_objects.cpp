@@ -220,6 +220,17 @@ SmallObjectPixels::SmallObjectPixels(const scene::CompiledScene& scene, const sc
 SmallObjectPixels::~SmallObjectPixels() = default;
 SmallObjectPixels::SmallObjectPixels(SmallObjectPixels&&) noexcept = default;
 
+std::string SmallObjectPixels::name(std::uint32_t object) const {
+  return object_name(state_->scene, state_->objects.objects[object]);
+}
+
+void SmallObjectPixels::set_samples(const scene::Instrument& instrument) {
+  scene::Instrument& own = state_->instrument;
+  own.sampler = instrument.sampler;
+  own.samples_u = instrument.samples_u, own.samples_v = instrument.samples_v;
+  own.first_samples = instrument.first_samples;
+}
+
 bool SmallObjectPixels::empty() const { return state_->objects.objects.empty(); }
 const SceneObjects& SmallObjectPixels::objects() const { return state_->objects; }
 
@@ -314,9 +325,13 @@ bool SmallObjectPixels::needs_all(const shared::RayGroup& group, int used) const
 
 SmallObjectSurvey survey_small_objects(const scene::CompiledScene& scene, const scene::Instrument& instrument,
                                        bool on) {
+  return survey_small_objects(SmallObjectPixels(scene, instrument), instrument, on);
+}
+
+SmallObjectSurvey survey_small_objects(SmallObjectPixels small, const scene::Instrument& instrument, bool on) {
+  small.set_samples(instrument);
   SmallObjectSurvey survey;
   survey.on = on;
-  const SmallObjectPixels small(scene, instrument);
   survey.textures = small.objects().textures;
   if (small.empty()) return survey;
   // Of adaptive samples a pixel surely has those of the first look.
@@ -353,7 +368,7 @@ SmallObjectSurvey survey_small_objects(const scene::CompiledScene& scene, const 
     survey.scarce += ordinary * object.share / area < kPoints * (1 - std::min(1.0, object.share));
     if (object.points >= kFewestPoints * (1 - std::min(1.0, object.share))) continue;
     const SceneObject& what = small.objects().objects[index];
-    object.name = object_name(scene, what);
+    object.name = small.name(index);
     const dvec3 size = what.hi_m - what.lo_m;
     object.size_m = {size.x, size.y, size.z};
     survey.missed.push_back(std::move(object));

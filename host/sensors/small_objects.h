@@ -62,9 +62,12 @@ class SmallObjectPixels {
   ~SmallObjectPixels();
   SmallObjectPixels(SmallObjectPixels&&) noexcept;
 
+  /// From now on the ordinary samples are those of this instrument, which is the same but for them.
+  void set_samples(const scene::Instrument& instrument);
   /// No object of the scene can be small for the instrument.
   bool empty() const;
   const SceneObjects& objects() const;
+  std::string name(std::uint32_t object) const;  ///< of an object, as object_name has it
 
   /// The small objects of the first `used` pixels of a group (sensors::make_ray_groups), in the order of
   /// their numbers.
@@ -120,5 +123,7 @@ struct SmallObjectSurvey {
 
 /// Looks at the groups that small objects project into, not at the image. on: as the instrument is rendered.
 SmallObjectSurvey survey_small_objects(const scene::CompiledScene& scene, const scene::Instrument& instrument, bool on);
+/// The same where the objects are known; `small` takes the instrument's samples.
+SmallObjectSurvey survey_small_objects(SmallObjectPixels small, const scene::Instrument& instrument, bool on);
 
 }  // namespace raycube::sensors

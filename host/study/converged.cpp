@@ -4,7 +4,7 @@
 #include <mutex>
 
 #include "host/base/interrupt.h"
-#include "host/reference/parallel.h"
+#include "host/base/parallel.h"
 #include "host/reference/radiance.h"
 #include "host/sensors/ray_groups.h"
 #include "kernels/sampling/sampler.h"
@@ -51,7 +51,7 @@ Converged converge(const scene::Simulation& simulation, const scene::Instrument&
   out.radiance.resize(pixels.size() * out.bands);
   out.half.resize(out.radiance.size());
   std::mutex mutex;
-  reference::for_each_index(pixels.size(), settings.threads, [&](std::size_t p) {
+  base::for_each_index(pixels.size(), settings.threads, [&](std::size_t p) {
     base::throw_if_interrupted();
     reference::BandRadiance found[kHalves];
     for (rc_u32 half = 0; half < kHalves; ++half) {

@@ -7,7 +7,7 @@
 #include "host/base/error.h"
 #include "host/base/interrupt.h"
 #include "host/reference/lidar_shot.h"
-#include "host/reference/parallel.h"
+#include "host/base/parallel.h"
 
 namespace raycube::study {
 
@@ -54,7 +54,7 @@ ConvergedPulses converge_pulses(const scene::CompiledScene& scene, const lidar::
   out.photons.resize(shots[0].size() * values);
   out.half.resize(out.photons.size());
   std::mutex mutex;
-  reference::for_each_index(shots[0].size(), threads, [&](std::size_t s) {
+  base::for_each_index(shots[0].size(), threads, [&](std::size_t s) {
     base::throw_if_interrupted();
     std::vector<double> found[2];
     for (std::uint64_t half = 0; half < 2; ++half) {

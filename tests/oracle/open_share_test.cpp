@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <cstring>
 #include <vector>
 
 #include "atmos_tables/clear_sky.h"
@@ -111,6 +112,34 @@ TEST_CASE("S16 isothermal: sky, walls and ground of one temperature show it what
       CHECK(most / least - 1 < 3e-6);
       CHECK(std::abs(most / want - 1) < 2e-3);  // a band is 0.2 um wide, over which B bends
     }
+  }
+}
+
+TEST_CASE("tiles that are rendered together say what each says alone, bit for bit") {
+  auto s = before_wall();
+  s.instruments[0].pixels = 22;  // the last group of a line brings two pixels past its end
+  s.instruments[0].bands = test::gaussian_bands({0.5}, 0.02);
+  const auto& camera = s.instruments[0];
+  const auto table = atmos::uniform_sky_table(0, kSkyRadiance, {0.3, 1.0, 4.0});
+  const plan::Plan plan = plan::make_plan(s, camera, table, sensors::view_bounds(camera));
+  const std::vector<render::Tile> tiles = {{0, 1, 0, 8}, {3, 1, 16, 6}, {5, 3, 0, 22}, {3, 1, 8, 8}, {23, 1, 20, 2}};
+  std::vector<render::PixelProbe> alone, together;
+  render::Renderer renderer(s.scene, {});
+  renderer.probe(camera, plan, s.sun, 7, tiles, [&](const auto& probe) { alone.push_back(probe); });
+  renderer.probe_together(camera, plan, s.sun, 7, tiles, [&](const auto& probe) { together.push_back(probe); });
+  REQUIRE(together.size() == alone.size());
+  const auto same_bits = [](const std::vector<float>& a, const std::vector<float>& b) {  // some truth is no number
+    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
+  };
+  for (std::size_t i = 0; i < alone.size(); ++i) {
+    const auto &a = alone[i], &b = together[i];
+    CHECK((b.tile.first_line == tiles[i].first_line && b.tile.first_column == tiles[i].first_column));
+    CHECK((a.samples == b.samples && a.sides == b.sides && a.groups.size() == b.groups.size()));
+    CHECK((a.hit_instance == b.hit_instance && a.hit_primitive == b.hit_primitive && a.sun_visible == b.sun_visible));
+    CHECK(a.radiance.size() == b.tile.pixels() * camera.bands.size());
+    CHECK(same_bits(a.radiance, b.radiance));
+    CHECK(same_bits(a.sky_met, b.sky_met));
+    CHECK(same_bits(a.truth, b.truth));
   }
 }
 

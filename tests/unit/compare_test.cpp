@@ -11,7 +11,7 @@
 #include "host/base/error.h"
 #include "host/base/interrupt.h"
 #include "host/reference/compare.h"
-#include "host/reference/parallel.h"
+#include "host/base/parallel.h"
 #include "tests/oracle/reference_plan.h"
 #include "tests/oracle/reference_scene.h"
 
@@ -282,15 +282,15 @@ TEST_CASE("S61: a signal stops the comparison of a pixel") {
   base::clear_interrupt();
   std::atomic<int> done{0};
   std::atomic<bool> raised{false};  // later items wait for it: nothing else says which thread comes first
-  CHECK_THROWS_AS(for_each_index(1000, 2,
-                                 [&](std::size_t i) {
-                                   ++done;
-                                   if (i == 3) {
-                                     std::raise(SIGTERM);
-                                     raised = true;
-                                   }
-                                   while (i > 3 && !raised) std::this_thread::yield();
-                                 }),
+  CHECK_THROWS_AS(base::for_each_index(1000, 2,
+                                       [&](std::size_t i) {
+                                         ++done;
+                                         if (i == 3) {
+                                           std::raise(SIGTERM);
+                                           raised = true;
+                                         }
+                                         while (i > 3 && !raised) std::this_thread::yield();
+                                       }),
                   base::Error);
   CHECK(done < 1000);
   base::clear_interrupt();

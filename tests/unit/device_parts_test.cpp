@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include <cstdint>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -53,4 +54,15 @@ TEST_CASE("S63 a hundred contexts on a part of a device and on the whole, one af
     CHECK(run_once(whole.with_compute_units(1)) == 12.5f);
     CHECK(run_once(whole.with_compute_units(units)) == 12.5f);
   }
+}
+
+TEST_CASE("a context builds a program of one name, source and options once") {
+  const cl::Context context(cl::find_device(""));
+  const auto one = context.program("add_one", kSource, "");
+  CHECK(context.program("add_one", kSource, "") == one);
+  CHECK(context.program("add_one", kSource, "-DOTHER=1") != one);
+  CHECK(context.program("add_one", std::string(kSource) + "\n", "") != one);
+  for (int i = 0; i < 9; ++i) context.program("add_one", kSource, "-DOTHER=" + std::to_string(2 + i));
+  CHECK(context.program("add_one", kSource, "") != one);  // others came after it, and this holds it still
+  CHECK(cl::Kernel(*one, "add_one").name() == "add_one");
 }

@@ -77,6 +77,23 @@ TEST_CASE("S16 uniform sky on a tilted plane: (1 + cos b)/2 of the horizontal, e
   MESSAGE("worst difference " << worst << " of the horizontal irradiance");
 }
 
+TEST_CASE("planes of one tilt, together and one by one, and maps on any number of threads: the same bits") {
+  const auto table = clear_sky(40);
+  const plan::SkyIrradiance exact(factors_of(table, 4).basis);
+  const std::vector<double> azimuth = {0.3, -2.9, 3.1, 0.0, kPi, 1.7, 6.0, 0.3};
+  for (const double tilt : {0.0, 0.2, 1.1, kPi / 2, 1.9, 3.0, kPi}) {
+    std::vector<std::array<double, 4>> together(azimuth.size());
+    exact.at(tilt, azimuth, together);
+    for (std::size_t i = 0; i < azimuth.size(); ++i) CHECK(together[i] == exact.at(tilt, azimuth[i]));
+  }
+  const auto one = plan::make_irradiance_map(plan::IrradianceGrid(exact, 0.3, 1), 129, 1),
+             three = plan::make_irradiance_map(plan::IrradianceGrid(exact, 0.3, 3), 129, 3);
+  REQUIRE(one.value.size() == three.value.size());
+  for (std::size_t i = 0; i < one.value.size(); ++i)
+    CHECK((one.value[i].x == three.value[i].x && one.value[i].y == three.value[i].y &&
+           one.value[i].z == three.value[i].z && one.value[i].w == three.value[i].w));
+}
+
 TEST_CASE("S16 one bright azimuth sector: exact integral against its closed form") {
   // A = 1 for |azimuth| < a, 0 elsewhere (steep ramp of 1e-6 rad). Horizontal: a; vertical plane facing it (n = north,
   // sun in the north): integral of sin^2(t) cos(f) dt df = (pi/4) 2 sin(a).

@@ -11,7 +11,7 @@
 
 #include "host/base/interrupt.h"
 
-namespace raycube::reference {
+namespace raycube::base {
 
 /// work(i) for every i below `count`, on `threads` threads (0: as many as the machine has), in any order. The first
 /// exception stops the loop and is thrown here, and so does a signal: Error(interrupted).
@@ -23,7 +23,7 @@ void for_each_index(std::size_t count, int threads, const Work& work) {
   const auto run = [&] {
     for (std::size_t i; (i = next++) < count;) {
       try {
-        base::throw_if_interrupted();
+        throw_if_interrupted();
         work(i);
       } catch (...) {
         const std::lock_guard lock(failure_mutex);
@@ -41,4 +41,4 @@ void for_each_index(std::size_t count, int threads, const Work& work) {
   if (failure) std::rethrow_exception(failure);
 }
 
-}  // namespace raycube::reference
+}  // namespace raycube::base
