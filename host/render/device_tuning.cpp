@@ -27,7 +27,7 @@ std::size_t size_in(const nlohmann::json& value, std::size_t most) {
 }  // namespace
 
 DeviceTuning default_tuning(const cl::DeviceInfo& device) {
-  return {cl::default_launch_sizes(device), kTileSamples, false};
+  return {cl::default_launch_sizes(device), device.is_cpu ? kCpuTileSamples : kTileSamples, false};
 }
 
 std::filesystem::path tuning_file(const cl::DeviceInfo& device) {

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <future>
 #include <optional>
 
 #include "host/base/error.h"
@@ -323,15 +324,18 @@ CubeProducts::~CubeProducts() = default;
 
 void CubeProducts::add(const render::Strip& strip) {
   State& s = *state_;
+  // Hashing the strip takes as long as writing it: one does not wait for the other.
+  std::future<void> looked_at;
+  if (s.order.takes(s.piece_of(strip)))
+    looked_at = std::async(std::launch::async, [&] { s.in_order(strip); });
+  else
+    s.keep_radiance(strip);
   s.radiance->write(s.strip_of(strip, strip.radiance, s.instrument.bands.size()));
   s.truth->write(s.strip_of(strip, strip.truth, s.layers.size()));
   if (s.location) s.add_location(strip);
   if (s.transmission) s.add_transmission(strip);
   if (s.standard_error) s.standard_error->write(s.strip_of(strip, strip.band_error, s.instrument.bands.size()));
-  if (s.order.takes(s.piece_of(strip)))
-    s.in_order(strip);
-  else
-    s.keep_radiance(strip);
+  if (looked_at.valid()) looked_at.get();
 }
 
 void CubeProducts::complete() {

@@ -36,7 +36,7 @@ static inline uint rc_map_cell(global const float* nodes, uint count, float at, 
   uint lo = 0, cells = count - 1u; /* the cell is one of so many from lo on */
   while (cells > 1u) {
     const uint part = cells / 2u;
-    lo = nodes[lo + part] <= at ? lo + part : lo;
+    lo += part & (0u - (uint)(nodes[lo + part] <= at)); /* no branch: it would be foretold wrongly half the time */
     cells -= part;
   }
   *fraction = clamp((at - nodes[lo]) / (nodes[lo + 1u] - nodes[lo]), 0.0f, 1.0f);

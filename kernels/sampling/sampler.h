@@ -43,14 +43,17 @@ RC_INLINE float rc_unit_float(rc_u32 bits) { return (float)(bits >> 8) * 5.96046
 /* Position of sample s of nu * nv, over a square of `support` pixels. pixel = line * pixels_per_line + sample index.
  *   grid:     cell centres, row by row (u fastest)
  *   jittered: a random point in each cell
- *   lattice:  rank-1 golden-ratio lattice (x = (s + 0.5) / N, y = frac(s * 0.6180339887)), shifted per pixel, wrapped
- *   */
+ *   lattice:  rank-1 golden-ratio lattice (x = (s + 0.5) / N, y = frac(s * 0.6180339887)), shifted per pixel, wrapped,
+ *             counted from its left edge, so that samples that follow one another share a strip of the pixel */
 RC_INLINE void rc_sample_uv(int kind, int nu, int nv, float support, rc_u32 seed, rc_u32 pixel, int s, float* u,
                             float* v) {
   float x, y;
   if (kind == RC_SAMPLER_LATTICE) {
-    x = ((float)s + 0.5f) / (float)(nu * nv) + rc_unit_float(rc_hash(seed, pixel, 0u, 11u));
-    y = rc_unit_float((rc_u32)s * 2654435769u) + rc_unit_float(rc_hash(seed, pixel, 1u, 11u));
+    const float shift = rc_unit_float(rc_hash(seed, pixel, 0u, 11u));
+    const int n = nu * nv, wrapped = s + (int)((1.0f - shift) * (float)n + 0.5f),
+              k = wrapped < n ? wrapped : wrapped - n;
+    x = ((float)k + 0.5f) / (float)n + shift;
+    y = rc_unit_float((rc_u32)k * 2654435769u) + rc_unit_float(rc_hash(seed, pixel, 1u, 11u));
     x = x >= 1.0f ? x - 1.0f : x;
     y = y >= 1.0f ? y - 1.0f : y;
   } else {
