@@ -10,9 +10,9 @@ same number of samples.
 
 Error: rms over the middle of the image of the difference from one converged render of the script's kind, over the
 band's mean; of bands the worst. Both sides must agree with it in each band's mean before anything is timed. Time: the
-script's tracing, product and writing; raycube's stages and writing, without and with its plan; load and compilation on
-neither side. Both curves error (time) are read in log-log at the errors of TARGETS, in each round of alternating runs.
-Writes build/bench/trace_once.json and trace_once.md and adds its keys to build/bench.json.
+script's tracing, product and writing; raycube's stages and writing, from the end of its plan on, and with its plan;
+load and compilation on neither side. Both curves error (time) are read in log-log at the errors of TARGETS, in each
+round of alternating runs. Writes build/bench/trace_once.json and trace_once.md and adds its keys to build/bench.json.
 """
 
 import argparse
@@ -180,7 +180,7 @@ class Script:
 
 
 def run_raycube(scene, program, samples, directions):
-    """Seconds of all stages but the plan, and of the plan; the cube lies in WORK/raycube."""
+    """Seconds from the end of the plan to the last byte of the cube, and of the plan; the cube lies in WORK/raycube."""
     file = peer_scene.write_simulation(scene, "trace_once", f"lattice = {samples}", directions)
     out = WORK / "raycube"
     subprocess.run(
@@ -189,8 +189,9 @@ def run_raycube(scene, program, samples, directions):
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
     )
-    took = json.loads((out / "camera/run.json").read_text())["stage_s"]
-    return sum(s for stage, s in took.items() if stage not in ("load", "atmosphere", "plan")), took["plan"]
+    record = json.loads((out / "camera/run.json").read_text())
+    took = record["stage_s"]  # stages that go side by side count once
+    return record["total_s"] - sum(took[stage] for stage in ("load", "atmosphere", "plan")), took["plan"]
 
 
 def read_cube(file):

@@ -61,8 +61,8 @@ float reach_of(const BuildNode& node) {
   return reach;
 }
 
-// Children as rays that go up try them (kernels/geometry/any_hit.h): leaves from the lowest slot on, inner nodes from the
-// highest, so that of either the topmost comes first.
+// Children as rays that go up try them (kernels/geometry/any_hit.h): leaves from the lowest slot on, inner nodes from
+// the highest, so that of either the topmost comes first.
 std::array<std::uint32_t, 8> order_of(const BuildNode& node) {
   std::array<std::uint32_t, 8> order{};
   std::iota(order.begin(), order.end(), 0u);

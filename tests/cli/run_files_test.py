@@ -347,7 +347,7 @@ def later_failure(work):
         "-o",
         work / "two",
         status=3,
-        says=["late/radiance.img: writing failed", "whole and kept: ", "two/camera; go on with --instrument late"],
+        says=["two/late/", ".img: writing failed", "whole and kept: ", "two/camera; go on with --instrument late"],
         preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (1 << 21, 1 << 21)),
     )
     verified(work / "two/camera", 0)
