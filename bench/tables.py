@@ -81,7 +81,7 @@ def readme_speed(figures):
             f"plain write bandwidth ({f['write_bandwidth_gb_s']:.0f} GB/s)",
         ),
         (
-            "the 360-band cube above: 12.4 M primary and 12.4 M sun rays, 24.8 M into the sky, each its own way",
+            "the 360-band cube above: 12.4 M primary and 12.4 M sun rays, 49.6 M into the sky, each its own way",
             f"{f['park_render_s']:.0f} s",
             "",
         ),
