@@ -122,7 +122,8 @@ Found tune_cube(const scene::Simulation& simulation, const run::CameraJob& job, 
   const auto probe = [&](const std::vector<render::Tile>& tiles, const render::ProbeSink& sink) {
     return renderer.probe(instrument, job.plan, simulation.sun, simulation.seed, tiles, sink);
   };
-  const render::TileSize usual = size_of(render::kTileSamples);
+  const std::size_t preset = render::default_tuning(device.device().info()).tile_samples;
+  const render::TileSize usual = size_of(preset);
   const auto stages_s = [&](const std::vector<render::Tile>& tiles) {
     double sum = 0;
     for (const auto& [stage, seconds] : probe(tiles, {}).stage_s) sum += seconds;
@@ -157,11 +158,11 @@ Found tune_cube(const scene::Simulation& simulation, const run::CameraJob& job, 
           [&](const render::PixelProbe& pixels) { add(hash, pixels.radiance); });
     return hash.hex();
   };
-  const std::string expected = digest(render::kTileSamples);
-  std::vector<std::size_t> sizes{render::kTileSamples};
+  const std::string expected = digest(preset);
+  std::vector<std::size_t> sizes{preset};
   std::set<std::pair<int, int>> seen{{usual.lines, usual.columns}};
   for (int power = -4; power <= 6; ++power) {
-    const std::size_t samples = power < 0 ? render::kTileSamples >> -power : render::kTileSamples << power;
+    const std::size_t samples = power < 0 ? preset >> -power : preset << power;
     const auto size = size_of(samples);
     if (size.lines > region || !seen.insert({size.lines, size.columns}).second) continue;
     if (digest(samples) == expected)
@@ -172,14 +173,13 @@ Found tune_cube(const scene::Simulation& simulation, const run::CameraJob& job, 
                       "are not used",
                       samples));
   }
-  const auto chosen = render::choose_sizes(sizes, render::kTileSamples, kRounds,
-                                           [&](std::size_t samples) -> std::map<std::string, double> {
-                                             std::vector<render::Tile> tiles;
-                                             for (int time = 0; time < kTileTimes; ++time)
-                                               for (const auto& one : cut(instrument, region, size_of(samples)))
-                                                 tiles.push_back(one);
-                                             return {{"tile", stages_s(tiles)}};
-                                           });
+  const auto chosen =
+      render::choose_sizes(sizes, preset, kRounds, [&](std::size_t samples) -> std::map<std::string, double> {
+        std::vector<render::Tile> tiles;
+        for (int time = 0; time < kTileTimes; ++time)
+          for (const auto& one : cut(instrument, region, size_of(samples))) tiles.push_back(one);
+        return {{"tile", stages_s(tiles)}};
+      });
   found.tile = chosen.at("tile");
   return found;
 }
@@ -258,7 +258,7 @@ int run(const TuneRequest& options, Invocation& invocation) {
       item["tile"] = choice_json(*found.tile, "samples");
       text += fmt::format("  tiles of {:.3g} samples: {:.3f} s, of {:.3g}: {:.3f} s\n",
                           static_cast<double>(found.tile->size), found.tile->seconds,
-                          static_cast<double>(render::kTileSamples), found.tile->preset_seconds);
+                          static_cast<double>(render::default_tuning(device).tile_samples), found.tile->preset_seconds);
     }
     result["instruments"].push_back(std::move(item));
     if (!invocation.common.json) invocation.out << text;

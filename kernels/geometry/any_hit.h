@@ -47,9 +47,7 @@ static inline bool rc_tree_hides(SceneArrays scene, uint root, Ray ray, uint* st
       float16 t;
       if (rc_hit_block(ray, false, rc_block(scene, node->child[rc_lowest(leaves)]), &t)) return true;
     }
-    const uint first = top;
     top += rc_pack8(node->child, met & ~node->leaf_mask, stack + top);
-    for (uint i = first; i < top; ++i) rc_prefetch(rc_node(scene, stack[i]), 192);
   }
   return false;
 }

@@ -38,7 +38,7 @@ with tempfile.TemporaryDirectory() as work:
         )
         best = {c["local_size"]: c["seconds"] for c in choice["candidates"]}
         check(choice["seconds"] == best[choice["local_size"]] <= choice["seconds_of_the_preset"], kernel, choice)
-    check(2097152 in [c["samples"] for c in instrument["tile"]["candidates"]], instrument["tile"])
+    check(524288 in [c["samples"] for c in instrument["tile"]["candidates"]], instrument["tile"])
 
     program.run("render", file, "-o", work / "after", "-q")
     after = record(work / "after/camera")
