@@ -6,6 +6,7 @@
 #include <string>
 
 #include "host/base/error.h"
+#include "scene_compiler/block_order.h"
 #include "scene_compiler/bvh_tree.h"
 
 namespace raycube::scene {
@@ -17,33 +18,6 @@ using detail::Box;
 
 constexpr std::uint32_t kBlock = RC_BLOCK;
 constexpr std::uint32_t kMaxDepth = 64;  // a traversal stack of 7 * 64 + 8 words is the most a kernel gets
-
-struct Centroid {
-  std::array<float, 3> position;
-  std::uint32_t triangle;
-};
-
-// Orders the range so that consecutive runs of 16 are spatially compact: recursive split of the longest centroid axis
-// at a count rounded up to full blocks. Equal keys fall back on the triangle number, so the order is the same
-// everywhere.
-void regroup(Centroid* first, Centroid* last) {
-  while (last - first > static_cast<std::ptrdiff_t>(kBlock)) {
-    Box box;
-    for (const Centroid* c = first; c != last; ++c) box.grow(c->position);
-    int axis = 0;
-    for (int k = 1; k < 3; ++k)
-      if (box.hi[k] - box.lo[k] > box.hi[axis] - box.lo[axis]) axis = k;
-    const std::ptrdiff_t half = (last - first + 1) / 2;
-    Centroid* middle = first + (half + kBlock - 1) / kBlock * kBlock;
-    std::nth_element(first, middle, last, [axis](const Centroid& a, const Centroid& b) {
-      return a.position[axis] != b.position[axis] ? a.position[axis] < b.position[axis] : a.triangle < b.triangle;
-    });
-    regroup(first, middle);
-    first = middle;
-  }
-  // Inside a block the file's order stands.
-  std::sort(first, last, [](const Centroid& a, const Centroid& b) { return a.triangle < b.triangle; });
-}
 
 void require(bool holds, const std::string& mesh, const char* what) {
   if (!holds) throw Error(Fault::bug, "mesh '" + mesh + "' reached the BVH builder with " + what);
@@ -115,10 +89,9 @@ struct TreeTriangle {
     const TriangleMesh& mesh = *member->triangles;
     return mesh.vertices[mesh.triangles[number][k]];
   }
-  std::array<float, 3> centroid() const {
-    std::array<float, 3> out{0, 0, 0};
-    for (int i = 0; i < 3; ++i)
-      for (int k = 0; k < 3; ++k) out[k] += corner(i)[k] * (1.0f / 3.0f);
+  Box box() const {
+    Box out;
+    for (int k = 0; k < 3; ++k) out.grow(corner(k));
     return out;
   }
 };
@@ -205,9 +178,9 @@ std::uint32_t append_tree(CompiledScene& scene, const std::vector<TreeMember>& m
   for (const TreeMember& member : members) check_mesh(*member.triangles, scene.meshes[member.mesh].name);
   const TreeTriangles triangles(members);
   const std::uint32_t count = triangles.count();
-  std::vector<Centroid> order(count);
-  for (std::uint32_t i = 0; i < count; ++i) order[i] = {triangles[i].centroid(), i};
-  regroup(order.data(), order.data() + count);
+  std::vector<Box> triangle_boxes(count);
+  for (std::uint32_t i = 0; i < count; ++i) triangle_boxes[i] = triangles[i].box();
+  const std::vector<std::uint32_t> order = detail::block_order(triangle_boxes);
 
   Tree result;
   result.first_block = static_cast<std::uint32_t>(scene.blocks.size());
@@ -219,7 +192,7 @@ std::uint32_t append_tree(CompiledScene& scene, const std::vector<TreeMember>& m
     for (std::uint32_t lane = 0; lane < kBlock; ++lane) {
       const std::uint32_t at = b * kBlock + lane;
       if (at < count)
-        set_triangle(scene.blocks[result.first_block + b], lane, triangles[order[at].triangle], boxes[b]);
+        set_triangle(scene.blocks[result.first_block + b], lane, triangles[order[at]], boxes[b]);
       else
         set_unused(scene.blocks[result.first_block + b], lane);
     }

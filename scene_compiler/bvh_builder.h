@@ -1,4 +1,4 @@
-// Two-level BVH: triangles regrouped into full blocks of 16 by a median split, 8-wide trees over blocks and over
+// Two-level BVH: triangles regrouped into full blocks of 16 (block_order.h), 8-wide trees over blocks and over
 // instances from Embree's rtcBuildBVH.
 #pragma once
 

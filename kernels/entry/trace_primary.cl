@@ -52,7 +52,7 @@ RC_BODY trace_primary_body(uint index, RC_PARAMETERS(RC_TRACE_PRIMARY_ARGUMENTS)
       if (k < sample_count) {
         float a, b;
         rc_group_sample(seed, place.number + p, p, first_sample + k, &a, &b);
-        hit = rc_trace_from(scene, group.origin, rc_group_offset(group, a, b), rc_group_direction(group, a, b), false);
+        hit = rc_trace_from(scene, group.origin, rc_group_offset(group, a, b), rc_group_direction(group, a, b));
       }
       out[k] = hit.instance;
       out[RC_PLANE(RC_HIT_PRIMITIVE) + k] = hit.primitive;

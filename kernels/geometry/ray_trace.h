@@ -74,7 +74,7 @@ static inline void rc_take_closest(SceneArrays scene, Hit* hit, uint instance, u
 }
 
 /* The ray through one placed tree. The stack is used from `base` upwards. */
-static inline void rc_trace_instance(SceneArrays scene, uint instance, Ray world, uint* stack, uint base, bool any,
+static inline void rc_trace_instance(SceneArrays scene, uint instance, Ray world, uint* stack, uint base,
                                      Hit* hit) {
   global const Instance* placed = rc_instance(scene, instance);
   Ray ray = world;
@@ -99,15 +99,13 @@ static inline void rc_trace_instance(SceneArrays scene, uint instance, Ray world
       float16 t;
       const uint lanes = rc_hit_block(ray, RC_OFFSETS, rc_block(scene, child), &t);
       if (lanes) rc_take_closest(scene, hit, instance, child, lanes, t);
-      if (any && lanes) return;
     }
   }
 }
 
-/* Not inlined, for compile time; unused where all rays go in bundles. Closest hit; with `any` set, returns at the first
- * hit found, whichever it is. The offset counts where RC_OFFSETS is set. */
+/* Not inlined, for compile time; unused where all rays go in bundles. The offset counts where RC_OFFSETS is set. */
 __attribute__((noinline, unused)) static Hit rc_trace_from(SceneArrays scene, float4 origin, float4 offset,
-                                                           float4 direction, bool any) {
+                                                           float4 direction) {
   Hit hit;
   hit.t = INFINITY;
   hit.instance = RC_NONE;
@@ -130,15 +128,14 @@ __attribute__((noinline, unused)) static Hit rc_trace_from(SceneArrays scene, fl
     while (leaves) { /* leaves of the top tree are instances; each is traced to its end before the next */
       const uint instance = node->child[rc_lowest(leaves)];
       leaves &= leaves - 1u;
-      rc_trace_instance(scene, instance, world, stack, top, any, &hit);
-      if (any && hit.instance != RC_NONE) return hit;
+      rc_trace_instance(scene, instance, world, stack, top, &hit);
     }
   }
   return hit;
 }
 
-static inline Hit rc_trace_ray(SceneArrays scene, float4 origin, float4 direction, bool any) {
-  return rc_trace_from(scene, origin, (float4)(0.0f), direction, any);
+static inline Hit rc_trace_ray(SceneArrays scene, float4 origin, float4 direction) {
+  return rc_trace_from(scene, origin, (float4)(0.0f), direction);
 }
 
 #endif

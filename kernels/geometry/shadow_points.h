@@ -5,7 +5,7 @@
 #define RAYCUBE_KERNELS_GEOMETRY_SHADOW_POINTS_H
 
 #include "kernels/geometry/bundle_shadow.h"
-#include "kernels/geometry/ray_trace.h"
+#include "kernels/geometry/tree_hides.h"
 
 /* What a bundle may spend in one placed mesh, in candidate triangles as rc_shadow_block counts them: a constant, which
  * holds what terrain and walls take, and a share per point whose ray meets the mesh's box. Past it the remaining points
@@ -13,50 +13,16 @@
 #define RC_BUNDLE_BUDGET(points) (64u + (points) / 2u)
 #define RC_FEW_POINTS 4u
 
-/* A ray of the frame's direction against one placed mesh: any hit? The same boxes and triangles as rc_trace_ray. */
-static inline bool rc_ray_meets(SceneArrays scene, uint root, Ray ray, uint* stack, uint base) {
-  const float4 near = select(ray.hi_origin, ray.lo_origin, ray.inverse >= 0.0f),
-               far = select(ray.lo_origin, ray.hi_origin, ray.inverse >= 0.0f);
-  const uint x = ray.inverse.x < 0.0f ? 24u : 0u, y = ray.inverse.y < 0.0f ? 24u : 0u,
-             z = ray.inverse.z < 0.0f ? 24u : 0u;
-  uint top = base;
-  stack[top++] = root;
-  while (top > base) {
-    global const BvhNode* node = rc_node(scene, stack[--top]);
-    global const float* at = (global const float*)node;
-    const float8 enter = rc_max8(
-        rc_max8((vload8(0, at + x) - near.x) * ray.inverse.x, (vload8(0, at + 8u + y) - near.y) * ray.inverse.y),
-        rc_max8((vload8(0, at + 16u + z) - near.z) * ray.inverse.z, 0.0f));
-    const float8 leave = rc_min8(
-        rc_min8((vload8(0, at + 24u - x) - far.x) * ray.inverse.x, (vload8(0, at + 32u - y) - far.y) * ray.inverse.y),
-        (vload8(0, at + 40u - z) - far.z) * ray.inverse.z);
-    uint boxes = rc_mask8(enter <= leave) & ((1u << node->count) - 1u);
-    uint leaves = boxes & node->leaf_mask;
-    for (boxes &= ~leaves; boxes; boxes &= boxes - 1u) {
-      const uint child = node->child[rc_lowest(boxes)];
-      rc_prefetch(rc_node(scene, child), 256);
-      stack[top++] = child;
-    }
-    for (; leaves; leaves &= leaves - 1u) {
-      float16 t;
-      if (rc_hit_block(ray, false, rc_block(scene, node->child[rc_lowest(leaves)]), &t)) return true;
-    }
-  }
-  return false;
-}
-
 /* Clears the live points among `met` (a word of bits each) that the placed mesh hides, ray by ray. */
 __attribute__((noinline)) static void rc_shadow_rays(SceneArrays scene, uint root, const ShadowFrame* frame,
                                                      Points* points, const ushort* met, uint* stack, uint base) {
   Ray ray = frame->ray;
-  const float reach = rc_node(scene, root)->reach;
   for (uint word = 0; word < points->words; ++word) {
     for (uint bits = points->live[word] & met[word]; bits; bits &= bits - 1u) {
       const uint bit = rc_lowest(bits), k = word * 16u + bit;
       ray.origin = (float4)(points->x[k], points->y[k], points->z[k], 0.0f);
       if (!frame->same) ray.origin = rc_map_point(frame->l0, frame->l1, frame->l2, ray.origin);
-      rc_slacken(&ray, reach, RC_MESH_SLACK);
-      if (rc_ray_meets(scene, root, ray, stack, base)) points->live[word] &= ~(1u << bit);
+      if (rc_tree_hides(scene, root, ray, stack, base)) points->live[word] &= ~(1u << bit);
     }
     if (!points->live[word]) rc_empty_word(points, word);
   }
@@ -122,7 +88,7 @@ static inline void rc_shadow_cluster(SceneArrays scene, Points* points, Cluster 
       RC_WORLD_SLACK * RC_ULP *
       (rc_node(scene, 0u)->reach + fmax(centre.x, fmax(centre.y, centre.z)) + 2.0f * cluster.reach);
   ushort met[RC_WORD_SLOTS];
-  uint stack[RC_STACK];
+  uint stack[RC_STACK + RC_STACK_SPARE];
   uint top = 1;
   stack[0] = 0;
   while (top) {
@@ -148,7 +114,7 @@ static inline void rc_shadow_cluster(SceneArrays scene, Points* points, Cluster 
         else
           count = 0;
       }
-      if (count) rc_shadow_rays(scene, placed->root, &frame, points, met, stack, top);
+      if (count) rc_shadow_rays(scene, placed->root, &frame, points, met, stack, top + 1u);
       if (!rc_points_left(points)) return;
     }
   }

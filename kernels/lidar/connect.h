@@ -75,7 +75,7 @@ static inline uint rc_way_open(SceneArrays scene, const LidarTables* t, float4 f
   for (uint crossing = 0; crossing < 64u; ++crossing) {
     const float4 rest = end - from;
     ++rays;
-    const Hit hit = rc_trace_ray(scene, from, rest, false);
+    const Hit hit = rc_trace_ray(scene, from, rest);
     if (!(hit.t < 1.0f)) return rays;
     const uint surface = rc_surface_of(scene, hit.primitive);
     bool any = false;
@@ -90,7 +90,7 @@ static inline uint rc_way_open(SceneArrays scene, const LidarTables* t, float4 f
   }
 #else
   ++rays;
-  if (!(rc_trace_ray(scene, from, towards, false).t < 1.0f)) return rays;
+  if (!(rc_trace_ray(scene, from, towards).t < 1.0f)) return rays;
 #endif
   for (uint line = 0; line < RC_LASER_LINES; ++line) share[line] = 0.0f;
   return rays;

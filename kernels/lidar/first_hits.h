@@ -39,7 +39,7 @@ static inline HitWord rc_trace_word(SceneArrays scene, const LidarTables* t, uin
 #endif
     const float4 direction = axis + tilt,
                  origin = reference + fma((float4)(-back), direction, fma((float4)(s), tilt, offset));
-    const Hit hit = rc_trace_ray(scene, (float4)(origin.xyz, 0.0f), (float4)(direction.xyz, 0.0f), false);
+    const Hit hit = rc_trace_ray(scene, (float4)(origin.xyz, 0.0f), (float4)(direction.xyz, 0.0f));
     hits.instance[k] = hit.instance;
     if (hit.instance != RC_NONE) hits.primitive[k] = hit.primitive;
   }

@@ -172,7 +172,7 @@ static inline void rc_pass_plates(SceneArrays scene, const LidarTables* t, const
     if (!(plate > 0.0f) || last) continue;
     through |= 1u << k;
     ++sums->rays;
-    const Hit hit = rc_trace_ray(scene, rc_lane4(from, k), rc_lane4(way, k), false);
+    const Hit hit = rc_trace_ray(scene, rc_lane4(from, k), rc_lane4(way, k));
     hits.instance[k] = hit.instance;
     if (hit.instance != RC_NONE) hits.primitive[k] = hit.primitive;
   }

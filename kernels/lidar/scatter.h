@@ -108,7 +108,7 @@ __attribute__((noinline)) static void rc_scatter_on(SceneArrays scene, const Lid
       from[1][k] = origin.y;
       from[2][k] = origin.z;
       ++sums->rays;
-      const Hit hit = rc_trace_ray(scene, origin, direction, false);
+      const Hit hit = rc_trace_ray(scene, origin, direction);
       hits.instance[k] = hit.instance;
       if (hit.instance != RC_NONE) hits.primitive[k] = hit.primitive;
       reach[k] = hit.t;
