@@ -22,6 +22,7 @@ double BandErrors::worst_estimate() const { return largest(estimate); }
 double BandErrors::worst_bound() const { return largest(bound); }
 
 BandSquares::BandSquares(const BandErrors& errors) {
+  square_.reserve(errors.estimate.size()), deviation_.reserve(errors.estimate.size());
   for (std::size_t b = 0; b < errors.estimate.size(); ++b) {
     const double estimate = errors.estimate[b], bound = errors.bound[b];
     square_.push_back(estimate * estimate);

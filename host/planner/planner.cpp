@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -147,7 +148,7 @@ class LevelSearch {
     try_first_side(sampler, side);
     const LevelErrors known = [&](int n) { return side.errors(n); };
     const LevelErrors hoped = [&](int n) { return n <= kLargestTriedSide ? side.hoped(n) : side.errors(n); };
-    const LevelErrors sky = [&](int k) { return direction_.errors(k); };
+    const LevelErrors sky = [&](int k) { return sky_errors(k); };
     const PixelCost cost = [&](int n, int k) { return cost_s(n, k); };
     Choice choice;
     for (int round = 0; round < kMostRounds; ++round) {
@@ -192,6 +193,14 @@ class LevelSearch {
     int u = std::max(kFirstSide, static_cast<int>(std::ceil(std::sqrt(level)))), v = u;
     if (out_.samples_given) u = instrument_.samples_u, v = instrument_.samples_v;
     add(direction_, level, trial_.sky_error(level, u, v), "directions");
+    sky_errors_.clear();
+  }
+
+  /// Of the law as it is: most choices differ by what was measured of the sides.
+  const BandErrors& sky_errors(int level) {
+    const auto [at, fresh] = sky_errors_.try_emplace(level);
+    if (fresh) at->second = direction_.errors(level);
+    return at->second;
   }
 
   void try_side(scene::SamplerKind sampler, int level, ErrorLaw& side) {
@@ -215,6 +224,7 @@ class LevelSearch {
   bool sky_;
   double budget_;  ///< what nodes and components leave of the tolerance
   ErrorLaw direction_;
+  std::map<int, BandErrors> sky_errors_;
   std::vector<int> sides_, directions_;  ///< levels to choose from
 };
 
