@@ -42,7 +42,9 @@ Said plan_instrument(const scene::Simulation& simulation, const scene::Instrumen
                              instrument.lines, instrument.bands.size(), 100 * simulation.tolerance);
   said.table = planner::lines_text(lines);
   said.summary = fmt::format(
-      "  estimated error {} of {:.3g} %: nodes and components {}{}, samples {}, sky directions {}, {}\n"
+      "  estimated error {} of {:.3g} %: nodes and components {}{}, samples {}, sky directions {}, each of its own "
+      "worst "
+      "band; {}\n"
       "  cost            {:.0f} rays, {:.0f} terms of {:.0f} bands a pixel; {:.2g} s per megapixel on the nominal "
       "machine\n"
       "  trial           {} pixels, {:.2g} rays\n",

@@ -6,38 +6,61 @@
 
 namespace raycube::planner {
 
-void ErrorLaw::measured(double level, double estimate, double bound) {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+std::vector<double> scaled(std::vector<double> values, double factor) {
+  for (double& value : values) value *= factor;
+  return values;
+}
+
+/// A straight line of the logarithms, at t of the way; where an error is 0 the larger of both holds, which is careful.
+std::vector<double> between(const std::vector<double>& below, const std::vector<double>& above, double t) {
+  std::vector<double> out(below.size());
+  for (std::size_t b = 0; b < out.size(); ++b)
+    out[b] = below[b] > 0 && above[b] > 0 ? below[b] * std::pow(above[b] / below[b], t) : std::max(below[b], above[b]);
+  return out;
+}
+
+}  // namespace
+
+void ErrorLaw::measured(double level, BandErrors errors) {
   const auto above = points_.lower_bound(level);
-  if (above != points_.begin()) {
-    const auto& [smaller, point] = *std::prev(above);
-    bound = std::min(bound, point.bound * std::pow(smaller / level, exponents_.beyond));
+  for (std::size_t b = 0; b < errors.bound.size(); ++b) {
+    if (above != points_.begin()) {
+      const auto& [smaller, point] = *std::prev(above);
+      errors.bound[b] = std::min(errors.bound[b], point.bound[b] * std::pow(smaller / level, exponents_.beyond));
+    }
+    errors.bound[b] = std::max(errors.estimate[b], errors.bound[b]);
   }
-  points_[level] = {estimate, std::max(estimate, bound)};
+  points_[level] = std::move(errors);
 }
 
-double ErrorLaw::hope(double level) const {
-  if (has(level) || empty()) return bound(level);
-  double least = std::numeric_limits<double>::infinity();
+BandErrors ErrorLaw::hoped(double level) const {
+  if (has(level) || empty()) return errors(level);
+  std::vector<double> least(points_.begin()->second.estimate.size(), kInfinity);
+  const auto may_fall_to = [&](const BandErrors& point, double factor) {
+    for (std::size_t b = 0; b < least.size(); ++b) least[b] = std::min(least[b], point.estimate[b] * factor);
+  };
   for (const auto& [measured, point] : points_)
-    least = std::min(least, point.estimate * std::pow(measured / level,
-                                                      measured < level ? exponents_.hope : exponents_.hope_before));
-  if (level < smallest())
-    least = std::min(least, points_.begin()->second.estimate * std::pow(smallest() / level, exponents_.hope_below));
-  return least;
+    may_fall_to(point, std::pow(measured / level, measured < level ? exponents_.hope : exponents_.hope_before));
+  if (level < smallest()) may_fall_to(points_.begin()->second, std::pow(smallest() / level, exponents_.hope_below));
+  return {least, least};
 }
 
-double ErrorLaw::at(double level, double Point::*what) const {
-  if (points_.empty()) return std::numeric_limits<double>::infinity();
-  const auto value = [&](auto i) { return i->second.*what; };
+BandErrors ErrorLaw::errors(double level) const {
+  if (points_.empty()) return {{kInfinity}, {kInfinity}};
   const auto above = points_.lower_bound(level);
-  if (above != points_.end() && above->first == level) return value(above);
-  if (above == points_.begin()) return value(above) * std::pow(above->first / level, exponents_.before);
-  const auto below = std::prev(above);
-  if (above == points_.end()) return value(below) * std::pow(below->first / level, exponents_.beyond);
-  // A straight line of the logarithms; where an error is 0 the smaller level's holds, which is careful.
-  if (!(value(below) > 0) || !(value(above) > 0)) return std::max(value(below), value(above));
-  const double t = std::log(level / below->first) / std::log(above->first / below->first);
-  return std::pow(value(below), 1 - t) * std::pow(value(above), t);
+  if (above != points_.end() && above->first == level) return above->second;
+  if (above == points_.begin() || above == points_.end()) {
+    const auto& [measured, point] = above == points_.begin() ? *above : *std::prev(above);
+    const double factor = std::pow(measured / level, measured > level ? exponents_.before : exponents_.beyond);
+    return {scaled(point.estimate, factor), scaled(point.bound, factor)};
+  }
+  const auto& [smaller, below] = *std::prev(above);
+  const double t = std::log(level / smaller) / std::log(above->first / smaller);
+  return {between(below.estimate, above->second.estimate, t), between(below.bound, above->second.bound, t)};
 }
 
 }  // namespace raycube::planner

@@ -1,7 +1,10 @@
-// How an error falls with a setting: measured at some levels, a power law between and beyond them, on the careful side.
+// How an error falls with a setting, band by band: measured at some levels, a power law between and beyond them, on the
+// careful side.
 #pragma once
 
 #include <map>
+
+#include "host/planner/band_errors.h"
 
 namespace raycube::planner {
 
@@ -26,28 +29,30 @@ class ErrorLaw {
  public:
   explicit ErrorLaw(LawExponents exponents) : exponents_(exponents) {}
 
-  /// `estimate` of the error at a level (>= 1), and `bound`: what is taken for it where a choice depends on it (>=
-  /// estimate). A bound that noise has lifted above what the law makes of the next smaller level's comes down to that,
-  /// never below the estimate.
-  void measured(double level, double estimate, double bound);
+  /// Errors found at a level (>= 1), of as many bands at every level; the bound is what is taken where a choice depends
+  /// on it. One that noise has lifted above what the law makes of the next smaller level's comes down to that, never
+  /// below the estimate.
+  void measured(double level, BandErrors errors);
+  /// The same of one band.
+  void measured(double level, double estimate, double bound) { measured(level, BandErrors{{estimate}, {bound}}); }
   bool has(double level) const { return points_.count(level) > 0; }
   bool empty() const { return points_.empty(); }
   double largest() const { return points_.empty() ? 0 : points_.rbegin()->first; }
   double smallest() const { return points_.empty() ? 0 : points_.begin()->first; }
 
-  double estimate(double level) const { return at(level, &Point::estimate); }
-  double bound(double level) const { return at(level, &Point::bound); }
-  /// The least that may be hoped of a level that was not measured, from every one that was; the bound of one that was.
-  double hope(double level) const;
+  /// Of every band; infinite of one where nothing was measured.
+  BandErrors errors(double level) const;
+  /// The least that may be hoped of a level that was not measured, from every one that was; the errors of one that was.
+  BandErrors hoped(double level) const;
+
+  /// Of the worst band.
+  double estimate(double level) const { return errors(level).worst_estimate(); }
+  double bound(double level) const { return errors(level).worst_bound(); }
+  double hope(double level) const { return hoped(level).worst_bound(); }
 
  private:
-  struct Point {
-    double estimate, bound;
-  };
-  double at(double level, double Point::*what) const;
-
   LawExponents exponents_;
-  std::map<double, Point> points_;
+  std::map<double, BandErrors> points_;
 };
 
 }  // namespace raycube::planner

@@ -82,7 +82,7 @@ OwnError own_error(render::Renderer& renderer, const scene::Simulation& simulati
   out.tolerance = simulation.tolerance, out.plan = decision.plan_error;
   if (decision.total_error >= 0 && !instrument.adaptive()) {  // the trial takes all samples of every pixel
     out.samples = decision.samples_error, out.sky = decision.sky_error, out.total = decision.total_error;
-    out.drawn = std::hypot(out.samples, out.sky);
+    out.drawn = std::sqrt(std::max(0.0, out.total * out.total - out.plan * out.plan));
     out.from = fmt::format("the plan's trial of {} pixels", decision.trial_pixels);
   } else {
     out.plan_pixels = decision.model_pixels;
@@ -104,9 +104,10 @@ std::string own_error_text(const OwnError& e) {
   const std::string total = e.likely < 0
                                 ? "at most " + percent_text(e.total)
                                 : fmt::format("about {}, at most {},", percent_text(e.likely), percent_text(e.total));
-  return fmt::format("error {} of {:.3g} % tolerated{} (bounds: {}, nodes and components {}{}; by {})", total,
-                     100 * e.tolerance, e.kept() ? "" : ": NOT KEPT", drawn, percent_text(e.plan),
-                     e.plan_pixels > 0 ? fmt::format(" on {} pixels", e.plan_pixels) : "", e.from);
+  return fmt::format(
+      "error {} of {:.3g} % tolerated{} (bounds, each of its own worst band: {}, nodes and components {}{}; by {})",
+      total, 100 * e.tolerance, e.kept() ? "" : ": NOT KEPT", drawn, percent_text(e.plan),
+      e.plan_pixels > 0 ? fmt::format(" on {} pixels", e.plan_pixels) : "", e.from);
 }
 
 std::string own_error_json(const OwnError& e) {

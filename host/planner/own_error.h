@@ -20,8 +20,8 @@ namespace raycube::planner {
 /// to 4.3 % over three seeds where its chart has 3.1 %), and the bound with it.
 struct OwnError {
   double total = -1, likely = -1;
-  double drawn = -1;              ///< of samples and sky directions together
-  double samples = -1, sky = -1;  ///< of either
+  double drawn = -1;              ///< of samples and sky directions together, of their worst band
+  double samples = -1, sky = -1;  ///< of either, of its own worst band
   double plan = 0;                ///< of nodes and components, as the plan has it, or measured
   std::size_t plan_pixels = 0;    ///< that were measured; 0: none
   double tolerance = 0;

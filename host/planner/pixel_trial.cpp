@@ -92,7 +92,7 @@ TrialError PixelTrial::sampling_error(scene::SamplerKind sampler, int samples_u,
 }
 
 TrialError PixelTrial::sky_error(int directions, int samples_u, int samples_v) {
-  if (plan_.components() == 0) return {};
+  if (plan_.components() == 0) return {0, 0, {{0}, {0}}};
   const scene::Instrument tried = sampled(scene::SamplerKind::grid, samples_u, samples_v);
   return error_between(render(tried, directions, simulation_.seed, 0), render(tried, directions, simulation_.seed, 1),
                        mean_);

@@ -1,9 +1,11 @@
 // The planner: the cheapest samples of a pixel and sky directions whose errors, with those of the plan's nodes and
 // components, fit the tolerance (DESIGN 6). What the file gives is kept and its error estimated.
 //
-//   budget    samples^2 + directions^2 + plan^2 <= (kUse tolerance)^2: their errors are independent of each other
-//   errors    of the worst band, measured on the trial's pixels, with one standard error on top; by power laws between
-//   levels cost      CostModel; two runs give one plan
+//   budget    of every band s^2 + k^2 + sqrt(ds^2 + dk^2 + 2 kTogether ds dk) + plan^2 <= (kUse tolerance)^2: errors of
+//             samples (s), directions (k) and plan are independent of each other; ds and dk are one standard error of
+//             s^2 and k^2 (band_errors.h); plan is the bound of its worst band
+//   errors    of each band over its mean radiance, measured on the trial's pixels; by power laws between levels
+//   cost      CostModel; two runs give one plan
 #pragma once
 
 #include <functional>
@@ -48,9 +50,10 @@ struct Decision {
   double plan_error = 0;         ///< of nodes and components: as make_plan has it, or measured
   double plan_estimate = 0;      ///< as make_plan has it: worst places and obstacles
   std::size_t model_pixels = 0;  ///< that met the whole tables; 0: not measured
-  double samples_error = -1, samples_less_error = -1;  ///< bounds: of the level chosen and of the one before
+  /// Bound of the level chosen, and estimate of the one before, each of its own worst band.
+  double samples_error = -1, samples_less_error = -1;
   double sky_error = -1, sky_less_error = -1;
-  double total_error = -1;
+  double total_error = -1;  ///< bound of all together, of the worst band
   double tolerance = 0.01;
   bool within = true;  ///< total_error <= tolerance
   PixelCounts counts;
@@ -76,10 +79,13 @@ const std::vector<int>& direction_levels();
 /// Nominal seconds a pixel with one side and one number of directions.
 using PixelCost = std::function<double(int side, int directions)>;
 
-/// The cheapest pair with side law^2 + direction law^2 <= budget^2; where none of at most kMost_s_per_megapixel has
-/// that, the pair of those with the least error, and where none is that cheap, the cheapest. Fixed levels: one-element
-/// lists. `side`: error of a side.
-Choice choose(const std::function<double(int)>& side, const ErrorLaw& direction, double budget, const PixelCost& cost_s,
+/// Errors of a level in every band.
+using LevelErrors = std::function<BandErrors(int level)>;
+
+/// The cheapest pair whose errors together (bound_together) are at most `budget`; where none of at most
+/// kMost_s_per_megapixel has that, the pair of those with the least error, and where none is that cheap, the cheapest.
+/// Fixed levels: one-element lists.
+Choice choose(const LevelErrors& side, const LevelErrors& direction, double budget, const PixelCost& cost_s,
               const std::vector<int>& sides, const std::vector<int>& directions);
 
 /// Makes the decision for an instrument. `plan`: of make_plan with `table`, any directions. With samples and directions

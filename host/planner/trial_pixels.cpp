@@ -14,13 +14,12 @@ constexpr rc_u32 kTrialDimension = 43;  ///< of the hash: no sampler uses it
 constexpr rc_u32 kDrawDimension = 46;   ///< of the hash, for the draws
 constexpr double kDarkShare = 1e-4;     ///< DESIGN 5a: darker bands are judged against this share of the brightest
 
-/// Worst band of a mean over pixels of `square(pixel, band)`, over the judged mean squared. A run that was drawn with
-/// more than an even chance counts for less. `noise(pixel, band)`: variance of the square by the random points of the
-/// renders, for images that no draw of pixels makes uncertain.
+/// Worst and every band of a mean over pixels of `square(pixel, band)`, over the judged mean squared. A run that was
+/// drawn with more than an even chance counts for less. `noise(pixel, band)`: variance of the square by the random
+/// points of the renders, for images that no draw of pixels makes uncertain.
 template <class Square, class Noise>
-TrialError worst_band(const TrialImage& image, const std::vector<double>& mean, Square square, Noise noise) {
-  TrialError worst;
-  double worst_square = 0, worst_bound = 0;
+TrialError errors_of(const TrialImage& image, const std::vector<double>& mean, Square square, Noise noise) {
+  TrialError out;
   const std::size_t runs = image.run_end.size();
   double draws = 0;
   for (std::size_t r = 0; r < runs; ++r) draws += image.draw.empty() ? 1 : image.draw[r].times;
@@ -53,12 +52,11 @@ TrialError worst_band(const TrialImage& image, const std::vector<double>& mean, 
       variance += image.left_out * std::max(0.0, even_square_sum / draws - average * average) / (image.drawn_from - 1);
     const double deviation = std::sqrt(variance);
     const double here = average / (mean[b] * mean[b]), bound = here + deviation / (mean[b] * mean[b]);
-    worst_square = std::max(worst_square, here);
-    worst_bound = std::max(worst_bound, bound);
+    out.bands.estimate.push_back(std::sqrt(std::max(0.0, here)));
+    out.bands.bound.push_back(std::sqrt(std::max(0.0, bound)));
   }
-  worst.estimate = std::sqrt(std::max(0.0, worst_square));
-  worst.bound = std::sqrt(std::max(0.0, worst_bound));
-  return worst;
+  out.estimate = out.bands.worst_estimate(), out.bound = out.bands.worst_bound();
+  return out;
 }
 
 }  // namespace
@@ -163,7 +161,7 @@ TrialError common_error(const TrialImage& image, const TrialImage& again, const 
                      (static_cast<double>(again.radiance[i]) - two.radiance[i]);
     return d * d * (square(i) + 0.25 * d * d);
   };
-  return worst_band(image, mean, square, noise);
+  return errors_of(image, mean, square, noise);
 }
 
 TrialError error_against(const TrialImage& image, const TrialImage& one, const TrialImage& two,
@@ -181,7 +179,7 @@ TrialError error_between(const TrialImage& one, const TrialImage& two, const std
     return 0.5 * difference * difference;
   };
   // q = d^2 / 2 of Gaussian draws: q^2 is 3 (E q)^2 in the mean, of which the variance is two thirds.
-  return worst_band(one, mean, square, [&](std::size_t i) { return 2.0 / 3 * square(i) * square(i); });
+  return errors_of(one, mean, square, [&](std::size_t i) { return 2.0 / 3 * square(i) * square(i); });
 }
 
 }  // namespace raycube::planner

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "host/planner/band_errors.h"
 #include "host/render/tile_shape.h"
 #include "scene_compiler/simulation.h"
 
@@ -56,6 +57,7 @@ struct TrialError {
       /// with one standard error of the mean square on top: over the runs; of a whole image that of its random points
       /// alone
       0;
+  BandErrors bands = {};  ///< the same of each band; empty: not told
 };
 
 /// Mean radiance of each band, held against 1e-4 of the largest.

@@ -1,8 +1,10 @@
 // Laws of error and the choice among levels (S60): closed forms.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 
+#include "host/planner/band_errors.h"
 #include "host/planner/cost_model.h"
 #include "host/planner/error_law.h"
 #include "host/planner/planner.h"
@@ -49,10 +51,10 @@ TEST_CASE("S60: the choice is the cheapest pair inside the budget, by an exhaust
   ErrorLaw side(kSideLaw), direction(kDirectionLaw);
   side.measured(4, 0.02, 0.02);
   direction.measured(16, 0.01, 0.01);
-  const auto known = [&](int n) { return side.bound(n); };
+  const LevelErrors known = [&](int n) { return side.errors(n); }, sky = [&](int k) { return direction.errors(k); };
   const PixelCost cost_s = [&](int n, int k) { return CostModel().seconds(pixel_counts(plan, double(n) * n, k)); };
   for (const double budget : {0.1, 0.02, 0.005}) {
-    const Choice choice = choose(known, direction, budget, cost_s, side_levels(), direction_levels());
+    const Choice choice = choose(known, sky, budget, cost_s, side_levels(), direction_levels());
     REQUIRE(choice.within);
     const auto error = [&](int n, int k) { return std::hypot(side.bound(n), direction.bound(k)); };
     CHECK(error(choice.side, choice.directions) <= budget);
@@ -61,7 +63,7 @@ TEST_CASE("S60: the choice is the cheapest pair inside the budget, by an exhaust
         if (error(n, k) <= budget) CHECK(cost_s(n, k) >= cost_s(choice.side, choice.directions));
   }
   // Out of reach: not kept, by the best of the settings that anybody would wait for.
-  const Choice best = choose(known, direction, 1e-9, cost_s, side_levels(), direction_levels());
+  const Choice best = choose(known, sky, 1e-9, cost_s, side_levels(), direction_levels());
   CHECK_FALSE(best.within);
   const auto error = [&](int n, int k) { return std::hypot(side.bound(n), direction.bound(k)); };
   const auto affordable = [&](int n, int k) { return 1e6 * cost_s(n, k) <= kMost_s_per_megapixel; };
@@ -71,13 +73,101 @@ TEST_CASE("S60: the choice is the cheapest pair inside the budget, by an exhaust
       if (affordable(n, k)) CHECK(error(n, k) >= error(best.side, best.directions));
   // Samples given, so many that few directions are affordable: the list's single side stands for them, at their cost.
   const PixelCost of_given = [&](int, int k) { return CostModel().seconds(pixel_counts(plan, 96. * 96, k)); };
-  const Choice beside_given = choose(known, direction, 1e-9, of_given, {1}, direction_levels());
+  const Choice beside_given = choose(known, sky, 1e-9, of_given, {1}, direction_levels());
   CHECK_FALSE(beside_given.within);
   CHECK(1e6 * of_given(1, beside_given.directions) <= kMost_s_per_megapixel);
   CHECK(1e6 * of_given(1, 2 * beside_given.directions) > kMost_s_per_megapixel);
   // So many that none is: the fewest.
   const PixelCost of_many = [&](int, int k) { return CostModel().seconds(pixel_counts(plan, 256. * 256, k)); };
-  CHECK(choose(known, direction, 1e-9, of_many, {1}, direction_levels()).directions == 1);
+  CHECK(choose(known, sky, 1e-9, of_many, {1}, direction_levels()).directions == 1);
+}
+
+TEST_CASE("S60: a law holds in every band by itself, what it states of all is of the worst") {
+  ErrorLaw law(LawExponents{1, 2, 1.5}), first(LawExponents{1, 2, 1.5}), second(LawExponents{1, 2, 1.5});
+  const auto measured = [&](double level, const BandErrors& errors) {
+    law.measured(level, errors);
+    first.measured(level, errors.estimate[0], errors.bound[0]);
+    second.measured(level, errors.estimate[1], errors.bound[1]);
+  };
+  measured(4, {{0.08, 0.07}, {0.09, 0.08}});
+  measured(16, {{0.01, 0.015}, {0.2, 0.016}});  // the first band's bound comes down to the law's, the second's stays
+  CHECK(law.errors(16).bound[0] == doctest::Approx(0.0225));
+  CHECK(law.errors(16).bound[1] == doctest::Approx(0.016));
+  for (const double level : {1., 3., 4., 8., 11., 16., 50.}) {
+    const BandErrors errors = law.errors(level), hoped = law.hoped(level);
+    CHECK(errors.estimate == std::vector<double>{first.estimate(level), second.estimate(level)});
+    CHECK(errors.bound == std::vector<double>{first.bound(level), second.bound(level)});
+    CHECK(hoped.bound == std::vector<double>{first.hope(level), second.hope(level)});
+    CHECK(law.estimate(level) == std::max(first.estimate(level), second.estimate(level)));
+    CHECK(law.bound(level) == std::max(first.bound(level), second.bound(level)));
+    CHECK(law.hope(level) == std::max(first.hope(level), second.hope(level)));
+  }
+}
+
+TEST_CASE("S60: errors that lie in different bands are judged band by band, and cost less than the worst of each") {
+  plan::Plan plan;
+  plan.sky_components = 1;
+  plan.bands.resize(2);
+  ErrorLaw side(kSideLaw), direction(kDirectionLaw);
+  // Leaves: samples err in the near infrared, the sky in the blue.
+  side.measured(4, {{0.001, 0.02}, {0.001, 0.02}});
+  direction.measured(16, {{0.02, 0.001}, {0.02, 0.001}});
+  const LevelErrors of_side = [&](int n) { return side.errors(n); }, sky = [&](int k) { return direction.errors(k); };
+  const LevelErrors side_worst = [&](int n) { return BandErrors{{side.estimate(n)}, {side.bound(n)}}; };
+  const LevelErrors sky_worst = [&](int k) { return BandErrors{{direction.estimate(k)}, {direction.bound(k)}}; };
+  const PixelCost cost_s = [&](int n, int k) { return CostModel().seconds(pixel_counts(plan, double(n) * n, k)); };
+  constexpr double budget = 0.0201;  // sqrt(0.02^2 + 0.001^2) is 0.020025, sqrt(2) 0.02 is not kept
+  const Choice apart = choose(of_side, sky, budget, cost_s, side_levels(), direction_levels());
+  const Choice worst = choose(side_worst, sky_worst, budget, cost_s, side_levels(), direction_levels());
+  REQUIRE(apart.within);
+  REQUIRE(worst.within);
+  CHECK(apart.side == 4);
+  CHECK(apart.directions == 16);
+  CHECK(cost_s(apart.side, apart.directions) < 0.8 * cost_s(worst.side, worst.directions));
+  // No cheaper pair keeps the budget in both bands; the errors of both together never fall short of either's.
+  for (const int n : side_levels())
+    for (const int k : direction_levels()) {
+      const BandErrors s = side.errors(n), d = direction.errors(k);
+      double most = 0;
+      for (std::size_t b = 0; b < 2; ++b) most = std::max(most, std::hypot(s.bound[b], d.bound[b]));
+      CHECK(bound_together(s, d) == doctest::Approx(most));
+      CHECK(bound_together(s, d) >= std::max(s.worst_bound(), d.worst_bound()) * (1 - 1e-12));
+      if (most <= budget) CHECK(cost_s(n, k) >= cost_s(apart.side, apart.directions));
+    }
+  // One entry stands for all bands; the band that an earlier sum was worst in changes nothing.
+  std::size_t band = 0;
+  CHECK(BandSquares({{0.03}, {0.03}}).with(BandSquares({{0.01, 0.04}, {0.01, 0.04}}), 1, band) ==
+        doctest::Approx(0.0025));
+  CHECK(band == 1);
+  CHECK(BandSquares({{0.03}, {0.03}}).with(BandSquares({{0.04, 0.01}, {0.04, 0.01}}), 1, band) ==
+        doctest::Approx(0.0025));
+  CHECK(band == 0);
+}
+
+TEST_CASE("S60: the bound of two errors together holds as often as a standard error does") {
+  // Mean squares of two trials that scatter by a fifth and by a tenth, nearly Gaussian, with a share in common.
+  const auto gaussian = [](rc_u32 i, rc_u32 of) {
+    double sum = -6;
+    for (rc_u32 k = 0; k < 12; ++k) sum += rc_unit_float(rc_hash(11, i, k, of));
+    return sum;
+  };
+  constexpr double one = 4e-4, other = 9e-4, d_one = 0.2 * one, d_other = 0.1 * other;
+  constexpr int kDrawn = 20000;
+  const auto holds = [&](double correlation) {
+    int held = 0;
+    for (rc_u32 i = 0; i < kDrawn; ++i) {
+      const double g = gaussian(i, 1), h = correlation * g + std::sqrt(1 - correlation * correlation) * gaussian(i, 2);
+      const double e_one = one + d_one * g, e_other = other + d_other * h;
+      const double bound = bound_together({{std::sqrt(e_one)}, {std::sqrt(e_one + d_one)}},
+                                          {{std::sqrt(e_other)}, {std::sqrt(e_other + d_other)}});
+      held += bound * bound >= one + other;
+    }
+    return held / double(kDrawn);
+  };
+  // 84.1 % of Gaussian draws lie above the mean less a standard error; a share of 20000 is known to 0.26 %.
+  CHECK(holds(kTogether) == doctest::Approx(0.841).epsilon(0.01));
+  CHECK(holds(0) > 0.85);
+  CHECK(holds(0) < 0.88);  // bounds that add, as if both were off at once, would hold in 92 %
 }
 
 TEST_CASE("S60: errors against two noisy references are without their noise") {
