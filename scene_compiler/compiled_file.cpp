@@ -241,7 +241,10 @@ void check_tree(const CompiledScene& scene, const Tree& tree, const Reader& read
   std::map<std::uint32_t, std::size_t> triangles;  // of the mesh placed so far behind the first
   for (const auto mesh : tree.meshes) {
     if (mesh >= scene.meshes.size()) reader.damaged("has a tree of an unknown mesh");
-    triangles[scene.meshes[mesh].placed_after] = scene.meshes[mesh].user_face.size();
+    const Mesh& placed = scene.meshes[mesh];
+    if (!(triangles.empty() ? placed.placed_after == 0 : placed.placed_after > triangles.rbegin()->first))
+      reader.damaged("has a tree whose meshes are not in the order of their places");
+    triangles[placed.placed_after] = placed.user_face.size();
   }
   for (std::uint32_t b = tree.first_block; b < tree.first_block + tree.block_count; ++b)
     for (std::uint32_t lane = 0; lane < RC_BLOCK; ++lane) {

@@ -4,6 +4,7 @@ target_link_libraries(raycube_trace_support PUBLIC raycube_warnings raycube_test
   raycube::kernels raycube::scene_bvh)
 
 raycube_test(shared_structs SOURCES unit/shared_structs_test.cpp LIBS raycube_trace_support LABELS fast)
+raycube_test(block_order SOURCES unit/block_order_test.cpp LIBS raycube::scene_bvh LABELS fast)
 raycube_test(tile_layout SOURCES unit/tile_layout_test.cpp LIBS raycube_trace_support LABELS fast)
 raycube_test(trace_hits SOURCES oracle/trace_hits_test.cpp LIBS raycube_trace_support LABELS fast)
 raycube_test(trace_leaks SOURCES oracle/trace_leaks_test.cpp LIBS raycube_trace_support LABELS slow)

@@ -1,20 +1,24 @@
-// A loop over independent items on several threads.
+// A loop over independent items on several threads, and one thing beside another.
 #pragma once
 
 #include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <exception>
+#include <future>
 #include <mutex>
+#include <system_error>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "host/base/interrupt.h"
 
 namespace raycube::base {
 
-/// work(i) for every i below `count`, on `threads` threads (0: as many as the machine has), in any order. The first
-/// exception stops the loop and is thrown here, and so does a signal: Error(interrupted).
+/// work(i) for every i below `count`, on `threads` threads (0: as many as the machine has), in any order. Where the
+/// machine starts no more threads, those there are go on. The first exception stops the loop and is thrown here, and so
+/// does a signal: Error(interrupted).
 template <class Work>
 void for_each_index(std::size_t count, int threads, const Work& work) {
   std::atomic<std::size_t> next{0};
@@ -35,10 +39,25 @@ void for_each_index(std::size_t count, int threads, const Work& work) {
   const std::size_t wanted =
       threads > 0 ? static_cast<std::size_t>(threads) : std::max<std::size_t>(1, std::thread::hardware_concurrency());
   std::vector<std::thread> others;
-  for (std::size_t t = 1; t < std::min(wanted, count); ++t) others.emplace_back(run);
+  others.reserve(std::min(wanted, count));
+  try {
+    for (std::size_t t = 1; t < std::min(wanted, count); ++t) others.emplace_back(run);
+  } catch (const std::system_error&) {
+  }
   run();
   for (std::thread& thread : others) thread.join();
   if (failure) std::rethrow_exception(failure);
+}
+
+/// The future of work(), done on a thread of its own; with one thread, or where the machine starts no more, when it is
+/// asked for. The future must be asked: its end alone does not run work that waits for that.
+template <class Work>
+auto beside(int threads, Work work) {
+  if (threads != 1) try {
+      return std::async(std::launch::async, work);
+    } catch (const std::system_error&) {
+    }
+  return std::async(std::launch::deferred, std::move(work));
 }
 
 }  // namespace raycube::base

@@ -189,8 +189,8 @@ struct ChosenSkies {
 void check_directions(const scene::Simulation& simulation) {
   if (simulation.sky_directions < 1 || simulation.sky_directions > kMostSkyRays)
     throw base::Error(base::Fault::input,
-                      fmt::format("{}: sky_directions must be 1 to {} (found {}); {} is the default", simulation.file,
-                                  kMostSkyRays, simulation.sky_directions, scene::kDefaultSkyDirections));
+                      fmt::format("{}: sky_directions must be 1 to {} (found {}); without it the planner chooses",
+                                  simulation.file, kMostSkyRays, simulation.sky_directions));
 }
 
 /// A plan that knows its tolerance, its sun and its matter.

@@ -101,7 +101,7 @@ inline constexpr std::uint64_t kEnvironmentKey = std::uint64_t{1} << 63;
 /// at temperature nodes, linear in between: (1 - reflectance) B(node) T_view.
 struct Thermal {
   bool on = false;
-  int sky_components = 0;             ///< 1 or 2
+  int sky_components = 0;             ///< at most 2
   std::vector<double> temperature_K;  ///< nodes, ascending
   double surroundings_K = 0;
   /// Where each material of a surface lies among the nodes: index + fraction, [surface][0..3].

@@ -1,7 +1,6 @@
 #include "host/plan/sky_rays.h"
 
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "host/base/units.h"

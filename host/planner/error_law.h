@@ -20,7 +20,7 @@ struct LawExponents {
 /// Samples along one side of a pixel: sampling an edge falls like side^-1.5 on average, like side^-1 where edges run
 /// along the grid. Where all that differs lies within a hair of the pixels' edges, few samples do as well as many.
 inline constexpr LawExponents kSideLaw{1.25, 2, 1.75, 1, 0};
-/// Directions of a set: between K^-0.5 (independent) and K^-1 (lattices over a smooth horizon).
+/// Rays into the sky, K a pixel: between K^-0.5 (independent) and K^-1 (spread evenly over a smooth horizon).
 inline constexpr LawExponents kDirectionLaw{0.6, 1, 1};
 /// Sub-rays of a footprint: nested rings of equal energy over an edge.
 inline constexpr LawExponents kSubrayLaw{0.5, 1, 1, 0.5, 0.5};

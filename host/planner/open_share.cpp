@@ -34,6 +34,8 @@ void measure_open_share(render::Renderer& renderer, const scene::Simulation& sim
   half.sky.open_share.assign(scene.surfaces.size(), kHalf);
   half.sky.rays = std::min(plan.sky.rays, few.samples_u * few.samples_v);  // one ray a sample: its sign tells its fate
   std::vector<Seen> seen(scene.surfaces.size());
+  // Of the first component: without any sky it is the surroundings', whose light is -1.
+  const double bright = plan.sky_components + plan.thermal.sky_components > 0 ? 1 : -1;
   renderer.probe_together(
       few, half, simulation.sun, simulation.seed + kOpenShare,
       joined(trial_tiles(few, simulation.seed + kOpenShare, kRuns), kWidest), [&](const render::PixelProbe& probe) {
@@ -42,7 +44,7 @@ void measure_open_share(render::Renderer& renderer, const scene::Simulation& sim
                                    static_cast<std::size_t>(probe.sides);
         for (std::size_t i = 0; i < probe.sky_met.size() / planes; ++i) {
           const std::size_t p = i / samples / static_cast<std::size_t>(probe.sides), s = i % samples;
-          const double met = static_cast<double>(probe.sky_met[planes * i]);
+          const double met = bright * static_cast<double>(probe.sky_met[planes * i]);
           if (met == 0) continue;
           const std::uint32_t primitive = probe.hit_primitive[p * samples + s];
           Seen& at = seen[scene.blocks[primitive / RC_BLOCK].surface[primitive % RC_BLOCK]];

@@ -2,7 +2,7 @@
 //
 // Where the planner made a trial, that. Where the file gives samples and directions, a few hundred pixels
 // picked by hash (all of a small image) are rendered as the image is and twice more with as many samples at
-// random (a lattice's shift; jittered cells under a point spread) and other sets of directions: no reference,
+// random (a lattice's shift; jittered cells under a point spread) and other rays into the sky: no reference,
 // and still without bias. Like every rms over pixels it says nothing of a few pixels with targets; those are
 // the small objects' matter.
 #pragma once

@@ -5,6 +5,7 @@
 #include <future>
 #include <tuple>
 
+#include "host/base/parallel.h"
 #include "host/base/timing.h"
 #include "host/run/air_table.h"
 #include "host/plan/channel_bands.h"
@@ -54,8 +55,7 @@ CameraJob prepare_camera(const scene::Simulation& simulation, const scene::Instr
     for (auto& notice : air_notices(job.table)) job.notices.push_back(std::move(notice));
   start = std::chrono::steady_clock::now();
   // Which of the scene's objects are small needs nothing of the plan.
-  auto small = std::async(services.threads == 1 ? std::launch::deferred : std::launch::async,
-                          [&] { return sensors::SmallObjectPixels(simulation.scene, instrument); });
+  auto small = base::beside(services.threads, [&] { return sensors::SmallObjectPixels(simulation.scene, instrument); });
   job.plan = plan::make_plan(simulation, instrument, job.table, view, services.threads);
   if (planning.renderer) planner::measure_open_share(*planning.renderer, simulation, instrument, job.plan);
   if (planning.replay) {

@@ -13,6 +13,7 @@
 #include <optional>
 
 #include "host/base/error.h"
+#include "host/base/parallel.h"
 #include "host/base/publication.h"
 #include "host/run/radiance_guard.h"
 #include "host/plan/radiance_limit.h"
@@ -327,7 +328,7 @@ void CubeProducts::add(const render::Strip& strip) {
   // Hashing the strip takes as long as writing it: one does not wait for the other.
   std::future<void> looked_at;
   if (s.order.takes(s.piece_of(strip)))
-    looked_at = std::async(std::launch::async, [&] { s.in_order(strip); });
+    looked_at = base::beside(0, [&] { s.in_order(strip); });
   else
     s.keep_radiance(strip);
   s.radiance->write(s.strip_of(strip, strip.radiance, s.instrument.bands.size()));

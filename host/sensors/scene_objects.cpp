@@ -9,6 +9,7 @@
 #include <set>
 #include <span>
 
+#include "host/base/interrupt.h"
 #include "scene_compiler/matter.h"
 
 namespace raycube::sensors {
@@ -139,6 +140,7 @@ class Collector {
     std::vector<std::uint32_t> times(scene_.meshes.size(), 0);
     for (const auto& placement : placements) ++times[placement.mesh];
     for (const scene::Placement& placement : placements) {
+      base::throw_if_interrupted();
       const std::uint32_t mesh = placement.mesh;
       const bool again = times[mesh] > 1;
       if (add_whole(placement, again ? kOfMesh | mesh : first_kind(mesh))) continue;
@@ -235,6 +237,7 @@ class Collector {
     }
     std::vector<SurfaceParts> out;
     for (const auto& [surface, triangles] : of_surface) {
+      base::throw_if_interrupted();
       const std::uint64_t kind = kind_of(surface);
       if (triangles.size() > kMostTriangles) {
         unread_.insert(kind);

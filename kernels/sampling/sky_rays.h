@@ -1,6 +1,7 @@
 /* The rays by which a pixel sees how much of the sky is open: which sample sends each of them, where it goes and with
- * what density. Valid C++20 and OpenCL C 1.2; only exactly rounded operations, so that host and device agree on every
- * ray but for the rounding of the surface's normal (contraction off). */
+ * what density. Valid C++20 and OpenCL C 1.2; contraction off, so that where division and root are rounded
+ * exactly (CPUs; other devices may be 2.5 and 3 ulp off) host and device agree on every ray but for the rounding of the
+ * surface's normal. */
 #ifndef RAYCUBE_KERNELS_SAMPLING_SKY_RAYS_H
 #define RAYCUBE_KERNELS_SAMPLING_SKY_RAYS_H
 
@@ -15,7 +16,7 @@ typedef std::uint64_t rc_u64;
 #define RC_SQRT(x) std::sqrt(x)
 #endif
 
-#define RC_SKY_DIMENSION 21u /* of rc_hash, and the next three */
+#define RC_SKY_DIMENSION 21u /* of rc_hash, and the next one */
 
 /* Samples and rays of one of the interleaved parts whose spread tells a pixel's standard error
  * (host/sensors/psf.h): of a grid the samples of even and odd columns and rows, else every fourth. A pixel of fewer

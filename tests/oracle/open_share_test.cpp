@@ -177,3 +177,28 @@ TEST_CASE("open shares: all where nothing hides the sky, none under a roof, of a
       s, camera, atmos::uniform_sky_table(40, kSkyRadiance, {0.4, 0.7, 0.95}, 40, 160), sensors::view_bounds(camera));
   CHECK(even.sky.cosine_share == 1);
 }
+
+TEST_CASE("open shares: all of it where nothing hides the surroundings' place in a sky without any light") {
+  scene::Simulation s;
+  s.file = "roof.toml";
+  test::add_material(s.scene, "roof", kReflectance);
+  s.scene.materials.back().reflectance = {{0.3, 20.0}, {kReflectance, kReflectance}};
+  s.scene.materials.back().temperature_K = 300;
+  test::place(s.scene, test::rectangle({-40, -40, -40}, {80, 0, 80}, {0, 80, 0}, 0));  // 45 degrees
+  finish_top_tree(s.scene);
+  s.sun.zenith_deg = 120;
+  auto camera = test::nadir_camera(16, 16, 1000, 1.0);
+  camera.samples_u = camera.samples_v = 4;
+  camera.bands = test::gaussian_bands({9.0}, 0.2);
+  s.instruments = {camera};
+  atmos::UniformAir air;
+  air.sun_zenith_deg = 120;
+  for (auto* spectrum : {&air.solar_irradiance, &air.thermal_sky_radiance, &air.thermal_path_radiance})
+    *spectrum = [](double) { return 0.0; };
+  const auto table = atmos::uniform_table(air, atmos::wavelength_grid(7, 14, 0.005));
+  plan::Plan plan = plan::make_plan(s, camera, table, sensors::view_bounds(camera));
+  REQUIRE(plan.components() == 1);  // the surroundings
+  render::Renderer renderer(s.scene, {});
+  planner::measure_open_share(renderer, s, camera, plan);
+  CHECK(plan.sky.known(0) == 1.0f);
+}

@@ -249,7 +249,7 @@ TEST_CASE("S18 sun below the horizon: no direct light, dark sky has no component
   CHECK(std::all_of(row.begin(), row.end(), [](float v) { return v == 0; }));
 }
 
-TEST_CASE("S61 the same plan twice, bit for bit; another seed moves only the direction sets") {
+TEST_CASE("S61 the same plan twice, bit for bit; another seed moves only the seed of its rays") {
   auto s = simulation_with(40, 20);
   const auto table = atmos::build_clear_sky(s.atmosphere, s.sun, 610, atmos::clear_sky_wavelengths(0.4, 0.9, 0.005),
                                             atmos::clear_sky_heights(0, 20));
