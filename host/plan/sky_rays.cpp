@@ -1,6 +1,7 @@
 #include "host/plan/sky_rays.h"
 
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "host/base/units.h"
@@ -100,6 +101,12 @@ SkyDensity sky_density(const Plan& plan) {
           plan.sun_direction[0],
           plan.sun_direction[1],
           plan.sun_direction[2]};
+}
+
+std::vector<float> searched_nodes(const std::vector<double>& nodes) {
+  std::vector<float> out(nodes.begin(), nodes.end());
+  out.resize((nodes.size() + 15) / 16 * 16, std::numeric_limits<float>::infinity());
+  return out;
 }
 
 }  // namespace raycube::plan

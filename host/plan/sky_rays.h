@@ -19,4 +19,7 @@ inline constexpr double kLeastCosineShare = 0.3;
 /// The law as kernels and the reference draw by it.
 SkyDensity sky_density(const Plan& plan);
 
+/// A map's ascending nodes as kernels search them (kernels/light/sky_map.h): INFINITY up to whole words of 16.
+std::vector<float> searched_nodes(const std::vector<double>& nodes);
+
 }  // namespace raycube::plan

@@ -20,10 +20,12 @@ namespace {
 struct SkyMapBuffers {
   SkyMapBuffers(const cl::Context& context, const plan::Plan& plan)
       : solar(context, quads(plan.sky_basis), cl::Access::read_only, "sky map"),
-        zenith(context, floats(plan.sky_basis.zenith_rad), cl::Access::read_only, "zeniths of the sky map"),
-        azimuth(context, floats(plan.sky_basis.azimuth_rad), cl::Access::read_only, "azimuths of the sky map"),
+        zenith(context, plan::searched_nodes(plan.sky_basis.zenith_rad), cl::Access::read_only,
+               "zeniths of the sky map"),
+        azimuth(context, plan::searched_nodes(plan.sky_basis.azimuth_rad), cl::Access::read_only,
+                "azimuths of the sky map"),
         thermal(context, first_column(plan.thermal.basis), cl::Access::read_only, "thermal sky map"),
-        thermal_zenith(context, floats(plan.thermal.basis.zenith_rad), cl::Access::read_only,
+        thermal_zenith(context, plan::searched_nodes(plan.thermal.basis.zenith_rad), cl::Access::read_only,
                        "zeniths of the thermal sky map") {}
   cl::Buffer<shared::rc_float4> solar;
   cl::Buffer<float> zenith, azimuth;
@@ -45,7 +47,6 @@ struct SkyMapBuffers {
     for (std::size_t i = 0; i < basis.value.size(); i += basis.azimuth_rad.size()) out.push_back(quad(basis.value[i]));
     return out;
   }
-  static std::vector<float> floats(const std::vector<double>& values) { return {values.begin(), values.end()}; }
 };
 
 }  // namespace

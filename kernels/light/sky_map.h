@@ -3,11 +3,13 @@
 #ifndef RAYCUBE_KERNELS_LIGHT_SKY_MAP_H
 #define RAYCUBE_KERNELS_LIGHT_SKY_MAP_H
 
+#include "kernels/geometry/lanes.h"
 #include "kernels/shared/tile_layout.h"
 
 typedef struct SkyMap {
   global const float4* solar;                   /* [zenith][azimuth], components 0 .. 3, sr-1 */
-  global const float *zenith_rad, *azimuth_rad; /* nodes, ascending; azimuths from the sun's, to either side */
+  /* Nodes, ascending, then INFINITY up to whole words of 16; azimuths from the sun's, to either side. */
+  global const float *zenith_rad, *azimuth_rad;
   uint zeniths, azimuths;                       /* at least 2 of each */
   global const float4* thermal;                 /* [zenith], the thermal sky's components */
   global const float* thermal_zenith_rad;
@@ -31,14 +33,12 @@ static inline float rc_angle(float x, float y) {
   return x < 0.0f ? 3.14159265358979324f - right : right;
 }
 
-/* Cell of ascending nodes that holds `at`, and the fraction inside it; clamped to the axis. */
+/* Cell of ascending nodes that holds `at`, and the fraction inside it; clamped to the axis. All nodes are compared at
+ * once: a search waits for one after the other. */
 static inline uint rc_map_cell(global const float* nodes, uint count, float at, float* fraction) {
-  uint lo = 0, cells = count - 1u; /* the cell is one of so many from lo on */
-  while (cells > 1u) {
-    const uint part = cells / 2u;
-    lo += part & (0u - (uint)(nodes[lo + part] <= at)); /* no branch: it would be foretold wrongly half the time */
-    cells -= part;
-  }
+  uint passed = 0;
+  for (uint word = 0; word * 16u < count; ++word) passed += popcount(rc_mask16(rc_load16(word, nodes) <= at));
+  const uint lo = clamp(passed, 1u, count - 1u) - 1u;
   *fraction = clamp((at - nodes[lo]) / (nodes[lo + 1u] - nodes[lo]), 0.0f, 1.0f);
   return lo;
 }

@@ -72,13 +72,15 @@ std::vector<shared::RayGroup> numbered(std::span<const shared::RayGroup> groups,
 struct TraceChain::SkyMaps {
   SkyMaps(const cl::Context& context, const plan::Plan& plan)
       : open_share(context, plan.sky.open_share, cl::Access::read_only, "open share of surfaces"),
-        zenith(context, floats(plan.sky_basis.zenith_rad), cl::Access::read_only, "zeniths of the sky map"),
-        azimuth(context, floats(plan.sky_basis.azimuth_rad), cl::Access::read_only, "azimuths of the sky map"),
-        thermal_zenith(context, floats(plan.thermal.basis.zenith_rad), cl::Access::read_only, "thermal zeniths"),
+        zenith(context, plan::searched_nodes(plan.sky_basis.zenith_rad), cl::Access::read_only,
+               "zeniths of the sky map"),
+        azimuth(context, plan::searched_nodes(plan.sky_basis.azimuth_rad), cl::Access::read_only,
+                "azimuths of the sky map"),
+        thermal_zenith(context, plan::searched_nodes(plan.thermal.basis.zenith_rad), cl::Access::read_only,
+                       "thermal zeniths"),
         solar(context, quads(plan.sky_basis, 1), cl::Access::read_only, "sky map"),
         thermal(context, quads(plan.thermal.basis, plan.thermal.basis.azimuth_rad.size()), cl::Access::read_only,
                 "thermal sky map") {}
-  static std::vector<float> floats(const std::vector<double>& values) { return {values.begin(), values.end()}; }
   /// Every `step`-th node.
   static std::vector<shared::rc_float4> quads(const plan::SkyBasis& basis, std::size_t step) {
     std::vector<shared::rc_float4> out;
