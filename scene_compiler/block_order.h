@@ -8,11 +8,11 @@
 
 namespace raycube::scene::detail {
 
-/// The order in which triangles with these boxes fill blocks of RC_BLOCK one after the other, so that only the last block
-/// may have room left. Ranges are cut in two where the surface area of both boxes, each times the blocks that it holds,
-/// is least (MacDonald & Booth, "Heuristics for ray tracing using space subdivision", Vis. Comput. 6, 1990), until a
-/// range fills one block; there the boxes' own order stands. The same order everywhere, for any number of threads.
-/// Precondition: finite boxes.
+/// The order in which triangles with these boxes fill blocks of RC_BLOCK one after the other, so that only the last
+/// block may have room left. Ranges are cut in two where the surface area of both boxes, each times the blocks that it
+/// holds, is least (MacDonald & Booth, "Heuristics for ray tracing using space subdivision", Vis. Comput. 6, 1990),
+/// until a range fills one block; there the boxes' own order stands. The same order everywhere, for any number of
+/// threads. Precondition: finite boxes.
 std::vector<std::uint32_t> block_order(const std::vector<Box>& boxes);
 
 }  // namespace raycube::scene::detail

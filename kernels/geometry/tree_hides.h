@@ -1,5 +1,5 @@
-/* Whether one ray meets a placed tree at all: how the sky's rays and the sun's single ones walk. The triangles are those
- * of rc_trace_ray, so both say the same; what differs is the order, which cannot change the answer. */
+/* Whether one ray meets a placed tree at all: how the sky's rays and the sun's single ones walk. The triangles are
+ * those of rc_trace_ray, so both say the same; what differs is the order, which cannot change the answer. */
 #ifndef RAYCUBE_KERNELS_GEOMETRY_TREE_HIDES_H
 #define RAYCUBE_KERNELS_GEOMETRY_TREE_HIDES_H
 
