@@ -3,6 +3,8 @@
 #include <numbers>
 #include <utility>
 
+#include <glm/geometric.hpp>
+
 #include "host/reference/radiance.h"
 #include "kernels/sampling/sky_rays.h"
 #include "scene_compiler/matter.h"
@@ -24,6 +26,23 @@ std::vector<std::vector<NumberedRay>> numbered_rays(const plan::Plan& plan, cons
   return out;
 }
 
+namespace {
+
+/// Density of a ray's direction, sr-1, in double and by its own formula: shares of the cosine about the normal, of Henyey
+/// and Greenstein's law about the sun (Astrophys. J. 93, 1941, equation 2), of an even upper hemisphere.
+double density_of(const plan::Plan& plan, const glm::dvec3& normal, const glm::dvec3& direction) {
+  const glm::dvec3 sun(plan.sun_direction[0], plan.sun_direction[1], plan.sun_direction[2]);
+  const double g = plan.sky.asymmetry, rest = 1 - plan.sky.cosine_share;
+  const double cosine = std::max(0.0, glm::dot(normal, direction)) / std::numbers::pi;
+  if (!(rest > 0)) return cosine;
+  const double lobe =
+      (1 - g * g) / (4 * std::numbers::pi * std::pow(1 + g * g - 2 * g * glm::dot(sun, direction), 1.5));
+  const double even = direction.z > 0 ? 0.5 / std::numbers::pi : 0;
+  return plan.sky.cosine_share * cosine + rest * (plan.sky.sun_share * lobe + (1 - plan.sky.sun_share) * even);
+}
+
+}  // namespace
+
 SentRays sent_rays(const ReferenceScene& scene, const plan::Plan& plan, std::uint64_t seed, std::uint32_t pixel,
                    const Sample& side, const std::vector<NumberedRay>& rays) {
   SentRays out;
@@ -41,7 +60,7 @@ SentRays sent_rays(const ReferenceScene& scene, const plan::Plan& plan, std::uin
     SentRay& sent = out.emplace_back();
     sent.direction = {ray.x, ray.y, ray.z};
     if (!(ray.facing > 0) || !(ray.z > 0)) continue;
-    const double each = 1 / static_cast<double>(ray.density);
+    const double each = 1 / density_of(plan, side.normal, sent.direction);
     sent.weight = numbered.samples * static_cast<double>(ray.facing) * each;
     sent.solid_angle_sr = numbered.samples * std::min(each, 20.0);
     sent.open = scene.sees(side, sent.direction);
