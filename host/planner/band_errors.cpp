@@ -38,7 +38,7 @@ double BandSquares::with(const BandSquares& other, double enough, std::size_t& f
   const auto sum = [&](std::size_t band) {
     const double d1 = deviation_[step * band], d2 = other.deviation_[their_step * band];
     return square_[step * band] + other.square_[their_step * band] +
-           std::sqrt(d1 * d1 + d2 * d2 + 2 * kTogether * d1 * d2);
+           kSure * std::sqrt(d1 * d1 + d2 * d2 + 2 * kTogether * d1 * d2);
   };
   if (first_band >= bands) first_band = 0;
   double worst = sum(first_band);

@@ -22,14 +22,19 @@ struct BandErrors {
 /// own, but on the same drawn pixels: -0.2 (streets of boxes), 0.05 (park) and 0.3 (crowded wood) from run to run.
 inline constexpr double kTogether = 0.25;
 
+/// Standard errors of the sum that its bound has on top. The cheapest of many settings is likelier than any one of them
+/// to owe its place to a lucky draw of pixels: docs/accuracy.md says how well this holds.
+inline constexpr double kSure = 2;
+
 /// Mean squares of one level in every band, ready for sums.
 class BandSquares {
  public:
   explicit BandSquares(const BandErrors& errors);
 
-  /// Worst band's e1^2 + e2^2 + sqrt(d1^2 + d2^2 + 2 kTogether d1 d2): the mean squares of errors that are independent
-  /// add, and so do the variances of what is not known of them; e: estimate, d = bound^2 - estimate^2. Bands are
-  /// looked at from `first_band` on, which becomes the worst; a sum past `enough` is told as soon as one is found.
+  /// Worst band's e1^2 + e2^2 + kSure sqrt(d1^2 + d2^2 + 2 kTogether d1 d2): the mean squares of errors that are
+  /// independent add, and so do the variances of what is not known of them; e: estimate, d = bound^2 - estimate^2.
+  /// Bands are looked at from `first_band` on, which becomes the worst; a sum past `enough` is told as soon as one is
+  /// found.
   /// Throws Error(bug) where both have several bands and not as many.
   double with(const BandSquares& other, double enough, std::size_t& first_band) const;
 

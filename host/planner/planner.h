@@ -1,9 +1,9 @@
 // The planner: the cheapest samples of a pixel and sky directions whose errors, with those of the plan's nodes and
 // components, fit the tolerance (DESIGN 6). What the file gives is kept and its error estimated.
 //
-//   budget    of every band s^2 + k^2 + sqrt(ds^2 + dk^2 + 2 kTogether ds dk) + plan^2 <= (kUse tolerance)^2: errors of
-//             samples (s), directions (k) and plan are independent of each other; ds and dk are one standard error of
-//             s^2 and k^2 (band_errors.h); plan is the bound of its worst band
+//   budget    of every band s^2 + k^2 + kSure sqrt(ds^2 + dk^2 + 2 kTogether ds dk) + plan^2 <= (kUse tolerance)^2:
+//             errors of samples (s), directions (k) and plan are independent of each other; ds and dk are one standard
+//             error of s^2 and k^2 (band_errors.h); plan is the bound of its worst band
 //   errors    of each band over its mean radiance, measured on the trial's pixels; by power laws between levels
 //   cost      CostModel; two runs give one plan
 #pragma once

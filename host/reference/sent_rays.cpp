@@ -28,8 +28,8 @@ std::vector<std::vector<NumberedRay>> numbered_rays(const plan::Plan& plan, cons
 
 namespace {
 
-/// Density of a ray's direction, sr-1, in double and by its own formula: shares of the cosine about the normal, of Henyey
-/// and Greenstein's law about the sun (Astrophys. J. 93, 1941, equation 2), of an even upper hemisphere.
+/// Density of a ray's direction, sr-1, in double and by its own formula: shares of the cosine about the normal, of
+/// Henyey and Greenstein's law about the sun (Astrophys. J. 93, 1941, equation 2), of an even upper hemisphere.
 double density_of(const plan::Plan& plan, const glm::dvec3& normal, const glm::dvec3& direction) {
   const glm::dvec3 sun(plan.sun_direction[0], plan.sun_direction[1], plan.sun_direction[2]);
   const double g = plan.sky.asymmetry, rest = 1 - plan.sky.cosine_share;
