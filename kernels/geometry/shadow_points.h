@@ -22,7 +22,7 @@ __attribute__((noinline)) static void rc_shadow_rays(SceneArrays scene, uint roo
       const uint bit = rc_lowest(bits), k = word * 16u + bit;
       ray.origin = (float4)(points->x[k], points->y[k], points->z[k], 0.0f);
       if (!frame->same) ray.origin = rc_map_point(frame->l0, frame->l1, frame->l2, ray.origin);
-      if (rc_tree_hides(scene, root, ray, stack, base)) points->live[word] &= ~(1u << bit);
+      if (rc_tree_hides(scene, root, ray, INFINITY, stack, base)) points->live[word] &= ~(1u << bit);
     }
     if (!points->live[word]) rc_empty_word(points, word);
   }

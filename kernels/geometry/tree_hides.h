@@ -1,5 +1,6 @@
-/* Whether one ray meets a placed tree at all: how the sky's rays and the sun's single ones walk. The triangles are
- * those of rc_trace_ray, so both say the same; what differs is the order, which cannot change the answer. */
+/* Whether one ray meets a placed tree at all: how the sky's rays, the sun's single ones and ways to a LIDAR's receiver
+ * walk. The triangles are those of rc_trace_ray, so both say the same; what differs is the order, which cannot change
+ * the answer. */
 #ifndef RAYCUBE_KERNELS_GEOMETRY_TREE_HIDES_H
 #define RAYCUBE_KERNELS_GEOMETRY_TREE_HIDES_H
 
@@ -31,15 +32,16 @@ static inline float8 rc_box_side(global const float* sides, float inverse, float
   return fma(vload8(0, sides), (float8)(inverse), (float8)(start));
 }
 
-/* Children whose boxes the ray meets, at any distance. */
-static inline uint rc_boxes_met(global const BvhNode* node, const BoxRay* ray) {
+/* Children whose boxes the ray meets nearer than `limit`, which compilers fold away where it is INFINITY. */
+RC_ALWAYS static inline uint rc_boxes_met(global const BvhNode* node, const BoxRay* ray, float limit) {
   global const float* at = (global const float*)node;
   const float8 enter = rc_max8(rc_max8(rc_box_side(at + ray->x, ray->inverse.x, ray->near.x),
                                        rc_box_side(at + ray->y, ray->inverse.y, ray->near.y)),
                                rc_max8(rc_box_side(at + ray->z, ray->inverse.z, ray->near.z), 0.0f));
-  const float8 leave = rc_min8(rc_min8(rc_box_side(at + 24u - ray->x, ray->inverse.x, ray->far.x),
-                                       rc_box_side(at + 40u - ray->y, ray->inverse.y, ray->far.y)),
-                               rc_box_side(at + 56u - ray->z, ray->inverse.z, ray->far.z));
+  float8 leave = rc_min8(rc_min8(rc_box_side(at + 24u - ray->x, ray->inverse.x, ray->far.x),
+                                 rc_box_side(at + 40u - ray->y, ray->inverse.y, ray->far.y)),
+                         rc_box_side(at + 56u - ray->z, ray->inverse.z, ray->far.z));
+  if (limit < INFINITY) leave = rc_min8(leave, (float8)(limit));
   return rc_mask8(enter <= leave) & ((1u << node->count) - 1u);
 }
 
@@ -53,17 +55,18 @@ static inline uint rc_next_node(global const BvhNode* node, uint inner, uint* st
   return inner ? child : beneath;
 }
 
-/* Whether the ray (in the frame of the tree) meets a triangle of a placed tree. The stack is used from `base` on, and
- * base is at least 1. */
-static inline bool rc_tree_hides(SceneArrays scene, uint root, Ray ray, uint* stack, uint base) {
+/* Whether the ray (in the frame of the tree) meets a triangle of a placed tree nearer than `limit`. The stack is used
+ * from `base` on, and base is at least 1. */
+RC_ALWAYS static inline bool rc_tree_hides(SceneArrays scene, uint root, Ray ray, float limit, uint* stack, uint base) {
   const BoxRay boxes = rc_box_ray(ray, rc_node(scene, root)->reach, RC_MESH_SLACK);
   uint top = base, next = root;
   while (top >= base) {
     global const BvhNode* node = rc_node(scene, next);
-    const uint met = rc_boxes_met(node, &boxes);
+    const uint met = rc_boxes_met(node, &boxes, limit);
     for (uint leaves = met & node->leaf_mask; leaves; leaves &= leaves - 1u) {
       float16 t;
-      if (rc_hit_block(ray, false, rc_block(scene, node->child[rc_lowest(leaves)]), &t)) return true;
+      const uint hit = rc_hit_block(ray, false, rc_block(scene, node->child[rc_lowest(leaves)]), &t);
+      if (limit < INFINITY ? hit & rc_mask16(t < limit) : hit) return true;
     }
     next = rc_next_node(node, met & ~node->leaf_mask, stack, &top);
   }

@@ -2,7 +2,7 @@
 #ifndef RAYCUBE_KERNELS_LIDAR_CONNECT_H
 #define RAYCUBE_KERNELS_LIDAR_CONNECT_H
 
-#include "kernels/geometry/ray_trace.h"
+#include "kernels/geometry/any_hit.h"
 #include "kernels/lidar/deposit.h"
 #include "kernels/lidar/lobes.h"
 #include "kernels/lidar/media.h"
@@ -90,7 +90,7 @@ static inline uint rc_way_open(SceneArrays scene, const LidarTables* t, float4 f
   }
 #else
   ++rays;
-  if (!(rc_trace_ray(scene, from, towards).t < 1.0f)) return rays;
+  if (!rc_way_blocked(scene, from, towards)) return rays;
 #endif
   for (uint line = 0; line < RC_LASER_LINES; ++line) share[line] = 0.0f;
   return rays;

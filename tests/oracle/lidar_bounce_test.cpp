@@ -82,6 +82,24 @@ TEST_CASE("L-16: a Lambert corner: energies of the orders, first arrival and spr
   CHECK(std::abs(all.ledger[0].emitted_error()) <= 1e-6);
 }
 
+TEST_CASE("L-16: what stands behind the receiver hides nothing from it") {
+  const scene::Lidar lidar = corner_lidar(2, 4096);
+  const auto shot = corner_shot(lidar);
+  const auto alone = corner(0.5, 0.4, 3000, 3000, 3000);
+  const auto free = render_shots(alone, pencil_plan(lidar, alone), {shot}).at(0);
+  // 300 m past the receiver, across every way that light takes to it.
+  scene::CompiledScene walled = scene_of({0.5, 0.4});
+  add_corner(walled, 0, 1, 3000, 3000, 3000);
+  const double away_m = (kApex_m + 300) * std::sqrt(0.5);
+  add_plane(walled, 0, {away_m, 0, away_m}, 3000, std::atan(1.0));
+  scene::finish_top_tree(walled);
+  const auto before_wall = render_shots(walled, pencil_plan(lidar, walled), {shot}).at(0);
+  REQUIRE(total(free.multiple) > 0);
+  // The wall scatters nothing into a pupil that looks away from it; vertices move by roundings of the scene's size.
+  CHECK(total(before_wall.first) == doctest::Approx(total(free.first)).epsilon(1e-5));
+  CHECK(total(before_wall.multiple) == doctest::Approx(total(free.multiple)).epsilon(1e-5));
+}
+
 TEST_CASE("L-16: a finite plate B takes its form factor") {
   constexpr int kRays = 65536;
   for (const auto& [half_m, expected] : {std::pair{5.0, 0.3887500640}, {10.0, 0.4434773417}, {50.0, 0.4886362870}}) {
