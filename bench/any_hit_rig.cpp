@@ -19,12 +19,20 @@ kernel void any_hits(RC_NODES, RC_BLOCKS, RC_INSTANCES, global const float* rest
   RC_GATHER_BLOCKS(scene);
   RC_GATHER_INSTANCES(scene);
   const uint first = (uint)get_global_id(0) * per_item, end = min(first + per_item, count);
-  for (uint i = first; i < end; ++i) {
-    const float4 origin = (float4)(rays[i], rays[count + i], rays[2 * count + i], 0.0f);
-    const float4 direction = (float4)(rays[3 * count + i], rays[4 * count + i], rays[5 * count + i], 0.0f);
-    const bool traced = origin.x == origin.x;
-    const bool open = !traced || !rc_any_hit(scene, origin, direction);
-    blocked[i] = (uint2)(open ? 0u : RC_NONE, 0u);
+  uint i = first;
+  while (i < end) {
+    Rays16 together;
+    uint number[16], filled = 0;
+    for (; i < end && filled < 16u; ++i) {
+      blocked[i] = (uint2)(0u, 0u);
+      if (rays[i] != rays[i]) continue;
+      rc_put_ray(&together, filled, (float4)(rays[i], rays[count + i], rays[2 * count + i], 0.0f),
+                 (float4)(rays[3 * count + i], rays[4 * count + i], rays[5 * count + i], 0.0f));
+      number[filled++] = i;
+    }
+    if (!filled) continue;
+    for (uint bits = rc_first_hidden(scene, &together, filled); bits; bits &= bits - 1u)
+      blocked[number[rc_lowest(bits)]] = (uint2)(RC_NONE, 0u);
   }
 }
 )";

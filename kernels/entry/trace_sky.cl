@@ -2,29 +2,57 @@
  * rays that the sample sends into the sky add to the share of the open sky that its surface takes for granted.
  * Next: shading. */
 #include "kernels/geometry/trace_args.h"
-#include "kernels/geometry/any_hit.h"
+#include "kernels/geometry/any_hits16.h"
 #include "kernels/geometry/samples.h"
 #include "kernels/light/sky_map.h"
 #include "kernels/light/spread.h"
 #include "kernels/sampling/sky_rays.h"
 #include "kernels/shared/camera_arguments.h"
 
-/* The ray from one side of a sample's surface. at: its slot in the planes of surface; scale: samples that the ray
- * stands for; known: the share of the open sky that is taken for granted; met: the slot's sums by component. */
-static inline void rc_meet_sky(SceneArrays scene, const SkyMap* map, SkyRay ray, global const float* at, float scale,
-                               float known, global float* met) {
-  if (!(ray.facing > 0.0f) || !(ray.z > 0.0f)) return;
-  const float4 point = (float4)(at[RC_PLANE(RC_POINT_X)], at[RC_PLANE(RC_POINT_Y)], at[RC_PLANE(RC_POINT_Z)], 0.0f);
-  const float4 direction = (float4)(ray.x, ray.y, ray.z, 0.0f);
-  float open = rc_any_hit(scene, point, direction) ? 0.0f : 1.0f;
+/* Rays of a group that wait to be traced together, and what they will be weighed by. */
+typedef struct Waiting16 {
+  Rays16 rays;
+  float facing[16], density[16];
+  float scale[16];          /* samples that the ray stands for */
+  float known[16];          /* share of the open sky that is taken for granted */
+  uint pixel[16], slot[16]; /* whose ray it is: pixel of the group, slot in its planes */
+  uint count;
+} Waiting16;
+
+/* Adds what the waiting rays bring, in their order; none is left. in, met: of the group's first pixel. */
+static inline void rc_meet_sky(SceneArrays scene, const SkyMap* map, Waiting16* waiting, global const float* in,
+                               global float* met) {
+  const uint hidden = rc_first_hidden(scene, &waiting->rays, waiting->count);
+  for (uint i = 0; i < waiting->count; ++i) {
+    const float x = waiting->rays.dx[i], y = waiting->rays.dy[i], z = waiting->rays.dz[i], known = waiting->known[i];
+    float open = hidden >> i & 1u ? 0.0f : 1.0f;
 #if RC_SHAPED
-  if (open > 0.0f) open = rc_spread(at, direction);
+    if (open > 0.0f)
+      open = rc_spread(in + RC_SURFACE_AT(waiting->pixel[i]) + waiting->slot[i], (float4)(x, y, z, 0.0f));
 #endif
-  if (open == known) return;
-  const float weight = scale * (open - known) * ray.facing / ray.density;
-  float light[RC_SKY_PLANES];
-  rc_sky_light(map, ray.x, ray.y, ray.z, light);
-  for (uint m = 0; m < RC_COMPONENTS; ++m) met[RC_PLANE(m)] = fma(weight, light[m], met[RC_PLANE(m)]);
+    if (open == known) continue;
+    const float weight = waiting->scale[i] * (open - known) * waiting->facing[i] / waiting->density[i];
+    float light[RC_SKY_PLANES];
+    rc_sky_light(map, x, y, z, light);
+    global float* to = met + RC_MET_SKY_AT(waiting->pixel[i]) + waiting->slot[i];
+    for (uint m = 0; m < RC_COMPONENTS; ++m) to[RC_PLANE(m)] = fma(weight, light[m], to[RC_PLANE(m)]);
+  }
+  waiting->count = 0;
+}
+
+/* Lets the ray from one side of a sample's surface wait. at: its slot in the planes of surface. */
+static inline void rc_let_wait(Waiting16* waiting, SkyRay ray, global const float* at, float scale, float known,
+                               uint pixel, uint slot) {
+  const uint i = waiting->count++;
+  rc_put_ray(&waiting->rays, i,
+             (float4)(at[RC_PLANE(RC_POINT_X)], at[RC_PLANE(RC_POINT_Y)], at[RC_PLANE(RC_POINT_Z)], 0.0f),
+             (float4)(ray.x, ray.y, ray.z, 0.0f));
+  waiting->facing[i] = ray.facing;
+  waiting->density[i] = ray.density;
+  waiting->scale[i] = scale;
+  waiting->known[i] = known;
+  waiting->pixel[i] = pixel;
+  waiting->slot[i] = slot;
 }
 
 RC_BODY trace_sky_body(uint index, RC_PARAMETERS(RC_TRACE_SKY_ARGUMENTS)) {
@@ -37,6 +65,10 @@ RC_BODY trace_sky_body(uint index, RC_PARAMETERS(RC_TRACE_SKY_ARGUMENTS)) {
                       thermal_map, thermal_zenith, thermal_zeniths, sun_azimuth};
   const SkyDensity law = {density.x, density.y, density.z, sun_direction.x, sun_direction.y, sun_direction.z};
   const uint samples = RC_NU * RC_NV;
+  global const float* group_in = surface + RC_SURFACE_AT(place.pixel);
+  global float* group_out = met_sky + RC_MET_SKY_AT(place.pixel);
+  Waiting16 waiting;
+  waiting.count = 0;
   for (uint p = 0; p < place.used; ++p) {
     global const uint* ids = hits + RC_HITS_AT(place.pixel + p);
     global const float* in = surface + RC_SURFACE_AT(place.pixel + p);
@@ -54,11 +86,14 @@ RC_BODY trace_sky_body(uint index, RC_PARAMETERS(RC_TRACE_SKY_ARGUMENTS)) {
           const SkyRay sent =
               rc_sky_ray(law, seed, number, rc_sky_number(samples, rays, part, ray), at[RC_PLANE(RC_NORMAL_X)],
                          at[RC_PLANE(RC_NORMAL_Y)], at[RC_PLANE(RC_NORMAL_Z)]);
-          rc_meet_sky(scene, &map, sent, at, share.scale, known, out + slot);
+          if (!(sent.facing > 0.0f) || !(sent.z > 0.0f)) continue;
+          rc_let_wait(&waiting, sent, at, share.scale, known, p, slot);
+          if (waiting.count == 16u) rc_meet_sky(scene, &map, &waiting, group_in, group_out);
         }
       }
     }
   }
+  if (waiting.count) rc_meet_sky(scene, &map, &waiting, group_in, group_out);
 }
 
 kernel void trace_sky(RC_PARAMETERS(RC_TRACE_SKY_ARGUMENTS)) {

@@ -5,13 +5,13 @@
 
 #include "kernels/geometry/tree_hides.h"
 
-/* Whether anything lies ahead of the origin, nearer than `limit` lengths of `direction`. Leaves of the top tree are
- * placed trees, each walked to its end before the top tree is gone on with. */
-RC_ALWAYS static inline bool rc_any_before(SceneArrays scene, float4 origin, float4 direction, float limit) {
+/* Whether anything below a node of the top tree lies ahead of the origin, nearer than `limit` lengths of `direction`.
+ * Leaves of the top tree are placed trees, each walked to its end before the top tree is gone on with. */
+RC_ALWAYS static inline bool rc_any_before(SceneArrays scene, uint next, float4 origin, float4 direction, float limit) {
   const Ray world = rc_make_ray(origin, direction);
   const BoxRay boxes = rc_box_ray(world, rc_node(scene, 0u)->reach, RC_WORLD_SLACK);
   uint stack[RC_STACK + RC_STACK_SPARE];
-  uint top = 1, next = 0;
+  uint top = 1;
   stack[0] = 0;
   while (top) {
     global const BvhNode* node = rc_node(scene, next);
@@ -33,12 +33,18 @@ RC_ALWAYS static inline bool rc_any_before(SceneArrays scene, float4 origin, flo
 
 /* Whether anything lies ahead of the origin, at any distance. */
 __attribute__((noinline)) static bool rc_any_hit(SceneArrays scene, float4 origin, float4 direction) {
-  return rc_any_before(scene, origin, direction, INFINITY);
+  return rc_any_before(scene, 0u, origin, direction, INFINITY);
+}
+
+/* The same of what lies below a node of the top tree. */
+__attribute__((noinline, unused)) static bool rc_any_hit_from(SceneArrays scene, uint node, float4 origin,
+                                                              float4 direction) {
+  return rc_any_before(scene, node, origin, direction, INFINITY);
 }
 
 /* Whether anything lies between a point and the end of a way from it. */
 __attribute__((noinline)) static bool rc_way_blocked(SceneArrays scene, float4 from, float4 way) {
-  return rc_any_before(scene, from, way, 1.0f);
+  return rc_any_before(scene, 0u, from, way, 1.0f);
 }
 
 #endif

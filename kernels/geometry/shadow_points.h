@@ -5,7 +5,7 @@
 #define RAYCUBE_KERNELS_GEOMETRY_SHADOW_POINTS_H
 
 #include "kernels/geometry/bundle_shadow.h"
-#include "kernels/geometry/tree_hides.h"
+#include "kernels/geometry/tree_hides16.h"
 
 /* What a bundle may spend in one placed mesh, in candidate triangles as rc_shadow_block counts them: a constant, which
  * holds what terrain and walls take, and a share per point whose ray meets the mesh's box. Past it the remaining points
@@ -18,7 +18,17 @@ __attribute__((noinline)) static void rc_shadow_rays(SceneArrays scene, uint roo
                                                      Points* points, const ushort* met, uint* stack, uint base) {
   Ray ray = frame->ray;
   for (uint word = 0; word < points->words; ++word) {
-    for (uint bits = points->live[word] & met[word]; bits; bits &= bits - 1u) {
+    uint bits = points->live[word] & met[word];
+    if (popcount(bits) > RC_FEW_RAYS) {
+      Rays16 rays;
+      const Vector16 at = {rc_load16(word, points->x), rc_load16(word, points->y), rc_load16(word, points->z)};
+      const Vector16 place = frame->same ? at : rc_map_points16(frame->l0, frame->l1, frame->l2, at);
+      const Vector16 way = {(float16)(ray.direction.x), (float16)(ray.direction.y), (float16)(ray.direction.z)};
+      rc_store_rays16(place, way, &rays);
+      points->live[word] &= ~rc_tree_hides16(scene, root, &rays, bits);
+      bits = 0;
+    }
+    for (; bits; bits &= bits - 1u) {
       const uint bit = rc_lowest(bits), k = word * 16u + bit;
       ray.origin = (float4)(points->x[k], points->y[k], points->z[k], 0.0f);
       if (!frame->same) ray.origin = rc_map_point(frame->l0, frame->l1, frame->l2, ray.origin);

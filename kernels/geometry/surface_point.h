@@ -45,6 +45,12 @@ static inline Vector16 rc_map_points16(float4 r0, float4 r1, float4 r2, Vector16
   Vector16 r = {rc_map16(r0, p, r0.w), rc_map16(r1, p, r1.w), rc_map16(r2, p, r2.w)};
   return r;
 }
+static inline Vector16 rc_map_vectors16(float4 r0, float4 r1, float4 r2, Vector16 v) {
+  Vector16 r = {fma((float16)(r0.x), v.x, fma((float16)(r0.y), v.y, r0.z * v.z)),
+                fma((float16)(r1.x), v.x, fma((float16)(r1.y), v.y, r1.z * v.z)),
+                fma((float16)(r2.x), v.x, fma((float16)(r2.y), v.y, r2.z * v.z))};
+  return r;
+}
 static inline Vector16 rc_abs16(Vector16 v) {
   Vector16 r = {fabs(v.x), fabs(v.y), fabs(v.z)};
   return r;

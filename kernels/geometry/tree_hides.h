@@ -55,14 +55,14 @@ static inline uint rc_next_node(global const BvhNode* node, uint inner, uint* st
   return inner ? child : beneath;
 }
 
-/* Whether the ray (in the frame of the tree) meets a triangle of a placed tree nearer than `limit`. The stack is used
- * from `base` on, and base is at least 1. */
-RC_ALWAYS static inline bool rc_tree_hides(SceneArrays scene, uint root, Ray ray, float limit, uint* stack, uint base) {
-  const BoxRay boxes = rc_box_ray(ray, rc_node(scene, root)->reach, RC_MESH_SLACK);
-  uint top = base, next = root;
+/* Whether the ray (in the frame of the tree) meets a triangle below a node of a placed tree nearer than `limit`. The
+ * stack is used from `base` on, and base is at least 1. */
+RC_ALWAYS static inline bool rc_tree_hides_from(SceneArrays scene, uint next, Ray ray, const BoxRay* boxes, float limit,
+                                                uint* stack, uint base) {
+  uint top = base;
   while (top >= base) {
     global const BvhNode* node = rc_node(scene, next);
-    const uint met = rc_boxes_met(node, &boxes, limit);
+    const uint met = rc_boxes_met(node, boxes, limit);
     for (uint leaves = met & node->leaf_mask; leaves; leaves &= leaves - 1u) {
       float16 t;
       const uint hit = rc_hit_block(ray, false, rc_block(scene, node->child[rc_lowest(leaves)]), &t);
@@ -71,6 +71,12 @@ RC_ALWAYS static inline bool rc_tree_hides(SceneArrays scene, uint root, Ray ray
     next = rc_next_node(node, met & ~node->leaf_mask, stack, &top);
   }
   return false;
+}
+
+/* The same from the root on. */
+RC_ALWAYS static inline bool rc_tree_hides(SceneArrays scene, uint root, Ray ray, float limit, uint* stack, uint base) {
+  const BoxRay boxes = rc_box_ray(ray, rc_node(scene, root)->reach, RC_MESH_SLACK);
+  return rc_tree_hides_from(scene, root, ray, &boxes, limit, stack, base);
 }
 
 #endif
