@@ -1,5 +1,5 @@
 add_library(raycube_trace_support STATIC support/trace_chain.cpp support/double_trace.cpp support/brute_trace.cpp
-  support/judge_hits.cpp)
+  support/any_hits.cpp support/judge_hits.cpp)
 target_link_libraries(raycube_trace_support PUBLIC raycube_warnings raycube_test_scenes raycube::render raycube::cl
   raycube::kernels raycube::scene_bvh)
 

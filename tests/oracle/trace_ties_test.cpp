@@ -7,6 +7,7 @@
 #include <string>
 
 #include "kernels/sampling/sampler.h"
+#include "tests/support/any_hits.h"
 #include "tests/support/brute_trace.h"
 #include "tests/support/devices.h"
 #include "tests/support/test_scenes.h"
@@ -261,6 +262,32 @@ void compare_shadows(const Placed& placed, std::uint32_t seed, Differences& foun
   }
 }
 
+// Sixteens of rays from points close to each other or far apart, each to a target or in any direction, some of them
+// all in one.
+void compare_any(const Placed& placed, std::uint32_t seed, Differences& found) {
+  Stream random(seed);
+  test::AnyRays rays;
+  for (int sixteen = 0; sixteen < 3000; ++sixteen) {
+    const V about = target(placed, random), shared = direction(random);
+    const bool parallel = random.whole(0, 3) == 0, near = random.whole(0, 1);
+    for (int k = 0; k < 16; ++k) {
+      const V aim = near ? about : target(placed, random), d = parallel ? shared : direction(random);
+      const double back = random.whole(0, 2) ? std::ldexp(1.0, random.whole(-24, 9)) * random.whole(-4, 16) : 0;
+      for (auto [at, way, axis] :
+           {std::tuple{&rays.x, &rays.dx, 0u}, {&rays.y, &rays.dy, 1u}, {&rays.z, &rays.dz, 2u}}) {
+        at->push_back(static_cast<float>(aim[axis] - back * d[axis]));
+        way->push_back(static_cast<float>(d[axis]));
+      }
+    }
+  }
+  for (const test::AnyAnswers& answers : test::any_hits(first_context(), placed.scene, rays)) {
+    found.rays += 16;
+    found.hits += static_cast<std::size_t>(__builtin_popcount(answers.without_tree));
+    found.single += static_cast<std::size_t>(__builtin_popcount(answers.alone ^ answers.without_tree));
+    found.bundle += static_cast<std::size_t>(__builtin_popcount(answers.together ^ answers.without_tree));
+  }
+}
+
 void report(const std::string& what, const Differences& found) {
   MESSAGE(what << ": rays " << found.rays << ", hits " << found.hits << "; other than without a tree: single "
                << found.single << ", bundle " << found.bundle);
@@ -292,6 +319,17 @@ TEST_CASE(
        {std::pair{"blocks", place(blocks_and_plates(2))}, {"lines", place(lines())}, {"plates", plates()}}) {
     Differences found;
     compare_shadows(placed, 21, found);
+    report(name, found);
+  }
+}
+
+TEST_CASE(
+    "S8: rays in directions of their own aimed at faces, edges and corners: sixteen at once, alone and every "
+    "triangle agree") {
+  for (const auto& [name, placed] :
+       {std::pair{"blocks", place(blocks_and_plates(3))}, {"lines", place(lines())}, {"plates", plates()}}) {
+    Differences found;
+    compare_any(placed, 31, found);
     report(name, found);
   }
 }

@@ -73,6 +73,8 @@ kernel void brute_sun(global const TriBlock* blocks, global const Instance* inst
 }
 )";
 
+}  // namespace
+
 std::vector<std::uint32_t> block_ranges(const scene::CompiledScene& scene) {
   std::vector<std::uint32_t> ranges;
   for (const auto& placed : scene.instances) {
@@ -81,8 +83,6 @@ std::vector<std::uint32_t> block_ranges(const scene::CompiledScene& scene) {
   }
   return ranges;
 }
-
-}  // namespace
 
 BruteTrace::BruteTrace(const cl::Context& context, const scene::CompiledScene& scene, const TraceShape& shape)
     : context_(context),

@@ -10,6 +10,9 @@
 
 namespace raycube::test {
 
+/// First and one past the last block of each placed tree, in the order of scene.instances.
+std::vector<std::uint32_t> block_ranges(const scene::CompiledScene& scene);
+
 class BruteTrace {
  public:
   BruteTrace(const cl::Context& context, const scene::CompiledScene& scene, const TraceShape& shape);
