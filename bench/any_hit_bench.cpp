@@ -91,7 +91,7 @@ void compare_any_hits(const scene::Simulation& simulation, const std::string& la
   const std::vector<RayResult> hits = rig.hits();
   const ShadowRays rays = rig.sky_rays();
   const auto traced = static_cast<double>(std::count_if(rays.x.begin(), rays.x.end(), [](float x) { return x == x; }));
-  AnyHitRig ours(scene, rays, settings.threads);
+  AnyHitRig ours(scene, rays, hits, settings.threads);
   ours.run();
   const std::vector<RayResult> mine = ours.results();
   const auto blocked =

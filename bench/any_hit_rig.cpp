@@ -13,7 +13,10 @@ constexpr cl_uint kRaysPerItem = 256;
 /// Rays one after the other, as they lie in the pixels they come from. rays: x, y, z, dx, dy, dz, each [count].
 constexpr const char* kAnyHits = R"(
 kernel void any_hits(RC_NODES, RC_BLOCKS, RC_INSTANCES, global const float* restrict rays,
+                     global const uint2* restrict left, global const float* restrict skyline_cells,
+                     float4 skyline_frame, uint skyline_instance, uint skyline_columns, uint skyline_rows,
                      global uint2* restrict blocked, uint count, uint per_item) {
+  const Skyline skyline = RC_GATHER_SKYLINE();
   SceneArrays scene;
   RC_GATHER_NODES(scene);
   RC_GATHER_BLOCKS(scene);
@@ -22,16 +25,18 @@ kernel void any_hits(RC_NODES, RC_BLOCKS, RC_INSTANCES, global const float* rest
   uint i = first;
   while (i < end) {
     Rays16 together;
-    uint number[16], filled = 0;
+    uint number[16], filled = 0, clear = 0;
     for (; i < end && filled < 16u; ++i) {
       blocked[i] = (uint2)(0u, 0u);
       if (rays[i] != rays[i]) continue;
-      rc_put_ray(&together, filled, (float4)(rays[i], rays[count + i], rays[2 * count + i], 0.0f),
-                 (float4)(rays[3 * count + i], rays[4 * count + i], rays[5 * count + i], 0.0f));
+      const float4 way = (float4)(rays[3 * count + i], rays[4 * count + i], rays[5 * count + i], 0.0f);
+      const float4 from = (float4)(rays[i], rays[count + i], rays[2 * count + i], 0.0f);
+      rc_put_ray(&together, filled, from, way);
+      if (rc_above_skyline(scene, &skyline, left[i].x, from, way)) clear |= 1u << filled;
       number[filled++] = i;
     }
     if (!filled) continue;
-    for (uint bits = rc_first_hidden(scene, &together, filled); bits; bits &= bits - 1u)
+    for (uint bits = rc_first_hidden(scene, &together, filled, skyline.instance, clear); bits; bits &= bits - 1u)
       blocked[number[rc_lowest(bits)]] = (uint2)(RC_NONE, 0u);
   }
 }
@@ -47,16 +52,20 @@ std::vector<float> side_by_side(const ShadowRays& rays) {
 }  // namespace
 
 struct AnyHitRig::State {
-  State(const scene::CompiledScene& scene, const ShadowRays& shadows, int threads)
+  State(const scene::CompiledScene& scene, const ShadowRays& shadows, const std::vector<RayResult>& hits, int threads)
       : context(pick_device(threads)),
         buffers(context, scene),
         program(context, "any_hits", std::string(kernels::kernel_source("trace")) + kAnyHits,
                 "-cl-std=CL1.2 -D RC_STACK=" + std::to_string(scene.stack_bound()) + buffers.options),
         kernel(program, "any_hits"),
         rays(context, side_by_side(shadows), cl::Access::read_only, "rays of the bench"),
+        left(context, hits, cl::Access::read_only, "where rays leave"),
         blocked(context, shadows.x.size(), cl::Access::write_only, "results of the bench"),
         count(static_cast<cl_uint>(shadows.x.size())) {
-    kernel.arguments(buffers.nodes, buffers.blocks, buffers.instances, rays, blocked, count, kRaysPerItem);
+    kernel.arguments(buffers.nodes, buffers.blocks, buffers.instances, rays, left, buffers.skyline_cells,
+                     shared::rc_float4{buffers.skyline.x_m, buffers.skyline.y_m, buffers.skyline.per_cell, 0},
+                     buffers.skyline.instance, buffers.skyline.columns, buffers.skyline.rows, blocked, count,
+                     kRaysPerItem);
   }
 
   cl::Context context;
@@ -64,12 +73,13 @@ struct AnyHitRig::State {
   cl::Program program;
   cl::Kernel kernel;
   cl::Buffer<float> rays;
-  cl::Buffer<RayResult> blocked;
+  cl::Buffer<RayResult> left, blocked;
   cl_uint count;
 };
 
-AnyHitRig::AnyHitRig(const scene::CompiledScene& scene, const ShadowRays& rays, int threads)
-    : state_(std::make_unique<State>(scene, rays, threads)) {}
+AnyHitRig::AnyHitRig(const scene::CompiledScene& scene, const ShadowRays& rays, const std::vector<RayResult>& hits,
+                     int threads)
+    : state_(std::make_unique<State>(scene, rays, hits, threads)) {}
 AnyHitRig::~AnyHitRig() = default;
 
 double AnyHitRig::run() {

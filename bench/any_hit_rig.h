@@ -10,8 +10,8 @@ namespace raycube::bench {
 
 class AnyHitRig {
  public:
-  /// Rays with a direction each.
-  AnyHitRig(const scene::CompiledScene& scene, const ShadowRays& rays, int threads);
+  /// Rays with a direction each; hits: the triangles that they leave, on the side that they go to.
+  AnyHitRig(const scene::CompiledScene& scene, const ShadowRays& rays, const std::vector<RayResult>& hits, int threads);
   ~AnyHitRig();
   AnyHitRig(const AnyHitRig&) = delete;
   AnyHitRig& operator=(const AnyHitRig&) = delete;

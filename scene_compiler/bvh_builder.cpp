@@ -8,6 +8,7 @@
 #include "host/base/error.h"
 #include "scene_compiler/block_order.h"
 #include "scene_compiler/bvh_tree.h"
+#include "scene_compiler/skyline.h"
 
 namespace raycube::scene {
 namespace {
@@ -271,6 +272,7 @@ void finish_top_tree(CompiledScene& scene) {
   scene.nodes.insert(scene.nodes.begin(), top.nodes.begin(), top.nodes.end());
   scene.top_depth = top.depth;
   scene.lo = bounds.lo, scene.hi = bounds.hi;
+  scene.skyline = survey_skyline(scene, 0);
 }
 
 }  // namespace raycube::scene

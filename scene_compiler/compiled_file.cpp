@@ -13,6 +13,7 @@
 #include "host/base/output_file.h"
 #include "host/base/sha256.h"
 #include "scene_compiler/shape_list.h"
+#include "scene_compiler/skyline.h"
 
 namespace raycube::scene {
 namespace {
@@ -377,6 +378,7 @@ CompiledScene load_compiled(const std::string& file) {
   for (auto& material : scene.materials) reader(material.source);
   if (reader.left() != 0) reader.damaged("has bytes left over");
   check_references(scene, reader);
+  scene.skyline = survey_skyline(scene, 0);
   scene.content_hash = content_hash(scene);
   return scene;
 }

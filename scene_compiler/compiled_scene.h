@@ -94,6 +94,14 @@ struct Origin {
   double easting_m = 0, northing_m = 0, height_m = 0;
 };
 
+/// Where the ground is known to hide nothing (skyline.h): a grid over the map of one placed tree, in its frame.
+struct Skyline {
+  std::uint32_t instance = RC_NONE;     ///< RC_NONE: no such grid
+  float x_m = 0, y_m = 0, per_cell = 0;  ///< corner of the first cell; cells a metre
+  std::uint32_t columns = 0, rows = 0;
+  std::vector<float> cells;  ///< [row][column][2]: top, skyline
+};
+
 struct CompiledScene {
   Origin origin;
   std::vector<Material> materials;
@@ -104,6 +112,7 @@ struct CompiledScene {
   std::vector<shared::Instance> instances;  ///< placed trees, by placement, ascending
   std::vector<shared::BvhNode> nodes;       ///< top tree first: node 0 is its root (count 0 in an empty scene)
   std::vector<shared::TriBlock> blocks;
+  Skyline skyline;                  ///< follows from what is above
   std::uint32_t top_depth = 0;      ///< levels of the top tree
   std::array<float, 3> lo{}, hi{};  ///< world bounds, m; lo > hi in an empty scene
   std::string content_hash;         ///< SHA-256 (hex) of everything above that changes a result

@@ -10,6 +10,7 @@ raycube_test(trace_hits SOURCES oracle/trace_hits_test.cpp LIBS raycube_trace_su
 raycube_test(trace_leaks SOURCES oracle/trace_leaks_test.cpp LIBS raycube_trace_support LABELS slow)
 raycube_test(trace_ties SOURCES oracle/trace_ties_test.cpp LIBS raycube_trace_support LABELS fast)
 raycube_test(trace_sun SOURCES oracle/trace_sun_test.cpp LIBS raycube_trace_support LABELS fast)
+raycube_test(skyline SOURCES oracle/skyline_test.cpp LIBS raycube_trace_support raycube::reference LABELS fast)
 raycube_test(trace_sky SOURCES oracle/trace_sky_test.cpp LIBS raycube_trace_support raycube::reference LABELS fast)
 
 add_test(NAME kernel_parse COMMAND ${CMAKE_COMMAND} -DROOT=${PROJECT_SOURCE_DIR} -P

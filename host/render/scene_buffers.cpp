@@ -98,6 +98,10 @@ std::vector<shared::Lobe> lobes_of(const scene::CompiledScene& scene) {
   return matter.shaped || matter.sides > 1 ? scene::surface_lobes(scene) : std::vector<shared::Lobe>(1);
 }
 
+scene::Skyline without_cells(const scene::Skyline& skyline) {
+  return {skyline.instance, skyline.x_m, skyline.y_m, skyline.per_cell, skyline.columns, skyline.rows, {}};
+}
+
 }  // namespace
 
 SceneBuffers::SceneBuffers(const cl::Context& context, const scene::CompiledScene& scene, std::uint64_t page_bytes)
@@ -106,6 +110,9 @@ SceneBuffers::SceneBuffers(const cl::Context& context, const scene::CompiledScen
       blocks(upload(context, scene.blocks, "triangles", page_bytes)),
       instances(upload(context, scene.instances, "instances", page_bytes)),
       surfaces(upload(context, scene.surfaces, "surfaces", page_bytes)),
+      skyline(without_cells(scene.skyline)),
+      skyline_cells(context, scene.skyline.cells.empty() ? std::vector<float>(1) : scene.skyline.cells,
+                    cl::Access::read_only, "skylines of the ground"),
       lobes(context, lobes_of(scene), cl::Access::read_only, "shapes of surfaces") {}
 
 }  // namespace raycube::render

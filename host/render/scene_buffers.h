@@ -48,6 +48,8 @@ struct SceneBuffers {
   std::vector<cl::Buffer<shared::TriBlock>> blocks;
   std::vector<cl::Buffer<shared::Instance>> instances;
   std::vector<cl::Buffer<shared::Surface>> surfaces;
+  scene::Skyline skyline;           ///< without its cells
+  cl::Buffer<float> skyline_cells;  ///< at least one
   cl::Buffer<shared::Lobe> lobes;  ///< [surface][RC_LOBES] where a material does not reflect by Lambert's law, else one
 };
 

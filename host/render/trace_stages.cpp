@@ -89,12 +89,21 @@ struct TraceStages::State {
   shared::rc_float4 sun_direction() const {
     return {plan.sun_direction[0], plan.sun_direction[1], plan.sun_direction[2], 0};
   }
+  shared::rc_float4 skyline_frame() const {
+    return {buffers.skyline.x_m, buffers.skyline.y_m, buffers.skyline.per_cell, 0};
+  }
   const cl::Kernel& sun_of(const TileLayout& layout, TraceBuffers& traced) {
     return sun.arguments(TraceSunArguments{.nodes = buffers.nodes,
                                            .blocks = buffers.blocks,
                                            .instances = buffers.instances,
                                            .groups = traced.groups,
+                                           .hits = traced.hits,
                                            .surface = traced.surface,
+                                           .skyline_cells = buffers.skyline_cells,
+                                           .skyline_frame = skyline_frame(),
+                                           .skyline_instance = buffers.skyline.instance,
+                                           .skyline_columns = buffers.skyline.columns,
+                                           .skyline_rows = buffers.skyline.rows,
                                            .direction = sun_direction(),
                                            .sun = traced.sun,
                                            .columns = layout.columns});
@@ -109,6 +118,11 @@ struct TraceStages::State {
         .groups = traced.groups,
         .hits = traced.hits,
         .surface = traced.surface,
+        .skyline_cells = buffers.skyline_cells,
+        .skyline_frame = skyline_frame(),
+        .skyline_instance = buffers.skyline.instance,
+        .skyline_columns = buffers.skyline.columns,
+        .skyline_rows = buffers.skyline.rows,
         .open_share = open_share,
         .sky_map = sky_map.solar,
         .sky_zenith = sky_map.zenith,

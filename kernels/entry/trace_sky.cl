@@ -4,6 +4,7 @@
 #include "kernels/geometry/trace_args.h"
 #include "kernels/geometry/any_hits16.h"
 #include "kernels/geometry/samples.h"
+#include "kernels/geometry/skyline.h"
 #include "kernels/light/sky_map.h"
 #include "kernels/light/spread.h"
 #include "kernels/sampling/sky_rays.h"
@@ -16,13 +17,15 @@ typedef struct Waiting16 {
   float scale[16];          /* samples that the ray stands for */
   float known[16];          /* share of the open sky that is taken for granted */
   uint pixel[16], slot[16]; /* whose ray it is: pixel of the group, slot in its planes */
+  uint clear;               /* bits of rays that are known to miss the ground */
   uint count;
 } Waiting16;
 
-/* Adds what the waiting rays bring, in their order; none is left. in, met: of the group's first pixel. */
-static inline void rc_meet_sky(SceneArrays scene, const SkyMap* map, Waiting16* waiting, global const float* in,
-                               global float* met) {
-  const uint hidden = rc_first_hidden(scene, &waiting->rays, waiting->count);
+/* Adds what the waiting rays bring, in their order; none is left. ground: its instance; in, met: of the group's first
+ * pixel. */
+static inline void rc_meet_sky(SceneArrays scene, uint ground, const SkyMap* map, Waiting16* waiting,
+                               global const float* in, global float* met) {
+  const uint hidden = rc_first_hidden(scene, &waiting->rays, waiting->count, ground, waiting->clear);
   for (uint i = 0; i < waiting->count; ++i) {
     const float x = waiting->rays.dx[i], y = waiting->rays.dy[i], z = waiting->rays.dz[i], known = waiting->known[i];
     float open = hidden >> i & 1u ? 0.0f : 1.0f;
@@ -37,13 +40,15 @@ static inline void rc_meet_sky(SceneArrays scene, const SkyMap* map, Waiting16* 
     global float* to = met + RC_MET_SKY_AT(waiting->pixel[i]) + waiting->slot[i];
     for (uint m = 0; m < RC_COMPONENTS; ++m) to[RC_PLANE(m)] = fma(weight, light[m], to[RC_PLANE(m)]);
   }
-  waiting->count = 0;
+  waiting->count = waiting->clear = 0;
 }
 
-/* Lets the ray from one side of a sample's surface wait. at: its slot in the planes of surface. */
+/* Lets the ray from one side of a sample's surface wait. at: its slot in the planes of surface; clear: whether it is
+ * known to miss the ground. */
 static inline void rc_let_wait(Waiting16* waiting, SkyRay ray, global const float* at, float scale, float known,
-                               uint pixel, uint slot) {
+                               uint pixel, uint slot, bool clear) {
   const uint i = waiting->count++;
+  waiting->clear |= clear ? 1u << i : 0u;
   rc_put_ray(&waiting->rays, i,
              (float4)(at[RC_PLANE(RC_POINT_X)], at[RC_PLANE(RC_POINT_Y)], at[RC_PLANE(RC_POINT_Z)], 0.0f),
              (float4)(ray.x, ray.y, ray.z, 0.0f));
@@ -60,6 +65,7 @@ RC_BODY trace_sky_body(uint index, RC_PARAMETERS(RC_TRACE_SKY_ARGUMENTS)) {
   RC_GATHER_NODES(scene);
   RC_GATHER_BLOCKS(scene);
   RC_GATHER_INSTANCES(scene);
+  const Skyline skyline = RC_GATHER_SKYLINE();
   const GroupPlace place = rc_group_place(groups, index, columns);
   const SkyMap map = {sky_map,     sky_zenith,     sky_azimuth,     zeniths,    azimuths,
                       thermal_map, thermal_zenith, thermal_zeniths, sun_azimuth};
@@ -68,7 +74,7 @@ RC_BODY trace_sky_body(uint index, RC_PARAMETERS(RC_TRACE_SKY_ARGUMENTS)) {
   global const float* group_in = surface + RC_SURFACE_AT(place.pixel);
   global float* group_out = met_sky + RC_MET_SKY_AT(place.pixel);
   Waiting16 waiting;
-  waiting.count = 0;
+  waiting.count = waiting.clear = 0;
   for (uint p = 0; p < place.used; ++p) {
     global const uint* ids = hits + RC_HITS_AT(place.pixel + p);
     global const float* in = surface + RC_SURFACE_AT(place.pixel + p);
@@ -87,13 +93,17 @@ RC_BODY trace_sky_body(uint index, RC_PARAMETERS(RC_TRACE_SKY_ARGUMENTS)) {
               rc_sky_ray(law, seed, number, rc_sky_number(samples, rays, part, ray), at[RC_PLANE(RC_NORMAL_X)],
                          at[RC_PLANE(RC_NORMAL_Y)], at[RC_PLANE(RC_NORMAL_Z)]);
           if (!(sent.facing > 0.0f) || !(sent.z > 0.0f)) continue;
-          rc_let_wait(&waiting, sent, at, share.scale, known, p, slot);
-          if (waiting.count == 16u) rc_meet_sky(scene, &map, &waiting, group_in, group_out);
+          const float4 point =
+              (float4)(at[RC_PLANE(RC_POINT_X)], at[RC_PLANE(RC_POINT_Y)], at[RC_PLANE(RC_POINT_Z)], 0.0f);
+          const bool clear =
+              rc_above_skyline(scene, &skyline, ids[sample], point, (float4)(sent.x, sent.y, sent.z, 0.0f));
+          rc_let_wait(&waiting, sent, at, share.scale, known, p, slot, clear);
+          if (waiting.count == 16u) rc_meet_sky(scene, skyline.instance, &map, &waiting, group_in, group_out);
         }
       }
     }
   }
-  if (waiting.count) rc_meet_sky(scene, &map, &waiting, group_in, group_out);
+  if (waiting.count) rc_meet_sky(scene, skyline.instance, &map, &waiting, group_in, group_out);
 }
 
 kernel void trace_sky(RC_PARAMETERS(RC_TRACE_SKY_ARGUMENTS)) {

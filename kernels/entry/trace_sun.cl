@@ -1,4 +1,4 @@
-/* Reads: surface points of make_surface, the scene, the direction to the sun. Writes: one bit per sample, seen or not.
+/* Reads: hits, surface points of make_surface, the scene, the direction to the sun. Writes: one bit per sample, seen or not.
  * Next: trace_sky, shading. */
 #include "kernels/geometry/trace_args.h"
 #include "kernels/geometry/any_hit.h"
@@ -23,6 +23,8 @@ RC_BODY trace_sun_body(uint index, RC_PARAMETERS(RC_TRACE_SUN_ARGUMENTS)) {
   rc_gather_points(in, place.used, &points);
   for (uint word = 0; word < points.words; ++word)
     points.live[word] = rc_mask16(rc_cosines(direction, rc_surface_word(in, word)) > 0.0f);
+  const Skyline skyline = RC_GATHER_SKYLINE();
+  rc_find_clear(scene, &skyline, hits + RC_HITS_AT(place.pixel), direction, &points);
   rc_shadow_points(scene, direction, &points);
   for (uint word = 0; word < points.words; ++word) seen[word] = (ushort)points.live[word];
 #else

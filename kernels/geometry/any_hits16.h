@@ -10,18 +10,19 @@
 __attribute__((noinline)) static uint rc_instance_hides16(SceneArrays scene, uint instance, const Rays16* world,
                                                           uint live) {
   global const Instance* placed = rc_instance(scene, instance);
-  if (placed->flags & 1u) return rc_tree_hides16(scene, placed->root, world, live);
+  if (placed->flags & 1u) return rc_tree_hides16(scene, placed->root, world, live, false);
   const float4 r0 = placed->local_from_world_0, r1 = placed->local_from_world_1, r2 = placed->local_from_world_2;
   const Vector16 origin = {rc_load16(0, world->x), rc_load16(0, world->y), rc_load16(0, world->z)};
   const Vector16 way = {rc_load16(0, world->dx), rc_load16(0, world->dy), rc_load16(0, world->dz)};
   Rays16 rays;
   rc_store_rays16(rc_map_points16(r0, r1, r2, origin), rc_map_vectors16(r0, r1, r2, way), &rays);
-  return rc_tree_hides16(scene, placed->root, &rays, live);
+  return rc_tree_hides16(scene, placed->root, &rays, live, false);
 }
 
-/* Of `live`, the rays (scene frame) that meet anything ahead of them. Every ray is read, so those that are not live are
- * copies of one that is. */
-__attribute__((noinline)) static uint rc_any_hits16(SceneArrays scene, const Rays16* rays, uint live) {
+/* Of `live`, the rays (scene frame) that meet anything ahead of them; those of `clear` are known to miss the instance
+ * `ground`. Every ray is read, so those that are not live are copies of one that is. */
+__attribute__((noinline)) static uint rc_any_hits16(SceneArrays scene, const Rays16* rays, uint live, uint ground,
+                                                    uint clear) {
   const BoxRays16 boxes = rc_box_rays16(rays, rc_node(scene, 0u)->reach, RC_WORLD_SLACK);
   NodeOf16 stack[RC_STACK];
   uint hidden = 0, top = 1;
@@ -35,7 +36,7 @@ __attribute__((noinline)) static uint rc_any_hits16(SceneArrays scene, const Ray
       for (; left; left &= left - 1u) {
         const uint k = rc_lowest(left);
         if (rc_any_hit_from(scene, at.node, (float4)(rays->x[k], rays->y[k], rays->z[k], 0.0f),
-                            (float4)(rays->dx[k], rays->dy[k], rays->dz[k], 0.0f)))
+                            (float4)(rays->dx[k], rays->dy[k], rays->dz[k], 0.0f), clear >> k & 1u ? ground : RC_NONE))
           hidden |= 1u << k;
       }
       continue;
@@ -51,6 +52,7 @@ __attribute__((noinline)) static uint rc_any_hits16(SceneArrays scene, const Ray
         continue;
       }
       met &= ~hidden;
+      if (node->child[slot] == ground) met &= ~clear;
       if (met) hidden |= rc_instance_hides16(scene, node->child[slot], rays, met);
     }
   }
@@ -58,11 +60,11 @@ __attribute__((noinline)) static uint rc_any_hits16(SceneArrays scene, const Ray
 }
 
 /* The same of the first `count` rays, 1 to 16; the others are overwritten. */
-static inline uint rc_first_hidden(SceneArrays scene, Rays16* rays, uint count) {
+static inline uint rc_first_hidden(SceneArrays scene, Rays16* rays, uint count, uint ground, uint clear) {
   for (uint k = count; k < 16u; ++k)
     rc_put_ray(rays, k, (float4)(rays->x[0], rays->y[0], rays->z[0], 0.0f),
                (float4)(rays->dx[0], rays->dy[0], rays->dz[0], 0.0f));
-  return rc_any_hits16(scene, rays, (1u << count) - 1u);
+  return rc_any_hits16(scene, rays, (1u << count) - 1u, ground, clear);
 }
 
 #endif

@@ -14,7 +14,9 @@ typedef struct Points {
   float a[RC_POINTS], b[RC_POINTS],
       d[RC_POINTS]; /* plane coordinates and distance along the direction, m, about `centre` */
   float lo_a[RC_WORD_SLOTS], hi_a[RC_WORD_SLOTS], lo_b[RC_WORD_SLOTS], hi_b[RC_WORD_SLOTS], lo_d[RC_WORD_SLOTS];
-  uint live[RC_WORD_SLOTS]; /* bits of points that are neither blocked nor out of use */
+  uint live[RC_WORD_SLOTS];  /* bits of points that are neither blocked nor out of use */
+  uint clear[RC_WORD_SLOTS]; /* bits of points whose rays are known to miss the ground */
+  uint ground;               /* its instance; RC_NONE: there is none, and `clear` is not set */
   uint words;
   uint costly;                                /* bit t % 32: bundles through tree t did not pay; start with 0 */
   float4 centre, towards, across_a, across_b; /* scene frame; unit vectors */

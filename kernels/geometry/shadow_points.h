@@ -13,29 +13,78 @@
 #define RC_BUNDLE_BUDGET(points) (64u + (points) / 2u)
 #define RC_FEW_POINTS 4u
 
-/* Clears the live points among `met` (a word of bits each) that the placed mesh hides, ray by ray. */
-__attribute__((noinline)) static void rc_shadow_rays(SceneArrays scene, uint root, const ShadowFrame* frame,
-                                                     Points* points, const ushort* met, uint* stack, uint base) {
-  Ray ray = frame->ray;
+/* Bits of a number below 32, one apart. */
+static inline uint rc_spread_bits(uint v) {
+  v = (v | v << 4) & 0x10Fu; /* ..e....dcba */
+  v = (v | v << 2) & 0x133u;
+  return (v | v << 1) & 0x155u;
+}
+
+/* Cells of the plane across the direction by which points are put in order: so many on its longer side, a power of two.
+ */
+#define RC_PLANE_CELLS 32u
+
+/* Live points among `met`, in the order of a Z-curve over the plane across the direction, into `order`; their number.
+ * Sixteen that follow one another then go the same way close together, whatever their distances along it. */
+static inline uint rc_order_points(const Points* points, const ushort* met, ushort* order) {
+  float lo_a = INFINITY, hi_a = -INFINITY, lo_b = INFINITY, hi_b = -INFINITY;
   for (uint word = 0; word < points->words; ++word) {
-    uint bits = points->live[word] & met[word];
-    if (popcount(bits) > RC_FEW_RAYS) {
-      Rays16 rays;
-      const Vector16 at = {rc_load16(word, points->x), rc_load16(word, points->y), rc_load16(word, points->z)};
-      const Vector16 place = frame->same ? at : rc_map_points16(frame->l0, frame->l1, frame->l2, at);
-      const Vector16 way = {(float16)(ray.direction.x), (float16)(ray.direction.y), (float16)(ray.direction.z)};
-      rc_store_rays16(place, way, &rays);
-      points->live[word] &= ~rc_tree_hides16(scene, root, &rays, bits);
-      bits = 0;
-    }
-    for (; bits; bits &= bits - 1u) {
-      const uint bit = rc_lowest(bits), k = word * 16u + bit;
-      ray.origin = (float4)(points->x[k], points->y[k], points->z[k], 0.0f);
-      if (!frame->same) ray.origin = rc_map_point(frame->l0, frame->l1, frame->l2, ray.origin);
-      if (rc_tree_hides(scene, root, ray, INFINITY, stack, base)) points->live[word] &= ~(1u << bit);
-    }
-    if (!points->live[word]) rc_empty_word(points, word);
+    if (!(points->live[word] & met[word])) continue;
+    lo_a = fmin(lo_a, points->lo_a[word]);
+    hi_a = fmax(hi_a, points->hi_a[word]);
+    lo_b = fmin(lo_b, points->lo_b[word]);
+    hi_b = fmax(hi_b, points->hi_b[word]);
   }
+  const float per_m = (float)RC_PLANE_CELLS / fmax(fmax(hi_a - lo_a, hi_b - lo_b), 1e-30f);
+  ushort cell[RC_POINTS], first[RC_PLANE_CELLS * RC_PLANE_CELLS];
+  for (uint i = 0; i < RC_PLANE_CELLS * RC_PLANE_CELLS; ++i) first[i] = 0;
+  uint count = 0;
+  for (uint word = 0; word < points->words; ++word)
+    for (uint bits = points->live[word] & met[word]; bits; bits &= bits - 1u) {
+      const uint k = word * 16u + rc_lowest(bits);
+      const uint i = min((uint)((points->a[k] - lo_a) * per_m), RC_PLANE_CELLS - 1u);
+      const uint j = min((uint)((points->b[k] - lo_b) * per_m), RC_PLANE_CELLS - 1u);
+      cell[k] = (ushort)(rc_spread_bits(i) | rc_spread_bits(j) << 1);
+      ++first[cell[k]];
+      ++count;
+    }
+  uint next = 0;
+  for (uint i = 0; i < RC_PLANE_CELLS * RC_PLANE_CELLS; ++i) {
+    const uint in = first[i];
+    first[i] = (ushort)next;
+    next += in;
+  }
+  for (uint word = 0; word < points->words; ++word)
+    for (uint bits = points->live[word] & met[word]; bits; bits &= bits - 1u) {
+      const uint k = word * 16u + rc_lowest(bits);
+      order[first[cell[k]]++] = (ushort)k;
+    }
+  return count;
+}
+
+/* Clears the live points among `met` (a word of bits each) that the placed mesh hides, by sixteen. */
+__attribute__((noinline)) static void rc_shadow_rays(SceneArrays scene, uint root, const ShadowFrame* frame,
+                                                     Points* points, const ushort* met) {
+  ushort order[RC_POINTS];
+  const uint count = rc_order_points(points, met, order);
+  const float4 way = frame->ray.direction;
+  for (uint first = 0; first < count; first += 16u) {
+    const uint together = min(count - first, 16u);
+    Rays16 rays;
+    for (uint i = 0; i < 16u; ++i) {
+      const uint k = order[first + (i < together ? i : 0u)];
+      float4 origin = (float4)(points->x[k], points->y[k], points->z[k], 0.0f);
+      if (!frame->same) origin = rc_map_point(frame->l0, frame->l1, frame->l2, origin);
+      rc_put_ray(&rays, i, origin, way);
+    }
+    for (uint hidden = rc_tree_hides16(scene, root, &rays, (1u << together) - 1u, true); hidden;
+         hidden &= hidden - 1u) {
+      const uint k = order[first + rc_lowest(hidden)];
+      points->live[k / 16u] &= ~(1u << k % 16u);
+    }
+  }
+  for (uint word = 0; word < points->words; ++word)
+    if (!points->live[word]) rc_empty_word(points, word);
 }
 
 /* The live points whose rays meet a box of the top tree grown by `slack` (m), and their number. The test of
@@ -57,6 +106,16 @@ static inline uint rc_rays_at_box(const Points* points, global const BvhNode* no
     const uint bits = points->live[word] ? rc_mask16(enter <= leave) & points->live[word] : 0u;
     met[word] = (ushort)bits;
     count += popcount(bits);
+  }
+  return count;
+}
+
+/* Takes the points of `clear` out of `met`; the number of those left. */
+static inline uint rc_without_clear(const Points* points, ushort* met) {
+  uint count = 0;
+  for (uint word = 0; word < points->words; ++word) {
+    met[word] = (ushort)(met[word] & ~points->clear[word]);
+    count += popcount((uint)met[word]);
   }
   return count;
 }
@@ -94,9 +153,8 @@ static inline void rc_shadow_cluster(SceneArrays scene, Points* points, Cluster 
   rc_set_plane(&world, 3, widen - points->across_b, slack + cluster.hi_b);
   rc_set_plane(&world, 4, points->towards, slack - cluster.lo_d);
   const float4 centre = fabs(points->centre);
-  const float box_slack =
-      RC_WORLD_SLACK * RC_ULP *
-      (rc_node(scene, 0u)->reach + fmax(centre.x, fmax(centre.y, centre.z)) + 2.0f * cluster.reach);
+  const float box_slack = RC_WORLD_SLACK * RC_ULP *
+                          (rc_node(scene, 0u)->reach + fmax(centre.x, fmax(centre.y, centre.z)) + 2.0f * cluster.reach);
   ushort met[RC_WORD_SLOTS];
   uint stack[RC_STACK + RC_STACK_SPARE];
   uint top = 1;
@@ -108,9 +166,11 @@ static inline void rc_shadow_cluster(SceneArrays scene, Points* points, Cluster 
       stack[top++] = node->child[rc_lowest(inner)];
     for (uint leaves = boxes & node->leaf_mask; leaves; leaves &= leaves - 1u) {
       const uint slot = rc_lowest(leaves);
+      const uint instance = node->child[slot];
       uint count = rc_rays_at_box(points, node, slot, box_slack, met);
+      if (instance == points->ground) count = rc_without_clear(points, met);
       if (!count) continue;
-      global const Instance* placed = rc_instance(scene, node->child[slot]);
+      global const Instance* placed = rc_instance(scene, instance);
       const uint tree = 1u << (placed->tree & 31u);
       ShadowFrame frame;
       rc_frame_rays(points, placed, &frame);
@@ -124,14 +184,14 @@ static inline void rc_shadow_cluster(SceneArrays scene, Points* points, Cluster 
         else
           count = 0;
       }
-      if (count) rc_shadow_rays(scene, placed->root, &frame, points, met, stack, top + 1u);
+      if (count) rc_shadow_rays(scene, placed->root, &frame, points, met);
       if (!rc_points_left(points)) return;
     }
   }
 }
 
-/* Clears from points->live the points that something hides in the direction. Precondition: x, y, z, live, words and
- * costly set. */
+/* Clears from points->live the points that something hides in the direction. Precondition: x, y, z, live, words,
+ * costly, ground and, where there is one, clear set. */
 static inline void rc_shadow_points(SceneArrays scene, float4 towards, Points* points) {
   if (!rc_points_left(points)) return;
   for (uint word = points->words; word < RC_WORD_SLOTS; ++word) rc_empty_word(points, word);

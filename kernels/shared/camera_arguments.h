@@ -29,12 +29,22 @@
   VALUE(rc_uint, first_sample) NEXT() \
   VALUE(rc_uint, sample_count)
 
+/* kernels/geometry/skyline.h; the grid's corner and cells a metre: x, y, z of skyline_frame. */
+#define RC_SKYLINE_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) \
+  READ(rc_float, skyline_cells) NEXT() /* [row][column][2]: top, skyline (scene_compiler/skyline.h) */ \
+  VALUE(rc_float4, skyline_frame) NEXT() \
+  VALUE(rc_uint, skyline_instance) NEXT() \
+  VALUE(rc_uint, skyline_columns) NEXT() \
+  VALUE(rc_uint, skyline_rows)
+
 #define RC_TRACE_SUN_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) \
   SCENE(BvhNode, nodes, NODES) NEXT() \
   SCENE(TriBlock, blocks, BLOCKS) NEXT() \
   SCENE(Instance, instances, INSTANCES) NEXT() \
   READ(RayGroup, groups) NEXT() \
+  READ(rc_uint, hits) NEXT() \
   READ(rc_float, surface) NEXT() \
+  RC_SKYLINE_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) NEXT() \
   VALUE(rc_float4, direction) NEXT()  /* to the sun, unit, w = 0 */ \
   WRITE(rc_ushort, sun) NEXT() \
   VALUE(rc_uint, columns)
@@ -46,6 +56,7 @@
   READ(RayGroup, groups) NEXT() \
   READ(rc_uint, hits) NEXT() \
   READ(rc_float, surface) NEXT() \
+  RC_SKYLINE_ARGUMENTS(VALUE, READ, WRITE, SCENE, NEXT) NEXT() \
   READ(rc_float, open_share) NEXT()   /* [surface]: of the open sky, taken for granted, 0 .. 1 */ \
   READ(rc_float4, sky_map) NEXT()     /* kernels/light/sky_map.h, as the next seven */ \
   READ(rc_float, sky_zenith) NEXT() \

@@ -285,6 +285,7 @@ void compare_any(const Placed& placed, std::uint32_t seed, Differences& found) {
     found.hits += static_cast<std::size_t>(__builtin_popcount(answers.without_tree));
     found.single += static_cast<std::size_t>(__builtin_popcount(answers.alone ^ answers.without_tree));
     found.bundle += static_cast<std::size_t>(__builtin_popcount(answers.together ^ answers.without_tree));
+    found.bundle += static_cast<std::size_t>(__builtin_popcount(answers.one_way ^ answers.without_tree));
   }
 }
 

@@ -16,9 +16,10 @@ struct AnyRays {
   std::vector<float> x, y, z, dx, dy, dz;
 };
 
-/// Bit k: something lies ahead of ray k of the sixteen.
+/// Bit k: something lies ahead of ray k of the sixteen. one_way: as rays of one direction go through a tree together;
+/// without_tree where they do not all have one.
 struct AnyAnswers {
-  std::uint32_t together = 0, alone = 0, without_tree = 0;
+  std::uint32_t together = 0, alone = 0, without_tree = 0, one_way = 0;
 };
 
 /// Of sixteens of rays, one after the other, the first 1 + i % 16 of sixteen i are asked about. rays: a multiple of 16.

@@ -150,7 +150,22 @@ std::vector<float> TraceChain::surface() {
                                               .first_sample = first_sample_,
                                               .sample_count = count_});
   again("make_surface");
+  own_points_ = false;
   return surface_.read_all();
+}
+
+namespace {
+shared::rc_float4 skyline_frame(const scene::Skyline& skyline) {
+  return {skyline.x_m, skyline.y_m, skyline.per_cell, 0};
+}
+}  // namespace
+
+/// Points of a test's own are on no ground.
+std::uint32_t TraceChain::skyline_instance() const { return own_points_ ? RC_NONE : scene_.skyline.instance; }
+
+void TraceChain::set_surface(std::span<const float> points) {
+  surface_.write(points);
+  own_points_ = true;
 }
 
 std::vector<std::uint16_t> TraceChain::sun(const shared::rc_float4& direction) {
@@ -159,7 +174,13 @@ std::vector<std::uint16_t> TraceChain::sun(const shared::rc_float4& direction) {
                                            .blocks = scene_.blocks,
                                            .instances = scene_.instances,
                                            .groups = groups_,
+                                           .hits = hits_,
                                            .surface = surface_,
+                                           .skyline_cells = scene_.skyline_cells,
+                                           .skyline_frame = skyline_frame(scene_.skyline),
+                                           .skyline_instance = skyline_instance(),
+                                           .skyline_columns = scene_.skyline.columns,
+                                           .skyline_rows = scene_.skyline.rows,
                                            .direction = direction,
                                            .sun = sun_mask_,
                                            .columns = shape_.columns});
@@ -182,6 +203,11 @@ std::vector<float> TraceChain::sky(const plan::Plan& plan) {
                                     .groups = groups_,
                                     .hits = hits_,
                                     .surface = surface_,
+                                    .skyline_cells = scene_.skyline_cells,
+                                    .skyline_frame = skyline_frame(scene_.skyline),
+                                    .skyline_instance = skyline_instance(),
+                                    .skyline_columns = scene_.skyline.columns,
+                                    .skyline_rows = scene_.skyline.rows,
                                     .open_share = maps_->open_share,
                                     .sky_map = maps_->solar,
                                     .sky_zenith = maps_->zenith,

@@ -85,7 +85,7 @@ class TraceChain {
   std::vector<float> surface();
   /// Puts points of the test's own where surface() would leave its own; none of the two before is
   /// needed.
-  void set_surface(std::span<const float> points) { surface_.write(points); }
+  void set_surface(std::span<const float> points);
   /// sun bits of the last surface() or set_surface()
   std::vector<std::uint16_t> sun(const shared::rc_float4& direction);
   /// met sky of the last surface() or set_surface(), under the plan's sky; of a plan its maps, components, rays and sun
@@ -96,10 +96,12 @@ class TraceChain {
 
  private:
   cl::Kernel& kernel(const std::string& name);
+  std::uint32_t skyline_instance() const;
   const cl::Context& context_;
   TraceShape shape_;
   std::uint32_t first_sample_ = 0, count_ = 0;
   render::SceneBuffers scene_;
+  bool own_points_ = false;  ///< what lies in surface_ is of no triangle
   std::string options_;
   cl::Buffer<shared::RayGroup> groups_;
   cl::Buffer<std::uint32_t> hits_;
