@@ -65,6 +65,19 @@ void for_triangles(const CompiledScene& scene, const Tree& tree, const Action& a
 
 double map_area(const Tree& tree) { return (double{tree.hi[0]} - tree.lo[0]) * (double{tree.hi[1]} - tree.lo[1]); }
 
+/// Whether a matrix turns, moves and scales by one factor: then a point lifted off the ground along its normal, in the
+/// scene, lies above the ground in the tree's frame too.
+bool keeps_angles(const shared::Instance& instance) {
+  const shared::rc_float4 *r = &instance.world_from_local_0, *end = r + 3;
+  double xx = 0, yy = 0, zz = 0, xy = 0, yz = 0, zx = 0;
+  for (; r < end; ++r) {
+    const double x = r->x, y = r->y, z = r->z;
+    xx += x * x, yy += y * y, zz += z * z, xy += x * y, yz += y * z, zx += z * x;
+  }
+  const double apart = std::max({std::abs(xx - yy), std::abs(yy - zz), std::abs(xy), std::abs(yz), std::abs(zx)});
+  return apart <= 1e-5 * xx;
+}
+
 /// The placed tree to survey, or RC_NONE. Of large trees the area is told by some of their blocks.
 std::uint32_t find_ground(const CompiledScene& scene) {
   std::vector<std::uint32_t> placed(scene.trees.size(), 0);
@@ -73,7 +86,7 @@ std::uint32_t find_ground(const CompiledScene& scene) {
   double most = 0;
   for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
     const Tree& tree = scene.trees[scene.instances[i].tree];
-    if (placed[scene.instances[i].tree] != 1 || map_area(tree) <= most) continue;
+    if (placed[scene.instances[i].tree] != 1 || map_area(tree) <= most || !keeps_angles(scene.instances[i])) continue;
     double gentle = 0;
     const std::uint32_t step = 1 + tree.block_count / kBlocksLookedAt;
     for_triangles(
@@ -223,7 +236,8 @@ class Survey {
     });
   }
 
-  /// Edges that are not those of two triangles on either side are the ground's own: cells that they touch are not known.
+  /// Edges that are not those of two triangles, one on either side, are the ground's own: cells that they touch are not
+  /// known.
   void sew_cell(Edge* begin, Edge* end) {
     std::sort(begin, end, [](const Edge& a, const Edge& b) { return a.key < b.key; });
     for (Edge *at = begin, *past = begin; at < end; at = past) {

@@ -5,8 +5,9 @@
 
 namespace raycube::scene {
 
-/// The skyline of the scene's ground: of the trees that are placed once the one whose gentle triangles cover most, at
-/// least half of its bounds; empty where there is none. Cells (frame of the tree, up = +z) hold two numbers:
+/// The skyline of the scene's ground: of the trees that are placed once, by a matrix that keeps angles, the one whose
+/// gentle triangles cover most, at least half of its bounds; empty where there is none. Cells (frame of the tree, up =
+/// +z) hold two numbers:
 ///
 ///     top      no triangle of the ground is higher within the cell, m
 ///     skyline  square of the tangent of an elevation that no triangle of the ground exceeds as seen from any point of
@@ -15,10 +16,10 @@ namespace raycube::scene {
 /// so that a ray that leaves the ground there, or any place of the cell above `top`, more steeply than the skyline
 /// meets nothing of the ground. INFINITY past kSteepSkyline, and where nothing is known: within a cell or more of an
 /// edge of the ground, a wall, a fold, a second layer. Elsewhere the ground is one continuous function of place over
-/// the square of 3, 5 or 9 cells round the cell, so that nothing in there rises more steeply than the triangles'
-/// planes (its edges are sewn to each other in pairs there, and one layer covers the middle of each cell); beyond, cells
-/// are compared by their least and greatest heights. Skylines are 2 % higher than that, for what single precision
-/// rounds. The same for any number of threads.
+/// the square of 3, 5 or 9 cells round it, so that nothing in there rises more steeply than the triangles' planes (its
+/// edges are sewn to each other in pairs there, and one layer covers the middle of each cell); beyond, cells are
+/// compared by their least and greatest heights. Skylines are 2 % higher than that, for what single precision rounds.
+/// The same for any number of threads.
 Skyline survey_skyline(const CompiledScene& scene, int threads);
 
 /// Above that, rays would leave their surface no more steeply than its own points are lifted off it

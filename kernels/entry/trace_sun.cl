@@ -1,5 +1,5 @@
-/* Reads: hits, surface points of make_surface, the scene, the direction to the sun. Writes: one bit per sample, seen or not.
- * Next: trace_sky, shading. */
+/* Reads: hits, surface points of make_surface, the scene, the direction to the sun. Writes: one bit per sample, seen or
+ * not. Next: trace_sky, shading. */
 #include "kernels/geometry/trace_args.h"
 #include "kernels/geometry/any_hit.h"
 #include "kernels/geometry/samples.h"

@@ -1,5 +1,5 @@
-// The ground's skyline: what it claims of every pair of places, by brute force; that it is told of ordinary ground and not
-// near walls, edges, folds and second layers; that sun and sky are the same bits with it and without.
+// The ground's skyline: what it claims of every pair of places, by brute force; that it is told of ordinary ground and
+// not near walls, edges, folds and second layers; that sun and sky are the same bits with it and without.
 #include "scene_compiler/skyline.h"
 
 #include <doctest/doctest.h>
@@ -148,7 +148,7 @@ TEST_CASE("S7: no place of the ground stands higher above another than the skyli
   add_plate(roof, -8, -8, 6, 4);
   cases.push_back({"a roof", roof, 0.1});
   auto lid = ground(60, 0.7, hills, kAll);
-  add_plate(lid, -40, -40, 80, 5);
+  add_plate(lid, -40, -40, 80, 1.5f);  // so low that cells beyond the near ones do not tell
   cases.push_back({"a lid over all of it", lid, 0});
   auto turned_over = ground(60, 0.7, hills, kAll);
   for (std::uint32_t t = 2000; t < 2400; ++t)
@@ -183,11 +183,13 @@ TEST_CASE("S7: under a roof, beside a wall and at the ground's edge nothing is k
   CHECK(std::isfinite(at(scene.skyline, -15, 12)));
 }
 
-TEST_CASE("S7: balls, a ground placed twice and a wall have no skyline") {
+TEST_CASE("S7: balls, a ground placed twice, stretched ground and a wall have no skyline") {
   auto twice = alone(finished(ground(20, 1, hills, kAll)), test::kIdentity);
   scene::append_instance(twice, 0, test::placement(0, 0.1, 1, 40, 0, 0), 1);
   CHECK(scene::survey_skyline(twice, 2).instance == RC_NONE);
   CHECK(alone(test::sphere(2, 3, 0.1), test::kIdentity).skyline.instance == RC_NONE);
+  const std::array<double, 12> taller{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 8, 0};  // points are not lifted off as it is told
+  CHECK(alone(finished(ground(20, 1, hills, kAll)), taller).skyline.instance == RC_NONE);
   scene::TriangleMesh wall;
   add(wall, {0, 0, 0}, {10, 0, 0}, {10, 0, 8});
   CHECK(alone(finished(wall), test::kIdentity).skyline.instance == RC_NONE);
