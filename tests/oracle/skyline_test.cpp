@@ -154,6 +154,11 @@ TEST_CASE("S7: no place of the ground stands higher above another than the skyli
   for (std::uint32_t t = 2000; t < 2400; ++t)
     std::swap(turned_over.triangles[t][0], turned_over.triangles[t][t % 2 + 1]);
   cases.push_back({"some triangles wound the other way", turned_over, 0.6});
+  auto step = ground(60, 0.7, hills, [](auto i, auto) { return i < 34; });
+  const auto upper = ground(
+      60, 0.7, [](double x, double y) { return hills(x, y) + 2; }, [](auto i, auto) { return i >= 34; });
+  for (const auto& t : upper.triangles) add(step, upper.vertices[t[0]], upper.vertices[t[1]], upper.vertices[t[2]]);
+  cases.push_back({"a step without a wall", step, 0.3});
   for (const Case& c : cases) {
     INFO(c.name);
     const auto mesh = finished(c.mesh);
