@@ -77,9 +77,9 @@ def what_an_expert_would_use(data):
         f"that traces once, sums what sun and "
         "sky give each material of a pixel, and multiplies one matrix needs none per band. At equal error of the "
         "*worst* band, which is what "
-        "`tolerance` means (few sky directions look two to four times better by the median), raycube takes 1.0 to 1.4 "
-        "times as long as such a "
-        "script on this scene, 1.4 to 2.2 times with its plan (`ci/bench trace_once`, 2026-11-23)."
+        "`tolerance` means (few sky directions look two to four times better by the median), raycube takes 0.6 to 0.8 "
+        "of the time of such a "
+        "script on this scene, 0.8 to 1.2 times as long with its plan (`ci/bench trace_once`, 2026-11-25)."
     )
 
 

@@ -24,7 +24,7 @@ RC_BODY trace_sun_body(uint index, RC_PARAMETERS(RC_TRACE_SUN_ARGUMENTS)) {
   for (uint word = 0; word < points.words; ++word)
     points.live[word] = rc_mask16(rc_cosines(direction, rc_surface_word(in, word)) > 0.0f);
   const Skyline skyline = RC_GATHER_SKYLINE();
-  rc_find_clear(scene, &skyline, hits + RC_HITS_AT(place.pixel), direction, &points);
+  points.ground = rc_ground_passed(scene, &skyline, hits + RC_HITS_AT(place.pixel), direction, &points);
   rc_shadow_points(scene, direction, &points);
   for (uint word = 0; word < points.words; ++word) seen[word] = (ushort)points.live[word];
 #else

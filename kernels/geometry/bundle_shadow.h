@@ -14,9 +14,8 @@ typedef struct Points {
   float a[RC_POINTS], b[RC_POINTS],
       d[RC_POINTS]; /* plane coordinates and distance along the direction, m, about `centre` */
   float lo_a[RC_WORD_SLOTS], hi_a[RC_WORD_SLOTS], lo_b[RC_WORD_SLOTS], hi_b[RC_WORD_SLOTS], lo_d[RC_WORD_SLOTS];
-  uint live[RC_WORD_SLOTS];  /* bits of points that are neither blocked nor out of use */
-  uint clear[RC_WORD_SLOTS]; /* bits of points whose rays are known to miss the ground */
-  uint ground;               /* its instance; RC_NONE: there is none, and `clear` is not set */
+  uint live[RC_WORD_SLOTS]; /* bits of points that are neither blocked nor out of use */
+  uint ground;              /* an instance that none of their rays meets; RC_NONE: nothing is known */
   uint words;
   uint costly;                                /* bit t % 32: bundles through tree t did not pay; start with 0 */
   float4 centre, towards, across_a, across_b; /* scene frame; unit vectors */
@@ -32,15 +31,6 @@ typedef struct ShadowFrame {
   float4 l0, l1, l2; /* local_from_world */
   bool same;         /* the frame is the scene's */
 } ShadowFrame;
-
-/* Of numbers, as rc_min16. */
-static inline float rc_least16(float16 v) {
-  const float8 h = rc_min8(v.lo, v.hi);
-  const float4 q = h.lo < h.hi ? h.lo : h.hi;
-  const float2 p = q.lo < q.hi ? q.lo : q.hi;
-  return p.x < p.y ? p.x : p.y;
-}
-static inline float rc_most16(float16 v) { return -rc_least16(-v); }
 
 static inline int16 rc_lanes(uint bits) {
   const int16 lane_bit = (int16)(1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768);

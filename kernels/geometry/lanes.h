@@ -58,6 +58,15 @@ static inline float8 rc_max8(float8 a, float8 b) { return a > b ? a : b; }
 static inline float16 rc_min16(float16 a, float16 b) { return a < b ? a : b; }
 static inline float16 rc_max16(float16 a, float16 b) { return a > b ? a : b; }
 
+/* Least and most of the lanes. */
+static inline float rc_least16(float16 v) {
+  const float8 h = rc_min8(v.lo, v.hi);
+  const float4 q = h.lo < h.hi ? h.lo : h.hi;
+  const float2 p = q.lo < q.hi ? q.lo : q.hi;
+  return p.x < p.y ? p.x : p.y;
+}
+static inline float rc_most16(float16 v) { return -rc_least16(-v); }
+
 /* vstore16 and vload16 as one access where the compiler is clang. Its library's are of quarters and halves, which are
  * not always joined again: a load of the whole soon after such a store waits for all of it to reach the cache, and
  * shadow rays took a third longer by loads of halves from the work-item's own memory. Loads from global memory are

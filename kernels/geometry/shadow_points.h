@@ -110,16 +110,6 @@ static inline uint rc_rays_at_box(const Points* points, global const BvhNode* no
   return count;
 }
 
-/* Takes the points of `clear` out of `met`; the number of those left. */
-static inline uint rc_without_clear(const Points* points, ushort* met) {
-  uint count = 0;
-  for (uint word = 0; word < points->words; ++word) {
-    met[word] = (ushort)(met[word] & ~points->clear[word]);
-    count += popcount((uint)met[word]);
-  }
-  return count;
-}
-
 /* One bundle through one placed mesh; stops when it has cost more than `budget`. Returns whether it came to the end. */
 __attribute__((noinline)) static bool rc_shadow_mesh(SceneArrays scene, uint root, const ShadowFrame* frame,
                                                      const Cull* cull, const Cluster* cluster, Points* points,
@@ -167,8 +157,8 @@ static inline void rc_shadow_cluster(SceneArrays scene, Points* points, Cluster 
     for (uint leaves = boxes & node->leaf_mask; leaves; leaves &= leaves - 1u) {
       const uint slot = rc_lowest(leaves);
       const uint instance = node->child[slot];
+      if (instance == points->ground) continue;
       uint count = rc_rays_at_box(points, node, slot, box_slack, met);
-      if (instance == points->ground) count = rc_without_clear(points, met);
       if (!count) continue;
       global const Instance* placed = rc_instance(scene, instance);
       const uint tree = 1u << (placed->tree & 31u);
@@ -191,7 +181,7 @@ static inline void rc_shadow_cluster(SceneArrays scene, Points* points, Cluster 
 }
 
 /* Clears from points->live the points that something hides in the direction. Precondition: x, y, z, live, words,
- * costly, ground and, where there is one, clear set. */
+ * costly and ground set. */
 static inline void rc_shadow_points(SceneArrays scene, float4 towards, Points* points) {
   if (!rc_points_left(points)) return;
   for (uint word = points->words; word < RC_WORD_SLOTS; ++word) rc_empty_word(points, word);
