@@ -41,7 +41,7 @@ void append_instance(CompiledScene& scene, std::uint32_t tree, const std::array<
                      std::uint32_t placement);
 
 /// Builds the top tree over the placed trees into scene.nodes[0..] (roots and children of trees are renumbered), sets
-/// bounds and top_depth. Call once, after the last instance.
+/// bounds and top_depth, and surveys the ground's skyline (skyline.h). Call once, after the last instance.
 void finish_top_tree(CompiledScene& scene);
 
 }  // namespace raycube::scene
