@@ -62,8 +62,9 @@ scene::Adjacency choose_adjacency(const scene::Simulation& simulation, const atm
 }
 
 Spectrum plan_environment(Plan& plan, const scene::Simulation& simulation, const atmos::RenderTable& table,
-                          const Domain& domain, bool local, const std::vector<double>& covered_um, std::size_t first) {
-  plan.environment = make_environment(simulation.scene, domain.view, domain.z_lo, domain.z_hi, local);
+                          const Domain& domain, bool local, const std::vector<double>& covered_um, std::size_t first,
+                          int threads) {
+  plan.environment = make_environment(simulation.scene, domain.view, domain.z_lo, domain.z_hi, local, threads);
   plan.environment.pressure_hPa = simulation.atmosphere.pressure_hPa;
   return ground_of(plan.environment, simulation, table, covered_um, first);
 }

@@ -16,9 +16,11 @@ namespace raycube::plan {
 scene::Adjacency choose_adjacency(const scene::Simulation& simulation, const atmos::RenderTable& table);
 
 /// Makes plan.environment and returns the scene's mean reflectance on the covered wavelengths, the first of which is
-/// number `first` of the table's. Error(input) where mean and spherical albedo let light grow without end.
+/// number `first` of the table's. Error(input) where mean and spherical albedo let light grow without end. On as many
+/// threads (0: all), the same on any number.
 Spectrum plan_environment(Plan& plan, const scene::Simulation& simulation, const atmos::RenderTable& table,
-                          const Domain& domain, bool local, const std::vector<double>& covered_um, std::size_t first);
+                          const Domain& domain, bool local, const std::vector<double>& covered_um, std::size_t first,
+                          int threads);
 
 /// Fills plan.environment_spectrum at the plan's nodes of height and view, and the map's curves on the plan's grid.
 void add_environment_spectra(Plan& plan, const scene::Simulation& simulation, const TableSpectra& air,

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "atmos_tables/environment_function.h"
+#include "host/base/parallel.h"
 #include "host/plan/curve.h"
 #include "host/plan/ground_rays.h"
 
@@ -38,16 +39,19 @@ struct Region {
 /// Uppermost surfaces at the centres of square cells.
 class GroundRaster {
  public:
-  GroundRaster(const scene::CompiledScene& scene, const Region& region, double finest_m, int most) : region_(region) {
+  GroundRaster(const scene::CompiledScene& scene, const Region& region, double finest_m, int most, int threads)
+      : region_(region) {
     if (region.empty()) return;
     cell_ = std::max(finest_m, region.longer() / most);
     columns_ = static_cast<std::size_t>(std::ceil(region.width() / cell_ - 1e-9));
     rows_ = static_cast<std::size_t>(std::ceil(region.height() / cell_ - 1e-9));
     dx_ = region.width() / static_cast<double>(columns_), dy_ = region.height() / static_cast<double>(rows_);
-    for (std::size_t r = 0; r < rows_; ++r)
+    surface_.resize(rows_ * columns_);
+    base::for_each_index(rows_, threads, [&](std::size_t r) {
       for (std::size_t c = 0; c < columns_; ++c)
-        surface_.push_back(uppermost_surface(scene, region.x_lo + (static_cast<double>(c) + 0.5) * dx_,
-                                             region.y_lo + (static_cast<double>(r) + 0.5) * dy_));
+        surface_[r * columns_ + c] = uppermost_surface(scene, region.x_lo + (static_cast<double>(c) + 0.5) * dx_,
+                                                       region.y_lo + (static_cast<double>(r) + 0.5) * dy_);
+    });
   }
   bool contains(double x, double y) const {
     return !surface_.empty() && x >= region_.x_lo && x <= region_.x_hi && y >= region_.y_lo && y <= region_.y_hi;
@@ -102,9 +106,10 @@ Region footprint(const ViewBounds& view, double z_lo, double z_hi) {
 /// Rasters of growing reach and spacing; a place is looked up in the first that holds it.
 class Ground {
  public:
-  Ground(const scene::CompiledScene& scene, const std::vector<Region>& regions, double finest_m) {
+  Ground(const scene::CompiledScene& scene, const std::vector<Region>& regions, double finest_m, int threads) {
     for (const Region& region : regions)
-      if (rasters_.empty() || !(region == last_)) rasters_.emplace_back(scene, last_ = region, finest_m, kRasterPoints);
+      if (rasters_.empty() || !(region == last_))
+        rasters_.emplace_back(scene, last_ = region, finest_m, kRasterPoints, threads);
   }
   std::uint32_t at(double x, double y) const {
     for (const auto& raster : rasters_)
@@ -142,7 +147,7 @@ std::vector<Offset> spiral(atmos::Scatterer scatterer, double height_m, double c
 }  // namespace
 
 EnvironmentMap make_environment(const scene::CompiledScene& scene, const ViewBounds& view, double z_lo, double z_hi,
-                                bool local) {
+                                bool local, int threads) {
   EnvironmentMap map;
   map.height_m = std::max(1.0, view.sensor_height_m - 0.5 * (z_lo + z_hi));
   map.sensor_z_m = view.sensor_height_m;
@@ -160,7 +165,7 @@ EnvironmentMap make_environment(const scene::CompiledScene& scene, const ViewBou
   if (!local) regions.erase(regions.begin(), regions.end() - 1);
   map.mean_lo_m = {regions.back().x_lo, regions.back().y_lo};
   map.mean_hi_m = {regions.back().x_hi, regions.back().y_hi};
-  const Ground ground(scene, regions, step / kPointsPerStep);
+  const Ground ground(scene, regions, step / kPointsPerStep, threads);
 
   std::vector<std::uint32_t> count(scene.surfaces.size(), 0), touched;
   const auto meet = [&](std::uint32_t surface) {

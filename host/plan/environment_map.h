@@ -11,9 +11,9 @@ namespace raycube::plan {
 /// outside these or the scene, or shows no surface, counts as the scene's mean: the area mean of the widest raster.
 /// Around each node of the map
 /// 4096 places per environment function, on a spiral of equal shares of F, say what is there. `local` false: one node,
-/// the mean. z_lo, z_hi: heights of the ground looked at.
+/// the mean. z_lo, z_hi: heights of the ground looked at. On as many threads (0: all), the same on any number.
 EnvironmentMap make_environment(const scene::CompiledScene& scene, const ViewBounds& view, double z_lo, double z_hi,
-                                bool local);
+                                bool local, int threads = 0);
 
 /// Reflectance of the scene's mean at wavelengths in um; curves keep their end values outside.
 std::vector<double> mean_reflectance(const EnvironmentMap& map, const scene::CompiledScene& scene,

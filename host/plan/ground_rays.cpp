@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "scene_compiler/matter.h"
 #include "scene_compiler/owner.h"
@@ -39,7 +40,9 @@ double dot(const Vec& a, const Vec& b) { return a[0] * b[0] + a[1] * b[1] + a[2]
 /// Boxes are rounded outwards for fp32 rays already; this much more (relative) covers the matrices' rounding.
 constexpr double kBoxSlack = 1e-6;
 
-bool meets_box(const shared::BvhNode& node, std::uint32_t slot, const Ray& ray, double t_max) {
+/// Where a ray enters a child's box before t_max; infinite: nowhere.
+double enters_box(const shared::BvhNode& node, std::uint32_t slot, const Ray& ray, double t_max) {
+  constexpr double nowhere = std::numeric_limits<double>::infinity();
   const Vec lo{node.lo_x[slot], node.lo_y[slot], node.lo_z[slot]},
       hi{node.hi_x[slot], node.hi_y[slot], node.hi_z[slot]};
   double enter = 0, leave = t_max;
@@ -47,14 +50,29 @@ bool meets_box(const shared::BvhNode& node, std::uint32_t slot, const Ray& ray, 
     const double pad = kBoxSlack * std::max({std::abs(lo[i]), std::abs(hi[i]), std::abs(ray.origin[i])});
     const double below = lo[i] - pad - ray.origin[i], above = hi[i] + pad - ray.origin[i];
     if (ray.direction[i] == 0) {
-      if (below > 0 || above < 0) return false;
+      if (below > 0 || above < 0) return nowhere;
       continue;
     }
     const double a = below / ray.direction[i], b = above / ray.direction[i];
     enter = std::max(enter, std::min(a, b));
     leave = std::min(leave, std::max(a, b));
   }
-  return enter <= leave;
+  return enter <= leave ? enter : nowhere;
+}
+
+/// visit(slot) of every child whose box a ray meets before what it has found, nearest box first.
+template <class Visit>
+void visit_children(const shared::BvhNode& node, const Ray& ray, const Found& found, const Visit& visit) {
+  std::array<std::pair<double, std::uint32_t>, std::size(shared::BvhNode{}.child)> met;
+  std::size_t count = 0;
+  for (std::uint32_t slot = 0; slot < node.count; ++slot) {
+    const double enter = enters_box(node, slot, ray, found.t);
+    if (enter == std::numeric_limits<double>::infinity()) continue;
+    std::size_t at = count++;
+    for (; at > 0 && enter < met[at - 1].first; --at) met[at] = met[at - 1];
+    met[at] = {enter, slot};
+  }
+  for (std::size_t i = 0; i < count && met[i].first <= found.t; ++i) visit(met[i].second);
 }
 
 /// Moller & Trumbore (1997) in double: a ray lost at an edge is one of many thousands.
@@ -74,16 +92,12 @@ void meet_triangle(std::uint32_t instance, std::uint32_t primitive, const Ray& r
 
 void walk_tree(std::uint32_t instance, std::uint32_t index, const Ray& ray, Found& found) {
   const shared::BvhNode& node = found.scene.nodes[index];
-  for (std::uint32_t slot = 0; slot < node.count; ++slot) {
-    if (!meets_box(node, slot, ray, found.t)) continue;
-    if (!(node.leaf_mask >> slot & 1u)) {
-      walk_tree(instance, node.child[slot], ray, found);
-      continue;
-    }
+  visit_children(node, ray, found, [&](std::uint32_t slot) {
+    if (!(node.leaf_mask >> slot & 1u)) return walk_tree(instance, node.child[slot], ray, found);
     const std::uint32_t block = node.child[slot];
     for (std::uint32_t p = block * RC_BLOCK; p < (block + 1) * RC_BLOCK; ++p)
       if (scene::surface_of(found.scene, p) != RC_NONE) meet_triangle(instance, p, ray, found);
-  }
+  });
 }
 
 /// A world ray in an instance's frame; t stays the same.
@@ -101,16 +115,12 @@ Ray to_local(const shared::Instance& instance, const Ray& ray) {
 
 void walk_top(std::uint32_t index, const Ray& ray, Found& found) {
   const shared::BvhNode& node = found.scene.nodes[index];
-  for (std::uint32_t slot = 0; slot < node.count; ++slot) {
-    if (!meets_box(node, slot, ray, found.t)) continue;
-    if (node.leaf_mask >> slot & 1u) {
-      const std::uint32_t instance = node.child[slot];
-      const shared::Instance& placed = found.scene.instances[instance];
-      walk_tree(instance, placed.root, to_local(placed, ray), found);
-    } else {
-      walk_top(node.child[slot], ray, found);
-    }
-  }
+  visit_children(node, ray, found, [&](std::uint32_t slot) {
+    if (!(node.leaf_mask >> slot & 1u)) return walk_top(node.child[slot], ray, found);
+    const std::uint32_t instance = node.child[slot];
+    const shared::Instance& placed = found.scene.instances[instance];
+    walk_tree(instance, placed.root, to_local(placed, ray), found);
+  });
 }
 
 }  // namespace

@@ -14,7 +14,6 @@ namespace raycube::plan {
 namespace {
 
 using Four = std::array<double, 4>;
-constexpr std::size_t kTilts = 201, kAzimuths = 101;
 
 /// Lagrange weights of the four nodes around `at` on the axis 0, 1, ... count - 1; one-sided at both ends.
 std::size_t cubic_weights(double at, std::size_t count, std::array<double, 4>& weight) {
@@ -182,14 +181,14 @@ void SkyIrradiance::at(double tilt_rad, std::span<const double> azimuth_rad, std
   }
 }
 
-IrradianceGrid::IrradianceGrid(const SkyIrradiance& exact, double sun_azimuth_rad, int threads)
-    : sun_azimuth_(sun_azimuth_rad), value_(kTilts * kAzimuths) {
+IrradianceGrid::IrradianceGrid(const SkyIrradiance& exact, double sun_azimuth_rad, std::size_t tilts, int threads)
+    : sun_azimuth_(sun_azimuth_rad), tilts_(tilts), azimuths_(tilts / 2 + 1), value_(tilts_ * azimuths_) {
   std::vector<double> azimuth_rad;
-  for (std::size_t j = 0; j < kAzimuths; ++j)
-    azimuth_rad.push_back(base::kPi * static_cast<double>(j) / (kAzimuths - 1));
-  base::for_each_index(kTilts, threads, [&](std::size_t i) {
-    exact.at(base::kPi * static_cast<double>(i) / (kTilts - 1), azimuth_rad,
-             std::span(value_).subspan(i * kAzimuths, kAzimuths));
+  for (std::size_t j = 0; j < azimuths_; ++j)
+    azimuth_rad.push_back(base::kPi * static_cast<double>(j) / static_cast<double>(azimuths_ - 1));
+  base::for_each_index(tilts_, threads, [&](std::size_t i) {
+    exact.at(base::kPi * static_cast<double>(i) / static_cast<double>(tilts_ - 1), azimuth_rad,
+             std::span(value_).subspan(i * azimuths_, azimuths_));
   });
 }
 
@@ -197,12 +196,12 @@ std::array<double, 4> IrradianceGrid::at(double x, double y, double z) const {
   const double tilt = std::atan2(std::sqrt(x * x + y * y), z);
   const double psi = std::abs(std::remainder(std::atan2(x, y) - sun_azimuth_, 2 * base::kPi));
   std::array<double, 4> wt, wp;
-  const std::size_t i = cubic_weights(tilt / base::kPi * (kTilts - 1), kTilts, wt),
-                    j = cubic_weights(psi / base::kPi * (kAzimuths - 1), kAzimuths, wp);
+  const std::size_t i = cubic_weights(tilt / base::kPi * static_cast<double>(tilts_ - 1), tilts_, wt),
+                    j = cubic_weights(psi / base::kPi * static_cast<double>(azimuths_ - 1), azimuths_, wp);
   Four sum{};
   for (std::size_t a = 0; a < 4; ++a)
     for (std::size_t b = 0; b < 4; ++b) {
-      const Four& value = value_[(i + a) * kAzimuths + j + b];
+      const Four& value = value_[(i + a) * azimuths_ + j + b];
       for (std::size_t m = 0; m < 4; ++m) sum[m] += wt[a] * wp[b] * value[m];
     }
   return sum;

@@ -43,13 +43,15 @@ class SkyIrradiance {
 /// Exact on a grid over tilt and azimuth, where the irradiance is smooth, and cubic between.
 class IrradianceGrid {
  public:
-  /// On `threads` threads (0: as many as the machine has), the same on any number.
-  IrradianceGrid(const SkyIrradiance& exact, double sun_azimuth_rad, int threads = 0);
+  /// `tilts` (odd) from 0 to pi, half as many azimuths. On `threads` threads (0: as many as the machine has), the same
+  /// on any number.
+  IrradianceGrid(const SkyIrradiance& exact, double sun_azimuth_rad, std::size_t tilts, int threads = 0);
   /// Normal x east, y north, z up; any length.
   std::array<double, 4> at(double x, double y, double z) const;
 
  private:
   double sun_azimuth_;
+  std::size_t tilts_, azimuths_;
   std::vector<std::array<double, 4>> value_;
 };
 
@@ -62,7 +64,8 @@ std::array<double, 4> read_between_nodes(const IrradianceGrid& grid, int size, d
 /// The map between its nodes.
 std::array<double, 4> read_map(const IrradianceMap& map, double x, double y, double z);
 
-/// Sizes the planner tries, ascending.
+/// Tilts of the grids and sizes of the map that the planner tries, ascending.
+inline constexpr std::array<std::size_t, 2> kGridTilts = {101, 201};
 inline constexpr std::array<int, 4> kMapSizes = {129, 257, 513, 1025};
 
 }  // namespace raycube::plan

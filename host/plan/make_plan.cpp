@@ -7,6 +7,7 @@
 
 #include "host/base/doing.h"
 #include "host/base/error.h"
+#include "host/base/parallel.h"
 #include "host/base/units.h"
 #include "host/plan/adjacency.h"
 #include "host/plan/band_space.h"
@@ -28,8 +29,12 @@ namespace {
 
 /// Part of the tolerance for each block (nodes of height, view and path; sky components), and for all of them together.
 constexpr double kShare = 0.1, kBudget = 0.5;
-/// Part of the horizontal irradiance that the irradiance map may be off between its nodes.
-constexpr double kMapShare = 4e-6;
+/// Part of the horizontal irradiance that the irradiance map may be off between its nodes: a hundredth of the tolerance
+/// (a tenth of what a block may be off by), and at most half of the 1e-4 within which its integrals and the light of the
+/// sampled maps are to agree.
+constexpr double kMapShareOfTolerance = 0.01, kMostMapShare = 5e-5;
+/// Part of that which the grid may err that the map is read from.
+constexpr double kGridPart = 0.5;
 constexpr int kMaxThermalComponents = 2;
 
 Domain make_domain(const scene::Simulation& simulation, const atmos::RenderTable& table, const ViewBounds& view) {
@@ -54,34 +59,61 @@ Domain make_domain(const scene::Simulation& simulation, const atmos::RenderTable
   return domain;
 }
 
+/// A normal and the exact irradiance there.
+struct IrradianceCheck {
+  double x, y, z;
+  std::array<double, 4> want;
+};
+
+/// Over the whole sphere of normals.
+std::vector<IrradianceCheck> irradiance_checks(const SkyIrradiance& exact, double sun_azimuth, int threads) {
+  constexpr std::size_t tilts = 30, turns = 20;
+  std::vector<IrradianceCheck> checks(tilts * turns);
+  base::for_each_index(tilts, threads, [&](std::size_t i) {
+    const double z = 1 - (2 * static_cast<double>(i) + 1) / tilts, r = std::sqrt(1 - z * z);
+    std::array<double, turns> turn;
+    std::array<std::array<double, 4>, turns> want;
+    for (std::size_t k = 0; k < turns; ++k)
+      turn[k] = 2 * std::numbers::pi * std::fmod(static_cast<double>(i * turns + k) * (std::numbers::phi - 1), 1.0);
+    exact.at(std::acos(z), turn, want);
+    for (std::size_t k = 0; k < turns; ++k)
+      checks[i * turns + k] = {r * std::sin(turn[k] + sun_azimuth), r * std::cos(turn[k] + sun_azimuth), z, want[k]};
+  });
+  return checks;
+}
+
+/// Largest error of what `found(x, y, z)` says at the checks, of any mixture.
+template <class Found>
+double worst_irradiance(const std::vector<IrradianceCheck>& checks, const std::vector<Mixture>& mixtures,
+                        const Found& found) {
+  double worst = 0;
+  for (const auto& [x, y, z, want] : checks) {
+    const std::array<double, 4> here = found(x, y, z);
+    for (const auto& mixture : mixtures) {
+      double difference = 0;
+      for (std::size_t m = 0; m < 4; ++m) difference += mixture[m] * (here[m] - want[m]);
+      worst = std::max(worst, std::abs(difference));
+    }
+  }
+  return worst;
+}
+
 /// The smallest map whose error between nodes, against the exact integral at fixed directions, is inside its share.
 double fit_map(Plan& plan, double sun_azimuth, const std::vector<Mixture>& mixtures, int threads) {
   const SkyIrradiance exact(plan.sky_basis);
-  const IrradianceGrid grid(exact, sun_azimuth, threads);
-  constexpr int checks = 600;
-  struct Check {
-    double x, y, z;
-    std::array<double, 4> want;
+  const std::vector<IrradianceCheck> checks = irradiance_checks(exact, sun_azimuth, threads);
+  const double share = std::min(kMapShareOfTolerance * plan.tolerance, kMostMapShare);
+  const auto grid_of = [&](std::size_t tilts) { return IrradianceGrid(exact, sun_azimuth, tilts, threads); };
+  const auto error_of = [&](const IrradianceGrid& grid) {
+    return worst_irradiance(checks, mixtures, [&](double x, double y, double z) { return grid.at(x, y, z); });
   };
-  std::vector<Check> spiral;  // over the whole sphere of normals
-  for (int k = 0; k < checks; ++k) {
-    const double z = 1 - (2 * k + 1.0) / checks,
-                 azimuth = 2 * std::numbers::pi * std::fmod(k * (std::numbers::phi - 1), 1.0);
-    const double r = std::sqrt(1 - z * z);
-    spiral.push_back({r * std::sin(azimuth), r * std::cos(azimuth), z, exact.at(std::acos(z), azimuth - sun_azimuth)});
-  }
+  IrradianceGrid grid = grid_of(kGridTilts.front());
+  if (error_of(grid) > kGridPart * share) grid = grid_of(kGridTilts.back());
   double worst = 0;
   for (const int size : kMapSizes) {
-    worst = 0;
-    for (const auto& [x, y, z, want] : spiral) {
-      const auto found = read_between_nodes(grid, size, x, y, z);
-      for (const auto& mixture : mixtures) {
-        double difference = 0;
-        for (std::size_t m = 0; m < 4; ++m) difference += mixture[m] * (found[m] - want[m]);
-        worst = std::max(worst, std::abs(difference));
-      }
-    }
-    if (worst > kMapShare && size != kMapSizes.back()) continue;
+    worst = worst_irradiance(checks, mixtures,
+                             [&](double x, double y, double z) { return read_between_nodes(grid, size, x, y, z); });
+    if (worst > share && size != kMapSizes.back()) continue;
     plan.irradiance = make_irradiance_map(grid, size, threads);
     break;
   }
@@ -308,9 +340,12 @@ void fill_spectra(Plan& plan, const Setting& at, const ChosenSkies& skies) {
   plan.source_spectrum.resize(static_cast<std::size_t>(plan.source_channels()));
   for (int h = 0; h < plan.height.count; ++h) {
     const double z = node_position(plan.height, h);
+    Spectrum flux_scale;
+    const SkySpectra component = sky_spectra(skies.solar, air, z, &flux_scale),
+                     emitted_sky = sky_spectra(skies.thermal, air, z);
     if (air.has_sky() && air.knows_flux_of_sky())
-      plan.sky_flux.add(z, at.first, sky_flux_scale(air, z, at.domain.sun_zenith));
-    const SkySpectra component = sky_spectra(skies.solar, air, z), emitted_sky = sky_spectra(skies.thermal, air, z);
+      plan.sky_flux.add(z, at.first,
+                        flux_scale.empty() ? sky_flux_scale(air, z, at.domain.sun_zenith) : std::move(flux_scale));
     for (int v = 0; v < plan.view.count; ++v) {
       const double sec = node_position(plan.view, v);
       const auto source = [&](int number) -> std::vector<double>& {
@@ -399,7 +434,8 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
   const scene::Adjacency adjacency = choose_adjacency(simulation, table);
   Spectrum ground;
   if (adjacency != scene::Adjacency::off)
-    ground = plan_environment(plan, simulation, table, domain, adjacency == scene::Adjacency::local, covered, first);
+    ground = plan_environment(plan, simulation, table, domain, adjacency == scene::Adjacency::local, covered, first,
+                              threads);
   TableSpectra air(table, simulation.atmosphere.none, plan.sun_up, first, last - first + 1, ground);
   check_view(instrument, view, air.last_view_zenith_rad());
   const BandSpace bands(covered, spectral.wavelength_um, spectral.bands, spectral.mean_reflectance);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include <Eigen/Dense>
 
@@ -52,9 +53,10 @@ std::vector<double> refine(std::vector<double> axis, Widest widest) {
 
 /// Radiance at every node of the maps: rows are nodes, columns wavelengths.
 MatrixXd sample_sky(const SkyBasis& basis, const TableSpectra& table, double height_m, Sky sky) {
-  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  const auto radiance = table.sky_grid(height_m, basis.zenith_rad, basis.azimuth_rad, sky);
-  return Eigen::Map<const Rows>(radiance.data(), static_cast<Index>(basis.nodes()), static_cast<Index>(table.size()));
+  MatrixXd radiance(static_cast<Index>(basis.nodes()), static_cast<Index>(table.size()));
+  table.sky_grid(height_m, basis.zenith_rad, basis.azimuth_rad, sky,
+                 std::span(radiance.data(), static_cast<std::size_t>(radiance.size())));
+  return radiance;
 }
 
 VectorXd vector_of(const std::vector<double>& v) {
@@ -90,6 +92,15 @@ VectorXd flux_of(VectorXd irradiance, const TableSpectra& table, double height_m
   for (Index l = 0; l < irradiance.size(); ++l)
     irradiance[l] *= same_sky_scale(irradiance[l], row[static_cast<std::size_t>(l)]);
   return irradiance;
+}
+
+/// What brings a solar sky whose maps sum to `sampled` to the table's own flux, per wavelength.
+Spectrum scale_to_flux(const VectorXd& sampled, const TableSpectra& table, double height_m) {
+  Spectrum out(table.size(), 1.0);
+  if (!table.knows_flux_of_sky()) return out;
+  const Spectrum flux = table.diffuse_irradiance(height_m);
+  for (std::size_t l = 0; l < out.size(); ++l) out[l] = same_sky_scale(sampled[static_cast<Index>(l)], flux[l]);
+  return out;
 }
 
 /// Nodes of the maps.
@@ -164,12 +175,15 @@ bool limit(MatrixXd& maps, const VectorXd& q, const std::vector<Mixture>& mixtur
 /// One decomposition with the columns weighted: A_0 their mean, A_1.. the leading singular vectors of the differences.
 MatrixXd decompose(const SkyBasis& basis, const MatrixXd& sample, const VectorXd& column_weight, Index rank) {
   const VectorXd mean = sample * column_weight / column_weight.sum();
+  if (rank == 1) return mean;
   const VectorXd root = fit_weights(basis, mean).cwiseSqrt();
   MatrixXd x = root.asDiagonal() * (sample.colwise() - mean);
   x = x * column_weight.cwiseSqrt().asDiagonal();
   // singular vectors from the small Gram matrix: its accuracy, 1e-8 of the largest, is that of the float table
   base::SymmetricModes gram;
-  gram.compute(x.transpose() * x);
+  MatrixXd products = MatrixXd::Zero(x.cols(), x.cols());
+  products.selfadjointView<Eigen::Lower>().rankUpdate(x.transpose());
+  gram.compute(products);
   MatrixXd maps(sample.rows(), 1);
   maps.col(0) = mean;
   const Index n = x.cols();
@@ -183,7 +197,13 @@ MatrixXd decompose(const SkyBasis& basis, const MatrixXd& sample, const VectorXd
 }
 
 VectorXd occluder_error(const MatrixXd& shape, const MatrixXd& maps, const MatrixXd& c, const VectorXd& q) {
-  return 0.5 * ((shape - maps * c).cwiseAbs().transpose() * q);
+  VectorXd error(shape.cols()), left(shape.rows());
+  for (Index l = 0; l < shape.cols(); ++l) {  // column by column: a matrix of differences is 16 MB of fresh pages
+    left = shape.col(l);
+    for (Index m = 0; m < maps.cols(); ++m) left -= c(m, l) * maps.col(m);
+    error[l] = 0.5 * left.cwiseAbs().dot(q);
+  }
+  return error;
 }
 
 void store(SkyBasis& basis, const MatrixXd& maps) {
@@ -305,13 +325,14 @@ SkyFactors SkyFactorizer::factor(int rank, const Spectrum& importance,
   return out;
 }
 
-SkySpectra sky_spectra(const SkyFactors& factors, const TableSpectra& table, double height_m) {
+SkySpectra sky_spectra(const SkyFactors& factors, const TableSpectra& table, double height_m, Spectrum* flux_scale) {
   SkySpectra out;
   for (auto& spectrum : out) spectrum.assign(table.size(), 0.0);
   if (factors.rank == 0) return out;
   MatrixXd shape = sample_sky(factors.basis, table, height_m, factors.sky);
-  const VectorXd irradiance =
-      flux_of(normalise(shape, vector_of(cosine_weights(factors.basis))), table, height_m, factors.sky);
+  const VectorXd sampled = normalise(shape, vector_of(cosine_weights(factors.basis)));
+  if (flux_scale) *flux_scale = scale_to_flux(sampled, table, height_m);
+  const VectorXd irradiance = flux_of(sampled, table, height_m, factors.sky);
   const MatrixXd maps = load(factors.basis, factors.rank);
   return spectra_of(
       irradiance, with_mean_shapes(project(shape, maps, fit_weights(factors.basis, maps.col(0))), factors.mean_shape));
@@ -322,14 +343,10 @@ double same_sky_scale(double sampled, double flux) {
 }
 
 Spectrum sky_flux_scale(const TableSpectra& table, double height_m, double sun_zenith_rad) {
-  Spectrum out(table.size(), 1.0);
-  if (!table.has_sky() || !table.knows_flux_of_sky()) return out;
+  if (!table.has_sky()) return Spectrum(table.size(), 1.0);
   const SkyBasis basis = basis_of(table, sun_zenith_rad, Sky::solar);
-  const VectorXd sampled =
-      sample_sky(basis, table, height_m, Sky::solar).transpose() * vector_of(cosine_weights(basis));
-  const Spectrum flux = table.diffuse_irradiance(height_m);
-  for (std::size_t l = 0; l < out.size(); ++l) out[l] = same_sky_scale(sampled[static_cast<Index>(l)], flux[l]);
-  return out;
+  return scale_to_flux(sample_sky(basis, table, height_m, Sky::solar).transpose() * vector_of(cosine_weights(basis)),
+                       table, height_m);
 }
 
 Spectrum coarse_sky_irradiance(const TableSpectra& table, double height_m, Sky sky) {
@@ -345,9 +362,10 @@ Spectrum coarse_sky_irradiance(const TableSpectra& table, double height_m, Sky s
   grid.zenith_rad = close(table.sky_zenith_rad(), base::kPi / 2);
   grid.azimuth_rad = close(table.sky_azimuth_rad(sky), base::kPi);
   const auto q = cosine_weights(grid);
-  const auto radiance = table.sky_grid(height_m, grid.zenith_rad, grid.azimuth_rad, sky);
-  for (std::size_t i = 0; i < q.size(); ++i)
-    for (std::size_t k = 0; k < out.size(); ++k) out[k] += q[i] * radiance[i * out.size() + k];
+  std::vector<double> radiance(q.size() * out.size());
+  table.sky_grid(height_m, grid.zenith_rad, grid.azimuth_rad, sky, radiance);
+  for (std::size_t k = 0; k < out.size(); ++k)
+    for (std::size_t i = 0; i < q.size(); ++i) out[k] += q[i] * radiance[k * q.size() + i];
   return out;
 }
 

@@ -53,8 +53,10 @@ class SkyFactorizer {
   std::unique_ptr<Data> data_;
 };
 
-/// Weighted least-squares spectra of the sky at another height on the maps already chosen.
-SkySpectra sky_spectra(const SkyFactors& factors, const TableSpectra& table, double height_m);
+/// Weighted least-squares spectra of the sky at another height on the maps already chosen. flux_scale: set to what
+/// sky_flux_scale makes of the same samples, where the factors are of a solar sky that is not black.
+SkySpectra sky_spectra(const SkyFactors& factors, const TableSpectra& table, double height_m,
+                       Spectrum* flux_scale = nullptr);
 
 /// More than interpolation and quadrature leave between the sampled sky and the table's flux of it (0.3 % at 48 degrees
 /// and 0.41 um, 1.5 % with the sun in the horizon): rows that contradict each other, or a sky on too coarse a grid,

@@ -89,8 +89,8 @@ class SolarSky {
         atmos::nodes_around_sun(table.axis("sky_zenith").nodes, table.axis("sky_azimuth").nodes, table.sun_zenith_deg);
   }
 
-  /// Radiance by the wavelength of this number on the table's axis, in direction n at out[n * stride].
-  void sample(std::size_t wavelength, double* out, std::size_t stride) {
+  /// Radiance by the wavelength of this number on the table's axis, in every direction.
+  void sample(std::size_t wavelength, std::span<double> out) {
     const Shape shape = shape_at(wavelength);
     const double once = shaped() ? once_scattered(wavelength, shape) : 0;
     divide_nodes(wavelength, shape, once);
@@ -106,7 +106,7 @@ class SolarSky {
           value = (once * p + bilinear(rest_, zenith_cell_[z], azimuth_cell_[f])) * fall;
         }
         if (std::isnan(value)) value = bilinear(plain_, zenith_cell_[z], azimuth_cell_[f]);
-        out[n * stride] = std::max(0.0, value);
+        out[n] = std::max(0.0, value);
       }
     }
   }
@@ -368,24 +368,26 @@ Spectrum TableSpectra::diffuse_view_transmission(double height_m, double zenith_
   return out;
 }
 
-std::vector<double> TableSpectra::sky_grid(double height_m, const std::vector<double>& zenith_rad,
-                                           const std::vector<double>& azimuth_rad, Sky kind) const {
-  std::vector<double> out(zenith_rad.size() * azimuth_rad.size() * count_, 0.0);
-  if (!has_sky(kind)) return out;
+void TableSpectra::sky_grid(double height_m, const std::vector<double>& zenith_rad,
+                            const std::vector<double>& azimuth_rad, Sky kind, std::span<double> out) const {
+  const std::size_t azimuths = azimuth_rad.size(), directions = zenith_rad.size() * azimuths;
+  if (!has_sky(kind)) {
+    std::fill(out.begin(), out.end(), 0.0);
+    return;
+  }
   if (kind == Sky::thermal) {
     for (std::size_t z = 0; z < zenith_rad.size(); ++z) {
       const Spectrum emitted = slice(atmos::sky_radiance_thermal(table_, clamp_height(height_m),
                                                                  std::min(base::deg_from_rad(zenith_rad[z]), 90.0)));
-      for (std::size_t f = 0; f < azimuth_rad.size(); ++f)
-        std::copy(emitted.begin(), emitted.end(),
-                  out.begin() + static_cast<std::ptrdiff_t>((z * azimuth_rad.size() + f) * count_));
+      for (std::size_t i = 0; i < count_; ++i)
+        std::fill_n(out.begin() + static_cast<std::ptrdiff_t>(i * directions + z * azimuths), azimuths, emitted[i]);
     }
-    return out;
+    return;
   }
   const HeightNodes heights(table_, clamp_height(height_m));
   SolarSky sky(table_, sky_zenith_, sky_azimuth_, heights, zenith_rad, azimuth_rad);
-  for (std::size_t i = 0; i < count_; ++i) sky.sample(first_ + i, &out[i], count_);
-  if (!couples_ground()) return out;
+  for (std::size_t i = 0; i < count_; ++i) sky.sample(first_ + i, out.subspan(i * directions, directions));
+  if (!couples_ground()) return;
   // What the ground sent up and the air sends back: the same at all azimuths.
   const Spectrum up = ground_radiance(height_m);
   const GroundReturn back(table_, heights);
@@ -393,11 +395,9 @@ std::vector<double> TableSpectra::sky_grid(double height_m, const std::vector<do
     const Cell cell = find_cell(sky_zenith_, zenith_rad[z]);
     for (std::size_t i = 0; i < count_; ++i) {
       const double t = back.at(first_ + i, cell);
-      for (std::size_t a = 0; a < azimuth_rad.size(); ++a)
-        out[(z * azimuth_rad.size() + a) * count_ + i] += ground_[i] * up[i] * t;
+      for (std::size_t a = 0; a < azimuths; ++a) out[i * directions + z * azimuths + a] += ground_[i] * up[i] * t;
     }
   }
-  return out;
 }
 
 }  // namespace raycube::plan

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "atmos_tables/render_table.h"
@@ -61,11 +62,11 @@ class TableSpectra {
   /// reflects.
   Spectrum diffuse_view_transmission(double height_m, double zenith_rad) const;
 
-  /// Sky radiance at every (zenith, azimuth) of a product grid: value[(z * azimuths + a) * size() + wavelength]. Same
-  /// rule as atmos::sky_radiance (divided by the single-scatter shape between nodes), evaluated once per node instead
-  /// of per call.
-  std::vector<double> sky_grid(double height_m, const std::vector<double>& zenith_rad,
-                               const std::vector<double>& azimuth_rad, Sky sky = Sky::solar) const;
+  /// Sky radiance at every (zenith, azimuth) of a product grid: out[(wavelength * zeniths + z) * azimuths + a], which
+  /// is filled whole. Same rule as atmos::sky_radiance (divided by the single-scatter shape between nodes), evaluated
+  /// once per node instead of per call.
+  void sky_grid(double height_m, const std::vector<double>& zenith_rad, const std::vector<double>& azimuth_rad, Sky sky,
+                std::span<double> out) const;
 
  private:
   Spectrum slice(const Spectrum& whole) const;

@@ -57,8 +57,11 @@ struct Corner {
 /// The first triangle at each corner, by place.
 class FirstAtCorner {
  public:
-  explicit FirstAtCorner(std::size_t triangles)
-      : slot_(std::bit_ceil(4 * triangles + 1), RC_NONE) {}  // three corners a triangle at most: never full
+  /// Forgets all, and makes room for the corners of so many triangles: three each at most, so that it is never full.
+  void begin(std::size_t triangles) {
+    slot_.assign(std::bit_ceil(4 * triangles + 1), RC_NONE);
+    entry_.clear();
+  }
 
   /// Files triangle t at a corner that nothing has been filed at.
   std::uint32_t of(const Corner& corner, std::uint32_t t) {
@@ -91,14 +94,23 @@ struct Lots {
   std::vector<std::size_t> end;  ///< of each lot
 };
 
-Lots connected(const scene::CompiledScene& scene, const std::vector<std::uint32_t>& triangles) {
-  std::vector<std::uint32_t> parent(triangles.size());
+/// What connected() writes on: kept from surface to surface, since fresh pages cost as much as what is done in them.
+struct ConnectedScratch {
+  std::vector<std::uint32_t> parent, lot;
+  std::vector<std::size_t> next;
+  FirstAtCorner first;
+};
+
+Lots connected(const scene::CompiledScene& scene, const std::vector<std::uint32_t>& triangles,
+               ConnectedScratch& scratch) {
+  auto& [parent, lot, next, first] = scratch;
+  parent.resize(triangles.size());
   std::iota(parent.begin(), parent.end(), 0u);
-  const auto root = [&](std::uint32_t i) {
+  const auto root = [&parent = parent](std::uint32_t i) {
     while (parent[i] != i) i = parent[i] = parent[parent[i]];
     return i;
   };
-  FirstAtCorner first(triangles.size());
+  first.begin(triangles.size());
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
     const shared::TriBlock& at = scene.blocks[triangles[t] / 16];
     const std::uint32_t i = triangles[t] % 16;
@@ -109,7 +121,7 @@ Lots connected(const scene::CompiledScene& scene, const std::vector<std::uint32_
     }
   }
   Lots out;  // a lot's root is its first triangle
-  std::vector<std::uint32_t> lot(triangles.size());
+  lot.resize(triangles.size());
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
     const std::uint32_t of = root(t);
     if (of == t)
@@ -118,7 +130,7 @@ Lots connected(const scene::CompiledScene& scene, const std::vector<std::uint32_
       lot[t] = lot[of];
     ++out.end[lot[t]];
   }
-  std::vector<std::size_t> next(out.end.size(), 0);
+  next.assign(out.end.size(), 0);
   for (std::size_t l = 1; l < out.end.size(); ++l) next[l] = out.end[l - 1], out.end[l] += out.end[l - 1];
   out.triangles.resize(triangles.size());
   for (std::uint32_t t = 0; t < triangles.size(); ++t) out.triangles[next[lot[t]]++] = triangles[t];
@@ -246,7 +258,7 @@ class Collector {
       if (count_[kind] > kMostOfAKind) continue;  // a texture already
       SurfaceParts& of = out.emplace_back();
       of.kind = kind;
-      Lots lots = connected(scene_, triangles);
+      Lots lots = connected(scene_, triangles, scratch_);
       of.triangles = std::move(lots.triangles);
       std::size_t next = 0;
       for (const std::size_t end : lots.end) {
@@ -286,7 +298,8 @@ class Collector {
   std::vector<SceneObject> objects_;
   std::map<std::uint64_t, std::size_t> count_;
   std::map<std::uint32_t, std::vector<SurfaceParts>> parts_;  ///< of meshes that are placed again
-  std::set<std::uint64_t> unread_;                            ///< kinds with a surface of too many triangles
+  ConnectedScratch scratch_;
+  std::set<std::uint64_t> unread_;  ///< kinds with a surface of too many triangles
 };
 
 }  // namespace
