@@ -3,6 +3,7 @@
 #include <string>
 
 #include "host/base/error.h"
+#include "host/plan/baked_rows.h"
 #include "host/plan/curve.h"
 #include "host/plan/plan.h"
 #include "scene_compiler/matter.h"
@@ -11,6 +12,8 @@
 namespace raycube::plan {
 
 namespace {
+
+constexpr std::size_t kMostBaked_bytes = std::size_t{16} << 20;
 
 /// Sum of the parts' curves, by environment function, times the light that each brings to the sensor.
 std::vector<std::vector<double>> environment_spectra(const Plan& plan, std::size_t node) {
@@ -54,7 +57,22 @@ std::vector<double> product_of_curves(const Plan& plan, const scene::CompiledSce
 
 }  // namespace
 
+bool BakedRows::read(std::uint64_t key, std::vector<float>& row) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = rows_.find(key);
+  if (found != rows_.end()) row = found->second;
+  return found != rows_.end();
+}
+
+void BakedRows::keep(std::uint64_t key, const std::vector<float>& row) {
+  const std::lock_guard lock(mutex_);
+  if (bytes_ + row.size() * sizeof(float) > kMostBaked_bytes) return;
+  if (rows_.emplace(key, row).second) bytes_ += row.size() * sizeof(float);
+}
+
 std::vector<float> bake_row(const Plan& plan, const scene::CompiledScene& scene, std::uint64_t key) {
+  std::vector<float> out;
+  if (plan.baked && plan.baked->read(key, out)) return out;
   const std::size_t bands = plan.bands.size(), padded = RC_PADDED(bands);
   const bool around = (key & kEnvironmentKey) != 0;
   const std::uint32_t curves = around ? 0 : rc_key_count(key);
@@ -69,7 +87,7 @@ std::vector<float> bake_row(const Plan& plan, const scene::CompiledScene& scene,
   if (curves > 0 && plan.thermal.on)
     for (const double value : scattered) emitted.push_back(curves == 1 ? black - value : 0);
   const auto first_emission = static_cast<std::size_t>(plan.first_emission() * plan.height.count * plan.view.count);
-  std::vector<float> out(spectra.size() * padded, 0.0f);
+  out.assign(spectra.size() * padded, 0.0f);
   for (std::size_t c = 0; c < spectra.size(); ++c) {
     const std::vector<double>& factor = curves > 0 && c >= first_emission ? emitted : scattered;
     for (std::size_t b = 0; b < bands; ++b) {
@@ -80,6 +98,7 @@ std::vector<float> bake_row(const Plan& plan, const scene::CompiledScene& scene,
       out[c * padded + b] = static_cast<float>(sum);
     }
   }
+  if (plan.baked) plan.baked->keep(key, out);
   return out;
 }
 

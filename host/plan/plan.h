@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,6 +18,8 @@
 #include "scene_compiler/simulation.h"
 
 namespace raycube::plan {
+
+class BakedRows;
 
 /// Uniform nodes first, first + step, ...; a value between two nodes gets linear weights, outside the range it is
 /// clamped.
@@ -173,7 +176,9 @@ struct Plan {
   std::string
       refusal;  ///< why the tolerance is not held, by worst-case estimates of its nodes and components; empty: it is
   std::vector<std::string> notices;  ///< what the user should know though it is no error
-  PlanReport report;                 ///< what was weighed, each block's estimated error
+  std::shared_ptr<BakedRows>
+      baked;          ///< set where a plan whose spectra stay is rendered again and again; by copies shared
+  PlanReport report;  ///< what was weighed, each block's estimated error
 
   int components() const { return sky_components + thermal.components(); }  ///< that rays are traced for
   int first_component() const { return sun_sources; }                       ///< its source number
@@ -203,7 +208,7 @@ Plan make_plan(const scene::Simulation& simulation, const scene::Instrument& ins
 /// Bakes one term row in double: E[channel][band] for a product key (kernels/shared/product_key.h; 0 = path) or
 /// kEnvironmentKey | node, stored as float, bands padded with zeros to a multiple of 16: result[channel * bands_padded
 /// + band]. Emission goes with the key of one reflectance. Error(input) when a curve does not cover the grid, which
-/// cannot happen to the reflectance of a used material.
+/// cannot happen to the reflectance of a used material. Read from plan.baked where that has it.
 std::vector<float> bake_row(const Plan& plan, const scene::CompiledScene& scene, std::uint64_t key);
 
 }  // namespace raycube::plan

@@ -35,18 +35,29 @@ void ErrorLaw::measured(double level, BandErrors errors) {
     errors.bound[b] = std::max(errors.estimate[b], errors.bound[b]);
   }
   points_[level] = std::move(errors);
+  for (auto larger = std::prev(points_.end()); larger != points_.begin(); --larger) {
+    auto& [smaller, point] = *std::prev(larger);
+    const double rise = std::pow(larger->first / smaller, exponents_.hope_below);
+    for (std::size_t b = 0; b < point.bound.size(); ++b)
+      point.bound[b] = std::max(point.bound[b], larger->second.bound[b] * rise);
+  }
 }
 
 BandErrors ErrorLaw::hoped(double level) const {
   if (has(level) || empty()) return errors(level);
-  std::vector<double> least(points_.begin()->second.estimate.size(), kInfinity);
+  BandErrors least;
+  least.estimate.assign(points_.begin()->second.estimate.size(), kInfinity);
+  least.bound = least.estimate;
   const auto may_fall_to = [&](const BandErrors& point, double factor) {
-    for (std::size_t b = 0; b < least.size(); ++b) least[b] = std::min(least[b], point.estimate[b] * factor);
+    for (std::size_t b = 0; b < least.estimate.size(); ++b) {
+      least.estimate[b] = std::min(least.estimate[b], point.estimate[b] * factor);
+      least.bound[b] = std::min(least.bound[b], point.bound[b] * factor);
+    }
   };
   for (const auto& [measured, point] : points_)
     may_fall_to(point, std::pow(measured / level, measured < level ? exponents_.hope : exponents_.hope_before));
   if (level < smallest()) may_fall_to(points_.begin()->second, std::pow(smallest() / level, exponents_.hope_below));
-  return {least, least};
+  return least;
 }
 
 BandErrors ErrorLaw::errors(double level) const {

@@ -17,11 +17,11 @@ struct LawExponents {
   double hope_below = 1;   ///< the same from the smallest that was measured to what is short of it
 };
 
-/// Samples along one side of a pixel: sampling an edge falls like side^-1.5 on average, like side^-1 where edges run
-/// along the grid. Where all that differs lies within a hair of the pixels' edges, few samples do as well as many.
-inline constexpr LawExponents kSideLaw{1.25, 2, 1.75, 1, 0};
+/// Samples of a pixel on a lattice: sampling an edge falls like samples^-0.75 on average, like samples^-0.5 at worst.
+/// Where all that differs lies within a hair of the pixels' edges, few samples do nearly as well as many.
+inline constexpr LawExponents kSamplesLaw{0.625, 1, 0.75, 0.5, 0.25};
 /// Rays into the sky, K a pixel: between K^-0.5 (independent) and K^-1 (spread evenly over a smooth horizon).
-inline constexpr LawExponents kDirectionLaw{0.6, 1, 1};
+inline constexpr LawExponents kDirectionLaw{0.6, 1, 0.75, 0.5, 0.5};
 /// Sub-rays of a footprint: nested rings of equal energy over an edge.
 inline constexpr LawExponents kSubrayLaw{0.5, 1, 1, 0.5, 0.5};
 
@@ -31,18 +31,22 @@ class ErrorLaw {
 
   /// Errors found at a level (>= 1), of as many bands at every level; the bound is what is taken where a choice depends
   /// on it. One that noise has lifted above what the law makes of the next smaller level's comes down to that, never
-  /// below the estimate.
+  /// below the estimate; where few rare things are missed by chance, a smaller level seems better than a larger one:
+  /// its bound comes up to what the slowest rise makes of the larger level's.
   void measured(double level, BandErrors errors);
   /// The same of one band.
   void measured(double level, double estimate, double bound) { measured(level, BandErrors{{estimate}, {bound}}); }
   bool has(double level) const { return points_.count(level) > 0; }
   bool empty() const { return points_.empty(); }
+  /// Whether a level lies between two that were measured, or is one.
+  bool spans(double level) const { return !empty() && level >= smallest() && level <= largest(); }
   double largest() const { return points_.empty() ? 0 : points_.rbegin()->first; }
   double smallest() const { return points_.empty() ? 0 : points_.begin()->first; }
 
   /// Of every band; infinite of one where nothing was measured.
   BandErrors errors(double level) const;
-  /// The least that may be hoped of a level that was not measured, from every one that was; the errors of one that was.
+  /// The least that may be hoped of a level that was not measured, from every one that was, known as well as those; the
+  /// errors of one that was.
   BandErrors hoped(double level) const;
 
   /// Of the worst band.

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/planner/trial_pixels.h"
+#include "host/planner/pixel_trial.h"
 
 namespace raycube::planner {
 
@@ -29,6 +29,8 @@ void measure_open_share(render::Renderer& renderer, const scene::Simulation& sim
   if (plan.components() == 0) return;
   const auto& scene = simulation.scene;
   scene::Instrument few = instrument;
+  if (!few.samples_given)  // the very program of the planner's look
+    few.sampler = scene::SamplerKind::lattice, few.samples_u = kLookSamples, few.samples_v = 1;
   few.first_samples = 0, few.small_objects = scene::SmallObjects::off, few.standard_error = scene::StandardError::off;
   plan::Plan half = plan;
   half.sky.open_share.assign(scene.surfaces.size(), kHalf);

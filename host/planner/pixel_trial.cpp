@@ -10,20 +10,23 @@ namespace {
 /// of 11 x 11 grid points and drops out of the estimate but for its noise.
 constexpr int kReferenceSide = 32;
 constexpr int kWidestTile = 512;  ///< pixels traced at once
-constexpr int kLookSide = 4;      ///< of the first look's lattice
-/// Sky directions of a pixel while samples are tried: their noise drops out of the estimate but for its own.
-constexpr int kLookDirections = 16, kTriedDirections = 32, kReferenceDirections = 128;
+/// Sky directions of a pixel while samples are held against references: their noise drops out but for its own.
+constexpr int kTriedDirections = 32, kReferenceDirections = 128;
 /// Added to the seed for draws that must not repeat the render's.
 constexpr std::uint64_t kOther = 0x5bd1e995u;
+constexpr double kReplicates = 4;
+/// A trial's replicates take this part of the whole image's time, or this many nominal seconds where that is less.
+constexpr double kPartOfRender = 0.25, kLeastTrial_s = 0.15;
+constexpr int kFewestDraws = 64;
 
 }  // namespace
 
 PixelTrial::PixelTrial(render::Renderer& renderer, const scene::Simulation& simulation,
-                       const scene::Instrument& instrument, const plan::Plan& plan)
+                       const scene::Instrument& instrument, const plan::Plan& plan, int look_directions)
     : renderer_(renderer), simulation_(simulation), instrument_(instrument), plan_(plan) {
   instrument_.first_samples = 0;                         // errors of all samples
   instrument_.small_objects = scene::SmallObjects::off;  // and of the law that holds for most pixels
-  look();
+  make_look(look_directions);
 }
 
 scene::Instrument PixelTrial::sampled(scene::SamplerKind sampler, int samples_u, int samples_v) const {
@@ -32,25 +35,29 @@ scene::Instrument PixelTrial::sampled(scene::SamplerKind sampler, int samples_u,
   return out;
 }
 
-/// Lattices, since every seed moves them.
-void PixelTrial::look() {
-  tiles_ = trial_tiles(instrument_, simulation_.seed, kLookRuns);
-  for (const auto& tile : tiles_) pixels_ += tile.pixels();
-  looked_at_ = pixels_;
-  const scene::Instrument few = sampled(scene::SamplerKind::lattice, kLookSide, kLookSide);
-  const TrialImage one = render(few, kLookDirections, simulation_.seed + 3 * kOther, 0),
-                   two = render(few, kLookDirections, simulation_.seed + 4 * kOther, 0);
-  mean_ = judged_means(one);
-  const std::vector<double> error = run_differences(one, two, mean_);
-  draws_ = draw_runs(error, simulation_.seed, kDraws, kWholeRuns);
-  drawn_from_ = static_cast<double>(tiles_.size());
-  left_out_ = 1 - static_cast<double>(looked_at_) / (static_cast<double>(instrument_.pixels) * instrument_.lines);
-  std::vector<render::Tile> drawn;
-  whole_ = left_out_ <= 0 && draws_.size() == tiles_.size() && tiles_.size() <= static_cast<std::size_t>(kWholeRuns);
-  pixels_per_run_ = static_cast<double>(pixels_) / static_cast<double>(tiles_.size());
-  pixels_ = 0;
-  for (const Draw& draw : draws_) drawn.push_back(tiles_[draw.run]), pixels_ += drawn.back().pixels();
-  tiles_ = std::move(drawn);
+double PixelTrial::pixel_cost_s(const scene::Instrument& sampled, int directions) {
+  return CostModel().seconds(
+      pixel_counts(plan_, static_cast<double>(sampled.samples_u) * sampled.samples_v, directions));
+}
+
+void PixelTrial::make_look(int directions) {
+  const double all = static_cast<double>(instrument_.pixels) * instrument_.lines;
+  looked_ = trial_tiles(instrument_, simulation_.seed, kLookRuns);
+  for (const auto& tile : looked_) looked_at_ += tile.pixels();
+  drawn_from_ = static_cast<double>(looked_.size());
+  left_out_ = 1 - static_cast<double>(looked_at_) / all;
+  whole_ = left_out_ <= 0;
+  pixels_per_run_ = static_cast<double>(looked_at_) / drawn_from_;
+  tiles_ = looked_, pixels_ = looked_at_;
+  look_ = replicates(sampled(scene::SamplerKind::lattice, kLookSamples, 1), directions);
+}
+
+/// By what the look saw of each run's error; all runs where the look has no more than `whole`.
+void PixelTrial::draw_pixels(int draws, int whole) {
+  draws_ = draw_runs(look_error_, simulation_.seed, draws, whole);
+  whole_ = left_out_ <= 0 && draws_.size() == looked_.size();
+  tiles_.clear(), pixels_ = 0;
+  for (const Draw& draw : draws_) tiles_.push_back(looked_[draw.run]), pixels_ += tiles_.back().pixels();
 }
 
 TrialImage PixelTrial::render(const scene::Instrument& instrument, int directions, std::uint64_t seed,
@@ -76,7 +83,30 @@ TrialImage PixelTrial::render(const scene::Instrument& instrument, int direction
   return image;
 }
 
+SettingErrors PixelTrial::replicates(const scene::Instrument& sampled, int directions) {
+  const std::uint64_t seed = simulation_.seed + 3 * kOther, other = simulation_.seed + 4 * kOther;
+  const TrialImage one = render(sampled, directions, seed, 0);
+  if (mean_.empty()) mean_ = judged_means(one);
+  const TrialImage two = render(sampled, directions, other, 1);
+  if (look_error_.empty()) look_error_ = run_differences(one, two, mean_);
+  if (plan_.components() == 0) return {error_between(one, two, mean_), {0, 0, {{0}, {0}}}};
+  const TrialImage one_again = render(sampled, directions, seed, 2), two_again = render(sampled, directions, other, 3);
+  return {common_spread(one, one_again, two, two_again, mean_),
+          error_between_pairs(one, one_again, two, two_again, mean_)};
+}
+
+SettingErrors PixelTrial::replicates(scene::SamplerKind sampler, int samples_u, int samples_v, int directions) {
+  const scene::Instrument tried = sampled(sampler, samples_u, samples_v);
+  const double all = static_cast<double>(instrument_.pixels) * instrument_.lines;
+  const double pixels = std::max(kPartOfRender * all, kLeastTrial_s / pixel_cost_s(tried, directions)) / kReplicates;
+  const double draws = std::min(pixels / pixels_per_run_, static_cast<double>(looked_.size()));
+  const int runs = std::max(kFewestDraws, static_cast<int>(draws));
+  draw_pixels(runs, runs);
+  return replicates(tried, directions);
+}
+
 void PixelTrial::make_references() {
+  draw_pixels(kDraws, kWholeRuns);
   if (one_.bands > 0) return;
   const scene::Instrument fine = sampled(scene::SamplerKind::jittered, kReferenceSide, kReferenceSide);
   one_ = render(fine, kReferenceDirections, simulation_.seed + kOther, 0);
@@ -93,6 +123,7 @@ TrialError PixelTrial::sampling_error(scene::SamplerKind sampler, int samples_u,
 
 TrialError PixelTrial::sky_error(int directions, int samples_u, int samples_v) {
   if (plan_.components() == 0) return {0, 0, {{0}, {0}}};
+  draw_pixels(kDraws, kWholeRuns);
   const scene::Instrument tried = sampled(scene::SamplerKind::grid, samples_u, samples_v);
   return error_between(render(tried, directions, simulation_.seed, 0), render(tried, directions, simulation_.seed, 1),
                        mean_);

@@ -1,8 +1,10 @@
 // A sparse render of a few hundred pixels at several settings, and what it says of their errors. Its rays are counted.
 //
-// A first look at a few thousand pixels, two renders with few samples, says where errors are; the trial's runs are
-// drawn by it. Where a lawn has three trees, an even draw of a few hundred pixels does not see them, and all the error
-// is there. A small image is tried whole.
+// Settings are judged by replicates: renders of one setting with shifts and sky rays of their own, whose spread is
+// their error. A first look at a few thousand pixels, with few samples, says where errors are; the pixels of the trial
+// are drawn by it. Where a lawn has three trees, an even draw of a few hundred pixels does not see them, and all the
+// error is there. A small image is tried whole. How many pixels are tried is known beforehand: four renders of them
+// take a part of the image's own time (CostModel), whatever a clock would say.
 #pragma once
 
 #include <cstdint>
@@ -13,22 +15,36 @@
 
 namespace raycube::planner {
 
+/// The setting of the first look, of a lattice; fewer sky directions where the file gives fewer.
+inline constexpr int kLookSamples = 21, kLookDirections = 16;
+
+/// Errors of samples and of sky directions, each by itself.
+struct SettingErrors {
+  TrialError samples, sky;
+};
+
 class PixelTrial {
  public:
-  /// `plan`: of the instrument, with any number of directions. Nothing is rendered yet. All must live as long as the
-  /// trial.
+  /// `plan`: of the instrument, with any number of directions; `look_directions`: of the first look, which is rendered
+  /// here. All must live as long as the trial.
   PixelTrial(render::Renderer& renderer, const scene::Simulation& simulation, const scene::Instrument& instrument,
-             const plan::Plan& plan);
+             const plan::Plan& plan, int look_directions = kLookDirections);
 
-  /// Error of a sampler with u x v cells, against random points in the cells of two finer grids: unbiased and
-  /// independent of each other. The sky's own noise, which is the sky trial's matter, is left out by rendering twice
-  /// with other rays.
+  /// What the first look found of its own setting.
+  const SettingErrors& look() const { return look_; }
+
+  /// Errors of a sampler that the seed moves (lattice, jittered) with so many samples and directions, by four
+  /// replicates: two shifts of the samples, each under two draws of sky rays.
+  SettingErrors replicates(scene::SamplerKind sampler, int samples_u, int samples_v, int directions);
+
+  /// Error of any sampler, a regular grid too, against random points in the cells of two finer grids: unbiased and
+  /// independent of each other. The sky's own noise is left out by rendering twice with other rays.
   TrialError sampling_error(scene::SamplerKind sampler, int samples_u, int samples_v);
 
-  /// Error of so many sky directions a pixel: two renders of one grid of samples (u x v).
+  /// Error of so many sky directions a pixel under a regular grid: two renders that differ in their rays alone.
   TrialError sky_error(int directions, int samples_u, int samples_v);
 
-  std::size_t pixels() const { return pixels_; }        ///< of the trial
+  std::size_t pixels() const { return pixels_; }        ///< of the last trial
   std::size_t looked_at() const { return looked_at_; }  ///< of the first look
   std::uint64_t rays() const { return rays_; }          ///< traced so far, sky rays towards a surface's back included
   double cost_s() const { return cost_s_; }             ///< by the cost model
@@ -36,19 +52,25 @@ class PixelTrial {
  private:
   /// sky_draw: renders of one seed and other draws differ by the sky's rays alone.
   TrialImage render(const scene::Instrument& instrument, int directions, std::uint64_t seed, std::uint32_t sky_draw);
+  SettingErrors replicates(const scene::Instrument& sampled, int directions);
   scene::Instrument sampled(scene::SamplerKind sampler, int samples_u, int samples_v) const;
-  void look();
+  double pixel_cost_s(const scene::Instrument& sampled, int directions);
+  void make_look(int directions);
+  void draw_pixels(int draws, int whole);
   void make_references();
 
   render::Renderer& renderer_;
   const scene::Simulation& simulation_;
   scene::Instrument instrument_;
   plan::Plan plan_;  ///< with the directions of the last render
+  std::vector<render::Tile> looked_;
+  std::vector<double> look_error_;  ///< mean square that each of its runs was seen to err by
   std::vector<render::Tile> tiles_;
   std::vector<Draw> draws_;  ///< of the tiles; empty: the first look
   double pixels_per_run_ = 0, drawn_from_ = 0, left_out_ = 0;
   bool whole_ = false;  ///< every pixel is tried
   std::size_t pixels_ = 0, looked_at_ = 0;
+  SettingErrors look_;
   TrialImage one_, two_;
   std::vector<double> mean_;
   std::uint64_t rays_ = 0;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -16,14 +17,14 @@ namespace raycube::planner {
 
 namespace {
 
-constexpr int kFirstSide = 4;          ///< of the samples' trial, and the smallest grid of the sky's
-constexpr int kLargestTriedSide = 32;  ///< beyond, the law holds: 1024 samples a pixel tell less than they cost
+constexpr int kMostOfLattice = 65536;    ///< of a pixel
+constexpr int kMostTriedSamples = 1024;  ///< beyond, the law holds: more tell less than they cost
 constexpr int kMostTriedDirections = 256;
-constexpr int kSkyLevels[] = {4, 16, 64};
-constexpr int kMostRounds = 16;
-constexpr double kWorthATry = 0.85;  ///< of the cost
+constexpr int kMostRounds = 3;       ///< settings tried after the first look
+constexpr double kWorthATry = 0.75;  ///< of the cost: a try takes up to a quarter of a render
 constexpr int kFineDirections =
     1024;  ///< of a plan that would not hold its tolerance by fewer; as many as `check` looks in
+constexpr double kMeasuring_s_per_wavelength = 1e-3;  ///< of the table, nominal: 2 s for the park's
 constexpr double kWorthMeasuring = 0.3;  ///< of the tolerance: less takes 5 % of what is left for samples and sky
 
 double squared(double x) { return x * x; }
@@ -36,12 +37,14 @@ int before(const std::vector<int>& levels, int level) {
 
 }  // namespace
 
-const std::vector<int>& side_levels() {
+const std::vector<int>& sample_levels() {
   static const std::vector<int> all = [] {
     std::vector<int> levels;
-    for (int side = 1; side <= 32; ++side) levels.push_back(side);
-    for (const int side : {36, 40, 45, 50, 56, 64, 72, 80, 90, 100, 112, 128, 144, 160, 180, 200, 225, 256})
-      levels.push_back(side);
+    for (int fibonacci = 1, next = 2; fibonacci <= kMostOfLattice; fibonacci = std::exchange(next, fibonacci + next))
+      levels.push_back(fibonacci);
+    for (int lucas = 4, next = 7; lucas <= kMostOfLattice; lucas = std::exchange(next, lucas + next))
+      levels.push_back(lucas);
+    std::sort(levels.begin(), levels.end());
     return levels;
   }();
   return all;
@@ -63,24 +66,25 @@ std::vector<BandSquares> squares_of(const LevelErrors& errors, const std::vector
 
 }  // namespace
 
-Choice choose(const LevelErrors& side, const LevelErrors& direction, double budget, const PixelCost& cost_s,
-              const std::vector<int>& sides, const std::vector<int>& directions) {
+Choice choose(const LevelErrors& of_samples, const LevelErrors& of_directions, double budget, const PixelCost& cost_s,
+              const std::vector<int>& samples, const std::vector<int>& directions) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
-  const std::vector<BandSquares> of_side = squares_of(side, sides), of_direction = squares_of(direction, directions);
+  const std::vector<BandSquares> with_samples = squares_of(of_samples, samples),
+                                 with_directions = squares_of(of_directions, directions);
   struct Pair {
     double cost_s;
-    std::size_t side, direction;
+    std::size_t samples, directions;
   };
   std::vector<Pair> pairs;
-  for (std::size_t n = 0; n < sides.size(); ++n)
-    for (std::size_t k = 0; k < directions.size(); ++k) pairs.push_back({cost_s(sides[n], directions[k]), n, k});
+  for (std::size_t n = 0; n < samples.size(); ++n)
+    for (std::size_t k = 0; k < directions.size(); ++k) pairs.push_back({cost_s(samples[n], directions[k]), n, k});
   std::stable_sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) { return a.cost_s < b.cost_s; });
   std::size_t band = 0;  // in which the pair before erred too much: likely this one does there too
   const auto error = [&](const Pair& p, double enough) {
-    return of_side[p.side].with(of_direction[p.direction], enough, band);
+    return with_samples[p.samples].with(with_directions[p.directions], enough, band);
   };
   const auto chosen = [&](const Pair& p, bool within) {
-    return Choice{sides[p.side], directions[p.direction], within};
+    return Choice{samples[p.samples], directions[p.directions], within};
   };
   const auto dear =
       std::find_if(pairs.begin(), pairs.end(), [](const Pair& p) { return 1e6 * p.cost_s > kMost_s_per_megapixel; });
@@ -95,6 +99,11 @@ Choice choose(const LevelErrors& side, const LevelErrors& direction, double budg
 }
 
 namespace {
+
+/// Sky directions of the first look: its own, or fewer where the file gives fewer.
+int look_directions(const Decision& out, const scene::Simulation& simulation) {
+  return out.directions_given ? std::min(simulation.sky_directions, kLookDirections) : kLookDirections;
+}
 
 /// Puts what is measured in place of the estimate.
 void measure_plan(Decision& out, const scene::Simulation& simulation, const scene::Instrument& instrument,
@@ -124,96 +133,132 @@ class LevelSearch {
         plan_(plan),
         out_(out),
         sky_(plan.components() > 0),
-        budget_(std::sqrt(std::max(0.0, squared(kUse * simulation.tolerance) - squared(out.plan_error)))),
-        direction_(kDirectionLaw),
-        sides_(out.samples_given ? std::vector<int>{1} : side_levels()),
+        samples_(out.samples_given ? std::vector<int>{1} : sample_levels()),
         directions_(direction_levels()) {
     if (out.directions_given) directions_ = {simulation.sky_directions};
     if (!sky_) directions_ = {1};
+    take_look();
   }
 
-  /// The first levels of directions.
-  void try_sky() {
-    if (!sky_) {
-      add(direction_, 1, {0, 0, {{0}, {0}}}, "directions");
-    } else if (out_.directions_given) {
-      try_directions(simulation_.sky_directions);
-    } else {
-      for (const int level : kSkyLevels) try_directions(level);
-    }
+  /// What nodes and components of this error leave of the tolerance to samples and sky.
+  double left_by(double plan_error) const {
+    return std::sqrt(std::max(0.0, squared(kUse * simulation_.tolerance) - squared(plan_error)));
   }
 
-  /// The cheapest levels with one sampler; `side` holds what was measured of it.
-  Choice settle(scene::SamplerKind sampler, ErrorLaw& side) {
-    try_first_side(sampler, side);
-    const LevelErrors known = [&](int n) { return side.errors(n); };
-    const LevelErrors hoped = [&](int n) { return n <= kLargestTriedSide ? side.hoped(n) : side.errors(n); };
+  /// Nominal seconds of the whole image if nodes and components err by this much; infinite where the look knows of no
+  /// setting that would do.
+  double image_s(double plan_error) {
+    const LevelErrors hoped = [&](int n) { return of_samples_.hoped(n); };
+    const LevelErrors hoped_sky = [&](int k) { return of_directions_.hoped(k); };
+    const Choice choice = choose(
+        hoped, hoped_sky, left_by(plan_error), [&](int n, int k) { return cost_s(n, k); }, samples_, directions_);
+    const double pixels = static_cast<double>(instrument_.pixels) * instrument_.lines;
+    return choice.within ? pixels * cost_s(choice.samples, choice.directions) : std::numeric_limits<double>::infinity();
+  }
+
+  /// The cheapest levels; one sample stands for those that are given.
+  Choice settle() {
+    const double budget = left_by(out_.plan_error);
+    const LevelErrors known = [&](int n) { return of_samples_.errors(n); };
+    const LevelErrors hoped = [&](int n) {
+      return n <= kMostTriedSamples ? of_samples_.hoped(n) : of_samples_.errors(n);
+    };
     const LevelErrors sky = [&](int k) { return sky_errors(k); };
+    const LevelErrors hoped_sky = [&](int k) {
+      return k <= kMostTriedDirections ? of_directions_.hoped(k) : sky_errors(k);
+    };
     const PixelCost cost = [&](int n, int k) { return cost_s(n, k); };
-    Choice choice;
     for (int round = 0; round < kMostRounds; ++round) {
-      choice = choose(hoped, sky, budget_, cost, sides_, directions_);
+      Choice choice = choose(hoped, hoped_sky, budget, cost, samples_, directions_);
       // A level that only might do is worth a try where it saves much.
-      const Choice safe = choose(known, sky, budget_, cost, sides_, directions_);
-      if (safe.within && cost_s(choice.side, choice.directions) > kWorthATry * cost_s(safe.side, safe.directions))
+      const Choice safe = choose(known, sky, budget, cost, samples_, directions_);
+      if (safe.within && cost_s(choice.samples, choice.directions) > kWorthATry * cost_s(safe.samples, safe.directions))
         choice = safe;
-      bool changed = false;
-      if (!out_.samples_given && !side.has(choice.side) && choice.side <= kLargestTriedSide) {
-        try_side(sampler, choice.side, side);
-        changed = true;
-      }
-      if (!changed && sky_ && choice.directions <= kMostTriedDirections && !out_.directions_given &&
-          !direction_.has(choice.directions)) {
-        try_directions(choice.directions);
-        changed = true;
-      }
-      if (!changed) break;
+      // Between levels that were measured the law does not err by what another try would take.
+      if (safe.within && choice.samples == safe.samples && choice.directions == safe.directions && between(safe)) break;
+      if (!try_setting(choice)) break;
     }
     // Rounds spent: what was measured counts, the rest is the law's.
-    return choose(known, sky, budget_, cost, sides_, directions_);
+    return choose(known, sky, budget, cost, samples_, directions_);
   }
 
-  double cost_s(int side, int directions) const {
+  double cost_s(int samples, int directions) const {
     const double given = static_cast<double>(instrument_.samples_u) * instrument_.samples_v;
-    const double samples = out_.samples_given ? given : static_cast<double>(side) * side;
-    return CostModel().seconds(pixel_counts(plan_, samples, directions));
+    return CostModel().seconds(pixel_counts(plan_, out_.samples_given ? given : samples, directions));
   }
 
-  const ErrorLaw& direction() const { return direction_; }
+  const ErrorLaw& of_samples() const { return of_samples_; }
+  const ErrorLaw& of_directions() const { return of_directions_; }
 
  private:
   void add(ErrorLaw& law, int level, const TrialError& error, const char* what) {
     law.measured(level, error.bands);
     out_.measured.push_back(
         fmt::format("{} {}: {:.2g} %, at most {:.2g} %", what, level, 100 * error.estimate, 100 * error.bound));
+    sky_errors_.clear();
   }
 
-  /// With at least as many samples as rays, as most renders have: then no two rays share a sample.
-  void try_directions(int level) {
-    int u = std::max(kFirstSide, static_cast<int>(std::ceil(std::sqrt(level)))), v = u;
-    if (out_.samples_given) u = instrument_.samples_u, v = instrument_.samples_v;
-    add(direction_, level, trial_.sky_error(level, u, v), "directions");
-    sky_errors_.clear();
+  void add_sky(int level, const TrialError& error) { add(of_directions_, level, error, "directions"); }
+
+  /// Its own setting is a level like any other where samples are to be chosen.
+  void take_look() {
+    if (!sky_) add_sky(1, {0, 0, {{0}, {0}}});
+    if (out_.samples_given) return try_given();
+    add(of_samples_, kLookSamples, trial_.look().samples, "lattice");
+    if (sky_) add_sky(look_directions(out_, simulation_), trial_.look().sky);
+  }
+
+  /// Samples that are given, with the directions that are given or a first level of them.
+  void try_given() {
+    const int directions = out_.directions_given ? simulation_.sky_directions : kLookDirections;
+    if (instrument_.sampler != scene::SamplerKind::grid) {
+      const SettingErrors found =
+          trial_.replicates(instrument_.sampler, instrument_.samples_u, instrument_.samples_v, directions);
+      add(of_samples_, 1, found.samples, "samples given, as");
+      if (sky_) add_sky(directions, found.sky);
+      return;
+    }
+    add(of_samples_, 1, trial_.sampling_error(instrument_.sampler, instrument_.samples_u, instrument_.samples_v),
+        "samples given, as");
+    if (sky_) add_sky(directions, trial_.sky_error(directions, instrument_.samples_u, instrument_.samples_v));
+  }
+
+  bool between(const Choice& choice) const {
+    return (out_.samples_given || of_samples_.spans(choice.samples)) &&
+           (!sky_ || of_directions_.spans(choice.directions));
+  }
+
+  /// Tries what of a choice was not measured; false: all of it was, or is past what is tried.
+  bool try_setting(const Choice& choice) {
+    const bool new_samples =
+        !out_.samples_given && !of_samples_.has(choice.samples) && choice.samples <= kMostTriedSamples;
+    const bool new_sky = sky_ && !of_directions_.has(choice.directions) && choice.directions <= kMostTriedDirections;
+    if (!new_samples && !new_sky) return false;
+    const int directions = std::min(choice.directions, kMostTriedDirections);
+    if (out_.samples_given && instrument_.sampler == scene::SamplerKind::grid) {
+      add_sky(directions, trial_.sky_error(directions, instrument_.samples_u, instrument_.samples_v));
+      return true;
+    }
+    const int samples = std::min(choice.samples, kMostTriedSamples);
+    const auto replicates = [&](int of_directions) {
+      return out_.samples_given
+                 ? trial_.replicates(instrument_.sampler, instrument_.samples_u, instrument_.samples_v, of_directions)
+                 : trial_.replicates(scene::SamplerKind::lattice, samples, 1, of_directions);
+    };
+    // Few directions are too noisy to see the samples' error beside theirs.
+    const int quiet = out_.directions_given ? directions : std::max(directions, kLookDirections);
+    const SettingErrors found = replicates(quiet);
+    if (!out_.samples_given) add(of_samples_, samples, found.samples, "lattice");
+    if (sky_) add_sky(quiet, found.sky);
+    if (sky_ && quiet != directions) add_sky(directions, replicates(directions).sky);
+    return true;
   }
 
   /// Of the law as it is: most choices differ by what was measured of the sides.
   const BandErrors& sky_errors(int level) {
     const auto [at, fresh] = sky_errors_.try_emplace(level);
-    if (fresh) at->second = direction_.errors(level);
+    if (fresh) at->second = of_directions_.errors(level);
     return at->second;
-  }
-
-  void try_side(scene::SamplerKind sampler, int level, ErrorLaw& side) {
-    add(side, level, trial_.sampling_error(sampler, level, level),
-        sampler == scene::SamplerKind::lattice ? "lattice, side" : "grid, side");
-  }
-
-  /// Level 1 stands for samples that are given.
-  void try_first_side(scene::SamplerKind sampler, ErrorLaw& side) {
-    if (out_.samples_given)
-      add(side, 1, trial_.sampling_error(sampler, instrument_.samples_u, instrument_.samples_v), "samples given, as");
-    else
-      try_side(sampler, kFirstSide, side);
   }
 
   PixelTrial& trial_;
@@ -222,16 +267,16 @@ class LevelSearch {
   const plan::Plan& plan_;
   Decision& out_;
   bool sky_;
-  double budget_;  ///< what nodes and components leave of the tolerance
-  ErrorLaw direction_;
+  ErrorLaw of_samples_{kSamplesLaw}, of_directions_{kDirectionLaw};
   std::map<int, BandErrors> sky_errors_;
-  std::vector<int> sides_, directions_;  ///< levels to choose from
+  std::vector<int> samples_, directions_;  ///< levels to choose from
 };
 
 /// The settings of the levels chosen, where the file does not give them.
 void take_levels(Decision& out, const plan::Plan& plan, const Choice& choice, scene::SamplerKind sampler) {
   out.estimated = true;
-  if (!out.samples_given) out.sampling.sampler = sampler, out.sampling.samples_u = out.sampling.samples_v = choice.side;
+  if (!out.samples_given)
+    out.sampling.sampler = sampler, out.sampling.samples_u = choice.samples, out.sampling.samples_v = 1;
   if (!out.directions_given) out.sampling.directions = choice.directions;
   out.counts =
       pixel_counts(plan, static_cast<double>(out.sampling.samples_u) * out.sampling.samples_v, out.sampling.directions);
@@ -240,15 +285,16 @@ void take_levels(Decision& out, const plan::Plan& plan, const Choice& choice, sc
 }
 
 /// The errors of the levels chosen, and of those before them.
-void take_errors(Decision& out, const Choice& choice, const ErrorLaw& side, const ErrorLaw& direction, bool sky) {
-  out.samples_error = side.bound(choice.side);
-  out.sky_error = sky ? direction.bound(choice.directions) : 0;
-  if (const int less = before(side_levels(), choice.side); less > 0 && !out.samples_given)
-    out.samples_less_error = side.estimate(less);
+void take_errors(Decision& out, const Choice& choice, const ErrorLaw& of_samples, const ErrorLaw& of_directions,
+                 bool sky) {
+  out.samples_error = of_samples.bound(choice.samples);
+  out.sky_error = sky ? of_directions.bound(choice.directions) : 0;
+  if (const int less = before(sample_levels(), choice.samples); less > 0 && !out.samples_given)
+    out.samples_less_error = of_samples.estimate(less);
   if (const int less = before(direction_levels(), choice.directions); less > 0 && sky && !out.directions_given)
-    out.sky_less_error = direction.estimate(less);
-  out.total_error =
-      std::hypot(out.plan_error, bound_together(side.errors(choice.side), direction.errors(choice.directions)));
+    out.sky_less_error = of_directions.estimate(less);
+  out.total_error = std::hypot(
+      out.plan_error, bound_together(of_samples.errors(choice.samples), of_directions.errors(choice.directions)));
   out.within = out.total_error <= out.tolerance;
 }
 
@@ -271,6 +317,15 @@ void note_tolerance(Decision& out, const std::string& name) {
                     "directions take about {:.3g} s; raise the tolerance, or give fewer of either",
                     name, 100 * out.tolerance, kDear_s_per_megapixel, out.sampling.samples_u, out.sampling.samples_v,
                     out.sampling.directions, out.s_per_megapixel));
+}
+
+/// Whether nodes and components are held against the whole tables: where their estimate takes much of the tolerance, and
+/// what the image would save if they erred by half of it is more than that takes, or where only errors are asked for.
+bool measuring_pays(const Decision& out, LevelSearch& search, const plan::Plan& plan, bool all_given) {
+  if (out.model_pixels > 0 || out.plan_estimate <= kWorthMeasuring * out.tolerance) return false;
+  const double takes_s = kMeasuring_s_per_wavelength * static_cast<double>(plan.report.table_nodes);
+  const double as_estimated_s = search.image_s(out.plan_estimate);
+  return all_given || std::isinf(as_estimated_s) || as_estimated_s - search.image_s(out.plan_estimate / 2) > takes_s;
 }
 
 }  // namespace
@@ -303,28 +358,16 @@ Decision decide(render::Renderer& renderer, const scene::Simulation& simulation,
   Decision out = as_given(simulation, instrument, plan);
   hold_tolerance(out, simulation, instrument, plan, table, threads);
   const bool sky = plan.components() > 0;
-  if (out.samples_given && (out.directions_given || !sky) && !estimate_given) return out;
-  if (out.model_pixels == 0 && out.plan_estimate > kWorthMeasuring * simulation.tolerance)
-    measure_plan(out, simulation, instrument, plan, table, threads);
-
-  PixelTrial trial(renderer, simulation, instrument, plan);
+  const bool all_given = out.samples_given && (out.directions_given || !sky);
+  if (all_given && !estimate_given) return out;
+  PixelTrial trial(renderer, simulation, instrument, plan, look_directions(out, simulation));
   LevelSearch search(trial, simulation, instrument, plan, out);
-  search.try_sky();
-  scene::SamplerKind sampler = out.samples_given ? instrument.sampler : scene::SamplerKind::grid;
-  ErrorLaw side(kSideLaw);
-  Choice choice = search.settle(sampler, side);
-  // No edge runs along a lattice, so it may do with fewer samples; few tell nothing either way.
-  if (!out.samples_given && choice.side > kFirstSide) {
-    ErrorLaw other(kSideLaw);
-    const Choice lattice = search.settle(scene::SamplerKind::lattice, other);
-    const double ours = search.cost_s(lattice.side, lattice.directions),
-                 theirs = search.cost_s(choice.side, choice.directions);
-    if (lattice.within != choice.within ? lattice.within : ours < theirs)
-      choice = lattice, side = other, sampler = scene::SamplerKind::lattice;
-  }
-
+  if (measuring_pays(out, search, plan, all_given)) measure_plan(out, simulation, instrument, plan, table, threads);
+  const Choice choice = search.settle();
+  // No edge runs along a lattice, and every seed moves it.
+  const scene::SamplerKind sampler = out.samples_given ? instrument.sampler : scene::SamplerKind::lattice;
   take_levels(out, plan, choice, sampler);
-  take_errors(out, choice, side, search.direction(), sky);
+  take_errors(out, choice, search.of_samples(), search.of_directions(), sky);
   out.trial_pixels = trial.pixels(), out.looked_at = trial.looked_at(), out.trial_rays = trial.rays();
   note_tolerance(out, instrument.name);
   return out;

@@ -68,16 +68,17 @@ struct Decision {
 
 /// A pair of levels with its errors, and what choose() saw.
 struct Choice {
-  int side = 1, directions = 1;
+  int samples = 1, directions = 1;
   bool within = false;
 };
 
-/// Levels that are tried: sides of a square grid, directions of a set.
-const std::vector<int>& side_levels();
+/// Levels that are tried: samples of a lattice (numbers of Fibonacci and of Lucas, on which the golden ratio's lattice
+/// closes nearly without a seam), directions of a set.
+const std::vector<int>& sample_levels();
 const std::vector<int>& direction_levels();
 
-/// Nominal seconds a pixel with one side and one number of directions.
-using PixelCost = std::function<double(int side, int directions)>;
+/// Nominal seconds of a pixel.
+using PixelCost = std::function<double(int samples, int directions)>;
 
 /// Errors of a level in every band.
 using LevelErrors = std::function<BandErrors(int level)>;
@@ -85,8 +86,8 @@ using LevelErrors = std::function<BandErrors(int level)>;
 /// The cheapest pair whose errors together (bound_together) are at most `budget`; where none of at most
 /// kMost_s_per_megapixel has that, the pair of those with the least error, and where none is that cheap, the cheapest.
 /// Fixed levels: one-element lists.
-Choice choose(const LevelErrors& side, const LevelErrors& direction, double budget, const PixelCost& cost_s,
-              const std::vector<int>& sides, const std::vector<int>& directions);
+Choice choose(const LevelErrors& of_samples, const LevelErrors& of_directions, double budget, const PixelCost& cost_s,
+              const std::vector<int>& samples, const std::vector<int>& directions);
 
 /// Makes the decision for an instrument. `plan`: of make_plan with `table`, any directions. With samples and directions
 /// both given nothing is tried unless `estimate_given`; else the nodes' and components' error is measured too where its

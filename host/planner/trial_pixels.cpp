@@ -182,4 +182,38 @@ TrialError error_between(const TrialImage& one, const TrialImage& two, const std
   return errors_of(one, mean, square, [&](std::size_t i) { return 2.0 / 3 * square(i) * square(i); });
 }
 
+TrialError error_between_pairs(const TrialImage& one, const TrialImage& one_again, const TrialImage& two,
+                               const TrialImage& two_again, const std::vector<double>& mean) {
+  const auto square_of = [](const TrialImage& a, const TrialImage& b, std::size_t i) {
+    const double difference = static_cast<double>(a.radiance[i]) - b.radiance[i];
+    return 0.5 * difference * difference;
+  };
+  const auto square = [&](std::size_t i) {
+    return 0.5 * (square_of(one, one_again, i) + square_of(two, two_again, i));
+  };
+  // As in error_between, of the mean of two.
+  return errors_of(one, mean, square, [&](std::size_t i) {
+    const double first = square_of(one, one_again, i), second = square_of(two, two_again, i);
+    return (first * first + second * second) / 6;
+  });
+}
+
+TrialError common_spread(const TrialImage& one, const TrialImage& one_again, const TrialImage& two,
+                         const TrialImage& two_again, const std::vector<double>& mean) {
+  const auto square = [&](std::size_t i) {
+    return 0.5 * (static_cast<double>(one.radiance[i]) - two.radiance[i]) *
+           (static_cast<double>(one_again.radiance[i]) - two_again.radiance[i]);
+  };
+  // The factors are e + n1 and e + n2, all Gaussian, of variances u and v; q half their product, d = n1 - n2. The means
+  // of q^2, q d^2 and d^4 are (3 u^2 + 2 u v + v^2) / 4, u v - v^2 and 12 v^2; the variance of q is (2 u^2 + 2 u v +
+  // v^2) / 4 = 2/3 q^2 + q d^2 / 6 + d^4 / 48 in the mean.
+  const auto noise = [&](std::size_t i) {
+    const double d = (static_cast<double>(one.radiance[i]) - two.radiance[i]) -
+                     (static_cast<double>(one_again.radiance[i]) - two_again.radiance[i]);
+    const double q = square(i), d2 = d * d;
+    return 2.0 / 3 * q * q + q * d2 / 6 + d2 * d2 / 48;
+  };
+  return errors_of(one, mean, square, noise);
+}
+
 }  // namespace raycube::planner

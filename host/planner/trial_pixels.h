@@ -12,9 +12,10 @@
 namespace raycube::planner {
 
 inline constexpr int kTrialRuns = 64, kRunPixels = 8;
-/// Runs of the first look, and how many of them are drawn for the trial (some more than once).
+/// Runs of the first look (all of an image that has no more), and how many of them are drawn where references are dear
+/// (some more than once).
 inline constexpr int kLookRuns = 1024, kDraws = 128;
-/// An image of no more runs is tried whole: drawing some of them would save less than the programs take to compile.
+/// An image of no more runs, whose rays are soon traced, is judged whole.
 inline constexpr int kWholeRuns = 512;
 
 /// How a run came into a trial.
@@ -81,5 +82,14 @@ TrialError error_from(const TrialImage& image, const TrialImage& truth, const st
 
 /// Error of each of two images that differ by independent draws alone: half their mean squared difference.
 TrialError error_between(const TrialImage& one, const TrialImage& two, const std::vector<double>& mean);
+
+/// The same of two such pairs: `one` and `one_again`, `two` and `two_again`.
+TrialError error_between_pairs(const TrialImage& one, const TrialImage& one_again, const TrialImage& two,
+                               const TrialImage& two_again, const std::vector<double>& mean);
+
+/// Error that `one` and `one_again` have in common, as `two` and `two_again` have another draw of it: without what tells
+/// one from one_again. With a = e + m + n each, E[(one - two)(one_again - two_again)] / 2 = E[e^2].
+TrialError common_spread(const TrialImage& one, const TrialImage& one_again, const TrialImage& two,
+                         const TrialImage& two_again, const std::vector<double>& mean);
 
 }  // namespace raycube::planner

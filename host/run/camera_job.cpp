@@ -8,6 +8,7 @@
 #include "host/base/parallel.h"
 #include "host/base/timing.h"
 #include "host/run/air_table.h"
+#include "host/plan/baked_rows.h"
 #include "host/plan/channel_bands.h"
 #include "host/plan/one_direction.h"
 #include "host/planner/open_share.h"
@@ -57,6 +58,7 @@ CameraJob prepare_camera(const scene::Simulation& simulation, const scene::Instr
   // Which of the scene's objects are small needs nothing of the plan.
   auto small = base::beside(services.threads, [&] { return sensors::SmallObjectPixels(simulation.scene, instrument); });
   job.plan = plan::make_plan(simulation, instrument, job.table, view, services.threads);
+  job.plan.baked = std::make_shared<plan::BakedRows>();
   if (planning.renderer) planner::measure_open_share(*planning.renderer, simulation, instrument, job.plan);
   if (planning.replay) {
     const auto& entry = planner::find_entry(*planning.replay, instrument.name, false, planning.replay_path);

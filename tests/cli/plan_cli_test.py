@@ -61,7 +61,7 @@ with tempfile.TemporaryDirectory() as temporary:
     check(chosen["digest"] == replayed["digest"])
     lines = {line["block"]: line for line in chosen["plan"]["planner"]["lines"]}
     check(
-        lines["samples"]["level"] == "grid {} x {}".format(*entry["samples"]) and not lines["samples"]["given"], lines
+        lines["samples"]["level"] == "lattice {}".format(entry["samples"][0]) and not lines["samples"]["given"], lines
     )
     check(lines["samples"]["error"] is not None and lines["samples"]["error_without"] is not None, lines)
 

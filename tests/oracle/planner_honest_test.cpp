@@ -138,13 +138,11 @@ TEST_CASE(
             }
         });
     CHECK(std::sqrt(squares / (kPixels * kLines)) / leaves.mean() <= tolerance);
-    const auto cost = [&](int side) {
-      return CostModel().seconds(pixel_counts(plan, static_cast<double>(side) * side, 1));
-    };
+    const auto cost = [&](int samples) { return CostModel().seconds(pixel_counts(plan, samples, 1)); };
     double least = std::numeric_limits<double>::infinity();
     for (int side = 1; side <= 32; ++side)
-      if (leaves.error(side) <= tolerance) least = std::min(least, cost(side));
-    CHECK(cost(d.sampling.samples_u) <= 2 * least);
+      if (leaves.error(side) <= tolerance) least = std::min(least, cost(side * side));
+    CHECK(cost(d.sampling.samples_u * d.sampling.samples_v) <= 2 * least);
     CHECK(d.sampling.directions <= 8);  // leaves hide little of the sky from one another
   }
 }

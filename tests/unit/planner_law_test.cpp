@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "host/planner/band_errors.h"
@@ -23,16 +24,26 @@ TEST_CASE("S60: a law passes through what was measured, is straight in logarithm
   CHECK(law.estimate(8) == doctest::Approx(std::sqrt(0.08 * 0.02)));
   CHECK(law.estimate(32) == doctest::Approx(0.01));                     // level^-1 beyond
   CHECK(law.estimate(2) == doctest::Approx(0.32));                      // level^-2 before
-  CHECK(law.hope(32) == doctest::Approx(0.08 * std::pow(0.125, 1.5)));  // the kinder of the two
+  CHECK(law.hope(32) == doctest::Approx(0.09 * std::pow(0.125, 1.5)));  // the kinder of the two
   CHECK(law.hope(32) < law.bound(32));
   // Where one sample may do as well as 4 x 4 it is tried, whatever finer ones bring; what lies between two levels is
   // not.
   ErrorLaw flat(LawExponents{1, 2, 1.5, 1, 0});
   flat.measured(4, 0.02, 0.021);
   flat.measured(8, 0.019, 0.02);
-  CHECK(flat.hope(1) == doctest::Approx(0.02));
-  CHECK(flat.hope(2) == doctest::Approx(0.02));
-  CHECK(flat.hope(6) == doctest::Approx(0.02 * std::pow(4.0 / 6, 1.5)));
+  CHECK(flat.hope(1) == doctest::Approx(0.021));
+  CHECK(flat.hope(2) == doctest::Approx(0.021));
+  CHECK(flat.hope(6) == doctest::Approx(0.021 * std::pow(4.0 / 6, 1.5)));
+}
+
+TEST_CASE("S60: a level that chance shows without errors is held by the finer ones that have some") {
+  ErrorLaw sky(kDirectionLaw);
+  sky.measured(16, 0.001, 0.0012);
+  sky.measured(4, 0, 0);  // four rays of a pixel met nothing of what hides a thousandth of the sky
+  CHECK(sky.bound(4) == doctest::Approx(2 * 0.0012));  // level^-0.5
+  sky.measured(64, 0.001, 0.001);
+  CHECK(sky.bound(16) == doctest::Approx(0.002));  // what was measured before is held by it too
+  CHECK(sky.bound(4) == doctest::Approx(0.004));
 }
 
 TEST_CASE("S60: noise may not lift a bound above the law of a coarser level, nor lower it below the estimate") {
@@ -48,30 +59,30 @@ TEST_CASE("S60: the choice is the cheapest pair inside the budget, by an exhaust
   plan::Plan plan;
   plan.sky_components = 1;
   plan.bands.resize(10);
-  ErrorLaw side(kSideLaw), direction(kDirectionLaw);
-  side.measured(4, 0.02, 0.02);
+  ErrorLaw side(kSamplesLaw), direction(kDirectionLaw);
+  side.measured(21, 0.02, 0.02);
   direction.measured(16, 0.01, 0.01);
   const LevelErrors known = [&](int n) { return side.errors(n); }, sky = [&](int k) { return direction.errors(k); };
-  const PixelCost cost_s = [&](int n, int k) { return CostModel().seconds(pixel_counts(plan, double(n) * n, k)); };
+  const PixelCost cost_s = [&](int n, int k) { return CostModel().seconds(pixel_counts(plan, n, k)); };
   for (const double budget : {0.1, 0.02, 0.005}) {
-    const Choice choice = choose(known, sky, budget, cost_s, side_levels(), direction_levels());
+    const Choice choice = choose(known, sky, budget, cost_s, sample_levels(), direction_levels());
     REQUIRE(choice.within);
     const auto error = [&](int n, int k) { return std::hypot(side.bound(n), direction.bound(k)); };
-    CHECK(error(choice.side, choice.directions) <= budget);
-    for (const int n : side_levels())
+    CHECK(error(choice.samples, choice.directions) <= budget);
+    for (const int n : sample_levels())
       for (const int k : direction_levels())
-        if (error(n, k) <= budget) CHECK(cost_s(n, k) >= cost_s(choice.side, choice.directions));
+        if (error(n, k) <= budget) CHECK(cost_s(n, k) >= cost_s(choice.samples, choice.directions));
   }
   // Out of reach: not kept, by the best of the settings that anybody would wait for.
-  const Choice best = choose(known, sky, 1e-9, cost_s, side_levels(), direction_levels());
+  const Choice best = choose(known, sky, 1e-9, cost_s, sample_levels(), direction_levels());
   CHECK_FALSE(best.within);
   const auto error = [&](int n, int k) { return std::hypot(side.bound(n), direction.bound(k)); };
   const auto affordable = [&](int n, int k) { return 1e6 * cost_s(n, k) <= kMost_s_per_megapixel; };
-  CHECK(affordable(best.side, best.directions));
-  for (const int n : side_levels())
+  CHECK(affordable(best.samples, best.directions));
+  for (const int n : sample_levels())
     for (const int k : direction_levels())
-      if (affordable(n, k)) CHECK(error(n, k) >= error(best.side, best.directions));
-  // Samples given, so many that few directions are affordable: the list's single side stands for them, at their cost.
+      if (affordable(n, k)) CHECK(error(n, k) >= error(best.samples, best.directions));
+  // Samples given, so many that few directions are affordable: the list's single level stands for them, at their cost.
   const PixelCost of_given = [&](int, int k) { return CostModel().seconds(pixel_counts(plan, 96. * 96, k)); };
   const Choice beside_given = choose(known, sky, 1e-9, of_given, {1}, direction_levels());
   CHECK_FALSE(beside_given.within);
@@ -108,31 +119,31 @@ TEST_CASE("S60: errors that lie in different bands are judged band by band, and 
   plan::Plan plan;
   plan.sky_components = 1;
   plan.bands.resize(2);
-  ErrorLaw side(kSideLaw), direction(kDirectionLaw);
+  ErrorLaw side(kSamplesLaw), direction(kDirectionLaw);
   // Leaves: samples err in the near infrared, the sky in the blue.
-  side.measured(4, {{0.001, 0.02}, {0.001, 0.02}});
+  side.measured(21, {{0.001, 0.02}, {0.001, 0.02}});
   direction.measured(16, {{0.02, 0.001}, {0.02, 0.001}});
   const LevelErrors of_side = [&](int n) { return side.errors(n); }, sky = [&](int k) { return direction.errors(k); };
   const LevelErrors side_worst = [&](int n) { return BandErrors{{side.estimate(n)}, {side.bound(n)}}; };
   const LevelErrors sky_worst = [&](int k) { return BandErrors{{direction.estimate(k)}, {direction.bound(k)}}; };
-  const PixelCost cost_s = [&](int n, int k) { return CostModel().seconds(pixel_counts(plan, double(n) * n, k)); };
+  const PixelCost cost_s = [&](int n, int k) { return CostModel().seconds(pixel_counts(plan, n, k)); };
   constexpr double budget = 0.0201;  // sqrt(0.02^2 + 0.001^2) is 0.020025, sqrt(2) 0.02 is not kept
-  const Choice apart = choose(of_side, sky, budget, cost_s, side_levels(), direction_levels());
-  const Choice worst = choose(side_worst, sky_worst, budget, cost_s, side_levels(), direction_levels());
+  const Choice apart = choose(of_side, sky, budget, cost_s, sample_levels(), direction_levels());
+  const Choice worst = choose(side_worst, sky_worst, budget, cost_s, sample_levels(), direction_levels());
   REQUIRE(apart.within);
   REQUIRE(worst.within);
-  CHECK(apart.side == 4);
+  CHECK(apart.samples == 21);
   CHECK(apart.directions == 16);
-  CHECK(cost_s(apart.side, apart.directions) < 0.8 * cost_s(worst.side, worst.directions));
+  CHECK(cost_s(apart.samples, apart.directions) < 0.8 * cost_s(worst.samples, worst.directions));
   // No cheaper pair keeps the budget in both bands; the errors of both together never fall short of either's.
-  for (const int n : side_levels())
+  for (const int n : sample_levels())
     for (const int k : direction_levels()) {
       const BandErrors s = side.errors(n), d = direction.errors(k);
       double most = 0;
       for (std::size_t b = 0; b < 2; ++b) most = std::max(most, std::hypot(s.bound[b], d.bound[b]));
       CHECK(bound_together(s, d) == doctest::Approx(most));
       CHECK(bound_together(s, d) >= std::max(s.worst_bound(), d.worst_bound()) * (1 - 1e-12));
-      if (most <= budget) CHECK(cost_s(n, k) >= cost_s(apart.side, apart.directions));
+      if (most <= budget) CHECK(cost_s(n, k) >= cost_s(apart.samples, apart.directions));
     }
   // One entry stands for all bands; the band that an earlier sum was worst in changes nothing.
   std::size_t band = 0;
@@ -231,6 +242,45 @@ TEST_CASE("S60: of an image tried whole only the references' random points are u
   CHECK(between_stated == doctest::Approx(between_variance).epsilon(0.25));
   MESSAGE("stated over actual variance: " << stated / variance << " against references, "
                                           << between_stated / between_variance << " between two renders");
+}
+
+TEST_CASE("S60: four replicates tell samples' error from the sky's, and how far either is known") {
+  // Of each pixel: samples draw e twice, the sky draws n four times; in every fourth pixel alone, nearly Gaussian.
+  constexpr rc_u32 kPixels = 512, kSeeds = 400;
+  constexpr double kSamples = 0.04, kSky = 0.03;
+  const auto normal = [](rc_u32 seed, rc_u32 pixel, rc_u32 of) {
+    double sum = -6;
+    for (rc_u32 k = 0; k < 12; ++k) sum += rc_unit_float(rc_hash(seed, pixel, k, of));
+    return pixel % 4 ? 0.0 : sum;
+  };
+  struct Told {
+    double mean = 0, square = 0, stated = 0;
+    void add(const TrialError& found) {
+      const double here = found.estimate * found.estimate;
+      mean += here / kSeeds, square += here * here / kSeeds;
+      stated += std::pow(found.bound * found.bound - here, 2) / kSeeds;
+    }
+    double variance() const { return square - mean * mean; }
+  };
+  Told samples, sky;
+  for (rc_u32 seed = 1; seed <= kSeeds; ++seed) {
+    std::array<TrialImage, 4> image;  // one, one_again, two, two_again
+    for (std::size_t k = 0; k < 4; ++k) {
+      image[k].bands = 1, image[k].whole = true;
+      for (rc_u32 p = 0; p < kPixels; ++p) {
+        image[k].radiance.push_back(static_cast<float>(1 + kSamples * normal(seed, p, 11 + static_cast<rc_u32>(k) / 2) +
+                                                       kSky * normal(seed, p, 21 + static_cast<rc_u32>(k))));
+        if (p % 8 == 7) image[k].run_end.push_back(p + 1);
+      }
+    }
+    samples.add(common_spread(image[0], image[1], image[2], image[3], {1.0}));
+    sky.add(error_between_pairs(image[0], image[1], image[2], image[3], {1.0}));
+  }
+  // A variance of 400 draws is known to 7 %; both are stated without bias.
+  CHECK(samples.mean == doctest::Approx(kSamples * kSamples / 4).epsilon(0.02));
+  CHECK(sky.mean == doctest::Approx(kSky * kSky / 4).epsilon(0.02));
+  CHECK(samples.stated == doctest::Approx(samples.variance()).epsilon(0.25));
+  CHECK(sky.stated == doctest::Approx(sky.variance()).epsilon(0.25));
 }
 
 TEST_CASE("S60: draws by a first look find the errors that one run in a hundred holds, without bias") {
