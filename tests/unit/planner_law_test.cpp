@@ -247,7 +247,7 @@ TEST_CASE("S60: of an image tried whole only the references' random points are u
 TEST_CASE("S60: four replicates tell samples' error from the sky's, and how far either is known") {
   // Of each pixel: samples draw e twice, the sky draws n four times; in every fourth pixel alone, nearly Gaussian.
   constexpr rc_u32 kPixels = 512, kSeeds = 400;
-  constexpr double kSamples = 0.04, kSky = 0.03;
+  constexpr double kSamples = 0.04, kSky = 0.08;
   const auto normal = [](rc_u32 seed, rc_u32 pixel, rc_u32 of) {
     double sum = -6;
     for (rc_u32 k = 0; k < 12; ++k) sum += rc_unit_float(rc_hash(seed, pixel, k, of));
@@ -276,8 +276,9 @@ TEST_CASE("S60: four replicates tell samples' error from the sky's, and how far 
     samples.add(common_spread(image[0], image[1], image[2], image[3], {1.0}));
     sky.add(error_between_pairs(image[0], image[1], image[2], image[3], {1.0}));
   }
-  // A variance of 400 draws is known to 7 %; both are stated without bias.
-  CHECK(samples.mean == doctest::Approx(kSamples * kSamples / 4).epsilon(0.02));
+  // A variance of 400 draws is known to 7 %; both are stated without bias. The sky is twice as noisy as what is sought
+  // beside it: a mean square is known to 45 %, the mean of 400 to 2.3 %.
+  CHECK(samples.mean == doctest::Approx(kSamples * kSamples / 4).epsilon(4 * 0.023));
   CHECK(sky.mean == doctest::Approx(kSky * kSky / 4).epsilon(0.02));
   CHECK(samples.stated == doctest::Approx(samples.variance()).epsilon(0.25));
   CHECK(sky.stated == doctest::Approx(sky.variance()).epsilon(0.25));
