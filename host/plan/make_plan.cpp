@@ -30,8 +30,8 @@ namespace {
 /// Part of the tolerance for each block (nodes of height, view and path; sky components), and for all of them together.
 constexpr double kShare = 0.1, kBudget = 0.5;
 /// Part of the horizontal irradiance that the irradiance map may be off between its nodes: a hundredth of the tolerance
-/// (a tenth of what a block may be off by), and at most half of the 1e-4 within which its integrals and the sampled maps
-/// are to agree.
+/// (a tenth of what a block may be off by), and at most half of the 1e-4 within which it and the sampled maps are to
+/// agree.
 constexpr double kMapShareOfTolerance = 0.01, kMostMapShare = 5e-5;
 /// Part of that which the grid may err that the map is read from.
 constexpr double kGridPart = 0.5;

@@ -319,7 +319,7 @@ void note_tolerance(Decision& out, const std::string& name) {
                     out.sampling.directions, out.s_per_megapixel));
 }
 
-/// Whether nodes and components are held against the whole tables: where their estimate takes much of the tolerance, and
+/// Whether nodes and components are held against the whole tables: where their estimate takes much of the tolerance and
 /// what the image would save if they erred by half of it is more than that takes, or where only errors are asked for.
 bool measuring_pays(const Decision& out, LevelSearch& search, const plan::Plan& plan, bool all_given) {
   if (out.model_pixels > 0 || out.plan_estimate <= kWorthMeasuring * out.tolerance) return false;

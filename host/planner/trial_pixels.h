@@ -87,8 +87,8 @@ TrialError error_between(const TrialImage& one, const TrialImage& two, const std
 TrialError error_between_pairs(const TrialImage& one, const TrialImage& one_again, const TrialImage& two,
                                const TrialImage& two_again, const std::vector<double>& mean);
 
-/// Error that `one` and `one_again` have in common, as `two` and `two_again` have another draw of it: without what tells
-/// one from one_again. With a = e + m + n each, E[(one - two)(one_again - two_again)] / 2 = E[e^2].
+/// Error that `one` and `one_again` have in common, as `two` and `two_again` have another draw of it: without what
+/// tells one from one_again. With a = e + m + n each, E[(one - two)(one_again - two_again)] / 2 = E[e^2].
 TrialError common_spread(const TrialImage& one, const TrialImage& one_again, const TrialImage& two,
                          const TrialImage& two_again, const std::vector<double>& mean);
 
