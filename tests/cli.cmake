@@ -22,6 +22,7 @@ add_test(NAME digests COMMAND ${RAYCUBE_TEST_PYTHON} ${CMAKE_CURRENT_LIST_DIR}/g
 set_tests_properties(digests PROPERTIES LABELS device SKIP_RETURN_CODE 77)
 raycube_cli_test(render_cli ${PROJECT_SOURCE_DIR}/scenes)
 raycube_cli_test(shapes)
+raycube_cli_test(preview)
 raycube_cli_test(check_cli ${PROJECT_SOURCE_DIR}/scenes)
 raycube_cli_test(import_limits)
 raycube_cli_test(low_sun)
