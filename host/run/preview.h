@@ -13,7 +13,8 @@
 
 namespace raycube::run {
 
-/// Samples and sky directions of a pixel in each pass: fewer leave crowns speckled, more keep the first picture waiting.
+/// Samples and sky directions of a pixel in each pass: fewer leave crowns speckled, more keep a user waiting for the
+/// first picture.
 inline constexpr int kPreviewSamples = 4, kPreviewDirections = 2;
 
 struct PreviewSettings {
