@@ -19,7 +19,7 @@ using nlohmann::json;
 
 json to_json(const bench::SweepPoint& p) {
   return {{"setting", p.setting.text()},
-          {"side", p.setting.side},
+          {"samples", p.setting.samples},
           {"directions", p.setting.directions},
           {"error", p.error},
           {"low", p.low},
@@ -30,7 +30,7 @@ json to_json(const bench::SweepPoint& p) {
 json to_json(const bench::PlannerRow& r) {
   json out = {{"tolerance", r.tolerance},
               {"setting", r.chosen.text()},
-              {"side", r.chosen.side},
+              {"samples", r.chosen.samples},
               {"directions", r.chosen.directions},
               {"claimed", r.claimed},
               {"nodes", r.plan_error},

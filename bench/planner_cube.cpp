@@ -48,8 +48,16 @@ std::vector<render::Tile> judged_tiles(const scene::Instrument& instrument, std:
 }
 
 double s_per_megapixel(const plan::Plan& plan, const PlannerSetting& setting) {
-  const int samples = setting.side * setting.side;
-  return 1e6 * CostModel().seconds(pixel_counts(plan, samples, setting.directions));
+  return 1e6 * CostModel().seconds(pixel_counts(plan, setting.samples, setting.directions));
+}
+
+/// The instrument with a setting's samples: a grid of a square number of them, or a lattice.
+scene::Instrument sampled(const scene::Instrument& instrument, const PlannerSetting& setting) {
+  scene::Instrument out = instrument;
+  out.sampler = setting.sampler, out.samples_u = setting.samples, out.samples_v = 1;
+  if (setting.sampler != scene::SamplerKind::lattice)
+    out.samples_u = out.samples_v = static_cast<int>(std::lround(std::sqrt(setting.samples)));
+  return out;
 }
 
 class CubeStudy {
@@ -129,9 +137,7 @@ class CubeStudy {
   }
 
   std::vector<float> render(const PlannerSetting& setting, const plan::Plan& plan, std::uint64_t seed) {
-    scene::Instrument tried = instrument_;
-    tried.sampler = setting.sampler, tried.samples_u = tried.samples_v = setting.side;
-    return study::device_radiance(renderer_, tried, plan, simulation_.sun, seed, tiles_);
+    return study::device_radiance(renderer_, sampled(instrument_, setting), plan, simulation_.sun, seed, tiles_);
   }
 
   /// The plan with a setting's directions.
@@ -199,7 +205,7 @@ class CubeStudy {
       for (const int side : kSides) {
         if (sampler == scene::SamplerKind::lattice && side == 1) continue;
         for (const int directions : sky_ ? kDirections : std::vector<int>{0}) {
-          const PlannerSetting setting{sampler, side, directions};
+          const PlannerSetting setting{sampler, side * side, directions};
           const double cost = s_per_megapixel(finest_, setting);
           if (cost > kSweep_s_per_megapixel) continue;
           const auto error =
@@ -225,7 +231,7 @@ class CubeStudy {
     }
     out.plan_s = base::seconds_since(start);
     const planner::Decision& d = job.decision;
-    out.chosen = {d.sampling.sampler, d.sampling.samples_u, sky_ ? d.sampling.directions : 0};
+    out.chosen = {d.sampling.sampler, d.sampling.samples_u * d.sampling.samples_v, sky_ ? d.sampling.directions : 0};
     out.claimed = d.total_error, out.within = d.within, out.dear = d.dear;
     out.plan_error = d.plan_error, out.samples_error = d.samples_error, out.sky_error = d.sky_error;
     out.s_per_megapixel = d.s_per_megapixel;
@@ -264,10 +270,9 @@ class CubeStudy {
 
   /// Seconds of the stages of a strip, rows' baking apart: it is paid once for an image.
   double seconds(const PlannerSetting& setting, const plan::Plan& plan, const std::vector<render::Tile>& tiles) {
-    scene::Instrument tried = instrument_;
-    tried.sampler = setting.sampler, tried.samples_u = tried.samples_v = setting.side;
     double sum = 0;
-    for (const auto& [stage, s] : renderer_.probe(tried, plan, simulation_.sun, simulation_.seed, tiles, {}).stage_s)
+    for (const auto& [stage, s] :
+         renderer_.probe(sampled(instrument_, setting), plan, simulation_.sun, simulation_.seed, tiles, {}).stage_s)
       if (stage != "bake") sum += s;
     return sum;
   }
@@ -304,11 +309,11 @@ class CubeStudy {
 }  // namespace
 
 std::string PlannerSetting::text() const {
-  if (directions < 0) return fmt::format("{} sub-rays", side);
+  if (directions < 0) return fmt::format("{} sub-rays", samples);
   const char* kind = sampler == scene::SamplerKind::grid      ? "grid"
                      : sampler == scene::SamplerKind::lattice ? "lattice"
                                                               : "jittered";
-  return fmt::format("{} {} x {}, {} directions", kind, side, side, directions);
+  return fmt::format("{} {}, {} directions", kind, samples, directions);
 }
 
 const SweepPoint* cheapest(const std::vector<SweepPoint>& points, double tolerance) {

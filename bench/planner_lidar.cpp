@@ -55,7 +55,7 @@ class LidarStudy {
             {{scene::SamplerKind::grid, subrays, -1}, error, low_of(error), error, static_cast<double>(subrays)});
       }
     out.sweep = fmt::format("{} .. {} sub-rays, every level the planner knows", planner::subray_levels().front(),
-                            out.points.back().setting.side);
+                            out.points.back().setting.samples);
     for (const double tolerance : settings_.tolerances) {
       out.rows.push_back(row(tolerance, out.points));
       const PlannerRow& r = out.rows.back();
@@ -154,7 +154,7 @@ class LidarStudy {
       out.best_known = true;
       out.best = *best;
       out.cost_over_best = out.s_per_megapixel / best->s_per_megapixel;
-      out.time_over_best = time_ratio(subrays, best->setting.side);
+      out.time_over_best = time_ratio(subrays, best->setting.samples);
     }
     return out;
   }

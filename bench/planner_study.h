@@ -15,10 +15,10 @@ namespace raycube::bench {
 /// A reference whose own error is this part of the tolerance can judge it.
 inline constexpr double kFifth = 0.2;
 
-/// Samples of a pixel and sky directions, or the sub-rays of a pulse (in `side`, directions 0).
+/// Samples of a pixel and sky directions, or the sub-rays of a pulse (in `samples`, directions below 0).
 struct PlannerSetting {
   scene::SamplerKind sampler = scene::SamplerKind::grid;
-  int side = 1, directions = 0;
+  int samples = 1, directions = 0;
   std::string text() const;
   auto operator<=>(const PlannerSetting&) const = default;
 };

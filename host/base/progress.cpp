@@ -55,6 +55,7 @@ Progress::Progress(Log& log, std::string what, std::uint64_t total, std::string 
   if (!clock) clock = steady_seconds;
   const double now_s = clock();
   state_.reset(new State{log, std::move(what), std::move(unit), total, 0, std::move(clock), now_s, now_s, {}});
+  if (log.on_terminal()) log.set_status(progress_text(state_->what, 0, total, state_->unit, 0, log.columns()));
 }
 
 Progress::~Progress() { state_->log.set_status(""); }

@@ -55,9 +55,11 @@ CameraJob prepare_camera(const scene::Simulation& simulation, const scene::Instr
   if (simulation.atmosphere.table_file.empty())  // of a table of the user's its maker has heard them
     for (auto& notice : air_notices(job.table)) job.notices.push_back(std::move(notice));
   start = std::chrono::steady_clock::now();
+  services.log.set_status(instrument.name + ": planning nodes and components");
   // Which of the scene's objects are small needs nothing of the plan.
   auto small = base::beside(services.threads, [&] { return sensors::SmallObjectPixels(simulation.scene, instrument); });
   job.plan = plan::make_plan(simulation, instrument, job.table, view, services.threads);
+  services.log.set_status(instrument.name + ": planning samples and sky directions");
   job.plan.baked = std::make_shared<plan::BakedRows>();
   if (planning.renderer) planner::measure_open_share(*planning.renderer, simulation, instrument, job.plan);
   if (planning.replay) {
@@ -73,6 +75,7 @@ CameraJob prepare_camera(const scene::Simulation& simulation, const scene::Instr
   }
   planner::add_small_objects(job.decision, instrument, small.get());
   planner::apply(job.decision, *planned, job.plan);
+  services.log.set_status("");
   for (const auto& notice : job.plan.notices) services.log.warning(notice);
   for (const auto& note : job.decision.notes) services.log.warning(note);
   job.plan_s = base::seconds_since(start);

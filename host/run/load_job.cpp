@@ -13,7 +13,9 @@ scene::Simulation load_job(const std::string& file, std::optional<std::uint64_t>
   scene::LoadOptions options;
   options.seed = seed;
   options.need_instruments = true;
+  services.log.set_status("loading " + file);
   scene::Simulation simulation = scene::load_simulation(file, options);
+  services.log.set_status("");
   for (const auto& notice : simulation.notices) services.log.warning(notice);
   for (const auto& instrument : simulation.instruments)
     for (const auto& notice : light_notices(simulation, instrument))

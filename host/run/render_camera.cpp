@@ -12,6 +12,7 @@
 #include "host/base/timing.h"
 #include "host/cl/device.h"
 #include "host/planner/own_error.h"
+#include "host/planner/plan_lines.h"
 #include "host/run/cube_products.h"
 #include "host/run/load_job.h"
 
@@ -119,6 +120,18 @@ void add_small_objects(const CameraJob& job, const render::RenderStatistics& sta
                                 statistics.small_object_pixels.rbegin()->first));
 }
 
+/// What the render will take and err by, before it begins.
+void say_what_it_takes(const CameraJob& job, Services& services) {
+  const planner::Decision& d = job.decision;
+  const double pixels = static_cast<double>(job.instrument->pixels) * job.instrument->lines;
+  services.log.info(fmt::format(
+      "{}: {:.0f} samples and {:.0f} sky rays a pixel, some {:.2g} s on two cores; {}", job.instrument->name,
+      d.counts.samples, d.counts.sky_rays, planner::CostModel().whole_image_s(d.counts, pixels),
+      d.total_error >= 0
+          ? fmt::format("estimated error {} of {:.3g} %", planner::percent_text(d.total_error), 100 * d.tolerance)
+          : std::string("its error is judged when it is done")));
+}
+
 void add_warning(const std::string& text, products::RunRecord& record, Services& services) {
   services.log.warning(text);
   record.warnings.push_back(text);
@@ -146,6 +159,7 @@ CameraRun render_camera(const scene::Simulation& simulation, const CameraJob& jo
   const auto start = std::chrono::steady_clock::now();
   // Refuses a memory that is too small before anything is made.
   renderer.tile_size(instrument, job.plan, renderer.tuning().tile_samples);
+  say_what_it_takes(job, services);
   CubeProducts output(destination.folder, destination.if_exists, simulation, job);
   const auto statistics = render_into(output, simulation, job, renderer, services);
   output.complete();
