@@ -18,6 +18,7 @@ constexpr double kReplicates = 4;
 /// A trial's replicates take this part of the whole image's time, or this many nominal seconds where that is less.
 constexpr double kPartOfRender = 0.25, kLeastTrial_s = 0.15;
 constexpr int kFewestDraws = 64;
+constexpr int kReferences = 4;  ///< renders of each reference that a draw is held against, where that is quick
 
 }  // namespace
 
@@ -103,6 +104,27 @@ SettingErrors PixelTrial::replicates(scene::SamplerKind sampler, int samples_u, 
   const int runs = std::max(kFewestDraws, static_cast<int>(draws));
   draw_pixels(runs, runs);
   return replicates(tried, directions);
+}
+
+TrialError PixelTrial::own_draw(scene::SamplerKind sampler, int samples_u, int samples_v, int directions) {
+  const scene::Instrument drawn = sampled(sampler, samples_u, samples_v);
+  draw_pixels(static_cast<int>(looked_.size()), static_cast<int>(looked_.size()));
+  // As many renders as are quick, of the program that the image takes: another number of samples is another program.
+  const double all_s = static_cast<double>(pixels_) * pixel_cost_s(drawn, directions);
+  const int each = all_s < kLeastTrial_s ? kReferences : 1;
+  std::uint64_t seed = simulation_.seed + 3 * kOther;
+  const auto reference = [&] {
+    TrialImage mean = render(drawn, directions, seed, 0);
+    seed += kOther;
+    for (int k = 1; k < each; ++k, seed += kOther) {
+      const TrialImage more = render(drawn, directions, seed, 0);
+      for (std::size_t i = 0; i < mean.radiance.size(); ++i)
+        mean.radiance[i] += (more.radiance[i] - mean.radiance[i]) / static_cast<float>(k + 1);
+    }
+    return mean;
+  };
+  const TrialImage one = reference(), two = reference();
+  return error_against(render(drawn, directions, simulation_.seed, 0), one, two, mean_);
 }
 
 void PixelTrial::make_references() {

@@ -44,6 +44,12 @@ class PixelTrial {
   /// Error of so many sky directions a pixel under a regular grid: two renders that differ in their rays alone.
   TrialError sky_error(int directions, int samples_u, int samples_v);
 
+  /// Error of the very draw that the image will have, of samples and sky together, on the last trial's pixels: against
+  /// two means of renders with shifts and rays of their own. Where a few pixels hold all the error, one draw is up to twice as
+  /// far off as the next.
+  TrialError own_draw(scene::SamplerKind sampler, int samples_u, int samples_v, int directions);
+
+  bool whole() const { return left_out_ <= 0; }         ///< the look saw every pixel, and so does a trial
   std::size_t pixels() const { return pixels_; }        ///< of the last trial
   std::size_t looked_at() const { return looked_at_; }  ///< of the first look
   std::uint64_t rays() const { return rays_; }          ///< traced so far, sky rays towards a surface's back included

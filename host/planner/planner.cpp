@@ -182,6 +182,16 @@ class LevelSearch {
     return choose(known, sky, budget, cost, samples_, directions_);
   }
 
+  /// The next choice where a draw of this one is off by `drawn`, more than nodes and components leave.
+  Choice finer(double drawn) {
+    const double left = left_by(out_.plan_error);
+    stricter_ *= left / drawn;
+    const LevelErrors known = [&](int n) { return of_samples_.errors(n); };
+    const LevelErrors sky = [&](int k) { return sky_errors(k); };
+    return choose(
+        known, sky, stricter_ * left, [&](int n, int k) { return cost_s(n, k); }, samples_, directions_);
+  }
+
   double cost_s(int samples, int directions) const {
     const double given = static_cast<double>(instrument_.samples_u) * instrument_.samples_v;
     return CostModel().seconds(pixel_counts(plan_, out_.samples_given ? given : samples, directions));
@@ -269,6 +279,7 @@ class LevelSearch {
   bool sky_;
   ErrorLaw of_samples_{kSamplesLaw}, of_directions_{kDirectionLaw};
   std::map<int, BandErrors> sky_errors_;
+  double stricter_ = 1;                    ///< part of the budget that choices are held to since draws were off
   std::vector<int> samples_, directions_;  ///< levels to choose from
 };
 
@@ -328,6 +339,21 @@ bool measuring_pays(const Decision& out, LevelSearch& search, const plan::Plan& 
   return all_given || std::isinf(as_estimated_s) || as_estimated_s - search.image_s(out.plan_estimate / 2) > takes_s;
 }
 
+/// Of an image that is tried whole: refines the choice until the draw that it will have is inside the tolerance. Returns
+/// the bound of that draw's error.
+double hold_draw(PixelTrial& trial, LevelSearch& search, Choice& choice, Decision& out) {
+  for (int round = 0;; ++round) {
+    const TrialError own = trial.own_draw(scene::SamplerKind::lattice, choice.samples, 1, choice.directions);
+    out.measured.push_back(fmt::format("lattice {}, directions {}, the image's own draw: {:.2g} %, at most {:.2g} %",
+                                       choice.samples, choice.directions, 100 * own.estimate, 100 * own.bound));
+    if (std::hypot(out.plan_error, own.bound) <= out.tolerance || round == kMostRounds) return own.bound;
+    const Choice next = search.finer(own.bound);
+    if (search.cost_s(next.samples, next.directions) <= search.cost_s(choice.samples, choice.directions))
+      return own.bound;
+    choice = next;
+  }
+}
+
 }  // namespace
 
 Decision as_given(const scene::Simulation& simulation, const scene::Instrument& instrument, const plan::Plan& plan) {
@@ -363,11 +389,14 @@ Decision decide(render::Renderer& renderer, const scene::Simulation& simulation,
   PixelTrial trial(renderer, simulation, instrument, plan, look_directions(out, simulation));
   LevelSearch search(trial, simulation, instrument, plan, out);
   if (measuring_pays(out, search, plan, all_given)) measure_plan(out, simulation, instrument, plan, table, threads);
-  const Choice choice = search.settle();
+  Choice choice = search.settle();
   // No edge runs along a lattice, and every seed moves it.
   const scene::SamplerKind sampler = out.samples_given ? instrument.sampler : scene::SamplerKind::lattice;
+  double drawn = -1;
+  if (trial.whole() && !out.samples_given) drawn = hold_draw(trial, search, choice, out);
   take_levels(out, plan, choice, sampler);
   take_errors(out, choice, search.of_samples(), search.of_directions(), sky);
+  if (drawn >= 0) out.total_error = std::hypot(out.plan_error, drawn), out.within = out.total_error <= out.tolerance;
   out.trial_pixels = trial.pixels(), out.looked_at = trial.looked_at(), out.trial_rays = trial.rays();
   note_tolerance(out, instrument.name);
   return out;
