@@ -339,8 +339,8 @@ bool measuring_pays(const Decision& out, LevelSearch& search, const plan::Plan& 
   return all_given || std::isinf(as_estimated_s) || as_estimated_s - search.image_s(out.plan_estimate / 2) > takes_s;
 }
 
-/// Of an image that is tried whole: refines the choice until the draw that it will have is inside the tolerance. Returns
-/// the bound of that draw's error.
+/// Of an image that is tried whole: refines the choice until the draw that it will have is inside the tolerance.
+/// Returns the bound of that draw's error.
 double hold_draw(PixelTrial& trial, LevelSearch& search, Choice& choice, Decision& out) {
   for (int round = 0;; ++round) {
     const TrialError own = trial.own_draw(scene::SamplerKind::lattice, choice.samples, 1, choice.directions);
