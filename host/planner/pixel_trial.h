@@ -45,8 +45,8 @@ class PixelTrial {
   TrialError sky_error(int directions, int samples_u, int samples_v);
 
   /// Error of the very draw that the image will have, of samples and sky together: against two means of renders with
-  /// shifts and rays of their own, on all pixels that were looked at. Where a few pixels hold all the error, one draw is
-  /// up to twice as far off as the next.
+  /// shifts and rays of their own, on all pixels that were looked at. Where a few pixels hold all the error, one draw
+  /// may be twice as far off as the next.
   TrialError own_draw(scene::SamplerKind sampler, int samples_u, int samples_v, int directions);
 
   bool whole() const { return left_out_ <= 0; }         ///< the look saw every pixel, and so does a trial
