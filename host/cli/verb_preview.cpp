@@ -74,7 +74,6 @@ Verb verb_preview() {
   Verb verb("preview", "Show in seconds what a camera sees, and refine the picture while you watch");
   verb.description =
       "A PNG of the three bands that a quicklook shows (or of one), stretched from the 2nd to the 98th percentile: "
-      "some "
       "four samples a pixel at first, then twice as many again and again in the same file, which is whole at any time. "
       "Nothing is planned and no tolerance held: the clear sky stands in for the layered model where it knows the "
       "bands, light between ground and air is left out, and of an image of more than 2^18 pixels every n-th line and "

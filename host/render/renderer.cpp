@@ -240,7 +240,9 @@ void Renderer::probe_together(const scene::Instrument& instrument, const plan::P
     return;
   }
   const base::Doing doing("rendering tiles of instrument", instrument.name);
-  const RenderSetup setup = state_->setup(instrument, plan, sun, seed);
+  scene::Instrument settled = instrument;  // else every tile would look through all poses
+  settled.motion = sensors::pose_moves(instrument) ? scene::PoseMotion::moving : scene::PoseMotion::held;
+  const RenderSetup setup = state_->setup(settled, plan, sun, seed);
   const auto width = static_cast<std::size_t>(setup.shape.pixels_per_group);
   const std::size_t capacity = state_->row_capacity(setup.shape), bands = setup.shape.bands,
                     layers = truth_layer_names(state_->scene).size(),
@@ -258,7 +260,7 @@ void Renderer::probe_together(const scene::Instrument& instrument, const plan::P
     base::throw_if_interrupted();
     std::vector<shared::RayGroup> groups;
     for (; end < tiles.size() && groups.size() + groups_of(tiles[end], width) <= most; ++end) {
-      const TileRays rays = tile_rays(instrument, state_->scene, tiles[end], setup.shape.pixels_per_group);
+      const TileRays rays = tile_rays(settled, state_->scene, tiles[end], setup.shape.pixels_per_group);
       groups.insert(groups.end(), rays.groups.begin(), rays.groups.end());
     }
     const TileRays rays = listed_rays(std::move(groups), setup.shape.pixels_per_group);

@@ -171,16 +171,12 @@ const std::string& TraceStages::options() const { return state_->options; }
 
 TileRays tile_rays(const scene::Instrument& instrument, const scene::CompiledScene& scene, const Tile& tile,
                    int pixels_per_group) {
-  const auto all = sensors::make_ray_groups(instrument, scene, tile.first_line, tile.lines);
-  const int image_groups = sensors::groups_per_line(instrument);
   TileRays rays;
   rays.layout = {static_cast<std::uint32_t>(tile.columns), static_cast<std::uint32_t>(tile.lines),
                  static_cast<std::uint32_t>(pixels_per_group)};
-  const auto per_line = static_cast<std::ptrdiff_t>(rays.layout.groups() / rays.layout.lines);
-  for (int line = 0; line < tile.lines; ++line) {
-    const auto first = all.begin() + line * image_groups + tile.first_column / pixels_per_group;
-    rays.groups.insert(rays.groups.end(), first, first + per_line);
-  }
+  rays.groups =
+      sensors::make_ray_groups(instrument, scene, tile.first_line, tile.lines, tile.first_column / pixels_per_group,
+                               static_cast<int>(rays.layout.groups() / rays.layout.lines));
   return rays;
 }
 

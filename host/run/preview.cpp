@@ -22,7 +22,7 @@ constexpr double kTolerance = 0.05;
 constexpr float kOpenShare = 0.5f;
 /// Added to the seed for each pass.
 constexpr std::uint64_t kPass = 0x9e3779b9u;
-/// A group of the kernels is seen together; a picture's pixel is the mean of what it shows of the image.
+/// Pixels of a line that the kernels see together.
 constexpr int kGroup = RC_GROUP_WIDTH;
 
 /// Blue to red as a quicklook has them, or one band.
@@ -61,7 +61,7 @@ class Picture {
   int width() const { return (shown_.pixels + step_ - 1) / step_; }
   int height() const { return (shown_.lines + step_ - 1) / step_; }
 
-  /// Of each line that is shown whole groups that hold the columns shown.
+  /// Of each line that is shown, whole groups that hold the columns shown.
   std::vector<render::Tile> tiles() const {
     std::vector<render::Tile> out;
     for (int y = 0; y < height(); ++y) {

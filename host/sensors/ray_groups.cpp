@@ -136,6 +136,26 @@ double top_of(const scene::CompiledScene& scene) {
   return scene.lo[2] <= scene.hi[2] ? scene.hi[2] : std::numeric_limits<double>::infinity();
 }
 
+std::vector<shared::RayGroup> groups_in(const scene::Instrument& instrument, int first_line, int line_count,
+                                        int first_group, int group_count, double top_m) {
+  check_poses(instrument);
+  if (first_line < 0 || line_count < 0 || line_count > instrument.lines - first_line || first_group < 0 ||
+      group_count < 0 || group_count > groups_per_line(instrument) - first_group)
+    throw base::Error(base::Fault::bug, "instrument '" + instrument.name + "': lines " + std::to_string(first_line) +
+                                            " + " + std::to_string(line_count) + ", groups " +
+                                            std::to_string(first_group) + " + " + std::to_string(group_count) +
+                                            " lie outside the image of " + std::to_string(instrument.lines) +
+                                            " lines of " + std::to_string(groups_per_line(instrument)) + " groups");
+  const bool moving = pose_moves(instrument);
+  const int width = pixels_per_group(instrument);
+  std::vector<shared::RayGroup> groups;
+  groups.reserve(static_cast<std::size_t>(group_count) * static_cast<std::size_t>(line_count));
+  for (int line = first_line; line < first_line + line_count; ++line)
+    for (int group = first_group; group < first_group + group_count; ++group)
+      groups.push_back(group_at(instrument, line, group, width, moving, top_m));
+  return groups;
+}
+
 }  // namespace
 
 int pixels_per_group(const scene::Instrument& instrument) {
@@ -154,19 +174,7 @@ std::uint32_t pixel_number(const scene::Instrument& instrument, int line, int sa
 
 std::vector<shared::RayGroup> make_ray_groups(const scene::Instrument& instrument, int first_line, int line_count,
                                               double top_m) {
-  check_poses(instrument);
-  if (first_line < 0 || line_count < 0 || line_count > instrument.lines - first_line)
-    throw base::Error(base::Fault::bug, "instrument '" + instrument.name + "': lines " + std::to_string(first_line) +
-                                            " + " + std::to_string(line_count) + " lie outside the image of " +
-                                            std::to_string(instrument.lines));
-  const bool moving = pose_moves(instrument);
-  const int width = pixels_per_group(instrument), per_line = groups_per_line(instrument);
-  std::vector<shared::RayGroup> groups;
-  groups.reserve(static_cast<std::size_t>(per_line) * line_count);
-  for (int line = first_line; line < first_line + line_count; ++line)
-    for (int group = 0; group < per_line; ++group)
-      groups.push_back(group_at(instrument, line, group, width, moving, top_m));
-  return groups;
+  return groups_in(instrument, first_line, line_count, 0, groups_per_line(instrument), top_m);
 }
 
 shared::RayGroup make_ray_group(const scene::Instrument& instrument, int line, int group, bool moving) {
@@ -182,6 +190,11 @@ shared::RayGroup make_ray_group(const scene::Instrument& instrument, const scene
 std::vector<shared::RayGroup> make_ray_groups(const scene::Instrument& instrument, const scene::CompiledScene& scene,
                                               int first_line, int line_count) {
   return make_ray_groups(instrument, first_line, line_count, top_of(scene));
+}
+
+std::vector<shared::RayGroup> make_ray_groups(const scene::Instrument& instrument, const scene::CompiledScene& scene,
+                                              int first_line, int line_count, int first_group, int group_count) {
+  return groups_in(instrument, first_line, line_count, first_group, group_count, top_of(scene));
 }
 
 Ray pixel_ray(const scene::Instrument& instrument, int line, int sample, double u, double v) {

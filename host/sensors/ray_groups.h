@@ -31,6 +31,9 @@ std::vector<shared::RayGroup> make_ray_groups(const scene::Instrument& instrumen
 /// The same for a scene's own top.
 std::vector<shared::RayGroup> make_ray_groups(const scene::Instrument& instrument, const scene::CompiledScene& scene,
                                               int first_line, int line_count);
+/// Of each line only groups first_group .. first_group + group_count - 1: a few of a wide line cost a few.
+std::vector<shared::RayGroup> make_ray_groups(const scene::Instrument& instrument, const scene::CompiledScene& scene,
+                                              int first_line, int line_count, int first_group, int group_count);
 
 /// One of these groups, from the sensor; `moving` as pose_moves() says.
 shared::RayGroup make_ray_group(const scene::Instrument& instrument, int line, int group, bool moving);

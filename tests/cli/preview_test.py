@@ -2,6 +2,7 @@
 """`raycube preview`: a picture before there is a plan. Oracle: the quicklook of a render that holds a tolerance."""
 
 import json
+import math
 import pathlib
 import re
 import struct
@@ -98,12 +99,22 @@ def main(folder):
     check(not [p for p in folder.iterdir() if p.name.startswith(".first")])
 
     # An image of more pixels than a picture is seen at every n-th line and column; the layered model is not waited for.
-    wide = scene(folder / "wide.toml", '{ model = "layered" }', pixels=2001, lines=400)
-    done = json.loads(run("preview", wide, "-o", folder / "wide.png", "--samples", 4, "--json").stdout)
-    pixels, _ = png(folder / "wide.png")
-    check(done["step"] == 2 and pixels.shape == (200, 1001, 3) and (done["width"], done["height"]) == (1001, 200), done)
-    white = (pixels == 255).all(-1)  # beyond the 98th percentile: the roof, in the middle, and little else
-    check(white[101:107, 491:499].mean() > 0.5 and white[:50].mean() < 0.05, white[101:107, 491:499].mean())
+    # Within a group of the kernels' pixels (step 2) and past it (step 6); white is what lies beyond the 98th percentile:
+    # the roof, south-west of the middle, and little else.
+    for pixels, lines, step, width, height in ((2001, 400, 2, 1001, 200), (9001, 800, 6, 1501, 134)):
+        wide = scene(folder / "wide.toml", '{ model = "layered" }', pixels, lines)
+        done = json.loads(
+            run("preview", wide, "-o", folder / "wide.png", "--samples", 4, "--json", "--overwrite").stdout
+        )
+        shown, _ = png(folder / "wide.png")
+        check(done["step"] == step and (done["width"], done["height"]) == (width, height), done)
+        check(shown.shape == (height, width, 3), shown.shape)
+        white = (shown == 255).all(-1)
+        x, y = pixels / 2, lines / 2
+        roof = white[
+            math.ceil((y + 3) / step) : int((y + 13) / step) + 1, math.ceil((x - 17) / step) : int((x - 3) / step) + 1
+        ]
+        check(roof.mean() > 0.5 and white[: height // 4].mean() < 0.05, step, roof.mean())
 
     # What cannot be shown.
     refused("preview", file, "--instrument", "none", "-o", folder / "none.png", status=2, says=["'none'", "camera"])
