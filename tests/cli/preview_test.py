@@ -99,8 +99,8 @@ def main(folder):
     check(not [p for p in folder.iterdir() if p.name.startswith(".first")])
 
     # An image of more pixels than a picture is seen at every n-th line and column; the layered model is not waited for.
-    # Within a group of the kernels' pixels (step 2) and past it (step 6); white is what lies beyond the 98th percentile:
-    # the roof, south-west of the middle, and little else.
+    # Within a group of the kernels' pixels (step 2) and past it (step 6); white is what lies beyond the 98th
+    # percentile: the roof, south-west of the middle, and little else.
     for pixels, lines, step, width, height in ((2001, 400, 2, 1001, 200), (9001, 800, 6, 1501, 134)):
         wide = scene(folder / "wide.toml", '{ model = "layered" }', pixels, lines)
         done = json.loads(
