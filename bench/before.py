@@ -207,4 +207,5 @@ def main():
         sys.exit(f"bench: beyond {options.limit:g} % and beyond the old program's own spread: {', '.join(beyond)}")
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -55,6 +55,8 @@ struct Instrument {
   int samples_u = 11, samples_v = 11;  ///< grid and jittered: cells; lattice: total = samples_u * samples_v points
   bool samples_given = false;          ///< by the file; otherwise the planner chooses them (host/planner)
   int first_samples = 0;  ///< adaptive: lattice points of a first pass; pixels that it does not settle get all; 0: none
+  /// Whether a pixel is the plain square that its samples cover.
+  bool box_pixels() const { return psf_sigma_px == 0 && psf_support_px == 1; }
   bool adaptive() const { return first_samples > 0 && first_samples < samples_u * samples_v; }
   SmallObjects small_objects = SmallObjects::off;
   StandardError standard_error = StandardError::off;

@@ -87,7 +87,7 @@ class Rendering {
     if (!invocation_.common.dry_run)
       for (const auto& name : done_.names) run::check_output_place(folder_of(name), invocation_.common.overwrite);
     run::check_inputs(simulation, instruments, lidars, true);
-    read_plan(simulation);
+    read_plan();
     render_cameras(simulation, instruments);
     planning_.renderer = nullptr;  // it went with the cameras
     for (const auto* lidar : lidars) render_one(simulation, *lidar);
@@ -105,10 +105,9 @@ class Rendering {
     return {folder_of(name), if_exists(invocation_.common), invocation_.command_line, load_s_};
   }
 
-  void read_plan(const scene::Simulation& simulation) {
+  void read_plan() {
     if (options_.plan.empty()) return;
     replay_ = planner::read_plan_file(options_.plan);
-    planner::require_match(*replay_, simulation, options_.plan);
     planning_.replay = &*replay_, planning_.replay_path = options_.plan;
   }
 

@@ -10,7 +10,7 @@ Knob knob_adaptive() {
   knob.name = "adaptive";
   knob.text = "First pass of so many samples; pixels that it settles keep it, the others get all.";
   knob.applies = [](const Subject& s) {
-    return s.instrument != nullptr && s.instrument->psf_sigma_px == 0 && s.instrument->psf_support_px == 1;
+    return s.instrument != nullptr && s.instrument->box_pixels();
   };
   knob.get = [](const Subject& s) { return static_cast<double>(s.instrument->first_samples); };
   knob.levels = [](const Subject& s) { return with_own({0, 8, 16, 32, 64}, s.instrument->first_samples); };

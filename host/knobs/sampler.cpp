@@ -11,7 +11,7 @@ Knob knob_sampler() {
   knob.applies = [](const Subject& s) { return s.instrument != nullptr; };
   knob.get = [](const Subject& s) { return static_cast<double>(s.instrument->sampler); };
   knob.levels = [](const Subject& s) {  // a lattice has no cells to weigh by a point spread
-    const bool box = s.instrument->psf_sigma_px == 0 && s.instrument->psf_support_px == 1;
+    const bool box = s.instrument->box_pixels();
     return box ? std::vector<double>{0, 1, 2} : std::vector<double>{0, 2};
   };
   knob.set = [](const Subject& s, double level) {

@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "host/planner/pixel_trial.h"
+#include "host/planner/sample_pattern.h"
+#include "host/planner/sample_pattern.h"
 
 namespace raycube::planner {
 
@@ -29,8 +31,7 @@ void measure_open_share(render::Renderer& renderer, const scene::Simulation& sim
   if (plan.components() == 0) return;
   const auto& scene = simulation.scene;
   scene::Instrument few = instrument;
-  if (!few.samples_given)  // the very program of the planner's look
-    few.sampler = scene::SamplerKind::lattice, few.samples_u = kLookSamples, few.samples_v = 1;
+  if (!few.samples_given) give_samples(few, sample_pattern(few).look);  // the very program of the planner's look
   few.first_samples = 0, few.small_objects = scene::SmallObjects::off, few.standard_error = scene::StandardError::off;
   plan::Plan half = plan;
   half.sky.open_share.assign(scene.surfaces.size(), kHalf);

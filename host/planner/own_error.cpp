@@ -8,6 +8,7 @@
 
 #include "host/planner/model_trial.h"
 #include "host/planner/plan_lines.h"
+#include "host/planner/sample_pattern.h"
 #include "host/planner/trial_pixels.h"
 
 namespace raycube::planner {
@@ -16,6 +17,7 @@ namespace {
 
 constexpr std::uint64_t kOtherSeed = 0x632be5abu;  ///< added: draws that neither the image nor a trial makes
 constexpr double kFewRays = 3e5, kPart = 0.01;     ///< rays of an image that is tried whole; part of any other
+constexpr int kFiner = 2;                          ///< times as many cells along a pixel under a point spread
 constexpr int kWidestOwnTile = 512;                ///< pixels traced at once
 
 /// Runs of kRunPixels pixels: all of an image whose rays are soon traced, else a hundredth of it.
@@ -62,9 +64,12 @@ void from_few_pixels(OwnError& out, render::Renderer& renderer, const scene::Sim
   instrument.small_objects = scene::SmallObjects::off;
   instrument.standard_error = scene::StandardError::off;
   scene::Instrument random = instrument;
-  const bool box = given.psf_sigma_px == 0 && given.psf_support_px == 1;
   random.first_samples = 0;
-  random.sampler = box ? scene::SamplerKind::lattice : scene::SamplerKind::jittered;
+  // Cells weigh a point spread by their means: finer ones tell most of what that errs.
+  if (!given.box_pixels())
+    random.samples_u = std::min(kMostSide, kFiner * given.samples_u),
+    random.samples_v = std::min(kMostSide, kFiner * given.samples_v);
+  random.sampler = given.box_pixels() ? scene::SamplerKind::lattice : scene::SamplerKind::jittered;
   const TrialImage image = few_pixels(renderer, simulation, instrument, plan, simulation.seed);
   const TrialImage one = few_pixels(renderer, simulation, random, plan, simulation.seed + kOtherSeed);
   const TrialImage two = few_pixels(renderer, simulation, random, plan, simulation.seed + 2 * kOtherSeed);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "host/planner/sample_pattern.h"
+
 namespace raycube::planner {
 
 namespace {
@@ -36,6 +38,12 @@ scene::Instrument PixelTrial::sampled(scene::SamplerKind sampler, int samples_u,
   return out;
 }
 
+scene::Instrument PixelTrial::sampled(int samples) const {
+  scene::Instrument out = instrument_;
+  give_samples(out, samples);
+  return out;
+}
+
 double PixelTrial::pixel_cost_s(const scene::Instrument& sampled, int directions) {
   return CostModel().seconds(
       pixel_counts(plan_, static_cast<double>(sampled.samples_u) * sampled.samples_v, directions));
@@ -50,7 +58,8 @@ void PixelTrial::make_look(int directions) {
   whole_ = left_out_ <= 0;
   pixels_per_run_ = static_cast<double>(looked_at_) / drawn_from_;
   tiles_ = looked_, pixels_ = looked_at_;
-  look_ = replicates(sampled(scene::SamplerKind::lattice, kLookSamples, 1), directions);
+  const int samples = sample_pattern(instrument_).look;
+  look_ = with_cells(samples, replicates_on_pixels(sampled(samples), directions));
 }
 
 /// By what the look saw of each run's error; all runs where the look has no more than `whole`.
@@ -84,7 +93,7 @@ TrialImage PixelTrial::render(const scene::Instrument& instrument, int direction
   return image;
 }
 
-SettingErrors PixelTrial::replicates(const scene::Instrument& sampled, int directions) {
+SettingErrors PixelTrial::replicates_on_pixels(const scene::Instrument& sampled, int directions) {
   const std::uint64_t seed = simulation_.seed + 3 * kOther, other = simulation_.seed + 4 * kOther;
   const TrialImage one = render(sampled, directions, seed, 0);
   if (mean_.empty()) mean_ = judged_means(one);
@@ -97,17 +106,32 @@ SettingErrors PixelTrial::replicates(const scene::Instrument& sampled, int direc
 }
 
 SettingErrors PixelTrial::replicates(scene::SamplerKind sampler, int samples_u, int samples_v, int directions) {
-  const scene::Instrument tried = sampled(sampler, samples_u, samples_v);
+  return replicates(sampled(sampler, samples_u, samples_v), directions);
+}
+
+SettingErrors PixelTrial::replicates(int samples, int directions) {
+  return with_cells(samples, replicates(sampled(samples), directions));
+}
+
+/// Random points in cells weigh a point spread by its cells' means: an error that all replicates have.
+SettingErrors PixelTrial::with_cells(int samples, SettingErrors found) {
+  if (instrument_.box_pixels()) return found;
+  const scene::Instrument cells = sampled(samples);
+  found.samples = sampling_error(cells.sampler, cells.samples_u, cells.samples_v);
+  return found;
+}
+
+SettingErrors PixelTrial::replicates(const scene::Instrument& tried, int directions) {
   const double all = static_cast<double>(instrument_.pixels) * instrument_.lines;
   const double pixels = std::max(kPartOfRender * all, kLeastTrial_s / pixel_cost_s(tried, directions)) / kReplicates;
   const double draws = std::min(pixels / pixels_per_run_, static_cast<double>(looked_.size()));
   const int runs = std::max(kFewestDraws, static_cast<int>(draws));
   draw_pixels(runs, runs);
-  return replicates(tried, directions);
+  return replicates_on_pixels(tried, directions);
 }
 
-TrialError PixelTrial::own_draw(scene::SamplerKind sampler, int samples_u, int samples_v, int directions) {
-  const scene::Instrument drawn = sampled(sampler, samples_u, samples_v);
+TrialError PixelTrial::own_draw(int samples, int directions) {
+  const scene::Instrument drawn = sampled(samples);
   draw_pixels(static_cast<int>(looked_.size()), static_cast<int>(looked_.size()));
   // As many renders as are quick, of the program that the image takes: another number of samples is another program.
   const double all_s = static_cast<double>(pixels_) * pixel_cost_s(drawn, directions);

@@ -15,8 +15,8 @@
 
 namespace raycube::planner {
 
-/// The setting of the first look, of a lattice; fewer sky directions where the file gives fewer.
-inline constexpr int kLookSamples = 21, kLookDirections = 16;
+/// Sky directions of the first look; fewer where the file gives fewer. Its samples are its pattern's (sample_pattern.h).
+inline constexpr int kLookDirections = 16;
 
 /// Errors of samples and of sky directions, each by itself.
 struct SettingErrors {
@@ -36,6 +36,8 @@ class PixelTrial {
   /// Errors of a sampler that the seed moves (lattice, jittered) with so many samples and directions, by four
   /// replicates: two shifts of the samples, each under two draws of sky rays.
   SettingErrors replicates(scene::SamplerKind sampler, int samples_u, int samples_v, int directions);
+  /// The same of so many samples of the instrument's pattern, which under a point spread are held against finer cells.
+  SettingErrors replicates(int samples, int directions);
 
   /// Error of any sampler, a regular grid too, against random points in the cells of two finer grids: unbiased and
   /// independent of each other. The sky's own noise is left out by rendering twice with other rays.
@@ -47,7 +49,7 @@ class PixelTrial {
   /// Error of the very draw that the image will have, of samples and sky together: against two means of renders with
   /// shifts and rays of their own, on all pixels that were looked at. Where a few pixels hold all the error, one draw
   /// may be twice as far off as the next.
-  TrialError own_draw(scene::SamplerKind sampler, int samples_u, int samples_v, int directions);
+  TrialError own_draw(int samples, int directions);
 
   bool whole() const { return left_out_ <= 0; }         ///< the look saw every pixel, and so does a trial
   std::size_t pixels() const { return pixels_; }        ///< of the last trial
@@ -58,8 +60,11 @@ class PixelTrial {
  private:
   /// sky_draw: renders of one seed and other draws differ by the sky's rays alone.
   TrialImage render(const scene::Instrument& instrument, int directions, std::uint64_t seed, std::uint32_t sky_draw);
-  SettingErrors replicates(const scene::Instrument& sampled, int directions);
+  SettingErrors replicates_on_pixels(const scene::Instrument& sampled, int directions);
+  SettingErrors replicates(const scene::Instrument& tried, int directions);
+  SettingErrors with_cells(int samples, SettingErrors found);
   scene::Instrument sampled(scene::SamplerKind sampler, int samples_u, int samples_v) const;
+  scene::Instrument sampled(int samples) const;
   double pixel_cost_s(const scene::Instrument& sampled, int directions);
   void make_look(int directions);
   void draw_pixels(int draws, int whole);

@@ -10,6 +10,7 @@
 #include "host/base/input_file.h"
 #include "host/base/json_text.h"
 #include "host/plan/sky_rays.h"
+#include "host/planner/sample_pattern.h"
 
 namespace raycube::planner {
 
@@ -17,16 +18,9 @@ namespace {
 
 using Json = nlohmann::json;
 constexpr int kVersion = 2;
-constexpr int kMostSide = 256, kMostSamples = 65536;  ///< as the scene format has samples.grid, jittered and lattice
 
 [[noreturn]] void refuse(const std::string& path, const std::string& what) {
   throw base::Error(base::Fault::input, path + ": " + what + "; make the plan anew: raycube plan SIM -o " + path);
-}
-
-/// "grid 3 x 3", "lattice 16".
-std::string sampler_text(scene::SamplerKind sampler, int u, int v) {
-  if (sampler == scene::SamplerKind::lattice) return fmt::format("lattice {}", u * v);
-  return fmt::format("{} {} x {}", sampler == scene::SamplerKind::grid ? "grid" : "jittered", u, v);
 }
 
 /// Error(input): the simulation's own `key` is not what the plan has.
@@ -122,14 +116,14 @@ PlanFile read_plan_file(const std::string& path) {
   return file;
 }
 
-void require_match(const PlanFile& file, const scene::Simulation& simulation, const std::string& path) {
+std::vector<std::string> changes_since(const PlanFile& file, const scene::Simulation& simulation) {
+  std::vector<std::string> out;
   if (file.scene_hash != simulation.scene.content_hash)
-    refuse(path, "the plan was made for another scene (" + file.simulation_file + "), or the scene has changed since");
+    out.push_back("another scene (" + file.simulation_file + "), or the scene has changed since");
   if (file.tolerance != simulation.tolerance)
-    refuse(path, fmt::format("the plan was made for a tolerance of {:g}, the simulation has {:g}", file.tolerance,
-                             simulation.tolerance));
-  if (file.seed != simulation.seed)
-    refuse(path, fmt::format("the plan was made with seed {}, the simulation has {}", file.seed, simulation.seed));
+    out.push_back(fmt::format("a tolerance of {:g}, not {:g}", file.tolerance, simulation.tolerance));
+  if (file.seed != simulation.seed) out.push_back(fmt::format("seed {}, not {}", file.seed, simulation.seed));
+  return out;
 }
 
 const PlanFile::Entry& find_entry(const PlanFile& file, const std::string& name, bool lidar, const std::string& path) {
@@ -142,60 +136,89 @@ const PlanFile::Entry& find_entry(const PlanFile& file, const std::string& name,
                                             "'; there are: " + (known.empty() ? "none" : known));
 }
 
-Decision replayed(const PlanFile::Entry& entry, const scene::Simulation& simulation,
-                  const scene::Instrument& instrument, const plan::Plan& plan, const std::string& path) {
-  if (entry.axes != axes_json(plan))
-    refuse(
-        path,
-        fmt::format(
-            "'{}': the plan has {}, the simulation as it is now needs {}: air, instrument or [plan] have changed since",
-            entry.name, entry.axes.dump(), axes_json(plan).dump()));
+namespace {
+
+/// What the user must know of a plan that was made for something else.
+std::string first_guess_note(const std::string& path, const std::string& name, const std::string& settings,
+                             const std::vector<std::string>& changes) {
+  std::string list;
+  for (const std::string& change : changes) list += (list.empty() ? "" : "; ") + change;
+  return fmt::format(
+      "{}: '{}': the plan was made for {}: its {} are a first guess, whose error is measured when the run is done; for a "
+      "plan of this one: raycube plan SIM -o {}",
+      path, name, list, settings, path);
+}
+
+/// Error(input): what the plan has the simulation cannot have.
+void require_applicable(const PlanFile::Entry& entry, const scene::Simulation& simulation,
+                        const scene::Instrument& instrument, const plan::Plan& plan, const std::string& path) {
   const Sampling& s = entry.sampling;
   if (instrument.samples_given &&
       (instrument.sampler != s.sampler || instrument.samples_u != s.samples_u || instrument.samples_v != s.samples_v))
     conflict(path, entry.name, "samples", sampler_text(instrument.sampler, instrument.samples_u, instrument.samples_v),
              sampler_text(s.sampler, s.samples_u, s.samples_v));
+  if (s.sampler == scene::SamplerKind::lattice && !instrument.box_pixels())
+    refuse(path, fmt::format("'{}': the plan has {}, which does not go with a point spread", entry.name,
+                             sampler_text(s.sampler, s.samples_u, s.samples_v)));
   if (simulation.sky_directions_given && plan.components() > 0 && simulation.sky_directions != s.directions)
     conflict(path, entry.name, "sky_directions", std::to_string(simulation.sky_directions),
              std::to_string(s.directions) + " sky directions");
-  const Json& saved = entry.decision;
+}
+
+/// What the plan's trial found, for the scene that it was made for.
+void take_findings(Decision& out, const Json& saved) {
+  const auto number = [](const Json& value) { return value.is_number() ? value.get<double>() : -1.0; };
+  out.plan_error = saved.at("error").at("plan").get<double>();
+  if (saved.contains("model_pixels")) out.model_pixels = saved.at("model_pixels").get<std::size_t>();
+  out.samples_error = number(saved.at("error").at("samples")),
+  out.sky_error = number(saved.at("error").at("sky_directions"));
+  out.total_error = number(saved.at("error").at("total"));
+  out.within = !saved.at("within_tolerance").is_boolean() || saved.at("within_tolerance").get<bool>();
+  out.estimated = saved.contains("trial");
+  if (out.estimated)
+    out.trial_pixels = saved.at("trial").at("pixels").get<std::size_t>(),
+    out.trial_rays = saved.at("trial").at("rays").get<std::uint64_t>();
+  for (const auto& note : saved.at("notes")) out.notes.push_back(note.get<std::string>());
+  for (const auto& line : saved.at("lines")) {
+    if (line.at("block") == "samples") out.samples_less_error = number(line.at("error_without"));
+    if (line.at("block") == "sky directions") out.sky_less_error = number(line.at("error_without"));
+  }
+}
+
+}  // namespace
+
+Decision replayed(const PlanFile::Entry& entry, std::vector<std::string> changes, const scene::Simulation& simulation,
+                  const scene::Instrument& instrument, const plan::Plan& plan, const std::string& path) {
+  require_applicable(entry, simulation, instrument, plan, path);
+  // The nodes depend on the scene too: named only where nothing else is.
+  if (changes.empty() && entry.axes != axes_json(plan))
+    changes.push_back(fmt::format("nodes and components {}, not {}: air, instrument or [plan] have changed since",
+                                  entry.axes.dump(), axes_json(plan).dump()));
   Decision out = as_given(simulation, instrument, plan);
   out.sampling = entry.sampling;
   out.sampling.first_samples = instrument.first_samples;
   out.counts = pixel_counts(plan, static_cast<double>(entry.sampling.samples_u) * entry.sampling.samples_v,
                             entry.sampling.directions);
   out.s_per_megapixel = 1e6 * CostModel().seconds(out.counts);
-  const auto number = [](const Json& value) { return value.is_number() ? value.get<double>() : -1.0; };
+  out.dear = out.s_per_megapixel > kDear_s_per_megapixel;
   try {
-    out.plan_error = saved.at("error").at("plan").get<double>();
-    if (saved.contains("model_pixels")) out.model_pixels = saved.at("model_pixels").get<std::size_t>();
-    out.samples_error = number(saved.at("error").at("samples")),
-    out.sky_error = number(saved.at("error").at("sky_directions"));
-    out.total_error = number(saved.at("error").at("total"));
-    out.within = !saved.at("within_tolerance").is_boolean() || saved.at("within_tolerance").get<bool>();
-    out.estimated = saved.contains("trial");
-    if (out.estimated)
-      out.trial_pixels = saved.at("trial").at("pixels").get<std::size_t>(),
-      out.trial_rays = saved.at("trial").at("rays").get<std::uint64_t>();
-    for (const auto& note : saved.at("notes")) out.notes.push_back(note.get<std::string>());
-    for (const auto& line : saved.at("lines")) {
-      if (line.at("block") == "samples") out.samples_less_error = number(line.at("error_without"));
-      if (line.at("block") == "sky directions") out.sky_less_error = number(line.at("error_without"));
-    }
+    if (changes.empty()) take_findings(out, entry.decision);
   } catch (const Json::exception& error) {
     refuse(path, std::string("not a plan of raycube: ") + error.what());
   }
-  out.dear = out.s_per_megapixel > kDear_s_per_megapixel;
+  if (!changes.empty())
+    out.notes.push_back(first_guess_note(path, entry.name, "samples and sky directions", changes));
   return out;
 }
 
-LidarDecision replayed(const PlanFile::Entry& entry, const lidar::LidarPlan& plan, double tolerance,
-                       const std::string& path) {
+LidarDecision replayed(const PlanFile::Entry& entry, const std::vector<std::string>& changes,
+                       const lidar::LidarPlan& plan, double tolerance, const std::string& path) {
   LidarDecision out = subrays_as_given(plan, tolerance);
   if (out.given && out.subrays != entry.subrays)
     conflict(path, entry.name, "subrays", std::to_string(out.subrays), std::to_string(entry.subrays) + " sub-rays");
   out.subrays = entry.subrays;
   out.rays_per_pulse = rays_of_pulse(plan, out.subrays);
+  if (!changes.empty()) out.notes.push_back(first_guess_note(path, entry.name, "sub-rays", changes));
   return out;
 }
 

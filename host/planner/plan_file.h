@@ -32,20 +32,21 @@ std::string write_plan_file(const PlanFile& file);
 /// Throws Error(input) with the place and the way out when the file is not a plan of this program.
 PlanFile read_plan_file(const std::string& path);
 
-/// Throws Error(input) when the plan was made for another scene, tolerance or seed.
-void require_match(const PlanFile& file, const scene::Simulation& simulation, const std::string& path);
+/// What the plan was made for and the simulation is not (scene, tolerance, seed), each as a phrase; empty: nothing.
+std::vector<std::string> changes_since(const PlanFile& file, const scene::Simulation& simulation);
 
 /// The entry of that name. Throws Error(input) that lists the names there are.
 const PlanFile::Entry& find_entry(const PlanFile& file, const std::string& name, bool lidar, const std::string& path);
 
-/// The decision that a file holds, for apply(). Throws Error(input) when the plan's own nodes are not those of the file
-/// (the atmosphere or the instrument has changed since), and when the simulation itself gives samples or directions
-/// that are not the plan's.
-Decision replayed(const PlanFile::Entry& entry, const scene::Simulation& simulation,
+/// The decision that a file holds, for apply(). Where something has changed since (changes_since, or nodes and
+/// components that are not the file's) its settings are a first guess: what the trial found is left out, as of settings
+/// that a simulation gives, and a note says what has changed. Throws Error(input) where the simulation itself gives
+/// samples or directions that are not the plan's.
+Decision replayed(const PlanFile::Entry& entry, std::vector<std::string> changes, const scene::Simulation& simulation,
                   const scene::Instrument& instrument, const plan::Plan& plan, const std::string& path);
 
 /// The same of a LIDAR.
-LidarDecision replayed(const PlanFile::Entry& entry, const lidar::LidarPlan& plan, double tolerance,
-                       const std::string& path);
+LidarDecision replayed(const PlanFile::Entry& entry, const std::vector<std::string>& changes,
+                       const lidar::LidarPlan& plan, double tolerance, const std::string& path);
 
 }  // namespace raycube::planner

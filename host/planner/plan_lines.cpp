@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "host/planner/sample_pattern.h"
+
 namespace raycube::planner {
 
 namespace {
@@ -133,13 +135,9 @@ namespace {
 
 /// What the planner settles: samples of a pixel, directions of the sky.
 void add_sampling_lines(std::vector<PlanLine>& lines, const Decision& d, const plan::Plan& plan) {
-  const bool grid_sampler = d.sampling.sampler == scene::SamplerKind::grid;
   PlanLine samples;
   samples.block = "samples";
-  samples.level =
-      grid_sampler || d.sampling.sampler == scene::SamplerKind::jittered
-          ? fmt::format("{} {} x {}", grid_sampler ? "grid" : "jittered", d.sampling.samples_u, d.sampling.samples_v)
-          : fmt::format("lattice {}", d.sampling.samples_u * d.sampling.samples_v);
+  samples.level = sampler_text(d.sampling.sampler, d.sampling.samples_u, d.sampling.samples_v);
   samples.error = d.samples_error, samples.next_error = d.samples_less_error, samples.given = d.samples_given;
   samples.cost = fmt::format("{:.0f} rays a pixel", d.counts.samples);
   samples.why = d.samples_given

@@ -12,12 +12,12 @@
 #include "host/base/error.h"
 #include "host/planner/model_trial.h"
 #include "host/planner/plan_lines.h"
+#include "host/planner/sample_pattern.h"
 
 namespace raycube::planner {
 
 namespace {
 
-constexpr int kMostOfLattice = 65536;    ///< of a pixel
 constexpr int kMostTriedSamples = 1024;  ///< beyond, the law holds: more tell less than they cost
 constexpr int kMostTriedDirections = 256;
 constexpr int kMostRounds = 3;       ///< settings tried after the first look
@@ -36,19 +36,6 @@ int before(const std::vector<int>& levels, int level) {
 }
 
 }  // namespace
-
-const std::vector<int>& sample_levels() {
-  static const std::vector<int> all = [] {
-    std::vector<int> levels;
-    for (int fibonacci = 1, next = 2; fibonacci <= kMostOfLattice; fibonacci = std::exchange(next, fibonacci + next))
-      levels.push_back(fibonacci);
-    for (int lucas = 4, next = 7; lucas <= kMostOfLattice; lucas = std::exchange(next, lucas + next))
-      levels.push_back(lucas);
-    std::sort(levels.begin(), levels.end());
-    return levels;
-  }();
-  return all;
-}
 
 const std::vector<int>& direction_levels() {
   static const std::vector<int> all = {1,  2,  3,  4,   5,   6,   8,   10,  12,  16,  20,   24,   32,   40,   48,
@@ -133,7 +120,8 @@ class LevelSearch {
         plan_(plan),
         out_(out),
         sky_(plan.components() > 0),
-        samples_(out.samples_given ? std::vector<int>{1} : sample_levels()),
+        pattern_(sample_pattern(instrument)),
+        samples_(out.samples_given ? std::vector<int>{1} : pattern_.levels),
         directions_(direction_levels()) {
     if (out.directions_given) directions_ = {simulation.sky_directions};
     if (!sky_) directions_ = {1};
@@ -201,20 +189,23 @@ class LevelSearch {
   const ErrorLaw& of_directions() const { return of_directions_; }
 
  private:
-  void add(ErrorLaw& law, int level, const TrialError& error, const char* what) {
+  void add(ErrorLaw& law, int level, const TrialError& error, const std::string& what) {
     law.measured(level, error.bands);
     out_.measured.push_back(
-        fmt::format("{} {}: {:.2g} %, at most {:.2g} %", what, level, 100 * error.estimate, 100 * error.bound));
+        fmt::format("{}: {:.2g} %, at most {:.2g} %", what, 100 * error.estimate, 100 * error.bound));
     sky_errors_.clear();
   }
 
-  void add_sky(int level, const TrialError& error) { add(of_directions_, level, error, "directions"); }
+  void add_samples(int level, const TrialError& error) {
+    add(of_samples_, level, error, pattern_.name(level));
+  }
+  void add_sky(int level, const TrialError& error) { add(of_directions_, level, error, fmt::format("directions {}", level)); }
 
   /// Its own setting is a level like any other where samples are to be chosen.
   void take_look() {
     if (!sky_) add_sky(1, {0, 0, {{0}, {0}}});
     if (out_.samples_given) return try_given();
-    add(of_samples_, kLookSamples, trial_.look().samples, "lattice");
+    add_samples(pattern_.look, trial_.look().samples);
     if (sky_) add_sky(look_directions(out_, simulation_), trial_.look().sky);
   }
 
@@ -224,12 +215,12 @@ class LevelSearch {
     if (instrument_.sampler != scene::SamplerKind::grid) {
       const SettingErrors found =
           trial_.replicates(instrument_.sampler, instrument_.samples_u, instrument_.samples_v, directions);
-      add(of_samples_, 1, found.samples, "samples given, as");
+      add(of_samples_, 1, found.samples, "samples given");
       if (sky_) add_sky(directions, found.sky);
       return;
     }
     add(of_samples_, 1, trial_.sampling_error(instrument_.sampler, instrument_.samples_u, instrument_.samples_v),
-        "samples given, as");
+        "samples given");
     if (sky_) add_sky(directions, trial_.sky_error(directions, instrument_.samples_u, instrument_.samples_v));
   }
 
@@ -253,12 +244,12 @@ class LevelSearch {
     const auto replicates = [&](int of_directions) {
       return out_.samples_given
                  ? trial_.replicates(instrument_.sampler, instrument_.samples_u, instrument_.samples_v, of_directions)
-                 : trial_.replicates(scene::SamplerKind::lattice, samples, 1, of_directions);
+                 : trial_.replicates(samples, of_directions);
     };
     // Few directions are too noisy to see the samples' error beside theirs.
     const int quiet = out_.directions_given ? directions : std::max(directions, kLookDirections);
     const SettingErrors found = replicates(quiet);
-    if (!out_.samples_given) add(of_samples_, samples, found.samples, "lattice");
+    if (!out_.samples_given) add_samples(samples, found.samples);
     if (sky_) add_sky(quiet, found.sky);
     if (sky_ && quiet != directions) add_sky(directions, replicates(directions).sky);
     return true;
@@ -277,6 +268,7 @@ class LevelSearch {
   const plan::Plan& plan_;
   Decision& out_;
   bool sky_;
+  const SamplePattern& pattern_;
   ErrorLaw of_samples_{kSamplesLaw}, of_directions_{kDirectionLaw};
   std::map<int, BandErrors> sky_errors_;
   double stricter_ = 1;                    ///< part of the budget that choices are held to since draws were off
@@ -284,10 +276,11 @@ class LevelSearch {
 };
 
 /// The settings of the levels chosen, where the file does not give them.
-void take_levels(Decision& out, const plan::Plan& plan, const Choice& choice, scene::SamplerKind sampler) {
+void take_levels(Decision& out, const plan::Plan& plan, const Choice& choice, const SamplePattern& pattern) {
   out.estimated = true;
   if (!out.samples_given)
-    out.sampling.sampler = sampler, out.sampling.samples_u = choice.samples, out.sampling.samples_v = 1;
+    out.sampling.sampler = pattern.sampler, out.sampling.samples_u = pattern.along(choice.samples),
+    out.sampling.samples_v = pattern.across(choice.samples);
   if (!out.directions_given) out.sampling.directions = choice.directions;
   out.counts =
       pixel_counts(plan, static_cast<double>(out.sampling.samples_u) * out.sampling.samples_v, out.sampling.directions);
@@ -297,10 +290,10 @@ void take_levels(Decision& out, const plan::Plan& plan, const Choice& choice, sc
 
 /// The errors of the levels chosen, and of those before them.
 void take_errors(Decision& out, const Choice& choice, const ErrorLaw& of_samples, const ErrorLaw& of_directions,
-                 bool sky) {
+                 bool sky, const SamplePattern& pattern) {
   out.samples_error = of_samples.bound(choice.samples);
   out.sky_error = sky ? of_directions.bound(choice.directions) : 0;
-  if (const int less = before(sample_levels(), choice.samples); less > 0 && !out.samples_given)
+  if (const int less = before(pattern.levels, choice.samples); less > 0 && !out.samples_given)
     out.samples_less_error = of_samples.estimate(less);
   if (const int less = before(direction_levels(), choice.directions); less > 0 && sky && !out.directions_given)
     out.sky_less_error = of_directions.estimate(less);
@@ -341,11 +334,11 @@ bool measuring_pays(const Decision& out, LevelSearch& search, const plan::Plan& 
 
 /// Of an image that is tried whole: refines the choice until the draw that it will have is inside the tolerance.
 /// Returns the bound of that draw's error.
-double hold_draw(PixelTrial& trial, LevelSearch& search, Choice& choice, Decision& out) {
+double hold_draw(PixelTrial& trial, LevelSearch& search, const SamplePattern& pattern, Choice& choice, Decision& out) {
   for (int round = 0;; ++round) {
-    const TrialError own = trial.own_draw(scene::SamplerKind::lattice, choice.samples, 1, choice.directions);
-    out.measured.push_back(fmt::format("lattice {}, directions {}, the image's own draw: {:.2g} %, at most {:.2g} %",
-                                       choice.samples, choice.directions, 100 * own.estimate, 100 * own.bound));
+    const TrialError own = trial.own_draw(choice.samples, choice.directions);
+    out.measured.push_back(fmt::format("{}, directions {}, the image's own draw: {:.2g} %, at most {:.2g} %",
+                                       pattern.name(choice.samples), choice.directions, 100 * own.estimate, 100 * own.bound));
     if (std::hypot(out.plan_error, own.bound) <= out.tolerance || round == kMostRounds) return own.bound;
     const Choice next = search.finer(own.bound);
     if (search.cost_s(next.samples, next.directions) <= search.cost_s(choice.samples, choice.directions))
@@ -390,12 +383,11 @@ Decision decide(render::Renderer& renderer, const scene::Simulation& simulation,
   LevelSearch search(trial, simulation, instrument, plan, out);
   if (measuring_pays(out, search, plan, all_given)) measure_plan(out, simulation, instrument, plan, table, threads);
   Choice choice = search.settle();
-  // No edge runs along a lattice, and every seed moves it.
-  const scene::SamplerKind sampler = out.samples_given ? instrument.sampler : scene::SamplerKind::lattice;
+  const SamplePattern& pattern = sample_pattern(instrument);
   double drawn = -1;
-  if (trial.whole() && !out.samples_given) drawn = hold_draw(trial, search, choice, out);
-  take_levels(out, plan, choice, sampler);
-  take_errors(out, choice, search.of_samples(), search.of_directions(), sky);
+  if (trial.whole() && !out.samples_given && instrument.box_pixels()) drawn = hold_draw(trial, search, pattern, choice, out);
+  take_levels(out, plan, choice, pattern);
+  take_errors(out, choice, search.of_samples(), search.of_directions(), sky, pattern);
   if (drawn >= 0) out.total_error = std::hypot(out.plan_error, drawn), out.within = out.total_error <= out.tolerance;
   out.trial_pixels = trial.pixels(), out.looked_at = trial.looked_at(), out.trial_rays = trial.rays();
   note_tolerance(out, instrument.name);

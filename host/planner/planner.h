@@ -72,9 +72,7 @@ struct Choice {
   bool within = false;
 };
 
-/// Levels that are tried: samples of a lattice (numbers of Fibonacci and of Lucas, on which the golden ratio's lattice
-/// closes nearly without a seam), directions of a set.
-const std::vector<int>& sample_levels();
+/// Directions of a set that are tried; samples: SamplePattern::levels.
 const std::vector<int>& direction_levels();
 
 /// Nominal seconds of a pixel.

@@ -53,6 +53,8 @@ std::string run_record_json(const RunRecord& r) {
       {"samples", r.samples}, {"lines", r.lines}, {"bands", r.bands}, {"samples_per_pixel", r.samples_per_pixel}};
   out["stage_s"] = Json::object();
   for (const auto& [stage, seconds] : r.stage_s) out["stage_s"][stage] = seconds;
+  if (!r.processor_s.empty()) out["processor_s"] = Json::object();
+  for (const auto& [part, seconds] : r.processor_s) out["processor_s"][part] = seconds;
   out["total_s"] = r.total_s;
   out["rays"] = r.rays;
   out["rays_per_s"] = r.rays_per_s;

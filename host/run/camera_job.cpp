@@ -55,6 +55,7 @@ CameraJob prepare_camera(const scene::Simulation& simulation, const scene::Instr
   if (simulation.atmosphere.table_file.empty())  // of a table of the user's its maker has heard them
     for (auto& notice : air_notices(job.table)) job.notices.push_back(std::move(notice));
   start = std::chrono::steady_clock::now();
+  const double processor_before_s = base::processor_seconds();
   services.log.set_status(instrument.name + ": planning nodes and components");
   // Which of the scene's objects are small needs nothing of the plan.
   auto small = base::beside(services.threads, [&] { return sensors::SmallObjectPixels(simulation.scene, instrument); });
@@ -64,7 +65,8 @@ CameraJob prepare_camera(const scene::Simulation& simulation, const scene::Instr
   if (planning.renderer) planner::measure_open_share(*planning.renderer, simulation, instrument, job.plan);
   if (planning.replay) {
     const auto& entry = planner::find_entry(*planning.replay, instrument.name, false, planning.replay_path);
-    job.decision = planner::replayed(entry, simulation, instrument, job.plan, planning.replay_path);
+    job.decision = planner::replayed(entry, planner::changes_since(*planning.replay, simulation), simulation, instrument,
+                                     job.plan, planning.replay_path);
     planner::hold_tolerance(job.decision, simulation, instrument, job.plan, job.table, services.threads);
   } else if (planning.renderer) {
     job.decision = planner::decide(*planning.renderer, simulation, instrument, job.plan, job.table,
@@ -79,6 +81,7 @@ CameraJob prepare_camera(const scene::Simulation& simulation, const scene::Instr
   for (const auto& notice : job.plan.notices) services.log.warning(notice);
   for (const auto& note : job.decision.notes) services.log.warning(note);
   job.plan_s = base::seconds_since(start);
+  job.plan_processor_s = base::processor_seconds() - processor_before_s;
   services.log.detail(instrument.name + ": atmosphere table in " + std::to_string(job.table_s) + " s, plan in " +
                       std::to_string(job.plan_s) + " s");
   services.log.debug(plan_json(job).dump(2));

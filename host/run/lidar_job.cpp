@@ -48,8 +48,9 @@ LidarJob prepare_lidar(const scene::Simulation& simulation, const scene::Lidar& 
   start = std::chrono::steady_clock::now();
   job.plan = lidar::make_lidar_plan(simulation, lidar, table.get());
   if (planning.replay) {
-    job.decision = planner::replayed(planner::find_entry(*planning.replay, lidar.name, true, planning.replay_path),
-                                     job.plan, simulation.tolerance, planning.replay_path);
+    const auto& entry = planner::find_entry(*planning.replay, lidar.name, true, planning.replay_path);
+    job.decision = planner::replayed(entry, planner::changes_since(*planning.replay, simulation), job.plan,
+                                     simulation.tolerance, planning.replay_path);
   } else if (planning.renderer) {
     job.decision = planner::decide_subrays(*planning.renderer, job.plan, simulation.tolerance, planning.estimate_given);
   } else {

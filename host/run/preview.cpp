@@ -8,6 +8,7 @@
 
 #include "host/base/planck.h"
 #include "host/plan/plan.h"
+#include "host/planner/sample_pattern.h"
 #include "host/run/air_table.h"
 #include "host/run/camera_job.h"
 #include "host/sensors/view_bounds.h"
@@ -36,7 +37,7 @@ scene::Instrument with_shown_bands(const scene::Instrument& instrument) {
     out.bands.push_back(instrument.bands[static_cast<std::size_t>(band)]);
   out.first_samples = 0;
   out.small_objects = scene::SmallObjects::off, out.standard_error = scene::StandardError::off;
-  out.sampler = scene::SamplerKind::lattice, out.samples_u = kPreviewSamples, out.samples_v = 1;
+  planner::give_samples(out, kPreviewSamples);
   return out;
 }
 

@@ -46,10 +46,15 @@ void add_error(render::Renderer& renderer, const scene::Simulation& simulation, 
   }
 }
 
+/// Seconds from the first tile to the last byte, of the clock and of all processors.
+struct Took {
+  double render_s = 0, processor_s = 0;
+};
+
 /// How it came about: device, sizes, times, plan.
 products::RunRecord record_of(const scene::Simulation& simulation, const CameraJob& job, render::Renderer& renderer,
                               const render::RenderOptions& options, const Destination& destination,
-                              const render::RenderStatistics& statistics, double render_s, int threads) {
+                              const render::RenderStatistics& statistics, const Took& took, int threads) {
   const auto& instrument = *job.instrument;
   const cl::DeviceInfo device = cl::find_device(options.device).info();
   products::RunRecord record;
@@ -71,10 +76,11 @@ products::RunRecord record_of(const scene::Simulation& simulation, const CameraJ
   record.samples_per_pixel = instrument.samples_u * instrument.samples_v;
   record.stage_s = {{"load", destination.load_s}, {"atmosphere", job.table_s}, {"plan", job.plan_s}};
   for (const auto& stage : statistics.stage_s) record.stage_s.push_back(stage);
-  record.total_s = destination.load_s + job.table_s + job.plan_s + render_s;
+  record.total_s = destination.load_s + job.table_s + job.plan_s + took.render_s;
+  record.processor_s = {{"plan", job.plan_processor_s}, {"render", took.processor_s}};
   record.rays = statistics.primary_rays + statistics.sun_rays + statistics.sky_rays;
-  record.rays_per_s = static_cast<double>(record.rays) / render_s;
-  record.band_samples_per_s = static_cast<double>(statistics.band_samples) / render_s;
+  record.rays_per_s = static_cast<double>(record.rays) / took.render_s;
+  record.band_samples_per_s = static_cast<double>(statistics.band_samples) / took.render_s;
   record.memory_budget_bytes = options.memory_bytes;
   record.peak_memory_bytes = base::peak_resident_bytes();
   record.device_memory_bytes = device.global_memory_bytes;
@@ -157,16 +163,17 @@ CameraRun render_camera(const scene::Simulation& simulation, const CameraJob& jo
                         const render::RenderOptions& options, const Destination& destination, Services& services) {
   const auto& instrument = *job.instrument;
   const auto start = std::chrono::steady_clock::now();
+  const double processor_before_s = base::processor_seconds();
   // Refuses a memory that is too small before anything is made.
   renderer.tile_size(instrument, job.plan, renderer.tuning().tile_samples);
   say_what_it_takes(job, services);
   CubeProducts output(destination.folder, destination.if_exists, simulation, job);
   const auto statistics = render_into(output, simulation, job, renderer, services);
   output.complete();
-  const double render_s = base::seconds_since(start);
+  const Took took{base::seconds_since(start), base::processor_seconds() - processor_before_s};
 
   products::RunRecord record =
-      record_of(simulation, job, renderer, options, destination, statistics, render_s, services.threads);
+      record_of(simulation, job, renderer, options, destination, statistics, took, services.threads);
   add_adaptive(instrument, statistics, record, services);
   if (const auto bright = output.warning()) add_warning(*bright, record, services);
   add_small_objects(job, statistics, record, services);
@@ -177,9 +184,9 @@ CameraRun render_camera(const scene::Simulation& simulation, const CameraJob& jo
   add_error(renderer, simulation, job, record, services);
   output.publish(record);
   services.log.info(fmt::format("{}: {} x {} pixels, {} bands, {:.1f} s, {:.3g} rays/s, {}", instrument.name,
-                                instrument.pixels, instrument.lines, instrument.bands.size(), render_s,
+                                instrument.pixels, instrument.lines, instrument.bands.size(), took.render_s,
                                 record.rays_per_s, destination.folder));
-  return {instrument.name,   destination.folder,       record.digest, destination.folder + "/radiance.img", render_s,
+  return {instrument.name,   destination.folder,       record.digest, destination.folder + "/radiance.img", took.render_s,
           record.rays_per_s, record.band_samples_per_s};
 }
 

@@ -41,7 +41,7 @@ SampleWeights::SampleWeights(const scene::Instrument& instrument) {
                  std::to_string(support));
   count_ = static_cast<std::size_t>(nu) * nv;
   columns_ = instrument.sampler == scene::SamplerKind::lattice || nu < 2 || nv < 2 ? 0 : static_cast<std::size_t>(nu);
-  if (sigma == 0 && support == 1) return;
+  if (instrument.box_pixels()) return;
   if (instrument.sampler == scene::SamplerKind::lattice)
     throw refuse(
         "a point spread needs the grid or jittered sampler: the lattice is shifted in each pixel and has no cells");

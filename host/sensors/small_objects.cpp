@@ -116,7 +116,7 @@ scene::Instrument with_fine_samples(const scene::Instrument& instrument, int sam
   scene::Instrument fine = instrument;
   fine.first_samples = 0;
   fine.small_objects = scene::SmallObjects::off;
-  const bool box = instrument.psf_sigma_px == 0 && instrument.psf_support_px == 1;
+  const bool box = instrument.box_pixels();
   const int side = static_cast<int>(std::lround(std::sqrt(samples)));
   fine.sampler = box ? scene::SamplerKind::lattice : scene::SamplerKind::jittered;
   fine.samples_u = box ? samples : side, fine.samples_v = box ? 1 : side;

@@ -75,13 +75,31 @@ with tempfile.TemporaryDirectory() as temporary:
     dear = opened(given, 1e-6)
     check(re.search("cannot be kept within 30 s|is not kept", run("plan", dear).stderr))
 
-    # A plan for another scene, a broken one, one without the instrument.
+    # Another scene, tolerance and seed: the plan's settings are a first guess. One line says so, and the error is
+    # measured on the image's own pixels.
     other = scene(folder, "other.toml", grid=3)
     other.write_text(other.read_text().replace("gsd_m = 1.0", "gsd_m = 0.93"))
     other.write_text(
         other.read_text().replace("0.80", "0.79").replace("format = 1\n", "format = 1\ntolerance = 0.03\n", 1)
     )
-    not_replayed(other, folder / "plan.json", ["another scene", "raycube plan SIM -o"])
+    other.write_text(re.sub(r"(?m)^samples = .*\n", "", other.read_text()))
+    guessed = run("render", other, "-o", folder / "guessed", "--seed", 77, "--plan", folder / "plan.json")
+    for said in ("another scene", "seed 1, not 77", "first guess", "raycube plan SIM -o"):
+        check(said in guessed.stderr, said, guessed.stderr)
+    guess = record(folder / "guessed/camera")
+    check(guess["image"]["samples_per_pixel"] == entry["samples"][0] * entry["samples"][1], guess["image"])
+    check(guess["plan"]["planner"]["within_tolerance"] is None, guess["plan"]["planner"])
+    error = guess["error"]
+    check("rendered three times" in error["from"], error)
+    check(error["within_tolerance"] == (error["total"] <= 0.03), error)
+    check(any("first guess" in line for line in guess["warnings"]), guess["warnings"])
+    # The same where the air has other nodes.
+    plan["instruments"][0]["plan"]["height_nodes"] += 1
+    (folder / "nodes.json").write_text(json.dumps(plan))
+    nodes = run("render", open_file, "-o", folder / "nodes", "--plan", folder / "nodes.json")
+    check("nodes and components" in nodes.stderr, nodes.stderr)
+
+    # A broken plan, one without the instrument.
     # Samples or directions that the simulation gives and the plan has not: neither is overridden in silence.
     finer = folder / "finer.toml"
     finer.write_text(

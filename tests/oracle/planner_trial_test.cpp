@@ -48,6 +48,19 @@ struct Stripes {
   }
   double left(int column) const { return (column - 32) * kGsd_m; }
   double exact(int column) const { return (bright_up_to(left(column) + kGsd_m) - bright_up_to(left(column))) / kGsd_m; }
+  /// Under a Gaussian of the pixels' square, cut to `support` pixels and of sum 1: by its sum at midpoints. The response
+  /// at a distance is the difference of two normal distributions, half a pixel to either side.
+  double blurred(int column, double sigma_px, double support_px) const {
+    constexpr int kSteps = 4000;
+    const auto below = [&](double u) { return std::erf(u / (sigma_px * std::sqrt(2.0))); };
+    double sum = 0, weight = 0;
+    for (int i = 0; i < kSteps; ++i) {
+      const double u = ((i + 0.5) / kSteps - 0.5) * support_px, response = below(u + 0.5) - below(u - 0.5);
+      weight += response;
+      sum += response * (bright_at(left(column) + (0.5 + u) * kGsd_m) ? kBright : kDark);
+    }
+    return sum / weight;
+  }
   double sampled(int column, int side) const {
     double sum = 0;
     for (int i = 0; i < side; ++i) sum += bright_at(left(column) + (i + 0.5) / side * kGsd_m);
@@ -131,7 +144,7 @@ TEST_CASE("S60: replicates of a lattice find the error that integration gives fo
       }
     });
     const double want = std::sqrt(squares / 4096) / (mean / 4096);
-    const SettingErrors found = trial.replicates(scene::SamplerKind::lattice, samples, 1, 1);
+    const SettingErrors found = trial.replicates(samples, 1);
     CAPTURE(samples);
     // 64 columns in 4096 pixels with shifts of their own: some 1500 pixels see an edge, and a mean square of as many
     // draws is known to 4 %.
@@ -176,6 +189,36 @@ TEST_CASE("S61: planned samples keep their tolerance on all pixels, and finer to
   }
 }
 
+TEST_CASE("S61: under a point spread cells are chosen, whose weighing counts as their error") {
+  const Stripes scene(5.37 * kGsd_m);
+  scene::Simulation simulation = scene.simulation;
+  scene::Instrument& camera = simulation.instruments[0];
+  camera.psf_sigma_px = 0.5, camera.psf_support_px = 4;
+  render::Renderer renderer(simulation.scene, {});
+  for (const double tolerance : {0.05, 0.01}) {
+    simulation.tolerance = tolerance;
+    const plan::Plan plan = plan_of(simulation);
+    const Decision d = decide(renderer, simulation, camera, plan, sky_of_one(), false);
+    CAPTURE(tolerance);
+    CAPTURE(d.sampling.samples_u);
+    CHECK(d.sampling.sampler == scene::SamplerKind::jittered);
+    CHECK(d.sampling.samples_u == d.sampling.samples_v);
+    REQUIRE(d.within);
+    scene::Instrument planned = camera;
+    planned.sampler = d.sampling.sampler, planned.samples_u = d.sampling.samples_u,
+    planned.samples_v = d.sampling.samples_v;
+    double squares = 0, mean = 0;
+    renderer.probe(planned, plan, simulation.sun, simulation.seed, {{0, 64, 0, 64}},
+                   [&](const render::PixelProbe& probe) {
+                     for (std::size_t p = 0; p < 64 * 64; ++p) {
+                       const double want = scene.blurred(static_cast<int>(p % 64), 0.5, 4);
+                       squares += std::pow(probe.radiance[p * camera.bands.size()] - want, 2), mean += want;
+                     }
+                   });
+    CHECK(std::sqrt(squares / 4096) / (mean / 4096) <= tolerance);
+  }
+}
+
 TEST_CASE("S60: where the look's samples just do they are taken, and no more directions than the open sky needs") {
   const Stripes scene(5.37 * kGsd_m);
   scene::Simulation simulation = scene.simulation;
@@ -184,7 +227,7 @@ TEST_CASE("S60: where the look's samples just do they are taken, and no more dir
     const plan::Plan plan = plan_of(simulation);
     PixelTrial trial(renderer, simulation, simulation.instruments[0], plan);
     const auto error = [&](int samples) {
-      return trial.replicates(scene::SamplerKind::lattice, samples, 1, 1).samples.estimate;
+      return trial.replicates(samples, 1).samples.estimate;
     };
     simulation.tolerance = 1.15 * error(21);  // and the next coarser lattice does not hold it
     REQUIRE(error(18) > kUse * simulation.tolerance);
@@ -220,11 +263,20 @@ TEST_CASE("S60: what the file gives stays, its error is told, and a tolerance it
     if (line.given) ++given;
   CHECK(given == 2);  // samples and directions
 
-  // A replay of it changes nothing, and is refused once the plan has other nodes.
+  // A replay of it changes nothing; of another scene, or with other nodes, it is a guess whose error nobody knows yet.
   PlanFile::Entry entry{"camera", false, d.sampling, 0, axes_json(plan), decision_json(d, lines)};
-  const Decision replay = replayed(entry, simulation, camera, plan, "plan.json");
+  const Decision replay = replayed(entry, {}, simulation, camera, plan, "plan.json");
   CHECK(replay.sampling.samples_u == 2);
   CHECK(replay.samples_error == d.samples_error);
+  const auto is_guess = [&](const Decision& guess, const std::string& named) {
+    CHECK(guess.sampling.samples_u == 2);
+    CHECK(guess.sampling.directions == 3);
+    CHECK_FALSE(guess.estimated);
+    CHECK(guess.total_error < 0);
+    REQUIRE(guess.notes.size() == 1);
+    CHECK(guess.notes[0].find(named) != std::string::npos);
+  };
+  is_guess(replayed(entry, {"seed 1, not 2"}, simulation, camera, plan, "plan.json"), "seed 1, not 2");
   plan.height.count = 5;
-  CHECK_THROWS_AS(replayed(entry, simulation, camera, plan, "plan.json"), base::Error);
+  is_guess(replayed(entry, {}, simulation, camera, plan, "plan.json"), "nodes and components");
 }

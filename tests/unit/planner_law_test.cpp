@@ -9,11 +9,34 @@
 #include "host/planner/cost_model.h"
 #include "host/planner/error_law.h"
 #include "host/planner/planner.h"
+#include "host/planner/sample_pattern.h"
 #include "host/planner/trial_pixels.h"
 #include "kernels/sampling/sampler.h"
 
 using namespace raycube;
 using namespace raycube::planner;
+
+namespace {
+
+const std::vector<int>& kLattices = sample_pattern({}).levels;
+
+}
+
+TEST_CASE("samples under a point spread are cells of a square, else lattices, 1 to 65536 of either") {
+  scene::Instrument camera;
+  CHECK(sample_pattern(camera).name(21) == "lattice 21");
+  camera.psf_sigma_px = 0.5, camera.psf_support_px = 4;
+  const SamplePattern& cells = sample_pattern(camera);
+  CHECK(cells.name(25) == "jittered 5 x 5");
+  CHECK(cells.levels.back() > 32768);
+  for (const SamplePattern* pattern : {&cells, &sample_pattern({})}) {
+    CHECK(pattern->levels.front() == 1);
+    CHECK(pattern->levels.back() <= kMostSamples);
+    CHECK(std::is_sorted(pattern->levels.begin(), pattern->levels.end()));
+    CHECK(std::count(pattern->levels.begin(), pattern->levels.end(), pattern->look) == 1);
+    for (const int n : pattern->levels) CHECK(pattern->along(n) * pattern->across(n) == n);
+  }
+}
 
 TEST_CASE("S60: a law passes through what was measured, is straight in logarithms between and careful beyond") {
   ErrorLaw law(LawExponents{1, 2, 1.5});
@@ -65,21 +88,21 @@ TEST_CASE("S60: the choice is the cheapest pair inside the budget, by an exhaust
   const LevelErrors known = [&](int n) { return side.errors(n); }, sky = [&](int k) { return direction.errors(k); };
   const PixelCost cost_s = [&](int n, int k) { return CostModel().seconds(pixel_counts(plan, n, k)); };
   for (const double budget : {0.1, 0.02, 0.005}) {
-    const Choice choice = choose(known, sky, budget, cost_s, sample_levels(), direction_levels());
+    const Choice choice = choose(known, sky, budget, cost_s, kLattices, direction_levels());
     REQUIRE(choice.within);
     const auto error = [&](int n, int k) { return std::hypot(side.bound(n), direction.bound(k)); };
     CHECK(error(choice.samples, choice.directions) <= budget);
-    for (const int n : sample_levels())
+    for (const int n : kLattices)
       for (const int k : direction_levels())
         if (error(n, k) <= budget) CHECK(cost_s(n, k) >= cost_s(choice.samples, choice.directions));
   }
   // Out of reach: not kept, by the best of the settings that anybody would wait for.
-  const Choice best = choose(known, sky, 1e-9, cost_s, sample_levels(), direction_levels());
+  const Choice best = choose(known, sky, 1e-9, cost_s, kLattices, direction_levels());
   CHECK_FALSE(best.within);
   const auto error = [&](int n, int k) { return std::hypot(side.bound(n), direction.bound(k)); };
   const auto affordable = [&](int n, int k) { return 1e6 * cost_s(n, k) <= kMost_s_per_megapixel; };
   CHECK(affordable(best.samples, best.directions));
-  for (const int n : sample_levels())
+  for (const int n : kLattices)
     for (const int k : direction_levels())
       if (affordable(n, k)) CHECK(error(n, k) >= error(best.samples, best.directions));
   // Samples given, so many that few directions are affordable: the list's single level stands for them, at their cost.
@@ -128,15 +151,15 @@ TEST_CASE("S60: errors that lie in different bands are judged band by band, and 
   const LevelErrors sky_worst = [&](int k) { return BandErrors{{direction.estimate(k)}, {direction.bound(k)}}; };
   const PixelCost cost_s = [&](int n, int k) { return CostModel().seconds(pixel_counts(plan, n, k)); };
   constexpr double budget = 0.0201;  // sqrt(0.02^2 + 0.001^2) is 0.020025, sqrt(2) 0.02 is not kept
-  const Choice apart = choose(of_side, sky, budget, cost_s, sample_levels(), direction_levels());
-  const Choice worst = choose(side_worst, sky_worst, budget, cost_s, sample_levels(), direction_levels());
+  const Choice apart = choose(of_side, sky, budget, cost_s, kLattices, direction_levels());
+  const Choice worst = choose(side_worst, sky_worst, budget, cost_s, kLattices, direction_levels());
   REQUIRE(apart.within);
   REQUIRE(worst.within);
   CHECK(apart.samples == 21);
   CHECK(apart.directions == 16);
   CHECK(cost_s(apart.samples, apart.directions) < 0.8 * cost_s(worst.samples, worst.directions));
   // No cheaper pair keeps the budget in both bands; the errors of both together never fall short of either's.
-  for (const int n : sample_levels())
+  for (const int n : kLattices)
     for (const int k : direction_levels()) {
       const BandErrors s = side.errors(n), d = direction.errors(k);
       double most = 0;
