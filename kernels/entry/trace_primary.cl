@@ -5,6 +5,25 @@
 #include "kernels/geometry/ray_trace.h"
 #include "kernels/shared/camera_arguments.h"
 
+/* Ray by ray. */
+static inline void rc_primary_alone(SceneArrays scene, RayGroup group, GroupPlace place, uint seed, uint first_sample,
+                                    uint sample_count, uint columns, global uint* hits) {
+  for (uint p = 0; p < place.used; ++p) {
+    global uint* out = hits + RC_HITS_AT(place.pixel + p);
+    for (uint k = 0; k < RC_PADDED_SAMPLES; ++k) {
+      Hit hit;
+      hit.instance = hit.primitive = RC_NONE;
+      if (k < sample_count) {
+        float a, b;
+        rc_group_sample(seed, place.number + p, p, first_sample + k, &a, &b);
+        hit = rc_trace_from(scene, group.origin, rc_group_offset(group, a, b), rc_group_direction(group, a, b));
+      }
+      out[k] = hit.instance;
+      out[RC_PLANE(RC_HIT_PRIMITIVE) + k] = hit.primitive;
+    }
+  }
+}
+
 RC_BODY trace_primary_body(uint index, RC_PARAMETERS(RC_TRACE_PRIMARY_ARGUMENTS)) {
   SceneArrays scene;
   RC_GATHER_NODES(scene);
@@ -26,7 +45,10 @@ RC_BODY trace_primary_body(uint index, RC_PARAMETERS(RC_TRACE_PRIMARY_ARGUMENTS)
   frame.rows = sample_count / RC_NU;
   frame.columns = place.used * RC_NU;
 #endif
-  rc_primary_group(scene, &frame, &closest);
+  if (!rc_primary_group(scene, &frame, RC_PRIMARY_BUDGET(place.used * sample_count), &closest)) {
+    rc_primary_alone(scene, group, place, seed, first_sample, sample_count, columns, hits);
+    return;
+  }
 #if RC_SCATTER
   for (uint p = 0; p < place.used; ++p) {
     global uint* out = hits + RC_HITS_AT(place.pixel + p);
@@ -44,20 +66,7 @@ RC_BODY trace_primary_body(uint index, RC_PARAMETERS(RC_TRACE_PRIMARY_ARGUMENTS)
                   RC_HITS_AT(1));
 #endif
 #else
-  for (uint p = 0; p < place.used; ++p) {
-    global uint* out = hits + RC_HITS_AT(place.pixel + p);
-    for (uint k = 0; k < RC_PADDED_SAMPLES; ++k) {
-      Hit hit;
-      hit.instance = hit.primitive = RC_NONE;
-      if (k < sample_count) {
-        float a, b;
-        rc_group_sample(seed, place.number + p, p, first_sample + k, &a, &b);
-        hit = rc_trace_from(scene, group.origin, rc_group_offset(group, a, b), rc_group_direction(group, a, b));
-      }
-      out[k] = hit.instance;
-      out[RC_PLANE(RC_HIT_PRIMITIVE) + k] = hit.primitive;
-    }
-  }
+  rc_primary_alone(scene, group, place, seed, first_sample, sample_count, columns, hits);
 #endif
 }
 

@@ -6,8 +6,16 @@
 #include "kernels/geometry/primary_grid.h"
 #include "kernels/geometry/primary_scatter.h"
 
-/* frame: rays in the scene frame and the samples; the rest is set here. */
-static inline void rc_primary_group(SceneArrays scene, GroupFrame* frame, Closest* closest) {
+/* Nodes and blocks that a bundle may visit. It has no order and no end: where its pixels hold whole trees it would walk
+ * every leaf of them, and a ray by itself is done after some tens of nodes. A constant, which costs what single rays
+ * take once more at most; the choice changes time, never a result. */
+#ifndef RC_PRIMARY_BUDGET
+#define RC_PRIMARY_BUDGET(rays) (128u + 8u * (rays))
+#endif
+
+/* frame: rays in the scene frame and the samples; the rest is set here. false: the budget is spent and nothing is
+ * found. */
+static inline bool rc_primary_group(SceneArrays scene, GroupFrame* frame, uint budget, Closest* closest) {
   GroupFrame placed; /* the group in the frame of an instance that is moved */
   Cull world_cull, placed_cull;
   frame->world = placed.world = frame->rays;
@@ -30,7 +38,8 @@ static inline void rc_primary_group(SceneArrays scene, GroupFrame* frame, Closes
   uint stack[RC_STACK];
   uint top = 1, base = 0, instance = RC_NONE; /* entries from base upwards belong to the instance's tree */
   stack[0] = 0;
-  while (top) {
+  for (uint visits = 0; top; ++visits) {
+    if (visits == budget) return false;
     if (top == base) {
       rc_settle(scene, here, closest, instance, &pending);
       instance = RC_NONE;
@@ -62,6 +71,7 @@ static inline void rc_primary_group(SceneArrays scene, GroupFrame* frame, Closes
     }
   }
   rc_settle(scene, here, closest, instance, &pending);
+  return true;
 }
 
 #endif

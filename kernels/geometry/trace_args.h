@@ -89,7 +89,9 @@
 #ifndef RC_BUNDLE
 #define RC_BUNDLE 1
 #endif
-/* Single rays that may start apart from their group's origin. */
-#define RC_OFFSETS (RC_MOVING || !RC_BUNDLE)
+/* 1: single rays may start apart from their group's origin. */
+#ifndef RC_OFFSETS
+#define RC_OFFSETS 1
+#endif
 
 #endif

@@ -60,7 +60,18 @@ static inline void rc_trace_bundle(SceneArrays scene, const LidarTables* t, glob
   frame.rays.origin.w = frame.rays.d0.w = frame.rays.du.w = frame.rays.dv.w = 0.0f;
   frame.rays.ov = (float4)(0.0f);
   frame.samples = scatter;
-  rc_primary_group(scene, &frame, closest);
+  if (rc_primary_group(scene, &frame, RC_PRIMARY_BUDGET(RC_SLOTS), closest)) return;
+  for (uint k = 0; k < RC_SLOTS; ++k) { /* ray by ray */
+    const float a = scatter->a[k], b = scatter->b[k];
+    closest->near[k] = 0.0f;
+    if (!(a < INFINITY)) continue;
+    const Hit hit = rc_trace_ray(scene, frame.rays.origin,
+                                 fma((float4)(b), frame.rays.dv, fma((float4)(a), frame.rays.du, frame.rays.d0)));
+    if (hit.instance == RC_NONE) continue;
+    closest->near[k] = 1.0f;
+    closest->instance[k] = hit.instance;
+    closest->primitive[k] = hit.primitive;
+  }
 }
 
 /* Rays `slot` to slot + 15 of a bundle that was traced. */
