@@ -6,7 +6,7 @@ study      fifteen cubes of 64 x 64 pixels of 1.5 m and 200 bands, 32 targets of
            the next; the first one's plan is kept for the others where the program can
 park       the 360-band cube of the shipped park
 emit       276 bands of 60 m pixels over 10 000 trees, as EMIT sees them from 400 km (its bands inside the curves)
-preview    a first picture of the park; a program without previews renders the starter's samples in its place: not told
+preview    a first picture of the park
 
 Samples and sky directions are the planner's; air and kernels are cached by a run that is not counted. Written to
 build/bench/waits.json, flat: `wait_TASK_s`, the least of N runs from the command to its end; processor seconds
@@ -103,9 +103,8 @@ def emit():
     trees, rng = WORK / "park", np.random.default_rng(10000)
     scatter = ""
     for kind, material in (("maple", "maple_leaf"), ("spruce", "spruce_needles")):
-        rows = np.column_stack(
-            [rng.uniform(-3000, 3000, (5000, 2)), np.zeros(5000), rng.uniform(0, 360, 5000), rng.uniform(0.8, 1.3, 5000)]
-        )
+        places, yaw, scale = rng.uniform(-3000, 3000, (5000, 2)), rng.uniform(0, 360, 5000), rng.uniform(0.8, 1.3, 5000)
+        rows = np.column_stack([places, np.zeros(5000), yaw, scale])
         np.savetxt(
             folder / f"{kind}.csv", rows, fmt="%.3f", delimiter=",", header="x_m,y_m,z_m,yaw_deg,scale", comments=""
         )
@@ -179,15 +178,19 @@ class Waits:
         return True
 
     def preview(self, file):
-        try:
-            took = []
-            for _ in range(self.runs + 1):
-                start = time.monotonic()
-                shell(self.program, "preview", file, "--instrument", "spectir", "-o", self.out / "p.png", "--overwrite")
-                took.append(time.monotonic() - start)
-            return min(took[1:])
-        except subprocess.CalledProcessError:
-            return None
+        """Until there is a picture; None: this program has no previews."""
+        took, picture = [], WORK / "preview.png"
+        for _ in range(self.runs + 1):
+            picture.unlink(missing_ok=True)
+            start = time.monotonic()
+            command = [self.program, "preview", file, "--instrument", "spectir", "-o", picture]
+            viewing = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            while not picture.exists() and viewing.poll() is None:
+                time.sleep(0.01)
+            took.append(time.monotonic() - start)
+            if viewing.wait():
+                return None
+        return min(took[1:])
 
     def all(self):
         """Name: seconds and processor seconds by part."""

@@ -121,13 +121,24 @@ SettingErrors PixelTrial::with_cells(int samples, SettingErrors found) {
   return found;
 }
 
-SettingErrors PixelTrial::replicates(const scene::Instrument& tried, int directions) {
+void PixelTrial::draw_for_replicates(const scene::Instrument& tried, int directions) {
   const double all = static_cast<double>(instrument_.pixels) * instrument_.lines;
   const double pixels = std::max(kPartOfRender * all, kLeastTrial_s / pixel_cost_s(tried, directions)) / kReplicates;
   const double draws = std::min(pixels / pixels_per_run_, static_cast<double>(looked_.size()));
   const int runs = std::max(kFewestDraws, static_cast<int>(draws));
   draw_pixels(runs, runs);
+}
+
+SettingErrors PixelTrial::replicates(const scene::Instrument& tried, int directions) {
+  draw_for_replicates(tried, directions);
   return replicates_on_pixels(tried, directions);
+}
+
+TrialError PixelTrial::sky_error(int samples, int directions) {
+  const scene::Instrument tried = sampled(samples);
+  draw_for_replicates(tried, directions);
+  const std::uint64_t seed = simulation_.seed + 3 * kOther;
+  return error_between(render(tried, directions, seed, 0), render(tried, directions, seed, 2), mean_);
 }
 
 TrialError PixelTrial::own_draw(int samples, int directions) {

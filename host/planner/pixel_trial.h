@@ -15,7 +15,7 @@
 
 namespace raycube::planner {
 
-/// Sky directions of the first look; fewer where the file gives fewer. Its samples are its pattern's (sample_pattern.h).
+/// Sky directions of the first look; fewer where the file gives fewer. Its samples: SamplePattern::look.
 inline constexpr int kLookDirections = 16;
 
 /// Errors of samples and of sky directions, each by itself.
@@ -46,6 +46,9 @@ class PixelTrial {
   /// Error of so many sky directions a pixel under a regular grid: two renders that differ in their rays alone.
   TrialError sky_error(int directions, int samples_u, int samples_v);
 
+  /// The same under so many samples of the instrument's pattern, on the pixels that replicates have.
+  TrialError sky_error(int samples, int directions);
+
   /// Error of the very draw that the image will have, of samples and sky together: against two means of renders with
   /// shifts and rays of their own, on all pixels that were looked at. Where a few pixels hold all the error, one draw
   /// may be twice as far off as the next.
@@ -62,6 +65,7 @@ class PixelTrial {
   TrialImage render(const scene::Instrument& instrument, int directions, std::uint64_t seed, std::uint32_t sky_draw);
   SettingErrors replicates_on_pixels(const scene::Instrument& sampled, int directions);
   SettingErrors replicates(const scene::Instrument& tried, int directions);
+  void draw_for_replicates(const scene::Instrument& tried, int directions);
   SettingErrors with_cells(int samples, SettingErrors found);
   scene::Instrument sampled(scene::SamplerKind sampler, int samples_u, int samples_v) const;
   scene::Instrument sampled(int samples) const;

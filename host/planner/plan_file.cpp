@@ -144,7 +144,8 @@ std::string first_guess_note(const std::string& path, const std::string& name, c
   std::string list;
   for (const std::string& change : changes) list += (list.empty() ? "" : "; ") + change;
   return fmt::format(
-      "{}: '{}': the plan was made for {}: its {} are a first guess, whose error is measured when the run is done; for a "
+      "{}: '{}': the plan was made for {}: its {} are a first guess, whose error is measured when the run is done; for "
+      "a "
       "plan of this one: raycube plan SIM -o {}",
       path, name, list, settings, path);
 }
@@ -206,8 +207,7 @@ Decision replayed(const PlanFile::Entry& entry, std::vector<std::string> changes
   } catch (const Json::exception& error) {
     refuse(path, std::string("not a plan of raycube: ") + error.what());
   }
-  if (!changes.empty())
-    out.notes.push_back(first_guess_note(path, entry.name, "samples and sky directions", changes));
+  if (!changes.empty()) out.notes.push_back(first_guess_note(path, entry.name, "samples and sky directions", changes));
   return out;
 }
 

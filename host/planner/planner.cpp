@@ -196,10 +196,10 @@ class LevelSearch {
     sky_errors_.clear();
   }
 
-  void add_samples(int level, const TrialError& error) {
-    add(of_samples_, level, error, pattern_.name(level));
+  void add_samples(int level, const TrialError& error) { add(of_samples_, level, error, pattern_.name(level)); }
+  void add_sky(int level, const TrialError& error) {
+    add(of_directions_, level, error, fmt::format("directions {}", level));
   }
-  void add_sky(int level, const TrialError& error) { add(of_directions_, level, error, fmt::format("directions {}", level)); }
 
   /// Its own setting is a level like any other where samples are to be chosen.
   void take_look() {
@@ -238,6 +238,10 @@ class LevelSearch {
     const int directions = std::min(choice.directions, kMostTriedDirections);
     if (out_.samples_given && instrument_.sampler == scene::SamplerKind::grid) {
       add_sky(directions, trial_.sky_error(directions, instrument_.samples_u, instrument_.samples_v));
+      return true;
+    }
+    if (!new_samples && !out_.samples_given) {
+      add_sky(directions, trial_.sky_error(std::min(choice.samples, kMostTriedSamples), directions));
       return true;
     }
     const int samples = std::min(choice.samples, kMostTriedSamples);
@@ -338,7 +342,8 @@ double hold_draw(PixelTrial& trial, LevelSearch& search, const SamplePattern& pa
   for (int round = 0;; ++round) {
     const TrialError own = trial.own_draw(choice.samples, choice.directions);
     out.measured.push_back(fmt::format("{}, directions {}, the image's own draw: {:.2g} %, at most {:.2g} %",
-                                       pattern.name(choice.samples), choice.directions, 100 * own.estimate, 100 * own.bound));
+                                       pattern.name(choice.samples), choice.directions, 100 * own.estimate,
+                                       100 * own.bound));
     if (std::hypot(out.plan_error, own.bound) <= out.tolerance || round == kMostRounds) return own.bound;
     const Choice next = search.finer(own.bound);
     if (search.cost_s(next.samples, next.directions) <= search.cost_s(choice.samples, choice.directions))
@@ -385,7 +390,8 @@ Decision decide(render::Renderer& renderer, const scene::Simulation& simulation,
   Choice choice = search.settle();
   const SamplePattern& pattern = sample_pattern(instrument);
   double drawn = -1;
-  if (trial.whole() && !out.samples_given && instrument.box_pixels()) drawn = hold_draw(trial, search, pattern, choice, out);
+  if (trial.whole() && !out.samples_given && instrument.box_pixels())
+    drawn = hold_draw(trial, search, pattern, choice, out);
   take_levels(out, plan, choice, pattern);
   take_errors(out, choice, search.of_samples(), search.of_directions(), sky, pattern);
   if (drawn >= 0) out.total_error = std::hypot(out.plan_error, drawn), out.within = out.total_error <= out.tolerance;

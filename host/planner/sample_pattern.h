@@ -1,7 +1,7 @@
 // How samples lie in a pixel where the file leaves them open, and the numbers of them that are tried.
 //
-// No edge runs along a lattice, and every seed moves it: its spread over seeds is its error. Under a point spread, which
-// weighs cells of a square, samples are random points in such cells.
+// No edge runs along a lattice, and every seed moves it: its spread over seeds is its error. Under a point spread,
+// which weighs cells of a square, samples are random points in such cells.
 #pragma once
 
 #include <string>

@@ -65,8 +65,8 @@ CameraJob prepare_camera(const scene::Simulation& simulation, const scene::Instr
   if (planning.renderer) planner::measure_open_share(*planning.renderer, simulation, instrument, job.plan);
   if (planning.replay) {
     const auto& entry = planner::find_entry(*planning.replay, instrument.name, false, planning.replay_path);
-    job.decision = planner::replayed(entry, planner::changes_since(*planning.replay, simulation), simulation, instrument,
-                                     job.plan, planning.replay_path);
+    job.decision = planner::replayed(entry, planner::changes_since(*planning.replay, simulation), simulation,
+                                     instrument, job.plan, planning.replay_path);
     planner::hold_tolerance(job.decision, simulation, instrument, job.plan, job.table, services.threads);
   } else if (planning.renderer) {
     job.decision = planner::decide(*planning.renderer, simulation, instrument, job.plan, job.table,

@@ -186,8 +186,9 @@ CameraRun render_camera(const scene::Simulation& simulation, const CameraJob& jo
   services.log.info(fmt::format("{}: {} x {} pixels, {} bands, {:.1f} s, {:.3g} rays/s, {}", instrument.name,
                                 instrument.pixels, instrument.lines, instrument.bands.size(), took.render_s,
                                 record.rays_per_s, destination.folder));
-  return {instrument.name,   destination.folder,       record.digest, destination.folder + "/radiance.img", took.render_s,
-          record.rays_per_s, record.band_samples_per_s};
+  return {
+      instrument.name,   destination.folder,       record.digest, destination.folder + "/radiance.img", took.render_s,
+      record.rays_per_s, record.band_samples_per_s};
 }
 
 }  // namespace raycube::run

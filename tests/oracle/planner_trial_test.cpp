@@ -48,7 +48,7 @@ struct Stripes {
   }
   double left(int column) const { return (column - 32) * kGsd_m; }
   double exact(int column) const { return (bright_up_to(left(column) + kGsd_m) - bright_up_to(left(column))) / kGsd_m; }
-  /// Under a Gaussian of the pixels' square, cut to `support` pixels and of sum 1: by its sum at midpoints. The response
+  /// Under a Gaussian of the pixels' square, cut to `support` pixels and of sum 1: its sum at midpoints. The response
   /// at a distance is the difference of two normal distributions, half a pixel to either side.
   double blurred(int column, double sigma_px, double support_px) const {
     constexpr int kSteps = 4000;
@@ -226,9 +226,7 @@ TEST_CASE("S60: where the look's samples just do they are taken, and no more dir
   {
     const plan::Plan plan = plan_of(simulation);
     PixelTrial trial(renderer, simulation, simulation.instruments[0], plan);
-    const auto error = [&](int samples) {
-      return trial.replicates(samples, 1).samples.estimate;
-    };
+    const auto error = [&](int samples) { return trial.replicates(samples, 1).samples.estimate; };
     simulation.tolerance = 1.15 * error(21);  // and the next coarser lattice does not hold it
     REQUIRE(error(18) > kUse * simulation.tolerance);
   }
