@@ -49,6 +49,15 @@ struct SkyMapBuffers {
   }
 };
 
+std::string identity_of(const std::string& options) {
+  return "trace\n" + options + "\n" + std::string(kernels::kernel_source("trace"));
+}
+
+StageShape without_sky(StageShape shape) {
+  shape.components = shape.thermal_components = 0;
+  return shape;
+}
+
 }  // namespace
 
 struct TraceStages::State {
@@ -60,7 +69,9 @@ struct TraceStages::State {
         shape(shape_),
         seed(static_cast<std::uint32_t>(seed_)),
         options(program_options(shape_, scene.stack_bound()).trace + buffers_.options),
-        identity("trace\n" + options + "\n" + std::string(kernels::kernel_source("trace"))),
+        identity(identity_of(options)),
+        surfaces_identity(
+            identity_of(program_options(without_sky(shape_), scene.stack_bound()).trace + buffers_.options)),
         program(context_.program("trace", kernels::kernel_source("trace"), options)),
         primary(*program, "trace_primary"),
         surface(*program, "make_surface"),
@@ -149,7 +160,7 @@ struct TraceStages::State {
   const plan::Plan& plan;
   StageShape shape;
   std::uint32_t seed;
-  std::string options, identity;
+  std::string options, identity, surfaces_identity;
   std::shared_ptr<const cl::Program> program;
   cl::Kernel primary, surface, sun, sky;
   SkyMapBuffers sky_map;
@@ -163,7 +174,7 @@ TraceStages::TraceStages(const cl::Context& context, const scene::CompiledScene&
 TraceStages::~TraceStages() = default;
 
 const std::string& TraceStages::identity() const { return state_->identity; }
-std::string TraceStages::program_hash() const { return base::sha256_hex(identity()); }
+std::string TraceStages::program_hash() const { return base::sha256_hex(state_->surfaces_identity); }
 std::string program_hash(const TraceStages& trace, const RowStages& rows) {
   return base::sha256_hex(trace.identity() + rows.identity());
 }

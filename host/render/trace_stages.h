@@ -38,7 +38,7 @@ class TraceStages {
 
   /// Text that program hashes cover: names, options and sources.
   const std::string& identity() const;
-  /// SHA-256 of identity().
+  /// SHA-256 of the same as it is where no ray goes to the sky: what primary and sun rays run.
   std::string program_hash() const;
   const std::string& options() const;
 

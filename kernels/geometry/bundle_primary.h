@@ -10,7 +10,7 @@
  * every leaf of them, and a ray by itself is done after some tens of nodes. A constant, which costs what single rays
  * take once more at most; the choice changes time, never a result. */
 #ifndef RC_PRIMARY_BUDGET
-#define RC_PRIMARY_BUDGET(rays) (128u + 8u * (rays))
+#define RC_PRIMARY_BUDGET(rays) (128u + 16u * (rays))
 #endif
 
 /* frame: rays in the scene frame and the samples; the rest is set here. false: the budget is spent and nothing is
