@@ -37,6 +37,7 @@ scene::CompiledScene synthetic_scene() {
   auto scene = compile({crown_ground()}, {{kIdentity}});
   const scene::Material pattern = scene.materials[0];
   scene.materials.clear();
+  scene.blocks.clear();  // in a scene without surfaces all materials may be asked for
   for (int m = 0; m < kMaterials; ++m) {
     scene.materials.push_back(pattern);
     scene.materials.back().name = "material " + std::to_string(m);

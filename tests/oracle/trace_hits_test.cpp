@@ -96,14 +96,6 @@ TEST_CASE("S7: every sampler, wide supports, one pixel per group, and single ray
   }
 }
 
-TEST_CASE("S7: moving poses: the origin changes across the line") {
-  TraceShape shape = tile(24, 12, 4, 4);
-  shape.moving = true;
-  auto groups = test::nadir_groups(shape, 0.3, -0.2, 60, 0.5, 60, 0.01);
-  for (auto& group : groups) group.ov = {0.3f, -0.7f, 0.1f, 0};
-  require_right(soup(), shape, groups);
-}
-
 // The same rays, begun where the centre ray passes the height `top`.
 std::vector<shared::RayGroup> ahead(std::vector<shared::RayGroup> groups, double top) {
   for (auto& group : groups) {
@@ -113,6 +105,26 @@ std::vector<shared::RayGroup> ahead(std::vector<shared::RayGroup> groups, double
                     start(group.origin.z, group.d0.z), group.origin.w};
   }
   return groups;
+}
+
+TEST_CASE("S7: bundles that give way to single rays, all, some and none of them, give the oracle's hits") {
+  const auto scene = soup();
+  for (const int sampler : {RC_SAMPLER_GRID, RC_SAMPLER_LATTICE})
+    for (const int visits : {1, 30, 100000}) {
+      TraceShape shape = tile(30, 21, 6, 5);
+      shape.sampler = sampler, shape.visits = visits;
+      CAPTURE(sampler);
+      CAPTURE(visits);
+      require_right(scene, shape, ahead(test::nadir_groups(shape, 0.3, -0.2, 700, 0.5, 700, 0.001), 12));
+    }
+}
+
+TEST_CASE("S7: moving poses: the origin changes across the line") {
+  TraceShape shape = tile(24, 12, 4, 4);
+  shape.moving = true;
+  auto groups = test::nadir_groups(shape, 0.3, -0.2, 60, 0.5, 60, 0.01);
+  for (auto& group : groups) group.ov = {0.3f, -0.7f, 0.1f, 0};
+  require_right(soup(), shape, groups);
 }
 
 // Bounds of judge_hits are relative to where rays start: 1e-5 m here, whatever the sensor's height. From 700 km itself

@@ -21,7 +21,10 @@ std::string trace_options(const TraceShape& s, const scene::CompiledScene& scene
   shape.chunk_samples = static_cast<int>(s.chunk_samples());
   shape.pixels_per_group = s.pixels_per_group;
   shape.components = s.components, shape.thermal_components = s.thermal_components;
-  return render::program_options(shape, scene.stack_bound()).trace + " -Werror -DRC_BUNDLE=" + std::to_string(s.bundle);
+  std::string options =
+      render::program_options(shape, scene.stack_bound()).trace + " -Werror -DRC_BUNDLE=" + std::to_string(s.bundle);
+  if (s.visits > 0) options += " -DRC_PRIMARY_BUDGET(rays)=" + std::to_string(s.visits) + "u";
+  return options;
 }
 
 HostRay host_ray(const shared::RayGroup& g, const TraceShape& shape, std::uint32_t number, std::uint32_t p,

@@ -23,6 +23,7 @@ struct TraceShape {
   float support = 1;
   int pixels_per_group = RC_GROUP_WIDTH;
   bool moving = false, bundle = true;
+  int visits = 0;  ///< after which a bundle of primary rays gives way to single rays; 0: as the kernels have it
   int components = 0, thermal_components = 0;  ///< of the sky, all; of them the thermal ones, surroundings last
   std::uint32_t seed = 1;
   std::uint32_t first_line = 0, first_column = 0, columns = 0, pixels_per_line = 0, lines = 0;
