@@ -214,7 +214,10 @@ Verb verb_render() {
   verb.add_options = [options](base::OptionTable& table) {
     table.argument("FILE", "The simulation file (TOML)", options->file);
     table.text("--instrument", "NAME", "Only this instrument", options->instrument);
-    table.text("--plan", "FILE", "The plan that `raycube plan -o FILE` wrote, instead of planning: replayed, or of another scene as a first guess", options->plan);
+    table.text(
+        "--plan", "FILE",
+        "Settings that `raycube plan -o FILE` chose, instead of planning; of another scene they are a first guess",
+        options->plan);
   };
   verb.run = [options](Invocation& invocation) { return run_and_keep(*options, invocation); };
   return verb;
