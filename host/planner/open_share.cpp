@@ -5,7 +5,6 @@
 
 #include "host/planner/pixel_trial.h"
 #include "host/planner/sample_pattern.h"
-#include "host/planner/sample_pattern.h"
 
 namespace raycube::planner {
 

@@ -99,7 +99,6 @@ with tempfile.TemporaryDirectory() as temporary:
     nodes = run("render", open_file, "-o", folder / "nodes", "--plan", folder / "nodes.json")
     check("nodes and components" in nodes.stderr, nodes.stderr)
 
-    # A broken plan, one without the instrument.
     # Samples or directions that the simulation gives and the plan has not: neither is overridden in silence.
     finer = folder / "finer.toml"
     finer.write_text(
@@ -118,6 +117,7 @@ with tempfile.TemporaryDirectory() as temporary:
         (folder / "wide.json").write_text(json.dumps(wide))
         not_replayed(open_file, folder / "wide.json", ["out of range", "raycube plan SIM -o"])
 
+    # A broken plan, one without the instrument.
     (folder / "broken.json").write_text(json.dumps({"raycube_plan": plan["raycube_plan"]}))
     not_replayed(open_file, folder / "broken.json", ["not a plan of raycube"])
     plan["instruments"][0]["name"] = "eye"
