@@ -28,7 +28,7 @@ namespace raycube::plan {
 namespace {
 
 /// Part of the tolerance for each block (nodes of height, view and path; sky components), and for all of them together.
-constexpr double kShare = 0.1, kBudget = 0.5;
+constexpr double kShare = 0.1, kBudget = 0.3;
 /// Part of the horizontal irradiance that the irradiance map may be off between its nodes: a hundredth of the tolerance
 /// (a tenth of what a block may be off by), and at most half of the 1e-4 within which it and the sampled maps are to
 /// agree.
@@ -277,7 +277,7 @@ Chosen choose_within_budget(const NodeErrors& errors, const scene::Simulation& s
   const scene::PlanOverrides& given = simulation.plan;
   Chosen out;
   for (const double part :
-       {kBudget, 0.75, 1.0}) {  // where the channels do not hold the budget, the cheapest that holds more
+       {kBudget, 0.5, 0.75, 1.0}) {  // where the channels do not hold the budget, the cheapest that holds more
     out.budget = part * simulation.tolerance;
     out.nodes = choose_nodes(errors, out.budget, given);
     if (out.nodes.within_budget) break;
